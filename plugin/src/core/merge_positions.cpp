@@ -1,0 +1,128 @@
+// SPDX-License-Identifier: Zlib
+#include "core/merge_positions.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <limits>
+#include <numeric>
+#include <unordered_map>
+
+namespace limber {
+namespace {
+
+using Cell = std::array<std::int64_t, 3>;
+
+constexpr std::uint32_t kNone = 0xffffffffu;
+
+/// Cells narrower than this part of the largest coordinate would have indices that a double cannot count.
+constexpr double kFinestCell = 0x1p-40;
+
+/// Cells are this much wider than the tolerance, more than rounding can shift a cell index.
+constexpr double kCellMargin = 1.001;
+
+struct CellHash {
+  std::size_t operator()(const Cell& cell) const {
+    std::uint64_t hash = 0;
+    for (const std::int64_t index : cell) {
+      hash = (hash ^ static_cast<std::uint64_t>(index)) * 0x9e3779b97f4a7c15u;  // 2^64 / golden ratio
+      hash ^= hash >> 32;
+    }
+    return static_cast<std::size_t>(hash);
+  }
+};
+
+/// The positions kept so far, by the cell they lie in. Cells are at least one tolerance wide, so whatever
+/// lies within the tolerance of a position is in its cell or a neighbour, and a cell holds few positions,
+/// since those kept lie apart. Only looked up, never iterated: the order of the hash table does not show.
+struct KeptPositions {
+  double cellWidth;
+  std::unordered_map<Cell, std::uint32_t, CellHash> lastInCell;
+  std::vector<std::uint32_t> previousInCell;  ///< #positions; kNone ends the chain
+};
+
+double cellWidthFor(const std::vector<Eigen::Vector3d>& positions, double tolerance) {
+  double largest = 0.0;
+  for (const Eigen::Vector3d& p : positions) largest = std::max(largest, p.cwiseAbs().maxCoeff());
+  return std::max(tolerance * kCellMargin, largest * kFinestCell);
+}
+
+Cell cellOf(const Eigen::Vector3d& position, double cellWidth) {
+  Cell cell;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    cell[axis] = static_cast<std::int64_t>(std::floor(position[static_cast<Eigen::Index>(axis)] / cellWidth));
+  }
+  return cell;
+}
+
+void keep(KeptPositions& kept, const Cell& cell, std::uint32_t index) {
+  const auto [entry, isNew] = kept.lastInCell.try_emplace(cell, index);
+  if (isNew) return;
+  kept.previousInCell[index] = entry->second;
+  entry->second = index;
+}
+
+std::array<Cell, 27> neighbourhood(const Cell& centre) {
+  std::array<Cell, 27> cells;
+  for (int i = 0; i < 27; ++i) {
+    cells[static_cast<std::size_t>(i)] = {centre[0] + i % 3 - 1, centre[1] + i / 3 % 3 - 1,
+                                          centre[2] + i / 9 - 1};
+  }
+  return cells;
+}
+
+struct Nearest {
+  std::uint32_t index = kNone;
+  double distance = std::numeric_limits<double>::infinity();
+};
+
+void lookInCell(const KeptPositions& kept, const std::vector<Eigen::Vector3d>& positions, const Cell& cell,
+                const Eigen::Vector3d& position, Nearest& nearest) {
+  const auto entry = kept.lastInCell.find(cell);
+  if (entry == kept.lastInCell.end()) return;
+  for (std::uint32_t other = entry->second; other != kNone; other = kept.previousInCell[other]) {
+    const double distance = (positions[other] - position).stableNorm();
+    const bool earlierAndAsNear = distance == nearest.distance && other < nearest.index;
+    if (distance < nearest.distance || earlierAndAsNear) nearest = {other, distance};
+  }
+}
+
+}  // namespace
+
+std::vector<std::uint32_t> mergeEqual(const std::vector<Eigen::Vector3d>& positions) {
+  std::vector<std::uint32_t> order(positions.size());
+  std::iota(order.begin(), order.end(), 0u);
+  std::sort(order.begin(), order.end(), [&](std::uint32_t i, std::uint32_t j) {
+    const Eigen::Vector3d &p = positions[i], &q = positions[j];
+    for (Eigen::Index axis = 0; axis < 3; ++axis) {
+      if (p[axis] != q[axis]) return p[axis] < q[axis];
+    }
+    return i < j;
+  });
+
+  std::vector<std::uint32_t> joined(positions.size());
+  std::uint32_t first = 0;
+  for (std::size_t k = 0; k < order.size(); ++k) {
+    if (k == 0 || positions[order[k]] != positions[first]) first = order[k];
+    joined[order[k]] = first;
+  }
+  return joined;
+}
+
+std::vector<std::uint32_t> mergeNearby(const std::vector<Eigen::Vector3d>& positions, double tolerance) {
+  KeptPositions kept{
+      cellWidthFor(positions, tolerance), {}, std::vector<std::uint32_t>(positions.size(), kNone)};
+  std::vector<std::uint32_t> joined(positions.size());
+  for (std::uint32_t i = 0; i < joined.size(); ++i) {
+    const Cell centre = cellOf(positions[i], kept.cellWidth);
+    Nearest nearest;
+    for (const Cell& cell : neighbourhood(centre)) lookInCell(kept, positions, cell, positions[i], nearest);
+    const bool joins = nearest.distance <= tolerance;
+    joined[i] = joins ? nearest.index : i;
+    if (!joins) keep(kept, centre, i);
+  }
+  return joined;
+}
+
+}  // namespace limber
