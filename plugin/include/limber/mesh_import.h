@@ -8,10 +8,11 @@
 
 namespace limber {
 
-/// All triangle meshes of a file in any format assimp reads, joined into one, polygons triangulated, node
-/// transforms applied, texture coordinates (first set) and normals kept when every mesh of the file has them.
-/// Positions are in the file's units. Errors name the file and the reason: missing or unreadable file, no
-/// triangles, and everything validate(TriangleMesh) refuses, with the index.
+/// All triangle meshes of a file in any format assimp reads, joined into one: polygons triangulated, node
+/// transforms applied, texture coordinates (first set) and normals kept when every mesh of the file has them,
+/// vertices stored once that are equal bit for bit in all of these. Positions are in the file's units.
+/// Errors name the file and the reason: missing or unreadable file, no triangles, and everything
+/// validate(TriangleMesh) refuses, with the index.
 /// Thread rule: any thread; calls are independent. Needs the library limber_import (assimp).
 Result<TriangleMesh> importMesh(const std::string& path);
 

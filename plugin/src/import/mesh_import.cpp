@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include <limber/mesh_import.h>
 
+#include "import/identical_vertices.h"
 #include "import/scene_to_mesh.h"
 
 #include <assimp/postprocess.h>
@@ -38,6 +39,7 @@ Result<TriangleMesh> readMesh(const std::string& path) {
 
   TriangleMesh mesh = joinMeshes(*scene);
   if (std::string reason = validate(mesh); !reason.empty()) return Error{std::move(reason)};
+  joinIdenticalVertices(mesh);
   return mesh;
 }
 

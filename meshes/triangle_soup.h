@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: Zlib
+#pragma once
+
+#include <Eigen/Core>
+
+#include <array>
+#include <string>
+#include <vector>
+
+namespace shapes {
+
+struct Corner {
+  Eigen::Vector3d position;
+  Eigen::Vector2d uv;
+};
+
+/// Triangles that share nothing; each counter-clockwise seen from outside.
+using TriangleSoup = std::vector<std::array<Corner, 3>>;
+
+/// The quad a, b, c, d as two triangles that share the diagonal a, c.
+void addQuad(TriangleSoup& soup, const Corner& a, const Corner& b, const Corner& c, const Corner& d);
+
+/// The soup as text of an OBJ file. Numbers are rounded to 1e-9 and equal ones stored once, so corners meant
+/// to be the same become the same, and the text does not depend on the last bits of the machine's sine.
+std::string toObjText(const TriangleSoup& soup, const std::string& name);
+
+}  // namespace shapes
