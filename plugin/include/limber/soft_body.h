@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: Zlib
+#pragma once
+
+#include <limber/bullet_precision.h>
+#include <limber/soft_body_settings.h>
+#include <limber/spring_network.h>
+
+#include <btBulletDynamicsCommon.h>
+
+#include <cstdint>
+#include <memory>
+
+namespace limber {
+inline namespace LIMBER_BULLET_PRECISION {
+
+struct SoftBodyData;
+
+/// One soft body in a world. Made and owned by SoftBodySystem; the pointer stays valid until destroyBody(),
+/// removeAll(), or the end of the system.
+///
+/// Every point mass is an ordinary btRigidBody sphere that belongs to the user as much as any other: apply
+/// forces and impulses, move it, set its velocity, its user pointer and index, its material. Whatever changes
+/// between ticks is taken over. Indices run from 0 to pointCount() - 1 in the order of network().restPoints.
+/// Thread rule: the thread that steps the world, between steps.
+class SoftBody {
+ public:
+  explicit SoftBody(std::unique_ptr<SoftBodyData> data);
+  ~SoftBody();
+  SoftBody(const SoftBody&) = delete;
+  SoftBody& operator=(const SoftBody&) = delete;
+
+  const SpringNetwork& network() const;
+  const SharedNetwork& sharedNetwork() const;
+  const SoftBodySettings& settings() const;
+  std::uint32_t pointCount() const;
+
+  /// False once the application has deleted or removed one of its point masses (as HelloWorld's clean-up loop
+  /// does): the springs then no longer act.
+  bool alive() const;
+
+  /// The Bullet body of point i, nullptr if the application has deleted it.
+  btRigidBody* point(std::uint32_t i) const;
+
+  Eigen::Vector3d position(std::uint32_t i) const;  ///< m
+  Eigen::Vector3d velocity(std::uint32_t i) const;  ///< m/s
+
+  /// Writes all positions as pointCount() x 3 floats, x y z; only writes, so mapped GPU memory will do.
+  void writePositions(float* xyz) const;
+
+  /// Holds point i where it is: it becomes a kinematic body of Bullet until unpin().
+  void pin(std::uint32_t i);
+  /// Moves a pinned point; it gets there over the next tick, dragging the springs along.
+  void movePin(std::uint32_t i, const btVector3& target);
+  /// Lets go of a pinned point, which keeps the velocity it was moved with.
+  void unpin(std::uint32_t i);
+  bool pinned(std::uint32_t i) const;
+
+  bool sleeping() const;
+  void wake();
+
+  /// Springs were stepped this often in the last tick; 0 while asleep.
+  int substeps() const;
+  /// rad/s, an upper bound of the body's fastest oscillation, from which the substeps follow.
+  double frequencyBound() const;
+
+  double totalMass() const;                  ///< kg of all points that are not held
+  Eigen::Vector3d centerOfMass() const;      ///< m
+  Eigen::Vector3d linearMomentum() const;    ///< kg m/s
+  Eigen::Vector3d angularMomentum() const;   ///< kg m^2/s about the world's origin
+  double kineticEnergy() const;              ///< J
+  double elasticEnergy() const;              ///< J in its own springs
+
+  /// A hash of all positions and velocities, bit for bit: equal runs give equal hashes.
+  std::uint64_t stateHash() const;
+
+ private:
+  friend class SoftBodySystem;
+  std::unique_ptr<SoftBodyData> data_;
+};
+
+/// The soft body and index of a point mass, from any collision object that Bullet reports (contact, ray, sweep).
+struct PointReference {
+  SoftBody* body = nullptr;  ///< nullptr: the object is no point mass of a living soft body
+  std::uint32_t index = 0;
+};
+PointReference findPoint(const btCollisionObject* object);
+
+}  // namespace LIMBER_BULLET_PRECISION
+}  // namespace limber

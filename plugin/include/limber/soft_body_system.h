@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: Zlib
+#pragma once
+
+#include <limber/bullet_precision.h>
+#include <limber/result.h>
+#include <limber/soft_body.h>
+#include <limber/spring_constraint.h>
+
+#include <btBulletDynamicsCommon.h>
+
+#include <cstddef>
+#include <functional>
+#include <memory>
+#include <string>
+
+namespace limber {
+inline namespace LIMBER_BULLET_PRECISION {
+
+/// Whether the springs are stepped when the world is.
+enum class HookState : std::uint8_t {
+  Idle,        ///< nothing to step: no soft body, no spring
+  Attached,    ///< in the world's pre-tick callback
+  Overwritten  ///< the application has since set another pre-tick callback: call SoftBodySystem::rehook()
+};
+
+/// Time and work of the last tick, for the user's own eyes.
+struct TickProfile {
+  double gatherMs = 0.0;    ///< reading Bullet's bodies
+  double stepMs = 0.0;      ///< the springs
+  double handOverMs = 0.0;  ///< writing velocities
+  double takeBackMs = 0.0;  ///< after Bullet's contacts
+  std::size_t pointsStepped = 0;
+  std::size_t springSubsteps = 0;  ///< sum over bodies of springs x substeps
+  double totalMs() const { return gatherMs + stepMs + handOverMs + takeBackMs; }
+};
+
+/// Gives an existing btDiscreteDynamicsWorld soft bodies.
+///
+///     limber::SoftBodySystem soft(world);
+///     auto body = soft.createBody(network, settings);   // then step the world as ever
+///
+/// It lives in the world's pre-tick callback: an existing one is called first, the world's user info is left
+/// alone. Several systems may share a world. The world, its bodies and the system may go in any order, with one
+/// exception: if the broadphase is freed before the world, call removeAll() first.
+/// Bodies that springs or anchors hold on to must outlive them, as with Bullet's own constraints; forget(body)
+/// removes all that hold on to one. Thread rule: the thread that steps the world, between steps.
+class SoftBodySystem {
+ public:
+  /// How the springs are stepped.
+  enum class Hook : std::uint8_t {
+    PreTick,  ///< by the world, through its pre-tick callback
+    Manual    ///< by the user, who owns that callback and calls beforeTick(h) first thing in it
+  };
+
+  explicit SoftBodySystem(btDiscreteDynamicsWorld& world, Hook hook = Hook::PreTick);
+  /// Removes all its bodies and springs, and itself from the world if that still exists.
+  ~SoftBodySystem();
+  SoftBodySystem(const SoftBodySystem&) = delete;
+  SoftBodySystem& operator=(const SoftBodySystem&) = delete;
+
+  /// A body of the network's shape. Errors, with nothing created: no or invalid network, invalid settings, a
+  /// scale that brings all points of a spring together.
+  Result<SoftBody*> createBody(SharedNetwork network, const SoftBodySettings& settings = {});
+
+  /// Removes the body, its anchors and every spring on it. The pointer is invalid afterwards.
+  void destroyBody(SoftBody* body);
+
+  std::size_t bodyCount() const;
+  SoftBody* body(std::size_t i) const;  ///< in order of creation
+
+  /// Errors: invalid settings, both ends without a body, both ends the same place of one body.
+  Result<SpringConstraint*> addSpring(const SpringEnd& a, const SpringEnd& b, const SpringSettings& settings = {});
+  /// New settings for a spring; a negative rest length keeps the present one. Errors as addSpring.
+  Result<SpringConstraint*> changeSpring(SpringConstraint* spring, const SpringSettings& settings);
+  void removeSpring(SpringConstraint* spring);
+  std::size_t springCount() const;
+
+  /// Makes point i move with `body`, at a pivot in the body's local coordinates (the overload without pivot: where
+  /// the point is now). Both feel each other; they do not collide. Errors: no such point, a point that is
+  /// already attached or pinned, a body that is a point mass.
+  Result<bool> attach(SoftBody* softBody, std::uint32_t i, btRigidBody& body, const btVector3& pivot);
+  Result<bool> attach(SoftBody* softBody, std::uint32_t i, btRigidBody& body);
+  /// Lets go of an attached point; false if it was not attached.
+  bool detach(SoftBody* softBody, std::uint32_t i);
+
+  /// Removes every spring and anchor on a rigid body. Call it before deleting one that has any.
+  void forget(const btRigidBody& body);
+
+  /// Removes all bodies and springs and leaves the world as it was found.
+  void removeAll();
+
+  HookState hookState() const;
+  /// Takes the pre-tick callback again; the one that replaced ours is called first from then on.
+  void rehook();
+  /// Called once when the hook is found overwritten. Default: a line on standard error.
+  void onWarning(std::function<void(const std::string&)> handler);
+
+  /// For Hook::Manual: call it in the pre-tick callback with the tick's length in seconds.
+  void beforeTick(btScalar tick);
+
+  const TickProfile& profile() const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace LIMBER_BULLET_PRECISION
+}  // namespace limber

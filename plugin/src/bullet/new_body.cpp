@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: Zlib
+#include "bullet/new_body.h"
+
+namespace limber {
+inline namespace LIMBER_BULLET_PRECISION {
+namespace {
+
+Eigen::Vector3d centerOfMass(const SpringNetwork& network, const Points& position) {
+  Eigen::Vector3d center = Eigen::Vector3d::Zero();
+  for (std::size_t i = 0; i < network.massShares.size(); ++i)
+    center += network.massShares[i] * position.col(static_cast<Eigen::Index>(i));
+  return center;
+}
+
+void placePoints(SoftBodyData& body) {
+  const SoftBodySettings& s = body.settings;
+  PointState& state = body.state;
+  state.resize(static_cast<Eigen::Index>(body.network->restPoints.size()));
+  const Eigen::Matrix3d rotation = s.rotation.toRotationMatrix();
+  for (Eigen::Index i = 0; i < state.position.cols(); ++i) {
+    const Eigen::Vector3d rest = body.network->restPoints[static_cast<std::size_t>(i)];
+    state.position.col(i) = s.position + rotation * rest.cwiseProduct(s.scale);
+  }
+  const Eigen::Vector3d center = centerOfMass(*body.network, state.position);
+  for (Eigen::Index i = 0; i < state.position.cols(); ++i)
+    state.velocity.col(i) = s.linearVelocity + s.angularVelocity.cross(state.position.col(i) - center);
+}
+
+}  // namespace
+
+Result<std::unique_ptr<SoftBodyData>> makeBodyData(SharedNetwork network, const SoftBodySettings& settings) {
+  if (!network) return Error{"there is no network"};
+  if (std::string reason = validate(*network); !reason.empty()) return Error{"network: " + reason};
+  if (std::string reason = validate(settings); !reason.empty()) return Error{"settings: " + reason};
+  auto body = std::make_unique<SoftBodyData>();
+  body->network = std::move(network);
+  body->settings = settings;
+  body->springs = makeSprings(*body->network, settings);
+  placePoints(*body);
+  return body;
+}
+
+}  // namespace LIMBER_BULLET_PRECISION
+}  // namespace limber

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Zlib
+#pragma once
+
+#include "core/rigid_state.h"
+
+#include <limber/bullet_precision.h>
+
+#include <btBulletDynamicsCommon.h>
+
+namespace limber {
+inline namespace LIMBER_BULLET_PRECISION {
+
+/// A rigid body of the user's that springs or anchors hold on to: it takes part in the substeps and, like a
+/// point mass, is handed its mean velocity of the tick.
+struct RigidPartner {
+  btRigidBody* body = nullptr;
+  bool held = false;               ///< static, kinematic or out of the simulation: it moves as told
+  btTransform lastPose;            ///< of a held body at the end of the last tick
+  RigidState start;                ///< at the start of the tick
+  btVector3 expectedVelocity;      ///< after the tick if nothing else acts
+  btVector3 expectedAngularVelocity;
+};
+
+RigidPartner makePartner(btRigidBody& body);
+
+/// Fills `state` from Bullet's body. A held body moves evenly from its last pose to its present one.
+void gatherRigid(RigidPartner& partner, RigidState& state, btScalar tick);
+
+/// As handOverVelocities() and takeBackContacts() for point masses.
+void handOverRigid(RigidPartner& partner, const RigidState& end, btScalar tick);
+void takeBackRigid(RigidPartner& partner, const RigidState& end);
+
+}  // namespace LIMBER_BULLET_PRECISION
+}  // namespace limber

@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: Zlib
+#include <limber/soft_body.h>
+
+#include "bullet/convert.h"
+#include "bullet/soft_body_data.h"
+#include "core/body_measures.h"
+#include "core/spring_forces.h"
+
+#include <cmath>
+
+namespace limber {
+inline namespace LIMBER_BULLET_PRECISION {
+
+SoftBody::SoftBody(std::unique_ptr<SoftBodyData> data) : data_(std::move(data)) { data_->handle = this; }
+SoftBody::~SoftBody() = default;
+
+const SpringNetwork& SoftBody::network() const { return *data_->network; }
+const SharedNetwork& SoftBody::sharedNetwork() const { return data_->network; }
+const SoftBodySettings& SoftBody::settings() const { return data_->settings; }
+std::uint32_t SoftBody::pointCount() const { return static_cast<std::uint32_t>(data_->network->restPoints.size()); }
+bool SoftBody::alive() const { return data_->alive; }
+
+btRigidBody* SoftBody::point(std::uint32_t i) const {
+  return i < pointCount() ? data_->masses.bodies[i] : nullptr;
+}
+
+Eigen::Vector3d SoftBody::position(std::uint32_t i) const { return currentPosition(*data_, i); }
+Eigen::Vector3d SoftBody::velocity(std::uint32_t i) const { return currentVelocity(*data_, i); }
+
+void SoftBody::writePositions(float* xyz) const {
+  for (std::uint32_t i = 0; i < pointCount(); ++i) {
+    const Eigen::Vector3f p = currentPosition(*data_, i).cast<float>();
+    for (int axis = 0; axis < 3; ++axis) *xyz++ = p[axis];
+  }
+}
+
+void SoftBody::pin(std::uint32_t i) {
+  if (i < pointCount() && !pinned(i)) setPinned(*data_, i, true);
+}
+
+void SoftBody::movePin(std::uint32_t i, const btVector3& target) {
+  if (!pinned(i)) return;
+  wake();
+  data_->masses.bodies[i]->getWorldTransform().setOrigin(target);
+}
+
+void SoftBody::unpin(std::uint32_t i) {
+  if (!pinned(i)) return;
+  setPinned(*data_, i, false);
+  wake();
+}
+
+bool SoftBody::pinned(std::uint32_t i) const { return point(i) && point(i)->isKinematicObject(); }
+
+bool SoftBody::sleeping() const { return data_->asleep; }
+void SoftBody::wake() { wakePoints(*data_, false); }
+
+int SoftBody::substeps() const { return data_->substeps; }
+double SoftBody::frequencyBound() const { return std::sqrt(data_->frequencySquared); }
+
+namespace {
+
+/// The state with what the user has changed since the last tick.
+const PointState& current(SoftBodyData& data) {
+  absorbOutsideChanges(data);
+  return data.state;
+}
+
+}  // namespace
+
+double SoftBody::totalMass() const { return limber::totalMass(current(*data_)); }
+Eigen::Vector3d SoftBody::centerOfMass() const { return limber::centerOfMass(current(*data_)); }
+Eigen::Vector3d SoftBody::linearMomentum() const { return limber::linearMomentum(current(*data_)); }
+Eigen::Vector3d SoftBody::angularMomentum() const { return limber::angularMomentum(current(*data_)); }
+double SoftBody::kineticEnergy() const { return limber::kineticEnergy(current(*data_)); }
+double SoftBody::elasticEnergy() const { return limber::elasticEnergy(data_->springs, current(*data_).position); }
+std::uint64_t SoftBody::stateHash() const { return limber::stateHash(current(*data_)); }
+
+PointReference findPoint(const btCollisionObject* object) {
+  const PointMass* point = PointMass::from(object);
+  if (!point || !point->owner()) return {};
+  return {point->owner()->handle, point->index()};
+}
+
+}  // namespace LIMBER_BULLET_PRECISION
+}  // namespace limber

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: Zlib
+#pragma once
+
+#include "bullet/point_masses.h"
+#include "core/point_state.h"
+#include "core/spring_arrays.h"
+
+#include <limber/soft_body.h>
+
+#include <vector>
+
+namespace limber {
+inline namespace LIMBER_BULLET_PRECISION {
+
+/// A point mass that moves with a rigid body.
+struct Anchor {
+  std::uint32_t point;
+  btRigidBody* body;
+  btVector3 pivot;  ///< in the body's local coordinates
+};
+
+/// What a SoftBody is made of.
+struct SoftBodyData {
+  SharedNetwork network;
+  SoftBodySettings settings;
+  SoftBody* handle = nullptr;
+  btDiscreteDynamicsWorld* world = nullptr;
+
+  PointState state;
+  SpringArrays springs;
+  PointMasses masses;
+  std::vector<Anchor> anchors;
+
+  bool alive = true;
+  bool asleep = false;
+  bool frequencyStale = true;      ///< inverse masses have changed since frequencySquared was computed
+  double frequencySquared = 0.0;   ///< rad^2/s^2, bound of its own springs
+  int substeps = 0;                ///< in the last tick
+  std::vector<double> stiffnessSums;
+};
+
+/// Wakes all points of a body; they get the gravity of this step that they missed while asleep.
+void wakePoints(SoftBodyData& body, bool insideTick);
+
+}  // namespace LIMBER_BULLET_PRECISION
+}  // namespace limber

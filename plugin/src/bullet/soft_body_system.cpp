@@ -1,0 +1,295 @@
+// SPDX-License-Identifier: Zlib
+#include <limber/soft_body_system.h>
+
+#include "bullet/convert.h"
+#include "bullet/group_sleep.h"
+#include "bullet/new_body.h"
+#include "bullet/soft_body_data.h"
+#include "bullet/tick_group.h"
+#include "bullet/tick_hook.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+#include <vector>
+
+namespace limber {
+inline namespace LIMBER_BULLET_PRECISION {
+namespace {
+
+/// Adds the milliseconds of its life to `sum`.
+class StopWatch {
+ public:
+  explicit StopWatch(double& sum) : sum_(sum), start_(std::chrono::steady_clock::now()) {}
+  ~StopWatch() {
+    sum_ += std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start_).count();
+  }
+  StopWatch(const StopWatch&) = delete;
+  StopWatch& operator=(const StopWatch&) = delete;
+
+ private:
+  double& sum_;
+  std::chrono::steady_clock::time_point start_;
+};
+
+void warnOnStandardError(const std::string& text) { std::fprintf(stderr, "limber: %s\n", text.c_str()); }
+
+bool holdsOn(const SpringConstraint& spring, const btRigidBody* body) {
+  return spring.endA().body == body || spring.endB().body == body;
+}
+
+}  // namespace
+
+struct SoftBodySystem::Impl final : TickListener {
+  Impl(btDiscreteDynamicsWorld& w, Hook h) : world(&w), hookKind(h) {}
+
+  void beforeTick(btScalar tick) override;
+  void afterTick(btScalar tick) override;
+  void tickMissed() override;
+
+  void hookUp();
+  void unhookIfIdle(bool alive);
+  bool worldAlive() const;
+  void rebuildGroupsIfNeeded();
+  void stepGroups(btScalar tick);
+  std::vector<SoftBodyData*> livingBodies();
+
+  btDiscreteDynamicsWorld* world;
+  Hook hookKind;
+  TickHook* hook = nullptr;
+  bool overwritten = false;
+  std::function<void(const std::string&)> warn = warnOnStandardError;
+
+  std::vector<std::unique_ptr<SoftBody>> bodies;
+  SpringList springs;
+  std::vector<TickGroup> groups;
+  bool groupsStale = false;
+  std::vector<unsigned char> islands;  // scratch of updateSleep
+  TickProfile profile;
+};
+
+// --- in and out of the world -------------------------------------------------------------------------------
+
+void SoftBodySystem::Impl::hookUp() {
+  if (!hook) hook = &TickHook::listen(*world, *this, hookKind == Hook::PreTick);
+}
+
+/// Stays in place while it is not known whether the world still exists: an idle hook does no harm.
+void SoftBodySystem::Impl::unhookIfIdle(bool alive) {
+  if (!hook || !alive || !bodies.empty() || !springs.empty()) return;
+  hook->leave(*this, true);
+  hook = nullptr;
+}
+
+/// A world that is deleted takes the broadphase handle of every body in it; nothing else tells of its end.
+bool SoftBodySystem::Impl::worldAlive() const {
+  for (const auto& body : bodies)
+    for (const PointMass* point : body->data_->masses.bodies)
+      if (point && point->isInWorld()) return true;
+  return false;
+}
+
+SoftBodySystem::SoftBodySystem(btDiscreteDynamicsWorld& world, Hook hook)
+    : impl_(std::make_unique<Impl>(world, hook)) {}
+
+SoftBodySystem::~SoftBodySystem() {
+  const bool alive = impl_->worldAlive();
+  for (auto& body : impl_->bodies) removePointMasses(*body->data_);
+  if (impl_->hook) impl_->hook->leave(*impl_, alive);
+}
+
+void SoftBodySystem::removeAll() {
+  impl_->groups.clear();
+  impl_->groupsStale = true;
+  impl_->springs.clear();
+  while (!impl_->bodies.empty()) destroyBody(impl_->bodies.back().get());
+}
+
+HookState SoftBodySystem::hookState() const {
+  if (!impl_->hook) return HookState::Idle;
+  if (impl_->hookKind == Hook::Manual) return HookState::Attached;
+  return impl_->hook->inPlace() && !impl_->overwritten ? HookState::Attached : HookState::Overwritten;
+}
+
+void SoftBodySystem::rehook() {
+  impl_->overwritten = false;
+  if (impl_->hook && impl_->hookKind == Hook::PreTick) impl_->hook->takeSlot();
+}
+
+void SoftBodySystem::onWarning(std::function<void(const std::string&)> handler) { impl_->warn = std::move(handler); }
+
+// --- bodies ------------------------------------------------------------------------------------------------
+
+Result<SoftBody*> SoftBodySystem::createBody(SharedNetwork network, const SoftBodySettings& settings) {
+  Result<std::unique_ptr<SoftBodyData>> data = makeBodyData(std::move(network), settings);
+  if (!data) return Error{data.error()};
+  impl_->hookUp();
+  (*data)->world = impl_->world;
+  impl_->bodies.push_back(std::make_unique<SoftBody>(std::move(*data)));
+  SoftBody* body = impl_->bodies.back().get();
+  addPointMasses(*body->data_);
+  impl_->groupsStale = true;
+  return body;
+}
+
+void SoftBodySystem::destroyBody(SoftBody* body) {
+  const auto isBody = [&](const auto& owned) { return owned.get() == body; };
+  const auto it = std::find_if(impl_->bodies.begin(), impl_->bodies.end(), isBody);
+  if (it == impl_->bodies.end()) return;
+  const bool alive = impl_->worldAlive();
+  for (btRigidBody* point : body->data_->masses.bodies)
+    if (point) forget(*point);
+  impl_->groups.clear();
+  impl_->groupsStale = true;
+  removePointMasses(*body->data_);
+  impl_->bodies.erase(it);
+  impl_->unhookIfIdle(alive);
+}
+
+std::size_t SoftBodySystem::bodyCount() const { return impl_->bodies.size(); }
+SoftBody* SoftBodySystem::body(std::size_t i) const { return impl_->bodies[i].get(); }
+
+// --- springs and anchors -----------------------------------------------------------------------------------
+
+Result<SpringConstraint*> SoftBodySystem::addSpring(const SpringEnd& a, const SpringEnd& b,
+                                                    const SpringSettings& settings) {
+  if (std::string reason = validate(settings); !reason.empty()) return Error{reason};
+  if (!a.body && !b.body) return Error{"a spring needs a body at one of its ends"};
+  if (a.body == b.body && (a.pivot - b.pivot).length2() == btScalar(0))
+    return Error{"both ends of the spring are the same place of one body"};
+  impl_->hookUp();
+  impl_->springs.push_back(std::make_unique<SpringConstraint>(a, b, settings));
+  SpringConstraint* spring = impl_->springs.back().get();
+  if (settings.restLength < 0.0) spring->settings_.restLength = double(spring->length());
+  impl_->groupsStale = true;
+  return spring;
+}
+
+Result<SpringConstraint*> SoftBodySystem::changeSpring(SpringConstraint* spring, const SpringSettings& settings) {
+  if (std::string reason = validate(settings); !reason.empty()) return Error{reason};
+  const double restLength = settings.restLength < 0.0 ? spring->settings_.restLength : settings.restLength;
+  spring->settings_ = settings;
+  spring->settings_.restLength = restLength;
+  impl_->groupsStale = true;
+  return spring;
+}
+
+void SoftBodySystem::removeSpring(SpringConstraint* spring) {
+  const auto isSpring = [&](const auto& owned) { return owned.get() == spring; };
+  impl_->groups.clear();
+  impl_->groupsStale = true;
+  impl_->springs.erase(std::remove_if(impl_->springs.begin(), impl_->springs.end(), isSpring), impl_->springs.end());
+  impl_->unhookIfIdle(impl_->worldAlive());
+}
+
+std::size_t SoftBodySystem::springCount() const { return impl_->springs.size(); }
+
+Result<bool> SoftBodySystem::attach(SoftBody* softBody, std::uint32_t i, btRigidBody& body, const btVector3& pivot) {
+  auto* point = static_cast<PointMass*>(softBody->point(i));
+  if (!point) return Error{"there is no point " + std::to_string(i)};
+  if (point->attachedTo) return Error{"point " + std::to_string(i) + " is already attached"};
+  if (softBody->pinned(i)) return Error{"point " + std::to_string(i) + " is pinned"};
+  if (PointMass::from(&body)) return Error{"a point can be attached to a rigid body only, not to a point mass"};
+  point->attachedTo = &body;
+  softBody->data_->anchors.push_back({i, &body, pivot});
+  softBody->wake();
+  impl_->groupsStale = true;
+  return true;
+}
+
+Result<bool> SoftBodySystem::attach(SoftBody* softBody, std::uint32_t i, btRigidBody& body) {
+  if (!softBody->point(i)) return Error{"there is no point " + std::to_string(i)};
+  const btVector3 place = toBullet(softBody->position(i));
+  return attach(softBody, i, body, body.getWorldTransform().inverse() * place);
+}
+
+bool SoftBodySystem::detach(SoftBody* softBody, std::uint32_t i) {
+  std::vector<Anchor>& anchors = softBody->data_->anchors;
+  const auto isPoint = [&](const Anchor& anchor) { return anchor.point == i; };
+  const auto it = std::find_if(anchors.begin(), anchors.end(), isPoint);
+  if (it == anchors.end()) return false;
+  anchors.erase(it);
+  if (PointMass* point = softBody->data_->masses.bodies[i]) point->attachedTo = nullptr;
+  softBody->wake();
+  impl_->groups.clear();
+  impl_->groupsStale = true;
+  return true;
+}
+
+void SoftBodySystem::forget(const btRigidBody& body) {
+  for (std::size_t i = impl_->springs.size(); i-- > 0;)
+    if (holdsOn(*impl_->springs[i], &body)) removeSpring(impl_->springs[i].get());
+  for (auto& softBody : impl_->bodies)
+    for (std::size_t i = softBody->data_->anchors.size(); i-- > 0;)
+      if (softBody->data_->anchors[i].body == &body) detach(softBody.get(), softBody->data_->anchors[i].point);
+}
+
+// --- the tick ----------------------------------------------------------------------------------------------
+
+std::vector<SoftBodyData*> SoftBodySystem::Impl::livingBodies() {
+  std::vector<SoftBodyData*> living;
+  for (auto& body : bodies)
+    if (body->data_->alive) living.push_back(body->data_.get());
+  return living;
+}
+
+void SoftBodySystem::Impl::rebuildGroupsIfNeeded() {
+  for (const TickGroup& group : groups) groupsStale = groupsStale || !isWhole(group);
+  if (!groupsStale) return;
+  groups = makeGroups(livingBodies(), springs);
+  groupsStale = false;
+}
+
+void SoftBodySystem::Impl::stepGroups(btScalar tick) {
+  for (TickGroup& group : groups) {
+    if (group.asleep) continue;
+    {
+      const StopWatch watch(profile.gatherMs);
+      gatherGroup(group, tick);
+    }
+    {
+      const StopWatch watch(profile.stepMs);
+      stepGroup(group, tick);
+    }
+    const StopWatch watch(profile.handOverMs);
+    handOverGroup(group, tick);
+    for (const SoftBodyData* body : group.bodies) {
+      profile.pointsStepped += body->network->restPoints.size();
+      profile.springSubsteps += body->springs.size() * static_cast<std::size_t>(group.substeps);
+    }
+  }
+}
+
+void SoftBodySystem::Impl::beforeTick(btScalar tick) {
+  profile = TickProfile();
+  // a tick without length moves nothing and would divide by zero
+  if (!(tick > btScalar(0))) return;
+  rebuildGroupsIfNeeded();
+  updateSleep(groups, *world, tick, islands);
+  stepGroups(tick);
+}
+
+void SoftBodySystem::Impl::afterTick(btScalar tick) {
+  if (!(tick > btScalar(0))) return;
+  const StopWatch watch(profile.takeBackMs);
+  for (TickGroup& group : groups) {
+    if (group.asleep) continue;
+    takeBackGroup(group, tick);
+    for (std::size_t i = 0; i < group.springs.size(); ++i)
+      group.springs[i]->force_ = group.step.links.springs[i].force;
+  }
+}
+
+void SoftBodySystem::Impl::tickMissed() {
+  if (overwritten) return;
+  overwritten = true;
+  warn("the world's pre-tick callback was overwritten after soft bodies were added: springs are not stepped. "
+       "Set yours before the first soft body, or call SoftBodySystem::rehook().");
+}
+
+void SoftBodySystem::beforeTick(btScalar tick) { impl_->beforeTick(tick); }
+
+const TickProfile& SoftBodySystem::profile() const { return impl_->profile; }
+
+}  // namespace LIMBER_BULLET_PRECISION
+}  // namespace limber

@@ -1,0 +1,231 @@
+// SPDX-License-Identifier: Zlib
+#include "bullet/tick_group.h"
+
+#include "bullet/convert.h"
+#include "core/substep_count.h"
+
+#include <algorithm>
+#include <map>
+
+namespace limber {
+inline namespace LIMBER_BULLET_PRECISION {
+
+bool isWhole(const TickGroup& group) {
+  const auto pointGone = [](const PointMass* point) { return !point || !point->isInWorld(); };
+  for (SoftBodyData* body : group.bodies) {
+    const auto& points = body->masses.bodies;
+    if (std::any_of(points.begin(), points.end(), pointGone)) body->alive = false;
+    if (!body->alive) return false;
+  }
+  const auto rigidGone = [](const RigidPartner& partner) { return !partner.body->isInWorld(); };
+  return std::none_of(group.rigids.begin(), group.rigids.end(), rigidGone);
+}
+
+void gatherGroup(TickGroup& group, btScalar tick) {
+  for (SoftBodyData* body : group.bodies) gatherPoints(*body, tick);
+  for (std::size_t i = 0; i < group.rigids.size(); ++i)
+    gatherRigid(group.rigids[i], group.step.links.rigids[i], tick);
+}
+
+namespace {
+
+/// The strictest of the bodies' choices; single springs keep the default.
+SubstepChoice substepChoice(const TickGroup& group) {
+  SubstepChoice choice;
+  for (const SoftBodyData* body : group.bodies) {
+    choice.atLeast = std::max(choice.atLeast, body->settings.substeps.atLeast);
+    choice.periodTolerance = std::min(choice.periodTolerance, body->settings.substeps.periodTolerance);
+  }
+  if (group.bodies.size() == 1) choice.periodTolerance = group.bodies[0]->settings.substeps.periodTolerance;
+  return choice;
+}
+
+/// Own springs and links add up to a stiffness matrix K = K_own + K_links, whose largest eigenvalue is at most
+/// the sum of theirs.
+double frequencyBoundSquared(TickGroup& group) {
+  double own = 0.0;
+  for (SoftBodyData* body : group.bodies) {
+    if (body->frequencyStale)
+      body->frequencySquared =
+          limber::frequencyBoundSquared(body->springs, body->state.inverseMass, body->stiffnessSums);
+    body->frequencyStale = false;
+    own = std::max(own, body->frequencySquared);
+  }
+  return own + linkFrequencyBoundSquared(group.step.links);
+}
+
+}  // namespace
+
+void stepGroup(TickGroup& group, btScalar tick) {
+  group.substeps = substepCount(frequencyBoundSquared(group), double(tick), substepChoice(group));
+  stepVerlet(group.step, double(tick), group.substeps);
+  for (SoftBodyData* body : group.bodies) body->substeps = group.substeps;
+}
+
+void handOverGroup(TickGroup& group, btScalar tick) {
+  for (SoftBodyData* body : group.bodies) handOverVelocities(*body, tick);
+  for (std::size_t i = 0; i < group.rigids.size(); ++i)
+    handOverRigid(group.rigids[i], group.step.links.rigids[i], tick);
+}
+
+void takeBackGroup(TickGroup& group, btScalar tick) {
+  for (SoftBodyData* body : group.bodies)
+    if (body->alive) takeBackContacts(*body, tick);
+  for (std::size_t i = 0; i < group.rigids.size(); ++i)
+    takeBackRigid(group.rigids[i], group.step.links.rigids[i]);
+}
+
+namespace {
+
+/// Everything a link can join, numbered: soft bodies first, then rigid bodies in order of first mention.
+class Nodes {
+ public:
+  explicit Nodes(const std::vector<SoftBodyData*>& bodies) {
+    for (std::size_t i = 0; i < bodies.size(); ++i) softIndex_[bodies[i]] = add();
+  }
+
+  std::size_t soft(const SoftBodyData* body) const { return softIndex_.at(body); }
+
+  std::size_t rigid(btRigidBody* body) {
+    const auto [it, isNew] = rigidIndex_.try_emplace(body, parent_.size());
+    if (isNew) add();
+    return it->second;
+  }
+
+  std::size_t root(std::size_t i) {
+    while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
+    return i;
+  }
+
+  /// The lower number becomes the root, so that groups come in the order of their first member.
+  void join(std::size_t a, std::size_t b) {
+    a = root(a);
+    b = root(b);
+    parent_[std::max(a, b)] = std::min(a, b);
+  }
+
+ private:
+  std::size_t add() {
+    parent_.push_back(parent_.size());
+    return parent_.size() - 1;
+  }
+
+  std::vector<std::size_t> parent_;
+  std::map<const SoftBodyData*, std::size_t> softIndex_;
+  std::map<const btRigidBody*, std::size_t> rigidIndex_;
+};
+
+constexpr std::size_t kNone = static_cast<std::size_t>(-1);
+
+/// The node of a spring's end. Static bodies and the world join nothing to each other.
+std::size_t nodeOf(const SpringEnd& end, Nodes& nodes) {
+  if (!end.body) return kNone;
+  if (const PointMass* point = PointMass::from(end.body)) return nodes.soft(point->owner());
+  return end.body->isStaticObject() ? kNone : nodes.rigid(end.body);
+}
+
+std::uint32_t indexOfBody(TickGroup& group, SoftBodyData* body) {
+  const auto it = std::find(group.bodies.begin(), group.bodies.end(), body);
+  return static_cast<std::uint32_t>(it - group.bodies.begin());
+}
+
+std::uint32_t indexOfRigid(TickGroup& group, btRigidBody* body) {
+  const auto same = [&](const RigidPartner& partner) { return partner.body == body; };
+  const auto it = std::find_if(group.rigids.begin(), group.rigids.end(), same);
+  const auto index = static_cast<std::uint32_t>(it - group.rigids.begin());
+  if (it == group.rigids.end()) {
+    group.rigids.push_back(makePartner(*body));
+    group.step.links.rigids.emplace_back();
+  }
+  return index;
+}
+
+LinkEnd pointEnd(TickGroup& group, SoftBodyData* body, std::uint32_t point) {
+  LinkEnd end;
+  end.kind = LinkEnd::Kind::Point;
+  end.body = indexOfBody(group, body);
+  end.point = point;
+  return end;
+}
+
+LinkEnd rigidEnd(TickGroup& group, btRigidBody* body, const btVector3& pivot) {
+  LinkEnd end;
+  end.kind = LinkEnd::Kind::Rigid;
+  end.body = indexOfRigid(group, body);
+  end.pivot = toEigen(pivot);
+  return end;
+}
+
+LinkEnd linkEnd(TickGroup& group, const SpringEnd& end) {
+  if (!end.body) {
+    LinkEnd world;
+    world.pivot = toEigen(end.pivot);
+    return world;
+  }
+  if (const PointMass* point = PointMass::from(end.body)) return pointEnd(group, point->owner(), point->index());
+  return rigidEnd(group, end.body, end.pivot);
+}
+
+void addBody(TickGroup& group, SoftBodyData* body) {
+  group.bodies.push_back(body);
+  group.step.bodies.push_back({&body->state, &body->springs});
+  group.step.links.points.push_back(&body->state);
+}
+
+void addSpring(TickGroup& group, SpringConstraint* spring) {
+  const SpringSettings& s = spring->settings();
+  LinkSpring link;
+  link.a = linkEnd(group, spring->endA());
+  link.b = linkEnd(group, spring->endB());
+  link.restLength = s.restLength;
+  link.extensionStiffness = s.action == SpringAction::CompressionOnly ? 0.0 : s.stiffness;
+  link.compressionStiffness = s.action == SpringAction::ExtensionOnly ? 0.0 : s.stiffness;
+  link.damping = s.damping;
+  group.step.links.springs.push_back(link);
+  group.springs.push_back(spring);
+}
+
+bool usable(const SpringEnd& end) {
+  if (!end.body) return true;
+  const PointMass* point = PointMass::from(end.body);
+  return point ? point->owner() && point->owner()->alive : end.body->isInWorld();
+}
+
+bool usable(const Anchor& anchor) { return anchor.body->isInWorld(); }
+
+bool usable(const SpringConstraint& spring) { return usable(spring.endA()) && usable(spring.endB()); }
+
+}  // namespace
+
+std::vector<TickGroup> makeGroups(const std::vector<SoftBodyData*>& bodies, const SpringList& springs) {
+  Nodes nodes(bodies);
+  std::vector<std::size_t> springNode(springs.size(), kNone);
+  for (std::size_t i = 0; i < springs.size(); ++i) {
+    if (!usable(*springs[i])) continue;
+    const std::size_t a = nodeOf(springs[i]->endA(), nodes), b = nodeOf(springs[i]->endB(), nodes);
+    if (a != kNone && b != kNone) nodes.join(a, b);
+    springNode[i] = a != kNone ? a : b;
+  }
+  for (SoftBodyData* body : bodies)
+    for (const Anchor& anchor : body->anchors)
+      if (usable(anchor) && !anchor.body->isStaticObject()) nodes.join(nodes.soft(body), nodes.rigid(anchor.body));
+
+  std::map<std::size_t, TickGroup> groups;
+  for (SoftBodyData* body : bodies) addBody(groups[nodes.root(nodes.soft(body))], body);
+  for (std::size_t i = 0; i < springs.size(); ++i)
+    if (springNode[i] != kNone) addSpring(groups[nodes.root(springNode[i])], springs[i].get());
+  for (SoftBodyData* body : bodies) {
+    TickGroup& group = groups[nodes.root(nodes.soft(body))];
+    for (const Anchor& anchor : body->anchors)
+      if (usable(anchor))
+        group.step.links.anchors.push_back(
+            {pointEnd(group, body, anchor.point), rigidEnd(group, anchor.body, anchor.pivot)});
+  }
+
+  std::vector<TickGroup> ordered;
+  for (auto& [root, group] : groups) ordered.push_back(std::move(group));
+  return ordered;
+}
+
+}  // namespace LIMBER_BULLET_PRECISION
+}  // namespace limber

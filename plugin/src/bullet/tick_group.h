@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: Zlib
+#pragma once
+
+#include "bullet/rigid_partner.h"
+#include "bullet/soft_body_data.h"
+#include "core/verlet_step.h"
+
+#include <limber/spring_constraint.h>
+
+#include <memory>
+#include <vector>
+
+namespace limber {
+inline namespace LIMBER_BULLET_PRECISION {
+
+/// Soft and rigid bodies that springs and anchors join: stepped, put to sleep and woken together. A soft body
+/// that nothing is joined to is a group of its own.
+struct TickGroup {
+  StepGroup step;
+  std::vector<SoftBodyData*> bodies;        ///< step.bodies[i] is bodies[i]
+  std::vector<RigidPartner> rigids;         ///< step.links.rigids[i] is rigids[i]
+  std::vector<SpringConstraint*> springs;   ///< step.links.springs[i] is springs[i]
+  double calmTime = 0.0;                    ///< s for which nothing in it has moved faster than it may in sleep
+  bool asleep = false;
+  int substeps = 0;
+};
+
+using SpringList = std::vector<std::unique_ptr<SpringConstraint>>;
+
+/// The groups of these bodies and springs, in the order of their first bodies, then of their first springs.
+/// Calm times are lost: new links wake what they join.
+std::vector<TickGroup> makeGroups(const std::vector<SoftBodyData*>& bodies, const SpringList& springs);
+
+/// False once a point mass or a rigid body of the group has left the world: the groups must be made anew.
+bool isWhole(const TickGroup& group);
+
+/// The stages of a tick, see point_masses.h.
+void gatherGroup(TickGroup& group, btScalar tick);
+void stepGroup(TickGroup& group, btScalar tick);
+void handOverGroup(TickGroup& group, btScalar tick);
+void takeBackGroup(TickGroup& group, btScalar tick);
+
+}  // namespace LIMBER_BULLET_PRECISION
+}  // namespace limber

@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: Zlib
+#pragma once
+
+#include <limber/bullet_precision.h>
+
+#include <btBulletDynamicsCommon.h>
+
+#include <vector>
+
+namespace limber {
+inline namespace LIMBER_BULLET_PRECISION {
+
+/// Somebody who wants to know of a world's ticks.
+class TickListener {
+ public:
+  virtual ~TickListener() = default;
+  virtual void beforeTick(btScalar tick) = 0;  ///< before Bullet predicts, collides and solves
+  virtual void afterTick(btScalar tick) = 0;   ///< after Bullet has moved its bodies
+  virtual void tickMissed() = 0;               ///< a tick has passed without beforeTick: the hook was overwritten
+};
+
+/// The only file that touches a world's pre-tick callback.
+///
+/// A world has one slot for it and one user info pointer for both its callbacks. We take the slot, call whoever
+/// was there first, and leave the user info alone, so we find our way from the world by a list of hooks. As an
+/// action (of which a world may have many) the hook also learns of the end of each tick.
+///
+/// When a world is gone nobody tells us, so a hook whose world may be gone is abandoned, not removed: it stays
+/// in the list without listeners, in case the world does live and still calls it.
+class TickHook final : public btActionInterface {
+ public:
+  /// Adds a listener to the world's hook, which is put in place if need be. `pretick` false leaves the slot
+  /// alone: the listener learns of the ends of ticks only.
+  static TickHook& listen(btDynamicsWorld& world, TickListener& listener, bool pretick);
+
+  /// Stops telling a listener. With the last one the world is left as it was found; `worldAlive` says whether
+  /// it can be touched at all.
+  void leave(TickListener& listener, bool worldAlive);
+
+  /// Whether the world's slot is still ours.
+  bool inPlace() const;
+
+  /// Takes the slot (again), calling first whoever holds it now.
+  void takeSlot();
+
+  void updateAction(btCollisionWorld* world, btScalar tick) override;
+  void debugDraw(btIDebugDraw*) override {}
+
+ private:
+  explicit TickHook(btDynamicsWorld& world) : world_(&world) {}
+  static void preTick(btDynamicsWorld* world, btScalar tick);
+  void beforeTick(btScalar tick);
+  void giveSlotBack();
+
+  btDynamicsWorld* world_;
+  btInternalTickCallback previous_ = nullptr;
+  std::vector<TickListener*> pretickListeners_;
+  std::vector<TickListener*> actionListeners_;
+  bool inTick_ = false;
+  bool sawTick_ = false;
+};
+
+}  // namespace LIMBER_BULLET_PRECISION
+}  // namespace limber

@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: Zlib
+#include <limber/soft_body_settings.h>
+#include <limber/spring_settings.h>
+
+#include <cmath>
+#include <cstdio>
+#include <limits>
+
+namespace limber {
+namespace {
+
+/// Share of the shortest spring: small against the body, large against Bullet's contact margins at 1 m.
+constexpr double kRadiusPerSpring = 0.02;
+
+std::string say(const char* name, double value, const char* rule) {
+  char text[160];
+  std::snprintf(text, sizeof text, "%s is %g, must be %s", name, value, rule);
+  return text;
+}
+
+struct Check {
+  const char* name;
+  double value;
+  double low;       // smallest value allowed
+  bool lowItself;   // whether `low` is allowed too
+  double high = std::numeric_limits<double>::max();
+  const char* rule;
+};
+
+std::string firstBroken(const Check* begin, const Check* end) {
+  for (const Check* c = begin; c != end; ++c) {
+    const bool aboveLow = c->lowItself ? c->value >= c->low : c->value > c->low;
+    if (!std::isfinite(c->value) || !aboveLow || c->value > c->high) return say(c->name, c->value, c->rule);
+  }
+  return {};
+}
+
+std::string checkVector(const char* name, const Eigen::Vector3d& v) {
+  for (int i = 0; i < 3; ++i)
+    if (!std::isfinite(v[i])) return say((name + std::string(".") + "xyz"[i]).c_str(), v[i], "finite");
+  return {};
+}
+
+std::string checkPlacement(const SoftBodySettings& s) {
+  for (const auto& [name, v] : {std::pair("position", s.position), std::pair("scale", s.scale),
+                                std::pair("linearVelocity", s.linearVelocity),
+                                std::pair("angularVelocity", s.angularVelocity)})
+    if (std::string reason = checkVector(name, v); !reason.empty()) return reason;
+  for (int i = 0; i < 3; ++i)
+    if (s.scale[i] == 0.0) return say((std::string("scale.") + "xyz"[i]).c_str(), 0.0, "other than 0");
+  const double norm = s.rotation.norm();
+  if (!(std::abs(norm - 1.0) < 1e-6)) return say("length of rotation", norm, "1");
+  return {};
+}
+
+}  // namespace
+
+SoftBodySettings SoftBodySettings::paper() {
+  SoftBodySettings s;
+  s.extensionStiffness = 20.0;
+  s.compressionStiffness = 20.0;
+  s.damping = 0.2;
+  return s;
+}
+
+std::string validate(const SoftBodySettings& s) {
+  if (std::string reason = checkPlacement(s); !reason.empty()) return reason;
+  const Check checks[] = {
+      {"extensionStiffness", s.extensionStiffness, 0, true, 1e12, "from 0 to 1e12"},
+      {"compressionStiffness", s.compressionStiffness, 0, true, 1e12, "from 0 to 1e12"},
+      {"damping", s.damping, 0, true, 1e12, "from 0 to 1e12"},
+      {"totalMass", s.totalMass, 0, false, 1e12, "above 0 and at most 1e12"},
+      {"pointRadius", s.pointRadius, 0, true, 1e6, "from 0 to 1e6"},
+      {"friction", s.friction, 0, true, 1e6, "from 0 to 1e6"},
+      {"restitution", s.restitution, 0, true, 1, "from 0 to 1"},
+      {"substeps.atLeast", static_cast<double>(s.substeps.atLeast), 1, true, 1e6, "from 1 to 1e6"},
+      {"substeps.periodTolerance", s.substeps.periodTolerance, 0, false, 1, "above 0 and at most 1"},
+  };
+  return firstBroken(std::begin(checks), std::end(checks));
+}
+
+std::string validate(const SpringSettings& s) {
+  const Check checks[] = {
+      {"restLength", s.restLength, -std::numeric_limits<double>::max(), true, 1e12, "finite, at most 1e12"},
+      {"stiffness", s.stiffness, 0, true, 1e12, "from 0 to 1e12"},
+      {"damping", s.damping, 0, true, 1e12, "from 0 to 1e12"},
+  };
+  return firstBroken(std::begin(checks), std::end(checks));
+}
+
+double pointRadius(const SpringNetwork& network, const SoftBodySettings& settings) {
+  if (settings.pointRadius > 0.0) return settings.pointRadius;
+  double shortest = std::numeric_limits<double>::max();
+  for (const NetworkSpring& s : network.springs) {
+    const Eigen::Vector3d d = network.restPoints[s.b] - network.restPoints[s.a];
+    shortest = std::min(shortest, d.cwiseProduct(settings.scale).norm());
+  }
+  return network.springs.empty() ? kRadiusPerSpring : kRadiusPerSpring * shortest;
+}
+
+}  // namespace limber

@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: Zlib
+#include "core/spring_arrays.h"
+
+namespace limber {
+
+SpringArrays makeSprings(const SpringNetwork& network, const SoftBodySettings& settings) {
+  SpringArrays s;
+  for (const NetworkSpring& spring : network.springs) {
+    const Eigen::Vector3d d = network.restPoints[spring.b] - network.restPoints[spring.a];
+    s.a.push_back(spring.a);
+    s.b.push_back(spring.b);
+    s.restLength.push_back(d.cwiseProduct(settings.scale).norm());
+    s.extensionStiffness.push_back(settings.extensionStiffness * spring.stiffnessScale);
+    s.compressionStiffness.push_back(settings.compressionStiffness * spring.stiffnessScale);
+    s.damping.push_back(settings.damping * spring.stiffnessScale);
+  }
+  s.damped = settings.damping > 0.0;
+  s.direction.setZero(3, static_cast<Eigen::Index>(s.size()));
+  s.dampHalf.assign(s.size(), 0.0);
+  s.dampFull.assign(s.size(), 0.0);
+  return s;
+}
+
+}  // namespace limber

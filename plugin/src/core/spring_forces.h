@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Zlib
+#pragma once
+
+#include "core/point_state.h"
+#include "core/spring_arrays.h"
+
+namespace limber {
+
+/// The force and direction of a spring whose ends are `d` apart (from a to b).
+struct SpringPull {
+  Eigen::Vector3d direction;  ///< unit vector, or 0 when the spring is slack or its ends coincide
+  double force;               ///< N, above 0 pulls the ends together
+};
+
+/// Hooke's law with a constant for either side:  F = kE (|d| - L) if |d| > L, else kC (|d| - L).
+/// A side without stiffness is slack. Coincident ends have no direction and so no force.
+inline SpringPull springPull(const Eigen::Vector3d& d, double restLength, double extension, double compression) {
+  constexpr double kCoincidentSquared = 1e-200;  // m^2: below it 1/|d| loses its digits
+  const double squared = d.squaredNorm();
+  if (!(squared > kCoincidentSquared)) return {Eigen::Vector3d::Zero(), 0.0};
+  const double length = std::sqrt(squared);
+  const double stretch = length - restLength;
+  const double stiffness = stretch > 0.0 ? extension : compression;
+  if (stiffness == 0.0) return {Eigen::Vector3d::Zero(), 0.0};
+  return {d / length, stiffness * stretch};
+}
+
+/// Adds every spring's force to `state.force` and keeps its direction for the dampers.
+void addSpringForces(SpringArrays& springs, PointState& state);
+
+/// J, of all springs at the present positions.
+double elasticEnergy(const SpringArrays& springs, const Points& position);
+
+}  // namespace limber

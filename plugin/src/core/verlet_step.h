@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: Zlib
+#pragma once
+
+#include "core/links.h"
+#include "core/point_state.h"
+#include "core/spring_arrays.h"
+
+#include <vector>
+
+namespace limber {
+
+/// A soft body as the step sees it.
+struct SteppedBody {
+  PointState* points;
+  SpringArrays* springs;
+};
+
+/// Bodies that links join; without links a group is one body.
+struct StepGroup {
+  std::vector<SteppedBody> bodies;
+  LinkedBodies links;  ///< links.points[i] is bodies[i].points
+};
+
+/// Advances all bodies of the group by `tick` seconds in `substeps` substeps of velocity Verlet with damping
+/// split off (Strang), per substep of dt:
+///
+///     damp dt/2 | kick dt/2 | drift dt | new forces | kick dt/2 | damp dt/2
+///
+/// Second order, symplectic without damping; linear momentum is exact and angular momentum is kept, since all
+/// impulses run along the springs. Stable for omega dt < 2 whatever the damping: kick-drift-kick keeps
+/// v^2 + omega^2 (1 - (omega dt)^2/4) x^2, whose velocity part the dampers can only shrink.
+/// Held points (inverse mass 0) move on with their velocity. Allocates nothing.
+void stepVerlet(StepGroup& group, double tick, int substeps);
+
+}  // namespace limber
