@@ -11,9 +11,9 @@ namespace limber::render {
 enum class Backend { Auto, OSMesa, Egl };
 
 struct ContextDesc {
-    Backend backend = Backend::Auto;
-    bool debug = false; ///< Ask the driver for a debug context (more messages, slower).
-    int eglDevice = -1; ///< Index among the EGL devices; -1 takes the first that works.
+  Backend backend = Backend::Auto;
+  bool debug = false;  ///< Ask the driver for a debug context (more messages, slower).
+  int eglDevice = -1;  ///< Index among the EGL devices; -1 takes the first that works.
 };
 
 /// An OpenGL 4.5 core context without a window. The libraries are loaded at run time, so
@@ -23,28 +23,28 @@ struct ContextDesc {
 /// before makeCurrent() on the new one. All other OpenGL objects of this library must be used
 /// and destroyed on the thread on which their context is current.
 class GlContext {
-public:
-    virtual ~GlContext() = default;
-    GlContext(const GlContext&) = delete;
-    GlContext& operator=(const GlContext&) = delete;
+ public:
+  virtual ~GlContext() = default;
+  GlContext(const GlContext&) = delete;
+  GlContext& operator=(const GlContext&) = delete;
 
-    /// Throws std::runtime_error with the library's reason.
-    virtual void makeCurrent() = 0;
-    virtual void release() noexcept = 0;
+  /// Throws std::runtime_error with the library's reason.
+  virtual void makeCurrent() = 0;
+  virtual void release() noexcept = 0;
 
-    /// Address of an OpenGL function. OSMesa answers non-null for unknown names too, so the
-    /// version must be checked before anything is concluded from this (see Gl).
-    virtual void* getProcAddress(const char* name) const = 0;
+  /// Address of an OpenGL function. OSMesa answers non-null for unknown names too, so the
+  /// version must be checked before anything is concluded from this (see Gl).
+  virtual void* getProcAddress(const char* name) const = 0;
 
-    /// "osmesa" or "egl (...)".
-    virtual const std::string& name() const = 0;
+  /// "osmesa" or "egl (...)".
+  virtual const std::string& name() const = 0;
 
-protected:
-    GlContext() = default;
+ protected:
+  GlContext() = default;
 };
 
 /// Makes a context and makes it current on the calling thread.
 /// Throws std::runtime_error naming everything that was tried and why each try failed.
 std::unique_ptr<GlContext> createContext(const ContextDesc& desc = {});
 
-} // namespace limber::render
+}  // namespace limber::render

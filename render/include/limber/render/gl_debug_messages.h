@@ -10,35 +10,35 @@ namespace limber::render {
 
 /// Counts what the driver has to say about our calls, by severity.
 struct DebugMessageCounts {
-    std::size_t high = 0;
-    std::size_t medium = 0;
-    std::size_t low = 0;
-    std::size_t notification = 0;
+  std::size_t high = 0;
+  std::size_t medium = 0;
+  std::size_t low = 0;
+  std::size_t notification = 0;
 };
 
 /// Listens to the driver's messages from construction on. It must outlive all use of the
 /// context or be destroyed while the context is current; it neither moves nor copies because
 /// the driver holds its address. One listener per context.
 class DebugMessages {
-public:
-    explicit DebugMessages(const Gl& gl);
-    ~DebugMessages();
-    DebugMessages(const DebugMessages&) = delete;
-    DebugMessages& operator=(const DebugMessages&) = delete;
+ public:
+  explicit DebugMessages(const Gl& gl);
+  ~DebugMessages();
+  DebugMessages(const DebugMessages&) = delete;
+  DebugMessages& operator=(const DebugMessages&) = delete;
 
-    const DebugMessageCounts& counts() const { return counts_; }
-    /// Messages of medium or high severity: a healthy program has none.
-    std::size_t complaints() const { return counts_.medium + counts_.high; }
-    /// Text of the last message of medium or high severity, else empty.
-    const std::string& lastComplaint() const { return lastComplaint_; }
+  const DebugMessageCounts& counts() const { return counts_; }
+  /// Messages of medium or high severity: a healthy program has none.
+  std::size_t complaints() const { return counts_.medium + counts_.high; }
+  /// Text of the last message of medium or high severity, else empty.
+  const std::string& lastComplaint() const { return lastComplaint_; }
 
-private:
-    static void APIENTRY receive(GLenum source, GLenum type, GLuint id, GLenum severity,
-                                 GLsizei length, const GLchar* text, const void* self);
+ private:
+  static void APIENTRY receive(GLenum source, GLenum type, GLuint id, GLenum severity, GLsizei length,
+                               const GLchar* text, const void* self);
 
-    const Gl& gl_;
-    DebugMessageCounts counts_;
-    std::string lastComplaint_;
+  const Gl& gl_;
+  DebugMessageCounts counts_;
+  std::string lastComplaint_;
 };
 
-} // namespace limber::render
+}  // namespace limber::render

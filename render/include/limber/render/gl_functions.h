@@ -10,89 +10,90 @@ namespace limber::render {
 class GlContext;
 
 /// Every OpenGL function this library calls: X(name without gl, NAME of its type).
-#define LIMBER_GL_FUNCTIONS(X)                                                                     \
-    X(AttachShader, ATTACHSHADER)                                                                  \
-    X(BindBufferBase, BINDBUFFERBASE)                                                              \
-    X(BindBufferRange, BINDBUFFERRANGE)                                                            \
-    X(BindFramebuffer, BINDFRAMEBUFFER)                                                            \
-    X(BindTextureUnit, BINDTEXTUREUNIT)                                                            \
-    X(BindVertexArray, BINDVERTEXARRAY)                                                            \
-    X(BlitNamedFramebuffer, BLITNAMEDFRAMEBUFFER)                                                  \
-    X(CheckNamedFramebufferStatus, CHECKNAMEDFRAMEBUFFERSTATUS)                                    \
-    X(ClearNamedFramebufferfv, CLEARNAMEDFRAMEBUFFERFV)                                            \
-    X(ClientWaitSync, CLIENTWAITSYNC)                                                              \
-    X(ClipControl, CLIPCONTROL)                                                                    \
-    X(CompileShader, COMPILESHADER)                                                                \
-    X(CopyImageSubData, COPYIMAGESUBDATA)                                                          \
-    X(CreateBuffers, CREATEBUFFERS)                                                                \
-    X(CreateFramebuffers, CREATEFRAMEBUFFERS)                                                      \
-    X(CreateProgram, CREATEPROGRAM)                                                                \
-    X(CreateShader, CREATESHADER)                                                                  \
-    X(CreateTextures, CREATETEXTURES)                                                              \
-    X(CreateVertexArrays, CREATEVERTEXARRAYS)                                                      \
-    X(CullFace, CULLFACE)                                                                          \
-    X(DebugMessageCallback, DEBUGMESSAGECALLBACK)                                                  \
-    X(DeleteBuffers, DELETEBUFFERS)                                                                \
-    X(DeleteFramebuffers, DELETEFRAMEBUFFERS)                                                      \
-    X(DeleteProgram, DELETEPROGRAM)                                                                \
-    X(DeleteShader, DELETESHADER)                                                                  \
-    X(DeleteSync, DELETESYNC)                                                                      \
-    X(DeleteTextures, DELETETEXTURES)                                                              \
-    X(DeleteVertexArrays, DELETEVERTEXARRAYS)                                                      \
-    X(DepthFunc, DEPTHFUNC)                                                                        \
-    X(DepthMask, DEPTHMASK)                                                                        \
-    X(Disable, DISABLE)                                                                            \
-    X(DispatchCompute, DISPATCHCOMPUTE)                                                            \
-    X(DrawArraysInstanced, DRAWARRAYSINSTANCED)                                                    \
-    X(DrawElementsInstanced, DRAWELEMENTSINSTANCED)                                                \
-    X(Enable, ENABLE)                                                                              \
-    X(EnableVertexArrayAttrib, ENABLEVERTEXARRAYATTRIB)                                            \
-    X(FenceSync, FENCESYNC)                                                                        \
-    X(Finish, FINISH)                                                                              \
-    X(Flush, FLUSH)                                                                                \
-    X(GenerateTextureMipmap, GENERATETEXTUREMIPMAP)                                                \
-    X(GetError, GETERROR)                                                                          \
-    X(GetIntegerv, GETINTEGERV)                                                                    \
-    X(GetInteger64v, GETINTEGER64V)                                                                \
-    X(GetNamedBufferSubData, GETNAMEDBUFFERSUBDATA)                                                \
-    X(GetProgramInfoLog, GETPROGRAMINFOLOG)                                                        \
-    X(GetProgramiv, GETPROGRAMIV)                                                                  \
-    X(GetShaderInfoLog, GETSHADERINFOLOG)                                                          \
-    X(GetShaderiv, GETSHADERIV)                                                                    \
-    X(GetString, GETSTRING)                                                                        \
-    X(GetStringi, GETSTRINGI)                                                                      \
-    X(LinkProgram, LINKPROGRAM)                                                                    \
-    X(MapNamedBufferRange, MAPNAMEDBUFFERRANGE)                                                    \
-    X(MemoryBarrier, MEMORYBARRIER)                                                                \
-    X(NamedBufferStorage, NAMEDBUFFERSTORAGE)                                                      \
-    X(NamedBufferSubData, NAMEDBUFFERSUBDATA)                                                      \
-    X(NamedFramebufferDrawBuffer, NAMEDFRAMEBUFFERDRAWBUFFER)                                      \
-    X(NamedFramebufferReadBuffer, NAMEDFRAMEBUFFERREADBUFFER)                                      \
-    X(NamedFramebufferTexture, NAMEDFRAMEBUFFERTEXTURE)                                            \
-    X(PixelStorei, PIXELSTOREI)                                                                    \
-    X(ProgramUniform1f, PROGRAMUNIFORM1F)                                                          \
-    X(ProgramUniform1ui, PROGRAMUNIFORM1UI)                                                        \
-    X(ReadPixels, READPIXELS)                                                                      \
-    X(ShaderSource, SHADERSOURCE)                                                                  \
-    X(TextureParameterfv, TEXTUREPARAMETERFV)                                                      \
-    X(TextureParameteri, TEXTUREPARAMETERI)                                                        \
-    X(TextureStorage2D, TEXTURESTORAGE2D)                                                          \
-    X(TextureStorage2DMultisample, TEXTURESTORAGE2DMULTISAMPLE)                                    \
-    X(TextureStorage3D, TEXTURESTORAGE3D)                                                          \
-    X(TextureSubImage3D, TEXTURESUBIMAGE3D)                                                        \
-    X(UseProgram, USEPROGRAM)                                                                      \
-    X(VertexArrayAttribBinding, VERTEXARRAYATTRIBBINDING)                                          \
-    X(VertexArrayAttribFormat, VERTEXARRAYATTRIBFORMAT)                                            \
-    X(VertexArrayAttribIFormat, VERTEXARRAYATTRIBIFORMAT)                                          \
-    X(VertexArrayElementBuffer, VERTEXARRAYELEMENTBUFFER)                                          \
-    X(VertexArrayVertexBuffer, VERTEXARRAYVERTEXBUFFER)                                            \
-    X(Viewport, VIEWPORT)
+#define LIMBER_GL_FUNCTIONS(X)                                \
+  X(AttachShader, ATTACHSHADER)                               \
+  X(BindBufferBase, BINDBUFFERBASE)                           \
+  X(BindBufferRange, BINDBUFFERRANGE)                         \
+  X(BindFramebuffer, BINDFRAMEBUFFER)                         \
+  X(BindTextureUnit, BINDTEXTUREUNIT)                         \
+  X(BindVertexArray, BINDVERTEXARRAY)                         \
+  X(BlitNamedFramebuffer, BLITNAMEDFRAMEBUFFER)               \
+  X(CheckNamedFramebufferStatus, CHECKNAMEDFRAMEBUFFERSTATUS) \
+  X(ClearNamedFramebufferfv, CLEARNAMEDFRAMEBUFFERFV)         \
+  X(ClientWaitSync, CLIENTWAITSYNC)                           \
+  X(ClipControl, CLIPCONTROL)                                 \
+  X(CompileShader, COMPILESHADER)                             \
+  X(CopyImageSubData, COPYIMAGESUBDATA)                       \
+  X(CreateBuffers, CREATEBUFFERS)                             \
+  X(CreateFramebuffers, CREATEFRAMEBUFFERS)                   \
+  X(CreateProgram, CREATEPROGRAM)                             \
+  X(CreateShader, CREATESHADER)                               \
+  X(CreateTextures, CREATETEXTURES)                           \
+  X(CreateVertexArrays, CREATEVERTEXARRAYS)                   \
+  X(CullFace, CULLFACE)                                       \
+  X(DebugMessageCallback, DEBUGMESSAGECALLBACK)               \
+  X(DeleteBuffers, DELETEBUFFERS)                             \
+  X(DeleteFramebuffers, DELETEFRAMEBUFFERS)                   \
+  X(DeleteProgram, DELETEPROGRAM)                             \
+  X(DeleteShader, DELETESHADER)                               \
+  X(DeleteSync, DELETESYNC)                                   \
+  X(DeleteTextures, DELETETEXTURES)                           \
+  X(DeleteVertexArrays, DELETEVERTEXARRAYS)                   \
+  X(DepthFunc, DEPTHFUNC)                                     \
+  X(DepthMask, DEPTHMASK)                                     \
+  X(Disable, DISABLE)                                         \
+  X(DispatchCompute, DISPATCHCOMPUTE)                         \
+  X(DrawArraysInstanced, DRAWARRAYSINSTANCED)                 \
+  X(DrawElementsInstanced, DRAWELEMENTSINSTANCED)             \
+  X(Enable, ENABLE)                                           \
+  X(EnableVertexArrayAttrib, ENABLEVERTEXARRAYATTRIB)         \
+  X(FenceSync, FENCESYNC)                                     \
+  X(Finish, FINISH)                                           \
+  X(Flush, FLUSH)                                             \
+  X(GenerateTextureMipmap, GENERATETEXTUREMIPMAP)             \
+  X(GetError, GETERROR)                                       \
+  X(GetIntegerv, GETINTEGERV)                                 \
+  X(GetInteger64v, GETINTEGER64V)                             \
+  X(GetNamedBufferSubData, GETNAMEDBUFFERSUBDATA)             \
+  X(GetProgramInfoLog, GETPROGRAMINFOLOG)                     \
+  X(GetProgramiv, GETPROGRAMIV)                               \
+  X(GetShaderInfoLog, GETSHADERINFOLOG)                       \
+  X(GetShaderiv, GETSHADERIV)                                 \
+  X(GetString, GETSTRING)                                     \
+  X(GetUniformLocation, GETUNIFORMLOCATION)                   \
+  X(GetStringi, GETSTRINGI)                                   \
+  X(LinkProgram, LINKPROGRAM)                                 \
+  X(MapNamedBufferRange, MAPNAMEDBUFFERRANGE)                 \
+  X(MemoryBarrier, MEMORYBARRIER)                             \
+  X(NamedBufferStorage, NAMEDBUFFERSTORAGE)                   \
+  X(NamedBufferSubData, NAMEDBUFFERSUBDATA)                   \
+  X(NamedFramebufferDrawBuffer, NAMEDFRAMEBUFFERDRAWBUFFER)   \
+  X(NamedFramebufferReadBuffer, NAMEDFRAMEBUFFERREADBUFFER)   \
+  X(NamedFramebufferTexture, NAMEDFRAMEBUFFERTEXTURE)         \
+  X(PixelStorei, PIXELSTOREI)                                 \
+  X(ProgramUniform1f, PROGRAMUNIFORM1F)                       \
+  X(ProgramUniform1ui, PROGRAMUNIFORM1UI)                     \
+  X(ReadPixels, READPIXELS)                                   \
+  X(ShaderSource, SHADERSOURCE)                               \
+  X(TextureParameterfv, TEXTUREPARAMETERFV)                   \
+  X(TextureParameteri, TEXTUREPARAMETERI)                     \
+  X(TextureStorage2D, TEXTURESTORAGE2D)                       \
+  X(TextureStorage2DMultisample, TEXTURESTORAGE2DMULTISAMPLE) \
+  X(TextureStorage3D, TEXTURESTORAGE3D)                       \
+  X(TextureSubImage3D, TEXTURESUBIMAGE3D)                     \
+  X(UseProgram, USEPROGRAM)                                   \
+  X(VertexArrayAttribBinding, VERTEXARRAYATTRIBBINDING)       \
+  X(VertexArrayAttribFormat, VERTEXARRAYATTRIBFORMAT)         \
+  X(VertexArrayAttribIFormat, VERTEXARRAYATTRIBIFORMAT)       \
+  X(VertexArrayElementBuffer, VERTEXARRAYELEMENTBUFFER)       \
+  X(VertexArrayVertexBuffer, VERTEXARRAYVERTEXBUFFER)         \
+  X(Viewport, VIEWPORT)
 
 /// The functions of one context. They live in a struct, not at global scope, because global
 /// symbols named like OpenGL's could interpose those inside the driver.
 struct Gl {
 #define LIMBER_GL_MEMBER(name, TYPE) PFNGL##TYPE##PROC name = nullptr;
-    LIMBER_GL_FUNCTIONS(LIMBER_GL_MEMBER)
+  LIMBER_GL_FUNCTIONS(LIMBER_GL_MEMBER)
 #undef LIMBER_GL_MEMBER
 };
 
@@ -107,4 +108,4 @@ std::string describeDriver(const Gl& gl);
 /// Throws std::runtime_error naming `where` if any OpenGL error is pending.
 void checkGlErrors(const Gl& gl, const char* where);
 
-} // namespace limber::render
+}  // namespace limber::render

@@ -9,23 +9,23 @@ namespace limber::render {
 
 /// RGBA, 8 bits each, sRGB, rows from the top down, no padding.
 struct Image {
-    int width = 0;
-    int height = 0;
-    std::vector<std::uint8_t> rgba; ///< 4 x width x height.
+  int width = 0;
+  int height = 0;
+  std::vector<std::uint8_t> rgba;  ///< 4 x width x height.
 
-    void resize(int newWidth, int newHeight) {
-        width = newWidth;
-        height = newHeight;
-        rgba.resize(4u * static_cast<std::size_t>(newWidth) * static_cast<std::size_t>(newHeight));
-    }
-    /// The four bytes of a pixel; x counts from the left, y from the top.
-    const std::uint8_t* pixel(int x, int y) const {
-        return rgba.data() + 4u * (static_cast<std::size_t>(y) * static_cast<std::size_t>(width) +
-                                   static_cast<std::size_t>(x));
-    }
-    std::uint8_t* pixel(int x, int y) {
-        return const_cast<std::uint8_t*>(static_cast<const Image*>(this)->pixel(x, y));
-    }
+  void resize(int newWidth, int newHeight) {
+    width = newWidth;
+    height = newHeight;
+    rgba.resize(4u * static_cast<std::size_t>(newWidth) * static_cast<std::size_t>(newHeight));
+  }
+  /// The four bytes of a pixel; x counts from the left, y from the top.
+  const std::uint8_t* pixel(int x, int y) const {
+    return rgba.data() +
+           4u * (static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x));
+  }
+  std::uint8_t* pixel(int x, int y) {
+    return const_cast<std::uint8_t*>(static_cast<const Image*>(this)->pixel(x, y));
+  }
 };
 
 /// Pictures side by side in rows of `columns` (at least 1), each scaled down to `tileWidth`
@@ -33,4 +33,4 @@ struct Image {
 /// first image. Throws std::runtime_error if there is no image or one is empty.
 Image contactSheet(const std::vector<Image>& images, int columns, int tileWidth = 320);
 
-} // namespace limber::render
+}  // namespace limber::render

@@ -15,4 +15,4 @@ void writePng(const std::string& path, const Image& image);
 /// Reads any PNG as RGBA. Throws std::runtime_error naming the path and the reason.
 Image readPng(const std::string& path);
 
-} // namespace limber::render
+}  // namespace limber::render

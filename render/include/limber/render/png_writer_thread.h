@@ -16,41 +16,40 @@ namespace limber::render {
 /// Writes PNG files on a thread of its own, so that compressing overlaps with the next frame.
 /// One thread at a time may call it.
 class PngWriterThread {
-public:
-    static constexpr std::size_t kQueueLimit = 3;
+ public:
+  static constexpr std::size_t kQueueLimit = 3;
 
-    PngWriterThread();
-    /// Writes what is queued, then joins. Errors not yet fetched by submit() or finish() are lost.
-    ~PngWriterThread();
-    PngWriterThread(const PngWriterThread&) = delete;
-    PngWriterThread& operator=(const PngWriterThread&) = delete;
+  PngWriterThread();
+  /// Writes what is queued, then joins. Errors not yet fetched by submit() or finish() are lost.
+  ~PngWriterThread();
+  PngWriterThread(const PngWriterThread&) = delete;
+  PngWriterThread& operator=(const PngWriterThread&) = delete;
 
-    /// Queues an image, waiting while kQueueLimit images are queued. Throws the first error of an
-    /// earlier image (std::runtime_error); this image is then not queued.
-    void submit(std::string path, Image image);
-    /// An image whose memory was used before, to be filled and submitted; empty if there is none.
-    Image takeSpare();
-    /// Waits until everything is written. Throws the first error.
-    void finish();
+  /// Queues an image, waiting while kQueueLimit images are queued. Throws the first error of an
+  /// earlier image (std::runtime_error); this image is then not queued.
+  void submit(std::string path, Image image);
+  /// An image whose memory was used before, to be filled and submitted; empty if there is none.
+  Image takeSpare();
+  /// Waits until everything is written. Throws the first error.
+  void finish();
 
-private:
-    struct Job {
-        std::string path;
-        Image image;
-    };
+ private:
+  struct Job {
+    std::string path;
+    Image image;
+  };
 
-    void run();
-    void write(Job job);
-    void throwPendingError(std::unique_lock<std::mutex>& lock);
+  void run();
+  void throwPendingError(std::unique_lock<std::mutex>& lock);
 
-    std::mutex mutex_;
-    std::condition_variable changed_;
-    std::deque<Job> queue_;
-    std::vector<Image> spares_;
-    std::exception_ptr error_;
-    bool busy_ = false;
-    bool stopping_ = false;
-    std::thread thread_;
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  std::deque<Job> queue_;
+  std::vector<Image> spares_;
+  std::exception_ptr error_;
+  bool busy_ = false;
+  bool stopping_ = false;
+  std::thread thread_;
 };
 
-} // namespace limber::render
+}  // namespace limber::render

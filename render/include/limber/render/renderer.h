@@ -20,104 +20,104 @@ class Renderer;
 struct Gl;
 
 struct ShapeId {
-    std::uint32_t index = UINT32_MAX;
+  std::uint32_t index = UINT32_MAX;
 };
 struct TextureId {
-    std::uint32_t index = UINT32_MAX; ///< The default is "no texture".
+  std::uint32_t index = UINT32_MAX;  ///< The default is "no texture".
 };
 struct InstanceId {
-    std::uint32_t index = UINT32_MAX;
-    std::uint32_t generation = 0; ///< So that the id of a removed instance is never valid again.
+  std::uint32_t index = UINT32_MAX;
+  std::uint32_t generation = 0;  ///< So that the id of a removed instance is never valid again.
 };
 
 /// How one instance differs from others of its shape.
 struct InstanceLook {
-    Vec3 colour{0.85f, 0.47f, 0.32f}; ///< sRGB, 0 to 1; multiplies the texture if there is one.
-    TextureId texture;
+  Vec3 colour{0.85f, 0.47f, 0.32f};  ///< sRGB, 0 to 1; multiplies the texture if there is one.
+  TextureId texture;
 };
 
 struct RendererDesc {
-    int width = 1280;
-    int height = 720;
-    int samples = 1;           ///< Multisampling; 1 is off.
-    int shadowMapSize = 2048;  ///< Texels per side.
-    int shadowTaps = 4;        ///< 1 or 4 filtered look-ups per pixel.
-    int textureSize = 512;     ///< Every texture is resampled to a square of this many texels.
-    std::size_t initialPoints = 4096; ///< Points per frame that fit before the first growth.
-    std::chrono::nanoseconds fenceTimeout = std::chrono::seconds(5);
+  int width = 1280;
+  int height = 720;
+  int samples = 1;                   ///< Multisampling; 1 is off.
+  int shadowMapSize = 2048;          ///< Texels per side.
+  int shadowTaps = 4;                ///< 1 or 4 filtered look-ups per pixel.
+  int textureSize = 512;             ///< Every texture is resampled to a square of this many texels.
+  std::size_t initialPoints = 4096;  ///< Points per frame that fit before the first growth.
+  std::chrono::nanoseconds fenceTimeout = std::chrono::seconds(5);
 };
 
 enum class DrawMode {
-    Shaded,
-    Wireframe ///< Shapes with lines as lines coloured by strain; shapes without stay shaded.
+  Shaded,
+  Wireframe  ///< Shapes with lines as lines coloured by strain; shapes without stay shaded.
 };
 
 struct DrawOptions {
-    DrawMode mode = DrawMode::Shaded;
-    float strainRange = 0.1f;     ///< Strain (length / rest - 1) drawn in full blue (-) or red (+).
-    float lineWidth = 1.6f;       ///< Pixels.
-    bool legend = true;           ///< A bar of the strain colours, in wireframe mode only.
-    Vec3 backgroundTop{0.87f, 0.90f, 0.93f};    ///< sRGB.
-    Vec3 backgroundBottom{0.97f, 0.96f, 0.94f}; ///< sRGB.
+  DrawMode mode = DrawMode::Shaded;
+  float strainRange = 0.1f;                 ///< Strain (length / rest - 1) drawn in full blue (-) or red (+).
+  float lineWidth = 1.6f;                   ///< Pixels.
+  bool legend = true;                       ///< A bar of the strain colours, in wireframe mode only.
+  Vec3 backgroundTop{0.87f, 0.90f, 0.93f};  ///< sRGB.
+  Vec3 backgroundBottom{0.97f, 0.96f, 0.94f};  ///< sRGB.
 };
 
 /// How positions travel to the GPU. The pictures are equal byte for byte.
 enum class StreamPath {
-    Ring, ///< Written in place into one mapped buffer; one draw per shape and pass.
-    Naive ///< One buffer, one upload and one draw per instance: a baseline for tests and benches.
+  Ring,  ///< Written in place into one mapped buffer; one draw per shape and pass.
+  Naive  ///< One buffer, one upload and one draw per instance: a baseline for tests and benches.
 };
 
 /// Figures of the last frame; times are milliseconds of this thread.
 struct FrameStats {
-    std::size_t bytesStreamed = 0;  ///< Position bytes.
-    std::size_t shapeDrawCalls = 0; ///< Draws of shapes, all passes together.
-    std::size_t drawCalls = 0;      ///< As above, with background and legend.
-    std::size_t dispatches = 0;     ///< Compute dispatches (normals, tube frames).
-    double waitMs = 0.0;            ///< In beginFrame, for the GPU to let go of the region.
-    double uploadMs = 0.0;          ///< In draw: instance table, and positions if Naive.
-    double submitMs = 0.0;          ///< In draw: the rest.
-    double finishMs = 0.0;          ///< In readPixels: waiting for the picture.
-    double readMs = 0.0;            ///< In readPixels: copying it.
+  std::size_t bytesStreamed = 0;   ///< Position bytes.
+  std::size_t shapeDrawCalls = 0;  ///< Draws of shapes, all passes together.
+  std::size_t drawCalls = 0;       ///< As above, with background and legend.
+  std::size_t dispatches = 0;      ///< Compute dispatches (normals, tube frames).
+  double waitMs = 0.0;             ///< In beginFrame, for the GPU to let go of the region.
+  double uploadMs = 0.0;           ///< In draw: instance table, and positions if Naive.
+  double submitMs = 0.0;           ///< In draw: the rest.
+  double finishMs = 0.0;           ///< In readPixels: waiting for the picture.
+  double readMs = 0.0;             ///< In readPixels: copying it.
 };
 
 /// Figures since the renderer was made.
 struct RingStats {
-    std::uint64_t waits = 0;  ///< Times a region was still in flight when it was needed.
-    std::uint64_t stalls = 0; ///< Of these, how often the GPU had not yet finished with it.
-    std::uint64_t growths = 0; ///< Times the buffer was replaced by a larger one.
+  std::uint64_t waits = 0;    ///< Times a region was still in flight when it was needed.
+  std::uint64_t stalls = 0;   ///< Of these, how often the GPU had not yet finished with it.
+  std::uint64_t growths = 0;  ///< Times the buffer was replaced by a larger one.
 };
 
 /// Bytes of GPU memory the renderer owns, by use.
 struct GpuMemory {
-    std::size_t stream = 0;   ///< The three regions of positions.
-    std::size_t shapes = 0;   ///< Static data of the shapes.
-    std::size_t scratch = 0;  ///< Normals, instance table, uniforms, naive path.
-    std::size_t textures = 0; ///< Textures of instances.
-    std::size_t targets = 0;  ///< Colour, depth and shadow map.
-    std::size_t buffers() const { return stream + shapes + scratch; }
-    std::size_t total() const { return buffers() + textures + targets; }
+  std::size_t stream = 0;    ///< The three regions of positions.
+  std::size_t shapes = 0;    ///< Static data of the shapes.
+  std::size_t scratch = 0;   ///< Normals, instance table, uniforms, naive path.
+  std::size_t textures = 0;  ///< Textures of instances.
+  std::size_t targets = 0;   ///< Colour, depth and shadow map.
+  std::size_t buffers() const { return stream + shapes + scratch; }
+  std::size_t total() const { return buffers() + textures + targets; }
 };
 
 /// One frame being written. Move-only; a frame destroyed without being drawn is cancelled.
 /// It refers to its renderer and must not outlive it.
 class FrameWriter {
-public:
-    FrameWriter(FrameWriter&& other) noexcept;
-    FrameWriter& operator=(FrameWriter&&) = delete;
-    ~FrameWriter();
+ public:
+  FrameWriter(FrameWriter&& other) noexcept;
+  FrameWriter& operator=(FrameWriter&&) = delete;
+  ~FrameWriter();
 
-    /// Where to write the points of an instance: 3 x pointCount floats (x y z, metres), packed.
-    /// Write-only, GPU-visible memory holding nothing useful before: write all of it, every frame,
-    /// before draw(); several threads may write different instances. Throws std::runtime_error for
-    /// an id that was removed, or added after beginFrame().
-    float* points(InstanceId instance) const;
+  /// Where to write the points of an instance: 3 x pointCount floats (x y z, metres), packed.
+  /// Write-only, GPU-visible memory holding nothing useful before: write all of it, every frame,
+  /// before draw(); several threads may write different instances. Throws std::runtime_error for
+  /// an id that was removed, or added after beginFrame().
+  float* points(InstanceId instance) const;
 
-private:
-    friend class Renderer;
-    FrameWriter(Renderer& renderer, std::uint64_t serial) : renderer_(&renderer), serial_(serial) {}
+ private:
+  friend class Renderer;
+  FrameWriter(Renderer& renderer, std::uint64_t serial) : renderer_(&renderer), serial_(serial) {}
 
-    Renderer* renderer_;
-    std::uint64_t serial_;
+  Renderer* renderer_;
+  std::uint64_t serial_;
 };
 
 /// Draws many deforming bodies of few shapes into a picture of its own (never a window).
@@ -129,58 +129,57 @@ private:
 /// Threads: all calls on the thread on which the context is current. The context must outlive the
 /// renderer and be current when it is destroyed.
 class Renderer {
-public:
-    Renderer(GlContext& context, const RendererDesc& desc = {});
-    ~Renderer();
-    Renderer(const Renderer&) = delete;
-    Renderer& operator=(const Renderer&) = delete;
+ public:
+  Renderer(GlContext& context, const RendererDesc& desc = {});
+  ~Renderer();
+  Renderer(const Renderer&) = delete;
+  Renderer& operator=(const Renderer&) = delete;
 
-    /// Sizes are 1 to 16384 or what the driver allows. Not while a frame is open.
-    void resize(int width, int height);
-    int width() const;
-    int height() const;
+  /// Sizes are 1 to 16384 or what the driver allows. Not while a frame is open.
+  void resize(int width, int height);
+  int width() const;
+  int height() const;
 
-    /// Uploads the shared data of a shape; it lives as long as the renderer.
-    ShapeId addShape(const ShapeDesc& desc);
-    /// `rgba`: 4 x width x height bytes, sRGB, top row first. Repeats, has mipmaps, lives as long
-    /// as the renderer.
-    TextureId addTexture(int width, int height, const std::uint8_t* rgba);
+  /// Uploads the shared data of a shape; it lives as long as the renderer.
+  ShapeId addShape(const ShapeDesc& desc);
+  /// `rgba`: 4 x width x height bytes, sRGB, top row first. Repeats, has mipmaps, lives as long
+  /// as the renderer.
+  TextureId addTexture(int width, int height, const std::uint8_t* rgba);
 
-    /// These three take effect at the next beginFrame(), also while a frame is open or in flight.
-    InstanceId addInstance(ShapeId shape, const InstanceLook& look = {});
-    void setLook(InstanceId instance, const InstanceLook& look);
-    void removeInstance(InstanceId instance);
-    std::size_t instanceCount() const;
+  /// These three take effect at the next beginFrame(), also while a frame is open or in flight.
+  InstanceId addInstance(ShapeId shape, const InstanceLook& look = {});
+  void setLook(InstanceId instance, const InstanceLook& look);
+  void removeInstance(InstanceId instance);
+  std::size_t instanceCount() const;
 
-    /// Opens a frame. Waits for the GPU only if three frames are in flight, or if the buffer has
-    /// to grow because of added instances.
-    FrameWriter beginFrame(StreamPath path = StreamPath::Ring);
-    /// Submits the picture and closes the frame; returns without waiting for the GPU.
-    void draw(FrameWriter& frame, const Camera& camera, const Light& light,
-              const DrawOptions& options = {});
+  /// Opens a frame. Waits for the GPU only if three frames are in flight, or if the buffer has
+  /// to grow because of added instances.
+  FrameWriter beginFrame(StreamPath path = StreamPath::Ring);
+  /// Submits the picture and closes the frame; returns without waiting for the GPU.
+  void draw(FrameWriter& frame, const Camera& camera, const Light& light, const DrawOptions& options = {});
 
-    /// The last picture drawn. Waits for it. The second form reuses the image's memory.
-    Image readPixels();
-    void readPixels(Image& image);
+  /// The last picture drawn. Waits for it. The second form reuses the image's memory.
+  Image readPixels();
+  void readPixels(Image& image);
 
-    /// Normals (or, for tubes, frame directions) of an instance as the GPU computed them in the
-    /// last Ring frame: 3 floats per point. For tests: slow. Throws for flat shapes.
-    std::vector<float> readNormals(InstanceId instance);
+  /// Normals (or, for tubes, frame directions) of an instance as the GPU computed them in the
+  /// last Ring frame: 3 floats per point. For tests: slow. Throws for flat shapes.
+  std::vector<float> readNormals(InstanceId instance);
 
-    const FrameStats& lastFrame() const;
-    RingStats ringStats() const;
-    GpuMemory gpuMemory() const;
-    /// All buffers, without textures and render targets.
-    std::size_t gpuBufferBytes() const { return gpuMemory().buffers(); }
+  const FrameStats& lastFrame() const;
+  RingStats ringStats() const;
+  GpuMemory gpuMemory() const;
+  /// All buffers, without textures and render targets.
+  std::size_t gpuBufferBytes() const { return gpuMemory().buffers(); }
 
-    const DebugMessages& debugMessages() const;
-    const Gl& gl() const;
+  const DebugMessages& debugMessages() const;
+  const Gl& gl() const;
 
-private:
-    friend class FrameWriter;
-    struct Parts;
+ private:
+  friend class FrameWriter;
+  struct Parts;
 
-    std::unique_ptr<Parts> parts_;
+  std::unique_ptr<Parts> parts_;
 };
 
-} // namespace limber::render
+}  // namespace limber::render

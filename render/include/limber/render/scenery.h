@@ -12,18 +12,17 @@ namespace limber::render {
 /// A shape with the points it has at rest; y is up. For things that do not move, write the same
 /// points every frame.
 struct Scenery {
-    ShapeDesc shape;
-    std::vector<float> points; ///< 3 x shape.pointCount, metres.
+  ShapeDesc shape;
+  std::vector<float> points;  ///< 3 x shape.pointCount, metres.
 };
 
 /// 8 points, 24 vertices (each face has its own uv square), 12 triangles, flat.
 Scenery makeBox(Vec3 centre, Vec3 halfExtents);
 
 /// Smooth; `rings` bands from pole to pole (at least 2), `segments` around (at least 3).
-Scenery makeUvSphere(Vec3 centre, float radius, std::uint32_t rings = 24,
-                     std::uint32_t segments = 48);
+Scenery makeUvSphere(Vec3 centre, float radius, std::uint32_t rings = 24, std::uint32_t segments = 48);
 
 /// A horizontal quad facing up, with the grid pattern (1 metre cells) fading out at `halfSize`.
 Scenery makeFloor(Vec3 centre, float halfSize);
 
-} // namespace limber::render
+}  // namespace limber::render

@@ -8,13 +8,13 @@
 namespace limber::render {
 
 enum class Shading {
-    Flat,  ///< One normal per triangle, from screen-space derivatives.
-    Smooth ///< Area-weighted normals per point, computed on the GPU every frame.
+  Flat,   ///< One normal per triangle, from screen-space derivatives.
+  Smooth  ///< Area-weighted normals per point, computed on the GPU every frame.
 };
 
 enum class Pattern {
-    Plain,
-    Grid ///< Lines every metre of uv over a checker, fading out at uv length `patternRadius`.
+  Plain,
+  Grid  ///< Lines every metre of uv over a checker, fading out at uv length `patternRadius`.
 };
 
 /// What all instances of one body type share: topology and looks that never change. Points are
@@ -25,26 +25,26 @@ enum class Pattern {
 /// polyline, its surface is made on the GPU. Either may have lines, and lines alone are a shape
 /// too (it is then invisible except in wireframe mode).
 struct ShapeDesc {
-    std::string name; ///< Only used in error messages.
+  std::string name;  ///< Only used in error messages.
 
-    std::uint32_t pointCount = 0;             ///< At least 1; a tube needs at least 2.
-    std::vector<std::uint32_t> vertexToPoint; ///< One per vertex; empty: vertex i is point i.
-    std::vector<float> uvs;                   ///< 2 per vertex, or empty.
-    std::vector<std::uint32_t> triangles;     ///< 3 vertex indices each, counter-clockwise outside.
-    std::vector<std::uint32_t> lines;         ///< 2 point indices each.
-    std::vector<float> lineRestLengths;       ///< Metres, > 0, one per line; empty: not coloured.
+  std::uint32_t pointCount = 0;              ///< At least 1; a tube needs at least 2.
+  std::vector<std::uint32_t> vertexToPoint;  ///< One per vertex; empty: vertex i is point i.
+  std::vector<float> uvs;                    ///< 2 per vertex, or empty.
+  std::vector<std::uint32_t> triangles;      ///< 3 vertex indices each, counter-clockwise outside.
+  std::vector<std::uint32_t> lines;          ///< 2 point indices each.
+  std::vector<float> lineRestLengths;        ///< Metres, > 0, one per line; empty: not coloured.
 
-    Shading shading = Shading::Flat;
-    bool twoSided = false; ///< Draw and light both sides (cloth).
+  Shading shading = Shading::Flat;
+  bool twoSided = false;  ///< Draw and light both sides (cloth).
 
-    float tubeRadius = 0.0f;           ///< Metres; above 0 makes this a tube.
-    std::uint32_t tubeSegments = 12;   ///< Around the tube; at least 3.
+  float tubeRadius = 0.0f;          ///< Metres; above 0 makes this a tube.
+  std::uint32_t tubeSegments = 12;  ///< Around the tube; at least 3.
 
-    Pattern pattern = Pattern::Plain;
-    float patternRadius = 0.0f; ///< Metres of uv at which a Grid has faded away.
+  Pattern pattern = Pattern::Plain;
+  float patternRadius = 0.0f;  ///< Metres of uv at which a Grid has faded away.
 };
 
 /// Why the description cannot be drawn (naming the array and the index), or empty if it can.
 std::string validate(const ShapeDesc& desc);
 
-} // namespace limber::render
+}  // namespace limber::render

@@ -12,18 +12,18 @@ namespace limber::render {
 
 /// The part of the buffer that may be written for one frame.
 struct StreamFrame {
-    float* data = nullptr;      ///< Write-only and best written in order: reading it is slow.
-    std::size_t floatCount = 0; ///< Floats that fit.
-    GLintptr byteOffset = 0;    ///< Where `data` begins inside the buffer; a multiple of 256.
+  float* data = nullptr;       ///< Write-only and best written in order: reading it is slow.
+  std::size_t floatCount = 0;  ///< Floats that fit.
+  GLintptr byteOffset = 0;     ///< Where `data` begins inside the buffer; a multiple of 256.
 };
 
 struct StreamBufferDesc {
-    std::size_t floatsPerFrame = 0; ///< At least 1.
-    std::chrono::nanoseconds fenceTimeout = std::chrono::seconds(5);
+  std::size_t floatsPerFrame = 0;  ///< At least 1.
+  std::chrono::nanoseconds fenceTimeout = std::chrono::seconds(5);
 #ifdef NDEBUG
-    bool poison = false;
+  bool poison = false;
 #else
-    bool poison = true; ///< Fill each region with NaN before it is handed out.
+  bool poison = true;  ///< Fill each region with NaN before it is handed out.
 #endif
 };
 
@@ -32,38 +32,38 @@ struct StreamBufferDesc {
 /// Use on the thread of its context only; the memory itself may be written by any thread
 /// between beginFrame() and endFrame().
 class StreamBuffer {
-public:
-    /// `gl` must outlive the object. Throws std::runtime_error if the driver refuses.
-    StreamBuffer(const Gl& gl, const StreamBufferDesc& desc);
-    ~StreamBuffer();
-    StreamBuffer(const StreamBuffer&) = delete;
-    StreamBuffer& operator=(const StreamBuffer&) = delete;
+ public:
+  /// `gl` must outlive the object. Throws std::runtime_error if the driver refuses.
+  StreamBuffer(const Gl& gl, const StreamBufferDesc& desc);
+  ~StreamBuffer();
+  StreamBuffer(const StreamBuffer&) = delete;
+  StreamBuffer& operator=(const StreamBuffer&) = delete;
 
-    /// Opens the next region, waiting for the GPU if all are busy. Errors as StreamRing::begin.
-    StreamFrame beginFrame();
-    /// Fences the open region: call after the last command that reads it. `bytesWritten` only
-    /// goes into the statistics.
-    void endFrame(std::size_t bytesWritten);
-    /// Gives the open region back unused.
-    void cancelFrame() { ring_.cancel(); }
-    /// Waits until the GPU reads no region any more.
-    void drain() { ring_.drain(); }
+  /// Opens the next region, waiting for the GPU if all are busy. Errors as StreamRing::begin.
+  StreamFrame beginFrame();
+  /// Fences the open region: call after the last command that reads it. `bytesWritten` only
+  /// goes into the statistics.
+  void endFrame(std::size_t bytesWritten);
+  /// Gives the open region back unused.
+  void cancelFrame() { ring_.cancel(); }
+  /// Waits until the GPU reads no region any more.
+  void drain() { ring_.drain(); }
 
-    GLuint name() const { return buffer_.name(); }
-    std::size_t bytes() const { return buffer_.bytes(); }
-    std::size_t floatsPerFrame() const { return floatsPerFrame_; }
-    std::size_t bytesLastFrame() const { return bytesLastFrame_; }
-    const StreamRing::Counters& counters() const { return ring_.counters(); }
+  GLuint name() const { return buffer_.name(); }
+  std::size_t bytes() const { return buffer_.bytes(); }
+  std::size_t floatsPerFrame() const { return floatsPerFrame_; }
+  std::size_t bytesLastFrame() const { return bytesLastFrame_; }
+  const StreamRing::Counters& counters() const { return ring_.counters(); }
 
-private:
-    std::unique_ptr<FenceSource> fences_;
-    StreamRing ring_;
-    GlBuffer buffer_;
-    float* mapped_ = nullptr;
-    std::size_t floatsPerFrame_ = 0;
-    std::size_t regionBytes_ = 0;
-    std::size_t bytesLastFrame_ = 0;
-    bool poison_ = false;
+ private:
+  std::unique_ptr<FenceSource> fences_;
+  StreamRing ring_;
+  GlBuffer buffer_;
+  float* mapped_ = nullptr;
+  std::size_t floatsPerFrame_ = 0;
+  std::size_t regionBytes_ = 0;
+  std::size_t bytesLastFrame_ = 0;
+  bool poison_ = false;
 };
 
-} // namespace limber::render
+}  // namespace limber::render

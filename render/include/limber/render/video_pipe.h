@@ -3,56 +3,56 @@
 
 #include "limber/render/image.h"
 
+#include <sys/types.h>
 #include <cstdio>
 #include <memory>
 #include <string>
-#include <sys/types.h>
 
 namespace limber::render {
 
 struct VideoDesc {
-    std::string path; ///< Output file; its ending chooses the container (".mp4").
-    int width = 0;
-    int height = 0;
-    int framesPerSecond = 60;
-    std::string preset = "veryfast"; ///< Of libx264.
-    int quality = 18;                ///< Of libx264 (crf): smaller is better.
+  std::string path;  ///< Output file; its ending chooses the container (".mp4").
+  int width = 0;
+  int height = 0;
+  int framesPerSecond = 60;
+  std::string preset = "veryfast";  ///< Of libx264.
+  int quality = 18;                 ///< Of libx264 (crf): smaller is better.
 };
 
 /// Sends frames to an ffmpeg process, started without a shell. A dying ffmpeg is reported as an
 /// error and never ends this program with SIGPIPE. Not safe for several threads at once.
 class VideoPipe {
-public:
-    /// True if there is an executable ffmpeg on PATH.
-    static bool available();
+ public:
+  /// True if there is an executable ffmpeg on PATH.
+  static bool available();
 
-    /// Throws std::runtime_error if ffmpeg is missing or cannot be started.
-    explicit VideoPipe(const VideoDesc& desc);
-    /// Closes the pipe and waits for ffmpeg; errors are lost (call finish() to have them).
-    ~VideoPipe();
-    VideoPipe(const VideoPipe&) = delete;
-    VideoPipe& operator=(const VideoPipe&) = delete;
+  /// Throws std::runtime_error if ffmpeg is missing or cannot be started.
+  explicit VideoPipe(const VideoDesc& desc);
+  /// Closes the pipe and waits for ffmpeg; errors are lost (call finish() to have them).
+  ~VideoPipe();
+  VideoPipe(const VideoPipe&) = delete;
+  VideoPipe& operator=(const VideoPipe&) = delete;
 
-    /// Throws std::runtime_error if the size differs from the description or if ffmpeg has
-    /// stopped reading; the text holds what ffmpeg said.
-    void write(const Image& image);
-    /// Ends the video. Throws std::runtime_error if ffmpeg failed. Later calls do nothing.
-    void finish();
+  /// Throws std::runtime_error if the size differs from the description or if ffmpeg has
+  /// stopped reading; the text holds what ffmpeg said.
+  void write(const Image& image);
+  /// Ends the video. Throws std::runtime_error if ffmpeg failed. Later calls do nothing.
+  void finish();
 
-private:
-    struct CloseFile {
-        void operator()(std::FILE* file) const { std::fclose(file); }
-    };
+ private:
+  struct CloseFile {
+    void operator()(std::FILE* file) const { std::fclose(file); }
+  };
 
-    void closeInput() noexcept;
-    int waitForExit() noexcept;
-    std::string complaint() const;
-    [[noreturn]] void failWrite(int error);
+  void closeInput() noexcept;
+  int waitForExit() noexcept;
+  std::string complaint() const;
+  [[noreturn]] void failWrite(int error);
 
-    VideoDesc desc_;
-    std::unique_ptr<std::FILE, CloseFile> messages_;
-    int input_ = -1;
-    pid_t process_ = -1;
+  VideoDesc desc_;
+  std::unique_ptr<std::FILE, CloseFile> messages_;
+  int input_ = -1;
+  pid_t process_ = -1;
 };
 
-} // namespace limber::render
+}  // namespace limber::render

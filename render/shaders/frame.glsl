@@ -1,0 +1,19 @@
+// What every stage may know of the frame and of the draw call; mirrored by FrameUniforms in C++.
+layout(std140, binding = 0) uniform Frame {
+  mat4 viewProjection;
+  mat4 worldToShadow;    // To shadow map coordinates in x and y, depth in z.
+  vec4 eye;
+  vec4 towardsLight;     // Unit vector; w: shadow bias in depth per unit of tangent.
+  vec4 sun;
+  vec4 sky;
+  vec4 ground;
+  vec4 backgroundTop;    // Linear, as all colours here.
+  vec4 backgroundBottom;
+  vec4 viewport;         // Width, height; line width in pixels; one over the strain range.
+} frame;
+
+uniform uint firstPoint;     // Of the first instance, in Points.
+uniform uint firstInstance;  // In Instances.
+uniform uint pointCount;     // Per instance.
+uniform uint firstNormal;    // Of the first instance, in Normals.
+uniform float shapeRadius;   // Of the tube, or where the grid has faded away.

@@ -1,0 +1,29 @@
+// The normal of a point is the sum of the cross products of its triangles (twice their area), which
+// weights them by area. One invocation per point, so nothing is added up by several threads.
+layout(local_size_x = 64) in;
+
+layout(std430, binding = 4) readonly buffer Offsets { uint offsets[]; };  // Into Corners, by point.
+layout(std430, binding = 5) readonly buffer Corners { uvec2 corners[]; };  // The triangle's next two.
+
+uniform uint invocations;
+
+void main() {
+  uint index = gl_GlobalInvocationID.x + gl_GlobalInvocationID.y * gl_NumWorkGroups.x * 64u;
+  if (index >= invocations) {
+    return;
+  }
+  uint local = index % pointCount;
+  uint base = firstPoint + index - local;
+  vec3 centre = pointAt(base + local);
+  vec3 sum = vec3(0.0);
+  for (uint i = offsets[local]; i < offsets[local + 1u]; ++i) {
+    uvec2 corner = corners[i];
+    sum += cross(pointAt(base + corner.x) - centre, pointAt(base + corner.y) - centre);
+  }
+  float lengthSquared = dot(sum, sum);
+  vec3 normal = lengthSquared > 0.0 ? sum * inversesqrt(lengthSquared) : vec3(0.0, 1.0, 0.0);
+  uint at = 3u * (firstNormal + index);
+  normals[at] = normal.x;
+  normals[at + 1u] = normal.y;
+  normals[at + 2u] = normal.z;
+}

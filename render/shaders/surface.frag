@@ -1,0 +1,113 @@
+in vec3 toEye;
+in vec3 shadowCoord;
+in vec2 uv;
+flat in vec4 look;
+#ifdef SMOOTH
+in vec3 smoothNormal;
+#endif
+
+layout(binding = 0) uniform sampler2DArray textures;
+layout(binding = 1) uniform sampler2DShadow shadowMap;
+
+layout(location = 0) out vec4 result;
+
+// The triangle's own normal, towards the viewer. Derivatives of toEye rather than of the position,
+// because the numbers stay small far from the origin.
+vec3 faceNormal() {
+  vec3 normal = cross(dFdx(toEye), dFdy(toEye));
+  return normalize(dot(normal, toEye) < 0.0 ? -normal : normal);
+}
+
+#ifdef SHADOWS
+// The bias is the depth that a plane of this slope gains across the filter's width: enough against
+// acne at every angle, and nearly nothing where the light falls straight on, so contacts stay dark.
+float sunlight(float facing) {
+  float tangent = min(sqrt(max(1.0 - facing * facing, 0.0)) / max(facing, 0.05), 12.0);
+  vec3 coord = vec3(shadowCoord.xy, shadowCoord.z - frame.towardsLight.w * (0.5 + tangent));
+#if SHADOW_TAPS == 4
+  vec2 step = 0.75 / vec2(textureSize(shadowMap, 0));
+  return 0.25 * (texture(shadowMap, coord + vec3(-step.x, -step.y, 0.0)) +
+                 texture(shadowMap, coord + vec3(step.x, -step.y, 0.0)) +
+                 texture(shadowMap, coord + vec3(-step.x, step.y, 0.0)) +
+                 texture(shadowMap, coord + vec3(step.x, step.y, 0.0)));
+#else
+  return texture(shadowMap, coord);
+#endif
+}
+#endif
+
+#ifdef GRID
+// How much of a pixel-wide window around x is covered by lines of a width at every whole number.
+float lineCoverage(float x, float width, float pixel) {
+  float window = max(pixel, 1e-6);
+  float low = x - 0.5 * window + 0.5 * width;
+  float high = low + window;
+  float covered = floor(high) * width + min(fract(high), width) - floor(low) * width - min(fract(low), width);
+  return clamp(covered / window, 0.0, 1.0);
+}
+
+vec3 gridColour(vec3 base) {
+  vec2 pixel = fwidth(uv);
+  float fine = max(lineCoverage(uv.x, 0.022, pixel.x), lineCoverage(uv.y, 0.022, pixel.y));
+  // The checker is a product of two square waves, each averaged over the pixel like the lines.
+  vec2 wave = 1.0 - 2.0 * vec2(lineCoverage(0.5 * uv.x + 0.25, 0.5, 0.5 * pixel.x),
+                               lineCoverage(0.5 * uv.y + 0.25, 0.5, 0.5 * pixel.y));
+  return base * (1.0 - 0.07 * (0.5 - 0.5 * wave.x * wave.y)) * (1.0 - 0.22 * fine);
+}
+#endif
+
+vec3 surfaceColour() {
+  vec3 colour = look.rgb;
+#ifdef GRID
+  colour = gridColour(colour);
+#endif
+  // The layer is constant over a triangle, so all pixels of a derivative quad take the same branch.
+  if (look.a >= 0.0) {
+    colour *= texture(textures, vec3(uv, look.a)).rgb;
+  }
+  return colour;
+}
+
+// cos^48 by multiplication: a power costs several times as much on a software rasteriser.
+float highlight(float cosine) {
+  float c2 = cosine * cosine;
+  float c4 = c2 * c2;
+  float c8 = c4 * c4;
+  float c16 = c8 * c8;
+  return c16 * c16 * c16;
+}
+
+void main() {
+  vec3 face = faceNormal();
+#ifdef SMOOTH
+  vec3 normal = normalize(smoothNormal);
+#ifdef TWO_SIDED
+  normal = gl_FrontFacing ? normal : -normal;
+#endif
+#else
+  vec3 normal = face;
+#endif
+  vec3 light = frame.towardsLight.xyz;
+  float facing = dot(normal, light);
+  float sun = 0.0;
+  if (facing > 0.0) {
+    sun = 1.0;
+#ifdef SHADOWS
+    sun = sunlight(max(dot(face, light), 0.0));
+#endif
+#ifdef SMOOTH
+    // A facet turned away from the light shadows itself, though its smooth normal still sees the
+    // light. Fading the sun out before that happens hides the facet's edge.
+    sun *= smoothstep(0.0, 0.25, facing);
+#endif
+  }
+  vec3 middle = normalize(light + normalize(toEye));
+  vec3 ambient = mix(frame.ground.rgb, frame.sky.rgb, 0.5 + 0.5 * normal.y);
+  vec3 colour = surfaceColour() * (ambient + frame.sun.rgb * (sun * max(facing, 0.0)));
+#ifdef GRID
+  colour = mix(colour, backgroundColour(), smoothstep(0.35, 1.0, length(uv) / shapeRadius));
+#else
+  colour += frame.sun.rgb * (0.22 * sun * highlight(max(dot(normal, middle), 0.0)));
+#endif
+  result = vec4(colour, 1.0);
+}

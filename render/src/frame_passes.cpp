@@ -1,0 +1,143 @@
+// SPDX-License-Identifier: Zlib
+#include "frame_passes.h"
+
+#include <algorithm>
+
+namespace limber::render {
+namespace {
+
+constexpr std::uint32_t kGroupSize = 64;
+constexpr std::uint32_t kMostGroupsPerRow = 65535;  // The least that OpenGL allows.
+
+void setUniforms(const PassContext& pass, const ShaderProgram& program, const DrawItem& item) {
+  const auto set = [&](DrawUniform uniform, std::uint32_t value) {
+    pass.gl.ProgramUniform1ui(program.name(), program.location(uniform), value);
+  };
+  set(DrawUniform::FirstPoint, item.firstPoint);
+  set(DrawUniform::FirstInstance, item.firstInstance);
+  set(DrawUniform::PointCount, item.shape->pointCount);
+  set(DrawUniform::FirstNormal, item.firstNormal);
+  pass.gl.ProgramUniform1f(program.name(), program.location(DrawUniform::ShapeRadius), item.shape->radius);
+}
+
+void use(const PassContext& pass, const ShaderProgram& program, const DrawItem& item) {
+  pass.gl.UseProgram(program.name());
+  setUniforms(pass, program, item);
+  pass.gl.BindBufferRange(GL_SHADER_STORAGE_BUFFER, kPoints, item.positions, item.byteOffset, item.bytes);
+}
+
+void drawTriangles(const PassContext& pass, const DrawItem& item) {
+  pass.gl.BindVertexArray(item.shape->layout.name());
+  pass.gl.DrawElementsInstanced(GL_TRIANGLES, item.shape->indexCount, GL_UNSIGNED_INT, nullptr,
+                                static_cast<GLsizei>(item.instanceCount));
+  ++pass.stats.shapeDrawCalls;
+  ++pass.stats.drawCalls;
+}
+
+void dispatch(const PassContext& pass, const ShaderProgram& program, std::uint32_t invocations) {
+  pass.gl.ProgramUniform1ui(program.name(), program.location(DrawUniform::Invocations), invocations);
+  const std::uint32_t groups = (invocations + kGroupSize - 1) / kGroupSize;
+  const std::uint32_t columns = std::min(groups, kMostGroupsPerRow);
+  pass.gl.DispatchCompute(columns, (groups + columns - 1) / columns, 1);
+  ++pass.stats.dispatches;
+}
+
+void setCulling(const Gl& gl, bool on) {
+  if (on) {
+    gl.Enable(GL_CULL_FACE);
+  } else {
+    gl.Disable(GL_CULL_FACE);
+  }
+}
+
+}  // namespace
+
+void computeNormals(const PassContext& pass) {
+  // The passes of the frame before may still be reading what is now overwritten.
+  pass.gl.MemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
+  for (const DrawItem& item : pass.items) {
+    const GpuShape& shape = *item.shape;
+    if (!shape.needsNormals()) {
+      continue;
+    }
+    const ShaderProgram& program = pass.programs.normals(shape.tube);
+    use(pass, program, item);
+    if (shape.tube) {
+      dispatch(pass, program, item.instanceCount);
+    } else {
+      pass.gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, kOffsets, shape.adjacencyOffsets.name());
+      pass.gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, kCorners, shape.adjacencyCorners.name());
+      dispatch(pass, program, item.instanceCount * shape.pointCount);
+    }
+  }
+  pass.gl.MemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
+}
+
+void castShadows(const PassContext& pass, const ShadowMap& map) {
+  map.begin();
+  pass.gl.Enable(GL_DEPTH_TEST);
+  pass.gl.DepthFunc(GL_LESS);
+  // Casters nearer to the light than the map reaches are flattened onto its near end, not lost.
+  pass.gl.Enable(GL_DEPTH_CLAMP);
+  setCulling(pass.gl, false);
+  for (const DrawItem& item : pass.items) {
+    if (item.shape->indexCount > 0) {
+      use(pass, pass.programs.depth(item.shape->tube), item);
+      drawTriangles(pass, item);
+    }
+  }
+  pass.gl.Disable(GL_DEPTH_CLAMP);
+}
+
+void drawSurfaces(const PassContext& pass, DrawMode mode, bool shadows) {
+  pass.gl.Enable(GL_DEPTH_TEST);
+  pass.gl.DepthFunc(GL_LESS);
+  for (const DrawItem& item : pass.items) {
+    const GpuShape& shape = *item.shape;
+    if (shape.indexCount == 0 || (mode == DrawMode::Wireframe && shape.lineCount > 0)) {
+      continue;
+    }
+    setCulling(pass.gl, !shape.twoSided);
+    use(pass, pass.programs.surface({shape.tube, shape.smooth, shape.twoSided, shape.grid, shadows}), item);
+    drawTriangles(pass, item);
+  }
+}
+
+void drawLines(const PassContext& pass) {
+  pass.gl.Enable(GL_DEPTH_TEST);
+  pass.gl.DepthFunc(GL_LESS);
+  setCulling(pass.gl, false);
+  pass.gl.BindVertexArray(pass.emptyLayout);
+  for (const DrawItem& item : pass.items) {
+    if (item.shape->lineCount == 0) {
+      continue;
+    }
+    use(pass, pass.programs.lines(), item);
+    pass.gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, kLines, item.shape->lines.name());
+    pass.gl.DrawArraysInstanced(GL_TRIANGLES, 0, 6 * item.shape->lineCount,
+                                static_cast<GLsizei>(item.instanceCount));
+    ++pass.stats.shapeDrawCalls;
+    ++pass.stats.drawCalls;
+  }
+}
+
+void drawBackdrop(const PassContext& pass) {
+  pass.gl.Enable(GL_DEPTH_TEST);
+  pass.gl.DepthFunc(GL_LEQUAL);
+  setCulling(pass.gl, false);
+  pass.gl.UseProgram(pass.programs.backdrop().name());
+  pass.gl.BindVertexArray(pass.emptyLayout);
+  pass.gl.DrawArraysInstanced(GL_TRIANGLES, 0, 3, 1);
+  ++pass.stats.drawCalls;
+}
+
+void drawLegend(const PassContext& pass) {
+  pass.gl.Disable(GL_DEPTH_TEST);
+  setCulling(pass.gl, false);
+  pass.gl.UseProgram(pass.programs.legend().name());
+  pass.gl.BindVertexArray(pass.emptyLayout);
+  pass.gl.DrawArraysInstanced(GL_TRIANGLE_STRIP, 0, 4, 1);
+  ++pass.stats.drawCalls;
+}
+
+}  // namespace limber::render

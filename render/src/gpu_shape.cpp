@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: Zlib
+#include "gpu_shape.h"
+
+#include <cstddef>
+#include <cstring>
+#include <stdexcept>
+#include <vector>
+
+#include "point_adjacency.h"
+#include "surface_mesh.h"
+#include "tube_mesh.h"
+
+namespace limber::render {
+namespace {
+
+template <typename T>
+GlBuffer upload(const Gl& gl, const std::vector<T>& data) {
+  return makeBuffer(gl, data.size() * sizeof(T), data.data());
+}
+
+SurfaceMesh makeSurface(const ShapeDesc& desc) {
+  if (desc.tubeRadius > 0.0f) {
+    return makeTubeMesh(desc.pointCount, desc.tubeSegments);
+  }
+  SurfaceMesh mesh;
+  mesh.indices = desc.triangles;
+  const std::size_t count = desc.vertexToPoint.empty() ? desc.pointCount : desc.vertexToPoint.size();
+  mesh.vertices.resize(count);
+  for (std::size_t i = 0; i < count; ++i) {
+    SurfaceVertex& vertex = mesh.vertices[i];
+    vertex.point = desc.vertexToPoint.empty() ? static_cast<std::uint32_t>(i) : desc.vertexToPoint[i];
+    if (!desc.uvs.empty()) {
+      vertex.u = desc.uvs[2 * i];
+      vertex.v = desc.uvs[2 * i + 1];
+    }
+  }
+  return mesh;
+}
+
+std::vector<std::uint32_t> packLines(const ShapeDesc& desc) {
+  std::vector<std::uint32_t> packed;
+  packed.reserve(desc.lines.size() / 2 * 3);
+  for (std::size_t i = 0; 2 * i < desc.lines.size(); ++i) {
+    const float perRest = desc.lineRestLengths.empty() ? 0.0f : 1.0f / desc.lineRestLengths[i];
+    std::uint32_t bits = 0;
+    std::memcpy(&bits, &perRest, sizeof bits);
+    packed.insert(packed.end(), {desc.lines[2 * i], desc.lines[2 * i + 1], bits});
+  }
+  return packed;
+}
+
+void addAttribute(const Gl& gl, GLuint layout, GLuint attribute, GLint floats, std::size_t offset) {
+  gl.EnableVertexArrayAttrib(layout, attribute);
+  gl.VertexArrayAttribBinding(layout, attribute, 0);
+  gl.VertexArrayAttribFormat(layout, attribute, floats, GL_FLOAT, GL_FALSE, static_cast<GLuint>(offset));
+}
+
+GlVertexArray makeLayout(const Gl& gl, const GpuShape& shape) {
+  GlVertexArray layout = makeVertexArray(gl);
+  const GLuint name = layout.name();
+  gl.VertexArrayVertexBuffer(name, 0, shape.vertices.name(), 0, sizeof(SurfaceVertex));
+  gl.VertexArrayElementBuffer(name, shape.indices.name());
+  gl.EnableVertexArrayAttrib(name, 0);
+  gl.VertexArrayAttribBinding(name, 0, 0);
+  gl.VertexArrayAttribIFormat(name, 0, 1, GL_UNSIGNED_INT, offsetof(SurfaceVertex, point));
+  addAttribute(gl, name, 1, 2, offsetof(SurfaceVertex, u));
+  if (shape.tube) {
+    addAttribute(gl, name, 2, 3, offsetof(SurfaceVertex, fraction));
+  }
+  return layout;
+}
+
+void uploadSurface(const Gl& gl, const ShapeDesc& desc, GpuShape& shape) {
+  const SurfaceMesh mesh = makeSurface(desc);
+  if (mesh.indices.empty()) {
+    return;
+  }
+  shape.indexCount = static_cast<GLsizei>(mesh.indices.size());
+  shape.vertices = upload(gl, mesh.vertices);
+  shape.indices = upload(gl, mesh.indices);
+  shape.layout = makeLayout(gl, shape);
+  if (shape.smooth && !shape.tube) {
+    const PointAdjacency adjacency = makePointAdjacency(desc);
+    shape.adjacencyOffsets = upload(gl, adjacency.offsets);
+    shape.adjacencyCorners = upload(gl, adjacency.corners);
+  }
+}
+
+}  // namespace
+
+std::size_t GpuShape::bytes() const {
+  return vertices.bytes() + indices.bytes() + lines.bytes() + adjacencyOffsets.bytes() +
+         adjacencyCorners.bytes();
+}
+
+GpuShape makeGpuShape(const Gl& gl, const ShapeDesc& desc) {
+  if (const std::string reason = validate(desc); !reason.empty()) {
+    throw std::runtime_error("shape \"" + desc.name + "\": " + reason);
+  }
+  GpuShape shape;
+  shape.name = desc.name;
+  shape.pointCount = desc.pointCount;
+  shape.tube = desc.tubeRadius > 0.0f;
+  shape.smooth = shape.tube || desc.shading == Shading::Smooth;
+  shape.twoSided = desc.twoSided;
+  shape.grid = desc.pattern == Pattern::Grid && !shape.tube;
+  shape.radius = shape.tube ? desc.tubeRadius : desc.patternRadius;
+  uploadSurface(gl, desc, shape);
+  if (!desc.lines.empty()) {
+    shape.lineCount = static_cast<GLsizei>(desc.lines.size() / 2);
+    shape.lines = upload(gl, packLines(desc));
+  }
+  return shape;
+}
+
+}  // namespace limber::render

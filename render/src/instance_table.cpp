@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: Zlib
+#include "instance_table.h"
+
+#include <stdexcept>
+
+#include "srgb.h"
+
+namespace limber::render {
+namespace {
+
+// 2^32 floats is what the shaders' indices can reach.
+constexpr std::size_t kMostPoints = UINT32_MAX / 3;
+
+InstanceRecord recordOf(const InstanceLook& look) {
+  InstanceRecord record{srgbToLinear(look.colour.x), srgbToLinear(look.colour.y), srgbToLinear(look.colour.z),
+                        -1.0f};
+  if (look.texture.index != UINT32_MAX) {
+    record.layer = static_cast<float>(look.texture.index);
+  }
+  return record;
+}
+
+}  // namespace
+
+const FrameLayout::Place* FrameLayout::find(InstanceId id) const {
+  if (id.index >= places.size() || places[id.index].generation != id.generation ||
+      places[id.index].firstPoint == UINT32_MAX) {
+    return nullptr;
+  }
+  return &places[id.index];
+}
+
+InstanceId InstanceTable::add(ShapeId shape, const InstanceLook& look) {
+  std::uint32_t index = static_cast<std::uint32_t>(slots_.size());
+  if (free_.empty()) {
+    slots_.emplace_back();
+  } else {
+    index = free_.back();
+    free_.pop_back();
+  }
+  slots_[index].shape = shape.index;
+  slots_[index].look = look;
+  changed_ = true;
+  return {index, slots_[index].generation};
+}
+
+void InstanceTable::setLook(InstanceId id, const InstanceLook& look) {
+  living(id).look = look;
+  changed_ = true;
+}
+
+void InstanceTable::remove(InstanceId id) {
+  Slot& slot = living(id);
+  slot.shape = UINT32_MAX;
+  ++slot.generation;
+  free_.push_back(id.index);
+  changed_ = true;
+}
+
+std::uint32_t InstanceTable::shapeOf(InstanceId id) const {
+  if (id.index >= slots_.size() || slots_[id.index].generation != id.generation ||
+      slots_[id.index].shape == UINT32_MAX) {
+    throw std::runtime_error("there is no instance with this id; it was removed or never added");
+  }
+  return slots_[id.index].shape;
+}
+
+InstanceTable::Slot& InstanceTable::living(InstanceId id) {
+  shapeOf(id);
+  return slots_[id.index];
+}
+
+void InstanceTable::layOut(const std::vector<ShapeExtent>& shapes, FrameLayout& layout) {
+  layout.groups.clear();
+  layout.records.clear();
+  layout.places.assign(slots_.size(), {});
+  layout.pointCount = 0;
+  layout.normalCount = 0;
+  // Shapes are few, so one pass over the slots for each is cheaper than keeping lists.
+  for (std::uint32_t shape = 0; shape < shapes.size(); ++shape) {
+    InstanceGroup group{shape, static_cast<std::uint32_t>(layout.records.size()), 0,
+                        static_cast<std::uint32_t>(layout.pointCount),
+                        static_cast<std::uint32_t>(layout.normalCount)};
+    const std::uint32_t points = shapes[shape].pointCount;
+    for (std::size_t i = 0; i < slots_.size(); ++i) {
+      if (slots_[i].shape != shape) {
+        continue;
+      }
+      layout.places[i] = {slots_[i].generation, static_cast<std::uint32_t>(layout.pointCount),
+                          static_cast<std::uint32_t>(layout.normalCount), points};
+      layout.records.push_back(recordOf(slots_[i].look));
+      layout.pointCount += points;
+      layout.normalCount += shapes[shape].needsNormals ? points : 0;
+      ++group.instanceCount;
+      if (layout.pointCount > kMostPoints) {
+        throw std::runtime_error("too many points for one frame: more than " + std::to_string(kMostPoints));
+      }
+    }
+    if (group.instanceCount > 0) {
+      layout.groups.push_back(group);
+    }
+  }
+  changed_ = false;
+}
+
+}  // namespace limber::render

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: Zlib
+#include "naive_stream.h"
+
+namespace limber::render {
+
+float* NaiveStream::begin(const FrameLayout& layout) {
+  staging_.resize(3 * layout.pointCount);
+  return staging_.data();
+}
+
+GLuint NaiveStream::bufferFor(std::size_t instance, std::size_t bytes) {
+  if (instance >= buffers_.size()) {
+    buffers_.resize(instance + 1);
+  }
+  if (buffers_[instance].bytes() != bytes) {
+    buffers_[instance] = makeBuffer(gl_, bytes, nullptr, GL_DYNAMIC_STORAGE_BIT);
+  }
+  return buffers_[instance].name();
+}
+
+void NaiveStream::upload(const FrameLayout& layout, const std::vector<GpuShape>& shapes,
+                         std::vector<DrawItem>& items) {
+  items.clear();
+  for (const InstanceGroup& group : layout.groups) {
+    const GpuShape& shape = shapes[group.shape];
+    const std::size_t bytes = 3 * sizeof(float) * shape.pointCount;
+    for (std::uint32_t i = 0; i < group.instanceCount; ++i) {
+      const std::uint32_t skipped = i * shape.pointCount;
+      const GLuint buffer = bufferFor(group.firstInstance + i, bytes);
+      gl_.NamedBufferSubData(buffer, 0, static_cast<GLsizeiptr>(bytes),
+                             staging_.data() + 3 * std::size_t{group.firstPoint + skipped});
+      items.push_back({&shape, group.firstInstance + i, 1, 0, group.firstNormal + skipped, buffer, 0,
+                       static_cast<GLsizeiptr>(bytes)});
+    }
+  }
+}
+
+std::size_t NaiveStream::bytes() const {
+  std::size_t sum = 0;
+  for (const GlBuffer& buffer : buffers_) {
+    sum += buffer.bytes();
+  }
+  return sum;
+}
+
+}  // namespace limber::render

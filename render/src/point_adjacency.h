@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: Zlib
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "limber/render/shape_desc.h"
+
+namespace limber::render {
+
+/// The triangles at every point, as the other two points of each in turn.
+struct PointAdjacency {
+  std::vector<std::uint32_t> offsets;  ///< pointCount + 1, into corners counted in pairs.
+  std::vector<std::uint32_t> corners;  ///< 2 per corner: the next and the previous point.
+};
+
+/// `desc` must be valid. Vertices that share a point share its list, so seams stay smooth.
+PointAdjacency makePointAdjacency(const ShapeDesc& desc);
+
+}  // namespace limber::render

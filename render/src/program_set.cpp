@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: Zlib
+#include "program_set.h"
+
+namespace limber::render {
+namespace {
+
+std::size_t indexOf(const SurfaceVariant& variant) {
+  std::size_t index = 0;
+  for (const bool bit : {variant.tube, variant.smooth, variant.twoSided, variant.grid, variant.shadows}) {
+    index = 2 * index + (bit ? 1 : 0);
+  }
+  return index;
+}
+
+std::vector<std::string_view> surfaceVertexFiles() {
+  return {"frame.glsl", "points.glsl", "normals.glsl", "tube.glsl", "surface.vert"};
+}
+
+}  // namespace
+
+const ShaderProgram& ProgramSet::surface(const SurfaceVariant& variant) {
+  ShaderProgram& program = surfaces_[indexOf(variant)];
+  if (program.name() == 0) {
+    std::vector<std::string> defines{"NORMALS_ACCESS readonly", "SHADOW_TAPS " + std::to_string(shadowTaps_)};
+    const auto define = [&defines](bool wanted, const char* name) {
+      if (wanted) {
+        defines.emplace_back(name);
+      }
+    };
+    define(variant.tube, "TUBE");
+    define(variant.smooth, "SMOOTH");
+    define(variant.twoSided, "TWO_SIDED");
+    define(variant.grid, "GRID");
+    define(variant.shadows, "SHADOWS");
+    program = buildProgram(gl_,
+                           {{GL_VERTEX_SHADER, surfaceVertexFiles()},
+                            {GL_FRAGMENT_SHADER, {"frame.glsl", "background.glsl", "surface.frag"}}},
+                           defines);
+  }
+  return program;
+}
+
+const ShaderProgram& ProgramSet::depth(bool tube) {
+  ShaderProgram& program = depths_[tube ? 1 : 0];
+  if (program.name() == 0) {
+    std::vector<std::string> defines{"NORMALS_ACCESS readonly", "DEPTH_ONLY"};
+    if (tube) {
+      defines.emplace_back("TUBE");
+    }
+    program = buildProgram(
+        gl_, {{GL_VERTEX_SHADER, surfaceVertexFiles()}, {GL_FRAGMENT_SHADER, {"depth.frag"}}}, defines);
+  }
+  return program;
+}
+
+const ShaderProgram& ProgramSet::normals(bool tube) {
+  ShaderProgram& program = normals_[tube ? 1 : 0];
+  if (program.name() == 0) {
+    const char* main = tube ? "tube_frames.comp" : "mesh_normals.comp";
+    program = buildProgram(
+        gl_, {{GL_COMPUTE_SHADER, {"frame.glsl", "points.glsl", "normals.glsl", "tube.glsl", main}}},
+        {"NORMALS_ACCESS writeonly"});
+  }
+  return program;
+}
+
+const ShaderProgram& ProgramSet::lines() {
+  if (lines_.name() == 0) {
+    lines_ = buildProgram(gl_,
+                          {{GL_VERTEX_SHADER, {"frame.glsl", "points.glsl", "lines.vert"}},
+                           {GL_FRAGMENT_SHADER, {"strain_colour.glsl", "lines.frag"}}},
+                          {});
+  }
+  return lines_;
+}
+
+const ShaderProgram& ProgramSet::backdrop() {
+  if (backdrop_.name() == 0) {
+    backdrop_ = buildProgram(gl_,
+                             {{GL_VERTEX_SHADER, {"backdrop.vert"}},
+                              {GL_FRAGMENT_SHADER, {"frame.glsl", "background.glsl", "backdrop.frag"}}},
+                             {});
+  }
+  return backdrop_;
+}
+
+const ShaderProgram& ProgramSet::legend() {
+  if (legend_.name() == 0) {
+    legend_ = buildProgram(gl_,
+                           {{GL_VERTEX_SHADER, {"frame.glsl", "legend.vert"}},
+                            {GL_FRAGMENT_SHADER, {"strain_colour.glsl", "legend.frag"}}},
+                           {});
+  }
+  return legend_;
+}
+
+}  // namespace limber::render

@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: Zlib
+#pragma once
+
+#include <array>
+#include <cstddef>
+
+#include "shader_program.h"
+
+namespace limber::render {
+
+/// What a surface program is specialised for; branches inside one program cost more.
+struct SurfaceVariant {
+  bool tube = false;
+  bool smooth = false;
+  bool twoSided = false;
+  bool grid = false;
+  bool shadows = false;
+};
+
+/// All programs, each compiled when it is first asked for. Every function throws
+/// std::runtime_error if the driver rejects a shader.
+class ProgramSet {
+ public:
+  ProgramSet(const Gl& gl, int shadowTaps) : gl_(gl), shadowTaps_(shadowTaps) {}
+
+  const ShaderProgram& surface(const SurfaceVariant& variant);
+  const ShaderProgram& depth(bool tube);
+  const ShaderProgram& lines();
+  const ShaderProgram& backdrop();
+  const ShaderProgram& legend();
+  const ShaderProgram& normals(bool tube);
+
+ private:
+  const Gl& gl_;
+  int shadowTaps_;
+  std::array<ShaderProgram, 32> surfaces_;
+  std::array<ShaderProgram, 2> depths_;
+  std::array<ShaderProgram, 2> normals_;
+  ShaderProgram lines_;
+  ShaderProgram backdrop_;
+  ShaderProgram legend_;
+};
+
+}  // namespace limber::render

@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: Zlib
+#include "limber/render/scenery.h"
+
+#include <array>
+#include <cmath>
+#include <cstddef>
+
+namespace limber::render {
+namespace {
+
+constexpr float kTurn = 6.28318530718f;
+
+// Corner i of a cube has bit 0 for x, bit 1 for y, bit 2 for z; faces counter-clockwise from outside.
+constexpr std::array<std::array<std::uint32_t, 4>, 6> kBoxFaces{
+    {{5, 1, 3, 7}, {0, 4, 6, 2}, {6, 7, 3, 2}, {0, 1, 5, 4}, {4, 5, 7, 6}, {1, 0, 2, 3}}};
+
+void addPoint(std::vector<float>& points, float x, float y, float z) {
+  points.insert(points.end(), {x, y, z});
+}
+
+void addQuad(std::vector<std::uint32_t>& triangles, std::uint32_t a, std::uint32_t b, std::uint32_t c,
+             std::uint32_t d) {
+  triangles.insert(triangles.end(), {a, b, c, a, c, d});
+}
+
+}  // namespace
+
+Scenery makeBox(Vec3 centre, Vec3 halfExtents) {
+  Scenery box;
+  box.shape.name = "box";
+  box.shape.pointCount = 8;
+  for (unsigned i = 0; i < 8; ++i) {
+    addPoint(box.points, centre.x + ((i & 1u) != 0 ? halfExtents.x : -halfExtents.x),
+             centre.y + ((i & 2u) != 0 ? halfExtents.y : -halfExtents.y),
+             centre.z + ((i & 4u) != 0 ? halfExtents.z : -halfExtents.z));
+  }
+  for (const auto& face : kBoxFaces) {
+    const auto first = static_cast<std::uint32_t>(box.shape.vertexToPoint.size());
+    box.shape.vertexToPoint.insert(box.shape.vertexToPoint.end(), face.begin(), face.end());
+    box.shape.uvs.insert(box.shape.uvs.end(), {0.0f, 1.0f, 1.0f, 1.0f, 1.0f, 0.0f, 0.0f, 0.0f});
+    addQuad(box.shape.triangles, first, first + 1, first + 2, first + 3);
+  }
+  return box;
+}
+
+Scenery makeUvSphere(Vec3 centre, float radius, std::uint32_t rings, std::uint32_t segments) {
+  Scenery sphere;
+  ShapeDesc& shape = sphere.shape;
+  shape.name = "sphere";
+  shape.shading = Shading::Smooth;
+  shape.pointCount = (rings - 1) * segments + 2;
+  const std::uint32_t south = shape.pointCount - 1;
+  addPoint(sphere.points, centre.x, centre.y + radius, centre.z);
+  for (std::uint32_t r = 1; r < rings; ++r) {
+    const float polar = 0.5f * kTurn * static_cast<float>(r) / static_cast<float>(rings);
+    for (std::uint32_t s = 0; s < segments; ++s) {
+      const float around = kTurn * static_cast<float>(s) / static_cast<float>(segments);
+      addPoint(sphere.points, centre.x + radius * std::sin(polar) * std::cos(around),
+               centre.y + radius * std::cos(polar), centre.z - radius * std::sin(polar) * std::sin(around));
+    }
+  }
+  addPoint(sphere.points, centre.x, centre.y - radius, centre.z);
+  // The vertices of the last column repeat the points of the first, so that u can run from 0 to 1.
+  for (std::uint32_t r = 0; r <= rings; ++r) {
+    for (std::uint32_t s = 0; s <= segments; ++s) {
+      const std::uint32_t ringPoint = 1 + (r - 1) * segments + s % segments;
+      shape.vertexToPoint.push_back(r == 0 ? 0 : r == rings ? south : ringPoint);
+      shape.uvs.push_back(static_cast<float>(s) / static_cast<float>(segments));
+      shape.uvs.push_back(static_cast<float>(r) / static_cast<float>(rings));
+    }
+  }
+  for (std::uint32_t r = 0; r < rings; ++r) {
+    for (std::uint32_t s = 0; s < segments; ++s) {
+      const std::uint32_t a = r * (segments + 1) + s;
+      const std::uint32_t b = a + segments + 1;
+      if (r > 0) {
+        shape.triangles.insert(shape.triangles.end(), {a, b, a + 1});
+      }
+      if (r + 1 < rings) {
+        shape.triangles.insert(shape.triangles.end(), {a + 1, b, b + 1});
+      }
+    }
+  }
+  return sphere;
+}
+
+Scenery makeFloor(Vec3 centre, float halfSize) {
+  Scenery floor;
+  floor.shape.name = "floor";
+  floor.shape.pointCount = 4;
+  floor.shape.pattern = Pattern::Grid;
+  floor.shape.patternRadius = halfSize;
+  constexpr std::array<std::array<float, 2>, 4> kCorners{{{-1, 1}, {1, 1}, {1, -1}, {-1, -1}}};
+  for (const auto& corner : kCorners) {
+    const float x = halfSize * corner[0];
+    const float z = halfSize * corner[1];
+    addPoint(floor.points, centre.x + x, centre.y, centre.z + z);
+    floor.shape.uvs.insert(floor.shape.uvs.end(), {x, z});
+  }
+  addQuad(floor.shape.triangles, 0, 1, 2, 3);
+  return floor;
+}
+
+}  // namespace limber::render
