@@ -1,16 +1,15 @@
 # Defines the target limber::bullet: the Bullet that Limber is built against. Taken from, in this order:
 #   1. LIMBER_BULLET_TARGET, a target named by the user
-#   2. a target that the parent project already has (Bullet's own source tree, Conan, hand-written)
+#   2. a target that the parent project already has (Conan, hand-written, Bullet's own source tree)
 #   3. BULLET_INCLUDE_DIRS and BULLET_LIBRARIES, when the parent has set them
 #   4. CMake's FindBullet module (float), pkg-config bullet-float64 (double)
 # Bullet's own CONFIG package is never used: on Debian it holds relative paths and names a library that
-# libbullet-dev does not ship.
+# libbullet-dev does not ship. Its variables are told from good ones by the relative path.
 if(TARGET limber::bullet)
   return()
 endif()
 set(LIMBER_BULLET_TARGET "" CACHE STRING "Target to use as Bullet; empty: look for one")
 
-set(_limber_bullet_libraries "")
 set(_limber_bullet_includes "")
 if(LIMBER_BULLET_TARGET)
   set(_limber_bullet_libraries ${LIMBER_BULLET_TARGET})
@@ -23,12 +22,12 @@ elseif(TARGET BulletDynamics)
   if(BULLET_PHYSICS_SOURCE_DIR)
     set(_limber_bullet_includes ${BULLET_PHYSICS_SOURCE_DIR}/src)
   endif()
-elseif(BULLET_LIBRARIES AND BULLET_INCLUDE_DIRS)
+elseif(BULLET_LIBRARIES AND IS_ABSOLUTE "${BULLET_INCLUDE_DIRS}")
   set(_limber_bullet_libraries ${BULLET_LIBRARIES})
   set(_limber_bullet_includes ${BULLET_INCLUDE_DIRS})
 elseif(LIMBER_DOUBLE)
   find_package(PkgConfig REQUIRED)
-  pkg_check_modules(LIMBER_BULLET64 REQUIRED IMPORTED_TARGET bullet-float64)
+  pkg_check_modules(LIMBER_BULLET64 REQUIRED IMPORTED_TARGET GLOBAL bullet-float64)
   set(_limber_bullet_libraries PkgConfig::LIMBER_BULLET64)
 else()
   find_package(Bullet MODULE REQUIRED)
@@ -36,10 +35,13 @@ else()
   set(_limber_bullet_includes ${BULLET_INCLUDE_DIRS})
 endif()
 
-add_library(limber_bullet INTERFACE IMPORTED GLOBAL)
-add_library(limber::bullet ALIAS limber_bullet)
-target_link_libraries(limber_bullet INTERFACE ${_limber_bullet_libraries})
-target_include_directories(limber_bullet SYSTEM INTERFACE ${_limber_bullet_includes})
+# Imported, so that Bullet's headers are system headers to everyone: our warnings and yours stay silent there.
+add_library(limber::bullet INTERFACE IMPORTED GLOBAL)
+target_link_libraries(limber::bullet INTERFACE ${_limber_bullet_libraries})
+target_include_directories(limber::bullet SYSTEM INTERFACE ${_limber_bullet_includes})
 if(LIMBER_DOUBLE)
-  target_compile_definitions(limber_bullet INTERFACE BT_USE_DOUBLE_PRECISION)
+  target_compile_definitions(limber::bullet INTERFACE BT_USE_DOUBLE_PRECISION)
 endif()
+
+include(${CMAKE_CURRENT_LIST_DIR}/LimberBulletPrecision.cmake)
+limber_check_bullet_precision("${_limber_bullet_libraries}" "${_limber_bullet_includes}")
