@@ -37,7 +37,8 @@ struct SoftBodySettings {
   double restitution = 0.0;   ///< 0..1, Bullet multiplies it with the partner's
   int collisionGroup = 1;     ///< Bullet's filter group; 1 = btBroadphaseProxy::DefaultFilter
   int collisionMask = -1;     ///< Bullet's filter mask; -1 = btBroadphaseProxy::AllFilter
-  bool continuousCollision = true;  ///< Bullet sweeps points that move farther than their radius in a tick
+  bool continuousCollision = true;  ///< Bullet sweeps points that move fast while something is in their way
+  double sleepingSpeed = 0.1;  ///< m/s; a body all of whose points stay slower for gDeactivationTime goes to sleep
 
   SubstepChoice substeps;
 

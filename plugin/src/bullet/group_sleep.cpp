@@ -25,8 +25,16 @@ bool anyMember(TickGroup& group, Test test) {
 bool isFast(const btRigidBody& body) {
   const btScalar linear = body.getLinearSleepingThreshold(), angular = body.getAngularSleepingThreshold();
   return body.getLinearVelocity().length2() > linear * linear ||
-         body.getAngularVelocity().length2() > angular * angular ||
-         body.getActivationState() == DISABLE_DEACTIVATION;
+         body.getAngularVelocity().length2() > angular * angular;
+}
+
+bool isRestless(TickGroup& group, btScalar tick) {
+  for (const SoftBodyData* body : group.bodies)
+    for (std::uint32_t i = 0; i < body->masses.bodies.size(); ++i)
+      if (isMoving(*body, i, tick)) return true;
+  for (const RigidPartner& partner : group.rigids)
+    if (!partner.body->isStaticObject() && isFast(*partner.body)) return true;
+  return anyMember(group, [](btRigidBody& body) { return body.getActivationState() == DISABLE_DEACTIVATION; });
 }
 
 void wakeGroup(TickGroup& group) {
@@ -66,7 +74,7 @@ void updateCalmTime(TickGroup& group, btScalar tick) {
   if (group.asleep || anyMember(group, [](btRigidBody& body) { return !body.isActive() &&
                                                                     body.getActivationState() == ISLAND_SLEEPING; }))
     wakeGroup(group);
-  group.calmTime = anyMember(group, isFast) || sleepIsOff() ? 0.0 : group.calmTime + double(tick);
+  group.calmTime = sleepIsOff() || isRestless(group, tick) ? 0.0 : group.calmTime + double(tick);
   forEachMember(group, [](btRigidBody& body) { body.setDeactivationTime(0); });
 }
 

@@ -29,11 +29,8 @@ PointMass* makeBody(SoftBodyData& body, std::uint32_t i) {
   point->setFlags(point->getFlags() & ~BT_ENABLE_GYROSCOPIC_FORCE_IMPLICIT_BODY);
   point->setCollisionFlags(point->getCollisionFlags() | btCollisionObject::CF_DISABLE_VISUALIZE_OBJECT);
   point->setLinearVelocity(toBullet(Eigen::Vector3d(body.state.velocity.col(i))));
-  if (body.settings.continuousCollision) {
-    const btScalar radius = body.masses.shape->getRadius();
-    point->setCcdMotionThreshold(radius);
-    point->setCcdSweptSphereRadius(radius * btScalar(0.9));
-  }
+  point->setSleepingThresholds(static_cast<btScalar>(body.settings.sleepingSpeed),
+                               point->getAngularSleepingThreshold());
   return point;
 }
 
@@ -193,6 +190,15 @@ void takeBackContacts(SoftBodyData& body, btScalar tick) {
 void absorbOutsideChanges(SoftBodyData& body) {
   for (std::uint32_t i = 0; i < body.masses.bodies.size(); ++i)
     if (body.masses.bodies[i] && !body.masses.held[i]) absorbChange(body, i);
+}
+
+bool isMoving(const SoftBodyData& body, std::uint32_t i, btScalar tick) {
+  const PointMasses& m = body.masses;
+  const PointMass& point = *m.bodies[i];
+  const bool changedOutside = point.getWorldTransform().getOrigin() != m.leftPosition[i] ||
+                              point.getLinearVelocity() != m.leftVelocity[i];
+  const double way = (body.state.position.col(i) - m.startPosition.col(i)).norm();
+  return changedOutside || way > double(point.getLinearSleepingThreshold() * tick);
 }
 
 Eigen::Vector3d currentPosition(const SoftBodyData& body, std::uint32_t i) {

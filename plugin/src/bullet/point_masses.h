@@ -56,6 +56,10 @@ void absorbOutsideChanges(SoftBodyData& body);
 Eigen::Vector3d currentPosition(const SoftBodyData& body, std::uint32_t i);
 Eigen::Vector3d currentVelocity(const SoftBodyData& body, std::uint32_t i);
 
+/// Whether point i has moved faster than its sleeping threshold over the last tick, or the user has changed it.
+/// Its velocity at the end of a tick would not do: at rest on something it is that of a step in free fall.
+bool isMoving(const SoftBodyData& body, std::uint32_t i, btScalar tick);
+
 /// Makes point i kinematic, or dynamic again with its mass.
 void setPinned(SoftBodyData& body, std::uint32_t i, bool pinned);
 

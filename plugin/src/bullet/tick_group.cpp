@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "bullet/tick_group.h"
 
+#include "bullet/continuous_collision.h"
 #include "bullet/convert.h"
 #include "core/substep_count.h"
 
@@ -63,7 +64,10 @@ void stepGroup(TickGroup& group, btScalar tick) {
 }
 
 void handOverGroup(TickGroup& group, btScalar tick) {
-  for (SoftBodyData* body : group.bodies) handOverVelocities(*body, tick);
+  for (SoftBodyData* body : group.bodies) {
+    handOverVelocities(*body, tick);
+    chooseContinuousCollision(*body);
+  }
   for (std::size_t i = 0; i < group.rigids.size(); ++i)
     handOverRigid(group.rigids[i], group.step.links.rigids[i], tick);
 }

@@ -16,11 +16,17 @@ using Cell = std::array<std::int64_t, 3>;
 
 constexpr std::uint32_t kNone = 0xffffffffu;
 
-/// Cells narrower than this part of the largest coordinate would have indices that a double cannot count.
+/// Cells this many tolerances wide: a position then has to look into 3 or 4 cells on average.
+constexpr double kTolerancesPerCell = 4.0;
+
+/// Cells narrower than this part of the largest coordinate would have numbers that a double cannot count.
 constexpr double kFinestCell = 0x1p-40;
 
-/// Cells are this much wider than the tolerance, more than rounding can shift a cell index.
-constexpr double kCellMargin = 1.001;
+/// No cell lies further out; reached only by positions near the end of what a double holds.
+constexpr double kFarthestCell = 0x1p60;
+
+/// How much further than the tolerance we look: more than rounding can shift a border.
+constexpr double kReachMargin = 1.001;
 
 struct CellHash {
   std::size_t operator()(const Cell& cell) const {
@@ -33,9 +39,8 @@ struct CellHash {
   }
 };
 
-/// The positions kept so far, by the cell they lie in. Cells are at least one tolerance wide, so whatever
-/// lies within the tolerance of a position is in its cell or a neighbour, and a cell holds few positions,
-/// since those kept lie apart. Only looked up, never iterated: the order of the hash table does not show.
+/// The positions kept so far, by the cell they lie in. A cell holds few of them, since they lie apart by more
+/// than the tolerance. Only looked up, never iterated: the order of the hash table does not show.
 struct KeptPositions {
   double cellWidth;
   std::unordered_map<Cell, std::uint32_t, CellHash> lastInCell;
@@ -45,15 +50,15 @@ struct KeptPositions {
 double cellWidthFor(const std::vector<Eigen::Vector3d>& positions, double tolerance) {
   double largest = 0.0;
   for (const Eigen::Vector3d& p : positions) largest = std::max(largest, p.cwiseAbs().maxCoeff());
-  return std::max(tolerance * kCellMargin, largest * kFinestCell);
+  const double width = std::max(tolerance * kTolerancesPerCell, largest * kFinestCell);
+  return std::min(width, std::numeric_limits<double>::max());
 }
 
 Cell cellOf(const Eigen::Vector3d& position, double cellWidth) {
-  Cell cell;
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    cell[axis] = static_cast<std::int64_t>(std::floor(position[static_cast<Eigen::Index>(axis)] / cellWidth));
-  }
-  return cell;
+  const Eigen::Vector3d cells = (position / cellWidth).array().floor();
+  const Eigen::Vector3d counted = cells.cwiseMax(-kFarthestCell).cwiseMin(kFarthestCell);
+  return {static_cast<std::int64_t>(counted.x()), static_cast<std::int64_t>(counted.y()),
+          static_cast<std::int64_t>(counted.z())};
 }
 
 void keep(KeptPositions& kept, const Cell& cell, std::uint32_t index) {
@@ -61,15 +66,6 @@ void keep(KeptPositions& kept, const Cell& cell, std::uint32_t index) {
   if (isNew) return;
   kept.previousInCell[index] = entry->second;
   entry->second = index;
-}
-
-std::array<Cell, 27> neighbourhood(const Cell& centre) {
-  std::array<Cell, 27> cells;
-  for (int i = 0; i < 27; ++i) {
-    cells[static_cast<std::size_t>(i)] = {centre[0] + i % 3 - 1, centre[1] + i / 3 % 3 - 1,
-                                          centre[2] + i / 9 - 1};
-  }
-  return cells;
 }
 
 struct Nearest {
@@ -86,6 +82,21 @@ void lookInCell(const KeptPositions& kept, const std::vector<Eigen::Vector3d>& p
     const bool earlierAndAsNear = distance == nearest.distance && other < nearest.index;
     if (distance < nearest.distance || earlierAndAsNear) nearest = {other, distance};
   }
+}
+
+/// The nearest kept position, if one lies within the tolerance; further ones may be missed.
+Nearest findNearest(const KeptPositions& kept, const std::vector<Eigen::Vector3d>& positions,
+                    const Eigen::Vector3d& position, double tolerance) {
+  const Eigen::Vector3d reach = Eigen::Vector3d::Constant(tolerance * kReachMargin);
+  const Cell low = cellOf(position - reach, kept.cellWidth), high = cellOf(position + reach, kept.cellWidth);
+  Nearest nearest;
+  for (std::int64_t x = low[0]; x <= high[0]; ++x) {
+    for (std::int64_t y = low[1]; y <= high[1]; ++y) {
+      for (std::int64_t z = low[2]; z <= high[2]; ++z)
+        lookInCell(kept, positions, {x, y, z}, position, nearest);
+    }
+  }
+  return nearest;
 }
 
 }  // namespace
@@ -115,12 +126,10 @@ std::vector<std::uint32_t> mergeNearby(const std::vector<Eigen::Vector3d>& posit
       cellWidthFor(positions, tolerance), {}, std::vector<std::uint32_t>(positions.size(), kNone)};
   std::vector<std::uint32_t> joined(positions.size());
   for (std::uint32_t i = 0; i < joined.size(); ++i) {
-    const Cell centre = cellOf(positions[i], kept.cellWidth);
-    Nearest nearest;
-    for (const Cell& cell : neighbourhood(centre)) lookInCell(kept, positions, cell, positions[i], nearest);
+    const Nearest nearest = findNearest(kept, positions, positions[i], tolerance);
     const bool joins = nearest.distance <= tolerance;
     joined[i] = joins ? nearest.index : i;
-    if (!joins) keep(kept, centre, i);
+    if (!joins) keep(kept, cellOf(positions[i], kept.cellWidth), i);
   }
   return joined;
 }

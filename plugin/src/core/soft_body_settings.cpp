@@ -73,6 +73,7 @@ std::string validate(const SoftBodySettings& s) {
       {"pointRadius", s.pointRadius, 0, true, 1e6, "from 0 to 1e6"},
       {"friction", s.friction, 0, true, 1e6, "from 0 to 1e6"},
       {"restitution", s.restitution, 0, true, 1, "from 0 to 1"},
+      {"sleepingSpeed", s.sleepingSpeed, 0, true, 1e6, "from 0 to 1e6"},
       {"substeps.atLeast", static_cast<double>(s.substeps.atLeast), 1, true, 1e6, "from 1 to 1e6"},
       {"substeps.periodTolerance", s.substeps.periodTolerance, 0, false, 1, "above 0 and at most 1"},
   };

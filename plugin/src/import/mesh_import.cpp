@@ -38,6 +38,7 @@ Result<TriangleMesh> readMesh(const std::string& path) {
   if (scene == nullptr) return Error{importer.GetErrorString()};
 
   TriangleMesh mesh = joinMeshes(*scene);
+  if (mesh.triangles.empty()) return Error{"the file has no triangles"};
   if (std::string reason = validate(mesh); !reason.empty()) return Error{std::move(reason)};
   joinIdenticalVertices(mesh);
   return mesh;

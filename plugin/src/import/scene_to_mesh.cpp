@@ -120,7 +120,7 @@ std::string checkNode(const aiScene& scene, const aiNode& node) {
 }  // namespace
 
 std::string checkScene(const aiScene& scene) {
-  if (scene.mRootNode == nullptr || scene.mNumMeshes == 0) return "the file has no triangles";
+  if (scene.mRootNode == nullptr) return "the file has no scene";
   std::string reason = checkNode(scene, *scene.mRootNode);
   for (unsigned i = 0; i < scene.mNumMeshes && reason.empty(); ++i) reason = checkFaces(*scene.mMeshes[i], i);
   return reason;

@@ -1,0 +1,218 @@
+// SPDX-License-Identifier: Zlib
+// Motion without contact against closed forms, through a real Bullet world.
+#include "support/bullet_world.h"
+#include "support/networks.h"
+
+#include <limber/soft_body_system.h>
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+namespace limber {
+namespace {
+
+using test::BulletWorld;
+
+/// Bullet keeps positions in btScalar, but the step's own state is double: errors below come from the scheme.
+SoftBody* create(SoftBodySystem& system, const SharedNetwork& network, const SoftBodySettings& settings) {
+  Result<SoftBody*> body = system.createBody(network, settings);
+  EXPECT_TRUE(body) << body.error();
+  return *body;
+}
+
+struct Oscillation {
+  double period = 0.0;
+  double lastPeak = 0.0;  // largest elongation in the last period
+};
+
+/// Point 0 pinned, point 1 released 0.1 m beyond its rest distance; elongation read every tick, crossings of
+/// zero interpolated linearly.
+Oscillation oscillate(SoftBodySettings settings, int periods, double expectedPeriod, double dt) {
+  BulletWorld bullet(0.0);
+  SoftBodySystem system(*bullet.world);
+  SoftBody* body = create(system, test::pairNetwork(), settings);
+  body->pin(0);
+  body->point(1)->getWorldTransform().setOrigin(test::vec(1.1, 0, 0));
+  std::vector<double> crossings;
+  double before = 0.1, peak = 0.0;
+  const int ticks = static_cast<int>(std::ceil((periods + 0.5) * expectedPeriod / dt));
+  for (int i = 1; i <= ticks; ++i) {
+    bullet.tick(dt);
+    const double now = body->position(1).x() - 1.0;
+    if (before > 0 && now <= 0) crossings.push_back((i - 1 + before / (before - now)) * dt);
+    if (i * dt > (periods - 0.6) * expectedPeriod) peak = std::max(peak, std::abs(now));
+    before = now;
+  }
+  const auto last = crossings.size() - 1;
+  return {(crossings[last] - crossings[0]) / static_cast<double>(last), peak};
+}
+
+TEST(Oscillator, periodAndAmplitudeAt30TicksAPeriod) {
+  SoftBodySettings s;
+  s.totalMass = 0.2;  // 0.1 kg on each of the two points
+  s.extensionStiffness = s.compressionStiffness = 16.0;
+  s.damping = 0.0;
+  s.substeps.periodTolerance = 1e-5;
+  const double exact = 2 * M_PI * std::sqrt(0.1 / 16.0);
+  const Oscillation o = oscillate(s, 10, exact, 1.0 / 60.0);
+  // (omega dt)^2/24 is asked to be 1e-5; the substep count rounds in favour
+  EXPECT_NEAR(o.period, exact, 1.5e-5 * exact);
+  // between ticks the peak is missed by up to 1 - cos(pi / 30) = 0.55 %
+  EXPECT_NEAR(o.lastPeak, 0.1, 0.006 * 0.1);
+}
+
+TEST(Oscillator, periodDoesNotDependOnTheTick) {
+  SoftBodySettings s;
+  s.totalMass = 0.2;
+  s.extensionStiffness = s.compressionStiffness = 16.0;
+  s.damping = 0.0;
+  s.substeps.periodTolerance = 1e-5;
+  const double exact = 2 * M_PI * std::sqrt(0.1 / 16.0);
+  for (double dt : {1.0 / 30, 1.0 / 60, 1.0 / 120, 1.0 / 240})
+    // at 1/30 a period has 15 ticks; interpolating its zero crossings linearly errs by a few 1e-4 of a period
+    // at either end of ten periods
+    EXPECT_NEAR(oscillate(s, 10, exact, dt).period, exact, 1e-4 * exact) << "dt " << dt;
+}
+
+TEST(Oscillator, defaultToleranceHoldsItsPromise) {
+  SoftBodySettings s;
+  s.totalMass = 0.2;
+  s.extensionStiffness = s.compressionStiffness = 1000.0;
+  s.damping = 0.0;
+  const double exact = 2 * M_PI * std::sqrt(0.1 / 1000.0);
+  const Oscillation o = oscillate(s, 40, exact, 1.0 / 240.0);
+  EXPECT_NEAR(o.period, exact, s.substeps.periodTolerance * exact);
+  EXPECT_NEAR(o.lastPeak, 0.1, 0.02) << "the amplitude neither grows nor decays";
+}
+
+TEST(Oscillator, dampedAmplitudeFollowsTheLogarithmicDecrement) {
+  SoftBodySettings s;
+  s.totalMass = 0.2;
+  s.extensionStiffness = s.compressionStiffness = 16.0;
+  s.substeps.periodTolerance = 1e-5;
+  const double zeta = 0.02;
+  s.damping = 2 * zeta * std::sqrt(16.0 * 0.1);
+  const double omega = std::sqrt(16.0 / 0.1);
+  const double period = 2 * M_PI / (omega * std::sqrt(1 - zeta * zeta));
+  BulletWorld bullet(0.0);
+  SoftBodySystem system(*bullet.world);
+  SoftBody* body = create(system, test::pairNetwork(), s);
+  body->pin(0);
+  body->point(1)->getWorldTransform().setOrigin(test::vec(1.1, 0, 0));
+  // the exact solution started from rest at 0.1 m, compared at every tick over five periods
+  const double damped = omega * std::sqrt(1 - zeta * zeta);
+  for (int i = 1; i * (1.0 / 60) < 5 * period; ++i) {
+    bullet.tick();
+    const double t = i / 60.0;
+    const double exact =
+        0.1 * std::exp(-zeta * omega * t) * (std::cos(damped * t) + zeta * omega / damped * std::sin(damped * t));
+    // a phase error of 1e-5 over five periods is 3e-4 rad of 0.1 m
+    EXPECT_NEAR(body->position(1).x() - 1.0, exact, 5e-5) << "t " << t;
+  }
+}
+
+TEST(HangingChain, sagIsExactAtAnyTick) {
+  const int links = 16;
+  const double mass = 0.1, g = 9.81;
+  for (double k : {1e3, 1e5})
+    for (double dt : {1.0 / 30, 1.0 / 60, 1.0 / 120, 1.0 / 240}) {
+      BulletWorld bullet(-g);
+      SoftBodySystem system(*bullet.world);
+      SoftBodySettings s;
+      s.totalMass = mass * (links + 1);
+      s.extensionStiffness = s.compressionStiffness = k;
+      s.damping = std::sqrt(k * mass);  // its slowest oscillation then has a damping ratio of about 0.05
+      SoftBody* body = create(system, test::chainNetwork(links), s);
+      for (std::uint32_t i = 0; i <= static_cast<std::uint32_t>(links); ++i)
+        body->point(i)->setActivationState(DISABLE_DEACTIVATION);
+      body->pin(0);
+      bullet.simulate(k < 1e4 ? 30.0 : 3.0, dt);
+      // link i carries the masses below it: sag = m g / k * (1 + 2 + ... + links)
+      const double sag = mass * g / k * links * (links + 1) / 2;
+      EXPECT_NEAR(-body->position(links).y() - 1.0, sag, 1e-4 * sag) << "k " << k << " dt " << dt;
+    }
+}
+
+TEST(FreeFlight, centreOfMassFollowsTheExactParabola) {
+  for (double dt : {1.0 / 30, 1.0 / 60, 1.0 / 240}) {
+    BulletWorld bullet(-9.81);
+    SoftBodySystem system(*bullet.world);
+    SoftBodySettings s;
+    s.linearVelocity = {1.5, 4.0, -0.5};
+    s.angularVelocity = {1.0, 2.0, 3.0};
+    SoftBody* body = create(system, test::cubeNetwork(), s);
+    bullet.simulate(2.0, dt);
+    const Eigen::Vector3d exact = 2.0 * s.linearVelocity + Eigen::Vector3d(0, -0.5 * double(btScalar(9.81)) * 4.0, 0);
+    // Bullet's force m g is rounded to btScalar once per point and step: 1e-7 of 20 m
+    EXPECT_LT((body->centerOfMass() - exact).norm(), 1e-5) << "dt " << dt;
+  }
+}
+
+TEST(FreeFlight, linearAndAngularMomentumAreKept) {
+  BulletWorld bullet(0.0);
+  SoftBodySystem system(*bullet.world);
+  SoftBodySettings s;
+  s.linearVelocity = {0.3, -0.2, 0.1};
+  s.angularVelocity = {3.0, 1.0, -2.0};
+  s.scale = {1.0, 1.3, 0.7};
+  SoftBody* body = create(system, test::cubeNetwork(), s);
+  body->point(0)->applyCentralImpulse(test::vec(0.2, 0.1, 0.3));
+  const Eigen::Vector3d p = body->linearMomentum(), l = body->angularMomentum();
+  bullet.simulate(10.0);
+  // the state is double and untouched by Bullet: rounding of 1e5 substeps
+  EXPECT_LT((body->linearMomentum() - p).norm(), 1e-12 * p.norm());
+  EXPECT_LT((body->angularMomentum() - l).norm(), 1e-10 * l.norm());
+}
+
+TEST(FreeFlight, undampedEnergyNeitherGrowsNorFalls) {
+  BulletWorld bullet(0.0);
+  SoftBodySystem system(*bullet.world);
+  SoftBodySettings s;
+  s.damping = 0.0;
+  s.angularVelocity = {3.0, 1.0, -2.0};
+  SoftBody* body = create(system, test::fullCubeNetwork(), s);
+  const auto energy = [&] { return body->kineticEnergy() + body->elasticEnergy(); };
+  const double start = energy();
+  double lowest = start, highest = start;
+  for (int i = 0; i < 3600; ++i) {
+    bullet.tick();
+    lowest = std::min(lowest, energy());
+    highest = std::max(highest, energy());
+  }
+  // a symplectic scheme's energy swings by (omega dt)^2/8 of what is in the stiff oscillations, without drift
+  EXPECT_LT(highest, 1.02 * start);
+  EXPECT_GT(lowest, 0.98 * start);
+}
+
+TEST(StiffCube, movesLikeARigidCubeOfTheSameMass) {
+  // free flight and spin under a force at the centre, beside Bullet's own rigid body
+  BulletWorld bullet(-9.81);
+  btRigidBody* rigid = bullet.addBox(btVector3(0.5, 0.5, 0.5), 1.0, btVector3(5, 0, 0));
+  // eight corner masses of 1/8 kg at +-0.5 m have the inertia m (0.25 + 0.25)
+  rigid->setMassProps(1.0, btVector3(0.5, 0.5, 0.5));
+  rigid->setAngularVelocity(btVector3(0, 2, 0));
+  SoftBodySystem system(*bullet.world);
+  SoftBodySettings s;
+  s.extensionStiffness = s.compressionStiffness = 1e5;
+  s.damping = 50.0;
+  s.angularVelocity = {0, 2, 0};
+  SoftBody* soft = create(system, test::fullCubeNetwork(), s);
+  const double dt = 1.0 / 240.0;
+  for (int i = 0; i < 240; ++i) {
+    rigid->applyCentralForce(btVector3(3, 0, 1));
+    for (std::uint32_t k = 0; k < 8; ++k) soft->point(k)->applyCentralForce(btVector3(3, 0, 1) / 8);
+    bullet.tick(dt);
+  }
+  // Bullet's rigid body falls by symplectic Euler, g h t / 2 too far: the tolerance is that error
+  const double euler = 9.81 * dt * 1.0 / 2;
+  const btVector3 r = rigid->getWorldTransform().getOrigin();
+  EXPECT_NEAR(soft->centerOfMass().y(), double(r.y()), 1.05 * euler);
+  EXPECT_NEAR(soft->centerOfMass().x(), double(r.x()) - 5.0, 1.05 * 3.0 * dt / 2);
+  const Eigen::Vector3d edge = soft->position(1) - soft->position(0);
+  const btVector3 axis = rigid->getWorldTransform().getBasis().getColumn(0);
+  EXPECT_NEAR(std::atan2(edge.z(), edge.x()), std::atan2(double(axis.z()), double(axis.x())), 5e-3);
+}
+
+}  // namespace
+}  // namespace limber

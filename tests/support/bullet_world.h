@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: Zlib
+#pragma once
+
+#include <btBulletDynamicsCommon.h>
+
+#include <memory>
+#include <vector>
+
+namespace limber::test {
+
+/// A plain Bullet world as in HelloWorld, with the bodies a test adds to it.
+struct BulletWorld {
+  btDefaultCollisionConfiguration configuration;
+  btCollisionDispatcher dispatcher{&configuration};
+  btDbvtBroadphase broadphase;
+  btSequentialImpulseConstraintSolver solver;
+  std::vector<std::unique_ptr<btCollisionShape>> shapes;
+  std::vector<std::unique_ptr<btStridingMeshInterface>> meshes;
+  std::vector<std::unique_ptr<btRigidBody>> bodies;
+  std::unique_ptr<btDiscreteDynamicsWorld> world =
+      std::make_unique<btDiscreteDynamicsWorld>(&dispatcher, &broadphase, &solver, &configuration);
+
+  explicit BulletWorld(double gravity = -9.81) { world->setGravity(btVector3(0, static_cast<btScalar>(gravity), 0)); }
+  ~BulletWorld();
+  BulletWorld(const BulletWorld&) = delete;
+  BulletWorld& operator=(const BulletWorld&) = delete;
+
+  /// A body of the shape with its centre at `position`; mass 0 makes it static.
+  btRigidBody* add(std::unique_ptr<btCollisionShape> shape, double mass, const btVector3& position);
+  btRigidBody* addBox(const btVector3& halfSize, double mass, const btVector3& position);
+  btRigidBody* addPlaneFloor();     ///< a static plane y = 0
+  btRigidBody* addBoxFloor();       ///< a static box with its top at y = 0
+  btRigidBody* addTriangleFloor();  ///< a static triangle mesh at y = 0, cells of 0.37 m
+
+  /// Advances by one tick of dt, without Bullet's own accumulation.
+  void tick(double dt = 1.0 / 60.0) { world->stepSimulation(static_cast<btScalar>(dt), 0); }
+  void simulate(double seconds, double dt = 1.0 / 60.0);
+};
+
+inline btVector3 vec(double x, double y, double z) {
+  return btVector3(static_cast<btScalar>(x), static_cast<btScalar>(y), static_cast<btScalar>(z));
+}
+
+}  // namespace limber::test

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: Zlib
+#include "support/networks.h"
+
+#include <cmath>
+
+namespace limber::test {
+namespace {
+
+SharedNetwork network(NetworkKind kind, std::vector<Eigen::Vector3d> points,
+                      const std::vector<std::pair<std::uint32_t, std::uint32_t>>& springs) {
+  auto made = std::make_shared<SpringNetwork>();
+  made->kind = kind;
+  made->massShares.assign(points.size(), 1.0 / static_cast<double>(points.size()));
+  made->restPoints = std::move(points);
+  for (const auto& [a, b] : springs) made->springs.push_back({a, b, SpringKind::Structural, 1.0});
+  return made;
+}
+
+SharedNetwork cube(double longestSpring) {
+  std::vector<Eigen::Vector3d> points;
+  for (int i = 0; i < 8; ++i) points.emplace_back((i & 1) - 0.5, (i >> 1 & 1) - 0.5, (i >> 2 & 1) - 0.5);
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> springs;
+  for (std::uint32_t a = 0; a < 8; ++a)
+    for (std::uint32_t b = a + 1; b < 8; ++b)
+      if ((points[a] - points[b]).norm() < longestSpring) springs.emplace_back(a, b);
+  return network(NetworkKind::Solid, points, springs);
+}
+
+}  // namespace
+
+SharedNetwork pairNetwork() {
+  return network(NetworkKind::Rope, {{0, 0, 0}, {1, 0, 0}}, {{0, 1}});
+}
+
+SharedNetwork chainNetwork(int links) {
+  std::vector<Eigen::Vector3d> points;
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> springs;
+  for (int i = 0; i <= links; ++i) points.emplace_back(0, -static_cast<double>(i) / links, 0);
+  for (std::uint32_t i = 0; i < static_cast<std::uint32_t>(links); ++i) springs.emplace_back(i, i + 1);
+  return network(NetworkKind::Rope, points, springs);
+}
+
+SharedNetwork cubeNetwork() { return cube(1.5); }
+SharedNetwork fullCubeNetwork() { return cube(2.0); }
+
+}  // namespace limber::test
