@@ -3,70 +3,87 @@
 
 #include "bullet/convert.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace limber {
 inline namespace LIMBER_BULLET_PRECISION {
 namespace {
 
-/// Share of the radius that a point may move in a tick without being swept: its centre then stays on the right
-/// side of whatever it has not touched yet.
-constexpr double kUnsweptMotion = 0.5;
+/// Share of the radius that a point may move in a tick without more: its centre then stays on the right side of
+/// whatever it has not touched yet.
+constexpr double kCarelessMotion = 0.25;
 
-/// Share of the radius at which a sweep calls it a hit, so that a resting point is not one.
+/// Share of the radius that is swept, so that a point at rest does not hit what it lies on.
 constexpr double kSweptRadius = 0.9;
 
-/// Looks for anything the body could hit.
-struct OtherFinder final : btBroadphaseAabbCallback {
-  const SoftBodyData* body = nullptr;
+bool canHit(const SoftBodyData& body, const btBroadphaseProxy& proxy) {
+  const auto* object = static_cast<const btCollisionObject*>(proxy.m_clientObject);
+  const PointMass* point = PointMass::from(object);
+  if (point && point->owner() == &body) return false;
+  return (proxy.m_collisionFilterGroup & body.settings.collisionMask) &&
+         (proxy.m_collisionFilterMask & body.settings.collisionGroup) && object->hasContactResponse();
+}
+
+struct AnythingInBox final : btBroadphaseAabbCallback {
+  explicit AnythingInBox(const SoftBodyData& b) : body(&b) {}
+  const SoftBodyData* body;
   bool found = false;
 
   bool process(const btBroadphaseProxy* proxy) override {
-    const auto* object = static_cast<const btCollisionObject*>(proxy->m_clientObject);
-    const PointMass* point = PointMass::from(object);
-    const bool own = point && point->owner() == body;
-    const bool filtered = !(proxy->m_collisionFilterGroup & body->settings.collisionMask) ||
-                          !(proxy->m_collisionFilterMask & body->settings.collisionGroup);
-    found = found || (!own && !filtered && object->hasContactResponse());
+    found = found || canHit(*body, *proxy);
     return !found;
   }
 };
 
-double longestMotion(const SoftBodyData& body) {
-  return std::sqrt((body.state.position - body.masses.startPosition).colwise().squaredNorm().maxCoeff());
+struct FirstHit final : btCollisionWorld::ClosestConvexResultCallback {
+  FirstHit(const SoftBodyData& b, const PointMass& p, const btVector3& from, const btVector3& to)
+      : ClosestConvexResultCallback(from, to), body(&b), point(&p) {}
+  const SoftBodyData* body;
+  const PointMass* point;
+
+  bool needsCollision(btBroadphaseProxy* proxy) const override {
+    const auto* object = static_cast<const btCollisionObject*>(proxy->m_clientObject);
+    return canHit(*body, *proxy) && point->checkCollideWith(object) && object->checkCollideWith(point);
+  }
+};
+
+double motion(const SoftBodyData& body, Eigen::Index i) {
+  return (body.state.position.col(i) - body.masses.startPosition.col(i)).norm();
 }
 
-bool somethingInTheWay(const SoftBodyData& body, double motion) {
+bool somethingInTheWay(const SoftBodyData& body, double longest) {
   const Points& from = body.masses.startPosition;
-  const double margin = double(body.masses.shape->getRadius()) + motion;
+  const double margin = double(body.masses.shape->getRadius()) + longest;
   const Eigen::Vector3d low = from.rowwise().minCoeff().array() - margin;
   const Eigen::Vector3d high = from.rowwise().maxCoeff().array() + margin;
-  OtherFinder finder;
-  finder.body = &body;
-  body.world->getBroadphase()->aabbTest(toBullet(low), toBullet(high), finder);
-  return finder.found;
+  AnythingInBox anything(body);
+  body.world->getBroadphase()->aabbTest(toBullet(low), toBullet(high), anything);
+  return anything.found;
 }
 
-/// Bullet counts a hit only once the swept sphere is m_allowedCcdPenetration (4 cm by default) deep, more than a
-/// point mass is large: the swept radius makes up for it.
-void setSweeping(SoftBodyData& body, bool on) {
-  const double radius = double(body.masses.shape->getRadius());
-  const double allowed = double(body.world->getDispatchInfo().m_allowedCcdPenetration);
-  for (PointMass* point : body.masses.bodies) {
-    point->setCcdMotionThreshold(on ? static_cast<btScalar>(kUnsweptMotion * radius) : btScalar(0));
-    point->setCcdSweptSphereRadius(on ? static_cast<btScalar>(kSweptRadius * radius + allowed) : btScalar(0));
-  }
-  body.swept = on;
+void sweepPoint(SoftBodyData& body, Eigen::Index i) {
+  const PointMass& point = *body.masses.bodies[static_cast<std::size_t>(i)];
+  const Eigen::Vector3d start = body.masses.startPosition.col(i), end = body.state.position.col(i);
+  btTransform from(btQuaternion::getIdentity(), toBullet(start)), to(btQuaternion::getIdentity(), toBullet(end));
+  FirstHit hit(body, point, from.getOrigin(), to.getOrigin());
+  const btSphereShape sphere(static_cast<btScalar>(kSweptRadius) * body.masses.shape->getRadius());
+  body.world->convexSweepTest(&sphere, from, to, hit, btScalar(0));
+  const bool intoIt = hit.hasHit() && toEigen(hit.m_hitNormalWorld).dot(end - start) < 0.0;
+  if (intoIt) body.state.position.col(i) = start + double(hit.m_closestHitFraction) * (end - start);
 }
 
 }  // namespace
 
-void chooseContinuousCollision(SoftBodyData& body) {
+void stopAtFirstContact(SoftBodyData& body) {
   if (!body.settings.continuousCollision) return;
-  const double motion = longestMotion(body);
-  const bool needed =
-      motion > kUnsweptMotion * double(body.masses.shape->getRadius()) && somethingInTheWay(body, motion);
-  if (needed || body.swept) setSweeping(body, needed);
+  const double careless = kCarelessMotion * double(body.masses.shape->getRadius());
+  double longest = 0.0;
+  for (Eigen::Index i = 0; i < body.state.position.cols(); ++i)
+    if (!body.masses.held[static_cast<std::size_t>(i)]) longest = std::max(longest, motion(body, i));
+  if (!(longest > careless) || !somethingInTheWay(body, longest)) return;
+  for (Eigen::Index i = 0; i < body.state.position.cols(); ++i)
+    if (!body.masses.held[static_cast<std::size_t>(i)] && motion(body, i) > careless) sweepPoint(body, i);
 }
 
 }  // namespace LIMBER_BULLET_PRECISION

@@ -6,11 +6,15 @@
 namespace limber {
 inline namespace LIMBER_BULLET_PRECISION {
 
-/// Lets Bullet sweep the points of a body in the coming tick if, and only if, one of them moves far enough to
-/// miss a contact and there is something in the box the body sweeps. A sweep costs about as much as all the
-/// rest of a point mass; one query of the broadphase for the whole body spares it to bodies in the air.
-/// Call after the step, when start and end positions are known.
-void chooseContinuousCollision(SoftBodyData& body);
+/// Stops points that have passed through something in this tick where they first touched it. Their velocity
+/// stays: in the next tick Bullet sees the contact and answers it. Call after contacts were taken back, when
+/// start and end positions are known, and before the bodies are written.
+///
+/// Only points that move far enough to miss a contact are swept, and only if there is anything in the box the
+/// body sweeps: one query of the broadphase for a whole body in the air. Bullet's own continuous collision is
+/// not used, because it sweeps twice, without such a query, and on triangle meshes ignores all motions into the
+/// surface that are shorter than the world's m_allowedCcdPenetration (4 cm), twice a point mass.
+void stopAtFirstContact(SoftBodyData& body);
 
 }  // namespace LIMBER_BULLET_PRECISION
 }  // namespace limber

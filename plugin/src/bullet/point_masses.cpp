@@ -106,7 +106,6 @@ void takeBackFree(SoftBodyData& body, std::uint32_t i, btScalar tick) {
   const double size = toEigen(origin).cwiseAbs().maxCoeff() + double(tick) * toEigen(velocity).norm();
   body.state.velocity.col(i) += impulse;
   body.state.position.col(i) += double(tick) * impulse + withoutRounding(unexplained, size);
-  writeBody(body, i);
 }
 
 }  // namespace
@@ -114,7 +113,7 @@ void takeBackFree(SoftBodyData& body, std::uint32_t i, btScalar tick) {
 void addPointMasses(SoftBodyData& body) {
   const std::size_t count = body.network->restPoints.size();
   PointMasses& m = body.masses;
-  m.shape = std::make_unique<btSphereShape>(static_cast<btScalar>(pointRadius(*body.network, body.settings)));
+  m.shape = std::make_unique<PointSphere>(static_cast<btScalar>(pointRadius(*body.network, body.settings)));
   m.bodies.assign(count, nullptr);
   m.leftPosition.assign(count, btVector3(0, 0, 0));
   m.leftVelocity = m.expectedVelocity = m.leftPosition;
@@ -178,12 +177,14 @@ void handOverVelocities(SoftBodyData& body, btScalar tick) {
 }
 
 void takeBackContacts(SoftBodyData& body, btScalar tick) {
-  PointMasses& m = body.masses;
-  for (std::uint32_t i = 0; i < m.bodies.size(); ++i) {
-    PointMass* point = m.bodies[i];
-    if (!point) return;
-    if (!m.held[i]) takeBackFree(body, i, tick);
-    remember(m, i);
+  for (std::uint32_t i = 0; i < body.masses.bodies.size(); ++i)
+    if (!body.masses.held[i]) takeBackFree(body, i, tick);
+}
+
+void writePoints(SoftBodyData& body) {
+  for (std::uint32_t i = 0; i < body.masses.bodies.size(); ++i) {
+    if (!body.masses.held[i]) writeBody(body, i);
+    remember(body.masses, i);
   }
 }
 

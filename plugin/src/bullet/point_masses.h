@@ -10,13 +10,21 @@
 namespace limber {
 inline namespace LIMBER_BULLET_PRECISION {
 
+/// A sphere whose contacts are found from a third of its radius. Bullet's own threshold, 2 % of a shape's extent,
+/// is under a millimetre for a point mass: its contacts would flicker. A larger one would merge the contacts
+/// with neighbouring triangles of a mesh, which all lie within the threshold on so small a sphere.
+struct PointSphere final : btSphereShape {
+  using btSphereShape::btSphereShape;
+  btScalar getContactBreakingThreshold(btScalar) const override { return getRadius() / btScalar(3); }
+};
+
 /// How the point masses of one soft body live in Bullet: each is an ordinary sphere body in the world. This is
 /// the only place that creates, reads and writes them.
 ///
 /// The spring step has the state in double; Bullet has a rounded copy. What we last left in a body is
 /// remembered, so that anything the user changes between ticks is seen, to the bit, and taken over.
 struct PointMasses {
-  std::unique_ptr<btSphereShape> shape;       ///< shared by all points
+  std::unique_ptr<PointSphere> shape;       ///< shared by all points
   std::vector<PointMass*> bodies;             ///< #points; nullptr where the application has deleted one
   std::vector<btVector3> leftPosition;        ///< #points, as last written to or read from the body
   std::vector<btVector3> leftVelocity;        ///< #points
@@ -45,9 +53,11 @@ void handOverVelocities(SoftBodyData& body, btScalar tick);
 
 /// After Bullet's contacts: whatever it changed of the velocity it was expected to leave is an impulse,
 ///     v = v_end + D,  x = x_end + h D,  D = v_bullet - v_expected,
-/// plus any displacement that no velocity explains (split impulse, continuous collision). Then the bodies
-/// get the state.
+/// plus any displacement that no velocity explains (split impulse, continuous collision).
 void takeBackContacts(SoftBodyData& body, btScalar tick);
+
+/// Gives the bodies the state, rounded to Bullet's precision.
+void writePoints(SoftBodyData& body);
 
 /// Takes what the user has changed since the last tick into the state.
 void absorbOutsideChanges(SoftBodyData& body);

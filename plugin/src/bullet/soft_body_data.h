@@ -33,7 +33,6 @@ struct SoftBodyData {
 
   bool alive = true;
   bool asleep = false;
-  bool swept = false;              ///< Bullet's continuous collision is on for its points
   bool frequencyStale = true;      ///< inverse masses have changed since frequencySquared was computed
   double frequencySquared = 0.0;   ///< rad^2/s^2, bound of its own springs
   int substeps = 0;                ///< in the last tick

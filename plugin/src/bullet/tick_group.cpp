@@ -64,17 +64,18 @@ void stepGroup(TickGroup& group, btScalar tick) {
 }
 
 void handOverGroup(TickGroup& group, btScalar tick) {
-  for (SoftBodyData* body : group.bodies) {
-    handOverVelocities(*body, tick);
-    chooseContinuousCollision(*body);
-  }
+  for (SoftBodyData* body : group.bodies) handOverVelocities(*body, tick);
   for (std::size_t i = 0; i < group.rigids.size(); ++i)
     handOverRigid(group.rigids[i], group.step.links.rigids[i], tick);
 }
 
 void takeBackGroup(TickGroup& group, btScalar tick) {
-  for (SoftBodyData* body : group.bodies)
-    if (body->alive) takeBackContacts(*body, tick);
+  for (SoftBodyData* body : group.bodies) {
+    if (!body->alive) continue;
+    takeBackContacts(*body, tick);
+    stopAtFirstContact(*body);
+    writePoints(*body);
+  }
   for (std::size_t i = 0; i < group.rigids.size(); ++i)
     takeBackRigid(group.rigids[i], group.step.links.rigids[i]);
 }

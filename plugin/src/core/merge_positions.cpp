@@ -22,9 +22,6 @@ constexpr double kTolerancesPerCell = 4.0;
 /// Cells narrower than this part of the largest coordinate would have numbers that a double cannot count.
 constexpr double kFinestCell = 0x1p-40;
 
-/// No cell lies further out; reached only by positions near the end of what a double holds.
-constexpr double kFarthestCell = 0x1p60;
-
 /// How much further than the tolerance we look: more than rounding can shift a border.
 constexpr double kReachMargin = 1.001;
 
@@ -42,23 +39,23 @@ struct CellHash {
 /// The positions kept so far, by the cell they lie in. A cell holds few of them, since they lie apart by more
 /// than the tolerance. Only looked up, never iterated: the order of the hash table does not show.
 struct KeptPositions {
+  double largest;  ///< no coordinate of any position is further from 0
   double cellWidth;
   std::unordered_map<Cell, std::uint32_t, CellHash> lastInCell;
   std::vector<std::uint32_t> previousInCell;  ///< #positions; kNone ends the chain
 };
 
-double cellWidthFor(const std::vector<Eigen::Vector3d>& positions, double tolerance) {
+double largestCoordinate(const std::vector<Eigen::Vector3d>& positions) {
   double largest = 0.0;
   for (const Eigen::Vector3d& p : positions) largest = std::max(largest, p.cwiseAbs().maxCoeff());
-  const double width = std::max(tolerance * kTolerancesPerCell, largest * kFinestCell);
-  return std::min(width, std::numeric_limits<double>::max());
+  return largest;
 }
 
-Cell cellOf(const Eigen::Vector3d& position, double cellWidth) {
-  const Eigen::Vector3d cells = (position / cellWidth).array().floor();
-  const Eigen::Vector3d counted = cells.cwiseMax(-kFarthestCell).cwiseMin(kFarthestCell);
-  return {static_cast<std::int64_t>(counted.x()), static_cast<std::int64_t>(counted.y()),
-          static_cast<std::int64_t>(counted.z())};
+Cell cellOf(const Eigen::Vector3d& position, const KeptPositions& kept) {
+  const Eigen::Vector3d inside = position.cwiseMax(-kept.largest).cwiseMin(kept.largest);
+  const Eigen::Vector3d cell = (inside / kept.cellWidth).array().floor();
+  return {static_cast<std::int64_t>(cell.x()), static_cast<std::int64_t>(cell.y()),
+          static_cast<std::int64_t>(cell.z())};
 }
 
 void keep(KeptPositions& kept, const Cell& cell, std::uint32_t index) {
@@ -88,7 +85,7 @@ void lookInCell(const KeptPositions& kept, const std::vector<Eigen::Vector3d>& p
 Nearest findNearest(const KeptPositions& kept, const std::vector<Eigen::Vector3d>& positions,
                     const Eigen::Vector3d& position, double tolerance) {
   const Eigen::Vector3d reach = Eigen::Vector3d::Constant(tolerance * kReachMargin);
-  const Cell low = cellOf(position - reach, kept.cellWidth), high = cellOf(position + reach, kept.cellWidth);
+  const Cell low = cellOf(position - reach, kept), high = cellOf(position + reach, kept);
   Nearest nearest;
   for (std::int64_t x = low[0]; x <= high[0]; ++x) {
     for (std::int64_t y = low[1]; y <= high[1]; ++y) {
@@ -122,14 +119,15 @@ std::vector<std::uint32_t> mergeEqual(const std::vector<Eigen::Vector3d>& positi
 }
 
 std::vector<std::uint32_t> mergeNearby(const std::vector<Eigen::Vector3d>& positions, double tolerance) {
-  KeptPositions kept{
-      cellWidthFor(positions, tolerance), {}, std::vector<std::uint32_t>(positions.size(), kNone)};
+  const double largest = largestCoordinate(positions);
+  const double cellWidth = std::max(tolerance * kTolerancesPerCell, largest * kFinestCell);
+  KeptPositions kept{largest, cellWidth, {}, std::vector<std::uint32_t>(positions.size(), kNone)};
   std::vector<std::uint32_t> joined(positions.size());
   for (std::uint32_t i = 0; i < joined.size(); ++i) {
     const Nearest nearest = findNearest(kept, positions, positions[i], tolerance);
     const bool joins = nearest.distance <= tolerance;
     joined[i] = joins ? nearest.index : i;
-    if (!joins) keep(kept, cellOf(positions[i], kept.cellWidth), i);
+    if (!joins) keep(kept, cellOf(positions[i], kept), i);
   }
   return joined;
 }
