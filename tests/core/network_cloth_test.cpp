@@ -1,0 +1,139 @@
+// SPDX-License-Identifier: Zlib
+#include <limber/network_builder.h>
+
+#include <gtest/gtest.h>
+#include <Eigen/Geometry>
+
+#include <cmath>
+#include <map>
+
+using limber::buildCloth;
+using limber::ClothSettings;
+using limber::NetworkSpring;
+using limber::SharedNetwork;
+using limber::SpringKind;
+
+namespace {
+
+/// 2 m x 3 m in 4 x 6 cells of 0.5 m.
+ClothSettings squareCells() {
+  ClothSettings settings;
+  settings.width = 2.0;
+  settings.depth = 3.0;
+  settings.columns = 4;
+  settings.rows = 6;
+  return settings;
+}
+
+SharedNetwork build(const ClothSettings& settings) {
+  const SharedNetwork network = *buildCloth(settings);
+  EXPECT_EQ(validate(*network), "");
+  return network;
+}
+
+std::map<SpringKind, std::size_t> countKinds(const limber::SpringNetwork& network) {
+  std::map<SpringKind, std::size_t> counts;
+  for (const NetworkSpring& spring : network.springs) ++counts[spring.kind];
+  return counts;
+}
+
+}  // namespace
+
+TEST(NetworkCloth, pointsRunAlongXThenZ) {
+  const SharedNetwork cloth = build(squareCells());
+  EXPECT_EQ(cloth->kind, limber::NetworkKind::Cloth);
+  ASSERT_EQ(cloth->restPoints.size(), 35u);
+  EXPECT_EQ(cloth->restPoints[0], Eigen::Vector3d(-1.0, 0.0, -1.5));
+  EXPECT_EQ(cloth->restPoints[2 * 5 + 3], Eigen::Vector3d(0.5, 0.0, -0.5));  // column 3, row 2
+  EXPECT_EQ(cloth->restPoints[34], Eigen::Vector3d(1.0, 0.0, 1.5));
+  for (const double share : cloth->massShares) EXPECT_DOUBLE_EQ(share, 1.0 / 35.0);
+}
+
+TEST(NetworkCloth, springCounts) {
+  for (const std::uint32_t columns : {1u, 2u, 3u, 4u}) {
+    for (const std::uint32_t rows : {1u, 2u, 7u}) {
+      ClothSettings settings;
+      settings.columns = columns;
+      settings.rows = rows;
+      auto counts = countKinds(*build(settings));
+      EXPECT_EQ(counts[SpringKind::Structural], columns * (rows + 1) + rows * (columns + 1));
+      EXPECT_EQ(counts[SpringKind::Shear], 2 * columns * rows);
+      EXPECT_EQ(counts[SpringKind::Bending], (columns - 1) * (rows + 1) + (rows - 1) * (columns + 1));
+    }
+  }
+}
+
+TEST(NetworkCloth, springLengthsAndScales) {
+  ClothSettings settings = squareCells();
+  settings.shearScale = 0.3;
+  settings.bendingScale = 0.2;
+  const SharedNetwork cloth = build(settings);
+  const std::map<SpringKind, std::pair<double, double>> expected{{SpringKind::Structural, {0.5, 1.0}},
+                                                                 {SpringKind::Shear, {std::sqrt(0.5), 0.3}},
+                                                                 {SpringKind::Bending, {1.0, 0.2}}};
+  for (const NetworkSpring& spring : cloth->springs) {
+    const auto [length, scale] = expected.at(spring.kind);
+    EXPECT_NEAR((cloth->restPoints[spring.a] - cloth->restPoints[spring.b]).norm(), length, 1e-12);
+    EXPECT_EQ(spring.stiffnessScale, scale);
+  }
+}
+
+TEST(NetworkCloth, scalesOfZeroLeaveSpringsOut) {
+  ClothSettings settings = squareCells();
+  settings.shearScale = 0.0;
+  settings.bendingScale = 0.0;
+  EXPECT_EQ(countKinds(*build(settings)).size(), 1u);
+}
+
+TEST(NetworkCloth, surfaceCoversTheSheetAndFacesUp) {
+  const SharedNetwork cloth = build(squareCells());
+  double area = 0.0;
+  for (const limber::Triangle& t : cloth->surface) {
+    const Eigen::Vector3d& a = cloth->restPoints[t[0]];
+    const Eigen::Vector3d normal = (cloth->restPoints[t[1]] - a).cross(cloth->restPoints[t[2]] - a);
+    EXPECT_DOUBLE_EQ(normal.y(), 0.25);
+    EXPECT_EQ(normal.x(), 0.0);
+    EXPECT_EQ(normal.z(), 0.0);
+    area += normal.y() / 2.0;
+  }
+  EXPECT_DOUBLE_EQ(area, 6.0);
+  EXPECT_EQ(cloth->surface.size(), 48u);
+  EXPECT_EQ(cloth->render.triangles, cloth->surface);
+}
+
+TEST(NetworkCloth, diagonalsAlternate) {
+  const SharedNetwork cloth = build(squareCells());
+  const auto usesCorner = [&](std::size_t triangle, std::uint32_t point) {
+    const limber::Triangle& t = cloth->surface[triangle];
+    return t[0] == point || t[1] == point || t[2] == point;
+  };
+  EXPECT_TRUE(usesCorner(0, 0) && usesCorner(1, 0)) << "the first cell is split at point 0";
+  EXPECT_TRUE(usesCorner(2, 2) && usesCorner(3, 2)) << "the next one at point 2";
+}
+
+TEST(NetworkCloth, pictureIsUprightSeenFromAbove) {
+  const SharedNetwork cloth = build(squareCells());
+  ASSERT_EQ(cloth->render.uvs.size(), 35u);
+  EXPECT_EQ(cloth->render.uvs[0], Eigen::Vector2f(0, 1));
+  EXPECT_EQ(cloth->render.uvs[4], Eigen::Vector2f(1, 1));
+  EXPECT_EQ(cloth->render.uvs[30], Eigen::Vector2f(0, 0));
+  EXPECT_EQ(cloth->render.vertexToPoint[17], 17u);
+}
+
+TEST(NetworkCloth, impossibleSettingsAreRefused) {
+  const auto refused = [](auto change) {
+    ClothSettings settings;
+    change(settings);
+    return !buildCloth(settings);
+  };
+  EXPECT_TRUE(refused([](ClothSettings& s) { s.width = 0.0; }));
+  EXPECT_TRUE(refused([](ClothSettings& s) { s.depth = -1.0; }));
+  EXPECT_TRUE(refused([](ClothSettings& s) { s.width = std::nan(""); }));
+  EXPECT_TRUE(refused([](ClothSettings& s) { s.columns = 0; }));
+  EXPECT_TRUE(refused([](ClothSettings& s) { s.rows = 0; }));
+  EXPECT_TRUE(refused([](ClothSettings& s) { s.shearScale = -1.0; }));
+  EXPECT_TRUE(refused([](ClothSettings& s) { s.bendingScale = std::nan(""); }));
+  EXPECT_TRUE(refused([](ClothSettings& s) { s.columns = s.rows = 0xffff; }));
+  EXPECT_TRUE(refused([](ClothSettings& s) { s.columns = 0xffffffffu; }));
+  EXPECT_FALSE(refused([](ClothSettings&) {}));
+}

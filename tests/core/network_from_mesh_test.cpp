@@ -1,0 +1,192 @@
+// SPDX-License-Identifier: Zlib
+#include <limber/network_builder.h>
+
+#include "support/small_meshes.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <numeric>
+#include <random>
+#include <set>
+
+using limber::BraceRule;
+using limber::NetworkSettings;
+using limber::NetworkSpring;
+using limber::Result;
+using limber::SharedNetwork;
+using limber::SpringKind;
+using limber::SpringNetwork;
+using limber::TriangleMesh;
+
+namespace {
+
+SharedNetwork build(const TriangleMesh& mesh, const NetworkSettings& settings = {}) {
+  Result<SharedNetwork> network = buildNetwork(mesh, settings);
+  if (!network) {
+    ADD_FAILURE() << network.error();
+    return std::make_shared<SpringNetwork>();
+  }
+  EXPECT_EQ(validate(**network), "");
+  return *network;
+}
+
+std::size_t countOf(const SpringNetwork& network, SpringKind kind) {
+  std::size_t count = 0;
+  for (const NetworkSpring& spring : network.springs) count += spring.kind == kind;
+  return count;
+}
+
+double lengthOf(const SpringNetwork& network, std::uint32_t a, std::uint32_t b) {
+  return (network.restPoints[a] - network.restPoints[b]).norm();
+}
+
+struct Counts {
+  std::size_t points, edges, braces;
+};
+
+void expectCounts(const TriangleMesh& mesh, const Counts& counts) {
+  const SharedNetwork network = build(mesh);
+  EXPECT_EQ(network->restPoints.size(), counts.points);
+  EXPECT_EQ(countOf(*network, SpringKind::Structural), counts.edges);
+  EXPECT_EQ(countOf(*network, SpringKind::Brace), counts.braces);
+  EXPECT_EQ(network->springs.size(), counts.edges + counts.braces);
+}
+
+/// The rule word by word: every pair that is no edge and as far apart as the ends of some edge.
+std::set<std::pair<std::uint32_t, std::uint32_t>> bracesBySearchOfAll(const SpringNetwork& bare) {
+  std::set<std::pair<std::uint32_t, std::uint32_t>> edges, braces;
+  for (const NetworkSpring& spring : bare.springs) edges.insert({spring.a, spring.b});
+  for (std::uint32_t a = 0; a < bare.restPoints.size(); ++a) {
+    for (std::uint32_t b = a + 1; b < bare.restPoints.size(); ++b) {
+      if (edges.count({a, b}) > 0) continue;
+      for (const NetworkSpring& spring : bare.springs) {
+        const double length = lengthOf(bare, spring.a, spring.b);
+        if (std::abs(lengthOf(bare, a, b) - length) <= 1e-5 * length) braces.insert({a, b});
+      }
+    }
+  }
+  return braces;
+}
+
+}  // namespace
+
+TEST(NetworkFromMesh, singleTriangle) {
+  const SharedNetwork network = build(small_meshes::singleTriangle());
+  ASSERT_EQ(network->springs.size(), 3u);
+  EXPECT_EQ(network->kind, limber::NetworkKind::Solid);
+  EXPECT_EQ(network->springs[1].a, 0u);
+  EXPECT_EQ(network->springs[1].b, 2u);
+  EXPECT_EQ(network->springs[1].kind, SpringKind::Structural);
+  EXPECT_EQ(network->springs[1].stiffnessScale, 1.0);
+}
+
+TEST(NetworkFromMesh, equalLengthBracesOfCubes) {
+  expectCounts(small_meshes::cube(1), {8, 18, 6});
+  expectCounts(small_meshes::cube(2), {26, 72, 36});
+  expectCounts(small_meshes::cube(4), {98, 288, 132});
+}
+
+TEST(NetworkFromMesh, equalLengthBracesOfIcospheres) {
+  expectCounts(small_meshes::icosphere(1), {42, 120, 0});
+  expectCounts(small_meshes::icosphere(2), {162, 480, 0});
+}
+
+// A cube of n x n cells gets the second diagonal of each of 6 n^2 cells, and across each of its 12 edges a
+// diagonal between the n - 1 pairs of points next to that edge.
+TEST(NetworkFromMesh, equalLengthBracesOfAFineCube) {
+  constexpr std::size_t n = 29;
+  expectCounts(small_meshes::cube(n), {6 * n * n + 2, 18 * n * n, 6 * n * n + 12 * (n - 1)});
+}
+
+TEST(NetworkFromMesh, equalLengthAgreesWithSearchOfAll) {
+  std::mt19937 random(3);
+  TriangleMesh mesh = small_meshes::cube(3);
+  // changes lengths of 0.33 m by up to 6e-6 m, where 3e-6 m still counts as equal
+  for (Eigen::Vector3d& p : mesh.positions) p *= 1.0 + 1e-6 * static_cast<double>(random() % 8);
+  NetworkSettings settings;
+  settings.weldTolerance = 1e-4;
+  const SharedNetwork braced = build(mesh, settings);
+  settings.braces = BraceRule::None;
+  const auto expected = bracesBySearchOfAll(*build(mesh, settings));
+  EXPECT_GT(expected.size(), 54u);
+  std::set<std::pair<std::uint32_t, std::uint32_t>> found;
+  for (const NetworkSpring& spring : braced->springs) {
+    if (spring.kind == SpringKind::Brace) found.insert({spring.a, spring.b});
+  }
+  EXPECT_EQ(found, expected);
+}
+
+TEST(NetworkFromMesh, bracesAreAsLongAsTheFaceDiagonalsOfTheCube) {
+  const SharedNetwork cube = build(small_meshes::cube());
+  for (const NetworkSpring& spring : cube->springs) {
+    if (spring.kind != SpringKind::Brace) continue;
+    EXPECT_NEAR(lengthOf(*cube, spring.a, spring.b), std::sqrt(2.0), 1e-12);
+  }
+}
+
+TEST(NetworkFromMesh, braceWeight) {
+  NetworkSettings settings;
+  settings.braceWeight = 0.25;
+  for (const NetworkSpring& spring : build(small_meshes::cube(), settings)->springs) {
+    EXPECT_EQ(spring.stiffnessScale, spring.kind == SpringKind::Brace ? 0.25 : 1.0);
+  }
+  for (const double weight : {0.0, -1.0, std::nan(""), std::numeric_limits<double>::infinity()}) {
+    settings.braceWeight = weight;
+    EXPECT_FALSE(buildNetwork(small_meshes::cube(), settings)) << weight;
+  }
+}
+
+TEST(NetworkFromMesh, noBraces) {
+  NetworkSettings settings;
+  settings.braces = BraceRule::None;
+  EXPECT_EQ(build(small_meshes::cube(), settings)->springs.size(), 18u);
+}
+
+TEST(NetworkFromMesh, equalMassShares) {
+  const SharedNetwork network = build(small_meshes::cube(12));
+  const double sum = std::accumulate(network->massShares.begin(), network->massShares.end(), 0.0);
+  EXPECT_NEAR(sum, 1.0, 1e-12);
+  for (const double share : network->massShares) EXPECT_EQ(share, network->massShares.front());
+}
+
+TEST(NetworkFromMesh, weldErrorsPassThrough) {
+  TriangleMesh mesh = small_meshes::singleTriangle();
+  mesh.positions[1].x() = std::nan("");
+  EXPECT_EQ(buildNetwork(mesh).error(), "the position of vertex 1 is not finite");
+  NetworkSettings settings;
+  settings.weldTolerance = -1.0;
+  EXPECT_FALSE(buildNetwork(small_meshes::cube(), settings));
+}
+
+TEST(NetworkFromMesh, isolatedVertexBecomesNoPoint) {
+  const SharedNetwork network = build(small_meshes::isolatedVertex());
+  EXPECT_EQ(network->restPoints.size(), 3u);
+  EXPECT_EQ(network->render.vertexToPoint[0], limber::kNoPoint);
+  EXPECT_EQ(network->render.triangles, (std::vector<limber::Triangle>{{1, 2, 3}}));
+  EXPECT_EQ(network->surface, (std::vector<limber::Triangle>{{0, 1, 2}}));
+  EXPECT_EQ(network->report.isolatedVertices, 1u);
+}
+
+TEST(NetworkFromMesh, renderSurfaceKeepsTheSeams) {
+  TriangleMesh mesh = small_meshes::cube(2);
+  for (const Eigen::Vector3d& p : mesh.positions) mesh.uvs.emplace_back(p.cast<float>().head<2>());
+  mesh.triangles.insert(mesh.triangles.begin(), {0, 0, 1});
+  const limber::RenderSurface render = build(mesh)->render;
+  EXPECT_EQ(render.vertexToPoint.size(), mesh.positions.size());
+  EXPECT_EQ(render.uvs, mesh.uvs);
+  mesh.triangles.erase(mesh.triangles.begin());
+  EXPECT_EQ(render.triangles, mesh.triangles);
+}
+
+TEST(NetworkFromMesh, surfaceAndRenderTrianglesCoincide) {
+  const SharedNetwork network = build(small_meshes::cube(3));
+  ASSERT_EQ(network->surface.size(), network->render.triangles.size());
+  for (std::size_t i = 0; i < network->surface.size(); ++i) {
+    for (std::size_t corner = 0; corner < 3; ++corner) {
+      EXPECT_EQ(network->render.vertexToPoint[network->render.triangles[i][corner]],
+                network->surface[i][corner]);
+    }
+  }
+}
