@@ -61,10 +61,11 @@ vec3 surfaceColour() {
 #ifdef GRID
   colour = gridColour(colour);
 #endif
-  // The layer is constant over a triangle, so all pixels of a derivative quad take the same branch.
-  if (look.a >= 0.0) {
-    colour *= texture(textures, vec3(uv, look.a)).rgb;
-  }
+#ifdef TEXTURED
+  // Instances without a texture have a layer below 0.
+  vec3 texel = texture(textures, vec3(uv, look.a)).rgb;
+  colour *= look.a >= 0.0 ? texel : vec3(1.0);
+#endif
   return colour;
 }
 
@@ -89,25 +90,32 @@ void main() {
 #endif
   vec3 light = frame.towardsLight.xyz;
   float facing = dot(normal, light);
-  float sun = 0.0;
-  if (facing > 0.0) {
-    sun = 1.0;
+#ifdef TWO_SIDED
+  // Thin cloth lets some light through to the side turned away from the sun.
+  float lit = facing > 0.0 ? facing : -0.3 * facing;
+  float sun = 1.0;
+#else
+  float lit = max(facing, 0.0);
+  float sun = lit > 0.0 ? 1.0 : 0.0;
+#endif
 #ifdef SHADOWS
-    sun = sunlight(max(dot(face, light), 0.0));
-#endif
-#ifdef SMOOTH
-    // A facet turned away from the light shadows itself, though its smooth normal still sees the
-    // light. Fading the sun out before that happens hides the facet's edge.
-    sun *= smoothstep(0.0, 0.25, facing);
-#endif
+  if (sun > 0.0) {
+    sun = sunlight(abs(dot(face, light)));
   }
+#endif
+#if defined(SMOOTH) && !defined(TWO_SIDED)
+  // A facet turned away from the light shadows itself, though its smooth normal still sees the
+  // light. Fading the sun out before that happens hides the facet's edge.
+  sun *= smoothstep(0.0, 0.25, facing);
+#endif
   vec3 middle = normalize(light + normalize(toEye));
   vec3 ambient = mix(frame.ground.rgb, frame.sky.rgb, 0.5 + 0.5 * normal.y);
-  vec3 colour = surfaceColour() * (ambient + frame.sun.rgb * (sun * max(facing, 0.0)));
+  vec3 colour = surfaceColour() * (ambient + frame.sun.rgb * (sun * lit));
 #ifdef GRID
   colour = mix(colour, backgroundColour(), smoothstep(0.35, 1.0, length(uv) / shapeRadius));
 #else
-  colour += frame.sun.rgb * (0.22 * sun * highlight(max(dot(normal, middle), 0.0)));
+  float shine = facing > 0.0 ? highlight(max(dot(normal, middle), 0.0)) : 0.0;
+  colour += frame.sun.rgb * (0.22 * sun * shine);
 #endif
   result = vec4(colour, 1.0);
 }

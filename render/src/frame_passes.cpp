@@ -81,7 +81,7 @@ void castShadows(const PassContext& pass, const ShadowMap& map) {
   pass.gl.Enable(GL_DEPTH_CLAMP);
   setCulling(pass.gl, false);
   for (const DrawItem& item : pass.items) {
-    if (item.shape->indexCount > 0) {
+    if (item.shape->indexCount > 0 && item.shape->castsShadow) {
       use(pass, pass.programs.depth(item.shape->tube), item);
       drawTriangles(pass, item);
     }
@@ -98,7 +98,9 @@ void drawSurfaces(const PassContext& pass, DrawMode mode, bool shadows) {
       continue;
     }
     setCulling(pass.gl, !shape.twoSided);
-    use(pass, pass.programs.surface({shape.tube, shape.smooth, shape.twoSided, shape.grid, shadows}), item);
+    use(pass,
+        pass.programs.surface({shape.tube, shape.smooth, shape.twoSided, shape.grid, shadows, item.textured}),
+        item);
     drawTriangles(pass, item);
   }
 }

@@ -21,6 +21,7 @@ struct DrawItem {
   GLuint positions = 0;  ///< Buffer; below, the range of it to bind.
   GLintptr byteOffset = 0;
   GLsizeiptr bytes = 0;
+  bool textured = false;
 };
 
 /// What all passes of a frame share.

@@ -103,6 +103,7 @@ GpuShape makeGpuShape(const Gl& gl, const ShapeDesc& desc) {
   shape.tube = desc.tubeRadius > 0.0f;
   shape.smooth = shape.tube || desc.shading == Shading::Smooth;
   shape.twoSided = desc.twoSided;
+  shape.castsShadow = desc.castsShadow;
   shape.grid = desc.pattern == Pattern::Grid && !shape.tube;
   shape.radius = shape.tube ? desc.tubeRadius : desc.patternRadius;
   uploadSurface(gl, desc, shape);

@@ -16,6 +16,7 @@ struct GpuShape {
   bool tube = false;
   bool smooth = false;  ///< Always for tubes, if only because their frames are computed the same way.
   bool twoSided = false;
+  bool castsShadow = true;
   bool grid = false;
   float radius = 0.0f;  ///< Of the tube or of the grid.
 

@@ -78,9 +78,12 @@ void InstanceTable::layOut(const std::vector<ShapeExtent>& shapes, FrameLayout& 
   layout.normalCount = 0;
   // Shapes are few, so one pass over the slots for each is cheaper than keeping lists.
   for (std::uint32_t shape = 0; shape < shapes.size(); ++shape) {
-    InstanceGroup group{shape, static_cast<std::uint32_t>(layout.records.size()), 0,
+    InstanceGroup group{shape,
+                        static_cast<std::uint32_t>(layout.records.size()),
+                        0,
                         static_cast<std::uint32_t>(layout.pointCount),
-                        static_cast<std::uint32_t>(layout.normalCount)};
+                        static_cast<std::uint32_t>(layout.normalCount),
+                        false};
     const std::uint32_t points = shapes[shape].pointCount;
     for (std::size_t i = 0; i < slots_.size(); ++i) {
       if (slots_[i].shape != shape) {
@@ -89,6 +92,7 @@ void InstanceTable::layOut(const std::vector<ShapeExtent>& shapes, FrameLayout& 
       layout.places[i] = {slots_[i].generation, static_cast<std::uint32_t>(layout.pointCount),
                           static_cast<std::uint32_t>(layout.normalCount), points};
       layout.records.push_back(recordOf(slots_[i].look));
+      group.textured |= slots_[i].look.texture.index != UINT32_MAX;
       layout.pointCount += points;
       layout.normalCount += shapes[shape].needsNormals ? points : 0;
       ++group.instanceCount;

@@ -22,6 +22,7 @@ struct InstanceGroup {
   std::uint32_t instanceCount = 0;
   std::uint32_t firstPoint = 0;
   std::uint32_t firstNormal = 0;
+  bool textured = false;  ///< Any of them.
 };
 
 /// Per shape, what the layout has to know.

@@ -30,7 +30,7 @@ void NaiveStream::upload(const FrameLayout& layout, const std::vector<GpuShape>&
       gl_.NamedBufferSubData(buffer, 0, static_cast<GLsizeiptr>(bytes),
                              staging_.data() + 3 * std::size_t{group.firstPoint + skipped});
       items.push_back({&shape, group.firstInstance + i, 1, 0, group.firstNormal + skipped, buffer, 0,
-                       static_cast<GLsizeiptr>(bytes)});
+                       static_cast<GLsizeiptr>(bytes), group.textured});
     }
   }
 }

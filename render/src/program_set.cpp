@@ -6,7 +6,8 @@ namespace {
 
 std::size_t indexOf(const SurfaceVariant& variant) {
   std::size_t index = 0;
-  for (const bool bit : {variant.tube, variant.smooth, variant.twoSided, variant.grid, variant.shadows}) {
+  for (const bool bit :
+       {variant.tube, variant.smooth, variant.twoSided, variant.grid, variant.shadows, variant.textured}) {
     index = 2 * index + (bit ? 1 : 0);
   }
   return index;
@@ -32,6 +33,7 @@ const ShaderProgram& ProgramSet::surface(const SurfaceVariant& variant) {
     define(variant.twoSided, "TWO_SIDED");
     define(variant.grid, "GRID");
     define(variant.shadows, "SHADOWS");
+    define(variant.textured, "TEXTURED");
     program = buildProgram(gl_,
                            {{GL_VERTEX_SHADER, surfaceVertexFiles()},
                             {GL_FRAGMENT_SHADER, {"frame.glsl", "background.glsl", "surface.frag"}}},

@@ -8,13 +8,15 @@
 
 namespace limber::render {
 
-/// What a surface program is specialised for; branches inside one program cost more.
+/// What a surface program is specialised for; a software rasteriser runs both sides
+/// of every branch.
 struct SurfaceVariant {
   bool tube = false;
   bool smooth = false;
   bool twoSided = false;
   bool grid = false;
   bool shadows = false;
+  bool textured = false;
 };
 
 /// All programs, each compiled when it is first asked for. Every function throws
@@ -33,7 +35,7 @@ class ProgramSet {
  private:
   const Gl& gl_;
   int shadowTaps_;
-  std::array<ShaderProgram, 32> surfaces_;
+  std::array<ShaderProgram, 64> surfaces_;
   std::array<ShaderProgram, 2> depths_;
   std::array<ShaderProgram, 2> normals_;
   ShaderProgram lines_;

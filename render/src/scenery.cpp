@@ -88,6 +88,7 @@ Scenery makeFloor(Vec3 centre, float halfSize) {
   Scenery floor;
   floor.shape.name = "floor";
   floor.shape.pointCount = 4;
+  floor.shape.castsShadow = false;
   floor.shape.pattern = Pattern::Grid;
   floor.shape.patternRadius = halfSize;
   constexpr std::array<std::array<float, 2>, 4> kCorners{{{-1, 1}, {1, 1}, {1, -1}, {-1, -1}}};

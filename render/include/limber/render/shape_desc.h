@@ -35,7 +35,8 @@ struct ShapeDesc {
   std::vector<float> lineRestLengths;        ///< Metres, > 0, one per line; empty: not coloured.
 
   Shading shading = Shading::Flat;
-  bool twoSided = false;  ///< Draw and light both sides (cloth).
+  bool twoSided = false;    ///< Draw and light both sides (cloth).
+  bool castsShadow = true;  ///< Off saves much for a floor, which has nothing below it.
 
   float tubeRadius = 0.0f;          ///< Metres; above 0 makes this a tube.
   std::uint32_t tubeSegments = 12;  ///< Around the tube; at least 3.

@@ -1,0 +1,163 @@
+// SPDX-License-Identifier: Zlib
+#include "renderer_parts.h"
+
+#include <algorithm>
+#include <stdexcept>
+#include <string>
+
+#include "frame_uniforms.h"
+#include "stopwatch.h"
+
+namespace limber::render {
+namespace {
+
+std::size_t pointsPerBlock(const Gl& gl) {
+  GLint64 bytes = 0;
+  gl.GetInteger64v(GL_MAX_SHADER_STORAGE_BLOCK_SIZE, &bytes);
+  return static_cast<std::size_t>(bytes) / (3 * sizeof(float));
+}
+
+std::unique_ptr<StreamBuffer> makeStream(const Gl& gl, std::size_t points, std::chrono::nanoseconds timeout) {
+  StreamBufferDesc desc;
+  desc.floatsPerFrame = 3 * points;
+  desc.fenceTimeout = timeout;
+  return std::make_unique<StreamBuffer>(gl, desc);
+}
+
+void requireTaps(int taps) {
+  if (taps != 1 && taps != 4) {
+    throw std::runtime_error("shadowTaps is " + std::to_string(taps) + ", but must be 1 or 4");
+  }
+}
+
+}  // namespace
+
+Renderer::Parts::Parts(GlContext& context, const RendererDesc& rendererDesc)
+    : gl(loadGl(context)),
+      desc(rendererDesc),
+      messages(gl),
+      programs(gl, desc.shadowTaps),
+      target(std::make_unique<RenderTarget>(gl, desc.width, desc.height, desc.samples)),
+      textures(gl, std::max(desc.textureSize, 1)),
+      emptyLayout(makeVertexArray(gl)),
+      uniforms(makeBuffer(gl, sizeof(FrameUniforms), nullptr, GL_DYNAMIC_STORAGE_BIT)),
+      stream(makeStream(gl, desc.initialPoints, desc.fenceTimeout)),
+      naive(gl),
+      mostPoints(pointsPerBlock(gl)) {
+  requireTaps(desc.shadowTaps);
+  // Rows then come top down, as PNG and video want them.
+  gl.ClipControl(GL_UPPER_LEFT, GL_ZERO_TO_ONE);
+  gl.Enable(GL_FRAMEBUFFER_SRGB);
+  checkGlErrors(gl, "making the renderer");
+}
+
+void Renderer::Parts::requireTexture(const InstanceLook& look) const {
+  if (look.texture.index != UINT32_MAX && look.texture.index >= textures.count()) {
+    throw std::runtime_error("there is no texture with this id");
+  }
+}
+
+void Renderer::Parts::layOutInstances() {
+  if (!instances.changed()) {
+    return;
+  }
+  instances.layOut(extents, layout);
+  recordsStale = true;
+}
+
+void Renderer::Parts::reservePoints() {
+  if (layout.pointCount > mostPoints) {
+    throw std::runtime_error("one frame has " + std::to_string(layout.pointCount) +
+                             " points, but this driver can bind " + std::to_string(mostPoints));
+  }
+  if (normals.bytes() < 3 * sizeof(float) * layout.normalCount) {
+    normals = makeBuffer(gl, 3 * sizeof(float) * (layout.normalCount + layout.normalCount / 2), nullptr);
+  }
+  if (stream->floatsPerFrame() >= 3 * layout.pointCount) {
+    return;
+  }
+  // The old buffer may still be read, so it must not go before its fences have passed.
+  stream->drain();
+  auto larger =
+      makeStream(gl, std::min(layout.pointCount + layout.pointCount / 2, mostPoints), desc.fenceTimeout);
+  pastRings.waits += stream->counters().waits;
+  pastRings.stalls += stream->counters().stalls;
+  ++pastRings.growths;
+  stream = std::move(larger);
+}
+
+void Renderer::Parts::uploadRecords() {
+  if (!recordsStale || layout.records.empty()) {
+    return;
+  }
+  const std::size_t bytes = layout.records.size() * sizeof(InstanceRecord);
+  if (records.bytes() < bytes) {
+    records = makeBuffer(gl, bytes + bytes / 2, nullptr, GL_DYNAMIC_STORAGE_BIT);
+  }
+  gl.NamedBufferSubData(records.name(), 0, static_cast<GLsizeiptr>(bytes), layout.records.data());
+  recordsStale = false;
+}
+
+void Renderer::Parts::fillRingItems() {
+  items.clear();
+  const auto bytes = static_cast<GLsizeiptr>(3 * sizeof(float) * layout.pointCount);
+  for (const InstanceGroup& group : layout.groups) {
+    items.push_back({&shapes[group.shape], group.firstInstance, group.instanceCount, group.firstPoint,
+                     group.firstNormal, stream->name(), frame.byteOffset, bytes, group.textured});
+  }
+}
+
+void Renderer::Parts::closeFrame() {
+  frame.open = false;
+  if (frame.path == StreamPath::Ring) {
+    stream->endFrame(stats.bytesStreamed);
+  }
+}
+
+void Renderer::Parts::submit(const Camera& camera, const Light& light, const DrawOptions& options) {
+  Stopwatch watch;
+  stats.bytesStreamed = 3 * sizeof(float) * layout.pointCount;
+  stats.shapeDrawCalls = stats.drawCalls = stats.dispatches = 0;
+  uploadRecords();
+  if (frame.path == StreamPath::Ring) {
+    fillRingItems();
+  } else {
+    naive.upload(layout, shapes, items);
+  }
+  const FrameUniforms values =
+      makeFrameUniforms(camera, light, options, {target->width(), target->height(), desc.shadowMapSize});
+  gl.NamedBufferSubData(uniforms.name(), 0, sizeof values, &values);
+  stats.uploadMs = watch.lap();
+  drawPicture({gl, programs, stats, items, emptyLayout.name()}, options, light.shadows);
+  stats.submitMs = watch.lap();
+}
+
+void Renderer::Parts::drawPicture(const PassContext& pass, const DrawOptions& options, bool shadows) {
+  gl.BindBufferBase(GL_UNIFORM_BUFFER, 0, uniforms.name());
+  gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, kNormals, normals.name());
+  gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, kInstances, records.name());
+  if (layout.normalCount > 0) {
+    computeNormals(pass);
+  }
+  const bool castsShadows = shadows && !items.empty();
+  if (castsShadows) {
+    if (shadowMap == nullptr) {
+      shadowMap = std::make_unique<ShadowMap>(gl, desc.shadowMapSize);
+    }
+    castShadows(pass, *shadowMap);
+  }
+  target->begin();
+  gl.BindTextureUnit(0, textures.name());
+  gl.BindTextureUnit(1, castsShadows ? shadowMap->texture() : 0);
+  drawSurfaces(pass, options.mode, castsShadows);
+  if (options.mode == DrawMode::Wireframe) {
+    drawLines(pass);
+  }
+  drawBackdrop(pass);
+  if (options.mode == DrawMode::Wireframe && options.legend) {
+    drawLegend(pass);
+  }
+  target->resolve();
+}
+
+}  // namespace limber::render

@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: Zlib
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "frame_passes.h"
+#include "instance_table.h"
+#include "limber/render/gl_debug_messages.h"
+#include "limber/render/renderer.h"
+#include "limber/render/stream_buffer.h"
+#include "naive_stream.h"
+#include "render_target.h"
+#include "texture_array.h"
+
+namespace limber::render {
+
+struct OpenFrame {
+  bool open = false;
+  std::uint64_t serial = 0;
+  StreamPath path = StreamPath::Ring;
+  float* points = nullptr;
+  GLintptr byteOffset = 0;
+};
+
+// Order matters: what is destroyed last comes first.
+struct Renderer::Parts {
+  Parts(GlContext& context, const RendererDesc& rendererDesc);
+
+  void layOutInstances();
+  void reservePoints();
+  void uploadRecords();
+  void fillRingItems();
+  void closeFrame();
+  void submit(const Camera& camera, const Light& light, const DrawOptions& options);
+  void drawPicture(const PassContext& pass, const DrawOptions& options, bool shadows);
+  void requireTexture(const InstanceLook& look) const;
+
+  Gl gl;
+  RendererDesc desc;
+  DebugMessages messages;
+  ProgramSet programs;
+  std::unique_ptr<RenderTarget> target;
+  std::unique_ptr<ShadowMap> shadowMap;  // Made when the first shadow is cast.
+  TextureArray textures;
+  GlVertexArray emptyLayout;
+  GlBuffer uniforms;
+  GlBuffer records;
+  GlBuffer normals;
+  std::vector<GpuShape> shapes;
+  std::vector<ShapeExtent> extents;
+  InstanceTable instances;
+  FrameLayout layout;
+  bool recordsStale = true;
+  std::unique_ptr<StreamBuffer> stream;
+  NaiveStream naive;
+  std::vector<DrawItem> items;
+  OpenFrame frame;
+  FrameStats stats;
+  RingStats pastRings;  // Of stream buffers that were outgrown.
+  std::size_t mostPoints = 0;
+};
+
+}  // namespace limber::render
