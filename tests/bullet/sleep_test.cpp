@@ -1,0 +1,144 @@
+// SPDX-License-Identifier: Zlib
+// A soft body sleeps and wakes as one.
+#include "support/bullet_world.h"
+#include "support/networks.h"
+
+#include <limber/soft_body_system.h>
+
+#include <gtest/gtest.h>
+
+namespace limber {
+namespace {
+
+using test::BulletWorld;
+
+struct SleepTest : testing::Test {
+  SleepTest() : system(*bullet.world) { bullet.addBoxFloor(); }
+  ~SleepTest() override { gDeactivationTime = 2; }
+
+  SoftBody* restingCube(double x = 0, double y = 0.52) {
+    SoftBodySettings s;
+    s.position = {x, y, 0};
+    return *system.createBody(test::cubeNetwork(), s);
+  }
+
+  BulletWorld bullet;
+  SoftBodySystem system;
+};
+
+int activePoints(const SoftBody& body) {
+  int count = 0;
+  for (std::uint32_t i = 0; i < body.pointCount(); ++i) count += body.point(i)->isActive();
+  return count;
+}
+
+TEST_F(SleepTest, allPointsFallAsleepInOneTick) {
+  SoftBody* body = restingCube();
+  for (int i = 0; i < 600 && !body->sleeping(); ++i) {
+    bullet.tick();
+    ASSERT_TRUE(activePoints(*body) == 8 || activePoints(*body) == 0) << "tick " << i;
+  }
+  EXPECT_TRUE(body->sleeping());
+  EXPECT_EQ(activePoints(*body), 0);
+  const std::uint64_t asleep = body->stateHash();
+  bullet.simulate(1.0);
+  EXPECT_EQ(body->stateHash(), asleep) << "asleep nothing moves, to the bit";
+  EXPECT_EQ(body->substeps(), 0);
+  EXPECT_EQ(system.profile().pointsStepped, 0u) << "and nothing is stepped";
+}
+
+TEST_F(SleepTest, oneWokenPointWakesAll) {
+  SoftBody* body = restingCube();
+  bullet.simulate(6.0);
+  ASSERT_TRUE(body->sleeping());
+  body->point(4)->activate();
+  bullet.tick();
+  EXPECT_EQ(activePoints(*body), 8);
+  EXPECT_FALSE(body->sleeping());
+  bullet.simulate(6.0);
+  EXPECT_TRUE(body->sleeping()) << "and it settles again";
+}
+
+TEST_F(SleepTest, aFallingBoxWakesIt) {
+  SoftBody* body = restingCube();
+  bullet.simulate(6.0);
+  ASSERT_TRUE(body->sleeping());
+  bullet.addBox(test::vec(0.6, 0.1, 0.6), 0.2, test::vec(0, 2.0, 0));
+  bool woken = false;
+  for (int i = 0; i < 120; ++i) {
+    bullet.tick();
+    woken = woken || activePoints(*body) == 8;
+  }
+  EXPECT_TRUE(woken);
+}
+
+TEST_F(SleepTest, neverWhileSomethingOnItIsAwake) {
+  SoftBody* body = restingCube();
+  btRigidBody* plate = bullet.addBox(test::vec(0.6, 0.1, 0.6), 0.2, test::vec(0, 1.12, 0));
+  plate->setActivationState(DISABLE_DEACTIVATION);
+  bullet.simulate(10.0);
+  EXPECT_FALSE(body->sleeping());
+  EXPECT_EQ(activePoints(*body), 8);
+}
+
+TEST_F(SleepTest, aRigidBodyOnItSleepsToo) {
+  SoftBody* body = restingCube();
+  btRigidBody* plate = bullet.addBox(test::vec(0.6, 0.1, 0.6), 0.2, test::vec(0, 1.12, 0));
+  bullet.simulate(15.0);
+  EXPECT_TRUE(body->sleeping());
+  EXPECT_FALSE(plate->isActive());
+}
+
+TEST_F(SleepTest, bulletsSwitchesAreHonoured) {
+  SoftBody* body = restingCube();
+  gDeactivationTime = 0;
+  bullet.simulate(6.0);
+  EXPECT_FALSE(body->sleeping()) << "gDeactivationTime 0 turns sleeping off";
+  gDeactivationTime = btScalar(0.2);
+  bullet.simulate(1.0);
+  EXPECT_TRUE(body->sleeping());
+  body->wake();
+  body->point(1)->setActivationState(DISABLE_DEACTIVATION);
+  bullet.simulate(3.0);
+  EXPECT_FALSE(body->sleeping());
+}
+
+TEST_F(SleepTest, aSlowSwingIsNotRest) {
+  SoftBodySettings s;
+  s.position = {0, 4, 0};
+  SoftBody* rope = *system.createBody(test::pairNetwork(), s);
+  rope->pin(0);
+  for (int i = 0; i < 600; ++i) {
+    bullet.tick();
+    ASSERT_FALSE(rope->sleeping()) << "tick " << i;
+  }
+}
+
+TEST_F(SleepTest, gravityReachesAllPointsOfAWokenBody) {
+  SoftBody* body = restingCube();
+  bullet.simulate(6.0);
+  ASSERT_TRUE(body->sleeping());
+  const Eigen::Vector3d before = body->centerOfMass();
+  for (btRigidBody* rigid : {bullet.bodies[0].get()}) bullet.world->removeRigidBody(rigid);
+  body->wake();
+  bullet.tick();
+  EXPECT_NEAR(body->linearMomentum().y(), -9.81 / 60, 1e-5);
+  EXPECT_LT(body->centerOfMass().y(), before.y());
+}
+
+TEST_F(SleepTest, aMovedPinWakesIt) {
+  SoftBodySettings s;
+  s.position = {0, 4, 0};
+  s.damping = 50;
+  SoftBody* rope = *system.createBody(test::chainNetwork(2), s);
+  rope->pin(0);
+  bullet.simulate(15.0);
+  ASSERT_TRUE(rope->sleeping());
+  rope->movePin(0, btVector3(btScalar(0.2), 4, 0));
+  bullet.simulate(0.2);
+  EXPECT_FALSE(rope->sleeping());
+  EXPECT_NEAR(rope->position(0).x(), 0.2, 1e-6);
+}
+
+}  // namespace
+}  // namespace limber

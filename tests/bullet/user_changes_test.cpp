@@ -1,0 +1,219 @@
+// SPDX-License-Identifier: Zlib
+// Whatever a Bullet user does to bodies and world between ticks is taken over; substeps and time steps of the
+// world change nothing.
+#include "support/bullet_world.h"
+#include "support/networks.h"
+
+#include <limber/soft_body_system.h>
+
+#include <gtest/gtest.h>
+
+namespace limber {
+namespace {
+
+using test::BulletWorld;
+constexpr double kTick = 1.0 / 60.0;
+
+struct Sim {
+  explicit Sim(double gravity = -9.81, SoftBodySettings s = {}) : bullet(gravity), system(*bullet.world) {
+    body = *system.createBody(test::cubeNetwork(), s);
+  }
+  BulletWorld bullet;
+  SoftBodySystem system;
+  SoftBody* body;
+};
+
+TEST(WorldSubsteps, oneStepOfTwoSubstepsEqualsTwoStepsOfOne) {
+  Sim one, two;
+  one.body->point(0)->applyCentralImpulse(btVector3(1, 0, 0));
+  two.body->point(0)->applyCentralImpulse(btVector3(1, 0, 0));
+  const btScalar tick = btScalar(kTick);
+  for (int i = 0; i < 30; ++i) {
+    one.bullet.world->stepSimulation(2 * tick, 2, tick);
+    two.bullet.world->stepSimulation(tick, 1, tick);
+    two.bullet.world->stepSimulation(tick, 1, tick);
+    ASSERT_EQ(one.body->stateHash(), two.body->stateHash()) << "frame " << i;
+  }
+}
+
+TEST(WorldSubsteps, aForceActsOverTheWholeStepWhateverItsSubsteps) {
+  for (int substeps : {1, 2, 4}) {
+    Sim sim(0.0);
+    const btScalar tick = btScalar(kTick / substeps);
+    for (std::uint32_t i = 0; i < 8; ++i) sim.body->point(i)->applyCentralForce(btVector3(btScalar(0.3), 0, 0));
+    sim.bullet.world->stepSimulation(btScalar(kTick) * btScalar(1.0001), substeps, tick);
+    EXPECT_NEAR(sim.body->linearMomentum().x(), 8 * 0.3 * kTick, 1e-6) << substeps;
+  }
+}
+
+TEST(WorldSubsteps, variableTimeStepsFallTheSame) {
+  Sim sim;
+  double time = 0;
+  for (int i = 0; i < 120; ++i) {
+    const double dt = 0.004 + 0.00021 * (i % 37);
+    sim.bullet.tick(dt);
+    time += double(btScalar(dt));
+  }
+  const double exact = -0.5 * double(btScalar(9.81)) * time * time;
+  EXPECT_NEAR(sim.body->centerOfMass().y(), exact, 1e-6 * std::abs(exact));
+}
+
+TEST(WorldSubsteps, aStepWithoutATickLosesNothing) {
+  Sim sim;
+  const auto before = sim.body->stateHash();
+  sim.bullet.world->stepSimulation(btScalar(0.001), 1, btScalar(kTick));
+  EXPECT_EQ(sim.body->stateHash(), before);
+  sim.bullet.world->stepSimulation(btScalar(0), 0);
+  EXPECT_EQ(sim.body->stateHash(), before);
+}
+
+TEST(UserChanges, impulseOnOnePoint) {
+  Sim sim(0.0);
+  sim.body->point(5)->applyCentralImpulse(btVector3(0, btScalar(0.5), 0));
+  EXPECT_NEAR(sim.body->velocity(5).y(), 0.5 / 0.125, 1e-6) << "seen at once";
+  sim.bullet.simulate(0.5);
+  EXPECT_NEAR(sim.body->linearMomentum().y(), 0.5, 1e-6);
+}
+
+TEST(UserChanges, velocityIsSet) {
+  Sim sim(0.0);
+  sim.bullet.tick();
+  for (std::uint32_t i = 0; i < 8; ++i) sim.body->point(i)->setLinearVelocity(btVector3(2, 0, 0));
+  sim.bullet.simulate(1.0);
+  EXPECT_NEAR(sim.body->linearMomentum().x(), 2.0, 1e-6);
+  EXPECT_NEAR(sim.body->centerOfMass().x(), 2.0, 1e-5);
+}
+
+TEST(UserChanges, teleportMovesTheBodyWithoutAKick) {
+  Sim sim(0.0);
+  sim.bullet.simulate(0.1);
+  for (std::uint32_t i = 0; i < 8; ++i) sim.body->point(i)->translate(btVector3(100, -3, 7));
+  sim.bullet.simulate(0.5);
+  EXPECT_LT((sim.body->centerOfMass() - Eigen::Vector3d(100, -3, 7)).norm(), 1e-5);
+  EXPECT_LT(sim.body->linearMomentum().norm(), 1e-4) << "floats at 100 m are 8e-6 m apart: springs feel that";
+}
+
+TEST(UserChanges, onePointIsPulledAwayAndComesBack) {
+  Sim sim(0.0);
+  sim.body->point(7)->translate(test::vec(0.2, 0.1, 0));
+  EXPECT_GT(sim.body->elasticEnergy(), 1.0);
+  sim.bullet.simulate(20.0);
+  EXPECT_LT(sim.body->elasticEnergy(), 1e-6);
+}
+
+TEST(UserChanges, gravityIsChangedWhileRunning) {
+  Sim sim;
+  sim.bullet.simulate(0.5);
+  const Eigen::Vector3d v = sim.body->linearMomentum();
+  sim.bullet.world->setGravity(btVector3(3, 0, 0));
+  sim.bullet.simulate(1.0);
+  EXPECT_NEAR(sim.body->linearMomentum().x() - v.x(), 3.0, 1e-5);
+  EXPECT_NEAR(sim.body->linearMomentum().y(), v.y(), 1e-5);
+}
+
+TEST(UserChanges, gravityOfOnePointIsItsOwn) {
+  Sim sim;
+  for (std::uint32_t i = 0; i < 8; ++i) {
+    sim.body->point(i)->setFlags(sim.body->point(i)->getFlags() | BT_DISABLE_WORLD_GRAVITY);
+    sim.body->point(i)->setGravity(btVector3(0, 0, 0));
+  }
+  sim.bullet.simulate(1.0);
+  EXPECT_LT(sim.body->centerOfMass().norm(), 1e-6);
+}
+
+TEST(UserChanges, linearFactorKeepsAPointInItsPlane) {
+  Sim sim;
+  for (std::uint32_t i = 0; i < 8; ++i) sim.body->point(i)->setLinearFactor(btVector3(1, 1, 0));
+  sim.body->point(0)->applyCentralImpulse(test::vec(0.3, 0, 0));
+  const double z = sim.body->position(0).z();
+  sim.bullet.simulate(1.0);
+  for (std::uint32_t i = 0; i < 8; ++i) EXPECT_NEAR(std::abs(sim.body->position(i).z()), std::abs(z), 1e-12);
+}
+
+TEST(UserChanges, massOfAPointIsChanged) {
+  Sim sim(0.0);
+  sim.body->point(0)->setMassProps(btScalar(1.0), btVector3(0, 0, 0));
+  sim.bullet.tick();
+  EXPECT_NEAR(sim.body->totalMass(), 7 * 0.125 + 1.0, 1e-6);
+}
+
+TEST(UserChanges, bulletsLinearDampingActs) {
+  Sim sim(0.0);
+  for (std::uint32_t i = 0; i < 8; ++i) {
+    sim.body->point(i)->setDamping(btScalar(0.5), 0);
+    sim.body->point(i)->setLinearVelocity(btVector3(1, 0, 0));
+  }
+  sim.bullet.simulate(1.0);
+  EXPECT_NEAR(sim.body->linearMomentum().x(), 0.5, 1e-3) << "v(t) = v (1 - d)^t";
+}
+
+TEST(UserChanges, userPointersAndIndicesAreTheUsers) {
+  Sim sim;
+  for (std::uint32_t i = 0; i < 8; ++i) {
+    EXPECT_EQ(sim.body->point(i)->getUserPointer(), nullptr);
+    EXPECT_EQ(sim.body->point(i)->getUserIndex(), -1);
+  }
+  int mine = 0;
+  sim.body->point(3)->setUserPointer(&mine);
+  sim.body->point(3)->setUserIndex(42);
+  sim.bullet.simulate(0.1);
+  EXPECT_EQ(sim.body->point(3)->getUserPointer(), &mine);
+  EXPECT_EQ(sim.body->point(3)->getUserIndex(), 42);
+}
+
+TEST(UserChanges, aRayFindsThePointAndThePointItsBody) {
+  SoftBodySettings s;
+  s.pointRadius = 0.05;
+  Sim sim(0.0, s);
+  sim.bullet.tick();
+  const btVector3 target = sim.body->point(6)->getWorldTransform().getOrigin();
+  btCollisionWorld::ClosestRayResultCallback ray(target + btVector3(0, 5, 0), target);
+  sim.bullet.world->rayTest(ray.m_rayFromWorld, ray.m_rayToWorld, ray);
+  ASSERT_TRUE(ray.hasHit());
+  const PointReference found = findPoint(ray.m_collisionObject);
+  EXPECT_EQ(found.body, sim.body);
+  EXPECT_EQ(found.index, 6u);
+  EXPECT_EQ(findPoint(nullptr).body, nullptr);
+  btRigidBody* box = sim.bullet.addBox(btVector3(1, 1, 1), 1, btVector3(9, 9, 9));
+  EXPECT_EQ(findPoint(box).body, nullptr);
+}
+
+TEST(UserChanges, pointsDoNotSpin) {
+  Sim sim;
+  sim.bullet.addBoxFloor();
+  sim.body->point(0)->applyTorqueImpulse(btVector3(5, 5, 5));
+  sim.bullet.simulate(2.0);
+  for (std::uint32_t i = 0; i < 8; ++i) {
+    EXPECT_EQ(sim.body->point(i)->getAngularVelocity(), btVector3(0, 0, 0));
+    EXPECT_EQ(sim.body->point(i)->getWorldTransform().getBasis(), btMatrix3x3::getIdentity());
+  }
+}
+
+TEST(UserChanges, aMousePickersConstraintComesAndGoes) {
+  // the picker adds a point-to-point constraint that stops collisions with its anchor, keeps the point awake,
+  // and takes it all back; afterwards points of one body must still not collide
+  SoftBodySettings s;
+  s.pointRadius = 0.4;
+  Sim sim(0.0, s);
+  btRigidBody* point = sim.body->point(0);
+  btRigidBody* anchor = sim.bullet.addBox(btVector3(1, 1, 1), 0, btVector3(5, 0, 0));
+  btPoint2PointConstraint pick(*point, *anchor, btVector3(0, 0, 0), btVector3(-6, 0, 0));
+  sim.bullet.world->addConstraint(&pick, true);
+  point->setActivationState(DISABLE_DEACTIVATION);
+  sim.bullet.simulate(1.0);
+  sim.bullet.world->removeConstraint(&pick);
+  point->forceActivationState(ACTIVE_TAG);
+  sim.bullet.simulate(15.0);
+  EXPECT_LT(sim.body->elasticEnergy(), 1e-6) << "overlapping points of one body would push each other apart";
+}
+
+TEST(UserChanges, theBodiesDrawFlagAndMotionStatesStayOut) {
+  Sim sim;
+  for (std::uint32_t i = 0; i < 8; ++i) {
+    EXPECT_EQ(sim.body->point(i)->getMotionState(), nullptr);
+    EXPECT_TRUE(sim.body->point(i)->getCollisionFlags() & btCollisionObject::CF_DISABLE_VISUALIZE_OBJECT);
+  }
+}
+
+}  // namespace
+}  // namespace limber
