@@ -102,7 +102,7 @@ TriangleSoup makeIcosphere() {
 }
 
 TriangleSoup makeStar() {
-  constexpr double kTip = 0.58, kValley = 0.22, kHalfWidth = 0.5;  // metres, metres, radians
+  constexpr double kTip = 0.588, kValley = 0.22, kHalfWidth = 0.5;  // metres, metres, radians
   return makeBall([tips = icosahedronCorners()](const Vector3d& direction) {
     double nearest = -1.0;
     for (const Vector3d& tip : tips) nearest = std::max(nearest, tip.dot(direction));

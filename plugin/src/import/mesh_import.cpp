@@ -2,6 +2,7 @@
 #include <limber/mesh_import.h>
 
 #include "import/identical_vertices.h"
+#include "import/ply_header.h"
 #include "import/scene_to_mesh.h"
 
 #include <assimp/postprocess.h>
@@ -24,7 +25,7 @@ std::string checkFile(const std::string& path) {
   const std::uintmax_t size = std::filesystem::file_size(path, failure);
   if (failure) return failure.message();
   if (size == 0) return "the file is empty";
-  return {};
+  return checkPlyHeader(path);
 }
 
 /// Reads without any of assimp's repairs, so that our own checks see what the file holds. Polygons are split
