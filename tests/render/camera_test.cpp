@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: Zlib
+#include "limber/render/camera.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "limber/render/light.h"
+#include "mat4.h"
+
+namespace limber::render {
+namespace {
+
+// Largest absolute value of x and y in normalised device coordinates over the corners of a box.
+float reach(const Camera& camera, Vec3 min, Vec3 max, float aspect) {
+  const Mat4 matrix = perspective(camera.verticalFieldOfView, aspect, camera.nearPlane, camera.farPlane) *
+                      lookAlong(camera.eye, unitOr(camera.target - camera.eye, {}), camera.up);
+  float largest = 0.0f;
+  for (int i = 0; i < 8; ++i) {
+    const std::array<float, 4> p{(i & 1) != 0 ? max.x : min.x, (i & 2) != 0 ? max.y : min.y,
+                                 (i & 4) != 0 ? max.z : min.z, 1.0f};
+    std::array<float, 4> clip{};
+    for (std::size_t row = 0; row < 4; ++row) {
+      for (std::size_t k = 0; k < 4; ++k) {
+        clip[row] += matrix.at(row, k) * p[k];
+      }
+    }
+    EXPECT_GT(clip[3], 0.0f);
+    EXPECT_GE(clip[2], 0.0f) << "cut by the near plane";
+    EXPECT_LE(clip[2], clip[3]) << "cut by the far plane";
+    largest = std::max({largest, std::abs(clip[0] / clip[3]), std::abs(clip[1] / clip[3])});
+  }
+  return largest;
+}
+
+TEST(Camera, FrameBoxShowsTheWholeBoxWithoutMuchRoom) {
+  const Vec3 min{-3.0f, 0.5f, -1.0f};
+  const Vec3 max{5.0f, 1.5f, 2.0f};
+  for (const Vec3 direction :
+       {Vec3{0.0f, 0.0f, 1.0f}, Vec3{1.0f, 0.7f, 0.3f}, Vec3{0.0f, 1.0f, 0.0f}, Vec3{0.0f, -3.0f, 0.0f}}) {
+    for (const float aspect : {0.5f, 1.0f, 1.78f}) {
+      const float r = reach(frameBox(min, max, direction, aspect), min, max, aspect);
+      EXPECT_LE(r, 1.0f);
+      EXPECT_GE(r, 0.8f);
+    }
+  }
+}
+
+TEST(Camera, FrameBoxOfAPointIsStillAView) {
+  const Camera camera = frameBox({1.0f, 1.0f, 1.0f}, {1.0f, 1.0f, 1.0f}, {0.0f, 0.0f, 1.0f}, 1.0f);
+  EXPECT_GT(camera.eye.z, 1.0f);
+  EXPECT_GT(camera.nearPlane, 0.0f);
+  EXPECT_GT(camera.farPlane, camera.nearPlane);
+}
+
+TEST(LightBox, CoversTheCorners) {
+  const Light light = lightBox({-1.0f, 0.0f, -2.0f}, {3.0f, 4.0f, 2.0f});
+  EXPECT_FLOAT_EQ(light.shadowCentre.y, 2.0f);
+  EXPECT_GE(light.shadowRadius, std::sqrt(12.0f));
+}
+
+}  // namespace
+}  // namespace limber::render

@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: Zlib
+#include "allocation_counter.h"
+#include "test_scene.h"
+
+namespace limber::render::test {
+namespace {
+
+TEST(FrameAllocation, NothingIsAllocatedAfterTheFirstFrames) {
+  Stage stage;
+  populate(stage);
+  Image image;
+  for (int i = 0; i < 4; ++i) {
+    stage.draw();
+    stage.renderer().readPixels(image);
+  }
+  const std::size_t before = allocationCount();
+  for (int i = 0; i < 6; ++i) {
+    stage.draw();
+    stage.renderer().readPixels(image);
+  }
+  EXPECT_EQ(allocationCount() - before, 0u);
+}
+
+}  // namespace
+}  // namespace limber::render::test

@@ -1,0 +1,138 @@
+// SPDX-License-Identifier: Zlib
+#include <gtest/gtest.h>
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <csignal>
+#include <filesystem>
+#include <stdexcept>
+#include <string>
+
+#include "limber/render/image.h"
+#include "limber/render/png_file.h"
+#include "limber/render/png_writer_thread.h"
+
+namespace limber::render {
+namespace {
+
+namespace fs = std::filesystem;
+
+Image noise(int width, int height) {
+  Image image;
+  image.resize(width, height);
+  std::uint32_t state = 1;
+  for (std::uint8_t& value : image.rgba) {
+    state = state * 1664525u + 1013904223u;
+    value = static_cast<std::uint8_t>(state >> 24);
+  }
+  return image;
+}
+
+class ImageFile : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    const auto* test = ::testing::UnitTest::GetInstance()->current_test_info();
+    folder =
+        fs::temp_directory_path() / (std::string("limber_png_") + test->name() + std::to_string(getpid()));
+    fs::create_directories(folder);
+  }
+  void TearDown() override { fs::remove_all(folder); }
+  std::string path(const std::string& name) const { return (folder / name).string(); }
+  std::size_t fileCount() const {
+    return static_cast<std::size_t>(std::distance(fs::directory_iterator(folder), fs::directory_iterator()));
+  }
+
+  fs::path folder;
+};
+
+TEST_F(ImageFile, PngRoundTrip) {
+  const Image image = noise(37, 21);
+  writePng(path("a.png"), image);
+  const Image back = readPng(path("a.png"));
+  EXPECT_EQ(back.width, 37);
+  EXPECT_EQ(back.height, 21);
+  EXPECT_EQ(back.rgba, image.rgba);
+  EXPECT_EQ(fileCount(), 1u) << "the temporary file must be gone";
+}
+
+TEST_F(ImageFile, MissingFolderIsNamed) {
+  try {
+    writePng(path("no/such/a.png"), noise(4, 4));
+    FAIL();
+  } catch (const std::runtime_error& error) {
+    EXPECT_NE(std::string(error.what()).find("no/such/a.png: No such file"), std::string::npos)
+        << error.what();
+  }
+}
+
+TEST_F(ImageFile, FullDiskIsAnErrorAndLeavesNoHalfFile) {
+  // A limit on the size of files stands in for a full disk.
+  rlimit old{};
+  getrlimit(RLIMIT_FSIZE, &old);
+  const auto oldHandler = std::signal(SIGXFSZ, SIG_IGN);
+  const rlimit small{1000, old.rlim_max};
+  setrlimit(RLIMIT_FSIZE, &small);
+  EXPECT_THROW(writePng(path("a.png"), noise(64, 64)), std::runtime_error);
+  EXPECT_THROW(writePng(path("b.png"), noise(18, 18)), std::runtime_error) << "fails only when closing";
+  setrlimit(RLIMIT_FSIZE, &old);
+  std::signal(SIGXFSZ, oldHandler);
+  EXPECT_EQ(fileCount(), 0u);
+}
+
+TEST_F(ImageFile, EmptyImageAndBadFileAreErrors) {
+  EXPECT_THROW(writePng(path("a.png"), Image{}), std::runtime_error);
+  EXPECT_THROW(readPng(path("none.png")), std::runtime_error);
+}
+
+TEST_F(ImageFile, WriterThreadWritesAllInOrderAndHandsBackMemory) {
+  PngWriterThread writer;
+  for (int i = 0; i < 8; ++i) {
+    Image image = writer.takeSpare();
+    image = noise(20 + i, 10);
+    writer.submit(path(std::to_string(i) + ".png"), std::move(image));
+  }
+  writer.finish();
+  for (int i = 0; i < 8; ++i) {
+    EXPECT_EQ(readPng(path(std::to_string(i) + ".png")).width, 20 + i);
+  }
+  EXPECT_FALSE(writer.takeSpare().rgba.empty());
+}
+
+TEST_F(ImageFile, WriterThreadReportsItsErrorOnceAndGoesOn) {
+  PngWriterThread writer;
+  writer.submit(path("missing/a.png"), noise(4, 4));
+  EXPECT_THROW(writer.finish(), std::runtime_error);
+  writer.submit(path("b.png"), noise(4, 4));
+  EXPECT_NO_THROW(writer.finish());
+  EXPECT_EQ(readPng(path("b.png")).width, 4);
+}
+
+TEST_F(ImageFile, WriterThreadWritesWhatIsQueuedBeforeItEnds) {
+  {
+    PngWriterThread writer;
+    writer.submit(path("a.png"), noise(200, 200));
+    writer.submit(path("b.png"), noise(4, 4));
+  }
+  EXPECT_EQ(fileCount(), 2u);
+}
+
+TEST(ContactSheet, PlacesTilesAndGaps) {
+  std::vector<Image> images(5);
+  for (std::size_t i = 0; i < images.size(); ++i) {
+    images[i].resize(80, 40);
+    std::fill(images[i].rgba.begin(), images[i].rgba.end(), static_cast<std::uint8_t>(40 * i));
+  }
+  const Image sheet = contactSheet(images, 3, 20);
+  EXPECT_EQ(sheet.width, 3 * 20 + 2 * 4);
+  EXPECT_EQ(sheet.height, 2 * 10 + 4);
+  EXPECT_EQ(sheet.pixel(10, 5)[0], 0);
+  EXPECT_EQ(sheet.pixel(24 + 10, 5)[0], 40);
+  EXPECT_EQ(sheet.pixel(24 + 10, 14 + 5)[0], 160);
+  EXPECT_EQ(sheet.pixel(22, 5)[0], 255) << "the gap";
+  EXPECT_EQ(sheet.pixel(60, 18)[0], 255) << "the short row";
+  EXPECT_THROW(contactSheet({}, 3), std::runtime_error);
+}
+
+}  // namespace
+}  // namespace limber::render

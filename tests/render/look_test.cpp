@@ -1,0 +1,198 @@
+// SPDX-License-Identifier: Zlib
+// What a picture has to show, tested by a few pixels far from any edge.
+#include <array>
+#include <cmath>
+#include <cstdint>
+
+#include "test_scene.h"
+
+namespace limber::render::test {
+namespace {
+
+constexpr int kMiddleX = kWidth / 2;
+constexpr int kMiddleY = kHeight / 2;
+
+void lookDown(Stage& stage) {
+  stage.camera.eye = {0.0f, 6.0f, 0.01f};
+  stage.camera.target = {0.0f, 0.0f, 0.0f};
+  stage.camera.up = {0.0f, 0.0f, -1.0f};
+}
+
+// A single-sided square facing up at height y; with its corners the other way round it faces down.
+Scenery square(float halfSize, float y, bool facingUp, bool twoSided) {
+  Scenery quad = makeFloor({0.0f, y, 0.0f}, halfSize);
+  quad.shape.pattern = Pattern::Plain;
+  quad.shape.twoSided = twoSided;
+  quad.shape.castsShadow = true;
+  if (!facingUp) {
+    quad.shape.triangles = {0, 2, 1, 0, 3, 2};
+  }
+  return quad;
+}
+
+TEST(Look, BackgroundIsTheColourAskedForTopDown) {
+  Stage stage;
+  DrawOptions options;
+  options.backgroundTop = {1.0f, 0.5f, 0.0f};
+  options.backgroundBottom = {0.0f, 0.5f, 1.0f};
+  const Image image = stage.picture(options);
+  EXPECT_NEAR(image.pixel(5, 0)[0], 255, 2);
+  EXPECT_NEAR(image.pixel(5, 0)[1], 128, 2);
+  EXPECT_NEAR(image.pixel(5, 0)[2], 0, 8);
+  EXPECT_NEAR(image.pixel(5, kHeight - 1)[0], 0, 8);
+  EXPECT_NEAR(image.pixel(5, kHeight - 1)[2], 255, 2);
+}
+
+TEST(Look, LightAddsUpLinearly) {
+  // Grey 0.5 in linear light is 188 in sRGB; a facing square with half the light must show that.
+  Stage stage;
+  lookDown(stage);
+  stage.light = {};
+  stage.light.towards = {0.0f, 1.0f, 0.0f};
+  stage.light.shadows = false;
+  stage.light.sun = {0.0f, 0.0f, 0.0f};
+  stage.light.sky = {0.5f, 0.5f, 0.5f};
+  stage.add(square(1.0f, 0.0f, true, false), {{1.0f, 1.0f, 1.0f}, {}});
+  EXPECT_NEAR(stage.picture().pixel(kMiddleX, kMiddleY)[0], 188, 1);
+}
+
+TEST(Look, ImageIsNotMirrored) {
+  Stage stage;
+  stage.camera.eye = {0.0f, 0.0f, 5.0f};
+  stage.camera.target = {};
+  stage.light.shadows = false;
+  const Scenery box = makeBox({}, {0.2f, 0.2f, 0.2f});
+  const ShapeId shape = stage.renderer().addShape(box.shape);
+  stage.add(shape, moved(box.points, 1.0f, 0.0f, 0.0f), {{1.0f, 0.0f, 0.0f}, {}});
+  stage.add(shape, moved(box.points, 0.0f, 1.0f, 0.0f), {{0.0f, 0.0f, 1.0f}, {}});
+  const Image image = stage.picture();
+  // One metre is 160 / (2 * 5 * tan(0.35) * 4 / 3) pixels to the right.
+  const int metre = static_cast<int>(kHeight / (10.0f * std::tan(0.35f)));
+  const std::uint8_t* right = image.pixel(kMiddleX + metre, kMiddleY);
+  const std::uint8_t* up = image.pixel(kMiddleX, kMiddleY - metre);
+  EXPECT_GT(right[0], right[2] + 60);
+  EXPECT_GT(up[2], up[0] + 60);
+}
+
+TEST(Look, CounterClockwiseIsOutside) {
+  Stage empty;
+  lookDown(empty);
+  const int background = brightness(empty.picture(), kMiddleX, kMiddleY);
+  for (const bool facingUp : {true, false}) {
+    for (const bool twoSided : {true, false}) {
+      Stage stage;
+      lookDown(stage);
+      stage.add(square(1.0f, 0.0f, facingUp, twoSided), {{0.5f, 0.1f, 0.1f}, {}});
+      const bool seen = std::abs(brightness(stage.picture(), kMiddleX, kMiddleY) - background) > 60;
+      EXPECT_EQ(seen, facingUp || twoSided) << facingUp << twoSided;
+    }
+  }
+}
+
+TEST(Look, BothSidesOfClothAreLitAlike) {
+  // Seen from above with the sun above, a sheet looks the same whichever way it was wound.
+  std::array<Image, 2> images;
+  for (const bool facingUp : {true, false}) {
+    for (const Shading shading : {Shading::Flat, Shading::Smooth}) {
+      Stage stage;
+      lookDown(stage);
+      Scenery sheet = square(1.0f, 0.0f, facingUp, true);
+      sheet.shape.shading = shading;
+      stage.add(sheet);
+      Image& image = images[facingUp ? 1 : 0];
+      if (shading == Shading::Flat) {
+        image = stage.picture();
+      } else {
+        EXPECT_LE(largestDifference(image, stage.picture()), 1);
+      }
+    }
+  }
+  EXPECT_LE(largestDifference(images[0], images[1]), 1);
+}
+
+TEST(Look, APointInShadowIsDarker) {
+  Stage stage;
+  lookDown(stage);
+  stage.light.towards = {1.0f, 1.0f, 0.0f};
+  stage.add(makeFloor({}, 4.0f), {{0.9f, 0.9f, 0.9f}, {}});
+  stage.add(makeBox({1.0f, 1.0f, 0.0f}, {0.3f, 0.3f, 0.3f}));
+  const Image lit = stage.picture();
+  // The box hangs at (1, 1, 0), so with the light at 45 degrees its shadow lies on the origin.
+  EXPECT_LT(brightness(lit, kMiddleX, kMiddleY), brightness(lit, kMiddleX - 30, kMiddleY) - 100);
+  stage.light.shadows = false;
+  const Image unshadowed = stage.picture();
+  EXPECT_GT(brightness(unshadowed, kMiddleX, kMiddleY), brightness(lit, kMiddleX, kMiddleY) + 100);
+  EXPECT_EQ(brightness(unshadowed, kMiddleX - 30, kMiddleY), brightness(lit, kMiddleX - 30, kMiddleY));
+}
+
+TEST(Look, SlantedSurfacesHaveNoShadowAcne) {
+  // A lone convex body in grazing light: shadows may darken nothing that faces the sun clearly.
+  Stage stage;
+  stage.light.towards = {1.0f, 0.15f, 0.2f};
+  stage.add(makeBox({0.0f, 0.5f, 0.0f}, {0.8f, 0.5f, 0.8f}));
+  const Image with = stage.picture();
+  stage.light.shadows = false;
+  EXPECT_LE(largestDifference(with, stage.picture()), 1);
+}
+
+TEST(Look, TextureColoursTheSurface) {
+  Stage stage;
+  lookDown(stage);
+  const std::array<std::uint8_t, 16> pixels{255, 0, 0, 255, 255, 0, 0, 255, 0, 0, 255, 255, 0, 0, 255, 255};
+  const TextureId texture = stage.renderer().addTexture(2, 2, pixels.data());
+  Scenery quad = square(1.0f, 0.0f, true, false);
+  quad.shape.uvs = {0.0f, 1.0f, 1.0f, 1.0f, 1.0f, 0.0f, 0.0f, 0.0f};
+  stage.add(quad, {{1.0f, 1.0f, 1.0f}, texture});
+  const Image image = stage.picture();
+  // The first texture row has v = 0, which lies at the far edge, at the top of the picture.
+  const std::uint8_t* top = image.pixel(kMiddleX, kMiddleY - 7);
+  const std::uint8_t* bottom = image.pixel(kMiddleX, kMiddleY + 7);
+  EXPECT_GT(top[0], top[2] + 80);
+  EXPECT_GT(bottom[2], bottom[0] + 80);
+}
+
+TEST(Look, StrainIsBlueGreyRed) {
+  ShapeDesc spring;
+  spring.pointCount = 2;
+  spring.lines = {0, 1};
+  spring.lineRestLengths = {1.0f};
+  DrawOptions options;
+  options.mode = DrawMode::Wireframe;
+  options.lineWidth = 5.0f;
+  options.strainRange = 0.2f;
+  options.legend = false;
+  std::array<std::array<std::uint8_t, 3>, 3> colours{};
+  for (std::size_t i = 0; i < 3; ++i) {
+    Stage stage;
+    stage.camera.eye = {0.0f, 0.0f, 5.0f};
+    stage.camera.target = {};
+    const float half = 0.5f * (0.8f + 0.2f * static_cast<float>(i));
+    stage.add(stage.renderer().addShape(spring), {-half, 0.0f, 0.0f, half, 0.0f, 0.0f});
+    const Image image = stage.picture(options);
+    const std::uint8_t* pixel = image.pixel(kMiddleX, kMiddleY);
+    colours[i] = {pixel[0], pixel[1], pixel[2]};
+  }
+  EXPECT_GT(colours[0][2], colours[0][0] + 80) << "compressed";
+  EXPECT_NEAR(colours[1][0], colours[1][2], 6) << "at rest";
+  EXPECT_GT(colours[2][0], colours[2][2] + 80) << "stretched";
+}
+
+TEST(Look, LinesThroughTheEyeStayInThePicture) {
+  ShapeDesc spring;
+  spring.pointCount = 2;
+  spring.lines = {0, 1};
+  DrawOptions options;
+  options.mode = DrawMode::Wireframe;
+  options.legend = false;
+  Stage stage;
+  stage.camera.eye = {0.0f, 0.3f, 0.0f};
+  stage.camera.target = {0.0f, 0.0f, -5.0f};
+  const Image empty = stage.picture(options);
+  stage.add(stage.renderer().addShape(spring), {0.0f, 0.0f, 5.0f, 0.0f, 0.0f, -5.0f});
+  const Image image = stage.picture(options);
+  EXPECT_NE(brightness(image, kMiddleX, kHeight - 5), brightness(empty, kMiddleX, kHeight - 5));
+  EXPECT_EQ(brightness(image, kMiddleX, 5), brightness(empty, kMiddleX, 5));
+}
+
+}  // namespace
+}  // namespace limber::render::test

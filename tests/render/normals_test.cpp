@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: Zlib
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <vector>
+
+#include "test_scene.h"
+
+namespace limber::render::test {
+namespace {
+
+using Double3 = std::array<double, 3>;
+
+Double3 pointAt(const std::vector<float>& points, std::uint32_t i) {
+  return {points[3 * i], points[3 * i + 1], points[3 * i + 2]};
+}
+
+// Area-weighted, in double precision, with vertices welded to their points.
+std::vector<Double3> referenceNormals(const Scenery& scenery) {
+  std::vector<Double3> sums(scenery.shape.pointCount, Double3{});
+  const auto& map = scenery.shape.vertexToPoint;
+  for (std::size_t t = 0; t < scenery.shape.triangles.size(); t += 3) {
+    std::array<std::uint32_t, 3> corner{};
+    for (std::size_t k = 0; k < 3; ++k) {
+      const std::uint32_t vertex = scenery.shape.triangles[t + k];
+      corner[k] = map.empty() ? vertex : map[vertex];
+    }
+    const Double3 a = pointAt(scenery.points, corner[0]);
+    const Double3 b = pointAt(scenery.points, corner[1]);
+    const Double3 c = pointAt(scenery.points, corner[2]);
+    const Double3 u{b[0] - a[0], b[1] - a[1], b[2] - a[2]};
+    const Double3 v{c[0] - a[0], c[1] - a[1], c[2] - a[2]};
+    const Double3 cross{u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]};
+    for (const std::uint32_t p : corner) {
+      for (std::size_t k = 0; k < 3; ++k) {
+        sums[p][k] += cross[k];
+      }
+    }
+  }
+  for (Double3& n : sums) {
+    const double size = std::hypot(n[0], n[1], n[2]);
+    n = {n[0] / size, n[1] / size, n[2] / size};
+  }
+  return sums;
+}
+
+void expectNormals(Stage& stage, InstanceId id, const Scenery& scenery) {
+  const std::vector<float> normals = stage.renderer().readNormals(id);
+  const std::vector<Double3> expected = referenceNormals(scenery);
+  ASSERT_EQ(normals.size(), 3 * expected.size());
+  for (std::size_t i = 0; i < normals.size(); ++i) {
+    ASSERT_NEAR(normals[i], expected[i / 3][i % 3], 2e-5) << "point " << i / 3;
+  }
+}
+
+TEST(Normals, SmoothOnesAreAreaWeightedOverWeldedPoints) {
+  Stage stage;
+  stage.add(makeFloor({}, 4.0f));
+  const Scenery ball = makeUvSphere({0.2f, 0.3f, 0.1f}, 0.7f, 7, 11);
+  const Scenery sheet = cloth(9);
+  const ShapeId ballShape = stage.renderer().addShape(ball.shape);
+  const ShapeId sheetShape = stage.renderer().addShape(sheet.shape);
+  const InstanceId first = stage.add(ballShape, ball.points);
+  Scenery squeezed = ball;
+  for (std::size_t i = 0; i < squeezed.points.size(); ++i) {
+    squeezed.points[i] *= i % 3 == 1 ? 0.4f : 1.1f;
+  }
+  const InstanceId second = stage.add(ballShape, squeezed.points);
+  const InstanceId third = stage.add(sheetShape, sheet.points);
+  stage.draw();
+  expectNormals(stage, first, ball);
+  expectNormals(stage, second, squeezed);
+  expectNormals(stage, third, sheet);
+}
+
+TEST(Normals, TubeFramesAreUnitAndAcrossTheTube) {
+  Stage stage;
+  const Scenery tube = rope(9);
+  const InstanceId id = stage.add(tube);
+  stage.draw();
+  const std::vector<float> sides = stage.renderer().readNormals(id);
+  for (std::uint32_t k = 1; k + 1 < tube.shape.pointCount; ++k) {
+    const Double3 before = pointAt(tube.points, k - 1);
+    const Double3 after = pointAt(tube.points, k + 1);
+    const Double3 side = pointAt(sides, k);
+    EXPECT_NEAR(std::hypot(side[0], side[1], side[2]), 1.0, 1e-5);
+    double along = 0.0;
+    for (std::size_t c = 0; c < 3; ++c) {
+      along += side[c] * (after[c] - before[c]);
+    }
+    EXPECT_NEAR(along, 0.0, 1e-5);
+  }
+}
+
+TEST(Normals, FlatShapesHaveNone) {
+  Stage stage;
+  const InstanceId id = stage.add(makeBox({}, {0.5f, 0.5f, 0.5f}));
+  stage.draw();
+  EXPECT_THROW(stage.renderer().readNormals(id), std::runtime_error);
+}
+
+}  // namespace
+}  // namespace limber::render::test

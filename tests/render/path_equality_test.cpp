@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: Zlib
+// The batched path has to give the very picture of one buffer, one upload and one draw per body.
+#include <ostream>
+#include <string>
+
+#include "test_scene.h"
+
+namespace limber::render::test {
+namespace {
+
+struct Case {
+  std::string name;
+  DrawMode mode = DrawMode::Shaded;
+  bool shadows = true;
+  int samples = 1;
+};
+
+void PrintTo(const Case& value, std::ostream* out) {
+  *out << value.name;
+}
+
+class PathEquality : public ::testing::TestWithParam<Case> {};
+
+TEST_P(PathEquality, NaiveAndBatchedPicturesAreEqual) {
+  const Case& param = GetParam();
+  RendererDesc desc = smallDesc();
+  desc.samples = param.samples;
+  Stage stage(Backend::Auto, desc);
+  populate(stage);
+  stage.light.shadows = param.shadows;
+  DrawOptions options;
+  options.mode = param.mode;
+  const Image batched = stage.picture(options, StreamPath::Ring);
+  const std::size_t batchedDraws = stage.renderer().lastFrame().shapeDrawCalls;
+  const Image naive = stage.picture(options, StreamPath::Naive);
+  EXPECT_EQ(batched.rgba, naive.rgba);
+  EXPECT_GT(stage.renderer().lastFrame().shapeDrawCalls, batchedDraws);
+  EXPECT_EQ(stage.picture(options, StreamPath::Ring).rgba, batched.rgba) << "not the same twice";
+}
+
+INSTANTIATE_TEST_SUITE_P(Modes, PathEquality,
+                         ::testing::Values(Case{"Shaded", DrawMode::Shaded, false, 1},
+                                           Case{"ShadedWithShadows", DrawMode::Shaded, true, 1},
+                                           Case{"Wireframe", DrawMode::Wireframe, true, 1},
+                                           Case{"Multisampled", DrawMode::Shaded, true, 4}),
+                         [](const auto& test) { return test.param.name; });
+
+}  // namespace
+}  // namespace limber::render::test

@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: Zlib
+#include <gtest/gtest.h>
+
+#include "limber/render/scenery.h"
+#include "limber/render/shape_desc.h"
+
+namespace limber::render {
+namespace {
+
+ShapeDesc box() {
+  return makeBox({}, {1.0f, 1.0f, 1.0f}).shape;
+}
+
+TEST(ShapeCheck, SceneryIsValid) {
+  EXPECT_EQ(validate(box()), "");
+  EXPECT_EQ(validate(makeUvSphere({}, 1.0f).shape), "");
+  EXPECT_EQ(validate(makeUvSphere({}, 1.0f, 2, 3).shape), "");
+  EXPECT_EQ(validate(makeFloor({}, 1.0f).shape), "");
+}
+
+TEST(ShapeCheck, IndicesOutOfRangeAreNamed) {
+  ShapeDesc desc = box();
+  desc.vertexToPoint[5] = 8;
+  EXPECT_EQ(validate(desc), "vertexToPoint[5] is 8, but there are only 8 points");
+  desc = box();
+  desc.lines = {0, 1, 2, 9};
+  EXPECT_EQ(validate(desc), "lines[3] is 9, but there are only 8 points");
+}
+
+TEST(ShapeCheck, LengthsThatDoNotFitAreNamed) {
+  ShapeDesc desc = box();
+  desc.uvs.pop_back();
+  EXPECT_EQ(validate(desc), "uvs has 47 floats for 24 vertices");
+  desc = box();
+  desc.triangles.pop_back();
+  EXPECT_EQ(validate(desc), "triangles has 35 indices, which is no multiple of 3");
+  desc = box();
+  desc.lines = {0, 1};
+  desc.lineRestLengths = {1.0f, 2.0f};
+  EXPECT_EQ(validate(desc), "lineRestLengths has 2 entries for 1 lines");
+  desc.lineRestLengths = {0.0f};
+  EXPECT_EQ(validate(desc), "lineRestLengths[0] is not a positive length");
+}
+
+TEST(ShapeCheck, EmptyAndContradictoryShapesAreRefused) {
+  EXPECT_EQ(validate({}), "pointCount is 0");
+  ShapeDesc desc;
+  desc.pointCount = 3;
+  EXPECT_NE(validate(desc).find("nothing to draw"), std::string::npos);
+  desc = box();
+  desc.tubeRadius = 0.1f;
+  EXPECT_NE(validate(desc).find("makes its own vertices"), std::string::npos);
+  desc = {};
+  desc.pointCount = 1;
+  desc.tubeRadius = 0.1f;
+  EXPECT_NE(validate(desc).find("at least 2 points"), std::string::npos);
+  desc = box();
+  desc.pattern = Pattern::Grid;
+  EXPECT_NE(validate(desc).find("patternRadius"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace limber::render
