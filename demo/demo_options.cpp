@@ -1,0 +1,118 @@
+// SPDX-License-Identifier: Zlib
+#include "demo_options.h"
+
+#include "number_checks.h"
+#include "scenes/scene_list.h"
+
+#include <CLI/CLI.hpp>
+
+#include <cstdio>
+#include <map>
+
+namespace limber::demo {
+namespace {
+
+constexpr double kMaxSeconds = 3600.0;
+
+std::vector<std::string> sceneNames() {
+  std::vector<std::string> names;
+  for (const scenes::SceneEntry& entry : scenes::sceneList()) names.push_back(entry.name);
+  return names;
+}
+
+void printList() {
+  for (const scenes::SceneEntry& entry : scenes::sceneList()) std::printf("%-6s  %s\n", entry.name, entry.about);
+}
+
+/// What CLI11 fills in; some of it only makes sense together.
+struct CommandLine {
+  DemoOptions options;
+  bool list = false;
+  bool noVideo = false;
+  std::string size = "960x540";
+  std::string mode = "shaded";
+  CLI::Option* scene = nullptr;
+  CLI::Option* out = nullptr;
+};
+
+void addSceneOptions(CLI::App& app, CommandLine& line) {
+  scenes::SceneOptions& scene = line.options.sceneOptions;
+  line.scene = app.add_option("--scene", line.options.scene, "what to run (default cubes)")
+                   ->check(CLI::IsMember(sceneNames()));
+  app.add_option("--mesh", scene.meshFile, "run the scene mesh with this file (any format assimp reads)");
+  app.add_option("--count", scene.count, "number of bodies, 1 to 10000")->check(wholeNumber(1, 10000));
+  app.add_option("--stiffness", scene.stiffness, "N/m of each spring, 0 or more")->check(number(0.0, 1e9));
+  app.add_option("--damping", scene.damping, "N s/m of each spring, 0 or more")->check(number(0.0, 1e6));
+  app.add_option("--mass", scene.mass, "kg of each body, above 0")->check(number(1e-6, 1e6));
+  app.add_option("--scale", scene.scale,
+                 "times the size in the mesh file; the scene mesh makes bodies 1 m large without it")
+      ->check(number(1e-6, 1e6));
+  app.add_option("--seed", scene.seed, "of heights and rotations (default 1)")->check(wholeNumber(0, 1e15));
+}
+
+void addRunOptions(CLI::App& app, CommandLine& line) {
+  DemoOptions& o = line.options;
+  app.add_option("--seconds", o.seconds, "simulated time (default 6)")->check(number(0.1, kMaxSeconds));
+  app.add_option("--fps", o.framesPerSecond, "pictures per simulated second, 1 to 240 (default 30)")
+      ->check(wholeNumber(1, 240));
+  app.add_option("--size", line.size, "of the pictures, WIDTHxHEIGHT (default 960x540)")->check(pictureSize());
+  app.add_option("--mode", line.mode, "shaded, wireframe (springs coloured by strain) or none (no pictures)")
+      ->check(CLI::IsMember({"shaded", "wireframe", "none"}));
+  line.out = app.add_option("--out", o.outFolder, "folder of the pictures (default out/SCENE)");
+  app.add_option("--stats", o.statsFile, "write the figures of the run to this JSON file");
+  app.add_flag("--no-video", line.noVideo, "leave out video.mp4, which is made when there is an ffmpeg");
+  app.add_flag("--list", line.list, "list the scenes");
+}
+
+/// Why options that are each fine do not go together, or an empty string.
+std::string conflict(const CommandLine& line) {
+  const DemoOptions& o = line.options;
+  const bool meshScene = o.scene == "mesh";
+  if (meshScene && o.sceneOptions.meshFile.empty()) return "the scene mesh needs --mesh FILE";
+  if (!meshScene && !o.sceneOptions.meshFile.empty()) return "--mesh goes with the scene mesh, not " + o.scene;
+  if (o.sceneOptions.scale && !scenes::findScene(o.scene)->takesScale) {
+    return "--scale has no meaning in the scene " + o.scene;
+  }
+  if (o.mode == PictureMode::None && line.out->count() > 0) return "--out has no meaning with --mode none";
+  return {};
+}
+
+/// Fills in what follows from other options.
+void complete(CommandLine& line) {
+  DemoOptions& o = line.options;
+  const std::map<std::string, PictureMode> modes = {
+      {"shaded", PictureMode::Shaded}, {"wireframe", PictureMode::Wireframe}, {"none", PictureMode::None}};
+  o.mode = modes.at(line.mode);
+  o.video = !line.noVideo;
+  parseSize(line.size, o.width, o.height);
+  if (!o.sceneOptions.meshFile.empty() && line.scene->count() == 0) o.scene = "mesh";
+  if (o.outFolder.empty()) o.outFolder = "out/" + o.scene;
+}
+
+}  // namespace
+
+ParsedOptions parseOptions(int argc, char** argv) {
+  CLI::App app("Soft bodies in a Bullet world, drawn without a window.", "limber-demo");
+  app.footer("Exit codes: 0 fine, 1 something failed, 2 wrong command line, 3 the scene did not end as it should.");
+  CommandLine line;
+  addSceneOptions(app, line);
+  addRunOptions(app, line);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? kSuccess : kUsage;
+  }
+  if (line.list) {
+    printList();
+    return kSuccess;
+  }
+  complete(line);
+  const std::string reason = conflict(line);
+  if (!reason.empty()) {
+    std::fprintf(stderr, "%s\nRun with --help for more information.\n", reason.c_str());
+    return kUsage;
+  }
+  return line.options;
+}
+
+}  // namespace limber::demo

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Zlib
+#pragma once
+
+#include "scenes/scene.h"
+
+#include <string>
+#include <variant>
+
+namespace limber::demo {
+
+enum class PictureMode { Shaded, Wireframe, None };
+
+/// What to run and what to leave behind.
+struct DemoOptions {
+  std::string scene = "cubes";
+  scenes::SceneOptions sceneOptions;
+  double seconds = 6.0;
+  int framesPerSecond = 30;
+  int width = 960;
+  int height = 540;
+  PictureMode mode = PictureMode::Shaded;
+  std::string outFolder;  ///< of pictures
+  std::string statsFile;  ///< empty: none
+  bool video = true;      ///< if there is an ffmpeg
+};
+
+/// 1: the input cannot be used or something failed; 2: the command line is wrong; 3: the end check failed.
+enum ExitCode : int { kSuccess = 0, kFailure = 1, kUsage = 2, kWrongEnd = 3 };
+
+/// Options, or the exit code of a run that is already over (--help, --list, or an error, which has been printed).
+using ParsedOptions = std::variant<DemoOptions, ExitCode>;
+ParsedOptions parseOptions(int argc, char** argv);
+
+}  // namespace limber::demo

@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: Zlib
+#include "demo_options.h"
+#include "run_demo.h"
+
+#include <cstdio>
+#include <exception>
+#include <variant>
+
+int main(int argc, char** argv) {
+  using namespace limber::demo;
+  try {
+    const ParsedOptions parsed = parseOptions(argc, argv);
+    if (const ExitCode* over = std::get_if<ExitCode>(&parsed)) return *over;
+    return runDemo(std::get<DemoOptions>(parsed));
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "limber-demo: %s\n", error.what());
+    return kFailure;
+  }
+}

@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: Zlib
+#pragma once
+
+#include <CLI/CLI.hpp>
+
+#include <string>
+
+namespace limber::demo {
+
+/// Accepts finite numbers from `low` to `high`. (CLI::Range lets "nan" through.)
+CLI::Validator number(double low, double high);
+
+/// Accepts digits only, from `low` to `high`.
+CLI::Validator wholeNumber(double low, double high);
+
+/// Accepts WIDTHxHEIGHT of 16 to 8192 pixels each.
+CLI::Validator pictureSize();
+
+/// False if `text` is not of the form WIDTHxHEIGHT, with at most 6 digits each.
+bool parseSize(const std::string& text, int& width, int& height);
+
+}  // namespace limber::demo

@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: Zlib
+#include "progress.h"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <cstring>
+
+namespace limber::demo {
+
+Progress::Progress(std::FILE* stream, bool terminal)
+    : stream_(stream), terminal_(terminal), start_(std::chrono::steady_clock::now()) {}
+
+void Progress::show(long long done, long long total) {
+  const double share = total > 0 ? static_cast<double>(done) / static_cast<double>(total) : 1.0;
+  if (terminal_)
+    showBar(share);
+  else
+    showLine(share);
+}
+
+double Progress::secondsLeft(double share) const {
+  const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start_;
+  return share > 0.0 ? elapsed.count() * (1.0 - share) / share : 0.0;
+}
+
+void Progress::showBar(double share) {
+  const int percent = static_cast<int>(100.0 * share);
+  if (percent == shown_) return;
+  shown_ = percent;
+  const std::string left = percent > 0 && percent < 100 ? durationText(secondsLeft(share)) + " left" : "";
+  // the blanks wipe what a longer line has left
+  std::fprintf(stream_, "\r%s %3d %%  %-20s", barText(share, 30).c_str(), percent, left.c_str());
+  if (share >= 1.0) std::fputc('\n', stream_);
+  std::fflush(stream_);
+}
+
+void Progress::showLine(double share) {
+  const int tens = static_cast<int>(10.0 * share);
+  if (tens == shown_ || tens == 0) return;
+  shown_ = tens;
+  const std::string left = tens < 10 ? ", " + durationText(secondsLeft(share)) + " left" : "";
+  std::fprintf(stream_, "%3d %%%s\n", 10 * tens, left.c_str());
+  std::fflush(stream_);
+}
+
+bool isTerminal(std::FILE* stream) {
+  const char* kind = std::getenv("TERM");
+  return isatty(fileno(stream)) && kind && std::strcmp(kind, "dumb") != 0;
+}
+
+std::string durationText(double seconds) {
+  const int whole = static_cast<int>(std::ceil(std::clamp(seconds, 0.0, 1e8)));
+  char text[40];
+  if (whole < 60)
+    std::snprintf(text, sizeof text, "%d s", whole);
+  else
+    std::snprintf(text, sizeof text, "%d min %02d s", whole / 60, whole % 60);
+  return text;
+}
+
+std::string barText(double share, int width) {
+  const int full = static_cast<int>(std::clamp(share, 0.0, 1.0) * width);
+  const auto count = [](int n) { return static_cast<std::size_t>(n); };
+  return "[" + std::string(count(full), '#') + std::string(count(width - full), '-') + "]";
+}
+
+}  // namespace limber::demo

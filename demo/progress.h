@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: Zlib
+#pragma once
+
+#include <chrono>
+#include <cstdio>
+#include <string>
+
+namespace limber::demo {
+
+/// How far a run has come: a bar with the time left on a terminal, a plain line every 10 % elsewhere.
+class Progress {
+ public:
+  Progress(std::FILE* stream, bool terminal);
+
+  /// `done` of `total` steps are over.
+  void show(long long done, long long total);
+
+ private:
+  double secondsLeft(double share) const;
+  void showBar(double share);
+  void showLine(double share);
+
+  std::FILE* stream_;
+  bool terminal_;
+  std::chrono::steady_clock::time_point start_;
+  int shown_ = -1;  // what the reader sees: percent on a bar, tens of percent in lines
+};
+
+/// True if the stream is a terminal that can redraw a line.
+bool isTerminal(std::FILE* stream);
+
+/// "1 min 05 s", "42 s".
+std::string durationText(double seconds);
+
+/// "[#####---------------]".
+std::string barText(double share, int width);
+
+}  // namespace limber::demo

@@ -1,0 +1,151 @@
+// SPDX-License-Identifier: Zlib
+#include "run_demo.h"
+
+#include "folders.h"
+#include "picture_output.h"
+#include "progress.h"
+#include "run_figures.h"
+#include "run_report.h"
+#include "scene_renderer.h"
+#include "scenes/scene_list.h"
+#include "scenes/shape_error.h"
+#include "scenes/timeline.h"
+
+#include <chrono>
+#include <cstdio>
+#include <memory>
+#include <optional>
+#include <utility>
+
+namespace limber::demo {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+double secondsSince(Clock::time_point start) {
+  return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+/// The renderer and where its pictures go.
+struct Pictures {
+  Pictures(const scenes::Scene& scene, const DemoOptions& options, std::int64_t frameCount)
+      : renderer(scene, options), output(options, frameCount) {}
+  SceneRenderer renderer;
+  PictureOutput output;
+};
+
+std::string checkOutputs(const DemoOptions& options) {
+  std::string reason;
+  if (options.mode != PictureMode::None) reason = prepareFolder(options.outFolder);
+  if (reason.empty() && !options.statsFile.empty()) reason = checkWritable(options.statsFile);
+  return reason;
+}
+
+void advance(scenes::Scene& scene, std::int64_t ticks, RunFigures& figures) {
+  for (std::int64_t i = 0; i < ticks; ++i) {
+    const scenes::TickTimes times = scenes::tick(scene);
+    figures.tick.add(times.total);
+    scenes::add(figures.soft, times.soft);
+  }
+}
+
+void takePicture(Pictures& pictures, RunFigures& figures) {
+  render::Image image = pictures.output.blank();
+  const Clock::time_point start = Clock::now();
+  pictures.renderer.draw(image);
+  figures.render.add(1000.0 * secondsSince(start));
+  const Clock::time_point drawn = Clock::now();
+  pictures.output.add(std::move(image));
+  figures.output.add(1000.0 * secondsSince(drawn));
+}
+
+/// Simulation and pictures take turns on this thread; compressing has its own.
+void play(scenes::Scene& scene, const scenes::Timeline& timeline, Pictures* pictures, RunFigures& figures) {
+  Progress progress(stderr, isTerminal(stderr));
+  std::int64_t done = 0;
+  const auto advanceTo = [&](std::int64_t tick) {
+    advance(scene, tick - done, figures);
+    done = tick;
+    progress.show(done, timeline.ticks);
+  };
+  for (std::int64_t frame = 0; frame < timeline.frameCount(); ++frame) {
+    advanceTo(timeline.ticksBefore(frame));
+    if (pictures) takePicture(*pictures, figures);
+  }
+  advanceTo(timeline.ticks);
+}
+
+ShapeFigures shapeFigures(const scenes::Scene& scene) {
+  ShapeFigures figures;
+  for (std::size_t b = 0; b < scene.soft->bodyCount(); ++b) {
+    const SoftBody& body = *scene.soft->body(b);
+    if (body.network().kind != NetworkKind::Solid) continue;
+    const scenes::ShapeError error = scenes::shapeError(body);
+    ++figures.solids;
+    figures.mean += error.relativeRms;
+    figures.worst = std::max(figures.worst, error.relativeRms);
+    figures.insideOut += error.mirrored;
+  }
+  if (figures.solids) figures.mean /= static_cast<double>(figures.solids);
+  return figures;
+}
+
+void examine(const scenes::Scene& scene, const scenes::Timeline& timeline, RunFigures& figures) {
+  figures.simulatedSeconds = static_cast<double>(timeline.ticks) / static_cast<double>(scenes::kTicksPerSecond);
+  figures.bodies = scene.soft->bodyCount();
+  figures.points = scenes::pointCount(scene);
+  figures.springs = scenes::springCount(scene);
+  figures.shape = shapeFigures(scene);
+  figures.stateHash = scenes::stateHash(scene);
+  figures.endProblem = scenes::checkEnd(scene);
+}
+
+RunFigures simulate(scenes::Scene& scene, const DemoOptions& options, std::unique_ptr<Pictures>& pictures) {
+  const scenes::Timeline timeline = scenes::timelineOf(options.seconds, options.framesPerSecond);
+  if (options.mode != PictureMode::None) {
+    pictures = std::make_unique<Pictures>(scene, options, timeline.frameCount());
+  }
+  RunFigures figures;
+  const Clock::time_point start = Clock::now();
+  play(scene, timeline, pictures.get(), figures);
+  if (pictures) pictures->output.finish();
+  figures.wallSeconds = secondsSince(start);
+  if (pictures) {
+    figures.gpuBufferBytes = pictures->renderer.gpuBufferBytes();
+    figures.driver = pictures->renderer.driver();
+  }
+  examine(scene, timeline, figures);
+  return figures;
+}
+
+ExitCode fail(const std::string& reason) {
+  std::fprintf(stderr, "limber-demo: %s\n", reason.c_str());
+  return kFailure;
+}
+
+void reportPictures(const PictureOutput& output) {
+  std::printf("pictures    %s\n", output.describe().c_str());
+  if (!output.videoProblem().empty()) {
+    std::fprintf(stderr, "limber-demo: no video: %s\n", output.videoProblem().c_str());
+  }
+}
+
+}  // namespace
+
+ExitCode runDemo(const DemoOptions& options) {
+  if (const std::string reason = checkOutputs(options); !reason.empty()) return fail(reason);
+  const scenes::SceneResult scene = scenes::findScene(options.scene)->create(options.sceneOptions);
+  if (!scene) return fail(scene.error());
+  for (const std::string& note : (*scene)->notes) std::fprintf(stderr, "%s\n", note.c_str());
+
+  std::unique_ptr<Pictures> pictures;
+  const RunFigures figures = simulate(**scene, options, pictures);
+  printTable(options, figures);
+  if (pictures) reportPictures(pictures->output);
+  if (!options.statsFile.empty()) {
+    if (const std::string reason = writeJson(options, figures); !reason.empty()) return fail(reason);
+  }
+  return figures.endProblem.empty() ? kSuccess : kWrongEnd;
+}
+
+}  // namespace limber::demo

@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: Zlib
+#pragma once
+
+#include "scenes/scene.h"
+
+#include <limber/render/image.h>
+#include <limber/render/scenery.h>
+
+#include <vector>
+
+namespace limber::demo {
+
+/// How the renderer shall see a soft body: its surface, or a tube for a rope, and its springs as lines.
+render::ShapeDesc shapeOf(const SoftBody& body, const scenes::BodyLook& look);
+
+/// The things that do not move, with their colours.
+struct Prop {
+  render::Scenery scenery;
+  render::Vec3 colour;
+};
+std::vector<Prop> propsOf(const scenes::Scene& scene);
+
+/// White and grey squares, to be multiplied with a body's colour.
+render::Image checkerTexture();
+
+inline render::Vec3 toVec3(const Eigen::Vector3d& v) {
+  const Eigen::Vector3f f = v.cast<float>();
+  return {f.x(), f.y(), f.z()};
+}
+inline render::Vec3 toVec3(const Eigen::Vector3f& v) { return {v.x(), v.y(), v.z()}; }
+
+}  // namespace limber::demo

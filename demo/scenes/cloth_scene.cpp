@@ -1,0 +1,113 @@
+// SPDX-License-Identifier: Zlib
+#include "scenes/end_checks.h"
+#include "scenes/drop_grid.h"
+#include "scenes/palette.h"
+#include "scenes/random.h"
+#include "scenes/scene_list.h"
+
+#include <algorithm>
+#include <array>
+
+namespace limber::scenes {
+namespace {
+
+constexpr std::uint32_t kCells = 32;        // along each side
+constexpr double kClothWidth = 2.4;         // m
+constexpr double kClothRadius = 0.02;       // m, of each point mass
+constexpr double kBallRadius = 0.75;        // m
+constexpr double kSpacing = 3.2;            // m from ball to ball when there are several
+// with more than one step per tick, contacts come in time for the springs of a cloth under tension
+constexpr int kWorldSteps = 2;
+const Eigen::Vector3f kBallColour(0.72f, 0.74f, 0.78f);
+
+void addBall(Scene& scene, const Eigen::Vector3d& centre) {
+  addStatic(*scene.world, std::make_unique<btSphereShape>(btScalar(kBallRadius)), centre, 1.0);
+  scene.spheres.push_back({centre, kBallRadius, kBallColour});
+}
+
+SoftBodySettings clothSettings(const SceneOptions& options) {
+  SoftBodySettings settings;
+  settings.totalMass = 0.6;
+  settings.extensionStiffness = settings.compressionStiffness = 400.0;
+  settings.damping = 0.5;
+  settings.pointRadius = kClothRadius;
+  settings.friction = 0.5;
+  apply(options, settings);
+  return settings;
+}
+
+std::array<std::uint32_t, 4> cornersOf() {
+  constexpr std::uint32_t kRow = kCells + 1;
+  return {0, kCells, kCells * kRow, kCells * kRow + kCells};
+}
+
+/// It lies on top of its ball and its corners hang below the ball's middle.
+std::string drapes(const SoftBody& cloth, const Eigen::Vector3d& ball) {
+  double top = cloth.position(0).y();
+  for (std::uint32_t i = 0; i < cloth.pointCount(); ++i) top = std::max(top, cloth.position(i).y());
+  if (top < ball.y() + kBallRadius) return "does not lie on the sphere";
+  if (top > ball.y() + kBallRadius + 0.1) return "does not touch the top of the sphere";
+  for (const std::uint32_t corner : cornersOf()) {
+    if (cloth.position(corner).y() > ball.y()) return "does not hang down at all its corners";
+  }
+  return {};
+}
+
+std::string checkDrapes(const Scene& scene) {
+  for (std::size_t b = 0; b < scene.soft->bodyCount(); ++b) {
+    const std::string reason = drapes(*scene.soft->body(b), scene.spheres[b].centre);
+    if (!reason.empty()) return "cloth " + std::to_string(b) + " " + reason;
+  }
+  return {};
+}
+
+Result<SharedNetwork> clothNetwork() {
+  ClothSettings shape;
+  shape.width = shape.depth = kClothWidth;
+  shape.columns = shape.rows = kCells;
+  return buildCloth(shape);
+}
+
+/// A ball on the floor and a cloth above it, turned a little.
+std::string addPair(Scene& scene, const SharedNetwork& network, SoftBodySettings settings, const Eigen::Vector3d& at,
+                    Random& random) {
+  const Eigen::Vector3d ball = at + Eigen::Vector3d(0.0, kBallRadius, 0.0);
+  addBall(scene, ball);
+  settings.position = ball + Eigen::Vector3d(0.0, kBallRadius + 0.5, 0.0);
+  settings.rotation = Eigen::AngleAxisd(random.between(0.1, 0.5), Eigen::Vector3d::UnitY());
+  BodyLook look;
+  look.colour = paletteColour(scene.looks.size());
+  look.smooth = look.checkered = true;
+  scene.endChecks.push_back(checkOutsideBall(ball, kBallRadius, 0.5 * kClothRadius));
+  return addBody(scene, network, settings, look);
+}
+
+}  // namespace
+
+SceneResult createCloth(const SceneOptions& options) {
+  const Result<SharedNetwork> network = clothNetwork();
+  if (!network) return Error{network.error()};
+  const std::uint32_t count = options.count.value_or(1);
+  const std::uint32_t columns = gridColumns(count);
+  const double half = 0.5 * kSpacing * double(columns - 1);
+
+  auto scene = std::make_unique<Scene>();
+  scene->endChecks = {checkFinite, checkAboveFloor};
+  addFloor(*scene, 8.0 + 2.0 * half, 0.0);
+  Random random(options.seed);
+  for (std::uint32_t i = 0; i < count; ++i) {
+    const Eigen::Vector3d at(kSpacing * (i % columns) - half, 0.0, kSpacing * (i / columns) - half);
+    const std::string reason = addPair(*scene, *network, clothSettings(options), at, random);
+    if (!reason.empty()) return Error{reason};
+  }
+  scene->worldSteps = kWorldSteps;
+  addAirDrag(*scene, 0.5);
+  const double reach = half + 0.55 * kClothWidth;
+  scene->view.box = Eigen::AlignedBox3d(Eigen::Vector3d(-reach, 0.0, -reach), Eigen::Vector3d(reach, 2.1, reach));
+  scene->endChecks.push_back(checkCalm(0.05));
+  scene->endChecks.push_back(checkStretch(0.25));
+  scene->endChecks.push_back(checkDrapes);
+  return scene;
+}
+
+}  // namespace limber::scenes

@@ -1,0 +1,118 @@
+// SPDX-License-Identifier: Zlib
+#include "scenes/drop_grid.h"
+#include "scenes/end_checks.h"
+#include "scenes/palette.h"
+#include "scenes/scene_list.h"
+#include "scenes/shape_error.h"
+#include "scenes/surface_bend.h"
+
+#include <algorithm>
+#include <cstdio>
+#include <utility>
+
+namespace limber::scenes {
+namespace {
+
+/// The shape that is dropped, at the size at which it is dropped.
+struct DroppedShape {
+  SharedNetwork network;
+  double scale = 1.0;
+  double size = 1.0;                                    // m, largest extent
+  double radius = 1.0;                                  // m, of the ball around its box
+  Eigen::Vector3d middle = Eigen::Vector3d::Zero();     // m, of its box, from the network's origin
+};
+
+DroppedShape measure(SharedNetwork network, const std::optional<double>& scale) {
+  Eigen::AlignedBox3d box;
+  for (const Eigen::Vector3d& p : network->restPoints) box.extend(p);
+  const double extent = box.sizes().maxCoeff();
+  DroppedShape shape;
+  shape.scale = scale ? *scale : 1.0 / extent;
+  shape.size = shape.scale * extent;
+  shape.radius = 0.5 * shape.scale * box.diagonal().norm();
+  shape.middle = shape.scale * box.center();
+  shape.network = std::move(network);
+  return shape;
+}
+
+Result<SharedNetwork> readNetwork(const std::string& file) {
+  const Result<TriangleMesh> mesh = importMesh(file);
+  if (!mesh) return Error{mesh.error()};
+  Result<SharedNetwork> network = buildNetwork(*mesh);
+  if (!network) return Error{file + ": " + network.error()};
+  return network;
+}
+
+void addFloorAndView(Scene& scene, const DroppedShape& shape, const DropGridSettings& grid, double drawnHeight) {
+  const double half = 0.5 * grid.spacing * double(gridColumns(grid.count) - 1) + shape.radius;
+  addFloor(scene, 1.5 * half + 8.0 * shape.size, drawnHeight);
+  scene.view.box = Eigen::AlignedBox3d(Eigen::Vector3d(-half, 0.0, -half), Eigen::Vector3d(half, grid.highest, half));
+}
+
+/// Fills the scene with `count` bodies over the floor.
+std::string dropBodies(Scene& scene, const DroppedShape& shape, const SceneOptions& options,
+                       std::uint32_t defaultCount) {
+  Random random(options.seed);
+  DropGridSettings grid;
+  grid.count = options.count.value_or(defaultCount);
+  // turned in any way, neighbours never touch: only their vertices would collide
+  grid.spacing = 2.5 * shape.radius;
+  grid.lowest = 1.5 * shape.radius;
+  grid.highest = 1.5 * shape.radius + 3.0 * shape.size;
+
+  SoftBodySettings settings;
+  settings.scale.setConstant(shape.scale);
+  apply(options, settings);
+  BodyLook look;
+  look.smooth = sharpestBend(*shape.network) < kSmoothBend;
+  addFloorAndView(scene, shape, grid, pointRadius(*shape.network, settings));
+
+  std::size_t index = 0;
+  for (const Placement& place : dropGrid(grid, random)) {
+    settings.position = place.centre - place.rotation * shape.middle;
+    settings.rotation = place.rotation;
+    look.colour = variedColour(index + index / gridColumns(grid.count) * 3, random);
+    std::string reason = addBody(scene, shape.network, settings, look);
+    if (!reason.empty()) return reason;
+    ++index;
+  }
+  return {};
+}
+
+void noteOddSize(Scene& scene, double size) {
+  if (size >= 0.01 && size <= 100.0) return;
+  char line[160];
+  std::snprintf(line, sizeof line, "the bodies are %.3g m across; contacts work best between 0.05 m and 10 m", size);
+  scene.notes.push_back(line);
+}
+
+}  // namespace
+
+SceneResult createCubes(const SceneOptions& options) {
+  Result<SharedNetwork> cube = readNetwork(LIMBER_MESH_DIR "/cube.obj");
+  if (!cube) return Error{cube.error()};
+  const DroppedShape shape = measure(*cube, options.scale.value_or(1.0));
+  auto scene = std::make_unique<Scene>();
+  std::string reason = dropBodies(*scene, shape, options, 64);
+  if (!reason.empty()) return Error{reason};
+  noteOddSize(*scene, shape.size);
+  scene->endChecks = {checkFinite, checkAboveFloor, checkCalm(0.02 * shape.size), checkShapes(0.03), checkAsleep};
+  return scene;
+}
+
+SceneResult createMeshDrop(const SceneOptions& options) {
+  if (options.meshFile.empty()) return Error{"the scene mesh needs a file"};
+  Result<SharedNetwork> network = readNetwork(options.meshFile);
+  if (!network) return Error{network.error()};
+  const DroppedShape shape = measure(*network, options.scale);
+  auto scene = std::make_unique<Scene>();
+  std::string reason = dropBodies(*scene, shape, options, 16);
+  if (!reason.empty()) return Error{options.meshFile + ": " + reason};
+  scene->notes.push_back(options.meshFile + ": " + describe(shape.network->report));
+  noteOddSize(*scene, shape.size);
+  // no check of the shape: springs along the surface alone do not hold every mesh up
+  scene->endChecks = {checkFinite, checkAboveFloor, checkCalm(0.1 * shape.size)};
+  return scene;
+}
+
+}  // namespace limber::scenes

@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: Zlib
+#pragma once
+
+#include "scenes/scene.h"
+
+#include <vector>
+
+namespace limber::scenes {
+
+struct SceneEntry {
+  const char* name;
+  const char* about;  ///< one line
+  double seconds;     ///< by which all has come to rest with the scene's own choices
+  bool takesScale;    ///< SceneOptions::scale has a meaning here
+  SceneResult (*create)(const SceneOptions&);
+};
+
+const std::vector<SceneEntry>& sceneList();
+
+/// nullptr when there is none of that name.
+const SceneEntry* findScene(const std::string& name);
+
+SceneResult createCubes(const SceneOptions& options);
+SceneResult createMeshDrop(const SceneOptions& options);
+SceneResult createRope(const SceneOptions& options);
+SceneResult createCloth(const SceneOptions& options);
+
+}  // namespace limber::scenes
