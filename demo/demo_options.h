@@ -14,7 +14,7 @@ enum class PictureMode { Shaded, Wireframe, None };
 struct DemoOptions {
   std::string scene = "cubes";
   scenes::SceneOptions sceneOptions;
-  double seconds = 6.0;
+  double seconds = 0.0;   ///< chosen by the scene unless the user does
   int framesPerSecond = 30;
   int width = 960;
   int height = 540;

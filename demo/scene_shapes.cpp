@@ -6,7 +6,7 @@
 namespace limber::demo {
 namespace {
 
-const render::Vec3 kFloorColour{0.86f, 0.86f, 0.87f};
+const render::Vec3 kFloorColour{0.78f, 0.79f, 0.82f};
 
 void addSurface(render::ShapeDesc& shape, const SpringNetwork& network) {
   shape.vertexToPoint = network.render.vertexToPoint;

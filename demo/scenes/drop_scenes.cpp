@@ -46,7 +46,10 @@ Result<SharedNetwork> readNetwork(const std::string& file) {
 void addFloorAndView(Scene& scene, const DroppedShape& shape, const DropGridSettings& grid, double drawnHeight) {
   const double half = 0.5 * grid.spacing * double(gridColumns(grid.count) - 1) + shape.radius;
   addFloor(scene, 1.5 * half + 8.0 * shape.size, drawnHeight);
-  scene.view.box = Eigen::AlignedBox3d(Eigen::Vector3d(-half, 0.0, -half), Eigen::Vector3d(half, grid.highest, half));
+  // a little tight: the box's corners are empty
+  const Eigen::Vector3d reach(0.85 * half, 0.0, 0.85 * half);
+  scene.view.box = Eigen::AlignedBox3d(-reach, reach + Eigen::Vector3d(0.0, 1.5 * shape.size, 0.0));
+  scene.view.direction = {0.4, 0.55, 1.0};
 }
 
 /// Fills the scene with `count` bodies over the floor.
@@ -58,7 +61,7 @@ std::string dropBodies(Scene& scene, const DroppedShape& shape, const SceneOptio
   // turned in any way, neighbours never touch: only their vertices would collide
   grid.spacing = 2.5 * shape.radius;
   grid.lowest = 1.5 * shape.radius;
-  grid.highest = 1.5 * shape.radius + 3.0 * shape.size;
+  grid.highest = 1.5 * shape.radius + 2.0 * shape.size;
 
   SoftBodySettings settings;
   settings.scale.setConstant(shape.scale);
