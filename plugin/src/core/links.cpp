@@ -87,12 +87,18 @@ void dampLink(LinkedBodies& bodies, const LinkSpring& s, double dt) {
   applyImpulse(bodies, s.b, -impulse);
 }
 
+/// Where the end will be after drifting for dt, as drift() does it.
+Vector3d driftedPosition(const LinkedBodies& bodies, const LinkEnd& end, double dt) {
+  if (end.kind != LinkEnd::Kind::Rigid) return endPosition(bodies, end) + dt * endVelocity(bodies, end);
+  const RigidState& rigid = bodies.rigids[end.body];
+  return rigid.position + dt * rigid.velocity + rotationBy(dt * rigid.angularVelocity) * arm(bodies, end);
+}
+
 /// One anchor's impulse; returns the velocity error it removed.
 double solveAnchor(LinkedBodies& bodies, const LinkAnchor& anchor, double dt) {
   const Matrix3d k = mobility(bodies, anchor.point) + mobility(bodies, anchor.pivot);
-  const Vector3d gap = endPosition(bodies, anchor.point) - endPosition(bodies, anchor.pivot);
   Vector3d error = endVelocity(bodies, anchor.point) - endVelocity(bodies, anchor.pivot);
-  if (dt > 0.0) error += gap / dt;
+  if (dt > 0.0) error = (driftedPosition(bodies, anchor.point, dt) - driftedPosition(bodies, anchor.pivot, dt)) / dt;
   // where both sides are held along an axis nothing can be done there
   const Vector3d impulse = k.fullPivLu().solve(-error);
   if (!impulse.allFinite()) return 0.0;
@@ -149,6 +155,7 @@ double linkFrequencyBoundSquared(const LinkedBodies& bodies) {
 }
 
 void solveAnchors(LinkedBodies& bodies, double dt) {
+  if (bodies.anchors.empty()) return;
   for (int sweep = 0; sweep < kAnchorSweeps; ++sweep) {
     double largest = 0.0;
     for (const LinkAnchor& anchor : bodies.anchors) largest = std::max(largest, solveAnchor(bodies, anchor, dt));

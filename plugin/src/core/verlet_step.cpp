@@ -43,21 +43,23 @@ void damp(StepGroup& group, double dt, bool whole, bool forward) {
 
 void stepVerlet(StepGroup& group, double tick, int substeps) {
   const double dt = tick / substeps;
-  const bool anchored = !group.links.anchors.empty();
   for (SteppedBody& body : group.bodies) prepareDampers(*body.springs, body.points->inverseMass, dt);
   computeForces(group);
+  solveAnchors(group.links, 0.0);
   damp(group, dt, false, false);
   for (int s = 0; s < substeps; ++s) {
     const bool last = s + 1 == substeps;
     kick(group, 0.5 * dt);
-    if (anchored) solveAnchors(group.links, dt);
+    solveAnchors(group.links, dt);
     drift(group, dt);
     computeForces(group);
     kick(group, 0.5 * dt);
+    // first the anchors: a damper must not see an anchored point kicked apart from what holds it
+    solveAnchors(group.links, 0.0);
     // the half dampings of neighbouring substeps act at the same positions and merge into one
     damp(group, dt, !last, s % 2 == 0);
-    if (anchored) solveAnchors(group.links, 0.0);
   }
+  solveAnchors(group.links, 0.0);
 }
 
 }  // namespace limber

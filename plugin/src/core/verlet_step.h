@@ -26,6 +26,7 @@ struct StepGroup {
 ///
 ///     damp dt/2 | kick dt/2 | drift dt | new forces | kick dt/2 | damp dt/2
 ///
+/// with the anchors solved before each drift (positions) and each damping (velocities).
 /// Second order, symplectic without damping; linear momentum is exact and angular momentum is kept, since all
 /// impulses run along the springs. Stable for omega dt < 2 whatever the damping: kick-drift-kick keeps
 /// v^2 + omega^2 (1 - (omega dt)^2/4) x^2, whose velocity part the dampers can only shrink.

@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: Zlib
+// A tick allocates nothing once it has run for a while.
+#include "support/allocation_counter.h"
+#include "support/bullet_world.h"
+#include "support/networks.h"
+
+#include <limber/soft_body_system.h>
+
+#include <gtest/gtest.h>
+
+namespace limber {
+namespace {
+
+using test::BulletWorld;
+
+TEST(Allocation, aTickAllocatesNothingAfterWarmUp) {
+  BulletWorld bullet;
+  bullet.addBoxFloor();
+  SoftBodySystem system(*bullet.world);
+  for (int i = 0; i < 8; ++i) {
+    SoftBodySettings s;
+    s.position = {1.5 * i, 1.0, 0};
+    SoftBody* body = *system.createBody(test::cubeNetwork(), s);
+    body->point(0)->setActivationState(DISABLE_DEACTIVATION);
+  }
+  btRigidBody* box = bullet.addBox(test::vec(0.2, 0.2, 0.2), 1, test::vec(0, 3, 0));
+  ASSERT_TRUE(system.addSpring({system.body(0)->point(0)}, {system.body(1)->point(0)}));
+  ASSERT_TRUE(system.attach(system.body(2), 1, *box));
+  bullet.simulate(3.0);
+  const test::AllocationCounter counter;
+  bullet.simulate(1.0);
+  EXPECT_EQ(counter.allocations(), 0u);
+}
+
+TEST(Allocation, theCounterCounts) {
+  const test::AllocationCounter counter;
+  const auto made = std::make_unique<int>(1);
+  EXPECT_GE(counter.allocations(), 1u);
+  EXPECT_EQ(*made, 1);
+}
+
+}  // namespace
+}  // namespace limber

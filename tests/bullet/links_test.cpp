@@ -1,0 +1,355 @@
+// SPDX-License-Identifier: Zlib
+// Springs between any bodies, pins, and points attached to rigid bodies.
+#include "support/bullet_world.h"
+#include "support/networks.h"
+
+#include <limber/soft_body_system.h>
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+namespace limber {
+namespace {
+
+using test::BulletWorld;
+
+constexpr double kTick = 1.0 / 60.0;
+
+void keepAwake(SoftBody& body) { body.point(0)->setActivationState(DISABLE_DEACTIVATION); }
+
+Eigen::Vector3d eigen(const btVector3& v) { return {v.x(), v.y(), v.z()}; }
+
+Eigen::Vector3d momentumOf(const btRigidBody& body) { return eigen(body.getLinearVelocity()) / double(body.getInvMass()); }
+
+Eigen::Vector3d angularMomentumOf(const btRigidBody& body) {
+  const btVector3 spin = body.getInvInertiaTensorWorld().inverse() * body.getAngularVelocity();
+  return eigen(body.getWorldTransform().getOrigin()).cross(momentumOf(body)) + eigen(spin);
+}
+
+// --- springs -----------------------------------------------------------------------------------------------
+
+TEST(Spring, hangsARigidBodyAtMgOverK) {
+  BulletWorld bullet;
+  btRigidBody* box = bullet.addBox(test::vec(0.1, 0.1, 0.1), 2.0, btVector3(0, 0, 0));
+  box->setActivationState(DISABLE_DEACTIVATION);
+  SoftBodySystem system(*bullet.world);
+  SpringSettings s;
+  s.restLength = 1.0;
+  s.stiffness = 5e3;
+  s.damping = 40;
+  // from the centre of the box to a place in the world one metre above
+  SpringConstraint* spring = *system.addSpring({box}, {nullptr, btVector3(0, 1, 0)}, s);
+  bullet.simulate(5.0);
+  const double sag = 2.0 * 9.81 / 5e3;
+  EXPECT_NEAR(double(box->getWorldTransform().getOrigin().y()), -sag, 1e-5);
+  EXPECT_NEAR(spring->force(), 2.0 * 9.81, 1e-2);
+  EXPECT_NEAR(double(spring->length()), 1.0 + sag, 1e-5);
+}
+
+TEST(Spring, twoRigidBodiesSwingWithTheReducedMass) {
+  BulletWorld bullet(0.0);
+  btRigidBody* a = bullet.addBox(test::vec(0.1, 0.1, 0.1), 1.0, test::vec(0, 0, 0));
+  btRigidBody* b = bullet.addBox(test::vec(0.1, 0.1, 0.1), 3.0, test::vec(1.1, 0, 0));
+  a->setActivationState(DISABLE_DEACTIVATION);
+  b->setActivationState(DISABLE_DEACTIVATION);
+  SoftBodySystem system(*bullet.world);
+  SpringSettings s;
+  s.restLength = 1.0;
+  s.stiffness = 30.0;
+  ASSERT_TRUE(system.addSpring({a}, {b}, s));
+  const double period = 2 * M_PI * std::sqrt(0.75 / 30.0);
+  double before = 0.1, last = 0;
+  int crossings = 0;
+  for (int i = 1; crossings < 11 && i < 2000; ++i) {
+    bullet.tick();
+    const double x = double(b->getWorldTransform().getOrigin().x() - a->getWorldTransform().getOrigin().x()) - 1.0;
+    if (before > 0 && x <= 0) {
+      last = (i - 1 + before / (before - x)) * kTick;
+      ++crossings;
+    }
+    before = x;
+  }
+  // default tolerance: (omega dt)^2/24 = 0.05 at most; here omega h = 0.1 and the error 5e-4
+  EXPECT_NEAR((last - period / 4) / 10, period, 1e-3 * period);
+  EXPECT_LT((momentumOf(*a) + momentumOf(*b)).norm(), 1e-5);
+}
+
+TEST(Spring, offCentrePivotsKeepLinearAndAngularMomentum) {
+  BulletWorld bullet(0.0);
+  // cubes: with equal moments of inertia a free body keeps its angular velocity, as Bullet's integration has it
+  btRigidBody* a = bullet.addBox(test::vec(0.3, 0.3, 0.3), 2.0, test::vec(0, 0, 0));
+  btRigidBody* b = bullet.addBox(test::vec(0.2, 0.2, 0.2), 1.0, test::vec(2, 0.5, 0));
+  for (btRigidBody* body : {a, b}) body->setActivationState(DISABLE_DEACTIVATION);
+  a->setAngularVelocity(btVector3(0, 1, 2));
+  SoftBodySystem system(*bullet.world);
+  SpringSettings s;
+  s.stiffness = 20;
+  s.restLength = 1.2;
+  s.damping = 0.5;
+  ASSERT_TRUE(system.addSpring({a, test::vec(0.3, 0.2, 0)}, {b, test::vec(-0.2, 0, 0.1)}, s));
+  const Eigen::Vector3d p = momentumOf(*a) + momentumOf(*b), l = angularMomentumOf(*a) + angularMomentumOf(*b);
+  double worst = 0, scale = 0;
+  for (int i = 0; i < 120; ++i) {
+    bullet.tick();
+    scale = std::max(scale, angularMomentumOf(*a).norm());
+    worst = std::max(worst, (angularMomentumOf(*a) + angularMomentumOf(*b) - l).norm());
+  }
+  EXPECT_LT((momentumOf(*a) + momentumOf(*b) - p).norm(), 1e-4);
+  // kicks and drifts keep it exactly; Bullet moves the bodies in float, 1e-7 of 1 m times some kg m/s a tick
+  EXPECT_LT(worst, 1e-4 * scale);
+}
+
+TEST(Spring, joinsTwoSoftBodiesAndGoesAgain) {
+  BulletWorld bullet(0.0);
+  SoftBodySystem system(*bullet.world);
+  SoftBodySettings s;
+  SoftBody* a = *system.createBody(test::cubeNetwork(), s);
+  s.position = {2, 0, 0};
+  s.linearVelocity = {1, 0, 0};
+  SoftBody* b = *system.createBody(test::cubeNetwork(), s);
+  keepAwake(*a);
+  keepAwake(*b);
+  SpringSettings link;
+  link.stiffness = 200;
+  SpringConstraint* spring = *system.addSpring({a->point(1)}, {b->point(0)}, link);
+  EXPECT_NEAR(spring->settings().restLength, 1.0, 1e-6) << "the present distance";
+  bullet.simulate(3.0);
+  EXPECT_GT(a->linearMomentum().x(), 0.2) << "pulled along";
+  // two bodies in one group, state in double: exact to rounding
+  EXPECT_NEAR(a->linearMomentum().x() + b->linearMomentum().x(), 1.0, 1e-6);
+  system.removeSpring(spring);
+  bullet.tick();
+  const double alone = b->linearMomentum().x();
+  bullet.simulate(1.0);
+  EXPECT_NEAR(b->linearMomentum().x(), alone, 1e-9);
+}
+
+TEST(Spring, actsOnOneSideOnlyWhenTold) {
+  for (SpringAction action : {SpringAction::ExtensionOnly, SpringAction::CompressionOnly}) {
+    BulletWorld bullet(0.0);
+    btRigidBody* box = bullet.addBox(test::vec(0.1, 0.1, 0.1), 1.0, test::vec(0, 0, 0));
+    box->setActivationState(DISABLE_DEACTIVATION);
+    SoftBodySystem system(*bullet.world);
+    SpringSettings s;
+    s.restLength = 1.0;
+    s.action = action;
+    s.damping = 5;
+    ASSERT_TRUE(system.addSpring({box}, {nullptr, test::vec(0.5, 0, 0)}, s));  // compressed by half
+    bullet.simulate(0.1);
+    const double speed = std::abs(double(box->getLinearVelocity().x()));
+    if (action == SpringAction::ExtensionOnly)
+      EXPECT_EQ(speed, 0.0) << "slack";
+    else
+      EXPECT_GT(speed, 1.0) << "pushed away";
+  }
+}
+
+TEST(Spring, stiffOnesStayStableAtAnyStiffnessAndDamping) {
+  for (double k : {1e2, 1e4, 1e6})
+    for (double c : {0.0, 1.0, 1e3, 1e6}) {
+      BulletWorld bullet;
+      btRigidBody* box = bullet.addBox(test::vec(0.1, 0.1, 0.1), 0.1, test::vec(0.3, -1, 0));
+      box->setActivationState(DISABLE_DEACTIVATION);
+      SoftBodySystem system(*bullet.world);
+      SpringSettings s;
+      s.stiffness = k;
+      s.damping = c;
+      ASSERT_TRUE(system.addSpring({box, test::vec(0.1, 0.1, 0.1)}, {nullptr, btVector3(0, 0, 0)}, s));
+      bullet.simulate(2.0);
+      const Eigen::Vector3d x = eigen(box->getWorldTransform().getOrigin());
+      // it swings below the place it hangs from, and k = 100 stretches it by some centimetres at most
+      EXPECT_LT(x.norm(), 1.6) << "k " << k << " c " << c;
+    }
+}
+
+TEST(Spring, settingsCanBeChangedWhileRunning) {
+  BulletWorld bullet;
+  btRigidBody* box = bullet.addBox(test::vec(0.1, 0.1, 0.1), 1.0, btVector3(0, 0, 0));
+  box->setActivationState(DISABLE_DEACTIVATION);
+  SoftBodySystem system(*bullet.world);
+  SpringSettings s;
+  s.restLength = 1.0;
+  s.stiffness = 1000;
+  s.damping = 30;
+  SpringConstraint* spring = *system.addSpring({box}, {nullptr, btVector3(0, 1, 0)}, s);
+  bullet.simulate(3.0);
+  s.restLength = -1;  // keep
+  s.stiffness = 500;
+  ASSERT_TRUE(system.changeSpring(spring, s));
+  EXPECT_DOUBLE_EQ(spring->settings().restLength, 1.0);
+  bullet.simulate(4.0);
+  EXPECT_NEAR(double(box->getWorldTransform().getOrigin().y()), -9.81 / 500, 1e-4);
+}
+
+TEST(Spring, badOnesAreRefusedWithTheReason) {
+  BulletWorld bullet;
+  SoftBodySystem system(*bullet.world);
+  btRigidBody* box = bullet.addBox(btVector3(1, 1, 1), 1, btVector3(0, 0, 0));
+  SpringSettings s;
+  s.stiffness = -1;
+  EXPECT_EQ(system.addSpring({box}, {nullptr}, s).error(), "stiffness is -1, must be from 0 to 1e12");
+  EXPECT_EQ(system.addSpring({nullptr}, {nullptr}).error(), "a spring needs a body at one of its ends");
+  EXPECT_EQ(system.addSpring({box}, {box}).error(), "both ends of the spring are the same place of one body");
+  EXPECT_EQ(system.springCount(), 0u);
+  EXPECT_EQ(system.hookState(), HookState::Idle);
+}
+
+// --- pins --------------------------------------------------------------------------------------------------
+
+TEST(Pin, holdsAPointAndLetsGo) {
+  BulletWorld bullet;
+  SoftBodySystem system(*bullet.world);
+  SoftBody* body = *system.createBody(test::cubeNetwork(), SoftBodySettings());
+  keepAwake(*body);
+  body->pin(7);
+  EXPECT_TRUE(body->pinned(7));
+  const Eigen::Vector3d place = body->position(7);
+  bullet.simulate(1.0);
+  EXPECT_LT((body->position(7) - place).norm(), 1e-6);
+  EXPECT_GT(body->centerOfMass().y(), -1.5);
+  body->unpin(7);
+  bullet.simulate(1.0);
+  EXPECT_LT(body->centerOfMass().y(), -4.0) << "falls";
+  EXPECT_NEAR(body->totalMass(), 1.0, 1e-6);
+}
+
+TEST(Pin, moveAlongAPathDragsTheBody) {
+  BulletWorld bullet(0.0);
+  SoftBodySystem system(*bullet.world);
+  SoftBodySettings s;
+  s.damping = 5;
+  SoftBody* body = *system.createBody(test::cubeNetwork(), s);
+  for (std::uint32_t i : {0u, 2u, 4u, 6u}) body->pin(i);
+  for (int t = 1; t <= 120; ++t) {
+    for (std::uint32_t i : {0u, 2u, 4u, 6u})
+      body->movePin(i, body->point(i)->getWorldTransform().getOrigin() + test::vec(1.0 / 60, 0, 0));
+    bullet.tick();
+  }
+  EXPECT_NEAR(body->position(0).x(), -0.5 + 2.0, 1e-4);
+  EXPECT_NEAR(body->position(1).x(), 0.5 + 2.0, 0.05);
+  for (std::uint32_t i : {0u, 2u, 4u, 6u}) body->unpin(i);
+  EXPECT_NEAR(body->velocity(0).x(), 1.0, 1e-3) << "lets go with the speed it was moved with";
+}
+
+TEST(Pin, aPinPushesRigidBodies) {
+  BulletWorld bullet(0.0);
+  SoftBodySystem system(*bullet.world);
+  SoftBodySettings s;
+  s.pointRadius = 0.1;
+  SoftBody* body = *system.createBody(test::pairNetwork(), s);
+  body->pin(0);
+  btRigidBody* box = bullet.addBox(test::vec(0.2, 0.2, 0.2), 1.0, test::vec(0, 0.4, 0));
+  for (int t = 1; t <= 30; ++t) {
+    body->movePin(0, test::vec(0, t / 60.0, 0));
+    bullet.tick();
+  }
+  EXPECT_GT(double(box->getWorldTransform().getOrigin().y()), 0.7);
+}
+
+// --- attached points ---------------------------------------------------------------------------------------
+
+TEST(Attach, pointsFollowARigidBodyAndCarryIt) {
+  BulletWorld bullet;
+  SoftBodySystem system(*bullet.world);
+  SoftBodySettings s;
+  s.damping = 100;
+  SoftBody* rope = *system.createBody(test::chainNetwork(8), s);
+  btRigidBody* box = bullet.addBox(test::vec(0.1, 0.1, 0.1), 2.0, test::vec(0, -1.1, 0));
+  box->setActivationState(DISABLE_DEACTIVATION);
+  rope->pin(0);
+  ASSERT_TRUE(system.attach(rope, 8, *box));
+  double worst = 0;
+  for (int i = 0; i < 1200; ++i) {
+    bullet.tick();
+    const btVector3 pivot = box->getWorldTransform() * test::vec(0, 0.1, 0);
+    worst = std::max(worst, (rope->position(8) - eigen(pivot)).norm());
+  }
+  // exact in the substeps; Bullet's rounded transform of the box is what remains
+  EXPECT_LT(worst, 1e-5);
+  // each of the 8 springs carries the box, the end point and what of the rope is below it
+  const double m = 1.0 / 9, k = 1000;
+  double sag = 0;
+  for (int i = 1; i <= 8; ++i) sag += (2.0 + m * (9 - i)) * 9.81 / k;
+  EXPECT_NEAR(rope->position(8).y(), -1.0 - sag, 1e-3 * sag);
+}
+
+TEST(Attach, dampingDoesNotMoveTheEquilibrium) {
+  // between kick and constraint an anchored point is kicked apart from its body; dampers must not see that
+  double first = 0;
+  for (double damping : {10.0, 30.0, 100.0, 1000.0}) {
+    BulletWorld bullet;
+    SoftBodySystem system(*bullet.world);
+    SoftBodySettings s;
+    s.damping = damping;
+    SoftBody* rope = *system.createBody(test::chainNetwork(8), s);
+    btRigidBody* box = bullet.addBox(test::vec(0.1, 0.1, 0.1), 2.0, test::vec(0, -1.1, 0));
+    box->setActivationState(DISABLE_DEACTIVATION);
+    rope->pin(0);
+    ASSERT_TRUE(system.attach(rope, 8, *box));
+    bullet.simulate(40.0);
+    if (damping == 10.0) first = rope->position(8).y();
+    EXPECT_NEAR(rope->position(8).y(), first, 2e-5) << "damping " << damping;
+  }
+}
+
+TEST(Attach, isMomentumConserving) {
+  BulletWorld bullet(0.0);
+  SoftBodySystem system(*bullet.world);
+  SoftBodySettings s;
+  s.linearVelocity = {1, 0, 0};
+  SoftBody* body = *system.createBody(test::cubeNetwork(), s);
+  btRigidBody* box = bullet.addBox(test::vec(0.5, 0.5, 0.5), 0.5, test::vec(-1, 0, 0));
+  box->setActivationState(DISABLE_DEACTIVATION);
+  for (std::uint32_t i : {0u, 2u, 4u, 6u}) ASSERT_TRUE(system.attach(body, i, *box));
+  bullet.simulate(3.0);
+  EXPECT_NEAR(body->linearMomentum().x() + momentumOf(*box).x(), 1.0, 1e-5);
+  EXPECT_NEAR(double(box->getLinearVelocity().x()), 1.0 / 1.5, 0.05) << "towed along";
+}
+
+TEST(Attach, toAKinematicBodyFollowsItsMotion) {
+  BulletWorld bullet(0.0);
+  SoftBodySystem system(*bullet.world);
+  SoftBody* body = *system.createBody(test::pairNetwork(), SoftBodySettings());
+  btRigidBody* hand = bullet.addBox(test::vec(0.1, 0.1, 0.1), 0, test::vec(-0.2, 0, 0));
+  hand->setCollisionFlags(hand->getCollisionFlags() | btCollisionObject::CF_KINEMATIC_OBJECT);
+  hand->setActivationState(DISABLE_DEACTIVATION);
+  ASSERT_TRUE(system.attach(body, 0, *hand, test::vec(0.2, 0, 0)));
+  for (int t = 1; t <= 90; ++t) {
+    btTransform pose(btQuaternion(btVector3(0, 0, 1), btScalar(t * 0.02)), test::vec(-0.2, t / 120.0, 0));
+    hand->setWorldTransform(pose);
+    bullet.tick();
+    EXPECT_LT((body->position(0) - eigen(pose * test::vec(0.2, 0, 0))).norm(), 1e-5) << t;
+  }
+}
+
+TEST(Attach, doesNotCollideWithItsRigidBody) {
+  BulletWorld bullet(0.0);
+  SoftBodySystem system(*bullet.world);
+  SoftBody* body = *system.createBody(test::pairNetwork(), SoftBodySettings());
+  btRigidBody* box = bullet.addBox(test::vec(0.2, 0.2, 0.2), 1.0, test::vec(0, 0, 0));  // point 0 is inside
+  ASSERT_TRUE(system.attach(body, 0, *box));
+  bullet.simulate(1.0);
+  EXPECT_LT(eigen(box->getLinearVelocity()).norm(), 1e-6);
+  ASSERT_TRUE(system.detach(body, 0));
+  bullet.simulate(0.5);
+  EXPECT_GT((body->position(0) - eigen(box->getWorldTransform().getOrigin())).norm(), 0.05)
+      << "no longer attached, Bullet pushes it out";
+}
+
+TEST(Attach, badOnesAreRefusedWithTheReason) {
+  BulletWorld bullet;
+  SoftBodySystem system(*bullet.world);
+  SoftBody* body = *system.createBody(test::pairNetwork(), SoftBodySettings());
+  btRigidBody* box = bullet.addBox(btVector3(1, 1, 1), 1, btVector3(0, 5, 0));
+  EXPECT_EQ(system.attach(body, 7, *box).error(), "there is no point 7");
+  ASSERT_TRUE(system.attach(body, 0, *box));
+  EXPECT_EQ(system.attach(body, 0, *box).error(), "point 0 is already attached");
+  body->pin(1);
+  EXPECT_EQ(system.attach(body, 1, *box).error(), "point 1 is pinned");
+  body->unpin(1);
+  EXPECT_FALSE(system.attach(body, 1, *body->point(0)));
+}
+
+}  // namespace
+}  // namespace limber
