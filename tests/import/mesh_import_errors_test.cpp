@@ -100,6 +100,11 @@ TEST(MeshImportErrors, noTriangles) {
   expectError("a.stl", "solid a\nendsolid a\n", "the file has no triangles");
 }
 
+TEST(MeshImportErrors, facesWithoutCornersAreNoTriangles) {
+  expectError("a.ply", plyHeader("ascii", 4, 2) + kPlyPoints + "0\n2 0 1\n", "the file has no triangles");
+  expectError("a.off", "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n0\n", "");
+}
+
 TEST(MeshImportErrors, nanPosition) {
   const std::string reason = "the position of vertex 1 is not finite";
   expectError("a.obj", "v 0 0 0\nv nan 0 0\nv 0 1 0\nf 1 2 3\n", reason);

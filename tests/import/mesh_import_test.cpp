@@ -58,17 +58,6 @@ TEST(MeshImport, off) {
   EXPECT_EQ(importText("a.off", "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n").positions, kCorners);
 }
 
-TEST(MeshImport, polygonsAreTriangulated) {
-  const TriangleMesh mesh =
-      importText("a.obj", "v 0 0 0\nv 2 0 0\nv 2 2 0\nv 1 0.5 0\nf 1 2 3 4\n");  // concave
-  ASSERT_EQ(mesh.triangles.size(), 2u);
-  for (const Triangle& t : mesh.triangles) {
-    const Eigen::Vector3d e1 = mesh.positions[t[1]] - mesh.positions[t[0]],
-                          e2 = mesh.positions[t[2]] - mesh.positions[t[0]];
-    EXPECT_GT(e1.x() * e2.y() - e1.y() * e2.x(), 0.0) << "a triangle outside the polygon";
-  }
-}
-
 TEST(MeshImport, sharedCornersAreStoredOnce) {
   const TriangleMesh mesh = importText("a.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3\nf 1 3 4\n");
   EXPECT_EQ(mesh.positions.size(), 4u);

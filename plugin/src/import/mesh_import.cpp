@@ -5,7 +5,6 @@
 #include "import/ply_header.h"
 #include "import/scene_to_mesh.h"
 
-#include <assimp/postprocess.h>
 #include <assimp/scene.h>
 #include <assimp/Importer.hpp>
 
@@ -28,15 +27,14 @@ std::string checkFile(const std::string& path) {
   return checkPlyHeader(path);
 }
 
-/// Reads without any of assimp's repairs, so that our own checks see what the file holds. Polygons are split
-/// only after their indices are known to be in range, since the splitting follows them unchecked.
+/// Reads without any of assimp's repairs, so that our own checks see what the file holds. Not even its
+/// splitting of polygons: it follows indices unchecked, drops small triangles and aborts the program at a
+/// face without corners.
 Result<TriangleMesh> readMesh(const std::string& path) {
   Assimp::Importer importer;
   const aiScene* scene = importer.ReadFile(path, 0);
   if (scene == nullptr) return Error{importer.GetErrorString()};
   if (std::string reason = checkScene(*scene); !reason.empty()) return Error{std::move(reason)};
-  scene = importer.ApplyPostProcessing(aiProcess_Triangulate);
-  if (scene == nullptr) return Error{importer.GetErrorString()};
 
   TriangleMesh mesh = joinMeshes(*scene);
   if (mesh.triangles.empty()) return Error{"the file has no triangles"};

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Zlib
 #include "import/scene_to_mesh.h"
 
+#include "import/polygon_triangles.h"
+
 #include <assimp/scene.h>
 
 #include <Eigen/Geometry>
@@ -27,9 +29,14 @@ Eigen::Matrix4d toEigen(const aiMatrix4x4& m) {
   return matrix;
 }
 
-bool hasTriangles(const aiMesh& mesh) {
+/// Faces of one or two corners are points and lines.
+bool isPolygon(const aiFace& face) {
+  return face.mNumIndices >= 3;
+}
+
+bool hasPolygons(const aiMesh& mesh) {
   for (unsigned face = 0; face < mesh.mNumFaces; ++face) {
-    if (mesh.mFaces[face].mNumIndices == 3) return true;
+    if (isPolygon(mesh.mFaces[face])) return true;
   }
   return false;
 }
@@ -39,7 +46,7 @@ void collectPlacements(const aiScene& scene, const aiNode& node, const Eigen::Ma
   const Eigen::Matrix4d toRoot = parent * toEigen(node.mTransformation);
   for (unsigned i = 0; i < node.mNumMeshes; ++i) {
     const aiMesh* mesh = scene.mMeshes[node.mMeshes[i]];
-    if (hasTriangles(*mesh))
+    if (hasPolygons(*mesh))
       placements.push_back({mesh, toRoot.topLeftCorner<3, 3>(), toRoot.topRightCorner<3, 1>()});
   }
   for (unsigned i = 0; i < node.mNumChildren; ++i)
@@ -80,16 +87,24 @@ void addUvs(const Placement& placement, std::vector<Eigen::Vector2f>& uvs) {
   }
 }
 
+std::vector<Triangle> splitFace(const aiMesh& mesh, const aiFace& face) {
+  if (face.mNumIndices == 3) return {{0, 1, 2}};
+  std::vector<Eigen::Vector3d> corners;
+  for (unsigned i = 0; i < face.mNumIndices; ++i)
+    corners.push_back(toEigen(mesh.mVertices[face.mIndices[i]]));
+  return splitPolygon(corners);
+}
+
 /// A mirror turns the order of the corners around.
 void addTriangles(const Placement& placement, std::uint32_t firstVertex, std::vector<Triangle>& triangles) {
   const bool mirrored = placement.linear.determinant() < 0.0;
   for (unsigned i = 0; i < placement.mesh->mNumFaces; ++i) {
     const aiFace& face = placement.mesh->mFaces[i];
-    if (face.mNumIndices != 3) continue;
-    Triangle t{firstVertex + face.mIndices[0], firstVertex + face.mIndices[1],
-               firstVertex + face.mIndices[2]};
-    if (mirrored) std::swap(t[1], t[2]);
-    triangles.push_back(t);
+    if (!isPolygon(face)) continue;
+    for (const Triangle& corner : splitFace(*placement.mesh, face)) {
+      const auto vertex = [&](std::size_t k) { return firstVertex + face.mIndices[corner[k]]; };
+      triangles.push_back({vertex(0), vertex(mirrored ? 2 : 1), vertex(mirrored ? 1 : 2)});
+    }
   }
 }
 
