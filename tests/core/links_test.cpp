@@ -1,0 +1,138 @@
+// SPDX-License-Identifier: Zlib
+// Springs and anchors between points and rigid bodies, without Bullet.
+#include "core/body_measures.h"
+#include "core/links.h"
+#include "core/verlet_step.h"
+
+#include <gtest/gtest.h>
+
+namespace limber {
+namespace {
+
+using Eigen::Vector3d;
+
+TEST(Rotation, betweenUndoesBy) {
+  for (const Vector3d& v : {Vector3d(0.3, -0.2, 0.5), Vector3d(1e-9, 2e-9, 0), Vector3d(0, 3.1, 0), Vector3d(0, 0, 0)}) {
+    const Eigen::Quaterniond start(Eigen::AngleAxisd(1.1, Vector3d(1, 2, 3).normalized()));
+    EXPECT_LT((rotationBetween(start, rotationBy(v) * start) - v).norm(), 1e-14) << v.transpose();
+  }
+}
+
+/// Two points and a rigid cube with equal moments of inertia, in space.
+struct Linked {
+  Linked() {
+    points.resize(2);
+    points.position.col(1) = Vector3d(0.6, 0.3, 0.2);
+    points.inverseMass.setConstant(4.0);
+    RigidState rigid;
+    rigid.position = {-0.5, 0, 0};
+    rigid.inverseMass.setConstant(0.5);
+    rigid.inverseInertiaLocal.setConstant(3.0);
+    rigid.angularVelocity = {0.5, 1.0, -2.0};
+    rigid.velocity = {0.1, 0.2, 0.3};
+    group.links.points.push_back(&points);
+    group.links.rigids.push_back(rigid);
+  }
+  Linked(const Linked&) = delete;
+  Linked& operator=(const Linked&) = delete;
+
+  LinkEnd point(std::uint32_t i) const { return {LinkEnd::Kind::Point, 0, i, Vector3d::Zero()}; }
+  LinkEnd pivot(const Vector3d& p) const { return {LinkEnd::Kind::Rigid, 0, 0, p}; }
+
+  void addSpring(const LinkEnd& a, const LinkEnd& b, double damping) {
+    LinkSpring s;
+    s.a = a;
+    s.b = b;
+    s.restLength = 0.8;
+    s.extensionStiffness = 40;
+    s.compressionStiffness = 25;
+    s.damping = damping;
+    group.links.springs.push_back(s);
+  }
+
+  /// The springs here are links; the two points have none of their own, so they are drifted by an empty body.
+  void run(double time, int substeps) {
+    group.bodies = {{&points, &none}};
+    stepVerlet(group, time, substeps);
+  }
+
+  const RigidState& rigid() const { return group.links.rigids[0]; }
+  Vector3d momentum() const { return linearMomentum(points) + rigid().velocity / 0.5; }
+  Vector3d angular() const {
+    return angularMomentum(points) + rigid().position.cross(rigid().velocity) / 0.5 + rigid().angularVelocity / 3.0;
+  }
+  double energy() const {
+    return kineticEnergy(points) + elasticEnergy(group.links) + rigid().velocity.squaredNorm() +
+           rigid().angularVelocity.squaredNorm() / 6.0;
+  }
+
+  PointState points;
+  SpringArrays none;
+  StepGroup group;
+};
+
+TEST(Links, keepMomentumAndEnergy) {
+  Linked linked;
+  linked.addSpring(linked.point(0), linked.pivot({0.2, 0.1, 0}), 0.0);
+  linked.addSpring(linked.pivot({0, 0.2, 0.3}), linked.point(1), 0.0);
+  linked.addSpring(linked.point(0), linked.point(1), 0.0);
+  const Vector3d p = linked.momentum(), l = linked.angular();
+  const double e = linked.energy();
+  linked.run(5.0, 20000);
+  EXPECT_LT((linked.momentum() - p).norm(), 1e-11);
+  EXPECT_LT((linked.angular() - l).norm(), 1e-9);
+  EXPECT_NEAR(linked.energy(), e, 1e-5 * e) << "(omega dt)^2 / 8";
+}
+
+TEST(Links, dampersKeepMomentumAndOnlyTakeEnergy) {
+  Linked linked;
+  linked.addSpring(linked.point(0), linked.pivot({0.2, 0.1, 0}), 3.0);
+  linked.addSpring(linked.pivot({0, 0.2, 0.3}), linked.point(1), 500.0);
+  const Vector3d p = linked.momentum(), l = linked.angular();
+  double before = linked.energy();
+  for (int i = 0; i < 50; ++i) {
+    linked.run(0.1, 400);
+    EXPECT_LT(linked.energy(), before + 1e-9);
+    before = linked.energy();
+  }
+  EXPECT_LT((linked.momentum() - p).norm(), 1e-11);
+  EXPECT_LT((linked.angular() - l).norm(), 1e-9);
+}
+
+TEST(Anchors, holdPointsAtTheirPivotsAndKeepMomentum) {
+  Linked linked;
+  const Vector3d first = Vector3d(0.5, 0, 0), second = Vector3d(0.5, 0.4, 0.1);
+  linked.points.position.col(0) = linked.rigid().position + first;
+  linked.points.position.col(1) = linked.rigid().position + second;
+  linked.group.links.anchors.push_back({linked.point(0), linked.pivot(first)});
+  linked.group.links.anchors.push_back({linked.point(1), linked.pivot(second)});
+  const Vector3d p = linked.momentum(), l = linked.angular();
+  linked.run(2.0, 1000);
+  for (const LinkAnchor& anchor : linked.group.links.anchors)
+    EXPECT_LT((endPosition(linked.group.links, anchor.point) - endPosition(linked.group.links, anchor.pivot)).norm(),
+              1e-10);
+  EXPECT_LT((linked.momentum() - p).norm(), 1e-11);
+  // impulses act at the pivots at the start of a drift, the points at its end: second order in the substep
+  EXPECT_LT((linked.angular() - l).norm(), 1e-3 * l.norm());
+}
+
+TEST(Anchors, aHeldPointOnAHeldBodyIsLeftAlone) {
+  Linked linked;
+  linked.points.inverseMass.setZero();
+  linked.group.links.rigids[0].inverseMass.setZero();
+  linked.group.links.rigids[0].inverseInertiaLocal.setZero();
+  linked.group.links.anchors.push_back({linked.point(0), linked.pivot({1, 0, 0})});
+  linked.run(0.1, 5);
+  EXPECT_TRUE(linked.points.position.allFinite());
+  EXPECT_TRUE(linked.rigid().position.allFinite());
+}
+
+TEST(LinkFrequency, boundsTheReducedMassOscillator) {
+  Linked linked;
+  linked.group.links.rigids[0].inverseInertiaLocal.setZero();
+  linked.addSpring(linked.point(0), linked.pivot({0.2, 0.1, 0}), 0.0);
+  EXPECT_DOUBLE_EQ(linkFrequencyBoundSquared(linked.group.links), 40 * (4.0 + 0.5));
+}
+
+}  // namespace
+}  // namespace limber

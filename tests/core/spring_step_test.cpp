@@ -1,0 +1,215 @@
+// SPDX-License-Identifier: Zlib
+// The step by itself: no Bullet, closed forms and conservation laws.
+#include "core/body_measures.h"
+#include "core/spring_damping.h"
+#include "core/spring_forces.h"
+#include "core/substep_count.h"
+#include "core/verlet_step.h"
+#include "support/networks.h"
+
+#include <Eigen/Eigenvalues>
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+namespace limber {
+namespace {
+
+/// A body with unit total mass at its rest shape.
+struct Body {
+  Body(const SharedNetwork& network, double stiffness, double damping) : net(network) {
+    settings.extensionStiffness = settings.compressionStiffness = stiffness;
+    settings.damping = damping;
+    springs = makeSprings(*network, settings);
+    state.resize(static_cast<Eigen::Index>(network->restPoints.size()));
+    for (Eigen::Index i = 0; i < state.position.cols(); ++i) {
+      state.position.col(i) = network->restPoints[static_cast<std::size_t>(i)];
+      state.inverseMass.col(i).setConstant(1.0 / network->massShares[static_cast<std::size_t>(i)]);
+    }
+    group.bodies.push_back({&state, &springs});
+    group.links.points.push_back(&state);
+  }
+  Body(const Body&) = delete;
+  Body& operator=(const Body&) = delete;
+
+  void spin(const Eigen::Vector3d& omega) {
+    for (Eigen::Index i = 0; i < state.position.cols(); ++i)
+      state.velocity.col(i) += omega.cross(Eigen::Vector3d(state.position.col(i)));
+  }
+  double energy() const { return kineticEnergy(state) + elasticEnergy(springs, state.position); }
+
+  SharedNetwork net;
+  SoftBodySettings settings;
+  PointState state;
+  SpringArrays springs;
+  StepGroup group;
+};
+
+TEST(SpringForces, areTheGradientOfTheEnergy) {
+  Body body(test::cubeNetwork(), 123.0, 0.0);
+  body.settings.compressionStiffness = 77.0;
+  body.springs = makeSprings(*body.net, body.settings);
+  body.state.position += 0.2 * Points::Random(3, 8);
+  body.state.force.setZero();
+  addSpringForces(body.springs, body.state);
+  const double step = 1e-6;
+  for (Eigen::Index i = 0; i < body.state.position.size(); ++i) {
+    Points right = body.state.position, left = body.state.position;
+    right.data()[i] += step;
+    left.data()[i] -= step;
+    const double slope = (elasticEnergy(body.springs, right) - elasticEnergy(body.springs, left)) / (2 * step);
+    // central differences: step^2 times the third derivative, plus rounding 1e-16 * energy / step
+    EXPECT_NEAR(body.state.force.data()[i], -slope, 1e-6) << i;
+  }
+}
+
+TEST(SpringForces, coincidentEndsAndSlackSidesHaveNone) {
+  EXPECT_EQ(springPull(Eigen::Vector3d::Zero(), 1.0, 10.0, 10.0).force, 0.0);
+  const Eigen::Vector3d d(0.5, 0, 0);
+  EXPECT_EQ(springPull(d, 1.0, 10.0, 0.0).force, 0.0) << "compressed, extension only";
+  EXPECT_EQ(springPull(d, 1.0, 10.0, 0.0).direction, Eigen::Vector3d::Zero().eval()) << "and no damper either";
+  EXPECT_DOUBLE_EQ(springPull(d, 1.0, 10.0, 4.0).force, -2.0);
+  EXPECT_DOUBLE_EQ(springPull(d, 0.0, 10.0, 4.0).force, 5.0) << "rest length 0";
+}
+
+TEST(VelocityVerlet, isOfSecondOrderInFreeFlight) {
+  const auto finalPosition = [](int substeps, double damping) {
+    Body body(test::cubeNetwork(), 200.0, damping);
+    body.spin({1.0, 2.0, 3.0});
+    body.state.position *= 1.05;
+    body.state.acceleration.row(1).setConstant(-9.81);
+    stepVerlet(body.group, 0.5, substeps);
+    return body.state.position;
+  };
+  for (double damping : {0.0, 0.3}) {
+    const Points reference = finalPosition(51200, damping);
+    const double coarse = (finalPosition(200, damping) - reference).norm();
+    const double fine = (finalPosition(400, damping) - reference).norm();
+    EXPECT_GT(std::log2(coarse / fine), 1.9) << "damping " << damping;
+  }
+}
+
+TEST(VelocityVerlet, keepsMomentumWithDamping) {
+  Body body(test::cubeNetwork(), 500.0, 2.0);
+  body.spin({1.0, 2.0, 3.0});
+  body.state.velocity += Points::Random(3, 8);
+  const Eigen::Vector3d p = linearMomentum(body.state), l = angularMomentum(body.state);
+  stepVerlet(body.group, 10.0, 10000);
+  EXPECT_LT((linearMomentum(body.state) - p).norm(), 1e-12);
+  EXPECT_LT((angularMomentum(body.state) - l).norm(), 1e-11);
+}
+
+TEST(VelocityVerlet, reversesInTimeWithoutDamping) {
+  Body body(test::cubeNetwork(), 500.0, 0.0);
+  body.spin({1.0, 2.0, 3.0});
+  body.state.position += 0.1 * Points::Random(3, 8);
+  const Points start = body.state.position;
+  stepVerlet(body.group, 1.0, 200);
+  body.state.velocity = -body.state.velocity;
+  stepVerlet(body.group, 1.0, 200);
+  EXPECT_LT((body.state.position - start).norm(), 1e-9);
+}
+
+TEST(Damping, decayIsBoundedFallingAndCloseToTheExponential) {
+  double before = 1.0;
+  for (double z = 0.01; z < 1e6; z *= 1.3) {
+    const double d = decay(z);
+    EXPECT_GT(d, 0.0);
+    EXPECT_LT(d, before);
+    if (z < 1.0) {
+      EXPECT_NEAR(d, std::exp(-z), std::pow(z, 5) / 120 + 1e-15);
+    }
+    before = d;
+  }
+  EXPECT_EQ(decay(0.0), 1.0);
+}
+
+TEST(Damping, neverLimitsTheStepFromNoneToAThousandTimesCritical) {
+  const double stiffness = 1000.0, mass = 0.125;
+  for (double ratio : {0.0, 1e-3, 0.1, 1.0, 10.0, 1000.0}) {
+    Body body(test::cubeNetwork(), stiffness, ratio * 2 * std::sqrt(stiffness * mass));
+    body.spin({1.0, -2.0, 0.5});
+    body.state.position += 0.2 * Points::Random(3, 8);
+    const double start = body.energy();
+    std::vector<double> sums;
+    SubstepChoice coarsest;
+    coarsest.periodTolerance = 1.0;  // as coarse as stability allows
+    const double tick = 1.0 / 60;
+    const int n = substepCount(frequencyBoundSquared(body.springs, body.state.inverseMass, sums), tick, coarsest);
+    double highest = 0.0;
+    for (int i = 0; i < 600; ++i) {
+      stepVerlet(body.group, tick, n);
+      highest = std::max(highest, body.energy());
+    }
+    // close to the stability limit the energy of the stiffest oscillations itself swings by up to
+    // 1 / (1 - (omega dt)^2 / 4) of theirs; what counts is that it stays bounded, and falls when damped
+    EXPECT_LT(highest, 1.6 * start) << "ratio " << ratio;
+    if (ratio >= 0.1) {
+      EXPECT_LT(body.energy(), start) << "ratio " << ratio;
+    }
+  }
+}
+
+TEST(Damping, relativeSpeedDecaysExponentially) {
+  // a damper alone, masses 1/2 kg each: u(t) = u0 exp(-c (2 + 2) t), whatever the substeps
+  for (int substeps : {1, 3, 50}) {
+    Body body(test::pairNetwork(), 1e-9, 0.25);
+    body.state.velocity(0, 1) = 0.01;
+    stepVerlet(body.group, 0.5, substeps);
+    const double u = body.state.velocity(0, 1) - body.state.velocity(0, 0);
+    EXPECT_NEAR(u, 0.01 * std::exp(-0.25 * 4.0 * 0.5), 2e-5) << substeps;
+  }
+}
+
+/// omega^2 of the fastest mode of M^-1 K at rest, from the dense matrix.
+double largestEigenvalue(const Body& body) {
+  const Eigen::Index n = body.state.position.size();
+  Eigen::MatrixXd k = Eigen::MatrixXd::Zero(n, n);
+  for (std::size_t s = 0; s < body.springs.size(); ++s) {
+    const Eigen::Index a = body.springs.a[s], b = body.springs.b[s];
+    const Eigen::Vector3d d = (body.state.position.col(b) - body.state.position.col(a)).normalized();
+    const Eigen::Matrix3d block = body.springs.extensionStiffness[s] * d * d.transpose();
+    k.block<3, 3>(3 * a, 3 * a) += block;
+    k.block<3, 3>(3 * b, 3 * b) += block;
+    k.block<3, 3>(3 * a, 3 * b) -= block;
+    k.block<3, 3>(3 * b, 3 * a) -= block;
+  }
+  const Eigen::Map<const Eigen::VectorXd> w(body.state.inverseMass.data(), n);
+  const Eigen::VectorXd root = w.cwiseSqrt();
+  const Eigen::MatrixXd symmetric = root.asDiagonal() * k * root.asDiagonal();
+  return Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(symmetric).eigenvalues().maxCoeff();
+}
+
+TEST(FrequencyBound, liesAboveTheTrueLargestEigenvalueAndNotFar) {
+  for (const SharedNetwork& network :
+       {test::pairNetwork(), test::chainNetwork(16), test::cubeNetwork(), test::fullCubeNetwork()}) {
+    Body body(network, 1000.0, 0.0);
+    body.state.inverseMass.col(0).setConstant(0.3);  // one heavy point
+    std::vector<double> sums;
+    const double bound = frequencyBoundSquared(body.springs, body.state.inverseMass, sums);
+    const double exact = largestEigenvalue(body);
+    EXPECT_GE(bound, exact * (1 - 1e-12));
+    EXPECT_LT(bound, 3.2 * exact);
+  }
+}
+
+TEST(FrequencyBound, isExactForASpringOnAHeldPoint) {
+  Body body(test::pairNetwork(), 1000.0, 0.0);
+  body.state.inverseMass.col(0).setZero();
+  std::vector<double> sums;
+  EXPECT_DOUBLE_EQ(frequencyBoundSquared(body.springs, body.state.inverseMass, sums), 1000.0 * 2.0);
+}
+
+TEST(SubstepCount, followsStabilityToleranceAndTheUser) {
+  SubstepChoice choice;
+  choice.periodTolerance = 1.0;
+  EXPECT_EQ(substepCount(0.0, 1.0 / 60, choice), 1);
+  EXPECT_EQ(substepCount(1e6, 1.0 / 60, choice), static_cast<int>(std::ceil(1000.0 / 60 / 1.8)));
+  choice.periodTolerance = 1e-4;
+  EXPECT_EQ(substepCount(1e6, 1.0 / 60, choice), static_cast<int>(std::ceil(1000.0 / 60 / std::sqrt(24e-4))));
+  choice.atLeast = 1000;
+  EXPECT_EQ(substepCount(1e6, 1.0 / 60, choice), 1000);
+}
+
+}  // namespace
+}  // namespace limber
