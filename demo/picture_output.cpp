@@ -6,6 +6,7 @@
 #include <limber/render/png_file.h>
 
 #include <algorithm>
+#include <cmath>
 #include <exception>
 #include <utility>
 
@@ -13,6 +14,7 @@ namespace limber::demo {
 namespace {
 
 constexpr std::int64_t kTiles = 12;
+constexpr double kTileCrowding = 1.5;  // most happens at the start: tile t of n is taken at (t / n)^1.5
 constexpr int kTileColumns = 4;
 constexpr int kTileWidth = 400;  // pixels
 
@@ -78,9 +80,11 @@ std::string PictureOutput::describe() const {
 
 bool isTile(std::int64_t i, std::int64_t count, std::int64_t tiles) {
   if (count <= tiles) return true;
-  // tile t shows frame t (count - 1) / (tiles - 1), rounded down
-  const std::int64_t t = (i * (tiles - 1) + count - 2) / (count - 1);
-  return t < tiles && t * (count - 1) / (tiles - 1) == i;
+  for (std::int64_t t = 0; t < tiles; ++t) {
+    const double share = static_cast<double>(t) / static_cast<double>(tiles - 1);
+    if (i == static_cast<std::int64_t>(std::pow(share, kTileCrowding) * static_cast<double>(count - 1))) return true;
+  }
+  return false;
 }
 
 }  // namespace limber::demo

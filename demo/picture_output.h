@@ -47,7 +47,8 @@ class PictureOutput {
   std::string videoProblem_;
 };
 
-/// True if frame `i` of `count` is one of at most `tiles`, spread evenly with the first and last among them.
+/// True if frame `i` of `count` is one of at most `tiles` (2 or more) on the contact sheet: the first, the last, and
+/// some between, closer together at the start.
 bool isTile(std::int64_t i, std::int64_t count, std::int64_t tiles);
 
 }  // namespace limber::demo

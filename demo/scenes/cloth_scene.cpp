@@ -18,7 +18,7 @@ constexpr double kBallRadius = 0.75;        // m
 constexpr double kSpacing = 3.2;            // m from ball to ball when there are several
 // with more than one step per tick, contacts come in time for the springs of a cloth under tension
 constexpr int kWorldSteps = 2;
-const Eigen::Vector3f kBallColour(0.72f, 0.74f, 0.78f);
+const Eigen::Vector3f kBallColour(0.92f, 0.92f, 0.92f);
 
 void addBall(Scene& scene, const Eigen::Vector3d& centre) {
   addStatic(*scene.world, std::make_unique<btSphereShape>(btScalar(kBallRadius)), centre, 1.0);
@@ -102,8 +102,8 @@ SceneResult createCloth(const SceneOptions& options) {
   }
   scene->worldSteps = kWorldSteps;
   addAirDrag(*scene, 0.5);
-  const double reach = half + 0.55 * kClothWidth;
-  scene->view.box = Eigen::AlignedBox3d(Eigen::Vector3d(-reach, 0.0, -reach), Eigen::Vector3d(reach, 2.1, reach));
+  const double reach = half + 0.36 * kClothWidth;
+  scene->view.box = Eigen::AlignedBox3d(Eigen::Vector3d(-reach, 0.0, -reach), Eigen::Vector3d(reach, 1.7, reach));
   scene->endChecks.push_back(checkCalm(0.05));
   scene->endChecks.push_back(checkStretch(0.25));
   scene->endChecks.push_back(checkDrapes);

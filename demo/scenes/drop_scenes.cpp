@@ -54,7 +54,7 @@ void addFloorAndView(Scene& scene, const DroppedShape& shape, const DropGridSett
 
 /// Fills the scene with `count` bodies over the floor.
 std::string dropBodies(Scene& scene, const DroppedShape& shape, const SceneOptions& options,
-                       std::uint32_t defaultCount) {
+                       std::uint32_t defaultCount, SoftBodySettings settings) {
   Random random(options.seed);
   DropGridSettings grid;
   grid.count = options.count.value_or(defaultCount);
@@ -63,7 +63,6 @@ std::string dropBodies(Scene& scene, const DroppedShape& shape, const SceneOptio
   grid.lowest = 1.5 * shape.radius;
   grid.highest = 1.5 * shape.radius + 2.0 * shape.size;
 
-  SoftBodySettings settings;
   settings.scale.setConstant(shape.scale);
   apply(options, settings);
   BodyLook look;
@@ -96,7 +95,7 @@ SceneResult createCubes(const SceneOptions& options) {
   if (!cube) return Error{cube.error()};
   const DroppedShape shape = measure(*cube, options.scale.value_or(1.0));
   auto scene = std::make_unique<Scene>();
-  std::string reason = dropBodies(*scene, shape, options, 64);
+  std::string reason = dropBodies(*scene, shape, options, 64, {});
   if (!reason.empty()) return Error{reason};
   noteOddSize(*scene, shape.size);
   scene->endChecks = {checkFinite, checkAboveFloor, checkCalm(0.02 * shape.size), checkShapes(0.03), checkAsleep};
@@ -108,13 +107,15 @@ SceneResult createMeshDrop(const SceneOptions& options) {
   Result<SharedNetwork> network = readNetwork(options.meshFile);
   if (!network) return Error{network.error()};
   const DroppedShape shape = measure(*network, options.scale);
+  SoftBodySettings settings;
+  settings.damping = 5.0;  // about critical for a hundred points, so that a body that slumps does not go on swinging
   auto scene = std::make_unique<Scene>();
-  std::string reason = dropBodies(*scene, shape, options, 16);
+  std::string reason = dropBodies(*scene, shape, options, 9, settings);
   if (!reason.empty()) return Error{options.meshFile + ": " + reason};
   scene->notes.push_back(options.meshFile + ": " + describe(shape.network->report));
   noteOddSize(*scene, shape.size);
   // no check of the shape: springs along the surface alone do not hold every mesh up
-  scene->endChecks = {checkFinite, checkAboveFloor, checkCalm(0.1 * shape.size)};
+  scene->endChecks = {checkFinite, checkAboveFloor, checkCalm(0.25 * shape.size)};
   return scene;
 }
 

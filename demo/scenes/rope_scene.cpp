@@ -13,7 +13,7 @@ constexpr double kRopeRadius = 0.025;            // m
 constexpr double kRopeSpacing = 0.24;            // m between neighbours along z
 // a rope under tension bends round an edge: with one step per tick, contacts would come too late for its springs
 constexpr int kWorldSteps = 4;
-const Eigen::Vector3f kBoxColour(0.62f, 0.64f, 0.68f);
+const Eigen::Vector3f kBoxColour(0.80f, 0.81f, 0.83f);
 
 Eigen::Vector3d boxHalfExtents(std::uint32_t ropes) { return {0.45, 0.55, 0.5 * kRopeSpacing * (double(ropes) + 0.6)}; }
 
@@ -27,7 +27,7 @@ void addBox(Scene& scene, const Eigen::Vector3d& half) {
 void place(SoftBodySettings& settings, double z, Random& random) {
   const double yaw = random.between(-0.05, 0.05);
   const double shift = random.between(-0.12, 0.12);
-  const double height = 1.5 + random.between(0.0, 0.9);
+  const double height = 1.4 + random.between(0.0, 0.6);
   settings.rotation = Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitY());
   // a rope begins at its network's origin
   settings.position = Eigen::Vector3d(shift, height, z) - settings.rotation * Eigen::Vector3d(0.5 * kRopeLength, 0, 0);
@@ -86,8 +86,8 @@ SceneResult createRope(const SceneOptions& options) {
   }
   scene->worldSteps = kWorldSteps;
   addAirDrag(*scene, 0.5);
-  scene->view.box = Eigen::AlignedBox3d(Eigen::Vector3d(-1.25, 0.0, -half.z()), Eigen::Vector3d(1.25, 2.2, half.z()));
-  scene->view.direction = {0.55, 0.35, 1.0};
+  scene->view.box = Eigen::AlignedBox3d(Eigen::Vector3d(-0.8, 0.1, -half.z()), Eigen::Vector3d(0.8, 1.7, half.z()));
+  scene->view.direction = {0.38, 0.4, 1.0};
   scene->endChecks = {checkFinite, checkAboveFloor, checkCalm(0.05), checkStretch(0.12), checkHangsOver(half)};
   return scene;
 }
