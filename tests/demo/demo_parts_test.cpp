@@ -1,0 +1,100 @@
+// SPDX-License-Identifier: Zlib
+#include "folders.h"
+#include "number_checks.h"
+#include "picture_output.h"
+#include "progress.h"
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+
+namespace limber::demo {
+namespace {
+
+TEST(ContactSheet, hasTheFirstTheLastAndTwelveInAll) {
+  for (const std::int64_t count : {13, 61, 181, 241, 1000}) {
+    int tiles = 0;
+    for (std::int64_t i = 0; i < count; ++i) tiles += isTile(i, count, 12);
+    EXPECT_TRUE(isTile(0, count, 12));
+    EXPECT_TRUE(isTile(count - 1, count, 12));
+    EXPECT_LE(tiles, 12);
+    EXPECT_GE(tiles, count >= 61 ? 12 : 9);
+  }
+}
+
+TEST(ContactSheet, shortRunsAreShownWhole) {
+  for (std::int64_t i = 0; i < 7; ++i) EXPECT_TRUE(isTile(i, 7, 12));
+}
+
+TEST(Progress, barFillsUp) {
+  EXPECT_EQ(barText(0.0, 4), "[----]");
+  EXPECT_EQ(barText(0.5, 4), "[##--]");
+  EXPECT_EQ(barText(1.0, 4), "[####]");
+}
+
+TEST(Progress, durationsAreReadable) {
+  EXPECT_EQ(durationText(0.2), "1 s");
+  EXPECT_EQ(durationText(59.0), "59 s");
+  EXPECT_EQ(durationText(65.0), "1 min 05 s");
+}
+
+std::string shown(bool terminal, int steps) {
+  std::FILE* file = std::tmpfile();
+  Progress progress(file, terminal);
+  for (int i = 0; i <= steps; ++i) progress.show(i, steps);
+  std::rewind(file);
+  std::string text(8192, '\0');
+  text.resize(std::fread(text.data(), 1, text.size(), file));
+  std::fclose(file);
+  return text;
+}
+
+TEST(Progress, plainLinesHaveNoControlCharacters) {
+  const std::string text = shown(false, 1000);
+  EXPECT_EQ(std::count(text.begin(), text.end(), '\n'), 10);
+  EXPECT_EQ(text.find('\r'), std::string::npos);
+}
+
+TEST(Progress, barStaysOnOneLine) {
+  const std::string text = shown(true, 1000);
+  EXPECT_EQ(std::count(text.begin(), text.end(), '\n'), 1);
+  EXPECT_NE(text.find(" left"), std::string::npos);
+  EXPECT_EQ(text.back(), '\n');
+}
+
+TEST(PictureSize, isReadOrRefused) {
+  int width = 0, height = 0;
+  EXPECT_TRUE(parseSize("960x540", width, height));
+  EXPECT_EQ(width, 960);
+  EXPECT_EQ(height, 540);
+  for (const char* bad : {"", "x", "960", "960x", "x540", "-1x5", "9.5x5", "960x540x", "9999999999x1", " 1x1"}) {
+    EXPECT_FALSE(parseSize(bad, width, height)) << bad;
+  }
+}
+
+TEST(Folders, onlyOurOwnOldPicturesGo) {
+  namespace fs = std::filesystem;
+  const fs::path folder = fs::temp_directory_path() / "limber_folders_test";
+  fs::remove_all(folder);
+  fs::create_directories(folder);
+  for (const char* name : {"frame-0001.png", "frame-12345.png", "frame-0001.txt", "frame-holiday.png", "mine.png"}) {
+    std::ofstream(folder / name) << "x";
+  }
+  EXPECT_EQ(prepareFolder(folder.string()), "");
+  EXPECT_FALSE(fs::exists(folder / "frame-0001.png"));
+  EXPECT_FALSE(fs::exists(folder / "frame-12345.png"));
+  EXPECT_TRUE(fs::exists(folder / "frame-0001.txt"));
+  EXPECT_TRUE(fs::exists(folder / "frame-holiday.png"));
+  EXPECT_TRUE(fs::exists(folder / "mine.png"));
+  EXPECT_FALSE(fs::exists(folder / kContactSheetName));
+  fs::remove_all(folder);
+}
+
+TEST(Folders, whatCannotBeWrittenIsRefusedWithTheReason) {
+  EXPECT_EQ(prepareFolder("/dev/null/x"), "cannot use the folder /dev/null/x: Not a directory");
+  EXPECT_EQ(checkWritable("/dev/null/x"), "cannot write /dev/null/x: Not a directory");
+}
+
+}  // namespace
+}  // namespace limber::demo

@@ -1,0 +1,22 @@
+# cmake -DCODE=<exit code> -DTEXT=<text> -P expect_exit.cmake -- <command...>
+# Runs the command and fails unless it exits with CODE and prints TEXT.
+set(command "")
+set(seen FALSE)
+math(EXPR last "${CMAKE_ARGC} - 1")
+foreach(i RANGE ${last})
+  if(seen)
+    list(APPEND command "${CMAKE_ARGV${i}}")
+  elseif("${CMAKE_ARGV${i}}" STREQUAL "--")
+    set(seen TRUE)
+  endif()
+endforeach()
+
+execute_process(COMMAND ${command} RESULT_VARIABLE code OUTPUT_VARIABLE output ERROR_VARIABLE output)
+message("${output}")
+if(NOT "${code}" STREQUAL "${CODE}")
+  message(FATAL_ERROR "exit code ${code}, expected ${CODE}")
+endif()
+string(FIND "${output}" "${TEXT}" place)
+if(place EQUAL -1)
+  message(FATAL_ERROR "not printed: ${TEXT}")
+endif()

@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: Zlib
+#include "scenes/drop_grid.h"
+#include "scenes/scene_list.h"
+#include "scenes/surface_bend.h"
+
+#include <gtest/gtest.h>
+
+namespace limber::scenes {
+namespace {
+
+SceneOptions few(std::uint64_t seed) {
+  SceneOptions options;
+  options.count = 3;
+  options.seed = seed;
+  options.meshFile = LIMBER_MESH_DIR "/l_shape.obj";
+  return options;
+}
+
+std::uint64_t hashAfter(const SceneEntry& entry, std::uint64_t seed, int ticks) {
+  const SceneResult scene = entry.create(few(seed));
+  EXPECT_TRUE(scene) << scene.error();
+  for (int i = 0; i < ticks; ++i) tick(**scene);
+  return stateHash(**scene);
+}
+
+TEST(Scenes, sameSeedSameBits) {
+  for (const SceneEntry& entry : sceneList()) EXPECT_EQ(hashAfter(entry, 1, 60), hashAfter(entry, 1, 60)) << entry.name;
+}
+
+TEST(Scenes, otherSeedOtherBits) {
+  for (const SceneEntry& entry : sceneList()) EXPECT_NE(hashAfter(entry, 1, 2), hashAfter(entry, 2, 2)) << entry.name;
+}
+
+TEST(Scenes, haveALookForEveryBody) {
+  for (const SceneEntry& entry : sceneList()) {
+    const SceneResult scene = entry.create(few(1));
+    ASSERT_TRUE(scene) << scene.error();
+    EXPECT_EQ((*scene)->soft->bodyCount(), 3u);
+    EXPECT_EQ((*scene)->looks.size(), 3u);
+    EXPECT_FALSE((*scene)->endChecks.empty());
+    EXPECT_FALSE((*scene)->view.box.isEmpty());
+  }
+}
+
+TEST(Scenes, takeTheUsersChoices) {
+  SceneOptions options = few(1);
+  options.stiffness = 123.0;
+  options.damping = 0.5;
+  options.mass = 2.0;
+  for (const SceneEntry& entry : sceneList()) {
+    const SceneResult scene = entry.create(options);
+    ASSERT_TRUE(scene) << scene.error();
+    const SoftBodySettings& settings = (*scene)->soft->body(2)->settings();
+    EXPECT_EQ(settings.extensionStiffness, 123.0);
+    EXPECT_EQ(settings.compressionStiffness, 123.0);
+    EXPECT_EQ(settings.damping, 0.5);
+    EXPECT_NEAR((*scene)->soft->body(2)->totalMass(), 2.0, 1e-6);
+  }
+}
+
+TEST(Scenes, meshIsMadeOneMetreLargeUnlessScaled) {
+  SceneOptions options = few(1);
+  options.meshFile = LIMBER_MESH_DIR "/figure.obj";
+  const SceneResult fitted = createMeshDrop(options);
+  options.scale = 3.0;
+  const SceneResult scaled = createMeshDrop(options);
+  ASSERT_TRUE(fitted) << fitted.error();
+  ASSERT_TRUE(scaled) << scaled.error();
+  EXPECT_EQ((*scaled)->soft->body(0)->settings().scale, Eigen::Vector3d::Constant(3.0));
+  Eigen::AlignedBox3d box;
+  for (const Eigen::Vector3d& p : (*fitted)->soft->body(0)->network().restPoints) box.extend(p);
+  EXPECT_NEAR(box.sizes().maxCoeff() * (*fitted)->soft->body(0)->settings().scale.x(), 1.0, 1e-12);
+}
+
+TEST(Scenes, missingMeshIsNamed) {
+  SceneOptions options;
+  options.meshFile = "no/such.obj";
+  const SceneResult scene = createMeshDrop(options);
+  ASSERT_FALSE(scene);
+  EXPECT_NE(scene.error().find("no/such.obj"), std::string::npos);
+}
+
+TEST(DropGrid, keepsBodiesApart) {
+  for (const std::uint32_t count : {1u, 2u, 5u, 64u, 65u}) {
+    Random random(1);
+    const std::vector<Placement> places = dropGrid({count, 2.0, 1.0, 3.0}, random);
+    ASSERT_EQ(places.size(), count);
+    for (std::size_t a = 0; a < count; ++a) {
+      EXPECT_GE(places[a].centre.y(), 1.0);
+      EXPECT_LE(places[a].centre.y(), 3.0);
+      for (std::size_t b = 0; b < a; ++b) {
+        const Eigen::Vector3d apart = places[a].centre - places[b].centre;
+        EXPECT_GE(std::hypot(apart.x(), apart.z()), 2.0 - 1e-9);
+      }
+    }
+  }
+}
+
+TEST(SurfaceBend, tellsBallsFromBoxes) {
+  const auto bend = [](const char* file) {
+    const Result<TriangleMesh> mesh = importMesh(std::string(LIMBER_MESH_DIR "/") + file);
+    return sharpestBend(**buildNetwork(*mesh));
+  };
+  EXPECT_NEAR(bend("cube.obj"), 1.5708, 1e-3);
+  EXPECT_LT(bend("icosphere.obj"), kSmoothBend);
+}
+
+}  // namespace
+}  // namespace limber::scenes
