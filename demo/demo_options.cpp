@@ -21,7 +21,8 @@ std::vector<std::string> sceneNames() {
 }
 
 void printList() {
-  for (const scenes::SceneEntry& entry : scenes::sceneList()) std::printf("%-6s  %s\n", entry.name, entry.about);
+  for (const scenes::SceneEntry& entry : scenes::sceneList())
+    std::printf("%-6s  %s\n", entry.name, entry.about);
 }
 
 /// What CLI11 fills in; some of it only makes sense together.
@@ -52,10 +53,12 @@ void addSceneOptions(CLI::App& app, CommandLine& line) {
 
 void addRunOptions(CLI::App& app, CommandLine& line) {
   DemoOptions& o = line.options;
-  app.add_option("--seconds", o.seconds, "simulated time (default: until all lies still, 5 or 8)")->check(number(0.1, kMaxSeconds));
+  app.add_option("--seconds", o.seconds, "simulated time (default: until all lies still, 5 or 8)")
+      ->check(number(0.1, kMaxSeconds));
   app.add_option("--fps", o.framesPerSecond, "pictures per simulated second, 1 to 240 (default 30)")
       ->check(wholeNumber(1, 240));
-  app.add_option("--size", line.size, "of the pictures, WIDTHxHEIGHT (default 960x540)")->check(pictureSize());
+  app.add_option("--size", line.size, "of the pictures, WIDTHxHEIGHT (default 960x540)")
+      ->check(pictureSize());
   app.add_option("--mode", line.mode, "shaded, wireframe (springs coloured by strain) or none (no pictures)")
       ->check(CLI::IsMember({"shaded", "wireframe", "none"}));
   line.out = app.add_option("--out", o.outFolder, "folder of the pictures (default out/SCENE)");
@@ -69,7 +72,8 @@ std::string conflict(const CommandLine& line) {
   const DemoOptions& o = line.options;
   const bool meshScene = o.scene == "mesh";
   if (meshScene && o.sceneOptions.meshFile.empty()) return "the scene mesh needs --mesh FILE";
-  if (!meshScene && !o.sceneOptions.meshFile.empty()) return "--mesh goes with the scene mesh, not " + o.scene;
+  if (!meshScene && !o.sceneOptions.meshFile.empty())
+    return "--mesh goes with the scene mesh, not " + o.scene;
   if (o.sceneOptions.scale && !scenes::findScene(o.scene)->takesScale) {
     return "--scale has no meaning in the scene " + o.scene;
   }
@@ -94,7 +98,8 @@ void complete(CommandLine& line) {
 
 ParsedOptions parseOptions(int argc, char** argv) {
   CLI::App app("Soft bodies in a Bullet world, drawn without a window.", "limber-demo");
-  app.footer("Exit codes: 0 fine, 1 something failed, 2 wrong command line, 3 the scene did not end as it should.");
+  app.footer(
+      "Exit codes: 0 fine, 1 something failed, 2 wrong command line, 3 the scene did not end as it should.");
   CommandLine line;
   addSceneOptions(app, line);
   addRunOptions(app, line);

@@ -14,7 +14,7 @@ enum class PictureMode { Shaded, Wireframe, None };
 struct DemoOptions {
   std::string scene = "cubes";
   scenes::SceneOptions sceneOptions;
-  double seconds = 0.0;   ///< chosen by the scene unless the user does
+  double seconds = 0.0;  ///< chosen by the scene unless the user does
   int framesPerSecond = 30;
   int width = 960;
   int height = 540;
@@ -27,7 +27,8 @@ struct DemoOptions {
 /// 1: the input cannot be used or something failed; 2: the command line is wrong; 3: the end check failed.
 enum ExitCode : int { kSuccess = 0, kFailure = 1, kUsage = 2, kWrongEnd = 3 };
 
-/// Options, or the exit code of a run that is already over (--help, --list, or an error, which has been printed).
+/// Options, or the exit code of a run that is already over (--help, --list, or an error, which has been
+/// printed).
 using ParsedOptions = std::variant<DemoOptions, ExitCode>;
 ParsedOptions parseOptions(int argc, char** argv);
 

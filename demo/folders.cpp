@@ -26,7 +26,8 @@ std::error_code removeOldPictures(const std::string& folder) {
   std::error_code error;
   for (fs::directory_iterator entry(folder, error), end; !error && entry != end; entry.increment(error)) {
     std::error_code ignored;
-    if (isOurs(entry->path().filename().string()) && entry->is_regular_file(ignored)) fs::remove(entry->path(), ignored);
+    if (isOurs(entry->path().filename().string()) && entry->is_regular_file(ignored))
+      fs::remove(entry->path(), ignored);
   }
   return error;
 }

@@ -82,7 +82,8 @@ bool isTile(std::int64_t i, std::int64_t count, std::int64_t tiles) {
   if (count <= tiles) return true;
   for (std::int64_t t = 0; t < tiles; ++t) {
     const double share = static_cast<double>(t) / static_cast<double>(tiles - 1);
-    if (i == static_cast<std::int64_t>(std::pow(share, kTileCrowding) * static_cast<double>(count - 1))) return true;
+    if (i == static_cast<std::int64_t>(std::pow(share, kTileCrowding) * static_cast<double>(count - 1)))
+      return true;
   }
   return false;
 }

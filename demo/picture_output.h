@@ -47,8 +47,8 @@ class PictureOutput {
   std::string videoProblem_;
 };
 
-/// True if frame `i` of `count` is one of at most `tiles` (2 or more) on the contact sheet: the first, the last, and
-/// some between, closer together at the start.
+/// True if frame `i` of `count` is one of at most `tiles` (2 or more) on the contact sheet: the first, the
+/// last, and some between, closer together at the start.
 bool isTile(std::int64_t i, std::int64_t count, std::int64_t tiles);
 
 }  // namespace limber::demo

@@ -91,7 +91,8 @@ ShapeFigures shapeFigures(const scenes::Scene& scene) {
 }
 
 void examine(const scenes::Scene& scene, const scenes::Timeline& timeline, RunFigures& figures) {
-  figures.simulatedSeconds = static_cast<double>(timeline.ticks) / static_cast<double>(scenes::kTicksPerSecond);
+  figures.simulatedSeconds =
+      static_cast<double>(timeline.ticks) / static_cast<double>(scenes::kTicksPerSecond);
   figures.bodies = scene.soft->bodyCount();
   figures.points = scenes::pointCount(scene);
   figures.springs = scenes::springCount(scene);

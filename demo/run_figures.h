@@ -35,12 +35,12 @@ struct ShapeFigures {
 
 /// All that is reported of a run.
 struct RunFigures {
-  Milliseconds tick;     ///< a step of the whole world by 1/60 s
-  TickProfile soft;      ///< the plugin's part of the ticks, summed
-  Milliseconds render;   ///< from positions to pixels in memory
-  Milliseconds output;   ///< handing the picture on to the writer
+  Milliseconds tick;    ///< a step of the whole world by 1/60 s
+  TickProfile soft;     ///< the plugin's part of the ticks, summed
+  Milliseconds render;  ///< from positions to pixels in memory
+  Milliseconds output;  ///< handing the picture on to the writer
   std::size_t gpuBufferBytes = 0;
-  std::string driver;    ///< empty without pictures
+  std::string driver;  ///< empty without pictures
   double simulatedSeconds = 0.0;
   double wallSeconds = 0.0;
   double realTimeFactor() const { return wallSeconds > 0.0 ? simulatedSeconds / wallSeconds : 0.0; }

@@ -21,14 +21,14 @@ void printRow(const char* name, const Milliseconds& ms) {
 void printSoftRow(const RunFigures& f) {
   const double ticks = f.tick.count ? static_cast<double>(f.tick.count) : 1.0;
   std::printf("%-12s%9.3f ms   (gather %.3f, springs %.3f, hand over %.3f, take back %.3f)\n", "  Limber",
-              f.soft.totalMs() / ticks, f.soft.gatherMs / ticks, f.soft.stepMs / ticks, f.soft.handOverMs / ticks,
-              f.soft.takeBackMs / ticks);
+              f.soft.totalMs() / ticks, f.soft.gatherMs / ticks, f.soft.stepMs / ticks,
+              f.soft.handOverMs / ticks, f.soft.takeBackMs / ticks);
 }
 
 void printShape(const ShapeFigures& shape) {
   if (shape.solids == 0) return;
-  std::printf("keeps shape %s (off by %.2f %% of size on average, %.2f %% at worst", shape.kept() ? "yes" : "no",
-              100.0 * shape.mean, 100.0 * shape.worst);
+  std::printf("keeps shape %s (off by %.2f %% of size on average, %.2f %% at worst",
+              shape.kept() ? "yes" : "no", 100.0 * shape.mean, 100.0 * shape.worst);
   if (shape.insideOut > 0) std::printf("; %zu of %zu inside out", shape.insideOut, shape.solids);
   std::printf(")\n");
 }
@@ -81,7 +81,8 @@ Json shapeJson(const ShapeFigures& shape) {
 }
 
 Json endJson(const RunFigures& f) {
-  return {{"passed", f.endProblem.empty()}, {"reason", f.endProblem.empty() ? Json(nullptr) : Json(f.endProblem)}};
+  return {{"passed", f.endProblem.empty()},
+          {"reason", f.endProblem.empty() ? Json(nullptr) : Json(f.endProblem)}};
 }
 
 std::string hex(std::uint64_t value) {
@@ -117,14 +118,15 @@ Json runJson(const DemoOptions& options, const RunFigures& f) {
 bool ShapeFigures::kept() const { return insideOut == 0 && worst < 0.05; }
 
 void printTable(const DemoOptions& options, const RunFigures& f) {
-  std::printf("scene       %s: %zu bodies, %zu points, %zu springs\n", options.scene.c_str(), f.bodies, f.points,
-              f.springs);
+  std::printf("scene       %s: %zu bodies, %zu points, %zu springs\n", options.scene.c_str(), f.bodies,
+              f.points, f.springs);
   std::printf("%-12s%12s %12s\n", "", "mean", "max");
   printRow("tick", f.tick);
   printSoftRow(f);
   if (f.render.count > 0) {
     printRow("render", f.render);
-    std::printf("GPU buffers %9.2f MB   (%s)\n", static_cast<double>(f.gpuBufferBytes) / 1e6, f.driver.c_str());
+    std::printf("GPU buffers %9.2f MB   (%s)\n", static_cast<double>(f.gpuBufferBytes) / 1e6,
+                f.driver.c_str());
   }
   std::printf("speed       %9.2f s of simulation per second of wall time", f.realTimeFactor());
   if (f.render.count > 0) std::printf(" (%.2f without pictures)", f.tickRealTimeFactor());

@@ -76,7 +76,8 @@ void SceneRenderer::addProps() {
 
 void SceneRenderer::draw(render::Image& image) {
   render::FrameWriter frame = renderer_.beginFrame();
-  for (const auto& [instance, points] : props_) std::copy(points.begin(), points.end(), frame.points(instance));
+  for (const auto& [instance, points] : props_)
+    std::copy(points.begin(), points.end(), frame.points(instance));
   for (std::size_t b = 0; b < bodies_.size(); ++b) {
     scene_.soft->body(b)->writePositions(frame.points(bodies_[b]));
   }

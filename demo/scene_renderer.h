@@ -15,8 +15,8 @@
 
 namespace limber::demo {
 
-/// Draws a scene. The scene must outlive it and keep its bodies. All members throw std::runtime_error with the
-/// reason when the driver fails.
+/// Draws a scene. The scene must outlive it and keep its bodies. All members throw std::runtime_error with
+/// the reason when the driver fails.
 class SceneRenderer {
  public:
   SceneRenderer(const scenes::Scene& scene, const DemoOptions& options);

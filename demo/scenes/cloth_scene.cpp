@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-#include "scenes/end_checks.h"
 #include "scenes/drop_grid.h"
+#include "scenes/end_checks.h"
 #include "scenes/palette.h"
 #include "scenes/random.h"
 #include "scenes/scene_list.h"
@@ -11,11 +11,11 @@
 namespace limber::scenes {
 namespace {
 
-constexpr std::uint32_t kCells = 32;        // along each side
-constexpr double kClothWidth = 2.4;         // m
-constexpr double kClothRadius = 0.02;       // m, of each point mass
-constexpr double kBallRadius = 0.75;        // m
-constexpr double kSpacing = 3.2;            // m from ball to ball when there are several
+constexpr std::uint32_t kCells = 32;   // along each side
+constexpr double kClothWidth = 2.4;    // m
+constexpr double kClothRadius = 0.02;  // m, of each point mass
+constexpr double kBallRadius = 0.75;   // m
+constexpr double kSpacing = 3.2;       // m from ball to ball when there are several
 // with more than one step per tick, contacts come in time for the springs of a cloth under tension
 constexpr int kWorldSteps = 2;
 const Eigen::Vector3f kBallColour(0.92f, 0.92f, 0.92f);
@@ -69,8 +69,8 @@ Result<SharedNetwork> clothNetwork() {
 }
 
 /// A ball on the floor and a cloth above it, turned a little.
-std::string addPair(Scene& scene, const SharedNetwork& network, SoftBodySettings settings, const Eigen::Vector3d& at,
-                    Random& random) {
+std::string addPair(Scene& scene, const SharedNetwork& network, SoftBodySettings settings,
+                    const Eigen::Vector3d& at, Random& random) {
   const Eigen::Vector3d ball = at + Eigen::Vector3d(0.0, kBallRadius, 0.0);
   addBall(scene, ball);
   settings.position = ball + Eigen::Vector3d(0.0, kBallRadius + 0.5, 0.0);
@@ -103,7 +103,8 @@ SceneResult createCloth(const SceneOptions& options) {
   scene->worldSteps = kWorldSteps;
   addAirDrag(*scene, 0.5);
   const double reach = half + 0.36 * kClothWidth;
-  scene->view.box = Eigen::AlignedBox3d(Eigen::Vector3d(-reach, 0.0, -reach), Eigen::Vector3d(reach, 1.7, reach));
+  scene->view.box =
+      Eigen::AlignedBox3d(Eigen::Vector3d(-reach, 0.0, -reach), Eigen::Vector3d(reach, 1.7, reach));
   scene->endChecks.push_back(checkCalm(0.05));
   scene->endChecks.push_back(checkStretch(0.25));
   scene->endChecks.push_back(checkDrapes);

@@ -11,15 +11,15 @@
 namespace limber::scenes {
 
 struct Placement {
-  Eigen::Vector3d centre;       ///< m
+  Eigen::Vector3d centre;  ///< m
   Eigen::Quaterniond rotation;
 };
 
 struct DropGridSettings {
   std::uint32_t count = 1;
-  double spacing = 1.0;    ///< m between neighbours in x and z
-  double lowest = 1.0;     ///< m, height of the lowest centre
-  double highest = 2.0;    ///< m
+  double spacing = 1.0;  ///< m between neighbours in x and z
+  double lowest = 1.0;   ///< m, height of the lowest centre
+  double highest = 2.0;  ///< m
 };
 
 /// Columns of the square that holds `count` bodies.

@@ -17,9 +17,9 @@ namespace {
 struct DroppedShape {
   SharedNetwork network;
   double scale = 1.0;
-  double size = 1.0;                                    // m, largest extent
-  double radius = 1.0;                                  // m, of the ball around its box
-  Eigen::Vector3d middle = Eigen::Vector3d::Zero();     // m, of its box, from the network's origin
+  double size = 1.0;                                 // m, largest extent
+  double radius = 1.0;                               // m, of the ball around its box
+  Eigen::Vector3d middle = Eigen::Vector3d::Zero();  // m, of its box, from the network's origin
 };
 
 DroppedShape measure(SharedNetwork network, const std::optional<double>& scale) {
@@ -43,11 +43,11 @@ Result<SharedNetwork> readNetwork(const std::string& file) {
   return network;
 }
 
-void addFloorAndView(Scene& scene, const DroppedShape& shape, const DropGridSettings& grid, double drawnHeight) {
+void addFloorAndView(Scene& scene, const DroppedShape& shape, const DropGridSettings& grid,
+                     double drawnHeight) {
   const double half = 0.5 * grid.spacing * double(gridColumns(grid.count) - 1) + shape.radius;
   addFloor(scene, 1.5 * half + 8.0 * shape.size, drawnHeight);
-  // a little tight: the box's corners are empty
-  const Eigen::Vector3d reach(0.85 * half, 0.0, 0.85 * half);
+  const Eigen::Vector3d reach(half, 0.0, half);
   scene.view.box = Eigen::AlignedBox3d(-reach, reach + Eigen::Vector3d(0.0, 1.5 * shape.size, 0.0));
   scene.view.direction = {0.4, 0.55, 1.0};
 }
@@ -84,7 +84,8 @@ std::string dropBodies(Scene& scene, const DroppedShape& shape, const SceneOptio
 void noteOddSize(Scene& scene, double size) {
   if (size >= 0.01 && size <= 100.0) return;
   char line[160];
-  std::snprintf(line, sizeof line, "the bodies are %.3g m across; contacts work best between 0.05 m and 10 m", size);
+  std::snprintf(line, sizeof line, "the bodies are %.3g m across; contacts work best between 0.05 m and 10 m",
+                size);
   scene.notes.push_back(line);
 }
 
@@ -98,7 +99,8 @@ SceneResult createCubes(const SceneOptions& options) {
   std::string reason = dropBodies(*scene, shape, options, 64, {});
   if (!reason.empty()) return Error{reason};
   noteOddSize(*scene, shape.size);
-  scene->endChecks = {checkFinite, checkAboveFloor, checkCalm(0.02 * shape.size), checkShapes(0.03), checkAsleep};
+  scene->endChecks = {checkFinite, checkAboveFloor, checkCalm(0.02 * shape.size), checkShapes(0.03),
+                      checkAsleep};
   return scene;
 }
 
@@ -108,7 +110,8 @@ SceneResult createMeshDrop(const SceneOptions& options) {
   if (!network) return Error{network.error()};
   const DroppedShape shape = measure(*network, options.scale);
   SoftBodySettings settings;
-  settings.damping = 5.0;  // about critical for a hundred points, so that a body that slumps does not go on swinging
+  settings.damping =
+      5.0;  // about critical for a hundred points, so that a body that slumps does not go on swinging
   auto scene = std::make_unique<Scene>();
   std::string reason = dropBodies(*scene, shape, options, 9, settings);
   if (!reason.empty()) return Error{options.meshFile + ": " + reason};

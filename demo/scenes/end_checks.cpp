@@ -60,7 +60,8 @@ double largestStretch(const SoftBody& body) {
 
 std::string checkFinite(const Scene& scene) {
   return anyPoint(scene, [](const SoftBody& body, std::uint32_t i) {
-    return body.position(i).allFinite() ? std::string() : std::string(" is nowhere: its position is not finite");
+    return body.position(i).allFinite() ? std::string()
+                                        : std::string(" is nowhere: its position is not finite");
   });
 }
 
@@ -106,9 +107,9 @@ Check checkStretch(double relative) {
   return [relative](const Scene& scene) {
     return anyBody(scene, [relative](std::size_t, const SoftBody& body) {
       const double stretch = largestStretch(body);
-      return stretch <= relative ? std::string()
-                                 : text(" is stretched by %.3g %%, allowed is %.3g %%", 100.0 * stretch,
-                                        100.0 * relative);
+      return stretch <= relative
+                 ? std::string()
+                 : text(" is stretched by %.3g %%, allowed is %.3g %%", 100.0 * stretch, 100.0 * relative);
     });
   };
 }

@@ -20,7 +20,8 @@ std::string checkAsleep(const Scene& scene);
 /// Every body has its shape up to an RMS error of `relative` of its size, and is not inside out.
 Check checkShapes(double relative);
 
-/// No spring of the mesh or grid (braces, shear and bending aside) is more than `relative` longer than at rest.
+/// No spring of the mesh or grid (braces, shear and bending aside) is more than `relative` longer than at
+/// rest.
 Check checkStretch(double relative);
 
 /// No point is inside the ball by more than `metres`.

@@ -10,8 +10,8 @@
 
 namespace limber::scenes {
 
-/// How far points have moved of late. Positions tell whether a body is calm; velocities do not: those of a body
-/// that rests on a floor carry the phase of its substeps.
+/// How far points have moved of late. Positions tell whether a body is calm; velocities do not: those of a
+/// body that rests on a floor carry the phase of its substeps.
 ///
 /// Keeps the box each point has stayed in, for the present half second and for the one before it.
 class RestWatch {
@@ -21,8 +21,8 @@ class RestWatch {
   /// Call once after every tick.
   void look(const SoftBodySystem& soft);
 
-  /// m, the largest diagonal of a point's box in the last half to whole second; infinite before the first half
-  /// second is over, and for points that are not finite.
+  /// m, the largest diagonal of a point's box in the last half to whole second; infinite before the first
+  /// half second is over, and for points that are not finite.
   double largestMotion() const;
   /// The same for the points of one body.
   double largestMotion(std::size_t body) const;

@@ -7,15 +7,18 @@
 namespace limber::scenes {
 namespace {
 
-constexpr double kRopeLength = 2.6;              // m
-constexpr std::uint32_t kRopeSegments = 48;      // of 54 mm: the centre line stays outside the box's edges
-constexpr double kRopeRadius = 0.025;            // m
-constexpr double kRopeSpacing = 0.24;            // m between neighbours along z
-// a rope under tension bends round an edge: with one step per tick, contacts would come too late for its springs
+constexpr double kRopeLength = 2.6;          // m
+constexpr std::uint32_t kRopeSegments = 48;  // of 54 mm: the centre line stays outside the box's edges
+constexpr double kRopeRadius = 0.025;        // m
+constexpr double kRopeSpacing = 0.24;        // m between neighbours along z
+// a rope under tension bends round an edge: with one step per tick, contacts would come too late for its
+// springs
 constexpr int kWorldSteps = 4;
 const Eigen::Vector3f kBoxColour(0.80f, 0.81f, 0.83f);
 
-Eigen::Vector3d boxHalfExtents(std::uint32_t ropes) { return {0.45, 0.55, 0.5 * kRopeSpacing * (double(ropes) + 0.6)}; }
+Eigen::Vector3d boxHalfExtents(std::uint32_t ropes) {
+  return {0.45, 0.55, 0.5 * kRopeSpacing * (double(ropes) + 0.6)};
+}
 
 void addBox(Scene& scene, const Eigen::Vector3d& half) {
   const Eigen::Vector3d centre(0.0, half.y(), 0.0);
@@ -30,7 +33,8 @@ void place(SoftBodySettings& settings, double z, Random& random) {
   const double height = 1.4 + random.between(0.0, 0.6);
   settings.rotation = Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitY());
   // a rope begins at its network's origin
-  settings.position = Eigen::Vector3d(shift, height, z) - settings.rotation * Eigen::Vector3d(0.5 * kRopeLength, 0, 0);
+  settings.position =
+      Eigen::Vector3d(shift, height, z) - settings.rotation * Eigen::Vector3d(0.5 * kRopeLength, 0, 0);
 }
 
 SoftBodySettings ropeSettings(const SceneOptions& options) {
@@ -55,7 +59,8 @@ Check checkHangsOver(const Eigen::Vector3d& half) {
       const std::string name = "rope " + std::to_string(b);
       if (first.x() > -half.x() || last.x() < half.x()) return name + " does not lie across the box";
       if (first.y() > top - 0.2 || last.y() > top - 0.2) return name + " does not hang down on both sides";
-      if (rope.position(rope.pointCount() / 2).y() < top - kRopeRadius) return name + " does not lie on the box";
+      if (rope.position(rope.pointCount() / 2).y() < top - kRopeRadius)
+        return name + " does not lie on the box";
     }
     return std::string();
   };
@@ -86,9 +91,11 @@ SceneResult createRope(const SceneOptions& options) {
   }
   scene->worldSteps = kWorldSteps;
   addAirDrag(*scene, 0.5);
-  scene->view.box = Eigen::AlignedBox3d(Eigen::Vector3d(-0.8, 0.1, -half.z()), Eigen::Vector3d(0.8, 1.7, half.z()));
+  scene->view.box =
+      Eigen::AlignedBox3d(Eigen::Vector3d(-0.8, 0.1, -half.z()), Eigen::Vector3d(0.8, 1.7, half.z()));
   scene->view.direction = {0.38, 0.4, 1.0};
-  scene->endChecks = {checkFinite, checkAboveFloor, checkCalm(0.05), checkStretch(0.12), checkHangsOver(half)};
+  scene->endChecks = {checkFinite, checkAboveFloor, checkCalm(0.05), checkStretch(0.12),
+                      checkHangsOver(half)};
   return scene;
 }
 

@@ -24,7 +24,8 @@ void addFloor(Scene& scene, double halfSize, double drawnHeight, double friction
   scene.floor = {drawnHeight, halfSize};
 }
 
-std::string addBody(Scene& scene, SharedNetwork network, const SoftBodySettings& settings, const BodyLook& look) {
+std::string addBody(Scene& scene, SharedNetwork network, const SoftBodySettings& settings,
+                    const BodyLook& look) {
   const Result<SoftBody*> body = scene.soft->createBody(std::move(network), settings);
   if (body) scene.looks.push_back(look);
   return body.error();
@@ -82,7 +83,8 @@ std::size_t pointCount(const Scene& scene) {
 
 std::size_t springCount(const Scene& scene) {
   std::size_t sum = 0;
-  for (std::size_t b = 0; b < scene.soft->bodyCount(); ++b) sum += scene.soft->body(b)->network().springs.size();
+  for (std::size_t b = 0; b < scene.soft->bodyCount(); ++b)
+    sum += scene.soft->body(b)->network().springs.size();
   return sum;
 }
 

@@ -78,12 +78,14 @@ struct Scene {
 
 using SceneResult = Result<std::unique_ptr<Scene>>;
 
-/// Adds the floor: a box with its top at y = 0, and its picture `drawnHeight` above. Point masses are spheres, so
-/// a resting surface is one radius above what it rests on; drawing the floor there closes the gap.
+/// Adds the floor: a box with its top at y = 0, and its picture `drawnHeight` above. Point masses are
+/// spheres, so a resting surface is one radius above what it rests on; drawing the floor there closes the
+/// gap.
 void addFloor(Scene& scene, double halfSize, double drawnHeight, double friction = 0.5);
 
 /// Adds a body. Returns the reason why that cannot be done, or an empty string.
-std::string addBody(Scene& scene, SharedNetwork network, const SoftBodySettings& settings, const BodyLook& look);
+std::string addBody(Scene& scene, SharedNetwork network, const SoftBodySettings& settings,
+                    const BodyLook& look);
 
 /// Overwrites what the user has chosen.
 void apply(const SceneOptions& options, SoftBodySettings& settings);

@@ -11,8 +11,9 @@ namespace limber::scenes {
 
 /// How a deformed shape differs from its shape at rest, wherever it lies and however it is turned.
 struct ShapeError {
-  double relativeRms = 0.0;  ///< RMS distance of the points after the best rigid motion, per size of the shape
-  bool mirrored = false;     ///< a reflection would fit better than any rotation: the body is inside out
+  double relativeRms =
+      0.0;                ///< RMS distance of the points after the best rigid motion, per size of the shape
+  bool mirrored = false;  ///< a reflection would fit better than any rotation: the body is inside out
 };
 
 /// Largest extent of the points along an axis, m.

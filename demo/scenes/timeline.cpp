@@ -5,7 +5,9 @@
 
 namespace limber::scenes {
 
-std::int64_t Timeline::ticksBefore(std::int64_t frame) const { return frame * kTicksPerSecond / framesPerSecond; }
+std::int64_t Timeline::ticksBefore(std::int64_t frame) const {
+  return frame * kTicksPerSecond / framesPerSecond;
+}
 
 std::int64_t Timeline::frameCount() const { return ticks * framesPerSecond / kTicksPerSecond + 1; }
 

@@ -68,7 +68,8 @@ TEST(PictureSize, isReadOrRefused) {
   EXPECT_TRUE(parseSize("960x540", width, height));
   EXPECT_EQ(width, 960);
   EXPECT_EQ(height, 540);
-  for (const char* bad : {"", "x", "960", "960x", "x540", "-1x5", "9.5x5", "960x540x", "9999999999x1", " 1x1"}) {
+  for (const char* bad :
+       {"", "x", "960", "960x", "x540", "-1x5", "9.5x5", "960x540x", "9999999999x1", " 1x1"}) {
     EXPECT_FALSE(parseSize(bad, width, height)) << bad;
   }
 }
@@ -78,7 +79,8 @@ TEST(Folders, onlyOurOwnOldPicturesGo) {
   const fs::path folder = fs::temp_directory_path() / "limber_folders_test";
   fs::remove_all(folder);
   fs::create_directories(folder);
-  for (const char* name : {"frame-0001.png", "frame-12345.png", "frame-0001.txt", "frame-holiday.png", "mine.png"}) {
+  for (const char* name :
+       {"frame-0001.png", "frame-12345.png", "frame-0001.txt", "frame-holiday.png", "mine.png"}) {
     std::ofstream(folder / name) << "x";
   }
   EXPECT_EQ(prepareFolder(folder.string()), "");

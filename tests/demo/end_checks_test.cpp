@@ -100,7 +100,7 @@ TEST(EndChecks, ropeWithoutItsBoxDoesNotHang) {
   const auto scene = create("rope", 1);
   scene->world->dynamics.removeRigidBody(scene->world->statics[1].get());
   run(*scene, 240);
-  contains(scene->endChecks.back()(*scene), "rope 0 does not hang down on both sides");
+  contains(scene->endChecks.back()(*scene), "rope 0 does not lie on the box");
 }
 
 TEST(EndChecks, clothWithoutItsSphereDoesNotDrape) {

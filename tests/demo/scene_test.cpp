@@ -24,11 +24,13 @@ std::uint64_t hashAfter(const SceneEntry& entry, std::uint64_t seed, int ticks) 
 }
 
 TEST(Scenes, sameSeedSameBits) {
-  for (const SceneEntry& entry : sceneList()) EXPECT_EQ(hashAfter(entry, 1, 60), hashAfter(entry, 1, 60)) << entry.name;
+  for (const SceneEntry& entry : sceneList())
+    EXPECT_EQ(hashAfter(entry, 1, 60), hashAfter(entry, 1, 60)) << entry.name;
 }
 
 TEST(Scenes, otherSeedOtherBits) {
-  for (const SceneEntry& entry : sceneList()) EXPECT_NE(hashAfter(entry, 1, 2), hashAfter(entry, 2, 2)) << entry.name;
+  for (const SceneEntry& entry : sceneList())
+    EXPECT_NE(hashAfter(entry, 1, 2), hashAfter(entry, 2, 2)) << entry.name;
 }
 
 TEST(Scenes, haveALookForEveryBody) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-#include "scenes/random.h"
 #include "scenes/shape_error.h"
+#include "scenes/random.h"
 
 #include <gtest/gtest.h>
 
