@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: Zlib
+#include "command_list.h"
+
+#include "scaling/scaling_command.h"
+
+#include <cstdio>
+#include <string>
+
+namespace limber::bench {
+namespace {
+
+void printList(std::FILE* stream) {
+  std::fprintf(stream, "usage: limber-bench NAME [options]   (NAME --help lists the options)\n");
+  for (const Command& command : commandList()) std::fprintf(stream, "  %-10s %s\n", command.name, command.about);
+}
+
+}  // namespace
+
+const std::vector<Command>& commandList() {
+  static const std::vector<Command> kCommands = {
+      {"scaling", "1, 2, 4 ... soft cubes until real time is lost", &runScaling},
+  };
+  return kCommands;
+}
+
+ExitCode runCommand(int argc, char** argv) {
+  const std::string name = argc > 1 ? argv[1] : "";
+  if (name == "--help" || name == "-h" || name == "--list") {
+    printList(stdout);
+    return kSuccess;
+  }
+  for (const Command& command : commandList()) {
+    if (name == command.name) return command.run(argc - 1, argv + 1);
+  }
+  if (!name.empty()) std::fprintf(stderr, "limber-bench: there is no bench %s\n", name.c_str());
+  printList(stderr);
+  return kUsage;
+}
+
+}  // namespace limber::bench
