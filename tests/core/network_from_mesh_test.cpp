@@ -129,7 +129,8 @@ TEST(NetworkFromMesh, bracesAreAsLongAsTheFaceDiagonalsOfTheCube) {
 TEST(NetworkFromMesh, braceWeight) {
   NetworkSettings settings;
   settings.braceWeight = 0.25;
-  for (const NetworkSpring& spring : build(small_meshes::cube(), settings)->springs) {
+  const SharedNetwork cube = build(small_meshes::cube(), settings);
+  for (const NetworkSpring& spring : cube->springs) {
     EXPECT_EQ(spring.stiffnessScale, spring.kind == SpringKind::Brace ? 0.25 : 1.0);
   }
   for (const double weight : {0.0, -1.0, std::nan(""), std::numeric_limits<double>::infinity()}) {
