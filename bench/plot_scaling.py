@@ -2,6 +2,7 @@
 """Plots FOLDER/scaling.csv into scaling.svg and scaling.png: python3 plot_scaling.py FOLDER"""
 
 import csv
+import math
 import pathlib
 import sys
 
@@ -55,12 +56,20 @@ def draw_budget(axes):
                   xytext=(4, 4), textcoords="offset points", color="#b00020", fontsize=8)
 
 
-def finish(axes, title, unit, scale):
+def show_whole_decades(axes):
+    axes.set_yscale("log")  # first: on a linear scale the limits may be below zero
+    low, high = axes.get_ylim()
+    axes.set_ylim(10 ** math.floor(math.log10(low)), 10 ** math.ceil(math.log10(high)))
+
+
+def finish(axes, title, unit):
+    show_whole_decades(axes)
     axes.set_title(title, fontsize=10, loc="left")
     axes.set_ylabel(unit)
     axes.set_xscale("log", base=2)
-    axes.set_yscale(scale)
-    axes.xaxis.set_major_formatter(matplotlib.ticker.StrMethodFormatter("{x:.0f}"))
+    for axis in (axes.xaxis, axes.yaxis):
+        axis.set_major_formatter(matplotlib.ticker.StrMethodFormatter("{x:g}"))
+    axes.yaxis.set_minor_formatter(matplotlib.ticker.NullFormatter())
     axes.grid(True, which="major", color="#dfe2e6", linewidth=0.7)
     axes.set_axisbelow(True)
 
@@ -69,7 +78,7 @@ def draw_tick(axes, rows):
     draw_column(axes, rows, "tick_ms_mean")
     draw_given_up(axes, rows, "tick_ms_mean")
     draw_budget(axes)
-    finish(axes, "Tick, mean of samples", "ms", "log")
+    finish(axes, "Tick, mean of samples", "ms")
     axes.set_xlabel("cubes (8 points, 24 springs each)")
     axes.legend(fontsize=8, loc="lower right")
 
@@ -77,12 +86,12 @@ def draw_tick(axes, rows):
 def draw_render(axes, rows):
     draw_column(axes, rows, "render_ms_mean")
     draw_budget(axes)
-    finish(axes, "Frame, mean of samples", "ms", "log")
+    finish(axes, "Frame, mean of samples", "ms")
 
 
 def draw_memory(axes, rows):
     draw_column(axes, rows, "gpu_mb")
-    finish(axes, "GPU buffers", "MB", "log")
+    finish(axes, "GPU buffers", "MB")
     axes.set_xlabel("cubes")
 
 

@@ -1,0 +1,124 @@
+# SPDX-License-Identifier: Zlib
+"""Runs limber-bench small and looks at what it leaves: check_bench.py CHECK PROGRAM BENCH_FOLDER
+
+Counts, states and shares are checked; times only for being positive and in order."""
+
+import csv
+import pathlib
+import subprocess
+import sys
+import tempfile
+
+COLUMNS = "bodies,points,springs,mode,tick_ms_mean,tick_ms_max,render_ms_mean,gpu_mb,realtime".split(",")
+SMALL = ["scaling", "--quick", "--max-bodies", "4", "--size", "64x36"]
+SKIPPED = 77
+
+
+def run(*command):
+    return subprocess.run([str(c) for c in command], capture_output=True, text=True, check=False)
+
+
+def expect(truth, what):
+    if not truth:
+        sys.exit(f"check_bench: {what}")
+
+
+def small_run(program, folder):
+    done = run(program, *SMALL, "--out", folder)
+    expect(done.returncode == 0, f"exit status {done.returncode}: {done.stderr}")
+    with open(folder / "scaling.csv", newline="") as file:
+        return list(csv.DictReader(file)), done.stdout
+
+
+def check_row(row):
+    drawn = row["mode"] in ("shaded", "wireframe")
+    bodies = int(row["bodies"])
+    expect(int(row["points"]) == 8 * bodies, f"points: {row}")
+    expect(int(row["springs"]) == (0 if row["mode"] == "bare" else 24 * bodies), f"springs: {row}")
+    expect(0 < float(row["tick_ms_median"]) <= float(row["tick_ms_max"]), f"median: {row}")
+    expect(0 < float(row["tick_ms_mean"]) <= float(row["tick_ms_max"]) <= float(row["tick_ms_worst"]), f"ticks: {row}")
+    expect(float(row["realtime"]) > 0, f"realtime: {row}")
+    expect((row["render_ms_mean"] != "") == drawn and (row["gpu_mb"] != "") == drawn, f"cells of a renderer: {row}")
+    expect(not drawn or (float(row["render_ms_mean"]) > 0 and float(row["gpu_mb"]) > 0), f"renderer: {row}")
+    expect(float(row["asleep_share"]) == 0, f"a body is asleep: {row}")
+    expect(row["complete"] == "1" and float(row["simulated_s"]) == 1, f"not complete: {row}")
+    expect(float(row["contacts"]) > 0, f"nothing has reached the floor: {row}")
+
+
+def check_hashes(rows):
+    """A picture must not change what it shows."""
+    for bodies in {row["bodies"] for row in rows}:
+        hashes = {r["hash"] for r in rows if r["bodies"] == bodies and r["mode"] != "bare"}
+        expect(len(hashes) == 1, f"{bodies} cubes end in different states: {hashes}")
+    expect(len({r["hash"] for r in rows if r["mode"] == "none"}) == 3, "different scenes end in the same state")
+
+
+def check_scaling(program, _):
+    with tempfile.TemporaryDirectory() as name:
+        folder = pathlib.Path(name) / "made" / "on the way"
+        rows, summary = small_run(program, folder)
+        expect(list(rows[0])[: len(COLUMNS)] == COLUMNS, f"columns: {list(rows[0])}")
+        measured = [(r["mode"], int(r["bodies"])) for r in rows]
+        modes = ("bare", "none", "shaded", "wireframe")
+        expect(set(measured) >= {(mode, n) for mode in modes for n in (1, 2, 4)}, f"rows: {measured}")
+        for row in rows:
+            check_row(row)
+        check_hashes(rows)
+        expect((folder / "scaling.txt").read_text() == summary, "scaling.txt is not what was printed")
+        expect("WARNING: runs" not in summary, summary)
+
+
+def check_plot(program, bench):
+    with tempfile.TemporaryDirectory() as name:
+        folder = pathlib.Path(name)
+        small_run(program, folder)
+        done = run(bench / "plot", "scaling", folder)
+        if done.returncode == SKIPPED:
+            sys.exit(SKIPPED)
+        expect(done.returncode == 0, done.stderr)
+        for picture in ("scaling.svg", "scaling.png"):
+            expect((folder / picture).stat().st_size > 1000, f"{picture} is empty")
+
+
+def check_unknown_name(program, _):
+    for name in ("scalin", "", "../scaling"):
+        done = run(program, name)
+        expect(done.returncode == 2, f"{name!r}: exit status {done.returncode}")
+        expect("scaling" in done.stderr, f"{name!r}: does not list what there is: {done.stderr}")
+    expect(run(program).returncode == 2, "no name is no error")
+    expect("scaling" in run(program, "--list").stdout, "--list does not list")
+
+
+def check_unwritable_folder(program, _):
+    with tempfile.TemporaryDirectory() as name:
+        file = pathlib.Path(name) / "a_file"
+        file.write_text("")
+        blocked = pathlib.Path(name) / "blocked"
+        (blocked / "scaling.csv").mkdir(parents=True)
+        for folder in (file, file / "below", blocked, "/proc/limber"):
+            done = run(program, *SMALL, "--out", folder)
+            expect(done.returncode == 1, f"{folder}: exit status {done.returncode}")
+            expect("cannot" in done.stderr, f"{folder}: no reason: {done.stderr}")
+
+
+def check_bad_options(program, _):
+    bad = ["--seconds 0", "--seconds nan", "--max-bodies 0", "--max-bodies -1", "--modes soft", "--modes",
+           "--size 10", "--size 0x0", "--repeats 0", "--minutes 0", "--fast", "more"]
+    for options in bad:
+        done = run(program, "scaling", *options.split())
+        expect(done.returncode == 2, f"{options}: exit status {done.returncode}")
+    expect(run(program, "scaling", "--help").returncode == 0, "--help is an error")
+
+
+CHECKS = {
+    "scaling": check_scaling,
+    "plot": check_plot,
+    "unknown_name": check_unknown_name,
+    "unwritable_folder": check_unwritable_folder,
+    "bad_options": check_bad_options,
+}
+
+if __name__ == "__main__":
+    if len(sys.argv) != 4:
+        sys.exit(__doc__)
+    CHECKS[sys.argv[1]](sys.argv[2], pathlib.Path(sys.argv[3]))
