@@ -11,7 +11,8 @@ namespace {
 
 void printList(std::FILE* stream) {
   std::fprintf(stream, "usage: limber-bench NAME [options]   (NAME --help lists the options)\n");
-  for (const Command& command : commandList()) std::fprintf(stream, "  %-10s %s\n", command.name, command.about);
+  for (const Command& command : commandList())
+    std::fprintf(stream, "  %-10s %s\n", command.name, command.about);
 }
 
 }  // namespace

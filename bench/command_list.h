@@ -11,8 +11,8 @@ enum ExitCode : int { kSuccess = 0, kFailure = 1, kUsage = 2 };
 /// A table or plot that can be asked for by name.
 struct Command {
   const char* name;
-  const char* about;                         ///< one line
-  ExitCode (*run)(int argc, char** argv);    ///< argv[0] is the name, its own options follow
+  const char* about;                       ///< one line
+  ExitCode (*run)(int argc, char** argv);  ///< argv[0] is the name, its own options follow
 };
 
 const std::vector<Command>& commandList();

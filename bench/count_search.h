@@ -7,13 +7,13 @@
 namespace limber::bench {
 
 struct CountSearchSettings {
-  std::uint32_t always = 1;    ///< counts up to here are doubled through even after the first failure
-  std::uint32_t cap = 65536;   ///< no count is larger
-  double resolution = 0.05;    ///< share of the answer at which bisecting ends
+  std::uint32_t always = 1;   ///< counts up to here are doubled through even after the first failure
+  std::uint32_t cap = 65536;  ///< no count is larger
+  double resolution = 0.05;   ///< share of the answer at which bisecting ends
 };
 
-/// Finds the largest count that passes a test: 1, 2, 4 ... until one fails, then bisecting between the last that
-/// passed and the first that failed. Ask next(), try it, report; until next() is empty.
+/// Finds the largest count that passes a test: 1, 2, 4 ... until one fails, then bisecting between the last
+/// that passed and the first that failed. Ask next(), try it, report; until next() is empty.
 class CountSearch {
  public:
   explicit CountSearch(const CountSearchSettings& settings) : settings_(settings) {}
@@ -23,8 +23,8 @@ class CountSearch {
   /// Whether the count that next() gives passes.
   void report(bool passes);
 
-  std::uint32_t largest() const { return passed_; }  ///< so far; 0: not even one passes
-  bool foundFailure() const { return failed_ != 0; }   ///< false at the end: the cap passes
+  std::uint32_t largest() const { return passed_; }   ///< so far; 0: not even one passes
+  bool foundFailure() const { return failed_ != 0; }  ///< false at the end: the cap passes
 
  private:
   std::uint32_t middle() const { return passed_ + (failed_ - passed_) / 2; }

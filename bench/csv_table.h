@@ -20,8 +20,8 @@ class CsvTable {
   std::ofstream stream_;
 };
 
-std::string numberCell(double value);         ///< six digits
+std::string numberCell(double value);  ///< six digits
 std::string countCell(std::uint64_t value);
-std::string hexCell(std::uint64_t value);     ///< 16 digits
+std::string hexCell(std::uint64_t value);  ///< 16 digits
 
 }  // namespace limber::bench

@@ -38,8 +38,9 @@ std::string buildKind() {
 }  // namespace
 
 std::string describeMachine() {
-  return processorName() + ", " + std::to_string(std::thread::hardware_concurrency()) + " threads; compiler " +
-         compilerName() + ", " + buildKind() + "; Bullet " + std::to_string(BT_BULLET_VERSION) + " in " +
+  return processorName() + ", " + std::to_string(std::thread::hardware_concurrency()) +
+         " threads; compiler " + compilerName() + ", " + buildKind() + "; Bullet " +
+         std::to_string(BT_BULLET_VERSION) + " in " +
          (sizeof(btScalar) == sizeof(float) ? "single" : "double") + " precision";
 }
 

@@ -6,7 +6,9 @@
 
 namespace limber::bench {
 
-double sum(const std::vector<double>& samples) { return std::accumulate(samples.begin(), samples.end(), 0.0); }
+double sum(const std::vector<double>& samples) {
+  return std::accumulate(samples.begin(), samples.end(), 0.0);
+}
 
 double mean(const std::vector<double>& samples) {
   return samples.empty() ? 0.0 : sum(samples) / static_cast<double>(samples.size());

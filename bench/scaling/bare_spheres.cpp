@@ -22,7 +22,8 @@ void addFloorOf(const scenes::Scene& scene, scenes::SceneWorld& world) {
   const auto& box = static_cast<const btBoxShape&>(*floor.getCollisionShape());
   const btVector3 centre = floor.getWorldTransform().getOrigin();
   scenes::addStatic(world, std::make_unique<btBoxShape>(box.getHalfExtentsWithMargin()),
-                    {double(centre.x()), double(centre.y()), double(centre.z())}, double(floor.getFriction()));
+                    {double(centre.x()), double(centre.y()), double(centre.z())},
+                    double(floor.getFriction()));
 }
 
 void addToHash(std::uint64_t& hash, const btVector3& v) {
@@ -39,7 +40,8 @@ std::unique_ptr<BareSpheres> makeBareSpheres(const scenes::Scene& scene) {
   auto bare = std::make_unique<BareSpheres>();
   addFloorOf(scene, bare->world);
   const SoftBody& first = *scene.soft->body(0);
-  bare->shape = std::make_unique<btSphereShape>(static_cast<btScalar>(pointRadius(first.network(), first.settings())));
+  bare->shape =
+      std::make_unique<btSphereShape>(static_cast<btScalar>(pointRadius(first.network(), first.settings())));
   for (std::size_t b = 0; b < scene.soft->bodyCount(); ++b) {
     const SoftBody& body = *scene.soft->body(b);
     for (std::uint32_t i = 0; i < body.pointCount(); ++i) {

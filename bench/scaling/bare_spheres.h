@@ -16,8 +16,8 @@ struct BareSpheres {
   scenes::SceneWorld world;
 };
 
-/// A sphere of the same radius, mass and friction for each point mass of a scene of like bodies, where that point
-/// is, over the same floor. Nothing holds the upper ones up, so all of them come to lie on the floor.
+/// A sphere of the same radius, mass and friction for each point mass of a scene of like bodies, where that
+/// point is, over the same floor. Nothing holds the upper ones up, so all of them come to lie on the floor.
 std::unique_ptr<BareSpheres> makeBareSpheres(const scenes::Scene& scene);
 
 /// Of all positions and velocities, bit for bit.

@@ -18,13 +18,15 @@ constexpr double kShortRunSeconds = 4.0;
 
 /// Everything one run leaves behind.
 struct Recording {
-  std::vector<double> allTicks;                     // #ticks, ms
-  std::vector<double> ticks, ticksCpu, frames;      // #samples, ms; no frames without a renderer
-  std::vector<double> contacts, asleep;             // #samples
-  TickProfile own;                                  // summed over the samples
+  std::vector<double> allTicks;                 // #ticks, ms
+  std::vector<double> ticks, ticksCpu, frames;  // #samples, ms; no frames without a renderer
+  std::vector<double> contacts, asleep;         // #samples
+  TickProfile own;                              // summed over the samples
 };
 
-double simulatedSeconds(const Recording& r) { return static_cast<double>(r.allTicks.size()) / kTicksPerSecond; }
+double simulatedSeconds(const Recording& r) {
+  return static_cast<double>(r.allTicks.size()) / kTicksPerSecond;
+}
 
 /// Seconds the run would have taken with a frame after each tick: frames are only drawn when sampled, which
 /// saves four fifths of them.

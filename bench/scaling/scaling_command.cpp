@@ -10,6 +10,7 @@
 #include "scaling/scaling_summary.h"
 
 #include <algorithm>
+#include <cstddef>
 #include <cstdio>
 #include <fstream>
 
@@ -22,9 +23,8 @@ constexpr std::uint32_t kPaperCount = 64;
 struct ModeSearch {
   Mode mode;
   CountSearch search;
-  double secondsLeft;  // wall time
 
-  bool isOver() const { return secondsLeft <= 0.0 || !search.next(); }
+  bool isOver() const { return !search.next(); }
 };
 
 struct Bench {
@@ -32,36 +32,53 @@ struct Bench {
   CsvTable csv;
   RowProgress progress;
   std::vector<ScalingRow> rows;
+  Stopwatch watch;
+
+  double secondsLeft() const { return 60.0 * options.minutes - watch.seconds(); }
 };
 
 std::vector<ModeSearch> startSearches(const ScalingOptions& options) {
   CountSearchSettings settings;
   settings.always = kPaperCount;
   settings.cap = options.maxBodies;
-  const double secondsEach = 60.0 * options.minutes / static_cast<double>(options.modes.size());
   std::vector<ModeSearch> searches;
-  for (const Mode mode : options.modes) searches.push_back({mode, CountSearch(settings), secondsEach});
+  for (const Mode mode : options.modes) searches.push_back({mode, CountSearch(settings)});
   return searches;
 }
 
-void advance(ModeSearch& search, Bench& bench) {
-  const Stopwatch watch;
-  const std::uint32_t count = *search.search.next();
-  const RowLimits limits{count > kPaperCount, search.secondsLeft};
-  const ScalingRow row = measureRow(bench.options, search.mode, count, limits, bench.progress);
+ScalingRow measureAndKeep(Mode mode, std::uint32_t count, const RowLimits& limits, Bench& bench) {
+  ScalingRow row = measureRow(bench.options, mode, count, limits, bench.progress);
   bench.csv.add(scalingCells(row));
   bench.progress.finish(describe(row));
   bench.rows.push_back(row);
-  search.search.report(row.realTime >= 1.0);
-  search.secondsLeft -= watch.seconds();
+  return row;
 }
 
-void runAll(std::vector<ModeSearch>& searches, Bench& bench) {
-  const auto over = [](const ModeSearch& search) { return search.isOver(); };
-  while (!std::all_of(searches.begin(), searches.end(), over)) {
+void advance(ModeSearch& search, double seconds, Bench& bench) {
+  const std::uint32_t count = *search.search.next();
+  const RowLimits limits{count > kPaperCount, seconds};
+  const ScalingRow row = measureAndKeep(search.mode, count, limits, bench);
+  search.search.report(row.realTime >= 1.0);
+}
+
+std::ptrdiff_t countUnfinished(const std::vector<ModeSearch>& searches) {
+  return std::count_if(searches.begin(), searches.end(), [](const ModeSearch& s) { return !s.isOver(); });
+}
+
+/// No row may take more than its mode's share of the time that is left.
+void searchAll(std::vector<ModeSearch>& searches, Bench& bench) {
+  while (countUnfinished(searches) > 0 && bench.secondsLeft() > 0.0) {
     for (ModeSearch& search : searches) {
-      if (!search.isOver()) advance(search, bench);
+      if (search.isOver()) continue;
+      const double share = bench.secondsLeft() / static_cast<double>(countUnfinished(searches));
+      if (share > 0.0) advance(search, share, bench);
     }
+  }
+}
+
+void measureCounts(Bench& bench) {
+  for (const std::uint32_t count : bench.options.counts) {
+    for (const Mode mode : bench.options.modes) measureAndKeep(mode, count, RowLimits(), bench);
   }
 }
 
@@ -89,9 +106,15 @@ ExitCode runScaling(int argc, char** argv) {
     std::fprintf(stderr, "limber-bench: %s\n", reason.c_str());
     return kFailure;
   }
-  Bench bench{options, CsvTable(options.out + "/" + kScalingCsvName, scalingColumns()), RowProgress(), {}};
-  std::vector<ModeSearch> searches = startSearches(options);
-  runAll(searches, bench);
+  Bench bench{
+      options, CsvTable(options.out + "/" + kScalingCsvName, scalingColumns()), RowProgress(), {}, {}};
+  std::vector<ModeSearch> searches;
+  if (options.counts.empty()) {
+    searches = startSearches(options);
+    searchAll(searches, bench);
+  } else {
+    measureCounts(bench);
+  }
   publish(summarise(options, bench.rows, endsOf(searches)), options.out);
   return kSuccess;
 }

@@ -14,12 +14,13 @@ namespace limber::bench {
 struct ScalingOptions {
   std::string out = "out/bench";
   std::vector<Mode> modes = {Mode::Bare, Mode::None, Mode::Shaded, Mode::Wireframe};
-  double seconds = 10.0;            ///< simulated, per run
+  std::vector<std::uint32_t> counts;  ///< cubes; empty: search for the largest number in real time
+  double seconds = 10.0;              ///< simulated, per run
   std::uint32_t maxBodies = 65536;
-  int width = 1280, height = 720;   ///< pixels of a frame
-  int repeats = 3;                  ///< runs per row, where a run is short
-  double minutes = 12.0;            ///< wall time of the whole bench, shared out among the modes
-  bool sleep = false;               ///< bodies at rest may fall asleep
+  int width = 1280, height = 720;  ///< pixels of a frame
+  int repeats = 3;                 ///< runs per row, where a run is short
+  double minutes = 12.0;           ///< wall time after which no more rows are begun
+  bool sleep = false;              ///< bodies at rest may fall asleep
 };
 
 /// Options, or the exit code of a run that is already over (--help or an error, which has been printed).

@@ -9,16 +9,16 @@
 namespace limber::bench {
 
 enum class Mode {
-  Bare,      ///< as many loose Bullet spheres as the cubes have points: no springs, no plugin, no pictures
-  None,      ///< soft cubes without a renderer
+  Bare,  ///< as many loose Bullet spheres as the cubes have points: no springs, no plugin, no pictures
+  None,  ///< soft cubes without a renderer
   Shaded,
   Wireframe
 };
 const char* nameOf(Mode mode);
 bool isDrawn(Mode mode);
 
-/// What was measured at one count in one mode. Times are milliseconds of wall time unless said; means, medians
-/// and maxima are over samples, one per tenth of a simulated second.
+/// What was measured at one count in one mode. Times are milliseconds of wall time unless said; means,
+/// medians and maxima are over samples, one per tenth of a simulated second.
 struct ScalingRow {
   Mode mode = Mode::None;
   std::uint32_t bodies = 0;
@@ -32,14 +32,15 @@ struct ScalingRow {
   std::size_t gpuBytes = 0;  ///< of buffers, without textures and render targets
   std::string driver;        ///< of OpenGL; empty without a renderer
 
-  double realTime = 0.0;     ///< simulated seconds per second, with a frame after each tick where there are frames
+  double realTime =
+      0.0;  ///< simulated seconds per second, with a frame after each tick where there are frames
   double contacts = 0.0;     ///< mean number of touching pairs
   double asleepShare = 0.0;  ///< mean share of bodies asleep
   double simulatedSeconds = 0.0;
-  bool complete = false;     ///< false: given up early, because too slow
-  int repeats = 1;           ///< runs measured, of which this is the middle one
-  bool repeatable = true;    ///< all runs ended in the same state, bit for bit
-  std::uint64_t hash = 0;    ///< of the last state
+  bool complete = false;   ///< false: given up early, because too slow
+  int repeats = 1;         ///< runs measured, of which this is the middle one
+  bool repeatable = true;  ///< all runs ended in the same state, bit for bit
+  std::uint64_t hash = 0;  ///< of the last state
 };
 
 double microsecondsPerPoint(const ScalingRow& row);

@@ -70,7 +70,9 @@ double draw(Subject& subject) {
   return watch.time().wallMs - subject.renderer->lastFrame().readMs;
 }
 
-TickProfile ownPart(const Subject& subject) { return subject.scene ? subject.scene->soft->profile() : TickProfile(); }
+TickProfile ownPart(const Subject& subject) {
+  return subject.scene ? subject.scene->soft->profile() : TickProfile();
+}
 
 std::size_t contactCount(const Subject& subject) {
   btDispatcher& dispatcher = *worldOf(subject).getDispatcher();

@@ -16,9 +16,9 @@ constexpr int kTicksPerSecond = 50;
 struct Subject {
   std::uint32_t bodies = 0;
   std::size_t points = 0, springs = 0;
-  std::unique_ptr<scenes::Scene> scene;             ///< the cubes, or nullptr
-  std::unique_ptr<BareSpheres> bare;                ///< the spheres, or nullptr
-  std::unique_ptr<demo::SceneRenderer> renderer;    ///< nullptr: no pictures
+  std::unique_ptr<scenes::Scene> scene;           ///< the cubes, or nullptr
+  std::unique_ptr<BareSpheres> bare;              ///< the spheres, or nullptr
+  std::unique_ptr<demo::SceneRenderer> renderer;  ///< nullptr: no pictures
   render::Image image;
 };
 
@@ -28,8 +28,8 @@ Subject makeSubject(const ScalingOptions& options, Mode mode, std::uint32_t coun
 /// Steps the world by 1/50 s.
 WorkTime tick(Subject& subject);
 
-/// Draws a frame. Returns milliseconds from reading positions until the GPU is done (glFinish), without copying
-/// the picture to main memory, which a window does not need.
+/// Draws a frame. Returns milliseconds from reading positions until the GPU is done (glFinish), without
+/// copying the picture to main memory, which a window does not need.
 double draw(Subject& subject);
 
 /// The plugin's part of the last tick; zeros for spheres.

@@ -23,8 +23,8 @@ def expect(truth, what):
         sys.exit(f"check_bench: {what}")
 
 
-def small_run(program, folder):
-    done = run(program, *SMALL, "--out", folder)
+def small_run(program, folder, *options):
+    done = run(program, *SMALL, "--out", folder, *options)
     expect(done.returncode == 0, f"exit status {done.returncode}: {done.stderr}")
     with open(folder / "scaling.csv", newline="") as file:
         return list(csv.DictReader(file)), done.stdout
@@ -68,6 +68,23 @@ def check_scaling(program, _):
         expect("WARNING: runs" not in summary, summary)
 
 
+def check_counts(program, _):
+    with tempfile.TemporaryDirectory() as folder:
+        rows, summary = small_run(program, pathlib.Path(folder), "--counts", "3,5", "--modes", "none,bare")
+        measured = [(int(r["bodies"]), r["mode"]) for r in rows]
+        expect(measured == [(3, "bare"), (3, "none"), (5, "bare"), (5, "none")], f"rows: {measured}")
+        expect("largest number" not in summary, "nothing was searched")
+
+
+def check_sleep(program, _):
+    with tempfile.TemporaryDirectory() as folder:
+        options = ["--counts", "1", "--modes", "none", "--seconds", "20"]
+        awake, _ = small_run(program, pathlib.Path(folder), *options)
+        asleep, _ = small_run(program, pathlib.Path(folder), *options, "--sleep")
+        expect(float(awake[0]["asleep_share"]) == 0, "a body that is kept awake sleeps")
+        expect(0 < float(asleep[0]["asleep_share"]) < 1, f"a body at rest stays awake: {asleep}")
+
+
 def check_plot(program, bench):
     with tempfile.TemporaryDirectory() as name:
         folder = pathlib.Path(name)
@@ -103,7 +120,7 @@ def check_unwritable_folder(program, _):
 
 def check_bad_options(program, _):
     bad = ["--seconds 0", "--seconds nan", "--max-bodies 0", "--max-bodies -1", "--modes soft", "--modes",
-           "--size 10", "--size 0x0", "--repeats 0", "--minutes 0", "--fast", "more"]
+           "--size 10", "--size 0x0", "--repeats 0", "--minutes 0", "--counts 0", "--counts 1,x", "--fast", "more"]
     for options in bad:
         done = run(program, "scaling", *options.split())
         expect(done.returncode == 2, f"{options}: exit status {done.returncode}")
@@ -112,6 +129,8 @@ def check_bad_options(program, _):
 
 CHECKS = {
     "scaling": check_scaling,
+    "counts": check_counts,
+    "sleep": check_sleep,
     "plot": check_plot,
     "unknown_name": check_unknown_name,
     "unwritable_folder": check_unwritable_folder,
