@@ -14,15 +14,17 @@ namespace {
 
 using test::BulletWorld;
 
-enum class Floor { Plane, Box, TriangleMesh };
+enum class Floor { Plane, Box, Hull, TriangleMesh };
 
 std::string floorName(const testing::TestParamInfo<Floor>& info) {
-  return info.param == Floor::Plane ? "Plane" : info.param == Floor::Box ? "Box" : "TriangleMesh";
+  const char* names[] = {"Plane", "Box", "Hull", "TriangleMesh"};
+  return names[static_cast<int>(info.param)];
 }
 
 void addFloor(BulletWorld& bullet, Floor floor) {
   if (floor == Floor::Plane) bullet.addPlaneFloor();
   if (floor == Floor::Box) bullet.addBoxFloor();
+  if (floor == Floor::Hull) bullet.addHullFloor();
   if (floor == Floor::TriangleMesh) bullet.addTriangleFloor();
 }
 
@@ -64,57 +66,72 @@ TEST_P(SoftCubeOn, bouncesAndComesToRest) {
   EXPECT_NEAR(lowest(*body), radius, 0.1 * radius) << "it rests on its points";
 }
 
-TEST_P(SoftCubeOn, restsAtTheHeightOfStaticEquilibrium) {
-  // k and m so that the cube sinks visibly; the frictionless equilibrium of the 24-spring cube follows from
-  // vertical edges (4) and the two diagonals of each side face (8 at 45 degrees): to first order the top sinks by
-  // u = W_top / K, K = 4 k + 8 k / 2 * (1/2 ...), but the diagonals also spread the base. A run with 64 ticks per
-  // 1/60 s, where handing over contacts costs nothing any more, stands in for the closed form.
-  const auto restHeight = [&](int divisions) {
-    BulletWorld bullet;
-    addFloor(bullet, GetParam());
-    SoftBodySystem system(*bullet.world);
-    SoftBodySettings s;
-    s.position = {0.1, 0.53, 0.05};
-    s.friction = 0;
-    SoftBody* body = *system.createBody(test::cubeNetwork(), s);
-    for (std::uint32_t i = 0; i < 8; ++i) body->point(i)->setActivationState(DISABLE_DEACTIVATION);
-    bullet.simulate(4.0, 1.0 / 60 / divisions);
-    return highest(*body);
-  };
-  // Plain hand-over of contacts: Bullet holds the touching points at the end of a tick only, so the body rests
-  // up to h^2 g M / M_touching = 2 g h^2 = 5.45 mm too low.
-  const double artefact = 2 * 9.81 / 3600;
-  EXPECT_NEAR(restHeight(1), restHeight(64), 1.1 * artefact);
-}
-
-INSTANTIATE_TEST_SUITE_P(Floors, SoftCubeOn, testing::Values(Floor::Plane, Floor::Box, Floor::TriangleMesh), floorName);
-
-TEST(Contact, forcesCarryTheWeight) {
+/// Height of the highest point of a cube, frictionless, after it has come to rest on the floor.
+double restHeight(Floor floor, double stiffness, double dt) {
   BulletWorld bullet;
-  bullet.addPlaneFloor();
+  addFloor(bullet, floor);
   SoftBodySystem system(*bullet.world);
   SoftBodySettings s;
-  s.position = {0, 0.53, 0};
+  s.position = {0.1, 0.52, 0.05};
+  s.friction = 0;
+  s.extensionStiffness = s.compressionStiffness = stiffness;
+  s.damping = 0.2 * std::sqrt(stiffness * 0.125);
   SoftBody* body = *system.createBody(test::cubeNetwork(), s);
-  for (std::uint32_t i = 0; i < 8; ++i) body->point(i)->setActivationState(DISABLE_DEACTIVATION);
-  bullet.simulate(6.0);
-  double impulse = 0;
-  const int ticks = 60;
-  for (int i = 0; i < ticks; ++i) {
+  body->point(0)->setActivationState(DISABLE_DEACTIVATION);
+  bullet.simulate(6.0, dt);
+  return highest(*body);
+}
+
+TEST_P(SoftCubeOn, restsAtTheSameHeightAtAnyTick) {
+  // a body that knew of the floor only once per tick would rest h^2 g M / M_touching = 5.45 mm too low at 60 Hz
+  for (double stiffness : {1e3, 1e4}) {
+    const double reference = restHeight(Floor::Plane, stiffness, 1.0 / 960);
+    for (double dt : {1.0 / 30, 1.0 / 60, 1.0 / 120})
+      EXPECT_NEAR(restHeight(GetParam(), stiffness, dt), reference, 1e-6) << "k " << stiffness << " dt " << dt;
+  }
+}
+
+TEST_P(SoftCubeOn, stiffCubesRestOnTheirPointsToo) {
+  // the sag of a stiff cube is W / (stiffness of its side) to first order; compare with that of the soft one
+  const double at1e4 = restHeight(Floor::Plane, 1e4, 1.0 / 240) - 1.02;
+  EXPECT_NEAR(restHeight(GetParam(), 1e5, 1.0 / 60), 1.02 + at1e4 / 10, 1e-6);
+  EXPECT_NEAR(restHeight(GetParam(), 1e6, 1.0 / 60), 1.02 + at1e4 / 100, 1e-6);
+}
+
+TEST_P(SoftCubeOn, standsStillAndCarriesItsWeight) {
+  BulletWorld bullet;
+  addFloor(bullet, GetParam());
+  SoftBodySystem system(*bullet.world);
+  SoftBodySettings s;
+  s.position = {0.1, 0.52, 0.05};
+  SoftBody* body = *system.createBody(test::cubeNetwork(), s);
+  body->point(0)->setActivationState(DISABLE_DEACTIVATION);
+  bullet.simulate(8.0);
+  const double radius = pointRadius(body->network(), body->settings());
+  const double energy = body->elasticEnergy(), height = body->centerOfMass().y();
+  double impulse = 0, fastest = 0, deepest = 1;
+  for (int i = 0; i < 3600; ++i) {
     bullet.tick();
+    deepest = std::min(deepest, lowest(*body));
+    fastest = std::max(fastest, body->kineticEnergy());
     for (int m = 0; m < bullet.dispatcher.getNumManifolds(); ++m) {
       const btPersistentManifold* manifold = bullet.dispatcher.getManifoldByIndexInternal(m);
       for (int p = 0; p < manifold->getNumContacts(); ++p)
         impulse += double(manifold->getContactPoint(p).getAppliedImpulse());
     }
   }
-  // Bullet's own manifolds tell the truth: their impulses carry the weight of 1 kg, within its solver's tolerance
-  EXPECT_NEAR(impulse / ticks * 60.0 / 9.81, 1.0, 1e-3);
+  EXPECT_NEAR(impulse / 60.0 / 9.81, 1.0, 1e-4) << "Bullet's manifolds tell the weight, over a minute";
+  EXPECT_GT(deepest, 0.99 * radius) << "no point deeper than 1 % of its radius";
+  EXPECT_LT(fastest, 1e-5) << "J; Bullet's rounding of box contacts stirs velocities of 1e-3 m/s at most";
+  EXPECT_NEAR(body->elasticEnergy(), energy, 1e-4 * energy);
+  EXPECT_NEAR(body->centerOfMass().y(), height, 1e-6);
 }
 
-TEST(Contact, frictionHoldsOrSlidesOnAnIncline) {
+INSTANTIATE_TEST_SUITE_P(Floors, SoftCubeOn, testing::Values(Floor::Plane, Floor::Box, Floor::Hull, Floor::TriangleMesh), floorName);
+
+TEST(Contact, holdsAndSlidesOnAnInclineAsCoulombSays) {
   const double mu = 0.5;
-  for (double share : {0.9, 1.1}) {
+  for (double share : {0.97, 1.03, 1.3}) {
     BulletWorld bullet;
     const double angle = std::atan(share * mu);
     bullet.world->setGravity(test::vec(9.81 * std::sin(angle), -9.81 * std::cos(angle), 0));
@@ -126,15 +143,113 @@ TEST(Contact, frictionHoldsOrSlidesOnAnIncline) {
     s.damping = 5;
     s.position = {0, 0.5 + 0.02, 0};
     SoftBody* body = *system.createBody(test::fullCubeNetwork(), s);
+    body->point(0)->setActivationState(DISABLE_DEACTIVATION);
     bullet.simulate(1.0);
     const double start = body->centerOfMass().x(), speed = body->linearMomentum().x();
     bullet.simulate(1.0);
     const double way = body->centerOfMass().x() - start;
-    const double acceleration = 9.81 * (std::sin(angle) - mu * std::cos(angle));
-    if (share < 1)
-      EXPECT_LT(std::abs(way), 5e-3) << "held";
-    else
-      EXPECT_NEAR(way - speed, acceleration / 2, 0.1 * acceleration) << "slides as Coulomb says";
+    if (share < 1) {
+      EXPECT_LT(std::abs(way), 1e-5) << "held";
+    } else {
+      const double acceleration = 9.81 * (std::sin(angle) - mu * std::cos(angle));
+      EXPECT_NEAR(body->linearMomentum().x() - speed, acceleration, 5e-3 * acceleration) << share;
+    }
+  }
+}
+
+TEST(Contact, reboundIsThatOfTheConvergedReference) {
+  const auto rebound = [](double stiffness, double dt, int substeps) {
+    BulletWorld bullet;
+    bullet.addPlaneFloor();
+    SoftBodySystem system(*bullet.world);
+    SoftBodySettings s;
+    s.position = {0, 1.02, 0};
+    s.extensionStiffness = s.compressionStiffness = stiffness;
+    s.damping = 0.04 * std::sqrt(stiffness * 0.125);
+    s.substeps.atLeast = substeps;
+    SoftBody* body = *system.createBody(test::fullCubeNetwork(), s);
+    double highestAfter = 0;
+    bool falls = false, rises = false;
+    for (double t = 0; t < 1.0; t += dt) {
+      bullet.tick(dt);
+      falls = falls || body->linearMomentum().y() < -1.0;
+      rises = rises || (falls && body->linearMomentum().y() > 0.0);
+      if (rises) highestAfter = std::max(highestAfter, body->centerOfMass().y() - 0.52);
+    }
+    return highestAfter;
+  };
+  for (double stiffness : {1e3, 1e4, 1e5}) {
+    const double reference = rebound(stiffness, 1.0 / 480, 200);
+    // an impact makes any scheme first order in the substep
+    EXPECT_NEAR(rebound(stiffness, 1.0 / 60, 1), reference, 0.05 * reference) << "k " << stiffness;
+  }
+}
+
+TEST(Contact, aMovingPlatformCarriesItsLoad) {
+  BulletWorld bullet;
+  btRigidBody* platform = bullet.addBox(test::vec(2, 0.1, 2), 0, test::vec(0, -0.1, 0));
+  platform->setCollisionFlags(platform->getCollisionFlags() | btCollisionObject::CF_KINEMATIC_OBJECT);
+  platform->setActivationState(DISABLE_DEACTIVATION);
+  SoftBodySystem system(*bullet.world);
+  SoftBodySettings s;
+  s.position = {0, 0.52, 0};
+  s.friction = 1;
+  SoftBody* body = *system.createBody(test::fullCubeNetwork(), s);
+  const double radius = pointRadius(body->network(), body->settings());
+  bullet.simulate(3.0);
+  double phase = 0, deepest = 1;
+  const double along = body->centerOfMass().x();
+  for (int i = 0; i < 600; ++i) {
+    phase += 1.0 / 60;
+    // up, down (gently enough not to fall faster than g) and sideways, from rest
+    const double up = 0.3 * (1 - std::cos(2 * phase)), side = 0.2 * (1 - std::cos(1.5 * phase));
+    btTransform pose(btQuaternion::getIdentity(), test::vec(side, up - 0.1, 0));
+    platform->setWorldTransform(pose);
+    bullet.tick();
+    deepest = std::min(deepest, lowest(*body) - up);
+    EXPECT_NEAR(body->centerOfMass().x() - along, side, 0.02) << "carried along at tick " << i;
+  }
+  EXPECT_GT(deepest, 0.99 * radius);
+}
+
+TEST(Contact, aCornerHoldsAgainstTwoWalls) {
+  // a point between a floor and a wall has two rows that must agree
+  BulletWorld bullet;
+  bullet.world->setGravity(test::vec(-6, -8, 0));
+  bullet.addBoxFloor();
+  bullet.addBox(btVector3(1, 50, 50), 0, btVector3(-1, 0, 0));
+  SoftBodySystem system(*bullet.world);
+  SoftBodySettings s;
+  s.position = {0.6, 0.6, 0};
+  s.friction = 0;
+  SoftBody* body = *system.createBody(test::fullCubeNetwork(), s);
+  body->point(0)->setActivationState(DISABLE_DEACTIVATION);
+  bullet.simulate(8.0);
+  const double radius = pointRadius(body->network(), body->settings());
+  EXPECT_NEAR(lowest(*body), radius, 0.01 * radius);
+  double leftmost = 1;
+  for (std::uint32_t i = 0; i < 8; ++i) leftmost = std::min(leftmost, body->position(i).x());
+  EXPECT_NEAR(leftmost, radius, 0.01 * radius);
+  EXPECT_LT(body->kineticEnergy(), 1e-5);
+}
+
+TEST(Contact, aBodyPlacedInsideTheFloorComesOutGently) {
+  for (double depth : {0.01, 0.05, 0.2}) {
+    BulletWorld bullet;
+    bullet.addBoxFloor();
+    SoftBodySystem system(*bullet.world);
+    SoftBodySettings s;
+    s.position = {0, 0.52 - depth, 0};
+    SoftBody* body = *system.createBody(test::fullCubeNetwork(), s);
+    double highestSpeed = 0;
+    for (int i = 0; i < 240; ++i) {
+      bullet.tick();
+      highestSpeed = std::max(highestSpeed, body->linearMomentum().y());
+    }
+    EXPECT_GT(lowest(*body), 0.0) << "depth " << depth;
+    // our rows lift at 0.5 m/s at most; Bullet, which runs after us, takes back erp2 = 20 % of a penetration per
+    // tick, at 12 times the depth per second
+    EXPECT_LT(highestSpeed, 0.6 + 1.1 * 12 * depth) << "depth " << depth;
   }
 }
 

@@ -52,7 +52,7 @@ struct Linked {
 
   /// The springs here are links; the two points have none of their own, so they are drifted by an empty body.
   void run(double time, int substeps) {
-    group.bodies = {{&points, &none}};
+    group.bodies = {{&points, &none, nullptr}};
     stepVerlet(group, time, substeps);
   }
 

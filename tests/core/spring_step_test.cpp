@@ -26,7 +26,7 @@ struct Body {
       state.position.col(i) = network->restPoints[static_cast<std::size_t>(i)];
       state.inverseMass.col(i).setConstant(1.0 / network->massShares[static_cast<std::size_t>(i)]);
     }
-    group.bodies.push_back({&state, &springs});
+    group.bodies.push_back({&state, &springs, nullptr});
     group.links.points.push_back(&state);
   }
   Body(const Body&) = delete;

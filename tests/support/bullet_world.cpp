@@ -33,6 +33,13 @@ btRigidBody* BulletWorld::addPlaneFloor() {
 
 btRigidBody* BulletWorld::addBoxFloor() { return addBox(btVector3(50, 1, 50), 0, btVector3(0, -1, 0)); }
 
+btRigidBody* BulletWorld::addHullFloor() {
+  auto hull = std::make_unique<btConvexHullShape>();
+  for (int i = 0; i < 8; ++i) hull->addPoint(vec(i & 1 ? 30 : -30, i & 2 ? 1 : -1, i & 4 ? 30 : -30));
+  const btScalar margin = hull->getMargin();
+  return add(std::move(hull), 0, btVector3(0, -1 - margin, 0));
+}
+
 btRigidBody* BulletWorld::addTriangleFloor() {
   auto mesh = std::make_unique<btTriangleMesh>();
   const int cells = 40;

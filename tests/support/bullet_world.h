@@ -30,6 +30,7 @@ struct BulletWorld {
   btRigidBody* addBox(const btVector3& halfSize, double mass, const btVector3& position);
   btRigidBody* addPlaneFloor();     ///< a static plane y = 0
   btRigidBody* addBoxFloor();       ///< a static box with its top at y = 0
+  btRigidBody* addHullFloor();      ///< a static convex hull with its top at y = 0, margin included
   btRigidBody* addTriangleFloor();  ///< a static triangle mesh at y = 0, cells of 0.37 m
 
   /// Advances by one tick of dt, without Bullet's own accumulation.

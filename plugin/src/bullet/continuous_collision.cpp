@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "bullet/continuous_collision.h"
 
+#include "bullet/contact_filter.h"
 #include "bullet/convert.h"
 
 #include <algorithm>
@@ -16,14 +17,6 @@ constexpr double kCarelessMotion = 0.25;
 
 /// Share of the radius that is swept, so that a point at rest does not hit what it lies on.
 constexpr double kSweptRadius = 0.9;
-
-bool canHit(const SoftBodyData& body, const btBroadphaseProxy& proxy) {
-  const auto* object = static_cast<const btCollisionObject*>(proxy.m_clientObject);
-  const PointMass* point = PointMass::from(object);
-  if (point && point->owner() == &body) return false;
-  return (proxy.m_collisionFilterGroup & body.settings.collisionMask) &&
-         (proxy.m_collisionFilterMask & body.settings.collisionGroup) && object->hasContactResponse();
-}
 
 struct AnythingInBox final : btBroadphaseAabbCallback {
   explicit AnythingInBox(const SoftBodyData& b) : body(&b) {}

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "bullet/point_masses.h"
+#include "core/contact_rows.h"
 #include "core/point_state.h"
 #include "core/spring_arrays.h"
 
@@ -30,6 +31,9 @@ struct SoftBodyData {
   SpringArrays springs;
   PointMasses masses;
   std::vector<Anchor> anchors;
+  std::vector<ContactRow> contacts;                         ///< of the present tick, by point
+  std::vector<const btCollisionObject*> contactPartners;    ///< #contacts
+  std::vector<const btCollisionObject*> partners;           ///< scratch of gatherContacts
 
   bool alive = true;
   bool asleep = false;

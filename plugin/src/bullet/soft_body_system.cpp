@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include <limber/soft_body_system.h>
 
+#include "bullet/contact_gather.h"
 #include "bullet/convert.h"
 #include "bullet/group_sleep.h"
 #include "bullet/new_body.h"
@@ -265,6 +266,7 @@ void SoftBodySystem::Impl::beforeTick(btScalar tick) {
   // a tick without length moves nothing and would divide by zero
   if (!(tick > btScalar(0))) return;
   rebuildGroupsIfNeeded();
+  clearContactImpulses(*world->getDispatcher());
   updateSleep(groups, *world, tick, islands);
   stepGroups(tick);
 }
@@ -278,6 +280,7 @@ void SoftBodySystem::Impl::afterTick(btScalar tick) {
     for (std::size_t i = 0; i < group.springs.size(); ++i)
       group.springs[i]->force_ = group.step.links.springs[i].force;
   }
+  reportContactImpulses(*world->getDispatcher());
 }
 
 void SoftBodySystem::Impl::tickMissed() {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "bullet/tick_group.h"
 
+#include "bullet/contact_gather.h"
 #include "bullet/continuous_collision.h"
 #include "bullet/convert.h"
 #include "core/substep_count.h"
@@ -23,7 +24,10 @@ bool isWhole(const TickGroup& group) {
 }
 
 void gatherGroup(TickGroup& group, btScalar tick) {
-  for (SoftBodyData* body : group.bodies) gatherPoints(*body, tick);
+  for (SoftBodyData* body : group.bodies) {
+    gatherPoints(*body, tick);
+    gatherContacts(*body, tick);
+  }
   for (std::size_t i = 0; i < group.rigids.size(); ++i)
     gatherRigid(group.rigids[i], group.step.links.rigids[i], tick);
 }
@@ -173,7 +177,7 @@ LinkEnd linkEnd(TickGroup& group, const SpringEnd& end) {
 
 void addBody(TickGroup& group, SoftBodyData* body) {
   group.bodies.push_back(body);
-  group.step.bodies.push_back({&body->state, &body->springs});
+  group.step.bodies.push_back({&body->state, &body->springs, &body->contacts});
   group.step.links.points.push_back(&body->state);
 }
 

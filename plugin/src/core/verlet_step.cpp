@@ -39,6 +39,16 @@ void damp(StepGroup& group, double dt, bool whole, bool forward) {
   dampLinks(group.links, whole ? dt : 0.5 * dt, forward);
 }
 
+void stopAtContacts(StepGroup& group, double time, double dt) {
+  for (SteppedBody& body : group.bodies)
+    if (body.contacts) stopAtContacts(*body.contacts, *body.points, time, dt);
+}
+
+void settleContacts(StepGroup& group) {
+  for (SteppedBody& body : group.bodies)
+    if (body.contacts) settleContacts(*body.contacts, *body.points);
+}
+
 }  // namespace
 
 void stepVerlet(StepGroup& group, double tick, int substeps) {
@@ -51,11 +61,13 @@ void stepVerlet(StepGroup& group, double tick, int substeps) {
     const bool last = s + 1 == substeps;
     kick(group, 0.5 * dt);
     solveAnchors(group.links, dt);
+    stopAtContacts(group, s * dt, dt);
     drift(group, dt);
     computeForces(group);
     kick(group, 0.5 * dt);
-    // first the anchors: a damper must not see an anchored point kicked apart from what holds it
+    // first anchors and contacts: a damper must not see a point kicked away from what holds it
     solveAnchors(group.links, 0.0);
+    settleContacts(group);
     // the half dampings of neighbouring substeps act at the same positions and merge into one
     damp(group, dt, !last, s % 2 == 0);
   }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
+#include "core/contact_rows.h"
 #include "core/links.h"
 #include "core/point_state.h"
 #include "core/spring_arrays.h"
@@ -13,6 +14,7 @@ namespace limber {
 struct SteppedBody {
   PointState* points;
   SpringArrays* springs;
+  std::vector<ContactRow>* contacts;  ///< may be nullptr
 };
 
 /// Bodies that links join; without links a group is one body.
@@ -26,7 +28,7 @@ struct StepGroup {
 ///
 ///     damp dt/2 | kick dt/2 | drift dt | new forces | kick dt/2 | damp dt/2
 ///
-/// with the anchors solved before each drift (positions) and each damping (velocities).
+/// with anchors and contacts solved before each drift (positions) and each damping (velocities).
 /// Second order, symplectic without damping; linear momentum is exact and angular momentum is kept, since all
 /// impulses run along the springs. Stable for omega dt < 2 whatever the damping: kick-drift-kick keeps
 /// v^2 + omega^2 (1 - (omega dt)^2/4) x^2, whose velocity part the dampers can only shrink.

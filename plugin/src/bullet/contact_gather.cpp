@@ -1,0 +1,200 @@
+// SPDX-License-Identifier: Zlib
+#include "bullet/contact_gather.h"
+
+#include "bullet/contact_filter.h"
+#include "bullet/convert.h"
+
+#include <algorithm>
+
+namespace limber {
+inline namespace LIMBER_BULLET_PRECISION {
+namespace {
+
+/// A point can be pushed faster within the tick than it was at its start.
+constexpr double kReachPerMotion = 1.5;
+
+/// Of two contacts of a point whose normals are closer than this (cosine), only the nearer counts: neighbouring
+/// triangles of a flat surface are one surface.
+constexpr double kSameSurface = 0.995;
+
+struct Reach {
+  Eigen::Vector3d low, high;
+  double distance;  ///< m, beyond the radius
+};
+
+Reach reachOf(const SoftBodyData& body, Eigen::Index i, double tick) {
+  const double radius = double(body.masses.shape->getRadius());
+  const Eigen::Vector3d x = body.state.position.col(i);
+  const double motion =
+      tick * body.state.velocity.col(i).norm() + tick * tick * body.state.acceleration.col(i).norm();
+  const double distance = kReachPerMotion * motion + radius / 3.0;
+  const double size = radius + distance;
+  return {x.array() - size, x.array() + size, distance};
+}
+
+/// Collects the partners of a body in a tick.
+struct PartnersInBox final : btBroadphaseAabbCallback {
+  PartnersInBox(const SoftBodyData& b, std::vector<const btCollisionObject*>& f) : body(&b), found(&f) {}
+  const SoftBodyData* body;
+  std::vector<const btCollisionObject*>* found;
+
+  bool process(const btBroadphaseProxy* proxy) override {
+    const auto* object = static_cast<const btCollisionObject*>(proxy->m_clientObject);
+    if (object->isStaticOrKinematicObject() && !PointMass::from(object) && canHit(*body, *proxy))
+      found->push_back(object);
+    return true;
+  }
+};
+
+bool overlaps(const Reach& reach, const btCollisionObject& partner) {
+  const btBroadphaseProxy& proxy = *partner.getBroadphaseHandle();
+  return (toEigen(proxy.m_aabbMin).array() <= reach.high.array()).all() &&
+         (toEigen(proxy.m_aabbMax).array() >= reach.low.array()).all();
+}
+
+/// The rows that one point and one partner make.
+class RowsOfPair final : public btCollisionWorld::ContactResultCallback {
+ public:
+  RowsOfPair(SoftBodyData& body, std::uint32_t point, const btCollisionObject& partner, double reach, btScalar tick)
+      : body_(&body), point_(point), partner_(&partner), tick_(tick), first_(body.contacts.size()) {
+    m_closestDistanceThreshold = static_cast<btScalar>(reach);
+  }
+
+  btScalar addSingleResult(btManifoldPoint& contact, const btCollisionObjectWrapper* first, int, int,
+                           const btCollisionObjectWrapper*, int, int) override {
+    if (contact.getDistance() > m_closestDistanceThreshold) return 0;
+    const bool pointIsFirst = first->getCollisionObject() == body_->masses.bodies[point_];
+    const btVector3 normal = pointIsFirst ? contact.m_normalWorldOnB : -contact.m_normalWorldOnB;
+    add(toEigen(normal), pointIsFirst ? contact.m_positionWorldOnB : contact.m_positionWorldOnA);
+    return 0;
+  }
+
+  void add(const Eigen::Vector3d& normal, const btVector3& surface) {
+    ContactRow row;
+    row.point = point_;
+    row.normal = normal.normalized();
+    row.friction = double(combinedFriction());
+    row.surfaceVelocity = velocityOfPartner(surface);
+    // a kinematic body is already where it will be at the end of the tick
+    row.touch = toEigen(surface) + double(body_->masses.shape->getRadius()) * row.normal -
+                double(tick_) * row.surfaceVelocity;
+    for (std::size_t i = first_; i < body_->contacts.size(); ++i)
+      if (body_->contacts[i].normal.dot(row.normal) > kSameSurface) {
+        if (gap(row) < gap(body_->contacts[i])) body_->contacts[i] = row;
+        return;
+      }
+    body_->contacts.push_back(row);
+    body_->contactPartners.push_back(partner_);
+  }
+
+ private:
+  double gap(const ContactRow& row) const { return row.normal.dot(body_->state.position.col(point_) - row.touch); }
+
+  btScalar combinedFriction() const {
+    return gCalculateCombinedFrictionCallback(body_->masses.bodies[point_], partner_);
+  }
+
+  Eigen::Vector3d velocityOfPartner(const btVector3& surface) const {
+    const btRigidBody* rigid = btRigidBody::upcast(partner_);
+    if (!rigid || !rigid->isKinematicObject()) return Eigen::Vector3d::Zero();
+    return toEigen(rigid->getVelocityInLocalPoint(surface - rigid->getWorldTransform().getOrigin()));
+  }
+
+  SoftBodyData* body_;
+  std::uint32_t point_;
+  const btCollisionObject* partner_;
+  btScalar tick_;
+  std::size_t first_;
+};
+
+void addPlaneRow(RowsOfPair& rows, const SoftBodyData& body, std::uint32_t i, const btCollisionObject& partner,
+                 double reach) {
+  const auto& plane = *static_cast<const btStaticPlaneShape*>(partner.getCollisionShape());
+  const btTransform& pose = partner.getWorldTransform();
+  const Eigen::Vector3d normal = toEigen(pose.getBasis() * plane.getPlaneNormal());
+  const btVector3 onPlane = pose * (plane.getPlaneNormal() * plane.getPlaneConstant());
+  const Eigen::Vector3d x = body.state.position.col(i);
+  const double height = normal.dot(x - toEigen(onPlane));
+  if (height - double(body.masses.shape->getRadius()) > reach) return;
+  rows.add(normal, toBullet(Eigen::Vector3d(x - height * normal)));
+}
+
+void addRows(SoftBodyData& body, std::uint32_t i, const btCollisionObject& partner, btScalar tick) {
+  const Reach reach = reachOf(body, i, double(tick));
+  if (!overlaps(reach, partner)) return;
+  PointMass& point = *body.masses.bodies[i];
+  if (!point.checkCollideWith(&partner) || !partner.checkCollideWith(&point)) return;
+  // what a moving partner travels is reached, too
+  const btRigidBody* rigid = btRigidBody::upcast(&partner);
+  const double travel = rigid && rigid->isKinematicObject() ? double(rigid->getLinearVelocity().length() * tick) : 0.0;
+  RowsOfPair rows(body, i, partner, reach.distance + kReachPerMotion * travel, tick);
+  if (partner.getCollisionShape()->getShapeType() == STATIC_PLANE_PROXYTYPE)
+    addPlaneRow(rows, body, i, partner, reach.distance + kReachPerMotion * travel);
+  else
+    body.world->contactPairTest(&point, const_cast<btCollisionObject*>(&partner), rows);
+}
+
+/// Calls visit(manifold point, soft body, point, partner) for all contacts of point masses.
+template <class Visit>
+void forEachContact(btDispatcher& dispatcher, Visit visit) {
+  for (int m = 0; m < dispatcher.getNumManifolds(); ++m) {
+    btPersistentManifold& manifold = *dispatcher.getManifoldByIndexInternal(m);
+    const PointMass* first = PointMass::from(manifold.getBody0());
+    const PointMass* point = first ? first : PointMass::from(manifold.getBody1());
+    if (!point || !point->owner()) continue;
+    const btCollisionObject* partner = first ? manifold.getBody1() : manifold.getBody0();
+    visit(manifold, *point, partner);
+  }
+}
+
+}  // namespace
+
+void gatherContacts(SoftBodyData& body, btScalar tick) {
+  body.contacts.clear();
+  body.contactPartners.clear();
+  body.partners.clear();
+  Eigen::Vector3d low = Eigen::Vector3d::Constant(1e300), high = -low;
+  for (Eigen::Index i = 0; i < body.state.position.cols(); ++i) {
+    const Reach reach = reachOf(body, i, double(tick));
+    low = low.cwiseMin(reach.low);
+    high = high.cwiseMax(reach.high);
+  }
+  PartnersInBox partners(body, body.partners);
+  body.world->getBroadphase()->aabbTest(toBullet(low), toBullet(high), partners);
+  for (std::uint32_t i = 0; i < body.masses.bodies.size(); ++i)
+    for (const btCollisionObject* partner : body.partners)
+      if (!body.masses.held[i]) addRows(body, i, *partner, tick);
+}
+
+void clearContactImpulses(btDispatcher& dispatcher) {
+  forEachContact(dispatcher, [](btPersistentManifold& manifold, const PointMass& point, const btCollisionObject* partner) {
+    const SoftBodyData& body = *point.owner();
+    const auto reported = [&](const ContactRow& row) { return row.point == point.index(); };
+    if (!partner->isStaticOrKinematicObject()) return;
+    if (std::none_of(body.contacts.begin(), body.contacts.end(), reported)) return;
+    for (int p = 0; p < manifold.getNumContacts(); ++p) {
+      btManifoldPoint& contact = manifold.getContactPoint(p);
+      contact.m_appliedImpulse = contact.m_appliedImpulseLateral1 = contact.m_appliedImpulseLateral2 = 0;
+    }
+  });
+}
+
+void reportContactImpulses(btDispatcher& dispatcher) {
+  forEachContact(dispatcher, [](btPersistentManifold& manifold, const PointMass& point, const btCollisionObject* partner) {
+    const SoftBodyData& body = *point.owner();
+    for (std::size_t r = 0; r < body.contacts.size(); ++r) {
+      const ContactRow& row = body.contacts[r];
+      if (row.point != point.index() || body.contactPartners[r] != partner) continue;
+      int nearest = -1;
+      for (int p = 0; p < manifold.getNumContacts(); ++p) {
+        const double along = std::abs(toEigen(manifold.getContactPoint(p).m_normalWorldOnB).dot(row.normal));
+        if (along > kSameSurface && nearest < 0) nearest = p;
+      }
+      if (nearest < 0) continue;
+      manifold.getContactPoint(nearest).m_appliedImpulse += static_cast<btScalar>(row.normal.dot(row.impulse));
+    }
+  });
+}
+
+}  // namespace LIMBER_BULLET_PRECISION
+}  // namespace limber
