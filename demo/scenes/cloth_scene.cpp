@@ -16,8 +16,6 @@ constexpr double kClothWidth = 2.4;    // m
 constexpr double kClothRadius = 0.02;  // m, of each point mass
 constexpr double kBallRadius = 0.75;   // m
 constexpr double kSpacing = 3.2;       // m from ball to ball when there are several
-// with more than one step per tick, contacts come in time for the springs of a cloth under tension
-constexpr int kWorldSteps = 2;
 const Eigen::Vector3f kBallColour(0.92f, 0.92f, 0.92f);
 
 void addBall(Scene& scene, const Eigen::Vector3d& centre) {
@@ -28,7 +26,7 @@ void addBall(Scene& scene, const Eigen::Vector3d& centre) {
 SoftBodySettings clothSettings(const SceneOptions& options) {
   SoftBodySettings settings;
   settings.totalMass = 0.6;
-  settings.extensionStiffness = settings.compressionStiffness = 400.0;
+  settings.extensionStiffness = settings.compressionStiffness = 1000.0;
   settings.damping = 0.5;
   settings.pointRadius = kClothRadius;
   settings.friction = 0.5;
@@ -100,13 +98,12 @@ SceneResult createCloth(const SceneOptions& options) {
     const std::string reason = addPair(*scene, *network, clothSettings(options), at, random);
     if (!reason.empty()) return Error{reason};
   }
-  scene->worldSteps = kWorldSteps;
   addAirDrag(*scene, 0.5);
   const double reach = half + 0.36 * kClothWidth;
   scene->view.box =
       Eigen::AlignedBox3d(Eigen::Vector3d(-reach, 0.0, -reach), Eigen::Vector3d(reach, 1.7, reach));
   scene->endChecks.push_back(checkCalm(0.05));
-  scene->endChecks.push_back(checkStretch(0.25));
+  scene->endChecks.push_back(checkStretch(0.05));
   scene->endChecks.push_back(checkDrapes);
   return scene;
 }

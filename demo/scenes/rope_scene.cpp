@@ -12,8 +12,6 @@ constexpr std::uint32_t kRopeSegments = 48;  // of 54 mm: the centre line stays 
 constexpr double kRopeRadius = 0.025;        // m
 constexpr double kRopeSpacing = 0.24;        // m between neighbours along z
 // a rope under tension bends round an edge: with one step per tick, contacts would come too late for its
-// springs
-constexpr int kWorldSteps = 4;
 const Eigen::Vector3f kBoxColour(0.80f, 0.81f, 0.83f);
 
 Eigen::Vector3d boxHalfExtents(std::uint32_t ropes) {
@@ -40,7 +38,7 @@ void place(SoftBodySettings& settings, double z, Random& random) {
 SoftBodySettings ropeSettings(const SceneOptions& options) {
   SoftBodySettings settings;
   settings.totalMass = 0.5;
-  settings.extensionStiffness = settings.compressionStiffness = 1500.0;
+  settings.extensionStiffness = settings.compressionStiffness = 5000.0;
   settings.damping = 1.0;
   settings.pointRadius = kRopeRadius;
   settings.friction = 0.5;
@@ -89,12 +87,11 @@ SceneResult createRope(const SceneOptions& options) {
     const std::string reason = addBody(*scene, *network, settings, look);
     if (!reason.empty()) return Error{reason};
   }
-  scene->worldSteps = kWorldSteps;
   addAirDrag(*scene, 0.5);
   scene->view.box =
       Eigen::AlignedBox3d(Eigen::Vector3d(-0.8, 0.1, -half.z()), Eigen::Vector3d(0.8, 1.7, half.z()));
   scene->view.direction = {0.38, 0.4, 1.0};
-  scene->endChecks = {checkFinite, checkAboveFloor, checkCalm(0.05), checkStretch(0.12),
+  scene->endChecks = {checkFinite, checkAboveFloor, checkCalm(0.05), checkStretch(0.05),
                       checkHangsOver(half)};
   return scene;
 }

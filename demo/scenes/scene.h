@@ -63,7 +63,6 @@ using Check = std::function<std::string(const Scene&)>;
 struct Scene {
   std::unique_ptr<SceneWorld> world = std::make_unique<SceneWorld>();
   std::unique_ptr<SoftBodySystem> soft = std::make_unique<SoftBodySystem>(world->dynamics);
-  int worldSteps = 1;  ///< Bullet's steps per tick of 1/60 s
 
   std::vector<BodyLook> looks;  ///< #bodies, in the order of soft->body(i)
   std::vector<BoxProp> boxes;

@@ -8,7 +8,7 @@ const std::vector<SceneEntry>& sceneList() {
       {"cubes", "64 soft cubes fall onto a floor, bounce and come to rest", 8.0, true, &createCubes},
       {"mesh", "9 bodies of any mesh you name with --mesh fall onto a floor", 8.0, true, &createMeshDrop},
       {"rope", "ropes fall across a box and hang down on both sides", 5.0, false, &createRope},
-      {"cloth", "a cloth falls onto a sphere and drapes it", 5.0, false, &createCloth},
+      {"cloth", "a cloth falls onto a sphere and drapes it", 6.0, false, &createCloth},
   };
   return kScenes;
 }
