@@ -116,7 +116,10 @@ std::string busyWarning(const std::vector<ScalingRow>& rows) {
     cpu += row.tickCpuMean;
   }
   if (wall <= kBusy * cpu) return {};
-  return format("WARNING: the machine was busy: ticks took %.2f times their processor time\n", wall / cpu);
+  return format(
+      "WARNING: the machine was busy: ticks took %.2f times their processor time, so all counts are too "
+      "low\n",
+      wall / cpu);
 }
 
 }  // namespace
