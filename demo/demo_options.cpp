@@ -53,7 +53,7 @@ void addSceneOptions(CLI::App& app, CommandLine& line) {
 
 void addRunOptions(CLI::App& app, CommandLine& line) {
   DemoOptions& o = line.options;
-  app.add_option("--seconds", o.seconds, "simulated time (default: until all lies still, 5 to 8)")
+  app.add_option("--seconds", o.seconds, "simulated time (default: until all lies still, 5 to 10)")
       ->check(number(0.1, kMaxSeconds));
   app.add_option("--fps", o.framesPerSecond, "pictures per simulated second, 1 to 240 (default 30)")
       ->check(wholeNumber(1, 240));
