@@ -13,6 +13,9 @@ namespace {
 /// A point can be pushed faster within the tick than it was at its start.
 constexpr double kReachPerMotion = 1.5;
 
+/// Of the radius: a point that reaches no farther, the third of it that is always looked at included, is slow.
+constexpr double kSlowReach = 0.6;
+
 /// Of two contacts of a point whose normals are closer than this (cosine), only the nearer counts: neighbouring
 /// triangles of a flat surface are one surface.
 constexpr double kSameSurface = 0.995;
@@ -119,6 +122,23 @@ void addPlaneRow(RowsOfPair& rows, const SoftBodyData& body, std::uint32_t i, co
   rows.add(normal, toBullet(Eigen::Vector3d(x - height * normal)));
 }
 
+/// Uses the contact that Bullet found a tick ago. On a flat face it is as good as new; a slow point has not left
+/// that face. False if there is none or the point is too fast for it.
+bool addCachedRow(RowsOfPair& rows, const SoftBodyData& body, std::uint32_t i, const btCollisionObject& partner,
+                  double reach) {
+  const PointMass& point = *body.masses.bodies[i];
+  const btPersistentManifold* manifold = point.cachedContact;
+  const double radius = double(body.masses.shape->getRadius());
+  if (!manifold || reach > kSlowReach * radius) return false;
+  const bool pointIsFirst = manifold->getBody0() == &point;
+  if ((pointIsFirst ? manifold->getBody1() : manifold->getBody0()) != &partner) return false;
+  const btManifoldPoint& contact = manifold->getContactPoint(0);
+  const btVector3 normal = pointIsFirst ? contact.m_normalWorldOnB : -contact.m_normalWorldOnB;
+  rows.add(toEigen(normal), partner.getWorldTransform() *
+                                (pointIsFirst ? contact.m_localPointB : contact.m_localPointA));
+  return true;
+}
+
 void addRows(SoftBodyData& body, std::uint32_t i, const btCollisionObject& partner, btScalar tick) {
   const Reach reach = reachOf(body, i, double(tick));
   if (!overlaps(reach, partner)) return;
@@ -127,10 +147,11 @@ void addRows(SoftBodyData& body, std::uint32_t i, const btCollisionObject& partn
   // what a moving partner travels is reached, too
   const btRigidBody* rigid = btRigidBody::upcast(&partner);
   const double travel = rigid && rigid->isKinematicObject() ? double(rigid->getLinearVelocity().length() * tick) : 0.0;
-  RowsOfPair rows(body, i, partner, reach.distance + kReachPerMotion * travel, tick);
+  const double distance = reach.distance + kReachPerMotion * travel;
+  RowsOfPair rows(body, i, partner, distance, tick);
   if (partner.getCollisionShape()->getShapeType() == STATIC_PLANE_PROXYTYPE)
-    addPlaneRow(rows, body, i, partner, reach.distance + kReachPerMotion * travel);
-  else
+    addPlaneRow(rows, body, i, partner, distance);
+  else if (!addCachedRow(rows, body, i, partner, distance))
     body.world->contactPairTest(&point, const_cast<btCollisionObject*>(&partner), rows);
 }
 
@@ -139,8 +160,8 @@ template <class Visit>
 void forEachContact(btDispatcher& dispatcher, Visit visit) {
   for (int m = 0; m < dispatcher.getNumManifolds(); ++m) {
     btPersistentManifold& manifold = *dispatcher.getManifoldByIndexInternal(m);
-    const PointMass* first = PointMass::from(manifold.getBody0());
-    const PointMass* point = first ? first : PointMass::from(manifold.getBody1());
+    PointMass* first = PointMass::from(const_cast<btCollisionObject*>(manifold.getBody0()));
+    PointMass* point = first ? first : PointMass::from(const_cast<btCollisionObject*>(manifold.getBody1()));
     if (!point || !point->owner()) continue;
     const btCollisionObject* partner = first ? manifold.getBody1() : manifold.getBody0();
     visit(manifold, *point, partner);
@@ -161,17 +182,20 @@ void gatherContacts(SoftBodyData& body, btScalar tick) {
   }
   PartnersInBox partners(body, body.partners);
   body.world->getBroadphase()->aabbTest(toBullet(low), toBullet(high), partners);
-  for (std::uint32_t i = 0; i < body.masses.bodies.size(); ++i)
+  for (std::uint32_t i = 0; i < body.masses.bodies.size(); ++i) {
     for (const btCollisionObject* partner : body.partners)
       if (!body.masses.held[i]) addRows(body, i, *partner, tick);
+    // Bullet may free a manifold at any time after this
+    body.masses.bodies[i]->cachedContact = nullptr;
+  }
 }
 
-void clearContactImpulses(btDispatcher& dispatcher) {
-  forEachContact(dispatcher, [](btPersistentManifold& manifold, const PointMass& point, const btCollisionObject* partner) {
-    const SoftBodyData& body = *point.owner();
-    const auto reported = [&](const ContactRow& row) { return row.point == point.index(); };
-    if (!partner->isStaticOrKinematicObject()) return;
-    if (std::none_of(body.contacts.begin(), body.contacts.end(), reported)) return;
+void readManifolds(btDispatcher& dispatcher) {
+  forEachContact(dispatcher, [](btPersistentManifold& manifold, PointMass& point, const btCollisionObject* partner) {
+    if (point.owner()->asleep || !partner->isStaticOrKinematicObject()) return;
+    const bool simple = manifold.getNumContacts() == 1 && !partner->getCollisionShape()->isConcave() &&
+                        !partner->getCollisionShape()->isCompound();
+    if (simple) point.cachedContact = &manifold;
     for (int p = 0; p < manifold.getNumContacts(); ++p) {
       btManifoldPoint& contact = manifold.getContactPoint(p);
       contact.m_appliedImpulse = contact.m_appliedImpulseLateral1 = contact.m_appliedImpulseLateral2 = 0;
@@ -180,7 +204,7 @@ void clearContactImpulses(btDispatcher& dispatcher) {
 }
 
 void reportContactImpulses(btDispatcher& dispatcher) {
-  forEachContact(dispatcher, [](btPersistentManifold& manifold, const PointMass& point, const btCollisionObject* partner) {
+  forEachContact(dispatcher, [](btPersistentManifold& manifold, PointMass& point, const btCollisionObject* partner) {
     const SoftBodyData& body = *point.owner();
     for (std::size_t r = 0; r < body.contacts.size(); ++r) {
       const ContactRow& row = body.contacts[r];

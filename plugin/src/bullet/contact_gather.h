@@ -8,12 +8,13 @@ inline namespace LIMBER_BULLET_PRECISION {
 
 /// Fills body.contacts with a row for every static or kinematic surface that a point may reach in the coming
 /// tick, before it touches. Bullet's broadphase names the partners and Bullet's narrowphase the contacts; only
-/// planes, which it would test at any distance, are first tested here. Dynamic partners are left to Bullet's
-/// solver. Call after gatherPoints().
+/// planes, which it would test at any distance, are first tested here, and slow points keep the contact of the
+/// last tick (PointMass::cachedContact). Dynamic partners are left to Bullet's solver. Call after gatherPoints().
 void gatherContacts(SoftBodyData& body, btScalar tick);
 
-/// Takes what an earlier tick wrote (below) out of Bullet's manifolds again, before Bullet starts from it.
-void clearContactImpulses(btDispatcher& dispatcher);
+/// Before a tick: gives every point mass its contact in Bullet's manifolds, and takes out of these what an
+/// earlier tick reported (below), before Bullet starts from it.
+void readManifolds(btDispatcher& dispatcher);
 
 /// After the tick: what the rows have borne is written to Bullet's manifolds, where users read contact forces
 /// (btManifoldPoint::m_appliedImpulse).

@@ -39,6 +39,10 @@ class PointMass final : public btRigidBody {
 
   const btRigidBody* attachedTo = nullptr;
 
+  /// The manifold of its one contact with a static or kinematic convex body, as of the last tick; nullptr but
+  /// between readManifolds() and gatherContacts() of a tick.
+  const btPersistentManifold* cachedContact = nullptr;
+
  private:
   SoftBodyData* owner_;
   std::uint32_t index_;

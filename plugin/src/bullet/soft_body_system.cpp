@@ -266,8 +266,8 @@ void SoftBodySystem::Impl::beforeTick(btScalar tick) {
   // a tick without length moves nothing and would divide by zero
   if (!(tick > btScalar(0))) return;
   rebuildGroupsIfNeeded();
-  clearContactImpulses(*world->getDispatcher());
   updateSleep(groups, *world, tick, islands);
+  readManifolds(*world->getDispatcher());
   stepGroups(tick);
 }
 
