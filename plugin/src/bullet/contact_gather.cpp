@@ -174,9 +174,11 @@ void gatherContacts(SoftBodyData& body, btScalar tick) {
   body.contacts.clear();
   body.contactPartners.clear();
   body.partners.clear();
+  body.reach.resize(body.masses.bodies.size());
   Eigen::Vector3d low = Eigen::Vector3d::Constant(1e300), high = -low;
   for (Eigen::Index i = 0; i < body.state.position.cols(); ++i) {
     const Reach reach = reachOf(body, i, double(tick));
+    body.reach[static_cast<std::size_t>(i)] = reach.distance;
     low = low.cwiseMin(reach.low);
     high = high.cwiseMax(reach.high);
   }

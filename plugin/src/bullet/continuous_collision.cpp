@@ -18,14 +18,18 @@ constexpr double kCarelessMotion = 0.25;
 /// Share of the radius that is swept, so that a point at rest does not hit what it lies on.
 constexpr double kSweptRadius = 0.9;
 
-struct AnythingInBox final : btBroadphaseAabbCallback {
-  explicit AnythingInBox(const SoftBodyData& b) : body(&b) {}
+/// What a body might have passed through in a tick.
+struct InTheWay final : btBroadphaseAabbCallback {
+  explicit InTheWay(const SoftBodyData& b) : body(&b) {}
   const SoftBodyData* body;
-  bool found = false;
+  bool dynamic = false;     ///< seen by Bullet's solver only
+  bool nonDynamic = false;  ///< bounds the points in the substeps, as far as they were expected to get
 
   bool process(const btBroadphaseProxy* proxy) override {
-    found = found || canHit(*body, *proxy);
-    return !found;
+    if (!canHit(*body, *proxy)) return true;
+    const bool moves = !static_cast<const btCollisionObject*>(proxy->m_clientObject)->isStaticOrKinematicObject();
+    (moves ? dynamic : nonDynamic) = true;
+    return true;
   }
 };
 
@@ -45,14 +49,14 @@ double motion(const SoftBodyData& body, Eigen::Index i) {
   return (body.state.position.col(i) - body.masses.startPosition.col(i)).norm();
 }
 
-bool somethingInTheWay(const SoftBodyData& body, double longest) {
+InTheWay lookInTheWay(const SoftBodyData& body, double longest) {
   const Points& from = body.masses.startPosition;
   const double margin = double(body.masses.shape->getRadius()) + longest;
   const Eigen::Vector3d low = from.rowwise().minCoeff().array() - margin;
   const Eigen::Vector3d high = from.rowwise().maxCoeff().array() + margin;
-  AnythingInBox anything(body);
-  body.world->getBroadphase()->aabbTest(toBullet(low), toBullet(high), anything);
-  return anything.found;
+  InTheWay found(body);
+  body.world->getBroadphase()->aabbTest(toBullet(low), toBullet(high), found);
+  return found;
 }
 
 void sweepPoint(SoftBodyData& body, Eigen::Index i) {
@@ -74,9 +78,15 @@ void stopAtFirstContact(SoftBodyData& body) {
   double longest = 0.0;
   for (Eigen::Index i = 0; i < body.state.position.cols(); ++i)
     if (!body.masses.held[static_cast<std::size_t>(i)]) longest = std::max(longest, motion(body, i));
-  if (!(longest > careless) || !somethingInTheWay(body, longest)) return;
-  for (Eigen::Index i = 0; i < body.state.position.cols(); ++i)
-    if (!body.masses.held[static_cast<std::size_t>(i)] && motion(body, i) > careless) sweepPoint(body, i);
+  if (!(longest > careless)) return;
+  const InTheWay found = lookInTheWay(body, longest);
+  if (!found.dynamic && !found.nonDynamic) return;
+  for (Eigen::Index i = 0; i < body.state.position.cols(); ++i) {
+    if (body.masses.held[static_cast<std::size_t>(i)]) continue;
+    const double way = motion(body, i);
+    const bool unexpected = found.nonDynamic && way > body.reach[static_cast<std::size_t>(i)];
+    if (way > careless && (found.dynamic || unexpected)) sweepPoint(body, i);
+  }
 }
 
 }  // namespace LIMBER_BULLET_PRECISION

@@ -33,6 +33,7 @@ struct SoftBodyData {
   std::vector<Anchor> anchors;
   std::vector<ContactRow> contacts;                         ///< of the present tick, by point
   std::vector<const btCollisionObject*> contactPartners;    ///< #contacts
+  std::vector<double> reach;                                ///< #points, m, how far contacts were looked for
   std::vector<const btCollisionObject*> partners;           ///< scratch of gatherContacts
 
   bool alive = true;
