@@ -35,6 +35,8 @@ SceneRenderer::SceneRenderer(const scenes::Scene& scene, const DemoOptions& opti
       camera_(cameraOf(scene.view, options)),
       light_(lightOf(scene.view)) {
   if (options.mode == PictureMode::Wireframe) drawOptions_.mode = render::DrawMode::Wireframe;
+  // what hangs or rests in these scenes is strained by some per cent
+  drawOptions_.strainRange = 0.03f;
   addProps();
   addBodies();
 }
