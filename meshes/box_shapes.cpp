@@ -9,9 +9,7 @@ using Cell = Eigen::Vector3i;
 /// Which cells are full; the surface lies between full and empty ones.
 using CellTest = bool (*)(const Cell& cell);
 
-Eigen::Vector3i axisVector(int axis) {
-  return Eigen::Vector3i::Unit(axis);
-}
+Eigen::Vector3i axisVector(int axis) { return Eigen::Vector3i::Unit(axis); }
 
 /// The face of a cell towards +axis or -axis: u and v complete the outward normal to a right-handed frame,
 /// and run over the whole box from 0 to 1.

@@ -50,9 +50,7 @@ double figureField(const Vector3d& p) {
   return distance;
 }
 
-Corner frontCorner(const Vector3d& p) {
-  return {p, Vector2d(p.x() + 0.5, p.y() + 0.5)};
-}
+Corner frontCorner(const Vector3d& p) { return {p, Vector2d(p.x() + 0.5, p.y() + 0.5)}; }
 
 /// The quad, split along its shorter diagonal.
 void addBestSplit(TriangleSoup& soup, const QuadMesh& mesh, const std::array<std::uint32_t, 4>& quad) {

@@ -56,9 +56,7 @@ std::vector<Directions> splitIcosahedron(int splits) {
   return triangles;
 }
 
-bool isPole(const Vector3d& direction) {
-  return std::hypot(direction.x(), direction.z()) < kOnAxis;
-}
+bool isPole(const Vector3d& direction) { return std::hypot(direction.x(), direction.z()) < kOnAxis; }
 
 /// Longitude and latitude of three directions as u and v. Across the seam u goes on beyond 1 instead of back
 /// to 0; a pole has no longitude and takes the mean of the other two.

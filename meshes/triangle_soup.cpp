@@ -33,9 +33,7 @@ std::string positionLine(const Eigen::Vector3d& p) {
   return "v" + rounded(p.x()) + rounded(p.y()) + rounded(p.z());
 }
 
-std::string uvLine(const Eigen::Vector2d& uv) {
-  return "vt" + rounded(uv.x()) + rounded(uv.y());
-}
+std::string uvLine(const Eigen::Vector2d& uv) { return "vt" + rounded(uv.x()) + rounded(uv.y()); }
 
 }  // namespace
 

@@ -13,13 +13,9 @@ constexpr float kShadowFilterReach = 1.8f;
 // Depth covered by the shadow map, in shadow radii.
 constexpr float kShadowDepth = 4.0f;
 
-FrameUniforms::Vec4 vec4(Vec3 v, float w = 0.0f) {
-  return {v.x, v.y, v.z, w};
-}
+FrameUniforms::Vec4 vec4(Vec3 v, float w = 0.0f) { return {v.x, v.y, v.z, w}; }
 
-Vec3 linear(Vec3 srgb) {
-  return {srgbToLinear(srgb.x), srgbToLinear(srgb.y), srgbToLinear(srgb.z)};
-}
+Vec3 linear(Vec3 srgb) { return {srgbToLinear(srgb.x), srgbToLinear(srgb.y), srgbToLinear(srgb.z)}; }
 
 // To [0, 1] in all three axes inside the shadow sphere, y down as the map's rows are.
 Mat4 worldToShadow(const Light& light, Vec3 towards) {

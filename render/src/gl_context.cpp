@@ -14,9 +14,7 @@ std::unique_ptr<GlContext> createCurrent(Backend backend, const ContextDesc& des
   return context;
 }
 
-const char* label(Backend backend) {
-  return backend == Backend::OSMesa ? "OSMesa" : "EGL";
-}
+const char* label(Backend backend) { return backend == Backend::OSMesa ? "OSMesa" : "EGL"; }
 
 }  // namespace
 

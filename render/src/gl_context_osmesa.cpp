@@ -65,8 +65,6 @@ class OsmesaGlContext final : public GlContext {
 
 }  // namespace
 
-std::unique_ptr<GlContext> createOsmesaContext() {
-  return std::make_unique<OsmesaGlContext>();
-}
+std::unique_ptr<GlContext> createOsmesaContext() { return std::make_unique<OsmesaGlContext>(); }
 
 }  // namespace limber::render

@@ -10,9 +10,7 @@ DebugMessages::DebugMessages(const Gl& gl) : gl_(gl) {
   gl_.DebugMessageCallback(&DebugMessages::receive, this);
 }
 
-DebugMessages::~DebugMessages() {
-  gl_.DebugMessageCallback(nullptr, nullptr);
-}
+DebugMessages::~DebugMessages() { gl_.DebugMessageCallback(nullptr, nullptr); }
 
 void APIENTRY DebugMessages::receive(GLenum, GLenum, GLuint, GLenum severity, GLsizei length,
                                      const GLchar* text, const void* self) {

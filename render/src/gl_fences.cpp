@@ -23,8 +23,6 @@ bool GlFences::wait(Fence fence, std::chrono::nanoseconds timeout) {
   return result != GL_TIMEOUT_EXPIRED;
 }
 
-void GlFences::destroy(Fence fence) noexcept {
-  gl_.DeleteSync(static_cast<GLsync>(fence));
-}
+void GlFences::destroy(Fence fence) noexcept { gl_.DeleteSync(static_cast<GLsync>(fence)); }
 
 }  // namespace limber::render

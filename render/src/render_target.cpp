@@ -67,9 +67,7 @@ GlTexture RenderTarget::makeAttachment(GLenum format, int samples, std::size_t b
   return texture;
 }
 
-std::size_t RenderTarget::bytes() const {
-  return colour_.bytes() + depth_.bytes() + resolved_.bytes();
-}
+std::size_t RenderTarget::bytes() const { return colour_.bytes() + depth_.bytes() + resolved_.bytes(); }
 
 void RenderTarget::begin() const {
   const GLfloat farthest = 1.0f;

@@ -21,12 +21,8 @@ void Renderer::resize(int width, int height) {
   parts_->target = std::make_unique<RenderTarget>(parts_->gl, width, height, parts_->desc.samples);
 }
 
-int Renderer::width() const {
-  return parts_->target->width();
-}
-int Renderer::height() const {
-  return parts_->target->height();
-}
+int Renderer::width() const { return parts_->target->width(); }
+int Renderer::height() const { return parts_->target->height(); }
 
 ShapeId Renderer::addShape(const ShapeDesc& desc) {
   GpuShape shape = makeGpuShape(parts_->gl, desc);
@@ -52,13 +48,9 @@ void Renderer::setLook(InstanceId instance, const InstanceLook& look) {
   parts_->instances.setLook(instance, look);
 }
 
-void Renderer::removeInstance(InstanceId instance) {
-  parts_->instances.remove(instance);
-}
+void Renderer::removeInstance(InstanceId instance) { parts_->instances.remove(instance); }
 
-std::size_t Renderer::instanceCount() const {
-  return parts_->instances.size();
-}
+std::size_t Renderer::instanceCount() const { return parts_->instances.size(); }
 
 FrameWriter Renderer::beginFrame(StreamPath path) {
   Parts& parts = *parts_;
@@ -124,9 +116,7 @@ std::vector<float> Renderer::readNormals(InstanceId instance) {
   return values;
 }
 
-const FrameStats& Renderer::lastFrame() const {
-  return parts_->stats;
-}
+const FrameStats& Renderer::lastFrame() const { return parts_->stats; }
 
 RingStats Renderer::ringStats() const {
   RingStats sum = parts_->pastRings;
@@ -149,12 +139,8 @@ GpuMemory Renderer::gpuMemory() const {
   return memory;
 }
 
-const DebugMessages& Renderer::debugMessages() const {
-  return parts_->messages;
-}
-const Gl& Renderer::gl() const {
-  return parts_->gl;
-}
+const DebugMessages& Renderer::debugMessages() const { return parts_->messages; }
+const Gl& Renderer::gl() const { return parts_->gl; }
 
 FrameWriter::FrameWriter(FrameWriter&& other) noexcept
     : renderer_(std::exchange(other.renderer_, nullptr)), serial_(other.serial_) {}

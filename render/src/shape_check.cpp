@@ -7,9 +7,7 @@
 namespace limber::render {
 namespace {
 
-std::string number(std::size_t value) {
-  return std::to_string(value);
-}
+std::string number(std::size_t value) { return std::to_string(value); }
 
 std::string checkIndices(const char* array, const std::vector<std::uint32_t>& indices, std::size_t limit,
                          const char* what) {

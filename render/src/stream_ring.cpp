@@ -41,9 +41,7 @@ void StreamRing::submit() {
   ++counters_.frames;
 }
 
-void StreamRing::cancel() {
-  openRegion("cancel").state = State::Free;
-}
+void StreamRing::cancel() { openRegion("cancel").state = State::Free; }
 
 void StreamRing::drain() {
   if (writing()) {

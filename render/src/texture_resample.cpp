@@ -18,9 +18,7 @@ struct Tap {
   float weight = 0.0f;
 };
 
-std::size_t wrap(int i, int count) {
-  return static_cast<std::size_t>(((i % count) + count) % count);
-}
+std::size_t wrap(int i, int count) { return static_cast<std::size_t>(((i % count) + count) % count); }
 
 // A tent as wide as one texel of the coarser of both pictures: bilinear when enlarging.
 std::vector<Tap> tapsFor(int target, int targetCount, int sourceCount) {

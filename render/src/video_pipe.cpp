@@ -118,9 +118,7 @@ pid_t spawn(const std::string& program, const VideoDesc& desc, int input, int me
 
 }  // namespace
 
-bool VideoPipe::available() {
-  return !findOnPath("ffmpeg").empty();
-}
+bool VideoPipe::available() { return !findOnPath("ffmpeg").empty(); }
 
 VideoPipe::VideoPipe(const VideoDesc& desc) : desc_(desc), messages_(std::tmpfile()) {
   const std::string program = findOnPath("ffmpeg");

@@ -83,11 +83,13 @@ double restHeight(Floor floor, double stiffness, double dt) {
 }
 
 TEST_P(SoftCubeOn, restsAtTheSameHeightAtAnyTick) {
-  // a body that knew of the floor only once per tick would rest h^2 g M / M_touching = 5.45 mm too low at 60 Hz
+  // a body that knew of the floor only once per tick would rest h^2 g M / M_touching = 5.45 mm too low at 60
+  // Hz
   for (double stiffness : {1e3, 1e4}) {
     const double reference = restHeight(Floor::Plane, stiffness, 1.0 / 960);
     for (double dt : {1.0 / 30, 1.0 / 60, 1.0 / 120})
-      EXPECT_NEAR(restHeight(GetParam(), stiffness, dt), reference, 1e-6) << "k " << stiffness << " dt " << dt;
+      EXPECT_NEAR(restHeight(GetParam(), stiffness, dt), reference, 1e-6)
+          << "k " << stiffness << " dt " << dt;
   }
 }
 
@@ -127,7 +129,9 @@ TEST_P(SoftCubeOn, standsStillAndCarriesItsWeight) {
   EXPECT_NEAR(body->centerOfMass().y(), height, 1e-6);
 }
 
-INSTANTIATE_TEST_SUITE_P(Floors, SoftCubeOn, testing::Values(Floor::Plane, Floor::Box, Floor::Hull, Floor::TriangleMesh), floorName);
+INSTANTIATE_TEST_SUITE_P(Floors, SoftCubeOn,
+                         testing::Values(Floor::Plane, Floor::Box, Floor::Hull, Floor::TriangleMesh),
+                         floorName);
 
 TEST(Contact, holdsAndSlidesOnAnInclineAsCoulombSays) {
   const double mu = 0.5;
@@ -247,8 +251,8 @@ TEST(Contact, aBodyPlacedInsideTheFloorComesOutGently) {
       highestSpeed = std::max(highestSpeed, body->linearMomentum().y());
     }
     EXPECT_GT(lowest(*body), 0.0) << "depth " << depth;
-    // our rows lift at 0.5 m/s at most; Bullet, which runs after us, takes back erp2 = 20 % of a penetration per
-    // tick, at 12 times the depth per second
+    // our rows lift at 0.5 m/s at most; Bullet, which runs after us, takes back erp2 = 20 % of a penetration
+    // per tick, at 12 times the depth per second
     EXPECT_LT(highestSpeed, 0.6 + 1.1 * 12 * depth) << "depth " << depth;
   }
 }

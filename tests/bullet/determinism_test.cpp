@@ -51,8 +51,9 @@ TEST(Determinism, twoWorldsAgreeBitForBitEveryTick) {
 }
 
 TEST(Determinism, springsAloneGiveTheGoldenHash) {
-  // No contact, so nothing but our own arithmetic and Bullet's handing over of velocities: the bits are the same
-  // on every x86-64 machine and in every build type. A change here is a change of the physics: explain it.
+  // No contact, so nothing but our own arithmetic and Bullet's handing over of velocities: the bits are the
+  // same on every x86-64 machine and in every build type. A change here is a change of the physics: explain
+  // it.
   BulletWorld bullet;
   SoftBodySystem system(*bullet.world);
   SoftBodySettings s;

@@ -105,8 +105,8 @@ TEST(Oscillator, dampedAmplitudeFollowsTheLogarithmicDecrement) {
   for (int i = 1; i * (1.0 / 60) < 5 * period; ++i) {
     bullet.tick();
     const double t = i / 60.0;
-    const double exact =
-        0.1 * std::exp(-zeta * omega * t) * (std::cos(damped * t) + zeta * omega / damped * std::sin(damped * t));
+    const double exact = 0.1 * std::exp(-zeta * omega * t) *
+                         (std::cos(damped * t) + zeta * omega / damped * std::sin(damped * t));
     // a phase error of 1e-5 over five periods is 3e-4 rad of 0.1 m
     EXPECT_NEAR(body->position(1).x() - 1.0, exact, 5e-5) << "t " << t;
   }
@@ -143,7 +143,8 @@ TEST(FreeFlight, centreOfMassFollowsTheExactParabola) {
     s.angularVelocity = {1.0, 2.0, 3.0};
     SoftBody* body = create(system, test::cubeNetwork(), s);
     bullet.simulate(2.0, dt);
-    const Eigen::Vector3d exact = 2.0 * s.linearVelocity + Eigen::Vector3d(0, -0.5 * double(btScalar(9.81)) * 4.0, 0);
+    const Eigen::Vector3d exact =
+        2.0 * s.linearVelocity + Eigen::Vector3d(0, -0.5 * double(btScalar(9.81)) * 4.0, 0);
     // Bullet's force m g is rounded to btScalar once per point and step: 1e-7 of 20 m
     EXPECT_LT((body->centerOfMass() - exact).norm(), 1e-5) << "dt " << dt;
   }

@@ -20,7 +20,9 @@ void keepAwake(SoftBody& body) { body.point(0)->setActivationState(DISABLE_DEACT
 
 Eigen::Vector3d eigen(const btVector3& v) { return {v.x(), v.y(), v.z()}; }
 
-Eigen::Vector3d momentumOf(const btRigidBody& body) { return eigen(body.getLinearVelocity()) / double(body.getInvMass()); }
+Eigen::Vector3d momentumOf(const btRigidBody& body) {
+  return eigen(body.getLinearVelocity()) / double(body.getInvMass());
+}
 
 Eigen::Vector3d angularMomentumOf(const btRigidBody& body) {
   const btVector3 spin = body.getInvInertiaTensorWorld().inverse() * body.getAngularVelocity();
@@ -63,7 +65,8 @@ TEST(Spring, twoRigidBodiesSwingWithTheReducedMass) {
   int crossings = 0;
   for (int i = 1; crossings < 11 && i < 2000; ++i) {
     bullet.tick();
-    const double x = double(b->getWorldTransform().getOrigin().x() - a->getWorldTransform().getOrigin().x()) - 1.0;
+    const double x =
+        double(b->getWorldTransform().getOrigin().x() - a->getWorldTransform().getOrigin().x()) - 1.0;
     if (before > 0 && x <= 0) {
       last = (i - 1 + before / (before - x)) * kTick;
       ++crossings;
@@ -77,7 +80,8 @@ TEST(Spring, twoRigidBodiesSwingWithTheReducedMass) {
 
 TEST(Spring, offCentrePivotsKeepLinearAndAngularMomentum) {
   BulletWorld bullet(0.0);
-  // cubes: with equal moments of inertia a free body keeps its angular velocity, as Bullet's integration has it
+  // cubes: with equal moments of inertia a free body keeps its angular velocity, as Bullet's integration has
+  // it
   btRigidBody* a = bullet.addBox(test::vec(0.3, 0.3, 0.3), 2.0, test::vec(0, 0, 0));
   btRigidBody* b = bullet.addBox(test::vec(0.2, 0.2, 0.2), 1.0, test::vec(2, 0.5, 0));
   for (btRigidBody* body : {a, b}) body->setActivationState(DISABLE_DEACTIVATION);
@@ -88,7 +92,8 @@ TEST(Spring, offCentrePivotsKeepLinearAndAngularMomentum) {
   s.restLength = 1.2;
   s.damping = 0.5;
   ASSERT_TRUE(system.addSpring({a, test::vec(0.3, 0.2, 0)}, {b, test::vec(-0.2, 0, 0.1)}, s));
-  const Eigen::Vector3d p = momentumOf(*a) + momentumOf(*b), l = angularMomentumOf(*a) + angularMomentumOf(*b);
+  const Eigen::Vector3d p = momentumOf(*a) + momentumOf(*b),
+                        l = angularMomentumOf(*a) + angularMomentumOf(*b);
   double worst = 0, scale = 0;
   for (int i = 0; i < 120; ++i) {
     bullet.tick();

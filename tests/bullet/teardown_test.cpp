@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// World, bodies and system may go in any order. Run under AddressSanitizer these tests see every wrong access.
+// World, bodies and system may go in any order. Run under AddressSanitizer these tests see every wrong
+// access.
 #include "support/bullet_world.h"
 #include "support/networks.h"
 
@@ -160,7 +161,8 @@ TEST(Teardown, removeAllBeforeTheBroadphaseGoes) {
   btDefaultCollisionConfiguration configuration;
   btCollisionDispatcher dispatcher(&configuration);
   btSequentialImpulseConstraintSolver solver;
-  auto world = std::make_unique<btDiscreteDynamicsWorld>(&dispatcher, broadphase.get(), &solver, &configuration);
+  auto world =
+      std::make_unique<btDiscreteDynamicsWorld>(&dispatcher, broadphase.get(), &solver, &configuration);
   SoftBodySystem system(*world);
   addCube(system);
   world->stepSimulation(btScalar(1.0 / 60), 0);

@@ -135,7 +135,9 @@ TEST_F(TickHookTest, aCallbackThatCallsUsOnDoesNotLoop) {
   SoftBodySystem system(*bullet.world);
   hangingPair(system);
   struct Peek : btDynamicsWorld {
-    static btInternalTickCallback of(const btDynamicsWorld& w) { return w.*(&Peek::m_internalPreTickCallback); }
+    static btInternalTickCallback of(const btDynamicsWorld& w) {
+      return w.*(&Peek::m_internalPreTickCallback);
+    }
   };
   static btInternalTickCallback ours;
   ours = Peek::of(*bullet.world);
@@ -156,7 +158,8 @@ SoftBodySystem* manualSystem = nullptr;
 TEST_F(TickHookTest, whoOwnsTheSlotStepsByHand) {
   SoftBodySystem system(*bullet.world, SoftBodySystem::Hook::Manual);
   manualSystem = &system;
-  bullet.world->setInternalTickCallback([](btDynamicsWorld*, btScalar h) { manualSystem->beforeTick(h); }, &info, true);
+  bullet.world->setInternalTickCallback([](btDynamicsWorld*, btScalar h) { manualSystem->beforeTick(h); },
+                                        &info, true);
   SoftBody* body = hangingPair(system);
   BulletWorld other;
   SoftBodySystem automatic(*other.world);

@@ -40,7 +40,8 @@ TEST(WorldSubsteps, aForceActsOverTheWholeStepWhateverItsSubsteps) {
   for (int substeps : {1, 2, 4}) {
     Sim sim(0.0);
     const btScalar tick = btScalar(kTick / substeps);
-    for (std::uint32_t i = 0; i < 8; ++i) sim.body->point(i)->applyCentralForce(btVector3(btScalar(0.3), 0, 0));
+    for (std::uint32_t i = 0; i < 8; ++i)
+      sim.body->point(i)->applyCentralForce(btVector3(btScalar(0.3), 0, 0));
     sim.bullet.world->stepSimulation(btScalar(kTick) * btScalar(1.0001), substeps, tick);
     EXPECT_NEAR(sim.body->linearMomentum().x(), 8 * 0.3 * kTick, 1e-6) << substeps;
   }

@@ -17,7 +17,8 @@ namespace {
 // Corner i has bit 0 of i along x, bit 1 along y, bit 2 along z.
 limber::TriangleMesh unitCube() {
   limber::TriangleMesh mesh;
-  for (int i = 0; i < 8; ++i) mesh.positions.emplace_back((i & 1) - 0.5, (i >> 1 & 1) - 0.5, (i >> 2 & 1) - 0.5);
+  for (int i = 0; i < 8; ++i)
+    mesh.positions.emplace_back((i & 1) - 0.5, (i >> 1 & 1) - 0.5, (i >> 2 & 1) - 0.5);
   mesh.triangles = {{0, 4, 6}, {0, 6, 2}, {1, 3, 7}, {1, 7, 5}, {0, 1, 5}, {0, 5, 4},
                     {2, 6, 7}, {2, 7, 3}, {0, 2, 3}, {0, 3, 1}, {4, 5, 7}, {4, 7, 6}};
   return mesh;
@@ -45,7 +46,8 @@ struct Game {
 
 void beforeTick(btDynamicsWorld* world, btScalar) { ++static_cast<Game*>(world->getWorldUserInfo())->ticks; }
 
-btRigidBody* addBox(btDynamicsWorld* world, btCollisionShape* shape, btScalar mass, const btVector3& position) {
+btRigidBody* addBox(btDynamicsWorld* world, btCollisionShape* shape, btScalar mass,
+                    const btVector3& position) {
   btVector3 inertia(0, 0, 0);
   if (mass > 0) shape->calculateLocalInertia(mass, inertia);
   btTransform start(btQuaternion::getIdentity(), position);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 // Springs and anchors between points and rigid bodies, without Bullet.
-#include "core/body_measures.h"
 #include "core/links.h"
+#include "core/body_measures.h"
 #include "core/verlet_step.h"
 
 #include <gtest/gtest.h>
@@ -12,7 +12,8 @@ namespace {
 using Eigen::Vector3d;
 
 TEST(Rotation, betweenUndoesBy) {
-  for (const Vector3d& v : {Vector3d(0.3, -0.2, 0.5), Vector3d(1e-9, 2e-9, 0), Vector3d(0, 3.1, 0), Vector3d(0, 0, 0)}) {
+  for (const Vector3d& v :
+       {Vector3d(0.3, -0.2, 0.5), Vector3d(1e-9, 2e-9, 0), Vector3d(0, 3.1, 0), Vector3d(0, 0, 0)}) {
     const Eigen::Quaterniond start(Eigen::AngleAxisd(1.1, Vector3d(1, 2, 3).normalized()));
     EXPECT_LT((rotationBetween(start, rotationBy(v) * start) - v).norm(), 1e-14) << v.transpose();
   }
@@ -59,7 +60,8 @@ struct Linked {
   const RigidState& rigid() const { return group.links.rigids[0]; }
   Vector3d momentum() const { return linearMomentum(points) + rigid().velocity / 0.5; }
   Vector3d angular() const {
-    return angularMomentum(points) + rigid().position.cross(rigid().velocity) / 0.5 + rigid().angularVelocity / 3.0;
+    return angularMomentum(points) + rigid().position.cross(rigid().velocity) / 0.5 +
+           rigid().angularVelocity / 3.0;
   }
   double energy() const {
     return kineticEnergy(points) + elasticEnergy(group.links) + rigid().velocity.squaredNorm() +
@@ -109,7 +111,8 @@ TEST(Anchors, holdPointsAtTheirPivotsAndKeepMomentum) {
   const Vector3d p = linked.momentum(), l = linked.angular();
   linked.run(2.0, 1000);
   for (const LinkAnchor& anchor : linked.group.links.anchors)
-    EXPECT_LT((endPosition(linked.group.links, anchor.point) - endPosition(linked.group.links, anchor.pivot)).norm(),
+    EXPECT_LT((endPosition(linked.group.links, anchor.point) - endPosition(linked.group.links, anchor.pivot))
+                  .norm(),
               1e-10);
   EXPECT_LT((linked.momentum() - p).norm(), 1e-11);
   // impulses act at the pivots at the start of a drift, the points at its end: second order in the substep

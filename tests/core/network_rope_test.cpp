@@ -45,9 +45,7 @@ TEST(NetworkRope, bendingSpringsSkipOnePoint) {
   EXPECT_EQ(bending, 9u);
 }
 
-TEST(NetworkRope, withoutBending) {
-  EXPECT_EQ((*buildRope(rope(1.0, 10, 0.0)))->springs.size(), 10u);
-}
+TEST(NetworkRope, withoutBending) { EXPECT_EQ((*buildRope(rope(1.0, 10, 0.0)))->springs.size(), 10u); }
 
 TEST(NetworkRope, singleSegment) {
   const SharedNetwork network = *buildRope(rope(2.0, 1, 0.1));

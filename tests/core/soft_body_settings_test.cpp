@@ -30,17 +30,21 @@ std::string reasonAfter(Change change) {
 TEST(SoftBodySettings, everyBadOneIsNamedWithItsValueAndRule) {
   EXPECT_EQ(reasonAfter([](auto& s) { s.scale.y() = 0; }), "scale.y is 0, must be other than 0");
   EXPECT_EQ(reasonAfter([](auto& s) { s.position.x() = std::nan(""); }), "position.x is nan, must be finite");
-  EXPECT_EQ(reasonAfter([](auto& s) { s.linearVelocity.z() = INFINITY; }), "linearVelocity.z is inf, must be finite");
+  EXPECT_EQ(reasonAfter([](auto& s) { s.linearVelocity.z() = INFINITY; }),
+            "linearVelocity.z is inf, must be finite");
   EXPECT_EQ(reasonAfter([](auto& s) { s.rotation = Eigen::Quaterniond(2, 0, 0, 0); }),
             "length of rotation is 2, must be 1");
-  EXPECT_EQ(reasonAfter([](auto& s) { s.extensionStiffness = -1; }), "extensionStiffness is -1, must be from 0 to 1e12");
+  EXPECT_EQ(reasonAfter([](auto& s) { s.extensionStiffness = -1; }),
+            "extensionStiffness is -1, must be from 0 to 1e12");
   EXPECT_EQ(reasonAfter([](auto& s) { s.compressionStiffness = std::nan(""); }),
             "compressionStiffness is nan, must be from 0 to 1e12");
   EXPECT_EQ(reasonAfter([](auto& s) { s.damping = -0.5; }), "damping is -0.5, must be from 0 to 1e12");
-  EXPECT_EQ(reasonAfter([](auto& s) { s.totalMass = 0; }), "totalMass is 0, must be above 0 and at most 1e12");
+  EXPECT_EQ(reasonAfter([](auto& s) { s.totalMass = 0; }),
+            "totalMass is 0, must be above 0 and at most 1e12");
   EXPECT_EQ(reasonAfter([](auto& s) { s.pointRadius = -1; }), "pointRadius is -1, must be from 0 to 1e6");
   EXPECT_EQ(reasonAfter([](auto& s) { s.restitution = 1.5; }), "restitution is 1.5, must be from 0 to 1");
-  EXPECT_EQ(reasonAfter([](auto& s) { s.substeps.atLeast = 0; }), "substeps.atLeast is 0, must be from 1 to 1e6");
+  EXPECT_EQ(reasonAfter([](auto& s) { s.substeps.atLeast = 0; }),
+            "substeps.atLeast is 0, must be from 1 to 1e6");
   EXPECT_EQ(reasonAfter([](auto& s) { s.substeps.periodTolerance = 0; }),
             "substeps.periodTolerance is 0, must be above 0 and at most 1");
 }

@@ -28,9 +28,7 @@ TEST(SpringNetwork, soundNetwork) {
   EXPECT_EQ(validateChanged([](SpringNetwork&) {}), "");
 }
 
-TEST(SpringNetwork, emptyNetwork) {
-  EXPECT_EQ(validate(SpringNetwork{}), "the network has no points");
-}
+TEST(SpringNetwork, emptyNetwork) { EXPECT_EQ(validate(SpringNetwork{}), "the network has no points"); }
 
 TEST(SpringNetwork, nanPoint) {
   EXPECT_EQ(validateChanged([](SpringNetwork& n) { n.restPoints[5].z() = std::nan(""); }),

@@ -7,8 +7,8 @@
 #include "core/verlet_step.h"
 #include "support/networks.h"
 
-#include <Eigen/Eigenvalues>
 #include <gtest/gtest.h>
+#include <Eigen/Eigenvalues>
 
 #include <cmath>
 
@@ -57,7 +57,8 @@ TEST(SpringForces, areTheGradientOfTheEnergy) {
     Points right = body.state.position, left = body.state.position;
     right.data()[i] += step;
     left.data()[i] -= step;
-    const double slope = (elasticEnergy(body.springs, right) - elasticEnergy(body.springs, left)) / (2 * step);
+    const double slope =
+        (elasticEnergy(body.springs, right) - elasticEnergy(body.springs, left)) / (2 * step);
     // central differences: step^2 times the third derivative, plus rounding 1e-16 * energy / step
     EXPECT_NEAR(body.state.force.data()[i], -slope, 1e-6) << i;
   }
@@ -67,7 +68,8 @@ TEST(SpringForces, coincidentEndsAndSlackSidesHaveNone) {
   EXPECT_EQ(springPull(Eigen::Vector3d::Zero(), 1.0, 10.0, 10.0).force, 0.0);
   const Eigen::Vector3d d(0.5, 0, 0);
   EXPECT_EQ(springPull(d, 1.0, 10.0, 0.0).force, 0.0) << "compressed, extension only";
-  EXPECT_EQ(springPull(d, 1.0, 10.0, 0.0).direction, Eigen::Vector3d::Zero().eval()) << "and no damper either";
+  EXPECT_EQ(springPull(d, 1.0, 10.0, 0.0).direction, Eigen::Vector3d::Zero().eval())
+      << "and no damper either";
   EXPECT_DOUBLE_EQ(springPull(d, 1.0, 10.0, 4.0).force, -2.0);
   EXPECT_DOUBLE_EQ(springPull(d, 0.0, 10.0, 4.0).force, 5.0) << "rest length 0";
 }
@@ -135,7 +137,8 @@ TEST(Damping, neverLimitsTheStepFromNoneToAThousandTimesCritical) {
     SubstepChoice coarsest;
     coarsest.periodTolerance = 1.0;  // as coarse as stability allows
     const double tick = 1.0 / 60;
-    const int n = substepCount(frequencyBoundSquared(body.springs, body.state.inverseMass, sums), tick, coarsest);
+    const int n =
+        substepCount(frequencyBoundSquared(body.springs, body.state.inverseMass, sums), tick, coarsest);
     double highest = 0.0;
     for (int i = 0; i < 600; ++i) {
       stepVerlet(body.group, tick, n);

@@ -10,13 +10,9 @@
 using limber::TriangleMesh;
 using limber::validate;
 
-TEST(TriangleMesh, soundMesh) {
-  EXPECT_EQ(validate(small_meshes::tetrahedron()), "");
-}
+TEST(TriangleMesh, soundMesh) { EXPECT_EQ(validate(small_meshes::tetrahedron()), ""); }
 
-TEST(TriangleMesh, emptyMesh) {
-  EXPECT_EQ(validate(TriangleMesh{}), "the mesh has no vertices");
-}
+TEST(TriangleMesh, emptyMesh) { EXPECT_EQ(validate(TriangleMesh{}), "the mesh has no vertices"); }
 
 TEST(TriangleMesh, noTriangles) {
   TriangleMesh mesh = small_meshes::tetrahedron();

@@ -67,9 +67,7 @@ TEST(MeshImportErrors, emptyFile) {
     expectError(name, "", "the file is empty");
 }
 
-TEST(MeshImportErrors, unknownFormat) {
-  expectError("a.foo", "hello world\n", "No suitable reader");
-}
+TEST(MeshImportErrors, unknownFormat) { expectError("a.foo", "hello world\n", "No suitable reader"); }
 
 TEST(MeshImportErrors, garbage) {
   std::string bytes;

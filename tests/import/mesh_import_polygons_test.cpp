@@ -61,9 +61,7 @@ std::vector<Vector3d> starPolygon(int tips) {
   return corners;
 }
 
-double starArea(int tips) {
-  return tips * 0.3 * std::sin(kPi / tips);
-}
+double starArea(int tips) { return tips * 0.3 * std::sin(kPi / tips); }
 
 }  // namespace
 

@@ -33,17 +33,11 @@ struct Expected {
 };
 
 /// A prism over a regular polygon: height * n / 2 * r^2 * sin(2 pi / n).
-double cylinderVolume() {
-  return 6.0 * 0.35 * 0.35 * std::sin(kPi / 6.0);
-}
+double cylinderVolume() { return 6.0 * 0.35 * 0.35 * std::sin(kPi / 6.0); }
 
-void PrintTo(const Expected& expected, std::ostream* out) {
-  *out << expected.name;
-}
+void PrintTo(const Expected& expected, std::ostream* out) { *out << expected.name; }
 
-std::string meshPath(const std::string& name) {
-  return std::string(LIMBER_MESHES) + "/" + name;
-}
+std::string meshPath(const std::string& name) { return std::string(LIMBER_MESHES) + "/" + name; }
 
 std::string readFile(const std::string& path) {
   std::ifstream file(path, std::ios::binary);

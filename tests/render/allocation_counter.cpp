@@ -24,17 +24,11 @@ void* operator new(std::size_t size) {
   return memory;
 }
 
-void operator delete(void* memory) noexcept {
-  std::free(memory);
-}
-void operator delete(void* memory, std::size_t) noexcept {
-  std::free(memory);
-}
+void operator delete(void* memory) noexcept { std::free(memory); }
+void operator delete(void* memory, std::size_t) noexcept { std::free(memory); }
 
 namespace limber::render::test {
 
-std::size_t allocationCount() {
-  return allocations;
-}
+std::size_t allocationCount() { return allocations; }
 
 }  // namespace limber::render::test

@@ -11,9 +11,7 @@
 namespace limber::render::test {
 namespace {
 
-bool libraryExists(const char* name) {
-  return dlopen(name, RTLD_NOW | RTLD_LOCAL) != nullptr;
-}
+bool libraryExists(const char* name) { return dlopen(name, RTLD_NOW | RTLD_LOCAL) != nullptr; }
 
 Image sceneOn(Backend backend) {
   Stage stage(backend);

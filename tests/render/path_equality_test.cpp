@@ -15,9 +15,7 @@ struct Case {
   int samples = 1;
 };
 
-void PrintTo(const Case& value, std::ostream* out) {
-  *out << value.name;
-}
+void PrintTo(const Case& value, std::ostream* out) { *out << value.name; }
 
 class PathEquality : public ::testing::TestWithParam<Case> {};
 

@@ -7,9 +7,7 @@
 namespace limber::render {
 namespace {
 
-ShapeDesc box() {
-  return makeBox({}, {1.0f, 1.0f, 1.0f}).shape;
-}
+ShapeDesc box() { return makeBox({}, {1.0f, 1.0f, 1.0f}).shape; }
 
 TEST(ShapeCheck, SceneryIsValid) {
   EXPECT_EQ(validate(box()), "");

@@ -5,8 +5,8 @@
 
 namespace limber::test {
 
-/// Counts what the whole program allocates during its life, through new, malloc (Eigen) and Bullet's allocator.
-/// Under a sanitizer, which owns malloc, new and Bullet's allocator alone are counted.
+/// Counts what the whole program allocates during its life, through new, malloc (Eigen) and Bullet's
+/// allocator. Under a sanitizer, which owns malloc, new and Bullet's allocator alone are counted.
 class AllocationCounter {
  public:
   AllocationCounter();

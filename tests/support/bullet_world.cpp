@@ -11,7 +11,8 @@ BulletWorld::~BulletWorld() {
     if (body->isInWorld()) world->removeRigidBody(body.get());
 }
 
-btRigidBody* BulletWorld::add(std::unique_ptr<btCollisionShape> shape, double mass, const btVector3& position) {
+btRigidBody* BulletWorld::add(std::unique_ptr<btCollisionShape> shape, double mass,
+                              const btVector3& position) {
   btVector3 inertia(0, 0, 0);
   if (mass > 0) shape->calculateLocalInertia(static_cast<btScalar>(mass), inertia);
   btRigidBody::btRigidBodyConstructionInfo info(static_cast<btScalar>(mass), nullptr, shape.get(), inertia);

@@ -20,7 +20,9 @@ struct BulletWorld {
   std::unique_ptr<btDiscreteDynamicsWorld> world =
       std::make_unique<btDiscreteDynamicsWorld>(&dispatcher, &broadphase, &solver, &configuration);
 
-  explicit BulletWorld(double gravity = -9.81) { world->setGravity(btVector3(0, static_cast<btScalar>(gravity), 0)); }
+  explicit BulletWorld(double gravity = -9.81) {
+    world->setGravity(btVector3(0, static_cast<btScalar>(gravity), 0));
+  }
   ~BulletWorld();
   BulletWorld(const BulletWorld&) = delete;
   BulletWorld& operator=(const BulletWorld&) = delete;

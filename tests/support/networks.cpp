@@ -28,9 +28,7 @@ SharedNetwork cube(double longestSpring) {
 
 }  // namespace
 
-SharedNetwork pairNetwork() {
-  return network(NetworkKind::Rope, {{0, 0, 0}, {1, 0, 0}}, {{0, 1}});
-}
+SharedNetwork pairNetwork() { return network(NetworkKind::Rope, {{0, 0, 0}, {1, 0, 0}}, {{0, 1}}); }
 
 SharedNetwork chainNetwork(int links) {
   std::vector<Eigen::Vector3d> points;

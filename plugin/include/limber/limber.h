@@ -2,14 +2,14 @@
 #pragma once
 
 // Everything, in the order of the data's way: mesh -> points and springs -> a body in the world.
-#include <limber/result.h>
-#include <limber/triangle_mesh.h>
 #include <limber/mesh_import.h>
 #include <limber/mesh_weld.h>
-#include <limber/spring_network.h>
 #include <limber/network_builder.h>
-#include <limber/soft_body_settings.h>
-#include <limber/spring_settings.h>
+#include <limber/result.h>
 #include <limber/soft_body.h>
-#include <limber/spring_constraint.h>
+#include <limber/soft_body_settings.h>
 #include <limber/soft_body_system.h>
+#include <limber/spring_constraint.h>
+#include <limber/spring_network.h>
+#include <limber/spring_settings.h>
+#include <limber/triangle_mesh.h>

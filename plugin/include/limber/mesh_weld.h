@@ -36,16 +36,16 @@ std::string describe(const MeshReport& report);
 
 /// A mesh whose equal positions have become one point each.
 struct WeldedMesh {
-  std::vector<Eigen::Vector3d> points;         ///< #points, metres, in order of first use by a vertex
-  std::vector<std::uint32_t> vertexToPoint;    ///< #vertices; kNoPoint for isolated vertices
-  std::vector<Triangle> triangles;             ///< #kept triangles, point indices
-  std::vector<std::uint32_t> keptTriangles;    ///< #kept triangles, index of each in the mesh
+  std::vector<Eigen::Vector3d> points;       ///< #points, metres, in order of first use by a vertex
+  std::vector<std::uint32_t> vertexToPoint;  ///< #vertices; kNoPoint for isolated vertices
+  std::vector<Triangle> triangles;           ///< #kept triangles, point indices
+  std::vector<std::uint32_t> keptTriangles;  ///< #kept triangles, index of each in the mesh
   MeshReport report;
 };
 
 /// Merges vertices of equal position (vertices doubled at texture or normal seams would tear the body apart).
-/// `tolerance` in metres: 0 merges bit-equal positions only; above 0, vertices that lie within the tolerance of
-/// an earlier kept point join the nearest such point. Errors: validate(mesh); a negative or non-finite
+/// `tolerance` in metres: 0 merges bit-equal positions only; above 0, vertices that lie within the tolerance
+/// of an earlier kept point join the nearest such point. Errors: validate(mesh); a negative or non-finite
 /// tolerance; nothing left but degenerate triangles.
 Result<WeldedMesh> weld(const TriangleMesh& mesh, double tolerance = 0.0);
 

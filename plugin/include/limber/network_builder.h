@@ -16,9 +16,9 @@ enum class BraceRule : std::uint8_t {
 };
 
 struct NetworkSettings {
-  double weldTolerance = 0.0;                  ///< metres, see weld()
+  double weldTolerance = 0.0;  ///< metres, see weld()
   BraceRule braces = BraceRule::EqualLength;
-  double braceWeight = 1.0;                    ///< stiffnessScale of braces, above 0
+  double braceWeight = 1.0;  ///< stiffnessScale of braces, above 0
 };
 
 /// Solid (or open surface) from a mesh: unique positions become point masses, unique triangle edges become
@@ -26,21 +26,22 @@ struct NetworkSettings {
 Result<SharedNetwork> buildNetwork(const TriangleMesh& mesh, const NetworkSettings& settings = {});
 
 struct RopeSettings {
-  double length = 1.0;         ///< metres, along +x from the origin
-  std::uint32_t segments = 16; ///< at least 1; #points = segments + 1
-  double bendingScale = 0.1;   ///< stiffness of the skip-one springs relative to the segments; 0 leaves them out
+  double length = 1.0;          ///< metres, along +x from the origin
+  std::uint32_t segments = 16;  ///< at least 1; #points = segments + 1
+  double bendingScale =
+      0.1;  ///< stiffness of the skip-one springs relative to the segments; 0 leaves them out
 };
 
 /// A chain of points along +x. Errors: length not above 0, no segments, negative bending.
 Result<SharedNetwork> buildRope(const RopeSettings& settings = {});
 
 struct ClothSettings {
-  double width = 1.0;           ///< metres along x
-  double depth = 1.0;           ///< metres along z
-  std::uint32_t columns = 16;   ///< cells along x, at least 1; #points = (columns + 1) * (rows + 1)
-  std::uint32_t rows = 16;      ///< cells along z, at least 1
-  double shearScale = 0.5;      ///< both diagonals of each cell; 0 leaves them out
-  double bendingScale = 0.1;    ///< skip-one springs along x and z; 0 leaves them out
+  double width = 1.0;          ///< metres along x
+  double depth = 1.0;          ///< metres along z
+  std::uint32_t columns = 16;  ///< cells along x, at least 1; #points = (columns + 1) * (rows + 1)
+  std::uint32_t rows = 16;     ///< cells along z, at least 1
+  double shearScale = 0.5;     ///< both diagonals of each cell; 0 leaves them out
+  double bendingScale = 0.1;   ///< skip-one springs along x and z; 0 leaves them out
 };
 
 /// A sheet in the plane y = 0, centred at the origin, normal +y. Point (column i, row j) has index

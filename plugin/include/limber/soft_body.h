@@ -63,12 +63,12 @@ class SoftBody {
   /// rad/s, an upper bound of the body's fastest oscillation, from which the substeps follow.
   double frequencyBound() const;
 
-  double totalMass() const;                  ///< kg of all points that are not held
-  Eigen::Vector3d centerOfMass() const;      ///< m
-  Eigen::Vector3d linearMomentum() const;    ///< kg m/s
-  Eigen::Vector3d angularMomentum() const;   ///< kg m^2/s about the world's origin
-  double kineticEnergy() const;              ///< J
-  double elasticEnergy() const;              ///< J in its own springs
+  double totalMass() const;                 ///< kg of all points that are not held
+  Eigen::Vector3d centerOfMass() const;     ///< m
+  Eigen::Vector3d linearMomentum() const;   ///< kg m/s
+  Eigen::Vector3d angularMomentum() const;  ///< kg m^2/s about the world's origin
+  double kineticEnergy() const;             ///< J
+  double elasticEnergy() const;             ///< J in its own springs
 
   /// A hash of all positions and velocities, bit for bit: equal runs give equal hashes.
   std::uint64_t stateHash() const;
@@ -78,7 +78,8 @@ class SoftBody {
   std::unique_ptr<SoftBodyData> data_;
 };
 
-/// The soft body and index of a point mass, from any collision object that Bullet reports (contact, ray, sweep).
+/// The soft body and index of a point mass, from any collision object that Bullet reports (contact, ray,
+/// sweep).
 struct PointReference {
   SoftBody* body = nullptr;  ///< nullptr: the object is no point mass of a living soft body
   std::uint32_t index = 0;

@@ -14,31 +14,32 @@ namespace limber {
 struct SubstepChoice {
   int atLeast = 1;                ///< substeps per tick, 1 or more
   double periodTolerance = 0.05;  ///< largest relative error of the period of the body's stiffest oscillation
-                                  ///< (Verlet: (omega dt)^2 / 24); slower ones are better by the square of the
-                                  ///< ratio. Halving the error costs 1.41x the substeps.
+                                  ///< (Verlet: (omega dt)^2 / 24); slower ones are better by the square of
+                                  ///< the ratio. Halving the error costs 1.41x the substeps.
 };
 
 /// Everything a soft body is besides its shape. SI units: metres, kilograms, seconds, newtons, radians.
 struct SoftBodySettings {
-  Eigen::Vector3d position = Eigen::Vector3d::Zero();                ///< m, of the network's origin
-  Eigen::Quaterniond rotation = Eigen::Quaterniond::Identity();      ///< unit quaternion
-  Eigen::Vector3d scale = Eigen::Vector3d::Ones();                   ///< per axis, before the rotation; negative
-                                                                     ///< mirrors, 0 is refused
-  Eigen::Vector3d linearVelocity = Eigen::Vector3d::Zero();          ///< m/s
-  Eigen::Vector3d angularVelocity = Eigen::Vector3d::Zero();         ///< rad/s, about the centre of mass
+  Eigen::Vector3d position = Eigen::Vector3d::Zero();            ///< m, of the network's origin
+  Eigen::Quaterniond rotation = Eigen::Quaterniond::Identity();  ///< unit quaternion
+  Eigen::Vector3d scale = Eigen::Vector3d::Ones();               ///< per axis, before the rotation; negative
+                                                                 ///< mirrors, 0 is refused
+  Eigen::Vector3d linearVelocity = Eigen::Vector3d::Zero();      ///< m/s
+  Eigen::Vector3d angularVelocity = Eigen::Vector3d::Zero();     ///< rad/s, about the centre of mass
 
   double extensionStiffness = 1000.0;    ///< N/m of each spring while longer than at rest, 0 or more
   double compressionStiffness = 1000.0;  ///< N/m of each spring while shorter than at rest, 0 or more
   double damping = 1.0;                  ///< N s/m along each spring, 0 or more; never limits the time step
   double totalMass = 1.0;                ///< kg, above 0
 
-  double pointRadius = 0.0;   ///< m, of the sphere each point mass is to Bullet; 0: 2 % of the shortest spring
-  double friction = 0.5;      ///< Bullet multiplies it with the partner's
-  double restitution = 0.0;   ///< 0..1, Bullet multiplies it with the partner's
-  int collisionGroup = 1;     ///< Bullet's filter group; 1 = btBroadphaseProxy::DefaultFilter
-  int collisionMask = -1;     ///< Bullet's filter mask; -1 = btBroadphaseProxy::AllFilter
+  double pointRadius = 0.0;  ///< m, of the sphere each point mass is to Bullet; 0: 2 % of the shortest spring
+  double friction = 0.5;     ///< Bullet multiplies it with the partner's
+  double restitution = 0.0;  ///< 0..1, Bullet multiplies it with the partner's
+  int collisionGroup = 1;    ///< Bullet's filter group; 1 = btBroadphaseProxy::DefaultFilter
+  int collisionMask = -1;    ///< Bullet's filter mask; -1 = btBroadphaseProxy::AllFilter
   bool continuousCollision = true;  ///< Bullet sweeps points that move fast while something is in their way
-  double sleepingSpeed = 0.1;  ///< m/s; a body all of whose points stay slower for gDeactivationTime goes to sleep
+  double sleepingSpeed =
+      0.1;  ///< m/s; a body all of whose points stay slower for gDeactivationTime goes to sleep
 
   SubstepChoice substeps;
 

@@ -40,10 +40,10 @@ struct TickProfile {
 ///     auto body = soft.createBody(network, settings);   // then step the world as ever
 ///
 /// It lives in the world's pre-tick callback: an existing one is called first, the world's user info is left
-/// alone. Several systems may share a world. The world, its bodies and the system may go in any order, with one
-/// exception: if the broadphase is freed before the world, call removeAll() first.
-/// Bodies that springs or anchors hold on to must outlive them, as with Bullet's own constraints; forget(body)
-/// removes all that hold on to one. Thread rule: the thread that steps the world, between steps.
+/// alone. Several systems may share a world. The world, its bodies and the system may go in any order, with
+/// one exception: if the broadphase is freed before the world, call removeAll() first. Bodies that springs or
+/// anchors hold on to must outlive them, as with Bullet's own constraints; forget(body) removes all that hold
+/// on to one. Thread rule: the thread that steps the world, between steps.
 class SoftBodySystem {
  public:
   /// How the springs are stepped.
@@ -69,15 +69,16 @@ class SoftBodySystem {
   SoftBody* body(std::size_t i) const;  ///< in order of creation
 
   /// Errors: invalid settings, both ends without a body, both ends the same place of one body.
-  Result<SpringConstraint*> addSpring(const SpringEnd& a, const SpringEnd& b, const SpringSettings& settings = {});
+  Result<SpringConstraint*> addSpring(const SpringEnd& a, const SpringEnd& b,
+                                      const SpringSettings& settings = {});
   /// New settings for a spring; a negative rest length keeps the present one. Errors as addSpring.
   Result<SpringConstraint*> changeSpring(SpringConstraint* spring, const SpringSettings& settings);
   void removeSpring(SpringConstraint* spring);
   std::size_t springCount() const;
 
-  /// Makes point i move with `body`, at a pivot in the body's local coordinates (the overload without pivot: where
-  /// the point is now). Both feel each other; they do not collide. Errors: no such point, a point that is
-  /// already attached or pinned, a body that is a point mass.
+  /// Makes point i move with `body`, at a pivot in the body's local coordinates (the overload without pivot:
+  /// where the point is now). Both feel each other; they do not collide. Errors: no such point, a point that
+  /// is already attached or pinned, a body that is a point mass.
   Result<bool> attach(SoftBody* softBody, std::uint32_t i, btRigidBody& body, const btVector3& pivot);
   Result<bool> attach(SoftBody* softBody, std::uint32_t i, btRigidBody& body);
   /// Lets go of an attached point; false if it was not attached.

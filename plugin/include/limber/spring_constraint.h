@@ -10,15 +10,15 @@ namespace limber {
 inline namespace LIMBER_BULLET_PRECISION {
 
 /// What one end of a spring holds on to: any rigid body of the world at a pivot in its local coordinates, a
-/// point mass of a soft body (SoftBody::point(i), pivot 0), or a fixed place in the world (no body, the pivot in
-/// world coordinates).
+/// point mass of a soft body (SoftBody::point(i), pivot 0), or a fixed place in the world (no body, the pivot
+/// in world coordinates).
 struct SpringEnd {
   btRigidBody* body = nullptr;
   btVector3 pivot = btVector3(0, 0, 0);
 };
 
-/// A single spring between two ends, made by SoftBodySystem::addSpring(). It is stepped within the tick together
-/// with everything it is joined to, so its stiffness is in real units and never unstable.
+/// A single spring between two ends, made by SoftBodySystem::addSpring(). It is stepped within the tick
+/// together with everything it is joined to, so its stiffness is in real units and never unstable.
 class SpringConstraint {
  public:
   SpringConstraint(const SpringEnd& a, const SpringEnd& b, const SpringSettings& settings)

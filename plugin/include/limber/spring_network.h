@@ -34,8 +34,8 @@ struct RenderSurface {
   std::vector<Triangle> triangles;           ///< #triangles, vertex indices
 };
 
-/// Point masses and the springs between them: the shape of a soft body, independent of its size, stiffness and
-/// place. Built once, never changed, shared by all bodies of that shape (hold it by shared_ptr<const>).
+/// Point masses and the springs between them: the shape of a soft body, independent of its size, stiffness
+/// and place. Built once, never changed, shared by all bodies of that shape (hold it by shared_ptr<const>).
 /// Rest lengths follow from the rest points and a body's scale.
 struct SpringNetwork {
   NetworkKind kind = NetworkKind::Solid;

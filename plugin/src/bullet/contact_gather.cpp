@@ -13,11 +13,12 @@ namespace {
 /// A point can be pushed faster within the tick than it was at its start.
 constexpr double kReachPerMotion = 1.5;
 
-/// Of the radius: a point that reaches no farther, the third of it that is always looked at included, is slow.
+/// Of the radius: a point that reaches no farther, the third of it that is always looked at included, is
+/// slow.
 constexpr double kSlowReach = 0.6;
 
-/// Of two contacts of a point whose normals are closer than this (cosine), only the nearer counts: neighbouring
-/// triangles of a flat surface are one surface.
+/// Of two contacts of a point whose normals are closer than this (cosine), only the nearer counts:
+/// neighbouring triangles of a flat surface are one surface.
 constexpr double kSameSurface = 0.995;
 
 struct Reach {
@@ -58,7 +59,8 @@ bool overlaps(const Reach& reach, const btCollisionObject& partner) {
 /// The rows that one point and one partner make.
 class RowsOfPair final : public btCollisionWorld::ContactResultCallback {
  public:
-  RowsOfPair(SoftBodyData& body, std::uint32_t point, const btCollisionObject& partner, double reach, btScalar tick)
+  RowsOfPair(SoftBodyData& body, std::uint32_t point, const btCollisionObject& partner, double reach,
+             btScalar tick)
       : body_(&body), point_(point), partner_(&partner), tick_(tick), first_(body.contacts.size()) {
     m_closestDistanceThreshold = static_cast<btScalar>(reach);
   }
@@ -91,7 +93,9 @@ class RowsOfPair final : public btCollisionWorld::ContactResultCallback {
   }
 
  private:
-  double gap(const ContactRow& row) const { return row.normal.dot(body_->state.position.col(point_) - row.touch); }
+  double gap(const ContactRow& row) const {
+    return row.normal.dot(body_->state.position.col(point_) - row.touch);
+  }
 
   btScalar combinedFriction() const {
     return gCalculateCombinedFrictionCallback(body_->masses.bodies[point_], partner_);
@@ -110,8 +114,8 @@ class RowsOfPair final : public btCollisionWorld::ContactResultCallback {
   std::size_t first_;
 };
 
-void addPlaneRow(RowsOfPair& rows, const SoftBodyData& body, std::uint32_t i, const btCollisionObject& partner,
-                 double reach) {
+void addPlaneRow(RowsOfPair& rows, const SoftBodyData& body, std::uint32_t i,
+                 const btCollisionObject& partner, double reach) {
   const auto& plane = *static_cast<const btStaticPlaneShape*>(partner.getCollisionShape());
   const btTransform& pose = partner.getWorldTransform();
   const Eigen::Vector3d normal = toEigen(pose.getBasis() * plane.getPlaneNormal());
@@ -122,10 +126,10 @@ void addPlaneRow(RowsOfPair& rows, const SoftBodyData& body, std::uint32_t i, co
   rows.add(normal, toBullet(Eigen::Vector3d(x - height * normal)));
 }
 
-/// Uses the contact that Bullet found a tick ago. On a flat face it is as good as new; a slow point has not left
-/// that face. False if there is none or the point is too fast for it.
-bool addCachedRow(RowsOfPair& rows, const SoftBodyData& body, std::uint32_t i, const btCollisionObject& partner,
-                  double reach) {
+/// Uses the contact that Bullet found a tick ago. On a flat face it is as good as new; a slow point has not
+/// left that face. False if there is none or the point is too fast for it.
+bool addCachedRow(RowsOfPair& rows, const SoftBodyData& body, std::uint32_t i,
+                  const btCollisionObject& partner, double reach) {
   const PointMass& point = *body.masses.bodies[i];
   const btPersistentManifold* manifold = point.cachedContact;
   const double radius = double(body.masses.shape->getRadius());
@@ -134,8 +138,8 @@ bool addCachedRow(RowsOfPair& rows, const SoftBodyData& body, std::uint32_t i, c
   if ((pointIsFirst ? manifold->getBody1() : manifold->getBody0()) != &partner) return false;
   const btManifoldPoint& contact = manifold->getContactPoint(0);
   const btVector3 normal = pointIsFirst ? contact.m_normalWorldOnB : -contact.m_normalWorldOnB;
-  rows.add(toEigen(normal), partner.getWorldTransform() *
-                                (pointIsFirst ? contact.m_localPointB : contact.m_localPointA));
+  rows.add(toEigen(normal),
+           partner.getWorldTransform() * (pointIsFirst ? contact.m_localPointB : contact.m_localPointA));
   return true;
 }
 
@@ -146,7 +150,8 @@ void addRows(SoftBodyData& body, std::uint32_t i, const btCollisionObject& partn
   if (!point.checkCollideWith(&partner) || !partner.checkCollideWith(&point)) return;
   // what a moving partner travels is reached, too
   const btRigidBody* rigid = btRigidBody::upcast(&partner);
-  const double travel = rigid && rigid->isKinematicObject() ? double(rigid->getLinearVelocity().length() * tick) : 0.0;
+  const double travel =
+      rigid && rigid->isKinematicObject() ? double(rigid->getLinearVelocity().length() * tick) : 0.0;
   const double distance = reach.distance + kReachPerMotion * travel;
   RowsOfPair rows(body, i, partner, distance, tick);
   if (partner.getCollisionShape()->getShapeType() == STATIC_PLANE_PROXYTYPE)
@@ -193,20 +198,22 @@ void gatherContacts(SoftBodyData& body, btScalar tick) {
 }
 
 void readManifolds(btDispatcher& dispatcher) {
-  forEachContact(dispatcher, [](btPersistentManifold& manifold, PointMass& point, const btCollisionObject* partner) {
-    if (point.owner()->asleep || !partner->isStaticOrKinematicObject()) return;
-    const bool simple = manifold.getNumContacts() == 1 && !partner->getCollisionShape()->isConcave() &&
-                        !partner->getCollisionShape()->isCompound();
-    if (simple) point.cachedContact = &manifold;
-    for (int p = 0; p < manifold.getNumContacts(); ++p) {
-      btManifoldPoint& contact = manifold.getContactPoint(p);
-      contact.m_appliedImpulse = contact.m_appliedImpulseLateral1 = contact.m_appliedImpulseLateral2 = 0;
-    }
-  });
+  forEachContact(
+      dispatcher, [](btPersistentManifold& manifold, PointMass& point, const btCollisionObject* partner) {
+        if (point.owner()->asleep || !partner->isStaticOrKinematicObject()) return;
+        const bool simple = manifold.getNumContacts() == 1 && !partner->getCollisionShape()->isConcave() &&
+                            !partner->getCollisionShape()->isCompound();
+        if (simple) point.cachedContact = &manifold;
+        for (int p = 0; p < manifold.getNumContacts(); ++p) {
+          btManifoldPoint& contact = manifold.getContactPoint(p);
+          contact.m_appliedImpulse = contact.m_appliedImpulseLateral1 = contact.m_appliedImpulseLateral2 = 0;
+        }
+      });
 }
 
 void reportContactImpulses(btDispatcher& dispatcher) {
-  forEachContact(dispatcher, [](btPersistentManifold& manifold, PointMass& point, const btCollisionObject* partner) {
+  forEachContact(dispatcher, [](btPersistentManifold& manifold, PointMass& point,
+                                const btCollisionObject* partner) {
     const SoftBodyData& body = *point.owner();
     for (std::size_t r = 0; r < body.contacts.size(); ++r) {
       const ContactRow& row = body.contacts[r];
@@ -217,7 +224,8 @@ void reportContactImpulses(btDispatcher& dispatcher) {
         if (along > kSameSurface && nearest < 0) nearest = p;
       }
       if (nearest < 0) continue;
-      manifold.getContactPoint(nearest).m_appliedImpulse += static_cast<btScalar>(row.normal.dot(row.impulse));
+      manifold.getContactPoint(nearest).m_appliedImpulse +=
+          static_cast<btScalar>(row.normal.dot(row.impulse));
     }
   });
 }

@@ -11,8 +11,8 @@ namespace limber {
 inline namespace LIMBER_BULLET_PRECISION {
 namespace {
 
-/// Share of the radius that a point may move in a tick without more: its centre then stays on the right side of
-/// whatever it has not touched yet.
+/// Share of the radius that a point may move in a tick without more: its centre then stays on the right side
+/// of whatever it has not touched yet.
 constexpr double kCarelessMotion = 0.25;
 
 /// Share of the radius that is swept, so that a point at rest does not hit what it lies on.
@@ -27,7 +27,8 @@ struct InTheWay final : btBroadphaseAabbCallback {
 
   bool process(const btBroadphaseProxy* proxy) override {
     if (!canHit(*body, *proxy)) return true;
-    const bool moves = !static_cast<const btCollisionObject*>(proxy->m_clientObject)->isStaticOrKinematicObject();
+    const bool moves =
+        !static_cast<const btCollisionObject*>(proxy->m_clientObject)->isStaticOrKinematicObject();
     (moves ? dynamic : nonDynamic) = true;
     return true;
   }
@@ -62,7 +63,8 @@ InTheWay lookInTheWay(const SoftBodyData& body, double longest) {
 void sweepPoint(SoftBodyData& body, Eigen::Index i) {
   const PointMass& point = *body.masses.bodies[static_cast<std::size_t>(i)];
   const Eigen::Vector3d start = body.masses.startPosition.col(i), end = body.state.position.col(i);
-  btTransform from(btQuaternion::getIdentity(), toBullet(start)), to(btQuaternion::getIdentity(), toBullet(end));
+  btTransform from(btQuaternion::getIdentity(), toBullet(start)),
+      to(btQuaternion::getIdentity(), toBullet(end));
   FirstHit hit(body, point, from.getOrigin(), to.getOrigin());
   const btSphereShape sphere(static_cast<btScalar>(kSweptRadius) * body.masses.shape->getRadius());
   body.world->convexSweepTest(&sphere, from, to, hit, btScalar(0));

@@ -20,8 +20,8 @@ inline btVector3 toBullet(const Eigen::Vector3d& v) {
 }
 
 inline btQuaternion toBullet(const Eigen::Quaterniond& q) {
-  return btQuaternion(static_cast<btScalar>(q.x()), static_cast<btScalar>(q.y()), static_cast<btScalar>(q.z()),
-                      static_cast<btScalar>(q.w()));
+  return btQuaternion(static_cast<btScalar>(q.x()), static_cast<btScalar>(q.y()),
+                      static_cast<btScalar>(q.z()), static_cast<btScalar>(q.w()));
 }
 
 }  // namespace limber

@@ -34,7 +34,8 @@ bool isRestless(TickGroup& group, btScalar tick) {
       if (isMoving(*body, i, tick)) return true;
   for (const RigidPartner& partner : group.rigids)
     if (!partner.body->isStaticObject() && isFast(*partner.body)) return true;
-  return anyMember(group, [](btRigidBody& body) { return body.getActivationState() == DISABLE_DEACTIVATION; });
+  return anyMember(group,
+                   [](btRigidBody& body) { return body.getActivationState() == DISABLE_DEACTIVATION; });
 }
 
 void wakeGroup(TickGroup& group) {
@@ -71,14 +72,17 @@ bool sleepIsOff() { return gDisableDeactivation || gDeactivationTime == btScalar
 /// Woken from outside (a contact, the user), or kept awake; otherwise its calm time goes on.
 void updateCalmTime(TickGroup& group, btScalar tick) {
   if (group.asleep && !anyMember(group, [](btRigidBody& body) { return body.isActive(); })) return;
-  if (group.asleep || anyMember(group, [](btRigidBody& body) { return !body.isActive() &&
-                                                                    body.getActivationState() == ISLAND_SLEEPING; }))
+  if (group.asleep || anyMember(group, [](btRigidBody& body) {
+        return !body.isActive() && body.getActivationState() == ISLAND_SLEEPING;
+      }))
     wakeGroup(group);
   group.calmTime = sleepIsOff() || isRestless(group, tick) ? 0.0 : group.calmTime + double(tick);
   forEachMember(group, [](btRigidBody& body) { body.setDeactivationTime(0); });
 }
 
-bool wantsSleep(const TickGroup& group) { return !group.asleep && group.calmTime > double(gDeactivationTime); }
+bool wantsSleep(const TickGroup& group) {
+  return !group.asleep && group.calmTime > double(gDeactivationTime);
+}
 
 void markIsland(const btRigidBody& body, std::vector<unsigned char>& islands) {
   const int tag = body.getIslandTag();

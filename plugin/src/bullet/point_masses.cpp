@@ -40,7 +40,9 @@ void remember(PointMasses& masses, std::uint32_t i) {
   masses.leftVelocity[i] = masses.bodies[i]->getLinearVelocity();
 }
 
-Eigen::Vector3d difference(const btVector3& now, const btVector3& before) { return toEigen(now) - toEigen(before); }
+Eigen::Vector3d difference(const btVector3& now, const btVector3& before) {
+  return toEigen(now) - toEigen(before);
+}
 
 void gatherHeld(SoftBodyData& body, std::uint32_t i, btScalar tick) {
   PointState& s = body.state;
@@ -205,7 +207,8 @@ bool isMoving(const SoftBodyData& body, std::uint32_t i, btScalar tick) {
 Eigen::Vector3d currentPosition(const SoftBodyData& body, std::uint32_t i) {
   const PointMass* point = body.masses.bodies[i];
   if (!point) return body.state.position.col(i);
-  return body.state.position.col(i) + difference(point->getWorldTransform().getOrigin(), body.masses.leftPosition[i]);
+  return body.state.position.col(i) +
+         difference(point->getWorldTransform().getOrigin(), body.masses.leftPosition[i]);
 }
 
 Eigen::Vector3d currentVelocity(const SoftBodyData& body, std::uint32_t i) {

@@ -14,10 +14,10 @@ inline namespace LIMBER_BULLET_PRECISION {
 /// point mass, is handed its mean velocity of the tick.
 struct RigidPartner {
   btRigidBody* body = nullptr;
-  bool held = false;               ///< static, kinematic or out of the simulation: it moves as told
-  btTransform lastPose;            ///< of a held body at the end of the last tick
-  RigidState start;                ///< at the start of the tick
-  btVector3 expectedVelocity;      ///< after the tick if nothing else acts
+  bool held = false;           ///< static, kinematic or out of the simulation: it moves as told
+  btTransform lastPose;        ///< of a held body at the end of the last tick
+  RigidState start;            ///< at the start of the tick
+  btVector3 expectedVelocity;  ///< after the tick if nothing else acts
   btVector3 expectedAngularVelocity;
 };
 

@@ -17,7 +17,9 @@ SoftBody::~SoftBody() = default;
 const SpringNetwork& SoftBody::network() const { return *data_->network; }
 const SharedNetwork& SoftBody::sharedNetwork() const { return data_->network; }
 const SoftBodySettings& SoftBody::settings() const { return data_->settings; }
-std::uint32_t SoftBody::pointCount() const { return static_cast<std::uint32_t>(data_->network->restPoints.size()); }
+std::uint32_t SoftBody::pointCount() const {
+  return static_cast<std::uint32_t>(data_->network->restPoints.size());
+}
 bool SoftBody::alive() const { return data_->alive; }
 
 btRigidBody* SoftBody::point(std::uint32_t i) const {
@@ -73,7 +75,9 @@ Eigen::Vector3d SoftBody::centerOfMass() const { return limber::centerOfMass(cur
 Eigen::Vector3d SoftBody::linearMomentum() const { return limber::linearMomentum(current(*data_)); }
 Eigen::Vector3d SoftBody::angularMomentum() const { return limber::angularMomentum(current(*data_)); }
 double SoftBody::kineticEnergy() const { return limber::kineticEnergy(current(*data_)); }
-double SoftBody::elasticEnergy() const { return limber::elasticEnergy(data_->springs, current(*data_).position); }
+double SoftBody::elasticEnergy() const {
+  return limber::elasticEnergy(data_->springs, current(*data_).position);
+}
 std::uint64_t SoftBody::stateHash() const { return limber::stateHash(current(*data_)); }
 
 PointReference findPoint(const btCollisionObject* object) {

@@ -31,16 +31,16 @@ struct SoftBodyData {
   SpringArrays springs;
   PointMasses masses;
   std::vector<Anchor> anchors;
-  std::vector<ContactRow> contacts;                         ///< of the present tick, by point
-  std::vector<const btCollisionObject*> contactPartners;    ///< #contacts
-  std::vector<double> reach;                                ///< #points, m, how far contacts were looked for
-  std::vector<const btCollisionObject*> partners;           ///< scratch of gatherContacts
+  std::vector<ContactRow> contacts;                       ///< of the present tick, by point
+  std::vector<const btCollisionObject*> contactPartners;  ///< #contacts
+  std::vector<double> reach;                              ///< #points, m, how far contacts were looked for
+  std::vector<const btCollisionObject*> partners;         ///< scratch of gatherContacts
 
   bool alive = true;
   bool asleep = false;
-  bool frequencyStale = true;      ///< inverse masses have changed since frequencySquared was computed
-  double frequencySquared = 0.0;   ///< rad^2/s^2, bound of its own springs
-  int substeps = 0;                ///< in the last tick
+  bool frequencyStale = true;     ///< inverse masses have changed since frequencySquared was computed
+  double frequencySquared = 0.0;  ///< rad^2/s^2, bound of its own springs
+  int substeps = 0;               ///< in the last tick
   std::vector<double> stiffnessSums;
 };
 

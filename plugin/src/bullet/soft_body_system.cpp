@@ -117,7 +117,9 @@ void SoftBodySystem::rehook() {
   if (impl_->hook && impl_->hookKind == Hook::PreTick) impl_->hook->takeSlot();
 }
 
-void SoftBodySystem::onWarning(std::function<void(const std::string&)> handler) { impl_->warn = std::move(handler); }
+void SoftBodySystem::onWarning(std::function<void(const std::string&)> handler) {
+  impl_->warn = std::move(handler);
+}
 
 // --- bodies ------------------------------------------------------------------------------------------------
 
@@ -166,7 +168,8 @@ Result<SpringConstraint*> SoftBodySystem::addSpring(const SpringEnd& a, const Sp
   return spring;
 }
 
-Result<SpringConstraint*> SoftBodySystem::changeSpring(SpringConstraint* spring, const SpringSettings& settings) {
+Result<SpringConstraint*> SoftBodySystem::changeSpring(SpringConstraint* spring,
+                                                       const SpringSettings& settings) {
   if (std::string reason = validate(settings); !reason.empty()) return Error{reason};
   const double restLength = settings.restLength < 0.0 ? spring->settings_.restLength : settings.restLength;
   spring->settings_ = settings;
@@ -179,18 +182,21 @@ void SoftBodySystem::removeSpring(SpringConstraint* spring) {
   const auto isSpring = [&](const auto& owned) { return owned.get() == spring; };
   impl_->groups.clear();
   impl_->groupsStale = true;
-  impl_->springs.erase(std::remove_if(impl_->springs.begin(), impl_->springs.end(), isSpring), impl_->springs.end());
+  impl_->springs.erase(std::remove_if(impl_->springs.begin(), impl_->springs.end(), isSpring),
+                       impl_->springs.end());
   impl_->unhookIfIdle(impl_->worldAlive());
 }
 
 std::size_t SoftBodySystem::springCount() const { return impl_->springs.size(); }
 
-Result<bool> SoftBodySystem::attach(SoftBody* softBody, std::uint32_t i, btRigidBody& body, const btVector3& pivot) {
+Result<bool> SoftBodySystem::attach(SoftBody* softBody, std::uint32_t i, btRigidBody& body,
+                                    const btVector3& pivot) {
   auto* point = static_cast<PointMass*>(softBody->point(i));
   if (!point) return Error{"there is no point " + std::to_string(i)};
   if (point->attachedTo) return Error{"point " + std::to_string(i) + " is already attached"};
   if (softBody->pinned(i)) return Error{"point " + std::to_string(i) + " is pinned"};
-  if (PointMass::from(&body)) return Error{"a point can be attached to a rigid body only, not to a point mass"};
+  if (PointMass::from(&body))
+    return Error{"a point can be attached to a rigid body only, not to a point mass"};
   point->attachedTo = &body;
   softBody->data_->anchors.push_back({i, &body, pivot});
   softBody->wake();
@@ -222,7 +228,8 @@ void SoftBodySystem::forget(const btRigidBody& body) {
     if (holdsOn(*impl_->springs[i], &body)) removeSpring(impl_->springs[i].get());
   for (auto& softBody : impl_->bodies)
     for (std::size_t i = softBody->data_->anchors.size(); i-- > 0;)
-      if (softBody->data_->anchors[i].body == &body) detach(softBody.get(), softBody->data_->anchors[i].point);
+      if (softBody->data_->anchors[i].body == &body)
+        detach(softBody.get(), softBody->data_->anchors[i].point);
 }
 
 // --- the tick ----------------------------------------------------------------------------------------------
@@ -286,8 +293,9 @@ void SoftBodySystem::Impl::afterTick(btScalar tick) {
 void SoftBodySystem::Impl::tickMissed() {
   if (overwritten) return;
   overwritten = true;
-  warn("the world's pre-tick callback was overwritten after soft bodies were added: springs are not stepped. "
-       "Set yours before the first soft body, or call SoftBodySystem::rehook().");
+  warn(
+      "the world's pre-tick callback was overwritten after soft bodies were added: springs are not stepped. "
+      "Set yours before the first soft body, or call SoftBodySystem::rehook().");
 }
 
 void SoftBodySystem::beforeTick(btScalar tick) { impl_->beforeTick(tick); }

@@ -45,8 +45,8 @@ SubstepChoice substepChoice(const TickGroup& group) {
   return choice;
 }
 
-/// Own springs and links add up to a stiffness matrix K = K_own + K_links, whose largest eigenvalue is at most
-/// the sum of theirs.
+/// Own springs and links add up to a stiffness matrix K = K_own + K_links, whose largest eigenvalue is at
+/// most the sum of theirs.
 double frequencyBoundSquared(TickGroup& group) {
   double own = 0.0;
   for (SoftBodyData* body : group.bodies) {
@@ -171,7 +171,8 @@ LinkEnd linkEnd(TickGroup& group, const SpringEnd& end) {
     world.pivot = toEigen(end.pivot);
     return world;
   }
-  if (const PointMass* point = PointMass::from(end.body)) return pointEnd(group, point->owner(), point->index());
+  if (const PointMass* point = PointMass::from(end.body))
+    return pointEnd(group, point->owner(), point->index());
   return rigidEnd(group, end.body, end.pivot);
 }
 
@@ -217,7 +218,8 @@ std::vector<TickGroup> makeGroups(const std::vector<SoftBodyData*>& bodies, cons
   }
   for (SoftBodyData* body : bodies)
     for (const Anchor& anchor : body->anchors)
-      if (usable(anchor) && !anchor.body->isStaticObject()) nodes.join(nodes.soft(body), nodes.rigid(anchor.body));
+      if (usable(anchor) && !anchor.body->isStaticObject())
+        nodes.join(nodes.soft(body), nodes.rigid(anchor.body));
 
   std::map<std::size_t, TickGroup> groups;
   for (SoftBodyData* body : bodies) addBody(groups[nodes.root(nodes.soft(body))], body);

@@ -17,10 +17,10 @@ inline namespace LIMBER_BULLET_PRECISION {
 /// that nothing is joined to is a group of its own.
 struct TickGroup {
   StepGroup step;
-  std::vector<SoftBodyData*> bodies;        ///< step.bodies[i] is bodies[i]
-  std::vector<RigidPartner> rigids;         ///< step.links.rigids[i] is rigids[i]
-  std::vector<SpringConstraint*> springs;   ///< step.links.springs[i] is springs[i]
-  double calmTime = 0.0;                    ///< s for which nothing in it has moved faster than it may in sleep
+  std::vector<SoftBodyData*> bodies;       ///< step.bodies[i] is bodies[i]
+  std::vector<RigidPartner> rigids;        ///< step.links.rigids[i] is rigids[i]
+  std::vector<SpringConstraint*> springs;  ///< step.links.springs[i] is springs[i]
+  double calmTime = 0.0;  ///< s for which nothing in it has moved faster than it may in sleep
   bool asleep = false;
   int substeps = 0;
 };

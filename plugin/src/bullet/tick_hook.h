@@ -16,17 +16,17 @@ class TickListener {
   virtual ~TickListener() = default;
   virtual void beforeTick(btScalar tick) = 0;  ///< before Bullet predicts, collides and solves
   virtual void afterTick(btScalar tick) = 0;   ///< after Bullet has moved its bodies
-  virtual void tickMissed() = 0;               ///< a tick has passed without beforeTick: the hook was overwritten
+  virtual void tickMissed() = 0;  ///< a tick has passed without beforeTick: the hook was overwritten
 };
 
 /// The only file that touches a world's pre-tick callback.
 ///
-/// A world has one slot for it and one user info pointer for both its callbacks. We take the slot, call whoever
-/// was there first, and leave the user info alone, so we find our way from the world by a list of hooks. As an
-/// action (of which a world may have many) the hook also learns of the end of each tick.
+/// A world has one slot for it and one user info pointer for both its callbacks. We take the slot, call
+/// whoever was there first, and leave the user info alone, so we find our way from the world by a list of
+/// hooks. As an action (of which a world may have many) the hook also learns of the end of each tick.
 ///
-/// When a world is gone nobody tells us, so a hook whose world may be gone is abandoned, not removed: it stays
-/// in the list without listeners, in case the world does live and still calls it.
+/// When a world is gone nobody tells us, so a hook whose world may be gone is abandoned, not removed: it
+/// stays in the list without listeners, in case the world does live and still calls it.
 class TickHook final : public btActionInterface {
  public:
   /// Adds a listener to the world's hook, which is put in place if need be. `pretick` false leaves the slot

@@ -14,9 +14,9 @@ namespace limber {
 ///     gap(t) = normal . (x(t) - touch - t surfaceVelocity) >= 0,    t from the start of the tick
 struct ContactRow {
   std::uint32_t point = 0;
-  Eigen::Vector3d normal = Eigen::Vector3d::UnitY();            ///< unit, from the surface to the point
-  Eigen::Vector3d touch = Eigen::Vector3d::Zero();              ///< m, where the centre touches at the tick's start
-  Eigen::Vector3d surfaceVelocity = Eigen::Vector3d::Zero();    ///< m/s, constant over the tick
+  Eigen::Vector3d normal = Eigen::Vector3d::UnitY();  ///< unit, from the surface to the point
+  Eigen::Vector3d touch = Eigen::Vector3d::Zero();    ///< m, where the centre touches at the tick's start
+  Eigen::Vector3d surfaceVelocity = Eigen::Vector3d::Zero();  ///< m/s, constant over the tick
   double friction = 0.0;
 
   // Written by the step.
@@ -24,9 +24,9 @@ struct ContactRow {
   bool touching = false;                              ///< it bore something in the present substep
 };
 
-/// Before a drift of `dt` from `time` (s since the start of the tick): takes from each point the velocity with
-/// which it would end below a surface, and as much of its sliding as friction allows. A point that is already
-/// below is lifted gently. Rows of one point alternate until they agree; rows of different points are
+/// Before a drift of `dt` from `time` (s since the start of the tick): takes from each point the velocity
+/// with which it would end below a surface, and as much of its sliding as friction allows. A point that is
+/// already below is lifted gently. Rows of one point alternate until they agree; rows of different points are
 /// independent, so this is exact.
 void stopAtContacts(std::vector<ContactRow>& rows, PointState& state, double time, double dt);
 

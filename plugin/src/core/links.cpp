@@ -26,9 +26,12 @@ Vector3d arm(const LinkedBodies& bodies, const LinkEnd& end) {
 
 Vector3d endVelocity(const LinkedBodies& bodies, const LinkEnd& end) {
   switch (end.kind) {
-    case LinkEnd::Kind::Point: return bodies.points[end.body]->velocity.col(end.point);
-    case LinkEnd::Kind::Rigid: return bodies.rigids[end.body].velocityAt(arm(bodies, end));
-    case LinkEnd::Kind::World: break;
+    case LinkEnd::Kind::Point:
+      return bodies.points[end.body]->velocity.col(end.point);
+    case LinkEnd::Kind::Rigid:
+      return bodies.rigids[end.body].velocityAt(arm(bodies, end));
+    case LinkEnd::Kind::World:
+      break;
   }
   return Vector3d::Zero();
 }
@@ -98,7 +101,8 @@ Vector3d driftedPosition(const LinkedBodies& bodies, const LinkEnd& end, double 
 double solveAnchor(LinkedBodies& bodies, const LinkAnchor& anchor, double dt) {
   const Matrix3d k = mobility(bodies, anchor.point) + mobility(bodies, anchor.pivot);
   Vector3d error = endVelocity(bodies, anchor.point) - endVelocity(bodies, anchor.pivot);
-  if (dt > 0.0) error = (driftedPosition(bodies, anchor.point, dt) - driftedPosition(bodies, anchor.pivot, dt)) / dt;
+  if (dt > 0.0)
+    error = (driftedPosition(bodies, anchor.point, dt) - driftedPosition(bodies, anchor.pivot, dt)) / dt;
   // where both sides are held along an axis nothing can be done there
   const Vector3d impulse = k.fullPivLu().solve(-error);
   if (!impulse.allFinite()) return 0.0;
@@ -111,9 +115,12 @@ double solveAnchor(LinkedBodies& bodies, const LinkAnchor& anchor, double dt) {
 
 Vector3d endPosition(const LinkedBodies& bodies, const LinkEnd& end) {
   switch (end.kind) {
-    case LinkEnd::Kind::Point: return bodies.points[end.body]->position.col(end.point);
-    case LinkEnd::Kind::Rigid: return bodies.rigids[end.body].position + arm(bodies, end);
-    case LinkEnd::Kind::World: break;
+    case LinkEnd::Kind::Point:
+      return bodies.points[end.body]->position.col(end.point);
+    case LinkEnd::Kind::Rigid:
+      return bodies.rigids[end.body].position + arm(bodies, end);
+    case LinkEnd::Kind::World:
+      break;
   }
   return end.pivot;
 }
@@ -141,7 +148,9 @@ void dampLinks(LinkedBodies& bodies, double dt, bool forward) {
 
 double linkFrequencyBoundSquared(const LinkedBodies& bodies) {
   double bound = 0.0;
-  const auto stiffness = [](const LinkSpring& s) { return std::max(s.extensionStiffness, s.compressionStiffness); };
+  const auto stiffness = [](const LinkSpring& s) {
+    return std::max(s.extensionStiffness, s.compressionStiffness);
+  };
   for (const LinkSpring& s : bodies.springs) {
     double row = 0.0;
     for (const LinkEnd* mine : {&s.a, &s.b})
@@ -158,7 +167,8 @@ void solveAnchors(LinkedBodies& bodies, double dt) {
   if (bodies.anchors.empty()) return;
   for (int sweep = 0; sweep < kAnchorSweeps; ++sweep) {
     double largest = 0.0;
-    for (const LinkAnchor& anchor : bodies.anchors) largest = std::max(largest, solveAnchor(bodies, anchor, dt));
+    for (const LinkAnchor& anchor : bodies.anchors)
+      largest = std::max(largest, solveAnchor(bodies, anchor, dt));
     if (largest <= kAnchorTolerance) return;
   }
 }

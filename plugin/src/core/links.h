@@ -49,8 +49,9 @@ void dampLinks(LinkedBodies& bodies, double dt, bool forward);
 /// rigid body at a pivot, 1/m + |r|^2 / smallest inertia).
 double linkFrequencyBoundSquared(const LinkedBodies& bodies);
 
-/// Gives the anchored points and their rigid bodies equal and opposite impulses so that after drifting for `dt`
-/// each point is at its pivot (SHAKE); with dt = 0 only so that their velocities agree (RATTLE; Andersen 1983).
+/// Gives the anchored points and their rigid bodies equal and opposite impulses so that after drifting for
+/// `dt` each point is at its pivot (SHAKE); with dt = 0 only so that their velocities agree (RATTLE; Andersen
+/// 1983).
 void solveAnchors(LinkedBodies& bodies, double dt);
 
 /// World position (m) of an end.

@@ -18,12 +18,8 @@ struct Grid {
   std::uint32_t at(std::uint32_t i, std::uint32_t j) const { return j * (columns + 1) + i; }
 };
 
-bool isSize(double value) {
-  return std::isfinite(value) && value > 0.0;
-}
-bool isScale(double value) {
-  return std::isfinite(value) && value >= 0.0;
-}
+bool isSize(double value) { return std::isfinite(value) && value > 0.0; }
+bool isScale(double value) { return std::isfinite(value) && value >= 0.0; }
 
 std::string check(const ClothSettings& settings) {
   if (!isSize(settings.width) || !isSize(settings.depth)) return "width and depth of a cloth must be above 0";

@@ -21,8 +21,8 @@ std::string say(const char* name, double value, const char* rule) {
 struct Check {
   const char* name;
   double value;
-  double low;       // smallest value allowed
-  bool lowItself;   // whether `low` is allowed too
+  double low;      // smallest value allowed
+  bool lowItself;  // whether `low` is allowed too
   double high = std::numeric_limits<double>::max();
   const char* rule;
 };
@@ -42,9 +42,9 @@ std::string checkVector(const char* name, const Eigen::Vector3d& v) {
 }
 
 std::string checkPlacement(const SoftBodySettings& s) {
-  for (const auto& [name, v] : {std::pair("position", s.position), std::pair("scale", s.scale),
-                                std::pair("linearVelocity", s.linearVelocity),
-                                std::pair("angularVelocity", s.angularVelocity)})
+  for (const auto& [name, v] :
+       {std::pair("position", s.position), std::pair("scale", s.scale),
+        std::pair("linearVelocity", s.linearVelocity), std::pair("angularVelocity", s.angularVelocity)})
     if (std::string reason = checkVector(name, v); !reason.empty()) return reason;
   for (int i = 0; i < 3; ++i)
     if (s.scale[i] == 0.0) return say((std::string("scale.") + "xyz"[i]).c_str(), 0.0, "other than 0");

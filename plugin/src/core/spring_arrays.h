@@ -21,9 +21,9 @@ struct SpringArrays {
   bool damped = false;                       ///< whether any spring has damping
 
   // Written by the step.
-  Points direction;                  ///< 3 x #springs, unit vector from a to b, 0 while the spring is slack
-  std::vector<double> dampHalf;      ///< kg, impulse per closing speed over half a substep
-  std::vector<double> dampFull;      ///< the same over a whole one
+  Points direction;              ///< 3 x #springs, unit vector from a to b, 0 while the spring is slack
+  std::vector<double> dampHalf;  ///< kg, impulse per closing speed over half a substep
+  std::vector<double> dampFull;  ///< the same over a whole one
 
   std::size_t size() const { return a.size(); }
 };

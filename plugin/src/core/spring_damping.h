@@ -8,7 +8,9 @@ namespace limber {
 
 /// exp(-z) for z >= 0 as the reciprocal of exp's Taylor polynomial of degree 4: in (0, 1], falling, error
 /// z^5/120. Not std::exp, whose last bits differ between machines.
-inline double decay(double z) { return 1.0 / (1.0 + z * (1.0 + z / 2.0 * (1.0 + z / 3.0 * (1.0 + z / 4.0)))); }
+inline double decay(double z) {
+  return 1.0 / (1.0 + z * (1.0 + z / 2.0 * (1.0 + z / 3.0 * (1.0 + z / 4.0))));
+}
 
 /// kg: what a damper's impulse is per closing speed over the time dt.
 ///
@@ -27,8 +29,8 @@ void prepareDampers(SpringArrays& springs, const Points& inverseMass, double dt)
 
 enum class SweepOrder { Forward, Backward };
 
-/// Applies each damper's impulse in turn to `state.velocity`, with the given kg per closing speed (dampHalf or
-/// dampFull). Alternating the order makes the splitting symmetric, hence second order.
+/// Applies each damper's impulse in turn to `state.velocity`, with the given kg per closing speed (dampHalf
+/// or dampFull). Alternating the order makes the splitting symmetric, hence second order.
 void dampSprings(const SpringArrays& springs, const std::vector<double>& impulse, SweepOrder order,
                  PointState& state);
 

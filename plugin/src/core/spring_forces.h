@@ -14,7 +14,8 @@ struct SpringPull {
 
 /// Hooke's law with a constant for either side:  F = kE (|d| - L) if |d| > L, else kC (|d| - L).
 /// A side without stiffness is slack. Coincident ends have no direction and so no force.
-inline SpringPull springPull(const Eigen::Vector3d& d, double restLength, double extension, double compression) {
+inline SpringPull springPull(const Eigen::Vector3d& d, double restLength, double extension,
+                             double compression) {
   constexpr double kCoincidentSquared = 1e-200;  // m^2: below it 1/|d| loses its digits
   const double squared = d.squaredNorm();
   if (!(squared > kCoincidentSquared)) return {Eigen::Vector3d::Zero(), 0.0};

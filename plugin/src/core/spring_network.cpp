@@ -13,9 +13,7 @@ constexpr double kShareRounding = 1e-9;
 
 using Pair = std::array<std::uint32_t, 2>;
 
-std::string name(const char* what, std::size_t index) {
-  return what + (" " + std::to_string(index));
-}
+std::string name(const char* what, std::size_t index) { return what + (" " + std::to_string(index)); }
 
 std::string checkPoints(const std::vector<Eigen::Vector3d>& points) {
   if (points.empty()) return "the network has no points";

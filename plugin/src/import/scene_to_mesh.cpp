@@ -19,9 +19,7 @@ struct Placement {
   Eigen::Vector3d origin;
 };
 
-Eigen::Vector3d toEigen(const aiVector3D& v) {
-  return {v.x, v.y, v.z};
-}
+Eigen::Vector3d toEigen(const aiVector3D& v) { return {v.x, v.y, v.z}; }
 
 Eigen::Matrix4d toEigen(const aiMatrix4x4& m) {
   Eigen::Matrix4d matrix;
@@ -30,9 +28,7 @@ Eigen::Matrix4d toEigen(const aiMatrix4x4& m) {
 }
 
 /// Faces of one or two corners are points and lines.
-bool isPolygon(const aiFace& face) {
-  return face.mNumIndices >= 3;
-}
+bool isPolygon(const aiFace& face) { return face.mNumIndices >= 3; }
 
 bool hasPolygons(const aiMesh& mesh) {
   for (unsigned face = 0; face < mesh.mNumFaces; ++face) {
