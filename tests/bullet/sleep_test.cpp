@@ -103,6 +103,19 @@ TEST_F(SleepTest, bulletsSwitchesAreHonoured) {
   EXPECT_FALSE(body->sleeping());
 }
 
+TEST_F(SleepTest, bodiesThatComeAndGoDoNotWakeIt) {
+  SoftBody* body = restingCube();
+  bullet.simulate(6.0);
+  ASSERT_TRUE(body->sleeping());
+  SoftBody* other = restingCube(5.0);
+  bullet.simulate(0.1);
+  EXPECT_TRUE(body->sleeping());
+  EXPECT_FALSE(other->sleeping());
+  system.destroyBody(other);
+  bullet.simulate(0.1);
+  EXPECT_TRUE(body->sleeping());
+}
+
 TEST_F(SleepTest, aSlowSwingIsNotRest) {
   SoftBodySettings s;
   s.position = {0, 4, 0};

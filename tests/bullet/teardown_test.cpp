@@ -156,6 +156,39 @@ TEST(Teardown, springsAndAnchorsGoWithTheirBodies) {
   EXPECT_TRUE(b->alive());
 }
 
+TEST(Teardown, springsOnDeletedPointsGoWithThem) {
+  BulletWorld bullet;
+  SoftBodySystem system(*bullet.world);
+  SoftBody* a = addCube(system);
+  SoftBody* b = addCube(system);
+  ASSERT_TRUE(system.addSpring({a->point(0)}, {b->point(0)}));
+  ASSERT_TRUE(system.addSpring({b->point(1)}, {nullptr}));
+  bullet.tick();
+  btRigidBody* point = a->point(0);
+  bullet.world->removeRigidBody(point);
+  bullet.tick();
+  delete point;
+  bullet.tick();
+  EXPECT_EQ(system.springCount(), 1u);
+  EXPECT_TRUE(b->alive());
+}
+
+TEST(Teardown, aRigidBodyMayLeaveTheWorldAndComeBack) {
+  BulletWorld bullet(0.0);
+  SoftBodySystem system(*bullet.world);
+  SoftBody* body = addCube(system);
+  btRigidBody* box = bullet.addBox(btVector3(1, 1, 1), 1, btVector3(0, 9, 0));
+  SpringSettings pull;
+  pull.restLength = 1.0;
+  ASSERT_TRUE(system.addSpring({body->point(0)}, {box}, pull));
+  bullet.world->removeRigidBody(box);
+  bullet.simulate(0.1);
+  EXPECT_EQ(body->linearMomentum().norm(), 0.0) << "a spring to nowhere does not pull";
+  bullet.world->addRigidBody(box);
+  bullet.simulate(0.1);
+  EXPECT_GT(body->linearMomentum().norm(), 0.1) << "now it does";
+}
+
 TEST(Teardown, removeAllBeforeTheBroadphaseGoes) {
   auto broadphase = std::make_unique<btDbvtBroadphase>();
   btDefaultCollisionConfiguration configuration;

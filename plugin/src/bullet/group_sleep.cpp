@@ -80,6 +80,10 @@ void updateCalmTime(TickGroup& group, btScalar tick) {
   forEachMember(group, [](btRigidBody& body) { body.setDeactivationTime(0); });
 }
 
+void rememberCalmTime(const TickGroup& group) {
+  for (SoftBodyData* body : group.bodies) body->calmTime = group.calmTime;
+}
+
 bool wantsSleep(const TickGroup& group) {
   return !group.asleep && group.calmTime > double(gDeactivationTime);
 }
@@ -138,6 +142,7 @@ void updateSleep(std::vector<TickGroup>& groups, btDiscreteDynamicsWorld& world,
   bool candidates = false;
   for (TickGroup& group : groups) {
     updateCalmTime(group, tick);
+    rememberCalmTime(group);
     candidates = candidates || wantsSleep(group);
   }
   if (!candidates) return;

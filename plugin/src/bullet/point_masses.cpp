@@ -143,8 +143,10 @@ void removePointMasses(SoftBodyData& body) {
 }
 
 void forgetDeletedPoint(SoftBodyData& body, std::uint32_t index) {
+  const PointMass* point = body.masses.bodies[index];
   body.masses.bodies[index] = nullptr;
   body.alive = false;
+  if (body.onPointDeleted) body.onPointDeleted(*point);
 }
 
 void gatherPoints(SoftBodyData& body, btScalar tick) {

@@ -8,6 +8,7 @@
 
 #include <limber/soft_body.h>
 
+#include <functional>
 #include <vector>
 
 namespace limber {
@@ -38,10 +39,14 @@ struct SoftBodyData {
 
   bool alive = true;
   bool asleep = false;
+  double calmTime = 0.0;          ///< s for which its group has been calm
   bool frequencyStale = true;     ///< inverse masses have changed since frequencySquared was computed
   double frequencySquared = 0.0;  ///< rad^2/s^2, bound of its own springs
   int substeps = 0;               ///< in the last tick
   std::vector<double> stiffnessSums;
+
+  /// Told when the application deletes one of the points.
+  std::function<void(const btRigidBody&)> onPointDeleted;
 };
 
 /// Wakes all points of a body; they get the gravity of this step that they missed while asleep.

@@ -50,10 +50,12 @@ struct SoftBodySystem::Impl final : TickListener {
 
   void hookUp();
   void unhookIfIdle(bool alive);
+  void dropSprings(const btRigidBody& body);
+  void forgetGroups();
   bool worldAlive() const;
   void rebuildGroupsIfNeeded();
   void stepGroups(btScalar tick);
-  std::vector<SoftBodyData*> livingBodies();
+  void updateLiving();
 
   btDiscreteDynamicsWorld* world;
   Hook hookKind;
@@ -64,6 +66,8 @@ struct SoftBodySystem::Impl final : TickListener {
   std::vector<std::unique_ptr<SoftBody>> bodies;
   SpringList springs;
   std::vector<TickGroup> groups;
+  std::vector<SoftBodyData*> living;  // the bodies in the groups
+  std::size_t usableLinks = 0;        // springs and anchors in the groups
   bool groupsStale = false;
   std::vector<unsigned char> islands;  // scratch of updateSleep
   TickProfile profile;
@@ -100,8 +104,7 @@ SoftBodySystem::~SoftBodySystem() {
 }
 
 void SoftBodySystem::removeAll() {
-  impl_->groups.clear();
-  impl_->groupsStale = true;
+  impl_->forgetGroups();
   impl_->springs.clear();
   while (!impl_->bodies.empty()) destroyBody(impl_->bodies.back().get());
 }
@@ -128,6 +131,7 @@ Result<SoftBody*> SoftBodySystem::createBody(SharedNetwork network, const SoftBo
   if (!data) return Error{data.error()};
   impl_->hookUp();
   (*data)->world = impl_->world;
+  (*data)->onPointDeleted = [impl = impl_.get()](const btRigidBody& point) { impl->dropSprings(point); };
   impl_->bodies.push_back(std::make_unique<SoftBody>(std::move(*data)));
   SoftBody* body = impl_->bodies.back().get();
   addPointMasses(*body->data_);
@@ -142,8 +146,7 @@ void SoftBodySystem::destroyBody(SoftBody* body) {
   const bool alive = impl_->worldAlive();
   for (btRigidBody* point : body->data_->masses.bodies)
     if (point) forget(*point);
-  impl_->groups.clear();
-  impl_->groupsStale = true;
+  impl_->forgetGroups();
   removePointMasses(*body->data_);
   impl_->bodies.erase(it);
   impl_->unhookIfIdle(alive);
@@ -164,6 +167,8 @@ Result<SpringConstraint*> SoftBodySystem::addSpring(const SpringEnd& a, const Sp
   impl_->springs.push_back(std::make_unique<SpringConstraint>(a, b, settings));
   SpringConstraint* spring = impl_->springs.back().get();
   if (settings.restLength < 0.0) spring->settings_.restLength = double(spring->length());
+  for (btRigidBody* end : {a.body, b.body})
+    if (end) end->activate();
   impl_->groupsStale = true;
   return spring;
 }
@@ -180,11 +185,23 @@ Result<SpringConstraint*> SoftBodySystem::changeSpring(SpringConstraint* spring,
 
 void SoftBodySystem::removeSpring(SpringConstraint* spring) {
   const auto isSpring = [&](const auto& owned) { return owned.get() == spring; };
-  impl_->groups.clear();
-  impl_->groupsStale = true;
-  impl_->springs.erase(std::remove_if(impl_->springs.begin(), impl_->springs.end(), isSpring),
-                       impl_->springs.end());
+  impl_->forgetGroups();
+  SpringList& springs = impl_->springs;
+  springs.erase(std::remove_if(springs.begin(), springs.end(), isSpring), springs.end());
   impl_->unhookIfIdle(impl_->worldAlive());
+}
+
+void SoftBodySystem::Impl::dropSprings(const btRigidBody& body) {
+  const auto isOn = [&](const auto& spring) { return holdsOn(*spring, &body); };
+  forgetGroups();
+  springs.erase(std::remove_if(springs.begin(), springs.end(), isOn), springs.end());
+}
+
+/// Groups hold pointers to bodies and springs: whoever removes one calls this first.
+void SoftBodySystem::Impl::forgetGroups() {
+  groups.clear();
+  living.clear();
+  groupsStale = true;
 }
 
 std::size_t SoftBodySystem::springCount() const { return impl_->springs.size(); }
@@ -218,14 +235,12 @@ bool SoftBodySystem::detach(SoftBody* softBody, std::uint32_t i) {
   anchors.erase(it);
   if (PointMass* point = softBody->data_->masses.bodies[i]) point->attachedTo = nullptr;
   softBody->wake();
-  impl_->groups.clear();
-  impl_->groupsStale = true;
+  impl_->forgetGroups();
   return true;
 }
 
 void SoftBodySystem::forget(const btRigidBody& body) {
-  for (std::size_t i = impl_->springs.size(); i-- > 0;)
-    if (holdsOn(*impl_->springs[i], &body)) removeSpring(impl_->springs[i].get());
+  impl_->dropSprings(body);
   for (auto& softBody : impl_->bodies)
     for (std::size_t i = softBody->data_->anchors.size(); i-- > 0;)
       if (softBody->data_->anchors[i].body == &body)
@@ -234,17 +249,19 @@ void SoftBodySystem::forget(const btRigidBody& body) {
 
 // --- the tick ----------------------------------------------------------------------------------------------
 
-std::vector<SoftBodyData*> SoftBodySystem::Impl::livingBodies() {
-  std::vector<SoftBodyData*> living;
+void SoftBodySystem::Impl::updateLiving() {
+  living.clear();
   for (auto& body : bodies)
     if (body->data_->alive) living.push_back(body->data_.get());
-  return living;
 }
 
 void SoftBodySystem::Impl::rebuildGroupsIfNeeded() {
   for (const TickGroup& group : groups) groupsStale = groupsStale || !isWhole(group);
+  groupsStale = groupsStale || countUsableLinks(living, springs) != usableLinks;
   if (!groupsStale) return;
-  groups = makeGroups(livingBodies(), springs);
+  updateLiving();
+  groups = makeGroups(living, springs);
+  usableLinks = countUsableLinks(living, springs);
   groupsStale = false;
 }
 

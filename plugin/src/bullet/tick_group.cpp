@@ -19,8 +19,7 @@ bool isWhole(const TickGroup& group) {
     if (std::any_of(points.begin(), points.end(), pointGone)) body->alive = false;
     if (!body->alive) return false;
   }
-  const auto rigidGone = [](const RigidPartner& partner) { return !partner.body->isInWorld(); };
-  return std::none_of(group.rigids.begin(), group.rigids.end(), rigidGone);
+  return true;
 }
 
 void gatherGroup(TickGroup& group, btScalar tick) {
@@ -205,7 +204,24 @@ bool usable(const Anchor& anchor) { return anchor.body->isInWorld(); }
 
 bool usable(const SpringConstraint& spring) { return usable(spring.endA()) && usable(spring.endB()); }
 
+void takeOverSleep(TickGroup& group) {
+  group.asleep = !group.bodies.empty();
+  group.calmTime = group.bodies.empty() ? 0.0 : group.bodies.front()->calmTime;
+  for (const SoftBodyData* body : group.bodies) {
+    group.asleep = group.asleep && body->asleep;
+    group.calmTime = std::min(group.calmTime, body->calmTime);
+  }
+}
+
 }  // namespace
+
+std::size_t countUsableLinks(const std::vector<SoftBodyData*>& bodies, const SpringList& springs) {
+  std::size_t count = 0;
+  for (const auto& spring : springs) count += usable(*spring);
+  for (const SoftBodyData* body : bodies)
+    for (const Anchor& anchor : body->anchors) count += usable(anchor);
+  return count;
+}
 
 std::vector<TickGroup> makeGroups(const std::vector<SoftBodyData*>& bodies, const SpringList& springs) {
   Nodes nodes(bodies);
@@ -234,7 +250,10 @@ std::vector<TickGroup> makeGroups(const std::vector<SoftBodyData*>& bodies, cons
   }
 
   std::vector<TickGroup> ordered;
-  for (auto& [root, group] : groups) ordered.push_back(std::move(group));
+  for (auto& [root, group] : groups) {
+    takeOverSleep(group);
+    ordered.push_back(std::move(group));
+  }
   return ordered;
 }
 

@@ -28,11 +28,15 @@ struct TickGroup {
 using SpringList = std::vector<std::unique_ptr<SpringConstraint>>;
 
 /// The groups of these bodies and springs, in the order of their first bodies, then of their first springs.
-/// Calm times are lost: new links wake what they join.
+/// A group is asleep if all its bodies are.
 std::vector<TickGroup> makeGroups(const std::vector<SoftBodyData*>& bodies, const SpringList& springs);
 
-/// False once a point mass or a rigid body of the group has left the world: the groups must be made anew.
+/// False once a point mass of the group has left the world: the groups must be made anew.
 bool isWhole(const TickGroup& group);
+
+/// Springs and anchors of which both ends are in the world; when their number changes, the groups must be
+/// made anew.
+std::size_t countUsableLinks(const std::vector<SoftBodyData*>& bodies, const SpringList& springs);
 
 /// The stages of a tick, see point_masses.h.
 void gatherGroup(TickGroup& group, btScalar tick);
