@@ -170,7 +170,7 @@ TEST(Contact, reboundIsThatOfTheConvergedReference) {
     s.position = {0, 1.02, 0};
     s.extensionStiffness = s.compressionStiffness = stiffness;
     s.damping = 0.04 * std::sqrt(stiffness * 0.125);
-    s.substeps.atLeast = substeps;
+    s.stepping.atLeast = substeps;
     SoftBody* body = *system.createBody(test::fullCubeNetwork(), s);
     double highestAfter = 0;
     bool falls = false, rises = false;

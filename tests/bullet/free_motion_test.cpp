@@ -53,7 +53,7 @@ TEST(Oscillator, periodAndAmplitudeAt30TicksAPeriod) {
   s.totalMass = 0.2;  // 0.1 kg on each of the two points
   s.extensionStiffness = s.compressionStiffness = 16.0;
   s.damping = 0.0;
-  s.substeps.periodTolerance = 1e-5;
+  s.stepping.periodTolerance = 1e-5;
   const double exact = 2 * M_PI * std::sqrt(0.1 / 16.0);
   const Oscillation o = oscillate(s, 10, exact, 1.0 / 60.0);
   // (omega dt)^2/24 is asked to be 1e-5; the substep count rounds in favour
@@ -67,7 +67,7 @@ TEST(Oscillator, periodDoesNotDependOnTheTick) {
   s.totalMass = 0.2;
   s.extensionStiffness = s.compressionStiffness = 16.0;
   s.damping = 0.0;
-  s.substeps.periodTolerance = 1e-5;
+  s.stepping.periodTolerance = 1e-5;
   const double exact = 2 * M_PI * std::sqrt(0.1 / 16.0);
   for (double dt : {1.0 / 30, 1.0 / 60, 1.0 / 120, 1.0 / 240})
     // at 1/30 a period has 15 ticks; interpolating its zero crossings linearly errs by a few 1e-4 of a period
@@ -82,7 +82,7 @@ TEST(Oscillator, defaultToleranceHoldsItsPromise) {
   s.damping = 0.0;
   const double exact = 2 * M_PI * std::sqrt(0.1 / 1000.0);
   const Oscillation o = oscillate(s, 40, exact, 1.0 / 240.0);
-  EXPECT_NEAR(o.period, exact, s.substeps.periodTolerance * exact);
+  EXPECT_NEAR(o.period, exact, s.stepping.periodTolerance * exact);
   EXPECT_NEAR(o.lastPeak, 0.1, 0.02) << "the amplitude neither grows nor decays";
 }
 
@@ -90,7 +90,7 @@ TEST(Oscillator, dampedAmplitudeFollowsTheLogarithmicDecrement) {
   SoftBodySettings s;
   s.totalMass = 0.2;
   s.extensionStiffness = s.compressionStiffness = 16.0;
-  s.substeps.periodTolerance = 1e-5;
+  s.stepping.periodTolerance = 1e-5;
   const double zeta = 0.02;
   s.damping = 2 * zeta * std::sqrt(16.0 * 0.1);
   const double omega = std::sqrt(16.0 / 0.1);

@@ -43,10 +43,10 @@ TEST(SoftBodySettings, everyBadOneIsNamedWithItsValueAndRule) {
             "totalMass is 0, must be above 0 and at most 1e12");
   EXPECT_EQ(reasonAfter([](auto& s) { s.pointRadius = -1; }), "pointRadius is -1, must be from 0 to 1e6");
   EXPECT_EQ(reasonAfter([](auto& s) { s.restitution = 1.5; }), "restitution is 1.5, must be from 0 to 1");
-  EXPECT_EQ(reasonAfter([](auto& s) { s.substeps.atLeast = 0; }),
-            "substeps.atLeast is 0, must be from 1 to 1e6");
-  EXPECT_EQ(reasonAfter([](auto& s) { s.substeps.periodTolerance = 0; }),
-            "substeps.periodTolerance is 0, must be above 0 and at most 1");
+  EXPECT_EQ(reasonAfter([](auto& s) { s.stepping.atLeast = 0; }),
+            "stepping.atLeast is 0, must be from 1 to 1e6");
+  EXPECT_EQ(reasonAfter([](auto& s) { s.stepping.periodTolerance = 0; }),
+            "stepping.periodTolerance is 0, must be above 0 and at most 1");
 }
 
 TEST(SoftBodySettings, negativeScaleMirrorsAndIsAllowed) {

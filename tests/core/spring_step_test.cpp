@@ -134,7 +134,7 @@ TEST(Damping, neverLimitsTheStepFromNoneToAThousandTimesCritical) {
     body.state.position += 0.2 * Points::Random(3, 8);
     const double start = body.energy();
     std::vector<double> sums;
-    SubstepChoice coarsest;
+    Stepping coarsest;
     coarsest.periodTolerance = 1.0;  // as coarse as stability allows
     const double tick = 1.0 / 60;
     const int n =
@@ -204,7 +204,7 @@ TEST(FrequencyBound, isExactForASpringOnAHeldPoint) {
 }
 
 TEST(SubstepCount, followsStabilityToleranceAndTheUser) {
-  SubstepChoice choice;
+  Stepping choice;
   choice.periodTolerance = 1.0;
   EXPECT_EQ(substepCount(0.0, 1.0 / 60, choice), 1);
   EXPECT_EQ(substepCount(1e6, 1.0 / 60, choice), static_cast<int>(std::ceil(1000.0 / 60 / 1.8)));

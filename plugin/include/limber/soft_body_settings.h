@@ -5,17 +5,40 @@
 
 #include <Eigen/Geometry>
 
+#include <cstdint>
 #include <string>
 
 namespace limber {
 
-/// How finely the springs are stepped within one Bullet tick. The number of substeps always keeps the step
-/// stable; these settings make it larger where accuracy asks for it.
-struct SubstepChoice {
+/// How the motion of a body is advanced within a Bullet tick.
+enum class Stepper : std::uint8_t {
+  Auto,    ///< whichever of those below is cheapest for the body's stiffness, damping, mesh and tick
+  Verlet,  ///< velocity Verlet in as many substeps as the stiffest spring needs
+  ImplicitMidpoint,  ///< local/global iterations on a factor that all bodies of one network share
+  BandedNewton       ///< implicit midpoint by Newton's method, for ropes and chains
+};
+
+/// How finely the springs are stepped within one Bullet tick. Every choice is stable; these settings buy
+/// accuracy, or cap what it may cost.
+struct Stepping {
+  Stepper stepper = Stepper::Auto;
   int atLeast = 1;                ///< substeps per tick, 1 or more
   double periodTolerance = 0.05;  ///< largest relative error of the period of the body's stiffest oscillation
                                   ///< (Verlet: (omega dt)^2 / 24); slower ones are better by the square of
                                   ///< the ratio. Halving the error costs 1.41x the substeps.
+  double tolerance = 0.0;         ///< m per second of motion, of SoftBody::errorPerSecond(); 0: not asked for
+  double relativeTolerance = 0.0;  ///< the same as a share of the body's size per second; 0: not asked for
+  int budget = 0;  ///< substeps per tick at most, 0: no limit. A body that would need more to be stable is
+                   ///< stepped implicitly; the error that follows is reported by SoftBody::errorPerSecond()
+};
+
+/// What becomes of springs beyond a strain, |length / rest length - 1|. Each is off at 0.
+struct ElasticLimit {
+  double stiffenStrain = 0.0;   ///< beyond it the spring is stiffenFactor times as stiff (the paper's Fig. 5)
+  double stiffenFactor = 10.0;  ///< 1 or more
+  double yieldStrain = 0.0;     ///< beyond it the rest length follows, for good (perfect plasticity)
+  double yieldMaximum = 0.5;    ///< largest permanent strain, below 1; at it the spring is elastic again
+  double breakStrain = 0.0;     ///< beyond it, while longer than at rest, the spring is gone for good
 };
 
 /// Everything a soft body is besides its shape. SI units: metres, kilograms, seconds, newtons, radians.
@@ -41,7 +64,8 @@ struct SoftBodySettings {
   double sleepingSpeed =
       0.1;  ///< m/s; a body all of whose points stay slower for gDeactivationTime goes to sleep
 
-  SubstepChoice substeps;
+  Stepping stepping;
+  ElasticLimit elasticLimit;
 
   /// The values of C. Hart's paper for its cube with edges of 1 m: k = 20 N/m, damping 0.2 N s/m.
   static SoftBodySettings paper();

@@ -57,6 +57,8 @@ bool SoftBody::pinned(std::uint32_t i) const { return point(i) && point(i)->isKi
 bool SoftBody::sleeping() const { return data_->asleep; }
 void SoftBody::wake() { wakePoints(*data_, false); }
 
+Stepper SoftBody::stepper() const { return data_->stepper; }
+double SoftBody::errorPerSecond() const { return data_->errorPerSecond; }
 int SoftBody::substeps() const { return data_->substeps; }
 double SoftBody::frequencyBound() const { return std::sqrt(data_->frequencySquared); }
 

@@ -39,10 +39,12 @@ struct SoftBodyData {
 
   bool alive = true;
   bool asleep = false;
-  double calmTime = 0.0;          ///< s for which its group has been calm
-  bool frequencyStale = true;     ///< inverse masses have changed since frequencySquared was computed
-  double frequencySquared = 0.0;  ///< rad^2/s^2, bound of its own springs
-  int substeps = 0;               ///< in the last tick
+  double calmTime = 0.0;              ///< s for which its group has been calm
+  bool frequencyStale = true;         ///< inverse masses have changed since frequencySquared was computed
+  double frequencySquared = 0.0;      ///< rad^2/s^2, bound of its own springs
+  int substeps = 0;                   ///< in the last tick
+  Stepper stepper = Stepper::Verlet;  ///< in the last tick
+  double errorPerSecond = 0.0;        ///< m/s
   std::vector<double> stiffnessSums;
 
   /// Told when the application deletes one of the points.

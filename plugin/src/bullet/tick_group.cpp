@@ -34,13 +34,13 @@ void gatherGroup(TickGroup& group, btScalar tick) {
 namespace {
 
 /// The strictest of the bodies' choices; single springs keep the default.
-SubstepChoice substepChoice(const TickGroup& group) {
-  SubstepChoice choice;
+Stepping substepChoice(const TickGroup& group) {
+  Stepping choice;
   for (const SoftBodyData* body : group.bodies) {
-    choice.atLeast = std::max(choice.atLeast, body->settings.substeps.atLeast);
-    choice.periodTolerance = std::min(choice.periodTolerance, body->settings.substeps.periodTolerance);
+    choice.atLeast = std::max(choice.atLeast, body->settings.stepping.atLeast);
+    choice.periodTolerance = std::min(choice.periodTolerance, body->settings.stepping.periodTolerance);
   }
-  if (group.bodies.size() == 1) choice.periodTolerance = group.bodies[0]->settings.substeps.periodTolerance;
+  if (group.bodies.size() == 1) choice.periodTolerance = group.bodies[0]->settings.stepping.periodTolerance;
   return choice;
 }
 

@@ -74,8 +74,16 @@ std::string validate(const SoftBodySettings& s) {
       {"friction", s.friction, 0, true, 1e6, "from 0 to 1e6"},
       {"restitution", s.restitution, 0, true, 1, "from 0 to 1"},
       {"sleepingSpeed", s.sleepingSpeed, 0, true, 1e6, "from 0 to 1e6"},
-      {"substeps.atLeast", static_cast<double>(s.substeps.atLeast), 1, true, 1e6, "from 1 to 1e6"},
-      {"substeps.periodTolerance", s.substeps.periodTolerance, 0, false, 1, "above 0 and at most 1"},
+      {"stepping.atLeast", static_cast<double>(s.stepping.atLeast), 1, true, 1e6, "from 1 to 1e6"},
+      {"stepping.periodTolerance", s.stepping.periodTolerance, 0, false, 1, "above 0 and at most 1"},
+      {"stepping.tolerance", s.stepping.tolerance, 0, true, 1e6, "from 0 to 1e6"},
+      {"stepping.relativeTolerance", s.stepping.relativeTolerance, 0, true, 1e6, "from 0 to 1e6"},
+      {"stepping.budget", static_cast<double>(s.stepping.budget), 0, true, 1e6, "from 0 to 1e6"},
+      {"elasticLimit.stiffenStrain", s.elasticLimit.stiffenStrain, 0, true, 1e6, "from 0 to 1e6"},
+      {"elasticLimit.stiffenFactor", s.elasticLimit.stiffenFactor, 1, true, 1e6, "from 1 to 1e6"},
+      {"elasticLimit.yieldStrain", s.elasticLimit.yieldStrain, 0, true, 1e6, "from 0 to 1e6"},
+      {"elasticLimit.yieldMaximum", s.elasticLimit.yieldMaximum, 0, true, 0.999, "from 0 to 0.999"},
+      {"elasticLimit.breakStrain", s.elasticLimit.breakStrain, 0, true, 1e6, "from 0 to 1e6"},
   };
   return firstBroken(std::begin(checks), std::end(checks));
 }

@@ -31,7 +31,7 @@ double frequencyBoundSquared(const SpringArrays& springs, const Points& inverseM
   return bound;
 }
 
-int substepCount(double frequencySquared, double tick, const SubstepChoice& settings) {
+int substepCount(double frequencySquared, double tick, const Stepping& settings) {
   const double phase = std::sqrt(frequencySquared) * tick;
   const double largestStep = std::min(kLargestPhaseStep, std::sqrt(24.0 * settings.periodTolerance));
   const double needed = std::ceil(phase / largestStep);

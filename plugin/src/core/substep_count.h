@@ -22,6 +22,6 @@ double frequencyBoundSquared(const SpringArrays& springs, const Points& inverseM
 /// Substeps for a tick of `tick` seconds: at least settings.atLeast; stable (velocity Verlet: omega dt < 2,
 /// the dampers do not change that); period error of the fastest oscillation, (omega dt)^2 / 24 (Hairer,
 /// Lubich, Wanner 2006, section I.5), at most settings.periodTolerance.
-int substepCount(double frequencySquared, double tick, const SubstepChoice& settings);
+int substepCount(double frequencySquared, double tick, const Stepping& settings);
 
 }  // namespace limber
