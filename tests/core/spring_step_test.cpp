@@ -51,7 +51,7 @@ TEST(SpringForces, areTheGradientOfTheEnergy) {
   body.springs = makeSprings(*body.net, body.settings);
   body.state.position += 0.2 * Points::Random(3, 8);
   body.state.force.setZero();
-  addSpringForces(body.springs, body.state);
+  computeSpringForces(body.springs, body.state);
   const double step = 1e-6;
   for (Eigen::Index i = 0; i < body.state.position.size(); ++i) {
     Points right = body.state.position, left = body.state.position;

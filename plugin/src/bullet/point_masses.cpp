@@ -160,7 +160,10 @@ void gatherPoints(SoftBodyData& body, btScalar tick) {
     else
       gatherFree(body, i);
     const Eigen::Vector3d w = inverseMass(point, held);
-    if (w != body.state.inverseMass.col(i)) body.frequencyStale = true;
+    if (w != body.state.inverseMass.col(i)) {
+      body.frequencyStale = true;
+      body.springs.damperTime = 0.0;
+    }
     body.state.inverseMass.col(i) = w;
     m.held[i] = held;
     remember(m, i);

@@ -6,6 +6,7 @@
 #include "bullet/group_sleep.h"
 #include "bullet/new_body.h"
 #include "bullet/soft_body_data.h"
+#include "bullet/step_plan.h"
 #include "bullet/tick_group.h"
 #include "bullet/tick_hook.h"
 
@@ -54,7 +55,9 @@ struct SoftBodySystem::Impl final : TickListener {
   void forgetGroups();
   bool worldAlive() const;
   void rebuildGroupsIfNeeded();
+  void gatherGroups(btScalar tick);
   void stepGroups(btScalar tick);
+  void handOverGroups(btScalar tick);
   void updateLiving();
 
   btDiscreteDynamicsWorld* world;
@@ -66,6 +69,7 @@ struct SoftBodySystem::Impl final : TickListener {
   std::vector<std::unique_ptr<SoftBody>> bodies;
   SpringList springs;
   std::vector<TickGroup> groups;
+  StepPlan plan;
   std::vector<SoftBodyData*> living;  // the bodies in the groups
   std::size_t usableLinks = 0;        // springs and anchors in the groups
   bool groupsStale = false;
@@ -200,6 +204,7 @@ void SoftBodySystem::Impl::dropSprings(const btRigidBody& body) {
 /// Groups hold pointers to bodies and springs: whoever removes one calls this first.
 void SoftBodySystem::Impl::forgetGroups() {
   groups.clear();
+  plan.clear();
   living.clear();
   groupsStale = true;
 }
@@ -261,22 +266,30 @@ void SoftBodySystem::Impl::rebuildGroupsIfNeeded() {
   if (!groupsStale) return;
   updateLiving();
   groups = makeGroups(living, springs);
+  plan.clear();
   usableLinks = countUsableLinks(living, springs);
   groupsStale = false;
 }
 
-void SoftBodySystem::Impl::stepGroups(btScalar tick) {
+void SoftBodySystem::Impl::gatherGroups(btScalar tick) {
+  const StopWatch watch(profile.gatherMs);
   for (TickGroup& group : groups) {
     if (group.asleep) continue;
-    {
-      const StopWatch watch(profile.gatherMs);
-      gatherGroup(group, tick);
-    }
-    {
-      const StopWatch watch(profile.stepMs);
-      stepGroup(group, tick);
-    }
-    const StopWatch watch(profile.handOverMs);
+    gatherGroup(group, tick);
+    chooseStepping(group, double(tick));
+  }
+}
+
+void SoftBodySystem::Impl::stepGroups(btScalar tick) {
+  const StopWatch watch(profile.stepMs);
+  plan.step(groups, double(tick));
+}
+
+void SoftBodySystem::Impl::handOverGroups(btScalar tick) {
+  const StopWatch watch(profile.handOverMs);
+  for (TickGroup& group : groups) {
+    if (group.asleep) continue;
+    reportStepping(group, double(tick));
     handOverGroup(group, tick);
     for (const SoftBodyData* body : group.bodies) {
       profile.pointsStepped += body->network->restPoints.size();
@@ -292,7 +305,9 @@ void SoftBodySystem::Impl::beforeTick(btScalar tick) {
   rebuildGroupsIfNeeded();
   updateSleep(groups, *world, tick, islands);
   readManifolds(*world->getDispatcher());
+  gatherGroups(tick);
   stepGroups(tick);
+  handOverGroups(tick);
 }
 
 void SoftBodySystem::Impl::afterTick(btScalar tick) {

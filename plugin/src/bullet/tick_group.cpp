@@ -60,10 +60,27 @@ double frequencyBoundSquared(TickGroup& group) {
 
 }  // namespace
 
-void stepGroup(TickGroup& group, btScalar tick) {
-  group.substeps = substepCount(frequencyBoundSquared(group), double(tick), substepChoice(group));
-  stepVerlet(group.step, double(tick), group.substeps);
-  for (SoftBodyData* body : group.bodies) body->substeps = group.substeps;
+void chooseStepping(TickGroup& group, double tick) {
+  group.substeps = substepCount(frequencyBoundSquared(group), tick, substepChoice(group));
+}
+
+void stepGroup(TickGroup& group, double tick) { stepVerlet(group.step, tick, group.substeps); }
+
+namespace {
+
+/// s, for which a peak of the error is remembered.
+constexpr double kErrorMemory = 0.25;
+
+}  // namespace
+
+void reportStepping(TickGroup& group, double tick) {
+  for (std::size_t i = 0; i < group.bodies.size(); ++i) {
+    SoftBodyData& body = *group.bodies[i];
+    const double faded = body.errorPerSecond * std::max(0.0, 1.0 - tick / kErrorMemory);
+    body.errorPerSecond = std::max(group.step.bodies[i].errorRate, faded);
+    body.substeps = group.substeps;
+    body.stepper = group.stepper;
+  }
 }
 
 void handOverGroup(TickGroup& group, btScalar tick) {

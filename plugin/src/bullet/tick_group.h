@@ -23,6 +23,7 @@ struct TickGroup {
   double calmTime = 0.0;  ///< s for which nothing in it has moved faster than it may in sleep
   bool asleep = false;
   int substeps = 0;
+  Stepper stepper = Stepper::Verlet;
 };
 
 using SpringList = std::vector<std::unique_ptr<SpringConstraint>>;
@@ -40,7 +41,9 @@ std::size_t countUsableLinks(const std::vector<SoftBodyData*>& bodies, const Spr
 
 /// The stages of a tick, see point_masses.h.
 void gatherGroup(TickGroup& group, btScalar tick);
-void stepGroup(TickGroup& group, btScalar tick);
+void chooseStepping(TickGroup& group, double tick);
+void stepGroup(TickGroup& group, double tick);
+void reportStepping(TickGroup& group, double tick);
 void handOverGroup(TickGroup& group, btScalar tick);
 void takeBackGroup(TickGroup& group, btScalar tick);
 

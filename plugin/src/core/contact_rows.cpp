@@ -15,10 +15,10 @@ constexpr double kRecoverySpeed = 0.5;
 constexpr int kSweepsInCorners = 8;
 
 /// Brings the point's normal speed relative to the surface up to `target`; friction against sliding.
-void applyRow(ContactRow& row, PointState& state, double target) {
-  const Eigen::Vector3d w = state.inverseMass.col(row.point);
+void applyRow(ContactRow& row, const PointView& points, double target) {
+  const Eigen::Vector3d w = points.inverseMassOf(row.point);
   const double mobility = row.normal.dot(w.cwiseProduct(row.normal));
-  const Eigen::Vector3d relative = state.velocity.col(row.point) - row.surfaceVelocity;
+  const Eigen::Vector3d relative = points.velocityOf(row.point) - row.surfaceVelocity;
   const double speed = row.normal.dot(relative);
   row.touching = speed < target && mobility > 0.0;
   if (!row.touching) return;
@@ -30,7 +30,7 @@ void applyRow(ContactRow& row, PointState& state, double target) {
     const double stopping = slidingSpeed / mobility;
     impulse -= std::min(stopping, row.friction * normalImpulse) / slidingSpeed * sliding;
   }
-  state.velocity.col(row.point) += w.cwiseProduct(impulse);
+  points.velocityOf(row.point) += w.cwiseProduct(impulse);
   row.impulse += impulse;
 }
 
@@ -42,21 +42,21 @@ bool pointsHaveOneRowEach(const std::vector<ContactRow>& rows) {
 
 }  // namespace
 
-void stopAtContacts(std::vector<ContactRow>& rows, PointState& state, double time, double dt) {
+void stopAtContacts(std::vector<ContactRow>& rows, const PointView& points, double time, double dt) {
   const int sweeps = pointsHaveOneRowEach(rows) ? 1 : kSweepsInCorners;
   for (int sweep = 0; sweep < sweeps; ++sweep)
     for (ContactRow& row : rows) {
       const Eigen::Vector3d touch = row.touch + time * row.surfaceVelocity;
-      const double gap = row.normal.dot(state.position.col(row.point) - touch);
+      const double gap = row.normal.dot(points.positionOf(row.point) - touch);
       const bool before = sweep > 0 && row.touching;
-      applyRow(row, state, gap >= 0.0 ? -gap / dt : std::min(-kRecovery * gap / dt, kRecoverySpeed));
+      applyRow(row, points, gap >= 0.0 ? -gap / dt : std::min(-kRecovery * gap / dt, kRecoverySpeed));
       row.touching = row.touching || before;
     }
 }
 
-void settleContacts(std::vector<ContactRow>& rows, PointState& state) {
+void settleContacts(std::vector<ContactRow>& rows, const PointView& points) {
   for (ContactRow& row : rows)
-    if (row.touching) applyRow(row, state, 0.0);
+    if (row.touching) applyRow(row, points, 0.0);
 }
 
 }  // namespace limber

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
-#include "core/point_state.h"
+#include "core/point_view.h"
 
 #include <cstdint>
 #include <vector>
@@ -28,10 +28,10 @@ struct ContactRow {
 /// with which it would end below a surface, and as much of its sliding as friction allows. A point that is
 /// already below is lifted gently. Rows of one point alternate until they agree; rows of different points are
 /// independent, so this is exact.
-void stopAtContacts(std::vector<ContactRow>& rows, PointState& state, double time, double dt);
+void stopAtContacts(std::vector<ContactRow>& rows, const PointView& points, double time, double dt);
 
 /// After the second kick of a substep: a point that touches does not approach. This is to stopAtContacts what
 /// RATTLE is to SHAKE: velocities are those of bodies at rest, not of a step in free fall.
-void settleContacts(std::vector<ContactRow>& rows, PointState& state);
+void settleContacts(std::vector<ContactRow>& rows, const PointView& points);
 
 }  // namespace limber

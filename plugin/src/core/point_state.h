@@ -16,9 +16,10 @@ struct PointState {
   Points acceleration;  ///< m/s^2 from everything but the springs, constant over a tick
   Points inverseMass;   ///< 1/kg per axis; 0 where a point is held
   Points force;         ///< N from the springs at `position`
+  Points earlierForce;  ///< N, scratch of the step
 
   void resize(Eigen::Index points) {
-    for (Points* array : {&position, &velocity, &acceleration, &inverseMass, &force})
+    for (Points* array : {&position, &velocity, &acceleration, &inverseMass, &force, &earlierForce})
       array->setZero(3, points);
   }
 };

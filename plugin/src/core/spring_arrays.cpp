@@ -14,6 +14,10 @@ SpringArrays makeSprings(const SpringNetwork& network, const SoftBodySettings& s
     s.compressionStiffness.push_back(settings.compressionStiffness * spring.stiffnessScale);
     s.damping.push_back(settings.damping * spring.stiffnessScale);
   }
+  const ElasticLimit& limit = settings.elasticLimit;
+  s.limit = limit;
+  s.limited = limit.stiffenStrain > 0.0 || limit.yieldStrain > 0.0 || limit.breakStrain > 0.0;
+  if (s.limited) s.originalLength = s.restLength;
   s.damped = settings.damping > 0.0;
   s.direction.setZero(3, static_cast<Eigen::Index>(s.size()));
   s.dampHalf.assign(s.size(), 0.0);

@@ -20,10 +20,17 @@ struct SpringArrays {
   std::vector<double> damping;               ///< N s/m
   bool damped = false;                       ///< whether any spring has damping
 
+  ElasticLimit limit;
+  bool limited = false;                ///< whether any part of `limit` is on
+  std::vector<double> originalLength;  ///< m, the rest length before any yielding; empty if not limited
+  std::size_t broken = 0;              ///< springs that have broken so far
+
   // Written by the step.
   Points direction;              ///< 3 x #springs, unit vector from a to b, 0 while the spring is slack
   std::vector<double> dampHalf;  ///< kg, impulse per closing speed over half a substep
   std::vector<double> dampFull;  ///< the same over a whole one
+  double damperTime = 0.0;       ///< s, the substep they hold for; 0 when an inverse mass has changed since
+  unsigned revision = 1;         ///< counts the changes of everything but `direction`
 
   std::size_t size() const { return a.size(); }
 };

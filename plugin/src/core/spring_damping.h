@@ -23,15 +23,16 @@ inline double dampingImpulse(double damping, double inverseMasses, double dt) {
   return (1.0 - decay(damping * inverseMasses * dt)) / inverseMasses;
 }
 
-/// Fills dampHalf and dampFull for substeps of `dt` seconds. Where a point moves along some axes only, its
-/// largest inverse mass is taken: the damper then brakes a little less, never too much.
+/// Fills dampHalf and dampFull for substeps of `dt` seconds, unless they hold for it already. Where a point
+/// moves along some axes only, its largest inverse mass is taken: the damper then brakes a little less, never
+/// too much.
 void prepareDampers(SpringArrays& springs, const Points& inverseMass, double dt);
 
 enum class SweepOrder { Forward, Backward };
 
 /// Applies each damper's impulse in turn to `state.velocity`, with the given kg per closing speed (dampHalf
 /// or dampFull). Alternating the order makes the splitting symmetric, hence second order.
-void dampSprings(const SpringArrays& springs, const std::vector<double>& impulse, SweepOrder order,
+void dampSprings(SpringArrays& springs, const std::vector<double>& impulse, SweepOrder order,
                  PointState& state);
 
 }  // namespace limber

@@ -1,19 +1,19 @@
 // SPDX-License-Identifier: Zlib
 #include "core/spring_forces.h"
 
+#include "core/elastic_limit.h"
+#include "core/kernel_views.h"
+
 #include <cmath>
 
 namespace limber {
 
-void addSpringForces(SpringArrays& springs, PointState& state) {
-  for (std::size_t i = 0; i < springs.size(); ++i) {
-    const Eigen::Vector3d d = state.position.col(springs.b[i]) - state.position.col(springs.a[i]);
-    const SpringPull pull =
-        springPull(d, springs.restLength[i], springs.extensionStiffness[i], springs.compressionStiffness[i]);
-    springs.direction.col(static_cast<Eigen::Index>(i)) = pull.direction;
-    const Eigen::Vector3d force = pull.force * pull.direction;
-    state.force.col(springs.a[i]) += force;
-    state.force.col(springs.b[i]) -= force;
+void computeSpringForces(SpringArrays& springs, PointState& state) {
+  if (springs.limited) {
+    state.force.setZero();
+    addLimitedForces(springs, state);
+  } else {
+    kernel::computeForces(kernelSprings(springs), kernelPoints(state));
   }
 }
 
@@ -22,8 +22,12 @@ double elasticEnergy(const SpringArrays& springs, const Points& position) {
   for (std::size_t i = 0; i < springs.size(); ++i) {
     const double length = (position.col(springs.b[i]) - position.col(springs.a[i])).norm();
     const double stretch = length - springs.restLength[i];
-    energy += 0.5 * stretch * stretch *
-              (stretch > 0.0 ? springs.extensionStiffness[i] : springs.compressionStiffness[i]);
+    const double stiffness = stretch > 0.0 ? springs.extensionStiffness[i] : springs.compressionStiffness[i];
+    energy +=
+        springs.limit.stiffenStrain > 0.0
+            ? stiffenedEnergy(stiffness, stretch, springs.limit.stiffenStrain * springs.originalLength[i],
+                              springs.limit.stiffenFactor)
+            : 0.5 * stiffness * stretch * stretch;
   }
   return energy;
 }

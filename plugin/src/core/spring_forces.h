@@ -3,6 +3,7 @@
 
 #include "core/point_state.h"
 #include "core/spring_arrays.h"
+#include "core/verlet_kernel.h"
 
 namespace limber {
 
@@ -16,9 +17,8 @@ struct SpringPull {
 /// A side without stiffness is slack. Coincident ends have no direction and so no force.
 inline SpringPull springPull(const Eigen::Vector3d& d, double restLength, double extension,
                              double compression) {
-  constexpr double kCoincidentSquared = 1e-200;  // m^2: below it 1/|d| loses its digits
   const double squared = d.squaredNorm();
-  if (!(squared > kCoincidentSquared)) return {Eigen::Vector3d::Zero(), 0.0};
+  if (!(squared > kernel::kCoincidentSquared)) return {Eigen::Vector3d::Zero(), 0.0};
   const double length = std::sqrt(squared);
   const double stretch = length - restLength;
   const double stiffness = stretch > 0.0 ? extension : compression;
@@ -26,8 +26,8 @@ inline SpringPull springPull(const Eigen::Vector3d& d, double restLength, double
   return {d / length, stiffness * stretch};
 }
 
-/// Adds every spring's force to `state.force` and keeps its direction for the dampers.
-void addSpringForces(SpringArrays& springs, PointState& state);
+/// Sets `state.force` to the force of all springs and keeps their directions for the dampers.
+void computeSpringForces(SpringArrays& springs, PointState& state);
 
 /// J, of all springs at the present positions.
 double elasticEnergy(const SpringArrays& springs, const Points& position);

@@ -1,16 +1,47 @@
 // SPDX-License-Identifier: Zlib
 #include "core/verlet_step.h"
 
+#include "core/kernel_views.h"
 #include "core/spring_damping.h"
 #include "core/spring_forces.h"
+
+#include <algorithm>
+#include <cmath>
 
 namespace limber {
 namespace {
 
+/// A body's contacts as the kernel calls them.
+struct BodyContacts {
+  std::vector<ContactRow>* rows;
+  PointView points;
+
+  static void stop(void* context, double time, double dt) {
+    auto& self = *static_cast<BodyContacts*>(context);
+    stopAtContacts(*self.rows, self.points, time, dt);
+  }
+  static void settle(void* context) {
+    auto& self = *static_cast<BodyContacts*>(context);
+    settleContacts(*self.rows, self.points);
+  }
+};
+
+void stepSingle(SteppedBody& body, double tick, int substeps) {
+  PointState& state = *body.points;
+  SpringArrays& springs = *body.springs;
+  const bool touches = body.contacts && !body.contacts->empty();
+  BodyContacts contacts{body.contacts, viewOf(state)};
+  const kernel::ContactCalls calls{touches ? &contacts : nullptr, &BodyContacts::stop, &BodyContacts::settle};
+  const double change = kernel::stepAlone<double>(
+      {kernelSprings(springs), kernelPoints(state), springs.damped, springs.dampHalf.data(),
+       springs.dampFull.data(), calls, state.earlierForce.data()},
+      tick, substeps);
+  body.errorRate = verletErrorRate(change, state.position.cols(), tick / substeps);
+}
+
 void computeForces(StepGroup& group) {
   for (SteppedBody& body : group.bodies) {
-    body.points->force.setZero();
-    addSpringForces(*body.springs, *body.points);
+    computeSpringForces(*body.springs, *body.points);
   }
   for (RigidState& rigid : group.links.rigids) {
     rigid.force.setZero();
@@ -41,19 +72,28 @@ void damp(StepGroup& group, double dt, bool whole, bool forward) {
 
 void stopAtContacts(StepGroup& group, double time, double dt) {
   for (SteppedBody& body : group.bodies)
-    if (body.contacts) stopAtContacts(*body.contacts, *body.points, time, dt);
+    if (body.contacts) stopAtContacts(*body.contacts, viewOf(*body.points), time, dt);
 }
 
 void settleContacts(StepGroup& group) {
   for (SteppedBody& body : group.bodies)
-    if (body.contacts) settleContacts(*body.contacts, *body.points);
+    if (body.contacts) settleContacts(*body.contacts, viewOf(*body.points));
 }
 
-}  // namespace
+void keepForces(StepGroup& group) {
+  for (SteppedBody& body : group.bodies) body.points->earlierForce = body.points->force;
+}
 
-void stepVerlet(StepGroup& group, double tick, int substeps) {
+void estimateErrors(StepGroup& group, double dt) {
+  for (SteppedBody& body : group.bodies) {
+    const PointState& p = *body.points;
+    const double change = (p.force - p.earlierForce).cwiseProduct(p.inverseMass).squaredNorm();
+    body.errorRate = verletErrorRate(change, p.position.cols(), dt);
+  }
+}
+
+void stepLinked(StepGroup& group, double tick, int substeps) {
   const double dt = tick / substeps;
-  for (SteppedBody& body : group.bodies) prepareDampers(*body.springs, body.points->inverseMass, dt);
   computeForces(group);
   solveAnchors(group.links, 0.0);
   damp(group, dt, false, false);
@@ -63,7 +103,9 @@ void stepVerlet(StepGroup& group, double tick, int substeps) {
     solveAnchors(group.links, dt);
     stopAtContacts(group, s * dt, dt);
     drift(group, dt);
+    if (last) keepForces(group);
     computeForces(group);
+    if (last) estimateErrors(group, dt);
     kick(group, 0.5 * dt);
     // first anchors and contacts: a damper must not see a point kicked away from what holds it
     solveAnchors(group.links, 0.0);
@@ -72,6 +114,27 @@ void stepVerlet(StepGroup& group, double tick, int substeps) {
     damp(group, dt, !last, s % 2 == 0);
   }
   solveAnchors(group.links, 0.0);
+}
+
+}  // namespace
+
+double verletErrorRate(double change, Eigen::Index points, double dt) {
+  return dt / 24.0 * std::sqrt(change / static_cast<double>(std::max<Eigen::Index>(points, 1)));
+}
+
+bool isPlain(const StepGroup& group) {
+  const LinkedBodies& links = group.links;
+  return group.bodies.size() == 1 && links.springs.empty() && links.anchors.empty() && links.rigids.empty() &&
+         !group.bodies[0].springs->limited;
+}
+
+void stepVerlet(StepGroup& group, double tick, int substeps) {
+  for (SteppedBody& body : group.bodies)
+    prepareDampers(*body.springs, body.points->inverseMass, tick / substeps);
+  if (isPlain(group))
+    stepSingle(group.bodies[0], tick, substeps);
+  else
+    stepLinked(group, tick, substeps);
 }
 
 }  // namespace limber

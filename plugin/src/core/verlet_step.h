@@ -15,13 +15,25 @@ struct SteppedBody {
   PointState* points;
   SpringArrays* springs;
   std::vector<ContactRow>* contacts;  ///< may be nullptr
+
+  double errorRate = 0.0;  ///< m/s, written by the step, see verletErrorRate
 };
+
+/// m/s: how fast the positions of Verlet's solution depart from the exact one, root mean square over the
+/// points. In substeps of dt an oscillation of frequency omega is wrong by (omega dt)^2 / 24 of its phase
+/// (Hairer, Lubich, Wanner 2006, section I.5), so one of amplitude A departs by
+///     A omega (omega dt)^2 / 24 = |jerk| dt^2 / 24  per second,   jerk = change of acceleration / dt.
+/// `change` is the sum over the points of its square over one substep.
+double verletErrorRate(double change, Eigen::Index points, double dt);
 
 /// Bodies that links join; without links a group is one body.
 struct StepGroup {
   std::vector<SteppedBody> bodies;
   LinkedBodies links;  ///< links.points[i] is bodies[i].points
 };
+
+/// Whether the group is one body that nothing but its own springs and contacts acts on.
+bool isPlain(const StepGroup& group);
 
 /// Advances all bodies of the group by `tick` seconds in `substeps` substeps of velocity Verlet with damping
 /// split off (Strang), per substep of dt:
@@ -32,6 +44,7 @@ struct StepGroup {
 /// Second order, symplectic without damping; linear momentum is exact and angular momentum is kept, since all
 /// impulses run along the springs. Stable for omega dt < 2 whatever the damping: kick-drift-kick keeps
 /// v^2 + omega^2 (1 - (omega dt)^2/4) x^2, whose velocity part the dampers can only shrink.
+/// A body by itself and one in a lane (spring_lanes.h) give the same bits.
 /// Held points (inverse mass 0) move on with their velocity. Allocates nothing.
 void stepVerlet(StepGroup& group, double tick, int substeps);
 

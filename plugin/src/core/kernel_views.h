@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: Zlib
+#pragma once
+
+#include "core/point_state.h"
+#include "core/spring_arrays.h"
+#include "core/verlet_kernel.h"
+
+namespace limber {
+
+/// The arrays of one body as the kernel of verlet_kernel.h takes them.
+inline kernel::Springs<double> kernelSprings(SpringArrays& s) {
+  return {static_cast<kernel::Index>(s.size()),
+          s.a.data(),
+          s.b.data(),
+          s.restLength.data(),
+          s.extensionStiffness.data(),
+          s.compressionStiffness.data(),
+          s.direction.data()};
+}
+
+inline kernel::Points<double> kernelPoints(PointState& p) {
+  return {static_cast<kernel::Index>(p.position.cols()),
+          p.position.data(),
+          p.velocity.data(),
+          p.force.data(),
+          p.acceleration.data(),
+          p.inverseMass.data()};
+}
+
+}  // namespace limber

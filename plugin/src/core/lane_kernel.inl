@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: Zlib
+// The body of lane_kernel_*.cpp, each of which compiles it for another instruction set.
+
+#include "core/verlet_kernel.h"
+
+namespace limber::kernel {
+namespace {
+
+Pack* packs(double* numbers) { return reinterpret_cast<Pack*>(numbers); }
+const Pack* packs(const double* numbers) { return reinterpret_cast<const Pack*>(numbers); }
+
+}  // namespace
+
+void LIMBER_PACK_STEP(const LaneBody& b, double tick, int substeps) {
+  Body<Pack> body;
+  body.springs = {b.springs,
+                  b.a,
+                  b.b,
+                  packs(b.restLength),
+                  packs(b.extensionStiffness),
+                  packs(b.compressionStiffness),
+                  packs(b.direction)};
+  body.points = {b.points,       packs(b.position),     packs(b.velocity),
+                 packs(b.force), packs(b.acceleration), packs(b.inverseMass)};
+  body.damped = b.damped;
+  body.dampHalf = packs(b.dampHalf);
+  body.dampFull = packs(b.dampFull);
+  body.contacts = *b.contacts;
+  body.earlierForce = packs(b.earlierForce);
+  *packs(b.change) = stepAlone(body, tick, substeps);
+}
+
+}  // namespace limber::kernel

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Zlib
+#pragma once
+
+// The kernels of verlet_kernel.h as compiled for each instruction set. x86-64 with GCC or Clang; elsewhere
+// every body is stepped by itself.
+#if defined(__x86_64__) && (defined(__GNUC__) || defined(__clang__))
+#define LIMBER_HAS_LANES
+#endif
+
+namespace limber::kernel {
+
+struct ContactCalls;
+
+/// A kernel::Body whose numbers are packs of `laneCount` doubles.
+struct LaneBody {
+  unsigned points, springs;
+  const unsigned *a, *b;
+  double *position, *velocity, *force, *earlierForce;
+  const double *acceleration, *inverseMass;
+  const double *restLength, *extensionStiffness, *compressionStiffness;
+  double* direction;
+  bool damped;
+  const double *dampHalf, *dampFull;
+  const ContactCalls* contacts;
+  double* change;  ///< written: one per lane, see computeForcesAndChange
+};
+
+#if defined(LIMBER_HAS_LANES)
+void stepSse2(const LaneBody& body, double tick, int substeps);
+void stepAvx2(const LaneBody& body, double tick, int substeps);
+void stepAvx512(const LaneBody& body, double tick, int substeps);
+#endif
+
+}  // namespace limber::kernel

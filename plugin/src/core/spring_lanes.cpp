@@ -1,0 +1,160 @@
+// SPDX-License-Identifier: Zlib
+#include "core/spring_lanes.h"
+
+#include "core/lane_kernels.h"
+#include "core/spring_damping.h"
+#include "core/verlet_kernel.h"
+
+namespace limber {
+namespace {
+
+double* numbers(std::vector<CacheLine>& array) { return array.front().value; }
+
+/// Room for `entries` numbers in each of `lanes` lanes.
+void resize(std::vector<CacheLine>& array, std::size_t entries, std::size_t lanes) {
+  const std::size_t lines = (entries * lanes + 7) / 8;
+  if (array.size() < lines) array.resize(lines);
+}
+
+void resize(LaneBlock& b, std::size_t points, std::size_t springs, std::size_t lanes) {
+  for (auto* array : {&b.position, &b.velocity, &b.acceleration, &b.inverseMass, &b.force, &b.earlierForce})
+    resize(*array, 3 * points, lanes);
+  for (auto* array :
+       {&b.restLength, &b.extensionStiffness, &b.compressionStiffness, &b.dampHalf, &b.dampFull})
+    resize(*array, springs, lanes);
+  resize(b.direction, 3 * springs, lanes);
+}
+
+void toLane(const double* from, std::size_t count, std::vector<CacheLine>& to, std::size_t lane,
+            std::size_t lanes) {
+  double* target = numbers(to) + lane;
+  for (std::size_t i = 0; i < count; ++i) target[i * lanes] = from[i];
+}
+
+void fromLane(const std::vector<CacheLine>& from, std::size_t lane, std::size_t lanes, std::size_t count,
+              double* to) {
+  const double* source = from.front().value + lane;
+  for (std::size_t i = 0; i < count; ++i) to[i] = source[i * lanes];
+}
+
+void loadState(LaneBlock& block, const PointState& state, std::size_t lane, std::size_t lanes) {
+  const auto count = static_cast<std::size_t>(state.position.size());
+  toLane(state.position.data(), count, block.position, lane, lanes);
+  toLane(state.velocity.data(), count, block.velocity, lane, lanes);
+  toLane(state.acceleration.data(), count, block.acceleration, lane, lanes);
+  toLane(state.inverseMass.data(), count, block.inverseMass, lane, lanes);
+}
+
+void loadSprings(LaneBlock& block, const SpringArrays& springs, std::size_t lane, std::size_t lanes) {
+  const std::size_t count = springs.size();
+  toLane(springs.restLength.data(), count, block.restLength, lane, lanes);
+  toLane(springs.extensionStiffness.data(), count, block.extensionStiffness, lane, lanes);
+  toLane(springs.compressionStiffness.data(), count, block.compressionStiffness, lane, lanes);
+  toLane(springs.dampHalf.data(), count, block.dampHalf, lane, lanes);
+  toLane(springs.dampFull.data(), count, block.dampFull, lane, lanes);
+}
+
+/// Lanes without a body repeat the first one: numbers that surely can be computed with.
+void load(LaneBlock& block, std::size_t lanes) {
+  for (std::size_t lane = 0; lane < lanes; ++lane) {
+    const bool used = lane < block.lanes.size();
+    LaneBlock::Lane& source = block.lanes[used ? lane : 0];
+    loadState(block, *source.body.points, lane, lanes);
+    if (used && source.revision == source.body.springs->revision) continue;
+    loadSprings(block, *source.body.springs, lane, lanes);
+    if (used) source.revision = source.body.springs->revision;
+  }
+}
+
+struct LaneContacts {
+  LaneBlock& block;
+  int stride;
+
+  PointView points(std::size_t lane) const {
+    return {numbers(block.position) + lane, numbers(block.velocity) + lane, numbers(block.inverseMass) + lane,
+            stride};
+  }
+  static void stop(void* context, double time, double dt) {
+    const auto& self = *static_cast<const LaneContacts*>(context);
+    for (std::size_t lane = 0; lane < self.block.lanes.size(); ++lane)
+      if (auto* rows = self.block.lanes[lane].body.contacts)
+        stopAtContacts(*rows, self.points(lane), time, dt);
+  }
+  static void settle(void* context) {
+    const auto& self = *static_cast<const LaneContacts*>(context);
+    for (std::size_t lane = 0; lane < self.block.lanes.size(); ++lane)
+      if (auto* rows = self.block.lanes[lane].body.contacts) settleContacts(*rows, self.points(lane));
+  }
+};
+
+bool touches(const LaneBlock& block) {
+  for (const LaneBlock::Lane& lane : block.lanes)
+    if (lane.body.contacts && !lane.body.contacts->empty()) return true;
+  return false;
+}
+
+kernel::LaneBody laneBody(LaneBlock& b, const kernel::ContactCalls& contacts, double* change) {
+  const SpringArrays& springs = *b.lanes[0].body.springs;
+  kernel::LaneBody body;
+  body.points = static_cast<unsigned>(b.lanes[0].body.points->position.cols());
+  body.springs = static_cast<unsigned>(springs.size());
+  body.a = springs.a.data(), body.b = springs.b.data();
+  body.position = numbers(b.position), body.velocity = numbers(b.velocity);
+  body.force = numbers(b.force), body.earlierForce = numbers(b.earlierForce);
+  body.acceleration = numbers(b.acceleration), body.inverseMass = numbers(b.inverseMass);
+  body.restLength = numbers(b.restLength);
+  body.extensionStiffness = numbers(b.extensionStiffness);
+  body.compressionStiffness = numbers(b.compressionStiffness);
+  body.direction = numbers(b.direction);
+  body.dampHalf = numbers(b.dampHalf), body.dampFull = numbers(b.dampFull);
+  body.damped = springs.damped;
+  body.contacts = &contacts;
+  body.change = change;
+  return body;
+}
+
+void stepPacks(const kernel::LaneBody& body, double tick, int substeps, InstructionSet set) {
+#if defined(LIMBER_HAS_LANES)
+  switch (set) {
+    case InstructionSet::Sse2:
+      return kernel::stepSse2(body, tick, substeps);
+    case InstructionSet::Avx2:
+      return kernel::stepAvx2(body, tick, substeps);
+    case InstructionSet::Avx512:
+      return kernel::stepAvx512(body, tick, substeps);
+    case InstructionSet::Scalar:
+      break;
+  }
+#endif
+  static_cast<void>(body), static_cast<void>(tick), static_cast<void>(substeps), static_cast<void>(set);
+}
+
+void unload(LaneBlock& block, std::size_t lanes, const CacheLine& change, double dt) {
+  for (std::size_t lane = 0; lane < block.lanes.size(); ++lane) {
+    SteppedBody& body = block.lanes[lane].body;
+    PointState& state = *body.points;
+    const auto count = static_cast<std::size_t>(state.position.size());
+    fromLane(block.position, lane, lanes, count, state.position.data());
+    fromLane(block.velocity, lane, lanes, count, state.velocity.data());
+    body.errorRate = verletErrorRate(change.value[lane], state.position.cols(), dt);
+  }
+}
+
+}  // namespace
+
+void stepLanes(LaneBlock& block, double tick, int substeps, InstructionSet set) {
+  const auto lanes = static_cast<std::size_t>(laneCount(set));
+  const SteppedBody& first = block.lanes[0].body;
+  for (LaneBlock::Lane& lane : block.lanes)
+    prepareDampers(*lane.body.springs, lane.body.points->inverseMass, tick / substeps);
+  resize(block, static_cast<std::size_t>(first.points->position.cols()), first.springs->size(), lanes);
+  load(block, lanes);
+  LaneContacts contacts{block, laneCount(set)};
+  const kernel::ContactCalls calls{touches(block) ? &contacts : nullptr, &LaneContacts::stop,
+                                   &LaneContacts::settle};
+  CacheLine change;
+  stepPacks(laneBody(block, calls, change.value), tick, substeps, set);
+  unload(block, lanes, change, tick / substeps);
+}
+
+}  // namespace limber

@@ -1,0 +1,166 @@
+// SPDX-License-Identifier: Zlib
+#pragma once
+
+// The arithmetic of a Verlet substep, written once for a number `V` that is a double or a pack of doubles of
+// several bodies (pack.h). Every operation is one IEEE operation per lane, so all give the same bits.
+// Included by sources that are compiled for different instruction sets: nothing here but templates on V,
+// which the sets' own types keep apart, and no standard header.
+
+#include "core/pack.h"
+
+namespace limber::kernel {
+
+using Index = unsigned int;
+
+/// The springs: one entry each, but three of `direction`.
+template <class V>
+struct Springs {
+  Index count;
+  const Index* a;
+  const Index* b;
+  const V* restLength;
+  const V* extensionStiffness;
+  const V* compressionStiffness;
+  V* direction;
+};
+
+/// The points: three entries each.
+template <class V>
+struct Points {
+  Index count;
+  V* position;
+  V* velocity;
+  V* force;
+  const V* acceleration;
+  const V* inverseMass;
+};
+
+/// m^2: below it the ends of a spring coincide, 1/length would lose its digits.
+constexpr double kCoincidentSquared = 1e-200;
+
+/// Writes the direction from a to b (0 while the spring is slack or its ends coincide) and adds its force to
+/// both ends:  F = kE (l - L) if l > L, else kC (l - L).
+template <class V>
+inline void addForce(const Springs<V>& s, Index i, const Points<V>& p) {
+  const V* xa = p.position + 3 * s.a[i];
+  const V* xb = p.position + 3 * s.b[i];
+  const V dx = xb[0] - xa[0], dy = xb[1] - xa[1], dz = xb[2] - xa[2];
+  const V squared = dx * dx + (dy * dy + dz * dz);
+  const auto apart = squared > all(V(), kCoincidentSquared);
+  const V length = squareRoot(select(apart, squared, all(V(), 1.0)));
+  const V stretch = length - s.restLength[i];
+  const V stiffness = select(stretch > all(V(), 0.0), s.extensionStiffness[i], s.compressionStiffness[i]);
+  const V scale =
+      select(apart, select(stiffness > all(V(), 0.0), all(V(), 1.0) / length, all(V(), 0.0)), all(V(), 0.0));
+  const V nx = dx * scale, ny = dy * scale, nz = dz * scale;
+  const V pull = stiffness * stretch;
+  V* n = s.direction + 3 * i;
+  n[0] = nx, n[1] = ny, n[2] = nz;
+  V* fa = p.force + 3 * s.a[i];
+  V* fb = p.force + 3 * s.b[i];
+  const V fx = pull * nx, fy = pull * ny, fz = pull * nz;
+  fa[0] = fa[0] + fx, fa[1] = fa[1] + fy, fa[2] = fa[2] + fz;
+  fb[0] = fb[0] - fx, fb[1] = fb[1] - fy, fb[2] = fb[2] - fz;
+}
+
+template <class V>
+inline void computeForces(const Springs<V>& s, const Points<V>& p) {
+  for (Index i = 0; i < 3 * p.count; ++i) p.force[i] = all(V(), 0.0);
+  for (Index i = 0; i < s.count; ++i) addForce(s, i, p);
+}
+
+/// Takes the impulse `factor` (kg) times closing speed from either end.
+template <class V>
+inline void damp(const Springs<V>& s, Index i, const V& factor, const Points<V>& p) {
+  const V* n = s.direction + 3 * i;
+  const Index a = 3 * s.a[i], b = 3 * s.b[i];
+  V* va = p.velocity + a;
+  V* vb = p.velocity + b;
+  const V *wa = p.inverseMass + a, *wb = p.inverseMass + b;
+  const V speed = n[0] * (vb[0] - va[0]) + (n[1] * (vb[1] - va[1]) + n[2] * (vb[2] - va[2]));
+  const V impulse = factor * speed;
+  const V jx = impulse * n[0], jy = impulse * n[1], jz = impulse * n[2];
+  va[0] = va[0] + jx * wa[0], va[1] = va[1] + jy * wa[1], va[2] = va[2] + jz * wa[2];
+  vb[0] = vb[0] - jx * wb[0], vb[1] = vb[1] - jy * wb[1], vb[2] = vb[2] - jz * wb[2];
+}
+
+template <class V>
+inline void dampAll(const Springs<V>& s, const V* factor, bool forward, const Points<V>& p) {
+  if (forward)
+    for (Index i = 0; i < s.count; ++i) damp(s, i, factor[i], p);
+  else
+    for (Index i = s.count; i-- > 0;) damp(s, i, factor[i], p);
+}
+
+template <class V>
+inline void kick(const Points<V>& p, double dt) {
+  const V time = all(V(), dt);
+  for (Index i = 0; i < 3 * p.count; ++i)
+    p.velocity[i] = p.velocity[i] + time * (p.acceleration[i] + p.force[i] * p.inverseMass[i]);
+}
+
+template <class V>
+inline void drift(const Points<V>& p, double dt) {
+  const V time = all(V(), dt);
+  for (Index i = 0; i < 3 * p.count; ++i) p.position[i] = p.position[i] + time * p.velocity[i];
+}
+
+/// What happens to points at contacts; outside the kernel, since contacts differ from lane to lane.
+struct ContactCalls {
+  void* context;  ///< nullptr: nothing touches
+  void (*stop)(void* context, double time, double dt);
+  void (*settle)(void* context);
+};
+
+/// A body, or one body per lane, stepped by itself.
+template <class V>
+struct Body {
+  Springs<V> springs;
+  Points<V> points;
+  bool damped;
+  const V* dampHalf;
+  const V* dampFull;
+  ContactCalls contacts;
+  V* earlierForce;  ///< #points x 3, scratch
+};
+
+/// The sum over the points of the squared change of acceleration over the last substep, which computes the
+/// forces of its end.
+template <class V>
+inline V computeForcesAndChange(const Body<V>& body) {
+  const Points<V>& p = body.points;
+  for (Index i = 0; i < 3 * p.count; ++i) body.earlierForce[i] = p.force[i];
+  computeForces(body.springs, p);
+  V sum = all(V(), 0.0);
+  for (Index i = 0; i < 3 * p.count; ++i) {
+    const V change = (p.force[i] - body.earlierForce[i]) * p.inverseMass[i];
+    sum = sum + change * change;
+  }
+  return sum;
+}
+
+/// stepVerlet of verlet_step.h for bodies without links. Returns computeForcesAndChange of the last substep.
+template <class V>
+inline V stepAlone(const Body<V>& body, double tick, int substeps) {
+  const Points<V>& p = body.points;
+  const double dt = tick / substeps;
+  V change = all(V(), 0.0);
+  computeForces(body.springs, p);
+  if (body.damped) dampAll(body.springs, body.dampHalf, false, p);
+  for (int s = 0; s < substeps; ++s) {
+    const bool last = s + 1 == substeps;
+    kick(p, 0.5 * dt);
+    if (body.contacts.context) body.contacts.stop(body.contacts.context, s * dt, dt);
+    drift(p, dt);
+    if (last)
+      change = computeForcesAndChange(body);
+    else
+      computeForces(body.springs, p);
+    kick(p, 0.5 * dt);
+    if (body.contacts.context) body.contacts.settle(body.contacts.context);
+    if (body.damped) dampAll(body.springs, last ? body.dampHalf : body.dampFull, s % 2 == 0, p);
+  }
+  return change;
+}
+
+}  // namespace limber::kernel

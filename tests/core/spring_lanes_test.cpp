@@ -1,0 +1,114 @@
+// SPDX-License-Identifier: Zlib
+// Bodies side by side in lanes against the same bodies one by one: the same bits, with every instruction set.
+#include "core/spring_lanes.h"
+#include "core/verlet_step.h"
+#include "support/networks.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <deque>
+
+namespace limber {
+namespace {
+
+struct LaneBody {
+  PointState state;
+  SpringArrays springs;
+  std::vector<ContactRow> contacts;
+  StepGroup group;
+
+  SteppedBody stepped() { return {&state, &springs, &contacts}; }
+};
+
+/// Cubes that differ in stiffness, damping, place, speed, contacts and in what is held.
+void fill(LaneBody& body, int which, double damping) {
+  const SharedNetwork network = test::cubeNetwork();
+  SoftBodySettings settings;
+  settings.extensionStiffness = 500.0 + 100.0 * which;
+  settings.compressionStiffness = which == 2 ? 0.0 : 700.0;
+  settings.damping = damping * (1 + which);
+  body.springs = makeSprings(*network, settings);
+  body.state.resize(8);
+  for (std::uint32_t i = 0; i < 8; ++i) {
+    const Eigen::Vector3d x = network->restPoints[i];
+    body.state.position.col(i) = (1.0 + 0.05 * which) * x + Eigen::Vector3d(3.0 * which, 0.02 * i, 0.0);
+    body.state.velocity.col(i) = Eigen::Vector3d(which, -1.0, 0.5).cross(x);
+    body.state.acceleration.col(i) = Eigen::Vector3d(0.0, -9.81, 0.0);
+    body.state.inverseMass.col(i).setConstant(which == 4 && i == 0 ? 0.0 : 8.0);
+  }
+  if (which == 5) body.state.position.col(1) = body.state.position.col(0);  // coincident ends
+  for (std::uint32_t i = 0; i < 8 && which % 2 == 1; i += 3) {
+    ContactRow row;
+    row.point = i;
+    row.friction = 0.4;
+    row.touch = Eigen::Vector3d(0.0, -0.4 - 0.05 * i, 0.0);
+    row.surfaceVelocity = Eigen::Vector3d(0.1, 0.3, 0.0);
+    body.contacts.push_back(row);
+  }
+  body.group.bodies.push_back(body.stepped());
+  body.group.links.points.push_back(&body.state);
+}
+
+std::deque<LaneBody> makeBodies(int count, double damping) {
+  std::deque<LaneBody> bodies(static_cast<std::size_t>(count));
+  for (int i = 0; i < count; ++i) fill(bodies[static_cast<std::size_t>(i)], i, damping);
+  return bodies;
+}
+
+bool sameBits(const Points& a, const Points& b) { return (a.array() == b.array()).all(); }
+
+class Lanes : public testing::TestWithParam<InstructionSet> {};
+
+TEST_P(Lanes, giveTheBitsOfSingleBodies) {
+  const InstructionSet set = GetParam();
+  if (!isAvailable(set)) GTEST_SKIP() << "this machine has no " << nameOf(set);
+  for (const double damping : {0.0, 0.7})
+    for (int count = 1; count <= laneCount(set); ++count) {
+      std::deque<LaneBody> single = makeBodies(count, damping), laned = makeBodies(count, damping);
+      LaneBlock block;
+      for (LaneBody& body : laned) {
+        block.lanes.emplace_back();
+        block.lanes.back().body = body.stepped();
+      }
+      for (int tick = 0; tick < 20; ++tick) {
+        for (LaneBody& body : single) stepVerlet(body.group, 1.0 / 60.0, 7);
+        stepLanes(block, 1.0 / 60.0, 7, set);
+      }
+      for (std::size_t i = 0; i < single.size(); ++i) {
+        SCOPED_TRACE(testing::Message() << "damping " << damping << ", body " << i << " of " << count);
+        EXPECT_TRUE(sameBits(single[i].state.position, laned[i].state.position));
+        EXPECT_TRUE(sameBits(single[i].state.velocity, laned[i].state.velocity));
+        EXPECT_EQ(single[i].group.bodies[0].errorRate, block.lanes[i].body.errorRate);
+        EXPECT_TRUE(single[i].state.position.allFinite());
+        for (std::size_t c = 0; c < single[i].contacts.size(); ++c)
+          EXPECT_EQ(single[i].contacts[c].impulse, laned[i].contacts[c].impulse);
+      }
+    }
+}
+
+INSTANTIATE_TEST_SUITE_P(Sets, Lanes,
+                         testing::Values(InstructionSet::Sse2, InstructionSet::Avx2, InstructionSet::Avx512),
+                         [](const auto& i) {
+                           return std::string(i.param == InstructionSet::Avx512 ? "AVX512" : nameOf(i.param));
+                         });
+
+TEST(Lanes, takeUpNewSpringsWhenTheyChange) {
+  const InstructionSet set = bestInstructionSet();
+  if (set == InstructionSet::Scalar) GTEST_SKIP();
+  std::deque<LaneBody> single = makeBodies(2, 0.5), laned = makeBodies(2, 0.5);
+  LaneBlock block;
+  for (LaneBody& body : laned) {
+    block.lanes.emplace_back();
+    block.lanes.back().body = body.stepped();
+  }
+  for (const int substeps : {4, 9, 4}) {  // other substeps, other dampers
+    for (LaneBody& body : single) stepVerlet(body.group, 1.0 / 60.0, substeps);
+    stepLanes(block, 1.0 / 60.0, substeps, set);
+    for (std::size_t i = 0; i < 2; ++i)
+      EXPECT_TRUE(sameBits(single[i].state.velocity, laned[i].state.velocity)) << substeps;
+  }
+}
+
+}  // namespace
+}  // namespace limber
