@@ -3,7 +3,7 @@
 #include "core/body_measures.h"
 #include "core/spring_damping.h"
 #include "core/spring_forces.h"
-#include "core/substep_count.h"
+#include "core/stepping_choice.h"
 #include "core/verlet_step.h"
 #include "support/networks.h"
 

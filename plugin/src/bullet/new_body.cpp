@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Zlib
 #include "bullet/new_body.h"
 
+#include "core/point_order.h"
+
 namespace limber {
 inline namespace LIMBER_BULLET_PRECISION {
 namespace {
@@ -11,6 +13,9 @@ Eigen::Vector3d centerOfMass(const SpringNetwork& network, const Points& positio
     center += network.massShares[i] * position.col(static_cast<Eigen::Index>(i));
   return center;
 }
+
+/// Points between two that a spring joins: a rope has 1, one with bending springs 2.
+constexpr std::size_t kNarrowBand = 3;
 
 void placePoints(SoftBodyData& body) {
   const SoftBodySettings& s = body.settings;
@@ -37,6 +42,10 @@ Result<std::unique_ptr<SoftBodyData>> makeBodyData(SharedNetwork network, const 
   body->settings = settings;
   body->springs = makeSprings(*body->network, settings);
   placePoints(*body);
+  const Points& x = body->state.position;
+  body->size = (x.rowwise().maxCoeff() - x.rowwise().minCoeff()).norm();
+  const auto place = bandOrder(body->springs, body->network->restPoints.size());
+  body->narrow = bandWidth(body->springs, place) <= kNarrowBand;
   return body;
 }
 

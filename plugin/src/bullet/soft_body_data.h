@@ -3,6 +3,7 @@
 
 #include "bullet/point_masses.h"
 #include "core/contact_rows.h"
+#include "core/implicit_step.h"
 #include "core/point_state.h"
 #include "core/spring_arrays.h"
 
@@ -45,7 +46,12 @@ struct SoftBodyData {
   int substeps = 0;                   ///< in the last tick
   Stepper stepper = Stepper::Verlet;  ///< in the last tick
   double errorPerSecond = 0.0;        ///< m/s
+  double errorPerSquare = 0.0;        ///< m/s^3, see SteppingProblem
   std::vector<double> stiffnessSums;
+  double dampingRate = 0.0;  ///< 1/s, dampingRateBound, as stale as frequencySquared
+  double size = 0.0;         ///< m, diagonal of the box around it at rest
+  bool narrow = false;       ///< see SteppingProblem
+  ImplicitState implicit;    ///< empty unless it is stepped so
 
   /// Told when the application deletes one of the points.
   std::function<void(const btRigidBody&)> onPointDeleted;

@@ -73,7 +73,7 @@ void StepPlan::stepRun(std::vector<TickGroup>& groups, std::size_t begin, std::s
     if (stop - i > 1)
       stepBlock(groups, i, stop, tick);
     else
-      stepGroup(groups[candidates_[i].group], tick);
+      stepGroup(groups[candidates_[i].group], tick, factors_);
   }
 }
 
@@ -82,7 +82,7 @@ void StepPlan::step(std::vector<TickGroup>& groups, double tick) {
   collect(groups);
   blocksUsed_ = 0;
   for (TickGroup& group : groups)
-    if (!group.asleep && !fitsLanes(group)) stepGroup(group, tick);
+    if (!group.asleep && !fitsLanes(group)) stepGroup(group, tick, factors_);
   for (std::size_t begin = 0, end; begin < candidates_.size(); begin = end) {
     end = begin + 1;
     while (end < candidates_.size() && candidates_[end].fitsWith(candidates_[begin])) ++end;

@@ -34,6 +34,7 @@ class StepPlan {
   void stepRun(std::vector<TickGroup>& groups, std::size_t begin, std::size_t end, double tick);
   void stepBlock(std::vector<TickGroup>& groups, std::size_t begin, std::size_t end, double tick);
 
+  SharedFactors factors_;
   InstructionSet set_ = bestInstructionSet();
   std::vector<std::size_t> networkOf_;  ///< #groups
   std::vector<Candidate> candidates_;

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Zlib
 #include "core/spring_arrays.h"
 
+#include <algorithm>
+
 namespace limber {
 
 SpringArrays makeSprings(const SpringNetwork& network, const SoftBodySettings& settings) {
@@ -14,6 +16,8 @@ SpringArrays makeSprings(const SpringNetwork& network, const SoftBodySettings& s
     s.compressionStiffness.push_back(settings.compressionStiffness * spring.stiffnessScale);
     s.damping.push_back(settings.damping * spring.stiffnessScale);
   }
+  for (const double length : s.restLength)
+    if (length > 0.0) s.shortest = s.shortest > 0.0 ? std::min(s.shortest, length) : length;
   const ElasticLimit& limit = settings.elasticLimit;
   s.limit = limit;
   s.limited = limit.stiffenStrain > 0.0 || limit.yieldStrain > 0.0 || limit.breakStrain > 0.0;

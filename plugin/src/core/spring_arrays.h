@@ -20,6 +20,8 @@ struct SpringArrays {
   std::vector<double> damping;               ///< N s/m
   bool damped = false;                       ///< whether any spring has damping
 
+  double shortest = 0.0;  ///< m, the smallest rest length above 0
+
   ElasticLimit limit;
   bool limited = false;                ///< whether any part of `limit` is on
   std::vector<double> originalLength;  ///< m, the rest length before any yielding; empty if not limited

@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: Zlib
+#include "core/midpoint_solver.h"
+
+#include "core/midpoint_damping.h"
+#include "core/point_order.h"
+
+#include <algorithm>
+
+namespace limber {
+namespace {
+
+double massOf(const MidpointSolver& solver, Eigen::Index i) {
+  const double w = solver.inverseMass.col(i).maxCoeff();
+  return w > 0.0 ? 1.0 / w : 1.0;
+}
+
+bool isHeld(const MidpointSolver& solver, std::uint32_t i) {
+  return solver.inverseMass.col(i).maxCoeff() == 0.0;
+}
+
+void prepareBanded(MidpointSolver& solver, const SpringArrays& springs, double h) {
+  const auto points = static_cast<std::size_t>(solver.inverseMass.cols());
+  if (solver.place.size() != points) {
+    solver.place = bandOrder(springs, points);
+    const auto width = 3 * static_cast<Eigen::Index>(bandWidth(springs, solver.place)) + 2;
+    solver.banded.resize(static_cast<Eigen::Index>(3 * points), width);
+    solver.ordered.resize(static_cast<Eigen::Index>(3 * points));
+  }
+  solver.dampingWeights.resize(springs.size());
+  for (std::size_t s = 0; s < springs.size(); ++s)
+    solver.dampingWeights[s] = dampingWeight(springs, solver.inverseMass, s, h);
+}
+
+/// h^2/4 times the stiffness of spring s plus its damping weight, 3 x 3.
+Eigen::Matrix3d springBlock(const MidpointSolver& solver, const SpringArrays& springs, std::size_t s,
+                            const Points& position) {
+  const Eigen::Vector3d n = springs.direction.col(static_cast<Eigen::Index>(s));
+  const double length = (position.col(springs.b[s]) - position.col(springs.a[s])).norm();
+  const double stretch = length - springs.restLength[s];
+  const double k = stretch > 0.0 ? springs.extensionStiffness[s] : springs.compressionStiffness[s];
+  const double stiffness = 0.25 * solver.substep * solver.substep * k;
+  const double sideways = length > 0.0 ? stiffness * std::max(0.0, stretch / length) : 0.0;
+  const Eigen::Matrix3d along = n * n.transpose();
+  return (stiffness + solver.dampingWeights[s]) * along + sideways * (Eigen::Matrix3d::Identity() - along);
+}
+
+void addBlock(BandedMatrix& matrix, std::uint32_t rowPlace, std::uint32_t columnPlace,
+              const Eigen::Matrix3d& block) {
+  const Eigen::Index row = 3 * Eigen::Index{rowPlace}, column = 3 * Eigen::Index{columnPlace};
+  for (Eigen::Index i = 0; i < 3; ++i)
+    for (Eigen::Index j = 0; j < 3; ++j)
+      if (row + i >= column + j) matrix.at(row + i, column + j) += block(i, j);
+}
+
+}  // namespace
+
+void prepare(MidpointSolver& solver, const SpringArrays& springs, const Points& inverseMass, double h,
+             SharedFactors& factors) {
+  const bool same = solver.substep == h && solver.revision == springs.revision &&
+                    solver.inverseMass.cols() == inverseMass.cols() && solver.inverseMass == inverseMass;
+  if (same && (solver.kind == MidpointSolver::Kind::Newton || solver.shared)) return;
+  solver.substep = h;
+  solver.revision = springs.revision;
+  solver.inverseMass = inverseMass;
+  solver.scratch.resize(3, inverseMass.cols());
+  if (solver.kind == MidpointSolver::Kind::Shared)
+    solver.shared = factors.get(midpointMatrix(springs, inverseMass, h));
+  else
+    prepareBanded(solver, springs, h);
+}
+
+void update(MidpointSolver& solver, const SpringArrays& springs, const Points& position) {
+  if (solver.kind == MidpointSolver::Kind::Shared) return;
+  BandedMatrix& matrix = solver.banded;
+  matrix.band.setZero();
+  for (Eigen::Index i = 0; i < position.cols(); ++i)
+    for (Eigen::Index c = 0; c < 3; ++c) {
+      const Eigen::Index row = 3 * Eigen::Index{solver.place[static_cast<std::size_t>(i)]} + c;
+      matrix.at(row, row) = massOf(solver, i);
+    }
+  for (std::size_t s = 0; s < springs.size(); ++s) {
+    const auto a = springs.a[s], b = springs.b[s];
+    const Eigen::Matrix3d block = springBlock(solver, springs, s, position);
+    const bool heldA = isHeld(solver, a), heldB = isHeld(solver, b);
+    if (!heldA) addBlock(matrix, solver.place[a], solver.place[a], block);
+    if (!heldB) addBlock(matrix, solver.place[b], solver.place[b], block);
+    if (heldA || heldB) continue;
+    const auto [first, last] = std::minmax(solver.place[a], solver.place[b]);
+    addBlock(matrix, last, first, -block);
+  }
+  factorise(matrix);
+}
+
+void solve(MidpointSolver& solver, Points& b) {
+  if (solver.kind == MidpointSolver::Kind::Shared) return solver.shared->solve(b, solver.scratch);
+  for (Eigen::Index i = 0; i < b.cols(); ++i)
+    solver.ordered.segment<3>(3 * Eigen::Index{solver.place[static_cast<std::size_t>(i)]}) = b.col(i);
+  solve(solver.banded, solver.ordered);
+  for (Eigen::Index i = 0; i < b.cols(); ++i)
+    b.col(i) = solver.ordered.segment<3>(3 * Eigen::Index{solver.place[static_cast<std::size_t>(i)]});
+}
+
+}  // namespace limber

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: Zlib
+#pragma once
+
+#include "core/banded_matrix.h"
+#include "core/shared_factor.h"
+
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+namespace limber {
+
+/// The linear system of one iteration of the implicit midpoint rule, solved in one of two ways.
+struct MidpointSolver {
+  enum class Kind : std::uint8_t {
+    Shared,  ///< one constant matrix, see shared_factor.h: cheap iterations that converge slowly
+    Newton   ///< the matrix at the present positions, banded: dear ones that converge fast
+  } kind = Kind::Shared;
+
+  double substep = 0.0;   ///< s, the h it is prepared for
+  unsigned revision = 0;  ///< of the springs it is prepared for
+  Points inverseMass;     ///< the one it is prepared for
+
+  std::shared_ptr<const SharedFactor> shared;
+  std::vector<double> dampingWeights;  ///< #springs, kg
+  std::vector<std::uint32_t> place;    ///< #points, in the banded matrix
+  BandedMatrix banded;                 ///< factors, 3 #points rows
+  Eigen::VectorXd ordered;             ///< 3 #points, scratch
+  Points scratch;                      ///< 3 x #points
+};
+
+/// Makes the solver ready for bodies with these springs and masses and substeps of h seconds. Allocates and
+/// factorises only if something has changed.
+void prepare(MidpointSolver& solver, const SpringArrays& springs, const Points& inverseMass, double h,
+             SharedFactors& factors);
+
+/// For Newton: assembles and factorises the matrix at `position` with the springs' present directions,
+///     M + sum (h^2/4 k (n n^T + max(0, 1 - L/l) (1 - n n^T)) + h/2 c (1 + beta) n n^T),
+/// whose clamp keeps it positive definite under compression (Choi, Ko 2002, section 4).
+void update(MidpointSolver& solver, const SpringArrays& springs, const Points& position);
+
+/// Solves A x = b in place; b is 3 x #points.
+void solve(MidpointSolver& solver, Points& b);
+
+}  // namespace limber

@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: Zlib
+#include "core/shared_factor.h"
+
+#include "core/midpoint_damping.h"
+
+#include <Eigen/SparseCholesky>
+
+#include <algorithm>
+
+namespace limber {
+namespace {
+
+using Sparse = Eigen::SparseMatrix<double>;
+
+bool isHeld(const Points& inverseMass, std::uint32_t i) { return inverseMass.col(i).maxCoeff() == 0.0; }
+
+bool equal(const Sparse& a, const Sparse& b) {
+  if (a.rows() != b.rows() || a.nonZeros() != b.nonZeros()) return false;
+  const auto count = static_cast<std::size_t>(a.nonZeros());
+  return std::equal(a.valuePtr(), a.valuePtr() + count, b.valuePtr()) &&
+         std::equal(a.innerIndexPtr(), a.innerIndexPtr() + count, b.innerIndexPtr()) &&
+         std::equal(a.outerIndexPtr(), a.outerIndexPtr() + a.cols() + 1, b.outerIndexPtr());
+}
+
+std::shared_ptr<const SharedFactor> makeFactor(Sparse matrix) {
+  const Eigen::SimplicialLLT<Sparse> cholesky(matrix);
+  auto factor = std::make_shared<SharedFactor>();
+  factor->lower = cholesky.matrixL();
+  factor->lower.makeCompressed();
+  const auto& permutation = cholesky.permutationP().indices();
+  factor->place.assign(permutation.data(), permutation.data() + permutation.size());
+  factor->matrix = std::move(matrix);
+  return factor;
+}
+
+}  // namespace
+
+void SharedFactor::solve(Points& b, Points& scratch) const {
+  const Eigen::Index count = lower.cols();
+  for (Eigen::Index i = 0; i < count; ++i) scratch.col(place[static_cast<std::size_t>(i)]) = b.col(i);
+  for (Eigen::Index j = 0; j < count; ++j) {
+    Sparse::InnerIterator entry(lower, j);  // the diagonal comes first
+    scratch.col(j) /= entry.value();
+    while (++entry) scratch.col(entry.row()) -= entry.value() * scratch.col(j);
+  }
+  for (Eigen::Index j = count; j-- > 0;) {
+    Sparse::InnerIterator entry(lower, j);
+    const double diagonal = entry.value();
+    while (++entry) scratch.col(j) -= entry.value() * scratch.col(entry.row());
+    scratch.col(j) /= diagonal;
+  }
+  for (Eigen::Index i = 0; i < count; ++i) b.col(i) = scratch.col(place[static_cast<std::size_t>(i)]);
+}
+
+Sparse midpointMatrix(const SpringArrays& springs, const Points& inverseMass, double h) {
+  std::vector<Eigen::Triplet<double>> entries;
+  for (std::uint32_t i = 0; i < inverseMass.cols(); ++i)
+    entries.emplace_back(i, i, isHeld(inverseMass, i) ? 1.0 : 1.0 / inverseMass.col(i).maxCoeff());
+  for (std::size_t s = 0; s < springs.size(); ++s) {
+    const auto a = springs.a[s], b = springs.b[s];
+    const double k = std::max(springs.extensionStiffness[s], springs.compressionStiffness[s]);
+    const double weight = 0.25 * h * h * k + dampingWeight(springs, inverseMass, s, h);
+    const bool heldA = isHeld(inverseMass, a), heldB = isHeld(inverseMass, b);
+    if (!heldA) entries.emplace_back(a, a, weight);
+    if (!heldB) entries.emplace_back(b, b, weight);
+    if (heldA || heldB) continue;
+    entries.emplace_back(a, b, -weight);
+    entries.emplace_back(b, a, -weight);
+  }
+  Sparse matrix(inverseMass.cols(), inverseMass.cols());
+  matrix.setFromTriplets(entries.begin(), entries.end());
+  return matrix;
+}
+
+std::shared_ptr<const SharedFactor> SharedFactors::get(Sparse matrix) {
+  known_.erase(std::remove_if(known_.begin(), known_.end(), [](const auto& f) { return f.expired(); }),
+               known_.end());
+  for (const auto& known : known_)
+    if (auto factor = known.lock(); factor && equal(factor->matrix, matrix)) return factor;
+  auto factor = makeFactor(std::move(matrix));
+  known_.push_back(factor);
+  return factor;
+}
+
+}  // namespace limber

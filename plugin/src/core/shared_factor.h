@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: Zlib
+#pragma once
+
+#include "core/point_state.h"
+#include "core/spring_arrays.h"
+
+#include <Eigen/SparseCore>
+
+#include <memory>
+#include <vector>
+
+namespace limber {
+
+/// The matrix of the local/global iterations of the implicit midpoint rule and its Cholesky factor
+/// (Liu, Bargteil, O'Brien, Kavan 2013, equation 14, for substeps h of the midpoint rule):
+///
+///     A = M + sum over springs (h^2/4 k + h/2 c (1 + beta)) (e_a - e_b)(e_a - e_b)^T,  #points x #points,
+///
+/// an upper bound in all directions of the stiffness and damping, so that iterating with it converges. The
+/// same for x, y and z and whatever the deformation: all bodies of a network with equal springs and masses
+/// share it. Rows and columns of held points are those of the unit matrix.
+struct SharedFactor {
+  Eigen::SparseMatrix<double> matrix;  ///< A
+  Eigen::SparseMatrix<double> lower;   ///< L of P A P^T = L L^T
+  std::vector<std::uint32_t> place;    ///< #points, row of point i in L
+
+  /// Solves A x = b in place for all three coordinates; `scratch` is 3 x #points.
+  void solve(Points& b, Points& scratch) const;
+};
+
+/// A for substeps of h seconds.
+Eigen::SparseMatrix<double> midpointMatrix(const SpringArrays& springs, const Points& inverseMass, double h);
+
+/// Factors that bodies use, each made once. Allocates when a matrix is new.
+class SharedFactors {
+ public:
+  std::shared_ptr<const SharedFactor> get(Eigen::SparseMatrix<double> matrix);
+
+ private:
+  std::vector<std::weak_ptr<const SharedFactor>> known_;
+};
+
+}  // namespace limber

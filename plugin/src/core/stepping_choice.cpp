@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: Zlib
+#include "core/stepping_choice.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace limber {
+namespace {
+
+/// Of Verlet's stability limit omega dt = 2. The bound on omega is exact only for a single spring; there this
+/// share still keeps the discrete oscillation away from the limit, where its amplitude grows without bound.
+constexpr double kLargestPhaseStep = 0.9 * 2.0;
+
+/// Substeps of Verlet that cost about as much as the implicit steppers at their usual number.
+constexpr int kMostVerlet = 250;
+constexpr int kImplicitSubsteps = 4;
+
+/// Dampers that take all speed away in less than a substep: the split-off damping then brakes more than the
+/// true one.
+constexpr double kStrongDamping = 1.0;
+
+/// rad that a spring may turn per substep. A step is a straight line: it makes a spring that turns by t
+/// longer by t^2 / 2 of its length.
+constexpr double kLargestTurn = 0.25;
+
+/// Substeps that the tolerance asks for, the error being proportional to the square of the substep.
+int neededSubsteps(const SteppingProblem& p, const Stepping& s) {
+  double tolerance = s.tolerance > 0.0 ? s.tolerance : std::numeric_limits<double>::infinity();
+  if (s.relativeTolerance > 0.0) tolerance = std::min(tolerance, s.relativeTolerance * p.size);
+  const double needed = std::ceil(p.tick * std::sqrt(p.errorPerSquare / tolerance));
+  return static_cast<int>(std::clamp(needed, 1.0, 1e6));
+}
+
+Stepper implicitFor(const SteppingProblem& p, bool strong) {
+  return strong || p.narrow ? Stepper::BandedNewton : Stepper::ImplicitMidpoint;
+}
+
+Stepper choose(const SteppingProblem& p, const Stepping& s, int verlet) {
+  if (!p.implicitPossible) return Stepper::Verlet;
+  if (s.stepper != Stepper::Auto) return s.stepper;
+  const bool strong = p.dampingRate * p.tick / verlet > kStrongDamping;
+  const bool tooDear = s.budget > 0 && verlet > s.budget;
+  const bool many = verlet > kMostVerlet && !p.touching;
+  return strong || tooDear || many ? implicitFor(p, strong) : Stepper::Verlet;
+}
+
+}  // namespace
+
+double frequencyBoundSquared(const SpringArrays& springs, const Points& inverseMass,
+                             std::vector<double>& stiffnessSums) {
+  stiffnessSums.assign(static_cast<std::size_t>(inverseMass.cols()), 0.0);
+  const auto stiffness = [&](std::size_t s) {
+    return std::max(springs.extensionStiffness[s], springs.compressionStiffness[s]);
+  };
+  for (std::size_t s = 0; s < springs.size(); ++s) {
+    stiffnessSums[springs.a[s]] += stiffness(s);
+    stiffnessSums[springs.b[s]] += stiffness(s);
+  }
+  double bound = 0.0;
+  for (std::size_t s = 0; s < springs.size(); ++s) {
+    const auto rowPart = [&](std::uint32_t i) { return inverseMass.col(i).maxCoeff() * stiffnessSums[i]; };
+    bound = std::max(bound, rowPart(springs.a[s]) + rowPart(springs.b[s]));
+  }
+  return bound;
+}
+
+int substepCount(double frequencySquared, double tick, const Stepping& settings) {
+  const double phase = std::sqrt(frequencySquared) * tick;
+  const double largestStep = std::min(kLargestPhaseStep, std::sqrt(24.0 * settings.periodTolerance));
+  const double needed = std::ceil(phase / largestStep);
+  return std::max(settings.atLeast, static_cast<int>(std::min(needed, 1e9)));
+}
+
+double dampingRateBound(const SpringArrays& springs, const Points& inverseMass) {
+  double rate = 0.0;
+  for (std::size_t i = 0; i < springs.size(); ++i) {
+    const double w = inverseMass.col(springs.a[i]).maxCoeff() + inverseMass.col(springs.b[i]).maxCoeff();
+    rate = std::max(rate, springs.damping[i] * w);
+  }
+  return rate;
+}
+
+double fastestTurn(const SpringArrays& springs, const PointState& state, double negligible) {
+  // two ends differ by at most twice the largest difference from point 0
+  const double largest =
+      2.0 * std::sqrt((state.velocity.colwise() - state.velocity.col(0)).colwise().squaredNorm().maxCoeff());
+  if (largest <= negligible * springs.shortest) return 0.0;
+  double fastest = 0.0;
+  for (std::size_t i = 0; i < springs.size(); ++i) {
+    const Eigen::Vector3d d = state.position.col(springs.b[i]) - state.position.col(springs.a[i]);
+    const Eigen::Vector3d u = state.velocity.col(springs.b[i]) - state.velocity.col(springs.a[i]);
+    // a spring that is nearly folded up turns as fast as it likes without mattering
+    const double squared = std::max(d.squaredNorm(), springs.restLength[i] * springs.restLength[i]);
+    if (squared > 0.0) fastest = std::max(fastest, (u - u.dot(d) / squared * d).squaredNorm() / squared);
+  }
+  return std::sqrt(fastest);
+}
+
+SteppingChoice chooseStepping(const SteppingProblem& p, const Stepping& s) {
+  const int turning = static_cast<int>(std::min(std::ceil(p.turnRate * p.tick / kLargestTurn), 1e6));
+  const int stable = substepCount(p.frequencySquared, p.tick, s);
+  SteppingChoice choice;
+  choice.stepper = choose(p, s, stable);
+  const bool verlet = choice.stepper == Stepper::Verlet;
+  const int least = verlet ? stable : std::max(s.atLeast, kImplicitSubsteps);
+  choice.substeps = std::max({least, turning, neededSubsteps(p, s)});
+  if (s.budget > 0) choice.substeps = std::min(choice.substeps, std::max(s.budget, verlet ? stable : 1));
+  return choice;
+}
+
+}  // namespace limber
