@@ -6,6 +6,7 @@
 #include "core/stepping_choice.h"
 #include "core/verlet_step.h"
 #include "support/networks.h"
+#include "support/stepped_body.h"
 
 #include <gtest/gtest.h>
 #include <Eigen/Eigenvalues>
@@ -15,35 +16,7 @@
 namespace limber {
 namespace {
 
-/// A body with unit total mass at its rest shape.
-struct Body {
-  Body(const SharedNetwork& network, double stiffness, double damping) : net(network) {
-    settings.extensionStiffness = settings.compressionStiffness = stiffness;
-    settings.damping = damping;
-    springs = makeSprings(*network, settings);
-    state.resize(static_cast<Eigen::Index>(network->restPoints.size()));
-    for (Eigen::Index i = 0; i < state.position.cols(); ++i) {
-      state.position.col(i) = network->restPoints[static_cast<std::size_t>(i)];
-      state.inverseMass.col(i).setConstant(1.0 / network->massShares[static_cast<std::size_t>(i)]);
-    }
-    group.bodies.push_back({&state, &springs, nullptr});
-    group.links.points.push_back(&state);
-  }
-  Body(const Body&) = delete;
-  Body& operator=(const Body&) = delete;
-
-  void spin(const Eigen::Vector3d& omega) {
-    for (Eigen::Index i = 0; i < state.position.cols(); ++i)
-      state.velocity.col(i) += omega.cross(Eigen::Vector3d(state.position.col(i)));
-  }
-  double energy() const { return kineticEnergy(state) + elasticEnergy(springs, state.position); }
-
-  SharedNetwork net;
-  SoftBodySettings settings;
-  PointState state;
-  SpringArrays springs;
-  StepGroup group;
-};
+using Body = test::SteppedTestBody;
 
 TEST(SpringForces, areTheGradientOfTheEnergy) {
   Body body(test::cubeNetwork(), 123.0, 0.0);

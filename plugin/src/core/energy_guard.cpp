@@ -48,20 +48,21 @@ RigidMotion rigidMotion(const PointState& state) {
 
 }  // namespace
 
-void removeKineticEnergy(PointState& state, double excess) {
+double removeKineticEnergy(PointState& state, double excess) {
   const RigidMotion rigid = rigidMotion(state);
   double internal = 0.0;
   for (Eigen::Index i = 0; i < state.position.cols(); ++i) {
     const Eigen::Vector3d own = state.velocity.col(i) - rigid.at(state.position.col(i));
     internal += 0.5 * massOf(state, i) * own.squaredNorm();
   }
-  if (!(internal > 0.0)) return;
+  if (!(internal > 0.0)) return excess;
   const double scale = std::sqrt(std::max(0.0, 1.0 - excess / internal));
   for (Eigen::Index i = 0; i < state.position.cols(); ++i) {
     if (massOf(state, i) == 0.0) continue;
     const Eigen::Vector3d motion = rigid.at(state.position.col(i));
     state.velocity.col(i) = motion + scale * (state.velocity.col(i) - motion);
   }
+  return std::max(0.0, excess - internal);
 }
 
 }  // namespace limber

@@ -5,9 +5,10 @@
 
 namespace limber {
 
-/// Takes up to `excess` J out of the motion of a free body's points relative to its rigid motion, by scaling
+/// Takes `excess` J out of the motion of a free body's points relative to its rigid motion, by scaling
 /// it, so that linear and angular momentum stay (the projection of Dinev, Liu, Li, Thomaszewski, Kavan 2018
 /// restricted to velocities). A body with held points has no rigid motion of its own: all of it is scaled.
-void removeKineticEnergy(PointState& state, double excess);
+/// Returns what was not there to be taken, J.
+double removeKineticEnergy(PointState& state, double excess);
 
 }  // namespace limber

@@ -14,8 +14,19 @@ namespace {
 
 /// Iterations end when no point moves by more than this share of the longest spring.
 constexpr double kConverged = 1e-11;
-constexpr int kMostSharedIterations = 10;
+constexpr int kMostSharedIterations = 20;
+
+/// Iterations that end with a larger movement, as a share of the longest spring, have not found a midpoint
+/// that could be extrapolated from.
+constexpr double kNearlyConverged = 0.05;
 constexpr int kMostNewtonIterations = 12;
+
+/// Share by which the energy may rise above the least it has been, work and changes from outside apart: the
+/// midpoint rule does not keep it to the last digit, it swings about its value.
+constexpr double kEnergySwing = 1e-4;
+
+/// Iterations in which the dampers turn with their springs.
+constexpr int kDamperTurns = 3;
 
 /// Halvings of a Newton step that would go uphill.
 constexpr int kMostHalvings = 6;
@@ -23,11 +34,15 @@ constexpr int kMostHalvings = 6;
 struct Substep {
   SteppedBody& body;
   ImplicitState& implicit;
-  double time, h;
+  double time;         ///< s since the start of the tick
+  double h;            ///< s, of the whole substep
+  bool euler = false;  ///< only its first half, by backward Euler
 
   PointState& points() const { return *body.points; }
   SpringArrays& springs() const { return *body.springs; }
-  bool touches() const { return implicit.contacts.load.cols() > 0; }
+  ContactSpan whole() const { return {time, h, 2.0}; }
+  ContactSpan firstHalf() const { return {time, 0.5 * h, 1.0}; }
+  bool touches() const { return implicit.contacts.count > 0; }
 };
 
 bool isHeld(const PointState& p, Eigen::Index i) { return p.inverseMass.col(i).maxCoeff() == 0.0; }
@@ -45,29 +60,50 @@ void start(const Substep& s) {
   s.implicit.start = p.position;
   s.implicit.startVelocity = p.velocity;
   p.position += 0.5 * s.h * p.velocity;
+  startSubstep(s.implicit.contacts, s.body.contacts, p.position.cols());
 }
 
-/// Adds the dampers' forces for the velocities that the present midpoint positions mean.
+/// 0 to 1, see midpoint_damping.h; backward Euler takes the mean velocity.
+double damperLookAhead(const Substep& s, std::size_t i) {
+  if (s.euler) return 0.0;
+  return lookAhead(s.springs().damping[i], inverseMassesOf(s.springs(), s.points().inverseMass, i), s.h);
+}
+
+/// m: by how much farther apart the ends of spring i are, along its damper, than where the damper would pull
+/// with no force. With the velocity v_m + beta (v_m - v0) of midpoint_damping.h and v_m = 2/h (x - x0) that
+/// is where   (1 + beta) (x - x0) = beta h/2 v0.
+double damperStretch(const Substep& s, std::size_t i, const Points& x) {
+  const ImplicitState& state = s.implicit;
+  const auto a = s.springs().a[i], b = s.springs().b[i];
+  const double beta = damperLookAhead(s, i), old = 0.5 * s.h * beta / (1.0 + beta);
+  const auto way = [&](std::uint32_t j) -> Eigen::Vector3d {
+    return x.col(j) - state.start.col(j) - old * state.startVelocity.col(j);
+  };
+  return state.damperDirection.col(static_cast<Eigen::Index>(i)).dot(way(b) - way(a));
+}
+
+/// kg: h/2 c (1 + beta).
+double damperWeight(const Substep& s, std::size_t i) {
+  return 0.5 * s.h * s.springs().damping[i] * (1.0 + damperLookAhead(s, i));
+}
+
+/// Adds the dampers' forces for the velocities that the present midpoint positions mean. Their directions
+/// follow the springs' in the first iterations only: under strong damping, changing ones would not converge.
 void addDampingForces(const Substep& s) {
   const SpringArrays& springs = s.springs();
-  PointState& p = s.points();
   if (!springs.damped) return;
+  Points& force = s.points().force;
   for (std::size_t i = 0; i < springs.size(); ++i) {
-    const auto a = springs.a[i], b = springs.b[i];
-    const double beta = lookAhead(springs.damping[i], inverseMassesOf(springs, p.inverseMass, i), s.h);
-    const auto velocity = [&](std::uint32_t j) -> Eigen::Vector3d {
-      const Eigen::Vector3d mean = 2.0 / s.h * (p.position.col(j) - s.implicit.start.col(j));
-      return mean + beta * (mean - s.implicit.startVelocity.col(j));
-    };
-    const Eigen::Vector3d n = springs.direction.col(static_cast<Eigen::Index>(i));
-    const Eigen::Vector3d force = springs.damping[i] * n.dot(velocity(b) - velocity(a)) * n;
-    p.force.col(a) += force;
-    p.force.col(b) -= force;
+    const double pull = 4.0 / (s.h * s.h) * damperWeight(s, i) * damperStretch(s, i, s.points().position);
+    const Eigen::Vector3d f = pull * s.implicit.damperDirection.col(static_cast<Eigen::Index>(i));
+    force.col(springs.a[i]) += f;
+    force.col(springs.b[i]) -= f;
   }
 }
 
-void computeForces(const Substep& s) {
+void computeForces(const Substep& s, bool turnDampers) {
   computeSpringForces(s.springs(), s.points());
+  if (turnDampers) s.implicit.damperDirection = s.springs().direction;
   addDampingForces(s);
 }
 
@@ -85,12 +121,14 @@ void computeResidual(const Substep& s) {
   if (s.touches()) addLoads(s.implicit.contacts, s.implicit.contacts.load, r);
 }
 
-/// What the iterations descend on when nothing damps or touches: |x - y|_M^2 / 2 + h^2/4 E(x).
+/// What the iterations descend on when nothing touches: |x - y|_M^2 / 2 + h^2/4 E(x) and the dampers' part.
 double objective(const Substep& s, const Points& position) {
   const PointState& p = s.points();
   double sum = 0.25 * s.h * s.h * elasticEnergy(s.springs(), position);
   for (Eigen::Index i = 0; i < position.cols(); ++i)
     if (!isHeld(p, i)) sum += 0.5 * massOf(p, i) * (position.col(i) - inertialMidpoint(s, i)).squaredNorm();
+  for (std::size_t i = 0; s.springs().damped && i < s.springs().size(); ++i)
+    sum += 0.5 * damperWeight(s, i) * std::pow(damperStretch(s, i, position), 2);
   return sum;
 }
 
@@ -108,11 +146,11 @@ void shortenStep(const Substep& s) {
 }
 
 /// The loads that this iteration's step asks for, and what they do to the step.
-void solveContacts(const Substep& s) {
+void solveContacts(const Substep& s, const ContactSpan& span) {
   ImplicitState& state = s.implicit;
   MidpointContacts& contacts = state.contacts;
   state.trial = s.points().position + state.residual;
-  solveLoads(contacts, state.trial, state.start, s.time, s.h);
+  solveLoads(contacts, state.trial, state.start, span);
   contacts.load += contacts.change;
   state.trial.setZero();
   addLoads(contacts, contacts.change, state.trial);
@@ -121,20 +159,17 @@ void solveContacts(const Substep& s) {
 }
 
 /// One iteration; returns the largest movement of a point (m). The step is found in place of the residual.
-double iterate(const Substep& s, bool first) {
+double iterate(const Substep& s, const ContactSpan& span, int iteration) {
   ImplicitState& state = s.implicit;
-  computeForces(s);
-  update(state.solver, s.springs(), s.points().position);
-  if (first || (s.touches() && state.solver.kind == MidpointSolver::Kind::Newton)) {
-    const Points loads = state.contacts.load;
-    prepare(state.contacts, s.body.contacts, state.solver);
-    if (!first) state.contacts.load = loads;
-  }
+  computeForces(s, iteration < (s.euler ? 1 : kDamperTurns));
+  update(state.solver, s.springs(), state.damperDirection, s.points().position);
+  if (s.touches() && (iteration == 0 || state.solver.kind == MidpointSolver::Kind::Newton))
+    computeResponse(state.contacts, state.solver);
   computeResidual(s);
   solve(state.solver, state.residual);
   if (s.touches())
-    solveContacts(s);
-  else if (!s.springs().damped)
+    solveContacts(s, span);
+  else
     shortenStep(s);
   s.points().position += state.residual;
   return state.residual.cwiseAbs().maxCoeff();
@@ -147,13 +182,13 @@ double longest(const SpringArrays& springs) {
 }
 
 /// Iterates to the end; returns the last movement (m).
-double solveMidpoint(const Substep& s) {
+double solveMidpoint(const Substep& s, const ContactSpan& span) {
   const bool shared = s.implicit.solver.kind == MidpointSolver::Kind::Shared;
   const int most = shared ? kMostSharedIterations : kMostNewtonIterations;
   const double enough = kConverged * longest(s.springs());
   double moved = 0.0;
   for (int i = 0; i < most; ++i) {
-    moved = iterate(s, i == 0);
+    moved = iterate(s, span, i);
     if (moved <= enough) break;
   }
   return moved;
@@ -164,8 +199,7 @@ double energy(const Substep& s) {
   return kineticEnergy(s.points()) + elasticEnergy(s.springs(), s.points().position);
 }
 
-/// J done on the points over the substep by the constant accelerations, by what holds points, and by
-/// contacts.
+/// J done on the points since the start by the constant accelerations, by what holds points, and by contacts.
 double work(const Substep& s) {
   const PointState& p = s.points();
   double sum = 0.0;
@@ -173,7 +207,7 @@ double work(const Substep& s) {
     const Eigen::Vector3d moved = p.position.col(i) - s.implicit.start.col(i);
     sum += isHeld(p, i) ? -p.force.col(i).dot(moved) : massOf(p, i) * p.acceleration.col(i).dot(moved);
   }
-  for (Eigen::Index r = 0; r < s.implicit.contacts.load.cols(); ++r) {
+  for (Eigen::Index r = 0; r < s.implicit.contacts.count; ++r) {
     const auto point = (*s.body.contacts)[static_cast<std::size_t>(r)].point;
     sum += 4.0 / (s.h * s.h) *
            s.implicit.contacts.load.col(r).dot(p.position.col(point) - s.implicit.start.col(point));
@@ -181,15 +215,46 @@ double work(const Substep& s) {
   return sum;
 }
 
-/// The state at the end of the substep from the midpoint.
-void finish(const Substep& s) {
+/// Takes out the energy by which the substep has left the swing allowed to it; false if it cannot be taken
+/// out of the motion. Otherwise the floor is kept.
+bool guardEnergy(const Substep& s) {
+  ImplicitState& state = s.implicit;
+  const double after = energy(s), floor = state.energyFloor + work(s);
+  const double excess = after - floor - kEnergySwing * std::abs(state.energyFloor);
+  const double left = excess > 0.0 ? removeKineticEnergy(s.points(), excess) : 0.0;
+  if (left > kEnergySwing * std::abs(state.energyFloor)) return false;
+  state.energyFloor = std::min(floor, after - std::max(0.0, excess - left));
+  return true;
+}
+
+/// The velocities that have brought the free points to where they are, times `reach` less the rest of v0.
+void setVelocities(const Substep& s, double reach) {
   PointState& p = s.points();
-  p.position = 2.0 * p.position - s.implicit.start;
   for (Eigen::Index i = 0; i < p.position.cols(); ++i)
     if (!isHeld(p, i))
-      p.velocity.col(i) =
-          2.0 / s.h * (p.position.col(i) - s.implicit.start.col(i)) - s.implicit.startVelocity.col(i);
-  if (s.touches()) settle(s.implicit.contacts, p, s.h);
+      p.velocity.col(i) = 2.0 / s.h * (p.position.col(i) - s.implicit.start.col(i)) -
+                          (reach - 1.0) * s.implicit.startVelocity.col(i);
+}
+
+/// From the midpoint to the end of the substep.
+void finish(const Substep& s) {
+  s.points().position = 2.0 * s.points().position - s.implicit.start;
+  setVelocities(s, 2.0);
+  if (s.touches()) settle(s.implicit.contacts, s.points(), s.whole());
+}
+
+/// Half a substep of backward Euler, which the equation for the midpoint is: x = x0 + h/2 v,
+/// v = v0 + h/2 (a + M^-1 f(x)). Going downhill from x0, the springs never get more energy than there was.
+void advanceHalfByEuler(const Substep& s) {
+  PointState& p = s.points();
+  start(s);
+  for (Eigen::Index i = 0; i < p.position.cols(); ++i)
+    if (!isHeld(p, i)) p.position.col(i) = s.implicit.start.col(i);
+  solveMidpoint(s, s.firstHalf());
+  computeForces(s, false);
+  setVelocities(s, 1.0);
+  if (s.touches()) settle(s.implicit.contacts, p, s.firstHalf());
+  if (!guardEnergy(s)) s.implicit.energyFloor = energy(s);
 }
 
 /// m/s, root mean square: the midpoint rule is wrong by (omega h)^2 / 12 of the phase (compare
@@ -204,15 +269,20 @@ double errorRate(const Substep& s, double left) {
 }
 
 void advance(const Substep& s) {
-  const double before = energy(s);
   start(s);
-  const double left = solveMidpoint(s);
-  computeForces(s);
-  const double error = errorRate(s, left);
-  finish(s);
-  const double excess = energy(s) - before - work(s);
-  if (excess > 0.0) removeKineticEnergy(s.points(), excess);
-  s.body.errorRate = std::max(s.body.errorRate, error);
+  const double left = solveMidpoint(s, s.whole());
+  computeForces(s, false);
+  s.body.errorRate = std::max(s.body.errorRate, errorRate(s, left));
+  const bool settled = left <= kNearlyConverged * longest(s.springs());
+  if (settled) {
+    finish(s);
+    if (guardEnergy(s)) return;
+    undo(s.implicit.contacts);
+  }
+  s.points().position = s.implicit.start;
+  s.points().velocity = s.implicit.startVelocity;
+  advanceHalfByEuler({s.body, s.implicit, s.time, s.h, true});
+  advanceHalfByEuler({s.body, s.implicit, s.time + 0.5 * s.h, s.h, true});
 }
 
 }  // namespace
@@ -231,7 +301,12 @@ void stepImplicit(SteppedBody& body, ImplicitState& implicit, MidpointSolver::Ki
   implicit.residual.resizeLike(body.points->position);
   implicit.trial.resizeLike(body.points->position);
   body.errorRate = 0.0;
-  for (int i = 0; i < substeps; ++i) advance({body, implicit, i * h, h});
+  const auto energyNow = [&] {
+    return kineticEnergy(*body.points) + elasticEnergy(*body.springs, body.points->position);
+  };
+  implicit.energyFloor += energyNow() - implicit.energyAtEnd;
+  for (int i = 0; i < substeps; ++i) advance({body, implicit, i * h, h, false});
+  implicit.energyAtEnd = energyNow();
 }
 
 }  // namespace limber

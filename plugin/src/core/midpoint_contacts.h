@@ -13,27 +13,42 @@ namespace limber {
 /// so the rows are solved together, by projected Gauss-Seidel on W (Jourdan, Alart, Jean 1998).
 struct MidpointContacts {
   std::vector<ContactRow>* rows = nullptr;
-  Eigen::MatrixXd response;  ///< W, 3 #rows x 3 #rows, m per kg m
+  Eigen::Index count = 0;    ///< #rows; the arrays have room for more and grow only
+  Eigen::MatrixXd response;  ///< W, 3 #rows x 3 #rows, 1/kg
   Points load;               ///< 3 x #rows, l, kg m
   Points change;             ///< 3 x #rows, of l in this iteration
+  Points impulseBefore;      ///< 3 x #rows, N s, the rows' impulses at the start
   Points unit;               ///< 3 x #points, scratch
 };
 
 /// More rows than this cost more than stepping the body by Verlet.
 constexpr std::size_t kMostMidpointRows = 48;
 
-/// Computes W; `solver` must be up to date.
-void prepare(MidpointContacts& contacts, std::vector<ContactRow>* rows, MidpointSolver& solver);
+/// Starts a substep with these rows (nullptr: none) and no loads.
+void startSubstep(MidpointContacts& contacts, std::vector<ContactRow>* rows, Eigen::Index points);
 
-/// Finds the change of the loads after which no row is violated at the end of the substep, with the midpoint
-/// positions at `midpoint` (3 x #points, m) and the starting ones at `start`.
-void solveLoads(MidpointContacts& contacts, const Points& midpoint, const Points& start, double time,
-                double h);
+/// Computes W; `solver` must be up to date.
+void computeResponse(MidpointContacts& contacts, MidpointSolver& solver);
+
+/// The part of a tick that is solved for: from `time` on, `duration` seconds long, in which a point goes
+/// `reach` times as far as from its start to the position that the iterations find; 2 for the midpoint rule.
+struct ContactSpan {
+  double time, duration, reach;
+};
+
+/// Finds the change of the loads after which no row is violated at the end of the span, with the positions
+/// that the iterations have found at `found` (3 x #points, m) and those of the start at `start`.
+void solveLoads(MidpointContacts& contacts, const Points& found, const Points& start,
+                const ContactSpan& span);
 
 /// Adds the loads, or their change, to the 3 x #points right hand side.
 void addLoads(const MidpointContacts& contacts, const Points& loads, Points& rightHandSide);
 
-/// At the end of a substep: points that bear a load stay with the surface, and the rows get their impulses.
-void settle(MidpointContacts& contacts, PointState& state, double h);
+/// At the end of a span of h/2 (reach 1) or h: points that bear a load stay with the surface, and the rows
+/// get their impulses.
+void settle(MidpointContacts& contacts, PointState& state, const ContactSpan& span);
+
+/// Gives the rows the impulses they had at the start.
+void undo(MidpointContacts& contacts);
 
 }  // namespace limber

@@ -18,7 +18,7 @@ bool isHeld(const MidpointSolver& solver, std::uint32_t i) {
   return solver.inverseMass.col(i).maxCoeff() == 0.0;
 }
 
-void prepareBanded(MidpointSolver& solver, const SpringArrays& springs, double h) {
+void prepareBanded(MidpointSolver& solver, const SpringArrays& springs) {
   const auto points = static_cast<std::size_t>(solver.inverseMass.cols());
   if (solver.place.size() != points) {
     solver.place = bandOrder(springs, points);
@@ -26,14 +26,12 @@ void prepareBanded(MidpointSolver& solver, const SpringArrays& springs, double h
     solver.banded.resize(static_cast<Eigen::Index>(3 * points), width);
     solver.ordered.resize(static_cast<Eigen::Index>(3 * points));
   }
-  solver.dampingWeights.resize(springs.size());
-  for (std::size_t s = 0; s < springs.size(); ++s)
-    solver.dampingWeights[s] = dampingWeight(springs, solver.inverseMass, s, h);
 }
 
 /// h^2/4 times the stiffness of spring s plus its damping weight, 3 x 3.
 Eigen::Matrix3d springBlock(const MidpointSolver& solver, const SpringArrays& springs, std::size_t s,
-                            const Points& position) {
+                            const Points& damperDirection, const Points& position) {
+  const Eigen::Vector3d m = damperDirection.col(static_cast<Eigen::Index>(s));
   const Eigen::Vector3d n = springs.direction.col(static_cast<Eigen::Index>(s));
   const double length = (position.col(springs.b[s]) - position.col(springs.a[s])).norm();
   const double stretch = length - springs.restLength[s];
@@ -41,7 +39,8 @@ Eigen::Matrix3d springBlock(const MidpointSolver& solver, const SpringArrays& sp
   const double stiffness = 0.25 * solver.substep * solver.substep * k;
   const double sideways = length > 0.0 ? stiffness * std::max(0.0, stretch / length) : 0.0;
   const Eigen::Matrix3d along = n * n.transpose();
-  return (stiffness + solver.dampingWeights[s]) * along + sideways * (Eigen::Matrix3d::Identity() - along);
+  return stiffness * along + solver.dampingWeights[s] * m * m.transpose() +
+         sideways * (Eigen::Matrix3d::Identity() - along);
 }
 
 void addBlock(BandedMatrix& matrix, std::uint32_t rowPlace, std::uint32_t columnPlace,
@@ -58,18 +57,23 @@ void prepare(MidpointSolver& solver, const SpringArrays& springs, const Points& 
              SharedFactors& factors) {
   const bool same = solver.substep == h && solver.revision == springs.revision &&
                     solver.inverseMass.cols() == inverseMass.cols() && solver.inverseMass == inverseMass;
-  if (same && (solver.kind == MidpointSolver::Kind::Newton || solver.shared)) return;
+  const bool shared = solver.kind == MidpointSolver::Kind::Shared;
+  if (same && (shared ? solver.shared != nullptr : !solver.place.empty())) return;
   solver.substep = h;
   solver.revision = springs.revision;
   solver.inverseMass = inverseMass;
   solver.scratch.resize(3, inverseMass.cols());
-  if (solver.kind == MidpointSolver::Kind::Shared)
+  solver.dampingWeights.resize(springs.size());
+  for (std::size_t s = 0; s < springs.size(); ++s)
+    solver.dampingWeights[s] = dampingWeight(springs, solver.inverseMass, s, h);
+  if (shared)
     solver.shared = factors.get(midpointMatrix(springs, inverseMass, h));
   else
-    prepareBanded(solver, springs, h);
+    prepareBanded(solver, springs);
 }
 
-void update(MidpointSolver& solver, const SpringArrays& springs, const Points& position) {
+void update(MidpointSolver& solver, const SpringArrays& springs, const Points& damperDirection,
+            const Points& position) {
   if (solver.kind == MidpointSolver::Kind::Shared) return;
   BandedMatrix& matrix = solver.banded;
   matrix.band.setZero();
@@ -80,7 +84,7 @@ void update(MidpointSolver& solver, const SpringArrays& springs, const Points& p
     }
   for (std::size_t s = 0; s < springs.size(); ++s) {
     const auto a = springs.a[s], b = springs.b[s];
-    const Eigen::Matrix3d block = springBlock(solver, springs, s, position);
+    const Eigen::Matrix3d block = springBlock(solver, springs, s, damperDirection, position);
     const bool heldA = isHeld(solver, a), heldB = isHeld(solver, b);
     if (!heldA) addBlock(matrix, solver.place[a], solver.place[a], block);
     if (!heldB) addBlock(matrix, solver.place[b], solver.place[b], block);

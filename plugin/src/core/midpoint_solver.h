@@ -34,10 +34,12 @@ struct MidpointSolver {
 void prepare(MidpointSolver& solver, const SpringArrays& springs, const Points& inverseMass, double h,
              SharedFactors& factors);
 
-/// For Newton: assembles and factorises the matrix at `position` with the springs' present directions,
-///     M + sum (h^2/4 k (n n^T + max(0, 1 - L/l) (1 - n n^T)) + h/2 c (1 + beta) n n^T),
+/// For Newton: assembles and factorises the matrix at `position` with the springs' present directions n
+/// and the dampers' m (3 x #springs),
+///     M + sum (h^2/4 k (n n^T + max(0, 1 - L/l) (1 - n n^T)) + h/2 c (1 + beta) m m^T),
 /// whose clamp keeps it positive definite under compression (Choi, Ko 2002, section 4).
-void update(MidpointSolver& solver, const SpringArrays& springs, const Points& position);
+void update(MidpointSolver& solver, const SpringArrays& springs, const Points& damperDirection,
+            const Points& position);
 
 /// Solves A x = b in place; b is 3 x #points.
 void solve(MidpointSolver& solver, Points& b);

@@ -1,0 +1,190 @@
+// SPDX-License-Identifier: Zlib
+// The implicit steppers by themselves: no Bullet, closed forms, conservation laws, and Verlet as the
+// reference.
+#include "core/implicit_step.h"
+#include "core/body_measures.h"
+#include "core/point_order.h"
+#include "core/spring_forces.h"
+#include "support/networks.h"
+#include "support/stepped_body.h"
+
+#include <gtest/gtest.h>
+#include <Eigen/Cholesky>
+
+#include <cmath>
+#include <map>
+
+namespace limber {
+namespace {
+
+using Kind = MidpointSolver::Kind;
+using test::SteppedTestBody;
+
+TEST(BandedMatrix, solvesAsTheDenseMatrixDoes) {
+  const Eigen::Index size = 20, width = 4;
+  Eigen::MatrixXd dense = Eigen::MatrixXd::Zero(size, size);
+  BandedMatrix banded;
+  banded.resize(size, width);
+  banded.band.setZero();
+  for (Eigen::Index i = 0; i < size; ++i)
+    for (Eigen::Index j = std::max<Eigen::Index>(0, i - width); j <= i; ++j)
+      dense(i, j) = dense(j, i) = banded.at(i, j) = i == j ? 10.0 : std::sin(double(3 * i + 7 * j));
+  Eigen::VectorXd b = Eigen::VectorXd::LinSpaced(size, -1.0, 2.0);
+  const Eigen::VectorXd expected = dense.llt().solve(b);
+  factorise(banded);
+  solve(banded, b);
+  EXPECT_LT((b - expected).norm(), 1e-14 * size);
+}
+
+TEST(BandOrder, keepsNeighboursClose) {
+  SoftBodySettings settings;
+  const auto width = [&](const SharedNetwork& network) {
+    const SpringArrays springs = makeSprings(*network, settings);
+    return bandWidth(springs, bandOrder(springs, network->restPoints.size()));
+  };
+  EXPECT_EQ(width(test::chainNetwork(40)), 1u);
+  EXPECT_EQ(width(test::fullCubeNetwork()), 7u);
+}
+
+class ImplicitStep : public testing::TestWithParam<Kind> {
+ public:
+  void advance(SteppedTestBody& body, double time, int substeps) {
+    stepImplicit(body.stepped(), states[&body], GetParam(), time, substeps, factors);
+  }
+  void forget() { states.clear(); }
+  std::map<const SteppedTestBody*, ImplicitState> states;
+  SharedFactors factors;
+};
+
+TEST_P(ImplicitStep, isOfSecondOrderInFreeFlight) {
+  for (const double damping : {0.0, 0.3}) {
+    const auto finalPosition = [&](int substeps, bool verlet) {
+      SteppedTestBody body(test::cubeNetwork(), 200.0, damping);
+      forget();
+      body.spin({1.0, 2.0, 3.0});
+      body.state.position *= 1.05;
+      body.state.acceleration.row(1).setConstant(-9.81);
+      if (verlet)
+        stepVerlet(body.group, 0.5, substeps);
+      else
+        advance(body, 0.5, substeps);
+      return body.state.position;
+    };
+    const Points reference = finalPosition(100000, true);
+    const double coarse = (finalPosition(200, false) - reference).norm();
+    const double fine = (finalPosition(400, false) - reference).norm();
+    EXPECT_GT(std::log2(coarse / fine), 1.9) << "damping " << damping;
+  }
+}
+
+TEST_P(ImplicitStep, keepsMomentum) {
+  SteppedTestBody body(test::cubeNetwork(), 500.0, 2.0);
+  body.spin({1.0, 2.0, 3.0});
+  body.state.velocity += Points::Random(3, 8);
+  const Eigen::Vector3d p = linearMomentum(body.state), l = angularMomentum(body.state);
+  advance(body, 10.0, 2400);
+  // exact at every iteration; rounding positions to 1e-16 m makes 1e-16 / h of speed, 2400 times over
+  EXPECT_LT((linearMomentum(body.state) - p).norm(), 1e-10);
+  EXPECT_LT((angularMomentum(body.state) - l).norm(), 1e-4 * l.norm()) << "as exact as the iterations";
+}
+
+TEST_P(ImplicitStep, neverGainsEnergyHoweverStiff) {
+  for (const double stiffness : {1e2, 1e5, 1e8})
+    for (const double ratio : {0.0, 1.0, 1000.0}) {
+      SteppedTestBody body(test::fullCubeNetwork(), stiffness, ratio * 2 * std::sqrt(stiffness * 0.125));
+      forget();
+      body.spin({1.0, -2.0, 0.5});
+      body.state.position += 0.3 * Points::Random(3, 8);
+      double least = body.energy();
+      const double start = least;
+      for (int i = 0; i < 300; ++i) {
+        advance(body, 1.0 / 30, 1);
+        // the swing that implicit_step.cpp allows, once in motion and once in what cannot be taken out of it
+        ASSERT_LT(body.energy(), least + 2.1e-4 * start) << "k " << stiffness << " damping " << ratio;
+        least = std::min(least, body.energy());
+      }
+    }
+}
+
+TEST_P(ImplicitStep, creepsAtTheRightRateHoweverStronglyDamped) {
+  // one spring to a held point, inertia negligible: x(t) = x0 exp(-k t / c)
+  for (const double ratio : {10.0, 1e3, 1e5}) {
+    const double k = 1000.0, mass = 0.5, c = ratio * 2.0 * std::sqrt(k * mass), time = c / k;
+    SteppedTestBody body(test::pairNetwork(), k, c);
+    forget();
+    body.state.inverseMass.col(0).setZero();
+    body.state.position(0, 1) += 0.1;
+    advance(body, time, 200);
+    const double left = body.state.position.col(1).x() - body.state.position.col(0).x() - 1.0;
+    // inertia slows it by m k / c^2 = 1 / (4 ratio^2); the start, where the look-ahead is of first order,
+    // costs about a substep
+    EXPECT_NEAR(left, 0.1 * std::exp(-1.0), 0.1 * (0.01 + 1.0 / (ratio * ratio))) << ratio;
+  }
+}
+
+TEST_P(ImplicitStep, restsOnAPlaneWithTheRightForce) {
+  for (const double stiffness : {1e3, 1e6}) {
+    SteppedTestBody body(test::fullCubeNetwork(), stiffness, 0.1 * 2 * std::sqrt(stiffness * 0.125));
+    forget();
+    body.state.acceleration.row(1).setConstant(-9.81);
+    std::vector<ContactRow> rows;
+    for (std::uint32_t i = 0; i < 8; ++i)
+      if (body.state.position(1, i) < 0.0) {
+        ContactRow row;
+        row.point = i;
+        row.touch = Eigen::Vector3d(0.0, -0.52, 0.0);
+        rows.push_back(row);
+      }
+    ASSERT_EQ(rows.size(), 4u);
+    body.contacts = &rows;
+    double weight = 0.0;
+    for (int tick = 0; tick < 600; ++tick) {
+      for (ContactRow& row : rows) row.impulse.setZero();
+      advance(body, 1.0 / 60, 4);
+      weight = 0.0;
+      for (const ContactRow& row : rows) weight += row.impulse.y() * 60.0;
+    }
+    EXPECT_NEAR(weight, 9.81, 1e-4 * 9.81) << stiffness;
+    for (const ContactRow& row : rows) EXPECT_NEAR(body.state.position(1, row.point), -0.52, 1e-9);
+    EXPECT_LT(body.state.velocity.cwiseAbs().maxCoeff(), 1e-6);
+    computeSpringForces(body.springs, body.state);
+    for (std::uint32_t i = 0; i < 8; ++i) {
+      if (body.state.position(1, i) < 0.0) continue;
+      // local/global iterations approach the stiffest equilibrium slowly
+      const double close = GetParam() == Kind::Shared ? 1e-3 : 1e-4;
+      EXPECT_NEAR(body.state.force(1, i), 9.81 / 8, close * 9.81) << "each upper point is carried";
+    }
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Kinds, ImplicitStep, testing::Values(Kind::Shared, Kind::Newton),
+                         [](const auto& i) { return i.param == Kind::Shared ? "Shared" : "Newton"; });
+
+TEST(SharedFactors, bodiesOfOneNetworkHaveOne) {
+  SharedFactors factors;
+  ImplicitState states[3];
+  SteppedTestBody a(test::cubeNetwork(), 1e5, 0.1), b(test::cubeNetwork(), 1e5, 0.1),
+      softer(test::cubeNetwork(), 1e4, 0.1);
+  SteppedTestBody* bodies[] = {&a, &b, &softer};
+  for (int i = 0; i < 3; ++i) stepImplicit(bodies[i]->stepped(), states[i], Kind::Shared, 0.01, 2, factors);
+  EXPECT_EQ(states[0].solver.shared, states[1].solver.shared);
+  EXPECT_NE(states[0].solver.shared, states[2].solver.shared);
+}
+
+TEST(BandedNewton, hangsAStiffChainRightInOneTick) {
+  // 16 links of 0.1 kg, k = 1e8 N/m: the sag m g / k M (M + 1) / 2 is 1.3 micrometres
+  const int links = 16;
+  const double k = 1e8, mass = 0.1;
+  SteppedTestBody body(test::chainNetwork(links), k, 2.0 * std::sqrt(k * mass), (links + 1) * mass);
+  body.state.inverseMass.col(0).setZero();
+  body.state.acceleration.row(1).setConstant(-9.81);
+  body.state.acceleration.col(0).setZero();
+  ImplicitState implicit;
+  SharedFactors factors;
+  for (int i = 0; i < 300; ++i) stepImplicit(body.stepped(), implicit, Kind::Newton, 1.0 / 30, 4, factors);
+  const double sag = -1.0 - body.state.position(1, links);
+  EXPECT_NEAR(sag, mass * 9.81 / k * links * (links + 1) / 2, 1e-4 * sag);
+}
+
+}  // namespace
+}  // namespace limber

@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: Zlib
+#pragma once
+
+#include "core/body_measures.h"
+#include "core/spring_forces.h"
+#include "core/verlet_step.h"
+
+#include <limber/spring_network.h>
+
+#include <Eigen/Geometry>
+
+namespace limber::test {
+
+/// A body at its rest shape, for the steppers alone.
+struct SteppedTestBody {
+  SteppedTestBody(const SharedNetwork& network, double stiffness, double damping, double totalMass = 1.0)
+      : net(network) {
+    settings.extensionStiffness = settings.compressionStiffness = stiffness;
+    settings.damping = damping;
+    springs = makeSprings(*network, settings);
+    state.resize(static_cast<Eigen::Index>(network->restPoints.size()));
+    for (Eigen::Index i = 0; i < state.position.cols(); ++i) {
+      state.position.col(i) = network->restPoints[static_cast<std::size_t>(i)];
+      const double mass = totalMass * network->massShares[static_cast<std::size_t>(i)];
+      state.inverseMass.col(i).setConstant(1.0 / mass);
+    }
+    group.bodies.push_back({&state, &springs, nullptr});
+    group.links.points.push_back(&state);
+  }
+  SteppedTestBody(const SteppedTestBody&) = delete;
+  SteppedTestBody& operator=(const SteppedTestBody&) = delete;
+
+  void spin(const Eigen::Vector3d& omega) {
+    for (Eigen::Index i = 0; i < state.position.cols(); ++i)
+      state.velocity.col(i) += omega.cross(Eigen::Vector3d(state.position.col(i)));
+  }
+  double energy() const { return kineticEnergy(state) + elasticEnergy(springs, state.position); }
+
+  SteppedBody& stepped() {
+    group.bodies[0].contacts = contacts;
+    return group.bodies[0];
+  }
+
+  SharedNetwork net;
+  SoftBodySettings settings;
+  PointState state;
+  SpringArrays springs;
+  std::vector<ContactRow>* contacts = nullptr;
+  StepGroup group;
+};
+
+}  // namespace limber::test
