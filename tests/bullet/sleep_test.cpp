@@ -153,5 +153,23 @@ TEST_F(SleepTest, aMovedPinWakesIt) {
   EXPECT_NEAR(rope->position(0).x(), 0.2, 1e-6);
 }
 
+TEST(Sleep, aPointLetGoMovesHoweverLongTheBodyWasCalm) {
+  for (const double calm : {1.0, 1.9, 1.99, 2.0, 2.02, 5.0}) {
+    BulletWorld bullet(0.0);
+    SoftBodySystem system(*bullet.world);
+    SoftBodySettings s;
+    s.damping = 20.0;
+    SoftBody* body = *system.createBody(test::chainNetwork(2), s);
+    body->pin(0);
+    body->pin(2);
+    body->movePin(2, test::vec(0, -1.2, 0));
+    bullet.tick();
+    bullet.simulate(calm);
+    body->unpin(2);
+    bullet.simulate(1.0);
+    EXPECT_NEAR(body->position(2).y(), -1.0, 0.01) << "calm for " << calm << " s";
+  }
+}
+
 }  // namespace
 }  // namespace limber

@@ -176,16 +176,5 @@ TEST(FrequencyBound, isExactForASpringOnAHeldPoint) {
   EXPECT_DOUBLE_EQ(frequencyBoundSquared(body.springs, body.state.inverseMass, sums), 1000.0 * 2.0);
 }
 
-TEST(SubstepCount, followsStabilityToleranceAndTheUser) {
-  Stepping choice;
-  choice.periodTolerance = 1.0;
-  EXPECT_EQ(substepCount(0.0, 1.0 / 60, choice), 1);
-  EXPECT_EQ(substepCount(1e6, 1.0 / 60, choice), static_cast<int>(std::ceil(1000.0 / 60 / 1.8)));
-  choice.periodTolerance = 1e-4;
-  EXPECT_EQ(substepCount(1e6, 1.0 / 60, choice), static_cast<int>(std::ceil(1000.0 / 60 / std::sqrt(24e-4))));
-  choice.atLeast = 1000;
-  EXPECT_EQ(substepCount(1e6, 1.0 / 60, choice), 1000);
-}
-
 }  // namespace
 }  // namespace limber

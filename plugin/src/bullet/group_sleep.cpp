@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Zlib
 #include "bullet/group_sleep.h"
 
+#include <algorithm>
+
 namespace limber {
 inline namespace LIMBER_BULLET_PRECISION {
 namespace {
@@ -71,6 +73,8 @@ bool sleepIsOff() { return gDisableDeactivation || gDeactivationTime == btScalar
 
 /// Woken from outside (a contact, the user), or kept awake; otherwise its calm time goes on.
 void updateCalmTime(TickGroup& group, btScalar tick) {
+  // wake() on a body that is awake starts its calm time anew
+  for (const SoftBodyData* body : group.bodies) group.calmTime = std::min(group.calmTime, body->calmTime);
   if (group.asleep && !anyMember(group, [](btRigidBody& body) { return body.isActive(); })) return;
   if (group.asleep || anyMember(group, [](btRigidBody& body) {
         return !body.isActive() && body.getActivationState() == ISLAND_SLEEPING;

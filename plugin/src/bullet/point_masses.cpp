@@ -245,6 +245,7 @@ void wakePoints(SoftBodyData& body, bool insideTick) {
     if (insideTick) point->applyGravity();
   }
   body.asleep = false;
+  body.calmTime = 0.0;
 }
 
 }  // namespace LIMBER_BULLET_PRECISION

@@ -48,6 +48,7 @@ struct SoftBodyData {
   double errorPerSecond = 0.0;        ///< m/s
   double errorPerSquare = 0.0;        ///< m/s^3, see SteppingProblem
   std::vector<double> stiffnessSums;
+  Points startVelocity;      ///< 3 x #points, m/s, at the start of the tick; empty without a tolerance
   double dampingRate = 0.0;  ///< 1/s, dampingRateBound, as stale as frequencySquared
   double size = 0.0;         ///< m, diagonal of the box around it at rest
   bool narrow = false;       ///< see SteppingProblem

@@ -4,6 +4,7 @@
 #include "bullet/contact_gather.h"
 #include "bullet/convert.h"
 #include "bullet/group_sleep.h"
+#include "bullet/group_stepping.h"
 #include "bullet/new_body.h"
 #include "bullet/soft_body_data.h"
 #include "bullet/step_plan.h"

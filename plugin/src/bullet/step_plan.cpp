@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Zlib
 #include "bullet/step_plan.h"
 
+#include "bullet/group_stepping.h"
+
 #include <algorithm>
 #include <map>
 #include <tuple>
@@ -14,7 +16,7 @@ namespace {
 constexpr std::size_t kLargestInLanes = 1000;
 
 bool fitsLanes(const TickGroup& group) {
-  return !group.asleep && group.stepper == Stepper::Verlet && isPlain(group.step) &&
+  return !group.asleep && !hasTolerance(group) && group.stepper == Stepper::Verlet && isPlain(group.step) &&
          group.bodies[0]->springs.size() <= kLargestInLanes && group.bodies[0]->springs.size() > 0;
 }
 

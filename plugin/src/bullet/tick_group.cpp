@@ -4,10 +4,8 @@
 #include "bullet/contact_gather.h"
 #include "bullet/continuous_collision.h"
 #include "bullet/convert.h"
-#include "core/stepping_choice.h"
 
 #include <algorithm>
-#include <cmath>
 #include <map>
 
 namespace limber {
@@ -30,94 +28,6 @@ void gatherGroup(TickGroup& group, btScalar tick) {
   }
   for (std::size_t i = 0; i < group.rigids.size(); ++i)
     gatherRigid(group.rigids[i], group.step.links.rigids[i], tick);
-}
-
-namespace {
-
-/// The strictest of the bodies' choices; single springs keep the default.
-Stepping strictest(const TickGroup& group) {
-  if (group.bodies.size() == 1) return group.bodies[0]->settings.stepping;
-  Stepping all;
-  for (const SoftBodyData* body : group.bodies) {
-    const Stepping& s = body->settings.stepping;
-    all.atLeast = std::max(all.atLeast, s.atLeast);
-    all.periodTolerance = std::min(all.periodTolerance, s.periodTolerance);
-    all.budget = std::max(all.budget, s.budget);
-    for (auto part : {&Stepping::tolerance, &Stepping::relativeTolerance})
-      if (s.*part > 0.0) all.*part = all.*part > 0.0 ? std::min(all.*part, s.*part) : s.*part;
-  }
-  return all;
-}
-
-void updateBounds(SoftBodyData& body) {
-  const Points& w = body.state.inverseMass;
-  body.frequencySquared = limber::frequencyBoundSquared(body.springs, w, body.stiffnessSums);
-  body.dampingRate = dampingRateBound(body.springs, w);
-  body.frequencyStale = false;
-}
-
-/// Own springs and links add up to a stiffness matrix K = K_own + K_links, whose largest eigenvalue is at
-/// most the sum of theirs.
-double frequencyBoundSquared(TickGroup& group) {
-  double own = 0.0;
-  for (SoftBodyData* body : group.bodies) {
-    if (body->frequencyStale) updateBounds(*body);
-    own = std::max(own, body->frequencySquared);
-  }
-  return own + linkFrequencyBoundSquared(group.step.links);
-}
-
-/// rad per tick, which the usual number of substeps resolves anyhow.
-constexpr double kNegligibleTurn = 0.5;
-
-SteppingProblem problemOf(TickGroup& group, double tick) {
-  SteppingProblem p;
-  p.frequencySquared = frequencyBoundSquared(group);
-  p.tick = tick;
-  for (SoftBodyData* body : group.bodies) {
-    p.dampingRate = std::max(p.dampingRate, body->dampingRate);
-    p.turnRate = std::max(p.turnRate, fastestTurn(body->springs, body->state, kNegligibleTurn / tick));
-    p.errorPerSquare = std::max(p.errorPerSquare, body->errorPerSquare);
-    p.size = p.size > 0.0 ? std::min(p.size, body->size) : body->size;
-    p.touching = p.touching || !body->contacts.empty();
-    p.narrow = body->narrow;
-  }
-  p.implicitPossible = isPlain(group.step) && canStepImplicitly(group.step.bodies[0]);
-  return p;
-}
-
-}  // namespace
-
-void chooseStepping(TickGroup& group, double tick) {
-  const SteppingChoice choice = limber::chooseStepping(problemOf(group, tick), strictest(group));
-  group.stepper = choice.stepper;
-  group.substeps = choice.substeps;
-}
-
-void stepGroup(TickGroup& group, double tick, SharedFactors& factors) {
-  if (group.stepper == Stepper::Verlet) return stepVerlet(group.step, tick, group.substeps);
-  const auto kind =
-      group.stepper == Stepper::BandedNewton ? MidpointSolver::Kind::Newton : MidpointSolver::Kind::Shared;
-  stepImplicit(group.step.bodies[0], group.bodies[0]->implicit, kind, tick, group.substeps, factors);
-}
-
-namespace {
-
-/// s, for which a peak of the error is remembered.
-constexpr double kErrorMemory = 0.25;
-
-}  // namespace
-
-void reportStepping(TickGroup& group, double tick) {
-  for (std::size_t i = 0; i < group.bodies.size(); ++i) {
-    SoftBodyData& body = *group.bodies[i];
-    const double square = std::pow(tick / group.substeps, 2);
-    const double faded = body.errorPerSquare * std::max(0.0, 1.0 - tick / kErrorMemory);
-    body.errorPerSquare = std::max(group.step.bodies[i].errorRate / square, faded);
-    body.errorPerSecond = body.errorPerSquare * square;
-    body.substeps = group.substeps;
-    body.stepper = group.stepper;
-  }
 }
 
 void handOverGroup(TickGroup& group, btScalar tick) {

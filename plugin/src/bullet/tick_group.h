@@ -41,9 +41,6 @@ std::size_t countUsableLinks(const std::vector<SoftBodyData*>& bodies, const Spr
 
 /// The stages of a tick, see point_masses.h.
 void gatherGroup(TickGroup& group, btScalar tick);
-void chooseStepping(TickGroup& group, double tick);
-void stepGroup(TickGroup& group, double tick, SharedFactors& factors);
-void reportStepping(TickGroup& group, double tick);
 void handOverGroup(TickGroup& group, btScalar tick);
 void takeBackGroup(TickGroup& group, btScalar tick);
 

@@ -24,11 +24,14 @@ constexpr double kStrongDamping = 1.0;
 /// longer by t^2 / 2 of its length.
 constexpr double kLargestTurn = 0.25;
 
+/// Share of a tolerance that is aimed at: the estimate is good to some ten per cent.
+constexpr double kSafety = 0.7;
+
 /// Substeps that the tolerance asks for, the error being proportional to the square of the substep.
 int neededSubsteps(const SteppingProblem& p, const Stepping& s) {
   double tolerance = s.tolerance > 0.0 ? s.tolerance : std::numeric_limits<double>::infinity();
   if (s.relativeTolerance > 0.0) tolerance = std::min(tolerance, s.relativeTolerance * p.size);
-  const double needed = std::ceil(p.tick * std::sqrt(p.errorPerSquare / tolerance));
+  const double needed = std::ceil(p.tick * std::sqrt(p.errorPerSquare / (kSafety * tolerance)));
   return static_cast<int>(std::clamp(needed, 1.0, 1e6));
 }
 
@@ -50,8 +53,9 @@ Stepper choose(const SteppingProblem& p, const Stepping& s, int verlet) {
 double frequencyBoundSquared(const SpringArrays& springs, const Points& inverseMass,
                              std::vector<double>& stiffnessSums) {
   stiffnessSums.assign(static_cast<std::size_t>(inverseMass.cols()), 0.0);
+  const double stiffened = springs.limit.stiffenStrain > 0.0 ? springs.limit.stiffenFactor : 1.0;
   const auto stiffness = [&](std::size_t s) {
-    return std::max(springs.extensionStiffness[s], springs.compressionStiffness[s]);
+    return stiffened * std::max(springs.extensionStiffness[s], springs.compressionStiffness[s]);
   };
   for (std::size_t s = 0; s < springs.size(); ++s) {
     stiffnessSums[springs.a[s]] += stiffness(s);

@@ -124,8 +124,8 @@ struct Body {
   V* earlierForce;  ///< #points x 3, scratch
 };
 
-/// The sum over the points of the squared change of acceleration over the last substep, which computes the
-/// forces of its end.
+/// The sum over the points of the squared change of acceleration over a substep, at whose end it computes
+/// the forces.
 template <class V>
 inline V computeForcesAndChange(const Body<V>& body) {
   const Points<V>& p = body.points;
@@ -139,7 +139,8 @@ inline V computeForcesAndChange(const Body<V>& body) {
   return sum;
 }
 
-/// stepVerlet of verlet_step.h for bodies without links. Returns computeForcesAndChange of the last substep.
+/// stepVerlet of verlet_step.h for bodies without links. Returns the larger
+/// computeForcesAndChange of a substep in the middle and the last.
 template <class V>
 inline V stepAlone(const Body<V>& body, double tick, int substeps) {
   const Points<V>& p = body.points;
@@ -152,10 +153,12 @@ inline V stepAlone(const Body<V>& body, double tick, int substeps) {
     kick(p, 0.5 * dt);
     if (body.contacts.context) body.contacts.stop(body.contacts.context, s * dt, dt);
     drift(p, dt);
-    if (last)
-      change = computeForcesAndChange(body);
-    else
+    if (last || 2 * s == substeps) {
+      const V now = computeForcesAndChange(body);
+      change = select(now > change, now, change);
+    } else {
       computeForces(body.springs, p);
+    }
     kick(p, 0.5 * dt);
     if (body.contacts.context) body.contacts.settle(body.contacts.context);
     if (body.damped) dampAll(body.springs, last ? body.dampHalf : body.dampFull, s % 2 == 0, p);

@@ -88,12 +88,13 @@ void estimateErrors(StepGroup& group, double dt) {
   for (SteppedBody& body : group.bodies) {
     const PointState& p = *body.points;
     const double change = (p.force - p.earlierForce).cwiseProduct(p.inverseMass).squaredNorm();
-    body.errorRate = verletErrorRate(change, p.position.cols(), dt);
+    body.errorRate = std::max(body.errorRate, verletErrorRate(change, p.position.cols(), dt));
   }
 }
 
 void stepLinked(StepGroup& group, double tick, int substeps) {
   const double dt = tick / substeps;
+  for (SteppedBody& body : group.bodies) body.errorRate = 0.0;
   computeForces(group);
   solveAnchors(group.links, 0.0);
   damp(group, dt, false, false);
@@ -103,9 +104,10 @@ void stepLinked(StepGroup& group, double tick, int substeps) {
     solveAnchors(group.links, dt);
     stopAtContacts(group, s * dt, dt);
     drift(group, dt);
-    if (last) keepForces(group);
+    const bool estimates = last || 2 * s == substeps;
+    if (estimates) keepForces(group);
     computeForces(group);
-    if (last) estimateErrors(group, dt);
+    if (estimates) estimateErrors(group, dt);
     kick(group, 0.5 * dt);
     // first anchors and contacts: a damper must not see a point kicked away from what holds it
     solveAnchors(group.links, 0.0);

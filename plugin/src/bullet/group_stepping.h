@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: Zlib
+#pragma once
+
+#include "bullet/tick_group.h"
+
+namespace limber {
+inline namespace LIMBER_BULLET_PRECISION {
+
+/// Before the step: sets the group's stepper and substeps for this tick.
+void chooseStepping(TickGroup& group, double tick);
+
+/// Whether the group's bodies ask for an error tolerance, so that a tick may have to be stepped again.
+bool hasTolerance(const TickGroup& group);
+
+/// Steps the group; with a tolerance again, more finely, where the error turns out larger than foreseen.
+void stepGroup(TickGroup& group, double tick, SharedFactors& factors);
+
+/// After the step: what the bodies tell of it.
+void reportStepping(TickGroup& group, double tick);
+
+}  // namespace LIMBER_BULLET_PRECISION
+}  // namespace limber

@@ -1,0 +1,220 @@
+// SPDX-License-Identifier: Zlib
+// The choice of stepper, tolerance, budget and elastic limit, as a user sees them in a Bullet world.
+#include "support/allocation_counter.h"
+#include "support/bullet_world.h"
+#include "support/networks.h"
+
+#include <limber/soft_body_system.h>
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+namespace limber {
+namespace {
+
+using test::BulletWorld;
+
+constexpr double kGravity = 9.81;
+
+SoftBodySettings stiffCube(double stiffness, Stepper stepper) {
+  SoftBodySettings s;
+  s.extensionStiffness = s.compressionStiffness = stiffness;
+  s.damping = 0.05 * 2.0 * std::sqrt(stiffness * 0.125);
+  s.stepping.stepper = stepper;
+  s.friction = 0.0;
+  return s;
+}
+
+class SteppedBy : public testing::TestWithParam<Stepper> {};
+
+TEST_P(SteppedBy, aCubeRestsRightOnAPlane) {
+  for (const double stiffness : {1e3, 1e5}) {
+    BulletWorld bullet(-kGravity);
+    bullet.addPlaneFloor();
+    SoftBodySystem system(*bullet.world);
+    SoftBodySettings s = stiffCube(stiffness, Stepper::Verlet);
+    s.position.y() = 0.53;
+    const auto restHeight = [&](Stepper stepper) {
+      s.stepping.stepper = stepper;
+      SoftBody* body = *system.createBody(test::fullCubeNetwork(), s);
+      bullet.simulate(10.0);
+      EXPECT_EQ(body->stepper(), stepper);
+      const double height = body->centerOfMass().y();
+      system.destroyBody(body);
+      return height;
+    };
+    EXPECT_NEAR(restHeight(GetParam()), restHeight(Stepper::Verlet), 1e-6) << stiffness;
+  }
+}
+
+TEST_P(SteppedBy, aFreeBodyFallsExactlyAndKeepsItsMomentum) {
+  BulletWorld bullet(-kGravity);
+  SoftBodySystem system(*bullet.world);
+  SoftBodySettings s = stiffCube(1e4, GetParam());
+  s.linearVelocity = {1.0, 2.0, 3.0};
+  s.angularVelocity = {0.0, 3.0, 0.0};
+  SoftBody* body = *system.createBody(test::fullCubeNetwork(), s);
+  bullet.simulate(1.0);
+  EXPECT_EQ(body->stepper(), GetParam());
+  const Eigen::Vector3d exact = Eigen::Vector3d(1.0, 2.0, 3.0) - 0.5 * kGravity * Eigen::Vector3d::UnitY();
+#ifdef BT_USE_DOUBLE_PRECISION
+  EXPECT_LT((body->centerOfMass() - exact).norm(), 1e-11);
+#else
+  EXPECT_LT((body->centerOfMass() - exact).norm(), 1e-6) << "gravity itself is a float";
+#endif
+}
+
+TEST_P(SteppedBy, twoRunsAgreeBitForBit) {
+  const auto hash = [](Stepper stepper) {
+    BulletWorld bullet(-kGravity);
+    bullet.addBoxFloor();
+    SoftBodySystem system(*bullet.world);
+    SoftBodySettings s = stiffCube(1e5, stepper);
+    s.position.y() = 1.0;
+    s.angularVelocity = {1.0, 0.5, 0.2};
+    SoftBody* body = *system.createBody(test::fullCubeNetwork(), s);
+    bullet.simulate(2.0);
+    return body->stateHash();
+  };
+  EXPECT_EQ(hash(GetParam()), hash(GetParam()));
+}
+
+TEST_P(SteppedBy, aTickAllocatesNothingAfterWarmUp) {
+  BulletWorld bullet(-kGravity);
+  bullet.addBoxFloor();
+  SoftBodySystem system(*bullet.world);
+  SoftBodySettings s = stiffCube(1e5, GetParam());
+  s.position.y() = 1.0;
+  SoftBody* body = *system.createBody(test::fullCubeNetwork(), s);
+  body->point(0)->setActivationState(DISABLE_DEACTIVATION);
+  bullet.simulate(3.0);
+  const test::AllocationCounter counter;
+  bullet.simulate(1.0);
+  EXPECT_EQ(counter.allocations(), 0u);
+}
+
+INSTANTIATE_TEST_SUITE_P(Steppers, SteppedBy,
+                         testing::Values(Stepper::Verlet, Stepper::ImplicitMidpoint, Stepper::BandedNewton),
+                         [](const auto& i) {
+                           return i.param == Stepper::Verlet         ? "Verlet"
+                                  : i.param == Stepper::BandedNewton ? "BandedNewton"
+                                                                     : "ImplicitMidpoint";
+                         });
+
+/// A cube in free flight that breathes and turns, and its distance (m, root mean square) from the converged
+/// motion after a second.
+struct Flight {
+  double error = 0.0, estimate = 0.0;
+  int substeps = 0;
+};
+
+Flight fly(const Stepping& stepping) {
+  const auto positionsAfter = [](const Stepping& choice, Flight& flight) {
+    BulletWorld bullet(0.0);
+    SoftBodySystem system(*bullet.world);
+    SoftBodySettings s;
+    s.damping = 0.0;
+    s.angularVelocity = {2.0, 2.5, 1.0};
+    s.stepping = choice;
+    SoftBody* body = *system.createBody(test::fullCubeNetwork(), s);
+    for (std::uint32_t i = 0; i < 8; ++i) {
+      btTransform place = body->point(i)->getWorldTransform();
+      place.getOrigin() *= btScalar(1.02);
+      body->point(i)->setWorldTransform(place);
+    }
+    for (int i = 0; i < 60; ++i) {
+      bullet.tick();
+      flight.estimate = std::max(flight.estimate, body->errorPerSecond());
+    }
+    flight.substeps = body->substeps();
+    Eigen::Matrix3Xd x(3, 8);
+    for (std::uint32_t i = 0; i < 8; ++i) x.col(i) = body->position(i);
+    return x;
+  };
+  Flight flight, unused;
+  Stepping fine;
+  fine.atLeast = 2000;
+  const Eigen::Matrix3Xd exact = positionsAfter(fine, unused);
+  flight.error = std::sqrt((positionsAfter(stepping, flight) - exact).squaredNorm() / 8.0);
+  return flight;
+}
+
+TEST(Tolerance, isMetByTheTrueError) {
+  for (const double tolerance : {1e-2, 1e-3, 1e-4}) {
+    Stepping s;
+    s.tolerance = tolerance;
+    const Flight flight = fly(s);
+    EXPECT_LT(flight.error, tolerance) << "m after one second at " << flight.substeps << " substeps";
+    EXPECT_GT(flight.error, 0.02 * tolerance) << "the estimate is not wasteful either";
+  }
+}
+
+TEST(Tolerance, asAShareOfTheBodysSizeIsTheSame) {
+  Stepping absolute, relative;
+  absolute.tolerance = 1e-3 * std::sqrt(3.0);  // the cube's diagonal
+  relative.relativeTolerance = 1e-3;
+  EXPECT_EQ(fly(absolute).substeps, fly(relative).substeps);
+}
+
+TEST(Budget, capsTheSubstepsAndReportsTheErrorThatFollows) {
+  Stepping wanted, capped;
+  wanted.tolerance = capped.tolerance = 1e-4;
+  capped.budget = 16;
+  const Flight free = fly(wanted), limited = fly(capped);
+  EXPECT_GT(free.substeps, 16);
+  EXPECT_EQ(limited.substeps, 16);
+  EXPECT_GT(limited.estimate, 1e-4) << "the tolerance is missed, and says so";
+  EXPECT_GT(limited.estimate, 0.5 * limited.error);
+}
+
+TEST(ErrorEstimate, fallsWithTheSquareOfTheSubstep) {
+  Stepping coarse, fine;
+  coarse.atLeast = 20;
+  fine.atLeast = 40;
+  EXPECT_NEAR(fly(coarse).estimate / fly(fine).estimate, 4.0, 0.4);
+}
+
+TEST(ElasticLimit, aRopeBreaksWhereTheLoadIsTooMuch) {
+  const auto brokenUnder = [](double loadMass) {
+    BulletWorld bullet(-kGravity);
+    SoftBodySystem system(*bullet.world);
+    SoftBodySettings s;
+    s.extensionStiffness = s.compressionStiffness = 1000.0;
+    s.damping = 20.0;
+    s.totalMass = 0.1;
+    s.elasticLimit.breakStrain = 0.2;
+    SoftBody* rope = *system.createBody(test::chainNetwork(4), s);
+    rope->pin(0);
+    btRigidBody* load = bullet.addBox(test::vec(0.05, 0.05, 0.05), loadMass, test::vec(0, -1, 0));
+    EXPECT_TRUE(system.attach(rope, 4, *load));
+    bullet.simulate(2.0);
+    return load->getCenterOfMassPosition().y() < -3.0;
+  };
+  // a load let go stretches a spring of 1/4 m by twice m g / k: 0.2 of it is 50 mm, or 2.5 kg
+  EXPECT_FALSE(brokenUnder(1.0));
+  EXPECT_TRUE(brokenUnder(10.0));
+}
+
+TEST(ElasticLimit, aRopeThatYieldedStaysLonger) {
+  BulletWorld bullet(0.0);
+  SoftBodySystem system(*bullet.world);
+  SoftBodySettings s;
+  s.damping = 5.0;
+  s.elasticLimit.yieldStrain = 0.05;
+  SoftBody* rope = *system.createBody(test::chainNetwork(4), s);
+  rope->pin(0);
+  rope->pin(4);
+  for (int i = 1; i <= 120; ++i) {
+    rope->movePin(4, test::vec(0, -1.0 - 0.3 * i / 120.0, 0));
+    bullet.tick();
+  }
+  bullet.simulate(2.0);
+  rope->unpin(4);
+  bullet.simulate(5.0);
+  // pulled to 1.3 it carries a strain of 0.05 of its first length elastically; the rest stays
+  EXPECT_NEAR((rope->position(4) - rope->position(0)).norm(), 1.25, 0.01);
+}
+
+}  // namespace
+}  // namespace limber

@@ -1,0 +1,119 @@
+// SPDX-License-Identifier: Zlib
+// Which stepper a body gets, and in how many substeps.
+#include "core/stepping_choice.h"
+#include "support/networks.h"
+#include "support/stepped_body.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+namespace limber {
+namespace {
+
+SteppingProblem freeBody(double frequency) {
+  SteppingProblem p;
+  p.frequencySquared = frequency * frequency;
+  p.tick = 1.0 / 60;
+  p.size = 1.0;
+  p.implicitPossible = true;
+  return p;
+}
+
+TEST(SubstepCount, followsStabilityToleranceAndTheUser) {
+  Stepping choice;
+  choice.periodTolerance = 1.0;
+  EXPECT_EQ(substepCount(0.0, 1.0 / 60, choice), 1);
+  EXPECT_EQ(substepCount(1e6, 1.0 / 60, choice), static_cast<int>(std::ceil(1000.0 / 60 / 1.8)));
+  choice.periodTolerance = 1e-4;
+  EXPECT_EQ(substepCount(1e6, 1.0 / 60, choice), static_cast<int>(std::ceil(1000.0 / 60 / std::sqrt(24e-4))));
+  choice.atLeast = 1000;
+  EXPECT_EQ(substepCount(1e6, 1.0 / 60, choice), 1000);
+}
+
+TEST(SteppingChoice, isVerletWhileThatIsCheap) {
+  const SteppingChoice soft = chooseStepping(freeBody(100.0), Stepping());
+  EXPECT_EQ(soft.stepper, Stepper::Verlet);
+  EXPECT_EQ(soft.substeps, substepCount(1e4, 1.0 / 60, Stepping()));
+}
+
+TEST(SteppingChoice, goesImplicitForStiffBodiesInFreeMotion) {
+  SteppingProblem stiff = freeBody(1e5);
+  EXPECT_EQ(chooseStepping(stiff, Stepping()).stepper, Stepper::ImplicitMidpoint);
+  EXPECT_LE(chooseStepping(stiff, Stepping()).substeps, 10);
+  stiff.narrow = true;
+  EXPECT_EQ(chooseStepping(stiff, Stepping()).stepper, Stepper::BandedNewton);
+  stiff.touching = true;
+  EXPECT_EQ(chooseStepping(stiff, Stepping()).stepper, Stepper::Verlet) << "impacts want fine substeps";
+}
+
+TEST(SteppingChoice, solvesStrongDampersWithTheSprings) {
+  SteppingProblem damped = freeBody(100.0);
+  damped.dampingRate = 1e4;
+  EXPECT_EQ(chooseStepping(damped, Stepping()).stepper, Stepper::BandedNewton);
+  damped.implicitPossible = false;
+  EXPECT_EQ(chooseStepping(damped, Stepping()).stepper, Stepper::Verlet);
+}
+
+TEST(SteppingChoice, canBeForcedButNotWhereItCannotWork) {
+  Stepping forced;
+  forced.stepper = Stepper::ImplicitMidpoint;
+  SteppingProblem p = freeBody(100.0);
+  EXPECT_EQ(chooseStepping(p, forced).stepper, Stepper::ImplicitMidpoint);
+  p.implicitPossible = false;
+  EXPECT_EQ(chooseStepping(p, forced).stepper, Stepper::Verlet);
+  forced.stepper = Stepper::Verlet;
+  EXPECT_EQ(chooseStepping(freeBody(1e5), forced).stepper, Stepper::Verlet);
+}
+
+TEST(SteppingChoice, toleranceRaisesTheSubstepsByTheSquareRoot) {
+  SteppingProblem p = freeBody(10.0);
+  p.errorPerSquare = 0.7 * 60.0 * 60.0;  // 1 m/s in one substep, 0.7 of the tolerance is aimed at
+  Stepping s;
+  s.tolerance = 0.01;
+  EXPECT_EQ(chooseStepping(p, s).substeps, 10);
+  s.tolerance = 0.0;
+  s.relativeTolerance = 0.0025;
+  EXPECT_EQ(chooseStepping(p, s).substeps, 20);
+  p.size = 4.0;
+  EXPECT_EQ(chooseStepping(p, s).substeps, 10);
+}
+
+TEST(SteppingChoice, budgetCapsTheSubstepsAndNeverStability) {
+  SteppingProblem p = freeBody(1000.0);
+  p.errorPerSquare = 1e12;
+  Stepping s;
+  s.tolerance = 1e-6;
+  s.budget = 100;
+  EXPECT_EQ(chooseStepping(p, s).stepper, Stepper::Verlet);
+  EXPECT_EQ(chooseStepping(p, s).substeps, 100);
+  s.budget = 3;
+  EXPECT_EQ(chooseStepping(p, s).stepper, Stepper::ImplicitMidpoint);
+  EXPECT_EQ(chooseStepping(p, s).substeps, 3);
+  p.implicitPossible = false;
+  EXPECT_EQ(chooseStepping(p, s).stepper, Stepper::Verlet);
+  EXPECT_EQ(chooseStepping(p, s).substeps, substepCount(1e6, p.tick, Stepping()));
+}
+
+TEST(SteppingChoice, resolvesFastTurning) {
+  SteppingProblem p = freeBody(10.0);
+  p.turnRate = 600.0;  // 10 rad a tick
+  EXPECT_GE(chooseStepping(p, Stepping()).substeps, 40);
+}
+
+TEST(FastestTurn, isTheSpinOfARigidlyTurningBodyAndNotItsBreathing) {
+  test::SteppedTestBody body(test::cubeNetwork(), 100.0, 0.0);
+  body.spin({0.0, 50.0, 0.0});
+  EXPECT_NEAR(fastestTurn(body.springs, body.state, 1.0), 50.0, 1e-9);
+  EXPECT_EQ(fastestTurn(body.springs, body.state, 1e4), 0.0) << "surely below what is asked for";
+  body.state.velocity = 30.0 * body.state.position;
+  EXPECT_NEAR(fastestTurn(body.springs, body.state, 1.0), 0.0, 1e-9);
+}
+
+TEST(DampingRate, isTheFastestDampers) {
+  test::SteppedTestBody body(test::pairNetwork(), 100.0, 3.0);
+  EXPECT_DOUBLE_EQ(dampingRateBound(body.springs, body.state.inverseMass), 3.0 * (2.0 + 2.0));
+}
+
+}  // namespace
+}  // namespace limber
