@@ -21,6 +21,7 @@ class LimberEngine final : public Engine {
   double stepMicroseconds() const override { return 1e3 * soft_.profile().stepMs; }
   Eigen::Matrix3Xd positions(std::size_t body) const override;
   Eigen::Matrix3Xd velocities(std::size_t body) const override;
+  int substeps(std::size_t body) const { return soft_.body(body)->substeps(); }
   void setPinned(std::size_t body, std::uint32_t point, bool pinned) override {
     pinned ? soft_.body(body)->pin(point) : soft_.body(body)->unpin(point);
   }
@@ -76,6 +77,13 @@ std::unique_ptr<Engine> makeLimberEngine(TuneSettings tune) {
 
 std::unique_ptr<Engine> makeLimberEngine(Stepper stepper) {
   return makeLimberEngine([stepper](SoftBodySettings& s) { s.stepping.stepper = stepper; });
+}
+
+int stableSubsteps(const BodySetup& setup, double dt) {
+  LimberEngine engine([](SoftBodySettings& s) { s.stepping.stepper = Stepper::Verlet; });
+  const std::size_t body = engine.addBody(setup);
+  engine.tick(dt);
+  return engine.substeps(body);
 }
 
 }  // namespace limber::bench

@@ -13,4 +13,7 @@ std::unique_ptr<Engine> makeLimberEngine(TuneSettings tune = {});
 /// Forces a stepper.
 std::unique_ptr<Engine> makeLimberEngine(Stepper stepper);
 
+/// How many of Verlet's substeps the body takes in a tick of dt when it is not asked for more.
+int stableSubsteps(const BodySetup& setup, double dt);
+
 }  // namespace limber::bench
