@@ -25,15 +25,14 @@ Eigen::Matrix3Xd hanging(const SpringNetwork& network, double mass, double stiff
   return points;
 }
 
-/// It starts 1 % of its sag too long. The dampers take a tenth of critical from the slowest oscillation; an
-/// engine without dampers along springs gets as much drag.
+/// It starts 1 % of its sag too long and swings `slowest` rad/s, damped by `ratio` of critical; an engine
+/// without dampers along springs gets as much drag.
 Scene hangingChain(const std::string& name, const SharedNetwork& network, double mass, double stiffness,
-                   double slowest, double seconds) {
+                   double slowest, double ratio, double seconds) {
   Scene scene;
   scene.name = name;
   scene.seconds = seconds;
   scene.keepSeconds = 0.0;
-  const double ratio = 0.2;
   BodySetup body = bodyOf(network, mass, stiffness, 2 * ratio * stiffness / slowest);
   body.pins = {0};
   body.drag = std::min(2 * ratio * slowest, 2.0);
@@ -55,14 +54,14 @@ Scene evenChain(int exponent) {
   const double mass = 0.1, stiffness = std::pow(10.0, exponent);
   const double slowest = 2 * std::sqrt(stiffness / mass) * std::sin(M_PI / (2 * (2 * kLinks + 1)));
   return hangingChain("hanging chain 1e" + std::to_string(exponent), chainNetwork(kLinks),
-                      mass * (kLinks + 1), stiffness, slowest, exponent < 4 ? 16.0 : 8.0);
+                      mass * (kLinks + 1), stiffness, slowest, 0.2, exponent < 4 ? 16.0 : 8.0);
 }
 
 Scene loadedChain() {
-  const double ratio = 1e4, light = 0.01, stiffness = 1e6;
-  const double slowest = std::sqrt(stiffness / kLinks / (ratio * light));
-  return hangingChain("chain with 10 000 x end mass", loadedChainNetwork(kLinks, ratio),
-                      light * (ratio + kLinks), stiffness, slowest, 4.0);
+  const double heavier = 1e4, light = 0.01, stiffness = 1e6;
+  const double slowest = std::sqrt(stiffness / kLinks / (heavier * light));
+  return hangingChain("chain with 10 000 x end mass", loadedChainNetwork(kLinks, heavier),
+                      light * (heavier + kLinks), stiffness, slowest, 0.05, 8.0);
 }
 
 }  // namespace

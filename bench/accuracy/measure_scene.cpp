@@ -30,11 +30,19 @@ EngineChoice finer(const Scene& scene, double dt, int factor) {
   return {"limber", "verlet x" + std::to_string(factor), [tune](double) { return makeLimberEngine(tune); }};
 }
 
+EngineChoice tolerant(double periodTolerance) {
+  const auto tune = [periodTolerance](SoftBodySettings& s) { s.stepping.periodTolerance = periodTolerance; };
+  char name[40];
+  std::snprintf(name, sizeof name, "auto %.0e", periodTolerance);
+  return {"limber", name, [tune](double) { return makeLimberEngine(tune); }};
+}
+
 std::vector<Run> runsOf(const Scene& scene, double dt) {
   std::vector<Run> runs;
   for (EngineChoice& choice : allEngines())
     if (!scene.limberOnly || choice.engine == "limber") runs.push_back({choice, 1, nullptr});
-  for (int factor = 2; scene.ordered && factor <= 8; factor *= 2)
+  if (scene.periodTolerance > 0.0) runs.push_back({tolerant(scene.periodTolerance), 1, nullptr});
+  for (int factor = 2; scene.ordered && factor <= scene.finest; factor *= 2)
     runs.push_back({finer(scene, dt, factor), factor, nullptr});
   return runs;
 }

@@ -37,7 +37,7 @@ SpringSystem systemOf(const BodySetup& setup, const Eigen::Vector3d& gravity) {
   system.start = startOf(setup);
   system.free.setOnes(3, system.start.positions.cols());
   for (const std::uint32_t pin : setup.pins) system.free.col(pin).setZero();
-  system.load = gravity * system.start.masses.transpose();
+  system.load = gravity.cast<btScalar>().cast<double>() * system.start.masses.transpose();
   return system;
 }
 

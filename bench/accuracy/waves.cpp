@@ -51,6 +51,7 @@ Scene bar(const std::string& name, int links, double mass, double stiffness, con
   body.positions.row(0) = (Eigen::VectorXd::LinSpaced(links + 1, 0.0, 1.0) + start).transpose();
   scene.bodies = {body};
   scene.ordered = true;
+  scene.periodTolerance = 1e-4;
   return scene;
 }
 

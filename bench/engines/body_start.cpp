@@ -24,6 +24,9 @@ Eigen::Matrix3Xd moving(const Eigen::Matrix3Xd& points, const Eigen::VectorXd& m
   return velocities;
 }
 
+/// To Bullet's numbers, through which given positions reach every engine.
+Eigen::Matrix3Xd rounded(const Eigen::Matrix3Xd& points) { return points.cast<btScalar>().cast<double>(); }
+
 void fillSprings(const BodySetup& setup, const Eigen::Matrix3Xd& rest, BodyStart& start) {
   const auto& springs = setup.network->springs;
   const auto count = static_cast<Eigen::Index>(springs.size());
@@ -51,7 +54,7 @@ BodyStart startOf(const BodySetup& setup) {
   const Eigen::Matrix3Xd rest = placed(*setup.network, s);
   fillSprings(setup, rest, start);
   start.velocities = setup.velocities.cols() ? setup.velocities : moving(rest, start.masses, s);
-  start.positions = setup.positions.cols() ? setup.positions : rest;
+  start.positions = setup.positions.cols() ? rounded(setup.positions) : rest;
   return start;
 }
 
