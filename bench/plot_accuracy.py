@@ -123,8 +123,9 @@ def draw_scene(rows):
     style = styles(rows)
     names, rows = merge_equal(rows)
     measures = unique(r["measure"] for r in rows)
-    figure, panels = pyplot.subplots(1, len(measures), figsize=(4.6 * len(measures) + 2.6, 4.6), squeeze=False,
-                                     layout="constrained")
+    widths = [4.6] * len(measures) + [2.4]  # the last one is for the legend
+    figure, panels = pyplot.subplots(1, len(widths), figsize=(sum(widths), 4.6), squeeze=False,
+                                     gridspec_kw={"width_ratios": widths}, layout="constrained")
     for axes, measure in zip(panels[0], measures):
         own = [r for r in rows if r["measure"] == measure]
         for engine in reversed(COLOURS):
@@ -132,7 +133,8 @@ def draw_scene(rows):
                 draw_setting(axes, own, engine, setting, *style[engine, setting])
         finish(axes, f"error of {measure}")
     figure.suptitle(rows[0]["scene"] + (" (with contacts)" if rows[0]["kind"] == "contact" else ""), fontsize=11)
-    figure.legend(handles=legend_entries(rows, names, style), loc="outside right upper", fontsize=7.5, frameon=False)
+    panels[0][-1].axis("off")
+    panels[0][-1].legend(handles=legend_entries(rows, names, style), loc="upper left", fontsize=7.5, frameon=False)
     return figure
 
 

@@ -75,9 +75,16 @@ std::string substepTable(const std::vector<SubstepOrder>& orders, Kind kind) {
   return text;
 }
 
-/// Coarse steps may be beyond all order: the finest three tell it.
-std::vector<double> lastOf(const std::vector<double>& all) {
-  return {all.end() - static_cast<std::ptrdiff_t>(std::min<std::size_t>(3, all.size())), all.end()};
+/// Coarse steps may be beyond all order, and Bullet's single numbers hide errors below 1e-7: the finest three
+/// above that tell.
+double finestOrder(const std::vector<double>& steps, const std::vector<double>& errors) {
+  std::vector<double> someSteps, someErrors;
+  for (std::size_t i = steps.size(); i-- > 0 && someSteps.size() < 3;) {
+    if (errors[i] < 1e-7) continue;
+    someSteps.push_back(steps[i]);
+    someErrors.push_back(errors[i]);
+  }
+  return order(someSteps, someErrors);
 }
 
 }  // namespace
@@ -94,7 +101,7 @@ std::vector<SubstepOrder> substepOrders(const Rows& rows) {
       steps.push_back(1.0 / row.substeps);
     }
     if (steps.size() < 2) continue;
-    found.slope = order(lastOf(steps), lastOf(found.errors));
+    found.slope = finestOrder(steps, found.errors);
     orders.push_back(found);
   }
   return orders;
@@ -109,7 +116,9 @@ std::string convergenceTables(const Rows& rows) {
                  "def. explicit", "btSoftBody");
   for (const Kind kind : {Kind::Free, Kind::Contact})
     text += std::string(kind == Kind::Free ? " free\n" : " contact\n") + tickTable(rows, kind);
-  text += "\norder with Limber's substep (Verlet at 60 ticks a second; slope of the last three)\n";
+  text +=
+      "\norder with Limber's substep (Verlet at 60 ticks a second; slope of the last three errors above "
+      "1e-7)\n";
   text += format("  %-27s %6s  %s\n", "", "order", "errors with 1, 2, 4, 8 ... times the substeps needed");
   for (const Kind kind : {Kind::Free, Kind::Contact})
     text += std::string(kind == Kind::Free ? " free\n" : " contact\n") + substepTable(orders, kind);

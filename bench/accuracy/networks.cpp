@@ -34,6 +34,14 @@ void connect(SpringNetwork& network, double reach) {
         network.springs.push_back({a, b, SpringKind::Structural, 1.0});
 }
 
+std::shared_ptr<SpringNetwork> cube() {
+  std::vector<Eigen::Vector3d> points;
+  for (int i = 0; i < 8; ++i) points.emplace_back((i & 1) - 0.5, (i >> 1 & 1) - 0.5, (i >> 2 & 1) - 0.5);
+  auto network = withPoints(NetworkKind::Solid, std::move(points));
+  connect(*network, 2.0);
+  return network;
+}
+
 }  // namespace
 
 SharedNetwork pairNetwork() { return line(1, Eigen::Vector3d::UnitX()); }
@@ -48,11 +56,10 @@ SharedNetwork loadedChainNetwork(int links, double ratio) {
   return network;
 }
 
-SharedNetwork cubeNetwork() {
-  std::vector<Eigen::Vector3d> points;
-  for (int i = 0; i < 8; ++i) points.emplace_back((i & 1) - 0.5, (i >> 1 & 1) - 0.5, (i >> 2 & 1) - 0.5);
-  auto network = withPoints(NetworkKind::Solid, std::move(points));
-  connect(*network, 2.0);
+SharedNetwork cubeNetwork() { return cube(); }
+
+SharedNetwork closedCubeNetwork() {
+  auto network = cube();
   // seen from outside, two triangles a face
   network->surface = {{0, 2, 1}, {1, 2, 3}, {4, 5, 6}, {5, 7, 6}, {0, 1, 4}, {1, 5, 4},
                       {2, 6, 3}, {3, 6, 7}, {0, 4, 2}, {2, 4, 6}, {1, 3, 5}, {3, 7, 5}};

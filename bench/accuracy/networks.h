@@ -11,6 +11,7 @@ SharedNetwork chainNetwork(int links);  ///< a metre down from the origin, equal
 SharedNetwork loadedChainNetwork(int links, double ratio);
 SharedNetwork barNetwork(int links);  ///< a metre along x from the origin, equal links
 SharedNetwork cubeNetwork();          ///< the unit cube about the origin, springs between all pairs: 28
+SharedNetwork closedCubeNetwork();    ///< the same with a surface, for engines that collide faces
 /// A box of points along x, y, z from the origin, with springs to all 26 neighbours.
 SharedNetwork latticeNetwork(int nx, int ny, int nz, double spacing);
 SharedNetwork clothNetwork(int side);  ///< a square metre of side x side points, all springs equal

@@ -20,6 +20,9 @@ std::vector<Scene> allScenes(bool quick) {
   addChains(scenes, quick);
   addWaves(scenes, quick);
   addFreeShapes(scenes, quick);
+  addImpacts(scenes, quick);
+  addResting(scenes, quick);
+  addRigidPartners(scenes, quick);
   return scenes;
 }
 

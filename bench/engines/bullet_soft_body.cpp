@@ -16,12 +16,14 @@ std::vector<std::uint32_t> pinnedLast(const BodySetup& setup, std::size_t count)
   return order;
 }
 
-void addLinks(const BodySetup& setup, const BodyStart& start, BulletSoftBody& soft) {
+void addLinksAndFaces(const BodySetup& setup, const BodyStart& start, BulletSoftBody& soft) {
   for (const NetworkSpring& spring : setup.network->springs) {
     soft.body->appendLink(soft.nodeOfPoint[spring.a], soft.nodeOfPoint[spring.b]);
     auto& link = soft.body->m_links[soft.body->m_links.size() - 1];
     link.m_bbending = spring.kind == SpringKind::Bending ? -1 : 0;  // one signed bit
   }
+  for (const Triangle& t : setup.network->surface)
+    soft.body->appendFace(soft.nodeOfPoint[t[0]], soft.nodeOfPoint[t[1]], soft.nodeOfPoint[t[2]]);
   soft.body->updateConstants();
   for (int s = 0; s < soft.body->m_links.size(); ++s) {
     auto& link = soft.body->m_links[s];
@@ -30,6 +32,7 @@ void addLinks(const BodySetup& setup, const BodyStart& start, BulletSoftBody& so
   }
   // else the first tick would take the present lengths for rest lengths
   soft.body->m_bUpdateRtCst = false;
+  if (!setup.network->surface.empty()) soft.body->initializeFaceTree();
 }
 
 void setVelocities(const BodyStart& start, BulletSoftBody& soft) {
@@ -58,7 +61,7 @@ BulletSoftBody makeBulletSoftBody(const BodySetup& setup, const BodyStart& start
   soft.body->getCollisionShape()->setMargin(static_cast<btScalar>(radius));
   soft.body->m_cfg.kDF = static_cast<btScalar>(setup.settings.friction);
   soft.body->setFriction(static_cast<btScalar>(setup.settings.friction));
-  addLinks(setup, start, soft);
+  addLinksAndFaces(setup, start, soft);
   setVelocities(start, soft);
   for (const std::uint32_t pin : setup.pins) pinNode(soft, pin, true);
   soft.body->setActivationState(DISABLE_DEACTIVATION);

@@ -75,6 +75,7 @@ std::size_t SoftBodyEngine::addBody(const BodySetup& setup) {
   if (stiffness_ == LinkStiffness::Calibrated) calibrate(setup, start, soft);
   soft.body->m_cfg.piterations = iterations_;
   soft.body->m_cfg.collisions = btSoftBody::fCollision::SDF_RS;
+  if (soft.body->m_faces.size()) soft.body->m_cfg.collisions |= btSoftBody::fCollision::VF_SS;
   soft.body->m_cfg.kDP = static_cast<btScalar>(1.0 - std::exp(-setup.drag * dt_));
   world_.addSoftBody(soft.body.get());
   bodies_.push_back(std::move(soft));
