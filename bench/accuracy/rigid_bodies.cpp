@@ -17,7 +17,7 @@ void add(RigidBodies& rigid, btDiscreteDynamicsWorld& world, std::unique_ptr<btC
   info.m_startWorldTransform.setOrigin(toBullet(centre));
   info.m_friction = static_cast<btScalar>(friction);
   auto body = std::make_unique<btRigidBody>(info);
-  body->setActivationState(DISABLE_DEACTIVATION);
+  if (mass > 0) body->setActivationState(DISABLE_DEACTIVATION);
   world.addRigidBody(body.get());
   rigid.shapes.push_back(std::move(shape));
   rigid.bodies.push_back(std::move(body));

@@ -77,8 +77,8 @@ Frame Stage::look() const {
 void Stage::record() {
   Frame frame = look();
   lost_ = isLost(frame);
-  const bool wanted = (ticks_ - tick_) * dt_ <= scene_.keepSeconds;
-  if (!wanted) trace_.frames.clear();
+  const double before = (ticks_ - tick_ + 1) * dt_;  // the end, when the last frame was taken
+  if (before > scene_.keepSeconds + 0.5 * dt_) trace_.frames.clear();
   trace_.frames.push_back(std::move(frame));
 }
 

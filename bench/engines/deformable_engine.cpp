@@ -48,6 +48,7 @@ DeformableEngine::DeformableEngine(bool implicit) {
   world_.setImplicit(implicit);
   world_.setUseProjection(implicit);  // its implicit step is written for projected constraints alone
   bodySolver_.setImplicit(implicit);
+  world_.getSolverInfo().m_splitImpulse = 0;  // with it, what rests on a floor is thrown through it
 }
 
 DeformableEngine::~DeformableEngine() {
