@@ -3,7 +3,6 @@
 #include "accuracy/scene_list.h"
 
 #include <algorithm>
-#include <cstdio>
 
 namespace limber::bench {
 namespace {

@@ -2,8 +2,8 @@
 #include "accuracy/networks.h"
 #include "accuracy/scene_list.h"
 #include "accuracy/spring_system.h"
+#include "text_format.h"
 
-#include <cstdio>
 #include <memory>
 #include <optional>
 
@@ -88,10 +88,8 @@ std::string beamFormula(double stiffness, double sag) {
     const double inertia = std::pow(cells * kSpacing, 4) / 12;
     return weight * std::pow(length, 4) / (8 * 2.7 * stiffness / kSpacing * inertia);
   };
-  char text[160];
-  std::snprintf(text, sizeof text, "tip %.4f m by statics of the lattice; Euler-Bernoulli %.4f to %.4f m",
-                sag, bend(4), bend(3));
-  return text;
+  return format("tip %.4f m by statics of the lattice; Euler-Bernoulli %.4f to %.4f m", sag, bend(4),
+                bend(3));
 }
 
 /// The same with dampers, until it hangs still.

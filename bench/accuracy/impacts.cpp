@@ -4,9 +4,9 @@
 #include "accuracy/scene_list.h"
 #include "accuracy/signals.h"
 #include "accuracy/spring_system.h"
+#include "text_format.h"
 
 #include <algorithm>
-#include <cstdio>
 
 namespace limber::bench {
 namespace {
@@ -14,8 +14,7 @@ namespace {
 // --- a bar of springs against a wall
 // -------------------------------------------------------------------------
 
-constexpr int kLinks = 32;
-constexpr double kMass = 0.01, kStiffness = 1024.0, kSpeed = 0.5, kRadius = 0.005, kGap = 0.02;
+constexpr double kSpeed = 0.5, kRadius = 0.0125, kGap = 0.02, kPointMass = 0.01;
 
 /// What the speed of the mass centre tells of an impact.
 struct Impact {
@@ -26,9 +25,8 @@ struct Impact {
 
 /// The speed goes from -v to v in a straight line while there is contact, longest in its middle: the slope
 /// there is the force, and twice the time between -v/2 and v/2 that of the contact.
-Impact impactOf(const Signal& speed) {
+Impact impactOf(const Signal& speed, double mass) {
   const auto passes = [&](double share) { return firstReaches(speed, share * kSpeed); };
-  const double mass = kMass * (kLinks + 1);
   return {speed.samples.back(), 2 * (passes(0.5) - passes(-0.5)),
           mass * 0.5 * kSpeed / (passes(0.25) - passes(-0.25))};
 }
@@ -49,28 +47,23 @@ Impact exactImpact(const BodySetup& body, double seconds) {
   integrateAgainst(systemOf(body, Eigen::Vector3d::Zero()), wall, seconds, h, [&](double, const State& s) {
     if (++step % 200 == 0) place.samples.push_back(s.x.row(0).mean());
   });
-  return impactOf(speedOf(place));
+  return impactOf(speedOf(place), body.settings.totalMass);
 }
 
-std::string barRemark(const Impact& exact) {
-  const double waves = std::sqrt(kMass / kStiffness);  // s a link
-  char text[200];
-  std::snprintf(text, sizeof text,
-                "contact %.4f s, force %.4f N, rebound %.4f m/s; a continuous bar (2 L / c, sqrt(k m) v, v): "
-                "%.4f s, %.4f N, %.4f m/s",
-                exact.contactTime, exact.force, exact.rebound, 2 * (kLinks + 1) * waves,
-                std::sqrt(kStiffness * kMass) * kSpeed, kSpeed);
-  return text;
+std::string impactRemark(const Impact& exact) {
+  return format("contact %.4f s, force %.4f N, rebound %.4f m/s", exact.contactTime, exact.force,
+                exact.rebound);
 }
 
-Scene barAgainstWall() {
+/// Flies against a wall at right angles, without gravity or friction.
+Scene againstWall(const std::string& name, const SharedNetwork& network, double stiffness) {
   Scene scene;
-  scene.name = "bar against a wall";
+  scene.name = name;
   scene.kind = Kind::Contact;
   scene.ordered = true;
   scene.gravity.setZero();
   scene.seconds = wholeTicks(0.4);
-  BodySetup body = bodyOf(barNetwork(kLinks), kMass * (kLinks + 1), kStiffness);
+  BodySetup body = bodyOf(network, kPointMass * static_cast<double>(network->restPoints.size()), stiffness);
   body.settings.pointRadius = kRadius;
   body.settings.friction = 0.0;
   body.settings.position.x() = kRadius + kGap;
@@ -81,16 +74,31 @@ Scene barAgainstWall() {
   };
   const Impact exact = exactImpact(body, scene.seconds);
   scene.measures = {"rebound", "contact time", "force"};
-  scene.judge = [exact](const Trace& trace) {
+  scene.judge = [exact, mass = body.settings.totalMass](const Trace& trace) {
     Signal place{trace.dt, {}};
     for (const Frame& frame : trace.frames) place.samples.push_back(frame.positions[0].row(0).mean());
-    const Impact found = impactOf(speedOf(place));
+    const Impact found = impactOf(speedOf(place), mass);
     return std::vector<double>{relativeError(found.rebound, exact.rebound),
                                relativeError(found.contactTime, exact.contactTime),
                                relativeError(found.force, exact.force)};
   };
-  scene.remark = barRemark(exact);
+  scene.remark = impactRemark(exact);
   return scene;
+}
+
+/// A line of springs, as in one dimension. The least push sideways buckles it.
+Scene lineAgainstWall() {
+  const int links = 32;
+  const double stiffness = 1024.0, waves = std::sqrt(kPointMass / stiffness);  // s a link
+  Scene scene = againstWall("bar against a wall", barNetwork(links), stiffness);
+  scene.remark += format("; a continuous bar (2 L / c, sqrt(k m) v, v): %.4f s, %.4f N, %.4f m/s",
+                         2 * (links + 1) * waves, std::sqrt(stiffness * kPointMass) * kSpeed, kSpeed);
+  return scene;
+}
+
+/// One that holds itself straight.
+Scene latticeAgainstWall() {
+  return againstWall("braced bar against a wall", latticeNetwork(17, 2, 2, 1.0 / 16), 200.0);
 }
 
 // --- a cube dropped onto the floor
@@ -138,16 +146,15 @@ Scene droppedCube(int exponent) {
     for (const Frame& frame : trace.frames) seen.samples.push_back(frame.positions[0].row(1).mean());
     return std::vector<double>{relativeError(reboundOf(seen, rest), exact)};
   };
-  char text[80];
-  std::snprintf(text, sizeof text, "rebound %.5f m from 0.5 m, by steps of 1 us", exact);
-  scene.remark = text;
+  scene.remark = format("rebound %.5f m from 0.5 m, by steps of 1 us", exact);
   return scene;
 }
 
 }  // namespace
 
 void addImpacts(std::vector<Scene>& scenes, bool quick) {
-  scenes.push_back(barAgainstWall());
+  scenes.push_back(lineAgainstWall());
+  scenes.push_back(latticeAgainstWall());
   for (int exponent = 3; exponent <= 5; exponent += quick ? 2 : 1) scenes.push_back(droppedCube(exponent));
 }
 

@@ -4,6 +4,7 @@
 #include "accuracy/stage.h"
 #include "engines/limber_engine.h"
 #include "sample_stats.h"
+#include "text_format.h"
 
 #include <cmath>
 #include <cstdio>
@@ -32,9 +33,7 @@ EngineChoice finer(const Scene& scene, double dt, int factor) {
 
 EngineChoice tolerant(double periodTolerance) {
   const auto tune = [periodTolerance](SoftBodySettings& s) { s.stepping.periodTolerance = periodTolerance; };
-  char name[40];
-  std::snprintf(name, sizeof name, "auto %.0e", periodTolerance);
-  return {"limber", name, [tune](double) { return makeLimberEngine(tune); }};
+  return {"limber", format("auto %.0e", periodTolerance), [tune](double) { return makeLimberEngine(tune); }};
 }
 
 std::vector<Run> runsOf(const Scene& scene, double dt) {

@@ -3,9 +3,9 @@
 #include "accuracy/scene_list.h"
 #include "accuracy/signals.h"
 #include "accuracy/spring_system.h"
+#include "text_format.h"
 
 #include <algorithm>
-#include <cstdio>
 
 namespace limber::bench {
 namespace {
@@ -81,13 +81,6 @@ double stretchError(const Trace& trace, double sag, double angle) {
   return worst / (sag * (3 - 2 * std::cos(angle)));
 }
 
-std::string pendulumRemark(double elliptic, double exact) {
-  char text[160];
-  std::snprintf(text, sizeof text, "period %.7f s; of a rigid rod, by the elliptic integral, %.7f s", exact,
-                elliptic);
-  return text;
-}
-
 /// It starts with the stretch that its weight gives it, so that the rod itself hardly rings.
 Scene pendulum() {
   const double mass = 1.0, stiffness = 1e6, angle = M_PI / 3, sag = mass * kGravity / stiffness;
@@ -107,7 +100,8 @@ Scene pendulum() {
     return std::vector<double>{std::isfinite(found) ? std::abs(found / exact - 1) : 1.0,
                                stretchError(trace, sag, angle)};
   };
-  scene.remark = pendulumRemark(pendulumPeriod(1.0, angle), exact);
+  scene.remark = format("period %.7f s; of a rigid rod, by the elliptic integral, %.7f s", exact,
+                        pendulumPeriod(1.0, angle));
   return scene;
 }
 

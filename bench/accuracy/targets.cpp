@@ -31,6 +31,7 @@ const ErrorTarget kErrorTargets[] = {
     {"manifold forces over weight, less 1", "rest on", "force", "auto", true, 1e-4},
     {"rebound of a dropped cube", "dropped cube", "rebound", "auto", true, 0.05},
     {"rebound speed of a bar from a wall", "bar against", "rebound", "auto", true, 0.05},
+    {"rebound speed of a braced bar from a wall", "braced bar", "rebound", "auto", true, 0.05},
     {"incline, 1.03 mu: acceleration", "incline 1.03", "acceleration", "auto", true, 5e-3},
     {"incline, 0.97 mu: way in a second (m)", "incline 0.97", "creep", "auto", true, 1e-5},
 };
