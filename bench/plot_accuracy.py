@@ -22,7 +22,6 @@ GREENS = ["#1b7f4b", "#6bbf8a"]
 COLOURS = {"limber": BLUES, "btSoftBody": ORANGES, "btDeformable": GREENS}
 USUAL_TICK = 1 / 60
 SMALLEST = 1e-12  # what is exact to the last bit is drawn here
-LARGEST = 1e3  # as what has flown apart
 
 
 def read_rows(path):
@@ -59,18 +58,27 @@ def merge_equal(rows):
     return names, [r for r in rows if r["engine"] != "limber" or r["setting"] in names]
 
 
-def shown(error):
-    return min(max(float(error), SMALLEST), LARGEST)
+def ceiling(rows):
+    """Where to draw what has flown apart: a decade above all other errors."""
+    errors = [float(r["error"]) for r in rows]
+    if all(math.isfinite(error) for error in errors):
+        return None
+    return 10 ** (math.ceil(math.log10(max([SMALLEST] + [e for e in errors if math.isfinite(e)]))) + 1)
+
+
+def shown(error, lost):
+    return lost if math.isinf(float(error)) else max(float(error), SMALLEST)
 
 
 def is_usual(row):
     return abs(float(row["dt"]) - USUAL_TICK) < 1e-6
 
 
-def draw_points(axes, rows, column, colour, marker, pale):
+def draw_points(axes, rows, column, lost, look, pale):
+    colour, marker = look
     rows = sorted(rows, key=lambda r: float(r["dt"]))
     times = [float(r[column]) for r in rows]
-    errors = [shown(r["error"]) for r in rows]
+    errors = [shown(r["error"], lost) for r in rows]
     axes.plot(times, errors, color=colour, linewidth=0.8, alpha=0.25 if pale else 0.6, zorder=2)
     for row, time, error in zip(rows, times, errors):
         face = colour if is_usual(row) else "white"
@@ -78,11 +86,10 @@ def draw_points(axes, rows, column, colour, marker, pale):
                   alpha=0.3 if pale else 1.0, linestyle="none", zorder=3)
 
 
-def draw_setting(axes, rows, engine, setting, colour, marker):
-    own = [r for r in rows if r["engine"] == engine and r["setting"] == setting]
-    if engine == "limber":
-        draw_points(axes, own, "us_per_tick", colour, marker, pale=True)
-    draw_points(axes, own, "us_step", colour, marker, pale=False)
+def draw_setting(axes, rows, lost, look):
+    if rows[0]["engine"] == "limber":
+        draw_points(axes, rows, "us_per_tick", lost, look, pale=True)
+    draw_points(axes, rows, "us_step", lost, look, pale=False)
 
 
 def show_whole_decades(axis_limits, set_limits):
@@ -90,16 +97,27 @@ def show_whole_decades(axis_limits, set_limits):
     set_limits(10 ** math.floor(math.log10(low) + 1e-9), 10 ** math.ceil(math.log10(high) - 1e-9))
 
 
-def finish(axes, title):
+def show_times(axes):
     axes.set_xscale("log")
+    low, high = axes.get_xlim()
+    axes.set_xlim(0.8 * low, 1.25 * high)
+    few = high / low > 200
+    axes.xaxis.set_major_locator(matplotlib.ticker.LogLocator(subs=(1,) if few else (1, 2, 5)))
+    axes.xaxis.set_minor_locator(matplotlib.ticker.LogLocator(subs=range(2, 10)))
+    axes.xaxis.set_major_formatter(matplotlib.ticker.StrMethodFormatter("{x:g}"))
+    axes.xaxis.set_minor_formatter(matplotlib.ticker.NullFormatter())
+    axes.set_xlabel("\N{MICRO SIGN}s per tick", fontsize=8)
+
+
+def finish(axes, title, lost):
+    show_times(axes)
     axes.set_yscale("log")
     show_whole_decades(axes.get_ylim(), axes.set_ylim)
-    if axes.get_ylim()[1] >= LARGEST:
-        axes.axhspan(LARGEST / 2, axes.get_ylim()[1], color="#b00020", alpha=0.08, linewidth=0)
-        axes.annotate("flown apart", (0.99, LARGEST / 1.9), xycoords=("axes fraction", "data"), ha="right",
+    if lost:
+        axes.axhspan(lost / 3, axes.get_ylim()[1], color="#b00020", alpha=0.08, linewidth=0)
+        axes.annotate("flown apart", (0.99, lost / 2.7), xycoords=("axes fraction", "data"), ha="right",
                       va="bottom", fontsize=7, color="#b00020")
     axes.set_title(title, fontsize=9, loc="left")
-    axes.set_xlabel("\N{MICRO SIGN}s per tick (log)", fontsize=8)
     axes.tick_params(labelsize=8)
     axes.grid(True, which="major", color="#dfe2e6", linewidth=0.7)
     axes.set_axisbelow(True)
@@ -128,10 +146,12 @@ def draw_scene(rows):
                                      gridspec_kw={"width_ratios": widths}, layout="constrained")
     for axes, measure in zip(panels[0], measures):
         own = [r for r in rows if r["measure"] == measure]
-        for engine in reversed(COLOURS):
+        lost = ceiling(own)
+        for engine in reversed(COLOURS):  # Limber on top
             for setting in unique(r["setting"] for r in own if r["engine"] == engine):
-                draw_setting(axes, own, engine, setting, *style[engine, setting])
-        finish(axes, f"error of {measure}")
+                rows_of_it = [r for r in own if r["engine"] == engine and r["setting"] == setting]
+                draw_setting(axes, rows_of_it, lost, style[engine, setting])
+        finish(axes, f"error of {measure}", lost)
     figure.suptitle(rows[0]["scene"] + (" (with contacts)" if rows[0]["kind"] == "contact" else ""), fontsize=11)
     panels[0][-1].axis("off")
     panels[0][-1].legend(handles=legend_entries(rows, names, style), loc="upper left", fontsize=7.5, frameon=False)

@@ -9,6 +9,8 @@
 namespace limber::bench {
 namespace {
 
+constexpr double kRounding = 2e-9;
+
 /// The rows of a scene's first measure.
 Rows mainRows(const Rows& rows, const std::string& scene) {
   Rows own = select(rows, [&](const AccuracyRow& row) { return row.scene == scene; });
@@ -75,12 +77,12 @@ std::string substepTable(const std::vector<SubstepOrder>& orders, Kind kind) {
   return text;
 }
 
-/// Coarse steps may be beyond all order, and Bullet's single numbers hide errors below 1e-7: the finest three
-/// above that tell.
+/// Coarse steps may be beyond all order, and rounding hides the smallest errors: the finest three above it
+/// tell.
 double finestOrder(const std::vector<double>& steps, const std::vector<double>& errors) {
   std::vector<double> someSteps, someErrors;
   for (std::size_t i = steps.size(); i-- > 0 && someSteps.size() < 3;) {
-    if (errors[i] < 1e-7) continue;
+    if (errors[i] < kRounding) continue;
     someSteps.push_back(steps[i]);
     someErrors.push_back(errors[i]);
   }

@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: Zlib
 #include "accuracy/measure_scene.h"
 
+#include "accuracy/row_query.h"
 #include "accuracy/stage.h"
 #include "engines/limber_engine.h"
 #include "sample_stats.h"
 #include "text_format.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <stdexcept>
@@ -41,7 +43,8 @@ std::vector<Run> runsOf(const Scene& scene, double dt) {
   for (EngineChoice& choice : allEngines())
     if (!scene.limberOnly || choice.engine == "limber") runs.push_back({choice, 1, nullptr});
   if (scene.periodTolerance > 0.0) runs.push_back({tolerant(scene.periodTolerance), 1, nullptr});
-  for (int factor = 2; scene.ordered && factor <= scene.finest; factor *= 2)
+  const int finest = std::abs(dt - kUsualTick) < 1e-9 ? scene.finest : std::min(scene.finest, 8);
+  for (int factor = 2; scene.ordered && factor <= finest; factor *= 2)
     runs.push_back({finer(scene, dt, factor), factor, nullptr});
   return runs;
 }
@@ -87,7 +90,10 @@ std::vector<AccuracyRow> rowsOf(const Run& run, const Scene& scene, double dt) {
       stage.stepMicroseconds().empty() ? row.tickMicroseconds : median(stage.stepMicroseconds());
   row.hash = stage.hash();
   std::vector<double> errors(scene.measures.size(), kLost);
-  if (!stage.lost()) errors = scene.judge(stage.trace());
+  if (stage.lost())
+    errors.resize(1);  // there is nothing to tell apart
+  else
+    errors = scene.judge(stage.trace());
   std::vector<AccuracyRow> rows;
   for (std::size_t i = 0; i < errors.size(); ++i) {
     if (std::isnan(errors[i])) continue;  // this engine has no such thing

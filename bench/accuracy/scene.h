@@ -47,8 +47,9 @@ struct Scene {
   std::function<void(RigidBodies&, btDiscreteDynamicsWorld&)> addRigidBodies;  ///< or empty
   std::vector<std::string> measures;                       ///< kinds of error, the main one first
   std::function<std::vector<double>(const Trace&)> judge;  ///< the error of each kind
-  bool ordered = false;          ///< errors shrink with the step: fit an order, and try finer substeps
-  int finest = 8;                ///< Limber is tried with 1, 2, 4 ... this many times the substeps it needs
+  bool ordered = false;  ///< errors shrink with the step: fit an order, and try finer substeps
+  int finest = 8;        ///< Limber is tried with 1, 2, 4 ... this many times the substeps it needs; beyond
+                         ///< 8 only at 60 ticks a second
   double periodTolerance = 0.0;  ///< above 0: Limber is also asked for this one
   bool limberOnly = false;       ///< the others cannot have it
   std::string remark;            ///< printed beside the results, for orientation
