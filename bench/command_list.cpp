@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "command_list.h"
 
+#include "accuracy/accuracy_command.h"
 #include "scaling/scaling_command.h"
 
 #include <cstdio>
@@ -19,6 +20,8 @@ void printList(std::FILE* stream) {
 
 const std::vector<Command>& commandList() {
   static const std::vector<Command> kCommands = {
+      {"accuracy", "errors and costs beside btSoftBody and btDeformable, where the truth is known",
+       &runAccuracy},
       {"scaling", "1, 2, 4 ... soft cubes until real time is lost", &runScaling},
   };
   return kCommands;

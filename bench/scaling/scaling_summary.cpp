@@ -2,23 +2,13 @@
 #include "scaling/scaling_summary.h"
 
 #include "machine.h"
+#include "text_format.h"
 
 #include <algorithm>
-#include <cstdarg>
-#include <cstdio>
 #include <map>
 
 namespace limber::bench {
 namespace {
-
-[[gnu::format(printf, 1, 2)]] std::string format(const char* pattern, ...) {
-  char text[300];
-  va_list values;
-  va_start(values, pattern);
-  std::vsnprintf(text, sizeof text, pattern, values);
-  va_end(values);
-  return text;
-}
 
 const char* titleOf(Mode mode) {
   switch (mode) {

@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: Zlib
+#include "accuracy/accuracy_command.h"
+
+#include "accuracy/accuracy_summary.h"
+#include "accuracy/measure_scene.h"
+#include "accuracy/scene_list.h"
+#include "csv_table.h"
+#include "output_folder.h"
+
+#include <CLI/CLI.hpp>
+
+#include <cstdio>
+#include <fstream>
+
+namespace limber::bench {
+namespace {
+
+constexpr const char* kCsvName = "accuracy.csv";
+
+struct Options {
+  std::string out = "out/bench";
+  bool quick = false;
+  std::string scene;  ///< part of the names of the scenes to play; empty: all
+};
+
+void addOptions(CLI::App& app, Options& options) {
+  app.add_option("--out", options.out, "folder of accuracy.csv and accuracy.txt (default out/bench)");
+  app.add_flag("--quick", options.quick, "fewer scenes, ticks of 1/30 and 1/60 s alone");
+  app.add_option("--scene", options.scene, "only scenes whose name has this in it");
+}
+
+std::vector<double> ticksOf(const Options& options) {
+  if (options.quick) return {1.0 / 30, 1.0 / 60};
+  return {1.0 / 30, 1.0 / 60, 1.0 / 120, 1.0 / 240};
+}
+
+std::vector<Scene> scenesOf(const Options& options) {
+  std::vector<Scene> scenes;
+  for (Scene& scene : allScenes(options.quick))
+    if (scene.name.find(options.scene) != std::string::npos) scenes.push_back(std::move(scene));
+  return scenes;
+}
+
+void measureAll(const Options& options, const std::vector<Scene>& scenes, std::vector<AccuracyRow>& rows) {
+  CsvTable csv(options.out + "/" + kCsvName, accuracyColumns());
+  RowProgress progress;
+  for (const Scene& scene : scenes) {
+    const std::vector<AccuracyRow> found = measureScene(scene, ticksOf(options), progress);
+    for (const AccuracyRow& row : found) csv.add(accuracyCells(row));
+    rows.insert(rows.end(), found.begin(), found.end());
+    progress.finish(scene.name);
+  }
+}
+
+}  // namespace
+
+ExitCode runAccuracy(int argc, char** argv) {
+  CLI::App app("How far off are soft bodies, and what does a tick cost?", "limber-bench accuracy");
+  Options options;
+  addOptions(app, options);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? kSuccess : kUsage;
+  }
+  if (const std::string reason = prepareOutput(options.out, kCsvName); !reason.empty()) {
+    std::fprintf(stderr, "limber-bench: %s\n", reason.c_str());
+    return kFailure;
+  }
+  const std::vector<Scene> scenes = scenesOf(options);
+  std::vector<AccuracyRow> rows;
+  measureAll(options, scenes, rows);
+  const std::string summary = summariseAccuracy(scenes, rows);
+  std::ofstream(options.out + "/accuracy.txt") << summary;
+  std::printf("%s", summary.c_str());
+  return kSuccess;
+}
+
+}  // namespace limber::bench

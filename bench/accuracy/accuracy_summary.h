@@ -1,0 +1,11 @@
+// SPDX-License-Identifier: Zlib
+#pragma once
+
+#include "accuracy/accuracy_row.h"
+
+namespace limber::bench {
+
+/// For people: the best of each engine in each scene, orders of convergence, targets with hit or MISS.
+std::string summariseAccuracy(const std::vector<Scene>& scenes, const std::vector<AccuracyRow>& rows);
+
+}  // namespace limber::bench

@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: Zlib
+#include "accuracy/spring_system.h"
+
+#include <Eigen/Cholesky>
+
+#include <cmath>
+#include <stdexcept>
+
+namespace limber::bench {
+namespace {
+
+double energy(const SpringSystem& system, const Eigen::Matrix3Xd& x) {
+  double sum = -system.load.cwiseProduct(x).sum();
+  for (std::size_t i = 0; i < system.springs.size(); ++i) {
+    const auto n = static_cast<Eigen::Index>(i);
+    const double length = (x.col(system.springs[i].b) - x.col(system.springs[i].a)).norm();
+    const double stretch = length - system.start.restLengths[n];
+    sum += 0.5 * system.start.stiffnesses[n] * stretch * stretch;
+  }
+  return sum;
+}
+
+struct Derivatives {
+  Eigen::VectorXd gradient;
+  Eigen::MatrixXd hessian;
+};
+
+/// A spring's second derivative is k u u^T + k (1 - l0 / l) (I - u u^T), u its direction.
+Derivatives derivatives(const SpringSystem& system, const Eigen::Matrix3Xd& x) {
+  Derivatives d;
+  d.gradient = -system.load.reshaped();
+  d.hessian.setZero(x.size(), x.size());
+  for (std::size_t i = 0; i < system.springs.size(); ++i) {
+    const auto n = static_cast<Eigen::Index>(i);
+    const Eigen::Index a = 3 * Eigen::Index(system.springs[i].a), b = 3 * Eigen::Index(system.springs[i].b);
+    const Eigen::Vector3d along = x.col(b / 3) - x.col(a / 3);
+    const double length = along.norm(), k = system.start.stiffnesses[n], rest = system.start.restLengths[n];
+    const Eigen::Vector3d u = along / length;
+    const Eigen::Matrix3d uu = u * u.transpose();
+    const Eigen::Matrix3d block = k * uu + k * (1 - rest / length) * (Eigen::Matrix3d::Identity() - uu);
+    d.gradient.segment<3>(b) += k * (length - rest) * u;
+    d.gradient.segment<3>(a) -= k * (length - rest) * u;
+    d.hessian.block<3, 3>(a, a) += block;
+    d.hessian.block<3, 3>(b, b) += block;
+    d.hessian.block<3, 3>(a, b) -= block;
+    d.hessian.block<3, 3>(b, a) -= block;
+  }
+  return d;
+}
+
+/// Held coordinates get a unit row and no force.
+void hold(const SpringSystem& system, Derivatives& d) {
+  const auto free = system.free.reshaped();
+  for (Eigen::Index i = 0; i < free.size(); ++i) {
+    if (free[i] != 0.0) continue;
+    d.gradient[i] = 0.0;
+    d.hessian.row(i).setZero();
+    d.hessian.col(i).setZero();
+    d.hessian(i, i) = 1.0;
+  }
+}
+
+/// Newton's step where the matrix, made a little stiffer, is positive definite and the energy does fall.
+bool improve(const SpringSystem& system, Derivatives& d, double& stiffening, Eigen::Matrix3Xd& x) {
+  const double before = energy(system, x);
+  for (int attempt = 0; attempt < 60; ++attempt, stiffening *= 4.0) {
+    Eigen::MatrixXd matrix = d.hessian;
+    matrix.diagonal().array() += stiffening;
+    const Eigen::LLT<Eigen::MatrixXd> factor(matrix);
+    if (factor.info() != Eigen::Success) continue;
+    const Eigen::VectorXd step = -factor.solve(d.gradient);
+    const Eigen::Matrix3Xd moved = x + step.reshaped(3, x.cols());
+    // a gain smaller than the rounding of the sum is a gain
+    if (energy(system, moved) > before + 1e-14 * std::abs(before)) continue;
+    x = moved;
+    stiffening = std::max(stiffening / 16.0, 1e-12 * system.start.stiffnesses.maxCoeff());
+    return true;
+  }
+  return false;
+}
+
+}  // namespace
+
+Eigen::Matrix3Xd equilibrium(const SpringSystem& system) {
+  Eigen::Matrix3Xd x = system.start.positions;
+  double stiffening = 1e-3 * system.start.stiffnesses.maxCoeff();
+  const double enough = 1e-9 * system.load.norm();  // rounding leaves 1e-11 of it
+  for (int i = 0; i < 500; ++i) {
+    Derivatives d = derivatives(system, x);
+    hold(system, d);
+    if (d.gradient.norm() <= enough) return x;
+    if (!improve(system, d, stiffening, x)) break;
+  }
+  throw std::runtime_error("accuracy: no equilibrium found");
+}
+
+}  // namespace limber::bench

@@ -1,0 +1,161 @@
+// SPDX-License-Identifier: Zlib
+#include "accuracy/networks.h"
+#include "accuracy/rigid_bodies.h"
+#include "accuracy/scene_list.h"
+#include "accuracy/signals.h"
+#include "accuracy/spring_system.h"
+#include "text_format.h"
+
+#include <algorithm>
+
+namespace limber::bench {
+namespace {
+
+// --- a bar of springs against a wall
+// -------------------------------------------------------------------------
+
+constexpr double kSpeed = 0.5, kRadius = 0.0125, kGap = 0.02, kPointMass = 0.01;
+
+/// What the speed of the mass centre tells of an impact.
+struct Impact {
+  double rebound = 0.0;      ///< m/s, at the end
+  double contactTime = 0.0;  ///< s
+  double force = 0.0;        ///< N, in the middle
+};
+
+/// The speed goes from -v to v in a straight line while there is contact, longest in its middle: the slope
+/// there is the force, and twice the time between -v/2 and v/2 that of the contact.
+Impact impactOf(const Signal& speed, double mass) {
+  const auto passes = [&](double share) { return firstReaches(speed, share * kSpeed); };
+  return {speed.samples.back(), 2 * (passes(0.5) - passes(-0.5)),
+          mass * 0.5 * kSpeed / (passes(0.25) - passes(-0.25))};
+}
+
+/// Mean speeds between samples: what of the positions is known in every engine.
+Signal speedOf(const Signal& place) {
+  Signal speed{place.dt, {}};
+  for (std::size_t i = 1; i < place.samples.size(); ++i)
+    speed.samples.push_back((place.samples[i] - place.samples[i - 1]) / place.dt);
+  return speed;
+}
+
+Impact exactImpact(const BodySetup& body, double seconds) {
+  const Wall wall{Eigen::Vector3d::UnitX(), kRadius};
+  const double h = 5e-6;
+  Signal place{200 * h, {}};
+  long step = 0;
+  integrateAgainst(systemOf(body, Eigen::Vector3d::Zero()), wall, seconds, h, [&](double, const State& s) {
+    if (++step % 200 == 0) place.samples.push_back(s.x.row(0).mean());
+  });
+  return impactOf(speedOf(place), body.settings.totalMass);
+}
+
+std::string impactRemark(const Impact& exact) {
+  return format("contact %.4f s, force %.4f N, rebound %.4f m/s", exact.contactTime, exact.force,
+                exact.rebound);
+}
+
+/// Flies against a wall at right angles, without gravity or friction.
+Scene againstWall(const std::string& name, const SharedNetwork& network, double stiffness) {
+  Scene scene;
+  scene.name = name;
+  scene.kind = Kind::Contact;
+  scene.ordered = true;
+  scene.gravity.setZero();
+  scene.seconds = wholeTicks(0.4);
+  BodySetup body = bodyOf(network, kPointMass * static_cast<double>(network->restPoints.size()), stiffness);
+  body.settings.pointRadius = kRadius;
+  body.settings.friction = 0.0;
+  body.settings.position.x() = kRadius + kGap;
+  body.settings.linearVelocity.x() = -kSpeed;
+  scene.bodies = {body};
+  scene.addRigidBodies = [](RigidBodies& rigid, btDiscreteDynamicsWorld& world) {
+    addBox(rigid, world, {1, 2, 2}, 0, {-1, 0, 0}, 0);
+  };
+  const Impact exact = exactImpact(body, scene.seconds);
+  scene.measures = {"rebound", "contact time", "force"};
+  scene.judge = [exact, mass = body.settings.totalMass](const Trace& trace) {
+    Signal place{trace.dt, {}};
+    for (const Frame& frame : trace.frames) place.samples.push_back(frame.positions[0].row(0).mean());
+    const Impact found = impactOf(speedOf(place), mass);
+    return std::vector<double>{relativeError(found.rebound, exact.rebound),
+                               relativeError(found.contactTime, exact.contactTime),
+                               relativeError(found.force, exact.force)};
+  };
+  scene.remark = impactRemark(exact);
+  return scene;
+}
+
+/// A line of springs, as in one dimension. The least push sideways buckles it.
+Scene lineAgainstWall() {
+  const int links = 32;
+  const double stiffness = 1024.0, waves = std::sqrt(kPointMass / stiffness);  // s a link
+  Scene scene = againstWall("bar against a wall", barNetwork(links), stiffness);
+  scene.remark += format("; a continuous bar (2 L / c, sqrt(k m) v, v): %.4f s, %.4f N, %.4f m/s",
+                         2 * (links + 1) * waves, std::sqrt(stiffness * kPointMass) * kSpeed, kSpeed);
+  return scene;
+}
+
+/// One that holds itself straight.
+Scene latticeAgainstWall() {
+  return againstWall("braced bar against a wall", latticeNetwork(17, 2, 2, 1.0 / 16), 200.0);
+}
+
+// --- a cube dropped onto the floor
+// ---------------------------------------------------------------------------
+
+/// The height over `rest` that a signal of heights reaches after its first low: the top of the parabola
+/// through the highest sample and its neighbours, which is exact in free flight.
+double reboundOf(const Signal& height, double rest) {
+  const auto& y = height.samples;
+  std::size_t low = 1;
+  while (low + 1 < y.size() && y[low + 1] < y[low]) ++low;
+  std::size_t top = low;
+  while (top + 1 < y.size() && y[top + 1] > y[top]) ++top;
+  if (top == low || top + 1 >= y.size()) return y[top] - rest;
+  const double bend = y[top - 1] - 2 * y[top] + y[top + 1], slope = y[top + 1] - y[top - 1];
+  return y[top] - slope * slope / (8 * bend) - rest;
+}
+
+Scene droppedCube(int exponent) {
+  const double stiffness = std::pow(10.0, exponent), radius = 0.02, rest = 0.5 + radius;
+  Scene scene;
+  scene.name = "dropped cube 1e" + std::to_string(exponent);
+  scene.kind = Kind::Contact;
+  scene.ordered = true;
+  scene.seconds = wholeTicks(0.6);
+  BodySetup body = bodyOf(cubeNetwork(), 1.0, stiffness, 0.04 * std::sqrt(stiffness / 8));
+  body.settings.pointRadius = radius;
+  body.settings.friction = 0.0;
+  body.settings.position.y() = rest + 0.5;
+  scene.bodies = {body};
+  scene.addRigidBodies = [](RigidBodies& rigid, btDiscreteDynamicsWorld& world) {
+    addFloor(rigid, world, Floor::Box, 0);
+  };
+  Signal height{1e-3, {}};
+  const double h = 1e-6;
+  long step = 0;
+  integrateAgainst(systemOf(body, scene.gravity), {Eigen::Vector3d::UnitY(), radius}, scene.seconds, h,
+                   [&](double, const State& s) {
+                     if (++step % 1000 == 0) height.samples.push_back(s.x.row(1).mean());
+                   });
+  const double exact = reboundOf(height, rest);
+  scene.measures = {"rebound"};
+  scene.judge = [=](const Trace& trace) {
+    Signal seen{trace.dt, {}};
+    for (const Frame& frame : trace.frames) seen.samples.push_back(frame.positions[0].row(1).mean());
+    return std::vector<double>{relativeError(reboundOf(seen, rest), exact)};
+  };
+  scene.remark = format("rebound %.5f m from 0.5 m, by steps of 1 us", exact);
+  return scene;
+}
+
+}  // namespace
+
+void addImpacts(std::vector<Scene>& scenes, bool quick) {
+  scenes.push_back(lineAgainstWall());
+  scenes.push_back(latticeAgainstWall());
+  for (int exponent = 3; exponent <= 5; exponent += quick ? 2 : 1) scenes.push_back(droppedCube(exponent));
+}
+
+}  // namespace limber::bench

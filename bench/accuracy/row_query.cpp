@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: Zlib
+#include "accuracy/row_query.h"
+
+#include <algorithm>
+#include <iterator>
+
+namespace limber::bench {
+namespace {
+
+bool lessError(const AccuracyRow& a, const AccuracyRow& b) { return a.error < b.error; }
+
+}  // namespace
+
+Rows select(const Rows& rows, const Condition& condition) {
+  Rows chosen;
+  std::copy_if(rows.begin(), rows.end(), std::back_inserter(chosen), condition);
+  return chosen;
+}
+
+std::optional<AccuracyRow> best(const Rows& rows) {
+  const auto row = std::min_element(rows.begin(), rows.end(), lessError);
+  return row == rows.end() ? std::nullopt : std::optional(*row);
+}
+
+std::optional<AccuracyRow> worst(const Rows& rows) {
+  const auto row = std::max_element(rows.begin(), rows.end(), lessError);
+  return row == rows.end() ? std::nullopt : std::optional(*row);
+}
+
+std::vector<std::pair<std::string, std::string>> subjects(const Rows& rows) {
+  std::vector<std::pair<std::string, std::string>> found;
+  for (const AccuracyRow& row : rows) {
+    const std::pair<std::string, std::string> subject(row.scene, row.measure);
+    if (std::find(found.begin(), found.end(), subject) == found.end()) found.push_back(subject);
+  }
+  return found;
+}
+
+bool isUsual(const AccuracyRow& row) { return std::abs(row.dt - kUsualTick) < 1e-9; }
+
+bool isLimber(const AccuracyRow& row, const std::string& setting) {
+  return row.engine == "limber" && row.setting == setting;
+}
+
+bool startsWith(const std::string& text, const std::string& start) { return text.rfind(start, 0) == 0; }
+
+}  // namespace limber::bench

@@ -1,0 +1,100 @@
+// SPDX-License-Identifier: Zlib
+#include "accuracy/spring_system.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace limber::bench {
+namespace {
+
+/// Forces of springs, dampers and load.
+void addForces(const SpringSystem& system, const State& state, Eigen::Matrix3Xd& force) {
+  force = system.load;
+  const BodyStart& s = system.start;
+  for (std::size_t i = 0; i < system.springs.size(); ++i) {
+    const auto [a, b] = std::pair(system.springs[i].a, system.springs[i].b);
+    const auto n = static_cast<Eigen::Index>(i);
+    const Eigen::Vector3d d = state.x.col(b) - state.x.col(a);
+    const double length = d.norm();
+    const Eigen::Vector3d u = d / length;
+    const double closing = u.dot(state.v.col(b) - state.v.col(a));
+    const Eigen::Vector3d f = (s.stiffnesses[n] * (length - s.restLengths[n]) + s.dampings[n] * closing) * u;
+    force.col(a) += f;
+    force.col(b) -= f;
+  }
+}
+
+/// Weights of a free coordinate: 1 / m, else 0.
+Eigen::Matrix3Xd inverseMasses(const SpringSystem& system) {
+  return system.free.array().rowwise() / system.start.masses.transpose().array();
+}
+
+}  // namespace
+
+SpringSystem systemOf(const BodySetup& setup, const Eigen::Vector3d& gravity) {
+  SpringSystem system;
+  system.springs = setup.network->springs;
+  system.start = startOf(setup);
+  system.free.setOnes(3, system.start.positions.cols());
+  for (const std::uint32_t pin : setup.pins) system.free.col(pin).setZero();
+  system.load = gravity.cast<btScalar>().cast<double>() * system.start.masses.transpose();
+  return system;
+}
+
+double frequencyBound(const SpringSystem& system) {
+  Eigen::VectorXd sums = Eigen::VectorXd::Zero(system.start.masses.size());
+  for (std::size_t i = 0; i < system.springs.size(); ++i) {
+    sums[system.springs[i].a] += system.start.stiffnesses[static_cast<Eigen::Index>(i)];
+    sums[system.springs[i].b] += system.start.stiffnesses[static_cast<Eigen::Index>(i)];
+  }
+  const Eigen::VectorXd shares = sums.cwiseQuotient(system.start.masses);
+  double bound = 0.0;
+  for (const NetworkSpring& spring : system.springs)
+    bound = std::max(bound, shares[spring.a] + shares[spring.b]);
+  return std::sqrt(bound);
+}
+
+State integrate(const SpringSystem& system, double seconds, double stepsPerRadian) {
+  const auto steps = static_cast<long>(std::ceil(seconds * frequencyBound(system) * stepsPerRadian));
+  const double h = seconds / static_cast<double>(steps);
+  const Eigen::Matrix3Xd weight = inverseMasses(system);
+  Eigen::Matrix3Xd force, a1, a2, a3, a4;
+  const auto acceleration = [&](const State& state) {
+    addForces(system, state, force);
+    return Eigen::Matrix3Xd(force.cwiseProduct(weight));
+  };
+  State s{system.start.positions, system.start.velocities.cwiseProduct(system.free)}, at;
+  for (long i = 0; i < steps; ++i) {
+    a1 = acceleration(s);
+    const Eigen::Matrix3Xd v2 = s.v + h / 2 * a1;
+    a2 = acceleration({s.x + h / 2 * s.v, v2});
+    const Eigen::Matrix3Xd v3 = s.v + h / 2 * a2;
+    a3 = acceleration({s.x + h / 2 * v2, v3});
+    const Eigen::Matrix3Xd v4 = s.v + h * a3;
+    a4 = acceleration({s.x + h * v3, v4});
+    s.x += h / 6 * (s.v + 2 * v2 + 2 * v3 + v4);
+    s.v += h / 6 * (a1 + 2 * a2 + 2 * a3 + a4);
+  }
+  return s;
+}
+
+void integrateAgainst(const SpringSystem& system, const Wall& wall, double seconds, double h,
+                      const std::function<void(double, const State&)>& see) {
+  const Eigen::Matrix3Xd weight = inverseMasses(system);
+  State s{system.start.positions, system.start.velocities};
+  Eigen::Matrix3Xd force;
+  const auto steps = static_cast<long>(std::lround(seconds / h));
+  for (long step = 1; step <= steps; ++step) {
+    addForces(system, s, force);
+    s.v += h * force.cwiseProduct(weight);
+    for (Eigen::Index i = 0; i < s.x.cols(); ++i) {
+      const double gap = wall.normal.dot(s.x.col(i)) - wall.offset;
+      const double passing = -gap / h - wall.normal.dot(s.v.col(i));
+      if (passing > 0) s.v.col(i) += passing * wall.normal;
+    }
+    s.x += h * s.v;
+    see(static_cast<double>(step) * h, s);
+  }
+}
+
+}  // namespace limber::bench

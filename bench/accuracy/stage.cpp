@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: Zlib
+#include "accuracy/stage.h"
+
+#include "clocks.h"
+#include "engines/body_start.h"
+
+#include <cstring>
+
+namespace limber::bench {
+namespace {
+
+constexpr double kTooFar = 1e4;  // m: no scene is so large
+
+void addToHash(std::uint64_t& hash, const Eigen::Matrix3Xd& values) {
+  for (Eigen::Index i = 0; i < values.size(); ++i) {
+    std::uint64_t bits = 0;
+    std::memcpy(&bits, values.data() + i, sizeof bits);
+    hash = (hash ^ bits) * 1099511628211ull;  // FNV-1a
+  }
+}
+
+bool isLost(const Frame& frame) {
+  for (const Eigen::Matrix3Xd& points : frame.positions)
+    if (!points.allFinite() || points.cwiseAbs().maxCoeff() > kTooFar) return true;
+  return false;
+}
+
+double manifoldImpulse(const btDiscreteDynamicsWorld& world) {
+  const btDispatcher& dispatcher = *world.getDispatcher();
+  double impulse = 0.0;
+  for (int m = 0; m < dispatcher.getNumManifolds(); ++m) {
+    const btPersistentManifold& manifold =
+        *const_cast<btDispatcher&>(dispatcher).getManifoldByIndexInternal(m);
+    for (int p = 0; p < manifold.getNumContacts(); ++p)
+      impulse += double(manifold.getContactPoint(p).getAppliedImpulse());
+  }
+  return impulse;
+}
+
+}  // namespace
+
+Stage::Stage(const Scene& scene, const EngineChoice& choice, double dt)
+    : scene_(scene),
+      engine_(choice.make(dt)),
+      dt_(dt),
+      ticks_(static_cast<int>(std::lround(scene.seconds / dt))) {
+  engine_->world().setGravity(toBullet(scene.gravity));
+  if (scene.addRigidBodies) scene.addRigidBodies(rigid_, engine_->world());
+  for (const BodySetup& body : scene.bodies) engine_->addBody(body);
+  trace_.dt = dt;
+  record();
+}
+
+void Stage::advance(int ticks) {
+  for (; ticks > 0 && !over(); --ticks) {
+    const Stopwatch watch;
+    engine_->tick(dt_);
+    tickMicroseconds_.push_back(1e3 * watch.time().wallMs);
+    if (engine_->stepMicroseconds() >= 0.0) stepMicroseconds_.push_back(engine_->stepMicroseconds());
+    ++tick_;
+    record();
+  }
+}
+
+Frame Stage::look() const {
+  Frame frame;
+  for (std::size_t i = 0; i < scene_.bodies.size(); ++i) {
+    frame.positions.push_back(engine_->positions(i));
+    frame.velocities.push_back(engine_->velocities(i));
+  }
+  for (const auto& body : rigid_.bodies)
+    if (!body->isStaticObject()) frame.boxes.push_back(fromBullet(body->getWorldTransform().getOrigin()));
+  frame.manifoldImpulse = manifoldImpulse(engine_->world());
+  return frame;
+}
+
+void Stage::record() {
+  Frame frame = look();
+  lost_ = isLost(frame);
+  const double before = (ticks_ - tick_ + 1) * dt_;  // the end, when the last frame was taken
+  if (before > scene_.keepSeconds + 0.5 * dt_) trace_.frames.clear();
+  trace_.frames.push_back(std::move(frame));
+}
+
+std::uint64_t Stage::hash() const {
+  std::uint64_t hash = 14695981039346656037ull;
+  for (const auto& points : trace_.last().positions) addToHash(hash, points);
+  for (const auto& speeds : trace_.last().velocities) addToHash(hash, speeds);
+  return hash;
+}
+
+}  // namespace limber::bench

@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: Zlib
+#include "engines/bullet_soft_engines.h"
+#include "engines/engine.h"
+#include "engines/limber_engine.h"
+
+namespace limber::bench {
+namespace {
+
+void addSteppers(std::vector<EngineChoice>& choices) {
+  const std::pair<const char*, Stepper> steppers[] = {{"auto", Stepper::Auto},
+                                                      {"verlet", Stepper::Verlet},
+                                                      {"midpoint", Stepper::ImplicitMidpoint},
+                                                      {"newton", Stepper::BandedNewton}};
+  for (const auto& [name, stepper] : steppers)
+    choices.push_back({"limber", name, [s = stepper](double) { return makeLimberEngine(s); }});
+}
+
+void addSoftBodies(std::vector<EngineChoice>& choices) {
+  for (const int iterations : {1, 4, 10})
+    for (const LinkStiffness stiffness : {LinkStiffness::Full, LinkStiffness::Calibrated}) {
+      const char* how = stiffness == LinkStiffness::Full ? "kLST 1" : "kLST from k";
+      choices.push_back({"btSoftBody", std::to_string(iterations) + " it " + how,
+                         [=](double dt) { return makeSoftBodyEngine(dt, iterations, stiffness); }});
+    }
+}
+
+}  // namespace
+
+std::vector<EngineChoice> allEngines() {
+  std::vector<EngineChoice> choices;
+  addSteppers(choices);
+  addSoftBodies(choices);
+  choices.push_back({"btDeformable", "implicit", [](double) { return makeDeformableEngine(true); }});
+  choices.push_back({"btDeformable", "explicit", [](double) { return makeDeformableEngine(false); }});
+  return choices;
+}
+
+}  // namespace limber::bench

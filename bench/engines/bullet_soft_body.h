@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: Zlib
+#pragma once
+
+#include "engines/body_start.h"
+
+#include <BulletSoftBody/btSoftBody.h>
+
+#include <memory>
+#include <vector>
+
+namespace limber::bench {
+
+/// A btSoftBody and which of its nodes is which point.
+struct BulletSoftBody {
+  std::unique_ptr<btSoftBody> body;
+  std::vector<int> nodeOfPoint;  ///< #points
+  Eigen::VectorXd masses;        ///< #points, kg
+
+  btSoftBody::Node& node(std::uint32_t point) const { return body->m_nodes[nodeOfPoint[point]]; }
+};
+
+/// The set-up's points and springs, links in the order of the springs, with rest lengths as given; contacts
+/// at the nodes with the same radius and friction as Limber's points have.
+BulletSoftBody makeBulletSoftBody(const BodySetup& setup, const BodyStart& start, btSoftBodyWorldInfo& info);
+
+Eigen::Matrix3Xd nodePositions(const BulletSoftBody& soft);
+Eigen::Matrix3Xd nodeVelocities(const BulletSoftBody& soft);
+void pinNode(const BulletSoftBody& soft, std::uint32_t point, bool pinned);
+
+}  // namespace limber::bench

@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: Zlib
+#include "engines/limber_engine.h"
+
+#include "engines/body_start.h"
+
+#include <limber/soft_body_system.h>
+
+#include <stdexcept>
+#include <utility>
+
+namespace limber::bench {
+namespace {
+
+class LimberEngine final : public Engine {
+ public:
+  explicit LimberEngine(TuneSettings tune) : tune_(std::move(tune)) {}
+
+  btDiscreteDynamicsWorld& world() override { return world_; }
+  std::size_t addBody(const BodySetup& setup) override;
+  void tick(double dt) override { world_.stepSimulation(static_cast<btScalar>(dt), 0); }
+  double stepMicroseconds() const override { return 1e3 * soft_.profile().stepMs; }
+  Eigen::Matrix3Xd positions(std::size_t body) const override;
+  Eigen::Matrix3Xd velocities(std::size_t body) const override;
+  int substeps(std::size_t body) const { return soft_.body(body)->substeps(); }
+  void setPinned(std::size_t body, std::uint32_t point, bool pinned) override {
+    pinned ? soft_.body(body)->pin(point) : soft_.body(body)->unpin(point);
+  }
+
+ private:
+  TuneSettings tune_;
+  btDefaultCollisionConfiguration configuration_;
+  btCollisionDispatcher dispatcher_{&configuration_};
+  btDbvtBroadphase broadphase_;
+  btSequentialImpulseConstraintSolver solver_;
+  btDiscreteDynamicsWorld world_{&dispatcher_, &broadphase_, &solver_, &configuration_};
+  SoftBodySystem soft_{world_};
+};
+
+void place(SoftBody& body, const BodySetup& setup) {
+  for (std::uint32_t i = 0; i < body.pointCount(); ++i) {
+    btRigidBody& point = *body.point(i);
+    if (setup.positions.cols()) point.getWorldTransform().setOrigin(toBullet(setup.positions.col(i)));
+    if (setup.velocities.cols()) point.setLinearVelocity(toBullet(setup.velocities.col(i)));
+    point.setActivationState(DISABLE_DEACTIVATION);
+  }
+}
+
+std::size_t LimberEngine::addBody(const BodySetup& setup) {
+  SoftBodySettings settings = setup.settings;
+  if (tune_) tune_(settings);
+  Result<SoftBody*> body = soft_.createBody(setup.network, settings);
+  if (!body) throw std::runtime_error(body.error());
+  place(**body, setup);
+  for (const std::uint32_t pin : setup.pins) (*body)->pin(pin);
+  return soft_.bodyCount() - 1;
+}
+
+Eigen::Matrix3Xd LimberEngine::positions(std::size_t body) const {
+  const SoftBody& soft = *soft_.body(body);
+  Eigen::Matrix3Xd all(3, soft.pointCount());
+  for (std::uint32_t i = 0; i < soft.pointCount(); ++i) all.col(i) = soft.position(i);
+  return all;
+}
+
+Eigen::Matrix3Xd LimberEngine::velocities(std::size_t body) const {
+  const SoftBody& soft = *soft_.body(body);
+  Eigen::Matrix3Xd all(3, soft.pointCount());
+  for (std::uint32_t i = 0; i < soft.pointCount(); ++i) all.col(i) = soft.velocity(i);
+  return all;
+}
+
+}  // namespace
+
+std::unique_ptr<Engine> makeLimberEngine(TuneSettings tune) {
+  return std::make_unique<LimberEngine>(std::move(tune));
+}
+
+std::unique_ptr<Engine> makeLimberEngine(Stepper stepper) {
+  return makeLimberEngine([stepper](SoftBodySettings& s) { s.stepping.stepper = stepper; });
+}
+
+int stableSubsteps(const BodySetup& setup, double dt) {
+  LimberEngine engine([](SoftBodySettings& s) { s.stepping.stepper = Stepper::Verlet; });
+  const std::size_t body = engine.addBody(setup);
+  engine.tick(dt);
+  return engine.substeps(body);
+}
+
+}  // namespace limber::bench

@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: Zlib
+#include "engines/bullet_soft_body.h"
+#include "engines/bullet_soft_engines.h"
+
+#include <BulletSoftBody/btSoftBodyRigidBodyCollisionConfiguration.h>
+#include <BulletSoftBody/btSoftRigidDynamicsWorld.h>
+
+#include <cmath>
+#include <map>
+
+namespace limber::bench {
+namespace {
+
+class SoftBodyEngine final : public Engine {
+ public:
+  SoftBodyEngine(double dt, int iterations, LinkStiffness stiffness)
+      : dt_(dt), iterations_(iterations), stiffness_(stiffness) {}
+  ~SoftBodyEngine() override;
+
+  btDiscreteDynamicsWorld& world() override { return world_; }
+  std::size_t addBody(const BodySetup& setup) override;
+  void tick(double dt) override;
+  double stepMicroseconds() const override { return -1.0; }
+  Eigen::Matrix3Xd positions(std::size_t body) const override { return nodePositions(bodies_[body]); }
+  Eigen::Matrix3Xd velocities(std::size_t body) const override { return nodeVelocities(bodies_[body]); }
+  void setPinned(std::size_t body, std::uint32_t point, bool pinned) override {
+    pinNode(bodies_[body], point, pinned);
+  }
+
+ private:
+  double shareOf(double springShare) const;
+  void calibrate(const BodySetup& setup, const BodyStart& start, BulletSoftBody& soft);
+
+  double dt_;
+  int iterations_;
+  LinkStiffness stiffness_;
+  btSoftBodyRigidBodyCollisionConfiguration configuration_;
+  btCollisionDispatcher dispatcher_{&configuration_};
+  btDbvtBroadphase broadphase_;
+  btSequentialImpulseConstraintSolver solver_;
+  btSoftRigidDynamicsWorld world_{&dispatcher_, &broadphase_, &solver_, &configuration_};
+  std::vector<BulletSoftBody> bodies_;
+};
+
+SoftBodyEngine::~SoftBodyEngine() {
+  for (const BulletSoftBody& soft : bodies_) world_.removeSoftBody(soft.body.get());
+}
+
+/// The share each iteration must take of a link's error so that all of them take `springShare` of it.
+double SoftBodyEngine::shareOf(double springShare) const {
+  return 1.0 - std::pow(1.0 - springShare, 1.0 / iterations_);
+}
+
+/// Implicit Euler's step of h of a spring k between two points of inverse masses w takes
+///   k h^2 (wa + wb) / (1 + k h^2 (wa + wb))  of its error; kLST is that share for one iteration.
+void SoftBodyEngine::calibrate(const BodySetup& setup, const BodyStart& start, BulletSoftBody& soft) {
+  std::map<btScalar, btSoftBody::Material*> materials;
+  for (int s = 0; s < soft.body->m_links.size(); ++s) {
+    const NetworkSpring& spring = setup.network->springs[static_cast<std::size_t>(s)];
+    const auto inverseMass = [&](std::uint32_t i) { return double(soft.node(i).m_im); };
+    const double stiff = start.stiffnesses[s] * dt_ * dt_ * (inverseMass(spring.a) + inverseMass(spring.b));
+    const auto share = static_cast<btScalar>(shareOf(stiff / (1.0 + stiff)));
+    btSoftBody::Material*& material = materials[share];
+    if (!material) material = soft.body->appendMaterial();
+    material->m_kLST = share;
+    soft.body->m_links[s].m_material = material;
+  }
+  soft.body->updateLinkConstants();
+}
+
+std::size_t SoftBodyEngine::addBody(const BodySetup& setup) {
+  const BodyStart start = startOf(setup);
+  world_.getWorldInfo().m_gravity = world_.getGravity();
+  BulletSoftBody soft = makeBulletSoftBody(setup, start, world_.getWorldInfo());
+  if (stiffness_ == LinkStiffness::Calibrated) calibrate(setup, start, soft);
+  soft.body->m_cfg.piterations = iterations_;
+  soft.body->m_cfg.collisions = btSoftBody::fCollision::SDF_RS;
+  if (soft.body->m_faces.size()) soft.body->m_cfg.collisions |= btSoftBody::fCollision::VF_SS;
+  soft.body->m_cfg.kDP = static_cast<btScalar>(1.0 - std::exp(-setup.drag * dt_));
+  world_.addSoftBody(soft.body.get());
+  bodies_.push_back(std::move(soft));
+  return bodies_.size() - 1;
+}
+
+void SoftBodyEngine::tick(double dt) {
+  world_.getWorldInfo().m_gravity = world_.getGravity();
+  world_.stepSimulation(static_cast<btScalar>(dt), 0);
+}
+
+}  // namespace
+
+std::unique_ptr<Engine> makeSoftBodyEngine(double dt, int iterations, LinkStiffness stiffness) {
+  return std::make_unique<SoftBodyEngine>(dt, iterations, stiffness);
+}
+
+}  // namespace limber::bench
