@@ -5,6 +5,7 @@
 #include "core/contact_rows.h"
 #include "core/implicit_step.h"
 #include "core/point_state.h"
+#include "core/quad_step.h"
 #include "core/spring_arrays.h"
 
 #include <limber/soft_body.h>
@@ -52,6 +53,7 @@ struct SoftBodyData {
   double dampingRate = 0.0;  ///< 1/s, dampingRateBound, as stale as frequencySquared
   double size = 0.0;         ///< m, diagonal of the box around it at rest
   bool narrow = false;       ///< see SteppingProblem
+  QuadArrays quads;          ///< empty unless it is stepped so
   ImplicitState implicit;    ///< empty unless it is stepped so
 
   /// Told when the application deletes one of the points.

@@ -22,12 +22,12 @@ void LIMBER_PACK_STEP(const LaneBody& b, double tick, int substeps) {
                   packs(b.direction)};
   body.points = {b.points,       packs(b.position),     packs(b.velocity),
                  packs(b.force), packs(b.acceleration), packs(b.inverseMass)};
-  body.damped = b.damped;
+  body.hasDampers = b.damped;
   body.dampHalf = packs(b.dampHalf);
   body.dampFull = packs(b.dampFull);
-  body.contacts = *b.contacts;
+  body.contactCalls = b.contacts;
   body.earlierForce = packs(b.earlierForce);
-  *packs(b.change) = stepAlone(body, tick, substeps);
+  *packs(b.change) = stepAlone<Pack>(body, tick, substeps);
 }
 
 }  // namespace limber::kernel

@@ -25,7 +25,24 @@ struct LaneBody {
   double* change;  ///< written: one per lane, see computeForcesAndChange
 };
 
+/// One body whose points, and directions of springs, are quads x, y, z, 0 of doubles; what is one number per
+/// spring comes as it is. The number of springs is a multiple of four.
+struct QuadBody {
+  unsigned points, springs;
+  const unsigned *a, *b;
+  const unsigned char* apart;  ///< per four springs: whether they share no point
+  double *position, *velocity, *force, *earlierForce;
+  const double *acceleration, *inverseMass;
+  const double *restLength, *extensionStiffness, *compressionStiffness;
+  double* direction;
+  bool damped;
+  const double *dampHalf, *dampFull;
+  const ContactCalls* contacts;
+};
+
 #if defined(LIMBER_HAS_LANES)
+/// Needs AVX2. Returns computeForcesAndChange.
+double stepQuads(const QuadBody& body, double tick, int substeps);
 void stepSse2(const LaneBody& body, double tick, int substeps);
 void stepAvx2(const LaneBody& body, double tick, int substeps);
 void stepAvx512(const LaneBody& body, double tick, int substeps);

@@ -41,9 +41,14 @@ inline Pack select(Mask which, Pack yes, Pack no) {
 #else
 
 inline double squareRoot(double x) { return std::sqrt(x); }
+
+#endif
+
+namespace {  // of every source its own: each is compiled for another instruction set
+
 inline double all(double, double x) { return x; }
 inline double select(bool which, double yes, double no) { return which ? yes : no; }
 
-#endif
+}  // namespace
 
 }  // namespace limber::kernel

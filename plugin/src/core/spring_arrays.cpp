@@ -1,13 +1,16 @@
 // SPDX-License-Identifier: Zlib
 #include "core/spring_arrays.h"
 
+#include "core/spring_order.h"
+
 #include <algorithm>
 
 namespace limber {
 
 SpringArrays makeSprings(const SpringNetwork& network, const SoftBodySettings& settings) {
   SpringArrays s;
-  for (const NetworkSpring& spring : network.springs) {
+  for (const std::uint32_t i : orderApart(network)) {
+    const NetworkSpring& spring = network.springs[i];
     const Eigen::Vector3d d = network.restPoints[spring.b] - network.restPoints[spring.a];
     s.a.push_back(spring.a);
     s.b.push_back(spring.b);

@@ -11,7 +11,7 @@
 
 namespace limber {
 
-/// The springs of one body, one entry per spring of its network and in the same order.
+/// The springs of one body, one entry per spring of its network, in the order of spring_order.h.
 struct SpringArrays {
   std::vector<std::uint32_t> a, b;           ///< point indices
   std::vector<double> restLength;            ///< m

@@ -8,30 +8,21 @@
 namespace limber {
 namespace {
 
-double* numbers(std::vector<CacheLine>& array) { return array.front().value; }
-
-/// Room for `entries` numbers in each of `lanes` lanes.
-void resize(std::vector<CacheLine>& array, std::size_t entries, std::size_t lanes) {
-  const std::size_t lines = (entries * lanes + 7) / 8;
-  if (array.size() < lines) array.resize(lines);
-}
-
-void resize(LaneBlock& b, std::size_t points, std::size_t springs, std::size_t lanes) {
+void reserve(LaneBlock& b, std::size_t points, std::size_t springs, std::size_t lanes) {
   for (auto* array : {&b.position, &b.velocity, &b.acceleration, &b.inverseMass, &b.force, &b.earlierForce})
-    resize(*array, 3 * points, lanes);
+    reserveNumbers(*array, 3 * points * lanes);
   for (auto* array :
        {&b.restLength, &b.extensionStiffness, &b.compressionStiffness, &b.dampHalf, &b.dampFull})
-    resize(*array, springs, lanes);
-  resize(b.direction, 3 * springs, lanes);
+    reserveNumbers(*array, springs * lanes);
+  reserveNumbers(b.direction, 3 * springs * lanes);
 }
 
-void toLane(const double* from, std::size_t count, std::vector<CacheLine>& to, std::size_t lane,
-            std::size_t lanes) {
+void toLane(const double* from, std::size_t count, AlignedNumbers& to, std::size_t lane, std::size_t lanes) {
   double* target = numbers(to) + lane;
   for (std::size_t i = 0; i < count; ++i) target[i * lanes] = from[i];
 }
 
-void fromLane(const std::vector<CacheLine>& from, std::size_t lane, std::size_t lanes, std::size_t count,
+void fromLane(const AlignedNumbers& from, std::size_t lane, std::size_t lanes, std::size_t count,
               double* to) {
   const double* source = from.front().value + lane;
   for (std::size_t i = 0; i < count; ++i) to[i] = source[i * lanes];
@@ -72,7 +63,7 @@ struct LaneContacts {
 
   PointView points(std::size_t lane) const {
     return {numbers(block.position) + lane, numbers(block.velocity) + lane, numbers(block.inverseMass) + lane,
-            stride};
+            stride, 3 * stride};
   }
   static void stop(void* context, double time, double dt) {
     const auto& self = *static_cast<const LaneContacts*>(context);
@@ -147,7 +138,7 @@ void stepLanes(LaneBlock& block, double tick, int substeps, InstructionSet set) 
   const SteppedBody& first = block.lanes[0].body;
   for (LaneBlock::Lane& lane : block.lanes)
     prepareDampers(*lane.body.springs, lane.body.points->inverseMass, tick / substeps);
-  resize(block, static_cast<std::size_t>(first.points->position.cols()), first.springs->size(), lanes);
+  reserve(block, static_cast<std::size_t>(first.points->position.cols()), first.springs->size(), lanes);
   load(block, lanes);
   LaneContacts contacts{block, laneCount(set)};
   const kernel::ContactCalls calls{touches(block) ? &contacts : nullptr, &LaneContacts::stop,

@@ -1,17 +1,13 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
+#include "core/cache_line.h"
 #include "core/instruction_set.h"
 #include "core/verlet_step.h"
 
 #include <vector>
 
 namespace limber {
-
-/// 64 bytes, so that a register of any instruction set can be read from an array of these.
-struct alignas(64) CacheLine {
-  double value[8];
-};
 
 /// Bodies of one network side by side, one per lane of a register: entry i of lane l is at [i * lanes + l].
 /// Bodies that are all stepped equally often, have no links and no elastic limit,
@@ -23,10 +19,10 @@ struct LaneBlock {
   };
   std::vector<Lane> lanes;  ///< 1 to laneCount(instructionSet) bodies
 
-  std::vector<CacheLine> position, velocity, acceleration, inverseMass, force, earlierForce;  // 3 x #points
-  std::vector<CacheLine> restLength, extensionStiffness, compressionStiffness, dampHalf,
-      dampFull;                      // #springs
-  std::vector<CacheLine> direction;  // 3 x #springs
+  AlignedNumbers position, velocity, acceleration, inverseMass, force, earlierForce;  // 3 x #points
+  AlignedNumbers restLength, extensionStiffness, compressionStiffness, dampHalf,
+      dampFull;              // #springs
+  AlignedNumbers direction;  // 3 x #springs
 };
 
 /// As stepVerlet for each of the bodies, to the bit, whatever the instruction set.

@@ -38,27 +38,37 @@ struct Points {
 /// m^2: below it the ends of a spring coincide, 1/length would lose its digits.
 constexpr double kCoincidentSquared = 1e-200;
 
-/// Writes the direction from a to b (0 while the spring is slack or its ends coincide) and adds its force to
-/// both ends:  F = kE (l - L) if l > L, else kC (l - L).
+/// What a spring does: its force (above 0 pulls) and one over its length, which makes the way between its
+/// ends its direction. Both 0 while it is slack or its ends coincide.
+template <class V>
+struct Pull {
+  V force, scale;
+};
+
+///     F = kE (l - L) if l > L, else kC (l - L)
+template <class V>
+inline Pull<V> pullOf(V squaredLength, V restLength, V extensionStiffness, V compressionStiffness) {
+  const auto apart = squaredLength > all(V(), kCoincidentSquared);
+  const V length = squareRoot(select(apart, squaredLength, all(V(), 1.0)));
+  const V stretch = length - restLength;
+  const V stiffness = select(stretch > all(V(), 0.0), extensionStiffness, compressionStiffness);
+  const V inverse = select(stiffness > all(V(), 0.0), all(V(), 1.0) / length, all(V(), 0.0));
+  return {stiffness * stretch, select(apart, inverse, all(V(), 0.0))};
+}
+
+/// Writes the direction from a to b and adds the force to both ends.
 template <class V>
 inline void addForce(const Springs<V>& s, Index i, const Points<V>& p) {
   const V* xa = p.position + 3 * s.a[i];
   const V* xb = p.position + 3 * s.b[i];
   const V dx = xb[0] - xa[0], dy = xb[1] - xa[1], dz = xb[2] - xa[2];
-  const V squared = dx * dx + (dy * dy + dz * dz);
-  const auto apart = squared > all(V(), kCoincidentSquared);
-  const V length = squareRoot(select(apart, squared, all(V(), 1.0)));
-  const V stretch = length - s.restLength[i];
-  const V stiffness = select(stretch > all(V(), 0.0), s.extensionStiffness[i], s.compressionStiffness[i]);
-  const V scale =
-      select(apart, select(stiffness > all(V(), 0.0), all(V(), 1.0) / length, all(V(), 0.0)), all(V(), 0.0));
-  const V nx = dx * scale, ny = dy * scale, nz = dz * scale;
-  const V pull = stiffness * stretch;
+  const Pull<V> pull = pullOf(dx * dx + (dy * dy + dz * dz), s.restLength[i], s.extensionStiffness[i],
+                              s.compressionStiffness[i]);
   V* n = s.direction + 3 * i;
-  n[0] = nx, n[1] = ny, n[2] = nz;
+  n[0] = dx * pull.scale, n[1] = dy * pull.scale, n[2] = dz * pull.scale;
+  const V fx = pull.force * n[0], fy = pull.force * n[1], fz = pull.force * n[2];
   V* fa = p.force + 3 * s.a[i];
   V* fb = p.force + 3 * s.b[i];
-  const V fx = pull * nx, fy = pull * ny, fz = pull * nz;
   fa[0] = fa[0] + fx, fa[1] = fa[1] + fy, fa[2] = fa[2] + fz;
   fb[0] = fb[0] - fx, fb[1] = fb[1] - fy, fb[2] = fb[2] - fz;
 }
@@ -117,12 +127,35 @@ template <class V>
 struct Body {
   Springs<V> springs;
   Points<V> points;
-  bool damped;
+  bool hasDampers;
   const V* dampHalf;
   const V* dampFull;
-  ContactCalls contacts;
+  const ContactCalls* contactCalls;
   V* earlierForce;  ///< #points x 3, scratch
+
+  bool damped() const { return hasDampers; }
+  const ContactCalls& contacts() const { return *contactCalls; }
 };
+
+template <class V>
+inline void computeForces(const Body<V>& body) {
+  computeForces(body.springs, body.points);
+}
+
+template <class V>
+inline void kick(const Body<V>& body, double dt) {
+  kick(body.points, dt);
+}
+
+template <class V>
+inline void drift(const Body<V>& body, double dt) {
+  drift(body.points, dt);
+}
+
+template <class V>
+inline void dampAll(const Body<V>& body, bool whole, bool forward) {
+  dampAll(body.springs, whole ? body.dampFull : body.dampHalf, forward, body.points);
+}
 
 /// The sum over the points of the squared change of acceleration over a substep, at whose end it computes
 /// the forces.
@@ -131,37 +164,39 @@ inline V computeForcesAndChange(const Body<V>& body) {
   const Points<V>& p = body.points;
   for (Index i = 0; i < 3 * p.count; ++i) body.earlierForce[i] = p.force[i];
   computeForces(body.springs, p);
-  V sum = all(V(), 0.0);
-  for (Index i = 0; i < 3 * p.count; ++i) {
-    const V change = (p.force[i] - body.earlierForce[i]) * p.inverseMass[i];
-    sum = sum + change * change;
-  }
-  return sum;
+  V sum[3] = {all(V(), 0.0), all(V(), 0.0), all(V(), 0.0)};
+  for (Index i = 0; i < p.count; ++i)
+    for (Index c = 0; c < 3; ++c) {
+      const V change = (p.force[3 * i + c] - body.earlierForce[3 * i + c]) * p.inverseMass[3 * i + c];
+      sum[c] = sum[c] + change * change;
+    }
+  return sum[0] + (sum[1] + sum[2]);
 }
 
-/// stepVerlet of verlet_step.h for bodies without links. Returns the larger
-/// computeForcesAndChange of a substep in the middle and the last.
-template <class V>
-inline V stepAlone(const Body<V>& body, double tick, int substeps) {
-  const Points<V>& p = body.points;
+/// stepVerlet of verlet_step.h for bodies without links. `Stepped` is a Body<V> or something else that has
+/// its functions (quad_kernel_avx2.cpp). Returns the larger computeForcesAndChange of a substep in the middle
+/// and the last.
+template <class V, class Stepped>
+inline V stepAlone(const Stepped& body, double tick, int substeps) {
+  const ContactCalls& contacts = body.contacts();
   const double dt = tick / substeps;
   V change = all(V(), 0.0);
-  computeForces(body.springs, p);
-  if (body.damped) dampAll(body.springs, body.dampHalf, false, p);
+  computeForces(body);
+  if (body.damped()) dampAll(body, false, false);
   for (int s = 0; s < substeps; ++s) {
     const bool last = s + 1 == substeps;
-    kick(p, 0.5 * dt);
-    if (body.contacts.context) body.contacts.stop(body.contacts.context, s * dt, dt);
-    drift(p, dt);
+    kick(body, 0.5 * dt);
+    if (contacts.context) contacts.stop(contacts.context, s * dt, dt);
+    drift(body, dt);
     if (last || 2 * s == substeps) {
       const V now = computeForcesAndChange(body);
       change = select(now > change, now, change);
     } else {
-      computeForces(body.springs, p);
+      computeForces(body);
     }
-    kick(p, 0.5 * dt);
-    if (body.contacts.context) body.contacts.settle(body.contacts.context);
-    if (body.damped) dampAll(body.springs, last ? body.dampHalf : body.dampFull, s % 2 == 0, p);
+    kick(body, 0.5 * dt);
+    if (contacts.context) contacts.settle(contacts.context);
+    if (body.damped()) dampAll(body, !last, s % 2 == 0);
   }
   return change;
 }

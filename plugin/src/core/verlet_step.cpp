@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Zlib
 #include "core/verlet_step.h"
 
+#include "core/body_contacts.h"
 #include "core/kernel_views.h"
+#include "core/quad_step.h"
 #include "core/spring_damping.h"
 #include "core/spring_forces.h"
 
@@ -11,30 +13,16 @@
 namespace limber {
 namespace {
 
-/// A body's contacts as the kernel calls them.
-struct BodyContacts {
-  std::vector<ContactRow>* rows;
-  PointView points;
-
-  static void stop(void* context, double time, double dt) {
-    auto& self = *static_cast<BodyContacts*>(context);
-    stopAtContacts(*self.rows, self.points, time, dt);
-  }
-  static void settle(void* context) {
-    auto& self = *static_cast<BodyContacts*>(context);
-    settleContacts(*self.rows, self.points);
-  }
-};
-
 void stepSingle(SteppedBody& body, double tick, int substeps) {
+  if (body.quads) return stepQuads(body, tick, substeps);
   PointState& state = *body.points;
   SpringArrays& springs = *body.springs;
-  const bool touches = body.contacts && !body.contacts->empty();
   BodyContacts contacts{body.contacts, viewOf(state)};
-  const kernel::ContactCalls calls{touches ? &contacts : nullptr, &BodyContacts::stop, &BodyContacts::settle};
+  const kernel::ContactCalls calls = contacts.calls();
   const double change = kernel::stepAlone<double>(
-      {kernelSprings(springs), kernelPoints(state), springs.damped, springs.dampHalf.data(),
-       springs.dampFull.data(), calls, state.earlierForce.data()},
+      kernel::Body<double>{kernelSprings(springs), kernelPoints(state), springs.damped,
+                           springs.dampHalf.data(), springs.dampFull.data(), &calls,
+                           state.earlierForce.data()},
       tick, substeps);
   body.errorRate = verletErrorRate(change, state.position.cols(), tick / substeps);
 }

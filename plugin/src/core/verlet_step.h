@@ -10,11 +10,15 @@
 
 namespace limber {
 
+struct QuadArrays;
+
 /// A soft body as the step sees it.
 struct SteppedBody {
   PointState* points;
   SpringArrays* springs;
   std::vector<ContactRow>* contacts;  ///< may be nullptr
+
+  QuadArrays* quads = nullptr;  ///< for stepping it four springs at a time, see quad_step.h; may be nullptr
 
   double errorRate = 0.0;  ///< m/s, written by the step, see verletErrorRate
 };

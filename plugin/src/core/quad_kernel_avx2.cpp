@@ -1,0 +1,170 @@
+// SPDX-License-Identifier: Zlib
+#include "core/lane_kernels.h"
+
+#if defined(LIMBER_HAS_LANES)
+// Compiled for AVX2 whatever the project's flags, and without fusing multiplications and additions: the bits
+// must be those of the scalar kernel.
+#if defined(__clang__)
+#pragma clang attribute push(__attribute__((target("avx2"))), apply_to = function)
+#pragma STDC FP_CONTRACT OFF
+#else
+#pragma GCC target("avx2")
+#pragma GCC optimize("fp-contract=off")
+#endif
+
+#define LIMBER_PACK_LANES 4
+#include "core/verlet_kernel.h"
+
+namespace limber::kernel {
+namespace {
+
+using Quad = Pack;
+
+/// One body; a point or a direction is the quad x, y, z, 0.
+struct QuadPoints {
+  const QuadBody& b;
+  bool damped() const { return b.damped; }
+  const ContactCalls& contacts() const { return *b.contacts; }
+};
+
+Quad* quads(double* numbers) { return reinterpret_cast<Quad*>(numbers); }
+const Quad* quads(const double* numbers) { return reinterpret_cast<const Quad*>(numbers); }
+
+template <int i>
+Quad spread(Quad v) {
+  return _mm256_permute4x64_pd(v, i * 0x55);
+}
+
+/// x, y and z of four points.
+struct Columns {
+  Quad x, y, z;
+};
+
+Columns columns(Quad p0, Quad p1, Quad p2, Quad p3) {
+  const Quad xz01 = _mm256_unpacklo_pd(p0, p1), y01 = _mm256_unpackhi_pd(p0, p1);
+  const Quad xz23 = _mm256_unpacklo_pd(p2, p3), y23 = _mm256_unpackhi_pd(p2, p3);
+  return {_mm256_permute2f128_pd(xz01, xz23, 0x20), _mm256_permute2f128_pd(y01, y23, 0x20),
+          _mm256_permute2f128_pd(xz01, xz23, 0x31)};
+}
+
+void pullTogether(const QuadBody& b, Index spring, Quad pull, Quad direction) {
+  quads(b.direction)[spring] = direction;
+  const Quad force = pull * direction;
+  Quad& fa = quads(b.force)[b.a[spring]];
+  fa = fa + force;
+  Quad& fb = quads(b.force)[b.b[spring]];
+  fb = fb - force;
+}
+
+/// addForce of four springs from i on.
+void addForces(const QuadBody& b, Index i) {
+  const Quad* x = quads(b.position);
+  const Quad d0 = x[b.b[i]] - x[b.a[i]], d1 = x[b.b[i + 1]] - x[b.a[i + 1]];
+  const Quad d2 = x[b.b[i + 2]] - x[b.a[i + 2]], d3 = x[b.b[i + 3]] - x[b.a[i + 3]];
+  const Columns d = columns(d0, d1, d2, d3);
+  const Pull<Quad> p = pullOf(d.x * d.x + (d.y * d.y + d.z * d.z), quads(b.restLength)[i / 4],
+                              quads(b.extensionStiffness)[i / 4], quads(b.compressionStiffness)[i / 4]);
+  pullTogether(b, i, spread<0>(p.force), d0 * spread<0>(p.scale));
+  pullTogether(b, i + 1, spread<1>(p.force), d1 * spread<1>(p.scale));
+  pullTogether(b, i + 2, spread<2>(p.force), d2 * spread<2>(p.scale));
+  pullTogether(b, i + 3, spread<3>(p.force), d3 * spread<3>(p.scale));
+}
+
+void push(const QuadBody& b, Index spring, Quad impulse) {
+  const Quad j = impulse * quads(b.direction)[spring];
+  const Index ia = b.a[spring], ib = b.b[spring];
+  Quad* v = quads(b.velocity);
+  const Quad* w = quads(b.inverseMass);
+  v[ia] = v[ia] + j * w[ia];
+  v[ib] = v[ib] - j * w[ib];
+}
+
+Quad closing(const QuadBody& b, Index spring) {
+  const Quad* v = quads(b.velocity);
+  return quads(b.direction)[spring] * (v[b.b[spring]] - v[b.a[spring]]);
+}
+
+Quad speeds(const QuadBody& b, Index i) {
+  const Columns c = columns(closing(b, i), closing(b, i + 1), closing(b, i + 2), closing(b, i + 3));
+  return c.x + (c.y + c.z);
+}
+
+/// damp of four springs that share no point.
+void dampTogether(const QuadBody& b, Index i, Quad factor) {
+  const Quad impulse = factor * speeds(b, i);
+  push(b, i, spread<0>(impulse));
+  push(b, i + 1, spread<1>(impulse));
+  push(b, i + 2, spread<2>(impulse));
+  push(b, i + 3, spread<3>(impulse));
+}
+
+/// Springs that share points, one after the other.
+template <int i>
+void dampOne(const QuadBody& b, Index first, Quad factor) {
+  push(b, first + i, spread<i>(factor * speeds(b, first)));
+}
+
+void dampInTurn(const QuadBody& b, Index i, Quad factor, bool forward) {
+  if (forward) {
+    dampOne<0>(b, i, factor), dampOne<1>(b, i, factor), dampOne<2>(b, i, factor), dampOne<3>(b, i, factor);
+  } else {
+    dampOne<3>(b, i, factor), dampOne<2>(b, i, factor), dampOne<1>(b, i, factor), dampOne<0>(b, i, factor);
+  }
+}
+
+void computeForces(const QuadPoints& p) {
+  for (Index i = 0; i < p.b.points; ++i) quads(p.b.force)[i] = all(Quad(), 0.0);
+  for (Index i = 0; i < p.b.springs; i += 4) addForces(p.b, i);
+}
+
+void dampAll(const QuadPoints& p, bool whole, bool forward) {
+  const Quad* factors = quads(whole ? p.b.dampFull : p.b.dampHalf);
+  const Index groups = p.b.springs / 4;
+  for (Index k = 0; k < groups; ++k) {
+    const Index g = forward ? k : groups - 1 - k;
+    if (p.b.apart[g])
+      dampTogether(p.b, 4 * g, factors[g]);
+    else
+      dampInTurn(p.b, 4 * g, factors[g], forward);
+  }
+}
+
+void kick(const QuadPoints& p, double dt) {
+  const Quad time = all(Quad(), dt);
+  Quad* v = quads(p.b.velocity);
+  const Quad *a = quads(p.b.acceleration), *f = quads(p.b.force), *w = quads(p.b.inverseMass);
+  for (Index i = 0; i < p.b.points; ++i) v[i] = v[i] + time * (a[i] + f[i] * w[i]);
+}
+
+void drift(const QuadPoints& p, double dt) {
+  const Quad time = all(Quad(), dt);
+  Quad* x = quads(p.b.position);
+  const Quad* v = quads(p.b.velocity);
+  for (Index i = 0; i < p.b.points; ++i) x[i] = x[i] + time * v[i];
+}
+
+double computeForcesAndChange(const QuadPoints& p) {
+  const Quad *f = quads(p.b.force), *w = quads(p.b.inverseMass);
+  Quad* earlier = quads(p.b.earlierForce);
+  for (Index i = 0; i < p.b.points; ++i) earlier[i] = f[i];
+  computeForces(p);
+  Quad sum = all(Quad(), 0.0);
+  for (Index i = 0; i < p.b.points; ++i) {
+    const Quad change = (f[i] - earlier[i]) * w[i];
+    sum = sum + change * change;
+  }
+  return sum[0] + (sum[1] + sum[2]);
+}
+
+}  // namespace
+
+double stepQuads(const QuadBody& body, double tick, int substeps) {
+  return stepAlone<double>(QuadPoints{body}, tick, substeps);
+}
+
+}  // namespace limber::kernel
+
+#if defined(__clang__)
+#pragma clang attribute pop
+#endif
+#endif

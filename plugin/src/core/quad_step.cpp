@@ -1,0 +1,119 @@
+// SPDX-License-Identifier: Zlib
+#include "core/quad_step.h"
+
+#include "core/body_contacts.h"
+#include "core/instruction_set.h"
+#include "core/lane_kernels.h"
+
+#include <algorithm>
+
+namespace limber {
+namespace {
+
+std::size_t filledUp(std::size_t springs) { return (springs + 3) / 4 * 4; }
+
+void reserve(QuadArrays& q, std::size_t points, std::size_t springs) {
+  for (auto* array : {&q.position, &q.velocity, &q.acceleration, &q.inverseMass, &q.force, &q.earlierForce})
+    reserveNumbers(*array, 4 * points);
+  for (auto* array :
+       {&q.restLength, &q.extensionStiffness, &q.compressionStiffness, &q.dampHalf, &q.dampFull})
+    reserveNumbers(*array, springs);
+  reserveNumbers(q.direction, 4 * springs);
+  q.a.assign(springs, 0);
+  q.b.assign(springs, 0);
+  q.apart.assign(springs / 4, 1);
+}
+
+bool shareNoPoint(const unsigned* a, const unsigned* b) {
+  for (int i = 0; i < 4; ++i)
+    for (int j = 0; j < i; ++j)
+      if (a[i] == a[j] || a[i] == b[j] || b[i] == a[j] || b[i] == b[j]) return false;
+  return true;
+}
+
+void loadTopology(QuadArrays& q, const SpringArrays& springs, unsigned points) {
+  std::copy(springs.a.begin(), springs.a.end(), q.a.begin());
+  std::copy(springs.b.begin(), springs.b.end(), q.b.begin());
+  std::fill(q.a.begin() + static_cast<std::ptrdiff_t>(springs.size()), q.a.end(), points);
+  std::fill(q.b.begin() + static_cast<std::ptrdiff_t>(springs.size()), q.b.end(), points + 1);
+  numbers(q.position)[4 * (points + 1)] = 1.0;
+  for (std::size_t g = 0; g < q.apart.size(); ++g) q.apart[g] = shareNoPoint(&q.a[4 * g], &q.b[4 * g]);
+}
+
+void loadSprings(QuadArrays& q, const SpringArrays& springs) {
+  const auto copy = [](const std::vector<double>& from, AlignedNumbers& to) {
+    std::copy(from.begin(), from.end(), numbers(to));
+  };
+  copy(springs.restLength, q.restLength);
+  copy(springs.extensionStiffness, q.extensionStiffness);
+  copy(springs.compressionStiffness, q.compressionStiffness);
+  copy(springs.dampHalf, q.dampHalf);
+  copy(springs.dampFull, q.dampFull);
+  q.revision = springs.revision;
+}
+
+void toQuads(const Points& from, AlignedNumbers& to) {
+  double* target = numbers(to);
+  for (Eigen::Index i = 0; i < from.cols(); ++i)
+    for (Eigen::Index c = 0; c < 3; ++c) target[4 * i + c] = from(c, i);
+}
+
+void fromQuads(AlignedNumbers& from, Points& to) {
+  const double* source = numbers(from);
+  for (Eigen::Index i = 0; i < to.cols(); ++i)
+    for (Eigen::Index c = 0; c < 3; ++c) to(c, i) = source[4 * i + c];
+}
+
+void load(QuadArrays& q, const PointState& state, const SpringArrays& springs) {
+  const auto points = static_cast<std::size_t>(state.position.cols());
+  if (q.a.size() != filledUp(springs.size())) {
+    reserve(q, points + 2, filledUp(springs.size()));
+    loadTopology(q, springs, static_cast<unsigned>(points));
+  }
+  if (q.revision != springs.revision) loadSprings(q, springs);
+  toQuads(state.position, q.position);
+  toQuads(state.velocity, q.velocity);
+  toQuads(state.acceleration, q.acceleration);
+  toQuads(state.inverseMass, q.inverseMass);
+}
+
+kernel::QuadBody quadBody(QuadArrays& q, bool damped, const kernel::ContactCalls& contacts) {
+  kernel::QuadBody body;
+  body.points = static_cast<unsigned>(q.position.size() * 2);
+  body.springs = static_cast<unsigned>(q.a.size());
+  body.a = q.a.data(), body.b = q.b.data(), body.apart = q.apart.data();
+  body.position = numbers(q.position), body.velocity = numbers(q.velocity);
+  body.force = numbers(q.force), body.earlierForce = numbers(q.earlierForce);
+  body.acceleration = numbers(q.acceleration), body.inverseMass = numbers(q.inverseMass);
+  body.restLength = numbers(q.restLength);
+  body.extensionStiffness = numbers(q.extensionStiffness);
+  body.compressionStiffness = numbers(q.compressionStiffness);
+  body.direction = numbers(q.direction);
+  body.dampHalf = numbers(q.dampHalf), body.dampFull = numbers(q.dampFull);
+  body.damped = damped;
+  body.contacts = &contacts;
+  return body;
+}
+
+}  // namespace
+
+bool canStepQuads() { return isAvailable(InstructionSet::Avx2); }
+
+void stepQuads(SteppedBody& body, double tick, int substeps) {
+  QuadArrays& q = *body.quads;
+  load(q, *body.points, *body.springs);
+  BodyContacts contacts{body.contacts,
+                        {numbers(q.position), numbers(q.velocity), numbers(q.inverseMass), 1, 4}};
+  const kernel::ContactCalls calls = contacts.calls();
+  double change = 0.0;
+#if defined(LIMBER_HAS_LANES)
+  change = kernel::stepQuads(quadBody(q, body.springs->damped, calls), tick, substeps);
+#else
+  static_cast<void>(&quadBody);
+#endif
+  fromQuads(q.position, body.points->position);
+  fromQuads(q.velocity, body.points->velocity);
+  body.errorRate = verletErrorRate(change, body.points->position.cols(), tick / substeps);
+}
+
+}  // namespace limber

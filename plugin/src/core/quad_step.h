@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: Zlib
+#pragma once
+
+#include "core/cache_line.h"
+#include "core/verlet_step.h"
+
+#include <vector>
+
+namespace limber {
+
+/// A body's numbers as the kernel that takes four springs at a time wants them (lane_kernels.h: QuadBody).
+/// Two points without a body behind them come last: springs that fill up the last four join these.
+struct QuadArrays {
+  AlignedNumbers position, velocity, acceleration, inverseMass, force, earlierForce;  // 4 x (#points + 2)
+  AlignedNumbers restLength, extensionStiffness, compressionStiffness, dampHalf,
+      dampFull;                      // #springs, filled up
+  AlignedNumbers direction;          // 4 x #springs, filled up
+  std::vector<unsigned> a, b;        // #springs, filled up
+  std::vector<unsigned char> apart;  // #springs / 4: whether the four share no point
+  unsigned revision = 0;             // of the springs when their constants were copied; 0: not yet
+};
+
+/// Whether this machine can: AVX2.
+bool canStepQuads();
+
+/// As stepVerlet for a body without links and elastic limit, to the bit. body.quads must be set. Allocates at
+/// the first call only.
+void stepQuads(SteppedBody& body, double tick, int substeps);
+
+}  // namespace limber

@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: Zlib
+// A body four springs at a time against the same body spring by spring: the same bits.
+#include "core/quad_step.h"
+#include "core/spring_order.h"
+#include "support/networks.h"
+#include "support/stepped_body.h"
+
+#include <limber/network_builder.h>
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace limber {
+namespace {
+
+using test::SteppedTestBody;
+
+std::vector<SharedNetwork> networks() {
+  ClothSettings cloth;
+  cloth.columns = 7;
+  cloth.rows = 5;
+  return {test::pairNetwork(), test::chainNetwork(3),   test::chainNetwork(30),
+          test::cubeNetwork(), test::fullCubeNetwork(), *buildCloth(cloth)};
+}
+
+/// A deformed, moving body on a slope.
+struct Tossed : SteppedTestBody {
+  Tossed(const SharedNetwork& network, double damping) : SteppedTestBody(network, 300.0, damping) {
+    for (Eigen::Index i = 0; i < state.position.cols(); ++i) {
+      const double t = static_cast<double>(i);
+      state.position.col(i) *= 1.1;
+      state.position.col(i) += 0.02 * Eigen::Vector3d(std::sin(t), std::cos(3 * t), std::sin(5 * t));
+      state.velocity.col(i) = Eigen::Vector3d(std::cos(t), -1.0, 0.3 * std::sin(2 * t));
+      state.acceleration.col(i) = Eigen::Vector3d(0.0, -9.81, 0.0);
+    }
+    state.inverseMass.col(0).setZero();
+    ContactRow row;
+    row.point = 1;
+    row.friction = 0.3;
+    row.touch = state.position.col(1);
+    rows.push_back(row);
+    contacts = &rows;
+  }
+  std::vector<ContactRow> rows;
+};
+
+TEST(Quads, giveTheBitsOfSpringBySpring) {
+  if (!canStepQuads()) GTEST_SKIP() << "this machine has no AVX2";
+  for (const SharedNetwork& network : networks())
+    for (const double damping : {0.0, 0.2}) {
+      SCOPED_TRACE(testing::Message() << network->springs.size() << " springs, damping " << damping);
+      Tossed single(network, damping), four(network, damping);
+      QuadArrays quads;
+      four.stepped().quads = &quads;
+      for (int tick = 0; tick < 20; ++tick) {
+        const int substeps = tick < 10 ? 6 : 9;
+        single.stepped();
+        stepVerlet(single.group, 1.0 / 60, substeps);
+        stepVerlet(four.group, 1.0 / 60, substeps);
+        ASSERT_TRUE((single.state.position.array() == four.state.position.array()).all()) << tick;
+        ASSERT_TRUE((single.state.velocity.array() == four.state.velocity.array()).all()) << tick;
+        ASSERT_EQ(single.group.bodies[0].errorRate, four.group.bodies[0].errorRate) << tick;
+      }
+      EXPECT_TRUE(four.state.position.allFinite());
+    }
+}
+
+TEST(SpringOrder, hasEverySpringOnceAndMostFoursApart) {
+  for (const SharedNetwork& network : networks()) {
+    std::vector<std::uint32_t> order = orderApart(*network);
+    const auto share = [&](std::uint32_t i, std::uint32_t j) {
+      const NetworkSpring &s = network->springs[i], &t = network->springs[j];
+      return s.a == t.a || s.a == t.b || s.b == t.a || s.b == t.b;
+    };
+    std::size_t apart = 0, fours = order.size() / 4;
+    for (std::size_t g = 0; g < fours; ++g) {
+      bool all = true;
+      for (std::size_t i = 0; i < 4; ++i)
+        for (std::size_t j = 0; j < i; ++j) all = all && !share(order[4 * g + i], order[4 * g + j]);
+      apart += all;
+    }
+    if (order.size() > 30) {
+      EXPECT_GE(apart, fours * 9 / 10) << order.size();
+    }
+    std::sort(order.begin(), order.end());
+    for (std::uint32_t i = 0; i < order.size(); ++i) ASSERT_EQ(order[i], i);
+  }
+}
+
+}  // namespace
+}  // namespace limber
