@@ -22,7 +22,8 @@ enum class Stepper : std::uint8_t {
 /// accuracy, or cap what it may cost.
 struct Stepping {
   Stepper stepper = Stepper::Auto;
-  int atLeast = 1;                ///< substeps per tick, 1 or more
+  int atLeast = 5;                ///< substeps per tick, 1 or more. 5 keep the period of an oscillation of 30
+                                  ///< ticks within 1e-4 and cost little beside Bullet's part of the tick
   double periodTolerance = 0.05;  ///< largest relative error of the period of the body's stiffest oscillation
                                   ///< (Verlet: (omega dt)^2 / 24); slower ones are better by the square of
                                   ///< the ratio. Halving the error costs 1.41x the substeps.

@@ -39,12 +39,24 @@ Stepper implicitFor(const SteppingProblem& p, bool strong) {
   return strong || p.narrow ? Stepper::BandedNewton : Stepper::ImplicitMidpoint;
 }
 
-Stepper choose(const SteppingProblem& p, const Stepping& s, int verlet) {
+/// What Verlet needs: not to become unstable, and what the settings ask of it.
+struct VerletNeed {
+  int stable, wanted;
+};
+
+VerletNeed verletNeed(const SteppingProblem& p, const Stepping& s) {
+  Stepping coarsest;
+  coarsest.atLeast = 1;
+  coarsest.periodTolerance = 1.0;
+  return {substepCount(p.frequencySquared, p.tick, coarsest), substepCount(p.frequencySquared, p.tick, s)};
+}
+
+Stepper choose(const SteppingProblem& p, const Stepping& s, const VerletNeed& verlet) {
   if (!p.implicitPossible) return Stepper::Verlet;
   if (s.stepper != Stepper::Auto) return s.stepper;
-  const bool strong = p.dampingRate * p.tick / verlet > kStrongDamping;
-  const bool tooDear = s.budget > 0 && verlet > s.budget;
-  const bool many = verlet > kMostVerlet && !p.touching;
+  const bool strong = p.dampingRate * p.tick / verlet.wanted > kStrongDamping;
+  const bool tooDear = s.budget > 0 && verlet.stable > s.budget;
+  const bool many = verlet.wanted > kMostVerlet && !p.touching;
   return strong || tooDear || many ? implicitFor(p, strong) : Stepper::Verlet;
 }
 
@@ -103,13 +115,13 @@ double fastestTurn(const SpringArrays& springs, const PointState& state, double 
 
 SteppingChoice chooseStepping(const SteppingProblem& p, const Stepping& s) {
   const int turning = static_cast<int>(std::min(std::ceil(p.turnRate * p.tick / kLargestTurn), 1e6));
-  const int stable = substepCount(p.frequencySquared, p.tick, s);
+  const VerletNeed need = verletNeed(p, s);
   SteppingChoice choice;
-  choice.stepper = choose(p, s, stable);
+  choice.stepper = choose(p, s, need);
   const bool verlet = choice.stepper == Stepper::Verlet;
-  const int least = verlet ? stable : std::max(s.atLeast, kImplicitSubsteps);
+  const int least = verlet ? need.wanted : std::max(s.atLeast, kImplicitSubsteps);
   choice.substeps = std::max({least, turning, neededSubsteps(p, s)});
-  if (s.budget > 0) choice.substeps = std::min(choice.substeps, std::max(s.budget, verlet ? stable : 1));
+  if (s.budget > 0) choice.substeps = std::min(choice.substeps, std::max(s.budget, verlet ? need.stable : 1));
   return choice;
 }
 
