@@ -3,6 +3,7 @@
 
 #include "accuracy/accuracy_command.h"
 #include "scaling/scaling_command.h"
+#include "springs/springs_command.h"
 
 #include <cstdio>
 #include <string>
@@ -22,6 +23,7 @@ const std::vector<Command>& commandList() {
   static const std::vector<Command> kCommands = {
       {"accuracy", "errors and costs beside btSoftBody and btDeformable, where the truth is known",
        &runAccuracy},
+      {"springs", "what a spring costs per substep, by instruction set", &runSprings},
       {"scaling", "1, 2, 4 ... soft cubes until real time is lost", &runScaling},
   };
   return kCommands;

@@ -25,4 +25,11 @@ double median(std::vector<double> samples) {
   return 0.5 * (samples[lower] + samples[upper]);
 }
 
+double halfMiddle(std::vector<double> samples) {
+  if (samples.empty()) return 0.0;
+  std::sort(samples.begin(), samples.end());
+  const std::size_t quarter = samples.size() / 4;
+  return 0.5 * (samples[samples.size() - 1 - quarter] - samples[quarter]);
+}
+
 }  // namespace limber::bench

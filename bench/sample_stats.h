@@ -13,4 +13,7 @@ double largest(const std::vector<double>& samples);
 /// The middle one; of an even number the mean of the two in the middle.
 double median(std::vector<double> samples);
 
+/// Half of the range that the middle half of the samples takes.
+double halfMiddle(std::vector<double> samples);
+
 }  // namespace limber::bench

@@ -8,13 +8,15 @@
 
 namespace limber {
 
-/// A body's contacts as the kernels call them.
+/// A body's contacts as the kernels call them. `points` must hold the state of the start of the tick by the
+/// time calls() is called.
 struct BodyContacts {
   std::vector<ContactRow>* rows;  ///< may be nullptr
   PointView points;
 
   kernel::ContactCalls calls() {
     const bool touches = rows && !rows->empty();
+    if (touches) prepareContacts(*rows, points);
     return {touches ? this : nullptr, &BodyContacts::stop, &BodyContacts::settle};
   }
 

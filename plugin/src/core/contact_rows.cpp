@@ -2,6 +2,7 @@
 #include "core/contact_rows.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace limber {
 namespace {
@@ -15,22 +16,22 @@ constexpr double kRecoverySpeed = 0.5;
 constexpr int kSweepsInCorners = 8;
 
 /// Brings the point's normal speed relative to the surface up to `target`; friction against sliding.
-void applyRow(ContactRow& row, const PointView& points, double target) {
-  const Eigen::Vector3d w = points.inverseMassOf(row.point);
-  const double mobility = row.normal.dot(w.cwiseProduct(row.normal));
-  const Eigen::Vector3d relative = points.velocityOf(row.point) - row.surfaceVelocity;
+inline void applyRow(ContactRow& row, const PointView& points, double target) {
+  auto velocity = points.velocityOf(row.point);
+  const Eigen::Vector3d relative = velocity - row.surfaceVelocity;
   const double speed = row.normal.dot(relative);
-  row.touching = speed < target && mobility > 0.0;
+  row.touching = speed < target && row.mass > 0.0;
   if (!row.touching) return;
-  const double normalImpulse = (target - speed) / mobility;
+  const double normalImpulse = (target - speed) * row.mass;
   Eigen::Vector3d impulse = normalImpulse * row.normal;
-  const Eigen::Vector3d sliding = relative - speed * row.normal;
-  const double slidingSpeed = sliding.norm();
-  if (slidingSpeed > 0.0 && row.friction > 0.0) {
-    const double stopping = slidingSpeed / mobility;
-    impulse -= std::min(stopping, row.friction * normalImpulse) / slidingSpeed * sliding;
+  if (row.friction > 0.0) {
+    // what stops the sliding altogether, if friction can give so much; no root while it sticks
+    Eigen::Vector3d stopping = (speed * row.normal - relative) * row.mass;
+    const double most = row.friction * normalImpulse, squared = stopping.squaredNorm();
+    if (squared > most * most) stopping *= most / std::sqrt(squared);
+    impulse += stopping;
   }
-  points.velocityOf(row.point) += w.cwiseProduct(impulse);
+  velocity += points.inverseMassOf(row.point).cwiseProduct(impulse);
   row.impulse += impulse;
 }
 
@@ -42,12 +43,19 @@ bool pointsHaveOneRowEach(const std::vector<ContactRow>& rows) {
 
 }  // namespace
 
+void prepareContacts(std::vector<ContactRow>& rows, const PointView& points) {
+  for (ContactRow& row : rows) {
+    const double mobility = row.normal.dot(points.inverseMassOf(row.point).cwiseProduct(row.normal));
+    row.mass = mobility > 0.0 ? 1.0 / mobility : 0.0;
+  }
+}
+
 void stopAtContacts(std::vector<ContactRow>& rows, const PointView& points, double time, double dt) {
   const int sweeps = pointsHaveOneRowEach(rows) ? 1 : kSweepsInCorners;
   for (int sweep = 0; sweep < sweeps; ++sweep)
     for (ContactRow& row : rows) {
-      const Eigen::Vector3d touch = row.touch + time * row.surfaceVelocity;
-      const double gap = row.normal.dot(points.positionOf(row.point) - touch);
+      const double gap =
+          row.normal.dot(points.positionOf(row.point) - row.touch - time * row.surfaceVelocity);
       const bool before = sweep > 0 && row.touching;
       applyRow(row, points, gap >= 0.0 ? -gap / dt : std::min(-kRecovery * gap / dt, kRecoverySpeed));
       row.touching = row.touching || before;

@@ -20,9 +20,13 @@ struct ContactRow {
   double friction = 0.0;
 
   // Written by the step.
+  double mass = 0.0;                                  ///< kg along the normal; 0: cannot be moved
   Eigen::Vector3d impulse = Eigen::Vector3d::Zero();  ///< N s on the point, sum over the tick
   bool touching = false;                              ///< it bore something in the present substep
 };
+
+/// Before the first substep of a tick: the rows' masses.
+void prepareContacts(std::vector<ContactRow>& rows, const PointView& points);
 
 /// Before a drift of `dt` from `time` (s since the start of the tick): takes from each point the velocity
 /// with which it would end below a surface, and as much of its sliding as friction allows. A point that is

@@ -12,7 +12,7 @@
 #pragma GCC optimize("fp-contract=off")
 #endif
 
-#define LIMBER_PACK_LANES 4
+#define LIMBER_PACK_BITS 256
 #define LIMBER_PACK_STEP stepAvx2
 #include "core/lane_kernel.inl"
 

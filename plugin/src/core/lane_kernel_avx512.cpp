@@ -12,7 +12,7 @@
 #pragma GCC optimize("fp-contract=off")
 #endif
 
-#define LIMBER_PACK_LANES 8
+#define LIMBER_PACK_BITS 512
 #define LIMBER_PACK_STEP stepAvx512
 #include "core/lane_kernel.inl"
 

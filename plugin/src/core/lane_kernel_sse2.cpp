@@ -12,7 +12,7 @@
 #pragma GCC optimize("fp-contract=off")
 #endif
 
-#define LIMBER_PACK_LANES 2
+#define LIMBER_PACK_BITS 128
 #define LIMBER_PACK_STEP stepSse2
 #include "core/lane_kernel.inl"
 

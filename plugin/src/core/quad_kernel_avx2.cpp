@@ -12,7 +12,7 @@
 #pragma GCC optimize("fp-contract=off")
 #endif
 
-#define LIMBER_PACK_LANES 4
+#define LIMBER_PACK_BITS 256
 #include "core/verlet_kernel.h"
 
 namespace limber::kernel {

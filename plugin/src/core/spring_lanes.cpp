@@ -78,10 +78,16 @@ struct LaneContacts {
   }
 };
 
-bool touches(const LaneBlock& block) {
-  for (const LaneBlock::Lane& lane : block.lanes)
-    if (lane.body.contacts && !lane.body.contacts->empty()) return true;
-  return false;
+/// Readies the contacts of all lanes; false if there are none.
+bool prepareContacts(LaneBlock& block, const LaneContacts& contacts) {
+  bool any = false;
+  for (std::size_t lane = 0; lane < block.lanes.size(); ++lane) {
+    auto* rows = block.lanes[lane].body.contacts;
+    if (!rows || rows->empty()) continue;
+    prepareContacts(*rows, contacts.points(lane));
+    any = true;
+  }
+  return any;
 }
 
 kernel::LaneBody laneBody(LaneBlock& b, const kernel::ContactCalls& contacts, double* change) {
@@ -141,8 +147,8 @@ void stepLanes(LaneBlock& block, double tick, int substeps, InstructionSet set) 
   reserve(block, static_cast<std::size_t>(first.points->position.cols()), first.springs->size(), lanes);
   load(block, lanes);
   LaneContacts contacts{block, laneCount(set)};
-  const kernel::ContactCalls calls{touches(block) ? &contacts : nullptr, &LaneContacts::stop,
-                                   &LaneContacts::settle};
+  const kernel::ContactCalls calls{prepareContacts(block, contacts) ? &contacts : nullptr,
+                                   &LaneContacts::stop, &LaneContacts::settle};
   CacheLine change;
   stepPacks(laneBody(block, calls, change.value), tick, substeps, set);
   unload(block, lanes, change, tick / substeps);

@@ -82,7 +82,10 @@ void estimateErrors(StepGroup& group, double dt) {
 
 void stepLinked(StepGroup& group, double tick, int substeps) {
   const double dt = tick / substeps;
-  for (SteppedBody& body : group.bodies) body.errorRate = 0.0;
+  for (SteppedBody& body : group.bodies) {
+    body.errorRate = 0.0;
+    if (body.contacts) prepareContacts(*body.contacts, viewOf(*body.points));
+  }
   computeForces(group);
   solveAnchors(group.links, 0.0);
   damp(group, dt, false, false);

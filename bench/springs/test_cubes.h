@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: Zlib
+#pragma once
+
+#include "core/quad_step.h"
+#include "core/spring_lanes.h"
+#include "springs/float_lanes.h"
+
+#include <deque>
+#include <functional>
+
+namespace limber::bench {
+
+/// Cubes of 8 points and 28 springs that breathe and turn.
+struct TestCube {
+  PointState state;
+  SpringArrays springs;
+  std::vector<ContactRow> contacts;
+  QuadArrays quads;
+  StepGroup group;
+};
+
+/// `count` cubes at their start; `resting` gives each the four contacts of one that lies on a floor.
+std::deque<TestCube> makeCubes(int count, double damping, bool resting);
+
+/// As many as there are lanes, as floats.
+FloatLanes makeFloats(int lanes, double damping);
+
+/// Puts the cubes into the lanes of a block.
+LaneBlock makeBlock(std::deque<TestCube>& cubes);
+
+}  // namespace limber::bench
