@@ -68,6 +68,10 @@ ExitCode runAccuracy(int argc, char** argv) {
     return kFailure;
   }
   const std::vector<Scene> scenes = scenesOf(options);
+  if (scenes.empty()) {
+    std::fprintf(stderr, "limber-bench: no scene has \"%s\" in its name\n", options.scene.c_str());
+    return kUsage;
+  }
   std::vector<AccuracyRow> rows;
   measureAll(options, scenes, rows);
   const std::string summary = summariseAccuracy(scenes, rows);
