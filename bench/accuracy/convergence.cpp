@@ -9,7 +9,7 @@
 namespace limber::bench {
 namespace {
 
-constexpr double kRounding = 2e-8;
+constexpr double kRounding = sizeof(btScalar) == sizeof(float) ? 2e-8 : 1e-11;
 
 /// The rows of a scene's first measure.
 Rows mainRows(const Rows& rows, const std::string& scene) {
