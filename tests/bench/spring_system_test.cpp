@@ -13,7 +13,7 @@
 namespace limber::bench {
 namespace {
 
-constexpr double kBulletRounding = sizeof(btScalar) == sizeof(float) ? 1e-6 : 1e-12;
+constexpr double kBulletRounding = sizeof(btScalar) == sizeof(float) ? 1e-6 : 1e-10;
 
 TEST(SpringSystem, aMassOnASpringFollowsTheCosine) {
   BodySetup body = bodyOf(pairNetwork(), 0.2, 16.0);
