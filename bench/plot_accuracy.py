@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Zlib
-"""Plots FOLDER/accuracy.csv into accuracy-SCENE.svg and .png, one picture per scene: python3 plot_accuracy.py FOLDER
+"""Plots FOLDER/accuracy.csv: python3 plot_accuracy.py FOLDER
 
-Error against the time of a tick, a panel for each kind of error. Filled markers: 60 ticks a second; hollow ones: the
+accuracy.svg and .png: all errors at 60 ticks a second. accuracy-SCENE.svg and .png, one picture per scene: error against the time of a tick, a panel for each kind of error. Filled markers: 60 ticks a second; hollow ones: the
 other ticks. Limber twice: its springs alone, and (pale) the whole tick with Bullet's own work."""
 
 import csv
@@ -115,7 +115,7 @@ def finish(axes, title, lost):
     show_whole_decades(axes.get_ylim(), axes.set_ylim)
     if lost:
         axes.axhspan(lost / 3, axes.get_ylim()[1], color="#b00020", alpha=0.08, linewidth=0)
-        axes.annotate("flown apart", (0.99, lost / 2.7), xycoords=("axes fraction", "data"), ha="right",
+        axes.annotate("flown apart or never there", (0.99, lost / 2.7), xycoords=("axes fraction", "data"), ha="right",
                       va="bottom", fontsize=7, color="#b00020")
     axes.set_title(title, fontsize=9, loc="left")
     axes.tick_params(labelsize=8)
@@ -158,15 +158,70 @@ def draw_scene(rows):
     return figure
 
 
+def best_error(rows, engine, setting=None):
+    errors = [float(r["error"]) for r in rows if r["engine"] == engine and setting in (None, r["setting"])]
+    return min(errors) if errors else None
+
+
+def overview_lines(rows):
+    """Name, kind and the errors of Limber's auto, the best btSoftBody and the best btDeformable."""
+    usual = [r for r in rows if is_usual(r)]
+    lines = []
+    for scene, measure in unique((r["scene"], r["measure"]) for r in usual):
+        own = [r for r in usual if (r["scene"], r["measure"]) == (scene, measure)]
+        errors = {"limber": best_error(own, "limber", "auto"), "btSoftBody": best_error(own, "btSoftBody"),
+                  "btDeformable": best_error(own, "btDeformable")}
+        if errors["btSoftBody"] is not None:  # what Limber has alone compares with nothing
+            lines.append((f"{scene}: {measure}", own[0]["kind"], errors))
+    return lines
+
+
+def draw_overview(rows):
+    lines = overview_lines(rows)
+    if not lines:
+        return None
+    figure, axes = pyplot.subplots(figsize=(9.5, 0.19 * len(lines) + 1.4), layout="constrained")
+    lost = 10 * max(e for _, _, errors in lines for e in errors.values() if e is not None and math.isfinite(e))
+    looks = {"btSoftBody": ("^", "best btSoftBody"), "btDeformable": ("s", "best btDeformable"),
+             "limber": ("o", "limber auto")}
+    for engine, (marker, label) in looks.items():
+        points = [(shown(errors[engine], lost), y) for y, (_, _, errors) in enumerate(lines)
+                  if errors[engine] is not None]
+        if points:
+            axes.plot(*zip(*points), marker=marker, markersize=5, linestyle="none", color=COLOURS[engine][0],
+                      label=label)
+    contact = [y for y, (_, kind, _) in enumerate(lines) if kind == "contact"]
+    if contact and contact[0] > 0:
+        axes.axhline(contact[0] - 0.5, color="#555", linewidth=0.8)
+        axes.annotate("with contacts", (0.005, contact[0] - 0.3), xycoords=("axes fraction", "data"), va="top",
+                      fontsize=7, color="#555")
+    axes.set_yticks(range(len(lines)), [name for name, _, _ in lines], fontsize=7)
+    axes.set_ylim(len(lines) - 0.4, -0.6)
+    axes.set_xscale("log")
+    axes.xaxis.set_major_locator(matplotlib.ticker.LogLocator(numticks=12))
+    axes.set_xlabel("error at 60 ticks a second (relative, of the size, or in m for heights and creep)", fontsize=8)
+    axes.tick_params(axis="x", labelsize=8)
+    axes.grid(True, color="#dfe2e6", linewidth=0.6)
+    axes.set_axisbelow(True)
+    axes.legend(fontsize=8, loc="lower center", bbox_to_anchor=(0.5, 1.0), ncol=3, frameon=False)
+    return figure
+
+
+def save(figure, folder, name):
+    for ending in ("svg", "png"):
+        path = folder / f"{name}.{ending}"
+        figure.savefig(path, dpi=110)
+    print(f"plot {path}")
+    pyplot.close(figure)
+
+
 def main(folder):
     rows = read_rows(folder / "accuracy.csv")
+    overview = draw_overview(rows)
+    if overview:
+        save(overview, folder, "accuracy")
     for scene in unique(r["scene"] for r in rows):
-        figure = draw_scene([r for r in rows if r["scene"] == scene])
-        for ending in ("svg", "png"):
-            path = folder / f"accuracy-{slug(scene)}.{ending}"
-            figure.savefig(path, dpi=110)
-        print(f"plot {path}")
-        pyplot.close(figure)
+        save(draw_scene([r for r in rows if r["scene"] == scene]), folder, f"accuracy-{slug(scene)}")
 
 
 if __name__ == "__main__":

@@ -3,9 +3,11 @@
 
 #include "accuracy/accuracy_summary.h"
 #include "accuracy/measure_scene.h"
+#include "accuracy/row_query.h"
 #include "accuracy/scene_list.h"
 #include "csv_table.h"
 #include "output_folder.h"
+#include "text_format.h"
 
 #include <CLI/CLI.hpp>
 
@@ -41,6 +43,19 @@ std::vector<Scene> scenesOf(const Options& options) {
   return scenes;
 }
 
+/// One line about a scene that has been played: the first error at the usual tick.
+std::string describe(const Scene& scene, const Rows& rows) {
+  const auto bestOf = [&](const std::string& engine) {
+    const auto row = best(select(rows, [&](const AccuracyRow& r) {
+      return isUsual(r) && r.measure == scene.measures[0] && r.engine == engine &&
+             (engine != "limber" || r.setting == "auto");
+    }));
+    return row ? format("  %s %.1e", engine.c_str(), row->error) : std::string();
+  };
+  return format("%-29s %-12s", scene.name.c_str(), scene.measures[0].c_str()) + bestOf("limber") +
+         bestOf("btSoftBody") + bestOf("btDeformable");
+}
+
 void measureAll(const Options& options, const std::vector<Scene>& scenes, std::vector<AccuracyRow>& rows) {
   CsvTable csv(options.out + "/" + kCsvName, accuracyColumns());
   RowProgress progress;
@@ -48,7 +63,7 @@ void measureAll(const Options& options, const std::vector<Scene>& scenes, std::v
     const std::vector<AccuracyRow> found = measureScene(scene, ticksOf(options), progress);
     for (const AccuracyRow& row : found) csv.add(accuracyCells(row));
     rows.insert(rows.end(), found.begin(), found.end());
-    progress.finish(scene.name);
+    progress.finish(describe(scene, found));
   }
 }
 
@@ -68,6 +83,10 @@ ExitCode runAccuracy(int argc, char** argv) {
     return kFailure;
   }
   const std::vector<Scene> scenes = scenesOf(options);
+  if (scenes.empty()) {
+    std::fprintf(stderr, "limber-bench: no scene has \"%s\" in its name\n", options.scene.c_str());
+    return kUsage;
+  }
   std::vector<AccuracyRow> rows;
   measureAll(options, scenes, rows);
   const std::string summary = summariseAccuracy(scenes, rows);

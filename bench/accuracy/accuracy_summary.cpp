@@ -16,7 +16,7 @@ Rows ofEngine(const Rows& rows, const std::string& engine) {
 
 std::string ratio(const std::optional<AccuracyRow>& other, const AccuracyRow& own) {
   if (!other) return format(" %9s", "");
-  return format(" %9.3g", other->error / std::max(own.error, 1e-300));
+  return format(" %9.3g", other->error / std::max(own.error, 1e-16));
 }
 
 std::string cells(const std::optional<AccuracyRow>& row) {

@@ -84,7 +84,9 @@ bool improve(const SpringSystem& system, Derivatives& d, double& stiffening, Eig
 Eigen::Matrix3Xd equilibrium(const SpringSystem& system) {
   Eigen::Matrix3Xd x = system.start.positions;
   double stiffening = 1e-3 * system.start.stiffnesses.maxCoeff();
-  const double enough = 1e-9 * system.load.norm();  // rounding leaves 1e-11 of it
+  // springs know their lengths to rounding, and so their forces
+  const double rounding = 1e-14 * system.start.stiffnesses.maxCoeff() * x.norm();
+  const double enough = 1e-9 * system.load.norm() + rounding;
   for (int i = 0; i < 500; ++i) {
     Derivatives d = derivatives(system, x);
     hold(system, d);

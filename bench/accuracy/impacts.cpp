@@ -39,15 +39,23 @@ Signal speedOf(const Signal& place) {
   return speed;
 }
 
-Impact exactImpact(const BodySetup& body, double seconds) {
+/// Of the mass centre, every millisecond.
+Signal exactPlace(const BodySetup& body, double seconds) {
   const Wall wall{Eigen::Vector3d::UnitX(), kRadius};
   const double h = 5e-6;
-  Signal place{200 * h, {}};
+  Signal place{200 * h, {startOf(body).positions.row(0).mean()}};
   long step = 0;
   integrateAgainst(systemOf(body, Eigen::Vector3d::Zero()), wall, seconds, h, [&](double, const State& s) {
     if (++step % 200 == 0) place.samples.push_back(s.x.row(0).mean());
   });
-  return impactOf(speedOf(place), body.settings.totalMass);
+  return place;
+}
+
+/// As seen by somebody who looks once per tick.
+Signal resampled(const Signal& signal, double dt, std::size_t count) {
+  Signal seen{dt, {}};
+  for (std::size_t i = 0; i < count; ++i) seen.samples.push_back(signal.at(dt * static_cast<double>(i)));
+  return seen;
 }
 
 std::string impactRemark(const Impact& exact) {
@@ -72,17 +80,18 @@ Scene againstWall(const std::string& name, const SharedNetwork& network, double 
   scene.addRigidBodies = [](RigidBodies& rigid, btDiscreteDynamicsWorld& world) {
     addBox(rigid, world, {1, 2, 2}, 0, {-1, 0, 0}, 0);
   };
-  const Impact exact = exactImpact(body, scene.seconds);
+  const Signal exactly = exactPlace(body, scene.seconds);
   scene.measures = {"rebound", "contact time", "force"};
-  scene.judge = [exact, mass = body.settings.totalMass](const Trace& trace) {
+  scene.judge = [exactly, mass = body.settings.totalMass](const Trace& trace) {
     Signal place{trace.dt, {}};
     for (const Frame& frame : trace.frames) place.samples.push_back(frame.positions[0].row(0).mean());
     const Impact found = impactOf(speedOf(place), mass);
+    const Impact exact = impactOf(speedOf(resampled(exactly, trace.dt, place.samples.size())), mass);
     return std::vector<double>{relativeError(found.rebound, exact.rebound),
                                relativeError(found.contactTime, exact.contactTime),
                                relativeError(found.force, exact.force)};
   };
-  scene.remark = impactRemark(exact);
+  scene.remark = impactRemark(impactOf(speedOf(exactly), body.settings.totalMass));
   return scene;
 }
 

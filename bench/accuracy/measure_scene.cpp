@@ -53,7 +53,8 @@ void open(Run& run, const Scene& scene, double dt) {
   try {
     run.stage = std::make_unique<Stage>(scene, run.choice, dt);
   } catch (const std::runtime_error& error) {
-    std::fprintf(stderr, "no %s in %s: %s\n", run.choice.engine.c_str(), scene.name.c_str(), error.what());
+    std::fprintf(stderr, "no %s %s in %s: %s\n", run.choice.engine.c_str(), run.choice.setting.c_str(),
+                 scene.name.c_str(), error.what());
   }
 }
 

@@ -29,6 +29,17 @@ Eigen::Matrix3Xd inverseMasses(const SpringSystem& system) {
   return system.free.array().rowwise() / system.start.masses.transpose().array();
 }
 
+/// A body of Bullet's keeps 1 / m and from that its weight, each rounded; what follows from the rounding is
+/// no error of a scheme.
+void weigh(const Eigen::Vector3d& gravity, SpringSystem& system) {
+  system.load.resize(3, system.start.masses.size());
+  for (Eigen::Index i = 0; i < system.start.masses.size(); ++i) {
+    const btScalar inverse = btScalar(1) / static_cast<btScalar>(system.start.masses[i]);
+    system.start.masses[i] = 1.0 / double(inverse);
+    system.load.col(i) = fromBullet(toBullet(gravity) * (btScalar(1) / inverse));
+  }
+}
+
 }  // namespace
 
 SpringSystem systemOf(const BodySetup& setup, const Eigen::Vector3d& gravity) {
@@ -37,7 +48,7 @@ SpringSystem systemOf(const BodySetup& setup, const Eigen::Vector3d& gravity) {
   system.start = startOf(setup);
   system.free.setOnes(3, system.start.positions.cols());
   for (const std::uint32_t pin : setup.pins) system.free.col(pin).setZero();
-  system.load = gravity.cast<btScalar>().cast<double>() * system.start.masses.transpose();
+  weigh(gravity, system);
   return system;
 }
 

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Zlib
 """Runs limber-bench small and looks at what it leaves: check_bench.py CHECK PROGRAM BENCH_FOLDER
 
-Counts, states and shares are checked; times only for being positive and in order."""
+Counts, states, shares and errors are checked; times only for being positive and in order."""
 
 import csv
 import pathlib
@@ -12,6 +12,21 @@ import tempfile
 COLUMNS = "bodies,points,springs,mode,tick_ms_mean,tick_ms_max,render_ms_mean,gpu_mb,realtime".split(",")
 SMALL = ["scaling", "--quick", "--max-bodies", "4", "--size", "64x36"]
 SKIPPED = 77
+ACCURACY_COLUMNS = "scene,engine,setting,dt,error,us_per_tick,us_step,hash,us_noise,kind,measure".split(",")
+
+# part of scenes' names, their measure, the setting of Limber, the largest error at any tick
+ACCURACY_BOUNDS = [
+    ("oscillator", "period", "auto 1e-04", 1e-4),
+    ("oscillator", "amplitude", "auto", 1e-3),
+    ("hanging chain", "sag", "auto", 1e-4),
+    ("stiff pendulum", "period", "auto", 1e-4),
+    ("falling chain", "shape", "verlet x4", 1e-3),
+    ("rest on a", "height", "auto", 1e-6),
+    ("rest on a", "force", "auto", 1e-4),
+    ("dropped cube 1e3", "rebound", "auto", 0.05),
+    ("incline 0.97", "creep", "auto", 1e-5),
+    ("incline 1.03", "acceleration", "auto", 5e-3),
+]
 
 
 def run(*command):
@@ -97,6 +112,58 @@ def check_plot(program, bench):
             expect((folder / picture).stat().st_size > 1000, f"{picture} is empty")
 
 
+def accuracy_run(program, folder, scene):
+    done = run(program, "accuracy", "--quick", "--scene", scene, "--out", folder)
+    expect(done.returncode == 0, f"exit status {done.returncode}: {done.stderr}")
+    with open(folder / "accuracy.csv", newline="") as file:
+        rows = list(csv.DictReader(file))
+    expect(list(rows[0]) == ACCURACY_COLUMNS, f"columns: {list(rows[0])}")
+    expect((folder / "accuracy.txt").read_text() == done.stdout, "accuracy.txt is not what was printed")
+    return rows
+
+
+def check_accuracy_row(row):
+    expect(float(row["error"]) >= 0, f"error: {row}")
+    expect(float(row["us_noise"]) >= 0 and float(row["us_per_tick"]) > 0, f"times: {row}")
+    expect(row["engine"] == "limber" or row["us_step"] == row["us_per_tick"], f"step: {row}")
+    expect(row["kind"] in ("free", "contact") and len(row["hash"]) == 16, f"row: {row}")
+
+
+def check_accuracy(program, _):
+    with tempfile.TemporaryDirectory() as name:
+        for scene in dict.fromkeys(bound[0] for bound in ACCURACY_BOUNDS):
+            rows = accuracy_run(program, pathlib.Path(name), scene)
+            for row in rows:
+                check_accuracy_row(row)
+            for _, measure, setting, bound in [b for b in ACCURACY_BOUNDS if b[0] == scene]:
+                own = [r for r in rows
+                       if (r["engine"], r["setting"], r["measure"]) == ("limber", setting, measure)]
+                expect(len(own) > 1, f"no {measure} of {setting} in {scene}")
+                for row in own:
+                    expect(float(row["error"]) <= bound, f"more than {bound}: {row}")
+
+
+def check_accuracy_repeats(program, _):
+    """The same run gives the same errors and states; all engines are there."""
+    with tempfile.TemporaryDirectory() as name:
+        first, second = (accuracy_run(program, pathlib.Path(name), "oscillator") for _ in range(2))
+        expect({r["engine"] for r in first} == {"limber", "btSoftBody", "btDeformable"}, "engines")
+        for a, b in zip(first, second):
+            expect((a["error"], a["hash"]) == (b["error"], b["hash"]), f"{a} is not {b}")
+
+
+def check_accuracy_plot(program, bench):
+    with tempfile.TemporaryDirectory() as name:
+        folder = pathlib.Path(name)
+        accuracy_run(program, folder, "oscillator")
+        done = run(bench / "plot", "accuracy", folder)
+        if done.returncode == SKIPPED:
+            sys.exit(SKIPPED)
+        expect(done.returncode == 0, done.stderr)
+        for ending in ("svg", "png"):
+            expect((folder / f"accuracy-oscillator.{ending}").stat().st_size > 1000, f"{ending} is empty")
+
+
 def check_unknown_name(program, _):
     for name in ("scalin", "", "../scaling"):
         done = run(program, name)
@@ -125,6 +192,10 @@ def check_bad_options(program, _):
         done = run(program, "scaling", *options.split())
         expect(done.returncode == 2, f"{options}: exit status {done.returncode}")
     expect(run(program, "scaling", "--help").returncode == 0, "--help is an error")
+    for options in ("--scene nothing", "--fast", "more"):
+        done = run(program, "accuracy", *options.split(), "--out", tempfile.gettempdir())
+        expect(done.returncode == 2, f"accuracy {options}: exit status {done.returncode}")
+    expect(run(program, "accuracy", "--help").returncode == 0, "--help is an error")
 
 
 CHECKS = {
@@ -132,6 +203,9 @@ CHECKS = {
     "counts": check_counts,
     "sleep": check_sleep,
     "plot": check_plot,
+    "accuracy": check_accuracy,
+    "accuracy_repeats": check_accuracy_repeats,
+    "accuracy_plot": check_accuracy_plot,
     "unknown_name": check_unknown_name,
     "unwritable_folder": check_unwritable_folder,
     "bad_options": check_bad_options,
