@@ -3,6 +3,7 @@
 
 #include "accuracy/accuracy_command.h"
 #include "scaling/scaling_command.h"
+#include "stability/stability_command.h"
 
 #include <cstdio>
 #include <string>
@@ -23,6 +24,7 @@ const std::vector<Command>& commandList() {
       {"accuracy", "errors and costs beside btSoftBody and btDeformable, where the truth is known",
        &runAccuracy},
       {"scaling", "1, 2, 4 ... soft cubes until real time is lost", &runScaling},
+      {"stability", "hundreds of hard cases, counted alike for every engine", &runStability},
   };
   return kCommands;
 }
