@@ -4,6 +4,7 @@
 #include "accuracy/accuracy_command.h"
 #include "scaling/scaling_command.h"
 #include "springs/springs_command.h"
+#include "stability/stability_command.h"
 
 #include <cstdio>
 #include <string>
@@ -25,6 +26,7 @@ const std::vector<Command>& commandList() {
        &runAccuracy},
       {"springs", "what a spring costs per substep, by instruction set", &runSprings},
       {"scaling", "1, 2, 4 ... soft cubes until real time is lost", &runScaling},
+      {"stability", "hundreds of hard cases, counted alike for every engine", &runStability},
   };
   return kCommands;
 }

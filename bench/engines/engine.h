@@ -2,6 +2,7 @@
 #pragma once
 
 #include <limber/soft_body_settings.h>
+#include <limber/spring_settings.h>
 
 #include <btBulletDynamicsCommon.h>
 
@@ -11,6 +12,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -24,6 +26,12 @@ struct BodySetup {
   Eigen::Matrix3Xd positions;       ///< 3 x #points, m, or empty: where the settings put the network
   Eigen::Matrix3Xd velocities;      ///< 3 x #points, m/s, or empty: from the settings
   double drag = 0.0;  ///< 1/s by which an engine without dampers along its springs slows everything down
+};
+
+/// A point of one of the bodies.
+struct BodyPoint {
+  std::size_t body = 0;
+  std::uint32_t point = 0;
 };
 
 /// A physics engine with soft bodies in a world of Bullet's.
@@ -43,6 +51,11 @@ class Engine {
   virtual Eigen::Matrix3Xd velocities(std::size_t body) const = 0;  ///< 3 x #points, m/s
   /// Holds a point where it is, or lets go of it.
   virtual void setPinned(std::size_t body, std::uint32_t point, bool pinned) = 0;
+  /// A spring beside those of the bodies. Throws std::runtime_error with the reason when there is no such
+  /// thing.
+  virtual void addSpring(BodyPoint, BodyPoint, const SpringSettings&) {
+    throw std::runtime_error("single springs are Limber's alone");
+  }
 };
 
 /// One way to simulate a scene. No commas in the names: they become cells of a CSV file.

@@ -25,6 +25,7 @@ class LimberEngine final : public Engine {
   void setPinned(std::size_t body, std::uint32_t point, bool pinned) override {
     pinned ? soft_.body(body)->pin(point) : soft_.body(body)->unpin(point);
   }
+  void addSpring(BodyPoint a, BodyPoint b, const SpringSettings& settings) override;
 
  private:
   TuneSettings tune_;
@@ -53,6 +54,12 @@ std::size_t LimberEngine::addBody(const BodySetup& setup) {
   place(**body, setup);
   for (const std::uint32_t pin : setup.pins) (*body)->pin(pin);
   return soft_.bodyCount() - 1;
+}
+
+void LimberEngine::addSpring(BodyPoint a, BodyPoint b, const SpringSettings& settings) {
+  const auto end = [&](BodyPoint p) { return SpringEnd{soft_.body(p.body)->point(p.point)}; };
+  const Result<SpringConstraint*> spring = soft_.addSpring(end(a), end(b), settings);
+  if (!spring) throw std::runtime_error(spring.error());
 }
 
 Eigen::Matrix3Xd LimberEngine::positions(std::size_t body) const {

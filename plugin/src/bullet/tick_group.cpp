@@ -36,10 +36,10 @@ void handOverGroup(TickGroup& group, btScalar tick) {
     handOverRigid(group.rigids[i], group.step.links.rigids[i], tick);
 }
 
-void takeBackGroup(TickGroup& group, btScalar tick) {
+void takeBackGroup(TickGroup& group, btScalar tick, SharedFactors& factors) {
   for (SoftBodyData* body : group.bodies) {
     if (!body->alive) continue;
-    takeBackContacts(*body, tick);
+    takeBackContacts(*body, tick, factors);
     stopAtFirstContact(*body);
     writePoints(*body);
   }

@@ -1,0 +1,162 @@
+// SPDX-License-Identifier: Zlib
+#include "stability/play_case.h"
+
+#include "stability/energy_balance.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace limber::bench {
+namespace {
+
+constexpr double kTooFar = 1e6;  // sizes
+
+class CasePlay {
+ public:
+  /// Throws std::runtime_error when the engine cannot have the case.
+  CasePlay(const HardCase& hard, const EngineChoice& choice, double dt);
+
+  void play(StabilityRow& row, std::FILE* trace);
+
+ private:
+  BodyStates look() const;
+  void open();
+  void measure(StabilityRow& row);
+  void judgeEnd(StabilityRow& row) const;
+  void print(std::FILE* trace) const;
+
+  const HardCase& hard_;
+  double dt_, time_ = 0.0;
+  EnergyBalance balance_;
+  RigidBodies rigid_;  // before the engine: its world refers to them
+  std::unique_ptr<Engine> engine_;
+  BodyStates states_;
+  bool opened_ = false, lost_ = false;
+  Energy energy_, first_;                      // J, now and when the balance was opened
+  double mostOver_ = -1e300;                   // J, energy beyond that, rounding taken off
+  Eigen::Vector3d momentum_;                   // kg m/s, at the start
+  double momentumScale_ = 0.0, change_ = 0.0;  // kg m/s
+};
+
+CasePlay::CasePlay(const HardCase& hard, const EngineChoice& choice, double dt)
+    : hard_(hard), dt_(dt), balance_(hard), engine_(choice.make(dt)) {
+  if (!hard.sees && choice.engine == "btSoftBody") throw std::runtime_error("btSoftBody does not see planes");
+  engine_->world().setGravity(toBullet(hard.gravity));
+  if (hard.addRigidBodies) hard.addRigidBodies(rigid_, engine_->world());
+  for (const BodySetup& body : hard.bodies) engine_->addBody(body);
+  for (const ExtraSpring& spring : hard.springs) engine_->addSpring(spring.a, spring.b, spring.settings);
+  states_ = look();
+  momentum_ = balance_.momentum(states_);
+  momentumScale_ = balance_.momentumScale(states_);
+  if (hard.energyFrom <= 0.0) open();
+}
+
+BodyStates CasePlay::look() const {
+  BodyStates states;
+  for (std::size_t i = 0; i < hard_.bodies.size(); ++i) {
+    states.positions.push_back(engine_->positions(i));
+    states.velocities.push_back(engine_->velocities(i));
+  }
+  return states;
+}
+
+void CasePlay::open() {
+  opened_ = true;
+  first_ = energy_ = balance_.energy(states_, rigid_);
+}
+
+bool isLost(const BodyStates& states, double size) {
+  for (std::size_t i = 0; i < states.positions.size(); ++i) {
+    const Eigen::Matrix3Xd& x = states.positions[i];
+    if (!x.allFinite() || !states.velocities[i].allFinite()) return true;
+    if (x.cwiseAbs().maxCoeff() > kTooFar * size) return true;
+  }
+  return false;
+}
+
+void CasePlay::measure(StabilityRow& row) {
+  energy_ = balance_.energy(states_, rigid_);
+  const double over = energy_.value - energy_.rounding - kEnergyTarget * (first_.value + first_.rounding);
+  if (opened_ && over > mostOver_) {
+    mostOver_ = over;
+    row.energyRatio = energy_.value / first_.value;
+    row.rounding = (energy_.rounding + kEnergyTarget * first_.rounding) / first_.value;
+  }
+  momentumScale_ = std::max(momentumScale_, balance_.momentumScale(states_));
+  change_ = std::max(change_, (balance_.momentum(states_) - momentum_).norm());
+  if (row.drift) row.drift = change_ / momentumScale_;
+}
+
+/// What it has not come to see counts as missed.
+void setLost(const HardCase& hard, StabilityRow& row) {
+  row.finite = false;
+  row.energyRatio = kLost;
+  if (row.drift) row.drift = kLost;
+  if (hard.recovers) row.shape = ShapeCheck{Shape::Lost, kLost};
+  if (hard.allowed) row.wrongSide = hard.bodies[0].network->restPoints.size();
+}
+
+/// The shape that is farthest from what it should be.
+ShapeCheck worstShape(const HardCase& hard, const EnergyBalance& balance, const BodyStates& states) {
+  const bool alone = hard.gravity.isZero() && hard.springs.empty();
+  ShapeCheck worst{Shape::Rest, -1.0};
+  for (std::size_t i = 0; i < hard.bodies.size(); ++i) {
+    const ShapeCheck check =
+        checkShape(hard.bodies[i], balance.start(i), states.positions[i], hard.size, alone);
+    if (check.error > worst.error) worst = check;
+  }
+  return worst;
+}
+
+void CasePlay::judgeEnd(StabilityRow& row) const {
+  if (hard_.recovers) row.shape = worstShape(hard_, balance_, states_);
+  if (!hard_.allowed) return;
+  std::size_t wrong = 0;
+  for (const Eigen::Matrix3Xd& points : states_.positions)
+    for (Eigen::Index i = 0; i < points.cols(); ++i) wrong += hard_.allowed(points.col(i)) ? 0u : 1u;
+  row.wrongSide = wrong;
+}
+
+void CasePlay::print(std::FILE* trace) const {
+  double fastest = 0.0, low = kLost;
+  for (const Eigen::Matrix3Xd& v : states_.velocities)
+    fastest = std::max(fastest, v.colwise().norm().maxCoeff());
+  for (const Eigen::Matrix3Xd& x : states_.positions) low = std::min(low, x.row(1).minCoeff());
+  std::fprintf(trace, "%.5f %.9g %.3e %.6g %.6g\n", time_,
+               opened_ ? energy_.value / first_.value : energy_.value, change_ / momentumScale_, fastest,
+               low);
+}
+
+void CasePlay::play(StabilityRow& row, std::FILE* trace) {
+  const long ticks = std::lround(hard_.seconds / dt_);
+  for (long i = 1; i <= ticks && !lost_; ++i) {
+    time_ = static_cast<double>(i) * dt_;
+    if (hard_.drive) hard_.drive(rigid_, time_);
+    engine_->tick(dt_);
+    states_ = look();
+    lost_ = isLost(states_, hard_.size);
+    if (lost_) break;
+    if (!opened_ && time_ >= hard_.energyFrom) open();
+    measure(row);
+    if (trace) print(trace);
+  }
+  lost_ ? setLost(hard_, row) : judgeEnd(row);
+}
+
+}  // namespace
+
+StabilityRow playCase(const HardCase& hard, const EngineChoice& choice, double dt, std::FILE* trace) {
+  StabilityRow row;
+  row.group = hard.group, row.name = hard.name, row.seed = hard.seed, row.stiffness = hard.stiffness;
+  row.engine = choice.engine, row.setting = choice.setting, row.dt = dt;
+  const bool slowed = choice.engine == "btSoftBody" && hard.bodies[0].drag > 0.0;
+  if (hard.freeFlight && !slowed) row.drift = 0.0;
+  try {
+    CasePlay(hard, choice, dt).play(row, trace);
+  } catch (const std::runtime_error& error) {
+    row.reason = error.what();
+  }
+  return row;
+}
+
+}  // namespace limber::bench

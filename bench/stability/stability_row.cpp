@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: Zlib
+#include "stability/stability_row.h"
+
+#include "csv_table.h"
+
+#include <algorithm>
+
+namespace limber::bench {
+namespace {
+
+const char* const kNone = "n/a";
+
+std::string noCommas(std::string text) {
+  std::replace(text.begin(), text.end(), ',', ';');
+  return text;
+}
+
+}  // namespace
+
+bool gainsEnergy(const StabilityRow& row) {
+  return row.ran() && !(row.energyRatio <= kEnergyTarget + row.rounding);
+}
+
+bool drifts(const StabilityRow& row) { return row.ran() && row.drift && !(*row.drift <= kDriftTarget); }
+
+bool staysMisshapen(const StabilityRow& row) {
+  return row.ran() && row.shape && row.shape->shape != Shape::Rest && row.shape->shape != Shape::Mirrored &&
+         row.shape->shape != Shape::Other;
+}
+
+bool endsWrong(const StabilityRow& row) { return row.ran() && row.wrongSide.value_or(0) > 0; }
+
+bool passes(const StabilityRow& row) {
+  return row.ran() && row.finite && !gainsEnergy(row) && !drifts(row) && !staysMisshapen(row) &&
+         !endsWrong(row);
+}
+
+std::vector<std::string> stabilityColumns() {
+  return {"case", "engine", "setting", "finite",     "energy_ratio", "momentum_drift", "recovered", "dt",
+          "seed", "k",      "group",   "wrong_side", "shape_error",  "rounding",       "passed",    "reason"};
+}
+
+std::vector<std::string> stabilityCells(const StabilityRow& row) {
+  const bool ran = row.ran(), shape = ran && row.shape;
+  return {row.name,
+          row.engine,
+          row.setting,
+          ran ? (row.finite ? "1" : "0") : kNone,
+          ran ? numberCell(row.energyRatio) : kNone,
+          ran && row.drift ? numberCell(*row.drift) : kNone,
+          shape ? nameOf(row.shape->shape) : kNone,
+          numberCell(row.dt),
+          countCell(row.seed),
+          numberCell(row.stiffness),
+          row.group,
+          ran && row.wrongSide ? countCell(*row.wrongSide) : kNone,
+          shape ? numberCell(row.shape->error) : kNone,
+          ran ? numberCell(row.rounding) : kNone,
+          ran ? (passes(row) ? "1" : "0") : kNone,
+          noCommas(row.reason)};
+}
+
+}  // namespace limber::bench
