@@ -103,25 +103,11 @@ void takeBackFree(SoftBodyData& body, std::uint32_t i, btScalar tick) {
   const btVector3& velocity = point.getLinearVelocity();
 
   const double speed = toEigen(expected).cwiseAbs().maxCoeff();
-  body.masses.hit.col(i) = withoutRounding(difference(velocity, expected), speed);
+  const Eigen::Vector3d impulse = withoutRounding(difference(velocity, expected), speed);
   const Eigen::Vector3d unexplained = difference(origin, start) - double(tick) * toEigen(velocity);
   const double size = toEigen(origin).cwiseAbs().maxCoeff() + double(tick) * toEigen(velocity).norm();
-  body.state.position.col(i) += withoutRounding(unexplained, size);
-}
-
-/// m/s: what contacts with static bodies leave to Bullet is less.
-constexpr double kHit = 1e-3;
-
-/// Bullet has hit free points; springs carry on what they feel within the tick: (M + h^2 K) v' = M v.
-void spreadHits(SoftBodyData& body, btScalar tick, SharedFactors& factors) {
-  Points& hit = body.masses.hit;
-  if (hit.cwiseAbs().maxCoeff() < kHit) return;
-  prepare(body.impact, body.springs, body.state.inverseMass, 2.0 * double(tick), factors);
-  for (Eigen::Index i = 0; i < hit.cols(); ++i) {
-    const double w = body.state.inverseMass.col(i).maxCoeff();
-    hit.col(i) *= w > 0.0 ? 1.0 / w : 0.0;
-  }
-  solve(body.impact, hit);
+  body.state.velocity.col(i) += impulse;
+  body.state.position.col(i) += double(tick) * impulse + withoutRounding(unexplained, size);
 }
 
 }  // namespace
@@ -197,14 +183,9 @@ void handOverVelocities(SoftBodyData& body, btScalar tick) {
   }
 }
 
-void takeBackContacts(SoftBodyData& body, btScalar tick, SharedFactors& factors) {
-  PointMasses& m = body.masses;
-  m.hit.setZero(3, static_cast<Eigen::Index>(m.bodies.size()));
-  for (std::uint32_t i = 0; i < m.bodies.size(); ++i)
-    if (!m.held[i]) takeBackFree(body, i, tick);
-  spreadHits(body, tick, factors);
-  body.state.velocity += m.hit;
-  body.state.position += double(tick) * m.hit;
+void takeBackContacts(SoftBodyData& body, btScalar tick) {
+  for (std::uint32_t i = 0; i < body.masses.bodies.size(); ++i)
+    if (!body.masses.held[i]) takeBackFree(body, i, tick);
 }
 
 void writePoints(SoftBodyData& body) {

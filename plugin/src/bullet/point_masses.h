@@ -2,7 +2,6 @@
 #pragma once
 
 #include "bullet/point_mass.h"
-#include "core/midpoint_solver.h"
 #include "core/point_state.h"
 
 #include <memory>
@@ -31,7 +30,6 @@ struct PointMasses {
   std::vector<btVector3> leftVelocity;      ///< #points
   std::vector<btVector3> expectedVelocity;  ///< #points, after the tick if nothing is touched
   std::vector<unsigned char> held;          ///< #points, 1: pinned, or held by the user
-  Points hit;                               ///< 3 x #points, m/s, what Bullet's contacts changed, scratch
   Points startPosition;                     ///< 3 x #points, m, at the start of the tick
 };
 
@@ -56,7 +54,7 @@ void handOverVelocities(SoftBodyData& body, btScalar tick);
 /// After Bullet's contacts: whatever it changed of the velocity it was expected to leave is an impulse,
 ///     v = v_end + D,  x = x_end + h D,  D = v_bullet - v_expected,
 /// plus any displacement that no velocity explains (split impulse, continuous collision).
-void takeBackContacts(SoftBodyData& body, btScalar tick, SharedFactors& factors);
+void takeBackContacts(SoftBodyData& body, btScalar tick);
 
 /// Gives the bodies the state, rounded to Bullet's precision.
 void writePoints(SoftBodyData& body);

@@ -54,7 +54,6 @@ struct SoftBodyData {
   double size = 0.0;         ///< m, diagonal of the box around it at rest
   bool narrow = false;       ///< see SteppingProblem
   QuadArrays quads;          ///< empty unless it is stepped so
-  MidpointSolver impact;     ///< of spreadHits, empty unless something dynamic has hit it
   ImplicitState implicit;    ///< empty unless it is stepped so
 
   /// Told when the application deletes one of the points.

@@ -316,7 +316,7 @@ void SoftBodySystem::Impl::afterTick(btScalar tick) {
   const StopWatch watch(profile.takeBackMs);
   for (TickGroup& group : groups) {
     if (group.asleep) continue;
-    takeBackGroup(group, tick, plan.factors());
+    takeBackGroup(group, tick);
     for (std::size_t i = 0; i < group.springs.size(); ++i)
       group.springs[i]->force_ = group.step.links.springs[i].force;
   }

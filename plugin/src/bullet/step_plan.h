@@ -16,9 +16,6 @@ class StepPlan {
   /// Steps all groups that are awake. Order and result do not depend on how they are put together.
   void step(std::vector<TickGroup>& groups, double tick);
 
-  /// Shared by all bodies of the system.
-  SharedFactors& factors() { return factors_; }
-
   /// Forgets the bodies: the groups have been made anew.
   void clear();
 

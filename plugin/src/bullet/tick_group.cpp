@@ -36,10 +36,10 @@ void handOverGroup(TickGroup& group, btScalar tick) {
     handOverRigid(group.rigids[i], group.step.links.rigids[i], tick);
 }
 
-void takeBackGroup(TickGroup& group, btScalar tick, SharedFactors& factors) {
+void takeBackGroup(TickGroup& group, btScalar tick) {
   for (SoftBodyData* body : group.bodies) {
     if (!body->alive) continue;
-    takeBackContacts(*body, tick, factors);
+    takeBackContacts(*body, tick);
     stopAtFirstContact(*body);
     writePoints(*body);
   }

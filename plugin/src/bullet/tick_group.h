@@ -42,7 +42,7 @@ std::size_t countUsableLinks(const std::vector<SoftBodyData*>& bodies, const Spr
 /// The stages of a tick, see point_masses.h.
 void gatherGroup(TickGroup& group, btScalar tick);
 void handOverGroup(TickGroup& group, btScalar tick);
-void takeBackGroup(TickGroup& group, btScalar tick, SharedFactors& factors);
+void takeBackGroup(TickGroup& group, btScalar tick);
 
 }  // namespace LIMBER_BULLET_PRECISION
 }  // namespace limber
