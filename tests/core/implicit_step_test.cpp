@@ -85,7 +85,7 @@ TEST_P(ImplicitStep, keepsMomentum) {
   advance(body, 10.0, 2400);
   // exact at every iteration; rounding positions to 1e-16 m makes 1e-16 / h of speed, 2400 times over
   EXPECT_LT((linearMomentum(body.state) - p).norm(), 1e-10);
-  EXPECT_LT((angularMomentum(body.state) - l).norm(), 1e-4 * l.norm()) << "as exact as the iterations";
+  EXPECT_LT((angularMomentum(body.state) - l).norm(), 1e-10 * l.norm());
 }
 
 TEST_P(ImplicitStep, neverGainsEnergyHoweverStiff) {
@@ -99,8 +99,9 @@ TEST_P(ImplicitStep, neverGainsEnergyHoweverStiff) {
       const double start = least;
       for (int i = 0; i < 300; ++i) {
         advance(body, 1.0 / 30, 1);
-        // the swing that implicit_step.cpp allows, once in motion and once in what cannot be taken out of it
-        ASSERT_LT(body.energy(), least + 2.1e-4 * start) << "k " << stiffness << " damping " << ratio;
+        // the swing that implicit_step.cpp allows, in motion and in what cannot be taken out of it, and the
+        // turning that unfinished iterations have braked and that is given back
+        ASSERT_LT(body.energy(), least + 5e-4 * start) << "k " << stiffness << " damping " << ratio;
         least = std::min(least, body.energy());
       }
     }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Zlib
 // The step by itself: no Bullet, closed forms and conservation laws.
 #include "core/body_measures.h"
+#include "core/coincident_points.h"
 #include "core/spring_damping.h"
 #include "core/spring_forces.h"
 #include "core/stepping_choice.h"
@@ -174,6 +175,27 @@ TEST(FrequencyBound, isExactForASpringOnAHeldPoint) {
   body.state.inverseMass.col(0).setZero();
   std::vector<double> sums;
   EXPECT_DOUBLE_EQ(frequencyBoundSquared(body.springs, body.state.inverseMass, sums), 1000.0 * 2.0);
+}
+
+TEST(CoincidentPoints, arePutApartAroundTheirCentre) {
+  Body body(test::fullCubeNetwork(), 100.0, 0.0);
+  body.state.position.setZero();
+  body.state.inverseMass.col(3).setZero();
+  separateCoincident(body.springs, body.state);
+  EXPECT_LT(body.state.position.cwiseAbs().maxCoeff(), 1e-4);
+  EXPECT_TRUE(body.state.position.col(3).isZero(0.0)) << "held";
+  for (std::size_t s = 0; s < body.springs.size(); ++s)
+    EXPECT_GT(
+        (body.state.position.col(body.springs.b[s]) - body.state.position.col(body.springs.a[s])).norm(),
+        0.0);
+  Body pair(test::pairNetwork(), 100.0, 0.0);
+  pair.state.position.setOnes();
+  pair.state.inverseMass.col(1) *= 3.0;
+  separateCoincident(pair.springs, pair.state);
+  EXPECT_LT((centerOfMass(pair.state) - Eigen::Vector3d::Ones()).norm(), 1e-15);
+  const Points before = pair.state.position;
+  separateCoincident(pair.springs, pair.state);
+  EXPECT_TRUE((pair.state.position.array() == before.array()).all()) << "apart already";
 }
 
 }  // namespace

@@ -56,6 +56,9 @@ bool overlaps(const Reach& reach, const btCollisionObject& partner) {
          (toEigen(proxy.m_aabbMax).array() >= reach.low.array()).all();
 }
 
+/// 1/s: radii per second at which a point is lifted out of what it has got into. 0.5 m/s for the usual 2 cm.
+constexpr double kRecoveryRate = 25.0;
+
 /// The rows that one point and one partner make.
 class RowsOfPair final : public btCollisionWorld::ContactResultCallback {
  public:
@@ -79,6 +82,7 @@ class RowsOfPair final : public btCollisionWorld::ContactResultCallback {
     row.point = point_;
     row.normal = normal.normalized();
     row.friction = double(combinedFriction());
+    row.recoverySpeed = kRecoveryRate * double(body_->masses.shape->getRadius());
     row.surfaceVelocity = velocityOfPartner(surface);
     // a kinematic body is already where it will be at the end of the tick
     row.touch = toEigen(surface) + double(body_->masses.shape->getRadius()) * row.normal -

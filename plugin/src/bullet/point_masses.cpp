@@ -3,6 +3,7 @@
 
 #include "bullet/convert.h"
 #include "bullet/soft_body_data.h"
+#include "core/coincident_points.h"
 
 #include <cmath>
 #include <limits>
@@ -151,10 +152,12 @@ void forgetDeletedPoint(SoftBodyData& body, std::uint32_t index) {
 
 void gatherPoints(SoftBodyData& body, btScalar tick) {
   PointMasses& m = body.masses;
+  bool moved = false;
   for (std::uint32_t i = 0; i < m.bodies.size(); ++i) {
     PointMass& point = *m.bodies[i];
     point.keepCollisionFilter();
     const bool held = isHeld(point);
+    moved = moved || point.getWorldTransform().getOrigin() != m.leftPosition[i];
     if (held)
       gatherHeld(body, i, tick);
     else
@@ -168,6 +171,8 @@ void gatherPoints(SoftBodyData& body, btScalar tick) {
     m.held[i] = held;
     remember(m, i);
   }
+  // the steps themselves do not bring points to one place
+  if (moved) separateCoincident(body.springs, body.state);
   m.startPosition = body.state.position;
 }
 

@@ -7,10 +7,9 @@
 namespace limber {
 namespace {
 
-/// Share of a penetration taken back per substep, and the speed (m/s) it may cost at most: a body that was
-/// placed inside something must come out, not be thrown out.
+/// Share of a penetration taken back per substep, up to row.recoverySpeed: a body that was placed inside
+/// something must come out, not be thrown out.
 constexpr double kRecovery = 0.2;
-constexpr double kRecoverySpeed = 0.5;
 
 /// Sweeps over the rows of a point between two or three surfaces.
 constexpr int kSweepsInCorners = 8;
@@ -57,7 +56,7 @@ void stopAtContacts(std::vector<ContactRow>& rows, const PointView& points, doub
       const double gap =
           row.normal.dot(points.positionOf(row.point) - row.touch - time * row.surfaceVelocity);
       const bool before = sweep > 0 && row.touching;
-      applyRow(row, points, gap >= 0.0 ? -gap / dt : std::min(-kRecovery * gap / dt, kRecoverySpeed));
+      applyRow(row, points, gap >= 0.0 ? -gap / dt : std::min(-kRecovery * gap / dt, row.recoverySpeed));
       row.touching = row.touching || before;
     }
 }

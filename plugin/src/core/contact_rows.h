@@ -18,6 +18,7 @@ struct ContactRow {
   Eigen::Vector3d touch = Eigen::Vector3d::Zero();    ///< m, where the centre touches at the tick's start
   Eigen::Vector3d surfaceVelocity = Eigen::Vector3d::Zero();  ///< m/s, constant over the tick
   double friction = 0.0;
+  double recoverySpeed = 0.5;  ///< m/s, at which a point that is below the surface is lifted at most
 
   // Written by the step.
   double mass = 0.0;                                  ///< kg along the normal; 0: cannot be moved

@@ -22,28 +22,42 @@ struct RigidMotion {
   Eigen::Vector3d at(const Eigen::Vector3d& x) const { return velocity + omega.cross(x - center); }
 };
 
+/// Mass, its centre and motion, and angular momentum and inertia about it.
+struct Moments {
+  double mass = 0.0;
+  Eigen::Vector3d center = Eigen::Vector3d::Zero(), velocity = Eigen::Vector3d::Zero(),
+                  spin = Eigen::Vector3d::Zero();
+  Eigen::Matrix3d inertia = Eigen::Matrix3d::Zero();
+
+  /// All points on a line have no inertia about it, and no spin either.
+  Eigen::Vector3d turnFor(const Eigen::Vector3d& angularMomentum) const {
+    return inertia.completeOrthogonalDecomposition().solve(angularMomentum);
+  }
+};
+
+Moments momentsOf(const PointState& state) {
+  Moments m;
+  for (Eigen::Index i = 0; i < state.position.cols(); ++i) {
+    m.mass += massOf(state, i);
+    m.center += massOf(state, i) * state.position.col(i);
+    m.velocity += massOf(state, i) * state.velocity.col(i);
+  }
+  if (!(m.mass > 0.0)) return m;
+  m.center /= m.mass;
+  m.velocity /= m.mass;
+  for (Eigen::Index i = 0; i < state.position.cols(); ++i) {
+    const Eigen::Vector3d r = state.position.col(i) - m.center;
+    m.inertia += massOf(state, i) * (r.squaredNorm() * Eigen::Matrix3d::Identity() - r * r.transpose());
+    m.spin += massOf(state, i) * r.cross(Eigen::Vector3d(state.velocity.col(i) - m.velocity));
+  }
+  return m;
+}
+
 /// The rigid motion with the same momenta; zero if anything is held.
 RigidMotion rigidMotion(const PointState& state) {
-  RigidMotion rigid;
-  if ((state.inverseMass.array() == 0.0).any()) return rigid;
-  double mass = 0.0;
-  for (Eigen::Index i = 0; i < state.position.cols(); ++i) {
-    mass += massOf(state, i);
-    rigid.center += massOf(state, i) * state.position.col(i);
-    rigid.velocity += massOf(state, i) * state.velocity.col(i);
-  }
-  rigid.center /= mass;
-  rigid.velocity /= mass;
-  Eigen::Matrix3d inertia = Eigen::Matrix3d::Zero();
-  Eigen::Vector3d spin = Eigen::Vector3d::Zero();
-  for (Eigen::Index i = 0; i < state.position.cols(); ++i) {
-    const Eigen::Vector3d r = state.position.col(i) - rigid.center;
-    inertia += massOf(state, i) * (r.squaredNorm() * Eigen::Matrix3d::Identity() - r * r.transpose());
-    spin += massOf(state, i) * r.cross(Eigen::Vector3d(state.velocity.col(i)));
-  }
-  // all points on a line have no inertia about it, and no spin either
-  rigid.omega = inertia.completeOrthogonalDecomposition().solve(spin);
-  return rigid;
+  if ((state.inverseMass.array() == 0.0).any()) return RigidMotion();
+  const Moments m = momentsOf(state);
+  return {m.center, m.velocity, m.turnFor(m.spin)};
 }
 
 }  // namespace
@@ -63,6 +77,15 @@ double removeKineticEnergy(PointState& state, double excess) {
     state.velocity.col(i) = motion + scale * (state.velocity.col(i) - motion);
   }
   return std::max(0.0, excess - internal);
+}
+
+Eigen::Vector3d spinOf(const PointState& state) { return momentsOf(state).spin; }
+
+void setSpin(PointState& state, const Eigen::Vector3d& spin) {
+  const Moments m = momentsOf(state);
+  const Eigen::Vector3d omega = m.turnFor(spin - m.spin);
+  for (Eigen::Index i = 0; i < state.position.cols(); ++i)
+    state.velocity.col(i) += omega.cross(Eigen::Vector3d(state.position.col(i) - m.center));
 }
 
 }  // namespace limber

@@ -11,4 +11,10 @@ namespace limber {
 /// Returns what was not there to be taken, J.
 double removeKineticEnergy(PointState& state, double excess);
 
+/// kg m^2/s: angular momentum about the centre of mass.
+Eigen::Vector3d spinOf(const PointState& state);
+
+/// Turns the whole body so much faster or slower that spinOf(state) becomes `spin`.
+void setSpin(PointState& state, const Eigen::Vector3d& spin);
+
 }  // namespace limber

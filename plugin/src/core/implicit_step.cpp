@@ -236,6 +236,25 @@ void setVelocities(const Substep& s, double reach) {
                           (reach - 1.0) * s.implicit.startVelocity.col(i);
 }
 
+/// Unfinished iterations keep linear but not angular momentum. A free body's changes by the torque of the
+/// constant accelerations alone: `before` is its spin at the start, `duration` ends now.
+void keepSpin(const Substep& s, const Eigen::Vector3d& before, double duration) {
+  PointState& p = s.points();
+  if (s.touches() || (p.inverseMass.array() == 0.0).any()) return;
+  double mass = 0.0;
+  Eigen::Vector3d center = Eigen::Vector3d::Zero(), spin = before;
+  for (Eigen::Index i = 0; i < p.position.cols(); ++i) {
+    mass += massOf(p, i);
+    center += 0.5 * massOf(p, i) * (p.position.col(i) + s.implicit.start.col(i));
+  }
+  center /= mass;
+  for (Eigen::Index i = 0; i < p.position.cols(); ++i) {
+    const Eigen::Vector3d r = 0.5 * (p.position.col(i) + s.implicit.start.col(i)) - center;
+    spin += duration * massOf(p, i) * r.cross(Eigen::Vector3d(p.acceleration.col(i)));
+  }
+  setSpin(p, spin);
+}
+
 /// From the midpoint to the end of the substep.
 void finish(const Substep& s) {
   s.points().position = 2.0 * s.points().position - s.implicit.start;
@@ -247,6 +266,7 @@ void finish(const Substep& s) {
 /// v = v0 + h/2 (a + M^-1 f(x)). Going downhill from x0, the springs never get more energy than there was.
 void advanceHalfByEuler(const Substep& s) {
   PointState& p = s.points();
+  const Eigen::Vector3d spin = spinOf(p);
   start(s);
   for (Eigen::Index i = 0; i < p.position.cols(); ++i)
     if (!isHeld(p, i)) p.position.col(i) = s.implicit.start.col(i);
@@ -254,6 +274,7 @@ void advanceHalfByEuler(const Substep& s) {
   computeForces(s, false);
   setVelocities(s, 1.0);
   if (s.touches()) settle(s.implicit.contacts, p, s.firstHalf());
+  keepSpin(s, spin, 0.5 * s.h);
   if (!guardEnergy(s)) s.implicit.energyFloor = energy(s);
 }
 
@@ -269,6 +290,7 @@ double errorRate(const Substep& s, double left) {
 }
 
 void advance(const Substep& s) {
+  const Eigen::Vector3d spin = spinOf(s.points());
   start(s);
   const double left = solveMidpoint(s, s.whole());
   computeForces(s, false);
@@ -276,6 +298,7 @@ void advance(const Substep& s) {
   const bool settled = left <= kNearlyConverged * longest(s.springs());
   if (settled) {
     finish(s);
+    keepSpin(s, spin, s.h);
     if (guardEnergy(s)) return;
     undo(s.implicit.contacts);
   }
@@ -288,9 +311,13 @@ void advance(const Substep& s) {
 }  // namespace
 
 bool canStepImplicitly(const SteppedBody& body) {
-  if (body.springs->limited || (body.contacts && body.contacts->size() > kMostMidpointRows)) return false;
+  if (body.springs->limited) return false;
   const Points& w = body.points->inverseMass;
-  return w.row(0) == w.row(1) && w.row(0) == w.row(2);
+  if (w.row(0) != w.row(1) || w.row(0) != w.row(2)) return false;
+  if (!body.contacts) return true;
+  const auto moves = [](const ContactRow& row) { return !row.surfaceVelocity.isZero(0.0); };
+  return body.contacts->size() <= kMostMidpointRows &&
+         std::none_of(body.contacts->begin(), body.contacts->end(), moves);
 }
 
 void stepImplicit(SteppedBody& body, ImplicitState& implicit, MidpointSolver::Kind kind, double tick,

@@ -20,7 +20,7 @@ struct ImplicitState {
 };
 
 /// Whether stepImplicit can step the body: points are held along all axes or none, no elastic limit, not more
-/// contacts than it solves.
+/// contacts than it solves, and none with a moving surface.
 bool canStepImplicitly(const SteppedBody& body);
 
 /// Advances one body without links by `tick` seconds in `substeps` substeps of h of the implicit midpoint

@@ -10,14 +10,13 @@ namespace {
 constexpr int kMostSweeps = 50;
 constexpr double kLargestLeft = 1e-12;  ///< m, of the last sweep's largest correction
 
-/// Share of a penetration taken back per substep and the speed (m/s) it may cost, as in contact_rows.cpp.
+/// Share of a penetration taken back per substep, as in contact_rows.cpp.
 constexpr double kRecovery = 0.2;
-constexpr double kRecoverySpeed = 0.5;
 
 /// m: how far below its surface the row's point may end, at most 0.
 double allowedGap(const ContactRow& row, const Eigen::Vector3d& start, const ContactSpan& span) {
   const double gap = row.normal.dot(start - row.touch - span.time * row.surfaceVelocity);
-  return gap >= 0.0 ? 0.0 : gap + std::min(-kRecovery * gap, kRecoverySpeed * span.duration);
+  return gap >= 0.0 ? 0.0 : gap + std::min(-kRecovery * gap, row.recoverySpeed * span.duration);
 }
 
 /// Corrects the load of row r, whose point goes from `start` to `end`; returns by how far (m) it was off.
