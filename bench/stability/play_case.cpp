@@ -22,6 +22,11 @@ class CasePlay {
   BodyStates look() const;
   void open();
   void measure(StabilityRow& row);
+  void measureSpin(StabilityRow& row);
+  /// About the mass centre of the first body: only asked for where there is one.
+  Spin spinNow() const {
+    return spinOf(balance_.start(0).masses, states_.positions[0], states_.velocities[0]);
+  }
   void judgeEnd(StabilityRow& row) const;
   void print(std::FILE* trace) const;
 
@@ -36,6 +41,8 @@ class CasePlay {
   double mostOver_ = -1e300;                   // J, energy beyond that, rounding taken off
   Eigen::Vector3d momentum_;                   // kg m/s, at the start
   double momentumScale_ = 0.0, change_ = 0.0;  // kg m/s
+  Eigen::Vector3d spin_;                       // kg m^2/s, at the start
+  double spinScale_ = 0.0, spinChange_ = 0.0;  // kg m^2/s
 };
 
 CasePlay::CasePlay(const HardCase& hard, const EngineChoice& choice, double dt)
@@ -48,6 +55,7 @@ CasePlay::CasePlay(const HardCase& hard, const EngineChoice& choice, double dt)
   states_ = look();
   momentum_ = balance_.momentum(states_);
   momentumScale_ = balance_.momentumScale(states_);
+  spin_ = spinNow().momentum;
   if (hard.energyFrom <= 0.0) open();
 }
 
@@ -85,6 +93,15 @@ void CasePlay::measure(StabilityRow& row) {
   momentumScale_ = std::max(momentumScale_, balance_.momentumScale(states_));
   change_ = std::max(change_, (balance_.momentum(states_) - momentum_).norm());
   if (row.drift) row.drift = change_ / momentumScale_;
+  measureSpin(row);
+}
+
+void CasePlay::measureSpin(StabilityRow& row) {
+  if (!row.spinDrift) return;
+  const Spin spin = spinNow();
+  spinScale_ = std::max(spinScale_, spin.scale);
+  spinChange_ = std::max(spinChange_, (spin.momentum - spin_).norm());
+  row.spinDrift = spinScale_ > 0.0 ? spinChange_ / spinScale_ : 0.0;
 }
 
 /// What it has not come to see counts as missed.
@@ -92,6 +109,7 @@ void setLost(const HardCase& hard, StabilityRow& row) {
   row.finite = false;
   row.energyRatio = kLost;
   if (row.drift) row.drift = kLost;
+  if (row.spinDrift) row.spinDrift = kLost;
   if (hard.recovers) row.shape = ShapeCheck{Shape::Lost, kLost};
   if (hard.allowed) row.wrongSide = hard.bodies[0].network->restPoints.size();
 }
@@ -101,8 +119,8 @@ ShapeCheck worstShape(const HardCase& hard, const EnergyBalance& balance, const 
   const bool alone = hard.gravity.isZero() && hard.springs.empty();
   ShapeCheck worst{Shape::Rest, -1.0};
   for (std::size_t i = 0; i < hard.bodies.size(); ++i) {
-    const ShapeCheck check =
-        checkShape(hard.bodies[i], balance.start(i), states.positions[i], hard.size, alone);
+    const ShapeCheck check = checkShape(
+        {hard.bodies[i], balance.start(i), states.positions[i], states.velocities[i], hard.size, alone});
     if (check.error > worst.error) worst = check;
   }
   return worst;
@@ -110,6 +128,10 @@ ShapeCheck worstShape(const HardCase& hard, const EnergyBalance& balance, const 
 
 void CasePlay::judgeEnd(StabilityRow& row) const {
   if (hard_.recovers) row.shape = worstShape(hard_, balance_, states_);
+  // of its own a body starts to spin only by what hits it
+  const bool spun = row.shape && row.shape->shape == Shape::Spinning && hard_.freeFlight;
+  const bool leftSaddle = row.shape && row.shape->shape == Shape::Saddle && !hard_.startsInBalance;
+  if (spun || leftSaddle) row.shape->shape = Shape::Lost;
   if (!hard_.allowed) return;
   std::size_t wrong = 0;
   for (const Eigen::Matrix3Xd& points : states_.positions)
@@ -151,6 +173,7 @@ StabilityRow playCase(const HardCase& hard, const EngineChoice& choice, double d
   row.engine = choice.engine, row.setting = choice.setting, row.dt = dt;
   const bool slowed = choice.engine == "btSoftBody" && hard.bodies[0].drag > 0.0;
   if (hard.freeFlight && !slowed) row.drift = 0.0;
+  if (row.drift && hard.bodies.size() == 1) row.spinDrift = 0.0;
   try {
     CasePlay(hard, choice, dt).play(row, trace);
   } catch (const std::runtime_error& error) {
