@@ -11,7 +11,7 @@
 namespace limber::bench {
 namespace {
 
-constexpr double kFriction = 1.0, kBoxReach = 10.0, kMeshReach = 15.0, kEdgeReach = 100.0;
+constexpr double kFriction = 1.0, kBoxReach = 10.0, kMeshReach = 6.0, kEdgeReach = 100.0;
 constexpr double kDepths = 2.0;  // radii that a point may end inside
 
 void addEdge(RigidBodies& rigid, btDiscreteDynamicsWorld& world) {
@@ -24,9 +24,10 @@ void addEdge(RigidBodies& rigid, btDiscreteDynamicsWorld& world) {
   world.updateSingleAabb(&box);
 }
 
-/// Triangles of a third of a metre, so that a cube meets several.
+/// Triangles of half a metre, so that a cube meets several; many more, and btSoftBody forgets them too
+/// slowly.
 void addMesh(RigidBodies& rigid, btDiscreteDynamicsWorld& world) {
-  const int cells = 90;
+  const int cells = 24;
   const double edge = 2.0 * kMeshReach / cells;
   auto mesh = std::make_unique<btTriangleMesh>();
   const auto corner = [&](int i, int j) {

@@ -96,10 +96,14 @@ void CasePlay::measure(StabilityRow& row) {
   measureSpin(row);
 }
 
+/// Relative to what the points could have together at one size from the centre with all the energy of the
+/// start, size * sqrt(2 m E), or to what they are seen to have: stiff damped bodies come to rest between two
+/// looks.
 void CasePlay::measureSpin(StabilityRow& row) {
   if (!row.spinDrift) return;
   const Spin spin = spinNow();
-  spinScale_ = std::max(spinScale_, spin.scale);
+  const double possible = hard_.size * std::sqrt(2.0 * balance_.start(0).masses.sum() * first_.value);
+  spinScale_ = std::max({spinScale_, spin.scale, possible});
   spinChange_ = std::max(spinChange_, (spin.momentum - spin_).norm());
   row.spinDrift = spinScale_ > 0.0 ? spinChange_ / spinScale_ : 0.0;
 }
@@ -126,12 +130,23 @@ ShapeCheck worstShape(const HardCase& hard, const EnergyBalance& balance, const 
   return worst;
 }
 
+/// Whether two points are in one place.
+bool coincide(const Eigen::Matrix3Xd& x, double size) {
+  for (Eigen::Index i = 0; i < x.cols(); ++i)
+    for (Eigen::Index j = i + 1; j < x.cols(); ++j)
+      if ((x.col(i) - x.col(j)).norm() < 1e-6 * size) return true;
+  return false;
+}
+
 void CasePlay::judgeEnd(StabilityRow& row) const {
   if (hard_.recovers) row.shape = worstShape(hard_, balance_, states_);
-  // of its own a body starts to spin only by what hits it
+  // free bodies do not start to spin
   const bool spun = row.shape && row.shape->shape == Shape::Spinning && hard_.freeFlight;
   const bool leftSaddle = row.shape && row.shape->shape == Shape::Saddle && !hard_.startsInBalance;
   if (spun || leftSaddle) row.shape->shape = Shape::Lost;
+  const bool lost = row.shape && row.shape->shape == Shape::Lost;
+  if (lost && hard_.startsInBalance && coincide(states_.positions[0], hard_.size))
+    row.shape->shape = Shape::Saddle;
   if (!hard_.allowed) return;
   std::size_t wrong = 0;
   for (const Eigen::Matrix3Xd& points : states_.positions)
