@@ -14,6 +14,7 @@ namespace limber::bench {
 namespace {
 
 constexpr double kMostDrag = 2.0;                   // 1/s, so that what is slowed down as a whole still falls
+constexpr double kDragOfFalling = 2.0;              // 1/s: what is slowed down as a whole must still fall
 constexpr double kShortest = 2.0, kLongest = 60.0;  // s
 
 }  // namespace
@@ -90,9 +91,14 @@ void setFree(HardCase& hard, Dice& dice) {
 void letSettle(HardCase& hard) {
   hard.recovers = true;
   BodySetup& body = hard.bodies[0];
-  const double time = settleTime(body);
-  hard.seconds = wholeTicks(std::clamp(time, kShortest, kLongest));
-  body.drag = std::min(10.0 / time, kMostDrag);
+  hard.seconds = wholeTicks(std::clamp(settleTime(body), kShortest, kLongest));
+  body.drag = 20.0 / hard.seconds;
+}
+
+void letFall(HardCase& hard, double seconds) {
+  hard.gravity.y() = -kGravity;
+  hard.seconds = seconds;
+  for (BodySetup& body : hard.bodies) body.drag = std::min(body.drag, kDragOfFalling);
 }
 
 std::string exponentName(const char* what, double value) { return format("%s %.0e", what, value); }

@@ -41,8 +41,12 @@ HardCase caseOf(const std::string& group, const std::string& name, unsigned seed
 /// Sets the case free: a slow flight, a tenth of a size per second, through nothing.
 void setFree(HardCase& hard, Dice& dice);
 
-/// Asks for the rest shape, and gives the time for it.
+/// Asks for the rest shape, and gives the time for it; engines without dampers along the springs get a drag
+/// that fades e^-20 in that time.
 void letSettle(HardCase& hard);
+
+/// With gravity, for so many seconds, and no more drag than falling bears.
+void letFall(HardCase& hard, double seconds);
 
 std::string exponentName(const char* what, double value);  ///< "k 1e+04"
 

@@ -18,8 +18,7 @@ HardCase impact(Obstacle obstacle, double k, unsigned seed) {
   HardCase hard = caseOf("impact", nameOf(obstacle) + (" " + exponentName("k", k)), seed, cube);
   setObstacle(hard, obstacle);
   letSettle(hard);
-  hard.gravity.y() = -kGravity;
-  hard.seconds = 6.0;
+  letFall(hard, 6.0);
   return hard;
 }
 
@@ -69,8 +68,7 @@ HardCase loaded(double k, unsigned seed) {
   addFallingBox(hard, 100.0, 2.0 + 2.0 * radius);
   letSettle(hard);
   hard.recovers = k >= 1e7;
-  hard.gravity.y() = -kGravity;
-  hard.seconds = 6.0;
+  letFall(hard, 6.0);
   return hard;
 }
 

@@ -25,10 +25,11 @@ struct HardCase {
   std::function<void(RigidBodies&, btDiscreteDynamicsWorld&)> addRigidBodies;  ///< or empty
   /// Puts kinematic bodies where they are at that time; or empty.
   std::function<void(const RigidBodies&, double time)> drive;
-  double energyFrom = 0.0;  ///< s; from here on kinematic bodies only move away
-  bool freeFlight = false;  ///< nothing acts from outside: its momentum must stay
-  bool recovers = false;    ///< it is given what it takes to come to rest in its shape
-  bool sees = true;         ///< false: what it hits is a plane, which btSoftBody does not see
+  double energyFrom = 0.0;       ///< s; from here on kinematic bodies only move away
+  bool freeFlight = false;       ///< nothing acts from outside: its momentum must stay
+  bool recovers = false;         ///< it is given what it takes to come to rest in its shape
+  bool startsInBalance = false;  ///< some points are in one place: the exact motion never parts them
+  bool sees = true;              ///< false: what it hits is a plane, which btSoftBody does not see
   std::function<bool(const Eigen::Vector3d&)> allowed;  ///< where points may end; empty: anywhere
 };
 

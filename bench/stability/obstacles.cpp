@@ -11,11 +11,11 @@
 namespace limber::bench {
 namespace {
 
-constexpr double kFriction = 1.0, kBoxReach = 10.0, kMeshReach = 15.0;
+constexpr double kFriction = 1.0, kBoxReach = 10.0, kMeshReach = 6.0, kEdgeReach = 100.0;
 constexpr double kDepths = 2.0;  // radii that a point may end inside
 
 void addEdge(RigidBodies& rigid, btDiscreteDynamicsWorld& world) {
-  addBox(rigid, world, Eigen::Vector3d::Constant(kBoxReach), 0, {0, -kBoxReach * std::sqrt(2.0), 0},
+  addBox(rigid, world, Eigen::Vector3d::Constant(kEdgeReach), 0, {0, -kEdgeReach * std::sqrt(2.0), 0},
          kFriction);
   btRigidBody& box = *rigid.bodies.back();
   const btVector3 centre = box.getWorldTransform().getOrigin();
@@ -24,9 +24,10 @@ void addEdge(RigidBodies& rigid, btDiscreteDynamicsWorld& world) {
   world.updateSingleAabb(&box);
 }
 
-/// Triangles of a third of a metre, so that a cube meets several.
+/// Triangles of half a metre, so that a cube meets several; many more, and btSoftBody forgets them too
+/// slowly.
 void addMesh(RigidBodies& rigid, btDiscreteDynamicsWorld& world) {
-  const int cells = 90;
+  const int cells = 24;
   const double edge = 2.0 * kMeshReach / cells;
   auto mesh = std::make_unique<btTriangleMesh>();
   const auto corner = [&](int i, int j) {
@@ -69,7 +70,7 @@ double outside(Obstacle obstacle, double scale, const Eigen::Vector3d& x) {
     case Obstacle::Box:
       return std::max(x.y(), aside - scale * kBoxReach);
     case Obstacle::BoxEdge:
-      return std::max((x.y() + std::abs(x.z())) / std::sqrt(2.0), std::abs(x.x()) - kBoxReach);
+      return std::max((x.y() + std::abs(x.z())) / std::sqrt(2.0), std::abs(x.x()) - kEdgeReach);
     case Obstacle::TriangleMesh:
       return std::max(x.y(), aside - kMeshReach);
   }
@@ -91,7 +92,7 @@ const char* nameOf(Obstacle obstacle) {
 
 void setObstacle(HardCase& hard, Obstacle obstacle, double scale) {
   hard.sees = obstacle != Obstacle::Plane;
-  hard.lowest = obstacle == Obstacle::BoxEdge ? -2.0 * kBoxReach : 0.0;
+  hard.lowest = obstacle == Obstacle::BoxEdge ? -kEdgeReach : 0.0;
   hard.addRigidBodies = [=](RigidBodies& rigid, btDiscreteDynamicsWorld& world) {
     add(rigid, world, obstacle, scale);
   };

@@ -22,6 +22,11 @@ class CasePlay {
   BodyStates look() const;
   void open();
   void measure(StabilityRow& row);
+  void measureSpin(StabilityRow& row);
+  /// About the mass centre of the first body: only asked for where there is one.
+  Spin spinNow() const {
+    return spinOf(balance_.start(0).masses, states_.positions[0], states_.velocities[0]);
+  }
   void judgeEnd(StabilityRow& row) const;
   void print(std::FILE* trace) const;
 
@@ -36,6 +41,8 @@ class CasePlay {
   double mostOver_ = -1e300;                   // J, energy beyond that, rounding taken off
   Eigen::Vector3d momentum_;                   // kg m/s, at the start
   double momentumScale_ = 0.0, change_ = 0.0;  // kg m/s
+  Eigen::Vector3d spin_;                       // kg m^2/s, at the start
+  double spinScale_ = 0.0, spinChange_ = 0.0;  // kg m^2/s
 };
 
 CasePlay::CasePlay(const HardCase& hard, const EngineChoice& choice, double dt)
@@ -48,6 +55,7 @@ CasePlay::CasePlay(const HardCase& hard, const EngineChoice& choice, double dt)
   states_ = look();
   momentum_ = balance_.momentum(states_);
   momentumScale_ = balance_.momentumScale(states_);
+  spin_ = spinNow().momentum;
   if (hard.energyFrom <= 0.0) open();
 }
 
@@ -85,6 +93,19 @@ void CasePlay::measure(StabilityRow& row) {
   momentumScale_ = std::max(momentumScale_, balance_.momentumScale(states_));
   change_ = std::max(change_, (balance_.momentum(states_) - momentum_).norm());
   if (row.drift) row.drift = change_ / momentumScale_;
+  measureSpin(row);
+}
+
+/// Relative to what the points could have together at one size from the centre with all the energy of the
+/// start, size * sqrt(2 m E), or to what they are seen to have: stiff damped bodies come to rest between two
+/// looks.
+void CasePlay::measureSpin(StabilityRow& row) {
+  if (!row.spinDrift) return;
+  const Spin spin = spinNow();
+  const double possible = hard_.size * std::sqrt(2.0 * balance_.start(0).masses.sum() * first_.value);
+  spinScale_ = std::max({spinScale_, spin.scale, possible});
+  spinChange_ = std::max(spinChange_, (spin.momentum - spin_).norm());
+  row.spinDrift = spinScale_ > 0.0 ? spinChange_ / spinScale_ : 0.0;
 }
 
 /// What it has not come to see counts as missed.
@@ -92,6 +113,7 @@ void setLost(const HardCase& hard, StabilityRow& row) {
   row.finite = false;
   row.energyRatio = kLost;
   if (row.drift) row.drift = kLost;
+  if (row.spinDrift) row.spinDrift = kLost;
   if (hard.recovers) row.shape = ShapeCheck{Shape::Lost, kLost};
   if (hard.allowed) row.wrongSide = hard.bodies[0].network->restPoints.size();
 }
@@ -101,15 +123,30 @@ ShapeCheck worstShape(const HardCase& hard, const EnergyBalance& balance, const 
   const bool alone = hard.gravity.isZero() && hard.springs.empty();
   ShapeCheck worst{Shape::Rest, -1.0};
   for (std::size_t i = 0; i < hard.bodies.size(); ++i) {
-    const ShapeCheck check =
-        checkShape(hard.bodies[i], balance.start(i), states.positions[i], hard.size, alone);
+    const ShapeCheck check = checkShape(
+        {hard.bodies[i], balance.start(i), states.positions[i], states.velocities[i], hard.size, alone});
     if (check.error > worst.error) worst = check;
   }
   return worst;
 }
 
+/// Whether two points are in one place.
+bool coincide(const Eigen::Matrix3Xd& x, double size) {
+  for (Eigen::Index i = 0; i < x.cols(); ++i)
+    for (Eigen::Index j = i + 1; j < x.cols(); ++j)
+      if ((x.col(i) - x.col(j)).norm() < 1e-6 * size) return true;
+  return false;
+}
+
 void CasePlay::judgeEnd(StabilityRow& row) const {
   if (hard_.recovers) row.shape = worstShape(hard_, balance_, states_);
+  // free bodies do not start to spin
+  const bool spun = row.shape && row.shape->shape == Shape::Spinning && hard_.freeFlight;
+  const bool leftSaddle = row.shape && row.shape->shape == Shape::Saddle && !hard_.startsInBalance;
+  if (spun || leftSaddle) row.shape->shape = Shape::Lost;
+  const bool lost = row.shape && row.shape->shape == Shape::Lost;
+  if (lost && hard_.startsInBalance && coincide(states_.positions[0], hard_.size))
+    row.shape->shape = Shape::Saddle;
   if (!hard_.allowed) return;
   std::size_t wrong = 0;
   for (const Eigen::Matrix3Xd& points : states_.positions)
@@ -151,6 +188,7 @@ StabilityRow playCase(const HardCase& hard, const EngineChoice& choice, double d
   row.engine = choice.engine, row.setting = choice.setting, row.dt = dt;
   const bool slowed = choice.engine == "btSoftBody" && hard.bodies[0].drag > 0.0;
   if (hard.freeFlight && !slowed) row.drift = 0.0;
+  if (row.drift && hard.bodies.size() == 1) row.spinDrift = 0.0;
   try {
     CasePlay(hard, choice, dt).play(row, trace);
   } catch (const std::runtime_error& error) {

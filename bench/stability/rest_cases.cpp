@@ -41,8 +41,7 @@ HardCase dropped(const Size& size, double k, unsigned seed) {
   setObstacle(hard, Obstacle::Box, size.edge);
   letSettle(hard);
   hard.recovers = bearsItself(hard, size.mass);
-  hard.gravity.y() = -kGravity;
-  hard.seconds = size.edge > 1.0 ? 60.0 : 4.0;  // a kilometre falls for 15 s
+  letFall(hard, size.edge > 1.0 ? 60.0 : 4.0);  // a kilometre falls for 15 s
   return hard;
 }
 
@@ -73,8 +72,7 @@ HardCase stack(double k, unsigned seed) {
   }
   setObstacle(hard, Obstacle::Box);
   hard.recovers = bearsItself(hard, kStackHeight);
-  hard.gravity.y() = -kGravity;
-  hard.seconds = 5.0;
+  letFall(hard, 5.0);
   return hard;
 }
 
@@ -85,8 +83,7 @@ HardCase rest(Obstacle obstacle, double k, double seconds) {
   HardCase hard = caseOf("hour of rest", std::string(nameOf(obstacle)) + " " + exponentName("k", k), 1, cube);
   setObstacle(hard, obstacle);
   letSettle(hard);
-  hard.gravity.y() = -kGravity;
-  hard.seconds = seconds;
+  letFall(hard, seconds);
   return hard;
 }
 

@@ -12,6 +12,7 @@ constexpr double kDamping = 0.3;
 struct Start {
   const char* name;
   Eigen::Matrix3Xd (*make)(const Eigen::Matrix3Xd& rest, Dice& dice);
+  bool inBalance = false;  ///< two points are in one place, equally held: no force parts them
 };
 
 Eigen::Matrix3Xd noise(const Eigen::Matrix3Xd& rest, Dice& dice) { return dice.vectors(rest.cols(), 1e-3); }
@@ -79,19 +80,22 @@ Eigen::Matrix3Xd allInOne(const Eigen::Matrix3Xd& rest, Dice&) {
   return Eigen::Matrix3Xd::Zero(3, rest.cols());
 }
 
-const Start kMisshapen[] = {{"flat", flattened},           {"nearly flat", nearlyFlat},
+const Start kMisshapen[] = {{"flat", flattened, true},     {"nearly flat", nearlyFlat},
                             {"inverted", inverted},        {"corner through", cornerThrough},
                             {"half through", halfThrough}, {"randomised", randomised},
                             {"scattered", scattered}};
 
-const Start kCoincident[] = {
-    {"one pair", onePair}, {"all pairs", allPairs}, {"seven in one", sevenInOne}, {"all in one", allInOne}};
+const Start kCoincident[] = {{"one pair", onePair, true},
+                             {"all pairs", allPairs, true},
+                             {"seven in one", sevenInOne, true},
+                             {"all in one", allInOne, true}};
 
 HardCase startedAs(const std::string& group, const Start& start, double k, unsigned seed) {
   Dice dice(seed);
   BodySetup cube = hardCube(k, kDamping);
   cube.positions = start.make(restPositions(cube), dice);
   HardCase hard = caseOf(group, start.name + (" " + exponentName("k", k)), seed, cube);
+  hard.startsInBalance = start.inBalance;
   setFree(hard, dice);
   letSettle(hard);
   return hard;

@@ -60,30 +60,58 @@ Balance balanceOf(const BodySetup& setup, const BodyStart& start, const Eigen::M
   return sum;
 }
 
-Shape otherShape(const BodySetup& setup, const BodyStart& start, const Eigen::Matrix3Xd& x, double size) {
-  const Balance balance = balanceOf(setup, start, x);
-  const double k = start.stiffnesses.maxCoeff();
-  if (balance.gradient.cwiseAbs().maxCoeff() > kBalance * k * size) return Shape::Lost;
+Shape balancedShape(const ShapeQuestion& q) {
+  const Balance balance = balanceOf(q.setup, q.start, q.positions);
+  const double k = q.start.stiffnesses.maxCoeff();
+  if (balance.gradient.cwiseAbs().maxCoeff() > kBalance * k * q.size) return Shape::Lost;
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> modes(balance.hessian, Eigen::EigenvaluesOnly);
   return modes.eigenvalues()[0] < -kFlat * k ? Shape::Saddle : Shape::Other;
+}
+
+/// The spring that carries m w^2 r of a point alone becomes longer by m w^2 r / k. Where that is beyond the
+/// tolerance, w being the speed of a rigid body with the same angular momentum, the rest shape cannot be had.
+bool spinsApart(const ShapeQuestion& q) {
+  const Eigen::VectorXd& m = q.start.masses;
+  const Eigen::Vector3d centre = q.positions * m / m.sum();
+  Eigen::Matrix3d inertia = Eigen::Matrix3d::Zero();
+  for (Eigen::Index i = 0; i < m.size(); ++i) {
+    const Eigen::Vector3d r = q.positions.col(i) - centre;
+    inertia += m[i] * (r.squaredNorm() * Eigen::Matrix3d::Identity() - r * r.transpose());
+  }
+  const Eigen::Vector3d spin = spinOf(m, q.positions, q.velocities).momentum;
+  const double omega = inertia.completeOrthogonalDecomposition().solve(spin).norm();
+  const double radius = (q.positions.colwise() - centre).colwise().norm().maxCoeff();
+  return m.maxCoeff() * omega * omega * radius > kShapeTolerance * q.size * q.start.stiffnesses.maxCoeff();
 }
 
 }  // namespace
 
 const char* nameOf(Shape shape) {
-  const char* const names[] = {"yes", "mirrored", "other balance", "saddle", "no"};
+  const char* const names[] = {"yes", "mirrored", "other balance", "saddle", "spinning", "no"};
   return names[static_cast<int>(shape)];
 }
 
-ShapeCheck checkShape(const BodySetup& setup, const BodyStart& start, const Eigen::Matrix3Xd& positions,
-                      double size, bool alone) {
-  const Eigen::Matrix3Xd rest = restPositions(setup);
+Spin spinOf(const Eigen::VectorXd& masses, const Eigen::Matrix3Xd& x, const Eigen::Matrix3Xd& v) {
+  const Eigen::Vector3d centre = x * masses / masses.sum(), flight = v * masses / masses.sum();
+  Spin spin;
+  for (Eigen::Index i = 0; i < masses.size(); ++i) {
+    const Eigen::Vector3d r = x.col(i) - centre, u = v.col(i) - flight;
+    spin.momentum += masses[i] * r.cross(u);
+    spin.scale += masses[i] * r.norm() * u.norm();
+  }
+  return spin;
+}
+
+ShapeCheck checkShape(const ShapeQuestion& q) {
+  const Eigen::Matrix3Xd rest = restPositions(q.setup);
   ShapeCheck check;
-  check.error = largestChange(positions, rest) / size;
+  check.error = largestChange(q.positions, rest) / q.size;
   if (check.error <= kShapeTolerance)
-    check.shape = handedness(positions) * handedness(rest) > 0.0 ? Shape::Rest : Shape::Mirrored;
-  else if (alone)
-    check.shape = otherShape(setup, start, positions, size);
+    check.shape = handedness(q.positions) * handedness(rest) > 0.0 ? Shape::Rest : Shape::Mirrored;
+  else if (spinsApart(q))
+    check.shape = Shape::Spinning;
+  else if (q.alone)
+    check.shape = balancedShape(q);
   return check;
 }
 

@@ -23,9 +23,18 @@ bool gainsEnergy(const StabilityRow& row) {
 
 bool drifts(const StabilityRow& row) { return row.ran() && row.drift && !(*row.drift <= kDriftTarget); }
 
+bool spinsUp(const StabilityRow& row) {
+  return row.ran() && row.spinDrift && !(*row.spinDrift <= kSpinNoted);
+}
+
 bool staysMisshapen(const StabilityRow& row) {
-  return row.ran() && row.shape && row.shape->shape != Shape::Rest && row.shape->shape != Shape::Mirrored &&
-         row.shape->shape != Shape::Other;
+  return row.ran() && row.shape && row.shape->shape == Shape::Lost;
+}
+
+bool isHeldElsewhere(const StabilityRow& row) {
+  if (!row.ran() || !row.shape) return false;
+  const Shape shape = row.shape->shape;
+  return shape == Shape::Other || shape == Shape::Saddle || shape == Shape::Spinning;
 }
 
 bool endsWrong(const StabilityRow& row) { return row.ran() && row.wrongSide.value_or(0) > 0; }
@@ -36,8 +45,9 @@ bool passes(const StabilityRow& row) {
 }
 
 std::vector<std::string> stabilityColumns() {
-  return {"case", "engine", "setting", "finite",     "energy_ratio", "momentum_drift", "recovered", "dt",
-          "seed", "k",      "group",   "wrong_side", "shape_error",  "rounding",       "passed",    "reason"};
+  return {"case",        "engine",   "setting",       "finite", "energy_ratio", "momentum_drift",
+          "recovered",   "dt",       "seed",          "k",      "group",        "wrong_side",
+          "shape_error", "rounding", "angular_drift", "passed", "reason"};
 }
 
 std::vector<std::string> stabilityCells(const StabilityRow& row) {
@@ -56,6 +66,7 @@ std::vector<std::string> stabilityCells(const StabilityRow& row) {
           ran && row.wrongSide ? countCell(*row.wrongSide) : kNone,
           shape ? numberCell(row.shape->error) : kNone,
           ran ? numberCell(row.rounding) : kNone,
+          ran && row.spinDrift ? numberCell(*row.spinDrift) : kNone,
           ran ? (passes(row) ? "1" : "0") : kNone,
           noCommas(row.reason)};
 }

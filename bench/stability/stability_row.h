@@ -21,6 +21,7 @@ struct StabilityRow {
   double energyRatio = 0.0;         ///< largest energy over that at the start
   double rounding = 0.0;            ///< what the rounding of Bullet's numbers may have added to the ratio
   std::optional<double> drift;      ///< largest change of momentum over the sum of m |v|
+  std::optional<double> spinDrift;  ///< largest change of angular momentum over the sum of m |r| |v|
   std::optional<ShapeCheck> shape;  ///< of the worst body
   std::optional<std::size_t> wrongSide;  ///< points that ended inside or behind what they hit
 
@@ -28,11 +29,14 @@ struct StabilityRow {
 };
 
 constexpr double kEnergyTarget = 1.001, kDriftTarget = 1e-6;
+constexpr double kSpinNoted = 1e-3;  // no target: told apart in the table
 
 bool gainsEnergy(const StabilityRow& row);
 bool drifts(const StabilityRow& row);
-/// Not in its shape nor in the mirror image of it, though nothing holds it.
+bool spinsUp(const StabilityRow& row);
+/// Neither in its shape nor in its mirror image nor held in another one.
 bool staysMisshapen(const StabilityRow& row);
+bool isHeldElsewhere(const StabilityRow& row);  ///< in another balance, or by its spin
 bool endsWrong(const StabilityRow& row);
 bool passes(const StabilityRow& row);  ///< has run and missed nothing
 

@@ -56,20 +56,20 @@ std::string lineOf(const std::string& group, const EngineName& engine, const Row
   const auto hasShape = [](const StabilityRow& r) { return r.ran() && r.shape.has_value(); };
   const auto hasSide = [](const StabilityRow& r) { return r.ran() && r.wrongSide.has_value(); };
   return format(
-      "%-14s %-12s %-17s %6ld %4ld %10s %9s %9s %9s %9s %8ld %8ld %7.1f%%\n", group.c_str(),
+      "%-14s %-12s %-17s %6ld %4ld %10s %9s %9s %9s %9s %8ld %6ld %6ld %7.1f%%\n", group.c_str(),
       engine.first.c_str(), engine.second.c_str(), count(rows, ran),
       static_cast<long>(rows.size()) - count(rows, ran), share(rows, lost, ran).c_str(),
       share(rows, gainsEnergy, ran).c_str(), share(rows, drifts, hasDrift).c_str(),
       share(rows, staysMisshapen, hasShape).c_str(), share(rows, endsWrong, hasSide).c_str(),
       count(rows, [](const StabilityRow& r) { return isShape(r, Shape::Mirrored); }),
-      count(rows, [](const StabilityRow& r) { return isShape(r, Shape::Other); }),
+      count(rows, isHeldElsewhere), count(rows, spinsUp),
       100.0 * static_cast<double>(count(rows, passes)) / static_cast<double>(std::max(1L, count(rows, ran))));
 }
 
 std::string heading() {
-  return format("%-14s %-12s %-17s %6s %4s %10s %9s %9s %9s %9s %8s %8s %8s\n", "group", "engine", "setting",
-                "runs", "n/a", "non-finite", "energy", "momentum", "shape", "side", "mirrored", "balance",
-                "passed");
+  return format("%-14s %-12s %-17s %6s %4s %10s %9s %9s %9s %9s %8s %6s %6s %8s\n", "group", "engine",
+                "setting", "runs", "n/a", "non-finite", "energy", "momentum", "shape", "side", "mirrored",
+                "held", "spin", "passed");
 }
 
 std::string table(const Rows& rows) {
@@ -157,8 +157,11 @@ std::string summariseStability(const std::vector<StabilityRow>& rows) {
   return describeMachine() +
          "\neach case at ticks of 1/30 and 1/60 s. Missed of asked: non-finite; energy above 1.001 of the "
          "start's and work;\nmomentum drift above 1e-6 in free flight; shape not within 1e-3 of the size; "
-         "points on the wrong side of an obstacle.\nmirrored, balance: back at rest as mirror image, or in "
-         "another stable balance of all springs; neither is a miss.\n\n" +
+         "points on the wrong side of an obstacle.\nNo misses, but counted: mirrored, back as mirror image; "
+         "held, "
+         "by a balance of all springs or by its spin in another shape;\nspin: angular momentum changed by "
+         "more "
+         "than 1e-3 of sum m r v in free flight.\n\n" +
          table(rows) + targetLines(rows) + missLines(rows) + reasons(rows);
 }
 

@@ -11,6 +11,7 @@ import tempfile
 
 COLUMNS = "bodies,points,springs,mode,tick_ms_mean,tick_ms_max,render_ms_mean,gpu_mb,realtime".split(",")
 SMALL = ["scaling", "--quick", "--max-bodies", "4", "--size", "64x36"]
+STABILITY = "case,engine,setting,finite,energy_ratio,momentum_drift,recovered,dt,seed,k,group".split(",")
 SKIPPED = 77
 ACCURACY_COLUMNS = "scene,engine,setting,dt,error,us_per_tick,us_step,hash,us_noise,kind,measure".split(",")
 
@@ -198,6 +199,86 @@ def check_bad_options(program, _):
     expect(run(program, "accuracy", "--help").returncode == 0, "--help is an error")
 
 
+def stability_run(program, folder, *options):
+    done = run(program, "stability", "--quick", "--out", folder, *options)
+    expect(done.returncode == 0, f"exit status {done.returncode}: {done.stderr}")
+    expect((folder / "stability.txt").read_text() == done.stdout, "stability.txt is not what was printed")
+    with open(folder / "stability.csv", newline="") as file:
+        rows = list(csv.DictReader(file))
+    expect(rows and list(rows[0])[: len(STABILITY)] == STABILITY, f"columns: {rows[:1]}")
+    expect({round(1 / float(r["dt"])) for r in rows} == {30, 60}, "not at both ticks")
+    return rows, done.stdout
+
+
+def check_survivor(row):
+    """What Limber promises of a body that nothing but its own springs moves."""
+    expect(row["finite"] == "1", f"not finite: {row}")
+    expect(0 < float(row["energy_ratio"]) <= 1.001 + float(row["rounding"]), f"energy: {row}")
+    expect(float(row["rounding"]) < 1e-2, f"the allowance for rounding allows anything: {row}")
+    expect(float(row["momentum_drift"]) <= 1e-6, f"momentum: {row}")
+    expect(row["recovered"] in ("yes", "n/a"), f"shape: {row}")
+    expect(row["recovered"] == "n/a" or float(row["shape_error"]) <= 1e-3, f"shape: {row}")
+
+
+def check_stability(program, _):
+    with tempfile.TemporaryDirectory() as name:
+        folder = pathlib.Path(name)
+        for case, cases in (("stiffness k", 6), ("damping x", 5), ("mass ratio", 8)):
+            rows, _summary = stability_run(program, folder, "--case", case, "--engine", "limber")
+            expect(len(rows) == 2 * 4 * cases, f"{case}: {len(rows)} rows")
+            for row in rows:
+                check_survivor(row)
+            expect(any(row["recovered"] == "yes" for row in rows), f"{case}: nothing was asked to recover")
+
+
+def check_stability_counts(program, _):
+    """The counts are those of the rows, for the other engines, too; what an engine cannot have is told."""
+    with tempfile.TemporaryDirectory() as name:
+        folder = pathlib.Path(name)
+        rows, summary = stability_run(program, folder, "--case", "impact plane")
+        unseen = [r for r in rows if r["engine"] == "btSoftBody"]
+        expect(unseen and all(r["finite"] == "n/a" and r["reason"] for r in unseen), f"planes: {unseen}")
+        expect("btSoftBody does not see planes" in summary, summary)
+        landed = [r for r in rows if r["engine"] == "limber"]
+        expect(all(r["finite"] == "1" and r["wrong_side"] == "0" for r in landed), f"through a plane: {landed}")
+        rows, summary = stability_run(program, folder, "--case", "stiffness k 1e+04")
+        for engine in {(r["engine"], r["setting"]) for r in rows}:
+            own = [r for r in rows if (r["engine"], r["setting"]) == engine]
+            share = 100 * sum(r["passed"] == "1" for r in own) / len(own)
+            line = [t for t in summary.splitlines() if t.split()[:1] == ["all"] and " ".join(engine) in " ".join(t.split())]
+            expect(len(line) == 1 and line[0].endswith(f" {share:.1f}%"), f"{engine}: {share} {line}")
+        drifts = [float(r["momentum_drift"]) for r in rows if r["momentum_drift"] != "n/a" and r["engine"] != "limber"]
+        expect(max(drifts) > 1e-6, "a drift of momentum is not seen")
+
+
+def check_stability_repeats(program, _):
+    with tempfile.TemporaryDirectory() as name:
+        first, second = pathlib.Path(name) / "1", pathlib.Path(name) / "2"
+        for folder in (first, second):
+            stability_run(program, folder, "--case", "misshapen scattered")
+        expect((first / "stability.csv").read_bytes() == (second / "stability.csv").read_bytes(), "not repeatable")
+
+
+def check_stability_plot(program, bench):
+    with tempfile.TemporaryDirectory() as name:
+        folder = pathlib.Path(name)
+        stability_run(program, folder, "--case", "coincident one pair")
+        done = run(bench / "plot", "stability", folder)
+        if done.returncode == SKIPPED:
+            sys.exit(SKIPPED)
+        expect(done.returncode == 0, done.stderr)
+        for picture in ("stability.svg", "stability.png"):
+            expect((folder / picture).stat().st_size > 1000, f"{picture} is empty")
+
+
+def check_stability_options(program, _):
+    for options in ("--rate 0", "--rate x", "--seed -1", "--fast", "more"):
+        done = run(program, "stability", *options.split())
+        expect(done.returncode == 2, f"{options}: exit status {done.returncode}")
+    names = run(program, "stability", "--cases").stdout.splitlines()
+    expect(len(names) >= 300 and len(set(names)) == len(names), f"{len(names)} cases, {len(set(names))} names")
+
+
 CHECKS = {
     "scaling": check_scaling,
     "counts": check_counts,
@@ -209,6 +290,11 @@ CHECKS = {
     "unknown_name": check_unknown_name,
     "unwritable_folder": check_unwritable_folder,
     "bad_options": check_bad_options,
+    "stability": check_stability,
+    "stability_counts": check_stability_counts,
+    "stability_repeats": check_stability_repeats,
+    "stability_plot": check_stability_plot,
+    "stability_options": check_stability_options,
 }
 
 if __name__ == "__main__":
