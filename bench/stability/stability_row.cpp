@@ -23,8 +23,8 @@ bool gainsEnergy(const StabilityRow& row) {
 
 bool drifts(const StabilityRow& row) { return row.ran() && row.drift && !(*row.drift <= kDriftTarget); }
 
-bool spinsUp(const StabilityRow& row) {
-  return row.ran() && row.spinDrift && !(*row.spinDrift <= kSpinNoted);
+bool losesSpin(const StabilityRow& row) {
+  return row.ran() && row.spinDrift && !(*row.spinDrift <= kSpinTarget);
 }
 
 bool staysMisshapen(const StabilityRow& row) {
@@ -40,8 +40,8 @@ bool isHeldElsewhere(const StabilityRow& row) {
 bool endsWrong(const StabilityRow& row) { return row.ran() && row.wrongSide.value_or(0) > 0; }
 
 bool passes(const StabilityRow& row) {
-  return row.ran() && row.finite && !gainsEnergy(row) && !drifts(row) && !staysMisshapen(row) &&
-         !endsWrong(row);
+  return row.ran() && row.finite && !gainsEnergy(row) && !drifts(row) && !losesSpin(row) &&
+         !staysMisshapen(row) && !endsWrong(row);
 }
 
 std::vector<std::string> stabilityColumns() {

@@ -29,11 +29,11 @@ struct StabilityRow {
 };
 
 constexpr double kEnergyTarget = 1.001, kDriftTarget = 1e-6;
-constexpr double kSpinNoted = 1e-3;  // no target: told apart in the table
+constexpr double kSpinTarget = 1e-3;
 
 bool gainsEnergy(const StabilityRow& row);
 bool drifts(const StabilityRow& row);
-bool spinsUp(const StabilityRow& row);
+bool losesSpin(const StabilityRow& row);  ///< or has gained some
 /// Neither in its shape nor in its mirror image nor held in another one.
 bool staysMisshapen(const StabilityRow& row);
 bool isHeldElsewhere(const StabilityRow& row);  ///< in another balance, or by its spin
