@@ -51,6 +51,7 @@ struct Scene {
   int finest = 8;        ///< Limber is tried with 1, 2, 4 ... this many times the substeps it needs; beyond
                          ///< 8 only at 60 ticks a second
   double periodTolerance = 0.0;  ///< above 0: Limber is also asked for this one
+  int copies = 1;                ///< of all bodies, far apart; times are told per copy, the first is judged
   bool limberOnly = false;       ///< the others cannot have it
   std::string remark;            ///< printed beside the results, for orientation
 };

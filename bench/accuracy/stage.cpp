@@ -21,6 +21,13 @@ void addToHash(std::uint64_t& hash, const Eigen::Matrix3Xd& values) {
   }
 }
 
+BodySetup shifted(BodySetup body, int copy) {
+  const Eigen::Vector3d way(0, 0, 20.0 * copy);
+  body.settings.position += way;
+  if (body.positions.size()) body.positions.colwise() += way;
+  return body;
+}
+
 bool isLost(const Frame& frame) {
   for (const Eigen::Matrix3Xd& points : frame.positions)
     if (!points.allFinite() || points.cwiseAbs().maxCoeff() > kTooFar) return true;
@@ -48,7 +55,8 @@ Stage::Stage(const Scene& scene, const EngineChoice& choice, double dt)
       ticks_(static_cast<int>(std::lround(scene.seconds / dt))) {
   engine_->world().setGravity(toBullet(scene.gravity));
   if (scene.addRigidBodies) scene.addRigidBodies(rigid_, engine_->world());
-  for (const BodySetup& body : scene.bodies) engine_->addBody(body);
+  for (int copy = 0; copy < scene.copies; ++copy)
+    for (const BodySetup& body : scene.bodies) engine_->addBody(shifted(body, copy));
   trace_.dt = dt;
   record();
 }
@@ -57,8 +65,10 @@ void Stage::advance(int ticks) {
   for (; ticks > 0 && !over(); --ticks) {
     const auto start = Clock::now();
     engine_->tick(dt_);
-    tickMicroseconds_.push_back(std::chrono::duration<double, std::micro>(Clock::now() - start).count());
-    if (engine_->stepMicroseconds() >= 0.0) stepMicroseconds_.push_back(engine_->stepMicroseconds());
+    const double tick = std::chrono::duration<double, std::micro>(Clock::now() - start).count();
+    tickMicroseconds_.push_back(tick / scene_.copies);
+    if (engine_->stepMicroseconds() >= 0.0)
+      stepMicroseconds_.push_back(engine_->stepMicroseconds() / scene_.copies);
     ++tick_;
     record();
   }
