@@ -99,13 +99,8 @@ TEST_P(ImplicitStep, neverGainsEnergyHoweverStiff) {
       const double start = least;
       for (int i = 0; i < 300; ++i) {
         advance(body, 1.0 / 30, 1);
-        // the swing that implicit_step.cpp allows, in motion and in what cannot be taken out of it. Under
-        // strong damping also the energy of turning: the dampers of a step that goes straight brake it a
-        // little, and keeping the angular momentum gives it back
-        const double turning = ratio > 1.0 ? 5e-3 : 0.0;
-        ASSERT_LT(body.energy(), least + (5e-4 + turning) * start)
-            << "k " << stiffness << " damping " << ratio;
-        ASSERT_LT(body.energy(), 1.0005 * start);
+        // the swing that implicit_step.cpp allows, in motion and in what cannot be taken out of it
+        ASSERT_LT(body.energy(), least + 5e-4 * start) << "k " << stiffness << " damping " << ratio;
         least = std::min(least, body.energy());
       }
     }

@@ -274,7 +274,11 @@ void advanceHalfByEuler(const Substep& s) {
   computeForces(s, false);
   setVelocities(s, 1.0);
   if (s.touches()) settle(s.implicit.contacts, p, s.firstHalf());
+  // giving back the spin that the dampers of a straight step have braked may cost more energy than there is
+  s.implicit.trial = p.velocity;
   keepSpin(s, spin, 0.5 * s.h);
+  if (guardEnergy(s)) return;
+  p.velocity = s.implicit.trial;
   if (!guardEnergy(s)) s.implicit.energyFloor = energy(s);
 }
 
