@@ -21,7 +21,7 @@ struct StabilityRow {
   double energyRatio = 0.0;         ///< largest energy over that at the start
   double rounding = 0.0;            ///< what the rounding of Bullet's numbers may have added to the ratio
   std::optional<double> drift;      ///< largest change of momentum over the sum of m |v|
-  std::optional<double> spinDrift;  ///< largest change of angular momentum over the sum of m |r| |v|
+  std::optional<double> spinDrift;  ///< largest change of angular momentum over what there could be of it
   std::optional<ShapeCheck> shape;  ///< of the worst body
   std::optional<std::size_t> wrongSide;  ///< points that ended inside or behind what they hit
 

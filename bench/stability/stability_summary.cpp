@@ -114,6 +114,7 @@ std::string targetLines(const Rows& rows) {
       if (engine.first != "limber") continue;
       const Rows own = select(
           rows, [&](const StabilityRow& r) { return r.engine == "limber" && r.setting == engine.second; });
+      if (count(own, target.asked) == 0) continue;
       const long missed = count(own, target.missed);
       text += format("  %-4s  %-45s limber %-9s %s\n", missed ? "MISS" : "hit", target.name,
                      engine.second.c_str(), share(own, target.missed, target.asked).c_str());
@@ -126,6 +127,7 @@ std::string flawsOf(const StabilityRow& row) {
   if (!row.finite) return " non-finite";
   if (gainsEnergy(row)) text += format(" energy %.6gx (rounding %.1e)", row.energyRatio, row.rounding);
   if (drifts(row)) text += format(" drift %.2e", *row.drift);
+  if (losesSpin(row)) text += format(" angular momentum off by %.2e", *row.spinDrift);
   if (staysMisshapen(row))
     text += format(" shape %s: off by %.2e", nameOf(row.shape->shape), row.shape->error);
   if (endsWrong(row)) text += format(" %zu points on the wrong side", *row.wrongSide);

@@ -206,6 +206,8 @@ def stability_run(program, folder, *options):
     with open(folder / "stability.csv", newline="") as file:
         rows = list(csv.DictReader(file))
     expect(rows and list(rows[0])[: len(STABILITY)] == STABILITY, f"columns: {rows[:1]}")
+    bare = [t for t in done.stdout.splitlines() if t.endswith((":", " -")) or ":;" in t]
+    expect(not bare, f"verdicts without a reason: {bare}")
     expect({round(1 / float(r["dt"])) for r in rows} == {30, 60}, "not at both ticks")
     return rows, done.stdout
 
