@@ -165,6 +165,23 @@ def check_accuracy_plot(program, bench):
             expect((folder / f"accuracy-oscillator.{ending}").stat().st_size > 1000, f"{ending} is empty")
 
 
+def check_springs(program, bench):
+    with tempfile.TemporaryDirectory() as name:
+        folder = pathlib.Path(name)
+        done = run(program, "springs", "--quick", "--out", folder)
+        expect(done.returncode == 0, done.stderr)
+        with open(folder / "springs.csv", newline="") as file:
+            rows = list(csv.DictReader(file))
+        expect({r["damped"] for r in rows} == {"0", "1"}, "damped and undamped")
+        expect({r["contacts"] for r in rows} == {"0", "4"}, "with and without contacts")
+        expect("1 body scalar" in {r["stepped"] for r in rows}, "every machine can step spring by spring")
+        expect(all(float(r["ns_per_spring_substep"]) > 0 for r in rows), "a spring costs something")
+        done = run(bench / "plot", "springs", folder)
+        if done.returncode == SKIPPED:
+            sys.exit(SKIPPED)
+        expect((folder / "springs.svg").stat().st_size > 1000, "svg is empty")
+
+
 def check_unknown_name(program, _):
     for name in ("scalin", "", "../scaling"):
         done = run(program, name)
@@ -289,6 +306,7 @@ CHECKS = {
     "accuracy": check_accuracy,
     "accuracy_repeats": check_accuracy_repeats,
     "accuracy_plot": check_accuracy_plot,
+    "springs": check_springs,
     "unknown_name": check_unknown_name,
     "unwritable_folder": check_unwritable_folder,
     "bad_options": check_bad_options,
