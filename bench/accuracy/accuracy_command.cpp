@@ -5,14 +5,13 @@
 #include "accuracy/measure_scene.h"
 #include "accuracy/row_query.h"
 #include "accuracy/scene_list.h"
+#include "command_line.h"
 #include "csv_table.h"
-#include "output_folder.h"
 #include "text_format.h"
 
 #include <CLI/CLI.hpp>
 
 #include <cstdio>
-#include <fstream>
 
 namespace limber::bench {
 namespace {
@@ -73,15 +72,8 @@ ExitCode runAccuracy(int argc, char** argv) {
   CLI::App app("How far off are soft bodies, and what does a tick cost?", "limber-bench accuracy");
   Options options;
   addOptions(app, options);
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? kSuccess : kUsage;
-  }
-  if (const std::string reason = prepareOutput(options.out, kCsvName); !reason.empty()) {
-    std::fprintf(stderr, "limber-bench: %s\n", reason.c_str());
-    return kFailure;
-  }
+  if (const auto end = parse(app, argc, argv)) return *end;
+  if (!canWrite(options.out, kCsvName)) return kFailure;
   const std::vector<Scene> scenes = scenesOf(options);
   if (scenes.empty()) {
     std::fprintf(stderr, "limber-bench: no scene has \"%s\" in its name\n", options.scene.c_str());
@@ -90,8 +82,7 @@ ExitCode runAccuracy(int argc, char** argv) {
   std::vector<AccuracyRow> rows;
   measureAll(options, scenes, rows);
   const std::string summary = summariseAccuracy(scenes, rows);
-  std::ofstream(options.out + "/accuracy.txt") << summary;
-  std::printf("%s", summary.c_str());
+  publish(summary, options.out + "/accuracy.txt");
   return kSuccess;
 }
 

@@ -2,9 +2,9 @@
 #include "scaling/scaling_command.h"
 
 #include "clocks.h"
+#include "command_line.h"
 #include "count_search.h"
 #include "csv_table.h"
-#include "output_folder.h"
 #include "scaling/measure.h"
 #include "scaling/scaling_csv.h"
 #include "scaling/scaling_summary.h"
@@ -12,7 +12,6 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdio>
-#include <fstream>
 
 namespace limber::bench {
 namespace {
@@ -91,21 +90,13 @@ std::vector<SearchEnd> endsOf(const std::vector<ModeSearch>& searches) {
   return ends;
 }
 
-void publish(const std::string& summary, const std::string& folder) {
-  std::ofstream(folder + "/scaling.txt") << summary;
-  std::printf("%s", summary.c_str());
-}
-
 }  // namespace
 
 ExitCode runScaling(int argc, char** argv) {
   const auto parsed = parseScalingOptions(argc, argv);
   if (const ExitCode* over = std::get_if<ExitCode>(&parsed)) return *over;
   const auto& options = std::get<ScalingOptions>(parsed);
-  if (const std::string reason = prepareOutput(options.out, kScalingCsvName); !reason.empty()) {
-    std::fprintf(stderr, "limber-bench: %s\n", reason.c_str());
-    return kFailure;
-  }
+  if (!canWrite(options.out, kScalingCsvName)) return kFailure;
   Bench bench{
       options, CsvTable(options.out + "/" + kScalingCsvName, scalingColumns()), RowProgress(), {}, {}};
   std::vector<ModeSearch> searches;
@@ -115,7 +106,7 @@ ExitCode runScaling(int argc, char** argv) {
   } else {
     measureCounts(bench);
   }
-  publish(summarise(options, bench.rows, endsOf(searches)), options.out);
+  publish(summarise(options, bench.rows, endsOf(searches)), options.out + "/scaling.txt");
   return kSuccess;
 }
 

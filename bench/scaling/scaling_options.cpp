@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "scaling/scaling_options.h"
 
+#include "command_line.h"
 #include "number_checks.h"
 
 #include <CLI/CLI.hpp>
@@ -74,11 +75,7 @@ std::variant<ScalingOptions, ExitCode> parseScalingOptions(int argc, char** argv
                "limber-bench scaling");
   CommandLine line;
   addOptions(app, line);
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? kSuccess : kUsage;
-  }
+  if (const auto end = parse(app, argc, argv)) return *end;
   if (line.quick) hurry(line);
   line.options.modes = modesNamed(line.modes);
   demo::parseSize(line.size, line.options.width, line.options.height);

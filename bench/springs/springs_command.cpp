@@ -2,8 +2,8 @@
 #include "springs/springs_command.h"
 
 #include "clocks.h"
+#include "command_line.h"
 #include "csv_table.h"
-#include "output_folder.h"
 #include "sample_stats.h"
 #include "springs/test_cubes.h"
 #include "text_format.h"
@@ -11,7 +11,6 @@
 #include <CLI/CLI.hpp>
 
 #include <cstdio>
-#include <fstream>
 #include <functional>
 #include <memory>
 #include <string>
@@ -148,20 +147,12 @@ ExitCode runSprings(int argc, char** argv) {
   bool quick = false;
   app.add_option("--out", out, "folder of springs.csv and springs.txt (default out/bench)");
   app.add_flag("--quick", quick, "5 repeats instead of 41");
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? kSuccess : kUsage;
-  }
-  if (const std::string reason = prepareOutput(out, kCsvName); !reason.empty()) {
-    std::fprintf(stderr, "limber-bench: %s\n", reason.c_str());
-    return kFailure;
-  }
+  if (const auto end = parse(app, argc, argv)) return *end;
+  if (!canWrite(out, kCsvName)) return kFailure;
   std::vector<Way> ways = allWays();
   measure(ways, quick ? 5 : 41);
   writeCsv(out + "/" + kCsvName, ways);
-  std::ofstream(out + "/springs.txt") << summary(ways);
-  std::printf("%s", summary(ways).c_str());
+  publish(summary(ways), out + "/springs.txt");
   return kSuccess;
 }
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Zlib
 #include "stability/stability_command.h"
 
+#include "command_line.h"
 #include "csv_table.h"
-#include "output_folder.h"
 #include "row_progress.h"
 #include "stability/play_case.h"
 #include "stability/stability_summary.h"
@@ -12,7 +12,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <fstream>
 
 namespace limber::bench {
 namespace {
@@ -94,22 +93,14 @@ ExitCode runStability(int argc, char** argv) {
   CLI::App app("What do soft bodies survive?", "limber-bench stability");
   Options options;
   addOptions(app, options);
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? kSuccess : kUsage;
-  }
+  if (const auto end = parse(app, argc, argv)) return *end;
   if (options.list) {
     for (const HardCase& hard : casesOf(options)) std::printf("%s\n", wholeName(hard).c_str());
     return kSuccess;
   }
-  if (const std::string reason = prepareOutput(options.out, kCsvName); !reason.empty()) {
-    std::fprintf(stderr, "limber-bench: %s\n", reason.c_str());
-    return kFailure;
-  }
+  if (!canWrite(options.out, kCsvName)) return kFailure;
   const std::string summary = summariseStability(playAll(options));
-  std::ofstream(options.out + "/stability.txt") << summary;
-  std::printf("%s", summary.c_str());
+  publish(summary, options.out + "/stability.txt");
   return kSuccess;
 }
 

@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: Zlib
+#pragma once
+
+#include "core/midpoint_contacts.h"
+#include "core/midpoint_solver.h"
+
+namespace limber {
+
+/// What stepImplicit keeps of a body from substep to substep.
+struct ImplicitState {
+  MidpointSolver solver;
+  MidpointContacts contacts;
+  Points start, startVelocity;  ///< 3 x #points, m and m/s, at the start of the substep
+  Points damperDirection;       ///< 3 x #springs, unit vectors or 0
+  Points residual, trial;       ///< 3 x #points, scratch
+  double energyFloor = 0.0;     ///< J, the least energy it has had, work done on it and other changes added
+  double energyAtEnd = 0.0;     ///< J, at the end of the last tick
+  Points meanAcceleration;      ///< 3 x #points, m/s^2, of the last substep; empty before the first
+};
+
+}  // namespace limber
