@@ -57,6 +57,7 @@ SteppingProblem problemOf(TickGroup& group, double tick) {
     p.size = p.size > 0.0 ? std::min(p.size, body->size) : body->size;
     p.touching = p.touching || !body->contacts.empty();
     p.narrow = body->narrow;
+    p.cheapNewton = body->cheapNewton;
   }
   p.implicitPossible = isPlain(group.step) && canStepImplicitly(group.step.bodies[0]);
   return p;

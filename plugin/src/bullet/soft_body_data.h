@@ -53,6 +53,7 @@ struct SoftBodyData {
   double dampingRate = 0.0;  ///< 1/s, dampingRateBound, as stale as frequencySquared
   double size = 0.0;         ///< m, diagonal of the box around it at rest
   bool narrow = false;       ///< see SteppingProblem
+  bool cheapNewton = false;  ///< see SteppingProblem
   QuadArrays quads;          ///< empty unless it is stepped so
   ImplicitState implicit;    ///< empty unless it is stepped so
 

@@ -55,7 +55,7 @@ VerletNeed verletNeed(const SteppingProblem& p, const Stepping& s) {
 Stepper choose(const SteppingProblem& p, const Stepping& s, const VerletNeed& verlet) {
   if (!p.implicitPossible) return Stepper::Verlet;
   if (s.stepper != Stepper::Auto) return s.stepper;
-  const bool strong = p.dampingRate * p.tick / verlet.wanted > kStrongDamping;
+  const bool strong = p.cheapNewton && p.dampingRate * p.tick / verlet.wanted > kStrongDamping;
   const bool tooDear = s.budget > 0 && verlet.stable > s.budget;
   const bool many = verlet.wanted > kMostVerlet && !p.touching;
   return strong || tooDear || many ? implicitFor(p, strong) : Stepper::Verlet;

@@ -34,7 +34,9 @@ struct SteppingProblem {
   double size = 0.0;              ///< m, of the body
   bool implicitPossible = false;  ///< see canStepImplicitly
   bool touching = false;          ///< has contacts
-  bool narrow = false;            ///< a rope or chain: the banded matrix has a few diagonals only
+  bool cheapNewton =
+      false;            ///< a few points, or few diagonals: the banded matrix is factorised in microseconds
+  bool narrow = false;  ///< a rope or chain: the banded matrix has a few diagonals only
 };
 
 struct SteppingChoice {
@@ -51,7 +53,9 @@ double fastestTurn(const SpringArrays& springs, const PointState& state, double 
 
 /// The stepper and its substeps for this tick:
 ///   - Verlet, in as many substeps as are stable, keep periodTolerance, and resolve the fastest turning;
-///   - Newton's method for a body damped so strongly that splitting the dampers off would slow its creep;
+///   - Newton's method for a body damped so strongly that splitting the dampers off would slow its creep, if
+///   that
+///     is cheap; large meshes stay with Verlet;
 ///   - above kMostVerlet substeps, for bodies in free motion, Newton's method for ropes and chains and
 ///     local/global iterations for all others;
 ///   - one of these too when the budget does not allow Verlet its stable number.
