@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Zlib
 #include "accuracy/spring_system.h"
+#include "engines/spring_derivatives.h"
 
 #include <Eigen/Cholesky>
 
@@ -20,36 +21,8 @@ double energy(const SpringSystem& system, const Eigen::Matrix3Xd& x) {
   return sum;
 }
 
-struct Derivatives {
-  Eigen::VectorXd gradient;
-  Eigen::MatrixXd hessian;
-};
-
-/// A spring's second derivative is k u u^T + k (1 - l0 / l) (I - u u^T), u its direction.
-Derivatives derivatives(const SpringSystem& system, const Eigen::Matrix3Xd& x) {
-  Derivatives d;
-  d.gradient = -system.load.reshaped();
-  d.hessian.setZero(x.size(), x.size());
-  for (std::size_t i = 0; i < system.springs.size(); ++i) {
-    const auto n = static_cast<Eigen::Index>(i);
-    const Eigen::Index a = 3 * Eigen::Index(system.springs[i].a), b = 3 * Eigen::Index(system.springs[i].b);
-    const Eigen::Vector3d along = x.col(b / 3) - x.col(a / 3);
-    const double length = along.norm(), k = system.start.stiffnesses[n], rest = system.start.restLengths[n];
-    const Eigen::Vector3d u = along / length;
-    const Eigen::Matrix3d uu = u * u.transpose();
-    const Eigen::Matrix3d block = k * uu + k * (1 - rest / length) * (Eigen::Matrix3d::Identity() - uu);
-    d.gradient.segment<3>(b) += k * (length - rest) * u;
-    d.gradient.segment<3>(a) -= k * (length - rest) * u;
-    d.hessian.block<3, 3>(a, a) += block;
-    d.hessian.block<3, 3>(b, b) += block;
-    d.hessian.block<3, 3>(a, b) -= block;
-    d.hessian.block<3, 3>(b, a) -= block;
-  }
-  return d;
-}
-
 /// Held coordinates get a unit row and no force.
-void hold(const SpringSystem& system, Derivatives& d) {
+void hold(const SpringSystem& system, SpringDerivatives& d) {
   const auto free = system.free.reshaped();
   for (Eigen::Index i = 0; i < free.size(); ++i) {
     if (free[i] != 0.0) continue;
@@ -61,7 +34,7 @@ void hold(const SpringSystem& system, Derivatives& d) {
 }
 
 /// Newton's step where the matrix, made a little stiffer, is positive definite and the energy does fall.
-bool improve(const SpringSystem& system, Derivatives& d, double& stiffening, Eigen::Matrix3Xd& x) {
+bool improve(const SpringSystem& system, SpringDerivatives& d, double& stiffening, Eigen::Matrix3Xd& x) {
   const double before = energy(system, x);
   for (int attempt = 0; attempt < 60; ++attempt, stiffening *= 4.0) {
     Eigen::MatrixXd matrix = d.hessian;
@@ -88,7 +61,8 @@ Eigen::Matrix3Xd equilibrium(const SpringSystem& system) {
   const double rounding = 1e-14 * system.start.stiffnesses.maxCoeff() * x.norm();
   const double enough = 1e-9 * system.load.norm() + rounding;
   for (int i = 0; i < 500; ++i) {
-    Derivatives d = derivatives(system, x);
+    SpringDerivatives d = springDerivatives(system.springs, system.start, x);
+    d.gradient -= system.load.reshaped();
     hold(system, d);
     if (d.gradient.norm() <= enough) return x;
     if (!improve(system, d, stiffening, x)) break;

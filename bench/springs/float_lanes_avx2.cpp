@@ -2,19 +2,11 @@
 #include "springs/float_lanes.h"
 
 #if defined(LIMBER_HAS_LANES)
-#if defined(__clang__)
-#pragma clang attribute push(__attribute__((target("avx2"))), apply_to = function)
-#pragma STDC FP_CONTRACT OFF
-#else
-#pragma GCC target("avx2")
-#pragma GCC optimize("fp-contract=off")
-#endif
-
 #define LIMBER_PACK_BITS 256
 #define LIMBER_FLOAT_STEP stepFloatsAvx2
+#include "core/target_begin.h"
+
 #include "springs/float_lanes.inl"
 
-#if defined(__clang__)
-#pragma clang attribute pop
-#endif
+#include "core/target_end.h"
 #endif

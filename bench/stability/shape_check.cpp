@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "stability/shape_check.h"
 
+#include "engines/spring_derivatives.h"
 #include "stability/case_parts.h"
 
 #include <Eigen/Dense>
@@ -30,41 +31,11 @@ double handedness(const Eigen::Matrix3Xd& x) {
   return a.dot(b.cross(c));
 }
 
-/// Forces on the points (with the opposite sign) and the matrix of their changes.
-struct Balance {
-  Eigen::VectorXd gradient;
-  Eigen::MatrixXd hessian;
-};
-
-/// A spring of k, length l, direction n and rest length L has, between its ends,
-///   gradient k (l - L) n   and   Hessian k (n n^T + (1 - L / l) (1 - n n^T)).
-Balance balanceOf(const BodySetup& setup, const BodyStart& start, const Eigen::Matrix3Xd& x) {
-  Balance sum{Eigen::VectorXd::Zero(x.size()), Eigen::MatrixXd::Zero(x.size(), x.size())};
-  const auto& springs = setup.network->springs;
-  for (std::size_t s = 0; s < springs.size(); ++s) {
-    const Eigen::Index i = static_cast<Eigen::Index>(s), a = 3 * springs[s].a, b = 3 * springs[s].b;
-    const Eigen::Vector3d d = x.col(springs[s].b) - x.col(springs[s].a);
-    const double length = d.norm(), k = start.stiffnesses[i], restLength = start.restLengths[i];
-    if (length < 1e-9) continue;  // no direction, no force
-    const Eigen::Vector3d n = d / length;
-    const Eigen::Matrix3d along = n * n.transpose();
-    const Eigen::Matrix3d block =
-        k * (along + (1.0 - restLength / length) * (Eigen::Matrix3d::Identity() - along));
-    sum.gradient.segment<3>(b) += k * (length - restLength) * n;
-    sum.gradient.segment<3>(a) -= k * (length - restLength) * n;
-    sum.hessian.block<3, 3>(a, a) += block;
-    sum.hessian.block<3, 3>(b, b) += block;
-    sum.hessian.block<3, 3>(a, b) -= block;
-    sum.hessian.block<3, 3>(b, a) -= block;
-  }
-  return sum;
-}
-
 Shape balancedShape(const ShapeQuestion& q) {
-  const Balance balance = balanceOf(q.setup, q.start, q.positions);
+  const SpringDerivatives energy = springDerivatives(q.setup.network->springs, q.start, q.positions);
   const double k = q.start.stiffnesses.maxCoeff();
-  if (balance.gradient.cwiseAbs().maxCoeff() > kBalance * k * q.size) return Shape::Lost;
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> modes(balance.hessian, Eigen::EigenvaluesOnly);
+  if (energy.gradient.cwiseAbs().maxCoeff() > kBalance * k * q.size) return Shape::Lost;
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> modes(energy.hessian, Eigen::EigenvaluesOnly);
   return modes.eigenvalues()[0] < -kFlat * k ? Shape::Saddle : Shape::Other;
 }
 

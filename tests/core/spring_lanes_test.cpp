@@ -95,7 +95,7 @@ INSTANTIATE_TEST_SUITE_P(Sets, Lanes,
 
 TEST(Lanes, takeUpNewSpringsWhenTheyChange) {
   const InstructionSet set = bestInstructionSet();
-  if (set == InstructionSet::Scalar) GTEST_SKIP();
+  if (set == InstructionSet::Scalar) GTEST_SKIP() << "this processor has no lanes";
   std::deque<LaneBody> single = makeBodies(2, 0.5), laned = makeBodies(2, 0.5);
   LaneBlock block;
   for (LaneBody& body : laned) {

@@ -63,7 +63,8 @@ class SoftBody {
   /// What advanced the body in the last tick, never Auto.
   Stepper stepper() const;
   /// m/s: estimate of how fast the body's motion departs from the exact one for want of finer substeps, root
-  /// mean square over the points, the largest of the last quarter of a second. Contacts are not in it.
+  /// mean square over the points: the last tick's, or what is left of an earlier peak, which fades over a
+  /// quarter of a second. Contacts are not in it.
   double errorPerSecond() const;
   /// rad/s, an upper bound of the body's fastest oscillation, from which the substeps follow.
   double frequencyBound() const;

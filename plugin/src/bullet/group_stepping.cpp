@@ -10,17 +10,18 @@ namespace limber {
 inline namespace LIMBER_BULLET_PRECISION {
 namespace {
 
-/// The strictest of the bodies' choices; single springs keep the default.
+/// The strictest of the bodies' choices; springs between rigid bodies alone have the defaults. Linked bodies
+/// are stepped by Verlet whatever they choose.
 Stepping strictest(const TickGroup& group) {
-  if (group.bodies.size() == 1) return group.bodies[0]->settings.stepping;
-  Stepping all;
+  if (group.bodies.empty()) return Stepping();
+  Stepping all = group.bodies[0]->settings.stepping;
   for (const SoftBodyData* body : group.bodies) {
     const Stepping& s = body->settings.stepping;
     all.atLeast = std::max(all.atLeast, s.atLeast);
     all.periodTolerance = std::min(all.periodTolerance, s.periodTolerance);
-    all.budget = std::max(all.budget, s.budget);
     for (auto part : {&Stepping::tolerance, &Stepping::relativeTolerance})
       if (s.*part > 0.0) all.*part = all.*part > 0.0 ? std::min(all.*part, s.*part) : s.*part;
+    if (s.budget > 0) all.budget = all.budget > 0 ? std::min(all.budget, s.budget) : s.budget;
   }
   return all;
 }

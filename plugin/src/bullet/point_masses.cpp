@@ -157,7 +157,7 @@ void gatherPoints(SoftBodyData& body, btScalar tick) {
     PointMass& point = *m.bodies[i];
     point.keepCollisionFilter();
     const bool held = isHeld(point);
-    moved = moved || point.getWorldTransform().getOrigin() != m.leftPosition[i];
+    moved = moved || (!held && point.getWorldTransform().getOrigin() != m.leftPosition[i]);
     if (held)
       gatherHeld(body, i, tick);
     else
@@ -171,7 +171,7 @@ void gatherPoints(SoftBodyData& body, btScalar tick) {
     m.held[i] = held;
     remember(m, i);
   }
-  // the steps themselves do not bring points to one place
+  // neither the steps themselves nor a pin that is moved about bring points to exactly one place
   if (moved) separateCoincident(body.springs, body.state);
   m.startPosition = body.state.position;
 }

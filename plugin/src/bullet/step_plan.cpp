@@ -16,7 +16,7 @@ namespace {
 constexpr std::size_t kLargestInLanes = 1000;
 
 bool fitsLanes(const TickGroup& group) {
-  return !group.asleep && !hasTolerance(group) && group.stepper == Stepper::Verlet && isPlain(group.step) &&
+  return !hasTolerance(group) && group.stepper == Stepper::Verlet && isPlain(group.step) &&
          group.bodies[0]->springs.size() <= kLargestInLanes && group.bodies[0]->springs.size() > 0;
 }
 
@@ -44,11 +44,15 @@ void StepPlan::number(const std::vector<TickGroup>& groups) {
   }
 }
 
-void StepPlan::collect(std::vector<TickGroup>& groups) {
+void StepPlan::stepOrCollect(std::vector<TickGroup>& groups, double tick) {
   candidates_.clear();
-  for (std::size_t i = 0; i < groups.size(); ++i)
+  for (std::size_t i = 0; i < groups.size(); ++i) {
+    if (groups[i].asleep) continue;
     if (fitsLanes(groups[i]))
       candidates_.push_back({networkOf_[i], groups[i].substeps, groups[i].bodies[0]->springs.damped, i});
+    else
+      stepGroup(groups[i], tick, factors_);
+  }
   std::sort(candidates_.begin(), candidates_.end());
 }
 
@@ -81,10 +85,8 @@ void StepPlan::stepRun(std::vector<TickGroup>& groups, std::size_t begin, std::s
 
 void StepPlan::step(std::vector<TickGroup>& groups, double tick) {
   if (networkOf_.size() != groups.size()) number(groups);
-  collect(groups);
+  stepOrCollect(groups, tick);
   blocksUsed_ = 0;
-  for (TickGroup& group : groups)
-    if (!group.asleep && !fitsLanes(group)) stepGroup(group, tick, factors_);
   for (std::size_t begin = 0, end; begin < candidates_.size(); begin = end) {
     end = begin + 1;
     while (end < candidates_.size() && candidates_[end].fitsWith(candidates_[begin])) ++end;

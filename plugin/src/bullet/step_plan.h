@@ -30,7 +30,8 @@ class StepPlan {
   };
 
   void number(const std::vector<TickGroup>& groups);
-  void collect(std::vector<TickGroup>& groups);
+  /// Steps the groups that do not fit into lanes and sorts the others into candidates_.
+  void stepOrCollect(std::vector<TickGroup>& groups, double tick);
   void stepRun(std::vector<TickGroup>& groups, std::size_t begin, std::size_t end, double tick);
   void stepBlock(std::vector<TickGroup>& groups, std::size_t begin, std::size_t end, double tick);
 

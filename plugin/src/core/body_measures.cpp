@@ -12,8 +12,8 @@ namespace {
 template <class Visit>
 void forEachMass(const PointState& state, Visit visit) {
   for (Eigen::Index i = 0; i < state.position.cols(); ++i) {
-    const double w = state.inverseMass.col(i).maxCoeff();
-    if (w > 0.0) visit(1.0 / w, i);
+    const double mass = massOf(state.inverseMass, i);
+    if (mass > 0.0) visit(mass, i);
   }
 }
 

@@ -10,11 +10,6 @@
 namespace limber {
 namespace {
 
-double massOf(const PointState& state, Eigen::Index i) {
-  const double w = state.inverseMass.col(i).maxCoeff();
-  return w > 0.0 ? 1.0 / w : 0.0;
-}
-
 struct RigidMotion {
   Eigen::Vector3d center = Eigen::Vector3d::Zero(), velocity = Eigen::Vector3d::Zero(),
                   omega = Eigen::Vector3d::Zero();
@@ -38,17 +33,18 @@ struct Moments {
 Moments momentsOf(const PointState& state) {
   Moments m;
   for (Eigen::Index i = 0; i < state.position.cols(); ++i) {
-    m.mass += massOf(state, i);
-    m.center += massOf(state, i) * state.position.col(i);
-    m.velocity += massOf(state, i) * state.velocity.col(i);
+    m.mass += massOf(state.inverseMass, i);
+    m.center += massOf(state.inverseMass, i) * state.position.col(i);
+    m.velocity += massOf(state.inverseMass, i) * state.velocity.col(i);
   }
   if (!(m.mass > 0.0)) return m;
   m.center /= m.mass;
   m.velocity /= m.mass;
   for (Eigen::Index i = 0; i < state.position.cols(); ++i) {
     const Eigen::Vector3d r = state.position.col(i) - m.center;
-    m.inertia += massOf(state, i) * (r.squaredNorm() * Eigen::Matrix3d::Identity() - r * r.transpose());
-    m.spin += massOf(state, i) * r.cross(Eigen::Vector3d(state.velocity.col(i) - m.velocity));
+    m.inertia +=
+        massOf(state.inverseMass, i) * (r.squaredNorm() * Eigen::Matrix3d::Identity() - r * r.transpose());
+    m.spin += massOf(state.inverseMass, i) * r.cross(Eigen::Vector3d(state.velocity.col(i) - m.velocity));
   }
   return m;
 }
@@ -67,12 +63,12 @@ double removeKineticEnergy(PointState& state, double excess) {
   double internal = 0.0;
   for (Eigen::Index i = 0; i < state.position.cols(); ++i) {
     const Eigen::Vector3d own = state.velocity.col(i) - rigid.at(state.position.col(i));
-    internal += 0.5 * massOf(state, i) * own.squaredNorm();
+    internal += 0.5 * massOf(state.inverseMass, i) * own.squaredNorm();
   }
   if (!(internal > 0.0)) return excess;
   const double scale = std::sqrt(std::max(0.0, 1.0 - excess / internal));
   for (Eigen::Index i = 0; i < state.position.cols(); ++i) {
-    if (massOf(state, i) == 0.0) continue;
+    if (massOf(state.inverseMass, i) == 0.0) continue;
     const Eigen::Vector3d motion = rigid.at(state.position.col(i));
     state.velocity.col(i) = motion + scale * (state.velocity.col(i) - motion);
   }

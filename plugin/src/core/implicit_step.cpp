@@ -112,7 +112,8 @@ double work(const Substep& s) {
   double sum = 0.0;
   for (Eigen::Index i = 0; i < p.position.cols(); ++i) {
     const Eigen::Vector3d moved = p.position.col(i) - s.implicit.start.col(i);
-    sum += isHeld(p, i) ? -p.force.col(i).dot(moved) : massOf(p, i) * p.acceleration.col(i).dot(moved);
+    sum += isHeld(p.inverseMass, i) ? -p.force.col(i).dot(moved)
+                                    : massOf(p.inverseMass, i) * p.acceleration.col(i).dot(moved);
   }
   for (Eigen::Index r = 0; r < s.implicit.contacts.count; ++r) {
     const auto point = (*s.body.contacts)[static_cast<std::size_t>(r)].point;
@@ -138,7 +139,7 @@ bool guardEnergy(const Substep& s) {
 void setVelocities(const Substep& s, double reach) {
   PointState& p = s.points();
   for (Eigen::Index i = 0; i < p.position.cols(); ++i)
-    if (!isHeld(p, i))
+    if (!isHeld(p.inverseMass, i))
       p.velocity.col(i) = 2.0 / s.h * (p.position.col(i) - s.implicit.start.col(i)) -
                           (reach - 1.0) * s.implicit.startVelocity.col(i);
 }
@@ -151,13 +152,13 @@ void keepSpin(const Substep& s, const Eigen::Vector3d& before, double duration) 
   double mass = 0.0;
   Eigen::Vector3d center = Eigen::Vector3d::Zero(), spin = before;
   for (Eigen::Index i = 0; i < p.position.cols(); ++i) {
-    mass += massOf(p, i);
-    center += 0.5 * massOf(p, i) * (p.position.col(i) + s.implicit.start.col(i));
+    mass += massOf(p.inverseMass, i);
+    center += 0.5 * massOf(p.inverseMass, i) * (p.position.col(i) + s.implicit.start.col(i));
   }
   center /= mass;
   for (Eigen::Index i = 0; i < p.position.cols(); ++i) {
     const Eigen::Vector3d r = 0.5 * (p.position.col(i) + s.implicit.start.col(i)) - center;
-    spin += duration * massOf(p, i) * r.cross(Eigen::Vector3d(p.acceleration.col(i)));
+    spin += duration * massOf(p.inverseMass, i) * r.cross(Eigen::Vector3d(p.acceleration.col(i)));
   }
   setSpin(p, spin);
 }
@@ -176,7 +177,7 @@ void advanceHalfByEuler(const Substep& s) {
   const Eigen::Vector3d spin = spinOf(p);
   start(s);
   for (Eigen::Index i = 0; i < p.position.cols(); ++i)
-    if (!isHeld(p, i)) p.position.col(i) = s.implicit.start.col(i);
+    if (!isHeld(p.inverseMass, i)) p.position.col(i) = s.implicit.start.col(i);
   solveMidpoint(s, s.firstHalf());
   computeForces(s, false);
   setVelocities(s, 1.0);

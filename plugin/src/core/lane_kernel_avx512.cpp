@@ -2,21 +2,11 @@
 #include "core/lane_kernels.h"
 
 #if defined(LIMBER_HAS_LANES)
-// Compiled for this instruction set whatever the project's flags, and without fusing multiplications and
-// additions: all sets must give the same bits.
-#if defined(__clang__)
-#pragma clang attribute push(__attribute__((target("avx512f"))), apply_to = function)
-#pragma STDC FP_CONTRACT OFF
-#else
-#pragma GCC target("avx512f")
-#pragma GCC optimize("fp-contract=off")
-#endif
-
 #define LIMBER_PACK_BITS 512
 #define LIMBER_PACK_STEP stepAvx512
+#include "core/target_begin.h"
+
 #include "core/lane_kernel.inl"
 
-#if defined(__clang__)
-#pragma clang attribute pop
-#endif
+#include "core/target_end.h"
 #endif

@@ -64,11 +64,11 @@ void computeResidual(const Substep& s) {
   const PointState& p = s.points();
   Points& r = s.implicit.residual;
   for (Eigen::Index i = 0; i < p.position.cols(); ++i) {
-    if (isHeld(p, i))
+    if (isHeld(p.inverseMass, i))
       r.col(i).setZero();
     else
-      r.col(i) =
-          massOf(p, i) * (inertialMidpoint(s, i) - p.position.col(i)) + 0.25 * s.h * s.h * p.force.col(i);
+      r.col(i) = massOf(p.inverseMass, i) * (inertialMidpoint(s, i) - p.position.col(i)) +
+                 0.25 * s.h * s.h * p.force.col(i);
   }
   if (s.touches()) addLoads(s.implicit.contacts, s.implicit.contacts.load, r);
 }
@@ -77,7 +77,8 @@ double objective(const Substep& s, const Points& position) {
   const PointState& p = s.points();
   double sum = 0.25 * s.h * s.h * elasticEnergy(s.springs(), position);
   for (Eigen::Index i = 0; i < position.cols(); ++i)
-    if (!isHeld(p, i)) sum += 0.5 * massOf(p, i) * (position.col(i) - inertialMidpoint(s, i)).squaredNorm();
+    if (!isHeld(p.inverseMass, i))
+      sum += 0.5 * massOf(p.inverseMass, i) * (position.col(i) - inertialMidpoint(s, i)).squaredNorm();
   for (std::size_t i = 0; s.springs().damped && i < s.springs().size(); ++i)
     sum += 0.5 * damperWeight(s, i) * std::pow(damperStretch(s, i, position), 2);
   return sum;

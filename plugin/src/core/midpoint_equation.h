@@ -22,12 +22,6 @@ struct Substep {
   bool touches() const { return implicit.contacts.count > 0; }
 };
 
-/// Whether point i is held.
-inline bool isHeld(const PointState& p, Eigen::Index i) { return p.inverseMass.col(i).maxCoeff() == 0.0; }
-
-/// kg, of a point that is not held.
-inline double massOf(const PointState& p, Eigen::Index i) { return 1.0 / p.inverseMass.col(i).maxCoeff(); }
-
 /// Sets the points' forces to those of springs and dampers at x. The dampers turn with their springs if they
 /// are told to: in the first iterations only, since under strong damping changing directions would not
 /// converge.

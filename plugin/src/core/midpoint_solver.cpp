@@ -9,15 +9,6 @@
 namespace limber {
 namespace {
 
-double massOf(const MidpointSolver& solver, Eigen::Index i) {
-  const double w = solver.inverseMass.col(i).maxCoeff();
-  return w > 0.0 ? 1.0 / w : 1.0;
-}
-
-bool isHeld(const MidpointSolver& solver, std::uint32_t i) {
-  return solver.inverseMass.col(i).maxCoeff() == 0.0;
-}
-
 void prepareBanded(MidpointSolver& solver, const SpringArrays& springs) {
   const auto points = static_cast<std::size_t>(solver.inverseMass.cols());
   if (solver.place.size() != points) {
@@ -76,16 +67,17 @@ void update(MidpointSolver& solver, const SpringArrays& springs, const Points& d
             const Points& position) {
   if (solver.kind == MidpointSolver::Kind::Shared) return;
   BandedMatrix& matrix = solver.banded;
+  const Points& inverseMass = solver.inverseMass;
   matrix.band.setZero();
   for (Eigen::Index i = 0; i < position.cols(); ++i)
     for (Eigen::Index c = 0; c < 3; ++c) {
       const Eigen::Index row = 3 * Eigen::Index{solver.place[static_cast<std::size_t>(i)]} + c;
-      matrix.at(row, row) = massOf(solver, i);
+      matrix.at(row, row) = isHeld(inverseMass, i) ? 1.0 : massOf(inverseMass, i);
     }
   for (std::size_t s = 0; s < springs.size(); ++s) {
     const auto a = springs.a[s], b = springs.b[s];
     const Eigen::Matrix3d block = springBlock(solver, springs, s, damperDirection, position);
-    const bool heldA = isHeld(solver, a), heldB = isHeld(solver, b);
+    const bool heldA = isHeld(inverseMass, a), heldB = isHeld(inverseMass, b);
     if (!heldA) addBlock(matrix, solver.place[a], solver.place[a], block);
     if (!heldB) addBlock(matrix, solver.place[b], solver.place[b], block);
     if (heldA || heldB) continue;

@@ -24,4 +24,13 @@ struct PointState {
   }
 };
 
+/// Whether point i is held; one that may move along some axes only is not.
+inline bool isHeld(const Points& inverseMass, Eigen::Index i) { return inverseMass.col(i).maxCoeff() == 0.0; }
+
+/// kg; 0 for a point that is held.
+inline double massOf(const Points& inverseMass, Eigen::Index i) {
+  const double w = inverseMass.col(i).maxCoeff();
+  return w > 0.0 ? 1.0 / w : 0.0;
+}
+
 }  // namespace limber

@@ -2,17 +2,9 @@
 #include "core/lane_kernels.h"
 
 #if defined(LIMBER_HAS_LANES)
-// Compiled for AVX2 whatever the project's flags, and without fusing multiplications and additions: the bits
-// must be those of the scalar kernel.
-#if defined(__clang__)
-#pragma clang attribute push(__attribute__((target("avx2"))), apply_to = function)
-#pragma STDC FP_CONTRACT OFF
-#else
-#pragma GCC target("avx2")
-#pragma GCC optimize("fp-contract=off")
-#endif
-
 #define LIMBER_PACK_BITS 256
+#include "core/target_begin.h"
+
 #include "core/verlet_kernel.h"
 
 namespace limber::kernel {
@@ -164,7 +156,5 @@ double stepQuads(const QuadBody& body, double tick, int substeps) {
 
 }  // namespace limber::kernel
 
-#if defined(__clang__)
-#pragma clang attribute pop
-#endif
+#include "core/target_end.h"
 #endif

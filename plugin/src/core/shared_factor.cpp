@@ -12,8 +12,6 @@ namespace {
 
 using Sparse = Eigen::SparseMatrix<double>;
 
-bool isHeld(const Points& inverseMass, std::uint32_t i) { return inverseMass.col(i).maxCoeff() == 0.0; }
-
 bool equal(const Sparse& a, const Sparse& b) {
   if (a.rows() != b.rows() || a.nonZeros() != b.nonZeros()) return false;
   const auto count = static_cast<std::size_t>(a.nonZeros());
@@ -55,7 +53,7 @@ void SharedFactor::solve(Points& b, Points& scratch) const {
 Sparse midpointMatrix(const SpringArrays& springs, const Points& inverseMass, double h) {
   std::vector<Eigen::Triplet<double>> entries;
   for (std::uint32_t i = 0; i < inverseMass.cols(); ++i)
-    entries.emplace_back(i, i, isHeld(inverseMass, i) ? 1.0 : 1.0 / inverseMass.col(i).maxCoeff());
+    entries.emplace_back(i, i, isHeld(inverseMass, i) ? 1.0 : massOf(inverseMass, i));
   for (std::size_t s = 0; s < springs.size(); ++s) {
     const auto a = springs.a[s], b = springs.b[s];
     const double k = std::max(springs.extensionStiffness[s], springs.compressionStiffness[s]);

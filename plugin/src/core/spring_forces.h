@@ -17,13 +17,8 @@ struct SpringPull {
 /// A side without stiffness is slack. Coincident ends have no direction and so no force.
 inline SpringPull springPull(const Eigen::Vector3d& d, double restLength, double extension,
                              double compression) {
-  const double squared = d.squaredNorm();
-  if (!(squared > kernel::kCoincidentSquared)) return {Eigen::Vector3d::Zero(), 0.0};
-  const double length = std::sqrt(squared);
-  const double stretch = length - restLength;
-  const double stiffness = stretch > 0.0 ? extension : compression;
-  if (stiffness == 0.0) return {Eigen::Vector3d::Zero(), 0.0};
-  return {d / length, stiffness * stretch};
+  const kernel::Pull<double> pull = kernel::pullOf(d.squaredNorm(), restLength, extension, compression);
+  return {d * pull.scale, pull.scale > 0.0 ? pull.force : 0.0};
 }
 
 /// Sets `state.force` to the force of all springs and keeps their directions for the dampers.

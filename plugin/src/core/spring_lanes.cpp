@@ -45,16 +45,22 @@ void loadSprings(LaneBlock& block, const SpringArrays& springs, std::size_t lane
   toLane(springs.dampFull.data(), count, block.dampFull, lane, lanes);
 }
 
-/// Lanes without a body repeat the first one: numbers that surely can be computed with.
+/// A lane without a body holds points that coincide and rest: nothing pulls or moves them.
+void clearState(LaneBlock& block, std::size_t count, std::size_t lane, std::size_t lanes) {
+  for (auto* array : {&block.position, &block.velocity, &block.acceleration, &block.inverseMass})
+    for (std::size_t i = 0; i < count; ++i) numbers(*array)[i * lanes + lane] = 0.0;
+}
+
 void load(LaneBlock& block, std::size_t lanes) {
-  for (std::size_t lane = 0; lane < lanes; ++lane) {
-    const bool used = lane < block.lanes.size();
-    LaneBlock::Lane& source = block.lanes[used ? lane : 0];
+  for (std::size_t lane = 0; lane < block.lanes.size(); ++lane) {
+    LaneBlock::Lane& source = block.lanes[lane];
     loadState(block, *source.body.points, lane, lanes);
-    if (used && source.revision == source.body.springs->revision) continue;
+    if (source.revision == source.body.springs->revision) continue;
     loadSprings(block, *source.body.springs, lane, lanes);
-    if (used) source.revision = source.body.springs->revision;
+    source.revision = source.body.springs->revision;
   }
+  const auto count = static_cast<std::size_t>(block.lanes[0].body.points->position.size());
+  for (std::size_t lane = block.lanes.size(); lane < lanes; ++lane) clearState(block, count, lane, lanes);
 }
 
 struct LaneContacts {

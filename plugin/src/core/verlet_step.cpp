@@ -39,15 +39,12 @@ void computeForces(StepGroup& group) {
 }
 
 void kick(StepGroup& group, double dt) {
-  for (SteppedBody& body : group.bodies) {
-    PointState& p = *body.points;
-    p.velocity += dt * (p.acceleration + p.force.cwiseProduct(p.inverseMass));
-  }
+  for (SteppedBody& body : group.bodies) kernel::kick(kernelPoints(*body.points), dt);
   for (RigidState& rigid : group.links.rigids) rigid.kick(dt);
 }
 
 void drift(StepGroup& group, double dt) {
-  for (SteppedBody& body : group.bodies) body.points->position += dt * body.points->velocity;
+  for (SteppedBody& body : group.bodies) kernel::drift(kernelPoints(*body.points), dt);
   for (RigidState& rigid : group.links.rigids) rigid.drift(dt);
 }
 
