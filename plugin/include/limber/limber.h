@@ -2,10 +2,15 @@
 #pragma once
 
 // Everything, in the order of the data's way: mesh -> points and springs -> a body in the world.
+#include <limber/material_network.h>
 #include <limber/mesh_import.h>
 #include <limber/mesh_weld.h>
+#include <limber/network_analysis.h>
 #include <limber/network_builder.h>
+#include <limber/network_file.h>
 #include <limber/result.h>
+#include <limber/simplify_mesh.h>
+#include <limber/skin.h>
 #include <limber/soft_body.h>
 #include <limber/soft_body_settings.h>
 #include <limber/soft_body_system.h>

@@ -5,24 +5,43 @@
 #include <limber/spring_network.h>
 
 #include <cstdint>
+#include <functional>
 
 namespace limber {
 
 /// Which springs are added to the edges of the mesh so that the body keeps its shape.
 enum class BraceRule : std::uint8_t {
-  None,        ///< the edges alone
-  EqualLength  ///< a spring between any two points whose distance is the length of some edge (C. Hart's rule:
-               ///< on a cube it adds the second diagonal of each face; on a sphere it adds nothing)
+  None,         ///< the edges alone
+  EqualLength,  ///< a spring between any two points whose distance is the length of some edge (C. Hart's
+                ///< rule: on a cube it adds the second diagonal of each face; on a sphere it adds nothing)
+  TwoRing,  ///< a spring between any two points that share a neighbour
+  Pipeline  ///< chords through the inside, then springs for what is soft, then for what folds: bracing.h
 };
+
+/// How the body's mass is shared among its points.
+enum class MassRule : std::uint8_t {
+  Equal,   ///< the paper's
+  Area,    ///< by a third of the area of the triangles around a point
+  Moments  ///< so that mass, centre of mass and inertia are those of the solid, where the points allow it
+};
+
+/// How far a long work is: what it does, and 0 to 1 of that. Returning false asks it to end early.
+using Progress = std::function<bool(const char* what, double done)>;
 
 struct NetworkSettings {
   double weldTolerance = 0.0;  ///< metres, see weld()
-  BraceRule braces = BraceRule::EqualLength;
-  double braceWeight = 1.0;  ///< stiffnessScale of braces, above 0
+  BraceRule braces = BraceRule::Pipeline;
+  double braceWeight = 0.0;  ///< stiffnessScale of braces, above 0; 0: 0.3 for Pipeline, 1 for the others
+  double mostBraces = 1.5;   ///< braces per point at most, Pipeline only, above 0
+  double mostSeconds = 0.0;  ///< Pipeline stops adding after this time; 0: never. With a limit that is
+                             ///< reached the network depends on the machine's speed.
+  std::uint64_t seed = 1;  ///< of the deformations that Pipeline tries
+  MassRule masses = MassRule::Equal;
+  Progress progress;  ///< called from time to time on the calling thread, or empty
 };
 
 /// Solid (or open surface) from a mesh: unique positions become point masses, unique triangle edges become
-/// springs, the mass is shared equally. Errors: those of weld(); a brace weight that is not above 0.
+/// springs. Deterministic. Errors: those of weld(); a setting out of range.
 Result<SharedNetwork> buildNetwork(const TriangleMesh& mesh, const NetworkSettings& settings = {});
 
 struct RopeSettings {

@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: Zlib
+#pragma once
+
+#include <limber/network_builder.h>
+#include <limber/spring_network.h>
+
+#include <array>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace limber {
+
+/// How a network stands up to small deformations.
+enum class Rigidity : std::uint8_t {
+  Flexible,        ///< has mechanisms: deformations that stretch no spring
+  NearlyFlexible,  ///< its softest oscillation has less than 1e-4 of the stiffest one's eigenvalue
+  Soft,            ///< less than 1e-3
+  Rigid
+};
+
+/// Large deformations that a body is let go from.
+enum class Deformation : std::uint8_t {
+  Squash,    ///< to a tenth along a random direction
+  Twist,     ///< by a quarter turn about a random axis
+  Noise,     ///< every point moved by up to half the size
+  Push,      ///< one point pushed 0.2 of the size beyond the opposite side
+  Mirror,    ///< the outer 30 % mirrored through the plane that cuts them off
+  Flatten,   ///< into a plane
+  Inversion  ///< all mirrored through the centre
+};
+constexpr std::size_t kDeformations = 7;
+
+/// Runs that came back to the rest shape (RMS distance below 1e-3 of the size after the best rigid motion
+/// without reflection).
+struct ReturnRate {
+  std::uint32_t runs = 0;
+  std::uint32_t returned = 0;
+  std::uint32_t mirrored = 0;  ///< of those that did not: ended as the exact mirror image
+  double rate() const { return runs ? double(returned) / runs : 0.0; }
+  double standardError() const;  ///< of rate(), binomial
+};
+
+struct AnalysisSettings {
+  std::uint32_t runs = 20;    ///< of each kind of deformation; 0: none
+  std::uint64_t seed = 1;     ///< of the deformations
+  double totalMass = 1.0;     ///< kg, for what depends on it
+  double stiffness = 1000.0;  ///< N/m of a spring of stiffnessScale 1
+  double gravity = 9.81;      ///< m/s^2
+  Progress progress;
+};
+
+/// What can be said of a network before it is used. SI units.
+struct NetworkAnalysis {
+  NetworkKind kind = NetworkKind::Solid;  ///< by shape: all points on a line, in a plane, or neither
+  std::size_t points = 0, springs = 0, braces = 0;
+
+  // small deformations, about the rest shape, unit masses
+  std::size_t rank = 0;          ///< of the rigidity matrix
+  std::size_t mechanisms = 0;    ///< 3 #points - 6 (5 on a line) - rank
+  std::size_t selfStresses = 0;  ///< #springs - rank
+  double softestEigenvalue = 0.0,
+         stiffestEigenvalue = 0.0;  ///< N/m per spring constant of 1 N/m; without mechanisms
+  double modeRatio = 0.0;           ///< softest over stiffest; 0 with mechanisms
+  Rigidity rigidity = Rigidity::Flexible;
+  bool globallyRigid = false;  ///< generically: Gortler, Healy, Thurston 2010, by the rank of a random stress
+  bool globallyRigidKnown = false;  ///< not for more points than the test can take
+
+  // large deformations
+  std::array<ReturnRate, kDeformations> returns;
+  ReturnRate allReturns() const;  ///< of the first five kinds together
+
+  double leastStiffness = 0.0;    ///< N/m: below it the body collapses under its own weight when put down
+  double criticalTimeStep = 0.0;  ///< s: velocity Verlet without damping is unstable above it
+  double safeTimeStep = 0.0;      ///< s: stable at any deformation (Gershgorin)
+
+  std::size_t springsOutside = 0;  ///< that leave the closed surface
+  MeshReport mesh;
+  double volume = 0.0;               ///< m^3; 0 unless watertight
+  std::vector<std::string> remarks;  ///< for people: what is unusual or should be mended
+};
+
+/// Deterministic. Seconds for a thousand points.
+NetworkAnalysis analyse(const SpringNetwork& network, const AnalysisSettings& settings = {});
+
+}  // namespace limber

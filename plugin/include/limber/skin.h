@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: Zlib
+#pragma once
+
+#include <limber/network_builder.h>
+
+namespace limber {
+
+/// How the vertices of a detailed mesh ride on the points of a coarse network.
+enum class SkinKind : std::uint8_t {
+  Dense,       ///< cubic radial basis functions over all points: the smoothest
+  Sparse,      ///< the same over the nearest points that are seen through the body: cheaper, local
+  Barycentric  ///< four points of the tetrahedron around or next to the vertex (material mode), or three of
+               ///< the nearest triangle and its normal's affine stand-in
+};
+
+struct SkinSettings {
+  SkinKind kind = SkinKind::Dense;
+  std::uint32_t neighbours = 32;  ///< Sparse: weights per vertex at most, 4 or more
+  double weldTolerance = 0.0;     ///< m, see weld()
+};
+
+/// The network with `mesh` as its render surface, in the place where it lies relative to the rest points.
+/// Exact for affine motions to the precision of the weights. Distances are measured through the inside of the
+/// body, so that parts that only nearly touch do not drag each other along. Errors: those of weld(); a
+/// network whose points do not span space where the kind needs it.
+Result<SharedNetwork> withSkin(const SpringNetwork& network, const TriangleMesh& mesh,
+                               const SkinSettings& settings = {});
+
+/// Positions of all places of `skin` (xyz, #places x 3) for these positions of the points (xyz, #points x 3).
+/// Only writes, in order.
+void applySkin(const Skin& skin, const float* points, float* places);
+
+}  // namespace limber

@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: Zlib
+#pragma once
+
+#include <limber/triangle_mesh.h>
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+
+#include <cstdint>
+#include <vector>
+
+namespace limber {
+
+/// Where a ray or a nearest-point query met the surface.
+struct SurfaceHit {
+  std::uint32_t triangle = 0xffffffffu;  ///< none: 0xffffffff
+  double distance = 0.0;                 ///< m; along the ray, or to the nearest point
+  Eigen::Vector3d position = Eigen::Vector3d::Zero();
+  Eigen::Vector3d barycentric = Eigen::Vector3d::Zero();  ///< of the position in the triangle
+
+  explicit operator bool() const { return triangle != 0xffffffffu; }
+};
+
+/// Triangles in a tree of boxes, for the questions that cooking asks of a surface. Immutable, any thread.
+/// Deterministic: of equally near triangles the one with the lowest index.
+class TriangleBvh {
+ public:
+  TriangleBvh(const std::vector<Eigen::Vector3d>& points, const std::vector<Triangle>& triangles);
+
+  /// The first triangle that the ray meets between `from` and `to` along the unit `direction` (m); triangles
+  /// seen from either side.
+  SurfaceHit firstHit(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction, double from,
+                      double to) const;
+  SurfaceHit nearest(const Eigen::Vector3d& position) const;
+
+  /// Generalized winding number (Jacobson, Kavan, Sorkine 2013; far triangles by their dipole, Barill et al.
+  /// 2018): 1 inside a closed surface, 0 outside, in between near holes.
+  double windingNumber(const Eigen::Vector3d& position) const;
+  bool inside(const Eigen::Vector3d& position) const { return windingNumber(position) > 0.5; }
+
+  /// m, below 0 inside.
+  double signedDistance(const Eigen::Vector3d& position) const;
+
+  /// Whether the segment between two points of the surface stays inside it; chords that lie in the surface
+  /// (in a flat face) do. Its ends are drawn in by a hundredth of its length, and `tolerance` (m) is how far
+  /// it may leave the surface.
+  bool staysInside(const Eigen::Vector3d& a, const Eigen::Vector3d& b, double tolerance) const;
+
+ private:
+  struct Node {
+    Eigen::AlignedBox3d box;
+    std::uint32_t first = 0, count = 0;  ///< count 0: inner node whose children are first and first + 1
+    Eigen::Vector3d centre = Eigen::Vector3d::Zero(), areaNormal = Eigen::Vector3d::Zero();  ///< dipole
+    double radius = 0.0;  ///< of the ball about `centre` that holds all triangles
+  };
+  std::vector<Eigen::Vector3d> points_;
+  std::vector<Triangle> triangles_;
+  std::vector<std::uint32_t> order_;  ///< triangles in the order of the leaves
+  std::vector<Node> nodes_;
+};
+
+}  // namespace limber
