@@ -15,20 +15,22 @@ namespace {
 struct LaneBody {
   PointState state;
   SpringArrays springs;
+  VolumeArrays volumes;
   std::vector<ContactRow> contacts;
   StepGroup group;
 
-  SteppedBody stepped() { return {&state, &springs, &contacts}; }
+  SteppedBody stepped() { return {&state, &springs, &contacts, volumes.empty() ? nullptr : &volumes}; }
 };
 
-/// Cubes that differ in stiffness, damping, place, speed, contacts and in what is held.
-void fill(LaneBody& body, int which, double damping) {
-  const SharedNetwork network = test::cubeNetwork();
+/// Cubes that differ in stiffness, damping, place, speed, contacts, pressure and in what is held.
+void fill(LaneBody& body, const SharedNetwork& network, int which, double damping) {
   SoftBodySettings settings;
   settings.extensionStiffness = 500.0 + 100.0 * which;
   settings.compressionStiffness = which == 2 ? 0.0 : 700.0;
   settings.damping = damping * (1 + which);
+  settings.pressure = network->surface.empty() ? 0.0 : 10.0 * which;
   body.springs = makeSprings(*network, settings);
+  body.volumes = makeVolumes(*network, settings);
   body.state.resize(8);
   for (std::uint32_t i = 0; i < 8; ++i) {
     const Eigen::Vector3d x = network->restPoints[i];
@@ -50,9 +52,9 @@ void fill(LaneBody& body, int which, double damping) {
   body.group.links.points.push_back(&body.state);
 }
 
-std::deque<LaneBody> makeBodies(int count, double damping) {
+std::deque<LaneBody> makeBodies(const SharedNetwork& network, int count, double damping) {
   std::deque<LaneBody> bodies(static_cast<std::size_t>(count));
-  for (int i = 0; i < count; ++i) fill(bodies[static_cast<std::size_t>(i)], i, damping);
+  for (int i = 0; i < count; ++i) fill(bodies[static_cast<std::size_t>(i)], network, i, damping);
   return bodies;
 }
 
@@ -63,9 +65,12 @@ class Lanes : public testing::TestWithParam<InstructionSet> {};
 TEST_P(Lanes, giveTheBitsOfSingleBodies) {
   const InstructionSet set = GetParam();
   if (!isAvailable(set)) GTEST_SKIP() << "this machine has no " << nameOf(set);
-  for (const double damping : {0.0, 0.7})
+  const std::vector<std::pair<SharedNetwork, double>> kinds = {
+      {test::cubeNetwork(), 0.0}, {test::cubeNetwork(), 0.7}, {test::closedCubeNetwork(), 0.7}};
+  for (const auto& [network, damping] : kinds)
     for (int count = 1; count <= laneCount(set); ++count) {
-      std::deque<LaneBody> single = makeBodies(count, damping), laned = makeBodies(count, damping);
+      std::deque<LaneBody> single = makeBodies(network, count, damping);
+      std::deque<LaneBody> laned = makeBodies(network, count, damping);
       LaneBlock block;
       for (LaneBody& body : laned) {
         block.lanes.emplace_back();
@@ -96,7 +101,8 @@ INSTANTIATE_TEST_SUITE_P(Sets, Lanes,
 TEST(Lanes, takeUpNewSpringsWhenTheyChange) {
   const InstructionSet set = bestInstructionSet();
   if (set == InstructionSet::Scalar) GTEST_SKIP() << "this processor has no lanes";
-  std::deque<LaneBody> single = makeBodies(2, 0.5), laned = makeBodies(2, 0.5);
+  std::deque<LaneBody> single = makeBodies(test::cubeNetwork(), 2, 0.5),
+                       laned = makeBodies(test::cubeNetwork(), 2, 0.5);
   LaneBlock block;
   for (LaneBody& body : laned) {
     block.lanes.emplace_back();

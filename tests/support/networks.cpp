@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Zlib
 #include "support/networks.h"
 
+#include "support/small_meshes.h"
+
 #include <cmath>
 
 namespace limber::test {
@@ -40,5 +42,12 @@ SharedNetwork chainNetwork(int links) {
 
 SharedNetwork cubeNetwork() { return cube(1.5); }
 SharedNetwork fullCubeNetwork() { return cube(2.0); }
+
+SharedNetwork closedCubeNetwork() {
+  NetworkSettings settings;
+  settings.braces = BraceRule::EqualLength;
+  settings.braceWeight = 1.0;
+  return *buildNetwork(small_meshes::cube(), settings);
+}
 
 }  // namespace limber::test

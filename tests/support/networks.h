@@ -14,6 +14,9 @@ SharedNetwork chainNetwork(int links);
 /// The unit cube about the origin: 8 points, 24 springs (edges and both diagonals of every face).
 SharedNetwork cubeNetwork();
 
+/// The same with its surface of 12 triangles, which encloses a volume.
+SharedNetwork closedCubeNetwork();
+
 /// The unit cube with springs between all pairs: 28, no folded state of zero energy but the mirror image.
 SharedNetwork fullCubeNetwork();
 

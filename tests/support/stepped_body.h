@@ -18,6 +18,7 @@ struct SteppedTestBody {
     settings.extensionStiffness = settings.compressionStiffness = stiffness;
     settings.damping = damping;
     springs = makeSprings(*network, settings);
+    volumes = makeVolumes(*network, settings);
     state.resize(static_cast<Eigen::Index>(network->restPoints.size()));
     for (Eigen::Index i = 0; i < state.position.cols(); ++i) {
       state.position.col(i) = network->restPoints[static_cast<std::size_t>(i)];
@@ -25,6 +26,7 @@ struct SteppedTestBody {
       state.inverseMass.col(i).setConstant(1.0 / mass);
     }
     group.bodies.push_back({&state, &springs, nullptr});
+    if (!volumes.empty()) group.bodies[0].volumes = &volumes;
     group.links.points.push_back(&state);
   }
   SteppedTestBody(const SteppedTestBody&) = delete;
@@ -34,7 +36,7 @@ struct SteppedTestBody {
     for (Eigen::Index i = 0; i < state.position.cols(); ++i)
       state.velocity.col(i) += omega.cross(Eigen::Vector3d(state.position.col(i)));
   }
-  double energy() const { return kineticEnergy(state) + elasticEnergy(springs, state.position); }
+  double energy() { return kineticEnergy(state) + elasticEnergy(group.bodies[0], state.position); }
 
   SteppedBody& stepped() {
     group.bodies[0].contacts = contacts;
@@ -45,6 +47,7 @@ struct SteppedTestBody {
   SoftBodySettings settings;
   PointState state;
   SpringArrays springs;
+  VolumeArrays volumes;
   std::vector<ContactRow>* contacts = nullptr;
   StepGroup group;
 };

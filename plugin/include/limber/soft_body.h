@@ -74,7 +74,7 @@ class SoftBody {
   Eigen::Vector3d linearMomentum() const;   ///< kg m/s
   Eigen::Vector3d angularMomentum() const;  ///< kg m^2/s about the world's origin
   double kineticEnergy() const;             ///< J
-  double elasticEnergy() const;             ///< J in its own springs
+  double elasticEnergy() const;             ///< J in its own springs and its volume
 
   /// A hash of all positions and velocities, bit for bit: equal runs give equal hashes.
   std::uint64_t stateHash() const;

@@ -39,7 +39,7 @@ double frequencyBoundSquared(TickGroup& group) {
   double own = 0.0;
   for (SoftBodyData* body : group.bodies) {
     if (body->frequencyStale) updateBounds(*body);
-    own = std::max(own, body->frequencySquared);
+    own = std::max(own, body->frequencySquared + volumeFrequencyBoundSquared(body->volumes, body->state));
   }
   return own + linkFrequencyBoundSquared(group.step.links);
 }

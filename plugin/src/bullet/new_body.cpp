@@ -40,10 +40,12 @@ Result<std::unique_ptr<SoftBodyData>> makeBodyData(SharedNetwork network, const 
   if (!network) return Error{"there is no network"};
   if (std::string reason = validate(*network); !reason.empty()) return Error{"network: " + reason};
   if (std::string reason = validate(settings); !reason.empty()) return Error{"settings: " + reason};
+  if (std::string reason = checkVolume(*network, settings); !reason.empty()) return Error{reason};
   auto body = std::make_unique<SoftBodyData>();
   body->network = std::move(network);
   body->settings = settings;
   body->springs = makeSprings(*body->network, settings);
+  body->volumes = makeVolumes(*body->network, settings);
   placePoints(*body);
   const Points& x = body->state.position;
   body->size = (x.rowwise().maxCoeff() - x.rowwise().minCoeff()).norm();

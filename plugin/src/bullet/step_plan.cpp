@@ -20,15 +20,22 @@ bool fitsLanes(const TickGroup& group) {
          group.bodies[0]->springs.size() <= kLargestInLanes && group.bodies[0]->springs.size() > 0;
 }
 
+/// Bodies side by side go through the same triangles.
+int volumeKind(const SoftBodyData& body) {
+  if (body.volumes.empty()) return 0;
+  return body.settings.scale.prod() < 0.0 ? -1 : 1;
+}
+
 }  // namespace
 
 bool StepPlan::Candidate::fitsWith(const Candidate& other) const {
-  return std::tie(network, substeps, damped) == std::tie(other.network, other.substeps, other.damped);
+  return std::tie(network, substeps, damped, volumes) ==
+         std::tie(other.network, other.substeps, other.damped, other.volumes);
 }
 
 bool StepPlan::Candidate::operator<(const Candidate& other) const {
-  return std::tie(network, substeps, damped, group) <
-         std::tie(other.network, other.substeps, other.damped, other.group);
+  return std::tie(network, substeps, damped, volumes, group) <
+         std::tie(other.network, other.substeps, other.damped, other.volumes, other.group);
 }
 
 void StepPlan::clear() {
@@ -49,7 +56,8 @@ void StepPlan::stepOrCollect(std::vector<TickGroup>& groups, double tick) {
   for (std::size_t i = 0; i < groups.size(); ++i) {
     if (groups[i].asleep) continue;
     if (fitsLanes(groups[i]))
-      candidates_.push_back({networkOf_[i], groups[i].substeps, groups[i].bodies[0]->springs.damped, i});
+      candidates_.push_back({networkOf_[i], groups[i].substeps, groups[i].bodies[0]->springs.damped,
+                             volumeKind(*groups[i].bodies[0]), i});
     else
       stepGroup(groups[i], tick, factors_);
   }

@@ -24,6 +24,7 @@ class StepPlan {
     std::size_t network;  ///< number of the body's network in order of first appearance
     int substeps;
     bool damped;
+    int volumes;  ///< 0: no volume term, -1: of a body whose scale mirrors it, else 1
     std::size_t group;
     bool fitsWith(const Candidate& other) const;
     bool operator<(const Candidate& other) const;

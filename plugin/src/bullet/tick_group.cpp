@@ -142,6 +142,7 @@ LinkEnd linkEnd(TickGroup& group, const SpringEnd& end) {
 void addBody(TickGroup& group, SoftBodyData* body) {
   group.bodies.push_back(body);
   group.step.bodies.push_back({&body->state, &body->springs, &body->contacts});
+  if (!body->volumes.empty()) group.step.bodies.back().volumes = &body->volumes;
   if (canStepQuads()) group.step.bodies.back().quads = &body->quads;
   group.step.links.points.push_back(&body->state);
 }

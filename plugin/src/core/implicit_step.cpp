@@ -70,6 +70,7 @@ double iterate(const Substep& s, const ContactSpan& span, int iteration) {
   ImplicitState& state = s.implicit;
   computeForces(s, iteration < (s.euler ? 1 : kDamperTurns));
   update(state.solver, s.springs(), state.damperDirection, s.points().position);
+  if (s.body.volumes) updateVolumes(state.solver, *s.body.volumes, s.points());
   if (s.touches() && (iteration == 0 || state.solver.kind == MidpointSolver::Kind::Newton))
     computeResponse(state.contacts, state.solver);
   computeResidual(s);
@@ -103,7 +104,7 @@ double solveMidpoint(const Substep& s, const ContactSpan& span) {
 
 /// J of motion and springs.
 double energy(const Substep& s) {
-  return kineticEnergy(s.points()) + elasticEnergy(s.springs(), s.points().position);
+  return kineticEnergy(s.points()) + elasticEnergy(s.body, s.points().position);
 }
 
 /// J done on the points since the start by the constant accelerations, by what holds points, and by contacts.
@@ -224,6 +225,7 @@ void advance(const Substep& s) {
 
 bool canStepImplicitly(const SteppedBody& body) {
   if (body.springs->limited) return false;
+  if (body.volumes && body.volumes->restVolume.size() > kMostSolvedVolumes) return false;
   const Points& w = body.points->inverseMass;
   if (w.row(0) != w.row(1) || w.row(0) != w.row(2)) return false;
   if (!body.contacts) return true;
@@ -241,7 +243,7 @@ void stepImplicit(SteppedBody& body, ImplicitState& implicit, MidpointSolver::Ki
   implicit.trial.resizeLike(body.points->position);
   body.errorRate = 0.0;
   const auto energyNow = [&] {
-    return kineticEnergy(*body.points) + elasticEnergy(*body.springs, body.points->position);
+    return kineticEnergy(*body.points) + elasticEnergy(body, body.points->position);
   };
   implicit.energyFloor += energyNow() - implicit.energyAtEnd;
   for (int i = 0; i < substeps; ++i) advance({body, implicit, i * h, h, false});

@@ -11,6 +11,14 @@ namespace limber::kernel {
 
 struct ContactCalls;
 
+/// Of both kinds of bodies below: kernel::Volumes with packs or quads for numbers, `components` 0 without.
+struct VolumeBody {
+  unsigned components = 0;
+  const unsigned *firstTriangle = nullptr, *corners = nullptr;
+  const double *restVolume = nullptr, *modulus = nullptr, *pressure = nullptr;
+  double* area = nullptr;
+};
+
 /// A kernel::Body whose numbers are packs of `laneCount` doubles.
 struct LaneBody {
   unsigned points, springs;
@@ -19,6 +27,7 @@ struct LaneBody {
   const double *acceleration, *inverseMass;
   const double *restLength, *extensionStiffness, *compressionStiffness;
   double* direction;
+  VolumeBody volumes;
   bool damped;
   const double *dampHalf, *dampFull;
   const ContactCalls* contacts;
@@ -35,6 +44,7 @@ struct QuadBody {
   const double *acceleration, *inverseMass;
   const double *restLength, *extensionStiffness, *compressionStiffness;
   double* direction;
+  VolumeBody volumes;  ///< one number per component; areas are quads
   bool damped;
   const double *dampHalf, *dampFull;
   const ContactCalls* contacts;

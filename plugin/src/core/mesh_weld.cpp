@@ -3,6 +3,7 @@
 
 #include "core/merge_positions.h"
 #include "core/mesh_edges.h"
+#include "core/surface_components.h"
 
 #include <Eigen/Geometry>
 
@@ -118,26 +119,6 @@ void numberPoints(const TriangleMesh& mesh, const std::vector<std::uint32_t>& jo
 }
 
 /// The root of a point's tree; halves the path on the way (union-find).
-std::uint32_t findRoot(std::vector<std::uint32_t>& parent, std::uint32_t point) {
-  while (parent[point] != point) point = parent[point] = parent[parent[point]];
-  return point;
-}
-
-std::size_t countComponents(std::size_t points, const std::vector<Triangle>& triangles) {
-  std::vector<std::uint32_t> parent(points);
-  std::iota(parent.begin(), parent.end(), 0u);
-  std::size_t components = points;
-  for (const Triangle& t : triangles) {
-    for (const std::uint32_t corner : {t[1], t[2]}) {
-      const std::uint32_t root = findRoot(parent, t[0]), other = findRoot(parent, corner);
-      if (root == other) continue;
-      parent[std::max(root, other)] = std::min(root, other);
-      --components;
-    }
-  }
-  return components;
-}
-
 void completeReport(WeldedMesh& welded) {
   MeshReport& report = welded.report;
   const std::vector<std::uint32_t>& map = welded.vertexToPoint;
@@ -146,7 +127,7 @@ void completeReport(WeldedMesh& welded) {
   report.points = welded.points.size();
   report.triangles = welded.triangles.size();
   report.isolatedVertices = static_cast<std::size_t>(std::count(map.begin(), map.end(), kNoPoint));
-  report.components = countComponents(welded.points.size(), welded.triangles);
+  report.components = findComponents(welded.points.size(), welded.triangles).count;
   report.openEdges = defects.open;
   report.nonManifoldEdges = defects.nonManifold;
   report.inconsistentEdges = defects.inconsistent;

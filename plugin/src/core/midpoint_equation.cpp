@@ -55,7 +55,7 @@ void addDampingForces(const Substep& s) {
 }  // namespace
 
 void computeForces(const Substep& s, bool turnDampers) {
-  computeSpringForces(s.springs(), s.points());
+  computeElasticForces(s.body);
   if (turnDampers) s.implicit.damperDirection = s.springs().direction;
   addDampingForces(s);
 }
@@ -75,7 +75,7 @@ void computeResidual(const Substep& s) {
 
 double objective(const Substep& s, const Points& position) {
   const PointState& p = s.points();
-  double sum = 0.25 * s.h * s.h * elasticEnergy(s.springs(), position);
+  double sum = 0.25 * s.h * s.h * elasticEnergy(s.body, position);
   for (Eigen::Index i = 0; i < position.cols(); ++i)
     if (!isHeld(p.inverseMass, i))
       sum += 0.5 * massOf(p.inverseMass, i) * (position.col(i) - inertialMidpoint(s, i)).squaredNorm();

@@ -87,13 +87,52 @@ void update(MidpointSolver& solver, const SpringArrays& springs, const Points& d
   factorise(matrix);
 }
 
-void solve(MidpointSolver& solver, Points& b) {
+namespace {
+
+/// Without the volume term.
+void solvePlain(MidpointSolver& solver, Points& b) {
   if (solver.kind == MidpointSolver::Kind::Shared) return solver.shared->solve(b, solver.scratch);
   for (Eigen::Index i = 0; i < b.cols(); ++i)
     solver.ordered.segment<3>(3 * Eigen::Index{solver.place[static_cast<std::size_t>(i)]}) = b.col(i);
   solve(solver.banded, solver.ordered);
   for (Eigen::Index i = 0; i < b.cols(); ++i)
     b.col(i) = solver.ordered.segment<3>(3 * Eigen::Index{solver.place[static_cast<std::size_t>(i)]});
+}
+
+double dot(const Points& a, const Points& b) { return a.cwiseProduct(b).sum(); }
+
+}  // namespace
+
+void updateVolumes(MidpointSolver& solver, VolumeArrays& volumes, const PointState& state) {
+  VolumeUpdate& u = solver.volumes;
+  const std::size_t count = volumes.restVolume.size();
+  u.gradient.resize(count);
+  u.response.resize(count);
+  u.inner.resize(static_cast<Eigen::Index>(count), static_cast<Eigen::Index>(count));
+  u.inner.setZero();
+  for (std::size_t c = 0; c < count; ++c) {
+    const double volume = volumeGradient(volumes, c, state, u.gradient[c]);
+    const double stiffness = volumeStiffness(volumes, c, volume);
+    const double d = 0.25 * solver.substep * solver.substep * stiffness / volumes.restVolume[c];
+    if (d == 0.0) u.gradient[c].setZero();
+    u.inner(static_cast<Eigen::Index>(c), static_cast<Eigen::Index>(c)) = d == 0.0 ? 1.0 : 1.0 / d;
+    u.response[c] = u.gradient[c];
+    solvePlain(solver, u.response[c]);
+  }
+  for (std::size_t c = 0; c < count; ++c)
+    for (std::size_t e = 0; e < count; ++e)
+      u.inner(static_cast<Eigen::Index>(c), static_cast<Eigen::Index>(e)) +=
+          dot(u.gradient[c], u.response[e]);
+}
+
+void solve(MidpointSolver& solver, Points& b) {
+  solvePlain(solver, b);
+  const VolumeUpdate& u = solver.volumes;
+  if (u.gradient.empty()) return;
+  Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kMostSolvedVolumes, 1> y(u.inner.rows());
+  for (std::size_t c = 0; c < u.gradient.size(); ++c) y[static_cast<Eigen::Index>(c)] = dot(u.gradient[c], b);
+  y = u.inner.ldlt().solve(y).eval();
+  for (std::size_t c = 0; c < u.gradient.size(); ++c) b -= y[static_cast<Eigen::Index>(c)] * u.response[c];
 }
 
 }  // namespace limber

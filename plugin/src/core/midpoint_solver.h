@@ -3,12 +3,26 @@
 
 #include "core/banded_matrix.h"
 #include "core/shared_factor.h"
+#include "core/volume_term.h"
 
 #include <cstdint>
 #include <memory>
 #include <vector>
 
 namespace limber {
+
+/// More closed surfaces in a body than this are stepped by Verlet.
+constexpr int kMostSolvedVolumes = 8;
+
+/// What the volume term adds to a matrix A: sum d g g^T over the components, g the gradient of the volume and
+/// d = h^2/4 K / V0. By Sherman, Morrison and Woodbury
+///     (A + G D G^T)^-1 b = x - Z (D^-1 + G^T Z)^-1 G^T x,   x = A^-1 b,   Z = A^-1 G.
+struct VolumeUpdate {
+  using Small =
+      Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kMostSolvedVolumes, kMostSolvedVolumes>;
+  std::vector<Points> gradient, response;  ///< #components: g and A^-1 g
+  Small inner;                             ///< D^-1 + G^T Z
+};
 
 /// The linear system of one iteration of the implicit midpoint rule, solved in one of two ways.
 struct MidpointSolver {
@@ -27,6 +41,7 @@ struct MidpointSolver {
   BandedMatrix banded;                 ///< factors, 3 #points rows
   Eigen::VectorXd ordered;             ///< 3 #points, scratch
   Points scratch;                      ///< 3 x #points
+  VolumeUpdate volumes;
 };
 
 /// Makes the solver ready for bodies with these springs and masses and substeps of h seconds. Allocates and
@@ -40,6 +55,9 @@ void prepare(MidpointSolver& solver, const SpringArrays& springs, const Points& 
 /// whose clamp keeps it positive definite under compression (Choi, Ko 2002, section 4).
 void update(MidpointSolver& solver, const SpringArrays& springs, const Points& damperDirection,
             const Points& position);
+
+/// Adds the volume term at the present positions to the matrix; after update().
+void updateVolumes(MidpointSolver& solver, VolumeArrays& volumes, const PointState& state);
 
 /// Solves A x = b in place; b is 3 x #points.
 void solve(MidpointSolver& solver, Points& b);

@@ -104,9 +104,44 @@ void dampInTurn(const QuadBody& b, Index i, Quad factor, bool forward) {
   }
 }
 
+/// y z x 0
+Quad rolled(Quad v) { return _mm256_permute4x64_pd(v, 0xC9); }
+
+/// z x y 0
+Quad rolledBack(Quad v) { return _mm256_permute4x64_pd(v, 0xD2); }
+
+/// As sixVolumes.
+double sixQuadVolumes(const VolumeBody& v, Index component, const Quad* x) {
+  Quad sum = all(Quad(), 0.0);
+  const Quad o = x[v.corners[3 * v.firstTriangle[component]]];
+  for (Index t = v.firstTriangle[component]; t < v.firstTriangle[component + 1]; ++t) {
+    const Quad a = x[v.corners[3 * t]];
+    const Quad b = x[v.corners[3 * t + 1]] - a, c = x[v.corners[3 * t + 2]] - a;
+    const Quad n = rolled(b) * rolledBack(c) - rolledBack(b) * rolled(c);
+    quads(v.area)[t] = n;
+    sum = sum + (a - o) * n;
+  }
+  return sum[0] + (sum[1] + sum[2]);
+}
+
+/// As addVolumeForces of volume_kernel.h, to the bit.
+void addQuadVolumeForces(const VolumeBody& v, const Quad* x, Quad* force) {
+  constexpr double kSixth = 1.0 / 6.0;
+  for (Index component = 0; component < v.components; ++component) {
+    const double volume = sixQuadVolumes(v, component, x) * kSixth;
+    const double push = pushOf(volume, v.restVolume[component], *v.modulus, *v.pressure) * kSixth;
+    for (Index t = v.firstTriangle[component]; t < v.firstTriangle[component + 1]; ++t) {
+      const Quad f = all(Quad(), push) * quads(v.area)[t];
+      for (Index corner = 3 * t; corner < 3 * t + 3; ++corner)
+        force[v.corners[corner]] = force[v.corners[corner]] + f;
+    }
+  }
+}
+
 void computeForces(const QuadPoints& p) {
   for (Index i = 0; i < p.b.points; ++i) quads(p.b.force)[i] = all(Quad(), 0.0);
   for (Index i = 0; i < p.b.springs; i += 4) addForces(p.b, i);
+  addQuadVolumeForces(p.b.volumes, quads(p.b.position), quads(p.b.force));
 }
 
 void dampAll(const QuadPoints& p, bool whole, bool forward) {

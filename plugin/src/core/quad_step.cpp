@@ -77,7 +77,15 @@ void load(QuadArrays& q, const PointState& state, const SpringArrays& springs) {
   toQuads(state.inverseMass, q.inverseMass);
 }
 
-kernel::QuadBody quadBody(QuadArrays& q, bool damped, const kernel::ContactCalls& contacts) {
+kernel::VolumeBody quadVolumes(QuadArrays& q, VolumeArrays* volumes) {
+  if (!volumes) return {};
+  reserveNumbers(q.area, 4 * volumes->triangles.size());
+  const kernel::Volumes<double> v = kernelVolumes(*volumes);
+  return {v.components, v.firstTriangle, v.corners, v.restVolume, v.modulus, v.pressure, numbers(q.area)};
+}
+
+kernel::QuadBody quadBody(SteppedBody& stepped, const kernel::ContactCalls& contacts) {
+  QuadArrays& q = *stepped.quads;
   kernel::QuadBody body;
   body.points = static_cast<unsigned>(q.position.size() * 2);
   body.springs = static_cast<unsigned>(q.a.size());
@@ -90,7 +98,8 @@ kernel::QuadBody quadBody(QuadArrays& q, bool damped, const kernel::ContactCalls
   body.compressionStiffness = numbers(q.compressionStiffness);
   body.direction = numbers(q.direction);
   body.dampHalf = numbers(q.dampHalf), body.dampFull = numbers(q.dampFull);
-  body.damped = damped;
+  body.volumes = quadVolumes(q, stepped.volumes);
+  body.damped = stepped.springs->damped;
   body.contacts = &contacts;
   return body;
 }
@@ -107,7 +116,7 @@ void stepQuads(SteppedBody& body, double tick, int substeps) {
   const kernel::ContactCalls calls = contacts.calls();
   double change = 0.0;
 #if defined(LIMBER_HAS_LANES)
-  change = kernel::stepQuads(quadBody(q, body.springs->damped, calls), tick, substeps);
+  change = kernel::stepQuads(quadBody(body, calls), tick, substeps);
 #else
   static_cast<void>(&quadBody);
 #endif

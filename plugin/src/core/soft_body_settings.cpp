@@ -2,6 +2,7 @@
 #include <limber/soft_body_settings.h>
 #include <limber/spring_settings.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <limits>
@@ -70,6 +71,8 @@ std::string validate(const SoftBodySettings& s) {
       {"compressionStiffness", s.compressionStiffness, 0, true, 1e12, "from 0 to 1e12"},
       {"damping", s.damping, 0, true, 1e12, "from 0 to 1e12"},
       {"totalMass", s.totalMass, 0, false, 1e12, "above 0 and at most 1e12"},
+      {"volumeModulus", std::max(s.volumeModulus, 0.0), 0, true, 1e15, "at most 1e15"},
+      {"pressure", s.pressure, 0, true, 1e12, "from 0 to 1e12"},
       {"pointRadius", s.pointRadius, 0, true, 1e6, "from 0 to 1e6"},
       {"friction", s.friction, 0, true, 1e6, "from 0 to 1e6"},
       {"restitution", s.restitution, 0, true, 1, "from 0 to 1"},

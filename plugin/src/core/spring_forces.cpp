@@ -3,6 +3,7 @@
 
 #include "core/elastic_limit.h"
 #include "core/kernel_views.h"
+#include "core/verlet_step.h"
 
 #include <cmath>
 
@@ -15,6 +16,16 @@ void computeSpringForces(SpringArrays& springs, PointState& state) {
   } else {
     kernel::computeForces(kernelSprings(springs), kernelPoints(state));
   }
+}
+
+void computeElasticForces(SteppedBody& body) {
+  computeSpringForces(*body.springs, *body.points);
+  if (body.volumes) addVolumeForces(*body.volumes, *body.points);
+}
+
+double elasticEnergy(SteppedBody& body, const Points& position) {
+  return elasticEnergy(*body.springs, position) +
+         (body.volumes ? volumeEnergy(*body.volumes, position) : 0.0);
 }
 
 double elasticEnergy(const SpringArrays& springs, const Points& position) {

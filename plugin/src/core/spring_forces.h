@@ -21,6 +21,14 @@ inline SpringPull springPull(const Eigen::Vector3d& d, double restLength, double
   return {d * pull.scale, pull.scale > 0.0 ? pull.force : 0.0};
 }
 
+struct SteppedBody;
+
+/// Sets the points' forces to those of springs and volume, and keeps the springs' directions for the dampers.
+void computeElasticForces(SteppedBody& body);
+
+/// J in springs and volume, with the points at `position`.
+double elasticEnergy(SteppedBody& body, const Points& position);
+
 /// Sets `state.force` to the force of all springs and keeps their directions for the dampers.
 void computeSpringForces(SpringArrays& springs, PointState& state);
 

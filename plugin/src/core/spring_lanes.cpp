@@ -8,6 +8,13 @@
 namespace limber {
 namespace {
 
+void reserveVolumes(LaneBlock& b, const VolumeArrays& volumes, std::size_t lanes) {
+  reserveNumbers(b.restVolume, volumes.restVolume.size() * lanes);
+  reserveNumbers(b.modulus, lanes);
+  reserveNumbers(b.pressure, lanes);
+  reserveNumbers(b.area, volumes.area.size() * lanes);
+}
+
 void reserve(LaneBlock& b, std::size_t points, std::size_t springs, std::size_t lanes) {
   for (auto* array : {&b.position, &b.velocity, &b.acceleration, &b.inverseMass, &b.force, &b.earlierForce})
     reserveNumbers(*array, 3 * points * lanes);
@@ -45,10 +52,19 @@ void loadSprings(LaneBlock& block, const SpringArrays& springs, std::size_t lane
   toLane(springs.dampFull.data(), count, block.dampFull, lane, lanes);
 }
 
+void loadVolumes(LaneBlock& block, const VolumeArrays& volumes, std::size_t lane, std::size_t lanes) {
+  toLane(volumes.restVolume.data(), volumes.restVolume.size(), block.restVolume, lane, lanes);
+  toLane(&volumes.modulus, 1, block.modulus, lane, lanes);
+  toLane(&volumes.pressure, 1, block.pressure, lane, lanes);
+}
+
 /// A lane without a body holds points that coincide and rest: nothing pulls or moves them.
 void clearState(LaneBlock& block, std::size_t count, std::size_t lane, std::size_t lanes) {
   for (auto* array : {&block.position, &block.velocity, &block.acceleration, &block.inverseMass})
     for (std::size_t i = 0; i < count; ++i) numbers(*array)[i * lanes + lane] = 0.0;
+  const VolumeArrays* volumes = block.lanes[0].body.volumes;
+  for (std::size_t c = 0; volumes && c < volumes->restVolume.size(); ++c)
+    numbers(block.restVolume)[c * lanes + lane] = 1.0;
 }
 
 void load(LaneBlock& block, std::size_t lanes) {
@@ -57,6 +73,7 @@ void load(LaneBlock& block, std::size_t lanes) {
     loadState(block, *source.body.points, lane, lanes);
     if (source.revision == source.body.springs->revision) continue;
     loadSprings(block, *source.body.springs, lane, lanes);
+    if (source.body.volumes) loadVolumes(block, *source.body.volumes, lane, lanes);
     source.revision = source.body.springs->revision;
   }
   const auto count = static_cast<std::size_t>(block.lanes[0].body.points->position.size());
@@ -96,6 +113,14 @@ bool prepareContacts(LaneBlock& block, const LaneContacts& contacts) {
   return any;
 }
 
+kernel::VolumeBody laneVolumes(LaneBlock& b) {
+  VolumeArrays* volumes = b.lanes[0].body.volumes;
+  if (!volumes) return {};
+  const kernel::Volumes<double> one = kernelVolumes(*volumes);
+  return {one.components,     one.firstTriangle,   one.corners,    numbers(b.restVolume),
+          numbers(b.modulus), numbers(b.pressure), numbers(b.area)};
+}
+
 kernel::LaneBody laneBody(LaneBlock& b, const kernel::ContactCalls& contacts, double* change) {
   const SpringArrays& springs = *b.lanes[0].body.springs;
   kernel::LaneBody body;
@@ -110,6 +135,7 @@ kernel::LaneBody laneBody(LaneBlock& b, const kernel::ContactCalls& contacts, do
   body.compressionStiffness = numbers(b.compressionStiffness);
   body.direction = numbers(b.direction);
   body.dampHalf = numbers(b.dampHalf), body.dampFull = numbers(b.dampFull);
+  body.volumes = laneVolumes(b);
   body.damped = springs.damped;
   body.contacts = &contacts;
   body.change = change;
@@ -151,6 +177,7 @@ void stepLanes(LaneBlock& block, double tick, int substeps, InstructionSet set) 
   for (LaneBlock::Lane& lane : block.lanes)
     prepareDampers(*lane.body.springs, lane.body.points->inverseMass, tick / substeps);
   reserve(block, static_cast<std::size_t>(first.points->position.cols()), first.springs->size(), lanes);
+  if (first.volumes) reserveVolumes(block, *first.volumes, lanes);
   load(block, lanes);
   LaneContacts contacts{block, laneCount(set)};
   const kernel::ContactCalls calls{prepareContacts(block, contacts) ? &contacts : nullptr,

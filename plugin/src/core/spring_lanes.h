@@ -11,7 +11,7 @@ namespace limber {
 
 /// Bodies of one network side by side, one per lane of a register: entry i of lane l is at [i * lanes + l].
 /// Bodies that are all stepped equally often, have no links and no elastic limit,
-/// and are all damped or all not.
+/// and are all damped or all not, and have a volume term or all have not.
 struct LaneBlock {
   struct Lane {
     SteppedBody body;
@@ -21,8 +21,10 @@ struct LaneBlock {
 
   AlignedNumbers position, velocity, acceleration, inverseMass, force, earlierForce;  // 3 x #points
   AlignedNumbers restLength, extensionStiffness, compressionStiffness, dampHalf,
-      dampFull;              // #springs
-  AlignedNumbers direction;  // 3 x #springs
+      dampFull;                                  // #springs
+  AlignedNumbers direction;                      // 3 x #springs
+  AlignedNumbers restVolume, modulus, pressure;  // #components, 1, 1
+  AlignedNumbers area;                           // 3 x #triangles
 };
 
 /// As stepVerlet for each of the bodies, to the bit, whatever the instruction set.

@@ -7,10 +7,9 @@
 // which the sets' own types keep apart, and no standard header.
 
 #include "core/pack.h"
+#include "core/volume_kernel.h"
 
 namespace limber::kernel {
-
-using Index = unsigned int;
 
 /// The springs: one entry each, but three of `direction`.
 template <class V>
@@ -127,6 +126,7 @@ template <class V>
 struct Body {
   Springs<V> springs;
   Points<V> points;
+  Volumes<V> volumes;
   bool hasDampers;
   const V* dampHalf;
   const V* dampFull;
@@ -140,6 +140,7 @@ struct Body {
 template <class V>
 inline void computeForces(const Body<V>& body) {
   computeForces(body.springs, body.points);
+  addVolumeForces(body.volumes, body.points.position, body.points.force);
 }
 
 template <class V>
@@ -163,7 +164,7 @@ template <class V>
 inline V computeForcesAndChange(const Body<V>& body) {
   const Points<V>& p = body.points;
   for (Index i = 0; i < 3 * p.count; ++i) body.earlierForce[i] = p.force[i];
-  computeForces(body.springs, p);
+  computeForces(body);
   V sum[3] = {all(V(), 0.0), all(V(), 0.0), all(V(), 0.0)};
   for (Index i = 0; i < p.count; ++i)
     for (Index c = 0; c < 3; ++c) {

@@ -20,8 +20,9 @@ void stepSingle(SteppedBody& body, double tick, int substeps) {
   BodyContacts contacts{body.contacts, viewOf(state)};
   const kernel::ContactCalls calls = contacts.calls();
   const double change = kernel::stepAlone<double>(
-      kernel::Body<double>{kernelSprings(springs), kernelPoints(state), springs.damped,
-                           springs.dampHalf.data(), springs.dampFull.data(), &calls,
+      kernel::Body<double>{kernelSprings(springs), kernelPoints(state),
+                           body.volumes ? kernelVolumes(*body.volumes) : kernel::Volumes<double>{},
+                           springs.damped, springs.dampHalf.data(), springs.dampFull.data(), &calls,
                            state.earlierForce.data()},
       tick, substeps);
   body.errorRate = verletErrorRate(change, state.position.cols(), tick / substeps);
@@ -29,7 +30,7 @@ void stepSingle(SteppedBody& body, double tick, int substeps) {
 
 void computeForces(StepGroup& group) {
   for (SteppedBody& body : group.bodies) {
-    computeSpringForces(*body.springs, *body.points);
+    computeElasticForces(body);
   }
   for (RigidState& rigid : group.links.rigids) {
     rigid.force.setZero();

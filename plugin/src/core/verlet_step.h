@@ -5,6 +5,7 @@
 #include "core/links.h"
 #include "core/point_state.h"
 #include "core/spring_arrays.h"
+#include "core/volume_term.h"
 
 #include <vector>
 
@@ -17,6 +18,7 @@ struct SteppedBody {
   PointState* points;
   SpringArrays* springs;
   std::vector<ContactRow>* contacts;  ///< may be nullptr
+  VolumeArrays* volumes = nullptr;    ///< may be nullptr
 
   QuadArrays* quads = nullptr;  ///< for stepping it four springs at a time, see quad_step.h; may be nullptr
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "core/point_state.h"
+#include "core/volume_kernel.h"
 
 #include <limber/soft_body_settings.h>
 #include <limber/spring_network.h>
@@ -19,29 +20,50 @@ struct VolumeArrays {
   std::vector<double> restVolume;            ///< #components, m^3, above 0
   double modulus = 0.0;                      ///< Pa, K
   double pressure = 0.0;                     ///< Pa above the outside at rest; P V0 / V at volume V
+  std::vector<double> area;                  ///< 3 x #triangles, scratch
+  Points gradient;                           ///< 3 x #points, scratch
+  std::vector<double> rowSums;               ///< #points, scratch
 
   bool empty() const { return restVolume.empty(); }
 };
 
-/// Pa: the Young's modulus of a spring network that fills `volume` (m^3) evenly,  sum k L^2 / (6 V)
-/// (Cauchy-Born).
+/// Pa: the Young's modulus of a network of springs with the constant `stiffness` (N/m) that fills `volume`
+/// (m^3) evenly in all directions,  sum k L^2 / (6 V)  (Cauchy-Born).
 double networkModulus(const SpringNetwork& network, const Eigen::Vector3d& scale, double stiffness,
                       double volume);
-
-/// m^3, signed, of a closed surface; relative to one of its points, so that far from the origin it loses
-/// nothing.
-double enclosedVolume(const Triangle* triangles, std::size_t count, const Points& position);
-
-/// The volume term of a body with these settings; empty if they ask for none or the surface is not closed.
-VolumeArrays makeVolumes(const SpringNetwork& network, const SoftBodySettings& settings);
 
 /// Why the settings' volume modulus or pressure cannot be had with this network, or an empty string.
 std::string checkVolume(const SpringNetwork& network, const SoftBodySettings& settings);
 
+/// The volume term of a body with these settings; empty if they ask for none or the surface is not closed.
+VolumeArrays makeVolumes(const SpringNetwork& network, const SoftBodySettings& settings);
+
+/// As kernel::addVolumeForces takes it.
+kernel::Volumes<double> kernelVolumes(VolumeArrays& volumes);
+
 /// Adds to `state.force`. The forces of a component sum to zero and have no torque.
-void addVolumeForces(const VolumeArrays& volumes, PointState& state);
+void addVolumeForces(VolumeArrays& volumes, PointState& state);
 
 /// J.
-double volumeEnergy(const VolumeArrays& volumes, const Points& position);
+double volumeEnergy(VolumeArrays& volumes, const Points& position);
+
+/// m^3, signed, of all components together.
+double enclosedVolume(VolumeArrays& volumes, const Points& position);
+
+/// rad^2/s^2 that the volume term can add to the square of a body's fastest oscillation, at these positions.
+///
+/// The Hessian of its energy is  K/V0 g g^T - push H,  g the gradient of the volume and H its second
+/// derivatives. The first has one eigenvalue,  K/V0 sum w |g|^2  (with the masses); the second's are at most
+/// the largest row sum of block norms: triangles that meet at an edge have a block of a sixth of the distance
+/// of their third corners, so a triangle gives each corner at most a third of its longest edge.
+double volumeFrequencyBoundSquared(VolumeArrays& volumes, const PointState& state);
+
+/// The volume of a component (m^3) and its gradient (3 x #points, m^2), 0 for held points and for those of
+/// others.
+double volumeGradient(VolumeArrays& volumes, std::size_t component, const PointState& state,
+                      Points& gradient);
+
+/// Pa: how fast the push of component c falls with the relative change of its volume, at the volume given.
+double volumeStiffness(const VolumeArrays& volumes, std::size_t component, double volume);
 
 }  // namespace limber

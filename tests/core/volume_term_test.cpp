@@ -1,0 +1,208 @@
+// SPDX-License-Identifier: Zlib
+// The volume term by itself and in all steppers: closed forms and conservation laws.
+#include "core/volume_term.h"
+#include "core/body_measures.h"
+#include "core/implicit_step.h"
+#include "core/stepping_choice.h"
+#include "support/networks.h"
+#include "support/small_meshes.h"
+#include "support/stepped_body.h"
+
+#include <limber/network_builder.h>
+
+#include <gtest/gtest.h>
+#include <Eigen/Eigenvalues>
+
+#include <cmath>
+
+namespace limber {
+namespace {
+
+using test::SteppedTestBody;
+
+SharedNetwork bare(const TriangleMesh& mesh) {
+  NetworkSettings settings;
+  settings.braces = BraceRule::None;
+  settings.braceWeight = 1.0;
+  return *buildNetwork(mesh, settings);
+}
+
+VolumeArrays volumesOf(const SharedNetwork& network, double modulus, double pressure,
+                       const Eigen::Vector3d& scale = Eigen::Vector3d::Ones()) {
+  SoftBodySettings settings;
+  settings.volumeModulus = modulus;
+  settings.pressure = pressure;
+  settings.scale = scale;
+  return makeVolumes(*network, settings);
+}
+
+PointState stateOf(const SharedNetwork& network, double noise) {
+  PointState state;
+  state.resize(static_cast<Eigen::Index>(network->restPoints.size()));
+  for (Eigen::Index i = 0; i < state.position.cols(); ++i) {
+    const double t = static_cast<double>(i);
+    state.position.col(i) = network->restPoints[static_cast<std::size_t>(i)] +
+                            noise * Eigen::Vector3d(std::sin(3 * t), std::cos(5 * t), std::sin(7 * t + 1));
+  }
+  state.inverseMass.setConstant(static_cast<double>(state.position.cols()));
+  return state;
+}
+
+TEST(VolumeTerm, knowsTheVolumesOfTheCubeAndItsMirrorImage) {
+  const SharedNetwork cube = test::closedCubeNetwork();
+  PointState state = stateOf(cube, 0.0);
+  VolumeArrays v = volumesOf(cube, 1.0, 0.0);
+  EXPECT_NEAR(enclosedVolume(v, state.position), 1.0, 1e-15);
+  state.position.row(0) *= -2.0;
+  EXPECT_NEAR(enclosedVolume(v, state.position), -2.0, 1e-15);
+  state.position.colwise() += Eigen::Vector3d(1e6, 1e6, 0.0);
+  EXPECT_NEAR(enclosedVolume(v, state.position), -2.0, 1e-9) << "far from the origin";
+  EXPECT_NEAR(volumesOf(cube, 1.0, 0.0, {-1, 2, 3}).restVolume[0], 6.0, 1e-14) << "mirrored by its scale";
+}
+
+TEST(VolumeTerm, hasTheGradientOfItsEnergyAsForceAndNoNetForceOrTorque) {
+  const SharedNetwork ball = bare(small_meshes::icosphere(1));
+  for (const double size : {1.0, 0.3, 1.6})  // free, gas at its limit, swelling at its limit
+    for (const double pressure : {0.0, 40.0}) {
+      SCOPED_TRACE(testing::Message() << "size " << size << ", pressure " << pressure);
+      VolumeArrays v = volumesOf(ball, 100.0, pressure);
+      PointState state = stateOf(ball, 0.1);
+      state.position *= size;
+      state.position.colwise() += Eigen::Vector3d(3, 2, 1);
+      addVolumeForces(v, state);
+      const double largest = state.force.cwiseAbs().maxCoeff();
+      for (Eigen::Index i = 0; i < 5; ++i)
+        for (int axis = 0; axis < 3; ++axis) {
+          Points left = state.position, right = state.position;
+          left(axis, i) -= 1e-5, right(axis, i) += 1e-5;
+          const double slope = (volumeEnergy(v, right) - volumeEnergy(v, left)) / 2e-5;
+          // rounding of energies of some hundred J over 2e-5 m
+          EXPECT_NEAR(state.force(axis, i), -slope, 1e-7 * std::max(largest, 1.0));
+        }
+      Eigen::Vector3d torque = Eigen::Vector3d::Zero();
+      for (Eigen::Index i = 0; i < state.force.cols(); ++i)
+        torque += state.position.col(i).head<3>().cross(state.force.col(i).head<3>());
+      EXPECT_LT(state.force.rowwise().sum().norm(), 1e-13 * largest * 42);
+      EXPECT_LT(torque.norm(), 1e-12 * largest * 42);
+    }
+}
+
+TEST(VolumeTerm, isAsStiffAsTheSpringsByDefaultForClosedBodiesOnly) {
+  const SharedNetwork cube = test::closedCubeNetwork();
+  // 12 edges of 1 m and 12 diagonals of sqrt(2) m: sum k L^2 / (6 V) = 36 k / 6
+  EXPECT_NEAR(makeVolumes(*cube, {}).modulus, 6000.0, 1e-9);
+  EXPECT_TRUE(volumesOf(cube, 0.0, 0.0).empty());
+  EXPECT_TRUE(makeVolumes(**buildCloth(), {}).empty());
+  EXPECT_TRUE(makeVolumes(*bare(small_meshes::singleTriangle()), {}).empty());
+}
+
+TEST(VolumeTerm, saysWhyAnOpenMeshCannotHaveIt) {
+  SoftBodySettings settings;
+  settings.pressure = 5.0;
+  EXPECT_EQ(checkVolume(*bare(small_meshes::singleTriangle()), settings),
+            "pressure: the surface is not closed: it has 3 open edges");
+  EXPECT_EQ(checkVolume(**buildRope(), settings), "pressure: a rope or cloth encloses no volume");
+  settings.pressure = 0.0;
+  settings.volumeModulus = 5.0;
+  EXPECT_EQ(checkVolume(*bare(small_meshes::flippedTriangle()), settings),
+            "volumeModulus: the surface is not closed: it has 3 inconsistent edges");
+  EXPECT_EQ(checkVolume(*test::closedCubeNetwork(), settings), "");
+}
+
+TEST(VolumeTerm, keepsComponentsApart) {
+  VolumeArrays v = volumesOf(bare(small_meshes::twoIslands()), 7.0, 0.0);
+  ASSERT_EQ(v.restVolume.size(), 2u);
+  EXPECT_NEAR(v.restVolume[0], v.restVolume[1], 1e-12);
+}
+
+TEST(VolumeTerm, boundsTheFrequencyItAdds) {
+  const SharedNetwork ball = bare(small_meshes::icosphere(1));
+  VolumeArrays v = volumesOf(ball, 100.0, 30.0);
+  PointState state = stateOf(ball, 0.1);
+  const Eigen::Index size = state.position.size();
+  Eigen::MatrixXd hessian(size, size);
+  const auto gradientAt = [&](Eigen::Index i, double step) {
+    PointState moved = state;
+    moved.position.reshaped()[i] += step;
+    addVolumeForces(v, moved);
+    return Eigen::VectorXd(-moved.force.reshaped());
+  };
+  for (Eigen::Index i = 0; i < size; ++i)
+    hessian.col(i) = (gradientAt(i, 1e-6) - gradientAt(i, -1e-6)) / 2e-6 * state.inverseMass(0, 0);
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> modes(0.5 * (hessian + hessian.transpose()));
+  const double largest = modes.eigenvalues().cwiseAbs().maxCoeff(),
+               bound = volumeFrequencyBoundSquared(v, state);
+  EXPECT_GE(bound, largest);
+  EXPECT_LE(bound, 4.0 * largest) << "no waste of substeps";
+}
+
+enum class How { Verlet, Shared, Newton };
+
+class VolumeSteps : public testing::TestWithParam<How> {
+ public:
+  void advance(SteppedTestBody& body, double time, int substeps) {
+    if (GetParam() == How::Verlet) return stepVerlet(body.group, time, substeps);
+    const auto kind = GetParam() == How::Shared ? MidpointSolver::Kind::Shared : MidpointSolver::Kind::Newton;
+    stepImplicit(body.stepped(), implicit, kind, time, substeps, factors);
+  }
+  ImplicitState implicit;
+  SharedFactors factors;
+};
+
+/// All points of an icosahedron are alike, so blown up evenly it keeps its shape and oscillates:
+///     omega^2 = (k sum L^2 + 9 K V0) / sum m |x|^2,   |x| = 1 m.
+TEST_P(VolumeSteps, breatheWithTheRightPeriod) {
+  SteppedTestBody body(bare(small_meshes::icosphere(0)), 100.0, 0.0);
+  double squares = 0.0;
+  for (const double length : body.springs.restLength) squares += length * length;
+  const double stiffness = 100.0 * squares + 9.0 * body.volumes.modulus * body.volumes.restVolume[0];
+  ASSERT_GT(9.0 * body.volumes.modulus * body.volumes.restVolume[0], 100.0 * squares) << "the volume matters";
+  body.state.position *= 1.0 + 1e-4;
+  const double before = body.energy();
+  advance(body, 2.0 * std::acos(-1.0) / std::sqrt(stiffness), 400);
+  // the errors of the period are (2 pi / 400)^2 / 24 and / 12 or less, 2e-5
+  for (Eigen::Index i = 0; i < 12; ++i)
+    EXPECT_NEAR((body.state.position.col(i).norm() - 1.0) / 1e-4, 1.0, 1e-3);
+  EXPECT_NEAR(body.energy(), before, 1e-3 * before);
+}
+
+TEST_P(VolumeSteps, keepMomentumAndComeBackFromFlatAndInsideOut) {
+  for (const double squash : {0.0, -1.0}) {
+    SteppedTestBody body(test::closedCubeNetwork(), 100.0, 0.5);
+    for (Eigen::Index i = 0; i < 8; ++i)
+      body.state.position.col(i) +=
+          1e-3 * Eigen::Vector3d(std::sin(9.0 * double(i)), std::cos(7.0 * double(i)), 0);
+    body.state.position.row(2) *= squash;
+    body.state.velocity.colwise() = Eigen::Vector3d(1, 2, 3);
+    const Eigen::Vector3d momentum = linearMomentum(body.state);
+    for (int i = 0; i < 1200; ++i) advance(body, 1.0 / 60.0, 8);
+    // rounding of 10 000 substeps; the implicit ones solve factorised systems in each
+    EXPECT_LT((linearMomentum(body.state) - momentum).norm(), GetParam() == How::Verlet ? 1e-11 : 1e-9);
+    EXPECT_NEAR(enclosedVolume(body.volumes, body.state.position), 1.0, 1e-6) << "squashed to " << squash;
+    EXPECT_LT(body.energy() - 0.5 * momentum.squaredNorm(), 1e-6) << "squashed to " << squash;
+  }
+}
+
+/// Gas at P blows the icosahedron up to s, where  k sum L^2 (s - 1) = 3 P V0 / s.
+TEST_P(VolumeSteps, areBlownUpByGas) {
+  SteppedTestBody body(bare(small_meshes::icosphere(0)), 100.0, 5.0);
+  body.settings.volumeModulus = 0.0;
+  body.settings.pressure = 200.0;
+  body.volumes = makeVolumes(*body.net, body.settings);
+  double squares = 0.0;
+  for (const double length : body.springs.restLength) squares += length * length;
+  for (int i = 0; i < 600; ++i) advance(body, 1.0 / 60.0, 8);
+  const double s = 0.5 + std::sqrt(0.25 + 3.0 * 200.0 * body.volumes.restVolume[0] / (100.0 * squares));
+  EXPECT_NEAR(body.state.position.col(7).norm(), s, 1e-6);
+}
+
+std::string nameOf(const testing::TestParamInfo<How>& how) {
+  const char* const names[] = {"Verlet", "Shared", "Newton"};
+  return names[static_cast<int>(how.param)];
+}
+
+INSTANTIATE_TEST_SUITE_P(Steppers, VolumeSteps, testing::Values(How::Verlet, How::Shared, How::Newton),
+                         nameOf);
+
+}  // namespace
+}  // namespace limber
