@@ -17,10 +17,11 @@ TEST(Allocation, aTickAllocatesNothingAfterWarmUp) {
   BulletWorld bullet;
   bullet.addBoxFloor();
   SoftBodySystem system(*bullet.world);
-  for (int i = 0; i < 8; ++i) {
+  const SharedNetwork open = test::cubeNetwork(), closed = test::closedCubeNetwork();
+  for (int i = 0; i < 12; ++i) {
     SoftBodySettings s;
     s.position = {1.5 * i, 1.0, 0};
-    SoftBody* body = *system.createBody(test::cubeNetwork(), s);
+    SoftBody* body = *system.createBody(i < 8 ? open : closed, s);
     body->point(0)->setActivationState(DISABLE_DEACTIVATION);
   }
   btRigidBody* box = bullet.addBox(test::vec(0.2, 0.2, 0.2), 1, test::vec(0, 3, 0));

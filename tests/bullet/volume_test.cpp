@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: Zlib
+// Closed bodies in a world keep their volume; pressure blows them up.
+#include "support/bullet_world.h"
+#include "support/networks.h"
+#include "support/small_meshes.h"
+
+#include <limber/soft_body_system.h>
+
+#include <gtest/gtest.h>
+
+namespace limber {
+namespace {
+
+using test::BulletWorld;
+
+/// m^3, signed.
+double volumeOf(const SoftBody& body) {
+  double six = 0.0;
+  for (const Triangle& t : body.network().surface)
+    six += body.position(t[0]).dot(body.position(t[1]).cross(body.position(t[2])));
+  return six / 6.0;
+}
+
+TEST(Volume, isRefusedWhereThereIsNoneAndNothingIsLeftBehind) {
+  BulletWorld bullet;
+  SoftBodySystem system(*bullet.world);
+  SoftBodySettings s;
+  s.pressure = 1.0;
+  EXPECT_EQ(system.createBody(*buildCloth(), s).error(), "pressure: a rope or cloth encloses no volume");
+  EXPECT_EQ(bullet.world->getNumCollisionObjects(), 0);
+  s.pressure = -1.0;
+  EXPECT_EQ(system.createBody(test::closedCubeNetwork(), s).error(),
+            "settings: pressure is -1, must be from 0 to 1e12");
+}
+
+TEST(Volume, bringsAnInvertedBodyBack) {
+  BulletWorld bullet(0.0);
+  SoftBodySystem system(*bullet.world);
+  for (const double modulus : {-1.0, 0.0}) {
+    SoftBodySettings s;
+    s.volumeModulus = modulus;
+    s.position = {modulus < 0.0 ? 0.0 : 5.0, 0, 0};
+    SoftBody* body = *system.createBody(test::closedCubeNetwork(), s);
+    for (std::uint32_t i = 0; i < 8; ++i) {
+      const Eigen::Vector3d x = s.position - body->network().restPoints[i];
+      body->point(i)->getWorldTransform().setOrigin(test::vec(x.x() + 1e-3 * i, x.y(), x.z()));
+    }
+    bullet.simulate(10.0);
+    EXPECT_NEAR(volumeOf(*body), modulus < 0.0 ? 1.0 : -1.0, 1e-4)
+        << "with the volume term it turns back, the springs alone do not mind";
+  }
+}
+
+/// The hash of bodies as they fall, turned and mirrored, all of one network or each of its own.
+std::vector<std::uint64_t> hashes(bool shared) {
+  BulletWorld bullet;
+  bullet.addBoxFloor();
+  SoftBodySystem system(*bullet.world);
+  const SharedNetwork cube = test::closedCubeNetwork();
+  for (int i = 0; i < 12; ++i) {
+    SoftBodySettings s;
+    s.position = {2.0 * i, 1.5, 0};
+    s.scale = {i % 3 == 1 ? -1.0 : 1.0, 1.0 + 0.1 * i, 1.0};
+    s.pressure = 5.0 * i;
+    s.angularVelocity = {1, 2, 3};
+    (void)*system.createBody(shared ? cube : test::closedCubeNetwork(), s);
+  }
+  bullet.simulate(2.0);
+  std::vector<std::uint64_t> all;
+  for (std::size_t i = 0; i < system.bodyCount(); ++i) {
+    all.push_back(system.body(i)->stateHash());
+    EXPECT_GT(std::abs(volumeOf(*system.body(i))), 0.8);
+  }
+  return all;
+}
+
+TEST(Volume, isTheSameToTheBitForBodiesSteppedTogether) { EXPECT_EQ(hashes(true), hashes(false)); }
+
+TEST(Volume, isKeptByABallThatIsPressedFlat) {
+  BulletWorld bullet;
+  bullet.addBoxFloor();
+  SoftBodySystem system(*bullet.world);
+  double heights[2], volumes[2];
+  for (const int gas : {0, 1}) {
+    NetworkSettings network;
+    network.braces = BraceRule::None;
+    network.braceWeight = 1.0;
+    SoftBodySettings s;
+    s.position = {5.0 * gas, 1.0, 0};
+    s.extensionStiffness = s.compressionStiffness = 10.0;
+    s.damping = 1.0;
+    s.volumeModulus = 0.0;
+    s.pressure = gas ? 20.0 : 0.0;
+    SoftBody* ball = *system.createBody(*buildNetwork(small_meshes::icosphere(1), network), s);
+    bullet.simulate(8.0);
+    heights[gas] = ball->centerOfMass().y(), volumes[gas] = volumeOf(*ball);
+  }
+  EXPECT_LT(volumes[0], 2.0) << "without gas it slumps";
+  EXPECT_GT(volumes[1], 3.5);
+  EXPECT_GT(heights[1], heights[0] + 0.2);
+}
+
+}  // namespace
+}  // namespace limber
