@@ -22,7 +22,7 @@ std::vector<std::string> sceneNames() {
 
 void printList() {
   for (const scenes::SceneEntry& entry : scenes::sceneList())
-    std::printf("%-6s  %s\n", entry.name, entry.about);
+    std::printf("%-8s  %s\n", entry.name, entry.about);
 }
 
 /// What CLI11 fills in; some of it only makes sense together.

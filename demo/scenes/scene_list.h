@@ -21,6 +21,7 @@ const std::vector<SceneEntry>& sceneList();
 const SceneEntry* findScene(const std::string& name);
 
 SceneResult createCubes(const SceneOptions& options);
+SceneResult createCollapse(const SceneOptions& options);
 SceneResult createMeshDrop(const SceneOptions& options);
 SceneResult createRope(const SceneOptions& options);
 SceneResult createCloth(const SceneOptions& options);

@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: Zlib
+#include "scenes/drop_grid.h"
+#include "scenes/end_checks.h"
+#include "scenes/scene_list.h"
+#include "scenes/shape_error.h"
+
+#include <cstdio>
+
+namespace limber::scenes {
+namespace {
+
+const Eigen::Vector3f kBareColour(0.86f, 0.33f, 0.27f);
+const Eigen::Vector3f kBracedColour(0.16f, 0.58f, 0.55f);
+
+/// RMS error of shape, of the size, that k = 20 N/m and a kilogram leave a cube that stands: it sags.
+constexpr double kSag = 0.06;
+
+Result<SharedNetwork> cube(BraceRule braces) {
+  const Result<TriangleMesh> mesh = importMesh(LIMBER_MESH_DIR "/cube.obj");
+  if (!mesh) return Error{mesh.error()};
+  NetworkSettings settings;
+  settings.braces = braces;
+  return buildNetwork(*mesh, settings);
+}
+
+/// Every second body is braced.
+std::string checkBraced(const Scene& scene) {
+  for (std::size_t b = 1; b < scene.soft->bodyCount(); b += 2) {
+    const ShapeError error = shapeError(*scene.soft->body(b));
+    if (error.relativeRms <= kSag && !error.mirrored) continue;
+    char line[120];
+    std::snprintf(line, sizeof line, "braced body %zu: shape off by %.3g of its size%s", b, error.relativeRms,
+                  error.mirrored ? ", inside out" : "");
+    return line;
+  }
+  return {};
+}
+
+/// Bare on the left, braced on the right.
+std::string addCube(Scene& scene, const SharedNetwork& network, SoftBodySettings settings, bool braced,
+                    double sideways) {
+  if (!braced) settings.volumeModulus = 0.0;
+  settings.position.x() += braced ? sideways : -sideways;
+  BodyLook look;
+  look.colour = braced ? kBracedColour : kBareColour;
+  return addBody(scene, network, settings, look);
+}
+
+void addFloorAndView(Scene& scene, double half, double radius) {
+  addFloor(scene, 1.5 * half + 8.0, radius);
+  const Eigen::Vector3d reach(2.0 * half, 0.0, half);
+  scene.view.box = Eigen::AlignedBox3d(-reach, reach + Eigen::Vector3d(0.0, 1.5, 0.0));
+  scene.view.direction = {0.0, 0.6, 1.0};
+}
+
+}  // namespace
+
+SceneResult createCollapse(const SceneOptions& options) {
+  const Result<SharedNetwork> bare = cube(BraceRule::None), braced = cube(BraceRule::Pipeline);
+  if (!bare || !braced) return Error{bare ? braced.error() : bare.error()};
+  auto scene = std::make_unique<Scene>();
+  SoftBodySettings settings = SoftBodySettings::paper();
+  apply(options, settings);
+  Random random(options.seed);
+  const std::uint32_t count = options.count.value_or(24);
+  DropGridSettings grid;
+  grid.count = (count + 1) / 2;
+  grid.spacing = 2.2;
+  grid.lowest = 1.5;
+  grid.highest = 2.5;
+  const double half = 0.5 * grid.spacing * gridColumns(grid.count);
+  addFloorAndView(*scene, half, pointRadius(**bare, settings));
+  const std::vector<Placement> places = dropGrid(grid, random);
+  for (std::uint32_t i = 0; i < count; ++i) {
+    const bool isBraced = i % 2 == 1;
+    settings.position = places[i / 2].centre;
+    settings.rotation = places[i / 2].rotation;
+    std::string reason = addCube(*scene, isBraced ? *braced : *bare, settings, isBraced, half + 0.5);
+    if (!reason.empty()) return Error{reason};
+  }
+  scene->notes.push_back("left: the paper's cube, 18 springs; right: braced, and with a volume to keep");
+  scene->endChecks = {checkFinite, checkAboveFloor, checkBraced};
+  return scene;
+}
+
+}  // namespace limber::scenes
