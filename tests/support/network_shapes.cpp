@@ -7,7 +7,11 @@
 
 #include <Eigen/Geometry>
 
+#include <limber/simplify_mesh.h>
+
 #include <cmath>
+#include <functional>
+#include <map>
 
 namespace network_shapes {
 namespace {
@@ -20,6 +24,49 @@ constexpr double kPi = 3.14159265358979323846;
 void addQuad(TriangleMesh& mesh, std::uint32_t a, std::uint32_t b, std::uint32_t c, std::uint32_t d) {
   mesh.triangles.push_back({a, b, c});
   mesh.triangles.push_back({a, c, d});
+}
+
+using Cell = Eigen::Vector3i;
+
+/// The surface between full and empty cells of a lattice, two triangles for each face of a cell, scaled to a
+/// largest extent of 1. `turned` says of a cell and the axis of its face which diagonal the face gets.
+TriangleMesh cellSurface(const Cell& size, const std::function<bool(const Cell&)>& isFull,
+                         const std::function<bool(const Cell&, int)>& turned) {
+  TriangleMesh mesh;
+  std::map<std::array<int, 3>, std::uint32_t> known;
+  const auto pointAt = [&](const Cell& place) {
+    const auto [entry, isNew] =
+        known.try_emplace({place[0], place[1], place[2]}, static_cast<std::uint32_t>(mesh.positions.size()));
+    if (isNew)
+      mesh.positions.emplace_back((place.cast<double>() - 0.5 * size.cast<double>()) / size.maxCoeff());
+    return entry->second;
+  };
+  const auto covers = [&](const Cell& c) {
+    return c.minCoeff() >= 0 && ((size - c).array() > 0).all() && isFull(c);
+  };
+  const auto addFace = [&](const Cell& cell, int axis, int side) {
+    const Cell corner = cell + side * Cell::Unit(axis);
+    const Cell u = Cell::Unit((axis + 1) % 3), w = Cell::Unit((axis + 2) % 3);
+    std::array<std::uint32_t, 4> c{pointAt(corner), pointAt(corner + u), pointAt(corner + u + w),
+                                   pointAt(corner + w)};
+    if (side == 0) std::swap(c[1], c[3]);
+    const std::size_t first = turned(cell, axis) ? 1 : 0;
+    addQuad(mesh, c[first], c[first + 1], c[first + 2], c[(first + 3) % 4]);
+  };
+  for (int x = 0; x < size.x(); ++x)
+    for (int y = 0; y < size.y(); ++y)
+      for (int z = 0; z < size.z(); ++z)
+        for (int face = 0; covers({x, y, z}) && face < 6; ++face)
+          if (!covers(Cell(x, y, z) + (face % 2 ? 1 : -1) * Cell::Unit(face / 2)))
+            addFace({x, y, z}, face / 2, face % 2);
+  return mesh;
+}
+
+/// n x n cells on each face; neighbouring cells have different diagonals.
+TriangleMesh alternatingCube(int n) {
+  return cellSurface(
+      Cell::Constant(n), [](const Cell&) { return true; },
+      [](const Cell& c, int axis) { return (c[(axis + 1) % 3] + c[(axis + 2) % 3]) % 2 != 0; });
 }
 
 /// Rings of `sides` points about the y axis from y = -length/2 to length/2, quads between them, no caps. Ring
@@ -83,24 +130,10 @@ void addHull(TriangleMesh& mesh) {
 
 }  // namespace
 
-TriangleMesh cube8() { return small_meshes::cube(1); }
-
-TriangleMesh cube8Tetrahedral() {
-  TriangleMesh mesh;
-  for (int i = 0; i < 8; ++i)
-    mesh.positions.emplace_back((i & 1) - 0.5, (i >> 1 & 1) - 0.5, (i >> 2 & 1) - 0.5);
-  // the tetrahedron 0, 3, 5, 6 and its four corners
-  addQuad(mesh, 0, 2, 3, 1);
-  addQuad(mesh, 5, 7, 6, 4);
-  addQuad(mesh, 0, 1, 5, 4);
-  addQuad(mesh, 3, 2, 6, 7);
-  addQuad(mesh, 0, 4, 6, 2);
-  addQuad(mesh, 3, 7, 5, 1);
-  return mesh;
-}
-
-TriangleMesh cube26() { return small_meshes::cube(2); }
-TriangleMesh cube98() { return small_meshes::cube(4); }
+TriangleMesh cube8() { return alternatingCube(1); }
+TriangleMesh cube8Tetrahedral() { return small_meshes::cube(1); }
+TriangleMesh cube26() { return alternatingCube(2); }
+TriangleMesh cube98() { return alternatingCube(4); }
 
 TriangleMesh ico42() { return small_meshes::icosphere(1); }
 TriangleMesh ico162() { return small_meshes::icosphere(2); }
@@ -115,26 +148,46 @@ TriangleMesh hull60() {
 }
 
 TriangleMesh cyl62() {
-  TriangleMesh mesh = openTube(12, 5, 0.25, 1.0);
+  TriangleMesh mesh = openTube(12, 5, 0.315, 1.0);
   closeWithCentres(mesh, 12);
   return mesh;
 }
 
 TriangleMesh cyl60() {
-  TriangleMesh mesh = openTube(12, 5, 0.25, 1.0);
+  TriangleMesh mesh = openTube(12, 5, 0.315, 1.0);
   closeWithFans(mesh, 12);
   return mesh;
 }
 
-TriangleMesh lshape90() { return test_shapes::lShape(); }
-TriangleMesh torus128() { return test_shapes::torus(); }
+TriangleMesh lshape90() {
+  return cellSurface(
+      {6, 6, 2}, [](const Cell& c) { return c.x() < 2 || c.y() < 2; },
+      [](const Cell& c, int) { return c.sum() % 2 != 0; });
+}
+
+TriangleMesh torus128() {
+  constexpr std::uint32_t kSegments = 16, kSides = 8;
+  constexpr double kRing = 0.5 / 1.4, kTube = 0.4 * kRing;
+  TriangleMesh mesh;
+  for (std::uint32_t i = 0; i < kSegments; ++i) {
+    for (std::uint32_t j = 0; j < kSides; ++j) {
+      const double turn = 2.0 * kPi * i / kSegments, tilt = 2.0 * kPi * j / kSides;
+      const double radius = kRing + kTube * std::cos(tilt);
+      mesh.positions.emplace_back(radius * std::cos(turn), radius * std::sin(turn), kTube * std::sin(tilt));
+      const std::uint32_t segment = i * kSides, next = (i + 1) % kSegments * kSides, up = (j + 1) % kSides;
+      addQuad(mesh, segment + j, next + j, next + up, segment + up);
+    }
+  }
+  return mesh;
+}
+
 TriangleMesh star162() { return test_shapes::star(); }
 TriangleMesh noise162() { return test_shapes::noiseSphere(2); }
 TriangleMesh noise642() { return test_shapes::noiseSphere(3); }
-TriangleMesh rabbit302() { return test_shapes::rabbit(0.066); }
+TriangleMesh rabbit302() { return *limber::simplify(test_shapes::rabbit(0.03), 302); }
 
 TriangleMesh tube60() {
-  TriangleMesh mesh = openTube(3, 20, 0.05, 1.0);
+  TriangleMesh mesh = openTube(3, 20, 0.0421, 1.0);
   closeWithFans(mesh, 3);
   return mesh;
 }
@@ -148,7 +201,10 @@ TriangleMesh cloth100() {
   for (std::uint32_t j = 0; j + 1 < kPoints; ++j) {
     for (std::uint32_t i = 0; i + 1 < kPoints; ++i) {
       const std::uint32_t a = j * kPoints + i;
-      addQuad(mesh, a, a + 1, a + kPoints + 1, a + kPoints);
+      if ((i + j) % 2 == 0)
+        addQuad(mesh, a, a + 1, a + kPoints + 1, a + kPoints);
+      else
+        addQuad(mesh, a + 1, a + kPoints + 1, a + kPoints, a);
     }
   }
   return mesh;

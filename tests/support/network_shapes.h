@@ -14,7 +14,7 @@ using limber::TriangleMesh;
 
 TriangleMesh cube8();             ///< parallel diagonals in opposite faces
 TriangleMesh cube8Tetrahedral();  ///< the diagonals are the edges of a tetrahedron
-TriangleMesh cube26();            ///< 2 x 2 cells on each face
+TriangleMesh cube26();            ///< 2 x 2 cells on each face, diagonals that alternate
 TriangleMesh cube98();            ///< 4 x 4
 TriangleMesh ico42();
 TriangleMesh ico162();

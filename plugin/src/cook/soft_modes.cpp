@@ -35,21 +35,12 @@ double largestRowSum(const SparseMatrix& matrix) {
   return sums.size() ? sums.maxCoeff() : 0.0;
 }
 
-/// The modes within the space of `shapes` U (orthonormal): with R U = A S B^T they are U B. The eigenvalues
-/// S^2 of the softest are exact where those of R^T R are lost in its round-off.
+/// The modes within the space of `shapes` U (orthonormal): with  (R U)^T R U = B S B^T  they are U B. The
+/// round-off of S is that of the stiffest mode of the space, not of all.
 Modes modesWithin(const SparseMatrix& rigidity, const Eigen::MatrixXd& shapes) {
-  Eigen::MatrixXd stretches = rigidity * shapes;
-  if (stretches.rows() > shapes.cols()) {
-    const Eigen::HouseholderQR<Eigen::MatrixXd> factors(stretches);
-    stretches = factors.matrixQR().topRows(shapes.cols()).triangularView<Eigen::Upper>();
-  }
-  const Eigen::BDCSVD<Eigen::MatrixXd> svd(stretches, Eigen::ComputeFullV);
-  Modes modes;
-  modes.shapes = shapes * svd.matrixV().rowwise().reverse();
-  Eigen::VectorXd values = Eigen::VectorXd::Zero(shapes.cols());
-  values.head(svd.singularValues().size()) = svd.singularValues().cwiseAbs2();
-  modes.eigenvalues = values.reverse();
-  return modes;
+  const Eigen::MatrixXd stretches = rigidity * shapes;
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> ritz(stretches.transpose() * stretches);
+  return {ritz.eigenvalues().cwiseMax(0.0), shapes * ritz.eigenvectors()};
 }
 
 /// With rigid motions made the stiffest of all.
