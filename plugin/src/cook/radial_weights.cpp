@@ -179,6 +179,8 @@ SkinWeights denseWeights(const SkinProblem& problem) {
   const Index n = points.rows();
   const MatrixXd inverse = interpolationMatrix(points).partialPivLu().inverse();
   SkinWeights result;
+  result.weights.reserve(problem.points.size() * problem.places.size());
+  result.points.reserve(problem.points.size() * problem.places.size());
   for (Index first = 0; first < places.rows(); first += kBatch) {
     const MatrixXd batch = places.middleRows(first, std::min(kBatch, places.rows() - first));
     MatrixXd solutions = inverse * rightSides(points, batch);
