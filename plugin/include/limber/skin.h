@@ -20,9 +20,10 @@ struct SkinSettings {
 };
 
 /// The network with `mesh` as its render surface, in the place where it lies relative to the rest points.
-/// Exact for affine motions to the precision of the weights. Distances are measured through the inside of the
-/// body, so that parts that only nearly touch do not drag each other along. Errors: those of weld(); a
-/// network whose points do not span space where the kind needs it.
+/// Exact for affine motions to the precision of the weights. Points to which the way through the inside of
+/// the body is much longer than the straight line count little or nothing, so that parts that only nearly
+/// touch do not drag each other along. Errors: those of weld(); a network without a surface, or whose points
+/// lie in a plane; fewer than 4 neighbours; a dense skin of more than 20 million weights.
 Result<SharedNetwork> withSkin(const SpringNetwork& network, const TriangleMesh& mesh,
                                const SkinSettings& settings = {});
 
