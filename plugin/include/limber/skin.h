@@ -9,8 +9,8 @@ namespace limber {
 enum class SkinKind : std::uint8_t {
   Dense,       ///< cubic radial basis functions over all points: the smoothest
   Sparse,      ///< the same over the nearest points that are seen through the body: cheaper, local
-  Barycentric  ///< four points of the tetrahedron around or next to the vertex (material mode), or three of
-               ///< the nearest triangle and its normal's affine stand-in
+  Barycentric  ///< the corners of the tetrahedron around or next to the vertex (material mode), or those of
+               ///< the nearest triangle and a point across the body from it: cheapest, piecewise linear
 };
 
 struct SkinSettings {
