@@ -2,8 +2,8 @@
 #include "cook/cook_options.h"
 
 #include "cook/cook_names.h"
-#include "folders.h"
 #include "number_checks.h"
+#include "scenes/read_network.h"
 
 #include <CLI/CLI.hpp>
 
@@ -27,7 +27,7 @@ struct CommandLine {
 
 CLI::Validator limberFile() {
   const auto check = [](std::string& text) {
-    return isLimberFile(text) ? std::string() : text + " does not end in .limber";
+    return scenes::isLimberFile(text) ? std::string() : text + " does not end in .limber";
   };
   return CLI::Validator(check, "BODY.limber");
 }

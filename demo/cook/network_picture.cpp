@@ -2,6 +2,7 @@
 #include "cook/network_picture.h"
 
 #include "cook/cook_names.h"
+#include "cook/cook_report.h"
 #include "cook/network_scenery.h"
 #include "cook/picture_legend.h"
 #include "scene_shapes.h"
@@ -10,6 +11,7 @@
 #include <limber/render/renderer.h>
 
 #include <algorithm>
+#include <array>
 #include <utility>
 #include <vector>
 
@@ -81,8 +83,7 @@ render::DrawOptions drawOptions(int height) {
 }
 
 std::vector<LegendEntry> legendOf(const SpringNetwork& network) {
-  std::array<std::size_t, kKindColours.size()> counts{};
-  for (const NetworkSpring& spring : network.springs) ++counts[static_cast<std::size_t>(spring.kind)];
+  const auto counts = springCounts(network);
   std::vector<LegendEntry> entries;
   for (std::size_t kind = 0; kind < counts.size(); ++kind) {
     if (counts[kind] == 0) continue;

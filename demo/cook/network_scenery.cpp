@@ -8,6 +8,7 @@ namespace limber::demo {
 namespace {
 
 constexpr std::uint32_t kSides = 6;
+constexpr double kTurn = 6.283185307179586;
 
 void addPoint(std::vector<float>& points, const Eigen::Vector3d& p) {
   for (int axis = 0; axis < 3; ++axis) points.push_back(static_cast<float>(p[axis]));
@@ -19,7 +20,7 @@ void addRod(render::Scenery& rods, const Eigen::Vector3d& a, const Eigen::Vector
   const Eigen::Vector3d across = along.unitOrthogonal(), third = along.cross(across);
   const std::uint32_t first = rods.shape.pointCount;
   for (std::uint32_t side = 0; side < kSides; ++side) {
-    const double angle = 2.0 * EIGEN_PI * side / kSides;
+    const double angle = kTurn * side / kSides;
     const Eigen::Vector3d out = radius * (std::cos(angle) * across + std::sin(angle) * third);
     addPoint(rods.points, a + out);
     addPoint(rods.points, b + out);
