@@ -2,6 +2,7 @@
 #include "cook/mass_shares.h"
 
 #include "cook/moment_match.h"
+#include "cook/triangle_geometry.h"
 #include "core/mesh_edges.h"
 
 #include <Eigen/Geometry>
@@ -62,12 +63,6 @@ Moments pointMoments(const std::vector<Vector3d>& points, const std::vector<doub
 Vector3d middle(const std::vector<Vector3d>& points) {
   const Vector3d sum = std::accumulate(points.begin(), points.end(), Vector3d(Vector3d::Zero()));
   return sum / static_cast<double>(points.size());
-}
-
-double extent(const std::vector<Vector3d>& points) {
-  Eigen::AlignedBox3d box;
-  for (const Vector3d& p : points) box.extend(p);
-  return box.sizes().maxCoeff();
 }
 
 std::vector<double> areaShares(const std::vector<Vector3d>& points, const std::vector<Triangle>& surface) {

@@ -16,7 +16,8 @@
 // (kriging: G. Matheron, "The intrinsic random functions and their applications", 1973). There a point can be
 // a measurement with an error of variance v_i: M gets v_i on its diagonal. So points across a gap in the body
 // fade out, without a jump, and the affine motions stay exact. M differs from place to place then; with
-// V the matrix of the v_i > 0 of a place, R its rows, and w the weights without V (Woodbury),
+// V the diagonal matrix of the v_i > 0 of a place, R the matrix that picks their rows, and w = M^-1 b
+// (Woodbury),
 //     (M + R^T V R)^-1 b = w - M^-1 R^T V^1/2 (1 + V^1/2 R M^-1 R^T V^1/2)^-1 V^1/2 R w.
 namespace limber {
 namespace {
@@ -116,8 +117,9 @@ void fadeOut(const MatrixXd& inverse, const SparseRows& variances, Index place, 
 }
 
 struct Spread {
-  Vector3d middle, weakest;  ///< unit vector
-  double least, largest;     ///< standard deviations
+  RowVector3d middle;
+  Vector3d weakest;       ///< direction, unit vector
+  double least, largest;  ///< standard deviations
 };
 
 Spread spreadOf(const MatrixXd& rows) {
@@ -126,22 +128,18 @@ Spread spreadOf(const MatrixXd& rows) {
   const Eigen::Matrix3d covariance = about.transpose() * about / static_cast<double>(rows.rows());
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(covariance);
   const Vector3d deviations = solver.eigenvalues().cwiseMax(0.0).cwiseSqrt();
-  return {middle.transpose(), solver.eigenvectors().col(0), deviations[0], deviations[2]};
+  return {middle, solver.eigenvectors().col(0), deviations[0], deviations[2]};
 }
 
-/// The nearest of `order` that is off the plane through the middle across the weakest direction by the
+/// The nearest point that is off the plane through the middle across the weakest direction by the
 /// neighbours' largest deviation, or else the one farthest off.
-Index nearestOffPlane(const MatrixXd& points, const std::vector<Index>& order, const Spread& spread) {
-  Index best = order.front();
-  double farthest = -1.0;
-  for (const Index i : order) {
-    const Vector3d p = points.row(i);
-    const double height = std::abs((p - spread.middle).dot(spread.weakest));
-    if (height >= spread.largest) return i;
-    if (height > farthest) {
-      farthest = height;
+Index nearestOffPlane(const MatrixXd& points, const VectorXd& distance, const Spread& spread) {
+  const VectorXd height = ((points.rowwise() - spread.middle) * spread.weakest).cwiseAbs();
+  Index best = 0;
+  height.maxCoeff(&best);
+  for (Index i = 0; i < points.rows(); ++i) {
+    if (height[i] >= spread.largest && (height[best] < spread.largest || distance[i] < distance[best]))
       best = i;
-    }
   }
   return best;
 }
@@ -150,15 +148,17 @@ Index nearestOffPlane(const MatrixXd& points, const std::vector<Index>& order, c
 std::vector<Index> neighboursOf(const MatrixXd& points, const RowVector3d& place, const VectorXd& variances,
                                 Index count) {
   const VectorXd distance = kernel(points, place) + variances;
-  std::vector<Index> order(static_cast<std::size_t>(points.rows()));
-  std::iota(order.begin(), order.end(), Index(0));
-  std::sort(order.begin(), order.end(),
-            [&](Index i, Index j) { return distance[i] != distance[j] ? distance[i] < distance[j] : i < j; });
-  std::vector<Index> chosen(order.begin(), order.begin() + std::min(count, points.rows()));
+  std::vector<Index> chosen(static_cast<std::size_t>(points.rows()));
+  std::iota(chosen.begin(), chosen.end(), Index(0));
+  const auto end = chosen.begin() + std::min(count, points.rows());
+  std::partial_sort(chosen.begin(), end, chosen.end(), [&](Index i, Index j) {
+    return distance[i] != distance[j] ? distance[i] < distance[j] : i < j;
+  });
+  chosen.erase(end, chosen.end());
   for (std::size_t last = chosen.size(); last-- > 1 && chosen.size() - last <= 3;) {
     const Spread spread = spreadOf(chosenRows(points, chosen));
     if (spread.least >= kLeastLocalSpread * spread.largest) break;
-    const Index other = nearestOffPlane(points, order, spread);
+    const Index other = nearestOffPlane(points, distance, spread);
     if (std::find(chosen.begin(), chosen.end(), other) == chosen.end()) chosen[last] = other;
   }
   std::sort(chosen.begin(), chosen.end());
@@ -179,6 +179,8 @@ SkinWeights denseWeights(const SkinProblem& problem) {
   const Index n = points.rows();
   const MatrixXd inverse = interpolationMatrix(points).partialPivLu().inverse();
   SkinWeights result;
+  result.weights.reserve(problem.points.size() * problem.places.size());
+  result.points.reserve(problem.points.size() * problem.places.size());
   for (Index first = 0; first < places.rows(); first += kBatch) {
     const MatrixXd batch = places.middleRows(first, std::min(kBatch, places.rows() - first));
     MatrixXd solutions = inverse * rightSides(points, batch);

@@ -12,7 +12,8 @@ namespace limber {
 namespace {
 
 /// 8 bytes each in the skin, 12 more while it is made.
-constexpr std::size_t kMostWeights = 40'000'000;
+constexpr std::size_t kMostWeights = 20'000'000;
+
 SkinProblem makeProblem(const SpringNetwork& network, const WeldedMesh& mesh, SkinKind kind) {
   SkinProblem problem{network.restPoints, mesh.points, vertexNormals(mesh.points, mesh.triangles), {}};
   if (kind == SkinKind::Barycentric) return problem;

@@ -3,8 +3,6 @@
 
 #include "core/mesh_edges.h"
 
-#include <Eigen/Geometry>
-
 #include <algorithm>
 #include <cmath>
 #include <numeric>
@@ -36,12 +34,6 @@ struct Way {
 };
 
 using Ways = std::vector<std::vector<Way>>;
-
-double extent(const std::vector<Vector3d>& points) {
-  Eigen::AlignedBox3d box;
-  for (const Vector3d& p : points) box.extend(p);
-  return box.sizes().maxCoeff();
-}
 
 /// Nearest first, without `point`.
 std::vector<Way> nearestPoints(const std::vector<Vector3d>& points, std::uint32_t point) {

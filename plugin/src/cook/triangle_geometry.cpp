@@ -69,6 +69,12 @@ double solidAngle(const TriangleCorners& t, const Vector3d& p) {
   return numerator == 0.0 ? 0.0 : 2.0 * std::atan2(numerator, denominator);
 }
 
+double extent(const std::vector<Vector3d>& points) {
+  Eigen::AlignedBox3d box;
+  for (const Vector3d& p : points) box.extend(p);
+  return box.sizes().maxCoeff();
+}
+
 std::vector<Vector3d> vertexNormals(const std::vector<Vector3d>& points,
                                     const std::vector<Triangle>& triangles) {
   std::vector<Vector3d> normals(points.size(), Vector3d::Zero());
