@@ -7,7 +7,7 @@
 namespace limber {
 
 /// The smallest and the largest angle (degrees) that fitSurface() leaves, unless they were there before.
-constexpr double kSmallestAngle = 9.0, kLargestAngle = 165.0;
+constexpr double kSmallestAngle = 18.0, kLargestAngle = 145.0;
 
 /// Draws the points of the surface to where the planes of the given surface around them meet (the least
 /// squares of M. Garland, P. Heckbert, "Surface simplification using quadric error metrics", SIGGRAPH 1997),

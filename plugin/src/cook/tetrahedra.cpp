@@ -26,14 +26,19 @@ constexpr double kCrumb = 0.01;
 /// The least stretching of the lattice along an axis: flat lattices have sharp angles.
 constexpr double kLeastStretch = 0.8;
 
-/// Whole cells across the box wherever that stretches them little, so that flat sides of boxes lie in the
-/// lattice.
+/// The search for a number of points: it is found within this share of it, or as near as so many trials come.
+constexpr double kNearEnough = 0.04;
+constexpr int kTrials = 12;
+constexpr double kFiner = 0.97;
+
+/// Whole or half cells across the box wherever that stretches them little, so that flat sides of boxes lie in
+/// planes of corners or of centres.
 BccLattice placeLattice(const Eigen::AlignedBox3d& box, double spacing) {
   BccLattice lattice;
   for (int i = 0; i < 3; ++i) {
-    const double extent = box.sizes()[i], across = std::max(1.0, std::round(extent / spacing));
+    const double extent = box.sizes()[i], across = std::max(1.0, 0.5 * std::round(2.0 * extent / spacing));
     lattice.spacing[i] = std::max(extent / across, kLeastStretch * spacing);
-    lattice.cells[i] = static_cast<int>(across) + 5;
+    lattice.cells[i] = static_cast<int>(across) + 6;
     lattice.origin[i] = box.center()[i] - (0.5 * across + 2.0) * lattice.spacing[i];
   }
   return lattice;
@@ -100,12 +105,33 @@ std::string say(double value) {
   return text;
 }
 
-Result<TetrahedralMesh> finish(TetrahedralMesh mesh, const SolidSurface& surface, double spacing) {
-  if (const std::string loss = findLoss(mesh, surface); !loss.empty())
-    return Error{loss + ": it is thinner than a lattice of " + say(spacing) +
+/// A filling that has yet to be fitted to the surface, and what is wrong with it.
+struct Trial {
+  TetrahedralMesh mesh;
+  double spacing = 0.0;
+  std::string loss;
+  double miss = 0.0;  ///< how far from the wanted number of points, as a logarithm
+};
+
+Trial fillAt(const SolidSurface& surface, double spacing, double points) {
+  Trial trial{stuff(surface, spacing), spacing, {}, 0.0};
+  trial.loss = findLoss(trial.mesh, surface);
+  const auto got = static_cast<double>(std::max<std::size_t>(1, trial.mesh.points.size()));
+  trial.miss = std::log(got / points);
+  return trial;
+}
+
+bool isBetter(const Trial& a, const Trial& b) {
+  if (a.loss.empty() != b.loss.empty()) return a.loss.empty();
+  return std::abs(a.miss) < std::abs(b.miss);
+}
+
+Result<TetrahedralMesh> finish(Trial trial, const SolidSurface& surface) {
+  if (!trial.loss.empty())
+    return Error{trial.loss + ": it is thinner than a lattice of " + say(trial.spacing) +
                  " m can follow, or oriented inward; take a smaller spacing or more points"};
-  fitSurface(mesh, surface);
-  return mesh;
+  fitSurface(trial.mesh, surface);
+  return std::move(trial.mesh);
 }
 
 }  // namespace
@@ -118,7 +144,7 @@ Result<TetrahedralMesh> fillWithTetrahedra(const WeldedMesh& mesh, double spacin
   if (const double sites = sitesNeeded(surface.box, spacing); sites > kMostSites)
     return Error{"the spacing of " + say(spacing) + " m needs a lattice of " + say(sites) +
                  " sites, it may have " + say(kMostSites)};
-  return finish(stuff(surface, spacing), surface, spacing);
+  return finish(fillAt(surface, spacing, 1.0), surface);
 }
 
 Result<TetrahedralMesh> fillWithPoints(const WeldedMesh& mesh, std::size_t points) {
@@ -126,23 +152,20 @@ Result<TetrahedralMesh> fillWithPoints(const WeldedMesh& mesh, std::size_t point
   if (points < 8) return Error{std::to_string(points) + " points are too few, there must be 8 or more"};
   const SolidSurface surface = makeSolidSurface(mesh);
   const auto wanted = static_cast<double>(points);
-  // two sites per cube of the lattice; the surface adds to them, by a power between 2 and 3 of the spacing
-  double spacing = std::cbrt(3.0 * surface.volume / wanted), bestSpacing = 0.0, bestMiss = 0.0;
-  TetrahedralMesh best;
-  for (int trial = 0; trial < 10; ++trial) {
-    if (sitesNeeded(surface.box, spacing) > kMostSites) break;
-    TetrahedralMesh mesh_ = stuff(surface, spacing);
-    const double got = std::max<double>(1.0, static_cast<double>(mesh_.points.size()));
-    const double miss = std::abs(std::log(got / wanted));
-    if (best.points.empty() || miss < bestMiss) {
-      best = std::move(mesh_);
-      bestMiss = miss;
-      bestSpacing = spacing;
-    }
-    if (miss < 0.03) break;
-    spacing *= std::pow(got / wanted, 1.0 / 2.6);
+  // two sites per cube of the lattice, and those of the surface
+  double spacing = std::cbrt(3.0 * surface.volume / wanted);
+  Trial best;
+  best.loss = "there is no room for points";
+  for (int i = 0; i < kTrials && sitesNeeded(surface.box, spacing) <= kMostSites; ++i) {
+    Trial trial = fillAt(surface, spacing, wanted);
+    const double miss = trial.miss;
+    const bool isGood = trial.loss.empty() && std::abs(miss) < kNearEnough;
+    if (i == 0 || isBetter(trial, best)) best = std::move(trial);
+    if (isGood) break;
+    // near the number wanted, but with a loss: a little finer, until it is mended
+    spacing *= std::abs(miss) < 4.0 * kNearEnough && !best.loss.empty() ? kFiner : std::exp(miss / 2.6);
   }
-  return finish(std::move(best), surface, bestSpacing);
+  return finish(std::move(best), surface);
 }
 
 }  // namespace limber
