@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
+#include "cook/triangle_geometry.h"
+
 #include <limber/triangle_mesh.h>
 
 #include <Eigen/Core>
@@ -53,10 +55,17 @@ class TriangleBvh {
     Eigen::Vector3d centre = Eigen::Vector3d::Zero(), areaNormal = Eigen::Vector3d::Zero();  ///< dipole
     double radius = 0.0;  ///< of the ball about `centre` that holds all triangles
   };
-  std::vector<Eigen::Vector3d> points_;
-  std::vector<Triangle> triangles_;
-  std::vector<std::uint32_t> order_;  ///< triangles in the order of the leaves
+  Eigen::AlignedBox3d boxOf(std::uint32_t first, std::uint32_t count) const;
+  void setDipole(Node& node, std::uint32_t first, std::uint32_t count) const;
+  void build(std::uint32_t node, std::uint32_t first, std::uint32_t count);
+  SurfaceHit nearestWithin(const Eigen::Vector3d& position, double distance) const;
+  bool isInsideOrNear(const Eigen::Vector3d& position, double tolerance) const;
+  std::vector<double> crossings(const Eigen::Vector3d& a, const Eigen::Vector3d& b) const;
+
+  std::vector<TriangleCorners> corners_;  ///< #triangles
+  std::vector<std::uint32_t> order_;      ///< triangles in the order of the leaves
   std::vector<Node> nodes_;
+  double margin_ = 0.0;  ///< m, by which boxes are larger than their triangles
 };
 
 }  // namespace limber

@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: Zlib
+#pragma once
+
+#include <Eigen/Core>
+
+#include <array>
+#include <optional>
+
+namespace limber {
+
+using TriangleCorners = std::array<Eigen::Vector3d, 3>;
+
+/// Barycentric coordinates of the point of the triangle that is nearest to `p` (C. Ericson, "Real-Time
+/// Collision Detection", 2005, 5.1.5). Sound for triangles without area.
+Eigen::Vector3d nearestBarycentric(const TriangleCorners& triangle, const Eigen::Vector3d& p);
+
+/// Where a line meets a triangle.
+struct LineHit {
+  double along;  ///< in lengths of the direction
+  Eigen::Vector3d barycentric;
+};
+
+/// T. Moller, B. Trumbore, "Fast, minimum storage ray/triangle intersection", 1997. Barycentric coordinates
+/// down to -`margin` count as hits; lines in the triangle's plane do not.
+std::optional<LineHit> meetLine(const TriangleCorners& triangle, const Eigen::Vector3d& origin,
+                                const Eigen::Vector3d& direction, double margin);
+
+/// Signed solid angle of the triangle seen from `p`, positive from behind, where its corners run clockwise
+/// (A. van Oosterom, J. Strackee, "The solid angle of a plane triangle", 1983). 0 in its plane.
+double solidAngle(const TriangleCorners& triangle, const Eigen::Vector3d& p);
+
+inline Eigen::Vector3d pointAt(const TriangleCorners& triangle, const Eigen::Vector3d& barycentric) {
+  return barycentric[0] * triangle[0] + barycentric[1] * triangle[1] + barycentric[2] * triangle[2];
+}
+
+}  // namespace limber
