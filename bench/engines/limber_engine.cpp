@@ -48,6 +48,7 @@ void place(SoftBody& body, const BodySetup& setup) {
 
 std::size_t LimberEngine::addBody(const BodySetup& setup) {
   SoftBodySettings settings = setup.settings;
+  settings.volumeModulus = 0.0;  // scenes and their truths are springs alone, which is all the others have
   if (tune_) tune_(settings);
   Result<SoftBody*> body = soft_.createBody(setup.network, settings);
   if (!body) throw std::runtime_error(body.error());

@@ -13,13 +13,13 @@ using Index = unsigned int;
 /// The closed surfaces of a body.
 template <class V>
 struct Volumes {
-  Index components;            ///< 0: no volume term
-  const Index* firstTriangle;  ///< #components + 1
-  const Index* corners;        ///< 3 x #triangles, point indices
-  const V* restVolume;         ///< #components, m^3
-  const V* modulus;            ///< Pa, one
-  const V* pressure;           ///< Pa, one
-  V* area;                     ///< 3 x #triangles, scratch: twice the area vectors
+  Index components = 0;                  ///< 0: no volume term
+  const Index* firstTriangle = nullptr;  ///< #components + 1
+  const Index* corners = nullptr;        ///< 3 x #triangles, point indices
+  const V* restVolume = nullptr;         ///< #components, m^3
+  const V* modulus = nullptr;            ///< Pa, one
+  const V* pressure = nullptr;           ///< Pa, one
+  V* area = nullptr;                     ///< 3 x #triangles, scratch: twice the area vectors
 };
 
 /// The relative change of volume beyond which the push against it no longer grows: a body blown up to twice

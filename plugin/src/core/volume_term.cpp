@@ -155,7 +155,7 @@ VolumeArrays makeVolumes(const SpringNetwork& network, const SoftBodySettings& s
 }
 
 kernel::Volumes<double> kernelVolumes(VolumeArrays& v) {
-  kernel::Volumes<double> k{};
+  kernel::Volumes<double> k;
   k.components = static_cast<kernel::Index>(v.restVolume.size());
   if (v.empty()) return k;
   k.firstTriangle = v.firstTriangle.data();
