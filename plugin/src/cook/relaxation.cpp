@@ -12,21 +12,23 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <list>
 
 namespace limber {
 namespace {
 
 constexpr double kDrag = 0.05;         // 1/s, at unit mass and spring constant
-constexpr double kStepShare = 0.6;     // of the stable step at rest
-constexpr double kLargestShare = 0.9;  // of the stable step anywhere
+constexpr double kStepShare = 0.75;     // of the stable step at rest
+constexpr double kLargestShare = 0.95;  // of the stable step anywhere
 constexpr int kSubsteps = 8;           // of a tick
-constexpr int kMostSubsteps = 64;      // an edge torn to the body's size is soon short again
+constexpr int kMostSubsteps = 1 << 14;      // an edge torn to the body's size is soon short again
 constexpr double kMostTime = 600.0;    // s; by then drag alone has taken 13 powers of ten of the energy
+constexpr int kUnsettledTicks = 16, kBoundEach = 8;  // ticks
 constexpr int kLeastTicks = 8;         // before a body counts as at rest: it starts without speed
 
 /// J over the square of the mean spring length, kinetic: too little to flip a point through its neighbours.
-constexpr double kRestEnergy = 1e-5;
+constexpr double kRestEnergy = 1e-2;
 constexpr double kLeastForce = 1e-7;  // N, of the descent
 constexpr std::size_t kMostDescent = 3000;
 
@@ -86,8 +88,7 @@ struct Dynamics {
 /// The volume term is the stiffer the larger the triangles are, and they soon shrink: the bound is taken
 /// often at first. Numbers of substeps are powers of two so that many runs share theirs.
 void chooseSubsteps(Dynamics& dynamics, Run& run) {
-  const bool powerOfTwo = (run.ticks & (run.ticks - 1)) == 0;
-  if (!powerOfTwo && run.ticks % 16 != 0) return;
+  if (run.ticks > kUnsettledTicks && run.ticks % kBoundEach != 0) return;
   const double stable = kLargestShare * 2.0 / std::sqrt(dynamics.boundSquared(run.state));
   run.substeps = kSubsteps;
   while (run.substeps < kMostSubsteps && dynamics.tick / run.substeps > stable) run.substeps *= 2;
@@ -122,7 +123,7 @@ void stepAll(Dynamics& dynamics, std::list<Run>& runs) {
 
 bool hasCalmedDown(const Dynamics& dynamics, const Run& run) {
   if (run.ticks < kLeastTicks) return false;
-  return run.ticks >= dynamics.mostTicks || 0.5 * run.state.velocity.squaredNorm() < dynamics.restEnergy;
+  return run.ticks >= dynamics.mostTicks || !(0.5 * run.state.velocity.squaredNorm() >= dynamics.restEnergy);
 }
 
 void settle(Dynamics& dynamics, Run& run) {
@@ -210,6 +211,7 @@ RelaxedBody::RelaxedBody(const SpringNetwork& network) : rest(restPointsOf(netwo
 }
 
 double distanceToRest(const RelaxedBody& body, const Points& x) {
+  if (!x.allFinite()) return std::numeric_limits<double>::infinity();
   double sum = 0.0;
   for (const std::vector<Eigen::Index>& piece : body.pieces)
     sum += squaredDistance(body.rest(Eigen::all, piece), x(Eigen::all, piece));
