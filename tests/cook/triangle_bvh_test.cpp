@@ -11,10 +11,10 @@
 #include <cmath>
 
 using Eigen::Vector3d;
-using limber::SurfaceHit;
 using limber::nearestBarycentric;
 using limber::pointAt;
 using limber::solidAngle;
+using limber::SurfaceHit;
 using limber::TriangleBvh;
 using limber::TriangleCorners;
 using limber::WeldedMesh;
