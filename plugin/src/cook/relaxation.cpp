@@ -18,18 +18,24 @@
 namespace limber {
 namespace {
 
-constexpr double kDrag = 0.05;         // 1/s, at unit mass and spring constant
-constexpr double kStepShare = 0.75;     // of the stable step at rest
-constexpr double kLargestShare = 0.95;  // of the stable step anywhere
-constexpr int kSubsteps = 8;           // of a tick
-constexpr int kMostSubsteps = 1 << 14;      // an edge torn to the body's size is soon short again
-constexpr double kMostTime = 600.0;    // s; by then drag alone has taken 13 powers of ten of the energy
-constexpr int kUnsettledTicks = 16, kBoundEach = 8;  // ticks
-constexpr int kLeastTicks = 8;         // before a body counts as at rest: it starts without speed
+constexpr double kDrag = 0.05;       // 1/s, at unit mass and spring constant
+constexpr double kStepShare = 0.75;  // of the stable step at rest
+constexpr double kMostTime = 600.0;  // s; by then drag alone has taken 13 powers of ten of the energy
+constexpr double kLeastTime = 10.0;  // s before a body counts as at rest: it starts without speed
+
+// Substeps between two looks at a run, at which its step is chosen: few while it is wild, that is, while its
+// step must be much smaller than at rest or its points move far (of the size, root mean square) between two
+// looks at a calm one. A calm run's step is not chosen anew at each look.
+constexpr int kCalmSubsteps = 8, kWildSubsteps = 1;
+constexpr int kCalmLooks = 8;
+constexpr double kWildBound = 1.5;  // times the square of the frequency bound at rest
+constexpr double kFar = 0.5;
+constexpr double kCalmShare = 0.95, kWildShare = 0.6;  // of the stable step
+constexpr int kMostHalvings = 12;                      // of the step at rest
 
 /// J over the square of the mean spring length, kinetic: too little to flip a point through its neighbours.
 constexpr double kRestEnergy = 1e-2;
-constexpr double kLeastForce = 1e-7;  // N, of the descent
+constexpr double kLeastForce = 2e-6;  // N, of the descent
 constexpr std::size_t kMostDescent = 3000;
 
 double meanLength(const SpringArrays& springs) {
@@ -42,29 +48,31 @@ double meanLength(const SpringArrays& springs) {
 struct Run {
   std::size_t index = 0;
   PointState state;
-  int ticks = 0, substeps = kSubsteps;
+  double time = 0.0;  ///< s
+  int looks = 0;
+  int halvings = 0;              ///< of the step at rest
+  int substeps = kWildSubsteps;  ///< until the next look
 };
 
 /// What all runs of a body share.
 struct Dynamics {
   RelaxedBody& body;
   double springBound;  ///< rad^2/s^2
-  double tick;         ///< s
+  double restBound;    ///< rad^2/s^2, with the volume term
+  double step;         ///< s, at rest
   double restEnergy;   ///< J
-  int mostTicks;
   InstructionSet set = bestInstructionSet();
   LaneBlock block;
   QuadArrays quads;
 
   explicit Dynamics(RelaxedBody& relaxed) : body(relaxed) {
-    PointState rest = stateAt(body.rest);
+    const PointState rest = stateAt(body.rest);
     std::vector<double> sums;
     springBound = frequencyBoundSquared(body.springs, rest.inverseMass, sums);
-    const double bound = boundSquared(rest);
-    tick = bound > 0.0 ? kSubsteps * kStepShare * 2.0 / std::sqrt(bound) : 1.0;
+    restBound = boundSquared(rest);
+    step = restBound > 0.0 ? kStepShare * 2.0 / std::sqrt(restBound) : 1.0;
     const double length = meanLength(body.springs);
     restEnergy = kRestEnergy * length * length;
-    mostTicks = static_cast<int>(std::ceil(kMostTime / tick));
   }
 
   static PointState stateAt(const Points& position) {
@@ -85,22 +93,36 @@ struct Dynamics {
   }
 };
 
-/// The volume term is the stiffer the larger the triangles are, and they soon shrink: the bound is taken
-/// often at first. Numbers of substeps are powers of two so that many runs share theirs.
-void chooseSubsteps(Dynamics& dynamics, Run& run) {
-  if (run.ticks > kUnsettledTicks && run.ticks % kBoundEach != 0) return;
-  const double stable = kLargestShare * 2.0 / std::sqrt(dynamics.boundSquared(run.state));
-  run.substeps = kSubsteps;
-  while (run.substeps < kMostSubsteps && dynamics.tick / run.substeps > stable) run.substeps *= 2;
+double timeOf(const Dynamics& dynamics, const Run& run) {
+  return run.substeps * std::ldexp(dynamics.step, -run.halvings);
+}
+
+bool isWild(const Dynamics& dynamics, const Run& run, double bound) {
+  const double squaredSpeed =
+      run.state.velocity.squaredNorm() / static_cast<double>(run.state.velocity.cols());
+  const double way = kCalmSubsteps * dynamics.step;
+  return bound > kWildBound * dynamics.restBound || squaredSpeed * way * way > kFar * kFar;
+}
+
+/// The volume term is the stiffer the larger the triangles are. Steps are halves of halves so that many runs
+/// share theirs.
+void chooseStep(Dynamics& dynamics, Run& run) {
+  if (run.substeps == kCalmSubsteps && run.looks % kCalmLooks != 0) return;
+  const double bound = dynamics.boundSquared(run.state);
+  const bool wild = isWild(dynamics, run, bound);
+  const double stable = (wild ? kWildShare : kCalmShare) * 2.0 / std::sqrt(bound);
+  run.substeps = wild ? kWildSubsteps : kCalmSubsteps;
+  run.halvings = 0;
+  while (run.halvings < kMostHalvings && std::ldexp(dynamics.step, -run.halvings) > stable) ++run.halvings;
 }
 
 void stepAlone(Dynamics& dynamics, Run& run) {
   StepGroup group;
   group.bodies.push_back(dynamics.stepped(run.state));
-  stepVerlet(group, dynamics.tick, run.substeps);
+  stepVerlet(group, timeOf(dynamics, run), run.substeps);
 }
 
-/// All with the same number of substeps. Lanes pay once three of them are filled.
+/// All with the same step. Lanes pay once three of them are filled.
 void stepTogether(Dynamics& dynamics, const std::vector<Run*>& runs) {
   if (runs.size() < 3 || laneCount(dynamics.set) < 3) {
     for (Run* run : runs) stepAlone(dynamics, *run);
@@ -109,21 +131,23 @@ void stepTogether(Dynamics& dynamics, const std::vector<Run*>& runs) {
   dynamics.block.lanes.resize(runs.size());
   for (std::size_t lane = 0; lane < runs.size(); ++lane)
     dynamics.block.lanes[lane].body = dynamics.stepped(runs[lane]->state);
-  stepLanes(dynamics.block, dynamics.tick, runs.front()->substeps, dynamics.set);
+  stepLanes(dynamics.block, timeOf(dynamics, *runs.front()), runs.front()->substeps, dynamics.set);
 }
 
 void stepAll(Dynamics& dynamics, std::list<Run>& runs) {
-  for (int substeps = kSubsteps; substeps <= kMostSubsteps; substeps *= 2) {
-    std::vector<Run*> same;
-    for (Run& run : runs)
-      if (run.substeps == substeps) same.push_back(&run);
-    if (!same.empty()) stepTogether(dynamics, same);
-  }
+  for (const int substeps : {kCalmSubsteps, kWildSubsteps})
+    for (int halvings = 0; halvings <= kMostHalvings; ++halvings) {
+      std::vector<Run*> same;
+      for (Run& run : runs)
+        if (run.substeps == substeps && run.halvings == halvings) same.push_back(&run);
+      if (!same.empty()) stepTogether(dynamics, same);
+    }
 }
 
+/// Also when its numbers are none any more.
 bool hasCalmedDown(const Dynamics& dynamics, const Run& run) {
-  if (run.ticks < kLeastTicks) return false;
-  return run.ticks >= dynamics.mostTicks || !(0.5 * run.state.velocity.squaredNorm() >= dynamics.restEnergy);
+  if (run.time < kLeastTime) return false;
+  return run.time >= kMostTime || !(0.5 * run.state.velocity.squaredNorm() >= dynamics.restEnergy);
 }
 
 void settle(Dynamics& dynamics, Run& run) {
@@ -133,14 +157,16 @@ void settle(Dynamics& dynamics, Run& run) {
           [&](const Points& x) { return distanceToRest(dynamics.body, x) < near; });
 }
 
-/// Steps all runs by a tick and takes those out that are at rest; false once `finish` has said so.
+/// Steps all runs to their next looks and takes those out that are at rest; false once `finish` has said so.
 bool advance(Dynamics& dynamics, std::list<Run>& runs,
              const std::function<bool(std::size_t, const Points&)>& finish) {
-  for (Run& run : runs) chooseSubsteps(dynamics, run);
+  for (Run& run : runs) chooseStep(dynamics, run);
   stepAll(dynamics, runs);
   for (auto run = runs.begin(); run != runs.end();) {
-    ++run->ticks;
-    run->state.velocity /= 1.0 + kDrag * dynamics.tick;
+    const double time = timeOf(dynamics, *run);
+    run->time += time;
+    ++run->looks;
+    run->state.velocity /= 1.0 + kDrag * time;
     if (!hasCalmedDown(dynamics, *run)) {
       ++run;
       continue;
