@@ -41,11 +41,12 @@ SparseMatrix stiffnessMatrix(const SparseMatrix& rigidity) {
 
 Eigen::MatrixXd rigidMotions(const std::vector<Eigen::Vector3d>& points) {
   const auto count = static_cast<Eigen::Index>(points.size());
+  if (points.empty()) return Eigen::MatrixXd(0, 0);
   Eigen::Vector3d centre = Eigen::Vector3d::Zero();
   for (const Eigen::Vector3d& p : points) centre += p / static_cast<double>(count);
   Eigen::Matrix3Xd arms(3, count);
   for (Eigen::Index i = 0; i < count; ++i) arms.col(i) = points[static_cast<std::size_t>(i)] - centre;
-  const double size = arms.size() ? arms.cwiseAbs().maxCoeff() : 0.0;
+  const double size = arms.cwiseAbs().maxCoeff();
   if (size > 0.0) arms /= size;
 
   // About the principal axes of the points the rotations are orthogonal to each other, and that about the

@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: Zlib
+#include "cook/prime_field.h"
+
+#include <algorithm>
+
+namespace limber::prime_field {
+namespace {
+
+/// The columns behind `from` in which the row is not zero.
+std::vector<std::size_t> nonzeros(const Matrix& m, std::size_t row, std::size_t from) {
+  std::vector<std::size_t> columns;
+  for (std::size_t c = from; c < m.columns; ++c)
+    if (m(row, c) != 0) columns.push_back(c);
+  return columns;
+}
+
+/// row -= factor * other, in the given columns.
+void subtract(Matrix& m, std::size_t row, Element factor, std::size_t other,
+              const std::vector<std::size_t>& columns) {
+  const std::uint64_t minus = kPrime - factor;
+  Element* to = &m.entries[row * m.columns];
+  const Element* from = &m.entries[other * m.columns];
+  for (const std::size_t c : columns) to[c] = static_cast<Element>((to[c] + minus * from[c]) % kPrime);
+}
+
+}  // namespace
+
+Element inverse(Element a) {
+  // a^(p - 2), Fermat
+  Element result = 1, power = a;
+  for (std::uint64_t exponent = kPrime - 2; exponent > 0; exponent >>= 1) {
+    if (exponent & 1) result = product(result, power);
+    power = product(power, power);
+  }
+  return result;
+}
+
+std::size_t rank(Matrix m) {
+  std::size_t found = 0;
+  for (std::size_t c = 0; c < m.columns && found < m.rows; ++c) {
+    std::size_t pivot = found;
+    while (pivot < m.rows && m(pivot, c) == 0) ++pivot;
+    if (pivot == m.rows) continue;
+    if (pivot != found)
+      std::swap_ranges(&m.entries[pivot * m.columns], &m.entries[pivot * m.columns] + m.columns,
+                       &m.entries[found * m.columns]);
+    const std::vector<std::size_t> columns = nonzeros(m, found, c);
+    const Element scale = inverse(m(found, c));
+    for (std::size_t r = found + 1; r < m.rows; ++r)
+      if (m(r, c) != 0) subtract(m, r, product(scale, m(r, c)), found, columns);
+    ++found;
+  }
+  return found;
+}
+
+std::size_t solveSymmetric(Matrix a, std::vector<Element>& b) {
+  std::vector<std::size_t> pivots;
+  for (std::size_t p = 0; p < a.rows; ++p) {
+    if (a(p, p) == 0) continue;
+    pivots.push_back(p);
+    const std::vector<std::size_t> columns = nonzeros(a, p, p + 1);
+    const Element scale = inverse(a(p, p));
+    for (const std::size_t r : columns) {
+      const Element factor = product(scale, a(p, r));
+      // the part from the diagonal on is all that later rows are read of
+      const auto onwards = std::lower_bound(columns.begin(), columns.end(), r);
+      subtract(a, r, factor, p, std::vector<std::size_t>(onwards, columns.end()));
+      b[r] = difference(b[r], product(factor, b[p]));
+    }
+  }
+  std::vector<Element> x(b.size(), 0);
+  for (std::size_t i = pivots.size(); i-- > 0;) {
+    const std::size_t p = pivots[i];
+    Element rest = b[p];
+    for (std::size_t c = p + 1; c < a.columns; ++c)
+      if (a(p, c) != 0) rest = difference(rest, product(a(p, c), x[c]));
+    x[p] = product(rest, inverse(a(p, p)));
+  }
+  b = x;
+  return pivots.size();
+}
+
+}  // namespace limber::prime_field

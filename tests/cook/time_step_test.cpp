@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: Zlib
+#include "cook/time_step.h"
+
+#include "cook/random.h"
+#include "cook/rest_state.h"
+#include "core/verlet_step.h"
+#include "core/volume_term.h"
+#include "support/network_shapes.h"
+#include "support/networks.h"
+
+#include <gtest/gtest.h>
+
+using limber::SharedNetwork;
+using limber::SoftBodySettings;
+using limber::TimeSteps;
+using limber::timeSteps;
+using network_shapes::bare;
+
+namespace {
+
+SoftBodySettings settingsOf(double stiffness, double totalMass) {
+  SoftBodySettings settings;
+  settings.extensionStiffness = settings.compressionStiffness = stiffness;
+  settings.damping = 0.0;
+  settings.totalMass = totalMass;
+  return settings;
+}
+
+/// Whether 400 substeps of `dt` make a billionth of the size grow a thousandfold. A step that is too long by
+/// a part e multiplies the stiffest oscillation by exp(2 sqrt(2 e)) each time.
+bool blowsUp(const SharedNetwork& network, const SoftBodySettings& settings, double dt) {
+  limber::PointState state = restState(*network, settings);
+  const limber::Points rest = state.position;
+  limber::Random random(1);
+  for (double& x : state.position.reshaped()) x += 1e-9 * (random.uniform() - 0.5);
+  limber::SpringArrays springs = makeSprings(*network, settings);
+  limber::VolumeArrays volumes = makeVolumes(*network, settings);
+  limber::StepGroup group;
+  group.bodies.push_back({&state, &springs, nullptr});
+  if (!volumes.empty()) group.bodies[0].volumes = &volumes;
+  group.links.points.push_back(&state);
+  stepVerlet(group, 400 * dt, 400);
+  return !((state.position - rest).cwiseAbs().maxCoeff() < 1e-6);
+}
+
+double simulatedBlowUp(const SharedNetwork& network, const SoftBodySettings& settings, double guess) {
+  double stable = 0.5 * guess, unstable = 2.0 * guess;
+  EXPECT_FALSE(blowsUp(network, settings, stable));
+  EXPECT_TRUE(blowsUp(network, settings, unstable));
+  while (unstable / stable > 1.001) {
+    const double middle = 0.5 * (stable + unstable);
+    (blowsUp(network, settings, middle) ? unstable : stable) = middle;
+  }
+  return unstable;
+}
+
+}  // namespace
+
+TEST(TimeSteps, valuesOfTheNotes) {
+  // the paper's cubes without their volume: 0.125 kg at each point, 20 N/m
+  SoftBodySettings settings = settingsOf(20.0, 1.0);
+  settings.volumeModulus = 0.0;
+  EXPECT_NEAR(timeSteps(*bare(network_shapes::cube8()), settings).critical, 0.07403, 1e-5);
+  EXPECT_NEAR(timeSteps(*limber::test::cubeNetwork(), settings).critical, 0.06455, 1e-5);
+  EXPECT_NEAR(timeSteps(*limber::test::fullCubeNetwork(), settings).critical, 0.0559, 1e-5);
+}
+
+TEST(TimeSteps, twoPercentOfTheBlowUp) {
+  for (const auto make : {network_shapes::cube8, network_shapes::ico42, network_shapes::lshape90,
+                          network_shapes::torus128, network_shapes::noise162}) {
+    for (const double volumeModulus : {-1.0, 0.0}) {
+      const SharedNetwork network = bare(make());
+      SoftBodySettings settings = settingsOf(1000.0, 3.0);
+      settings.volumeModulus = volumeModulus;
+      const TimeSteps steps = timeSteps(*network, settings);
+      EXPECT_NEAR(simulatedBlowUp(network, settings, steps.critical) / steps.critical, 1.0, 0.02);
+      EXPECT_LE(steps.safe, steps.critical);
+      EXPECT_GT(steps.safe, 0.3 * steps.critical) << "a bound of use";
+    }
+  }
+}
+
+TEST(TimeSteps, unevenMassesScalesAndSprings) {
+  limber::SpringNetwork uneven = *bare(network_shapes::hull60());
+  limber::Random random(1);
+  double sum = 0.0;
+  for (double& share : uneven.massShares) sum += share = 0.2 + random.uniform();
+  for (double& share : uneven.massShares) share /= sum;
+  for (auto& s : uneven.springs) s.stiffnessScale = 0.3 + random.uniform();
+  SoftBodySettings settings = settingsOf(50.0, 0.5);
+  settings.scale = {2.0, 0.5, 1.0};
+  const auto network = std::make_shared<limber::SpringNetwork>(uneven);
+  const TimeSteps steps = timeSteps(uneven, settings);
+  EXPECT_NEAR(simulatedBlowUp(network, settings, steps.critical) / steps.critical, 1.0, 0.02);
+}
+
+TEST(TimeSteps, nothingStiff) {
+  const SharedNetwork pair = limber::test::pairNetwork();
+  EXPECT_EQ(timeSteps(*pair, settingsOf(0.0, 1.0)).critical, HUGE_VAL);
+  // two masses of m/2 on a spring: omega^2 = 4 k / m
+  EXPECT_NEAR(timeSteps(*pair, settingsOf(100.0, 4.0)).critical, 2.0 / std::sqrt(100.0), 1e-9);
+}
