@@ -66,7 +66,7 @@ StandingBody makeStanding(const SpringNetwork& network, const SoftBodySettings& 
   body.volumes = makeVolumes(network, settings);
   std::vector<double> sums;
   double bound = frequencyBoundSquared(body.springs, body.state.inverseMass, sums);
-  if (!body.volumes.empty()) bound += volumeFrequencyBoundSquared(body.volumes, body.state);
+  if (!body.volumes.empty()) bound += volumeFrequencyBoundSquared(body.volumes, body.state, 0.0);
   body.step = kStepShare * 2.0 / std::sqrt(bound);
   return body;
 }
