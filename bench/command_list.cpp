@@ -2,6 +2,7 @@
 #include "command_list.h"
 
 #include "accuracy/accuracy_command.h"
+#include "networks/networks_command.h"
 #include "scaling/scaling_command.h"
 #include "springs/springs_command.h"
 #include "stability/stability_command.h"
@@ -24,6 +25,7 @@ const std::vector<Command>& commandList() {
   static const std::vector<Command> kCommands = {
       {"accuracy", "errors and costs beside btSoftBody and btDeformable, where the truth is known",
        &runAccuracy},
+      {"networks", "which braces keep which shape; masses, skins, materials", &runNetworks},
       {"springs", "what a spring costs per substep, by instruction set", &runSprings},
       {"scaling", "1, 2, 4 ... soft cubes until real time is lost", &runScaling},
       {"stability", "hundreds of hard cases, counted alike for every engine", &runStability},

@@ -40,7 +40,7 @@ void addSceneOptions(CLI::App& app, CommandLine& line) {
   scenes::SceneOptions& scene = line.options.sceneOptions;
   line.scene = app.add_option("--scene", line.options.scene, "what to run (default cubes)")
                    ->check(CLI::IsMember(sceneNames()));
-  app.add_option("--mesh", scene.meshFile, "run the scene mesh with this file (any format assimp reads)");
+  app.add_option("--mesh", scene.meshFile, "run the scene mesh with this file: BODY.limber or any format assimp reads");
   app.add_option("--count", scene.count, "number of bodies, 1 to 10000")->check(wholeNumber(1, 10000));
   app.add_option("--stiffness", scene.stiffness, "N/m of each spring, 0 or more")->check(number(0.0, 1e9));
   app.add_option("--damping", scene.damping, "N s/m of each spring, 0 or more")->check(number(0.0, 1e6));

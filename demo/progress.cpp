@@ -10,8 +10,11 @@
 
 namespace limber::demo {
 
-Progress::Progress(std::FILE* stream, bool terminal)
-    : stream_(stream), terminal_(terminal), start_(std::chrono::steady_clock::now()) {}
+Progress::Progress(std::FILE* stream, bool terminal, std::string label)
+    : stream_(stream),
+      terminal_(terminal),
+      label_(label.empty() ? label : label + " "),
+      start_(std::chrono::steady_clock::now()) {}
 
 void Progress::show(long long done, long long total) {
   const double share = total > 0 ? static_cast<double>(done) / static_cast<double>(total) : 1.0;
@@ -32,7 +35,8 @@ void Progress::showBar(double share) {
   shown_ = percent;
   const std::string left = percent > 0 && percent < 100 ? durationText(secondsLeft(share)) + " left" : "";
   // the blanks wipe what a longer line has left
-  std::fprintf(stream_, "\r%s %3d %%  %-20s", barText(share, 30).c_str(), percent, left.c_str());
+  std::fprintf(stream_, "\r%s%s %3d %%  %-20s", label_.c_str(), barText(share, 30).c_str(), percent,
+               left.c_str());
   if (share >= 1.0) std::fputc('\n', stream_);
   std::fflush(stream_);
 }
@@ -42,7 +46,7 @@ void Progress::showLine(double share) {
   if (tens == shown_ || tens == 0) return;
   shown_ = tens;
   const std::string left = tens < 10 ? ", " + durationText(secondsLeft(share)) + " left" : "";
-  std::fprintf(stream_, "%3d %%%s\n", 10 * tens, left.c_str());
+  std::fprintf(stream_, "%s%3d %%%s\n", label_.c_str(), 10 * tens, left.c_str());
   std::fflush(stream_);
 }
 

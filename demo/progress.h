@@ -10,7 +10,8 @@ namespace limber::demo {
 /// How far a run has come: a bar with the time left on a terminal, a plain line every 10 % elsewhere.
 class Progress {
  public:
-  Progress(std::FILE* stream, bool terminal);
+  /// `label` says what is under way, or is empty.
+  Progress(std::FILE* stream, bool terminal, std::string label = {});
 
   /// `done` of `total` steps are over.
   void show(long long done, long long total);
@@ -22,6 +23,7 @@ class Progress {
 
   std::FILE* stream_;
   bool terminal_;
+  std::string label_;  // with a blank behind it, or empty
   std::chrono::steady_clock::time_point start_;
   int shown_ = -1;  // what the reader sees: percent on a bar, tens of percent in lines
 };

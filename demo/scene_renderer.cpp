@@ -81,7 +81,7 @@ void SceneRenderer::draw(render::Image& image) {
   for (const auto& [instance, points] : props_)
     std::copy(points.begin(), points.end(), frame.points(instance));
   for (std::size_t b = 0; b < bodies_.size(); ++b) {
-    scene_.soft->body(b)->writePositions(frame.points(bodies_[b]));
+    writePoints(*scene_.soft->body(b), frame.points(bodies_[b]));
   }
   renderer_.draw(frame, camera_, light_, drawOptions_);
   renderer_.readPixels(image);

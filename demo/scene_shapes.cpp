@@ -20,12 +20,15 @@ void addSurface(render::ShapeDesc& shape, const SpringNetwork& network) {
   }
 }
 
+bool hasSkin(const SoftBody& body) { return body.network().render.skin.size() > 0; }
+
 /// Bending springs lie over the grid's own and would only hide them.
 void addSprings(render::ShapeDesc& shape, const SoftBody& body) {
   const std::vector<Eigen::Vector3d> rest = scenes::restShape(body);
+  const std::uint32_t first = hasSkin(body) ? body.placeCount() : 0;
   for (const NetworkSpring& spring : body.network().springs) {
     if (spring.kind == SpringKind::Bending) continue;
-    shape.lines.insert(shape.lines.end(), {spring.a, spring.b});
+    shape.lines.insert(shape.lines.end(), {first + spring.a, first + spring.b});
     shape.lineRestLengths.push_back(static_cast<float>((rest[spring.b] - rest[spring.a]).norm()));
   }
 }
@@ -36,7 +39,7 @@ render::ShapeDesc shapeOf(const SoftBody& body, const scenes::BodyLook& look) {
   const SpringNetwork& network = body.network();
   render::ShapeDesc shape;
   shape.name = "body";
-  shape.pointCount = body.pointCount();
+  shape.pointCount = body.placeCount() + (hasSkin(body) ? body.pointCount() : 0);
   shape.shading = look.smooth ? render::Shading::Smooth : render::Shading::Flat;
   // an open surface shows its other side, and so does one that has been turned inside out
   shape.twoSided = true;
@@ -46,6 +49,11 @@ render::ShapeDesc shapeOf(const SoftBody& body, const scenes::BodyLook& look) {
     addSurface(shape, network);
   addSprings(shape, body);
   return shape;
+}
+
+void writePoints(const SoftBody& body, float* xyz) {
+  body.writePlaces(xyz);
+  if (hasSkin(body)) body.writePositions(xyz + std::size_t{3} * body.placeCount());
 }
 
 std::vector<Prop> propsOf(const scenes::Scene& scene) {

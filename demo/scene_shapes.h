@@ -11,7 +11,12 @@
 namespace limber::demo {
 
 /// How the renderer shall see a soft body: its surface, or a tube for a rope, and its springs as lines.
+/// Its points are the places of the body's skin and behind them, for the springs, the point masses; without a
+/// skin the point masses alone.
 render::ShapeDesc shapeOf(const SoftBody& body, const scenes::BodyLook& look);
+
+/// Writes where they are, 3 floats each; only writes.
+void writePoints(const SoftBody& body, float* xyz);
 
 /// The things that do not move, with their colours.
 struct Prop {

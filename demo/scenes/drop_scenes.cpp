@@ -2,6 +2,7 @@
 #include "scenes/drop_grid.h"
 #include "scenes/end_checks.h"
 #include "scenes/palette.h"
+#include "scenes/read_network.h"
 #include "scenes/scene_list.h"
 #include "scenes/shape_error.h"
 #include "scenes/surface_bend.h"
@@ -33,14 +34,6 @@ DroppedShape measure(SharedNetwork network, const std::optional<double>& scale) 
   shape.middle = shape.scale * box.center();
   shape.network = std::move(network);
   return shape;
-}
-
-Result<SharedNetwork> readNetwork(const std::string& file) {
-  const Result<TriangleMesh> mesh = importMesh(file);
-  if (!mesh) return Error{mesh.error()};
-  Result<SharedNetwork> network = buildNetwork(*mesh);
-  if (!network) return Error{file + ": " + network.error()};
-  return network;
 }
 
 void addFloorAndView(Scene& scene, const DroppedShape& shape, const DropGridSettings& grid,

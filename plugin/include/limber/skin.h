@@ -9,8 +9,8 @@ namespace limber {
 enum class SkinKind : std::uint8_t {
   Dense,       ///< cubic radial basis functions over all points: the smoothest
   Sparse,      ///< the same over the nearest points that are seen through the body: cheaper, local
-  Barycentric  ///< four points of the tetrahedron around or next to the vertex (material mode), or three of
-               ///< the nearest triangle and its normal's affine stand-in
+  Barycentric  ///< the corners of the tetrahedron around or next to the vertex (material mode), or those of
+               ///< the nearest triangle and a point across the body from it: cheapest, piecewise linear
 };
 
 struct SkinSettings {
@@ -20,9 +20,10 @@ struct SkinSettings {
 };
 
 /// The network with `mesh` as its render surface, in the place where it lies relative to the rest points.
-/// Exact for affine motions to the precision of the weights. Distances are measured through the inside of the
-/// body, so that parts that only nearly touch do not drag each other along. Errors: those of weld(); a
-/// network whose points do not span space where the kind needs it.
+/// Exact for affine motions to the precision of the weights. Points to which the way through the inside of
+/// the body is much longer than the straight line count little or nothing, so that parts that only nearly
+/// touch do not drag each other along. Errors: those of weld(); a network without a surface, or whose points
+/// lie in a plane; fewer than 4 neighbours; a dense skin of more than 20 million weights.
 Result<SharedNetwork> withSkin(const SpringNetwork& network, const TriangleMesh& mesh,
                                const SkinSettings& settings = {});
 

@@ -47,6 +47,11 @@ class SoftBody {
   /// Writes all positions as pointCount() x 3 floats, x y z; only writes, so mapped GPU memory will do.
   void writePositions(float* xyz) const;
 
+  /// What network().render.vertexToPoint counts: the places of the skin, without one the points themselves.
+  std::uint32_t placeCount() const;
+  /// Writes the positions of the places as placeCount() x 3 floats; only writes, in order.
+  void writePlaces(float* xyz) const;
+
   /// Holds point i where it is: it becomes a kinematic body of Bullet until unpin().
   void pin(std::uint32_t i);
   /// Moves a pinned point; it gets there over the next tick, dragging the springs along.

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Zlib
 #include "bullet/group_stepping.h"
 
+#include "core/body_measures.h"
+#include "core/energy_guard.h"
+#include "core/spring_forces.h"
 #include "core/stepping_choice.h"
 
 #include <algorithm>
@@ -35,11 +38,12 @@ void updateBounds(SoftBodyData& body) {
 
 /// Own springs and links add up to a stiffness matrix K = K_own + K_links, whose largest eigenvalue is at
 /// most the sum of theirs.
-double frequencyBoundSquared(TickGroup& group) {
+double frequencyBoundSquared(TickGroup& group, double tick) {
   double own = 0.0;
   for (SoftBodyData* body : group.bodies) {
     if (body->frequencyStale) updateBounds(*body);
-    own = std::max(own, body->frequencySquared + volumeFrequencyBoundSquared(body->volumes, body->state));
+    own =
+        std::max(own, body->frequencySquared + volumeFrequencyBoundSquared(body->volumes, body->state, tick));
   }
   return own + linkFrequencyBoundSquared(group.step.links);
 }
@@ -49,7 +53,7 @@ constexpr double kNegligibleTurn = 0.5;
 
 SteppingProblem problemOf(TickGroup& group, double tick) {
   SteppingProblem p;
-  p.frequencySquared = frequencyBoundSquared(group);
+  p.frequencySquared = frequencyBoundSquared(group, tick);
   p.tick = tick;
   for (SoftBodyData* body : group.bodies) {
     p.dampingRate = std::max(p.dampingRate, body->dampingRate);
@@ -106,8 +110,40 @@ constexpr int kMostRetries = 3;
 
 }  // namespace
 
+namespace {
+
+double energyOf(SteppedBody& body) {
+  return kineticEnergy(*body.points) + elasticEnergy(body, body.points->position);
+}
+
+/// Bodies that are torn apart or turned inside out, in free motion: substeps that do not resolve the push
+/// against the change of volume hold it back, which may give energy.
+void startGuard(TickGroup& group) {
+  SoftBodyData* body = group.bodies.size() == 1 ? group.bodies[0] : nullptr;
+  group.guarded = body && !body->volumes.empty() && body->volumes.restless && isPlain(group.step) &&
+                  body->contacts.empty() && (body->state.inverseMass.array() > 0.0).all();
+  if (group.guarded) group.energyBefore = energyOf(group.step.bodies[0]);
+}
+
+/// Takes what the energy has risen by, less the work of the constant accelerations, out of the motion.
+void endGuard(TickGroup& group) {
+  if (!group.guarded) return;
+  const SoftBodyData& body = *group.bodies[0];
+  double allowed = group.energyBefore;
+  for (Eigen::Index i = 0; i < body.state.position.cols(); ++i)
+    allowed +=
+        massOf(body.state.inverseMass, i) *
+        body.state.acceleration.col(i).dot(body.state.position.col(i) - body.masses.startPosition.col(i));
+  SteppedBody& stepped = group.step.bodies[0];
+  const double excess = energyOf(stepped) - allowed;
+  if (excess > 0.0) removeKineticEnergy(*stepped.points, excess);
+}
+
+}  // namespace
+
 void chooseStepping(TickGroup& group, double tick) {
   setChoice(group, limber::chooseStepping(problemOf(group, tick), strictest(group)));
+  startGuard(group);
   if (!hasTolerance(group)) return;
   for (SoftBodyData* body : group.bodies) body->startVelocity = body->state.velocity;
 }
@@ -134,6 +170,7 @@ constexpr double kErrorMemory = 0.25;
 }  // namespace
 
 void reportStepping(TickGroup& group, double tick) {
+  endGuard(group);
   for (std::size_t i = 0; i < group.bodies.size(); ++i) {
     SoftBodyData& body = *group.bodies[i];
     const double square = std::pow(tick / group.substeps, 2);

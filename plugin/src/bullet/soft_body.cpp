@@ -6,6 +6,8 @@
 #include "core/body_measures.h"
 #include "core/spring_forces.h"
 
+#include <limber/skin.h>
+
 #include <cmath>
 
 namespace limber {
@@ -34,6 +36,19 @@ void SoftBody::writePositions(float* xyz) const {
     const Eigen::Vector3f p = currentPosition(*data_, i).cast<float>();
     for (int axis = 0; axis < 3; ++axis) *xyz++ = p[axis];
   }
+}
+
+std::uint32_t SoftBody::placeCount() const {
+  const Skin& skin = data_->network->render.skin;
+  return skin.size() > 0 ? static_cast<std::uint32_t>(skin.size()) : pointCount();
+}
+
+void SoftBody::writePlaces(float* xyz) const {
+  const Skin& skin = data_->network->render.skin;
+  if (skin.size() == 0) return writePositions(xyz);
+  data_->skinned.resize(std::size_t{3} * pointCount());
+  writePositions(data_->skinned.data());
+  applySkin(skin, data_->skinned.data(), xyz);
 }
 
 void SoftBody::pin(std::uint32_t i) {

@@ -51,13 +51,14 @@ struct SoftBodyData {
   double errorPerSecond = 0.0;        ///< m/s
   double errorPerSquare = 0.0;        ///< m/s^3, see SteppingProblem
   std::vector<double> stiffnessSums;
-  Points startVelocity;      ///< 3 x #points, m/s, at the start of the tick; empty without a tolerance
-  double dampingRate = 0.0;  ///< 1/s, dampingRateBound, as stale as frequencySquared
-  double size = 0.0;         ///< m, diagonal of the box around it at rest
-  bool narrow = false;       ///< see SteppingProblem
-  bool cheapNewton = false;  ///< see SteppingProblem
-  QuadArrays quads;          ///< empty unless it is stepped so
-  ImplicitState implicit;    ///< empty unless it is stepped so
+  Points startVelocity;        ///< 3 x #points, m/s, at the start of the tick; empty without a tolerance
+  double dampingRate = 0.0;    ///< 1/s, dampingRateBound, as stale as frequencySquared
+  double size = 0.0;           ///< m, diagonal of the box around it at rest
+  bool narrow = false;         ///< see SteppingProblem
+  bool cheapNewton = false;    ///< see SteppingProblem
+  QuadArrays quads;            ///< empty unless it is stepped so
+  ImplicitState implicit;      ///< empty unless it is stepped so
+  std::vector<float> skinned;  ///< 3 x #points, scratch of a body with a skin
 
   /// Told when the application deletes one of the points.
   std::function<void(const btRigidBody&)> onPointDeleted;

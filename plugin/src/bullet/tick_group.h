@@ -24,6 +24,8 @@ struct TickGroup {
   bool asleep = false;
   int substeps = 0;
   Stepper stepper = Stepper::Verlet;
+  bool guarded = false;       ///< its energy must not rise in this tick
+  double energyBefore = 0.0;  ///< J, if it is guarded
 };
 
 using SpringList = std::vector<std::unique_ptr<SpringConstraint>>;

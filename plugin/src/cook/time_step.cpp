@@ -16,14 +16,14 @@ namespace {
 
 using Eigen::VectorXd;
 
-/// sqrt(K / V0) times the gradient of each component's volume at rest: the volume term's stiffness matrix is
+/// sqrt(stiffness) times the gradient of each component's volume at rest: the volume term's stiffness matrix is
 /// the sum of their squares g g^T, for at rest it has no force.
-std::vector<VectorXd> volumeGradients(VolumeArrays& volumes, const PointState& state) {
+std::vector<VectorXd> volumeGradients(const VolumeArrays& volumes, const PointState& state) {
   std::vector<VectorXd> gradients;
   Points gradient = Points::Zero(3, state.position.cols());
   for (std::size_t c = 0; c < volumes.restVolume.size(); ++c) {
-    volumeGradient(volumes, c, state, gradient);
-    gradients.push_back(std::sqrt(volumes.modulus / volumes.restVolume[c]) * gradient.reshaped());
+    const VolumeSlope slope = volumeSlope(volumes, c, state, gradient);
+    gradients.push_back(std::sqrt(slope.stiffness) * gradient.reshaped());
   }
   return gradients;
 }
@@ -61,7 +61,7 @@ TimeSteps timeSteps(const SpringNetwork& network, const SoftBodySettings& settin
   std::vector<double> sums;
   const SpringArrays springs = makeSprings(network, settings);
   double bound = frequencyBoundSquared(springs, state.inverseMass, sums);
-  if (!volumes.empty()) bound += volumeFrequencyBoundSquared(volumes, state);
+  if (!volumes.empty()) bound += volumeFrequencyBoundSquared(volumes, state, 0.0);
   return {stepOf(fastest), stepOf(bound)};
 }
 

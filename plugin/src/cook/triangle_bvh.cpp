@@ -145,7 +145,8 @@ SurfaceHit TriangleBvh::firstHit(const Vector3d& origin, const Vector3d& directi
   return hit;
 }
 
-SurfaceHit TriangleBvh::nearestWithin(const Vector3d& position, double distance) const {
+SurfaceHit TriangleBvh::nearestWithin(const Vector3d& position, double distance,
+                                      const Vector3d& normal) const {
   SurfaceHit hit;
   double best = distance * distance;
   std::array<std::uint32_t, kStack> stack{};
@@ -162,6 +163,7 @@ SurfaceHit TriangleBvh::nearestWithin(const Vector3d& position, double distance)
     }
     for (std::uint32_t i = node.first; i < node.first + node.count; ++i) {
       const std::uint32_t triangle = order_[i];
+      if (areaVector(corners_[triangle]).dot(normal) < 0.0) continue;
       const Vector3d barycentric = nearestBarycentric(corners_[triangle], position);
       const Vector3d foot = pointAt(corners_[triangle], barycentric);
       const double squared = (foot - position).squaredNorm();
@@ -175,6 +177,10 @@ SurfaceHit TriangleBvh::nearestWithin(const Vector3d& position, double distance)
 
 SurfaceHit TriangleBvh::nearest(const Vector3d& position) const {
   return nearestWithin(position, std::numeric_limits<double>::infinity());
+}
+
+SurfaceHit TriangleBvh::nearestFacing(const Vector3d& position, const Vector3d& normal) const {
+  return nearestWithin(position, std::numeric_limits<double>::infinity(), normal);
 }
 
 double TriangleBvh::windingNumber(const Vector3d& position) const {

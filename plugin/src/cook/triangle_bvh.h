@@ -35,6 +35,9 @@ class TriangleBvh {
                       double to) const;
   SurfaceHit nearest(const Eigen::Vector3d& position) const;
 
+  /// Among the triangles whose normal does not point against `normal`, if there are any.
+  SurfaceHit nearestFacing(const Eigen::Vector3d& position, const Eigen::Vector3d& normal) const;
+
   /// Generalized winding number (Jacobson, Kavan, Sorkine 2013; far triangles by their dipole, Barill et al.
   /// 2018): 1 inside a closed surface, 0 outside, in between near holes.
   double windingNumber(const Eigen::Vector3d& position) const;
@@ -58,7 +61,8 @@ class TriangleBvh {
   Eigen::AlignedBox3d boxOf(std::uint32_t first, std::uint32_t count) const;
   void setDipole(Node& node, std::uint32_t first, std::uint32_t count) const;
   void build(std::uint32_t node, std::uint32_t first, std::uint32_t count);
-  SurfaceHit nearestWithin(const Eigen::Vector3d& position, double distance) const;
+  SurfaceHit nearestWithin(const Eigen::Vector3d& position, double distance,
+                           const Eigen::Vector3d& normal = Eigen::Vector3d::Zero()) const;
   bool isInsideOrNear(const Eigen::Vector3d& position, double tolerance) const;
   std::vector<double> crossings(const Eigen::Vector3d& a, const Eigen::Vector3d& b) const;
 

@@ -69,4 +69,21 @@ double solidAngle(const TriangleCorners& t, const Vector3d& p) {
   return numerator == 0.0 ? 0.0 : 2.0 * std::atan2(numerator, denominator);
 }
 
+double extent(const std::vector<Vector3d>& points) {
+  Eigen::AlignedBox3d box;
+  for (const Vector3d& p : points) box.extend(p);
+  return box.sizes().maxCoeff();
+}
+
+std::vector<Vector3d> vertexNormals(const std::vector<Vector3d>& points,
+                                    const std::vector<Triangle>& triangles) {
+  std::vector<Vector3d> normals(points.size(), Vector3d::Zero());
+  for (const Triangle& t : triangles) {
+    const Vector3d twiceArea = (points[t[1]] - points[t[0]]).cross(points[t[2]] - points[t[0]]);
+    for (const std::uint32_t corner : t) normals[corner] += twiceArea;
+  }
+  for (Vector3d& normal : normals) normal.normalize();
+  return normals;
+}
+
 }  // namespace limber

@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
+#include <limber/triangle_mesh.h>
+
 #include <Eigen/Core>
 
 #include <array>
 #include <optional>
+#include <vector>
 
 namespace limber {
 
@@ -32,5 +35,12 @@ double solidAngle(const TriangleCorners& triangle, const Eigen::Vector3d& p);
 inline Eigen::Vector3d pointAt(const TriangleCorners& triangle, const Eigen::Vector3d& barycentric) {
   return barycentric[0] * triangle[0] + barycentric[1] * triangle[1] + barycentric[2] * triangle[2];
 }
+
+/// m: the longest side of the points' bounding box.
+double extent(const std::vector<Eigen::Vector3d>& points);
+
+/// By the area of the triangles around each point; zero where they cancel. Unit vectors, #points.
+std::vector<Eigen::Vector3d> vertexNormals(const std::vector<Eigen::Vector3d>& points,
+                                           const std::vector<Triangle>& triangles);
 
 }  // namespace limber

@@ -39,9 +39,15 @@ void start(const Substep& s) {
   startSubstep(s.implicit.contacts, s.body.contacts, p.position.cols());
 }
 
-/// Newton's method may overshoot where springs are strongly compressed.
+/// Newton's method may overshoot where springs are strongly compressed, and either method where the volume is
+/// far from the rest volume: the matrix has its gradient, not its second derivatives.
+bool mayOvershoot(const Substep& s) {
+  if (s.implicit.solver.kind == MidpointSolver::Kind::Newton) return true;
+  return s.body.volumes && isFarFromRest(*s.body.volumes, s.points().position);
+}
+
 void shortenStep(const Substep& s) {
-  if (s.implicit.solver.kind == MidpointSolver::Kind::Shared) return;
+  if (!mayOvershoot(s)) return;
   const Points& x = s.points().position;
   Points& step = s.implicit.residual;
   const double before = objective(s, x);
@@ -238,6 +244,7 @@ void stepImplicit(SteppedBody& body, ImplicitState& implicit, MidpointSolver::Ki
                   int substeps, SharedFactors& factors) {
   const double h = tick / substeps;
   implicit.solver.kind = kind;
+  if (body.volumes) body.volumes->timeStep = 0.0;
   prepare(implicit.solver, *body.springs, body.points->inverseMass, h, factors);
   implicit.residual.resizeLike(body.points->position);
   implicit.trial.resizeLike(body.points->position);

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
+#include "core/lane_kernels.h"
 #include "core/point_state.h"
 #include "core/spring_arrays.h"
 #include "core/verlet_kernel.h"
+#include "core/volume_term.h"
 
 namespace limber {
 
@@ -25,6 +27,12 @@ inline kernel::Points<double> kernelPoints(PointState& p) {
           p.force.data(),
           p.acceleration.data(),
           p.inverseMass.data()};
+}
+
+inline kernel::VolumeBody volumeBody(VolumeArrays& volumes) {
+  const kernel::Volumes<double> v = kernelVolumes(volumes);
+  return {v.components, v.points,   v.firstTriangle, v.corners, v.componentOf, v.restVolume,
+          v.modulus,    v.pressure, v.gradient,      v.sums,    v.timeStep};
 }
 
 }  // namespace limber

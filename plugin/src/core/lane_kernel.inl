@@ -23,8 +23,9 @@ void LIMBER_PACK_STEP(const LaneBody& b, double tick, int substeps) {
   body.points = {b.points,       packs(b.position),     packs(b.velocity),
                  packs(b.force), packs(b.acceleration), packs(b.inverseMass)};
   const VolumeBody& v = b.volumes;
-  body.volumes = {v.components,     v.firstTriangle,   v.corners,    packs(v.restVolume),
-                  packs(v.modulus), packs(v.pressure), packs(v.area)};
+  body.volumes = {v.components,        v.points,         v.firstTriangle,   v.corners,         v.componentOf,
+                  packs(v.restVolume), packs(v.modulus), packs(v.pressure), packs(v.gradient), packs(v.sums),
+                  v.timeStep};
   body.hasDampers = b.damped;
   body.dampHalf = packs(b.dampHalf);
   body.dampFull = packs(b.dampFull);

@@ -13,10 +13,11 @@ struct ContactCalls;
 
 /// Of both kinds of bodies below: kernel::Volumes with packs or quads for numbers, `components` 0 without.
 struct VolumeBody {
-  unsigned components = 0;
-  const unsigned *firstTriangle = nullptr, *corners = nullptr;
+  unsigned components = 0, points = 0;
+  const unsigned *firstTriangle = nullptr, *corners = nullptr, *componentOf = nullptr;
   const double *restVolume = nullptr, *modulus = nullptr, *pressure = nullptr;
-  double* area = nullptr;
+  double *gradient = nullptr, *sums = nullptr;
+  double timeStep = 0.0;
 };
 
 /// A kernel::Body whose numbers are packs of `laneCount` doubles.
@@ -44,7 +45,7 @@ struct QuadBody {
   const double *acceleration, *inverseMass;
   const double *restLength, *extensionStiffness, *compressionStiffness;
   double* direction;
-  VolumeBody volumes;  ///< one number per component; areas are quads
+  VolumeBody volumes;  ///< one number per component; gradients are quads, sums two quads per component
   bool damped;
   const double *dampHalf, *dampFull;
   const ContactCalls* contacts;

@@ -103,7 +103,7 @@ double dot(const Points& a, const Points& b) { return a.cwiseProduct(b).sum(); }
 
 }  // namespace
 
-void updateVolumes(MidpointSolver& solver, VolumeArrays& volumes, const PointState& state) {
+void updateVolumes(MidpointSolver& solver, const VolumeArrays& volumes, const PointState& state) {
   VolumeUpdate& u = solver.volumes;
   const std::size_t count = volumes.restVolume.size();
   u.gradient.resize(count);
@@ -111,9 +111,8 @@ void updateVolumes(MidpointSolver& solver, VolumeArrays& volumes, const PointSta
   u.inner.resize(static_cast<Eigen::Index>(count), static_cast<Eigen::Index>(count));
   u.inner.setZero();
   for (std::size_t c = 0; c < count; ++c) {
-    const double volume = volumeGradient(volumes, c, state, u.gradient[c]);
-    const double stiffness = volumeStiffness(volumes, c, volume);
-    const double d = 0.25 * solver.substep * solver.substep * stiffness / volumes.restVolume[c];
+    const VolumeSlope slope = volumeSlope(volumes, c, state, u.gradient[c]);
+    const double d = 0.25 * solver.substep * solver.substep * slope.stiffness;
     if (d == 0.0) u.gradient[c].setZero();
     u.inner(static_cast<Eigen::Index>(c), static_cast<Eigen::Index>(c)) = d == 0.0 ? 1.0 : 1.0 / d;
     u.response[c] = u.gradient[c];

@@ -57,7 +57,7 @@ void update(MidpointSolver& solver, const SpringArrays& springs, const Points& d
             const Points& position);
 
 /// Adds the volume term at the present positions to the matrix; after update().
-void updateVolumes(MidpointSolver& solver, VolumeArrays& volumes, const PointState& state);
+void updateVolumes(MidpointSolver& solver, const VolumeArrays& volumes, const PointState& state);
 
 /// Solves A x = b in place; b is 3 x #points.
 void solve(MidpointSolver& solver, Points& b);

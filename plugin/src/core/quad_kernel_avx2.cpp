@@ -110,38 +110,47 @@ Quad rolled(Quad v) { return _mm256_permute4x64_pd(v, 0xC9); }
 /// z x y 0
 Quad rolledBack(Quad v) { return _mm256_permute4x64_pd(v, 0xD2); }
 
-/// As sixVolumes.
-double sixQuadVolumes(const VolumeBody& v, Index component, const Quad* x) {
+/// As sixVolumes, but by axis.
+Quad sixQuadVolumes(const VolumeBody& v, Index component, const Quad* x) {
   Quad sum = all(Quad(), 0.0);
   const Quad o = x[v.corners[3 * v.firstTriangle[component]]];
+  Quad* gradient = quads(v.gradient);
   for (Index t = v.firstTriangle[component]; t < v.firstTriangle[component + 1]; ++t) {
-    const Quad a = x[v.corners[3 * t]];
-    const Quad b = x[v.corners[3 * t + 1]] - a, c = x[v.corners[3 * t + 2]] - a;
+    const Index* corner = v.corners + 3 * t;
+    const Quad a = x[corner[0]];
+    const Quad b = x[corner[1]] - a, c = x[corner[2]] - a;
     const Quad n = rolled(b) * rolledBack(c) - rolledBack(b) * rolled(c);
-    quads(v.area)[t] = n;
     sum = sum + (a - o) * n;
+    for (Index k = 0; k < 3; ++k) gradient[corner[k]] = gradient[corner[k]] + n;
   }
-  return sum[0] + (sum[1] + sum[2]);
+  return sum;
 }
 
+double total(Quad q) { return q[0] + (q[1] + q[2]); }
+
 /// As addVolumeForces of volume_kernel.h, to the bit.
-void addQuadVolumeForces(const VolumeBody& v, const Quad* x, Quad* force) {
-  constexpr double kSixth = 1.0 / 6.0;
-  for (Index component = 0; component < v.components; ++component) {
-    const double volume = sixQuadVolumes(v, component, x) * kSixth;
-    const double push = pushOf(volume, v.restVolume[component], *v.modulus, *v.pressure) * kSixth;
-    for (Index t = v.firstTriangle[component]; t < v.firstTriangle[component + 1]; ++t) {
-      const Quad f = all(Quad(), push) * quads(v.area)[t];
-      for (Index corner = 3 * t; corner < 3 * t + 3; ++corner)
-        force[v.corners[corner]] = force[v.corners[corner]] + f;
-    }
+void addQuadVolumeForces(const VolumeBody& v, const Quad* x, const Quad* w, Quad* force) {
+  if (v.components == 0) return;
+  Quad *gradient = quads(v.gradient), *sums = quads(v.sums);
+  for (Index i = 0; i < v.points; ++i) gradient[i] = all(Quad(), 0.0);
+  for (Index c = 0; c < v.components; ++c) {
+    sums[2 * c] = sixQuadVolumes(v, c, x);
+    sums[2 * c + 1] = all(Quad(), 0.0);
   }
+  for (Index i = 0; i < v.points; ++i) {
+    Quad& squares = sums[2 * v.componentOf[i] + 1];
+    squares = squares + w[i] * gradient[i] * gradient[i];
+  }
+  for (Index c = 0; c < v.components; ++c)
+    sums[2 * c] = all(Quad(), stablePush(total(sums[2 * c]), total(sums[2 * c + 1]), v.restVolume[c],
+                                         *v.modulus, *v.pressure, v.timeStep));
+  for (Index i = 0; i < v.points; ++i) force[i] = force[i] + sums[2 * v.componentOf[i]] * gradient[i];
 }
 
 void computeForces(const QuadPoints& p) {
   for (Index i = 0; i < p.b.points; ++i) quads(p.b.force)[i] = all(Quad(), 0.0);
   for (Index i = 0; i < p.b.springs; i += 4) addForces(p.b, i);
-  addQuadVolumeForces(p.b.volumes, quads(p.b.position), quads(p.b.force));
+  addQuadVolumeForces(p.b.volumes, quads(p.b.position), quads(p.b.inverseMass), quads(p.b.force));
 }
 
 void dampAll(const QuadPoints& p, bool whole, bool forward) {

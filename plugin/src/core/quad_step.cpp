@@ -3,6 +3,7 @@
 
 #include "core/body_contacts.h"
 #include "core/instruction_set.h"
+#include "core/kernel_views.h"
 #include "core/lane_kernels.h"
 
 #include <algorithm>
@@ -79,9 +80,11 @@ void load(QuadArrays& q, const PointState& state, const SpringArrays& springs) {
 
 kernel::VolumeBody quadVolumes(QuadArrays& q, VolumeArrays* volumes) {
   if (!volumes) return {};
-  reserveNumbers(q.area, 4 * volumes->triangles.size());
-  const kernel::Volumes<double> v = kernelVolumes(*volumes);
-  return {v.components, v.firstTriangle, v.corners, v.restVolume, v.modulus, v.pressure, numbers(q.area)};
+  reserveNumbers(q.gradient, q.position.size() * 8);
+  reserveNumbers(q.sums, 8 * volumes->restVolume.size());
+  kernel::VolumeBody body = volumeBody(*volumes);
+  body.gradient = numbers(q.gradient), body.sums = numbers(q.sums);
+  return body;
 }
 
 kernel::QuadBody quadBody(SteppedBody& stepped, const kernel::ContactCalls& contacts) {

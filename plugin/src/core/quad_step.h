@@ -15,7 +15,7 @@ struct QuadArrays {
   AlignedNumbers restLength, extensionStiffness, compressionStiffness, dampHalf,
       dampFull;                      // #springs, filled up
   AlignedNumbers direction;          // 4 x #springs, filled up
-  AlignedNumbers area;               // 4 x #triangles
+  AlignedNumbers gradient, sums;     // of the volume: 4 x (#points + 2), 8 x #components
   std::vector<unsigned> a, b;        // #springs, filled up
   std::vector<unsigned char> apart;  // #springs / 4: whether the four share no point
   unsigned revision = 0;             // of the springs when their constants were copied; 0: not yet

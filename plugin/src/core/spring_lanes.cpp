@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "core/spring_lanes.h"
 
+#include "core/kernel_views.h"
 #include "core/lane_kernels.h"
 #include "core/spring_damping.h"
 #include "core/verlet_kernel.h"
@@ -12,7 +13,8 @@ void reserveVolumes(LaneBlock& b, const VolumeArrays& volumes, std::size_t lanes
   reserveNumbers(b.restVolume, volumes.restVolume.size() * lanes);
   reserveNumbers(b.modulus, lanes);
   reserveNumbers(b.pressure, lanes);
-  reserveNumbers(b.area, volumes.area.size() * lanes);
+  reserveNumbers(b.gradient, static_cast<std::size_t>(volumes.gradient.size()) * lanes);
+  reserveNumbers(b.sums, volumes.sums.size() * lanes);
 }
 
 void reserve(LaneBlock& b, std::size_t points, std::size_t springs, std::size_t lanes) {
@@ -116,9 +118,11 @@ bool prepareContacts(LaneBlock& block, const LaneContacts& contacts) {
 kernel::VolumeBody laneVolumes(LaneBlock& b) {
   VolumeArrays* volumes = b.lanes[0].body.volumes;
   if (!volumes) return {};
-  const kernel::Volumes<double> one = kernelVolumes(*volumes);
-  return {one.components,     one.firstTriangle,   one.corners,    numbers(b.restVolume),
-          numbers(b.modulus), numbers(b.pressure), numbers(b.area)};
+  kernel::VolumeBody body = volumeBody(*volumes);
+  body.restVolume = numbers(b.restVolume);
+  body.modulus = numbers(b.modulus), body.pressure = numbers(b.pressure);
+  body.gradient = numbers(b.gradient), body.sums = numbers(b.sums);
+  return body;
 }
 
 kernel::LaneBody laneBody(LaneBlock& b, const kernel::ContactCalls& contacts, double* change) {
@@ -174,8 +178,10 @@ void unload(LaneBlock& block, std::size_t lanes, const CacheLine& change, double
 void stepLanes(LaneBlock& block, double tick, int substeps, InstructionSet set) {
   const auto lanes = static_cast<std::size_t>(laneCount(set));
   const SteppedBody& first = block.lanes[0].body;
-  for (LaneBlock::Lane& lane : block.lanes)
+  for (LaneBlock::Lane& lane : block.lanes) {
     prepareDampers(*lane.body.springs, lane.body.points->inverseMass, tick / substeps);
+    if (lane.body.volumes) lane.body.volumes->timeStep = tick / substeps;
+  }
   reserve(block, static_cast<std::size_t>(first.points->position.cols()), first.springs->size(), lanes);
   if (first.volumes) reserveVolumes(block, *first.volumes, lanes);
   load(block, lanes);

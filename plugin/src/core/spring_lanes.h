@@ -24,7 +24,7 @@ struct LaneBlock {
       dampFull;                                  // #springs
   AlignedNumbers direction;                      // 3 x #springs
   AlignedNumbers restVolume, modulus, pressure;  // #components, 1, 1
-  AlignedNumbers area;                           // 3 x #triangles
+  AlignedNumbers gradient, sums;                 // 3 x #points, 4 x #components
 };
 
 /// As stepVerlet for each of the bodies, to the bit, whatever the instruction set.

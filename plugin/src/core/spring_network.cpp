@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Zlib
 #include <limber/spring_network.h>
 
+#include <Eigen/Geometry>
+
 #include <array>
 #include <cmath>
 #include <cstddef>
@@ -10,6 +12,9 @@ namespace {
 
 /// How far the mass shares may be from 1 together: the rounding of a sum of millions.
 constexpr double kShareRounding = 1e-9;
+
+/// How far the weights of a place may be from 1 together: the rounding of thousands of floats.
+constexpr double kWeightRounding = 1e-4;
 
 using Pair = std::array<std::uint32_t, 2>;
 
@@ -69,11 +74,77 @@ std::string checkTriangles(const std::vector<Triangle>& triangles, std::size_t c
   return {};
 }
 
-std::string checkVertexToPoint(const std::vector<std::uint32_t>& vertexToPoint, std::size_t points) {
+/// Six times the volume.
+double spannedVolume(const std::vector<Eigen::Vector3d>& points, const Tetrahedron& t) {
+  const Eigen::Vector3d b = points[t[1]] - points[t[0]], c = points[t[2]] - points[t[0]];
+  return b.dot(c.cross(points[t[3]] - points[t[0]]));
+}
+
+std::string checkTetrahedra(const std::vector<Tetrahedron>& tetrahedra,
+                            const std::vector<Eigen::Vector3d>& points) {
+  for (std::size_t i = 0; i < tetrahedra.size(); ++i) {
+    for (const std::uint32_t corner : tetrahedra[i]) {
+      if (corner < points.size()) continue;
+      return name("tetrahedron", i) + " uses " + name("point", corner) + " of " +
+             std::to_string(points.size());
+    }
+    if (!(spannedVolume(points, tetrahedra[i]) > 0.0))
+      return name("tetrahedron", i) + " has a volume that is not above 0";
+  }
+  return {};
+}
+
+std::string checkStiffnessPerModulus(double stiffness) {
+  const bool sound = std::isfinite(stiffness) && stiffness >= 0.0;
+  return sound ? std::string() : "the stiffness per modulus is not a finite number of 0 or more";
+}
+
+std::string checkSkinSizes(const Skin& skin) {
+  if (skin.points.size() != skin.weights.size()) {
+    return "the skin has " + std::to_string(skin.weights.size()) + " weights for " +
+           std::to_string(skin.points.size()) + " points";
+  }
+  const std::size_t last = skin.firstWeight.empty() ? 0 : skin.firstWeight.back();
+  if (last != skin.weights.size()) {
+    return "the places of the skin have " + std::to_string(last) + " weights, there are " +
+           std::to_string(skin.weights.size());
+  }
+  if (!skin.firstWeight.empty() && skin.firstWeight.front() != 0)
+    return "the skin's first place does not begin at weight 0";
+  for (std::size_t i = 0; i < skin.size(); ++i) {
+    if (skin.firstWeight[i] >= skin.firstWeight[i + 1]) return name("skin place", i) + " has no weights";
+  }
+  return {};
+}
+
+std::string checkSkinPlace(const Skin& skin, std::size_t place, std::size_t points) {
+  double sum = 0.0;
+  for (std::uint32_t w = skin.firstWeight[place]; w < skin.firstWeight[place + 1]; ++w) {
+    if (skin.points[w] >= points)
+      return " rides on " + name("point", skin.points[w]) + " of " + std::to_string(points);
+    if (!std::isfinite(skin.weights[w])) return " has a weight that is not finite";
+    sum += static_cast<double>(skin.weights[w]);
+  }
+  if (std::abs(sum - 1.0) > kWeightRounding) return " has weights that do not sum to 1";
+  return {};
+}
+
+std::string checkSkin(const Skin& skin, std::size_t points) {
+  std::string reason = checkSkinSizes(skin);
+  for (std::size_t i = 0; reason.empty() && i < skin.size(); ++i) {
+    const std::string ofPlace = checkSkinPlace(skin, i, points);
+    if (!ofPlace.empty()) reason = name("skin place", i) + ofPlace;
+  }
+  return reason;
+}
+
+/// `what` the vertices ride on: points, or places of the skin.
+std::string checkVertexToPoint(const std::vector<std::uint32_t>& vertexToPoint, std::size_t count,
+                               const char* what) {
   for (std::size_t i = 0; i < vertexToPoint.size(); ++i) {
-    if (vertexToPoint[i] < points || vertexToPoint[i] == kNoPoint) continue;
-    return name("render vertex", i) + " rides on " + name("point", vertexToPoint[i]) + " of " +
-           std::to_string(points);
+    if (vertexToPoint[i] < count || vertexToPoint[i] == kNoPoint) continue;
+    return name("render vertex", i) + " rides on " + name(what, vertexToPoint[i]) + " of " +
+           std::to_string(count);
   }
   return {};
 }
@@ -94,7 +165,12 @@ std::string checkRender(const RenderSurface& render, std::size_t points) {
     return std::to_string(render.uvs.size()) + " texture coordinates for " + std::to_string(vertices) +
            " render vertices";
   }
-  std::string reason = checkVertexToPoint(render.vertexToPoint, points);
+  const bool bare = render.skin.firstWeight.empty();
+  std::string reason = checkSkin(render.skin, points);
+  if (reason.empty()) {
+    reason = checkVertexToPoint(render.vertexToPoint, bare ? points : render.skin.size(),
+                                bare ? "point" : "skin place");
+  }
   if (reason.empty()) reason = checkTriangles(render.triangles, vertices, "render triangle", "vertex");
   if (reason.empty()) reason = checkPointless(render);
   return reason;
@@ -102,8 +178,10 @@ std::string checkRender(const RenderSurface& render, std::size_t points) {
 
 std::string checkRopeHasNoSurface(const SpringNetwork& network) {
   const RenderSurface& render = network.render;
-  const bool bare = network.surface.empty() && render.triangles.empty() && render.vertexToPoint.empty();
-  return network.kind != NetworkKind::Rope || bare ? std::string() : "a rope has no surface";
+  const bool bare = network.surface.empty() && render.triangles.empty() && render.vertexToPoint.empty() &&
+                    render.skin.firstWeight.empty() && network.tetrahedra.empty();
+  return network.kind != NetworkKind::Rope || bare ? std::string()
+                                                   : "a rope has no surface, skin or tetrahedra";
 }
 
 }  // namespace
@@ -114,6 +192,8 @@ std::string validate(const SpringNetwork& network) {
   if (reason.empty()) reason = checkMassShares(network.massShares, points);
   if (reason.empty()) reason = checkSprings(network.springs, points);
   if (reason.empty()) reason = checkTriangles(network.surface, points, "surface triangle", "point");
+  if (reason.empty()) reason = checkTetrahedra(network.tetrahedra, network.restPoints);
+  if (reason.empty()) reason = checkStiffnessPerModulus(network.stiffnessPerModulus);
   if (reason.empty()) reason = checkRender(network.render, points);
   if (reason.empty()) reason = checkRopeHasNoSurface(network);
   return reason;

@@ -140,7 +140,7 @@ struct Body {
 template <class V>
 inline void computeForces(const Body<V>& body) {
   computeForces(body.springs, body.points);
-  addVolumeForces(body.volumes, body.points.position, body.points.force);
+  addVolumeForces(body.volumes, body.points.position, body.points.inverseMass, body.points.force);
 }
 
 template <class V>

@@ -120,8 +120,10 @@ bool isPlain(const StepGroup& group) {
 }
 
 void stepVerlet(StepGroup& group, double tick, int substeps) {
-  for (SteppedBody& body : group.bodies)
+  for (SteppedBody& body : group.bodies) {
     prepareDampers(*body.springs, body.points->inverseMass, tick / substeps);
+    if (body.volumes) body.volumes->timeStep = tick / substeps;
+  }
   if (isPlain(group))
     stepSingle(group.bodies[0], tick, substeps);
   else

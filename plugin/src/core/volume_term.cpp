@@ -27,14 +27,23 @@ std::string whyNoVolume(const SpringNetwork& network) {
   return "the surface is not closed: it has " + found.substr(0, found.size() - 2);
 }
 
-double volumeOf(VolumeArrays& v, std::size_t component, const Points& position) {
-  return kernel::sixVolumes(kernelVolumes(v), static_cast<kernel::Index>(component), position.data()) / 6.0;
+/// Calls visit(a, b - a, c - a) for the corners of each triangle of a component.
+template <class Visit>
+void forEachTriangle(const VolumeArrays& v, std::size_t component, const Points& x, Visit visit) {
+  for (std::size_t i = v.firstTriangle[component]; i < v.firstTriangle[component + 1]; ++i) {
+    const Triangle& t = v.triangles[i];
+    visit(t, Eigen::Vector3d(x.col(t[1]) - x.col(t[0])), Eigen::Vector3d(x.col(t[2]) - x.col(t[0])));
+  }
 }
 
-double longestEdge(const Triangle& t, const Points& x) {
-  return std::sqrt(
-      std::max({(x.col(t[1]) - x.col(t[0])).squaredNorm(), (x.col(t[2]) - x.col(t[1])).squaredNorm(),
-                (x.col(t[0]) - x.col(t[2])).squaredNorm()}));
+double volumeOf(const VolumeArrays& v, std::size_t component, const Points& x) {
+  const Eigen::Vector3d origin = x.col(v.triangles[v.firstTriangle[component]][0]);
+  double six = 0.0;
+  forEachTriangle(v, component, x,
+                  [&](const Triangle& t, const Eigen::Vector3d& b, const Eigen::Vector3d& c) {
+                    six += (x.col(t[0]) - origin).dot(b.cross(c));
+                  });
+  return six / 6.0;
 }
 
 /// Of the change c of the volume relative to the rest volume: the integral of the limited c.
@@ -70,51 +79,65 @@ void addComponent(VolumeArrays& v, const std::vector<Triangle>& surface, const S
   const std::size_t first = v.triangles.size();
   for (std::size_t t = 0; t < surface.size(); ++t)
     if (components.ofTriangle[t] == c) v.triangles.push_back(surface[t]);
-  v.area.resize(3 * v.triangles.size());
   v.firstTriangle.push_back(static_cast<std::uint32_t>(v.triangles.size()));
-  v.restVolume.push_back(0.0);
-  const double volume = volumeOf(v, v.restVolume.size() - 1, rest);
-  v.restVolume.back() = std::abs(volume);
-  if (volume < 0.0)
-    for (std::size_t t = first; t < v.triangles.size(); ++t) std::swap(v.triangles[t][1], v.triangles[t][2]);
-  if (v.restVolume.back() > kLeastShare * boxVolume(rest)) return;
-  v.triangles.resize(first);
-  v.firstTriangle.pop_back();
-  v.restVolume.pop_back();
-}
-
-/// The gradient of the volume, and a bound of the row sums of its second derivatives, at the points of
-/// component c; what others have left there is overwritten. The area vectors must be there.
-void gatherRows(VolumeArrays& v, std::size_t c, const Points& position) {
-  const auto triangles = [&](auto visit) {
-    for (std::size_t t = v.firstTriangle[c]; t < v.firstTriangle[c + 1]; ++t)
-      for (const std::uint32_t corner : v.triangles[t]) visit(t, corner);
-  };
-  triangles([&](std::size_t, std::uint32_t corner) {
-    v.gradient.col(corner).setZero();
-    v.rowSums[corner] = 0.0;
-  });
-  triangles([&](std::size_t t, std::uint32_t corner) {
-    v.gradient.col(corner) += Eigen::Map<const Eigen::Vector3d>(&v.area[3 * t]) / 6.0;
-    v.rowSums[corner] += longestEdge(v.triangles[t], position) / 3.0;
-  });
-}
-
-/// Of one component, see volumeFrequencyBoundSquared.
-double componentBound(VolumeArrays& v, std::size_t c, const PointState& state) {
-  const double volume = volumeOf(v, c, state.position);
-  const double push = kernel::pushOf(volume, v.restVolume[c], v.modulus, v.pressure);
-  gatherRows(v, c, state.position);
-  double along = 0.0, across = 0.0;
-  for (std::size_t t = v.firstTriangle[c]; t < v.firstTriangle[c + 1]; ++t) {
-    for (const std::uint32_t i : v.triangles[t]) {
-      const double w = state.inverseMass.col(i).maxCoeff();
-      along += w * v.gradient.col(i).squaredNorm();
-      across = std::max(across, w * v.rowSums[i]);
-      v.gradient.col(i).setZero();  // counted once
-    }
+  const double volume = volumeOf(v, v.restVolume.size(), rest);
+  if (std::abs(volume) <= kLeastShare * boxVolume(rest)) {
+    v.triangles.resize(first);
+    v.firstTriangle.pop_back();
+    return;
   }
-  return volumeStiffness(v, c, volume) / v.restVolume[c] * along + std::abs(push) * across;
+  for (std::size_t t = first; t < v.triangles.size(); ++t) {
+    if (volume < 0.0) std::swap(v.triangles[t][1], v.triangles[t][2]);
+    for (const std::uint32_t corner : v.triangles[t])
+      v.componentOf[corner] = static_cast<std::uint32_t>(v.restVolume.size());
+  }
+  v.restVolume.push_back(std::abs(volume));
+}
+
+/// Of the rest volume: a change that is far. The push then bends the energy about as much as the springs do.
+constexpr double kFar = 0.2;
+
+/// The square of the longest edge now, and of the longest when its ends have flown on for a tick.
+struct EdgeSquares {
+  double now = 0.0, later = 0.0;
+};
+
+EdgeSquares longestEdge(const Triangle& t, const PointState& state, double tick) {
+  EdgeSquares longest;
+  for (std::size_t k = 0; k < 3; ++k) {
+    const auto a = t[k], b = t[(k + 1) % 3];
+    const Eigen::Vector3d edge = state.position.col(b) - state.position.col(a);
+    const Eigen::Vector3d moved = edge + tick * (state.velocity.col(b) - state.velocity.col(a));
+    longest.now = std::max(longest.now, edge.squaredNorm());
+    longest.later = std::max({longest.later, longest.now, moved.squaredNorm()});
+  }
+  return longest;
+}
+
+/// Sums up the longest edges around each point into rowSums; returns the square of the largest growth of one.
+double sumEdges(VolumeArrays& v, std::size_t c, const PointState& state, double tick) {
+  double growth = 1.0;
+  for (std::size_t i = v.firstTriangle[c]; i < v.firstTriangle[c + 1]; ++i) {
+    const EdgeSquares edge = longestEdge(v.triangles[i], state, tick);
+    if (edge.now > 0.0) growth = std::max(growth, edge.later / edge.now);
+    for (const std::uint32_t corner : v.triangles[i]) v.rowSums[corner] += std::sqrt(edge.later) / 3.0;
+  }
+  return growth;
+}
+
+/// Of one component, see volumeFrequencyBoundSquared; after sumUp().
+double componentBound(VolumeArrays& v, std::size_t c, const PointState& state, double tick) {
+  const double* sums = &v.sums[4 * c];
+  const kernel::Push<double> now = kernel::pushOf(sums[0] / 6.0, v.restVolume[c], v.modulus, v.pressure);
+  const double growth = std::pow(sumEdges(v, c, state, tick), 1.5) - 1.0;
+  const double push = std::abs(now.push) + v.modulus * std::min(growth, -kernel::kLargestShrinking);
+  const double change = sums[0] / (6.0 * v.restVolume[c]) - 1.0;
+  v.restless = v.restless || std::abs(change) > kFar || growth > kFar;
+  double across = 0.0;
+  for (std::size_t i = v.firstTriangle[c]; i < v.firstTriangle[c + 1]; ++i)
+    for (const std::uint32_t corner : v.triangles[i])
+      across = std::max(across, state.inverseMass.col(corner).maxCoeff() * v.rowSums[corner]);
+  return now.stiffness * (sums[1] + sums[2] + sums[3]) / 36.0 + push * across;
 }
 
 }  // namespace
@@ -140,6 +163,7 @@ VolumeArrays makeVolumes(const SpringNetwork& network, const SoftBodySettings& s
   const Points rest = scaledRest(network, settings.scale);
   VolumeArrays v;
   v.firstTriangle = {0};
+  v.componentOf.assign(network.restPoints.size(), 0);
   const SurfaceComponents components = findComponents(network.restPoints.size(), network.surface);
   for (std::uint32_t c = 0; c < components.count; ++c) addComponent(v, network.surface, components, c, rest);
   double volume = 0.0;
@@ -150,28 +174,34 @@ VolumeArrays makeVolumes(const SpringNetwork& network, const SoftBodySettings& s
                   : networkModulus(network, settings.scale, stiffness, volume);
   v.pressure = settings.pressure;
   v.gradient.setZero(3, rest.cols());
+  v.sums.assign(4 * v.restVolume.size(), 0.0);
   v.rowSums.assign(network.restPoints.size(), 0.0);
   return v;
 }
 
 kernel::Volumes<double> kernelVolumes(VolumeArrays& v) {
   kernel::Volumes<double> k;
-  k.components = static_cast<kernel::Index>(v.restVolume.size());
   if (v.empty()) return k;
+  k.components = static_cast<kernel::Index>(v.restVolume.size());
+  k.points = static_cast<kernel::Index>(v.componentOf.size());
   k.firstTriangle = v.firstTriangle.data();
   k.corners = v.triangles.front().data();
+  k.componentOf = v.componentOf.data();
   k.restVolume = v.restVolume.data();
   k.modulus = &v.modulus;
   k.pressure = &v.pressure;
-  k.area = v.area.data();
+  k.gradient = v.gradient.data();
+  k.sums = v.sums.data();
+  k.timeStep = v.timeStep;
   return k;
 }
 
 void addVolumeForces(VolumeArrays& volumes, PointState& state) {
-  kernel::addVolumeForces(kernelVolumes(volumes), state.position.data(), state.force.data());
+  kernel::addVolumeForces(kernelVolumes(volumes), state.position.data(), state.inverseMass.data(),
+                          state.force.data());
 }
 
-double volumeEnergy(VolumeArrays& v, const Points& position) {
+double volumeEnergy(const VolumeArrays& v, const Points& position) {
   double energy = 0.0;
   for (std::size_t c = 0; c < v.restVolume.size(); ++c) {
     const double relative = volumeOf(v, c, position) / v.restVolume[c];
@@ -181,36 +211,42 @@ double volumeEnergy(VolumeArrays& v, const Points& position) {
   return energy;
 }
 
-double enclosedVolume(VolumeArrays& v, const Points& position) {
+double enclosedVolume(const VolumeArrays& v, const Points& position) {
   double sum = 0.0;
   for (std::size_t c = 0; c < v.restVolume.size(); ++c) sum += volumeOf(v, c, position);
   return sum;
 }
 
-double volumeStiffness(const VolumeArrays& v, std::size_t component, double volume) {
-  const double relative = volume / v.restVolume[component];
-  const bool limited =
-      relative - 1.0 > kernel::kLargestSwelling || relative - 1.0 < kernel::kLargestShrinking;
-  const double gas = relative > kernel::kLeastGasVolume ? v.pressure / (relative * relative) : 0.0;
-  return (limited ? 0.0 : v.modulus) + gas;
-}
-
-double volumeGradient(VolumeArrays& v, std::size_t component, const PointState& state, Points& gradient) {
-  const double volume = volumeOf(v, component, state.position);  // leaves the area vectors
-  gradient.setZero(3, state.position.cols());
-  for (std::size_t t = v.firstTriangle[component]; t < v.firstTriangle[component + 1]; ++t) {
-    const Eigen::Vector3d sixth = Eigen::Map<const Eigen::Vector3d>(&v.area[3 * t]) / 6.0;
-    for (const std::uint32_t corner : v.triangles[t])
-      if (!isHeld(state.inverseMass, corner)) gradient.col(corner) += sixth;
-  }
-  return volume;
-}
-
-double volumeFrequencyBoundSquared(VolumeArrays& v, const PointState& state) {
+double volumeFrequencyBoundSquared(VolumeArrays& v, const PointState& state, double tick) {
+  if (v.empty()) return 0.0;
+  kernel::sumUp(kernelVolumes(v), state.position.data(), state.inverseMass.data());
+  std::fill(v.rowSums.begin(), v.rowSums.end(), 0.0);
+  v.restless = false;
   double largest = 0.0;
   for (std::size_t c = 0; c < v.restVolume.size(); ++c)
-    largest = std::max(largest, componentBound(v, c, state));
+    largest = std::max(largest, componentBound(v, c, state, tick));
   return largest;
+}
+
+VolumeSlope volumeSlope(const VolumeArrays& v, std::size_t component, const PointState& state,
+                        Points& gradient) {
+  gradient.setZero(3, state.position.cols());
+  forEachTriangle(v, component, state.position,
+                  [&](const Triangle& t, const Eigen::Vector3d& b, const Eigen::Vector3d& c) {
+                    for (const std::uint32_t corner : t)
+                      if (!isHeld(state.inverseMass, corner)) gradient.col(corner) += b.cross(c) / 6.0;
+                  });
+  const double volume = volumeOf(v, component, state.position), rest = v.restVolume[component];
+  const double change = (volume - rest) / rest;
+  const bool limited = change > kernel::kLargestSwelling || change < kernel::kLargestShrinking;
+  const double gas = volume > kernel::kLeastGasVolume * rest ? v.pressure * rest / (volume * volume) : 0.0;
+  return {volume, (limited ? 0.0 : v.modulus / rest) + gas};
+}
+
+bool isFarFromRest(const VolumeArrays& v, const Points& position) {
+  for (std::size_t c = 0; c < v.restVolume.size(); ++c)
+    if (std::abs(volumeOf(v, c, position) / v.restVolume[c] - 1.0) > kFar) return true;
+  return false;
 }
 
 }  // namespace limber

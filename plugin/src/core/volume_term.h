@@ -17,12 +17,16 @@ namespace limber {
 struct VolumeArrays {
   std::vector<Triangle> triangles;           ///< of all components, one component after the other
   std::vector<std::uint32_t> firstTriangle;  ///< #components + 1
+  std::vector<std::uint32_t> componentOf;    ///< #points; 0 for points of none
   std::vector<double> restVolume;            ///< #components, m^3, above 0
   double modulus = 0.0;                      ///< Pa, K
   double pressure = 0.0;                     ///< Pa above the outside at rest; P V0 / V at volume V
-  std::vector<double> area;                  ///< 3 x #triangles, scratch
-  Points gradient;                           ///< 3 x #points, scratch
-  std::vector<double> rowSums;               ///< #points, scratch
+  double timeStep = 0.0;                     ///< s, of Verlet's substep; 0: of an implicit stepper
+
+  bool restless = false;        ///< in this tick some volume is, or may come, far from that at rest
+  Points gradient;              ///< 3 x #points, scratch
+  std::vector<double> sums;     ///< 4 x #components, scratch
+  std::vector<double> rowSums;  ///< #points, scratch
 
   bool empty() const { return restVolume.empty(); }
 };
@@ -45,25 +49,31 @@ kernel::Volumes<double> kernelVolumes(VolumeArrays& volumes);
 void addVolumeForces(VolumeArrays& volumes, PointState& state);
 
 /// J.
-double volumeEnergy(VolumeArrays& volumes, const Points& position);
+double volumeEnergy(const VolumeArrays& volumes, const Points& position);
 
 /// m^3, signed, of all components together.
-double enclosedVolume(VolumeArrays& volumes, const Points& position);
+double enclosedVolume(const VolumeArrays& volumes, const Points& position);
 
-/// rad^2/s^2 that the volume term can add to the square of a body's fastest oscillation, at these positions.
+/// rad^2/s^2 that the volume term can add to the square of a body's fastest oscillation in the coming tick.
 ///
 /// The Hessian of its energy is  K/V0 g g^T - push H,  g the gradient of the volume and H its second
 /// derivatives. The first has one eigenvalue,  K/V0 sum w |g|^2  (with the masses); the second's are at most
 /// the largest row sum of block norms: triangles that meet at an edge have a block of a sixth of the distance
-/// of their third corners, so a triangle gives each corner at most a third of its longest edge.
-double volumeFrequencyBoundSquared(VolumeArrays& volumes, const PointState& state);
+/// of their third corners, so a triangle gives each corner at most a third of its longest edge. Edges are as
+/// long as their ends make them that fly on as they do, and the push is as large as a body becomes that grows
+/// by as much.
+/// Sets volumes.restless.
+double volumeFrequencyBoundSquared(VolumeArrays& volumes, const PointState& state, double tick);
 
-/// The volume of a component (m^3) and its gradient (3 x #points, m^2), 0 for held points and for those of
-/// others.
-double volumeGradient(VolumeArrays& volumes, std::size_t component, const PointState& state,
-                      Points& gradient);
+/// Of a component: its volume, the gradient of that (3 x #points, m^2, 0 for held points and those of
+/// others), and how fast its push falls with the volume (Pa/m^3), 0 where that has reached its limit.
+struct VolumeSlope {
+  double volume, stiffness;
+};
+VolumeSlope volumeSlope(const VolumeArrays& volumes, std::size_t component, const PointState& state,
+                        Points& gradient);
 
-/// Pa: how fast the push of component c falls with the relative change of its volume, at the volume given.
-double volumeStiffness(const VolumeArrays& volumes, std::size_t component, double volume);
+/// Whether some component is so far from its rest volume that the curvature of its volume matters.
+bool isFarFromRest(const VolumeArrays& volumes, const Points& position);
 
 }  // namespace limber

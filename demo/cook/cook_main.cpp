@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: Zlib
+#include "cook/cook_options.h"
+#include "cook/run_cook.h"
+
+#include <cstdio>
+#include <exception>
+#include <variant>
+
+int main(int argc, char** argv) {
+  using namespace limber::demo;
+  try {
+    const ParsedCookOptions parsed = parseCookOptions(argc, argv);
+    if (const ExitCode* over = std::get_if<ExitCode>(&parsed)) return *over;
+    return runCook(std::get<CookOptions>(parsed));
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "limber-cook: %s\n", error.what());
+    return kFailure;
+  }
+}

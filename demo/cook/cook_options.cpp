@@ -1,0 +1,175 @@
+// SPDX-License-Identifier: Zlib
+#include "cook/cook_options.h"
+
+#include "cook/cook_names.h"
+#include "number_checks.h"
+#include "scenes/read_network.h"
+
+#include <CLI/CLI.hpp>
+
+#include <cstdio>
+
+namespace limber::demo {
+namespace {
+
+constexpr double kMostPoints = 1e6;
+
+/// What CLI11 fills in; some of it only makes sense together.
+struct CommandLine {
+  CookOptions options;
+  std::string report;
+  std::string braces = "pipeline";
+  std::string masses = "equal";
+  std::string skin = "dense";
+  std::string size = "960x720";
+  SkinSettings skinSettings;
+};
+
+CLI::Validator limberFile() {
+  const auto check = [](std::string& text) {
+    return scenes::isLimberFile(text) ? std::string() : text + " does not end in .limber";
+  };
+  return CLI::Validator(check, "BODY.limber");
+}
+
+void addFiles(CLI::App& app, CommandLine& line) {
+  CookOptions& o = line.options;
+  app.add_option("MESH", o.meshFile, "any format assimp reads");
+  app.add_option("-o,--out", o.bodyFile, "the body to write")->check(limberFile());
+  app.add_option("--report", line.report, "cook nothing, analyse this body anew")->check(limberFile());
+  app.add_option("--json", o.jsonFile, "write the report to this file");
+  app.add_option("--picture", o.pictureFile,
+                 "draw the network, springs coloured by kind, into this PNG file");
+  app.add_option("--size", line.size, "of the picture, WIDTHxHEIGHT (default 960x720)")->check(pictureSize());
+  app.add_flag("--quiet", o.quiet, "print errors only");
+}
+
+void addBraces(CLI::App& app, CommandLine& line) {
+  NetworkSettings& n = line.options.network;
+  app.add_option("--braces", line.braces, "none, equal-length, two-ring or pipeline (default)")
+      ->check(CLI::IsMember(namesOf(kBraceRules)));
+  app.add_option("--brace-weight", n.braceWeight,
+                 "stiffness of a brace, times a spring's (default 0.3 with pipeline, else 1)")
+      ->check(number(1e-6, 1e6));
+  app.add_option("--most-braces", n.mostBraces, "per point at most, pipeline only (default 1.5)")
+      ->check(number(1e-3, 1e3));
+  app.add_option("--seconds", n.mostSeconds,
+                 "pipeline adds no more braces after these; the body then depends on the machine's speed "
+                 "(default: no limit)")
+      ->check(number(1e-3, 1e6));
+  app.add_option("--masses", line.masses, "shared out equal (default), by area, or by the solid's moments")
+      ->check(CLI::IsMember(namesOf(kMassRules)));
+  app.add_option("--weld", n.weldTolerance, "m: vertices nearer than this are one point (default 0)")
+      ->check(number(0.0, 1e6));
+}
+
+void addDetail(CLI::App& app, CommandLine& line) {
+  CookOptions& o = line.options;
+  app.add_option("--points", o.points,
+                 "about as many point masses: the mesh is simplified, and drawn in full as a skin on them "
+                 "(default: all of the mesh; 300 with --material)")
+      ->check(wholeNumber(8, kMostPoints));
+  app.add_option("--skin", line.skin, "dense (default), sparse or barycentric (default with --material)")
+      ->check(CLI::IsMember(namesOf(kSkinKinds)));
+  app.add_option("--neighbours", line.skinSettings.neighbours,
+                 "points that a vertex rides on at most, with --skin sparse (default 32)")
+      ->check(wholeNumber(4, 1000));
+  app.add_flag("--material", o.material, "fill the body with tetrahedra, for materials by Young's modulus");
+  app.add_option("--spacing", o.materialMesh.spacing, "m: of the tetrahedra, instead of --points")
+      ->check(number(1e-6, 1e6));
+}
+
+void addAnalysis(CLI::App& app, CommandLine& line) {
+  AnalysisSettings& a = line.options.analysis;
+  app.add_option("--runs", a.runs, "large deformations of each kind that the report tries (default 20)")
+      ->check(wholeNumber(0, 100000));
+  app.add_option("--seed", a.seed, "of all deformations (default 1)")->check(wholeNumber(0, 1e15));
+  app.add_option("--mass", a.totalMass, "kg, for the report (default 1)")->check(number(1e-6, 1e6));
+  app.add_option("--stiffness", a.stiffness, "N/m of each spring, for the report (default 1000)")
+      ->check(number(1e-6, 1e12));
+}
+
+bool given(const CLI::App& app, const char* option) { return app.count(option) > 0; }
+
+/// The first of the options that is given, or an empty string.
+std::string firstGiven(const CLI::App& app, std::initializer_list<const char*> options) {
+  for (const char* option : options)
+    if (given(app, option)) return option;
+  return {};
+}
+
+/// Why files that are each fine do not go together, or an empty string.
+std::string fileConflict(const CLI::App& app) {
+  if (given(app, "--report")) {
+    const std::string other = firstGiven(
+        app, {"MESH", "--out", "--braces", "--brace-weight", "--most-braces", "--seconds", "--masses",
+              "--weld", "--points", "--skin", "--neighbours", "--material", "--spacing"});
+    return other.empty() ? other : other + " has no meaning with --report: nothing is cooked";
+  }
+  if (!given(app, "MESH")) return "a MESH to cook is missing, or --report BODY.limber";
+  return given(app, "--out") ? std::string() : "-o BODY.limber is missing";
+}
+
+/// Why other options do not go together, or an empty string.
+std::string conflict(const CLI::App& app, const CommandLine& line) {
+  if (line.options.material) {
+    const std::string other =
+        firstGiven(app, {"--braces", "--brace-weight", "--most-braces", "--seconds", "--masses"});
+    if (!other.empty()) return other + " has no meaning with --material";
+    if (given(app, "--spacing") && given(app, "--points")) return "--spacing and --points say the same";
+  } else {
+    if (given(app, "--spacing")) return "--spacing needs --material";
+    if (given(app, "--skin") && !given(app, "--points")) return "--skin needs --points";
+  }
+  if (line.braces != "pipeline") {
+    const std::string other = firstGiven(app, {"--most-braces", "--seconds"});
+    if (!other.empty()) return other + " has no meaning with --braces " + line.braces;
+  }
+  if (given(app, "--neighbours") && line.skin != "sparse") return "--neighbours needs --skin sparse";
+  if (given(app, "--size") && !given(app, "--picture")) return "--size needs --picture";
+  return {};
+}
+
+/// Fills in what follows from other options.
+void complete(const CLI::App& app, CommandLine& line) {
+  CookOptions& o = line.options;
+  if (given(app, "--report")) o.bodyFile = line.report;
+  o.network.braces = valueOf(kBraceRules, line.braces);
+  o.network.masses = valueOf(kMassRules, line.masses);
+  o.network.seed = o.analysis.seed;
+  if (given(app, "--skin")) {
+    o.skin = line.skinSettings;
+    o.skin->kind = valueOf(kSkinKinds, line.skin);
+    o.skin->weldTolerance = o.network.weldTolerance;
+  }
+  if (o.points > 0) o.materialMesh.points = o.points;
+  parseSize(line.size, o.width, o.height);
+}
+
+}  // namespace
+
+ParsedCookOptions parseCookOptions(int argc, char** argv) {
+  CLI::App app("Makes a soft body that keeps its shape of any mesh, and says how well it does.",
+               "limber-cook");
+  app.footer("Exit codes: 0 fine, 1 something failed, 2 wrong command line.");
+  CommandLine line;
+  addFiles(app, line);
+  addBraces(app, line);
+  addDetail(app, line);
+  addAnalysis(app, line);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? kSuccess : kUsage;
+  }
+  std::string reason = fileConflict(app);
+  if (reason.empty()) reason = conflict(app, line);
+  if (!reason.empty()) {
+    std::fprintf(stderr, "%s\nRun with --help for more information.\n", reason.c_str());
+    return kUsage;
+  }
+  complete(app, line);
+  return line.options;
+}
+
+}  // namespace limber::demo

@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: Zlib
+#pragma once
+
+#include "demo_options.h"
+
+#include <limber/material_network.h>
+#include <limber/network_analysis.h>
+#include <limber/network_builder.h>
+#include <limber/skin.h>
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <variant>
+
+namespace limber::demo {
+
+/// What to cook, and what to say about it.
+struct CookOptions {
+  std::string meshFile;  ///< empty: `bodyFile` is there already and only analysed
+  std::string bodyFile;
+  bool material = false;  ///< tetrahedra instead of braces
+  NetworkSettings network;
+  MaterialMesh materialMesh;
+  std::uint32_t points = 0;          ///< about as many point masses; 0: those of the mesh
+  std::optional<SkinSettings> skin;  ///< asked for, or empty
+  AnalysisSettings analysis;
+  std::string jsonFile;     ///< empty: none
+  std::string pictureFile;  ///< empty: none
+  int width = 960;
+  int height = 720;
+  bool quiet = false;
+};
+
+/// Options, or the exit code of a run that is already over (--help or an error, which has been printed).
+using ParsedCookOptions = std::variant<CookOptions, ExitCode>;
+ParsedCookOptions parseCookOptions(int argc, char** argv);
+
+}  // namespace limber::demo

@@ -1,0 +1,134 @@
+// SPDX-License-Identifier: Zlib
+#include "cook/mass_shares.h"
+
+#include "cook/moment_match.h"
+#include "cook/triangle_geometry.h"
+#include "core/mesh_edges.h"
+
+#include <Eigen/Geometry>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+
+namespace limber {
+namespace {
+
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+
+/// The least share that Moments gives, of the mean: the lightest point limits the time step.
+constexpr double kLeastShare = 0.2;
+/// The most that it gives to a point of the surface, lest a few carry the body. Points inside get what it
+/// takes.
+constexpr double kMostShare = 10.0;
+
+/// Mass 1, centre, and second moments about it.
+struct Moments {
+  Vector3d centre = Vector3d::Zero();
+  Matrix3d second = Matrix3d::Zero();
+};
+
+Matrix3d inertia(const Matrix3d& second) { return second.trace() * Matrix3d::Identity() - second; }
+
+/// Of the tetrahedra from `origin` to each triangle. One with corners v_i has the second moments
+/// V/20 (sum v_i v_i^T + (sum v_i) (sum v_i)^T).
+Moments solidMoments(const std::vector<Vector3d>& points, const std::vector<Triangle>& surface,
+                     const Vector3d& origin, double& volume) {
+  Vector3d first = Vector3d::Zero();
+  Matrix3d second = Matrix3d::Zero();
+  volume = 0.0;
+  for (const Triangle& t : surface) {
+    const Vector3d a = points[t[0]] - origin, b = points[t[1]] - origin, c = points[t[2]] - origin;
+    const double part = a.dot(b.cross(c)) / 6.0;
+    const Vector3d sum = a + b + c;
+    volume += part;
+    first += part / 4.0 * sum;
+    second +=
+        part / 20.0 * (a * a.transpose() + b * b.transpose() + c * c.transpose() + sum * sum.transpose());
+  }
+  const Vector3d centre = first / volume;
+  return {origin + centre, second / volume - centre * centre.transpose()};
+}
+
+Moments pointMoments(const std::vector<Vector3d>& points, const std::vector<double>& shares) {
+  Moments m;
+  for (std::size_t i = 0; i < points.size(); ++i) m.centre += shares[i] * points[i];
+  for (std::size_t i = 0; i < points.size(); ++i)
+    m.second += shares[i] * (points[i] - m.centre) * (points[i] - m.centre).transpose();
+  return m;
+}
+
+Vector3d middle(const std::vector<Vector3d>& points) {
+  const Vector3d sum = std::accumulate(points.begin(), points.end(), Vector3d(Vector3d::Zero()));
+  return sum / static_cast<double>(points.size());
+}
+
+std::vector<double> areaShares(const std::vector<Vector3d>& points, const std::vector<Triangle>& surface) {
+  std::vector<double> shares(points.size(), 0.0);
+  for (const Triangle& t : surface) {
+    const double area = (points[t[1]] - points[t[0]]).cross(points[t[2]] - points[t[0]]).norm() / 2.0;
+    for (const std::uint32_t corner : t) shares[corner] += area / 3.0;
+  }
+  const double sum = std::accumulate(shares.begin(), shares.end(), 0.0);
+  const auto used = std::count_if(shares.begin(), shares.end(), [](double share) { return share > 0.0; });
+  if (used == 0) return std::vector<double>(points.size(), 1.0 / static_cast<double>(points.size()));
+  const double mean = sum / static_cast<double>(used);
+  for (double& share : shares) share = share > 0.0 ? share : mean;
+  const double total = std::accumulate(shares.begin(), shares.end(), 0.0);
+  for (double& share : shares) share /= total;
+  return shares;
+}
+
+/// In coordinates about the solid's centre in units of its radius of gyration, where all moments are of the
+/// order of 1: mass, first and second moments of a point of mass 1.
+MomentVector momentsOf(const Vector3d& p) {
+  MomentVector m;
+  m << 1.0, p.x(), p.y(), p.z(), p.x() * p.x(), p.y() * p.y(), p.z() * p.z(), p.y() * p.z(), p.z() * p.x(),
+      p.x() * p.y();
+  return m;
+}
+
+std::vector<double> momentShares(const std::vector<Vector3d>& points, const std::vector<Triangle>& surface,
+                                 const Moments& solid, const std::vector<double>& wanted) {
+  const double unit = std::sqrt(solid.second.trace());
+  const Matrix3d s = solid.second / (unit * unit);
+  MomentVector target;
+  target << 1.0, 0.0, 0.0, 0.0, s(0, 0), s(1, 1), s(2, 2), s(1, 2), s(2, 0), s(0, 1);
+  std::vector<MomentVector> rows;
+  rows.reserve(points.size());
+  for (const Vector3d& p : points) rows.push_back(momentsOf((p - solid.centre) / unit));
+  const double mean = 1.0 / static_cast<double>(points.size());
+  std::vector<double> most(points.size(), 1.0);
+  for (const Triangle& t : surface) {
+    for (const std::uint32_t corner : t) most[corner] = std::min(1.0, kMostShare * mean);
+  }
+  return matchMoments(rows, target, wanted, kLeastShare * mean, most);
+}
+
+}  // namespace
+
+MassShares shareMass(MassRule rule, const std::vector<Vector3d>& points,
+                     const std::vector<Triangle>& surface) {
+  MassShares result;
+  if (rule == MassRule::Equal) {
+    result.shares.assign(points.size(), 1.0 / static_cast<double>(points.size()));
+  } else {
+    result.shares = areaShares(points, surface);
+  }
+  result.centreError = result.inertiaError = std::numeric_limits<double>::quiet_NaN();
+  const EdgeDefects defects = findEdgeDefects(surface);
+  if (surface.empty() || defects.open + defects.nonManifold + defects.inconsistent > 0) return result;
+  double volume = 0.0;
+  const Moments solid = solidMoments(points, surface, middle(points), volume);
+  if (!(std::abs(volume) > 0.0) || !(solid.second.trace() > 0.0)) return result;
+
+  if (rule == MassRule::Moments) result.shares = momentShares(points, surface, solid, result.shares);
+  const Moments got = pointMoments(points, result.shares);
+  result.centreError = (got.centre - solid.centre).norm() / extent(points);
+  result.inertiaError = (inertia(got.second) - inertia(solid.second)).norm() / inertia(solid.second).norm();
+  return result;
+}
+
+}  // namespace limber

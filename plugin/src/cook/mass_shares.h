@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: Zlib
+#pragma once
+
+#include <limber/network_builder.h>
+
+#include <Eigen/Core>
+
+#include <vector>
+
+namespace limber {
+
+/// Each point's share of the mass of a body, and how well they stand for the solid.
+struct MassShares {
+  std::vector<double> shares;  ///< #points, above 0, sum 1
+
+  // Against the uniform solid inside the surface; NaN if the surface is not closed.
+  double centreError = 0.0;   ///< distance of the centres of mass over the size of the body
+  double inertiaError = 0.0;  ///< Frobenius norm of the inertia tensors' difference over the solid's
+};
+
+/// Shares by `rule`. Moments takes the shares nearest to Area's, of at least a fifth of the mean share, and
+/// at most ten for points of the surface, that have the centre and inertia of the solid, or, where there are
+/// none, those whose inertia errs least: masses that lie on a round surface alone have more inertia than the
+/// solid however they are shared; it takes points inside to match it. Points of no triangle count as mean
+/// ones for Area and Moments. A surface that is not closed has Area's shares for Moments.
+MassShares shareMass(MassRule rule, const std::vector<Eigen::Vector3d>& points,
+                     const std::vector<Triangle>& surface);
+
+}  // namespace limber

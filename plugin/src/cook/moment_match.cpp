@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: Zlib
+#include "cook/moment_match.h"
+
+#include <Eigen/Cholesky>
+
+#include <algorithm>
+#include <numeric>
+
+// The quadratic programme
+//     min  1/2 sum (x_i - w_i)^2 / w_i   with  sum x_i A_i = t,  l <= x_i <= m_i
+// has the solution  x_i = clamp(w_i (1 + A_i . y), l, m_i)  for the multipliers y that minimise the convex,
+// piecewise quadratic dual
+//     sum g_i(A_i . y) - t . y,   g_i'(s) = clamp(w_i (1 + s), l, m_i),
+// whatever the number of points in ten unknowns. It is minimised by the proximal point method (R.
+// Rockafellar, "Augmented Lagrangians and applications of the proximal point algorithm", 1976): each round
+// adds 1/2 sum r (y - y_before)^2 and takes Newton steps. Where no x has the moments t, the multipliers grow
+// without end while x tends to the least misfit, each moment's square weighted by 1 / r.
+namespace limber {
+namespace {
+
+using Hessian = Eigen::Matrix<double, 10, 10>;
+
+constexpr int kMostRounds = 100;
+constexpr int kMostNewtonSteps = 50;
+constexpr double kExact = 1e-10;
+
+struct Programme {
+  const std::vector<MomentVector>& rows;
+  const MomentVector& target;
+  const std::vector<double>& wanted;
+  double least;
+  const std::vector<double>& most;
+  MomentVector regularisation;
+};
+
+/// A_i . y, no lower or higher than where the share reaches its bounds.
+double freePart(const Programme& p, std::size_t i, double s) {
+  return std::clamp(s, p.least / p.wanted[i] - 1.0, p.most[i] / p.wanted[i] - 1.0);
+}
+
+double share(const Programme& p, std::size_t i, const MomentVector& y) {
+  return p.wanted[i] * (1.0 + freePart(p, i, p.rows[i].dot(y)));
+}
+
+double dual(const Programme& p, const MomentVector& y, const MomentVector& before) {
+  double sum = -p.target.dot(y) + 0.5 * (y - before).cwiseAbs2().dot(p.regularisation);
+  for (std::size_t i = 0; i < p.rows.size(); ++i) {
+    const double s = p.rows[i].dot(y), free = freePart(p, i, s), w = p.wanted[i];
+    sum += w * free + 0.5 * w * free * free + w * (1.0 + free) * (s - free);
+  }
+  return sum;
+}
+
+MomentVector misfit(const Programme& p, const MomentVector& y) {
+  MomentVector sum = -p.target;
+  for (std::size_t i = 0; i < p.rows.size(); ++i) sum += share(p, i, y) * p.rows[i];
+  return sum;
+}
+
+Hessian hessian(const Programme& p, const MomentVector& y) {
+  Hessian h = p.regularisation.asDiagonal();
+  for (std::size_t i = 0; i < p.rows.size(); ++i) {
+    const double s = p.rows[i].dot(y);
+    if (freePart(p, i, s) == s) h += p.wanted[i] * p.rows[i] * p.rows[i].transpose();
+  }
+  return h;
+}
+
+/// One round of the proximal point method, with Newton steps halved until the dual falls.
+MomentVector proximalStep(const Programme& p, const MomentVector& before) {
+  MomentVector y = before;
+  for (int i = 0; i < kMostNewtonSteps; ++i) {
+    const MomentVector gradient = misfit(p, y) + p.regularisation.cwiseProduct(y - before);
+    if (gradient.cwiseAbs().maxCoeff() < 0.01 * kExact) break;
+    const MomentVector step = -hessian(p, y).ldlt().solve(gradient);
+    const double slope = gradient.dot(step), now = dual(p, y, before);
+    double length = 1.0;
+    while (length > 1e-6 && dual(p, y + length * step, before) > now + 1e-4 * length * slope) length /= 2.0;
+    y += length * step;
+  }
+  return y;
+}
+
+}  // namespace
+
+std::vector<double> matchMoments(const std::vector<MomentVector>& momentsOfPoint, const MomentVector& target,
+                                 const std::vector<double>& wanted, double least,
+                                 const std::vector<double>& most) {
+  Programme p{momentsOfPoint, target, wanted, least, most, MomentVector::Constant(1e-4)};
+  p.regularisation.head<4>().setConstant(1e-8);
+  MomentVector y = MomentVector::Zero(), error = misfit(p, y);
+  for (int round = 0; round < kMostRounds && error.cwiseAbs().maxCoeff() > kExact; ++round) {
+    y = proximalStep(p, y);
+    error = misfit(p, y);
+  }
+  std::vector<double> shares(momentsOfPoint.size());
+  for (std::size_t i = 0; i < shares.size(); ++i) shares[i] = share(p, i, y);
+  const double sum = std::accumulate(shares.begin(), shares.end(), 0.0);
+  for (double& s : shares) s /= sum;
+  return shares;
+}
+
+}  // namespace limber

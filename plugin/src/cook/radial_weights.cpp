@@ -1,0 +1,224 @@
+// SPDX-License-Identifier: Zlib
+#include "cook/skin_weights.h"
+
+#include <Eigen/Dense>
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+// Interpolating f at points x_i by  s(x) = sum l_i |x - x_i|^3 + c + a . x  with  sum l_i = 0, sum l_i x_i =
+// 0 (J. Duchon, 1977) is linear in the values f_i: with the symmetric matrix M of these conditions,
+//     s(x) = b(x)^T M^-1 (f, 0),   b(x) = (|x - x_1|^3, ..., |x - x_n|^3, 1, x),
+// so that the weights of a place are the first n entries of M^-1 b(x).
+//
+// The same is the best prediction of a random field whose differences have variances that grow as |r|^3
+// (kriging: G. Matheron, "The intrinsic random functions and their applications", 1973). There a point can be
+// a measurement with an error of variance v_i: M gets v_i on its diagonal. So points across a gap in the body
+// fade out, without a jump, and the affine motions stay exact. M differs from place to place then; with
+// V the diagonal matrix of the v_i > 0 of a place, R the matrix that picks their rows, and w = M^-1 b
+// (Woodbury),
+//     (M + R^T V R)^-1 b = w - M^-1 R^T V^1/2 (1 + V^1/2 R M^-1 R^T V^1/2)^-1 V^1/2 R w.
+namespace limber {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::RowVector3d;
+using Eigen::Vector3d;
+using Eigen::VectorXd;
+
+/// Places that are solved for together: enough for the matrix kernels, little memory.
+constexpr Index kBatch = 256;
+/// Points span space if their spread along the least direction is this part of the largest one's.
+constexpr double kLeastSpread = 1e-4;
+/// The same for the neighbours of a place, which are to make good weights.
+constexpr double kLeastLocalSpread = 0.1;
+
+MatrixXd asRows(const std::vector<Vector3d>& positions) {
+  MatrixXd rows(static_cast<Index>(positions.size()), 3);
+  for (Index i = 0; i < rows.rows(); ++i) rows.row(i) = positions[static_cast<std::size_t>(i)];
+  return rows;
+}
+
+/// About the middle of the points, in units of the farthest one's distance from it: the system's entries are
+/// of the order of 1, and nothing cancels far from the origin.
+struct Frame {
+  RowVector3d origin;
+  double unit;
+
+  MatrixXd of(const MatrixXd& rows) const { return (rows.rowwise() - origin) / unit; }
+};
+
+Frame frameOf(const MatrixXd& points) {
+  const RowVector3d middle = points.colwise().mean();
+  return {middle, (points.rowwise() - middle).rowwise().norm().maxCoeff()};
+}
+
+MatrixXd chosenRows(const MatrixXd& rows, const std::vector<Index>& chosen) {
+  MatrixXd result(static_cast<Index>(chosen.size()), rows.cols());
+  for (std::size_t i = 0; i < chosen.size(); ++i) result.row(static_cast<Index>(i)) = rows.row(chosen[i]);
+  return result;
+}
+
+double cube(double r) { return r * r * r; }
+
+/// |x - x_i|^3 of all points for one place.
+VectorXd kernel(const MatrixXd& points, const RowVector3d& place) {
+  return (points.rowwise() - place).rowwise().norm().unaryExpr(&cube);
+}
+
+MatrixXd affinePart(const MatrixXd& rows) {
+  MatrixXd part(rows.rows(), 4);
+  part.col(0).setOnes();
+  part.rightCols<3>() = rows;
+  return part;
+}
+
+MatrixXd interpolationMatrix(const MatrixXd& points) {
+  const Index n = points.rows();
+  MatrixXd m = MatrixXd::Zero(n + 4, n + 4);
+  for (Index i = 0; i < n; ++i) m.col(i).head(n) = kernel(points, points.row(i));
+  m.topRightCorner(n, 4) = affinePart(points);
+  m.bottomLeftCorner(4, n) = affinePart(points).transpose();
+  return m;
+}
+
+MatrixXd rightSides(const MatrixXd& points, const MatrixXd& places) {
+  MatrixXd sides(points.rows() + 4, places.rows());
+  for (Index i = 0; i < places.rows(); ++i) sides.col(i).head(points.rows()) = kernel(points, places.row(i));
+  sides.bottomRows<4>() = affinePart(places).transpose();
+  return sides;
+}
+
+/// The least change of the weights (columns) that makes  P^T w = (1, x)  hold, which rounding has loosened.
+void makeAffineExact(const MatrixXd& points, const MatrixXd& places, MatrixXd& weights) {
+  const MatrixXd p = affinePart(points);
+  const MatrixXd misfit = p.transpose() * weights - affinePart(places).transpose();
+  weights -= p * (p.transpose() * p).ldlt().solve(misfit);
+}
+
+/// See above; `solution` is the whole of M^-1 b for one place, `inverse` M^-1, `unit` the variances' unit.
+void fadeOut(const MatrixXd& inverse, const SparseRows& variances, Index place, double unit,
+             VectorXd& solution) {
+  std::vector<Index> faded;
+  std::vector<double> deviation;
+  for (SparseRows::InnerIterator v(variances, place); v; ++v) {
+    faded.push_back(v.col());
+    deviation.push_back(std::sqrt(v.value() / unit));
+  }
+  if (faded.empty()) return;
+  const auto count = static_cast<Index>(faded.size());
+  const Eigen::Map<const VectorXd> d(deviation.data(), count);
+  const MatrixXd columns = chosenRows(inverse, faded).transpose() * d.asDiagonal();  // M^-1 is symmetric
+  const MatrixXd system = MatrixXd::Identity(count, count) + d.asDiagonal() * chosenRows(columns, faded);
+  const VectorXd right = d.cwiseProduct(VectorXd(chosenRows(solution, faded)));
+  solution -= columns * system.partialPivLu().solve(right);
+}
+
+struct Spread {
+  RowVector3d middle;
+  Vector3d weakest;       ///< direction, unit vector
+  double least, largest;  ///< standard deviations
+};
+
+Spread spreadOf(const MatrixXd& rows) {
+  const RowVector3d middle = rows.colwise().mean();
+  const MatrixXd about = rows.rowwise() - middle;
+  const Eigen::Matrix3d covariance = about.transpose() * about / static_cast<double>(rows.rows());
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(covariance);
+  const Vector3d deviations = solver.eigenvalues().cwiseMax(0.0).cwiseSqrt();
+  return {middle, solver.eigenvectors().col(0), deviations[0], deviations[2]};
+}
+
+/// The nearest point that is off the plane through the middle across the weakest direction by the
+/// neighbours' largest deviation, or else the one farthest off.
+Index nearestOffPlane(const MatrixXd& points, const VectorXd& distance, const Spread& spread) {
+  const VectorXd height = ((points.rowwise() - spread.middle) * spread.weakest).cwiseAbs();
+  Index best = 0;
+  height.maxCoeff(&best);
+  for (Index i = 0; i < points.rows(); ++i) {
+    if (height[i] >= spread.largest && (height[best] < spread.largest || distance[i] < distance[best]))
+      best = i;
+  }
+  return best;
+}
+
+/// The nearest points, the last up to three exchanged where they do not span space well. Ascending.
+std::vector<Index> neighboursOf(const MatrixXd& points, const RowVector3d& place, const VectorXd& variances,
+                                Index count) {
+  const VectorXd distance = kernel(points, place) + variances;
+  std::vector<Index> chosen(static_cast<std::size_t>(points.rows()));
+  std::iota(chosen.begin(), chosen.end(), Index(0));
+  const auto end = chosen.begin() + std::min(count, points.rows());
+  std::partial_sort(chosen.begin(), end, chosen.end(), [&](Index i, Index j) {
+    return distance[i] != distance[j] ? distance[i] < distance[j] : i < j;
+  });
+  chosen.erase(end, chosen.end());
+  for (std::size_t last = chosen.size(); last-- > 1 && chosen.size() - last <= 3;) {
+    const Spread spread = spreadOf(chosenRows(points, chosen));
+    if (spread.least >= kLeastLocalSpread * spread.largest) break;
+    const Index other = nearestOffPlane(points, distance, spread);
+    if (std::find(chosen.begin(), chosen.end(), other) == chosen.end()) chosen[last] = other;
+  }
+  std::sort(chosen.begin(), chosen.end());
+  return chosen;
+}
+
+}  // namespace
+
+bool spansSpace(const std::vector<Vector3d>& points) {
+  if (points.size() < 4) return false;
+  const Spread spread = spreadOf(asRows(points));
+  return spread.least > kLeastSpread * spread.largest;
+}
+
+SkinWeights denseWeights(const SkinProblem& problem) {
+  const Frame frame = frameOf(asRows(problem.points));
+  const MatrixXd points = frame.of(asRows(problem.points)), places = frame.of(asRows(problem.places));
+  const Index n = points.rows();
+  const MatrixXd inverse = interpolationMatrix(points).partialPivLu().inverse();
+  SkinWeights result;
+  result.weights.reserve(problem.points.size() * problem.places.size());
+  result.points.reserve(problem.points.size() * problem.places.size());
+  for (Index first = 0; first < places.rows(); first += kBatch) {
+    const MatrixXd batch = places.middleRows(first, std::min(kBatch, places.rows() - first));
+    MatrixXd solutions = inverse * rightSides(points, batch);
+    for (Index i = 0; i < batch.rows(); ++i) {
+      VectorXd solution = solutions.col(i);
+      fadeOut(inverse, problem.variances, first + i, cube(frame.unit), solution);
+      solutions.col(i) = solution;
+    }
+    MatrixXd weights = solutions.topRows(n);
+    makeAffineExact(points, batch, weights);
+    result.weights.insert(result.weights.end(), weights.data(), weights.data() + weights.size());
+  }
+  for (std::size_t i = 0; i < problem.places.size(); ++i) {
+    for (Index point = 0; point < n; ++point) result.points.push_back(static_cast<std::uint32_t>(point));
+    result.firstWeight.push_back(static_cast<std::uint32_t>(result.points.size()));
+  }
+  return result;
+}
+
+SkinWeights sparseWeights(const SkinProblem& problem, std::uint32_t neighbours) {
+  const MatrixXd points = asRows(problem.points), places = asRows(problem.places);
+  SkinWeights result;
+  for (Index i = 0; i < places.rows(); ++i) {
+    const VectorXd variances = problem.variances.row(i).transpose();
+    const std::vector<Index> chosen = neighboursOf(points, places.row(i), variances, Index(neighbours));
+    const MatrixXd near = chosenRows(points, chosen);
+    const Frame frame = frameOf(near);
+    const MatrixXd scaled = frame.of(near), place = frame.of(places.row(i));
+    MatrixXd system = interpolationMatrix(scaled);
+    for (std::size_t j = 0; j < chosen.size(); ++j)
+      system(Index(j), Index(j)) += variances[chosen[j]] / cube(frame.unit);
+    MatrixXd weights = system.partialPivLu().solve(rightSides(scaled, place)).topRows(near.rows());
+    makeAffineExact(scaled, place, weights);
+    result.weights.insert(result.weights.end(), weights.data(), weights.data() + weights.size());
+    for (const Index point : chosen) result.points.push_back(static_cast<std::uint32_t>(point));
+    result.firstWeight.push_back(static_cast<std::uint32_t>(result.points.size()));
+  }
+  return result;
+}
+
+}  // namespace limber

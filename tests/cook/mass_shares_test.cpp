@@ -1,0 +1,129 @@
+// SPDX-License-Identifier: Zlib
+#include "cook/mass_shares.h"
+
+#include "cook/triangle_bvh.h"
+#include "support/small_meshes.h"
+#include "support/test_shapes.h"
+
+#include <limber/mesh_weld.h>
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+using Eigen::Vector3d;
+using limber::MassRule;
+using limber::MassShares;
+using limber::TriangleMesh;
+using limber::WeldedMesh;
+
+namespace {
+
+WeldedMesh welded(const TriangleMesh& mesh) { return *weld(mesh); }
+
+/// The points of a cubic lattice in the box of 2 x `half` that lie well inside.
+WeldedMesh withInside(const TriangleMesh& mesh, double spacing, double half) {
+  WeldedMesh filled = welded(mesh);
+  const limber::TriangleBvh bvh(filled.points, filled.triangles);
+  const int cells = static_cast<int>(half / spacing);
+  for (int x = -cells; x <= cells; ++x) {
+    for (int y = -cells; y <= cells; ++y) {
+      for (int z = -cells; z <= cells; ++z) {
+        const Vector3d p = spacing * Vector3d(x, y, z);
+        if (bvh.signedDistance(p) < -0.3 * spacing) filled.points.push_back(p);
+      }
+    }
+  }
+  return filled;
+}
+
+MassShares shares(MassRule rule, const WeldedMesh& mesh) {
+  return shareMass(rule, mesh.points, mesh.triangles);
+}
+
+void expectSound(const MassShares& result, std::size_t points) {
+  ASSERT_EQ(result.shares.size(), points);
+  EXPECT_NEAR(std::accumulate(result.shares.begin(), result.shares.end(), 0.0), 1.0, 1e-12);
+  EXPECT_GT(*std::min_element(result.shares.begin(), result.shares.end()), 0.19 / double(points));
+}
+
+}  // namespace
+
+TEST(MassShares, equal) {
+  const MassShares result = shares(MassRule::Equal, welded(small_meshes::cube()));
+  EXPECT_EQ(result.shares, std::vector<double>(8, 0.125));
+  EXPECT_NEAR(result.centreError, 0.0, 1e-15);
+  EXPECT_NEAR(result.inertiaError, 2.0, 1e-12) << "masses in the corners have three times the inertia";
+}
+
+TEST(MassShares, areaOfATetrahedron) {
+  const WeldedMesh mesh = welded(small_meshes::tetrahedron());
+  const MassShares result = shares(MassRule::Area, mesh);
+  const double slanted = std::sqrt(3.0) / 2.0, all = 1.5 + slanted;
+  EXPECT_NEAR(result.shares[0], 0.5 / all, 1e-15) << "three right-angled triangles, a third of each";
+  for (const int i : {1, 2, 3})
+    EXPECT_NEAR(result.shares[std::size_t(i)], (1.0 + slanted) / 3.0 / all, 1e-15);
+}
+
+TEST(MassShares, momentsAreMatchedWhereThePointsAllowIt) {
+  struct Case {
+    const char* name;
+    WeldedMesh mesh;
+  };
+  const Case cases[] = {{"cube", withInside(small_meshes::cube(4), 0.2, 0.5)},
+                        {"icosphere", withInside(small_meshes::icosphere(2), 0.4, 1.0)},
+                        {"L", welded(test_shapes::lShape())},
+                        {"cylinder", withInside(test_shapes::cylinder(), 0.2, 0.5)},
+                        {"torus", welded(test_shapes::torus())},
+                        {"figure", welded(test_shapes::figure())},
+                        {"rabbit", withInside(test_shapes::rabbit(0.03), 0.1, 0.5)},
+                        {"noise sphere", withInside(test_shapes::noiseSphere(2), 0.2, 0.7)}};
+  for (const Case& c : cases) {
+    SCOPED_TRACE(c.name);
+    const MassShares result = shares(MassRule::Moments, c.mesh);
+    expectSound(result, c.mesh.points.size());
+    EXPECT_LT(result.centreError, 1e-8);  // what the solver stops at, 1e-10, of moments of the order of 1
+    EXPECT_LT(result.inertiaError, 1e-8);
+  }
+}
+
+/// Rotations and distances from the origin must not matter: moments are taken about the solid's centre.
+TEST(MassShares, farFromTheOrigin) {
+  WeldedMesh mesh = welded(test_shapes::lShape());
+  const MassShares here = shares(MassRule::Moments, mesh);
+  for (Vector3d& p : mesh.points) p += Vector3d(300, -200, 100);
+  const MassShares there = shares(MassRule::Moments, mesh);
+  EXPECT_LT(there.inertiaError, 1e-8);
+  for (std::size_t i = 0; i < here.shares.size(); ++i) EXPECT_NEAR(there.shares[i], here.shares[i], 1e-8);
+}
+
+/// All points are at the same distance from the centre, so that the trace of the second moments is fixed: 5/3
+/// of a ball's. What is left is to keep mass and centre.
+TEST(MassShares, momentsOfAHollowSphere) {
+  const MassShares result = shares(MassRule::Moments, welded(small_meshes::icosphere(2)));
+  expectSound(result, 162);
+  EXPECT_LT(result.centreError, 1e-8);
+  EXPECT_NEAR(result.inertiaError, 5.0 / 3.0 - 1.0, 0.05);  // 0.05: the polyhedron is not quite a ball
+}
+
+TEST(MassShares, heavyPointsOfTheSurfaceAreBounded) {
+  for (const TriangleMesh& mesh : {small_meshes::cube(4), test_shapes::noiseSphere(3)}) {
+    const WeldedMesh body = welded(mesh);
+    const MassShares equal = shares(MassRule::Equal, body), result = shares(MassRule::Moments, body);
+    expectSound(result, body.points.size());
+    EXPECT_LE(*std::max_element(result.shares.begin(), result.shares.end()) * double(body.points.size()),
+              10.01);
+    EXPECT_LT(result.inertiaError, 0.4 * equal.inertiaError) << "better, if not exact";
+    EXPECT_LT(result.centreError, 1e-5);
+  }
+}
+
+TEST(MassShares, openSurfacesHaveNoSolid) {
+  const WeldedMesh sheet = welded(small_meshes::singleTriangle());
+  const MassShares result = shares(MassRule::Moments, sheet);
+  EXPECT_EQ(result.shares, shares(MassRule::Area, sheet).shares);
+  EXPECT_TRUE(std::isnan(result.centreError));
+  EXPECT_TRUE(std::isnan(result.inertiaError));
+}

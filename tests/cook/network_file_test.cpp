@@ -1,0 +1,230 @@
+// SPDX-License-Identifier: Zlib
+#include <limber/network_builder.h>
+#include <limber/network_file.h>
+
+#include "cook/file_networks.h"
+#include "import/temporary_folder.h"
+#include "support/small_meshes.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+
+namespace limber {
+namespace {
+
+namespace fs = std::filesystem;
+using Bytes = std::vector<std::uint8_t>;
+
+Bytes readBytes(const std::string& file) {
+  std::ifstream stream(file, std::ios::binary);
+  return Bytes(std::istreambuf_iterator<char>(stream), {});
+}
+
+Result<SharedNetwork> parse(const Bytes& bytes) { return fromBytes(bytes.data(), bytes.size()); }
+
+template <class T>
+void expectSameBits(const std::vector<T>& a, const std::vector<T>& b) {
+  ASSERT_EQ(a.size(), b.size());
+  for (std::size_t i = 0; i < a.size(); ++i) EXPECT_EQ(std::memcmp(&a[i], &b[i], sizeof(T)), 0) << i;
+}
+
+void expectSameSprings(const SpringNetwork& a, const SpringNetwork& b) {
+  ASSERT_EQ(a.springs.size(), b.springs.size());
+  for (std::size_t i = 0; i < a.springs.size(); ++i) {
+    EXPECT_EQ(a.springs[i].a, b.springs[i].a);
+    EXPECT_EQ(a.springs[i].b, b.springs[i].b);
+    EXPECT_EQ(a.springs[i].kind, b.springs[i].kind);
+    EXPECT_EQ(a.springs[i].stiffnessScale, b.springs[i].stiffnessScale);
+  }
+}
+
+void expectSameReport(const MeshReport& a, const MeshReport& b) {
+  static_assert(sizeof(MeshReport) == 10 * sizeof(std::size_t), "a new count belongs into the file");
+  EXPECT_EQ(std::memcmp(&a, &b, sizeof a), 0);
+}
+
+void expectSame(const SpringNetwork& a, const SpringNetwork& b) {
+  EXPECT_EQ(a.kind, b.kind);
+  EXPECT_EQ(a.stiffnessPerModulus, b.stiffnessPerModulus);
+  expectSameBits(a.restPoints, b.restPoints);
+  expectSameBits(a.massShares, b.massShares);
+  expectSameSprings(a, b);
+  expectSameBits(a.surface, b.surface);
+  expectSameBits(a.tetrahedra, b.tetrahedra);
+  expectSameBits(a.render.skin.firstWeight, b.render.skin.firstWeight);
+  expectSameBits(a.render.skin.points, b.render.skin.points);
+  expectSameBits(a.render.skin.weights, b.render.skin.weights);
+  expectSameBits(a.render.vertexToPoint, b.render.vertexToPoint);
+  expectSameBits(a.render.uvs, b.render.uvs);
+  expectSameBits(a.render.triangles, b.render.triangles);
+  expectSameReport(a.report, b.report);
+}
+
+void expectRoundTrip(const SpringNetwork& network) {
+  const Bytes bytes = toBytes(network);
+  const Result<SharedNetwork> back = parse(bytes);
+  ASSERT_TRUE(back) << back.error();
+  expectSame(**back, network);
+  EXPECT_EQ(toBytes(**back), bytes);
+}
+
+NetworkSettings equalLength() {
+  NetworkSettings settings;
+  settings.braces = BraceRule::EqualLength;
+  settings.braceWeight = 1.0;
+  return settings;
+}
+
+TEST(NetworkFile, everyMemberComesBackBitForBit) { expectRoundTrip(test::everyMemberNetwork()); }
+
+TEST(NetworkFile, networksOfAllKindsComeBack) {
+  expectRoundTrip(**buildRope());
+  expectRoundTrip(**buildCloth());
+  expectRoundTrip(**buildNetwork(small_meshes::cube(3), equalLength()));
+  expectRoundTrip(**buildNetwork(small_meshes::icosphere(2), equalLength()));
+}
+
+TEST(NetworkFile, signsOfZeroAndTheSmallestNumbersComeBack) {
+  SpringNetwork network = test::everyMemberNetwork();
+  network.restPoints[0] = {-0.0, 5e-324, -5e-324};
+  network.render.uvs[0] = {-0.0f, 1e-45f};
+  expectRoundTrip(network);
+}
+
+TEST(NetworkFile, equalNetworksGiveEqualBytes) {
+  const TriangleMesh mesh = small_meshes::icosphere(1);
+  EXPECT_EQ(toBytes(**buildNetwork(mesh, equalLength())), toBytes(**buildNetwork(mesh, equalLength())));
+}
+
+// the format's promise: what version 1 has written is read for ever, and written alike
+TEST(NetworkFile, goldenFileOfVersionOne) {
+  const std::string file = LIMBER_GOLDEN_DIR "/version-1.limber";
+  const Result<SharedNetwork> network = loadNetwork(file);
+  ASSERT_TRUE(network) << network.error();
+  expectSame(**network, test::everyMemberNetwork());
+  EXPECT_EQ(toBytes(**network), readBytes(file));
+}
+
+TEST(NetworkFile, headerIsLittleEndian) {
+  const Bytes bytes = toBytes(test::everyMemberNetwork());
+  const Bytes start = {0x89, 'L', 'I', 'M', 'B', 'R', '\r', '\n', 1, 0, 0, 0};
+  EXPECT_EQ(Bytes(bytes.begin(), bytes.begin() + 12), start);
+  const std::size_t size = bytes.size() - test::kHeaderBytes;
+  EXPECT_EQ(bytes[12] + 256u * bytes[13], size);
+}
+
+TEST(NetworkFile, savedFilesLoad) {
+  const TemporaryFolder folder;
+  const std::string file = folder.path() + "/body.limber";
+  EXPECT_EQ(saveNetwork(test::everyMemberNetwork(), file), "");
+  EXPECT_EQ(readBytes(file), toBytes(test::everyMemberNetwork()));
+  EXPECT_EQ(saveNetwork(**buildRope(), file), "");  // over the old one
+  const Result<SharedNetwork> network = loadNetwork(file);
+  ASSERT_TRUE(network) << network.error();
+  expectSame(**network, **buildRope());
+  EXPECT_EQ(std::distance(fs::directory_iterator(folder.path()), {}), 1);
+}
+
+TEST(NetworkFile, whatCannotBeWrittenLeavesNothingBehind) {
+  const TemporaryFolder folder;
+  const SpringNetwork network = test::everyMemberNetwork();
+  const std::string nowhere = folder.path() + "/none/body.limber";
+  EXPECT_EQ(saveNetwork(network, nowhere), "cannot write " + nowhere + ": No such file or directory");
+  EXPECT_EQ(saveNetwork(network, folder.path()), "cannot write " + folder.path() + ": it is no regular file");
+  EXPECT_EQ(saveNetwork(network, "/dev/null"), "cannot write /dev/null: it is no regular file");
+  EXPECT_EQ(std::distance(fs::directory_iterator(folder.path()), {}), 0);
+}
+
+// of several at once each has a name of its own, and none is disturbed
+TEST(NetworkFile, othersPartsAreLeftAlone) {
+  const TemporaryFolder folder;
+  const std::string file = folder.path() + "/body.limber";
+  const std::string other = folder.write("body.limber.0.part", "another's");
+  EXPECT_EQ(saveNetwork(test::everyMemberNetwork(), file), "");
+  EXPECT_EQ(readBytes(other).size(), 9u);
+  EXPECT_TRUE(loadNetwork(file));
+}
+
+TEST(NetworkFile, whatCannotBeReadIsNamed) {
+  const TemporaryFolder folder;
+  const std::string missing = folder.path() + "/none.limber";
+  EXPECT_EQ(loadNetwork(missing).error(), "cannot read " + missing + ": No such file or directory");
+  EXPECT_EQ(loadNetwork(folder.path()).error(), "cannot read " + folder.path() + ": Is a directory");
+}
+
+TEST(NetworkFile, foreignFilesAreRefused) {
+  const TemporaryFolder folder;
+  const std::string text = folder.write("mesh.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n and more\n");
+  EXPECT_EQ(loadNetwork(text).error(), text + ": no .limber file: it begins otherwise");
+  const std::string shortText = folder.write("short", "PNG");
+  EXPECT_EQ(loadNetwork(shortText).error(), shortText + ": no .limber file: it begins otherwise");
+  const std::string empty = folder.write("empty.limber", "");
+  EXPECT_EQ(loadNetwork(empty).error(), empty + ": no .limber file: it is empty");
+}
+
+TEST(NetworkFile, otherVersionsAreRefused) {
+  Bytes bytes = toBytes(test::everyMemberNetwork());
+  bytes[8] = 2;
+  EXPECT_EQ(parse(bytes).error(), "a .limber file of version 2, this library reads version 1");
+}
+
+TEST(NetworkFile, everyTruncationIsRefused) {
+  const Bytes bytes = toBytes(test::everyMemberNetwork());
+  for (std::size_t size = 1; size < bytes.size(); ++size) {
+    // a copy of its own length, so that a sanitizer sees any read beyond it
+    const std::string reason = parse(Bytes(bytes.begin(), bytes.begin() + std::ptrdiff_t(size))).error();
+    EXPECT_EQ(reason.rfind("cut short: ", 0), 0u) << size << ": " << reason;
+  }
+}
+
+TEST(NetworkFile, bytesBehindTheEndAreRefused) {
+  Bytes bytes = toBytes(test::everyMemberNetwork());
+  const std::string size = std::to_string(bytes.size() - test::kHeaderBytes);
+  bytes.resize(bytes.size() + 3);
+  EXPECT_EQ(parse(bytes).error(),
+            "longer than it says: 3 bytes follow the " + size + " bytes after its header");
+  EXPECT_EQ(parse(test::forged(bytes)).error(), "3 bytes are left over at the end");
+}
+
+TEST(NetworkFile, everyChangedByteIsRefused) {
+  const Bytes bytes = toBytes(test::everyMemberNetwork());
+  for (std::size_t at = 0; at < bytes.size(); ++at) {
+    for (unsigned change = 1; change < 256; ++change) {
+      Bytes damaged = bytes;
+      damaged[at] = static_cast<std::uint8_t>(damaged[at] ^ change);
+      EXPECT_FALSE(parse(damaged)) << "byte " << at << " changed by " << change;
+    }
+  }
+}
+
+TEST(NetworkFile, whatTheNetworkPromisesIsChecked) {
+  SpringNetwork network = test::everyMemberNetwork();
+  network.springs[2].b = 5;
+  EXPECT_EQ(parse(toBytes(network)).error(), "spring 2 uses point 5 of 5");
+  network = test::everyMemberNetwork();
+  network.springs[3].kind = static_cast<SpringKind>(4);
+  EXPECT_EQ(parse(toBytes(network)).error(), "element 3 of the springs has the unknown kind 4");
+  network = test::everyMemberNetwork();
+  network.kind = static_cast<NetworkKind>(3);
+  EXPECT_EQ(parse(toBytes(network)).error(), "the network kind has the unknown kind 3");
+}
+
+// checked before anything is allocated: a vector of that length could not be had
+TEST(NetworkFile, countsBeyondTheBytesAreRefused) {
+  const Bytes bytes = toBytes(test::everyMemberNetwork());
+  const std::size_t countAt = test::kHeaderBytes + 1 + 8 + 10 * 8;  // of the rest points
+  ASSERT_EQ(bytes[countAt], 5);
+  for (const int high : {2, 4, 7}) {
+    Bytes damaged = bytes;
+    damaged[countAt + std::size_t(high)] = 0x7f;
+    const std::string reason = parse(test::forged(damaged)).error();
+    EXPECT_EQ(reason.rfind("the bytes end before its ", 0), 0u) << reason;
+  }
+}
+
+}  // namespace
+}  // namespace limber
