@@ -83,7 +83,7 @@ struct Dynamics {
     return state;
   }
   double boundSquared(const PointState& state) {
-    return springBound + (body.volumes.empty() ? 0.0 : volumeFrequencyBoundSquared(body.volumes, state));
+    return springBound + (body.volumes.empty() ? 0.0 : volumeFrequencyBoundSquared(body.volumes, state, 0.0));
   }
   SteppedBody stepped(PointState& state) {
     SteppedBody s{&state, &body.springs, nullptr};
