@@ -1,0 +1,171 @@
+// SPDX-License-Identifier: Zlib
+#include "cook/tetrahedra.h"
+
+#include "cook/lattice_cut.h"
+#include "cook/lattice_fill.h"
+#include "cook/solid_surface.h"
+#include "cook/surface_fit.h"
+#include "cook/tetrahedra_repair.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <string>
+
+namespace limber {
+namespace {
+
+using Eigen::Vector3d;
+
+/// Sites at most: their arrays take about 60 bytes each.
+constexpr double kMostSites = 4e6;
+
+/// A part of the body with less than this share of a piece's volume is a crumb that may go.
+constexpr double kCrumb = 0.01;
+
+/// The least stretching of the lattice along an axis: flat lattices have sharp angles.
+constexpr double kLeastStretch = 0.8;
+
+/// The search for a number of points: it is found within this share of it, or as near as so many trials come.
+constexpr double kNearEnough = 0.04;
+constexpr int kTrials = 12;
+constexpr double kFiner = 0.97;
+
+/// Whole or half cells across the box wherever that stretches them little, so that flat sides of boxes lie in
+/// planes of corners or of centres.
+BccLattice placeLattice(const Eigen::AlignedBox3d& box, double spacing) {
+  BccLattice lattice;
+  for (int i = 0; i < 3; ++i) {
+    const double extent = box.sizes()[i], across = std::max(1.0, 0.5 * std::round(2.0 * extent / spacing));
+    lattice.spacing[i] = std::max(extent / across, kLeastStretch * spacing);
+    lattice.cells[i] = static_cast<int>(across) + 6;
+    lattice.origin[i] = box.center()[i] - (0.5 * across + 2.0) * lattice.spacing[i];
+  }
+  return lattice;
+}
+
+double sitesNeeded(const Eigen::AlignedBox3d& box, double spacing) {
+  return 2.0 * (box.sizes().array() / spacing + 6.0).prod();
+}
+
+TetrahedralMesh stuff(const SolidSurface& surface, double spacing) {
+  TetrahedralMesh mesh = fillLattice(cutLattice(placeLattice(surface.box, spacing), surface.bvh));
+  makeManifold(mesh, kCrumb * surface.volume / static_cast<double>(surface.pieces));
+  return mesh;
+}
+
+/// How many points of the surface of each part of the body lie next to each piece of the given surface,
+/// #parts x #pieces.
+Eigen::MatrixXi countEncounters(const TetrahedralMesh& mesh, const SolidSurface& surface) {
+  const std::vector<std::uint32_t> partOfTetrahedron = findPieces(mesh.tetrahedra);
+  std::vector<std::uint32_t> partOfPoint(mesh.points.size());
+  std::uint32_t parts = 0;
+  for (std::size_t t = 0; t < mesh.tetrahedra.size(); ++t) {
+    parts = std::max(parts, partOfTetrahedron[t] + 1);
+    for (const std::uint32_t point : mesh.tetrahedra[t]) partOfPoint[point] = partOfTetrahedron[t];
+  }
+  Eigen::MatrixXi count = Eigen::MatrixXi::Zero(parts, static_cast<Eigen::Index>(surface.pieces));
+  for (const Triangle& t : mesh.surface)
+    for (const std::uint32_t point : t)
+      ++count(partOfPoint[point], surface.pieceOfTriangle[surface.bvh.nearest(mesh.points[point]).triangle]);
+  return count;
+}
+
+/// Whether the inside is on both sides of the piece, so that it is no part of the body's surface.
+bool isBuried(const SolidSurface& surface, std::uint32_t piece) {
+  const double step = 1e-4 * surface.box.diagonal().norm();
+  for (std::size_t t = 0; t < surface.triangles.size(); ++t)
+    if (surface.pieceOfTriangle[t] == piece &&
+        !surface.bvh.inside(surface.centroids[t] + step * surface.normals[t]))
+      return false;
+  return true;
+}
+
+/// What of the mesh the tetrahedra fail to stand for, or an empty string.
+std::string findLoss(const TetrahedralMesh& mesh, const SolidSurface& surface) {
+  if (mesh.tetrahedra.empty()) return "the whole mesh is missed";
+  const Eigen::MatrixXi count = countEncounters(mesh, surface);
+  for (std::uint32_t piece = 0; piece < surface.pieces; ++piece)
+    if (count.col(piece).maxCoeff() == 0 && !isBuried(surface, piece))
+      return "piece " + std::to_string(piece) + " of the mesh is missed";
+  std::vector<Eigen::Index> mainPart(surface.pieces, -1);
+  for (Eigen::Index part = 0; part < count.rows(); ++part) {
+    Eigen::Index piece = 0;
+    count.row(part).maxCoeff(&piece);
+    Eigen::Index& known = mainPart[static_cast<std::size_t>(piece)];
+    if (known >= 0) return "piece " + std::to_string(piece) + " of the mesh falls apart";
+    known = part;
+  }
+  return {};
+}
+
+std::string say(double value) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.3g", value);
+  return text;
+}
+
+/// A filling that has yet to be fitted to the surface, and what is wrong with it.
+struct Trial {
+  TetrahedralMesh mesh;
+  double spacing = 0.0;
+  std::string loss;
+  double miss = 0.0;  ///< how far from the wanted number of points, as a logarithm
+};
+
+Trial fillAt(const SolidSurface& surface, double spacing, double points) {
+  Trial trial{stuff(surface, spacing), spacing, {}, 0.0};
+  trial.loss = findLoss(trial.mesh, surface);
+  const auto got = static_cast<double>(std::max<std::size_t>(1, trial.mesh.points.size()));
+  trial.miss = std::log(got / points);
+  return trial;
+}
+
+bool isBetter(const Trial& a, const Trial& b) {
+  if (a.loss.empty() != b.loss.empty()) return a.loss.empty();
+  return std::abs(a.miss) < std::abs(b.miss);
+}
+
+Result<TetrahedralMesh> finish(Trial trial, const SolidSurface& surface) {
+  if (!trial.loss.empty())
+    return Error{trial.loss + ": it is thinner than a lattice of " + say(trial.spacing) +
+                 " m can follow, or oriented inward; take a smaller spacing or more points"};
+  fitSurface(trial.mesh, surface);
+  return std::move(trial.mesh);
+}
+
+}  // namespace
+
+Result<TetrahedralMesh> fillWithTetrahedra(const WeldedMesh& mesh, double spacing) {
+  if (std::string reason = whyNotSolid(mesh.report); !reason.empty()) return Error{std::move(reason)};
+  if (!std::isfinite(spacing) || spacing <= 0.0)
+    return Error{"the spacing is " + say(spacing) + ", it must be above 0"};
+  const SolidSurface surface = makeSolidSurface(mesh);
+  if (const double sites = sitesNeeded(surface.box, spacing); sites > kMostSites)
+    return Error{"the spacing of " + say(spacing) + " m needs a lattice of " + say(sites) +
+                 " sites, it may have " + say(kMostSites)};
+  return finish(fillAt(surface, spacing, 1.0), surface);
+}
+
+Result<TetrahedralMesh> fillWithPoints(const WeldedMesh& mesh, std::size_t points) {
+  if (std::string reason = whyNotSolid(mesh.report); !reason.empty()) return Error{std::move(reason)};
+  if (points < 8) return Error{std::to_string(points) + " points are too few, there must be 8 or more"};
+  const SolidSurface surface = makeSolidSurface(mesh);
+  const auto wanted = static_cast<double>(points);
+  // two sites per cube of the lattice, and those of the surface
+  double spacing = std::cbrt(3.0 * surface.volume / wanted);
+  Trial best;
+  best.loss = "there is no room for points";
+  for (int i = 0; i < kTrials && sitesNeeded(surface.box, spacing) <= kMostSites; ++i) {
+    Trial trial = fillAt(surface, spacing, wanted);
+    const double miss = trial.miss;
+    const bool isGood = trial.loss.empty() && std::abs(miss) < kNearEnough;
+    if (i == 0 || isBetter(trial, best)) best = std::move(trial);
+    if (isGood) break;
+    // near the number wanted, but with a loss: a little finer, until it is mended
+    spacing *= std::abs(miss) < 4.0 * kNearEnough && !best.loss.empty() ? kFiner : std::exp(miss / 2.6);
+  }
+  return finish(std::move(best), surface);
+}
+
+}  // namespace limber
