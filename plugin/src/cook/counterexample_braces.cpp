@@ -6,151 +6,134 @@
 #include "cook/relaxation.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace limber {
 namespace {
 
-constexpr int kCleanRounds = 5;
-constexpr std::size_t kRuns = 20;  // of a round
+constexpr int kCleanRounds = 5, kMostRounds = 60;
 
-/// Candidate pairs that are looked at in a round at most.
-constexpr std::size_t kMostCandidates = 200000;
+/// Runs of a round: each kind of deformation so often, and further ones of kinds that have failed before.
+constexpr std::size_t kRunsOfEach = 2, kFurtherRuns = 10;
+constexpr std::size_t kRuns = kRunsOfEach * kDeformations + kFurtherRuns;
 
-/// How fast an example's say fades with what braces do for it already.
-constexpr double kCovered = 0.5;
+/// Times that a wrong shape gets further braces before it is given up for new ones.
+constexpr int kMostTries = 6;
+constexpr double kBracesPerExample = 0.5;  // of a try
+constexpr std::size_t kMostCandidates = 100000;
 
-/// Wrong shapes, points as columns.
-using Examples = std::vector<Points>;
+/// How fast a wrong shape's say fades with what braces do for it already.
+constexpr float kCovered = 0.5f;
 
-std::vector<Edge> allPairs(std::uint32_t n) {
-  std::vector<Edge> pairs;
-  for (std::uint32_t a = 0; a < n; ++a)
-    for (std::uint32_t b = a + 1; b < n; ++b) pairs.push_back({a, b});
-  return pairs;
-}
+/// A shape that a run ended in.
+struct Example {
+  Deformation kind;
+  Points x;
+};
+using Examples = std::vector<Example>;
 
-std::vector<Edge> somePairs(std::uint32_t n, Random& random) {
-  std::vector<Edge> pairs;
-  for (std::size_t i = 0; i < kMostCandidates; ++i) {
-    const std::uint32_t a = random.below(n), b = random.below(n);
-    if (a != b) pairs.push_back({std::min(a, b), std::max(a, b)});
-  }
-  return pairs;
-}
-
-struct Scores {
-  std::vector<Edge> pairs;
-  Eigen::MatrixXf wrong;  ///< #examples x #pairs, squared errors of length over the example's largest
+struct Trials {
+  std::uint64_t seed;
+  std::array<std::uint32_t, kDeformations> failures{};
 };
 
-Scores scoresOf(const RelaxedBody& body, const Examples& examples, std::vector<Edge> pairs) {
-  Scores s;
-  static const double pw = getenv("SCORE") ? atof(getenv("SCORE")) : 0.0;
-  s.wrong.resize(static_cast<Eigen::Index>(examples.size()), static_cast<Eigen::Index>(pairs.size()));
-  for (std::size_t p = 0; p < pairs.size(); ++p) {
-    const auto [a, b] = pairs[p];
+std::vector<Deformation> kindsOfRound(const Trials& trials, Random& random) {
+  std::vector<Deformation> kinds;
+  for (std::size_t i = 0; i < kRunsOfEach * kDeformations; ++i)
+    kinds.push_back(static_cast<Deformation>(i % kDeformations));
+  std::vector<Deformation> weighted(kinds.begin(), kinds.begin() + kDeformations);
+  for (std::size_t k = 0; k < kDeformations; ++k)
+    weighted.insert(weighted.end(), trials.failures[k], static_cast<Deformation>(k));
+  while (kinds.size() < kRuns) kinds.push_back(weighted[random.below(weighted.size())]);
+  return kinds;
+}
+
+/// Not the mirror image: all its distances are right, no brace can tell.
+bool isWrong(const RelaxedBody& body, const Points& x) {
+  return x.allFinite() && distanceToRest(body, x) >= kReturned && distanceToRest(body, -x) >= kReturned;
+}
+
+/// The wrong ones of the shapes that the starts relax to.
+Examples findWrong(RelaxedBody& body, const Examples& starts, const std::function<bool()>& goOn) {
+  Examples ends(starts.size());
+  relax(
+      body, starts.size(), [&](std::size_t i) { return starts[i].x; },
+      [&](std::size_t i, const Points& x) {
+        if (isWrong(body, x)) ends[i] = {starts[i].kind, x};
+        return goOn();
+      });
+  ends.erase(std::remove_if(ends.begin(), ends.end(), [](const Example& e) { return e.x.cols() == 0; }),
+             ends.end());
+  return ends;
+}
+
+Examples startsOfRound(const RelaxedBody& body, const Trials& trials, std::uint64_t round) {
+  Random random(trials.seed ^ (round << 32));
+  Examples starts;
+  for (const Deformation kind : kindsOfRound(trials, random))
+    starts.push_back({kind, deform(body.rest, kind, trials.seed, kRuns * round + starts.size())});
+  return starts;
+}
+
+/// The squares of the errors of length, over the largest allowed one of each example.
+BraceChoice errorsOf(BracedPiece& piece, const RelaxedBody& body, const Examples& examples,
+                     std::uint64_t seed) {
+  BraceChoice choice(examples.size(), candidatePairs(piece, kMostCandidates, seed));
+  Eigen::VectorXf largest = Eigen::VectorXf::Constant(choice.benefit.rows(), 1e-30f);
+  for (std::size_t p = 0; p < choice.pairs.size(); ++p) {
+    const auto [a, b] = choice.pairs[p];
     const double rest = (body.rest.col(a) - body.rest.col(b)).norm();
+    auto errors = choice.benefit.col(static_cast<Eigen::Index>(p));
     for (std::size_t f = 0; f < examples.size(); ++f) {
-      const double error = (examples[f].col(a) - examples[f].col(b)).norm() - rest;
-      s.wrong(Eigen::Index(f), Eigen::Index(p)) = float(error * error / std::pow(rest, pw));
+      const double error = (examples[f].x.col(a) - examples[f].x.col(b)).norm() - rest;
+      errors[static_cast<Eigen::Index>(f)] = static_cast<float>(error * error);
     }
+    if ((errors.array() > largest.array()).any() && piece.chords.allowed(a, b))
+      largest = largest.cwiseMax(errors);
   }
-  s.pairs = std::move(pairs);
-  return s;
+  choice.benefit = largest.cwiseInverse().asDiagonal() * choice.benefit;
+  return choice;
 }
 
-/// Braces `count` pairs, each time the one with the most error over all examples.
-std::size_t braceWorst(SpringNetwork& network, InsideChords& chords, Scores& s, std::size_t count,
-                       double weight) {
-  Eigen::VectorXf say = Eigen::VectorXf::Ones(s.wrong.rows());
-  std::vector<std::size_t> order(s.pairs.size());
-  std::size_t added = 0;
-  // errors count against the largest allowed one
-  Eigen::VectorXf largest = Eigen::VectorXf::Zero(s.wrong.rows());
-  for (Eigen::Index f = 0; f < s.wrong.rows(); ++f) {
-    for (std::size_t p = 0; p < s.pairs.size(); ++p)
-      if (s.wrong(f, Eigen::Index(p)) > largest[f] && chords.allowed(s.pairs[p][0], s.pairs[p][1]))
-        largest[f] = s.wrong(f, Eigen::Index(p));
-    if (largest[f] > 0) s.wrong.row(f) /= largest[f];
+bool braceWorst(BracedPiece& piece, const RelaxedBody& body, const Examples& examples, std::uint64_t seed) {
+  BraceChoice choice = errorsOf(piece, body, examples, seed);
+  Eigen::VectorXf say = Eigen::VectorXf::Ones(choice.benefit.rows());
+  const double wanted = std::ceil(kBracesPerExample * static_cast<double>(examples.size()));
+  for (int added = 0; added < static_cast<int>(wanted) && !piece.full(); ++added) {
+    const Eigen::VectorXf benefits = addBest(piece, choice, say);
+    if (benefits.size() == 0) return added > 0;
+    say.array() /= 1.0f + benefits.array() / kCovered;
   }
-  std::vector<bool> gone(s.pairs.size(), false);
-  while (added < count) {
-    Eigen::VectorXf score = s.wrong.transpose() * say;
-    for (std::size_t p = 0; p < s.pairs.size(); ++p) if (gone[p]) score[Eigen::Index(p)] = -1;
-    Eigen::Index best = 0;
-    bool ok = false;
-    for (;;) {
-      const float value = score.maxCoeff(&best);
-      if (value <= 0) break;
-      const Edge& e = s.pairs[std::size_t(best)];
-      if (chords.allowed(e[0], e[1])) { ok = true; break; }
-      score[best] = -1; gone[std::size_t(best)] = true;
-    }
-    if (!ok) break;
-    const Edge e = s.pairs[std::size_t(best)];
-    chords.join(e[0], e[1]);
-    addBrace(network, e, weight);
-    ++added;
-    gone[std::size_t(best)] = true;
-    for (Eigen::Index f = 0; f < say.size(); ++f) say[f] /= 1.0f + s.wrong(f, best) / float(kCovered);
-  }
-  return added;
+  return true;
 }
 
-Examples wrongOnes(RelaxedBody& body, std::size_t count, const std::function<Points(std::size_t)>& start) {
-  std::vector<Points> ends(count);
-  relax(body, count, start, [&](std::size_t i, const Points& x) {
-    if (distanceToRest(body, x) >= kReturned) ends[i] = x;
-    return true;
-  });
-  Examples wrong;
-  for (Points& x : ends)
-    if (x.cols() > 0) wrong.push_back(std::move(x));
-  return wrong;
-}
-
-std::size_t bracesOf(const SpringNetwork& network) {
-  return std::size_t(std::count_if(network.springs.begin(), network.springs.end(),
-                       [](const NetworkSpring& s) { return s.kind == SpringKind::Brace; }));
+/// Braces the wrong shapes and lets the piece go on from them, until it gets out of all.
+void mend(BracedPiece& piece, Examples wrong, std::uint64_t seed, const std::function<bool()>& goOn) {
+  for (int tries = 0; tries < kMostTries && !wrong.empty() && !piece.full() && goOn(); ++tries) {
+    if (!braceWorst(piece, RelaxedBody(piece.network), wrong, seed + static_cast<std::uint64_t>(tries)))
+      return;
+    RelaxedBody braced(piece.network);
+    wrong = findWrong(braced, wrong, goOn);
+  }
 }
 
 }  // namespace
 
-void addBrace(SpringNetwork& network, const Edge& pair, double weight) {
-  const NetworkSpring brace{pair[0], pair[1], SpringKind::Brace, weight};
-  const auto place = std::upper_bound(
-      network.springs.begin(), network.springs.end(), brace,
-      [](const NetworkSpring& s, const NetworkSpring& t) { return s.a != t.a ? s.a < t.a : s.b < t.b; });
-  network.springs.insert(place, brace);
-}
-
-void braceCounterexamples(SpringNetwork& network, InsideChords& chords,
-                          const CounterexampleSettings& settings) {
-  const auto n = static_cast<std::uint32_t>(network.restPoints.size());
-  Random random(settings.seed);
+void addCounterexampleBraces(BracedPiece& piece, std::uint64_t seed, const GoOn& goOn) {
+  Trials trials{seed};
   int clean = 0;
-  const double share = getenv("SHARE") ? atof(getenv("SHARE")) : 0.5;
-  const int inner = getenv("INNER") ? atoi(getenv("INNER")) : 6;
-  for (std::size_t round = 0; clean < kCleanRounds; ++round) {
-    if (settings.goOn && !settings.goOn(double(clean) / kCleanRounds)) return;
-    RelaxedBody body(network);
-    Examples wrong = wrongOnes(body, kRuns, [&](std::size_t i) {
-      return deform(body.rest, Deformation(i % 5), settings.seed, round * kRuns + i);
-    });
+  for (int round = 0; round < kMostRounds && clean < kCleanRounds && !piece.full(); ++round) {
+    const double done =
+        std::max(static_cast<double>(clean) / kCleanRounds, static_cast<double>(round) / kMostRounds);
+    bool going = true;
+    const std::function<bool()> ask = [&] { return going = going && goOn(done); };
+    RelaxedBody body(piece.network);
+    Examples wrong = findWrong(body, startsOfRound(body, trials, static_cast<std::uint64_t>(round)), ask);
+    if (!going) return;
     clean = wrong.empty() ? clean + 1 : 0;
-    if (getenv("LOG")) printf("[round %zu wrong %zu braces %zu]\n", round, wrong.size(), bracesOf(network));
-    for (int k = 0; k < inner && !wrong.empty(); ++k) {
-      const std::size_t have = bracesOf(network);
-      if (have >= settings.mostBraces) return;
-      std::vector<Edge> pairs = std::size_t(n) * (n - 1) / 2 <= kMostCandidates ? allPairs(n) : somePairs(n, random);
-      Scores s = scoresOf(body, wrong, std::move(pairs));
-      const std::size_t want = std::min(settings.mostBraces - have, std::max<std::size_t>(1, std::size_t(std::ceil(share * double(wrong.size())))));
-      if (braceWorst(network, chords, s, want, settings.weight) == 0) break;
-      body = RelaxedBody(network);
-      wrong = wrongOnes(body, wrong.size(), [&](std::size_t i) { return wrong[i]; });
-      if (getenv("LOG")) printf("   inner %d: +%zu wrong %zu\n", k, want, wrong.size());
-    }
+    for (const Example& e : wrong) ++trials.failures[static_cast<std::size_t>(e.kind)];
+    mend(piece, std::move(wrong), seed + (static_cast<std::uint64_t>(round) << 16), ask);
   }
 }
 

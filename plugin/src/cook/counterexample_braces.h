@@ -1,28 +1,14 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
-#include "cook/inside_chords.h"
-
-#include <limber/network_builder.h>
-#include <limber/spring_network.h>
-
-#include <functional>
+#include "cook/braced_piece.h"
 
 namespace limber {
 
-/// Adds a brace to the network, in the order of its springs.
-void addBrace(SpringNetwork& network, const Edge& pair, double weight);
-
-struct CounterexampleSettings {
-  double weight = 0.3;         ///< stiffnessScale of a brace
-  std::size_t mostBraces = 0;  ///< in all that the network may have
-  std::uint64_t seed = 1;
-  std::function<bool(double)> goOn;  ///< told 0 to 1, how far it is; false: end early
-};
-
-/// Counterexample-guided insertion: lets the body go from large random deformations and braces the wrong
-/// shapes it comes to rest in, until it has come back from all of them in five rounds in a row.
-void braceCounterexamples(SpringNetwork& network, InsideChords& chords,
-                          const CounterexampleSettings& settings);
+/// Counterexample-guided insertion: lets the piece go from large random deformations and braces the wrong
+/// shapes it comes to rest in, until it has come back from all of them in several rounds in a row, or is
+/// full. A spring that has its rest length in a wrong shape does nothing against it; the pair whose distance
+/// is most wrong there does most.
+void addCounterexampleBraces(BracedPiece& piece, std::uint64_t seed, const GoOn& goOn);
 
 }  // namespace limber

@@ -23,10 +23,7 @@ std::uint64_t keyOf(std::uint32_t a, std::uint32_t b) {
 
 InsideChords::InsideChords(const std::vector<Eigen::Vector3d>& points, const std::vector<Triangle>& triangles,
                            const std::vector<Edge>& edges)
-    : points_(points),
-      size_(largestExtent(points)),
-      surface_(points, triangles),
-      neighbours_(points.size()) {
+    : points_(points), size_(largestExtent(points)), surface_(points, triangles), neighbours_(points.size()) {
   for (const Edge& e : edges) join(e[0], e[1]);
 }
 

@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: Zlib
 #include <limber/network_builder.h>
 
+#include "cook/bracing.h"
 #include "cook/equal_length_braces.h"
-#include "core/mesh_edges.h"
+#include "cook/mass_shares.h"
+#include "cook/two_ring_braces.h"
+#include "core/surface_components.h"
 
 #include <algorithm>
 #include <cmath>
@@ -12,29 +15,92 @@
 namespace limber {
 namespace {
 
-std::vector<NetworkSpring> makeSprings(const std::vector<Edge>& edges, SpringKind kind,
-                                       double stiffnessScale) {
-  std::vector<NetworkSpring> springs;
-  springs.reserve(edges.size());
-  for (const Edge& edge : edges) springs.push_back({edge[0], edge[1], kind, stiffnessScale});
-  return springs;
+constexpr std::uint32_t kNotHere = 0xffffffffu;
+
+std::string checkSettings(const NetworkSettings& s) {
+  const auto finite = [](double value) { return std::isfinite(value); };
+  if (!finite(s.braceWeight) || s.braceWeight < 0.0)
+    return "braceWeight is " + std::to_string(s.braceWeight) + ", must be above 0, or 0 for the rule's own";
+  if (!finite(s.mostBraces) || s.mostBraces <= 0.0)
+    return "mostBraces is " + std::to_string(s.mostBraces) + ", must be above 0";
+  if (!finite(s.mostSeconds) || s.mostSeconds < 0.0)
+    return "mostSeconds is " + std::to_string(s.mostSeconds) + ", must be 0 or more";
+  if (s.braces > BraceRule::Pipeline) return "braces is none of the rules";
+  if (s.masses > MassRule::Moments) return "masses is none of the rules";
+  return {};
 }
 
-std::vector<NetworkSpring> joinSorted(const std::vector<NetworkSpring>& first,
-                                      const std::vector<NetworkSpring>& second) {
-  std::vector<NetworkSpring> all(first.size() + second.size());
-  std::merge(
-      first.begin(), first.end(), second.begin(), second.end(), all.begin(),
-      [](const NetworkSpring& s, const NetworkSpring& t) { return s.a != t.a ? s.a < t.a : s.b < t.b; });
-  return all;
+double weightOf(const NetworkSettings& settings) {
+  if (settings.braceWeight > 0.0) return settings.braceWeight;
+  return settings.braces == BraceRule::Pipeline ? 0.3 : 1.0;
 }
 
+/// A component, and which point of the mesh each of its points is, ascending.
+struct Piece {
+  PieceToBrace shape;
+  std::vector<std::uint32_t> points;
+};
+
+std::vector<Piece> splitIntoPieces(const WeldedMesh& welded) {
+  const SurfaceComponents components = findComponents(welded.points.size(), welded.triangles);
+  std::vector<std::uint32_t> pieceOf(welded.points.size(), kNotHere), index(welded.points.size());
+  for (std::size_t t = 0; t < welded.triangles.size(); ++t)
+    for (const std::uint32_t corner : welded.triangles[t]) pieceOf[corner] = components.ofTriangle[t];
+  std::vector<Piece> pieces(components.count);
+  for (std::uint32_t i = 0; i < welded.points.size(); ++i) {
+    if (pieceOf[i] == kNotHere) continue;
+    Piece& piece = pieces[pieceOf[i]];
+    index[i] = static_cast<std::uint32_t>(piece.points.size());
+    piece.points.push_back(i);
+    piece.shape.points.push_back(welded.points[i]);
+  }
+  for (std::size_t t = 0; t < welded.triangles.size(); ++t) {
+    const Triangle& corners = welded.triangles[t];
+    pieces[components.ofTriangle[t]].shape.triangles.push_back(
+        {index[corners[0]], index[corners[1]], index[corners[2]]});
+  }
+  return pieces;
+}
+
+void describeEdges(PieceToBrace& shape, const MeshReport& report) {
+  shape.edges = uniqueEdges(shape.triangles);
+  const EdgeDefects defects = findEdgeDefects(shape.triangles);
+  shape.closed = defects.open == 0 && defects.nonManifold == 0 && defects.inconsistent == 0;
+  shape.keepsVolume = report.watertight();
+}
+
+std::vector<Edge> findBraces(const PieceToBrace& shape, const NetworkSettings& settings) {
+  switch (settings.braces) {
+    case BraceRule::None:
+      return {};
+    case BraceRule::EqualLength:
+      return findEqualLengthPairs(shape.points, shape.edges);
+    case BraceRule::TwoRing:
+      return findTwoRingPairs(shape.points.size(), shape.edges);
+    case BraceRule::Pipeline:
+      return bracePiece(shape, settings, weightOf(settings));
+  }
+  return {};
+}
+
+void addSprings(const Piece& piece, const std::vector<Edge>& pairs, SpringKind kind, double stiffnessScale,
+                std::vector<NetworkSpring>& springs) {
+  for (const Edge& pair : pairs)
+    springs.push_back({piece.points[pair[0]], piece.points[pair[1]], kind, stiffnessScale});
+}
+
+/// The edges and, within each component, braces.
 std::vector<NetworkSpring> connect(const WeldedMesh& welded, const NetworkSettings& settings) {
-  const std::vector<Edge> edges = uniqueEdges(welded.triangles);
-  std::vector<NetworkSpring> springs = makeSprings(edges, SpringKind::Structural, 1.0);
-  if (settings.braces == BraceRule::None) return springs;
-  const std::vector<Edge> pairs = findEqualLengthPairs(welded.points, edges);
-  return joinSorted(springs, makeSprings(pairs, SpringKind::Brace, settings.braceWeight));
+  std::vector<NetworkSpring> springs;
+  for (Piece& piece : splitIntoPieces(welded)) {
+    describeEdges(piece.shape, welded.report);
+    addSprings(piece, piece.shape.edges, SpringKind::Structural, 1.0, springs);
+    addSprings(piece, findBraces(piece.shape, settings), SpringKind::Brace, weightOf(settings), springs);
+  }
+  std::sort(springs.begin(), springs.end(), [](const NetworkSpring& s, const NetworkSpring& t) {
+    return s.a != t.a ? s.a < t.a : s.b < t.b;
+  });
+  return springs;
 }
 
 RenderSurface makeRenderSurface(const TriangleMesh& mesh, const WeldedMesh& welded) {
@@ -49,17 +115,15 @@ RenderSurface makeRenderSurface(const TriangleMesh& mesh, const WeldedMesh& weld
 }  // namespace
 
 Result<SharedNetwork> buildNetwork(const TriangleMesh& mesh, const NetworkSettings& settings) {
-  if (settings.braces != BraceRule::None && !std::isfinite(settings.braceWeight) || settings.braceWeight <= 0.0) {
-    return Error{"the brace weight is " + std::to_string(settings.braceWeight) + ", it must be above 0"};
-  }
+  const std::string reason = checkSettings(settings);
+  if (!reason.empty()) return Error{reason};
   Result<WeldedMesh> welded = weld(mesh, settings.weldTolerance);
   if (!welded) return Error{welded.error()};
 
   auto network = std::make_shared<SpringNetwork>();
   network->kind = NetworkKind::Solid;
   network->springs = connect(*welded, settings);
-  network->massShares =
-      std::vector<double>(welded->points.size(), 1.0 / static_cast<double>(welded->points.size()));
+  network->massShares = shareMass(settings.masses, welded->points, welded->triangles).shares;
   network->render = makeRenderSurface(mesh, *welded);
   network->report = welded->report;
   network->restPoints = std::move(welded->points);

@@ -69,7 +69,7 @@ struct Dynamics {
     const PointState rest = stateAt(body.rest);
     std::vector<double> sums;
     springBound = frequencyBoundSquared(body.springs, rest.inverseMass, sums);
-    restBound = boundSquared(rest);
+    restBound = boundSquared(rest, 0.0);
     step = restBound > 0.0 ? kStepShare * 2.0 / std::sqrt(restBound) : 1.0;
     const double length = meanLength(body.springs);
     restEnergy = kRestEnergy * length * length;
@@ -82,8 +82,10 @@ struct Dynamics {
     state.inverseMass.setOnes();
     return state;
   }
-  double boundSquared(const PointState& state) {
-    return springBound + (body.volumes.empty() ? 0.0 : volumeFrequencyBoundSquared(body.volumes, state));
+  /// rad^2/s^2, for the next `time` seconds.
+  double boundSquared(const PointState& state, double time) {
+    return springBound +
+           (body.volumes.empty() ? 0.0 : volumeFrequencyBoundSquared(body.volumes, state, time));
   }
   SteppedBody stepped(PointState& state) {
     SteppedBody s{&state, &body.springs, nullptr};
@@ -108,7 +110,7 @@ bool isWild(const Dynamics& dynamics, const Run& run, double bound) {
 /// share theirs.
 void chooseStep(Dynamics& dynamics, Run& run) {
   if (run.substeps == kCalmSubsteps && run.looks % kCalmLooks != 0) return;
-  const double bound = dynamics.boundSquared(run.state);
+  const double bound = dynamics.boundSquared(run.state, dynamics.step);
   const bool wild = isWild(dynamics, run, bound);
   const double stable = (wild ? kWildShare : kCalmShare) * 2.0 / std::sqrt(bound);
   run.substeps = wild ? kWildSubsteps : kCalmSubsteps;

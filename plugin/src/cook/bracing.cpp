@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: Zlib
+#include "cook/bracing.h"
+
+#include "cook/antipodal_braces.h"
+#include "cook/counterexample_braces.h"
+#include "cook/soft_mode_braces.h"
+#include "cook/two_ring_braces.h"
+
+#include <Eigen/Dense>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+
+namespace limber {
+namespace {
+
+/// Thickness over size below which a piece counts as flat.
+constexpr double kFlat = 1e-3;
+
+/// Chords per point below which an open piece counts as without an inside.
+constexpr double kLeastChords = 0.125;
+
+/// Root mean square distance from the best plane over that from the centre.
+double thickness(const std::vector<Eigen::Vector3d>& points) {
+  Eigen::Vector3d centre = Eigen::Vector3d::Zero();
+  for (const Eigen::Vector3d& p : points) centre += p / static_cast<double>(points.size());
+  Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
+  for (const Eigen::Vector3d& p : points) covariance += (p - centre) * (p - centre).transpose();
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(covariance, Eigen::EigenvaluesOnly);
+  const double trace = covariance.trace();
+  return trace > 0.0 ? std::sqrt(std::max(0.0, axes.eigenvalues()[0]) / trace) : 0.0;
+}
+
+double sixVolumes(const PieceToBrace& piece) {
+  const std::vector<Eigen::Vector3d>& x = piece.points;
+  double sum = 0.0;
+  for (const Triangle& t : piece.triangles)
+    sum += (x[t[0]] - x[0]).dot((x[t[1]] - x[t[0]]).cross(x[t[2]] - x[t[0]]));
+  return sum;
+}
+
+SpringNetwork bareNetwork(const PieceToBrace& piece) {
+  SpringNetwork network;
+  network.restPoints = piece.points;
+  network.surface = piece.triangles;
+  if (sixVolumes(piece) < 0.0)
+    for (Triangle& t : network.surface) std::swap(t[1], t[2]);
+  for (const Edge& e : piece.edges) network.springs.push_back({e[0], e[1], SpringKind::Structural, 1.0});
+  network.report.openEdges = piece.keepsVolume ? 0 : 1;
+  return network;
+}
+
+/// Asks progress and clock whether to go on; once not, never again.
+class Patience {
+ public:
+  explicit Patience(const NetworkSettings& settings) : settings_(settings) {}
+
+  GoOn during(const char* what) {
+    return [this, what](double done) { return going_ = going_ && inTime() && told(what, done); };
+  }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+
+  bool inTime() const {
+    return settings_.mostSeconds == 0.0 ||
+           std::chrono::duration<double>(Clock::now() - begin_).count() < settings_.mostSeconds;
+  }
+  bool told(const char* what, double done) const {
+    return !settings_.progress || settings_.progress(what, done);
+  }
+
+  const NetworkSettings& settings_;
+  Clock::time_point begin_ = Clock::now();
+  bool going_ = true;
+};
+
+}  // namespace
+
+std::vector<Edge> bracePiece(const PieceToBrace& piece, const NetworkSettings& settings, double weight) {
+  const double n = static_cast<double>(piece.points.size());
+  if (thickness(piece.points) < kFlat) return findTwoRingPairs(piece.points.size(), piece.edges);
+  SpringNetwork network = bareNetwork(piece);
+  InsideChords chords(network.restPoints, network.surface, piece.edges);
+  BracedPiece braced{
+      std::move(network), std::move(chords), weight, static_cast<std::size_t>(settings.mostBraces * n), {}};
+  Patience patience(settings);
+  if (!patience.during("bracing: chords")(0.0)) return {};
+  addAntipodalBraces(braced);
+  if (!piece.closed && static_cast<double>(braced.braces.size()) < kLeastChords * n)
+    return findTwoRingPairs(piece.points.size(), piece.edges);
+  addSoftModeBraces(braced, settings.seed, patience.during("bracing: soft modes"));
+  addCounterexampleBraces(braced, settings.seed, patience.during("bracing: wrong shapes"));
+  std::sort(braced.braces.begin(), braced.braces.end());
+  return braced.braces;
+}
+
+}  // namespace limber

@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: Zlib
+#include "cook/soft_mode_braces.h"
+
+#include "cook/largest_eigenvalue.h"
+#include "cook/rigidity.h"
+#include "cook/stiffness_matrix.h"
+
+#include <algorithm>
+
+namespace limber {
+namespace {
+
+constexpr int kMostRounds = 40;
+constexpr std::size_t kLeastModes = 30, kMostModes = 150;  // looked at together
+constexpr std::size_t kMostCandidates = 100000;
+
+/// Modes are braced somewhat beyond the goal: the estimate of their new stiffness leaves out that they give
+/// way sideways.
+constexpr double kBeyond = 3.0;
+
+double stiffestOf(const SpringNetwork& network) {
+  const SparseMatrix stiffness = stiffnessMatrix(rigidityMatrix(network));
+  return largestEigenvalue([&](const Eigen::VectorXd& x) -> Eigen::VectorXd { return stiffness * x; },
+                           stiffness.rows());
+}
+
+/// By how much a unit of each mode stretches each pair, squared.
+BraceChoice stretches(const BracedPiece& piece, const Modes& modes, std::uint64_t seed) {
+  const std::vector<Eigen::Vector3d>& points = piece.network.restPoints;
+  BraceChoice choice(static_cast<std::size_t>(modes.shapes.cols()),
+                     candidatePairs(piece, kMostCandidates, seed));
+  for (std::size_t p = 0; p < choice.pairs.size(); ++p) {
+    const auto [a, b] = choice.pairs[p];
+    const Eigen::RowVector3d n = (points[b] - points[a]).normalized().transpose();
+    const Eigen::RowVectorXd stretch = n * (modes.shapes.middleRows<3>(3 * Eigen::Index(b)) -
+                                            modes.shapes.middleRows<3>(3 * Eigen::Index(a)));
+    choice.benefit.col(static_cast<Eigen::Index>(p)) = stretch.cwiseAbs2().transpose().cast<float>();
+  }
+  return choice;
+}
+
+/// Adds braces until each mode's eigenvalue has, to first order, reached the goal: a brace of stiffness w
+/// that a unit of the mode stretches by c adds  w c^2.  Softer modes weigh more, by the square.
+bool braceModes(BracedPiece& piece, const Modes& modes, double goal, std::uint64_t seed) {
+  BraceChoice choice = stretches(piece, modes, seed);
+  Eigen::VectorXf eigenvalues = modes.eigenvalues.cast<float>().cwiseMax(static_cast<float>(1e-3 * goal));
+  bool added = false;
+  while (!piece.full()) {
+    const Eigen::VectorXf weights = (eigenvalues.array() < static_cast<float>(goal))
+                                        .select(eigenvalues.array().square().inverse(), 0.0f)
+                                        .matrix();
+    if (weights.maxCoeff() <= 0.0f) break;
+    const Eigen::VectorXf gains = addBest(piece, choice, weights);
+    if (gains.size() == 0) break;
+    eigenvalues += static_cast<float>(piece.weight) * gains;
+    added = true;
+  }
+  return added;
+}
+
+}  // namespace
+
+void addSoftModeBraces(BracedPiece& piece, std::uint64_t seed, const GoOn& goOn) {
+  const std::size_t count = std::clamp(piece.network.restPoints.size() / 8, kLeastModes, kMostModes);
+  for (int round = 0; round < kMostRounds && !piece.full(); ++round) {
+    if (!goOn(static_cast<double>(round) / kMostRounds)) return;
+    const Modes modes = softestModes(piece.network, count);
+    if (modes.eigenvalues.size() == 0) return;
+    const double least = kLeastModeRatio * stiffestOf(piece.network);
+    if (modes.eigenvalues[0] >= least) return;
+    if (!braceModes(piece, modes, kBeyond * least, seed + static_cast<std::uint64_t>(round))) return;
+  }
+}
+
+}  // namespace limber
