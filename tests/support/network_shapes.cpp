@@ -140,7 +140,7 @@ TriangleMesh ico162() { return small_meshes::icosphere(2); }
 TriangleMesh ico642() { return small_meshes::icosphere(3); }
 
 TriangleMesh hull60() {
-  limber::Random random(1);
+  limber::Random random(2);
   TriangleMesh mesh;
   for (int i = 0; i < 60; ++i) mesh.positions.push_back(0.5 * random.direction());
   addHull(mesh);

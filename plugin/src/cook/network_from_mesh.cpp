@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include <limber/network_builder.h>
 
-#include "core/equal_length_braces.h"
+#include "cook/equal_length_braces.h"
 #include "core/mesh_edges.h"
 
 #include <algorithm>
@@ -49,7 +49,7 @@ RenderSurface makeRenderSurface(const TriangleMesh& mesh, const WeldedMesh& weld
 }  // namespace
 
 Result<SharedNetwork> buildNetwork(const TriangleMesh& mesh, const NetworkSettings& settings) {
-  if (!std::isfinite(settings.braceWeight) || settings.braceWeight <= 0.0) {
+  if (settings.braces != BraceRule::None && !std::isfinite(settings.braceWeight) || settings.braceWeight <= 0.0) {
     return Error{"the brace weight is " + std::to_string(settings.braceWeight) + ", it must be above 0"};
   }
   Result<WeldedMesh> welded = weld(mesh, settings.weldTolerance);

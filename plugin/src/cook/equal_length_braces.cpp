@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-#include "core/equal_length_braces.h"
+#include "cook/equal_length_braces.h"
 
 #include <algorithm>
 #include <cmath>

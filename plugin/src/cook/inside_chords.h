@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: Zlib
+#pragma once
+
+#include "cook/triangle_bvh.h"
+#include "core/mesh_edges.h"
+
+#include <cstdint>
+#include <unordered_map>
+#include <vector>
+
+namespace limber {
+
+/// Which pairs of points of a closed surface may still be joined by a brace: those without a spring whose
+/// chord stays inside. Asks the surface about a pair once at most.
+class InsideChords {
+ public:
+  /// Triangles outwards; `edges` are the springs there are.
+  InsideChords(const std::vector<Eigen::Vector3d>& points, const std::vector<Triangle>& triangles,
+               const std::vector<Edge>& edges);
+
+  const TriangleBvh& surface() const { return surface_; }
+  double size() const { return size_; }  ///< m, the largest extent
+
+  bool joined(std::uint32_t a, std::uint32_t b) const;
+  bool allowed(std::uint32_t a, std::uint32_t b);
+  void join(std::uint32_t a, std::uint32_t b);
+
+ private:
+  std::vector<Eigen::Vector3d> points_;
+  double size_;
+  TriangleBvh surface_;
+  std::vector<std::vector<std::uint32_t>> neighbours_;  ///< #points, in either direction
+  std::unordered_map<std::uint64_t, bool> inside_;      ///< of pairs asked for so far
+};
+
+}  // namespace limber

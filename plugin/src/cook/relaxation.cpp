@@ -1,0 +1,263 @@
+// SPDX-License-Identifier: Zlib
+#include "cook/relaxation.h"
+
+#include "cook/deformations.h"
+#include "cook/energy_descent.h"
+#include "core/body_measures.h"
+#include "core/quad_step.h"
+#include "core/spring_lanes.h"
+#include "core/stepping_choice.h"
+
+#include <Eigen/SVD>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <list>
+
+namespace limber {
+namespace {
+
+constexpr double kDrag = 0.05;       // 1/s, at unit mass and spring constant
+constexpr double kStepShare = 0.75;  // of the stable step at rest
+constexpr double kMostTime = 600.0;  // s; by then drag alone has taken 13 powers of ten of the energy
+constexpr double kLeastTime = 10.0;  // s before a body counts as at rest: it starts without speed
+
+// Substeps between two looks at a run, at which its step is chosen: few while it is wild, that is, while its
+// step must be much smaller than at rest or its points move far (of the size, root mean square) between two
+// looks at a calm one. A calm run's step is not chosen anew at each look.
+constexpr int kCalmSubsteps = 8, kWildSubsteps = 1;
+constexpr int kCalmLooks = 8;
+constexpr double kWildBound = 1.5;  // times the square of the frequency bound at rest
+constexpr double kFar = 0.5;
+constexpr double kCalmShare = 0.95, kWildShare = 0.6;  // of the stable step
+constexpr int kMostHalvings = 12;                      // of the step at rest
+
+/// J over the square of the mean spring length, kinetic: too little to flip a point through its neighbours.
+constexpr double kRestEnergy = 1e-2;
+constexpr double kLeastForce = 2e-6;  // N, of the descent
+constexpr std::size_t kMostDescent = 3000;
+
+double meanLength(const SpringArrays& springs) {
+  double sum = 0.0;
+  for (const double length : springs.restLength) sum += length;
+  return springs.size() > 0 ? sum / static_cast<double>(springs.size()) : 1.0;
+}
+
+/// One start on its way.
+struct Run {
+  std::size_t index = 0;
+  PointState state;
+  double time = 0.0;  ///< s
+  int looks = 0;
+  int halvings = 0;              ///< of the step at rest
+  int substeps = kWildSubsteps;  ///< until the next look
+};
+
+/// What all runs of a body share.
+struct Dynamics {
+  RelaxedBody& body;
+  double springBound;  ///< rad^2/s^2
+  double restBound;    ///< rad^2/s^2, with the volume term
+  double step;         ///< s, at rest
+  double restEnergy;   ///< J
+  InstructionSet set = bestInstructionSet();
+  LaneBlock block;
+  QuadArrays quads;
+
+  explicit Dynamics(RelaxedBody& relaxed) : body(relaxed) {
+    const PointState rest = stateAt(body.rest);
+    std::vector<double> sums;
+    springBound = frequencyBoundSquared(body.springs, rest.inverseMass, sums);
+    restBound = boundSquared(rest);
+    step = restBound > 0.0 ? kStepShare * 2.0 / std::sqrt(restBound) : 1.0;
+    const double length = meanLength(body.springs);
+    restEnergy = kRestEnergy * length * length;
+  }
+
+  static PointState stateAt(const Points& position) {
+    PointState state;
+    state.resize(position.cols());
+    state.position = position;
+    state.inverseMass.setOnes();
+    return state;
+  }
+  double boundSquared(const PointState& state) {
+    return springBound + (body.volumes.empty() ? 0.0 : volumeFrequencyBoundSquared(body.volumes, state, 0.0));
+  }
+  SteppedBody stepped(PointState& state) {
+    SteppedBody s{&state, &body.springs, nullptr};
+    if (!body.volumes.empty()) s.volumes = &body.volumes;
+    if (canStepQuads()) s.quads = &quads;
+    return s;
+  }
+};
+
+double timeOf(const Dynamics& dynamics, const Run& run) {
+  return run.substeps * std::ldexp(dynamics.step, -run.halvings);
+}
+
+bool isWild(const Dynamics& dynamics, const Run& run, double bound) {
+  const double squaredSpeed =
+      run.state.velocity.squaredNorm() / static_cast<double>(run.state.velocity.cols());
+  const double way = kCalmSubsteps * dynamics.step;
+  return bound > kWildBound * dynamics.restBound || squaredSpeed * way * way > kFar * kFar;
+}
+
+/// The volume term is the stiffer the larger the triangles are. Steps are halves of halves so that many runs
+/// share theirs.
+void chooseStep(Dynamics& dynamics, Run& run) {
+  if (run.substeps == kCalmSubsteps && run.looks % kCalmLooks != 0) return;
+  const double bound = dynamics.boundSquared(run.state);
+  const bool wild = isWild(dynamics, run, bound);
+  const double stable = (wild ? kWildShare : kCalmShare) * 2.0 / std::sqrt(bound);
+  run.substeps = wild ? kWildSubsteps : kCalmSubsteps;
+  run.halvings = 0;
+  while (run.halvings < kMostHalvings && std::ldexp(dynamics.step, -run.halvings) > stable) ++run.halvings;
+}
+
+void stepAlone(Dynamics& dynamics, Run& run) {
+  StepGroup group;
+  group.bodies.push_back(dynamics.stepped(run.state));
+  stepVerlet(group, timeOf(dynamics, run), run.substeps);
+}
+
+/// All with the same step. Lanes pay once three of them are filled.
+void stepTogether(Dynamics& dynamics, const std::vector<Run*>& runs) {
+  if (runs.size() < 3 || laneCount(dynamics.set) < 3) {
+    for (Run* run : runs) stepAlone(dynamics, *run);
+    return;
+  }
+  dynamics.block.lanes.resize(runs.size());
+  for (std::size_t lane = 0; lane < runs.size(); ++lane)
+    dynamics.block.lanes[lane].body = dynamics.stepped(runs[lane]->state);
+  stepLanes(dynamics.block, timeOf(dynamics, *runs.front()), runs.front()->substeps, dynamics.set);
+}
+
+void stepAll(Dynamics& dynamics, std::list<Run>& runs) {
+  for (const int substeps : {kCalmSubsteps, kWildSubsteps})
+    for (int halvings = 0; halvings <= kMostHalvings; ++halvings) {
+      std::vector<Run*> same;
+      for (Run& run : runs)
+        if (run.substeps == substeps && run.halvings == halvings) same.push_back(&run);
+      if (!same.empty()) stepTogether(dynamics, same);
+    }
+}
+
+/// Also when its numbers are none any more.
+bool hasCalmedDown(const Dynamics& dynamics, const Run& run) {
+  if (run.time < kLeastTime) return false;
+  return run.time >= kMostTime || !(0.5 * run.state.velocity.squaredNorm() >= dynamics.restEnergy);
+}
+
+void settle(Dynamics& dynamics, Run& run) {
+  SteppedBody stepped = dynamics.stepped(run.state);
+  const double near = 0.5 * kReturned;
+  descend(stepped, kLeastForce, kMostDescent,
+          [&](const Points& x) { return distanceToRest(dynamics.body, x) < near; });
+}
+
+/// Steps all runs to their next looks and takes those out that are at rest; false once `finish` has said so.
+bool advance(Dynamics& dynamics, std::list<Run>& runs,
+             const std::function<bool(std::size_t, const Points&)>& finish) {
+  for (Run& run : runs) chooseStep(dynamics, run);
+  stepAll(dynamics, runs);
+  for (auto run = runs.begin(); run != runs.end();) {
+    const double time = timeOf(dynamics, *run);
+    run->time += time;
+    ++run->looks;
+    run->state.velocity /= 1.0 + kDrag * time;
+    if (!hasCalmedDown(dynamics, *run)) {
+      ++run;
+      continue;
+    }
+    settle(dynamics, *run);
+    if (!finish(run->index, run->state.position)) return false;
+    run = runs.erase(run);
+  }
+  return true;
+}
+
+SoftBodySettings unitSettings(double size) {
+  SoftBodySettings settings;
+  settings.scale.setConstant(size > 0.0 ? 1.0 / size : 1.0);
+  settings.extensionStiffness = settings.compressionStiffness = 1.0;
+  settings.damping = 0.0;
+  return settings;
+}
+
+Points restPointsOf(const SpringNetwork& network) {
+  Points rest(3, static_cast<Eigen::Index>(network.restPoints.size()));
+  for (Eigen::Index i = 0; i < rest.cols(); ++i)
+    rest.col(i) = network.restPoints[static_cast<std::size_t>(i)];
+  return rest;
+}
+
+std::uint32_t rootOf(std::vector<std::uint32_t>& parent, std::uint32_t i) {
+  while (parent[i] != i) i = parent[i] = parent[parent[i]];
+  return i;
+}
+
+/// The points of each piece that springs hold together.
+std::vector<std::vector<Eigen::Index>> findPieces(const SpringNetwork& network) {
+  std::vector<std::uint32_t> parent(network.restPoints.size());
+  for (std::uint32_t i = 0; i < parent.size(); ++i) parent[i] = i;
+  for (const NetworkSpring& s : network.springs) {
+    const std::uint32_t a = rootOf(parent, s.a), b = rootOf(parent, s.b);
+    parent[std::max(a, b)] = std::min(a, b);
+  }
+  std::vector<std::vector<Eigen::Index>> pieces;
+  std::vector<std::size_t> pieceOfRoot(parent.size(), 0);
+  for (std::uint32_t i = 0; i < parent.size(); ++i) {
+    const std::uint32_t root = rootOf(parent, i);
+    if (root == i) pieceOfRoot[i] = pieces.size(), pieces.emplace_back();
+    pieces[pieceOfRoot[root]].push_back(static_cast<Eigen::Index>(i));
+  }
+  return pieces;
+}
+
+/// Squared distances, summed, after the best rigid motion: with the singular values s of the covariance,
+///     sum |x|^2 + |y|^2 - 2 (s0 + s1 +- s2),  minus where the best map would be a reflection.
+double squaredDistance(const Points& a, const Points& b) {
+  const Points x = a.colwise() - a.rowwise().mean(), y = b.colwise() - b.rowwise().mean();
+  const Eigen::Matrix3d covariance = x * y.transpose();
+  const Eigen::Vector3d s = Eigen::JacobiSVD<Eigen::Matrix3d>(covariance).singularValues();
+  const double sign = covariance.determinant() < 0.0 ? -1.0 : 1.0;
+  return std::max(0.0, x.squaredNorm() + y.squaredNorm() - 2.0 * (s[0] + s[1] + sign * s[2]));
+}
+
+}  // namespace
+
+RelaxedBody::RelaxedBody(const SpringNetwork& network) : rest(restPointsOf(network)) {
+  const SoftBodySettings settings = unitSettings(sizeOf(rest));
+  rest *= settings.scale.x();
+  springs = makeSprings(network, settings);
+  volumes = makeVolumes(network, settings);
+  pieces = findPieces(network);
+}
+
+double distanceToRest(const RelaxedBody& body, const Points& x) {
+  if (!x.allFinite()) return std::numeric_limits<double>::infinity();
+  double sum = 0.0;
+  for (const std::vector<Eigen::Index>& piece : body.pieces)
+    sum += squaredDistance(body.rest(Eigen::all, piece), x(Eigen::all, piece));
+  return std::sqrt(sum / static_cast<double>(x.cols()));
+}
+
+void relax(RelaxedBody& body, std::size_t count, const std::function<Points(std::size_t)>& start,
+           const std::function<bool(std::size_t, const Points&)>& finish) {
+  Dynamics dynamics(body);
+  const auto lanes = static_cast<std::size_t>(laneCount(dynamics.set));
+  std::list<Run> runs;
+  for (std::size_t next = 0; next < count || !runs.empty();) {
+    while (next < count && runs.size() < lanes) {
+      Run run;
+      run.index = next;
+      run.state = Dynamics::stateAt(start(next++));
+      runs.push_back(std::move(run));
+    }
+    if (!advance(dynamics, runs, finish)) return;
+  }
+}
+
+}  // namespace limber
