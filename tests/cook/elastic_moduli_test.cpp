@@ -12,24 +12,43 @@
 namespace limber {
 namespace {
 
-TEST(ElasticModuli, ofABarOfSpringsAreThoseOfTheSprings) {
-  // the edges of the unit cube alone carry stress along the axes: E = 4 k L / A = 4 k per edge length; the
-  // face diagonals of the network, two a face of k, are what holds it against shear
-  const SharedNetwork cube = test::closedCubeNetwork();
-  const ElasticModuli once = measureModuli({*cube, 1000.0}), twice = measureModuli({*cube, 2000.0});
-  EXPECT_NEAR(twice.youngsModulus / once.youngsModulus, 2.0, 1e-9) << "linear in the constant";
-  EXPECT_NEAR(twice.poissonRatio, once.poissonRatio, 1e-9);
-  const ElasticModuli large = measureModuli({*cube, 1000.0, 0.0, Eigen::Vector3d::Constant(2.0)});
-  EXPECT_NEAR(large.youngsModulus / once.youngsModulus, 0.5, 1e-6) << "the same force on four times the area";
+/// 12 points on a sphere of radius 1, 30 springs.
+SharedNetwork icosahedron() {
+  NetworkSettings settings;
+  settings.braces = BraceRule::None;
+  settings.braceWeight = 1.0;
+  return *buildNetwork(small_meshes::icosphere(0), settings);
 }
 
-/// Uniform pressure p on the cube's corners: p / 4 along each edge direction at each corner. By symmetry all
-/// lengths shrink alike by e; the energy is  e^2/2 k sum L^2 = e^2/2 k (12 + 12 * 2)  and  9 K e^2 V / 2.
-TEST(ElasticModuli, bulkModulusOfTheCubeIsExact) {
+const double kEdge = 4.0 / std::sqrt(10.0 + 2.0 * std::sqrt(5.0));
+const double kVolume = 5.0 / 12.0 * (3.0 + std::sqrt(5.0)) * kEdge * kEdge * kEdge;
+
+/// Under uniform pressure all edges shrink alike by e: the energy is  e^2/2 k sum L^2 = 9 K V e^2/2.
+TEST(ElasticModuli, bulkModulusOfAnIcosahedronIsExact) {
+  const SharedNetwork network = icosahedron();
+  const double springs = 1000.0 * 30.0 * kEdge * kEdge / (9.0 * kVolume);
+  // 1e-6: the shift of the matrix
+  EXPECT_NEAR(measureModuli({*network, 1000.0}).bulkModulus / springs, 1.0, 1e-6);
+  EXPECT_NEAR(measureModuli({*network, 1000.0, 500.0}).bulkModulus / (springs + 500.0), 1.0, 1e-6)
+      << "the modulus of the volume inside adds to it";
+}
+
+TEST(ElasticModuli, ofAnIcosahedronAreTheSameInAllDirections) {
+  const SharedNetwork network = icosahedron();
+  const ElasticModuli moduli = measureModuli({*network, 1000.0});
+  EXPECT_NEAR(moduli.isotropy, 1.0, 1e-6);
+  EXPECT_NEAR(moduli.youngsModulus, 3.0 * moduli.bulkModulus * (1.0 - 2.0 * moduli.poissonRatio),
+              1e-5 * moduli.youngsModulus);
+}
+
+TEST(ElasticModuli, scaleWithTheSpringsAndTheSize) {
   const SharedNetwork cube = test::closedCubeNetwork();
-  EXPECT_NEAR(measureModuli({*cube, 1000.0}).bulkModulus, 1000.0 * 36.0 / 9.0, 1e-3);
-  EXPECT_NEAR(measureModuli({*cube, 1000.0, 500.0}).bulkModulus, 4500.0, 1e-3)
-      << "the modulus of the surface's volume adds to it";
+  const ElasticModuli once = measureModuli({*cube, 1000.0}), twice = measureModuli({*cube, 2000.0});
+  EXPECT_NEAR(twice.youngsModulus / once.youngsModulus, 2.0, 1e-9);
+  EXPECT_NEAR(twice.poissonRatio, once.poissonRatio, 1e-9);
+  const ElasticModuli large = measureModuli({*cube, 1000.0, 0.0, Eigen::Vector3d::Constant(2.0)});
+  EXPECT_NEAR(large.youngsModulus / once.youngsModulus, 0.5, 1e-6)
+      << "twice the force on four times the area";
 }
 
 TEST(ElasticModuli, ofABodyThatFallsApartAreNothing) {

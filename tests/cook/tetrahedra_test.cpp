@@ -42,8 +42,7 @@ void expectSound(const TetrahedralMesh& mesh) {
   }
   const EdgeDefects defects = findEdgeDefects(mesh.surface);
   EXPECT_EQ(defects.open + defects.nonManifold + defects.inconsistent, 0u);
-  // one fan around each point: as many edges as triangles, all in one ring; by Euler's formula over the whole
-  // surface, two for each component without handles, so V - E + F is even and E = 3/2 F
+  // one fan around each point: the edges across from it hang together
   std::vector<std::vector<Triangle>> fans(mesh.points.size());
   for (const Triangle& t : mesh.surface)
     for (const std::uint32_t point : t) fans[point].push_back(t);
@@ -166,6 +165,10 @@ TEST(Tetrahedra, sayWhatTheyCannotFill) {
             "the mesh has no inside: at 3 edges its triangles are oriented against each other");
   const WeldedMesh cube = *weld(small_meshes::cube(1));
   EXPECT_EQ(fillWithPoints(cube, 7).error(), "7 points are too few, there must be 8 or more");
+  TriangleMesh flat;  // a square with two sides
+  flat.positions = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}};
+  flat.triangles = {{0, 1, 2}, {0, 2, 3}, {1, 0, 3}, {1, 3, 2}};
+  EXPECT_EQ(fillWithPoints(*weld(flat), 100).error(), "the mesh encloses no volume");
   EXPECT_EQ(fillWithTetrahedra(cube, 0.0).error(), "the spacing is 0, it must be above 0");
   EXPECT_EQ(fillWithTetrahedra(cube, 1e-3).error(),
             "the spacing of 0.001 m needs a lattice of 2.04e+09 sites, it may have 4e+06");

@@ -20,12 +20,13 @@ struct ElasticBody {
 /// How a body answers to small uniform stresses, as a piece of material: for a homogeneous isotropic solid of
 /// any shape these are the material's own constants, in all directions.
 struct ElasticModuli {
-  std::vector<double> youngsModuli;        ///< Pa, for each of 40 directions
-  double youngsModulus = 0.0;              ///< Pa, their mean
-  double isotropy = 0.0;                   ///< the smallest over the largest
-  double poissonRatio = 0.0;               ///< mean over the directions
-  double bulkModulus = 0.0;                ///< Pa
-  Eigen::Matrix<double, 6, 6> elasticity;  ///< Pa, Voigt: xx yy zz yz zx xy, shear strains doubled
+  std::vector<double> youngsModuli;  ///< Pa, for each of 40 directions
+  double youngsModulus = 0.0;        ///< Pa, their mean
+  double isotropy = 0.0;             ///< the smallest over the largest
+  double poissonRatio = 0.0;         ///< mean over the directions
+  double bulkModulus = 0.0;          ///< Pa
+  /// Pa, Voigt: xx yy zz yz zx xy, shear strains doubled
+  Eigen::Matrix<double, 6, 6> elasticity = Eigen::Matrix<double, 6, 6>::Zero();
 };
 
 /// Pulls at the surface as a uniform stress would, along and across the axes, and solves for the linear

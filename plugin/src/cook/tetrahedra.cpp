@@ -24,8 +24,12 @@ constexpr double kMostSites = 4e6;
 /// A part of the body with less than this share of a piece's volume is a crumb that may go.
 constexpr double kCrumb = 0.01;
 
-/// The least stretching of the lattice along an axis: flat lattices have sharp angles.
-constexpr double kLeastStretch = 0.8;
+/// The least and the most stretching of the lattice along an axis: flat lattices have sharp angles.
+constexpr double kLeastStretch = 0.8, kMostStretch = 1.25;
+
+/// A surface that encloses less than this share of its box is flat.
+constexpr double kLeastVolume = 1e-6;
+constexpr char kNoVolume[] = "the mesh encloses no volume";
 
 /// How much the volume that is missing before the fit counts beside the number of points that is missed, both
 /// as logarithms: a lattice that lies well in the body is worth some points.
@@ -37,7 +41,7 @@ BccLattice placeLattice(const Eigen::AlignedBox3d& box, double spacing) {
   BccLattice lattice;
   for (int i = 0; i < 3; ++i) {
     const double extent = box.sizes()[i], across = std::max(1.0, std::round(extent / spacing));
-    lattice.spacing[i] = std::max(extent / across, kLeastStretch * spacing);
+    lattice.spacing[i] = std::clamp(extent / across, kLeastStretch * spacing, kMostStretch * spacing);
     lattice.cells[i] = static_cast<int>(across) + 5;
     lattice.origin[i] = box.center()[i] - (0.5 * across + 2.0) * lattice.spacing[i];
   }
@@ -65,9 +69,12 @@ Eigen::MatrixXi countEncounters(const TetrahedralMesh& mesh, const SolidSurface&
     for (const std::uint32_t point : mesh.tetrahedra[t]) partOfPoint[point] = partOfTetrahedron[t];
   }
   Eigen::MatrixXi count = Eigen::MatrixXi::Zero(parts, static_cast<Eigen::Index>(surface.pieces));
+  std::vector<char> isOuter(mesh.points.size(), 0);
   for (const Triangle& t : mesh.surface)
-    for (const std::uint32_t point : t)
-      ++count(partOfPoint[point], surface.pieceOfTriangle[surface.bvh.nearest(mesh.points[point]).triangle]);
+    for (const std::uint32_t point : t) isOuter[point] = 1;
+  for (std::size_t i = 0; i < isOuter.size(); ++i)
+    if (isOuter[i])
+      ++count(partOfPoint[i], surface.pieceOfTriangle[surface.bvh.nearest(mesh.points[i]).triangle]);
   return count;
 }
 
@@ -151,6 +158,8 @@ Trial search(const SolidSurface& surface, double points) {
   return best;
 }
 
+bool isFlat(const SolidSurface& surface) { return surface.volume <= kLeastVolume * surface.box.volume(); }
+
 Result<TetrahedralMesh> finish(Trial trial, const SolidSurface& surface) {
   if (trial.spacing == 0.0) return Error{"so many points need a lattice that is too large"};
   if (!trial.loss.empty())
@@ -167,6 +176,7 @@ Result<TetrahedralMesh> fillWithTetrahedra(const WeldedMesh& mesh, double spacin
   if (!std::isfinite(spacing) || spacing <= 0.0)
     return Error{"the spacing is " + say(spacing) + ", it must be above 0"};
   const SolidSurface surface = makeSolidSurface(mesh);
+  if (isFlat(surface)) return Error{kNoVolume};
   if (const double sites = sitesNeeded(surface.box, spacing); sites > kMostSites)
     return Error{"the spacing of " + say(spacing) + " m needs a lattice of " + say(sites) +
                  " sites, it may have " + say(kMostSites)};
@@ -177,6 +187,7 @@ Result<TetrahedralMesh> fillWithPoints(const WeldedMesh& mesh, std::size_t point
   if (std::string reason = whyNotSolid(mesh.report); !reason.empty()) return Error{std::move(reason)};
   if (points < 8) return Error{std::to_string(points) + " points are too few, there must be 8 or more"};
   const SolidSurface surface = makeSolidSurface(mesh);
+  if (isFlat(surface)) return Error{kNoVolume};
   return finish(search(surface, static_cast<double>(points)), surface);
 }
 
