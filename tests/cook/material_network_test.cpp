@@ -83,7 +83,8 @@ TEST(MaterialNetwork, scalesWithItsBody) {
     settings.scale = scale;
     settings.friction = 0.7;
     const SoftBodySettings made = *withMaterial(*network, material, settings);
-    EXPECT_NEAR(measure(*network, made).youngsModulus / 1e5, 1.0, 0.01);
+    // stretched unevenly, the springs no longer are what was fitted to be alike in all directions
+    EXPECT_NEAR(measure(*network, made).youngsModulus / 1e5, 1.0, 0.02);
     EXPECT_NEAR(made.totalMass, 500.0 * volumeOfAll(*network) * std::abs(scale.prod()), 1e-9);
     EXPECT_EQ(made.friction, 0.7) << "all else stays";
   }
