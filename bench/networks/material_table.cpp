@@ -2,6 +2,8 @@
 #include "networks/material_table.h"
 
 #include "cook/elastic_moduli.h"
+#include "cook/spring_constants.h"
+#include "cook/tetrahedra.h"
 #include "support/network_shapes.h"
 #include "text_format.h"
 
@@ -34,29 +36,26 @@ ElasticModuli moduliOf(const SpringNetwork& network, double stiffnessPerModulus)
   return measureModuli(body);
 }
 
-/// Mean over the springs of k L^2 / V of a body of modulus 1, which refining must not change:
-/// stiffnessPerModulus times scales of mean 1, relative to what Van Gelder's formula alone gives.
-double calibrationOf(const SpringNetwork& network) {
-  double sum = 0.0, volume = 0.0;
-  for (const NetworkSpring& s : network.springs)
-    sum += network.stiffnessPerModulus * s.stiffnessScale *
-           (network.restPoints[s.b] - network.restPoints[s.a]).squaredNorm();
-  for (const Tetrahedron& t : network.tetrahedra) {
-    const auto& x = network.restPoints;
-    const Eigen::Vector3d a = x[t[1]] - x[t[0]], b = x[t[2]] - x[t[0]], c = x[t[3]] - x[t[0]];
-    volume += a.dot(b.cross(c)) / 6.0;
-  }
-  return sum / volume;
+/// The factor by which the springs of a lattice of so many points miss the modulus before they are
+/// calibrated.
+double calibrationOf(const TriangleMesh& mesh, std::size_t points) {
+  const TetrahedralMesh filled = valueOf(fillWithPoints(valueOf(weld(mesh)), points));
+  SpringNetwork network;
+  network.restPoints = filled.points;
+  network.tetrahedra = filled.tetrahedra;
+  network.surface = filled.surface;
+  return setMaterialSprings(network);
 }
 
 MaterialRow measureRow(const network_shapes::NamedShape& shape, std::uint32_t points) {
-  const SharedNetwork coarse = filled(shape.make(), points), fine = filled(shape.make(), 4 * points);
+  const TriangleMesh mesh = shape.make();
+  const SharedNetwork coarse = filled(mesh, points), fine = filled(mesh, 4 * points);
   const ElasticModuli moduli = moduliOf(*coarse, coarse->stiffnessPerModulus);
   MaterialRow row{shape.name, coarse->restPoints.size(), fine->restPoints.size()};
   row.youngError = std::abs(moduli.youngsModulus / kYoung - 1.0);
   row.isotropy = moduli.isotropy;
   row.poissonRatio = moduli.poissonRatio;
-  row.drift = std::abs(calibrationOf(*coarse) / calibrationOf(*fine) - 1.0);
+  row.drift = std::abs(calibrationOf(mesh, 4 * points) / calibrationOf(mesh, points) - 1.0);
   return row;
 }
 

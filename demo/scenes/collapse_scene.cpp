@@ -49,8 +49,8 @@ std::string addCube(Scene& scene, const SharedNetwork& network, SoftBodySettings
 void addFloorAndView(Scene& scene, double half, double radius) {
   addFloor(scene, 1.5 * half + 8.0, radius);
   const Eigen::Vector3d reach(2.0 * half, 0.0, half);
-  scene.view.box = Eigen::AlignedBox3d(-reach, reach + Eigen::Vector3d(0.0, 1.5, 0.0));
-  scene.view.direction = {0.0, 0.6, 1.0};
+  scene.view.box = Eigen::AlignedBox3d(-reach, reach + Eigen::Vector3d(0.0, 0.5, 0.0));
+  scene.view.direction = {0.0, 0.4, 1.0};
 }
 
 }  // namespace
