@@ -19,14 +19,14 @@ namespace {
 
 // The search, in loads m g / (k L).
 constexpr double kLightest = 1e-6, kFirst = 1e-3, kHeaviest = 20.0;
-constexpr double kStride = 1.25;  // beyond what is too much a body can come back by luck
-constexpr double kPrecision = 1.02;
+constexpr double kStride = 1.6;  // beyond what is too much a body can come back by luck
+constexpr double kPrecision = 1.04;
 
 // The motion, in units of the size, the mean mass of a point and the stiffness.
-constexpr double kDrag = 0.05;
+constexpr double kDrag = 0.1;
 constexpr double kFriction = 0.5;
 constexpr double kStepShare = 0.5;       // of the safe step
-constexpr double kSettlingTime = 600.0;  // at most; drag takes seven powers of ten of the energy
+constexpr double kSettlingTime = 300.0;  // at most; drag takes seven powers of ten of the energy
 constexpr double kFallTimes = 10.0;      // or so often the time of falling through the size
 constexpr double kCalmSpeed = 1e-3;      // root mean square over the load: at rest, when it lasts
 constexpr int kCalmSteps = 20;
