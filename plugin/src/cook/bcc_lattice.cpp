@@ -64,8 +64,8 @@ std::array<std::uint32_t, 4> latticeTetrahedron(const BccLattice& lattice, std::
     c[(axis + 2) % 3] += q % 4 < 2 ? 1 : -1;
     return siteAt(lattice, c);
   };
-  const std::array<std::uint32_t, 4> sites{
-      site, neighbour(lattice, site, static_cast<std::uint32_t>(axis)), centre(quarter), centre(quarter + 1)};
+  const std::array<std::uint32_t, 4> sites{site, neighbour(lattice, site, static_cast<std::uint32_t>(axis)),
+                                           centre(quarter), centre(quarter + 1)};
   const bool complete = sites[1] != kNone && sites[2] != kNone && sites[3] != kNone;
   return complete ? sites : std::array<std::uint32_t, 4>{kNone, kNone, kNone, kNone};
 }

@@ -15,9 +15,9 @@ constexpr std::uint32_t kNone = 0xffffffffu;
 /// whole coordinates, in half spacings, all even (corners) or all odd (centres); its number is
 /// 2 (x + cells_x (y + cells_y z)) + 1 for centres, of the cell that it is the lower corner or the centre of.
 struct BccLattice {
-  Eigen::Vector3d origin = Eigen::Vector3d::Zero();  ///< m, of site 0
+  Eigen::Vector3d origin = Eigen::Vector3d::Zero();   ///< m, of site 0
   Eigen::Vector3d spacing = Eigen::Vector3d::Zero();  ///< m, along each axis
-  Eigen::Vector3i cells = Eigen::Vector3i::Zero();   ///< along each axis
+  Eigen::Vector3i cells = Eigen::Vector3i::Zero();    ///< along each axis
 
   std::uint32_t size() const { return 2 * static_cast<std::uint32_t>(cells.prod()); }
 };

@@ -25,7 +25,8 @@ struct ElasticModuli {
   double isotropy = 0.0;             ///< the smallest over the largest
   double poissonRatio = 0.0;         ///< mean over the directions
   double bulkModulus = 0.0;          ///< Pa
-  Eigen::Matrix<double, 6, 6> elasticity;  ///< Pa, Voigt: xx yy zz yz zx xy, shear strains doubled
+  /// Pa, Voigt: xx yy zz yz zx xy, shear strains doubled
+  Eigen::Matrix<double, 6, 6> elasticity = Eigen::Matrix<double, 6, 6>::Zero();
 };
 
 /// Pulls at the surface as a uniform stress would, along and across the axes, and solves for the linear

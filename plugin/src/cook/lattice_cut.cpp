@@ -87,8 +87,7 @@ void warp(CutLattice& cut) {
     cut.positions[site] = cut.cuts[c];
     cut.side[site] = 0;
     for (std::uint32_t d = 0; d < kNeighbours; ++d)
-      if (neighbour(cut.lattice, site, d) != kNone)
-        cut.cutOfEdge[edgeNumber(cut.lattice, site, d)] = kNone;
+      if (neighbour(cut.lattice, site, d) != kNone) cut.cutOfEdge[edgeNumber(cut.lattice, site, d)] = kNone;
   }
 }
 

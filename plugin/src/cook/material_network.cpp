@@ -56,8 +56,7 @@ std::string check(const Material& m) {
     return outOfRange("youngsModulus", m.youngsModulus, "above 0");
   if (!(m.poissonRatio >= 0.25 && m.poissonRatio < 0.5))
     return outOfRange("poissonRatio", m.poissonRatio, "from 0.25 to below 0.5");
-  if (!std::isfinite(m.density) || m.density <= 0.0)
-    return outOfRange("density", m.density, "above 0");
+  if (!std::isfinite(m.density) || m.density <= 0.0) return outOfRange("density", m.density, "above 0");
   return {};
 }
 

@@ -101,9 +101,14 @@ void analyseSmallDeformations(const SpringNetwork& network, NetworkAnalysis& a) 
 
 void analyseLargeDeformations(const SpringNetwork& network, const AnalysisSettings& settings,
                               NetworkAnalysis& a) {
-  for (std::size_t kind = 0; kind < kDeformations && settings.runs > 0; ++kind)
-    a.returns[kind] = measureReturns(network, static_cast<Deformation>(kind), settings.runs, settings.seed,
-                                     settings.progress);
+  for (std::size_t kind = 0; kind < kDeformations && settings.runs > 0; ++kind) {
+    const Progress ofAll = [&](const char* what, double done) {
+      return !settings.progress ||
+             settings.progress(what, (static_cast<double>(kind) + done) / kDeformations);
+    };
+    a.returns[kind] =
+        measureReturns(network, static_cast<Deformation>(kind), settings.runs, settings.seed, ofAll);
+  }
   const double least = leastStiffness(network, bodySettings(settings), settings.gravity);
   a.leastStiffness = std::isfinite(least) ? least : 0.0;
 }

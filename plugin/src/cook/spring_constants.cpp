@@ -25,8 +25,10 @@ constexpr double kSurfaceFactor = 1.6;
 
 constexpr int kSweeps = 60;
 
-/// Times that the elasticity asked for is corrected by the one that the body turns out to have.
-constexpr int kCorrections = 4;
+/// Times at most that the elasticity asked for is corrected by the one that the body turns out to have, and
+/// the isotropy that is enough.
+constexpr int kCorrections = 10;
+constexpr double kEnoughIsotropy = 0.96;
 
 struct Edges {
   std::vector<Edge> ends;            ///< #edges, sorted
@@ -110,7 +112,7 @@ void normalise(SpringNetwork& network, double measuredModulus) {
 
 }  // namespace
 
-void setMaterialSprings(SpringNetwork& network) {
+double setMaterialSprings(SpringNetwork& network) {
   const Edges edges = collectEdges(network);
   const FourthDegree isotropic = isotropicElasticity();
   FourthDegree wanted = isotropic;
@@ -124,10 +126,13 @@ void setMaterialSprings(SpringNetwork& network) {
       best = x;
       bestModuli = moduli;
     }
+    if (moduli.isotropy > kEnoughIsotropy) break;
     wanted += isotropic - symmetricPart(moduli.elasticity) / moduli.youngsModulus;
+    wanted *= isotropic.squaredNorm() / isotropic.dot(wanted);  // its shape alone: E is calibrated
   }
   setSprings(network, edges, best);
   normalise(network, bestModuli.youngsModulus);
+  return bestModuli.youngsModulus;
 }
 
 }  // namespace limber

@@ -64,8 +64,7 @@ Vector3d meetingOfPlanes(const Fit& fit, std::uint32_t point, const SolidSurface
     const Triangle& t = fit.mesh.surface[i];
     const double weight = (points[t[1]] - points[t[0]]).cross(points[t[2]] - points[t[0]]).norm();
     for (std::size_t corner = 0; corner < 3; ++corner) {
-      const Vector3d sample =
-          (points[t[0]] + points[t[1]] + points[t[2]] + 3.0 * points[t[corner]]) / 6.0;
+      const Vector3d sample = (points[t[0]] + points[t[1]] + points[t[2]] + 3.0 * points[t[corner]]) / 6.0;
       const SurfaceHit hit = surface.bvh.nearest(sample);
       const Vector3d& normal = surface.normals[hit.triangle];
       left += weight * normal * normal.transpose();
@@ -101,8 +100,9 @@ void fitSurface(TetrahedralMesh& mesh, const SolidSurface& surface) {
     for (const std::uint32_t point : mesh.surface[t]) fit.trianglesAt[point].push_back(t);
   for (int round = 0; round < kRounds; ++round)
     for (std::uint32_t point = 0; point < mesh.points.size(); ++point)
-      moveTowards(fit, point, fit.trianglesAt[point].empty() ? meanOfNeighbours(fit, point)
-                                                             : meetingOfPlanes(fit, point, surface));
+      moveTowards(fit, point,
+                  fit.trianglesAt[point].empty() ? meanOfNeighbours(fit, point)
+                                                 : meetingOfPlanes(fit, point, surface));
 }
 
 }  // namespace limber

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
-#include "cook/tetrahedra.h"
 #include "cook/solid_surface.h"
+#include "cook/tetrahedra.h"
 
 namespace limber {
 

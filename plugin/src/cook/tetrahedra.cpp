@@ -6,6 +6,7 @@
 #include "cook/solid_surface.h"
 #include "cook/surface_fit.h"
 #include "cook/tetrahedra_repair.h"
+#include "cook/tetrahedron_faces.h"
 
 #include <algorithm>
 #include <cmath>
@@ -23,22 +24,25 @@ constexpr double kMostSites = 4e6;
 /// A part of the body with less than this share of a piece's volume is a crumb that may go.
 constexpr double kCrumb = 0.01;
 
-/// The least stretching of the lattice along an axis: flat lattices have sharp angles.
-constexpr double kLeastStretch = 0.8;
+/// The least and the most stretching of the lattice along an axis: flat lattices have sharp angles.
+constexpr double kLeastStretch = 0.8, kMostStretch = 1.25;
 
-/// The search for a number of points: it is found within this share of it, or as near as so many trials come.
-constexpr double kNearEnough = 0.04;
-constexpr int kTrials = 12;
-constexpr double kFiner = 0.97;
+/// A surface that encloses less than this share of its box is flat.
+constexpr double kLeastVolume = 1e-6;
+constexpr char kNoVolume[] = "the mesh encloses no volume";
 
-/// Whole or half cells across the box wherever that stretches them little, so that flat sides of boxes lie in
-/// planes of corners or of centres.
+/// How much the volume that is missing before the fit counts beside the number of points that is missed, both
+/// as logarithms: a lattice that lies well in the body is worth some points.
+constexpr double kVolumeWeight = 4.0;
+
+/// Whole cells across the box wherever that stretches them little, so that flat sides of boxes lie in the
+/// lattice.
 BccLattice placeLattice(const Eigen::AlignedBox3d& box, double spacing) {
   BccLattice lattice;
   for (int i = 0; i < 3; ++i) {
-    const double extent = box.sizes()[i], across = std::max(1.0, 0.5 * std::round(2.0 * extent / spacing));
-    lattice.spacing[i] = std::max(extent / across, kLeastStretch * spacing);
-    lattice.cells[i] = static_cast<int>(across) + 6;
+    const double extent = box.sizes()[i], across = std::max(1.0, std::round(extent / spacing));
+    lattice.spacing[i] = std::clamp(extent / across, kLeastStretch * spacing, kMostStretch * spacing);
+    lattice.cells[i] = static_cast<int>(across) + 5;
     lattice.origin[i] = box.center()[i] - (0.5 * across + 2.0) * lattice.spacing[i];
   }
   return lattice;
@@ -65,9 +69,12 @@ Eigen::MatrixXi countEncounters(const TetrahedralMesh& mesh, const SolidSurface&
     for (const std::uint32_t point : mesh.tetrahedra[t]) partOfPoint[point] = partOfTetrahedron[t];
   }
   Eigen::MatrixXi count = Eigen::MatrixXi::Zero(parts, static_cast<Eigen::Index>(surface.pieces));
+  std::vector<char> isOuter(mesh.points.size(), 0);
   for (const Triangle& t : mesh.surface)
-    for (const std::uint32_t point : t)
-      ++count(partOfPoint[point], surface.pieceOfTriangle[surface.bvh.nearest(mesh.points[point]).triangle]);
+    for (const std::uint32_t point : t) isOuter[point] = 1;
+  for (std::size_t i = 0; i < isOuter.size(); ++i)
+    if (isOuter[i])
+      ++count(partOfPoint[i], surface.pieceOfTriangle[surface.bvh.nearest(mesh.points[i]).triangle]);
   return count;
 }
 
@@ -110,23 +117,51 @@ struct Trial {
   TetrahedralMesh mesh;
   double spacing = 0.0;
   std::string loss;
-  double miss = 0.0;  ///< how far from the wanted number of points, as a logarithm
+  double miss = 0.0;     ///< the number of points over the wanted one, as a logarithm
+  double penalty = 0.0;  ///< 0 would be best
 };
 
 Trial fillAt(const SolidSurface& surface, double spacing, double points) {
-  Trial trial{stuff(surface, spacing), spacing, {}, 0.0};
+  Trial trial;
+  trial.mesh = stuff(surface, spacing);
+  trial.spacing = spacing;
   trial.loss = findLoss(trial.mesh, surface);
-  const auto got = static_cast<double>(std::max<std::size_t>(1, trial.mesh.points.size()));
-  trial.miss = std::log(got / points);
+  double volume = 0.0;
+  for (const Tetrahedron& t : trial.mesh.tetrahedra) volume += volumeOf(trial.mesh.points, t);
+  trial.miss = std::log(static_cast<double>(std::max<std::size_t>(1, trial.mesh.points.size())) / points);
+  trial.penalty = std::abs(trial.miss) + kVolumeWeight * std::abs(std::log(volume / surface.volume));
   return trial;
 }
 
-bool isBetter(const Trial& a, const Trial& b) {
-  if (a.loss.empty() != b.loss.empty()) return a.loss.empty();
-  return std::abs(a.miss) < std::abs(b.miss);
+void keepBetter(Trial& best, Trial trial) {
+  const bool isBetter =
+      best.loss.empty() == trial.loss.empty() ? trial.penalty < best.penalty : trial.loss.empty();
+  if (isBetter || best.spacing == 0.0) best = std::move(trial);
 }
 
+/// The spacing for about this many points: two for each cube of the lattice, and those of the surface, so
+/// that the number goes with a power between 2 and 3. It changes in leaps where several rows come at once.
+Trial search(const SolidSurface& surface, double points) {
+  double spacing = std::cbrt(3.0 * surface.volume / points);
+  Trial best;
+  const auto attempt = [&](double at) {
+    if (sitesNeeded(surface.box, at) > kMostSites) return 0.0;
+    Trial trial = fillAt(surface, at, points);
+    const double miss = trial.miss;
+    keepBetter(best, std::move(trial));
+    return miss;
+  };
+  for (int i = 0; i < 5; ++i) spacing *= std::exp(attempt(spacing) / 2.6);
+  const double near = best.spacing;
+  for (const double factor : {0.9, 0.95, 1.05, 1.1}) attempt(factor * near);
+  for (double finer = 0.85 * near; !best.loss.empty() && finer > 0.5 * near; finer *= 0.95) attempt(finer);
+  return best;
+}
+
+bool isFlat(const SolidSurface& surface) { return surface.volume <= kLeastVolume * surface.box.volume(); }
+
 Result<TetrahedralMesh> finish(Trial trial, const SolidSurface& surface) {
+  if (trial.spacing == 0.0) return Error{"so many points need a lattice that is too large"};
   if (!trial.loss.empty())
     return Error{trial.loss + ": it is thinner than a lattice of " + say(trial.spacing) +
                  " m can follow, or oriented inward; take a smaller spacing or more points"};
@@ -141,6 +176,7 @@ Result<TetrahedralMesh> fillWithTetrahedra(const WeldedMesh& mesh, double spacin
   if (!std::isfinite(spacing) || spacing <= 0.0)
     return Error{"the spacing is " + say(spacing) + ", it must be above 0"};
   const SolidSurface surface = makeSolidSurface(mesh);
+  if (isFlat(surface)) return Error{kNoVolume};
   if (const double sites = sitesNeeded(surface.box, spacing); sites > kMostSites)
     return Error{"the spacing of " + say(spacing) + " m needs a lattice of " + say(sites) +
                  " sites, it may have " + say(kMostSites)};
@@ -151,21 +187,8 @@ Result<TetrahedralMesh> fillWithPoints(const WeldedMesh& mesh, std::size_t point
   if (std::string reason = whyNotSolid(mesh.report); !reason.empty()) return Error{std::move(reason)};
   if (points < 8) return Error{std::to_string(points) + " points are too few, there must be 8 or more"};
   const SolidSurface surface = makeSolidSurface(mesh);
-  const auto wanted = static_cast<double>(points);
-  // two sites per cube of the lattice, and those of the surface
-  double spacing = std::cbrt(3.0 * surface.volume / wanted);
-  Trial best;
-  best.loss = "there is no room for points";
-  for (int i = 0; i < kTrials && sitesNeeded(surface.box, spacing) <= kMostSites; ++i) {
-    Trial trial = fillAt(surface, spacing, wanted);
-    const double miss = trial.miss;
-    const bool isGood = trial.loss.empty() && std::abs(miss) < kNearEnough;
-    if (i == 0 || isBetter(trial, best)) best = std::move(trial);
-    if (isGood) break;
-    // near the number wanted, but with a loss: a little finer, until it is mended
-    spacing *= std::abs(miss) < 4.0 * kNearEnough && !best.loss.empty() ? kFiner : std::exp(miss / 2.6);
-  }
-  return finish(std::move(best), surface);
+  if (isFlat(surface)) return Error{kNoVolume};
+  return finish(search(surface, static_cast<double>(points)), surface);
 }
 
 }  // namespace limber

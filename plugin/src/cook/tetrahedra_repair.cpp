@@ -121,7 +121,8 @@ void splitPoints(TetrahedralMesh& mesh) {
 void removeSmallPieces(TetrahedralMesh& mesh, double leastVolume) {
   const Numbers piece = findPieces(mesh.tetrahedra);
   std::vector<double> volume(piece.size(), 0.0);
-  for (std::size_t t = 0; t < piece.size(); ++t) volume[piece[t]] += volumeOf(mesh.points, mesh.tetrahedra[t]);
+  for (std::size_t t = 0; t < piece.size(); ++t)
+    volume[piece[t]] += volumeOf(mesh.points, mesh.tetrahedra[t]);
   std::vector<char> marked(piece.size(), 0);
   for (std::size_t t = 0; t < piece.size(); ++t) marked[t] = volume[piece[t]] < leastVolume;
   removeMarked(mesh.tetrahedra, marked);

@@ -53,7 +53,8 @@ FaceNeighbours findFaceNeighbours(const std::vector<Tetrahedron>& tetrahedra) {
   return neighbours;
 }
 
-std::vector<Triangle> surfaceOf(const std::vector<Tetrahedron>& tetrahedra, const FaceNeighbours& neighbours) {
+std::vector<Triangle> surfaceOf(const std::vector<Tetrahedron>& tetrahedra,
+                                const FaceNeighbours& neighbours) {
   std::vector<Triangle> surface;
   for (std::size_t t = 0; t < tetrahedra.size(); ++t)
     for (std::size_t corner = 0; corner < 4; ++corner)

@@ -12,8 +12,9 @@ namespace limber {
 
 /// The volume term of a body of tetrahedra. Each has the energy  K/2 (V - V0)^2 / V0  of its signed volume V,
 /// which adds K to the first Lame constant of the material and nothing to its shear modulus, and, when it is
-/// crushed to less than kCrushed of its volume or turned over,  G/2 (kCrushed V0 - V)^2 / V0  besides: springs
-/// alone are at rest in a tetrahedron that is inside out. The changes that push are limited as in volume_kernel.h.
+/// crushed to less than kCrushed of its volume or turned over,  G/2 (kCrushed V0 - V)^2 / V0  besides:
+/// springs alone are at rest in a tetrahedron that is inside out. The changes that push are limited as in
+/// volume_kernel.h.
 struct TetrahedronVolumes {
   std::vector<Tetrahedron> tetrahedra;  ///< oriented as at the body's scale
   std::vector<double> restVolume;       ///< #tetrahedra, m^3, above 0
@@ -36,7 +37,8 @@ void addTetrahedronForces(const TetrahedronVolumes& volumes, PointState& state);
 /// J.
 double tetrahedronEnergy(const TetrahedronVolumes& volumes, const Points& position);
 
-/// rad^2/s^2 that the volume term can add to the square of the body's fastest oscillation, at these positions.
+/// rad^2/s^2 that the volume term can add to the square of the body's fastest oscillation, at these
+/// positions.
 ///
 /// The Hessian of a tetrahedron's energy is  s g g^T - p H  with its stiffness s and push p, the gradient g
 /// and the second derivatives H of its volume, whose 3 x 3 blocks are cross products with a sixth of the edge
