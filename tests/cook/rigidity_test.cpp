@@ -4,6 +4,7 @@
 #include "cook/stiffness_matrix.h"
 #include "support/network_shapes.h"
 #include "support/networks.h"
+#include "support/small_meshes.h"
 #include "support/test_shapes.h"
 
 #include <gtest/gtest.h>
@@ -110,6 +111,22 @@ TEST(SmallDeformations, singlePrecisionDoesNotHideMechanisms) {
   EXPECT_EQ(smallDeformations(cube).mechanisms, 54u);
 }
 
+TEST(SmallDeformations, sparseIsAsGoodAsDense) {
+  // 218 points with 150 mechanisms, and a braced body
+  SpringNetwork braced = *bare(network_shapes::rabbit302());
+  for (std::uint32_t i = 0; i < 151; i += 3)
+    braced.springs.push_back({i, i + 151, limber::SpringKind::Brace, 0.3});
+  for (const SpringNetwork& network : {*bare(small_meshes::cube(6)), braced}) {
+    const Eigen::VectorXd all = allEigenvalues(network);
+    const SmallDeformations found = smallDeformations(network);
+    const auto soft = static_cast<Eigen::Index>(found.mechanisms + 6);
+    EXPECT_LT(all[soft - 1], 1e-13);
+    EXPECT_NEAR(found.softest / all[soft], 1.0, 1e-6);
+    EXPECT_NEAR(found.stiffest / all[all.size() - 1], 1.0, 1e-6);
+  }
+  EXPECT_EQ(smallDeformations(*bare(small_meshes::cube(6))).mechanisms, 150u);
+}
+
 TEST(SmallDeformations, componentsMoveFreely) {
   SpringNetwork two = *bare(network_shapes::ico42());
   const SpringNetwork one = two;
@@ -159,6 +176,9 @@ TEST(SoftestModes, noMoreThanThereAre) {
   EXPECT_NEAR(softestModes(*limber::test::pairNetwork(), 30).eigenvalues[0], 2.0, 1e-12);
   EXPECT_EQ(softestModes(*limber::test::cubeNetwork(), 1000).eigenvalues.size(), 18);
   EXPECT_EQ(softestModes(SpringNetwork{}, 3).eigenvalues.size(), 0);
+  SpringNetwork dust;
+  for (int i = 0; i < 200; ++i) dust.restPoints.emplace_back(i, i * i % 7, i * i % 11);
+  EXPECT_EQ(softestModes(dust, 10).eigenvalues, Eigen::VectorXd::Zero(10));
 }
 
 TEST(SoftestModes, sameEveryTime) {

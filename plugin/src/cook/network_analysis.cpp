@@ -9,6 +9,7 @@
 #include "cook/rigidity.h"
 #include "cook/time_step.h"
 #include "cook/triangle_bvh.h"
+#include "cook/triangle_geometry.h"
 #include "core/mesh_edges.h"
 #include "core/surface_components.h"
 
@@ -62,16 +63,10 @@ double enclosedBy(const SpringNetwork& network) {
   return volume;
 }
 
-double sizeOf(const std::vector<Eigen::Vector3d>& points) {
-  Eigen::AlignedBox3d box;
-  for (const Eigen::Vector3d& p : points) box.extend(p);
-  return box.sizes().maxCoeff();
-}
-
 std::size_t countOutside(const SpringNetwork& network) {
   const TriangleBvh surface(network.restPoints, network.surface);
   const std::vector<Edge> edges = uniqueEdges(network.surface);
-  const double tolerance = kOutside * sizeOf(network.restPoints);
+  const double tolerance = kOutside * extent(network.restPoints);
   return static_cast<std::size_t>(
       std::count_if(network.springs.begin(), network.springs.end(), [&](const NetworkSpring& s) {
         if (std::binary_search(edges.begin(), edges.end(), Edge{s.a, s.b})) return false;

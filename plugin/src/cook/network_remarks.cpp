@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Zlib
 #include "cook/network_remarks.h"
 
+#include "cook/deformation_names.h"
+#include "cook/relaxation.h"
+
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <numeric>
 
 namespace limber {
 namespace {
@@ -25,24 +27,6 @@ std::string number(double value) {
   return text;
 }
 
-/// Pieces that springs hold together.
-std::size_t countPieces(const SpringNetwork& network) {
-  std::vector<std::uint32_t> parent(network.restPoints.size());
-  std::iota(parent.begin(), parent.end(), 0u);
-  const auto rootOf = [&](std::uint32_t i) {
-    while (parent[i] != i) i = parent[i] = parent[parent[i]];
-    return i;
-  };
-  std::size_t pieces = parent.size();
-  for (const NetworkSpring& s : network.springs) {
-    const std::uint32_t a = rootOf(s.a), b = rootOf(s.b);
-    if (a == b) continue;
-    parent[std::max(a, b)] = std::min(a, b);
-    --pieces;
-  }
-  return pieces;
-}
-
 void remarkOnMesh(const SpringNetwork& network, const MeshReport& mesh, Remarks& remarks) {
   if (mesh.openEdges > 0)
     remarks.push_back("the surface is open (" + counted(mesh.openEdges, "edge has", "edges have") +
@@ -57,7 +41,7 @@ void remarkOnMesh(const SpringNetwork& network, const MeshReport& mesh, Remarks&
     remarks.push_back(
         counted(mesh.degenerateTriangles + mesh.duplicateTriangles, "triangle was", "triangles were") +
         " dropped: without area, or there already");
-  const std::size_t pieces = countPieces(network);
+  const std::size_t pieces = RelaxedBody(network).pieces.size();
   if (pieces > 1) remarks.push_back(std::to_string(pieces) + " pieces that no spring joins");
 }
 
@@ -107,14 +91,12 @@ void remarkOnRigidity(const NetworkAnalysis& a, Remarks& remarks) {
 }
 
 void remarkOnReturns(const NetworkAnalysis& a, Remarks& remarks) {
-  static const char* const kNames[kDeformations] = {"squash", "twist",      "noise",    "push",
-                                                    "mirror", "flattening", "inversion"};
   std::string failing;
   for (std::size_t kind = 0; kind < kDeformations; ++kind) {
     const ReturnRate& r = a.returns[kind];
     if (r.runs == 0 || r.rate() >= kGoodReturn) continue;
-    failing += (failing.empty() ? "" : ", ") + std::string(kNames[kind]) + " " + std::to_string(r.returned) +
-               " of " + std::to_string(r.runs);
+    failing += (failing.empty() ? "" : ", ") + std::string(kDeformationNames[kind]) + " " +
+               std::to_string(r.returned) + " of " + std::to_string(r.runs);
   }
   if (!failing.empty()) remarks.push_back("does not always come back to its shape: " + failing);
 }

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Zlib
 #include <limber/network_analysis.h>
 
+#include "cook/deformation_names.h"
+
 #include <cstdarg>
 #include <cstdio>
 
@@ -40,14 +42,12 @@ const char* rigidityName(Rigidity rigidity) {
 }
 
 std::string returnLines(const NetworkAnalysis& a) {
-  static const char* const kNames[kDeformations] = {"squash", "twist",   "noise",    "push",
-                                                    "mirror", "flatten", "inversion"};
   const ReturnRate all = a.allReturns();
   if (all.runs == 0) return {};
   std::string text = line("comes back          %.1f %% +- %.1f of %u runs, %u more as its mirror image",
                           100.0 * all.rate(), 100.0 * all.standardError(), all.runs, all.mirrored);
   for (std::size_t kind = 0; kind < kDeformations; ++kind)
-    text += line("  %-17s %u of %u", kNames[kind], a.returns[kind].returned, a.returns[kind].runs);
+    text += line("  %-17s %u of %u", kDeformationNames[kind], a.returns[kind].returned, a.returns[kind].runs);
   return text;
 }
 

@@ -2,14 +2,14 @@
 #include "cook/own_weight.h"
 
 #include "cook/random.h"
+#include "cook/relaxation.h"
 #include "cook/rest_state.h"
+#include "cook/triangle_geometry.h"
 #include "core/spring_arrays.h"
 #include "core/spring_forces.h"
 #include "core/stepping_choice.h"
 #include "core/verlet_step.h"
 #include "core/volume_term.h"
-
-#include <Eigen/SVD>
 
 #include <algorithm>
 #include <cmath>
@@ -19,28 +19,26 @@ namespace {
 
 // The search, in loads m g / (k L).
 constexpr double kLightest = 1e-6, kFirst = 1e-3, kHeaviest = 20.0;
-constexpr double kStride = 1.25;  // beyond what is too much a body can come back by luck
-constexpr double kPrecision = 1.02;
+constexpr double kStride = 1.6;  // beyond what is too much a body can come back by luck
+constexpr double kPrecision = 1.04;
 
 // The motion, in units of the size, the mean mass of a point and the stiffness.
-constexpr double kDrag = 0.05;
+constexpr double kDrag = 0.1;
 constexpr double kFriction = 0.5;
 constexpr double kStepShare = 0.5;       // of the safe step
-constexpr double kSettlingTime = 600.0;  // at most; drag takes seven powers of ten of the energy
+constexpr double kSettlingTime = 300.0;  // at most: drag takes 13 powers of ten of the energy
 constexpr double kFallTimes = 10.0;      // or so often the time of falling through the size
 constexpr double kCalmSpeed = 1e-3;      // root mean square over the load: at rest, when it lasts
 constexpr int kCalmSteps = 20;
 constexpr double kUnevenness = 1e-3;  // of the start: no body stands in an unstable equilibrium
 
 // What counts as standing.
-constexpr double kLeastHeight = 0.5;  // over the height at rest
-constexpr double kMostDistance =
-    0.05;  // root mean square to the rest shape afterwards: dents are no collapse
-
-double sizeOf(const Points& p) { return (p.rowwise().maxCoeff() - p.rowwise().minCoeff()).maxCoeff(); }
+constexpr double kLeastHeight = 0.5;    // over the height at rest
+constexpr double kMostDistance = 0.05;  // of the rest shape afterwards: dents are no collapse
 
 /// The body in units of 1, its lowest point on the floor y = 0.
 struct StandingBody {
+  RelaxedBody shape;
   PointState state;
   SpringArrays springs;
   VolumeArrays volumes;
@@ -50,7 +48,7 @@ struct StandingBody {
 
 SoftBodySettings unitSettings(SoftBodySettings settings, double size, std::size_t points) {
   const double stiffness = settings.extensionStiffness;
-  settings.scale /= size;
+  settings.scale.setConstant(1.0 / size);
   settings.totalMass = static_cast<double>(points);
   settings.compressionStiffness /= stiffness;
   settings.extensionStiffness = 1.0;
@@ -60,7 +58,7 @@ SoftBodySettings unitSettings(SoftBodySettings settings, double size, std::size_
 }
 
 StandingBody makeStanding(const SpringNetwork& network, const SoftBodySettings& settings) {
-  StandingBody body;
+  StandingBody body{RelaxedBody(network), {}, {}, {}, {}, 0.0};
   body.state = restState(network, settings);
   body.state.position.row(1).array() -= body.state.position.row(1).minCoeff();
   body.rest = body.state.position;
@@ -106,16 +104,6 @@ void settle(StandingBody& body, double gravity, double mostTime, double calmSpee
   }
 }
 
-/// Root mean square after the best rigid motion (Kabsch 1976).
-double distance(const Points& a, const Points& b) {
-  const Points x = a.colwise() - a.rowwise().mean(), y = b.colwise() - b.rowwise().mean();
-  const Eigen::Matrix3d covariance = x * y.transpose();
-  const Eigen::Vector3d s = Eigen::JacobiSVD<Eigen::Matrix3d>(covariance).singularValues();
-  const double sign = covariance.determinant() < 0.0 ? -1.0 : 1.0;
-  const double squared = x.squaredNorm() + y.squaredNorm() - 2.0 * (s[0] + s[1] + sign * s[2]);
-  return std::sqrt(std::max(0.0, squared) / static_cast<double>(a.cols()));
-}
-
 bool carries(StandingBody& body, double load) {
   Random random(1);
   Points& position = body.state.position;
@@ -127,10 +115,10 @@ bool carries(StandingBody& body, double load) {
   const double height = position.row(1).maxCoeff();
   if (!(height >= kLeastHeight * body.rest.row(1).maxCoeff())) return false;
   settle(body, 0.0, kSettlingTime, kCalmSpeed * load);
-  return distance(body.rest, position) < kMostDistance;
+  return distanceToRest(body.shape, position) < kMostDistance;
 }
 
-/// The smallest load that is too much; 0 if every one is.
+/// The largest load before the first that is too much; 0 if all are.
 double loadLimit(StandingBody& body) {
   double carried = kFirst;
   while (!carries(body, carried))
@@ -151,9 +139,12 @@ double loadLimit(StandingBody& body) {
 
 double leastStiffness(const SpringNetwork& network, const SoftBodySettings& settings, double gravity) {
   if (network.springs.empty() || !(gravity > 0.0)) return 0.0;
+  if (!(settings.extensionStiffness > 0.0)) return HUGE_VAL;
+  SpringNetwork scaled = network;
+  for (Eigen::Vector3d& p : scaled.restPoints) p = p.cwiseProduct(settings.scale);
   const std::size_t points = network.restPoints.size();
-  const double size = sizeOf(restState(network, settings).position);
-  StandingBody body = makeStanding(network, unitSettings(settings, size, points));
+  const double size = extent(scaled.restPoints);
+  StandingBody body = makeStanding(scaled, unitSettings(settings, size, points));
   const double load = loadLimit(body);
   const double meanMass = settings.totalMass / static_cast<double>(points);
   return load > 0.0 ? meanMass * gravity / (load * size) : HUGE_VAL;

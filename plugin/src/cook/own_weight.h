@@ -9,7 +9,7 @@ namespace limber {
 /// The spring constant (N/m) below which a body collapses under its own weight. It is put down as it is
 /// modelled, with its lowest point on a rough floor, gravity along -y and without speed, sinks until it
 /// rests, and is then relieved of its weight. It carries itself if it stands half as high as it is and
-/// springs back to its shape afterwards. To about 2 %; infinite for bodies that collapse however stiff they
+/// springs back to its shape afterwards. To about 4 %; infinite for bodies that collapse however stiff they
 /// are, 0 without gravity or springs.
 ///
 /// In units of the size L, the mean mass m of a point and the stiffness k a body has nothing but the load

@@ -14,13 +14,14 @@ std::vector<std::size_t> nonzeros(const Matrix& m, std::size_t row, std::size_t 
   return columns;
 }
 
-/// row -= factor * other, in the given columns.
-void subtract(Matrix& m, std::size_t row, Element factor, std::size_t other,
-              const std::vector<std::size_t>& columns) {
+/// row -= factor * other, in the columns listed from `first` to `last`.
+void subtract(Matrix& m, std::size_t row, Element factor, std::size_t other, const std::size_t* first,
+              const std::size_t* last) {
   const std::uint64_t minus = kPrime - factor;
   Element* to = &m.entries[row * m.columns];
   const Element* from = &m.entries[other * m.columns];
-  for (const std::size_t c : columns) to[c] = static_cast<Element>((to[c] + minus * from[c]) % kPrime);
+  for (; first != last; ++first)
+    to[*first] = static_cast<Element>((to[*first] + minus * from[*first]) % kPrime);
 }
 
 }  // namespace
@@ -47,7 +48,8 @@ std::size_t rank(Matrix m) {
     const std::vector<std::size_t> columns = nonzeros(m, found, c);
     const Element scale = inverse(m(found, c));
     for (std::size_t r = found + 1; r < m.rows; ++r)
-      if (m(r, c) != 0) subtract(m, r, product(scale, m(r, c)), found, columns);
+      if (m(r, c) != 0)
+        subtract(m, r, product(scale, m(r, c)), found, columns.data(), columns.data() + columns.size());
     ++found;
   }
   return found;
@@ -60,11 +62,11 @@ std::size_t solveSymmetric(Matrix a, std::vector<Element>& b) {
     pivots.push_back(p);
     const std::vector<std::size_t> columns = nonzeros(a, p, p + 1);
     const Element scale = inverse(a(p, p));
-    for (const std::size_t r : columns) {
+    const std::size_t* const end = columns.data() + columns.size();
+    for (const std::size_t* at = columns.data(); at != end; ++at) {
+      const std::size_t r = *at;
       const Element factor = product(scale, a(p, r));
-      // the part from the diagonal on is all that later rows are read of
-      const auto onwards = std::lower_bound(columns.begin(), columns.end(), r);
-      subtract(a, r, factor, p, std::vector<std::size_t>(onwards, columns.end()));
+      subtract(a, r, factor, p, at, end);  // all that is read of a row later is what follows its diagonal
       b[r] = difference(b[r], product(factor, b[p]));
     }
   }

@@ -56,8 +56,9 @@ bool isSound(const Factors& factors, const SparseMatrix& matrix, double size) {
 /// meets an eigenvalue of a leading block; then a somewhat larger s is taken.
 SoftEnd sparseSoftEnd(const SparseMatrix& stiffness, double bound, double stiffest) {
   Factors factors;
-  double shift = bound;
-  for (int attempt = 0; attempt < 4; ++attempt, shift *= 1.7) {
+  double shift = 0.0;
+  for (int attempt = 0; attempt < 6; ++attempt) {
+    shift = bound * std::pow(1.7, attempt);
     SparseMatrix shifted = stiffness;
     for (Eigen::Index i = 0; i < shifted.rows(); ++i) shifted.coeffRef(i, i) -= shift;
     factors.compute(shifted);

@@ -169,7 +169,8 @@ Block randomBlock(SoftSpace& space) {
 /// Symmetric shapes have equal modes and tessellated boxes many mechanisms, of which a Krylov space holds no
 /// more than a block: what was found counts when fresh random vectors change nothing.
 Eigen::MatrixXd sparseModes(const SparseMatrix& stiffness, const Eigen::MatrixXd& rigid, Eigen::Index count) {
-  const ShiftedInverse inverse(stiffness, kRelativeShift * largestRowSum(stiffness));
+  const double stiffest = largestRowSum(stiffness);
+  const ShiftedInverse inverse(stiffness, stiffest > 0.0 ? kRelativeShift * stiffest : 1.0);
   SoftSpace space{inverse, rigid};
   space.basis.resize(stiffness.rows(), 2 * count + 6 * kBlock);
   space.product.resize(stiffness.rows(), space.basis.cols());
