@@ -76,7 +76,7 @@ NetworkRow measureReturns(const ReturnQuestion& q, const NetworkRow* as) {
   settings.runs = (q.runs + 4) / 5;
   settings.seed = q.seed;
   row.analysis = analyse(*network, settings);
-  row.isotropy = elasticModuli(*network).isotropy;
+  row.isotropy = measureModuli({*network}).isotropy;
   return row;
 }
 

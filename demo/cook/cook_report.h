@@ -21,7 +21,7 @@ struct CookReport {
   double analysisSeconds = 0.0;
 };
 
-/// For people: some fifteen lines, each with its name in front.
+/// For people: some twenty lines, the last of which are describe()'s.
 std::string reportText(const CookReport& report);
 
 /// For programs. Bytes of file names that are no UTF-8 are replaced, numbers that are not finite are null.

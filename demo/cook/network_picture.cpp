@@ -69,6 +69,9 @@ render::Camera cameraFor(const Eigen::AlignedBox3d& box, int width, int height) 
 render::Light plainLight() {
   render::Light light;
   light.towards = {-0.2f, 0.75f, 0.65f};
+  light.sun = {0.35f, 0.35f, 0.35f};  // little against the sky: walls differ, but none is dark
+  light.sky = {0.75f, 0.75f, 0.75f};
+  light.ground = {0.55f, 0.55f, 0.55f};
   light.shadows = false;  // rods would cast them on each other, and there are enough lines without
   return light;
 }

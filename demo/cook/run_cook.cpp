@@ -19,6 +19,8 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
+constexpr double kPatience = 0.3;  // s
+
 double secondsSince(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
 }
@@ -77,7 +79,7 @@ CookOptions withProgress(CookOptions options, StageProgress& bars) {
 ExitCode runCook(const CookOptions& asked) {
   std::string reason = checkPlaces(asked);
   if (!reason.empty()) return fail(reason);
-  StageProgress bars(stderr, isTerminal(stderr));
+  StageProgress bars(stderr, isTerminal(stderr), kPatience);
   const CookOptions options = withProgress(asked, bars);
   CookReport report;
   report.meshFile = options.meshFile;

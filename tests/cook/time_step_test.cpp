@@ -76,7 +76,9 @@ TEST(TimeSteps, twoPercentOfTheBlowUp) {
       const double blowUp = simulatedBlowUp(network, settings, steps.critical) / steps.critical;
       EXPECT_GE(blowUp, 0.98);
       // too long a step holds the push against a change of volume back, and so becomes stable again
-      if (volumeModulus == 0.0) EXPECT_LE(blowUp, 1.02);
+      if (volumeModulus == 0.0) {
+        EXPECT_LE(blowUp, 1.02);
+      }
       EXPECT_LE(steps.safe, steps.critical);
       EXPECT_GT(steps.safe, 0.3 * steps.critical) << "a bound of use";
     }

@@ -7,6 +7,8 @@
 
 #include <cmath>
 
+using limber::BraceRule;
+using limber::NetworkSettings;
 using limber::SpringKind;
 using limber::SpringNetwork;
 
@@ -17,7 +19,9 @@ template <class Change>
 std::string validateChanged(Change change) {
   limber::TriangleMesh mesh = small_meshes::cube();
   mesh.uvs.resize(mesh.positions.size(), Eigen::Vector2f::Zero());
-  SpringNetwork network = **buildNetwork(mesh);
+  NetworkSettings settings;
+  settings.braces = BraceRule::EqualLength;
+  SpringNetwork network = **buildNetwork(mesh, settings);
   change(network);
   return validate(network);
 }

@@ -62,7 +62,7 @@ TEST(Scenes, takeTheUsersChoices) {
 
 TEST(Scenes, meshIsMadeOneMetreLargeUnlessScaled) {
   SceneOptions options = few(1);
-  options.meshFile = LIMBER_MESH_DIR "/figure.obj";
+  options.meshFile = LIMBER_MESH_DIR "/torus.obj";
   const SceneResult fitted = createMeshDrop(options);
   options.scale = 3.0;
   const SceneResult scaled = createMeshDrop(options);

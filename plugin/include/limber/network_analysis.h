@@ -57,20 +57,22 @@ struct NetworkAnalysis {
 
   // small deformations, about the rest shape, unit masses
   std::size_t rank = 0;          ///< of the rigidity matrix
-  std::size_t mechanisms = 0;    ///< 3 #points - 6 (5 on a line) - rank
+  std::size_t mechanisms = 0;    ///< 3 #points - 6 (5 on a line) - rank. In a plane #points - 3 of them, on a
+                                 ///< line 2 #points - 4 are bending, which no springs can prevent
   std::size_t selfStresses = 0;  ///< #springs - rank
   double softestEigenvalue = 0.0,
-         stiffestEigenvalue = 0.0;  ///< N/m per spring constant of 1 N/m; without mechanisms
-  double modeRatio = 0.0;           ///< softest over stiffest; 0 with mechanisms
-  Rigidity rigidity = Rigidity::Flexible;
+         stiffestEigenvalue = 0.0;         ///< N/m per spring constant of 1 N/m; without mechanisms
+  double modeRatio = 0.0;                  ///< softest over stiffest; 0 with mechanisms other than bending
+  Rigidity rigidity = Rigidity::Flexible;  ///< of flat bodies within their plane, of ropes along their line
   bool globallyRigid = false;  ///< generically: Gortler, Healy, Thurston 2010, by the rank of a random stress
   bool globallyRigidKnown = false;  ///< not for more points than the test can take
 
-  // large deformations
+  // large deformations, of solids only: ropes and cloths are meant to fold
   std::array<ReturnRate, kDeformations> returns;
   ReturnRate allReturns() const;  ///< of the first five kinds together
 
-  double leastStiffness = 0.0;    ///< N/m: below it the body collapses under its own weight when put down
+  double leastStiffness = 0.0;    ///< N/m: below it the body collapses under its own weight when put down;
+                                  ///< 0: without gravity, and where no stiffness is enough (remarks say so)
   double criticalTimeStep = 0.0;  ///< s: velocity Verlet without damping is unstable above it
   double safeTimeStep = 0.0;      ///< s: stable at any deformation (Gershgorin)
 
@@ -80,7 +82,10 @@ struct NetworkAnalysis {
   std::vector<std::string> remarks;  ///< for people: what is unusual or should be mended
 };
 
-/// Deterministic. Seconds for a thousand points.
+/// Of a network that validate() finds nothing wrong with. Deterministic. Seconds for a thousand points.
 NetworkAnalysis analyse(const SpringNetwork& network, const AnalysisSettings& settings = {});
+
+/// Some lines for people, each with its end; remarks begin with "! ".
+std::string describe(const NetworkAnalysis& analysis);
 
 }  // namespace limber

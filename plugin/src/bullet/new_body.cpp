@@ -46,6 +46,7 @@ Result<std::unique_ptr<SoftBodyData>> makeBodyData(SharedNetwork network, const 
   body->settings = settings;
   body->springs = makeSprings(*body->network, settings);
   body->volumes = makeVolumes(*body->network, settings);
+  body->tetrahedra = makeTetrahedronVolumes(*body->network, settings);
   placePoints(*body);
   const Points& x = body->state.position;
   body->size = (x.rowwise().maxCoeff() - x.rowwise().minCoeff()).norm();

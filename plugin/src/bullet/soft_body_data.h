@@ -7,6 +7,7 @@
 #include "core/point_state.h"
 #include "core/quad_step.h"
 #include "core/spring_arrays.h"
+#include "core/tetrahedron_volumes.h"
 #include "core/volume_term.h"
 
 #include <limber/soft_body.h>
@@ -34,6 +35,7 @@ struct SoftBodyData {
   PointState state;
   SpringArrays springs;
   VolumeArrays volumes;
+  TetrahedronVolumes tetrahedra;
   PointMasses masses;
   std::vector<Anchor> anchors;
   std::vector<ContactRow> contacts;                       ///< of the present tick, by point

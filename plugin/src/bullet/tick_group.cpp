@@ -143,6 +143,7 @@ void addBody(TickGroup& group, SoftBodyData* body) {
   group.bodies.push_back(body);
   group.step.bodies.push_back({&body->state, &body->springs, &body->contacts});
   if (!body->volumes.empty()) group.step.bodies.back().volumes = &body->volumes;
+  if (!body->tetrahedra.empty()) group.step.bodies.back().tetrahedra = &body->tetrahedra;
   if (canStepQuads()) group.step.bodies.back().quads = &body->quads;
   group.step.links.points.push_back(&body->state);
 }

@@ -18,22 +18,24 @@ namespace limber {
 namespace {
 
 // The search, in loads m g / (k L).
-constexpr double kLightest = 1e-5, kFirst = 1e-3, kHeaviest = 20.0;
+constexpr double kLightest = 1e-6, kFirst = 1e-3, kHeaviest = 20.0;
 constexpr double kStride = 1.25;  // beyond what is too much a body can come back by luck
 constexpr double kPrecision = 1.02;
 
 // The motion, in units of the size, the mean mass of a point and the stiffness.
 constexpr double kDrag = 0.05;
 constexpr double kFriction = 0.5;
-constexpr double kStepShare = 0.5;  // of the safe step
-constexpr double kMostTime = 600.0;
-constexpr double kCalmSpeed = 1e-3;  // root mean square over the load: at rest, when it lasts
+constexpr double kStepShare = 0.5;       // of the safe step
+constexpr double kSettlingTime = 600.0;  // at most; drag takes seven powers of ten of the energy
+constexpr double kFallTimes = 10.0;      // or so often the time of falling through the size
+constexpr double kCalmSpeed = 1e-3;      // root mean square over the load: at rest, when it lasts
 constexpr int kCalmSteps = 20;
 constexpr double kUnevenness = 1e-3;  // of the start: no body stands in an unstable equilibrium
 
 // What counts as standing.
-constexpr double kLeastHeight = 0.5;    // over the height at rest
-constexpr double kMostDistance = 0.01;  // root mean square to the rest shape afterwards
+constexpr double kLeastHeight = 0.5;  // over the height at rest
+constexpr double kMostDistance =
+    0.05;  // root mean square to the rest shape afterwards: dents are no collapse
 
 double sizeOf(const Points& p) { return (p.rowwise().maxCoeff() - p.rowwise().minCoeff()).maxCoeff(); }
 
@@ -67,7 +69,7 @@ StandingBody makeStanding(const SpringNetwork& network, const SoftBodySettings& 
   std::vector<double> sums;
   double bound = frequencyBoundSquared(body.springs, body.state.inverseMass, sums);
   if (!body.volumes.empty()) bound += volumeFrequencyBoundSquared(body.volumes, body.state, 0.0);
-  body.step = kStepShare * 2.0 / std::sqrt(bound);
+  body.step = body.volumes.timeStep = kStepShare * 2.0 / std::sqrt(bound);
   return body;
 }
 
@@ -85,8 +87,8 @@ void touchFloor(PointState& state, double dt) {
   }
 }
 
-/// Lets the body move until it rests; false if it does not within kMostTime.
-bool settle(StandingBody& body, double gravity, double calmSpeed) {
+/// Lets the body move until it rests.
+void settle(StandingBody& body, double gravity, double mostTime, double calmSpeed) {
   SteppedBody stepped{&body.state, &body.springs, nullptr};
   if (!body.volumes.empty()) stepped.volumes = &body.volumes;
   PointState& p = body.state;
@@ -94,7 +96,7 @@ bool settle(StandingBody& body, double gravity, double calmSpeed) {
   const double dt = body.step, kept = std::exp(-kDrag * dt);
   const double calm = calmSpeed * calmSpeed * static_cast<double>(p.position.cols());
   int calmSteps = 0;
-  for (double time = 0.0; time < kMostTime && calmSteps < kCalmSteps; time += dt) {
+  for (double time = 0.0; time < mostTime && calmSteps < kCalmSteps; time += dt) {
     computeElasticForces(stepped);
     p.velocity = kept * (p.velocity + dt * p.force.cwiseProduct(p.inverseMass));
     p.velocity.row(1).array() -= dt * gravity;
@@ -102,7 +104,6 @@ bool settle(StandingBody& body, double gravity, double calmSpeed) {
     p.position += dt * p.velocity;
     calmSteps = p.velocity.squaredNorm() < calm ? calmSteps + 1 : 0;
   }
-  return calmSteps == kCalmSteps;
 }
 
 /// Root mean square after the best rigid motion (Kabsch 1976).
@@ -121,10 +122,11 @@ bool carries(StandingBody& body, double load) {
   position = body.rest;
   for (double& x : position.reshaped()) x += kUnevenness * (random.uniform() - 0.5);
   position.row(1).array() -= position.row(1).minCoeff();
-  if (!settle(body, load, kCalmSpeed * load)) return false;
+  const double mostTime = std::max(kSettlingTime, kFallTimes / std::sqrt(load));
+  settle(body, load, mostTime, kCalmSpeed * load);
   const double height = position.row(1).maxCoeff();
   if (!(height >= kLeastHeight * body.rest.row(1).maxCoeff())) return false;
-  settle(body, 0.0, kCalmSpeed * load);
+  settle(body, 0.0, kSettlingTime, kCalmSpeed * load);
   return distance(body.rest, position) < kMostDistance;
 }
 

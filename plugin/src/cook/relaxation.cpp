@@ -24,6 +24,7 @@ constexpr double kLeastTime = 10.0;  // s before a body counts as at rest: it st
 // looks at a calm one. A calm run's step is not chosen anew at each look.
 constexpr int kCalmSubsteps = 8, kWildSubsteps = 1;
 constexpr int kCalmLooks = 8;
+constexpr int kMostLooks = 4000;    // then a run that is still wild goes on by descent
 constexpr double kWildBound = 1.5;  // times the square of the frequency bound at rest
 constexpr double kFar = 0.5;
 constexpr double kCalmShare = 0.95, kWildShare = 0.6;  // of the stable step
@@ -144,8 +145,8 @@ void stepAll(Dynamics& dynamics, std::list<Run>& runs) {
 
 /// Also when its numbers are none any more.
 bool hasCalmedDown(const Dynamics& dynamics, const Run& run) {
-  if (run.time < kLeastTime) return false;
-  return run.time >= kMostTime || !(0.5 * run.state.velocity.squaredNorm() >= dynamics.restEnergy);
+  if (run.looks >= kMostLooks || run.time >= kMostTime) return true;
+  return run.time >= kLeastTime && !(0.5 * run.state.velocity.squaredNorm() >= dynamics.restEnergy);
 }
 
 void settle(Dynamics& dynamics, Run& run) {

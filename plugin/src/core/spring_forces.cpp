@@ -25,7 +25,8 @@ void computeElasticForces(SteppedBody& body) {
 
 double elasticEnergy(SteppedBody& body, const Points& position) {
   return elasticEnergy(*body.springs, position) +
-         (body.volumes ? volumeEnergy(*body.volumes, position) : 0.0);
+         (body.volumes ? volumeEnergy(*body.volumes, position) : 0.0) +
+         (body.tetrahedra ? tetrahedronEnergy(*body.tetrahedra, position) : 0.0);
 }
 
 double elasticEnergy(const SpringArrays& springs, const Points& position) {

@@ -116,7 +116,7 @@ double verletErrorRate(double change, Eigen::Index points, double dt) {
 bool isPlain(const StepGroup& group) {
   const LinkedBodies& links = group.links;
   return group.bodies.size() == 1 && links.springs.empty() && links.anchors.empty() && links.rigids.empty() &&
-         !group.bodies[0].springs->limited;
+         !group.bodies[0].springs->limited && !group.bodies[0].tetrahedra;
 }
 
 void stepVerlet(StepGroup& group, double tick, int substeps) {

@@ -5,6 +5,7 @@
 #include "core/links.h"
 #include "core/point_state.h"
 #include "core/spring_arrays.h"
+#include "core/tetrahedron_volumes.h"
 #include "core/volume_term.h"
 
 #include <vector>
@@ -17,8 +18,9 @@ struct QuadArrays;
 struct SteppedBody {
   PointState* points;
   SpringArrays* springs;
-  std::vector<ContactRow>* contacts;  ///< may be nullptr
-  VolumeArrays* volumes = nullptr;    ///< may be nullptr
+  std::vector<ContactRow>* contacts;               ///< may be nullptr
+  VolumeArrays* volumes = nullptr;                 ///< may be nullptr
+  const TetrahedronVolumes* tetrahedra = nullptr;  ///< may be nullptr
 
   QuadArrays* quads = nullptr;  ///< for stepping it four springs at a time, see quad_step.h; may be nullptr
 
@@ -38,7 +40,7 @@ struct StepGroup {
   LinkedBodies links;  ///< links.points[i] is bodies[i].points
 };
 
-/// Whether the group is one body that nothing but its own springs and contacts acts on.
+/// Whether the group is one body that nothing but its own springs, closed surfaces and contacts acts on.
 bool isPlain(const StepGroup& group);
 
 /// Advances all bodies of the group by `tick` seconds in `substeps` substeps of velocity Verlet with damping

@@ -17,7 +17,7 @@ bool mayHaveVolume(const SpringNetwork& network) {
 std::string whyNoVolume(const SpringNetwork& network) {
   if (network.kind != NetworkKind::Solid || network.surface.empty())
     return "a rope or cloth encloses no volume";
-  if (!network.tetrahedra.empty()) return "in material mode it is set by withMaterial()";
+  if (!network.tetrahedra.empty()) return "a body of tetrahedra has no room for gas";
   const MeshReport& r = network.report;
   const auto edges = [](std::size_t count, const char* what) {
     return count == 0 ? std::string() : std::to_string(count) + " " + what + " edges, ";
@@ -153,7 +153,8 @@ double networkModulus(const SpringNetwork& network, const Eigen::Vector3d& scale
 }
 
 std::string checkVolume(const SpringNetwork& network, const SoftBodySettings& settings) {
-  const bool asked = settings.volumeModulus > 0.0 || settings.pressure > 0.0;
+  const bool perTetrahedron = !network.tetrahedra.empty();  // see tetrahedron_volumes.h
+  const bool asked = (settings.volumeModulus > 0.0 && !perTetrahedron) || settings.pressure > 0.0;
   if (!asked || mayHaveVolume(network)) return {};
   return std::string(settings.pressure > 0.0 ? "pressure" : "volumeModulus") + ": " + whyNoVolume(network);
 }

@@ -37,6 +37,15 @@ bool hasPolygons(const aiMesh& mesh) {
   return false;
 }
 
+/// Those that are there: assimp's RAW reader leaves some out.
+std::vector<const aiNode*> childrenOf(const aiNode& node) {
+  std::vector<const aiNode*> children;
+  for (unsigned i = 0; node.mChildren != nullptr && i < node.mNumChildren; ++i) {
+    if (node.mChildren[i] != nullptr) children.push_back(node.mChildren[i]);
+  }
+  return children;
+}
+
 void collectPlacements(const aiScene& scene, const aiNode& node, const Eigen::Matrix4d& parent,
                        std::vector<Placement>& placements) {
   const Eigen::Matrix4d toRoot = parent * toEigen(node.mTransformation);
@@ -45,8 +54,7 @@ void collectPlacements(const aiScene& scene, const aiNode& node, const Eigen::Ma
     if (hasPolygons(*mesh))
       placements.push_back({mesh, toRoot.topLeftCorner<3, 3>(), toRoot.topRightCorner<3, 1>()});
   }
-  for (unsigned i = 0; i < node.mNumChildren; ++i)
-    collectPlacements(scene, *node.mChildren[i], toRoot, placements);
+  for (const aiNode* child : childrenOf(node)) collectPlacements(scene, *child, toRoot, placements);
 }
 
 template <class Has>
@@ -122,10 +130,11 @@ std::string checkNode(const aiScene& scene, const aiNode& node) {
     return "node '" + std::string(node.mName.C_Str()) + "' uses mesh " + std::to_string(node.mMeshes[i]) +
            " of " + std::to_string(scene.mNumMeshes);
   }
-  std::string reason;
-  for (unsigned i = 0; i < node.mNumChildren && reason.empty(); ++i)
-    reason = checkNode(scene, *node.mChildren[i]);
-  return reason;
+  for (const aiNode* child : childrenOf(node)) {
+    std::string reason = checkNode(scene, *child);
+    if (!reason.empty()) return reason;
+  }
+  return {};
 }
 
 }  // namespace

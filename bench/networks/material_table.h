@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: Zlib
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+namespace limber::bench {
+
+/// A body of a material, and the same on a lattice that gives four times as many points.
+struct MaterialRow {
+  std::string mesh;
+  std::size_t points = 0, finePoints = 0;
+  double youngError = 0.0;  ///< of the modulus asked for, after calibration
+  double drift = 0.0;       ///< of the fine body's modulus, with the coarse one's calibration
+  double isotropy = 0.0;    ///< smallest over largest modulus of 40 directions
+  double poissonRatio = 0.0;
+};
+
+/// How stiff the L is against being opened, braced against of tetrahedra, each relative to its bulk modulus.
+struct MaterialResults {
+  std::vector<MaterialRow> rows;
+  double openingRatio = 0.0;
+};
+
+MaterialResults measureMaterials(bool quick);
+std::string materialTable(const MaterialResults& results);
+std::string materialTargets(const MaterialResults& results);
+
+}  // namespace limber::bench

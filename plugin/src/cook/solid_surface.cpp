@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: Zlib
+#include "cook/solid_surface.h"
+
+#include "core/surface_components.h"
+
+#include <utility>
+
+namespace limber {
+namespace {
+
+using Eigen::Vector3d;
+
+double signedVolume(const std::vector<Vector3d>& points, const std::vector<Triangle>& triangles) {
+  const Vector3d& origin = points[triangles[0][0]];
+  double six = 0.0;
+  for (const Triangle& t : triangles)
+    six += (points[t[0]] - origin).dot((points[t[1]] - origin).cross(points[t[2]] - origin));
+  return six / 6.0;
+}
+
+std::vector<Triangle> turnedOutward(const WeldedMesh& mesh) {
+  std::vector<Triangle> triangles = mesh.triangles;
+  if (signedVolume(mesh.points, triangles) < 0.0)
+    for (Triangle& t : triangles) std::swap(t[1], t[2]);
+  return triangles;
+}
+
+}  // namespace
+
+std::string whyNotSolid(const MeshReport& report) {
+  if (report.openEdges > 0)
+    return "the mesh is not closed: it has " + std::to_string(report.openEdges) + " open edges";
+  if (report.inconsistentEdges > 0)
+    return "the mesh has no inside: at " + std::to_string(report.inconsistentEdges) +
+           " edges its triangles are oriented against each other";
+  return {};
+}
+
+SolidSurface makeSolidSurface(const WeldedMesh& mesh) {
+  const std::vector<Triangle> triangles = turnedOutward(mesh);
+  SolidSurface s{triangles, {}, {}, {}, 0, TriangleBvh(mesh.points, triangles), {}, 0.0};
+  SurfaceComponents components = findComponents(mesh.points.size(), triangles);
+  s.pieces = components.count;
+  s.pieceOfTriangle = std::move(components.ofTriangle);
+  s.volume = signedVolume(mesh.points, triangles);
+  for (const Triangle& t : triangles) {
+    const Vector3d &a = mesh.points[t[0]], &b = mesh.points[t[1]], &c = mesh.points[t[2]];
+    s.centroids.emplace_back((a + b + c) / 3.0);
+    s.normals.push_back((b - a).cross(c - a).normalized());
+    s.box.extend(a).extend(b).extend(c);
+  }
+  return s;
+}
+
+}  // namespace limber

@@ -1,0 +1,194 @@
+// SPDX-License-Identifier: Zlib
+#include "cook/tetrahedra.h"
+
+#include "cook/lattice_cut.h"
+#include "cook/lattice_fill.h"
+#include "cook/solid_surface.h"
+#include "cook/surface_fit.h"
+#include "cook/tetrahedra_repair.h"
+#include "cook/tetrahedron_faces.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <string>
+
+namespace limber {
+namespace {
+
+using Eigen::Vector3d;
+
+/// Sites at most: their arrays take about 60 bytes each.
+constexpr double kMostSites = 4e6;
+
+/// A part of the body with less than this share of a piece's volume is a crumb that may go.
+constexpr double kCrumb = 0.01;
+
+/// The least and the most stretching of the lattice along an axis: flat lattices have sharp angles.
+constexpr double kLeastStretch = 0.8, kMostStretch = 1.25;
+
+/// A surface that encloses less than this share of its box is flat.
+constexpr double kLeastVolume = 1e-6;
+constexpr char kNoVolume[] = "the mesh encloses no volume";
+
+/// How much the volume that is missing before the fit counts beside the number of points that is missed, both
+/// as logarithms: a lattice that lies well in the body is worth some points.
+constexpr double kVolumeWeight = 4.0;
+
+/// Whole cells across the box wherever that stretches them little, so that flat sides of boxes lie in the
+/// lattice.
+BccLattice placeLattice(const Eigen::AlignedBox3d& box, double spacing) {
+  BccLattice lattice;
+  for (int i = 0; i < 3; ++i) {
+    const double extent = box.sizes()[i], across = std::max(1.0, std::round(extent / spacing));
+    lattice.spacing[i] = std::clamp(extent / across, kLeastStretch * spacing, kMostStretch * spacing);
+    lattice.cells[i] = static_cast<int>(across) + 5;
+    lattice.origin[i] = box.center()[i] - (0.5 * across + 2.0) * lattice.spacing[i];
+  }
+  return lattice;
+}
+
+double sitesNeeded(const Eigen::AlignedBox3d& box, double spacing) {
+  return 2.0 * (box.sizes().array() / spacing + 6.0).prod();
+}
+
+TetrahedralMesh stuff(const SolidSurface& surface, double spacing) {
+  TetrahedralMesh mesh = fillLattice(cutLattice(placeLattice(surface.box, spacing), surface.bvh));
+  makeManifold(mesh, kCrumb * surface.volume / static_cast<double>(surface.pieces));
+  return mesh;
+}
+
+/// How many points of the surface of each part of the body lie next to each piece of the given surface,
+/// #parts x #pieces.
+Eigen::MatrixXi countEncounters(const TetrahedralMesh& mesh, const SolidSurface& surface) {
+  const std::vector<std::uint32_t> partOfTetrahedron = findPieces(mesh.tetrahedra);
+  std::vector<std::uint32_t> partOfPoint(mesh.points.size());
+  std::uint32_t parts = 0;
+  for (std::size_t t = 0; t < mesh.tetrahedra.size(); ++t) {
+    parts = std::max(parts, partOfTetrahedron[t] + 1);
+    for (const std::uint32_t point : mesh.tetrahedra[t]) partOfPoint[point] = partOfTetrahedron[t];
+  }
+  Eigen::MatrixXi count = Eigen::MatrixXi::Zero(parts, static_cast<Eigen::Index>(surface.pieces));
+  std::vector<char> isOuter(mesh.points.size(), 0);
+  for (const Triangle& t : mesh.surface)
+    for (const std::uint32_t point : t) isOuter[point] = 1;
+  for (std::size_t i = 0; i < isOuter.size(); ++i)
+    if (isOuter[i])
+      ++count(partOfPoint[i], surface.pieceOfTriangle[surface.bvh.nearest(mesh.points[i]).triangle]);
+  return count;
+}
+
+/// Whether the inside is on both sides of the piece, so that it is no part of the body's surface.
+bool isBuried(const SolidSurface& surface, std::uint32_t piece) {
+  const double step = 1e-4 * surface.box.diagonal().norm();
+  for (std::size_t t = 0; t < surface.triangles.size(); ++t)
+    if (surface.pieceOfTriangle[t] == piece &&
+        !surface.bvh.inside(surface.centroids[t] + step * surface.normals[t]))
+      return false;
+  return true;
+}
+
+/// What of the mesh the tetrahedra fail to stand for, or an empty string.
+std::string findLoss(const TetrahedralMesh& mesh, const SolidSurface& surface) {
+  if (mesh.tetrahedra.empty()) return "the whole mesh is missed";
+  const Eigen::MatrixXi count = countEncounters(mesh, surface);
+  for (std::uint32_t piece = 0; piece < surface.pieces; ++piece)
+    if (count.col(piece).maxCoeff() == 0 && !isBuried(surface, piece))
+      return "piece " + std::to_string(piece) + " of the mesh is missed";
+  std::vector<Eigen::Index> mainPart(surface.pieces, -1);
+  for (Eigen::Index part = 0; part < count.rows(); ++part) {
+    Eigen::Index piece = 0;
+    count.row(part).maxCoeff(&piece);
+    Eigen::Index& known = mainPart[static_cast<std::size_t>(piece)];
+    if (known >= 0) return "piece " + std::to_string(piece) + " of the mesh falls apart";
+    known = part;
+  }
+  return {};
+}
+
+std::string say(double value) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.3g", value);
+  return text;
+}
+
+/// A filling that has yet to be fitted to the surface, and what is wrong with it.
+struct Trial {
+  TetrahedralMesh mesh;
+  double spacing = 0.0;
+  std::string loss;
+  double miss = 0.0;     ///< the number of points over the wanted one, as a logarithm
+  double penalty = 0.0;  ///< 0 would be best
+};
+
+Trial fillAt(const SolidSurface& surface, double spacing, double points) {
+  Trial trial;
+  trial.mesh = stuff(surface, spacing);
+  trial.spacing = spacing;
+  trial.loss = findLoss(trial.mesh, surface);
+  double volume = 0.0;
+  for (const Tetrahedron& t : trial.mesh.tetrahedra) volume += volumeOf(trial.mesh.points, t);
+  trial.miss = std::log(static_cast<double>(std::max<std::size_t>(1, trial.mesh.points.size())) / points);
+  trial.penalty = std::abs(trial.miss) + kVolumeWeight * std::abs(std::log(volume / surface.volume));
+  return trial;
+}
+
+void keepBetter(Trial& best, Trial trial) {
+  const bool isBetter =
+      best.loss.empty() == trial.loss.empty() ? trial.penalty < best.penalty : trial.loss.empty();
+  if (isBetter || best.spacing == 0.0) best = std::move(trial);
+}
+
+/// The spacing for about this many points: two for each cube of the lattice, and those of the surface, so
+/// that the number goes with a power between 2 and 3. It changes in leaps where several rows come at once.
+Trial search(const SolidSurface& surface, double points) {
+  double spacing = std::cbrt(3.0 * surface.volume / points);
+  Trial best;
+  const auto attempt = [&](double at) {
+    if (sitesNeeded(surface.box, at) > kMostSites) return 0.0;
+    Trial trial = fillAt(surface, at, points);
+    const double miss = trial.miss;
+    keepBetter(best, std::move(trial));
+    return miss;
+  };
+  for (int i = 0; i < 5; ++i) spacing *= std::exp(attempt(spacing) / 2.6);
+  const double near = best.spacing;
+  for (const double factor : {0.9, 0.95, 1.05, 1.1}) attempt(factor * near);
+  for (double finer = 0.85 * near; !best.loss.empty() && finer > 0.5 * near; finer *= 0.95) attempt(finer);
+  return best;
+}
+
+bool isFlat(const SolidSurface& surface) { return surface.volume <= kLeastVolume * surface.box.volume(); }
+
+Result<TetrahedralMesh> finish(Trial trial, const SolidSurface& surface) {
+  if (trial.spacing == 0.0) return Error{"so many points need a lattice that is too large"};
+  if (!trial.loss.empty())
+    return Error{trial.loss + ": it is thinner than a lattice of " + say(trial.spacing) +
+                 " m can follow, or oriented inward; take a smaller spacing or more points"};
+  fitSurface(trial.mesh, surface);
+  return std::move(trial.mesh);
+}
+
+}  // namespace
+
+Result<TetrahedralMesh> fillWithTetrahedra(const WeldedMesh& mesh, double spacing) {
+  if (std::string reason = whyNotSolid(mesh.report); !reason.empty()) return Error{std::move(reason)};
+  if (!std::isfinite(spacing) || spacing <= 0.0)
+    return Error{"the spacing is " + say(spacing) + ", it must be above 0"};
+  const SolidSurface surface = makeSolidSurface(mesh);
+  if (isFlat(surface)) return Error{kNoVolume};
+  if (const double sites = sitesNeeded(surface.box, spacing); sites > kMostSites)
+    return Error{"the spacing of " + say(spacing) + " m needs a lattice of " + say(sites) +
+                 " sites, it may have " + say(kMostSites)};
+  return finish(fillAt(surface, spacing, 1.0), surface);
+}
+
+Result<TetrahedralMesh> fillWithPoints(const WeldedMesh& mesh, std::size_t points) {
+  if (std::string reason = whyNotSolid(mesh.report); !reason.empty()) return Error{std::move(reason)};
+  if (points < 8) return Error{std::to_string(points) + " points are too few, there must be 8 or more"};
+  const SolidSurface surface = makeSolidSurface(mesh);
+  if (isFlat(surface)) return Error{kNoVolume};
+  return finish(search(surface, static_cast<double>(points)), surface);
+}
+
+}  // namespace limber

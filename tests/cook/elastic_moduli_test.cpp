@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: Zlib
+// Measured elasticity against closed forms.
+#include "cook/elastic_moduli.h"
+#include "cook/fourth_degree.h"
+#include "support/networks.h"
+#include "support/small_meshes.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+namespace limber {
+namespace {
+
+/// 12 points on a sphere of radius 1, 30 springs.
+SharedNetwork icosahedron() {
+  NetworkSettings settings;
+  settings.braces = BraceRule::None;
+  settings.braceWeight = 1.0;
+  return *buildNetwork(small_meshes::icosphere(0), settings);
+}
+
+const double kEdge = 4.0 / std::sqrt(10.0 + 2.0 * std::sqrt(5.0));
+const double kVolume = 5.0 / 12.0 * (3.0 + std::sqrt(5.0)) * kEdge * kEdge * kEdge;
+
+/// Under uniform pressure all edges shrink alike by e: the energy is  e^2/2 k sum L^2 = 9 K V e^2/2.
+TEST(ElasticModuli, bulkModulusOfAnIcosahedronIsExact) {
+  const SharedNetwork network = icosahedron();
+  const double springs = 1000.0 * 30.0 * kEdge * kEdge / (9.0 * kVolume);
+  // 1e-6: the shift of the matrix
+  EXPECT_NEAR(measureModuli({*network, 1000.0}).bulkModulus / springs, 1.0, 1e-6);
+  EXPECT_NEAR(measureModuli({*network, 1000.0, 500.0}).bulkModulus / (springs + 500.0), 1.0, 1e-6)
+      << "the modulus of the volume inside adds to it";
+}
+
+TEST(ElasticModuli, ofAnIcosahedronAreTheSameInAllDirections) {
+  const SharedNetwork network = icosahedron();
+  const ElasticModuli moduli = measureModuli({*network, 1000.0});
+  EXPECT_NEAR(moduli.isotropy, 1.0, 1e-6);
+  EXPECT_NEAR(moduli.youngsModulus, 3.0 * moduli.bulkModulus * (1.0 - 2.0 * moduli.poissonRatio),
+              1e-5 * moduli.youngsModulus);
+}
+
+TEST(ElasticModuli, scaleWithTheSpringsAndTheSize) {
+  const SharedNetwork cube = test::closedCubeNetwork();
+  const ElasticModuli once = measureModuli({*cube, 1000.0}), twice = measureModuli({*cube, 2000.0});
+  EXPECT_NEAR(twice.youngsModulus / once.youngsModulus, 2.0, 1e-9);
+  EXPECT_NEAR(twice.poissonRatio, once.poissonRatio, 1e-9);
+  const ElasticModuli large = measureModuli({*cube, 1000.0, 0.0, Eigen::Vector3d::Constant(2.0)});
+  EXPECT_NEAR(large.youngsModulus / once.youngsModulus, 0.5, 1e-6)
+      << "twice the force on four times the area";
+}
+
+TEST(ElasticModuli, ofABodyThatFallsApartAreNothing) {
+  SpringNetwork loose = *test::closedCubeNetwork();
+  loose.springs.resize(6);
+  EXPECT_LT(measureModuli({loose, 1000.0}).youngsModuli[0], 1.0);
+}
+
+TEST(ElasticModuli, openingTheCubeAcrossTwoFacesIsItsStretching) {
+  // four corners pulled along x by F/4 each: with diagonals in all faces more than the 4 edges' 4 k resist
+  const SharedNetwork cube = test::closedCubeNetwork();
+  const double stiffness = openingStiffness({*cube, 1000.0}, {-0.5, 0, 0}, {0.5, 0, 0}, 0.75);
+  EXPECT_GT(stiffness, 4000.0);
+  EXPECT_LT(stiffness, 12000.0) << "all springs that go along x, unbent";
+  EXPECT_EQ(openingStiffness({*cube, 1000.0}, {-0.5, 0, 0}, {9, 0, 0}, 0.75), 0.0);
+}
+
+TEST(FourthDegree, knowsIsotropyAndLengths) {
+  const FourthDegree n = fourthPower(Eigen::Vector3d(1, -2, 2) / 3.0);
+  EXPECT_NEAR(n.squaredNorm(), 1.0, 1e-15);
+  EXPECT_NEAR(n.dot(fourthPower({1, 0, 0})), std::pow(1.0 / 3.0, 4), 1e-15) << "(m . n)^4";
+  // along any direction C_nnnn = lambda + 2 mu = 1.2
+  EXPECT_NEAR(n.dot(isotropicElasticity()), 1.2, 1e-15);
+}
+
+TEST(FourthDegree, takesTheSymmetricPartOfAnElasticity) {
+  Eigen::Matrix<double, 6, 6> c = Eigen::Matrix<double, 6, 6>::Zero();
+  c.topLeftCorner<3, 3>().setConstant(0.4);
+  c.diagonal() << 1.2, 1.2, 1.2, 0.4, 0.4, 0.4;
+  EXPECT_NEAR((symmetricPart(c) - isotropicElasticity()).norm(), 0.0, 1e-15);
+}
+
+}  // namespace
+}  // namespace limber

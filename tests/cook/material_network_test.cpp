@@ -1,0 +1,143 @@
+// SPDX-License-Identifier: Zlib
+// Bodies of a material: what is asked is what is measured.
+#include <limber/material_network.h>
+
+#include "cook/elastic_moduli.h"
+#include "cook/spring_constants.h"
+#include "cook/tetrahedra.h"
+#include "cook/tetrahedron_faces.h"
+#include "support/small_meshes.h"
+#include "support/test_shapes.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace limber {
+namespace {
+
+SharedNetwork make(const TriangleMesh& mesh, std::uint32_t points) {
+  MaterialMesh settings;
+  settings.points = points;
+  const Result<SharedNetwork> network = buildMaterialNetwork(mesh, settings);
+  EXPECT_TRUE(network) << network.error();
+  return *network;
+}
+
+ElasticModuli measure(const SpringNetwork& network, const SoftBodySettings& s) {
+  return measureModuli({network, s.extensionStiffness, s.volumeModulus, s.scale});
+}
+
+double volumeOfAll(const SpringNetwork& network) {
+  double volume = 0.0;
+  for (const Tetrahedron& t : network.tetrahedra) volume += volumeOf(network.restPoints, t);
+  return volume;
+}
+
+/// The calibration of setMaterialSprings for a lattice of so many points.
+double calibration(const TriangleMesh& mesh, std::size_t points) {
+  TetrahedralMesh filled = *fillWithPoints(*weld(mesh), points);
+  SpringNetwork network;
+  network.restPoints = filled.points;
+  network.tetrahedra = filled.tetrahedra;
+  network.surface = filled.surface;
+  return setMaterialSprings(network);
+}
+
+TEST(MaterialNetwork, hasTheModulusAndPoissonRatioAskedForInAllDirections) {
+  for (const TriangleMesh& mesh : {small_meshes::cube(1), small_meshes::icosphere(3), test_shapes::lShape(),
+                                   test_shapes::figure(), test_shapes::noiseSphere(2)}) {
+    const SharedNetwork network = make(mesh, 300);
+    ASSERT_EQ(validate(*network), "");
+    for (const double poisson : {0.25, 0.35, 0.45}) {
+      SCOPED_TRACE(testing::Message() << network->restPoints.size() << " points, ratio " << poisson);
+      Material material;
+      material.youngsModulus = 3e4;
+      material.poissonRatio = poisson;
+      const Result<SoftBodySettings> settings = withMaterial(*network, material);
+      ASSERT_TRUE(settings) << settings.error();
+      const ElasticModuli moduli = measure(*network, *settings);
+      EXPECT_NEAR(moduli.youngsModulus / 3e4, 1.0, 0.01);
+      EXPECT_NEAR(moduli.poissonRatio / poisson, 1.0, 0.01);
+    }
+    EXPECT_GT(measureModuli({*network, 1.0}).isotropy, 0.85);
+  }
+}
+
+TEST(MaterialNetwork, isAsStiffOnAFinerLattice) {
+  for (const TriangleMesh& mesh :
+       {small_meshes::cube(1), small_meshes::icosphere(3), test_shapes::lShape()}) {
+    const double coarse = calibration(mesh, 300), fine = calibration(mesh, 1200);
+    EXPECT_NEAR(fine / coarse, 1.0, 0.1);
+  }
+}
+
+TEST(MaterialNetwork, scalesWithItsBody) {
+  const SharedNetwork network = make(test_shapes::lShape(), 200);
+  Material material;
+  material.density = 500.0;
+  for (const Eigen::Vector3d& scale :
+       {Eigen::Vector3d(2, 2, 2), Eigen::Vector3d(-1, 1, 1), Eigen::Vector3d(1, 1.3, 0.9)}) {
+    SoftBodySettings settings;
+    settings.scale = scale;
+    settings.friction = 0.7;
+    const SoftBodySettings made = *withMaterial(*network, material, settings);
+    // stretched unevenly, the springs no longer are what was fitted to be alike in all directions
+    EXPECT_NEAR(measure(*network, made).youngsModulus / 1e5, 1.0, 0.02);
+    EXPECT_NEAR(made.totalMass, 500.0 * volumeOfAll(*network) * std::abs(scale.prod()), 1e-9);
+    EXPECT_EQ(made.friction, 0.7) << "all else stays";
+  }
+}
+
+TEST(MaterialNetwork, sharesTheMassByVolumeWithABoundedRatio) {
+  const SharedNetwork network = make(test_shapes::star(), 300);
+  double sum = 0.0, least = 1.0;
+  Eigen::Vector3d centre = Eigen::Vector3d::Zero(), solid = Eigen::Vector3d::Zero();
+  for (std::size_t i = 0; i < network->massShares.size(); ++i) {
+    sum += network->massShares[i];
+    least = std::min(least, network->massShares[i]);
+    centre += network->massShares[i] * network->restPoints[i];
+  }
+  for (const Tetrahedron& t : network->tetrahedra)
+    for (const std::uint32_t corner : t)
+      solid += volumeOf(network->restPoints, t) / (4.0 * volumeOfAll(*network)) * network->restPoints[corner];
+  EXPECT_NEAR(sum, 1.0, 1e-12);
+  EXPECT_GT(least * static_cast<double>(network->massShares.size()), 0.15);
+  EXPECT_LT((centre - solid).norm(), 0.01) << "of a body 1 m large";
+}
+
+TEST(MaterialNetwork, rendersTheMeshItCameFrom) {
+  const TriangleMesh mesh = test_shapes::lShape();
+  const SharedNetwork network = make(mesh, 200);
+  EXPECT_EQ(network->render.triangles.size(), mesh.triangles.size());
+  EXPECT_GT(network->render.skin.size(), 0u);
+  for (const NetworkSpring& s : network->springs)
+    EXPECT_TRUE(s.kind == SpringKind::Structural || s.kind == SpringKind::Brace);
+  const auto inside = std::count_if(network->springs.begin(), network->springs.end(),
+                                    [](const NetworkSpring& s) { return s.kind == SpringKind::Brace; });
+  EXPECT_GT(inside, 0);
+}
+
+TEST(MaterialNetwork, saysWhatItCannotDo) {
+  EXPECT_EQ(buildMaterialNetwork(small_meshes::singleTriangle()).error(),
+            "the mesh is not closed: it has 3 open edges");
+  MaterialMesh mesh;
+  mesh.spacing = -1.0;
+  EXPECT_EQ(buildMaterialNetwork(small_meshes::cube(1), mesh).error(), "spacing is -1, must be 0 or more");
+  const SharedNetwork network = make(small_meshes::cube(1), 50);
+  Material material;
+  material.poissonRatio = 0.5;
+  EXPECT_EQ(withMaterial(*network, material).error(), "poissonRatio is 0.5, must be from 0.25 to below 0.5");
+  material = {};
+  material.youngsModulus = 0.0;
+  EXPECT_EQ(withMaterial(*network, material).error(), "youngsModulus is 0, must be above 0");
+  material = {};
+  material.density = -1.0;
+  EXPECT_EQ(withMaterial(*network, material).error(), "density is -1, must be above 0");
+  EXPECT_EQ(withMaterial(**buildRope(), {}).error(),
+            "the network has no tetrahedra to be of a material: make it with buildMaterialNetwork");
+}
+
+}  // namespace
+}  // namespace limber

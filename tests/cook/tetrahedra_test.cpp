@@ -1,0 +1,209 @@
+// SPDX-License-Identifier: Zlib
+// Tetrahedra that fill closed meshes: shape, surface, volume, components, errors.
+#include "cook/tetrahedra.h"
+#include "cook/tetrahedra_repair.h"
+#include "cook/tetrahedron_faces.h"
+#include "cook/triangle_bvh.h"
+#include "core/mesh_edges.h"
+#include "core/surface_components.h"
+#include "support/small_meshes.h"
+#include "support/test_shapes.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace limber {
+namespace {
+
+constexpr double kDegrees = 180.0 / 3.14159265358979323846;
+
+double volumeOfAll(const TetrahedralMesh& mesh) {
+  double sum = 0.0;
+  for (const Tetrahedron& t : mesh.tetrahedra) sum += volumeOf(mesh.points, t);
+  return sum;
+}
+
+double volumeInside(const WeldedMesh& mesh) {
+  double sum = 0.0;
+  for (const Triangle& t : mesh.triangles)
+    sum += mesh.points[t[0]].dot(mesh.points[t[1]].cross(mesh.points[t[2]])) / 6.0;
+  return std::abs(sum);
+}
+
+/// Positive volumes, bounded angles, and a closed manifold around them, at every edge and every point.
+void expectSound(const TetrahedralMesh& mesh) {
+  for (const Tetrahedron& t : mesh.tetrahedra) {
+    ASSERT_GT(volumeOf(mesh.points, t), 0.0);
+    const DihedralAngles angles = dihedralAngles(mesh.points, t);
+    ASSERT_GE(angles.smallest * kDegrees, 10.0);
+    ASSERT_LE(angles.largest * kDegrees, 165.0);
+  }
+  const EdgeDefects defects = findEdgeDefects(mesh.surface);
+  EXPECT_EQ(defects.open + defects.nonManifold + defects.inconsistent, 0u);
+  // one fan around each point: the edges across from it hang together
+  std::vector<std::vector<Triangle>> fans(mesh.points.size());
+  for (const Triangle& t : mesh.surface)
+    for (const std::uint32_t point : t) fans[point].push_back(t);
+  for (std::uint32_t point = 0; point < fans.size(); ++point) {
+    std::vector<Triangle> opposite;  // edges across from the point, as triangles without it
+    for (const Triangle& t : fans[point]) {
+      Triangle edge = t;
+      std::replace(edge.begin(), edge.end(), point, t[0] == point ? t[1] : t[0]);
+      opposite.push_back(edge);
+    }
+    if (!opposite.empty()) {
+      EXPECT_EQ(findComponents(mesh.points.size(), opposite).count, 1u) << "point " << point;
+    }
+  }
+}
+
+struct Case {
+  const char* name;
+  TriangleMesh mesh;
+  std::size_t points;
+  double volumeError;  ///< what a lattice of so many points leaves
+};
+
+std::vector<Case> cases() {
+  return {{"cube", small_meshes::cube(1), 300, 1e-9},
+          {"ball", small_meshes::icosphere(3), 300, 0.03},
+          {"L", test_shapes::lShape(), 300, 1e-9},
+          {"L, fine", test_shapes::lShape(), 1200, 1e-9},
+          {"torus", test_shapes::torus(), 300, 0.04},
+          {"cylinder", test_shapes::cylinder(), 300, 0.02},
+          {"star", test_shapes::star(), 300, 0.03},
+          {"star, fine", test_shapes::star(), 1200, 0.01},
+          {"figure", test_shapes::figure(), 300, 0.02},
+          {"noise", test_shapes::noiseSphere(2), 300, 0.03},
+          {"rabbit", test_shapes::rabbit(0.04), 300, 0.02},
+          {"horseshoe", test_shapes::horseshoe(0.02), 300, 0.06},
+          {"tetrahedron", small_meshes::tetrahedron(), 100, 0.02},
+          {"two islands", small_meshes::twoIslands(), 200, 0.04}};
+}
+
+TEST(Tetrahedra, fillConcaveAndRoundBodiesSoundly) {
+  for (const Case& c : cases()) {
+    SCOPED_TRACE(c.name);
+    const WeldedMesh mesh = *weld(c.mesh);
+    const Result<TetrahedralMesh> filled = fillWithPoints(mesh, c.points);
+    ASSERT_TRUE(filled) << filled.error();
+    expectSound(*filled);
+    EXPECT_NEAR(volumeOfAll(*filled) / volumeInside(mesh), 1.0, c.volumeError);
+    EXPECT_EQ(findComponents(filled->points.size(), filled->surface).count, mesh.report.components);
+    // whole rows of the lattice come and go at once
+    EXPECT_NEAR(std::log(static_cast<double>(filled->points.size()) / static_cast<double>(c.points)), 0.0,
+                0.5);
+  }
+}
+
+TEST(Tetrahedra, keepTheirSurfaceWithinHalfASpacing) {
+  const double spacing = 0.1;
+  for (const TriangleMesh& shape : {test_shapes::lShape(), test_shapes::torus(), test_shapes::rabbit(0.04)}) {
+    const WeldedMesh mesh = *weld(shape);
+    const TetrahedralMesh filled = *fillWithTetrahedra(mesh, spacing);
+    const TriangleBvh given(mesh.points, mesh.triangles), found(filled.points, filled.surface);
+    for (const Triangle& t : filled.surface)
+      for (const std::uint32_t point : t)
+        EXPECT_LT(given.nearest(filled.points[point]).distance, 0.5 * spacing);
+    // what is thinner than the lattice, like the tips of ears, is cut off
+    std::vector<double> missed;
+    for (const Eigen::Vector3d& point : mesh.points) missed.push_back(found.nearest(point).distance);
+    std::nth_element(missed.begin(), missed.begin() + static_cast<std::ptrdiff_t>(missed.size() * 9 / 10),
+                     missed.end());
+    EXPECT_LT(missed[missed.size() * 9 / 10], 0.7 * spacing);
+  }
+}
+
+TEST(Tetrahedra, findTheCornersOfACubeThatLiesAskewInTheLattice) {
+  TriangleMesh cube = small_meshes::cube(1);
+  const Eigen::AngleAxisd turn(0.5, Eigen::Vector3d(1, 2, 3).normalized());
+  for (Eigen::Vector3d& p : cube.positions) p = turn * p;
+  const TetrahedralMesh filled = *fillWithTetrahedra(*weld(cube), 0.15);
+  expectSound(filled);
+  EXPECT_NEAR(volumeOfAll(filled), 1.0, 0.015) << "cut off by the lattice it would miss 0.05";
+}
+
+TEST(Tetrahedra, turnAnInwardSurfaceAround) {
+  TriangleMesh cube = small_meshes::cube(2);
+  for (Triangle& t : cube.triangles) std::swap(t[1], t[2]);
+  EXPECT_NEAR(volumeOfAll(*fillWithTetrahedra(*weld(cube), 0.25)), 1.0, 1e-9);
+}
+
+TEST(Tetrahedra, leaveHollowsHollow) {
+  TriangleMesh shell = small_meshes::icosphere(3), hollow = small_meshes::icosphere(3);
+  const auto first = static_cast<std::uint32_t>(shell.positions.size());
+  for (const Eigen::Vector3d& p : hollow.positions) shell.positions.push_back(0.5 * p);
+  for (const Triangle& t : hollow.triangles)
+    shell.triangles.push_back({t[0] + first, t[2] + first, t[1] + first});
+  const WeldedMesh mesh = *weld(shell);
+  const TetrahedralMesh filled = *fillWithTetrahedra(mesh, 0.2);
+  expectSound(filled);
+  EXPECT_EQ(findComponents(filled.points.size(), filled.surface).count, 2u);
+  EXPECT_NEAR(volumeOfAll(filled) / volumeInside(mesh), 1.0, 0.03);
+}
+
+TEST(Tetrahedra, joinPiecesThatLieWithinEachOther) {
+  TriangleMesh both = small_meshes::cube(1), other = small_meshes::cube(1);
+  const auto first = static_cast<std::uint32_t>(both.positions.size());
+  for (const Eigen::Vector3d& p : other.positions)
+    both.positions.push_back(p + Eigen::Vector3d(0.5, 0.25, 0));
+  for (const Triangle& t : other.triangles)
+    both.triangles.push_back({t[0] + first, t[1] + first, t[2] + first});
+  const TetrahedralMesh filled = *fillWithTetrahedra(*weld(both), 0.125);
+  expectSound(filled);
+  EXPECT_NEAR(volumeOfAll(filled), 2.0 - 0.5 * 0.75, 0.02);
+}
+
+TEST(Tetrahedra, areTheSameEachTime) {
+  const WeldedMesh mesh = *weld(test_shapes::figure());
+  const TetrahedralMesh a = *fillWithPoints(mesh, 300), b = *fillWithPoints(mesh, 300);
+  EXPECT_EQ(a.points, b.points);
+  EXPECT_EQ(a.tetrahedra, b.tetrahedra);
+}
+
+TEST(Tetrahedra, sayWhatTheyCannotFill) {
+  EXPECT_EQ(fillWithPoints(*weld(small_meshes::singleTriangle()), 100).error(),
+            "the mesh is not closed: it has 3 open edges");
+  EXPECT_EQ(fillWithPoints(*weld(small_meshes::flippedTriangle()), 100).error(),
+            "the mesh has no inside: at 3 edges its triangles are oriented against each other");
+  const WeldedMesh cube = *weld(small_meshes::cube(1));
+  EXPECT_EQ(fillWithPoints(cube, 7).error(), "7 points are too few, there must be 8 or more");
+  TriangleMesh flat;  // a square with two sides
+  flat.positions = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}};
+  flat.triangles = {{0, 1, 2}, {0, 2, 3}, {1, 0, 3}, {1, 3, 2}};
+  EXPECT_EQ(fillWithPoints(*weld(flat), 100).error(), "the mesh encloses no volume");
+  EXPECT_EQ(fillWithTetrahedra(cube, 0.0).error(), "the spacing is 0, it must be above 0");
+  EXPECT_EQ(fillWithTetrahedra(cube, 1e-3).error(),
+            "the spacing of 0.001 m needs a lattice of 2.04e+09 sites, it may have 4e+06");
+}
+
+TEST(Tetrahedra, sayWhichPieceIsTooThin) {
+  TriangleMesh mesh = small_meshes::cube(1);
+  const auto first = static_cast<std::uint32_t>(mesh.positions.size());
+  const TriangleMesh crumb = small_meshes::cube(1);
+  for (const Eigen::Vector3d& p : crumb.positions)
+    mesh.positions.push_back(0.02 * p + Eigen::Vector3d(0.913, 0.087, 0.041));
+  for (const Triangle& t : crumb.triangles)
+    mesh.triangles.push_back({t[0] + first, t[1] + first, t[2] + first});
+  EXPECT_EQ(fillWithTetrahedra(*weld(mesh), 0.25).error().substr(0, 34),
+            "piece 1 of the mesh is missed: it ");
+}
+
+TEST(Tetrahedra, comeApartWhereTheyMeetInAnEdgeOrAPoint) {
+  // two pairs of tetrahedra: one pair shares the edge 0 1 alone, the others the point 0
+  TetrahedralMesh mesh;
+  mesh.points = {{0, 0, 0},  {0, 0, 1},   {1, 0, 0},   {0, 1, 0},    {-1, 0, 0},
+                 {0, -2, 0}, {0, -1, -1}, {1, -1, -1}, {0, -0.5, -2}};
+  mesh.tetrahedra = {{0, 2, 3, 1}, {0, 4, 5, 1}, {0, 6, 7, 8}};
+  for (Tetrahedron& t : mesh.tetrahedra)
+    if (volumeOf(mesh.points, t) < 0.0) std::swap(t[2], t[3]);
+  makeManifold(mesh, 0.0);
+  EXPECT_EQ(mesh.tetrahedra.size(), 2u) << "the smaller one at the edge goes";
+  EXPECT_EQ(mesh.points.size(), 8u) << "the point in common is doubled";
+  expectSound(mesh);
+}
+
+}  // namespace
+}  // namespace limber
