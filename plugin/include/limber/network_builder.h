@@ -14,8 +14,9 @@ enum class BraceRule : std::uint8_t {
   None,         ///< the edges alone
   EqualLength,  ///< a spring between any two points whose distance is the length of some edge (C. Hart's
                 ///< rule: on a cube it adds the second diagonal of each face; on a sphere it adds nothing)
-  TwoRing,  ///< a spring between any two points that share a neighbour
-  Pipeline  ///< chords through the inside, then springs for what is soft, then for what folds: bracing.h
+  TwoRing,      ///< a spring between any two points that share a neighbour
+  Pipeline      ///< chords through the inside, then springs for what is soft, then for what folds: bracing.h.
+                ///< Flat and wide open components have no inside and get the two-ring
 };
 
 /// How the body's mass is shared among its points.
@@ -35,7 +36,7 @@ struct NetworkSettings {
   double mostBraces = 1.5;   ///< braces per point at most, Pipeline only, above 0
   double mostSeconds = 0.0;  ///< Pipeline stops adding after this time; 0: never. With a limit that is
                              ///< reached the network depends on the machine's speed.
-  std::uint64_t seed = 1;  ///< of the deformations that Pipeline tries
+  std::uint64_t seed = 1;    ///< of the deformations that Pipeline tries
   MassRule masses = MassRule::Equal;
   Progress progress;  ///< called from time to time on the calling thread, or empty
 };

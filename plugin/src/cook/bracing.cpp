@@ -9,7 +9,6 @@
 #include <Eigen/Dense>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 
 namespace limber {
@@ -51,47 +50,26 @@ SpringNetwork bareNetwork(const PieceToBrace& piece) {
   return network;
 }
 
-/// Asks progress and clock whether to go on; once not, never again.
-class Patience {
- public:
-  explicit Patience(const NetworkSettings& settings) : settings_(settings) {}
-
-  GoOn during(const char* what) {
-    return [this, what](double done) { return going_ = going_ && inTime() && told(what, done); };
-  }
-
- private:
-  using Clock = std::chrono::steady_clock;
-
-  bool inTime() const {
-    return settings_.mostSeconds == 0.0 ||
-           std::chrono::duration<double>(Clock::now() - begin_).count() < settings_.mostSeconds;
-  }
-  bool told(const char* what, double done) const {
-    return !settings_.progress || settings_.progress(what, done);
-  }
-
-  const NetworkSettings& settings_;
-  Clock::time_point begin_ = Clock::now();
-  bool going_ = true;
-};
+GoOn during(const char* what, const Progress& goOn) {
+  return [&goOn, what](double done) { return goOn(what, done); };
+}
 
 }  // namespace
 
-std::vector<Edge> bracePiece(const PieceToBrace& piece, const NetworkSettings& settings, double weight) {
-  const double n = static_cast<double>(piece.points.size());
-  if (thickness(piece.points) < kFlat) return findTwoRingPairs(piece.points.size(), piece.edges);
+std::vector<Edge> bracePiece(const PieceToBrace& piece, const BracingSettings& settings,
+                             const Progress& goOn) {
+  const std::size_t points = piece.points.size();
+  if (thickness(piece.points) < kFlat) return findTwoRingPairs(points, piece.edges);
+  if (!goOn("bracing: chords", 0.0)) return {};
   SpringNetwork network = bareNetwork(piece);
   InsideChords chords(network.restPoints, network.surface, piece.edges);
-  BracedPiece braced{
-      std::move(network), std::move(chords), weight, static_cast<std::size_t>(settings.mostBraces * n), {}};
-  Patience patience(settings);
-  if (!patience.during("bracing: chords")(0.0)) return {};
+  const auto most = static_cast<std::size_t>(settings.mostBraces * static_cast<double>(points));
+  BracedPiece braced{std::move(network), std::move(chords), settings.weight, most, {}};
   addAntipodalBraces(braced);
-  if (!piece.closed && static_cast<double>(braced.braces.size()) < kLeastChords * n)
-    return findTwoRingPairs(piece.points.size(), piece.edges);
-  addSoftModeBraces(braced, settings.seed, patience.during("bracing: soft modes"));
-  addCounterexampleBraces(braced, settings.seed, patience.during("bracing: wrong shapes"));
+  const bool hollow = static_cast<double>(braced.braces.size()) < kLeastChords * static_cast<double>(points);
+  if (hollow && !piece.closed) return findTwoRingPairs(points, piece.edges);
+  addSoftModeBraces(braced, settings.seed, during("bracing: soft modes", goOn));
+  addCounterexampleBraces(braced, settings.seed, during("bracing: wrong shapes", goOn));
   std::sort(braced.braces.begin(), braced.braces.end());
   return braced.braces;
 }

@@ -20,14 +20,22 @@ struct PieceToBrace {
   bool keepsVolume = false;  ///< whether the body that it is a piece of will have a volume term
 };
 
-/// The braces of BraceRule::Pipeline, sorted, at `weight`:
+struct BracingSettings {
+  double weight = 0.3;      ///< stiffnessScale of a brace
+  double mostBraces = 1.5;  ///< per point
+  std::uint64_t seed = 1;
+};
+
+/// The braces of BraceRule::Pipeline, sorted:
 ///
 ///   1. chords through the body, from each point to the opposite side (antipodal_braces.h),
 ///   2. braces for mechanisms and what is nearly one (soft_mode_braces.h),
 ///   3. braces for the wrong shapes that large deformations leave it in (counterexample_braces.h),
 ///
-/// all inside the body. A piece without an inside (flat, open so that few chords are inside) gets the
-/// two-ring instead, whatever settings.mostBraces says.
-std::vector<Edge> bracePiece(const PieceToBrace& piece, const NetworkSettings& settings, double weight);
+/// all inside the body. A piece without an inside (flat, or so open that few chords are inside) gets the
+/// two-ring instead, however many braces that is. Once `goOn` returns false it must do so ever after; then
+/// the braces found so far are returned.
+std::vector<Edge> bracePiece(const PieceToBrace& piece, const BracingSettings& settings,
+                             const Progress& goOn);
 
 }  // namespace limber

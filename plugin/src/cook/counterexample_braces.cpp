@@ -12,7 +12,7 @@
 namespace limber {
 namespace {
 
-constexpr int kCleanRounds = 5, kMostRounds = 60;
+constexpr int kCleanRounds = 8, kMostRounds = 60;
 
 /// Runs of a round: each kind of deformation so often, and further ones of kinds that have failed before.
 constexpr std::size_t kRunsOfEach = 2, kFurtherRuns = 10;

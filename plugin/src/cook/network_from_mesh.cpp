@@ -8,6 +8,7 @@
 #include "core/surface_components.h"
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <string>
 #include <utility>
@@ -69,7 +70,19 @@ void describeEdges(PieceToBrace& shape, const MeshReport& report) {
   shape.keepsVolume = report.watertight();
 }
 
-std::vector<Edge> findBraces(const PieceToBrace& shape, const NetworkSettings& settings) {
+/// Asks progress and clock whether to go on; once not, never again.
+Progress impatient(const NetworkSettings& settings) {
+  using Clock = std::chrono::steady_clock;
+  return [&settings, begin = Clock::now(), going = true](const char* what, double done) mutable {
+    const double seconds = std::chrono::duration<double>(Clock::now() - begin).count();
+    going = going && (settings.mostSeconds == 0.0 || seconds < settings.mostSeconds) &&
+            (!settings.progress || settings.progress(what, done));
+    return going;
+  };
+}
+
+std::vector<Edge> findBraces(const PieceToBrace& shape, const NetworkSettings& settings,
+                             const Progress& goOn) {
   switch (settings.braces) {
     case BraceRule::None:
       return {};
@@ -78,7 +91,7 @@ std::vector<Edge> findBraces(const PieceToBrace& shape, const NetworkSettings& s
     case BraceRule::TwoRing:
       return findTwoRingPairs(shape.points.size(), shape.edges);
     case BraceRule::Pipeline:
-      return bracePiece(shape, settings, weightOf(settings));
+      return bracePiece(shape, {weightOf(settings), settings.mostBraces, settings.seed}, goOn);
   }
   return {};
 }
@@ -92,10 +105,12 @@ void addSprings(const Piece& piece, const std::vector<Edge>& pairs, SpringKind k
 /// The edges and, within each component, braces.
 std::vector<NetworkSpring> connect(const WeldedMesh& welded, const NetworkSettings& settings) {
   std::vector<NetworkSpring> springs;
+  const Progress goOn = impatient(settings);
   for (Piece& piece : splitIntoPieces(welded)) {
     describeEdges(piece.shape, welded.report);
     addSprings(piece, piece.shape.edges, SpringKind::Structural, 1.0, springs);
-    addSprings(piece, findBraces(piece.shape, settings), SpringKind::Brace, weightOf(settings), springs);
+    addSprings(piece, findBraces(piece.shape, settings, goOn), SpringKind::Brace, weightOf(settings),
+               springs);
   }
   std::sort(springs.begin(), springs.end(), [](const NetworkSpring& s, const NetworkSpring& t) {
     return s.a != t.a ? s.a < t.a : s.b < t.b;

@@ -1,18 +1,14 @@
 // SPDX-License-Identifier: Zlib
 #include "cook/relaxation.h"
 
-#include "cook/deformations.h"
 #include "cook/energy_descent.h"
 #include "core/body_measures.h"
 #include "core/quad_step.h"
 #include "core/spring_lanes.h"
 #include "core/stepping_choice.h"
 
-#include <Eigen/SVD>
-
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <list>
 
 namespace limber {
@@ -28,7 +24,7 @@ constexpr double kLeastTime = 10.0;  // s before a body counts as at rest: it st
 // looks at a calm one. A calm run's step is not chosen anew at each look.
 constexpr int kCalmSubsteps = 8, kWildSubsteps = 1;
 constexpr int kCalmLooks = 8;
-constexpr int kMostLooks = 4000;  // then a run that is still wild goes on by descent
+constexpr int kMostLooks = 4000;    // then a run that is still wild goes on by descent
 constexpr double kWildBound = 1.5;  // times the square of the frequency bound at rest
 constexpr double kFar = 0.5;
 constexpr double kCalmShare = 0.95, kWildShare = 0.6;  // of the stable step
@@ -149,8 +145,8 @@ void stepAll(Dynamics& dynamics, std::list<Run>& runs) {
 
 /// Also when its numbers are none any more.
 bool hasCalmedDown(const Dynamics& dynamics, const Run& run) {
-  if (run.time < kLeastTime && run.looks < kMostLooks) return false;
-  return run.time >= kMostTime || run.looks >= kMostLooks || !(0.5 * run.state.velocity.squaredNorm() >= dynamics.restEnergy);
+  if (run.looks >= kMostLooks || run.time >= kMostTime) return true;
+  return run.time >= kLeastTime && !(0.5 * run.state.velocity.squaredNorm() >= dynamics.restEnergy);
 }
 
 void settle(Dynamics& dynamics, Run& run) {
@@ -181,71 +177,7 @@ bool advance(Dynamics& dynamics, std::list<Run>& runs,
   return true;
 }
 
-SoftBodySettings unitSettings(double size) {
-  SoftBodySettings settings;
-  settings.scale.setConstant(size > 0.0 ? 1.0 / size : 1.0);
-  settings.extensionStiffness = settings.compressionStiffness = 1.0;
-  settings.damping = 0.0;
-  return settings;
-}
-
-Points restPointsOf(const SpringNetwork& network) {
-  Points rest(3, static_cast<Eigen::Index>(network.restPoints.size()));
-  for (Eigen::Index i = 0; i < rest.cols(); ++i)
-    rest.col(i) = network.restPoints[static_cast<std::size_t>(i)];
-  return rest;
-}
-
-std::uint32_t rootOf(std::vector<std::uint32_t>& parent, std::uint32_t i) {
-  while (parent[i] != i) i = parent[i] = parent[parent[i]];
-  return i;
-}
-
-/// The points of each piece that springs hold together.
-std::vector<std::vector<Eigen::Index>> findPieces(const SpringNetwork& network) {
-  std::vector<std::uint32_t> parent(network.restPoints.size());
-  for (std::uint32_t i = 0; i < parent.size(); ++i) parent[i] = i;
-  for (const NetworkSpring& s : network.springs) {
-    const std::uint32_t a = rootOf(parent, s.a), b = rootOf(parent, s.b);
-    parent[std::max(a, b)] = std::min(a, b);
-  }
-  std::vector<std::vector<Eigen::Index>> pieces;
-  std::vector<std::size_t> pieceOfRoot(parent.size(), 0);
-  for (std::uint32_t i = 0; i < parent.size(); ++i) {
-    const std::uint32_t root = rootOf(parent, i);
-    if (root == i) pieceOfRoot[i] = pieces.size(), pieces.emplace_back();
-    pieces[pieceOfRoot[root]].push_back(static_cast<Eigen::Index>(i));
-  }
-  return pieces;
-}
-
-/// Squared distances, summed, after the best rigid motion: with the singular values s of the covariance,
-///     sum |x|^2 + |y|^2 - 2 (s0 + s1 +- s2),  minus where the best map would be a reflection.
-double squaredDistance(const Points& a, const Points& b) {
-  const Points x = a.colwise() - a.rowwise().mean(), y = b.colwise() - b.rowwise().mean();
-  const Eigen::Matrix3d covariance = x * y.transpose();
-  const Eigen::Vector3d s = Eigen::JacobiSVD<Eigen::Matrix3d>(covariance).singularValues();
-  const double sign = covariance.determinant() < 0.0 ? -1.0 : 1.0;
-  return std::max(0.0, x.squaredNorm() + y.squaredNorm() - 2.0 * (s[0] + s[1] + sign * s[2]));
-}
-
 }  // namespace
-
-RelaxedBody::RelaxedBody(const SpringNetwork& network) : rest(restPointsOf(network)) {
-  const SoftBodySettings settings = unitSettings(sizeOf(rest));
-  rest *= settings.scale.x();
-  springs = makeSprings(network, settings);
-  volumes = makeVolumes(network, settings);
-  pieces = findPieces(network);
-}
-
-double distanceToRest(const RelaxedBody& body, const Points& x) {
-  if (!x.allFinite()) return std::numeric_limits<double>::infinity();
-  double sum = 0.0;
-  for (const std::vector<Eigen::Index>& piece : body.pieces)
-    sum += squaredDistance(body.rest(Eigen::all, piece), x(Eigen::all, piece));
-  return std::sqrt(sum / static_cast<double>(x.cols()));
-}
 
 void relax(RelaxedBody& body, std::size_t count, const std::function<Points(std::size_t)>& start,
            const std::function<bool(std::size_t, const Points&)>& finish) {

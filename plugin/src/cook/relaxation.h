@@ -1,27 +1,11 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
-#include "core/point_state.h"
-#include "core/spring_arrays.h"
-#include "core/volume_term.h"
-
-#include <limber/spring_network.h>
+#include "cook/relaxed_body.h"
 
 #include <functional>
-#include <vector>
 
 namespace limber {
-
-/// A body of a network as relaxations see it: of size 1, unit masses, each spring's constant its
-/// stiffnessScale, with the volume term that a body of it has by default.
-struct RelaxedBody {
-  Points rest;  ///< the rest points over the size
-  SpringArrays springs;
-  VolumeArrays volumes;                           ///< may be empty
-  std::vector<std::vector<Eigen::Index>> pieces;  ///< points that springs hold together
-
-  explicit RelaxedBody(const SpringNetwork& network);
-};
 
 /// Relaxes `count` starts. `start(i)` gives the positions that run i is let go from, at rest; `finish(i, x)`
 /// takes those it has come to rest at, in any order, and returns false to end early.
@@ -31,12 +15,5 @@ struct RelaxedBody {
 /// on its start alone.
 void relax(RelaxedBody& body, std::size_t count, const std::function<Points(std::size_t)>& start,
            const std::function<bool(std::size_t, const Points&)>& finish);
-
-/// A run whose distanceToRest() is below this has returned.
-constexpr double kReturned = 1e-3;
-
-/// Root mean square distance of the points to the rest points after the best rigid motion of each piece,
-/// without reflection (Kabsch 1976).
-double distanceToRest(const RelaxedBody& body, const Points& x);
 
 }  // namespace limber

@@ -1,0 +1,174 @@
+// SPDX-License-Identifier: Zlib
+// BraceRule::Pipeline and TwoRing: what they promise, on small shapes and few runs; bench/run networks has
+// the large ones.
+#include "cook/return_rate.h"
+#include "cook/rigidity.h"
+#include "cook/soft_mode_braces.h"
+#include "cook/triangle_bvh.h"
+#include "cook/two_ring_braces.h"
+#include "support/network_shapes.h"
+#include "support/small_meshes.h"
+
+#include <limber/network_builder.h>
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace limber {
+namespace {
+
+SharedNetwork build(const TriangleMesh& mesh, const NetworkSettings& settings = {}) {
+  Result<SharedNetwork> network = buildNetwork(mesh, settings);
+  if (!network) {
+    ADD_FAILURE() << network.error();
+    return std::make_shared<SpringNetwork>();
+  }
+  EXPECT_EQ(validate(**network), "");
+  return *network;
+}
+
+std::vector<NetworkSpring> bracesOf(const SpringNetwork& network) {
+  std::vector<NetworkSpring> braces;
+  for (const NetworkSpring& s : network.springs)
+    if (s.kind == SpringKind::Brace) braces.push_back(s);
+  return braces;
+}
+
+std::vector<Edge> pairsOf(const std::vector<NetworkSpring>& springs) {
+  std::vector<Edge> pairs;
+  for (const NetworkSpring& s : springs) pairs.push_back({s.a, s.b});
+  return pairs;
+}
+
+TriangleMesh joined(TriangleMesh a, const TriangleMesh& b, const Eigen::Vector3d& move) {
+  const auto first = static_cast<std::uint32_t>(a.positions.size());
+  for (const Eigen::Vector3d& p : b.positions) a.positions.push_back(p + move);
+  for (const Triangle& t : b.triangles) a.triangles.push_back({t[0] + first, t[1] + first, t[2] + first});
+  return a;
+}
+
+class Shapes : public testing::TestWithParam<network_shapes::NamedShape> {};
+
+/// Seeds of the runs are not those of the bracing (1).
+TEST_P(Shapes, comeBackWithAtMostOneBracePerPoint) {
+  const SharedNetwork network = build(GetParam().make());
+  EXPECT_LE(bracesOf(*network).size(), network->restPoints.size());
+  for (std::size_t kind = 0; kind < kDeformations; ++kind)
+    EXPECT_EQ(measureReturns(*network, static_cast<Deformation>(kind), 8, 4711).returned, 8u) << kind;
+  const SmallDeformations small = smallDeformations(*network);
+  EXPECT_EQ(small.mechanisms, 0u);
+  EXPECT_GE(small.softest, kLeastModeRatio * small.stiffest);
+}
+
+TEST_P(Shapes, haveTheirBracesInside) {
+  const SharedNetwork network = build(GetParam().make());
+  const TriangleBvh surface(network->restPoints, network->surface);
+  for (const NetworkSpring& s : bracesOf(*network)) {
+    EXPECT_EQ(s.stiffnessScale, 0.3);
+    EXPECT_TRUE(surface.staysInside(network->restPoints[s.a], network->restPoints[s.b], 1e-5))
+        << s.a << ' ' << s.b;
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Bracing, Shapes,
+                         testing::Values(network_shapes::NamedShape{"cube26", network_shapes::cube26},
+                                         network_shapes::NamedShape{"ico42", network_shapes::ico42},
+                                         network_shapes::NamedShape{"cyl62", network_shapes::cyl62},
+                                         network_shapes::NamedShape{"lshape90", network_shapes::lshape90}),
+                         [](const auto& tested) { return std::string(tested.param.name); });
+
+TEST(Bracing, isDeterministicAndSeeded) {
+  NetworkSettings settings;
+  settings.mostBraces = 0.7;
+  const auto braces = [&] { return pairsOf(bracesOf(*build(network_shapes::lshape90(), settings))); };
+  const std::vector<Edge> first = braces();
+  EXPECT_EQ(first.size(), 63u);
+  EXPECT_EQ(first, braces());
+}
+
+TEST(Bracing, turnsMeshesThatAreInsideOut) {
+  TriangleMesh mesh = network_shapes::ico42();
+  const std::vector<Edge> right = pairsOf(bracesOf(*build(mesh)));
+  for (Triangle& t : mesh.triangles) std::swap(t[1], t[2]);
+  EXPECT_EQ(pairsOf(bracesOf(*build(mesh))).size(), right.size());
+}
+
+TEST(Bracing, keepsToTheCapAndTheWeight) {
+  NetworkSettings settings;
+  settings.mostBraces = 0.25;
+  settings.braceWeight = 0.5;
+  const std::vector<NetworkSpring> braces = bracesOf(*build(network_shapes::ico42(), settings));
+  EXPECT_EQ(braces.size(), 10u);  // 0.25 x 42
+  for (const NetworkSpring& s : braces) EXPECT_EQ(s.stiffnessScale, 0.5);
+}
+
+TEST(Bracing, reportsProgressAndEndsEarly) {
+  NetworkSettings settings;
+  int calls = 0;
+  settings.progress = [&](const char* what, double done) {
+    EXPECT_NE(std::string(what), "");
+    EXPECT_GE(done, 0.0);
+    EXPECT_LE(done, 1.0);
+    ++calls;
+    return true;
+  };
+  build(network_shapes::cube26(), settings);
+  EXPECT_GT(calls, 10);
+  calls = 0;
+  settings.progress = [&](const char*, double) { return ++calls < 3; };
+  build(network_shapes::cube26(), settings);
+  EXPECT_EQ(calls, 3) << "once told to end, it asks no more";
+}
+
+TEST(Bracing, endsWhenTheTimeIsOver) {
+  NetworkSettings settings;
+  settings.mostSeconds = 1e-9;
+  EXPECT_TRUE(bracesOf(*build(network_shapes::ico42(), settings)).empty());
+}
+
+TEST(Bracing, neverJoinsComponents) {
+  const TriangleMesh two = joined(network_shapes::cube26(), network_shapes::ico42(), {1.05, 0, 0});
+  for (const BraceRule rule : {BraceRule::EqualLength, BraceRule::TwoRing, BraceRule::Pipeline}) {
+    NetworkSettings settings;
+    settings.braces = rule;
+    const SharedNetwork network = build(two, settings);
+    for (const NetworkSpring& s : network->springs)
+      EXPECT_EQ(network->restPoints[s.a].x() < 0.52, network->restPoints[s.b].x() < 0.52);
+    if (rule != BraceRule::Pipeline) continue;
+    for (const Deformation kind : {Deformation::Squash, Deformation::Noise})
+      EXPECT_EQ(measureReturns(*network, kind, 8, 4711).returned, 8u);
+  }
+}
+
+TEST(Bracing, givesFlatAndOpenOnesTheTwoRing) {
+  for (const TriangleMesh& mesh :
+       {network_shapes::cloth100(), small_meshes::singleTriangle(), small_meshes::nonManifoldEdge()}) {
+    NetworkSettings settings;
+    const std::vector<Edge> braces = pairsOf(bracesOf(*build(mesh, settings)));
+    settings.braces = BraceRule::TwoRing;
+    EXPECT_EQ(braces, pairsOf(bracesOf(*build(mesh, settings))));
+  }
+}
+
+TEST(Bracing, copesWithHolesAndFlippedTriangles) {
+  TriangleMesh holed = network_shapes::ico42();
+  holed.triangles.erase(holed.triangles.begin(), holed.triangles.begin() + 2);
+  EXPECT_GT(bracesOf(*build(holed)).size(), 10u);
+  build(small_meshes::flippedTriangle());
+  const TriangleMesh crossing = joined(network_shapes::ico42(), network_shapes::ico42(), {0.4, 0, 0});
+  EXPECT_GT(bracesOf(*build(crossing)).size(), 40u);
+}
+
+TEST(TwoRing, joinsAllThatShareANeighbour) {
+  NetworkSettings settings;
+  settings.braces = BraceRule::TwoRing;
+  // an icosahedron: each point has all but its opposite within two steps, 5 of them by an edge
+  EXPECT_EQ(bracesOf(*build(small_meshes::icosphere(0), settings)).size(), 12u * 5u / 2u);
+  EXPECT_EQ(bracesOf(*build(small_meshes::tetrahedron(), settings)).size(), 0u);
+  EXPECT_EQ(findTwoRingPairs(4, {{0, 1}, {1, 2}, {2, 3}}), (std::vector<Edge>{{0, 2}, {1, 3}}));
+}
+
+}  // namespace
+}  // namespace limber

@@ -1,0 +1,145 @@
+// SPDX-License-Identifier: Zlib
+// Large deformations, what bodies relax to from them, and how often that is the rest shape.
+#include "cook/return_rate.h"
+
+#include "cook/deformations.h"
+#include "cook/relaxation.h"
+#include "core/spring_forces.h"
+#include "support/network_shapes.h"
+#include "support/networks.h"
+#include "support/small_meshes.h"
+
+#include <gtest/gtest.h>
+#include <Eigen/Geometry>
+
+namespace limber {
+namespace {
+
+constexpr double kUneven = 1e-4;  // of the size, what deform() moves every point by at most
+
+const std::vector<Deformation> kKinds{Deformation::Squash,   Deformation::Twist,  Deformation::Noise,
+                                      Deformation::Push,     Deformation::Mirror, Deformation::Flatten,
+                                      Deformation::Inversion};
+
+/// Without its volume term.
+SpringNetwork opened(SpringNetwork network) {
+  network.report.openEdges = 1;
+  return network;
+}
+
+double largestMove(const Points& a, const Points& b) { return (a - b).colwise().norm().maxCoeff(); }
+
+/// Root mean square distance from the best plane.
+double thickness(const Points& x) {
+  const Points r = x.colwise() - x.rowwise().mean();
+  return std::sqrt(Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(r * r.transpose()).eigenvalues()[0] /
+                   static_cast<double>(x.cols()));
+}
+
+TEST(Deformations, dependOnKindSeedAndRunAlone) {
+  const Points rest = RelaxedBody(*test::cubeNetwork()).rest;
+  for (const Deformation kind : kKinds) {
+    const Points x = deform(rest, kind, 7, 3);
+    EXPECT_EQ(x, deform(rest, kind, 7, 3));
+    EXPECT_NE(x, deform(rest, kind, 8, 3));
+    EXPECT_NE(x, deform(rest, kind, 7, 4));
+  }
+}
+
+TEST(Deformations, areWhatTheyAreCalled) {
+  const Points rest = RelaxedBody(*network_shapes::bare(network_shapes::ico42())).rest;
+  const double round = thickness(rest);
+  for (std::uint64_t run = 0; run < 5; ++run) {
+    EXPECT_LT(thickness(deform(rest, Deformation::Flatten, 1, run)), kUneven);
+    EXPECT_NEAR(thickness(deform(rest, Deformation::Squash, 1, run)), 0.1 * round, kUneven);
+    EXPECT_LT(largestMove(deform(rest, Deformation::Inversion, 1, run), -rest), 1.01 * kUneven);
+    EXPECT_LE(largestMove(deform(rest, Deformation::Noise, 1, run), rest), 0.5 + kUneven);
+    const Points pushed = deform(rest, Deformation::Push, 1, run);
+    EXPECT_EQ(((pushed - rest).colwise().norm().array() > 1.01 * kUneven).count(), 1);
+    EXPECT_GT(largestMove(pushed, rest), 0.2);
+    const Points mirrored = deform(rest, Deformation::Mirror, 1, run);
+    const auto moved = ((mirrored - rest).colwise().norm().array() > 1.01 * kUneven).count();
+    EXPECT_GT(moved, 0);
+    EXPECT_LT(moved, rest.cols() / 2);
+  }
+}
+
+TEST(DistanceToRest, leavesOutRigidMotionsOfEachPieceButNotReflections) {
+  const RelaxedBody body(*network_shapes::bare(small_meshes::twoIslands()));
+  ASSERT_EQ(body.pieces.size(), 2u);
+  const Eigen::Matrix3d turn = Eigen::AngleAxisd(2.0, Eigen::Vector3d(1, 2, 3).normalized()).matrix();
+  Points x = turn * body.rest;
+  for (const Eigen::Index i : body.pieces[1]) x.col(i) += Eigen::Vector3d(5, 1, 0);
+  // the root of the rounding of squares
+  EXPECT_NEAR(distanceToRest(body, x), 0.0, 1e-7);
+  EXPECT_GT(distanceToRest(body, -x), 0.05);
+  x(0, 0) = std::nan("");
+  EXPECT_FALSE(distanceToRest(body, x) < 1e9) << "positions that are none have not returned";
+}
+
+/// 24 runs of three kinds, together and one by one.
+TEST(Relaxation, ofARunDependsOnItsStartAlone) {
+  RelaxedBody body(*network_shapes::bare(network_shapes::ico42()));
+  const auto start = [&](std::size_t i) { return deform(body.rest, kKinds[i % 3], 5, i); };
+  std::vector<Points> together(24);
+  relax(body, together.size(), start, [&](std::size_t i, const Points& x) {
+    together[i] = x;
+    return true;
+  });
+  for (std::size_t i = 0; i < together.size(); ++i)
+    relax(
+        body, 1, [&](std::size_t) { return start(i); },
+        [&](std::size_t, const Points& x) {
+          EXPECT_EQ(x, together[i]) << i;
+          return true;
+        });
+}
+
+TEST(Relaxation, endsInAMinimumOfTheEnergy) {
+  RelaxedBody body(*network_shapes::bare(network_shapes::ico42()));
+  std::size_t runs = 0;
+  relax(
+      body, 10, [&](std::size_t i) { return deform(body.rest, Deformation::Mirror, 3, i); },
+      [&](std::size_t, const Points& x) {
+        ++runs;
+        if (distanceToRest(body, x) < kReturned) return true;
+        PointState state;
+        state.resize(x.cols());
+        state.position = x;
+        computeSpringForces(body.springs, state);
+        addVolumeForces(body.volumes, state);
+        EXPECT_LT(state.force.cwiseAbs().maxCoeff(), 1e-5);
+        return true;
+      });
+  EXPECT_EQ(runs, 10u);
+}
+
+TEST(ReturnRate, ofTheBareCubeIsPerfectWithAVolumeOnly) {
+  const SpringNetwork cube = *network_shapes::bare(network_shapes::cube8());
+  for (const Deformation kind : kKinds) EXPECT_EQ(measureReturns(cube, kind, 20, 1).rate(), 1.0);
+  // springs have no part in telling a body from its mirror image
+  const ReturnRate inverted = measureReturns(opened(cube), Deformation::Inversion, 20, 1);
+  EXPECT_EQ(inverted.returned, 0u);
+  EXPECT_EQ(inverted.mirrored, 20u);
+  EXPECT_LT(measureReturns(opened(cube), Deformation::Squash, 40, 1).rate(), 0.8) << "folds flat";
+}
+
+TEST(ReturnRate, ofABareLIsNone) {
+  const SpringNetwork bare = *network_shapes::bare(network_shapes::lshape90());
+  EXPECT_EQ(measureReturns(bare, Deformation::Squash, 10, 1).returned, 0u);
+}
+
+TEST(ReturnRate, endsWhenProgressSaysSo) {
+  const SpringNetwork cube = *network_shapes::bare(network_shapes::cube8());
+  std::uint32_t calls = 0;
+  const ReturnRate rate = measureReturns(cube, Deformation::Twist, 100, 1, [&](const char*, double done) {
+    EXPECT_GT(done, 0.0);
+    EXPECT_LE(done, 1.0);
+    return ++calls < 5;
+  });
+  EXPECT_EQ(calls, 5u);
+  EXPECT_EQ(rate.runs, 5u);
+}
+
+}  // namespace
+}  // namespace limber
