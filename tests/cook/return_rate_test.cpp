@@ -10,6 +10,7 @@
 #include "support/small_meshes.h"
 
 #include <gtest/gtest.h>
+#include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 
 namespace limber {

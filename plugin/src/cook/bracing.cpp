@@ -19,6 +19,7 @@ constexpr double kFlat = 1e-3;
 
 /// Chords per point below which an open piece counts as without an inside.
 constexpr double kLeastChords = 0.125;
+constexpr double kRounding = 1e-6;  // 0.7 x 90 springs are 63, not 62
 
 /// Root mean square distance from the best plane over that from the centre.
 double thickness(const std::vector<Eigen::Vector3d>& points) {
@@ -63,8 +64,9 @@ std::vector<Edge> bracePiece(const PieceToBrace& piece, const BracingSettings& s
   if (!goOn("bracing: chords", 0.0)) return {};
   SpringNetwork network = bareNetwork(piece);
   InsideChords chords(network.restPoints, network.surface, piece.edges);
-  const auto most = static_cast<std::size_t>(settings.mostBraces * static_cast<double>(points));
-  BracedPiece braced{std::move(network), std::move(chords), settings.weight, most, {}};
+  const double most = settings.mostBraces * static_cast<double>(points) + kRounding;
+  BracedPiece braced{
+      std::move(network), std::move(chords), settings.weight, static_cast<std::size_t>(most), {}};
   addAntipodalBraces(braced);
   const bool hollow = static_cast<double>(braced.braces.size()) < kLeastChords * static_cast<double>(points);
   if (hollow && !piece.closed) return findTwoRingPairs(points, piece.edges);

@@ -23,11 +23,11 @@ constexpr double kStride = 1.6;  // beyond what is too much a body can come back
 constexpr double kPrecision = 1.04;
 
 // The motion, in units of the size, the mean mass of a point and the stiffness.
-constexpr double kDrag = 0.1;
+constexpr double kDrag = 0.1;  // at most, and sqrt(load): more would hold up what topples
 constexpr double kFriction = 0.5;
 constexpr double kStepShare = 0.5;       // of the safe step
 constexpr double kSettlingTime = 300.0;  // at most: drag takes 13 powers of ten of the energy
-constexpr double kFallTimes = 10.0;      // or so often the time of falling through the size
+constexpr double kFallTimes = 20.0;      // or 1/sqrt(load) so often: unevenness grows by e in 1.6 of them
 constexpr double kCalmSpeed = 1e-3;      // root mean square over the load: at rest, when it lasts
 constexpr int kCalmSteps = 20;
 constexpr double kUnevenness = 1e-3;  // of the start: no body stands in an unstable equilibrium
@@ -91,7 +91,8 @@ void settle(StandingBody& body, double gravity, double mostTime, double calmSpee
   if (!body.volumes.empty()) stepped.volumes = &body.volumes;
   PointState& p = body.state;
   p.velocity.setZero();
-  const double dt = body.step, kept = std::exp(-kDrag * dt);
+  const double drag = gravity > 0.0 ? std::min(kDrag, std::sqrt(gravity)) : kDrag;
+  const double dt = body.step, kept = std::exp(-drag * dt);
   const double calm = calmSpeed * calmSpeed * static_cast<double>(p.position.cols());
   int calmSteps = 0;
   for (double time = 0.0; time < mostTime && calmSteps < kCalmSteps; time += dt) {

@@ -16,8 +16,8 @@ namespace {
 
 using Eigen::VectorXd;
 
-/// sqrt(stiffness) times the gradient of each component's volume at rest: the volume term's stiffness matrix is
-/// the sum of their squares g g^T, for at rest it has no force.
+/// sqrt(stiffness) times the gradient of each component's volume at rest: the volume term's stiffness matrix
+/// is the sum of their squares g g^T, for at rest it has no force.
 std::vector<VectorXd> volumeGradients(const VolumeArrays& volumes, const PointState& state) {
   std::vector<VectorXd> gradients;
   Points gradient = Points::Zero(3, state.position.cols());
