@@ -15,7 +15,7 @@ function(cook_run name label code text)
     -P ${CMAKE_CURRENT_SOURCE_DIR}/expect_exit.cmake -- $<TARGET_FILE:limber-cook> ${ARGN})
   # the leaks inside OSMesa are not ours
   set_tests_properties(cook.${name} PROPERTIES LABELS ${label} TIMEOUT 600
-    ENVIRONMENT_MODIFICATION "LSAN_OPTIONS=set:suppressions=${PROJECT_SOURCE_DIR}/tests/render/lsan.supp")
+    ENVIRONMENT_MODIFICATION "LSAN_OPTIONS=set:suppressions=${PROJECT_SOURCE_DIR}/tests/lsan.supp")
 endfunction()
 
 # a body by each rule, its report and picture, and the demo on it
