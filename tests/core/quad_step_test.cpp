@@ -21,8 +21,9 @@ std::vector<SharedNetwork> networks() {
   ClothSettings cloth;
   cloth.columns = 7;
   cloth.rows = 5;
-  return {test::pairNetwork(),     test::chainNetwork(3), test::chainNetwork(30),   test::cubeNetwork(),
-          test::fullCubeNetwork(), *buildCloth(cloth),    test::closedCubeNetwork()};
+  return {test::pairNetwork(),       test::chainNetwork(3),      test::chainNetwork(30),
+          test::cubeNetwork(),       test::fullCubeNetwork(),    *buildCloth(cloth),
+          test::closedCubeNetwork(), test::tetrahedronNetwork(), test::tetrahedralCubeNetwork()};
 }
 
 /// A deformed, moving body on a slope.

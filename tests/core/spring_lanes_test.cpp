@@ -16,10 +16,14 @@ struct LaneBody {
   PointState state;
   SpringArrays springs;
   VolumeArrays volumes;
+  TetrahedronVolumes tetrahedra;
   std::vector<ContactRow> contacts;
   StepGroup group;
 
-  SteppedBody stepped() { return {&state, &springs, &contacts, volumes.empty() ? nullptr : &volumes}; }
+  SteppedBody stepped() {
+    return {&state, &springs, &contacts, volumes.empty() ? nullptr : &volumes,
+            tetrahedra.empty() ? nullptr : &tetrahedra};
+  }
 };
 
 /// Cubes that differ in stiffness, damping, place, speed, contacts, pressure and in what is held.
@@ -31,6 +35,7 @@ void fill(LaneBody& body, const SharedNetwork& network, int which, double dampin
   settings.pressure = network->surface.empty() ? 0.0 : 10.0 * which;
   body.springs = makeSprings(*network, settings);
   body.volumes = makeVolumes(*network, settings);
+  body.tetrahedra = makeTetrahedronVolumes(*network, settings);
   body.state.resize(8);
   for (std::uint32_t i = 0; i < 8; ++i) {
     const Eigen::Vector3d x = network->restPoints[i];
@@ -65,8 +70,10 @@ class Lanes : public testing::TestWithParam<InstructionSet> {};
 TEST_P(Lanes, giveTheBitsOfSingleBodies) {
   const InstructionSet set = GetParam();
   if (!isAvailable(set)) GTEST_SKIP() << "this machine has no " << nameOf(set);
-  const std::vector<std::pair<SharedNetwork, double>> kinds = {
-      {test::cubeNetwork(), 0.0}, {test::cubeNetwork(), 0.7}, {test::closedCubeNetwork(), 0.7}};
+  const std::vector<std::pair<SharedNetwork, double>> kinds = {{test::cubeNetwork(), 0.0},
+                                                               {test::cubeNetwork(), 0.7},
+                                                               {test::closedCubeNetwork(), 0.7},
+                                                               {test::tetrahedralCubeNetwork(), 0.7}};
   for (const auto& [network, damping] : kinds)
     for (int count = 1; count <= laneCount(set); ++count) {
       std::deque<LaneBody> single = makeBodies(network, count, damping);

@@ -4,6 +4,8 @@
 #include "support/small_meshes.h"
 
 #include <cmath>
+#include <set>
+#include <utility>
 
 namespace limber::test {
 namespace {
@@ -42,6 +44,38 @@ SharedNetwork chainNetwork(int links) {
 
 SharedNetwork cubeNetwork() { return cube(1.5); }
 SharedNetwork fullCubeNetwork() { return cube(2.0); }
+
+namespace {
+
+/// Springs along all edges of the tetrahedra.
+SharedNetwork ofTetrahedra(const std::vector<Eigen::Vector3d>& points,
+                           const std::vector<Tetrahedron>& tetrahedra) {
+  auto network = std::make_shared<SpringNetwork>();
+  network->restPoints = points;
+  network->massShares.assign(points.size(), 1.0 / static_cast<double>(points.size()));
+  network->tetrahedra = tetrahedra;
+  std::set<std::pair<std::uint32_t, std::uint32_t>> edges;
+  for (const Tetrahedron& t : tetrahedra)
+    for (std::size_t i = 0; i < 4; ++i)
+      for (std::size_t j = 0; j < i; ++j) edges.insert(std::minmax(t[i], t[j]));
+  for (const auto& [a, b] : edges) network->springs.push_back({a, b, SpringKind::Structural, 1.0});
+  return network;
+}
+
+}  // namespace
+
+SharedNetwork tetrahedronNetwork() {
+  const double r = std::sqrt(0.125);
+  return ofTetrahedra({{r, r, r}, {r, -r, -r}, {-r, r, -r}, {-r, -r, r}}, {{0, 2, 1, 3}});
+}
+
+SharedNetwork tetrahedralCubeNetwork() {
+  std::vector<Eigen::Vector3d> points;
+  for (int i = 0; i < 8; ++i) points.emplace_back((i & 1) - 0.5, (i >> 1 & 1) - 0.5, (i >> 2) - 0.5);
+  // from corner 0 to corner 7 along the axes in all six orders; those of odd ones are turned over
+  return ofTetrahedra(points,
+                      {{0, 1, 3, 7}, {0, 2, 6, 7}, {0, 4, 5, 7}, {0, 3, 2, 7}, {0, 6, 4, 7}, {0, 5, 1, 7}});
+}
 
 SharedNetwork closedCubeNetwork() {
   NetworkSettings settings;

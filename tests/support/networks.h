@@ -20,4 +20,10 @@ SharedNetwork closedCubeNetwork();
 /// The unit cube with springs between all pairs: 28, no folded state of zero energy but the mirror image.
 SharedNetwork fullCubeNetwork();
 
+/// One regular tetrahedron of edge 1 about the origin, 6 springs.
+SharedNetwork tetrahedronNetwork();
+
+/// The unit cube about the origin of six tetrahedra around a diagonal (Kuhn 1960), 19 springs.
+SharedNetwork tetrahedralCubeNetwork();
+
 }  // namespace limber::test

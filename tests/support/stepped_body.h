@@ -19,6 +19,7 @@ struct SteppedTestBody {
     settings.damping = damping;
     springs = makeSprings(*network, settings);
     volumes = makeVolumes(*network, settings);
+    tetrahedra = makeTetrahedronVolumes(*network, settings);
     state.resize(static_cast<Eigen::Index>(network->restPoints.size()));
     for (Eigen::Index i = 0; i < state.position.cols(); ++i) {
       state.position.col(i) = network->restPoints[static_cast<std::size_t>(i)];
@@ -27,6 +28,7 @@ struct SteppedTestBody {
     }
     group.bodies.push_back({&state, &springs, nullptr});
     if (!volumes.empty()) group.bodies[0].volumes = &volumes;
+    if (!tetrahedra.empty()) group.bodies[0].tetrahedra = &tetrahedra;
     group.links.points.push_back(&state);
   }
   SteppedTestBody(const SteppedTestBody&) = delete;
@@ -48,6 +50,7 @@ struct SteppedTestBody {
   PointState state;
   SpringArrays springs;
   VolumeArrays volumes;
+  TetrahedronVolumes tetrahedra;
   std::vector<ContactRow>* contacts = nullptr;
   StepGroup group;
 };

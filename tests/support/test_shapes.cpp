@@ -32,8 +32,8 @@ TriangleMesh fromSoup(const shapes::TriangleSoup& soup) {
 /// The surface of `field` within a box of 1.2 m around the origin.
 TriangleMesh fromField(const shapes::Field& field, double cell) {
   const int cells = 2 * static_cast<int>(std::ceil(0.6 / cell));
-  shapes::QuadMesh net =
-      shapes::buildSurfaceNet(field, {Vector3d::Constant(-cells / 2 * cell), cell, Eigen::Vector3i::Constant(cells)});
+  shapes::QuadMesh net = shapes::buildSurfaceNet(
+      field, {Vector3d::Constant(-cells / 2 * cell), cell, Eigen::Vector3i::Constant(cells)});
   relaxOnSurface(net, field, 3);
   TriangleMesh mesh;
   mesh.positions = net.vertices;

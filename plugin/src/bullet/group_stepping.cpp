@@ -43,7 +43,8 @@ double frequencyBoundSquared(TickGroup& group, double tick) {
   for (SoftBodyData* body : group.bodies) {
     if (body->frequencyStale) updateBounds(*body);
     own =
-        std::max(own, body->frequencySquared + volumeFrequencyBoundSquared(body->volumes, body->state, tick));
+        std::max(own, body->frequencySquared + volumeFrequencyBoundSquared(body->volumes, body->state, tick) +
+                          tetrahedronFrequencyBoundSquared(body->tetrahedra, body->state));
   }
   return own + linkFrequencyBoundSquared(group.step.links);
 }
@@ -120,7 +121,7 @@ double energyOf(SteppedBody& body) {
 /// against the change of volume hold it back, which may give energy.
 void startGuard(TickGroup& group) {
   SoftBodyData* body = group.bodies.size() == 1 ? group.bodies[0] : nullptr;
-  group.guarded = body && !body->volumes.empty() && body->volumes.restless && isPlain(group.step) &&
+  group.guarded = body && (body->volumes.restless || body->tetrahedra.restless) && isPlain(group.step) &&
                   body->contacts.empty() && (body->state.inverseMass.array() > 0.0).all();
   if (group.guarded) group.energyBefore = energyOf(group.step.bodies[0]);
 }

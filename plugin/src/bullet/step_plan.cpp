@@ -20,9 +20,9 @@ bool fitsLanes(const TickGroup& group) {
          group.bodies[0]->springs.size() <= kLargestInLanes && group.bodies[0]->springs.size() > 0;
 }
 
-/// Bodies side by side go through the same triangles.
+/// Bodies side by side go through the same triangles and tetrahedra.
 int volumeKind(const SoftBodyData& body) {
-  if (body.volumes.empty()) return 0;
+  if (body.volumes.empty() && body.tetrahedra.empty()) return 0;
   return body.settings.scale.prod() < 0.0 ? -1 : 1;
 }
 

@@ -121,7 +121,7 @@ Result<SoftBodySettings> withMaterial(const SpringNetwork& network, const Materi
     return Error{"the network has no tetrahedra to be of a material: make it with buildMaterialNetwork"};
   if (std::string reason = check(material); !reason.empty()) return Error{std::move(reason)};
   if (std::string reason = validate(settings); !reason.empty()) return Error{std::move(reason)};
-  const UnitMaterial unit = findUnitMaterial(network, material.poissonRatio, settings.scale);
+  const UnitMaterial unit = findUnitMaterial(network, material.poissonRatio, settings.scale.cwiseAbs());
   settings.extensionStiffness = settings.compressionStiffness = unit.stiffness * material.youngsModulus;
   settings.volumeModulus = unit.volumeModulus * material.youngsModulus;
   settings.totalMass = material.density * volumeOfTetrahedra(network) * std::abs(settings.scale.prod());

@@ -40,9 +40,10 @@ void start(const Substep& s) {
 }
 
 /// Newton's method may overshoot where springs are strongly compressed, and either method where the volume is
-/// far from the rest volume: the matrix has its gradient, not its second derivatives.
+/// far from the rest volume, or tetrahedra are: the matrix has their gradients, of which the constant one has
+/// those at rest, not their second derivatives.
 bool mayOvershoot(const Substep& s) {
-  if (s.implicit.solver.kind == MidpointSolver::Kind::Newton) return true;
+  if (s.implicit.solver.kind == MidpointSolver::Kind::Newton || s.body.tetrahedra) return true;
   return s.body.volumes && isFarFromRest(*s.body.volumes, s.points().position);
 }
 
@@ -75,7 +76,7 @@ void solveContacts(const Substep& s, const ContactSpan& span) {
 double iterate(const Substep& s, const ContactSpan& span, int iteration) {
   ImplicitState& state = s.implicit;
   computeForces(s, iteration < (s.euler ? 1 : kDamperTurns));
-  update(state.solver, s.springs(), state.damperDirection, s.points().position);
+  update(state.solver, {s.springs(), s.body.tetrahedra}, state.damperDirection, s.points().position);
   if (s.body.volumes) updateVolumes(state.solver, *s.body.volumes, s.points());
   if (s.touches() && (iteration == 0 || state.solver.kind == MidpointSolver::Kind::Newton))
     computeResponse(state.contacts, state.solver);
@@ -230,7 +231,7 @@ void advance(const Substep& s) {
 }  // namespace
 
 bool canStepImplicitly(const SteppedBody& body) {
-  if (body.springs->limited) return false;
+  if (body.springs->limited || (body.tetrahedra && !body.tetrahedra->edgesAreSprings)) return false;
   if (body.volumes && body.volumes->restVolume.size() > kMostSolvedVolumes) return false;
   const Points& w = body.points->inverseMass;
   if (w.row(0) != w.row(1) || w.row(0) != w.row(2)) return false;
@@ -244,8 +245,8 @@ void stepImplicit(SteppedBody& body, ImplicitState& implicit, MidpointSolver::Ki
                   int substeps, SharedFactors& factors) {
   const double h = tick / substeps;
   implicit.solver.kind = kind;
-  if (body.volumes) body.volumes->timeStep = 0.0;
-  prepare(implicit.solver, *body.springs, body.points->inverseMass, h, factors);
+  prepareVolumes(body, 0.0);
+  prepare(implicit.solver, {*body.springs, body.tetrahedra}, body.points->inverseMass, h, factors);
   implicit.residual.resizeLike(body.points->position);
   implicit.trial.resizeLike(body.points->position);
   body.errorRate = 0.0;

@@ -4,6 +4,7 @@
 #include "core/lane_kernels.h"
 #include "core/point_state.h"
 #include "core/spring_arrays.h"
+#include "core/tetrahedron_volumes.h"
 #include "core/verlet_kernel.h"
 #include "core/volume_term.h"
 
@@ -33,6 +34,11 @@ inline kernel::VolumeBody volumeBody(VolumeArrays& volumes) {
   const kernel::Volumes<double> v = kernelVolumes(volumes);
   return {v.components, v.points,   v.firstTriangle, v.corners, v.componentOf, v.restVolume,
           v.modulus,    v.pressure, v.gradient,      v.sums,    v.timeStep};
+}
+
+inline kernel::TetrahedronBody tetrahedronBody(const TetrahedronVolumes& volumes) {
+  const kernel::Tetrahedra<double> t = kernelTetrahedra(volumes);
+  return {t.count, t.corners, t.inverseRest, t.hold, t.modulus, t.crushModulus};
 }
 
 }  // namespace limber

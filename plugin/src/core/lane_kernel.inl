@@ -26,6 +26,9 @@ void LIMBER_PACK_STEP(const LaneBody& b, double tick, int substeps) {
   body.volumes = {v.components,        v.points,         v.firstTriangle,   v.corners,         v.componentOf,
                   packs(v.restVolume), packs(v.modulus), packs(v.pressure), packs(v.gradient), packs(v.sums),
                   v.timeStep};
+  const TetrahedronBody& t = b.tetrahedra;
+  body.tetrahedra = {t.count,       t.corners,        packs(t.inverseRest),
+                     packs(t.hold), packs(t.modulus), packs(t.crushModulus)};
   body.hasDampers = b.damped;
   body.dampHalf = packs(b.dampHalf);
   body.dampFull = packs(b.dampFull);

@@ -20,6 +20,14 @@ struct VolumeBody {
   double timeStep = 0.0;
 };
 
+/// Of both kinds of bodies below: kernel::Tetrahedra with packs for numbers; of a QuadBody, with one number
+/// per tetrahedron, filled up to a multiple of four, and one modulus.
+struct TetrahedronBody {
+  unsigned count = 0;
+  const unsigned* corners = nullptr;
+  const double *inverseRest = nullptr, *hold = nullptr, *modulus = nullptr, *crushModulus = nullptr;
+};
+
 /// A kernel::Body whose numbers are packs of `laneCount` doubles.
 struct LaneBody {
   unsigned points, springs;
@@ -29,6 +37,7 @@ struct LaneBody {
   const double *restLength, *extensionStiffness, *compressionStiffness;
   double* direction;
   VolumeBody volumes;
+  TetrahedronBody tetrahedra;
   bool damped;
   const double *dampHalf, *dampFull;
   const ContactCalls* contacts;
@@ -46,6 +55,7 @@ struct QuadBody {
   const double *restLength, *extensionStiffness, *compressionStiffness;
   double* direction;
   VolumeBody volumes;  ///< one number per component; gradients are quads, sums two quads per component
+  TetrahedronBody tetrahedra;
   bool damped;
   const double *dampHalf, *dampFull;
   const ContactCalls* contacts;

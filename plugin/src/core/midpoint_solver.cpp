@@ -42,10 +42,44 @@ void addBlock(BandedMatrix& matrix, std::uint32_t rowPlace, std::uint32_t column
       if (row + i >= column + j) matrix.at(row + i, column + j) += block(i, j);
 }
 
+/// Adds the block of a row of one point and the columns of another, above or below the diagonal; nothing if
+/// either is held.
+void addFree(MidpointSolver& solver, std::uint32_t rowPoint, std::uint32_t columnPoint,
+             const Eigen::Matrix3d& block) {
+  if (isHeld(solver.inverseMass, rowPoint) || isHeld(solver.inverseMass, columnPoint)) return;
+  const std::uint32_t row = solver.place[rowPoint], column = solver.place[columnPoint];
+  if (row >= column)
+    addBlock(solver.banded, row, column, block);
+  else
+    addBlock(solver.banded, column, row, block.transpose());
+}
+
+void addMasses(MidpointSolver& solver) {
+  for (Eigen::Index i = 0; i < solver.inverseMass.cols(); ++i)
+    for (Eigen::Index c = 0; c < 3; ++c) {
+      const Eigen::Index row = 3 * Eigen::Index{solver.place[static_cast<std::size_t>(i)]} + c;
+      solver.banded.at(row, row) = isHeld(solver.inverseMass, i) ? 1.0 : massOf(solver.inverseMass, i);
+    }
+}
+
+void addTetrahedra(MidpointSolver& solver, const TetrahedronVolumes& tetrahedra, const Points& position) {
+  for (std::size_t t = 0; t < tetrahedra.tetrahedra.size(); ++t) {
+    const TetrahedronSlope slope = tetrahedronSlope(tetrahedra, t, position);
+    const double stiffness = 0.25 * solver.substep * solver.substep * slope.stiffness;
+    if (stiffness == 0.0) continue;
+    const Tetrahedron& corner = tetrahedra.tetrahedra[t];
+    for (Eigen::Index i = 0; i < 4; ++i)
+      for (Eigen::Index j = 0; j <= i; ++j)
+        addFree(solver, corner[static_cast<std::size_t>(i)], corner[static_cast<std::size_t>(j)],
+                stiffness * slope.gradient.col(i) * slope.gradient.col(j).transpose());
+  }
+}
+
 }  // namespace
 
-void prepare(MidpointSolver& solver, const SpringArrays& springs, const Points& inverseMass, double h,
+void prepare(MidpointSolver& solver, const ElasticParts& parts, const Points& inverseMass, double h,
              SharedFactors& factors) {
+  const SpringArrays& springs = parts.springs;
   const bool same = solver.substep == h && solver.revision == springs.revision &&
                     solver.inverseMass.cols() == inverseMass.cols() && solver.inverseMass == inverseMass;
   const bool shared = solver.kind == MidpointSolver::Kind::Shared;
@@ -58,32 +92,26 @@ void prepare(MidpointSolver& solver, const SpringArrays& springs, const Points& 
   for (std::size_t s = 0; s < springs.size(); ++s)
     solver.dampingWeights[s] = dampingWeight(springs, solver.inverseMass, s, h);
   if (shared)
-    solver.shared = factors.get(midpointMatrix(springs, inverseMass, h));
+    solver.shared = factors.get(midpointMatrix(parts, inverseMass, h));
   else
     prepareBanded(solver, springs);
 }
 
-void update(MidpointSolver& solver, const SpringArrays& springs, const Points& damperDirection,
+void update(MidpointSolver& solver, const ElasticParts& parts, const Points& damperDirection,
             const Points& position) {
   if (solver.kind == MidpointSolver::Kind::Shared) return;
+  const SpringArrays& springs = parts.springs;
   BandedMatrix& matrix = solver.banded;
-  const Points& inverseMass = solver.inverseMass;
   matrix.band.setZero();
-  for (Eigen::Index i = 0; i < position.cols(); ++i)
-    for (Eigen::Index c = 0; c < 3; ++c) {
-      const Eigen::Index row = 3 * Eigen::Index{solver.place[static_cast<std::size_t>(i)]} + c;
-      matrix.at(row, row) = isHeld(inverseMass, i) ? 1.0 : massOf(inverseMass, i);
-    }
+  addMasses(solver);
   for (std::size_t s = 0; s < springs.size(); ++s) {
     const auto a = springs.a[s], b = springs.b[s];
     const Eigen::Matrix3d block = springBlock(solver, springs, s, damperDirection, position);
-    const bool heldA = isHeld(inverseMass, a), heldB = isHeld(inverseMass, b);
-    if (!heldA) addBlock(matrix, solver.place[a], solver.place[a], block);
-    if (!heldB) addBlock(matrix, solver.place[b], solver.place[b], block);
-    if (heldA || heldB) continue;
-    const auto [first, last] = std::minmax(solver.place[a], solver.place[b]);
-    addBlock(matrix, last, first, -block);
+    addFree(solver, a, a, block);
+    addFree(solver, b, b, block);
+    addFree(solver, a, b, -block);
   }
+  if (parts.tetrahedra) addTetrahedra(solver, *parts.tetrahedra, position);
   factorise(matrix);
 }
 

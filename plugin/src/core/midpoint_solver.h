@@ -3,6 +3,7 @@
 
 #include "core/banded_matrix.h"
 #include "core/shared_factor.h"
+#include "core/tetrahedron_volumes.h"
 #include "core/volume_term.h"
 
 #include <cstdint>
@@ -46,14 +47,15 @@ struct MidpointSolver {
 
 /// Makes the solver ready for bodies with these springs and masses and substeps of h seconds. Allocates and
 /// factorises only if something has changed.
-void prepare(MidpointSolver& solver, const SpringArrays& springs, const Points& inverseMass, double h,
+void prepare(MidpointSolver& solver, const ElasticParts& parts, const Points& inverseMass, double h,
              SharedFactors& factors);
 
 /// For Newton: assembles and factorises the matrix at `position` with the springs' present directions n
 /// and the dampers' m (3 x #springs),
 ///     M + sum (h^2/4 k (n n^T + max(0, 1 - L/l) (1 - n n^T)) + h/2 c (1 + beta) m m^T),
-/// whose clamp keeps it positive definite under compression (Choi, Ko 2002, section 4).
-void update(MidpointSolver& solver, const SpringArrays& springs, const Points& damperDirection,
+/// whose clamp keeps it positive definite under compression (Choi, Ko 2002, section 4); and of each
+/// tetrahedron  h^2/4 s g g^T  with the stiffness s and gradient g of its volume.
+void update(MidpointSolver& solver, const ElasticParts& parts, const Points& damperDirection,
             const Points& position);
 
 /// Adds the volume term at the present positions to the matrix; after update().

@@ -147,10 +147,48 @@ void addQuadVolumeForces(const VolumeBody& v, const Quad* x, const Quad* w, Quad
   for (Index i = 0; i < v.points; ++i) force[i] = force[i] + sums[2 * v.componentOf[i]] * gradient[i];
 }
 
+Vector<Quad> wayFrom(const Quad* x, const Index* corners, Index to) {
+  const Columns w = columns(x[corners[to]] - x[corners[0]], x[corners[4 + to]] - x[corners[4]],
+                            x[corners[8 + to]] - x[corners[8]], x[corners[12 + to]] - x[corners[12]]);
+  return {w.x, w.y, w.z};
+}
+
+/// Four vectors as quads x, y, z, 0.
+struct Rows {
+  Quad row[4];
+};
+
+Rows rows(const Vector<Quad>& v) {
+  const Quad zero = all(Quad(), 0.0);
+  const Quad xy02 = _mm256_unpacklo_pd(v.x, v.y), xy13 = _mm256_unpackhi_pd(v.x, v.y);
+  const Quad z02 = _mm256_unpacklo_pd(v.z, zero), z13 = _mm256_unpackhi_pd(v.z, zero);
+  return {{_mm256_permute2f128_pd(xy02, z02, 0x20), _mm256_permute2f128_pd(xy13, z13, 0x20),
+           _mm256_permute2f128_pd(xy02, z02, 0x31), _mm256_permute2f128_pd(xy13, z13, 0x31)}};
+}
+
+/// As addTetrahedronForces of tetrahedron_kernel.h, to the bit.
+void addQuadTetrahedronForces(const TetrahedronBody& t, const Quad* x, Quad* force) {
+  for (Index i = 0; i < t.count; i += 4) {
+    const Index* corners = t.corners + 4 * i;
+    const CornerForces<Quad> f = tetrahedronForces(
+        wayFrom(x, corners, 1), wayFrom(x, corners, 2), wayFrom(x, corners, 3), quads(t.inverseRest)[i / 4],
+        quads(t.hold)[i / 4], all(Quad(), *t.modulus), all(Quad(), *t.crushModulus));
+    const Rows b = rows(f.b), c = rows(f.c), d = rows(f.d);
+    for (Index k = 0; k < 4; ++k) {
+      const Index* corner = corners + 4 * k;
+      force[corner[0]] = force[corner[0]] - (b.row[k] + (c.row[k] + d.row[k]));
+      force[corner[1]] = force[corner[1]] + b.row[k];
+      force[corner[2]] = force[corner[2]] + c.row[k];
+      force[corner[3]] = force[corner[3]] + d.row[k];
+    }
+  }
+}
+
 void computeForces(const QuadPoints& p) {
   for (Index i = 0; i < p.b.points; ++i) quads(p.b.force)[i] = all(Quad(), 0.0);
   for (Index i = 0; i < p.b.springs; i += 4) addForces(p.b, i);
   addQuadVolumeForces(p.b.volumes, quads(p.b.position), quads(p.b.inverseMass), quads(p.b.force));
+  addQuadTetrahedronForces(p.b.tetrahedra, quads(p.b.position), quads(p.b.force));
 }
 
 void dampAll(const QuadPoints& p, bool whole, bool forward) {

@@ -87,6 +87,25 @@ kernel::VolumeBody quadVolumes(QuadArrays& q, VolumeArrays* volumes) {
   return body;
 }
 
+kernel::TetrahedronBody quadTetrahedra(QuadArrays& q, const TetrahedronVolumes* tetrahedra) {
+  if (!tetrahedra) return {};
+  const std::size_t count = filledUp(tetrahedra->tetrahedra.size());
+  if (q.corners.size() != 4 * count) {
+    reserveNumbers(q.inverseRest, count);
+    reserveNumbers(q.hold, count);
+    q.corners.assign(4 * count, static_cast<unsigned>(q.position.size() * 2 - 2));
+    const unsigned* corners = tetrahedra->tetrahedra.front().data();
+    std::copy(corners, corners + 4 * tetrahedra->tetrahedra.size(), q.corners.begin());
+    std::copy(tetrahedra->inverseRest.begin(), tetrahedra->inverseRest.end(), numbers(q.inverseRest));
+  }
+  std::copy(tetrahedra->hold.begin(), tetrahedra->hold.end(), numbers(q.hold));
+  kernel::TetrahedronBody body = tetrahedronBody(*tetrahedra);
+  body.count = static_cast<unsigned>(count);
+  body.corners = q.corners.data();
+  body.inverseRest = numbers(q.inverseRest), body.hold = numbers(q.hold);
+  return body;
+}
+
 kernel::QuadBody quadBody(SteppedBody& stepped, const kernel::ContactCalls& contacts) {
   QuadArrays& q = *stepped.quads;
   kernel::QuadBody body;
@@ -102,6 +121,7 @@ kernel::QuadBody quadBody(SteppedBody& stepped, const kernel::ContactCalls& cont
   body.direction = numbers(q.direction);
   body.dampHalf = numbers(q.dampHalf), body.dampFull = numbers(q.dampFull);
   body.volumes = quadVolumes(q, stepped.volumes);
+  body.tetrahedra = quadTetrahedra(q, stepped.tetrahedra);
   body.damped = stepped.springs->damped;
   body.contacts = &contacts;
   return body;

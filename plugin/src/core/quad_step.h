@@ -9,13 +9,16 @@
 namespace limber {
 
 /// A body's numbers as the kernel that takes four springs at a time wants them (lane_kernels.h: QuadBody).
-/// Two points without a body behind them come last: springs that fill up the last four join these.
+/// Two points without a body behind them come last: springs and tetrahedra that fill up the last four have
+/// these.
 struct QuadArrays {
   AlignedNumbers position, velocity, acceleration, inverseMass, force, earlierForce;  // 4 x (#points + 2)
   AlignedNumbers restLength, extensionStiffness, compressionStiffness, dampHalf,
       dampFull;                      // #springs, filled up
   AlignedNumbers direction;          // 4 x #springs, filled up
   AlignedNumbers gradient, sums;     // of the volume: 4 x (#points + 2), 8 x #components
+  AlignedNumbers inverseRest, hold;  // #tetrahedra, filled up
+  std::vector<unsigned> corners;     // 4 x #tetrahedra, filled up
   std::vector<unsigned> a, b;        // #springs, filled up
   std::vector<unsigned char> apart;  // #springs / 4: whether the four share no point
   unsigned revision = 0;             // of the springs when their constants were copied; 0: not yet

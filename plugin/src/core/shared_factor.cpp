@@ -31,6 +31,29 @@ std::shared_ptr<const SharedFactor> makeFactor(Sparse matrix) {
   return factor;
 }
 
+using Entries = std::vector<Eigen::Triplet<double>>;
+
+/// Adds  weight (e_a - e_b)(e_a - e_b)^T,  without what belongs to held points.
+void join(std::uint32_t a, std::uint32_t b, double weight, const Points& inverseMass, Entries& entries) {
+  const bool heldA = isHeld(inverseMass, a), heldB = isHeld(inverseMass, b);
+  if (!heldA) entries.emplace_back(a, a, weight);
+  if (!heldB) entries.emplace_back(b, b, weight);
+  if (heldA || heldB) return;
+  entries.emplace_back(a, b, -weight);
+  entries.emplace_back(b, a, -weight);
+}
+
+void joinCorners(const TetrahedronVolumes& v, const Points& inverseMass, double h, Entries& entries) {
+  for (std::size_t t = 0; t < v.tetrahedra.size(); ++t) {
+    const Eigen::Array4d squares = v.restGradientSquares.col(static_cast<Eigen::Index>(t));
+    const double factor = 0.25 * h * h * v.modulus / v.restVolume[t];
+    for (Eigen::Index i = 0; i < 4; ++i)
+      for (Eigen::Index j = 0; j < i; ++j)
+        join(v.tetrahedra[t][static_cast<std::size_t>(i)], v.tetrahedra[t][static_cast<std::size_t>(j)],
+             0.25 * factor * (2.0 * squares.sum() - squares[i] - squares[j]), inverseMass, entries);
+  }
+}
+
 }  // namespace
 
 void SharedFactor::solve(Points& b, Points& scratch) const {
@@ -50,21 +73,17 @@ void SharedFactor::solve(Points& b, Points& scratch) const {
   for (Eigen::Index i = 0; i < count; ++i) b.col(i) = scratch.col(place[static_cast<std::size_t>(i)]);
 }
 
-Sparse midpointMatrix(const SpringArrays& springs, const Points& inverseMass, double h) {
-  std::vector<Eigen::Triplet<double>> entries;
+Sparse midpointMatrix(const ElasticParts& parts, const Points& inverseMass, double h) {
+  Entries entries;
+  const SpringArrays& springs = parts.springs;
   for (std::uint32_t i = 0; i < inverseMass.cols(); ++i)
     entries.emplace_back(i, i, isHeld(inverseMass, i) ? 1.0 : massOf(inverseMass, i));
   for (std::size_t s = 0; s < springs.size(); ++s) {
-    const auto a = springs.a[s], b = springs.b[s];
     const double k = std::max(springs.extensionStiffness[s], springs.compressionStiffness[s]);
     const double weight = 0.25 * h * h * k + dampingWeight(springs, inverseMass, s, h);
-    const bool heldA = isHeld(inverseMass, a), heldB = isHeld(inverseMass, b);
-    if (!heldA) entries.emplace_back(a, a, weight);
-    if (!heldB) entries.emplace_back(b, b, weight);
-    if (heldA || heldB) continue;
-    entries.emplace_back(a, b, -weight);
-    entries.emplace_back(b, a, -weight);
+    join(springs.a[s], springs.b[s], weight, inverseMass, entries);
   }
+  if (parts.tetrahedra) joinCorners(*parts.tetrahedra, inverseMass, h, entries);
   Sparse matrix(inverseMass.cols(), inverseMass.cols());
   matrix.setFromTriplets(entries.begin(), entries.end());
   return matrix;

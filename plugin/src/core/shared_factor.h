@@ -3,6 +3,7 @@
 
 #include "core/point_state.h"
 #include "core/spring_arrays.h"
+#include "core/tetrahedron_volumes.h"
 
 #include <Eigen/SparseCore>
 
@@ -16,6 +17,11 @@ namespace limber {
 ///
 ///     A = M + sum over springs (h^2/4 k + h/2 c (1 + beta)) (e_a - e_b)(e_a - e_b)^T,  #points x #points,
 ///
+/// and over the tetrahedra, whose volumes' change  sum g_i . u_i = sum g_i . (u_i - u_j)  has for any corner
+/// j a square of at most  sum_(i not j) |g_i|^2  times  sum_i |u_i - u_j|^2:  the mean over the four of
+///
+///     h^2/4 K/V0 sum_(i not j) |g_i|^2  sum_i (e_i - e_j)(e_i - e_j)^T,   g at rest;
+///
 /// an upper bound in all directions of the stiffness and damping, so that iterating with it converges. The
 /// same for x, y and z and whatever the deformation: all bodies of a network with equal springs and masses
 /// share it. Rows and columns of held points are those of the unit matrix.
@@ -28,8 +34,14 @@ struct SharedFactor {
   void solve(Points& b, Points& scratch) const;
 };
 
+/// What a body's shape is kept by.
+struct ElasticParts {
+  const SpringArrays& springs;
+  const TetrahedronVolumes* tetrahedra = nullptr;  ///< may be nullptr
+};
+
 /// A for substeps of h seconds.
-Eigen::SparseMatrix<double> midpointMatrix(const SpringArrays& springs, const Points& inverseMass, double h);
+Eigen::SparseMatrix<double> midpointMatrix(const ElasticParts& parts, const Points& inverseMass, double h);
 
 /// Factors that bodies use, each made once. Allocates when a matrix is new.
 class SharedFactors {

@@ -21,6 +21,7 @@ void computeSpringForces(SpringArrays& springs, PointState& state) {
 void computeElasticForces(SteppedBody& body) {
   computeSpringForces(*body.springs, *body.points);
   if (body.volumes) addVolumeForces(*body.volumes, *body.points);
+  if (body.tetrahedra) addTetrahedronForces(*body.tetrahedra, *body.points);
 }
 
 double elasticEnergy(SteppedBody& body, const Points& position) {

@@ -17,6 +17,13 @@ void reserveVolumes(LaneBlock& b, const VolumeArrays& volumes, std::size_t lanes
   reserveNumbers(b.sums, volumes.sums.size() * lanes);
 }
 
+void reserveTetrahedra(LaneBlock& b, const TetrahedronVolumes& tetrahedra, std::size_t lanes) {
+  reserveNumbers(b.inverseRest, tetrahedra.inverseRest.size() * lanes);
+  reserveNumbers(b.hold, tetrahedra.hold.size() * lanes);
+  reserveNumbers(b.tetrahedronModulus, lanes);
+  reserveNumbers(b.crushModulus, lanes);
+}
+
 void reserve(LaneBlock& b, std::size_t points, std::size_t springs, std::size_t lanes) {
   for (auto* array : {&b.position, &b.velocity, &b.acceleration, &b.inverseMass, &b.force, &b.earlierForce})
     reserveNumbers(*array, 3 * points * lanes);
@@ -60,6 +67,13 @@ void loadVolumes(LaneBlock& block, const VolumeArrays& volumes, std::size_t lane
   toLane(&volumes.pressure, 1, block.pressure, lane, lanes);
 }
 
+void loadTetrahedra(LaneBlock& block, const TetrahedronVolumes& tetrahedra, std::size_t lane,
+                    std::size_t lanes) {
+  toLane(tetrahedra.inverseRest.data(), tetrahedra.inverseRest.size(), block.inverseRest, lane, lanes);
+  toLane(&tetrahedra.modulus, 1, block.tetrahedronModulus, lane, lanes);
+  toLane(&tetrahedra.crushModulus, 1, block.crushModulus, lane, lanes);
+}
+
 /// A lane without a body holds points that coincide and rest: nothing pulls or moves them.
 void clearState(LaneBlock& block, std::size_t count, std::size_t lane, std::size_t lanes) {
   for (auto* array : {&block.position, &block.velocity, &block.acceleration, &block.inverseMass})
@@ -73,9 +87,12 @@ void load(LaneBlock& block, std::size_t lanes) {
   for (std::size_t lane = 0; lane < block.lanes.size(); ++lane) {
     LaneBlock::Lane& source = block.lanes[lane];
     loadState(block, *source.body.points, lane, lanes);
+    const TetrahedronVolumes* tetrahedra = source.body.tetrahedra;
+    if (tetrahedra) toLane(tetrahedra->hold.data(), tetrahedra->hold.size(), block.hold, lane, lanes);
     if (source.revision == source.body.springs->revision) continue;
     loadSprings(block, *source.body.springs, lane, lanes);
     if (source.body.volumes) loadVolumes(block, *source.body.volumes, lane, lanes);
+    if (tetrahedra) loadTetrahedra(block, *tetrahedra, lane, lanes);
     source.revision = source.body.springs->revision;
   }
   const auto count = static_cast<std::size_t>(block.lanes[0].body.points->position.size());
@@ -125,6 +142,15 @@ kernel::VolumeBody laneVolumes(LaneBlock& b) {
   return body;
 }
 
+kernel::TetrahedronBody laneTetrahedra(LaneBlock& b) {
+  const TetrahedronVolumes* tetrahedra = b.lanes[0].body.tetrahedra;
+  if (!tetrahedra) return {};
+  kernel::TetrahedronBody body = tetrahedronBody(*tetrahedra);
+  body.inverseRest = numbers(b.inverseRest), body.hold = numbers(b.hold);
+  body.modulus = numbers(b.tetrahedronModulus), body.crushModulus = numbers(b.crushModulus);
+  return body;
+}
+
 kernel::LaneBody laneBody(LaneBlock& b, const kernel::ContactCalls& contacts, double* change) {
   const SpringArrays& springs = *b.lanes[0].body.springs;
   kernel::LaneBody body;
@@ -140,6 +166,7 @@ kernel::LaneBody laneBody(LaneBlock& b, const kernel::ContactCalls& contacts, do
   body.direction = numbers(b.direction);
   body.dampHalf = numbers(b.dampHalf), body.dampFull = numbers(b.dampFull);
   body.volumes = laneVolumes(b);
+  body.tetrahedra = laneTetrahedra(b);
   body.damped = springs.damped;
   body.contacts = &contacts;
   body.change = change;
@@ -180,10 +207,11 @@ void stepLanes(LaneBlock& block, double tick, int substeps, InstructionSet set) 
   const SteppedBody& first = block.lanes[0].body;
   for (LaneBlock::Lane& lane : block.lanes) {
     prepareDampers(*lane.body.springs, lane.body.points->inverseMass, tick / substeps);
-    if (lane.body.volumes) lane.body.volumes->timeStep = tick / substeps;
+    prepareVolumes(lane.body, tick / substeps);
   }
   reserve(block, static_cast<std::size_t>(first.points->position.cols()), first.springs->size(), lanes);
   if (first.volumes) reserveVolumes(block, *first.volumes, lanes);
+  if (first.tetrahedra) reserveTetrahedra(block, *first.tetrahedra, lanes);
   load(block, lanes);
   LaneContacts contacts{block, laneCount(set)};
   const kernel::ContactCalls calls{prepareContacts(block, contacts) ? &contacts : nullptr,

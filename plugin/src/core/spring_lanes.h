@@ -21,10 +21,12 @@ struct LaneBlock {
 
   AlignedNumbers position, velocity, acceleration, inverseMass, force, earlierForce;  // 3 x #points
   AlignedNumbers restLength, extensionStiffness, compressionStiffness, dampHalf,
-      dampFull;                                  // #springs
-  AlignedNumbers direction;                      // 3 x #springs
-  AlignedNumbers restVolume, modulus, pressure;  // #components, 1, 1
-  AlignedNumbers gradient, sums;                 // 3 x #points, 4 x #components
+      dampFull;                                     // #springs
+  AlignedNumbers direction;                         // 3 x #springs
+  AlignedNumbers restVolume, modulus, pressure;     // #components, 1, 1
+  AlignedNumbers gradient, sums;                    // 3 x #points, 4 x #components
+  AlignedNumbers inverseRest, hold;                 // #tetrahedra
+  AlignedNumbers tetrahedronModulus, crushModulus;  // 1, 1
 };
 
 /// As stepVerlet for each of the bodies, to the bit, whatever the instruction set.

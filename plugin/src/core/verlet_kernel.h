@@ -7,6 +7,7 @@
 // which the sets' own types keep apart, and no standard header.
 
 #include "core/pack.h"
+#include "core/tetrahedron_kernel.h"
 #include "core/volume_kernel.h"
 
 namespace limber::kernel {
@@ -127,6 +128,7 @@ struct Body {
   Springs<V> springs;
   Points<V> points;
   Volumes<V> volumes;
+  Tetrahedra<V> tetrahedra;
   bool hasDampers;
   const V* dampHalf;
   const V* dampFull;
@@ -141,6 +143,7 @@ template <class V>
 inline void computeForces(const Body<V>& body) {
   computeForces(body.springs, body.points);
   addVolumeForces(body.volumes, body.points.position, body.points.inverseMass, body.points.force);
+  addTetrahedronForces(body.tetrahedra, body.points.position, body.points.force);
 }
 
 template <class V>

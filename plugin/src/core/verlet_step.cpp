@@ -20,10 +20,11 @@ void stepSingle(SteppedBody& body, double tick, int substeps) {
   BodyContacts contacts{body.contacts, viewOf(state)};
   const kernel::ContactCalls calls = contacts.calls();
   const double change = kernel::stepAlone<double>(
-      kernel::Body<double>{kernelSprings(springs), kernelPoints(state),
-                           body.volumes ? kernelVolumes(*body.volumes) : kernel::Volumes<double>{},
-                           springs.damped, springs.dampHalf.data(), springs.dampFull.data(), &calls,
-                           state.earlierForce.data()},
+      kernel::Body<double>{
+          kernelSprings(springs), kernelPoints(state),
+          body.volumes ? kernelVolumes(*body.volumes) : kernel::Volumes<double>{},
+          body.tetrahedra ? kernelTetrahedra(*body.tetrahedra) : kernel::Tetrahedra<double>{}, springs.damped,
+          springs.dampHalf.data(), springs.dampFull.data(), &calls, state.earlierForce.data()},
       tick, substeps);
   body.errorRate = verletErrorRate(change, state.position.cols(), tick / substeps);
 }
@@ -113,16 +114,21 @@ double verletErrorRate(double change, Eigen::Index points, double dt) {
   return dt / 24.0 * std::sqrt(change / static_cast<double>(std::max<Eigen::Index>(points, 1)));
 }
 
+void prepareVolumes(SteppedBody& body, double dt) {
+  if (body.volumes) body.volumes->timeStep = dt;
+  if (body.tetrahedra) prepareTetrahedra(*body.tetrahedra, body.points->inverseMass, dt);
+}
+
 bool isPlain(const StepGroup& group) {
   const LinkedBodies& links = group.links;
   return group.bodies.size() == 1 && links.springs.empty() && links.anchors.empty() && links.rigids.empty() &&
-         !group.bodies[0].springs->limited && !group.bodies[0].tetrahedra;
+         !group.bodies[0].springs->limited;
 }
 
 void stepVerlet(StepGroup& group, double tick, int substeps) {
   for (SteppedBody& body : group.bodies) {
     prepareDampers(*body.springs, body.points->inverseMass, tick / substeps);
-    if (body.volumes) body.volumes->timeStep = tick / substeps;
+    prepareVolumes(body, tick / substeps);
   }
   if (isPlain(group))
     stepSingle(group.bodies[0], tick, substeps);

@@ -18,14 +18,17 @@ struct QuadArrays;
 struct SteppedBody {
   PointState* points;
   SpringArrays* springs;
-  std::vector<ContactRow>* contacts;               ///< may be nullptr
-  VolumeArrays* volumes = nullptr;                 ///< may be nullptr
-  const TetrahedronVolumes* tetrahedra = nullptr;  ///< may be nullptr
+  std::vector<ContactRow>* contacts;         ///< may be nullptr
+  VolumeArrays* volumes = nullptr;           ///< may be nullptr
+  TetrahedronVolumes* tetrahedra = nullptr;  ///< may be nullptr
 
   QuadArrays* quads = nullptr;  ///< for stepping it four springs at a time, see quad_step.h; may be nullptr
 
   double errorRate = 0.0;  ///< m/s, written by the step, see verletErrorRate
 };
+
+/// Makes the volume terms ready for substeps of dt seconds that must be stable; 0 for an implicit stepper.
+void prepareVolumes(SteppedBody& body, double dt);
 
 /// m/s: how fast the positions of Verlet's solution depart from the exact one, root mean square over the
 /// points. In substeps of dt an oscillation of frequency omega is wrong by (omega dt)^2 / 24 of its phase
@@ -40,7 +43,7 @@ struct StepGroup {
   LinkedBodies links;  ///< links.points[i] is bodies[i].points
 };
 
-/// Whether the group is one body that nothing but its own springs, closed surfaces and contacts acts on.
+/// Whether the group is one body that nothing but its own springs, volumes and contacts acts on.
 bool isPlain(const StepGroup& group);
 
 /// Advances all bodies of the group by `tick` seconds in `substeps` substeps of velocity Verlet with damping
