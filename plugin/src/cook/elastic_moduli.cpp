@@ -100,7 +100,8 @@ Patch findPatch(const std::vector<Triangle>& surface, const MatrixXd& points, co
 }  // namespace
 
 ElasticModuli measureModuli(const ElasticBody& body) {
-  const std::array<Matrix3d, 6> strains = meanStrains(body);
+  const std::array<Matrix3d, 6> strains =
+      meanStrains({body.network, body.stiffness, body.volumeModulus, body.scale.cwiseAbs()});
   ElasticModuli moduli;
   for (int i = 0; i < kDirections; ++i) {
     const Vector3d d = direction(i);

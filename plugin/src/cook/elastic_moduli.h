@@ -32,8 +32,8 @@ struct ElasticModuli {
 /// Pulls at the surface as a uniform stress would, along and across the axes, and solves for the linear
 /// displacements about the rest shape. The mean strain is that of the surface,
 /// (1/V) sum over triangles of sym(u A^T), with the mean displacement u of its corners and its area vector A.
-/// For networks with a closed surface; a body with mechanisms has moduli near 0. Takes seconds for 5 000
-/// points.
+/// A mirrored body has those of its mirror image. For networks with a closed surface; a body with mechanisms
+/// has moduli near 0. Takes seconds for 5 000 points.
 ElasticModuli measureModuli(const ElasticBody& body);
 
 /// N/m: the force that draws apart two parts of the surface, those within `reach` (m) of two places, over
