@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Zlib
 #include "cook/skin_weights.h"
+#include "cook/tetrahedron_faces.h"
 #include "cook/triangle_bvh.h"
 
 #include <Eigen/Dense>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 namespace limber {
@@ -31,79 +31,31 @@ void addPlace(SkinWeights& skin, const std::vector<Vector3d>& points, const Tetr
   skin.firstWeight.push_back(static_cast<std::uint32_t>(skin.points.size()));
 }
 
-/// The side of a tetrahedron across from corner `corner`.
-struct Side {
-  Triangle points;   ///< ascending
-  Triangle outward;  ///< counter-clockwise seen from outside the tetrahedron
-  std::uint32_t tetrahedron, corner;
+/// The faces that only one tetrahedron has, and whose they are.
+struct Border {
+  std::vector<Triangle> faces;
+  std::vector<std::uint32_t> owner;  ///< #faces
 };
 
-/// Of a tetrahedron of positive volume.
-Triangle outwardSide(const Tetrahedron& t, std::uint32_t corner) {
-  switch (corner) {
-    case 0:
-      return {t[1], t[2], t[3]};
-    case 1:
-      return {t[0], t[3], t[2]};
-    case 2:
-      return {t[0], t[1], t[3]};
-    default:
-      return {t[0], t[2], t[1]};
-  }
-}
-
-std::vector<Side> sortedSides(const std::vector<Tetrahedron>& tetrahedra) {
-  std::vector<Side> sides;
-  for (std::uint32_t i = 0; i < tetrahedra.size(); ++i) {
-    for (std::uint32_t corner = 0; corner < 4; ++corner) {
-      const Tetrahedron& t = tetrahedra[i];
-      const Triangle outward = outwardSide(t, corner);
-      Triangle points = outward;
-      std::sort(points.begin(), points.end());
-      sides.push_back({points, outward, i, corner});
-    }
-  }
-  std::sort(sides.begin(), sides.end(), [](const Side& s, const Side& t) {
-    return s.points != t.points ? s.points < t.points : s.tetrahedron < t.tetrahedron;
-  });
-  return sides;
-}
-
-/// Which tetrahedra meet at which sides, and the sides that only one has.
-struct Neighbourhood {
-  std::vector<std::array<std::uint32_t, 4>> across;  ///< #tetrahedra, beyond the side across from a corner
-  std::vector<Triangle> border;
-  std::vector<std::uint32_t> borderOf;  ///< #border, its tetrahedron
-};
-
-Neighbourhood neighbourhood(const std::vector<Tetrahedron>& tetrahedra) {
-  const std::vector<Side> sides = sortedSides(tetrahedra);
-  Neighbourhood result;
-  result.across.assign(tetrahedra.size(), {kNone, kNone, kNone, kNone});
-  for (std::size_t i = 0; i < sides.size(); ++i) {
-    const Side& side = sides[i];
-    if (i + 1 < sides.size() && sides[i + 1].points == side.points) {
-      const Side& other = sides[++i];
-      result.across[side.tetrahedron][side.corner] = other.tetrahedron;
-      result.across[other.tetrahedron][other.corner] = side.tetrahedron;
-    } else {
-      result.border.push_back(side.outward);
-      result.borderOf.push_back(side.tetrahedron);
-    }
-  }
-  return result;
+Border borderOf(const std::vector<Tetrahedron>& tetrahedra, const FaceNeighbours& neighbours) {
+  Border border;
+  border.faces = surfaceOf(tetrahedra, neighbours);
+  for (std::uint32_t t = 0; t < tetrahedra.size(); ++t)
+    for (const std::uint32_t neighbour : neighbours[t])
+      if (neighbour == kOutside) border.owner.push_back(t);
+  return border;
 }
 
 /// From tetrahedron to tetrahedron through the side that the place lies farthest beyond, until none is, or
 /// the border is reached, or as many steps are taken as there are tetrahedra.
 std::uint32_t walkTo(const Vector3d& place, std::uint32_t start, const std::vector<Vector3d>& points,
-                     const std::vector<Tetrahedron>& tetrahedra, const Neighbourhood& neighbours) {
+                     const std::vector<Tetrahedron>& tetrahedra, const FaceNeighbours& neighbours) {
   std::uint32_t here = start;
   for (std::size_t step = 0; step < tetrahedra.size(); ++step) {
     Eigen::Index corner = 0;
     const double least = barycentric(points, tetrahedra[here], place).minCoeff(&corner);
-    const std::uint32_t next = neighbours.across[here][static_cast<std::size_t>(corner)];
-    if (least >= 0.0 || next == kNone) return here;
+    const std::uint32_t next = neighbours[here][static_cast<std::size_t>(corner)];
+    if (least >= 0.0 || next == kOutside) return here;
     here = next;
   }
   return here;
@@ -158,12 +110,13 @@ std::uint32_t fourthCorner(const std::vector<Vector3d>& points, const std::vecto
 }  // namespace
 
 SkinWeights tetrahedronWeights(const SkinProblem& problem, const std::vector<Tetrahedron>& tetrahedra) {
-  const Neighbourhood neighbours = neighbourhood(tetrahedra);
-  const TriangleBvh border(problem.points, neighbours.border);
+  const FaceNeighbours neighbours = findFaceNeighbours(tetrahedra);
+  const Border border = borderOf(tetrahedra, neighbours);
+  const TriangleBvh bvh(problem.points, border.faces);
   SkinWeights result;
   for (std::size_t p = 0; p < problem.places.size(); ++p) {
     const Vector3d& place = problem.places[p];
-    const std::uint32_t start = neighbours.borderOf[nearestOutside(border, problem, p)];
+    const std::uint32_t start = border.owner[nearestOutside(bvh, problem, p)];
     const std::uint32_t found = walkTo(place, start, problem.points, tetrahedra, neighbours);
     addPlace(result, problem.points, tetrahedra[found], place);
   }
