@@ -5,9 +5,28 @@
 #include "support/network_shapes.h"
 #include "text_format.h"
 
+#include <limber/material_network.h>
+
 #include <algorithm>
 
 namespace limber::bench {
+
+namespace {
+
+/// What it takes to match the moments: points inside.
+double inertiaWithPointsInside(const TriangleMesh& mesh) {
+  const Result<SharedNetwork> filled = buildMaterialNetwork(mesh);
+  if (!filled) return -1.0;
+  return shareMass(MassRule::Moments, (*filled)->restPoints, (*filled)->surface).inertiaError;
+}
+
+std::string names(const std::vector<const MassRow*>& rows) {
+  std::string text;
+  for (const MassRow* row : rows) text += " " + row->mesh;
+  return text;
+}
+
+}  // namespace
 
 std::vector<MassRow> measureMasses() {
   const std::pair<MassRule, const char*> rules[] = {
@@ -19,6 +38,9 @@ std::vector<MassRow> measureMasses() {
       const MassShares m = shareMass(rule, network->restPoints, network->surface);
       const auto [least, most] = std::minmax_element(m.shares.begin(), m.shares.end());
       rows.push_back({shape.name, name, m.centreError, m.inertiaError, *most / *least});
+      rows.back().unsolvable = m.leastMisfit > 0.0;
+      rows.back().wantsPoints = m.leastMisfitAnyMass > 0.0;
+      if (rows.back().unsolvable) rows.back().filledInertia = inertiaWithPointsInside(shape.make());
     }
   }
   return rows;
@@ -36,6 +58,25 @@ std::string massTable(const std::vector<MassRow>& rows) {
     text += "\n";
   }
   return text;
+}
+
+std::string massTargets(const std::vector<MassRow>& rows) {
+  std::vector<const MassRow*> hits, misses, noPoints, bounded, filled;
+  for (const MassRow& row : rows) {
+    if (row.rule != "moments") continue;
+    if (!row.unsolvable) (row.matched() ? hits : misses).push_back(&row);
+    if (row.unsolvable) (row.wantsPoints ? noPoints : bounded).push_back(&row);
+    if (row.filledInertia >= 0.0 && row.filledInertia <= 0.01) filled.push_back(&row);
+  }
+  return format("  %-4s  %-78s %zu of %zu%s\n", misses.empty() ? "hit" : "MISS",
+                "moment-matched masses within 1 % where solvable", hits.size(), hits.size() + misses.size(),
+                names(misses).c_str()) +
+         format("        proven unsolvable, all points too far out: %zu%s\n", noPoints.size(),
+                names(noPoints).c_str()) +
+         format("        proven unsolvable, with masses of 0.2 to 10 times the mean: %zu%s\n", bounded.size(),
+                names(bounded).c_str()) +
+         format("        of these %zu, matched with points inside (material mode): %zu\n",
+                noPoints.size() + bounded.size(), filled.size());
 }
 
 }  // namespace limber::bench

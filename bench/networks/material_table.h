@@ -11,16 +11,18 @@ namespace limber::bench {
 struct MaterialRow {
   std::string mesh;
   std::size_t points = 0, finePoints = 0;
-  double youngError = 0.0;  ///< of the modulus asked for, after calibration
-  double drift = 0.0;       ///< of the fine body's modulus, with the coarse one's calibration
-  double isotropy = 0.0;    ///< smallest over largest modulus of 40 directions
+  double youngError = 0.0;    ///< of the modulus asked for, after calibration
+  double calibration = 0.0;   ///< drift of the fine body's modulus, with the coarse one's calibration
+  double bending = 0.0;       ///< drift of the mean bending modulus, each body with its own calibration
+  double worstBending = 0.0;  ///< of any of the six
+  double isotropy = 0.0;      ///< smallest over largest modulus of 40 directions
   double poissonRatio = 0.0;
 };
 
 /// How stiff the L is against being opened, braced against of tetrahedra, each relative to its bulk modulus.
 struct MaterialResults {
   std::vector<MaterialRow> rows;
-  double openingRatio = 0.0;
+  double openingRatio = 0.0;  ///< see measureOpening
 };
 
 MaterialResults measureMaterials(bool quick);

@@ -87,20 +87,6 @@ std::string skinTargets(const std::vector<SkinRow>& rows) {
                  format("%.1e", smooth));
 }
 
-std::string massTargets(const std::vector<MassRow>& rows) {
-  std::string misses;
-  int hits = 0;
-  for (const MassRow& row : rows) {
-    if (row.rule != "moments") continue;
-    if (row.centreError <= 0.01 && row.inertiaError <= 0.01)
-      ++hits;
-    else
-      misses += " " + row.mesh;
-  }
-  return verdict(misses.empty(), "moment-matched masses within 1 %",
-                 format("%d shapes%s%s", hits, misses.empty() ? "" : "; not", misses.c_str()));
-}
-
 }  // namespace
 
 std::string summariseNetworks(const NetworkResults& r) {

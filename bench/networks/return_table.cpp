@@ -2,6 +2,7 @@
 #include "networks/return_table.h"
 
 #include "clocks.h"
+#include "cook/bracing.h"
 #include "cook/elastic_moduli.h"
 
 #include <algorithm>
@@ -46,7 +47,6 @@ SharedNetwork networkOf(const ReturnQuestion& q, const NetworkRow* as) {
   if (q.rule == "equal") return cook(mesh, BraceRule::EqualLength);
   if (q.rule == "two-ring") return cook(mesh, BraceRule::TwoRing);
   if (q.rule == "pipeline") return cook(mesh, BraceRule::Pipeline);
-  constexpr double kPipelineWeight = 0.3;
   return withRandomBraces(*cook(mesh, BraceRule::None), as ? as->braces : 0, kPipelineWeight);
 }
 

@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: Zlib
 // Measured elasticity against closed forms.
 #include "cook/elastic_moduli.h"
+#include "cook/bending_moduli.h"
 #include "cook/fourth_degree.h"
 #include "support/networks.h"
 #include "support/small_meshes.h"
+
+#include <limber/material_network.h>
 
 #include <gtest/gtest.h>
 
@@ -64,6 +67,24 @@ TEST(ElasticModuli, openingTheCubeAcrossTwoFacesIsItsStretching) {
   EXPECT_GT(stiffness, 4000.0);
   EXPECT_LT(stiffness, 12000.0) << "all springs that go along x, unbent";
   EXPECT_EQ(openingStiffness({*cube, 1000.0}, {-0.5, 0, 0}, {9, 0, 0}, 0.75), 0.0);
+}
+
+/// All twelve edges and two diagonals of each face: by symmetry the six are one, and scale as stresses do.
+TEST(ElasticModuli, ofBendingAreTheSameAboutAllAxesOfACube) {
+  const SharedNetwork cube = test::closedCubeNetwork();
+  const std::array<double, 6> moduli = measureBendingModuli({*cube, 1000.0});
+  for (const double modulus : moduli) EXPECT_NEAR(modulus / moduli[0], 1.0, 1e-6);
+  const auto large = measureBendingModuli({*cube, 1000.0, 0.0, Eigen::Vector3d::Constant(2.0)});
+  EXPECT_NEAR(large[0] / moduli[0], 0.5, 1e-6) << "twice the force on four times the area";
+}
+
+/// A homogeneous solid shows its Young's modulus, whatever its shape and wherever it lies.
+TEST(ElasticModuli, ofBendingComeNearYoungsModulusOnAFineLattice) {
+  MaterialMesh settings;
+  settings.points = 4000;
+  const SharedNetwork network = *buildMaterialNetwork(small_meshes::cube(1), settings);
+  for (const double modulus : measureBendingModuli({*network, network->stiffnessPerModulus}))
+    EXPECT_NEAR(modulus, 1.0, 0.06);
 }
 
 TEST(FourthDegree, knowsIsotropyAndLengths) {

@@ -5,6 +5,7 @@
 #include "support/small_meshes.h"
 #include "support/test_shapes.h"
 
+#include <limber/material_network.h>
 #include <limber/mesh_weld.h>
 
 #include <gtest/gtest.h>
@@ -106,6 +107,34 @@ TEST(MassShares, momentsOfAHollowSphere) {
   expectSound(result, 162);
   EXPECT_LT(result.centreError, 1e-8);
   EXPECT_NEAR(result.inertiaError, 5.0 / 3.0 - 1.0, 0.05);  // 0.05: the polyhedron is not quite a ball
+}
+
+/// A certificate that no shares will do, and whether it is for the points or for the bounds.
+TEST(MassShares, provesThatThereIsNoSolution) {
+  const MassShares hollow = shares(MassRule::Moments, welded(small_meshes::icosphere(2)));
+  // the trace of the second moments is 1 for the ball and 5/3 for all shares, the polyhedron's corners
+  // lying a little farther out
+  EXPECT_GT(hollow.leastMisfit, 0.6 / std::sqrt(3.0) - 0.1);
+  EXPECT_GT(hollow.leastMisfitAnyMass, 0.6 / std::sqrt(3.0) - 0.1) << "no lighter points would help";
+  const MassShares cube = shares(MassRule::Moments, welded(small_meshes::cube(4)));
+  EXPECT_GT(cube.leastMisfit, 0.01);
+  EXPECT_EQ(cube.leastMisfitAnyMass, 0.0) << "only the bounds on the shares stand against it";
+  const MassShares filled = shares(MassRule::Moments, withInside(small_meshes::icosphere(2), 0.4, 1.0));
+  EXPECT_EQ(filled.leastMisfit, 0.0);
+  EXPECT_LT(filled.inertiaError, 1e-8) << "points inside make it solvable";
+}
+
+/// The body that material mode makes of a mesh has points inside.
+TEST(MassShares, momentsAreMatchedByTheBodiesOfMaterialMode) {
+  for (const TriangleMesh& mesh : {small_meshes::cube(1), small_meshes::icosphere(2), test_shapes::cylinder(),
+                                   test_shapes::noiseSphere(2)}) {
+    const auto network = *limber::buildMaterialNetwork(mesh);
+    const MassShares result = limber::shareMass(MassRule::Moments, network->restPoints, network->surface);
+    expectSound(result, network->restPoints.size());
+    EXPECT_EQ(result.leastMisfit, 0.0);
+    EXPECT_LT(result.centreError, 1e-8);
+    EXPECT_LT(result.inertiaError, 1e-8);
+  }
 }
 
 TEST(MassShares, heavyPointsOfTheSurfaceAreBounded) {

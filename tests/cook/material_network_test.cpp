@@ -2,16 +2,19 @@
 // Bodies of a material: what is asked is what is measured.
 #include <limber/material_network.h>
 
+#include "cook/bending_moduli.h"
 #include "cook/elastic_moduli.h"
 #include "cook/spring_constants.h"
 #include "cook/tetrahedra.h"
 #include "cook/tetrahedron_faces.h"
+#include "support/network_shapes.h"
 #include "support/small_meshes.h"
 #include "support/test_shapes.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace limber {
@@ -66,8 +69,8 @@ TEST(MaterialNetwork, hasTheModulusAndPoissonRatioAskedForInAllDirections) {
 }
 
 TEST(MaterialNetwork, isAsStiffOnAFinerLattice) {
-  for (const TriangleMesh& mesh :
-       {small_meshes::cube(1), small_meshes::icosphere(3), test_shapes::lShape()}) {
+  for (const TriangleMesh& mesh : {small_meshes::cube(1), small_meshes::icosphere(3), test_shapes::lShape(),
+                                   network_shapes::lshape90()}) {
     const double coarse = calibration(mesh, 300), fine = calibration(mesh, 1200);
     EXPECT_NEAR(fine / coarse, 1.0, 0.1);
   }
@@ -117,6 +120,44 @@ TEST(MaterialNetwork, rendersTheMeshItCameFrom) {
   const auto inside = std::count_if(network->springs.begin(), network->springs.end(),
                                     [](const NetworkSpring& s) { return s.kind == SpringKind::Brace; });
   EXPECT_GT(inside, 0);
+}
+
+/// Wherever it is told to, and without being asked again.
+TEST(MaterialNetwork, endsWithAnErrorWhenProgressSaysSo) {
+  MaterialMesh settings;
+  settings.points = 60;
+  int all = 0;
+  double last = 0.0;
+  settings.progress = [&](const char*, double done) {
+    EXPECT_GE(done, last);
+    last = done;
+    return ++all > 0;
+  };
+  ASSERT_TRUE(buildMaterialNetwork(test_shapes::lShape(), settings));
+  EXPECT_EQ(last, 1.0);
+  EXPECT_GT(all, 8) << "between the lattices tried and the corrections of the springs, too";
+  for (const int asked : {1, 2, all / 2, all}) {
+    int calls = 0;
+    settings.progress = [&](const char*, double) { return ++calls < asked; };
+    const Result<SharedNetwork> network = buildMaterialNetwork(test_shapes::lShape(), settings);
+    ASSERT_FALSE(network) << "ended at call " << asked << " of " << all;
+    EXPECT_EQ(network.error(), "ended early: progress returned false");
+    EXPECT_EQ(calls, asked);
+  }
+}
+
+/// The same material on four times the points answers alike to loads that it was not calibrated by.
+TEST(MaterialNetwork, bendsAlikeOnAFinerLattice) {
+  for (const TriangleMesh& mesh : {small_meshes::cube(1), network_shapes::lshape90()}) {
+    std::array<double, 2> mean{};
+    for (std::size_t i = 0; i < 2; ++i) {
+      const SharedNetwork network = make(mesh, i == 0 ? 300 : 1200);
+      for (const double modulus : measureBendingModuli({*network, network->stiffnessPerModulus}))
+        mean[i] += modulus / 6.0;
+      EXPECT_NEAR(mean[i], 1.0, 0.2) << "of 1 Pa";
+    }
+    EXPECT_NEAR(mean[1] / mean[0], 1.0, 0.1);
+  }
 }
 
 TEST(MaterialNetwork, saysWhatItCannotDo) {

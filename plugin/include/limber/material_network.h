@@ -9,7 +9,7 @@ namespace limber {
 struct MaterialMesh {
   double spacing = 0.0;        ///< m, of the lattice the tetrahedra come from; 0: from `points`
   std::uint32_t points = 300;  ///< about this many point masses, 8 or more, when no spacing is given
-  Progress progress;
+  Progress progress;           ///< returning false ends it with an error: there is no early result
 };
 
 /// A body of a material instead of a mesh of springs: the inside of a closed mesh filled with tetrahedra,
@@ -19,7 +19,7 @@ struct MaterialMesh {
 /// tetrahedra's volume, 0.2 of their mean at least. The render surface is the mesh, skinned. Concave surfaces
 /// are followed to about half a spacing. Errors: those of weld(); a mesh that is not closed, with the number
 /// of its open edges, or that encloses nothing; a piece of it that is thinner than the lattice can follow;
-/// sizes out of range.
+/// sizes out of range; progress that returned false.
 Result<SharedNetwork> buildMaterialNetwork(const TriangleMesh& mesh, const MaterialMesh& settings = {});
 
 struct Material {

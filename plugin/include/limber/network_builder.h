@@ -32,7 +32,7 @@ using Progress = std::function<bool(const char* what, double done)>;
 struct NetworkSettings {
   double weldTolerance = 0.0;  ///< metres, see weld()
   BraceRule braces = BraceRule::Pipeline;
-  double braceWeight = 0.0;  ///< stiffnessScale of braces, above 0; 0: 0.3 for Pipeline, 1 for the others
+  double braceWeight = 0.0;  ///< stiffnessScale of braces, above 0; 0: 0.5 for Pipeline, 1 for the others
   double mostBraces = 1.5;   ///< braces per point at most, Pipeline only, above 0
   double mostSeconds = 0.0;  ///< Pipeline stops adding after this time; 0: never. With a limit that is
                              ///< reached the network depends on the machine's speed.

@@ -20,9 +20,13 @@ struct PieceToBrace {
   bool keepsVolume = false;  ///< whether the body that it is a piece of will have a volume term
 };
 
+/// With less, a body is a skin that is stiff against bending around an inside that is soft: at 0.3 the arms
+/// of an L resist opening 1.6 times as much as a solid's with the same bulk modulus, at 0.5 1.4 times.
+constexpr double kPipelineWeight = 0.5;
+
 struct BracingSettings {
-  double weight = 0.3;      ///< stiffnessScale of a brace
-  double mostBraces = 1.5;  ///< per point
+  double weight = kPipelineWeight;  ///< stiffnessScale of a brace
+  double mostBraces = 1.5;          ///< per point
   std::uint64_t seed = 1;
 };
 

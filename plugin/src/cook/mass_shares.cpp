@@ -11,6 +11,7 @@
 #include <cmath>
 #include <limits>
 #include <numeric>
+#include <utility>
 
 namespace limber {
 namespace {
@@ -90,8 +91,9 @@ MomentVector momentsOf(const Vector3d& p) {
   return m;
 }
 
-std::vector<double> momentShares(const std::vector<Vector3d>& points, const std::vector<Triangle>& surface,
-                                 const Moments& solid, const std::vector<double>& wanted) {
+/// Sets the shares, from those wanted, and what is proven about them.
+void matchSolid(MassShares& result, const std::vector<Vector3d>& points, const std::vector<Triangle>& surface,
+                const Moments& solid) {
   const double unit = std::sqrt(solid.second.trace());
   const Matrix3d s = solid.second / (unit * unit);
   MomentVector target;
@@ -104,7 +106,13 @@ std::vector<double> momentShares(const std::vector<Vector3d>& points, const std:
   for (const Triangle& t : surface) {
     for (const std::uint32_t corner : t) most[corner] = std::min(1.0, kMostShare * mean);
   }
-  return matchMoments(rows, target, wanted, kLeastShare * mean, most);
+  const std::vector<double> wanted = std::move(result.shares);
+  MomentMatch match = matchMoments(rows, target, wanted, kLeastShare * mean, most);
+  result.leastMisfit = match.leastMisfit;
+  if (match.leastMisfit > 0.0)
+    result.leastMisfitAnyMass =
+        matchMoments(rows, target, wanted, 0.0, std::vector<double>(points.size(), 1.0)).leastMisfit;
+  result.shares = std::move(match.shares);
 }
 
 }  // namespace
@@ -124,7 +132,7 @@ MassShares shareMass(MassRule rule, const std::vector<Vector3d>& points,
   const Moments solid = solidMoments(points, surface, middle(points), volume);
   if (!(std::abs(volume) > 0.0) || !(solid.second.trace() > 0.0)) return result;
 
-  if (rule == MassRule::Moments) result.shares = momentShares(points, surface, solid, result.shares);
+  if (rule == MassRule::Moments) matchSolid(result, points, surface, solid);
   const Moments got = pointMoments(points, result.shares);
   result.centreError = (got.centre - solid.centre).norm() / extent(points);
   result.inertiaError = (inertia(got.second) - inertia(solid.second)).norm() / inertia(solid.second).norm();

@@ -16,6 +16,11 @@ struct MassShares {
   // Against the uniform solid inside the surface; NaN if the surface is not closed.
   double centreError = 0.0;   ///< distance of the centres of mass over the size of the body
   double inertiaError = 0.0;  ///< Frobenius norm of the inertia tensors' difference over the solid's
+
+  /// For Moments, of the mass, first and second moments about the solid's centre in units of its radius of
+  /// gyration: proven distance from the solid's below which no shares come. Above 0 there is no solution.
+  double leastMisfit = 0.0;         ///< with shares within the bounds
+  double leastMisfitAnyMass = 0.0;  ///< with any shares of 0 or more: for want of points, not of range
 };
 
 /// Shares by `rule`. Moments takes the shares nearest to Area's, of at least a fifth of the mean share, and

@@ -20,6 +20,9 @@ namespace {
 /// The least mass of a point, of the mean: the lightest point limits the time step.
 constexpr double kLeastShare = 0.2;
 
+/// A material with half its springs is none, so there is no early result.
+constexpr char kEnded[] = "ended early: progress returned false";
+
 /// How near Poisson's ratio comes to the one asked for, and after how many measurements at most.
 constexpr double kPoissonError = 5e-4;
 constexpr int kMeasurements = 6;
@@ -90,28 +93,31 @@ UnitMaterial findUnitMaterial(const SpringNetwork& network, double poissonRatio,
 }  // namespace
 
 Result<SharedNetwork> buildMaterialNetwork(const TriangleMesh& mesh, const MaterialMesh& settings) {
+  bool going = true;  // once not, never again
   const auto tell = [&](const char* what, double done) {
-    if (settings.progress) settings.progress(what, done);
+    return going = going && (!settings.progress || settings.progress(what, done));
   };
   if (!std::isfinite(settings.spacing) || settings.spacing < 0.0)
     return Error{outOfRange("spacing", settings.spacing, "0 or more")};
   const Result<WeldedMesh> welded = weld(mesh);
   if (!welded) return Error{welded.error()};
-  tell("tetrahedra", 0.0);
-  Result<TetrahedralMesh> filling = settings.spacing > 0.0 ? fillWithTetrahedra(*welded, settings.spacing)
-                                                           : fillWithPoints(*welded, settings.points);
+  if (!tell("tetrahedra", 0.0)) return Error{kEnded};
+  const auto whileFilling = [&](double done) { return tell("tetrahedra", 0.4 * done); };
+  Result<TetrahedralMesh> filling = settings.spacing > 0.0
+                                        ? fillWithTetrahedra(*welded, settings.spacing)
+                                        : fillWithPoints(*welded, settings.points, whileFilling);
+  if (!tell("tetrahedra", 0.4)) return Error{kEnded};
   if (!filling) return Error{filling.error()};
-  tell("spring constants", 0.4);
   SpringNetwork network;
   network.restPoints = std::move(filling->points);
   network.tetrahedra = std::move(filling->tetrahedra);
   network.surface = std::move(filling->surface);
   network.report = welded->report;
   network.massShares = volumeShares(network);
-  setMaterialSprings(network);
-  tell("skin", 0.9);
+  setMaterialSprings(network, [&](double done) { return tell("spring constants", 0.4 + 0.5 * done); });
+  if (!tell("skin", 0.9)) return Error{kEnded};
   Result<SharedNetwork> skinned = withSkin(network, mesh, {SkinKind::Barycentric, 32, 0.0});
-  tell("skin", 1.0);
+  if (!tell("skin", 1.0)) return Error{kEnded};
   return skinned;
 }
 

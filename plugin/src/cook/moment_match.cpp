@@ -81,11 +81,32 @@ MomentVector proximalStep(const Programme& p, const MomentVector& before) {
   return y;
 }
 
+/// How far, along a direction, the moments of all shares within the bounds stay beyond the target's. They
+/// fill a convex body, so that a plane with the body on one side and the target on the other is a certificate
+/// (Farkas' lemma) that no shares have the target's moments; checking it takes one sum.
+double separation(const Programme& p, const MomentVector& direction) {
+  double least = -p.target.dot(direction);
+  for (std::size_t i = 0; i < p.rows.size(); ++i) {
+    const double along = p.rows[i].dot(direction);
+    least += along * (along > 0.0 ? p.least : p.most[i]);
+  }
+  return least / direction.norm();
+}
+
+/// The multipliers of a problem without solution grow along such a direction, and the weighted misfit that is
+/// left points along one.
+double provenMisfit(const Programme& p, const MomentVector& y, const MomentVector& error) {
+  const MomentVector weighted = error.cwiseQuotient(p.regularisation);
+  double proven = 0.0;
+  for (const MomentVector& direction : {MomentVector(-y), weighted})
+    if (direction.norm() > 0.0) proven = std::max(proven, separation(p, direction));
+  return proven;
+}
+
 }  // namespace
 
-std::vector<double> matchMoments(const std::vector<MomentVector>& momentsOfPoint, const MomentVector& target,
-                                 const std::vector<double>& wanted, double least,
-                                 const std::vector<double>& most) {
+MomentMatch matchMoments(const std::vector<MomentVector>& momentsOfPoint, const MomentVector& target,
+                         const std::vector<double>& wanted, double least, const std::vector<double>& most) {
   Programme p{momentsOfPoint, target, wanted, least, most, MomentVector::Constant(1e-4)};
   p.regularisation.head<4>().setConstant(1e-8);
   MomentVector y = MomentVector::Zero(), error = misfit(p, y);
@@ -93,11 +114,13 @@ std::vector<double> matchMoments(const std::vector<MomentVector>& momentsOfPoint
     y = proximalStep(p, y);
     error = misfit(p, y);
   }
-  std::vector<double> shares(momentsOfPoint.size());
-  for (std::size_t i = 0; i < shares.size(); ++i) shares[i] = share(p, i, y);
-  const double sum = std::accumulate(shares.begin(), shares.end(), 0.0);
-  for (double& s : shares) s /= sum;
-  return shares;
+  MomentMatch match;
+  for (std::size_t i = 0; i < momentsOfPoint.size(); ++i) match.shares.push_back(share(p, i, y));
+  const double sum = std::accumulate(match.shares.begin(), match.shares.end(), 0.0);
+  for (double& s : match.shares) s /= sum;
+  match.misfit = error;
+  if (error.cwiseAbs().maxCoeff() > kExact) match.leastMisfit = provenMisfit(p, y, error);
+  return match;
 }
 
 }  // namespace limber

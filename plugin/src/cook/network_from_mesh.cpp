@@ -33,7 +33,7 @@ std::string checkSettings(const NetworkSettings& s) {
 
 double weightOf(const NetworkSettings& settings) {
   if (settings.braceWeight > 0.0) return settings.braceWeight;
-  return settings.braces == BraceRule::Pipeline ? 0.3 : 1.0;
+  return settings.braces == BraceRule::Pipeline ? kPipelineWeight : 1.0;
 }
 
 /// A component, and which point of the mesh each of its points is, ascending.

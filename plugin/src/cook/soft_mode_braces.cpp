@@ -39,16 +39,21 @@ BraceChoice stretches(const BracedPiece& piece, const Modes& modes, std::uint64_
   return choice;
 }
 
-/// Adds braces until each mode's eigenvalue has, to first order, reached the goal: a brace of stiffness w
-/// that a unit of the mode stretches by c adds  w c^2.  Softer modes weigh more, by the square.
-bool braceModes(BracedPiece& piece, const Modes& modes, double goal, std::uint64_t seed) {
+/// Adds braces until the eigenvalue of each mode that is softer than `least` has, to first order, got
+/// somewhat beyond: a brace of stiffness w that a unit of the mode stretches by c adds  w c^2.  Softer modes
+/// weigh more, by the square. The others are the body's own large motions, such as the opening of the arms of
+/// an L, which braces are not to tie.
+bool braceModes(BracedPiece& piece, const Modes& modes, double least, std::uint64_t seed) {
   BraceChoice choice = stretches(piece, modes, seed);
+  const double goal = kBeyond * least;
   Eigen::VectorXf eigenvalues = modes.eigenvalues.cast<float>().cwiseMax(static_cast<float>(1e-3 * goal));
+  const Eigen::VectorXf tooSoft = (modes.eigenvalues.array() < least).cast<float>();
   bool added = false;
   while (!piece.full()) {
-    const Eigen::VectorXf weights = (eigenvalues.array() < static_cast<float>(goal))
-                                        .select(eigenvalues.array().square().inverse(), 0.0f)
-                                        .matrix();
+    const Eigen::VectorXf weights =
+        (eigenvalues.array() < static_cast<float>(goal))
+            .select(tooSoft.array() * eigenvalues.array().square().inverse(), 0.0f)
+            .matrix();
     if (weights.maxCoeff() <= 0.0f) break;
     const Eigen::VectorXf gains = addBest(piece, choice, weights);
     if (gains.size() == 0) break;
@@ -68,7 +73,7 @@ void addSoftModeBraces(BracedPiece& piece, std::uint64_t seed, const GoOn& goOn)
     if (modes.eigenvalues.size() == 0) return;
     const double least = kLeastModeRatio * stiffestOf(piece.network);
     if (modes.eigenvalues[0] >= least) return;
-    if (!braceModes(piece, modes, kBeyond * least, seed + static_cast<std::uint64_t>(round))) return;
+    if (!braceModes(piece, modes, least, seed + static_cast<std::uint64_t>(round))) return;
   }
 }
 

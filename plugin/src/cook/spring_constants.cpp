@@ -13,7 +13,7 @@ namespace limber {
 namespace {
 
 /// How much staying near Van Gelder's constants counts against the wanted elasticity.
-constexpr double kStay = 0.05;
+constexpr double kStay = 0.2;
 
 /// Least share of Van Gelder's constant: a weaker spring would hold nothing.
 constexpr double kLeastShare = 0.2;
@@ -112,7 +112,7 @@ void normalise(SpringNetwork& network, double measuredModulus) {
 
 }  // namespace
 
-double setMaterialSprings(SpringNetwork& network) {
+double setMaterialSprings(SpringNetwork& network, const std::function<bool(double)>& goOn) {
   const Edges edges = collectEdges(network);
   const FourthDegree isotropic = isotropicElasticity();
   FourthDegree wanted = isotropic;
@@ -126,7 +126,7 @@ double setMaterialSprings(SpringNetwork& network) {
       best = x;
       bestModuli = moduli;
     }
-    if (moduli.isotropy > kEnoughIsotropy) break;
+    if (moduli.isotropy > kEnoughIsotropy || (goOn && !goOn(static_cast<double>(i) / kCorrections))) break;
     wanted += isotropic - symmetricPart(moduli.elasticity) / moduli.youngsModulus;
     wanted *= isotropic.squaredNorm() / isotropic.dot(wanted);  // its shape alone: E is calibrated
   }

@@ -3,6 +3,8 @@
 
 #include <limber/spring_network.h>
 
+#include <functional>
+
 namespace limber {
 
 /// The edges of the tetrahedra as springs that together are a material, for a network that has its points,
@@ -18,7 +20,8 @@ namespace limber {
 /// body isotropic.
 ///
 /// Returns the calibration: the Young's modulus that the springs had, for 1 Pa asked, before all were divided
-/// by it. Near 1, and for one shape nearly the same on all lattices.
-double setMaterialSprings(SpringNetwork& network);
+/// by it. Near 1, and for one shape nearly the same on all lattices. Once `goOn`, asked with the share done,
+/// 0 to 1, says no, no further corrections are tried.
+double setMaterialSprings(SpringNetwork& network, const std::function<bool(double)>& goOn = {});
 
 }  // namespace limber

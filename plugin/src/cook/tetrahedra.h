@@ -6,6 +6,7 @@
 
 #include <Eigen/Core>
 
+#include <functional>
 #include <vector>
 
 namespace limber {
@@ -27,7 +28,9 @@ struct TetrahedralMesh {
 /// apart.
 Result<TetrahedralMesh> fillWithTetrahedra(const WeldedMesh& mesh, double spacing);
 
-/// The same with the spacing chosen so that there are about `points` points (8 or more).
-Result<TetrahedralMesh> fillWithPoints(const WeldedMesh& mesh, std::size_t points);
+/// The same with the spacing chosen so that there are about `points` points (8 or more). Once `goOn`, asked
+/// with the share done, 0 to 1, says no, the best of the spacings tried so far is taken, or none, an error.
+Result<TetrahedralMesh> fillWithPoints(const WeldedMesh& mesh, std::size_t points,
+                                       const std::function<bool(double)>& goOn = {});
 
 }  // namespace limber
