@@ -68,6 +68,30 @@ TEST(MassShares, areaOfATetrahedron) {
     EXPECT_NEAR(result.shares[std::size_t(i)], (1.0 + slanted) / 3.0 / all, 1e-15);
 }
 
+/// The unit cube with a corner cut off so near it that the three new points have next to no area, or, for one
+/// point for all faces of a fan, most of it.
+TEST(MassShares, areaIsBounded) {
+  TriangleMesh split = small_meshes::tetrahedron();
+  const auto far = static_cast<std::uint32_t>(split.positions.size());
+  split.positions.push_back({1e-5, 0, 0});
+  split.positions.push_back({0, 1e-5, 0});
+  split.positions.push_back({0, 0, 1e-5});
+  const std::uint32_t x = far, y = far + 1, z = far + 2;
+  split.triangles = {{x, y, z}, {x, 2, y}, {x, 1, 2}, {y, 3, z}, {y, 2, 3}, {z, 1, x}, {z, 3, 1}, {1, 3, 2}};
+  for (int i = 0; i < 40; ++i) {
+    split.positions.push_back({1e-5, 1e-5 * (i + 1), 1e-5 * i * i});
+    const auto p = static_cast<std::uint32_t>(split.positions.size() - 1);
+    split.triangles.push_back({p, p - 1, x});
+  }
+  const WeldedMesh body = welded(split);
+  const MassShares result = shares(MassRule::Area, body);
+  const double mean = 1.0 / double(body.points.size());
+  EXPECT_NEAR(std::accumulate(result.shares.begin(), result.shares.end(), 0.0), 1.0, 1e-12);
+  EXPECT_GE(*std::min_element(result.shares.begin(), result.shares.end()), 0.2 * mean * (1.0 - 1e-9));
+  EXPECT_LE(*std::max_element(result.shares.begin(), result.shares.end()), 10.0 * mean * (1.0 + 1e-9));
+  EXPECT_GT(*std::max_element(result.shares.begin(), result.shares.end()), 9.0 * mean);
+}
+
 TEST(MassShares, momentsAreMatchedWhereThePointsAllowIt) {
   struct Case {
     const char* name;

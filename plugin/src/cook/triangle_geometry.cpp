@@ -72,7 +72,16 @@ double solidAngle(const TriangleCorners& t, const Vector3d& p) {
 double extent(const std::vector<Vector3d>& points) {
   Eigen::AlignedBox3d box;
   for (const Vector3d& p : points) box.extend(p);
-  return box.sizes().maxCoeff();
+  return points.empty() ? 0.0 : box.sizes().maxCoeff();
+}
+
+double signedVolume(const std::vector<Vector3d>& points, const std::vector<Triangle>& triangles) {
+  if (triangles.empty()) return 0.0;
+  const Vector3d& origin = points[triangles[0][0]];
+  double six = 0.0;
+  for (const Triangle& t : triangles)
+    six += (points[t[0]] - origin).dot((points[t[1]] - origin).cross(points[t[2]] - origin));
+  return six / 6.0;
 }
 
 std::vector<Vector3d> vertexNormals(const std::vector<Vector3d>& points,
