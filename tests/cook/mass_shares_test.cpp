@@ -68,28 +68,40 @@ TEST(MassShares, areaOfATetrahedron) {
     EXPECT_NEAR(result.shares[std::size_t(i)], (1.0 + slanted) / 3.0 / all, 1e-15);
 }
 
-/// The unit cube with a corner cut off so near it that the three new points have next to no area, or, for one
-/// point for all faces of a fan, most of it.
+/// A tetrahedron with 40 further points within a hair of its first corner, so that three points have all the
+/// area.
 TEST(MassShares, areaIsBounded) {
-  TriangleMesh split = small_meshes::tetrahedron();
-  const auto far = static_cast<std::uint32_t>(split.positions.size());
-  split.positions.push_back({1e-5, 0, 0});
-  split.positions.push_back({0, 1e-5, 0});
-  split.positions.push_back({0, 0, 1e-5});
-  const std::uint32_t x = far, y = far + 1, z = far + 2;
-  split.triangles = {{x, y, z}, {x, 2, y}, {x, 1, 2}, {y, 3, z}, {y, 2, 3}, {z, 1, x}, {z, 3, 1}, {1, 3, 2}};
-  for (int i = 0; i < 40; ++i) {
-    split.positions.push_back({1e-5, 1e-5 * (i + 1), 1e-5 * i * i});
-    const auto p = static_cast<std::uint32_t>(split.positions.size() - 1);
-    split.triangles.push_back({p, p - 1, x});
+  TriangleMesh fringed = small_meshes::tetrahedron();
+  for (std::uint32_t i = 0; i < 40; ++i) {
+    fringed.positions.push_back({1e-5, 1e-5 * (i + 1), 1e-5 * i * i});
+    fringed.triangles.push_back({0, 3 + i, 4 + i});
   }
-  const WeldedMesh body = welded(split);
+  fringed.triangles[4] = {0, 4, 5};
+  const WeldedMesh body = welded(fringed);
+  ASSERT_EQ(body.points.size(), 44u);
   const MassShares result = shares(MassRule::Area, body);
-  const double mean = 1.0 / double(body.points.size());
+  const auto [least, most] = std::minmax_element(result.shares.begin(), result.shares.end());
   EXPECT_NEAR(std::accumulate(result.shares.begin(), result.shares.end(), 0.0), 1.0, 1e-12);
-  EXPECT_GE(*std::min_element(result.shares.begin(), result.shares.end()), 0.2 * mean * (1.0 - 1e-9));
-  EXPECT_LE(*std::max_element(result.shares.begin(), result.shares.end()), 10.0 * mean * (1.0 + 1e-9));
-  EXPECT_GT(*std::max_element(result.shares.begin(), result.shares.end()), 9.0 * mean);
+  EXPECT_NEAR(*least * 44.0, 0.2, 1e-9);
+  EXPECT_LT(*most * 44.0, 10.0);
+  const double rest = result.shares[0] + result.shares[1] + result.shares[2] + result.shares[3];
+  EXPECT_NEAR(rest, 1.0 - 40.0 * 0.2 / 44.0, 1e-9);
+}
+
+/// A third of the area around the hub of a wheel would be 14 times the mean.
+TEST(MassShares, areaOfAHubIsBounded) {
+  TriangleMesh wheel;
+  wheel.positions.push_back({0, 0, 0});
+  for (std::uint32_t i = 0; i < 40; ++i) {
+    wheel.positions.push_back({std::cos(0.15 * i), std::sin(0.15 * i), 0});
+    if (i > 0) wheel.triangles.push_back({0, i, i + 1});
+  }
+  wheel.triangles.push_back({0, 40, 1});
+  for (const MassRule rule : {MassRule::Area, MassRule::Moments}) {
+    const MassShares result = shares(rule, welded(wheel));
+    EXPECT_NEAR(result.shares[0] * 41.0, 10.0, 1e-9);
+    EXPECT_NEAR(std::accumulate(result.shares.begin(), result.shares.end(), 0.0), 1.0, 1e-12);
+  }
 }
 
 TEST(MassShares, momentsAreMatchedWhereThePointsAllowIt) {

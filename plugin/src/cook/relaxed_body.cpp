@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Zlib
 #include "cook/relaxed_body.h"
 
-#include "cook/deformations.h"
 #include "cook/network_pieces.h"
+#include "cook/triangle_geometry.h"
 
 #include <Eigen/Dense>
 
@@ -41,7 +41,7 @@ double squaredDistance(const Points& a, const Points& b) {
 }  // namespace
 
 RelaxedBody::RelaxedBody(const SpringNetwork& network) : rest(restPointsOf(network)) {
-  const SoftBodySettings settings = unitSettings(sizeOf(rest));
+  const SoftBodySettings settings = unitSettings(extent(rest));
   rest *= settings.scale.x();
   terms = BodyTerms(network, settings);
   pieces = findPieces(network);

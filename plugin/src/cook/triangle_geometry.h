@@ -37,6 +37,7 @@ inline Eigen::Vector3d pointAt(const TriangleCorners& triangle, const Eigen::Vec
 }
 
 /// m: the longest side of the points' bounding box; 0 without points.
+double extent(const Eigen::Ref<const Eigen::Matrix3Xd>& points);
 double extent(const std::vector<Eigen::Vector3d>& points);
 
 /// m^3: what the triangles enclose, below 0 where they face inward.
