@@ -51,7 +51,8 @@ void addBraces(CLI::App& app, CommandLine& line) {
   app.add_option("--brace-weight", n.braceWeight,
                  "stiffness of a brace, times a spring's (default 0.3 with pipeline, else 1)")
       ->check(number(1e-6, 1e6));
-  app.add_option("--most-braces", n.mostBraces, "per point at most, pipeline only (default 1.5)")
+  app.add_option("--most-braces", n.mostBraces,
+                 "per point at most, of solid pieces, pipeline only (default 1.5)")
       ->check(number(1e-3, 1e3));
   app.add_option("--seconds", n.mostSeconds,
                  "pipeline adds no more braces after these; the body then depends on the machine's speed "

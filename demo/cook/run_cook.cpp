@@ -32,7 +32,9 @@ ExitCode fail(const std::string& reason) {
 
 /// Before the work, not after it. Writes nothing.
 std::string checkPlaces(const CookOptions& options) {
-  for (const std::string* file : {&options.bodyFile, &options.jsonFile, &options.pictureFile}) {
+  const std::string none;
+  const std::string& body = options.meshFile.empty() ? none : options.bodyFile;
+  for (const std::string* file : {&body, &options.jsonFile, &options.pictureFile}) {
     const std::string reason = file->empty() ? std::string() : checkPlace(*file);
     if (!reason.empty()) return reason;
   }

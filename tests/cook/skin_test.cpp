@@ -303,6 +303,7 @@ TEST(Skin, errors) {
             "a skin of 3 neighbours was asked for, it takes 4 or more");
   EXPECT_EQ(withSkin(networkOf(*weld(small_meshes::singleTriangle())), mesh).error(),
             "the points of the network lie in a plane: no skin can ride on them");
-  EXPECT_EQ(withSkin(SpringNetwork{}, mesh).error(), "a network without a surface has no skin");
+  EXPECT_EQ(withSkin(SpringNetwork{}, mesh).error(), "network: the network has no points");
+  EXPECT_EQ(withSkin(**limber::buildRope(), mesh).error(), "a network without a surface has no skin");
   EXPECT_EQ(withSkin(network, TriangleMesh{}).error(), "the mesh has no vertices");
 }

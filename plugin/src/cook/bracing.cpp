@@ -64,7 +64,8 @@ std::vector<Edge> bracePiece(const PieceToBrace& piece, const BracingSettings& s
   if (!goOn("bracing: chords", 0.0)) return {};
   SpringNetwork network = bareNetwork(piece);
   InsideChords chords(network.restPoints, network.surface, piece.edges);
-  const double most = settings.mostBraces * static_cast<double>(points) + kRounding;
+  const double pairs = 0.5 * static_cast<double>(points) * static_cast<double>(points - 1);
+  const double most = std::min(settings.mostBraces * static_cast<double>(points) + kRounding, pairs);
   BracedPiece braced{
       std::move(network), std::move(chords), settings.weight, static_cast<std::size_t>(most), {}};
   addAntipodalBraces(braced);
