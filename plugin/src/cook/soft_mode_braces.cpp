@@ -10,13 +10,19 @@
 namespace limber {
 namespace {
 
+constexpr double kLeastRatio = 1e-3;
+/// The ratio of icospheres of n points without braces is 1.2/n (their edges alone are rigid).
+constexpr double kLeastRatioTimesPoints = 0.6;
+
 constexpr int kMostRounds = 40;
 constexpr std::size_t kLeastModes = 30, kMostModes = 150;  // looked at together
+/// Of more points than this so many rough modes are looked at: fewer rounds, each in less time.
+constexpr std::size_t kMany = 1000, kRoughModes = 300;
 constexpr std::size_t kMostCandidates = 100000;
 
 /// Modes are braced somewhat beyond the goal: the estimate of their new stiffness leaves out that they give
-/// way sideways.
-constexpr double kBeyond = 3.0;
+/// way sideways. Rough ones stand for several.
+constexpr double kBeyond = 3.0, kRoughBeyond = 8.0;
 
 double stiffestOf(const SpringNetwork& network) {
   const SparseMatrix stiffness = stiffnessMatrix(rigidityMatrix(network));
@@ -60,15 +66,30 @@ bool braceModes(BracedPiece& piece, const Modes& modes, double goal, std::uint64
 
 }  // namespace
 
+double leastModeRatio(std::size_t points) {
+  return std::min(kLeastRatio, kLeastRatioTimesPoints / static_cast<double>(points));
+}
+
+namespace {
+
+bool isLarge(const SpringNetwork& network) { return network.restPoints.size() > kMany; }
+
+Modes modesToBrace(const SpringNetwork& network) {
+  if (isLarge(network)) return roughModes(network, kRoughModes);
+  return softestModes(network, std::clamp(network.restPoints.size() / 8, kLeastModes, kMostModes));
+}
+
+}  // namespace
+
 void addSoftModeBraces(BracedPiece& piece, std::uint64_t seed, const GoOn& goOn) {
-  const std::size_t count = std::clamp(piece.network.restPoints.size() / 8, kLeastModes, kMostModes);
   for (int round = 0; round < kMostRounds && !piece.full(); ++round) {
     if (!goOn(static_cast<double>(round) / kMostRounds)) return;
-    const Modes modes = softestModes(piece.network, count);
+    const Modes modes = modesToBrace(piece.network);
     if (modes.eigenvalues.size() == 0) return;
-    const double least = kLeastModeRatio * stiffestOf(piece.network);
+    const double least = leastModeRatio(piece.network.restPoints.size()) * stiffestOf(piece.network);
     if (modes.eigenvalues[0] >= least) return;
-    if (!braceModes(piece, modes, kBeyond * least, seed + static_cast<std::uint64_t>(round))) return;
+    const double beyond = isLarge(piece.network) ? kRoughBeyond : kBeyond;
+    if (!braceModes(piece, modes, beyond * least, seed + static_cast<std::uint64_t>(round))) return;
   }
 }
 
