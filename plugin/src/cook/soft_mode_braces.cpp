@@ -47,11 +47,11 @@ BraceChoice stretches(const BracedPiece& piece, const Modes& modes, std::uint64_
 
 /// Adds braces until each mode's eigenvalue has, to first order, reached the goal: a brace of stiffness w
 /// that a unit of the mode stretches by c adds  w c^2.  Softer modes weigh more, by the square.
-bool braceModes(BracedPiece& piece, const Modes& modes, double goal, std::uint64_t seed) {
+bool braceModes(BracedPiece& piece, const Modes& modes, double goal, std::size_t cap, std::uint64_t seed) {
   BraceChoice choice = stretches(piece, modes, seed);
   Eigen::VectorXf eigenvalues = modes.eigenvalues.cast<float>().cwiseMax(static_cast<float>(1e-3 * goal));
   bool added = false;
-  while (!piece.full()) {
+  while (piece.braces.size() < cap) {
     const Eigen::VectorXf weights = (eigenvalues.array() < static_cast<float>(goal))
                                         .select(eigenvalues.array().square().inverse(), 0.0f)
                                         .matrix();
@@ -81,15 +81,16 @@ Modes modesToBrace(const SpringNetwork& network) {
 
 }  // namespace
 
-void addSoftModeBraces(BracedPiece& piece, std::uint64_t seed, const GoOn& goOn) {
-  for (int round = 0; round < kMostRounds && !piece.full(); ++round) {
+void addSoftModeBraces(BracedPiece& piece, std::size_t most, std::uint64_t seed, const GoOn& goOn) {
+  const std::size_t cap = std::min(most, piece.mostBraces);
+  for (int round = 0; round < kMostRounds && piece.braces.size() < cap; ++round) {
     if (!goOn(static_cast<double>(round) / kMostRounds)) return;
     const Modes modes = modesToBrace(piece.network);
     if (modes.eigenvalues.size() == 0) return;
     const double least = leastModeRatio(piece.network.restPoints.size()) * stiffestOf(piece.network);
     if (modes.eigenvalues[0] >= least) return;
     const double beyond = isLarge(piece.network) ? kRoughBeyond : kBeyond;
-    if (!braceModes(piece, modes, beyond * least, seed + static_cast<std::uint64_t>(round))) return;
+    if (!braceModes(piece, modes, beyond * least, cap, seed + static_cast<std::uint64_t>(round))) return;
   }
 }
 

@@ -11,6 +11,7 @@ double leastModeRatio(std::size_t points);
 
 /// Braces mechanisms and soft oscillations, each time the pairs that the softest ones stretch most, until
 /// leastModeRatio() is reached, the piece is full, or nothing inside the body helps.
-void addSoftModeBraces(BracedPiece& piece, std::uint64_t seed, const GoOn& goOn);
+/// `most`: braces that the piece then has at most, of those that it may get.
+void addSoftModeBraces(BracedPiece& piece, std::size_t most, std::uint64_t seed, const GoOn& goOn);
 
 }  // namespace limber
