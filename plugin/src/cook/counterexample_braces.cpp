@@ -15,8 +15,8 @@ namespace {
 constexpr int kCleanRounds = 8, kMostRounds = 60;
 
 /// Of all runs together, in runs of a body of one point: a run takes about points^1.5, since the steps grow
-/// with the way across the body. 5 000 points get 70 runs, 1 000 get 800.
-constexpr double kMostWork = 2.6e7;
+/// with the way across the body. 5 000 points get 56 runs, 1 000 get 630.
+constexpr double kMostWork = 2.0e7;
 
 /// Runs of a round: each kind of deformation so often, and further ones of kinds that have failed before.
 constexpr std::size_t kRunsOfEach = 2, kFurtherRuns = 10;
