@@ -90,6 +90,7 @@ ExitCode runCook(const CookOptions& asked) {
   reason = makeBody(options, report);
   bars.finish();
   if (!reason.empty()) return fail(reason);
+  report.settings.runs = runsFor(options, report.network->restPoints.size());
   if (!options.quiet || !options.jsonFile.empty()) analyseBody(report);
   bars.finish();
   reason = tell(options, report);
