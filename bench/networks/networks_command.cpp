@@ -78,6 +78,7 @@ ExitCode runNetworks(int argc, char** argv) {
   results.masses = measureMasses();
   results.skins = measureSkins(options.quick);
   results.materials = measureMaterials(options.quick);
+  if (!options.quick && options.mesh.empty() && options.rule.empty()) results.large = measureLarge();
   publish(summariseNetworks(results), options.out + "/networks.txt");
   return kSuccess;
 }

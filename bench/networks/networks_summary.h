@@ -2,6 +2,7 @@
 #pragma once
 
 #include "networks/counts_table.h"
+#include "networks/large_table.h"
 #include "networks/mass_table.h"
 #include "networks/material_table.h"
 #include "networks/network_row.h"
@@ -14,6 +15,7 @@ struct NetworkResults {
   std::vector<NetworkRow> networks;
   std::vector<MassRow> masses;
   std::vector<SkinRow> skins;
+  std::vector<LargeRow> large;
   MaterialResults materials;
 };
 

@@ -4,6 +4,7 @@
 #include "clocks.h"
 #include "cook/skin_weights.h"
 #include "support/network_shapes.h"
+#include "support/small_meshes.h"
 #include "support/test_shapes.h"
 #include "text_format.h"
 
@@ -95,7 +96,9 @@ SkinRow measure(const char* mesh, const SpringNetwork& coarse, const WeldedMesh&
 std::vector<SkinRow> measureSkins(bool quick) {
   const std::pair<const char*, TriangleMesh> meshes[] = {
       {"rabbit", test_shapes::rabbit(quick ? 0.04 : 0.015)},
-      {"torus", test_shapes::roundTorus(quick ? 0.04 : 0.015)}};
+      {"torus", test_shapes::roundTorus(quick ? 0.04 : 0.015)},
+      {"cube", small_meshes::cube(quick ? 16 : 40)},
+      {"noise", test_shapes::noiseSphere(quick ? 4 : 5)}};
   const std::pair<SkinKind, const char*> kinds[] = {
       {SkinKind::Dense, "dense"}, {SkinKind::Sparse, "sparse"}, {SkinKind::Barycentric, "barycentric"}};
   std::vector<SkinRow> rows;

@@ -7,6 +7,8 @@
 
 #include <CLI/CLI.hpp>
 
+#include <algorithm>
+#include <cmath>
 #include <cstdio>
 
 namespace limber::demo {
@@ -51,7 +53,8 @@ void addBraces(CLI::App& app, CommandLine& line) {
   app.add_option("--brace-weight", n.braceWeight,
                  "stiffness of a brace, times a spring's (default 0.3 with pipeline, else 1)")
       ->check(number(1e-6, 1e6));
-  app.add_option("--most-braces", n.mostBraces, "per point at most, pipeline only (default 1.5)")
+  app.add_option("--most-braces", n.mostBraces,
+                 "per point at most, of solid pieces, pipeline only (default 1.5)")
       ->check(number(1e-3, 1e3));
   app.add_option("--seconds", n.mostSeconds,
                  "pipeline adds no more braces after these; the body then depends on the machine's speed "
@@ -81,7 +84,9 @@ void addDetail(CLI::App& app, CommandLine& line) {
 
 void addAnalysis(CLI::App& app, CommandLine& line) {
   AnalysisSettings& a = line.options.analysis;
-  app.add_option("--runs", a.runs, "large deformations of each kind that the report tries (default 20)")
+  app.add_option("--runs", a.runs,
+                 "large deformations of each kind that the report tries (default 20, fewer for more than "
+                 "1 000 points)")
       ->check(wholeNumber(0, 100000));
   app.add_option("--seed", a.seed, "of all deformations (default 1)")->check(wholeNumber(0, 1e15));
   app.add_option("--mass", a.totalMass, "kg, for the report (default 1)")->check(number(1e-6, 1e6));
@@ -133,6 +138,7 @@ std::string conflict(const CLI::App& app, const CommandLine& line) {
 /// Fills in what follows from other options.
 void complete(const CLI::App& app, CommandLine& line) {
   CookOptions& o = line.options;
+  o.fewerRunsIfLarge = !given(app, "--runs");
   if (given(app, "--report")) o.bodyFile = line.report;
   o.network.braces = valueOf(kBraceRules, line.braces);
   o.network.masses = valueOf(kMassRules, line.masses);
@@ -147,6 +153,14 @@ void complete(const CLI::App& app, CommandLine& line) {
 }
 
 }  // namespace
+
+std::uint32_t runsFor(const CookOptions& options, std::size_t points) {
+  constexpr double kMany = 1000.0;
+  const std::uint32_t runs = options.analysis.runs;
+  if (!options.fewerRunsIfLarge || static_cast<double>(points) <= kMany) return runs;
+  const double share = std::pow(kMany / static_cast<double>(points), 1.5);
+  return std::max(std::min(runs, 2u), static_cast<std::uint32_t>(runs * share));
+}
 
 ParsedCookOptions parseCookOptions(int argc, char** argv) {
   CLI::App app("Makes a soft body that keeps its shape of any mesh, and says how well it does.",

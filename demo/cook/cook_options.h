@@ -25,8 +25,9 @@ struct CookOptions {
   std::uint32_t points = 0;          ///< about as many point masses; 0: those of the mesh
   std::optional<SkinSettings> skin;  ///< asked for, or empty
   AnalysisSettings analysis;
-  std::string jsonFile;     ///< empty: none
-  std::string pictureFile;  ///< empty: none
+  bool fewerRunsIfLarge = false;  ///< than analysis.runs, see runsFor()
+  std::string jsonFile;           ///< empty: none
+  std::string pictureFile;        ///< empty: none
   int width = 960;
   int height = 720;
   bool quiet = false;
@@ -35,5 +36,9 @@ struct CookOptions {
 /// Options, or the exit code of a run that is already over (--help or an error, which has been printed).
 using ParsedCookOptions = std::variant<CookOptions, ExitCode>;
 ParsedCookOptions parseCookOptions(int argc, char** argv);
+
+/// Large deformations of each kind that a body of so many points is tried with: the time of a run grows with
+/// points^1.5 and more.
+std::uint32_t runsFor(const CookOptions& options, std::size_t points);
 
 }  // namespace limber::demo

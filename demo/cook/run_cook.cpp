@@ -32,7 +32,9 @@ ExitCode fail(const std::string& reason) {
 
 /// Before the work, not after it. Writes nothing.
 std::string checkPlaces(const CookOptions& options) {
-  for (const std::string* file : {&options.bodyFile, &options.jsonFile, &options.pictureFile}) {
+  const std::string none;
+  const std::string& body = options.meshFile.empty() ? none : options.bodyFile;
+  for (const std::string* file : {&body, &options.jsonFile, &options.pictureFile}) {
     const std::string reason = file->empty() ? std::string() : checkPlace(*file);
     if (!reason.empty()) return reason;
   }
@@ -88,6 +90,7 @@ ExitCode runCook(const CookOptions& asked) {
   reason = makeBody(options, report);
   bars.finish();
   if (!reason.empty()) return fail(reason);
+  report.settings.runs = runsFor(options, report.network->restPoints.size());
   if (!options.quiet || !options.jsonFile.empty()) analyseBody(report);
   bars.finish();
   reason = tell(options, report);

@@ -147,6 +147,28 @@ TEST(Volume, givesABodyOfAMaterialItsPoissonRatio) {
   EXPECT_NEAR(swelling[2] - swelling[0], 0.2, 0.03);
 }
 
+TEST(Volume, ofTetrahedraCountsAsElasticEnergy) {
+  MaterialMesh mesh;
+  mesh.points = 40;
+  const SharedNetwork block = *buildMaterialNetwork(small_meshes::cube(), mesh);
+  BulletWorld bullet(0.0);
+  SoftBodySystem system(*bullet.world);
+  double energies[2];
+  for (const int i : {0, 1}) {
+    SoftBodySettings s;
+    s.position = {3.0 * i, 0, 0};
+    s.volumeModulus = i * 1e6;
+    SoftBody* body = *system.createBody(block, s);
+    for (std::uint32_t p = 0; p < body->pointCount(); ++p) {
+      const Eigen::Vector3d x = s.position + 0.9 * block->restPoints[p];
+      body->point(p)->getWorldTransform().setOrigin(test::vec(x.x(), x.y(), x.z()));
+    }
+    energies[i] = body->elasticEnergy();
+  }
+  // K/2 (V - V0)^2 / V0 of 1 m^3 shrunk to 0.9^3
+  EXPECT_NEAR(energies[1] - energies[0], 0.5e6 * 0.271 * 0.271, 200.0);
+}
+
 TEST(Volume, ofTetrahedraIsTheSameToTheBitForBodiesSteppedTogether) {
   MaterialMesh mesh;
   mesh.points = 40;

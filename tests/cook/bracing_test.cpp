@@ -61,7 +61,7 @@ TEST_P(Shapes, comeBackWithAtMostOneBracePerPoint) {
     EXPECT_EQ(measureReturns(*network, static_cast<Deformation>(kind), 8, 4711).returned, 8u) << kind;
   const SmallDeformations small = smallDeformations(*network);
   EXPECT_EQ(small.mechanisms, 0u);
-  EXPECT_GE(small.softest, kLeastModeRatio * small.stiffest);
+  EXPECT_GE(small.softest, leastModeRatio(network->restPoints.size()) * small.stiffest);
 }
 
 TEST_P(Shapes, haveTheirBracesInside) {
@@ -94,10 +94,12 @@ INSTANTIATE_TEST_SUITE_P(Bracing, Shapes,
 TEST(Bracing, isDeterministicAndSeeded) {
   NetworkSettings settings;
   settings.mostBraces = 0.7;
-  const auto braces = [&] { return pairsOf(bracesOf(*build(network_shapes::lshape90(), settings))); };
+  const auto braces = [&] { return pairsOf(bracesOf(*build(network_shapes::tube60(), settings))); };
   const std::vector<Edge> first = braces();
-  EXPECT_EQ(first.size(), 63u);
+  EXPECT_EQ(first.size(), 42u);
   EXPECT_EQ(first, braces());
+  settings.seed = 2;
+  EXPECT_NE(first, braces());
 }
 
 TEST(Bracing, turnsMeshesThatAreInsideOut) {

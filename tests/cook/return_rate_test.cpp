@@ -26,7 +26,7 @@ const std::vector<Deformation> kKinds{Deformation::Squash,   Deformation::Twist,
 
 /// Without its volume term.
 SpringNetwork opened(SpringNetwork network) {
-  network.report.openEdges = 1;
+  network.surface.pop_back();
   return network;
 }
 

@@ -146,7 +146,8 @@ std::string validateTetrahedron(const limber::Tetrahedron& t) {
 }  // namespace
 
 TEST(SpringNetwork, tetrahedra) {
-  EXPECT_EQ(validateTetrahedron({1, 2, 0, 3}), "");
+  EXPECT_EQ(validateTetrahedron({0, 1, 2, 7}), "");
+  EXPECT_EQ(validateTetrahedron({1, 2, 0, 3}), "a tetrahedron of point 0, 1, 2 and 3 is there twice");
   EXPECT_EQ(validateTetrahedron({0, 1, 8, 3}), "tetrahedron 1 uses point 8 of 8");
   EXPECT_EQ(validateTetrahedron({0, 2, 1, 3}), "tetrahedron 1 has a volume that is not above 0");
   EXPECT_EQ(validateTetrahedron({0, 1, 1, 3}), "tetrahedron 1 has a volume that is not above 0");

@@ -115,6 +115,32 @@ TEST(VolumeTerm, keepsComponentsApart) {
   EXPECT_NEAR(v.restVolume[0], v.restVolume[1], 1e-12);
 }
 
+TEST(VolumeTerm, isThatOfSmallPiecesFarApartToo) {
+  TriangleMesh mesh = small_meshes::cube();
+  for (Eigen::Vector3d& p : mesh.positions) p *= 0.01;
+  const std::size_t count = mesh.positions.size(), triangles = mesh.triangles.size();
+  for (std::size_t i = 0; i < count; ++i)
+    mesh.positions.push_back(mesh.positions[i] + Eigen::Vector3d(2, 3, 4));
+  for (std::size_t t = 0; t < triangles; ++t) {
+    Triangle moved = mesh.triangles[t];
+    for (std::uint32_t& corner : moved) corner += static_cast<std::uint32_t>(count);
+    mesh.triangles.push_back(moved);
+  }
+  const VolumeArrays v = volumesOf(bare(mesh), 7.0, 0.0);
+  ASSERT_EQ(v.restVolume.size(), 2u);
+  EXPECT_NEAR(v.restVolume[1], 1e-6, 1e-18);
+}
+
+TEST(VolumeTerm, asksTheSurfaceWhetherItIsClosedAndNotItsReport) {
+  SpringNetwork open = *test::closedCubeNetwork();
+  open.surface.pop_back();
+  ASSERT_TRUE(open.report.watertight());
+  EXPECT_TRUE(makeVolumes(open, {}).empty());
+  SoftBodySettings settings;
+  settings.pressure = 1.0;
+  EXPECT_EQ(checkVolume(open, settings), "pressure: the surface is not closed: it has 3 open edges");
+}
+
 TEST(VolumeTerm, boundsTheFrequencyItAdds) {
   const SharedNetwork ball = bare(small_meshes::icosphere(1));
   VolumeArrays v = volumesOf(ball, 100.0, 30.0);

@@ -110,6 +110,16 @@ TEST(CookOptions, aReportNeedsNoMesh) {
   EXPECT_EQ(o.analysis.runs, 5u);
 }
 
+TEST(CookOptions, largeBodiesAreTriedFewerTimesUnlessAskedFor) {
+  CookOptions o = parsed({"a.obj", "-o", "a.limber"});
+  EXPECT_EQ(runsFor(o, 1000), 20u);
+  EXPECT_EQ(runsFor(o, 2000), 7u);
+  EXPECT_EQ(runsFor(o, 5000), 2u);
+  EXPECT_EQ(runsFor(parsed({"a.obj", "-o", "a.limber", "--runs", "30"}), 5000), 30u);
+  o.analysis.runs = 0;
+  EXPECT_EQ(runsFor(o, 5000), 0u);
+}
+
 CookReport exampleReport() {
   CookReport report;
   report.meshFile = "cube.obj";

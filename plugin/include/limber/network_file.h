@@ -24,7 +24,7 @@ Result<SharedNetwork> fromBytes(const std::uint8_t* bytes, std::size_t size);
 /// written, else the reason with the file's name.
 std::string saveNetwork(const SpringNetwork& network, const std::string& file);
 
-/// fromBytes of a file; errors begin with the file's name.
+/// fromBytes of a file; errors have the file's name in them.
 Result<SharedNetwork> loadNetwork(const std::string& file);
 
 }  // namespace limber

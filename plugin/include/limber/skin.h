@@ -7,7 +7,7 @@ namespace limber {
 
 /// How the vertices of a detailed mesh ride on the points of a coarse network.
 enum class SkinKind : std::uint8_t {
-  Dense,       ///< cubic radial basis functions over all points: the smoothest
+  Dense,       ///< radial basis functions over all points: the smoothest
   Sparse,      ///< the same over the nearest points that are seen through the body: cheaper, local
   Barycentric  ///< the corners of the tetrahedron around or next to the vertex (material mode), or those of
                ///< the nearest triangle and a point across the body from it: cheapest, piecewise linear

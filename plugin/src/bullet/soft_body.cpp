@@ -94,7 +94,8 @@ Eigen::Vector3d SoftBody::angularMomentum() const { return limber::angularMoment
 double SoftBody::kineticEnergy() const { return limber::kineticEnergy(current(*data_)); }
 double SoftBody::elasticEnergy() const {
   const Points& position = current(*data_).position;
-  return limber::elasticEnergy(data_->springs, position) + volumeEnergy(data_->volumes, position);
+  return limber::elasticEnergy(data_->springs, position) + volumeEnergy(data_->volumes, position) +
+         tetrahedronEnergy(data_->tetrahedra, position);
 }
 std::uint64_t SoftBody::stateHash() const { return limber::stateHash(current(*data_)); }
 

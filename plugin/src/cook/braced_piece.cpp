@@ -28,6 +28,14 @@ std::uint32_t walk(const InsideChords& chords, std::uint32_t from, Random& rando
   return from;
 }
 
+void boundAll(BraceChoice& choice, const Eigen::VectorXf& weights) {
+  const Eigen::VectorXf sums = choice.benefit.transpose() * weights;
+  for (Eigen::Index pair = 0; pair < sums.size(); ++pair)
+    if (sums[pair] > 0.0f) choice.bounds.push_back({sums[pair], pair});
+  std::make_heap(choice.bounds.begin(), choice.bounds.end());
+  choice.bounded = true;
+}
+
 }  // namespace
 
 void addBrace(BracedPiece& piece, const Edge& pair) {
@@ -42,18 +50,21 @@ void addBrace(BracedPiece& piece, const Edge& pair) {
 }
 
 Eigen::VectorXf addBest(BracedPiece& piece, BraceChoice& choice, const Eigen::VectorXf& weights) {
-  Eigen::VectorXf sums = choice.benefit.transpose() * weights;
-  while (sums.size() > 0) {
-    Eigen::Index best = 0;
-    if (!(sums.maxCoeff(&best) > 0.0f)) break;
-    const Edge& pair = choice.pairs[static_cast<std::size_t>(best)];
-    const bool allowed = piece.chords.allowed(pair[0], pair[1]);
-    const Eigen::VectorXf benefits = choice.benefit.col(best);
-    choice.benefit.col(best).setZero();
-    sums[best] = 0.0f;
-    if (!allowed) continue;
+  if (!choice.bounded) boundAll(choice, weights);
+  while (!choice.bounds.empty()) {
+    std::pop_heap(choice.bounds.begin(), choice.bounds.end());
+    BraceChoice::Bound best = choice.bounds.back();
+    choice.bounds.pop_back();
+    const Edge& pair = choice.pairs[static_cast<std::size_t>(best.pair)];
+    best.sum = choice.benefit.col(best.pair).dot(weights);
+    if (!(best.sum > 0.0f) || !piece.chords.allowed(pair[0], pair[1])) continue;
+    if (!choice.bounds.empty() && best < choice.bounds.front()) {
+      choice.bounds.push_back(best);
+      std::push_heap(choice.bounds.begin(), choice.bounds.end());
+      continue;
+    }
     addBrace(piece, pair);
-    return benefits;
+    return choice.benefit.col(best.pair);
   }
   return {};
 }

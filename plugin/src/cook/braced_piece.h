@@ -37,10 +37,23 @@ struct BraceChoice {
   BraceChoice(std::size_t purposes, std::vector<Edge> candidates)
       : pairs(std::move(candidates)),
         benefit(static_cast<Eigen::Index>(purposes), static_cast<Eigen::Index>(pairs.size())) {}
+
+  /// A pair and what its sum of benefits times weights is at most. Of equals the first pair is the larger.
+  struct Bound {
+    float sum;
+    Eigen::Index pair;
+    bool operator<(const Bound& other) const {
+      return sum != other.sum ? sum < other.sum : pair > other.pair;
+    }
+  };
+  std::vector<Bound> bounds;  ///< heap of the pairs that may still be of use; made by addBest()
+  bool bounded = false;
 };
 
 /// Adds the allowed pair with the largest sum of benefits times weights (#purposes) and strikes it off the
-/// choice. Returns its benefits, or nothing when no pair is of use.
+/// choice. Returns its benefits, or nothing when no pair is of use. The benefits must not change between
+/// calls and no weight may grow: then what a pair was worth before bounds what it is worth now, and few are
+/// looked at again (M. Minoux, "Accelerated greedy algorithms", 1978).
 Eigen::VectorXf addBest(BracedPiece& piece, BraceChoice& choice, const Eigen::VectorXf& weights);
 
 /// All pairs of the piece's points or, where they are more than `most`, that many seeded ones: half of them

@@ -20,6 +20,10 @@ constexpr double kFlat = 1e-3;
 
 /// Chords per point below which an open piece counts as without an inside.
 constexpr double kLeastChords = 0.125;
+
+/// Of the braces that a piece may get: what soft modes may take of them. Thin rods stay soft whatever they
+/// get, and would have none left for what large deformations do to them.
+constexpr double kShareForModes = 0.75;
 constexpr double kRounding = 1e-6;  // 0.7 x 90 springs are 63, not 62
 
 /// Root mean square distance from the best plane over that from the centre.
@@ -58,13 +62,15 @@ std::vector<Edge> bracePiece(const PieceToBrace& piece, const BracingSettings& s
   if (!goOn("bracing: chords", 0.0)) return {};
   SpringNetwork network = bareNetwork(piece);
   InsideChords chords(network.restPoints, network.surface, piece.edges);
-  const double most = settings.mostBraces * static_cast<double>(points) + kRounding;
+  const double pairs = 0.5 * static_cast<double>(points) * static_cast<double>(points - 1);
+  const double most = std::min(settings.mostBraces * static_cast<double>(points) + kRounding, pairs);
   BracedPiece braced{
       std::move(network), std::move(chords), settings.weight, static_cast<std::size_t>(most), {}};
   addAntipodalBraces(braced);
   const bool hollow = static_cast<double>(braced.braces.size()) < kLeastChords * static_cast<double>(points);
   if (hollow && !piece.closed) return findTwoRingPairs(points, piece.edges);
-  addSoftModeBraces(braced, settings.seed, during("bracing: soft modes", goOn));
+  const auto forModes = static_cast<std::size_t>(kShareForModes * most);
+  addSoftModeBraces(braced, forModes, settings.seed, during("bracing: soft modes", goOn));
   addCounterexampleBraces(braced, settings.seed, during("bracing: wrong shapes", goOn));
   std::sort(braced.braces.begin(), braced.braces.end());
   return braced.braces;

@@ -14,6 +14,10 @@ namespace {
 
 constexpr int kCleanRounds = 8, kMostRounds = 60;
 
+/// Of all runs together, in runs of a body of one point: a run takes about points^1.5, since the steps grow
+/// with the way across the body. 5 000 points get 56 runs, 1 000 get 630.
+constexpr double kMostWork = 2.0e7;
+
 /// Runs of a round: each kind of deformation so often, and further ones of kinds that have failed before.
 constexpr std::size_t kRunsOfEach = 2, kFurtherRuns = 10;
 constexpr std::size_t kRuns = kRunsOfEach * kDeformations + kFurtherRuns;
@@ -35,8 +39,13 @@ using Examples = std::vector<Example>;
 
 struct Trials {
   std::uint64_t seed;
+  std::size_t runsLeft;
   std::array<std::uint32_t, kDeformations> failures{};
 };
+
+std::size_t mostRuns(std::size_t points) {
+  return static_cast<std::size_t>(kMostWork / std::pow(static_cast<double>(points), 1.5));
+}
 
 std::vector<Deformation> kindsOfRound(const Trials& trials, Random& random) {
   std::vector<Deformation> kinds;
@@ -55,7 +64,9 @@ bool isWrong(const RelaxedBody& body, const Points& x) {
 }
 
 /// The wrong ones of the shapes that the starts relax to.
-Examples findWrong(RelaxedBody& body, const Examples& starts, const std::function<bool()>& goOn) {
+Examples findWrong(RelaxedBody& body, const Examples& starts, Trials& trials,
+                   const std::function<bool()>& goOn) {
+  trials.runsLeft -= std::min(trials.runsLeft, starts.size());
   Examples ends(starts.size());
   relax(
       body, starts.size(), [&](std::size_t i) { return starts[i].x; },
@@ -109,31 +120,35 @@ bool braceWorst(BracedPiece& piece, const RelaxedBody& body, const Examples& exa
 }
 
 /// Braces the wrong shapes and lets the piece go on from them, until it gets out of all.
-void mend(BracedPiece& piece, Examples wrong, std::uint64_t seed, const std::function<bool()>& goOn) {
+void mend(BracedPiece& piece, Examples wrong, std::uint64_t seed, Trials& trials,
+          const std::function<bool()>& goOn) {
   for (int tries = 0; tries < kMostTries && !wrong.empty() && !piece.full() && goOn(); ++tries) {
     if (!braceWorst(piece, RelaxedBody(piece.network), wrong, seed + static_cast<std::uint64_t>(tries)))
       return;
     RelaxedBody braced(piece.network);
-    wrong = findWrong(braced, wrong, goOn);
+    if (trials.runsLeft == 0) return;
+    wrong = findWrong(braced, wrong, trials, goOn);
   }
 }
 
 }  // namespace
 
 void addCounterexampleBraces(BracedPiece& piece, std::uint64_t seed, const GoOn& goOn) {
-  Trials trials{seed};
+  Trials trials{seed, mostRuns(piece.network.restPoints.size())};
   int clean = 0;
-  for (int round = 0; round < kMostRounds && clean < kCleanRounds && !piece.full(); ++round) {
+  for (int round = 0; round < kMostRounds && clean < kCleanRounds && !piece.full() && trials.runsLeft > 0;
+       ++round) {
     const double done =
         std::max(static_cast<double>(clean) / kCleanRounds, static_cast<double>(round) / kMostRounds);
     bool going = true;
     const std::function<bool()> ask = [&] { return going = going && goOn(done); };
     RelaxedBody body(piece.network);
-    Examples wrong = findWrong(body, startsOfRound(body, trials, static_cast<std::uint64_t>(round)), ask);
+    Examples wrong =
+        findWrong(body, startsOfRound(body, trials, static_cast<std::uint64_t>(round)), trials, ask);
     if (!going) return;
     clean = wrong.empty() ? clean + 1 : 0;
     for (const Example& e : wrong) ++trials.failures[static_cast<std::size_t>(e.kind)];
-    mend(piece, std::move(wrong), seed + (static_cast<std::uint64_t>(round) << 16), ask);
+    mend(piece, std::move(wrong), seed + (static_cast<std::uint64_t>(round) << 16), trials, ask);
   }
 }
 

@@ -131,6 +131,8 @@ Result<SoftBodySettings> withMaterial(const SpringNetwork& network, const Materi
   settings.extensionStiffness = settings.compressionStiffness = unit.stiffness * material.youngsModulus;
   settings.volumeModulus = unit.volumeModulus * material.youngsModulus;
   settings.totalMass = material.density * volumeOfTetrahedra(network) * std::abs(settings.scale.prod());
+  if (std::string reason = validate(settings); !reason.empty())
+    return Error{"a body of this material: " + std::move(reason)};
   return settings;
 }
 

@@ -7,13 +7,17 @@
 #include <cmath>
 #include <numeric>
 
-// Interpolating f at points x_i by  s(x) = sum l_i |x - x_i|^3 + c + a . x  with  sum l_i = 0, sum l_i x_i =
-// 0 (J. Duchon, 1977) is linear in the values f_i: with the symmetric matrix M of these conditions,
-//     s(x) = b(x)^T M^-1 (f, 0),   b(x) = (|x - x_1|^3, ..., |x - x_n|^3, 1, x),
+// Interpolating f at points x_i by  s(x) = sum l_i k(|x - x_i|) + c + a . x  with  sum l_i = 0, sum l_i x_i =
+// 0  is linear in the values f_i: with the symmetric matrix M of these conditions,
+//     s(x) = b(x)^T M^-1 (f, 0),   b(x) = (k(|x - x_1|), ..., k(|x - x_n|), 1, x),
 // so that the weights of a place are the first n entries of M^-1 b(x).
 //
-// The same is the best prediction of a random field whose differences have variances that grow as |r|^3
-// (kriging: G. Matheron, "The intrinsic random functions and their applications", 1973). There a point can be
+// The same is the best prediction of a random field with the covariance k, about an affine one (kriging: G.
+// Matheron, "The intrinsic random functions and their applications", 1973). Dense skins take B. Matern's
+// covariance (1960) of fields that are twice differentiable and, over lengths well above the body's, smooth:
+// on boxes, whose points see each field on flat faces only, the cubic kernel |r|^3 (J. Duchon, 1977) of less
+// smooth fields errs three times as much. Sparse ones take |r|^3, which tells no lengths apart: its weights
+// change less when a neighbour is exchanged. In kriging a point can be
 // a measurement with an error of variance v_i: M gets v_i on its diagonal. So points across a gap in the body
 // fade out, without a jump, and the affine motions stay exact. M differs from place to place then; with
 // V the diagonal matrix of the v_i > 0 of a place, R the matrix that picks their rows, and w = M^-1 b
@@ -63,9 +67,32 @@ MatrixXd chosenRows(const MatrixXd& rows, const std::vector<Index>& chosen) {
 
 double cube(double r) { return r * r * r; }
 
-/// |x - x_i|^3 of all points for one place.
-VectorXd kernel(const MatrixXd& points, const RowVector3d& place) {
-  return (points.rowwise() - place).rowwise().norm().unaryExpr(&cube);
+/// Covariance of a field at places r apart, and of a measurement whose variance is v for |r|^3.
+struct Kernel {
+  double (*covariance)(double r);
+  double (*variance)(double v);
+};
+
+constexpr Kernel kCubic{&cube, [](double v) { return v; }};
+
+/// Matern's of smoothness 5/2, and so little of the cubic one that it rules over lengths well below a tenth
+/// of the body alone: it keeps weights small where places lie a little off all points. The first odd power of
+/// Matern's series, -(r/l)^5 / 45, is what makes its fields rough, as |r|^3 does in the cubic one: variances
+/// of lengths to the third become such to the fifth, of which a tenth already cuts off what is across a gap.
+constexpr double kCorrelation = 2.0;  // length, in radii of the body
+constexpr double kCubicShare = 1e-4, kGapShare = 0.1;
+constexpr Kernel kSmooth{[](double r) {
+                           const double s = r / kCorrelation;
+                           return (1.0 + s + s * s / 3.0) * std::exp(-s) + kCubicShare * cube(r);
+                         },
+                         [](double v) {
+                           const double rough = std::pow(v, 5.0 / 3.0) / std::pow(kCorrelation, 5.0) / 45.0;
+                           return kCubicShare * v + kGapShare * rough;
+                         }};
+
+/// k(|x - x_i|) of all points for one place.
+VectorXd covariances(const Kernel& kernel, const MatrixXd& points, const RowVector3d& place) {
+  return (points.rowwise() - place).rowwise().norm().unaryExpr(kernel.covariance);
 }
 
 MatrixXd affinePart(const MatrixXd& rows) {
@@ -75,18 +102,19 @@ MatrixXd affinePart(const MatrixXd& rows) {
   return part;
 }
 
-MatrixXd interpolationMatrix(const MatrixXd& points) {
+MatrixXd interpolationMatrix(const Kernel& kernel, const MatrixXd& points) {
   const Index n = points.rows();
   MatrixXd m = MatrixXd::Zero(n + 4, n + 4);
-  for (Index i = 0; i < n; ++i) m.col(i).head(n) = kernel(points, points.row(i));
+  for (Index i = 0; i < n; ++i) m.col(i).head(n) = covariances(kernel, points, points.row(i));
   m.topRightCorner(n, 4) = affinePart(points);
   m.bottomLeftCorner(4, n) = affinePart(points).transpose();
   return m;
 }
 
-MatrixXd rightSides(const MatrixXd& points, const MatrixXd& places) {
+MatrixXd rightSides(const Kernel& kernel, const MatrixXd& points, const MatrixXd& places) {
   MatrixXd sides(points.rows() + 4, places.rows());
-  for (Index i = 0; i < places.rows(); ++i) sides.col(i).head(points.rows()) = kernel(points, places.row(i));
+  for (Index i = 0; i < places.rows(); ++i)
+    sides.col(i).head(points.rows()) = covariances(kernel, points, places.row(i));
   sides.bottomRows<4>() = affinePart(places).transpose();
   return sides;
 }
@@ -105,7 +133,7 @@ void fadeOut(const MatrixXd& inverse, const SparseRows& variances, Index place, 
   std::vector<double> deviation;
   for (SparseRows::InnerIterator v(variances, place); v; ++v) {
     faded.push_back(v.col());
-    deviation.push_back(std::sqrt(v.value() / unit));
+    deviation.push_back(std::sqrt(kSmooth.variance(v.value() / unit)));
   }
   if (faded.empty()) return;
   const auto count = static_cast<Index>(faded.size());
@@ -147,7 +175,7 @@ Index nearestOffPlane(const MatrixXd& points, const VectorXd& distance, const Sp
 /// The nearest points, the last up to three exchanged where they do not span space well. Ascending.
 std::vector<Index> neighboursOf(const MatrixXd& points, const RowVector3d& place, const VectorXd& variances,
                                 Index count) {
-  const VectorXd distance = kernel(points, place) + variances;
+  const VectorXd distance = covariances(kCubic, points, place) + variances;
   std::vector<Index> chosen(static_cast<std::size_t>(points.rows()));
   std::iota(chosen.begin(), chosen.end(), Index(0));
   const auto end = chosen.begin() + std::min(count, points.rows());
@@ -177,13 +205,14 @@ SkinWeights denseWeights(const SkinProblem& problem) {
   const Frame frame = frameOf(asRows(problem.points));
   const MatrixXd points = frame.of(asRows(problem.points)), places = frame.of(asRows(problem.places));
   const Index n = points.rows();
-  const MatrixXd inverse = interpolationMatrix(points).partialPivLu().inverse();
+  const Eigen::PartialPivLU<MatrixXd> factors(interpolationMatrix(kSmooth, points));
+  const MatrixXd inverse = problem.variances.nonZeros() > 0 ? factors.inverse() : MatrixXd();
   SkinWeights result;
   result.weights.reserve(problem.points.size() * problem.places.size());
   result.points.reserve(problem.points.size() * problem.places.size());
   for (Index first = 0; first < places.rows(); first += kBatch) {
     const MatrixXd batch = places.middleRows(first, std::min(kBatch, places.rows() - first));
-    MatrixXd solutions = inverse * rightSides(points, batch);
+    MatrixXd solutions = factors.solve(rightSides(kSmooth, points, batch));
     for (Index i = 0; i < batch.rows(); ++i) {
       VectorXd solution = solutions.col(i);
       fadeOut(inverse, problem.variances, first + i, cube(frame.unit), solution);
@@ -209,10 +238,10 @@ SkinWeights sparseWeights(const SkinProblem& problem, std::uint32_t neighbours) 
     const MatrixXd near = chosenRows(points, chosen);
     const Frame frame = frameOf(near);
     const MatrixXd scaled = frame.of(near), place = frame.of(places.row(i));
-    MatrixXd system = interpolationMatrix(scaled);
+    MatrixXd system = interpolationMatrix(kCubic, scaled);
     for (std::size_t j = 0; j < chosen.size(); ++j)
       system(Index(j), Index(j)) += variances[chosen[j]] / cube(frame.unit);
-    MatrixXd weights = system.partialPivLu().solve(rightSides(scaled, place)).topRows(near.rows());
+    MatrixXd weights = system.partialPivLu().solve(rightSides(kCubic, scaled, place)).topRows(near.rows());
     makeAffineExact(scaled, place, weights);
     result.weights.insert(result.weights.end(), weights.data(), weights.data() + weights.size());
     for (const Index point : chosen) result.points.push_back(static_cast<std::uint32_t>(point));

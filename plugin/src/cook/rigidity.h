@@ -26,4 +26,8 @@ struct Modes {
 /// The `count` softest modes (fewer if there are fewer). Sparse: seconds for 5 000 points.
 Modes softestModes(const SpringNetwork& network, std::size_t count);
 
+/// Shapes that are soft, though none of them a mode: the softest come close, the last are rough. Each
+/// eigenvalue is what its shape has (Rayleigh), never too small. A fraction of the time of softestModes().
+Modes roughModes(const SpringNetwork& network, std::size_t count);
+
 }  // namespace limber

@@ -27,14 +27,16 @@ std::string refuse(const SpringNetwork& network, const WeldedMesh& mesh, const S
   if (settings.neighbours < 4)
     return "a skin of " + std::to_string(settings.neighbours) +
            " neighbours was asked for, it takes 4 or more";
+  if (std::string reason = validate(network); !reason.empty()) return "network: " + reason;
   if (network.surface.empty()) return "a network without a surface has no skin";
   if (!spansSpace(network.restPoints))
     return "the points of the network lie in a plane: no skin can ride on them";
-  const std::size_t weights = mesh.points.size() * network.restPoints.size();
+  const std::size_t weights =
+      std::max(mesh.points.size(), network.restPoints.size()) * network.restPoints.size();
   if (settings.kind == SkinKind::Dense && weights > kMostWeights) {
     return "a dense skin of " + std::to_string(mesh.points.size()) + " vertices on " +
            std::to_string(network.restPoints.size()) + " points takes " + std::to_string(weights) +
-           " weights, more than " + std::to_string(kMostWeights) + ": use a sparse one";
+           " numbers, more than " + std::to_string(kMostWeights) + ": use a sparse one";
   }
   return {};
 }
@@ -72,14 +74,25 @@ Skin rounded(const SkinWeights& exact) {
   return skin;
 }
 
-Result<SkinWeights> skinWeights(const SpringNetwork& network, const WeldedMesh& mesh,
-                                const SkinSettings& settings) {
-  if (std::string reason = refuse(network, mesh, settings); !reason.empty()) return Error{std::move(reason)};
-  const SkinProblem problem = makeProblem(network, mesh, settings.kind);
+namespace {
+
+SkinWeights solve(const SpringNetwork& network, const SkinProblem& problem, const SkinSettings& settings) {
   if (settings.kind == SkinKind::Dense) return denseWeights(problem);
   if (settings.kind == SkinKind::Sparse) return sparseWeights(problem, settings.neighbours);
   return network.tetrahedra.empty() ? triangleWeights(problem, network.surface)
                                     : tetrahedronWeights(problem, network.tetrahedra);
+}
+
+}  // namespace
+
+Result<SkinWeights> skinWeights(const SpringNetwork& network, const WeldedMesh& mesh,
+                                const SkinSettings& settings) {
+  if (std::string reason = refuse(network, mesh, settings); !reason.empty()) return Error{std::move(reason)};
+  SkinWeights weights = solve(network, makeProblem(network, mesh, settings.kind), settings);
+  const auto finite = [](double w) { return std::isfinite(w); };
+  if (!std::all_of(weights.weights.begin(), weights.weights.end(), finite))
+    return Error{"no skin can ride on this network: points coincide, or triangles have no area"};
+  return weights;
 }
 
 Result<SharedNetwork> withSkin(const SpringNetwork& network, const TriangleMesh& mesh,

@@ -31,11 +31,12 @@ struct SkinProblem {
 /// Whether the points lie in no plane, so that affine motions can be told from them.
 bool spansSpace(const std::vector<Eigen::Vector3d>& points);
 
-/// Interpolation by  sum l_i |x - x_i|^3 + c + a . x  over all points. They must span space.
+/// Interpolation by  sum l_i k(|x - x_i|) + c + a . x  over all points, k Matern's covariance. They must span
+/// space.
 SkinWeights denseWeights(const SkinProblem& problem);
 
-/// The same over the `neighbours` nearest points of each place, at most three exchanged for farther ones
-/// where the nearest lie in a plane.
+/// The same with |x - x_i|^3 over the `neighbours` nearest points of each place, at most three exchanged for
+/// farther ones where the nearest lie in a plane.
 SkinWeights sparseWeights(const SkinProblem& problem, std::uint32_t neighbours);
 
 /// Barycentric coordinates in the tetrahedron in which the place lies, or next to which it lies.

@@ -10,13 +10,19 @@
 namespace limber {
 namespace {
 
+constexpr double kLeastRatio = 1e-3;
+/// The ratio of icospheres of n points without braces is 1.2/n (their edges alone are rigid).
+constexpr double kLeastRatioTimesPoints = 0.6;
+
 constexpr int kMostRounds = 40;
 constexpr std::size_t kLeastModes = 30, kMostModes = 150;  // looked at together
+/// Of more points than this so many rough modes are looked at: fewer rounds, each in less time.
+constexpr std::size_t kMany = 1000, kRoughModes = 300;
 constexpr std::size_t kMostCandidates = 100000;
 
 /// Modes are braced somewhat beyond the goal: the estimate of their new stiffness leaves out that they give
-/// way sideways.
-constexpr double kBeyond = 3.0;
+/// way sideways. Rough ones stand for several.
+constexpr double kBeyond = 3.0, kRoughBeyond = 8.0;
 
 double stiffestOf(const SpringNetwork& network) {
   const SparseMatrix stiffness = stiffnessMatrix(rigidityMatrix(network));
@@ -39,17 +45,17 @@ BraceChoice stretches(const BracedPiece& piece, const Modes& modes, std::uint64_
   return choice;
 }
 
-/// Adds braces until the eigenvalue of each mode that is softer than `least` has, to first order, got
-/// somewhat beyond: a brace of stiffness w that a unit of the mode stretches by c adds  w c^2.  Softer modes
-/// weigh more, by the square. The others are the body's own large motions, such as the opening of the arms of
-/// an L, which braces are not to tie.
-bool braceModes(BracedPiece& piece, const Modes& modes, double least, std::uint64_t seed) {
+/// Adds braces until the eigenvalue of each mode that is softer than `least` has, to first order, reached the
+/// goal: a brace of stiffness w that a unit of the mode stretches by c adds  w c^2.  Softer modes weigh more,
+/// by the square. The others are the body's own large motions, such as the opening of the arms of an L, which
+/// braces are not to tie.
+bool braceModes(BracedPiece& piece, const Modes& modes, double least, double goal, std::size_t cap,
+                std::uint64_t seed) {
   BraceChoice choice = stretches(piece, modes, seed);
-  const double goal = kBeyond * least;
   Eigen::VectorXf eigenvalues = modes.eigenvalues.cast<float>().cwiseMax(static_cast<float>(1e-3 * goal));
   const Eigen::VectorXf tooSoft = (modes.eigenvalues.array() < least).cast<float>();
   bool added = false;
-  while (!piece.full()) {
+  while (piece.braces.size() < cap) {
     const Eigen::VectorXf weights =
         (eigenvalues.array() < static_cast<float>(goal))
             .select(tooSoft.array() * eigenvalues.array().square().inverse(), 0.0f)
@@ -65,15 +71,31 @@ bool braceModes(BracedPiece& piece, const Modes& modes, double least, std::uint6
 
 }  // namespace
 
-void addSoftModeBraces(BracedPiece& piece, std::uint64_t seed, const GoOn& goOn) {
-  const std::size_t count = std::clamp(piece.network.restPoints.size() / 8, kLeastModes, kMostModes);
-  for (int round = 0; round < kMostRounds && !piece.full(); ++round) {
+double leastModeRatio(std::size_t points) {
+  return std::min(kLeastRatio, kLeastRatioTimesPoints / static_cast<double>(points));
+}
+
+namespace {
+
+bool isLarge(const SpringNetwork& network) { return network.restPoints.size() > kMany; }
+
+Modes modesToBrace(const SpringNetwork& network) {
+  if (isLarge(network)) return roughModes(network, kRoughModes);
+  return softestModes(network, std::clamp(network.restPoints.size() / 8, kLeastModes, kMostModes));
+}
+
+}  // namespace
+
+void addSoftModeBraces(BracedPiece& piece, std::size_t most, std::uint64_t seed, const GoOn& goOn) {
+  const std::size_t cap = std::min(most, piece.mostBraces);
+  for (int round = 0; round < kMostRounds && piece.braces.size() < cap; ++round) {
     if (!goOn(static_cast<double>(round) / kMostRounds)) return;
-    const Modes modes = softestModes(piece.network, count);
+    const Modes modes = modesToBrace(piece.network);
     if (modes.eigenvalues.size() == 0) return;
-    const double least = kLeastModeRatio * stiffestOf(piece.network);
+    const double least = leastModeRatio(piece.network.restPoints.size()) * stiffestOf(piece.network);
     if (modes.eigenvalues[0] >= least) return;
-    if (!braceModes(piece, modes, least, seed + static_cast<std::uint64_t>(round))) return;
+    const double goal = (isLarge(piece.network) ? kRoughBeyond : kBeyond) * least;
+    if (!braceModes(piece, modes, least, goal, cap, seed + static_cast<std::uint64_t>(round))) return;
   }
 }
 

@@ -202,7 +202,39 @@ Eigen::MatrixXd sparseModes(const SparseMatrix& stiffness, const Eigen::MatrixXd
   return space.basis.leftCols(space.columns) * space.vectors.leftCols(std::min(count, space.columns));
 }
 
+constexpr int kRoughPasses = 2;
+
+Eigen::MatrixXd orthonormal(const Eigen::MatrixXd& columns) {
+  const Eigen::HouseholderQR<Eigen::MatrixXd> qr(columns);
+  return qr.householderQ() * Eigen::MatrixXd::Identity(columns.rows(), columns.cols());
+}
+
+/// Inverse iteration of a random space (subspace iteration).
+Eigen::MatrixXd roughShapes(const SparseMatrix& stiffness, const Eigen::MatrixXd& rigid, Eigen::Index count) {
+  const double stiffest = largestRowSum(stiffness);
+  const ShiftedInverse inverse(stiffness, stiffest > 0.0 ? kRelativeShift * stiffest : 1.0);
+  Random random(1);
+  Eigen::MatrixXd shapes(stiffness.rows(), (count + kBlock - 1) / kBlock * kBlock);
+  for (double& x : shapes.reshaped()) x = random.uniform() - 0.5;
+  for (int pass = 0; pass < kRoughPasses; ++pass) {
+    shapes -= rigid * (rigid.transpose() * shapes).eval();
+    for (Eigen::Index j = 0; j < shapes.cols(); j += kBlock)
+      shapes.middleCols(j, kBlock) = inverse * Block(shapes.middleCols(j, kBlock));
+    shapes -= rigid * (rigid.transpose() * shapes).eval();
+    shapes = orthonormal(shapes);
+  }
+  return shapes;
+}
+
 }  // namespace
+
+Modes roughModes(const SpringNetwork& network, std::size_t count) {
+  const SparseMatrix rigidity = rigidityMatrix(network), stiffness = stiffnessMatrix(rigidity);
+  if (stiffness.rows() <= kMostDense || 4 * count > static_cast<std::size_t>(stiffness.rows()))
+    return softestModes(network, count);
+  return modesWithin(
+      rigidity, roughShapes(stiffness, rigidMotions(network.restPoints), static_cast<Eigen::Index>(count)));
+}
 
 Modes softestModes(const SpringNetwork& network, std::size_t count) {
   const SparseMatrix rigidity = rigidityMatrix(network), stiffness = stiffnessMatrix(rigidity);

@@ -118,7 +118,6 @@ void numberPoints(const TriangleMesh& mesh, const std::vector<std::uint32_t>& jo
   for (Triangle& t : welded.triangles) t = {pointOf[t[0]], pointOf[t[1]], pointOf[t[2]]};
 }
 
-/// The root of a point's tree; halves the path on the way (union-find).
 void completeReport(WeldedMesh& welded) {
   MeshReport& report = welded.report;
   const std::vector<std::uint32_t>& map = welded.vertexToPoint;

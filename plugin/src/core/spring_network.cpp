@@ -80,6 +80,24 @@ double spannedVolume(const std::vector<Eigen::Vector3d>& points, const Tetrahedr
   return b.dot(c.cross(points[t[3]] - points[t[0]]));
 }
 
+std::string checkCornersDiffer(const std::vector<Triangle>& triangles) {
+  for (std::size_t i = 0; i < triangles.size(); ++i) {
+    const Triangle& t = triangles[i];
+    if (t[0] == t[1] || t[1] == t[2] || t[2] == t[0])
+      return name("surface triangle", i) + " has one corner twice";
+  }
+  return {};
+}
+
+std::string checkNoTetrahedronTwice(std::vector<Tetrahedron> tetrahedra) {
+  for (Tetrahedron& t : tetrahedra) std::sort(t.begin(), t.end());
+  std::sort(tetrahedra.begin(), tetrahedra.end());
+  const auto twice = std::adjacent_find(tetrahedra.begin(), tetrahedra.end());
+  if (twice == tetrahedra.end()) return {};
+  return "a tetrahedron of " + name("point", (*twice)[0]) + ", " + std::to_string((*twice)[1]) + ", " +
+         std::to_string((*twice)[2]) + " and " + std::to_string((*twice)[3]) + " is there twice";
+}
+
 std::string checkTetrahedra(const std::vector<Tetrahedron>& tetrahedra,
                             const std::vector<Eigen::Vector3d>& points) {
   for (std::size_t i = 0; i < tetrahedra.size(); ++i) {
@@ -192,7 +210,9 @@ std::string validate(const SpringNetwork& network) {
   if (reason.empty()) reason = checkMassShares(network.massShares, points);
   if (reason.empty()) reason = checkSprings(network.springs, points);
   if (reason.empty()) reason = checkTriangles(network.surface, points, "surface triangle", "point");
+  if (reason.empty()) reason = checkCornersDiffer(network.surface);
   if (reason.empty()) reason = checkTetrahedra(network.tetrahedra, network.restPoints);
+  if (reason.empty()) reason = checkNoTetrahedronTwice(network.tetrahedra);
   if (reason.empty()) reason = checkStiffnessPerModulus(network.stiffnessPerModulus);
   if (reason.empty()) reason = checkRender(network.render, points);
   if (reason.empty()) reason = checkRopeHasNoSurface(network);

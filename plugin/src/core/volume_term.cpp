@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "core/volume_term.h"
 
+#include "core/mesh_edges.h"
 #include "core/surface_components.h"
 
 #include <algorithm>
@@ -9,21 +10,27 @@
 namespace limber {
 namespace {
 
+/// What is asked is the surface itself: a report may have been made of another one, or by hand.
+bool isClosed(const EdgeDefects& defects) {
+  return defects.open + defects.nonManifold + defects.inconsistent == 0;
+}
+
 bool mayHaveVolume(const SpringNetwork& network) {
-  return network.kind == NetworkKind::Solid && !network.surface.empty() && network.report.watertight() &&
-         network.tetrahedra.empty();
+  return network.kind == NetworkKind::Solid && !network.surface.empty() && network.tetrahedra.empty() &&
+         isClosed(findEdgeDefects(network.surface));
 }
 
 std::string whyNoVolume(const SpringNetwork& network) {
   if (network.kind != NetworkKind::Solid || network.surface.empty())
     return "a rope or cloth encloses no volume";
   if (!network.tetrahedra.empty()) return "a body of tetrahedra has no room for gas";
-  const MeshReport& r = network.report;
+  const EdgeDefects defects = findEdgeDefects(network.surface);
+  if (isClosed(defects)) return "the surface encloses nothing: it is flat";
   const auto edges = [](std::size_t count, const char* what) {
     return count == 0 ? std::string() : std::to_string(count) + " " + what + " edges, ";
   };
-  const std::string found = edges(r.openEdges, "open") + edges(r.nonManifoldEdges, "non-manifold") +
-                            edges(r.inconsistentEdges, "inconsistent");
+  const std::string found = edges(defects.open, "open") + edges(defects.nonManifold, "non-manifold") +
+                            edges(defects.inconsistent, "inconsistent");
   return "the surface is not closed: it has " + found.substr(0, found.size() - 2);
 }
 
@@ -69,19 +76,29 @@ Points scaledRest(const SpringNetwork& network, const Eigen::Vector3d& scale) {
   return rest;
 }
 
-double boxVolume(const Points& points) {
-  return (points.rowwise().maxCoeff() - points.rowwise().minCoeff()).prod();
+/// Of the box around triangles first to last.
+double boxVolume(const std::vector<Triangle>& triangles, std::size_t first, const Points& points) {
+  Eigen::AlignedBox3d box;
+  for (std::size_t t = first; t < triangles.size(); ++t)
+    for (const std::uint32_t corner : triangles[t]) box.extend(Eigen::Vector3d(points.col(corner)));
+  return box.sizes().prod();
 }
 
-/// Adds component c with its outside outside, whichever way the mesh, the scale or a hollow had turned it.
-void addComponent(VolumeArrays& v, const std::vector<Triangle>& surface, const SurfaceComponents& components,
-                  std::uint32_t c, const Points& rest) {
+std::vector<std::vector<Triangle>> trianglesByComponent(const SpringNetwork& network) {
+  const SurfaceComponents components = findComponents(network.restPoints.size(), network.surface);
+  std::vector<std::vector<Triangle>> triangles(components.count);
+  for (std::size_t t = 0; t < network.surface.size(); ++t)
+    triangles[components.ofTriangle[t]].push_back(network.surface[t]);
+  return triangles;
+}
+
+/// Adds a component with its outside outside, whichever way the mesh, the scale or a hollow had turned it.
+void addComponent(VolumeArrays& v, const std::vector<Triangle>& component, const Points& rest) {
   const std::size_t first = v.triangles.size();
-  for (std::size_t t = 0; t < surface.size(); ++t)
-    if (components.ofTriangle[t] == c) v.triangles.push_back(surface[t]);
+  v.triangles.insert(v.triangles.end(), component.begin(), component.end());
   v.firstTriangle.push_back(static_cast<std::uint32_t>(v.triangles.size()));
   const double volume = volumeOf(v, v.restVolume.size(), rest);
-  if (std::abs(volume) <= kLeastShare * boxVolume(rest)) {
+  if (std::abs(volume) <= kLeastShare * boxVolume(v.triangles, first, rest)) {
     v.triangles.resize(first);
     v.firstTriangle.pop_back();
     return;
@@ -155,7 +172,7 @@ double networkModulus(const SpringNetwork& network, const Eigen::Vector3d& scale
 std::string checkVolume(const SpringNetwork& network, const SoftBodySettings& settings) {
   const bool perTetrahedron = !network.tetrahedra.empty();  // see tetrahedron_volumes.h
   const bool asked = (settings.volumeModulus > 0.0 && !perTetrahedron) || settings.pressure > 0.0;
-  if (!asked || mayHaveVolume(network)) return {};
+  if (!asked || (mayHaveVolume(network) && !makeVolumes(network, settings).empty())) return {};
   return std::string(settings.pressure > 0.0 ? "pressure" : "volumeModulus") + ": " + whyNoVolume(network);
 }
 
@@ -165,8 +182,8 @@ VolumeArrays makeVolumes(const SpringNetwork& network, const SoftBodySettings& s
   VolumeArrays v;
   v.firstTriangle = {0};
   v.componentOf.assign(network.restPoints.size(), 0);
-  const SurfaceComponents components = findComponents(network.restPoints.size(), network.surface);
-  for (std::uint32_t c = 0; c < components.count; ++c) addComponent(v, network.surface, components, c, rest);
+  for (const std::vector<Triangle>& component : trianglesByComponent(network))
+    addComponent(v, component, rest);
   double volume = 0.0;
   for (const double one : v.restVolume) volume += one;
   const double stiffness = std::max(settings.extensionStiffness, settings.compressionStiffness);
