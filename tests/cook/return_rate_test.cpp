@@ -152,7 +152,7 @@ TEST(ReturnRate, ofAMaterialIsPerfect) {
   for (const Deformation kind : kKinds) EXPECT_EQ(measureReturns(body, kind, 6, 1).returned, 6u);
   SpringNetwork hollow = body;
   hollow.tetrahedra.clear();
-  hollow.report.openEdges = 1;
+  hollow.surface.clear();
   EXPECT_EQ(measureReturns(hollow, Deformation::Inversion, 6, 1).returned, 0u);
 }
 

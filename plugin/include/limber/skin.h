@@ -20,6 +20,7 @@ struct SkinSettings {
 };
 
 /// The network with `mesh` as its render surface, in the place where it lies relative to the rest points.
+/// Closed parts of it that face inward are turned.
 /// Exact for affine motions to the precision of the weights. Points to which the way through the inside of
 /// the body is much longer than the straight line count little or nothing, so that parts that only nearly
 /// touch do not drag each other along. Errors: those of weld(); a network without a surface, or whose points
