@@ -68,6 +68,42 @@ TEST(MassShares, areaOfATetrahedron) {
     EXPECT_NEAR(result.shares[std::size_t(i)], (1.0 + slanted) / 3.0 / all, 1e-15);
 }
 
+/// A tetrahedron with 40 further points within a hair of its first corner, so that three points have all the
+/// area.
+TEST(MassShares, areaIsBounded) {
+  TriangleMesh fringed = small_meshes::tetrahedron();
+  for (std::uint32_t i = 0; i < 40; ++i) {
+    fringed.positions.push_back({1e-5, 1e-5 * (i + 1), 1e-5 * i * i});
+    fringed.triangles.push_back({0, 3 + i, 4 + i});
+  }
+  fringed.triangles[4] = {0, 4, 5};
+  const WeldedMesh body = welded(fringed);
+  ASSERT_EQ(body.points.size(), 44u);
+  const MassShares result = shares(MassRule::Area, body);
+  const auto [least, most] = std::minmax_element(result.shares.begin(), result.shares.end());
+  EXPECT_NEAR(std::accumulate(result.shares.begin(), result.shares.end(), 0.0), 1.0, 1e-12);
+  EXPECT_NEAR(*least * 44.0, 0.2, 1e-9);
+  EXPECT_LT(*most * 44.0, 10.0);
+  const double rest = result.shares[0] + result.shares[1] + result.shares[2] + result.shares[3];
+  EXPECT_NEAR(rest, 1.0 - 40.0 * 0.2 / 44.0, 1e-9);
+}
+
+/// A third of the area around the hub of a wheel would be 14 times the mean.
+TEST(MassShares, areaOfAHubIsBounded) {
+  TriangleMesh wheel;
+  wheel.positions.push_back({0, 0, 0});
+  for (std::uint32_t i = 0; i < 40; ++i) {
+    wheel.positions.push_back({std::cos(0.15 * i), std::sin(0.15 * i), 0});
+    if (i > 0) wheel.triangles.push_back({0, i, i + 1});
+  }
+  wheel.triangles.push_back({0, 40, 1});
+  for (const MassRule rule : {MassRule::Area, MassRule::Moments}) {
+    const MassShares result = shares(rule, welded(wheel));
+    EXPECT_NEAR(result.shares[0] * 41.0, 10.0, 1e-9);
+    EXPECT_NEAR(std::accumulate(result.shares.begin(), result.shares.end(), 0.0), 1.0, 1e-12);
+  }
+}
+
 TEST(MassShares, momentsAreMatchedWhereThePointsAllowIt) {
   struct Case {
     const char* name;

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Zlib
 #include <limber/network_analysis.h>
+#include <limber/network_file.h>
 
+#include "cook/random.h"
 #include "support/network_shapes.h"
 #include "support/networks.h"
 #include "support/small_meshes.h"
@@ -9,6 +11,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 using limber::analyse;
 using limber::AnalysisSettings;
@@ -109,8 +112,118 @@ TEST(Analyse, ropesAreJudgedAlongTheirLine) {
   SpringNetwork cut = *network_shapes::rope20();
   cut.springs.erase(cut.springs.begin() + 9);
   const NetworkAnalysis parts = analyseQuickly(cut);
-  EXPECT_EQ(parts.rigidity, Rigidity::Flexible);
+  EXPECT_EQ(parts.rigidity, Rigidity::Rigid) << "each of them";
+  EXPECT_EQ(parts.pieces, 2u);
+  EXPECT_EQ(parts.mechanisms, 36u) << "not that along the line between them";
   EXPECT_TRUE(saysOf(parts, "2 pieces that no spring joins"));
+}
+
+TEST(Analyse, nearlyFlatIsFlat) {
+  SpringNetwork cloth = *bare(network_shapes::cloth100());
+  limber::Random random(1);
+  for (Eigen::Vector3d& p : cloth.restPoints) p.y() += 6e-5 * (random.uniform() - 0.5);
+  const NetworkAnalysis uneven = analyseQuickly(cloth);
+  EXPECT_EQ(uneven.kind, NetworkKind::Cloth);
+  EXPECT_EQ(uneven.mechanisms, 97u);
+  EXPECT_EQ(uneven.rigidity, Rigidity::Rigid);
+  SpringNetwork rope = *network_shapes::rope20();
+  for (Eigen::Vector3d& p : rope.restPoints) p.z() += 3e-5 * (random.uniform() - 0.5);
+  EXPECT_EQ(analyseQuickly(rope).rigidity, Rigidity::Rigid);
+  EXPECT_EQ(analyseQuickly(rope).mechanisms, 36u);
+}
+
+/// The mesh once more, `away` beside it; the second one with its faces turned.
+limber::TriangleMesh twice(const limber::TriangleMesh& mesh, const Eigen::Vector3d& away, double scale) {
+  limber::TriangleMesh both = mesh;
+  const auto first = static_cast<std::uint32_t>(mesh.positions.size());
+  for (const Eigen::Vector3d& p : mesh.positions) both.positions.push_back(scale * p + away);
+  for (const limber::Triangle& t : mesh.triangles)
+    both.triangles.push_back({t[0] + first, t[2] + first, t[1] + first});
+  return both;
+}
+
+TEST(Analyse, piecesAreJudgedEachByItself) {
+  const NetworkAnalysis one = analyseQuickly(*bare(network_shapes::cube8()));
+  const NetworkAnalysis two = analyseQuickly(*bare(twice(network_shapes::cube8(), {0, 3, 0}, 1.0)));
+  EXPECT_EQ(two.pieces, 2u);
+  EXPECT_TRUE(saysOf(two, "2 pieces"));
+  EXPECT_EQ(two.rank, 2 * one.rank);
+  EXPECT_EQ(two.mechanisms, 0u);
+  EXPECT_EQ(two.rigidity, one.rigidity);
+  EXPECT_NEAR(two.modeRatio, one.modeRatio, 1e-9);
+  EXPECT_EQ(two.globallyRigid, one.globallyRigid);
+  EXPECT_NEAR(two.volume, 2.0, 1e-12);
+  EXPECT_NEAR(two.leastStiffness, 0.5 * one.leastStiffness, 1e-6 * one.leastStiffness);
+  EXPECT_FALSE(saysOf(two, "braces help"));
+  EXPECT_FALSE(saysOf(two, "collapses"));
+}
+
+limber::TriangleMesh flipped(limber::TriangleMesh mesh) {
+  for (limber::Triangle& t : mesh.triangles) std::swap(t[1], t[2]);
+  return mesh;
+}
+
+TEST(Analyse, surfacesThatFaceInwardAreTurned) {
+  AnalysisSettings settings;
+  settings.runs = 2;
+  const limber::TriangleMesh ball = network_shapes::ico42();
+  const SharedNetwork outward = *limber::buildNetwork(ball), inward = *limber::buildNetwork(flipped(ball));
+  EXPECT_EQ(inward->surface, outward->surface);
+  EXPECT_EQ(inward->render.triangles, outward->render.triangles);
+  EXPECT_EQ(describe(analyse(*inward, settings)), describe(analyse(*outward, settings)));
+  SpringNetwork asItCame = *outward;
+  for (limber::Triangle& t : asItCame.surface) std::swap(t[1], t[2]);
+  EXPECT_EQ(analyse(asItCame, settings).springsOutside, 0u);
+  EXPECT_GT(analyse(asItCame, settings).volume, 0.0);
+}
+
+TEST(Analyse, hollowsFaceIntoThemselves) {
+  const limber::TriangleMesh shell = twice(network_shapes::cube8(), {0, 0, 0}, 0.5);
+  const SharedNetwork hollow = bare(shell);
+  EXPECT_EQ(hollow->render.triangles, shell.triangles);
+  EXPECT_NEAR(analyseQuickly(*hollow).volume, 1.0 - 0.125, 1e-12);
+  EXPECT_EQ(bare(flipped(shell))->surface, hollow->surface);
+  EXPECT_NEAR(analyseQuickly(*bare(twice(network_shapes::cube8(), {2, 0, 0}, 0.5))).volume, 1.125, 1e-12);
+}
+
+TEST(Analyse, extremeFilesEnd) {
+  const SharedNetwork golden = *limber::loadNetwork(std::string(LIMBER_GOLDEN_DIR) + "/version-1.limber");
+  const NetworkAnalysis a = analyse(*golden);
+  EXPECT_FALSE(a.leastStiffnessKnown);
+  EXPECT_EQ(a.allReturns().runs, 0u);
+  EXPECT_GE(a.stiffestEigenvalue, 1e300);
+  EXPECT_TRUE(saysOf(a, "not known whether it carries its own weight"));
+  EXPECT_TRUE(saysOf(a, "not let go"));
+  EXPECT_FALSE(saysOf(a, "however stiff"));
+}
+
+/// Once told to end, it asks no more, whatever it was doing.
+TEST(Analyse, endsWhenProgressSaysSo) {
+  const SharedNetwork cube = limber::test::closedCubeNetwork();
+  AnalysisSettings settings;
+  settings.runs = 3;
+  int all = 0;
+  settings.progress = [&](const char*, double done) {
+    EXPECT_GE(done, 0.0);
+    EXPECT_LE(done, 1.0);
+    return ++all > 0;
+  };
+  std::vector<std::string> stages;
+  EXPECT_FALSE(analyse(*cube, settings).endedEarly);
+  for (int last = 1; last <= all; last += 1 + all / 50) {
+    int calls = 0;
+    settings.progress = [&](const char* what, double) {
+      if (calls + 1 == last) stages.push_back(what);
+      return ++calls < last;
+    };
+    const NetworkAnalysis a = analyse(*cube, settings);
+    EXPECT_TRUE(a.endedEarly);
+    EXPECT_EQ(calls, last);
+    EXPECT_TRUE(saysOf(a, "ended early"));
+    EXPECT_FALSE(saysOf(a, "collapses"));
+  }
+  for (const char* stage : {"small deformations", "global rigidity", "return rate", "own weight"})
+    EXPECT_NE(std::find(stages.begin(), stages.end(), stage), stages.end()) << stage;
 }
 
 TEST(Analyse, springsThatLeaveTheBody) {

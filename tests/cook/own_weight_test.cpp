@@ -4,6 +4,8 @@
 #include "support/network_shapes.h"
 #include "support/networks.h"
 
+#include <limber/material_network.h>
+
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -20,7 +22,7 @@ double loadLimit(const SpringNetwork& network, double volumeModulus) {
   SoftBodySettings settings;
   settings.totalMass = static_cast<double>(network.restPoints.size());
   settings.volumeModulus = volumeModulus;
-  return 1.0 / leastStiffness(network, settings, 1.0);
+  return 1.0 / leastStiffness(network, settings, 1.0).value();
 }
 
 }  // namespace
@@ -53,14 +55,59 @@ TEST(LeastStiffness, tellsBodiesApart) {
 TEST(LeastStiffness, isProportionalToWeightOverSize) {
   const SpringNetwork cube = *limber::test::fullCubeNetwork();
   SoftBodySettings settings;
-  const double at = leastStiffness(cube, settings, 9.81);
+  const double at = leastStiffness(cube, settings, 9.81).value();
   settings.totalMass *= 3.0;
-  EXPECT_NEAR(leastStiffness(cube, settings, 9.81), 3.0 * at, 1e-9 * at);
+  EXPECT_NEAR(leastStiffness(cube, settings, 9.81).value(), 3.0 * at, 1e-9 * at);
   settings.scale *= 2.0;
-  EXPECT_NEAR(leastStiffness(cube, settings, 9.81), 1.5 * at, 1e-9 * at);
-  EXPECT_NEAR(leastStiffness(cube, settings, 1.0), 1.5 / 9.81 * at, 1e-9 * at);
+  EXPECT_NEAR(leastStiffness(cube, settings, 9.81).value(), 1.5 * at, 1e-9 * at);
+  EXPECT_NEAR(leastStiffness(cube, settings, 1.0).value(), 1.5 / 9.81 * at, 1e-9 * at);
   settings.extensionStiffness = settings.compressionStiffness = 7.0;
-  EXPECT_NEAR(leastStiffness(cube, settings, 1.0), 1.5 / 9.81 * at, 1e-9 * at);
+  EXPECT_NEAR(leastStiffness(cube, settings, 1.0).value(), 1.5 / 9.81 * at, 1e-9 * at);
+}
+
+limber::TriangleMesh twoCubes(const limber::TriangleMesh& upper) {
+  limber::TriangleMesh both = network_shapes::cube8();
+  const auto first = static_cast<std::uint32_t>(both.positions.size());
+  for (const Eigen::Vector3d& p : upper.positions) both.positions.push_back(p + Eigen::Vector3d(0, 9, 0));
+  for (const limber::Triangle& t : upper.triangles)
+    both.triangles.push_back({t[0] + first, t[1] + first, t[2] + first});
+  return both;
+}
+
+/// Each piece is put down: one in the air does not fall and is not small for being far from the other.
+TEST(LeastStiffness, ofPiecesIsThatOfTheWorst) {
+  SoftBodySettings settings;
+  const auto least = [&](const limber::TriangleMesh& mesh, double mass) {
+    settings.totalMass = mass;
+    return leastStiffness(*bare(mesh), settings, 9.81).value();
+  };
+  const double one = least(network_shapes::cube8(), 1.0);
+  EXPECT_NEAR(least(twoCubes(network_shapes::cube8()), 2.0), one, 1e-6 * one);
+  const double weak = least(network_shapes::cube26(), 26.0);
+  ASSERT_GT(weak, 2.0 * least(network_shapes::cube8(), 8.0));
+  EXPECT_GT(least(twoCubes(network_shapes::cube26()), 34.0), 0.5 * weak);
+}
+
+TEST(LeastStiffness, ofAMaterialKeepsItsTetrahedra) {
+  limber::MaterialMesh coarse;
+  coarse.points = 60;
+  const SpringNetwork cube = **buildMaterialNetwork(network_shapes::cube8(), coarse);
+  SpringNetwork springs = cube;
+  springs.tetrahedra.clear();
+  springs.report.openEdges = 1;
+  EXPECT_GT(loadLimit(cube, -1.0), 1.2 * loadLimit(springs, -1.0));
+}
+
+TEST(LeastStiffness, endsWhenAskedOrWhenStepsAreTooShort) {
+  int calls = 0;
+  const auto thrice = [&](const char*, double) { return ++calls < 3; };
+  EXPECT_FALSE(leastStiffness(*limber::test::cubeNetwork(), {}, 9.81, thrice).has_value());
+  EXPECT_EQ(calls, 3);
+  for (const double scale : {1e12, 1e300}) {
+    SpringNetwork cube = *limber::test::cubeNetwork();
+    cube.springs[3].stiffnessScale = scale;
+    EXPECT_FALSE(leastStiffness(cube, {}, 9.81).has_value());
+  }
 }
 
 TEST(LeastStiffness, limpBodiesCannotStand) {

@@ -9,6 +9,8 @@
 #include "support/networks.h"
 #include "support/small_meshes.h"
 
+#include <limber/material_network.h>
+
 #include <gtest/gtest.h>
 #include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
@@ -107,8 +109,8 @@ TEST(Relaxation, endsInAMinimumOfTheEnergy) {
         PointState state;
         state.resize(x.cols());
         state.position = x;
-        computeSpringForces(body.springs, state);
-        addVolumeForces(body.volumes, state);
+        computeSpringForces(body.terms.springs, state);
+        addVolumeForces(body.terms.volumes, state);
         EXPECT_LT(state.force.cwiseAbs().maxCoeff(), 1e-5);
         return true;
       });
@@ -128,6 +130,52 @@ TEST(ReturnRate, ofTheBareCubeIsPerfectWithAVolumeOnly) {
 TEST(ReturnRate, ofABareLIsNone) {
   const SpringNetwork bare = *network_shapes::bare(network_shapes::lshape90());
   EXPECT_EQ(measureReturns(bare, Deformation::Squash, 10, 1).returned, 0u);
+}
+
+TEST(ReturnRate, measuresOnOtherDeformationsThanBracingTried) {
+  const Points rest = RelaxedBody(*test::cubeNetwork()).rest;
+  for (std::uint64_t seed : {0u, 1u, 4711u})
+    for (const Deformation kind : kKinds)
+      for (std::uint64_t run = 0; run < 20; ++run)
+        EXPECT_NE(deform(rest, kind, measuringSeed(seed), run), deform(rest, kind, seed, run));
+}
+
+SharedNetwork coarseMaterialCube() {
+  MaterialMesh coarse;
+  coarse.points = 60;
+  return *buildMaterialNetwork(network_shapes::cube8(), coarse);
+}
+
+/// Springs alone are at rest in a tetrahedron that is inside out.
+TEST(ReturnRate, ofAMaterialIsPerfect) {
+  const SpringNetwork body = *coarseMaterialCube();
+  for (const Deformation kind : kKinds) EXPECT_EQ(measureReturns(body, kind, 6, 1).returned, 6u);
+  SpringNetwork hollow = body;
+  hollow.tetrahedra.clear();
+  hollow.report.openEdges = 1;
+  EXPECT_EQ(measureReturns(hollow, Deformation::Inversion, 6, 1).returned, 0u);
+}
+
+/// Also when a run before it was stepped so coarsely that its volumes were held back.
+TEST(Relaxation, descendsTheWholeEnergy) {
+  RelaxedBody body(*coarseMaterialCube());
+  const auto start = [&](std::size_t i) { return deform(body.rest, Deformation::Squash, 1, i); };
+  relax(body, 8, start, [&](std::size_t, const Points&) {
+    for (const double hold : body.terms.tetrahedra.hold) EXPECT_EQ(hold, 0.0);
+    return true;
+  });
+  RelaxedBody closed(*network_shapes::bare(network_shapes::ico42()));
+  const auto squash = [&](std::size_t i) { return deform(closed.rest, Deformation::Squash, 1, i); };
+  relax(closed, 8, squash, [&](std::size_t, const Points&) {
+    EXPECT_EQ(closed.terms.volumes.timeStep, 0.0);
+    return true;
+  });
+}
+
+TEST(ReturnRate, noneWhereStepsAreTooShort) {
+  SpringNetwork cube = *test::cubeNetwork();
+  cube.springs[3].stiffnessScale = 1e300;
+  EXPECT_EQ(measureReturns(cube, Deformation::Squash, 3, 1).runs, 0u);
 }
 
 TEST(ReturnRate, endsWhenProgressSaysSo) {

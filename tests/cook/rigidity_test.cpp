@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "cook/rigidity.h"
 
+#include "cook/random.h"
 #include "cook/stiffness_matrix.h"
 #include "support/network_shapes.h"
 #include "support/networks.h"
@@ -169,6 +170,18 @@ TEST(SoftestModes, allEqualOnesAreFound) {
   const SharedNetwork chain = limber::test::chainNetwork(300);
   const Modes modes = softestModes(*chain, 40);
   EXPECT_LT(modes.eigenvalues.maxCoeff(), 1e-12);
+}
+
+/// Constants of all orders of magnitude: it never converges, and gives the best it has.
+TEST(SoftestModes, areModesEvenWhereTheyAreNotExact) {
+  SpringNetwork uneven = *bare(network_shapes::ico162());
+  limber::Random random(1);
+  for (limber::NetworkSpring& s : uneven.springs) s.stiffnessScale = std::pow(1e12, random.uniform());
+  for (const Eigen::Index count : {10, 30}) {
+    const Eigen::MatrixXd shapes = softestModes(uneven, static_cast<std::size_t>(count)).shapes;
+    ASSERT_EQ(shapes.cols(), count);
+    EXPECT_LT((shapes.transpose() * shapes - Eigen::MatrixXd::Identity(count, count)).norm(), 1e-8);
+  }
 }
 
 TEST(SoftestModes, noMoreThanThereAre) {

@@ -31,6 +31,9 @@ cook_run(picture gl 0 "body" ${meshes}/l_shape.obj -o ${cooked}/l_shape.limber -
   --picture ${cooked}/l_shape.png --size 160x120)
 cook_run(report gl 0 "18 structural" --report ${cooked}/bare.limber --runs 1 --json ${cooked}/bare.json
   --picture ${cooked}/bare.png --size 160x120)
+cook_run(extreme_report scene 0 "not known whether it carries its own weight"
+  --report ${PROJECT_SOURCE_DIR}/tests/cook/golden/version-1.limber)
+set_tests_properties(cook.extreme_report PROPERTIES TIMEOUT 60)
 cook_run(quiet unit 0 "" ${meshes}/cube.obj -o ${cooked}/quiet.limber --braces none --quiet)
 demo_run(cooked_body scene 0 "end check   passed" --mode none --mesh ${cooked}/cube.limber --count 2)
 set_tests_properties(cook.report PROPERTIES DEPENDS cook.bare)

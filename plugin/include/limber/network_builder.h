@@ -22,8 +22,9 @@ enum class BraceRule : std::uint8_t {
 /// How the body's mass is shared among its points.
 enum class MassRule : std::uint8_t {
   Equal,   ///< the paper's
-  Area,    ///< by a third of the area of the triangles around a point
-  Moments  ///< so that mass, centre of mass and inertia are those of the solid, where the points allow it
+  Area,    ///< by a third of the area of the triangles around a point, from 0.2 to 10 times the mean share
+  Moments  ///< so that mass, centre of mass and inertia are those of the solid, where the points allow it:
+           ///< 0.2 times the mean share and more, at most 10 times for points of the surface
 };
 
 /// How far a long work is: what it does, and 0 to 1 of that. Returning false asks it to end early.
@@ -43,7 +44,8 @@ struct NetworkSettings {
 };
 
 /// Solid (or open surface) from a mesh: unique positions become point masses, unique triangle edges become
-/// springs. Deterministic. Errors: those of weld(); a setting out of range.
+/// springs. Closed surfaces that face inward are turned, in the surface and as it is drawn. Deterministic.
+/// Errors: those of weld(); a setting out of range.
 Result<SharedNetwork> buildNetwork(const TriangleMesh& mesh, const NetworkSettings& settings = {});
 
 struct RopeSettings {

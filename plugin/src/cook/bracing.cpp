@@ -4,6 +4,7 @@
 #include "cook/antipodal_braces.h"
 #include "cook/counterexample_braces.h"
 #include "cook/soft_mode_braces.h"
+#include "cook/triangle_geometry.h"
 #include "cook/two_ring_braces.h"
 
 #include <Eigen/Dense>
@@ -36,19 +37,12 @@ double thickness(const std::vector<Eigen::Vector3d>& points) {
   return trace > 0.0 ? std::sqrt(std::max(0.0, axes.eigenvalues()[0]) / trace) : 0.0;
 }
 
-double sixVolumes(const PieceToBrace& piece) {
-  const std::vector<Eigen::Vector3d>& x = piece.points;
-  double sum = 0.0;
-  for (const Triangle& t : piece.triangles)
-    sum += (x[t[0]] - x[0]).dot((x[t[1]] - x[t[0]]).cross(x[t[2]] - x[t[0]]));
-  return sum;
-}
-
+/// A piece that bounds a hollow comes facing into it.
 SpringNetwork bareNetwork(const PieceToBrace& piece) {
   SpringNetwork network;
   network.restPoints = piece.points;
   network.surface = piece.triangles;
-  if (sixVolumes(piece) < 0.0)
+  if (signedVolume(piece.points, piece.triangles) < 0.0)
     for (Triangle& t : network.surface) std::swap(t[1], t[2]);
   for (const Edge& e : piece.edges) network.springs.push_back({e[0], e[1], SpringKind::Structural, 1.0});
   network.report.openEdges = piece.keepsVolume ? 0 : 1;

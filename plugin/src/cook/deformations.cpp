@@ -2,6 +2,7 @@
 #include "cook/deformations.h"
 
 #include "cook/random.h"
+#include "cook/triangle_geometry.h"
 
 #include <Eigen/Geometry>
 
@@ -75,13 +76,9 @@ Random randomOf(Deformation kind, std::uint64_t seed, std::uint64_t run) {
 
 }  // namespace
 
-double sizeOf(const Points& points) {
-  return (points.rowwise().maxCoeff() - points.rowwise().minCoeff()).maxCoeff();
-}
-
 Points deform(const Points& rest, Deformation kind, std::uint64_t seed, std::uint64_t run) {
   Random random = randomOf(kind, seed, run);
-  const double size = sizeOf(rest);
+  const double size = extent(rest);
   const Direction d = random.direction();
   Points x = rest;
   switch (kind) {

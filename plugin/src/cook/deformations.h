@@ -9,9 +9,6 @@
 
 namespace limber {
 
-/// The largest extent of the points' bounding box (m).
-double sizeOf(const Points& points);
-
 /// The rest points after run `run` of this kind of deformation, in a direction, and with a point, that
 /// depend on (kind, seed, run) alone. Every point is moved by up to a further 1e-4 of the size, so that a
 /// body is never exactly in an unstable equilibrium.

@@ -4,6 +4,7 @@
 #include <limber/spring_network.h>
 
 #include <cstdint>
+#include <functional>
 
 namespace limber {
 
@@ -16,6 +17,8 @@ constexpr std::size_t kMostForGlobalRigidity = 1000;
 /// placement #points - 4 (Gortler, Healy, Thurston 2010, theorem 1.14 and section 5; graphs of at most 4
 /// points: when all are joined). Computed in a finite field, where ranks are exact: a yes is certain, a no
 /// wrong with a probability of less than 1e-5. Up to kMostForGlobalRigidity points.
-bool isGloballyRigid(const SpringNetwork& network, std::uint64_t seed = 1);
+/// Once `goOn`, asked with the share done, 0 to 1, says no, the answer means nothing.
+bool isGloballyRigid(const SpringNetwork& network, std::uint64_t seed = 1,
+                     const std::function<bool(double)>& goOn = {});
 
 }  // namespace limber

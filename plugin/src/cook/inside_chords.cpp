@@ -9,12 +9,6 @@ namespace {
 /// Share of the size by which a chord may leave the surface: rounding of coordinates in single precision.
 constexpr double kTolerance = 1e-6;
 
-double largestExtent(const std::vector<Eigen::Vector3d>& points) {
-  Eigen::AlignedBox3d box;
-  for (const Eigen::Vector3d& p : points) box.extend(p);
-  return points.empty() ? 0.0 : box.sizes().maxCoeff();
-}
-
 std::uint64_t keyOf(std::uint32_t a, std::uint32_t b) {
   return static_cast<std::uint64_t>(std::min(a, b)) << 32 | std::max(a, b);
 }
@@ -23,7 +17,7 @@ std::uint64_t keyOf(std::uint32_t a, std::uint32_t b) {
 
 InsideChords::InsideChords(const std::vector<Eigen::Vector3d>& points, const std::vector<Triangle>& triangles,
                            const std::vector<Edge>& edges)
-    : points_(points), size_(largestExtent(points)), surface_(points, triangles), neighbours_(points.size()) {
+    : points_(points), size_(extent(points)), surface_(points, triangles), neighbours_(points.size()) {
   for (const Edge& e : edges) join(e[0], e[1]);
 }
 

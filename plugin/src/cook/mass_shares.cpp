@@ -19,11 +19,14 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-/// The least share that Moments gives, of the mean: the lightest point limits the time step.
+/// The least share that Area and Moments give, of the mean: the lightest point limits the time step.
 constexpr double kLeastShare = 0.2;
-/// The most that it gives to a point of the surface, lest a few carry the body. Points inside get what it
-/// takes.
+/// The most that they give to a point of the surface, lest a few carry the body. Points inside get what
+/// Moments takes.
 constexpr double kMostShare = 10.0;
+
+/// Of the mass: too little to be told from nothing.
+constexpr double kNoShare = 1e-30;
 
 /// Mass 1, centre, and second moments about it.
 struct Moments {
@@ -66,6 +69,29 @@ Vector3d middle(const std::vector<Vector3d>& points) {
   return sum / static_cast<double>(points.size());
 }
 
+/// Sum 1, in proportion to `shares` but for those that the bounds stand against.
+std::vector<double> bounded(const std::vector<double>& shares) {
+  const double mean = 1.0 / static_cast<double>(shares.size());
+  const double least = kLeastShare * mean, most = kMostShare * mean;
+  const auto [low, high] = std::minmax_element(shares.begin(), shares.end());
+  if (*low >= least && *high <= most) return shares;
+  const auto sumOf = [&](double factor) {
+    double sum = 0.0;
+    for (const double share : shares) sum += std::clamp(factor * share, least, most);
+    return sum;
+  };
+  // the sum grows with the factor, from below 1 to above: even the least share comes to `most`
+  double below = 0.0, above = most / std::max(*low, kNoShare);
+  for (int halving = 0; halving < 200; ++halving) {
+    const double factor = 0.5 * (below + above);
+    (sumOf(factor) < 1.0 ? below : above) = factor;
+  }
+  std::vector<double> result;
+  const double sum = sumOf(above);
+  for (const double share : shares) result.push_back(std::clamp(above * share, least, most) / sum);
+  return result;
+}
+
 std::vector<double> areaShares(const std::vector<Vector3d>& points, const std::vector<Triangle>& surface) {
   std::vector<double> shares(points.size(), 0.0);
   for (const Triangle& t : surface) {
@@ -79,7 +105,7 @@ std::vector<double> areaShares(const std::vector<Vector3d>& points, const std::v
   for (double& share : shares) share = share > 0.0 ? share : mean;
   const double total = std::accumulate(shares.begin(), shares.end(), 0.0);
   for (double& share : shares) share /= total;
-  return shares;
+  return bounded(shares);
 }
 
 /// In coordinates about the solid's centre in units of its radius of gyration, where all moments are of the

@@ -23,11 +23,12 @@ struct MassShares {
   double leastMisfitAnyMass = 0.0;  ///< with any shares of 0 or more: for want of points, not of range
 };
 
-/// Shares by `rule`. Moments takes the shares nearest to Area's, of at least a fifth of the mean share, and
-/// at most ten for points of the surface, that have the centre and inertia of the solid, or, where there are
-/// none, those whose inertia errs least: masses that lie on a round surface alone have more inertia than the
-/// solid however they are shared; it takes points inside to match it. Points of no triangle count as mean
-/// ones for Area and Moments. A surface that is not closed has Area's shares for Moments.
+/// Shares by `rule`. Area bounds them to a fifth and ten times the mean share. Moments takes the shares
+/// nearest to Area's, of at least a fifth of the mean share, and at most ten for points of the surface, that
+/// have the centre and inertia of the solid, or, where there are none, those whose inertia errs least: masses
+/// that lie on a round surface alone have more inertia than the solid however they are shared; it takes
+/// points inside to match it. Points of no triangle count as mean ones for Area and Moments. A surface that
+/// is not closed has Area's shares for Moments.
 MassShares shareMass(MassRule rule, const std::vector<Eigen::Vector3d>& points,
                      const std::vector<Triangle>& surface);
 

@@ -2,21 +2,24 @@
 #include <limber/network_analysis.h>
 
 #include "cook/global_rigidity.h"
+#include "cook/network_pieces.h"
 #include "cook/network_remarks.h"
+#include "cook/outward_surface.h"
 #include "cook/own_weight.h"
 #include "cook/point_spread.h"
 #include "cook/return_rate.h"
 #include "cook/rigidity.h"
+#include "cook/stiffness_matrix.h"
 #include "cook/time_step.h"
 #include "cook/triangle_bvh.h"
 #include "cook/triangle_geometry.h"
 #include "core/mesh_edges.h"
 #include "core/surface_components.h"
 
-#include <Eigen/Geometry>
-
 #include <algorithm>
 #include <cmath>
+#include <optional>
+#include <utility>
 
 namespace limber {
 namespace {
@@ -52,26 +55,36 @@ bool isClosed(const SpringNetwork& network) {
   return defects.open + defects.nonManifold + defects.inconsistent == 0;
 }
 
-double enclosedBy(const SpringNetwork& network) {
-  const Eigen::Vector3d origin = network.restPoints.front();
-  double volume = 0.0;
-  for (const Triangle& t : network.surface) {
-    const Eigen::Vector3d a = network.restPoints[t[0]] - origin, b = network.restPoints[t[1]] - origin,
-                          c = network.restPoints[t[2]] - origin;
-    volume += a.dot(b.cross(c)) / 6.0;
-  }
-  return volume;
-}
-
-std::size_t countOutside(const SpringNetwork& network) {
-  const TriangleBvh surface(network.restPoints, network.surface);
-  const std::vector<Edge> edges = uniqueEdges(network.surface);
+/// As the volume term sees the surface, whichever way it faces.
+void analyseInside(const SpringNetwork& network, NetworkAnalysis& a) {
+  const std::vector<Triangle> outward = turnedOutward(network.restPoints, network.surface);
+  a.volume = signedVolume(network.restPoints, outward);
+  const TriangleBvh surface(network.restPoints, outward);
+  const std::vector<Edge> edges = uniqueEdges(outward);
   const double tolerance = kOutside * extent(network.restPoints);
-  return static_cast<std::size_t>(
+  a.springsOutside = static_cast<std::size_t>(
       std::count_if(network.springs.begin(), network.springs.end(), [&](const NetworkSpring& s) {
         if (std::binary_search(edges.begin(), edges.end(), Edge{s.a, s.b})) return false;
         return !surface.staysInside(network.restPoints[s.a], network.restPoints[s.b], tolerance);
       }));
+}
+
+/// Rigid motions of points within the plane or along the line in which they are judged.
+std::size_t ownMotions(const std::vector<Eigen::Vector3d>& points, NetworkKind kind) {
+  if (kind == NetworkKind::Rope) return 1;
+  if (kind == NetworkKind::Cloth) return points.size() == 1 ? 2 : 3;
+  return static_cast<std::size_t>(rigidMotions(points).cols());
+}
+
+/// Motions of the pieces against each other, which are no mechanisms of any of them.
+std::size_t motionsBetween(const SpringNetwork& network, NetworkKind kind) {
+  std::size_t motions = 0;
+  for (const std::vector<Eigen::Index>& piece : findPieces(network)) {
+    std::vector<Eigen::Vector3d> points;
+    for (const Eigen::Index i : piece) points.push_back(network.restPoints[static_cast<std::size_t>(i)]);
+    motions += ownMotions(points, kind);
+  }
+  return motions - std::min(motions, ownMotions(network.restPoints, kind));
 }
 
 Rigidity grade(std::size_t mechanisms, double ratio) {
@@ -80,32 +93,70 @@ Rigidity grade(std::size_t mechanisms, double ratio) {
   return ratio < 1e-3 ? Rigidity::Soft : Rigidity::Rigid;
 }
 
-void analyseSmallDeformations(const SpringNetwork& network, NetworkAnalysis& a) {
+void analyseSmallDeformations(SpringNetwork network, NetworkAnalysis& a) {
+  network.restPoints = flattened(std::move(network.restPoints), a.kind);
   const SmallDeformations small = smallDeformations(network);
   a.rank = small.rank;
-  a.mechanisms = small.mechanisms;
+  a.mechanisms = small.mechanisms - std::min(small.mechanisms, motionsBetween(network, a.kind));
   a.selfStresses = small.selfStresses;
   a.softestEigenvalue = small.softest;
   a.stiffestEigenvalue = small.stiffest;
   const std::size_t own = a.mechanisms - std::min(a.mechanisms, bendingMechanisms(a.kind, a.points));
   a.modeRatio = own == 0 && small.stiffest > 0.0 ? small.softest / small.stiffest : 0.0;
   a.rigidity = grade(own, a.modeRatio);
-  a.globallyRigidKnown = a.points <= kMostForGlobalRigidity;
-  a.globallyRigid = a.globallyRigidKnown && isGloballyRigid(network);
+}
+
+void analyseGlobalRigidity(const SpringNetwork& network, const Progress& goOn, NetworkAnalysis& a) {
+  if (a.points > kMostForGlobalRigidity) return;
+  const auto ask = [&](double done) { return goOn("global rigidity", done); };
+  bool rigid = true;
+  for (const std::vector<Eigen::Index>& piece : findPieces(network))
+    rigid = rigid && isGloballyRigid(pieceOf(network, piece), 1, ask);
+  a.globallyRigidKnown = !a.endedEarly;
+  a.globallyRigid = a.globallyRigidKnown && rigid;
+}
+
+void analyseTimeSteps(const SpringNetwork& network, const AnalysisSettings& settings, NetworkAnalysis& a) {
+  const TimeSteps steps = timeSteps(network, bodySettings(settings));
+  a.criticalTimeStep = steps.critical;
+  a.safeTimeStep = steps.safe;
 }
 
 void analyseLargeDeformations(const SpringNetwork& network, const AnalysisSettings& settings,
-                              NetworkAnalysis& a) {
-  for (std::size_t kind = 0; kind < kDeformations && settings.runs > 0; ++kind) {
+                              const Progress& goOn, NetworkAnalysis& a) {
+  for (std::size_t kind = 0; kind < kDeformations && settings.runs > 0 && !a.endedEarly; ++kind) {
     const Progress ofAll = [&](const char* what, double done) {
-      return !settings.progress ||
-             settings.progress(what, (static_cast<double>(kind) + done) / kDeformations);
+      return goOn(what, (static_cast<double>(kind) + done) / kDeformations);
     };
     a.returns[kind] =
         measureReturns(network, static_cast<Deformation>(kind), settings.runs, settings.seed, ofAll);
   }
-  const double least = leastStiffness(network, bodySettings(settings), settings.gravity);
-  a.leastStiffness = std::isfinite(least) ? least : 0.0;
+}
+
+void analyseOwnWeight(const SpringNetwork& network, const AnalysisSettings& settings, const Progress& goOn,
+                      NetworkAnalysis& a) {
+  const std::optional<double> least = leastStiffness(network, bodySettings(settings), settings.gravity, goOn);
+  a.leastStiffnessKnown = least.has_value();
+  a.leastStiffness = least && std::isfinite(*least) ? *least : 0.0;
+}
+
+/// Asks the settings' progress whether to go on; once not, never again.
+Progress asking(const AnalysisSettings& settings, bool& ended) {
+  return [&](const char* what, double done) {
+    ended = ended || (settings.progress && !settings.progress(what, done));
+    return !ended;
+  };
+}
+
+void analyseStages(const SpringNetwork& network, const AnalysisSettings& settings, NetworkAnalysis& a) {
+  const Progress goOn = asking(settings, a.endedEarly);
+  const bool solid = a.kind == NetworkKind::Solid;
+  if (goOn("small deformations", 0.0)) analyseSmallDeformations(network, a);
+  if (goOn("global rigidity", 0.0)) analyseGlobalRigidity(network, goOn, a);
+  if (goOn("time steps", 0.0)) analyseTimeSteps(network, settings, a);
+  if (solid && isClosed(network) && goOn("springs outside", 0.0)) analyseInside(network, a);
+  if (solid && !a.endedEarly) analyseLargeDeformations(network, settings, goOn, a);
+  if (solid && !a.endedEarly) analyseOwnWeight(network, settings, goOn, a);
 }
 
 }  // namespace
@@ -134,18 +185,9 @@ NetworkAnalysis analyse(const SpringNetwork& network, const AnalysisSettings& se
   a.braces = static_cast<std::size_t>(
       std::count_if(network.springs.begin(), network.springs.end(),
                     [](const NetworkSpring& s) { return s.kind == SpringKind::Brace; }));
+  a.pieces = findPieces(network).size();
   a.mesh = meshReport(network);
-  analyseSmallDeformations(network, a);
-  const TimeSteps steps = timeSteps(network, bodySettings(settings));
-  a.criticalTimeStep = steps.critical;
-  a.safeTimeStep = steps.safe;
-  if (a.kind == NetworkKind::Solid) {
-    if (isClosed(network)) {
-      a.volume = enclosedBy(network);
-      a.springsOutside = countOutside(network);
-    }
-    analyseLargeDeformations(network, settings, a);
-  }
+  analyseStages(network, settings, a);
   a.remarks = remarksOn(network, settings, a);
   return a;
 }

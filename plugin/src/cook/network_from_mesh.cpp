@@ -4,6 +4,7 @@
 #include "cook/bracing.h"
 #include "cook/equal_length_braces.h"
 #include "cook/mass_shares.h"
+#include "cook/outward_surface.h"
 #include "cook/two_ring_braces.h"
 #include "core/surface_components.h"
 
@@ -135,11 +136,14 @@ Result<SharedNetwork> buildNetwork(const TriangleMesh& mesh, const NetworkSettin
   Result<WeldedMesh> welded = weld(mesh, settings.weldTolerance);
   if (!welded) return Error{welded.error()};
 
+  const std::vector<bool> inward = facingInward(welded->points, welded->triangles);
+  turn(welded->triangles, inward);
   auto network = std::make_shared<SpringNetwork>();
   network->kind = NetworkKind::Solid;
   network->springs = connect(*welded, settings);
   network->massShares = shareMass(settings.masses, welded->points, welded->triangles).shares;
   network->render = makeRenderSurface(mesh, *welded);
+  turn(network->render.triangles, inward);
   network->report = welded->report;
   network->restPoints = std::move(welded->points);
   network->surface = std::move(welded->triangles);

@@ -2,7 +2,6 @@
 #include "cook/network_remarks.h"
 
 #include "cook/deformation_names.h"
-#include "cook/relaxation.h"
 
 #include <algorithm>
 #include <cmath>
@@ -16,6 +15,7 @@ using Remarks = std::vector<std::string>;
 constexpr double kGoodReturn = 0.99;    // below it a remark names the kinds that fail
 constexpr double kUnevenMasses = 20.0;  // the lightest point's share over the mean sets the time step
 constexpr double kShortSpring = 1e-3;   // of the mean length
+constexpr char kTooFast[] = "its stiffest springs, or lightest points, take time steps too short for that";
 
 std::string counted(std::size_t count, const char* one, const char* many) {
   return std::to_string(count) + " " + (count == 1 ? one : many);
@@ -27,7 +27,7 @@ std::string number(double value) {
   return text;
 }
 
-void remarkOnMesh(const SpringNetwork& network, const MeshReport& mesh, Remarks& remarks) {
+void remarkOnMesh(const MeshReport& mesh, Remarks& remarks) {
   if (mesh.openEdges > 0)
     remarks.push_back("the surface is open (" + counted(mesh.openEdges, "edge has", "edges have") +
                       " one triangle only): it can have no volume term");
@@ -41,8 +41,6 @@ void remarkOnMesh(const SpringNetwork& network, const MeshReport& mesh, Remarks&
     remarks.push_back(
         counted(mesh.degenerateTriangles + mesh.duplicateTriangles, "triangle was", "triangles were") +
         " dropped: without area, or there already");
-  const std::size_t pieces = RelaxedBody(network).pieces.size();
-  if (pieces > 1) remarks.push_back(std::to_string(pieces) + " pieces that no spring joins");
 }
 
 void remarkOnSprings(const SpringNetwork& network, Remarks& remarks) {
@@ -90,7 +88,9 @@ void remarkOnRigidity(const NetworkAnalysis& a, Remarks& remarks) {
                       " the body and ties parts together that only face each other");
 }
 
-void remarkOnReturns(const NetworkAnalysis& a, Remarks& remarks) {
+void remarkOnReturns(const AnalysisSettings& settings, const NetworkAnalysis& a, Remarks& remarks) {
+  if (settings.runs > 0 && a.returns[0].runs == 0)
+    remarks.push_back(std::string("not let go from large deformations: ") + kTooFast);
   std::string failing;
   for (std::size_t kind = 0; kind < kDeformations; ++kind) {
     const ReturnRate& r = a.returns[kind];
@@ -103,7 +103,9 @@ void remarkOnReturns(const NetworkAnalysis& a, Remarks& remarks) {
 
 void remarkOnWeight(const AnalysisSettings& settings, const NetworkAnalysis& a, Remarks& remarks) {
   if (!(settings.gravity > 0.0)) return;
-  if (a.leastStiffness == 0.0)
+  if (!a.leastStiffnessKnown)
+    remarks.push_back(std::string("not known whether it carries its own weight: ") + kTooFast);
+  else if (a.leastStiffness == 0.0)
     remarks.push_back("collapses under its own weight however stiff its springs are");
   else if (a.leastStiffness > settings.stiffness)
     remarks.push_back("collapses under its own weight of " + number(settings.totalMass) + " kg at " +
@@ -120,14 +122,21 @@ std::size_t bendingMechanisms(NetworkKind kind, std::size_t points) {
 std::vector<std::string> remarksOn(const SpringNetwork& network, const AnalysisSettings& settings,
                                    const NetworkAnalysis& analysis) {
   Remarks remarks;
-  remarkOnMesh(network, analysis.mesh, remarks);
+  remarkOnMesh(analysis.mesh, remarks);
+  if (analysis.pieces > 1)
+    remarks.push_back(std::to_string(analysis.pieces) +
+                      " pieces that no spring joins, each judged by itself");
   remarkOnSprings(network, remarks);
+  if (analysis.endedEarly) {
+    remarks.push_back("ended early: what had not been measured by then is missing");
+    return remarks;
+  }
   if (analysis.kind != NetworkKind::Solid) {
     remarkOnBending(network, analysis, remarks);
     return remarks;
   }
   remarkOnRigidity(analysis, remarks);
-  remarkOnReturns(analysis, remarks);
+  remarkOnReturns(settings, analysis, remarks);
   remarkOnWeight(settings, analysis, remarks);
   return remarks;
 }

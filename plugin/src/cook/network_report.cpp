@@ -41,6 +41,11 @@ const char* rigidityName(Rigidity rigidity) {
   return "";
 }
 
+const char* globalRigidity(const NetworkAnalysis& a) {
+  if (a.globallyRigidKnown) return a.globallyRigid ? "yes" : "no";
+  return a.endedEarly ? "not tested" : "not tested: too many points";
+}
+
 std::string returnLines(const NetworkAnalysis& a) {
   const ReturnRate all = a.allReturns();
   if (all.runs == 0) return {};
@@ -62,9 +67,7 @@ std::string describe(const NetworkAnalysis& a) {
                rigidityName(a.rigidity), a.rank, a.mechanisms, a.selfStresses);
   text +=
       line("softest : stiffest  %.3g : %.3g = %.2g", a.softestEigenvalue, a.stiffestEigenvalue, a.modeRatio);
-  text += line("globally rigid      %s", !a.globallyRigidKnown ? "not tested: too many points"
-                                         : a.globallyRigid     ? "yes"
-                                                               : "no");
+  text += line("globally rigid      %s", globalRigidity(a));
   text += returnLines(a);
   if (a.leastStiffness > 0.0)
     text += line("own weight          carried by springs of %.3g N/m and more", a.leastStiffness);

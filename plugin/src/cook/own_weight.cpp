@@ -1,18 +1,17 @@
 // SPDX-License-Identifier: Zlib
 #include "cook/own_weight.h"
 
+#include "cook/network_pieces.h"
 #include "cook/random.h"
-#include "cook/relaxation.h"
+#include "cook/relaxed_body.h"
 #include "cook/rest_state.h"
 #include "cook/triangle_geometry.h"
-#include "core/spring_arrays.h"
 #include "core/spring_forces.h"
-#include "core/stepping_choice.h"
 #include "core/verlet_step.h"
-#include "core/volume_term.h"
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 
 namespace limber {
 namespace {
@@ -32,6 +31,10 @@ constexpr double kCalmSpeed = 1e-3;      // root mean square over the load: at r
 constexpr int kCalmSteps = 20;
 constexpr double kUnevenness = 1e-3;  // of the start: no body stands in an unstable equilibrium
 
+// Common bodies take some hundred thousand steps for all loads together.
+constexpr std::size_t kMostSteps = 4'000'000;
+constexpr std::size_t kStepsBetweenQuestions = 256;
+
 // What counts as standing.
 constexpr double kLeastHeight = 0.5;    // over the height at rest
 constexpr double kMostDistance = 0.05;  // of the rest shape afterwards: dents are no collapse
@@ -40,10 +43,12 @@ constexpr double kMostDistance = 0.05;  // of the rest shape afterwards: dents a
 struct StandingBody {
   RelaxedBody shape;
   PointState state;
-  SpringArrays springs;
-  VolumeArrays volumes;
+  BodyTerms terms;
   Points rest;
   double step = 0.0;
+  std::function<bool()> goOn;
+  std::size_t steps = 0;  ///< so far
+  bool givenUp = false;   ///< for want of steps, or because it was asked to end
 };
 
 SoftBodySettings unitSettings(SoftBodySettings settings, double size, std::size_t points) {
@@ -58,17 +63,19 @@ SoftBodySettings unitSettings(SoftBodySettings settings, double size, std::size_
 }
 
 StandingBody makeStanding(const SpringNetwork& network, const SoftBodySettings& settings) {
-  StandingBody body{RelaxedBody(network), {}, {}, {}, {}, 0.0};
-  body.state = restState(network, settings);
+  StandingBody body{RelaxedBody(network), restState(network, settings), {network, settings}, {}, 0.0, {}};
   body.state.position.row(1).array() -= body.state.position.row(1).minCoeff();
   body.rest = body.state.position;
-  body.springs = makeSprings(network, settings);
-  body.volumes = makeVolumes(network, settings);
-  std::vector<double> sums;
-  double bound = frequencyBoundSquared(body.springs, body.state.inverseMass, sums);
-  if (!body.volumes.empty()) bound += volumeFrequencyBoundSquared(body.volumes, body.state, 0.0);
-  body.step = body.volumes.timeStep = kStepShare * 2.0 / std::sqrt(bound);
+  body.step = kStepShare * 2.0 / std::sqrt(boundSquared(body.terms, body.state));
+  body.givenUp = !(kSettlingTime / body.step <= static_cast<double>(kMostSteps));
   return body;
+}
+
+/// Counts a step; whether it may be made.
+bool mayStep(StandingBody& body) {
+  const bool asks = body.goOn && body.steps % kStepsBetweenQuestions == 0;
+  body.givenUp = body.givenUp || ++body.steps > kMostSteps || (asks && !body.goOn());
+  return !body.givenUp;
 }
 
 /// A point that would pass the floor loses its speed into it, and along it what friction takes (Coulomb).
@@ -87,15 +94,15 @@ void touchFloor(PointState& state, double dt) {
 
 /// Lets the body move until it rests.
 void settle(StandingBody& body, double gravity, double mostTime, double calmSpeed) {
-  SteppedBody stepped{&body.state, &body.springs, nullptr};
-  if (!body.volumes.empty()) stepped.volumes = &body.volumes;
+  SteppedBody stepped = steppedBody(body.terms, body.state);
+  prepareVolumes(stepped, body.step);
   PointState& p = body.state;
   p.velocity.setZero();
   const double drag = gravity > 0.0 ? std::min(kDrag, std::sqrt(gravity)) : kDrag;
   const double dt = body.step, kept = std::exp(-drag * dt);
   const double calm = calmSpeed * calmSpeed * static_cast<double>(p.position.cols());
   int calmSteps = 0;
-  for (double time = 0.0; time < mostTime && calmSteps < kCalmSteps; time += dt) {
+  for (double time = 0.0; time < mostTime && calmSteps < kCalmSteps && mayStep(body); time += dt) {
     computeElasticForces(stepped);
     p.velocity = kept * (p.velocity + dt * p.force.cwiseProduct(p.inverseMass));
     p.velocity.row(1).array() -= dt * gravity;
@@ -114,41 +121,84 @@ bool carries(StandingBody& body, double load) {
   const double mostTime = std::max(kSettlingTime, kFallTimes / std::sqrt(load));
   settle(body, load, mostTime, kCalmSpeed * load);
   const double height = position.row(1).maxCoeff();
-  if (!(height >= kLeastHeight * body.rest.row(1).maxCoeff())) return false;
+  if (body.givenUp || !(height >= kLeastHeight * body.rest.row(1).maxCoeff())) return false;
   settle(body, 0.0, kSettlingTime, kCalmSpeed * load);
-  return distanceToRest(body.shape, position) < kMostDistance;
+  return !body.givenUp && distanceToRest(body.shape, position) < kMostDistance;
 }
 
-/// The largest load before the first that is too much; 0 if all are.
+/// The largest load before the first that is too much; 0 if all are. Without meaning once given up.
 double loadLimit(StandingBody& body) {
   double carried = kFirst;
-  while (!carries(body, carried))
+  while (!carries(body, carried) && !body.givenUp)
     if ((carried *= 0.5) < kLightest) return 0.0;
   double tooMuch = kStride * carried;
   while (tooMuch < kHeaviest && carries(body, tooMuch)) {
     carried = tooMuch;
     tooMuch *= kStride;
   }
-  while (tooMuch > kPrecision * carried) {
+  while (tooMuch > kPrecision * carried && !body.givenUp) {
     const double load = std::sqrt(carried * tooMuch);
     (carries(body, load) ? carried : tooMuch) = load;
   }
   return carried;
 }
 
+/// For a body of one piece, with its scale applied.
+std::optional<double> leastStiffnessOfPiece(const SpringNetwork& network, const SoftBodySettings& settings,
+                                            double gravity, const std::function<bool()>& goOn) {
+  const std::size_t points = network.restPoints.size();
+  const double size = extent(network.restPoints);
+  if (network.springs.empty() || !(size > 0.0)) return 0.0;
+  StandingBody body = makeStanding(network, unitSettings(settings, size, points));
+  body.goOn = goOn;
+  const double load = body.givenUp ? 0.0 : loadLimit(body);
+  if (body.givenUp) return std::nullopt;
+  const double meanMass = settings.totalMass / static_cast<double>(points);
+  return load > 0.0 ? meanMass * gravity / (load * size) : HUGE_VAL;
+}
+
+/// Of the body as a whole: its pieces are of one material.
+double volumeModulusOf(const SpringNetwork& network, const SoftBodySettings& settings) {
+  const BodyTerms terms(network, settings);
+  return std::max(0.0, terms.tetrahedra.empty() ? terms.volumes.modulus : terms.tetrahedra.modulus);
+}
+
+double massOf(const SpringNetwork& network, const std::vector<Eigen::Index>& points) {
+  double mass = 0.0;
+  for (const Eigen::Index i : points) mass += network.massShares[static_cast<std::size_t>(i)];
+  return mass;
+}
+
+/// The most that a piece needs.
+std::optional<double> leastStiffnessOfPieces(const SpringNetwork& network, SoftBodySettings settings,
+                                             double gravity, const Progress& progress) {
+  double done = 0.0, most = 0.0;
+  settings.volumeModulus = volumeModulusOf(network, settings);
+  for (const std::vector<Eigen::Index>& points : findPieces(network)) {
+    SoftBodySettings own = settings;
+    own.totalMass *= massOf(network, points);
+    const auto goOn = [&] { return !progress || progress("own weight", done); };
+    const std::optional<double> one = leastStiffnessOfPiece(pieceOf(network, points), own, gravity, goOn);
+    if (!one) return std::nullopt;
+    most = std::max(most, *one);
+    done += static_cast<double>(points.size()) / static_cast<double>(network.restPoints.size());
+  }
+  return most;
+}
+
 }  // namespace
 
-double leastStiffness(const SpringNetwork& network, const SoftBodySettings& settings, double gravity) {
+std::optional<double> leastStiffness(const SpringNetwork& network, const SoftBodySettings& settings,
+                                     double gravity, const Progress& progress) {
   if (network.springs.empty() || !(gravity > 0.0)) return 0.0;
   if (!(settings.extensionStiffness > 0.0)) return HUGE_VAL;
   SpringNetwork scaled = network;
   for (Eigen::Vector3d& p : scaled.restPoints) p = p.cwiseProduct(settings.scale);
-  const std::size_t points = network.restPoints.size();
-  const double size = extent(scaled.restPoints);
-  StandingBody body = makeStanding(scaled, unitSettings(settings, size, points));
-  const double load = loadLimit(body);
-  const double meanMass = settings.totalMass / static_cast<double>(points);
-  return load > 0.0 ? meanMass * gravity / (load * size) : HUGE_VAL;
+  SoftBodySettings unscaled = settings;
+  unscaled.scale.setOnes();
+  if (findPieces(scaled).size() > 1) return leastStiffnessOfPieces(scaled, unscaled, gravity, progress);
+  return leastStiffnessOfPiece(scaled, unscaled, gravity,
+                               [&] { return !progress || progress("own weight", 0.0); });
 }
 
 }  // namespace limber

@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
+#include <limber/network_builder.h>
 #include <limber/soft_body_settings.h>
 #include <limber/spring_network.h>
+
+#include <optional>
 
 namespace limber {
 
@@ -16,6 +19,11 @@ namespace limber {
 /// m g / (k L), and the smallest load that is too much is what is searched for. Of the settings counts what
 /// shapes these units (total mass, scale, stiffness) and the volume modulus, whose ratio to the stiffness is
 /// kept. `gravity` in m/s^2.
-double leastStiffness(const SpringNetwork& network, const SoftBodySettings& settings, double gravity);
+///
+/// Pieces that no spring joins are put down one by one, and the one that needs most counts. Nothing when
+/// `progress` (may be empty) asks for an early end, or when the body's fastest oscillation is so fast against
+/// its slow ones that following it to rest would take too many steps.
+std::optional<double> leastStiffness(const SpringNetwork& network, const SoftBodySettings& settings,
+                                     double gravity, const Progress& progress = {});
 
 }  // namespace limber

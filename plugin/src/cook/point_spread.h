@@ -11,4 +11,8 @@ namespace limber {
 /// largest distance from the centre.
 NetworkKind spreadOf(const std::vector<Eigen::Vector3d>& points);
 
+/// The points moved into their plane (Cloth) or onto their line (Rope): what lies out of it by less than
+/// spreadOf() sees would, by the square of that, resist bending as though it were a body's own stiffness.
+std::vector<Eigen::Vector3d> flattened(std::vector<Eigen::Vector3d> points, NetworkKind kind);
+
 }  // namespace limber

@@ -24,6 +24,10 @@ void subtract(Matrix& m, std::size_t row, Element factor, std::size_t other, con
     to[*first] = static_cast<Element>((to[*first] + minus * from[*first]) % kPrime);
 }
 
+bool mayGoOn(const GoOn& goOn, std::size_t row, std::size_t rows) {
+  return !goOn || goOn(static_cast<double>(row) / static_cast<double>(rows));
+}
+
 }  // namespace
 
 Element inverse(Element a) {
@@ -36,9 +40,9 @@ Element inverse(Element a) {
   return result;
 }
 
-std::size_t rank(Matrix m) {
+std::size_t rank(Matrix m, const GoOn& goOn) {
   std::size_t found = 0;
-  for (std::size_t c = 0; c < m.columns && found < m.rows; ++c) {
+  for (std::size_t c = 0; c < m.columns && found < m.rows && mayGoOn(goOn, c, m.columns); ++c) {
     std::size_t pivot = found;
     while (pivot < m.rows && m(pivot, c) == 0) ++pivot;
     if (pivot == m.rows) continue;
@@ -55,9 +59,9 @@ std::size_t rank(Matrix m) {
   return found;
 }
 
-std::size_t solveSymmetric(Matrix a, std::vector<Element>& b) {
+std::size_t solveSymmetric(Matrix a, std::vector<Element>& b, const GoOn& goOn) {
   std::vector<std::size_t> pivots;
-  for (std::size_t p = 0; p < a.rows; ++p) {
+  for (std::size_t p = 0; p < a.rows && mayGoOn(goOn, p, a.rows); ++p) {
     if (a(p, p) == 0) continue;
     pivots.push_back(p);
     const std::vector<std::size_t> columns = nonzeros(a, p, p + 1);

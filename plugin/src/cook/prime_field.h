@@ -5,6 +5,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <vector>
 
 /// Arithmetic modulo the prime 2^31 - 1, in which ranks are exact. A matrix of random numbers has a smaller
@@ -31,10 +32,13 @@ struct Matrix {
   Element operator()(std::size_t r, std::size_t c) const { return entries[r * columns + c]; }
 };
 
-std::size_t rank(Matrix matrix);
+/// Asked with the share done, 0 to 1, whether to go on; once not, the result means nothing.
+using GoOn = std::function<bool(double)>;
+
+std::size_t rank(Matrix matrix, const GoOn& goOn = {});
 
 /// Solves A x = b in place, free unknowns at 0, for a symmetric A whose leading blocks have the ranks of
 /// their rows and a b in its range; returns the rank of A. Skips what is zero.
-std::size_t solveSymmetric(Matrix a, std::vector<Element>& b);
+std::size_t solveSymmetric(Matrix a, std::vector<Element>& b, const GoOn& goOn = {});
 
 }  // namespace limber::prime_field

@@ -55,7 +55,7 @@ struct Run {
 struct Dynamics {
   RelaxedBody& body;
   double springBound;  ///< rad^2/s^2
-  double restBound;    ///< rad^2/s^2, with the volume term
+  double restBound;    ///< rad^2/s^2, with the volume terms
   double step;         ///< s, at rest
   double restEnergy;   ///< J
   InstructionSet set = bestInstructionSet();
@@ -65,10 +65,10 @@ struct Dynamics {
   explicit Dynamics(RelaxedBody& relaxed) : body(relaxed) {
     const PointState rest = stateAt(body.rest);
     std::vector<double> sums;
-    springBound = frequencyBoundSquared(body.springs, rest.inverseMass, sums);
+    springBound = frequencyBoundSquared(body.terms.springs, rest.inverseMass, sums);
     restBound = boundSquared(rest, 0.0);
     step = restBound > 0.0 ? kStepShare * 2.0 / std::sqrt(restBound) : 1.0;
-    const double length = meanLength(body.springs);
+    const double length = meanLength(body.terms.springs);
     restEnergy = kRestEnergy * length * length;
   }
 
@@ -81,12 +81,10 @@ struct Dynamics {
   }
   /// rad^2/s^2, for the next `time` seconds.
   double boundSquared(const PointState& state, double time) {
-    return springBound +
-           (body.volumes.empty() ? 0.0 : volumeFrequencyBoundSquared(body.volumes, state, time));
+    return springBound + volumeBoundSquared(body.terms, state, time);
   }
   SteppedBody stepped(PointState& state) {
-    SteppedBody s{&state, &body.springs, nullptr};
-    if (!body.volumes.empty()) s.volumes = &body.volumes;
+    SteppedBody s = steppedBody(body.terms, state);
     if (canStepQuads()) s.quads = &quads;
     return s;
   }
@@ -103,8 +101,8 @@ bool isWild(const Dynamics& dynamics, const Run& run, double bound) {
   return bound > kWildBound * dynamics.restBound || squaredSpeed * way * way > kFar * kFar;
 }
 
-/// The volume term is the stiffer the larger the triangles are. Steps are halves of halves so that many runs
-/// share theirs.
+/// The volume terms are the stiffer the larger the triangles are. Steps are halves of halves so that many
+/// runs share theirs.
 void chooseStep(Dynamics& dynamics, Run& run) {
   if (run.substeps == kCalmSubsteps && run.looks % kCalmLooks != 0) return;
   const double bound = dynamics.boundSquared(run.state, dynamics.step);
@@ -149,8 +147,11 @@ bool hasCalmedDown(const Dynamics& dynamics, const Run& run) {
   return run.time >= kLeastTime && !(0.5 * run.state.velocity.squaredNorm() >= dynamics.restEnergy);
 }
 
+/// Nothing is held back, as it is for the sake of a stable step: forces that are no gradient of the energy
+/// would lead the descent astray.
 void settle(Dynamics& dynamics, Run& run) {
   SteppedBody stepped = dynamics.stepped(run.state);
+  prepareVolumes(stepped, 0.0);
   const double near = 0.5 * kReturned;
   descend(stepped, kLeastForce, kMostDescent,
           [&](const Points& x) { return distanceToRest(dynamics.body, x) < near; });
@@ -178,6 +179,8 @@ bool advance(Dynamics& dynamics, std::list<Run>& runs,
 }
 
 }  // namespace
+
+bool canRelax(RelaxedBody& body) { return kMostLooks * kCalmSubsteps * Dynamics(body).step >= kLeastTime; }
 
 void relax(RelaxedBody& body, std::size_t count, const std::function<Points(std::size_t)>& start,
            const std::function<bool(std::size_t, const Points&)>& finish) {

@@ -16,4 +16,8 @@ namespace limber {
 void relax(RelaxedBody& body, std::size_t count, const std::function<Points(std::size_t)>& start,
            const std::function<bool(std::size_t, const Points&)>& finish);
 
+/// Whether the steps that the body's fastest oscillation allows lead anywhere in a time that is worth waiting
+/// for. If not, relax() ends, but where it ends in says nothing about the body.
+bool canRelax(RelaxedBody& body);
+
 }  // namespace limber

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Zlib
 #include "cook/relaxed_body.h"
 
-#include "cook/deformations.h"
+#include "cook/network_pieces.h"
+#include "cook/triangle_geometry.h"
 
 #include <Eigen/Dense>
 
@@ -27,29 +28,6 @@ Points restPointsOf(const SpringNetwork& network) {
   return rest;
 }
 
-std::uint32_t rootOf(std::vector<std::uint32_t>& parent, std::uint32_t i) {
-  while (parent[i] != i) i = parent[i] = parent[parent[i]];
-  return i;
-}
-
-/// The points of each piece that springs hold together.
-std::vector<std::vector<Eigen::Index>> findPieces(const SpringNetwork& network) {
-  std::vector<std::uint32_t> parent(network.restPoints.size());
-  for (std::uint32_t i = 0; i < parent.size(); ++i) parent[i] = i;
-  for (const NetworkSpring& s : network.springs) {
-    const std::uint32_t a = rootOf(parent, s.a), b = rootOf(parent, s.b);
-    parent[std::max(a, b)] = std::min(a, b);
-  }
-  std::vector<std::vector<Eigen::Index>> pieces;
-  std::vector<std::size_t> pieceOfRoot(parent.size(), 0);
-  for (std::uint32_t i = 0; i < parent.size(); ++i) {
-    const std::uint32_t root = rootOf(parent, i);
-    if (root == i) pieceOfRoot[i] = pieces.size(), pieces.emplace_back();
-    pieces[pieceOfRoot[root]].push_back(static_cast<Eigen::Index>(i));
-  }
-  return pieces;
-}
-
 /// Squared distances, summed, after the best rigid motion: with the singular values s of the covariance,
 ///     sum |x|^2 + |y|^2 - 2 (s0 + s1 +- s2),  minus where the best map would be a reflection.
 double squaredDistance(const Points& a, const Points& b) {
@@ -63,10 +41,9 @@ double squaredDistance(const Points& a, const Points& b) {
 }  // namespace
 
 RelaxedBody::RelaxedBody(const SpringNetwork& network) : rest(restPointsOf(network)) {
-  const SoftBodySettings settings = unitSettings(sizeOf(rest));
+  const SoftBodySettings settings = unitSettings(extent(rest));
   rest *= settings.scale.x();
-  springs = makeSprings(network, settings);
-  volumes = makeVolumes(network, settings);
+  terms = BodyTerms(network, settings);
   pieces = findPieces(network);
 }
 

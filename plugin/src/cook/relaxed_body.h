@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
+#include "cook/body_terms.h"
 #include "core/point_state.h"
-#include "core/spring_arrays.h"
-#include "core/volume_term.h"
 
 #include <limber/spring_network.h>
 
@@ -15,8 +14,7 @@ namespace limber {
 /// stiffnessScale, with the volume term that a body of it has by default.
 struct RelaxedBody {
   Points rest;  ///< the rest points over the size
-  SpringArrays springs;
-  VolumeArrays volumes;                           ///< may be empty
+  BodyTerms terms;
   std::vector<std::vector<Eigen::Index>> pieces;  ///< points that springs hold together
 
   explicit RelaxedBody(const SpringNetwork& network);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include <limber/skin.h>
 
+#include "cook/outward_surface.h"
 #include "cook/skin_weights.h"
 
 #include <algorithm>
@@ -98,10 +99,13 @@ Result<SharedNetwork> withSkin(const SpringNetwork& network, const TriangleMesh&
                                const SkinSettings& settings) {
   Result<WeldedMesh> welded = weld(mesh, settings.weldTolerance);
   if (!welded) return Error{welded.error()};
+  const std::vector<bool> inward = facingInward(welded->points, welded->triangles);
+  turn(welded->triangles, inward);
   Result<SkinWeights> weights = skinWeights(network, *welded, settings);
   if (!weights) return Error{weights.error()};
   auto skinned = std::make_shared<SpringNetwork>(network);
   skinned->render = makeRenderSurface(mesh, *welded, rounded(*weights));
+  turn(skinned->render.triangles, inward);
   return SharedNetwork(std::move(skinned));
 }
 

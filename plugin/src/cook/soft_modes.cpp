@@ -166,14 +166,11 @@ Block randomBlock(SoftSpace& space) {
   return orthonormal(space, block);
 }
 
+/// Grows the space until it holds the `count` softest modes, or for kMostBlocks blocks.
+///
 /// Symmetric shapes have equal modes and tessellated boxes many mechanisms, of which a Krylov space holds no
 /// more than a block: what was found counts when fresh random vectors change nothing.
-Eigen::MatrixXd sparseModes(const SparseMatrix& stiffness, const Eigen::MatrixXd& rigid, Eigen::Index count) {
-  const double stiffest = largestRowSum(stiffness);
-  const ShiftedInverse inverse(stiffness, stiffest > 0.0 ? kRelativeShift * stiffest : 1.0);
-  SoftSpace space{inverse, rigid};
-  space.basis.resize(stiffness.rows(), 2 * count + 6 * kBlock);
-  space.product.resize(stiffness.rows(), space.basis.cols());
+void converge(SoftSpace& space, Eigen::Index count) {
   Eigen::VectorXd found = Eigen::VectorXd::Zero(count);
   Block next = randomBlock(space);
   for (int round = 1, sinceFresh = 1; round <= kMostBlocks; ++round, ++sinceFresh) {
@@ -183,7 +180,7 @@ Eigen::MatrixXd sparseModes(const SparseMatrix& stiffness, const Eigen::MatrixXd
     solveWithin(space);
     if (isConverged(space, count)) {
       const Eigen::VectorXd values = space.values.head(count);
-      if (((values - found).array().abs() <= kConfirmed * values.array()).all()) break;
+      if (((values - found).array().abs() <= kConfirmed * values.array()).all()) return;
       found = values;
       keep(space, count);
       next = randomBlock(space);
@@ -192,7 +189,17 @@ Eigen::MatrixXd sparseModes(const SparseMatrix& stiffness, const Eigen::MatrixXd
       keep(space, count + 2 * kBlock);
     }
   }
-  return space.basis.leftCols(space.columns) * space.vectors.leftCols(count);
+  solveWithin(space);  // it has grown since it was solved last
+}
+
+Eigen::MatrixXd sparseModes(const SparseMatrix& stiffness, const Eigen::MatrixXd& rigid, Eigen::Index count) {
+  const double stiffest = largestRowSum(stiffness);
+  const ShiftedInverse inverse(stiffness, stiffest > 0.0 ? kRelativeShift * stiffest : 1.0);
+  SoftSpace space{inverse, rigid};
+  space.basis.resize(stiffness.rows(), 2 * count + 6 * kBlock);
+  space.product.resize(stiffness.rows(), space.basis.cols());
+  converge(space, count);
+  return space.basis.leftCols(space.columns) * space.vectors.leftCols(std::min(count, space.columns));
 }
 
 constexpr int kRoughPasses = 2;

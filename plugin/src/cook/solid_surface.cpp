@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "cook/solid_surface.h"
 
+#include "cook/outward_surface.h"
 #include "core/surface_components.h"
 
 #include <utility>
@@ -9,21 +10,6 @@ namespace limber {
 namespace {
 
 using Eigen::Vector3d;
-
-double signedVolume(const std::vector<Vector3d>& points, const std::vector<Triangle>& triangles) {
-  const Vector3d& origin = points[triangles[0][0]];
-  double six = 0.0;
-  for (const Triangle& t : triangles)
-    six += (points[t[0]] - origin).dot((points[t[1]] - origin).cross(points[t[2]] - origin));
-  return six / 6.0;
-}
-
-std::vector<Triangle> turnedOutward(const WeldedMesh& mesh) {
-  std::vector<Triangle> triangles = mesh.triangles;
-  if (signedVolume(mesh.points, triangles) < 0.0)
-    for (Triangle& t : triangles) std::swap(t[1], t[2]);
-  return triangles;
-}
 
 }  // namespace
 
@@ -37,7 +23,7 @@ std::string whyNotSolid(const MeshReport& report) {
 }
 
 SolidSurface makeSolidSurface(const WeldedMesh& mesh) {
-  const std::vector<Triangle> triangles = turnedOutward(mesh);
+  const std::vector<Triangle> triangles = turnedOutward(mesh.points, mesh.triangles);
   SolidSurface s{triangles, {}, {}, {}, 0, TriangleBvh(mesh.points, triangles), {}, 0.0};
   SurfaceComponents components = findComponents(mesh.points.size(), triangles);
   s.pieces = components.count;

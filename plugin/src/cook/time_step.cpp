@@ -1,12 +1,10 @@
 // SPDX-License-Identifier: Zlib
 #include "cook/time_step.h"
 
+#include "cook/body_terms.h"
 #include "cook/largest_eigenvalue.h"
 #include "cook/rest_state.h"
 #include "cook/stiffness_matrix.h"
-#include "core/spring_arrays.h"
-#include "core/stepping_choice.h"
-#include "core/volume_term.h"
 
 #include <algorithm>
 #include <cmath>
@@ -28,8 +26,26 @@ std::vector<VectorXd> volumeGradients(const VolumeArrays& volumes, const PointSt
   return gradients;
 }
 
+/// The same of the tetrahedra, which have four points each: one sparse matrix of all.
+SparseMatrix tetrahedronStiffness(const TetrahedronVolumes& volumes, const PointState& state) {
+  std::vector<Eigen::Triplet<double>> entries;
+  for (std::size_t i = 0; i < volumes.tetrahedra.size(); ++i) {
+    const TetrahedronSlope slope = tetrahedronSlope(volumes, i, state.position);
+    const auto row = [&](Eigen::Index k) {
+      return static_cast<int>(3 * volumes.tetrahedra[i][static_cast<std::size_t>(k / 3)] + k % 3);
+    };
+    for (Eigen::Index j = 0; j < 12; ++j)
+      for (Eigen::Index k = 0; k < 12; ++k)
+        entries.emplace_back(row(j), row(k),
+                             slope.stiffness * slope.gradient.data()[j] * slope.gradient.data()[k]);
+  }
+  SparseMatrix stiffness(state.position.size(), state.position.size());
+  stiffness.setFromTriplets(entries.begin(), entries.end());
+  return stiffness;
+}
+
 /// The stiffness matrix of the springs of a body with these settings.
-SparseMatrix bodyStiffness(SpringNetwork network, const SoftBodySettings& settings) {
+SparseMatrix springStiffness(SpringNetwork network, const SoftBodySettings& settings) {
   for (Eigen::Vector3d& p : network.restPoints) p = p.cwiseProduct(settings.scale);
   return std::max(settings.extensionStiffness, settings.compressionStiffness) *
          stiffnessMatrix(rigidityMatrix(network));
@@ -43,9 +59,10 @@ double stepOf(double frequencySquared) {
 
 TimeSteps timeSteps(const SpringNetwork& network, const SoftBodySettings& settings) {
   const PointState state = restState(network, settings);
-  const SparseMatrix stiffness = bodyStiffness(network, settings);
-  VolumeArrays volumes = makeVolumes(network, settings);
-  const std::vector<VectorXd> gradients = volumeGradients(volumes, state);
+  BodyTerms terms(network, settings);
+  SparseMatrix stiffness = springStiffness(network, settings);
+  if (!terms.tetrahedra.empty()) stiffness += tetrahedronStiffness(terms.tetrahedra, state);
+  const std::vector<VectorXd> gradients = volumeGradients(terms.volumes, state);
   const VectorXd root = state.inverseMass.reshaped().cwiseSqrt();
 
   // omega^2 are the eigenvalues of  M^-1/2 K M^-1/2
@@ -58,11 +75,7 @@ TimeSteps timeSteps(const SpringNetwork& network, const SoftBodySettings& settin
       },
       stiffness.rows());
 
-  std::vector<double> sums;
-  const SpringArrays springs = makeSprings(network, settings);
-  double bound = frequencyBoundSquared(springs, state.inverseMass, sums);
-  if (!volumes.empty()) bound += volumeFrequencyBoundSquared(volumes, state, 0.0);
-  return {stepOf(fastest), stepOf(bound)};
+  return {stepOf(fastest), stepOf(boundSquared(terms, state))};
 }
 
 }  // namespace limber

@@ -11,7 +11,7 @@ struct TimeSteps {
   double critical =
       0.0;            ///< s: 2 / omega of the stiffest oscillation about the rest shape. Longer ones blow up
   double safe = 0.0;  ///< s: from Gershgorin's bound of omega, which holds at any deformation of the springs;
-                      ///< the volume term's part is that at rest
+                      ///< the volume terms' part is that at rest
 };
 
 /// Of a body with the settings' masses, stiffness, scale and volume modulus; infinite where nothing is stiff.

@@ -69,10 +69,24 @@ double solidAngle(const TriangleCorners& t, const Vector3d& p) {
   return numerator == 0.0 ? 0.0 : 2.0 * std::atan2(numerator, denominator);
 }
 
+double extent(const Eigen::Ref<const Eigen::Matrix3Xd>& points) {
+  if (points.cols() == 0) return 0.0;
+  return (points.rowwise().maxCoeff() - points.rowwise().minCoeff()).maxCoeff();
+}
+
 double extent(const std::vector<Vector3d>& points) {
-  Eigen::AlignedBox3d box;
-  for (const Vector3d& p : points) box.extend(p);
-  return box.sizes().maxCoeff();
+  if (points.empty()) return 0.0;
+  return extent(
+      Eigen::Map<const Eigen::Matrix3Xd>(points.front().data(), 3, static_cast<Eigen::Index>(points.size())));
+}
+
+double signedVolume(const std::vector<Vector3d>& points, const std::vector<Triangle>& triangles) {
+  if (triangles.empty()) return 0.0;
+  const Vector3d& origin = points[triangles[0][0]];
+  double six = 0.0;
+  for (const Triangle& t : triangles)
+    six += (points[t[0]] - origin).dot((points[t[1]] - origin).cross(points[t[2]] - origin));
+  return six / 6.0;
 }
 
 std::vector<Vector3d> vertexNormals(const std::vector<Vector3d>& points,

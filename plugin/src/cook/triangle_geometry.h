@@ -36,8 +36,12 @@ inline Eigen::Vector3d pointAt(const TriangleCorners& triangle, const Eigen::Vec
   return barycentric[0] * triangle[0] + barycentric[1] * triangle[1] + barycentric[2] * triangle[2];
 }
 
-/// m: the longest side of the points' bounding box.
+/// m: the longest side of the points' bounding box; 0 without points.
+double extent(const Eigen::Ref<const Eigen::Matrix3Xd>& points);
 double extent(const std::vector<Eigen::Vector3d>& points);
+
+/// m^3: what the triangles enclose, below 0 where they face inward.
+double signedVolume(const std::vector<Eigen::Vector3d>& points, const std::vector<Triangle>& triangles);
 
 /// By the area of the triangles around each point; zero where they cancel. Unit vectors, #points.
 std::vector<Eigen::Vector3d> vertexNormals(const std::vector<Eigen::Vector3d>& points,
