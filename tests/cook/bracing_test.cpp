@@ -93,13 +93,13 @@ INSTANTIATE_TEST_SUITE_P(Bracing, Shapes,
 
 TEST(Bracing, isDeterministicAndSeeded) {
   NetworkSettings settings;
-  settings.mostBraces = 0.7;
   const auto braces = [&] { return pairsOf(bracesOf(*build(network_shapes::tube60(), settings))); };
   const std::vector<Edge> first = braces();
-  EXPECT_EQ(first.size(), 42u);
   EXPECT_EQ(first, braces());
   settings.seed = 2;
   EXPECT_NE(first, braces());
+  settings.mostBraces = 0.7;
+  EXPECT_EQ(braces().size(), 42u);
 }
 
 TEST(Bracing, turnsMeshesThatAreInsideOut) {
