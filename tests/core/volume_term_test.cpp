@@ -141,6 +141,17 @@ TEST(VolumeTerm, asksTheSurfaceWhetherItIsClosedAndNotItsReport) {
   EXPECT_EQ(checkVolume(open, settings), "pressure: the surface is not closed: it has 3 open edges");
 }
 
+TEST(VolumeTerm, isThatOfTheClosedPiecesOfAMeshThatIsOpenElsewhere) {
+  TriangleMesh mesh = small_meshes::cube();
+  const auto first = static_cast<std::uint32_t>(mesh.positions.size());
+  for (const Eigen::Vector3d& p : small_meshes::singleTriangle().positions)
+    mesh.positions.push_back(p + Eigen::Vector3d(5, 0, 0));
+  mesh.triangles.push_back({first, first + 1, first + 2});
+  const VolumeArrays v = volumesOf(bare(mesh), 7.0, 0.0);
+  ASSERT_EQ(v.restVolume.size(), 1u);
+  EXPECT_NEAR(v.restVolume[0], 1.0, 1e-12);
+}
+
 TEST(VolumeTerm, boundsTheFrequencyItAdds) {
   const SharedNetwork ball = bare(small_meshes::icosphere(1));
   VolumeArrays v = volumesOf(ball, 100.0, 30.0);

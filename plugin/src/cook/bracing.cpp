@@ -45,7 +45,6 @@ SpringNetwork bareNetwork(const PieceToBrace& piece) {
   if (signedVolume(piece.points, piece.triangles) < 0.0)
     for (Triangle& t : network.surface) std::swap(t[1], t[2]);
   for (const Edge& e : piece.edges) network.springs.push_back({e[0], e[1], SpringKind::Structural, 1.0});
-  network.report.openEdges = piece.keepsVolume ? 0 : 1;
   return network;
 }
 

@@ -17,7 +17,6 @@ struct PieceToBrace {
   std::vector<Triangle> triangles;
   std::vector<Edge> edges;   ///< of the triangles, sorted, unique
   bool closed = false;       ///< every edge has two triangles that run through it in opposite directions
-  bool keepsVolume = false;  ///< whether the body that it is a piece of will have a volume term
 };
 
 /// With less, a body is a skin that is stiff against bending around an inside that is soft: at 0.3 the arms

@@ -64,11 +64,10 @@ std::vector<Piece> splitIntoPieces(const WeldedMesh& welded) {
   return pieces;
 }
 
-void describeEdges(PieceToBrace& shape, const MeshReport& report) {
+void describeEdges(PieceToBrace& shape) {
   shape.edges = uniqueEdges(shape.triangles);
   const EdgeDefects defects = findEdgeDefects(shape.triangles);
   shape.closed = defects.open == 0 && defects.nonManifold == 0 && defects.inconsistent == 0;
-  shape.keepsVolume = report.watertight();
 }
 
 /// Asks progress and clock whether to go on; once not, never again.
@@ -108,7 +107,7 @@ std::vector<NetworkSpring> connect(const WeldedMesh& welded, const NetworkSettin
   std::vector<NetworkSpring> springs;
   const Progress goOn = impatient(settings);
   for (Piece& piece : splitIntoPieces(welded)) {
-    describeEdges(piece.shape, welded.report);
+    describeEdges(piece.shape);
     addSprings(piece, piece.shape.edges, SpringKind::Structural, 1.0, springs);
     addSprings(piece, findBraces(piece.shape, settings, goOn), SpringKind::Brace, weightOf(settings),
                springs);

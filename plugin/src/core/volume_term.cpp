@@ -16,8 +16,7 @@ bool isClosed(const EdgeDefects& defects) {
 }
 
 bool mayHaveVolume(const SpringNetwork& network) {
-  return network.kind == NetworkKind::Solid && !network.surface.empty() && network.tetrahedra.empty() &&
-         isClosed(findEdgeDefects(network.surface));
+  return network.kind == NetworkKind::Solid && !network.surface.empty() && network.tetrahedra.empty();
 }
 
 std::string whyNoVolume(const SpringNetwork& network) {
@@ -172,7 +171,8 @@ double networkModulus(const SpringNetwork& network, const Eigen::Vector3d& scale
 std::string checkVolume(const SpringNetwork& network, const SoftBodySettings& settings) {
   const bool perTetrahedron = !network.tetrahedra.empty();  // see tetrahedron_volumes.h
   const bool asked = (settings.volumeModulus > 0.0 && !perTetrahedron) || settings.pressure > 0.0;
-  if (!asked || (mayHaveVolume(network) && !makeVolumes(network, settings).empty())) return {};
+  const bool closed = mayHaveVolume(network) && isClosed(findEdgeDefects(network.surface));
+  if (!asked || (closed && !makeVolumes(network, settings).empty())) return {};
   return std::string(settings.pressure > 0.0 ? "pressure" : "volumeModulus") + ": " + whyNoVolume(network);
 }
 
@@ -183,7 +183,7 @@ VolumeArrays makeVolumes(const SpringNetwork& network, const SoftBodySettings& s
   v.firstTriangle = {0};
   v.componentOf.assign(network.restPoints.size(), 0);
   for (const std::vector<Triangle>& component : trianglesByComponent(network))
-    addComponent(v, component, rest);
+    if (isClosed(findEdgeDefects(component))) addComponent(v, component, rest);
   double volume = 0.0;
   for (const double one : v.restVolume) volume += one;
   const double stiffness = std::max(settings.extensionStiffness, settings.compressionStiffness);

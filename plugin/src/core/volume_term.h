@@ -39,7 +39,8 @@ double networkModulus(const SpringNetwork& network, const Eigen::Vector3d& scale
 /// Why the settings' volume modulus or pressure cannot be had with this network, or an empty string.
 std::string checkVolume(const SpringNetwork& network, const SoftBodySettings& settings);
 
-/// The volume term of a body with these settings; empty if they ask for none or the surface is not closed.
+/// The volume term of a body with these settings, of each component of its surface that is closed; empty if
+/// there is none or the settings ask for none.
 VolumeArrays makeVolumes(const SpringNetwork& network, const SoftBodySettings& settings);
 
 /// As kernel::addVolumeForces takes it.
