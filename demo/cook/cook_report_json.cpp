@@ -85,6 +85,7 @@ Json analysisJson(const NetworkAnalysis& a) {
           {"criticalTimeStep", a.criticalTimeStep},
           {"safeTimeStep", a.safeTimeStep},
           {"springsOutside", a.springsOutside},
+          {"piercingEdges", a.piercingEdges},
           {"volume", a.volume},
           {"remarks", a.remarks}};
 }

@@ -62,7 +62,9 @@ cook_run(neighbours_alone unit 2 "--neighbours needs --skin sparse" ${meshes}/cu
 cook_run(size_alone unit 2 "--size needs --picture" ${meshes}/cube.obj -o a.limber --size 100x100)
 cook_run(missing_mesh unit 1 "no_such.obj" no_such.obj -o ${cooked}/a.limber)
 cook_run(missing_body unit 1 "cannot read no_such.limber" --report no_such.limber)
-cook_run(foreign_body unit 1 "cube.obj: not a .limber file" --report ${meshes}/cube.obj)
+file(WRITE ${CMAKE_CURRENT_BINARY_DIR}/foreign.limber "v 0 0 0, a text that is long enough to be a head\n")
+cook_run(foreign_body unit 1 "foreign.limber: no .limber file: it begins otherwise" --report
+  ${CMAKE_CURRENT_BINARY_DIR}/foreign.limber)
 cook_run(json_to_a_pipe unit 0 "\"points\": 8" ${meshes}/cube.obj -o ${cooked}/piped.limber --runs 0 --quiet
   --json /dev/stdout)
 cook_run(unwritable_body unit 1 "cannot write /dev/null/a.limber" ${meshes}/cube.obj -o /dev/null/a.limber)

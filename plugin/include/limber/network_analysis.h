@@ -86,6 +86,7 @@ struct NetworkAnalysis {
   double safeTimeStep = 0.0;         ///< s: stable at any deformation (Gershgorin)
 
   std::size_t springsOutside = 0;  ///< that leave the closed surface
+  std::size_t piercingEdges = 0;   ///< of the surface, that pass through one of its triangles
   MeshReport mesh;
   double volume = 0.0;               ///< m^3; 0 unless watertight
   std::vector<std::string> remarks;  ///< for people: what is unusual or should be mended

@@ -15,8 +15,8 @@ namespace limber {
 struct PieceToBrace {
   std::vector<Eigen::Vector3d> points;
   std::vector<Triangle> triangles;
-  std::vector<Edge> edges;   ///< of the triangles, sorted, unique
-  bool closed = false;       ///< every edge has two triangles that run through it in opposite directions
+  std::vector<Edge> edges;  ///< of the triangles, sorted, unique
+  bool closed = false;      ///< every edge has two triangles that run through it in opposite directions
 };
 
 /// With less, a body is a skin that is stiff against bending around an inside that is soft: at 0.3 the arms

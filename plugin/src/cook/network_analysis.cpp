@@ -9,6 +9,7 @@
 #include "cook/point_spread.h"
 #include "cook/return_rate.h"
 #include "cook/rigidity.h"
+#include "cook/self_intersections.h"
 #include "cook/stiffness_matrix.h"
 #include "cook/time_step.h"
 #include "cook/triangle_bvh.h"
@@ -187,6 +188,7 @@ NetworkAnalysis analyse(const SpringNetwork& network, const AnalysisSettings& se
                     [](const NetworkSpring& s) { return s.kind == SpringKind::Brace; }));
   a.pieces = findPieces(network).size();
   a.mesh = meshReport(network);
+  a.piercingEdges = countPiercingEdges(network.restPoints, network.surface);
   analyseStages(network, settings, a);
   a.remarks = remarksOn(network, settings, a);
   return a;

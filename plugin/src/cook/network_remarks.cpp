@@ -43,6 +43,14 @@ void remarkOnMesh(const MeshReport& mesh, Remarks& remarks) {
         " dropped: without area, or there already");
 }
 
+void remarkOnCrossings(const NetworkAnalysis& a, Remarks& remarks) {
+  if (a.piercingEdges == 0) return;
+  remarks.push_back(
+      counted(a.piercingEdges, "edge passes", "edges pass") +
+      " through a triangle: where parts of the surface overlap, inside and outside are mixed, and "
+      "the volume counts twice");
+}
+
 void remarkOnSprings(const SpringNetwork& network, Remarks& remarks) {
   double sum = 0.0, shortest = HUGE_VAL;
   for (const NetworkSpring& s : network.springs) {
@@ -123,6 +131,7 @@ std::vector<std::string> remarksOn(const SpringNetwork& network, const AnalysisS
                                    const NetworkAnalysis& analysis) {
   Remarks remarks;
   remarkOnMesh(analysis.mesh, remarks);
+  remarkOnCrossings(analysis, remarks);
   if (analysis.pieces > 1)
     remarks.push_back(std::to_string(analysis.pieces) +
                       " pieces that no spring joins, each judged by itself");

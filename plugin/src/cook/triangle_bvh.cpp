@@ -24,6 +24,8 @@ constexpr double kEdgeMargin = 1e-9;
 /// The same where crossings only cut a segment into pieces, each then tested on its own: one too many does no
 /// harm, one too few does.
 constexpr double kCutMargin = 1e-6;
+/// Barycentric, and of a segment: what lies deeper than this passes through and does not merely touch.
+constexpr double kInsidePart = 1e-6;
 /// The part of a chord at each end that staysInside() does not look at.
 constexpr double kEndPart = 0.01;
 /// The most samples of a piece that runs along the surface.
@@ -143,6 +145,27 @@ SurfaceHit TriangleBvh::firstHit(const Vector3d& origin, const Vector3d& directi
   }
   if (!hit) hit.distance = 0.0;
   return hit;
+}
+
+bool TriangleBvh::isPierced(const Vector3d& a, const Vector3d& b,
+                            const std::function<bool(std::uint32_t)>& counts) const {
+  std::array<std::uint32_t, kStack> stack{};
+  std::size_t waiting = nodes_.empty() ? 0 : 1;
+  while (waiting > 0) {
+    const Node& node = nodes_[stack[--waiting]];
+    if (!meetsBox(node.box, a, b - a, {0.0, 1.0})) continue;
+    if (node.count == 0) {
+      stack[waiting++] = node.first + 1;
+      stack[waiting++] = node.first;
+      continue;
+    }
+    for (std::uint32_t i = node.first; i < node.first + node.count; ++i) {
+      if (!counts(order_[i])) continue;
+      const auto met = meetLine(corners_[order_[i]], a, b - a, -kInsidePart);
+      if (met && met->along > kInsidePart && met->along < 1.0 - kInsidePart) return true;
+    }
+  }
+  return false;
 }
 
 SurfaceHit TriangleBvh::nearestWithin(const Vector3d& position, double distance,

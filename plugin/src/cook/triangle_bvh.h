@@ -9,6 +9,7 @@
 #include <Eigen/Geometry>
 
 #include <cstdint>
+#include <functional>
 #include <vector>
 
 namespace limber {
@@ -33,6 +34,10 @@ class TriangleBvh {
   /// seen from either side.
   SurfaceHit firstHit(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction, double from,
                       double to) const;
+  /// Whether the segment passes through the inside of a triangle that `counts` accepts, by more than a
+  /// millionth of its length on either side.
+  bool isPierced(const Eigen::Vector3d& a, const Eigen::Vector3d& b,
+                 const std::function<bool(std::uint32_t)>& counts) const;
   SurfaceHit nearest(const Eigen::Vector3d& position) const;
 
   /// Among the triangles whose normal does not point against `normal`, if there are any.

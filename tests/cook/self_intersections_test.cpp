@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: Zlib
+// Surfaces that pass through themselves are told so, and still make bodies.
+#include "cook/self_intersections.h"
+#include "support/network_shapes.h"
+#include "support/small_meshes.h"
+
+#include <limber/network_analysis.h>
+#include <limber/network_builder.h>
+
+#include <gtest/gtest.h>
+#include <Eigen/Geometry>
+
+namespace limber {
+namespace {
+
+/// Two balls of radius 1, `apart` metres from each other along x, and a little along y and z: mirror images
+/// of each other would meet edge to edge.
+TriangleMesh twoBalls(double apart) {
+  TriangleMesh mesh = small_meshes::icosphere(2);
+  const TriangleMesh ball = mesh;
+  const auto first = static_cast<std::uint32_t>(mesh.positions.size());
+  for (const Eigen::Vector3d& p : ball.positions)
+    mesh.positions.push_back(p + Eigen::Vector3d(apart, 0.1, 0.05));
+  for (const Triangle& t : ball.triangles)
+    mesh.triangles.push_back({t[0] + first, t[1] + first, t[2] + first});
+  return mesh;
+}
+
+std::size_t piercing(const TriangleMesh& mesh) { return countPiercingEdges(mesh.positions, mesh.triangles); }
+
+TEST(SelfIntersections, areNoneInSoundShapes) {
+  for (const auto& mesh : {network_shapes::cube98(), network_shapes::lshape90(), network_shapes::torus128(),
+                           network_shapes::rabbit302(), network_shapes::cloth100(), twoBalls(2.1)})
+    EXPECT_EQ(piercing(mesh), 0u);
+  EXPECT_EQ(countPiercingEdges({}, {}), 0u);
+}
+
+TEST(SelfIntersections, areFoundWhereABallIsInAnother) {
+  EXPECT_GT(piercing(twoBalls(1.0)), 20u);
+  // a spike through a triangle: its two edges to the tip
+  TriangleMesh spike = small_meshes::singleTriangle();
+  const Eigen::Vector3d middle = (spike.positions[0] + spike.positions[1] + spike.positions[2]) / 3.0;
+  const Eigen::Vector3d normal =
+      (spike.positions[1] - spike.positions[0]).cross(spike.positions[2] - spike.positions[0]).normalized();
+  for (const Eigen::Vector3d& p : {Eigen::Vector3d(middle + normal), Eigen::Vector3d(middle - 0.9 * normal),
+                                   Eigen::Vector3d(middle + normal + 0.01 * normal.unitOrthogonal())})
+    spike.positions.push_back(p);
+  spike.triangles.push_back({3, 4, 5});
+  EXPECT_EQ(piercing(spike), 2u);
+}
+
+TEST(SelfIntersections, areReportedAndTheBodyMadeAllTheSame) {
+  const Result<SharedNetwork> network = buildNetwork(twoBalls(1.0));
+  ASSERT_TRUE(network) << network.error();
+  AnalysisSettings settings;
+  settings.runs = 0;
+  const NetworkAnalysis analysis = analyse(**network, settings);
+  EXPECT_GT(analysis.piercingEdges, 20u);
+  EXPECT_NE(describe(analysis).find("through a triangle"), std::string::npos) << describe(analysis);
+}
+
+}  // namespace
+}  // namespace limber
