@@ -20,7 +20,10 @@ struct Options {
   std::string mesh, rule;  ///< parts of what is to be measured; empty: all
   bool quick = false;
   std::uint32_t runs = 0;
+  std::uint64_t seed = ReturnQuestion{}.seed;
 };
+
+bool has(const std::string& name, const std::string& part) { return name.find(part) != std::string::npos; }
 
 /// Cooked and let go in fractions of a second.
 bool isSmall(const std::string& mesh) {
@@ -33,7 +36,7 @@ std::vector<network_shapes::NamedShape> shapesOf(const Options& options) {
   std::vector<network_shapes::NamedShape> shapes;
   for (const network_shapes::NamedShape& shape : network_shapes::solids()) {
     const std::string name = shape.name;
-    if (name.find(options.mesh) == std::string::npos || (options.quick && !isSmall(name))) continue;
+    if (!has(name, options.mesh) || (options.quick && !isSmall(name))) continue;
     shapes.push_back(shape);
   }
   return shapes;
@@ -47,11 +50,13 @@ std::vector<NetworkRow> measureAll(const Options& options) {
   for (std::size_t i = 0; i < shapes.size(); ++i) {
     NetworkRow pipeline;
     for (const std::string& rule : braceRules()) {
-      if (rule.find(options.rule) == std::string::npos) continue;
+      // random sets as many braces as the pipeline
+      const bool needed = rule == "pipeline" && has("random", options.rule);
+      if (!has(rule, options.rule) && !needed) continue;
       const std::string name = shapes[i].name + (" " + rule);
       progress.show(name, double(i) / double(shapes.size()));
       const std::uint32_t runs = options.runs > 0 ? options.runs : options.quick ? 20 : 100;
-      rows.push_back(measureReturns({shapes[i], rule, runs}, &pipeline));
+      rows.push_back(measureReturns({shapes[i], rule, runs, options.seed}, &pipeline));
       if (rule == "pipeline") pipeline = rows.back();
       csv.add(networkCells(rows.back()));
       progress.finish(name);
@@ -69,6 +74,7 @@ ExitCode runNetworks(int argc, char** argv) {
   app.add_option("--mesh", options.mesh, "only shapes whose name has this in it");
   app.add_option("--rule", options.rule, "only rules whose name has this in it");
   app.add_option("--runs", options.runs, "runs per shape and rule (default 100, quick 20)");
+  app.add_option("--seed", options.seed, "of the deformations (default 1000)");
   app.add_flag("--quick", options.quick, "four small shapes and 20 runs of each");
   if (const auto end = parse(app, argc, argv)) return *end;
   if (!canWrite(options.out, kCsvName)) return kFailure;

@@ -22,7 +22,7 @@ constexpr double kLeastTime = 10.0;  // s before a body counts as at rest: it st
 // Substeps between two looks at a run, at which its step is chosen: few while it is wild, that is, while its
 // step must be much smaller than at rest or its points move far (of the size, root mean square) between two
 // looks at a calm one. A calm run's step is not chosen anew at each look.
-constexpr int kCalmSubsteps = 8, kWildSubsteps = 1;
+constexpr int kCalmSubsteps = 8, kWildSubsteps = 4;
 constexpr int kCalmLooks = 8;
 constexpr int kMostLooks = 4000;    // then a run that is still wild goes on by descent
 constexpr double kWildBound = 1.5;  // times the square of the frequency bound at rest
