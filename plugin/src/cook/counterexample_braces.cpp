@@ -12,7 +12,7 @@
 namespace limber {
 namespace {
 
-constexpr int kCleanRounds = 8, kMostRounds = 60;
+constexpr int kCleanRounds = 12, kMostRounds = 60;
 
 /// Of all runs together, in runs of a body of one point: a run takes about points^1.5, since the steps grow
 /// with the way across the body. 5 000 points get 56 runs, 1 000 get 630.
