@@ -24,8 +24,9 @@ constexpr double kLeastTime = 10.0;  // s before a body counts as at rest: it st
 // looks at a calm one. A calm run's step is not chosen anew at each look.
 constexpr int kCalmSubsteps = 8, kWildSubsteps = 4;
 constexpr int kCalmLooks = 8;
-constexpr int kMostLooks = 4000;    // then a run that is still wild goes on by descent
-constexpr double kWildBound = 1.5;  // times the square of the frequency bound at rest
+constexpr std::size_t kRunsPerLane = 4;  // at a time: those with the same step fill registers
+constexpr int kMostLooks = 4000;         // then a run that is still wild goes on by descent
+constexpr double kWildBound = 1.5;       // times the square of the frequency bound at rest
 constexpr double kFar = 0.5;
 constexpr double kCalmShare = 0.95, kWildShare = 0.6;  // of the stable step
 constexpr int kMostHalvings = 12;                      // of the step at rest
@@ -120,15 +121,15 @@ void stepAlone(Dynamics& dynamics, Run& run) {
 }
 
 /// All with the same step. Lanes pay once three of them are filled.
-void stepTogether(Dynamics& dynamics, const std::vector<Run*>& runs) {
-  if (runs.size() < 3 || laneCount(dynamics.set) < 3) {
-    for (Run* run : runs) stepAlone(dynamics, *run);
+void stepTogether(Dynamics& dynamics, Run* const* runs, std::size_t count) {
+  if (count < 3 || laneCount(dynamics.set) < 3) {
+    for (std::size_t i = 0; i < count; ++i) stepAlone(dynamics, *runs[i]);
     return;
   }
-  dynamics.block.lanes.resize(runs.size());
-  for (std::size_t lane = 0; lane < runs.size(); ++lane)
+  dynamics.block.lanes.resize(count);
+  for (std::size_t lane = 0; lane < count; ++lane)
     dynamics.block.lanes[lane].body = dynamics.stepped(runs[lane]->state);
-  stepLanes(dynamics.block, timeOf(dynamics, *runs.front()), runs.front()->substeps, dynamics.set);
+  stepLanes(dynamics.block, timeOf(dynamics, *runs[0]), runs[0]->substeps, dynamics.set);
 }
 
 void stepAll(Dynamics& dynamics, std::list<Run>& runs) {
@@ -137,7 +138,9 @@ void stepAll(Dynamics& dynamics, std::list<Run>& runs) {
       std::vector<Run*> same;
       for (Run& run : runs)
         if (run.substeps == substeps && run.halvings == halvings) same.push_back(&run);
-      if (!same.empty()) stepTogether(dynamics, same);
+      const auto lanes = static_cast<std::size_t>(laneCount(dynamics.set));
+      for (std::size_t i = 0; i < same.size(); i += lanes)
+        stepTogether(dynamics, &same[i], std::min(lanes, same.size() - i));
     }
 }
 
@@ -185,10 +188,10 @@ bool canRelax(RelaxedBody& body) { return kMostLooks * kCalmSubsteps * Dynamics(
 void relax(RelaxedBody& body, std::size_t count, const std::function<Points(std::size_t)>& start,
            const std::function<bool(std::size_t, const Points&)>& finish) {
   Dynamics dynamics(body);
-  const auto lanes = static_cast<std::size_t>(laneCount(dynamics.set));
+  const auto most = kRunsPerLane * static_cast<std::size_t>(laneCount(dynamics.set));
   std::list<Run> runs;
   for (std::size_t next = 0; next < count || !runs.empty();) {
-    while (next < count && runs.size() < lanes) {
+    while (next < count && runs.size() < most) {
       Run run;
       run.index = next;
       run.state = Dynamics::stateAt(start(next++));
