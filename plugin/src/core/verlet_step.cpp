@@ -79,12 +79,16 @@ void estimateErrors(StepGroup& group, double dt) {
   }
 }
 
+/// m/s: what one contact may be wrong by in a substep.
+constexpr double kPairTolerance = 1e-6;
+
 void stepLinked(StepGroup& group, double tick, int substeps) {
   const double dt = tick / substeps;
   for (SteppedBody& body : group.bodies) {
     body.errorRate = 0.0;
     if (body.contacts) prepareContacts(*body.contacts, viewOf(*body.points));
   }
+  preparePairs(group.pairs, group.links);
   computeForces(group);
   solveAnchors(group.links, 0.0);
   damp(group, dt, false, false);
@@ -93,6 +97,8 @@ void stepLinked(StepGroup& group, double tick, int substeps) {
     kick(group, 0.5 * dt);
     solveAnchors(group.links, dt);
     stopAtContacts(group, s * dt, dt);
+    stopPairs(group.pairs, group.links, dt, kPairTolerance);
+    movePairs(group.pairs, group.links, dt);
     drift(group, dt);
     const bool estimates = last || 2 * s == substeps;
     if (estimates) keepForces(group);
@@ -102,6 +108,7 @@ void stepLinked(StepGroup& group, double tick, int substeps) {
     // first anchors and contacts: a damper must not see a point kicked away from what holds it
     solveAnchors(group.links, 0.0);
     settleContacts(group);
+    settlePairs(group.pairs, group.links, kPairTolerance);
     // the half dampings of neighbouring substeps act at the same positions and merge into one
     damp(group, dt, !last, s % 2 == 0);
   }
@@ -121,8 +128,8 @@ void prepareVolumes(SteppedBody& body, double dt) {
 
 bool isPlain(const StepGroup& group) {
   const LinkedBodies& links = group.links;
-  return group.bodies.size() == 1 && links.springs.empty() && links.anchors.empty() && links.rigids.empty() &&
-         !group.bodies[0].springs->limited;
+  return group.bodies.size() == 1 && group.pairs.empty() && links.springs.empty() && links.anchors.empty() &&
+         links.rigids.empty() && !group.bodies[0].springs->limited;
 }
 
 void stepVerlet(StepGroup& group, double tick, int substeps) {

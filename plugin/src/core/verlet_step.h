@@ -3,6 +3,7 @@
 
 #include "core/contact_rows.h"
 #include "core/links.h"
+#include "core/pair_contacts.h"
 #include "core/point_state.h"
 #include "core/spring_arrays.h"
 #include "core/tetrahedron_volumes.h"
@@ -37,10 +38,12 @@ void prepareVolumes(SteppedBody& body, double dt);
 /// `change` is the sum over the points of its square over one substep.
 double verletErrorRate(double change, Eigen::Index points, double dt);
 
-/// Bodies that links join; without links a group is one body.
+/// Bodies that links join or that touch; without links a group is one body.
 struct StepGroup {
   std::vector<SteppedBody> bodies;
-  LinkedBodies links;  ///< links.points[i] is bodies[i].points
+  LinkedBodies links;              ///< links.points[i] is bodies[i].points
+  std::vector<PairContact> pairs;  ///< between these bodies and rigid ones; bodies with pairs have all their
+                                   ///< contacts here, and no rows
 };
 
 /// Whether the group is one body that nothing but its own springs, volumes and contacts acts on.

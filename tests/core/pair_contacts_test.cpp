@@ -1,0 +1,198 @@
+// SPDX-License-Identifier: Zlib
+// Contacts of soft bodies with each other and with rigid ones that move, in the substeps: forces at rest
+// against weights, conservation laws, and Coulomb's law.
+#include "core/pair_contacts.h"
+#include "core/body_measures.h"
+#include "core/verlet_step.h"
+#include "support/networks.h"
+#include "support/stepped_body.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <deque>
+
+namespace limber {
+namespace {
+
+using Eigen::Vector3d;
+using test::SteppedTestBody;
+
+constexpr double kTick = 1.0 / 60.0;
+constexpr double kGravity = 9.81;
+
+SurfacePlace point(std::uint32_t body, std::uint32_t i) {
+  SurfacePlace place;
+  place.kind = SurfacePlace::Kind::Soft;
+  place.body = body;
+  place.point = {i, 0, 0};
+  return place;
+}
+
+SurfacePlace corner(std::uint32_t rigid, const Vector3d& arm) {
+  SurfacePlace place;
+  place.kind = SurfacePlace::Kind::Rigid;
+  place.body = rigid;
+  place.arm = arm;
+  return place;
+}
+
+/// A group made by hand.
+struct Scene {
+  StepGroup group;
+  std::deque<SteppedTestBody> soft;
+
+  std::uint32_t addCube(double stiffness, double damping, const Vector3d& place) {
+    soft.emplace_back(test::fullCubeNetwork(), stiffness, damping);
+    SteppedTestBody& cube = soft.back();
+    cube.state.position.colwise() += place;
+    cube.state.acceleration.row(1).setConstant(-kGravity);
+    group.bodies.push_back(cube.stepped());
+    group.links.points.push_back(&cube.state);
+    return static_cast<std::uint32_t>(soft.size() - 1);
+  }
+
+  std::uint32_t addBox(double mass, const Vector3d& place) {
+    RigidState box;
+    box.position = place;
+    box.acceleration.y() = -kGravity;
+    box.inverseMass.setConstant(1.0 / mass);
+    box.inverseInertiaLocal.setConstant(6.0 / mass);  // of a cube of 1 m
+    group.links.rigids.push_back(box);
+    return static_cast<std::uint32_t>(group.links.rigids.size() - 1);
+  }
+
+  void add(const SurfacePlace& a, const SurfacePlace& b, double gap,
+           const Vector3d& normal = Vector3d::UnitY()) {
+    PairContact c;
+    c.a = a, c.b = b, c.gap = gap, c.normal = normal, c.friction = 0.5;
+    group.pairs.push_back(c);
+  }
+
+  /// The four lower corners of a cube on something; i & 2 of corner i is up.
+  template <class Place>
+  void stand(std::uint32_t cube, Place place) {
+    for (std::uint32_t i = 0; i < 8; ++i)
+      if (!(i & 2)) add(point(cube, i), place(i), 0.0);
+  }
+
+  void run(double time, int substeps) {
+    for (double t = 0.0; t < time - 0.5 * kTick; t += kTick) stepVerlet(group, kTick, substeps);
+  }
+
+  /// N: what the contacts from first to last bear upwards.
+  double force(std::size_t first, std::size_t last) const {
+    double sum = 0.0;
+    for (std::size_t i = first; i < last; ++i) sum += group.pairs[i].impulse.y() / kTick;
+    return sum;
+  }
+};
+
+const auto kFloor = [](std::uint32_t) { return SurfacePlace(); };
+
+TEST(PairContacts, carryATowerOfCubes) {
+  for (const double stiffness : {1e3, 1e5}) {
+    SCOPED_TRACE(stiffness);
+    Scene scene;
+    const int count = 5;
+    for (std::uint32_t c = 0; c < count; ++c) {
+      scene.addCube(stiffness, 2.0, {0, 0.5 + c, 0});
+      if (c == 0)
+        scene.stand(c, kFloor);
+      else
+        scene.stand(c, [&](std::uint32_t i) { return point(c - 1, i | 2); });
+    }
+    scene.run(20.0, 40);
+    for (int c = 0; c < count; ++c)
+      EXPECT_NEAR(scene.force(4 * c, 4 * c + 4) / (kGravity * (count - c)), 1.0, 1e-6) << c;
+    for (const SteppedTestBody& cube : scene.soft) EXPECT_LT(cube.state.velocity.cwiseAbs().maxCoeff(), 1e-6);
+    for (const PairContact& c : scene.group.pairs) EXPECT_NEAR(c.gap, 0.0, 1e-7);
+  }
+}
+
+TEST(PairContacts, carryBoxesLightAndHeavyAndLieOnThem) {
+  for (const double mass : {0.01, 1.0, 100.0}) {
+    SCOPED_TRACE(mass);
+    Scene scene;  // floor, box, cube, box
+    const std::uint32_t cube = scene.addCube(1e5, 5.0, {0, 1.5, 0});
+    const std::uint32_t under = scene.addBox(mass, {0, 0.5, 0}), over = scene.addBox(mass, {0, 2.5, 0});
+    for (std::uint32_t i = 0; i < 8; ++i) {
+      const Vector3d arm((i & 1) - 0.5, i & 2 ? 0.5 : -0.5, (i >> 2) - 0.5);
+      if (i & 2)
+        scene.add(point(cube, i - 2), corner(under, arm), 0.0);
+      else
+        scene.add(corner(under, arm), SurfacePlace(), 0.0);
+    }
+    for (std::uint32_t i = 0; i < 8; ++i)
+      if (i & 2) scene.add(corner(over, Vector3d((i & 1) - 0.5, -0.5, (i >> 2) - 0.5)), point(cube, i), 0.0);
+    scene.run(20.0, 60);
+    const double below = scene.force(0, 2) + scene.force(4, 6),
+                 middle = scene.force(2, 4) + scene.force(6, 8);
+    EXPECT_NEAR(middle / (kGravity * (1.0 + mass)), 1.0, 1e-5);
+    EXPECT_NEAR(below / (kGravity * (1.0 + 2.0 * mass)), 1.0, 1e-5);
+    EXPECT_NEAR(scene.force(8, 12) / (kGravity * mass), 1.0, 1e-5);
+    EXPECT_LT(scene.group.links.rigids[over].velocity.norm(), 1e-5);
+  }
+}
+
+TEST(PairContacts, keepMomentumAndLoseEnergyInFreeFlight) {
+  Scene scene;
+  const std::uint32_t left = scene.addCube(1e4, 0.1, {0, 0, 0}),
+                      right = scene.addCube(1e4, 0.1, {1.01, 0.1, 0.2});
+  for (SteppedTestBody& cube : scene.soft) cube.state.acceleration.setZero();
+  scene.soft[0].state.velocity.row(0).setConstant(3.0);
+  // a corner of the right cube between three corners of the left one's side
+  SurfacePlace side = point(left, 1);
+  side.count = 3;
+  side.point = {1, 3, 5};
+  const Vector3d at = scene.soft[right].state.position.col(0);
+  side.weight = {1.0 - (at.y() + 0.5) - (at.z() + 0.5), at.y() + 0.5, at.z() + 0.5};
+  scene.add(side, point(right, 0), 0.01, -Vector3d::UnitX());
+  scene.group.pairs[0].friction = 0.0;
+  const auto linear = [&] {
+    return linearMomentum(scene.soft[0].state) + linearMomentum(scene.soft[1].state);
+  };
+  const auto angular = [&] {
+    return angularMomentum(scene.soft[0].state) + angularMomentum(scene.soft[1].state);
+  };
+  const Vector3d before = linear(), spin = angular();
+  const double energy = scene.soft[0].energy() + scene.soft[1].energy();
+  scene.run(0.1, 30);
+  EXPECT_LT((linear() - before).norm(), 1e-13);
+  EXPECT_GT(linearMomentum(scene.soft[1].state).x(), 0.5) << "they have met";
+  EXPECT_LT(scene.soft[0].energy() + scene.soft[1].energy(), energy);
+  // the two places are 1 cm apart at first, and the sides turn in the tick that the weights are kept for
+  EXPECT_LT((angular() - spin).norm(), 0.01 * before.norm());
+}
+
+TEST(PairContacts, slideByCoulombsLaw) {
+  for (const double share : {0.97, 1.03}) {
+    Scene scene;
+    const double slope = std::atan(0.5 * share);
+    scene.addBox(3.0, {0, 0.5, 0});
+    // the slope is level and gravity tilted
+    scene.group.links.rigids[0].acceleration = kGravity * Vector3d(std::sin(slope), -std::cos(slope), 0);
+    for (const double x : {-0.5, 0.5})
+      for (const double z : {-0.5, 0.5}) scene.add(corner(0, {x, -0.5, z}), SurfacePlace(), 0.0);
+    scene.run(1.0, 10);
+    const double expected = std::max(0.0, kGravity * (std::sin(slope) - 0.5 * std::cos(slope)));
+    EXPECT_NEAR(scene.group.links.rigids[0].velocity.x(), expected, 1e-4 + 1e-3 * expected) << share;
+  }
+}
+
+TEST(PairContacts, drawApartGentlyWhatOverlaps) {
+  Scene scene;
+  scene.addCube(1e4, 1.0, {0, 0.5, 0});
+  scene.stand(0, kFloor);
+  for (PairContact& c : scene.group.pairs) c.gap = -0.05, c.friction = 0.0;
+  double fastest = 0.0;
+  for (int i = 0; i < 60; ++i) {
+    stepVerlet(scene.group, kTick, 10);
+    fastest = std::max(fastest, scene.soft[0].state.velocity.row(1).maxCoeff());
+  }
+  EXPECT_NEAR(scene.group.pairs[0].gap, 0.0, 1e-3);
+  EXPECT_LT(fastest, 1.0);
+}
+
+}  // namespace
+}  // namespace limber
