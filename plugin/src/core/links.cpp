@@ -64,7 +64,7 @@ Matrix3d mobility(const LinkedBodies& bodies, const LinkEnd& end) {
   const Vector3d r = arm(bodies, end);
   Matrix3d cross;
   cross << 0, -r.z(), r.y(), r.z(), 0, -r.x(), -r.y(), r.x(), 0;
-  Matrix3d m = -cross * rigid.inverseInertia() * cross;
+  Matrix3d m = -cross * rigid.inverseInertia * cross;
   m.diagonal() += rigid.inverseMass;
   return m;
 }

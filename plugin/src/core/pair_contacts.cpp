@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Zlib
 #include "core/pair_contacts.h"
 
+#include <Eigen/Geometry>
+#include <Eigen/LU>
+
 #include <algorithm>
 #include <cmath>
 
@@ -8,135 +11,210 @@ namespace limber {
 namespace {
 
 using Eigen::Matrix3d;
+using Eigen::Vector2d;
 using Eigen::Vector3d;
 
 /// As in contact_rows.cpp.
 constexpr double kRecovery = 0.2;
 
-constexpr int kMostSweeps = 32;
+constexpr int kMostSweeps = 24;
 
-Vector3d velocityAt(const LinkedBodies& bodies, const SurfacePlace& place) {
-  if (place.kind == SurfacePlace::Kind::World) return place.velocity;
-  if (place.kind == SurfacePlace::Kind::Rigid) return bodies.rigids[place.body].velocityAt(place.arm);
-  const Points& velocity = bodies.points[place.body]->velocity;
-  Vector3d sum = place.weight[0] * velocity.col(place.point[0]);
-  for (std::uint32_t i = 1; i < place.count; ++i) sum += place.weight[i] * velocity.col(place.point[i]);
-  return sum;
-}
+/// Which of a row's two impulses a solve is about.
+enum class Stage { Stopping, Settling };
 
-void push(LinkedBodies& bodies, const SurfacePlace& place, const Vector3d& impulse) {
-  if (place.kind == SurfacePlace::Kind::Rigid) {
-    bodies.rigids[place.body].applyImpulse(impulse, place.arm);
-  } else if (place.kind == SurfacePlace::Kind::Soft) {
-    PointState& p = *bodies.points[place.body];
-    for (std::uint32_t i = 0; i < place.count; ++i)
-      p.velocity.col(place.point[i]) +=
-          place.weight[i] * impulse.cwiseProduct(p.inverseMass.col(place.point[i]));
-  }
-}
+Bearing& bearingOf(PairContact& c, Stage stage) { return stage == Stage::Stopping ? c.stopping : c.settling; }
+double& impulseOf(JointRow& j, Stage stage) { return stage == Stage::Stopping ? j.stopping : j.settling; }
 
-/// The velocity change there per impulse there, 3 x 3.
-Matrix3d mobility(const LinkedBodies& bodies, const SurfacePlace& place) {
-  Matrix3d m = Matrix3d::Zero();
-  if (place.kind == SurfacePlace::Kind::Soft) {
-    const PointState& p = *bodies.points[place.body];
-    for (std::uint32_t i = 0; i < place.count; ++i)
-      m.diagonal() += place.weight[i] * place.weight[i] * p.inverseMass.col(place.point[i]);
-  } else if (place.kind == SurfacePlace::Kind::Rigid) {
-    const RigidState& rigid = bodies.rigids[place.body];
-    const Vector3d& r = place.arm;
-    Matrix3d cross;
-    cross << 0, -r.z(), r.y(), r.z(), 0, -r.x(), -r.y(), r.x(), 0;
-    m = -cross * rigid.inverseInertia() * cross;
-    m.diagonal() += rigid.inverseMass;
-  }
-  return m;
-}
-
-void bear(LinkedBodies& bodies, PairContact& c, const Vector3d& impulse) {
+void bear(LinkedBodies& bodies, PairContact& c, const Bearing& change) {
+  const Vector3d impulse = change.along * c.normal + change.across;
   push(bodies, c.a, impulse);
   push(bodies, c.b, -impulse);
   c.impulse += impulse;
 }
 
-/// Brings the speed along the normal up to `target`, with the sum of the impulses so far 0 or more, and
-/// friction within its cone. Returns the largest change of velocity.
-double solveContact(LinkedBodies& bodies, PairContact& c, PairContact::Bearing& sum, double target) {
-  if (c.mass == 0.0) return 0.0;
-  const Vector3d relative = velocityAt(bodies, c.a) - velocityAt(bodies, c.b);
-  const double speed = c.normal.dot(relative);
-  const double along = std::max(0.0, sum.along + (target - speed) * c.mass);
-  Vector3d across = Vector3d::Zero();
-  if (c.friction > 0.0 && along > 0.0) {
-    across = sum.across - c.acrossMass * (relative - speed * c.normal);
-    const double most = c.friction * along, squared = across.squaredNorm();
-    if (squared > most * most) across *= most / std::sqrt(squared);
+/// Of the friction of a contact that slides: by so much at least a sweep turns it against the sliding.
+/// Contacts of one body may bear friction against each other that does nothing but use up their cones;
+/// without this a slow slide would take long to get it out.
+constexpr double kLeastTurn = 0.1;
+
+/// Friction that stops the sliding `across` (m/s) altogether, or as much as there is, against the sliding.
+void addFriction(const PairContact& c, const Vector2d& across, Bearing& sum) {
+  const double most = c.friction * sum.along;
+  const Vector3d stopping = sum.across - c.tangents * (c.acrossMass * across);
+  if (stopping.squaredNorm() <= most * most) {
+    sum.across = stopping;
+    return;
   }
-  const Vector3d change = (along - sum.along) * c.normal + across - sum.across;
-  if (change.isZero(0.0)) return 0.0;
-  sum.along = along;
-  sum.across = across;
-  bear(bodies, c, change);
-  return change.norm() / c.mass;
+  const double speed = across.norm();
+  const double turn = speed > 0.0 ? std::max(0.5 * c.acrossMass.trace(), kLeastTurn * most / speed) : 0.0;
+  sum.across -= turn * (c.tangents * across);
+  const double length = sum.across.norm();
+  if (length > most) sum.across *= most / length;
 }
 
-/// The largest eigenvalue of a symmetric matrix between directions across n: with s half the trace and d the
-/// determinant of its 2 x 2 part  s + sqrt(s^2 - d).
-double largestAcross(const Matrix3d& m, const Vector3d& n) {
-  const Vector3d t = n.unitOrthogonal(), u = n.cross(t);
-  const double tt = t.dot(m * t), uu = u.dot(m * u), tu = t.dot(m * u), half = 0.5 * (tt + uu);
-  return half + std::sqrt(std::max(0.0, half * half - (tt * uu - tu * tu)));
+/// Brings the speed along the normal up to `target`, with the sum of the impulses so far 0 or more, and
+/// friction within its cone. Returns the change of the impulse.
+Bearing solveContact(LinkedBodies& bodies, PairContact& c, Bearing& sum, double target) {
+  const Vector3d relative = velocityAt(bodies, c.a) - velocityAt(bodies, c.b);
+  const Bearing before = sum;
+  sum.along = std::max(0.0, sum.along + (target - c.normal.dot(relative)) * c.mass);
+  const double along = sum.along - before.along;
+  addFriction(c, c.tangents.transpose() * relative + along * c.acrossAlong, sum);
+  const Bearing change{along, sum.across - before.across};
+  bear(bodies, c, change);
+  return change;
 }
 
 double targetOf(const PairContact& c, double dt) {
   return c.gap >= 0.0 ? -c.gap / dt : std::min(-kRecovery * c.gap / dt, c.recoverySpeed);
 }
 
-/// What the last substep bore is about what this one will.
-void warmStart(LinkedBodies& bodies, PairContact& c, const PairContact::Bearing& sum) {
-  if (sum.along > 0.0) bear(bodies, c, sum.along * c.normal + sum.across);
+void pushJoint(LinkedBodies& bodies, JointRow& j, double impulse) {
+  const auto push = [&](RigidState& rigid, const Vector3d& linear, const Vector3d& angular) {
+    rigid.velocity += impulse * linear.cwiseProduct(rigid.inverseMass);
+    rigid.angularVelocity += impulse * (rigid.inverseInertia * angular);
+  };
+  push(bodies.rigids[j.a], j.linearA, j.angularA);
+  push(bodies.rigids[j.b], j.linearB, j.angularB);
+  j.impulse += impulse;
+}
+
+double speedOf(const LinkedBodies& bodies, const JointRow& j) {
+  const RigidState &a = bodies.rigids[j.a], &b = bodies.rigids[j.b];
+  return j.linearA.dot(a.velocity) + j.angularA.dot(a.angularVelocity) + j.linearB.dot(b.velocity) +
+         j.angularB.dot(b.angularVelocity);
+}
+
+double solveJoint(LinkedBodies& bodies, JointRow& j, double& sum) {
+  const double wanted = sum + (j.speed - speedOf(bodies, j) - j.softness * sum) * j.mass;
+  const double impulse = std::clamp(wanted, j.lower, j.upper), change = impulse - sum;
+  sum = impulse;
+  pushJoint(bodies, j, change);
+  return change;
+}
+
+/// What a sweep has changed: the largest change of a velocity, and the sum of all changes as an energy.
+struct Change {
+  double largest = 0.0, energy = 0.0;
+  void add(double squaredImpulse, double mass) {
+    largest = std::max(largest, squaredImpulse / (mass * mass));
+    energy += squaredImpulse / mass;
+  }
+  bool within(double tolerance) const { return largest <= tolerance * tolerance; }
+};
+
+/// One stage of all rows of a group.
+struct Solve {
+  PairRows& rows;
+  LinkedBodies& bodies;
+  Stage stage;
+  double dt;
+
+  bool takesPart(const PairContact& c) const {
+    return c.mass > 0.0 && (stage == Stage::Stopping || c.stopping.along > 0.0);
+  }
+
+  /// What the last substep bore is about what this one will.
+  void start() {
+    for (JointRow& j : rows.joints) {
+      pushJoint(bodies, j, impulseOf(j, stage));
+      j.direction = 0.0;
+    }
+    for (PairContact& c : rows.contacts) {
+      Bearing& sum = bearingOf(c, stage);
+      if (!takesPart(c)) sum = {};
+      if (sum.along > 0.0) bear(bodies, c, sum);
+      c.direction = {};
+    }
+  }
+
+  Change sweep() {
+    Change change;
+    for (JointRow& j : rows.joints) {
+      j.change = j.mass > 0.0 ? solveJoint(bodies, j, impulseOf(j, stage)) : 0.0;
+      if (j.mass > 0.0) change.add(j.change * j.change, j.mass);
+    }
+    for (PairContact& c : rows.contacts) {
+      if (!takesPart(c)) continue;
+      const double target = stage == Stage::Stopping ? targetOf(c, dt) : 0.0;
+      c.change = solveContact(bodies, c, bearingOf(c, stage), target);
+      change.add(c.change.along * c.change.along + c.change.across.squaredNorm(), c.mass);
+    }
+    return change;
+  }
+
+  /// On along `beta` times the last direction; the new one is that and what the sweep has changed.
+  void stepOn(double beta) {
+    for (JointRow& j : rows.joints) {
+      j.direction *= beta;
+      pushJoint(bodies, j, j.direction);
+      impulseOf(j, stage) += j.direction;
+      j.direction += j.change;
+    }
+    for (PairContact& c : rows.contacts) {
+      if (!takesPart(c)) continue;
+      c.direction = {beta * c.direction.along, beta * c.direction.across};
+      bear(bodies, c, c.direction);
+      Bearing& sum = bearingOf(c, stage);
+      sum = {sum.along + c.direction.along, sum.across + c.direction.across};
+      c.direction = {c.direction.along + c.change.along, c.direction.across + c.change.across};
+    }
+  }
+
+  int run() {
+    start();
+    double before = 0.0;
+    for (int count = 1;; ++count) {
+      const Change change = sweep();
+      if (change.within(kPairTolerance) || count == kMostSweeps) return count;
+      // where the last sweep has changed more than the one before, its direction leads astray
+      const double beta = before > 0.0 ? change.energy / before : 0.0;
+      stepOn(beta <= 1.0 ? beta : 0.0);
+      before = change.energy;
+    }
+  }
+};
+
+void prepareContact(PairContact& c, const LinkedBodies& bodies) {
+  const Matrix3d m = mobility(bodies, c.a) + mobility(bodies, c.b);
+  const double along = c.normal.dot(m * c.normal);
+  c.mass = along > 0.0 ? 1.0 / along : 0.0;
+  c.tangents.col(0) = c.normal.unitOrthogonal();
+  c.tangents.col(1) = c.normal.cross(c.tangents.col(0));
+  c.acrossAlong = c.tangents.transpose() * m * c.normal;
+  const Eigen::Matrix2d across = c.tangents.transpose() * m * c.tangents;
+  c.acrossMass = across.determinant() > 0.0 ? Eigen::Matrix2d(across.inverse()) : Eigen::Matrix2d::Zero();
+  c.impulse.setZero();
+}
+
+void prepareJoint(JointRow& j, const LinkedBodies& bodies) {
+  const auto share = [&](const RigidState& rigid, const Vector3d& linear, const Vector3d& angular) {
+    return linear.dot(linear.cwiseProduct(rigid.inverseMass)) + angular.dot(rigid.inverseInertia * angular);
+  };
+  const double mobility =
+      share(bodies.rigids[j.a], j.linearA, j.angularA) + share(bodies.rigids[j.b], j.linearB, j.angularB);
+  j.mass = mobility > 0.0 ? 1.0 / (mobility + j.softness) : 0.0;
+  j.impulse = 0.0;
 }
 
 }  // namespace
 
-void preparePairs(std::vector<PairContact>& contacts, const LinkedBodies& bodies) {
-  for (PairContact& c : contacts) {
-    const Matrix3d m = mobility(bodies, c.a) + mobility(bodies, c.b);
-    const double along = c.normal.dot(m * c.normal), across = largestAcross(m, c.normal);
-    c.mass = along > 0.0 ? 1.0 / along : 0.0;
-    c.acrossMass = across > 0.0 ? 1.0 / across : 0.0;
-    c.impulse.setZero();
-  }
+void preparePairs(PairRows& rows, const LinkedBodies& bodies) {
+  for (PairContact& c : rows.contacts) prepareContact(c, bodies);
+  for (JointRow& j : rows.joints) prepareJoint(j, bodies);
 }
 
-int stopPairs(std::vector<PairContact>& contacts, LinkedBodies& bodies, double dt, double tolerance) {
-  for (PairContact& c : contacts) warmStart(bodies, c, c.stopping);
-  int sweep = 0;
-  for (double largest = HUGE_VAL; largest > tolerance && sweep < kMostSweeps; ++sweep) {
-    largest = 0.0;
-    for (PairContact& c : contacts)
-      largest = std::max(largest, solveContact(bodies, c, c.stopping, targetOf(c, dt)));
-  }
-  return sweep;
+int stopPairs(PairRows& rows, LinkedBodies& bodies, double dt) {
+  return Solve{rows, bodies, Stage::Stopping, dt}.run();
 }
 
-void movePairs(std::vector<PairContact>& contacts, const LinkedBodies& bodies, double dt) {
-  for (PairContact& c : contacts)
+void movePairs(PairRows& rows, const LinkedBodies& bodies, double dt) {
+  for (PairContact& c : rows.contacts)
     c.gap += dt * c.normal.dot(velocityAt(bodies, c.a) - velocityAt(bodies, c.b));
 }
 
-int settlePairs(std::vector<PairContact>& contacts, LinkedBodies& bodies, double tolerance) {
-  for (PairContact& c : contacts) {
-    if (c.stopping.along == 0.0) c.settling = {};
-    warmStart(bodies, c, c.settling);
-  }
-  int sweep = 0;
-  for (double largest = HUGE_VAL; largest > tolerance && sweep < kMostSweeps; ++sweep) {
-    largest = 0.0;
-    for (PairContact& c : contacts)
-      if (c.stopping.along > 0.0) largest = std::max(largest, solveContact(bodies, c, c.settling, 0.0));
-  }
-  return sweep;
+int settlePairs(PairRows& rows, LinkedBodies& bodies) {
+  return Solve{rows, bodies, Stage::Settling, 0.0}.run();
 }
 
 }  // namespace limber

@@ -1,24 +1,18 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
-#include "core/links.h"
+#include "core/surface_place.h"
 
-#include <array>
+#include <cmath>
 #include <cstdint>
 #include <vector>
 
 namespace limber {
 
-/// A place on the surface of a body: on a soft one a point mass or a place between two or three, on a rigid
-/// one a place off its centre of mass, or one that moves as told.
-struct SurfacePlace {
-  enum class Kind : std::uint8_t { Soft, Rigid, World } kind = Kind::World;
-  std::uint32_t body = 0;                              ///< index into the group's points or rigids
-  std::uint32_t count = 1;                             ///< of a Soft: how many points, 1 to 3
-  std::array<std::uint32_t, 3> point{};                ///< of a Soft
-  std::array<double, 3> weight{1.0};                   ///< of a Soft, sum 1
-  Eigen::Vector3d arm = Eigen::Vector3d::Zero();       ///< of a Rigid: m, from its centre, world axes
-  Eigen::Vector3d velocity = Eigen::Vector3d::Zero();  ///< of the World: m/s, constant over the tick
+/// What a contact bears, or a change of it.
+struct Bearing {
+  double along = 0.0;                                ///< N s, 0 or more
+  Eigen::Vector3d across = Eigen::Vector3d::Zero();  ///< N s, friction
 };
 
 /// Two places that must not get nearer to each other along a normal than they are allowed to, with Coulomb
@@ -30,30 +24,57 @@ struct PairContact {
   double gap = 0.0;                                   ///< m between the surfaces; moves on with the substeps
   double friction = 0.0;
   double recoverySpeed = 0.5;  ///< m/s, at which surfaces that overlap are drawn apart at most
+  Bearing stopping, settling;  ///< of the present substep; to begin with, a guess
 
   // Written by the step.
   Eigen::Vector3d impulse = Eigen::Vector3d::Zero();  ///< N s on a, sum over the tick
-  struct Bearing {
-    double along = 0.0;                                ///< N s, 0 or more
-    Eigen::Vector3d across = Eigen::Vector3d::Zero();  ///< N s, friction
-  } stopping, settling;                                ///< of the present substep, and its start values
-  double mass = 0.0;                                   ///< kg along the normal; 0: neither side can be moved
-  double acrossMass = 0.0;                             ///< kg across it, the smallest of all directions
+  double mass = 0.0;                                  ///< kg along it; 0: neither side can be moved
+  Eigen::Matrix<double, 3, 2> tangents = Eigen::Matrix<double, 3, 2>::Zero();  ///< across the normal
+  Eigen::Matrix2d acrossMass = Eigen::Matrix2d::Zero();                        ///< kg, between the tangents
+  Eigen::Vector2d acrossAlong = Eigen::Vector2d::Zero();  ///< 1/kg, speeds across per impulse along
+  Bearing change, direction;                              ///< scratch of the solver
 };
 
-/// Before the first substep of a tick: the contacts' masses; forgets earlier impulses.
-void preparePairs(std::vector<PairContact>& contacts, const LinkedBodies& bodies);
+/// One row of a joint between rigid bodies, as Bullet's constraints describe theirs:
+///     linearA . va + angularA . wa + linearB . vb + angularB . wb = speed,
+/// kept by an impulse between lower and upper that acts along those same vectors.
+struct JointRow {
+  std::uint32_t a = 0, b = 0;  ///< indices into the group's rigids
+  Eigen::Vector3d linearA, angularA, linearB, angularB;
+  double speed = 0.0;                          ///< m/s or rad/s
+  double lower = -HUGE_VAL, upper = HUGE_VAL;  ///< N s or N m s, of a substep
+  double softness = 0.0;                       ///< of the speed, per impulse (Bullet's cfm / time step)
+  double stopping = 0.0, settling = 0.0;       ///< impulse of the present substep; to begin with, a guess
+
+  // Written by the step.
+  double impulse = 0.0;                  ///< sum over the tick
+  double mass = 0.0;                     ///< impulse per speed; 0: neither side can be moved
+  double change = 0.0, direction = 0.0;  ///< scratch of the solver
+};
+
+/// What couples the bodies of a group besides springs.
+struct PairRows {
+  std::vector<PairContact> contacts;
+  std::vector<JointRow> joints;
+  bool empty() const { return contacts.empty() && joints.empty(); }
+};
+
+/// m/s: no row may be wrong by more when a solve ends, unless it has used up its sweeps.
+constexpr double kPairTolerance = 1e-4;
+
+/// Before the first substep of a tick: masses; forgets earlier sums.
+void preparePairs(PairRows& rows, const LinkedBodies& bodies);
 
 /// Before a drift of dt seconds: impulses with which no pair ends nearer than it may, those that overlap draw
-/// apart gently, and friction stops as much sliding as it can. Projected Gauss-Seidel over all contacts,
-/// from the impulses of the last substep on, until no contact changes a velocity by more than `tolerance`
-/// (m/s); returns the number of sweeps.
-int stopPairs(std::vector<PairContact>& contacts, LinkedBodies& bodies, double dt, double tolerance);
+/// apart gently, friction stops as much sliding as it can, and joints hold. From the impulses of the last
+/// substep on, by projected Gauss-Seidel sweeps with a nonsmooth nonlinear conjugate gradient step between
+/// them (Silcowitz, Niebe, Erleben 2010, algorithm 2). Returns the number of sweeps.
+int stopPairs(PairRows& rows, LinkedBodies& bodies, double dt);
 
 /// After that drift: the gaps as they are now.
-void movePairs(std::vector<PairContact>& contacts, const LinkedBodies& bodies, double dt);
+void movePairs(PairRows& rows, const LinkedBodies& bodies, double dt);
 
 /// After the second kick of a substep: pairs that bore something do not approach, as settleContacts.
-int settlePairs(std::vector<PairContact>& contacts, LinkedBodies& bodies, double tolerance);
+int settlePairs(PairRows& rows, LinkedBodies& bodies);
 
 }  // namespace limber

@@ -7,12 +7,18 @@ namespace limber {
 
 void RigidState::kick(double dt) {
   velocity += dt * (acceleration + force.cwiseProduct(inverseMass));
-  angularVelocity += dt * (angularAcceleration + inverseInertia() * torque);
+  angularVelocity += dt * (angularAcceleration + inverseInertia * torque);
 }
 
 void RigidState::drift(double dt) {
   position += dt * velocity;
   rotation = (rotationBy(dt * angularVelocity) * rotation).normalized();
+  turn();
+}
+
+void RigidState::turn() {
+  const Eigen::Matrix3d r = rotation.toRotationMatrix();
+  inverseInertia = angularFactor.asDiagonal() * (r * inverseInertiaLocal.asDiagonal() * r.transpose());
 }
 
 Eigen::Quaterniond rotationBy(const Eigen::Vector3d& v) {

@@ -18,12 +18,10 @@ struct RigidState {
   Eigen::Vector3d angularFactor = Eigen::Vector3d::Ones();        ///< 0 locks a world axis
   Eigen::Vector3d force = Eigen::Vector3d::Zero();                ///< N, from springs
   Eigen::Vector3d torque = Eigen::Vector3d::Zero();               ///< N m, from springs
+  Eigen::Matrix3d inverseInertia = Eigen::Matrix3d::Zero();  ///< 1/(kg m^2), about world axes, see turn()
 
-  /// 1/(kg m^2), about world axes at the present rotation.
-  Eigen::Matrix3d inverseInertia() const {
-    const Eigen::Matrix3d r = rotation.toRotationMatrix();
-    return angularFactor.asDiagonal() * (r * inverseInertiaLocal.asDiagonal() * r.transpose());
-  }
+  /// Makes inverseInertia that of the present rotation. Call it once the fields above are set; drift() does.
+  void turn();
 
   void kick(double dt);
   void drift(double dt);
@@ -31,7 +29,7 @@ struct RigidState {
   /// Adds an impulse (N s) at `arm` (m) from the centre of mass.
   void applyImpulse(const Eigen::Vector3d& impulse, const Eigen::Vector3d& arm) {
     velocity += impulse.cwiseProduct(inverseMass);
-    angularVelocity += inverseInertia() * arm.cross(impulse);
+    angularVelocity += inverseInertia * arm.cross(impulse);
   }
 
   Eigen::Vector3d velocityAt(const Eigen::Vector3d& arm) const {

@@ -79,15 +79,13 @@ void estimateErrors(StepGroup& group, double dt) {
   }
 }
 
-/// m/s: what one contact may be wrong by in a substep.
-constexpr double kPairTolerance = 1e-6;
-
 void stepLinked(StepGroup& group, double tick, int substeps) {
   const double dt = tick / substeps;
   for (SteppedBody& body : group.bodies) {
     body.errorRate = 0.0;
     if (body.contacts) prepareContacts(*body.contacts, viewOf(*body.points));
   }
+  for (RigidState& rigid : group.links.rigids) rigid.turn();
   preparePairs(group.pairs, group.links);
   computeForces(group);
   solveAnchors(group.links, 0.0);
@@ -97,7 +95,7 @@ void stepLinked(StepGroup& group, double tick, int substeps) {
     kick(group, 0.5 * dt);
     solveAnchors(group.links, dt);
     stopAtContacts(group, s * dt, dt);
-    stopPairs(group.pairs, group.links, dt, kPairTolerance);
+    if (!group.pairs.empty()) stopPairs(group.pairs, group.links, dt);
     movePairs(group.pairs, group.links, dt);
     drift(group, dt);
     const bool estimates = last || 2 * s == substeps;
@@ -108,7 +106,7 @@ void stepLinked(StepGroup& group, double tick, int substeps) {
     // first anchors and contacts: a damper must not see a point kicked away from what holds it
     solveAnchors(group.links, 0.0);
     settleContacts(group);
-    settlePairs(group.pairs, group.links, kPairTolerance);
+    if (!group.pairs.empty()) settlePairs(group.pairs, group.links);
     // the half dampings of neighbouring substeps act at the same positions and merge into one
     damp(group, dt, !last, s % 2 == 0);
   }

@@ -41,9 +41,8 @@ double verletErrorRate(double change, Eigen::Index points, double dt);
 /// Bodies that links join or that touch; without links a group is one body.
 struct StepGroup {
   std::vector<SteppedBody> bodies;
-  LinkedBodies links;              ///< links.points[i] is bodies[i].points
-  std::vector<PairContact> pairs;  ///< between these bodies and rigid ones; bodies with pairs have all their
-                                   ///< contacts here, and no rows
+  LinkedBodies links;  ///< links.points[i] is bodies[i].points
+  PairRows pairs;      ///< what else couples them, and the rigid ones with their own surroundings
 };
 
 /// Whether the group is one body that nothing but its own springs, volumes and contacts acts on.
