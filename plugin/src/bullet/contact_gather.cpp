@@ -2,6 +2,7 @@
 #include "bullet/contact_gather.h"
 
 #include "bullet/contact_filter.h"
+#include "bullet/contact_reach.h"
 #include "bullet/convert.h"
 
 #include <algorithm>
@@ -10,54 +11,25 @@ namespace limber {
 inline namespace LIMBER_BULLET_PRECISION {
 namespace {
 
-/// A point can be pushed faster within the tick than it was at its start.
-constexpr double kReachPerMotion = 1.5;
-
 /// Of the radius: a point that reaches no farther, the third of it that is always looked at included, is
 /// slow.
 constexpr double kSlowReach = 0.6;
 
-/// Of two contacts of a point whose normals are closer than this (cosine), only the nearer counts:
-/// neighbouring triangles of a flat surface are one surface.
-constexpr double kSameSurface = 0.995;
-
-struct Reach {
-  Eigen::Vector3d low, high;
-  double distance;  ///< m, beyond the radius
-};
-
-Reach reachOf(const SoftBodyData& body, Eigen::Index i, double tick) {
-  const double radius = double(body.masses.shape->getRadius());
-  const Eigen::Vector3d x = body.state.position.col(i);
-  const double motion =
-      tick * body.state.velocity.col(i).norm() + tick * tick * body.state.acceleration.col(i).norm();
-  const double distance = kReachPerMotion * motion + radius / 3.0;
-  const double size = radius + distance;
-  return {x.array() - size, x.array() + size, distance};
-}
-
 /// Collects the partners of a body in a tick.
 struct PartnersInBox final : btBroadphaseAabbCallback {
-  PartnersInBox(const SoftBodyData& b, std::vector<const btCollisionObject*>& f) : body(&b), found(&f) {}
-  const SoftBodyData* body;
-  std::vector<const btCollisionObject*>* found;
+  explicit PartnersInBox(SoftBodyData& b) : body(&b) {}
+  SoftBodyData* body;
 
   bool process(const btBroadphaseProxy* proxy) override {
-    const auto* object = static_cast<const btCollisionObject*>(proxy->m_clientObject);
-    if (object->isStaticOrKinematicObject() && !PointMass::from(object) && canHit(*body, *proxy))
-      found->push_back(object);
+    auto* object = static_cast<btCollisionObject*>(proxy->m_clientObject);
+    if (PointMass::from(object) || !canHit(*body, *proxy)) return true;
+    if (object->isStaticOrKinematicObject())
+      body->partners.push_back(object);
+    else if (btRigidBody* rigid = btRigidBody::upcast(object))
+      body->freePartners.push_back(rigid);
     return true;
   }
 };
-
-bool overlaps(const Reach& reach, const btCollisionObject& partner) {
-  const btBroadphaseProxy& proxy = *partner.getBroadphaseHandle();
-  return (toEigen(proxy.m_aabbMin).array() <= reach.high.array()).all() &&
-         (toEigen(proxy.m_aabbMax).array() >= reach.low.array()).all();
-}
-
-/// 1/s: radii per second at which a point is lifted out of what it has got into. 0.5 m/s for the usual 2 cm.
-constexpr double kRecoveryRate = 25.0;
 
 /// The rows that one point and one partner make.
 class RowsOfPair final : public btCollisionWorld::ContactResultCallback {
@@ -82,7 +54,7 @@ class RowsOfPair final : public btCollisionWorld::ContactResultCallback {
     row.point = point_;
     row.normal = normal.normalized();
     row.friction = double(combinedFriction());
-    row.recoverySpeed = kRecoveryRate * double(body_->masses.shape->getRadius());
+    row.recoverySpeed = recoverySpeed(double(body_->masses.shape->getRadius()));
     row.surfaceVelocity = velocityOfPartner(surface);
     // a kinematic body is already where it will be at the end of the tick
     row.touch = toEigen(surface) + double(body_->masses.shape->getRadius()) * row.normal -
@@ -183,6 +155,7 @@ void gatherContacts(SoftBodyData& body, btScalar tick) {
   body.contacts.clear();
   body.contactPartners.clear();
   body.partners.clear();
+  body.freePartners.clear();
   body.reach.resize(body.masses.bodies.size());
   Eigen::Vector3d low = Eigen::Vector3d::Constant(1e300), high = -low;
   for (Eigen::Index i = 0; i < body.state.position.cols(); ++i) {
@@ -191,7 +164,7 @@ void gatherContacts(SoftBodyData& body, btScalar tick) {
     low = low.cwiseMin(reach.low);
     high = high.cwiseMax(reach.high);
   }
-  PartnersInBox partners(body, body.partners);
+  PartnersInBox partners(body);
   body.world->getBroadphase()->aabbTest(toBullet(low), toBullet(high), partners);
   for (std::uint32_t i = 0; i < body.masses.bodies.size(); ++i) {
     for (const btCollisionObject* partner : body.partners)

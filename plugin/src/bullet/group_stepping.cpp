@@ -65,7 +65,7 @@ SteppingProblem problemOf(TickGroup& group, double tick) {
     p.narrow = body->narrow;
     p.cheapNewton = body->cheapNewton;
   }
-  p.implicitPossible = isPlain(group.step) && canStepImplicitly(group.step.bodies[0]);
+  p.implicitPossible = !group.clustered && isPlain(group.step) && canStepImplicitly(group.step.bodies[0]);
   return p;
 }
 
@@ -121,8 +121,9 @@ double energyOf(SteppedBody& body) {
 /// against the change of volume hold it back, which may give energy.
 void startGuard(TickGroup& group) {
   SoftBodyData* body = group.bodies.size() == 1 ? group.bodies[0] : nullptr;
-  group.guarded = body && (body->volumes.restless || body->tetrahedra.restless) && isPlain(group.step) &&
-                  body->contacts.empty() && (body->state.inverseMass.array() > 0.0).all();
+  group.guarded = body && !group.clustered && (body->volumes.restless || body->tetrahedra.restless) &&
+                  isPlain(group.step) && body->contacts.empty() &&
+                  (body->state.inverseMass.array() > 0.0).all();
   if (group.guarded) group.energyBefore = energyOf(group.step.bodies[0]);
 }
 

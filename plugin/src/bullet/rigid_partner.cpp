@@ -3,6 +3,8 @@
 
 #include "bullet/convert.h"
 
+#include <cmath>
+
 namespace limber {
 inline namespace LIMBER_BULLET_PRECISION {
 namespace {
@@ -30,11 +32,16 @@ void gatherFreeRigid(RigidPartner& partner, RigidState& state) {
   state.angularFactor = toEigen(body.getAngularFactor());
 }
 
+/// What Bullet multiplies velocities by in the tick, before its solver; it is 0 only where all motion is
+/// lost.
+double keptShare(btScalar damping, btScalar tick) { return std::pow(1.0 - double(damping), double(tick)); }
+
 }  // namespace
 
 RigidPartner makePartner(btRigidBody& body) {
   RigidPartner partner;
   partner.body = &body;
+  partner.place = body.getWorldArrayIndex();
   partner.lastPose = body.getWorldTransform();
   return partner;
 }
@@ -55,18 +62,23 @@ void handOverRigid(RigidPartner& partner, const RigidState& end, btScalar tick) 
   const double h = double(tick);
   const Eigen::Vector3d mean = (end.position - partner.start.position) / h;
   const Eigen::Vector3d meanAngular = rotationBetween(partner.start.rotation, end.rotation) / h;
-  body.setLinearVelocity(toBullet(Eigen::Vector3d(mean - h * partner.start.acceleration)));
-  body.setAngularVelocity(toBullet(Eigen::Vector3d(meanAngular - h * partner.start.angularAcceleration)));
+  const double linear = keptShare(body.getLinearDamping(), tick);
+  const double angular = keptShare(body.getAngularDamping(), tick);
+  const Eigen::Vector3d handed = mean - h * partner.start.acceleration;
+  const Eigen::Vector3d handedAngular = meanAngular - h * partner.start.angularAcceleration;
+  if (linear > 0.0) body.setLinearVelocity(toBullet(Eigen::Vector3d(handed / linear)));
+  if (angular > 0.0) body.setAngularVelocity(toBullet(Eigen::Vector3d(handedAngular / angular)));
   partner.expectedVelocity = toBullet(mean);
   partner.expectedAngularVelocity = toBullet(meanAngular);
 }
 
-void takeBackRigid(RigidPartner& partner, const RigidState& end) {
+void takeBackRigid(RigidPartner& partner, const RigidState& end, btScalar tick) {
   if (partner.held || !partner.body->isActive()) return;
   btRigidBody& body = *partner.body;
-  body.setLinearVelocity(body.getLinearVelocity() - partner.expectedVelocity + toBullet(end.velocity));
-  body.setAngularVelocity(body.getAngularVelocity() - partner.expectedAngularVelocity +
-                          toBullet(end.angularVelocity));
+  const Eigen::Vector3d velocity = keptShare(body.getLinearDamping(), tick) * end.velocity;
+  const Eigen::Vector3d spin = keptShare(body.getAngularDamping(), tick) * end.angularVelocity;
+  body.setLinearVelocity(body.getLinearVelocity() - partner.expectedVelocity + toBullet(velocity));
+  body.setAngularVelocity(body.getAngularVelocity() - partner.expectedAngularVelocity + toBullet(spin));
   body.setInterpolationLinearVelocity(body.getLinearVelocity());
   body.setInterpolationAngularVelocity(body.getAngularVelocity());
 }

@@ -15,6 +15,7 @@ inline namespace LIMBER_BULLET_PRECISION {
 struct RigidPartner {
   btRigidBody* body = nullptr;
   bool held = false;           ///< static, kinematic or out of the simulation: it moves as told
+  int place = -1;              ///< in the world's list of objects, -1: in none
   btTransform lastPose;        ///< of a held body at the end of the last tick
   RigidState start;            ///< at the start of the tick
   btVector3 expectedVelocity;  ///< after the tick if nothing else acts
@@ -26,9 +27,10 @@ RigidPartner makePartner(btRigidBody& body);
 /// Fills `state` from Bullet's body. A held body moves evenly from its last pose to its present one.
 void gatherRigid(RigidPartner& partner, RigidState& state, btScalar tick);
 
-/// As handOverVelocities() and takeBackContacts() for point masses.
+/// As handOverVelocities() and takeBackContacts() for point masses. Bullet's damping acts on both the
+/// velocity handed over, where it is made up for, and the one at the end.
 void handOverRigid(RigidPartner& partner, const RigidState& end, btScalar tick);
-void takeBackRigid(RigidPartner& partner, const RigidState& end);
+void takeBackRigid(RigidPartner& partner, const RigidState& end, btScalar tick);
 
 }  // namespace LIMBER_BULLET_PRECISION
 }  // namespace limber

@@ -4,6 +4,7 @@
 #include "bullet/point_masses.h"
 #include "core/contact_rows.h"
 #include "core/implicit_step.h"
+#include "core/pair_contacts.h"
 #include "core/point_state.h"
 #include "core/quad_step.h"
 #include "core/spring_arrays.h"
@@ -25,6 +26,13 @@ struct Anchor {
   btVector3 pivot;  ///< in the body's local coordinates
 };
 
+/// What a contact bore in the last tick: a guess of what it will bear in the next.
+struct KnownContact {
+  std::uint32_t point;
+  int partner;      ///< unique id in the broadphase
+  Bearing bearing;  ///< sum over the tick
+};
+
 /// What a SoftBody is made of.
 struct SoftBodyData {
   SharedNetwork network;
@@ -42,7 +50,11 @@ struct SoftBodyData {
   std::vector<const btCollisionObject*> contactPartners;  ///< #contacts
   std::vector<double> reach;                              ///< #points, m, how far contacts were looked for
   std::vector<const btCollisionObject*> partners;         ///< scratch of gatherContacts
+  std::vector<btRigidBody*> freePartners;                 ///< near in this tick, and moving by themselves
+  std::vector<KnownContact> knownContacts;                ///< with free bodies, of the last tick
+  std::vector<unsigned char> coupled;  ///< #points, scratch: 1 if something that moves touches the point
 
+  std::uint32_t index = 0;  ///< among the bodies of the system that are alive
   bool alive = true;
   bool asleep = false;
   double calmTime = 0.0;              ///< s for which its group has been calm

@@ -1,11 +1,15 @@
 // SPDX-License-Identifier: Zlib
 #include <limber/soft_body_system.h>
 
+#include "bullet/cluster.h"
 #include "bullet/contact_gather.h"
 #include "bullet/convert.h"
 #include "bullet/group_sleep.h"
 #include "bullet/group_stepping.h"
+#include "bullet/joint_rows.h"
 #include "bullet/new_body.h"
+#include "bullet/pair_gather.h"
+#include "bullet/rigid_contacts.h"
 #include "bullet/soft_body_data.h"
 #include "bullet/step_plan.h"
 #include "bullet/tick_group.h"
@@ -57,6 +61,7 @@ struct SoftBodySystem::Impl final : TickListener {
   bool worldAlive() const;
   void rebuildGroupsIfNeeded();
   void gatherGroups(btScalar tick);
+  void gatherClusters(btScalar tick);
   void stepGroups(btScalar tick);
   void handOverGroups(btScalar tick);
   void updateLiving();
@@ -71,6 +76,9 @@ struct SoftBodySystem::Impl final : TickListener {
   SpringList springs;
   std::vector<TickGroup> groups;
   StepPlan plan;
+  TickContacts pairs;  // contacts in which more than one body moves
+  Clusters clusters;   // what they couple
+  ManifoldIndex manifolds;
   std::vector<SoftBodyData*> living;  // the bodies in the groups
   std::size_t usableLinks = 0;        // springs and anchors in the groups
   bool groupsStale = false;
@@ -205,6 +213,8 @@ void SoftBodySystem::Impl::dropSprings(const btRigidBody& body) {
 /// Groups hold pointers to bodies and springs: whoever removes one calls this first.
 void SoftBodySystem::Impl::forgetGroups() {
   groups.clear();
+  clusters.count = 0;
+  pairs.clear();
   plan.clear();
   living.clear();
   groupsStale = true;
@@ -258,7 +268,10 @@ void SoftBodySystem::forget(const btRigidBody& body) {
 void SoftBodySystem::Impl::updateLiving() {
   living.clear();
   for (auto& body : bodies)
-    if (body->data_->alive) living.push_back(body->data_.get());
+    if (body->data_->alive) {
+      body->data_->index = static_cast<std::uint32_t>(living.size());
+      living.push_back(body->data_.get());
+    }
 }
 
 void SoftBodySystem::Impl::rebuildGroupsIfNeeded() {
@@ -277,17 +290,30 @@ void SoftBodySystem::Impl::gatherGroups(btScalar tick) {
   for (TickGroup& group : groups) {
     if (group.asleep) continue;
     gatherGroup(group, tick);
-    chooseStepping(group, double(tick));
+    for (SoftBodyData* body : group.bodies) gatherPairs(*body, tick, pairs);
   }
+  gatherClusters(tick);
+  for (TickGroup& group : groups)
+    if (!group.asleep) chooseStepping(group, double(tick));
+}
+
+void SoftBodySystem::Impl::gatherClusters(btScalar tick) {
+  addLinkedRigids(groups, pairs);
+  gatherRigidContacts(*world, tick, manifolds, pairs);
+  makeClusters(groups, pairs, tick, clusters);
 }
 
 void SoftBodySystem::Impl::stepGroups(btScalar tick) {
   const StopWatch watch(profile.stepMs);
   plan.step(groups, double(tick));
+  for (Cluster& cluster : clusters) stepCluster(cluster, double(tick));
 }
 
 void SoftBodySystem::Impl::handOverGroups(btScalar tick) {
   const StopWatch watch(profile.handOverMs);
+  for (Cluster& cluster : clusters) handOverCluster(cluster, pairs, tick);
+  reportRigidContacts(pairs);
+  rememberPairs(living, pairs);
   for (TickGroup& group : groups) {
     if (group.asleep) continue;
     reportStepping(group, double(tick));
@@ -305,7 +331,9 @@ void SoftBodySystem::Impl::beforeTick(btScalar tick) {
   if (!(tick > btScalar(0))) return;
   rebuildGroupsIfNeeded();
   updateSleep(groups, *world, tick, islands);
+  pairs.clear();
   readManifolds(*world->getDispatcher());
+  freeManifolds(*world->getDispatcher());
   gatherGroups(tick);
   stepGroups(tick);
   handOverGroups(tick);
@@ -320,6 +348,8 @@ void SoftBodySystem::Impl::afterTick(btScalar tick) {
     for (std::size_t i = 0; i < group.springs.size(); ++i)
       group.springs[i]->force_ = group.step.links.springs[i].force;
   }
+  for (const Cluster& cluster : clusters) takeBackCluster(cluster, pairs, tick);
+  reportJoints(pairs, tick);
   reportContactImpulses(*world->getDispatcher());
 }
 

@@ -54,7 +54,7 @@ void StepPlan::number(const std::vector<TickGroup>& groups) {
 void StepPlan::stepOrCollect(std::vector<TickGroup>& groups, double tick) {
   candidates_.clear();
   for (std::size_t i = 0; i < groups.size(); ++i) {
-    if (groups[i].asleep) continue;
+    if (groups[i].asleep || groups[i].clustered) continue;
     if (fitsLanes(groups[i]))
       candidates_.push_back({networkOf_[i], groups[i].substeps, groups[i].bodies[0]->springs.damped,
                              volumeKind(*groups[i].bodies[0]), i});

@@ -13,7 +13,8 @@ inline namespace LIMBER_BULLET_PRECISION {
 /// Kept from tick to tick, so that a lane whose body stays the same need not copy its springs again.
 class StepPlan {
  public:
-  /// Steps all groups that are awake. Order and result do not depend on how they are put together.
+  /// Steps all groups that are awake and in no cluster. Order and result do not depend on how they are put
+  /// together.
   void step(std::vector<TickGroup>& groups, double tick);
 
   /// Forgets the bodies: the groups have been made anew.

@@ -44,7 +44,7 @@ void takeBackGroup(TickGroup& group, btScalar tick) {
     writePoints(*body);
   }
   for (std::size_t i = 0; i < group.rigids.size(); ++i)
-    takeBackRigid(group.rigids[i], group.step.links.rigids[i]);
+    takeBackRigid(group.rigids[i], group.step.links.rigids[i], tick);
 }
 
 namespace {

@@ -45,7 +45,7 @@ bool pointsHaveOneRowEach(const std::vector<ContactRow>& rows) {
 void prepareContacts(std::vector<ContactRow>& rows, const PointView& points) {
   for (ContactRow& row : rows) {
     const double mobility = row.normal.dot(points.inverseMassOf(row.point).cwiseProduct(row.normal));
-    row.mass = mobility > 0.0 ? 1.0 / mobility : 0.0;
+    row.mass = mobility > 0.0 && !row.coupled ? 1.0 / mobility : 0.0;
   }
 }
 

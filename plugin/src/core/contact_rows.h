@@ -19,6 +19,7 @@ struct ContactRow {
   Eigen::Vector3d surfaceVelocity = Eigen::Vector3d::Zero();  ///< m/s, constant over the tick
   double friction = 0.0;
   double recoverySpeed = 0.5;  ///< m/s, at which a point that is below the surface is lifted at most
+  bool coupled = false;        ///< it is solved elsewhere, with contacts between bodies (pair_contacts.h)
 
   // Written by the step.
   double mass = 0.0;                                  ///< kg along the normal; 0: cannot be moved

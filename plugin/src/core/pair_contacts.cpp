@@ -66,23 +66,37 @@ Bearing solveContact(LinkedBodies& bodies, PairContact& c, Bearing& sum, double 
 }
 
 double targetOf(const PairContact& c, double dt) {
+  if (c.bounce > 0.0) return c.bounce;
   return c.gap >= 0.0 ? -c.gap / dt : std::min(-kRecovery * c.gap / dt, c.recoverySpeed);
 }
 
+/// Newton's law of restitution for those that would meet in this substep.
+void prepareBounce(PairContact& c, const LinkedBodies& bodies, double dt) {
+  c.bounce = 0.0;
+  if (c.restitution == 0.0) return;
+  const double approach = -c.normal.dot(velocityAt(bodies, c.a) - velocityAt(bodies, c.b));
+  if (approach > kLeastBounce && c.gap < approach * dt) c.bounce = c.restitution * approach;
+}
+
 void pushJoint(LinkedBodies& bodies, JointRow& j, double impulse) {
-  const auto push = [&](RigidState& rigid, const Vector3d& linear, const Vector3d& angular) {
+  const auto push = [&](std::uint32_t body, const Vector3d& linear, const Vector3d& angular) {
+    if (body == JointRow::kHeld) return;
+    RigidState& rigid = bodies.rigids[body];
     rigid.velocity += impulse * linear.cwiseProduct(rigid.inverseMass);
     rigid.angularVelocity += impulse * (rigid.inverseInertia * angular);
   };
-  push(bodies.rigids[j.a], j.linearA, j.angularA);
-  push(bodies.rigids[j.b], j.linearB, j.angularB);
+  push(j.a, j.linearA, j.angularA);
+  push(j.b, j.linearB, j.angularB);
   j.impulse += impulse;
 }
 
 double speedOf(const LinkedBodies& bodies, const JointRow& j) {
-  const RigidState &a = bodies.rigids[j.a], &b = bodies.rigids[j.b];
-  return j.linearA.dot(a.velocity) + j.angularA.dot(a.angularVelocity) + j.linearB.dot(b.velocity) +
-         j.angularB.dot(b.angularVelocity);
+  const auto share = [&](std::uint32_t body, const Vector3d& linear, const Vector3d& angular) {
+    if (body == JointRow::kHeld) return 0.0;
+    const RigidState& rigid = bodies.rigids[body];
+    return linear.dot(rigid.velocity) + angular.dot(rigid.angularVelocity);
+  };
+  return share(j.a, j.linearA, j.angularA) + share(j.b, j.linearB, j.angularB);
 }
 
 double solveJoint(LinkedBodies& bodies, JointRow& j, double& sum) {
@@ -188,11 +202,12 @@ void prepareContact(PairContact& c, const LinkedBodies& bodies) {
 }
 
 void prepareJoint(JointRow& j, const LinkedBodies& bodies) {
-  const auto share = [&](const RigidState& rigid, const Vector3d& linear, const Vector3d& angular) {
+  const auto share = [&](std::uint32_t body, const Vector3d& linear, const Vector3d& angular) {
+    if (body == JointRow::kHeld) return 0.0;
+    const RigidState& rigid = bodies.rigids[body];
     return linear.dot(linear.cwiseProduct(rigid.inverseMass)) + angular.dot(rigid.inverseInertia * angular);
   };
-  const double mobility =
-      share(bodies.rigids[j.a], j.linearA, j.angularA) + share(bodies.rigids[j.b], j.linearB, j.angularB);
+  const double mobility = share(j.a, j.linearA, j.angularA) + share(j.b, j.linearB, j.angularB);
   j.mass = mobility > 0.0 ? 1.0 / (mobility + j.softness) : 0.0;
   j.impulse = 0.0;
 }
@@ -205,6 +220,7 @@ void preparePairs(PairRows& rows, const LinkedBodies& bodies) {
 }
 
 int stopPairs(PairRows& rows, LinkedBodies& bodies, double dt) {
+  for (PairContact& c : rows.contacts) prepareBounce(c, bodies, dt);
   return Solve{rows, bodies, Stage::Stopping, dt}.run();
 }
 

@@ -23,6 +23,7 @@ struct PairContact {
   Eigen::Vector3d normal = Eigen::Vector3d::UnitY();  ///< unit, from b to a
   double gap = 0.0;                                   ///< m between the surfaces; moves on with the substeps
   double friction = 0.0;
+  double restitution = 0.0;    ///< of speeds of approach above kLeastBounce
   double recoverySpeed = 0.5;  ///< m/s, at which surfaces that overlap are drawn apart at most
   Bearing stopping, settling;  ///< of the present substep; to begin with, a guess
 
@@ -32,6 +33,7 @@ struct PairContact {
   Eigen::Matrix<double, 3, 2> tangents = Eigen::Matrix<double, 3, 2>::Zero();  ///< across the normal
   Eigen::Matrix2d acrossMass = Eigen::Matrix2d::Zero();                        ///< kg, between the tangents
   Eigen::Vector2d acrossAlong = Eigen::Vector2d::Zero();  ///< 1/kg, speeds across per impulse along
+  double bounce = 0.0;  ///< m/s, at which they must part in the present substep
   Bearing change, direction;                              ///< scratch of the solver
 };
 
@@ -39,7 +41,8 @@ struct PairContact {
 ///     linearA . va + angularA . wa + linearB . vb + angularB . wb = speed,
 /// kept by an impulse between lower and upper that acts along those same vectors.
 struct JointRow {
-  std::uint32_t a = 0, b = 0;  ///< indices into the group's rigids
+  static constexpr std::uint32_t kHeld = static_cast<std::uint32_t>(-1);
+  std::uint32_t a = kHeld, b = kHeld;  ///< indices into the group's rigids; kHeld: nothing moves it
   Eigen::Vector3d linearA, angularA, linearB, angularB;
   double speed = 0.0;                          ///< m/s or rad/s
   double lower = -HUGE_VAL, upper = HUGE_VAL;  ///< N s or N m s, of a substep
@@ -51,6 +54,9 @@ struct JointRow {
   double mass = 0.0;                     ///< impulse per speed; 0: neither side can be moved
   double change = 0.0, direction = 0.0;  ///< scratch of the solver
 };
+
+/// m/s: slower approaches do not bounce, or nothing would come to rest (Bullet's own threshold).
+constexpr double kLeastBounce = 0.2;
 
 /// What couples the bodies of a group besides springs.
 struct PairRows {

@@ -1,0 +1,206 @@
+// SPDX-License-Identifier: Zlib
+#include "bullet/cluster.h"
+
+#include "bullet/cluster_rows.h"
+
+#include <algorithm>
+#include <numeric>
+
+namespace limber {
+inline namespace LIMBER_BULLET_PRECISION {
+namespace {
+
+constexpr std::uint32_t kNone = TickContacts::kNone;
+
+// --- which node is coupled to which ------------------------------------------------------------------------
+
+std::uint32_t root(Clusters& clusters, std::uint32_t i) {
+  std::vector<std::uint32_t>& parent = clusters.parent;
+  while (parent[i] != i) i = parent[i] = parent[parent[i]];
+  return i;
+}
+
+/// The lower number becomes the root, so that clusters come in the order of their first member.
+void join(Clusters& clusters, std::uint32_t a, std::uint32_t b) {
+  if (a == kNone || b == kNone) return;
+  a = root(clusters, a), b = root(clusters, b);
+  clusters.parent[std::max(a, b)] = std::min(a, b);
+}
+
+/// The nodes that places and rows are on.
+struct Nodes {
+  std::uint32_t groups;
+  const std::vector<std::uint32_t>& groupOf;  ///< of a soft body, by SoftBodyData::index
+
+  std::uint32_t of(const SurfacePlace& place) const {
+    if (place.kind == SurfacePlace::Kind::Soft) return groupOf[place.body];
+    return place.kind == SurfacePlace::Kind::Rigid ? groups + place.body : kNone;
+  }
+  std::uint32_t ofRigid(std::uint32_t number) const {
+    return number == JointRow::kHeld ? kNone : groups + number;
+  }
+  std::uint32_t of(const PairContact& c) const { return of(c.a) != kNone ? of(c.a) : of(c.b); }
+  std::uint32_t of(const JointRow& j) const { return ofRigid(j.a) != kNone ? ofRigid(j.a) : ofRigid(j.b); }
+};
+
+void joinNodes(const std::vector<TickGroup>& groups, const TickContacts& found, const Nodes& nodes,
+               Clusters& clusters) {
+  clusters.parent.resize(groups.size() + found.rigids.size());
+  std::iota(clusters.parent.begin(), clusters.parent.end(), std::uint32_t{0});
+  for (std::uint32_t g = 0; g < groups.size(); ++g)
+    for (const RigidPartner& rigid : groups[g].rigids)
+      if (!groups[g].asleep && !rigid.held && found.find(*rigid.body) != kNone)
+        join(clusters, g, nodes.ofRigid(found.find(*rigid.body)));
+  for (const PairContact& c : found.contacts) join(clusters, nodes.of(c.a), nodes.of(c.b));
+  for (const JointRow& j : found.joints) join(clusters, nodes.ofRigid(j.a), nodes.ofRigid(j.b));
+}
+
+// --- filling the clusters ----------------------------------------------------------------------------------
+
+void clear(Cluster& cluster) {
+  cluster.groups.clear();
+  cluster.softBodies.clear();
+  cluster.rigids.clear();
+  cluster.contacts.clear();
+  cluster.rows.clear();
+  cluster.joints.clear();
+  cluster.step.bodies.clear();
+  cluster.step.pairs.contacts.clear();
+  cluster.step.pairs.joints.clear();
+  cluster.step.links.points.clear();
+  cluster.step.links.rigids.clear();
+  cluster.step.links.springs.clear();
+  cluster.step.links.anchors.clear();
+}
+
+/// The cluster of a node, a new one if its set has none yet.
+Cluster& clusterOf(Clusters& clusters, std::uint32_t node) {
+  std::uint32_t& number = clusters.cluster[root(clusters, node)];
+  if (number == kNone) {
+    number = static_cast<std::uint32_t>(clusters.count++);
+    if (clusters.all.size() < clusters.count) clusters.all.emplace_back();
+    clear(clusters.all[number]);
+  }
+  return clusters.all[number];
+}
+
+LinkEnd moved(LinkEnd end, std::uint32_t firstBody, std::uint32_t firstRigid) {
+  if (end.kind != LinkEnd::Kind::World) end.body += end.kind == LinkEnd::Kind::Rigid ? firstRigid : firstBody;
+  return end;
+}
+
+void append(Cluster& cluster, TickGroup& group) {
+  StepGroup& step = cluster.step;
+  const auto firstBody = static_cast<std::uint32_t>(step.bodies.size());
+  const auto firstRigid = static_cast<std::uint32_t>(step.links.rigids.size());
+  const LinkedBodies& links = group.step.links;
+  cluster.groups.push_back(&group);
+  cluster.softBodies.insert(cluster.softBodies.end(), group.bodies.begin(), group.bodies.end());
+  step.bodies.insert(step.bodies.end(), group.step.bodies.begin(), group.step.bodies.end());
+  step.links.points.insert(step.links.points.end(), links.points.begin(), links.points.end());
+  step.links.rigids.insert(step.links.rigids.end(), links.rigids.begin(), links.rigids.end());
+  for (LinkSpring spring : links.springs) {
+    spring.a = moved(spring.a, firstBody, firstRigid);
+    spring.b = moved(spring.b, firstBody, firstRigid);
+    step.links.springs.push_back(spring);
+  }
+  for (const LinkAnchor& anchor : links.anchors)
+    step.links.anchors.push_back(
+        {moved(anchor.point, firstBody, firstRigid), moved(anchor.pivot, firstBody, firstRigid)});
+}
+
+void appendGroups(std::vector<TickGroup>& groups, const TickContacts& found, const Nodes& nodes,
+                  Clusters& clusters) {
+  for (std::uint32_t g = 0; g < groups.size(); ++g) {
+    TickGroup& group = groups[g];
+    group.clustered = clusters.cluster[root(clusters, g)] != kNone;
+    if (!group.clustered) continue;
+    Cluster& cluster = clusterOf(clusters, g);
+    clusters.first[g] = static_cast<std::uint32_t>(cluster.step.bodies.size());
+    const auto firstRigid = static_cast<std::uint32_t>(cluster.step.links.rigids.size());
+    for (std::uint32_t i = 0; i < group.rigids.size(); ++i)
+      if (const std::uint32_t number = found.find(*group.rigids[i].body);
+          number != kNone && !group.rigids[i].held)
+        clusters.first[nodes.ofRigid(number)] = firstRigid + i;
+    append(cluster, group);
+  }
+}
+
+void appendRigids(TickContacts& found, const Nodes& nodes, btScalar tick, Clusters& clusters) {
+  for (std::uint32_t number = 0; number < found.rigids.size(); ++number) {
+    const std::uint32_t node = nodes.ofRigid(number);
+    if (clusters.first[node] != kNone || clusters.cluster[root(clusters, node)] == kNone) continue;
+    Cluster& cluster = clusterOf(clusters, node);
+    clusters.first[node] = static_cast<std::uint32_t>(cluster.step.links.rigids.size());
+    cluster.rigids.push_back(number);
+    cluster.step.links.rigids.emplace_back();
+    gatherRigid(found.rigids[number], cluster.step.links.rigids.back(), tick);
+  }
+}
+
+/// Contacts name bodies by their number in the system; rows of a cluster by their place in it.
+void renumber(SurfacePlace& place, const Nodes& nodes, const Clusters& clusters) {
+  if (place.kind == SurfacePlace::Kind::World) return;
+  const bool soft = place.kind == SurfacePlace::Kind::Soft;
+  place.body = clusters.first[nodes.of(place)] + (soft ? clusters.placeInGroup[place.body] : 0);
+}
+
+void appendContacts(const TickContacts& found, const Nodes& nodes, Clusters& clusters) {
+  for (std::uint32_t i = 0; i < found.contacts.size(); ++i) {
+    Cluster& cluster = clusterOf(clusters, nodes.of(found.contacts[i]));
+    cluster.contacts.push_back(i);
+    cluster.step.pairs.contacts.push_back(found.contacts[i]);
+    PairContact& c = cluster.step.pairs.contacts.back();
+    renumber(c.a, nodes, clusters);
+    renumber(c.b, nodes, clusters);
+  }
+  for (std::uint32_t i = 0; i < found.joints.size(); ++i) {
+    Cluster& cluster = clusterOf(clusters, nodes.of(found.joints[i]));
+    cluster.joints.push_back(i);
+    cluster.step.pairs.joints.push_back(found.joints[i]);
+    JointRow& j = cluster.step.pairs.joints.back();
+    for (std::uint32_t* side : {&j.a, &j.b})
+      if (*side != JointRow::kHeld) *side = clusters.first[nodes.ofRigid(*side)];
+  }
+}
+
+void numberBodies(const std::vector<TickGroup>& groups, Clusters& clusters) {
+  for (std::uint32_t g = 0; g < groups.size(); ++g)
+    for (std::uint32_t i = 0; i < groups[g].bodies.size(); ++i) {
+      const std::size_t body = groups[g].bodies[i]->index;
+      if (body >= clusters.groupOf.size()) {
+        clusters.groupOf.resize(body + 1);
+        clusters.placeInGroup.resize(body + 1);
+      }
+      clusters.groupOf[body] = g;
+      clusters.placeInGroup[body] = i;
+    }
+}
+
+}  // namespace
+
+void addLinkedRigids(const std::vector<TickGroup>& groups, TickContacts& found) {
+  for (const TickGroup& group : groups)
+    for (const RigidPartner& rigid : group.rigids)
+      if (!group.asleep && isFree(*rigid.body)) found.add(*rigid.body);
+}
+
+void makeClusters(std::vector<TickGroup>& groups, TickContacts& found, btScalar tick, Clusters& clusters) {
+  clusters.count = 0;
+  for (TickGroup& group : groups) group.clustered = false;
+  if (found.contacts.empty() && found.joints.empty()) return;
+  numberBodies(groups, clusters);
+  const Nodes nodes{static_cast<std::uint32_t>(groups.size()), clusters.groupOf};
+  joinNodes(groups, found, nodes, clusters);
+  clusters.cluster.assign(clusters.parent.size(), kNone);
+  clusters.first.assign(clusters.parent.size(), kNone);
+  for (const PairContact& c : found.contacts) clusterOf(clusters, nodes.of(c));
+  for (const JointRow& j : found.joints) clusterOf(clusters, nodes.of(j));
+  appendGroups(groups, found, nodes, clusters);
+  appendRigids(found, nodes, tick, clusters);
+  appendContacts(found, nodes, clusters);
+  for (Cluster& cluster : clusters) appendRows(cluster);
+}
+
+}  // namespace LIMBER_BULLET_PRECISION
+}  // namespace limber

@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: Zlib
+#include "bullet/cluster_rows.h"
+
+namespace limber {
+inline namespace LIMBER_BULLET_PRECISION {
+namespace {
+
+void markCoupledPoints(Cluster& cluster) {
+  for (SoftBodyData* body : cluster.softBodies) body->coupled.assign(body->masses.bodies.size(), 0);
+  for (const PairContact& c : cluster.step.pairs.contacts)
+    for (const SurfacePlace* place : {&c.a, &c.b})
+      if (place->kind == SurfacePlace::Kind::Soft)
+        for (std::uint32_t i = 0; i < place->count; ++i)
+          cluster.softBodies[place->body]->coupled[place->point[i]] = 1;
+}
+
+PairContact pairOf(const ContactRow& row, const SoftBodyData& body, std::uint32_t place) {
+  PairContact c;
+  c.a.kind = SurfacePlace::Kind::Soft;
+  c.a.body = place;
+  c.a.point[0] = row.point;
+  c.b.velocity = row.surfaceVelocity;
+  c.normal = row.normal;
+  c.gap = row.normal.dot(body.state.position.col(row.point) - row.touch);
+  c.friction = row.friction;
+  c.recoverySpeed = row.recoverySpeed;
+  return c;
+}
+
+}  // namespace
+
+void appendRows(Cluster& cluster) {
+  markCoupledPoints(cluster);
+  for (std::uint32_t place = 0; place < cluster.softBodies.size(); ++place) {
+    SoftBodyData& body = *cluster.softBodies[place];
+    for (ContactRow& row : body.contacts) {
+      row.coupled = body.coupled[row.point] != 0;
+      if (!row.coupled) continue;
+      cluster.rows.push_back(&row);
+      cluster.step.pairs.contacts.push_back(pairOf(row, body, place));
+    }
+  }
+}
+
+void reportRows(Cluster& cluster) {
+  for (std::size_t i = 0; i < cluster.rows.size(); ++i)
+    cluster.rows[i]->impulse = cluster.step.pairs.contacts[cluster.contacts.size() + i].impulse;
+}
+
+}  // namespace LIMBER_BULLET_PRECISION
+}  // namespace limber

@@ -1,0 +1,137 @@
+// SPDX-License-Identifier: Zlib
+#include "bullet/joint_rows.h"
+
+#include "bullet/convert.h"
+
+#include <cmath>
+
+namespace limber {
+inline namespace LIMBER_BULLET_PRECISION {
+namespace {
+
+using Eigen::Vector3d;
+
+/// Bullet's largest kind of constraint has six rows and a spring or motor for each.
+constexpr int kMostRows = 16;
+
+/// Where Bullet's constraints write their rows.
+struct RowBuffer {
+  btScalar linearA[4 * kMostRows] = {}, angularA[4 * kMostRows] = {};
+  btScalar linearB[4 * kMostRows] = {}, angularB[4 * kMostRows] = {};
+  btScalar error[4 * kMostRows] = {}, softness[4 * kMostRows] = {};
+  btScalar lower[4 * kMostRows], upper[4 * kMostRows];
+};
+
+Vector3d vectorAt(const btScalar* numbers, int row) {
+  return {double(numbers[4 * row]), double(numbers[4 * row + 1]), double(numbers[4 * row + 2])};
+}
+
+btTypedConstraint::btConstraintInfo2 infoOn(RowBuffer& buffer, const btContactSolverInfo& solver,
+                                            btScalar tick) {
+  for (int i = 0; i < 4 * kMostRows; ++i) {
+    buffer.lower[i] = -SIMD_INFINITY, buffer.upper[i] = SIMD_INFINITY;
+    buffer.softness[i] = solver.m_globalCfm;
+  }
+  btTypedConstraint::btConstraintInfo2 info;
+  info.fps = btScalar(1) / tick;
+  info.erp = solver.m_erp;
+  info.m_J1linearAxis = buffer.linearA, info.m_J1angularAxis = buffer.angularA;
+  info.m_J2linearAxis = buffer.linearB, info.m_J2angularAxis = buffer.angularB;
+  info.rowskip = 4;
+  info.m_constraintError = buffer.error;
+  info.cfm = buffer.softness;
+  info.m_lowerLimit = buffer.lower, info.m_upperLimit = buffer.upper;
+  info.m_numIterations = solver.m_numIterations;
+  info.m_damping = solver.m_damping;
+  return info;
+}
+
+/// The number of a side's body. What a held one's motion adds to the row's speed moves to its other side.
+std::uint32_t sideOf(const btRigidBody& body, const Vector3d& linear, const Vector3d& angular,
+                     const TickContacts& found, double& speed) {
+  if (isFree(body)) return found.find(body);
+  if (!body.isStaticObject() && body.isActive())
+    speed -= linear.dot(toEigen(body.getLinearVelocity())) + angular.dot(toEigen(body.getAngularVelocity()));
+  return JointRow::kHeld;
+}
+
+void addRow(const btTypedConstraint& joint, const RowBuffer& buffer, int row, btScalar tick,
+            TickContacts& found) {
+  JointRow j;
+  j.linearA = vectorAt(buffer.linearA, row), j.angularA = vectorAt(buffer.angularA, row);
+  j.linearB = vectorAt(buffer.linearB, row), j.angularB = vectorAt(buffer.angularB, row);
+  const double most = double(joint.getBreakingImpulseThreshold());
+  j.lower = std::max(double(buffer.lower[4 * row]), -most);
+  j.upper = std::min(double(buffer.upper[4 * row]), most);
+  j.speed = double(buffer.error[4 * row]);
+  j.softness = double(buffer.softness[4 * row] / tick);
+  j.a = sideOf(joint.getRigidBodyA(), j.linearA, j.angularA, found, j.speed);
+  j.b = sideOf(joint.getRigidBodyB(), j.linearB, j.angularB, found, j.speed);
+  found.joints.push_back(j);
+}
+
+bool isNumbered(const TickContacts& found, const btRigidBody& body) {
+  return isFree(body) && found.find(body) != TickContacts::kNone;
+}
+
+void addRows(btTypedConstraint& joint, const btContactSolverInfo& solver, btScalar tick,
+             TickContacts& found) {
+  joint.buildJacobian();
+  btTypedConstraint::btConstraintInfo1 size;
+  joint.getInfo1(&size);
+  if (size.m_numConstraintRows <= 0 || size.m_numConstraintRows > kMostRows) return;
+  RowBuffer buffer;
+  btTypedConstraint::btConstraintInfo2 info = infoOn(buffer, solver, tick);
+  joint.getInfo2(&info);
+  for (int row = 0; row < size.m_numConstraintRows; ++row) {
+    addRow(joint, buffer, row, tick, found);
+    found.constraints.push_back(&joint);
+  }
+}
+
+void addFeedback(btJointFeedback& feedback, const JointRow& j, btScalar tick) {
+  const auto push = [&](btVector3& sum, const Vector3d& along) {
+    sum += toBullet(Vector3d(along * (j.impulse / double(tick))));
+  };
+  push(feedback.m_appliedForceBodyA, j.linearA);
+  push(feedback.m_appliedForceBodyB, j.linearB);
+  push(feedback.m_appliedTorqueBodyA, j.angularA);
+  push(feedback.m_appliedTorqueBodyB, j.angularB);
+}
+
+}  // namespace
+
+bool addJoinedBodies(btDiscreteDynamicsWorld& world, TickContacts& found) {
+  const std::size_t before = found.rigids.size();
+  for (int i = 0; i < world.getNumConstraints(); ++i) {
+    btTypedConstraint& joint = *world.getConstraint(i);
+    if (!joint.isEnabled()) continue;
+    btRigidBody &a = joint.getRigidBodyA(), &b = joint.getRigidBodyB();
+    if (!isNumbered(found, a) && !isNumbered(found, b)) continue;
+    for (btRigidBody* body : {&a, &b})
+      if (isFree(*body)) found.add(*body);
+  }
+  return found.rigids.size() > before;
+}
+
+void addJointRows(btDiscreteDynamicsWorld& world, btScalar tick, TickContacts& found) {
+  for (int i = 0; i < world.getNumConstraints(); ++i) {
+    btTypedConstraint& joint = *world.getConstraint(i);
+    if (joint.isEnabled() &&
+        (isNumbered(found, joint.getRigidBodyA()) || isNumbered(found, joint.getRigidBodyB())))
+      addRows(joint, world.getSolverInfo(), tick, found);
+  }
+}
+
+void reportJoints(const TickContacts& contacts, btScalar tick) {
+  for (std::size_t i = 0; i < contacts.joints.size(); ++i) {
+    btTypedConstraint& joint = *contacts.constraints[i];
+    const JointRow& row = contacts.joints[i];
+    joint.internalSetAppliedImpulse(static_cast<btScalar>(row.impulse));
+    if (joint.getJointFeedback()) addFeedback(*joint.getJointFeedback(), row, tick);
+    if (std::abs(row.impulse) >= double(joint.getBreakingImpulseThreshold())) joint.setEnabled(false);
+  }
+}
+
+}  // namespace LIMBER_BULLET_PRECISION
+}  // namespace limber

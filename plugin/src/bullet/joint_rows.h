@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: Zlib
+#pragma once
+
+#include "bullet/tick_contacts.h"
+
+namespace limber {
+inline namespace LIMBER_BULLET_PRECISION {
+
+/// Numbers the free bodies that joints (Bullet's enabled constraints) join to numbered ones. False if there
+/// are no more.
+bool addJoinedBodies(btDiscreteDynamicsWorld& world, TickContacts& found);
+
+/// The rows of all joints of numbered bodies, as Bullet's solver would make them for a tick; limits of
+/// impulses are those of the whole tick.
+void addJointRows(btDiscreteDynamicsWorld& world, btScalar tick, TickContacts& found);
+
+/// After the tick: Bullet says of the joints what they have borne (as it does, the applied impulse is that of
+/// the last row; feedback is the sum of all), and those that bore as much as they may break.
+void reportJoints(const TickContacts& contacts, btScalar tick);
+
+}  // namespace LIMBER_BULLET_PRECISION
+}  // namespace limber

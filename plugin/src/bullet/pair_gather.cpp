@@ -1,0 +1,124 @@
+// SPDX-License-Identifier: Zlib
+#include "bullet/pair_gather.h"
+
+#include "bullet/contact_reach.h"
+#include "bullet/convert.h"
+
+#include <algorithm>
+
+namespace limber {
+inline namespace LIMBER_BULLET_PRECISION {
+namespace {
+
+/// The contacts that one point and one rigid body make.
+class PairsOfPoint final : public btCollisionWorld::ContactResultCallback {
+ public:
+  PairsOfPoint(SoftBodyData& body, std::uint32_t point, const btRigidBody& partner, double reach,
+               TickContacts& found)
+      : body_(&body), point_(point), partner_(&partner), found_(&found), first_(found.contacts.size()) {
+    m_closestDistanceThreshold = static_cast<btScalar>(reach);
+  }
+
+  btScalar addSingleResult(btManifoldPoint& contact, const btCollisionObjectWrapper* first, int, int,
+                           const btCollisionObjectWrapper*, int, int) override {
+    if (contact.getDistance() > m_closestDistanceThreshold) return 0;
+    const bool pointIsFirst = first->getCollisionObject() == body_->masses.bodies[point_];
+    const btVector3 normal = pointIsFirst ? contact.m_normalWorldOnB : -contact.m_normalWorldOnB;
+    add(toEigen(normal).normalized(), pointIsFirst ? contact.m_positionWorldOnB : contact.m_positionWorldOnA);
+    return 0;
+  }
+
+ private:
+  void add(const Eigen::Vector3d& normal, const btVector3& surface) {
+    PairContact c;
+    c.a.kind = SurfacePlace::Kind::Soft;
+    c.a.body = body_->index;
+    c.a.point[0] = point_;
+    c.b = placeOn(*found_, *partner_, surface);
+    c.normal = normal;
+    const double radius = double(body_->masses.shape->getRadius());
+    c.gap = normal.dot(body_->state.position.col(point_) - toEigen(surface)) - radius;
+    const PointMass* point = body_->masses.bodies[point_];
+    c.friction = double(gCalculateCombinedFrictionCallback(point, partner_));
+    c.restitution = double(gCalculateCombinedRestitutionCallback(point, partner_));
+    c.recoverySpeed = recoverySpeed(radius);
+    for (std::size_t i = first_; i < found_->contacts.size(); ++i)
+      if (found_->contacts[i].normal.dot(normal) > kSameSurface) {
+        if (c.gap < found_->contacts[i].gap) found_->contacts[i] = c;
+        return;
+      }
+    found_->add(c);
+  }
+
+  SoftBodyData* body_;
+  std::uint32_t point_;
+  const btRigidBody* partner_;
+  TickContacts* found_;
+  std::size_t first_;
+};
+
+/// m, how far the partner's surface may move in the tick.
+double motionOf(const btRigidBody& partner, double tick) {
+  const btScalar turn = partner.getAngularVelocity().length();
+  double speed = double(partner.getLinearVelocity().length());
+  if (turn > 0) speed += double(turn * partner.getCollisionShape()->getAngularMotionDisc());
+  return tick * (speed + tick * double(partner.getTotalForce().length() * partner.getInvMass()));
+}
+
+/// Puts in the guess of the last tick.
+void guess(const SoftBodyData& body, std::uint32_t point, int partner, PairContact& c) {
+  const auto known = std::lower_bound(
+      body.knownContacts.begin(), body.knownContacts.end(), std::make_pair(point, partner),
+      [](const KnownContact& k, const auto& key) { return std::make_pair(k.point, k.partner) < key; });
+  if (known != body.knownContacts.end() && known->point == point && known->partner == partner)
+    c.stopping = known->bearing;
+}
+
+int idOf(const btRigidBody& body) { return body.getBroadphaseHandle()->m_uniqueId; }
+
+void addPairs(SoftBodyData& body, std::uint32_t i, btRigidBody& partner, double tick, TickContacts& found) {
+  const double motion = kReachPerMotion * motionOf(partner, tick);
+  const Reach reach = reachOf(body, i, tick, motion);
+  if (!overlaps(reach, partner)) return;
+  PointMass& point = *body.masses.bodies[i];
+  if (!point.checkCollideWith(&partner) || !partner.checkCollideWith(&point)) return;
+  const std::size_t first = found.contacts.size();
+  PairsOfPoint pairs(body, i, partner, reach.distance, found);
+  body.world->contactPairTest(&point, &partner, pairs);
+  for (std::size_t c = first; c < found.contacts.size(); ++c)
+    guess(body, i, idOf(partner), found.contacts[c]);
+}
+
+void wake(btRigidBody& partner) {
+  if (partner.isActive() || partner.getActivationState() == DISABLE_SIMULATION) return;
+  partner.activate(true);
+  // the world has already given gravity to those that were awake at the start of the step
+  partner.applyGravity();
+}
+
+}  // namespace
+
+void gatherPairs(SoftBodyData& body, btScalar tick, TickContacts& found) {
+  for (btRigidBody* partner : body.freePartners) {
+    wake(*partner);
+    for (std::uint32_t i = 0; i < body.masses.bodies.size(); ++i)
+      addPairs(body, i, *partner, double(tick), found);
+  }
+}
+
+void rememberPairs(const std::vector<SoftBodyData*>& bodies, const TickContacts& contacts) {
+  for (SoftBodyData* body : bodies) body->knownContacts.clear();
+  for (const PairContact& c : contacts.contacts) {
+    if (c.a.kind != SurfacePlace::Kind::Soft || c.b.kind != SurfacePlace::Kind::Rigid) continue;
+    const double along = c.normal.dot(c.impulse);
+    bodies[c.a.body]->knownContacts.push_back(
+        {c.a.point[0], idOf(*contacts.rigids[c.b.body].body), {along, c.impulse - along * c.normal}});
+  }
+  const auto before = [](const KnownContact& k, const KnownContact& l) {
+    return std::make_pair(k.point, k.partner) < std::make_pair(l.point, l.partner);
+  };
+  for (SoftBodyData* body : bodies) std::sort(body->knownContacts.begin(), body->knownContacts.end(), before);
+}
+
+}  // namespace LIMBER_BULLET_PRECISION
+}  // namespace limber

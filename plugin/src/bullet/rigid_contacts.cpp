@@ -1,0 +1,141 @@
+// SPDX-License-Identifier: Zlib
+#include "bullet/rigid_contacts.h"
+
+#include "bullet/convert.h"
+#include "bullet/joint_rows.h"
+#include "bullet/point_mass.h"
+
+namespace limber {
+inline namespace LIMBER_BULLET_PRECISION {
+namespace {
+
+constexpr btScalar kLeftAlone = -BT_LARGE_FLOAT;
+
+bool isSoft(const btCollisionObject* object) { return PointMass::from(object) != nullptr; }
+
+/// Calls visit(place in the world's list, manifold) for both objects of all manifolds that matter.
+template <class Visit>
+void forEachSide(btDispatcher& dispatcher, Visit visit) {
+  for (int m = 0; m < dispatcher.getNumManifolds(); ++m) {
+    btPersistentManifold* manifold = dispatcher.getManifoldByIndexInternal(m);
+    const btCollisionObject *a = manifold->getBody0(), *b = manifold->getBody1();
+    if (manifold->getNumContacts() == 0 || isSoft(a) || isSoft(b)) continue;
+    if (!a->hasContactResponse() || !b->hasContactResponse()) continue;
+    for (const btCollisionObject* object : {a, b})
+      if (object->getWorldArrayIndex() >= 0)
+        visit(static_cast<std::size_t>(object->getWorldArrayIndex()), manifold);
+  }
+}
+
+void fill(ManifoldIndex& index, btDiscreteDynamicsWorld& world) {
+  const auto objects = static_cast<std::size_t>(world.getNumCollisionObjects());
+  index.begin.assign(objects + 2, 0);
+  forEachSide(*world.getDispatcher(),
+              [&](std::size_t object, btPersistentManifold*) { ++index.begin[object + 2]; });
+  for (std::size_t i = 2; i < index.begin.size(); ++i) index.begin[i] += index.begin[i - 1];
+  index.manifolds.resize(static_cast<std::size_t>(index.begin.back()));
+  forEachSide(*world.getDispatcher(), [&](std::size_t object, btPersistentManifold* manifold) {
+    index.manifolds[static_cast<std::size_t>(index.begin[object + 1]++)] = manifold;
+  });
+}
+
+/// Share of a penetration and m/s, as Bullet's solver has it: rigid bodies are drawn apart by its erp2.
+constexpr double kRecoverySpeed = 0.5;
+
+/// What the last tick bore, spread over its solves: two in each substep. Their number is not known yet.
+Bearing guess(const btManifoldPoint& point) {
+  btVector3 t, u;
+  btPlaneSpace1(point.m_normalWorldOnB, t, u);
+  return {double(point.m_appliedImpulse),
+          toEigen(t * point.m_appliedImpulseLateral1 + u * point.m_appliedImpulseLateral2)};
+}
+
+void addContact(TickContacts& found, const btPersistentManifold& manifold, btManifoldPoint& point,
+                bool knownOnly) {
+  const btCollisionObject &a = *manifold.getBody0(), &b = *manifold.getBody1();
+  const btVector3 onA = a.getWorldTransform() * point.m_localPointA;
+  const btVector3 onB = b.getWorldTransform() * point.m_localPointB;
+  PairContact c;
+  c.a = placeOn(found, a, onA);
+  c.b = placeOn(found, b, onB);
+  c.normal = toEigen(point.m_normalWorldOnB).normalized();
+  c.gap = c.normal.dot(toEigen(onA) - toEigen(onB));
+  c.friction = double(point.m_combinedFriction);
+  c.restitution = double(point.m_combinedRestitution);
+  c.recoverySpeed = kRecoverySpeed;
+  if (knownOnly) c.stopping = guess(point);
+  point.m_appliedImpulse = point.m_appliedImpulseLateral1 = point.m_appliedImpulseLateral2 = 0;
+  found.add(c, knownOnly ? &point : nullptr);
+}
+
+/// m, a bound of how far the surfaces move against each other in a tick.
+btScalar motionOf(const btPersistentManifold& manifold, btScalar tick) {
+  btScalar motion = 0;
+  for (const btCollisionObject* object : {manifold.getBody0(), manifold.getBody1()}) {
+    const btRigidBody* body = btRigidBody::upcast(object);
+    if (!body || body->isStaticObject()) continue;
+    const btScalar turn = body->getAngularVelocity().length();
+    motion += tick * body->getLinearVelocity().length();
+    if (turn > 0) motion += tick * turn * object->getCollisionShape()->getAngularMotionDisc();
+  }
+  return motion;
+}
+
+void addContacts(TickContacts& found, btPersistentManifold& manifold, btScalar tick) {
+  const bool knownOnly = motionOf(manifold, tick) < manifold.getContactBreakingThreshold();
+  for (int p = 0; p < manifold.getNumContacts(); ++p)
+    addContact(found, manifold, manifold.getContactPoint(p), knownOnly);
+  if (knownOnly) manifold.setContactProcessingThreshold(kLeftAlone);
+}
+
+/// The contacts of rigid body `number` with others that have not had their turn.
+void gatherContactsOf(std::uint32_t number, const ManifoldIndex& index, btScalar tick, TickContacts& found) {
+  const btRigidBody* body = found.rigids[number].body;
+  const auto place = static_cast<std::size_t>(found.rigids[number].place);
+  for (int i = index.begin[place]; i < index.begin[place + 1]; ++i) {
+    btPersistentManifold& manifold = *index.manifolds[static_cast<std::size_t>(i)];
+    const btCollisionObject* other = manifold.getBody0() == body ? manifold.getBody1() : manifold.getBody0();
+    const btRigidBody* rigid = btRigidBody::upcast(other);
+    const std::uint32_t theirs = rigid && isFree(*rigid) ? found.find(*rigid) : TickContacts::kNone;
+    if (theirs == TickContacts::kNone || theirs > number) addContacts(found, manifold, tick);
+  }
+}
+
+}  // namespace
+
+void gatherRigidContacts(btDiscreteDynamicsWorld& world, btScalar tick, ManifoldIndex& index,
+                         TickContacts& found) {
+  if (found.rigids.empty()) return;
+  fill(index, world);
+  std::uint32_t next = 0;
+  do {
+    for (; next < found.rigids.size(); ++next) gatherContactsOf(next, index, tick, found);
+  } while (addJoinedBodies(world, found));
+  addJointRows(world, tick, found);
+}
+
+void freeManifolds(btDispatcher& dispatcher) {
+  for (int m = 0; m < dispatcher.getNumManifolds(); ++m) {
+    btPersistentManifold& manifold = *dispatcher.getManifoldByIndexInternal(m);
+    if (manifold.getContactProcessingThreshold() > kLeftAlone) continue;
+    const btScalar own = btMin(manifold.getBody0()->getContactProcessingThreshold(),
+                               manifold.getBody1()->getContactProcessingThreshold());
+    manifold.setContactProcessingThreshold(own);
+  }
+}
+
+void reportRigidContacts(TickContacts& contacts) {
+  for (std::size_t i = 0; i < contacts.contacts.size(); ++i) {
+    btManifoldPoint* point = contacts.manifoldPoints[i];
+    if (!point) continue;
+    btVector3 t, u;
+    btPlaneSpace1(point->m_normalWorldOnB, t, u);
+    const btVector3 impulse = toBullet(contacts.contacts[i].impulse);
+    point->m_appliedImpulse = impulse.dot(point->m_normalWorldOnB);
+    point->m_appliedImpulseLateral1 = impulse.dot(t);
+    point->m_appliedImpulseLateral2 = impulse.dot(u);
+  }
+}
+
+}  // namespace LIMBER_BULLET_PRECISION
+}  // namespace limber

@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: Zlib
+#include "bullet/tick_contacts.h"
+
+#include "bullet/convert.h"
+
+namespace limber {
+inline namespace LIMBER_BULLET_PRECISION {
+
+std::uint32_t TickContacts::find(const btRigidBody& body) const {
+  const auto place = static_cast<std::size_t>(body.getWorldArrayIndex());
+  return place < numbers_.size() ? numbers_[place] : kNone;
+}
+
+std::uint32_t TickContacts::add(btRigidBody& body) {
+  if (const std::uint32_t number = find(body); number != kNone) return number;
+  const auto place = static_cast<std::size_t>(body.getWorldArrayIndex());
+  if (place >= numbers_.size()) numbers_.resize(place + 1, kNone);
+  numbers_[place] = static_cast<std::uint32_t>(rigids.size());
+  rigids.push_back(makePartner(body));
+  return numbers_[place];
+}
+
+void TickContacts::add(const PairContact& contact, btManifoldPoint* point) {
+  contacts.push_back(contact);
+  manifoldPoints.push_back(point);
+}
+
+void TickContacts::clear() {
+  for (const RigidPartner& rigid : rigids) numbers_[static_cast<std::size_t>(rigid.place)] = kNone;
+  rigids.clear();
+  contacts.clear();
+  manifoldPoints.clear();
+  joints.clear();
+  constraints.clear();
+}
+
+Eigen::Vector3d velocityOf(const btCollisionObject& object, const btVector3& place) {
+  const btRigidBody* rigid = btRigidBody::upcast(&object);
+  if (!rigid || rigid->isStaticObject() || !rigid->isActive()) return Eigen::Vector3d::Zero();
+  return toEigen(rigid->getVelocityInLocalPoint(place - rigid->getWorldTransform().getOrigin()));
+}
+
+SurfacePlace placeOn(TickContacts& contacts, const btCollisionObject& object, const btVector3& place) {
+  SurfacePlace found;
+  btRigidBody* rigid = btRigidBody::upcast(const_cast<btCollisionObject*>(&object));
+  if (rigid && isFree(*rigid)) {
+    found.kind = SurfacePlace::Kind::Rigid;
+    found.body = contacts.add(*rigid);
+    found.arm = toEigen(place) - toEigen(rigid->getWorldTransform().getOrigin());
+  } else {
+    found.velocity = velocityOf(object, place);
+  }
+  return found;
+}
+
+}  // namespace LIMBER_BULLET_PRECISION
+}  // namespace limber

@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: Zlib
+#pragma once
+
+#include "bullet/rigid_partner.h"
+#include "core/pair_contacts.h"
+
+#include <limber/bullet_precision.h>
+
+#include <btBulletDynamicsCommon.h>
+
+#include <vector>
+
+namespace limber {
+inline namespace LIMBER_BULLET_PRECISION {
+
+/// The contacts of one tick in which something other than a single soft body moves, the joints of the rigid
+/// bodies in them, and these rigid bodies. Places and rows name soft bodies by SoftBodyData::index and rigid
+/// bodies by their number here.
+struct TickContacts {
+  std::vector<RigidPartner> rigids;
+  std::vector<PairContact> contacts;
+  std::vector<btManifoldPoint*> manifoldPoints;  ///< #contacts, nullptr: it is not Bullet's
+  std::vector<JointRow> joints;
+  std::vector<btTypedConstraint*> constraints;  ///< #joints
+
+  static constexpr std::uint32_t kNone = static_cast<std::uint32_t>(-1);
+
+  /// The number of a rigid body in the world, or kNone.
+  std::uint32_t find(const btRigidBody& body) const;
+  /// The number it has or now gets.
+  std::uint32_t add(btRigidBody& body);
+  void add(const PairContact& contact, btManifoldPoint* point = nullptr);
+  /// Forgets everything but the memory it takes.
+  void clear();
+
+ private:
+  std::vector<std::uint32_t> numbers_;  ///< by place in the world's list of objects
+};
+
+/// Whether a rigid body moves by itself: neither held nor asleep.
+inline bool isFree(const btRigidBody& body) {
+  return !body.isStaticOrKinematicObject() && body.isActive() &&
+         body.getActivationState() != DISABLE_SIMULATION && body.getWorldArrayIndex() >= 0;
+}
+
+/// m/s, of a place on a body that moves by itself or as told; 0 for one that is static or asleep.
+Eigen::Vector3d velocityOf(const btCollisionObject& object, const btVector3& place);
+
+/// The place on a rigid body: of kind Rigid if it is free, which gives it a number, else of kind World.
+SurfacePlace placeOn(TickContacts& contacts, const btCollisionObject& object, const btVector3& place);
+
+}  // namespace LIMBER_BULLET_PRECISION
+}  // namespace limber
