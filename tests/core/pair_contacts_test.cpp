@@ -21,17 +21,17 @@ using test::SteppedTestBody;
 constexpr double kTick = 1.0 / 60.0;
 constexpr double kGravity = 9.81;
 
-SurfacePlace point(std::uint32_t body, std::uint32_t i) {
-  SurfacePlace place;
-  place.kind = SurfacePlace::Kind::Soft;
+ContactPlace point(std::uint32_t body, std::uint32_t i) {
+  ContactPlace place;
+  place.kind = ContactPlace::Kind::Soft;
   place.body = body;
   place.point = {i, 0, 0};
   return place;
 }
 
-SurfacePlace corner(std::uint32_t rigid, const Vector3d& arm) {
-  SurfacePlace place;
-  place.kind = SurfacePlace::Kind::Rigid;
+ContactPlace corner(std::uint32_t rigid, const Vector3d& arm) {
+  ContactPlace place;
+  place.kind = ContactPlace::Kind::Rigid;
   place.body = rigid;
   place.arm = arm;
   return place;
@@ -62,7 +62,7 @@ struct Scene {
     return static_cast<std::uint32_t>(group.links.rigids.size() - 1);
   }
 
-  void add(const SurfacePlace& a, const SurfacePlace& b, double gap,
+  void add(const ContactPlace& a, const ContactPlace& b, double gap,
            const Vector3d& normal = Vector3d::UnitY()) {
     PairContact c;
     c.a = a, c.b = b, c.gap = gap, c.normal = normal, c.friction = 0.5;
@@ -88,7 +88,7 @@ struct Scene {
   }
 };
 
-const auto kFloor = [](std::uint32_t) { return SurfacePlace(); };
+const auto kFloor = [](std::uint32_t) { return ContactPlace(); };
 
 TEST(PairContacts, carryATowerOfCubes) {
   for (const double stiffness : {1e3, 1e5}) {
@@ -121,7 +121,7 @@ TEST(PairContacts, carryBoxesLightAndHeavyAndLieOnThem) {
       if (i & 2)
         scene.add(point(cube, i - 2), corner(under, arm), 0.0);
       else
-        scene.add(corner(under, arm), SurfacePlace(), 0.0);
+        scene.add(corner(under, arm), ContactPlace(), 0.0);
     }
     for (std::uint32_t i = 0; i < 8; ++i)
       if (i & 2) scene.add(corner(over, Vector3d((i & 1) - 0.5, -0.5, (i >> 2) - 0.5)), point(cube, i), 0.0);
@@ -144,7 +144,7 @@ TEST(PairContacts, keepMomentumAndLoseEnergyInFreeFlight) {
   for (SteppedTestBody& cube : scene.soft) cube.state.acceleration.setZero();
   scene.soft[0].state.velocity.row(0).setConstant(3.0);
   // a corner of the right cube between three corners of the left one's side
-  SurfacePlace side = point(left, 1);
+  ContactPlace side = point(left, 1);
   side.count = 3;
   side.point = {1, 3, 5};
   const Vector3d at = scene.soft[right].state.position.col(0);
@@ -175,7 +175,7 @@ TEST(PairContacts, slideByCoulombsLaw) {
     // the slope is level and gravity tilted
     scene.group.links.rigids[0].acceleration = kGravity * Vector3d(std::sin(slope), -std::cos(slope), 0);
     for (const double x : {-0.5, 0.5})
-      for (const double z : {-0.5, 0.5}) scene.add(corner(0, {x, -0.5, z}), SurfacePlace(), 0.0);
+      for (const double z : {-0.5, 0.5}) scene.add(corner(0, {x, -0.5, z}), ContactPlace(), 0.0);
     scene.run(1.0, 10);
     const double expected = std::max(0.0, kGravity * (std::sin(slope) - 0.5 * std::cos(slope)));
     EXPECT_NEAR(scene.group.links.rigids[0].velocity.x(), expected, 1e-4 + 1e-3 * expected) << share;

@@ -32,9 +32,9 @@ struct Nodes {
   std::uint32_t groups;
   const std::vector<std::uint32_t>& groupOf;  ///< of a soft body, by SoftBodyData::index
 
-  std::uint32_t of(const SurfacePlace& place) const {
-    if (place.kind == SurfacePlace::Kind::Soft) return groupOf[place.body];
-    return place.kind == SurfacePlace::Kind::Rigid ? groups + place.body : kNone;
+  std::uint32_t of(const ContactPlace& place) const {
+    if (place.kind == ContactPlace::Kind::Soft) return groupOf[place.body];
+    return place.kind == ContactPlace::Kind::Rigid ? groups + place.body : kNone;
   }
   std::uint32_t ofRigid(std::uint32_t number) const {
     return number == JointRow::kHeld ? kNone : groups + number;
@@ -139,9 +139,9 @@ void appendRigids(TickContacts& found, const Nodes& nodes, btScalar tick, Cluste
 }
 
 /// Contacts name bodies by their number in the system; rows of a cluster by their place in it.
-void renumber(SurfacePlace& place, const Nodes& nodes, const Clusters& clusters) {
-  if (place.kind == SurfacePlace::Kind::World) return;
-  const bool soft = place.kind == SurfacePlace::Kind::Soft;
+void renumber(ContactPlace& place, const Nodes& nodes, const Clusters& clusters) {
+  if (place.kind == ContactPlace::Kind::World) return;
+  const bool soft = place.kind == ContactPlace::Kind::Soft;
   place.body = clusters.first[nodes.of(place)] + (soft ? clusters.placeInGroup[place.body] : 0);
 }
 

@@ -8,15 +8,15 @@ namespace {
 void markCoupledPoints(Cluster& cluster) {
   for (SoftBodyData* body : cluster.softBodies) body->coupled.assign(body->masses.bodies.size(), 0);
   for (const PairContact& c : cluster.step.pairs.contacts)
-    for (const SurfacePlace* place : {&c.a, &c.b})
-      if (place->kind == SurfacePlace::Kind::Soft)
+    for (const ContactPlace* place : {&c.a, &c.b})
+      if (place->kind == ContactPlace::Kind::Soft)
         for (std::uint32_t i = 0; i < place->count; ++i)
           cluster.softBodies[place->body]->coupled[place->point[i]] = 1;
 }
 
 PairContact pairOf(const ContactRow& row, const SoftBodyData& body, std::uint32_t place) {
   PairContact c;
-  c.a.kind = SurfacePlace::Kind::Soft;
+  c.a.kind = ContactPlace::Kind::Soft;
   c.a.body = place;
   c.a.point[0] = row.point;
   c.b.velocity = row.surfaceVelocity;

@@ -31,7 +31,7 @@ class PairsOfPoint final : public btCollisionWorld::ContactResultCallback {
  private:
   void add(const Eigen::Vector3d& normal, const btVector3& surface) {
     PairContact c;
-    c.a.kind = SurfacePlace::Kind::Soft;
+    c.a.kind = ContactPlace::Kind::Soft;
     c.a.body = body_->index;
     c.a.point[0] = point_;
     c.b = placeOn(*found_, *partner_, surface);
@@ -109,7 +109,7 @@ void gatherPairs(SoftBodyData& body, btScalar tick, TickContacts& found) {
 void rememberPairs(const std::vector<SoftBodyData*>& bodies, const TickContacts& contacts) {
   for (SoftBodyData* body : bodies) body->knownContacts.clear();
   for (const PairContact& c : contacts.contacts) {
-    if (c.a.kind != SurfacePlace::Kind::Soft || c.b.kind != SurfacePlace::Kind::Rigid) continue;
+    if (c.a.kind != ContactPlace::Kind::Soft || c.b.kind != ContactPlace::Kind::Rigid) continue;
     const double along = c.normal.dot(c.impulse);
     bodies[c.a.body]->knownContacts.push_back(
         {c.a.point[0], idOf(*contacts.rigids[c.b.body].body), {along, c.impulse - along * c.normal}});

@@ -40,11 +40,11 @@ Eigen::Vector3d velocityOf(const btCollisionObject& object, const btVector3& pla
   return toEigen(rigid->getVelocityInLocalPoint(place - rigid->getWorldTransform().getOrigin()));
 }
 
-SurfacePlace placeOn(TickContacts& contacts, const btCollisionObject& object, const btVector3& place) {
-  SurfacePlace found;
+ContactPlace placeOn(TickContacts& contacts, const btCollisionObject& object, const btVector3& place) {
+  ContactPlace found;
   btRigidBody* rigid = btRigidBody::upcast(const_cast<btCollisionObject*>(&object));
   if (rigid && isFree(*rigid)) {
-    found.kind = SurfacePlace::Kind::Rigid;
+    found.kind = ContactPlace::Kind::Rigid;
     found.body = contacts.add(*rigid);
     found.arm = toEigen(place) - toEigen(rigid->getWorldTransform().getOrigin());
   } else {

@@ -47,7 +47,7 @@ inline bool isFree(const btRigidBody& body) {
 Eigen::Vector3d velocityOf(const btCollisionObject& object, const btVector3& place);
 
 /// The place on a rigid body: of kind Rigid if it is free, which gives it a number, else of kind World.
-SurfacePlace placeOn(TickContacts& contacts, const btCollisionObject& object, const btVector3& place);
+ContactPlace placeOn(TickContacts& contacts, const btCollisionObject& object, const btVector3& place);
 
 }  // namespace LIMBER_BULLET_PRECISION
 }  // namespace limber

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
-#include "core/surface_place.h"
+#include "core/contact_place.h"
 
 #include <cmath>
 #include <cstdint>
@@ -19,7 +19,7 @@ struct Bearing {
 /// friction across it. Impulses are equal and opposite at the two places, so linear momentum is kept to
 /// rounding, and angular momentum as far as the places coincide.
 struct PairContact {
-  SurfacePlace a, b;
+  ContactPlace a, b;
   Eigen::Vector3d normal = Eigen::Vector3d::UnitY();  ///< unit, from b to a
   double gap = 0.0;                                   ///< m between the surfaces; moves on with the substeps
   double friction = 0.0;
@@ -33,8 +33,8 @@ struct PairContact {
   Eigen::Matrix<double, 3, 2> tangents = Eigen::Matrix<double, 3, 2>::Zero();  ///< across the normal
   Eigen::Matrix2d acrossMass = Eigen::Matrix2d::Zero();                        ///< kg, between the tangents
   Eigen::Vector2d acrossAlong = Eigen::Vector2d::Zero();  ///< 1/kg, speeds across per impulse along
-  double bounce = 0.0;  ///< m/s, at which they must part in the present substep
-  Bearing change, direction;                              ///< scratch of the solver
+  double bounce = 0.0;        ///< m/s, at which they must part in the present substep
+  Bearing change, direction;  ///< scratch of the solver
 };
 
 /// One row of a joint between rigid bodies, as Bullet's constraints describe theirs:

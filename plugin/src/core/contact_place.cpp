@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: Zlib
-#include "core/surface_place.h"
+#include "core/contact_place.h"
 
 namespace limber {
 
-Eigen::Matrix3d mobility(const LinkedBodies& bodies, const SurfacePlace& place) {
+Eigen::Matrix3d mobility(const LinkedBodies& bodies, const ContactPlace& place) {
   Eigen::Matrix3d m = Eigen::Matrix3d::Zero();
-  if (place.kind == SurfacePlace::Kind::Soft) {
+  if (place.kind == ContactPlace::Kind::Soft) {
     const PointState& p = *bodies.points[place.body];
     for (std::uint32_t i = 0; i < place.count; ++i)
       m.diagonal() += place.weight[i] * place.weight[i] * p.inverseMass.col(place.point[i]);
-  } else if (place.kind == SurfacePlace::Kind::Rigid) {
+  } else if (place.kind == ContactPlace::Kind::Rigid) {
     const RigidState& rigid = bodies.rigids[place.body];
     const Eigen::Vector3d& r = place.arm;
     Eigen::Matrix3d cross;
