@@ -2,6 +2,7 @@
 #include "core/inside_vertices.h"
 
 #include "core/normal_cone.h"
+#include "core/vertex_triangle.h"
 
 #include <algorithm>
 #include <tuple>

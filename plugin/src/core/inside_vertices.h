@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
-#include "core/feature_contacts.h"
+#include "core/contact_candidates.h"
 
 namespace limber {
 

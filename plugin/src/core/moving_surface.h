@@ -2,17 +2,9 @@
 #pragma once
 
 #include "core/surface_topology.h"
-
-#include <Eigen/Geometry>
-
-#include <vector>
+#include "core/swept_box.h"
 
 namespace limber {
-
-using Box = Eigen::AlignedBox3d;
-
-/// Where a surface is at any time of the tick, its radius included: a box around each node of its tree.
-using SurfaceBoxes = std::vector<Box>;
 
 /// A surface during one tick. Time runs from 0 at its start to 1 at its end; points move on straight lines.
 struct MovingSurface {

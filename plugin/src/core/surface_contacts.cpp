@@ -2,8 +2,8 @@
 #include "core/surface_contacts.h"
 
 #include "core/contact_reduction.h"
-#include "core/feature_contacts.h"
 #include "core/inside_vertices.h"
+#include "core/near_features.h"
 
 namespace limber {
 namespace {
@@ -11,8 +11,7 @@ namespace {
 void searchNear(const SurfacePair& pair, ContactSearch& search, std::vector<SurfaceContact>& found) {
   search.candidates.clear();
   search.behind.clear();
-  for (const auto& [i, j] : search.near)
-    meetElements(pair, pair.a.topology->elements[i], pair.b.topology->elements[j], search);
+  meetNearFeatures(pair, search);
   addInsideVertices(pair, search);
   reduceContacts(search.candidates, found);
 }
@@ -21,13 +20,13 @@ void searchNear(const SurfacePair& pair, ContactSearch& search, std::vector<Surf
 
 void findSurfaceContacts(const MovingSurface& a, const MovingSurface& b, double margin, ContactSearch& search,
                          std::vector<SurfaceContact>& found) {
-  findNearElements(a, b, margin, search.waiting, search.near);
+  findNearLeaves(a, b, margin, search.waiting, search.near);
   searchNear({a, b, margin, false}, search, found);
 }
 
 void findSelfContacts(const MovingSurface& surface, double margin, ContactSearch& search,
                       std::vector<SurfaceContact>& found) {
-  findNearElements(surface, margin, search.waiting, search.near);
+  findNearLeaves(surface, margin, search.waiting, search.near);
   searchNear({surface, surface, margin, true}, search, found);
 }
 

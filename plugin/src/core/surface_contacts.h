@@ -52,7 +52,7 @@ struct VertexBehind {
 
 /// Scratch of a search, kept for its capacity.
 struct ContactSearch {
-  ElementPairs waiting, near;
+  LeafPairs waiting, near;
   std::vector<ContactCandidate> candidates;
   std::vector<VertexBehind> behind;
 };

@@ -39,7 +39,7 @@ class TreeBuilder {
     const auto begin = order_.begin() + static_cast<std::ptrdiff_t>(first);
     const auto middle = begin + static_cast<std::ptrdiff_t>(count / 2);
     const auto end = begin + static_cast<std::ptrdiff_t>(count);
-    Box box;
+    Eigen::AlignedBox3d box;
     std::for_each(begin, end, [&](std::uint32_t i) { box.extend(centres_[i]); });
     Eigen::Index axis = 0;
     box.sizes().maxCoeff(&axis);
@@ -60,28 +60,49 @@ class TreeBuilder {
   std::vector<SurfaceNode> nodes_;
 };
 
-Box elementBox(const MovingSurface& surface, const SurfaceElement& element) {
-  const auto feature = featureOf<3>(surface, element.corners);
-  const auto end = feature.at(1.0);
-  Vector3d low = feature.start.rowwise().minCoeff().cwiseMin(end.rowwise().minCoeff());
-  Vector3d high = feature.start.rowwise().maxCoeff().cwiseMax(end.rowwise().maxCoeff());
-  low.array() -= surface.radius;
-  high.array() += surface.radius;
+SweptBox pointBox(const MovingSurface& surface, Eigen::Index point) {
+  Eigen::Array4d start, motion;
+  start << surface.position->col(point), 0.0;
+  motion << surface.motion->col(point), 0.0;
+  const Eigen::Array4d end = start + motion, radius(surface.radius, surface.radius, surface.radius, 0.0);
+  return {start.min(end) - radius, start.max(end) + radius};
+}
+
+SweptBox elementBox(const MovingSurface& surface, const SurfaceElement& element,
+                    const std::vector<SweptBox>& points) {
+  const auto& [a, b, c] = element.corners;
+  SweptBox box = merged(merged(points[a], points[b]), points[c]);
   const std::uint32_t triangle = element.triangle;
-  if (triangle != kNoFeature && surface.topology->oneSided[triangle]) {
-    const Vector3d depth = normalOf<3>(feature.start) * surface.topology->depthLimit[triangle];
-    low -= depth.cwiseMax(0.0);
-    high -= depth.cwiseMin(0.0);
+  if (triangle == kNoFeature || !surface.topology->oneSided[triangle]) return box;
+  Eigen::Array4d depth;
+  depth << normalOf<3>(featureOf<3>(surface, element.corners).start) * surface.topology->depthLimit[triangle],
+      0.0;
+  box.low -= depth.max(0.0);
+  box.high -= depth.min(0.0);
+  return box;
+}
+
+bool isLeaf(const SurfaceNode& node) { return node.element != kNoFeature; }
+
+double sizeOf(const SweptBox& box) { return (box.high - box.low).maxCoeff(); }
+
+/// m^2
+double squaredDistance(const SweptBox& box, const Eigen::Array4d& place) {
+  return (box.low - place).max(place - box.high).max(0.0).matrix().squaredNorm();
+}
+
+/// Replaces a pair of nodes by those with the children of the larger one.
+void descend(const MovingSurface& a, const MovingSurface& b, std::uint32_t i, std::uint32_t j,
+             LeafPairs& waiting) {
+  const SurfaceNode &na = a.topology->nodes[i], &nb = b.topology->nodes[j];
+  if (isLeaf(nb) || (!isLeaf(na) && sizeOf(a.boxes->nodes[i]) >= sizeOf(b.boxes->nodes[j]))) {
+    waiting.emplace_back(na.child + 1, j);
+    waiting.emplace_back(na.child, j);
+  } else {
+    waiting.emplace_back(i, nb.child + 1);
+    waiting.emplace_back(i, nb.child);
   }
-  return Box(low, high);
 }
-
-bool isNear(const Box& a, const Box& b, double margin) {
-  return (a.min().array() <= b.max().array() + margin).all() &&
-         (b.min().array() <= a.max().array() + margin).all();
-}
-
-double sizeOf(const Box& box) { return box.diagonal().squaredNorm(); }
 
 /// Sum of the normals around a vertex or an edge or of a triangle (where no weight is 0), each by its angle
 /// there: the sign of the distance does not depend on the triangle asked (Baerentzen, Aanaes 2005).
@@ -122,94 +143,81 @@ std::vector<SurfaceNode> makeSurfaceTree(const Points& rest, const std::vector<S
   return TreeBuilder(rest, elements).take();
 }
 
-Box sweptBounds(const MovingSurface& surface) {
-  Box box;
+SweptBox sweptBounds(const MovingSurface& surface) {
+  SweptBox box;
   for (const SurfaceElement& element : surface.topology->elements)
-    for (const std::uint32_t v : element.vertices) {
-      if (v == kNoFeature) continue;
-      box.extend(surface.position->col(v));
-      box.extend(surface.at(v, 1.0));
-    }
-  if (!box.isEmpty()) box = Box(box.min().array() - surface.radius, box.max().array() + surface.radius);
+    for (const std::uint32_t v : element.vertices)
+      if (v != kNoFeature) box = merged(box, pointBox(surface, v));
   return box;
 }
 
 void fitBoxes(const MovingSurface& surface, SurfaceBoxes& boxes) {
-  const std::vector<SurfaceNode>& nodes = surface.topology->nodes;
-  boxes.resize(nodes.size());
-  for (std::size_t i = nodes.size(); i-- > 0;) {
-    const SurfaceNode& node = nodes[i];
-    boxes[i] = node.element != kNoFeature ? elementBox(surface, surface.topology->elements[node.element])
-                                          : boxes[node.child].merged(boxes[node.child + 1]);
-  }
-}
-
-void findNearElements(const MovingSurface& a, const MovingSurface& b, double margin, ElementPairs& waiting,
-                      ElementPairs& near) {
-  const SurfaceBoxes &boxesA = *a.boxes, &boxesB = *b.boxes;
-  near.clear();
-  waiting.clear();
-  if (!boxesA.empty() && !boxesB.empty()) waiting.emplace_back(0, 0);
-  while (!waiting.empty()) {
-    const auto [i, j] = waiting.back();
-    waiting.pop_back();
-    if (!isNear(boxesA[i], boxesB[j], margin)) continue;
-    const SurfaceNode &na = a.topology->nodes[i], &nb = b.topology->nodes[j];
-    const bool leafA = na.element != kNoFeature, leafB = nb.element != kNoFeature;
-    if (leafA && leafB) {
-      near.emplace_back(na.element, nb.element);
-    } else if (leafB || (!leafA && sizeOf(boxesA[i]) >= sizeOf(boxesB[j]))) {
-      waiting.emplace_back(na.child + 1, j);
-      waiting.emplace_back(na.child, j);
-    } else {
-      waiting.emplace_back(i, nb.child + 1);
-      waiting.emplace_back(i, nb.child);
-    }
-  }
-}
-
-void findNearElements(const MovingSurface& surface, double margin, ElementPairs& waiting,
-                      ElementPairs& near) {
-  const SurfaceBoxes& boxes = *surface.boxes;
-  const std::vector<SurfaceNode>& nodes = surface.topology->nodes;
-  near.clear();
-  waiting.clear();
-  if (!boxes.empty()) waiting.emplace_back(0, 0);
-  while (!waiting.empty()) {
-    const auto [i, j] = waiting.back();
-    waiting.pop_back();
-    const SurfaceNode &na = nodes[i], &nb = nodes[j];
-    const bool leafA = na.element != kNoFeature, leafB = nb.element != kNoFeature;
-    if (i == j) {
-      if (leafA) continue;
-      waiting.emplace_back(na.child + 1, na.child + 1);
-      waiting.emplace_back(na.child, na.child + 1);
-      waiting.emplace_back(na.child, na.child);
-    } else if (!isNear(boxes[i], boxes[j], margin)) {
-      continue;
-    } else if (leafA && leafB) {
-      near.push_back(std::minmax(na.element, nb.element));
-    } else if (leafB || (!leafA && sizeOf(boxes[i]) >= sizeOf(boxes[j]))) {
-      waiting.emplace_back(na.child + 1, j);
-      waiting.emplace_back(na.child, j);
-    } else {
-      waiting.emplace_back(i, nb.child + 1);
-      waiting.emplace_back(i, nb.child);
-    }
-  }
-}
-
-void findTriangles(const MovingSurface& surface, const Box& box, std::vector<std::uint32_t>& found) {
   const SurfaceTopology& t = *surface.topology;
-  const SurfaceBoxes& boxes = *surface.boxes;
+  boxes.points.resize(static_cast<std::size_t>(surface.position->cols()));
+  for (std::size_t i = 0; i < boxes.points.size(); ++i)
+    boxes.points[i] = pointBox(surface, static_cast<Eigen::Index>(i));
+  boxes.nodes.resize(t.nodes.size());
+  for (std::size_t i = t.nodes.size(); i-- > 0;) {
+    const SurfaceNode& node = t.nodes[i];
+    boxes.nodes[i] = isLeaf(node) ? elementBox(surface, t.elements[node.element], boxes.points)
+                                  : merged(boxes.nodes[node.child], boxes.nodes[node.child + 1]);
+  }
+}
+
+void findNearLeaves(const MovingSurface& a, const MovingSurface& b, double margin, LeafPairs& waiting,
+                    LeafPairs& near) {
+  near.clear();
+  waiting.clear();
+  if (!a.boxes->nodes.empty() && !b.boxes->nodes.empty()) waiting.emplace_back(0, 0);
+  while (!waiting.empty()) {
+    const auto [i, j] = waiting.back();
+    waiting.pop_back();
+    if (separation(a.boxes->nodes[i], b.boxes->nodes[j]) > margin) continue;
+    if (isLeaf(a.topology->nodes[i]) && isLeaf(b.topology->nodes[j]))
+      near.emplace_back(i, j);
+    else
+      descend(a, b, i, j, waiting);
+  }
+}
+
+void findNearLeaves(const MovingSurface& surface, double margin, LeafPairs& waiting, LeafPairs& near) {
+  const std::vector<SurfaceNode>& nodes = surface.topology->nodes;
+  near.clear();
+  waiting.clear();
+  if (!nodes.empty()) waiting.emplace_back(0, 0);
+  while (!waiting.empty()) {
+    const auto [i, j] = waiting.back();
+    waiting.pop_back();
+    if (i == j) {
+      if (isLeaf(nodes[i])) continue;
+      const std::uint32_t child = nodes[i].child;
+      waiting.emplace_back(child + 1, child + 1);
+      waiting.emplace_back(child, child + 1);
+      waiting.emplace_back(child, child);
+    } else if (separation(surface.boxes->nodes[i], surface.boxes->nodes[j]) > margin) {
+      continue;
+    } else if (isLeaf(nodes[i]) && isLeaf(nodes[j])) {
+      near.push_back(std::minmax(i, j));
+    } else {
+      descend(surface, surface, i, j, waiting);
+    }
+  }
+}
+
+void findTriangles(const MovingSurface& surface, const Eigen::AlignedBox3d& box,
+                   std::vector<std::uint32_t>& found) {
+  const SurfaceTopology& t = *surface.topology;
+  SweptBox asked;
+  asked.low.head<3>() = box.min();
+  asked.high.head<3>() = box.max();
   found.clear();
   std::array<std::uint32_t, kStack> stack{};
-  std::size_t waiting = boxes.empty() ? 0 : 1;
+  std::size_t waiting = t.nodes.empty() ? 0 : 1;
   while (waiting > 0) {
     const std::uint32_t i = stack[--waiting];
-    if (!isNear(boxes[i], box, 0.0)) continue;
+    if (separation(surface.boxes->nodes[i], asked) > 0.0) continue;
     const SurfaceNode& node = t.nodes[i];
-    if (node.element == kNoFeature) {
+    if (!isLeaf(node)) {
       stack[waiting++] = node.child + 1;
       stack[waiting++] = node.child;
     } else if (t.elements[node.element].triangle != kNoFeature) {
@@ -220,18 +228,20 @@ void findTriangles(const MovingSurface& surface, const Box& box, std::vector<std
 
 NearestOnSurface nearestOnSurface(const MovingSurface& surface, const Vector3d& place, double within) {
   const SurfaceTopology& t = *surface.topology;
-  const SurfaceBoxes& boxes = *surface.boxes;
+  const std::vector<SweptBox>& boxes = surface.boxes->nodes;
+  Eigen::Array4d at;
+  at << place, 0.0;
   NearestOnSurface nearest;
   double best = within * within;
   std::array<std::uint32_t, kStack> stack{};
   std::size_t waiting = boxes.empty() ? 0 : 1;
   while (waiting > 0) {
     const std::uint32_t i = stack[--waiting];
-    if (boxes[i].squaredExteriorDistance(place) > best) continue;
+    if (squaredDistance(boxes[i], at) > best) continue;
     const SurfaceNode& node = t.nodes[i];
     if (node.element == kNoFeature) {
-      const bool firstIsNearer = boxes[node.child].squaredExteriorDistance(place) <=
-                                 boxes[node.child + 1].squaredExteriorDistance(place);
+      const bool firstIsNearer =
+          squaredDistance(boxes[node.child], at) <= squaredDistance(boxes[node.child + 1], at);
       stack[waiting++] = firstIsNearer ? node.child + 1 : node.child;
       stack[waiting++] = firstIsNearer ? node.child : node.child + 1;
       continue;

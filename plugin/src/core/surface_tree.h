@@ -12,26 +12,27 @@ namespace limber {
 /// one element.
 std::vector<SurfaceNode> makeSurfaceTree(const Points& rest, const std::vector<SurfaceElement>& elements);
 
-/// The box of all points that a surface uses.
-Box sweptBounds(const MovingSurface& surface);
+/// Around all vertices of the surface: cheap, and enough to see that nothing is near.
+SweptBox sweptBounds(const MovingSurface& surface);
 
-/// `boxes` is resized to #nodes. The boxes of one-sided triangles reach as far behind them as vertices are
+/// The boxes of one-sided triangles reach as far behind them as vertices are
 /// pushed out again.
 void fitBoxes(const MovingSurface& surface, SurfaceBoxes& boxes);
 
-/// Pairs of elements, one of each surface.
-using ElementPairs = std::vector<std::pair<std::uint32_t, std::uint32_t>>;
+/// Pairs of leaves of trees.
+using LeafPairs = std::vector<std::pair<std::uint32_t, std::uint32_t>>;
 
 /// Those whose boxes are within `margin` of each other, in an order that depends on the trees and boxes
 /// alone. `waiting` is scratch.
-void findNearElements(const MovingSurface& a, const MovingSurface& b, double margin, ElementPairs& waiting,
-                      ElementPairs& near);
+void findNearLeaves(const MovingSurface& a, const MovingSurface& b, double margin, LeafPairs& waiting,
+                    LeafPairs& near);
 
-/// Pairs of different elements of one surface, each once, the smaller first.
-void findNearElements(const MovingSurface& surface, double margin, ElementPairs& waiting, ElementPairs& near);
+/// Pairs of different leaves of one tree, each once, the smaller first.
+void findNearLeaves(const MovingSurface& surface, double margin, LeafPairs& waiting, LeafPairs& near);
 
 /// The triangles whose boxes overlap `box`.
-void findTriangles(const MovingSurface& surface, const Box& box, std::vector<std::uint32_t>& found);
+void findTriangles(const MovingSurface& surface, const Eigen::AlignedBox3d& box,
+                   std::vector<std::uint32_t>& found);
 
 /// The point of the triangles that is nearest to `place` at the start of the tick.
 struct NearestOnSurface {
