@@ -1,21 +1,16 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
+#include "core/closest_points.h"
+
 #include <limber/triangle_mesh.h>
 
 #include <Eigen/Core>
 
-#include <array>
 #include <optional>
 #include <vector>
 
 namespace limber {
-
-using TriangleCorners = std::array<Eigen::Vector3d, 3>;
-
-/// Barycentric coordinates of the point of the triangle that is nearest to `p` (C. Ericson, "Real-Time
-/// Collision Detection", 2005, 5.1.5). Sound for triangles without area.
-Eigen::Vector3d nearestBarycentric(const TriangleCorners& triangle, const Eigen::Vector3d& p);
 
 /// Where a line meets a triangle.
 struct LineHit {

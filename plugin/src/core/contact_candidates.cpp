@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: Zlib
+#include "core/contact_candidates.h"
+
+#include <algorithm>
+
+namespace limber {
+namespace {
+
+using Eigen::Vector3d;
+
+/// A round surface is this many times thicker than the other.
+constexpr double kRound = 2.0;
+
+template <std::size_t N>
+SurfacePlace placeOn(std::uint32_t feature, const std::array<std::uint32_t, N>& corners,
+                     const Vector3d& weights) {
+  SurfacePlace place;
+  place.kind = static_cast<FeatureKind>(N - 1);
+  place.feature = feature;
+  for (std::size_t i = 0; i < 3; ++i) place.points[i] = corners[std::min(i, N - 1)];
+  place.weights = weights;
+  return place;
+}
+
+Vector3d positionOf(const MovingSurface& surface, const SurfacePlace& place, double time) {
+  Vector3d position = Vector3d::Zero();
+  for (std::size_t i = 0; i < 3; ++i)
+    position += place.weights[static_cast<Eigen::Index>(i)] * surface.at(place.points[i], time);
+  return position;
+}
+
+bool areJoined(const SurfaceTopology& t, const SurfacePlace& a, const SurfacePlace& b) {
+  for (const std::uint32_t v : a.points) {
+    const auto isNeighbour = [&](std::uint32_t edge) {
+      const std::uint32_t other = t.edges[edge][t.edges[edge][0] == v ? 1 : 0];
+      return std::find(b.points.begin(), b.points.end(), other) != b.points.end();
+    };
+    if (std::find(b.points.begin(), b.points.end(), v) != b.points.end()) return true;
+    if (std::any_of(t.edgesAround.begin(v), t.edgesAround.end(v), isNeighbour)) return true;
+  }
+  return false;
+}
+
+bool areCloseAtRest(const SurfacePair& pair, const SurfacePlace& a, const SurfacePlace& b) {
+  const MovingSurface resting{pair.a.topology, &pair.a.topology->rest, pair.a.motion, pair.a.radius, nullptr};
+  return (positionOf(resting, a, 0.0) - positionOf(resting, b, 0.0)).norm() <= pair.reach();
+}
+
+}  // namespace
+
+bool isRound(const MovingSurface& surface, const MovingSurface& other) {
+  return surface.topology->triangles.empty() && surface.radius > kRound * other.radius;
+}
+
+SurfacePlace atVertex(std::uint32_t v) {
+  return placeOn(v, std::array<std::uint32_t, 1>{v}, Vector3d::UnitX());
+}
+
+SurfacePlace onEdge(const SurfaceTopology& t, std::uint32_t edge, const Eigen::Vector2d& weights) {
+  return placeOn(edge, t.edges[edge], {weights[0], weights[1], 0.0});
+}
+
+SurfacePlace onTriangle(const SurfaceTopology& t, std::uint32_t triangle, const Vector3d& weights) {
+  return placeOn(triangle, t.triangles[triangle], weights);
+}
+
+std::uint64_t meetingVertex(const SurfacePair& pair, std::uint32_t v, bool ofB) {
+  return std::uint64_t{v} * 2 + (ofB && !pair.self ? 1 : 0);
+}
+
+void addCandidate(const SurfacePair& pair, ContactCandidate& candidate, ContactSearch& search) {
+  SurfaceContact& c = candidate.contact;
+  if (pair.self && (areJoined(*pair.a.topology, c.a, c.b) || areCloseAtRest(pair, c.a, c.b))) return;
+  c.gap = c.normal.dot(positionOf(pair.a, c.a, 0.0) - positionOf(pair.b, c.b, 0.0)) - pair.reach();
+  c.key = std::uint64_t{candidate.rank} << 60 | std::uint64_t{c.a.feature} << 30 | c.b.feature;
+  candidate.place = 0.5 * (positionOf(pair.a, c.a, c.time) + positionOf(pair.b, c.b, c.time));
+  search.candidates.push_back(candidate);
+}
+
+}  // namespace limber

@@ -1,0 +1,129 @@
+// SPDX-License-Identifier: Zlib
+#include "core/edge_contacts.h"
+
+#include "core/feature_meeting.h"
+#include "core/normal_cone.h"
+
+#include <algorithm>
+
+namespace limber {
+namespace {
+
+using Eigen::Vector3d;
+
+/// Sines beyond normal cones. Where edges cross, the normal is theirs, so that a cone may be generous.
+constexpr double kVertexTolerance = 0.01, kCrossingTolerance = 0.1;
+
+/// Unit, from b to a; where they coincide, against their relative motion.
+template <int N, int M>
+Vector3d directionBetween(const NearestPlaces<N, M>& places, const MovingFeature<N>& a,
+                          const MovingFeature<M>& b) {
+  constexpr double kCoincident = 1e-12;
+  if (places.distance > kCoincident) return places.away / places.distance;
+  const Vector3d motion = b.motion * places.b - a.motion * places.a;
+  return motion.squaredNorm() > 0.0 ? motion.normalized() : Vector3d::UnitY();
+}
+
+bool vertexMeets(const MovingSurface& surface, const MovingSurface& other, std::uint32_t v, double time,
+                 const Vector3d& outward) {
+  return isRound(other, surface) ? facesOutward(surface, time, v, outward)
+                                 : isInVertexCone(surface, time, v, outward);
+}
+
+double depthLimit(const SurfaceTopology& t, std::uint32_t edge) {
+  double limit = 1e300;
+  for (const std::uint32_t i : t.edgeTriangles[edge])
+    if (i != kNoFeature) limit = std::min(limit, t.depthLimit[i]);
+  return limit;
+}
+
+bool isInside(const MovingSurface& surface, const Vector3d& place, double within) {
+  const NearestOnSurface nearest = nearestOnSurface(surface, place, within);
+  return nearest.triangle != kNoFeature && surface.topology->oneSided[nearest.triangle] && nearest.behind;
+}
+
+/// Whether the crossing edges have passed through each other.
+bool havePassed(const SurfacePair& pair, std::uint32_t ea, std::uint32_t eb,
+                const NearestPlaces<2, 2>& places, const Vector3d& normal) {
+  if (pair.self || places.time > 0.0) return false;
+  if (places.distance > std::min(depthLimit(*pair.a.topology, ea), depthLimit(*pair.b.topology, eb)))
+    return false;
+  if (!isInNormalCone(pair.a, 0.0, ea, normal, kCrossingTolerance)) return false;
+  if (!isInNormalCone(pair.b, 0.0, eb, -normal, kCrossingTolerance)) return false;
+  const double within = 1.001 * places.distance;  // so that the edge itself is in reach, rounded or not
+  return isInside(pair.b, featureOf<2>(pair.a, pair.a.topology->edges[ea]).start * places.a, within) ||
+         isInside(pair.a, featureOf<2>(pair.b, pair.b.topology->edges[eb]).start * places.b, within);
+}
+
+}  // namespace
+
+void meetVertices(const SurfacePair& pair, std::uint32_t va, std::uint32_t vb, ContactSearch& search) {
+  const auto a = featureOf<1>(pair.a, std::array<std::uint32_t, 1>{va});
+  const auto b = featureOf<1>(pair.b, std::array<std::uint32_t, 1>{vb});
+  const auto places = findMeeting(a, b, pair.reach(), pair.margin);
+  if (places.time == kNever) return;
+  ContactCandidate candidate;
+  SurfaceContact& c = candidate.contact;
+  c.normal = directionBetween(places, a, b);
+  c.time = places.time;
+  if (!vertexMeets(pair.a, pair.b, va, c.time, -c.normal)) return;
+  if (!vertexMeets(pair.b, pair.a, vb, c.time, c.normal)) return;
+  c.a = atVertex(va);
+  c.b = atVertex(vb);
+  candidate.rank = kVertexVertex;
+  candidate.scale = pair.reach();
+  const bool ofB = isRound(pair.a, pair.b);
+  candidate.vertex = meetingVertex(pair, ofB ? vb : va, ofB);
+  addCandidate(pair, candidate, search);
+}
+
+void meetVertexEdge(const SurfacePair& pair, bool ofB, std::uint32_t v, std::uint32_t edge,
+                    ContactSearch& search) {
+  const MovingSurface &mine = ofB ? pair.b : pair.a, &other = ofB ? pair.a : pair.b;
+  const auto vertex = featureOf<1>(mine, std::array<std::uint32_t, 1>{v});
+  const auto segment = featureOf<2>(other, other.topology->edges[edge]);
+  const auto places = findMeeting(vertex, segment, pair.reach(), pair.margin);
+  if (places.time == kNever || places.b.minCoeff() <= 0.0) return;
+  const Vector3d outward = directionBetween(places, vertex, segment);
+  if (!isInNormalCone(other, places.time, edge, outward, kVertexTolerance)) return;
+  if (!vertexMeets(mine, other, v, places.time, -outward)) return;
+  ContactCandidate candidate;
+  SurfaceContact& c = candidate.contact;
+  c.a = atVertex(v);
+  c.b = onEdge(*other.topology, edge, places.b);
+  if (ofB) std::swap(c.a, c.b);
+  c.normal = ofB ? Vector3d(-outward) : outward;
+  c.time = places.time;
+  candidate.rank = ofB ? kEdgeVertex : kVertexEdge;
+  candidate.scale = (segment.start.col(1) - segment.start.col(0)).norm();
+  candidate.vertex = meetingVertex(pair, v, ofB);
+  addCandidate(pair, candidate, search);
+}
+
+void meetEdges(const SurfacePair& pair, std::uint32_t ea, std::uint32_t eb, ContactSearch& search) {
+  const auto a = featureOf<2>(pair.a, pair.a.topology->edges[ea]);
+  const auto b = featureOf<2>(pair.b, pair.b.topology->edges[eb]);
+  const auto places = findMeeting(a, b, pair.reach(), pair.margin);
+  if (places.time == kNever || places.a.minCoeff() <= 0.0 || places.b.minCoeff() <= 0.0) return;
+  const auto atA = a.at(places.time), atB = b.at(places.time);
+  const Vector3d alongA = atA.col(1) - atA.col(0), alongB = atB.col(1) - atB.col(0);
+  Vector3d normal = alongA.cross(alongB);
+  if (normal.norm() <= kParallel * alongA.norm() * alongB.norm()) return;
+  normal.normalize();
+  if (normal.dot(places.away) < 0.0) normal = -normal;
+  const bool apart = isInNormalCone(pair.a, places.time, ea, -normal, kCrossingTolerance) &&
+                     isInNormalCone(pair.b, places.time, eb, normal, kCrossingTolerance);
+  if (!apart && !havePassed(pair, ea, eb, places, normal)) return;
+  ContactCandidate candidate;
+  SurfaceContact& c = candidate.contact;
+  c.a = onEdge(*pair.a.topology, ea, places.a);
+  c.b = onEdge(*pair.b.topology, eb, places.b);
+  c.normal = apart ? normal : Vector3d(-normal);
+  c.time = places.time;
+  candidate.rank = kEdgeEdge;
+  candidate.scale = std::min(alongA.norm(), alongB.norm());
+  candidate.vertex = kNoVertex;
+  addCandidate(pair, candidate, search);
+}
+
+}  // namespace limber

@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: Zlib
+#include "core/surface_contacts.h"
+
+#include "core/contact_reduction.h"
+#include "core/inside_vertices.h"
+#include "core/near_features.h"
+
+namespace limber {
+namespace {
+
+void searchNear(const SurfacePair& pair, ContactSearch& search, std::vector<SurfaceContact>& found) {
+  search.candidates.clear();
+  search.behind.clear();
+  meetNearFeatures(pair, search);
+  addInsideVertices(pair, search);
+  reduceContacts(search.candidates, found);
+}
+
+}  // namespace
+
+void findSurfaceContacts(const MovingSurface& a, const MovingSurface& b, double margin, ContactSearch& search,
+                         std::vector<SurfaceContact>& found) {
+  findNearLeaves(a, b, margin, search.waiting, search.near);
+  searchNear({a, b, margin, false}, search, found);
+}
+
+void findSelfContacts(const MovingSurface& surface, double margin, ContactSearch& search,
+                      std::vector<SurfaceContact>& found) {
+  findNearLeaves(surface, margin, search.waiting, search.near);
+  searchNear({surface, surface, margin, true}, search, found);
+}
+
+}  // namespace limber
