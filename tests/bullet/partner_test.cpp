@@ -1,0 +1,329 @@
+// SPDX-License-Identifier: Zlib
+// Soft bodies under, on and between rigid bodies that move: rest heights, joints, impacts, sliding.
+#include "support/bullet_world.h"
+#include "support/networks.h"
+#include "support/stepped_body.h"
+
+#include <limber/soft_body_system.h>
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+namespace limber {
+namespace {
+
+using test::BulletWorld;
+using test::vec;
+
+constexpr double kRadius = 0.02;
+constexpr double kGravity = 9.81;
+
+/// A cube of eight points of 1 kg together, damped so that what stands on it is at rest in a few seconds.
+SoftBodySettings cubeSettings(double stiffness, double height, double friction = 0.0) {
+  SoftBodySettings s;
+  s.position = {0, height, 0};
+  s.extensionStiffness = s.compressionStiffness = stiffness;
+  s.damping = 0.2 * std::sqrt(stiffness * 0.125);
+  s.friction = friction;
+  s.pointRadius = kRadius;
+  return s;
+}
+
+SoftBody* addCube(SoftBodySystem& system, double stiffness, double height, double friction = 0.0) {
+  SoftBody* body = *system.createBody(test::fullCubeNetwork(), cubeSettings(stiffness, height, friction));
+  body->point(0)->setActivationState(DISABLE_DEACTIVATION);
+  return body;
+}
+
+btRigidBody* addBox(BulletWorld& bullet, double mass, double center, double friction = 0.0) {
+  btRigidBody* box = bullet.addBox(vec(0.7, 0.1, 0.7), mass, vec(0, center, 0));
+  box->setFriction(static_cast<btScalar>(friction));
+  box->setActivationState(DISABLE_DEACTIVATION);
+  return box;
+}
+
+double height(const btRigidBody& body) { return double(body.getWorldTransform().getOrigin().y()); }
+
+double top(const SoftBody& body) {
+  double y = -1e9;
+  for (std::uint32_t i = 0; i < body.pointCount(); ++i) y = std::max(y, body.position(i).y());
+  return y;
+}
+
+/// m, between the lowest and highest points of the cube on a floor without friction, with `load` (N) spread
+/// over its upper points: relaxed by the spring maths alone.
+double cubeHeight(double stiffness, double load) {
+  test::SteppedTestBody cube(test::fullCubeNetwork(), stiffness, std::sqrt(stiffness * 0.125));
+  std::vector<ContactRow> rows;
+  for (std::uint32_t i = 0; i < 8; ++i) {
+    const bool upper = cube.state.position(1, i) > 0;
+    cube.state.acceleration(1, i) = -kGravity - (upper ? load / 4 * cube.state.inverseMass(1, i) : 0.0);
+    if (upper) continue;
+    ContactRow row;
+    row.point = i;
+    row.touch = {0, -0.5, 0};
+    rows.push_back(row);
+  }
+  cube.contacts = &rows;
+  cube.stepped();
+  const int substeps = static_cast<int>(std::sqrt(stiffness));
+  for (int i = 0; i < 1800; ++i) stepVerlet(cube.group, 1.0 / 60, substeps);
+  return cube.state.position.row(1).maxCoeff() - cube.state.position.row(1).minCoeff();
+}
+
+// --- rest --------------------------------------------------------------------------------------------------
+
+TEST(Partners, aBoxRestsOnACubeAtTheHeightThatStaticsAsksFor) {
+  for (const double stiffness : {1e3, 1e4, 1e5})
+    for (const double mass : {0.01, 1.0}) {
+      BulletWorld bullet;
+      bullet.addBoxFloor();
+      SoftBodySystem system(*bullet.world);
+      addCube(system, stiffness, 0.5 + kRadius);
+      btRigidBody* box = addBox(bullet, mass, 1 + 2 * kRadius + 0.1);
+      bullet.simulate(8.0);
+      const double expected = cubeHeight(stiffness, mass * kGravity) + 2 * kRadius + 0.1;
+      // what the issue allows at mass ratio 1; a hand-over once per tick misses it by 13 mm at 1e4 N/m
+      EXPECT_NEAR(height(*box), expected, 5e-5) << "k " << stiffness << " mass " << mass;
+    }
+}
+
+TEST(Partners, heavyBoxesRestOnStiffCubesToo) {
+  for (const double mass : {10.0, 100.0}) {
+    BulletWorld bullet;
+    bullet.addBoxFloor();
+    SoftBodySystem system(*bullet.world);
+    // friction keeps the box from squeezing out; it also carries a little of the load's spreading
+    SoftBodySettings s = cubeSettings(1e5, 0.5 + kRadius, 1.0);
+    s.damping *= 20;
+    (*system.createBody(test::fullCubeNetwork(), s))->point(0)->setActivationState(DISABLE_DEACTIVATION);
+    btRigidBody* box = addBox(bullet, mass, 1 + 2 * kRadius + 0.1, 0.5);
+    bullet.simulate(15.0);
+    const double expected = cubeHeight(1e5, mass * kGravity) + 2 * kRadius + 0.1;
+    EXPECT_NEAR(height(*box), expected, 1e-3) << mass;
+    EXPECT_LT(double(box->getLinearVelocity().length()), 1e-2) << mass;
+  }
+}
+
+TEST(Partners, aCubeRestsOnAFreeBoxAsOnTheFloor) {
+  for (const double stiffness : {1e3, 1e4, 1e5})
+    for (const double mass : {0.01, 1.0, 100.0}) {
+      BulletWorld bullet;
+      bullet.addBoxFloor();
+      SoftBodySystem system(*bullet.world);
+      btRigidBody* box = addBox(bullet, mass, 0.1, 0.5);
+      SoftBody* cube = addCube(system, stiffness, 0.2 + 0.5 + kRadius);
+      bullet.simulate(8.0);
+      EXPECT_NEAR(top(*cube), 0.2 + kRadius + cubeHeight(stiffness, 0), 5e-5)
+          << "k " << stiffness << " mass " << mass;
+      EXPECT_NEAR(height(*box), 0.1, 1e-5) << "k " << stiffness << " mass " << mass;
+    }
+}
+
+TEST(Partners, cubesAndPlatesStackUp) {
+  for (const double mass : {0.1, 1.0}) {
+    BulletWorld bullet;
+    bullet.addBoxFloor()->setFriction(1);
+    SoftBodySystem system(*bullet.world);
+    std::vector<SoftBody*> cubes;
+    double floor = 0, expected = 0;
+    for (int i = 0; i < 3; ++i) {
+      cubes.push_back(addCube(system, 1e4, floor + 0.5 + kRadius, 0.5));
+      floor += 1 + 2 * kRadius;
+      const double above = (2 - i) * (1.0 + mass) * kGravity;
+      expected += cubeHeight(1e4, above) + 2 * kRadius;
+      if (i == 2) break;
+      addBox(bullet, mass, floor + 0.1, 1.0);
+      floor += 0.2;
+      expected += 0.2;
+    }
+    bullet.simulate(10.0);
+    // friction holds the lower faces where they first touched: up to 3e-5 of each cube's height
+    EXPECT_NEAR(top(*cubes[2]) + kRadius, expected, 3e-4) << mass;
+    for (const SoftBody* cube : cubes) EXPECT_LT(cube->kineticEnergy(), 1e-8) << mass;
+  }
+}
+
+TEST(Partners, aPileOfTenBoxesStandsOnACube) {
+  BulletWorld bullet;
+  bullet.addBoxFloor()->setFriction(1);
+  SoftBodySystem system(*bullet.world);
+  addCube(system, 1e4, 0.5 + kRadius, 0.5);
+  std::vector<btRigidBody*> boxes;
+  for (int i = 0; i < 10; ++i) boxes.push_back(addBox(bullet, 0.1, 1 + 2 * kRadius + 0.1 + 0.2 * i, 1.0));
+  bullet.simulate(8.0);
+  const double expected = cubeHeight(1e4, kGravity) + 2 * kRadius + 0.1;
+  for (int i = 0; i < 10; ++i) {
+    EXPECT_NEAR(height(*boxes[static_cast<std::size_t>(i)]), expected + 0.2 * i, 2e-4) << i;
+    EXPECT_LT(double(boxes[static_cast<std::size_t>(i)]->getLinearVelocity().length()), 1e-3) << i;
+  }
+}
+
+// --- joints ------------------------------------------------------------------------------------------------
+
+TEST(Partners, aHingedLidLeansOnACube) {
+  // a lid of 10 kg hinged at one side, on a cube at its other: half of its weight is the cube's
+  const double stiffness = 1e4;
+  BulletWorld bullet;
+  bullet.addBoxFloor()->setFriction(1);
+  SoftBodySystem system(*bullet.world);
+  SoftBodySettings s = cubeSettings(stiffness, 0.5 + kRadius, 0.0);
+  s.damping *= 10;
+  (*system.createBody(test::fullCubeNetwork(), s))->point(0)->setActivationState(DISABLE_DEACTIVATION);
+  const double y = 1 + 2 * kRadius + 0.05;
+  btRigidBody* lid = bullet.addBox(vec(2.0, 0.05, 0.6), 10.0, vec(-2.0 + 0.5, y, 0));
+  lid->setActivationState(DISABLE_DEACTIVATION);
+  lid->setFriction(0);
+  btHingeConstraint hinge(*lid, vec(-2.0, 0, 0), vec(0, 0, 1));
+  bullet.world->addConstraint(&hinge);
+  bullet.simulate(12.0);
+  // the lid turns by a little: the cube's near side carries more than its far side, and the mean force has
+  // its arm to the middle of the cube, 3.5 m from the hinge, to 1 %
+  const double force = 10.0 * kGravity * 2.0 / 3.5;
+  const double sag = 1.0 - cubeHeight(stiffness, force);
+  const btTransform& pose = lid->getWorldTransform();
+  const double underside = double((pose * vec(1.5, -0.05, 0)).y());
+  EXPECT_NEAR(underside, 1 + 2 * kRadius - sag, 0.03 * sag);
+  EXPECT_LT(double(lid->getAngularVelocity().length()), 1e-4);
+  const btVector3 pivot = pose * vec(-2.0, 0, 0);
+  EXPECT_NEAR(double(pivot.x()), -3.5, 1e-4) << "the hinge holds";
+  EXPECT_NEAR(double(pivot.y()), y, 1e-4) << "the hinge holds";
+  bullet.world->removeConstraint(&hinge);
+}
+
+TEST(Partners, aPlateHungFromAnotherBelowACube) {
+  // cube on plate, plate fixed to a second one: what hangs on joints is carried, too
+  BulletWorld bullet;
+  SoftBodySystem system(*bullet.world);
+  btRigidBody* anchor = bullet.addBox(vec(0.1, 0.1, 0.1), 0, vec(2, 3, 0));
+  btRigidBody* plate = addBox(bullet, 1.0, 1.0, 0.5);
+  btTransform inAnchor = btTransform::getIdentity(), inPlate = btTransform::getIdentity();
+  inAnchor.setOrigin(vec(-2, -2, 0));
+  btFixedConstraint joint(*anchor, *plate, inAnchor, inPlate);
+  bullet.world->addConstraint(&joint);
+  SoftBody* cube = addCube(system, 1e4, 1.1 + 0.5 + kRadius);
+  bullet.simulate(8.0);
+  EXPECT_NEAR(height(*plate), 1.0, 2e-5);
+  EXPECT_NEAR(top(*cube), height(*plate) + 0.1 + kRadius + cubeHeight(1e4, 0), 5e-5);
+  bullet.world->removeConstraint(&joint);
+}
+
+// --- motion ------------------------------------------------------------------------------------------------
+
+Eigen::Vector3d momentumOf(const btRigidBody& body) {
+  const btVector3& v = body.getLinearVelocity();
+  return Eigen::Vector3d(double(v.x()), double(v.y()), double(v.z())) / double(body.getInvMass());
+}
+
+/// J, of a body with a diagonal inertia.
+double energyOf(const btRigidBody& body) {
+  const btVector3 w = body.getAngularVelocity();
+  return 0.5 / double(body.getInvMass()) * double(body.getLinearVelocity().length2()) +
+         0.5 * double(w.dot(body.getInvInertiaTensorWorld().inverse() * w));
+}
+
+TEST(Partners, aHitInFreeSpaceKeepsMomentumAndGainsNoEnergy) {
+  for (const double stiffness : {1e3, 1e4, 1e5})
+    for (const double mass : {0.1, 1.0, 10.0}) {
+      BulletWorld bullet(0.0);
+      SoftBodySystem system(*bullet.world);
+      SoftBody* cube = addCube(system, stiffness, 0.0, 0.5);
+      btRigidBody* box = bullet.addBox(vec(0.3, 0.3, 0.7), mass, vec(-1.2, 0.3, 0.1));
+      box->setActivationState(DISABLE_DEACTIVATION);
+      box->setLinearVelocity(vec(3, 0, 0));
+      const Eigen::Vector3d before = momentumOf(*box) + cube->linearMomentum();
+      const double energy = energyOf(*box);
+      bullet.simulate(1.0);
+      const Eigen::Vector3d after = momentumOf(*box) + cube->linearMomentum();
+      // Bullet keeps velocities as floats
+      EXPECT_LT((after - before).norm(), 1e-6 * before.norm()) << "k " << stiffness << " mass " << mass;
+      EXPECT_GT(cube->linearMomentum().x(), 0.2 * std::min(mass, 1.0)) << "they have met";
+      EXPECT_LT(energyOf(*box) + cube->kineticEnergy() + cube->elasticEnergy(), energy * (1 + 1e-5))
+          << "k " << stiffness << " mass " << mass;
+    }
+}
+
+TEST(Partners, atRestForAMinuteNoEnergyIsGained) {
+  for (const double mass : {0.1, 1.0}) {
+    BulletWorld bullet;
+    bullet.addBoxFloor()->setFriction(1);
+    SoftBodySystem system(*bullet.world);
+    SoftBody* lower = addCube(system, 1e4, 0.5 + kRadius, 0.5);
+    btRigidBody* plate = addBox(bullet, mass, 1 + 2 * kRadius + 0.1, 1.0);
+    SoftBody* upper = addCube(system, 1e4, 1.2 + 2 * kRadius + 0.5 + kRadius, 0.5);
+    const auto energy = [&] {
+      double sum = energyOf(*plate) + mass * kGravity * height(*plate);
+      for (const SoftBody* cube : {lower, upper})
+        sum += cube->kineticEnergy() + cube->elasticEnergy() + kGravity * cube->centerOfMass().y();
+      return sum;
+    };
+    bullet.simulate(4.0);
+    const double start = energy();
+    double most = start;
+    for (int i = 0; i < 3600; ++i) {
+      bullet.tick();
+      most = std::max(most, energy());
+    }
+    // Bullet rounds the plate's height to 1e-7 m: 1e-6 J; beyond that the solver's tolerance of 1e-4 m/s
+    EXPECT_LT(most - start, 2e-5) << mass;
+  }
+}
+
+TEST(Partners, slidesOnATiltedPlateByCoulombsLaw) {
+  for (const double share : {0.97, 1.03}) {
+    BulletWorld bullet;
+    SoftBodySystem system(*bullet.world);
+    const double slope = std::atan(0.5 * share);
+    // gravity is tilted instead of the plate, which is heavy and held by a joint
+    bullet.world->setGravity(vec(kGravity * std::sin(slope), -kGravity * std::cos(slope), 0));
+    btRigidBody* plate = bullet.addBox(vec(20, 0.1, 3), 100.0, vec(0, -0.1, 0));
+    plate->setActivationState(DISABLE_DEACTIVATION);
+    plate->setFriction(1);
+    btFixedConstraint joint(*plate, btTypedConstraint::getFixedBody(), btTransform::getIdentity(),
+                            btTransform(btQuaternion::getIdentity(), vec(0, -0.1, 0)));
+    bullet.world->addConstraint(&joint);
+    SoftBody* cube = addCube(system, 1e4, 0.5 + kRadius, 0.5);
+    bullet.simulate(1.0);
+    const double before = cube->linearMomentum().x();
+    bullet.simulate(2.0);
+    const double expected = std::max(0.0, kGravity * (std::sin(slope) - 0.5 * std::cos(slope)));
+    EXPECT_NEAR((cube->linearMomentum().x() - before) / 2.0, expected, 2e-3) << share;
+    bullet.world->removeConstraint(&joint);
+  }
+}
+
+TEST(Partners, aSleepingBoxWakesWhenACubeFallsOnIt) {
+  BulletWorld bullet;
+  bullet.addBoxFloor();
+  SoftBodySystem system(*bullet.world);
+  btRigidBody* box = addBox(bullet, 1.0, 0.1, 0.5);
+  box->forceActivationState(ISLAND_SLEEPING);
+  SoftBody* cube = addCube(system, 1e4, 1.5, 0.5);
+  bullet.simulate(0.2);
+  EXPECT_FALSE(box->isActive());
+  bullet.simulate(3.0);
+  EXPECT_TRUE(box->isActive());
+  EXPECT_NEAR(top(*cube), 0.2 + kRadius + cubeHeight(1e4, 0), 1e-3);
+}
+
+TEST(Partners, bulletsManifoldsSayWhatRigidContactsBear) {
+  BulletWorld bullet;
+  bullet.addBoxFloor();
+  SoftBodySystem system(*bullet.world);
+  btRigidBody* box = addBox(bullet, 2.0, 0.1, 0.5);
+  addCube(system, 1e4, 0.2 + 0.5 + kRadius, 0.5);
+  bullet.simulate(4.0);
+  double impulse = 0;
+  for (int m = 0; m < bullet.dispatcher.getNumManifolds(); ++m) {
+    const btPersistentManifold& manifold = *bullet.dispatcher.getManifoldByIndexInternal(m);
+    const bool floor = manifold.getBody0()->isStaticObject() || manifold.getBody1()->isStaticObject();
+    const bool boxes = manifold.getBody0() == box || manifold.getBody1() == box;
+    for (int p = 0; floor && boxes && p < manifold.getNumContacts(); ++p)
+      impulse += double(manifold.getContactPoint(p).m_appliedImpulse);
+  }
+  EXPECT_NEAR(impulse * 60 / (3.0 * kGravity), 1.0, 1e-3);
+}
+
+}  // namespace
+}  // namespace limber
