@@ -12,7 +12,7 @@ namespace {
 void spreadGuesses(PairRows& pairs, int substeps) {
   for (PairContact& c : pairs.contacts) {
     const double share = 0.5 / substeps;
-    c.stopping = {share * c.stopping.along, share * c.stopping.across};
+    c.stopping *= share;
     c.settling = c.stopping;
   }
   for (JointRow& j : pairs.joints) j.lower /= 2.0 * substeps, j.upper /= 2.0 * substeps;

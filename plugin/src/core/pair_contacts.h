@@ -13,6 +13,17 @@ namespace limber {
 struct Bearing {
   double along = 0.0;                                ///< N s, 0 or more
   Eigen::Vector3d across = Eigen::Vector3d::Zero();  ///< N s, friction
+
+  Bearing& operator*=(double factor) {
+    along *= factor;
+    across *= factor;
+    return *this;
+  }
+  Bearing& operator+=(const Bearing& other) {
+    along += other.along;
+    across += other.across;
+    return *this;
+  }
 };
 
 /// Two places that must not get nearer to each other along a normal than they are allowed to, with Coulomb
@@ -33,8 +44,8 @@ struct PairContact {
   Eigen::Matrix<double, 3, 2> tangents = Eigen::Matrix<double, 3, 2>::Zero();  ///< across the normal
   Eigen::Matrix2d acrossMass = Eigen::Matrix2d::Zero();                        ///< kg, between the tangents
   Eigen::Vector2d acrossAlong = Eigen::Vector2d::Zero();  ///< 1/kg, speeds across per impulse along
-  double bounce = 0.0;        ///< m/s, at which they must part in the present substep
-  Bearing change, direction;  ///< scratch of the solver
+  double bounce = 0.0;                ///< m/s, at which they must part in the present substep
+  Bearing before, change, direction;  ///< scratch of the solver
 };
 
 /// One row of a joint between rigid bodies, as Bullet's constraints describe theirs:
@@ -65,22 +76,21 @@ struct PairRows {
   bool empty() const { return contacts.empty() && joints.empty(); }
 };
 
-/// m/s: no row may be wrong by more when a solve ends, unless it has used up its sweeps.
-constexpr double kPairTolerance = 1e-4;
-
 /// Before the first substep of a tick: masses; forgets earlier sums.
 void preparePairs(PairRows& rows, const LinkedBodies& bodies);
 
-/// Before a drift of dt seconds: impulses with which no pair ends nearer than it may, those that overlap draw
-/// apart gently, friction stops as much sliding as it can, and joints hold. From the impulses of the last
-/// substep on, by projected Gauss-Seidel sweeps with a nonsmooth nonlinear conjugate gradient step between
-/// them (Silcowitz, Niebe, Erleben 2010, algorithm 2). Returns the number of sweeps.
-int stopPairs(PairRows& rows, LinkedBodies& bodies, double dt);
-
-/// After that drift: the gaps as they are now.
+/// After a drift of dt seconds: the gaps as they are now.
 void movePairs(PairRows& rows, const LinkedBodies& bodies, double dt);
 
-/// After the second kick of a substep: pairs that bore something do not approach, as settleContacts.
-int settlePairs(PairRows& rows, LinkedBodies& bodies);
+/// Gives both sides an impulse.
+void bear(LinkedBodies& bodies, PairContact& c, const Bearing& change);
+void bear(LinkedBodies& bodies, JointRow& j, double change);
+
+/// Brings the speed along the normal up to `target` (m/s), with the impulse `sum` 0 or more and friction
+/// within its cone; c.change is what this has changed.
+void solveContact(LinkedBodies& bodies, PairContact& c, Bearing& sum, double target);
+
+/// Brings the joint to its speed, with the impulse `sum` within its limits; j.change likewise.
+void solveJoint(LinkedBodies& bodies, JointRow& j, double& sum);
 
 }  // namespace limber

@@ -3,6 +3,7 @@
 
 #include "core/body_contacts.h"
 #include "core/kernel_views.h"
+#include "core/pair_solve.h"
 #include "core/quad_step.h"
 #include "core/spring_damping.h"
 #include "core/spring_forces.h"
@@ -95,7 +96,7 @@ void stepLinked(StepGroup& group, double tick, int substeps) {
     kick(group, 0.5 * dt);
     solveAnchors(group.links, dt);
     stopAtContacts(group, s * dt, dt);
-    if (!group.pairs.empty()) stopPairs(group.pairs, group.links, dt);
+    stopPairs(group.pairs, group.links, dt);
     movePairs(group.pairs, group.links, dt);
     drift(group, dt);
     const bool estimates = last || 2 * s == substeps;
@@ -106,7 +107,7 @@ void stepLinked(StepGroup& group, double tick, int substeps) {
     // first anchors and contacts: a damper must not see a point kicked away from what holds it
     solveAnchors(group.links, 0.0);
     settleContacts(group);
-    if (!group.pairs.empty()) settlePairs(group.pairs, group.links);
+    settlePairs(group.pairs, group.links);
     // the half dampings of neighbouring substeps act at the same positions and merge into one
     damp(group, dt, !last, s % 2 == 0);
   }

@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: Zlib
+#pragma once
+
+#include "core/pair_contacts.h"
+
+namespace limber {
+
+/// m/s: no row may be wrong by more when a solve ends, unless it has used up its sweeps.
+constexpr double kPairTolerance = 1e-4;
+
+/// Before a drift of dt seconds: impulses with which no pair ends nearer than it may, those that overlap draw
+/// apart gently, friction stops as much sliding as it can, and joints hold. From the impulses of the last
+/// substep on, by projected Gauss-Seidel sweeps with a nonsmooth nonlinear conjugate gradient step between
+/// them (Silcowitz, Niebe, Erleben 2010, algorithm 2). Returns the number of sweeps.
+int stopPairs(PairRows& rows, LinkedBodies& bodies, double dt);
+
+/// After the second kick of a substep: pairs that bore something do not approach, as settleContacts.
+int settlePairs(PairRows& rows, LinkedBodies& bodies);
+
+}  // namespace limber
