@@ -65,7 +65,7 @@ double depthOfTriangle(const Corners& t, const PosedSurface& outer) {
 }  // namespace
 
 PosedSurface posed(const Eigen::Matrix3Xd& points, const std::vector<Triangle>& triangles) {
-  PosedSurface surface{points, &triangles, {}};
+  PosedSurface surface{points, &triangles, {}, true};
   for (const Triangle& t : triangles)
     for (const std::uint32_t corner : t) surface.box.extend(Vector3d(points.col(corner)));
   return surface;
@@ -74,14 +74,16 @@ PosedSurface posed(const Eigen::Matrix3Xd& points, const std::vector<Triangle>& 
 PosedSurface posed(const SoftBody& body) {
   Eigen::Matrix3Xd points(3, body.pointCount());
   for (std::uint32_t i = 0; i < body.pointCount(); ++i) points.col(i) = body.position(i);
-  return posed(points, body.network().surface);
+  PosedSurface surface = posed(points, body.network().surface);
+  surface.encloses = body.network().kind == NetworkKind::Solid;
+  return surface;
 }
 
 double signedDistance(const PosedSurface& surface, const Vector3d& place) {
   double angle = 0.0, nearest = std::numeric_limits<double>::infinity();
   for (const Triangle& t : *surface.triangles) {
     const Corners corners = cornersOf(surface, t);
-    angle += solidAngle(corners, place);
+    if (surface.encloses) angle += solidAngle(corners, place);
     nearest = std::min(nearest, distanceToTriangle(corners, place));
   }
   return std::abs(angle) > 0.5 * kFullAngle ? -nearest : nearest;

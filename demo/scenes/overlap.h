@@ -11,18 +11,19 @@
 
 namespace limber::scenes {
 
-/// A closed surface as it is now. The triangles must outlive it.
+/// A surface as it is now. The triangles must outlive it.
 struct PosedSurface {
   Eigen::Matrix3Xd points;  ///< 3 x #points, m
   const std::vector<Triangle>* triangles = nullptr;
   Eigen::AlignedBox3d box;
+  bool encloses = true;  ///< false: it is open and has no inside
 };
 
 PosedSurface posed(const Eigen::Matrix3Xd& points, const std::vector<Triangle>& triangles);
 PosedSurface posed(const SoftBody& body);
 
-/// m, of a place from the surface; below 0 inside. Inside is where the surface winds around more often than
-/// not, so that a few faces that cross others do no harm.
+/// m, of a place from the surface; below 0 inside of one that encloses. Inside is where the surface winds
+/// around more often than not, so that a few faces that cross others do no harm.
 double signedDistance(const PosedSurface& surface, const Eigen::Vector3d& place);
 
 /// How deep what belongs to one surface is inside another one.
