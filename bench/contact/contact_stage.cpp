@@ -13,6 +13,10 @@ namespace {
 
 constexpr double kFar = 1e3;  // m, from the origin
 
+/// s for a tick: sixty times too slow is hopeless, and seen in two.
+constexpr double kHopeless = 1.0;
+constexpr int kHopelessTicks = 2;
+
 std::vector<Eigen::Matrix3Xd> allPositions(const Engine& engine, std::size_t count) {
   std::vector<Eigen::Matrix3Xd> all;
   for (std::size_t b = 0; b < count; ++b) all.push_back(engine.positions(b));
@@ -60,7 +64,8 @@ void ContactStage::checkPlaces() {
 void ContactStage::advance(int ticks, double mostSeconds) {
   for (int i = 0; i < ticks && !over(); ++i) {
     tick();
-    if (seconds_ > mostSeconds && !over())
+    const bool hopeless = done_ >= kHopelessTicks && seconds_ > kHopeless * done_;
+    if ((hopeless || seconds_ > mostSeconds) && !over())
       error_ = format("given up after %d ticks: %.0f ms each", done_, 1e3 * seconds_ / done_);
   }
   if (error_.empty()) checkPlaces();

@@ -14,7 +14,8 @@ class ContactStage {
   ContactStage(const ContactStage&) = delete;
   ContactStage& operator=(const ContactStage&) = delete;
 
-  /// So many ticks, or fewer where the scene ends; gives up where they take longer than `mostSeconds` in all.
+  /// So many ticks, or fewer where the scene ends; gives up where they take longer than `mostSeconds` in all
+  /// or than a second each.
   void advance(int ticks, double mostSeconds);
   bool over() const { return !error_.empty() || done_ >= scene_.settleTicks + scene_.measuredTicks; }
   /// Why it did not come to its end, or empty.

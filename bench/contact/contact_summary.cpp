@@ -7,6 +7,15 @@
 namespace limber::bench {
 namespace {
 
+const char* const kConditions =
+    "\nticks of 1/60 s on one thread, in the thread's own time; the engines take turns, in rotating order; "
+    "medians "
+    "of the\nrepeats. btSoftBody, spheres: times over those of btSoftBody with 4 iterations (with --flags: "
+    "of "
+    "SDF_RS | VF_SS)\nand of loose spheres in the same run. Deepest: points in rigid bodies or, in the pile, "
+    "bodies "
+    "in one another,\nof a body's size.\n";
+
 std::string ratioText(const std::optional<double>& ratio) {
   return ratio ? format("%.2f", *ratio) : std::string("-");
 }
@@ -42,12 +51,7 @@ std::string busyWarning(const std::vector<ContactRow>& rows) {
 
 std::string summariseContact(const std::vector<ContactRow>& rows) {
   std::string text = describeMachine();
-  text +=
-      "\nticks of 1/60 s on one thread, in the thread's own time; the engines take turns, in rotating order; "
-      "medians of\nthe repeats. btSoftBody, spheres: times over those of btSoftBody with 4 iterations (with "
-      "--flags: of\nSDF_RS | VF_SS) and of loose spheres in the same run. Deepest: points in rigid bodies "
-      "or, in the pile, bodies in one "
-      "another, of a body's size.\n";
+  text += kConditions;
   std::string scene;
   for (const ContactRow& row : rows) {
     if (row.scene != scene) text += headingOf(row);
