@@ -3,6 +3,7 @@
 
 #include "scenes/rigid_overlap.h"
 
+#include <algorithm>
 #include <cstdio>
 
 namespace limber::scenes {
@@ -24,6 +25,21 @@ std::string tooDeep(const RigidOverlap& overlap, const char* what, std::int64_t 
                 "allowed is %.3g m",
                 overlap.soft, what, overlap.rigid, overlap.depth, static_cast<long long>(tick), metres);
   return text;
+}
+
+/// What was too deep by the most so far.
+struct Excess {
+  RigidOverlap overlap;
+  double allowed = 0.0;  // m
+  std::int64_t tick = 0;
+};
+
+/// A small ball could go through a sheet between two ticks without ever being deep in it.
+double allowedFor(const btRigidBody& rigid, double metres) {
+  constexpr double kShare = 0.3;  // of a ball's radius
+  const btCollisionShape& shape = *rigid.getCollisionShape();
+  if (shape.getShapeType() != SPHERE_SHAPE_PROXYTYPE) return metres;
+  return std::min(metres, kShare * double(static_cast<const btSphereShape&>(shape).getRadius()));
 }
 
 }  // namespace
@@ -50,18 +66,21 @@ Check checkRigidApart(double metres) {
 }
 
 void watchMovablesApart(Scene& scene, double metres) {
-  struct Deepest {
-    RigidOverlap overlap;
-    std::int64_t tick = 0;
+  const auto worst = std::make_shared<Excess>();
+  scene.afterTick = [worst, metres](Scene& now) {
+    const std::vector<PosedSurface> softs = surfacesOf(now, true);
+    for (std::size_t r = 0; r < now.world->movables.size(); ++r) {
+      RigidOverlap overlap = deepestOverlap(softs, *now.world->movables[r]);
+      overlap.rigid = r;
+      const double allowed = allowedFor(*now.world->movables[r], metres);
+      if (overlap.depth - allowed > worst->overlap.depth - worst->allowed)
+        *worst = {overlap, allowed, now.ticks};
+    }
   };
-  const auto deepest = std::make_shared<Deepest>();
-  scene.afterTick = [deepest](Scene& now) {
-    const RigidOverlap overlap = deepestOverlap(surfacesOf(now, true), now.world->movables);
-    if (overlap.depth > deepest->overlap.depth) *deepest = {overlap, now.ticks};
-  };
-  scene.endChecks.push_back([deepest, metres](const Scene&) {
-    return deepest->overlap.depth > metres ? tooDeep(deepest->overlap, "moving", deepest->tick, metres)
-                                           : std::string();
+  scene.endChecks.push_back([worst](const Scene&) {
+    return worst->overlap.depth > worst->allowed
+               ? tooDeep(worst->overlap, "moving", worst->tick, worst->allowed)
+               : std::string();
   });
 }
 

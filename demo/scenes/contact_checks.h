@@ -12,7 +12,7 @@ Check checkSoftApart(double metres);
 Check checkRigidApart(double metres);
 
 /// Watches what moves from now on, tick by tick: no such body and no soft one may ever be in one another by
-/// more than `metres`.
+/// more than `metres`, nor a ball by more than 0.3 of its radius. It takes the scene's afterTick.
 void watchMovablesApart(Scene& scene, double metres);
 
 /// No dynamic body moves faster than so many m/s.

@@ -12,21 +12,25 @@
 namespace limber::scenes {
 namespace {
 
-constexpr std::uint32_t kColumns = 28, kRows = 26;    // cells
-constexpr double kWidth = 2.0, kHeight = 1.95;        // m
-constexpr double kTop = 2.0;                          // m, of the pinned edge
-constexpr double kRadius = 0.015;                     // m, of each point
-constexpr double kSpacing = 2.6;                      // m from curtain to curtain
-constexpr double kBall = 0.2, kBallMass = 0.2;        // m, kg
-constexpr double kBallSpeed = 2.0;                    // m/s
-constexpr double kBallFrom = 1.2;                     // m before the curtain
-constexpr double kBoxHalf = 0.2;                      // m
-constexpr double kBoxAway = 0.8, kBoxThrough = -0.3;  // m, where the pushing box turns round
-constexpr double kPushSeconds = 4.0;                  // from away through the curtain's plane and back
-constexpr double kDent = 0.05;                        // m that a rigid body may be in the cloth
+constexpr std::uint32_t kColumns = 28, kRows = 26;  // cells
+constexpr double kWidth = 2.0, kHeight = 1.95;      // m
+constexpr double kTop = 2.0;                        // m, of the pinned edge
+constexpr double kRadius = 0.015;                   // m, of each point
+constexpr double kSpacing = 2.6;                    // m from curtain to curtain
+constexpr double kBall = 0.2, kBallMass = 0.2;      // m, kg
+constexpr double kBallSpeed = 2.0;                  // m/s
+// between four points there is room for two of it; its way in a tick is about its radius, so that a watch
+// that looks once a tick sees it pass
+constexpr double kMarble = 0.015, kMarbleMass = 0.01;    // m, kg
+constexpr double kMarbleFrom = 0.5, kMarbleSpeed = 1.0;  // m, m/s
+constexpr double kBallFrom = 1.2;                        // m before the curtain
+constexpr double kBoxHalf = 0.2;                         // m
+constexpr double kBoxAway = 0.8, kBoxThrough = -0.3;     // m, where the pushing box turns round
+constexpr double kPushSeconds = 4.0;                     // from away through the curtain's plane and back
+constexpr double kDent = 0.05;                           // m that a rigid body may be in the cloth
 const Eigen::Vector3f kBallColour(0.92f, 0.92f, 0.92f), kBoxColour(0.45f, 0.47f, 0.52f);
 
-/// One of them: the cloth is the soft body of the same number, the balls are 2 i and 2 i + 1 of those below.
+/// Boxes and middles are those of the soft body of the same number, which has two of the balls.
 struct Curtains {
   std::vector<btRigidBody*> boxes, balls;
   std::vector<double> middles;  ///< m, x of each curtain
@@ -41,18 +45,26 @@ double boxPlace(double seconds) {
 
 Eigen::Vector3d boxCentre(double x, double seconds) { return {x, 1.1, boxPlace(seconds)}; }
 
+btRigidBody* throwBall(Scene& scene, const Eigen::Vector3d& from, double speed, double radius, double mass,
+                       const Eigen::Vector3f& colour) {
+  btRigidBody& ball = addBall(scene, from, radius, mass, colour);
+  ball.setLinearVelocity(btVector3(0, btScalar(1), btScalar(-speed)));
+  ball.setRollingFriction(btScalar(0.02));
+  ball.setDamping(btScalar(0.1), btScalar(0.5));
+  return &ball;
+}
+
+/// A box, two balls, and a marble that only faces can stop. The marble may end behind the curtain, whose hem
+/// swings over it; that it has not gone through is watched.
 void addPushers(Scene& scene, Curtains& curtains, double x, Random& random) {
   curtains.middles.push_back(x);
   curtains.boxes.push_back(
       &addBox(scene, boxCentre(x, 0.0), Eigen::Vector3d::Constant(kBoxHalf), 0.0, kBoxColour));
-  for (const double side : {-0.65, 0.65}) {
-    const Eigen::Vector3d from(x + side, 1.3 + random.between(0.0, 0.3), kBallFrom);
-    btRigidBody& ball = addBall(scene, from, kBall, kBallMass, kBallColour);
-    ball.setLinearVelocity(btVector3(0, btScalar(1), btScalar(-kBallSpeed)));
-    ball.setRollingFriction(btScalar(0.02));
-    ball.setDamping(btScalar(0.1), btScalar(0.5));
-    curtains.balls.push_back(&ball);
-  }
+  const auto height = [&] { return 1.3 + random.between(0.0, 0.3); };
+  for (const double side : {-0.65, 0.65})
+    curtains.balls.push_back(
+        throwBall(scene, {x + side, height(), kBallFrom}, kBallSpeed, kBall, kBallMass, kBallColour));
+  throwBall(scene, {x - 0.3, height(), kMarbleFrom}, kMarbleSpeed, kMarble, kMarbleMass, kBoxColour);
 }
 
 std::string addCurtain(Scene& scene, const SharedNetwork& network, SoftBodySettings settings, double x,

@@ -74,15 +74,23 @@ double depthIn(const PosedSurface& surface, const btRigidBody& rigid) {
   return std::max(0.0, double(ball->getRadius()) - signedDistance(surface, centre));
 }
 
+RigidOverlap deepestOverlap(const std::vector<PosedSurface>& softs, const btRigidBody& rigid) {
+  RigidOverlap deepest;
+  for (std::size_t s = 0; s < softs.size(); ++s) {
+    if (areApart(softs[s], rigid)) continue;
+    const double depth = std::max(depthIn(softs[s], rigid), depthOfSurface(softs[s], rigid));
+    if (depth > deepest.depth) deepest = {depth, s, 0};
+  }
+  return deepest;
+}
+
 RigidOverlap deepestOverlap(const std::vector<PosedSurface>& softs,
                             const std::vector<std::unique_ptr<btRigidBody>>& rigids) {
   RigidOverlap deepest;
-  for (std::size_t s = 0; s < softs.size(); ++s)
-    for (std::size_t r = 0; r < rigids.size(); ++r) {
-      if (areApart(softs[s], *rigids[r])) continue;
-      const double depth = std::max(depthIn(softs[s], *rigids[r]), depthOfSurface(softs[s], *rigids[r]));
-      if (depth > deepest.depth) deepest = {depth, s, r};
-    }
+  for (std::size_t r = 0; r < rigids.size(); ++r) {
+    const RigidOverlap one = deepestOverlap(softs, *rigids[r]);
+    if (one.depth > deepest.depth) deepest = {one.depth, one.soft, r};
+  }
   return deepest;
 }
 

@@ -19,6 +19,9 @@ struct RigidOverlap {
   std::size_t soft = 0, rigid = 0;
 };
 
+/// The deepest of all soft bodies.
+RigidOverlap deepestOverlap(const std::vector<PosedSurface>& softs, const btRigidBody& rigid);
+
 /// The deepest of all pairs.
 RigidOverlap deepestOverlap(const std::vector<PosedSurface>& softs,
                             const std::vector<std::unique_ptr<btRigidBody>>& rigids);
