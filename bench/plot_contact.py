@@ -82,13 +82,13 @@ def finish(axes, scenes):
 def draw(rows):
     scenes, engines = unique(r["scene"] for r in rows), unique(r["engine"] for r in rows)
     figure, (cost, depth) = pyplot.subplots(1, 2, figsize=(12, 1.6 + 0.52 * len(scenes)), sharey=True,
-                                            width_ratios=(3, 2), layout="constrained")
+                                            gridspec_kw={"width_ratios": (3, 2)}, layout="constrained")
     draw_cost(cost, rows, scenes, engines)
     draw_depth(depth, rows, scenes, engines)
     for axes in (cost, depth):
         finish(axes, scenes)
-    handles, names = cost.get_legend_handles_labels()
-    figure.legend(handles, names, loc="outside upper left", ncols=len(engines), fontsize=8, frameon=False)
+    # the upper scenes are those in the air, which have no depth
+    depth.legend(*cost.get_legend_handles_labels(), fontsize=7.5, loc="upper right")
     cost.set_yticks(range(len(scenes)), scenes, fontsize=8.5)
     return figure
 
