@@ -13,9 +13,8 @@ namespace {
 
 constexpr double kFar = 1e3;  // m, from the origin
 
-/// s for a tick: sixty times too slow is hopeless, and seen in two.
-constexpr double kHopeless = 1.0;
-constexpr int kHopelessTicks = 2;
+/// s of the thread for a tick after the first, which sets things up: a hundred times too slow is hopeless.
+constexpr double kHopeless = 2.0;
 
 std::vector<Eigen::Matrix3Xd> allPositions(const Engine& engine, std::size_t count) {
   std::vector<Eigen::Matrix3Xd> all;
@@ -46,6 +45,7 @@ void ContactStage::tick() {
   engine_->tick(kContactTick);
   const WorkTime time = watch.time();
   seconds_ += 1e-3 * time.wallMs;
+  if (done_ > 0) laterSeconds_ += 1e-3 * time.cpuMs;
   if (done_++ < scene_.settleTicks) return;
   ticks_.push_back(time.cpuMs);
   wallTicks_.push_back(time.wallMs);
@@ -64,7 +64,7 @@ void ContactStage::checkPlaces() {
 void ContactStage::advance(int ticks, double mostSeconds) {
   for (int i = 0; i < ticks && !over(); ++i) {
     tick();
-    const bool hopeless = done_ >= kHopelessTicks && seconds_ > kHopeless * done_;
+    const bool hopeless = laterSeconds_ > kHopeless * std::max(1, done_ - 1);
     if ((hopeless || seconds_ > mostSeconds) && !over())
       error_ = format("given up after %d ticks: %.0f ms each", done_, 1e3 * seconds_ / done_);
   }

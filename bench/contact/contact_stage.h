@@ -15,7 +15,7 @@ class ContactStage {
   ContactStage& operator=(const ContactStage&) = delete;
 
   /// So many ticks, or fewer where the scene ends; gives up where they take longer than `mostSeconds` in all
-  /// or than a second each.
+  /// or than two seconds each.
   void advance(int ticks, double mostSeconds);
   bool over() const { return !error_.empty() || done_ >= scene_.settleTicks + scene_.measuredTicks; }
   /// Why it did not come to its end, or empty.
@@ -38,7 +38,7 @@ class ContactStage {
   std::unique_ptr<Engine> engine_;
   std::size_t points_ = 0;
   int done_ = 0;
-  double seconds_ = 0.0;
+  double seconds_ = 0.0, laterSeconds_ = 0.0;
   std::vector<double> ticks_, wallTicks_;
   std::vector<Eigen::Matrix3Xd> before_;  // the last tick, #bodies
   std::string error_;
