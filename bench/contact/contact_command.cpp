@@ -29,7 +29,7 @@ void addOptions(CLI::App& app, Options& options) {
   app.add_option("--repeats", options.limits.repeats, "repeats of each scene (default 3)")
       ->check(CLI::PositiveNumber);
   app.add_option("--patience", options.limits.mostSeconds,
-                 "seconds that an engine may take for a repeat of a scene (default 60)")
+                 "seconds that an engine may take for a repeat of a scene (default 120)")
       ->check(CLI::PositiveNumber);
   app.add_flag("--flags", options.flags, "compare kinds of collision of btSoftBody instead");
 }

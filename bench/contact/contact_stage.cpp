@@ -44,7 +44,7 @@ void ContactStage::tick() {
   const Stopwatch watch;
   engine_->tick(kContactTick);
   const WorkTime time = watch.time();
-  seconds_ += 1e-3 * time.wallMs;
+  seconds_ += 1e-3 * time.cpuMs;
   if (done_ > 0) laterSeconds_ += 1e-3 * time.cpuMs;
   if (done_++ < scene_.settleTicks) return;
   ticks_.push_back(time.cpuMs);

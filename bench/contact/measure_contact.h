@@ -9,7 +9,7 @@ namespace limber::bench {
 
 struct ContactLimits {
   int repeats = 3;
-  double mostSeconds = 60.0;  ///< of an engine in one repeat of a scene, then it is given up
+  double mostSeconds = 120.0;  ///< of the thread, of an engine in one repeat of a scene, then it is given up
 };
 
 /// A row for each engine, in their order. All of them are open at once and take turns, in an order that
