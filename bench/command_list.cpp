@@ -2,6 +2,7 @@
 #include "command_list.h"
 
 #include "accuracy/accuracy_command.h"
+#include "contact/contact_command.h"
 #include "networks/networks_command.h"
 #include "scaling/scaling_command.h"
 #include "springs/springs_command.h"
@@ -25,6 +26,8 @@ const std::vector<Command>& commandList() {
   static const std::vector<Command> kCommands = {
       {"accuracy", "errors and costs beside btSoftBody and btDeformable, where the truth is known",
        &runAccuracy},
+      {"contact", "what bodies cost that fly, land, rest, sleep and lie in a heap, beside other engines",
+       &runContact},
       {"networks", "which braces keep which shape; masses, skins, materials", &runNetworks},
       {"springs", "what a spring costs per substep, by instruction set", &runSprings},
       {"scaling", "1, 2, 4 ... soft cubes until real time is lost", &runScaling},

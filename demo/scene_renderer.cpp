@@ -72,14 +72,13 @@ void SceneRenderer::addProps() {
     render::InstanceLook look;
     look.colour = prop.colour;
     const render::ShapeId shape = renderer_.addShape(prop.scenery.shape);
-    props_.push_back({renderer_.addInstance(shape, look), std::move(prop.scenery.points)});
+    props_.push_back({renderer_.addInstance(shape, look), std::move(prop)});
   }
 }
 
 void SceneRenderer::draw(render::Image& image) {
   render::FrameWriter frame = renderer_.beginFrame();
-  for (const auto& [instance, points] : props_)
-    std::copy(points.begin(), points.end(), frame.points(instance));
+  for (const auto& [instance, prop] : props_) writePoints(prop, frame.points(instance));
   for (std::size_t b = 0; b < bodies_.size(); ++b) {
     writePoints(*scene_.soft->body(b), frame.points(bodies_[b]));
   }

@@ -43,7 +43,7 @@ class SceneRenderer {
   render::DrawOptions drawOptions_;
   std::vector<BodyShape> shapes_;           // one per network
   std::vector<render::InstanceId> bodies_;  // in the order of the scene's bodies
-  std::vector<std::pair<render::InstanceId, std::vector<float>>> props_;
+  std::vector<std::pair<render::InstanceId, Prop>> props_;
 };
 
 }  // namespace limber::demo

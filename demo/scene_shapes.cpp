@@ -3,6 +3,8 @@
 
 #include "scenes/shape_error.h"
 
+#include <algorithm>
+
 namespace limber::demo {
 namespace {
 
@@ -60,15 +62,30 @@ std::vector<Prop> propsOf(const scenes::Scene& scene) {
   std::vector<Prop> props;
   const scenes::FloorProp& floor = scene.floor;
   const render::Vec3 middle{0.0f, static_cast<float>(floor.height), 0.0f};
-  props.push_back({render::makeFloor(middle, static_cast<float>(floor.halfSize)), kFloorColour});
+  props.push_back({render::makeFloor(middle, static_cast<float>(floor.halfSize)), kFloorColour, nullptr});
   for (const scenes::BoxProp& box : scene.boxes) {
-    props.push_back({render::makeBox(toVec3(box.centre), toVec3(box.halfExtents)), toVec3(box.colour)});
+    props.push_back(
+        {render::makeBox(toVec3(box.centre), toVec3(box.halfExtents)), toVec3(box.colour), box.body});
   }
   for (const scenes::SphereProp& ball : scene.spheres) {
     const float radius = static_cast<float>(ball.radius);
-    props.push_back({render::makeUvSphere(toVec3(ball.centre), radius), toVec3(ball.colour)});
+    props.push_back({render::makeUvSphere(toVec3(ball.centre), radius), toVec3(ball.colour), ball.body});
   }
   return props;
+}
+
+void writePoints(const Prop& prop, float* xyz) {
+  const std::vector<float>& points = prop.scenery.points;
+  if (!prop.body) {
+    std::copy(points.begin(), points.end(), xyz);
+    return;
+  }
+  const btTransform& place = prop.body->getWorldTransform();
+  for (std::size_t i = 0; i + 2 < points.size(); i += 3) {
+    const btVector3 p =
+        place * btVector3(btScalar(points[i]), btScalar(points[i + 1]), btScalar(points[i + 2]));
+    for (int k = 0; k < 3; ++k) xyz[i + static_cast<std::size_t>(k)] = static_cast<float>(p[k]);
+  }
 }
 
 render::Image checkerTexture() {

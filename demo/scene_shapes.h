@@ -18,12 +18,16 @@ render::ShapeDesc shapeOf(const SoftBody& body, const scenes::BodyLook& look);
 /// Writes where they are, 3 floats each; only writes.
 void writePoints(const SoftBody& body, float* xyz);
 
-/// The things that do not move, with their colours.
+/// The rigid things, with their colours.
 struct Prop {
   render::Scenery scenery;
   render::Vec3 colour;
+  const btRigidBody* body = nullptr;  ///< the points move with it; nullptr: they stand still
 };
 std::vector<Prop> propsOf(const scenes::Scene& scene);
+
+/// Writes where a prop's points are, 3 floats each; only writes.
+void writePoints(const Prop& prop, float* xyz);
 
 /// White and grey squares, to be multiplied with a body's colour.
 render::Image checkerTexture();

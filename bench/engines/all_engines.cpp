@@ -26,6 +26,17 @@ void addSoftBodies(std::vector<EngineChoice>& choices) {
 
 }  // namespace
 
+double asleepShare(btDiscreteDynamicsWorld& world) {
+  const btCollisionObjectArray& objects = world.getCollisionObjectArray();
+  int movable = 0, asleep = 0;
+  for (int i = 0; i < objects.size(); ++i) {
+    if (objects[i]->isStaticObject()) continue;
+    ++movable;
+    asleep += !objects[i]->isActive();
+  }
+  return movable ? static_cast<double>(asleep) / movable : 0.0;
+}
+
 std::vector<EngineChoice> allEngines() {
   std::vector<EngineChoice> choices;
   addSteppers(choices);

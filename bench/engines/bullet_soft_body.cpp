@@ -64,7 +64,7 @@ BulletSoftBody makeBulletSoftBody(const BodySetup& setup, const BodyStart& start
   addLinksAndFaces(setup, start, soft);
   setVelocities(start, soft);
   for (const std::uint32_t pin : setup.pins) pinNode(soft, pin, true);
-  soft.body->setActivationState(DISABLE_DEACTIVATION);
+  if (!setup.maySleep) soft.body->setActivationState(DISABLE_DEACTIVATION);
   return soft;
 }
 

@@ -81,7 +81,7 @@ std::size_t DeformableEngine::addBody(const BodySetup& setup) {
   world_.getWorldInfo().m_gravity = world_.getGravity();
   soft.body->m_cfg.collisions = btSoftBody::fCollision::SDF_RD | btSoftBody::fCollision::SDF_RDN;
   if (soft.body->m_faces.size()) soft.body->m_cfg.collisions |= btSoftBody::fCollision::VF_DD;
-  soft.body->m_sleepingThreshold = 0;
+  if (!setup.maySleep) soft.body->m_sleepingThreshold = 0;
   world_.addSoftBody(soft.body.get());
   addForce(*soft.body, std::make_unique<btDeformableMassSpringForce>(
                            static_cast<btScalar>(stiffness), static_cast<btScalar>(setup.settings.damping),

@@ -25,7 +25,8 @@ struct BodySetup {
   std::vector<std::uint32_t> pins;  ///< points that are held where they start
   Eigen::Matrix3Xd positions;       ///< 3 x #points, m, or empty: where the settings put the network
   Eigen::Matrix3Xd velocities;      ///< 3 x #points, m/s, or empty: from the settings
-  double drag = 0.0;  ///< 1/s by which an engine without dampers along its springs slows everything down
+  double drag = 0.0;      ///< 1/s by which an engine without dampers along its springs slows everything down
+  bool maySleep = false;  ///< as far as the engine knows how; else it is kept awake
 };
 
 /// A point of one of the bodies.
@@ -64,6 +65,9 @@ struct EngineChoice {
   /// A new engine for ticks of dt seconds: some are tuned to it.
   std::function<std::unique_ptr<Engine>(double dt)> make;
 };
+
+/// Share of what can move in a world that sleeps.
+double asleepShare(btDiscreteDynamicsWorld& world);
 
 /// Limber with each of its steppers, btSoftBody and btDeformable with each setting worth trying.
 std::vector<EngineChoice> allEngines();

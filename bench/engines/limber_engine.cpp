@@ -42,7 +42,7 @@ void place(SoftBody& body, const BodySetup& setup) {
     btRigidBody& point = *body.point(i);
     if (setup.positions.cols()) point.getWorldTransform().setOrigin(toBullet(setup.positions.col(i)));
     if (setup.velocities.cols()) point.setLinearVelocity(toBullet(setup.velocities.col(i)));
-    point.setActivationState(DISABLE_DEACTIVATION);
+    if (!setup.maySleep) point.setActivationState(DISABLE_DEACTIVATION);
   }
 }
 

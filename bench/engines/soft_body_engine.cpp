@@ -13,8 +13,8 @@ namespace {
 
 class SoftBodyEngine final : public Engine {
  public:
-  SoftBodyEngine(double dt, int iterations, LinkStiffness stiffness)
-      : dt_(dt), iterations_(iterations), stiffness_(stiffness) {}
+  SoftBodyEngine(double dt, int iterations, LinkStiffness stiffness, SoftContacts contacts)
+      : dt_(dt), iterations_(iterations), stiffness_(stiffness), contacts_(contacts) {}
   ~SoftBodyEngine() override;
 
   btDiscreteDynamicsWorld& world() override { return world_; }
@@ -34,6 +34,7 @@ class SoftBodyEngine final : public Engine {
   double dt_;
   int iterations_;
   LinkStiffness stiffness_;
+  SoftContacts contacts_;
   btSoftBodyRigidBodyCollisionConfiguration configuration_;
   btCollisionDispatcher dispatcher_{&configuration_};
   btDbvtBroadphase broadphase_;
@@ -68,14 +69,28 @@ void SoftBodyEngine::calibrate(const BodySetup& setup, const BodyStart& start, B
   soft.body->updateLinkConstants();
 }
 
+void setContacts(btSoftBody& body, SoftContacts contacts) {
+  using Flags = btSoftBody::fCollision;
+  constexpr int kClusters = 8;
+  if (contacts != SoftContacts::PointsAndFaces) body.m_fdbvt.clear();  // else it is kept up in every tick
+  if (contacts == SoftContacts::Points || body.m_faces.size() == 0) {
+    body.m_cfg.collisions = Flags::SDF_RS;
+  } else if (contacts == SoftContacts::PointsAndFaces) {
+    body.m_cfg.collisions = Flags::SDF_RS | Flags::VF_SS;
+  } else {
+    body.generateClusters(kClusters);
+    body.m_cfg.collisions =
+        (contacts == SoftContacts::Clusters ? Flags::CL_RS : Flags::SDF_RS) | Flags::CL_SS;
+  }
+}
+
 std::size_t SoftBodyEngine::addBody(const BodySetup& setup) {
   const BodyStart start = startOf(setup);
   world_.getWorldInfo().m_gravity = world_.getGravity();
   BulletSoftBody soft = makeBulletSoftBody(setup, start, world_.getWorldInfo());
   if (stiffness_ == LinkStiffness::Calibrated) calibrate(setup, start, soft);
   soft.body->m_cfg.piterations = iterations_;
-  soft.body->m_cfg.collisions = btSoftBody::fCollision::SDF_RS;
-  if (soft.body->m_faces.size()) soft.body->m_cfg.collisions |= btSoftBody::fCollision::VF_SS;
+  setContacts(*soft.body, contacts_);
   soft.body->m_cfg.kDP = static_cast<btScalar>(1.0 - std::exp(-setup.drag * dt_));
   world_.addSoftBody(soft.body.get());
   bodies_.push_back(std::move(soft));
@@ -89,8 +104,9 @@ void SoftBodyEngine::tick(double dt) {
 
 }  // namespace
 
-std::unique_ptr<Engine> makeSoftBodyEngine(double dt, int iterations, LinkStiffness stiffness) {
-  return std::make_unique<SoftBodyEngine>(dt, iterations, stiffness);
+std::unique_ptr<Engine> makeSoftBodyEngine(double dt, int iterations, LinkStiffness stiffness,
+                                           SoftContacts contacts) {
+  return std::make_unique<SoftBodyEngine>(dt, iterations, stiffness, contacts);
 }
 
 }  // namespace limber::bench

@@ -5,6 +5,7 @@
 #include "cook/elastic_moduli.h"
 #include "cook/spring_constants.h"
 #include "cook/tetrahedra.h"
+#include "cook/triangle_geometry.h"
 #include "core/volume_term.h"
 #include "support/network_shapes.h"
 #include "text_format.h"
@@ -79,12 +80,8 @@ MaterialRow measureRow(const network_shapes::NamedShape& shape, std::uint32_t po
 /// The body with the volume term that it has in a simulation unless told otherwise: as stiff as its springs
 /// are together, of the inside of the surface or of each tetrahedron.
 ElasticBody asSimulated(const SpringNetwork& network) {
-  double volume = 0.0;
-  for (const Triangle& t : network.surface) {
-    const std::vector<Eigen::Vector3d>& p = network.restPoints;
-    volume += p[t[0]].dot(p[t[1]].cross(p[t[2]])) / 6.0;
-  }
   ElasticBody body{network};
+  const double volume = signedVolume(network.restPoints, network.surface);
   body.volumeModulus = networkModulus(network, body.scale, body.stiffness, volume);
   return body;
 }

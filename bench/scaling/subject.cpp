@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "scaling/subject.h"
 
+#include "engines/engine.h"
 #include "scenes/scene_list.h"
 
 #include <algorithm>
@@ -83,16 +84,7 @@ std::size_t contactCount(const Subject& subject) {
   return count;
 }
 
-double asleepShare(const Subject& subject) {
-  const btCollisionObjectArray& objects = worldOf(subject).getCollisionObjectArray();
-  int movable = 0, asleep = 0;
-  for (int i = 0; i < objects.size(); ++i) {
-    if (objects[i]->isStaticObject()) continue;
-    ++movable;
-    asleep += !objects[i]->isActive();
-  }
-  return movable ? static_cast<double>(asleep) / movable : 0.0;
-}
+double asleepShare(const Subject& subject) { return asleepShare(worldOf(subject)); }
 
 std::uint64_t stateHash(const Subject& subject) {
   return subject.scene ? scenes::stateHash(*subject.scene) : stateHash(*subject.bare);

@@ -31,6 +31,22 @@ std::string addBody(Scene& scene, SharedNetwork network, const SoftBodySettings&
   return body.error();
 }
 
+btRigidBody& addBall(Scene& scene, const Eigen::Vector3d& centre, double radius, double mass,
+                     const Eigen::Vector3f& colour) {
+  auto shape = std::make_unique<btSphereShape>(btScalar(radius));
+  btRigidBody& body = addMovable(*scene.world, std::move(shape), mass, centre, 0.5);
+  scene.spheres.push_back({Eigen::Vector3d::Zero(), radius, colour, &body});
+  return body;
+}
+
+btRigidBody& addBox(Scene& scene, const Eigen::Vector3d& centre, const Eigen::Vector3d& halfExtents,
+                    double mass, const Eigen::Vector3f& colour) {
+  auto shape = std::make_unique<btBoxShape>(toBullet(halfExtents));
+  btRigidBody& body = addMovable(*scene.world, std::move(shape), mass, centre, 0.5);
+  scene.boxes.push_back({Eigen::Vector3d::Zero(), halfExtents, colour, &body});
+  return body;
+}
+
 void apply(const SceneOptions& options, SoftBodySettings& settings) {
   if (options.stiffness) settings.extensionStiffness = settings.compressionStiffness = *options.stiffness;
   if (options.damping) settings.damping = *options.damping;
@@ -47,12 +63,15 @@ void addAirDrag(Scene& scene, double perSecond) {
 TickTimes tick(Scene& scene) {
   const btScalar step = btScalar(1) / btScalar(kTicksPerSecond);
   TickTimes times;
+  if (scene.beforeTick) scene.beforeTick(scene);
   const auto start = std::chrono::steady_clock::now();
   scene.world->dynamics.stepSimulation(step, 0, step);
   const std::chrono::duration<double, std::milli> took = std::chrono::steady_clock::now() - start;
   times.total = took.count();
   times.soft = scene.soft->profile();
   scene.watch.look(*scene.soft);
+  ++scene.ticks;
+  if (scene.afterTick) scene.afterTick(scene);
   return times;
 }
 

@@ -36,12 +36,14 @@ struct BodyLook {
 struct BoxProp {
   Eigen::Vector3d centre, halfExtents;  ///< m, as drawn
   Eigen::Vector3f colour;
+  const btRigidBody* body = nullptr;  ///< moves with it, in its coordinates; nullptr: stands still
 };
 
 struct SphereProp {
   Eigen::Vector3d centre;  ///< m
   double radius;           ///< m, as drawn
   Eigen::Vector3f colour;
+  const btRigidBody* body = nullptr;  ///< moves with it, in its coordinates; nullptr: stands still
 };
 
 struct FloorProp {
@@ -73,6 +75,10 @@ struct Scene {
   std::vector<Check> endChecks;    ///< in the order in which they are worth reporting
   std::vector<std::string> notes;  ///< what the user should know before the run
   RestWatch watch;
+
+  std::int64_t ticks = 0;                  ///< so far
+  std::function<void(Scene&)> beforeTick;  ///< what the scene drives, or empty
+  std::function<void(Scene&)> afterTick;   ///< what is watched all along, or empty
 };
 
 using SceneResult = Result<std::unique_ptr<Scene>>;
@@ -85,6 +91,12 @@ void addFloor(Scene& scene, double halfSize, double drawnHeight, double friction
 /// Adds a body. Returns the reason why that cannot be done, or an empty string.
 std::string addBody(Scene& scene, SharedNetwork network, const SoftBodySettings& settings,
                     const BodyLook& look);
+
+/// Add what moves and how it is drawn; mass in kg, 0: kinematic.
+btRigidBody& addBall(Scene& scene, const Eigen::Vector3d& centre, double radius, double mass,
+                     const Eigen::Vector3f& colour);
+btRigidBody& addBox(Scene& scene, const Eigen::Vector3d& centre, const Eigen::Vector3d& halfExtents,
+                    double mass, const Eigen::Vector3f& colour);
 
 /// Overwrites what the user has chosen.
 void apply(const SceneOptions& options, SoftBodySettings& settings);

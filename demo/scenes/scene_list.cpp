@@ -10,6 +10,14 @@ const std::vector<SceneEntry>& sceneList() {
       {"mesh", "9 bodies of any mesh you name with --mesh fall onto a floor", 8.0, true, &createMeshDrop},
       {"rope", "ropes fall across a box and hang down on both sides", 5.0, false, &createRope},
       {"cloth", "a cloth falls onto a sphere and drapes it", 6.0, false, &createCloth},
+      {"marble", "hard marbles are dropped on and shot at soft cubes, whose faces hold them", 6.0, false,
+       &createMarble},
+      {"pile", "48 soft bodies of several shapes fall into a bin", 10.0, false, &createPile},
+      {"stack", "ten soft cubes stand on one another", 8.0, false, &createStack},
+      {"tower-of-jelly", "soft blocks and rigid plates alternate; the top is nudged", 10.0, false,
+       &createTower},
+      {"curtain", "balls and a box push a curtain that hangs from its upper edge", 10.0, false,
+       &createCurtain},
   };
   return kScenes;
 }

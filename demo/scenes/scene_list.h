@@ -25,5 +25,10 @@ SceneResult createCollapse(const SceneOptions& options);
 SceneResult createMeshDrop(const SceneOptions& options);
 SceneResult createRope(const SceneOptions& options);
 SceneResult createCloth(const SceneOptions& options);
+SceneResult createMarble(const SceneOptions& options);
+SceneResult createPile(const SceneOptions& options);
+SceneResult createStack(const SceneOptions& options);
+SceneResult createTower(const SceneOptions& options);
+SceneResult createCurtain(const SceneOptions& options);
 
 }  // namespace limber::scenes

@@ -13,6 +13,8 @@ COLUMNS = "bodies,points,springs,mode,tick_ms_mean,tick_ms_max,render_ms_mean,gp
 SMALL = ["scaling", "--quick", "--max-bodies", "4", "--size", "64x36"]
 STABILITY = "case,engine,setting,finite,energy_ratio,momentum_drift,recovered,dt,seed,k,group".split(",")
 SKIPPED = 77
+CONTACT_COLUMNS = ("scene,engine,bodies,points,tick_ms_median,tick_ms_worst,ratio_to_btsoftbody,ratio_to_bare_bullet,"
+                   "us_per_point,deepest_penetration_share,residual_speed").split(",")
 ACCURACY_COLUMNS = "scene,engine,setting,dt,error,us_per_tick,us_step,hash,us_noise,kind,measure".split(",")
 
 # part of scenes' names, their measure, the setting of Limber, the largest error at any tick
@@ -198,6 +200,73 @@ def check_springs(program, bench):
         expect((folder / "springs.svg").stat().st_size > 1000, "svg is empty")
 
 
+def contact_run(program, folder, *options):
+    done = run(program, "contact", "--quick", "--repeats", "1", "--out", folder, *options)
+    expect(done.returncode == 0, f"exit status {done.returncode}: {done.stderr}")
+    expect((folder / "contact.txt").read_text() == done.stdout, "contact.txt is not what was printed")
+    with open(folder / "contact.csv", newline="") as file:
+        return list(csv.DictReader(file)), done.stdout
+
+
+def check_contact_row(row, rows):
+    expect(int(row["points"]) >= 8 * int(row["bodies"]) > 0, f"counts: {row}")
+    expect(0 < float(row["tick_ms_median"]) <= float(row["tick_ms_worst"]), f"ticks: {row}")
+    expect(abs(1e3 * float(row["tick_ms_median"]) / int(row["points"]) / float(row["us_per_point"]) - 1) < 1e-3,
+           f"cost of a point: {row}")
+    for column, other in (("ratio_to_btsoftbody", "btSoftBody 4 it"), ("ratio_to_bare_bullet", "loose spheres")):
+        reference = [r for r in rows if r["scene"] == row["scene"] and r["engine"] == other and not r["error"]]
+        expect(bool(row[column]) == bool(reference), f"{column}: {row}")
+        if reference:
+            ratio = float(row["tick_ms_median"]) / float(reference[0]["tick_ms_median"])
+            expect(abs(ratio / float(row[column]) - 1) < 1e-3, f"{column} is not {ratio}: {row}")
+    expect((row["role"] == "asleep") == (float(row["asleep_share"]) == 1), f"sleep: {row}")
+
+
+def check_contact(program, _):
+    """Every engine takes part or tells why not; Limber takes part everywhere and rests where it should."""
+    with tempfile.TemporaryDirectory() as name:
+        rows, summary = contact_run(program, pathlib.Path(name))
+        expect(list(rows[0])[: len(CONTACT_COLUMNS)] == CONTACT_COLUMNS, f"columns: {list(rows[0])}")
+        expect({r["role"] for r in rows} == {"airborne", "landing", "rest", "asleep", "cloth", "dense", "pile"}, "roles")
+        engines = {"limber", "btSoftBody 1 it", "btSoftBody 4 it", "btSoftBody 10 it", "btDeformable implicit",
+                   "loose spheres"}
+        expect({r["engine"] for r in rows} == engines, "engines")
+        for row in rows:
+            if not row["error"]:
+                check_contact_row(row, rows)
+        for row in [r for r in rows if r["engine"] in ("limber", "loose spheres")]:
+            expect(not row["error"], f"not run: {row}")
+        for row in [r for r in rows if r["engine"] == "limber" and r["role"] in ("rest", "asleep", "landing")]:
+            expect(float(row["deepest_penetration_share"]) < 1e-3, f"in the floor: {row}")
+        for word in ("hit ", "MISS", "bytes a point"):
+            expect(word in summary, f"no {word}: {summary}")
+
+
+def check_contact_flags(program, _):
+    with tempfile.TemporaryDirectory() as name:
+        rows, _summary = contact_run(program, pathlib.Path(name), "--flags", "--scene", "rest")
+        expect({r["engine"] for r in rows} >= {"SDF_RS", "SDF_RS | VF_SS", "SDF_RS | CL_SS", "CL_RS | CL_SS"}, "flags")
+        expect(all(r["error"] or float(r["tick_ms_median"]) > 0 for r in rows), "no times")
+
+
+def check_contact_plot(program, bench):
+    with tempfile.TemporaryDirectory() as name:
+        folder = pathlib.Path(name)
+        contact_run(program, folder)
+        done = run(bench / "plot", "contact", folder)
+        if done.returncode == SKIPPED:
+            sys.exit(SKIPPED)
+        expect(done.returncode == 0, done.stderr)
+        for picture in ("contact.svg", "contact.png"):
+            expect((folder / picture).stat().st_size > 1000, f"{picture} is empty")
+
+
+def check_contact_options(program, _):
+    for options in ("--repeats 0", "--patience x", "--scene nothing", "--fast", "more"):
+        done = run(program, "contact", *options.split(), "--out", tempfile.gettempdir())
+        expect(done.returncode == 2, f"{options}: exit status {done.returncode}")
+
+
 def check_unknown_name(program, _):
     for name in ("scalin", "", "../scaling"):
         done = run(program, name)
@@ -315,6 +384,10 @@ def check_stability_options(program, _):
 
 
 CHECKS = {
+    "contact": check_contact,
+    "contact_flags": check_contact_flags,
+    "contact_plot": check_contact_plot,
+    "contact_options": check_contact_options,
     "networks": check_networks,
     "scaling": check_scaling,
     "counts": check_counts,

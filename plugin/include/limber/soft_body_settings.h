@@ -57,9 +57,9 @@ struct SoftBodySettings {
   double totalMass = 1.0;                ///< kg, above 0
 
   double volumeModulus = -1.0;  ///< Pa, 0 or more, against changes of the volume inside a closed surface;
-                                ///< negative: for closed bodies as stiff as their springs are together, for
-                                ///< all others (ropes, cloths, open meshes) 0
-  double pressure = 0.0;  ///< Pa of gas above the outside, at the rest volume; only for closed bodies
+                                ///< negative: for each closed piece, as stiff as the body's springs are
+                                ///< together; 0 for all others (ropes, cloths, open pieces)
+  double pressure = 0.0;        ///< Pa of gas above the outside, at the rest volume; only for closed bodies
 
   double pointRadius = 0.0;  ///< m, of the sphere each point mass is to Bullet; 0: 2 % of the shortest spring
   double friction = 0.5;     ///< Bullet multiplies it with the partner's

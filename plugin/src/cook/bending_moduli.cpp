@@ -2,6 +2,7 @@
 #include "cook/bending_moduli.h"
 
 #include "cook/linear_response.h"
+#include "cook/solid_moments.h"
 
 #include <Eigen/Geometry>
 
@@ -11,27 +12,6 @@ namespace {
 using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::Vector3d;
-
-/// The volume's middle and, along each axis, the integral of the squared distance from it.
-struct Spread {
-  Vector3d centre = Vector3d::Zero();
-  Vector3d second = Vector3d::Zero();
-};
-
-Spread measureSpread(const MatrixXd& points, const std::vector<Triangle>& surface) {
-  Spread spread;
-  double volume = 0.0;
-  for (const Triangle& t : surface) {
-    const Vector3d a = points.col(t[0]), b = points.col(t[1]), c = points.col(t[2]), sum = a + b + c;
-    const double part = a.dot(b.cross(c)) / 6.0;
-    volume += part;
-    spread.centre += part / 4.0 * sum;
-    spread.second += part / 20.0 * (a.cwiseAbs2() + b.cwiseAbs2() + c.cwiseAbs2() + sum.cwiseAbs2());
-  }
-  spread.centre /= volume;
-  spread.second -= volume * spread.centre.cwiseAbs2();
-  return spread;
-}
 
 /// The tractions s_aa along axis `along`, growing along axis `across`, integrated against linear shape
 /// functions: for a corner, area / 12 times the sum of the corners' stresses and its own once more.
@@ -50,16 +30,17 @@ void addTractions(const MatrixXd& points, const Triangle& t, const Vector3d& cen
 std::array<double, 6> measureBendingModuli(const ElasticBody& body) {
   const LinearResponse response(body);
   const MatrixXd& points = response.points();
-  const Spread spread = measureSpread(points, body.network.surface);
+  const SolidMoments solid = solidMoments(points, body.network.surface);
   MatrixXd forces = MatrixXd::Zero(points.size(), 6);
   const auto axes = [](Index load) { return std::array<Index, 2>{load / 2, (load / 2 + 1 + load % 2) % 3}; };
   for (Index load = 0; load < 6; ++load)
     for (const Triangle& t : body.network.surface)
-      addTractions(points, t, spread.centre, axes(load)[0], axes(load)[1], forces.col(load));
+      addTractions(points, t, solid.centre, axes(load)[0], axes(load)[1], forces.col(load));
   const MatrixXd u = response.displacements(forces);
   std::array<double, 6> moduli{};
   for (Index load = 0; load < 6; ++load)
-    moduli[std::size_t(load)] = spread.second[axes(load)[1]] / forces.col(load).dot(u.col(load));
+    moduli[std::size_t(load)] =
+        solid.volume * solid.second(axes(load)[1], axes(load)[1]) / forces.col(load).dot(u.col(load));
   return moduli;
 }
 

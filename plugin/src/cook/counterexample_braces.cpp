@@ -136,10 +136,11 @@ void mend(BracedPiece& piece, Examples wrong, std::uint64_t seed, Trials& trials
 void addCounterexampleBraces(BracedPiece& piece, std::uint64_t seed, const GoOn& goOn) {
   Trials trials{seed, mostRuns(piece.network.restPoints.size())};
   int clean = 0;
+  double done = 0.0;  // a round that is not clean takes none of it back
   for (int round = 0; round < kMostRounds && clean < kCleanRounds && !piece.full() && trials.runsLeft > 0;
        ++round) {
-    const double done =
-        std::max(static_cast<double>(clean) / kCleanRounds, static_cast<double>(round) / kMostRounds);
+    done =
+        std::max({done, static_cast<double>(clean) / kCleanRounds, static_cast<double>(round) / kMostRounds});
     bool going = true;
     const std::function<bool()> ask = [&] { return going = going && goOn(done); };
     RelaxedBody body(piece.network);

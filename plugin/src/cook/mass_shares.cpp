@@ -2,6 +2,7 @@
 #include "cook/mass_shares.h"
 
 #include "cook/moment_match.h"
+#include "cook/solid_moments.h"
 #include "cook/triangle_geometry.h"
 #include "core/mesh_edges.h"
 
@@ -36,37 +37,12 @@ struct Moments {
 
 Matrix3d inertia(const Matrix3d& second) { return second.trace() * Matrix3d::Identity() - second; }
 
-/// Of the tetrahedra from `origin` to each triangle. One with corners v_i has the second moments
-/// V/20 (sum v_i v_i^T + (sum v_i) (sum v_i)^T).
-Moments solidMoments(const std::vector<Vector3d>& points, const std::vector<Triangle>& surface,
-                     const Vector3d& origin, double& volume) {
-  Vector3d first = Vector3d::Zero();
-  Matrix3d second = Matrix3d::Zero();
-  volume = 0.0;
-  for (const Triangle& t : surface) {
-    const Vector3d a = points[t[0]] - origin, b = points[t[1]] - origin, c = points[t[2]] - origin;
-    const double part = a.dot(b.cross(c)) / 6.0;
-    const Vector3d sum = a + b + c;
-    volume += part;
-    first += part / 4.0 * sum;
-    second +=
-        part / 20.0 * (a * a.transpose() + b * b.transpose() + c * c.transpose() + sum * sum.transpose());
-  }
-  const Vector3d centre = first / volume;
-  return {origin + centre, second / volume - centre * centre.transpose()};
-}
-
 Moments pointMoments(const std::vector<Vector3d>& points, const std::vector<double>& shares) {
   Moments m;
   for (std::size_t i = 0; i < points.size(); ++i) m.centre += shares[i] * points[i];
   for (std::size_t i = 0; i < points.size(); ++i)
     m.second += shares[i] * (points[i] - m.centre) * (points[i] - m.centre).transpose();
   return m;
-}
-
-Vector3d middle(const std::vector<Vector3d>& points) {
-  const Vector3d sum = std::accumulate(points.begin(), points.end(), Vector3d(Vector3d::Zero()));
-  return sum / static_cast<double>(points.size());
 }
 
 /// Sum 1, in proportion to `shares` but for those that the bounds stand against.
@@ -119,7 +95,7 @@ MomentVector momentsOf(const Vector3d& p) {
 
 /// Sets the shares, from those wanted, and what is proven about them.
 void matchSolid(MassShares& result, const std::vector<Vector3d>& points, const std::vector<Triangle>& surface,
-                const Moments& solid) {
+                const SolidMoments& solid) {
   const double unit = std::sqrt(solid.second.trace());
   const Matrix3d s = solid.second / (unit * unit);
   MomentVector target;
@@ -154,9 +130,9 @@ MassShares shareMass(MassRule rule, const std::vector<Vector3d>& points,
   result.centreError = result.inertiaError = std::numeric_limits<double>::quiet_NaN();
   const EdgeDefects defects = findEdgeDefects(surface);
   if (surface.empty() || defects.open + defects.nonManifold + defects.inconsistent > 0) return result;
-  double volume = 0.0;
-  const Moments solid = solidMoments(points, surface, middle(points), volume);
-  if (!(std::abs(volume) > 0.0) || !(solid.second.trace() > 0.0)) return result;
+  const Eigen::Map<const Eigen::Matrix3Xd> places(points.front().data(), 3, Eigen::Index(points.size()));
+  const SolidMoments solid = solidMoments(places, surface);
+  if (!(std::abs(solid.volume) > 0.0) || !(solid.second.trace() > 0.0)) return result;
 
   if (rule == MassRule::Moments) matchSolid(result, points, surface, solid);
   const Moments got = pointMoments(points, result.shares);

@@ -30,7 +30,7 @@ std::string number(double value) {
 void remarkOnMesh(const MeshReport& mesh, Remarks& remarks) {
   if (mesh.openEdges > 0)
     remarks.push_back("the surface is open (" + counted(mesh.openEdges, "edge has", "edges have") +
-                      " one triangle only): it can have no volume term");
+                      " one triangle only): its open part keeps no volume");
   if (mesh.nonManifoldEdges > 0)
     remarks.push_back(counted(mesh.nonManifoldEdges, "edge belongs", "edges belong") +
                       " to more than two triangles: inside and outside are undefined there");

@@ -196,9 +196,7 @@ std::optional<double> leastStiffness(const SpringNetwork& network, const SoftBod
   for (Eigen::Vector3d& p : scaled.restPoints) p = p.cwiseProduct(settings.scale);
   SoftBodySettings unscaled = settings;
   unscaled.scale.setOnes();
-  if (findPieces(scaled).size() > 1) return leastStiffnessOfPieces(scaled, unscaled, gravity, progress);
-  return leastStiffnessOfPiece(scaled, unscaled, gravity,
-                               [&] { return !progress || progress("own weight", 0.0); });
+  return leastStiffnessOfPieces(scaled, unscaled, gravity, progress);
 }
 
 }  // namespace limber

@@ -171,8 +171,9 @@ double networkModulus(const SpringNetwork& network, const Eigen::Vector3d& scale
 std::string checkVolume(const SpringNetwork& network, const SoftBodySettings& settings) {
   const bool perTetrahedron = !network.tetrahedra.empty();  // see tetrahedron_volumes.h
   const bool asked = (settings.volumeModulus > 0.0 && !perTetrahedron) || settings.pressure > 0.0;
+  if (!asked) return {};
   const bool closed = mayHaveVolume(network) && isClosed(findEdgeDefects(network.surface));
-  if (!asked || (closed && !makeVolumes(network, settings).empty())) return {};
+  if (closed && !makeVolumes(network, settings).empty()) return {};
   return std::string(settings.pressure > 0.0 ? "pressure" : "volumeModulus") + ": " + whyNoVolume(network);
 }
 

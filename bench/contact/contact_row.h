@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: Zlib
+#pragma once
+
+#include "contact/contact_scene.h"
+
+#include <optional>
+
+namespace limber::bench {
+
+/// What one engine's run of a scene took. Empty where the engine could not.
+struct ContactRow {
+  std::string scene, engine;
+  Role role = Role::Rest;
+  Crowd crowd = Crowd::Small;
+  std::size_t bodies = 0, points = 0;
+  int repeats = 0;
+  double tickMedian = 0.0, tickWorst = 0.0;  ///< ms of the thread
+  double wallMedian = 0.0;                   ///< ms
+  std::optional<double> toSoftBody;          ///< of btSoftBody's median with 4 iterations in the same repeat
+  std::optional<double> toSpheres;           ///< of the loose spheres'
+  double penetration = 0.0;                  ///< of the body's size
+  double residualSpeed = 0.0;                ///< m/s
+  double asleep = 0.0;                       ///< share of what can move
+  std::string error;                         ///< why there is nothing, or empty
+
+  bool ran() const { return error.empty(); }
+  double microsecondsPerPoint() const { return 1e3 * tickMedian / static_cast<double>(points); }
+};
+
+std::vector<std::string> contactColumns();
+std::vector<std::string> contactCells(const ContactRow& row);
+
+}  // namespace limber::bench

@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: Zlib
+#pragma once
+
+#include "accuracy/rigid_bodies.h"
+
+namespace limber::bench {
+
+/// What bodies do in a scene.
+enum class Role : std::uint8_t { Airborne, Landing, Rest, Asleep, Cloth, Pile, Dense };
+
+/// Of the scenes with cubes. Quick runs have fewer of each.
+enum class Crowd : std::uint8_t {
+  Small,    ///< 64
+  Middle,   ///< 512
+  Large,    ///< 4096
+  RealTime  ///< 2560, at rest only
+};
+
+/// A situation whose cost is measured, the same for all engines.
+struct ContactScene {
+  std::string name;
+  Role role = Role::Rest;
+  Crowd crowd = Crowd::Small;
+  std::vector<BodySetup> bodies;
+  std::function<void(RigidBodies&, btDiscreteDynamicsWorld&)> addRigidBodies;
+  std::function<double(const Eigen::Vector3d&)>
+      distance;          ///< m, of a place from what is rigid; below 0: inside
+  double size = 1.0;     ///< m, of a body
+  int settleTicks = 10;  ///< before the first that is measured
+  int measuredTicks = 60;
+  int turn = 20;           ///< ticks that an engine does before the next has its turn
+  bool withOthers = true;  ///< false: Limber and loose spheres only
+
+  bool sleeps() const { return role == Role::Asleep; }
+  /// All is at rest where it is measured.
+  bool rests() const { return role != Role::Airborne && role != Role::Landing; }
+};
+
+constexpr double kContactTick = 1.0 / 60;  // s
+
+const char* nameOf(Role role);
+
+/// Each adds its scenes.
+void addCubeScenes(std::vector<ContactScene>& scenes, bool quick);   // cube_scenes.cpp: on a floor or above
+void addPile(std::vector<ContactScene>& scenes, bool quick);         // pile_scene.cpp: in a bin
+void addLargeBodies(std::vector<ContactScene>& scenes, bool quick);  // large_bodies.cpp: a cloth, a lattice
+
+std::vector<ContactScene> allContactScenes(bool quick);
+
+}  // namespace limber::bench

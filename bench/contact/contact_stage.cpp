@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: Zlib
+#include "contact/contact_stage.h"
+
+#include "clocks.h"
+#include "scenes/overlap.h"
+#include "text_format.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace limber::bench {
+namespace {
+
+constexpr double kFar = 1e3;  // m, from the origin
+
+/// s of the thread for a tick after the first, which sets things up: a hundred times too slow is hopeless.
+constexpr double kHopeless = 2.0;
+
+std::vector<Eigen::Matrix3Xd> allPositions(const Engine& engine, std::size_t count) {
+  std::vector<Eigen::Matrix3Xd> all;
+  for (std::size_t b = 0; b < count; ++b) all.push_back(engine.positions(b));
+  return all;
+}
+
+}  // namespace
+
+ContactStage::ContactStage(const ContactScene& scene, const ContactEngine& engine)
+    : scene_(scene), solids_(!engine.isSpheres), engine_(engine.make(scene)) {
+  engine_->world().setGravity(btVector3(0, btScalar(-kGravity), 0));
+  scene.addRigidBodies(rigid_, engine_->world());
+  for (const BodySetup& body : scene.bodies) {
+    engine_->addBody(body);
+    points_ += body.network->restPoints.size();
+  }
+}
+
+ContactStage::~ContactStage() {
+  for (auto& body : rigid_.bodies) engine_->world().removeRigidBody(body.get());
+}
+
+void ContactStage::tick() {
+  if (done_ + 1 == scene_.settleTicks + scene_.measuredTicks)
+    before_ = allPositions(*engine_, scene_.bodies.size());
+  const Stopwatch watch;
+  engine_->tick(kContactTick);
+  const WorkTime time = watch.time();
+  seconds_ += 1e-3 * time.cpuMs;
+  if (done_ > 0) laterSeconds_ += 1e-3 * time.cpuMs;
+  if (done_++ < scene_.settleTicks) return;
+  ticks_.push_back(time.cpuMs);
+  wallTicks_.push_back(time.wallMs);
+}
+
+/// Times of bodies that are not in the scene any more say nothing.
+void ContactStage::checkPlaces() {
+  for (std::size_t b = 0; b < scene_.bodies.size(); ++b) {
+    const Eigen::Matrix3Xd x = engine_->positions(b);
+    if (!x.allFinite() || x.cwiseAbs().maxCoeff() > kFar) error_ = "flies apart";
+    for (Eigen::Index i = 0; error_.empty() && i < x.cols(); ++i)
+      if (scene_.distance(x.col(i)) < -scene_.size) error_ = "goes through what it should lie on";
+  }
+}
+
+void ContactStage::advance(int ticks, double mostSeconds) {
+  for (int i = 0; i < ticks && !over(); ++i) {
+    tick();
+    const bool hopeless = laterSeconds_ > kHopeless * std::max(1, done_ - 1);
+    if ((hopeless || seconds_ > mostSeconds) && !over())
+      error_ = format("given up after %d ticks: %.0f ms each", done_, 1e3 * seconds_ / done_);
+  }
+  if (error_.empty()) checkPlaces();
+}
+
+double ContactStage::deepestPenetration() const {
+  double deepest = 0.0;
+  std::vector<scenes::PosedSurface> surfaces;
+  for (std::size_t b = 0; b < scene_.bodies.size(); ++b) {
+    const BodySetup& body = scene_.bodies[b];
+    const Eigen::Matrix3Xd x = engine_->positions(b);
+    const double radius = pointRadius(*body.network, body.settings);
+    for (Eigen::Index i = 0; i < x.cols(); ++i)
+      deepest = std::max(deepest, radius - scene_.distance(x.col(i)));
+    if (solids_ && scene_.role == Role::Pile) surfaces.push_back(scenes::posed(x, body.network->surface));
+  }
+  return std::max(deepest, scenes::deepestOverlap(surfaces).depth);
+}
+
+double ContactStage::residualSpeed() const {
+  double sum = 0.0;
+  for (std::size_t b = 0; b < before_.size(); ++b) sum += (engine_->positions(b) - before_[b]).squaredNorm();
+  return std::sqrt(sum / static_cast<double>(points_)) / kContactTick;
+}
+
+}  // namespace limber::bench

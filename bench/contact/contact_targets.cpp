@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: Zlib
+#include "contact/contact_targets.h"
+
+#include "contact/contact_engines.h"
+#include "text_format.h"
+
+#include <cmath>
+
+namespace limber::bench {
+namespace {
+
+using Rows = std::vector<ContactRow>;
+
+constexpr double kRealTime = 1e3 * kContactTick;  // ms
+
+/// nullptr where there is none, or it has not run.
+const ContactRow* find(const Rows& rows, const std::string& engine, Role role, Crowd crowd = Crowd::Small) {
+  for (const ContactRow& row : rows)
+    if (row.engine == engine && row.role == role && row.crowd == crowd && row.ran()) return &row;
+  return nullptr;
+}
+
+std::string line(const std::string& what, const std::optional<double>& value, double most,
+                 const char* unit = "") {
+  if (!value) return format("  -     %-62s not measured\n", what.c_str());
+  return format("  %-4s  %-62s %.3g%s\n", *value <= most ? "hit" : "MISS", what.c_str(), *value, unit);
+}
+
+std::optional<double> softRatio(const ContactRow* row) { return row ? row->toSoftBody : std::nullopt; }
+
+/// Quick runs have fewer bodies than a target is meant for.
+std::string sceneName(const ContactRow* row, const char* meant) { return row ? row->scene : meant; }
+
+std::string softBodyLines(const Rows& rows, const std::string& name) {
+  const auto ratio = [&](Role role, Crowd crowd, double most, const char* meant, const char* text) {
+    const ContactRow* row = find(rows, name, role, crowd);
+    return line(sceneName(row, meant) + text, softRatio(row), most);
+  };
+  return ratio(Role::Rest, Crowd::Middle, 0.7, "512 cubes rest", ": at most 0.7 of btSoftBody 4 it") +
+         ratio(Role::Rest, Crowd::Middle, 0.5, "512 cubes rest", ": at most 0.5 (stretch)") +
+         ratio(Role::Rest, Crowd::Large, 0.6, "4096 cubes rest", ": at most 0.6") +
+         ratio(Role::Airborne, Crowd::Small, 0.25, "64 cubes airborne", ": at most 0.25") +
+         ratio(Role::Airborne, Crowd::Middle, 0.25, "512 cubes airborne", ": at most 0.25") +
+         ratio(Role::Airborne, Crowd::Large, 0.25, "4096 cubes airborne", ": at most 0.25") +
+         ratio(Role::Cloth, Crowd::Small, 0.5, "cloth", ": at most 0.5");
+}
+
+std::string landingLine(const Rows& rows, const std::string& name) {
+  const ContactRow* landing = find(rows, name, Role::Landing, Crowd::Middle);
+  std::optional<double> share;
+  if (landing) share = landing->tickWorst / landing->tickMedian;
+  return line(sceneName(landing, "512 cubes landing") + ": worst tick at most 3 times the median", share,
+              3.0);
+}
+
+std::string sleepLines(const Rows& rows, const std::string& name) {
+  std::string text;
+  for (const Crowd crowd : {Crowd::Small, Crowd::Middle, Crowd::Large}) {
+    const ContactRow *awake = find(rows, name, Role::Rest, crowd),
+                     *asleep = find(rows, name, Role::Asleep, crowd);
+    std::optional<double> percent;
+    if (awake && asleep) percent = 100.0 * asleep->tickMedian / awake->tickMedian;
+    text += line(sceneName(asleep, "cubes asleep") + ": at most 2 % of awake", percent, 2.0, " %");
+  }
+  return text;
+}
+
+/// Only the worst scene is named.
+std::string sphereLine(const Rows& rows, const std::string& name) {
+  const ContactRow* worst = nullptr;
+  for (const ContactRow& row : rows) {
+    if (row.engine != name || !row.toSpheres) continue;
+    if (!worst || *row.toSpheres > *worst->toSpheres) worst = &row;
+  }
+  const std::string what = "faster than loose spheres everywhere" + (worst ? ": " + worst->scene : "");
+  return line(what, worst ? worst->toSpheres : std::nullopt, std::nextafter(1.0, 0.0));
+}
+
+std::string realTimeLines(const Rows& rows, const std::string& name) {
+  const ContactRow *airborne = find(rows, name, Role::Airborne, Crowd::Large),
+                   *rest = find(rows, name, Role::Rest, Crowd::RealTime);
+  const auto tick = [](const ContactRow* row) {
+    return row ? std::optional<double>(row->tickMedian) : std::nullopt;
+  };
+  return line(sceneName(airborne, "4096 cubes airborne") + ": real time at 60 Hz, 16.67 ms", tick(airborne),
+              kRealTime, " ms") +
+         line(sceneName(rest, "2560 cubes rest") + ": real time at 60 Hz, 16.67 ms", tick(rest), kRealTime,
+              " ms");
+}
+
+}  // namespace
+
+std::string contactTargets(const std::vector<ContactRow>& rows) {
+  std::string text;
+  for (const std::string& name : limberNames())
+    text += "\ntargets of " + name + ", one thread, in the same run\n" + softBodyLines(rows, name) +
+            landingLine(rows, name) + sleepLines(rows, name) + sphereLine(rows, name) +
+            realTimeLines(rows, name);
+  return text;
+}
+
+}  // namespace limber::bench

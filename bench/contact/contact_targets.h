@@ -1,0 +1,11 @@
+// SPDX-License-Identifier: Zlib
+#pragma once
+
+#include "contact/contact_row.h"
+
+namespace limber::bench {
+
+/// A line for each target and each of Limber's settings: hit, MISS, or "-" where it was not measured.
+std::string contactTargets(const std::vector<ContactRow>& rows);
+
+}  // namespace limber::bench

@@ -1,0 +1,12 @@
+// SPDX-License-Identifier: Zlib
+#pragma once
+
+#include "engines/engine.h"
+
+namespace limber::bench {
+
+/// Plain Bullet with a loose sphere for each point, of its mass, radius and friction and without spin: what
+/// Bullet itself asks for so many bodies. There are no springs.
+std::unique_ptr<Engine> makeBareEngine();
+
+}  // namespace limber::bench

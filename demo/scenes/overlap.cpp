@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: Zlib
+#include "scenes/overlap.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+namespace limber::scenes {
+namespace {
+
+using Eigen::Vector3d;
+using Corners = std::array<Vector3d, 3>;
+
+constexpr double kFullAngle = 4.0 * 3.141592653589793;
+
+Corners cornersOf(const PosedSurface& surface, const Triangle& t) {
+  return {surface.points.col(t[0]), surface.points.col(t[1]), surface.points.col(t[2])};
+}
+
+/// Signed, seen from `p` (A. van Oosterom, J. Strackee, "The solid angle of a plane triangle", 1983).
+double solidAngle(const Corners& t, const Vector3d& p) {
+  const Vector3d a = t[0] - p, b = t[1] - p, c = t[2] - p;
+  const double la = a.norm(), lb = b.norm(), lc = c.norm();
+  const double denominator = la * lb * lc + a.dot(b) * lc + b.dot(c) * la + c.dot(a) * lb;
+  const double numerator = a.dot(b.cross(c));
+  return numerator == 0.0 ? 0.0 : 2.0 * std::atan2(numerator, denominator);
+}
+
+double distanceToSegment(const Vector3d& a, const Vector3d& b, const Vector3d& p) {
+  const Vector3d along = b - a;
+  const double squared = along.squaredNorm();
+  const double share = squared > 0.0 ? std::clamp((p - a).dot(along) / squared, 0.0, 1.0) : 0.0;
+  return (p - a - share * along).norm();
+}
+
+/// To the plane where the foot of the perpendicular is in the triangle, else to the nearest edge.
+double distanceToTriangle(const Corners& t, const Vector3d& p) {
+  const Vector3d normal = (t[1] - t[0]).cross(t[2] - t[0]);
+  bool above = normal.squaredNorm() > 0.0;
+  double nearest = std::numeric_limits<double>::infinity();
+  for (std::size_t k = 0; k < 3; ++k) {
+    const Vector3d &a = t[k], &b = t[(k + 1) % 3];
+    above = above && normal.dot((b - a).cross(p - a)) >= 0.0;
+    nearest = std::min(nearest, distanceToSegment(a, b, p));
+  }
+  return above ? std::abs(normal.normalized().dot(p - t[0])) : nearest;
+}
+
+/// m, 0 outside.
+double depthIn(const PosedSurface& surface, const Vector3d& place) {
+  return surface.box.contains(place) ? std::max(0.0, -signedDistance(surface, place)) : 0.0;
+}
+
+/// The deepest of one triangle's corners, midpoints of edges and middle.
+double depthOfTriangle(const Corners& t, const PosedSurface& outer) {
+  double deepest = depthIn(outer, (t[0] + t[1] + t[2]) / 3.0);
+  for (std::size_t k = 0; k < 3; ++k) {
+    deepest = std::max(deepest, depthIn(outer, t[k]));
+    deepest = std::max(deepest, depthIn(outer, 0.5 * (t[k] + t[(k + 1) % 3])));
+  }
+  return deepest;
+}
+
+}  // namespace
+
+PosedSurface posed(const Eigen::Matrix3Xd& points, const std::vector<Triangle>& triangles) {
+  PosedSurface surface{points, &triangles, {}, true};
+  for (const Triangle& t : triangles)
+    for (const std::uint32_t corner : t) surface.box.extend(Vector3d(points.col(corner)));
+  return surface;
+}
+
+PosedSurface posed(const SoftBody& body) {
+  Eigen::Matrix3Xd points(3, body.pointCount());
+  for (std::uint32_t i = 0; i < body.pointCount(); ++i) points.col(i) = body.position(i);
+  PosedSurface surface = posed(points, body.network().surface);
+  surface.encloses = body.network().kind == NetworkKind::Solid;
+  return surface;
+}
+
+double signedDistance(const PosedSurface& surface, const Vector3d& place) {
+  double angle = 0.0, nearest = std::numeric_limits<double>::infinity();
+  for (const Triangle& t : *surface.triangles) {
+    const Corners corners = cornersOf(surface, t);
+    if (surface.encloses) angle += solidAngle(corners, place);
+    nearest = std::min(nearest, distanceToTriangle(corners, place));
+  }
+  return std::abs(angle) > 0.5 * kFullAngle ? -nearest : nearest;
+}
+
+Overlap deepestOverlap(const std::vector<PosedSurface>& surfaces) {
+  Overlap deepest;
+  for (std::size_t inner = 0; inner < surfaces.size(); ++inner)
+    for (std::size_t outer = 0; outer < surfaces.size(); ++outer) {
+      if (inner == outer || !surfaces[inner].box.intersects(surfaces[outer].box)) continue;
+      for (const Triangle& t : *surfaces[inner].triangles) {
+        const double depth = depthOfTriangle(cornersOf(surfaces[inner], t), surfaces[outer]);
+        if (depth > deepest.depth) deepest = {depth, inner, outer};
+      }
+    }
+  return deepest;
+}
+
+}  // namespace limber::scenes

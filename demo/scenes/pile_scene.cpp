@@ -1,0 +1,123 @@
+// SPDX-License-Identifier: Zlib
+#include "scenes/contact_checks.h"
+#include "scenes/end_checks.h"
+#include "scenes/palette.h"
+#include "scenes/random.h"
+#include "scenes/scene_list.h"
+#include "scenes/shape_error.h"
+#include "scenes/surface_bend.h"
+
+#include <cmath>
+
+namespace limber::scenes {
+namespace {
+
+constexpr double kSize = 0.5;                        // m, of a body
+constexpr double kRadius = 0.01;                     // m, of its points
+constexpr std::uint32_t kColumns = 3;                // along x and z
+constexpr double kSpacing = 0.9;                     // m: turned in any way, neighbours do not touch at first
+constexpr double kHalf = 0.5 * kColumns * kSpacing;  // m, of the bin's inside
+constexpr double kWall = 0.1;                        // m, half thickness
+constexpr double kHeight = 1.2;                      // m, of the walls
+constexpr double kDeepest = 0.05;                    // of a body's size, that they may be in one another
+const Eigen::Vector3f kWallColour(0.80f, 0.81f, 0.83f);
+
+struct Kind {
+  SharedNetwork network;
+  bool smooth = false;
+};
+
+/// About 1 m large, of so many points.
+Result<SharedNetwork> networkOf(const char* file, std::uint32_t points) {
+  const Result<TriangleMesh> mesh = importMesh(std::string(LIMBER_MESH_DIR "/") + file);
+  if (!mesh) return Error{mesh.error()};
+  const Result<TriangleMesh> coarse = simplify(*mesh, points);
+  if (!coarse) return Error{coarse.error()};
+  return buildNetwork(*coarse);
+}
+
+Result<std::vector<Kind>> readKinds() {
+  std::vector<Kind> kinds;
+  const std::pair<const char*, std::uint32_t> files[] = {
+      {"cube.obj", 8}, {"icosphere.obj", 42}, {"cylinder.obj", 40}, {"torus.obj", 64}};
+  for (const auto& [file, points] : files) {
+    const Result<SharedNetwork> network = networkOf(file, points);
+    if (!network) return Error{std::string(file) + ": " + network.error()};
+    kinds.push_back({*network, sharpestBend(**network) < kSmoothBend});
+  }
+  return kinds;
+}
+
+void addWall(Scene& scene, const Eigen::Vector3d& centre, const Eigen::Vector3d& half) {
+  addStatic(*scene.world, std::make_unique<btBoxShape>(toBullet(half)), centre, 0.5);
+  scene.boxes.push_back({centre, half, kWallColour});
+}
+
+void addBin(Scene& scene) {
+  const double at = kHalf + kWall, up = 0.5 * kHeight;
+  for (const double side : {-1.0, 1.0}) {
+    addWall(scene, {side * at, up, 0}, {kWall, up, kHalf + 2 * kWall});
+    addWall(scene, {0, up, side * at}, {kHalf, up, kWall});
+  }
+}
+
+SoftBodySettings settingsOf(const SceneOptions& options) {
+  SoftBodySettings settings;
+  settings.scale.setConstant(kSize);
+  settings.totalMass = 0.5;
+  settings.damping = 3.0;
+  settings.pointRadius = kRadius;
+  apply(options, settings);
+  return settings;
+}
+
+/// Layer upon layer above the floor.
+Eigen::Vector3d startOf(std::uint32_t i) {
+  const Eigen::Vector3d cell(i % kColumns, i / (kColumns * kColumns), i / kColumns % kColumns);
+  return kSpacing * (cell + Eigen::Vector3d::Constant(0.5)) - Eigen::Vector3d(kHalf, 0, kHalf);
+}
+
+std::string checkInBin(const Scene& scene) {
+  for (std::size_t b = 0; b < scene.soft->bodyCount(); ++b) {
+    const Eigen::Vector3d middle = middleOf(*scene.soft->body(b));
+    if (std::abs(middle.x()) > kHalf || std::abs(middle.z()) > kHalf)
+      return "body " + std::to_string(b) + " is not in the bin";
+  }
+  return {};
+}
+
+}  // namespace
+
+SceneResult createPile(const SceneOptions& options) {
+  const Result<std::vector<Kind>> kinds = readKinds();
+  if (!kinds) return Error{kinds.error()};
+  auto scene = std::make_unique<Scene>();
+  addFloor(*scene, 10.0, kRadius);
+  addBin(*scene);
+  Random random(options.seed);
+  SoftBodySettings settings = settingsOf(options);
+  for (std::uint32_t i = 0; i < options.count.value_or(48); ++i) {
+    const Kind& kind = (*kinds)[i % kinds->size()];
+    settings.position = startOf(i);
+    settings.rotation = random.rotation();
+    BodyLook look;
+    look.colour = variedColour(i + i / kinds->size(), random);
+    look.smooth = kind.smooth;
+    const std::string reason = addBody(*scene, kind.network, settings, look);
+    if (!reason.empty()) return Error{reason};
+  }
+  const double reach = kHalf + 2.0 * kWall;
+  scene->view.box =
+      Eigen::AlignedBox3d(Eigen::Vector3d(-reach, 0, -reach), Eigen::Vector3d(reach, 1.8, reach));
+  scene->view.direction = {0.35, 0.8, 1.0};
+  scene->endChecks = {checkFinite,
+                      checkAboveFloor,
+                      checkInBin,
+                      checkSoftApart(kDeepest * kSize),
+                      checkRigidApart(kDeepest * kSize),
+                      checkCalm(0.04 * kSize),
+                      checkShapes(0.15)};
+  return scene;
+}
+
+}  // namespace limber::scenes

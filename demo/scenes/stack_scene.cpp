@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: Zlib
+#include "scenes/contact_checks.h"
+#include "scenes/end_checks.h"
+#include "scenes/palette.h"
+#include "scenes/random.h"
+#include "scenes/read_network.h"
+#include "scenes/scene_list.h"
+
+#include <cmath>
+
+namespace limber::scenes {
+namespace {
+
+constexpr double kEdge = 1.0;      // m
+constexpr double kRadius = 0.02;   // m, of each point
+constexpr double kGap = 2e-3;      // m, at first
+constexpr double kOff = 0.02;      // m, at most, beside the axis at first
+constexpr double kLeast = 0.85;    // m from middle to middle: the lowest carries nine others
+constexpr double kMostOff = 0.3;   // m beside the lowest one, at the end
+constexpr double kDeepest = 5e-3;  // m, that cubes may be in one another
+
+/// Each is above the one below it, and over the lowest.
+std::string checkStands(const Scene& scene) {
+  const Eigen::Vector3d lowest = middleOf(*scene.soft->body(0));
+  Eigen::Vector3d below = lowest;
+  for (std::size_t b = 1; b < scene.soft->bodyCount(); ++b) {
+    const Eigen::Vector3d middle = middleOf(*scene.soft->body(b));
+    const std::string name = "cube " + std::to_string(b);
+    if (middle.y() - below.y() < kLeast * kEdge) return name + " does not stand on the one below";
+    if (std::hypot(middle.x() - lowest.x(), middle.z() - lowest.z()) > kMostOff)
+      return name + " has slipped aside";
+    below = middle;
+  }
+  return {};
+}
+
+SoftBodySettings cubeSettings(const SceneOptions& options) {
+  SoftBodySettings settings;
+  settings.extensionStiffness = settings.compressionStiffness = 2000.0;
+  settings.damping = 5.0;
+  settings.pointRadius = kRadius;
+  settings.friction = 0.7;
+  apply(options, settings);
+  return settings;
+}
+
+}  // namespace
+
+SceneResult createStack(const SceneOptions& options) {
+  const Result<SharedNetwork> cube = readNetwork(LIMBER_MESH_DIR "/cube.obj");
+  if (!cube) return Error{cube.error()};
+  const std::uint32_t count = options.count.value_or(10);
+  auto scene = std::make_unique<Scene>();
+  addFloor(*scene, 12.0, kRadius);
+  Random random(options.seed);
+  SoftBodySettings settings = cubeSettings(options);
+  for (std::uint32_t i = 0; i < count; ++i) {
+    const double height = kRadius + 0.5 * kEdge + (kEdge + 2.0 * kRadius + kGap) * i;
+    settings.position = {random.between(-kOff, kOff), height, random.between(-kOff, kOff)};
+    settings.rotation = Eigen::AngleAxisd(random.between(-0.1, 0.1), Eigen::Vector3d::UnitY());
+    BodyLook look;
+    look.colour = paletteColour(i);
+    const std::string reason = addBody(*scene, *cube, settings, look);
+    if (!reason.empty()) return Error{reason};
+  }
+  scene->view.box =
+      Eigen::AlignedBox3d(Eigen::Vector3d(-1, 0, -1), Eigen::Vector3d(1, 1.05 * kEdge * count, 1));
+  scene->endChecks = {checkFinite,     checkAboveFloor,  checkStands, checkSoftApart(kDeepest),
+                      checkCalm(0.02), checkShapes(0.05)};
+  return scene;
+}
+
+}  // namespace limber::scenes

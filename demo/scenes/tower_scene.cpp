@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: Zlib
+#include "scenes/contact_checks.h"
+#include "scenes/end_checks.h"
+#include "scenes/palette.h"
+#include "scenes/random.h"
+#include "scenes/read_network.h"
+#include "scenes/scene_list.h"
+#include "scenes/timeline.h"
+
+#include <cmath>
+
+namespace limber::scenes {
+namespace {
+
+constexpr double kWidth = 0.8, kBlock = 0.4;            // m, of a block of jelly
+constexpr double kRadius = 0.01;                        // m, of its points
+constexpr double kPlateHalf = 0.5, kPlateThick = 0.04;  // m, half extents of a plate
+constexpr double kPlateMass = 0.8;                      // kg
+constexpr double kGap = 2e-3;                           // m, at first
+constexpr double kFloorHeight = kBlock + 2.0 * kPlateThick + 2.0 * (kRadius + kGap);  // m, of a storey
+constexpr std::int64_t kNudgeTick = 4 * kTicksPerSecond;
+constexpr double kNudge = 0.4;     // N s, at the topmost plate
+constexpr double kMostOff = 0.2;   // m beside the lowest block at the end
+constexpr double kSag = 0.75;      // of a storey's height that must be left
+constexpr double kLevel = 0.98;    // cosine of a plate's tilt, at least: 11 degrees
+constexpr double kDeepest = 5e-3;  // m, that blocks and plates may be in one another
+const Eigen::Vector3f kPlateColour(0.45f, 0.47f, 0.52f);
+
+/// Blocks and plates alternate from the floor up; each is where it has been built, but for sagging.
+std::string checkTower(const Scene& scene) {
+  const Eigen::Vector3d lowest = middleOf(*scene.soft->body(0));
+  for (std::size_t i = 0; i < scene.soft->bodyCount(); ++i) {
+    const btTransform& plate = scene.world->movables[i]->getWorldTransform();
+    const Eigen::Vector3d at = fromBullet(plate.getOrigin()), block = middleOf(*scene.soft->body(i));
+    const std::string name = "storey " + std::to_string(i);
+    if (at.y() < block.y() || block.y() < kSag * (kFloorHeight * double(i) + 0.5 * kBlock))
+      return name + " has come down";
+    if (double(plate.getBasis()[1][1]) < kLevel) return name + " is not level";
+    if (std::hypot(at.x() - lowest.x(), at.z() - lowest.z()) > kMostOff) return name + " has slipped aside";
+  }
+  return {};
+}
+
+SoftBodySettings blockSettings(const SceneOptions& options) {
+  SoftBodySettings settings;
+  settings.scale = {kWidth, kBlock, kWidth};
+  settings.totalMass = 0.6;
+  settings.damping = 3.0;
+  settings.pointRadius = kRadius;
+  settings.friction = 0.8;
+  apply(options, settings);
+  return settings;
+}
+
+/// Once, when all stands still.
+void nudgeTop(Scene& scene) {
+  if (scene.ticks != kNudgeTick) return;
+  btRigidBody& top = *scene.world->movables.back();
+  top.activate(true);
+  top.applyCentralImpulse(btVector3(btScalar(kNudge), 0, 0));
+}
+
+}  // namespace
+
+SceneResult createTower(const SceneOptions& options) {
+  const Result<SharedNetwork> cube = readNetwork(LIMBER_MESH_DIR "/cube.obj");
+  if (!cube) return Error{cube.error()};
+  const std::uint32_t count = options.count.value_or(4);
+  auto scene = std::make_unique<Scene>();
+  addFloor(*scene, 10.0, kRadius);
+  Random random(options.seed);
+  SoftBodySettings settings = blockSettings(options);
+  for (std::uint32_t i = 0; i < count; ++i) {
+    const double base = kFloorHeight * i;
+    settings.position = {0.0, base + kRadius + 0.5 * kBlock, 0.0};
+    settings.rotation = Eigen::AngleAxisd(random.between(-0.2, 0.2), Eigen::Vector3d::UnitY());
+    BodyLook look;
+    look.colour = paletteColour(i);
+    const std::string reason = addBody(*scene, *cube, settings, look);
+    if (!reason.empty()) return Error{reason};
+    addBox(*scene, {0.0, base + 2.0 * kRadius + kBlock + kGap + kPlateThick, 0.0},
+           {kPlateHalf, kPlateThick, kPlateHalf}, kPlateMass, kPlateColour);
+  }
+  scene->beforeTick = nudgeTop;
+  scene->view.box =
+      Eigen::AlignedBox3d(Eigen::Vector3d(-0.8, 0, -0.8), Eigen::Vector3d(0.8, kFloorHeight * count, 0.8));
+  scene->endChecks = {checkFinite,     checkAboveFloor,         checkTower,       checkRigidApart(kDeepest),
+                      checkCalm(0.02), checkMovablesCalm(0.02), checkShapes(0.05)};
+  return scene;
+}
+
+}  // namespace limber::scenes

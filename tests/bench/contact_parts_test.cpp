@@ -1,0 +1,139 @@
+// SPDX-License-Identifier: Zlib
+// The measures of the contact bench against what is known without them.
+#include "accuracy/networks.h"
+#include "accuracy/scene_list.h"
+#include "contact/box_surface.h"
+#include "contact/contact_stage.h"
+#include "contact/memory_use.h"
+#include "engines/bullet_soft_engines.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <map>
+
+namespace limber::bench {
+namespace {
+
+/// A cube of 1 m in the air, at rest at first; nothing else is there.
+ContactScene fallingCube(int settle, int measured) {
+  ContactScene scene;
+  scene.name = "falling";
+  scene.bodies = {bodyOf(closedCubeNetwork(), 0.8, 1000.0, 1.0)};
+  scene.bodies[0].settings.position.y() = 20.0;
+  scene.bodies[0].settings.pointRadius = 0.02;
+  scene.addRigidBodies = [](RigidBodies&, btDiscreteDynamicsWorld&) {};
+  scene.distance = [](const Eigen::Vector3d& x) { return x.y(); };
+  scene.settleTicks = settle;
+  scene.measuredTicks = measured;
+  return scene;
+}
+
+ContactEngine engineOf(const std::string& name) {
+  for (ContactEngine& engine : contactEngines())
+    if (engine.name == name) return std::move(engine);
+  return {};
+}
+
+TEST(BoxSurface, isClosedOutwardAndOfTheBoxsVolume) {
+  for (const int side : {2, 3, 5}) {
+    const SharedNetwork lattice = latticeNetwork(side, side, side, 1.0 / (side - 1));
+    const std::vector<Triangle> surface = boxSurface(side);
+    std::map<std::pair<std::uint32_t, std::uint32_t>, int> edges;
+    double volume = 0.0;
+    for (const Triangle& t : surface) {
+      const auto& p = lattice->restPoints;
+      volume += p[t[0]].dot(p[t[1]].cross(p[t[2]])) / 6.0;
+      for (std::size_t k = 0; k < 3; ++k) ++edges[{t[k], t[(k + 1) % 3]}];
+    }
+    EXPECT_NEAR(volume, 1.0, 1e-12);  // below 0 if it faced inward
+    EXPECT_EQ(surface.size(), 12u * static_cast<std::size_t>((side - 1) * (side - 1)));
+    for (const auto& [edge, times] : edges) {
+      EXPECT_EQ(times, 1);
+      EXPECT_EQ(edges.count({edge.second, edge.first}), 1u);
+    }
+  }
+}
+
+TEST(ContactStage, knowsTheSpeedOfWhatFalls) {
+  for (const ContactEngine& engine : contactEngines()) {
+    const ContactScene scene = fallingCube(10, 20);
+    ContactStage stage(scene, engine);
+    while (!stage.over()) stage.advance(7, 60.0);
+    ASSERT_EQ(stage.error(), "") << engine.name;
+    EXPECT_EQ(stage.points(), 8u);
+    EXPECT_EQ(stage.ticks().size(), 20u);
+    // during the 30th tick; engines move by the mean speed of a tick or by that at its end
+    EXPECT_NEAR(stage.residualSpeed(), 29.75 * kContactTick * kGravity, 0.3 * kContactTick * kGravity)
+        << engine.name;
+    EXPECT_EQ(stage.deepestPenetration(), 0.0);
+    EXPECT_EQ(stage.asleep(), 0.0);
+  }
+}
+
+TEST(ContactStage, seesWhatIsInTheFloor) {
+  ContactScene scene = fallingCube(0, 1);
+  scene.bodies[0].settings.position.y() = 0.4;  // the lower corners are 0.1 m in what nothing holds them off
+  ContactStage stage(scene, engineOf("loose spheres"));
+  stage.advance(1, 60.0);
+  // their spheres 0.02 m more, and a tick of falling
+  EXPECT_NEAR(stage.deepestPenetration(), 0.12, kGravity * kContactTick * kContactTick + 1e-6);
+}
+
+TEST(ContactStage, givesUpWhatIsGone) {
+  ContactScene scene = fallingCube(0, 200);
+  ContactStage stage(scene, engineOf("loose spheres"));
+  while (!stage.over()) stage.advance(10, 60.0);
+  EXPECT_EQ(stage.error(), "goes through what it should lie on");
+}
+
+TEST(ContactStage, losesPatience) {
+  const ContactScene scene = fallingCube(0, 10);
+  ContactStage stage(scene, engineOf("limber"));
+  stage.advance(10, 0.0);
+  EXPECT_NE(stage.error().find("given up after 1 ticks"), std::string::npos) << stage.error();
+  EXPECT_TRUE(stage.over());
+}
+
+TEST(ContactScenes, haveAllRolesAndFewBodiesWhenQuick) {
+  const std::vector<ContactScene> quick = allContactScenes(true);
+  std::map<Role, int> roles;
+  for (const ContactScene& scene : quick) {
+    ++roles[scene.role];
+    EXPECT_LE(scene.bodies.size(), 10u) << scene.name;
+    EXPECT_EQ(scene.name.find(','), std::string::npos);
+    for (const BodySetup& body : scene.bodies) EXPECT_EQ(body.maySleep, scene.sleeps()) << scene.name;
+  }
+  EXPECT_EQ(roles.size(), 7u);
+}
+
+TEST(SoftContacts, allHoldACubeOnAFloor) {
+  for (const SoftContacts contacts : {SoftContacts::Points, SoftContacts::PointsAndFaces,
+                                      SoftContacts::PointsAndClusters, SoftContacts::Clusters}) {
+    ContactScene scene = fallingCube(0, 60);
+    scene.bodies[0].settings.position.y() = 0.53;
+    scene.bodies[0].drag = 1.0;
+    scene.addRigidBodies = [](RigidBodies& rigid, btDiscreteDynamicsWorld& world) {
+      addFloor(rigid, world, Floor::Box, 0.5);
+    };
+    ContactEngine engine;
+    engine.make = [=](const ContactScene&) {
+      return makeSoftBodyEngine(kContactTick, 10, LinkStiffness::Full, contacts);
+    };
+    ContactStage stage(scene, engine);
+    stage.advance(60, 60.0);
+    EXPECT_EQ(stage.error(), "");
+    EXPECT_LT(stage.deepestPenetration(), 0.05) << static_cast<int>(contacts);  // Bullet's margin
+  }
+}
+
+TEST(MemoryUse, countsAtLeastWhatIsThere) {
+  const std::optional<MemoryUse> use = measureMemory(false);
+  if (!use) GTEST_SKIP() << "the C library does not tell";
+  EXPECT_GT(use->perPoint, static_cast<double>(sizeof(btRigidBody)));
+  // two indices, stiffness and rest length in double precision
+  EXPECT_GT(use->perSpring, 24.0);
+}
+
+}  // namespace
+}  // namespace limber::bench

@@ -1,0 +1,164 @@
+// SPDX-License-Identifier: Zlib
+// Each check of what touches is shown a scene that has been tampered with: a check that cannot fail proves
+// nothing. What has just been set up passes those that ask for places alone.
+#include "scenes/contact_checks.h"
+#include "scenes/scene_list.h"
+#include "scenes/timeline.h"
+
+#include <gtest/gtest.h>
+
+namespace limber::scenes {
+namespace {
+
+std::unique_ptr<Scene> create(const char* name, std::uint32_t count) {
+  SceneOptions options;
+  options.count = count;
+  SceneResult scene = findScene(name)->create(options);
+  EXPECT_TRUE(scene) << scene.error();
+  return std::move(*scene);
+}
+
+void shift(SoftBody& body, const Eigen::Vector3d& by) {
+  for (std::uint32_t i = 0; i < body.pointCount(); ++i) {
+    body.point(i)->getWorldTransform().setOrigin(toBullet(body.position(i) + by));
+    body.point(i)->getInterpolationWorldTransform() = body.point(i)->getWorldTransform();
+  }
+}
+
+/// What any of the scene's own checks says that has `part` in it, else an empty string.
+std::string said(const Scene& scene, const char* part) {
+  for (const Check& check : scene.endChecks) {
+    const std::string text = check(scene);
+    if (text.find(part) != std::string::npos) return text;
+  }
+  return {};
+}
+
+TEST(ContactChecks, softBodiesInOneAnotherAreFound) {
+  const auto scene = create("stack", 3);
+  EXPECT_EQ(checkSoftApart(1e-3)(*scene), "");
+  shift(*scene->soft->body(2), {0, -0.2, 0});
+  EXPECT_NE(checkSoftApart(1e-3)(*scene), "");
+  EXPECT_EQ(checkSoftApart(0.3)(*scene), "");
+}
+
+TEST(ContactChecks, rigidBodiesInSoftOnesAreFound) {
+  const auto scene = create("tower-of-jelly", 2);
+  EXPECT_EQ(checkRigidApart(1e-3)(*scene), "");
+  moveTo(*scene->world->movables[0], {0, 0.35, 0});
+  EXPECT_NE(checkRigidApart(1e-3)(*scene).find("moving body 0"), std::string::npos);
+}
+
+TEST(ContactChecks, pointsInTheFloorAreFound) {
+  const auto scene = create("stack", 1);
+  shift(*scene->soft->body(0), {0, -0.1, 0});
+  EXPECT_NE(checkRigidApart(1e-3)(*scene).find("static body 0"), std::string::npos);
+}
+
+TEST(ContactChecks, whatHasBeenTooDeepIsRemembered) {
+  const auto scene = create("marble", 1);
+  watchMovablesApart(*scene, 0.02);
+  const Check& remembered = scene->endChecks.back();
+  scene->afterTick(*scene);
+  EXPECT_EQ(remembered(*scene), "");
+  const Eigen::Vector3d away = fromBullet(scene->world->movables[0]->getWorldTransform().getOrigin());
+  moveTo(*scene->world->movables[0], {0, 0.9, 0});
+  scene->afterTick(*scene);
+  moveTo(*scene->world->movables[0], away);
+  scene->afterTick(*scene);
+  EXPECT_NE(remembered(*scene).find("in one another"), std::string::npos);
+}
+
+TEST(ContactChecks, movingBodiesAreNotCalm) {
+  const auto scene = create("tower-of-jelly", 1);
+  EXPECT_EQ(checkMovablesCalm(0.01)(*scene), "");
+  scene->world->movables[0]->setLinearVelocity(btVector3(1, 0, 0));
+  EXPECT_NE(checkMovablesCalm(0.01)(*scene).find("1 m/s"), std::string::npos);
+}
+
+TEST(MarbleScene, tellsWhereMarblesAre) {
+  const auto scene = create("marble", 2);
+  btRigidBody &dropped = *scene->world->movables[0], &shot = *scene->world->movables[1];
+  EXPECT_NE(said(*scene, "does not rest on a face"), "");  // still in the air
+  const Eigen::Vector3d cube = middleOf(*scene->soft->body(0)), target = middleOf(*scene->soft->body(1));
+  moveTo(dropped, cube + Eigen::Vector3d(0.2, 0.57, 0.1));
+  EXPECT_EQ(said(*scene, "marble"), "");
+  moveTo(dropped, cube + Eigen::Vector3d(0.7, -0.4, 0));
+  EXPECT_NE(said(*scene, "does not lie on top"), "");
+  moveTo(dropped, cube);
+  EXPECT_NE(said(*scene, "marble 0 is inside its cube"), "");
+  moveTo(dropped, cube + Eigen::Vector3d(0.2, 0.57, 0.1));
+  moveTo(shot, target + Eigen::Vector3d(0, 0, -0.8));
+  EXPECT_NE(said(*scene, "marble 1 has passed its cube"), "");
+}
+
+TEST(StackScene, tellsWhatHasFallen) {
+  const auto scene = create("stack", 4);
+  EXPECT_EQ(said(*scene, "cube"), "");
+  shift(*scene->soft->body(2), {0.5, 0, 0});
+  EXPECT_NE(said(*scene, "cube 2 has slipped aside"), "");
+  shift(*scene->soft->body(2), {0, -1, 0});
+  EXPECT_NE(said(*scene, "cube 2 does not stand"), "");
+}
+
+TEST(TowerScene, tellsWhatHasFallen) {
+  const auto scene = create("tower-of-jelly", 3);
+  EXPECT_EQ(said(*scene, "storey"), "");
+  btRigidBody& plate = *scene->world->movables[1];
+  const btTransform built = plate.getWorldTransform();
+  plate.getWorldTransform().setRotation(btQuaternion(btVector3(1, 0, 0), btScalar(0.5)));
+  EXPECT_NE(said(*scene, "storey 1 is not level"), "");
+  plate.setWorldTransform(built);
+  moveTo(plate, fromBullet(built.getOrigin()) + Eigen::Vector3d(0.4, 0, 0));
+  EXPECT_NE(said(*scene, "storey 1 has slipped aside"), "");
+  plate.setWorldTransform(built);
+  shift(*scene->soft->body(2), {0, -0.5, 0});
+  EXPECT_NE(said(*scene, "storey 2 has come down"), "");
+}
+
+TEST(TowerScene, isNudgedOnce) {
+  const auto scene = create("tower-of-jelly", 1);
+  const btRigidBody& top = *scene->world->movables.back();
+  scene->beforeTick(*scene);
+  EXPECT_EQ(top.getLinearVelocity().x(), btScalar(0));
+  scene->ticks = 4 * kTicksPerSecond;
+  scene->beforeTick(*scene);
+  EXPECT_GT(top.getLinearVelocity().x(), btScalar(0));
+}
+
+TEST(CurtainScene, tellsWhatHasPassedOrComeOff) {
+  const auto scene = create("curtain", 1);
+  EXPECT_EQ(said(*scene, "curtain 0"), "");
+  EXPECT_EQ(said(*scene, "passed"), "");
+  moveTo(*scene->world->movables[2], {0.5, 0.2, -0.5});
+  EXPECT_NE(said(*scene, "ball 1 has passed through"), "");
+  shift(*scene->soft->body(0), {0, -0.1, 0});
+  EXPECT_NE(said(*scene, "does not hang from its pins"), "");
+}
+
+TEST(CurtainScene, theBoxPushesAndGoesBack) {
+  const auto scene = create("curtain", 1);
+  const btRigidBody& box = *scene->world->movables[0];
+  const auto z = [&] { return double(box.getWorldTransform().getOrigin().z()); };
+  const double start = z();
+  double lowest = start;
+  for (int i = 0; i < 5 * kTicksPerSecond; ++i, ++scene->ticks) {
+    scene->beforeTick(*scene);
+    lowest = std::min(lowest, z());
+  }
+  EXPECT_NEAR(lowest, -0.3, 1e-3);
+  EXPECT_NEAR(z(), start, 1e-6);
+}
+
+TEST(PileScene, tellsWhatIsNotInTheBin) {
+  const auto scene = create("pile", 5);
+  EXPECT_EQ(said(*scene, "bin"), "");
+  EXPECT_EQ(said(*scene, "deep in"), "");
+  shift(*scene->soft->body(3), {4, 0, 0});
+  EXPECT_NE(said(*scene, "body 3 is not in the bin"), "");
+  shift(*scene->soft->body(4), middleOf(*scene->soft->body(0)) - middleOf(*scene->soft->body(4)));
+  EXPECT_NE(said(*scene, "deep in"), "");
+}
+
+}  // namespace
+}  // namespace limber::scenes
