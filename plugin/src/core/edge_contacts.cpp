@@ -37,9 +37,12 @@ double depthLimit(const SurfaceTopology& t, std::uint32_t edge) {
   return limit;
 }
 
-bool isInside(const MovingSurface& surface, const Vector3d& place, double within) {
-  const NearestOnSurface nearest = nearestOnSurface(surface, place, within);
-  return nearest.triangle != kNoFeature && surface.topology->oneSided[nearest.triangle] && nearest.behind;
+/// Of a place that is `depth` behind an edge, and so, straight below one, on a surface beside it.
+bool isInside(const MovingSurface& surface, const Vector3d& place, double depth) {
+  constexpr double kRounding = 1.001;
+  const NearestOnSurface nearest = nearestOnSurface(surface, place, kRounding * depth);
+  if (nearest.triangle == kNoFeature || !surface.topology->oneSided[nearest.triangle]) return false;
+  return nearest.behind || nearest.distance <= kCrossingTolerance * depth;
 }
 
 /// Whether the crossing edges have passed through each other.
@@ -50,9 +53,9 @@ bool havePassed(const SurfacePair& pair, std::uint32_t ea, std::uint32_t eb,
     return false;
   if (!isInNormalCone(pair.a, 0.0, ea, normal, kCrossingTolerance)) return false;
   if (!isInNormalCone(pair.b, 0.0, eb, -normal, kCrossingTolerance)) return false;
-  const double within = 1.001 * places.distance;  // so that the edge itself is in reach, rounded or not
-  return isInside(pair.b, featureOf<2>(pair.a, pair.a.topology->edges[ea]).start * places.a, within) ||
-         isInside(pair.a, featureOf<2>(pair.b, pair.b.topology->edges[eb]).start * places.b, within);
+  return isInside(pair.b, featureOf<2>(pair.a, pair.a.topology->edges[ea]).start * places.a,
+                  places.distance) ||
+         isInside(pair.a, featureOf<2>(pair.b, pair.b.topology->edges[eb]).start * places.b, places.distance);
 }
 
 }  // namespace
