@@ -24,10 +24,34 @@ Vector3d directionBetween(const NearestPlaces<N, M>& places, const MovingFeature
   return motion.squaredNorm() > 0.0 ? motion.normalized() : Vector3d::UnitY();
 }
 
-bool vertexMeets(const MovingSurface& surface, const MovingSurface& other, std::uint32_t v, double time,
-                 const Vector3d& outward) {
-  return isRound(other, surface) ? facesOutward(surface, time, v, outward)
-                                 : isInVertexCone(surface, time, v, outward);
+/// A vertex that comes near a place on another surface.
+struct Arrival {
+  std::uint32_t vertex;
+  Vector3d outward;  ///< unit, from the vertex to the place
+  Vector3d motion;   ///< m over the tick, of the vertex relative to the place
+  double time, gap;  ///< when they are nearest, and the gap then
+};
+
+/// Whether the vertex touches a round surface as it would a face: it has neighbours within the radius, so
+/// that faces between them do not keep the round away, and it does not just pass along it.
+bool meetsRound(const SurfacePair& pair, const MovingSurface& mine, const MovingSurface& other,
+                const Arrival& at) {
+  constexpr double kTouching = 0.1;  // share of the margin
+  constexpr double kHeadOn = 0.5;    // cosine
+  if (!isRound(other, mine)) return false;
+  const SurfaceTopology& t = *mine.topology;
+  const auto isLong = [&](std::uint32_t e) {
+    return (mine.position->col(t.edges[e][0]) - mine.position->col(t.edges[e][1])).norm() > other.radius;
+  };
+  if (std::any_of(t.edgesAround.begin(at.vertex), t.edgesAround.end(at.vertex), isLong)) return false;
+  const bool touches = at.time == 0.0 && at.gap <= kTouching * pair.margin;
+  return (touches || at.outward.dot(at.motion) >= kHeadOn * at.motion.norm()) &&
+         facesOutward(mine, at.time, at.vertex, at.outward);
+}
+
+bool vertexMeets(const SurfacePair& pair, bool ofB, const Arrival& at) {
+  const MovingSurface &mine = ofB ? pair.b : pair.a, &other = ofB ? pair.a : pair.b;
+  return isInVertexCone(mine, at.time, at.vertex, at.outward) || meetsRound(pair, mine, other, at);
 }
 
 double depthLimit(const SurfaceTopology& t, std::uint32_t edge) {
@@ -69,13 +93,16 @@ void meetVertices(const SurfacePair& pair, std::uint32_t va, std::uint32_t vb, C
   SurfaceContact& c = candidate.contact;
   c.normal = directionBetween(places, a, b);
   c.time = places.time;
-  if (!vertexMeets(pair.a, pair.b, va, c.time, -c.normal)) return;
-  if (!vertexMeets(pair.b, pair.a, vb, c.time, c.normal)) return;
+  const Vector3d motion = a.motion - b.motion;
+  const double gap = places.distance - pair.reach();
+  if (!vertexMeets(pair, false, {va, -c.normal, motion, c.time, gap})) return;
+  if (!vertexMeets(pair, true, {vb, c.normal, -motion, c.time, gap})) return;
   c.a = atVertex(va);
   c.b = atVertex(vb);
   candidate.rank = kVertexVertex;
   candidate.scale = pair.reach();
-  const bool ofB = isRound(pair.a, pair.b);
+  // each of many vertices around a ball has a contact; the nearest one is the ball's
+  const bool ofB = isRound(pair.a, pair.b) && !isInVertexCone(pair.b, c.time, vb, c.normal);
   candidate.vertex = meetingVertex(pair, ofB ? vb : va, ofB);
   addCandidate(pair, candidate, search);
 }
@@ -89,7 +116,9 @@ void meetVertexEdge(const SurfacePair& pair, bool ofB, std::uint32_t v, std::uin
   if (places.time == kNever || places.b.minCoeff() <= 0.0) return;
   const Vector3d outward = directionBetween(places, vertex, segment);
   if (!isInNormalCone(other, places.time, edge, outward, kVertexTolerance)) return;
-  if (!vertexMeets(mine, other, v, places.time, -outward)) return;
+  const Vector3d motion = vertex.motion - segment.motion * places.b;
+  const double gap = places.distance - pair.reach();
+  if (!vertexMeets(pair, ofB, {v, -outward, motion, places.time, gap})) return;
   ContactCandidate candidate;
   SurfaceContact& c = candidate.contact;
   c.a = atVertex(v);
