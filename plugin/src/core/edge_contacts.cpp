@@ -54,6 +54,17 @@ bool vertexMeets(const SurfacePair& pair, bool ofB, const Arrival& at) {
   return isInVertexCone(mine, at.time, at.vertex, at.outward) || meetsRound(pair, mine, other, at);
 }
 
+Vector3d alongOf(const MovingFeature<2>& edge, double time) {
+  const auto ends = edge.at(time);
+  return ends.col(1) - ends.col(0);
+}
+
+/// The contacts of parallel edges are those of their ends.
+bool areParallel(const Vector3d& a, const Vector3d& b) {
+  constexpr double kSine = 0.01;
+  return a.cross(b).squaredNorm() <= kSine * kSine * a.squaredNorm() * b.squaredNorm();
+}
+
 double depthLimit(const SurfaceTopology& t, std::uint32_t edge) {
   double limit = 1e300;
   for (const std::uint32_t i : t.edgeTriangles[edge])
@@ -135,13 +146,12 @@ void meetVertexEdge(const SurfacePair& pair, bool ofB, std::uint32_t v, std::uin
 void meetEdges(const SurfacePair& pair, std::uint32_t ea, std::uint32_t eb, ContactSearch& search) {
   const auto a = featureOf<2>(pair.a, pair.a.topology->edges[ea]);
   const auto b = featureOf<2>(pair.b, pair.b.topology->edges[eb]);
+  if (areParallel(alongOf(a, 0.0), alongOf(b, 0.0))) return;
   const auto places = findMeeting(a, b, pair.reach(), pair.margin);
   if (places.time == kNever || places.a.minCoeff() <= 0.0 || places.b.minCoeff() <= 0.0) return;
-  const auto atA = a.at(places.time), atB = b.at(places.time);
-  const Vector3d alongA = atA.col(1) - atA.col(0), alongB = atB.col(1) - atB.col(0);
-  Vector3d normal = alongA.cross(alongB);
-  if (normal.norm() <= kParallel * alongA.norm() * alongB.norm()) return;
-  normal.normalize();
+  const Vector3d alongA = alongOf(a, places.time), alongB = alongOf(b, places.time);
+  if (areParallel(alongA, alongB)) return;
+  Vector3d normal = alongA.cross(alongB).normalized();
   if (normal.dot(places.away) < 0.0) normal = -normal;
   const bool apart = isInNormalCone(pair.a, places.time, ea, -normal, kCrossingTolerance) &&
                      isInNormalCone(pair.b, places.time, eb, normal, kCrossingTolerance);
