@@ -148,9 +148,7 @@ std::vector<SurfaceNode> makeSurfaceTree(const Points& rest, const std::vector<S
 
 SweptBox sweptBounds(const MovingSurface& surface) {
   SweptBox box;
-  for (const SurfaceElement& element : surface.topology->elements)
-    for (const std::uint32_t v : element.vertices)
-      if (v != kNoFeature) box = merged(box, pointBox(surface, v));
+  for (const std::uint32_t v : surface.topology->vertices) box = merged(box, pointBox(surface, v));
   return box;
 }
 
