@@ -24,7 +24,7 @@ enum ContactRank : std::uint8_t {
   kVertexVertex
 };
 
-/// So much thicker than the other and without triangles that the vertices of the other touch it like a face.
+/// Much thicker than the other and without triangles: a ball or a capsule.
 bool isRound(const MovingSurface& surface, const MovingSurface& other);
 
 SurfacePlace atVertex(std::uint32_t v);

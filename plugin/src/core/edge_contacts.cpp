@@ -24,10 +24,45 @@ Vector3d directionBetween(const NearestPlaces<N, M>& places, const MovingFeature
   return motion.squaredNorm() > 0.0 ? motion.normalized() : Vector3d::UnitY();
 }
 
-bool vertexMeets(const MovingSurface& surface, const MovingSurface& other, std::uint32_t v, double time,
-                 const Vector3d& outward) {
-  return isRound(other, surface) ? facesOutward(surface, time, v, outward)
-                                 : isInVertexCone(surface, time, v, outward);
+/// A vertex that comes near a place on another surface.
+struct Arrival {
+  std::uint32_t vertex;
+  Vector3d outward;  ///< unit, from the vertex to the place
+  Vector3d motion;   ///< m over the tick, of the vertex relative to the place
+  double time, gap;  ///< when they are nearest, and the gap then
+};
+
+/// Whether the vertex touches a round surface as it would a face: it has neighbours within the radius, so
+/// that faces between them do not keep the round away, and it does not just pass along it.
+bool meetsRound(const SurfacePair& pair, const MovingSurface& mine, const MovingSurface& other,
+                const Arrival& at) {
+  constexpr double kTouching = 0.1;  // share of the margin
+  constexpr double kHeadOn = 0.5;    // cosine
+  if (!isRound(other, mine)) return false;
+  const SurfaceTopology& t = *mine.topology;
+  const auto isLong = [&](std::uint32_t e) {
+    return (mine.position->col(t.edges[e][0]) - mine.position->col(t.edges[e][1])).norm() > other.radius;
+  };
+  if (std::any_of(t.edgesAround.begin(at.vertex), t.edgesAround.end(at.vertex), isLong)) return false;
+  const bool touches = at.time == 0.0 && at.gap <= kTouching * pair.margin;
+  return (touches || at.outward.dot(at.motion) >= kHeadOn * at.motion.norm()) &&
+         facesOutward(mine, at.time, at.vertex, at.outward);
+}
+
+bool vertexMeets(const SurfacePair& pair, bool ofB, const Arrival& at) {
+  const MovingSurface &mine = ofB ? pair.b : pair.a, &other = ofB ? pair.a : pair.b;
+  return isInVertexCone(mine, at.time, at.vertex, at.outward) || meetsRound(pair, mine, other, at);
+}
+
+Vector3d alongOf(const MovingFeature<2>& edge, double time) {
+  const auto ends = edge.at(time);
+  return ends.col(1) - ends.col(0);
+}
+
+/// The contacts of parallel edges are those of their ends.
+bool areParallel(const Vector3d& a, const Vector3d& b) {
+  constexpr double kSine = 0.01;
+  return a.cross(b).squaredNorm() <= kSine * kSine * a.squaredNorm() * b.squaredNorm();
 }
 
 double depthLimit(const SurfaceTopology& t, std::uint32_t edge) {
@@ -37,9 +72,12 @@ double depthLimit(const SurfaceTopology& t, std::uint32_t edge) {
   return limit;
 }
 
-bool isInside(const MovingSurface& surface, const Vector3d& place, double within) {
-  const NearestOnSurface nearest = nearestOnSurface(surface, place, within);
-  return nearest.triangle != kNoFeature && surface.topology->oneSided[nearest.triangle] && nearest.behind;
+/// Of a place that is `depth` behind an edge, and so, straight below one, on a surface beside it.
+bool isInside(const MovingSurface& surface, const Vector3d& place, double depth) {
+  constexpr double kRounding = 1.001;
+  const NearestOnSurface nearest = nearestOnSurface(surface, place, kRounding * depth);
+  if (nearest.triangle == kNoFeature || !surface.topology->oneSided[nearest.triangle]) return false;
+  return nearest.behind || nearest.distance <= kCrossingTolerance * depth;
 }
 
 /// Whether the crossing edges have passed through each other.
@@ -50,9 +88,9 @@ bool havePassed(const SurfacePair& pair, std::uint32_t ea, std::uint32_t eb,
     return false;
   if (!isInNormalCone(pair.a, 0.0, ea, normal, kCrossingTolerance)) return false;
   if (!isInNormalCone(pair.b, 0.0, eb, -normal, kCrossingTolerance)) return false;
-  const double within = 1.001 * places.distance;  // so that the edge itself is in reach, rounded or not
-  return isInside(pair.b, featureOf<2>(pair.a, pair.a.topology->edges[ea]).start * places.a, within) ||
-         isInside(pair.a, featureOf<2>(pair.b, pair.b.topology->edges[eb]).start * places.b, within);
+  return isInside(pair.b, featureOf<2>(pair.a, pair.a.topology->edges[ea]).start * places.a,
+                  places.distance) ||
+         isInside(pair.a, featureOf<2>(pair.b, pair.b.topology->edges[eb]).start * places.b, places.distance);
 }
 
 }  // namespace
@@ -66,13 +104,16 @@ void meetVertices(const SurfacePair& pair, std::uint32_t va, std::uint32_t vb, C
   SurfaceContact& c = candidate.contact;
   c.normal = directionBetween(places, a, b);
   c.time = places.time;
-  if (!vertexMeets(pair.a, pair.b, va, c.time, -c.normal)) return;
-  if (!vertexMeets(pair.b, pair.a, vb, c.time, c.normal)) return;
+  const Vector3d motion = a.motion - b.motion;
+  const double gap = places.distance - pair.reach();
+  if (!vertexMeets(pair, false, {va, -c.normal, motion, c.time, gap})) return;
+  if (!vertexMeets(pair, true, {vb, c.normal, -motion, c.time, gap})) return;
   c.a = atVertex(va);
   c.b = atVertex(vb);
   candidate.rank = kVertexVertex;
   candidate.scale = pair.reach();
-  const bool ofB = isRound(pair.a, pair.b);
+  // each of many vertices around a ball has a contact; the nearest one is the ball's
+  const bool ofB = isRound(pair.a, pair.b) && !isInVertexCone(pair.b, c.time, vb, c.normal);
   candidate.vertex = meetingVertex(pair, ofB ? vb : va, ofB);
   addCandidate(pair, candidate, search);
 }
@@ -86,7 +127,9 @@ void meetVertexEdge(const SurfacePair& pair, bool ofB, std::uint32_t v, std::uin
   if (places.time == kNever || places.b.minCoeff() <= 0.0) return;
   const Vector3d outward = directionBetween(places, vertex, segment);
   if (!isInNormalCone(other, places.time, edge, outward, kVertexTolerance)) return;
-  if (!vertexMeets(mine, other, v, places.time, -outward)) return;
+  const Vector3d motion = vertex.motion - segment.motion * places.b;
+  const double gap = places.distance - pair.reach();
+  if (!vertexMeets(pair, ofB, {v, -outward, motion, places.time, gap})) return;
   ContactCandidate candidate;
   SurfaceContact& c = candidate.contact;
   c.a = atVertex(v);
@@ -103,13 +146,12 @@ void meetVertexEdge(const SurfacePair& pair, bool ofB, std::uint32_t v, std::uin
 void meetEdges(const SurfacePair& pair, std::uint32_t ea, std::uint32_t eb, ContactSearch& search) {
   const auto a = featureOf<2>(pair.a, pair.a.topology->edges[ea]);
   const auto b = featureOf<2>(pair.b, pair.b.topology->edges[eb]);
+  if (areParallel(alongOf(a, 0.0), alongOf(b, 0.0))) return;
   const auto places = findMeeting(a, b, pair.reach(), pair.margin);
   if (places.time == kNever || places.a.minCoeff() <= 0.0 || places.b.minCoeff() <= 0.0) return;
-  const auto atA = a.at(places.time), atB = b.at(places.time);
-  const Vector3d alongA = atA.col(1) - atA.col(0), alongB = atB.col(1) - atB.col(0);
-  Vector3d normal = alongA.cross(alongB);
-  if (normal.norm() <= kParallel * alongA.norm() * alongB.norm()) return;
-  normal.normalize();
+  const Vector3d alongA = alongOf(a, places.time), alongB = alongOf(b, places.time);
+  if (areParallel(alongA, alongB)) return;
+  Vector3d normal = alongA.cross(alongB).normalized();
   if (normal.dot(places.away) < 0.0) normal = -normal;
   const bool apart = isInNormalCone(pair.a, places.time, ea, -normal, kCrossingTolerance) &&
                      isInNormalCone(pair.b, places.time, eb, normal, kCrossingTolerance);

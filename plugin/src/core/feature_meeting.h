@@ -19,9 +19,6 @@ struct NearestPlaces {
   double time = 0.0;                               ///< share of the tick
 };
 
-/// Sines of angles below this are those of parallel edges: their contacts are those of their ends.
-constexpr double kParallel = 0.01;
-
 inline void nearestWeights(const MovingFeature<1>::Corners&, const MovingFeature<1>::Corners&,
                            NearestPlaces<1, 1>& places) {
   places.a[0] = places.b[0] = 1.0;

@@ -17,10 +17,10 @@ Vector3d normalAt(const MovingSurface& surface, std::uint32_t triangle) {
   return normalOf<3>(featureOf<3>(surface, surface.topology->triangles[triangle]).start);
 }
 
-/// What is nearest to a vertex inside is something it is behind of.
+/// What is nearest to a vertex inside is something it is behind of. One triangle is as near as `depth`.
 bool isInside(const MovingSurface& surface, const Vector3d& position, double depth) {
-  const NearestOnSurface nearest = nearestOnSurface(surface, position, depth);
-  return nearest.triangle == kNoFeature || nearest.behind;
+  constexpr double kRounding = 1.001;
+  return nearestOnSurface(surface, position, kRounding * depth).behind;
 }
 
 /// `begin` to `end` are one vertex, the nearest triangle first.

@@ -66,7 +66,7 @@ struct ContactSearch {
 /// is pushed in (within 6 degrees), and places that coincide have one.
 ///
 /// A surface without triangles that is more than twice as thick as the other is round: a ball or a capsule
-/// meets all vertices within its radius, not only the nearest.
+/// meets all vertices that come to it, not only the nearest, where these are closer together than its radius.
 void findSurfaceContacts(const MovingSurface& a, const MovingSurface& b, double margin, ContactSearch& search,
                          std::vector<SurfaceContact>& found);
 

@@ -183,7 +183,9 @@ class Caretaker {
     edgeTaken_[edge] = true;
   }
   void takeVertex(SurfaceElement& element, std::size_t slot, std::uint32_t v) {
-    if (!vertexTaken_[v]) element.vertices[slot] = v;
+    if (vertexTaken_[v]) return;
+    element.vertices[slot] = v;
+    t_.vertices.push_back(v);
     vertexTaken_[v] = true;
   }
 

@@ -55,6 +55,7 @@ struct SurfaceTopology {
   std::vector<Edge> edges;             ///< of triangles, then segments
   std::vector<std::array<std::uint32_t, 2>> edgeTriangles;  ///< #edges, kNoFeature where there is none
   IndexLists edgesAround, trianglesAround;                  ///< #points lists
+  std::vector<std::uint32_t> vertices;                      ///< points that are on the surface, each once
   std::vector<SurfaceElement> elements;
   std::vector<SurfaceNode> nodes;  ///< none without elements
   Points rest;                     ///< m, 3 x #points, as built

@@ -74,9 +74,12 @@ SweptBox elementBox(const MovingSurface& surface, const SurfaceElement& element,
   SweptBox box = merged(merged(points[a], points[b]), points[c]);
   const std::uint32_t triangle = element.triangle;
   if (triangle == kNoFeature || !surface.topology->oneSided[triangle]) return box;
-  Eigen::Array4d depth;
-  depth << normalOf<3>(featureOf<3>(surface, element.corners).start) * surface.topology->depthLimit[triangle],
-      0.0;
+  const Vector3d first = surface.position->col(a);
+  const Vector3d area = (surface.position->col(b) - first).cross(surface.position->col(c) - first);
+  const double length = area.norm();
+  if (length == 0.0) return box;
+  Eigen::Array4d depth(area.x(), area.y(), area.z(), 0.0);
+  depth *= surface.topology->depthLimit[triangle] / length;
   box.low -= depth.max(0.0);
   box.high -= depth.min(0.0);
   return box;
@@ -145,9 +148,7 @@ std::vector<SurfaceNode> makeSurfaceTree(const Points& rest, const std::vector<S
 
 SweptBox sweptBounds(const MovingSurface& surface) {
   SweptBox box;
-  for (const SurfaceElement& element : surface.topology->elements)
-    for (const std::uint32_t v : element.vertices)
-      if (v != kNoFeature) box = merged(box, pointBox(surface, v));
+  for (const std::uint32_t v : surface.topology->vertices) box = merged(box, pointBox(surface, v));
   return box;
 }
 

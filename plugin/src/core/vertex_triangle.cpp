@@ -10,7 +10,7 @@ namespace {
 using Eigen::Vector3d;
 
 /// Barycentric: a foot this far beside a triangle is in it.
-constexpr double kBeside = 1e-3;
+constexpr double kBeside = 1e-4;
 /// Of a vertex behind a triangle but not beneath it: cosine of the slope at which it may be.
 constexpr double kSteep = 0.5;
 
@@ -57,14 +57,11 @@ void addBehind(VertexTriangle& meeting, double depth, double limit, ContactSearc
   if (meeting.pair.self || depth > limit) return;
   const MovingFeature<3>::Corners& t = meeting.triangle.start;
   VertexBehind& at = meeting.at;
-  at.depth = depth;
   at.barycentric = footIn(t, meeting.vertex.start);
   at.beneath = moveInto(at.barycentric);
-  if (!at.beneath) {
-    at.barycentric = nearestBarycentric({t.col(0), t.col(1), t.col(2)}, meeting.vertex.start);
-    at.depth = (t * at.barycentric - meeting.vertex.start).norm();
-    if (at.depth > limit || depth < kSteep * at.depth) return;
-  }
+  if (!at.beneath) at.barycentric = nearestBarycentric({t.col(0), t.col(1), t.col(2)}, meeting.vertex.start);
+  at.depth = (t * at.barycentric - meeting.vertex.start).norm();
+  if (!at.beneath && (at.depth > limit || depth < kSteep * at.depth)) return;
   search.behind.push_back(at);
 }
 

@@ -1,0 +1,268 @@
+// SPDX-License-Identifier: Zlib
+// Surfaces that lie on each other: which contacts there are, and what they can bear.
+#include "support/moving_shapes.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+namespace limber {
+namespace {
+
+using Eigen::Affine3d;
+using Eigen::AngleAxisd;
+using Eigen::Translation3d;
+using Eigen::Vector3d;
+using test::MovingShape;
+
+constexpr double kMargin = 0.007, kRadius = 0.02;
+/// m: positions of about 1 m are rounded to 1e-16 of that, and products of a few follow.
+constexpr double kRounding = 1e-12;
+
+MovingShape cube() { return test::boxShape(Vector3d::Ones(), kRadius); }
+Affine3d shift(double x, double y, double z) { return Affine3d(Translation3d(x, y, z)); }
+
+void expectSound(const std::vector<SurfaceContact>& found, const MovingShape& a, const MovingShape& b) {
+  for (std::size_t i = 0; i < found.size(); ++i) {
+    const SurfaceContact& c = found[i];
+    if (i > 0) {
+      EXPECT_LT(found[i - 1].key, c.key);
+    }
+    EXPECT_NEAR(c.normal.norm(), 1.0, 1e-14);
+    for (const SurfacePlace* place : {&c.a, &c.b}) {
+      EXPECT_NEAR(place->weights.sum(), 1.0, 1e-14);
+      EXPECT_GE(place->weights.minCoeff(), 0.0);
+    }
+    const Vector3d away = test::placeAt(a, c.a, 0.0) - test::placeAt(b, c.b, 0.0);
+    EXPECT_NEAR(c.gap, c.normal.dot(away) - a.radius - b.radius, kRounding);
+  }
+}
+
+/// All push straight up with the gap expected, and the place `weight` is within what they can bear: it is a
+/// convex combination of their places, seen from above.
+void expectBears(const std::vector<SurfaceContact>& found, const MovingShape& a, double gap,
+                 const Vector3d& weight) {
+  ASSERT_GE(found.size(), 3u);
+  for (const SurfaceContact& c : found) {
+    EXPECT_LT((c.normal - Vector3d::UnitY()).norm(), 1e-9) << c.normal.transpose();
+    EXPECT_NEAR(c.gap, gap, kRounding);
+  }
+  for (int i = 0; i < 64; ++i) {  // no line through the weight has all contacts on one side
+    const Vector3d side(std::cos(0.1 * i), 0.0, std::sin(0.1 * i));
+    double most = -1.0;
+    for (const SurfaceContact& c : found)
+      most = std::max(most, side.dot(test::placeAt(a, c.a, 0.0) - weight));
+    EXPECT_GT(most, 0.01) << "falls over towards " << side.transpose();
+  }
+}
+
+TEST(SurfaceContacts, boxLiesOnAFace) {
+  MovingShape box = test::boxShape({0.2, 0.1, 0.3}, 0.0, true), soft = cube();
+  box.move(shift(0.1, 0.57, 0.05));
+  const auto found = test::contactsOf(box, soft, kMargin);
+  expectSound(found, box, soft);
+  expectBears(found, box, 0.0, {0.1, 0, 0.05});
+  EXPECT_EQ(found.size(), 4u);
+}
+
+TEST(SurfaceContacts, softPointsUnderABoxTouchItsFace) {
+  MovingShape cloth = test::clothShape(10, 0.1, kRadius), box = test::boxShape({0.35, 0.2, 0.35}, 0.0, true);
+  box.move(shift(0, 0.12, 0));
+  const auto found = test::contactsOf(box, cloth, kMargin);
+  expectSound(found, box, cloth);
+  expectBears(found, box, 0.0, {0, 0, 0});
+  // 3 x 3 points of the cloth, 4 corners of the box; all crossing edges are flat on one side
+  const auto points = std::count_if(
+      found.begin(), found.end(), [](const SurfaceContact& c) { return c.b.kind == FeatureKind::OnVertex; });
+  EXPECT_EQ(points, 9);
+  EXPECT_EQ(found.size(), 13u);
+}
+
+TEST(SurfaceContacts, cubesLieFlush) {
+  struct Pose {
+    double x, z, angle;
+  };
+  for (const Pose& pose :
+       {Pose{0, 0, 0}, Pose{0.2, 0, 0}, Pose{0.2, 0.1, 0}, Pose{0, 0, 0.4}, Pose{0.2, 0.1, 0.4},
+        Pose{0.001, 0, 0}, Pose{1e-5, -1e-5, 0}, Pose{0, 0, 1e-4}, Pose{0.1, 0.1, 3e-3}}) {
+    SCOPED_TRACE(testing::Message() << pose.x << " " << pose.z << " " << pose.angle);
+    MovingShape upper = cube(), lower = cube();
+    upper.move(Translation3d(pose.x, 1.04, pose.z) * Affine3d(AngleAxisd(pose.angle, Vector3d::UnitY())));
+    const auto found = test::contactsOf(upper, lower, kMargin);
+    expectSound(found, upper, lower);
+    expectBears(found, upper, 0.0, {pose.x, 0, pose.z});
+    EXPECT_LE(found.size(), 12u);
+  }
+}
+
+/// Cubes whose cores overlap slightly, as after a hard landing.
+TEST(SurfaceContacts, cubesInEachOtherPartUpward) {
+  for (const double angle : {0.0, 0.4}) {
+    MovingShape upper = cube(), lower = cube();
+    upper.move(Translation3d(0.1, 0.99, 0.05) * Affine3d(AngleAxisd(angle, Vector3d::UnitY())));
+    expectBears(test::contactsOf(upper, lower, kMargin), upper, -0.05, {0.1, 0, 0.05});
+  }
+}
+
+TEST(SurfaceContacts, railsCarryACube) {
+  MovingShape upper = cube(),
+              rails[2] = {test::boxShape({0.1, 0.1, 3}, 0.0, true), test::boxShape({0.1, 0.1, 3}, 0.0, true)};
+  upper.move(shift(0, 0.57, 0));
+  std::vector<SurfaceContact> all;
+  for (int i = 0; i < 2; ++i) {
+    rails[i].move(shift(i == 0 ? -0.3 : 0.3, 0, 0));
+    const auto found = test::contactsOf(upper, rails[i], kMargin);
+    EXPECT_EQ(found.size(), 4u);
+    for (const SurfaceContact& c : found) {
+      EXPECT_EQ(c.a.kind, FeatureKind::OnEdge);
+      EXPECT_EQ(c.b.kind, FeatureKind::OnEdge);
+    }
+    all.insert(all.end(), found.begin(), found.end());
+  }
+  expectBears(all, upper, 0.0, {0, 0, 0});
+}
+
+/// A ball above the ridge between two faces, a corner, and beside them.
+TEST(SurfaceContacts, ballTouchesWhatIsNearest) {
+  const double r = 0.05, reach = r + kRadius;
+  struct Case {
+    Vector3d foot, normal;
+    FeatureKind kind;
+  };
+  for (const Case& at : {Case{{0.5, 0.5, 0.2}, Vector3d(1, 2, 0).normalized(), FeatureKind::OnEdge},
+                         Case{{0.5, -0.5, 0.5}, Vector3d(1, -1, 2).normalized(), FeatureKind::OnVertex},
+                         Case{{0.5, 0.2, 0.3}, Vector3d(1, 0, 0), FeatureKind::OnTriangle},
+                         Case{{0.5, 0.2, 0.2}, Vector3d(1, 0, 0), FeatureKind::OnTriangle}}) {
+    MovingShape ball = test::sphereShape(r), soft = cube();
+    ball.position.col(0) = at.foot + (reach + 0.001) * at.normal;
+    const auto found = test::contactsOf(ball, soft, kMargin);
+    ASSERT_EQ(found.size(), 1u) << at.foot.transpose();
+    expectSound(found, ball, soft);
+    EXPECT_EQ(found[0].b.kind, at.kind);
+    EXPECT_LT((found[0].normal - at.normal).norm(), kRounding);
+    EXPECT_NEAR(found[0].gap, 0.001, kRounding);
+    EXPECT_LT((test::placeAt(soft, found[0].b, 0) - at.foot).norm(), kRounding);
+    const auto reverse = test::contactsOf(soft, ball, kMargin);
+    ASSERT_EQ(reverse.size(), 1u);
+    EXPECT_LT((reverse[0].normal + at.normal).norm(), kRounding);
+  }
+}
+
+TEST(SurfaceContacts, ropesTouchAcrossAndEndToEnd) {
+  MovingShape a = test::ropeShape(3, 0.3, kRadius), across = test::ropeShape(4, 0.25, kRadius);
+  across.move(Translation3d(0.4, 0.041, 0.6) * Affine3d(AngleAxisd(0.5 * M_PI, Vector3d::UnitY())));
+  auto found = test::contactsOf(a, across, kMargin);
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_EQ(found[0].a.kind, FeatureKind::OnEdge);
+  EXPECT_EQ(found[0].a.feature, 1u);
+  EXPECT_LT((found[0].normal + Vector3d::UnitY()).norm(), kRounding);
+  EXPECT_NEAR(found[0].gap, 0.001, kRounding);
+
+  MovingShape behind = test::ropeShape(3, 0.3, kRadius);
+  behind.move(shift(0.9 + 0.042, 0, 0));
+  found = test::contactsOf(a, behind, kMargin);
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_EQ(found[0].a.kind, FeatureKind::OnVertex);
+  EXPECT_EQ(found[0].b.kind, FeatureKind::OnVertex);
+  EXPECT_LT((found[0].normal + Vector3d::UnitX()).norm(), kRounding);
+  EXPECT_NEAR(found[0].gap, 0.002, kRounding);
+}
+
+TEST(SurfaceContacts, ropeHangsOverTheEdgeOfABox) {
+  MovingShape rope = test::ropeShape(1, 1.0, kRadius), box = test::boxShape(Vector3d::Ones(), 0.0, true);
+  rope.move(Translation3d(0.5, 0.5, 0.1) * Affine3d(AngleAxisd(-0.25 * M_PI, Vector3d::UnitZ())) *
+            shift(-0.5, kRadius, 0));
+  const auto found = test::contactsOf(rope, box, kMargin);
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_EQ(found[0].b.kind, FeatureKind::OnEdge);
+  EXPECT_LT((found[0].normal - Vector3d(1, 1, 0).normalized()).norm(), kRounding);
+  EXPECT_NEAR(found[0].gap, 0.0, kRounding);
+}
+
+/// A thick body without triangles meets every point of a cloth that lies on it.
+TEST(SurfaceContacts, clothLiesOnABall) {
+  MovingShape cloth = test::clothShape(8, 0.05, 0.01), ball = test::sphereShape(0.5);
+  const double reach = 0.51;
+  for (Eigen::Index i = 0; i < cloth.position.cols(); ++i)
+    cloth.position.col(i) = reach * (cloth.position.col(i) + Vector3d(0, 0.5, 0)).normalized();
+  const auto found = test::contactsOf(cloth, ball, 0.002);
+  std::vector<int> uses(static_cast<std::size_t>(cloth.position.cols()));
+  for (const SurfaceContact& c : found) {
+    if (c.a.kind == FeatureKind::OnVertex) ++uses[c.a.feature];
+    EXPECT_LE(std::abs(c.gap), 0.002);
+  }
+  for (std::size_t i = 0; i < uses.size(); ++i) EXPECT_EQ(uses[i], 1) << "point " << i;
+}
+
+/// Cloth pushes to the side where things are; closed surfaces always outward.
+TEST(SurfaceContacts, sidesOfCloth) {
+  for (const double y : {0.04, -0.04}) {
+    MovingShape cloth = test::clothShape(4, 0.3, 0.01), ball = test::sphereShape(0.03);
+    ball.position.col(0) = Vector3d(0.1, y, 0.05);
+    const auto found = test::contactsOf(ball, cloth, kMargin);
+    ASSERT_EQ(found.size(), 1u);
+    EXPECT_LT((found[0].normal - Vector3d(0, y > 0 ? 1 : -1, 0)).norm(), kRounding);
+    EXPECT_NEAR(found[0].gap, 0.0, kRounding);
+  }
+}
+
+TEST(SurfaceContacts, insideIsPushedOutOfTheNearestFace) {
+  std::mt19937 random(7);
+  for (int trial = 0; trial < 200; ++trial) {
+    MovingShape ball = test::sphereShape(0.03), soft = cube();
+    const Vector3d at = 0.49 * test::randomVector(random);
+    ball.position.col(0) = at;
+    Eigen::Index axis = 0;
+    const double depth = 0.5 - at.cwiseAbs().maxCoeff(&axis);
+    const auto found = test::contactsOf(ball, soft, kMargin);
+    ASSERT_EQ(found.size(), depth <= 0.25 ? 1u : 0u);  // a quarter of the edge
+    if (found.empty()) continue;
+    EXPECT_NEAR(found[0].gap, -depth - 0.05, kRounding);
+    EXPECT_LT((found[0].normal - (at[axis] > 0 ? 1.0 : -1.0) * Vector3d::Unit(axis)).norm(), kRounding);
+  }
+}
+
+/// In front of one face of a plate, and so behind its other one, is not inside.
+TEST(SurfaceContacts, aboveAPlateIsNotInside) {
+  for (double height = 0.0; height < 0.3; height += 0.01) {
+    MovingShape ball = test::sphereShape(0.01), plate = test::boxShape({1, 0.05, 1}, 0.0);
+    ball.position.col(0) = Vector3d(0.1, 0.026 + height, 0.07);
+    const auto found = test::contactsOf(ball, plate, kMargin);
+    for (const SurfaceContact& c : found) EXPECT_LT((c.normal - Vector3d::UnitY()).norm(), kRounding);
+    EXPECT_EQ(found.size(), height < 0.0155 ? 1u : 0u) << height;
+  }
+}
+
+/// Inside the solid along a valley, where the nearest place is on the edge and no triangle is above.
+TEST(SurfaceContacts, insideBelowAValleyIsPushedOut) {
+  Points points(3, 8);
+  points << -1, 0, 1, -1, 0, 1, 0, 0,  //
+      0.5, 0, 0.5, 0.5, 0, 0.5, -3, -3, -1, -1, -1, 1, 1, 1, -1, 1;
+  SurfaceFeatures f;
+  f.triangles = {{0, 3, 1}, {3, 4, 1}, {1, 4, 2}, {4, 5, 2}, {6, 1, 2}, {6, 0, 1},
+                 {7, 5, 4}, {7, 4, 3}, {0, 6, 3}, {6, 7, 3}, {6, 2, 5}, {6, 5, 7}};
+  MovingShape valley = test::makeShape(points, f, 0.0), ball = test::sphereShape(0.03);
+  ASSERT_TRUE(valley.topology.oneSided[0]);
+  ball.position.col(0) = Vector3d(0.0, -0.02, 0.1);
+  const auto found = test::contactsOf(ball, valley, kMargin);
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_GT(found[0].normal.y(), 0.8);
+  EXPECT_LT(found[0].gap, -0.03);
+}
+
+TEST(SurfaceContacts, ballInACornerHasOneContactForEachDirection) {
+  MovingShape ball = test::sphereShape(0.05), floor = test::boxShape({4, 1, 4}, 0.0), ground;
+  Points points(3, 6);  // a floor and a wall that meet in the z axis
+  points << 0, 0, 2, 2, 0, 0, 0, 0, 0, 0, 2, 2, -2, 2, -2, 2, -2, 2;
+  SurfaceFeatures f;
+  f.triangles = {{0, 1, 2}, {2, 1, 3}, {0, 4, 1}, {4, 5, 1}};
+  f.outward = true;
+  ground = test::makeShape(points, f, 0.0);
+  ball.position.col(0) = Vector3d(0.051, 0.051, 0.0);
+  const auto found = test::contactsOf(ball, ground, kMargin);
+  ASSERT_EQ(found.size(), 2u);
+  EXPECT_NEAR(found[0].normal.dot(found[1].normal), 0.0, kRounding);
+}
+
+}  // namespace
+}  // namespace limber

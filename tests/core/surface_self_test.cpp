@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: Zlib
+// A surface that touches itself; and what every search promises: order, and no allocations once warm.
+#include "support/moving_shapes.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <set>
+
+namespace limber {
+namespace {
+
+using Eigen::Vector3d;
+using test::MovingShape;
+
+std::vector<SurfaceContact> selfContacts(MovingShape& shape, double margin) {
+  ContactSearch search;
+  std::vector<SurfaceContact> found;
+  findSelfContacts(shape.surface(), margin, search, found);
+  return found;
+}
+
+TEST(SelfContacts, noneAtRest) {
+  MovingShape cloth = test::clothShape(10, 0.05, 0.01), rope = test::ropeShape(20, 0.05, 0.02);
+  EXPECT_TRUE(selfContacts(cloth, 0.003).empty());
+  EXPECT_TRUE(selfContacts(rope, 0.006).empty());
+  // segments shorter than the rope is thick
+  MovingShape thick = test::ropeShape(40, 0.01, 0.03);
+  EXPECT_TRUE(selfContacts(thick, 0.001).empty());
+}
+
+/// A cloth folded over: every point of the upper half rests on the lower one.
+TEST(SelfContacts, foldedClothLiesOnItself) {
+  MovingShape cloth = test::clothShape(10, 0.05, 0.01);
+  for (Eigen::Index i = 0; i < cloth.position.cols(); ++i) {
+    auto p = cloth.position.col(i);
+    if (p.x() > 0.02) p = Vector3d(0.021 - p.x(), 0.02, p.z());
+  }
+  const auto found = selfContacts(cloth, 0.003);
+  std::set<std::uint32_t> upper;
+  for (const SurfaceContact& c : found) {
+    EXPECT_NEAR(std::abs(c.normal.y()), 1.0, 1e-9);
+    EXPECT_NEAR(c.gap, 0.0, 1e-12);
+    for (const SurfacePlace* place : {&c.a, &c.b})
+      if (place->kind == FeatureKind::OnVertex && cloth.position(1, place->feature) > 0.01)
+        upper.insert(place->feature);
+  }
+  // rows 6 to 10 are up; those next to the fold are joined to what is below by one edge
+  for (std::uint32_t row = 8; row <= 10; ++row)
+    for (std::uint32_t k = 0; k <= 10; ++k) EXPECT_TRUE(upper.count(row * 11 + k)) << row << " " << k;
+}
+
+TEST(SelfContacts, knottedRopeTouchesAtItsCrossing) {
+  MovingShape rope = test::ropeShape(40, 0.05, 0.02);
+  for (int i = 0; i <= 40; ++i) {  // a loop whose ends cross at right angles at the origin
+    const double t = (i - 20) / 20.0 * 0.75 * M_PI;
+    rope.position.col(i) = Vector3d(std::sin(2.0 * t), 0.021 * t / (0.5 * M_PI), std::cos(t));
+  }
+  const auto found = selfContacts(rope, 0.006);
+  ASSERT_FALSE(found.empty());
+  for (const SurfaceContact& c : found) {
+    EXPECT_LT(test::placeAt(rope, c.a, 0.0).head<1>().norm(), 0.1);
+    EXPECT_NEAR(c.gap, 0.002, 0.001);
+    EXPECT_GT(std::abs(c.normal.y()), 0.99);
+  }
+}
+
+TEST(ContactSearch, isReproducible) {
+  std::mt19937 random(16);
+  MovingShape a = test::ballShape(3, 0.01), b = test::hullShape(12, 0.02, random);
+  a.move(Eigen::Affine3d(Eigen::Translation3d(0.4, 1.6, 0.3)));
+  for (Eigen::Index i = 0; i < a.motion.cols(); ++i)
+    a.motion.col(i) = Vector3d(0, -0.5, 0) + 0.02 * test::randomVector(random);
+  ContactSearch search;
+  std::vector<SurfaceContact> first, second;
+  findSurfaceContacts(a.surface(), b.surface(), 0.006, search, first);
+  std::vector<SurfaceContact> other;
+  findSelfContacts(a.surface(), 0.006, search, other);
+  findSurfaceContacts(a.surface(), b.surface(), 0.006, search, second);
+  ASSERT_EQ(first.size(), second.size());
+  ASSERT_FALSE(first.empty());
+  for (std::size_t i = 0; i < first.size(); ++i) {
+    EXPECT_EQ(first[i].key, second[i].key);
+    EXPECT_EQ(first[i].gap, second[i].gap);
+  }
+}
+
+/// Arrays that are large enough stay where they are.
+TEST(ContactSearch, keepsItsArrays) {
+  MovingShape a = test::boxShape(Vector3d::Ones(), 0.02), b = test::boxShape(Vector3d::Ones(), 0.02);
+  a.move(Eigen::Affine3d(Eigen::Translation3d(0.2, 1.0, 0.1)));
+  ContactSearch search;
+  std::vector<SurfaceContact> found;
+  findSurfaceContacts(a.surface(), b.surface(), 0.006, search, found);
+  const void* before[] = {search.near.data(),   search.waiting.data(), search.candidates.data(),
+                          search.behind.data(), found.data(),          a.boxes.nodes.data()};
+  a.move(Eigen::Affine3d(Eigen::Translation3d(0.001, 0.001, 0)));
+  findSurfaceContacts(a.surface(), b.surface(), 0.006, search, found);
+  const void* after[] = {search.near.data(),   search.waiting.data(), search.candidates.data(),
+                         search.behind.data(), found.data(),          a.boxes.nodes.data()};
+  EXPECT_TRUE(std::equal(before, before + 6, after));
+  EXPECT_FALSE(found.empty());
+}
+
+}  // namespace
+}  // namespace limber
