@@ -1,17 +1,19 @@
 // SPDX-License-Identifier: Zlib
 #include "bullet/contact_gather.h"
 
+#include "bullet/contact_cache.h"
 #include "bullet/contact_filter.h"
+#include "bullet/contact_reach.h"
 #include "bullet/convert.h"
+#include "bullet/point_masses.h"
+#include "bullet/surface_body.h"
+#include "bullet/surface_partners.h"
 
 #include <algorithm>
 
 namespace limber {
 inline namespace LIMBER_BULLET_PRECISION {
 namespace {
-
-/// A point can be pushed faster within the tick than it was at its start.
-constexpr double kReachPerMotion = 1.5;
 
 /// Of the radius: a point that reaches no farther, the third of it that is always looked at included, is
 /// slow.
@@ -20,21 +22,6 @@ constexpr double kSlowReach = 0.6;
 /// Of two contacts of a point whose normals are closer than this (cosine), only the nearer counts:
 /// neighbouring triangles of a flat surface are one surface.
 constexpr double kSameSurface = 0.995;
-
-struct Reach {
-  Eigen::Vector3d low, high;
-  double distance;  ///< m, beyond the radius
-};
-
-Reach reachOf(const SoftBodyData& body, Eigen::Index i, double tick) {
-  const double radius = double(body.masses.shape->getRadius());
-  const Eigen::Vector3d x = body.state.position.col(i);
-  const double motion =
-      tick * body.state.velocity.col(i).norm() + tick * tick * body.state.acceleration.col(i).norm();
-  const double distance = kReachPerMotion * motion + radius / 3.0;
-  const double size = radius + distance;
-  return {x.array() - size, x.array() + size, distance};
-}
 
 /// Collects the partners of a body in a tick.
 struct PartnersInBox final : btBroadphaseAabbCallback {
@@ -73,8 +60,17 @@ class RowsOfPair final : public btCollisionWorld::ContactResultCallback {
     if (contact.getDistance() > m_closestDistanceThreshold) return 0;
     const bool pointIsFirst = first->getCollisionObject() == body_->masses.bodies[point_];
     const btVector3 normal = pointIsFirst ? contact.m_normalWorldOnB : -contact.m_normalWorldOnB;
-    add(toEigen(normal), pointIsFirst ? contact.m_positionWorldOnB : contact.m_positionWorldOnA);
+    surface_ = pointIsFirst ? contact.m_positionWorldOnB : contact.m_positionWorldOnA;
+    normal_ = normal;
+    ++found_;
+    add(toEigen(normal), surface_);
     return 0;
+  }
+
+  /// Keeps the one contact that was found for coming ticks.
+  void keepContact(CachedContact& cached) const {
+    const btVector3 place = toBullet(Eigen::Vector3d(body_->state.position.col(point_)));
+    if (found_ == 1) limber::keepContact(cached, *partner_, surface_, normal_, place);
   }
 
   void add(const Eigen::Vector3d& normal, const btVector3& surface) {
@@ -116,6 +112,8 @@ class RowsOfPair final : public btCollisionWorld::ContactResultCallback {
   const btCollisionObject* partner_;
   btScalar tick_;
   std::size_t first_;
+  int found_ = 0;
+  btVector3 surface_, normal_;  // of the last one found
 };
 
 void addPlaneRow(RowsOfPair& rows, const SoftBodyData& body, std::uint32_t i,
@@ -147,6 +145,26 @@ bool addCachedRow(RowsOfPair& rows, const SoftBodyData& body, std::uint32_t i,
   return true;
 }
 
+/// The same for a point outside the world, for which Bullet keeps none.
+bool addKeptRow(RowsOfPair& rows, const SoftBodyData& body, std::uint32_t i, const btCollisionObject& partner,
+                double reach) {
+  const CachedContact& cached = body.surface.contacts[i];
+  const double radius = double(body.masses.shape->getRadius());
+  const btVector3 place = toBullet(Eigen::Vector3d(body.state.position.col(i)));
+  if (reach > kSlowReach * radius || !isKept(cached, partner, place, body.masses.shape->getRadius()))
+    return false;
+  const btTransform& pose = partner.getWorldTransform();
+  rows.add(toEigen(pose.getBasis() * cached.normal), pose * cached.surface);
+  return true;
+}
+
+/// Asks Bullet's narrowphase.
+void addFoundRows(RowsOfPair& rows, SoftBodyData& body, std::uint32_t i, const btCollisionObject& partner) {
+  if (!body.masses.shared) writePoint(body, i);
+  body.world->contactPairTest(body.masses.bodies[i], const_cast<btCollisionObject*>(&partner), rows);
+  if (isSurfaceBody(body)) rows.keepContact(body.surface.contacts[i]);
+}
+
 void addRows(SoftBodyData& body, std::uint32_t i, const btCollisionObject& partner, btScalar tick) {
   const Reach reach = reachOf(body, i, double(tick));
   if (!overlaps(reach, partner)) return;
@@ -160,8 +178,8 @@ void addRows(SoftBodyData& body, std::uint32_t i, const btCollisionObject& partn
   RowsOfPair rows(body, i, partner, distance, tick);
   if (partner.getCollisionShape()->getShapeType() == STATIC_PLANE_PROXYTYPE)
     addPlaneRow(rows, body, i, partner, distance);
-  else if (!addCachedRow(rows, body, i, partner, distance))
-    body.world->contactPairTest(&point, const_cast<btCollisionObject*>(&partner), rows);
+  else if (!(isSurfaceBody(body) ? addKeptRow : addCachedRow)(rows, body, i, partner, distance))
+    addFoundRows(rows, body, i, partner);
 }
 
 /// Calls visit(manifold point, soft body, point, partner) for all contacts of point masses.
@@ -179,10 +197,30 @@ void forEachContact(btDispatcher& dispatcher, Visit visit) {
 
 }  // namespace
 
+namespace {
+
+void findPartners(SoftBodyData& body, const Eigen::Vector3d& low, const Eigen::Vector3d& high) {
+  body.partners.clear();
+  if (isSurfaceBody(body)) body.partners.swap(body.surface.partners);
+  if (isSurfaceBody(body) && partnersCover(body, low, high)) {
+    const auto cannotHit = [&](const btCollisionObject* partner) {
+      return !partner->hasContactResponse() || PointMass::from(partner) ||
+             !body.surface.object->mayTouch(*partner);
+    };
+    body.partners.erase(std::remove_if(body.partners.begin(), body.partners.end(), cannotHit),
+                        body.partners.end());
+    return;
+  }
+  body.partners.clear();
+  PartnersInBox partners(body, body.partners);
+  body.world->getBroadphase()->aabbTest(toBullet(low), toBullet(high), partners);
+}
+
+}  // namespace
+
 void gatherContacts(SoftBodyData& body, btScalar tick) {
   body.contacts.clear();
   body.contactPartners.clear();
-  body.partners.clear();
   body.reach.resize(body.masses.bodies.size());
   Eigen::Vector3d low = Eigen::Vector3d::Constant(1e300), high = -low;
   for (Eigen::Index i = 0; i < body.state.position.cols(); ++i) {
@@ -191,8 +229,8 @@ void gatherContacts(SoftBodyData& body, btScalar tick) {
     low = low.cwiseMin(reach.low);
     high = high.cwiseMax(reach.high);
   }
-  PartnersInBox partners(body, body.partners);
-  body.world->getBroadphase()->aabbTest(toBullet(low), toBullet(high), partners);
+  findPartners(body, low, high);
+  if (body.partners.empty() && isSurfaceBody(body)) return;
   for (std::uint32_t i = 0; i < body.masses.bodies.size(); ++i) {
     for (const btCollisionObject* partner : body.partners)
       if (!body.masses.held[i]) addRows(body, i, *partner, tick);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "bullet/point_masses.h"
+#include "bullet/surface_data.h"
 #include "core/contact_rows.h"
 #include "core/implicit_step.h"
 #include "core/point_state.h"
@@ -31,12 +32,14 @@ struct SoftBodyData {
   SoftBodySettings settings;
   SoftBody* handle = nullptr;
   btDiscreteDynamicsWorld* world = nullptr;
+  const void* system = nullptr;  ///< to tell bodies of several systems in a world apart
 
   PointState state;
   SpringArrays springs;
   VolumeArrays volumes;
   TetrahedronVolumes tetrahedra;
   PointMasses masses;
+  SurfaceData surface;
   std::vector<Anchor> anchors;
   std::vector<ContactRow> contacts;                       ///< of the present tick, by point
   std::vector<const btCollisionObject*> contactPartners;  ///< #contacts
@@ -64,10 +67,9 @@ struct SoftBodyData {
 
   /// Told when the application deletes one of the points.
   std::function<void(const btRigidBody&)> onPointDeleted;
+  /// Told when the point masses of a body with Collision::Surface become known outside.
+  std::function<void()> onPointsShared;
 };
-
-/// Wakes all points of a body; they get the gravity of this step that they missed while asleep.
-void wakePoints(SoftBodyData& body, bool insideTick);
 
 }  // namespace LIMBER_BULLET_PRECISION
 }  // namespace limber

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include <limber/soft_body_system.h>
 
+#include "bullet/body_in_world.h"
 #include "bullet/contact_gather.h"
 #include "bullet/convert.h"
 #include "bullet/group_sleep.h"
@@ -8,6 +9,9 @@
 #include "bullet/new_body.h"
 #include "bullet/soft_body_data.h"
 #include "bullet/step_plan.h"
+#include "bullet/step_sentinel.h"
+#include "bullet/surface_body.h"
+#include "bullet/surface_partners.h"
 #include "bullet/tick_group.h"
 #include "bullet/tick_hook.h"
 
@@ -43,18 +47,22 @@ bool holdsOn(const SpringConstraint& spring, const btRigidBody* body) {
 
 }  // namespace
 
-struct SoftBodySystem::Impl final : TickListener {
+struct SoftBodySystem::Impl final : TickListener, StepListener {
   Impl(btDiscreteDynamicsWorld& w, Hook h) : world(&w), hookKind(h) {}
 
   void beforeTick(btScalar tick) override;
   void afterTick(btScalar tick) override;
   void tickMissed() override;
+  void afterTickOrEmptyStep() override;
 
   void hookUp();
   void unhookIfIdle(bool alive);
   void dropSprings(const btRigidBody& body);
   void forgetGroups();
   bool worldAlive() const;
+  void watchSteps();
+  void stopWatching(bool alive);
+  void beginStepOfForces();
   void rebuildGroupsIfNeeded();
   void gatherGroups(btScalar tick);
   void stepGroups(btScalar tick);
@@ -74,7 +82,8 @@ struct SoftBodySystem::Impl final : TickListener {
   std::vector<SoftBodyData*> living;  // the bodies in the groups
   std::size_t usableLinks = 0;        // springs and anchors in the groups
   bool groupsStale = false;
-  std::vector<unsigned char> islands;  // scratch of updateSleep
+  std::vector<unsigned char> islands;      // scratch of updateSleep
+  std::unique_ptr<StepSentinel> sentinel;  // while point masses outside the world are in the user's hands
   TickProfile profile;
 };
 
@@ -94,8 +103,7 @@ void SoftBodySystem::Impl::unhookIfIdle(bool alive) {
 /// A world that is deleted takes the broadphase handle of every body in it; nothing else tells of its end.
 bool SoftBodySystem::Impl::worldAlive() const {
   for (const auto& body : bodies)
-    for (const PointMass* point : body->data_->masses.bodies)
-      if (point && point->isInWorld()) return true;
+    if (anyInWorld(*body->data_)) return true;
   return false;
 }
 
@@ -104,7 +112,8 @@ SoftBodySystem::SoftBodySystem(btDiscreteDynamicsWorld& world, Hook hook)
 
 SoftBodySystem::~SoftBodySystem() {
   const bool alive = impl_->worldAlive();
-  for (auto& body : impl_->bodies) removePointMasses(*body->data_);
+  impl_->stopWatching(alive);
+  for (auto& body : impl_->bodies) removeFromWorld(*body->data_);
   if (impl_->hook) impl_->hook->leave(*impl_, alive);
 }
 
@@ -136,10 +145,12 @@ Result<SoftBody*> SoftBodySystem::createBody(SharedNetwork network, const SoftBo
   if (!data) return Error{data.error()};
   impl_->hookUp();
   (*data)->world = impl_->world;
+  (*data)->system = impl_.get();
+  (*data)->onPointsShared = [impl = impl_.get()] { impl->watchSteps(); };
   (*data)->onPointDeleted = [impl = impl_.get()](const btRigidBody& point) { impl->dropSprings(point); };
   impl_->bodies.push_back(std::make_unique<SoftBody>(std::move(*data)));
   SoftBody* body = impl_->bodies.back().get();
-  addPointMasses(*body->data_);
+  addToWorld(*body->data_);
   impl_->groupsStale = true;
   return body;
 }
@@ -152,8 +163,12 @@ void SoftBodySystem::destroyBody(SoftBody* body) {
   for (btRigidBody* point : body->data_->masses.bodies)
     if (point) forget(*point);
   impl_->forgetGroups();
-  removePointMasses(*body->data_);
+  removeFromWorld(*body->data_);
   impl_->bodies.erase(it);
+  const auto isShared = [](const auto& other) {
+    return isSurfaceBody(*other->data_) && other->data_->masses.shared;
+  };
+  if (std::none_of(impl_->bodies.begin(), impl_->bodies.end(), isShared)) impl_->stopWatching(alive);
   impl_->unhookIfIdle(alive);
 }
 
@@ -214,7 +229,7 @@ std::size_t SoftBodySystem::springCount() const { return impl_->springs.size(); 
 
 Result<bool> SoftBodySystem::attach(SoftBody* softBody, std::uint32_t i, btRigidBody& body,
                                     const btVector3& pivot) {
-  auto* point = static_cast<PointMass*>(softBody->point(i));
+  PointMass* point = i < softBody->pointCount() ? softBody->data_->masses.bodies[i] : nullptr;
   if (!point) return Error{"there is no point " + std::to_string(i)};
   if (point->attachedTo) return Error{"point " + std::to_string(i) + " is already attached"};
   if (softBody->pinned(i)) return Error{"point " + std::to_string(i) + " is pinned"};
@@ -228,7 +243,7 @@ Result<bool> SoftBodySystem::attach(SoftBody* softBody, std::uint32_t i, btRigid
 }
 
 Result<bool> SoftBodySystem::attach(SoftBody* softBody, std::uint32_t i, btRigidBody& body) {
-  if (!softBody->point(i)) return Error{"there is no point " + std::to_string(i)};
+  if (i >= softBody->pointCount()) return Error{"there is no point " + std::to_string(i)};
   const btVector3 place = toBullet(softBody->position(i));
   return attach(softBody, i, body, body.getWorldTransform().inverse() * place);
 }
@@ -304,6 +319,8 @@ void SoftBodySystem::Impl::beforeTick(btScalar tick) {
   // a tick without length moves nothing and would divide by zero
   if (!(tick > btScalar(0))) return;
   rebuildGroupsIfNeeded();
+  beginStepOfForces();
+  collectPartners(*world, this);
   updateSleep(groups, *world, tick, islands);
   readManifolds(*world->getDispatcher());
   gatherGroups(tick);
@@ -321,6 +338,30 @@ void SoftBodySystem::Impl::afterTick(btScalar tick) {
       group.springs[i]->force_ = group.step.links.springs[i].force;
   }
   reportContactImpulses(*world->getDispatcher());
+}
+
+// Forces on point masses outside the world last, as Bullet's do, for all ticks of one stepSimulation().
+
+void SoftBodySystem::Impl::watchSteps() {
+  if (!sentinel) sentinel = std::make_unique<StepSentinel>(*world, *this);
+}
+
+void SoftBodySystem::Impl::stopWatching(bool alive) {
+  if (sentinel && alive) sentinel->leave();
+  sentinel.reset();
+}
+
+void SoftBodySystem::Impl::beginStepOfForces() {
+  if (!sentinel || !sentinel->stepHasBegun()) return;
+  for (SoftBodyData* body : living)
+    if (isSurfaceBody(*body) && body->masses.shared) body->surface.force.setZero();
+}
+
+/// What is applied from here on until a step ends without a tick is lost, as with Bullet's bodies: it is
+/// counted to a step that is over.
+void SoftBodySystem::Impl::afterTickOrEmptyStep() {
+  for (SoftBodyData* body : living)
+    if (isSurfaceBody(*body) && body->masses.shared) collectForces(*body);
 }
 
 void SoftBodySystem::Impl::tickMissed() {

@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: Zlib
+#pragma once
+
+#include "bullet/surface_object.h"
+#include "bullet/surface_shape.h"
+
+#include <memory>
+#include <vector>
+
+namespace limber {
+inline namespace LIMBER_BULLET_PRECISION {
+
+/// The plane in which a point last touched a static or kinematic convex body, in that body's coordinates.
+struct CachedContact {
+  int partner = 0;  ///< its unique id in the broadphase; 0: none
+  btVector3 surface = btVector3(0, 0, 0), normal = btVector3(0, 0, 0);
+  btVector3 place = btVector3(0, 0, 0);  ///< of the point's centre when it was found
+};
+
+/// What a body with Collision::Surface has besides its points.
+struct SurfaceData {
+  SurfaceObject* object = nullptr;  ///< nullptr: Collision::Points, or the application has deleted it
+  std::unique_ptr<SurfaceShape> shape;
+  bool held = false;                    ///< taken out of the simulation by Bullet or the user
+  btVector3 gravity;                    ///< m/s^2, of the world when the points were given it
+  Points force;                         ///< 3 x #points, N, of the present stepSimulation(); once shared
+  std::vector<CachedContact> contacts;  ///< #points
+  bool boxKnown = false;                ///< Bullet's broadphase has had the shape's box for a tick
+  std::vector<const btCollisionObject*> partners;  ///< of the coming tick, see surface_partners.h
+};
+
+}  // namespace LIMBER_BULLET_PRECISION
+}  // namespace limber
