@@ -199,21 +199,39 @@ void forEachContact(btDispatcher& dispatcher, Visit visit) {
 
 namespace {
 
-void findPartners(SoftBodyData& body, const Eigen::Vector3d& low, const Eigen::Vector3d& high) {
-  body.partners.clear();
-  if (isSurfaceBody(body)) body.partners.swap(body.surface.partners);
-  if (isSurfaceBody(body) && partnersCover(body, low, high)) {
-    const auto cannotHit = [&](const btCollisionObject* partner) {
-      return !partner->hasContactResponse() || PointMass::from(partner) ||
-             !body.surface.object->mayTouch(*partner);
-    };
-    body.partners.erase(std::remove_if(body.partners.begin(), body.partners.end(), cannotHit),
-                        body.partners.end());
-    return;
+/// The box around all reaches; keeps how far contacts are looked for.
+Eigen::AlignedBox3d reachBox(SoftBodyData& body, double tick) {
+  Eigen::AlignedBox3d box;
+  body.reach.resize(body.masses.bodies.size());
+  for (Eigen::Index i = 0; i < body.state.position.cols(); ++i) {
+    const Reach reach = reachOf(body, i, tick);
+    body.reach[static_cast<std::size_t>(i)] = reach.distance;
+    box.extend(reach.low).extend(reach.high);
   }
+  return box;
+}
+
+/// Takes over what Bullet's broadphase has found around a surface body; false if it has to be asked anew,
+/// because it did not look everywhere.
+bool takePartners(SoftBodyData& body, const Eigen::AlignedBox3d& box, double tick) {
+  body.partners.clear();
+  body.partners.swap(body.surface.partners);
+  const auto cannotHit = [&](const btCollisionObject* partner) {
+    return PointMass::from(partner) || !partner->hasContactResponse() ||
+           !body.surface.object->mayTouch(*partner);
+  };
+  body.partners.erase(std::remove_if(body.partners.begin(), body.partners.end(), cannotHit),
+                      body.partners.end());
+  // what nothing is in the way of is not pushed aside either
+  return partnersCover(body, body.partners.empty() ? flightBox(body, tick) : box);
+}
+
+void findPartners(SoftBodyData& body, const Eigen::AlignedBox3d& box, double tick) {
+  if (isSurfaceBody(body) && takePartners(body, box, tick)) return;
   body.partners.clear();
   PartnersInBox partners(body, body.partners);
-  body.world->getBroadphase()->aabbTest(toBullet(low), toBullet(high), partners);
+  body.world->getBroadphase()->aabbTest(toBullet(Eigen::Vector3d(box.min())),
+                                        toBullet(Eigen::Vector3d(box.max())), partners);
 }
 
 }  // namespace
@@ -221,16 +239,8 @@ void findPartners(SoftBodyData& body, const Eigen::Vector3d& low, const Eigen::V
 void gatherContacts(SoftBodyData& body, btScalar tick) {
   body.contacts.clear();
   body.contactPartners.clear();
-  body.reach.resize(body.masses.bodies.size());
-  Eigen::Vector3d low = Eigen::Vector3d::Constant(1e300), high = -low;
-  for (Eigen::Index i = 0; i < body.state.position.cols(); ++i) {
-    const Reach reach = reachOf(body, i, double(tick));
-    body.reach[static_cast<std::size_t>(i)] = reach.distance;
-    low = low.cwiseMin(reach.low);
-    high = high.cwiseMax(reach.high);
-  }
-  findPartners(body, low, high);
-  if (body.partners.empty() && isSurfaceBody(body)) return;
+  findPartners(body, reachBox(body, double(tick)), double(tick));
+  if (isSurfaceBody(body) && body.partners.empty()) return;
   for (std::uint32_t i = 0; i < body.masses.bodies.size(); ++i) {
     for (const btCollisionObject* partner : body.partners)
       if (!body.masses.held[i]) addRows(body, i, *partner, tick);

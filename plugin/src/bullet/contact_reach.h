@@ -3,6 +3,11 @@
 
 #include "bullet/soft_body_data.h"
 
+#include <Eigen/Geometry>
+
+#include <algorithm>
+#include <cmath>
+
 namespace limber {
 inline namespace LIMBER_BULLET_PRECISION {
 
@@ -23,6 +28,27 @@ inline Reach reachOf(const SoftBodyData& body, Eigen::Index i, double tick) {
   const double distance = kReachPerMotion * motion + radius / 3.0;
   const double size = radius + distance;
   return {x.array() - size, x.array() + size, distance};
+}
+
+/// Where the points of a body may get in a tick if nothing is in their way: the body flies on, and its points
+/// move relative to that as each may (reachOf). Smaller than the box around all reaches, which also hold what
+/// a hit may push aside.
+inline Eigen::AlignedBox3d flightBox(const SoftBodyData& body, double tick) {
+  const PointState& s = body.state;
+  const Eigen::Map<const Eigen::VectorXd> shares(body.network->massShares.data(), s.position.cols());
+  const Eigen::Vector3d mean = s.velocity * shares;
+  Eigen::AlignedBox3d box;
+  double fastest = 0.0;
+  for (Eigen::Index i = 0; i < s.position.cols(); ++i) {
+    box.extend(s.position.col(i));
+    fastest = std::max(fastest, (s.velocity.col(i) - mean).squaredNorm());
+  }
+  const double radius = double(body.masses.shape->getRadius());
+  const double fall = tick * tick * s.acceleration.col(0).norm();
+  const double margin = radius + radius / 3.0 + kReachPerMotion * (tick * std::sqrt(fastest) + fall);
+  const Eigen::Vector3d way = kReachPerMotion * tick * mean;
+  const Eigen::Vector3d low = box.min() + way.cwiseMin(0.0), high = box.max() + way.cwiseMax(0.0);
+  return {low.array() - margin, high.array() + margin};
 }
 
 }  // namespace LIMBER_BULLET_PRECISION

@@ -24,13 +24,10 @@ void placeObject(SoftBodyData& body) {
 }
 
 void setBox(SoftBodyData& body, double tick) {
-  Eigen::Vector3d low = body.masses.startPosition.col(0), high = low;
-  for (Eigen::Index i = 0; i < body.state.position.cols(); ++i) {
-    const Reach reach = reachOf(body, i, tick);
-    low = low.cwiseMin(reach.low).cwiseMin(body.masses.startPosition.col(i));
-    high = high.cwiseMax(reach.high).cwiseMax(body.masses.startPosition.col(i));
-  }
-  body.surface.shape->setBox(toBullet(low), toBullet(high));
+  const Points& start = body.masses.startPosition;
+  const Eigen::AlignedBox3d box =
+      flightBox(body, tick).extend(start.rowwise().minCoeff()).extend(start.rowwise().maxCoeff());
+  body.surface.shape->setBox(toBullet(Eigen::Vector3d(box.min())), toBullet(Eigen::Vector3d(box.max())));
 }
 
 /// A body that the user holds still, or that Bullet has found too large.

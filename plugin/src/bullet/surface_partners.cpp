@@ -48,12 +48,12 @@ void collectPartners(btDiscreteDynamicsWorld& world, const void* system) {
   }
 }
 
-bool partnersCover(const SoftBodyData& body, const Eigen::Vector3d& low, const Eigen::Vector3d& high) {
+bool partnersCover(const SoftBodyData& body, const Eigen::AlignedBox3d& box) {
   const SurfaceShape& shape = *body.surface.shape;
   // the box went through rounding, the broadphase adds gContactBreakingThreshold on all sides
   const double slack = 0.5 * double(gContactBreakingThreshold);
-  return body.surface.boxKnown && (low.array() >= toEigen(shape.low()).array() - slack).all() &&
-         (high.array() <= toEigen(shape.high()).array() + slack).all();
+  return body.surface.boxKnown && (box.min().array() >= toEigen(shape.low()).array() - slack).all() &&
+         (box.max().array() <= toEigen(shape.high()).array() + slack).all();
 }
 
 }  // namespace LIMBER_BULLET_PRECISION

@@ -3,6 +3,8 @@
 
 #include "bullet/soft_body_data.h"
 
+#include <Eigen/Geometry>
+
 namespace limber {
 inline namespace LIMBER_BULLET_PRECISION {
 
@@ -14,7 +16,7 @@ void collectPartners(btDiscreteDynamicsWorld& world, const void* system);
 
 /// Whether surface.partners holds everything that may touch something in this box (m) in the coming tick:
 /// Bullet's broadphase has looked there.
-bool partnersCover(const SoftBodyData& body, const Eigen::Vector3d& low, const Eigen::Vector3d& high);
+bool partnersCover(const SoftBodyData& body, const Eigen::AlignedBox3d& box);
 
 }  // namespace LIMBER_BULLET_PRECISION
 }  // namespace limber
