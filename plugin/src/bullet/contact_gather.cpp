@@ -98,7 +98,8 @@ class RowsOfPair final : public btCollisionWorld::ContactResultCallback {
   }
 
   btScalar combinedFriction() const {
-    return gCalculateCombinedFrictionCallback(body_->masses.bodies[point_], partner_);
+    const btRigidBody* own = body_->masses.bodies[point_];
+    return gCalculateCombinedFrictionCallback(body_->masses.shared ? own : body_->surface.object, partner_);
   }
 
   Eigen::Vector3d velocityOfPartner(const btVector3& surface) const {
@@ -165,11 +166,17 @@ void addFoundRows(RowsOfPair& rows, SoftBodyData& body, std::uint32_t i, const b
   if (isSurfaceBody(body)) rows.keepContact(body.surface.contacts[i]);
 }
 
+/// Nobody can have excluded a pair with a point that nobody outside knows.
+bool mayBeExcluded(const SoftBodyData& body) { return body.masses.shared || !body.anchors.empty(); }
+
+bool isExcluded(const PointMass& point, const btCollisionObject& partner) {
+  return !point.checkCollideWith(&partner) || !partner.checkCollideWith(&point);
+}
+
 void addRows(SoftBodyData& body, std::uint32_t i, const btCollisionObject& partner, btScalar tick) {
   const Reach reach = reachOf(body, i, double(tick));
   if (!overlaps(reach, partner)) return;
-  PointMass& point = *body.masses.bodies[i];
-  if (!point.checkCollideWith(&partner) || !partner.checkCollideWith(&point)) return;
+  if (mayBeExcluded(body) && isExcluded(*body.masses.bodies[i], partner)) return;
   // what a moving partner travels is reached, too
   const btRigidBody* rigid = btRigidBody::upcast(&partner);
   const double travel =
@@ -211,9 +218,8 @@ Eigen::AlignedBox3d reachBox(SoftBodyData& body, double tick) {
   return box;
 }
 
-/// Takes over what Bullet's broadphase has found around a surface body; false if it has to be asked anew,
-/// because it did not look everywhere.
-bool takePartners(SoftBodyData& body, const Eigen::AlignedBox3d& box, double tick) {
+/// Takes over what Bullet's broadphase has found around a surface body.
+void takePartners(SoftBodyData& body) {
   body.partners.clear();
   body.partners.swap(body.surface.partners);
   const auto cannotHit = [&](const btCollisionObject* partner) {
@@ -222,12 +228,20 @@ bool takePartners(SoftBodyData& body, const Eigen::AlignedBox3d& box, double tic
   };
   body.partners.erase(std::remove_if(body.partners.begin(), body.partners.end(), cannotHit),
                       body.partners.end());
-  // what nothing is in the way of is not pushed aside either
-  return partnersCover(body, body.partners.empty() ? flightBox(body, tick) : box);
 }
 
-void findPartners(SoftBodyData& body, const Eigen::AlignedBox3d& box, double tick) {
-  if (isSurfaceBody(body) && takePartners(body, box, tick)) return;
+/// Whether Bullet's broadphase knows that nothing is in the way of a body that flies as was foreseen: then
+/// nothing pushes its points aside either.
+bool fliesFreely(SoftBodyData& body, double tick) {
+  if (!body.partners.empty()) return false;
+  const bool foreseen = !body.masses.shared && body.surface.flight.tick == tick;
+  const Flight flight = foreseen ? body.surface.flight : flightOf(body, tick);
+  if (!foreseen && !partnersCover(body, flight.box)) return false;
+  body.reach.assign(body.masses.bodies.size(), flight.reach);
+  return true;
+}
+
+void askForPartners(SoftBodyData& body, const Eigen::AlignedBox3d& box) {
   body.partners.clear();
   PartnersInBox partners(body, body.partners);
   body.world->getBroadphase()->aabbTest(toBullet(Eigen::Vector3d(box.min())),
@@ -239,13 +253,17 @@ void findPartners(SoftBodyData& body, const Eigen::AlignedBox3d& box, double tic
 void gatherContacts(SoftBodyData& body, btScalar tick) {
   body.contacts.clear();
   body.contactPartners.clear();
-  findPartners(body, reachBox(body, double(tick)), double(tick));
-  if (isSurfaceBody(body) && body.partners.empty()) return;
+  const bool surface = isSurfaceBody(body);
+  if (surface) takePartners(body);
+  if (surface && fliesFreely(body, double(tick))) return;
+  const Eigen::AlignedBox3d box = reachBox(body, double(tick));
+  if (!surface || !partnersCover(body, box)) askForPartners(body, box);
+  if (surface && body.partners.empty()) return;
   for (std::uint32_t i = 0; i < body.masses.bodies.size(); ++i) {
     for (const btCollisionObject* partner : body.partners)
       if (!body.masses.held[i]) addRows(body, i, *partner, tick);
     // Bullet may free a manifold at any time after this
-    body.masses.bodies[i]->cachedContact = nullptr;
+    if (!surface) body.masses.bodies[i]->cachedContact = nullptr;
   }
 }
 

@@ -30,13 +30,20 @@ inline Reach reachOf(const SoftBodyData& body, Eigen::Index i, double tick) {
   return {x.array() - size, x.array() + size, distance};
 }
 
+/// The mean of a quantity per point, by mass.
+inline Eigen::Vector3d meanOf(const SpringNetwork& network, const Points& quantity) {
+  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+  for (Eigen::Index i = 0; i < quantity.cols(); ++i)
+    mean += network.massShares[static_cast<std::size_t>(i)] * quantity.col(i);
+  return mean;
+}
+
 /// Where the points of a body may get in a tick if nothing is in their way: the body flies on, and its points
 /// move relative to that as each may (reachOf). Smaller than the box around all reaches, which also hold what
 /// a hit may push aside.
-inline Eigen::AlignedBox3d flightBox(const SoftBodyData& body, double tick) {
+inline Flight flightOf(const SoftBodyData& body, double tick) {
   const PointState& s = body.state;
-  const Eigen::Map<const Eigen::VectorXd> shares(body.network->massShares.data(), s.position.cols());
-  const Eigen::Vector3d mean = s.velocity * shares;
+  const Eigen::Vector3d mean = meanOf(*body.network, s.velocity);
   Eigen::AlignedBox3d box;
   double fastest = 0.0;
   for (Eigen::Index i = 0; i < s.position.cols(); ++i) {
@@ -48,7 +55,7 @@ inline Eigen::AlignedBox3d flightBox(const SoftBodyData& body, double tick) {
   const double margin = radius + radius / 3.0 + kReachPerMotion * (tick * std::sqrt(fastest) + fall);
   const Eigen::Vector3d way = kReachPerMotion * tick * mean;
   const Eigen::Vector3d low = box.min() + way.cwiseMin(0.0), high = box.max() + way.cwiseMax(0.0);
-  return {low.array() - margin, high.array() + margin};
+  return {{low.array() - margin, high.array() + margin}, margin - radius + way.norm(), tick};
 }
 
 }  // namespace LIMBER_BULLET_PRECISION

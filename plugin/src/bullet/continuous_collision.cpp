@@ -53,8 +53,11 @@ double motion(const SoftBodyData& body, Eigen::Index i) {
 
 /// Whether a point got farther than contacts were looked for.
 bool anyOutOfReach(const SoftBodyData& body) {
-  for (Eigen::Index i = 0; i < body.state.position.cols(); ++i)
-    if (motion(body, i) > body.reach[static_cast<std::size_t>(i)]) return true;
+  for (Eigen::Index i = 0; i < body.state.position.cols(); ++i) {
+    const double reach = body.reach[static_cast<std::size_t>(i)];
+    if ((body.state.position.col(i) - body.masses.startPosition.col(i)).squaredNorm() > reach * reach)
+      return true;
+  }
   return false;
 }
 
@@ -85,10 +88,11 @@ void sweepPoint(SoftBodyData& body, Eigen::Index i) {
 void stopAtFirstContact(SoftBodyData& body) {
   if (!body.settings.continuousCollision) return;
   const double careless = kCarelessMotion * double(body.masses.shape->getRadius());
+  if (body.surface.object && !anyOutOfReach(body)) return;
   double longest = 0.0;
   for (Eigen::Index i = 0; i < body.state.position.cols(); ++i)
     if (!body.masses.held[static_cast<std::size_t>(i)]) longest = std::max(longest, motion(body, i));
-  if (!(longest > careless) || (body.surface.object && !anyOutOfReach(body))) return;
+  if (!(longest > careless)) return;
   const InTheWay found = lookInTheWay(body, longest);
   if (!found.dynamic && !found.nonDynamic) return;
   for (Eigen::Index i = 0; i < body.state.position.cols(); ++i) {

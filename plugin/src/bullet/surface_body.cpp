@@ -13,20 +13,19 @@ namespace {
 
 /// The object where and as fast as the points are on average.
 void placeObject(SoftBodyData& body) {
-  const Eigen::Map<const Eigen::VectorXd> shares(body.network->massShares.data(), body.state.position.cols());
   SurfaceObject& object = *body.surface.object;
-  const btVector3 origin = toBullet(Eigen::Vector3d(body.state.position * shares));
-  const btVector3 velocity = toBullet(Eigen::Vector3d(body.state.velocity * shares));
+  const btVector3 origin = toBullet(meanOf(*body.network, body.state.position));
+  const btVector3 velocity = toBullet(meanOf(*body.network, body.state.velocity));
   object.getWorldTransform().setOrigin(origin);
   object.getInterpolationWorldTransform().setOrigin(origin);
   object.setLinearVelocity(velocity);
   object.setInterpolationLinearVelocity(velocity);
 }
 
-void setBox(SoftBodyData& body, double tick) {
-  const Points& start = body.masses.startPosition;
-  const Eigen::AlignedBox3d box =
-      flightBox(body, tick).extend(start.rowwise().minCoeff()).extend(start.rowwise().maxCoeff());
+/// The box of the last tick's motion and of the coming one.
+void setBox(SoftBodyData& body) {
+  Eigen::AlignedBox3d box = body.surface.flight.box;
+  for (Eigen::Index i = 0; i < body.state.position.cols(); ++i) box.extend(body.masses.startPosition.col(i));
   body.surface.shape->setBox(toBullet(Eigen::Vector3d(box.min())), toBullet(Eigen::Vector3d(box.max())));
 }
 
@@ -85,7 +84,9 @@ void addSurface(SoftBodyData& body) {
   s.object->setSleepingThresholds(static_cast<btScalar>(body.settings.sleepingSpeed),
                                   s.object->getAngularSleepingThreshold());
   placeObject(body);
-  setBox(body, 0.0);
+  s.flight = flightOf(body, 0.0);
+  s.gravity = body.world->getGravity();
+  setBox(body);
   // past btDiscreteDynamicsWorld, which would move it
   body.world->btCollisionWorld::addCollisionObject(s.object, body.settings.collisionGroup,
                                                    body.settings.collisionMask);
@@ -113,6 +114,7 @@ void sharePoints(SoftBodyData& body) {
   body.surface.force.setZero(3, body.state.position.cols());
   body.surface.gravity = body.world->getGravity();
   for (PointMass* point : body.masses.bodies) {
+    if (body.surface.object) point->setFriction(body.surface.object->getFriction());
     point->setGravity(body.surface.gravity);
     if (body.asleep) point->setActivationState(ISLAND_SLEEPING);
   }
@@ -141,12 +143,15 @@ void gatherSurface(SoftBodyData& body, btScalar tick) {
     return;
   }
   body.masses.startPosition = body.state.position;
-  body.state.acceleration.colwise() = toEigen(body.world->getGravity());
+  const btVector3 gravity = body.world->getGravity();
+  if (gravity != s.gravity) s.flight.tick = 0.0;
+  s.gravity = gravity;
+  body.state.acceleration.colwise() = toEigen(gravity);
 }
 
 void handOverBox(SoftBodyData& body, btScalar tick) {
-  setBox(body, double(tick));
-  body.surface.boxKnown = true;
+  body.surface.flight = flightOf(body, double(tick));
+  setBox(body);
 }
 
 void finishSurface(SoftBodyData& body, btScalar tick) {

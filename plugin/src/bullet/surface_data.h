@@ -4,6 +4,8 @@
 #include "bullet/surface_object.h"
 #include "bullet/surface_shape.h"
 
+#include <Eigen/Geometry>
+
 #include <memory>
 #include <vector>
 
@@ -17,6 +19,13 @@ struct CachedContact {
   btVector3 place = btVector3(0, 0, 0);  ///< of the point's centre when it was found
 };
 
+/// Where a body may get in a tick if nothing is in its way, see contact_reach.h.
+struct Flight {
+  Eigen::AlignedBox3d box;  ///< m
+  double reach = 0.0;       ///< m, no point gets farther
+  double tick = 0.0;        ///< s, of that tick; 0: not known
+};
+
 /// What a body with Collision::Surface has besides its points.
 struct SurfaceData {
   SurfaceObject* object = nullptr;  ///< nullptr: Collision::Points, or the application has deleted it
@@ -25,7 +34,7 @@ struct SurfaceData {
   btVector3 gravity;                    ///< m/s^2, of the world when the points were given it
   Points force;                         ///< 3 x #points, N, of the present stepSimulation(); once shared
   std::vector<CachedContact> contacts;  ///< #points
-  bool boxKnown = false;                ///< Bullet's broadphase has had the shape's box for a tick
+  Flight flight;                        ///< foreseen for the coming tick; Bullet's broadphase has its box
   std::vector<const btCollisionObject*> partners;  ///< of the coming tick, see surface_partners.h
 };
 

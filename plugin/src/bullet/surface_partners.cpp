@@ -52,7 +52,8 @@ bool partnersCover(const SoftBodyData& body, const Eigen::AlignedBox3d& box) {
   const SurfaceShape& shape = *body.surface.shape;
   // the box went through rounding, the broadphase adds gContactBreakingThreshold on all sides
   const double slack = 0.5 * double(gContactBreakingThreshold);
-  return body.surface.boxKnown && (box.min().array() >= toEigen(shape.low()).array() - slack).all() &&
+  return body.surface.flight.tick > 0.0 &&
+         (box.min().array() >= toEigen(shape.low()).array() - slack).all() &&
          (box.max().array() <= toEigen(shape.high()).array() + slack).all();
 }
 

@@ -22,6 +22,7 @@ struct TickGroup {
   std::vector<SpringConstraint*> springs;  ///< step.links.springs[i] is springs[i]
   double calmTime = 0.0;  ///< s for which nothing in it has moved faster than it may in sleep
   bool asleep = false;
+  Stepping stepping;  ///< the strictest of its bodies' choices
   int substeps = 0;
   Stepper stepper = Stepper::Verlet;
   bool guarded = false;       ///< its energy must not rise in this tick
