@@ -164,6 +164,19 @@ TEST_F(SurfaceSleep, wakesByTheObjectByACallAndByAChangedPoint) {
   }
 }
 
+TEST_F(SurfaceSleep, wokenItStandsOnItsFloorFromTheFirstTick) {
+  const std::function<void()> wakers[] = {[&] { body->surfaceObject()->activate(); }, [&] { body->wake(); }};
+  for (const auto& waker : wakers) {
+    sleep();
+    const double before = body->position(0).y();
+    waker();
+    bullet.tick();
+    ASSERT_FALSE(body->sleeping());
+    // without the floor it falls g h^2 / 2 = 1.4 mm
+    EXPECT_NEAR(body->position(0).y(), before, 1e-5);
+  }
+}
+
 TEST_F(SurfaceSleep, theUsersDisableDeactivationKeepsItAwake) {
   body->surfaceObject()->setActivationState(DISABLE_DEACTIVATION);
   bullet.simulate(8.0);

@@ -182,6 +182,8 @@ void wakeSurface(SoftBodyData& body) {
     if (object && object->getActivationState() != ACTIVE_TAG) object->activate(true);
   };
   wake(body.surface.object);
+  // what was foreseen is old, and partners were collected for those that were awake
+  body.surface.flight.tick = 0.0;
   if (!body.masses.shared) return;
   for (PointMass* point : body.masses.bodies) wake(point);
 }
