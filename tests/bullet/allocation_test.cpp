@@ -3,6 +3,7 @@
 #include "support/allocation_counter.h"
 #include "support/bullet_world.h"
 #include "support/networks.h"
+#include "support/tested_way.h"
 
 #include <limber/soft_body_system.h>
 
@@ -19,7 +20,7 @@ TEST(Allocation, aTickAllocatesNothingAfterWarmUp) {
   SoftBodySystem system(*bullet.world);
   const SharedNetwork open = test::cubeNetwork(), closed = test::closedCubeNetwork();
   for (int i = 0; i < 12; ++i) {
-    SoftBodySettings s;
+    SoftBodySettings s = test::testedSettings();
     s.position = {1.5 * i, 1.0, 0};
     SoftBody* body = *system.createBody(i < 8 ? open : closed, s);
     body->point(0)->setActivationState(DISABLE_DEACTIVATION);

@@ -2,6 +2,7 @@
 // Motion without contact against closed forms, through a real Bullet world.
 #include "support/bullet_world.h"
 #include "support/networks.h"
+#include "support/tested_way.h"
 
 #include <limber/soft_body_system.h>
 
@@ -49,7 +50,7 @@ Oscillation oscillate(SoftBodySettings settings, int periods, double expectedPer
 }
 
 TEST(Oscillator, periodAndAmplitudeAt30TicksAPeriod) {
-  SoftBodySettings s;
+  SoftBodySettings s = test::testedSettings();
   s.totalMass = 0.2;  // 0.1 kg on each of the two points
   s.extensionStiffness = s.compressionStiffness = 16.0;
   s.damping = 0.0;
@@ -63,7 +64,7 @@ TEST(Oscillator, periodAndAmplitudeAt30TicksAPeriod) {
 }
 
 TEST(Oscillator, periodDoesNotDependOnTheTick) {
-  SoftBodySettings s;
+  SoftBodySettings s = test::testedSettings();
   s.totalMass = 0.2;
   s.extensionStiffness = s.compressionStiffness = 16.0;
   s.damping = 0.0;
@@ -76,7 +77,7 @@ TEST(Oscillator, periodDoesNotDependOnTheTick) {
 }
 
 TEST(Oscillator, defaultToleranceHoldsItsPromise) {
-  SoftBodySettings s;
+  SoftBodySettings s = test::testedSettings();
   s.totalMass = 0.2;
   s.extensionStiffness = s.compressionStiffness = 1000.0;
   s.damping = 0.0;
@@ -87,7 +88,7 @@ TEST(Oscillator, defaultToleranceHoldsItsPromise) {
 }
 
 TEST(Oscillator, dampedAmplitudeFollowsTheLogarithmicDecrement) {
-  SoftBodySettings s;
+  SoftBodySettings s = test::testedSettings();
   s.totalMass = 0.2;
   s.extensionStiffness = s.compressionStiffness = 16.0;
   s.stepping.periodTolerance = 1e-5;
@@ -119,7 +120,7 @@ TEST(HangingChain, sagIsExactAtAnyTick) {
     for (double dt : {1.0 / 30, 1.0 / 60, 1.0 / 120, 1.0 / 240}) {
       BulletWorld bullet(-g);
       SoftBodySystem system(*bullet.world);
-      SoftBodySettings s;
+      SoftBodySettings s = test::testedSettings();
       s.totalMass = mass * (links + 1);
       s.extensionStiffness = s.compressionStiffness = k;
       s.damping = std::sqrt(k * mass);  // its slowest oscillation then has a damping ratio of about 0.05
@@ -138,7 +139,7 @@ TEST(FreeFlight, centreOfMassFollowsTheExactParabola) {
   for (double dt : {1.0 / 30, 1.0 / 60, 1.0 / 240}) {
     BulletWorld bullet(-9.81);
     SoftBodySystem system(*bullet.world);
-    SoftBodySettings s;
+    SoftBodySettings s = test::testedSettings();
     s.linearVelocity = {1.5, 4.0, -0.5};
     s.angularVelocity = {1.0, 2.0, 3.0};
     SoftBody* body = create(system, test::cubeNetwork(), s);
@@ -153,7 +154,7 @@ TEST(FreeFlight, centreOfMassFollowsTheExactParabola) {
 TEST(FreeFlight, linearAndAngularMomentumAreKept) {
   BulletWorld bullet(0.0);
   SoftBodySystem system(*bullet.world);
-  SoftBodySettings s;
+  SoftBodySettings s = test::testedSettings();
   s.linearVelocity = {0.3, -0.2, 0.1};
   s.angularVelocity = {3.0, 1.0, -2.0};
   s.scale = {1.0, 1.3, 0.7};
@@ -169,7 +170,7 @@ TEST(FreeFlight, linearAndAngularMomentumAreKept) {
 TEST(FreeFlight, undampedEnergyNeitherGrowsNorFalls) {
   BulletWorld bullet(0.0);
   SoftBodySystem system(*bullet.world);
-  SoftBodySettings s;
+  SoftBodySettings s = test::testedSettings();
   s.damping = 0.0;
   s.angularVelocity = {3.0, 1.0, -2.0};
   SoftBody* body = create(system, test::fullCubeNetwork(), s);
@@ -194,7 +195,7 @@ TEST(StiffCube, movesLikeARigidCubeOfTheSameMass) {
   rigid->setMassProps(1.0, btVector3(0.5, 0.5, 0.5));
   rigid->setAngularVelocity(btVector3(0, 2, 0));
   SoftBodySystem system(*bullet.world);
-  SoftBodySettings s;
+  SoftBodySettings s = test::testedSettings();
   s.extensionStiffness = s.compressionStiffness = 1e5;
   s.damping = 50.0;
   s.angularVelocity = {0, 2, 0};

@@ -2,6 +2,7 @@
 // A body that has come to rest stays at rest: for a minute, on every kind of floor, soft or stiff.
 #include "support/bullet_world.h"
 #include "support/networks.h"
+#include "support/tested_way.h"
 
 #include <limber/soft_body_system.h>
 
@@ -18,7 +19,7 @@ constexpr double kGravity = 9.81;
 
 void expectLastingRest(BulletWorld& bullet, double stiffness) {
   SoftBodySystem system(*bullet.world);
-  SoftBodySettings s;
+  SoftBodySettings s = test::testedSettings();
   s.extensionStiffness = s.compressionStiffness = stiffness;
   s.damping = 0.1 * 2.0 * std::sqrt(stiffness * 0.125);
   s.position = {0.1, 0.8, 0.05};

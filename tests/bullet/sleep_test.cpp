@@ -2,6 +2,7 @@
 // A soft body sleeps and wakes as one.
 #include "support/bullet_world.h"
 #include "support/networks.h"
+#include "support/tested_way.h"
 
 #include <limber/soft_body_system.h>
 
@@ -17,7 +18,7 @@ struct SleepTest : testing::Test {
   ~SleepTest() override { gDeactivationTime = 2; }
 
   SoftBody* restingCube(double x = 0, double y = 0.52) {
-    SoftBodySettings s;
+    SoftBodySettings s = test::testedSettings();
     s.position = {x, y, 0};
     return *system.createBody(test::cubeNetwork(), s);
   }
@@ -82,6 +83,7 @@ TEST_F(SleepTest, neverWhileSomethingOnItIsAwake) {
 }
 
 TEST_F(SleepTest, aRigidBodyOnItSleepsToo) {
+  if (test::kSurface) GTEST_SKIP() << "only points in the world carry dynamic bodies";
   SoftBody* body = restingCube();
   btRigidBody* plate = bullet.addBox(test::vec(0.6, 0.1, 0.6), 0.2, test::vec(0, 1.12, 0));
   bullet.simulate(15.0);
@@ -117,7 +119,7 @@ TEST_F(SleepTest, bodiesThatComeAndGoDoNotWakeIt) {
 }
 
 TEST_F(SleepTest, aSlowSwingIsNotRest) {
-  SoftBodySettings s;
+  SoftBodySettings s = test::testedSettings();
   s.position = {0, 4, 0};
   SoftBody* rope = *system.createBody(test::pairNetwork(), s);
   rope->pin(0);
@@ -140,7 +142,7 @@ TEST_F(SleepTest, gravityReachesAllPointsOfAWokenBody) {
 }
 
 TEST_F(SleepTest, aMovedPinWakesIt) {
-  SoftBodySettings s;
+  SoftBodySettings s = test::testedSettings();
   s.position = {0, 4, 0};
   s.damping = 50;
   SoftBody* rope = *system.createBody(test::chainNetwork(2), s);
@@ -157,7 +159,7 @@ TEST(Sleep, aPointLetGoMovesHoweverLongTheBodyWasCalm) {
   for (const double calm : {1.0, 1.9, 1.99, 2.0, 2.02, 5.0}) {
     BulletWorld bullet(0.0);
     SoftBodySystem system(*bullet.world);
-    SoftBodySettings s;
+    SoftBodySettings s = test::testedSettings();
     s.damping = 20.0;
     SoftBody* body = *system.createBody(test::chainNetwork(2), s);
     body->pin(0);

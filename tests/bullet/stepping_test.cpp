@@ -3,6 +3,7 @@
 #include "support/allocation_counter.h"
 #include "support/bullet_world.h"
 #include "support/networks.h"
+#include "support/tested_way.h"
 
 #include <limber/soft_body_system.h>
 
@@ -18,7 +19,7 @@ using test::BulletWorld;
 constexpr double kGravity = 9.81;
 
 SoftBodySettings stiffCube(double stiffness, Stepper stepper) {
-  SoftBodySettings s;
+  SoftBodySettings s = test::testedSettings();
   s.extensionStiffness = s.compressionStiffness = stiffness;
   s.damping = 0.05 * 2.0 * std::sqrt(stiffness * 0.125);
   s.stepping.stepper = stepper;
@@ -113,7 +114,7 @@ Flight fly(const Stepping& stepping) {
   const auto positionsAfter = [](const Stepping& choice, Flight& flight) {
     BulletWorld bullet(0.0);
     SoftBodySystem system(*bullet.world);
-    SoftBodySettings s;
+    SoftBodySettings s = test::testedSettings();
     s.damping = 0.0;
     s.angularVelocity = {2.0, 2.5, 1.0};
     s.stepping = choice;
@@ -179,7 +180,7 @@ TEST(ElasticLimit, aRopeBreaksWhereTheLoadIsTooMuch) {
   const auto brokenUnder = [](double loadMass) {
     BulletWorld bullet(-kGravity);
     SoftBodySystem system(*bullet.world);
-    SoftBodySettings s;
+    SoftBodySettings s = test::testedSettings();
     s.extensionStiffness = s.compressionStiffness = 1000.0;
     s.damping = 20.0;
     s.totalMass = 0.1;
@@ -199,7 +200,7 @@ TEST(ElasticLimit, aRopeBreaksWhereTheLoadIsTooMuch) {
 TEST(ElasticLimit, aRopeThatYieldedStaysLonger) {
   BulletWorld bullet(0.0);
   SoftBodySystem system(*bullet.world);
-  SoftBodySettings s;
+  SoftBodySettings s = test::testedSettings();
   s.damping = 5.0;
   s.elasticLimit.yieldStrain = 0.05;
   SoftBody* rope = *system.createBody(test::chainNetwork(4), s);

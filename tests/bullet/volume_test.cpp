@@ -3,6 +3,7 @@
 #include "support/bullet_world.h"
 #include "support/networks.h"
 #include "support/small_meshes.h"
+#include "support/tested_way.h"
 
 #include <limber/material_network.h>
 #include <limber/soft_body_system.h>
@@ -25,7 +26,7 @@ double volumeOf(const SoftBody& body) {
 TEST(Volume, isRefusedWhereThereIsNoneAndNothingIsLeftBehind) {
   BulletWorld bullet;
   SoftBodySystem system(*bullet.world);
-  SoftBodySettings s;
+  SoftBodySettings s = test::testedSettings();
   s.pressure = 1.0;
   EXPECT_EQ(system.createBody(*buildCloth(), s).error(), "pressure: a rope or cloth encloses no volume");
   EXPECT_EQ(bullet.world->getNumCollisionObjects(), 0);
@@ -38,7 +39,7 @@ TEST(Volume, bringsAnInvertedBodyBack) {
   BulletWorld bullet(0.0);
   SoftBodySystem system(*bullet.world);
   for (const double modulus : {-1.0, 0.0}) {
-    SoftBodySettings s;
+    SoftBodySettings s = test::testedSettings();
     s.volumeModulus = modulus;
     s.position = {modulus < 0.0 ? 0.0 : 5.0, 0, 0};
     SoftBody* body = *system.createBody(test::closedCubeNetwork(), s);
@@ -59,7 +60,7 @@ std::vector<std::uint64_t> hashes(bool shared) {
   SoftBodySystem system(*bullet.world);
   const SharedNetwork cube = test::closedCubeNetwork();
   for (int i = 0; i < 12; ++i) {
-    SoftBodySettings s;
+    SoftBodySettings s = test::testedSettings();
     s.position = {2.0 * i, 1.5, 0};
     s.scale = {i % 3 == 1 ? -1.0 : 1.0, 1.0 + 0.1 * i, 1.0};
     s.pressure = 5.0 * i;
@@ -86,7 +87,7 @@ TEST(Volume, isKeptByABallThatIsPressedFlat) {
     NetworkSettings network;
     network.braces = BraceRule::None;
     network.braceWeight = 1.0;
-    SoftBodySettings s;
+    SoftBodySettings s = test::testedSettings();
     s.position = {5.0 * gas, 1.0, 0};
     s.extensionStiffness = s.compressionStiffness = 10.0;
     s.damping = 1.0;
@@ -137,7 +138,7 @@ TEST(Volume, givesABodyOfAMaterialItsPoissonRatio) {
   for (int i = 0; i < 3; ++i) {
     BulletWorld bullet(0.0);
     SoftBodySystem system(*bullet.world);
-    SoftBodySettings s = *withMaterial(*block, {1e5, ratios[i], 1000.0}, {});
+    SoftBodySettings s = *withMaterial(*block, {1e5, ratios[i], 1000.0}, test::testedSettings());
     s.damping = 30.0;
     swelling[i] = swellingOf(**system.createBody(block, s), bullet);
     // the ratio asked for is a mean over all directions of a lattice that is not quite isotropic
@@ -155,7 +156,7 @@ TEST(Volume, ofTetrahedraCountsAsElasticEnergy) {
   SoftBodySystem system(*bullet.world);
   double energies[2];
   for (const int i : {0, 1}) {
-    SoftBodySettings s;
+    SoftBodySettings s = test::testedSettings();
     s.position = {3.0 * i, 0, 0};
     s.volumeModulus = i * 1e6;
     SoftBody* body = *system.createBody(block, s);
@@ -179,7 +180,7 @@ TEST(Volume, ofTetrahedraIsTheSameToTheBitForBodiesSteppedTogether) {
     const SharedNetwork shared = *buildMaterialNetwork(small_meshes::cube(), mesh);
     std::vector<std::uint64_t> all;
     for (int i = 0; i < 5; ++i) {
-      SoftBodySettings s;
+      SoftBodySettings s = test::testedSettings();
       s.scale.x() = i == 3 ? -1.0 : 1.0;
       s.position = {3.0 * i, 1.0, 0.0};
       s.angularVelocity = {1, 2, 3};

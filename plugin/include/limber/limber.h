@@ -17,4 +17,5 @@
 #include <limber/spring_constraint.h>
 #include <limber/spring_network.h>
 #include <limber/spring_settings.h>
+#include <limber/surface_hit.h>
 #include <limber/triangle_mesh.h>

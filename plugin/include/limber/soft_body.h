@@ -21,6 +21,9 @@ struct SoftBodyData;
 /// Every point mass is an ordinary btRigidBody sphere that belongs to the user as much as any other: apply
 /// forces and impulses, move it, set its velocity, its user pointer and index, its material. Whatever changes
 /// between ticks is taken over. Indices run from 0 to pointCount() - 1 in the order of network().restPoints.
+///
+/// With Collision::Points these spheres are in the world; with Collision::Surface they are not: Bullet's own
+/// constraints cannot hold them (springs, anchors and pins can), and the world has surfaceObject() instead.
 /// Thread rule: the thread that steps the world, between steps.
 class SoftBody {
  public:
@@ -34,12 +37,20 @@ class SoftBody {
   const SoftBodySettings& settings() const;
   std::uint32_t pointCount() const;
 
-  /// False once the application has deleted or removed one of its point masses (as HelloWorld's clean-up loop
-  /// does): the springs then no longer act.
+  /// False once the application has deleted or removed one of its point masses or its surface object (as
+  /// HelloWorld's clean-up loop does): the springs then no longer act.
   bool alive() const;
 
-  /// The Bullet body of point i, nullptr if the application has deleted it.
+  /// The Bullet body of point i, nullptr if the application has deleted it. With Collision::Surface a body is
+  /// cheaper to step until this has been called for one of its points.
   btRigidBody* point(std::uint32_t i) const;
+
+  /// What stands for the body in Bullet's world with Collision::Surface: its origin is the centre of mass,
+  /// its velocity the mean one, its shape the surface as it is now, which rays, sweeps and contact tests
+  /// find. Group, mask, user pointer and index are the user's, its friction is that of the points until
+  /// point() is called. It moves as the points do, never by itself. Deleting it or taking it out of the world
+  /// ends the body. nullptr with Collision::Points, or once it is deleted.
+  btRigidBody* surfaceObject() const;
 
   Eigen::Vector3d position(std::uint32_t i) const;  ///< m
   Eigen::Vector3d velocity(std::uint32_t i) const;  ///< m/s

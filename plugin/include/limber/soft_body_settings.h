@@ -42,6 +42,23 @@ struct ElasticLimit {
   double breakStrain = 0.0;     ///< beyond it, while longer than at rest, the spring is gone for good
 };
 
+#if defined(__GNUC__) && !defined(__clang__)
+// GCC takes a scoped enumerator for one that may hide a type of the same name
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wshadow"
+#endif
+
+/// How a soft body lives in Bullet's world.
+enum class Collision : std::uint8_t {
+  Points,  ///< every point mass is a sphere body of the world, which Bullet's narrowphase and solver know
+  Surface  ///< one object stands for the whole body (SoftBody::surfaceObject()); the point masses are outside
+           ///< the world. Costs Bullet next to nothing while nothing is near
+};
+
+#if defined(__GNUC__) && !defined(__clang__)
+#pragma GCC diagnostic pop
+#endif
+
 /// Everything a soft body is besides its shape. SI units: metres, kilograms, seconds, newtons, radians.
 struct SoftBodySettings {
   Eigen::Vector3d position = Eigen::Vector3d::Zero();            ///< m, of the network's origin
@@ -61,6 +78,7 @@ struct SoftBodySettings {
                                 ///< together; 0 for all others (ropes, cloths, open pieces)
   double pressure = 0.0;        ///< Pa of gas above the outside, at the rest volume; only for closed bodies
 
+  Collision collision = Collision::Points;
   double pointRadius = 0.0;  ///< m, of the sphere each point mass is to Bullet; 0: 2 % of the shortest spring
   double friction = 0.5;     ///< Bullet multiplies it with the partner's
   double restitution = 0.0;  ///< 0..1, Bullet multiplies it with the partner's

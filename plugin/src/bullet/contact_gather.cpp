@@ -1,9 +1,13 @@
 // SPDX-License-Identifier: Zlib
 #include "bullet/contact_gather.h"
 
+#include "bullet/contact_cache.h"
 #include "bullet/contact_filter.h"
 #include "bullet/contact_reach.h"
 #include "bullet/convert.h"
+#include "bullet/point_masses.h"
+#include "bullet/surface_body.h"
+#include "bullet/surface_partners.h"
 
 #include <algorithm>
 
@@ -15,18 +19,35 @@ namespace {
 /// slow.
 constexpr double kSlowReach = 0.6;
 
+void forgetPartners(SoftBodyData& body) {
+  body.partners.clear();
+  body.freePartners.clear();
+  body.softPartners.clear();
+}
+
+bool hasPartners(const SoftBodyData& body) {
+  return !body.partners.empty() || !body.freePartners.empty() || !body.softPartners.empty();
+}
+
+/// Sorts them by what they are. Point masses in the world meet other bodies' points in Bullet's solver.
+void addPartner(SoftBodyData& body, btCollisionObject& object) {
+  if (PointMass::from(&object)) return;
+  if (SurfaceObject* surface = SurfaceObject::from(&object)) {
+    if (isSurfaceBody(body) && surface->owner()) body.softPartners.push_back(surface->owner());
+  } else if (object.isStaticOrKinematicObject()) {
+    body.partners.push_back(&object);
+  } else if (btRigidBody* rigid = btRigidBody::upcast(&object)) {
+    body.freePartners.push_back(rigid);
+  }
+}
+
 /// Collects the partners of a body in a tick.
 struct PartnersInBox final : btBroadphaseAabbCallback {
   explicit PartnersInBox(SoftBodyData& b) : body(&b) {}
   SoftBodyData* body;
 
   bool process(const btBroadphaseProxy* proxy) override {
-    auto* object = static_cast<btCollisionObject*>(proxy->m_clientObject);
-    if (PointMass::from(object) || !canHit(*body, *proxy)) return true;
-    if (object->isStaticOrKinematicObject())
-      body->partners.push_back(object);
-    else if (btRigidBody* rigid = btRigidBody::upcast(object))
-      body->freePartners.push_back(rigid);
+    if (canHit(*body, *proxy)) addPartner(*body, *static_cast<btCollisionObject*>(proxy->m_clientObject));
     return true;
   }
 };
@@ -45,8 +66,17 @@ class RowsOfPair final : public btCollisionWorld::ContactResultCallback {
     if (contact.getDistance() > m_closestDistanceThreshold) return 0;
     const bool pointIsFirst = first->getCollisionObject() == body_->masses.bodies[point_];
     const btVector3 normal = pointIsFirst ? contact.m_normalWorldOnB : -contact.m_normalWorldOnB;
-    add(toEigen(normal), pointIsFirst ? contact.m_positionWorldOnB : contact.m_positionWorldOnA);
+    surface_ = pointIsFirst ? contact.m_positionWorldOnB : contact.m_positionWorldOnA;
+    normal_ = normal;
+    ++found_;
+    add(toEigen(normal), surface_);
     return 0;
+  }
+
+  /// Keeps the one contact that was found for coming ticks.
+  void keepContact(CachedContact& cached) const {
+    const btVector3 place = toBullet(Eigen::Vector3d(body_->state.position.col(point_)));
+    if (found_ == 1) limber::keepContact(cached, *partner_, surface_, normal_, place);
   }
 
   void add(const Eigen::Vector3d& normal, const btVector3& surface) {
@@ -74,7 +104,8 @@ class RowsOfPair final : public btCollisionWorld::ContactResultCallback {
   }
 
   btScalar combinedFriction() const {
-    return gCalculateCombinedFrictionCallback(body_->masses.bodies[point_], partner_);
+    const btRigidBody* own = body_->masses.bodies[point_];
+    return gCalculateCombinedFrictionCallback(body_->masses.shared ? own : body_->surface.object, partner_);
   }
 
   Eigen::Vector3d velocityOfPartner(const btVector3& surface) const {
@@ -88,6 +119,8 @@ class RowsOfPair final : public btCollisionWorld::ContactResultCallback {
   const btCollisionObject* partner_;
   btScalar tick_;
   std::size_t first_;
+  int found_ = 0;
+  btVector3 surface_, normal_;  // of the last one found
 };
 
 void addPlaneRow(RowsOfPair& rows, const SoftBodyData& body, std::uint32_t i,
@@ -119,11 +152,37 @@ bool addCachedRow(RowsOfPair& rows, const SoftBodyData& body, std::uint32_t i,
   return true;
 }
 
+/// The same for a point outside the world, for which Bullet keeps none.
+bool addKeptRow(RowsOfPair& rows, const SoftBodyData& body, std::uint32_t i, const btCollisionObject& partner,
+                double reach) {
+  const CachedContact& cached = body.surface.contacts[i];
+  const double radius = double(body.masses.shape->getRadius());
+  const btVector3 place = toBullet(Eigen::Vector3d(body.state.position.col(i)));
+  if (reach > kSlowReach * radius || !isKept(cached, partner, place, body.masses.shape->getRadius()))
+    return false;
+  const btTransform& pose = partner.getWorldTransform();
+  rows.add(toEigen(pose.getBasis() * cached.normal), pose * cached.surface);
+  return true;
+}
+
+/// Asks Bullet's narrowphase.
+void addFoundRows(RowsOfPair& rows, SoftBodyData& body, std::uint32_t i, const btCollisionObject& partner) {
+  if (!body.masses.shared) writePoint(body, i);
+  body.world->contactPairTest(body.masses.bodies[i], const_cast<btCollisionObject*>(&partner), rows);
+  if (isSurfaceBody(body)) rows.keepContact(body.surface.contacts[i]);
+}
+
+/// Nobody can have excluded a pair with a point that nobody outside knows.
+bool mayBeExcluded(const SoftBodyData& body) { return body.masses.shared || !body.anchors.empty(); }
+
+bool isExcluded(const PointMass& point, const btCollisionObject& partner) {
+  return !point.checkCollideWith(&partner) || !partner.checkCollideWith(&point);
+}
+
 void addRows(SoftBodyData& body, std::uint32_t i, const btCollisionObject& partner, btScalar tick) {
   const Reach reach = reachOf(body, i, double(tick));
   if (!overlaps(reach, partner)) return;
-  PointMass& point = *body.masses.bodies[i];
-  if (!point.checkCollideWith(&partner) || !partner.checkCollideWith(&point)) return;
+  if (mayBeExcluded(body) && isExcluded(*body.masses.bodies[i], partner)) return;
   // what a moving partner travels is reached, too
   const btRigidBody* rigid = btRigidBody::upcast(&partner);
   const double travel =
@@ -132,8 +191,8 @@ void addRows(SoftBodyData& body, std::uint32_t i, const btCollisionObject& partn
   RowsOfPair rows(body, i, partner, distance, tick);
   if (partner.getCollisionShape()->getShapeType() == STATIC_PLANE_PROXYTYPE)
     addPlaneRow(rows, body, i, partner, distance);
-  else if (!addCachedRow(rows, body, i, partner, distance))
-    body.world->contactPairTest(&point, const_cast<btCollisionObject*>(&partner), rows);
+  else if (!(isSurfaceBody(body) ? addKeptRow : addCachedRow)(rows, body, i, partner, distance))
+    addFoundRows(rows, body, i, partner);
 }
 
 /// Calls visit(manifold point, soft body, point, partner) for all contacts of point masses.
@@ -151,26 +210,64 @@ void forEachContact(btDispatcher& dispatcher, Visit visit) {
 
 }  // namespace
 
+namespace {
+
+/// The box around all reaches; keeps how far contacts are looked for.
+Eigen::AlignedBox3d reachBox(SoftBodyData& body, double tick) {
+  Eigen::AlignedBox3d box;
+  body.reach.resize(body.masses.bodies.size());
+  for (Eigen::Index i = 0; i < body.state.position.cols(); ++i) {
+    const Reach reach = reachOf(body, i, tick);
+    body.reach[static_cast<std::size_t>(i)] = reach.distance;
+    box.extend(reach.low).extend(reach.high);
+  }
+  return box;
+}
+
+/// Takes over what Bullet's broadphase has found around a surface body.
+void takePartners(SoftBodyData& body) {
+  for (btCollisionObject* partner : body.surface.partners)
+    if (partner->hasContactResponse() &&
+        (SurfaceObject::from(partner) || body.surface.object->mayTouch(*partner)))
+      addPartner(body, *partner);
+  body.surface.partners.clear();
+}
+
+/// Whether Bullet's broadphase knows that nothing is in the way of a body that flies as was foreseen: then
+/// nothing pushes its points aside either.
+bool fliesFreely(SoftBodyData& body, double tick) {
+  if (hasPartners(body)) return false;
+  const bool foreseen = !body.masses.shared && body.surface.flight.tick == tick;
+  const Flight flight = foreseen ? body.surface.flight : flightOf(body, tick);
+  if (!foreseen && !partnersCover(body, flight.box)) return false;
+  body.reach.assign(body.masses.bodies.size(), flight.reach);
+  return true;
+}
+
+void askForPartners(SoftBodyData& body, const Eigen::AlignedBox3d& box) {
+  forgetPartners(body);
+  PartnersInBox partners(body);
+  body.world->getBroadphase()->aabbTest(toBullet(Eigen::Vector3d(box.min())),
+                                        toBullet(Eigen::Vector3d(box.max())), partners);
+}
+
+}  // namespace
+
 void gatherContacts(SoftBodyData& body, btScalar tick) {
   body.contacts.clear();
   body.contactPartners.clear();
-  body.partners.clear();
-  body.freePartners.clear();
-  body.reach.resize(body.masses.bodies.size());
-  Eigen::Vector3d low = Eigen::Vector3d::Constant(1e300), high = -low;
-  for (Eigen::Index i = 0; i < body.state.position.cols(); ++i) {
-    const Reach reach = reachOf(body, i, double(tick));
-    body.reach[static_cast<std::size_t>(i)] = reach.distance;
-    low = low.cwiseMin(reach.low);
-    high = high.cwiseMax(reach.high);
-  }
-  PartnersInBox partners(body);
-  body.world->getBroadphase()->aabbTest(toBullet(low), toBullet(high), partners);
+  forgetPartners(body);
+  const bool surface = isSurfaceBody(body);
+  if (surface) takePartners(body);
+  if (surface && fliesFreely(body, double(tick))) return;
+  const Eigen::AlignedBox3d box = reachBox(body, double(tick));
+  if (!surface || !partnersCover(body, box)) askForPartners(body, box);
+  if (surface && body.partners.empty()) return;
   for (std::uint32_t i = 0; i < body.masses.bodies.size(); ++i) {
     for (const btCollisionObject* partner : body.partners)
       if (!body.masses.held[i]) addRows(body, i, *partner, tick);
     // Bullet may free a manifold at any time after this
-    body.masses.bodies[i]->cachedContact = nullptr;
+    if (!surface) body.masses.bodies[i]->cachedContact = nullptr;
   }
 }
 

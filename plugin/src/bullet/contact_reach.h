@@ -4,6 +4,11 @@
 #include "bullet/convert.h"
 #include "bullet/soft_body_data.h"
 
+#include <Eigen/Geometry>
+
+#include <algorithm>
+#include <cmath>
+
 namespace limber {
 inline namespace LIMBER_BULLET_PRECISION {
 
@@ -18,7 +23,7 @@ constexpr double kSameSurface = 0.995;
 /// 2 cm.
 inline double recoverySpeed(double radius) { return 25.0 * radius; }
 
-/// Where a point can get in a tick.
+/// Where a point may get in a tick.
 struct Reach {
   Eigen::Vector3d low, high;
   double distance;  ///< m, beyond the radius
@@ -40,6 +45,34 @@ inline bool overlaps(const Reach& reach, const btCollisionObject& partner) {
   const btBroadphaseProxy& proxy = *partner.getBroadphaseHandle();
   return (toEigen(proxy.m_aabbMin).array() <= reach.high.array()).all() &&
          (toEigen(proxy.m_aabbMax).array() >= reach.low.array()).all();
+}
+
+/// The mean of a quantity per point, by mass.
+inline Eigen::Vector3d meanOf(const SpringNetwork& network, const Points& quantity) {
+  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+  for (Eigen::Index i = 0; i < quantity.cols(); ++i)
+    mean += network.massShares[static_cast<std::size_t>(i)] * quantity.col(i);
+  return mean;
+}
+
+/// Where the points of a body may get in a tick if nothing is in their way: the body flies on, and its points
+/// move relative to that as each may (reachOf). Smaller than the box around all reaches, which also hold what
+/// a hit may push aside.
+inline Flight flightOf(const SoftBodyData& body, double tick) {
+  const PointState& s = body.state;
+  const Eigen::Vector3d mean = meanOf(*body.network, s.velocity);
+  Eigen::AlignedBox3d box;
+  double fastest = 0.0;
+  for (Eigen::Index i = 0; i < s.position.cols(); ++i) {
+    box.extend(s.position.col(i));
+    fastest = std::max(fastest, (s.velocity.col(i) - mean).squaredNorm());
+  }
+  const double radius = double(body.masses.shape->getRadius());
+  const double fall = tick * tick * s.acceleration.col(0).norm();
+  const double margin = radius + radius / 3.0 + kReachPerMotion * (tick * std::sqrt(fastest) + fall);
+  const Eigen::Vector3d way = kReachPerMotion * tick * mean;
+  const Eigen::Vector3d low = box.min() + way.cwiseMin(0.0), high = box.max() + way.cwiseMax(0.0);
+  return {{low.array() - margin, high.array() + margin}, margin - radius + way.norm(), tick};
 }
 
 }  // namespace LIMBER_BULLET_PRECISION

@@ -22,14 +22,14 @@ constexpr double kSweptRadius = 0.9;
 struct InTheWay final : btBroadphaseAabbCallback {
   explicit InTheWay(const SoftBodyData& b) : body(&b) {}
   const SoftBodyData* body;
-  bool dynamic = false;     ///< seen by Bullet's solver only
+  bool dynamic = false;     ///< seen by Bullet's solver only, which does not see points outside the world
   bool nonDynamic = false;  ///< bounds the points in the substeps, as far as they were expected to get
 
   bool process(const btBroadphaseProxy* proxy) override {
     if (!canHit(*body, *proxy)) return true;
     const bool moves =
         !static_cast<const btCollisionObject*>(proxy->m_clientObject)->isStaticOrKinematicObject();
-    (moves ? dynamic : nonDynamic) = true;
+    if (!moves || !body->surface.object) (moves ? dynamic : nonDynamic) = true;
     return true;
   }
 };
@@ -42,12 +42,23 @@ struct FirstHit final : btCollisionWorld::ClosestConvexResultCallback {
 
   bool needsCollision(btBroadphaseProxy* proxy) const override {
     const auto* object = static_cast<const btCollisionObject*>(proxy->m_clientObject);
+    if (body->surface.object && !object->isStaticOrKinematicObject()) return false;
     return canHit(*body, *proxy) && point->checkCollideWith(object) && object->checkCollideWith(point);
   }
 };
 
 double motion(const SoftBodyData& body, Eigen::Index i) {
   return (body.state.position.col(i) - body.masses.startPosition.col(i)).norm();
+}
+
+/// Whether a point got farther than contacts were looked for.
+bool anyOutOfReach(const SoftBodyData& body) {
+  for (Eigen::Index i = 0; i < body.state.position.cols(); ++i) {
+    const double reach = body.reach[static_cast<std::size_t>(i)];
+    if ((body.state.position.col(i) - body.masses.startPosition.col(i)).squaredNorm() > reach * reach)
+      return true;
+  }
+  return false;
 }
 
 InTheWay lookInTheWay(const SoftBodyData& body, double longest) {
@@ -77,6 +88,7 @@ void sweepPoint(SoftBodyData& body, Eigen::Index i) {
 void stopAtFirstContact(SoftBodyData& body) {
   if (!body.settings.continuousCollision) return;
   const double careless = kCarelessMotion * double(body.masses.shape->getRadius());
+  if (body.surface.object && !anyOutOfReach(body)) return;
   double longest = 0.0;
   for (Eigen::Index i = 0; i < body.state.position.cols(); ++i)
     if (!body.masses.held[static_cast<std::size_t>(i)]) longest = std::max(longest, motion(body, i));

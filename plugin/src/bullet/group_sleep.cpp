@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Zlib
 #include "bullet/group_sleep.h"
 
+#include "bullet/body_in_world.h"
+#include "bullet/surface_body.h"
+
 #include <algorithm>
 
 namespace limber {
@@ -10,9 +13,12 @@ namespace {
 /// Calls visit(body) for all Bullet bodies of the group that can sleep.
 template <class Visit>
 void forEachMember(TickGroup& group, Visit visit) {
-  for (SoftBodyData* body : group.bodies)
+  for (SoftBodyData* body : group.bodies) {
+    if (body->surface.object) visit(*body->surface.object);
+    if (!body->masses.shared) continue;
     for (PointMass* point : body->masses.bodies)
       if (point) visit(*point);
+  }
   for (RigidPartner& partner : group.rigids)
     if (!partner.body->isStaticOrKinematicObject()) visit(*partner.body);
 }
@@ -32,16 +38,21 @@ bool isFast(const btRigidBody& body) {
 
 bool isRestless(TickGroup& group, btScalar tick) {
   for (const SoftBodyData* body : group.bodies)
-    for (std::uint32_t i = 0; i < body->masses.bodies.size(); ++i)
-      if (isMoving(*body, i, tick)) return true;
+    if (isRestless(*body, tick)) return true;
   for (const RigidPartner& partner : group.rigids)
     if (!partner.body->isStaticObject() && isFast(*partner.body)) return true;
   return anyMember(group,
                    [](btRigidBody& body) { return body.getActivationState() == DISABLE_DEACTIVATION; });
 }
 
+bool isChanged(const TickGroup& group) {
+  return std::any_of(group.bodies.begin(), group.bodies.end(), [](const SoftBodyData* body) {
+    return isSurfaceBody(*body) && isSurfaceChanged(*body);
+  });
+}
+
 void wakeGroup(TickGroup& group) {
-  for (SoftBodyData* body : group.bodies) wakePoints(*body, true);
+  for (SoftBodyData* body : group.bodies) wakeBody(*body, true);
   for (RigidPartner& partner : group.rigids) {
     btRigidBody& rigid = *partner.body;
     if (rigid.isActive() || rigid.isStaticOrKinematicObject()) continue;
@@ -58,6 +69,7 @@ void sleepGroup(TickGroup& group) {
     body->state.velocity.setZero();
     body->asleep = true;
     body->substeps = 0;
+    body->surface.partners.clear();
     std::fill(body->masses.leftVelocity.begin(), body->masses.leftVelocity.end(), btVector3(0, 0, 0));
   }
   forEachMember(group, [](btRigidBody& body) {
@@ -75,13 +87,18 @@ bool sleepIsOff() { return gDisableDeactivation || gDeactivationTime == btScalar
 void updateCalmTime(TickGroup& group, btScalar tick) {
   // wake() on a body that is awake starts its calm time anew
   for (const SoftBodyData* body : group.bodies) group.calmTime = std::min(group.calmTime, body->calmTime);
-  if (group.asleep && !anyMember(group, [](btRigidBody& body) { return body.isActive(); })) return;
+  if (group.asleep && !anyMember(group, [](btRigidBody& body) { return body.isActive(); }) &&
+      !isChanged(group))
+    return;
   if (group.asleep || anyMember(group, [](btRigidBody& body) {
         return !body.isActive() && body.getActivationState() == ISLAND_SLEEPING;
       }))
     wakeGroup(group);
   group.calmTime = sleepIsOff() || isRestless(group, tick) ? 0.0 : group.calmTime + double(tick);
   forEachMember(group, [](btRigidBody& body) { body.setDeactivationTime(0); });
+  for (SoftBodyData* body : group.bodies)
+    if (body->surface.object)
+      body->surface.object->setDeactivationTime(static_cast<btScalar>(group.calmTime));
 }
 
 void rememberCalmTime(const TickGroup& group) {
@@ -102,6 +119,15 @@ bool inMarkedIsland(const btRigidBody& body, const std::vector<unsigned char>& i
   return tag >= 0 && static_cast<std::size_t>(tag) < islands.size() && islands[static_cast<std::size_t>(tag)];
 }
 
+/// Whether the body is the surface of a soft body in one of these groups, which are all of one system.
+bool isOwnSurface(const std::vector<TickGroup>& groups, const btRigidBody* body) {
+  const SurfaceObject* surface = SurfaceObject::from(body);
+  if (!surface || !surface->owner()) return false;
+  for (const TickGroup& group : groups)
+    if (!group.bodies.empty()) return group.bodies[0]->system == surface->owner()->system;
+  return false;
+}
+
 /// Marks the islands of the last tick that hold something awake which is not a member of any group.
 void markOthersAwake(const std::vector<TickGroup>& groups, btDiscreteDynamicsWorld& world,
                      std::vector<unsigned char>& islands) {
@@ -115,7 +141,9 @@ void markOthersAwake(const std::vector<TickGroup>& groups, btDiscreteDynamicsWor
   islands.assign(static_cast<std::size_t>(objects.size()), 0);
   for (int i = 0; i < objects.size(); ++i) {
     btRigidBody* body = btRigidBody::upcast(objects[i]);
-    if (!body || PointMass::from(body) || body->isStaticOrKinematicObject() || isPartner(body)) continue;
+    if (!body || PointMass::from(body) || isOwnSurface(groups, body) || body->isStaticOrKinematicObject() ||
+        isPartner(body))
+      continue;
     if (body->isActive() && !body->wantsSleeping()) markIsland(*body, islands);
   }
 }

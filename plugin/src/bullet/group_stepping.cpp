@@ -72,7 +72,7 @@ SteppingProblem problemOf(TickGroup& group, double tick) {
 }  // namespace
 
 bool hasTolerance(const TickGroup& group) {
-  const Stepping s = strictest(group);
+  const Stepping& s = group.stepping;
   return s.tolerance > 0.0 || s.relativeTolerance > 0.0;
 }
 
@@ -144,7 +144,8 @@ void endGuard(TickGroup& group) {
 }  // namespace
 
 void chooseStepping(TickGroup& group, double tick) {
-  setChoice(group, limber::chooseStepping(problemOf(group, tick), strictest(group)));
+  group.stepping = strictest(group);
+  setChoice(group, limber::chooseStepping(problemOf(group, tick), group.stepping));
   startGuard(group);
   if (!hasTolerance(group)) return;
   for (SoftBodyData* body : group.bodies) body->startVelocity = body->state.velocity;
@@ -156,7 +157,7 @@ void stepGroup(TickGroup& group, double tick, SharedFactors& factors) {
   SteppingProblem problem = problemOf(group, tick);
   for (int i = 0; i < kMostRetries; ++i) {
     problem.errorPerSquare = std::max(problem.errorPerSquare, errorPerSquare(group, tick));
-    const SteppingChoice choice = limber::chooseStepping(problem, strictest(group));
+    const SteppingChoice choice = limber::chooseStepping(problem, group.stepping);
     if (choice.substeps <= group.substeps) return;
     setChoice(group, choice);
     rewind(group);

@@ -47,7 +47,11 @@ class PairsOfPoint final : public btCollisionWorld::ContactResultCallback {
         if (c.gap < found_->contacts[i].gap) found_->contacts[i] = c;
         return;
       }
-    found_->add(c);
+    ContactSource source;
+    source.body = body_;
+    source.partner = partner_;
+    source.key = point_;
+    found_->add(c, source);
   }
 
   SoftBodyData* body_;
@@ -65,28 +69,15 @@ double motionOf(const btRigidBody& partner, double tick) {
   return tick * (speed + tick * double(partner.getTotalForce().length() * partner.getInvMass()));
 }
 
-/// Puts in the guess of the last tick.
-void guess(const SoftBodyData& body, std::uint32_t point, int partner, PairContact& c) {
-  const auto known = std::lower_bound(
-      body.knownContacts.begin(), body.knownContacts.end(), std::make_pair(point, partner),
-      [](const KnownContact& k, const auto& key) { return std::make_pair(k.point, k.partner) < key; });
-  if (known != body.knownContacts.end() && known->point == point && known->partner == partner)
-    c.stopping = known->bearing;
-}
-
-int idOf(const btRigidBody& body) { return body.getBroadphaseHandle()->m_uniqueId; }
-
 void addPairs(SoftBodyData& body, std::uint32_t i, btRigidBody& partner, double tick, TickContacts& found) {
   const double motion = kReachPerMotion * motionOf(partner, tick);
   const Reach reach = reachOf(body, i, tick, motion);
   if (!overlaps(reach, partner)) return;
   PointMass& point = *body.masses.bodies[i];
   if (!point.checkCollideWith(&partner) || !partner.checkCollideWith(&point)) return;
-  const std::size_t first = found.contacts.size();
+  if (!body.masses.shared) writePoint(body, i);
   PairsOfPoint pairs(body, i, partner, reach.distance, found);
   body.world->contactPairTest(&point, &partner, pairs);
-  for (std::size_t c = first; c < found.contacts.size(); ++c)
-    guess(body, i, idOf(partner), found.contacts[c]);
 }
 
 void wake(btRigidBody& partner) {
@@ -98,26 +89,10 @@ void wake(btRigidBody& partner) {
 
 }  // namespace
 
-void gatherPairs(SoftBodyData& body, btScalar tick, TickContacts& found) {
-  for (btRigidBody* partner : body.freePartners) {
-    wake(*partner);
-    for (std::uint32_t i = 0; i < body.masses.bodies.size(); ++i)
-      addPairs(body, i, *partner, double(tick), found);
-  }
-}
-
-void rememberPairs(const std::vector<SoftBodyData*>& bodies, const TickContacts& contacts) {
-  for (SoftBodyData* body : bodies) body->knownContacts.clear();
-  for (const PairContact& c : contacts.contacts) {
-    if (c.a.kind != ContactPlace::Kind::Soft || c.b.kind != ContactPlace::Kind::Rigid) continue;
-    const double along = c.normal.dot(c.impulse);
-    bodies[c.a.body]->knownContacts.push_back(
-        {c.a.point[0], idOf(*contacts.rigids[c.b.body].body), {along, c.impulse - along * c.normal}});
-  }
-  const auto before = [](const KnownContact& k, const KnownContact& l) {
-    return std::make_pair(k.point, k.partner) < std::make_pair(l.point, l.partner);
-  };
-  for (SoftBodyData* body : bodies) std::sort(body->knownContacts.begin(), body->knownContacts.end(), before);
+void gatherPairs(SoftBodyData& body, btRigidBody& partner, btScalar tick, TickContacts& found) {
+  wake(partner);
+  for (std::uint32_t i = 0; i < body.masses.bodies.size(); ++i)
+    addPairs(body, i, partner, double(tick), found);
 }
 
 }  // namespace LIMBER_BULLET_PRECISION

@@ -5,17 +5,9 @@
 #include "bullet/soft_body_data.h"
 #include "core/coincident_points.h"
 
-#include <cmath>
-#include <limits>
-
 namespace limber {
 inline namespace LIMBER_BULLET_PRECISION {
 namespace {
-
-/// Roundings Bullet makes between what we hand over and what we read back; differences up to this many units
-/// in the last place are not an impulse.
-constexpr double kRoundings = 4.0;
-constexpr double kEpsilon = std::numeric_limits<btScalar>::epsilon();
 
 PointMass* makeBody(SoftBodyData& body, std::uint32_t i) {
   const btScalar mass = static_cast<btScalar>(body.settings.totalMass * body.network->massShares[i]);
@@ -49,19 +41,12 @@ void gatherHeld(SoftBodyData& body, std::uint32_t i, btScalar tick) {
   PointState& s = body.state;
   const btVector3& target = body.masses.bodies[i]->getWorldTransform().getOrigin();
   s.velocity.col(i) = (toEigen(target) - s.position.col(i)) / double(tick);
-  s.acceleration.col(i).setZero();
 }
 
 void absorbChange(SoftBodyData& body, std::uint32_t i) {
   body.state.position.col(i) = currentPosition(body, i);
   body.state.velocity.col(i) = currentVelocity(body, i);
   remember(body.masses, i);
-}
-
-void gatherFree(SoftBodyData& body, std::uint32_t i) {
-  absorbChange(body, i);
-  const PointMass& point = *body.masses.bodies[i];
-  body.state.acceleration.col(i) = toEigen(point.getTotalForce()) * double(point.getInvMass());
 }
 
 Eigen::Vector3d inverseMass(const PointMass& point, bool held) {
@@ -74,19 +59,9 @@ bool isHeld(const PointMass& point) {
   return point.isStaticOrKinematicObject() || point.getActivationState() == DISABLE_SIMULATION;
 }
 
-/// The velocity Bullet's solver leaves when nothing touches the body, in its own arithmetic:
-/// btSequentialImpulseConstraintSolver adds (force * inverse mass) * time step.
-btVector3 untouchedVelocity(const PointMass& point, const btVector3& handed, btScalar tick) {
-  return handed + point.getTotalForce() * point.getInvMass() * tick;
-}
+}  // namespace
 
-/// Zero where `v` is no larger than the rounding of quantities as large as `scale`.
-Eigen::Vector3d withoutRounding(const Eigen::Vector3d& v, double scale) {
-  const double noise = kRoundings * kEpsilon * scale;
-  return v.cwiseAbs().maxCoeff() <= noise ? Eigen::Vector3d::Zero() : v;
-}
-
-void writeBody(SoftBodyData& body, std::uint32_t i) {
+void writePoint(SoftBodyData& body, std::uint32_t i) {
   PointMass& point = *body.masses.bodies[i];
   const btVector3 position = toBullet(Eigen::Vector3d(body.state.position.col(i)));
   const btVector3 velocity = toBullet(Eigen::Vector3d(body.state.velocity.col(i)));
@@ -96,24 +71,7 @@ void writeBody(SoftBodyData& body, std::uint32_t i) {
   point.setInterpolationLinearVelocity(velocity);
 }
 
-void takeBackFree(SoftBodyData& body, std::uint32_t i, btScalar tick) {
-  const PointMass& point = *body.masses.bodies[i];
-  const btVector3& expected = body.masses.expectedVelocity[i];
-  const btVector3& start = body.masses.leftPosition[i];
-  const btVector3& origin = point.getWorldTransform().getOrigin();
-  const btVector3& velocity = point.getLinearVelocity();
-
-  const double speed = toEigen(expected).cwiseAbs().maxCoeff();
-  const Eigen::Vector3d impulse = withoutRounding(difference(velocity, expected), speed);
-  const Eigen::Vector3d unexplained = difference(origin, start) - double(tick) * toEigen(velocity);
-  const double size = toEigen(origin).cwiseAbs().maxCoeff() + double(tick) * toEigen(velocity).norm();
-  body.state.velocity.col(i) += impulse;
-  body.state.position.col(i) += double(tick) * impulse + withoutRounding(unexplained, size);
-}
-
-}  // namespace
-
-void addPointMasses(SoftBodyData& body) {
+void makePointMasses(SoftBodyData& body) {
   const std::size_t count = body.network->restPoints.size();
   PointMasses& m = body.masses;
   m.shape = std::make_unique<PointSphere>(static_cast<btScalar>(pointRadius(*body.network, body.settings)));
@@ -124,22 +82,16 @@ void addPointMasses(SoftBodyData& body) {
   m.startPosition = body.state.position;
   for (std::uint32_t i = 0; i < count; ++i) {
     m.bodies[i] = makeBody(body, i);
-    body.world->addRigidBody(m.bodies[i], body.settings.collisionGroup, body.settings.collisionMask);
     body.state.inverseMass.col(i) = inverseMass(*m.bodies[i], false);
     remember(m, i);
   }
 }
 
-void removePointMasses(SoftBodyData& body) {
-  // from the back: Bullet finds a body in its list of dynamic ones by a linear search and swaps in the last
-  for (std::size_t i = body.masses.bodies.size(); i-- > 0;) {
-    PointMass* point = body.masses.bodies[i];
-    if (!point) continue;
-    point->setOwner(nullptr);
-    // the broadphase handle goes with the world: a body without one must not touch it
-    if (point->isInWorld()) body.world->removeRigidBody(point);
+void deletePointMasses(SoftBodyData& body) {
+  for (PointMass*& point : body.masses.bodies) {
+    if (point) point->setOwner(nullptr);
     delete point;
-    body.masses.bodies[i] = nullptr;
+    point = nullptr;
   }
 }
 
@@ -147,21 +99,22 @@ void forgetDeletedPoint(SoftBodyData& body, std::uint32_t index) {
   const PointMass* point = body.masses.bodies[index];
   body.masses.bodies[index] = nullptr;
   body.alive = false;
+  if (body.surface.object) body.surface.object->forceActivationState(DISABLE_SIMULATION);
   if (body.onPointDeleted) body.onPointDeleted(*point);
 }
 
-void gatherPoints(SoftBodyData& body, btScalar tick) {
+void gatherPoints(SoftBodyData& body, btScalar tick, bool allHeld) {
   PointMasses& m = body.masses;
   bool moved = false;
   for (std::uint32_t i = 0; i < m.bodies.size(); ++i) {
     PointMass& point = *m.bodies[i];
     point.keepCollisionFilter();
-    const bool held = isHeld(point);
+    const bool held = allHeld || isHeld(point);
     moved = moved || (!held && point.getWorldTransform().getOrigin() != m.leftPosition[i]);
     if (held)
       gatherHeld(body, i, tick);
     else
-      gatherFree(body, i);
+      absorbChange(body, i);
     const Eigen::Vector3d w = inverseMass(point, held);
     if (w != body.state.inverseMass.col(i)) {
       body.frequencyStale = true;
@@ -176,54 +129,44 @@ void gatherPoints(SoftBodyData& body, btScalar tick) {
   m.startPosition = body.state.position;
 }
 
-void handOverVelocities(SoftBodyData& body, btScalar tick) {
-  PointMasses& m = body.masses;
-  for (std::uint32_t i = 0; i < m.bodies.size(); ++i) {
-    if (m.held[i]) continue;
-    PointMass& point = *m.bodies[i];
-    const Eigen::Vector3d mean = (body.state.position.col(i) - m.startPosition.col(i)) / double(tick);
-    const btVector3 handed = toBullet(Eigen::Vector3d(mean - double(tick) * body.state.acceleration.col(i)));
-    point.setLinearVelocity(handed);
-    m.expectedVelocity[i] = untouchedVelocity(point, handed, tick);
-  }
-}
-
-void takeBackContacts(SoftBodyData& body, btScalar tick) {
-  for (std::uint32_t i = 0; i < body.masses.bodies.size(); ++i)
-    if (!body.masses.held[i]) takeBackFree(body, i, tick);
-}
-
 void writePoints(SoftBodyData& body) {
   for (std::uint32_t i = 0; i < body.masses.bodies.size(); ++i) {
-    if (!body.masses.held[i]) writeBody(body, i);
+    if (!body.masses.held[i]) writePoint(body, i);
     remember(body.masses, i);
   }
 }
 
 void absorbOutsideChanges(SoftBodyData& body) {
+  if (!body.masses.shared) return;
   for (std::uint32_t i = 0; i < body.masses.bodies.size(); ++i)
     if (body.masses.bodies[i] && !body.masses.held[i]) absorbChange(body, i);
 }
 
-bool isMoving(const SoftBodyData& body, std::uint32_t i, btScalar tick) {
+bool isChangedOutside(const SoftBodyData& body, std::uint32_t i) {
   const PointMasses& m = body.masses;
-  const PointMass& point = *m.bodies[i];
-  const bool changedOutside = point.getWorldTransform().getOrigin() != m.leftPosition[i] ||
-                              point.getLinearVelocity() != m.leftVelocity[i];
-  const double way = (body.state.position.col(i) - m.startPosition.col(i)).norm();
-  return changedOutside || way > double(point.getLinearSleepingThreshold() * tick);
+  return m.bodies[i]->getWorldTransform().getOrigin() != m.leftPosition[i] ||
+         m.bodies[i]->getLinearVelocity() != m.leftVelocity[i];
+}
+
+bool anyPointMoves(const SoftBodyData& body, btScalar tick) {
+  for (std::uint32_t i = 0; i < body.masses.bodies.size(); ++i) {
+    const double way = (body.state.position.col(i) - body.masses.startPosition.col(i)).norm();
+    if (isChangedOutside(body, i) || way > double(body.masses.bodies[i]->getLinearSleepingThreshold() * tick))
+      return true;
+  }
+  return false;
 }
 
 Eigen::Vector3d currentPosition(const SoftBodyData& body, std::uint32_t i) {
   const PointMass* point = body.masses.bodies[i];
-  if (!point) return body.state.position.col(i);
+  if (!point || !body.masses.shared) return body.state.position.col(i);
   return body.state.position.col(i) +
          difference(point->getWorldTransform().getOrigin(), body.masses.leftPosition[i]);
 }
 
 Eigen::Vector3d currentVelocity(const SoftBodyData& body, std::uint32_t i) {
   const PointMass* point = body.masses.bodies[i];
-  if (!point || body.masses.held[i]) return body.state.velocity.col(i);
+  if (!point || !body.masses.shared || body.masses.held[i]) return body.state.velocity.col(i);
   return body.state.velocity.col(i) + difference(point->getLinearVelocity(), body.masses.leftVelocity[i]);
 }
 
@@ -240,17 +183,6 @@ void setPinned(SoftBodyData& body, std::uint32_t i, bool pinned) {
   point->setLinearVelocity(toBullet(Eigen::Vector3d(body.state.velocity.col(i))));
   body.masses.held[i] = pinned;
   remember(body.masses, i);
-}
-
-void wakePoints(SoftBodyData& body, bool insideTick) {
-  for (PointMass* point : body.masses.bodies) {
-    if (!point || point->isActive()) continue;
-    point->activate(true);
-    // the world has already given gravity to those that were awake at the start of the step
-    if (insideTick) point->applyGravity();
-  }
-  body.asleep = false;
-  body.calmTime = 0.0;
 }
 
 }  // namespace LIMBER_BULLET_PRECISION

@@ -65,7 +65,9 @@ void addContact(TickContacts& found, const btPersistentManifold& manifold, btMan
   c.recoverySpeed = kRecoverySpeed;
   if (knownOnly) c.stopping = guess(point);
   point.m_appliedImpulse = point.m_appliedImpulseLateral1 = point.m_appliedImpulseLateral2 = 0;
-  found.add(c, knownOnly ? &point : nullptr);
+  ContactSource source;
+  if (knownOnly) source.point = &point;
+  found.add(c, source);
 }
 
 /// m, a bound of how far the surfaces move against each other in a tick.
@@ -126,7 +128,7 @@ void freeManifolds(btDispatcher& dispatcher) {
 
 void reportRigidContacts(TickContacts& contacts) {
   for (std::size_t i = 0; i < contacts.contacts.size(); ++i) {
-    btManifoldPoint* point = contacts.manifoldPoints[i];
+    btManifoldPoint* point = contacts.sources[i].point;
     if (!point) continue;
     btVector3 t, u;
     btPlaneSpace1(point->m_normalWorldOnB, t, u);

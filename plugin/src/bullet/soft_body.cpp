@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Zlib
 #include <limber/soft_body.h>
 
+#include "bullet/body_in_world.h"
 #include "bullet/convert.h"
 #include "bullet/soft_body_data.h"
+#include "bullet/surface_body.h"
 #include "core/body_measures.h"
 #include "core/spring_forces.h"
 
@@ -25,8 +27,12 @@ std::uint32_t SoftBody::pointCount() const {
 bool SoftBody::alive() const { return data_->alive; }
 
 btRigidBody* SoftBody::point(std::uint32_t i) const {
-  return i < pointCount() ? data_->masses.bodies[i] : nullptr;
+  if (i >= pointCount()) return nullptr;
+  if (isSurfaceBody(*data_)) sharePoints(*data_);
+  return data_->masses.bodies[i];
 }
+
+btRigidBody* SoftBody::surfaceObject() const { return data_->surface.object; }
 
 Eigen::Vector3d SoftBody::position(std::uint32_t i) const { return currentPosition(*data_, i); }
 Eigen::Vector3d SoftBody::velocity(std::uint32_t i) const { return currentVelocity(*data_, i); }
@@ -52,7 +58,7 @@ void SoftBody::writePlaces(float* xyz) const {
 }
 
 void SoftBody::pin(std::uint32_t i) {
-  if (i < pointCount() && !pinned(i)) setPinned(*data_, i, true);
+  if (point(i) && !pinned(i)) setPinned(*data_, i, true);
 }
 
 void SoftBody::movePin(std::uint32_t i, const btVector3& target) {
@@ -67,10 +73,13 @@ void SoftBody::unpin(std::uint32_t i) {
   wake();
 }
 
-bool SoftBody::pinned(std::uint32_t i) const { return point(i) && point(i)->isKinematicObject(); }
+bool SoftBody::pinned(std::uint32_t i) const {
+  const PointMass* point = i < pointCount() ? data_->masses.bodies[i] : nullptr;
+  return point && point->isKinematicObject();
+}
 
 bool SoftBody::sleeping() const { return data_->asleep; }
-void SoftBody::wake() { wakePoints(*data_, false); }
+void SoftBody::wake() { wakeBody(*data_, false); }
 
 Stepper SoftBody::stepper() const { return data_->stepper; }
 double SoftBody::errorPerSecond() const { return data_->errorPerSecond; }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "bullet/point_masses.h"
+#include "bullet/surface_data.h"
 #include "core/contact_rows.h"
 #include "core/implicit_step.h"
 #include "core/pair_contacts.h"
@@ -28,9 +29,9 @@ struct Anchor {
 
 /// What a contact bore in the last tick: a guess of what it will bear in the next.
 struct KnownContact {
-  std::uint32_t point;
-  int partner;      ///< unique id in the broadphase
-  Bearing bearing;  ///< sum over the tick
+  int partner;        ///< unique id in the broadphase
+  std::uint64_t key;  ///< of the features that touched
+  Bearing bearing;    ///< sum over the tick
 };
 
 /// What a SoftBody is made of.
@@ -39,18 +40,21 @@ struct SoftBodyData {
   SoftBodySettings settings;
   SoftBody* handle = nullptr;
   btDiscreteDynamicsWorld* world = nullptr;
+  const void* system = nullptr;  ///< to tell bodies of several systems in a world apart
 
   PointState state;
   SpringArrays springs;
   VolumeArrays volumes;
   TetrahedronVolumes tetrahedra;
   PointMasses masses;
+  SurfaceData surface;
   std::vector<Anchor> anchors;
   std::vector<ContactRow> contacts;                       ///< of the present tick, by point
   std::vector<const btCollisionObject*> contactPartners;  ///< #contacts
   std::vector<double> reach;                              ///< #points, m, how far contacts were looked for
   std::vector<const btCollisionObject*> partners;         ///< scratch of gatherContacts
-  std::vector<btRigidBody*> freePartners;                 ///< near in this tick, and moving by themselves
+  std::vector<btRigidBody*> freePartners;                 ///< near in this tick, neither static nor kinematic
+  std::vector<SoftBodyData*> softPartners;                ///< near in this tick, with surfaces
   std::vector<KnownContact> knownContacts;                ///< with free bodies, of the last tick
   std::vector<unsigned char> coupled;  ///< #points, scratch: 1 if something that moves touches the point
 
@@ -76,10 +80,9 @@ struct SoftBodyData {
 
   /// Told when the application deletes one of the points.
   std::function<void(const btRigidBody&)> onPointDeleted;
+  /// Told when the point masses of a body with Collision::Surface become known outside.
+  std::function<void()> onPointsShared;
 };
-
-/// Wakes all points of a body; they get the gravity of this step that they missed while asleep.
-void wakePoints(SoftBodyData& body, bool insideTick);
 
 }  // namespace LIMBER_BULLET_PRECISION
 }  // namespace limber

@@ -1,17 +1,24 @@
 // SPDX-License-Identifier: Zlib
 #include <limber/soft_body_system.h>
 
+#include "bullet/body_in_world.h"
 #include "bullet/cluster.h"
 #include "bullet/contact_gather.h"
 #include "bullet/convert.h"
 #include "bullet/group_sleep.h"
 #include "bullet/group_stepping.h"
 #include "bullet/joint_rows.h"
+#include "bullet/known_contacts.h"
 #include "bullet/new_body.h"
 #include "bullet/pair_gather.h"
 #include "bullet/rigid_contacts.h"
+#include "bullet/shared_topologies.h"
 #include "bullet/soft_body_data.h"
 #include "bullet/step_plan.h"
+#include "bullet/step_sentinel.h"
+#include "bullet/surface_body.h"
+#include "bullet/surface_gather.h"
+#include "bullet/surface_partners.h"
 #include "bullet/tick_group.h"
 #include "bullet/tick_hook.h"
 
@@ -47,20 +54,25 @@ bool holdsOn(const SpringConstraint& spring, const btRigidBody* body) {
 
 }  // namespace
 
-struct SoftBodySystem::Impl final : TickListener {
+struct SoftBodySystem::Impl final : TickListener, StepListener {
   Impl(btDiscreteDynamicsWorld& w, Hook h) : world(&w), hookKind(h) {}
 
   void beforeTick(btScalar tick) override;
   void afterTick(btScalar tick) override;
   void tickMissed() override;
+  void afterTickOrEmptyStep() override;
 
   void hookUp();
   void unhookIfIdle(bool alive);
   void dropSprings(const btRigidBody& body);
   void forgetGroups();
   bool worldAlive() const;
+  void watchSteps();
+  void stopWatching(bool alive);
+  void beginStepOfForces();
   void rebuildGroupsIfNeeded();
   void gatherGroups(btScalar tick);
+  void gatherPartners(SoftBodyData& body, btScalar tick);
   void gatherClusters(btScalar tick);
   void stepGroups(btScalar tick);
   void handOverGroups(btScalar tick);
@@ -79,10 +91,15 @@ struct SoftBodySystem::Impl final : TickListener {
   TickContacts pairs;  // contacts in which more than one body moves
   Clusters clusters;   // what they couple
   ManifoldIndex manifolds;
+  SharedTopologies topologies;
+  ShapeCache shapes;
+  RigidSurfaces rigidSurfaces{shapes};
+  SurfaceSearch search;
   std::vector<SoftBodyData*> living;  // the bodies in the groups
   std::size_t usableLinks = 0;        // springs and anchors in the groups
   bool groupsStale = false;
-  std::vector<unsigned char> islands;  // scratch of updateSleep
+  std::vector<unsigned char> islands;      // scratch of updateSleep
+  std::unique_ptr<StepSentinel> sentinel;  // while point masses outside the world are in the user's hands
   TickProfile profile;
 };
 
@@ -102,8 +119,7 @@ void SoftBodySystem::Impl::unhookIfIdle(bool alive) {
 /// A world that is deleted takes the broadphase handle of every body in it; nothing else tells of its end.
 bool SoftBodySystem::Impl::worldAlive() const {
   for (const auto& body : bodies)
-    for (const PointMass* point : body->data_->masses.bodies)
-      if (point && point->isInWorld()) return true;
+    if (anyInWorld(*body->data_)) return true;
   return false;
 }
 
@@ -112,7 +128,8 @@ SoftBodySystem::SoftBodySystem(btDiscreteDynamicsWorld& world, Hook hook)
 
 SoftBodySystem::~SoftBodySystem() {
   const bool alive = impl_->worldAlive();
-  for (auto& body : impl_->bodies) removePointMasses(*body->data_);
+  impl_->stopWatching(alive);
+  for (auto& body : impl_->bodies) removeFromWorld(*body->data_);
   if (impl_->hook) impl_->hook->leave(*impl_, alive);
 }
 
@@ -144,10 +161,14 @@ Result<SoftBody*> SoftBodySystem::createBody(SharedNetwork network, const SoftBo
   if (!data) return Error{data.error()};
   impl_->hookUp();
   (*data)->world = impl_->world;
+  (*data)->system = impl_.get();
+  (*data)->onPointsShared = [impl = impl_.get()] { impl->watchSteps(); };
   (*data)->onPointDeleted = [impl = impl_.get()](const btRigidBody& point) { impl->dropSprings(point); };
   impl_->bodies.push_back(std::make_unique<SoftBody>(std::move(*data)));
   SoftBody* body = impl_->bodies.back().get();
-  addPointMasses(*body->data_);
+  if (isSurfaceBody(*body->data_))
+    body->data_->surface.topology = impl_->topologies.of(body->data_->network, settings);
+  addToWorld(*body->data_);
   impl_->groupsStale = true;
   return body;
 }
@@ -160,8 +181,12 @@ void SoftBodySystem::destroyBody(SoftBody* body) {
   for (btRigidBody* point : body->data_->masses.bodies)
     if (point) forget(*point);
   impl_->forgetGroups();
-  removePointMasses(*body->data_);
+  removeFromWorld(*body->data_);
   impl_->bodies.erase(it);
+  const auto isShared = [](const auto& other) {
+    return isSurfaceBody(*other->data_) && other->data_->masses.shared;
+  };
+  if (std::none_of(impl_->bodies.begin(), impl_->bodies.end(), isShared)) impl_->stopWatching(alive);
   impl_->unhookIfIdle(alive);
 }
 
@@ -224,7 +249,7 @@ std::size_t SoftBodySystem::springCount() const { return impl_->springs.size(); 
 
 Result<bool> SoftBodySystem::attach(SoftBody* softBody, std::uint32_t i, btRigidBody& body,
                                     const btVector3& pivot) {
-  auto* point = static_cast<PointMass*>(softBody->point(i));
+  PointMass* point = i < softBody->pointCount() ? softBody->data_->masses.bodies[i] : nullptr;
   if (!point) return Error{"there is no point " + std::to_string(i)};
   if (point->attachedTo) return Error{"point " + std::to_string(i) + " is already attached"};
   if (softBody->pinned(i)) return Error{"point " + std::to_string(i) + " is pinned"};
@@ -238,7 +263,7 @@ Result<bool> SoftBodySystem::attach(SoftBody* softBody, std::uint32_t i, btRigid
 }
 
 Result<bool> SoftBodySystem::attach(SoftBody* softBody, std::uint32_t i, btRigidBody& body) {
-  if (!softBody->point(i)) return Error{"there is no point " + std::to_string(i)};
+  if (i >= softBody->pointCount()) return Error{"there is no point " + std::to_string(i)};
   const btVector3 place = toBullet(softBody->position(i));
   return attach(softBody, i, body, body.getWorldTransform().inverse() * place);
 }
@@ -290,14 +315,22 @@ void SoftBodySystem::Impl::gatherGroups(btScalar tick) {
   for (TickGroup& group : groups) {
     if (group.asleep) continue;
     gatherGroup(group, tick);
-    for (SoftBodyData* body : group.bodies) gatherPairs(*body, tick, pairs);
   }
+  for (TickGroup& group : groups)
+    if (!group.asleep)
+      for (SoftBodyData* body : group.bodies) gatherPartners(*body, tick);
   gatherClusters(tick);
   for (TickGroup& group : groups)
     if (!group.asleep) chooseStepping(group, double(tick));
 }
 
+void SoftBodySystem::Impl::gatherPartners(SoftBodyData& body, btScalar tick) {
+  if (isSurfaceBody(body)) return gatherSurfacePairs(body, tick, rigidSurfaces, search, pairs);
+  for (btRigidBody* partner : body.freePartners) limber::gatherPairs(body, *partner, tick, pairs);
+}
+
 void SoftBodySystem::Impl::gatherClusters(btScalar tick) {
+  guessBearings(pairs);
   addLinkedRigids(groups, pairs);
   gatherRigidContacts(*world, tick, manifolds, pairs);
   makeClusters(groups, pairs, tick, clusters);
@@ -313,7 +346,7 @@ void SoftBodySystem::Impl::handOverGroups(btScalar tick) {
   const StopWatch watch(profile.handOverMs);
   for (Cluster& cluster : clusters) handOverCluster(cluster, pairs, tick);
   reportRigidContacts(pairs);
-  rememberPairs(living, pairs);
+  rememberBearings(living, pairs);
   for (TickGroup& group : groups) {
     if (group.asleep) continue;
     reportStepping(group, double(tick));
@@ -330,8 +363,11 @@ void SoftBodySystem::Impl::beforeTick(btScalar tick) {
   // a tick without length moves nothing and would divide by zero
   if (!(tick > btScalar(0))) return;
   rebuildGroupsIfNeeded();
+  beginStepOfForces();
+  collectPartners(*world, this);
   updateSleep(groups, *world, tick, islands);
   pairs.clear();
+  rigidSurfaces.clear();
   readManifolds(*world->getDispatcher());
   freeManifolds(*world->getDispatcher());
   gatherGroups(tick);
@@ -351,6 +387,30 @@ void SoftBodySystem::Impl::afterTick(btScalar tick) {
   for (const Cluster& cluster : clusters) takeBackCluster(cluster, pairs, tick);
   reportJoints(pairs, tick);
   reportContactImpulses(*world->getDispatcher());
+}
+
+// Forces on point masses outside the world last, as Bullet's do, for all ticks of one stepSimulation().
+
+void SoftBodySystem::Impl::watchSteps() {
+  if (!sentinel) sentinel = std::make_unique<StepSentinel>(*world, *this);
+}
+
+void SoftBodySystem::Impl::stopWatching(bool alive) {
+  if (sentinel && alive) sentinel->leave();
+  sentinel.reset();
+}
+
+void SoftBodySystem::Impl::beginStepOfForces() {
+  if (!sentinel || !sentinel->stepHasBegun()) return;
+  for (SoftBodyData* body : living)
+    if (isSurfaceBody(*body) && body->masses.shared) body->surface.force.setZero();
+}
+
+/// What is applied from here on until a step ends without a tick is lost, as with Bullet's bodies: it is
+/// counted to a step that is over.
+void SoftBodySystem::Impl::afterTickOrEmptyStep() {
+  for (SoftBodyData* body : living)
+    if (isSurfaceBody(*body) && body->masses.shared) collectForces(*body);
 }
 
 void SoftBodySystem::Impl::tickMissed() {

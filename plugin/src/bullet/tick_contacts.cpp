@@ -20,16 +20,16 @@ std::uint32_t TickContacts::add(btRigidBody& body) {
   return numbers_[place];
 }
 
-void TickContacts::add(const PairContact& contact, btManifoldPoint* point) {
+void TickContacts::add(const PairContact& contact, const ContactSource& source) {
   contacts.push_back(contact);
-  manifoldPoints.push_back(point);
+  sources.push_back(source);
 }
 
 void TickContacts::clear() {
   for (const RigidPartner& rigid : rigids) numbers_[static_cast<std::size_t>(rigid.place)] = kNone;
   rigids.clear();
   contacts.clear();
-  manifoldPoints.clear();
+  sources.clear();
   joints.clear();
   constraints.clear();
 }

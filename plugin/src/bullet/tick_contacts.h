@@ -13,13 +13,23 @@
 namespace limber {
 inline namespace LIMBER_BULLET_PRECISION {
 
+struct SoftBodyData;
+
+/// Where a contact was found.
+struct ContactSource {
+  btManifoldPoint* point = nullptr;            ///< Bullet's, between rigid bodies
+  SoftBodyData* body = nullptr;                ///< the soft body on side a, of all others
+  const btCollisionObject* partner = nullptr;  ///< on side b
+  std::uint64_t key = 0;                       ///< of the features that touch, the same from tick to tick
+};
+
 /// The contacts of one tick in which something other than a single soft body moves, the joints of the rigid
 /// bodies in them, and these rigid bodies. Places and rows name soft bodies by SoftBodyData::index and rigid
 /// bodies by their number here.
 struct TickContacts {
   std::vector<RigidPartner> rigids;
   std::vector<PairContact> contacts;
-  std::vector<btManifoldPoint*> manifoldPoints;  ///< #contacts, nullptr: it is not Bullet's
+  std::vector<ContactSource> sources;  ///< #contacts
   std::vector<JointRow> joints;
   std::vector<btTypedConstraint*> constraints;  ///< #joints
 
@@ -29,7 +39,7 @@ struct TickContacts {
   std::uint32_t find(const btRigidBody& body) const;
   /// The number it has or now gets.
   std::uint32_t add(btRigidBody& body);
-  void add(const PairContact& contact, btManifoldPoint* point = nullptr);
+  void add(const PairContact& contact, const ContactSource& source);
   /// Forgets everything but the memory it takes.
   void clear();
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Zlib
 #include "bullet/tick_group.h"
 
+#include "bullet/body_in_world.h"
 #include "bullet/contact_gather.h"
-#include "bullet/continuous_collision.h"
 #include "bullet/convert.h"
 
 #include <algorithm>
@@ -12,10 +12,8 @@ namespace limber {
 inline namespace LIMBER_BULLET_PRECISION {
 
 bool isWhole(const TickGroup& group) {
-  const auto pointGone = [](const PointMass* point) { return !point || !point->isInWorld(); };
   for (SoftBodyData* body : group.bodies) {
-    const auto& points = body->masses.bodies;
-    if (std::any_of(points.begin(), points.end(), pointGone)) body->alive = false;
+    body->alive = body->alive && wholeInWorld(*body);
     if (!body->alive) return false;
   }
   return true;
@@ -23,7 +21,7 @@ bool isWhole(const TickGroup& group) {
 
 void gatherGroup(TickGroup& group, btScalar tick) {
   for (SoftBodyData* body : group.bodies) {
-    gatherPoints(*body, tick);
+    gatherBody(*body, tick);
     gatherContacts(*body, tick);
   }
   for (std::size_t i = 0; i < group.rigids.size(); ++i)
@@ -31,17 +29,14 @@ void gatherGroup(TickGroup& group, btScalar tick) {
 }
 
 void handOverGroup(TickGroup& group, btScalar tick) {
-  for (SoftBodyData* body : group.bodies) handOverVelocities(*body, tick);
+  for (SoftBodyData* body : group.bodies) handOverBody(*body, tick);
   for (std::size_t i = 0; i < group.rigids.size(); ++i)
     handOverRigid(group.rigids[i], group.step.links.rigids[i], tick);
 }
 
 void takeBackGroup(TickGroup& group, btScalar tick) {
   for (SoftBodyData* body : group.bodies) {
-    if (!body->alive) continue;
-    takeBackContacts(*body, tick);
-    stopAtFirstContact(*body);
-    writePoints(*body);
+    if (body->alive) finishBody(*body, tick);
   }
   for (std::size_t i = 0; i < group.rigids.size(); ++i)
     takeBackRigid(group.rigids[i], group.step.links.rigids[i], tick);

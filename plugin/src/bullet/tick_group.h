@@ -23,6 +23,7 @@ struct TickGroup {
   double calmTime = 0.0;  ///< s for which nothing in it has moved faster than it may in sleep
   bool asleep = false;
   bool clustered = false;  ///< in this tick it is stepped together with what it touches
+  Stepping stepping;       ///< the strictest of its bodies' choices
   int substeps = 0;
   Stepper stepper = Stepper::Verlet;
   bool guarded = false;       ///< its energy must not rise in this tick

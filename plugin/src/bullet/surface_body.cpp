@@ -1,0 +1,193 @@
+// SPDX-License-Identifier: Zlib
+#include "bullet/surface_body.h"
+
+#include "bullet/contact_reach.h"
+#include "bullet/continuous_collision.h"
+#include "bullet/convert.h"
+
+#include <cmath>
+
+namespace limber {
+inline namespace LIMBER_BULLET_PRECISION {
+namespace {
+
+/// The object where and as fast as the points are on average.
+void placeObject(SoftBodyData& body) {
+  SurfaceObject& object = *body.surface.object;
+  const btVector3 origin = toBullet(meanOf(*body.network, body.state.position));
+  const btVector3 velocity = toBullet(meanOf(*body.network, body.state.velocity));
+  object.getWorldTransform().setOrigin(origin);
+  object.getInterpolationWorldTransform().setOrigin(origin);
+  object.setLinearVelocity(velocity);
+  object.setInterpolationLinearVelocity(velocity);
+}
+
+/// The box of the last tick's motion and of the coming one.
+void setBox(SoftBodyData& body) {
+  Eigen::AlignedBox3d box = body.surface.flight.box;
+  for (Eigen::Index i = 0; i < body.state.position.cols(); ++i) box.extend(body.masses.startPosition.col(i));
+  body.surface.shape->setBox(toBullet(Eigen::Vector3d(box.min())), toBullet(Eigen::Vector3d(box.max())));
+}
+
+/// A body that the user holds still, or that Bullet has found too large.
+bool isOutOfSimulation(const SoftBodyData& body) {
+  return body.surface.object->getActivationState() == DISABLE_SIMULATION;
+}
+
+/// As the world does with its own bodies: a new gravity of the world replaces that of each point.
+void updateGravity(SoftBodyData& body) {
+  const btVector3 gravity = body.world->getGravity();
+  if (gravity == body.surface.gravity) return;
+  for (PointMass* point : body.masses.bodies)
+    if (!(point->getFlags() & BT_DISABLE_WORLD_GRAVITY)) point->setGravity(gravity);
+  body.surface.gravity = gravity;
+}
+
+void accelerateShared(SoftBodyData& body) {
+  updateGravity(body);
+  collectForces(body);
+  for (std::uint32_t i = 0; i < body.masses.bodies.size(); ++i) {
+    const PointMass& point = *body.masses.bodies[i];
+    const Eigen::Vector3d gravity =
+        toEigen(point.getGravity()).cwiseProduct(toEigen(point.getLinearFactor()));
+    body.state.acceleration.col(i) = gravity + double(point.getInvMass()) * body.surface.force.col(i);
+    if (body.masses.held[i]) body.state.acceleration.col(i).setZero();
+  }
+}
+
+/// Bullet multiplies a body's velocity by (1 - damping)^tick before it moves it.
+void dampPoints(SoftBodyData& body, double tick) {
+  for (std::uint32_t i = 0; i < body.masses.bodies.size(); ++i) {
+    const double damping = double(body.masses.bodies[i]->getLinearDamping());
+    if (damping == 0.0 || body.masses.held[i]) continue;
+    const Eigen::Vector3d mean = (body.state.position.col(i) - body.masses.startPosition.col(i)) / tick;
+    const Eigen::Vector3d change =
+        (std::pow(1.0 - damping, tick) - 1.0) * (mean - tick * body.state.acceleration.col(i));
+    body.state.velocity.col(i) += change;
+    body.state.position.col(i) += tick * change;
+  }
+}
+
+}  // namespace
+
+void addSurface(SoftBodyData& body) {
+  makePointMasses(body);
+  body.masses.shared = false;
+  SurfaceData& s = body.surface;
+  s.contacts.assign(body.masses.bodies.size(), CachedContact());
+  s.object = new SurfaceObject(&body);
+  s.shape = std::make_unique<SurfaceShape>(*body.network, body.state.position, *s.object,
+                                           body.masses.shape->getRadius());
+  s.object->setCollisionShape(s.shape.get());
+  s.object->setFriction(static_cast<btScalar>(body.settings.friction));
+  s.object->setRestitution(static_cast<btScalar>(body.settings.restitution));
+  s.object->setSleepingThresholds(static_cast<btScalar>(body.settings.sleepingSpeed),
+                                  s.object->getAngularSleepingThreshold());
+  placeObject(body);
+  s.flight = flightOf(body, 0.0);
+  s.gravity = body.world->getGravity();
+  setBox(body);
+  // past btDiscreteDynamicsWorld, which would move it
+  body.world->btCollisionWorld::addCollisionObject(s.object, body.settings.collisionGroup,
+                                                   body.settings.collisionMask);
+}
+
+void removeSurface(SoftBodyData& body) {
+  if (SurfaceObject* object = body.surface.object) {
+    object->setOwner(nullptr);
+    // the broadphase handle goes with the world: an object without one must not touch it
+    if (object->isInWorld()) body.world->btCollisionWorld::removeCollisionObject(object);
+    delete object;
+    body.surface.object = nullptr;
+  }
+  deletePointMasses(body);
+}
+
+void forgetDeletedSurface(SoftBodyData& body) {
+  body.surface.object = nullptr;
+  body.alive = false;
+}
+
+void sharePoints(SoftBodyData& body) {
+  if (body.masses.shared || !body.alive) return;
+  body.masses.shared = true;
+  body.surface.force.setZero(3, body.state.position.cols());
+  body.surface.gravity = body.world->getGravity();
+  for (PointMass* point : body.masses.bodies) {
+    if (body.surface.object) point->setFriction(body.surface.object->getFriction());
+    point->setGravity(body.surface.gravity);
+    if (body.asleep) point->setActivationState(ISLAND_SLEEPING);
+  }
+  writePoints(body);
+  if (body.onPointsShared) body.onPointsShared();
+}
+
+void collectForces(SoftBodyData& body) {
+  for (std::uint32_t i = 0; i < body.masses.bodies.size(); ++i) {
+    PointMass* point = body.masses.bodies[i];
+    if (!point) continue;
+    body.surface.force.col(i) += toEigen(point->getTotalForce());
+    point->clearForces();
+  }
+}
+
+void gatherSurface(SoftBodyData& body, btScalar tick) {
+  SurfaceData& s = body.surface;
+  s.fitted = false;
+  s.object->keepCollisionFilter();
+  const bool held = isOutOfSimulation(body);
+  if (held) sharePoints(body);
+  s.held = held;
+  if (body.masses.shared) {
+    gatherPoints(body, tick, held);
+    accelerateShared(body);
+    return;
+  }
+  body.masses.startPosition = body.state.position;
+  const btVector3 gravity = body.world->getGravity();
+  if (gravity != s.gravity) s.flight.tick = 0.0;
+  s.gravity = gravity;
+  body.state.acceleration.colwise() = toEigen(gravity);
+}
+
+void handOverBox(SoftBodyData& body, btScalar tick) {
+  body.surface.flight = flightOf(body, double(tick));
+  setBox(body);
+}
+
+void finishSurface(SoftBodyData& body, btScalar tick) {
+  if (body.masses.shared) dampPoints(body, double(tick));
+  stopAtFirstContact(body);
+  if (body.masses.shared) writePoints(body);
+  placeObject(body);
+}
+
+bool anySurfacePointMoves(const SoftBodyData& body, btScalar tick) {
+  if (!body.masses.shared) {
+    const double still = double(body.surface.object->getLinearSleepingThreshold() * tick);
+    const Points& start = body.masses.startPosition;
+    return (body.state.position - start).colwise().squaredNorm().maxCoeff() > still * still;
+  }
+  return anyPointMoves(body, tick);
+}
+
+bool isSurfaceChanged(const SoftBodyData& body) {
+  if (!body.masses.shared) return false;
+  for (std::uint32_t i = 0; i < body.masses.bodies.size(); ++i)
+    if (isChangedOutside(body, i)) return true;
+  return false;
+}
+
+void wakeSurface(SoftBodyData& body) {
+  const auto wake = [](btRigidBody* object) {
+    if (object && object->getActivationState() != ACTIVE_TAG) object->activate(true);
+  };
+  wake(body.surface.object);
+  // what was foreseen is old, and partners were collected for those that were awake
+  body.surface.flight.tick = 0.0;
+  if (!body.masses.shared) return;
+  for (PointMass* point : body.masses.bodies) wake(point);
+}
+
+}  // namespace LIMBER_BULLET_PRECISION
+}  // namespace limber

@@ -1,0 +1,211 @@
+// SPDX-License-Identifier: Zlib
+#include "bullet/surface_gather.h"
+
+#include "bullet/concave_patch.h"
+#include "bullet/contact_reach.h"
+#include "bullet/convert.h"
+#include "bullet/pair_gather.h"
+
+#include <algorithm>
+
+namespace limber {
+inline namespace LIMBER_BULLET_PRECISION {
+namespace {
+
+using Eigen::Vector3d;
+
+/// Of the radius: surfaces nearer than this are contacts even if they do not approach.
+constexpr double kMargin = 1.0 / 3.0;
+
+/// Of the radius: how far an edge or triangle may be in a static surface on which all its corners rest. It
+/// sinks into round ones between its corners.
+constexpr double kSagging = 0.5;
+
+/// Cosine between the normals of a contact and of those of the corners that bear for it.
+constexpr double kSameSide = 0.9;
+
+const MovingSurface& movingSurface(SoftBodyData& body, double tick) {
+  SurfaceData& s = body.surface;
+  if (!s.fitted) {
+    s.motion = tick * body.state.velocity + tick * tick * body.state.acceleration;
+    s.moving = {s.topology.get(), &body.state.position, &s.motion, double(body.masses.shape->getRadius()),
+                &s.boxes};
+    fitBoxes(s.moving, s.boxes);
+    s.fitted = true;
+  }
+  return s.moving;
+}
+
+bool areNear(const MovingSurface& a, const MovingSurface& b, double margin) {
+  if (a.boxes->nodes.empty() || b.boxes->nodes.empty()) return false;
+  return separation(a.boxes->nodes[0], b.boxes->nodes[0]) <= margin;
+}
+
+ContactPlace softPlace(const SoftBodyData& body, const SurfacePlace& place) {
+  ContactPlace p;
+  p.kind = ContactPlace::Kind::Soft;
+  p.body = body.index;
+  p.count = place.kind == FeatureKind::OnVertex ? 1 : place.kind == FeatureKind::OnEdge ? 2 : 3;
+  for (std::uint32_t i = 0; i < p.count; ++i) {
+    p.point[i] = place.points[i];
+    p.weight[i] = place.weights[i];
+  }
+  return p;
+}
+
+Vector3d positionOf(const MovingSurface& surface, const SurfacePlace& place) {
+  Vector3d x = Vector3d::Zero();
+  for (int i = 0; i < 3; ++i)
+    x += place.weights[i] * surface.position->col(place.points[static_cast<std::size_t>(i)]);
+  return x;
+}
+
+const btCollisionObject& frictionObject(const SoftBodyData& body) { return *body.surface.object; }
+
+/// What the two have in common whatever they touch with.
+PairContact contactOf(const SoftBodyData& body, const btCollisionObject& partner, const SurfaceContact& c) {
+  PairContact pair;
+  pair.a = softPlace(body, c.a);
+  pair.normal = c.normal;
+  pair.gap = c.gap;
+  pair.friction = double(gCalculateCombinedFrictionCallback(&frictionObject(body), &partner));
+  pair.restitution = double(gCalculateCombinedRestitutionCallback(&frictionObject(body), &partner));
+  pair.recoverySpeed = recoverySpeed(double(body.masses.shape->getRadius()));
+  return pair;
+}
+
+ContactSource sourceOf(SoftBodyData& body, const btCollisionObject& partner, std::uint64_t key) {
+  ContactSource source;
+  source.body = &body;
+  source.partner = &partner;
+  source.key = key;
+  return source;
+}
+
+// --- rigid bodies that move --------------------------------------------------------------------------------
+
+/// Both sides get their impulses at one place, where the soft one's points, edges and triangles are when they
+/// touch: no couple is left over.
+btVector3 commonPlace(const MovingSurface& soft, const MovingSurface& rigid, const SurfaceContact& c) {
+  return toBullet(Vector3d(positionOf(rigid, c.b) + (rigid.radius + soft.radius) * c.normal));
+}
+
+void addFree(SoftBodyData& body, btRigidBody& partner, const RigidPart& part, std::uint64_t partNumber,
+             double tick, SurfaceSearch& s, TickContacts& found) {
+  const MovingSurface& soft = movingSurface(body, tick);
+  const double margin = kMargin * soft.radius;
+  if (!areNear(soft, part.moving, margin)) return;
+  findSurfaceContacts(soft, part.moving, margin, s.search, s.contacts);
+  for (const SurfaceContact& c : s.contacts) {
+    PairContact pair = contactOf(body, partner, c);
+    pair.b = placeOn(found, partner, commonPlace(soft, part.moving, c));
+    found.add(pair, sourceOf(body, partner, c.key ^ (partNumber << 56)));
+  }
+}
+
+void gatherFree(SoftBodyData& body, btRigidBody& partner, double tick, RigidSurfaces& rigids,
+                SurfaceSearch& s, TickContacts& found) {
+  const RigidSurfaces::Range parts = rigids.partsOf(partner, tick);
+  if (parts.begin == parts.end) return gatherPairs(body, partner, static_cast<btScalar>(tick), found);
+  for (std::size_t i = parts.begin; i < parts.end; ++i)
+    addFree(body, partner, rigids.part(i - 1), i - parts.begin, tick, s, found);
+}
+
+// --- static and kinematic objects --------------------------------------------------------------------------
+
+/// Whether something of the part that is neither flat nor a plane's end is near: else the points are enough.
+bool hasSharpNear(const MovingSurface& soft, const RigidPart& part) {
+  const SweptBox& box = soft.boxes->nodes[0];
+  const SurfaceTopology& t = part.surface->topology;
+  if (t.edges.empty()) return true;
+  for (const std::uint32_t e : part.surface->sharpEdges) {
+    const Edge& edge = t.edges[e];
+    const SweptBox edgeBox = merged(part.boxes.points[edge[0]], part.boxes.points[edge[1]]);
+    if (separation(box, edgeBox) <= 0.0) return true;
+  }
+  return false;
+}
+
+bool isBorne(const SoftBodyData& body, std::uint32_t point, const btCollisionObject& partner,
+             const Vector3d& normal) {
+  for (std::size_t r = 0; r < body.contacts.size(); ++r)
+    if (body.contacts[r].point == point && body.contactPartners[r] == &partner &&
+        body.contacts[r].normal.dot(normal) > kSameSide)
+      return true;
+  return false;
+}
+
+/// Whether the points at the corners bear for it.
+bool cornersBear(const SoftBodyData& body, const btCollisionObject& partner, const SurfaceContact& c) {
+  if (c.gap < -kSagging * double(body.masses.shape->getRadius())) return false;
+  for (const std::uint32_t point : c.a.points)
+    if (!isBorne(body, point, partner, c.normal)) return false;
+  return true;
+}
+
+void addHeld(SoftBodyData& body, const btCollisionObject& partner, const RigidPart& part,
+             std::uint64_t partNumber, double tick, SurfaceSearch& s, TickContacts& found) {
+  const MovingSurface& soft = movingSurface(body, tick);
+  const double margin = kMargin * soft.radius;
+  if (!areNear(soft, part.moving, margin) || !hasSharpNear(soft, part)) return;
+  findSurfaceContacts(soft, part.moving, margin, s.search, s.contacts);
+  for (const SurfaceContact& c : s.contacts) {
+    if (c.a.kind == FeatureKind::OnVertex || cornersBear(body, partner, c)) continue;
+    PairContact pair = contactOf(body, partner, c);
+    pair.b.velocity = velocityOf(partner, commonPlace(soft, part.moving, c));
+    found.add(pair, sourceOf(body, partner, c.key ^ (partNumber << 56)));
+  }
+}
+
+void gatherHeld(SoftBodyData& body, const btCollisionObject& partner, double tick, RigidSurfaces& rigids,
+                SurfaceSearch& s, TickContacts& found) {
+  if (partner.getCollisionShape()->getShapeType() == STATIC_PLANE_PROXYTYPE) return;
+  if (partner.getCollisionShape()->isConcave()) {
+    const RigidPart* patch = patchAround(body, partner, movingSurface(body, tick));
+    if (patch) addHeld(body, partner, *patch, 0, tick, s, found);
+    return;
+  }
+  const RigidSurfaces::Range parts = rigids.partsOf(partner, tick);
+  for (std::size_t i = parts.begin; i < parts.end; ++i)
+    addHeld(body, partner, rigids.part(i - 1), i - parts.begin, tick, s, found);
+}
+
+// --- soft bodies -------------------------------------------------------------------------------------------
+
+/// A place on a body that this system does not step in this tick.
+ContactPlace strangePlace(const SoftBodyData& body, const SurfacePlace& place) {
+  ContactPlace p;
+  if (body.asleep) return p;
+  for (int i = 0; i < 3; ++i)
+    p.velocity += place.weights[i] * body.state.velocity.col(place.points[static_cast<std::size_t>(i)]);
+  return p;
+}
+
+void gatherSoft(SoftBodyData& body, SoftBodyData& other, double tick, SurfaceSearch& s, TickContacts& found) {
+  if (!other.alive || !other.surface.topology) return;
+  const bool together = other.system == body.system && !other.asleep;
+  if (together && other.index < body.index) return;
+  const MovingSurface &a = movingSurface(body, tick), &b = movingSurface(other, tick);
+  const double margin = kMargin * std::min(a.radius, b.radius);
+  if (!areNear(a, b, margin)) return;
+  findSurfaceContacts(a, b, margin, s.search, s.contacts);
+  for (const SurfaceContact& c : s.contacts) {
+    PairContact pair = contactOf(body, frictionObject(other), c);
+    pair.b = together ? softPlace(other, c.b) : strangePlace(other, c.b);
+    found.add(pair, sourceOf(body, frictionObject(other), c.key));
+  }
+}
+
+}  // namespace
+
+void gatherSurfacePairs(SoftBodyData& body, btScalar tick, RigidSurfaces& rigids, SurfaceSearch& search,
+                        TickContacts& found) {
+  if (!body.surface.topology) return;
+  const double h = double(tick);
+  for (btRigidBody* partner : body.freePartners) gatherFree(body, *partner, h, rigids, search, found);
+  for (const btCollisionObject* partner : body.partners) gatherHeld(body, *partner, h, rigids, search, found);
+  for (SoftBodyData* other : body.softPartners) gatherSoft(body, *other, h, search, found);
+}
+
+}  // namespace LIMBER_BULLET_PRECISION
+}  // namespace limber

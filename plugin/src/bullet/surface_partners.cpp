@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: Zlib
+#include "bullet/surface_partners.h"
+
+#include "bullet/convert.h"
+
+#include <algorithm>
+
+namespace limber {
+inline namespace LIMBER_BULLET_PRECISION {
+namespace {
+
+bool olderProxy(const btCollisionObject* a, const btCollisionObject* b) {
+  return a->getBroadphaseHandle()->m_uniqueId < b->getBroadphaseHandle()->m_uniqueId;
+}
+
+/// Keeps the order of the ids, not that of Bullet's hash table.
+void addPartner(SoftBodyData& body, btCollisionObject* partner) {
+  auto& partners = body.surface.partners;
+  partners.insert(std::upper_bound(partners.begin(), partners.end(), partner, olderProxy), partner);
+}
+
+void meet(SurfaceObject& surface, btCollisionObject& partner) {
+  SoftBodyData& body = *surface.owner();
+  if (!body.asleep)
+    addPartner(body, &partner);
+  else if (partner.isKinematicObject() && partner.isActive() && partner.hasContactResponse())
+    surface.activate(true);
+}
+
+/// The surface of a living body of this system, or nullptr.
+SurfaceObject* surfaceOf(const btBroadphaseProxy* proxy, const void* system) {
+  SurfaceObject* surface = SurfaceObject::from(static_cast<btCollisionObject*>(proxy->m_clientObject));
+  const SoftBodyData* body = surface ? surface->owner() : nullptr;
+  return body && body->system == system && body->alive ? surface : nullptr;
+}
+
+}  // namespace
+
+void collectPartners(btDiscreteDynamicsWorld& world, const void* system) {
+  const btBroadphasePairArray& pairs = world.getPairCache()->getOverlappingPairArray();
+  for (int i = 0; i < pairs.size(); ++i) {
+    const btBroadphaseProxy *a = pairs[i].m_pProxy0, *b = pairs[i].m_pProxy1;
+    for (int side = 0; side < 2; ++side, std::swap(a, b)) {
+      auto* partner = static_cast<btCollisionObject*>(b->m_clientObject);
+      if (SurfaceObject* surface = surfaceOf(a, system)) meet(*surface, *partner);
+    }
+  }
+}
+
+bool partnersCover(const SoftBodyData& body, const Eigen::AlignedBox3d& box) {
+  const SurfaceShape& shape = *body.surface.shape;
+  // the box went through rounding, the broadphase adds gContactBreakingThreshold on all sides
+  const double slack = 0.5 * double(gContactBreakingThreshold);
+  return body.surface.flight.tick > 0.0 &&
+         (box.min().array() >= toEigen(shape.low()).array() - slack).all() &&
+         (box.max().array() <= toEigen(shape.high()).array() + slack).all();
+}
+
+}  // namespace LIMBER_BULLET_PRECISION
+}  // namespace limber

@@ -1,0 +1,327 @@
+// SPDX-License-Identifier: Zlib
+// Bodies that are one object in the world move, rest and sleep as those whose points are in it.
+#include "support/allocation_counter.h"
+#include "support/bullet_world.h"
+#include "support/networks.h"
+#include "support/tested_way.h"
+
+#include <limber/soft_body_system.h>
+#include <limber/surface_hit.h>
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <functional>
+
+namespace limber {
+namespace {
+
+using test::BulletWorld;
+
+constexpr double kTick = 1.0 / 60.0;
+
+// --- equal to points ---------------------------------------------------------------------------------------
+
+using AddFloor = void (*)(BulletWorld&);
+
+double restHeight(AddFloor addFloor, Collision way) {
+  BulletWorld bullet;
+  addFloor(bullet);
+  SoftBodySystem system(*bullet.world);
+  SoftBodySettings s;
+  s.collision = way;
+  s.position = {0.1, 0.52, 0.05};
+  s.friction = 0;
+  s.damping = 0.2 * std::sqrt(1000 * 0.125);
+  s.sleepingSpeed = 0;
+  SoftBody* body = *system.createBody(test::cubeNetwork(), s);
+  bullet.simulate(8.0);
+  return body->centerOfMass().y();
+}
+
+TEST(SurfaceLife, restsAtTheHeightOfPoints) {
+  // equal rows on equal planes; Bullet rounds the box's and the hull's planes differently from tick to tick
+  const std::pair<AddFloor, double> floors[] = {{[](BulletWorld& b) { b.addPlaneFloor(); }, 1e-9},
+                                                {[](BulletWorld& b) { b.addBoxFloor(); }, 1e-7},
+                                                {[](BulletWorld& b) { b.addHullFloor(); }, 1e-7},
+                                                {[](BulletWorld& b) { b.addTriangleFloor(); }, 1e-7}};
+  for (const auto& [addFloor, tolerance] : floors)
+    EXPECT_NEAR(restHeight(addFloor, Collision::Surface), restHeight(addFloor, Collision::Points), tolerance);
+}
+
+TEST(SurfaceLife, aTumbleIsTheSameWhetherTheUserHoldsThePointsOrNot) {
+  const auto hash = [](bool held) {
+    BulletWorld bullet;
+    bullet.addPlaneFloor();
+    SoftBodySystem system(*bullet.world);
+    SoftBodySettings s = test::testedSettings();
+    s.position = {0, 1.5, 0};
+    s.angularVelocity = {1, 2, 3};
+    SoftBody* body = *system.createBody(test::fullCubeNetwork(), s);
+    if (held) (void)body->point(0);
+    bullet.simulate(3.0);
+    return body->stateHash();
+  };
+  // masses of 1/8 kg: gravity by way of Bullet's float forces rounds nothing
+  EXPECT_EQ(hash(false), hash(true));
+}
+
+// --- forces ------------------------------------------------------------------------------------------------
+
+struct Pushed {
+  explicit Pushed(Collision way) : system(*bullet.world) {
+    SoftBodySettings s;
+    s.collision = way;
+    body = *system.createBody(test::cubeNetwork(), s);
+  }
+  void push(double newtons) {
+    for (std::uint32_t i = 0; i < 8; ++i) body->point(i)->applyCentralForce(test::vec(newtons / 8, 0, 0));
+  }
+  double momentum() const { return body->linearMomentum().x(); }
+
+  BulletWorld bullet{0.0};
+  SoftBodySystem system;
+  SoftBody* body;
+};
+
+TEST(SurfaceForces, actAsLongAsThoseOnBodiesOfTheWorld) {
+  // steps of none, one and several ticks, with and without a push before each
+  const int ticks[] = {1, 3, 0, 2, 0, 0, 1, 4, 1};
+  Pushed points(Collision::Points), surface(Collision::Surface);
+  double time = 0;
+  for (std::size_t i = 0; i < std::size(ticks); ++i) {
+    for (Pushed* pushed : {&points, &surface}) {
+      if (i % 3 != 1) pushed->push(1.0 + static_cast<double>(i));
+      // half a tick more than whole ones, which is taken back by the next
+      const double length = (ticks[i] + (i % 2 ? -0.4 : 0.4)) * kTick;
+      if (ticks[i] > 0)
+        pushed->bullet.world->stepSimulation(static_cast<btScalar>(length), 10, btScalar(kTick));
+      else
+        pushed->bullet.world->stepSimulation(btScalar(0), 10, btScalar(kTick));
+    }
+    time += ticks[i];
+    // the forces go through Bullet's floats in one of them
+    EXPECT_NEAR(surface.momentum(), points.momentum(), 1e-6) << "step " << i;
+  }
+  EXPECT_GT(surface.momentum(), 0.1);
+}
+
+TEST(SurfaceForces, oneForceForAllTicksOfAStep) {
+  for (const int ticks : {1, 2, 5}) {
+    Pushed pushed(Collision::Surface);
+    pushed.push(2.0);
+    pushed.bullet.world->stepSimulation(static_cast<btScalar>((ticks + 0.2) * kTick), 10, btScalar(kTick));
+    EXPECT_NEAR(pushed.momentum(), 2.0 * ticks * kTick, 1e-6);
+    pushed.bullet.world->stepSimulation(btScalar(kTick), 10, btScalar(kTick));
+    EXPECT_NEAR(pushed.momentum(), 2.0 * ticks * kTick, 1e-6) << "and gone in the next";
+  }
+}
+
+TEST(SurfaceForces, nothingIsInTheWorldBesidesTheSurfaceUntilSomebodyHasAPoint) {
+  BulletWorld bullet;
+  SoftBodySystem system(*bullet.world);
+  SoftBody* body = *system.createBody(test::cubeNetwork(), test::testedSettings());
+  bullet.tick();
+  EXPECT_EQ(bullet.world->getNumCollisionObjects(), 1);
+  (void)body->point(0);
+  EXPECT_EQ(bullet.world->getNumCollisionObjects(), 2);
+  system.destroyBody(body);
+  EXPECT_EQ(bullet.world->getNumCollisionObjects(), 0);
+}
+
+// --- sleep -------------------------------------------------------------------------------------------------
+
+struct SurfaceSleep : testing::Test {
+  SurfaceSleep() : system(*bullet.world) {
+    floor = bullet.addBoxFloor();
+    SoftBodySettings s = test::testedSettings();
+    s.position = {0, 0.52, 0};
+    body = *system.createBody(test::cubeNetwork(), s);
+  }
+  void sleep() {
+    for (int i = 0; i < 1200 && !body->sleeping(); ++i) bullet.tick();
+    ASSERT_TRUE(body->sleeping());
+    bullet.tick();
+    ASSERT_EQ(body->surfaceObject()->getActivationState(), ISLAND_SLEEPING);
+  }
+  BulletWorld bullet;
+  SoftBodySystem system;
+  btRigidBody* floor;
+  SoftBody* body;
+};
+
+TEST_F(SurfaceSleep, wakesByTheObjectByACallAndByAChangedPoint) {
+  const std::function<void()> wakers[] = {[&] { body->surfaceObject()->activate(); }, [&] { body->wake(); },
+                                          [&] { body->point(2)->activate(); },
+                                          [&] { body->point(2)->applyCentralImpulse(test::vec(0, 0.1, 0)); },
+                                          [&] { body->point(2)->translate(test::vec(0.05, 0, 0)); }};
+  for (std::size_t i = 0; i < std::size(wakers); ++i) {
+    sleep();
+    wakers[i]();
+    bullet.tick();
+    EXPECT_FALSE(body->sleeping()) << i;
+    EXPECT_EQ(body->surfaceObject()->getActivationState(), ACTIVE_TAG) << i;
+  }
+}
+
+TEST_F(SurfaceSleep, wokenItStandsOnItsFloorFromTheFirstTick) {
+  const std::function<void()> wakers[] = {[&] { body->surfaceObject()->activate(); }, [&] { body->wake(); }};
+  for (const auto& waker : wakers) {
+    sleep();
+    const double before = body->position(0).y();
+    waker();
+    bullet.tick();
+    ASSERT_FALSE(body->sleeping());
+    // without the floor it falls g h^2 / 2 = 1.4 mm
+    EXPECT_NEAR(body->position(0).y(), before, 1e-5);
+  }
+}
+
+TEST_F(SurfaceSleep, theUsersDisableDeactivationKeepsItAwake) {
+  body->surfaceObject()->setActivationState(DISABLE_DEACTIVATION);
+  bullet.simulate(8.0);
+  EXPECT_FALSE(body->sleeping());
+  EXPECT_EQ(body->surfaceObject()->getActivationState(), DISABLE_DEACTIVATION);
+  body->surfaceObject()->forceActivationState(ACTIVE_TAG);
+  sleep();
+}
+
+TEST_F(SurfaceSleep, anIslandWithARigidBodyNeverSleepsByHalves) {
+  btRigidBody* neighbour = bullet.addBox(test::vec(0.2, 0.2, 0.2), 1, test::vec(0.74, 0.2, 0));
+  int asleepTogether = 0;
+  for (int i = 0; i < 900; ++i) {
+    if (i == 500) neighbour->activate(true);
+    if (i == 700) body->wake();
+    bullet.tick();
+    const bool soft = body->surfaceObject()->getActivationState() == ISLAND_SLEEPING;
+    const bool rigid = neighbour->getActivationState() == ISLAND_SLEEPING;
+    ASSERT_EQ(soft, rigid) << "tick " << i;
+    if (i == 500 || i == 700) {
+      EXPECT_FALSE(soft) << "woken together";
+    }
+    asleepTogether += soft;
+  }
+  EXPECT_GT(asleepTogether, 200);
+}
+
+TEST_F(SurfaceSleep, aMovingPlatformWakesWhatSleepsOnIt) {
+  sleep();
+  floor->setCollisionFlags(floor->getCollisionFlags() | btCollisionObject::CF_KINEMATIC_OBJECT);
+  floor->forceActivationState(DISABLE_DEACTIVATION);
+  for (int i = 1; i <= 60; ++i) {
+    floor->setWorldTransform(btTransform(btQuaternion::getIdentity(), test::vec(0, -1 + 0.005 * i, 0)));
+    bullet.tick();
+  }
+  EXPECT_FALSE(body->sleeping());
+  EXPECT_NEAR(body->centerOfMass().y(), 0.52 + 0.3, 0.02);
+}
+
+TEST_F(SurfaceSleep, outOfTheSimulationItStaysWhereItIs) {
+  const Eigen::Vector3d before = body->centerOfMass();
+  bullet.world->removeRigidBody(floor);
+  body->surfaceObject()->forceActivationState(DISABLE_SIMULATION);
+  bullet.simulate(1.0);
+  // points that are held are where Bullet's floats have them
+  for (std::uint32_t i = 0; i < 8; ++i) EXPECT_LT(body->velocity(i).norm(), 1e-6);
+  EXPECT_NEAR(body->position(0).y(), before.y() - 0.5, 1e-6);
+  body->surfaceObject()->forceActivationState(ACTIVE_TAG);
+  bullet.simulate(1.0);
+  EXPECT_NEAR(body->centerOfMass().y(), before.y() - 4.905, 1e-4);
+}
+
+// --- the rest ----------------------------------------------------------------------------------------------
+
+TEST(SurfaceLife, aTickAllocatesNothingAlthoughBodiesFlyAndRest) {
+  BulletWorld bullet;
+  bullet.addBoxFloor();
+  SoftBodySystem system(*bullet.world);
+  for (int i = 0; i < 12; ++i) {
+    SoftBodySettings s = test::testedSettings();
+    s.position = {1.5 * i, i % 2 ? 0.52 : 300.0, 0};
+    s.sleepingSpeed = 0;
+    (void)*system.createBody(test::cubeNetwork(), s);
+  }
+  bullet.simulate(2.0);
+  const test::AllocationCounter counter;
+  bullet.simulate(1.0);
+  EXPECT_EQ(counter.allocations(), 0u);
+}
+
+TEST(SurfaceLife, aFloorThatComesLaterIsFound) {
+  BulletWorld bullet;
+  SoftBodySystem system(*bullet.world);
+  SoftBodySettings s = test::testedSettings();
+  s.position = {0, 2, 0};
+  SoftBody* body = *system.createBody(test::cubeNetwork(), s);
+  bullet.simulate(0.3);
+  bullet.addBoxFloor();
+  bullet.simulate(3.0);
+  EXPECT_GT(body->centerOfMass().y(), 0.5);
+}
+
+TEST(SurfaceLife, pairsTheUserHasExcludedDoNotTouch) {
+  BulletWorld bullet;
+  btRigidBody* floor = bullet.addBoxFloor();
+  SoftBodySystem system(*bullet.world);
+  SoftBodySettings s = test::testedSettings();
+  s.position = {0, 0.6, 0};
+  SoftBody* body = *system.createBody(test::cubeNetwork(), s);
+  body->surfaceObject()->setIgnoreCollisionCheck(floor, true);
+  bullet.simulate(1.0);
+  EXPECT_LT(body->centerOfMass().y(), -3.0);
+}
+
+TEST(SurfaceLife, pairsInOrderOfTheirIdsAreFineToo) {
+  BulletWorld bullet;
+  bullet.world->getDispatchInfo().m_deterministicOverlappingPairs = true;
+  bullet.addBoxFloor();
+  bullet.addBox(test::vec(0.3, 0.3, 0.3), 1, test::vec(0.2, 0.3, 0));
+  SoftBodySystem system(*bullet.world);
+  SoftBodySettings s = test::testedSettings();
+  s.position = {1.2, 1, 0};
+  SoftBody* body = *system.createBody(test::cubeNetwork(), s);
+  bullet.simulate(2.0);
+  EXPECT_NEAR(body->centerOfMass().y(), 0.52, 0.01);
+}
+
+TEST(SurfaceLife, userPointerIndexAndFiltersAreTheUsers) {
+  BulletWorld bullet;
+  SoftBodySystem system(*bullet.world);
+  SoftBodySettings s = test::testedSettings();
+  s.collisionGroup = 64;
+  s.collisionMask = 1 | 2;
+  btRigidBody* object = (*system.createBody(test::cubeNetwork(), s))->surfaceObject();
+  EXPECT_EQ(object->getUserPointer(), nullptr);
+  EXPECT_EQ(object->getUserIndex(), -1);
+  int mine = 0;
+  object->setUserPointer(&mine);
+  object->setUserIndex(7);
+  bullet.simulate(0.2);
+  EXPECT_EQ(object->getUserPointer(), &mine);
+  EXPECT_EQ(object->getUserIndex(), 7);
+  EXPECT_EQ(object->getBroadphaseHandle()->m_collisionFilterGroup, 64);
+  EXPECT_EQ(object->getBroadphaseHandle()->m_collisionFilterMask, 3);
+}
+
+TEST(SurfaceLife, theApplicationMayDeleteTheSentinelToo) {
+  // HelloWorld's loop, motion states included, while the points are known outside
+  BulletWorld bullet;
+  SoftBodySystem system(*bullet.world);
+  SoftBody* body = *system.createBody(test::cubeNetwork(), test::testedSettings());
+  body->point(0)->applyCentralForce(test::vec(1, 0, 0));
+  bullet.tick();
+  for (int i = bullet.world->getNumCollisionObjects() - 1; i >= 0; --i) {
+    btRigidBody* object = btRigidBody::upcast(bullet.world->getCollisionObjectArray()[i]);
+    delete object->getMotionState();
+    bullet.world->removeCollisionObject(object);
+    delete object;
+  }
+  bullet.tick();
+  EXPECT_FALSE(body->alive());
+  EXPECT_EQ(body->surfaceObject(), nullptr);
+  (void)*system.createBody(test::cubeNetwork(), test::testedSettings());
+  bullet.tick();
+}
+
+}  // namespace
+}  // namespace limber
