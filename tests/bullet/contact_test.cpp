@@ -295,7 +295,6 @@ TEST(Contact, fastPointsAreStoppedByATriangleMesh) {
 }
 
 TEST(Contact, aFreeBoxLandsOnASoftCubeAndStays) {
-  if (test::kSurface) GTEST_SKIP() << "only points in the world meet dynamic bodies";
   BulletWorld bullet;
   bullet.addPlaneFloor();
   SoftBodySystem system(*bullet.world);
@@ -322,7 +321,6 @@ TEST(Contact, pointsOfOneBodyPassThroughEachOther) {
 }
 
 TEST(Contact, pointsOfDifferentBodiesCollide) {
-  if (test::kSurface) GTEST_SKIP() << "only points in the world meet each other";
   BulletWorld bullet(0.0);
   SoftBodySystem system(*bullet.world);
   SoftBodySettings s = test::testedSettings();

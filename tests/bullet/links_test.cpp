@@ -239,7 +239,6 @@ TEST(Pin, moveAlongAPathDragsTheBody) {
 }
 
 TEST(Pin, aPinPushesRigidBodies) {
-  if (test::kSurface) GTEST_SKIP() << "only points in the world push rigid bodies";
   BulletWorld bullet(0.0);
   SoftBodySystem system(*bullet.world);
   SoftBodySettings s = test::testedSettings();

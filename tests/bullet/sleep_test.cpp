@@ -83,7 +83,6 @@ TEST_F(SleepTest, neverWhileSomethingOnItIsAwake) {
 }
 
 TEST_F(SleepTest, aRigidBodyOnItSleepsToo) {
-  if (test::kSurface) GTEST_SKIP() << "only points in the world carry dynamic bodies";
   SoftBody* body = restingCube();
   btRigidBody* plate = bullet.addBox(test::vec(0.6, 0.1, 0.6), 0.2, test::vec(0, 1.12, 0));
   bullet.simulate(15.0);

@@ -82,6 +82,13 @@ ContactSource sourceOf(SoftBodyData& body, const btCollisionObject& partner, std
   return source;
 }
 
+/// Points that are attached to a body do not collide with it, nor do the edges and triangles they end.
+bool isAttached(const SoftBodyData& body, const btCollisionObject& partner, const SurfacePlace& place) {
+  if (body.anchors.empty()) return false;
+  return std::any_of(place.points.begin(), place.points.end(),
+                     [&](std::uint32_t point) { return body.masses.bodies[point]->attachedTo == &partner; });
+}
+
 // --- rigid bodies that move --------------------------------------------------------------------------------
 
 /// Both sides get their impulses at one place, where the soft one's points, edges and triangles are when they
@@ -97,6 +104,7 @@ void addFree(SoftBodyData& body, btRigidBody& partner, const RigidPart& part, st
   if (!areNear(soft, part.moving, margin)) return;
   findSurfaceContacts(soft, part.moving, margin, s.search, s.contacts);
   for (const SurfaceContact& c : s.contacts) {
+    if (isAttached(body, partner, c.a)) continue;
     PairContact pair = contactOf(body, partner, c);
     pair.b = placeOn(found, partner, commonPlace(soft, part.moving, c));
     found.add(pair, sourceOf(body, partner, c.key ^ (partNumber << 56)));
@@ -150,7 +158,8 @@ void addHeld(SoftBodyData& body, const btCollisionObject& partner, const RigidPa
   if (!areNear(soft, part.moving, margin) || !hasSharpNear(soft, part)) return;
   findSurfaceContacts(soft, part.moving, margin, s.search, s.contacts);
   for (const SurfaceContact& c : s.contacts) {
-    if (c.a.kind == FeatureKind::OnVertex || cornersBear(body, partner, c)) continue;
+    if (c.a.kind == FeatureKind::OnVertex || isAttached(body, partner, c.a)) continue;
+    if (cornersBear(body, partner, c)) continue;
     PairContact pair = contactOf(body, partner, c);
     pair.b.velocity = velocityOf(partner, commonPlace(soft, part.moving, c));
     found.add(pair, sourceOf(body, partner, c.key ^ (partNumber << 56)));
