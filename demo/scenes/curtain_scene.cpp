@@ -104,6 +104,7 @@ Check checkCurtains(const Curtains& curtains) {
 
 SoftBodySettings clothSettings(const SceneOptions& options) {
   SoftBodySettings settings;
+  settings.collision = Collision::Surface;
   settings.totalMass = 1.0;
   settings.damping = 0.5;
   settings.pointRadius = kRadius;
@@ -137,7 +138,7 @@ SceneResult createCurtain(const SceneOptions& options) {
     if (!reason.empty()) return Error{reason};
     addPushers(*scene, curtains, x, random);
   }
-  addAirDrag(*scene, 0.5);
+  addAirDrag(*scene, 0.8);
   scene->beforeTick = [curtains](Scene& now) {
     const double seconds = double(now.ticks + 1) / double(kTicksPerSecond);
     for (std::size_t i = 0; i < curtains.boxes.size(); ++i)

@@ -43,9 +43,11 @@ std::string checkTower(const Scene& scene) {
 
 SoftBodySettings blockSettings(const SceneOptions& options) {
   SoftBodySettings settings;
+  settings.collision = Collision::Surface;
   settings.scale = {kWidth, kBlock, kWidth};
   settings.totalMass = 0.6;
-  settings.damping = 3.0;
+  settings.extensionStiffness = settings.compressionStiffness = 5000.0;
+  settings.damping = 20.0;
   settings.pointRadius = kRadius;
   settings.friction = 0.8;
   apply(options, settings);

@@ -29,15 +29,20 @@ bool hasPartners(const SoftBodyData& body) {
   return !body.partners.empty() || !body.freePartners.empty() || !body.softPartners.empty();
 }
 
+template <class T>
+void addOnce(std::vector<T>& list, T entry) {
+  if (std::find(list.begin(), list.end(), entry) == list.end()) list.push_back(entry);
+}
+
 /// Sorts them by what they are. Point masses in the world meet other bodies' points in Bullet's solver.
 void addPartner(SoftBodyData& body, btCollisionObject& object) {
   if (PointMass::from(&object)) return;
   if (SurfaceObject* surface = SurfaceObject::from(&object)) {
-    if (isSurfaceBody(body) && surface->owner()) body.softPartners.push_back(surface->owner());
+    if (isSurfaceBody(body) && surface->owner()) addOnce(body.softPartners, surface->owner());
   } else if (object.isStaticOrKinematicObject()) {
-    body.partners.push_back(&object);
+    addOnce<const btCollisionObject*>(body.partners, &object);
   } else if (btRigidBody* rigid = btRigidBody::upcast(&object)) {
-    body.freePartners.push_back(rigid);
+    addOnce(body.freePartners, rigid);
   }
 }
 
@@ -245,7 +250,6 @@ bool fliesFreely(SoftBodyData& body, double tick) {
 }
 
 void askForPartners(SoftBodyData& body, const Eigen::AlignedBox3d& box) {
-  forgetPartners(body);
   PartnersInBox partners(body);
   body.world->getBroadphase()->aabbTest(toBullet(Eigen::Vector3d(box.min())),
                                         toBullet(Eigen::Vector3d(box.max())), partners);

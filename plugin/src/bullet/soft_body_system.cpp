@@ -365,6 +365,7 @@ void SoftBodySystem::Impl::beforeTick(btScalar tick) {
   rebuildGroupsIfNeeded();
   beginStepOfForces();
   collectPartners(*world, this);
+  collectMovers(*world, this, tick);
   updateSleep(groups, *world, tick, islands);
   pairs.clear();
   rigidSurfaces.clear();

@@ -16,25 +16,25 @@ bool olderProxy(const btCollisionObject* a, const btCollisionObject* b) {
 /// Keeps the order of the ids, not that of Bullet's hash table.
 void addPartner(SoftBodyData& body, btCollisionObject* partner) {
   auto& partners = body.surface.partners;
-  partners.insert(std::upper_bound(partners.begin(), partners.end(), partner, olderProxy), partner);
+  const auto place = std::lower_bound(partners.begin(), partners.end(), partner, olderProxy);
+  if (place == partners.end() || *place != partner) partners.insert(place, partner);
 }
 
-void meet(SurfaceObject& surface, btCollisionObject& partner) {
+}  // namespace
+
+void meetPartner(SurfaceObject& surface, btCollisionObject& partner) {
   SoftBodyData& body = *surface.owner();
-  if (!body.asleep)
+  if (!body.asleep || surface.isActive())
     addPartner(body, &partner);
   else if (partner.isKinematicObject() && partner.isActive() && partner.hasContactResponse())
     surface.activate(true);
 }
 
-/// The surface of a living body of this system, or nullptr.
-SurfaceObject* surfaceOf(const btBroadphaseProxy* proxy, const void* system) {
+SurfaceObject* livingSurface(const btBroadphaseProxy* proxy, const void* system) {
   SurfaceObject* surface = SurfaceObject::from(static_cast<btCollisionObject*>(proxy->m_clientObject));
   const SoftBodyData* body = surface ? surface->owner() : nullptr;
   return body && body->system == system && body->alive ? surface : nullptr;
 }
-
-}  // namespace
 
 void collectPartners(btDiscreteDynamicsWorld& world, const void* system) {
   const btBroadphasePairArray& pairs = world.getPairCache()->getOverlappingPairArray();
@@ -42,7 +42,7 @@ void collectPartners(btDiscreteDynamicsWorld& world, const void* system) {
     const btBroadphaseProxy *a = pairs[i].m_pProxy0, *b = pairs[i].m_pProxy1;
     for (int side = 0; side < 2; ++side, std::swap(a, b)) {
       auto* partner = static_cast<btCollisionObject*>(b->m_clientObject);
-      if (SurfaceObject* surface = surfaceOf(a, system)) meet(*surface, *partner);
+      if (SurfaceObject* surface = livingSurface(a, system)) meetPartner(*surface, *partner);
     }
   }
 }

@@ -1,0 +1,302 @@
+// SPDX-License-Identifier: Zlib
+// Faces and edges touch: what is smaller than a triangle, what has no point under it, and what is fast.
+#include "support/bullet_world.h"
+#include "support/networks.h"
+#include "support/tested_way.h"
+
+#include <limber/soft_body_system.h>
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+namespace limber {
+namespace {
+
+using Eigen::Vector3d;
+using test::BulletWorld;
+using test::vec;
+
+constexpr double kRadius = 0.02;
+
+Vector3d eigen(const btVector3& v) { return {double(v.x()), double(v.y()), double(v.z())}; }
+
+SoftBodySettings cubeSettings(const Vector3d& position, double stiffness = 1e3) {
+  SoftBodySettings s = test::testedSettings();
+  s.position = position;
+  s.extensionStiffness = s.compressionStiffness = stiffness;
+  s.damping = 0.1 * std::sqrt(stiffness);
+  s.pointRadius = kRadius;
+  return s;
+}
+
+SoftBody* addCube(SoftBodySystem& system, const SoftBodySettings& settings) {
+  SoftBody* body = *system.createBody(test::closedCubeNetwork(), settings);
+  body->surfaceObject()->setActivationState(DISABLE_DEACTIVATION);
+  return body;
+}
+
+btRigidBody* awake(btRigidBody* body) {
+  body->setActivationState(DISABLE_DEACTIVATION);
+  return body;
+}
+
+btRigidBody* addMarble(BulletWorld& bullet, double radius, double mass, const Vector3d& place) {
+  const btVector3 at = vec(place.x(), place.y(), place.z());
+  return awake(bullet.add(std::make_unique<btSphereShape>(static_cast<btScalar>(radius)), mass, at));
+}
+
+double lowest(const SoftBody& body) {
+  double y = 1e9;
+  for (std::uint32_t i = 0; i < body.pointCount(); ++i) y = std::min(y, body.position(i).y());
+  return y;
+}
+
+/// How often the body's closed surface winds around a place: 0 outside, 1 inside, -1 inside one that has been
+/// turned inside out (solid angles: van Oosterom, Strackee 1983).
+double winding(const SoftBody& body, const Vector3d& place) {
+  double sum = 0.0;
+  for (const Triangle& t : body.network().surface) {
+    const Vector3d a = body.position(t[0]) - place, b = body.position(t[1]) - place,
+                   c = body.position(t[2]) - place;
+    const double la = a.norm(), lb = b.norm(), lc = c.norm();
+    const double below = la * lb * lc + a.dot(b) * lc + b.dot(c) * la + c.dot(a) * lb;
+    sum += 2.0 * std::atan2(a.dot(b.cross(c)), below);
+  }
+  return sum / (4.0 * M_PI);
+}
+
+// --- small and slow ----------------------------------------------------------------------------------------
+
+TEST(SurfaceContact, aMarbleRestsOnAFaceWithoutJitter) {
+  // in the middle of a triangle, on the diagonal that two share, and a heavy one
+  for (const auto& [place, mass] :
+       {std::pair(Vector3d(0.2, 0, 0.1), 0.05), {Vector3d(0, 0, 0), 0.05}, {Vector3d(0.02, 0, 0.01), 0.5}}) {
+    SCOPED_TRACE(mass);
+    BulletWorld bullet;
+    bullet.addBoxFloor();
+    SoftBodySystem system(*bullet.world);
+    SoftBody* cube = addCube(system, cubeSettings({0, 0.5 + kRadius, 0}));
+    btRigidBody* marble = addMarble(bullet, 0.05, mass, place + Vector3d(0, 1.2, 0));
+    marble->setFriction(1);
+    marble->setRollingFriction(0);
+    marble->setDamping(btScalar(0.2), btScalar(0.9));
+    bullet.simulate(8.0);
+    double low = 1e9, high = -1e9;
+    for (int i = 0; i < 60; ++i) {
+      bullet.tick();
+      const double y = double(marble->getWorldTransform().getOrigin().y());
+      low = std::min(low, y), high = std::max(high, y);
+    }
+    EXPECT_GT(low, 0.9) << "it lies on the cube";
+    EXPECT_NEAR(winding(*cube, eigen(marble->getWorldTransform().getOrigin())), 0.0, 0.5);
+    // Bullet keeps the height as a float: 1.2e-7 m
+    EXPECT_LT(high - low, 1e-5);
+  }
+}
+
+TEST(SurfaceContact, aSpikeDoesNotPassBetweenThePoints) {
+  BulletWorld bullet;
+  bullet.addBoxFloor();
+  SoftBodySystem system(*bullet.world);
+  SoftBody* cube = addCube(system, cubeSettings({0, 0.5 + kRadius, 0}));
+  btRigidBody* cone = awake(
+      bullet.add(std::make_unique<btConeShape>(btScalar(0.05), btScalar(0.5)), 0.2, vec(0.15, 1.4, 0.05)));
+  btTransform down(btQuaternion(btVector3(1, 0, 0), SIMD_PI), vec(0.15, 1.4, 0.05));
+  cone->setWorldTransform(down);
+  cone->setAngularFactor(btScalar(0));
+  bullet.simulate(4.0);
+  const Vector3d tip = eigen(cone->getWorldTransform() * vec(0, 0.25, 0));
+  EXPECT_NEAR(winding(*cube, tip), 0.0, 0.5);
+  EXPECT_GT(tip.y(), 0.9);
+}
+
+TEST(SurfaceContact, aCubeLiesOnRailsThatNoPointTouches) {
+  for (const double mass : {0.0, 2.0}) {
+    SCOPED_TRACE(mass);
+    BulletWorld bullet;
+    bullet.addBoxFloor();
+    SoftBodySystem system(*bullet.world);
+    for (const double x : {-0.25, 0.25}) {
+      btRigidBody* rail = bullet.addBox(vec(0.05, 0.05, 1.5), mass, vec(x, 0.05, 0));
+      rail->setFriction(1);
+      if (mass > 0) awake(rail);
+    }
+    SoftBody* cube = addCube(system, cubeSettings({0, 0.1 + 0.5 + 2 * kRadius, 0}));
+    bullet.simulate(8.0);
+    EXPECT_GT(lowest(*cube), 0.08) << "the lower face sags between and beside the rails by a little only";
+    EXPECT_NEAR(cube->centerOfMass().x(), 0.0, 0.02);
+    EXPECT_LT(cube->kineticEnergy(), 1e-5);
+  }
+}
+
+TEST(SurfaceContact, aCubeStaysOnALedgeAsLongAsItsCentreIsAboveIt) {
+  BulletWorld bullet;
+  bullet.addBoxFloor();
+  SoftBodySystem system(*bullet.world);
+  bullet.addBox(vec(0.5, 0.5, 0.8), 0, vec(0, 0.5, 0))->setFriction(1);
+  SoftBody* stays = addCube(system, cubeSettings({0.3, 1.5 + kRadius, 0}, 1e4));
+  bullet.simulate(4.0);
+  EXPECT_GT(stays->centerOfMass().y(), 1.4);
+  system.destroyBody(stays);
+  SoftBody* falls = addCube(system, cubeSettings({0.6, 1.5 + kRadius, 0}, 1e4));
+  bullet.simulate(4.0);
+  EXPECT_LT(falls->centerOfMass().y(), 1.0);
+}
+
+TEST(SurfaceContact, bumpsOfAFineMeshDoNotPokeThroughAFace) {
+  // a ridge of a triangle mesh, finer than the cube's edges, under the middle of its lower face
+  BulletWorld bullet;
+  btTriangleMesh mesh;
+  const double h = 0.2;
+  const auto height = [&](double x) { return std::max(0.0, h - std::abs(x) * 2.0); };
+  for (int i = -40; i < 40; ++i)
+    for (int j = -40; j < 40; ++j) {
+      const double a = 0.05 * i, b = a + 0.05, c = 0.05 * j, d = c + 0.05;
+      mesh.addTriangle(vec(a, height(a), c), vec(a, height(a), d), vec(b, height(b), c));
+      mesh.addTriangle(vec(b, height(b), c), vec(a, height(a), d), vec(b, height(b), d));
+    }
+  bullet.add(std::make_unique<btBvhTriangleMeshShape>(&mesh, true), 0, vec(0, 0, 0))->setFriction(1);
+  {
+    SoftBodySystem system(*bullet.world);
+    SoftBody* cube = addCube(system, cubeSettings({0.0, 0.5 + h + 2 * kRadius, 0.013}, 3e3));
+    double deepest = 0.0;
+    for (int i = 0; i < 240; ++i) {
+      bullet.tick();
+      deepest = std::max(deepest, winding(*cube, {0.0, h - 0.03, 0.0}));
+    }
+    EXPECT_LT(deepest, 0.5) << "the ridge, 3 cm below its edge, is never inside the cube";
+    EXPECT_GT(lowest(*cube), 0.0);
+  }
+  bullet.world->removeRigidBody(bullet.bodies.back().get());
+  bullet.bodies.pop_back();
+}
+
+// --- soft on soft ------------------------------------------------------------------------------------------
+
+TEST(SurfaceContact, softCubesStack) {
+  for (const auto& [shift, turn] : {std::pair(0.0, 0.0), {0.0, 0.4}, {0.2, 0.4}}) {
+    SCOPED_TRACE(turn);
+    BulletWorld bullet;
+    bullet.addBoxFloor();
+    SoftBodySystem system(*bullet.world);
+    std::vector<SoftBody*> cubes;
+    for (int i = 0; i < 3; ++i) {
+      SoftBodySettings s = cubeSettings({i % 2 * shift, 0.52 + 1.05 * i, 0}, 5e3);
+      s.rotation = Eigen::AngleAxisd(i % 2 * turn, Vector3d::UnitY());
+      s.damping *= 2;
+      cubes.push_back(addCube(system, s));
+    }
+    bullet.simulate(8.0);
+    for (int i = 0; i < 3; ++i) {
+      const SoftBody& cube = *cubes[static_cast<std::size_t>(i)];
+      // 1 % of sag by its own and its neighbours' weight
+      EXPECT_NEAR(cube.centerOfMass().y(), 0.52 + 1.04 * i, 0.03) << i;
+      EXPECT_LT(cube.kineticEnergy(), 1e-6) << i;
+    }
+  }
+}
+
+TEST(SurfaceContact, twoSoftBodiesKeepTheirMomentaInAHit) {
+  std::mt19937 random(5);
+  std::uniform_real_distribution<double> any(-1, 1);
+  for (int shot = 0; shot < 20; ++shot) {
+    BulletWorld bullet(0.0);
+    SoftBodySystem system(*bullet.world);
+    SoftBodySettings s = cubeSettings({0, 0, 0}, 1e4);
+    s.rotation = Eigen::Quaterniond(any(random), any(random), any(random), any(random)).normalized();
+    SoftBody* still = addCube(system, s);
+    s.rotation = Eigen::Quaterniond(any(random), any(random), any(random), any(random)).normalized();
+    s.position = {-2.0, 0.3 * any(random), 0.3 * any(random)};
+    s.linearVelocity = {8, 0, 0};
+    s.angularVelocity = 2.0 * Vector3d(any(random), any(random), any(random));
+    SoftBody* flies = addCube(system, s);
+    const Vector3d linear = flies->linearMomentum(), angular = flies->angularMomentum();
+    const double energy = flies->kineticEnergy();
+    bullet.simulate(0.6);
+    ASSERT_GT(still->linearMomentum().x(), 0.5) << "they have met";
+    EXPECT_LT((still->linearMomentum() + flies->linearMomentum() - linear).norm(), 1e-6 * linear.norm());
+    EXPECT_LT(
+        still->kineticEnergy() + still->elasticEnergy() + flies->kineticEnergy() + flies->elasticEnergy(),
+        energy * (1 + 1e-9));
+    // the two ends of a contact are two radii, 4 cm, apart along the normal, and friction turns both bodies
+    // by that arm; of 8 N s at arms of up to half a metre this is a few per cent
+    EXPECT_LT((still->angularMomentum() + flies->angularMomentum() - angular).norm(), 0.04 * linear.norm());
+  }
+}
+
+// --- fast --------------------------------------------------------------------------------------------------
+
+TEST(SurfaceContact, noShotStaysInACube) {
+  // at faces, near edges and near corners; Bullet's own continuous collision is off
+  std::mt19937 random(7);
+  std::uniform_real_distribution<double> any(-1, 1);
+  for (const double speed : {20.0, 50.0, 100.0})
+    for (int target = 0; target < 3; ++target)
+      for (int shot = 0; shot < 200; ++shot) {
+        BulletWorld bullet(0.0);
+        SoftBodySystem system(*bullet.world);
+        SoftBodySettings s = cubeSettings({0, 0, 0});
+        s.rotation = Eigen::Quaterniond(any(random), any(random), any(random), any(random)).normalized();
+        SoftBody* cube = addCube(system, s);
+        Vector3d aim = 0.45 * Vector3d(any(random), any(random), any(random));
+        for (int axis = 0; axis <= target; ++axis) aim[axis] = std::copysign(0.49, aim[axis]);
+        const Vector3d outward = target == 0 ? Vector3d(aim.x() * Vector3d::UnitX()) : aim;
+        const Vector3d way =
+            (s.rotation * (-outward.normalized()) + 0.3 * Vector3d(any(random), any(random), any(random)))
+                .normalized();
+        const Vector3d start = s.rotation * aim - (2.0 + 0.8 * any(random)) * way;
+        btRigidBody* marble = addMarble(bullet, 0.05, 0.05, start);
+        marble->setLinearVelocity(vec(speed * way.x(), speed * way.y(), speed * way.z()));
+        bullet.simulate(0.33);
+        EXPECT_GT(cube->linearMomentum().norm(), 1e-3) << speed << ' ' << target << ' ' << shot;
+        EXPECT_NEAR(winding(*cube, eigen(marble->getWorldTransform().getOrigin())), 0.0, 0.5)
+            << "m/s " << speed << " target " << target << " shot " << shot;
+        // not out on the other side: it does not fly on as if nothing had been there
+        EXPECT_LT(eigen(marble->getLinearVelocity()).dot(way), 0.9 * speed)
+            << "m/s " << speed << " target " << target << " shot " << shot;
+      }
+}
+
+TEST(SurfaceContact, fastCubesDoNotPassThroughThinThings) {
+  enum { Plane, ThinBox, Mesh };
+  for (const int what : {Plane, ThinBox, Mesh})
+    for (int shot = 0; shot < 10; ++shot) {
+      BulletWorld bullet(0.0);
+      if (what == Plane) bullet.addPlaneFloor();
+      if (what == ThinBox) bullet.addBox(vec(5, 0.005, 5), 0, vec(0, -0.005, 0));
+      if (what == Mesh) bullet.addTriangleFloor();
+      SoftBodySystem system(*bullet.world);
+      SoftBodySettings s = cubeSettings({0.1, 2.0 + 0.13 * shot, 0.2}, 1e4);
+      s.rotation = Eigen::AngleAxisd(0.3 * shot, Vector3d(1, 2, 3).normalized());
+      s.linearVelocity = {3, -100, 0};
+      SoftBody* cube = addCube(system, s);
+      bullet.simulate(0.2);
+      EXPECT_GT(lowest(*cube), -kRadius) << what << ' ' << shot;
+      EXPECT_GT(cube->linearMomentum().y(), -1.0) << what << ' ' << shot;
+    }
+}
+
+TEST(SurfaceContact, fastCubesDoNotPassThroughEachOther) {
+  std::mt19937 random(11);
+  std::uniform_real_distribution<double> any(-1, 1);
+  int through = 0;
+  for (int shot = 0; shot < 40; ++shot) {
+    BulletWorld bullet(0.0);
+    SoftBodySystem system(*bullet.world);
+    std::vector<SoftBody*> cubes;
+    for (const double side : {-1.0, 1.0}) {
+      SoftBodySettings s = cubeSettings({1.5 * side, 0.2 * any(random), 0.2 * any(random)}, 1e4);
+      s.rotation = Eigen::Quaterniond(any(random), any(random), any(random), any(random)).normalized();
+      s.linearVelocity = {-20.0 * side, 0, 0};
+      cubes.push_back(addCube(system, s));
+    }
+    bullet.simulate(0.25);
+    through += cubes[0]->centerOfMass().x() > cubes[1]->centerOfMass().x();
+  }
+  EXPECT_EQ(through, 0) << "of 40 at 40 m/s";
+}
+
+}  // namespace
+}  // namespace limber
