@@ -11,7 +11,6 @@ namespace limber {
 namespace {
 
 using Eigen::Matrix3d;
-using Eigen::Vector2d;
 using Eigen::Vector3d;
 
 /// Contacts give way by this share of what one alone would give way to the change of its impulse since the
@@ -26,17 +25,71 @@ constexpr double kKept = 0.8;
 /// without this a slow slide would take long to get it out.
 constexpr double kLeastTurn = 0.1;
 
-void prepareContact(PairContact& c, const LinkedBodies& bodies) {
+void addPoint(PairRows& rows, double* velocity, const Vector3d& inverseMass, double share) {
+  const Vector3d response = share * inverseMass;
+  rows.points.push_back({velocity, share, {response[0], response[1], response[2]}});
+}
+
+/// One side of a contact, in the world's axes; `sign` is 1 for a and -1 for b.
+void addPlace(PairRows& rows, PairRow& row, LinkedBodies& bodies, const std::vector<PointView>& views,
+              const ContactPlace& place, double sign) {
+  if (place.kind == ContactPlace::Kind::World) {
+    row.carried += sign * (row.axes.transpose() * place.velocity);
+  } else if (place.kind == ContactPlace::Kind::Soft) {
+    const PointView& view = views[place.body];
+    for (std::uint32_t i = 0; i < place.count; ++i)
+      addPoint(rows, view.velocityOf(place.point[i]).data(), view.inverseMassOf(place.point[i]),
+               sign * place.weight[i]);
+  } else {
+    RigidState& rigid = bodies.rigids[place.body];
+    addPoint(rows, rigid.velocity.data(), rigid.inverseMass, sign);
+    RowTurn turn{&rigid, Matrix3d::Zero(), Matrix3d::Zero()};
+    for (int k = 0; k < 3; ++k) turn.speeds.row(k) = sign * place.arm.cross(row.axes.col(k)).transpose();
+    rows.turns.push_back(turn);
+  }
+}
+
+void prepareMasses(PairRow& row, const Matrix3d& mobility) {
+  row.mobility = mobility(0, 0);
+  row.mass = row.mobility > 0.0 ? 1.0 / row.mobility : 0.0;
+  row.acrossAlong[0] = mobility(1, 0);
+  row.acrossAlong[1] = mobility(2, 0);
+  const Eigen::Matrix2d across = mobility.bottomRightCorner<2, 2>();
+  const bool moves = across.determinant() > 0.0;
+  const Eigen::Matrix2d mass = moves ? Eigen::Matrix2d(across.inverse()) : Eigen::Matrix2d::Zero();
+  row.acrossMass[0] = mass(0, 0), row.acrossMass[1] = mass(0, 1), row.acrossMass[2] = mass(1, 1);
+  row.turnMass = 0.5 * mass.trace();
+}
+
+/// (along, across, across both)
+Vector3d inAxes(const PairRow& row, const Bearing& bearing) {
+  Vector3d v = row.axes.transpose() * bearing.across;
+  v[0] = bearing.along;
+  return v;
+}
+
+Bearing bearingOf(const PairRow& row, const Vector3d& v) {
+  return {v[0], row.axes.col(1) * v[1] + row.axes.col(2) * v[2]};
+}
+
+void prepareRow(PairRows& rows, PairRow& row, const PairContact& c, LinkedBodies& bodies,
+                const std::vector<PointView>& views) {
+  const Vector3d tangent = c.normal.unitOrthogonal();
+  row.axes << c.normal, tangent, c.normal.cross(tangent);
+  row.carried.setZero();
+  row.firstPoint = static_cast<std::uint32_t>(rows.points.size());
+  row.firstTurn = static_cast<std::uint32_t>(rows.turns.size());
+  addPlace(rows, row, bodies, views, c.a, 1.0);
+  addPlace(rows, row, bodies, views, c.b, -1.0);
+  row.endPoint = static_cast<std::uint32_t>(rows.points.size());
+  row.endTurn = static_cast<std::uint32_t>(rows.turns.size());
   const Matrix3d m = mobility(bodies, c.a) + mobility(bodies, c.b);
-  const double along = c.normal.dot(m * c.normal);
-  c.mass = along > 0.0 ? 1.0 / along : 0.0;
-  c.tangents.col(0) = c.normal.unitOrthogonal();
-  c.tangents.col(1) = c.normal.cross(c.tangents.col(0));
-  c.acrossAlong = c.tangents.transpose() * m * c.normal;
-  const Eigen::Matrix2d across = c.tangents.transpose() * m * c.tangents;
-  c.acrossMass.setZero();
-  if (across.determinant() > 0.0) c.acrossMass = across.inverse();
-  c.impulse.setZero();
+  prepareMasses(row, row.axes.transpose() * m * row.axes);
+  row.gap = c.gap;
+  row.friction = c.friction;
+  row.stopping = inAxes(row, c.stopping);
+  row.settling = inAxes(row, c.settling);
+  row.impulse.setZero();
 }
 
 void prepareJoint(JointRow& j, const LinkedBodies& bodies) {
@@ -59,40 +112,56 @@ double speedOf(const LinkedBodies& bodies, const JointRow& j) {
   return share(j.a, j.linearA, j.angularA) + share(j.b, j.linearB, j.angularB);
 }
 
-/// Friction that stops the sliding `across` (m/s) altogether, or as much as there is, against the sliding.
-void addFriction(const PairContact& c, const Vector2d& across, Bearing& sum) {
-  const double most = c.friction * sum.along;
-  const Vector3d strain = kFrictionSoftness * (sum.across - c.before.across);
-  const Vector3d stopping =
-      sum.across - (c.tangents * (c.acrossMass * across) + strain) / (1.0 + kFrictionSoftness);
-  if (stopping.squaredNorm() <= most * most) {
-    sum.across = stopping;
+/// Friction that stops the sliding (u, v) (m/s) altogether, or as much as there is, against the sliding.
+inline void addFriction(const PairRow& row, double u, double v, Vector3d& sum) {
+  constexpr double kShare = 1.0 / (1.0 + kFrictionSoftness);
+  const double* m = row.acrossMass;
+  const double most = row.friction * sum[0];
+  const double strainU = kFrictionSoftness * (sum[1] - row.before[1]);
+  const double strainV = kFrictionSoftness * (sum[2] - row.before[2]);
+  const double stopU = sum[1] - (m[0] * u + m[1] * v + strainU) * kShare;
+  const double stopV = sum[2] - (m[1] * u + m[2] * v + strainV) * kShare;
+  if (stopU * stopU + stopV * stopV <= most * most) {
+    sum[1] = stopU, sum[2] = stopV;
     return;
   }
-  const double speed = across.norm();
-  const double turn = speed > 0.0 ? std::max(0.5 * c.acrossMass.trace(), kLeastTurn * most / speed) : 0.0;
-  sum.across -= turn * (c.tangents * across);
-  const double length = sum.across.norm();
-  if (length > most) sum.across *= most / length;
+  const double speed = std::sqrt(u * u + v * v);
+  const double turn = speed > 0.0 ? std::max(row.turnMass, kLeastTurn * most / speed) : 0.0;
+  sum[1] -= turn * u, sum[2] -= turn * v;
+  const double squared = sum[1] * sum[1] + sum[2] * sum[2];
+  if (squared <= most * most) return;
+  const double scale = most / std::sqrt(squared);
+  sum[1] *= scale, sum[2] *= scale;
 }
 
 }  // namespace
 
-void preparePairs(PairRows& rows, const LinkedBodies& bodies) {
-  for (PairContact& c : rows.contacts) prepareContact(c, bodies);
+void preparePairs(PairRows& rows, LinkedBodies& bodies, const std::vector<PointView>& views) {
+  rows.points.clear();
+  rows.turns.clear();
+  rows.rows.resize(rows.contacts.size());
+  for (std::size_t i = 0; i < rows.contacts.size(); ++i)
+    prepareRow(rows, rows.rows[i], rows.contacts[i], bodies, views);
   for (JointRow& j : rows.joints) prepareJoint(j, bodies);
 }
 
-void movePairs(PairRows& rows, const LinkedBodies& bodies, double dt) {
-  for (PairContact& c : rows.contacts)
-    c.gap += dt * c.normal.dot(velocityAt(bodies, c.a) - velocityAt(bodies, c.b));
+void movePairs(PairRows& rows, double dt) {
+  for (PairRow& row : rows.rows) row.gap += dt * speedAlong(rows, row);
 }
 
-void bear(LinkedBodies& bodies, PairContact& c, const Bearing& change) {
-  const Vector3d impulse = change.along * c.normal + change.across;
-  push(bodies, c.a, impulse);
-  push(bodies, c.b, -impulse);
-  c.impulse += impulse;
+void finishPairs(PairRows& rows) {
+  for (std::size_t i = 0; i < rows.contacts.size(); ++i) {
+    PairContact& c = rows.contacts[i];
+    const PairRow& row = rows.rows[i];
+    c.gap = row.gap;
+    c.impulse = row.axes * row.impulse;
+    c.stopping = bearingOf(row, row.stopping);
+    c.settling = bearingOf(row, row.settling);
+  }
+}
+
+void turnResponses(PairRows& rows) {
+  for (RowTurn& turn : rows.turns) turn.response = turn.body->inverseInertia * turn.speeds.transpose();
 }
 
 void bear(LinkedBodies& bodies, JointRow& j, double change) {
@@ -107,16 +176,16 @@ void bear(LinkedBodies& bodies, JointRow& j, double change) {
   j.impulse += change;
 }
 
-void solveContact(LinkedBodies& bodies, PairContact& c, Bearing& sum, double target) {
-  const Vector3d relative = velocityAt(bodies, c.a) - velocityAt(bodies, c.b);
-  c.change = sum;
-  const double wanted = (target - c.normal.dot(relative)) * c.mass;
-  const double strain = kSoftness * (sum.along - kKept * c.before.along);
-  sum.along = std::max(0.0, sum.along + (wanted - strain) / (1.0 + kSoftness));
-  c.change.along = sum.along - c.change.along;
-  addFriction(c, c.tangents.transpose() * relative + c.change.along * c.acrossAlong, sum);
-  c.change.across = sum.across - c.change.across;
-  bear(bodies, c, c.change);
+void solveContact(PairRows& rows, PairRow& row, Vector3d& sum, double target) {
+  constexpr double kShare = 1.0 / (1.0 + kSoftness);
+  const Vector3d speeds = speedsOf(rows, row), earlier = sum;
+  const double wanted = (target - speeds[0]) * row.mass;
+  const double strain = kSoftness * (sum[0] - kKept * row.before[0]);
+  sum[0] = std::max(0.0, sum[0] + (wanted - strain) * kShare);
+  const double along = sum[0] - earlier[0];
+  addFriction(row, speeds[1] + along * row.acrossAlong[0], speeds[2] + along * row.acrossAlong[1], sum);
+  row.change = sum - earlier;
+  bear(rows, row, row.change);
 }
 
 void solveJoint(LinkedBodies& bodies, JointRow& j, double& sum) {

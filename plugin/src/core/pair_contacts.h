@@ -2,6 +2,7 @@
 #pragma once
 
 #include "core/contact_place.h"
+#include "core/point_view.h"
 
 #include <cmath>
 #include <cstdint>
@@ -40,12 +41,6 @@ struct PairContact {
 
   // Written by the step.
   Eigen::Vector3d impulse = Eigen::Vector3d::Zero();  ///< N s on a, sum over the tick
-  double mass = 0.0;                                  ///< kg along it; 0: neither side can be moved
-  Eigen::Matrix<double, 3, 2> tangents = Eigen::Matrix<double, 3, 2>::Zero();  ///< across the normal
-  Eigen::Matrix2d acrossMass = Eigen::Matrix2d::Zero();                        ///< kg, between the tangents
-  Eigen::Vector2d acrossAlong = Eigen::Vector2d::Zero();  ///< 1/kg, speeds across per impulse along
-  double bounce = 0.0;                ///< m/s, at which they must part in the present substep
-  Bearing before, change, direction;  ///< scratch of the solver
 };
 
 /// One row of a joint between rigid bodies, as Bullet's constraints describe theirs:
@@ -69,26 +64,102 @@ struct JointRow {
 /// m/s: slower approaches do not bounce, or nothing would come to rest (Bullet's own threshold).
 constexpr double kLeastBounce = 0.2;
 
+/// A velocity that a contact depends on and changes: of a point mass, or of a rigid body's centre.
+struct RowPoint {
+  double* velocity;   ///< m/s, 3
+  double share;       ///< of it in the contact's speed; below 0 on side b
+  double response[3]; ///< 1/kg per axis: its change per impulse on side a
+};
+
+/// An angular velocity that a contact depends on and changes.
+struct RowTurn {
+  RigidState* body;
+  Eigen::Matrix3d speeds;    ///< m/s along and across per rad/s
+  Eigen::Matrix3d response;  ///< rad/s per N s along and across, as the body is turned now
+};
+
+/// A contact as the sweeps want it: vectors are (along the normal, across it, across both).
+struct PairRow {
+  Eigen::Matrix3d axes;     ///< columns: the normal and two tangents
+  Eigen::Vector3d carried;  ///< m/s, of what is moved as told
+  std::uint32_t firstPoint, endPoint, firstTurn, endTurn;
+  double gap, target;         ///< m; m/s, along it at least
+  double mass, mobility;      ///< kg along it, and its inverse; both 0: neither side can be moved
+  double acrossMass[3];       ///< kg between the tangents: 11, 12, 22
+  double acrossAlong[2];      ///< 1/kg, speeds across per impulse along
+  double turnMass, friction;  ///< kg, of friction that slides; coefficient
+  bool active;                ///< it bears something, or would be crossed
+  Eigen::Vector3d stopping, settling, impulse;  ///< N s, see PairContact
+  Eigen::Vector3d before, change, direction;    ///< N s, scratch of the solver
+};
+
 /// What couples the bodies of a group besides springs.
 struct PairRows {
   std::vector<PairContact> contacts;
   std::vector<JointRow> joints;
   bool empty() const { return contacts.empty() && joints.empty(); }
+
+  // Written by the step.
+  std::vector<PairRow> rows;  ///< #contacts
+  std::vector<RowPoint> points;
+  std::vector<RowTurn> turns;
+  std::vector<std::uint32_t> active;  ///< rows of the present stage
 };
 
-/// Before the first substep of a tick: masses; forgets earlier sums.
-void preparePairs(PairRows& rows, const LinkedBodies& bodies);
+/// Before the first substep of a tick: rows, masses. The state of bodies.points[i] is at views[i].
+void preparePairs(PairRows& rows, LinkedBodies& bodies, const std::vector<PointView>& views);
 
 /// After a drift of dt seconds: the gaps as they are now.
-void movePairs(PairRows& rows, const LinkedBodies& bodies, double dt);
+void movePairs(PairRows& rows, double dt);
+
+/// After the last substep: the contacts' gaps and what they bore.
+void finishPairs(PairRows& rows);
+
+/// Makes the responses of rigid bodies those of their present rotation.
+void turnResponses(PairRows& rows);
+
+/// m/s of side a relative to b, along and across.
+inline Eigen::Vector3d speedsOf(const PairRows& rows, const PairRow& row) {
+  double x = 0.0, y = 0.0, z = 0.0;
+  for (std::uint32_t i = row.firstPoint; i < row.endPoint; ++i) {
+    const RowPoint& p = rows.points[i];
+    x += p.share * p.velocity[0], y += p.share * p.velocity[1], z += p.share * p.velocity[2];
+  }
+  Eigen::Vector3d speeds = row.carried + row.axes.transpose() * Eigen::Vector3d(x, y, z);
+  for (std::uint32_t i = row.firstTurn; i < row.endTurn; ++i)
+    speeds += rows.turns[i].speeds * rows.turns[i].body->angularVelocity;
+  return speeds;
+}
+
+/// Of speedsOf() the first.
+inline double speedAlong(const PairRows& rows, const PairRow& row) {
+  double x = 0.0, y = 0.0, z = 0.0;
+  for (std::uint32_t i = row.firstPoint; i < row.endPoint; ++i) {
+    const RowPoint& p = rows.points[i];
+    x += p.share * p.velocity[0], y += p.share * p.velocity[1], z += p.share * p.velocity[2];
+  }
+  double speed = row.carried[0] + (row.axes(0, 0) * x + row.axes(1, 0) * y + row.axes(2, 0) * z);
+  for (std::uint32_t i = row.firstTurn; i < row.endTurn; ++i)
+    speed += rows.turns[i].speeds.row(0).dot(rows.turns[i].body->angularVelocity);
+  return speed;
+}
 
 /// Gives both sides an impulse.
-void bear(LinkedBodies& bodies, PairContact& c, const Bearing& change);
+inline void bear(PairRows& rows, PairRow& row, const Eigen::Vector3d& change) {
+  const Eigen::Vector3d impulse = row.axes * change;
+  for (std::uint32_t i = row.firstPoint; i < row.endPoint; ++i) {
+    const RowPoint& p = rows.points[i];
+    for (int k = 0; k < 3; ++k) p.velocity[k] += p.response[k] * impulse[k];
+  }
+  for (std::uint32_t i = row.firstTurn; i < row.endTurn; ++i)
+    rows.turns[i].body->angularVelocity += rows.turns[i].response * change;
+  row.impulse += change;
+}
 void bear(LinkedBodies& bodies, JointRow& j, double change);
 
-/// Brings the speed along the normal up to `target` (m/s), with the impulse `sum` 0 or more and friction
-/// within its cone; c.change is what this has changed.
-void solveContact(LinkedBodies& bodies, PairContact& c, Bearing& sum, double target);
+/// Brings the speed along the normal up to `target` (m/s), with the impulse `sum` 0 or more along it and
+/// friction within its cone; row.change is what this has changed.
+void solveContact(PairRows& rows, PairRow& row, Eigen::Vector3d& sum, double target);
 
 /// Brings the joint to its speed, with the impulse `sum` within its limits; j.change likewise.
 void solveJoint(LinkedBodies& bodies, JointRow& j, double& sum);
