@@ -66,31 +66,41 @@ constexpr double kLeastBounce = 0.2;
 
 /// A velocity that a contact depends on and changes: of a point mass, or of a rigid body's centre.
 struct RowPoint {
-  double* velocity;   ///< m/s, 3
-  double share;       ///< of it in the contact's speed; below 0 on side b
-  double response[3]; ///< 1/kg per axis: its change per impulse on side a
+  double* velocity;    ///< m/s, 3
+  double share;        ///< of it in the contact's speed; below 0 on side b
+  double response[3];  ///< 1/kg per axis: its change per impulse on side a
 };
 
 /// An angular velocity that a contact depends on and changes.
 struct RowTurn {
   RigidState* body;
-  Eigen::Matrix3d speeds;    ///< m/s along and across per rad/s
-  Eigen::Matrix3d response;  ///< rad/s per N s along and across, as the body is turned now
+  double speeds[3][3];    ///< m/s per rad/s: along, across and across both
+  double response[3][3];  ///< rad/s per N s along, across and across both, as the body is turned now
 };
 
-/// A contact as the sweeps want it: vectors are (along the normal, across it, across both).
+/// Along a contact's normal, across it and across both. Plain numbers: Eigen would store them one by one and
+/// load them in pairs, for which the processor waits.
+struct RowVector {
+  double n = 0.0, u = 0.0, v = 0.0;
+
+  RowVector& operator+=(const RowVector& o) { return n += o.n, u += o.u, v += o.v, *this; }
+  RowVector& operator*=(double f) { return n *= f, u *= f, v *= f, *this; }
+  double squaredNorm() const { return n * n + u * u + v * v; }
+};
+
+/// A contact as the sweeps want it.
 struct PairRow {
-  Eigen::Matrix3d axes;     ///< columns: the normal and two tangents
-  Eigen::Vector3d carried;  ///< m/s, of what is moved as told
+  double axes[3][3];  ///< the normal and two tangents
+  RowVector carried;  ///< m/s, of what is moved as told
   std::uint32_t firstPoint, endPoint, firstTurn, endTurn;
-  double gap, target;         ///< m; m/s, along it at least
-  double mass, mobility;      ///< kg along it, and its inverse; both 0: neither side can be moved
-  double acrossMass[3];       ///< kg between the tangents: 11, 12, 22
-  double acrossAlong[2];      ///< 1/kg, speeds across per impulse along
-  double turnMass, friction;  ///< kg, of friction that slides; coefficient
-  bool active;                ///< it bears something, or would be crossed
-  Eigen::Vector3d stopping, settling, impulse;  ///< N s, see PairContact
-  Eigen::Vector3d before, change, direction;    ///< N s, scratch of the solver
+  double gap, target;                     ///< m; m/s, along it at least
+  double mass, mobility;                  ///< kg along it, and its inverse; both 0: neither side can be moved
+  double acrossMass[3];                   ///< kg between the tangents: uu, uv, vv
+  double acrossAlong[2];                  ///< 1/kg, speeds across per impulse along
+  double turnMass, friction;              ///< kg, of friction that slides; coefficient
+  bool active;                            ///< it bears something, or would be crossed
+  RowVector stopping, settling, impulse;  ///< N s, see PairContact
+  RowVector before, change, direction;    ///< N s, scratch of the solver
 };
 
 /// What couples the bodies of a group besides springs.
@@ -118,48 +128,7 @@ void finishPairs(PairRows& rows);
 /// Makes the responses of rigid bodies those of their present rotation.
 void turnResponses(PairRows& rows);
 
-/// m/s of side a relative to b, along and across.
-inline Eigen::Vector3d speedsOf(const PairRows& rows, const PairRow& row) {
-  double x = 0.0, y = 0.0, z = 0.0;
-  for (std::uint32_t i = row.firstPoint; i < row.endPoint; ++i) {
-    const RowPoint& p = rows.points[i];
-    x += p.share * p.velocity[0], y += p.share * p.velocity[1], z += p.share * p.velocity[2];
-  }
-  Eigen::Vector3d speeds = row.carried + row.axes.transpose() * Eigen::Vector3d(x, y, z);
-  for (std::uint32_t i = row.firstTurn; i < row.endTurn; ++i)
-    speeds += rows.turns[i].speeds * rows.turns[i].body->angularVelocity;
-  return speeds;
-}
-
-/// Of speedsOf() the first.
-inline double speedAlong(const PairRows& rows, const PairRow& row) {
-  double x = 0.0, y = 0.0, z = 0.0;
-  for (std::uint32_t i = row.firstPoint; i < row.endPoint; ++i) {
-    const RowPoint& p = rows.points[i];
-    x += p.share * p.velocity[0], y += p.share * p.velocity[1], z += p.share * p.velocity[2];
-  }
-  double speed = row.carried[0] + (row.axes(0, 0) * x + row.axes(1, 0) * y + row.axes(2, 0) * z);
-  for (std::uint32_t i = row.firstTurn; i < row.endTurn; ++i)
-    speed += rows.turns[i].speeds.row(0).dot(rows.turns[i].body->angularVelocity);
-  return speed;
-}
-
-/// Gives both sides an impulse.
-inline void bear(PairRows& rows, PairRow& row, const Eigen::Vector3d& change) {
-  const Eigen::Vector3d impulse = row.axes * change;
-  for (std::uint32_t i = row.firstPoint; i < row.endPoint; ++i) {
-    const RowPoint& p = rows.points[i];
-    for (int k = 0; k < 3; ++k) p.velocity[k] += p.response[k] * impulse[k];
-  }
-  for (std::uint32_t i = row.firstTurn; i < row.endTurn; ++i)
-    rows.turns[i].body->angularVelocity += rows.turns[i].response * change;
-  row.impulse += change;
-}
 void bear(LinkedBodies& bodies, JointRow& j, double change);
-
-/// Brings the speed along the normal up to `target` (m/s), with the impulse `sum` 0 or more along it and
-/// friction within its cone; row.change is what this has changed.
-void solveContact(PairRows& rows, PairRow& row, Eigen::Vector3d& sum, double target);
 
 /// Brings the joint to its speed, with the impulse `sum` within its limits; j.change likewise.
 void solveJoint(LinkedBodies& bodies, JointRow& j, double& sum);

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Zlib
 #include "core/pair_solve.h"
 
+#include "core/pair_rows.h"
+
 #include <algorithm>
 #include <cmath>
 
@@ -16,6 +18,54 @@ constexpr int kMostSweeps = 50;
 
 /// Which of a row's two impulses a solve is about.
 enum class Stage { Stopping, Settling };
+
+/// Contacts give way by this share of what one alone would give way to the change of its impulse since the
+/// last substep (a proximal term), and normals to a fifth of the impulse itself. What contacts of rigid
+/// bodies bear against each other, of which nothing else tells how it is shared out, then settles instead of
+/// wandering, and piles come to rest. On a pile of ten boxes this costs 3e-5 m of height.
+constexpr double kSoftness = 0.02, kFrictionSoftness = 0.05;
+constexpr double kKept = 0.8;
+
+/// Of the friction of a contact that slides: by so much at least a sweep turns it against the sliding.
+/// Contacts of one body may bear friction against each other that does nothing but use up their cones;
+/// without this a slow slide would take long to get it out.
+constexpr double kLeastTurn = 0.1;
+
+/// Friction that stops the sliding (u, v) (m/s) altogether, or as much as there is, against the sliding.
+inline void addFriction(const PairRow& row, double u, double v, RowVector& sum) {
+  constexpr double kShare = 1.0 / (1.0 + kFrictionSoftness);
+  const double* m = row.acrossMass;
+  const double most = row.friction * sum.n;
+  const double stopU = sum.u - (m[0] * u + m[1] * v + kFrictionSoftness * (sum.u - row.before.u)) * kShare;
+  const double stopV = sum.v - (m[1] * u + m[2] * v + kFrictionSoftness * (sum.v - row.before.v)) * kShare;
+  if (stopU * stopU + stopV * stopV <= most * most) {
+    sum.u = stopU, sum.v = stopV;
+    return;
+  }
+  const double speed = std::sqrt(u * u + v * v);
+  const double turn = speed > 0.0 ? std::max(row.turnMass, kLeastTurn * most / speed) : 0.0;
+  sum.u -= turn * u, sum.v -= turn * v;
+  const double squared = sum.u * sum.u + sum.v * sum.v;
+  if (squared <= most * most) return;
+  const double scale = most / std::sqrt(squared);
+  sum.u *= scale, sum.v *= scale;
+}
+
+/// Brings the speed along the normal up to `target` (m/s), with the impulse `total` 0 or more along it and
+/// friction within its cone; row.change is what this has changed.
+inline void solveContact(PairRows& rows, PairRow& row, RowVector& total, double target) {
+  constexpr double kShare = 1.0 / (1.0 + kSoftness);
+  const RowVector speeds = speedsOf(rows, row), earlier = total;
+  RowVector sum = earlier;
+  const double strain = kSoftness * (sum.n - kKept * row.before.n);
+  sum.n = std::max(0.0, sum.n + ((target - speeds.n) * row.mass - strain) * kShare);
+  const double more = sum.n - earlier.n;
+  addFriction(row, speeds.u + more * row.acrossAlong[0], speeds.v + more * row.acrossAlong[1], sum);
+  const RowVector change{more, sum.u - earlier.u, sum.v - earlier.v};
+  bear(rows, row, change);
+  row.change = change;
+  total = sum;
+}
 
 /// m/s that the contact needs before a drift. What would meet in this substep parts by Newton's law of
 /// restitution.
@@ -45,16 +95,14 @@ struct Solve {
   LinkedBodies& bodies;
   Stage stage;
 
-  Eigen::Vector3d& impulse(PairRow& row) const {
-    return stage == Stage::Stopping ? row.stopping : row.settling;
-  }
+  RowVector& impulse(PairRow& row) const { return stage == Stage::Stopping ? row.stopping : row.settling; }
   double& impulse(JointRow& j) const { return stage == Stage::Stopping ? j.stopping : j.settling; }
 
   void activate(std::uint32_t i) {
     PairRow& row = rows.rows[i];
     row.active = true;
-    row.direction.setZero();
-    row.change.setZero();
+    row.direction = RowVector();
+    row.change = RowVector();
     rows.active.push_back(i);
   }
 
@@ -67,13 +115,13 @@ struct Solve {
     rows.active.clear();
     for (std::uint32_t i = 0; i < rows.rows.size(); ++i) {
       PairRow& row = rows.rows[i];
-      Eigen::Vector3d& sum = impulse(row);
-      const bool takesPart = row.mass > 0.0 && (stage == Stage::Stopping || row.stopping[0] > 0.0);
+      RowVector& sum = impulse(row);
+      const bool takesPart = row.mass > 0.0 && (stage == Stage::Stopping || row.stopping.n > 0.0);
       row.active = false;
-      if (!takesPart || sum[0] <= 0.0) sum.setZero();
+      if (!takesPart || sum.n <= 0.0) sum = RowVector();
       row.before = sum;
-      if (sum[0] > 0.0) bear(rows, row, sum);
-      if (sum[0] > 0.0 || (takesPart && stage == Stage::Settling)) activate(i);
+      if (sum.n > 0.0) bear(rows, row, sum);
+      if (sum.n > 0.0 || (takesPart && stage == Stage::Settling)) activate(i);
     }
     if (stage == Stage::Stopping) activateCrossed();
   }
