@@ -16,7 +16,8 @@ struct LimberSetting {
 
 /// A kind of collision that Limber offers is one more line here.
 std::vector<LimberSetting> limberSettings() {
-  return {{"limber", [](SoftBodySettings&) {}}};
+  return {{"limber points", [](SoftBodySettings& s) { s.collision = Collision::Points; }},
+          {"limber surface", [](SoftBodySettings& s) { s.collision = Collision::Surface; }}};
 }
 
 /// As users get it: with the volume that a closed body keeps by default, which other benches leave out.

@@ -133,7 +133,7 @@ void collectForces(SoftBodyData& body) {
 
 void gatherSurface(SoftBodyData& body, btScalar tick) {
   SurfaceData& s = body.surface;
-  s.fitted = false;
+  s.foreseen = s.fitted = false;
   s.object->keepCollisionFilter();
   const bool held = isOutOfSimulation(body);
   if (held) sharePoints(body);

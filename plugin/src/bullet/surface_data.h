@@ -4,6 +4,7 @@
 #include "bullet/rigid_surfaces.h"
 #include "bullet/surface_object.h"
 #include "bullet/surface_shape.h"
+#include "core/kept_contacts.h"
 
 #include <Eigen/Geometry>
 
@@ -36,6 +37,14 @@ struct ConcavePatch {
   std::unique_ptr<RigidPart> part;  ///< a view of it
 };
 
+/// The last search for contacts with a surface. Kept while the two are near, and then for its memory.
+struct KeptSearch {
+  int partner = 0;         ///< its unique id in the broadphase
+  std::uint64_t part = 0;  ///< of the partner's shape
+  bool used = false;       ///< in the present tick
+  KeptContacts kept;
+};
+
 /// What a body with Collision::Surface has besides its points.
 struct SurfaceData {
   SurfaceObject* object = nullptr;  ///< nullptr: Collision::Points, or the application has deleted it
@@ -50,8 +59,10 @@ struct SurfaceData {
   std::shared_ptr<const SurfaceTopology> topology;  ///< of its points, triangles and, of ropes, springs
   Points motion;                                    ///< 3 x #points, m, expected over the tick
   SurfaceBoxes boxes;
-  MovingSurface moving;               ///< a view of the above; up to date if `fitted`
-  bool fitted = false;                ///< in this tick
+  MovingSurface moving;               ///< a view of the above
+  bool foreseen = false;              ///< `motion` is that of this tick
+  bool fitted = false;                ///< and so are `boxes`
+  std::vector<KeptSearch> searches;   ///< with what was near in the last tick
   std::vector<ConcavePatch> patches;  ///< of concave partners
 };
 

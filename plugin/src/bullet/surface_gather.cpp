@@ -26,19 +26,50 @@ constexpr double kSameSide = 0.9;
 
 const MovingSurface& movingSurface(SoftBodyData& body, double tick) {
   SurfaceData& s = body.surface;
-  if (!s.fitted) {
+  if (!s.foreseen) {
     s.motion = tick * body.state.velocity + tick * tick * body.state.acceleration;
     s.moving = {s.topology.get(), &body.state.position, &s.motion, double(body.masses.shape->getRadius()),
                 &s.boxes};
-    fitBoxes(s.moving, s.boxes);
-    s.fitted = true;
+    s.foreseen = true;
   }
   return s.moving;
+}
+
+const MovingSurface& boxedSurface(SoftBodyData& body, double tick) {
+  const MovingSurface& moving = movingSurface(body, tick);
+  if (!body.surface.fitted) fitBoxes(moving, body.surface.boxes);
+  body.surface.fitted = true;
+  return moving;
 }
 
 bool areNear(const MovingSurface& a, const MovingSurface& b, double margin) {
   if (a.boxes->nodes.empty() || b.boxes->nodes.empty()) return false;
   return separation(a.boxes->nodes[0], b.boxes->nodes[0]) <= margin;
+}
+
+/// The last search with a part of a partner; a new one if there was none in the last tick.
+KeptContacts& searchWith(SoftBodyData& body, const btCollisionObject& partner, std::uint64_t part) {
+  std::vector<KeptSearch>& searches = body.surface.searches;
+  const int id = partner.getBroadphaseHandle()->m_uniqueId;
+  const auto isThis = [&](const KeptSearch& s) { return s.partner == id && s.part == part; };
+  auto it = std::find_if(searches.begin(), searches.end(), isThis);
+  if (it == searches.end()) {
+    it = std::find_if(searches.begin(), searches.end(), [](const KeptSearch& s) { return s.partner == 0; });
+    if (it == searches.end()) it = searches.emplace(searches.end());
+    it->partner = id;
+    it->part = part;
+    it->kept.topologyA = nullptr;
+  }
+  it->used = true;
+  return it->kept;
+}
+
+/// What is no longer near gives its memory to what comes near.
+void forgetOldSearches(SoftBodyData& body) {
+  for (KeptSearch& search : body.surface.searches) {
+    if (!search.used) search.partner = 0;
+    search.used = false;
+  }
 }
 
 ContactPlace softPlace(const SoftBodyData& body, const SurfacePlace& place) {
@@ -101,9 +132,15 @@ void addFree(SoftBodyData& body, btRigidBody& partner, const RigidPart& part, st
              double tick, SurfaceSearch& s, TickContacts& found) {
   const MovingSurface& soft = movingSurface(body, tick);
   const double margin = kMargin * soft.radius;
-  if (!areNear(soft, part.moving, margin)) return;
-  findSurfaceContacts(soft, part.moving, margin, s.search, s.contacts);
-  for (const SurfaceContact& c : s.contacts) {
+  KeptContacts& kept = searchWith(body, partner, partNumber);
+  if (!refreshContacts(soft, part.moving, margin, kept)) {
+    boxedSurface(body, tick);
+    s.contacts.clear();
+    if (areNear(soft, part.moving, margin))
+      findSurfaceContacts(soft, part.moving, margin, s.search, s.contacts);
+    keepContacts(soft, part.moving, s.contacts, kept);
+  }
+  for (const SurfaceContact& c : kept.contacts) {
     if (isAttached(body, partner, c.a)) continue;
     PairContact pair = contactOf(body, partner, c);
     pair.b = placeOn(found, partner, commonPlace(soft, part.moving, c));
@@ -121,9 +158,18 @@ void gatherFree(SoftBodyData& body, btRigidBody& partner, double tick, RigidSurf
 
 // --- static and kinematic objects --------------------------------------------------------------------------
 
+/// Holds the box of the whole surface, without fitting all of them.
+SweptBox roughBox(const MovingSurface& soft) {
+  SweptBox box = sweptBounds(soft);
+  double depth = 0.0;
+  for (const double limit : soft.topology->depthLimit) depth = std::max(depth, limit);
+  box.low -= depth;
+  box.high += depth;
+  return box;
+}
+
 /// Whether something of the part that is neither flat nor a plane's end is near: else the points are enough.
-bool hasSharpNear(const MovingSurface& soft, const RigidPart& part) {
-  const SweptBox& box = soft.boxes->nodes[0];
+bool hasSharpNear(const SweptBox& box, const RigidPart& part) {
   const SurfaceTopology& t = part.surface->topology;
   if (t.edges.empty()) return true;
   for (const std::uint32_t e : part.surface->sharpEdges) {
@@ -155,7 +201,9 @@ void addHeld(SoftBodyData& body, const btCollisionObject& partner, const RigidPa
              std::uint64_t partNumber, double tick, SurfaceSearch& s, TickContacts& found) {
   const MovingSurface& soft = movingSurface(body, tick);
   const double margin = kMargin * soft.radius;
-  if (!areNear(soft, part.moving, margin) || !hasSharpNear(soft, part)) return;
+  if (!hasSharpNear(roughBox(soft), part)) return;
+  boxedSurface(body, tick);
+  if (!areNear(soft, part.moving, margin) || !hasSharpNear(soft.boxes->nodes[0], part)) return;
   findSurfaceContacts(soft, part.moving, margin, s.search, s.contacts);
   for (const SurfaceContact& c : s.contacts) {
     if (c.a.kind == FeatureKind::OnVertex || isAttached(body, partner, c.a)) continue;
@@ -170,7 +218,7 @@ void gatherHeld(SoftBodyData& body, const btCollisionObject& partner, double tic
                 SurfaceSearch& s, TickContacts& found) {
   if (partner.getCollisionShape()->getShapeType() == STATIC_PLANE_PROXYTYPE) return;
   if (partner.getCollisionShape()->isConcave()) {
-    const RigidPart* patch = patchAround(body, partner, movingSurface(body, tick));
+    const RigidPart* patch = patchAround(body, partner, boxedSurface(body, tick));
     if (patch) addHeld(body, partner, *patch, 0, tick, s, found);
     return;
   }
@@ -196,9 +244,15 @@ void gatherSoft(SoftBodyData& body, SoftBodyData& other, double tick, SurfaceSea
   if (together && other.index < body.index) return;
   const MovingSurface &a = movingSurface(body, tick), &b = movingSurface(other, tick);
   const double margin = kMargin * std::min(a.radius, b.radius);
-  if (!areNear(a, b, margin)) return;
-  findSurfaceContacts(a, b, margin, s.search, s.contacts);
-  for (const SurfaceContact& c : s.contacts) {
+  KeptContacts& kept = searchWith(body, frictionObject(other), 0);
+  if (!refreshContacts(a, b, margin, kept)) {
+    boxedSurface(body, tick);
+    boxedSurface(other, tick);
+    s.contacts.clear();
+    if (areNear(a, b, margin)) findSurfaceContacts(a, b, margin, s.search, s.contacts);
+    keepContacts(a, b, s.contacts, kept);
+  }
+  for (const SurfaceContact& c : kept.contacts) {
     PairContact pair = contactOf(body, frictionObject(other), c);
     pair.b = together ? softPlace(other, c.b) : strangePlace(other, c.b);
     found.add(pair, sourceOf(body, frictionObject(other), c.key));
@@ -214,6 +268,7 @@ void gatherSurfacePairs(SoftBodyData& body, btScalar tick, RigidSurfaces& rigids
   for (btRigidBody* partner : body.freePartners) gatherFree(body, *partner, h, rigids, search, found);
   for (const btCollisionObject* partner : body.partners) gatherHeld(body, *partner, h, rigids, search, found);
   for (SoftBodyData* other : body.softPartners) gatherSoft(body, *other, h, search, found);
+  forgetOldSearches(body);
 }
 
 }  // namespace LIMBER_BULLET_PRECISION

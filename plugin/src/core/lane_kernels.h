@@ -61,9 +61,16 @@ struct QuadBody {
   const ContactCalls* contacts;
 };
 
-#if defined(LIMBER_HAS_LANES)
 /// Needs AVX2. Returns computeForcesAndChange.
 double stepQuads(const QuadBody& body, double tick, int substeps);
+/// The parts of such a step, for bodies that are stepped together with others. Need AVX2.
+void computeQuadForces(const QuadBody& body);
+double computeQuadForcesAndChange(const QuadBody& body);
+void kickQuads(const QuadBody& body, double dt);
+void driftQuads(const QuadBody& body, double dt);
+void dampQuads(const QuadBody& body, bool whole, bool forward);
+
+#if defined(LIMBER_HAS_LANES)
 void stepSse2(const LaneBody& body, double tick, int substeps);
 void stepAvx2(const LaneBody& body, double tick, int substeps);
 void stepAvx512(const LaneBody& body, double tick, int substeps);

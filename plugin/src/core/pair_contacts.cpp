@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Zlib
 #include "core/pair_contacts.h"
 
+#include "core/pair_rows.h"
+
 #include <Eigen/Geometry>
 #include <Eigen/LU>
 
@@ -11,32 +13,84 @@ namespace limber {
 namespace {
 
 using Eigen::Matrix3d;
-using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-/// Contacts give way by this share of what one alone would give way to the change of its impulse since the
-/// last substep (a proximal term), and normals to a fifth of the impulse itself. What contacts of rigid
-/// bodies bear against each other, of which nothing else tells how it is shared out, then settles instead of
-/// wandering, and piles come to rest. On a pile of ten boxes this costs 3e-5 m of height.
-constexpr double kSoftness = 0.02, kFrictionSoftness = 0.05;
-constexpr double kKept = 0.8;
+using Map = Eigen::Map<Vector3d>;
+using ConstMap = Eigen::Map<const Vector3d>;
 
-/// Of the friction of a contact that slides: by so much at least a sweep turns it against the sliding.
-/// Contacts of one body may bear friction against each other that does nothing but use up their cones;
-/// without this a slow slide would take long to get it out.
-constexpr double kLeastTurn = 0.1;
+RowVector inAxes(const PairRow& row, const Vector3d& v) {
+  return {ConstMap(row.axes[0]).dot(v), ConstMap(row.axes[1]).dot(v), ConstMap(row.axes[2]).dot(v)};
+}
 
-void prepareContact(PairContact& c, const LinkedBodies& bodies) {
+void addPoint(PairRows& rows, double* velocity, const Vector3d& inverseMass, double share) {
+  const Vector3d response = share * inverseMass;
+  rows.points.push_back({velocity, share, {response[0], response[1], response[2]}});
+}
+
+void addTurn(PairRows& rows, const PairRow& row, RigidState& rigid, const Vector3d& arm) {
+  RowTurn turn{&rigid, {}, {}};
+  for (int k = 0; k < 3; ++k) Map(turn.speeds[k]) = arm.cross(ConstMap(row.axes[k]));
+  rows.turns.push_back(turn);
+}
+
+/// One side of a contact; `sign` is 1 for a and -1 for b.
+void addPlace(PairRows& rows, PairRow& row, LinkedBodies& bodies, const std::vector<PointView>& views,
+              const ContactPlace& place, double sign) {
+  if (place.kind == ContactPlace::Kind::World) {
+    row.carried += inAxes(row, sign * place.velocity);
+  } else if (place.kind == ContactPlace::Kind::Soft) {
+    const PointView& view = views[place.body];
+    for (std::uint32_t i = 0; i < place.count; ++i)
+      addPoint(rows, view.velocityOf(place.point[i]).data(), view.inverseMassOf(place.point[i]),
+               sign * place.weight[i]);
+  } else {
+    RigidState& rigid = bodies.rigids[place.body];
+    addPoint(rows, rigid.velocity.data(), rigid.inverseMass, sign);
+    addTurn(rows, row, rigid, sign * place.arm);
+  }
+}
+
+void prepareMasses(PairRow& row, const Matrix3d& mobility) {
+  row.mobility = mobility(0, 0);
+  row.mass = row.mobility > 0.0 ? 1.0 / row.mobility : 0.0;
+  row.acrossAlong[0] = mobility(1, 0);
+  row.acrossAlong[1] = mobility(2, 0);
+  const Eigen::Matrix2d across = mobility.bottomRightCorner<2, 2>();
+  const bool moves = across.determinant() > 0.0;
+  const Eigen::Matrix2d mass = moves ? Eigen::Matrix2d(across.inverse()) : Eigen::Matrix2d::Zero();
+  row.acrossMass[0] = mass(0, 0), row.acrossMass[1] = mass(0, 1), row.acrossMass[2] = mass(1, 1);
+  row.turnMass = 0.5 * mass.trace();
+}
+
+RowVector inAxes(const PairRow& row, const Bearing& bearing) {
+  const RowVector across = inAxes(row, bearing.across);
+  return {bearing.along, across.u, across.v};
+}
+
+Bearing bearingOf(const PairRow& row, const RowVector& v) {
+  return {v.n, v.u * ConstMap(row.axes[1]) + v.v * ConstMap(row.axes[2])};
+}
+
+void prepareRow(PairRows& rows, PairRow& row, const PairContact& c, LinkedBodies& bodies,
+                const std::vector<PointView>& views) {
+  const Vector3d tangent = c.normal.unitOrthogonal();
+  Matrix3d axes;
+  axes << c.normal, tangent, c.normal.cross(tangent);
+  for (int k = 0; k < 3; ++k) Map(row.axes[k]) = axes.col(k);
+  row.carried = RowVector();
+  row.firstPoint = static_cast<std::uint32_t>(rows.points.size());
+  row.firstTurn = static_cast<std::uint32_t>(rows.turns.size());
+  addPlace(rows, row, bodies, views, c.a, 1.0);
+  addPlace(rows, row, bodies, views, c.b, -1.0);
+  row.endPoint = static_cast<std::uint32_t>(rows.points.size());
+  row.endTurn = static_cast<std::uint32_t>(rows.turns.size());
   const Matrix3d m = mobility(bodies, c.a) + mobility(bodies, c.b);
-  const double along = c.normal.dot(m * c.normal);
-  c.mass = along > 0.0 ? 1.0 / along : 0.0;
-  c.tangents.col(0) = c.normal.unitOrthogonal();
-  c.tangents.col(1) = c.normal.cross(c.tangents.col(0));
-  c.acrossAlong = c.tangents.transpose() * m * c.normal;
-  const Eigen::Matrix2d across = c.tangents.transpose() * m * c.tangents;
-  c.acrossMass.setZero();
-  if (across.determinant() > 0.0) c.acrossMass = across.inverse();
-  c.impulse.setZero();
+  prepareMasses(row, axes.transpose() * m * axes);
+  row.gap = c.gap;
+  row.friction = c.friction;
+  row.stopping = inAxes(row, c.stopping);
+  row.settling = inAxes(row, c.settling);
+  row.impulse = RowVector();
 }
 
 void prepareJoint(JointRow& j, const LinkedBodies& bodies) {
@@ -59,40 +113,35 @@ double speedOf(const LinkedBodies& bodies, const JointRow& j) {
   return share(j.a, j.linearA, j.angularA) + share(j.b, j.linearB, j.angularB);
 }
 
-/// Friction that stops the sliding `across` (m/s) altogether, or as much as there is, against the sliding.
-void addFriction(const PairContact& c, const Vector2d& across, Bearing& sum) {
-  const double most = c.friction * sum.along;
-  const Vector3d strain = kFrictionSoftness * (sum.across - c.before.across);
-  const Vector3d stopping =
-      sum.across - (c.tangents * (c.acrossMass * across) + strain) / (1.0 + kFrictionSoftness);
-  if (stopping.squaredNorm() <= most * most) {
-    sum.across = stopping;
-    return;
-  }
-  const double speed = across.norm();
-  const double turn = speed > 0.0 ? std::max(0.5 * c.acrossMass.trace(), kLeastTurn * most / speed) : 0.0;
-  sum.across -= turn * (c.tangents * across);
-  const double length = sum.across.norm();
-  if (length > most) sum.across *= most / length;
-}
-
 }  // namespace
 
-void preparePairs(PairRows& rows, const LinkedBodies& bodies) {
-  for (PairContact& c : rows.contacts) prepareContact(c, bodies);
+void preparePairs(PairRows& rows, LinkedBodies& bodies, const std::vector<PointView>& views) {
+  rows.points.clear();
+  rows.turns.clear();
+  rows.rows.resize(rows.contacts.size());
+  for (std::size_t i = 0; i < rows.contacts.size(); ++i)
+    prepareRow(rows, rows.rows[i], rows.contacts[i], bodies, views);
   for (JointRow& j : rows.joints) prepareJoint(j, bodies);
 }
 
-void movePairs(PairRows& rows, const LinkedBodies& bodies, double dt) {
-  for (PairContact& c : rows.contacts)
-    c.gap += dt * c.normal.dot(velocityAt(bodies, c.a) - velocityAt(bodies, c.b));
+void movePairs(PairRows& rows, double dt) {
+  for (PairRow& row : rows.rows) row.gap += dt * speedAlong(rows, row);
 }
 
-void bear(LinkedBodies& bodies, PairContact& c, const Bearing& change) {
-  const Vector3d impulse = change.along * c.normal + change.across;
-  push(bodies, c.a, impulse);
-  push(bodies, c.b, -impulse);
-  c.impulse += impulse;
+void finishPairs(PairRows& rows) {
+  for (std::size_t i = 0; i < rows.contacts.size(); ++i) {
+    PairContact& c = rows.contacts[i];
+    const PairRow& row = rows.rows[i];
+    c.gap = row.gap;
+    c.impulse = row.impulse.n * ConstMap(row.axes[0]) + bearingOf(row, row.impulse).across;
+    c.stopping = bearingOf(row, row.stopping);
+    c.settling = bearingOf(row, row.settling);
+  }
+}
+
+void turnResponses(PairRows& rows) {
+  for (RowTurn& turn : rows.turns)
+    for (int k = 0; k < 3; ++k) Map(turn.response[k]) = turn.body->inverseInertia * ConstMap(turn.speeds[k]);
 }
 
 void bear(LinkedBodies& bodies, JointRow& j, double change) {
@@ -105,18 +154,6 @@ void bear(LinkedBodies& bodies, JointRow& j, double change) {
   push(j.a, j.linearA, j.angularA);
   push(j.b, j.linearB, j.angularB);
   j.impulse += change;
-}
-
-void solveContact(LinkedBodies& bodies, PairContact& c, Bearing& sum, double target) {
-  const Vector3d relative = velocityAt(bodies, c.a) - velocityAt(bodies, c.b);
-  c.change = sum;
-  const double wanted = (target - c.normal.dot(relative)) * c.mass;
-  const double strain = kSoftness * (sum.along - kKept * c.before.along);
-  sum.along = std::max(0.0, sum.along + (wanted - strain) / (1.0 + kSoftness));
-  c.change.along = sum.along - c.change.along;
-  addFriction(c, c.tangents.transpose() * relative + c.change.along * c.acrossAlong, sum);
-  c.change.across = sum.across - c.change.across;
-  bear(bodies, c, c.change);
 }
 
 void solveJoint(LinkedBodies& bodies, JointRow& j, double& sum) {

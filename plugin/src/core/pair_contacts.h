@@ -2,6 +2,7 @@
 #pragma once
 
 #include "core/contact_place.h"
+#include "core/point_view.h"
 
 #include <cmath>
 #include <cstdint>
@@ -40,12 +41,6 @@ struct PairContact {
 
   // Written by the step.
   Eigen::Vector3d impulse = Eigen::Vector3d::Zero();  ///< N s on a, sum over the tick
-  double mass = 0.0;                                  ///< kg along it; 0: neither side can be moved
-  Eigen::Matrix<double, 3, 2> tangents = Eigen::Matrix<double, 3, 2>::Zero();  ///< across the normal
-  Eigen::Matrix2d acrossMass = Eigen::Matrix2d::Zero();                        ///< kg, between the tangents
-  Eigen::Vector2d acrossAlong = Eigen::Vector2d::Zero();  ///< 1/kg, speeds across per impulse along
-  double bounce = 0.0;                ///< m/s, at which they must part in the present substep
-  Bearing before, change, direction;  ///< scratch of the solver
 };
 
 /// One row of a joint between rigid bodies, as Bullet's constraints describe theirs:
@@ -69,26 +64,71 @@ struct JointRow {
 /// m/s: slower approaches do not bounce, or nothing would come to rest (Bullet's own threshold).
 constexpr double kLeastBounce = 0.2;
 
+/// A velocity that a contact depends on and changes: of a point mass, or of a rigid body's centre.
+struct RowPoint {
+  double* velocity;    ///< m/s, 3
+  double share;        ///< of it in the contact's speed; below 0 on side b
+  double response[3];  ///< 1/kg per axis: its change per impulse on side a
+};
+
+/// An angular velocity that a contact depends on and changes.
+struct RowTurn {
+  RigidState* body;
+  double speeds[3][3];    ///< m/s per rad/s: along, across and across both
+  double response[3][3];  ///< rad/s per N s along, across and across both, as the body is turned now
+};
+
+/// Along a contact's normal, across it and across both. Plain numbers: Eigen would store them one by one and
+/// load them in pairs, for which the processor waits.
+struct RowVector {
+  double n = 0.0, u = 0.0, v = 0.0;
+
+  RowVector& operator+=(const RowVector& o) { return n += o.n, u += o.u, v += o.v, *this; }
+  RowVector& operator*=(double f) { return n *= f, u *= f, v *= f, *this; }
+  double squaredNorm() const { return n * n + u * u + v * v; }
+};
+
+/// A contact as the sweeps want it.
+struct PairRow {
+  double axes[3][3];  ///< the normal and two tangents
+  RowVector carried;  ///< m/s, of what is moved as told
+  std::uint32_t firstPoint, endPoint, firstTurn, endTurn;
+  double gap, target;                     ///< m; m/s, along it at least
+  double mass, mobility;                  ///< kg along it, and its inverse; both 0: neither side can be moved
+  double acrossMass[3];                   ///< kg between the tangents: uu, uv, vv
+  double acrossAlong[2];                  ///< 1/kg, speeds across per impulse along
+  double turnMass, friction;              ///< kg, of friction that slides; coefficient
+  bool active;                            ///< it bears something, or would be crossed
+  RowVector stopping, settling, impulse;  ///< N s, see PairContact
+  RowVector before, change, direction;    ///< N s, scratch of the solver
+};
+
 /// What couples the bodies of a group besides springs.
 struct PairRows {
   std::vector<PairContact> contacts;
   std::vector<JointRow> joints;
   bool empty() const { return contacts.empty() && joints.empty(); }
+
+  // Written by the step.
+  std::vector<PairRow> rows;  ///< #contacts
+  std::vector<RowPoint> points;
+  std::vector<RowTurn> turns;
+  std::vector<std::uint32_t> active;  ///< rows of the present stage
 };
 
-/// Before the first substep of a tick: masses; forgets earlier sums.
-void preparePairs(PairRows& rows, const LinkedBodies& bodies);
+/// Before the first substep of a tick: rows, masses. The state of bodies.points[i] is at views[i].
+void preparePairs(PairRows& rows, LinkedBodies& bodies, const std::vector<PointView>& views);
 
 /// After a drift of dt seconds: the gaps as they are now.
-void movePairs(PairRows& rows, const LinkedBodies& bodies, double dt);
+void movePairs(PairRows& rows, double dt);
 
-/// Gives both sides an impulse.
-void bear(LinkedBodies& bodies, PairContact& c, const Bearing& change);
+/// After the last substep: the contacts' gaps and what they bore.
+void finishPairs(PairRows& rows);
+
+/// Makes the responses of rigid bodies those of their present rotation.
+void turnResponses(PairRows& rows);
+
 void bear(LinkedBodies& bodies, JointRow& j, double change);
-
-/// Brings the speed along the normal up to `target` (m/s), with the impulse `sum` 0 or more and friction
-/// within its cone; c.change is what this has changed.
-void solveContact(LinkedBodies& bodies, PairContact& c, Bearing& sum, double target);
 
 /// Brings the joint to its speed, with the impulse `sum` within its limits; j.change likewise.
 void solveJoint(LinkedBodies& bodies, JointRow& j, double& sum);

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Zlib
 #include "core/pair_solve.h"
 
+#include "core/pair_rows.h"
+
 #include <algorithm>
 #include <cmath>
 
@@ -17,40 +19,91 @@ constexpr int kMostSweeps = 50;
 /// Which of a row's two impulses a solve is about.
 enum class Stage { Stopping, Settling };
 
-double targetOf(const PairContact& c, double dt) {
-  if (c.bounce > 0.0) return c.bounce;
-  return c.gap >= 0.0 ? -c.gap / dt : std::min(-kRecovery * c.gap / dt, c.recoverySpeed);
+/// Contacts give way by this share of what one alone would give way to the change of its impulse since the
+/// last substep (a proximal term), and normals to a fifth of the impulse itself. What contacts of rigid
+/// bodies bear against each other, of which nothing else tells how it is shared out, then settles instead of
+/// wandering, and piles come to rest. On a pile of ten boxes this costs 3e-5 m of height.
+constexpr double kSoftness = 0.02, kFrictionSoftness = 0.05;
+constexpr double kKept = 0.8;
+
+/// Of the friction of a contact that slides: by so much at least a sweep turns it against the sliding.
+/// Contacts of one body may bear friction against each other that does nothing but use up their cones;
+/// without this a slow slide would take long to get it out.
+constexpr double kLeastTurn = 0.1;
+
+/// Friction that stops the sliding (u, v) (m/s) altogether, or as much as there is, against the sliding.
+inline void addFriction(const PairRow& row, double u, double v, RowVector& sum) {
+  constexpr double kShare = 1.0 / (1.0 + kFrictionSoftness);
+  const double* m = row.acrossMass;
+  const double most = row.friction * sum.n;
+  const double stopU = sum.u - (m[0] * u + m[1] * v + kFrictionSoftness * (sum.u - row.before.u)) * kShare;
+  const double stopV = sum.v - (m[1] * u + m[2] * v + kFrictionSoftness * (sum.v - row.before.v)) * kShare;
+  if (stopU * stopU + stopV * stopV <= most * most) {
+    sum.u = stopU, sum.v = stopV;
+    return;
+  }
+  const double speed = std::sqrt(u * u + v * v);
+  const double turn = speed > 0.0 ? std::max(row.turnMass, kLeastTurn * most / speed) : 0.0;
+  sum.u -= turn * u, sum.v -= turn * v;
+  const double squared = sum.u * sum.u + sum.v * sum.v;
+  if (squared <= most * most) return;
+  const double scale = most / std::sqrt(squared);
+  sum.u *= scale, sum.v *= scale;
 }
 
-/// Newton's law of restitution for those that would meet in this substep.
-void prepareBounce(PairContact& c, const LinkedBodies& bodies, double dt) {
-  c.bounce = 0.0;
-  if (c.restitution == 0.0) return;
-  const double approach = -c.normal.dot(velocityAt(bodies, c.a) - velocityAt(bodies, c.b));
-  if (approach > kLeastBounce && c.gap < approach * dt) c.bounce = c.restitution * approach;
+/// Brings the speed along the normal up to `target` (m/s), with the impulse `total` 0 or more along it and
+/// friction within its cone; row.change is what this has changed.
+inline void solveContact(PairRows& rows, PairRow& row, RowVector& total, double target) {
+  constexpr double kShare = 1.0 / (1.0 + kSoftness);
+  const RowVector speeds = speedsOf(rows, row), earlier = total;
+  RowVector sum = earlier;
+  const double strain = kSoftness * (sum.n - kKept * row.before.n);
+  sum.n = std::max(0.0, sum.n + ((target - speeds.n) * row.mass - strain) * kShare);
+  const double more = sum.n - earlier.n;
+  addFriction(row, speeds.u + more * row.acrossAlong[0], speeds.v + more * row.acrossAlong[1], sum);
+  const RowVector change{more, sum.u - earlier.u, sum.v - earlier.v};
+  bear(rows, row, change);
+  row.change = change;
+  total = sum;
+}
+
+/// m/s that the contact needs before a drift. What would meet in this substep parts by Newton's law of
+/// restitution.
+double targetOf(const PairRows& rows, const PairContact& c, const PairRow& row, double dt) {
+  if (c.restitution > 0.0) {
+    const double approach = -speedAlong(rows, row);
+    if (approach > kLeastBounce && row.gap < approach * dt) return c.restitution * approach;
+  }
+  return row.gap >= 0.0 ? -row.gap / dt : std::min(-kRecovery * row.gap / dt, c.recoverySpeed);
 }
 
 /// What a sweep has changed: the largest change of a velocity, squared, and the sum of all as an energy.
 struct Change {
   double largest = 0.0, energy = 0.0;
-  void add(double squaredImpulse, double mass) {
-    largest = std::max(largest, squaredImpulse / (mass * mass));
-    energy += squaredImpulse / mass;
+  void add(double squaredImpulse, double mobility) {
+    const double work = squaredImpulse * mobility;
+    largest = std::max(largest, work * mobility);
+    energy += work;
   }
   bool within(double tolerance) const { return largest <= tolerance * tolerance; }
 };
 
-/// One stage of all rows of a group.
+/// One stage of all rows of a group. Contacts that bear nothing and are not crossed either are left out of
+/// the sweeps, and looked at again when these have ended.
 struct Solve {
   PairRows& rows;
   LinkedBodies& bodies;
   Stage stage;
-  double dt;
 
-  Bearing& bearing(PairContact& c) const { return stage == Stage::Stopping ? c.stopping : c.settling; }
+  RowVector& impulse(PairRow& row) const { return stage == Stage::Stopping ? row.stopping : row.settling; }
   double& impulse(JointRow& j) const { return stage == Stage::Stopping ? j.stopping : j.settling; }
-  bool takesPart(const PairContact& c) const {
-    return c.mass > 0.0 && (stage == Stage::Stopping || c.stopping.along > 0.0);
+
+  void activate(std::uint32_t i) {
+    PairRow& row = rows.rows[i];
+    row.active = true;
+    row.direction = RowVector();
+    row.change = RowVector();
+    rows.active.push_back(i);
   }
 
   /// What the last substep bore is about what this one will.
@@ -59,13 +112,30 @@ struct Solve {
       bear(bodies, j, impulse(j));
       j.direction = 0.0;
     }
-    for (PairContact& c : rows.contacts) {
-      Bearing& sum = bearing(c);
-      if (!takesPart(c)) sum = Bearing();
-      if (sum.along > 0.0) bear(bodies, c, sum);
-      c.before = sum;
-      c.direction = Bearing();
+    rows.active.clear();
+    for (std::uint32_t i = 0; i < rows.rows.size(); ++i) {
+      PairRow& row = rows.rows[i];
+      RowVector& sum = impulse(row);
+      const bool takesPart = row.mass > 0.0 && (stage == Stage::Stopping || row.stopping.n > 0.0);
+      row.active = false;
+      if (!takesPart || sum.n <= 0.0) sum = RowVector();
+      row.before = sum;
+      if (sum.n > 0.0) bear(rows, row, sum);
+      if (sum.n > 0.0 || (takesPart && stage == Stage::Settling)) activate(i);
     }
+    if (stage == Stage::Stopping) activateCrossed();
+  }
+
+  /// Takes in the contacts that would be crossed in the coming drift. Returns whether there are any.
+  bool activateCrossed() {
+    const std::size_t count = rows.active.size();
+    for (std::uint32_t i = 0; i < rows.rows.size(); ++i) {
+      const PairRow& row = rows.rows[i];
+      if (!row.active && row.mass > 0.0 && speedAlong(rows, row) < row.target) activate(i);
+    }
+    if (rows.active.size() == count) return false;
+    std::sort(rows.active.begin(), rows.active.end());
+    return true;
   }
 
   Change sweep() {
@@ -73,12 +143,12 @@ struct Solve {
     for (JointRow& j : rows.joints) {
       if (j.mass == 0.0) continue;
       solveJoint(bodies, j, impulse(j));
-      change.add(j.change * j.change, j.mass);
+      change.add(j.change * j.change, 1.0 / j.mass);
     }
-    for (PairContact& c : rows.contacts) {
-      if (!takesPart(c)) continue;
-      solveContact(bodies, c, bearing(c), stage == Stage::Stopping ? targetOf(c, dt) : 0.0);
-      change.add(c.change.along * c.change.along + c.change.across.squaredNorm(), c.mass);
+    for (const std::uint32_t i : rows.active) {
+      PairRow& row = rows.rows[i];
+      solveContact(rows, row, impulse(row), stage == Stage::Stopping ? row.target : 0.0);
+      change.add(row.change.squaredNorm(), row.mobility);
     }
     return change;
   }
@@ -91,26 +161,31 @@ struct Solve {
       impulse(j) += j.direction;
       j.direction += j.change;
     }
-    for (PairContact& c : rows.contacts) {
-      if (!takesPart(c)) continue;
-      c.direction *= beta;
-      bear(bodies, c, c.direction);
-      bearing(c) += c.direction;
-      c.direction += c.change;
+    for (const std::uint32_t i : rows.active) {
+      PairRow& row = rows.rows[i];
+      row.direction *= beta;
+      bear(rows, row, row.direction);
+      impulse(row) += row.direction;
+      row.direction += row.change;
     }
   }
+
+  bool hasNothingToDo() const { return rows.active.empty() && rows.joints.empty(); }
 
   int run() {
     start();
     double before = 0.0;
-    for (int count = 1;; ++count) {
+    for (int count = 1; !hasNothingToDo(); ++count) {
       const Change change = sweep();
-      if (change.within(kPairTolerance) || count == kMostSweeps) return count;
+      if (count == kMostSweeps) return count;
+      const bool ends = change.within(kPairTolerance);
+      if (ends && (stage == Stage::Settling || !activateCrossed())) return count;
       // where the last sweep has changed more than the one before, its direction leads astray
       const double beta = before > 0.0 ? change.energy / before : 0.0;
       stepOn(beta <= 1.0 ? beta : 0.0);
       before = change.energy;
     }
+    return 0;
   }
 };
 
@@ -118,13 +193,16 @@ struct Solve {
 
 int stopPairs(PairRows& rows, LinkedBodies& bodies, double dt) {
   if (rows.empty()) return 0;
-  for (PairContact& c : rows.contacts) prepareBounce(c, bodies, dt);
-  return Solve{rows, bodies, Stage::Stopping, dt}.run();
+  turnResponses(rows);
+  for (std::size_t i = 0; i < rows.rows.size(); ++i)
+    rows.rows[i].target = targetOf(rows, rows.contacts[i], rows.rows[i], dt);
+  return Solve{rows, bodies, Stage::Stopping}.run();
 }
 
 int settlePairs(PairRows& rows, LinkedBodies& bodies) {
   if (rows.empty()) return 0;
-  return Solve{rows, bodies, Stage::Settling, 0.0}.run();
+  turnResponses(rows);
+  return Solve{rows, bodies, Stage::Settling}.run();
 }
 
 }  // namespace limber

@@ -236,6 +236,14 @@ double stepQuads(const QuadBody& body, double tick, int substeps) {
   return stepAlone<double>(QuadPoints{body}, tick, substeps);
 }
 
+void computeQuadForces(const QuadBody& body) { computeForces(QuadPoints{body}); }
+double computeQuadForcesAndChange(const QuadBody& body) { return computeForcesAndChange(QuadPoints{body}); }
+void kickQuads(const QuadBody& body, double dt) { kick(QuadPoints{body}, dt); }
+void driftQuads(const QuadBody& body, double dt) { drift(QuadPoints{body}, dt); }
+void dampQuads(const QuadBody& body, bool whole, bool forward) {
+  if (body.damped) dampAll(QuadPoints{body}, whole, forward);
+}
+
 }  // namespace limber::kernel
 
 #include "core/target_end.h"

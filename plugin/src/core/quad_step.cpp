@@ -8,6 +8,18 @@
 
 #include <algorithm>
 
+#if !defined(LIMBER_HAS_LANES)
+namespace limber::kernel {
+// never called, see canStepQuads()
+double stepQuads(const QuadBody&, double, int) { return 0.0; }
+void computeQuadForces(const QuadBody&) {}
+double computeQuadForcesAndChange(const QuadBody&) { return 0.0; }
+void kickQuads(const QuadBody&, double) {}
+void driftQuads(const QuadBody&, double) {}
+void dampQuads(const QuadBody&, bool, bool) {}
+}  // namespace limber::kernel
+#endif
+
 namespace limber {
 namespace {
 
@@ -106,7 +118,7 @@ kernel::TetrahedronBody quadTetrahedra(QuadArrays& q, const TetrahedronVolumes* 
   return body;
 }
 
-kernel::QuadBody quadBody(SteppedBody& stepped, const kernel::ContactCalls& contacts) {
+kernel::QuadBody quadBody(SteppedBody& stepped, const kernel::ContactCalls* contacts) {
   QuadArrays& q = *stepped.quads;
   kernel::QuadBody body;
   body.points = static_cast<unsigned>(q.position.size() * 2);
@@ -123,7 +135,7 @@ kernel::QuadBody quadBody(SteppedBody& stepped, const kernel::ContactCalls& cont
   body.volumes = quadVolumes(q, stepped.volumes);
   body.tetrahedra = quadTetrahedra(q, stepped.tetrahedra);
   body.damped = stepped.springs->damped;
-  body.contacts = &contacts;
+  body.contacts = contacts;
   return body;
 }
 
@@ -131,20 +143,27 @@ kernel::QuadBody quadBody(SteppedBody& stepped, const kernel::ContactCalls& cont
 
 bool canStepQuads() { return isAvailable(InstructionSet::Avx2); }
 
+kernel::QuadBody loadQuads(SteppedBody& body, const kernel::ContactCalls* contacts) {
+  load(*body.quads, *body.points, *body.springs);
+  return quadBody(body, contacts);
+}
+
+void unloadQuads(SteppedBody& body) {
+  fromQuads(body.quads->position, body.points->position);
+  fromQuads(body.quads->velocity, body.points->velocity);
+}
+
+PointView viewOf(QuadArrays& quads) {
+  return {numbers(quads.position), numbers(quads.velocity), numbers(quads.inverseMass), 1, 4};
+}
+
 void stepQuads(SteppedBody& body, double tick, int substeps) {
-  QuadArrays& q = *body.quads;
-  load(q, *body.points, *body.springs);
-  BodyContacts contacts{body.contacts,
-                        {numbers(q.position), numbers(q.velocity), numbers(q.inverseMass), 1, 4}};
-  const kernel::ContactCalls calls = contacts.calls();
-  double change = 0.0;
-#if defined(LIMBER_HAS_LANES)
-  change = kernel::stepQuads(quadBody(body, calls), tick, substeps);
-#else
-  static_cast<void>(&quadBody);
-#endif
-  fromQuads(q.position, body.points->position);
-  fromQuads(q.velocity, body.points->velocity);
+  kernel::ContactCalls calls;
+  const kernel::QuadBody quads = loadQuads(body, &calls);
+  BodyContacts contacts{body.contacts, viewOf(*body.quads)};
+  calls = contacts.calls();
+  const double change = kernel::stepQuads(quads, tick, substeps);
+  unloadQuads(body);
   body.errorRate = verletErrorRate(change, body.points->position.cols(), tick / substeps);
 }
 

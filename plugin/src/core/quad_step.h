@@ -2,6 +2,8 @@
 #pragma once
 
 #include "core/cache_line.h"
+#include "core/lane_kernels.h"
+#include "core/point_view.h"
 #include "core/verlet_step.h"
 
 #include <vector>
@@ -26,6 +28,16 @@ struct QuadArrays {
 
 /// Whether this machine can: AVX2.
 bool canStepQuads();
+
+/// Copies the body's state, and what else has changed, into body.quads, which must be set. Allocates at the
+/// first call only. `contacts` must outlive the result; nullptr for a body that is stepped part by part.
+kernel::QuadBody loadQuads(SteppedBody& body, const kernel::ContactCalls* contacts);
+
+/// Copies positions and velocities back.
+void unloadQuads(SteppedBody& body);
+
+/// The points as they are while they are stepped.
+PointView viewOf(QuadArrays& quads);
 
 /// As stepVerlet for a body without links and elastic limit, to the bit. body.quads must be set. Allocates at
 /// the first call only.

@@ -3,10 +3,9 @@
 
 #include "core/body_contacts.h"
 #include "core/kernel_views.h"
-#include "core/pair_solve.h"
+#include "core/linked_step.h"
 #include "core/quad_step.h"
 #include "core/spring_damping.h"
-#include "core/spring_forces.h"
 
 #include <algorithm>
 #include <cmath>
@@ -28,90 +27,6 @@ void stepSingle(SteppedBody& body, double tick, int substeps) {
           springs.dampHalf.data(), springs.dampFull.data(), &calls, state.earlierForce.data()},
       tick, substeps);
   body.errorRate = verletErrorRate(change, state.position.cols(), tick / substeps);
-}
-
-void computeForces(StepGroup& group) {
-  for (SteppedBody& body : group.bodies) {
-    computeElasticForces(body);
-  }
-  for (RigidState& rigid : group.links.rigids) {
-    rigid.force.setZero();
-    rigid.torque.setZero();
-  }
-  addLinkForces(group.links);
-}
-
-void kick(StepGroup& group, double dt) {
-  for (SteppedBody& body : group.bodies) kernel::kick(kernelPoints(*body.points), dt);
-  for (RigidState& rigid : group.links.rigids) rigid.kick(dt);
-}
-
-void drift(StepGroup& group, double dt) {
-  for (SteppedBody& body : group.bodies) kernel::drift(kernelPoints(*body.points), dt);
-  for (RigidState& rigid : group.links.rigids) rigid.drift(dt);
-}
-
-void damp(StepGroup& group, double dt, bool whole, bool forward) {
-  const SweepOrder order = forward ? SweepOrder::Forward : SweepOrder::Backward;
-  for (SteppedBody& body : group.bodies)
-    dampSprings(*body.springs, whole ? body.springs->dampFull : body.springs->dampHalf, order, *body.points);
-  dampLinks(group.links, whole ? dt : 0.5 * dt, forward);
-}
-
-void stopAtContacts(StepGroup& group, double time, double dt) {
-  for (SteppedBody& body : group.bodies)
-    if (body.contacts) stopAtContacts(*body.contacts, viewOf(*body.points), time, dt);
-}
-
-void settleContacts(StepGroup& group) {
-  for (SteppedBody& body : group.bodies)
-    if (body.contacts) settleContacts(*body.contacts, viewOf(*body.points));
-}
-
-void keepForces(StepGroup& group) {
-  for (SteppedBody& body : group.bodies) body.points->earlierForce = body.points->force;
-}
-
-void estimateErrors(StepGroup& group, double dt) {
-  for (SteppedBody& body : group.bodies) {
-    const PointState& p = *body.points;
-    const double change = (p.force - p.earlierForce).cwiseProduct(p.inverseMass).squaredNorm();
-    body.errorRate = std::max(body.errorRate, verletErrorRate(change, p.position.cols(), dt));
-  }
-}
-
-void stepLinked(StepGroup& group, double tick, int substeps) {
-  const double dt = tick / substeps;
-  for (SteppedBody& body : group.bodies) {
-    body.errorRate = 0.0;
-    if (body.contacts) prepareContacts(*body.contacts, viewOf(*body.points));
-  }
-  for (RigidState& rigid : group.links.rigids) rigid.turn();
-  preparePairs(group.pairs, group.links);
-  computeForces(group);
-  solveAnchors(group.links, 0.0);
-  damp(group, dt, false, false);
-  for (int s = 0; s < substeps; ++s) {
-    const bool last = s + 1 == substeps;
-    kick(group, 0.5 * dt);
-    solveAnchors(group.links, dt);
-    stopAtContacts(group, s * dt, dt);
-    stopPairs(group.pairs, group.links, dt);
-    movePairs(group.pairs, group.links, dt);
-    drift(group, dt);
-    const bool estimates = last || 2 * s == substeps;
-    if (estimates) keepForces(group);
-    computeForces(group);
-    if (estimates) estimateErrors(group, dt);
-    kick(group, 0.5 * dt);
-    // first anchors and contacts: a damper must not see a point kicked away from what holds it
-    solveAnchors(group.links, 0.0);
-    settleContacts(group);
-    settlePairs(group.pairs, group.links);
-    // the half dampings of neighbouring substeps act at the same positions and merge into one
-    damp(group, dt, !last, s % 2 == 0);
-  }
-  solveAnchors(group.links, 0.0);
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "core/contact_rows.h"
+#include "core/lane_kernels.h"
 #include "core/links.h"
 #include "core/pair_contacts.h"
 #include "core/point_state.h"
@@ -38,11 +39,22 @@ void prepareVolumes(SteppedBody& body, double dt);
 /// `change` is the sum over the points of its square over one substep.
 double verletErrorRate(double change, Eigen::Index points, double dt);
 
+/// A body while it is stepped together with others.
+struct BodyInGroup {
+  SteppedBody* stepped;
+  bool inQuads;  ///< its state is in the quads, else in the points
+  kernel::QuadBody quads;
+};
+
 /// Bodies that links join or that touch; without links a group is one body.
 struct StepGroup {
   std::vector<SteppedBody> bodies;
   LinkedBodies links;  ///< links.points[i] is bodies[i].points
   PairRows pairs;      ///< what else couples them, and the rigid ones with their own surroundings
+
+  // Scratch of the step, #bodies.
+  std::vector<BodyInGroup> inStep;
+  std::vector<PointView> views;  ///< where the bodies' points are meanwhile
 };
 
 /// Whether the group is one body that nothing but its own springs, volumes and contacts acts on.
