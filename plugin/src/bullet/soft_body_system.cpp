@@ -55,6 +55,10 @@ SoftBodySystem::~SoftBodySystem() {
 void SoftBodySystem::removeAll() {
   impl_->forgetGroups();
   impl_->springs.clear();
+  if (impl_->events.calling()) {
+    for (auto& body : impl_->bodies) impl_->doomed.push_back(body.get());
+    return;
+  }
   while (!impl_->bodies.empty()) destroyBody(impl_->bodies.back().get());
 }
 
@@ -93,20 +97,32 @@ Result<SoftBody*> SoftBodySystem::createBody(SharedNetwork network, const SoftBo
 }
 
 void SoftBodySystem::destroyBody(SoftBody* body) {
-  const auto isBody = [&](const auto& owned) { return owned.get() == body; };
-  const auto it = std::find_if(impl_->bodies.begin(), impl_->bodies.end(), isBody);
-  if (it == impl_->bodies.end()) return;
+  if (impl_->events.calling()) {
+    impl_->doomed.push_back(body);
+    return;
+  }
   const bool alive = impl_->worldAlive();
+  impl_->destroyNow(body);
+  for (std::size_t i = 0; i < impl_->doomed.size(); ++i) impl_->destroyNow(impl_->doomed[i]);
+  impl_->doomed.clear();
+  impl_->unhookIfIdle(alive);
+}
+
+void SoftBodySystem::Impl::destroyNow(SoftBody* body) {
+  const auto isBody = [&](const auto& owned) { return owned.get() == body; };
+  const auto it = std::find_if(bodies.begin(), bodies.end(), isBody);
+  if (it == bodies.end()) return;
+  const bool alive = worldAlive();
+  endPairsOf(body);
   for (btRigidBody* point : body->data_->masses.bodies)
     if (point) forget(*point);
-  impl_->forgetGroups();
+  forgetGroups();
   removeFromWorld(*body->data_);
-  impl_->bodies.erase(it);
+  bodies.erase(std::find_if(bodies.begin(), bodies.end(), isBody));
   const auto isShared = [](const auto& other) {
     return isSurfaceBody(*other->data_) && other->data_->masses.shared;
   };
-  if (std::none_of(impl_->bodies.begin(), impl_->bodies.end(), isShared)) impl_->stopWatching(alive);
-  impl_->unhookIfIdle(alive);
+  if (std::none_of(bodies.begin(), bodies.end(), isShared)) stopWatching(alive);
 }
 
 std::size_t SoftBodySystem::bodyCount() const { return impl_->bodies.size(); }
@@ -187,7 +203,9 @@ Result<bool> SoftBodySystem::attach(SoftBody* softBody, std::uint32_t i, btRigid
   return attach(softBody, i, body, body.getWorldTransform().inverse() * place);
 }
 
-bool SoftBodySystem::detach(SoftBody* softBody, std::uint32_t i) {
+bool SoftBodySystem::detach(SoftBody* softBody, std::uint32_t i) { return impl_->detach(softBody, i); }
+
+bool SoftBodySystem::Impl::detach(SoftBody* softBody, std::uint32_t i) {
   std::vector<Anchor>& anchors = softBody->data_->anchors;
   const auto isPoint = [&](const Anchor& anchor) { return anchor.point == i; };
   const auto it = std::find_if(anchors.begin(), anchors.end(), isPoint);
@@ -195,13 +213,15 @@ bool SoftBodySystem::detach(SoftBody* softBody, std::uint32_t i) {
   anchors.erase(it);
   if (PointMass* point = softBody->data_->masses.bodies[i]) point->attachedTo = nullptr;
   softBody->wake();
-  impl_->forgetGroups();
+  forgetGroups();
   return true;
 }
 
-void SoftBodySystem::forget(const btRigidBody& body) {
-  impl_->dropSprings(body);
-  for (auto& softBody : impl_->bodies)
+void SoftBodySystem::forget(const btRigidBody& body) { impl_->forget(body); }
+
+void SoftBodySystem::Impl::forget(const btRigidBody& body) {
+  dropSprings(body);
+  for (auto& softBody : bodies)
     for (std::size_t i = softBody->data_->anchors.size(); i-- > 0;)
       if (softBody->data_->anchors[i].body == &body)
         detach(softBody.get(), softBody->data_->anchors[i].point);

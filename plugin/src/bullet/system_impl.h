@@ -2,8 +2,10 @@
 #pragma once
 
 #include "bullet/cluster.h"
+#include "bullet/contact_events.h"
 #include "bullet/rigid_contacts.h"
 #include "bullet/shared_topologies.h"
+#include "bullet/shown_contacts.h"
 #include "bullet/step_plan.h"
 #include "bullet/step_sentinel.h"
 #include "bullet/surface_gather.h"
@@ -31,6 +33,8 @@ struct SoftBodySystem::Impl final : TickListener, StepListener {
 
   void hookUp();
   void unhookIfIdle(bool alive);
+  bool detach(SoftBody* softBody, std::uint32_t i);
+  void forget(const btRigidBody& body);
   void dropSprings(const btRigidBody& body);
   void forgetGroups();
   bool worldAlive() const;
@@ -44,6 +48,10 @@ struct SoftBodySystem::Impl final : TickListener, StepListener {
   void stepGroups(btScalar tick);
   void handOverGroups(btScalar tick);
   void updateLiving();
+  void tellOfContacts();
+  void hideManifolds();
+  void destroyNow(SoftBody* body);
+  void endPairsOf(SoftBody* body);
 
   btDiscreteDynamicsWorld* world;
   Hook hookKind;
@@ -67,6 +75,10 @@ struct SoftBodySystem::Impl final : TickListener, StepListener {
   bool groupsStale = false;
   std::vector<unsigned char> islands;      // scratch of updateSleep
   std::unique_ptr<StepSentinel> sentinel;  // while point masses outside the world are in the user's hands
+  ContactEvents events;
+  bool showsManifolds = false;
+  std::vector<StrongestContacts> strongest;  // scratch of showContacts
+  std::vector<SoftBody*> doomed;             // to be destroyed once the listener has been told
   TickProfile profile;
 };
 

@@ -103,6 +103,7 @@ void SoftBodySystem::Impl::handOverGroups(btScalar tick) {
 
 void SoftBodySystem::Impl::beforeTick(btScalar tick) {
   profile = TickProfile();
+  hideManifolds();
   // a tick without length moves nothing and would divide by zero
   if (!(tick > btScalar(0))) return;
   rebuildGroupsIfNeeded();
@@ -129,7 +130,9 @@ void SoftBodySystem::Impl::afterTick(btScalar tick) {
   }
   for (const Cluster& cluster : clusters) takeBackCluster(cluster, pairs, tick);
   reportJoints(pairs, tick);
+  reportContacts(living, pairs, *world, double(tick));
   reportContactImpulses(*world->getDispatcher());
+  tellOfContacts();
 }
 
 // Forces on point masses outside the world last, as Bullet's do, for all ticks of one stepSimulation().
@@ -157,6 +160,7 @@ void SoftBodySystem::Impl::afterTickOrEmptyStep() {
 }
 
 void SoftBodySystem::Impl::tickMissed() {
+  hideManifolds();
   if (overwritten) return;
   overwritten = true;
   warn(
