@@ -2,6 +2,8 @@
 #pragma once
 
 // Everything, in the order of the data's way: mesh -> points and springs -> a body in the world.
+#include <limber/contact_listener.h>
+#include <limber/fast_spheres.h>
 #include <limber/material_network.h>
 #include <limber/mesh_import.h>
 #include <limber/mesh_weld.h>
@@ -14,6 +16,7 @@
 #include <limber/soft_body.h>
 #include <limber/soft_body_settings.h>
 #include <limber/soft_body_system.h>
+#include <limber/soft_contact.h>
 #include <limber/spring_constraint.h>
 #include <limber/spring_network.h>
 #include <limber/spring_settings.h>

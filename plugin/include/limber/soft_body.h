@@ -9,11 +9,13 @@
 
 #include <cstdint>
 #include <memory>
+#include <vector>
 
 namespace limber {
 inline namespace LIMBER_BULLET_PRECISION {
 
 struct SoftBodyData;
+struct SoftContact;
 
 /// One soft body in a world. Made and owned by SoftBodySystem; the pointer stays valid until destroyBody(),
 /// removeAll(), or the end of the system.
@@ -85,6 +87,11 @@ class SoftBody {
   /// rad/s, an upper bound of the body's fastest oscillation, from which the substeps follow.
   double frequencyBound() const;
 
+  /// Where the body touches something, and what was borne there in the last tick (soft_contact.h): all that
+  /// bore anything, and what is nearer than 5 % of the radius. Of a sleeping body those of the last tick in
+  /// which it was awake. What has left the world since is left out. Valid until the next tick or call.
+  const std::vector<SoftContact>& contacts() const;
+
   double totalMass() const;                 ///< kg of all points that are not held
   Eigen::Vector3d centerOfMass() const;     ///< m
   Eigen::Vector3d linearMomentum() const;   ///< kg m/s
@@ -97,6 +104,7 @@ class SoftBody {
 
  private:
   friend class SoftBodySystem;
+  friend SoftBodyData& dataOf(const SoftBody& body);
   std::unique_ptr<SoftBodyData> data_;
 };
 

@@ -16,6 +16,8 @@
 namespace limber {
 inline namespace LIMBER_BULLET_PRECISION {
 
+class ContactListener;
+
 /// Whether the springs are stepped when the world is.
 enum class HookState : std::uint8_t {
   Idle,        ///< nothing to step: no soft body, no spring
@@ -90,6 +92,16 @@ class SoftBodySystem {
 
   /// Removes all bodies and springs and leaves the world as it was found.
   void removeAll();
+
+  /// Who is told of contacts that begin, persist and end (contact_listener.h), nullptr for nobody. It must
+  /// outlive the system or be taken back. What touches already begins after the next tick.
+  void setContactListener(ContactListener* listener);
+
+  /// Whether contacts of bodies with Collision::Surface are shown in Bullet's dispatcher, for those who read
+  /// contacts there: between ticks a manifold for each surface object and each of its partners, with the four
+  /// contacts that bear most; m_index0 and m_index1 are triangles of network().surface or -1. Bullet does not
+  /// act on them, and calls none of its contact callbacks for them. Off by default: it costs time.
+  void reportManifolds(bool report);
 
   HookState hookState() const;
   /// Takes the pre-tick callback again; the one that replaced ours is called first from then on.

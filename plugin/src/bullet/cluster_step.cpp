@@ -45,8 +45,10 @@ void stepCluster(Cluster& cluster, double tick) {
 
 void handOverCluster(Cluster& cluster, TickContacts& found, btScalar tick) {
   const PairRows& pairs = cluster.step.pairs;
-  for (std::size_t i = 0; i < cluster.contacts.size(); ++i)
+  for (std::size_t i = 0; i < cluster.contacts.size(); ++i) {
     found.contacts[cluster.contacts[i]].impulse = pairs.contacts[i].impulse;
+    found.contacts[cluster.contacts[i]].gap = pairs.contacts[i].gap;
+  }
   for (std::size_t i = 0; i < cluster.joints.size(); ++i)
     found.joints[cluster.joints[i]].impulse = pairs.joints[i].impulse;
   reportRows(cluster);

@@ -266,7 +266,9 @@ void gatherContacts(SoftBodyData& body, btScalar tick) {
   if (surface && fliesFreely(body, double(tick))) return;
   const Eigen::AlignedBox3d box = reachBox(body, double(tick));
   if (!surface || !partnersCover(body, box)) askForPartners(body, box);
+  body.partnerMarks.clear();
   if (surface && body.partners.empty()) return;
+  for (const btCollisionObject* partner : body.partners) body.partnerMarks.push_back(markOf(*partner));
   for (std::uint32_t i = 0; i < body.masses.bodies.size(); ++i) {
     for (const btCollisionObject* partner : body.partners)
       if (!body.masses.held[i]) addRows(body, i, *partner, tick);

@@ -12,9 +12,7 @@ using Id = std::pair<int, std::uint64_t>;
 
 Id idOf(const KnownContact& known) { return {known.partner, known.key}; }
 
-Id idOf(const ContactSource& source) {
-  return {source.partner->getBroadphaseHandle()->m_uniqueId, source.key};
-}
+Id idOf(const ContactSource& source) { return {source.partner.id, source.key}; }
 
 }  // namespace
 

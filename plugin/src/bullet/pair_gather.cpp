@@ -49,7 +49,7 @@ class PairsOfPoint final : public btCollisionWorld::ContactResultCallback {
       }
     ContactSource source;
     source.body = body_;
-    source.partner = partner_;
+    source.partner = markOf(*partner_);
     source.key = point_;
     found_->add(c, source);
   }

@@ -4,6 +4,7 @@
 #include "bullet/convert.h"
 #include "bullet/joint_rows.h"
 #include "bullet/point_mass.h"
+#include "bullet/surface_object.h"
 
 namespace limber {
 inline namespace LIMBER_BULLET_PRECISION {
@@ -11,7 +12,9 @@ namespace {
 
 constexpr btScalar kLeftAlone = -BT_LARGE_FLOAT;
 
-bool isSoft(const btCollisionObject* object) { return PointMass::from(object) != nullptr; }
+bool isSoft(const btCollisionObject* object) {
+  return PointMass::from(object) != nullptr || SurfaceObject::from(object) != nullptr;
+}
 
 /// Calls visit(place in the world's list, manifold) for both objects of all manifolds that matter.
 template <class Visit>

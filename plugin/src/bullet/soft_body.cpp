@@ -18,6 +18,8 @@ inline namespace LIMBER_BULLET_PRECISION {
 SoftBody::SoftBody(std::unique_ptr<SoftBodyData> data) : data_(std::move(data)) { data_->handle = this; }
 SoftBody::~SoftBody() = default;
 
+SoftBodyData& dataOf(const SoftBody& body) { return *body.data_; }
+
 const SpringNetwork& SoftBody::network() const { return *data_->network; }
 const SharedNetwork& SoftBody::sharedNetwork() const { return data_->network; }
 const SoftBodySettings& SoftBody::settings() const { return data_->settings; }
@@ -85,6 +87,8 @@ Stepper SoftBody::stepper() const { return data_->stepper; }
 double SoftBody::errorPerSecond() const { return data_->errorPerSecond; }
 int SoftBody::substeps() const { return data_->substeps; }
 double SoftBody::frequencyBound() const { return std::sqrt(data_->frequencySquared); }
+
+const std::vector<SoftContact>& SoftBody::contacts() const { return readReport(*data_); }
 
 namespace {
 

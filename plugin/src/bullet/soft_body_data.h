@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
+#include "bullet/contact_report.h"
 #include "bullet/point_masses.h"
 #include "bullet/surface_data.h"
 #include "core/contact_rows.h"
@@ -34,6 +35,14 @@ struct KnownContact {
   Bearing bearing;    ///< sum over the tick
 };
 
+class ShownContacts;
+
+/// Something that touched the body when the listener was last told.
+struct TouchingPair {
+  PartnerMark other;
+  SoftBody* otherBody;
+};
+
 /// What a SoftBody is made of.
 struct SoftBodyData {
   SharedNetwork network;
@@ -51,12 +60,16 @@ struct SoftBodyData {
   std::vector<Anchor> anchors;
   std::vector<ContactRow> contacts;                       ///< of the present tick, by point
   std::vector<const btCollisionObject*> contactPartners;  ///< #contacts
+  std::vector<PartnerMark> partnerMarks;                  ///< of those partners
   std::vector<double> reach;                              ///< #points, m, how far contacts were looked for
   std::vector<const btCollisionObject*> partners;         ///< scratch of gatherContacts
   std::vector<btRigidBody*> freePartners;                 ///< near in this tick, neither static nor kinematic
   std::vector<SoftBodyData*> softPartners;                ///< near in this tick, with surfaces
-  std::vector<KnownContact> knownContacts;                ///< with free bodies, of the last tick
-  std::vector<unsigned char> coupled;  ///< #points, scratch: 1 if something that moves touches the point
+  ContactReport report;
+  std::vector<TouchingPair> touching;       ///< for a listener, by id
+  std::vector<ShownContacts*> shown;        ///< in Bullet's dispatcher
+  std::vector<KnownContact> knownContacts;  ///< with free bodies, of the last tick
+  std::vector<unsigned char> coupled;       ///< #points, scratch: 1 if something that moves touches the point
 
   std::uint32_t index = 0;  ///< among the bodies of the system that are alive
   bool alive = true;
@@ -83,6 +96,9 @@ struct SoftBodyData {
   /// Told when the point masses of a body with Collision::Surface become known outside.
   std::function<void()> onPointsShared;
 };
+
+/// The data of a body that users hold.
+SoftBodyData& dataOf(const SoftBody& body);
 
 }  // namespace LIMBER_BULLET_PRECISION
 }  // namespace limber

@@ -2,51 +2,17 @@
 #include <limber/soft_body_system.h>
 
 #include "bullet/body_in_world.h"
-#include "bullet/cluster.h"
-#include "bullet/contact_gather.h"
 #include "bullet/convert.h"
-#include "bullet/group_sleep.h"
-#include "bullet/group_stepping.h"
-#include "bullet/joint_rows.h"
-#include "bullet/known_contacts.h"
 #include "bullet/new_body.h"
-#include "bullet/pair_gather.h"
-#include "bullet/rigid_contacts.h"
-#include "bullet/shared_topologies.h"
-#include "bullet/soft_body_data.h"
-#include "bullet/step_plan.h"
-#include "bullet/step_sentinel.h"
 #include "bullet/surface_body.h"
-#include "bullet/surface_gather.h"
-#include "bullet/surface_partners.h"
-#include "bullet/tick_group.h"
-#include "bullet/tick_hook.h"
+#include "bullet/system_impl.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cstdio>
-#include <vector>
 
 namespace limber {
 inline namespace LIMBER_BULLET_PRECISION {
 namespace {
-
-/// Adds the milliseconds of its life to `sum`.
-class StopWatch {
- public:
-  explicit StopWatch(double& sum) : sum_(sum), start_(std::chrono::steady_clock::now()) {}
-  ~StopWatch() {
-    sum_ += std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start_).count();
-  }
-  StopWatch(const StopWatch&) = delete;
-  StopWatch& operator=(const StopWatch&) = delete;
-
- private:
-  double& sum_;
-  std::chrono::steady_clock::time_point start_;
-};
-
-void warnOnStandardError(const std::string& text) { std::fprintf(stderr, "limber: %s\n", text.c_str()); }
 
 bool holdsOn(const SpringConstraint& spring, const btRigidBody* body) {
   return spring.endA().body == body || spring.endB().body == body;
@@ -54,54 +20,7 @@ bool holdsOn(const SpringConstraint& spring, const btRigidBody* body) {
 
 }  // namespace
 
-struct SoftBodySystem::Impl final : TickListener, StepListener {
-  Impl(btDiscreteDynamicsWorld& w, Hook h) : world(&w), hookKind(h) {}
-
-  void beforeTick(btScalar tick) override;
-  void afterTick(btScalar tick) override;
-  void tickMissed() override;
-  void afterTickOrEmptyStep() override;
-
-  void hookUp();
-  void unhookIfIdle(bool alive);
-  void dropSprings(const btRigidBody& body);
-  void forgetGroups();
-  bool worldAlive() const;
-  void watchSteps();
-  void stopWatching(bool alive);
-  void beginStepOfForces();
-  void rebuildGroupsIfNeeded();
-  void gatherGroups(btScalar tick);
-  void gatherPartners(SoftBodyData& body, btScalar tick);
-  void gatherClusters(btScalar tick);
-  void stepGroups(btScalar tick);
-  void handOverGroups(btScalar tick);
-  void updateLiving();
-
-  btDiscreteDynamicsWorld* world;
-  Hook hookKind;
-  TickHook* hook = nullptr;
-  bool overwritten = false;
-  std::function<void(const std::string&)> warn = warnOnStandardError;
-
-  std::vector<std::unique_ptr<SoftBody>> bodies;
-  SpringList springs;
-  std::vector<TickGroup> groups;
-  StepPlan plan;
-  TickContacts pairs;  // contacts in which more than one body moves
-  Clusters clusters;   // what they couple
-  ManifoldIndex manifolds;
-  SharedTopologies topologies;
-  ShapeCache shapes;
-  RigidSurfaces rigidSurfaces{shapes};
-  SurfaceSearch search;
-  std::vector<SoftBodyData*> living;  // the bodies in the groups
-  std::size_t usableLinks = 0;        // springs and anchors in the groups
-  bool groupsStale = false;
-  std::vector<unsigned char> islands;      // scratch of updateSleep
-  std::unique_ptr<StepSentinel> sentinel;  // while point masses outside the world are in the user's hands
-  TickProfile profile;
-};
+void warnOnStandardError(const std::string& text) { std::fprintf(stderr, "limber: %s\n", text.c_str()); }
 
 // --- in and out of the world -------------------------------------------------------------------------------
 
@@ -136,6 +55,10 @@ SoftBodySystem::~SoftBodySystem() {
 void SoftBodySystem::removeAll() {
   impl_->forgetGroups();
   impl_->springs.clear();
+  if (impl_->events.calling()) {
+    for (auto& body : impl_->bodies) impl_->doomed.push_back(body.get());
+    return;
+  }
   while (!impl_->bodies.empty()) destroyBody(impl_->bodies.back().get());
 }
 
@@ -174,20 +97,32 @@ Result<SoftBody*> SoftBodySystem::createBody(SharedNetwork network, const SoftBo
 }
 
 void SoftBodySystem::destroyBody(SoftBody* body) {
-  const auto isBody = [&](const auto& owned) { return owned.get() == body; };
-  const auto it = std::find_if(impl_->bodies.begin(), impl_->bodies.end(), isBody);
-  if (it == impl_->bodies.end()) return;
+  if (impl_->events.calling()) {
+    impl_->doomed.push_back(body);
+    return;
+  }
   const bool alive = impl_->worldAlive();
+  impl_->destroyNow(body);
+  for (std::size_t i = 0; i < impl_->doomed.size(); ++i) impl_->destroyNow(impl_->doomed[i]);
+  impl_->doomed.clear();
+  impl_->unhookIfIdle(alive);
+}
+
+void SoftBodySystem::Impl::destroyNow(SoftBody* body) {
+  const auto isBody = [&](const auto& owned) { return owned.get() == body; };
+  const auto it = std::find_if(bodies.begin(), bodies.end(), isBody);
+  if (it == bodies.end()) return;
+  const bool alive = worldAlive();
+  endPairsOf(body);
   for (btRigidBody* point : body->data_->masses.bodies)
     if (point) forget(*point);
-  impl_->forgetGroups();
+  forgetGroups();
   removeFromWorld(*body->data_);
-  impl_->bodies.erase(it);
+  bodies.erase(std::find_if(bodies.begin(), bodies.end(), isBody));
   const auto isShared = [](const auto& other) {
     return isSurfaceBody(*other->data_) && other->data_->masses.shared;
   };
-  if (std::none_of(impl_->bodies.begin(), impl_->bodies.end(), isShared)) impl_->stopWatching(alive);
-  impl_->unhookIfIdle(alive);
+  if (std::none_of(bodies.begin(), bodies.end(), isShared)) stopWatching(alive);
 }
 
 std::size_t SoftBodySystem::bodyCount() const { return impl_->bodies.size(); }
@@ -268,7 +203,9 @@ Result<bool> SoftBodySystem::attach(SoftBody* softBody, std::uint32_t i, btRigid
   return attach(softBody, i, body, body.getWorldTransform().inverse() * place);
 }
 
-bool SoftBodySystem::detach(SoftBody* softBody, std::uint32_t i) {
+bool SoftBodySystem::detach(SoftBody* softBody, std::uint32_t i) { return impl_->detach(softBody, i); }
+
+bool SoftBodySystem::Impl::detach(SoftBody* softBody, std::uint32_t i) {
   std::vector<Anchor>& anchors = softBody->data_->anchors;
   const auto isPoint = [&](const Anchor& anchor) { return anchor.point == i; };
   const auto it = std::find_if(anchors.begin(), anchors.end(), isPoint);
@@ -276,150 +213,18 @@ bool SoftBodySystem::detach(SoftBody* softBody, std::uint32_t i) {
   anchors.erase(it);
   if (PointMass* point = softBody->data_->masses.bodies[i]) point->attachedTo = nullptr;
   softBody->wake();
-  impl_->forgetGroups();
+  forgetGroups();
   return true;
 }
 
-void SoftBodySystem::forget(const btRigidBody& body) {
-  impl_->dropSprings(body);
-  for (auto& softBody : impl_->bodies)
+void SoftBodySystem::forget(const btRigidBody& body) { impl_->forget(body); }
+
+void SoftBodySystem::Impl::forget(const btRigidBody& body) {
+  dropSprings(body);
+  for (auto& softBody : bodies)
     for (std::size_t i = softBody->data_->anchors.size(); i-- > 0;)
       if (softBody->data_->anchors[i].body == &body)
         detach(softBody.get(), softBody->data_->anchors[i].point);
-}
-
-// --- the tick ----------------------------------------------------------------------------------------------
-
-void SoftBodySystem::Impl::updateLiving() {
-  living.clear();
-  for (auto& body : bodies)
-    if (body->data_->alive) {
-      body->data_->index = static_cast<std::uint32_t>(living.size());
-      living.push_back(body->data_.get());
-    }
-}
-
-void SoftBodySystem::Impl::rebuildGroupsIfNeeded() {
-  for (const TickGroup& group : groups) groupsStale = groupsStale || !isWhole(group);
-  groupsStale = groupsStale || countUsableLinks(living, springs) != usableLinks;
-  if (!groupsStale) return;
-  updateLiving();
-  groups = makeGroups(living, springs);
-  plan.clear();
-  usableLinks = countUsableLinks(living, springs);
-  groupsStale = false;
-}
-
-void SoftBodySystem::Impl::gatherGroups(btScalar tick) {
-  const StopWatch watch(profile.gatherMs);
-  for (TickGroup& group : groups) {
-    if (group.asleep) continue;
-    gatherGroup(group, tick);
-  }
-  for (TickGroup& group : groups)
-    if (!group.asleep)
-      for (SoftBodyData* body : group.bodies) gatherPartners(*body, tick);
-  gatherClusters(tick);
-  for (TickGroup& group : groups)
-    if (!group.asleep) chooseStepping(group, double(tick));
-}
-
-void SoftBodySystem::Impl::gatherPartners(SoftBodyData& body, btScalar tick) {
-  if (isSurfaceBody(body)) return gatherSurfacePairs(body, tick, rigidSurfaces, search, pairs);
-  for (btRigidBody* partner : body.freePartners) limber::gatherPairs(body, *partner, tick, pairs);
-}
-
-void SoftBodySystem::Impl::gatherClusters(btScalar tick) {
-  guessBearings(pairs);
-  addLinkedRigids(groups, pairs);
-  gatherRigidContacts(*world, tick, manifolds, pairs);
-  makeClusters(groups, pairs, tick, clusters);
-}
-
-void SoftBodySystem::Impl::stepGroups(btScalar tick) {
-  const StopWatch watch(profile.stepMs);
-  plan.step(groups, double(tick));
-  for (Cluster& cluster : clusters) stepCluster(cluster, double(tick));
-}
-
-void SoftBodySystem::Impl::handOverGroups(btScalar tick) {
-  const StopWatch watch(profile.handOverMs);
-  for (Cluster& cluster : clusters) handOverCluster(cluster, pairs, tick);
-  reportRigidContacts(pairs);
-  rememberBearings(living, pairs);
-  for (TickGroup& group : groups) {
-    if (group.asleep) continue;
-    reportStepping(group, double(tick));
-    handOverGroup(group, tick);
-    for (const SoftBodyData* body : group.bodies) {
-      profile.pointsStepped += body->network->restPoints.size();
-      profile.springSubsteps += body->springs.size() * static_cast<std::size_t>(group.substeps);
-    }
-  }
-}
-
-void SoftBodySystem::Impl::beforeTick(btScalar tick) {
-  profile = TickProfile();
-  // a tick without length moves nothing and would divide by zero
-  if (!(tick > btScalar(0))) return;
-  rebuildGroupsIfNeeded();
-  beginStepOfForces();
-  collectPartners(*world, this);
-  collectMovers(*world, this, tick);
-  updateSleep(groups, *world, tick, islands);
-  pairs.clear();
-  rigidSurfaces.clear();
-  readManifolds(*world->getDispatcher());
-  freeManifolds(*world->getDispatcher());
-  gatherGroups(tick);
-  stepGroups(tick);
-  handOverGroups(tick);
-}
-
-void SoftBodySystem::Impl::afterTick(btScalar tick) {
-  if (!(tick > btScalar(0))) return;
-  const StopWatch watch(profile.takeBackMs);
-  for (TickGroup& group : groups) {
-    if (group.asleep) continue;
-    takeBackGroup(group, tick);
-    for (std::size_t i = 0; i < group.springs.size(); ++i)
-      group.springs[i]->force_ = group.step.links.springs[i].force;
-  }
-  for (const Cluster& cluster : clusters) takeBackCluster(cluster, pairs, tick);
-  reportJoints(pairs, tick);
-  reportContactImpulses(*world->getDispatcher());
-}
-
-// Forces on point masses outside the world last, as Bullet's do, for all ticks of one stepSimulation().
-
-void SoftBodySystem::Impl::watchSteps() {
-  if (!sentinel) sentinel = std::make_unique<StepSentinel>(*world, *this);
-}
-
-void SoftBodySystem::Impl::stopWatching(bool alive) {
-  if (sentinel && alive) sentinel->leave();
-  sentinel.reset();
-}
-
-void SoftBodySystem::Impl::beginStepOfForces() {
-  if (!sentinel || !sentinel->stepHasBegun()) return;
-  for (SoftBodyData* body : living)
-    if (isSurfaceBody(*body) && body->masses.shared) body->surface.force.setZero();
-}
-
-/// What is applied from here on until a step ends without a tick is lost, as with Bullet's bodies: it is
-/// counted to a step that is over.
-void SoftBodySystem::Impl::afterTickOrEmptyStep() {
-  for (SoftBodyData* body : living)
-    if (isSurfaceBody(*body) && body->masses.shared) collectForces(*body);
-}
-
-void SoftBodySystem::Impl::tickMissed() {
-  if (overwritten) return;
-  overwritten = true;
-  warn(
-      "the world's pre-tick callback was overwritten after soft bodies were added: springs are not stepped. "
-      "Set yours before the first soft body, or call SoftBodySystem::rehook().");
 }
 
 void SoftBodySystem::beforeTick(btScalar tick) { impl_->beforeTick(tick); }

@@ -108,7 +108,7 @@ PairContact contactOf(const SoftBodyData& body, const btCollisionObject& partner
 ContactSource sourceOf(SoftBodyData& body, const btCollisionObject& partner, std::uint64_t key) {
   ContactSource source;
   source.body = &body;
-  source.partner = &partner;
+  source.partner = markOf(partner);
   source.key = key;
   return source;
 }
@@ -229,9 +229,10 @@ void gatherHeld(SoftBodyData& body, const btCollisionObject& partner, double tic
 
 // --- soft bodies -------------------------------------------------------------------------------------------
 
-/// A place on a body that this system does not step in this tick.
+/// A place on a body that this system does not step in this tick; its points are told to users only.
 ContactPlace strangePlace(const SoftBodyData& body, const SurfacePlace& place) {
-  ContactPlace p;
+  ContactPlace p = softPlace(body, place);
+  p.kind = ContactPlace::Kind::World;
   if (body.asleep) return p;
   for (int i = 0; i < 3; ++i)
     p.velocity += place.weights[i] * body.state.velocity.col(place.points[static_cast<std::size_t>(i)]);
@@ -255,7 +256,9 @@ void gatherSoft(SoftBodyData& body, SoftBodyData& other, double tick, SurfaceSea
   for (const SurfaceContact& c : kept.contacts) {
     PairContact pair = contactOf(body, frictionObject(other), c);
     pair.b = together ? softPlace(other, c.b) : strangePlace(other, c.b);
-    found.add(pair, sourceOf(body, frictionObject(other), c.key));
+    ContactSource source = sourceOf(body, frictionObject(other), c.key);
+    source.other = &other;
+    found.add(pair, source);
   }
 }
 

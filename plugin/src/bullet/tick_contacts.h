@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
+#include "bullet/partner_mark.h"
 #include "bullet/rigid_partner.h"
 #include "core/pair_contacts.h"
 
@@ -17,10 +18,11 @@ struct SoftBodyData;
 
 /// Where a contact was found.
 struct ContactSource {
-  btManifoldPoint* point = nullptr;            ///< Bullet's, between rigid bodies
-  SoftBodyData* body = nullptr;                ///< the soft body on side a, of all others
-  const btCollisionObject* partner = nullptr;  ///< on side b
-  std::uint64_t key = 0;                       ///< of the features that touch, the same from tick to tick
+  btManifoldPoint* point = nullptr;  ///< Bullet's, between rigid bodies
+  SoftBodyData* body = nullptr;      ///< the soft body on side a, of all others
+  SoftBodyData* other = nullptr;     ///< the soft body on side b, if it is one
+  PartnerMark partner;               ///< on side b
+  std::uint64_t key = 0;             ///< of the features that touch, the same from tick to tick
 };
 
 /// The contacts of one tick in which something other than a single soft body moves, the joints of the rigid

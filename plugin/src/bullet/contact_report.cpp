@@ -1,0 +1,218 @@
+// SPDX-License-Identifier: Zlib
+#include "bullet/contact_report.h"
+
+#include "bullet/body_in_world.h"
+#include "bullet/contact_reach.h"
+#include "bullet/convert.h"
+#include "bullet/soft_body_data.h"
+#include "bullet/surface_body.h"
+#include "bullet/tick_contacts.h"
+
+#include <algorithm>
+
+namespace limber {
+inline namespace LIMBER_BULLET_PRECISION {
+namespace {
+
+using Eigen::Vector3d;
+
+/// Of the radius: nearer surfaces touch even if they bear nothing.
+constexpr double kTouching = 0.05;
+
+bool tells(const Vector3d& impulse, double distance, double radius) {
+  return distance < kTouching * radius || !impulse.isZero(0.0);
+}
+
+void setImpulse(SoftContact& c, const Vector3d& impulse, const Vector3d& normal) {
+  c.normalImpulse = normal.dot(impulse);
+  c.impulse = toBullet(impulse);
+  c.frictionImpulse = toBullet(Vector3d(impulse - c.normalImpulse * normal));
+}
+
+void add(SoftBodyData& body, const SoftContact& contact, const PartnerMark& partner) {
+  body.report.contacts.push_back(contact);
+  body.report.partners.push_back(partner);
+}
+
+ContactSide pointSide(std::uint32_t point) {
+  ContactSide side;
+  side.points = {point, point, point};
+  side.weights = Vector3d::UnitX();
+  return side;
+}
+
+// --- on static and kinematic objects -----------------------------------------------------------------------
+
+void addRow(SoftBodyData& body, const ContactRow& row, const PartnerMark& partner, double tick) {
+  const Vector3d x = body.state.position.col(row.point);
+  const double radius = double(body.masses.shape->getRadius());
+  const double distance = row.normal.dot(x - row.touch - tick * row.surfaceVelocity);
+  if (!tells(row.impulse, distance, radius)) return;
+  SoftContact c;
+  c.body = body.handle;
+  c.other = partner.object;
+  c.side = pointSide(row.point);
+  c.position = toBullet(Vector3d(x - radius * row.normal));
+  c.normal = toBullet(row.normal);
+  c.distance = distance;
+  setImpulse(c, row.impulse, row.normal);
+  add(body, c, partner);
+}
+
+void addRows(SoftBodyData& body, const btCollisionWorld& world, double tick) {
+  const PartnerMark* mark = nullptr;
+  for (std::size_t i = 0; i < body.contacts.size(); ++i) {
+    const btCollisionObject* partner = body.contactPartners[i];
+    if (!mark || mark->object != partner) {
+      const auto isPartner = [&](const PartnerMark& m) { return m.object == partner; };
+      const auto it = std::find_if(body.partnerMarks.begin(), body.partnerMarks.end(), isPartner);
+      mark = it != body.partnerMarks.end() && isThere(world, *it) ? &*it : nullptr;
+    }
+    if (mark) addRow(body, body.contacts[i], *mark, tick);
+  }
+}
+
+// --- where more than the body moves ------------------------------------------------------------------------
+
+ContactSide sideOf(const ContactPlace& place, const SoftBodyData& body, Vector3d& position) {
+  ContactSide side;
+  position.setZero();
+  for (std::uint32_t i = 0; i < place.count; ++i) {
+    side.points[i] = place.point[i];
+    side.weights[i] = place.weight[i];
+    position += place.weight[i] * body.state.position.col(place.point[i]);
+  }
+  for (std::uint32_t i = place.count; i < 3; ++i) side.points[i] = side.points[i - 1];
+  return side;
+}
+
+/// What the second body sees of a contact.
+SoftContact mirrored(const SoftContact& c, const btCollisionObject& object) {
+  SoftContact m = c;
+  m.body = c.otherBody;
+  m.other = &object;
+  m.otherBody = c.body;
+  std::swap(m.side, m.otherSide);
+  m.position = c.position - static_cast<btScalar>(c.distance) * c.normal;
+  m.normal = -c.normal;
+  m.impulse = -c.impulse;
+  m.frictionImpulse = -c.frictionImpulse;
+  return m;
+}
+
+void addPair(const PairContact& pair, const ContactSource& source) {
+  SoftBodyData &body = *source.body, *other = source.other;
+  const double radius = double(body.masses.shape->getRadius());
+  if (!tells(pair.impulse, pair.gap, radius)) return;
+  SoftContact c;
+  Vector3d x, y;
+  c.body = body.handle;
+  c.other = source.partner.object;
+  c.side = sideOf(pair.a, body, x);
+  if (other) {
+    c.otherBody = other->handle;
+    c.otherSide = sideOf(pair.b, *other, y);
+  }
+  c.position = toBullet(Vector3d(x - radius * pair.normal));
+  c.normal = toBullet(pair.normal);
+  c.distance = pair.gap;
+  setImpulse(c, pair.impulse, pair.normal);
+  if (body.report.fresh) add(body, c, source.partner);
+  const bool together = other && pair.b.kind == ContactPlace::Kind::Soft;
+  if (together && other->report.fresh && anyInWorld(body))
+    add(*other, mirrored(c, *body.surface.object), markOf(*body.surface.object));
+}
+
+// --- what Bullet's solver did to points in the world -------------------------------------------------------
+
+Vector3d impulseOf(const btManifoldPoint& p) {
+  return toEigen(p.m_appliedImpulse * p.m_normalWorldOnB +
+                 p.m_appliedImpulseLateral1 * p.m_lateralFrictionDir1 +
+                 p.m_appliedImpulseLateral2 * p.m_lateralFrictionDir2);
+}
+
+/// The report's contact of this point with that object in about that direction, or nullptr.
+SoftContact* findContact(ContactReport& report, std::uint32_t point, const btCollisionObject* other,
+                         const btVector3& normal) {
+  const auto begin = report.contacts.begin(), pairs = begin + static_cast<std::ptrdiff_t>(report.rows);
+  const auto isThis = [&](const SoftContact& c) {
+    return c.side.points[0] == point && c.other == other && c.normal.dot(normal) > btScalar(kSameSurface);
+  };
+  auto row = std::lower_bound(begin, pairs, point,
+                              [](const SoftContact& c, std::uint32_t i) { return c.side.points[0] < i; });
+  for (; row != pairs && row->side.points[0] == point; ++row)
+    if (isThis(*row)) return &*row;
+  const auto end = begin + static_cast<std::ptrdiff_t>(report.known);
+  const auto pair = std::find_if(pairs, end, isThis);
+  return pair != end ? &*pair : nullptr;
+}
+
+void addBulletsPart(SoftContact* known, SoftBodyData& body, const PointMass& point,
+                    const btCollisionObject& other, const btManifoldPoint& p, bool isFirst) {
+  const double sign = isFirst ? 1.0 : -1.0;
+  const Vector3d impulse = sign * impulseOf(p);
+  if (known) {
+    const Vector3d normal = toEigen(known->normal).normalized();
+    return setImpulse(*known, toEigen(known->impulse) + impulse, normal);
+  }
+  const double radius = double(body.masses.shape->getRadius()), distance = double(p.getDistance());
+  if (!tells(impulse, distance, radius)) return;
+  SoftContact c;
+  c.body = body.handle;
+  c.other = &other;
+  c.side = pointSide(point.index());
+  if (const PointMass* theirs = PointMass::from(&other); theirs && theirs->owner()) {
+    c.otherBody = theirs->owner()->handle;
+    c.otherSide = pointSide(theirs->index());
+  }
+  c.position = isFirst ? p.m_positionWorldOnA : p.m_positionWorldOnB;
+  c.normal = isFirst ? p.m_normalWorldOnB : -p.m_normalWorldOnB;
+  c.distance = distance;
+  setImpulse(c, impulse, toEigen(c.normal));
+  add(body, c, markOf(other));
+}
+
+/// A manifold of two soft bodies is seen from both.
+void addManifold(const btPersistentManifold& manifold, const void* system) {
+  for (int side = 0; side < 2; ++side) {
+    const btCollisionObject* object = side == 0 ? manifold.getBody0() : manifold.getBody1();
+    const btCollisionObject* other = side == 0 ? manifold.getBody1() : manifold.getBody0();
+    const PointMass* point = PointMass::from(object);
+    SoftBodyData* body = point ? point->owner() : nullptr;
+    if (!body || body->system != system || !body->report.fresh) continue;
+    for (int p = 0; p < manifold.getNumContacts(); ++p) {
+      const btManifoldPoint& contact = manifold.getContactPoint(p);
+      const btVector3 normal = side == 0 ? contact.m_normalWorldOnB : -contact.m_normalWorldOnB;
+      addBulletsPart(findContact(body->report, point->index(), other, normal), *body, *point, *other, contact,
+                     side == 0);
+    }
+  }
+}
+
+}  // namespace
+
+void reportContacts(const std::vector<SoftBodyData*>& bodies, const TickContacts& pairs,
+                    const btDiscreteDynamicsWorld& world, double tick) {
+  bool anyInBullet = false;
+  for (SoftBodyData* body : bodies) {
+    body->report.fresh = !body->asleep;
+    if (body->asleep) continue;
+    body->report.contacts.clear();
+    body->report.partners.clear();
+    body->report.hasTriangles = false;
+    addRows(*body, world, tick);
+    body->report.rows = body->report.contacts.size();
+    anyInBullet = anyInBullet || !isSurfaceBody(*body);
+  }
+  for (std::size_t i = 0; i < pairs.contacts.size(); ++i)
+    if (pairs.sources[i].body && isThere(world, pairs.sources[i].partner))
+      addPair(pairs.contacts[i], pairs.sources[i]);
+  if (!anyInBullet) return;
+  for (SoftBodyData* body : bodies) body->report.known = body->report.contacts.size();
+  const btDispatcher& dispatcher = *world.getDispatcher();
+  for (int m = 0; m < dispatcher.getNumManifolds(); ++m)
+    addManifold(*const_cast<btDispatcher&>(dispatcher).getManifoldByIndexInternal(m), bodies[0]->system);
+}
+
+}  // namespace LIMBER_BULLET_PRECISION
+}  // namespace limber

@@ -1,0 +1,204 @@
+// SPDX-License-Identifier: Zlib
+// Contacts that begin, persist and end.
+#include "support/bullet_world.h"
+#include "support/networks.h"
+#include "support/tested_way.h"
+
+#include <limber/contact_listener.h>
+#include <limber/soft_body_system.h>
+
+#include <gtest/gtest.h>
+
+#include <functional>
+#include <string>
+#include <vector>
+
+namespace limber {
+namespace {
+
+using test::BulletWorld;
+using test::vec;
+
+constexpr double kRadius = 0.02;
+
+/// Writes down b, p and e.
+struct Recorder : ContactListener {
+  std::string calls;
+  std::vector<ContactPair> pairs;
+  std::function<void(const ContactPair&)> onBegin;
+
+  void note(char kind, const ContactPair& pair) {
+    calls += kind;
+    pairs.push_back(pair);
+  }
+  void contactBegins(const ContactPair& pair) override {
+    note('b', pair);
+    if (onBegin) onBegin(pair);
+  }
+  void contactPersists(const ContactPair& pair) override { note('p', pair); }
+  void contactEnds(const ContactPair& pair) override { note('e', pair); }
+};
+
+SoftBody* addCube(SoftBodySystem& system, double height, double x = 0.0) {
+  SoftBodySettings s = test::testedSettings();
+  s.position = {x, height, 0};
+  s.extensionStiffness = s.compressionStiffness = 2000;
+  s.damping = 2;
+  s.pointRadius = kRadius;
+  return *system.createBody(test::closedCubeNetwork(), s);
+}
+
+TEST(ContactListener, tellsOfACubeThatFallsBouncesRestsAndIsLifted) {
+  BulletWorld bullet;
+  btRigidBody* floor = bullet.addBoxFloor();
+  SoftBodySystem system(*bullet.world);
+  Recorder recorder;
+  system.setContactListener(&recorder);
+  SoftBody* cube = addCube(system, 1.5);
+  cube->point(0)->setActivationState(DISABLE_DEACTIVATION);
+  bool touched = false;
+  std::string expected;
+  for (int i = 0; i < 900; ++i) {
+    if (i == 600) bullet.world->setGravity(vec(0, 9.81, 0));
+    bullet.tick();
+    const bool touches = !cube->contacts().empty();
+    if (touches || touched) expected += touches ? touched ? 'p' : 'b' : 'e';
+    touched = touches;
+  }
+  EXPECT_EQ(recorder.calls, expected);
+  EXPECT_EQ(expected.front(), 'b');
+  EXPECT_EQ(expected.back(), 'e');
+  EXPECT_NE(expected.find("eb"), std::string::npos) << "it does not bounce";
+  EXPECT_NE(expected.find(std::string(200, 'p')), std::string::npos) << "it does not rest";
+  for (const ContactPair& pair : recorder.pairs) {
+    EXPECT_EQ(pair.body, cube);
+    EXPECT_EQ(pair.other, floor);
+    EXPECT_FALSE(pair.otherGone);
+  }
+}
+
+TEST(ContactListener, aPairSumsUpItsContacts) {
+  BulletWorld bullet;
+  bullet.addBoxFloor();
+  SoftBodySystem system(*bullet.world);
+  Recorder recorder;
+  system.setContactListener(&recorder);
+  SoftBody* cube = addCube(system, 0.5 + kRadius);
+  bullet.simulate(0.5);
+  const ContactPair& last = recorder.pairs.back();
+  ASSERT_EQ(last.contacts, cube->contacts().size());
+  double sum = 0.0, most = 0.0;
+  for (const SoftContact& c : cube->contacts())
+    sum += c.normalImpulse, most = std::max(most, c.normalImpulse);
+  EXPECT_EQ(last.normalImpulse, sum);
+  EXPECT_EQ(last.strongest.normalImpulse, most);
+  if (test::kSurface) {
+    EXPECT_LT(last.strongest.side.triangle, cube->network().surface.size());
+  }
+}
+
+TEST(ContactListener, sleepIsSilentAndAPartnerThatGoesEndsThePair) {
+  BulletWorld bullet;
+  btRigidBody* floor = bullet.addBoxFloor();
+  SoftBodySystem system(*bullet.world);
+  Recorder recorder;
+  system.setContactListener(&recorder);
+  SoftBody* cube = addCube(system, 0.5 + kRadius);
+  bullet.simulate(15.0);
+  ASSERT_TRUE(cube->sleeping());
+  const std::string calls = recorder.calls;
+  bullet.simulate(1.0);
+  EXPECT_EQ(recorder.calls, calls);
+  bullet.world->removeRigidBody(floor);
+  bullet.tick();
+  EXPECT_EQ(recorder.calls, calls + 'e');
+  EXPECT_EQ(recorder.pairs.back().other, floor);
+  EXPECT_TRUE(recorder.pairs.back().otherGone);
+  cube->wake();
+  bullet.tick();
+  EXPECT_EQ(recorder.calls, calls + 'e');
+}
+
+TEST(ContactListener, twoSoftBodiesAreTwoPairsAndDestroyingOneEndsBoth) {
+  BulletWorld bullet(0.0);
+  SoftBodySystem system(*bullet.world);
+  Recorder recorder;
+  SoftBody* a = addCube(system, 0.0);
+  SoftBody* b = addCube(system, 1.0 + 2 * kRadius + 0.001);
+  system.setContactListener(&recorder);
+  for (std::uint32_t i = 0; i < b->pointCount(); ++i) b->point(i)->setLinearVelocity(vec(0, -0.2, 0));
+  for (int i = 0; i < 60 && recorder.calls.empty(); ++i) bullet.tick();
+  ASSERT_EQ(recorder.calls, "bb");
+  EXPECT_EQ(recorder.pairs[0].body, a);
+  EXPECT_EQ(recorder.pairs[0].otherBody, b);
+  EXPECT_EQ(recorder.pairs[1].body, b);
+  EXPECT_EQ(recorder.pairs[1].otherBody, a);
+  system.destroyBody(b);
+  EXPECT_EQ(recorder.calls, "bbee");
+  EXPECT_EQ(recorder.pairs[2].body, a);
+  EXPECT_EQ(recorder.pairs[3].body, b);
+  bullet.tick();
+  EXPECT_EQ(recorder.calls, "bbee");
+}
+
+TEST(ContactListener, aBodyThatTheApplicationTakesOutOfTheWorldEndsItsPairs) {
+  BulletWorld bullet;
+  bullet.addBoxFloor();
+  SoftBodySystem system(*bullet.world);
+  Recorder recorder;
+  system.setContactListener(&recorder);
+  SoftBody* cube = addCube(system, 0.5 + kRadius);
+  SoftBody* second = addCube(system, 5);
+  bullet.simulate(0.2);
+  btRigidBody* object = test::kSurface ? cube->surfaceObject() : cube->point(3);
+  bullet.world->removeRigidBody(object);
+  delete object;
+  bullet.tick();
+  EXPECT_FALSE(cube->alive());
+  EXPECT_TRUE(second->alive());
+  EXPECT_EQ(recorder.calls.back(), 'e');
+}
+
+TEST(ContactListener, mayDestroyBodiesEvenTheLastAndRemovePartners) {
+  for (const bool all : {false, true}) {
+    BulletWorld bullet;
+    btRigidBody* floor = bullet.addBoxFloor();
+    SoftBodySystem system(*bullet.world);
+    Recorder recorder;
+    system.setContactListener(&recorder);
+    addCube(system, 0.5 + kRadius);
+    addCube(system, 0.5 + kRadius, 2.0);
+    recorder.onBegin = [&](const ContactPair& pair) {
+      if (all)
+        system.removeAll();
+      else
+        system.destroyBody(pair.body);
+      if (floor->isInWorld()) bullet.world->removeRigidBody(floor);
+    };
+    bullet.simulate(0.5);
+    // the floor that the first call removed cannot begin to touch the second body
+    EXPECT_EQ(recorder.calls, "be");
+    EXPECT_EQ(system.bodyCount(), all ? 0u : 1u);
+  }
+}
+
+TEST(ContactListener, nobodyIsToldAfterItIsTakenBack) {
+  BulletWorld bullet;
+  bullet.addBoxFloor();
+  SoftBodySystem system(*bullet.world);
+  Recorder recorder;
+  system.setContactListener(&recorder);
+  addCube(system, 0.5 + kRadius);
+  bullet.simulate(0.1);
+  const std::string calls = recorder.calls;
+  EXPECT_FALSE(calls.empty());
+  system.setContactListener(nullptr);
+  bullet.simulate(0.1);
+  EXPECT_EQ(recorder.calls, calls);
+  system.setContactListener(&recorder);
+  bullet.tick();
+  EXPECT_EQ(recorder.calls, calls + 'b');
+}
+
+}  // namespace
+}  // namespace limber

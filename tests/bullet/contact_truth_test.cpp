@@ -1,0 +1,321 @@
+// SPDX-License-Identifier: Zlib
+// What bodies tell of their contacts against the laws of motion: weights, momenta, places.
+#include "support/allocation_counter.h"
+#include "support/bullet_world.h"
+#include "support/networks.h"
+#include "support/tested_way.h"
+
+#include <limber/contact_listener.h>
+#include <limber/soft_body_system.h>
+#include <limber/soft_contact.h>
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+namespace limber {
+namespace {
+
+using test::BulletWorld;
+using test::vec;
+
+constexpr double kRadius = 0.02;
+constexpr double kGravity = 9.81;
+constexpr double kTick = 1.0 / 60;
+constexpr double kWeight = kGravity;  // N, of bodies of 1 kg
+
+SoftBodySettings cubeSettings(double height) {
+  SoftBodySettings s = test::testedSettings();
+  s.position = {0, height, 0};
+  s.extensionStiffness = s.compressionStiffness = 2000;
+  s.damping = 5;
+  s.friction = 1;
+  s.pointRadius = kRadius;
+  return s;
+}
+
+SoftBody* addCube(SoftBodySystem& system, double height = 0.5 + kRadius) {
+  SoftBody* body = *system.createBody(test::fullCubeNetwork(), cubeSettings(height));
+  body->point(0)->setActivationState(DISABLE_DEACTIVATION);
+  return body;
+}
+
+/// The cube with a closed surface.
+SoftBody* addClosedCube(SoftBodySystem& system, double height) {
+  SoftBody* body = *system.createBody(test::closedCubeNetwork(), cubeSettings(height));
+  body->point(0)->setActivationState(DISABLE_DEACTIVATION);
+  return body;
+}
+
+struct Sums {
+  Eigen::Vector3d impulse = Eigen::Vector3d::Zero();   // N s
+  Eigen::Vector3d friction = Eigen::Vector3d::Zero();  // N s
+  double normal = 0.0;                                 // N s
+};
+
+Eigen::Vector3d eigen(const btVector3& v) { return {double(v.x()), double(v.y()), double(v.z())}; }
+
+void add(Sums& sums, const SoftBody& body, const btCollisionObject* other = nullptr) {
+  for (const SoftContact& c : body.contacts()) {
+    EXPECT_EQ(c.body, &body);
+    if (other && c.other != other) continue;
+    sums.impulse += eigen(c.impulse);
+    sums.friction += eigen(c.frictionImpulse);
+    sums.normal += c.normalImpulse;
+  }
+}
+
+/// N s per tick, mean over a minute that starts when all has come to rest.
+Sums meanOfAMinute(BulletWorld& bullet, const SoftBody& body, const btCollisionObject* other = nullptr) {
+  bullet.simulate(10.0);
+  Sums sums;
+  const int ticks = 3600;
+  for (int i = 0; i < ticks; ++i) {
+    bullet.tick(kTick);
+    add(sums, body, other);
+  }
+  sums.impulse /= ticks, sums.friction /= ticks, sums.normal /= ticks;
+  return sums;
+}
+
+// What is asked for; a body at rest has no momentum to hide an error in.
+constexpr double kTolerance = 1e-3;
+
+TEST(ContactTruth, aRestingCubeBearsItsWeightOnAPlane) {
+  BulletWorld bullet;
+  btRigidBody* floor = bullet.addPlaneFloor();
+  SoftBodySystem system(*bullet.world);
+  const Sums mean = meanOfAMinute(bullet, *addCube(system), floor);
+  EXPECT_NEAR(mean.normal / (kWeight * kTick), 1.0, kTolerance);
+  EXPECT_NEAR(mean.impulse.x(), 0.0, kTolerance * kWeight * kTick);
+}
+
+TEST(ContactTruth, aRestingCubeBearsItsWeightOnABox) {
+  BulletWorld bullet;
+  btRigidBody* floor = bullet.addBoxFloor();
+  SoftBodySystem system(*bullet.world);
+  EXPECT_NEAR(meanOfAMinute(bullet, *addCube(system), floor).normal / (kWeight * kTick), 1.0, kTolerance);
+}
+
+TEST(ContactTruth, aRestingCubeBearsItsWeightOnAFreeBox) {
+  BulletWorld bullet;
+  bullet.addBoxFloor();
+  btRigidBody* box = bullet.addBox(vec(1, 0.2, 1), 2.0, vec(0, 0.2, 0));
+  box->setActivationState(DISABLE_DEACTIVATION);
+  SoftBodySystem system(*bullet.world);
+  EXPECT_NEAR(meanOfAMinute(bullet, *addCube(system, 0.9 + kRadius), box).normal / (kWeight * kTick), 1.0,
+              kTolerance);
+}
+
+TEST(ContactTruth, aFreeBoxOnACubeIsBorneByIt) {
+  BulletWorld bullet;
+  btRigidBody* floor = bullet.addBoxFloor();
+  SoftBodySystem system(*bullet.world);
+  SoftBody* cube = addCube(system);
+  btRigidBody* box = bullet.addBox(vec(0.7, 0.1, 0.7), 0.5, vec(0, 1.1 + 2 * kRadius, 0));
+  box->setActivationState(DISABLE_DEACTIVATION);
+  const Sums onBox = meanOfAMinute(bullet, *cube, box);
+  EXPECT_NEAR(onBox.impulse.y() / (-0.5 * kWeight * kTick), 1.0, kTolerance);
+  Sums onFloor;
+  add(onFloor, *cube, floor);
+  // of one tick, at rest
+  EXPECT_NEAR(onFloor.impulse.y() / (1.5 * kWeight * kTick), 1.0, kTolerance);
+}
+
+TEST(ContactTruth, aCubeOnACubeIsBorneByItAsBothTell) {
+  if (!test::kSurface) GTEST_SKIP() << "points of cubes do not rest on points";
+  BulletWorld bullet;
+  bullet.addBoxFloor();
+  SoftBodySystem system(*bullet.world);
+  SoftBody* lower = addClosedCube(system, 0.5 + kRadius);
+  SoftBody* upper = addClosedCube(system, 1.5 + 3 * kRadius);
+  bullet.simulate(10.0);
+  Sums up, down;
+  const int ticks = 3600;
+  for (int i = 0; i < ticks; ++i) {
+    bullet.tick(kTick);
+    add(up, *upper, lower->surfaceObject());
+    add(down, *lower, upper->surfaceObject());
+  }
+  EXPECT_NEAR(up.impulse.y() / (kWeight * kTick * ticks), 1.0, kTolerance);
+  // float vectors of up to 0.1 N s, rounded, 3600 times several
+  EXPECT_LT((up.impulse + down.impulse).norm(), 1e-5);
+}
+
+TEST(ContactTruth, theImpulsesOfACollisionAreTheChangesOfMomentumInBothBodiesReports) {
+  BulletWorld bullet(0.0);
+  SoftBodySystem system(*bullet.world);
+  SoftBodySettings s = cubeSettings(0);
+  s.linearVelocity = {0, 1, 0};
+  SoftBody* a = *system.createBody(test::closedCubeNetwork(), s);
+  s.position = {0, 1.3, 0};
+  s.linearVelocity = {0, -1, 0};
+  SoftBody* b = *system.createBody(test::closedCubeNetwork(), s);
+  const Eigen::Vector3d before = a->linearMomentum();
+  Sums onA, onB;
+  for (int i = 0; i < 60; ++i) {
+    bullet.tick(kTick);
+    for (const SoftContact& c : a->contacts()) EXPECT_EQ(c.otherBody, b);
+    add(onA, *a);
+    add(onB, *b);
+  }
+  ASSERT_GT(onB.impulse.y(), 0.5);
+  // points in the world change hands in floats once a tick
+  EXPECT_LT((a->linearMomentum() - before - onA.impulse).norm(), test::kSurface ? 1e-5 : 1e-4);
+  EXPECT_LT((onA.impulse + onB.impulse).norm(), 1e-5);
+}
+
+TEST(ContactTruth, frictionHoldsACubeOnAnIncline) {
+  const double angle = 0.3;
+  for (const bool free : {false, true}) {
+    BulletWorld bullet(0.0);
+    // the incline is level, gravity is not
+    bullet.world->setGravity(vec(kGravity * std::sin(angle), -kGravity * std::cos(angle), 0));
+    btRigidBody* floor = bullet.addBoxFloor();
+    floor->setFriction(1);
+    if (free) {
+      floor = bullet.addBox(vec(1, 0.2, 1), 2.0, vec(0, 0.2, 0));
+      floor->setFriction(1);
+      floor->setActivationState(DISABLE_DEACTIVATION);
+    }
+    SoftBodySystem system(*bullet.world);
+    const Sums mean = meanOfAMinute(bullet, *addCube(system, (free ? 0.9 : 0.5) + kRadius), floor);
+    EXPECT_NEAR(mean.friction.x() / (-kWeight * std::sin(angle) * kTick), 1.0, kTolerance) << free;
+    EXPECT_NEAR(mean.normal / (kWeight * std::cos(angle) * kTick), 1.0, kTolerance) << free;
+  }
+}
+
+TEST(ContactTruth, aMarbleOnAFaceTellsTriangleAndPlace) {
+  if (!test::kSurface) GTEST_SKIP() << "faces are not in the world";
+  BulletWorld bullet;
+  bullet.addBoxFloor();
+  SoftBodySystem system(*bullet.world);
+  SoftBody* cube = addClosedCube(system, 0.5 + kRadius);
+  const double r = 0.1;
+  btRigidBody* marble =
+      bullet.add(std::make_unique<btSphereShape>(btScalar(r)), 0.05, vec(0.12, 1 + 2 * kRadius + r, 0.2));
+  marble->setFriction(1);
+  marble->setAngularFactor(0);
+  marble->setActivationState(DISABLE_DEACTIVATION);
+  bullet.simulate(5.0);
+  int found = 0;
+  for (const SoftContact& c : cube->contacts()) {
+    if (c.other != marble) continue;
+    ++found;
+    ASSERT_LT(c.side.triangle, cube->network().surface.size());
+    Eigen::Vector3d place = Eigen::Vector3d::Zero();
+    for (std::size_t i = 0; i < 3; ++i) {
+      EXPECT_EQ(c.side.points[i], cube->network().surface[c.side.triangle][i]);
+      place += c.side.weights[static_cast<int>(i)] * cube->position(c.side.points[i]);
+    }
+    EXPECT_NEAR(c.side.weights.sum(), 1.0, 1e-12);
+    // floats of up to 1 m
+    EXPECT_LT((eigen(c.position + btScalar(kRadius) * c.normal) - place).norm(), 1e-6);
+    EXPECT_LT((eigen(c.position - btScalar(c.distance + r) * c.normal) -
+               eigen(marble->getWorldTransform().getOrigin()))
+                  .norm(),
+              1e-5);
+    EXPECT_NEAR(c.impulse.y(), -0.05 * kWeight * kTick, kTolerance * 0.05 * kWeight * kTick);
+  }
+  EXPECT_EQ(found, 1);
+}
+
+TEST(ContactTruth, pointsNameThemselvesAndTheFloor) {
+  BulletWorld bullet;
+  btRigidBody* floor = bullet.addPlaneFloor();
+  SoftBodySystem system(*bullet.world);
+  SoftBody* cube = addClosedCube(system, 0.5 + kRadius);
+  bullet.simulate(5.0);
+  ASSERT_EQ(cube->contacts().size(), 4u);
+  for (const SoftContact& c : cube->contacts()) {
+    EXPECT_EQ(c.other, floor);
+    EXPECT_EQ(c.otherBody, nullptr);
+    Eigen::Vector3d place = Eigen::Vector3d::Zero();
+    for (std::size_t i = 0; i < 3; ++i)
+      place += c.side.weights[static_cast<int>(i)] * cube->position(c.side.points[i]);
+    // r above the floor, floats
+    EXPECT_NEAR(place.y(), kRadius, 1e-5);
+    EXPECT_NEAR(c.distance, 0.0, 1e-5);
+    if (!test::kSurface) {
+      EXPECT_EQ(c.side.triangle, ContactSide::kNone);
+      continue;
+    }
+    const Triangle& t = cube->network().surface[c.side.triangle];
+    const Eigen::Vector3d a = cube->position(t[0]);
+    const Eigen::Vector3d normal = (cube->position(t[1]) - a).cross(cube->position(t[2]) - a).normalized();
+    EXPECT_LT(normal.y(), -0.99);  // the face that lies on the floor
+  }
+}
+
+TEST(ContactTruth, aSleepingBodyKeepsItsContactsUntilTheirPartnerGoes) {
+  BulletWorld bullet;
+  btRigidBody* floor = bullet.addBoxFloor();
+  SoftBodySystem system(*bullet.world);
+  SoftBody* cube = *system.createBody(test::fullCubeNetwork(), cubeSettings(0.5 + kRadius));
+  bullet.simulate(15.0);
+  ASSERT_TRUE(cube->sleeping());
+  EXPECT_EQ(cube->contacts().size(), 4u);
+  bullet.world->removeRigidBody(floor);
+  EXPECT_TRUE(cube->contacts().empty());
+}
+
+TEST(ContactTruth, contactsOfAWorldThatIsGoneAreGone) {
+  auto bullet = std::make_unique<BulletWorld>();
+  bullet->addBoxFloor();
+  SoftBodySystem system(*bullet->world);
+  SoftBody* cube = addCube(system);
+  bullet->simulate(1.0);
+  EXPECT_FALSE(cube->contacts().empty());
+  bullet.reset();
+  EXPECT_TRUE(cube->contacts().empty());
+}
+
+TEST(ContactTruth, equalRunsTellTheSameBitForBit) {
+  const auto run = [] {
+    std::vector<double> told;
+    BulletWorld bullet;
+    bullet.addBoxFloor();
+    SoftBodySystem system(*bullet.world);
+    SoftBody* bodies[] = {addClosedCube(system, 0.6), addClosedCube(system, 1.8)};
+    bullet.addBox(vec(0.2, 0.2, 0.2), 1, vec(0.1, 3, 0));
+    for (int i = 0; i < 120; ++i) {
+      bullet.tick(kTick);
+      for (const SoftBody* body : bodies)
+        for (const SoftContact& c : body->contacts()) {
+          told.push_back(c.normalImpulse);
+          told.push_back(c.distance);
+          told.push_back(double(c.position.x()));
+          told.push_back(c.side.triangle);
+        }
+    }
+    return told;
+  };
+  const std::vector<double> first = run();
+  EXPECT_GT(first.size(), 1000u);
+  EXPECT_EQ(first, run());
+}
+
+TEST(ContactTruth, askingAllocatesNothingAfterWarmUp) {
+  BulletWorld bullet;
+  bullet.addBoxFloor();
+  SoftBodySystem system(*bullet.world);
+  ContactListener listener;
+  system.setContactListener(&listener);
+  system.reportManifolds(true);
+  std::vector<SoftBody*> bodies;
+  for (int i = 0; i < 4; ++i) bodies.push_back(addClosedCube(system, 0.5 + kRadius + i * (1 + 2 * kRadius)));
+  btRigidBody* box = bullet.addBox(vec(0.2, 0.2, 0.2), 1, vec(0.1, 5, 0));
+  box->setActivationState(DISABLE_DEACTIVATION);
+  bullet.simulate(5.0);
+  const test::AllocationCounter counter;
+  std::size_t contacts = 0;
+  for (int i = 0; i < 60; ++i) {
+    bullet.tick(kTick);
+    for (const SoftBody* body : bodies) contacts += body->contacts().size();
+  }
+  EXPECT_EQ(counter.allocations(), 0u);
+  EXPECT_GT(contacts, 0u);
+}
+
+}  // namespace
+}  // namespace limber

@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: Zlib
+// Spheres on boxes by the closed form against the distance of a point to a box.
+#include "support/bullet_world.h"
+#include "support/networks.h"
+
+#include <limber/fast_spheres.h>
+#include <limber/soft_body_system.h>
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <random>
+
+namespace limber {
+namespace {
+
+using test::BulletWorld;
+using test::vec;
+
+/// m, of a place to a box about the origin whose edges are rounded by `round`; the normal points out of it.
+double distanceToBox(const btVector3& half, double round, const btVector3& place, btVector3& normal) {
+  const btVector3 core = half - vec(round, round, round);
+  btVector3 nearest = place;
+  nearest.setMax(-core);
+  nearest.setMin(core);
+  const double outside = double((place - nearest).length());
+  if (outside > 0.0) {
+    normal = (place - nearest) / btScalar(outside);
+    return outside - round;
+  }
+  int axis = 0;
+  for (int i = 1; i < 3; ++i)
+    if (half[i] - std::abs(place[i]) < half[axis] - std::abs(place[axis])) axis = i;
+  normal.setZero();
+  normal[axis] = place[axis] < 0 ? btScalar(-1) : btScalar(1);
+  return -double(half[axis] - std::abs(place[axis]));
+}
+
+TEST(FastSpheres, contactsAreThoseOfTheClosedForm) {
+  const btVector3 half = vec(0.5, 0.3, 0.7);
+  const double r = 0.1;
+  std::mt19937 random(5);
+  std::uniform_real_distribution<double> in(-1.0, 1.0);
+  int touching = 0, inside = 0;
+  for (int i = 0; i < 2000; ++i) {
+    BulletWorld bullet(0.0);
+    useFastSphereAlgorithms(bullet.dispatcher);
+    const bool sphereFirst = i % 2 == 0;
+    const auto addSphere = [&] {
+      return bullet.add(std::make_unique<btSphereShape>(btScalar(r)), 1, vec(0, 0, 0));
+    };
+    btRigidBody* sphere = sphereFirst ? addSphere() : nullptr;
+    btRigidBody* box = bullet.addBox(half, 1, vec(in(random), in(random), in(random)));
+    if (!sphere) sphere = addSphere();
+    btQuaternion turn(btScalar(in(random)), btScalar(in(random)), btScalar(in(random)), btScalar(in(random)));
+    turn.normalize();
+    box->getWorldTransform().setRotation(turn);
+    const btVector3 local = vec(0.62 * in(random), 0.42 * in(random), 0.82 * in(random));
+    sphere->getWorldTransform().setOrigin(box->getWorldTransform() * local);
+    bullet.world->performDiscreteCollisionDetection();
+    btVector3 normal;
+    const double round = double(box->getCollisionShape()->getMargin());
+    const double distance = distanceToBox(half, round, local, normal) - r;
+    ASSERT_EQ(bullet.dispatcher.getNumManifolds(), 1);
+    const btPersistentManifold& m = *bullet.dispatcher.getManifoldByIndexInternal(0);
+    // Bullet keeps contacts up to its breaking threshold
+    if (distance > double(m.getContactBreakingThreshold()) - 1e-5) continue;
+    ++touching;
+    inside += distance < -r;
+    ASSERT_EQ(m.getNumContacts(), 1) << distance;
+    const btManifoldPoint& p = m.getContactPoint(0);
+    const double sign = m.getBody0() == sphere ? 1 : -1;
+    // floats of 1 m; a face that is as near as another may be either
+    EXPECT_NEAR(double(p.getDistance()), distance, 2e-6);
+    if (distance > -r) {
+      EXPECT_GT(sign * double(p.m_normalWorldOnB.dot(box->getWorldTransform().getBasis() * normal)),
+                1 - 1e-5);
+    }
+  }
+  EXPECT_GT(touching, 500);
+  EXPECT_GT(inside, 100);
+}
+
+TEST(FastSpheres, aSphereRestsOnABoxAndTheFunctionsOutliveTheCall) {
+  BulletWorld bullet;
+  useFastSphereAlgorithms(bullet.dispatcher);
+  bullet.addBoxFloor();
+  btRigidBody* sphere = bullet.add(std::make_unique<btSphereShape>(btScalar(0.1)), 1, vec(0.3, 0.5, 0.2));
+  bullet.simulate(3.0);
+  // Bullet's rest height is off by its penetration slop, which is 0, and rounding
+  EXPECT_NEAR(double(sphere->getWorldTransform().getOrigin().y()), 0.1, 1e-4);
+  EXPECT_NEAR(double(sphere->getWorldTransform().getOrigin().x()), 0.3, 1e-4);
+}
+
+TEST(FastSpheres, aCubeOfPointsRestsOnAFreeBoxAsWithout) {
+  double height[2];
+  for (const bool fast : {false, true}) {
+    BulletWorld bullet;
+    if (fast) useFastSphereAlgorithms(bullet.dispatcher);
+    bullet.addBoxFloor();
+    btRigidBody* box = bullet.addBox(vec(1, 0.2, 1), 2.0, vec(0, 0.2, 0));
+    box->setActivationState(DISABLE_DEACTIVATION);
+    SoftBodySystem system(*bullet.world);
+    SoftBodySettings s;
+    s.position = {0, 1.0, 0};
+    s.damping = 5;
+    s.pointRadius = 0.02;
+    SoftBody* cube = *system.createBody(test::fullCubeNetwork(), s);
+    bullet.simulate(5.0);
+    height[fast] = cube->centerOfMass().y();
+  }
+  // the general algorithm's contacts are good to about 1e-5 m
+  EXPECT_NEAR(height[0], height[1], 5e-5);
+}
+
+}  // namespace
+}  // namespace limber

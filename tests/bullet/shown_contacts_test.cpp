@@ -1,0 +1,194 @@
+// SPDX-License-Identifier: Zlib
+// Contacts of surfaces as manifolds in Bullet's dispatcher: right, inert, and never of what is gone.
+#include "support/bullet_world.h"
+#include "support/networks.h"
+#include "support/tested_way.h"
+
+#include <limber/soft_body_system.h>
+#include <limber/soft_contact.h>
+#include <limber/surface_hit.h>
+
+#include <gtest/gtest.h>
+
+namespace limber {
+namespace {
+
+using test::BulletWorld;
+using test::vec;
+
+constexpr double kRadius = 0.02;
+constexpr double kTick = 1.0 / 60;
+
+SoftBody* addCube(SoftBodySystem& system, double height, double x = 0.0) {
+  SoftBodySettings s = test::testedSettings();
+  s.position = {x, height, 0};
+  s.extensionStiffness = s.compressionStiffness = 2000;
+  s.damping = 5;
+  s.pointRadius = kRadius;
+  return *system.createBody(test::closedCubeNetwork(), s);
+}
+
+std::vector<btPersistentManifold*> manifoldsOf(BulletWorld& bullet, const btCollisionObject* object) {
+  std::vector<btPersistentManifold*> found;
+  for (int i = 0; i < bullet.dispatcher.getNumManifolds(); ++i) {
+    btPersistentManifold* m = bullet.dispatcher.getManifoldByIndexInternal(i);
+    if (m->getBody0() == object || m->getBody1() == object) found.push_back(m);
+  }
+  return found;
+}
+
+TEST(ShownContacts, noneAreShownUnlessAskedFor) {
+  BulletWorld bullet;
+  bullet.addBoxFloor();
+  SoftBodySystem system(*bullet.world);
+  SoftBody* cube = addCube(system, 0.5 + kRadius);
+  bullet.simulate(0.5);
+  EXPECT_FALSE(cube->contacts().empty());
+  EXPECT_EQ(bullet.dispatcher.getNumManifolds(), 0);
+  system.reportManifolds(true);
+  bullet.tick();
+  EXPECT_EQ(bullet.dispatcher.getNumManifolds(), 1);
+  system.reportManifolds(false);
+  EXPECT_EQ(bullet.dispatcher.getNumManifolds(), 0);
+}
+
+TEST(ShownContacts, aManifoldBearsTheWeightAndLeadsBackToTheTriangle) {
+  BulletWorld bullet;
+  btRigidBody* floor = bullet.addBoxFloor();
+  SoftBodySystem system(*bullet.world);
+  system.reportManifolds(true);
+  SoftBody* cube = addCube(system, 0.5 + kRadius);
+  cube->point(0)->setActivationState(DISABLE_DEACTIVATION);
+  bullet.simulate(8.0);
+  const auto manifolds = manifoldsOf(bullet, cube->surfaceObject());
+  ASSERT_EQ(manifolds.size(), 1u);
+  EXPECT_EQ(manifolds[0]->getBody1(), floor);
+  ASSERT_EQ(manifolds[0]->getNumContacts(), 4);
+  double sum = 0.0;
+  for (int i = 0; i < 4; ++i) {
+    const SoftContact c = readContact(*manifolds[0], i);
+    EXPECT_EQ(c.body, cube);
+    EXPECT_EQ(c.other, floor);
+    sum += c.normalImpulse;
+    ASSERT_LT(c.side.triangle, cube->network().surface.size());
+    Eigen::Vector3d place = Eigen::Vector3d::Zero();
+    for (std::size_t k = 0; k < 3; ++k)
+      place += c.side.weights[static_cast<int>(k)] * cube->position(c.side.points[k]);
+    // a corner of the cube, r above the floor; floats of 1 m
+    EXPECT_NEAR(c.side.weights.maxCoeff(), 1.0, 1e-5);
+    EXPECT_NEAR(place.y() - double(c.position.y()), kRadius, 1e-5);
+    EXPECT_NEAR(double(c.normal.y()), 1.0, 1e-6);
+    EXPECT_NEAR(c.distance, 0.0, 1e-5);
+    EXPECT_EQ(surfaceHit(cube->surfaceObject(), manifolds[0]->getContactPoint(i).m_index0, c.position).body,
+              cube);
+  }
+  EXPECT_NEAR(sum, 9.81 * kTick, 1e-3 * 9.81 * kTick);
+}
+
+/// Something of everything, with rigid bodies that only Bullet's solver knows beside.
+std::vector<double> run(bool report, int ticks) {
+  BulletWorld bullet;
+  bullet.addBoxFloor();
+  SoftBodySystem system(*bullet.world);
+  system.reportManifolds(report);
+  SoftBody* cubes[] = {addCube(system, 0.6), addCube(system, 1.7), addCube(system, 0.7, 3.0)};
+  std::vector<btRigidBody*> boxes;
+  for (int i = 0; i < 6; ++i)
+    boxes.push_back(
+        bullet.addBox(vec(0.2, 0.2, 0.2), 0.5, vec(i < 3 ? 0.1 * i : 6.0, 3.0 + 0.45 * i, 0.05 * i)));
+  std::vector<double> states;
+  for (int t = 0; t < ticks; ++t) {
+    bullet.tick();
+    for (const SoftBody* cube : cubes) states.push_back(static_cast<double>(cube->stateHash() >> 11));
+    for (const btRigidBody* box : boxes)
+      for (int axis = 0; axis < 3; ++axis)
+        states.push_back(double(box->getWorldTransform().getOrigin()[axis]));
+  }
+  return states;
+}
+
+TEST(ShownContacts, changeNothing) { EXPECT_EQ(run(false, 600), run(true, 600)); }
+
+TEST(ShownContacts, twoSoftBodiesShareAManifold) {
+  BulletWorld bullet;
+  bullet.addBoxFloor();
+  SoftBodySystem system(*bullet.world);
+  system.reportManifolds(true);
+  SoftBody* lower = addCube(system, 0.5 + kRadius);
+  SoftBody* upper = addCube(system, 1.5 + 3 * kRadius);
+  bullet.simulate(1.0);
+  const auto manifolds = manifoldsOf(bullet, upper->surfaceObject());
+  ASSERT_EQ(manifolds.size(), 1u);
+  const SoftContact c = readContact(*manifolds[0], 0);
+  EXPECT_EQ(c.body, lower);
+  EXPECT_EQ(c.otherBody, upper);
+  EXPECT_LT(c.otherSide.triangle, upper->network().surface.size());
+  EXPECT_NEAR(c.otherSide.weights.sum(), 1.0, 1e-9);
+}
+
+int contactsEnded;
+void countEnd(btPersistentManifold* const&) { ++contactsEnded; }
+
+TEST(ShownContacts, BulletsCallbacksAreNotCalled) {
+  BulletWorld bullet;
+  bullet.addBoxFloor();
+  SoftBodySystem system(*bullet.world);
+  system.reportManifolds(true);
+  addCube(system, 0.5 + kRadius);
+  contactsEnded = 0;
+  gContactEndedCallback = countEnd;
+  bullet.simulate(0.5);
+  system.removeAll();
+  gContactEndedCallback = nullptr;
+  EXPECT_EQ(contactsEnded, 0);
+}
+
+TEST(ShownContacts, noManifoldNamesWhatHasLeftTheWorld) {
+  BulletWorld bullet;
+  btRigidBody* floor = bullet.addBoxFloor();
+  SoftBodySystem system(*bullet.world);
+  system.reportManifolds(true);
+  SoftBody* cube = addCube(system, 0.5 + kRadius);
+  SoftBody* second = addCube(system, 0.5 + kRadius, 3.0);
+  bullet.simulate(0.5);
+  EXPECT_EQ(bullet.dispatcher.getNumManifolds(), 2);
+  system.destroyBody(second);
+  EXPECT_EQ(bullet.dispatcher.getNumManifolds(), 1);
+  bullet.world->removeRigidBody(floor);
+  EXPECT_EQ(bullet.dispatcher.getNumManifolds(), 0);
+  delete bullet.bodies.back().release();
+  bullet.bodies.pop_back();
+  bullet.simulate(0.1);
+  EXPECT_LT(cube->centerOfMass().y(), 0.52);
+  EXPECT_EQ(bullet.dispatcher.getNumManifolds(), 0);
+}
+
+TEST(ShownContacts, worldSystemAndBodiesGoInAnyOrder) {
+  for (int order = 0; order < 4; ++order) {
+    auto bullet = std::make_unique<BulletWorld>();
+    bullet->addBoxFloor();
+    auto system = std::make_unique<SoftBodySystem>(*bullet->world);
+    system->reportManifolds(true);
+    SoftBody* cube = addCube(*system, 0.5 + kRadius);
+    addCube(*system, 1.5 + 3 * kRadius);
+    bullet->simulate(0.5);
+    EXPECT_GE(bullet->dispatcher.getNumManifolds(), 2);
+    if (order == 0) bullet.reset();
+    if (order == 1) system.reset();
+    if (order == 2) {
+      btRigidBody* object = cube->surfaceObject();
+      bullet->world->removeCollisionObject(object);
+      delete object;
+      bullet->tick();
+    }
+    if (order == 3) system->removeAll();
+    if (bullet) bullet->tick();
+    system.reset();
+    if (bullet) {
+      EXPECT_EQ(bullet->dispatcher.getNumManifolds(), 0);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace limber
