@@ -104,9 +104,11 @@ TEST(PairContacts, carryATowerOfCubes) {
     }
     scene.run(20.0, 40);
     for (std::size_t c = 0; c < count; ++c)
-      EXPECT_NEAR(scene.force(4 * c, 4 * c + 4) / (kGravity * static_cast<double>(count - c)), 1.0, 1e-6) << c;
-    for (const SteppedTestBody& cube : scene.soft) EXPECT_LT(cube.state.velocity.cwiseAbs().maxCoeff(), 1e-6);
-    for (const PairContact& c : scene.group.pairs.contacts) EXPECT_NEAR(c.gap, 0.0, 1e-7);
+      EXPECT_NEAR(scene.force(4 * c, 4 * c + 4) / (kGravity * static_cast<double>(count - c)), 1.0, 1e-5)
+          << c;
+    // contacts give way by 0.4 % of what a point alone would: with four cubes on it, of 16 g dt
+    for (const SteppedTestBody& cube : scene.soft) EXPECT_LT(cube.state.velocity.cwiseAbs().maxCoeff(), 3e-4);
+    for (const PairContact& c : scene.group.pairs.contacts) EXPECT_NEAR(c.gap, 0.0, 1e-6);
   }
 }
 
