@@ -20,26 +20,6 @@ struct ContactPlace {
   Eigen::Vector3d velocity = Eigen::Vector3d::Zero();  ///< of the World: m/s, constant over the tick
 };
 
-inline Eigen::Vector3d velocityAt(const LinkedBodies& bodies, const ContactPlace& place) {
-  if (place.kind == ContactPlace::Kind::Rigid) return bodies.rigids[place.body].velocityAt(place.arm);
-  if (place.kind == ContactPlace::Kind::World) return place.velocity;
-  const Points& velocity = bodies.points[place.body]->velocity;
-  Eigen::Vector3d sum = place.weight[0] * velocity.col(place.point[0]);
-  for (std::uint32_t i = 1; i < place.count; ++i) sum += place.weight[i] * velocity.col(place.point[i]);
-  return sum;
-}
-
-/// Adds an impulse (N s) there: to each point its share, so that momentum is kept and angular momentum, too.
-inline void push(LinkedBodies& bodies, const ContactPlace& place, const Eigen::Vector3d& impulse) {
-  if (place.kind == ContactPlace::Kind::Rigid)
-    return bodies.rigids[place.body].applyImpulse(impulse, place.arm);
-  if (place.kind == ContactPlace::Kind::World) return;
-  PointState& p = *bodies.points[place.body];
-  for (std::uint32_t i = 0; i < place.count; ++i)
-    p.velocity.col(place.point[i]) +=
-        place.weight[i] * impulse.cwiseProduct(p.inverseMass.col(place.point[i]));
-}
-
 /// 1/kg, 3 x 3: the velocity change there per impulse there.
 Eigen::Matrix3d mobility(const LinkedBodies& bodies, const ContactPlace& place);
 

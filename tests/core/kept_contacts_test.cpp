@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: Zlib
+// Contacts that are kept from a search are those that a new search finds.
+#include "core/kept_contacts.h"
+
+#include "support/moving_shapes.h"
+
+#include <gtest/gtest.h>
+
+namespace limber {
+namespace {
+
+using Eigen::Affine3d;
+using Eigen::AngleAxisd;
+using Eigen::Translation3d;
+using Eigen::Vector3d;
+using test::MovingShape;
+
+constexpr double kMargin = 0.007, kRadius = 0.02;
+/// m: positions of about 1 m are rounded to 1e-16 of that, and products of a few follow.
+constexpr double kRounding = 1e-12;
+
+/// A cube on another, turned and beside the middle: vertices on faces and edges that cross.
+struct Pile {
+  MovingShape upper = test::boxShape(Vector3d::Ones(), kRadius);
+  MovingShape lower = test::boxShape(Vector3d::Ones(), kRadius);
+  KeptContacts kept;
+
+  Pile() {
+    upper.move(Translation3d(0.3, 1.0 + 2.0 * kRadius + 0.001, 0.2) * AngleAxisd(0.4, Vector3d::UnitY()));
+    keepContacts(upper.surface(), lower.surface(), test::contactsOf(upper, lower, kMargin), kept);
+  }
+  bool refresh() { return refreshContacts(upper.surface(), lower.surface(), kMargin, kept); }
+};
+
+TEST(KeptContacts, areThoseOfANewSearch) {
+  Pile pile;
+  ASSERT_GE(pile.kept.contacts.size(), 4u);
+  // 0.3 mm along and 0.2 mm down, 0.1 mrad about all axes: within a fifth of the margin
+  pile.upper.move(Translation3d(3e-4, -2e-4, 0.0) * AngleAxisd(1e-4, Vector3d::Ones().normalized()));
+  ASSERT_TRUE(pile.refresh());
+  const std::vector<SurfaceContact> found = test::contactsOf(pile.upper, pile.lower, kMargin);
+  ASSERT_EQ(found.size(), pile.kept.contacts.size());
+  for (std::size_t i = 0; i < found.size(); ++i) {
+    const SurfaceContact& kept = pile.kept.contacts[i];
+    EXPECT_EQ(kept.key, found[i].key);
+    EXPECT_NEAR(kept.gap, found[i].gap, kRounding);
+    EXPECT_NEAR((kept.normal - found[i].normal).norm(), 0.0, kRounding);
+    EXPECT_NEAR((kept.a.weights - found[i].a.weights).norm(), 0.0, kRounding);
+    EXPECT_NEAR((kept.b.weights - found[i].b.weights).norm(), 0.0, kRounding);
+  }
+}
+
+TEST(KeptContacts, goAlongWithBothSurfaces) {
+  Pile pile;
+  for (MovingShape* shape : {&pile.upper, &pile.lower}) {
+    shape->move(Affine3d(Translation3d(3.0, -2.0, 1.0)));
+    shape->setMotion({0.5, -0.5, 0.1});
+  }
+  EXPECT_TRUE(pile.refresh()) << "only motion against each other counts";
+}
+
+TEST(KeptContacts, areNotTrustedAfterMoreThanAShareOfTheMargin) {
+  Pile pile;
+  pile.upper.move(Affine3d(Translation3d(0.3 * kMargin, 0.0, 0.0)));
+  EXPECT_FALSE(pile.refresh());
+}
+
+TEST(KeptContacts, areNotTrustedIfSomethingElseMayMeetWithinTheTick) {
+  Pile pile;
+  pile.upper.setMotion({0.0, -kMargin, 0.0});
+  EXPECT_FALSE(pile.refresh());
+}
+
+TEST(KeptContacts, areNotTrustedOnceAPlaceLeavesItsFeature) {
+  MovingShape upper = test::boxShape(Vector3d::Ones(), kRadius);
+  MovingShape lower = test::boxShape(Vector3d::Ones(), kRadius);
+  // two upper corners are 0.1 mm within the lower cube's face
+  upper.move(Affine3d(Translation3d(1.0 - 1e-4, 1.0 + 2.0 * kRadius, 0.3)));
+  KeptContacts kept;
+  keepContacts(upper.surface(), lower.surface(), test::contactsOf(upper, lower, kMargin), kept);
+  ASSERT_FALSE(kept.contacts.empty());
+  upper.move(Affine3d(Translation3d(9e-4, 0.0, 0.0)));
+  EXPECT_FALSE(refreshContacts(upper.surface(), lower.surface(), kMargin, kept));
+}
+
+}  // namespace
+}  // namespace limber
