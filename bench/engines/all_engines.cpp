@@ -30,7 +30,8 @@ double asleepShare(btDiscreteDynamicsWorld& world) {
   const btCollisionObjectArray& objects = world.getCollisionObjectArray();
   int movable = 0, asleep = 0;
   for (int i = 0; i < objects.size(); ++i) {
-    if (objects[i]->isStaticObject()) continue;
+    // Limber's watch of the steps is awake and touches nothing
+    if (objects[i]->isStaticObject() || !objects[i]->hasContactResponse()) continue;
     ++movable;
     asleep += !objects[i]->isActive();
   }

@@ -89,7 +89,7 @@ TEST(ContactStage, givesUpWhatIsGone) {
 
 TEST(ContactStage, losesPatience) {
   const ContactScene scene = fallingCube(0, 10);
-  ContactStage stage(scene, engineOf("limber"));
+  ContactStage stage(scene, engineOf("limber points"));
   stage.advance(10, 0.0);
   EXPECT_NE(stage.error().find("given up after 1 ticks"), std::string::npos) << stage.error();
   EXPECT_TRUE(stage.over());
