@@ -153,10 +153,10 @@ TEST(PairContacts, keepMomentumAndLoseEnergyInFreeFlight) {
   side.weight = {1.0 - (at.y() + 0.5) - (at.z() + 0.5), at.y() + 0.5, at.z() + 0.5};
   scene.add(side, point(right, 0), 0.01, -Vector3d::UnitX());
   scene.group.pairs.contacts[0].friction = 0.0;
-  const auto linear = [&] {
+  const auto linear = [&]() -> Vector3d {
     return linearMomentum(scene.soft[0].state) + linearMomentum(scene.soft[1].state);
   };
-  const auto angular = [&] {
+  const auto angular = [&]() -> Vector3d {
     return angularMomentum(scene.soft[0].state) + angularMomentum(scene.soft[1].state);
   };
   const Vector3d before = linear(), spin = angular();
