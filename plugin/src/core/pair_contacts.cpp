@@ -25,6 +25,13 @@ RowVector inAxes(const PairRow& row, const Vector3d& v) {
 void addPoint(PairRows& rows, double* velocity, const Vector3d& inverseMass, double share) {
   const Vector3d response = share * inverseMass;
   rows.points.push_back({velocity, share, {response[0], response[1], response[2]}});
+  rows.levers.push_back({});
+}
+
+void addPoint(PairRows& rows, const PointView& view, std::uint32_t point, double share) {
+  addPoint(rows, view.velocityOf(point).data(), view.inverseMassOf(point), share);
+  rows.levers.back().position = view.positionOf(point).data();
+  rows.levers.back().inverseMass = view.inverseMassOf(point).data();
 }
 
 void addTurn(PairRows& rows, const PairRow& row, RigidState& rigid, const Vector3d& arm) {
@@ -39,10 +46,8 @@ void addPlace(PairRows& rows, PairRow& row, LinkedBodies& bodies, const std::vec
   if (place.kind == ContactPlace::Kind::World) {
     row.carried += inAxes(row, sign * place.velocity);
   } else if (place.kind == ContactPlace::Kind::Soft) {
-    const PointView& view = views[place.body];
     for (std::uint32_t i = 0; i < place.count; ++i)
-      addPoint(rows, view.velocityOf(place.point[i]).data(), view.inverseMassOf(place.point[i]),
-               sign * place.weight[i]);
+      addPoint(rows, views[place.body], place.point[i], sign * place.weight[i]);
   } else {
     RigidState& rigid = bodies.rigids[place.body];
     addPoint(rows, rigid.velocity.data(), rigid.inverseMass, sign);
@@ -71,6 +76,14 @@ Bearing bearingOf(const PairRow& row, const RowVector& v) {
   return {v.n, v.u * ConstMap(row.axes[1]) + v.v * ConstMap(row.axes[2])};
 }
 
+Couple coupleOf(const PairContact& c) {
+  using Kind = ContactPlace::Kind;
+  if (c.a.kind == Kind::Soft && c.b.kind == Kind::Soft)
+    return c.a.count + c.b.count > 2 ? Couple::Soft : Couple::Nobody;
+  const bool both = c.a.kind != Kind::World && c.b.kind != Kind::World;
+  return both && c.a.kind != c.b.kind ? Couple::Rigid : Couple::Nobody;
+}
+
 void prepareRow(PairRows& rows, PairRow& row, const PairContact& c, LinkedBodies& bodies,
                 const std::vector<PointView>& views) {
   const Vector3d tangent = c.normal.unitOrthogonal();
@@ -81,11 +94,13 @@ void prepareRow(PairRows& rows, PairRow& row, const PairContact& c, LinkedBodies
   row.firstPoint = static_cast<std::uint32_t>(rows.points.size());
   row.firstTurn = static_cast<std::uint32_t>(rows.turns.size());
   addPlace(rows, row, bodies, views, c.a, 1.0);
+  row.firstOfB = static_cast<std::uint32_t>(rows.points.size());
   addPlace(rows, row, bodies, views, c.b, -1.0);
   row.endPoint = static_cast<std::uint32_t>(rows.points.size());
   row.endTurn = static_cast<std::uint32_t>(rows.turns.size());
   const Matrix3d m = mobility(bodies, c.a) + mobility(bodies, c.b);
   prepareMasses(row, axes.transpose() * m * axes);
+  row.couple = coupleOf(c);
   row.gap = c.gap;
   row.friction = c.friction;
   row.stopping = inAxes(row, c.stopping);
@@ -117,6 +132,7 @@ double speedOf(const LinkedBodies& bodies, const JointRow& j) {
 
 void preparePairs(PairRows& rows, LinkedBodies& bodies, const std::vector<PointView>& views) {
   rows.points.clear();
+  rows.levers.clear();
   rows.turns.clear();
   rows.rows.resize(rows.contacts.size());
   for (std::size_t i = 0; i < rows.contacts.size(); ++i)

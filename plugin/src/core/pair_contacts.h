@@ -29,7 +29,7 @@ struct Bearing {
 
 /// Two places that must not get nearer to each other along a normal than they are allowed to, with Coulomb
 /// friction across it. Impulses are equal and opposite at the two places, so linear momentum is kept to
-/// rounding, and angular momentum as far as the places coincide.
+/// rounding; angular momentum, too, where one side can bear the couple (see pair_levers.h).
 struct PairContact {
   ContactPlace a, b;
   Eigen::Vector3d normal = Eigen::Vector3d::UnitY();  ///< unit, from b to a
@@ -71,6 +71,14 @@ struct RowPoint {
   double response[3];  ///< 1/kg per axis: its change per impulse on side a
 };
 
+/// What makes a RowPoint's share follow the place where two bodies touch, see pair_levers.h.
+struct RowLever {
+  const double* position;     ///< m, 3; none of a rigid body
+  const double* inverseMass;  ///< 1/kg per axis
+  double across[2];           ///< of the point's speed along the normal, in the contact's two across it
+  double response[3];         ///< 1/kg: its change per impulse across and `across`
+};
+
 /// An angular velocity that a contact depends on and changes.
 struct RowTurn {
   RigidState* body;
@@ -88,11 +96,15 @@ struct RowVector {
   double squaredNorm() const { return n * n + u * u + v * v; }
 };
 
+/// Who bears the couple of what is across a contact, whose two places are apart along its normal.
+enum class Couple : std::uint8_t { Nobody, Soft, Rigid };
+
 /// A contact as the sweeps want it.
 struct PairRow {
   double axes[3][3];  ///< the normal and two tangents
   RowVector carried;  ///< m/s, of what is moved as told
-  std::uint32_t firstPoint, endPoint, firstTurn, endTurn;
+  std::uint32_t firstPoint, firstOfB, endPoint, firstTurn, endTurn;
+  Couple couple;
   double gap, target;                     ///< m; m/s, along it at least
   double mass, mobility;                  ///< kg along it, and its inverse; both 0: neither side can be moved
   double acrossMass[3];                   ///< kg between the tangents: uu, uv, vv
@@ -112,6 +124,7 @@ struct PairRows {
   // Written by the step.
   std::vector<PairRow> rows;  ///< #contacts
   std::vector<RowPoint> points;
+  std::vector<RowLever> levers;  ///< #points
   std::vector<RowTurn> turns;
   std::vector<std::uint32_t> active;  ///< rows of the present stage
 };

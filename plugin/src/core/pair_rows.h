@@ -32,6 +32,26 @@ inline Motion turnOf(const RowTurn& turn) {
   return {w.x(), w.y(), w.z()};
 }
 
+/// m/s across, of what the points' speeds along the normal add at their levers.
+inline RowVector leverSpeeds(const PairRows& rows, const PairRow& row) {
+  RowVector speeds;
+  for (std::uint32_t i = row.firstPoint; i < row.endPoint; ++i) {
+    const double* v = rows.points[i].velocity;
+    const double speed = along(row.axes[0], {v[0], v[1], v[2]});
+    speeds.u += rows.levers[i].across[0] * speed;
+    speeds.v += rows.levers[i].across[1] * speed;
+  }
+  return speeds;
+}
+
+inline void bearAtLevers(PairRows& rows, const PairRow& row, const RowVector& j) {
+  for (std::uint32_t i = row.firstPoint; i < row.endPoint; ++i) {
+    const RowLever& lever = rows.levers[i];
+    const double impulse = lever.across[0] * j.u + lever.across[1] * j.v;
+    for (int k = 0; k < 3; ++k) rows.points[i].velocity[k] += lever.response[k] * impulse;
+  }
+}
+
 /// m/s of side a relative to b.
 inline RowVector speedsOf(const PairRows& rows, const PairRow& row) {
   const Motion m = motionOf(rows, row);
@@ -42,6 +62,7 @@ inline RowVector speedsOf(const PairRows& rows, const PairRow& row) {
     const Motion w = turnOf(t);
     speeds += {along(t.speeds[0], w), along(t.speeds[1], w), along(t.speeds[2], w)};
   }
+  if (row.couple == Couple::Soft) speeds += leverSpeeds(rows, row);
   return speeds;
 }
 
@@ -71,6 +92,7 @@ inline void bear(PairRows& rows, PairRow& row, const RowVector& j) {
     for (int k = 0; k < 3; ++k)
       w[k] += t.response[0][k] * j.n + t.response[1][k] * j.u + t.response[2][k] * j.v;
   }
+  if (row.couple == Couple::Soft) bearAtLevers(rows, row, j);
   row.impulse += j;
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "core/pair_solve.h"
 
+#include "core/pair_levers.h"
 #include "core/pair_rows.h"
 
 #include <algorithm>
@@ -99,6 +100,7 @@ struct Solve {
   double& impulse(JointRow& j) const { return stage == Stage::Stopping ? j.stopping : j.settling; }
 
   void activate(std::uint32_t i) {
+    joinPlaces(rows, i);
     PairRow& row = rows.rows[i];
     row.active = true;
     row.direction = RowVector();
@@ -120,8 +122,8 @@ struct Solve {
       row.active = false;
       if (!takesPart || sum.n <= 0.0) sum = RowVector();
       row.before = sum;
-      if (sum.n > 0.0) bear(rows, row, sum);
       if (sum.n > 0.0 || (takesPart && stage == Stage::Settling)) activate(i);
+      if (sum.n > 0.0) bear(rows, row, sum);
     }
     if (stage == Stage::Stopping) activateCrossed();
   }
