@@ -79,6 +79,8 @@ struct SoftBodySettings {
   double pressure = 0.0;        ///< Pa of gas above the outside, at the rest volume; only for closed bodies
 
   Collision collision = Collision::Points;
+  bool selfCollision = false;  ///< its surface, or a rope's segments, also touch each other, except where they
+                               ///< are joined or nearer at rest than both radii; needs Collision::Surface
   double pointRadius = 0.0;  ///< m, of the sphere each point mass is to Bullet; 0: 2 % of the shortest spring
   double friction = 0.5;     ///< Bullet multiplies it with the partner's
   double restitution = 0.0;  ///< 0..1, Bullet multiplies it with the partner's

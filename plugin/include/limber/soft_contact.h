@@ -25,7 +25,8 @@ struct ContactSide {
 };
 
 /// Where a soft body touched something in the last tick, and what was borne there. Seen from `body`: of two
-/// soft bodies that touch, each has its own, with the sides exchanged.
+/// soft bodies that touch, each has its own, with the sides exchanged. A body that touches itself has one, of
+/// which it is `otherBody`, too.
 struct SoftContact {
   SoftBody* body = nullptr;
   const btCollisionObject* other = nullptr;  ///< of a soft one its surface object, or its point mass

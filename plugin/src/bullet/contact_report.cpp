@@ -118,7 +118,7 @@ void addPair(const PairContact& pair, const ContactSource& source) {
   c.distance = pair.gap;
   setImpulse(c, pair.impulse, pair.normal);
   if (body.report.fresh) add(body, c, source.partner);
-  const bool together = other && pair.b.kind == ContactPlace::Kind::Soft;
+  const bool together = other && other != &body && pair.b.kind == ContactPlace::Kind::Soft;
   if (together && other->report.fresh && anyInWorld(body))
     add(*other, mirrored(c, *body.surface.object), markOf(*body.surface.object));
 }

@@ -262,6 +262,18 @@ void gatherSoft(SoftBodyData& body, SoftBodyData& other, double tick, SurfaceSea
   }
 }
 
+void gatherSelf(SoftBodyData& body, double tick, SurfaceSearch& s, TickContacts& found) {
+  const MovingSurface& surface = boxedSurface(body, tick);
+  findSelfContacts(surface, kMargin * surface.radius, s.search, s.contacts);
+  for (const SurfaceContact& c : s.contacts) {
+    PairContact pair = contactOf(body, frictionObject(body), c);
+    pair.b = softPlace(body, c.b);
+    ContactSource source = sourceOf(body, frictionObject(body), c.key);
+    source.other = &body;
+    found.add(pair, source);
+  }
+}
+
 }  // namespace
 
 void gatherSurfacePairs(SoftBodyData& body, btScalar tick, RigidSurfaces& rigids, SurfaceSearch& search,
@@ -271,6 +283,7 @@ void gatherSurfacePairs(SoftBodyData& body, btScalar tick, RigidSurfaces& rigids
   for (btRigidBody* partner : body.freePartners) gatherFree(body, *partner, h, rigids, search, found);
   for (const btCollisionObject* partner : body.partners) gatherHeld(body, *partner, h, rigids, search, found);
   for (SoftBodyData* other : body.softPartners) gatherSoft(body, *other, h, search, found);
+  if (body.settings.selfCollision) gatherSelf(body, h, search, found);
   forgetOldSearches(body);
 }
 

@@ -29,16 +29,10 @@ Vector3d positionOf(const MovingSurface& surface, const SurfacePlace& place, dou
   return position;
 }
 
-bool areJoined(const SurfaceTopology& t, const SurfacePlace& a, const SurfacePlace& b) {
-  for (const std::uint32_t v : a.points) {
-    const auto isNeighbour = [&](std::uint32_t edge) {
-      const std::uint32_t other = t.edges[edge][t.edges[edge][0] == v ? 1 : 0];
-      return std::find(b.points.begin(), b.points.end(), other) != b.points.end();
-    };
-    if (std::find(b.points.begin(), b.points.end(), v) != b.points.end()) return true;
-    if (std::any_of(t.edgesAround.begin(v), t.edgesAround.end(v), isNeighbour)) return true;
-  }
-  return false;
+bool shareVertex(const SurfacePlace& a, const SurfacePlace& b) {
+  return std::any_of(a.points.begin(), a.points.end(), [&](std::uint32_t v) {
+    return std::find(b.points.begin(), b.points.end(), v) != b.points.end();
+  });
 }
 
 bool areCloseAtRest(const SurfacePair& pair, const SurfacePlace& a, const SurfacePlace& b) {
@@ -70,7 +64,7 @@ std::uint64_t meetingVertex(const SurfacePair& pair, std::uint32_t v, bool ofB) 
 
 void addCandidate(const SurfacePair& pair, ContactCandidate& candidate, ContactSearch& search) {
   SurfaceContact& c = candidate.contact;
-  if (pair.self && (areJoined(*pair.a.topology, c.a, c.b) || areCloseAtRest(pair, c.a, c.b))) return;
+  if (pair.self && (shareVertex(c.a, c.b) || areCloseAtRest(pair, c.a, c.b))) return;
   c.gap = c.normal.dot(positionOf(pair.a, c.a, 0.0) - positionOf(pair.b, c.b, 0.0)) - pair.reach();
   c.key = std::uint64_t{candidate.rank} << 60 | std::uint64_t{c.a.feature} << 30 | c.b.feature;
   candidate.place = 0.5 * (positionOf(pair.a, c.a, c.time) + positionOf(pair.b, c.b, c.time));

@@ -51,6 +51,8 @@ bool meetsRound(const SurfacePair& pair, const MovingSurface& mine, const Moving
 
 bool vertexMeets(const SurfacePair& pair, bool ofB, const Arrival& at) {
   const MovingSurface &mine = ofB ? pair.b : pair.a, &other = ofB ? pair.a : pair.b;
+  if (pair.self && mine.topology->triangles.empty())
+    return true;  // a fold is nearest to itself where it bends
   return isInVertexCone(mine, at.time, at.vertex, at.outward) || meetsRound(pair, mine, other, at);
 }
 

@@ -66,6 +66,8 @@ SoftBodySettings SoftBodySettings::paper() {
 
 std::string validate(const SoftBodySettings& s) {
   if (std::string reason = checkPlacement(s); !reason.empty()) return reason;
+  if (s.selfCollision && s.collision != Collision::Surface)
+    return "selfCollision needs collision to be Collision::Surface";
   const Check checks[] = {
       {"extensionStiffness", s.extensionStiffness, 0, true, 1e12, "from 0 to 1e12"},
       {"compressionStiffness", s.compressionStiffness, 0, true, 1e12, "from 0 to 1e12"},
