@@ -12,8 +12,13 @@ if(LIMBER_CCACHE AND NOT CMAKE_CXX_COMPILER_LAUNCHER)
   set(CMAKE_CXX_COMPILER_LAUNCHER ${LIMBER_CCACHE})
 endif()
 
-add_compile_options(-Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wsign-conversion )
+add_compile_options(-Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wsign-conversion)
+if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
+  add_compile_options(-fpch-preprocess)  # ccache wants it
+endif()
 if(LIMBER_SANITIZE)
-  add_compile_options(-fsanitize=${LIMBER_SANITIZE} -fno-sanitize-recover=all -fno-omit-frame-pointer)
+  # without the checks of pointers that the address sanitizer makes as well, which take as long to compile as the rest
+  add_compile_options(-fsanitize=${LIMBER_SANITIZE} -fno-sanitize=null,object-size,pointer-overflow,alignment,vptr
+    -fno-sanitize-recover=all -fno-omit-frame-pointer)
   add_link_options(-fsanitize=${LIMBER_SANITIZE})
 endif()
