@@ -104,7 +104,6 @@ Check checkCurtains(const Curtains& curtains) {
 
 SoftBodySettings clothSettings(const SceneOptions& options) {
   SoftBodySettings settings;
-  settings.collision = Collision::Surface;
   settings.totalMass = 1.0;
   settings.damping = 0.5;
   settings.pointRadius = kRadius;

@@ -73,7 +73,6 @@ std::string addCube(Scene& scene, const SharedNetwork& network, SoftBodySettings
 
 SoftBodySettings cubeSettings(const SceneOptions& options) {
   SoftBodySettings settings;
-  settings.collision = Collision::Surface;
   settings.pointRadius = kRadius;
   settings.damping = 3.0;
   apply(options, settings);

@@ -63,7 +63,6 @@ void addBin(Scene& scene) {
 
 SoftBodySettings settingsOf(const SceneOptions& options) {
   SoftBodySettings settings;
-  settings.collision = Collision::Surface;
   settings.scale.setConstant(kSize);
   settings.totalMass = 0.5;
   settings.damping = 3.0;

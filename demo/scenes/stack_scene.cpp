@@ -36,7 +36,6 @@ std::string checkStands(const Scene& scene) {
 
 SoftBodySettings cubeSettings(const SceneOptions& options) {
   SoftBodySettings settings;
-  settings.collision = Collision::Surface;
   // far from the load under which a column of ten buckles: near it, it would sway for minutes
   settings.extensionStiffness = settings.compressionStiffness = 5000.0;
   settings.damping = 20.0;

@@ -43,7 +43,6 @@ std::string checkTower(const Scene& scene) {
 
 SoftBodySettings blockSettings(const SceneOptions& options) {
   SoftBodySettings settings;
-  settings.collision = Collision::Surface;
   settings.scale = {kWidth, kBlock, kWidth};
   settings.totalMass = 0.6;
   settings.extensionStiffness = settings.compressionStiffness = 5000.0;

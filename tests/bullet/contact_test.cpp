@@ -338,6 +338,30 @@ TEST(Contact, pointsOfDifferentBodiesCollide) {
   EXPECT_NEAR(left->linearMomentum().x() + right->linearMomentum().x(), momentum, 1e-5);
 }
 
+TEST(Contact, pointsBounceByTheRestitutionOfBothMaterials) {
+  for (const bool free : {false, true}) {
+    SCOPED_TRACE(free ? "a heavy plate that flies along" : "a floor");
+    BulletWorld bullet(0.0);
+    // a plate that nothing can turn; 1e6 times as heavy as what hits it, if it can be moved at all
+    btRigidBody* plate = bullet.addBox(test::vec(3, 1, 3), free ? 1e6 : 0.0, test::vec(0, -1, 0));
+    plate->setAngularFactor(btScalar(0));
+    plate->setRestitution(btScalar(0.75));
+    SoftBodySystem system(*bullet.world);
+    SoftBodySettings s = test::testedSettings();
+    s.restitution = 0.8;
+    s.damping = 0.0;
+    s.position = {0, 0.5, 0};
+    s.linearVelocity = {0.5, -3, 0};
+    s.friction = 0.0;
+    SoftBody* body = *system.createBody(test::pairNetwork(), s);  // both points hit at once
+    bullet.simulate(0.5);
+    // each point parts with 0.6 of its speed, to what the floats of Bullet's narrowphase hold
+    EXPECT_NEAR(body->velocity(0).y(), 0.6 * 3, 5e-5);
+    EXPECT_NEAR(body->velocity(1).y(), 0.6 * 3, 5e-5);
+    EXPECT_NEAR(body->linearMomentum().x(), 0.5, 2e-5);
+  }
+}
+
 TEST(Contact, groupsAndMasksAreTheUsers) {
   BulletWorld bullet;
   bullet.addBoxFloor();

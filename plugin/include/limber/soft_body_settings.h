@@ -50,9 +50,10 @@ struct ElasticLimit {
 
 /// How a soft body lives in Bullet's world.
 enum class Collision : std::uint8_t {
-  Points,  ///< every point mass is a sphere body of the world, which Bullet's narrowphase and solver know
+  Points,  ///< every point mass is a sphere body of the world, which Bullet's narrowphase and solver know; only
+           ///< these spheres touch, and they cost Bullet as much as any rigid body
   Surface  ///< one object stands for the whole body (SoftBody::surfaceObject()); the point masses are outside
-           ///< the world. Costs Bullet next to nothing while nothing is near
+           ///< the world. Points, edges and triangles touch. Costs Bullet next to nothing while nothing is near
 };
 
 #if defined(__GNUC__) && !defined(__clang__)
@@ -78,9 +79,9 @@ struct SoftBodySettings {
                                 ///< together; 0 for all others (ropes, cloths, open pieces)
   double pressure = 0.0;        ///< Pa of gas above the outside, at the rest volume; only for closed bodies
 
-  Collision collision = Collision::Points;
-  bool selfCollision = false;  ///< its surface, or a rope's segments, also touch each other, except where they
-                               ///< are joined or nearer at rest than both radii; needs Collision::Surface
+  Collision collision = Collision::Surface;
+  bool selfCollision = false;  ///< triangles, or a rope's segments, also touch each other, except where they
+                               ///< share a point or are nearer at rest than both radii; needs Surface
   double pointRadius = 0.0;  ///< m, of the sphere each point mass is to Bullet; 0: 2 % of the shortest spring
   double friction = 0.5;     ///< Bullet multiplies it with the partner's
   double restitution = 0.0;  ///< 0..1, Bullet multiplies it with the partner's

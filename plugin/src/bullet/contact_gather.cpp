@@ -88,7 +88,8 @@ class RowsOfPair final : public btCollisionWorld::ContactResultCallback {
     ContactRow row;
     row.point = point_;
     row.normal = normal.normalized();
-    row.friction = double(combinedFriction());
+    row.friction = double(gCalculateCombinedFrictionCallback(&own(), partner_));
+    row.restitution = double(gCalculateCombinedRestitutionCallback(&own(), partner_));
     row.recoverySpeed = recoverySpeed(double(body_->masses.shape->getRadius()));
     row.surfaceVelocity = velocityOfPartner(surface);
     // a kinematic body is already where it will be at the end of the tick
@@ -108,9 +109,10 @@ class RowsOfPair final : public btCollisionWorld::ContactResultCallback {
     return row.normal.dot(body_->state.position.col(point_) - row.touch);
   }
 
-  btScalar combinedFriction() const {
-    const btRigidBody* own = body_->masses.bodies[point_];
-    return gCalculateCombinedFrictionCallback(body_->masses.shared ? own : body_->surface.object, partner_);
+  /// What the user may have given a friction of its own.
+  const btRigidBody& own() const {
+    if (!body_->masses.shared) return *body_->surface.object;
+    return *body_->masses.bodies[point_];
   }
 
   Eigen::Vector3d velocityOfPartner(const btVector3& surface) const {

@@ -37,7 +37,7 @@ bool shareVertex(const SurfacePlace& a, const SurfacePlace& b) {
 
 bool areCloseAtRest(const SurfacePair& pair, const SurfacePlace& a, const SurfacePlace& b) {
   const MovingSurface resting{pair.a.topology, &pair.a.topology->rest, pair.a.motion, pair.a.radius, nullptr};
-  return (positionOf(resting, a, 0.0) - positionOf(resting, b, 0.0)).norm() <= pair.reach();
+  return (positionOf(resting, a, 0.0) - positionOf(resting, b, 0.0)).norm() <= pair.reach() + pair.margin;
 }
 
 }  // namespace

@@ -34,6 +34,17 @@ inline void applyRow(ContactRow& row, const PointView& points, double target) {
   row.impulse += impulse;
 }
 
+/// m/s that the point needs before a drift of dt from `time`. What would meet the surface in it parts by
+/// Newton's law of restitution.
+inline double targetOf(const ContactRow& row, const PointView& points, double time, double dt) {
+  const double gap = row.normal.dot(points.positionOf(row.point) - row.touch - time * row.surfaceVelocity);
+  if (row.restitution > 0.0) {
+    const double approach = row.normal.dot(row.surfaceVelocity - points.velocityOf(row.point));
+    if (approach > kLeastBounce && gap < approach * dt) return row.restitution * approach;
+  }
+  return gap >= 0.0 ? -gap / dt : std::min(-kRecovery * gap / dt, row.recoverySpeed);
+}
+
 bool pointsHaveOneRowEach(const std::vector<ContactRow>& rows) {
   for (std::size_t i = 1; i < rows.size(); ++i)
     if (rows[i].point == rows[i - 1].point) return false;
@@ -53,10 +64,9 @@ void stopAtContacts(std::vector<ContactRow>& rows, const PointView& points, doub
   const int sweeps = pointsHaveOneRowEach(rows) ? 1 : kSweepsInCorners;
   for (int sweep = 0; sweep < sweeps; ++sweep)
     for (ContactRow& row : rows) {
-      const double gap =
-          row.normal.dot(points.positionOf(row.point) - row.touch - time * row.surfaceVelocity);
+      if (sweep == 0) row.target = targetOf(row, points, time, dt);
       const bool before = sweep > 0 && row.touching;
-      applyRow(row, points, gap >= 0.0 ? -gap / dt : std::min(-kRecovery * gap / dt, row.recoverySpeed));
+      applyRow(row, points, row.target);
       row.touching = row.touching || before;
     }
 }

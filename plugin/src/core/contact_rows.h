@@ -18,6 +18,7 @@ struct ContactRow {
   Eigen::Vector3d touch = Eigen::Vector3d::Zero();    ///< m, where the centre touches at the tick's start
   Eigen::Vector3d surfaceVelocity = Eigen::Vector3d::Zero();  ///< m/s, constant over the tick
   double friction = 0.0;
+  double restitution = 0.0;    ///< of speeds of approach above kLeastBounce
   double recoverySpeed = 0.5;  ///< m/s, at which a point that is below the surface is lifted at most
   bool coupled = false;        ///< it is solved elsewhere, with contacts between bodies (pair_contacts.h)
 
@@ -25,7 +26,11 @@ struct ContactRow {
   double mass = 0.0;                                  ///< kg along the normal; 0: cannot be moved
   Eigen::Vector3d impulse = Eigen::Vector3d::Zero();  ///< N s on the point, sum over the tick
   bool touching = false;                              ///< it bore something in the present substep
+  double target = 0.0;                                ///< m/s along the normal at least, in this substep
 };
+
+/// m/s: slower approaches do not bounce, or nothing would come to rest (Bullet's own threshold).
+constexpr double kLeastBounce = 0.2;
 
 /// Before the first substep of a tick: the rows' masses.
 void prepareContacts(std::vector<ContactRow>& rows, const PointView& points);

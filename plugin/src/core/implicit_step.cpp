@@ -236,7 +236,9 @@ bool canStepImplicitly(const SteppedBody& body) {
   const Points& w = body.points->inverseMass;
   if (w.row(0) != w.row(1) || w.row(0) != w.row(2)) return false;
   if (!body.contacts) return true;
-  const auto moves = [](const ContactRow& row) { return !row.surfaceVelocity.isZero(0.0); };
+  const auto moves = [](const ContactRow& row) {
+    return !row.surfaceVelocity.isZero(0.0) || row.restitution > 0.0;
+  };
   return body.contacts->size() <= kMostMidpointRows &&
          std::none_of(body.contacts->begin(), body.contacts->end(), moves);
 }

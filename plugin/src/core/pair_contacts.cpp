@@ -78,6 +78,7 @@ Bearing bearingOf(const PairRow& row, const RowVector& v) {
 
 Couple coupleOf(const PairContact& c) {
   using Kind = ContactPlace::Kind;
+  if (!c.joined) return Couple::Nobody;
   if (c.a.kind == Kind::Soft && c.b.kind == Kind::Soft)
     return c.a.count + c.b.count > 2 ? Couple::Soft : Couple::Nobody;
   const bool both = c.a.kind != Kind::World && c.b.kind != Kind::World;
@@ -135,6 +136,7 @@ void preparePairs(PairRows& rows, LinkedBodies& bodies, const std::vector<PointV
   rows.levers.clear();
   rows.turns.clear();
   rows.rows.resize(rows.contacts.size());
+  rows.active.reserve(rows.contacts.capacity());
   for (std::size_t i = 0; i < rows.contacts.size(); ++i)
     prepareRow(rows, rows.rows[i], rows.contacts[i], bodies, views);
   for (JointRow& j : rows.joints) prepareJoint(j, bodies);

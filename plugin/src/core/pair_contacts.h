@@ -35,8 +35,9 @@ struct PairContact {
   Eigen::Vector3d normal = Eigen::Vector3d::UnitY();  ///< unit, from b to a
   double gap = 0.0;                                   ///< m between the surfaces; moves on with the substeps
   double friction = 0.0;
-  double restitution = 0.0;    ///< of speeds of approach above kLeastBounce
+  double restitution = 0.0;    ///< of speeds of approach above kLeastBounce (contact_rows.h)
   double recoverySpeed = 0.5;  ///< m/s, at which surfaces that overlap are drawn apart at most
+  bool joined = true;          ///< its places are kept together, see pair_levers.h
   Bearing stopping, settling;  ///< of the present substep; to begin with, a guess
 
   // Written by the step.
@@ -60,9 +61,6 @@ struct JointRow {
   double mass = 0.0;                     ///< impulse per speed; 0: neither side can be moved
   double change = 0.0, direction = 0.0;  ///< scratch of the solver
 };
-
-/// m/s: slower approaches do not bounce, or nothing would come to rest (Bullet's own threshold).
-constexpr double kLeastBounce = 0.2;
 
 /// A velocity that a contact depends on and changes: of a point mass, or of a rigid body's centre.
 struct RowPoint {
@@ -106,6 +104,7 @@ struct PairRow {
   std::uint32_t firstPoint, firstOfB, endPoint, firstTurn, endTurn;
   Couple couple;
   double gap, target;                     ///< m; m/s, along it at least
+  double softness;                        ///< see kSoftness
   double mass, mobility;                  ///< kg along it, and its inverse; both 0: neither side can be moved
   double acrossMass[3];                   ///< kg between the tangents: uu, uv, vv
   double acrossAlong[2];                  ///< 1/kg, speeds across per impulse along

@@ -21,6 +21,9 @@ constexpr double kMostShare = 1.25;
 /// Of the arm of a rigid body's place: what stops it from farther away acts as if it had come nearer.
 constexpr double kMostReach = 0.3;
 
+/// Points across a normal that are this much thinner one way than the other, squared, are in a line.
+constexpr double kThin = 1e-6;
+
 constexpr std::size_t kMostPoints = 6;
 
 /// The points of a row as its axes show them.
@@ -69,7 +72,7 @@ Matrix2d cautiousInverse(const Matrix2d& m, double least) {
 void invert(Places& places, double apart) {
   Matrix2d m = Matrix2d::Zero();
   for (std::size_t i = 0; i < places.count; ++i) m += places.lever(i) * places.lever(i).transpose();
-  const double least = std::max(apart * apart, 1e-12 * m.trace());
+  const double least = std::max(apart * apart, kThin * m.trace());
   const double middle = 0.5 * m.trace(), determinant = m.determinant();
   const double smallest = middle - std::sqrt(std::max(0.0, middle * middle - determinant));
   places.inverse = smallest > least ? Matrix2d(m.inverse()) : cautiousInverse(m, least);
@@ -125,8 +128,8 @@ void joinRigid(PairRows& rows, const PairRow& row, const PairContact& c) {
   invert(places, 0.0);
   moveShares(rows, softIsA ? row.firstPoint : row.firstOfB, places);
   const double sign = softIsA ? -1.0 : 1.0;
-  const double most = kMostReach * arm.norm();
-  places.apart[0] = std::clamp(places.apart[0], -most, most);
+  const double most = kMostReach * arm.norm(), distance = places.apart.norm();
+  if (distance > most) places.apart *= most / distance;
   for (int k = 0; k < 3; ++k) arm -= sign * places.apart[k] * ConstMap(row.axes[k]);
   for (int k = 0; k < 3; ++k) {
     const Vector3d speeds = sign * arm.cross(ConstMap(row.axes[k]));

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "core/pair_solve.h"
 
+#include "core/contact_rows.h"
 #include "core/pair_levers.h"
 #include "core/pair_rows.h"
 
@@ -55,11 +56,10 @@ inline void addFriction(const PairRow& row, double u, double v, RowVector& sum) 
 /// Brings the speed along the normal up to `target` (m/s), with the impulse `total` 0 or more along it and
 /// friction within its cone; row.change is what this has changed.
 inline void solveContact(PairRows& rows, PairRow& row, RowVector& total, double target) {
-  constexpr double kShare = 1.0 / (1.0 + kSoftness);
   const RowVector speeds = speedsOf(rows, row), earlier = total;
   RowVector sum = earlier;
-  const double strain = kSoftness * (sum.n - kKept * row.before.n);
-  sum.n = std::max(0.0, sum.n + ((target - speeds.n) * row.mass - strain) * kShare);
+  const double strain = row.softness * (sum.n - kKept * row.before.n);
+  sum.n = std::max(0.0, sum.n + ((target - speeds.n) * row.mass - strain) / (1.0 + row.softness));
   const double more = sum.n - earlier.n;
   addFriction(row, speeds.u + more * row.acrossAlong[0], speeds.v + more * row.acrossAlong[1], sum);
   const RowVector change{more, sum.u - earlier.u, sum.v - earlier.v};
@@ -68,14 +68,16 @@ inline void solveContact(PairRows& rows, PairRow& row, RowVector& total, double 
   total = sum;
 }
 
-/// m/s that the contact needs before a drift. What would meet in this substep parts by Newton's law of
-/// restitution.
-double targetOf(const PairRows& rows, const PairContact& c, const PairRow& row, double dt) {
-  if (c.restitution > 0.0) {
-    const double approach = -speedAlong(rows, row);
-    if (approach > kLeastBounce && row.gap < approach * dt) return c.restitution * approach;
-  }
-  return row.gap >= 0.0 ? -row.gap / dt : std::min(-kRecovery * row.gap / dt, c.recoverySpeed);
+/// What the contact needs before a drift of dt seconds. What would meet in it parts by Newton's law of
+/// restitution, and does not give way.
+void aim(const PairRows& rows, const PairContact& c, PairRow& row, double dt) {
+  row.softness = kSoftness;
+  row.target = row.gap >= 0.0 ? -row.gap / dt : std::min(-kRecovery * row.gap / dt, c.recoverySpeed);
+  if (!(c.restitution > 0.0)) return;
+  const double approach = -speedAlong(rows, row);
+  if (!(approach > kLeastBounce && row.gap < approach * dt)) return;
+  row.softness = 0.0;
+  row.target = c.restitution * approach;
 }
 
 /// What a sweep has changed: the largest change of a velocity, squared, and the sum of all as an energy.
@@ -196,8 +198,7 @@ struct Solve {
 int stopPairs(PairRows& rows, LinkedBodies& bodies, double dt) {
   if (rows.empty()) return 0;
   turnResponses(rows);
-  for (std::size_t i = 0; i < rows.rows.size(); ++i)
-    rows.rows[i].target = targetOf(rows, rows.contacts[i], rows.rows[i], dt);
+  for (std::size_t i = 0; i < rows.rows.size(); ++i) aim(rows, rows.contacts[i], rows.rows[i], dt);
   return Solve{rows, bodies, Stage::Stopping}.run();
 }
 

@@ -70,8 +70,8 @@ struct ContactSearch {
 void findSurfaceContacts(const MovingSurface& a, const MovingSurface& b, double margin, ContactSearch& search,
                          std::vector<SurfaceContact>& found);
 
-/// Contacts of a surface with itself, but not between features that share a vertex or are no farther than both
-/// radii from each other at rest.
+/// Contacts of a surface with itself, but not between features that share a vertex or are no farther than
+/// both radii and the margin from each other at rest.
 void findSelfContacts(const MovingSurface& surface, double margin, ContactSearch& search,
                       std::vector<SurfaceContact>& found);
 

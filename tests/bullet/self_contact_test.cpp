@@ -1,0 +1,180 @@
+// SPDX-License-Identifier: Zlib
+// Ropes and cloths touch themselves.
+#include "support/bullet_world.h"
+#include "support/networks.h"
+#include "support/tested_way.h"
+
+#include <limber/network_builder.h>
+#include <limber/soft_body_system.h>
+#include <limber/soft_contact.h>
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+namespace limber {
+namespace {
+
+using Eigen::Vector3d;
+using test::BulletWorld;
+using test::vec;
+
+/// m, between the nearest two segments of a rope that are at least `apart` segments from each other.
+double nearestSegments(const SoftBody& rope, std::uint32_t apart) {
+  double nearest = 1e9;
+  const std::uint32_t steps = 8;  // places looked at on each segment
+  const auto place = [&](std::uint32_t i, std::uint32_t step) {
+    const double t = static_cast<double>(step) / steps;
+    return Vector3d((1 - t) * rope.position(i) + t * rope.position(i + 1));
+  };
+  for (std::uint32_t i = 0; i + 1 < rope.pointCount(); ++i)
+    for (std::uint32_t j = i + apart; j + 1 < rope.pointCount(); ++j)
+      for (std::uint32_t a = 0; a < steps; ++a)
+        for (std::uint32_t b = 0; b < steps; ++b)
+          nearest = std::min(nearest, (place(i, a) - place(j, b)).norm());
+  return nearest;
+}
+
+TEST(SurfaceOnItself, aRopeCoilsUpWhenAsked) {
+  for (const bool self : {false, true}) {
+    BulletWorld bullet;
+    bullet.addBoxFloor()->setFriction(1);
+    SoftBodySystem system(*bullet.world);
+    SoftBodySettings s = test::testedSettings();
+    // hangs over one spot of the floor, a little crooked, and comes down on its end
+    s.position = {0, 2.1, 0};
+    s.rotation = Eigen::AngleAxisd(0.05, Vector3d(1, 0, 0.3).normalized());
+    s.pointRadius = 0.008;
+    s.totalMass = 1.0;
+    s.extensionStiffness = s.compressionStiffness = 4e3;
+    s.damping = 2.0;
+    s.selfCollision = self;
+    SoftBody* rope = *system.createBody(test::chainNetwork(40), s);
+    for (std::uint32_t i = 0; i < rope->pointCount(); ++i) rope->point(i)->setDamping(btScalar(0.5), 0);
+    bullet.simulate(6.0);
+    EXPECT_FALSE(rope->surfaceObject()->isActive()) << "it has come to rest";
+    if (self) {
+      EXPECT_GT(nearestSegments(*rope, 2), 1.98 * s.pointRadius) << "of two radii";
+      std::size_t own = 0;
+      for (const SoftContact& c : rope->contacts()) {
+        own += c.otherBody == rope;
+        EXPECT_GT(c.distance, -0.02 * s.pointRadius);
+      }
+      EXPECT_GT(own, 0u);
+    } else {
+      EXPECT_LT(nearestSegments(*rope, 2), 0.7 * s.pointRadius) << "else this test would prove nothing";
+    }
+  }
+}
+
+/// How many edges pierce triangles that they have no corner in common with.
+int piercings(const SoftBody& cloth) {
+  int count = 0;
+  const auto& surface = cloth.network().surface;
+  const auto isCorner = [](std::uint32_t v, const Triangle& t) {
+    return v == t[0] || v == t[1] || v == t[2];
+  };
+  for (const Triangle& t : surface) {
+    const Vector3d a = cloth.position(t[0]), u = cloth.position(t[1]) - a, v = cloth.position(t[2]) - a;
+    const Vector3d normal = u.cross(v);
+    for (const Triangle& other : surface)
+      for (std::size_t k = 0; k < 3; ++k) {
+        const std::uint32_t p = other[k], q = other[(k + 1) % 3];
+        if (p > q || isCorner(p, t) || isCorner(q, t)) continue;
+        const Vector3d from = cloth.position(p) - a, to = cloth.position(q) - a;
+        const double above = normal.dot(from), below = normal.dot(to);
+        if (above * below >= 0.0) continue;
+        const Vector3d x = from + (to - from) * (above / (above - below));
+        const double second = normal.dot(u.cross(x)), third = normal.dot(x.cross(v));
+        count += second >= 0.0 && third >= 0.0 && second + third <= normal.squaredNorm();
+      }
+  }
+  return count;
+}
+
+SharedNetwork clothNetwork(std::uint32_t cells, double width) {
+  ClothSettings shape;
+  shape.width = shape.depth = width;
+  shape.columns = shape.rows = cells;
+  return *buildCloth(shape);
+}
+
+SoftBodySettings clothSettings(bool self) {
+  SoftBodySettings s = test::testedSettings();
+  s.pointRadius = 0.01;
+  s.totalMass = 0.2;
+  s.extensionStiffness = s.compressionStiffness = 200.0;
+  s.damping = 0.2;
+  s.selfCollision = self;
+  return s;
+}
+
+TEST(SurfaceOnItself, aClothFoldsWithoutPassingThrough) {
+  for (const bool self : {false, true}) {
+    BulletWorld bullet;
+    bullet.addBoxFloor()->setFriction(1);
+    SoftBodySystem system(*bullet.world);
+    SoftBodySettings s = clothSettings(self);
+    // stands on an edge, leaning, and crumples
+    s.position = {0, 0.7, 0};
+    s.rotation = Eigen::AngleAxisd(M_PI / 2 - 0.1, Vector3d(1, 0, 0.1).normalized());
+    SoftBody* cloth = *system.createBody(clothNetwork(10, 1.0), s);
+    int most = 0;
+    for (int i = 0; i < 180; ++i) {
+      bullet.tick();
+      if (i % 6 == 0) most = std::max(most, piercings(*cloth));
+    }
+    if (self)
+      EXPECT_EQ(most, 0);
+    else
+      EXPECT_GT(most, 0) << "else this test would prove nothing";
+  }
+}
+
+TEST(SurfaceOnItself, aClothDrapedOverABallFallsOverABoxesCorner) {
+  BulletWorld bullet;
+  bullet.addBoxFloor()->setFriction(1);
+  btRigidBody* ball = bullet.add(std::make_unique<btSphereShape>(btScalar(0.35)), 0, vec(0, 1.2, 0));
+  ball->setFriction(2);
+  bullet.addBox(vec(0.3, 0.3, 0.3), 0, vec(0.3, 0.3, 0.3))->setFriction(2);
+  SoftBodySystem system(*bullet.world);
+  SoftBodySettings s = clothSettings(true);
+  s.position = {0.02, 1.6, 0.01};
+  SoftBody* cloth = *system.createBody(clothNetwork(14, 1.2), s);
+  for (std::uint32_t i = 0; i < cloth->pointCount(); ++i) cloth->point(i)->setDamping(btScalar(0.3), 0);
+  int most = 0;
+  const auto run = [&](double seconds) {
+    for (int i = 0; i < std::lround(seconds * 60); ++i) {
+      bullet.tick();
+      if (i % 12 == 0) most = std::max(most, piercings(*cloth));
+    }
+  };
+  run(4.0);
+  EXPECT_GT(cloth->centerOfMass().y(), 1.0) << "it hangs over the ball";
+  bullet.world->removeRigidBody(ball);
+  run(10.0);
+  EXPECT_LT(cloth->kineticEnergy(), 1e-3) << "it hangs almost still";
+  EXPECT_EQ(most, 0);
+  double high = 0.0;
+  for (std::uint32_t i = 0; i < cloth->pointCount(); ++i) {
+    const Vector3d x = cloth->position(i);
+    high = std::max(high, x.y());
+    // it flutters at the edges: some points come nearer than their radius
+    const Vector3d outside = ((x - Vector3d::Constant(0.3)).cwiseAbs().array() - 0.3).max(0.0);
+    EXPECT_GT(outside.norm(), 0.3 * s.pointRadius) << i;
+    EXPECT_GT(x.y(), 0.9 * s.pointRadius) << i;
+  }
+  EXPECT_GT(high, 0.6) << "and lies over the box";
+}
+
+TEST(SurfaceOnItself, wantsASurface) {
+  SoftBodySettings s;
+  s.collision = Collision::Points;
+  s.selfCollision = true;
+  EXPECT_NE(validate(s), "");
+  s.collision = Collision::Surface;
+  EXPECT_EQ(validate(s), "");
+}
+
+}  // namespace
+}  // namespace limber
