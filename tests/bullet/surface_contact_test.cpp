@@ -182,12 +182,12 @@ std::unique_ptr<btCollisionShape> ridgeOfTriangles(BulletWorld& bullet) {
   return shape;
 }
 
-/// As a heightfield, whose middle is at half its height.
-std::unique_ptr<btCollisionShape> ridgeOfHeights(std::vector<float>& heights) {
+/// As a heightfield, whose middle is at half its height. PHY_FLOAT means btScalar.
+std::unique_ptr<btCollisionShape> ridgeOfHeights(std::vector<btScalar>& heights) {
   constexpr int kSide = 2 * kRidgeCells + 1;
   for (int j = 0; j < kSide; ++j)
     for (int i = 0; i < kSide; ++i)
-      heights.push_back(static_cast<float>(ridgeAt(kCell * (i - kRidgeCells)) - 0.5 * kRidge));
+      heights.push_back(static_cast<btScalar>(ridgeAt(kCell * (i - kRidgeCells)) - 0.5 * kRidge));
   auto shape = std::make_unique<btHeightfieldTerrainShape>(kSide, kSide, heights.data(), btScalar(1),
                                                            btScalar(-0.5 * kRidge), btScalar(0.5 * kRidge), 1,
                                                            PHY_FLOAT, false);
@@ -199,7 +199,7 @@ TEST(SurfaceContact, bumpsOfAFineGroundDoNotPokeThroughAFace) {
   // a ridge, finer than the cube's edges, under the middle of its lower face
   for (const bool field : {false, true}) {
     SCOPED_TRACE(field);
-    std::vector<float> heights;
+    std::vector<btScalar> heights;
     BulletWorld bullet;
     auto ridge = field ? ridgeOfHeights(heights) : ridgeOfTriangles(bullet);
     bullet.add(std::move(ridge), 0, vec(0, field ? 0.5 * kRidge : 0.0, 0))->setFriction(1);
