@@ -10,11 +10,10 @@
 namespace limber::bench {
 namespace {
 
-/// Mean of what the manifolds tell over the frames, over the weight; NaN of an engine that has no manifolds
-/// for its soft bodies.
+/// Mean of what contacts bear over the frames, over the weight; NaN of an engine that does not tell.
 double forceError(const Trace& trace, double weight) {
   double impulse = 0.0;
-  for (const Frame& frame : trace.frames) impulse += frame.manifoldImpulse;
+  for (const Frame& frame : trace.frames) impulse += frame.contactImpulse;
   if (impulse == 0.0) return std::numeric_limits<double>::quiet_NaN();
   return relativeError(impulse / (trace.dt * static_cast<double>(trace.frames.size())), weight);
 }

@@ -18,7 +18,7 @@ constexpr double kLost = std::numeric_limits<double>::infinity();
 struct Frame {
   std::vector<Eigen::Matrix3Xd> positions, velocities;  ///< #bodies
   std::vector<Eigen::Vector3d> boxes;                   ///< centres of the scene's movable rigid bodies
-  double manifoldImpulse = 0.0;                         ///< N s in Bullet's manifolds during the tick
+  double contactImpulse = 0.0;                          ///< N s borne by contacts during the tick
 };
 
 /// What a run has left behind: its last frames, dt apart, the last at the scene's end.

@@ -82,7 +82,7 @@ Frame Stage::look() const {
   }
   for (const auto& body : rigid_.bodies)
     if (!body->isStaticObject()) frame.boxes.push_back(fromBullet(body->getWorldTransform().getOrigin()));
-  frame.manifoldImpulse = manifoldImpulse(engine_->world());
+  frame.contactImpulse = manifoldImpulse(engine_->world()) + engine_->untoldImpulse();
   return frame;
 }
 

@@ -28,7 +28,7 @@ const ErrorTarget kErrorTargets[] = {
     {"period, stepping.periodTolerance = 1e-4", "oscillator", "period", "auto 1e-04", true, 1e-4},
     {"amplitude after 10 periods, by default", "oscillator", "amplitude", "auto", true, 1e-3},
     {"rest height, frictionless, any floor (m)", "rest on", "height", "auto", true, 1e-6},
-    {"manifold forces over weight, less 1", "rest on", "force", "auto", true, 1e-4},
+    {"contact forces over weight, less 1", "rest on", "force", "auto", true, 1e-4},
     {"rebound of a dropped cube", "dropped cube", "rebound", "auto", true, 0.05},
     {"rebound speed of a bar from a wall", "bar against", "rebound", "auto", true, 0.05},
     {"rebound speed of a braced bar from a wall", "braced bar", "rebound", "auto", true, 0.05},

@@ -48,6 +48,9 @@ class Engine {
   virtual void tick(double dt) = 0;
   /// The springs' part of the last tick; below 0: not told apart, so the whole tick.
   virtual double stepMicroseconds() const = 0;
+
+  /// N s that soft bodies' contacts have borne in the last tick without Bullet's manifolds telling.
+  virtual double untoldImpulse() const { return 0.0; }
   virtual Eigen::Matrix3Xd positions(std::size_t body) const = 0;   ///< 3 x #points, m
   virtual Eigen::Matrix3Xd velocities(std::size_t body) const = 0;  ///< 3 x #points, m/s
   /// Holds a point where it is, or lets go of it.

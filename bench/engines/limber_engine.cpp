@@ -4,6 +4,7 @@
 #include "engines/body_start.h"
 
 #include <limber/soft_body_system.h>
+#include <limber/soft_contact.h>
 
 #include <stdexcept>
 #include <utility>
@@ -19,6 +20,7 @@ class LimberEngine final : public Engine {
   std::size_t addBody(const BodySetup& setup) override;
   void tick(double dt) override { world_.stepSimulation(static_cast<btScalar>(dt), 0); }
   double stepMicroseconds() const override { return 1e3 * soft_.profile().stepMs; }
+  double untoldImpulse() const override;
   Eigen::Matrix3Xd positions(std::size_t body) const override;
   Eigen::Matrix3Xd velocities(std::size_t body) const override;
   int substeps(std::size_t body) const { return soft_.body(body)->substeps(); }
@@ -61,6 +63,14 @@ void LimberEngine::addSpring(BodyPoint a, BodyPoint b, const SpringSettings& set
   const auto end = [&](BodyPoint p) { return SpringEnd{soft_.body(p.body)->point(p.point)}; };
   const Result<SpringConstraint*> spring = soft_.addSpring(end(a), end(b), settings);
   if (!spring) throw std::runtime_error(spring.error());
+}
+
+double LimberEngine::untoldImpulse() const {
+  double sum = 0.0;
+  for (std::size_t i = 0; i < soft_.bodyCount(); ++i)
+    if (soft_.body(i)->surfaceObject())
+      for (const SoftContact& contact : soft_.body(i)->contacts()) sum += contact.normalImpulse;
+  return sum;
 }
 
 Eigen::Matrix3Xd LimberEngine::positions(std::size_t body) const {

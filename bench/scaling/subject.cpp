@@ -4,6 +4,8 @@
 #include "engines/engine.h"
 #include "scenes/scene_list.h"
 
+#include <limber/soft_contact.h>
+
 #include <algorithm>
 #include <stdexcept>
 
@@ -81,6 +83,9 @@ std::size_t contactCount(const Subject& subject) {
   for (int i = 0; i < dispatcher.getNumManifolds(); ++i) {
     if (dispatcher.getManifoldByIndexInternal(i)->getNumContacts() > 0) ++count;
   }
+  for (std::size_t i = 0; subject.scene && i < subject.scene->soft->bodyCount(); ++i)
+    if (subject.scene->soft->body(i)->surfaceObject())
+      count += subject.scene->soft->body(i)->contacts().size();
   return count;
 }
 

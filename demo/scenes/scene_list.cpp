@@ -8,7 +8,7 @@ const std::vector<SceneEntry>& sceneList() {
       {"cubes", "64 soft cubes fall onto a floor, bounce and come to rest", 10.0, true, &createCubes},
       {"collapse", "the paper's cubes fold up, braced ones beside them do not", 10.0, false, &createCollapse},
       {"mesh", "9 bodies of any mesh you name with --mesh fall onto a floor", 8.0, true, &createMeshDrop},
-      {"rope", "ropes fall across a box and hang down on both sides", 5.0, false, &createRope},
+      {"rope", "ropes fall across a box and hang down on both sides", 8.0, false, &createRope},
       {"cloth", "a cloth falls onto a sphere and drapes it", 6.0, false, &createCloth},
       {"marble", "hard marbles are dropped on and shot at soft cubes, whose faces hold them", 6.0, false,
        &createMarble},

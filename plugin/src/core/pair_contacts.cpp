@@ -55,18 +55,6 @@ void addPlace(PairRows& rows, PairRow& row, LinkedBodies& bodies, const std::vec
   }
 }
 
-void prepareMasses(PairRow& row, const Matrix3d& mobility) {
-  row.mobility = mobility(0, 0);
-  row.mass = row.mobility > 0.0 ? 1.0 / row.mobility : 0.0;
-  row.acrossAlong[0] = mobility(1, 0);
-  row.acrossAlong[1] = mobility(2, 0);
-  const Eigen::Matrix2d across = mobility.bottomRightCorner<2, 2>();
-  const bool moves = across.determinant() > 0.0;
-  const Eigen::Matrix2d mass = moves ? Eigen::Matrix2d(across.inverse()) : Eigen::Matrix2d::Zero();
-  row.acrossMass[0] = mass(0, 0), row.acrossMass[1] = mass(0, 1), row.acrossMass[2] = mass(1, 1);
-  row.turnMass = 0.5 * mass.trace();
-}
-
 RowVector inAxes(const PairRow& row, const Bearing& bearing) {
   const RowVector across = inAxes(row, bearing.across);
   return {bearing.along, across.u, across.v};
@@ -100,7 +88,7 @@ void prepareRow(PairRows& rows, PairRow& row, const PairContact& c, LinkedBodies
   row.endPoint = static_cast<std::uint32_t>(rows.points.size());
   row.endTurn = static_cast<std::uint32_t>(rows.turns.size());
   const Matrix3d m = mobility(bodies, c.a) + mobility(bodies, c.b);
-  prepareMasses(row, axes.transpose() * m * axes);
+  setMobility(row, axes.transpose() * m * axes);
   row.couple = coupleOf(c);
   row.gap = c.gap;
   row.friction = c.friction;
@@ -130,6 +118,18 @@ double speedOf(const LinkedBodies& bodies, const JointRow& j) {
 }
 
 }  // namespace
+
+void setMobility(PairRow& row, const Matrix3d& mobility) {
+  row.mobility = mobility(0, 0);
+  row.mass = row.mobility > 0.0 ? 1.0 / row.mobility : 0.0;
+  row.acrossAlong[0] = mobility(1, 0);
+  row.acrossAlong[1] = mobility(2, 0);
+  const Eigen::Matrix2d across = mobility.bottomRightCorner<2, 2>();
+  const bool moves = across.determinant() > 0.0;
+  const Eigen::Matrix2d mass = moves ? Eigen::Matrix2d(across.inverse()) : Eigen::Matrix2d::Zero();
+  row.acrossMass[0] = mass(0, 0), row.acrossMass[1] = mass(0, 1), row.acrossMass[2] = mass(1, 1);
+  row.turnMass = 0.5 * mass.trace();
+}
 
 void preparePairs(PairRows& rows, LinkedBodies& bodies, const std::vector<PointView>& views) {
   rows.points.clear();

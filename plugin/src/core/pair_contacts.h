@@ -131,6 +131,9 @@ struct PairRows {
 /// Before the first substep of a tick: rows, masses. The state of bodies.points[i] is at views[i].
 void preparePairs(PairRows& rows, LinkedBodies& bodies, const std::vector<PointView>& views);
 
+/// Makes the row's masses those that belong to speeds per impulse (1/kg), along, across and across both.
+void setMobility(PairRow& row, const Eigen::Matrix3d& mobility);
+
 /// After a drift of dt seconds: the gaps as they are now.
 void movePairs(PairRows& rows, double dt);
 

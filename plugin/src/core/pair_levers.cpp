@@ -11,6 +11,7 @@ namespace limber {
 namespace {
 
 using Eigen::Matrix2d;
+using Eigen::Matrix3d;
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 using ConstMap = Eigen::Map<const Vector3d>;
@@ -138,12 +139,35 @@ void joinRigid(PairRows& rows, const PairRow& row, const PairContact& c) {
   }
 }
 
+/// 1/kg: speeds along, across and across both, of one impulse in each of these directions.
+Matrix3d mobilityOf(const PairRows& rows, const PairRow& row) {
+  const Eigen::Map<const Matrix3d> axes(row.axes[0]);  // its columns
+  Matrix3d mobility = Matrix3d::Zero();
+  for (std::uint32_t i = row.firstPoint; i < row.endPoint; ++i) {
+    const RowPoint& point = rows.points[i];
+    const RowLever& lever = rows.levers[i];
+    const Vector3d across(0.0, lever.across[0], lever.across[1]);
+    const Matrix3d changes =
+        ConstMap(point.response).asDiagonal() * axes + ConstMap(lever.response) * across.transpose();
+    mobility += (point.share * axes + axes.col(0) * across.transpose()).transpose() * changes;
+  }
+  for (std::uint32_t i = row.firstTurn; i < row.endTurn; ++i)
+    mobility += Eigen::Map<const Matrix3d>(rows.turns[i].speeds[0]).transpose() *
+                Eigen::Map<const Matrix3d>(rows.turns[i].response[0]);
+  return mobility;
+}
+
 }  // namespace
 
 void joinPlaces(PairRows& rows, std::size_t contact) {
-  const PairRow& row = rows.rows[contact];
-  if (row.couple == Couple::Soft) joinSoft(rows, row);
-  if (row.couple == Couple::Rigid) joinRigid(rows, row, rows.contacts[contact]);
+  PairRow& row = rows.rows[contact];
+  if (row.couple == Couple::Nobody) return;
+  if (row.couple == Couple::Soft)
+    joinSoft(rows, row);
+  else
+    joinRigid(rows, row, rows.contacts[contact]);
+  // a sweep that takes a row for heavier than it is diverges
+  setMobility(row, mobilityOf(rows, row));
 }
 
 }  // namespace limber
