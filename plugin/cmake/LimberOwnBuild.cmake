@@ -17,7 +17,8 @@ if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
   add_compile_options(-fpch-preprocess)  # ccache wants it
 endif()
 if(LIMBER_SANITIZE)
-  # without the checks of pointers that the address sanitizer makes as well, which take as long to compile as the rest
+  # Without the checks of pointers, which take as long to compile as the rest: bad ones are the address sanitizer's,
+  # but misaligned ones and wrong dynamic types then go unseen.
   add_compile_options(-fsanitize=${LIMBER_SANITIZE} -fno-sanitize=null,object-size,pointer-overflow,alignment,vptr
     -fno-sanitize-recover=all -fno-omit-frame-pointer)
   add_link_options(-fsanitize=${LIMBER_SANITIZE})
