@@ -30,7 +30,7 @@ void forEachSide(btDispatcher& dispatcher, Visit visit) {
   }
 }
 
-void fill(ManifoldIndex& index, btDiscreteDynamicsWorld& world) {
+void fill(RigidManifolds& index, btDiscreteDynamicsWorld& world) {
   const auto objects = static_cast<std::size_t>(world.getNumCollisionObjects());
   index.begin.assign(objects + 2, 0);
   forEachSide(*world.getDispatcher(),
@@ -53,8 +53,9 @@ Bearing guess(const btManifoldPoint& point) {
           toEigen(t * point.m_appliedImpulseLateral1 + u * point.m_appliedImpulseLateral2)};
 }
 
-void addContact(TickContacts& found, const btPersistentManifold& manifold, btManifoldPoint& point,
-                bool knownOnly) {
+/// `reported`: what the contact bears is added to; may be null.
+void addContact(TickContacts& found, const btPersistentManifold& manifold, const btManifoldPoint& point,
+                const Bearing& guess, btManifoldPoint* reported) {
   const btCollisionObject &a = *manifold.getBody0(), &b = *manifold.getBody1();
   const btVector3 onA = a.getWorldTransform() * point.m_localPointA;
   const btVector3 onB = b.getWorldTransform() * point.m_localPointB;
@@ -66,10 +67,9 @@ void addContact(TickContacts& found, const btPersistentManifold& manifold, btMan
   c.friction = double(point.m_combinedFriction);
   c.restitution = double(point.m_combinedRestitution);
   c.recoverySpeed = kRecoverySpeed;
-  if (knownOnly) c.stopping = guess(point);
-  point.m_appliedImpulse = point.m_appliedImpulseLateral1 = point.m_appliedImpulseLateral2 = 0;
+  c.stopping = guess;
   ContactSource source;
-  if (knownOnly) source.point = &point;
+  source.point = reported;
   found.add(c, source);
 }
 
@@ -86,15 +86,46 @@ btScalar motionOf(const btPersistentManifold& manifold, btScalar tick) {
   return motion;
 }
 
-void addContacts(TickContacts& found, btPersistentManifold& manifold, btScalar tick) {
+btManifoldPoint* nearest(btPersistentManifold& manifold, const btManifoldPoint& point) {
+  btManifoldPoint* best = nullptr;
+  const auto distance = [&](const btManifoldPoint& p) {
+    return p.m_localPointA.distance2(point.m_localPointA);
+  };
+  for (int p = 0; p < manifold.getNumContacts(); ++p) {
+    btManifoldPoint& candidate = manifold.getContactPoint(p);
+    if (!best || distance(candidate) < distance(*best)) best = &candidate;
+  }
+  return best;
+}
+
+/// Also with points that Bullet has given up. What these bear is reported at those next to them.
+void addKnownContacts(TickContacts& found, btPersistentManifold& manifold, KeptPoints& kept) {
+  const std::size_t extra = keepPoints(manifold, kept);
+  for (int p = 0; p < manifold.getNumContacts(); ++p) {
+    btManifoldPoint& point = manifold.getContactPoint(p);
+    addContact(found, manifold, point, guess(point), &point);
+  }
+  for (std::size_t i = extra; i < kept.now.size(); ++i) {
+    const btManifoldPoint& point = kept.now[i].point;
+    addContact(found, manifold, point, Bearing(), nearest(manifold, point));
+  }
+}
+
+void addContacts(TickContacts& found, btPersistentManifold& manifold, btScalar tick, KeptPoints& kept) {
   const bool knownOnly = motionOf(manifold, tick) < manifold.getContactBreakingThreshold();
-  for (int p = 0; p < manifold.getNumContacts(); ++p)
-    addContact(found, manifold, manifold.getContactPoint(p), knownOnly);
-  if (knownOnly) manifold.setContactProcessingThreshold(kLeftAlone);
+  if (knownOnly) {
+    addKnownContacts(found, manifold, kept);
+    manifold.setContactProcessingThreshold(kLeftAlone);
+  }
+  for (int p = 0; p < manifold.getNumContacts(); ++p) {
+    btManifoldPoint& point = manifold.getContactPoint(p);
+    if (!knownOnly) addContact(found, manifold, point, Bearing(), nullptr);
+    point.m_appliedImpulse = point.m_appliedImpulseLateral1 = point.m_appliedImpulseLateral2 = 0;
+  }
 }
 
 /// The contacts of rigid body `number` with others that have not had their turn.
-void gatherContactsOf(std::uint32_t number, const ManifoldIndex& index, btScalar tick, TickContacts& found) {
+void gatherContactsOf(std::uint32_t number, RigidManifolds& index, btScalar tick, TickContacts& found) {
   const btRigidBody* body = found.rigids[number].body;
   const auto place = static_cast<std::size_t>(found.rigids[number].place);
   for (int i = index.begin[place]; i < index.begin[place + 1]; ++i) {
@@ -102,14 +133,15 @@ void gatherContactsOf(std::uint32_t number, const ManifoldIndex& index, btScalar
     const btCollisionObject* other = manifold.getBody0() == body ? manifold.getBody1() : manifold.getBody0();
     const btRigidBody* rigid = btRigidBody::upcast(other);
     const std::uint32_t theirs = rigid && isFree(*rigid) ? found.find(*rigid) : TickContacts::kNone;
-    if (theirs == TickContacts::kNone || theirs > number) addContacts(found, manifold, tick);
+    if (theirs == TickContacts::kNone || theirs > number) addContacts(found, manifold, tick, index.kept);
   }
 }
 
 }  // namespace
 
-void gatherRigidContacts(btDiscreteDynamicsWorld& world, btScalar tick, ManifoldIndex& index,
+void gatherRigidContacts(btDiscreteDynamicsWorld& world, btScalar tick, RigidManifolds& index,
                          TickContacts& found) {
+  turnOver(index.kept);
   if (found.rigids.empty()) return;
   fill(index, world);
   std::uint32_t next = 0;
@@ -136,9 +168,9 @@ void reportRigidContacts(TickContacts& contacts) {
     btVector3 t, u;
     btPlaneSpace1(point->m_normalWorldOnB, t, u);
     const btVector3 impulse = toBullet(contacts.contacts[i].impulse);
-    point->m_appliedImpulse = impulse.dot(point->m_normalWorldOnB);
-    point->m_appliedImpulseLateral1 = impulse.dot(t);
-    point->m_appliedImpulseLateral2 = impulse.dot(u);
+    point->m_appliedImpulse += impulse.dot(point->m_normalWorldOnB);
+    point->m_appliedImpulseLateral1 += impulse.dot(t);
+    point->m_appliedImpulseLateral2 += impulse.dot(u);
   }
 }
 

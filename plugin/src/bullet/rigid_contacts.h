@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
+#include "bullet/kept_points.h"
 #include "bullet/tick_contacts.h"
 
 #include <vector>
@@ -9,9 +10,10 @@ namespace limber {
 inline namespace LIMBER_BULLET_PRECISION {
 
 /// Bullet's contact manifolds by the objects they are of, those of one object in the order of the dispatcher.
-struct ManifoldIndex {
+struct RigidManifolds {
   std::vector<int> begin;                        ///< #objects + 1, into `manifolds`
   std::vector<btPersistentManifold*> manifolds;  ///< each twice
+  KeptPoints kept;
 };
 
 /// What rigid bodies that soft ones push have in their turn to push against: all contacts and joints of
@@ -22,7 +24,7 @@ struct ManifoldIndex {
 /// Bullet's solver is told to leave those alone whose points it knows already (btPersistentManifold::
 /// setContactProcessingThreshold); where faster motion may bring new points into a manifold in this tick, it
 /// keeps its say. freeManifolds() takes that back.
-void gatherRigidContacts(btDiscreteDynamicsWorld& world, btScalar tick, ManifoldIndex& index,
+void gatherRigidContacts(btDiscreteDynamicsWorld& world, btScalar tick, RigidManifolds& index,
                          TickContacts& found);
 
 /// Lets Bullet's solver treat all manifolds again that gatherRigidContacts() told it to leave alone.

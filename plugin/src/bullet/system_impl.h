@@ -65,7 +65,7 @@ struct SoftBodySystem::Impl final : TickListener, StepListener {
   StepPlan plan;
   TickContacts pairs;  // contacts in which more than one body moves
   Clusters clusters;   // what they couple
-  ManifoldIndex manifolds;
+  RigidManifolds manifolds;
   SharedTopologies topologies;
   ShapeCache shapes;
   RigidSurfaces rigidSurfaces{shapes};

@@ -12,6 +12,9 @@
 namespace limber {
 namespace {
 
+/// As kSoftness in pair_solve.cpp, of friction.
+constexpr double kFrictionSoftness = 0.05;
+
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
@@ -66,7 +69,6 @@ Bearing bearingOf(const PairRow& row, const RowVector& v) {
 
 Couple coupleOf(const PairContact& c) {
   using Kind = ContactPlace::Kind;
-  if (!c.joined) return Couple::Nobody;
   if (c.a.kind == Kind::Soft && c.b.kind == Kind::Soft)
     return c.a.count + c.b.count > 2 ? Couple::Soft : Couple::Nobody;
   const bool both = c.a.kind != Kind::World && c.b.kind != Kind::World;
@@ -108,6 +110,15 @@ void prepareJoint(JointRow& j, const LinkedBodies& bodies) {
   j.impulse = 0.0;
 }
 
+/// Of the symmetric mobility (1/kg) between the tangents: its inverse, and that of its larger eigenvalue.
+void setAcross(PairRow& row, double uu, double uv, double vv) {
+  const double determinant = uu * vv - uv * uv;
+  const double scale = determinant > 0.0 ? 1.0 / determinant : 0.0;
+  row.acrossMass[0] = scale * vv, row.acrossMass[1] = -scale * uv, row.acrossMass[2] = scale * uu;
+  const double largest = 0.5 * (uu + vv) + std::sqrt(0.25 * (uu - vv) * (uu - vv) + uv * uv);
+  row.turnMass = determinant > 0.0 ? 1.0 / largest : 0.0;
+}
+
 double speedOf(const LinkedBodies& bodies, const JointRow& j) {
   const auto share = [&](std::uint32_t body, const Vector3d& linear, const Vector3d& angular) {
     if (body == JointRow::kHeld) return 0.0;
@@ -124,11 +135,9 @@ void setMobility(PairRow& row, const Matrix3d& mobility) {
   row.mass = row.mobility > 0.0 ? 1.0 / row.mobility : 0.0;
   row.acrossAlong[0] = mobility(1, 0);
   row.acrossAlong[1] = mobility(2, 0);
-  const Eigen::Matrix2d across = mobility.bottomRightCorner<2, 2>();
-  const bool moves = across.determinant() > 0.0;
-  const Eigen::Matrix2d mass = moves ? Eigen::Matrix2d(across.inverse()) : Eigen::Matrix2d::Zero();
-  row.acrossMass[0] = mass(0, 0), row.acrossMass[1] = mass(0, 1), row.acrossMass[2] = mass(1, 1);
-  row.turnMass = 0.5 * mass.trace();
+  const double uu = mobility(1, 1), uv = mobility(1, 2), vv = mobility(2, 2);
+  row.acrossSoftness = kFrictionSoftness * 0.5 * (uu + vv);
+  setAcross(row, uu + row.acrossSoftness, uv, vv + row.acrossSoftness);
 }
 
 void preparePairs(PairRows& rows, LinkedBodies& bodies, const std::vector<PointView>& views) {

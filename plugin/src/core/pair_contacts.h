@@ -37,7 +37,6 @@ struct PairContact {
   double friction = 0.0;
   double restitution = 0.0;    ///< of speeds of approach above kLeastBounce (contact_rows.h)
   double recoverySpeed = 0.5;  ///< m/s, at which surfaces that overlap are drawn apart at most
-  bool joined = true;          ///< its places are kept together, see pair_levers.h
   Bearing stopping, settling;  ///< of the present substep; to begin with, a guess
 
   // Written by the step.
@@ -106,9 +105,11 @@ struct PairRow {
   double gap, target;                     ///< m; m/s, along it at least
   double softness;                        ///< see kSoftness
   double mass, mobility;                  ///< kg along it, and its inverse; both 0: neither side can be moved
-  double acrossMass[3];                   ///< kg between the tangents: uu, uv, vv
+  double acrossSoftness;                  ///< 1/kg, speed per change of friction since the last substep
+  double acrossMass[3];                   ///< kg between the tangents, softness included: uu, uv, vv
   double acrossAlong[2];                  ///< 1/kg, speeds across per impulse along
-  double turnMass, friction;              ///< kg, of friction that slides; coefficient
+  double turnMass, friction;              ///< kg, the least of acrossMass; coefficient
+  double mostFriction;                    ///< N s, the radius of its cone
   bool active;                            ///< it bears something, or would be crossed
   RowVector stopping, settling, impulse;  ///< N s, see PairContact
   RowVector before, change, direction;    ///< N s, scratch of the solver

@@ -25,7 +25,7 @@ enum class Stage { Stopping, Settling };
 /// last substep (a proximal term), and normals to a fifth of the impulse itself. What contacts of rigid
 /// bodies bear against each other, of which nothing else tells how it is shared out, then settles instead of
 /// wandering, and piles come to rest. On a pile of ten boxes this costs 3e-5 m of height.
-constexpr double kSoftness = 0.02, kFrictionSoftness = 0.05;
+constexpr double kSoftness = 0.02;
 constexpr double kKept = 0.8;
 
 /// Of the friction of a contact that slides: by so much at least a sweep turns it against the sliding.
@@ -33,19 +33,25 @@ constexpr double kKept = 0.8;
 /// without this a slow slide would take long to get it out.
 constexpr double kLeastTurn = 0.1;
 
-/// Friction that stops the sliding (u, v) (m/s) altogether, or as much as there is, against the sliding.
-inline void addFriction(const PairRow& row, double u, double v, RowVector& sum) {
-  constexpr double kShare = 1.0 / (1.0 + kFrictionSoftness);
+/// Sweeps in which cones of friction follow the normals and friction is turned by kLeastTurn. With both,
+/// sweeps may go round in circles for ever; without, they descend to the least of a convex energy.
+constexpr int kFreeSweeps = 10;
+
+/// Friction that stops the sliding (u, v) (m/s) altogether, or as much as there is, against the sliding:
+/// nearer to the least energy of the row alone, or a step of projected gradient towards it.
+inline void addFriction(const PairRow& row, double u, double v, double leastTurn, RowVector& sum) {
   const double* m = row.acrossMass;
-  const double most = row.friction * sum.n;
-  const double stopU = sum.u - (m[0] * u + m[1] * v + kFrictionSoftness * (sum.u - row.before.u)) * kShare;
-  const double stopV = sum.v - (m[1] * u + m[2] * v + kFrictionSoftness * (sum.v - row.before.v)) * kShare;
+  const double most = row.mostFriction;
+  u += row.acrossSoftness * (sum.u - row.before.u);
+  v += row.acrossSoftness * (sum.v - row.before.v);
+  const double stopU = sum.u - (m[0] * u + m[1] * v);
+  const double stopV = sum.v - (m[1] * u + m[2] * v);
   if (stopU * stopU + stopV * stopV <= most * most) {
     sum.u = stopU, sum.v = stopV;
     return;
   }
   const double speed = std::sqrt(u * u + v * v);
-  const double turn = speed > 0.0 ? std::max(row.turnMass, kLeastTurn * most / speed) : 0.0;
+  const double turn = speed > 0.0 ? std::max(row.turnMass, leastTurn * most / speed) : 0.0;
   sum.u -= turn * u, sum.v -= turn * v;
   const double squared = sum.u * sum.u + sum.v * sum.v;
   if (squared <= most * most) return;
@@ -54,14 +60,16 @@ inline void addFriction(const PairRow& row, double u, double v, RowVector& sum) 
 }
 
 /// Brings the speed along the normal up to `target` (m/s), with the impulse `total` 0 or more along it and
-/// friction within its cone; row.change is what this has changed.
-inline void solveContact(PairRows& rows, PairRow& row, RowVector& total, double target) {
+/// friction within its cone, which is `free` to follow; row.change is what this has changed.
+inline void solveContact(PairRows& rows, PairRow& row, RowVector& total, double target, bool free) {
   const RowVector speeds = speedsOf(rows, row), earlier = total;
   RowVector sum = earlier;
   const double strain = row.softness * (sum.n - kKept * row.before.n);
   sum.n = std::max(0.0, sum.n + ((target - speeds.n) * row.mass - strain) / (1.0 + row.softness));
   const double more = sum.n - earlier.n;
-  addFriction(row, speeds.u + more * row.acrossAlong[0], speeds.v + more * row.acrossAlong[1], sum);
+  if (free) row.mostFriction = row.friction * sum.n;
+  addFriction(row, speeds.u + more * row.acrossAlong[0], speeds.v + more * row.acrossAlong[1],
+              free ? kLeastTurn : 0.0, sum);
   const RowVector change{more, sum.u - earlier.u, sum.v - earlier.v};
   bear(rows, row, change);
   row.change = change;
@@ -105,6 +113,7 @@ struct Solve {
     joinPlaces(rows, i);
     PairRow& row = rows.rows[i];
     row.active = true;
+    row.mostFriction = 0.0;
     row.direction = RowVector();
     row.change = RowVector();
     rows.active.push_back(i);
@@ -142,7 +151,7 @@ struct Solve {
     return true;
   }
 
-  Change sweep() {
+  Change sweep(bool free) {
     Change change;
     for (JointRow& j : rows.joints) {
       if (j.mass == 0.0) continue;
@@ -151,7 +160,7 @@ struct Solve {
     }
     for (const std::uint32_t i : rows.active) {
       PairRow& row = rows.rows[i];
-      solveContact(rows, row, impulse(row), stage == Stage::Stopping ? row.target : 0.0);
+      solveContact(rows, row, impulse(row), stage == Stage::Stopping ? row.target : 0.0, free);
       change.add(row.change.squaredNorm(), row.mobility);
     }
     return change;
@@ -179,11 +188,13 @@ struct Solve {
   int run() {
     start();
     double before = 0.0;
+    int lastFree = kFreeSweeps;
     for (int count = 1; !hasNothingToDo(); ++count) {
-      const Change change = sweep();
+      const Change change = sweep(count <= lastFree);
       if (count == kMostSweeps) return count;
       const bool ends = change.within(kPairTolerance);
       if (ends && (stage == Stage::Settling || !activateCrossed())) return count;
+      if (ends) lastFree = count + kFreeSweeps;
       // where the last sweep has changed more than the one before, its direction leads astray
       const double beta = before > 0.0 ? change.energy / before : 0.0;
       stepOn(beta <= 1.0 ? beta : 0.0);
