@@ -6,6 +6,7 @@
 #include "bullet/contact_reach.h"
 #include "bullet/convert.h"
 #include "bullet/point_masses.h"
+#include "bullet/point_rows.h"
 #include "bullet/surface_body.h"
 #include "bullet/surface_partners.h"
 
@@ -55,79 +56,6 @@ struct PartnersInBox final : btBroadphaseAabbCallback {
     if (canHit(*body, *proxy)) addPartner(*body, *static_cast<btCollisionObject*>(proxy->m_clientObject));
     return true;
   }
-};
-
-/// The rows that one point and one partner make.
-class RowsOfPair final : public btCollisionWorld::ContactResultCallback {
- public:
-  RowsOfPair(SoftBodyData& body, std::uint32_t point, const btCollisionObject& partner, double reach,
-             btScalar tick)
-      : body_(&body), point_(point), partner_(&partner), tick_(tick), first_(body.contacts.size()) {
-    m_closestDistanceThreshold = static_cast<btScalar>(reach);
-  }
-
-  btScalar addSingleResult(btManifoldPoint& contact, const btCollisionObjectWrapper* first, int, int,
-                           const btCollisionObjectWrapper*, int, int) override {
-    if (contact.getDistance() > m_closestDistanceThreshold) return 0;
-    const bool pointIsFirst = first->getCollisionObject() == body_->masses.bodies[point_];
-    const btVector3 normal = pointIsFirst ? contact.m_normalWorldOnB : -contact.m_normalWorldOnB;
-    surface_ = pointIsFirst ? contact.m_positionWorldOnB : contact.m_positionWorldOnA;
-    normal_ = normal;
-    ++found_;
-    add(toEigen(normal), surface_);
-    return 0;
-  }
-
-  /// Keeps the one contact that was found for coming ticks.
-  void keepContact(CachedContact& cached) const {
-    const btVector3 place = toBullet(Eigen::Vector3d(body_->state.position.col(point_)));
-    if (found_ == 1) limber::keepContact(cached, *partner_, surface_, normal_, place);
-  }
-
-  void add(const Eigen::Vector3d& normal, const btVector3& surface) {
-    ContactRow row;
-    row.point = point_;
-    row.normal = normal.normalized();
-    row.friction = double(gCalculateCombinedFrictionCallback(&own(), partner_));
-    row.restitution = double(gCalculateCombinedRestitutionCallback(&own(), partner_));
-    row.recoverySpeed = recoverySpeed(double(body_->masses.shape->getRadius()));
-    row.surfaceVelocity = velocityOfPartner(surface);
-    // a kinematic body is already where it will be at the end of the tick
-    row.touch = toEigen(surface) + double(body_->masses.shape->getRadius()) * row.normal -
-                double(tick_) * row.surfaceVelocity;
-    for (std::size_t i = first_; i < body_->contacts.size(); ++i)
-      if (body_->contacts[i].normal.dot(row.normal) > kSameSurface) {
-        if (gap(row) < gap(body_->contacts[i])) body_->contacts[i] = row;
-        return;
-      }
-    body_->contacts.push_back(row);
-    body_->contactPartners.push_back(partner_);
-  }
-
- private:
-  double gap(const ContactRow& row) const {
-    return row.normal.dot(body_->state.position.col(point_) - row.touch);
-  }
-
-  /// What the user may have given a friction of its own.
-  const btRigidBody& own() const {
-    if (!body_->masses.shared) return *body_->surface.object;
-    return *body_->masses.bodies[point_];
-  }
-
-  Eigen::Vector3d velocityOfPartner(const btVector3& surface) const {
-    const btRigidBody* rigid = btRigidBody::upcast(partner_);
-    if (!rigid || !rigid->isKinematicObject()) return Eigen::Vector3d::Zero();
-    return toEigen(rigid->getVelocityInLocalPoint(surface - rigid->getWorldTransform().getOrigin()));
-  }
-
-  SoftBodyData* body_;
-  std::uint32_t point_;
-  const btCollisionObject* partner_;
-  btScalar tick_;
-  std::size_t first_;
-  int found_ = 0;
-  btVector3 surface_, normal_;  // of the last one found
 };
 
 void addPlaneRow(RowsOfPair& rows, const SoftBodyData& body, std::uint32_t i,
@@ -196,8 +124,11 @@ void addRows(SoftBodyData& body, std::uint32_t i, const btCollisionObject& partn
       rigid && rigid->isKinematicObject() ? double(rigid->getLinearVelocity().length() * tick) : 0.0;
   const double distance = reach.distance + kReachPerMotion * travel;
   RowsOfPair rows(body, i, partner, distance, tick);
-  if (partner.getCollisionShape()->getShapeType() == STATIC_PLANE_PROXYTYPE)
+  const int shape = partner.getCollisionShape()->getShapeType();
+  if (shape == STATIC_PLANE_PROXYTYPE)
     addPlaneRow(rows, body, i, partner, distance);
+  else if (shape == BOX_SHAPE_PROXYTYPE && isSurfaceBody(body))
+    rows.addOnBox(*static_cast<const btBoxShape*>(partner.getCollisionShape()), partner.getWorldTransform());
   else if (!(isSurfaceBody(body) ? addKeptRow : addCachedRow)(rows, body, i, partner, distance))
     addFoundRows(rows, body, i, partner);
 }
