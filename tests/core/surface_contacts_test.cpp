@@ -122,6 +122,26 @@ TEST(SurfaceContacts, railsCarryACube) {
   expectBears(all, upper, 0.0, {0, 0, 0});
 }
 
+/// Whatever bends, one of its folds is nearest to the ridge: the contacts are there before it bends.
+TEST(SurfaceContacts, aSheetMeetsARidgeWithAllItsFolds) {
+  MovingShape ridge = test::boxShape({0.2, 0.2, 3}, 0.0, true);
+  ridge.move(Translation3d(0.03, -kRadius - 0.2 * std::sqrt(0.5), 0) *
+             Affine3d(AngleAxisd(M_PI / 4, Vector3d::UnitZ())));
+  for (const double lift : {0.0, 0.003, -0.003}) {
+    MovingShape cloth = test::clothShape(4, 0.1, kRadius);
+    for (Eigen::Index i = 0; i < cloth.position.cols(); i += 2)  // every other point of each line
+      if (cloth.position(0, i) > 0.05) cloth.position(1, i) += lift;
+    const auto found = test::contactsOf(cloth, ridge, kMargin);
+    expectSound(found, cloth, ridge);
+    // 5 edges across it, and the diagonals between them
+    EXPECT_EQ(found.size(), 9u) << lift;
+    for (const SurfaceContact& c : found) {
+      EXPECT_EQ(c.a.kind, FeatureKind::OnEdge);
+      EXPECT_GT(c.normal.y(), 0.999);
+    }
+  }
+}
+
 /// A ball above the ridge between two faces, a corner, and beside them.
 TEST(SurfaceContacts, ballTouchesWhatIsNearest) {
   const double r = 0.05, reach = r + kRadius;

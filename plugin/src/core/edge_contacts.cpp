@@ -82,6 +82,30 @@ bool isInside(const MovingSurface& surface, const Vector3d& place, double depth)
   return nearest.behind || nearest.distance <= kCrossingTolerance * depth;
 }
 
+/// Whether the edge is one of a sheet, which has no inside: whatever it does not cross is in front of it.
+bool isOfSheet(const SurfaceTopology& t, std::uint32_t edge) {
+  const auto [first, second] = t.edgeTriangles[edge];
+  const auto hasInside = [&](std::uint32_t i) { return i != kNoFeature && t.oneSided[i]; };
+  return !hasInside(first) && !hasInside(second);
+}
+
+/// Whether the crossing edges, of which `normal` is the direction from b to a, are apart from each other
+/// where they may touch. Two ridges may.
+///
+/// So may a ridge and any fold of a sheet. A sheet that a ridge pushes back at one of its folds bends there,
+/// so that the next fold becomes what is nearest, within the tick: if only ridges counted, the two would fall
+/// and be pushed back in turn. Folds are no nearer than the ridges beside them, and bear nothing until they
+/// must. Where `normal` is that of a triangle beside the ridge, the triangle's contacts say the same.
+bool areApart(const SurfacePair& pair, std::uint32_t ea, std::uint32_t eb, double time,
+              const Vector3d& normal) {
+  constexpr double kRounding = 1e-6;
+  const auto isOnA = [&](double beyond) { return isInNormalCone(pair.a, time, ea, -normal, beyond); };
+  const auto isOnB = [&](double beyond) { return isInNormalCone(pair.b, time, eb, normal, beyond); };
+  if (isOnA(kCrossingTolerance) && isOnB(kCrossingTolerance)) return true;
+  return (isOfSheet(*pair.a.topology, ea) && isOnB(-kRounding)) ||
+         (isOfSheet(*pair.b.topology, eb) && isOnA(-kRounding));
+}
+
 /// Whether the crossing edges have passed through each other.
 bool havePassed(const SurfacePair& pair, std::uint32_t ea, std::uint32_t eb,
                 const NearestPlaces<2, 2>& places, const Vector3d& normal) {
@@ -155,8 +179,7 @@ void meetEdges(const SurfacePair& pair, std::uint32_t ea, std::uint32_t eb, Cont
   if (areParallel(alongA, alongB)) return;
   Vector3d normal = alongA.cross(alongB).normalized();
   if (normal.dot(places.away) < 0.0) normal = -normal;
-  const bool apart = isInNormalCone(pair.a, places.time, ea, -normal, kCrossingTolerance) &&
-                     isInNormalCone(pair.b, places.time, eb, normal, kCrossingTolerance);
+  const bool apart = areApart(pair, ea, eb, places.time, normal);
   if (!apart && !havePassed(pair, ea, eb, places, normal)) return;
   ContactCandidate candidate;
   SurfaceContact& c = candidate.contact;
