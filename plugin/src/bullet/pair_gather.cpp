@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "bullet/pair_gather.h"
 
+#include "bullet/box_contact.h"
 #include "bullet/contact_reach.h"
 #include "bullet/convert.h"
 
@@ -24,22 +25,20 @@ class PairsOfPoint final : public btCollisionWorld::ContactResultCallback {
     if (contact.getDistance() > m_closestDistanceThreshold) return 0;
     const bool pointIsFirst = first->getCollisionObject() == body_->masses.bodies[point_];
     const btVector3 normal = pointIsFirst ? contact.m_normalWorldOnB : -contact.m_normalWorldOnB;
-    add(toEigen(normal).normalized(), pointIsFirst ? contact.m_positionWorldOnB : contact.m_positionWorldOnA);
+    add(toEigen(normal).normalized(),
+        toEigen(pointIsFirst ? contact.m_positionWorldOnB : contact.m_positionWorldOnA));
     return 0;
   }
 
- private:
-  void add(const Eigen::Vector3d& normal, const btVector3& surface) {
+  void add(const Eigen::Vector3d& normal, const Eigen::Vector3d& surface) {
     PairContact c;
     c.a.kind = ContactPlace::Kind::Soft;
     c.a.body = body_->index;
     c.a.point[0] = point_;
-    c.b = placeOn(*found_, *partner_, surface);
+    c.b = placeOn(*found_, *partner_, toBullet(surface));
     c.normal = normal;
-    // with places that follow, a pile of ten boxes on such a body sways on; why is not known
-    c.joined = false;
     const double radius = double(body_->masses.shape->getRadius());
-    c.gap = normal.dot(body_->state.position.col(point_) - toEigen(surface)) - radius;
+    c.gap = normal.dot(body_->state.position.col(point_) - surface) - radius;
     const PointMass* point = body_->masses.bodies[point_];
     c.friction = double(gCalculateCombinedFrictionCallback(point, partner_));
     c.restitution = double(gCalculateCombinedRestitutionCallback(point, partner_));
@@ -56,6 +55,7 @@ class PairsOfPoint final : public btCollisionWorld::ContactResultCallback {
     found_->add(c, source);
   }
 
+ private:
   SoftBodyData* body_;
   std::uint32_t point_;
   const btRigidBody* partner_;
@@ -71,14 +71,29 @@ double motionOf(const btRigidBody& partner, double tick) {
   return tick * (speed + tick * double(partner.getTotalForce().length() * partner.getInvMass()));
 }
 
+/// The closed form: Bullet's general algorithm now and then finds a point that rests on a box centimetres
+/// above it, in single precision.
+void addBoxPair(PairsOfPoint& pairs, const SoftBodyData& body, std::uint32_t i, const btRigidBody& partner,
+                double reach) {
+  const Eigen::Vector3d x = body.state.position.col(i);
+  const btTransform& pose = partner.getWorldTransform();
+  const auto& box = *static_cast<const btBoxShape*>(partner.getCollisionShape());
+  const NearestOnBox nearest = nearestOnBox(box, toEigen(pose.invXform(toBullet(x))));
+  const Eigen::Vector3d surface = toEigen(pose * toBullet(nearest.surface));
+  const Eigen::Vector3d normal = toEigen(pose.getBasis() * toBullet(nearest.normal)).normalized();
+  if (normal.dot(x - surface) - double(body.masses.shape->getRadius()) <= reach) pairs.add(normal, surface);
+}
+
 void addPairs(SoftBodyData& body, std::uint32_t i, btRigidBody& partner, double tick, TickContacts& found) {
   const double motion = kReachPerMotion * motionOf(partner, tick);
   const Reach reach = reachOf(body, i, tick, motion);
   if (!overlaps(reach, partner)) return;
   PointMass& point = *body.masses.bodies[i];
   if (!point.checkCollideWith(&partner) || !partner.checkCollideWith(&point)) return;
-  if (!body.masses.shared) writePoint(body, i);
   PairsOfPoint pairs(body, i, partner, reach.distance, found);
+  if (partner.getCollisionShape()->getShapeType() == BOX_SHAPE_PROXYTYPE)
+    return addBoxPair(pairs, body, i, partner, reach.distance);
+  if (!body.masses.shared) writePoint(body, i);
   body.world->contactPairTest(&point, &partner, pairs);
 }
 
