@@ -39,13 +39,21 @@ class LimberEngine final : public Engine {
   SoftBodySystem soft_{world_};
 };
 
+/// Without asking for points where nothing is to be done to them: those that nobody knows cost less.
 void place(SoftBody& body, const BodySetup& setup) {
+  if (!setup.positions.cols() && !setup.velocities.cols()) return;
   for (std::uint32_t i = 0; i < body.pointCount(); ++i) {
     btRigidBody& point = *body.point(i);
     if (setup.positions.cols()) point.getWorldTransform().setOrigin(toBullet(setup.positions.col(i)));
     if (setup.velocities.cols()) point.setLinearVelocity(toBullet(setup.velocities.col(i)));
-    if (!setup.maySleep) point.setActivationState(DISABLE_DEACTIVATION);
   }
+}
+
+void keepAwake(SoftBody& body) {
+  if (btCollisionObject* surface = body.surfaceObject())
+    return surface->setActivationState(DISABLE_DEACTIVATION);
+  for (std::uint32_t i = 0; i < body.pointCount(); ++i)
+    body.point(i)->setActivationState(DISABLE_DEACTIVATION);
 }
 
 std::size_t LimberEngine::addBody(const BodySetup& setup) {
@@ -55,6 +63,7 @@ std::size_t LimberEngine::addBody(const BodySetup& setup) {
   Result<SoftBody*> body = soft_.createBody(setup.network, settings);
   if (!body) throw std::runtime_error(body.error());
   place(**body, setup);
+  if (!setup.maySleep) keepAwake(**body);
   for (const std::uint32_t pin : setup.pins) (*body)->pin(pin);
   return soft_.bodyCount() - 1;
 }

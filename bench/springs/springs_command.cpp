@@ -57,9 +57,10 @@ void addLanes(double damping, bool resting, std::vector<Way>& ways) {
     if (!isAvailable(set)) continue;
     auto cubes = std::make_shared<std::deque<TestCube>>(makeCubes(laneCount(set), damping, resting));
     auto block = std::make_shared<LaneBlock>(makeBlock(*cubes));
+    auto scratch = std::make_shared<LaneScratch>();
     ways.push_back(
         way((std::string("lanes ") + nameOf(set)).c_str(), "double", damping, resting, laneCount(set)));
-    ways.back().run = [cubes, block, set] { stepLanes(*block, kTick, kSubsteps, set); };
+    ways.back().run = [cubes, block, scratch, set] { stepLanes(*block, *scratch, kTick, kSubsteps, set); };
   }
 }
 

@@ -79,13 +79,14 @@ TEST_P(Lanes, giveTheBitsOfSingleBodies) {
       std::deque<LaneBody> single = makeBodies(network, count, damping);
       std::deque<LaneBody> laned = makeBodies(network, count, damping);
       LaneBlock block;
+      LaneScratch scratch;
       for (LaneBody& body : laned) {
         block.lanes.emplace_back();
         block.lanes.back().body = body.stepped();
       }
       for (int tick = 0; tick < 20; ++tick) {
         for (LaneBody& body : single) stepVerlet(body.group, 1.0 / 60.0, 7);
-        stepLanes(block, 1.0 / 60.0, 7, set);
+        stepLanes(block, scratch, 1.0 / 60.0, 7, set);
       }
       for (std::size_t i = 0; i < single.size(); ++i) {
         SCOPED_TRACE(testing::Message() << "damping " << damping << ", body " << i << " of " << count);
@@ -111,13 +112,14 @@ TEST(Lanes, takeUpNewSpringsWhenTheyChange) {
   std::deque<LaneBody> single = makeBodies(test::cubeNetwork(), 2, 0.5),
                        laned = makeBodies(test::cubeNetwork(), 2, 0.5);
   LaneBlock block;
+  LaneScratch scratch;
   for (LaneBody& body : laned) {
     block.lanes.emplace_back();
     block.lanes.back().body = body.stepped();
   }
   for (const int substeps : {4, 9, 4}) {  // other substeps, other dampers
     for (LaneBody& body : single) stepVerlet(body.group, 1.0 / 60.0, substeps);
-    stepLanes(block, 1.0 / 60.0, substeps, set);
+    stepLanes(block, scratch, 1.0 / 60.0, substeps, set);
     for (std::size_t i = 0; i < 2; ++i)
       EXPECT_TRUE(sameBits(single[i].state.velocity, laned[i].state.velocity)) << substeps;
   }

@@ -3,6 +3,7 @@
 #include "core/volume_term.h"
 #include "core/body_measures.h"
 #include "core/implicit_step.h"
+#include "core/kept_volume_bound.h"
 #include "core/stepping_choice.h"
 #include "support/networks.h"
 #include "support/small_meshes.h"
@@ -171,6 +172,44 @@ TEST(VolumeTerm, boundsTheFrequencyItAdds) {
                bound = volumeFrequencyBoundSquared(v, state, 0.0);
   EXPECT_GE(bound, largest);
   EXPECT_LE(bound, 4.0 * largest) << "no waste of substeps";
+}
+
+TEST(VolumeTerm, aBoundWithSlackHoldsForAllShapesWithinIt) {
+  for (const SharedNetwork& network : {test::closedCubeNetwork(), bare(small_meshes::icosphere(1))})
+    for (const double noise : {0.0, 0.03, 0.1}) {
+      VolumeArrays v = volumesOf(network, 100.0, 30.0);
+      PointState state = stateOf(network, noise);
+      const double slack = 0.02, bound = volumeFrequencyBoundSquared(v, state, 0.0, slack);
+      const Points middle = state.position;
+      std::srand(1);
+      for (int i = 0; i < 200; ++i) {
+        state.position = middle;
+        for (Eigen::Index p = 0; p < middle.cols(); ++p)
+          state.position.col(p) += slack * Eigen::Vector3d::Random().normalized();
+        EXPECT_GE(bound, volumeFrequencyBoundSquared(v, state, 0.0)) << noise;
+      }
+    }
+}
+
+TEST(VolumeTerm, keepsItsBoundWhileTheShapeIsKept) {
+  const SharedNetwork cube = test::closedCubeNetwork();
+  VolumeArrays v = volumesOf(cube, 100.0, 30.0);
+  PointState state = stateOf(cube, 0.01);
+  const double bound = keptVolumeBoundSquared(v, state, 1.0);
+  const double exact = volumeFrequencyBoundSquared(v, state, 1.0);
+  EXPECT_GE(bound, exact);
+  EXPECT_LE(bound, 1.01 * exact) << "no waste of substeps";
+  state.position.col(3) *= 1.0001;
+  state.position.colwise() += Eigen::Vector3d(3, 4, 5);
+  state.velocity.colwise() += Eigen::Vector3d(30, 40, 50);
+  EXPECT_EQ(keptVolumeBoundSquared(v, state, 1.0), bound);
+  state.velocity(0, 0) += 0.5;
+  const double faster = keptVolumeBoundSquared(v, state, 1.0);
+  EXPECT_GE(faster, volumeFrequencyBoundSquared(v, state, 1.0)) << "an edge may become half as long again";
+  EXPECT_GT(faster, 1.5 * bound);
+  state.velocity(0, 0) = 30.0;
+  state.position *= 2.0;
+  EXPECT_GT(keptVolumeBoundSquared(v, state, 1.0), 1.5 * bound);
 }
 
 enum class How { Verlet, Shared, Newton };

@@ -3,6 +3,7 @@
 
 #include "core/body_measures.h"
 #include "core/energy_guard.h"
+#include "core/kept_volume_bound.h"
 #include "core/spring_forces.h"
 #include "core/stepping_choice.h"
 
@@ -33,6 +34,7 @@ void updateBounds(SoftBodyData& body) {
   const Points& w = body.state.inverseMass;
   body.frequencySquared = limber::frequencyBoundSquared(body.springs, w, body.stiffnessSums);
   body.dampingRate = dampingRateBound(body.springs, w);
+  body.volumes.kept.value = 0.0;
   body.frequencyStale = false;
 }
 
@@ -42,9 +44,8 @@ double frequencyBoundSquared(TickGroup& group, double tick) {
   double own = 0.0;
   for (SoftBodyData* body : group.bodies) {
     if (body->frequencyStale) updateBounds(*body);
-    own =
-        std::max(own, body->frequencySquared + volumeFrequencyBoundSquared(body->volumes, body->state, tick) +
-                          tetrahedronFrequencyBoundSquared(body->tetrahedra, body->state));
+    own = std::max(own, body->frequencySquared + keptVolumeBoundSquared(body->volumes, body->state, tick) +
+                            tetrahedronFrequencyBoundSquared(body->tetrahedra, body->state));
   }
   return own + linkFrequencyBoundSquared(group.step.links);
 }

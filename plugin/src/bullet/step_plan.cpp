@@ -74,7 +74,7 @@ void StepPlan::stepBlock(std::vector<TickGroup>& groups, std::size_t begin, std:
     if (lane.body.points != body.points) lane.revision = 0;
     lane.body = body;
   }
-  stepLanes(block, tick, candidates_[begin].substeps, set_);
+  stepLanes(block, scratch_, tick, candidates_[begin].substeps, set_);
   for (std::size_t i = begin; i < end; ++i)
     groups[candidates_[i].group].step.bodies[0].errorRate = block.lanes[i - begin].body.errorRate;
 }

@@ -42,6 +42,7 @@ class StepPlan {
   std::vector<std::size_t> networkOf_;  ///< #groups
   std::vector<Candidate> candidates_;
   std::vector<LaneBlock> blocks_;
+  LaneScratch scratch_;
   std::size_t blocksUsed_ = 0;
 };
 

@@ -61,6 +61,7 @@ struct Dynamics {
   double restEnergy;   ///< J
   InstructionSet set = bestInstructionSet();
   LaneBlock block;
+  LaneScratch scratch;
   QuadArrays quads;
 
   explicit Dynamics(RelaxedBody& relaxed) : body(relaxed) {
@@ -129,7 +130,7 @@ void stepTogether(Dynamics& dynamics, Run* const* runs, std::size_t count) {
   dynamics.block.lanes.resize(count);
   for (std::size_t lane = 0; lane < count; ++lane)
     dynamics.block.lanes[lane].body = dynamics.stepped(runs[lane]->state);
-  stepLanes(dynamics.block, timeOf(dynamics, *runs[0]), runs[0]->substeps, dynamics.set);
+  stepLanes(dynamics.block, dynamics.scratch, timeOf(dynamics, *runs[0]), runs[0]->substeps, dynamics.set);
 }
 
 void stepAll(Dynamics& dynamics, std::list<Run>& runs) {

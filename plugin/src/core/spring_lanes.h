@@ -19,18 +19,24 @@ struct LaneBlock {
   };
   std::vector<Lane> lanes;  ///< 1 to laneCount(instructionSet) bodies
 
-  AlignedNumbers position, velocity, acceleration, inverseMass, force, earlierForce;  // 3 x #points
   AlignedNumbers restLength, extensionStiffness, compressionStiffness, dampHalf,
       dampFull;                                     // #springs
-  AlignedNumbers direction;                         // 3 x #springs
   AlignedNumbers restVolume, modulus, pressure;     // #components, 1, 1
-  AlignedNumbers gradient, sums;                    // 3 x #points, 4 x #components
-  AlignedNumbers inverseRest, hold;                 // #tetrahedra
+  AlignedNumbers inverseRest;                       // #tetrahedra
   AlignedNumbers tetrahedronModulus, crushModulus;  // 1, 1
 };
 
+/// What changes in a step, in the order of a LaneBlock. Of no block in particular: that of thousands would
+/// not stay in the caches.
+struct LaneScratch {
+  AlignedNumbers position, velocity, acceleration, inverseMass, force, earlierForce;  // 3 x #points
+  AlignedNumbers direction;                                                           // 3 x #springs
+  AlignedNumbers gradient, sums;  // 3 x #points, 4 x #components
+  AlignedNumbers hold;            // #tetrahedra
+};
+
 /// As stepVerlet for each of the bodies, to the bit, whatever the instruction set.
-/// Allocates only when the block has not had as many points or springs before.
-void stepLanes(LaneBlock& block, double tick, int substeps, InstructionSet set);
+/// Allocates only when block and scratch have not had as many points or springs before.
+void stepLanes(LaneBlock& block, LaneScratch& scratch, double tick, int substeps, InstructionSet set);
 
 }  // namespace limber

@@ -75,6 +75,15 @@ Points scaledRest(const SpringNetwork& network, const Eigen::Vector3d& scale) {
   return rest;
 }
 
+/// m; 0 of no triangles.
+double shortestEdge(const std::vector<Triangle>& triangles, const Points& points) {
+  double shortest = triangles.empty() ? 0.0 : HUGE_VAL;
+  for (const Triangle& t : triangles)
+    for (std::size_t k = 0; k < 3; ++k)
+      shortest = std::min(shortest, (points.col(t[(k + 1) % 3]) - points.col(t[k])).norm());
+  return shortest;
+}
+
 /// Of the box around triangles first to last.
 double boxVolume(const std::vector<Triangle>& triangles, std::size_t first, const Points& points) {
   Eigen::AlignedBox3d box;
@@ -118,7 +127,12 @@ struct EdgeSquares {
   double now = 0.0, later = 0.0;
 };
 
-EdgeSquares longestEdge(const Triangle& t, const PointState& state, double tick) {
+double squareOfSum(double squared, double more) {
+  const double sum = std::sqrt(squared) + more;
+  return sum * sum;
+}
+
+EdgeSquares longestEdge(const Triangle& t, const PointState& state, double tick, double slack) {
   EdgeSquares longest;
   for (std::size_t k = 0; k < 3; ++k) {
     const auto a = t[k], b = t[(k + 1) % 3];
@@ -127,25 +141,39 @@ EdgeSquares longestEdge(const Triangle& t, const PointState& state, double tick)
     longest.now = std::max(longest.now, edge.squaredNorm());
     longest.later = std::max({longest.later, longest.now, moved.squaredNorm()});
   }
+  if (slack > 0.0) longest.later = squareOfSum(longest.later, 2.0 * slack);
   return longest;
 }
 
 /// Sums up the longest edges around each point into rowSums; returns the square of the largest growth of one.
-double sumEdges(VolumeArrays& v, std::size_t c, const PointState& state, double tick) {
+double sumEdges(VolumeArrays& v, std::size_t c, const PointState& state, double tick, double slack) {
   double growth = 1.0;
   for (std::size_t i = v.firstTriangle[c]; i < v.firstTriangle[c + 1]; ++i) {
-    const EdgeSquares edge = longestEdge(v.triangles[i], state, tick);
+    const EdgeSquares edge = longestEdge(v.triangles[i], state, tick, slack);
     if (edge.now > 0.0) growth = std::max(growth, edge.later / edge.now);
     for (const std::uint32_t corner : v.triangles[i]) v.rowSums[corner] += std::sqrt(edge.later) / 3.0;
   }
   return growth;
 }
 
+/// 1/m^2 and more: sum w |g|^2 of a component, g the gradient of its volume. A triangle gives a corner a
+/// sixth of the cross product of two edges, which changes by at most 2 slack (|e1| + |e2|) / 6: with the sums
+/// r of longest edges, that are thirds,  |change of g| <= 2 slack r.
+double gradientSum(const VolumeArrays& v, const double* sums, const PointState& state, double slack) {
+  const double now = (sums[1] + sums[2] + sums[3]) / 36.0;
+  if (!(slack > 0.0)) return now;
+  double change = 0.0;
+  for (std::size_t i = 0; i < v.rowSums.size(); ++i)
+    change += state.inverseMass.col(static_cast<Eigen::Index>(i)).maxCoeff() * v.rowSums[i] * v.rowSums[i];
+  return squareOfSum(now, 2.0 * slack * std::sqrt(change));
+}
+
 /// Of one component, see volumeFrequencyBoundSquared; after sumUp().
-double componentBound(VolumeArrays& v, std::size_t c, const PointState& state, double tick) {
+double componentBound(VolumeArrays& v, std::size_t c, const PointState& state, double tick, double slack) {
   const double* sums = &v.sums[4 * c];
   const kernel::Push<double> now = kernel::pushOf(sums[0] / 6.0, v.restVolume[c], v.modulus, v.pressure);
-  const double growth = std::pow(sumEdges(v, c, state, tick), 1.5) - 1.0;
+  const double edges = sumEdges(v, c, state, tick, slack);
+  const double growth = edges * std::sqrt(edges) - 1.0;
   const double push = std::abs(now.push) + v.modulus * std::min(growth, -kernel::kLargestShrinking);
   const double change = sums[0] / (6.0 * v.restVolume[c]) - 1.0;
   v.restless = v.restless || std::abs(change) > kFar || growth > kFar;
@@ -153,7 +181,7 @@ double componentBound(VolumeArrays& v, std::size_t c, const PointState& state, d
   for (std::size_t i = v.firstTriangle[c]; i < v.firstTriangle[c + 1]; ++i)
     for (const std::uint32_t corner : v.triangles[i])
       across = std::max(across, state.inverseMass.col(corner).maxCoeff() * v.rowSums[corner]);
-  return now.stiffness * (sums[1] + sums[2] + sums[3]) / 36.0 + push * across;
+  return now.stiffness * gradientSum(v, sums, state, slack) + push * across;
 }
 
 }  // namespace
@@ -192,6 +220,7 @@ VolumeArrays makeVolumes(const SpringNetwork& network, const SoftBodySettings& s
                   ? settings.volumeModulus
                   : networkModulus(network, settings.scale, stiffness, volume);
   v.pressure = settings.pressure;
+  v.shortestEdge = shortestEdge(v.triangles, rest);
   v.gradient.setZero(3, rest.cols());
   v.sums.assign(4 * v.restVolume.size(), 0.0);
   v.rowSums.assign(network.restPoints.size(), 0.0);
@@ -236,14 +265,14 @@ double enclosedVolume(const VolumeArrays& v, const Points& position) {
   return sum;
 }
 
-double volumeFrequencyBoundSquared(VolumeArrays& v, const PointState& state, double tick) {
+double volumeFrequencyBoundSquared(VolumeArrays& v, const PointState& state, double tick, double slack) {
   if (v.empty()) return 0.0;
   kernel::sumUp(kernelVolumes(v), state.position.data(), state.inverseMass.data());
   std::fill(v.rowSums.begin(), v.rowSums.end(), 0.0);
   v.restless = false;
   double largest = 0.0;
   for (std::size_t c = 0; c < v.restVolume.size(); ++c)
-    largest = std::max(largest, componentBound(v, c, state, tick));
+    largest = std::max(largest, componentBound(v, c, state, tick, slack));
   return largest;
 }
 

@@ -12,6 +12,12 @@
 
 namespace limber {
 
+/// What volumeFrequencyBoundSquared found for a shape, see kept_volume_bound.h.
+struct KeptVolumeBound {
+  Points shape;        ///< 3 x #points, m
+  double value = 0.0;  ///< rad^2/s^2; 0: nothing is kept
+};
+
 /// The closed surfaces of one body, each with the energy  K/2 (V - V0)^2 / V0  of its signed volume, which
 /// also tells a body from its mirror image, and the pressure of the gas in it. Empty: no volume term.
 struct VolumeArrays {
@@ -22,11 +28,13 @@ struct VolumeArrays {
   double modulus = 0.0;                      ///< Pa, K
   double pressure = 0.0;                     ///< Pa above the outside at rest; P V0 / V at volume V
   double timeStep = 0.0;                     ///< s, of Verlet's substep; 0: of an implicit stepper
+  double shortestEdge = 0.0;                 ///< m, at rest
 
   bool restless = false;        ///< in this tick some volume is, or may come, far from that at rest
   Points gradient;              ///< 3 x #points, scratch
   std::vector<double> sums;     ///< 4 x #components, scratch
   std::vector<double> rowSums;  ///< #points, scratch
+  KeptVolumeBound kept;
 
   bool empty() const { return restVolume.empty(); }
 };
@@ -63,8 +71,10 @@ double enclosedVolume(const VolumeArrays& volumes, const Points& position);
 /// of their third corners, so a triangle gives each corner at most a third of its longest edge. Edges are as
 /// long as their ends make them that fly on as they do, and the push is as large as a body becomes that grows
 /// by as much.
-/// Sets volumes.restless.
-double volumeFrequencyBoundSquared(VolumeArrays& volumes, const PointState& state, double tick);
+/// Sets volumes.restless. With `slack` (m) it also holds for each shape whose points are no farther than that
+/// from where they are.
+double volumeFrequencyBoundSquared(VolumeArrays& volumes, const PointState& state, double tick,
+                                   double slack = 0.0);
 
 /// Of a component: its volume, the gradient of that (3 x #points, m^2, 0 for held points and those of
 /// others), and how fast its push falls with the volume (Pa/m^3), 0 where that has reached its limit.
