@@ -71,11 +71,15 @@ TEST(SurfaceContacts, softPointsUnderABoxTouchItsFace) {
   const auto found = test::contactsOf(box, cloth, kMargin);
   expectSound(found, box, cloth);
   expectBears(found, box, 0.0, {0, 0, 0});
-  // 3 x 3 points of the cloth, 4 corners of the box; all crossing edges are flat on one side
+  // 3 x 3 points of the cloth, 4 corners of the box, and where the box's edges cross those of the cloth: each
+  // 3 lines and 3 diagonals
   const auto points = std::count_if(
       found.begin(), found.end(), [](const SurfaceContact& c) { return c.b.kind == FeatureKind::OnVertex; });
+  const auto crossings = std::count_if(
+      found.begin(), found.end(), [](const SurfaceContact& c) { return c.b.kind == FeatureKind::OnEdge; });
   EXPECT_EQ(points, 9);
-  EXPECT_EQ(found.size(), 13u);
+  EXPECT_EQ(crossings, 24);
+  EXPECT_EQ(found.size(), 37u);
 }
 
 TEST(SurfaceContacts, cubesLieFlush) {

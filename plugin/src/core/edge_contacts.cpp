@@ -95,15 +95,14 @@ bool isOfSheet(const SurfaceTopology& t, std::uint32_t edge) {
 /// So may a ridge and any fold of a sheet. A sheet that a ridge pushes back at one of its folds bends there,
 /// so that the next fold becomes what is nearest, within the tick: if only ridges counted, the two would fall
 /// and be pushed back in turn. Folds are no nearer than the ridges beside them, and bear nothing until they
-/// must. Where `normal` is that of a triangle beside the ridge, the triangle's contacts say the same.
+/// must. Nor are flat ones left out where a triangle beside the ridge bears the sheet: that is how one comes
+/// to rest there.
 bool areApart(const SurfacePair& pair, std::uint32_t ea, std::uint32_t eb, double time,
               const Vector3d& normal) {
-  constexpr double kRounding = 1e-6;
-  const auto isOnA = [&](double beyond) { return isInNormalCone(pair.a, time, ea, -normal, beyond); };
-  const auto isOnB = [&](double beyond) { return isInNormalCone(pair.b, time, eb, normal, beyond); };
-  if (isOnA(kCrossingTolerance) && isOnB(kCrossingTolerance)) return true;
-  return (isOfSheet(*pair.a.topology, ea) && isOnB(-kRounding)) ||
-         (isOfSheet(*pair.b.topology, eb) && isOnA(-kRounding));
+  const bool isRidgeOfA = isInNormalCone(pair.a, time, ea, -normal, kCrossingTolerance);
+  const bool isRidgeOfB = isInNormalCone(pair.b, time, eb, normal, kCrossingTolerance);
+  return isRidgeOfA ? isRidgeOfB || isOfSheet(*pair.b.topology, eb)
+                    : isRidgeOfB && isOfSheet(*pair.a.topology, ea);
 }
 
 /// Whether the crossing edges have passed through each other.
