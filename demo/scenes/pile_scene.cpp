@@ -18,7 +18,7 @@ constexpr std::uint32_t kColumns = 3;                // along x and z
 constexpr double kSpacing = 0.9;                     // m: turned in any way, neighbours do not touch at first
 constexpr double kHalf = 0.5 * kColumns * kSpacing;  // m, of the bin's inside
 constexpr double kWall = 0.1;                        // m, half thickness
-constexpr double kHeight = 1.2;                      // m, of the walls
+constexpr double kHeight = 1.8;                      // m, of the walls
 constexpr double kDeepest = 0.05;                    // of a body's size, that they may be in one another
 const Eigen::Vector3f kWallColour(0.80f, 0.81f, 0.83f);
 
@@ -108,8 +108,8 @@ SceneResult createPile(const SceneOptions& options) {
   }
   const double reach = kHalf + 2.0 * kWall;
   scene->view.box =
-      Eigen::AlignedBox3d(Eigen::Vector3d(-reach, 0, -reach), Eigen::Vector3d(reach, 1.8, reach));
-  scene->view.direction = {0.35, 0.8, 1.0};
+      Eigen::AlignedBox3d(Eigen::Vector3d(-reach, 0, -reach), Eigen::Vector3d(reach, kHeight, reach));
+  scene->view.direction = {0.35, 1.2, 1.0};
   scene->endChecks = {checkFinite,
                       checkAboveFloor,
                       checkInBin,
