@@ -161,6 +161,9 @@ void appendContacts(const TickContacts& found, const Nodes& nodes, Clusters& clu
     JointRow& j = cluster.step.pairs.joints.back();
     for (std::uint32_t* side : {&j.a, &j.b})
       if (*side != JointRow::kHeld) *side = clusters.first[nodes.ofRigid(*side)];
+    if (j.contact == JointRow::kHeld) continue;
+    const auto place = std::lower_bound(cluster.contacts.begin(), cluster.contacts.end(), j.contact);
+    j.contact = static_cast<std::uint32_t>(place - cluster.contacts.begin());
   }
 }
 

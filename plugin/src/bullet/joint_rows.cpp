@@ -70,6 +70,24 @@ void addRow(const btTypedConstraint& joint, const RowBuffer& buffer, int row, bt
   found.joints.push_back(j);
 }
 
+/// Against turning of the sides of the last contact against each other, by `rolling` (m) times what it bears.
+void addTurnRow(const btPersistentManifold& manifold, const Vector3d& axis, double rolling,
+                TickContacts& found) {
+  JointRow j;
+  j.contact = static_cast<std::uint32_t>(found.contacts.size() - 1);
+  j.rolling = rolling;
+  j.linearA = j.linearB = Vector3d::Zero();
+  j.angularA = axis, j.angularB = -axis;
+  const auto side = [&](const btCollisionObject* object, const Vector3d& angular) {
+    const btRigidBody* body = btRigidBody::upcast(object);
+    return body ? sideOf(*body, Vector3d::Zero(), angular, found, j.speed) : JointRow::kHeld;
+  };
+  j.a = side(manifold.getBody0(), j.angularA);
+  j.b = side(manifold.getBody1(), j.angularB);
+  found.joints.push_back(j);
+  found.constraints.push_back(nullptr);
+}
+
 bool isNumbered(const TickContacts& found, const btRigidBody& body) {
   return isFree(body) && found.find(body) != TickContacts::kNone;
 }
@@ -101,6 +119,17 @@ void addFeedback(btJointFeedback& feedback, const JointRow& j, btScalar tick) {
 
 }  // namespace
 
+void addRollingRows(const btPersistentManifold& manifold, const btManifoldPoint& point, TickContacts& found) {
+  const double rolling = double(point.m_combinedRollingFriction);
+  const double spinning = double(point.m_combinedSpinningFriction);
+  const Vector3d normal = toEigen(point.m_normalWorldOnB).normalized();
+  const Vector3d across = normal.unitOrthogonal();
+  if (spinning > 0.0) addTurnRow(manifold, normal, spinning, found);
+  if (!(rolling > 0.0)) return;
+  addTurnRow(manifold, across, rolling, found);
+  addTurnRow(manifold, normal.cross(across), rolling, found);
+}
+
 bool addJoinedBodies(btDiscreteDynamicsWorld& world, TickContacts& found) {
   const std::size_t before = found.rigids.size();
   for (int i = 0; i < world.getNumConstraints(); ++i) {
@@ -125,6 +154,7 @@ void addJointRows(btDiscreteDynamicsWorld& world, btScalar tick, TickContacts& f
 
 void reportJoints(const TickContacts& contacts, btScalar tick) {
   for (std::size_t i = 0; i < contacts.joints.size(); ++i) {
+    if (!contacts.constraints[i]) continue;
     btTypedConstraint& joint = *contacts.constraints[i];
     const JointRow& row = contacts.joints[i];
     joint.internalSetAppliedImpulse(static_cast<btScalar>(row.impulse));

@@ -14,6 +14,9 @@ bool addJoinedBodies(btDiscreteDynamicsWorld& world, TickContacts& found);
 /// impulses are those of the whole tick.
 void addJointRows(btDiscreteDynamicsWorld& world, btScalar tick, TickContacts& found);
 
+/// Rolling and spinning friction of the contact between rigid bodies that was added last.
+void addRollingRows(const btPersistentManifold& manifold, const btManifoldPoint& point, TickContacts& found);
+
 /// After the tick: Bullet says of the joints what they have borne (as it does, the applied impulse is that of
 /// the last row; feedback is the sum of all), and those that bore as much as they may break.
 void reportJoints(const TickContacts& contacts, btScalar tick);

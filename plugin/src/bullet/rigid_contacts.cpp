@@ -71,6 +71,7 @@ void addContact(TickContacts& found, const btPersistentManifold& manifold, const
   ContactSource source;
   source.point = reported;
   found.add(c, source);
+  addRollingRows(manifold, point, found);
 }
 
 /// m, a bound of how far the surfaces move against each other in a tick.
@@ -111,6 +112,18 @@ void addKnownContacts(TickContacts& found, btPersistentManifold& manifold, KeptP
   }
 }
 
+/// Where the bodies touch now. What the last tick left was found before they moved: a ball that rolls on it
+/// would be pushed from behind. The parts of compounds may give their manifolds back: not those.
+void findAnew(btDiscreteDynamicsWorld& world, const btPersistentManifold& manifold) {
+  const btCollisionObject &a = *manifold.getBody0(), &b = *manifold.getBody1();
+  if (a.getCollisionShape()->isCompound() || b.getCollisionShape()->isCompound()) return;
+  auto* dispatcher = dynamic_cast<btCollisionDispatcher*>(world.getDispatcher());
+  auto* proxyA = const_cast<btBroadphaseProxy*>(a.getBroadphaseHandle());
+  auto* proxyB = const_cast<btBroadphaseProxy*>(b.getBroadphaseHandle());
+  btBroadphasePair* pair = world.getPairCache()->findPair(proxyA, proxyB);
+  if (dispatcher && pair) dispatcher->getNearCallback()(*pair, *dispatcher, world.getDispatchInfo());
+}
+
 void addContacts(TickContacts& found, btPersistentManifold& manifold, btScalar tick, KeptPoints& kept) {
   const bool knownOnly = motionOf(manifold, tick) < manifold.getContactBreakingThreshold();
   if (knownOnly) {
@@ -125,7 +138,8 @@ void addContacts(TickContacts& found, btPersistentManifold& manifold, btScalar t
 }
 
 /// The contacts of rigid body `number` with others that have not had their turn.
-void gatherContactsOf(std::uint32_t number, RigidManifolds& index, btScalar tick, TickContacts& found) {
+void gatherContactsOf(btDiscreteDynamicsWorld& world, std::uint32_t number, RigidManifolds& index,
+                      btScalar tick, TickContacts& found) {
   const btRigidBody* body = found.rigids[number].body;
   const auto place = static_cast<std::size_t>(found.rigids[number].place);
   for (int i = index.begin[place]; i < index.begin[place + 1]; ++i) {
@@ -133,7 +147,9 @@ void gatherContactsOf(std::uint32_t number, RigidManifolds& index, btScalar tick
     const btCollisionObject* other = manifold.getBody0() == body ? manifold.getBody1() : manifold.getBody0();
     const btRigidBody* rigid = btRigidBody::upcast(other);
     const std::uint32_t theirs = rigid && isFree(*rigid) ? found.find(*rigid) : TickContacts::kNone;
-    if (theirs == TickContacts::kNone || theirs > number) addContacts(found, manifold, tick, index.kept);
+    if (theirs != TickContacts::kNone && theirs <= number) continue;
+    findAnew(world, manifold);
+    addContacts(found, manifold, tick, index.kept);
   }
 }
 
@@ -146,7 +162,7 @@ void gatherRigidContacts(btDiscreteDynamicsWorld& world, btScalar tick, RigidMan
   fill(index, world);
   std::uint32_t next = 0;
   do {
-    for (; next < found.rigids.size(); ++next) gatherContactsOf(next, index, tick, found);
+    for (; next < found.rigids.size(); ++next) gatherContactsOf(world, next, index, tick, found);
   } while (addJoinedBodies(world, found));
   addJointRows(world, tick, found);
 }

@@ -18,8 +18,9 @@ struct RigidManifolds {
 
 /// What rigid bodies that soft ones push have in their turn to push against: all contacts and joints of
 /// found.rigids with what is held, and with further rigid bodies, which join them, until none is left out
-/// (a limit to this would make piles collapse). Contacts are those that Bullet has in its manifolds, with
-/// the impulses of the last tick as a guess. Point masses and surface objects are not looked at.
+/// (a limit to this would make piles collapse). Contacts are those of Bullet's manifolds, which its
+/// narrowphase is asked to find anew where the bodies are now, with the impulses of the last tick as a guess.
+/// Point masses and surface objects are not looked at.
 ///
 /// Bullet's solver is told to leave those alone whose points it knows already (btPersistentManifold::
 /// setContactProcessingThreshold); where faster motion may bring new points into a manifold in this tick, it

@@ -33,7 +33,7 @@ struct TickContacts {
   std::vector<PairContact> contacts;
   std::vector<ContactSource> sources;  ///< #contacts
   std::vector<JointRow> joints;
-  std::vector<btTypedConstraint*> constraints;  ///< #joints
+  std::vector<btTypedConstraint*> constraints;  ///< #joints; nullptr: rolling friction of a contact
 
   static constexpr std::uint32_t kNone = static_cast<std::uint32_t>(-1);
 

@@ -53,6 +53,8 @@ struct JointRow {
   double speed = 0.0;                          ///< m/s or rad/s
   double lower = -HUGE_VAL, upper = HUGE_VAL;  ///< N s or N m s, of a substep
   double softness = 0.0;                       ///< of the speed, per impulse (Bullet's cfm / time step)
+  std::uint32_t contact = kHeld;               ///< rolling friction: of which contact; else kHeld
+  double rolling = 0.0;                        ///< m, its limits are so many times what the contact bears
   double stopping = 0.0, settling = 0.0;       ///< impulse of the present substep; to begin with, a guess
 
   // Written by the step.

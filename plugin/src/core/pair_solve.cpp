@@ -151,10 +151,17 @@ struct Solve {
     return true;
   }
 
+  /// As cones of friction, see kFreeSweeps.
+  void limitRolling(JointRow& j) const {
+    j.upper = j.rolling * impulse(rows.rows[j.contact]).n;
+    j.lower = -j.upper;
+  }
+
   Change sweep(bool free) {
     Change change;
     for (JointRow& j : rows.joints) {
       if (j.mass == 0.0) continue;
+      if (free && j.contact != JointRow::kHeld) limitRolling(j);
       solveJoint(bodies, j, impulse(j));
       change.add(j.change * j.change, 1.0 / j.mass);
     }

@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: Zlib
+// Rolling and spinning friction of rigid bodies whose contacts are solved together with springs.
+#include "support/bullet_world.h"
+
+#include <limber/soft_body_system.h>
+
+#include <gtest/gtest.h>
+
+namespace limber {
+namespace {
+
+using test::BulletWorld;
+using test::vec;
+
+constexpr double kGravity = 9.81, kRadius = 0.5;
+
+/// 1 kg, on the floor, of friction 1 like it: rolling friction is the ball's alone, as a length (m).
+btRigidBody* addBall(BulletWorld& bullet, double rolling, double spinning) {
+  bullet.addBoxFloor()->setFriction(1);
+  btRigidBody* ball = bullet.add(std::make_unique<btSphereShape>(btScalar(kRadius)), 1.0, vec(0, kRadius, 0));
+  ball->setFriction(1);
+  ball->setRollingFriction(btScalar(rolling));
+  ball->setSpinningFriction(btScalar(spinning));
+  ball->setActivationState(DISABLE_DEACTIVATION);
+  return ball;
+}
+
+/// Makes it a body that Limber steps, with its contacts, without pulling at it.
+void tie(SoftBodySystem& system, btRigidBody* ball) {
+  SpringSettings loose;
+  loose.stiffness = 0.0;
+  ASSERT_TRUE(system.addSpring({ball}, {nullptr, vec(0, 5, 0)}, loose));
+}
+
+TEST(RollingFriction, slowsABallAsItsMomentDoes) {
+  for (const double speed : {0.5, 2.0})
+    for (const double rolling : {0.0, 0.05}) {
+      BulletWorld bullet;
+      SoftBodySystem system(*bullet.world);
+      btRigidBody* ball = addBall(bullet, rolling, 0.0);
+      tie(system, ball);
+      ball->setLinearVelocity(vec(btScalar(speed), 0, 0));
+      ball->setAngularVelocity(vec(0, 0, btScalar(-speed / kRadius)));
+      bullet.simulate(0.5);
+      // moment c m g on what rolls:  (2/5 m r^2 + m r^2) alpha = c m g,  a = alpha r
+      const double slower = rolling * kGravity / (1.4 * kRadius);
+      EXPECT_NEAR(double(ball->getLinearVelocity().x()), speed - 0.5 * slower, 1e-3)
+          << speed << ' ' << rolling;
+      bullet.simulate(3.0);
+      EXPECT_NEAR(double(ball->getLinearVelocity().x()), rolling > 0.0 ? 0.0 : speed, 1e-3) << speed;
+    }
+}
+
+TEST(RollingFriction, ofASpinAboutTheNormalIsAnother) {
+  BulletWorld bullet;
+  SoftBodySystem system(*bullet.world);
+  btRigidBody* ball = addBall(bullet, 0.01, 0.05);
+  tie(system, ball);
+  ball->setAngularVelocity(vec(0, 10, 0));
+  bullet.simulate(1.0);
+  const double slower = 0.05 * kGravity / (0.4 * kRadius * kRadius);
+  EXPECT_NEAR(double(ball->getAngularVelocity().y()), 10.0 - slower, 1e-2);
+}
+
+}  // namespace
+}  // namespace limber
