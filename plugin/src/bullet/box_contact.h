@@ -9,30 +9,30 @@
 namespace limber {
 inline namespace LIMBER_BULLET_PRECISION {
 
-/// The place on a surface that is nearest to a point, and the unit normal there, from the surface to the
-/// point, or outward where the point is inside.
+/// The place on a box that is nearest to a point (m, in the world), and the unit normal there, from the box
+/// to the point, or outward where the point is inside.
 struct NearestOnBox {
   Eigen::Vector3d surface, normal;
 };
 
-/// In the box's coordinates. Bullet's narrowphase rounds the box's edges with the shape's margin, usually 4
-/// cm: a point could be centimetres inside what is drawn, and what the edges and triangles of a surface meet.
-inline NearestOnBox nearestOnBox(const btBoxShape& box, const Eigen::Vector3d& point) {
+/// In closed form. Bullet's general narrowphase rounds the box's edges with the shape's margin, usually 4 cm:
+/// a point could be centimetres inside what is drawn, and what the edges and triangles of a surface meet. In
+/// single precision it also now and then finds a point that rests on a box centimetres above it.
+inline NearestOnBox nearestOnBox(const btBoxShape& box, const btTransform& pose,
+                                 const Eigen::Vector3d& point) {
   const Eigen::Vector3d half = toEigen(box.getHalfExtentsWithMargin());
-  NearestOnBox nearest;
-  nearest.surface = point.cwiseMax(-half).cwiseMin(half);
-  const Eigen::Vector3d outward = point - nearest.surface;
-  const double distance = outward.norm();
-  if (distance > 0.0) {
-    nearest.normal = outward / distance;
-    return nearest;
+  const Eigen::Vector3d local = toEigen(pose.invXform(toBullet(point)));
+  Eigen::Vector3d surface = local.cwiseMax(-half).cwiseMin(half);
+  Eigen::Vector3d outward = local - surface;
+  if (outward.isZero(0.0)) {
+    Eigen::Index axis;
+    (half - local.cwiseAbs()).minCoeff(&axis);
+    const double side = local[axis] < 0.0 ? -1.0 : 1.0;
+    outward = side * Eigen::Vector3d::Unit(axis);
+    surface[axis] = side * half[axis];
   }
-  Eigen::Index axis;
-  (half - point.cwiseAbs()).minCoeff(&axis);
-  const double side = point[axis] < 0.0 ? -1.0 : 1.0;
-  nearest.normal = side * Eigen::Vector3d::Unit(axis);
-  nearest.surface[axis] = side * half[axis];
-  return nearest;
+  const btVector3 normal = pose.getBasis() * toBullet(Eigen::Vector3d(outward.normalized()));
+  return {toEigen(pose * toBullet(surface)), toEigen(normal).normalized()};
 }
 
 /// m: how much farther than it is a box that is a part of the shape may be for Bullet's narrowphase. The core

@@ -122,6 +122,7 @@ void addFeedback(btJointFeedback& feedback, const JointRow& j, btScalar tick) {
 void addRollingRows(const btPersistentManifold& manifold, const btManifoldPoint& point, TickContacts& found) {
   const double rolling = double(point.m_combinedRollingFriction);
   const double spinning = double(point.m_combinedSpinningFriction);
+  if (!(rolling > 0.0) && !(spinning > 0.0)) return;
   const Vector3d normal = toEigen(point.m_normalWorldOnB).normalized();
   const Vector3d across = normal.unitOrthogonal();
   if (spinning > 0.0) addTurnRow(manifold, normal, spinning, found);

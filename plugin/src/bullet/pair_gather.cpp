@@ -71,17 +71,13 @@ double motionOf(const btRigidBody& partner, double tick) {
   return tick * (speed + tick * double(partner.getTotalForce().length() * partner.getInvMass()));
 }
 
-/// The closed form: Bullet's general algorithm now and then finds a point that rests on a box centimetres
-/// above it, in single precision.
 void addBoxPair(PairsOfPoint& pairs, const SoftBodyData& body, std::uint32_t i, const btRigidBody& partner,
                 double reach) {
   const Eigen::Vector3d x = body.state.position.col(i);
-  const btTransform& pose = partner.getWorldTransform();
   const auto& box = *static_cast<const btBoxShape*>(partner.getCollisionShape());
-  const NearestOnBox nearest = nearestOnBox(box, toEigen(pose.invXform(toBullet(x))));
-  const Eigen::Vector3d surface = toEigen(pose * toBullet(nearest.surface));
-  const Eigen::Vector3d normal = toEigen(pose.getBasis() * toBullet(nearest.normal)).normalized();
-  if (normal.dot(x - surface) - double(body.masses.shape->getRadius()) <= reach) pairs.add(normal, surface);
+  const NearestOnBox nearest = nearestOnBox(box, partner.getWorldTransform(), x);
+  const double height = nearest.normal.dot(x - nearest.surface);
+  if (height - double(body.masses.shape->getRadius()) <= reach) pairs.add(nearest.normal, nearest.surface);
 }
 
 void addPairs(SoftBodyData& body, std::uint32_t i, btRigidBody& partner, double tick, TickContacts& found) {

@@ -44,11 +44,10 @@ class RowsOfPair final : public btCollisionWorld::ContactResultCallback {
 
   void addOnBox(const btBoxShape& box, const btTransform& pose) {
     const Eigen::Vector3d x = body_->state.position.col(point_);
-    const NearestOnBox nearest = nearestOnBox(box, toEigen(pose.invXform(toBullet(x))));
-    const btVector3 surface = pose * toBullet(nearest.surface);
-    const Eigen::Vector3d normal = toEigen(pose.getBasis() * toBullet(nearest.normal));
-    const double height = normal.dot(x - toEigen(surface));
-    if (height - double(body_->masses.shape->getRadius()) <= reach_) add(normal, surface);
+    const NearestOnBox nearest = nearestOnBox(box, pose, x);
+    const double height = nearest.normal.dot(x - nearest.surface);
+    if (height - double(body_->masses.shape->getRadius()) <= reach_)
+      add(nearest.normal, toBullet(nearest.surface));
   }
 
   /// Keeps the one contact that was found for coming ticks.
