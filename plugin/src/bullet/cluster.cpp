@@ -10,7 +10,7 @@ namespace limber {
 inline namespace LIMBER_BULLET_PRECISION {
 namespace {
 
-constexpr std::uint32_t kNone = TickContacts::kNone;
+constexpr std::uint32_t kNoPartner = TickContacts::kNone;
 
 // --- which node is coupled to which ------------------------------------------------------------------------
 
@@ -22,34 +22,34 @@ std::uint32_t root(Clusters& clusters, std::uint32_t i) {
 
 /// The lower number becomes the root, so that clusters come in the order of their first member.
 void join(Clusters& clusters, std::uint32_t a, std::uint32_t b) {
-  if (a == kNone || b == kNone) return;
+  if (a == kNoPartner || b == kNoPartner) return;
   a = root(clusters, a), b = root(clusters, b);
   clusters.parent[std::max(a, b)] = std::min(a, b);
 }
 
 /// The nodes that places and rows are on.
-struct Nodes {
+struct ClusterNodes {
   std::uint32_t groups;
   const std::vector<std::uint32_t>& groupOf;  ///< of a soft body, by SoftBodyData::index
 
   std::uint32_t of(const ContactPlace& place) const {
     if (place.kind == ContactPlace::Kind::Soft) return groupOf[place.body];
-    return place.kind == ContactPlace::Kind::Rigid ? groups + place.body : kNone;
+    return place.kind == ContactPlace::Kind::Rigid ? groups + place.body : kNoPartner;
   }
   std::uint32_t ofRigid(std::uint32_t number) const {
-    return number == JointRow::kHeld ? kNone : groups + number;
+    return number == JointRow::kHeld ? kNoPartner : groups + number;
   }
-  std::uint32_t of(const PairContact& c) const { return of(c.a) != kNone ? of(c.a) : of(c.b); }
-  std::uint32_t of(const JointRow& j) const { return ofRigid(j.a) != kNone ? ofRigid(j.a) : ofRigid(j.b); }
+  std::uint32_t of(const PairContact& c) const { return of(c.a) != kNoPartner ? of(c.a) : of(c.b); }
+  std::uint32_t of(const JointRow& j) const { return ofRigid(j.a) != kNoPartner ? ofRigid(j.a) : ofRigid(j.b); }
 };
 
-void joinNodes(const std::vector<TickGroup>& groups, const TickContacts& found, const Nodes& nodes,
+void joinNodes(const std::vector<TickGroup>& groups, const TickContacts& found, const ClusterNodes& nodes,
                Clusters& clusters) {
   clusters.parent.resize(groups.size() + found.rigids.size());
   std::iota(clusters.parent.begin(), clusters.parent.end(), std::uint32_t{0});
   for (std::uint32_t g = 0; g < groups.size(); ++g)
     for (const RigidPartner& rigid : groups[g].rigids)
-      if (!groups[g].asleep && !rigid.held && found.find(*rigid.body) != kNone)
+      if (!groups[g].asleep && !rigid.held && found.find(*rigid.body) != kNoPartner)
         join(clusters, g, nodes.ofRigid(found.find(*rigid.body)));
   for (const PairContact& c : found.contacts) join(clusters, nodes.of(c.a), nodes.of(c.b));
   for (const JointRow& j : found.joints) join(clusters, nodes.ofRigid(j.a), nodes.ofRigid(j.b));
@@ -76,7 +76,7 @@ void clear(Cluster& cluster) {
 /// The cluster of a node, a new one if its set has none yet.
 Cluster& clusterOf(Clusters& clusters, std::uint32_t node) {
   std::uint32_t& number = clusters.cluster[root(clusters, node)];
-  if (number == kNone) {
+  if (number == kNoPartner) {
     number = static_cast<std::uint32_t>(clusters.count++);
     if (clusters.all.size() < clusters.count) clusters.all.emplace_back();
     clear(clusters.all[number]);
@@ -109,27 +109,27 @@ void append(Cluster& cluster, TickGroup& group) {
         {moved(anchor.point, firstBody, firstRigid), moved(anchor.pivot, firstBody, firstRigid)});
 }
 
-void appendGroups(std::vector<TickGroup>& groups, const TickContacts& found, const Nodes& nodes,
+void appendGroups(std::vector<TickGroup>& groups, const TickContacts& found, const ClusterNodes& nodes,
                   Clusters& clusters) {
   for (std::uint32_t g = 0; g < groups.size(); ++g) {
     TickGroup& group = groups[g];
-    group.clustered = clusters.cluster[root(clusters, g)] != kNone;
+    group.clustered = clusters.cluster[root(clusters, g)] != kNoPartner;
     if (!group.clustered) continue;
     Cluster& cluster = clusterOf(clusters, g);
     clusters.first[g] = static_cast<std::uint32_t>(cluster.step.bodies.size());
     const auto firstRigid = static_cast<std::uint32_t>(cluster.step.links.rigids.size());
     for (std::uint32_t i = 0; i < group.rigids.size(); ++i)
       if (const std::uint32_t number = found.find(*group.rigids[i].body);
-          number != kNone && !group.rigids[i].held)
+          number != kNoPartner && !group.rigids[i].held)
         clusters.first[nodes.ofRigid(number)] = firstRigid + i;
     append(cluster, group);
   }
 }
 
-void appendRigids(TickContacts& found, const Nodes& nodes, btScalar tick, Clusters& clusters) {
+void appendRigids(TickContacts& found, const ClusterNodes& nodes, btScalar tick, Clusters& clusters) {
   for (std::uint32_t number = 0; number < found.rigids.size(); ++number) {
     const std::uint32_t node = nodes.ofRigid(number);
-    if (clusters.first[node] != kNone || clusters.cluster[root(clusters, node)] == kNone) continue;
+    if (clusters.first[node] != kNoPartner || clusters.cluster[root(clusters, node)] == kNoPartner) continue;
     Cluster& cluster = clusterOf(clusters, node);
     clusters.first[node] = static_cast<std::uint32_t>(cluster.step.links.rigids.size());
     cluster.rigids.push_back(number);
@@ -139,13 +139,13 @@ void appendRigids(TickContacts& found, const Nodes& nodes, btScalar tick, Cluste
 }
 
 /// Contacts name bodies by their number in the system; rows of a cluster by their place in it.
-void renumber(ContactPlace& place, const Nodes& nodes, const Clusters& clusters) {
+void renumber(ContactPlace& place, const ClusterNodes& nodes, const Clusters& clusters) {
   if (place.kind == ContactPlace::Kind::World) return;
   const bool soft = place.kind == ContactPlace::Kind::Soft;
   place.body = clusters.first[nodes.of(place)] + (soft ? clusters.placeInGroup[place.body] : 0);
 }
 
-void appendContacts(const TickContacts& found, const Nodes& nodes, Clusters& clusters) {
+void appendContacts(const TickContacts& found, const ClusterNodes& nodes, Clusters& clusters) {
   for (std::uint32_t i = 0; i < found.contacts.size(); ++i) {
     Cluster& cluster = clusterOf(clusters, nodes.of(found.contacts[i]));
     cluster.contacts.push_back(i);
@@ -193,10 +193,10 @@ void makeClusters(std::vector<TickGroup>& groups, TickContacts& found, btScalar 
   for (TickGroup& group : groups) group.clustered = false;
   if (found.contacts.empty() && found.joints.empty()) return;
   numberBodies(groups, clusters);
-  const Nodes nodes{static_cast<std::uint32_t>(groups.size()), clusters.groupOf};
+  const ClusterNodes nodes{static_cast<std::uint32_t>(groups.size()), clusters.groupOf};
   joinNodes(groups, found, nodes, clusters);
-  clusters.cluster.assign(clusters.parent.size(), kNone);
-  clusters.first.assign(clusters.parent.size(), kNone);
+  clusters.cluster.assign(clusters.parent.size(), kNoPartner);
+  clusters.first.assign(clusters.parent.size(), kNoPartner);
   for (const PairContact& c : found.contacts) clusterOf(clusters, nodes.of(c));
   for (const JointRow& j : found.joints) clusterOf(clusters, nodes.of(j));
   appendGroups(groups, found, nodes, clusters);

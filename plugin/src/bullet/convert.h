@@ -10,6 +10,10 @@ namespace limber {
 
 /// The one place where btScalar (float or double) and the step's double meet.
 inline Eigen::Vector3d toEigen(const btVector3& v) { return {v.x(), v.y(), v.z()}; }
+/// In double, whatever Bullet's own precision.
+inline Eigen::Vector3d difference(const btVector3& now, const btVector3& before) {
+  return toEigen(now) - toEigen(before);
+}
 
 inline Eigen::Quaterniond toEigen(const btQuaternion& q) {
   return Eigen::Quaterniond(q.w(), q.x(), q.y(), q.z()).normalized();

@@ -33,10 +33,6 @@ void remember(PointMasses& masses, std::uint32_t i) {
   masses.leftVelocity[i] = masses.bodies[i]->getLinearVelocity();
 }
 
-Eigen::Vector3d difference(const btVector3& now, const btVector3& before) {
-  return toEigen(now) - toEigen(before);
-}
-
 void gatherHeld(SoftBodyData& body, std::uint32_t i, btScalar tick) {
   PointState& s = body.state;
   const btVector3& target = body.masses.bodies[i]->getWorldTransform().getOrigin();

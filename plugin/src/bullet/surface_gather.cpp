@@ -180,6 +180,18 @@ bool hasSharpNear(const SweptBox& box, const RigidPart& part) {
   return false;
 }
 
+/// Whether edges and triangles sink into a sphere or capsule by less than kSagging where their corners rest on
+/// it: no place is farther than c = L / sqrt(3) from a corner if the longest edge is L, and c^2 / (2 R) is how
+/// deep that is under a sphere of radius R.
+bool bendsGently(const MovingSurface& soft, const RigidPart& part) {
+  if (!part.surface->topology.triangles.empty()) return false;
+  const double most = 6.0 * kSagging * soft.radius * (part.surface->radius + soft.radius);
+  const auto& edges = soft.topology->edges;
+  return std::all_of(edges.begin(), edges.end(), [&](const Edge& e) {
+    return (soft.position->col(e[1]) - soft.position->col(e[0])).squaredNorm() <= most;
+  });
+}
+
 bool isBorne(const SoftBodyData& body, std::uint32_t point, const btCollisionObject& partner,
              const Vector3d& normal) {
   for (std::size_t r = 0; r < body.contacts.size(); ++r)
@@ -201,7 +213,7 @@ void addHeld(SoftBodyData& body, const btCollisionObject& partner, const RigidPa
              std::uint64_t partNumber, double tick, SurfaceSearch& s, TickContacts& found) {
   const MovingSurface& soft = movingSurface(body, tick);
   const double margin = kMargin * soft.radius;
-  if (!hasSharpNear(roughBox(soft), part)) return;
+  if (bendsGently(soft, part) || !hasSharpNear(roughBox(soft), part)) return;
   boxedSurface(body, tick);
   if (!areNear(soft, part.moving, margin) || !hasSharpNear(soft.boxes->nodes[0], part)) return;
   findSurfaceContacts(soft, part.moving, margin, s.search, s.contacts);

@@ -10,7 +10,7 @@ namespace limber {
 inline namespace LIMBER_BULLET_PRECISION {
 namespace {
 
-using Corners = Eigen::Matrix3d;
+using CornerColumns = Eigen::Matrix3d;
 
 /// Weights of a and b of the place on the segment that is nearest to p.
 Eigen::Vector2d segmentWeights(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eigen::Vector3d& p) {
@@ -20,7 +20,7 @@ Eigen::Vector2d segmentWeights(const Eigen::Vector3d& a, const Eigen::Vector3d& 
 }
 
 /// The nearest place on the triangle's three sides.
-Eigen::Vector3d sideWeights(const Corners& x, const Eigen::Vector3d& p) {
+Eigen::Vector3d sideWeights(const CornerColumns& x, const Eigen::Vector3d& p) {
   Eigen::Vector3d best = Eigen::Vector3d::UnitX();
   for (int i = 0; i < 3; ++i) {
     const int j = (i + 1) % 3;
@@ -32,7 +32,7 @@ Eigen::Vector3d sideWeights(const Corners& x, const Eigen::Vector3d& p) {
   return best;
 }
 
-Eigen::Vector3d nearestWeights(const Corners& x, const Eigen::Vector3d& p) {
+Eigen::Vector3d nearestWeights(const CornerColumns& x, const Eigen::Vector3d& p) {
   const Eigen::Vector3d ab = x.col(1) - x.col(0), ac = x.col(2) - x.col(0), ap = p - x.col(0);
   const Eigen::Vector3d normal = ab.cross(ac);
   const double size = normal.squaredNorm();
@@ -42,8 +42,8 @@ Eigen::Vector3d nearestWeights(const Corners& x, const Eigen::Vector3d& p) {
   return weights.minCoeff() >= 0.0 ? weights : sideWeights(x, p);
 }
 
-Corners cornersOf(const SoftBodyData& body, const SurfaceHit& hit) {
-  Corners x;
+CornerColumns cornersOf(const SoftBodyData& body, const SurfaceHit& hit) {
+  CornerColumns x;
   for (int i = 0; i < 3; ++i) x.col(i) = body.state.position.col(hit.points[static_cast<std::size_t>(i)]);
   return x;
 }
@@ -54,7 +54,7 @@ SurfaceHit hitOnTriangle(const SoftBodyData& body, std::size_t triangle, const E
   hit.triangle = static_cast<std::uint32_t>(triangle);
   const Triangle& corners = body.network->surface[triangle];
   hit.points = {corners[0], corners[1], corners[2]};
-  const Corners x = cornersOf(body, hit);
+  const CornerColumns x = cornersOf(body, hit);
   hit.weights = nearestWeights(x, place);
   hit.normal = (x.col(1) - x.col(0)).cross(x.col(2) - x.col(0)).stableNormalized();
   return hit;
@@ -66,7 +66,7 @@ SurfaceHit hitOnSpring(const SoftBodyData& body, std::uint32_t index, const Eige
   hit.triangle = index;
   const NetworkSpring& spring = body.network->springs[index];
   hit.points = {spring.a, spring.b, spring.b};
-  const Corners x = cornersOf(body, hit);
+  const CornerColumns x = cornersOf(body, hit);
   const Eigen::Vector2d w = segmentWeights(x.col(0), x.col(1), place);
   hit.weights = {w[0], w[1], 0.0};
   hit.normal = (place - x * hit.weights).stableNormalized();

@@ -45,9 +45,9 @@ void takeBackGroup(TickGroup& group, btScalar tick) {
 namespace {
 
 /// Everything a link can join, numbered: soft bodies first, then rigid bodies in order of first mention.
-class Nodes {
+class GroupNodes {
  public:
-  explicit Nodes(const std::vector<SoftBodyData*>& bodies) {
+  explicit GroupNodes(const std::vector<SoftBodyData*>& bodies) {
     for (std::size_t i = 0; i < bodies.size(); ++i) softIndex_[bodies[i]] = add();
   }
 
@@ -82,13 +82,13 @@ class Nodes {
   std::map<const btRigidBody*, std::size_t> rigidIndex_;
 };
 
-constexpr std::size_t kNone = static_cast<std::size_t>(-1);
+constexpr std::size_t kNoNode = static_cast<std::size_t>(-1);
 
 /// The node of a spring's end. Static bodies and the world join nothing to each other.
-std::size_t nodeOf(const SpringEnd& end, Nodes& nodes) {
-  if (!end.body) return kNone;
+std::size_t nodeOf(const SpringEnd& end, GroupNodes& nodes) {
+  if (!end.body) return kNoNode;
   if (const PointMass* point = PointMass::from(end.body)) return nodes.soft(point->owner());
-  return end.body->isStaticObject() ? kNone : nodes.rigid(end.body);
+  return end.body->isStaticObject() ? kNoNode : nodes.rigid(end.body);
 }
 
 std::uint32_t indexOfBody(TickGroup& group, SoftBodyData* body) {
@@ -186,13 +186,13 @@ std::size_t countUsableLinks(const std::vector<SoftBodyData*>& bodies, const Spr
 }
 
 std::vector<TickGroup> makeGroups(const std::vector<SoftBodyData*>& bodies, const SpringList& springs) {
-  Nodes nodes(bodies);
-  std::vector<std::size_t> springNode(springs.size(), kNone);
+  GroupNodes nodes(bodies);
+  std::vector<std::size_t> springNode(springs.size(), kNoNode);
   for (std::size_t i = 0; i < springs.size(); ++i) {
     if (!usable(*springs[i])) continue;
     const std::size_t a = nodeOf(springs[i]->endA(), nodes), b = nodeOf(springs[i]->endB(), nodes);
-    if (a != kNone && b != kNone) nodes.join(a, b);
-    springNode[i] = a != kNone ? a : b;
+    if (a != kNoNode && b != kNoNode) nodes.join(a, b);
+    springNode[i] = a != kNoNode ? a : b;
   }
   for (SoftBodyData* body : bodies)
     for (const Anchor& anchor : body->anchors)
@@ -202,7 +202,7 @@ std::vector<TickGroup> makeGroups(const std::vector<SoftBodyData*>& bodies, cons
   std::map<std::size_t, TickGroup> groups;
   for (SoftBodyData* body : bodies) addBody(groups[nodes.root(nodes.soft(body))], body);
   for (std::size_t i = 0; i < springs.size(); ++i)
-    if (springNode[i] != kNone) addSpring(groups[nodes.root(springNode[i])], springs[i].get());
+    if (springNode[i] != kNoNode) addSpring(groups[nodes.root(springNode[i])], springs[i].get());
   for (SoftBodyData* body : bodies) {
     TickGroup& group = groups[nodes.root(nodes.soft(body))];
     for (const Anchor& anchor : body->anchors)

@@ -16,10 +16,6 @@ namespace {
 constexpr double kRoundings = 4.0;
 constexpr double kEpsilon = std::numeric_limits<btScalar>::epsilon();
 
-Eigen::Vector3d difference(const btVector3& now, const btVector3& before) {
-  return toEigen(now) - toEigen(before);
-}
-
 /// The velocity Bullet's solver leaves when nothing touches the body, in its own arithmetic:
 /// btSequentialImpulseConstraintSolver adds (force * inverse mass) * time step.
 btVector3 untouchedVelocity(const PointMass& point, const btVector3& handed, btScalar tick) {

@@ -14,7 +14,7 @@ namespace {
 using Eigen::Vector3d;
 using Eigen::Vector4d;
 
-constexpr std::uint32_t kNone = 0xffffffffu;
+constexpr std::uint32_t kNoTriangle = 0xffffffffu;
 
 Vector4d barycentric(const std::vector<Vector3d>& points, const Tetrahedron& t, const Vector3d& place) {
   Eigen::Matrix3d edges;
@@ -88,7 +88,7 @@ std::uint32_t fourthCorner(const std::vector<Vector3d>& points, const std::vecto
   const Vector3d middle = (points[t[0]] + points[t[1]] + points[t[2]]) / 3.0;
   const double size = (points[t[1]] - points[t[0]]).norm();
   const auto hit = bvh.firstHit(middle, -unitNormal(points, t), 1e-3 * size, HUGE_VAL);
-  std::uint32_t best = kNone;
+  std::uint32_t best = kNoTriangle;
   double steepest = kSteep;
   if (hit) {
     for (const std::uint32_t point : surface[hit.triangle]) {
@@ -97,7 +97,7 @@ std::uint32_t fourthCorner(const std::vector<Vector3d>& points, const std::vecto
       best = point;
     }
   }
-  if (best != kNone) return best;
+  if (best != kNoTriangle) return best;
   steepest = 0.0;
   for (std::uint32_t point = 0; point < points.size(); ++point) {
     if (steepness(points, t, point) <= steepest) continue;
@@ -125,12 +125,12 @@ SkinWeights tetrahedronWeights(const SkinProblem& problem, const std::vector<Tet
 
 SkinWeights triangleWeights(const SkinProblem& problem, const std::vector<Triangle>& surface) {
   const TriangleBvh bvh(problem.points, surface);
-  std::vector<std::uint32_t> fourth(surface.size(), kNone);
+  std::vector<std::uint32_t> fourth(surface.size(), kNoTriangle);
   SkinWeights result;
   for (std::size_t p = 0; p < problem.places.size(); ++p) {
     const std::uint32_t i = nearestOutside(bvh, problem, p);
     const Triangle& t = surface[i];
-    if (fourth[i] == kNone) fourth[i] = fourthCorner(problem.points, surface, bvh, t);
+    if (fourth[i] == kNoTriangle) fourth[i] = fourthCorner(problem.points, surface, bvh, t);
     addPlace(result, problem.points, {t[0], t[1], t[2], fourth[i]}, problem.places[p]);
   }
   return result;

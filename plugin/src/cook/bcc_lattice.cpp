@@ -26,7 +26,7 @@ Vector3i coordinates(const BccLattice& lattice, std::uint32_t site) {
 
 std::uint32_t siteAt(const BccLattice& lattice, const Vector3i& c) {
   for (int i = 0; i < 3; ++i)
-    if (c[i] < 0 || c[i] >= 2 * lattice.cells[i]) return kNone;
+    if (c[i] < 0 || c[i] >= 2 * lattice.cells[i]) return kNoSite;
   const int cell = c[0] / 2 + lattice.cells[0] * (c[1] / 2 + lattice.cells[1] * (c[2] / 2));
   return static_cast<std::uint32_t>(2 * cell + c[0] % 2);
 }
@@ -66,8 +66,8 @@ std::array<std::uint32_t, 4> latticeTetrahedron(const BccLattice& lattice, std::
   };
   const std::array<std::uint32_t, 4> sites{site, neighbour(lattice, site, static_cast<std::uint32_t>(axis)),
                                            centre(quarter), centre(quarter + 1)};
-  const bool complete = sites[1] != kNone && sites[2] != kNone && sites[3] != kNone;
-  return complete ? sites : std::array<std::uint32_t, 4>{kNone, kNone, kNone, kNone};
+  const bool complete = sites[1] != kNoSite && sites[2] != kNoSite && sites[3] != kNoSite;
+  return complete ? sites : std::array<std::uint32_t, 4>{kNoSite, kNoSite, kNoSite, kNoSite};
 }
 
 }  // namespace limber

@@ -9,7 +9,7 @@
 namespace limber {
 
 /// Marks a place outside the lattice, or an edge without a cut.
-constexpr std::uint32_t kNone = 0xffffffffu;
+constexpr std::uint32_t kNoSite = 0xffffffffu;
 
 /// A body-centred cubic lattice: the corners and the centres of cubes (or, stretched, of boxes). A site has
 /// whole coordinates, in half spacings, all even (corners) or all odd (centres); its number is
@@ -28,7 +28,7 @@ constexpr std::uint32_t kLongEdges = 3, kEdgesPerSite = 7, kNeighbours = 14;
 
 Eigen::Vector3d sitePosition(const BccLattice& lattice, std::uint32_t site);
 
-/// The other end of an edge, or kNone outside the lattice.
+/// The other end of an edge, or kNoSite outside the lattice.
 std::uint32_t neighbour(const BccLattice& lattice, std::uint32_t site, std::uint32_t direction);
 
 /// The number of the edge from a site in a direction, the same from both ends: kEdgesPerSite times the end it
@@ -41,7 +41,7 @@ std::uint32_t directionTo(const BccLattice& lattice, std::uint32_t from, std::ui
 /// The tetrahedra of the lattice, all congruent: two long edges, one of corners and one of centres, at right
 /// angles, and four short ones. `site` is a corner, and the lower end of the long edge along `axis`, around
 /// which four tetrahedra lie. Sites 0 and 1, and 2 and 3, are joined by the long edges; the orientation is
-/// positive. The first is kNone where the lattice ends.
+/// positive. The first is kNoSite where the lattice ends.
 std::array<std::uint32_t, 4> latticeTetrahedron(const BccLattice& lattice, std::uint32_t site, int axis,
                                                 int quarter);
 

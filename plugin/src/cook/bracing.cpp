@@ -16,7 +16,7 @@ namespace limber {
 namespace {
 
 /// Thickness over size below which a piece counts as flat.
-constexpr double kFlat = 1e-3;
+constexpr double kFlatPiece = 1e-3;
 
 /// Chords per point below which an open piece counts as without an inside.
 constexpr double kLeastChords = 0.125;
@@ -57,7 +57,7 @@ GoOn during(const char* what, const Progress& goOn) {
 std::vector<Edge> bracePiece(const PieceToBrace& piece, const BracingSettings& settings,
                              const Progress& goOn) {
   const std::size_t points = piece.points.size();
-  if (thickness(piece.points) < kFlat) return findTwoRingPairs(points, piece.edges);
+  if (thickness(piece.points) < kFlatPiece) return findTwoRingPairs(points, piece.edges);
   if (!goOn("bracing: chords", 0.0)) return {};
   SpringNetwork network = bareNetwork(piece);
   InsideChords chords(network.restPoints, network.surface, piece.edges);

@@ -19,7 +19,7 @@ constexpr double kPointWeight = 1e-3;
 /// Borders are held by planes through them across the surface, of this weight times their squared length.
 constexpr double kBorderWeight = 10.0;
 /// Cosine of the largest turn of a triangle in one collapse.
-constexpr double kLargestTurn = 0.3;
+constexpr double kLargestFaceTurn = 0.3;
 /// The least quality of a new triangle,  4 sqrt(3) area / sum of squared sides  (1: equilateral), unless the
 /// old one was worse.
 constexpr double kLeastQuality = 0.15;
@@ -111,7 +111,7 @@ bool shapeAllows(const CollapsibleSurface& surface, std::uint32_t moved, std::ui
     }
     const Vector3d was = areaVector(before[0], before[1], before[2]);
     const Vector3d is = areaVector(after[0], after[1], after[2]);
-    if (was.dot(is) <= kLargestTurn * was.norm() * is.norm()) return false;
+    if (was.dot(is) <= kLargestFaceTurn * was.norm() * is.norm()) return false;
     const double least = std::min(kLeastQuality, quality(before[0], before[1], before[2]));
     if (quality(after[0], after[1], after[2]) < least) return false;
   }

@@ -16,15 +16,13 @@ constexpr double kSufficient = 1e-4;     // Armijo's share of the decrease that 
 constexpr int kMostHalvings = 30;
 
 /// A step and by how much the gradient changed over it.
-struct Pair {
+struct DescentPair {
   Points step, change;
   double curvature = 0.0;  ///< step . change, above 0
 };
 
-double dot(const Points& a, const Points& b) { return a.cwiseProduct(b).sum(); }
-
 /// The two-loop recursion: minus the inverse Hessian that the pairs make, times the gradient.
-Points direction(const std::vector<Pair>& pairs, const Points& gradient) {
+Points direction(const std::vector<DescentPair>& pairs, const Points& gradient) {
   Points d = -gradient;
   std::vector<double> share(pairs.size());
   for (std::size_t i = pairs.size(); i-- > 0;) {
@@ -37,7 +35,7 @@ Points direction(const std::vector<Pair>& pairs, const Points& gradient) {
   return d;
 }
 
-void remember(std::vector<Pair>& pairs, Points step, Points change) {
+void remember(std::vector<DescentPair>& pairs, Points step, Points change) {
   const double curvature = dot(step, change);
   if (curvature <= 1e-12 * std::sqrt(step.squaredNorm() * change.squaredNorm())) return;
   if (pairs.size() == kMemory) pairs.erase(pairs.begin());
@@ -67,7 +65,7 @@ double search(SteppedBody& body, const Points& from, const Points& d, double slo
 
 void descend(SteppedBody& body, double leastForce, std::size_t iterations,
              const std::function<bool(const Points&)>& arrived) {
-  std::vector<Pair> pairs;
+  std::vector<DescentPair> pairs;
   Points gradient = gradientAt(body);
   double energy = elasticEnergy(body, body.points->position);
   for (std::size_t i = 0; i < iterations; ++i) {

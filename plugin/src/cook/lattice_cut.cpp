@@ -56,21 +56,21 @@ void cutEdges(CutLattice& cut, const TriangleBvh& surface) {
   for (std::uint32_t site = 0; site < cut.lattice.size(); ++site)
     for (std::uint32_t d = 0; d < kEdgesPerSite; ++d) {
       const std::uint32_t other = neighbour(cut.lattice, site, d);
-      if (other == kNone || cut.side[site] * cut.side[other] >= 0) continue;
+      if (other == kNoSite || cut.side[site] * cut.side[other] >= 0) continue;
       const std::uint32_t in = cut.side[site] > 0 ? site : other, out = cut.side[site] > 0 ? other : site;
       cut.cutOfEdge[kEdgesPerSite * site + d] = static_cast<std::uint32_t>(cut.cuts.size());
       cut.cuts.push_back(findCut(cut.positions[in], cut.positions[out], surface));
     }
 }
 
-/// The cut that is too near to the site by the least share of its edge, or kNone.
+/// The cut that is too near to the site by the least share of its edge, or kNoSite.
 std::uint32_t nearCut(const CutLattice& cut, std::uint32_t site) {
-  std::uint32_t nearest = kNone;
+  std::uint32_t nearest = kNoSite;
   double least = 1.0;
   for (std::uint32_t d = 0; d < kNeighbours; ++d) {
     const std::uint32_t other = neighbour(cut.lattice, site, d);
-    const std::uint32_t c = other == kNone ? kNone : cut.cutOfEdge[edgeNumber(cut.lattice, site, d)];
-    if (c == kNone) continue;
+    const std::uint32_t c = other == kNoSite ? kNoSite : cut.cutOfEdge[edgeNumber(cut.lattice, site, d)];
+    if (c == kNoSite) continue;
     const double length = (sitePosition(cut.lattice, other) - cut.positions[site]).norm();
     const double share = (cut.cuts[c] - cut.positions[site]).norm() / length;
     if (share >= (d % kEdgesPerSite < kLongEdges ? kWarpLong : kWarpShort) || share >= least) continue;
@@ -82,12 +82,12 @@ std::uint32_t nearCut(const CutLattice& cut, std::uint32_t site) {
 
 void warp(CutLattice& cut) {
   for (std::uint32_t site = 0; site < cut.lattice.size(); ++site) {
-    const std::uint32_t c = cut.side[site] == 0 ? kNone : nearCut(cut, site);
-    if (c == kNone) continue;
+    const std::uint32_t c = cut.side[site] == 0 ? kNoSite : nearCut(cut, site);
+    if (c == kNoSite) continue;
     cut.positions[site] = cut.cuts[c];
     cut.side[site] = 0;
     for (std::uint32_t d = 0; d < kNeighbours; ++d)
-      if (neighbour(cut.lattice, site, d) != kNone) cut.cutOfEdge[edgeNumber(cut.lattice, site, d)] = kNone;
+      if (neighbour(cut.lattice, site, d) != kNoSite) cut.cutOfEdge[edgeNumber(cut.lattice, site, d)] = kNoSite;
   }
 }
 
@@ -97,7 +97,7 @@ CutLattice cutLattice(const BccLattice& lattice, const TriangleBvh& surface) {
   CutLattice cut;
   cut.lattice = lattice;
   cut.side.resize(lattice.size());
-  cut.cutOfEdge.assign(kEdgesPerSite * lattice.size(), kNone);
+  cut.cutOfEdge.assign(kEdgesPerSite * lattice.size(), kNoSite);
   for (std::uint32_t site = 0; site < lattice.size(); ++site)
     cut.positions.push_back(sitePosition(lattice, site));
   findSides(cut, surface);

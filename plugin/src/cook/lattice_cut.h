@@ -14,7 +14,7 @@ struct CutLattice {
   BccLattice lattice;
   std::vector<std::int8_t> side;           ///< #sites, 1 inside, -1 outside, 0 on the surface
   std::vector<Eigen::Vector3d> positions;  ///< #sites, m
-  std::vector<std::uint32_t> cutOfEdge;    ///< kEdgesPerSite x #sites, index of a cut, or kNone
+  std::vector<std::uint32_t> cutOfEdge;    ///< kEdgesPerSite x #sites, index of a cut, or kNoSite
   std::vector<Eigen::Vector3d> cuts;       ///< #cuts, m, where an edge leaves the inside
 };
 

@@ -140,12 +140,12 @@ void addInside(Filling& f, const Sites& sites) {
 
 TetrahedralMesh numbered(const Filling& f) {
   TetrahedralMesh mesh;
-  std::vector<std::uint32_t> pointOf(f.cut.lattice.size() + f.cut.cuts.size(), kNone);
+  std::vector<std::uint32_t> pointOf(f.cut.lattice.size() + f.cut.cuts.size(), kNoSite);
   for (const Tetrahedron& t : f.tetrahedra) {
     mesh.tetrahedra.push_back(t);
     for (std::uint32_t& corner : mesh.tetrahedra.back()) {
       std::uint32_t& point = pointOf[corner];
-      if (point == kNone) {
+      if (point == kNoSite) {
         point = static_cast<std::uint32_t>(mesh.points.size());
         mesh.points.push_back(f.position(corner));
       }
@@ -163,7 +163,7 @@ TetrahedralMesh fillLattice(const CutLattice& cut) {
     for (int axis = 0; axis < 3; ++axis)
       for (int quarter = 0; quarter < 4; ++quarter) {
         const Sites sites = latticeTetrahedron(cut.lattice, site, axis, quarter);
-        if (sites[0] != kNone) addInside(filling, sites);
+        if (sites[0] != kNoSite) addInside(filling, sites);
       }
   return numbered(filling);
 }

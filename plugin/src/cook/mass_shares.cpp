@@ -21,10 +21,10 @@ using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
 /// The least share that Area and Moments give, of the mean: the lightest point limits the time step.
-constexpr double kLeastShare = 0.2;
+constexpr double kLeastMassShare = 0.2;
 /// The most that they give to a point of the surface, lest a few carry the body. Points inside get what
 /// Moments takes.
-constexpr double kMostShare = 10.0;
+constexpr double kMostMassShare = 10.0;
 
 /// Of the mass: too little to be told from nothing.
 constexpr double kNoShare = 1e-30;
@@ -48,7 +48,7 @@ Moments pointMoments(const std::vector<Vector3d>& points, const std::vector<doub
 /// Sum 1, in proportion to `shares` but for those that the bounds stand against.
 std::vector<double> bounded(const std::vector<double>& shares) {
   const double mean = 1.0 / static_cast<double>(shares.size());
-  const double least = kLeastShare * mean, most = kMostShare * mean;
+  const double least = kLeastMassShare * mean, most = kMostMassShare * mean;
   const auto [low, high] = std::minmax_element(shares.begin(), shares.end());
   if (*low >= least && *high <= most) return shares;
   const auto sumOf = [&](double factor) {
@@ -106,10 +106,10 @@ void matchSolid(MassShares& result, const std::vector<Vector3d>& points, const s
   const double mean = 1.0 / static_cast<double>(points.size());
   std::vector<double> most(points.size(), 1.0);
   for (const Triangle& t : surface) {
-    for (const std::uint32_t corner : t) most[corner] = std::min(1.0, kMostShare * mean);
+    for (const std::uint32_t corner : t) most[corner] = std::min(1.0, kMostMassShare * mean);
   }
   const std::vector<double> wanted = std::move(result.shares);
-  MomentMatch match = matchMoments(rows, target, wanted, kLeastShare * mean, most);
+  MomentMatch match = matchMoments(rows, target, wanted, kLeastMassShare * mean, most);
   result.leastMisfit = match.leastMisfit;
   if (match.leastMisfit > 0.0)
     result.leastMisfitAnyMass =

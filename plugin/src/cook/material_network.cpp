@@ -18,7 +18,7 @@ namespace limber {
 namespace {
 
 /// The least mass of a point, of the mean: the lightest point limits the time step.
-constexpr double kLeastShare = 0.2;
+constexpr double kLeastCornerShare = 0.2;
 
 /// A material with half its springs is none, so there is no early result.
 constexpr char kEnded[] = "ended early: progress returned false";
@@ -41,7 +41,7 @@ std::vector<double> volumeShares(const SpringNetwork& network) {
     for (const std::uint32_t point : t) shares[point] += volumeOf(network.restPoints, t) / (4.0 * volume);
   double sum = 0.0;
   for (double& share : shares) {
-    share = std::max(share, kLeastShare / static_cast<double>(shares.size()));
+    share = std::max(share, kLeastCornerShare / static_cast<double>(shares.size()));
     sum += share;
   }
   for (double& share : shares) share /= sum;

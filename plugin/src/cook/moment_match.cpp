@@ -20,7 +20,7 @@ namespace {
 
 using Hessian = Eigen::Matrix<double, 10, 10>;
 
-constexpr int kMostRounds = 100;
+constexpr int kMostMatchRounds = 100;
 constexpr int kMostNewtonSteps = 50;
 constexpr double kExact = 1e-10;
 
@@ -110,7 +110,7 @@ MomentMatch matchMoments(const std::vector<MomentVector>& momentsOfPoint, const 
   Programme p{momentsOfPoint, target, wanted, least, most, MomentVector::Constant(1e-4)};
   p.regularisation.head<4>().setConstant(1e-8);
   MomentVector y = MomentVector::Zero(), error = misfit(p, y);
-  for (int round = 0; round < kMostRounds && error.cwiseAbs().maxCoeff() > kExact; ++round) {
+  for (int round = 0; round < kMostMatchRounds && error.cwiseAbs().maxCoeff() > kExact; ++round) {
     y = proximalStep(p, y);
     error = misfit(p, y);
   }

@@ -26,7 +26,7 @@ namespace limber {
 namespace {
 
 /// Of the size: how far a spring may leave the body and still be inside, the round-off of its surface.
-constexpr double kOutside = 1e-6;
+constexpr double kMostOutside = 1e-6;
 
 SoftBodySettings bodySettings(const AnalysisSettings& settings) {
   SoftBodySettings body;
@@ -62,7 +62,7 @@ void analyseInside(const SpringNetwork& network, NetworkAnalysis& a) {
   a.volume = signedVolume(network.restPoints, outward);
   const TriangleBvh surface(network.restPoints, outward);
   const std::vector<Edge> edges = uniqueEdges(outward);
-  const double tolerance = kOutside * extent(network.restPoints);
+  const double tolerance = kMostOutside * extent(network.restPoints);
   a.springsOutside = static_cast<std::size_t>(
       std::count_if(network.springs.begin(), network.springs.end(), [&](const NetworkSpring& s) {
         if (std::binary_search(edges.begin(), edges.end(), Edge{s.a, s.b})) return false;

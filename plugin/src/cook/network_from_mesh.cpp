@@ -17,7 +17,7 @@
 namespace limber {
 namespace {
 
-constexpr std::uint32_t kNotHere = 0xffffffffu;
+constexpr std::uint32_t kInNoPiece = 0xffffffffu;
 
 std::string checkSettings(const NetworkSettings& s) {
   const auto finite = [](double value) { return std::isfinite(value); };
@@ -45,12 +45,12 @@ struct Piece {
 
 std::vector<Piece> splitIntoPieces(const WeldedMesh& welded) {
   const SurfaceComponents components = findComponents(welded.points.size(), welded.triangles);
-  std::vector<std::uint32_t> pieceOf(welded.points.size(), kNotHere), index(welded.points.size());
+  std::vector<std::uint32_t> pieceOf(welded.points.size(), kInNoPiece), index(welded.points.size());
   for (std::size_t t = 0; t < welded.triangles.size(); ++t)
     for (const std::uint32_t corner : welded.triangles[t]) pieceOf[corner] = components.ofTriangle[t];
   std::vector<Piece> pieces(components.count);
   for (std::uint32_t i = 0; i < welded.points.size(); ++i) {
-    if (pieceOf[i] == kNotHere) continue;
+    if (pieceOf[i] == kInNoPiece) continue;
     Piece& piece = pieces[pieceOf[i]];
     index[i] = static_cast<std::uint32_t>(piece.points.size());
     piece.points.push_back(i);

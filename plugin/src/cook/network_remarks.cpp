@@ -2,6 +2,7 @@
 #include "cook/network_remarks.h"
 
 #include "cook/deformation_names.h"
+#include "core/counted.h"
 
 #include <algorithm>
 #include <cmath>
@@ -16,10 +17,6 @@ constexpr double kGoodReturn = 0.99;    // below it a remark names the kinds tha
 constexpr double kUnevenMasses = 20.0;  // the lightest point's share over the mean sets the time step
 constexpr double kShortSpring = 1e-3;   // of the mean length
 constexpr char kTooFast[] = "its stiffest springs, or lightest points, take time steps too short for that";
-
-std::string counted(std::size_t count, const char* one, const char* many) {
-  return std::to_string(count) + " " + (count == 1 ? one : many);
-}
 
 std::string number(double value) {
   char text[32];

@@ -22,17 +22,17 @@ constexpr double kStride = 1.6;  // beyond what is too much a body can come back
 constexpr double kPrecision = 1.04;
 
 // The motion, in units of the size, the mean mass of a point and the stiffness.
-constexpr double kDrag = 0.1;  // at most, and sqrt(load): more would hold up what topples
+constexpr double kMostDrag = 0.1;  // at most, and sqrt(load): more would hold up what topples
 constexpr double kFriction = 0.5;
-constexpr double kStepShare = 0.5;       // of the safe step
+constexpr double kSafeStepShare = 0.5;       // of the safe step
 constexpr double kSettlingTime = 300.0;  // at most: drag takes 13 powers of ten of the energy
 constexpr double kFallTimes = 20.0;      // or 1/sqrt(load) so often: unevenness grows by e in 1.6 of them
 constexpr double kCalmSpeed = 1e-3;      // root mean square over the load: at rest, when it lasts
 constexpr int kCalmSteps = 20;
-constexpr double kUnevenness = 1e-3;  // of the start: no body stands in an unstable equilibrium
+constexpr double kUnevenStart = 1e-3;  // of the start: no body stands in an unstable equilibrium
 
 // Common bodies take some hundred thousand steps for all loads together.
-constexpr std::size_t kMostSteps = 4'000'000;
+constexpr std::size_t kMostStandingSteps = 4'000'000;
 constexpr std::size_t kStepsBetweenQuestions = 256;
 
 // What counts as standing.
@@ -66,15 +66,15 @@ StandingBody makeStanding(const SpringNetwork& network, const SoftBodySettings& 
   StandingBody body{RelaxedBody(network), restState(network, settings), {network, settings}, {}, 0.0, {}};
   body.state.position.row(1).array() -= body.state.position.row(1).minCoeff();
   body.rest = body.state.position;
-  body.step = kStepShare * 2.0 / std::sqrt(boundSquared(body.terms, body.state));
-  body.givenUp = !(kSettlingTime / body.step <= static_cast<double>(kMostSteps));
+  body.step = kSafeStepShare * 2.0 / std::sqrt(boundSquared(body.terms, body.state));
+  body.givenUp = !(kSettlingTime / body.step <= static_cast<double>(kMostStandingSteps));
   return body;
 }
 
 /// Counts a step; whether it may be made.
 bool mayStep(StandingBody& body) {
   const bool asks = body.goOn && body.steps % kStepsBetweenQuestions == 0;
-  body.givenUp = body.givenUp || ++body.steps > kMostSteps || (asks && !body.goOn());
+  body.givenUp = body.givenUp || ++body.steps > kMostStandingSteps || (asks && !body.goOn());
   return !body.givenUp;
 }
 
@@ -98,7 +98,7 @@ void settle(StandingBody& body, double gravity, double mostTime, double calmSpee
   prepareVolumes(stepped, body.step);
   PointState& p = body.state;
   p.velocity.setZero();
-  const double drag = gravity > 0.0 ? std::min(kDrag, std::sqrt(gravity)) : kDrag;
+  const double drag = gravity > 0.0 ? std::min(kMostDrag, std::sqrt(gravity)) : kMostDrag;
   const double dt = body.step, kept = std::exp(-drag * dt);
   const double calm = calmSpeed * calmSpeed * static_cast<double>(p.position.cols());
   int calmSteps = 0;
@@ -116,7 +116,7 @@ bool carries(StandingBody& body, double load) {
   Random random(1);
   Points& position = body.state.position;
   position = body.rest;
-  for (double& x : position.reshaped()) x += kUnevenness * (random.uniform() - 0.5);
+  for (double& x : position.reshaped()) x += kUnevenStart * (random.uniform() - 0.5);
   position.row(1).array() -= position.row(1).minCoeff();
   const double mostTime = std::max(kSettlingTime, kFallTimes / std::sqrt(load));
   settle(body, load, mostTime, kCalmSpeed * load);

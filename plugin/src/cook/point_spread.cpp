@@ -6,7 +6,7 @@
 namespace limber {
 namespace {
 
-constexpr double kThin = 1e-4;
+constexpr double kThinSpread = 1e-4;
 
 /// The points about their centre in units of their size, and their principal axes, the thinnest first.
 struct Spread {
@@ -32,7 +32,7 @@ NetworkKind spreadOf(const std::vector<Eigen::Vector3d>& points) {
   if (points.size() < 3) return NetworkKind::Rope;
   const Spread s = principalSpread(points);
   const Eigen::Vector3d reach = (s.axes.transpose() * s.arms).cwiseAbs().rowwise().maxCoeff();
-  const double thin = kThin * s.arms.colwise().norm().maxCoeff();
+  const double thin = kThinSpread * s.arms.colwise().norm().maxCoeff();
   if (reach[1] <= thin) return NetworkKind::Rope;
   return reach[0] <= thin ? NetworkKind::Cloth : NetworkKind::Solid;
 }

@@ -144,13 +144,13 @@ void fadeOut(const MatrixXd& inverse, const SparseRows& variances, Index place, 
   solution -= columns * system.partialPivLu().solve(right);
 }
 
-struct Spread {
+struct RowSpread {
   RowVector3d middle;
   Vector3d weakest;       ///< direction, unit vector
   double least, largest;  ///< standard deviations
 };
 
-Spread spreadOf(const MatrixXd& rows) {
+RowSpread spreadOf(const MatrixXd& rows) {
   const RowVector3d middle = rows.colwise().mean();
   const MatrixXd about = rows.rowwise() - middle;
   const Eigen::Matrix3d covariance = about.transpose() * about / static_cast<double>(rows.rows());
@@ -161,7 +161,7 @@ Spread spreadOf(const MatrixXd& rows) {
 
 /// The nearest point that is off the plane through the middle across the weakest direction by the
 /// neighbours' largest deviation, or else the one farthest off.
-Index nearestOffPlane(const MatrixXd& points, const VectorXd& distance, const Spread& spread) {
+Index nearestOffPlane(const MatrixXd& points, const VectorXd& distance, const RowSpread& spread) {
   const VectorXd height = ((points.rowwise() - spread.middle) * spread.weakest).cwiseAbs();
   Index best = 0;
   height.maxCoeff(&best);
@@ -184,7 +184,7 @@ std::vector<Index> neighboursOf(const MatrixXd& points, const RowVector3d& place
   });
   chosen.erase(end, chosen.end());
   for (std::size_t last = chosen.size(); last-- > 1 && chosen.size() - last <= 3;) {
-    const Spread spread = spreadOf(chosenRows(points, chosen));
+    const RowSpread spread = spreadOf(chosenRows(points, chosen));
     if (spread.least >= kLeastLocalSpread * spread.largest) break;
     const Index other = nearestOffPlane(points, distance, spread);
     if (std::find(chosen.begin(), chosen.end(), other) == chosen.end()) chosen[last] = other;
@@ -197,7 +197,7 @@ std::vector<Index> neighboursOf(const MatrixXd& points, const RowVector3d& place
 
 bool spansSpace(const std::vector<Vector3d>& points) {
   if (points.size() < 4) return false;
-  const Spread spread = spreadOf(asRows(points));
+  const RowSpread spread = spreadOf(asRows(points));
   return spread.least > kLeastSpread * spread.largest;
 }
 

@@ -14,7 +14,7 @@
 namespace limber {
 namespace {
 
-constexpr double kDrag = 0.05;       // 1/s, at unit mass and spring constant
+constexpr double kRelaxationDrag = 0.05;       // 1/s, at unit mass and spring constant
 constexpr double kStepShare = 0.75;  // of the stable step at rest
 constexpr double kMostTime = 600.0;  // s; by then drag alone has taken 13 powers of ten of the energy
 constexpr double kLeastTime = 10.0;  // s before a body counts as at rest: it starts without speed
@@ -27,9 +27,9 @@ constexpr int kCalmLooks = 8;
 constexpr std::size_t kRunsPerLane = 4;  // at a time: those with the same step fill registers
 constexpr int kMostLooks = 4000;         // then a run that is still wild goes on by descent
 constexpr double kWildBound = 1.5;       // times the square of the frequency bound at rest
-constexpr double kFar = 0.5;
+constexpr double kFarMove = 0.5;
 constexpr double kCalmShare = 0.95, kWildShare = 0.6;  // of the stable step
-constexpr int kMostHalvings = 12;                      // of the step at rest
+constexpr int kMostStepHalvings = 12;                      // of the step at rest
 
 /// J over the square of the mean spring length, kinetic: too little to flip a point through its neighbours.
 constexpr double kRestEnergy = 1e-2;
@@ -100,7 +100,7 @@ bool isWild(const Dynamics& dynamics, const Run& run, double bound) {
   const double squaredSpeed =
       run.state.velocity.squaredNorm() / static_cast<double>(run.state.velocity.cols());
   const double way = kCalmSubsteps * dynamics.step;
-  return bound > kWildBound * dynamics.restBound || squaredSpeed * way * way > kFar * kFar;
+  return bound > kWildBound * dynamics.restBound || squaredSpeed * way * way > kFarMove * kFarMove;
 }
 
 /// The volume terms are the stiffer the larger the triangles are. Steps are halves of halves so that many
@@ -112,7 +112,7 @@ void chooseStep(Dynamics& dynamics, Run& run) {
   const double stable = (wild ? kWildShare : kCalmShare) * 2.0 / std::sqrt(bound);
   run.substeps = wild ? kWildSubsteps : kCalmSubsteps;
   run.halvings = 0;
-  while (run.halvings < kMostHalvings && std::ldexp(dynamics.step, -run.halvings) > stable) ++run.halvings;
+  while (run.halvings < kMostStepHalvings && std::ldexp(dynamics.step, -run.halvings) > stable) ++run.halvings;
 }
 
 void stepAlone(Dynamics& dynamics, Run& run) {
@@ -135,7 +135,7 @@ void stepTogether(Dynamics& dynamics, Run* const* runs, std::size_t count) {
 
 void stepAll(Dynamics& dynamics, std::list<Run>& runs) {
   for (const int substeps : {kCalmSubsteps, kWildSubsteps})
-    for (int halvings = 0; halvings <= kMostHalvings; ++halvings) {
+    for (int halvings = 0; halvings <= kMostStepHalvings; ++halvings) {
       std::vector<Run*> same;
       for (Run& run : runs)
         if (run.substeps == substeps && run.halvings == halvings) same.push_back(&run);
@@ -170,7 +170,7 @@ bool advance(Dynamics& dynamics, std::list<Run>& runs,
     const double time = timeOf(dynamics, *run);
     run->time += time;
     ++run->looks;
-    run->state.velocity /= 1.0 + kDrag * time;
+    run->state.velocity /= 1.0 + kRelaxationDrag * time;
     if (!hasCalmedDown(dynamics, *run)) {
       ++run;
       continue;

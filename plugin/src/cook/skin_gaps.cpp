@@ -18,14 +18,14 @@ using Eigen::Vector3d;
 /// Points whose straight ways are looked at; those farther off hardly weigh in a skin.
 constexpr std::size_t kNearest = 200;
 /// How far straight ways may leave the surface, of the size of the body.
-constexpr double kTolerance = 1e-3;
+constexpr double kGapTolerance = 1e-3;
 /// Ways longer than this times the distance of the farthest of the nearest are cut.
 constexpr double kLongestWay = 3.0;
 /// The variance begins where the square of the way is this many times that of the straight line (ways bend at
 /// points only, so that they are somewhat too long), and grows this much faster than the kernel.
 constexpr double kFreeDetour = 1.5, kVariance = 30.0;
 /// Rounds of averaging over the detailed mesh at most, and what is dropped between them.
-constexpr std::size_t kMostRounds = 200;
+constexpr std::size_t kMostGapRounds = 200;
 constexpr double kNegligible = 1e-3;
 
 struct Way {
@@ -70,7 +70,7 @@ Ways edgeWays(const SpringNetwork& network) {
 /// Adds the straight ways that stay inside; which points have a near one that they do not see.
 std::vector<char> addStraightWays(Ways& ways, const std::vector<Vector3d>& points,
                                   const std::vector<std::vector<Way>>& nearest, const TriangleBvh& surface) {
-  const double tolerance = kTolerance * extent(points);
+  const double tolerance = kGapTolerance * extent(points);
   std::vector<char> hidden(points.size(), 0);
   for (std::uint32_t i = 0; i < points.size(); ++i) {
     for (const Way& way : nearest[i]) {
@@ -167,7 +167,7 @@ SparseRows belonging(const WeldedMesh& mesh, const SpringNetwork& network, const
   result.setFromTriplets(entries.begin(), entries.end());
   const SparseRows average = averaging(mesh);
   const std::size_t rounds = mesh.points.size() / (2 * network.restPoints.size());
-  for (std::size_t round = 0; round < std::min(rounds, kMostRounds); ++round) {
+  for (std::size_t round = 0; round < std::min(rounds, kMostGapRounds); ++round) {
     result = SparseRows(average * result);
     result.prune(1.0, kNegligible);
   }

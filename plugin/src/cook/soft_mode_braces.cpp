@@ -14,11 +14,11 @@ constexpr double kLeastRatio = 1e-3;
 /// The ratio of icospheres of n points without braces is 1.2/n (their edges alone are rigid).
 constexpr double kLeastRatioTimesPoints = 0.6;
 
-constexpr int kMostRounds = 40;
+constexpr int kMostBraceRounds = 40;
 constexpr std::size_t kLeastModes = 30, kMostModes = 150;  // looked at together
 /// Of more points than this so many rough modes are looked at: fewer rounds, each in less time.
 constexpr std::size_t kMany = 1000, kRoughModes = 300;
-constexpr std::size_t kMostCandidates = 100000;
+constexpr std::size_t kMostSoftCandidates = 100000;
 
 /// Modes are braced somewhat beyond the goal: the estimate of their new stiffness leaves out that they give
 /// way sideways. Rough ones stand for several.
@@ -34,7 +34,7 @@ double stiffestOf(const SpringNetwork& network) {
 BraceChoice stretches(const BracedPiece& piece, const Modes& modes, std::uint64_t seed) {
   const std::vector<Eigen::Vector3d>& points = piece.network.restPoints;
   BraceChoice choice(static_cast<std::size_t>(modes.shapes.cols()),
-                     candidatePairs(piece, kMostCandidates, seed));
+                     candidatePairs(piece, kMostSoftCandidates, seed));
   for (std::size_t p = 0; p < choice.pairs.size(); ++p) {
     const auto [a, b] = choice.pairs[p];
     const Eigen::RowVector3d n = (points[b] - points[a]).normalized().transpose();
@@ -88,8 +88,8 @@ Modes modesToBrace(const SpringNetwork& network) {
 
 void addSoftModeBraces(BracedPiece& piece, std::size_t most, std::uint64_t seed, const GoOn& goOn) {
   const std::size_t cap = std::min(most, piece.mostBraces);
-  for (int round = 0; round < kMostRounds && piece.braces.size() < cap; ++round) {
-    if (!goOn(static_cast<double>(round) / kMostRounds)) return;
+  for (int round = 0; round < kMostBraceRounds && piece.braces.size() < cap; ++round) {
+    if (!goOn(static_cast<double>(round) / kMostBraceRounds)) return;
     const Modes modes = modesToBrace(piece.network);
     if (modes.eigenvalues.size() == 0) return;
     const double least = leastModeRatio(piece.network.restPoints.size()) * stiffestOf(piece.network);

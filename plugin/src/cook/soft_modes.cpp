@@ -13,12 +13,12 @@ namespace limber {
 namespace {
 
 /// Up to so many unknowns all modes are computed at once.
-constexpr Eigen::Index kMostDense = 450;
+constexpr Eigen::Index kMostDenseModes = 450;
 
 constexpr Eigen::Index kBlock = 8;  // vectors that the space grows by
 constexpr int kMostBlocks = 400;    // by then something is wrong with the matrix
 constexpr int kBlocksBetweenChecks = 3;
-constexpr double kTolerance = 1e-5;      // of a residual, relative to the eigenvalue of the inverse
+constexpr double kModeTolerance = 1e-5;      // of a residual, relative to the eigenvalue of the inverse
 constexpr double kConfirmed = 1e-4;      // relative change of an eigenvalue that says that nothing was missed
 constexpr double kDependent = 1e-13;     // norm of what is left of a unit vector: round-off
 constexpr double kRelativeShift = 1e-9;  // of the largest eigenvalue, added so that there is an inverse
@@ -148,7 +148,7 @@ bool isConverged(const SoftSpace& space, Eigen::Index count) {
   const Eigen::MatrixXd residuals = space.product.leftCols(space.columns) * space.vectors.leftCols(count) -
                                     space.basis.leftCols(space.columns) * space.vectors.leftCols(count) *
                                         space.values.head(count).asDiagonal();
-  return (residuals.colwise().norm().transpose().array() <= kTolerance * space.values.head(count).array())
+  return (residuals.colwise().norm().transpose().array() <= kModeTolerance * space.values.head(count).array())
       .all();
 }
 
@@ -230,7 +230,7 @@ Eigen::MatrixXd roughShapes(const SparseMatrix& stiffness, const Eigen::MatrixXd
 
 Modes roughModes(const SpringNetwork& network, std::size_t count) {
   const SparseMatrix rigidity = rigidityMatrix(network), stiffness = stiffnessMatrix(rigidity);
-  if (stiffness.rows() <= kMostDense || 4 * count > static_cast<std::size_t>(stiffness.rows()))
+  if (stiffness.rows() <= kMostDenseModes || 4 * count > static_cast<std::size_t>(stiffness.rows()))
     return softestModes(network, count);
   return modesWithin(
       rigidity, roughShapes(stiffness, rigidMotions(network.restPoints), static_cast<Eigen::Index>(count)));
@@ -242,7 +242,7 @@ Modes softestModes(const SpringNetwork& network, std::size_t count) {
   const Eigen::Index unknowns = stiffness.rows(), there = unknowns - rigid.cols();
   const auto wanted = static_cast<Eigen::Index>(std::min(count, static_cast<std::size_t>(there)));
   if (wanted == 0) return {Eigen::VectorXd(0), Eigen::MatrixXd(unknowns, 0)};
-  const bool isDense = unknowns <= kMostDense || 4 * wanted > unknowns;
+  const bool isDense = unknowns <= kMostDenseModes || 4 * wanted > unknowns;
   return modesWithin(rigidity,
                      isDense ? denseModes(stiffness, rigid, wanted) : sparseModes(stiffness, rigid, wanted));
 }

@@ -16,7 +16,7 @@ namespace {
 constexpr double kStay = 0.2;
 
 /// Least share of Van Gelder's constant: a weaker spring would hold nothing.
-constexpr double kLeastShare = 0.2;
+constexpr double kLeastOfVanGelder = 0.2;
 
 /// By how much the springs around a point of the surface are to be stiffer than those inside: the value that
 /// makes the Young's modulus of the same body nearly the same on coarse and fine lattices. Without it a cube
@@ -84,7 +84,7 @@ void fitElasticity(const Edges& edges, const FourthDegree& elasticity, std::vect
         slope += 0.5 * edges.powers[e].dot(misfit[p]) / edges.pointVolumes[p];
         curvature += 0.25 / edges.pointVolumes[p];  // the powers have length 1
       }
-      const double next = std::max(x[e] - slope / curvature, kLeastShare * edges.vanGelder[e]);
+      const double next = std::max(x[e] - slope / curvature, kLeastOfVanGelder * edges.vanGelder[e]);
       add(e, next - x[e]);
       x[e] = next;
     }

@@ -2,6 +2,7 @@
 #include "cook/surface_fit.h"
 
 #include "cook/tetrahedron_faces.h"
+#include "cook/triangle_geometry.h"
 
 #include <Eigen/Cholesky>
 #include <Eigen/Geometry>
@@ -19,9 +20,7 @@ using Eigen::Vector3d;
 constexpr int kRounds = 6;
 
 /// Weight of staying in place against the planes: it decides only along directions that no plane does.
-constexpr double kStay = 0.05;
-
-constexpr double kPi = 3.14159265358979323846;
+constexpr double kStayInPlace = 0.05;
 
 struct Fit {
   TetrahedralMesh& mesh;
@@ -72,7 +71,7 @@ Vector3d meetingOfPlanes(const Fit& fit, std::uint32_t point, const SolidSurface
     }
     area += weight;
   }
-  left += kStay * area * Matrix3d::Identity();
+  left += kStayInPlace * area * Matrix3d::Identity();
   return here + left.ldlt().solve(right);
 }
 

@@ -12,10 +12,9 @@ namespace {
 using Eigen::AlignedBox3d;
 using Eigen::Vector3d;
 
-constexpr double kPi = 3.14159265358979323846;
 constexpr std::uint32_t kLeafTriangles = 4;
 /// Nodes wait here while one of their kin is visited: one per level, and halving makes at most 32 levels.
-constexpr std::size_t kStack = 40;
+constexpr std::size_t kBvhStack = 40;
 /// A node is far when it is this many radii away; winding numbers then err by some hundredths (Barill et al.
 /// 2018 take 2).
 constexpr double kFarRadii = 2.5;
@@ -124,7 +123,7 @@ SurfaceHit TriangleBvh::firstHit(const Vector3d& origin, const Vector3d& directi
                                  double to) const {
   SurfaceHit hit;
   hit.distance = to;
-  std::array<std::uint32_t, kStack> stack{};
+  std::array<std::uint32_t, kBvhStack> stack{};
   std::size_t waiting = nodes_.empty() ? 0 : 1;
   while (waiting > 0) {
     const Node& node = nodes_[stack[--waiting]];
@@ -149,7 +148,7 @@ SurfaceHit TriangleBvh::firstHit(const Vector3d& origin, const Vector3d& directi
 
 bool TriangleBvh::isPierced(const Vector3d& a, const Vector3d& b,
                             const std::function<bool(std::uint32_t)>& counts) const {
-  std::array<std::uint32_t, kStack> stack{};
+  std::array<std::uint32_t, kBvhStack> stack{};
   std::size_t waiting = nodes_.empty() ? 0 : 1;
   while (waiting > 0) {
     const Node& node = nodes_[stack[--waiting]];
@@ -172,7 +171,7 @@ SurfaceHit TriangleBvh::nearestWithin(const Vector3d& position, double distance,
                                       const Vector3d& normal) const {
   SurfaceHit hit;
   double best = distance * distance;
-  std::array<std::uint32_t, kStack> stack{};
+  std::array<std::uint32_t, kBvhStack> stack{};
   std::size_t waiting = nodes_.empty() ? 0 : 1;
   while (waiting > 0) {
     const Node& node = nodes_[stack[--waiting]];
@@ -208,7 +207,7 @@ SurfaceHit TriangleBvh::nearestFacing(const Vector3d& position, const Vector3d& 
 
 double TriangleBvh::windingNumber(const Vector3d& position) const {
   double angle = 0.0;
-  std::array<std::uint32_t, kStack> stack{};
+  std::array<std::uint32_t, kBvhStack> stack{};
   std::size_t waiting = nodes_.empty() ? 0 : 1;
   while (waiting > 0) {
     const Node& node = nodes_[stack[--waiting]];
@@ -240,7 +239,7 @@ bool TriangleBvh::isInsideOrNear(const Vector3d& position, double tolerance) con
 std::vector<double> TriangleBvh::crossings(const Vector3d& a, const Vector3d& b) const {
   std::vector<double> found;
   const Vector3d direction = b - a;
-  std::array<std::uint32_t, kStack> stack{};
+  std::array<std::uint32_t, kBvhStack> stack{};
   std::size_t waiting = nodes_.empty() ? 0 : 1;
   while (waiting > 0) {
     const Node& node = nodes_[stack[--waiting]];

@@ -12,6 +12,8 @@
 
 namespace limber {
 
+constexpr double kPi = 3.14159265358979323846;
+
 /// Where a line meets a triangle.
 struct LineHit {
   double along;  ///< in lengths of the direction

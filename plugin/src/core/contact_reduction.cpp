@@ -10,7 +10,7 @@ namespace {
 /// Cosine of the angle between directions that are the same.
 constexpr double kSameDirection = 0.995;
 /// Share of the features' size within which places are the same.
-constexpr double kSamePlace = 1e-3;
+constexpr double kOneSpot = 1e-3;
 
 using Candidates = std::vector<ContactCandidate>;
 
@@ -44,7 +44,7 @@ void reduceVertices(Candidates& candidates) {
 }
 
 bool haveSamePlace(const ContactCandidate& x, const ContactCandidate& y) {
-  const double near = kSamePlace * std::min(x.scale, y.scale);
+  const double near = kOneSpot * std::min(x.scale, y.scale);
   return (x.place - y.place).squaredNorm() <= near * near;
 }
 
@@ -53,7 +53,7 @@ void reducePlaces(Candidates& candidates) {
   sortBy(candidates, [](const ContactCandidate& x) { return std::make_tuple(x.place.x(), x.contact.key); });
   for (std::size_t i = 0; i < candidates.size(); ++i) {
     ContactCandidate& x = candidates[i];
-    const double end = x.place.x() + kSamePlace * x.scale;
+    const double end = x.place.x() + kOneSpot * x.scale;
     for (std::size_t j = i + 1; j < candidates.size() && candidates[j].place.x() <= end; ++j) {
       ContactCandidate& y = candidates[j];
       if (x.dropped || y.dropped || !haveSamePlace(x, y) || !haveSameDirection(x, y)) continue;

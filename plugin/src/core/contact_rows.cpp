@@ -7,9 +7,6 @@
 namespace limber {
 namespace {
 
-/// Share of a penetration taken back per substep, up to row.recoverySpeed: a body that was placed inside
-/// something must come out, not be thrown out.
-constexpr double kRecovery = 0.2;
 
 /// Sweeps over the rows of a point between two or three surfaces.
 constexpr int kSweepsInCorners = 8;

@@ -32,6 +32,10 @@ struct ContactRow {
 /// m/s: slower approaches do not bounce, or nothing would come to rest (Bullet's own threshold).
 constexpr double kLeastBounce = 0.2;
 
+/// Share of a penetration taken back per substep, up to recoverySpeed: a body that was placed inside something
+/// must come out, not be thrown out.
+constexpr double kRecovery = 0.2;
+
 /// Before the first substep of a tick: the rows' masses.
 void prepareContacts(std::vector<ContactRow>& rows, const PointView& points);
 

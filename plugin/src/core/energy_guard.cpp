@@ -18,7 +18,7 @@ struct RigidMotion {
 };
 
 /// Mass, its centre and motion, and angular momentum and inertia about it.
-struct Moments {
+struct BodyMoments {
   double mass = 0.0;
   Eigen::Vector3d center = Eigen::Vector3d::Zero(), velocity = Eigen::Vector3d::Zero(),
                   spin = Eigen::Vector3d::Zero();
@@ -30,8 +30,8 @@ struct Moments {
   }
 };
 
-Moments momentsOf(const PointState& state) {
-  Moments m;
+BodyMoments momentsOf(const PointState& state) {
+  BodyMoments m;
   for (Eigen::Index i = 0; i < state.position.cols(); ++i) {
     m.mass += massOf(state.inverseMass, i);
     m.center += massOf(state.inverseMass, i) * state.position.col(i);
@@ -52,7 +52,7 @@ Moments momentsOf(const PointState& state) {
 /// The rigid motion with the same momenta; zero if anything is held.
 RigidMotion rigidMotion(const PointState& state) {
   if ((state.inverseMass.array() == 0.0).any()) return RigidMotion();
-  const Moments m = momentsOf(state);
+  const BodyMoments m = momentsOf(state);
   return {m.center, m.velocity, m.turnFor(m.spin)};
 }
 
@@ -78,7 +78,7 @@ double removeKineticEnergy(PointState& state, double excess) {
 Eigen::Vector3d spinOf(const PointState& state) { return momentsOf(state).spin; }
 
 void setSpin(PointState& state, const Eigen::Vector3d& spin) {
-  const Moments m = momentsOf(state);
+  const BodyMoments m = momentsOf(state);
   const Eigen::Vector3d omega = m.turnFor(spin - m.spin);
   for (Eigen::Index i = 0; i < state.position.cols(); ++i)
     state.velocity.col(i) += omega.cross(Eigen::Vector3d(state.position.col(i) - m.center));

@@ -29,7 +29,7 @@ constexpr double kEnergySwing = 1e-4;
 constexpr int kDamperTurns = 3;
 
 /// Halvings of a Newton step that would go uphill.
-constexpr int kMostHalvings = 6;
+constexpr int kMostImplicitHalvings = 6;
 
 void start(const Substep& s) {
   PointState& p = s.points();
@@ -52,7 +52,7 @@ void shortenStep(const Substep& s) {
   const Points& x = s.points().position;
   Points& step = s.implicit.residual;
   const double before = objective(s, x);
-  for (int i = 0; i < kMostHalvings; ++i) {
+  for (int i = 0; i < kMostImplicitHalvings; ++i) {
     s.implicit.trial = x + step;
     if (objective(s, s.implicit.trial) <= before) return;
     step *= 0.5;

@@ -18,7 +18,7 @@ Vector3d normalAt(const MovingSurface& surface, std::uint32_t triangle) {
 }
 
 /// What is nearest to a vertex inside is something it is behind of. One triangle is as near as `depth`.
-bool isInside(const MovingSurface& surface, const Vector3d& position, double depth) {
+bool isBehindNearest(const MovingSurface& surface, const Vector3d& position, double depth) {
   constexpr double kRounding = 1.001;
   return nearestOnSurface(surface, position, kRounding * depth).behind;
 }
@@ -28,7 +28,7 @@ void addInside(const SurfacePair& pair, Behind begin, Behind end, ContactSearch&
   const MovingSurface &mine = begin->ofB ? pair.b : pair.a, &other = begin->ofB ? pair.a : pair.b;
   const auto less = [](const VertexBehind& x, const VertexBehind& y) { return x.depth < y.depth; };
   const double depth = std::min_element(begin, end, less)->depth;
-  if (!isInside(other, mine.position->col(begin->vertex), depth)) return;
+  if (!isBehindNearest(other, mine.position->col(begin->vertex), depth)) return;
   const auto facing = std::find_if(begin, end, [&](const VertexBehind& at) {
     return facesOutward(mine, 0.0, at.vertex, -normalAt(other, at.triangle));
   });

@@ -2,6 +2,7 @@
 #include "core/kept_contacts.h"
 
 #include "core/feature_meeting.h"
+#include "core/vertex_triangle.h"
 
 #include <cmath>
 
@@ -18,8 +19,6 @@ constexpr double kMostMoved = 0.2, kMostWithMotion = 0.9;
 /// Cosine by which a normal may have turned since.
 constexpr double kSameNormal = 0.999;
 
-/// Barycentric, as in vertex_triangle.cpp.
-constexpr double kBeside = 1e-4;
 
 /// m: the longest of the points' ways from `from` to `to`, after `common` is taken off.
 double longestWay(const Points& from, const Points& to, const Vector3d& common) {

@@ -14,7 +14,7 @@ namespace {
 
 using Cell = std::array<std::int64_t, 3>;
 
-constexpr std::uint32_t kNone = 0xffffffffu;
+constexpr std::uint32_t kEndOfChain = 0xffffffffu;
 
 /// Cells this many tolerances wide: a position then has to look into 3 or 4 cells on average.
 constexpr double kTolerancesPerCell = 4.0;
@@ -42,7 +42,7 @@ struct KeptPositions {
   double largest;  ///< no coordinate of any position is further from 0
   double cellWidth;
   std::unordered_map<Cell, std::uint32_t, CellHash> lastInCell;
-  std::vector<std::uint32_t> previousInCell;  ///< #positions; kNone ends the chain
+  std::vector<std::uint32_t> previousInCell;  ///< #positions; kEndOfChain ends the chain
 };
 
 double largestCoordinate(const std::vector<Eigen::Vector3d>& positions) {
@@ -66,7 +66,7 @@ void keep(KeptPositions& kept, const Cell& cell, std::uint32_t index) {
 }
 
 struct Nearest {
-  std::uint32_t index = kNone;
+  std::uint32_t index = kEndOfChain;
   double distance = std::numeric_limits<double>::infinity();
 };
 
@@ -74,7 +74,7 @@ void lookInCell(const KeptPositions& kept, const std::vector<Eigen::Vector3d>& p
                 const Eigen::Vector3d& position, Nearest& nearest) {
   const auto entry = kept.lastInCell.find(cell);
   if (entry == kept.lastInCell.end()) return;
-  for (std::uint32_t other = entry->second; other != kNone; other = kept.previousInCell[other]) {
+  for (std::uint32_t other = entry->second; other != kEndOfChain; other = kept.previousInCell[other]) {
     const double distance = (positions[other] - position).stableNorm();
     const bool earlierAndAsNear = distance == nearest.distance && other < nearest.index;
     if (distance < nearest.distance || earlierAndAsNear) nearest = {other, distance};
@@ -121,7 +121,7 @@ std::vector<std::uint32_t> mergeEqual(const std::vector<Eigen::Vector3d>& positi
 std::vector<std::uint32_t> mergeNearby(const std::vector<Eigen::Vector3d>& positions, double tolerance) {
   const double largest = largestCoordinate(positions);
   const double cellWidth = std::max(tolerance * kTolerancesPerCell, largest * kFinestCell);
-  KeptPositions kept{largest, cellWidth, {}, std::vector<std::uint32_t>(positions.size(), kNone)};
+  KeptPositions kept{largest, cellWidth, {}, std::vector<std::uint32_t>(positions.size(), kEndOfChain)};
   std::vector<std::uint32_t> joined(positions.size());
   for (std::uint32_t i = 0; i < joined.size(); ++i) {
     const Nearest nearest = findNearest(kept, positions, positions[i], tolerance);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include <limber/mesh_weld.h>
 
+#include "core/counted.h"
 #include "core/merge_positions.h"
 #include "core/mesh_edges.h"
 #include "core/surface_components.h"
@@ -130,10 +131,6 @@ void completeReport(WeldedMesh& welded) {
   report.openEdges = defects.open;
   report.nonManifoldEdges = defects.nonManifold;
   report.inconsistentEdges = defects.inconsistent;
-}
-
-std::string counted(std::size_t count, const char* one, const char* many) {
-  return std::to_string(count) + " " + (count == 1 ? one : many);
 }
 
 }  // namespace

@@ -7,11 +7,8 @@
 namespace limber {
 namespace {
 
-constexpr int kMostSweeps = 50;
+constexpr int kMostLoadSweeps = 50;
 constexpr double kLargestLeft = 1e-12;  ///< m, of the last sweep's largest correction
-
-/// Share of a penetration taken back per substep, as in contact_rows.cpp.
-constexpr double kRecovery = 0.2;
 
 /// m: how far below its surface the row's point may end, at most 0.
 double allowedGap(const ContactRow& row, const Eigen::Vector3d& start, const ContactSpan& span) {
@@ -76,7 +73,7 @@ void computeResponse(MidpointContacts& c, MidpointSolver& solver) {
 
 void solveLoads(MidpointContacts& c, const Points& found, const Points& start, const ContactSpan& span) {
   c.change.setZero();
-  for (int sweep = 0; sweep < kMostSweeps; ++sweep) {
+  for (int sweep = 0; sweep < kMostLoadSweeps; ++sweep) {
     double largest = 0.0;
     for (Eigen::Index r = 0; r < c.count; ++r) {
       const std::uint32_t point = (*c.rows)[static_cast<std::size_t>(r)].point;

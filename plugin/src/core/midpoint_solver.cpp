@@ -127,8 +127,6 @@ void solvePlain(MidpointSolver& solver, Points& b) {
     b.col(i) = solver.ordered.segment<3>(3 * Eigen::Index{solver.place[static_cast<std::size_t>(i)]});
 }
 
-double dot(const Points& a, const Points& b) { return a.cwiseProduct(b).sum(); }
-
 }  // namespace
 
 void updateVolumes(MidpointSolver& solver, const VolumeArrays& volumes, const PointState& state) {

@@ -9,7 +9,7 @@ namespace {
 using Eigen::Vector3d;
 
 /// About rad: an edge that is folded by less is flat.
-constexpr double kFlat = 0.02;
+constexpr double kFlatFold = 0.02;
 /// Sine beyond a vertex's cone that rounding, and a body's slight sag, may come to.
 constexpr double kConeTolerance = 0.01;
 /// Cosine from which a triangle shows its outside: those beside a flat face do not.
@@ -40,7 +40,7 @@ bool isInNormalCone(const MovingSurface& surface, double time, std::uint32_t edg
   if (second == kNoFeature) return outward.dot(in0) <= tolerance;
   const Vector3d in1 = inwardFrom(surface, time, edge, second);
   const double fold = (in0 + in1).norm();
-  if (fold < kFlat || outward.dot(in0 + in1) >= 0.0) return false;
+  if (fold < kFlatFold || outward.dot(in0 + in1) >= 0.0) return false;
   const double most = std::min(tolerance, 0.25 * fold);
   if (outward.dot(in0) > most || outward.dot(in1) > most) return false;
   if (!surface.topology->oneSided[first] || !surface.topology->oneSided[second]) return true;

@@ -37,7 +37,7 @@ struct Places {
   Vector2d lever(std::size_t i) const { return way[i].tail<2>(); }
 };
 
-Vector3d inAxes(const PairRow& row, const Vector3d& x) {
+Vector3d vectorInAxes(const PairRow& row, const Vector3d& x) {
   return {ConstMap(row.axes[0]).dot(x), ConstMap(row.axes[1]).dot(x), ConstMap(row.axes[2]).dot(x)};
 }
 
@@ -47,7 +47,7 @@ void addSide(const PairRows& rows, const PairRow& row, std::uint32_t first, std:
   const std::size_t start = places.count;
   Vector3d middle = Vector3d::Zero();
   for (std::uint32_t i = first; i < end; ++i) {
-    const Vector3d x = inAxes(row, ConstMap(rows.levers[i].position) - origin);
+    const Vector3d x = vectorInAxes(row, ConstMap(rows.levers[i].position) - origin);
     places.apart += rows.points[i].share * x;
     places.way[places.count++] = x;
     middle += x / double(end - first);

@@ -11,8 +11,6 @@
 namespace limber {
 namespace {
 
-/// As in contact_rows.cpp.
-constexpr double kRecovery = 0.2;
 
 /// Few solves need more than a tenth of it, but to end those early costs more: the error that is left is in
 /// the way of all substeps that follow.

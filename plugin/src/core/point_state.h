@@ -8,6 +8,8 @@ namespace limber {
 /// One column per point mass.
 using Points = Eigen::Matrix3Xd;
 
+inline double dot(const Points& a, const Points& b) { return a.cwiseProduct(b).sum(); }
+
 /// The state of a body's point masses, in double so that it is not limited by the host's precision.
 /// All arrays are 3 x #points.
 struct PointState {

@@ -17,7 +17,7 @@ using Eigen::Vector3d;
 /// Share of a triangle's shortest side that a vertex may be behind it.
 constexpr double kDepthShare = 0.25;
 /// About rad: an edge of a rigid shape that is folded by less is flat.
-constexpr double kFlat = 0.02;
+constexpr double kFlatRigidFold = 0.02;
 
 template <std::size_t N>
 std::string checkIndices(const char* kind, std::size_t item, const std::array<std::uint32_t, N>& corners,
@@ -130,7 +130,7 @@ bool isIdle(const SurfaceTopology& t, std::uint32_t edge) {
   const auto [first, second] = t.edgeTriangles[edge];
   if (second == kNoFeature) return false;
   const Vector3d n0 = restNormal(t, first), n1 = restNormal(t, second);
-  if ((n0 - n1).norm() < kFlat) return true;
+  if ((n0 - n1).norm() < kFlatRigidFold) return true;
   if (!t.oneSided[first] || !t.oneSided[second]) return false;
   std::uint32_t opposite = 0;
   for (const std::uint32_t corner : t.triangles[second])

@@ -9,10 +9,8 @@ namespace {
 
 using Eigen::Vector3d;
 
-/// Barycentric: a foot this far beside a triangle is in it.
-constexpr double kBeside = 1e-4;
 /// Of a vertex behind a triangle but not beneath it: cosine of the slope at which it may be.
-constexpr double kSteep = 0.5;
+constexpr double kSteepFoot = 0.5;
 
 /// Barycentric coordinates of the foot of `p` in the triangle's plane.
 Vector3d footIn(const MovingFeature<3>::Corners& triangle, const Vector3d& p) {
@@ -61,7 +59,7 @@ void addBehind(VertexTriangle& meeting, double depth, double limit, ContactSearc
   at.beneath = moveInto(at.barycentric);
   if (!at.beneath) at.barycentric = nearestBarycentric({t.col(0), t.col(1), t.col(2)}, meeting.vertex.start);
   at.depth = (t * at.barycentric - meeting.vertex.start).norm();
-  if (!at.beneath && (at.depth > limit || depth < kSteep * at.depth)) return;
+  if (!at.beneath && (at.depth > limit || depth < kSteepFoot * at.depth)) return;
   search.behind.push_back(at);
 }
 

@@ -5,6 +5,9 @@
 
 namespace limber {
 
+/// Barycentric: a foot this far beside a triangle is in it.
+constexpr double kBeside = 1e-4;
+
 /// A vertex of a and a triangle of b, or (`ofB`) a vertex of b and a triangle of a. In front of it: a
 /// candidate where it is above the triangle, now or when it lands. Behind one that is one-sided: goes to
 /// `search.behind`.

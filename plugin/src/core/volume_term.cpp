@@ -42,7 +42,7 @@ void forEachTriangle(const VolumeArrays& v, std::size_t component, const Points&
   }
 }
 
-double volumeOf(const VolumeArrays& v, std::size_t component, const Points& x) {
+double componentVolume(const VolumeArrays& v, std::size_t component, const Points& x) {
   const Eigen::Vector3d origin = x.col(v.triangles[v.firstTriangle[component]][0]);
   double six = 0.0;
   forEachTriangle(v, component, x,
@@ -66,7 +66,7 @@ double gasEnergy(double v) {
 
 /// Surfaces that enclose less than this share of their box are flat, or not oriented: their pressure would be
 /// without bounds.
-constexpr double kLeastShare = 1e-6;
+constexpr double kLeastEnclosed = 1e-6;
 
 Points scaledRest(const SpringNetwork& network, const Eigen::Vector3d& scale) {
   Points rest(3, static_cast<Eigen::Index>(network.restPoints.size()));
@@ -105,8 +105,8 @@ void addComponent(VolumeArrays& v, const std::vector<Triangle>& component, const
   const std::size_t first = v.triangles.size();
   v.triangles.insert(v.triangles.end(), component.begin(), component.end());
   v.firstTriangle.push_back(static_cast<std::uint32_t>(v.triangles.size()));
-  const double volume = volumeOf(v, v.restVolume.size(), rest);
-  if (std::abs(volume) <= kLeastShare * boxVolume(v.triangles, first, rest)) {
+  const double volume = componentVolume(v, v.restVolume.size(), rest);
+  if (std::abs(volume) <= kLeastEnclosed * boxVolume(v.triangles, first, rest)) {
     v.triangles.resize(first);
     v.firstTriangle.pop_back();
     return;
@@ -120,7 +120,7 @@ void addComponent(VolumeArrays& v, const std::vector<Triangle>& component, const
 }
 
 /// Of the rest volume: a change that is far. The push then bends the energy about as much as the springs do.
-constexpr double kFar = 0.2;
+constexpr double kFarFromRest = 0.2;
 
 /// The square of the longest edge now, and of the longest when its ends have flown on for a tick.
 struct EdgeSquares {
@@ -176,7 +176,7 @@ double componentBound(VolumeArrays& v, std::size_t c, const PointState& state, d
   const double growth = edges * std::sqrt(edges) - 1.0;
   const double push = std::abs(now.push) + v.modulus * std::min(growth, -kernel::kLargestShrinking);
   const double change = sums[0] / (6.0 * v.restVolume[c]) - 1.0;
-  v.restless = v.restless || std::abs(change) > kFar || growth > kFar;
+  v.restless = v.restless || std::abs(change) > kFarFromRest || growth > kFarFromRest;
   double across = 0.0;
   for (std::size_t i = v.firstTriangle[c]; i < v.firstTriangle[c + 1]; ++i)
     for (const std::uint32_t corner : v.triangles[i])
@@ -252,7 +252,7 @@ void addVolumeForces(VolumeArrays& volumes, PointState& state) {
 double volumeEnergy(const VolumeArrays& v, const Points& position) {
   double energy = 0.0;
   for (std::size_t c = 0; c < v.restVolume.size(); ++c) {
-    const double relative = volumeOf(v, c, position) / v.restVolume[c];
+    const double relative = componentVolume(v, c, position) / v.restVolume[c];
     energy +=
         v.restVolume[c] * (v.modulus * swellingEnergy(relative - 1.0) + v.pressure * gasEnergy(relative));
   }
@@ -261,7 +261,7 @@ double volumeEnergy(const VolumeArrays& v, const Points& position) {
 
 double enclosedVolume(const VolumeArrays& v, const Points& position) {
   double sum = 0.0;
-  for (std::size_t c = 0; c < v.restVolume.size(); ++c) sum += volumeOf(v, c, position);
+  for (std::size_t c = 0; c < v.restVolume.size(); ++c) sum += componentVolume(v, c, position);
   return sum;
 }
 
@@ -284,7 +284,7 @@ VolumeSlope volumeSlope(const VolumeArrays& v, std::size_t component, const Poin
                     for (const std::uint32_t corner : t)
                       if (!isHeld(state.inverseMass, corner)) gradient.col(corner) += b.cross(c) / 6.0;
                   });
-  const double volume = volumeOf(v, component, state.position), rest = v.restVolume[component];
+  const double volume = componentVolume(v, component, state.position), rest = v.restVolume[component];
   const double change = (volume - rest) / rest;
   const bool limited = change > kernel::kLargestSwelling || change < kernel::kLargestShrinking;
   const double gas = volume > kernel::kLeastGasVolume * rest ? v.pressure * rest / (volume * volume) : 0.0;
@@ -293,7 +293,7 @@ VolumeSlope volumeSlope(const VolumeArrays& v, std::size_t component, const Poin
 
 bool isFarFromRest(const VolumeArrays& v, const Points& position) {
   for (std::size_t c = 0; c < v.restVolume.size(); ++c)
-    if (std::abs(volumeOf(v, c, position) / v.restVolume[c] - 1.0) > kFar) return true;
+    if (std::abs(componentVolume(v, c, position) / v.restVolume[c] - 1.0) > kFarFromRest) return true;
   return false;
 }
 
