@@ -21,7 +21,9 @@ struct ContactRow {
   double penetration = 0.0;                  ///< of the body's size
   double residualSpeed = 0.0;                ///< m/s
   double asleep = 0.0;                       ///< share of what can move
-  std::string error;                         ///< why there is nothing, or empty
+  double stretch = 0.0;                      ///< root mean square strain of the springs along edges
+  bool hasSprings = true;
+  std::string error;  ///< why there is nothing, or empty
 
   bool ran() const { return error.empty(); }
   double microsecondsPerPoint() const { return 1e3 * tickMedian / static_cast<double>(points); }

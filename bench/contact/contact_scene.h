@@ -10,8 +10,8 @@ enum class Role : std::uint8_t { Airborne, Landing, Rest, Asleep, Cloth, Pile, D
 
 /// Of the scenes with cubes. Quick runs have fewer of each.
 enum class Crowd : std::uint8_t {
-  Small,    ///< 64
-  Middle,   ///< 512
+  Small,    ///< 64, and the stiff cloth
+  Middle,   ///< 512, and the soft cloth
   Large,    ///< 4096
   RealTime  ///< 2560, at rest only
 };

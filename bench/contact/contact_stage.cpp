@@ -85,6 +85,23 @@ double ContactStage::deepestPenetration() const {
   return std::max(deepest, scenes::deepestOverlap(surfaces).depth);
 }
 
+double ContactStage::stretch() const {
+  double sum = 0.0, count = 0.0;
+  for (std::size_t b = 0; b < scene_.bodies.size(); ++b) {
+    const SpringNetwork& network = *scene_.bodies[b].network;
+    const Eigen::Vector3d& scale = scene_.bodies[b].settings.scale;
+    const Eigen::Matrix3Xd x = engine_->positions(b);
+    for (const NetworkSpring& spring : network.springs) {
+      if (spring.kind != SpringKind::Structural) continue;
+      const Eigen::Vector3d rest = network.restPoints[spring.b] - network.restPoints[spring.a];
+      const double strain =
+          (x.col(spring.b) - x.col(spring.a)).norm() / rest.cwiseProduct(scale).norm() - 1.0;
+      sum += strain * strain, ++count;
+    }
+  }
+  return count > 0.0 ? std::sqrt(sum / count) : 0.0;
+}
+
 double ContactStage::residualSpeed() const {
   double sum = 0.0;
   for (std::size_t b = 0; b < before_.size(); ++b) sum += (engine_->positions(b) - before_[b]).squaredNorm();

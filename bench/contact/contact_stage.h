@@ -26,6 +26,7 @@ class ContactStage {
   const std::vector<double>& wallTicks() const { return wallTicks_; }  ///< ms by the clock on the wall
   double asleep() const { return asleepShare(engine_->world()); }      ///< share of what can move
   double deepestPenetration() const;  ///< m, of points' spheres in rigid bodies, or of bodies in one another
+  double stretch() const;             ///< root mean square strain of the springs along edges
   double residualSpeed() const;       ///< m/s over the last tick, root mean square over the points
 
  private:

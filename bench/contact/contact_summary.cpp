@@ -14,7 +14,7 @@ const char* const kConditions =
     "of "
     "SDF_RS | VF_SS)\nand of loose spheres in the same run. Deepest: points in rigid bodies or, in the pile, "
     "bodies "
-    "in one another,\nof a body's size.\n";
+    "in one another,\nof a body's size. Strain: root mean square, of the springs along edges.\n";
 
 std::string ratioText(const std::optional<double>& ratio) {
   return ratio ? format("%.2f", *ratio) : std::string("-");
@@ -23,16 +23,18 @@ std::string ratioText(const std::optional<double>& ratio) {
 std::string lineOf(const ContactRow& r) {
   if (!r.ran()) return format("  %-22s %s\n", r.engine.c_str(), r.error.c_str());
   const bool moves = r.role == Role::Airborne || r.role == Role::Landing;
-  return format("  %-22s %9.3f %9.3f %8.3f %10s %10s %9.2f %% %10s %6.0f %%\n", r.engine.c_str(),
+  const std::string speed = moves ? "-" : format("%.1e", r.residualSpeed);
+  const std::string strain = r.hasSprings ? format("%.2f %%", 100.0 * r.stretch) : "-";
+  return format("  %-22s %9.3f %9.3f %8.3f %10s %10s %9.2f %% %10s %9s %6.0f %%\n", r.engine.c_str(),
                 r.tickMedian, r.tickWorst, r.microsecondsPerPoint(), ratioText(r.toSoftBody).c_str(),
-                ratioText(r.toSpheres).c_str(), 100.0 * r.penetration,
-                moves ? "-" : format("%.1e", r.residualSpeed).c_str(), 100.0 * r.asleep);
+                ratioText(r.toSpheres).c_str(), 100.0 * r.penetration, speed.c_str(), strain.c_str(),
+                100.0 * r.asleep);
 }
 
 std::string headingOf(const ContactRow& r) {
-  return format("\n%s: %zu %s, %zu points\n  %-22s %9s %9s %8s %10s %10s %11s %10s %8s\n", r.scene.c_str(),
-                r.bodies, r.bodies == 1 ? "body" : "bodies", r.points, "", "median ms", "worst ms",
-                "us/point", "btSoftBody", "spheres", "deepest", "speed m/s", "asleep");
+  return format("\n%s: %zu %s, %zu points\n  %-22s %9s %9s %8s %10s %10s %11s %10s %9s %8s\n",
+                r.scene.c_str(), r.bodies, r.bodies == 1 ? "body" : "bodies", r.points, "", "median ms",
+                "worst ms", "us/point", "btSoftBody", "spheres", "deepest", "speed m/s", "strain", "asleep");
 }
 
 /// Where others took the machine: times of the thread are not free of that either, caches are shared.

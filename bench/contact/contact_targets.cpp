@@ -42,7 +42,8 @@ std::string softBodyLines(const Rows& rows, const std::string& name) {
          ratio(Role::Airborne, Crowd::Small, 0.25, "64 cubes airborne", ": at most 0.25") +
          ratio(Role::Airborne, Crowd::Middle, 0.25, "512 cubes airborne", ": at most 0.25") +
          ratio(Role::Airborne, Crowd::Large, 0.25, "4096 cubes airborne", ": at most 0.25") +
-         ratio(Role::Cloth, Crowd::Small, 0.5, "cloth", ": at most 0.5");
+         ratio(Role::Cloth, Crowd::Small, 0.5, "cloth", ": at most 0.5") +
+         ratio(Role::Cloth, Crowd::Middle, 0.5, "soft cloth", ": at most 0.5");
 }
 
 std::string landingLine(const Rows& rows, const std::string& name) {

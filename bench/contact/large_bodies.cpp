@@ -5,6 +5,7 @@
 #include "contact/contact_scene.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace limber::bench {
 namespace {
@@ -23,18 +24,20 @@ void addBallAndFloor(RigidBodies& rigid, btDiscreteDynamicsWorld& world) {
   rigid.shapes.push_back(std::move(shape));
 }
 
-/// It falls onto a ball and hangs down from it, clear of the floor.
-ContactScene clothScene(bool quick) {
+/// It falls onto a ball and hangs down from it, clear of the floor. Dampers of the same ratio to critical
+/// ones whatever the stiffness (N/m).
+ContactScene clothScene(bool quick, const char* name, double stiffness, Crowd crowd) {
   const int side = quick ? 12 : 64;
-  BodySetup cloth = bodyOf(clothNetwork(side), 0.6, 500.0, 0.5);
+  BodySetup cloth = bodyOf(clothNetwork(side), 0.6, stiffness, 0.5 * std::sqrt(stiffness / 500.0));
   cloth.settings.scale.setConstant(kClothWidth);
   cloth.settings.position = {0, kBallRadius + 2 * kClothRadius, 0};
   cloth.settings.rotation = Eigen::AngleAxisd(0.3, Eigen::Vector3d::UnitY());
   cloth.settings.pointRadius = kClothRadius;
   cloth.drag = 1.0;
   ContactScene scene;
-  scene.name = "cloth of " + std::to_string(side) + " x " + std::to_string(side);
+  scene.name = name + std::to_string(side) + " x " + std::to_string(side);
   scene.role = Role::Cloth;
+  scene.crowd = crowd;
   scene.bodies = {cloth};
   scene.addRigidBodies = addBallAndFloor;
   scene.distance = [](const Eigen::Vector3d& x) { return std::min(x.norm() - kBallRadius, x.y() - kGround); };
@@ -69,7 +72,8 @@ ContactScene denseScene(bool quick) {
 }  // namespace
 
 void addLargeBodies(std::vector<ContactScene>& scenes, bool quick) {
-  scenes.push_back(clothScene(quick));
+  scenes.push_back(clothScene(quick, "cloth of ", 500.0, Crowd::Small));
+  scenes.push_back(clothScene(quick, "soft cloth of ", 5.0, Crowd::Middle));
   scenes.push_back(denseScene(quick));
 }
 

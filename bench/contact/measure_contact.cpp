@@ -11,7 +11,7 @@ namespace {
 
 /// What one repeat of one engine gave.
 struct Sample {
-  double median = 0.0, worst = 0.0, wall = 0.0, penetration = 0.0, speed = 0.0, asleep = 0.0;
+  double median = 0.0, worst = 0.0, wall = 0.0, penetration = 0.0, speed = 0.0, asleep = 0.0, stretch = 0.0;
 };
 
 struct Run {
@@ -64,7 +64,8 @@ void keep(Run& run) {
   run.error = stage.error();
   if (run.error.empty())
     run.samples.push_back({median(stage.ticks()), largest(stage.ticks()), median(stage.wallTicks()),
-                           stage.deepestPenetration(), stage.residualSpeed(), stage.asleep()});
+                           stage.deepestPenetration(), stage.residualSpeed(), stage.asleep(),
+                           stage.stretch()});
   run.stage.reset();
 }
 
@@ -104,6 +105,8 @@ ContactRow rowOf(const Run& run, const std::vector<Run>& runs, const ContactScen
   row.penetration = medianOf(run, &Sample::penetration) / scene.size;
   row.residualSpeed = medianOf(run, &Sample::speed);
   row.asleep = medianOf(run, &Sample::asleep);
+  row.stretch = medianOf(run, &Sample::stretch);
+  row.hasSprings = !run.engine->isSpheres;
   row.toSoftBody = ratioOf(run, runs, &ContactEngine::isReference);
   row.toSpheres = ratioOf(run, runs, &ContactEngine::isSpheres);
   row.error = run.error;

@@ -2,9 +2,9 @@
 // How braces are chosen from many pairs.
 #include "cook/braced_piece.h"
 
-#include "cook/random.h"
 #include "cook/rigidity.h"
 #include "cook/soft_mode_braces.h"
+#include "core/random.h"
 #include "support/network_shapes.h"
 
 #include <gtest/gtest.h>

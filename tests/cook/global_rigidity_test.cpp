@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "cook/global_rigidity.h"
 
-#include "cook/random.h"
+#include "core/random.h"
 #include "support/network_shapes.h"
 #include "support/networks.h"
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Zlib
 #include "cook/rigidity.h"
 
-#include "cook/random.h"
 #include "cook/stiffness_matrix.h"
+#include "core/random.h"
 #include "support/network_shapes.h"
 #include "support/networks.h"
 #include "support/small_meshes.h"

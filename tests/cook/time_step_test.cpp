@@ -2,8 +2,8 @@
 #include "cook/time_step.h"
 
 #include "cook/body_terms.h"
-#include "cook/random.h"
 #include "cook/rest_state.h"
+#include "core/random.h"
 #include "core/spring_forces.h"
 #include "core/verlet_step.h"
 #include "core/volume_term.h"

@@ -2,6 +2,7 @@
 // The step by itself: no Bullet, closed forms and conservation laws.
 #include "core/body_measures.h"
 #include "core/coincident_points.h"
+#include "core/fastest_oscillation.h"
 #include "core/spring_damping.h"
 #include "core/spring_forces.h"
 #include "core/stepping_choice.h"
@@ -111,8 +112,8 @@ TEST(Damping, neverLimitsTheStepFromNoneToAThousandTimesCritical) {
     Stepping coarsest;
     coarsest.periodTolerance = 1.0;  // as coarse as stability allows
     const double tick = 1.0 / 60;
-    const int n =
-        substepCount(frequencyBoundSquared(body.springs, body.state.inverseMass, sums), tick, coarsest);
+    const double bound = frequencyBoundSquared(body.springs, body.state.inverseMass, sums);
+    const int n = substepCount({bound, bound}, tick, coarsest);
     double highest = 0.0;
     for (int i = 0; i < 600; ++i) {
       stepVerlet(body.group, tick, n);
@@ -139,7 +140,7 @@ TEST(Damping, relativeSpeedDecaysExponentially) {
 }
 
 /// omega^2 of the fastest mode of M^-1 K at rest, from the dense matrix.
-double largestEigenvalue(const Body& body) {
+double denseEigenvalue(const Body& body) {
   const Eigen::Index n = body.state.position.size();
   Eigen::MatrixXd k = Eigen::MatrixXd::Zero(n, n);
   for (std::size_t s = 0; s < body.springs.size(); ++s) {
@@ -164,10 +165,32 @@ TEST(FrequencyBound, liesAboveTheTrueLargestEigenvalueAndNotFar) {
     body.state.inverseMass.col(0).setConstant(0.3);  // one heavy point
     std::vector<double> sums;
     const double bound = frequencyBoundSquared(body.springs, body.state.inverseMass, sums);
-    const double exact = largestEigenvalue(body);
+    const double exact = denseEigenvalue(body);
     EXPECT_GE(bound, exact * (1 - 1e-12));
     EXPECT_LT(bound, 3.2 * exact);
   }
+}
+
+TEST(FastestOscillation, isTheLargestEigenvalue) {
+  for (const SharedNetwork& network :
+       {test::pairNetwork(), test::chainNetwork(16), test::cubeNetwork(), test::fullCubeNetwork()}) {
+    Body body(network, 1000.0, 0.0);
+    body.state.inverseMass.col(0).setConstant(0.3);
+    const double exact = denseEigenvalue(body);
+    EXPECT_NEAR(fastestOscillationSquared(body.springs, {}, {}, body.state, 1e-6), exact, 1e-9 * exact);
+    // of a residual r, the error is r^2 over the distance to the next eigenvalue
+    EXPECT_NEAR(fastestOscillationSquared(body.springs, {}, {}, body.state, 0.03), exact, 0.01 * exact);
+  }
+}
+
+TEST(FastestOscillation, ofAStretchedSpringIsAcrossIt) {
+  // at twice its rest length: k (wa + wb) along it, and its force over its length, k / 2, across
+  Body body(test::pairNetwork(), 1000.0, 0.0);
+  const double along = fastestOscillationSquared(body.springs, {}, {}, body.state, 1e-6);
+  body.state.position.col(1) = 2.0 * body.state.position.col(1) - body.state.position.col(0);
+  EXPECT_NEAR(fastestOscillationSquared(body.springs, {}, {}, body.state, 1e-6), along, 1e-9 * along);
+  body.state.inverseMass.row(0).setZero();  // the spring is along x
+  EXPECT_NEAR(fastestOscillationSquared(body.springs, {}, {}, body.state, 1e-6), 0.5 * along, 1e-9 * along);
 }
 
 TEST(FrequencyBound, isExactForASpringOnAHeldPoint) {

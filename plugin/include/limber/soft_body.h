@@ -84,7 +84,8 @@ class SoftBody {
   /// mean square over the points: the last tick's, or what is left of an earlier peak, which fades over a
   /// quarter of a second. Contacts are not in it.
   double errorPerSecond() const;
-  /// rad/s, an upper bound of the body's fastest oscillation, from which the substeps follow.
+  /// rad/s, an upper bound of the body's fastest oscillation at any deformation. Substeps are short enough
+  /// for it to be stable, and as exact as Stepping::periodTolerance asks at the rest shape's own fastest one.
   double frequencyBound() const;
 
   /// Where the body touches something, and what was borne there in the last tick (soft_contact.h): all that

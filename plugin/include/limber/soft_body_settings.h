@@ -24,7 +24,7 @@ struct Stepping {
   Stepper stepper = Stepper::Auto;
   int atLeast = 5;                ///< substeps per tick, 1 or more. 5 keep the period of an oscillation of 30
                                   ///< ticks within 1e-4 and cost little beside Bullet's part of the tick
-  double periodTolerance = 0.05;  ///< largest relative error of the period of the body's stiffest oscillation
+  double periodTolerance = 0.04;  ///< largest relative error of the period of the body's stiffest oscillation
                                   ///< (Verlet: (omega dt)^2 / 24); slower ones are better by the square of
                                   ///< the ratio. Halving the error costs 1.41x the substeps.
   double tolerance = 0.0;         ///< m per second of motion, of SoftBody::errorPerSecond(); 0: not asked for

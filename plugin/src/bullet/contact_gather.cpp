@@ -228,9 +228,10 @@ void reportContactImpulses(btDispatcher& dispatcher) {
   forEachContact(dispatcher, [](btPersistentManifold& manifold, PointMass& point,
                                 const btCollisionObject* partner) {
     const SoftBodyData& body = *point.owner();
-    for (std::size_t r = 0; r < body.contacts.size(); ++r) {
+    const RowRange rows = rowsOfPoint(body.contacts, point.index());
+    for (std::size_t r = rows.begin; r < rows.end; ++r) {
       const ContactRow& row = body.contacts[r];
-      if (row.point != point.index() || body.contactPartners[r] != partner) continue;
+      if (body.contactPartners[r] != partner) continue;
       int nearest = -1;
       for (int p = 0; p < manifold.getNumContacts(); ++p) {
         const double along = std::abs(toEigen(manifold.getContactPoint(p).m_normalWorldOnB).dot(row.normal));

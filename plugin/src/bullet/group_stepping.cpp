@@ -30,9 +30,20 @@ Stepping strictest(const TickGroup& group) {
   return all;
 }
 
+/// The largest ratio of an inverse mass to that of the settings. The eigenvalues of M^-1/2 K M^-1/2 grow by
+/// that at most.
+double lightest(const SoftBodyData& body) {
+  double most = 0.0;
+  for (std::size_t i = 0; i < body.network->massShares.size(); ++i)
+    most = std::max(most, body.state.inverseMass.col(static_cast<Eigen::Index>(i)).maxCoeff() *
+                              body.network->massShares[i]);
+  return most * body.settings.totalMass;
+}
+
 void updateBounds(SoftBodyData& body) {
   const Points& w = body.state.inverseMass;
   body.frequencySquared = limber::frequencyBoundSquared(body.springs, w, body.stiffnessSums);
+  body.fastestSquared = body.fastestAtRest * lightest(body);
   body.dampingRate = dampingRateBound(body.springs, w);
   body.volumes.kept.value = 0.0;
   body.frequencyStale = false;
@@ -40,14 +51,19 @@ void updateBounds(SoftBodyData& body) {
 
 /// Own springs and links add up to a stiffness matrix K = K_own + K_links, whose largest eigenvalue is at
 /// most the sum of theirs.
-double frequencyBoundSquared(TickGroup& group, double tick) {
-  double own = 0.0;
+Frequencies frequenciesOf(TickGroup& group, double tick) {
+  Frequencies own;
   for (SoftBodyData* body : group.bodies) {
     if (body->frequencyStale) updateBounds(*body);
-    own = std::max(own, body->frequencySquared + keptVolumeBoundSquared(body->volumes, body->state, tick) +
-                            tetrahedronFrequencyBoundSquared(body->tetrahedra, body->state));
+    const double bound = body->frequencySquared + keptVolumeBoundSquared(body->volumes, body->state, tick) +
+                         tetrahedronFrequencyBoundSquared(body->tetrahedra, body->state);
+    own.boundSquared = std::max(own.boundSquared, bound);
+    const bool nearRest = !body->volumes.restless && !body->tetrahedra.restless;
+    own.fastestSquared =
+        std::max(own.fastestSquared, nearRest ? std::min(bound, body->fastestSquared) : bound);
   }
-  return own + linkFrequencyBoundSquared(group.step.links);
+  const double links = linkFrequencyBoundSquared(group.step.links);
+  return {own.boundSquared + links, own.fastestSquared + links};
 }
 
 /// rad per tick, which the usual number of substeps resolves anyhow.
@@ -55,7 +71,7 @@ constexpr double kNegligibleTurn = 0.5;
 
 SteppingProblem problemOf(TickGroup& group, double tick) {
   SteppingProblem p;
-  p.frequencySquared = frequencyBoundSquared(group, tick);
+  p.frequencies = frequenciesOf(group, tick);
   p.tick = tick;
   for (SoftBodyData* body : group.bodies) {
     p.dampingRate = std::max(p.dampingRate, body->dampingRate);

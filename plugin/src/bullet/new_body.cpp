@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "bullet/new_body.h"
 
+#include "core/fastest_oscillation.h"
 #include "core/point_order.h"
 
 namespace limber {
@@ -34,6 +35,18 @@ void placePoints(SoftBodyData& body) {
     state.velocity.col(i) = s.linearVelocity + s.angularVelocity.cross(state.position.col(i) - center);
 }
 
+/// Of the eigenvalue: the period that follows from it is good to some 1e-3.
+constexpr double kResidual = 0.03;
+
+/// With nothing held and the masses of the settings.
+double fastestAtRest(const SoftBodyData& body) {
+  PointState rest = body.state;
+  for (Eigen::Index i = 0; i < rest.inverseMass.cols(); ++i)
+    rest.inverseMass.col(i).setConstant(
+        1.0 / (body.settings.totalMass * body.network->massShares[static_cast<std::size_t>(i)]));
+  return fastestOscillationSquared(body.springs, body.volumes, body.tetrahedra, rest, kResidual);
+}
+
 }  // namespace
 
 Result<std::unique_ptr<SoftBodyData>> makeBodyData(SharedNetwork network, const SoftBodySettings& settings) {
@@ -48,6 +61,7 @@ Result<std::unique_ptr<SoftBodyData>> makeBodyData(SharedNetwork network, const 
   body->volumes = makeVolumes(*body->network, settings);
   body->tetrahedra = makeTetrahedronVolumes(*body->network, settings);
   placePoints(*body);
+  body->fastestAtRest = fastestAtRest(*body);
   const Points& x = body->state.position;
   body->size = (x.rowwise().maxCoeff() - x.rowwise().minCoeff()).norm();
   const auto place = bandOrder(body->springs, body->network->restPoints.size());

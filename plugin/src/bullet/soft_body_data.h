@@ -74,10 +74,12 @@ struct SoftBodyData {
   std::uint32_t index = 0;  ///< among the bodies of the system that are alive
   bool alive = true;
   bool asleep = false;
-  double calmTime = 0.0;              ///< s for which its group has been calm
-  bool frequencyStale = true;         ///< inverse masses have changed since frequencySquared was computed
-  double frequencySquared = 0.0;      ///< rad^2/s^2, bound of its own springs
-  int substeps = 0;                   ///< in the last tick
+  double calmTime = 0.0;          ///< s for which its group has been calm
+  bool frequencyStale = true;     ///< inverse masses have changed since frequencySquared was computed
+  double frequencySquared = 0.0;  ///< rad^2/s^2, bound of its own springs
+  double fastestSquared = 0.0;  ///< rad^2/s^2, fastestOscillationSquared with the masses it has now, at most
+  double fastestAtRest = 0.0;   ///< the same with the masses of its settings
+  int substeps = 0;             ///< in the last tick
   Stepper stepper = Stepper::Verlet;  ///< in the last tick
   double errorPerSecond = 0.0;        ///< m/s
   double errorPerSquare = 0.0;        ///< m/s^3, see SteppingProblem

@@ -180,9 +180,9 @@ bool hasSharpNear(const SweptBox& box, const RigidPart& part) {
   return false;
 }
 
-/// Whether edges and triangles sink into a sphere or capsule by less than kSagging where their corners rest on
-/// it: no place is farther than c = L / sqrt(3) from a corner if the longest edge is L, and c^2 / (2 R) is how
-/// deep that is under a sphere of radius R.
+/// Whether edges and triangles sink into a sphere or capsule by less than kSagging where their corners rest
+/// on it: no place is farther than c = L / sqrt(3) from a corner if the longest edge is L, and c^2 / (2 R) is
+/// how deep that is under a sphere of radius R.
 bool bendsGently(const MovingSurface& soft, const RigidPart& part) {
   if (!part.surface->topology.triangles.empty()) return false;
   const double most = 6.0 * kSagging * soft.radius * (part.surface->radius + soft.radius);
@@ -194,10 +194,9 @@ bool bendsGently(const MovingSurface& soft, const RigidPart& part) {
 
 bool isBorne(const SoftBodyData& body, std::uint32_t point, const btCollisionObject& partner,
              const Vector3d& normal) {
-  for (std::size_t r = 0; r < body.contacts.size(); ++r)
-    if (body.contacts[r].point == point && body.contactPartners[r] == &partner &&
-        body.contacts[r].normal.dot(normal) > kSameSide)
-      return true;
+  const RowRange rows = rowsOfPoint(body.contacts, point);
+  for (std::size_t r = rows.begin; r < rows.end; ++r)
+    if (body.contactPartners[r] == &partner && body.contacts[r].normal.dot(normal) > kSameSide) return true;
   return false;
 }
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "cook/braced_piece.h"
 
-#include "cook/random.h"
+#include "core/random.h"
 
 #include <algorithm>
 

@@ -2,8 +2,8 @@
 #include "cook/counterexample_braces.h"
 
 #include "cook/deformations.h"
-#include "cook/random.h"
 #include "cook/relaxation.h"
+#include "core/random.h"
 
 #include <algorithm>
 #include <array>

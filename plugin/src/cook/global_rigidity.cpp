@@ -2,7 +2,7 @@
 #include "cook/global_rigidity.h"
 
 #include "cook/prime_field.h"
-#include "cook/random.h"
+#include "core/random.h"
 
 #include <Eigen/OrderingMethods>
 #include <Eigen/SparseCore>

@@ -2,10 +2,10 @@
 #include "cook/own_weight.h"
 
 #include "cook/network_pieces.h"
-#include "cook/random.h"
 #include "cook/relaxed_body.h"
 #include "cook/rest_state.h"
 #include "cook/triangle_geometry.h"
+#include "core/random.h"
 #include "core/spring_forces.h"
 #include "core/verlet_step.h"
 
@@ -24,7 +24,7 @@ constexpr double kPrecision = 1.04;
 // The motion, in units of the size, the mean mass of a point and the stiffness.
 constexpr double kMostDrag = 0.1;  // at most, and sqrt(load): more would hold up what topples
 constexpr double kFriction = 0.5;
-constexpr double kSafeStepShare = 0.5;       // of the safe step
+constexpr double kSafeStepShare = 0.5;   // of the safe step
 constexpr double kSettlingTime = 300.0;  // at most: drag takes 13 powers of ten of the energy
 constexpr double kFallTimes = 20.0;      // or 1/sqrt(load) so often: unevenness grows by e in 1.6 of them
 constexpr double kCalmSpeed = 1e-3;      // root mean square over the load: at rest, when it lasts

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
-#include "cook/random.h"
+#include "core/random.h"
 
 #include <cstddef>
 #include <cstdint>

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Zlib
 #include "cook/rigidity.h"
 
-#include "cook/largest_eigenvalue.h"
-#include "cook/random.h"
 #include "cook/stiffness_matrix.h"
+#include "core/largest_eigenvalue.h"
+#include "core/random.h"
 
 #include <Eigen/Eigenvalues>
 #include <Eigen/SparseCholesky>

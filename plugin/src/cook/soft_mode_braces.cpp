@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Zlib
 #include "cook/soft_mode_braces.h"
 
-#include "cook/largest_eigenvalue.h"
 #include "cook/rigidity.h"
 #include "cook/stiffness_matrix.h"
+#include "core/largest_eigenvalue.h"
 
 #include <algorithm>
 

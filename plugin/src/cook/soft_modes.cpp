@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
-#include "cook/random.h"
 #include "cook/rigidity.h"
 #include "cook/stiffness_matrix.h"
+#include "core/random.h"
 
 #include <Eigen/Dense>
 #include <Eigen/SparseCholesky>
@@ -18,7 +18,7 @@ constexpr Eigen::Index kMostDenseModes = 450;
 constexpr Eigen::Index kBlock = 8;  // vectors that the space grows by
 constexpr int kMostBlocks = 400;    // by then something is wrong with the matrix
 constexpr int kBlocksBetweenChecks = 3;
-constexpr double kModeTolerance = 1e-5;      // of a residual, relative to the eigenvalue of the inverse
+constexpr double kModeTolerance = 1e-5;  // of a residual, relative to the eigenvalue of the inverse
 constexpr double kConfirmed = 1e-4;      // relative change of an eigenvalue that says that nothing was missed
 constexpr double kDependent = 1e-13;     // norm of what is left of a unit vector: round-off
 constexpr double kRelativeShift = 1e-9;  // of the largest eigenvalue, added so that there is an inverse

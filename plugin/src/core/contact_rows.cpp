@@ -7,7 +7,6 @@
 namespace limber {
 namespace {
 
-
 /// Sweeps over the rows of a point between two or three surfaces.
 constexpr int kSweepsInCorners = 8;
 
@@ -49,6 +48,14 @@ bool pointsHaveOneRowEach(const std::vector<ContactRow>& rows) {
 }
 
 }  // namespace
+
+RowRange rowsOfPoint(const std::vector<ContactRow>& rows, std::uint32_t point) {
+  const auto isBefore = [](const ContactRow& row, std::uint32_t i) { return row.point < i; };
+  const auto first = std::lower_bound(rows.begin(), rows.end(), point, isBefore);
+  auto end = first;
+  while (end != rows.end() && end->point == point) ++end;
+  return {static_cast<std::size_t>(first - rows.begin()), static_cast<std::size_t>(end - rows.begin())};
+}
 
 void prepareContacts(std::vector<ContactRow>& rows, const PointView& points) {
   for (ContactRow& row : rows) {

@@ -29,11 +29,17 @@ struct ContactRow {
   double target = 0.0;                                ///< m/s along the normal at least, in this substep
 };
 
+/// The indices of a point's rows, among rows in the order of their points.
+struct RowRange {
+  std::size_t begin, end;
+};
+RowRange rowsOfPoint(const std::vector<ContactRow>& rows, std::uint32_t point);
+
 /// m/s: slower approaches do not bounce, or nothing would come to rest (Bullet's own threshold).
 constexpr double kLeastBounce = 0.2;
 
-/// Share of a penetration taken back per substep, up to recoverySpeed: a body that was placed inside something
-/// must come out, not be thrown out.
+/// Share of a penetration taken back per substep, up to recoverySpeed: a body that was placed inside
+/// something must come out, not be thrown out.
 constexpr double kRecovery = 0.2;
 
 /// Before the first substep of a tick: the rows' masses.

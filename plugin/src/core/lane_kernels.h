@@ -44,8 +44,8 @@ struct LaneBody {
   double* change;  ///< written: one per lane, see computeForcesAndChange
 };
 
-/// One body whose points, and directions of springs, are quads x, y, z, 0 of doubles; what is one number per
-/// spring comes as it is. The number of springs is a multiple of four.
+/// One body whose points are quads x, y, z, 0 of doubles; what is one number per spring comes as it is. The
+/// number of springs is a multiple of four.
 struct QuadBody {
   unsigned points, springs;
   const unsigned *a, *b;
@@ -53,8 +53,8 @@ struct QuadBody {
   double *position, *velocity, *force, *earlierForce;
   const double *acceleration, *inverseMass;
   const double *restLength, *extensionStiffness, *compressionStiffness;
-  double* direction;
-  VolumeBody volumes;  ///< one number per component; gradients are quads, sums two quads per component
+  double* inverseLength;  ///< written: 1/m, 0 while slack
+  VolumeBody volumes;     ///< one number per component; gradients are quads, sums two quads per component
   TetrahedronBody tetrahedra;
   bool damped;
   const double *dampHalf, *dampFull;

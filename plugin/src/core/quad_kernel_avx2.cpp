@@ -12,7 +12,7 @@ namespace {
 
 using Quad = Pack;
 
-/// One body; a point or a direction is the quad x, y, z, 0.
+/// One body; a point is the quad x, y, z, 0.
 struct QuadPoints {
   const QuadBody& b;
   bool damped() const { return b.damped; }
@@ -27,6 +27,8 @@ Quad spread(Quad v) {
   return _mm256_permute4x64_pd(v, i * 0x55);
 }
 
+double total(Quad q) { return q[0] + (q[1] + q[2]); }
+
 /// x, y and z of four points.
 struct Columns {
   Quad x, y, z;
@@ -40,7 +42,6 @@ Columns columns(Quad p0, Quad p1, Quad p2, Quad p3) {
 }
 
 void pullTogether(const QuadBody& b, Index spring, Quad pull, Quad direction) {
-  quads(b.direction)[spring] = direction;
   const Quad force = pull * direction;
   Quad& fa = quads(b.force)[b.a[spring]];
   fa = fa + force;
@@ -56,14 +57,23 @@ void addForces(const QuadBody& b, Index i) {
   const Columns d = columns(d0, d1, d2, d3);
   const Pull<Quad> p = pullOf(d.x * d.x + (d.y * d.y + d.z * d.z), quads(b.restLength)[i / 4],
                               quads(b.extensionStiffness)[i / 4], quads(b.compressionStiffness)[i / 4]);
+  quads(b.inverseLength)[i / 4] = p.scale;
   pullTogether(b, i, spread<0>(p.force), d0 * spread<0>(p.scale));
   pullTogether(b, i + 1, spread<1>(p.force), d1 * spread<1>(p.scale));
   pullTogether(b, i + 2, spread<2>(p.force), d2 * spread<2>(p.scale));
   pullTogether(b, i + 3, spread<3>(p.force), d3 * spread<3>(p.scale));
 }
 
-void push(const QuadBody& b, Index spring, Quad impulse) {
-  const Quad j = impulse * quads(b.direction)[spring];
+/// The direction of one of four springs, as addForces has it: to keep its inverse length is a quarter of the
+/// memory, which large bodies wait for.
+template <int i>
+Quad directionOf(const QuadBody& b, Index first, Quad inverseLength) {
+  const Quad* x = quads(b.position);
+  return (x[b.b[first + i]] - x[b.a[first + i]]) * spread<i>(inverseLength);
+}
+
+void push(const QuadBody& b, Index spring, Quad impulse, Quad direction) {
+  const Quad j = impulse * direction;
   const Index ia = b.a[spring], ib = b.b[spring];
   Quad* v = quads(b.velocity);
   const Quad* w = quads(b.inverseMass);
@@ -71,29 +81,31 @@ void push(const QuadBody& b, Index spring, Quad impulse) {
   v[ib] = v[ib] - j * w[ib];
 }
 
-Quad closing(const QuadBody& b, Index spring) {
+Quad closing(const QuadBody& b, Index spring, Quad direction) {
   const Quad* v = quads(b.velocity);
-  return quads(b.direction)[spring] * (v[b.b[spring]] - v[b.a[spring]]);
-}
-
-Quad speeds(const QuadBody& b, Index i) {
-  const Columns c = columns(closing(b, i), closing(b, i + 1), closing(b, i + 2), closing(b, i + 3));
-  return c.x + (c.y + c.z);
+  return direction * (v[b.b[spring]] - v[b.a[spring]]);
 }
 
 /// damp of four springs that share no point.
 void dampTogether(const QuadBody& b, Index i, Quad factor) {
-  const Quad impulse = factor * speeds(b, i);
-  push(b, i, spread<0>(impulse));
-  push(b, i + 1, spread<1>(impulse));
-  push(b, i + 2, spread<2>(impulse));
-  push(b, i + 3, spread<3>(impulse));
+  const Quad scale = quads(b.inverseLength)[i / 4];
+  const Quad n0 = directionOf<0>(b, i, scale), n1 = directionOf<1>(b, i, scale);
+  const Quad n2 = directionOf<2>(b, i, scale), n3 = directionOf<3>(b, i, scale);
+  const Columns c =
+      columns(closing(b, i, n0), closing(b, i + 1, n1), closing(b, i + 2, n2), closing(b, i + 3, n3));
+  const Quad impulse = factor * (c.x + (c.y + c.z));
+  push(b, i, spread<0>(impulse), n0);
+  push(b, i + 1, spread<1>(impulse), n1);
+  push(b, i + 2, spread<2>(impulse), n2);
+  push(b, i + 3, spread<3>(impulse), n3);
 }
 
 /// Springs that share points, one after the other.
 template <int i>
 void dampOne(const QuadBody& b, Index first, Quad factor) {
-  push(b, first + i, spread<i>(factor * speeds(b, first)));
+  const Quad n = directionOf<i>(b, first, quads(b.inverseLength)[first / 4]);
+  const Quad c = closing(b, first + i, n);
+  push(b, first + i, spread<i>(factor) * all(Quad(), total(c)), n);
 }
 
 void dampInTurn(const QuadBody& b, Index i, Quad factor, bool forward) {
@@ -125,8 +137,6 @@ Quad sixQuadVolumes(const VolumeBody& v, Index component, const Quad* x) {
   }
   return sum;
 }
-
-double total(Quad q) { return q[0] + (q[1] + q[2]); }
 
 /// As addVolumeForces of volume_kernel.h, to the bit.
 void addQuadVolumeForces(const VolumeBody& v, const Quad* x, const Quad* w, Quad* force) {

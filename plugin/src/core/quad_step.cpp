@@ -28,10 +28,9 @@ std::size_t filledUp(std::size_t springs) { return (springs + 3) / 4 * 4; }
 void reserve(QuadArrays& q, std::size_t points, std::size_t springs) {
   for (auto* array : {&q.position, &q.velocity, &q.acceleration, &q.inverseMass, &q.force, &q.earlierForce})
     reserveNumbers(*array, 4 * points);
-  for (auto* array :
-       {&q.restLength, &q.extensionStiffness, &q.compressionStiffness, &q.dampHalf, &q.dampFull})
+  for (auto* array : {&q.restLength, &q.extensionStiffness, &q.compressionStiffness, &q.inverseLength,
+                      &q.dampHalf, &q.dampFull})
     reserveNumbers(*array, springs);
-  reserveNumbers(q.direction, 4 * springs);
   q.a.assign(springs, 0);
   q.b.assign(springs, 0);
   q.apart.assign(springs / 4, 1);
@@ -62,6 +61,7 @@ void loadSprings(QuadArrays& q, const SpringArrays& springs) {
   copy(springs.compressionStiffness, q.compressionStiffness);
   copy(springs.dampHalf, q.dampHalf);
   copy(springs.dampFull, q.dampFull);
+  q.sameStiffness = springs.extensionStiffness == springs.compressionStiffness;
   q.revision = springs.revision;
 }
 
@@ -129,8 +129,9 @@ kernel::QuadBody quadBody(SteppedBody& stepped, const kernel::ContactCalls* cont
   body.acceleration = numbers(q.acceleration), body.inverseMass = numbers(q.inverseMass);
   body.restLength = numbers(q.restLength);
   body.extensionStiffness = numbers(q.extensionStiffness);
-  body.compressionStiffness = numbers(q.compressionStiffness);
-  body.direction = numbers(q.direction);
+  // one array less to read
+  body.compressionStiffness = numbers(q.sameStiffness ? q.extensionStiffness : q.compressionStiffness);
+  body.inverseLength = numbers(q.inverseLength);
   body.dampHalf = numbers(q.dampHalf), body.dampFull = numbers(q.dampFull);
   body.volumes = quadVolumes(q, stepped.volumes);
   body.tetrahedra = quadTetrahedra(q, stepped.tetrahedra);

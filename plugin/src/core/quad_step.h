@@ -15,9 +15,9 @@ namespace limber {
 /// these.
 struct QuadArrays {
   AlignedNumbers position, velocity, acceleration, inverseMass, force, earlierForce;  // 4 x (#points + 2)
-  AlignedNumbers restLength, extensionStiffness, compressionStiffness, dampHalf,
+  AlignedNumbers restLength, extensionStiffness, compressionStiffness, inverseLength, dampHalf,
       dampFull;                      // #springs, filled up
-  AlignedNumbers direction;          // 4 x #springs, filled up
+  bool sameStiffness = false;        // of all springs, extended and compressed
   AlignedNumbers gradient, sums;     // of the volume: 4 x (#points + 2), 8 x #components
   AlignedNumbers inverseRest, hold;  // #tetrahedra, filled up
   std::vector<unsigned> corners;     // 4 x #tetrahedra, filled up

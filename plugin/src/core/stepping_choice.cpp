@@ -49,7 +49,7 @@ VerletNeed verletNeed(const SteppingProblem& p, const Stepping& s) {
   Stepping coarsest;
   coarsest.atLeast = 1;
   coarsest.periodTolerance = 1.0;
-  return {substepCount(p.frequencySquared, p.tick, coarsest), substepCount(p.frequencySquared, p.tick, s)};
+  return {substepCount(p.frequencies, p.tick, coarsest), substepCount(p.frequencies, p.tick, s)};
 }
 
 Stepper choose(const SteppingProblem& p, const Stepping& s, const VerletNeed& verlet) {
@@ -82,10 +82,10 @@ double frequencyBoundSquared(const SpringArrays& springs, const Points& inverseM
   return bound;
 }
 
-int substepCount(double frequencySquared, double tick, const Stepping& settings) {
-  const double phase = std::sqrt(frequencySquared) * tick;
-  const double largestStep = std::min(kLargestPhaseStep, std::sqrt(24.0 * settings.periodTolerance));
-  const double needed = std::ceil(phase / largestStep);
+int substepCount(const Frequencies& frequencies, double tick, const Stepping& settings) {
+  const double stable = std::sqrt(frequencies.boundSquared) * tick / kLargestPhaseStep;
+  const double exact = std::sqrt(frequencies.fastestSquared / (24.0 * settings.periodTolerance)) * tick;
+  const double needed = std::ceil(std::max(stable, exact));
   return std::max(settings.atLeast, static_cast<int>(std::min(needed, 1e9)));
 }
 

@@ -19,14 +19,21 @@ namespace limber {
 double frequencyBoundSquared(const SpringArrays& springs, const Points& inverseMass,
                              std::vector<double>& stiffnessSums);
 
-/// Substeps for a tick of `tick` seconds: at least settings.atLeast; stable (velocity Verlet: omega dt < 2,
-/// the dampers do not change that); period error of the fastest oscillation, (omega dt)^2 / 24 (Hairer,
-/// Lubich, Wanner 2006, section I.5), at most settings.periodTolerance.
-int substepCount(double frequencySquared, double tick, const Stepping& settings);
+/// How fast a body may oscillate, rad^2/s^2.
+struct Frequencies {
+  double boundSquared = 0.0;    ///< at any deformation, see frequencyBoundSquared
+  double fastestSquared = 0.0;  ///< about its rest shape, see fastestOscillationSquared
+};
+
+/// Substeps for a tick of `tick` seconds: at least settings.atLeast; stable at any deformation (velocity
+/// Verlet: omega dt < 2, the dampers do not change that); period error of the fastest oscillation about the
+/// rest shape, (omega dt)^2 / 24 (Hairer, Lubich, Wanner 2006, section I.5), at most
+/// settings.periodTolerance.
+int substepCount(const Frequencies& frequencies, double tick, const Stepping& settings);
 
 /// What the choice of a stepper for one tick of one group depends on.
 struct SteppingProblem {
-  double frequencySquared = 0.0;  ///< rad^2/s^2, frequencyBoundSquared
+  Frequencies frequencies;
   double dampingRate = 0.0;       ///< 1/s, dampingRateBound
   double turnRate = 0.0;          ///< rad/s, fastestTurn
   double tick = 0.0;              ///< s

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
-#include "cook/largest_eigenvalue.h"
+#include "core/largest_eigenvalue.h"
 
-#include "cook/random.h"
+#include "core/random.h"
 
 #include <Eigen/Eigenvalues>
 
