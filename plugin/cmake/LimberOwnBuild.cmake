@@ -12,12 +12,10 @@ if(LIMBER_CCACHE AND NOT CMAKE_CXX_COMPILER_LAUNCHER)
   set(CMAKE_CXX_COMPILER_LAUNCHER ${LIMBER_CCACHE})
 endif()
 
-# flags of the kind that a strict parent project has, too: tests/consumer has one, and ccache then knows its files
-set(LIMBER_STRICT_FLAGS "-Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wsign-conversion")
+add_compile_options(-Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wsign-conversion)
 if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
-  string(APPEND LIMBER_STRICT_FLAGS " -fpch-preprocess")  # ccache wants it
+  add_compile_options(-fpch-preprocess)  # ccache wants it
 endif()
-string(APPEND CMAKE_CXX_FLAGS " ${LIMBER_STRICT_FLAGS}")
 if(LIMBER_SANITIZE)
   # Without the checks of pointers, which take as long to compile as the rest: bad ones are the address sanitizer's,
   # but misaligned ones and wrong dynamic types then go unseen.
