@@ -64,7 +64,7 @@ class PairsOfPoint final : public btCollisionWorld::ContactResultCallback {
 };
 
 /// m, how far the partner's surface may move in the tick.
-double motionOf(const btRigidBody& partner, double tick) {
+double wayInTick(const btRigidBody& partner, double tick) {
   const btScalar turn = partner.getAngularVelocity().length();
   double speed = double(partner.getLinearVelocity().length());
   if (turn > 0) speed += double(turn * partner.getCollisionShape()->getAngularMotionDisc());
@@ -81,7 +81,7 @@ void addBoxPair(PairsOfPoint& pairs, const SoftBodyData& body, std::uint32_t i, 
 }
 
 void addPairs(SoftBodyData& body, std::uint32_t i, btRigidBody& partner, double tick, TickContacts& found) {
-  const double motion = kReachPerMotion * motionOf(partner, tick);
+  const double motion = kReachPerMotion * wayInTick(partner, tick);
   const Reach reach = reachOf(body, i, tick, motion);
   if (!overlaps(reach, partner)) return;
   PointMass& point = *body.masses.bodies[i];
