@@ -114,6 +114,13 @@ class SoftBodySystem {
 
   const TickProfile& profile() const;
 
+  /// Draws the soft bodies as the drawer's mode asks: DBG_DrawWireframe: springs, blue where they are pressed
+  /// together by a tenth, red where they are stretched by as much, and crosses at pinned points;
+  /// DBG_DrawAabb: a box around each body; DBG_DrawContactPoints: contacts; DBG_DrawConstraints: anchors and
+  /// single springs. The world's debugDrawWorld() calls it by itself when the mode has wireframe, AABBs or
+  /// normals.
+  void debugDraw(btIDebugDraw& drawer) const;
+
  private:
   struct Impl;
   std::unique_ptr<Impl> impl_;

@@ -31,14 +31,16 @@ class SpringConstraint {
   /// m, the present distance of its ends.
   btScalar length() const { return (worldPivot(a_) - worldPivot(b_)).length(); }
 
+  /// Where an end is in the world.
+  static btVector3 worldPivot(const SpringEnd& end) {
+    return end.body ? end.body->getWorldTransform() * end.pivot : end.pivot;
+  }
+
   /// N at the end of the last tick; above 0 pulls the ends together.
   double force() const { return force_; }
 
  private:
   friend class SoftBodySystem;
-  static btVector3 worldPivot(const SpringEnd& end) {
-    return end.body ? end.body->getWorldTransform() * end.pivot : end.pivot;
-  }
 
   SpringEnd a_, b_;
   SpringSettings settings_;

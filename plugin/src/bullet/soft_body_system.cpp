@@ -3,6 +3,7 @@
 
 #include "bullet/body_in_world.h"
 #include "bullet/convert.h"
+#include "bullet/debug_draw.h"
 #include "bullet/new_body.h"
 #include "bullet/surface_body.h"
 #include "bullet/system_impl.h"
@@ -230,6 +231,13 @@ void SoftBodySystem::Impl::forget(const btRigidBody& body) {
 void SoftBodySystem::beforeTick(btScalar tick) { impl_->beforeTick(tick); }
 
 const TickProfile& SoftBodySystem::profile() const { return impl_->profile; }
+
+void SoftBodySystem::debugDraw(btIDebugDraw& drawer) const { impl_->debugDraw(drawer); }
+
+void SoftBodySystem::Impl::debugDraw(btIDebugDraw& drawer) {
+  for (auto& body : bodies) limber::debugDraw(*body->data_, drawer);
+  limber::debugDraw(springs, drawer);
+}
 
 }  // namespace LIMBER_BULLET_PRECISION
 }  // namespace limber

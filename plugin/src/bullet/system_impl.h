@@ -29,6 +29,7 @@ struct SoftBodySystem::Impl final : TickListener, StepListener {
   void beforeTick(btScalar tick) override;
   void afterTick(btScalar tick) override;
   void tickMissed() override;
+  void debugDraw(btIDebugDraw& drawer) override;
   void afterTickOrEmptyStep() override;
 
   void hookUp();

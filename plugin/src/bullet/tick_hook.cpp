@@ -118,5 +118,9 @@ void TickHook::updateAction(btCollisionWorld*, btScalar tick) {
   }
 }
 
+void TickHook::debugDraw(btIDebugDraw* drawer) {
+  for (TickListener* listener : actionListeners_) listener->debugDraw(*drawer);
+}
+
 }  // namespace LIMBER_BULLET_PRECISION
 }  // namespace limber

@@ -17,6 +17,7 @@ class TickListener {
   virtual void beforeTick(btScalar tick) = 0;  ///< before Bullet predicts, collides and solves
   virtual void afterTick(btScalar tick) = 0;   ///< after Bullet has moved its bodies
   virtual void tickMissed() = 0;  ///< a tick has passed without beforeTick: the hook was overwritten
+  virtual void debugDraw(btIDebugDraw& drawer) = 0;  ///< the world draws itself
 };
 
 /// The only file that touches a world's pre-tick callback.
@@ -44,7 +45,7 @@ class TickHook final : public btActionInterface {
   void takeSlot();
 
   void updateAction(btCollisionWorld* world, btScalar tick) override;
-  void debugDraw(btIDebugDraw*) override {}
+  void debugDraw(btIDebugDraw* drawer) override;
 
  private:
   explicit TickHook(btDynamicsWorld& world) : world_(&world) {}
