@@ -71,7 +71,7 @@ void SceneRenderer::addProps() {
   for (Prop& prop : propsOf(scene_)) {
     render::InstanceLook look;
     look.colour = prop.colour;
-    const render::ShapeId shape = renderer_.addShape(prop.scenery.shape);
+    const render::ShapeId shape = renderer_.addShape(prop.surface.shape);
     props_.push_back({renderer_.addInstance(shape, look), std::move(prop)});
   }
 }

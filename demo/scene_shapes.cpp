@@ -11,6 +11,8 @@ namespace {
 const render::Vec3 kFloorColour{0.78f, 0.79f, 0.82f};
 
 void addSurface(render::ShapeDesc& shape, const SpringNetwork& network) {
+  const Skin& skin = network.render.skin;
+  shape.skin = {skin.firstWeight, skin.points, skin.weights};
   shape.vertexToPoint = network.render.vertexToPoint;
   for (const Eigen::Vector2f& uv : network.render.uvs) shape.uvs.insert(shape.uvs.end(), {uv.x(), uv.y()});
   for (const Triangle& t : network.render.triangles) {
@@ -22,15 +24,18 @@ void addSurface(render::ShapeDesc& shape, const SpringNetwork& network) {
   }
 }
 
-bool hasSkin(const SoftBody& body) { return body.network().render.skin.size() > 0; }
+render::Frame frameOf(const btTransform& place) {
+  const btMatrix3x3& turn = place.getBasis();
+  return {toVec3(place.getOrigin()), toVec3(turn.getColumn(0)), toVec3(turn.getColumn(1)),
+          toVec3(turn.getColumn(2))};
+}
 
 /// Bending springs lie over the grid's own and would only hide them.
 void addSprings(render::ShapeDesc& shape, const SoftBody& body) {
   const std::vector<Eigen::Vector3d> rest = scenes::restShape(body);
-  const std::uint32_t first = hasSkin(body) ? body.placeCount() : 0;
   for (const NetworkSpring& spring : body.network().springs) {
     if (spring.kind == SpringKind::Bending) continue;
-    shape.lines.insert(shape.lines.end(), {first + spring.a, first + spring.b});
+    shape.lines.insert(shape.lines.end(), {spring.a, spring.b});
     shape.lineRestLengths.push_back(static_cast<float>((rest[spring.b] - rest[spring.a]).norm()));
   }
 }
@@ -41,7 +46,7 @@ render::ShapeDesc shapeOf(const SoftBody& body, const scenes::BodyLook& look) {
   const SpringNetwork& network = body.network();
   render::ShapeDesc shape;
   shape.name = "body";
-  shape.pointCount = body.placeCount() + (hasSkin(body) ? body.pointCount() : 0);
+  shape.pointCount = body.pointCount();
   shape.shading = look.smooth ? render::Shading::Smooth : render::Shading::Flat;
   // an open surface shows its other side, and so does one that has been turned inside out
   shape.twoSided = true;
@@ -53,39 +58,29 @@ render::ShapeDesc shapeOf(const SoftBody& body, const scenes::BodyLook& look) {
   return shape;
 }
 
-void writePoints(const SoftBody& body, float* xyz) {
-  body.writePlaces(xyz);
-  if (hasSkin(body)) body.writePositions(xyz + std::size_t{3} * body.placeCount());
-}
+void writePoints(const SoftBody& body, float* xyz) { body.writePositions(xyz); }
 
 std::vector<Prop> propsOf(const scenes::Scene& scene) {
   std::vector<Prop> props;
   const scenes::FloorProp& floor = scene.floor;
   const render::Vec3 middle{0.0f, static_cast<float>(floor.height), 0.0f};
-  props.push_back({render::makeFloor(middle, static_cast<float>(floor.halfSize)), kFloorColour, nullptr});
+  props.push_back({render::makeRigid(render::makeFloor(middle, static_cast<float>(floor.halfSize))),
+                   kFloorColour, nullptr});
   for (const scenes::BoxProp& box : scene.boxes) {
-    props.push_back(
-        {render::makeBox(toVec3(box.centre), toVec3(box.halfExtents)), toVec3(box.colour), box.body});
+    props.push_back({render::makeRigid(render::makeBox(toVec3(box.centre), toVec3(box.halfExtents))),
+                     toVec3(box.colour), box.body});
   }
   for (const scenes::SphereProp& ball : scene.spheres) {
     const float radius = static_cast<float>(ball.radius);
-    props.push_back({render::makeUvSphere(toVec3(ball.centre), radius), toVec3(ball.colour), ball.body});
+    props.push_back({render::makeRigid(render::makeUvSphere(toVec3(ball.centre), radius)),
+                     toVec3(ball.colour), ball.body});
   }
   return props;
 }
 
 void writePoints(const Prop& prop, float* xyz) {
-  const std::vector<float>& points = prop.scenery.points;
-  if (!prop.body) {
-    std::copy(points.begin(), points.end(), xyz);
-    return;
-  }
-  const btTransform& place = prop.body->getWorldTransform();
-  for (std::size_t i = 0; i + 2 < points.size(); i += 3) {
-    const btVector3 p =
-        place * btVector3(btScalar(points[i]), btScalar(points[i + 1]), btScalar(points[i + 2]));
-    for (int k = 0; k < 3; ++k) xyz[i + static_cast<std::size_t>(k)] = static_cast<float>(p[k]);
-  }
+  const render::Frame frame = prop.body ? frameOf(prop.body->getWorldTransform()) : render::Frame{};
+  render::writeFrame(prop.surface.reach, frame, xyz);
 }
 
 render::Image checkerTexture() {

@@ -12,6 +12,8 @@ layout(std140, binding = 0) uniform Frame {
   vec4 viewport;         // Width, height; line width in pixels; one over the strain range.
 } frame;
 
+// Points are what is bound there: where a shape has a skin, its places, except to those who draw lines
+// or compute the skin.
 uniform uint firstPoint;     // Of the first instance, in Points.
 uniform uint firstInstance;  // In Instances.
 uniform uint pointCount;     // Per instance.

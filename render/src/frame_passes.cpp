@@ -9,21 +9,31 @@ namespace {
 constexpr std::uint32_t kGroupSize = 64;
 constexpr std::uint32_t kMostGroupsPerRow = 65535;  // The least that OpenGL allows.
 
-void setUniforms(const PassContext& pass, const ShaderProgram& program, const DrawItem& item) {
+void setUniforms(const PassContext& pass, const ShaderProgram& program, const DrawItem& item,
+                 std::uint32_t first, std::uint32_t count) {
   const auto set = [&](DrawUniform uniform, std::uint32_t value) {
     pass.gl.ProgramUniform1ui(program.name(), program.location(uniform), value);
   };
-  set(DrawUniform::FirstPoint, item.firstPoint);
+  set(DrawUniform::FirstPoint, first);
   set(DrawUniform::FirstInstance, item.firstInstance);
-  set(DrawUniform::PointCount, item.shape->pointCount);
+  set(DrawUniform::PointCount, count);
   set(DrawUniform::FirstNormal, item.firstNormal);
   pass.gl.ProgramUniform1f(program.name(), program.location(DrawUniform::ShapeRadius), item.shape->radius);
 }
 
-void use(const PassContext& pass, const ShaderProgram& program, const DrawItem& item) {
+void use(const PassContext& pass, const ShaderProgram& program, const DrawItem& item, const PointRange& range,
+         std::uint32_t count) {
   pass.gl.UseProgram(program.name());
-  setUniforms(pass, program, item);
-  pass.gl.BindBufferRange(GL_SHADER_STORAGE_BUFFER, kPoints, item.positions, item.byteOffset, item.bytes);
+  setUniforms(pass, program, item, range.first, count);
+  pass.gl.BindBufferRange(GL_SHADER_STORAGE_BUFFER, kPoints, range.buffer, range.byteOffset, range.bytes);
+}
+
+void useWithPoints(const PassContext& pass, const ShaderProgram& program, const DrawItem& item) {
+  use(pass, program, item, item.points, item.shape->pointCount);
+}
+
+void useWithPlaces(const PassContext& pass, const ShaderProgram& program, const DrawItem& item) {
+  use(pass, program, item, item.places, item.shape->placeCount);
 }
 
 void drawTriangles(const PassContext& pass, const DrawItem& item) {
@@ -52,8 +62,30 @@ void setCulling(const Gl& gl, bool on) {
 
 }  // namespace
 
-void computeNormals(const PassContext& pass) {
+void computePlaces(const PassContext& pass) {
   // The passes of the frame before may still be reading what is now overwritten.
+  pass.gl.MemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
+  for (const DrawItem& item : pass.items) {
+    const GpuShape& shape = *item.shape;
+    if (!shape.skinned()) {
+      continue;
+    }
+    const ShaderProgram& program = pass.programs.skin(shape.skin.dense);
+    useWithPoints(pass, program, item);
+    const auto set = [&](DrawUniform uniform, std::uint32_t value) {
+      pass.gl.ProgramUniform1ui(program.name(), program.location(uniform), value);
+    };
+    set(DrawUniform::FirstPlace, item.places.first);
+    set(DrawUniform::PlaceCount, shape.placeCount);
+    pass.gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, kPlaces, item.places.buffer);
+    pass.gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, kSkinFirst, shape.skin.first.name());
+    pass.gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, kSkinWeights, shape.skin.weights.name());
+    dispatch(pass, program, item.instanceCount * shape.placeCount);
+  }
+  pass.gl.MemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
+}
+
+void computeNormals(const PassContext& pass) {
   pass.gl.MemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
   for (const DrawItem& item : pass.items) {
     const GpuShape& shape = *item.shape;
@@ -61,13 +93,13 @@ void computeNormals(const PassContext& pass) {
       continue;
     }
     const ShaderProgram& program = pass.programs.normals(shape.tube);
-    use(pass, program, item);
+    useWithPlaces(pass, program, item);
     if (shape.tube) {
       dispatch(pass, program, item.instanceCount);
     } else {
       pass.gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, kOffsets, shape.adjacencyOffsets.name());
       pass.gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, kCorners, shape.adjacencyCorners.name());
-      dispatch(pass, program, item.instanceCount * shape.pointCount);
+      dispatch(pass, program, item.instanceCount * shape.placeCount);
     }
   }
   pass.gl.MemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
@@ -82,7 +114,7 @@ void castShadows(const PassContext& pass, const ShadowMap& map) {
   setCulling(pass.gl, false);
   for (const DrawItem& item : pass.items) {
     if (item.shape->indexCount > 0 && item.shape->castsShadow) {
-      use(pass, pass.programs.depth(item.shape->tube), item);
+      useWithPlaces(pass, pass.programs.depth(item.shape->tube), item);
       drawTriangles(pass, item);
     }
   }
@@ -98,7 +130,8 @@ void drawSurfaces(const PassContext& pass, DrawMode mode, bool shadows) {
       continue;
     }
     setCulling(pass.gl, !shape.twoSided);
-    use(pass,
+    useWithPlaces(
+        pass,
         pass.programs.surface({shape.tube, shape.smooth, shape.twoSided, shape.grid, shadows, item.textured}),
         item);
     drawTriangles(pass, item);
@@ -114,7 +147,7 @@ void drawLines(const PassContext& pass) {
     if (item.shape->lineCount == 0) {
       continue;
     }
-    use(pass, pass.programs.lines(), item);
+    useWithPoints(pass, pass.programs.lines(), item);
     pass.gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, kLines, item.shape->lines.name());
     pass.gl.DrawArraysInstanced(GL_TRIANGLES, 0, 6 * item.shape->lineCount,
                                 static_cast<GLsizei>(item.instanceCount));

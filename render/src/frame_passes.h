@@ -11,16 +11,22 @@
 
 namespace limber::render {
 
+/// Where the points of some instances lie: three floats each, packed, in a range of a buffer.
+struct PointRange {
+  GLuint buffer = 0;
+  GLintptr byteOffset = 0;
+  GLsizeiptr bytes = 0;
+  std::uint32_t first = 0;  ///< Of the first instance, counted in points of the range.
+};
+
 /// One draw call per pass: some instances of a shape whose points lie one after the other.
 struct DrawItem {
   const GpuShape* shape = nullptr;
   std::uint32_t firstInstance = 0;
   std::uint32_t instanceCount = 0;
-  std::uint32_t firstPoint = 0;  ///< In the bound range of the buffer.
   std::uint32_t firstNormal = 0;
-  GLuint positions = 0;  ///< Buffer; below, the range of it to bind.
-  GLintptr byteOffset = 0;
-  GLsizeiptr bytes = 0;
+  PointRange points;  ///< Streamed.
+  PointRange places;  ///< What vertices ride on: of a skin, or the points.
   bool textured = false;
 };
 
@@ -40,11 +46,15 @@ enum StorageBinding : GLuint {
   kInstances = 2,
   kLines = 3,
   kOffsets = 4,
-  kCorners = 5
+  kCorners = 5,
+  kSkinFirst = 4,
+  kSkinWeights = 5,
+  kPlaces = 6
 };
 
-/// Normals of smooth meshes and frames of tubes, for all passes that follow. First in the frame: a
-/// dispatch between draws would make a tiled renderer finish those draws first.
+/// Places of skinned meshes, then normals of smooth meshes and frames of tubes, for all passes that
+/// follow. First in the frame: a dispatch between draws would make a tiled renderer finish those first.
+void computePlaces(const PassContext& pass);
 void computeNormals(const PassContext& pass);
 void castShadows(const PassContext& pass, const ShadowMap& map);
 /// In wireframe mode only the shapes that have no lines.

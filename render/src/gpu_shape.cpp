@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "point_adjacency.h"
+#include "skin_layout.h"
 #include "surface_mesh.h"
 #include "tube_mesh.h"
 
@@ -24,7 +25,7 @@ SurfaceMesh makeSurface(const ShapeDesc& desc) {
   }
   SurfaceMesh mesh;
   mesh.indices = desc.triangles;
-  const std::size_t count = desc.vertexToPoint.empty() ? desc.pointCount : desc.vertexToPoint.size();
+  const std::size_t count = desc.vertexToPoint.empty() ? placeCount(desc) : desc.vertexToPoint.size();
   mesh.vertices.resize(count);
   for (std::size_t i = 0; i < count; ++i) {
     SurfaceVertex& vertex = mesh.vertices[i];
@@ -86,10 +87,31 @@ void uploadSurface(const Gl& gl, const ShapeDesc& desc, GpuShape& shape) {
   }
 }
 
+// A block of storage that is larger than the driver can bind would be cut off in silence.
+void requireBindable(const Gl& gl, const std::string& name, std::size_t bytes) {
+  GLint64 most = 0;
+  gl.GetInteger64v(GL_MAX_SHADER_STORAGE_BLOCK_SIZE, &most);
+  if (bytes > static_cast<std::size_t>(most)) {
+    throw std::runtime_error("shape \"" + name + "\": the skin's weights take " + std::to_string(bytes) +
+                             " bytes, but this driver can bind " + std::to_string(most));
+  }
+}
+
+void uploadSkin(const Gl& gl, const ShapeDesc& desc, GpuSkin& skin) {
+  skin.dense = isDense(desc.skin, desc.pointCount);
+  if (skin.dense) {
+    skin.weights = upload(gl, denseWeights(desc.skin, desc.pointCount));
+  } else {
+    skin.first = upload(gl, desc.skin.first);
+    skin.weights = upload(gl, sparseWeights(desc.skin));
+  }
+  requireBindable(gl, desc.name, skin.weights.bytes());
+}
+
 }  // namespace
 
 std::size_t GpuShape::bytes() const {
-  return vertices.bytes() + indices.bytes() + lines.bytes() + adjacencyOffsets.bytes() +
+  return skin.bytes() + vertices.bytes() + indices.bytes() + lines.bytes() + adjacencyOffsets.bytes() +
          adjacencyCorners.bytes();
 }
 
@@ -100,12 +122,16 @@ GpuShape makeGpuShape(const Gl& gl, const ShapeDesc& desc) {
   GpuShape shape;
   shape.name = desc.name;
   shape.pointCount = desc.pointCount;
+  shape.placeCount = static_cast<std::uint32_t>(placeCount(desc));
   shape.tube = desc.tubeRadius > 0.0f;
   shape.smooth = shape.tube || desc.shading == Shading::Smooth;
   shape.twoSided = desc.twoSided;
   shape.castsShadow = desc.castsShadow;
   shape.grid = desc.pattern == Pattern::Grid && !shape.tube;
   shape.radius = shape.tube ? desc.tubeRadius : desc.patternRadius;
+  if (!desc.skin.first.empty()) {
+    uploadSkin(gl, desc, shape.skin);
+  }
   uploadSurface(gl, desc, shape);
   if (!desc.lines.empty()) {
     shape.lineCount = static_cast<GLsizei>(desc.lines.size() / 2);

@@ -9,10 +9,22 @@
 
 namespace limber::render {
 
+/// The weights of a skin, in one of two layouts. Dense: weight of (place, point) at
+/// point * placeCount + place, so that neighbouring invocations read neighbouring floats. Sparse: by
+/// place, a point and its weight each.
+struct GpuSkin {
+  bool dense = false;
+  GlBuffer first;  ///< Sparse only: placeCount + 1.
+  GlBuffer weights;
+
+  std::size_t bytes() const { return first.bytes() + weights.bytes(); }
+};
+
 /// The shared data of one shape on the GPU. Nothing in it changes after construction.
 struct GpuShape {
   std::string name;
   std::uint32_t pointCount = 0;
+  std::uint32_t placeCount = 0;  ///< Equals pointCount without a skin.
   bool tube = false;
   bool smooth = false;  ///< Always for tubes, if only because their frames are computed the same way.
   bool twoSided = false;
@@ -22,6 +34,7 @@ struct GpuShape {
 
   GLsizei indexCount = 0;
   GLsizei lineCount = 0;
+  GpuSkin skin;
   GlBuffer vertices;
   GlBuffer indices;
   GlBuffer lines;             ///< Two points and one over the rest length (0: none), 12 bytes each.
@@ -30,7 +43,8 @@ struct GpuShape {
   GlVertexArray layout;
 
   std::size_t bytes() const;
-  /// Three floats per point are computed for it before anything is drawn.
+  bool skinned() const { return skin.weights.name() != 0; }
+  /// Three floats per place are computed for it before anything is drawn.
   bool needsNormals() const { return smooth && (tube || indexCount > 0); }
 };
 

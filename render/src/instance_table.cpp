@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Zlib
 #include "instance_table.h"
 
+#include <algorithm>
 #include <stdexcept>
+#include <string>
 
 #include "srgb.h"
 
@@ -10,6 +12,12 @@ namespace {
 
 // 2^32 floats is what the shaders' indices can reach.
 constexpr std::size_t kMostPoints = UINT32_MAX / 3;
+
+void requireCountable(const FrameLayout& layout) {
+  if (std::max({layout.pointCount, layout.placeCount, layout.normalCount}) > kMostPoints) {
+    throw std::runtime_error("too many points for one frame: more than " + std::to_string(kMostPoints));
+  }
+}
 
 InstanceRecord recordOf(const InstanceLook& look) {
   InstanceRecord record{srgbToLinear(look.colour.x), srgbToLinear(look.colour.y), srgbToLinear(look.colour.z),
@@ -22,12 +30,12 @@ InstanceRecord recordOf(const InstanceLook& look) {
 
 }  // namespace
 
-const FrameLayout::Place* FrameLayout::find(InstanceId id) const {
-  if (id.index >= places.size() || places[id.index].generation != id.generation ||
-      places[id.index].firstPoint == UINT32_MAX) {
+const FrameLayout::Slice* FrameLayout::find(InstanceId id) const {
+  if (id.index >= slices.size() || slices[id.index].generation != id.generation ||
+      slices[id.index].firstPoint == UINT32_MAX) {
     return nullptr;
   }
-  return &places[id.index];
+  return &slices[id.index];
 }
 
 InstanceId InstanceTable::add(ShapeId shape, const InstanceLook& look) {
@@ -73,38 +81,42 @@ InstanceTable::Slot& InstanceTable::living(InstanceId id) {
 void InstanceTable::layOut(const std::vector<ShapeExtent>& shapes, FrameLayout& layout) {
   layout.groups.clear();
   layout.records.clear();
-  layout.places.assign(slots_.size(), {});
-  layout.pointCount = 0;
-  layout.normalCount = 0;
+  layout.slices.assign(slots_.size(), {});
+  layout.pointCount = layout.placeCount = layout.normalCount = 0;
   // Shapes are few, so one pass over the slots for each is cheaper than keeping lists.
   for (std::uint32_t shape = 0; shape < shapes.size(); ++shape) {
-    InstanceGroup group{shape,
-                        static_cast<std::uint32_t>(layout.records.size()),
-                        0,
-                        static_cast<std::uint32_t>(layout.pointCount),
-                        static_cast<std::uint32_t>(layout.normalCount),
-                        false};
-    const std::uint32_t points = shapes[shape].pointCount;
-    for (std::size_t i = 0; i < slots_.size(); ++i) {
-      if (slots_[i].shape != shape) {
-        continue;
-      }
-      layout.places[i] = {slots_[i].generation, static_cast<std::uint32_t>(layout.pointCount),
-                          static_cast<std::uint32_t>(layout.normalCount), points};
-      layout.records.push_back(recordOf(slots_[i].look));
-      group.textured |= slots_[i].look.texture.index != UINT32_MAX;
-      layout.pointCount += points;
-      layout.normalCount += shapes[shape].needsNormals ? points : 0;
-      ++group.instanceCount;
-      if (layout.pointCount > kMostPoints) {
-        throw std::runtime_error("too many points for one frame: more than " + std::to_string(kMostPoints));
-      }
-    }
+    const InstanceGroup group = layOutShape(shape, shapes[shape], layout);
     if (group.instanceCount > 0) {
       layout.groups.push_back(group);
     }
   }
   changed_ = false;
+}
+
+InstanceGroup InstanceTable::layOutShape(std::uint32_t shape, const ShapeExtent& extent,
+                                         FrameLayout& layout) const {
+  InstanceGroup group;
+  group.shape = shape;
+  group.firstInstance = static_cast<std::uint32_t>(layout.records.size());
+  group.firstPoint = static_cast<std::uint32_t>(layout.pointCount);
+  group.firstPlace = static_cast<std::uint32_t>(layout.placeCount);
+  group.firstNormal = static_cast<std::uint32_t>(layout.normalCount);
+  for (std::size_t i = 0; i < slots_.size(); ++i) {
+    if (slots_[i].shape != shape) {
+      continue;
+    }
+    layout.slices[i] = {slots_[i].generation, static_cast<std::uint32_t>(layout.pointCount),
+                        static_cast<std::uint32_t>(layout.placeCount),
+                        static_cast<std::uint32_t>(layout.normalCount)};
+    layout.records.push_back(recordOf(slots_[i].look));
+    group.textured |= slots_[i].look.texture.index != UINT32_MAX;
+    layout.pointCount += extent.pointCount;
+    layout.placeCount += extent.skinned ? extent.placeCount : 0;
+    layout.normalCount += extent.needsNormals ? extent.placeCount : 0;
+    ++group.instanceCount;
+    requireCountable(layout);
+  }
+  return group;
 }
 
 }  // namespace limber::render

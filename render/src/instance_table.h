@@ -21,6 +21,7 @@ struct InstanceGroup {
   std::uint32_t firstInstance = 0;
   std::uint32_t instanceCount = 0;
   std::uint32_t firstPoint = 0;
+  std::uint32_t firstPlace = 0;  ///< Of skinned ones.
   std::uint32_t firstNormal = 0;
   bool textured = false;  ///< Any of them.
 };
@@ -28,27 +29,30 @@ struct InstanceGroup {
 /// Per shape, what the layout has to know.
 struct ShapeExtent {
   std::uint32_t pointCount = 0;
+  std::uint32_t placeCount = 0;  ///< Equals pointCount without a skin.
+  bool skinned = false;
   bool needsNormals = false;
 };
 
 /// Where every instance of one frame lies. Made from the table, then independent of it, so that
 /// instances may come and go while a frame is open.
 struct FrameLayout {
-  struct Place {
+  struct Slice {
     std::uint32_t generation = 0;
     std::uint32_t firstPoint = UINT32_MAX;
+    std::uint32_t firstPlace = 0;
     std::uint32_t firstNormal = 0;
-    std::uint32_t pointCount = 0;
   };
 
   std::vector<InstanceGroup> groups;    ///< One per shape that has instances.
   std::vector<InstanceRecord> records;  ///< One per instance.
-  std::vector<Place> places;            ///< By InstanceId::index.
-  std::size_t pointCount = 0;
+  std::vector<Slice> slices;            ///< By InstanceId::index.
+  std::size_t pointCount = 0;           ///< Streamed.
+  std::size_t placeCount = 0;           ///< Of skinned instances.
   std::size_t normalCount = 0;
 
   /// Null if the instance is not part of the frame.
-  const Place* find(InstanceId id) const;
+  const Slice* find(InstanceId id) const;
 };
 
 /// The living instances. Ids of removed ones are refused for ever, though their slots are reused.
@@ -75,6 +79,7 @@ class InstanceTable {
   };
 
   Slot& living(InstanceId id);
+  InstanceGroup layOutShape(std::uint32_t shape, const ShapeExtent& extent, FrameLayout& layout) const;
 
   std::vector<Slot> slots_;
   std::vector<std::uint32_t> free_;

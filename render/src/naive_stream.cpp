@@ -19,7 +19,7 @@ GLuint NaiveStream::bufferFor(std::size_t instance, std::size_t bytes) {
 }
 
 void NaiveStream::upload(const FrameLayout& layout, const std::vector<GpuShape>& shapes,
-                         std::vector<DrawItem>& items) {
+                         const GlBuffer& places, std::vector<DrawItem>& items) {
   items.clear();
   for (const InstanceGroup& group : layout.groups) {
     const GpuShape& shape = shapes[group.shape];
@@ -29,8 +29,11 @@ void NaiveStream::upload(const FrameLayout& layout, const std::vector<GpuShape>&
       const GLuint buffer = bufferFor(group.firstInstance + i, bytes);
       gl_.NamedBufferSubData(buffer, 0, static_cast<GLsizeiptr>(bytes),
                              staging_.data() + 3 * std::size_t{group.firstPoint + skipped});
-      items.push_back({&shape, group.firstInstance + i, 1, 0, group.firstNormal + skipped, buffer, 0,
-                       static_cast<GLsizeiptr>(bytes), group.textured});
+      const PointRange points{buffer, 0, static_cast<GLsizeiptr>(bytes), 0};
+      const PointRange skinned{places.name(), 0, static_cast<GLsizeiptr>(places.bytes()),
+                               group.firstPlace + i * shape.placeCount};
+      items.push_back({&shape, group.firstInstance + i, 1, group.firstNormal + i * shape.placeCount, points,
+                       shape.skinned() ? skinned : points, group.textured});
     }
   }
 }

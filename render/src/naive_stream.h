@@ -18,8 +18,9 @@ class NaiveStream {
 
   /// Where the points of the layout's instances are to be written.
   float* begin(const FrameLayout& layout);
-  /// Uploads them and fills `items`, one for each instance.
-  void upload(const FrameLayout& layout, const std::vector<GpuShape>& shapes, std::vector<DrawItem>& items);
+  /// Uploads them and fills `items`, one for each instance; `places` is where skins are computed.
+  void upload(const FrameLayout& layout, const std::vector<GpuShape>& shapes, const GlBuffer& places,
+              std::vector<DrawItem>& items);
   std::size_t bytes() const;
 
  private:

@@ -11,11 +11,11 @@ PointAdjacency makePointAdjacency(const ShapeDesc& desc) {
     return desc.vertexToPoint.empty() ? vertex : desc.vertexToPoint[vertex];
   };
   PointAdjacency adjacency;
-  adjacency.offsets.assign(desc.pointCount + std::size_t{1}, 0);
+  adjacency.offsets.assign(placeCount(desc) + 1, 0);
   for (std::size_t i = 0; i < desc.triangles.size(); ++i) {
     ++adjacency.offsets[pointOf(i) + std::size_t{1}];
   }
-  for (std::size_t p = 0; p < desc.pointCount; ++p) {
+  for (std::size_t p = 0; p < placeCount(desc); ++p) {
     adjacency.offsets[p + 1] += adjacency.offsets[p];
   }
   adjacency.corners.resize(2 * desc.triangles.size());

@@ -8,9 +8,9 @@
 
 namespace limber::render {
 
-/// The triangles at every point, as the other two points of each in turn.
+/// The triangles at every point (place, if there is a skin), as the other two of each in turn.
 struct PointAdjacency {
-  std::vector<std::uint32_t> offsets;  ///< pointCount + 1, into corners counted in pairs.
+  std::vector<std::uint32_t> offsets;  ///< #points + 1, into corners counted in pairs.
   std::vector<std::uint32_t> corners;  ///< 2 per corner: the next and the previous point.
 };
 

@@ -66,6 +66,15 @@ const ShaderProgram& ProgramSet::normals(bool tube) {
   return program;
 }
 
+const ShaderProgram& ProgramSet::skin(bool dense) {
+  ShaderProgram& program = skins_[dense ? 1 : 0];
+  if (program.name() == 0) {
+    program = buildProgram(gl_, {{GL_COMPUTE_SHADER, {"frame.glsl", "points.glsl", "skin.comp"}}},
+                           {dense ? "DENSE" : "SPARSE"});
+  }
+  return program;
+}
+
 const ShaderProgram& ProgramSet::lines() {
   if (lines_.name() == 0) {
     lines_ = buildProgram(gl_,

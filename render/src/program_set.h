@@ -31,6 +31,7 @@ class ProgramSet {
   const ShaderProgram& backdrop();
   const ShaderProgram& legend();
   const ShaderProgram& normals(bool tube);
+  const ShaderProgram& skin(bool dense);
 
  private:
   const Gl& gl_;
@@ -38,6 +39,7 @@ class ProgramSet {
   std::array<ShaderProgram, 64> surfaces_;
   std::array<ShaderProgram, 2> depths_;
   std::array<ShaderProgram, 2> normals_;
+  std::array<ShaderProgram, 2> skins_;
   ShaderProgram lines_;
   ShaderProgram backdrop_;
   ShaderProgram legend_;

@@ -26,7 +26,7 @@ int Renderer::height() const { return parts_->target->height(); }
 
 ShapeId Renderer::addShape(const ShapeDesc& desc) {
   GpuShape shape = makeGpuShape(parts_->gl, desc);
-  parts_->extents.push_back({shape.pointCount, shape.needsNormals()});
+  parts_->extents.push_back({shape.pointCount, shape.placeCount, shape.skinned(), shape.needsNormals()});
   parts_->shapes.push_back(std::move(shape));
   return {static_cast<std::uint32_t>(parts_->shapes.size() - 1)};
 }
@@ -104,16 +104,20 @@ void Renderer::readPixels(Image& image) {
 
 std::vector<float> Renderer::readNormals(InstanceId instance) {
   const Parts& parts = *parts_;
-  const FrameLayout::Place* place = parts.layout.find(instance);
-  if (place == nullptr || !parts.shapes[parts.instances.shapeOf(instance)].needsNormals()) {
+  const FrameLayout::Slice* slice = parts.layout.find(instance);
+  if (slice == nullptr || !parts.shapes[parts.instances.shapeOf(instance)].needsNormals()) {
     throw std::runtime_error("readNormals: the instance was not in the last frame or is not smooth");
   }
-  std::vector<float> values(3 * std::size_t{place->pointCount});
-  parts.gl.MemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
-  parts.gl.GetNamedBufferSubData(parts.normals.name(),
-                                 static_cast<GLintptr>(3 * sizeof(float) * place->firstNormal),
-                                 static_cast<GLsizeiptr>(values.size() * sizeof(float)), values.data());
-  return values;
+  return parts.readComputed(parts.normals, slice->firstNormal, instance);
+}
+
+std::vector<float> Renderer::readPlaces(InstanceId instance) {
+  const Parts& parts = *parts_;
+  const FrameLayout::Slice* slice = parts.layout.find(instance);
+  if (slice == nullptr || !parts.shapes[parts.instances.shapeOf(instance)].skinned()) {
+    throw std::runtime_error("readPlaces: the instance was not in the last frame or has no skin");
+  }
+  return parts.readComputed(parts.places, slice->firstPlace, instance);
 }
 
 const FrameStats& Renderer::lastFrame() const { return parts_->stats; }
@@ -132,8 +136,8 @@ GpuMemory Renderer::gpuMemory() const {
   for (const GpuShape& shape : parts.shapes) {
     memory.shapes += shape.bytes();
   }
-  memory.scratch =
-      parts.normals.bytes() + parts.records.bytes() + parts.uniforms.bytes() + parts.naive.bytes();
+  memory.scratch = parts.places.bytes() + parts.normals.bytes() + parts.records.bytes() +
+                   parts.uniforms.bytes() + parts.naive.bytes();
   memory.textures = parts.textures.bytes();
   memory.targets = parts.target->bytes() + (parts.shadowMap == nullptr ? 0 : parts.shadowMap->bytes());
   return memory;
@@ -164,13 +168,13 @@ float* FrameWriter::points(InstanceId instance) const {
   if (!parts.frame.open || parts.frame.serial != serial_) {
     throw std::logic_error("points() of a frame that was already drawn");
   }
-  const FrameLayout::Place* place = parts.layout.find(instance);
-  if (place == nullptr) {
+  const FrameLayout::Slice* slice = parts.layout.find(instance);
+  if (slice == nullptr) {
     throw std::runtime_error(
         "points(): this instance is not part of the frame; it was removed, or added after "
         "beginFrame()");
   }
-  return parts.frame.points + 3 * std::size_t{place->firstPoint};
+  return parts.frame.points + 3 * std::size_t{slice->firstPoint};
 }
 
 }  // namespace limber::render

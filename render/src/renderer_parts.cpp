@@ -57,6 +57,15 @@ void Renderer::Parts::requireTexture(const InstanceLook& look) const {
   }
 }
 
+std::vector<float> Renderer::Parts::readComputed(const GlBuffer& buffer, std::uint32_t first,
+                                                 InstanceId instance) const {
+  std::vector<float> values(std::size_t{3} * shapes[instances.shapeOf(instance)].placeCount);
+  gl.MemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
+  gl.GetNamedBufferSubData(buffer.name(), static_cast<GLintptr>(3 * sizeof(float) * first),
+                           static_cast<GLsizeiptr>(values.size() * sizeof(float)), values.data());
+  return values;
+}
+
 void Renderer::Parts::layOutInstances() {
   if (!instances.changed()) {
     return;
@@ -70,9 +79,8 @@ void Renderer::Parts::reservePoints() {
     throw std::runtime_error("one frame has " + std::to_string(layout.pointCount) +
                              " points, but this driver can bind " + std::to_string(mostPoints));
   }
-  if (normals.bytes() < 3 * sizeof(float) * layout.normalCount) {
-    normals = makeBuffer(gl, 3 * sizeof(float) * (layout.normalCount + layout.normalCount / 2), nullptr);
-  }
+  reserveComputed(places, layout.placeCount);
+  reserveComputed(normals, layout.normalCount);
   if (stream->floatsPerFrame() >= 3 * layout.pointCount) {
     return;
   }
@@ -84,6 +92,17 @@ void Renderer::Parts::reservePoints() {
   pastRings.stalls += stream->counters().stalls;
   ++pastRings.growths;
   stream = std::move(larger);
+}
+
+void Renderer::Parts::reserveComputed(GlBuffer& buffer, std::size_t count) {
+  if (count > mostPoints) {
+    throw std::runtime_error("one frame computes " + std::to_string(count) +
+                             " places or normals, but this driver can bind " + std::to_string(mostPoints));
+  }
+  const std::size_t bytes = 3 * sizeof(float) * count;
+  if (buffer.bytes() < bytes) {
+    buffer = makeBuffer(gl, std::min(bytes + bytes / 2, 3 * sizeof(float) * mostPoints), nullptr);
+  }
 }
 
 void Renderer::Parts::uploadRecords() {
@@ -102,8 +121,11 @@ void Renderer::Parts::fillRingItems() {
   items.clear();
   const auto bytes = static_cast<GLsizeiptr>(3 * sizeof(float) * layout.pointCount);
   for (const InstanceGroup& group : layout.groups) {
-    items.push_back({&shapes[group.shape], group.firstInstance, group.instanceCount, group.firstPoint,
-                     group.firstNormal, stream->name(), frame.byteOffset, bytes, group.textured});
+    const GpuShape& shape = shapes[group.shape];
+    const PointRange points{stream->name(), frame.byteOffset, bytes, group.firstPoint};
+    const PointRange skinned{places.name(), 0, static_cast<GLsizeiptr>(places.bytes()), group.firstPlace};
+    items.push_back({&shape, group.firstInstance, group.instanceCount, group.firstNormal, points,
+                     shape.skinned() ? skinned : points, group.textured});
   }
 }
 
@@ -122,7 +144,7 @@ void Renderer::Parts::submit(const Camera& camera, const Light& light, const Dra
   if (frame.path == StreamPath::Ring) {
     fillRingItems();
   } else {
-    naive.upload(layout, shapes, items);
+    naive.upload(layout, shapes, places, items);
   }
   const FrameUniforms values =
       makeFrameUniforms(camera, light, options, {target->width(), target->height(), desc.shadowMapSize});
@@ -136,6 +158,9 @@ void Renderer::Parts::drawPicture(const PassContext& pass, const DrawOptions& op
   gl.BindBufferBase(GL_UNIFORM_BUFFER, 0, uniforms.name());
   gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, kNormals, normals.name());
   gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, kInstances, records.name());
+  if (layout.placeCount > 0) {
+    computePlaces(pass);
+  }
   if (layout.normalCount > 0) {
     computeNormals(pass);
   }

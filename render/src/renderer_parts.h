@@ -31,12 +31,14 @@ struct Renderer::Parts {
 
   void layOutInstances();
   void reservePoints();
+  void reserveComputed(GlBuffer& buffer, std::size_t count);
   void uploadRecords();
   void fillRingItems();
   void closeFrame();
   void submit(const Camera& camera, const Light& light, const DrawOptions& options);
   void drawPicture(const PassContext& pass, const DrawOptions& options, bool shadows);
   void requireTexture(const InstanceLook& look) const;
+  std::vector<float> readComputed(const GlBuffer& buffer, std::uint32_t first, InstanceId instance) const;
 
   Gl gl;
   RendererDesc desc;
@@ -48,6 +50,7 @@ struct Renderer::Parts {
   GlVertexArray emptyLayout;
   GlBuffer uniforms;
   GlBuffer records;
+  GlBuffer places;  // Of skins.
   GlBuffer normals;
   std::vector<GpuShape> shapes;
   std::vector<ShapeExtent> extents;

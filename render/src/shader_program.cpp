@@ -9,7 +9,8 @@ namespace limber::render {
 namespace {
 
 constexpr std::array<const char*, static_cast<std::size_t>(DrawUniform::Count)> kUniformNames{
-    "firstPoint", "firstInstance", "pointCount", "firstNormal", "invocations", "shapeRadius"};
+    "firstPoint", "firstInstance", "pointCount",  "firstNormal",
+    "firstPlace", "placeCount",    "invocations", "shapeRadius"};
 
 class Shader {
  public:

@@ -17,6 +17,8 @@ enum class DrawUniform {
   FirstInstance,
   PointCount,
   FirstNormal,
+  FirstPlace,
+  PlaceCount,
   Invocations,
   ShapeRadius,
   Count

@@ -46,8 +46,9 @@ std::string checkTube(const ShapeDesc& desc) {
   if (desc.tubeSegments < 3) {
     return "tubeSegments is " + number(desc.tubeSegments) + ", but a tube needs at least 3";
   }
-  if (!desc.triangles.empty() || !desc.vertexToPoint.empty() || !desc.uvs.empty()) {
-    return "a tube makes its own vertices: triangles, vertexToPoint and uvs must be empty";
+  if (!desc.triangles.empty() || !desc.vertexToPoint.empty() || !desc.uvs.empty() ||
+      !desc.skin.first.empty()) {
+    return "a tube makes its own vertices: triangles, vertexToPoint, uvs and skin must be empty";
   }
   return {};
 }
@@ -59,8 +60,42 @@ std::string checkPattern(const ShapeDesc& desc) {
   return {};
 }
 
+std::string checkSkinRows(const std::vector<std::uint32_t>& first, std::size_t weights) {
+  if (first.front() != 0 || first.back() != weights) {
+    return "skin.first goes from " + number(first.front()) + " to " + number(first.back()) +
+           ", but must go from 0 to the " + number(weights) + " weights";
+  }
+  for (std::size_t i = 0; i + 1 < first.size(); ++i) {
+    if (first[i] > first[i + 1]) {
+      return "skin.first[" + number(i + 1) + "] is below the entry before it";
+    }
+  }
+  return {};
+}
+
+std::string checkSkin(const ShapeDesc& desc) {
+  const Skin& skin = desc.skin;
+  if (skin.points.size() != skin.weights.size()) {
+    return "skin.points has " + number(skin.points.size()) + " entries for " + number(skin.weights.size()) +
+           " weights";
+  }
+  if (skin.first.empty()) {
+    return skin.weights.empty() ? "" : "skin.first is empty, but there are weights";
+  }
+  for (std::size_t i = 0; i < skin.weights.size(); ++i) {
+    if (!std::isfinite(skin.weights[i])) {
+      return "skin.weights[" + number(i) + "] is not finite";
+    }
+  }
+  const std::string reason = checkSkinRows(skin.first, skin.weights.size());
+  return reason.empty() ? checkIndices("skin.points", skin.points, desc.pointCount, "points") : reason;
+}
+
 std::string checkMesh(const ShapeDesc& desc) {
-  const std::size_t vertices = desc.vertexToPoint.empty() ? desc.pointCount : desc.vertexToPoint.size();
+  if (std::string reason = checkSkin(desc); !reason.empty()) {
+    return reason;
+  }
+  const std::size_t vertices = desc.vertexToPoint.empty() ? placeCount(desc) : desc.vertexToPoint.size();
   if (!desc.uvs.empty() && desc.uvs.size() != 2 * vertices) {
     return "uvs has " + number(desc.uvs.size()) + " floats for " + number(vertices) + " vertices";
   }
@@ -70,7 +105,8 @@ std::string checkMesh(const ShapeDesc& desc) {
   if (desc.triangles.empty() && desc.lines.empty()) {
     return "there is nothing to draw: no triangles, no lines and no tubeRadius";
   }
-  std::string reason = checkIndices("vertexToPoint", desc.vertexToPoint, desc.pointCount, "points");
+  std::string reason = checkIndices("vertexToPoint", desc.vertexToPoint, placeCount(desc),
+                                    desc.skin.first.empty() ? "points" : "places of the skin");
   if (reason.empty()) {
     reason = checkIndices("triangles", desc.triangles, vertices, "vertices");
   }

@@ -14,7 +14,7 @@ TEST(InstanceTable, InstancesOfAShapeLieTogether) {
   const InstanceId b = table.add({1}, {});
   const InstanceId c = table.add({0}, {});
   FrameLayout layout;
-  table.layOut({{8, false}, {5, true}, {100, true}}, layout);
+  table.layOut({{8, 8, false, false}, {5, 5, false, true}, {100, 100, false, true}}, layout);
   ASSERT_EQ(layout.groups.size(), 2u) << "shapes without instances are left out";
   EXPECT_EQ(layout.groups[0].instanceCount, 2u);
   EXPECT_EQ(layout.find(a)->firstPoint, 0u);
@@ -23,6 +23,20 @@ TEST(InstanceTable, InstancesOfAShapeLieTogether) {
   EXPECT_EQ(layout.pointCount, 21u);
   EXPECT_EQ(layout.normalCount, 5u);
   EXPECT_FALSE(table.changed());
+}
+
+TEST(InstanceTable, ASkinsPlacesAndNormalsAreCountedApartFromItsPoints) {
+  InstanceTable table;
+  table.add({0}, {});
+  const InstanceId b = table.add({0}, {});
+  const InstanceId c = table.add({1}, {});
+  FrameLayout layout;
+  table.layOut({{4, 1000, true, true}, {7, 7, false, true}}, layout);
+  EXPECT_EQ(layout.pointCount, 2u * 4u + 7u);
+  EXPECT_EQ(layout.placeCount, 2000u);
+  EXPECT_EQ(layout.normalCount, 2007u);
+  EXPECT_EQ(layout.find(b)->firstPlace, 1000u);
+  EXPECT_EQ(layout.find(c)->firstNormal, 2000u);
 }
 
 TEST(InstanceTable, RemovedIdsStayInvalidWhenTheirSlotIsReused) {
@@ -34,7 +48,7 @@ TEST(InstanceTable, RemovedIdsStayInvalidWhenTheirSlotIsReused) {
   EXPECT_THROW(table.remove(old), std::runtime_error);
   EXPECT_THROW(table.setLook(old, {}), std::runtime_error);
   FrameLayout layout;
-  table.layOut({{8, false}}, layout);
+  table.layOut({{8, 8, false, false}}, layout);
   EXPECT_EQ(layout.find(old), nullptr);
   EXPECT_NE(layout.find(fresh), nullptr);
   EXPECT_EQ(table.size(), 1u);
@@ -45,7 +59,7 @@ TEST(InstanceTable, TooManyPointsAreRefused) {
   table.add({0}, {});
   table.add({0}, {});
   FrameLayout layout;
-  EXPECT_THROW(table.layOut({{UINT32_MAX / 4, false}}, layout), std::runtime_error);
+  EXPECT_THROW(table.layOut({{UINT32_MAX / 4, UINT32_MAX / 4, false, false}}, layout), std::runtime_error);
   EXPECT_TRUE(table.changed());
 }
 

@@ -39,12 +39,13 @@ TEST(Renderer, OneDrawCallPerShapeAndPass) {
   populate(stage);
   stage.light.shadows = false;
   stage.draw();
-  EXPECT_EQ(stage.renderer().lastFrame().shapeDrawCalls, 5u);
-  EXPECT_EQ(stage.renderer().lastFrame().dispatches, 3u);
+  EXPECT_EQ(stage.renderer().lastFrame().shapeDrawCalls, 7u);
+  EXPECT_EQ(stage.renderer().lastFrame().dispatches, 7u)
+      << "normals of four shapes and one of tubes, places of two";
   stage.light.shadows = true;
   stage.draw();
-  EXPECT_EQ(stage.renderer().lastFrame().shapeDrawCalls, 9u) << "the floor casts no shadow";
-  EXPECT_EQ(stage.renderer().lastFrame().drawCalls, 10u);
+  EXPECT_EQ(stage.renderer().lastFrame().shapeDrawCalls, 13u) << "the floor casts no shadow";
+  EXPECT_EQ(stage.renderer().lastFrame().drawCalls, 14u);
 }
 
 TEST(Renderer, StreamsTwelveBytesPerPoint) {

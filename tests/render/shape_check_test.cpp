@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Zlib
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "limber/render/scenery.h"
 #include "limber/render/shape_desc.h"
 
@@ -38,6 +40,36 @@ TEST(ShapeCheck, LengthsThatDoNotFitAreNamed) {
   EXPECT_EQ(validate(desc), "lineRestLengths has 2 entries for 1 lines");
   desc.lineRestLengths = {0.0f};
   EXPECT_EQ(validate(desc), "lineRestLengths[0] is not a positive length");
+}
+
+TEST(ShapeCheck, SkinsThatDoNotFitAreNamed) {
+  ShapeDesc good = box();
+  good.pointCount = 2;
+  good.skin.first = {0, 1, 2, 3, 4, 5, 6, 7, 8};
+  good.skin.points = {0, 1, 0, 1, 0, 1, 0, 1};
+  good.skin.weights.assign(8, 1.0f);
+  EXPECT_EQ(validate(good), "");
+  ShapeDesc desc = good;
+  desc.skin.points[3] = 2;
+  EXPECT_EQ(validate(desc), "skin.points[3] is 2, but there are only 2 points");
+  desc = good;
+  desc.skin.weights[5] = NAN;
+  EXPECT_EQ(validate(desc), "skin.weights[5] is not finite");
+  desc = good;
+  desc.skin.weights.pop_back();
+  EXPECT_EQ(validate(desc), "skin.points has 8 entries for 7 weights");
+  desc = good;
+  desc.skin.first.back() = 7;
+  EXPECT_EQ(validate(desc), "skin.first goes from 0 to 7, but must go from 0 to the 8 weights");
+  desc = good;
+  desc.skin.first[4] = 6;
+  EXPECT_EQ(validate(desc), "skin.first[5] is below the entry before it");
+  desc = good;
+  desc.skin.first.clear();
+  EXPECT_EQ(validate(desc), "skin.first is empty, but there are weights");
+  desc = good;
+  desc.vertexToPoint[5] = 8;
+  EXPECT_EQ(validate(desc), "vertexToPoint[5] is 8, but there are only 8 places of the skin");
 }
 
 TEST(ShapeCheck, EmptyAndContradictoryShapesAreRefused) {

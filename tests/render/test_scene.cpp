@@ -2,6 +2,7 @@
 #include "test_scene.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdlib>
 #include <stdexcept>
@@ -141,6 +142,47 @@ Scenery rope(std::uint32_t points) {
   return tube;
 }
 
+Scenery skinnedBall(std::uint32_t cells) {
+  constexpr float kRadius = 0.4f;
+  const Scenery ball = makeUvSphere({}, kRadius, 10, 14);
+  Scenery skinned;
+  skinned.shape = ball.shape;
+  skinned.shape.name = "skinned ball";
+  const std::uint32_t side = cells + 1;
+  skinned.shape.pointCount = side * side * side;
+  const auto cell = static_cast<float>(cells);
+  for (std::uint32_t i = 0; i < skinned.shape.pointCount; ++i) {
+    for (const std::uint32_t k : {i % side, i / side % side, i / side / side}) {
+      skinned.points.push_back(kRadius * (2.0f * static_cast<float>(k) / cell - 1.0f));
+    }
+  }
+  Skin& skin = skinned.shape.skin;
+  skin.first = {0};
+  for (std::size_t p = 0; p < ball.points.size(); p += 3) {
+    std::array<std::uint32_t, 3> low{};
+    std::array<float, 3> share{};
+    for (std::size_t c = 0; c < 3; ++c) {
+      const float at = 0.5f * cell * (ball.points[p + c] / kRadius + 1.0f);
+      low[c] = std::min(static_cast<std::uint32_t>(std::max(at, 0.0f)), cells - 1);
+      share[c] = at - static_cast<float>(low[c]);
+    }
+    for (std::uint32_t corner = 0; corner < 8; ++corner) {
+      float weight = 1.0f;
+      std::uint32_t index = 0;
+      std::uint32_t stride = 1;
+      for (std::size_t c = 0; c < 3; ++c, stride *= side) {
+        const std::uint32_t bit = corner >> c & 1u;
+        weight *= bit != 0 ? share[c] : 1.0f - share[c];
+        index += stride * (low[c] + bit);
+      }
+      skin.points.push_back(index);
+      skin.weights.push_back(weight);
+    }
+    skin.first.push_back(static_cast<std::uint32_t>(skin.weights.size()));
+  }
+  return skinned;
+}
+
 void populate(Stage& stage) {
   Renderer& renderer = stage.renderer();
   std::vector<std::uint8_t> pixels;
@@ -170,6 +212,13 @@ void populate(Stage& stage) {
   const ShapeId tubeShape = renderer.addShape(tube.shape);
   stage.add(tubeShape, moved(tube.points, -0.6f, 0.2f, 1.3f), {{0.6f, 0.4f, 0.7f}, {}});
   stage.add(tubeShape, moved(tube.points, -0.2f, 0.3f, 1.8f), {{0.4f, 0.6f, 0.4f}, {}});
+  for (const std::uint32_t cells : {1u, 3u}) {
+    const Scenery skinned = skinnedBall(cells);
+    const ShapeId skinnedShape = renderer.addShape(skinned.shape);
+    const float x = cells == 1 ? 1.2f : 1.7f;
+    stage.add(skinnedShape, moved(skinned.points, x, 0.4f, 1.0f), {{0.3f, 0.7f, 0.6f}, {}});
+    stage.add(skinnedShape, moved(skinned.points, x, 1.2f, 0.3f), {{0.7f, 0.7f, 0.3f}, texture});
+  }
 }
 
 int brightness(const Image& image, int x, int y) {

@@ -59,6 +59,11 @@ Scenery cloth(std::uint32_t n);
 /// A tube through `points` points along a wave.
 Scenery rope(std::uint32_t points);
 
+/// A smooth ball of radius 0.4 whose vertices follow the (cells + 1)^3 corners of a grid of cells over
+/// [-0.4, 0.4]^3, trilinearly: each has eight weights, which make a dense skin of one cell and a sparse
+/// one of more.
+Scenery skinnedBall(std::uint32_t cells);
+
 /// Floor, cubes, textured and plain spheres, cloth and ropes: a little of everything.
 void populate(Stage& stage);
 

@@ -72,7 +72,7 @@ struct FrameStats {
   std::size_t bytesStreamed = 0;   ///< Position bytes.
   std::size_t shapeDrawCalls = 0;  ///< Draws of shapes, all passes together.
   std::size_t drawCalls = 0;       ///< As above, with background and legend.
-  std::size_t dispatches = 0;      ///< Compute dispatches (normals, tube frames).
+  std::size_t dispatches = 0;      ///< Compute dispatches (skins, normals, tube frames).
   double waitMs = 0.0;             ///< In beginFrame, for the GPU to let go of the region.
   double uploadMs = 0.0;           ///< In draw: instance table, and positions if Naive.
   double submitMs = 0.0;           ///< In draw: the rest.
@@ -91,7 +91,7 @@ struct RingStats {
 struct GpuMemory {
   std::size_t stream = 0;    ///< The three regions of positions.
   std::size_t shapes = 0;    ///< Static data of the shapes.
-  std::size_t scratch = 0;   ///< Normals, instance table, uniforms, naive path.
+  std::size_t scratch = 0;   ///< Skins' places, normals, instance table, uniforms, naive path.
   std::size_t textures = 0;  ///< Textures of instances.
   std::size_t targets = 0;   ///< Colour, depth and shadow map.
   std::size_t buffers() const { return stream + shapes + scratch; }
@@ -163,8 +163,11 @@ class Renderer {
   void readPixels(Image& image);
 
   /// Normals (or, for tubes, frame directions) of an instance as the GPU computed them in the
-  /// last Ring frame: 3 floats per point. For tests: slow. Throws for flat shapes.
+  /// last frame: 3 floats per point, or per place if it has a skin. For tests: slow. Throws
+  /// std::runtime_error for flat shapes.
   std::vector<float> readNormals(InstanceId instance);
+  /// The places of an instance's skin in the last frame: 3 floats each. As above; throws without a skin.
+  std::vector<float> readPlaces(InstanceId instance);
 
   const FrameStats& lastFrame() const;
   RingStats ringStats() const;

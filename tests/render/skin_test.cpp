@@ -1,0 +1,129 @@
+// SPDX-License-Identifier: Zlib
+// Places of a skin, computed on the GPU, against sums in double precision, and what is drawn from them.
+#include "skin_layout.h"
+
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <stdexcept>
+#include <vector>
+
+#include "test_scene.h"
+
+namespace limber::render::test {
+namespace {
+
+std::vector<float> twisted(std::vector<float> points, float turn) {
+  for (std::size_t i = 0; i < points.size(); i += 3) {
+    const float angle = turn * points[i + 1];
+    const float x = points[i], z = points[i + 2];
+    points[i] = std::cos(angle) * x + std::sin(angle) * z;
+    points[i + 2] = std::cos(angle) * z - std::sin(angle) * x;
+    points[i + 1] *= 1.0f + 0.3f * turn;
+  }
+  return points;
+}
+
+std::vector<double> placesOf(const Skin& skin, const std::vector<float>& points) {
+  std::vector<double> places(3 * skin.placeCount(), 0.0);
+  for (std::size_t p = 0; p < skin.placeCount(); ++p) {
+    for (std::size_t k = skin.first[p]; k < skin.first[p + 1]; ++k) {
+      for (std::size_t c = 0; c < 3; ++c) {
+        places[3 * p + c] += double{skin.weights[k]} * double{points[3 * skin.points[k] + c]};
+      }
+    }
+  }
+  return places;
+}
+
+class SkinOnGpu : public ::testing::TestWithParam<std::uint32_t> {};
+
+TEST_P(SkinOnGpu, PlacesAreTheWeightedSums) {
+  const Scenery ball = skinnedBall(GetParam());
+  ASSERT_EQ(isDense(ball.shape.skin, ball.shape.pointCount), GetParam() == 1);
+  Stage stage;
+  stage.add(makeUvSphere({}, 0.1f));  // so that nothing begins at 0
+  const ShapeId shape = stage.renderer().addShape(ball.shape);
+  std::vector<std::pair<InstanceId, std::vector<float>>> bodies;
+  for (const float turn : {0.0f, 0.9f, -1.7f}) {
+    const std::vector<float> points = twisted(ball.points, turn);
+    bodies.emplace_back(stage.add(shape, points), points);
+  }
+  stage.draw();
+  for (const auto& [id, points] : bodies) {
+    const std::vector<float> places = stage.renderer().readPlaces(id);
+    const std::vector<double> expected = placesOf(ball.shape.skin, points);
+    ASSERT_EQ(places.size(), expected.size());
+    // Eight products of numbers below 1, rounded to 24 bits each.
+    for (std::size_t i = 0; i < places.size(); ++i) {
+      ASSERT_NEAR(double{places[i]}, expected[i], 1e-6) << "place " << i / 3;
+    }
+  }
+}
+
+TEST_P(SkinOnGpu, ThePictureIsThatOfAMeshAtTheSamePlaces) {
+  const Scenery ball = skinnedBall(GetParam());
+  const std::vector<float> points = twisted(ball.points, 1.2f);
+  for (const Shading shading : {Shading::Flat, Shading::Smooth}) {
+    ShapeDesc skinned = ball.shape;
+    skinned.shading = shading;
+    Stage stage;
+    const InstanceId id = stage.add(stage.renderer().addShape(skinned), points);
+    const Image picture = stage.picture();
+    const std::vector<float> places = stage.renderer().readPlaces(id);
+
+    ShapeDesc plain = skinned;
+    plain.skin = {};
+    plain.pointCount = static_cast<std::uint32_t>(ball.shape.skin.placeCount());
+    Stage other;
+    other.add(other.renderer().addShape(plain), places);
+    EXPECT_EQ(picture.rgba, other.picture().rgba);
+  }
+}
+
+TEST_P(SkinOnGpu, OnlyThePointsAreStreamed) {
+  const Scenery ball = skinnedBall(GetParam());
+  Stage stage;
+  stage.add(ball);
+  stage.draw();
+  EXPECT_EQ(stage.renderer().lastFrame().bytesStreamed, 12 * ball.shape.pointCount);
+  EXPECT_EQ(stage.renderer().lastFrame().dispatches, 2u) << "places and normals";
+}
+
+INSTANTIATE_TEST_SUITE_P(Cells, SkinOnGpu, ::testing::Values(1u, 3u));
+
+TEST(Skin, LinesLieBetweenPointsNotPlaces) {
+  Scenery ball = skinnedBall(1);
+  ball.shape.lines = {0, 7};
+  DrawOptions wireframe;
+  wireframe.mode = DrawMode::Wireframe;
+  Stage stage;
+  stage.add(ball);
+  Scenery line = ball;
+  line.shape.skin = {};
+  line.shape.triangles.clear();
+  line.shape.vertexToPoint.clear();
+  line.shape.uvs.clear();
+  Stage other;
+  other.add(line);
+  EXPECT_EQ(stage.picture(wireframe).rgba, other.picture(wireframe).rgba);
+}
+
+TEST(Skin, ShapesWithoutOneHaveNoPlacesToRead) {
+  Stage stage;
+  const InstanceId id = stage.add(makeBox({}, {0.5f, 0.5f, 0.5f}));
+  stage.draw();
+  EXPECT_THROW(stage.renderer().readPlaces(id), std::runtime_error);
+}
+
+TEST(SkinLayout, DenseTakesOverWhereItIsSmaller) {
+  // Two places on four points: at two weights each both layouts take as much.
+  Skin skin{{0, 2, 4}, {0, 1, 2, 3}, {0.5f, 0.5f, 0.25f, 0.75f}};
+  EXPECT_TRUE(isDense(skin, 4));
+  EXPECT_FALSE(isDense(skin, 5));
+  EXPECT_EQ(denseWeights(skin, 4), (std::vector<float>{0.5f, 0.0f, 0.5f, 0.0f, 0.0f, 0.25f, 0.0f, 0.75f}));
+  EXPECT_EQ(sparseWeights(skin)[4], 2u);
+}
+
+}  // namespace
+}  // namespace limber::render::test
