@@ -166,6 +166,31 @@ void drawBackdrop(const PassContext& pass) {
   ++pass.stats.drawCalls;
 }
 
+void drawOverlay(const PassContext& pass, const OverlayLines& lines, float hiddenOpacity) {
+  const Gl& gl = pass.gl;
+  const ShaderProgram& program = pass.programs.overlay();
+  gl.UseProgram(program.name());
+  gl.BindVertexArray(pass.emptyLayout);
+  gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, kLines, lines.buffer());
+  setCulling(gl, false);
+  gl.Enable(GL_DEPTH_TEST);
+  gl.DepthMask(GL_FALSE);
+  gl.Enable(GL_BLEND);
+  gl.BlendFuncSeparate(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA, GL_ZERO, GL_ONE);
+  const auto draw = [&](GLenum depth, float opacity) {
+    gl.DepthFunc(depth);
+    gl.ProgramUniform1f(program.name(), program.location(DrawUniform::Opacity), opacity);
+    gl.DrawArraysInstanced(GL_TRIANGLES, 0, 6 * lines.count(), 1);
+    ++pass.stats.drawCalls;
+  };
+  if (hiddenOpacity > 0.0f) {
+    draw(GL_GREATER, hiddenOpacity);
+  }
+  draw(GL_LEQUAL, 1.0f);
+  gl.Disable(GL_BLEND);
+  gl.DepthMask(GL_TRUE);
+}
+
 void drawLegend(const PassContext& pass) {
   pass.gl.Disable(GL_DEPTH_TEST);
   setCulling(pass.gl, false);

@@ -6,6 +6,7 @@
 
 #include "gpu_shape.h"
 #include "limber/render/renderer.h"
+#include "overlay_lines.h"
 #include "program_set.h"
 #include "shadow_map.h"
 
@@ -62,6 +63,8 @@ void drawSurfaces(const PassContext& pass, DrawMode mode, bool shadows);
 void drawLines(const PassContext& pass);
 /// Fills what the surfaces left open.
 void drawBackdrop(const PassContext& pass);
+/// Last of what has depth: it compares with the others'.
+void drawOverlay(const PassContext& pass, const OverlayLines& lines, float hiddenOpacity);
 void drawLegend(const PassContext& pass);
 
 }  // namespace limber::render

@@ -78,11 +78,21 @@ const ShaderProgram& ProgramSet::skin(bool dense) {
 const ShaderProgram& ProgramSet::lines() {
   if (lines_.name() == 0) {
     lines_ = buildProgram(gl_,
-                          {{GL_VERTEX_SHADER, {"frame.glsl", "points.glsl", "lines.vert"}},
+                          {{GL_VERTEX_SHADER, {"frame.glsl", "points.glsl", "wide_line.glsl", "lines.vert"}},
                            {GL_FRAGMENT_SHADER, {"strain_colour.glsl", "lines.frag"}}},
                           {});
   }
   return lines_;
+}
+
+const ShaderProgram& ProgramSet::overlay() {
+  if (overlay_.name() == 0) {
+    overlay_ = buildProgram(gl_,
+                            {{GL_VERTEX_SHADER, {"frame.glsl", "wide_line.glsl", "overlay.vert"}},
+                             {GL_FRAGMENT_SHADER, {"overlay.frag"}}},
+                            {});
+  }
+  return overlay_;
 }
 
 const ShaderProgram& ProgramSet::backdrop() {

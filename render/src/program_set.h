@@ -28,6 +28,7 @@ class ProgramSet {
   const ShaderProgram& surface(const SurfaceVariant& variant);
   const ShaderProgram& depth(bool tube);
   const ShaderProgram& lines();
+  const ShaderProgram& overlay();
   const ShaderProgram& backdrop();
   const ShaderProgram& legend();
   const ShaderProgram& normals(bool tube);
@@ -41,6 +42,7 @@ class ProgramSet {
   std::array<ShaderProgram, 2> normals_;
   std::array<ShaderProgram, 2> skins_;
   ShaderProgram lines_;
+  ShaderProgram overlay_;
   ShaderProgram backdrop_;
   ShaderProgram legend_;
 };

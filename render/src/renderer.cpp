@@ -73,13 +73,13 @@ FrameWriter Renderer::beginFrame(StreamPath path) {
   return {*this, frame.serial};
 }
 
-void Renderer::draw(FrameWriter& frame, const Camera& camera, const Light& light,
-                    const DrawOptions& options) {
+void Renderer::draw(FrameWriter& frame, const Camera& camera, const Light& light, const DrawOptions& options,
+                    const Overlay& overlay) {
   if (frame.renderer_ != this || !parts_->frame.open || parts_->frame.serial != frame.serial_) {
     throw std::logic_error("draw() of a frame that is not open in this renderer");
   }
   try {
-    parts_->submit(camera, light, options);
+    parts_->submit(camera, light, options, overlay);
   } catch (...) {
     // Some commands may already read the region, so it needs its fence all the same.
     parts_->closeFrame();
@@ -137,7 +137,7 @@ GpuMemory Renderer::gpuMemory() const {
     memory.shapes += shape.bytes();
   }
   memory.scratch = parts.places.bytes() + parts.normals.bytes() + parts.records.bytes() +
-                   parts.uniforms.bytes() + parts.naive.bytes();
+                   parts.uniforms.bytes() + parts.naive.bytes() + parts.overlayLines.bytes();
   memory.textures = parts.textures.bytes();
   memory.targets = parts.target->bytes() + (parts.shadowMap == nullptr ? 0 : parts.shadowMap->bytes());
   return memory;

@@ -43,6 +43,7 @@ Renderer::Parts::Parts(GlContext& context, const RendererDesc& rendererDesc)
       uniforms(makeBuffer(gl, sizeof(FrameUniforms), nullptr, GL_DYNAMIC_STORAGE_BIT)),
       stream(makeStream(gl, desc.initialPoints, desc.fenceTimeout)),
       naive(gl),
+      overlayLines(gl),
       mostPoints(pointsPerBlock(gl)) {
   requireTaps(desc.shadowTaps);
   // Rows then come top down, as PNG and video want them.
@@ -136,7 +137,8 @@ void Renderer::Parts::closeFrame() {
   }
 }
 
-void Renderer::Parts::submit(const Camera& camera, const Light& light, const DrawOptions& options) {
+void Renderer::Parts::submit(const Camera& camera, const Light& light, const DrawOptions& options,
+                             const Overlay& overlay) {
   Stopwatch watch;
   stats.bytesStreamed = 3 * sizeof(float) * layout.pointCount;
   stats.shapeDrawCalls = stats.drawCalls = stats.dispatches = 0;
@@ -148,6 +150,7 @@ void Renderer::Parts::submit(const Camera& camera, const Light& light, const Dra
   }
   const FrameUniforms values =
       makeFrameUniforms(camera, light, options, {target->width(), target->height(), desc.shadowMapSize});
+  overlayLines.upload(overlay);
   gl.NamedBufferSubData(uniforms.name(), 0, sizeof values, &values);
   stats.uploadMs = watch.lap();
   drawPicture({gl, programs, stats, items, emptyLayout.name()}, options, light.shadows);
@@ -179,6 +182,9 @@ void Renderer::Parts::drawPicture(const PassContext& pass, const DrawOptions& op
     drawLines(pass);
   }
   drawBackdrop(pass);
+  if (overlayLines.count() > 0) {
+    drawOverlay(pass, overlayLines, options.hiddenOverlay);
+  }
   if (options.mode == DrawMode::Wireframe && options.legend) {
     drawLegend(pass);
   }

@@ -12,6 +12,7 @@
 #include "limber/render/renderer.h"
 #include "limber/render/stream_buffer.h"
 #include "naive_stream.h"
+#include "overlay_lines.h"
 #include "render_target.h"
 #include "texture_array.h"
 
@@ -35,7 +36,7 @@ struct Renderer::Parts {
   void uploadRecords();
   void fillRingItems();
   void closeFrame();
-  void submit(const Camera& camera, const Light& light, const DrawOptions& options);
+  void submit(const Camera& camera, const Light& light, const DrawOptions& options, const Overlay& overlay);
   void drawPicture(const PassContext& pass, const DrawOptions& options, bool shadows);
   void requireTexture(const InstanceLook& look) const;
   std::vector<float> readComputed(const GlBuffer& buffer, std::uint32_t first, InstanceId instance) const;
@@ -59,6 +60,7 @@ struct Renderer::Parts {
   bool recordsStale = true;
   std::unique_ptr<StreamBuffer> stream;
   NaiveStream naive;
+  OverlayLines overlayLines;
   std::vector<DrawItem> items;
   OpenFrame frame;
   FrameStats stats;

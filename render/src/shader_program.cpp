@@ -9,8 +9,8 @@ namespace limber::render {
 namespace {
 
 constexpr std::array<const char*, static_cast<std::size_t>(DrawUniform::Count)> kUniformNames{
-    "firstPoint", "firstInstance", "pointCount",  "firstNormal",
-    "firstPlace", "placeCount",    "invocations", "shapeRadius"};
+    "firstPoint", "firstInstance", "pointCount",  "firstNormal", "firstPlace",
+    "placeCount", "invocations",   "shapeRadius", "opacity"};
 
 class Shader {
  public:

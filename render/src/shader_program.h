@@ -21,6 +21,7 @@ enum class DrawUniform {
   PlaceCount,
   Invocations,
   ShapeRadius,
+  Opacity,
   Count
 };
 

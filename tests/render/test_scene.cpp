@@ -76,7 +76,7 @@ void Stage::draw(const DrawOptions& options, StreamPath path) {
   for (const Actor& actor : actors_) {
     std::copy(actor.points.begin(), actor.points.end(), frame.points(actor.id));
   }
-  renderer_->draw(frame, camera, light, options);
+  renderer_->draw(frame, camera, light, options, overlay);
 }
 
 Image Stage::picture(const DrawOptions& options, StreamPath path) {

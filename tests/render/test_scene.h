@@ -38,6 +38,7 @@ class Stage {
 
   Camera camera;
   Light light;
+  Overlay overlay;
 
  private:
   struct Actor {

@@ -17,6 +17,7 @@ class GlContext;
   X(BindFramebuffer, BINDFRAMEBUFFER)                         \
   X(BindTextureUnit, BINDTEXTUREUNIT)                         \
   X(BindVertexArray, BINDVERTEXARRAY)                         \
+  X(BlendFuncSeparate, BLENDFUNCSEPARATE)                     \
   X(BlitNamedFramebuffer, BLITNAMEDFRAMEBUFFER)               \
   X(CheckNamedFramebufferStatus, CHECKNAMEDFRAMEBUFFERSTATUS) \
   X(ClearNamedFramebufferfv, CLEARNAMEDFRAMEBUFFERFV)         \

@@ -4,6 +4,7 @@
 #include "limber/render/camera.h"
 #include "limber/render/image.h"
 #include "limber/render/light.h"
+#include "limber/render/overlay.h"
 #include "limber/render/shape_desc.h"
 #include "limber/render/vec3.h"
 
@@ -56,6 +57,7 @@ struct DrawOptions {
   DrawMode mode = DrawMode::Shaded;
   float strainRange = 0.1f;                 ///< Strain (length / rest - 1) drawn in full blue (-) or red (+).
   float lineWidth = 1.6f;                   ///< Pixels.
+  float hiddenOverlay = 0.25f;              ///< Opacity of overlay lines behind surfaces; 0: not drawn.
   bool legend = true;                       ///< A bar of the strain colours, in wireframe mode only.
   Vec3 backgroundTop{0.87f, 0.90f, 0.93f};  ///< sRGB.
   Vec3 backgroundBottom{0.97f, 0.96f, 0.94f};  ///< sRGB.
@@ -156,7 +158,9 @@ class Renderer {
   /// to grow because of added instances.
   FrameWriter beginFrame(StreamPath path = StreamPath::Ring);
   /// Submits the picture and closes the frame; returns without waiting for the GPU.
-  void draw(FrameWriter& frame, const Camera& camera, const Light& light, const DrawOptions& options = {});
+  /// `overlay` is drawn over the shapes and read before the call returns.
+  void draw(FrameWriter& frame, const Camera& camera, const Light& light, const DrawOptions& options = {},
+            const Overlay& overlay = {});
 
   /// The last picture drawn. Waits for it. The second form reuses the image's memory.
   Image readPixels();
