@@ -59,11 +59,16 @@ class SoftBody {
 
   /// Writes all positions as pointCount() x 3 floats, x y z; only writes, so mapped GPU memory will do.
   void writePositions(float* xyz) const;
+  /// The same at a time between the last two ticks, for pictures that do not coincide with ticks: 0 is before
+  /// the last tick, 1 after it, more than 1 goes on as in that tick. SoftBodySystem::tickFraction() tells at
+  /// which fraction Bullet shows its rigid bodies. What has been moved by hand since is where it was put.
+  void writePositions(float* xyz, double tickFraction) const;
 
   /// What network().render.vertexToPoint counts: the places of the skin, without one the points themselves.
   std::uint32_t placeCount() const;
   /// Writes the positions of the places as placeCount() x 3 floats; only writes, in order.
   void writePlaces(float* xyz) const;
+  void writePlaces(float* xyz, double tickFraction) const;
 
   /// Holds point i where it is: it becomes a kinematic body of Bullet until unpin().
   void pin(std::uint32_t i);

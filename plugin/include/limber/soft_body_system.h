@@ -114,6 +114,11 @@ class SoftBodySystem {
 
   const TickProfile& profile() const;
 
+  /// Where the world's clock stands between its last two ticks: 0 at the one before the last, 1 at the last,
+  /// beyond 1 if the world extrapolates (setLatencyMotionStateInterpolation(false)). It is the time at which
+  /// Bullet gives motion states their transforms; for SoftBody::writePositions(xyz, fraction).
+  double tickFraction() const;
+
   /// Draws the soft bodies as the drawer's mode asks: DBG_DrawWireframe: springs, blue where they are pressed
   /// together by a tenth, red where they are stretched by as much, and crosses at pinned points;
   /// DBG_DrawAabb: a box around each body; DBG_DrawContactPoints: contacts; DBG_DrawConstraints: anchors and

@@ -160,6 +160,14 @@ Eigen::Vector3d currentPosition(const SoftBodyData& body, std::uint32_t i) {
          difference(point->getWorldTransform().getOrigin(), body.masses.leftPosition[i]);
 }
 
+Eigen::Vector3d positionAt(const SoftBodyData& body, std::uint32_t i, double tickFraction) {
+  // a body that sleeps or is no longer stepped had its last tick long ago
+  if (body.asleep || !body.alive) return currentPosition(body, i);
+  const Eigen::Vector3d now = body.state.position.col(i);
+  const Eigen::Vector3d end = body.masses.held[i] ? now : currentPosition(body, i);
+  return end + (tickFraction - 1.0) * (now - body.masses.startPosition.col(i));
+}
+
 Eigen::Vector3d currentVelocity(const SoftBodyData& body, std::uint32_t i) {
   const PointMass* point = body.masses.bodies[i];
   if (!point || !body.masses.shared || body.masses.held[i]) return body.state.velocity.col(i);

@@ -59,6 +59,10 @@ void absorbOutsideChanges(SoftBodyData& body);
 
 /// Position and velocity (3-vectors, m and m/s) as they are now, including what the user has just changed.
 Eigen::Vector3d currentPosition(const SoftBodyData& body, std::uint32_t i);
+
+/// On the straight way that point i went in the last tick, 0 at its start, 1 at its end, moved along by what
+/// the user has changed since. A pin that has been given a new target is on its way there in the next tick.
+Eigen::Vector3d positionAt(const SoftBodyData& body, std::uint32_t i, double tickFraction);
 Eigen::Vector3d currentVelocity(const SoftBodyData& body, std::uint32_t i);
 
 /// Whether the user has moved point i, or changed its velocity, since the last tick.

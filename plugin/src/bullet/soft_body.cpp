@@ -46,6 +46,13 @@ void SoftBody::writePositions(float* xyz) const {
   }
 }
 
+void SoftBody::writePositions(float* xyz, double tickFraction) const {
+  for (std::uint32_t i = 0; i < pointCount(); ++i) {
+    const Eigen::Vector3f p = positionAt(*data_, i, tickFraction).cast<float>();
+    for (int axis = 0; axis < 3; ++axis) *xyz++ = p[axis];
+  }
+}
+
 std::uint32_t SoftBody::placeCount() const {
   const Skin& skin = data_->network->render.skin;
   return skin.size() > 0 ? static_cast<std::uint32_t>(skin.size()) : pointCount();
@@ -56,6 +63,14 @@ void SoftBody::writePlaces(float* xyz) const {
   if (skin.size() == 0) return writePositions(xyz);
   data_->skinned.resize(std::size_t{3} * pointCount());
   writePositions(data_->skinned.data());
+  applySkin(skin, data_->skinned.data(), xyz);
+}
+
+void SoftBody::writePlaces(float* xyz, double tickFraction) const {
+  const Skin& skin = data_->network->render.skin;
+  if (skin.size() == 0) return writePositions(xyz, tickFraction);
+  data_->skinned.resize(std::size_t{3} * pointCount());
+  writePositions(data_->skinned.data(), tickFraction);
   applySkin(skin, data_->skinned.data(), xyz);
 }
 

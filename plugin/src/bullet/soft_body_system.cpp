@@ -7,6 +7,7 @@
 #include "bullet/new_body.h"
 #include "bullet/surface_body.h"
 #include "bullet/system_impl.h"
+#include "bullet/world_clock.h"
 
 #include <algorithm>
 #include <cstdio>
@@ -231,6 +232,8 @@ void SoftBodySystem::Impl::forget(const btRigidBody& body) {
 void SoftBodySystem::beforeTick(btScalar tick) { impl_->beforeTick(tick); }
 
 const TickProfile& SoftBodySystem::profile() const { return impl_->profile; }
+
+double SoftBodySystem::tickFraction() const { return limber::tickFraction(*impl_->world); }
 
 void SoftBodySystem::debugDraw(btIDebugDraw& drawer) const { impl_->debugDraw(drawer); }
 
