@@ -65,6 +65,10 @@ void InstanceTable::remove(InstanceId id) {
   changed_ = true;
 }
 
+bool InstanceTable::uses(std::uint32_t shape) const {
+  return std::any_of(slots_.begin(), slots_.end(), [shape](const Slot& slot) { return slot.shape == shape; });
+}
+
 std::uint32_t InstanceTable::shapeOf(InstanceId id) const {
   if (id.index >= slots_.size() || slots_[id.index].generation != id.generation ||
       slots_[id.index].shape == UINT32_MAX) {

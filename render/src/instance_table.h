@@ -62,6 +62,8 @@ class InstanceTable {
   void setLook(InstanceId id, const InstanceLook& look);
   void remove(InstanceId id);
   std::size_t size() const { return slots_.size() - free_.size(); }
+  /// Whether a living instance has this shape.
+  bool uses(std::uint32_t shape) const;
   /// The shape of a living instance. All functions taking an id throw std::runtime_error for
   /// others.
   std::uint32_t shapeOf(InstanceId id) const;

@@ -18,8 +18,8 @@ GLuint NaiveStream::bufferFor(std::size_t instance, std::size_t bytes) {
   return buffers_[instance].name();
 }
 
-void NaiveStream::upload(const FrameLayout& layout, const std::vector<GpuShape>& shapes,
-                         const GlBuffer& places, std::vector<DrawItem>& items) {
+void NaiveStream::upload(const FrameLayout& layout, const ShapeTable& shapes, const GlBuffer& places,
+                         std::vector<DrawItem>& items) {
   items.clear();
   for (const InstanceGroup& group : layout.groups) {
     const GpuShape& shape = shapes[group.shape];

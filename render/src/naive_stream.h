@@ -6,6 +6,7 @@
 
 #include "frame_passes.h"
 #include "instance_table.h"
+#include "shape_table.h"
 
 namespace limber::render {
 
@@ -19,7 +20,7 @@ class NaiveStream {
   /// Where the points of the layout's instances are to be written.
   float* begin(const FrameLayout& layout);
   /// Uploads them and fills `items`, one for each instance; `places` is where skins are computed.
-  void upload(const FrameLayout& layout, const std::vector<GpuShape>& shapes, const GlBuffer& places,
+  void upload(const FrameLayout& layout, const ShapeTable& shapes, const GlBuffer& places,
               std::vector<DrawItem>& items);
   std::size_t bytes() const;
 

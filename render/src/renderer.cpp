@@ -25,10 +25,18 @@ int Renderer::width() const { return parts_->target->width(); }
 int Renderer::height() const { return parts_->target->height(); }
 
 ShapeId Renderer::addShape(const ShapeDesc& desc) {
-  GpuShape shape = makeGpuShape(parts_->gl, desc);
-  parts_->extents.push_back({shape.pointCount, shape.placeCount, shape.skinned(), shape.needsNormals()});
-  parts_->shapes.push_back(std::move(shape));
-  return {static_cast<std::uint32_t>(parts_->shapes.size() - 1)};
+  return parts_->shapes.add(makeGpuShape(parts_->gl, desc));
+}
+
+void Renderer::removeShape(ShapeId shape) {
+  if (parts_->frame.open) {
+    throw std::logic_error("removeShape() while a frame is open");
+  }
+  parts_->shapes.require(shape, "removeShape");
+  if (parts_->instances.uses(shape.index)) {
+    throw std::runtime_error("removeShape: the shape still has instances");
+  }
+  parts_->shapes.remove(shape);
 }
 
 TextureId Renderer::addTexture(int width, int height, const std::uint8_t* rgba) {
@@ -36,9 +44,7 @@ TextureId Renderer::addTexture(int width, int height, const std::uint8_t* rgba) 
 }
 
 InstanceId Renderer::addInstance(ShapeId shape, const InstanceLook& look) {
-  if (shape.index >= parts_->shapes.size()) {
-    throw std::runtime_error("addInstance: there is no shape with this id");
-  }
+  parts_->shapes.require(shape, "addInstance");
   parts_->requireTexture(look);
   return parts_->instances.add(shape, look);
 }
@@ -133,9 +139,7 @@ GpuMemory Renderer::gpuMemory() const {
   const Parts& parts = *parts_;
   GpuMemory memory;
   memory.stream = parts.stream->bytes();
-  for (const GpuShape& shape : parts.shapes) {
-    memory.shapes += shape.bytes();
-  }
+  memory.shapes = parts.shapes.bytes();
   memory.scratch = parts.places.bytes() + parts.normals.bytes() + parts.records.bytes() +
                    parts.uniforms.bytes() + parts.naive.bytes() + parts.overlayLines.bytes();
   memory.textures = parts.textures.bytes();

@@ -71,7 +71,7 @@ void Renderer::Parts::layOutInstances() {
   if (!instances.changed()) {
     return;
   }
-  instances.layOut(extents, layout);
+  instances.layOut(shapes.extents(), layout);
   recordsStale = true;
 }
 

@@ -14,6 +14,7 @@
 #include "naive_stream.h"
 #include "overlay_lines.h"
 #include "render_target.h"
+#include "shape_table.h"
 #include "texture_array.h"
 
 namespace limber::render {
@@ -53,8 +54,7 @@ struct Renderer::Parts {
   GlBuffer records;
   GlBuffer places;  // Of skins.
   GlBuffer normals;
-  std::vector<GpuShape> shapes;
-  std::vector<ShapeExtent> extents;
+  ShapeTable shapes;
   InstanceTable instances;
   FrameLayout layout;
   bool recordsStale = true;

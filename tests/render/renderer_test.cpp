@@ -164,6 +164,29 @@ TEST(Renderer, BadInputNamesTheProblem) {
             std::string::npos);
 }
 
+TEST(Renderer, RemovedShapesAreFreedAndTheirIdsRefused) {
+  Stage stage;
+  Renderer& renderer = stage.renderer();
+  const Scenery ball = makeUvSphere({}, 0.5f);
+  const std::size_t before = renderer.gpuMemory().shapes;
+  const ShapeId shape = renderer.addShape(ball.shape);
+  const InstanceId id = stage.add(shape, ball.points);
+  const Image picture = stage.picture();
+  EXPECT_THROW(renderer.removeShape(shape), std::runtime_error) << "it has an instance";
+  stage.remove(id);
+  renderer.removeShape(shape);
+  EXPECT_EQ(renderer.gpuMemory().shapes, before);
+  EXPECT_THROW(renderer.removeShape(shape), std::runtime_error);
+  EXPECT_THROW(renderer.addInstance(shape), std::runtime_error);
+  const ShapeId again = renderer.addShape(ball.shape);
+  EXPECT_EQ(again.index, shape.index);
+  EXPECT_THROW(renderer.addInstance(shape), std::runtime_error) << "the slot has another shape now";
+  stage.add(again, ball.points);
+  EXPECT_EQ(stage.picture().rgba, picture.rgba);
+  FrameWriter frame = renderer.beginFrame();
+  EXPECT_THROW(renderer.removeShape(again), std::logic_error);
+}
+
 TEST(Renderer, MemoryReportCoversWhatWasAdded) {
   Stage stage;
   const GpuMemory before = stage.renderer().gpuMemory();

@@ -16,8 +16,8 @@ SurfaceObject::SurfaceObject(SoftBodyData* owner)
     : btRigidBody(btRigidBodyConstructionInfo(0, nullptr, nullptr)), owner_(owner) {
   internalSetExtensionPointer(&surfaceMark);
   keepCollisionFilter();
-  // a body of mass 0 is static until told otherwise
-  setCollisionFlags(0);
+  // a body of mass 0 is static until told otherwise; soft bodies draw themselves, see debug_draw.h
+  setCollisionFlags(CF_DISABLE_VISUALIZE_OBJECT);
   setFlags(getFlags() & ~BT_ENABLE_GYROSCOPIC_FORCE_IMPLICIT_BODY);
 }
 

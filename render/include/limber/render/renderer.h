@@ -22,6 +22,7 @@ struct Gl;
 
 struct ShapeId {
   std::uint32_t index = UINT32_MAX;
+  std::uint32_t generation = 0;  ///< As in InstanceId.
 };
 struct TextureId {
   std::uint32_t index = UINT32_MAX;  ///< The default is "no texture".
@@ -142,8 +143,10 @@ class Renderer {
   int width() const;
   int height() const;
 
-  /// Uploads the shared data of a shape; it lives as long as the renderer.
+  /// Uploads the shared data of a shape.
   ShapeId addShape(const ShapeDesc& desc);
+  /// Frees a shape; it must have no instances. Not while a frame is open.
+  void removeShape(ShapeId shape);
   /// `rgba`: 4 x width x height bytes, sRGB, top row first. Repeats, has mipmaps, lives as long
   /// as the renderer.
   TextureId addTexture(int width, int height, const std::uint8_t* rgba);

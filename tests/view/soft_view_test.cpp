@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: Zlib
+#include <limber/view/soft_view.h>
+
+#include "support/bullet_world.h"
+#include "support/networks.h"
+
+#include <gtest/gtest.h>
+
+#include "test_scene.h"
+
+namespace limber::view {
+namespace {
+
+using test::BulletWorld;
+
+struct SoftViewTest : ::testing::Test {
+  BulletWorld bullet{0.0};
+  SoftBodySystem system{*bullet.world};
+  render::test::Stage stage;
+  SharedNetwork cube = test::closedCubeNetwork();
+
+  SoftBody* add(const SharedNetwork& network, double x, double size = 1.0) {
+    SoftBodySettings s;
+    s.position = {x, 0, 0};
+    s.scale = Eigen::Vector3d::Constant(size);
+    const Result<SoftBody*> body = system.createBody(network, s);
+    EXPECT_TRUE(body) << body.error();
+    return *body;
+  }
+  void draw(const SoftView& view) {
+    render::FrameWriter frame = stage.renderer().beginFrame();
+    view.write(frame);
+    stage.renderer().draw(frame, stage.camera, stage.light);
+  }
+};
+
+TEST_F(SoftViewTest, BodiesOfOneNetworkAreDrawnTogetherFromTheirPoints) {
+  for (int i = 0; i < 4; ++i) add(cube, 2.0 * i);
+  add(cube, -3.0, 0.5);
+  stage.light.shadows = false;
+  const SoftView view(stage.renderer(), system);
+  EXPECT_EQ(view.pointCount(), 5u * 8u);
+  draw(view);
+  EXPECT_EQ(stage.renderer().lastFrame().bytesStreamed, 5u * 8u * 12u);
+  EXPECT_EQ(stage.renderer().lastFrame().shapeDrawCalls, 2u) << "strain needs the rest lengths of each size";
+}
+
+TEST_F(SoftViewTest, BodiesComeAndGo) {
+  SoftBody* first = add(cube, 0.0);
+  SoftView view(stage.renderer(), system);
+  add(test::tetrahedronNetwork(), 2.0);
+  view.update();
+  EXPECT_EQ(stage.renderer().instanceCount(), 2u);
+  draw(view);
+  system.destroyBody(first);
+  draw(view);
+  view.update();
+  EXPECT_EQ(stage.renderer().instanceCount(), 1u);
+  system.removeAll();
+  view.update();
+  EXPECT_EQ(stage.renderer().instanceCount(), 0u);
+  EXPECT_EQ(stage.renderer().gpuMemory().shapes, 0u);
+  draw(view);
+}
+
+TEST_F(SoftViewTest, ABodyInTheMemoryOfAnOldOneIsANewOne) {
+  // whether the allocator gives the same address is its own affair: the picture must be right either way
+  SoftView view(stage.renderer(), system);
+  for (int i = 0; i < 20; ++i) {
+    SoftBody* body = add(i % 2 == 0 ? cube : test::tetrahedronNetwork(), 0.0);
+    view.update();
+    EXPECT_EQ(view.pointCount(), body->pointCount());
+    draw(view);
+    system.destroyBody(body);
+  }
+}
+
+TEST_F(SoftViewTest, TheLookIsAskedOnceForEachBody) {
+  add(cube, 0.0);
+  int asked = 0;
+  SoftView view(stage.renderer(), system, [&](const SoftBody&) {
+    ++asked;
+    return SoftLook{};
+  });
+  view.update();
+  view.update();
+  EXPECT_EQ(asked, 1);
+}
+
+}  // namespace
+}  // namespace limber::view
