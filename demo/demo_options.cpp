@@ -30,6 +30,7 @@ struct CommandLine {
   DemoOptions options;
   bool list = false;
   bool noVideo = false;
+  bool noPreview = false;
   std::string size = "960x540";
   std::string mode = "shaded";
   CLI::Option* scene = nullptr;
@@ -40,7 +41,8 @@ void addSceneOptions(CLI::App& app, CommandLine& line) {
   scenes::SceneOptions& scene = line.options.sceneOptions;
   line.scene = app.add_option("--scene", line.options.scene, "what to run (default cubes)")
                    ->check(CLI::IsMember(sceneNames()));
-  app.add_option("--mesh", scene.meshFile, "run the scene mesh with this file: BODY.limber or any format assimp reads");
+  app.add_option("--mesh", scene.meshFile,
+                 "run the scene mesh with this file: BODY.limber or any format assimp reads");
   app.add_option("--count", scene.count, "number of bodies, 1 to 10000")->check(wholeNumber(1, 10000));
   app.add_option("--stiffness", scene.stiffness, "N/m of each spring, 0 or more")->check(number(0.0, 1e9));
   app.add_option("--damping", scene.damping, "N s/m of each spring, 0 or more")->check(number(0.0, 1e6));
@@ -64,6 +66,7 @@ void addRunOptions(CLI::App& app, CommandLine& line) {
   line.out = app.add_option("--out", o.outFolder, "folder of the pictures (default out/SCENE)");
   app.add_option("--stats", o.statsFile, "write the figures of the run to this JSON file");
   app.add_flag("--no-video", line.noVideo, "leave out video.mp4, which is made when there is an ffmpeg");
+  app.add_flag("--no-preview", line.noPreview, "leave out preview.png, an animated PNG for any browser");
   app.add_flag("--list", line.list, "list the scenes");
 }
 
@@ -88,6 +91,7 @@ void complete(CommandLine& line) {
       {"shaded", PictureMode::Shaded}, {"wireframe", PictureMode::Wireframe}, {"none", PictureMode::None}};
   o.mode = modes.at(line.mode);
   o.video = !line.noVideo;
+  o.preview = !line.noPreview;
   parseSize(line.size, o.width, o.height);
   if (!o.sceneOptions.meshFile.empty() && line.scene->count() == 0) o.scene = "mesh";
   if (o.seconds == 0.0) o.seconds = scenes::findScene(o.scene)->seconds;

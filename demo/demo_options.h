@@ -22,6 +22,7 @@ struct DemoOptions {
   std::string outFolder;  ///< of pictures
   std::string statsFile;  ///< empty: none
   bool video = true;      ///< if there is an ffmpeg
+  bool preview = true;
 };
 
 /// 1: the input cannot be used or something failed; 2: the command line is wrong; 3: the end check failed.

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Zlib
 #include "folders.h"
 
-#include <cerrno>
+#include "output_files.h"
+
 #include <cstdio>
-#include <cstring>
 #include <filesystem>
 #include <system_error>
 
@@ -13,7 +13,7 @@ namespace {
 namespace fs = std::filesystem;
 
 bool isOurs(const std::string& name) {
-  if (name == kContactSheetName || name == kVideoName) return true;
+  if (name == kContactSheetName || name == kPreviewName || name == kVideoName) return true;
   const std::string head = "frame-", tail = ".png";
   if (name.size() < head.size() + 4 + tail.size()) return false;
   if (name.compare(0, head.size(), head) != 0) return false;
@@ -45,17 +45,9 @@ std::string prepareFolder(const std::string& folder) {
   fs::create_directories(folder, error);
   if (!error) error = removeOldPictures(folder);
   if (error) return "cannot use the folder " + folder + ": " + error.message();
-  const std::string probe = folder + "/" + kContactSheetName;
-  const std::string reason = checkWritable(probe);
-  fs::remove(probe, error);
+  std::string reason = checkPlace(folder + "/" + kContactSheetName);
+  if (reason.empty()) reason = checkPlace(folder + "/" + kPreviewName);
   return reason;
-}
-
-std::string checkWritable(const std::string& file) {
-  std::FILE* stream = std::fopen(file.c_str(), "ab");
-  if (!stream) return "cannot write " + file + ": " + std::strerror(errno);
-  std::fclose(stream);
-  return {};
 }
 
 }  // namespace limber::demo

@@ -2,12 +2,14 @@
 #include "demo_options.h"
 #include "run_demo.h"
 
+#include <csignal>
 #include <cstdio>
 #include <exception>
 #include <variant>
 
 int main(int argc, char** argv) {
   using namespace limber::demo;
+  std::signal(SIGXFSZ, SIG_IGN);  // a file that gets too large is then an error like a full disk
   try {
     const ParsedOptions parsed = parseOptions(argc, argv);
     if (const ExitCode* over = std::get_if<ExitCode>(&parsed)) return *over;

@@ -16,6 +16,10 @@ Progress::Progress(std::FILE* stream, bool terminal, std::string label)
       label_(label.empty() ? label : label + " "),
       start_(std::chrono::steady_clock::now()) {}
 
+Progress::~Progress() {
+  if (terminal_ && shown_ >= 0 && shown_ < 100) std::fputc('\n', stream_);
+}
+
 void Progress::show(long long done, long long total) {
   const double share = total > 0 ? static_cast<double>(done) / static_cast<double>(total) : 1.0;
   if (terminal_)

@@ -12,6 +12,10 @@ class Progress {
  public:
   /// `label` says what is under way, or is empty.
   Progress(std::FILE* stream, bool terminal, std::string label = {});
+  /// Ends the line of a bar that has not filled up, so that the reason can be printed below it.
+  ~Progress();
+  Progress(const Progress&) = delete;
+  Progress& operator=(const Progress&) = delete;
 
   /// `done` of `total` steps are over.
   void show(long long done, long long total);

@@ -2,6 +2,7 @@
 #include "run_demo.h"
 
 #include "folders.h"
+#include "output_files.h"
 #include "picture_output.h"
 #include "progress.h"
 #include "run_figures.h"
@@ -37,7 +38,7 @@ struct Pictures {
 std::string checkOutputs(const DemoOptions& options) {
   std::string reason;
   if (options.mode != PictureMode::None) reason = prepareFolder(options.outFolder);
-  if (reason.empty() && !options.statsFile.empty()) reason = checkWritable(options.statsFile);
+  if (reason.empty() && !options.statsFile.empty()) reason = checkPlace(options.statsFile);
   return reason;
 }
 
@@ -124,13 +125,6 @@ ExitCode fail(const std::string& reason) {
   return kFailure;
 }
 
-void reportPictures(const PictureOutput& output) {
-  std::printf("pictures    %s\n", output.describe().c_str());
-  if (!output.videoProblem().empty()) {
-    std::fprintf(stderr, "limber-demo: no video: %s\n", output.videoProblem().c_str());
-  }
-}
-
 }  // namespace
 
 ExitCode runDemo(const DemoOptions& options) {
@@ -142,10 +136,11 @@ ExitCode runDemo(const DemoOptions& options) {
   std::unique_ptr<Pictures> pictures;
   const RunFigures figures = simulate(**scene, options, pictures);
   printTable(options, figures);
-  if (pictures) reportPictures(pictures->output);
+  if (pictures) std::printf("pictures    %s\n", pictures->output.describe().c_str());
   if (!options.statsFile.empty()) {
     if (const std::string reason = writeJson(options, figures); !reason.empty()) return fail(reason);
   }
+  if (pictures && !pictures->output.videoProblem().empty()) return fail(pictures->output.videoProblem());
   return figures.endProblem.empty() ? kSuccess : kWrongEnd;
 }
 

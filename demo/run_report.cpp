@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Zlib
 #include "run_report.h"
 
+#include "output_files.h"
+
 #include <nlohmann/json.hpp>
 
 #include <cmath>
 #include <cstdio>
-#include <fstream>
 
 namespace limber::demo {
 namespace {
@@ -139,10 +140,7 @@ void printTable(const DemoOptions& options, const RunFigures& f) {
 std::string writeJson(const DemoOptions& options, const RunFigures& figures) {
   // a mesh's name may hold bytes that are no UTF-8: these are replaced, not refused
   const std::string text = runJson(options, figures).dump(2, ' ', false, Json::error_handler_t::replace);
-  std::ofstream file(options.statsFile);
-  file << text << '\n';
-  file.close();
-  return file ? std::string() : "cannot write " + options.statsFile;
+  return writeText(options.statsFile, text + "\n");
 }
 
 }  // namespace limber::demo

@@ -4,8 +4,8 @@
 #include "cook/cook_body.h"
 #include "cook/cook_report.h"
 #include "cook/network_picture.h"
-#include "cook/output_files.h"
 #include "cook/stage_progress.h"
+#include "output_files.h"
 
 #include <limber/network_file.h>
 #include <limber/render/png_file.h>

@@ -21,10 +21,14 @@ PngWriterThread::~PngWriterThread() {
 }
 
 void PngWriterThread::submit(std::string path, Image image) {
+  submit(std::move(image), [path = std::move(path)](const Image& picture) { writePng(path, picture); });
+}
+
+void PngWriterThread::submit(Image image, std::function<void(const Image&)> work) {
   std::unique_lock<std::mutex> lock(mutex_);
   changed_.wait(lock, [this] { return queue_.size() < kQueueLimit || error_ != nullptr; });
   throwPendingError(lock);
-  queue_.push_back({std::move(path), std::move(image)});
+  queue_.push_back({std::move(image), std::move(work)});
   lock.unlock();
   changed_.notify_all();
 }
@@ -68,7 +72,7 @@ void PngWriterThread::run() {
     changed_.notify_all();
     std::exception_ptr error;
     try {
-      writePng(job.path, job.image);
+      job.work(job.image);
     } catch (...) {
       error = std::current_exception();
     }

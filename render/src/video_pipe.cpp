@@ -10,10 +10,13 @@
 #include <cerrno>
 #include <csignal>
 #include <cstddef>
+#include <cstdio>
 #include <cstdlib>
 #include <cstring>
 #include <ctime>
+#include <filesystem>
 #include <stdexcept>
+#include <system_error>
 #include <vector>
 
 extern char** environ;
@@ -205,6 +208,10 @@ int VideoPipe::waitForExit() noexcept {
   while (process_ >= 0 && waitpid(process_, &status, 0) < 0 && errno == EINTR) {
   }
   process_ = -1;
+  std::error_code ignored;
+  if (status != 0 && std::filesystem::is_regular_file(desc_.path, ignored)) {
+    std::remove(desc_.path.c_str());
+  }
   return status;
 }
 

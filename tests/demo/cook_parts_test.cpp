@@ -2,10 +2,10 @@
 #include "cook/cook_options.h"
 #include "cook/cook_report.h"
 #include "cook/network_scenery.h"
-#include "cook/output_files.h"
 #include "cook/picture_legend.h"
 #include "cook/stage_progress.h"
 #include "import/temporary_folder.h"
+#include "output_files.h"
 #include "scenes/read_network.h"
 
 #include <limber/network_builder.h>

@@ -39,10 +39,12 @@ TEST(Progress, durationsAreReadable) {
   EXPECT_EQ(durationText(65.0), "1 min 05 s");
 }
 
-std::string shown(bool terminal, int steps) {
+std::string shown(bool terminal, int steps, int done) {
   std::FILE* file = std::tmpfile();
-  Progress progress(file, terminal);
-  for (int i = 0; i <= steps; ++i) progress.show(i, steps);
+  {
+    Progress progress(file, terminal);
+    for (int i = 0; i <= done; ++i) progress.show(i, steps);
+  }
   std::rewind(file);
   std::string text(8192, '\0');
   text.resize(std::fread(text.data(), 1, text.size(), file));
@@ -51,16 +53,23 @@ std::string shown(bool terminal, int steps) {
 }
 
 TEST(Progress, plainLinesHaveNoControlCharacters) {
-  const std::string text = shown(false, 1000);
+  const std::string text = shown(false, 1000, 1000);
   EXPECT_EQ(std::count(text.begin(), text.end(), '\n'), 10);
   EXPECT_EQ(text.find('\r'), std::string::npos);
 }
 
 TEST(Progress, barStaysOnOneLine) {
-  const std::string text = shown(true, 1000);
+  const std::string text = shown(true, 1000, 1000);
   EXPECT_EQ(std::count(text.begin(), text.end(), '\n'), 1);
   EXPECT_NE(text.find(" left"), std::string::npos);
   EXPECT_EQ(text.back(), '\n');
+}
+
+TEST(Progress, barThatIsCutShortEndsItsLine) {
+  const std::string text = shown(true, 1000, 300);
+  EXPECT_EQ(std::count(text.begin(), text.end(), '\n'), 1);
+  EXPECT_EQ(text.back(), '\n');
+  EXPECT_EQ(shown(true, 1000, -1), "") << "nothing to end";
 }
 
 TEST(PictureSize, isReadOrRefused) {
@@ -79,23 +88,25 @@ TEST(Folders, onlyOurOwnOldPicturesGo) {
   const fs::path folder = fs::temp_directory_path() / "limber_folders_test";
   fs::remove_all(folder);
   fs::create_directories(folder);
-  for (const char* name :
-       {"frame-0001.png", "frame-12345.png", "frame-0001.txt", "frame-holiday.png", "mine.png"}) {
+  for (const char* name : {"frame-0001.png", "frame-12345.png", "frame-0001.txt", "frame-holiday.png",
+                           "mine.png", kPreviewName}) {
     std::ofstream(folder / name) << "x";
   }
   EXPECT_EQ(prepareFolder(folder.string()), "");
   EXPECT_FALSE(fs::exists(folder / "frame-0001.png"));
   EXPECT_FALSE(fs::exists(folder / "frame-12345.png"));
+  EXPECT_FALSE(fs::exists(folder / kPreviewName));
   EXPECT_TRUE(fs::exists(folder / "frame-0001.txt"));
   EXPECT_TRUE(fs::exists(folder / "frame-holiday.png"));
   EXPECT_TRUE(fs::exists(folder / "mine.png"));
   EXPECT_FALSE(fs::exists(folder / kContactSheetName));
+  fs::create_directories(folder / kPreviewName);
+  EXPECT_NE(prepareFolder(folder.string()).find("preview.png: it is a folder"), std::string::npos);
   fs::remove_all(folder);
 }
 
 TEST(Folders, whatCannotBeWrittenIsRefusedWithTheReason) {
   EXPECT_EQ(prepareFolder("/dev/null/x"), "cannot use the folder /dev/null/x: Not a directory");
-  EXPECT_EQ(checkWritable("/dev/null/x"), "cannot write /dev/null/x: Not a directory");
 }
 
 }  // namespace

@@ -1,10 +1,8 @@
 // SPDX-License-Identifier: Zlib
 #include <gtest/gtest.h>
-#include <sys/resource.h>
 #include <unistd.h>
 
 #include <algorithm>
-#include <csignal>
 #include <filesystem>
 #include <stdexcept>
 #include <string>
@@ -12,6 +10,7 @@
 #include "limber/render/image.h"
 #include "limber/render/png_file.h"
 #include "limber/render/png_writer_thread.h"
+#include "support/file_size_limit.h"
 
 namespace limber::render {
 namespace {
@@ -67,16 +66,9 @@ TEST_F(ImageFile, MissingFolderIsNamed) {
 }
 
 TEST_F(ImageFile, FullDiskIsAnErrorAndLeavesNoHalfFile) {
-  // A limit on the size of files stands in for a full disk.
-  rlimit old{};
-  getrlimit(RLIMIT_FSIZE, &old);
-  const auto oldHandler = std::signal(SIGXFSZ, SIG_IGN);
-  const rlimit small{1000, old.rlim_max};
-  setrlimit(RLIMIT_FSIZE, &small);
+  const test::FileSizeLimit limit(1000);
   EXPECT_THROW(writePng(path("a.png"), noise(64, 64)), std::runtime_error);
   EXPECT_THROW(writePng(path("b.png"), noise(18, 18)), std::runtime_error) << "fails only when closing";
-  setrlimit(RLIMIT_FSIZE, &old);
-  std::signal(SIGXFSZ, oldHandler);
   EXPECT_EQ(fileCount(), 0u);
 }
 
@@ -99,6 +91,18 @@ TEST_F(ImageFile, WriterThreadWritesAllInOrderAndHandsBackMemory) {
   EXPECT_FALSE(writer.takeSpare().rgba.empty());
 }
 
+TEST_F(ImageFile, WriterThreadDoesOtherWorkInOrder) {
+  PngWriterThread writer;
+  std::vector<int> widths;
+  for (int i = 1; i <= 8; ++i) {
+    writer.submit(noise(i, 2), [&](const Image& image) { widths.push_back(image.width); });
+  }
+  writer.finish();
+  EXPECT_EQ(widths, (std::vector<int>{1, 2, 3, 4, 5, 6, 7, 8}));
+  writer.submit(noise(1, 1), [](const Image&) { throw std::runtime_error("no"); });
+  EXPECT_THROW(writer.finish(), std::runtime_error);
+}
+
 TEST_F(ImageFile, WriterThreadReportsItsErrorOnceAndGoesOn) {
   PngWriterThread writer;
   writer.submit(path("missing/a.png"), noise(4, 4));
@@ -115,6 +119,45 @@ TEST_F(ImageFile, WriterThreadWritesWhatIsQueuedBeforeItEnds) {
     writer.submit(path("b.png"), noise(4, 4));
   }
   EXPECT_EQ(fileCount(), 2u);
+}
+
+TEST(ScaledDown, TakesTheMeanInLinearLight) {
+  Image image;
+  image.resize(4, 2);
+  for (int y = 0; y < 2; ++y) {
+    for (int x = 0; x < 4; ++x) {
+      std::fill_n(image.pixel(x, y), 3, static_cast<std::uint8_t>(x == y ? 255 : 0));
+    }
+  }
+  const Image half = scaledDown(image, 2);
+  ASSERT_EQ(half.width, 2);
+  ASSERT_EQ(half.height, 1);
+  const std::vector<std::uint8_t> expected{188, 188, 188, 255, 0, 0, 0, 255};
+  EXPECT_EQ(half.rgba, expected) << "half the light of white is 188 in sRGB, not 128";
+}
+
+TEST(ScaledDown, FlatStaysFlatWhereSizesDoNotDivide) {
+  Image image;
+  image.resize(1000, 10);
+  std::fill(image.rgba.begin(), image.rgba.end(), std::uint8_t{77});
+  const Image small = scaledDown(image, 480);
+  EXPECT_EQ(small.height, 4);
+  for (std::size_t i = 0; i < small.rgba.size(); ++i) {
+    ASSERT_EQ(small.rgba[i], i % 4 == 3 ? 255 : 77) << i;
+  }
+}
+
+TEST(ScaledDown, EveryLevelComesBackAtItsOwnSize) {
+  Image levels;
+  levels.resize(256, 1);
+  for (int i = 0; i < 256; ++i) {
+    std::fill_n(levels.pixel(i, 0), 3, static_cast<std::uint8_t>(i));
+    levels.pixel(i, 0)[3] = 255;
+  }
+  EXPECT_EQ(scaledDown(levels, 256).rgba, levels.rgba);
+  EXPECT_EQ(scaledDown(levels, 1).height, 1) << "never empty";
+  EXPECT_THROW(scaledDown(Image{}, 1), std::runtime_error);
+  EXPECT_THROW(scaledDown(levels, 0), std::runtime_error);
 }
 
 TEST(ContactSheet, PlacesTilesAndGaps) {

@@ -103,7 +103,7 @@ TEST_F(VideoPipeTest, DyingFfmpegIsReportedWithItsWords) {
 }
 
 TEST_F(VideoPipeTest, FailureAtTheEndIsReportedByFinish) {
-  installFfmpeg("cat > /dev/null\necho 'disk full' >&2\nexit 1");
+  installFfmpeg("for last; do :; done\nhead -c 9 > \"$last\"\ncat > /dev/null\necho 'disk full' >&2\nexit 1");
   const std::string text = errorOf([&] {
     VideoPipe pipe(desc());
     pipe.write(frame(1));
@@ -111,6 +111,7 @@ TEST_F(VideoPipeTest, FailureAtTheEndIsReportedByFinish) {
   });
   EXPECT_NE(text.find("failed to write"), std::string::npos) << text;
   EXPECT_NE(text.find("disk full"), std::string::npos) << text;
+  EXPECT_FALSE(fs::exists(desc().path)) << "half a video";
 }
 
 TEST_F(VideoPipeTest, WrongFrameSizeIsRefused) {

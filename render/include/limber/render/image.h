@@ -28,6 +28,10 @@ struct Image {
   }
 };
 
+/// An image scaled down to `width` pixels (at least 1), its aspect kept: each pixel is the mean of those
+/// under it, in linear light. Opaque. Throws std::runtime_error if the image is empty.
+Image scaledDown(const Image& image, int width);
+
 /// Pictures side by side in rows of `columns` (at least 1), each scaled down to `tileWidth`
 /// pixels wide with a thin gap between; the last row may be short. Tiles take the aspect of the
 /// first image. Throws std::runtime_error if there is no image or one is empty.

@@ -6,6 +6,7 @@
 #include <condition_variable>
 #include <deque>
 #include <exception>
+#include <functional>
 #include <mutex>
 #include <string>
 #include <thread>
@@ -13,7 +14,8 @@
 
 namespace limber::render {
 
-/// Writes PNG files on a thread of its own, so that compressing overlaps with the next frame.
+/// Writes PNG files, or does other work on images, on a thread of its own and in order, so that
+/// compressing overlaps with the next frame.
 /// One thread at a time may call it.
 class PngWriterThread {
  public:
@@ -28,6 +30,8 @@ class PngWriterThread {
   /// Queues an image, waiting while kQueueLimit images are queued. Throws the first error of an
   /// earlier image (std::runtime_error); this image is then not queued.
   void submit(std::string path, Image image);
+  /// The same with any work on an image; what it throws is its error.
+  void submit(Image image, std::function<void(const Image&)> work);
   /// An image whose memory was used before, to be filled and submitted; empty if there is none.
   Image takeSpare();
   /// Waits until everything is written. Throws the first error.
@@ -35,8 +39,8 @@ class PngWriterThread {
 
  private:
   struct Job {
-    std::string path;
     Image image;
+    std::function<void(const Image&)> work;
   };
 
   void run();

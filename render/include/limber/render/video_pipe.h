@@ -20,7 +20,8 @@ struct VideoDesc {
 };
 
 /// Sends frames to an ffmpeg process, started without a shell. A dying ffmpeg is reported as an
-/// error and never ends this program with SIGPIPE. Not safe for several threads at once.
+/// error and never ends this program with SIGPIPE; what it leaves when it fails, which no program can play,
+/// is removed. Not safe for several threads at once.
 class VideoPipe {
  public:
   /// True if there is an executable ffmpeg on PATH.

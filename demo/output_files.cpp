@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-#include "cook/output_files.h"
+#include "output_files.h"
 
 #include <unistd.h>
 
