@@ -2,6 +2,7 @@
 #include "demo_options.h"
 
 #include "number_checks.h"
+#include "picture_choices.h"
 #include "scenes/scene_list.h"
 
 #include <CLI/CLI.hpp>
@@ -33,9 +34,16 @@ struct CommandLine {
   bool noPreview = false;
   std::string size = "960x540";
   std::string mode = "shaded";
+  std::string camera, overlay, context;
   CLI::Option* scene = nullptr;
   CLI::Option* out = nullptr;
 };
+
+/// Accepts what `parse` does, which leaves its result in `value`.
+template <class Value>
+CLI::Validator choice(std::string (*parse)(const std::string&, Value&), Value& value, const char* name) {
+  return CLI::Validator([parse, &value](std::string& text) { return parse(text, value); }, name);
+}
 
 void addSceneOptions(CLI::App& app, CommandLine& line) {
   scenes::SceneOptions& scene = line.options.sceneOptions;
@@ -65,6 +73,13 @@ void addRunOptions(CLI::App& app, CommandLine& line) {
       ->check(CLI::IsMember({"shaded", "wireframe", "none"}));
   line.out = app.add_option("--out", o.outFolder, "folder of the pictures (default out/SCENE)");
   app.add_option("--stats", o.statsFile, "write the figures of the run to this JSON file");
+  app.add_option("--camera", line.camera, "auto (default), orbit, or EYEX,EYEY,EYEZ,ATX,ATY,ATZ in metres")
+      ->check(choice(parseCamera, o.camera, "CAMERA"));
+  app.add_option("--overlay", line.overlay,
+                 "draw contacts, velocities, boxes, constraints: some, with commas")
+      ->check(choice(parseOverlay, o.overlay, "LIST"));
+  app.add_option("--context", line.context, "what draws: auto (a GPU if there is one), osmesa, egl, or egl:N")
+      ->check(choice(parseContext, o.context, "CONTEXT"));
   app.add_flag("--no-video", line.noVideo, "leave out video.mp4, which is made when there is an ffmpeg");
   app.add_flag("--no-preview", line.noPreview, "leave out preview.png, an animated PNG for any browser");
   app.add_flag("--list", line.list, "list the scenes");

@@ -3,12 +3,30 @@
 
 #include "scenes/scene.h"
 
+#include <limber/render/gl_context.h>
+
 #include <string>
 #include <variant>
 
 namespace limber::demo {
 
 enum class PictureMode { Shaded, Wireframe, None };
+
+enum class CameraPath {
+  Auto,   ///< stands still and frames what the scene is about
+  Orbit,  ///< goes round it once
+  Fixed   ///< stands at `eye` and looks at `target`
+};
+
+struct CameraChoice {
+  CameraPath path = CameraPath::Auto;
+  Eigen::Vector3d eye = Eigen::Vector3d::Zero(), target = Eigen::Vector3d::Zero();  ///< m, if Fixed
+};
+
+/// Lines drawn over the pictures.
+struct OverlayChoice {
+  bool contacts = false, velocities = false, boxes = false, constraints = false;
+};
 
 /// What to run and what to leave behind.
 struct DemoOptions {
@@ -19,6 +37,9 @@ struct DemoOptions {
   int width = 960;
   int height = 540;
   PictureMode mode = PictureMode::Shaded;
+  CameraChoice camera;
+  OverlayChoice overlay;
+  render::ContextDesc context;
   std::string outFolder;  ///< of pictures
   std::string statsFile;  ///< empty: none
   bool video = true;      ///< if there is an ffmpeg

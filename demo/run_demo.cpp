@@ -12,6 +12,7 @@
 #include "scenes/shape_error.h"
 #include "scenes/timeline.h"
 
+#include <algorithm>
 #include <chrono>
 #include <cstdio>
 #include <memory>
@@ -50,14 +51,19 @@ void advance(scenes::Scene& scene, std::int64_t ticks, RunFigures& figures) {
   }
 }
 
-void takePicture(Pictures& pictures, RunFigures& figures) {
+void takePicture(Pictures& pictures, const Moment& moment, RunFigures& figures) {
   render::Image image = pictures.output.blank();
   const Clock::time_point start = Clock::now();
-  pictures.renderer.draw(image);
+  pictures.renderer.draw(moment, image);
   figures.render.add(1000.0 * secondsSince(start));
   const Clock::time_point drawn = Clock::now();
   pictures.output.add(std::move(image));
   figures.output.add(1000.0 * secondsSince(drawn));
+}
+
+Moment momentOf(const scenes::Timeline& timeline, std::int64_t frame) {
+  const std::int64_t last = std::max<std::int64_t>(timeline.frameCount() - 1, 1);
+  return {timeline.tickFraction(frame), static_cast<double>(frame) / static_cast<double>(last)};
 }
 
 /// Simulation and pictures take turns on this thread; compressing has its own.
@@ -70,8 +76,8 @@ void play(scenes::Scene& scene, const scenes::Timeline& timeline, Pictures* pict
     progress.show(done, timeline.ticks);
   };
   for (std::int64_t frame = 0; frame < timeline.frameCount(); ++frame) {
-    advanceTo(timeline.ticksBefore(frame));
-    if (pictures) takePicture(*pictures, figures);
+    advanceTo(timeline.ticksFor(frame));
+    if (pictures) takePicture(*pictures, momentOf(timeline, frame), figures);
   }
   advanceTo(timeline.ticks);
 }

@@ -1,88 +1,68 @@
 // SPDX-License-Identifier: Zlib
 #include "scene_renderer.h"
 
-#include <algorithm>
+#include "scene_camera.h"
+#include "scene_looks.h"
+#include "scenes/timeline.h"
 
 namespace limber::demo {
 namespace {
+
+const render::Vec3 kFloorColour{0.78f, 0.79f, 0.82f};
 
 render::RendererDesc rendererDesc(const scenes::Scene& scene, const DemoOptions& options) {
   render::RendererDesc desc;
   desc.width = options.width;
   desc.height = options.height;
   desc.samples = 4;
-  desc.initialPoints = scenes::pointCount(scene) + 1024;  // and the props
+  desc.initialPoints = scenes::pointCount(scene) + 1024;  // and the rigid bodies
   return desc;
 }
 
-render::Camera cameraOf(const scenes::View& view, const DemoOptions& options) {
-  const float aspect = static_cast<float>(options.width) / static_cast<float>(options.height);
-  return render::frameBox(toVec3(view.box.min()), toVec3(view.box.max()), toVec3(view.direction), aspect);
+render::TextureId addTexture(render::Renderer& renderer, const render::Image& image) {
+  return renderer.addTexture(image.width, image.height, image.rgba.data());
 }
 
-render::Light lightOf(const scenes::View& view) {
-  render::Light light;
-  light.towards = {-0.35f, 0.85f, 0.45f};
-  return render::lightBox(toVec3(view.box.min()), toVec3(view.box.max()), light);
+/// What hangs or rests in these scenes is strained by some per cent.
+constexpr float kStrainRange = 0.03f;
+
+render::DrawOptions drawOptions(const DemoOptions& options) {
+  render::DrawOptions draw;
+  if (options.mode == PictureMode::Wireframe) draw.mode = render::DrawMode::Wireframe;
+  draw.strainRange = kStrainRange;
+  return draw;
 }
 
 }  // namespace
 
 SceneRenderer::SceneRenderer(const scenes::Scene& scene, const DemoOptions& options)
     : scene_(scene),
-      context_(render::createContext()),
+      options_(options),
+      context_(render::createContext(options.context)),
       renderer_(*context_, rendererDesc(scene, options)),
-      camera_(cameraOf(scene.view, options)),
-      light_(lightOf(scene.view)) {
-  if (options.mode == PictureMode::Wireframe) drawOptions_.mode = render::DrawMode::Wireframe;
-  // what hangs or rests in these scenes is strained by some per cent
-  drawOptions_.strainRange = 0.03f;
-  addProps();
-  addBodies();
+      checker_(addTexture(renderer_, checkerTexture())),
+      softBodies_(renderer_, *scene.soft, softLooks(scene, checker_)),
+      rigidBodies_(renderer_, scene.world->dynamics, rigidLooks(scene)),
+      floor_(addFloor()),
+      overlay_(scene, options.overlay) {}
+
+render::InstanceId SceneRenderer::addFloor() {
+  const render::Vec3 middle{0.0f, static_cast<float>(scene_.floor.height), 0.0f};
+  const float halfSize = static_cast<float>(scene_.floor.halfSize);
+  const render::RigidShape floor = render::makeRigid(render::makeFloor(middle, halfSize));
+  floorReach_ = floor.reach;
+  return renderer_.addInstance(renderer_.addShape(floor.shape), {kFloorColour, {}});
 }
 
-render::ShapeId SceneRenderer::shapeFor(const SoftBody& body, const scenes::BodyLook& look) {
-  const SpringNetwork* network = &body.network();
-  const auto same = [network](const BodyShape& shape) { return shape.first == network; };
-  const auto found = std::find_if(shapes_.begin(), shapes_.end(), same);
-  if (found != shapes_.end()) return found->second;
-  shapes_.push_back({network, renderer_.addShape(shapeOf(body, look))});
-  return shapes_.back().second;
-}
-
-void SceneRenderer::addBodies() {
-  const render::Image checker = checkerTexture();
-  render::TextureId texture;
-  for (std::size_t b = 0; b < scene_.looks.size(); ++b) {
-    const scenes::BodyLook& look = scene_.looks[b];
-    render::InstanceLook instance;
-    instance.colour = toVec3(look.colour);
-    if (look.checkered) {
-      if (texture.index == UINT32_MAX) {
-        texture = renderer_.addTexture(checker.width, checker.height, checker.rgba.data());
-      }
-      instance.texture = texture;
-    }
-    bodies_.push_back(renderer_.addInstance(shapeFor(*scene_.soft->body(b), look), instance));
-  }
-}
-
-void SceneRenderer::addProps() {
-  for (Prop& prop : propsOf(scene_)) {
-    render::InstanceLook look;
-    look.colour = prop.colour;
-    const render::ShapeId shape = renderer_.addShape(prop.surface.shape);
-    props_.push_back({renderer_.addInstance(shape, look), std::move(prop)});
-  }
-}
-
-void SceneRenderer::draw(render::Image& image) {
+void SceneRenderer::draw(const Moment& moment, render::Image& image) {
+  softBodies_.update();
+  rigidBodies_.update();
   render::FrameWriter frame = renderer_.beginFrame();
-  for (const auto& [instance, prop] : props_) writePoints(prop, frame.points(instance));
-  for (std::size_t b = 0; b < bodies_.size(); ++b) {
-    writePoints(*scene_.soft->body(b), frame.points(bodies_[b]));
-  }
-  renderer_.draw(frame, camera_, light_, drawOptions_);
+  render::writeFrame(floorReach_, {}, frame.points(floor_));
+  softBodies_.write(frame, moment.tickFraction);
+  rigidBodies_.write(frame, moment.tickFraction, 1.0 / static_cast<double>(scenes::kTicksPerSecond));
+  const render::Camera camera = cameraAt(scene_.view, options_, moment.share);
+  renderer_.draw(frame, camera, lightOf(scene_.view), drawOptions(options_), overlay_.draw(camera.eye));
   renderer_.readPixels(image);
 }
 

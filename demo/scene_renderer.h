@@ -2,48 +2,51 @@
 #pragma once
 
 #include "demo_options.h"
-#include "scene_shapes.h"
-#include "scenes/scene.h"
+#include "scene_overlay.h"
 
 #include <limber/render/gl_context.h>
 #include <limber/render/gl_functions.h>
 #include <limber/render/renderer.h>
+#include <limber/render/rigid_shape.h>
+#include <limber/view/rigid_view.h>
+#include <limber/view/soft_view.h>
 
 #include <memory>
-#include <utility>
-#include <vector>
 
 namespace limber::demo {
 
-/// Draws a scene. The scene must outlive it and keep its bodies. All members throw std::runtime_error with
-/// the reason when the driver fails.
+/// Which picture of a run.
+struct Moment {
+  double tickFraction = 1.0;  ///< of the last tick
+  double share = 0.0;         ///< of the run, 0 to 1
+};
+
+/// Draws a scene, which must outlive it. All members throw std::runtime_error with the reason when the driver
+/// fails.
 class SceneRenderer {
  public:
   SceneRenderer(const scenes::Scene& scene, const DemoOptions& options);
 
-  /// The scene as it is now: its positions are written straight into memory that the GPU reads.
-  void draw(render::Image& image);
+  /// Positions are written straight into memory that the GPU reads.
+  void draw(const Moment& moment, render::Image& image);
 
   std::size_t gpuBufferBytes() const { return renderer_.gpuBufferBytes(); }
   const render::FrameStats& lastFrame() const { return renderer_.lastFrame(); }
   std::string driver() const;
 
  private:
-  using BodyShape = std::pair<const SpringNetwork*, render::ShapeId>;
-
-  render::ShapeId shapeFor(const SoftBody& body, const scenes::BodyLook& look);
-  void addBodies();
-  void addProps();
+  render::InstanceId addFloor();
 
   const scenes::Scene& scene_;
+  DemoOptions options_;
   std::unique_ptr<render::GlContext> context_;
   render::Renderer renderer_;
-  render::Camera camera_;
-  render::Light light_;
-  render::DrawOptions drawOptions_;
-  std::vector<BodyShape> shapes_;           // one per network
-  std::vector<render::InstanceId> bodies_;  // in the order of the scene's bodies
-  std::vector<std::pair<render::InstanceId, Prop>> props_;
+  render::TextureId checker_;
+  view::SoftView softBodies_;
+  view::RigidView rigidBodies_;
+  float floorReach_ = 1.0f;
+  render::InstanceId floor_;
+  SceneOverlay overlay_;
 };
 
 }  // namespace limber::demo

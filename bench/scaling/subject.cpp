@@ -69,7 +69,7 @@ WorkTime tick(Subject& subject) {
 
 double draw(Subject& subject) {
   const Stopwatch watch;
-  subject.renderer->draw(subject.image);
+  subject.renderer->draw({}, subject.image);
   return watch.time().wallMs - subject.renderer->lastFrame().readMs;
 }
 

@@ -5,7 +5,7 @@
 #include "cook/cook_report.h"
 #include "cook/network_scenery.h"
 #include "cook/picture_legend.h"
-#include "scene_shapes.h"
+#include "scene_looks.h"
 
 #include <limber/render/gl_context.h>
 #include <limber/render/renderer.h>

@@ -19,8 +19,8 @@ constexpr double kSpacing = 3.2;       // m from ball to ball when there are sev
 const Eigen::Vector3f kBallColour(0.92f, 0.92f, 0.92f);
 
 void addBall(Scene& scene, const Eigen::Vector3d& centre) {
-  addStatic(*scene.world, std::make_unique<btSphereShape>(btScalar(kBallRadius)), centre, 1.0);
-  scene.spheres.push_back({centre, kBallRadius, kBallColour});
+  auto shape = std::make_unique<btSphereShape>(btScalar(kBallRadius));
+  scene.rigidLooks.push_back({&addStatic(*scene.world, std::move(shape), centre, 1.0), kBallColour});
 }
 
 SoftBodySettings clothSettings(const SceneOptions& options) {
@@ -53,7 +53,8 @@ std::string drapes(const SoftBody& cloth, const Eigen::Vector3d& ball) {
 
 std::string checkDrapes(const Scene& scene) {
   for (std::size_t b = 0; b < scene.soft->bodyCount(); ++b) {
-    const std::string reason = drapes(*scene.soft->body(b), scene.spheres[b].centre);
+    const std::string reason =
+        drapes(*scene.soft->body(b), fromBullet(scene.rigidLooks[b].body->getWorldTransform().getOrigin()));
     if (!reason.empty()) return "cloth " + std::to_string(b) + " " + reason;
   }
   return {};

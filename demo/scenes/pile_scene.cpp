@@ -49,8 +49,8 @@ Result<std::vector<Kind>> readKinds() {
 }
 
 void addWall(Scene& scene, const Eigen::Vector3d& centre, const Eigen::Vector3d& half) {
-  addStatic(*scene.world, std::make_unique<btBoxShape>(toBullet(half)), centre, 0.5);
-  scene.boxes.push_back({centre, half, kWallColour});
+  auto box = std::make_unique<btBoxShape>(toBullet(half));
+  scene.rigidLooks.push_back({&addStatic(*scene.world, std::move(box), centre, 0.5), kWallColour});
 }
 
 void addBin(Scene& scene) {

@@ -20,8 +20,8 @@ Eigen::Vector3d boxHalfExtents(std::uint32_t ropes) {
 
 void addBox(Scene& scene, const Eigen::Vector3d& half) {
   const Eigen::Vector3d centre(0.0, half.y(), 0.0);
-  addStatic(*scene.world, std::make_unique<btBoxShape>(toBullet(half)), centre, 1.0);
-  scene.boxes.push_back({centre, half, kBoxColour});
+  auto box = std::make_unique<btBoxShape>(toBullet(half));
+  scene.rigidLooks.push_back({&addStatic(*scene.world, std::move(box), centre, 1.0), kBoxColour});
 }
 
 /// Fills in where a rope starts: level, across the box, a little off its middle.

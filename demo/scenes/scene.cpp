@@ -20,7 +20,8 @@ void add(TickProfile& sum, const TickProfile& step) {
 void addFloor(Scene& scene, double halfSize, double drawnHeight, double friction) {
   constexpr double kHalfThickness = 1.0;
   auto box = std::make_unique<btBoxShape>(toBullet({halfSize, kHalfThickness, halfSize}));
-  addStatic(*scene.world, std::move(box), {0.0, -kHalfThickness, 0.0}, friction);
+  btRigidBody& body = addStatic(*scene.world, std::move(box), {0.0, -kHalfThickness, 0.0}, friction);
+  body.setCollisionFlags(body.getCollisionFlags() | btCollisionObject::CF_DISABLE_VISUALIZE_OBJECT);
   scene.floor = {drawnHeight, halfSize};
 }
 
@@ -35,7 +36,7 @@ btRigidBody& addBall(Scene& scene, const Eigen::Vector3d& centre, double radius,
                      const Eigen::Vector3f& colour) {
   auto shape = std::make_unique<btSphereShape>(btScalar(radius));
   btRigidBody& body = addMovable(*scene.world, std::move(shape), mass, centre, 0.5);
-  scene.spheres.push_back({Eigen::Vector3d::Zero(), radius, colour, &body});
+  scene.rigidLooks.push_back({&body, colour});
   return body;
 }
 
@@ -43,7 +44,7 @@ btRigidBody& addBox(Scene& scene, const Eigen::Vector3d& centre, const Eigen::Ve
                     double mass, const Eigen::Vector3f& colour) {
   auto shape = std::make_unique<btBoxShape>(toBullet(halfExtents));
   btRigidBody& body = addMovable(*scene.world, std::move(shape), mass, centre, 0.5);
-  scene.boxes.push_back({Eigen::Vector3d::Zero(), halfExtents, colour, &body});
+  scene.rigidLooks.push_back({&body, colour});
   return body;
 }
 

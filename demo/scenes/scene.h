@@ -33,17 +33,9 @@ struct BodyLook {
   bool checkered = false;
 };
 
-struct BoxProp {
-  Eigen::Vector3d centre, halfExtents;  ///< m, as drawn
-  Eigen::Vector3f colour;
-  const btRigidBody* body = nullptr;  ///< moves with it, in its coordinates; nullptr: stands still
-};
-
-struct SphereProp {
-  Eigen::Vector3d centre;  ///< m
-  double radius;           ///< m, as drawn
-  Eigen::Vector3f colour;
-  const btRigidBody* body = nullptr;  ///< moves with it, in its coordinates; nullptr: stands still
+struct RigidLook {
+  const btRigidBody* body;
+  Eigen::Vector3f colour;  ///< sRGB, 0 to 1
 };
 
 struct FloorProp {
@@ -66,9 +58,8 @@ struct Scene {
   std::unique_ptr<SceneWorld> world = std::make_unique<SceneWorld>();
   std::unique_ptr<SoftBodySystem> soft = std::make_unique<SoftBodySystem>(world->dynamics);
 
-  std::vector<BodyLook> looks;  ///< #bodies, in the order of soft->body(i)
-  std::vector<BoxProp> boxes;
-  std::vector<SphereProp> spheres;
+  std::vector<BodyLook> looks;        ///< #bodies, in the order of soft->body(i)
+  std::vector<RigidLook> rigidLooks;  ///< of all rigid bodies but the floor
   FloorProp floor;
   View view;
 

@@ -36,8 +36,8 @@ struct SceneWorld {
 };
 
 /// Adds an immovable body of the given shape and friction.
-void addStatic(SceneWorld& world, std::unique_ptr<btCollisionShape> shape, const Eigen::Vector3d& centre,
-               double friction);
+btRigidBody& addStatic(SceneWorld& world, std::unique_ptr<btCollisionShape> shape,
+                       const Eigen::Vector3d& centre, double friction);
 
 /// Adds a body of that mass in kg, or, with mass 0, a kinematic one, which the scene moves.
 btRigidBody& addMovable(SceneWorld& world, std::unique_ptr<btCollisionShape> shape, double mass,

@@ -5,8 +5,13 @@
 
 namespace limber::scenes {
 
-std::int64_t Timeline::ticksBefore(std::int64_t frame) const {
-  return frame * kTicksPerSecond / framesPerSecond;
+std::int64_t Timeline::ticksFor(std::int64_t frame) const {
+  return (frame * kTicksPerSecond + framesPerSecond - 1) / framesPerSecond;
+}
+
+double Timeline::tickFraction(std::int64_t frame) const {
+  const std::int64_t over = ticksFor(frame) * framesPerSecond - frame * kTicksPerSecond;
+  return 1.0 - static_cast<double>(over) / static_cast<double>(framesPerSecond);
 }
 
 std::int64_t Timeline::frameCount() const { return ticks * framesPerSecond / kTicksPerSecond + 1; }

@@ -2,32 +2,46 @@
 #include "limber/render/gl_context.h"
 
 #include <stdexcept>
+#include <vector>
 
 #include "context_backends.h"
 
 namespace limber::render {
 namespace {
 
-std::unique_ptr<GlContext> createCurrent(Backend backend, const ContextDesc& desc) {
-  auto context = backend == Backend::OSMesa ? createOsmesaContext() : createEglContext(desc);
-  context->makeCurrent();
-  return context;
-}
+struct Try {
+  const char* name;
+  std::unique_ptr<GlContext> (*create)(const ContextDesc& desc);
+};
 
-const char* label(Backend backend) { return backend == Backend::OSMesa ? "OSMesa" : "EGL"; }
+// Hardware first. Where there is none OSMesa comes before EGL: both then draw with the same rasteriser,
+// and EGL needs some more libraries.
+std::vector<Try> triesFor(Backend backend) {
+  const Try gpu{"EGL on a GPU", createEglGpuContext};
+  const Try osmesa{"OSMesa", [](const ContextDesc&) { return createOsmesaContext(); }};
+  const Try egl{"EGL", createEglContext};
+  switch (backend) {
+    case Backend::OSMesa:
+      return {osmesa};
+    case Backend::Egl:
+      return {egl};
+    case Backend::Auto:
+      break;
+  }
+  return {gpu, osmesa, egl};
+}
 
 }  // namespace
 
 std::unique_ptr<GlContext> createContext(const ContextDesc& desc) {
   std::string reasons;
-  for (Backend backend : {Backend::OSMesa, Backend::Egl}) {
-    if (desc.backend != Backend::Auto && desc.backend != backend) {
-      continue;
-    }
+  for (const Try& attempt : triesFor(desc.backend)) {
     try {
-      return createCurrent(backend, desc);
+      auto context = attempt.create(desc);
+      context->makeCurrent();
+      return context;
     } catch (const std::runtime_error& error) {
-      reasons += std::string("\n  ") + label(backend) + ": " + error.what();
+      reasons += std::string("\n  ") + attempt.name + ": " + error.what();
     }
   }
   throw std::runtime_error("no OpenGL 4.5 core context; tried:" + reasons);

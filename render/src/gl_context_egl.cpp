@@ -2,7 +2,12 @@
 #include <EGL/egl.h>
 #include <EGL/eglext.h>
 
+#include <GL/glcorearb.h>
+
+#include <algorithm>
 #include <array>
+#include <cstdio>
+#include <cstring>
 #include <stdexcept>
 #include <vector>
 
@@ -44,7 +49,15 @@ struct Platform {
   EGLenum kind;
   void* native;
   std::string name;
+  bool software;
 };
+
+// Drivers that do not say are hardware's: Mesa marks its own rasterisers.
+bool isSoftware(const Egl& egl, EGLDeviceEXT device) {
+  const auto query = egl.extension<PFNEGLQUERYDEVICESTRINGEXTPROC>("eglQueryDeviceStringEXT");
+  const char* extensions = query == nullptr ? nullptr : query(device, EGL_EXTENSIONS);
+  return extensions != nullptr && std::strstr(extensions, "EGL_MESA_device_software") != nullptr;
+}
 
 // Devices come first: they reach the GPU of drivers that lack Mesa's surfaceless platform.
 std::vector<Platform> listPlatforms(const Egl& egl, int wantedDevice) {
@@ -55,14 +68,17 @@ std::vector<Platform> listPlatforms(const Egl& egl, int wantedDevice) {
   if (query != nullptr && query(static_cast<EGLint>(devices.size()), devices.data(), &count) == EGL_TRUE) {
     for (int i = 0; i < count; ++i) {
       if (wantedDevice < 0 || wantedDevice == i) {
+        const EGLDeviceEXT device = devices[static_cast<std::size_t>(i)];
         platforms.push_back(
-            {EGL_PLATFORM_DEVICE_EXT, devices[static_cast<std::size_t>(i)], "device " + std::to_string(i)});
+            {EGL_PLATFORM_DEVICE_EXT, device, "device " + std::to_string(i), isSoftware(egl, device)});
       }
     }
   }
   if (wantedDevice < 0) {
-    platforms.push_back({EGL_PLATFORM_SURFACELESS_MESA, nullptr, "surfaceless"});
+    platforms.push_back({EGL_PLATFORM_SURFACELESS_MESA, nullptr, "surfaceless", true});
   }
+  std::stable_sort(platforms.begin(), platforms.end(),
+                   [](const Platform& a, const Platform& b) { return !a.software && b.software; });
   return platforms;
 }
 
@@ -124,15 +140,32 @@ class EglGlContext final : public GlContext {
   EGLContext context_ = EGL_NO_CONTEXT;
 };
 
-}  // namespace
+// A GPU's device whose driver is not there may end in a rasteriser all the same.
+void requireHardware(const GlContext& context, bool wanted) {
+  if (!wanted) {
+    return;
+  }
+  const auto getString = reinterpret_cast<PFNGLGETSTRINGPROC>(context.getProcAddress("glGetString"));
+  const auto* text = getString == nullptr ? nullptr : reinterpret_cast<const char*>(getString(GL_RENDERER));
+  const std::string driver = text == nullptr ? "" : text;
+  for (const char* software : {"llvmpipe", "softpipe", "swrast", "Software"}) {
+    if (driver.find(software) != std::string::npos) {
+      throw std::runtime_error("this is a software rasteriser: " + driver);
+    }
+  }
+}
 
-std::unique_ptr<GlContext> createEglContext(const ContextDesc& desc) {
+std::unique_ptr<GlContext> createOn(const ContextDesc& desc, bool onlyHardware) {
   const Egl egl;
   std::string reasons;
   for (const Platform& platform : listPlatforms(egl, desc.eglDevice)) {
+    if (onlyHardware && platform.software) {
+      continue;
+    }
     try {
       auto context = std::make_unique<EglGlContext>(egl, platform, desc.debug);
       context->makeCurrent();
+      requireHardware(*context, onlyHardware);
       return context;
     } catch (const std::runtime_error& error) {
       reasons += (reasons.empty() ? "" : "; ") + platform.name + ": " + error.what();
@@ -140,5 +173,10 @@ std::unique_ptr<GlContext> createEglContext(const ContextDesc& desc) {
   }
   throw std::runtime_error(reasons.empty() ? "no such EGL device" : reasons);
 }
+
+}  // namespace
+
+std::unique_ptr<GlContext> createEglContext(const ContextDesc& desc) { return createOn(desc, false); }
+std::unique_ptr<GlContext> createEglGpuContext(const ContextDesc& desc) { return createOn(desc, true); }
 
 }  // namespace limber::render

@@ -47,6 +47,17 @@ TEST(Camera, FrameBoxShowsTheWholeBoxWithoutMuchRoom) {
   }
 }
 
+TEST(Camera, AnOrbitSeesAllOfTheBoxFromEverySideAtOneDistance) {
+  const Vec3 low{-1.0f, 0.0f, -3.0f}, high{2.0f, 1.0f, 1.0f};
+  const float distance =
+      length(orbitBox(low, high, {1.0f, 0.5f, 0.2f}, 1.7f, 0.0f).eye - 0.5f * (low + high));
+  for (int i = 0; i < 12; ++i) {
+    const Camera camera = orbitBox(low, high, {1.0f, 0.5f, 0.2f}, 1.7f, 0.5236f * static_cast<float>(i));
+    EXPECT_LE(reach(camera, low, high, 1.7f), 1.0f) << i;
+    EXPECT_NEAR(length(camera.eye - 0.5f * (low + high)), distance, 1e-4f);
+  }
+}
+
 TEST(Camera, FrameBoxOfAPointIsStillAView) {
   const Camera camera = frameBox({1.0f, 1.0f, 1.0f}, {1.0f, 1.0f, 1.0f}, {0.0f, 0.0f, 1.0f}, 1.0f);
   EXPECT_GT(camera.eye.z, 1.0f);

@@ -19,4 +19,8 @@ struct Camera {
 /// not be a unit vector) at a bounding box and sees all of it. `aspect` is width / height.
 Camera frameBox(Vec3 min, Vec3 max, Vec3 direction, float aspect);
 
+/// The same turned by `turn` (radians) about the vertical through the box's middle, from a distance at which
+/// all of the box is seen from all sides.
+Camera orbitBox(Vec3 min, Vec3 max, Vec3 direction, float aspect, float turn);
+
 }  // namespace limber::render

@@ -6,8 +6,9 @@
 
 namespace limber::render {
 
-/// Which library makes the OpenGL context. Auto tries OSMesa (a software rasteriser in this
-/// process), then EGL without a window (hardware where there is some, else software).
+/// Which library makes the OpenGL context. Auto tries a GPU through EGL (a device that does not call
+/// itself software), then OSMesa (a software rasteriser in this process), then EGL in software. Egl tries
+/// the devices in their order, GPUs first, then Mesa's platform without any surface.
 enum class Backend { Auto, OSMesa, Egl };
 
 struct ContextDesc {
