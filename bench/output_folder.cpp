@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "output_folder.h"
 
-#include "folders.h"
+#include "output_files.h"
 
 #include <filesystem>
 #include <system_error>
@@ -12,7 +12,7 @@ std::string prepareOutput(const std::string& folder, const std::string& fileName
   std::error_code error;
   std::filesystem::create_directories(folder, error);
   if (error) return "cannot use the folder " + folder + ": " + error.message();
-  return demo::checkWritable(folder + "/" + fileName);
+  return demo::checkPlace(folder + "/" + fileName);
 }
 
 }  // namespace limber::bench

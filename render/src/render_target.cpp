@@ -86,9 +86,18 @@ void RenderTarget::resolve() const {
 
 void RenderTarget::read(Image& image) const {
   image.resize(width_, height_);
-  gl_.BindFramebuffer(GL_READ_FRAMEBUFFER, samples_ > 1 ? readable_.name() : drawn_.name());
+  gl_.BindFramebuffer(GL_READ_FRAMEBUFFER, readable());
   gl_.PixelStorei(GL_PACK_ALIGNMENT, 1);
   gl_.ReadPixels(0, 0, width_, height_, GL_RGBA, GL_UNSIGNED_BYTE, image.rgba.data());
+}
+
+void RenderTarget::blitTo(GLuint framebuffer, int x, int y, int width, int height) const {
+  // Bytes are copied as they are: the colours are encoded already, whatever the other calls its format.
+  gl_.Disable(GL_FRAMEBUFFER_SRGB);
+  const bool sameSize = width == width_ && height == height_;
+  gl_.BlitNamedFramebuffer(readable(), framebuffer, 0, 0, width_, height_, x, y + height, x + width, y,
+                           GL_COLOR_BUFFER_BIT, sameSize ? GL_NEAREST : GL_LINEAR);
+  gl_.Enable(GL_FRAMEBUFFER_SRGB);
 }
 
 }  // namespace limber::render

@@ -24,8 +24,12 @@ class RenderTarget {
   void resolve() const;
   /// Copies the resolved picture, waiting for it.
   void read(Image& image) const;
+  /// See Renderer::blitTo().
+  void blitTo(GLuint framebuffer, int x, int y, int width, int height) const;
+  GLuint texture() const { return samples_ > 1 ? resolved_.name() : colour_.name(); }
 
  private:
+  GLuint readable() const { return samples_ > 1 ? readable_.name() : drawn_.name(); }
   GlTexture makeAttachment(GLenum format, int samples, std::size_t bytesPerSample) const;
 
   const Gl& gl_;

@@ -40,6 +40,7 @@ void Renderer::removeShape(ShapeId shape) {
 }
 
 TextureId Renderer::addTexture(int width, int height, const std::uint8_t* rgba) {
+  const GlStateGuard guard(parts_->gl, parts_->sharedContext);
   return {parts_->textures.add(width, height, rgba)};
 }
 
@@ -104,9 +105,17 @@ void Renderer::readPixels(Image& image) {
   Stopwatch watch;
   parts_->gl.Finish();
   parts_->stats.finishMs = watch.lap();
+  const GlStateGuard guard(parts_->gl, parts_->sharedContext);
   parts_->target->read(image);
   parts_->stats.readMs = watch.lap();
 }
+
+void Renderer::blitTo(unsigned framebuffer, int x, int y, int width, int height) {
+  const GlStateGuard guard(parts_->gl, parts_->sharedContext);
+  parts_->target->blitTo(framebuffer, x, y, width, height);
+}
+
+unsigned Renderer::texture() const { return parts_->target->texture(); }
 
 std::vector<float> Renderer::readNormals(InstanceId instance) {
   const Parts& parts = *parts_;
@@ -147,7 +156,7 @@ GpuMemory Renderer::gpuMemory() const {
   return memory;
 }
 
-const DebugMessages& Renderer::debugMessages() const { return parts_->messages; }
+const DebugMessages* Renderer::debugMessages() const { return parts_->messages.get(); }
 const Gl& Renderer::gl() const { return parts_->gl; }
 
 FrameWriter::FrameWriter(FrameWriter&& other) noexcept

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "frame_uniforms.h"
+#include "limber/render/gl_context.h"
 #include "stopwatch.h"
 
 namespace limber::render {
@@ -34,8 +35,9 @@ void requireTaps(int taps) {
 
 Renderer::Parts::Parts(GlContext& context, const RendererDesc& rendererDesc)
     : gl(loadGl(context)),
+      sharedContext(context.shared()),
       desc(rendererDesc),
-      messages(gl),
+      messages(sharedContext ? nullptr : std::make_unique<DebugMessages>(gl)),
       programs(gl, desc.shadowTaps),
       target(std::make_unique<RenderTarget>(gl, desc.width, desc.height, desc.samples)),
       textures(gl, std::max(desc.textureSize, 1)),
@@ -46,9 +48,9 @@ Renderer::Parts::Parts(GlContext& context, const RendererDesc& rendererDesc)
       overlayLines(gl),
       mostPoints(pointsPerBlock(gl)) {
   requireTaps(desc.shadowTaps);
-  // Rows then come top down, as PNG and video want them.
-  gl.ClipControl(GL_UPPER_LEFT, GL_ZERO_TO_ONE);
-  gl.Enable(GL_FRAMEBUFFER_SRGB);
+  if (!sharedContext) {
+    setRendererState(gl);
+  }
   checkGlErrors(gl, "making the renderer");
 }
 
@@ -140,6 +142,7 @@ void Renderer::Parts::closeFrame() {
 void Renderer::Parts::submit(const Camera& camera, const Light& light, const DrawOptions& options,
                              const Overlay& overlay) {
   Stopwatch watch;
+  const GlStateGuard guard(gl, sharedContext);
   stats.bytesStreamed = 3 * sizeof(float) * layout.pointCount;
   stats.shapeDrawCalls = stats.drawCalls = stats.dispatches = 0;
   uploadRecords();
@@ -176,7 +179,9 @@ void Renderer::Parts::drawPicture(const PassContext& pass, const DrawOptions& op
   }
   target->begin();
   gl.BindTextureUnit(0, textures.name());
-  gl.BindTextureUnit(1, castsShadows ? shadowMap->texture() : 0);
+  if (castsShadows) {
+    gl.BindTextureUnit(1, shadowMap->texture());
+  }
   drawSurfaces(pass, options.mode, castsShadows);
   if (options.mode == DrawMode::Wireframe) {
     drawLines(pass);

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "frame_passes.h"
+#include "gl_state.h"
 #include "instance_table.h"
 #include "limber/render/gl_debug_messages.h"
 #include "limber/render/renderer.h"
@@ -43,8 +44,9 @@ struct Renderer::Parts {
   std::vector<float> readComputed(const GlBuffer& buffer, std::uint32_t first, InstanceId instance) const;
 
   Gl gl;
+  bool sharedContext;
   RendererDesc desc;
-  DebugMessages messages;
+  std::unique_ptr<DebugMessages> messages;  // Null in a shared context.
   ProgramSet programs;
   std::unique_ptr<RenderTarget> target;
   std::unique_ptr<ShadowMap> shadowMap;  // Made when the first shadow is cast.

@@ -49,7 +49,8 @@ Renderer& Stage::renderer() {
 Stage::~Stage() {
   context_->makeCurrent();
   EXPECT_NO_THROW(checkGlErrors(renderer_->gl(), "end of the test"));
-  EXPECT_EQ(renderer_->debugMessages().complaints(), 0u) << renderer_->debugMessages().lastComplaint();
+  const DebugMessages& messages = *renderer_->debugMessages();
+  EXPECT_EQ(messages.complaints(), 0u) << messages.lastComplaint();
 }
 
 InstanceId Stage::add(ShapeId shape, std::vector<float> points, const InstanceLook& look) {

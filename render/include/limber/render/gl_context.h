@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <string>
 
@@ -37,8 +38,12 @@ class GlContext {
   /// version must be checked before anything is concluded from this (see Gl).
   virtual void* getProcAddress(const char* name) const = 0;
 
-  /// "osmesa" or "egl (...)".
+  /// "osmesa", "egl (...)", or what an adopted context was called.
   virtual const std::string& name() const = 0;
+
+  /// Whether others draw in it as well: the renderer then leaves all state as it found it, and the debug
+  /// messages to them.
+  virtual bool shared() const { return false; }
 
  protected:
   GlContext() = default;
@@ -47,5 +52,11 @@ class GlContext {
 /// Makes a context and makes it current on the calling thread.
 /// Throws std::runtime_error naming everything that was tried and why each try failed.
 std::unique_ptr<GlContext> createContext(const ContextDesc& desc = {});
+
+/// A context that the program has made by itself (GLFW, SDL, Qt, an engine), OpenGL 4.5 core or later, for
+/// a renderer to share: it is the program that makes it current before it calls the renderer.
+/// `getProcAddress` finds OpenGL's functions, as glfwGetProcAddress does; `name` is for messages.
+std::unique_ptr<GlContext> adoptContext(std::function<void*(const char*)> getProcAddress,
+                                        std::string name = "the program's own");
 
 }  // namespace limber::render

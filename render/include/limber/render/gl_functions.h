@@ -11,18 +11,24 @@ class GlContext;
 
 /// Every OpenGL function this library calls: X(name without gl, NAME of its type).
 #define LIMBER_GL_FUNCTIONS(X)                                \
+  X(ActiveTexture, ACTIVETEXTURE)                             \
   X(AttachShader, ATTACHSHADER)                               \
+  X(BindBuffer, BINDBUFFER)                                   \
   X(BindBufferBase, BINDBUFFERBASE)                           \
   X(BindBufferRange, BINDBUFFERRANGE)                         \
   X(BindFramebuffer, BINDFRAMEBUFFER)                         \
+  X(BindSampler, BINDSAMPLER)                                 \
+  X(BindTexture, BINDTEXTURE)                                 \
   X(BindTextureUnit, BINDTEXTUREUNIT)                         \
   X(BindVertexArray, BINDVERTEXARRAY)                         \
+  X(BlendEquationSeparate, BLENDEQUATIONSEPARATE)             \
   X(BlendFuncSeparate, BLENDFUNCSEPARATE)                     \
   X(BlitNamedFramebuffer, BLITNAMEDFRAMEBUFFER)               \
   X(CheckNamedFramebufferStatus, CHECKNAMEDFRAMEBUFFERSTATUS) \
   X(ClearNamedFramebufferfv, CLEARNAMEDFRAMEBUFFERFV)         \
   X(ClientWaitSync, CLIENTWAITSYNC)                           \
   X(ClipControl, CLIPCONTROL)                                 \
+  X(ColorMask, COLORMASK)                                     \
   X(CompileShader, COMPILESHADER)                             \
   X(CopyImageSubData, COPYIMAGESUBDATA)                       \
   X(CreateBuffers, CREATEBUFFERS)                             \
@@ -42,6 +48,7 @@ class GlContext;
   X(DeleteVertexArrays, DELETEVERTEXARRAYS)                   \
   X(DepthFunc, DEPTHFUNC)                                     \
   X(DepthMask, DEPTHMASK)                                     \
+  X(DepthRangef, DEPTHRANGEF)                                 \
   X(Disable, DISABLE)                                         \
   X(DispatchCompute, DISPATCHCOMPUTE)                         \
   X(DrawArraysInstanced, DRAWARRAYSINSTANCED)                 \
@@ -51,18 +58,23 @@ class GlContext;
   X(FenceSync, FENCESYNC)                                     \
   X(Finish, FINISH)                                           \
   X(Flush, FLUSH)                                             \
+  X(FrontFace, FRONTFACE)                                     \
   X(GenerateTextureMipmap, GENERATETEXTUREMIPMAP)             \
   X(GetError, GETERROR)                                       \
-  X(GetIntegerv, GETINTEGERV)                                 \
+  X(GetFloatv, GETFLOATV)                                     \
+  X(GetInteger64i_v, GETINTEGER64I_V)                         \
   X(GetInteger64v, GETINTEGER64V)                             \
+  X(GetIntegeri_v, GETINTEGERI_V)                             \
+  X(GetIntegerv, GETINTEGERV)                                 \
   X(GetNamedBufferSubData, GETNAMEDBUFFERSUBDATA)             \
   X(GetProgramInfoLog, GETPROGRAMINFOLOG)                     \
   X(GetProgramiv, GETPROGRAMIV)                               \
   X(GetShaderInfoLog, GETSHADERINFOLOG)                       \
   X(GetShaderiv, GETSHADERIV)                                 \
   X(GetString, GETSTRING)                                     \
-  X(GetUniformLocation, GETUNIFORMLOCATION)                   \
   X(GetStringi, GETSTRINGI)                                   \
+  X(GetUniformLocation, GETUNIFORMLOCATION)                   \
+  X(IsEnabled, ISENABLED)                                     \
   X(LinkProgram, LINKPROGRAM)                                 \
   X(MapNamedBufferRange, MAPNAMEDBUFFERRANGE)                 \
   X(MemoryBarrier, MEMORYBARRIER)                             \
@@ -72,6 +84,7 @@ class GlContext;
   X(NamedFramebufferReadBuffer, NAMEDFRAMEBUFFERREADBUFFER)   \
   X(NamedFramebufferTexture, NAMEDFRAMEBUFFERTEXTURE)         \
   X(PixelStorei, PIXELSTOREI)                                 \
+  X(PolygonMode, POLYGONMODE)                                 \
   X(ProgramUniform1f, PROGRAMUNIFORM1F)                       \
   X(ProgramUniform1ui, PROGRAMUNIFORM1UI)                     \
   X(ReadPixels, READPIXELS)                                   \

@@ -129,6 +129,9 @@ class FrameWriter {
 /// std::logic_error for calls in a wrong order (two open frames, ...). After an exception the
 /// renderer is as it was before the call.
 ///
+/// The context may be the program's own, see adoptContext(): the renderer then leaves all state of OpenGL as
+/// it found it. It always draws into a picture of its own, which blitTo() copies to where it is wanted.
+///
 /// Threads: all calls on the thread on which the context is current. The context must outlive the
 /// renderer and be current when it is destroyed.
 class Renderer {
@@ -169,6 +172,12 @@ class Renderer {
   Image readPixels();
   void readPixels(Image& image);
 
+  /// Copies the last picture into a framebuffer of the same context (0 is the window's), upright where
+  /// y counts from the bottom, scaled to `width` x `height` pixels. Does not wait.
+  void blitTo(unsigned framebuffer, int x, int y, int width, int height);
+  /// The last picture as an OpenGL texture (GL_TEXTURE_2D, sRGB, top row first), until the next resize().
+  unsigned texture() const;
+
   /// Normals (or, for tubes, frame directions) of an instance as the GPU computed them in the
   /// last frame: 3 floats per point, or per place if it has a skin. For tests: slow. Throws
   /// std::runtime_error for flat shapes.
@@ -182,7 +191,8 @@ class Renderer {
   /// All buffers, without textures and render targets.
   std::size_t gpuBufferBytes() const { return gpuMemory().buffers(); }
 
-  const DebugMessages& debugMessages() const;
+  /// Null in a context that is shared with others: its messages are theirs.
+  const DebugMessages* debugMessages() const;
   const Gl& gl() const;
 
  private:

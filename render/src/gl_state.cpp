@@ -1,0 +1,233 @@
+// SPDX-License-Identifier: Zlib
+#include "gl_state.h"
+
+namespace limber::render {
+namespace {
+
+constexpr std::array<GLenum, GlState::kCaps> kCapNames{GL_BLEND,
+                                                       GL_COLOR_LOGIC_OP,
+                                                       GL_CULL_FACE,
+                                                       GL_DEPTH_CLAMP,
+                                                       GL_DEPTH_TEST,
+                                                       GL_FRAMEBUFFER_SRGB,
+                                                       GL_MULTISAMPLE,
+                                                       GL_POLYGON_OFFSET_FILL,
+                                                       GL_PRIMITIVE_RESTART,
+                                                       GL_PRIMITIVE_RESTART_FIXED_INDEX,
+                                                       GL_RASTERIZER_DISCARD,
+                                                       GL_SAMPLE_ALPHA_TO_COVERAGE,
+                                                       GL_SAMPLE_MASK,
+                                                       GL_SCISSOR_TEST,
+                                                       GL_STENCIL_TEST};
+
+// In the order of `Value`.
+constexpr std::array<GLenum, GlState::kValues> kValueNames{GL_CURRENT_PROGRAM,
+                                                           GL_VERTEX_ARRAY_BINDING,
+                                                           GL_DRAW_FRAMEBUFFER_BINDING,
+                                                           GL_READ_FRAMEBUFFER_BINDING,
+                                                           GL_DEPTH_FUNC,
+                                                           GL_DEPTH_WRITEMASK,
+                                                           GL_FRONT_FACE,
+                                                           GL_CULL_FACE_MODE,
+                                                           GL_BLEND_SRC_RGB,
+                                                           GL_BLEND_DST_RGB,
+                                                           GL_BLEND_SRC_ALPHA,
+                                                           GL_BLEND_DST_ALPHA,
+                                                           GL_BLEND_EQUATION_RGB,
+                                                           GL_BLEND_EQUATION_ALPHA,
+                                                           GL_CLIP_ORIGIN,
+                                                           GL_CLIP_DEPTH_MODE,
+                                                           GL_PIXEL_PACK_BUFFER_BINDING,
+                                                           GL_PIXEL_UNPACK_BUFFER_BINDING,
+                                                           GL_PACK_ALIGNMENT,
+                                                           GL_PACK_ROW_LENGTH,
+                                                           GL_PACK_SKIP_ROWS,
+                                                           GL_PACK_SKIP_PIXELS,
+                                                           GL_UNPACK_ALIGNMENT,
+                                                           GL_UNPACK_ROW_LENGTH,
+                                                           GL_UNPACK_SKIP_ROWS,
+                                                           GL_UNPACK_SKIP_PIXELS,
+                                                           GL_UNIFORM_BUFFER_BINDING,
+                                                           GL_SHADER_STORAGE_BUFFER_BINDING};
+
+enum Value : std::size_t {
+  kProgram,
+  kVertexArray,
+  kDrawFramebuffer,
+  kReadFramebuffer,
+  kDepthFunc,
+  kDepthMask,
+  kFrontFace,
+  kCullMode,
+  kBlendSrcRgb,
+  kBlendDstRgb,
+  kBlendSrcAlpha,
+  kBlendDstAlpha,
+  kBlendEquationRgb,
+  kBlendEquationAlpha,
+  kClipOrigin,
+  kClipDepth,
+  kPackBuffer,
+  kUnpackBuffer,
+  kFirstPixelStore,
+  kUniformBuffer = 26,
+  kStorageBuffer = 27
+};
+
+void setCap(const Gl& gl, GLenum cap, bool on) { on ? gl.Enable(cap) : gl.Disable(cap); }
+
+GLenum toEnum(GLint value) { return static_cast<GLenum>(value); }
+GLuint toName(GLint value) { return static_cast<GLuint>(value); }
+
+struct RangeNames {
+  GLenum target, buffer, start, size;
+};
+constexpr RangeNames kUniformRange{GL_UNIFORM_BUFFER, GL_UNIFORM_BUFFER_BINDING, GL_UNIFORM_BUFFER_START,
+                                   GL_UNIFORM_BUFFER_SIZE};
+constexpr RangeNames kStorageRange{GL_SHADER_STORAGE_BUFFER, GL_SHADER_STORAGE_BUFFER_BINDING,
+                                   GL_SHADER_STORAGE_BUFFER_START, GL_SHADER_STORAGE_BUFFER_SIZE};
+
+GlState::BufferRange readRange(const Gl& gl, const RangeNames& names, GLuint index) {
+  GlState::BufferRange range;
+  gl.GetIntegeri_v(names.buffer, index, &range.buffer);
+  gl.GetInteger64i_v(names.start, index, &range.start);
+  gl.GetInteger64i_v(names.size, index, &range.size);
+  return range;
+}
+
+// A size of 0 says that the whole buffer is bound, or none.
+void writeRange(const Gl& gl, const RangeNames& names, GLuint index, const GlState::BufferRange& range) {
+  if (range.size == 0) {
+    gl.BindBufferBase(names.target, index, toName(range.buffer));
+  } else {
+    gl.BindBufferRange(names.target, index, toName(range.buffer), static_cast<GLintptr>(range.start),
+                       static_cast<GLsizeiptr>(range.size));
+  }
+}
+
+// By way of the active unit: binding 0 to a unit as such would unbind textures of all kinds.
+template <typename Action>
+void forEachUnit(const Gl& gl, Action action) {
+  GLint active = 0;
+  gl.GetIntegerv(GL_ACTIVE_TEXTURE, &active);
+  for (GLuint unit = 0; unit < GlState::kTextureUnits; ++unit) {
+    gl.ActiveTexture(GL_TEXTURE0 + unit);
+    action(unit);
+  }
+  gl.ActiveTexture(toEnum(active));
+}
+
+void writeBindings(const Gl& gl, const GlState& state) {
+  writeRange(gl, kUniformRange, 0, state.uniforms);
+  for (GLuint i = 0; i < state.storage.size(); ++i) {
+    writeRange(gl, kStorageRange, i, state.storage[i]);
+  }
+  // The generic binding points change with the indexed ones, so they come after them.
+  gl.BindBuffer(GL_UNIFORM_BUFFER, toName(state.values[kUniformBuffer]));
+  gl.BindBuffer(GL_SHADER_STORAGE_BUFFER, toName(state.values[kStorageBuffer]));
+  gl.BindBuffer(GL_PIXEL_PACK_BUFFER, toName(state.values[kPackBuffer]));
+  gl.BindBuffer(GL_PIXEL_UNPACK_BUFFER, toName(state.values[kUnpackBuffer]));
+  forEachUnit(gl, [&](GLuint unit) {
+    gl.BindTexture(GL_TEXTURE_2D, toName(state.textures[unit].flat));
+    gl.BindTexture(GL_TEXTURE_2D_ARRAY, toName(state.textures[unit].array));
+    gl.BindSampler(unit, toName(state.textures[unit].sampler));
+  });
+}
+
+void writeFixedFunctions(const Gl& gl, const GlState& state) {
+  const auto& v = state.values;
+  gl.DepthFunc(toEnum(v[kDepthFunc]));
+  gl.DepthMask(v[kDepthMask] != 0 ? GL_TRUE : GL_FALSE);
+  gl.FrontFace(toEnum(v[kFrontFace]));
+  gl.CullFace(toEnum(v[kCullMode]));
+  gl.BlendFuncSeparate(toEnum(v[kBlendSrcRgb]), toEnum(v[kBlendDstRgb]), toEnum(v[kBlendSrcAlpha]),
+                       toEnum(v[kBlendDstAlpha]));
+  gl.BlendEquationSeparate(toEnum(v[kBlendEquationRgb]), toEnum(v[kBlendEquationAlpha]));
+  gl.ClipControl(toEnum(v[kClipOrigin]), toEnum(v[kClipDepth]));
+  for (std::size_t i = kFirstPixelStore; i < kUniformBuffer; ++i) {
+    gl.PixelStorei(kValueNames[i], v[i]);
+  }
+  const auto& mask = state.colourMask;
+  gl.ColorMask(mask[0] != 0, mask[1] != 0, mask[2] != 0, mask[3] != 0);
+  gl.PolygonMode(GL_FRONT_AND_BACK, toEnum(state.polygonMode[0]));
+  gl.DepthRangef(state.depthRange[0], state.depthRange[1]);
+  gl.Viewport(state.viewport[0], state.viewport[1], state.viewport[2], state.viewport[3]);
+}
+
+}  // namespace
+
+GlState readState(const Gl& gl) {
+  GlState state;
+  for (std::size_t i = 0; i < kCapNames.size(); ++i) {
+    state.caps[i] = gl.IsEnabled(kCapNames[i]);
+  }
+  for (std::size_t i = 0; i < kValueNames.size(); ++i) {
+    gl.GetIntegerv(kValueNames[i], &state.values[i]);
+  }
+  gl.GetIntegerv(GL_VIEWPORT, state.viewport.data());
+  gl.GetIntegerv(GL_COLOR_WRITEMASK, state.colourMask.data());
+  gl.GetIntegerv(GL_POLYGON_MODE, state.polygonMode.data());
+  gl.GetFloatv(GL_DEPTH_RANGE, state.depthRange.data());
+  state.uniforms = readRange(gl, kUniformRange, 0);
+  for (GLuint i = 0; i < state.storage.size(); ++i) {
+    state.storage[i] = readRange(gl, kStorageRange, i);
+  }
+  forEachUnit(gl, [&](GLuint unit) {
+    gl.GetIntegerv(GL_TEXTURE_BINDING_2D, &state.textures[unit].flat);
+    gl.GetIntegerv(GL_TEXTURE_BINDING_2D_ARRAY, &state.textures[unit].array);
+    gl.GetIntegerv(GL_SAMPLER_BINDING, &state.textures[unit].sampler);
+  });
+  return state;
+}
+
+void writeState(const Gl& gl, const GlState& state) {
+  for (std::size_t i = 0; i < kCapNames.size(); ++i) {
+    setCap(gl, kCapNames[i], state.caps[i] != GL_FALSE);
+  }
+  gl.UseProgram(toName(state.values[kProgram]));
+  gl.BindVertexArray(toName(state.values[kVertexArray]));
+  gl.BindFramebuffer(GL_DRAW_FRAMEBUFFER, toName(state.values[kDrawFramebuffer]));
+  gl.BindFramebuffer(GL_READ_FRAMEBUFFER, toName(state.values[kReadFramebuffer]));
+  writeFixedFunctions(gl, state);
+  writeBindings(gl, state);
+}
+
+void setRendererState(const Gl& gl) {
+  GlState state;
+  for (std::size_t i = 0; i < kCapNames.size(); ++i) {
+    state.caps[i] = kCapNames[i] == GL_FRAMEBUFFER_SRGB || kCapNames[i] == GL_MULTISAMPLE;
+  }
+  auto& v = state.values;
+  v[kDepthFunc] = GL_LESS;
+  v[kDepthMask] = GL_TRUE;
+  v[kFrontFace] = GL_CCW;
+  v[kCullMode] = GL_BACK;
+  v[kBlendSrcRgb] = v[kBlendSrcAlpha] = GL_ONE;
+  v[kBlendEquationRgb] = v[kBlendEquationAlpha] = GL_FUNC_ADD;
+  // Rows then come top down, as PNG and video want them.
+  v[kClipOrigin] = GL_UPPER_LEFT;
+  v[kClipDepth] = GL_ZERO_TO_ONE;
+  for (std::size_t i = kFirstPixelStore; i < kUniformBuffer; ++i) {
+    const bool alignment = kValueNames[i] == GL_PACK_ALIGNMENT || kValueNames[i] == GL_UNPACK_ALIGNMENT;
+    v[i] = alignment ? 1 : 0;
+  }
+  state.colourMask = {1, 1, 1, 1};
+  state.polygonMode = {GL_FILL, GL_FILL};
+  state.depthRange = {0.0f, 1.0f};
+  writeState(gl, state);
+}
+
+GlStateGuard::GlStateGuard(const Gl& gl, bool shared) : gl_(gl) {
+  if (shared) {
+    theirs_ = std::make_unique<GlState>(readState(gl));
+    setRendererState(gl);
+  }
+}
+
+GlStateGuard::~GlStateGuard() {
+  if (theirs_ != nullptr) {
+    writeState(gl_, *theirs_);
+  }
+}
+
+}  // namespace limber::render

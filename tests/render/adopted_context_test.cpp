@@ -1,0 +1,152 @@
+// SPDX-License-Identifier: Zlib
+// The renderer as a guest in a program's own context.
+#include "gl_state.h"
+
+#include <array>
+#include <cstring>
+#include <memory>
+#include <stdexcept>
+
+#include "limber/render/gl_objects.h"
+#include "test_scene.h"
+
+namespace limber::render::test {
+namespace {
+
+// A program with a context, a framebuffer and habits of its own.
+struct Program {
+  std::unique_ptr<GlContext> context = createContext();
+  Gl gl = loadGl(*context);
+  GlBuffer buffer = makeBuffer(gl, 1024, nullptr);
+  GlVertexArray vertexArray = makeVertexArray(gl);
+  GlTexture colour;
+  GlTexture array;
+  GlFramebuffer framebuffer;
+
+  Program() {
+    GLuint name = 0;
+    gl.CreateTextures(GL_TEXTURE_2D, 1, &name);
+    colour = GlTexture(gl, name);
+    gl.TextureStorage2D(name, 1, GL_RGBA8, kWidth, kHeight);
+    gl.CreateTextures(GL_TEXTURE_2D_ARRAY, 1, &name);
+    array = GlTexture(gl, name);
+    gl.TextureStorage3D(name, 1, GL_RGBA8, 4, 4, 2);
+    framebuffer = makeFramebuffer(gl);
+    gl.NamedFramebufferTexture(framebuffer.name(), GL_COLOR_ATTACHMENT0, colour.name(), 0);
+  }
+
+  // Everything that could spoil somebody else's picture.
+  void setHabits() {
+    for (const GLenum cap : {GL_SCISSOR_TEST, GL_STENCIL_TEST, GL_BLEND, GL_CULL_FACE, GL_POLYGON_OFFSET_FILL,
+                             GL_PRIMITIVE_RESTART, GL_RASTERIZER_DISCARD, GL_COLOR_LOGIC_OP}) {
+      gl.Enable(cap);
+    }
+    gl.ColorMask(GL_FALSE, GL_TRUE, GL_FALSE, GL_TRUE);
+    gl.DepthMask(GL_FALSE);
+    gl.DepthFunc(GL_GREATER);
+    gl.DepthRangef(0.25f, 0.75f);
+    gl.FrontFace(GL_CW);
+    gl.CullFace(GL_FRONT);
+    gl.PolygonMode(GL_FRONT_AND_BACK, GL_LINE);
+    gl.BlendEquationSeparate(GL_FUNC_REVERSE_SUBTRACT, GL_MAX);
+    gl.BlendFuncSeparate(GL_ZERO, GL_ZERO, GL_DST_COLOR, GL_ONE);
+    gl.PixelStorei(GL_PACK_ROW_LENGTH, 7);
+    gl.PixelStorei(GL_UNPACK_SKIP_PIXELS, 3);
+    gl.Viewport(3, 5, 7, 11);
+    gl.BindVertexArray(vertexArray.name());
+    gl.BindFramebuffer(GL_DRAW_FRAMEBUFFER, framebuffer.name());
+    gl.BindFramebuffer(GL_READ_FRAMEBUFFER, framebuffer.name());
+    for (const GLenum target : {GL_UNIFORM_BUFFER, GL_SHADER_STORAGE_BUFFER}) {
+      gl.BindBufferRange(target, 0, buffer.name(), 256, 128);
+    }
+    gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, 3, buffer.name());
+    gl.BindBuffer(GL_UNIFORM_BUFFER, 0);
+    gl.ActiveTexture(GL_TEXTURE1);
+    gl.BindTexture(GL_TEXTURE_2D, colour.name());
+    gl.BindTexture(GL_TEXTURE_2D_ARRAY, array.name());
+    gl.ActiveTexture(GL_TEXTURE5);
+  }
+
+  std::unique_ptr<GlContext> lend() const {
+    return adoptContext([this](const char* name) { return context->getProcAddress(name); });
+  }
+};
+
+bool equal(const GlState& a, const GlState& b) {
+  const auto sameRange = [](const GlState::BufferRange& x, const GlState::BufferRange& y) {
+    return x.buffer == y.buffer && x.start == y.start && x.size == y.size;
+  };
+  bool same = a.caps == b.caps && a.values == b.values && a.viewport == b.viewport &&
+              a.colourMask == b.colourMask && a.polygonMode == b.polygonMode &&
+              a.depthRange == b.depthRange && sameRange(a.uniforms, b.uniforms);
+  for (std::size_t i = 0; i < a.storage.size(); ++i) {
+    same = same && sameRange(a.storage[i], b.storage[i]);
+  }
+  for (std::size_t i = 0; i < a.textures.size(); ++i) {
+    same = same && a.textures[i].flat == b.textures[i].flat && a.textures[i].array == b.textures[i].array;
+  }
+  return same;
+}
+
+Scenery ball() { return makeUvSphere({0.0f, 0.5f, 0.0f}, 0.8f); }
+
+void drawBall(Renderer& renderer, InstanceId id, const Stage& stage) {
+  FrameWriter frame = renderer.beginFrame();
+  const Scenery scenery = ball();
+  std::copy(scenery.points.begin(), scenery.points.end(), frame.points(id));
+  Overlay overlay;
+  addCross(overlay, {0.0f, 1.5f, 0.0f}, 0.5f, {1.0f, 0.0f, 0.0f});
+  renderer.draw(frame, stage.camera, stage.light, {}, overlay);
+}
+
+TEST(AdoptedContext, PicturesAreTheSameAndTheProgramsStateStays) {
+  Stage stage;
+  const InstanceId id = stage.add(ball());
+  drawBall(stage.renderer(), id, stage);
+  const Image expected = stage.renderer().readPixels();
+
+  Program program;
+  const auto context = program.lend();
+  program.setHabits();
+  const GlState before = readState(program.gl);
+  Renderer renderer(*context, smallDesc());
+  EXPECT_TRUE(equal(readState(program.gl), before)) << "made";
+  const std::array<std::uint8_t, 4> white{255, 255, 255, 255};
+  renderer.addTexture(1, 1, white.data());
+  EXPECT_TRUE(equal(readState(program.gl), before)) << "texture added";
+  const InstanceId guest = renderer.addInstance(renderer.addShape(ball().shape));
+  drawBall(renderer, guest, stage);
+  EXPECT_TRUE(equal(readState(program.gl), before)) << "drawn";
+  EXPECT_EQ(renderer.readPixels().rgba, expected.rgba);
+  EXPECT_TRUE(equal(readState(program.gl), before)) << "read";
+  EXPECT_EQ(renderer.debugMessages(), nullptr);
+  renderer.resize(64, 64);
+  EXPECT_TRUE(equal(readState(program.gl), before)) << "resized";
+  EXPECT_NO_THROW(checkGlErrors(program.gl, "end"));
+}
+
+TEST(AdoptedContext, ThePictureComesUprightIntoTheProgramsFramebuffer) {
+  Stage stage;
+  Program program;
+  const auto context = program.lend();
+  Renderer renderer(*context, smallDesc());
+  const InstanceId id = renderer.addInstance(renderer.addShape(ball().shape));
+  drawBall(renderer, id, stage);
+  const Image picture = renderer.readPixels();
+  program.gl.Enable(GL_SCISSOR_TEST);
+  renderer.blitTo(program.framebuffer.name(), 0, 0, kWidth, kHeight);
+  program.gl.BindFramebuffer(GL_READ_FRAMEBUFFER, program.framebuffer.name());
+  Image theirs;
+  theirs.resize(kWidth, kHeight);
+  program.gl.ReadPixels(0, 0, kWidth, kHeight, GL_RGBA, GL_UNSIGNED_BYTE, theirs.rgba.data());
+  for (int y = 0; y < kHeight; ++y) {
+    ASSERT_EQ(std::memcmp(theirs.pixel(0, y), picture.pixel(0, kHeight - 1 - y), 4 * kWidth), 0)
+        << "row " << y;
+  }
+  EXPECT_NE(renderer.texture(), 0u);
+}
+
+TEST(AdoptedContext, WithoutALoaderIsRefused) { EXPECT_THROW(adoptContext({}), std::runtime_error); }
+
+}  // namespace
+}  // namespace limber::render::test
