@@ -10,7 +10,6 @@ namespace {
 double reachOf(const scenes::View& view) { return 0.5 * view.box.diagonal().norm(); }
 
 constexpr double kContactSize = 0.04;  // of the reach
-const view::VelocityArrows kVelocityArrows;
 
 int modeOf(const OverlayChoice& choice) {
   int mode = btIDebugDraw::DBG_NoDebug;

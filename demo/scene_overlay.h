@@ -5,8 +5,11 @@
 
 #include <limber/render/overlay.h>
 #include <limber/view/debug_drawer.h>
+#include <limber/view/velocity_arrows.h>
 
 namespace limber::demo {
+
+inline const view::VelocityArrows kVelocityArrows;
 
 /// The lines that the options ask for. What Bullet draws is at the end of the last tick.
 class SceneOverlay {

@@ -30,6 +30,7 @@ render::DrawOptions drawOptions(const DemoOptions& options) {
   render::DrawOptions draw;
   if (options.mode == PictureMode::Wireframe) draw.mode = render::DrawMode::Wireframe;
   draw.strainRange = kStrainRange;
+  if (options.overlay.velocities) draw.legends = {view::speedLegend(kVelocityArrows)};
   return draw;
 }
 

@@ -4,13 +4,5 @@ vec3 strainColour(float strain) {
   const vec3 kRest = vec3(0.74, 0.0, 0.004);
   const vec3 kStretched = vec3(0.53, 0.19, 0.095);
   float t = clamp(strain, -1.0, 1.0);
-  vec3 lab = mix(kRest, t < 0.0 ? kCompressed : kStretched, abs(t));
-  vec3 root = vec3(dot(lab, vec3(1.0, 0.3963377774, 0.2158037573)),
-                   dot(lab, vec3(1.0, -0.1055613458, -0.0638541728)),
-                   dot(lab, vec3(1.0, -0.0894841775, -1.2914855480)));
-  vec3 lms = root * root * root;
-  return max(vec3(dot(lms, vec3(4.0767416621, -3.3077115913, 0.2309699292)),
-                  dot(lms, vec3(-1.2684380046, 2.6097574011, -0.3413193965)),
-                  dot(lms, vec3(-0.0041960863, -0.7034186147, 1.7076147010))),
-             0.0);
+  return max(oklabToLinear(mix(kRest, t < 0.0 ? kCompressed : kStretched, abs(t))), 0.0);
 }

@@ -168,7 +168,7 @@ void drawBackdrop(const PassContext& pass) {
 
 void drawOverlay(const PassContext& pass, const OverlayLines& lines, float hiddenOpacity) {
   const Gl& gl = pass.gl;
-  const ShaderProgram& program = pass.programs.overlay();
+  const ShaderProgram& program = pass.programs.overlay(false);
   gl.UseProgram(program.name());
   gl.BindVertexArray(pass.emptyLayout);
   gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, kLines, lines.buffer());
@@ -191,12 +191,27 @@ void drawOverlay(const PassContext& pass, const OverlayLines& lines, float hidde
   gl.DepthMask(GL_TRUE);
 }
 
-void drawLegend(const PassContext& pass) {
+void drawLegend(const PassContext& pass, ColourMap map, const BarPlace& bar) {
+  const ShaderProgram& program = pass.programs.legend(map);
   pass.gl.Disable(GL_DEPTH_TEST);
   setCulling(pass.gl, false);
-  pass.gl.UseProgram(pass.programs.legend().name());
+  pass.gl.UseProgram(program.name());
+  pass.gl.ProgramUniform4f(program.name(), program.location(DrawUniform::Place), bar.left, bar.top, bar.width,
+                           bar.height);
   pass.gl.BindVertexArray(pass.emptyLayout);
   pass.gl.DrawArraysInstanced(GL_TRIANGLE_STRIP, 0, 4, 1);
+  ++pass.stats.drawCalls;
+}
+
+void drawStrokes(const PassContext& pass, const OverlayLines& strokes) {
+  const ShaderProgram& program = pass.programs.overlay(true);
+  pass.gl.Disable(GL_DEPTH_TEST);
+  setCulling(pass.gl, false);
+  pass.gl.UseProgram(program.name());
+  pass.gl.ProgramUniform1f(program.name(), program.location(DrawUniform::Opacity), 1.0f);
+  pass.gl.BindVertexArray(pass.emptyLayout);
+  pass.gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, kLines, strokes.buffer());
+  pass.gl.DrawArraysInstanced(GL_TRIANGLES, 0, 6 * strokes.count(), 1);
   ++pass.stats.drawCalls;
 }
 

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "gpu_shape.h"
+#include "legend_layout.h"
 #include "limber/render/renderer.h"
 #include "overlay_lines.h"
 #include "program_set.h"
@@ -65,6 +66,8 @@ void drawLines(const PassContext& pass);
 void drawBackdrop(const PassContext& pass);
 /// Last of what has depth: it compares with the others'.
 void drawOverlay(const PassContext& pass, const OverlayLines& lines, float hiddenOpacity);
-void drawLegend(const PassContext& pass);
+void drawLegend(const PassContext& pass, ColourMap map, const BarPlace& bar);
+/// Strokes in pixels, on top of everything.
+void drawStrokes(const PassContext& pass, const OverlayLines& strokes);
 
 }  // namespace limber::render

@@ -79,20 +79,21 @@ const ShaderProgram& ProgramSet::lines() {
   if (lines_.name() == 0) {
     lines_ = buildProgram(gl_,
                           {{GL_VERTEX_SHADER, {"frame.glsl", "points.glsl", "wide_line.glsl", "lines.vert"}},
-                           {GL_FRAGMENT_SHADER, {"strain_colour.glsl", "lines.frag"}}},
+                           {GL_FRAGMENT_SHADER, {"oklab.glsl", "strain_colour.glsl", "lines.frag"}}},
                           {});
   }
   return lines_;
 }
 
-const ShaderProgram& ProgramSet::overlay() {
-  if (overlay_.name() == 0) {
-    overlay_ = buildProgram(gl_,
-                            {{GL_VERTEX_SHADER, {"frame.glsl", "wide_line.glsl", "overlay.vert"}},
-                             {GL_FRAGMENT_SHADER, {"overlay.frag"}}},
-                            {});
+const ShaderProgram& ProgramSet::overlay(bool onScreen) {
+  ShaderProgram& program = overlays_[onScreen ? 1 : 0];
+  if (program.name() == 0) {
+    program = buildProgram(gl_,
+                           {{GL_VERTEX_SHADER, {"frame.glsl", "wide_line.glsl", "overlay.vert"}},
+                            {GL_FRAGMENT_SHADER, {"overlay.frag"}}},
+                           {onScreen ? "ON_SCREEN" : "IN_SPACE"});
   }
-  return overlay_;
+  return program;
 }
 
 const ShaderProgram& ProgramSet::backdrop() {
@@ -105,14 +106,16 @@ const ShaderProgram& ProgramSet::backdrop() {
   return backdrop_;
 }
 
-const ShaderProgram& ProgramSet::legend() {
-  if (legend_.name() == 0) {
-    legend_ = buildProgram(gl_,
-                           {{GL_VERTEX_SHADER, {"frame.glsl", "legend.vert"}},
-                            {GL_FRAGMENT_SHADER, {"strain_colour.glsl", "legend.frag"}}},
-                           {});
+const ShaderProgram& ProgramSet::legend(ColourMap map) {
+  ShaderProgram& program = legends_[map == ColourMap::Strain ? 1 : 0];
+  if (program.name() == 0) {
+    program = buildProgram(
+        gl_,
+        {{GL_VERTEX_SHADER, {"frame.glsl", "legend.vert"}},
+         {GL_FRAGMENT_SHADER, {"oklab.glsl", "strain_colour.glsl", "share_colour.glsl", "legend.frag"}}},
+        {map == ColourMap::Strain ? "STRAIN" : "SHARE"});
   }
-  return legend_;
+  return program;
 }
 
 }  // namespace limber::render

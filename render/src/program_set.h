@@ -4,6 +4,7 @@
 #include <array>
 #include <cstddef>
 
+#include "limber/render/legend.h"
 #include "shader_program.h"
 
 namespace limber::render {
@@ -28,9 +29,9 @@ class ProgramSet {
   const ShaderProgram& surface(const SurfaceVariant& variant);
   const ShaderProgram& depth(bool tube);
   const ShaderProgram& lines();
-  const ShaderProgram& overlay();
+  const ShaderProgram& overlay(bool onScreen);
   const ShaderProgram& backdrop();
-  const ShaderProgram& legend();
+  const ShaderProgram& legend(ColourMap map);
   const ShaderProgram& normals(bool tube);
   const ShaderProgram& skin(bool dense);
 
@@ -42,9 +43,9 @@ class ProgramSet {
   std::array<ShaderProgram, 2> normals_;
   std::array<ShaderProgram, 2> skins_;
   ShaderProgram lines_;
-  ShaderProgram overlay_;
+  std::array<ShaderProgram, 2> overlays_;
   ShaderProgram backdrop_;
-  ShaderProgram legend_;
+  std::array<ShaderProgram, 2> legends_;
 };
 
 }  // namespace limber::render

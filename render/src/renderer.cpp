@@ -150,7 +150,8 @@ GpuMemory Renderer::gpuMemory() const {
   memory.stream = parts.stream->bytes();
   memory.shapes = parts.shapes.bytes();
   memory.scratch = parts.places.bytes() + parts.normals.bytes() + parts.records.bytes() +
-                   parts.uniforms.bytes() + parts.naive.bytes() + parts.overlayLines.bytes();
+                   parts.uniforms.bytes() + parts.naive.bytes() + parts.overlayLines.bytes() +
+                   parts.numbers.bytes();
   memory.textures = parts.textures.bytes();
   memory.targets = parts.target->bytes() + (parts.shadowMap == nullptr ? 0 : parts.shadowMap->bytes());
   return memory;

@@ -46,6 +46,7 @@ Renderer::Parts::Parts(GlContext& context, const RendererDesc& rendererDesc)
       stream(makeStream(gl, desc.initialPoints, desc.fenceTimeout)),
       naive(gl),
       overlayLines(gl),
+      numbers(gl),
       mostPoints(pointsPerBlock(gl)) {
   requireTaps(desc.shadowTaps);
   if (!sharedContext) {
@@ -160,6 +161,26 @@ void Renderer::Parts::submit(const Camera& camera, const Light& light, const Dra
   stats.submitMs = watch.lap();
 }
 
+void Renderer::Parts::drawLegends(const PassContext& pass, const DrawOptions& options) {
+  std::size_t row = 0;
+  strokes.clear();
+  const auto add = [&](const Legend& legend) {
+    const BarPlace bar = barPlace(row++, target->width(), target->height());
+    drawLegend(pass, legend.map, bar);
+    addNumbers(strokes, legend, bar);
+  };
+  if (options.mode == DrawMode::Wireframe && options.legend) {
+    add(strainLegend(options.strainRange));
+  }
+  for (const Legend& legend : options.legends) {
+    add(legend);
+  }
+  numbers.upload(strokes);
+  if (numbers.count() > 0) {
+    drawStrokes(pass, numbers);
+  }
+}
+
 void Renderer::Parts::drawPicture(const PassContext& pass, const DrawOptions& options, bool shadows) {
   gl.BindBufferBase(GL_UNIFORM_BUFFER, 0, uniforms.name());
   gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, kNormals, normals.name());
@@ -190,9 +211,7 @@ void Renderer::Parts::drawPicture(const PassContext& pass, const DrawOptions& op
   if (overlayLines.count() > 0) {
     drawOverlay(pass, overlayLines, options.hiddenOverlay);
   }
-  if (options.mode == DrawMode::Wireframe && options.legend) {
-    drawLegend(pass);
-  }
+  drawLegends(pass, options);
   target->resolve();
 }
 

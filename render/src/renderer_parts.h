@@ -39,6 +39,7 @@ struct Renderer::Parts {
   void fillRingItems();
   void closeFrame();
   void submit(const Camera& camera, const Light& light, const DrawOptions& options, const Overlay& overlay);
+  void drawLegends(const PassContext& pass, const DrawOptions& options);
   void drawPicture(const PassContext& pass, const DrawOptions& options, bool shadows);
   void requireTexture(const InstanceLook& look) const;
   std::vector<float> readComputed(const GlBuffer& buffer, std::uint32_t first, InstanceId instance) const;
@@ -63,6 +64,8 @@ struct Renderer::Parts {
   std::unique_ptr<StreamBuffer> stream;
   NaiveStream naive;
   OverlayLines overlayLines;
+  OverlayLines numbers;  // Of legends.
+  Overlay strokes;       // Scratch for them.
   std::vector<DrawItem> items;
   OpenFrame frame;
   FrameStats stats;

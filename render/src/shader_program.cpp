@@ -10,7 +10,7 @@ namespace {
 
 constexpr std::array<const char*, static_cast<std::size_t>(DrawUniform::Count)> kUniformNames{
     "firstPoint", "firstInstance", "pointCount",  "firstNormal", "firstPlace",
-    "placeCount", "invocations",   "shapeRadius", "opacity"};
+    "placeCount", "invocations",   "shapeRadius", "opacity",     "place"};
 
 class Shader {
  public:

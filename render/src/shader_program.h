@@ -22,6 +22,7 @@ enum class DrawUniform {
   Invocations,
   ShapeRadius,
   Opacity,
+  Place,
   Count
 };
 

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Zlib
 #include "limber/view/velocity_arrows.h"
 
+#include <array>
+#include <cstdio>
+
 namespace limber::view {
 inline namespace LIMBER_BULLET_PRECISION {
 namespace {
@@ -10,6 +13,12 @@ render::Vec3 toVec3(const Eigen::Vector3d& v) {
 }
 
 }  // namespace
+
+render::Legend speedLegend(const VelocityArrows& arrows) {
+  std::array<char, 32> text{};
+  std::snprintf(text.data(), text.size(), "%.3g m/s", arrows.fullSpeed);
+  return {render::ColourMap::Share, "0", "", text.data()};
+}
 
 void addVelocities(render::Overlay& overlay, const SoftBody& body, const VelocityArrows& arrows,
                    render::Vec3 eye) {

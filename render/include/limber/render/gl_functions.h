@@ -87,6 +87,7 @@ class GlContext;
   X(PolygonMode, POLYGONMODE)                                 \
   X(ProgramUniform1f, PROGRAMUNIFORM1F)                       \
   X(ProgramUniform1ui, PROGRAMUNIFORM1UI)                     \
+  X(ProgramUniform4f, PROGRAMUNIFORM4F)                       \
   X(ReadPixels, READPIXELS)                                   \
   X(ShaderSource, SHADERSOURCE)                               \
   X(TextureParameterfv, TEXTUREPARAMETERFV)                   \

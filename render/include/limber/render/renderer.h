@@ -3,6 +3,7 @@
 
 #include "limber/render/camera.h"
 #include "limber/render/image.h"
+#include "limber/render/legend.h"
 #include "limber/render/light.h"
 #include "limber/render/overlay.h"
 #include "limber/render/shape_desc.h"
@@ -60,6 +61,7 @@ struct DrawOptions {
   float lineWidth = 1.6f;                   ///< Pixels.
   float hiddenOverlay = 0.25f;              ///< Opacity of overlay lines behind surfaces; 0: not drawn.
   bool legend = true;                       ///< A bar of the strain colours, in wireframe mode only.
+  std::vector<Legend> legends;              ///< Of other colours, above that.
   Vec3 backgroundTop{0.87f, 0.90f, 0.93f};  ///< sRGB.
   Vec3 backgroundBottom{0.97f, 0.96f, 0.94f};  ///< sRGB.
 };

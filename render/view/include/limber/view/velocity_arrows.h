@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
+#include <limber/render/legend.h>
 #include <limber/render/overlay.h>
 #include <limber/soft_body.h>
 
@@ -12,6 +13,9 @@ struct VelocityArrows {
   double fullSpeed = 5.0;    ///< m/s that has the last colour of render::shareColour().
   double leastSpeed = 0.05;  ///< m/s; slower points have no arrow.
 };
+
+/// What the arrows' colours mean.
+render::Legend speedLegend(const VelocityArrows& arrows);
 
 /// An arrow for each point mass, from where it is now, coloured by its speed.
 void addVelocities(render::Overlay& overlay, const SoftBody& body, const VelocityArrows& arrows,
