@@ -23,11 +23,13 @@ void setUniforms(const PassContext& pass, const ShaderProgram& program, const Dr
 void use(const PassContext& pass, const ShaderProgram& program, const DrawItem& item) {
   pass.gl.UseProgram(program.name());
   setUniforms(pass, program, item);
-  pass.gl.BindBufferRange(GL_SHADER_STORAGE_BUFFER, kPoints, item.positions, item.byteOffset, item.bytes);
+  if (item.layout == 0) {
+    pass.gl.BindBufferRange(GL_SHADER_STORAGE_BUFFER, kPoints, item.positions, item.byteOffset, item.bytes);
+  }
 }
 
 void drawTriangles(const PassContext& pass, const DrawItem& item) {
-  pass.gl.BindVertexArray(item.shape->layout.name());
+  pass.gl.BindVertexArray(item.layout == 0 ? item.shape->layout.name() : item.layout);
   pass.gl.DrawElementsInstanced(GL_TRIANGLES, item.shape->indexCount, GL_UNSIGNED_INT, nullptr,
                                 static_cast<GLsizei>(item.instanceCount));
   ++pass.stats.shapeDrawCalls;
@@ -57,7 +59,7 @@ void computeNormals(const PassContext& pass) {
   pass.gl.MemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
   for (const DrawItem& item : pass.items) {
     const GpuShape& shape = *item.shape;
-    if (!shape.needsNormals()) {
+    if (!shape.needsNormals() || item.layout != 0) {
       continue;
     }
     const ShaderProgram& program = pass.programs.normals(shape.tube);
@@ -82,7 +84,7 @@ void castShadows(const PassContext& pass, const ShadowMap& map) {
   setCulling(pass.gl, false);
   for (const DrawItem& item : pass.items) {
     if (item.shape->indexCount > 0 && item.shape->castsShadow) {
-      use(pass, pass.programs.depth(item.shape->tube), item);
+      use(pass, pass.programs.depth(item.shape->tube, item.layout != 0), item);
       drawTriangles(pass, item);
     }
   }
@@ -99,7 +101,8 @@ void drawSurfaces(const PassContext& pass, DrawMode mode, bool shadows) {
     }
     setCulling(pass.gl, !shape.twoSided);
     use(pass,
-        pass.programs.surface({shape.tube, shape.smooth, shape.twoSided, shape.grid, shadows, item.textured}),
+        pass.programs.surface(
+            {shape.tube, shape.smooth, shape.twoSided, shape.grid, shadows, item.textured, item.layout != 0}),
         item);
     drawTriangles(pass, item);
   }

@@ -22,6 +22,7 @@ struct DrawItem {
   GLintptr byteOffset = 0;
   GLsizeiptr bytes = 0;
   bool textured = false;
+  GLuint layout = 0;  ///< Vertices made on the CPU; 0: the shape's layout, and points from the buffer above.
 };
 
 /// What all passes of a frame share.

@@ -59,18 +59,10 @@ FrameWriter Renderer::beginFrame(StreamPath path) {
   }
   Stopwatch watch;
   parts.layOutInstances();
-  parts.reservePoints();
-  OpenFrame frame{true, parts.frame.serial + 1, path, nullptr, 0};
-  if (path == StreamPath::Ring) {
-    const StreamFrame region = parts.stream->beginFrame();
-    frame.points = region.data;
-    frame.byteOffset = region.byteOffset;
-  } else {
-    frame.points = parts.naive.begin(parts.layout);
-  }
-  parts.frame = frame;
+  parts.reservePoints(path);
+  parts.openFrame(path);
   parts.stats.waitMs = watch.lap();
-  return {*this, frame.serial};
+  return {*this, parts.frame.serial};
 }
 
 void Renderer::draw(FrameWriter& frame, const Camera& camera, const Light& light,
@@ -132,8 +124,8 @@ GpuMemory Renderer::gpuMemory() const {
   for (const GpuShape& shape : parts.shapes) {
     memory.shapes += shape.bytes();
   }
-  memory.scratch =
-      parts.normals.bytes() + parts.records.bytes() + parts.uniforms.bytes() + parts.naive.bytes();
+  memory.scratch = parts.normals.bytes() + parts.records.bytes() + parts.uniforms.bytes() +
+                   parts.naive.bytes() + parts.unshared.bytes();
   memory.textures = parts.textures.bytes();
   memory.targets = parts.target->bytes() + (parts.shadowMap == nullptr ? 0 : parts.shadowMap->bytes());
   return memory;

@@ -43,6 +43,7 @@ Renderer::Parts::Parts(GlContext& context, const RendererDesc& rendererDesc)
       uniforms(makeBuffer(gl, sizeof(FrameUniforms), nullptr, GL_DYNAMIC_STORAGE_BIT)),
       stream(makeStream(gl, desc.initialPoints, desc.fenceTimeout)),
       naive(gl),
+      unshared(gl),
       mostPoints(pointsPerBlock(gl)) {
   requireTaps(desc.shadowTaps);
   // Rows then come top down, as PNG and video want them.
@@ -65,7 +66,10 @@ void Renderer::Parts::layOutInstances() {
   recordsStale = true;
 }
 
-void Renderer::Parts::reservePoints() {
+void Renderer::Parts::reservePoints(StreamPath path) {
+  if (path == StreamPath::Unshared) {
+    return;
+  }
   if (layout.pointCount > mostPoints) {
     throw std::runtime_error("one frame has " + std::to_string(layout.pointCount) +
                              " points, but this driver can bind " + std::to_string(mostPoints));
@@ -73,7 +77,7 @@ void Renderer::Parts::reservePoints() {
   if (normals.bytes() < 3 * sizeof(float) * layout.normalCount) {
     normals = makeBuffer(gl, 3 * sizeof(float) * (layout.normalCount + layout.normalCount / 2), nullptr);
   }
-  if (stream->floatsPerFrame() >= 3 * layout.pointCount) {
+  if (path != StreamPath::Ring || stream->floatsPerFrame() >= 3 * layout.pointCount) {
     return;
   }
   // The old buffer may still be read, so it must not go before its fences have passed.
@@ -84,6 +88,18 @@ void Renderer::Parts::reservePoints() {
   pastRings.stalls += stream->counters().stalls;
   ++pastRings.growths;
   stream = std::move(larger);
+}
+
+void Renderer::Parts::openFrame(StreamPath path) {
+  OpenFrame next{true, frame.serial + 1, path, nullptr, 0};
+  if (path == StreamPath::Ring) {
+    const StreamFrame region = stream->beginFrame();
+    next.points = region.data;
+    next.byteOffset = region.byteOffset;
+  } else {
+    next.points = path == StreamPath::Naive ? naive.begin(layout) : unshared.begin(layout, shapes);
+  }
+  frame = next;
 }
 
 void Renderer::Parts::uploadRecords() {
@@ -107,6 +123,18 @@ void Renderer::Parts::fillRingItems() {
   }
 }
 
+void Renderer::Parts::fillItems() {
+  stats.bytesStreamed = 3 * sizeof(float) * layout.pointCount;
+  if (frame.path == StreamPath::Ring) {
+    fillRingItems();
+  } else if (frame.path == StreamPath::Naive) {
+    naive.upload(layout, shapes, items);
+  } else {
+    unshared.upload(layout, shapes, items);
+    stats.bytesStreamed = unshared.uploadedBytes();
+  }
+}
+
 void Renderer::Parts::closeFrame() {
   frame.open = false;
   if (frame.path == StreamPath::Ring) {
@@ -115,15 +143,13 @@ void Renderer::Parts::closeFrame() {
 }
 
 void Renderer::Parts::submit(const Camera& camera, const Light& light, const DrawOptions& options) {
+  if (frame.path == StreamPath::Unshared && options.mode == DrawMode::Wireframe) {
+    throw std::runtime_error("StreamPath::Unshared cannot draw lines");
+  }
   Stopwatch watch;
-  stats.bytesStreamed = 3 * sizeof(float) * layout.pointCount;
   stats.shapeDrawCalls = stats.drawCalls = stats.dispatches = 0;
   uploadRecords();
-  if (frame.path == StreamPath::Ring) {
-    fillRingItems();
-  } else {
-    naive.upload(layout, shapes, items);
-  }
+  fillItems();
   const FrameUniforms values =
       makeFrameUniforms(camera, light, options, {target->width(), target->height(), desc.shadowMapSize});
   gl.NamedBufferSubData(uniforms.name(), 0, sizeof values, &values);

@@ -14,6 +14,7 @@
 #include "naive_stream.h"
 #include "render_target.h"
 #include "texture_array.h"
+#include "unshared_stream.h"
 
 namespace limber::render {
 
@@ -30,9 +31,11 @@ struct Renderer::Parts {
   Parts(GlContext& context, const RendererDesc& rendererDesc);
 
   void layOutInstances();
-  void reservePoints();
+  void reservePoints(StreamPath path);
+  void openFrame(StreamPath path);
   void uploadRecords();
   void fillRingItems();
+  void fillItems();
   void closeFrame();
   void submit(const Camera& camera, const Light& light, const DrawOptions& options);
   void drawPicture(const PassContext& pass, const DrawOptions& options, bool shadows);
@@ -56,6 +59,7 @@ struct Renderer::Parts {
   bool recordsStale = true;
   std::unique_ptr<StreamBuffer> stream;
   NaiveStream naive;
+  UnsharedStream unshared;
   std::vector<DrawItem> items;
   OpenFrame frame;
   FrameStats stats;

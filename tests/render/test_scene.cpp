@@ -141,7 +141,7 @@ Scenery rope(std::uint32_t points) {
   return tube;
 }
 
-void populate(Stage& stage) {
+void populateMeshes(Stage& stage) {
   Renderer& renderer = stage.renderer();
   std::vector<std::uint8_t> pixels;
   for (int i = 0; i < 32 * 32; ++i) {
@@ -166,8 +166,12 @@ void populate(Stage& stage) {
   const ShapeId sheetShape = renderer.addShape(sheet.shape);
   stage.add(sheetShape, moved(sheet.points, 0.6f, 0.9f, -0.2f), {{0.8f, 0.4f, 0.3f}, {}});
   stage.add(sheetShape, moved(sheet.points, -1.8f, 1.3f, -0.6f), {{0.9f, 0.8f, 0.3f}, texture});
+}
+
+void populate(Stage& stage) {
+  populateMeshes(stage);
   const Scenery tube = rope(7);
-  const ShapeId tubeShape = renderer.addShape(tube.shape);
+  const ShapeId tubeShape = stage.renderer().addShape(tube.shape);
   stage.add(tubeShape, moved(tube.points, -0.6f, 0.2f, 1.3f), {{0.6f, 0.4f, 0.7f}, {}});
   stage.add(tubeShape, moved(tube.points, -0.2f, 0.3f, 1.8f), {{0.4f, 0.6f, 0.4f}, {}});
 }

@@ -59,7 +59,9 @@ Scenery cloth(std::uint32_t n);
 /// A tube through `points` points along a wave.
 Scenery rope(std::uint32_t points);
 
-/// Floor, cubes, textured and plain spheres, cloth and ropes: a little of everything.
+/// Floor, cubes, textured and plain spheres, and cloth.
+void populateMeshes(Stage& stage);
+/// These and ropes: a little of everything.
 void populate(Stage& stage);
 
 /// Brightness of a pixel, 0 to 765.
