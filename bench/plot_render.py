@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: Zlib
 """Plots FOLDER/render.csv into render.svg and render.png: python3 plot_render.py FOLDER
 
-Left, the whole frame by number of cubes; middle, the calling thread's own time to upload and submit a body; right,
-what the frame of one large body consists of. The largest picture and the first context count."""
+By number of cubes: the frame, what all threads together spend on it, and what of that the calling thread spends on
+uploading and submitting a body; at the lower right the threads' time of one large body. The largest picture and the
+first context count."""
 
 import csv
 import pathlib
@@ -21,8 +22,12 @@ PATHS = {
 }
 # 1: with shadows
 SHADOW_LINES = {"1": ("-", "shadows"), "0": (":", "no shadows")}
-PARTS = {"upload_ms": ("upload", "#16437a"), "submit_ms": ("submit", "#2ba7c9"),
-         "finish_ms": ("finish", "#c3cad3"), "read_ms": ("read", "#8a8f98")}
+# of the time of all threads
+PARTS = {
+    "upload and submit, calling thread": ("#1f6fb4", lambda r: float(r["own_ms"])),
+    "the rest: a software driver's rasteriser, reading": ("#c3cad3",
+                                                          lambda r: float(r["process_ms"]) - float(r["own_ms"])),
+}
 
 
 def read_rows(path):
@@ -33,12 +38,14 @@ def read_rows(path):
     return [r for r in rows if r["context"] == rows[0]["context"] and r["size"] == size]
 
 
-def draw_by_count(axes, rows, value):
+def draw_by_count(axes, rows, value, title, unit):
     for path, (_, colour, marker) in PATHS.items():
         for shadows, (line, _) in SHADOW_LINES.items():
             own = [r for r in rows if r["path"] == path and r["shadows"] == shadows]
             axes.plot([int(r["bodies"]) for r in own], [value(r) for r in own], color=colour, marker=marker,
                       markersize=4, linewidth=1.4, linestyle=line)
+    axes.set_title(title, fontsize=10, loc="left")
+    axes.set_ylabel(unit)
     axes.set_xscale("log", base=2)
     axes.set_xticks(sorted({int(r["bodies"]) for r in rows}))
     axes.xaxis.set_major_formatter(matplotlib.ticker.StrMethodFormatter("{x:g}"))
@@ -53,35 +60,34 @@ def add_legend(axes):
              for name, colour, marker in PATHS.values()]
     lines += [matplotlib.lines.Line2D([], [], color="#555", linestyle=line, label=name)
               for line, name in SHADOW_LINES.values()]
-    axes.legend(handles=lines, fontsize=7.5, loc="upper center", bbox_to_anchor=(0.5, -0.13), ncols=2, frameon=False)
+    axes.legend(handles=lines, fontsize=8, loc="upper center", bbox_to_anchor=(0.5, -0.14), ncols=2, frameon=False)
 
 
 def draw_parts(axes, rows):
-    bars = [(path, shadows) for shadows in SHADOW_LINES for path in PATHS]
-    chosen = {(r["path"], r["shadows"]): r for r in rows}
+    bars = [r for shadows in SHADOW_LINES for path in PATHS for r in rows
+            if (r["path"], r["shadows"]) == (path, shadows)]
     start = [0.0] * len(bars)
-    for column, (name, colour) in PARTS.items():
-        widths = [float(chosen[bar][column]) for bar in bars]
+    for name, (colour, value) in PARTS.items():
+        widths = [value(r) for r in bars]
         axes.barh(range(len(bars)), widths, left=start, height=0.62, color=colour, label=name)
         start = [a + b for a, b in zip(start, widths)]
-    axes.set_yticks(range(len(bars)), [f"{path}\n{SHADOW_LINES[shadows][1]}" for path, shadows in bars], fontsize=8)
+    names = [f"{r['path']}\n{SHADOW_LINES[r['shadows']][1]}" for r in bars]
+    axes.set_yticks(range(len(bars)), names, fontsize=8)
     axes.invert_yaxis()
     axes.set_xlabel("ms")
-    axes.set_title(f"one body of {int(rows[0]['triangles']) - 2} triangles", fontsize=10, loc="left")
-    axes.legend(fontsize=7.5, ncols=4, loc="upper center", bbox_to_anchor=(0.5, -0.13), frameon=False)
+    axes.set_title(f"one body of {int(rows[0]['triangles']) - 2} triangles, all threads", fontsize=10, loc="left")
+    axes.legend(fontsize=7.5, loc="lower right")
 
 
 def draw(rows):
     cubes, ball = [r for r in rows if r["scene"] == "cubes"], [r for r in rows if r["scene"] == "ball"]
-    figure, (frame, cost, parts) = pyplot.subplots(1, 3, figsize=(13, 4.6), layout="constrained")
-    draw_by_count(frame, cubes, lambda r: float(r["frame_ms"]))
-    frame.set_title(f"whole frame, {rows[0]['size']}", fontsize=10, loc="left")
-    frame.set_ylabel("ms")
-    add_legend(frame)
-    draw_by_count(cost, cubes, lambda r: 1e3 * float(r["own_ms"]) / int(r["bodies"]))
-    cost.set_title("upload and submit per body, the thread's own time", fontsize=10, loc="left")
-    cost.set_ylabel("microseconds")
-    draw_parts(parts, ball)
+    figure, axes = pyplot.subplots(2, 2, figsize=(11, 7.5), layout="constrained")
+    draw_by_count(axes[0, 0], cubes, lambda r: float(r["frame_ms"]), f"frame, {rows[0]['size']}, wall", "ms")
+    draw_by_count(axes[0, 1], cubes, lambda r: float(r["process_ms"]), "frame, all threads", "ms")
+    draw_by_count(axes[1, 0], cubes, lambda r: 1e3 * float(r["own_ms"]) / int(r["bodies"]),
+                  "upload and submit per body, calling thread", "microseconds")
+    draw_parts(axes[1, 1], ball)
+    add_legend(axes[1, 0])
     return figure
 
 

@@ -12,7 +12,7 @@ std::vector<std::string> frameColumns() {
   return {"bodies",       "vertices",        "size",      "path",       "context",
           "upload_ms",    "submit_ms",       "finish_ms", "read_ms",    "frame_ms",
           "mb_per_frame", "shadows",         "buffer_mb", "draw_calls", "scene",
-          "triangles",    "bytes_per_frame", "frames",    "own_ms"};
+          "triangles",    "bytes_per_frame", "frames",    "own_ms",     "process_ms"};
 }
 
 std::vector<std::string> frameCells(const FrameRow& row) {
@@ -35,7 +35,8 @@ std::vector<std::string> frameCells(const FrameRow& row) {
           countCell(row.triangles),
           countCell(row.bytes),
           countCell(row.frames),
-          numberCell(row.times.own)};
+          numberCell(row.times.own),
+          numberCell(row.times.process)};
 }
 
 const FrameRow* findRow(const std::vector<FrameRow>& rows, const FrameRow& like, const std::string& path) {

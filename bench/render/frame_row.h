@@ -31,7 +31,7 @@ struct FrameRow {
 std::vector<std::string> frameColumns();
 std::vector<std::string> frameCells(const FrameRow& row);
 
-/// The first row with these, or nullptr.
+/// The row of the same case and context with another path, or nullptr.
 const FrameRow* findRow(const std::vector<FrameRow>& rows, const FrameRow& like, const std::string& path);
 
 }  // namespace limber::bench

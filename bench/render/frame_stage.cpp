@@ -84,6 +84,7 @@ void FrameStage::write(const render::FrameWriter& frame, const Eigen::Matrix3Xf&
 FrameTimes FrameStage::play(const Eigen::Matrix3Xf& points) {
   context_->makeCurrent();
   const Stopwatch watch;
+  const double processStart = processCpuMs();
   render::FrameWriter frame = renderer_->beginFrame(path_.stream);
   write(frame, points);
   const double written = watch.time().wallMs;
@@ -91,7 +92,9 @@ FrameTimes FrameStage::play(const Eigen::Matrix3Xf& points) {
   const double own = watch.time().cpuMs;
   renderer_->readPixels(image_);
   const render::FrameStats& stats = renderer_->lastFrame();
-  return {written + stats.uploadMs, stats.submitMs, stats.finishMs, stats.readMs, watch.time().wallMs, own};
+  return {
+      written + stats.uploadMs,     stats.submitMs, stats.finishMs, stats.readMs, watch.time().wallMs, own,
+      processCpuMs() - processStart};
 }
 
 std::size_t FrameStage::bufferBytes() const {

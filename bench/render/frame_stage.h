@@ -39,14 +39,15 @@ struct FrameCase {
 /// Milliseconds of one frame. The first four follow one another, so they add up to the whole frame but for
 /// some microseconds.
 struct FrameTimes {
-  double upload = 0.0;  ///< opening the frame, writing all positions where the path wants them, and what it
-                        ///< makes of them on this thread: normals, vertices, uploads, the instances' table
-  double submit = 0.0;  ///< all draw calls and dispatches; software drivers shade the vertices in them, and
-                        ///< wait for the shadow map before the first draw that reads it
-  double finish = 0.0;  ///< waiting for the picture
-  double read = 0.0;    ///< copying it
-  double frame = 0.0;   ///< the whole
-  double own = 0.0;     ///< upload and submit in this thread's own time, so without such waits
+  double upload = 0.0;   ///< opening the frame, writing all positions where the path wants them, and what it
+                         ///< makes of them on this thread: normals, vertices, uploads, the instances' table
+  double submit = 0.0;   ///< all draw calls and dispatches; software drivers shade the vertices in them, and
+                         ///< wait for the shadow map before the first draw that reads it
+  double finish = 0.0;   ///< waiting for the picture
+  double read = 0.0;     ///< copying it
+  double frame = 0.0;    ///< the whole
+  double own = 0.0;      ///< upload and submit in this thread's own time, so without such waits
+  double process = 0.0;  ///< the whole in the time of all threads, a software rasteriser's included
 };
 
 /// A renderer on a context of its own that draws a case in one way.

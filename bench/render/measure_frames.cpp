@@ -53,7 +53,8 @@ FrameRow rowOf(const Run& run, const FrameCase& frameCase) {
   row.points = frameCase.scene->points(), row.triangles = frameCase.scene->triangles();
   row.times = {medianOf(run, &FrameTimes::upload), medianOf(run, &FrameTimes::submit),
                medianOf(run, &FrameTimes::finish), medianOf(run, &FrameTimes::read),
-               medianOf(run, &FrameTimes::frame),  medianOf(run, &FrameTimes::own)};
+               medianOf(run, &FrameTimes::frame),  medianOf(run, &FrameTimes::own),
+               medianOf(run, &FrameTimes::process)};
   row.frames = run.samples.size();
   row.bytes = run.stage->lastFrame().bytesStreamed;
   row.drawCalls = run.stage->lastFrame().drawCalls;

@@ -4,47 +4,53 @@
 #include "machine.h"
 #include "text_format.h"
 
+#include <map>
 #include <thread>
 
 namespace limber::bench {
 namespace {
 
 const char* const kConditions =
-    "\nlimber: positions into the mapped buffer, a draw per shape. naive_points: uploaded and drawn body by "
-    "body,\n"
-    "normals by the shaders. naive: as the paper and Bullet's example browser do, three vertices of 36 bytes "
-    "per\n"
-    "triangle and normals made on the CPU, uploaded and drawn body by body. The paths take turns; medians, "
-    "ms.\n"
-    "Upload counts writing the positions, for all alike; own: upload and submit in the thread's own time, "
-    "without\n"
-    "waits for the rasteriser. Last column: the whole frame over limber's.\n";
+    "\nlimber: positions into the mapped buffer, a draw per shape. naive_points: uploaded and drawn\n"
+    "body by body, normals by the shaders. naive: as the paper and Bullet's example browser do, three\n"
+    "vertices of 36 bytes per triangle and normals made on the CPU, uploaded and drawn body by body.\n"
+    "The paths take turns; medians, ms. Upload counts writing the positions, for all alike; own:\n"
+    "upload and submit in the thread's own time, without waits for the rasteriser; process: the frame\n"
+    "in the time of all threads, the rasteriser's included. Last column: the frame over limber's.\n";
 
 bool sameCase(const FrameRow& a, const FrameRow& b) {
   return a.scene == b.scene && a.bodies == b.bodies && a.height == b.height && a.shadows == b.shadows;
 }
 
 std::string headingOf(const FrameRow& r) {
-  return format("\n%zu %s, %zu triangles, %s, %s\n  %-7s %-13s %9s %9s %9s %9s %9s %9s %8s %7s %7s %7s\n",
+  return format("\n%zu %s, %zu triangles, %s, %s\n  %-7s %-13s %9s %9s %9s %9s %9s %9s %9s %8s %7s %7s %7s\n",
                 r.bodies, r.scene.c_str(), r.triangles, r.size().c_str(),
                 r.shadows ? "shadows" : "no shadows", "", "", "upload", "submit", "finish", "read", "frame",
-                "own", "MB/frame", "MB", "draws", "frame");
+                "own", "process", "MB/frame", "MB", "draws", "frame");
 }
 
 std::string lineOf(const FrameRow& r, const std::vector<FrameRow>& rows) {
   const FrameRow* limber = findRow(rows, r, "limber");
   const double ratio = limber ? r.times.frame / limber->times.frame : 0.0;
-  return format("  %-7s %-13s %9.3f %9.3f %9.3f %9.3f %9.3f %9.3f %8.3f %7.2f %7zu %7.2f\n",
+  return format("  %-7s %-13s %9.3f %9.3f %9.3f %9.3f %9.3f %9.3f %9.3f %8.3f %7.2f %7zu %7.2f\n",
                 r.context.c_str(), r.path.c_str(), r.times.upload, r.times.submit, r.times.finish,
-                r.times.read, r.times.frame, r.times.own, 1e-6 * static_cast<double>(r.bytes),
-                1e-6 * static_cast<double>(r.bufferBytes), r.drawCalls, ratio);
+                r.times.read, r.times.frame, r.times.own, r.times.process,
+                1e-6 * static_cast<double>(r.bytes), 1e-6 * static_cast<double>(r.bufferBytes), r.drawCalls,
+                ratio);
 }
 
 std::string frameTables(const std::vector<FrameRow>& rows) {
   if (rows.empty()) return {};
+  std::map<std::string, std::string> drivers;  // by context
+  for (const FrameRow& row : rows) drivers[row.context] = row.driver;
   std::string text = kConditions;
-  for (const FrameRow& row : rows)
-    if (row.path == "limber") text += row.context + ": " + row.driver + "\n";
+  for (const auto& [context, driver] : drivers) text += context + ": " + driver + "\n";
+  const FrameRow* last = nullptr;
+  for (const FrameRow& row : rows) {
+    if (!last || !sameCase(row, *last)) text += headingOf(row);
+    last = &row;
+    text += lineOf(row, rows);
+  }
   return text;
 }
 
@@ -65,9 +71,8 @@ std::string memoryTable(const std::vector<MemoryRow>& rows) {
 std::string pngTable(const std::vector<PngRow>& rows) {
   if (rows.empty()) return {};
   std::string text = format(
-      "\n64 cubes dropped, 1920x1080, 4 samples a pixel, %u cores, which the driver's threads use, too; ms "
-      "of wall "
-      "and of the\nthread that simulates and draws\n  %-13s %10s %10s %10s %10s\n",
+      "\n64 cubes dropped, 1920x1080, 4 samples a pixel, %u cores, which the driver's threads use, too;\n"
+      "ms of wall and of the thread that simulates and draws\n  %-13s %10s %10s %10s %10s\n",
       std::thread::hardware_concurrency(), "", "tick wall", "own", "frame wall", "own");
   for (const PngRow& row : rows)
     text += format("  %-13s %10.3f %10.3f %10.3f %10.3f\n", row.writes ? "PNG files" : "no files",
@@ -78,14 +83,8 @@ std::string pngTable(const std::vector<PngRow>& rows) {
 }  // namespace
 
 std::string summariseRender(const RenderResults& results) {
-  std::string text = describeMachine() + "\n" + frameTables(results.frames);
-  const FrameRow* last = nullptr;
-  for (const FrameRow& row : results.frames) {
-    if (!last || !sameCase(row, *last)) text += headingOf(row);
-    last = &row;
-    text += lineOf(row, results.frames);
-  }
-  return text + memoryTable(results.memory) + pngTable(results.png);
+  return describeMachine() + "\n" + frameTables(results.frames) + memoryTable(results.memory) +
+         pngTable(results.png);
 }
 
 }  // namespace limber::bench

@@ -52,7 +52,7 @@ def check_draws(row):
 def check_times(row):
     expect(all(float(row[column]) >= 0 for column in TIMES), f"times: {row}")
     expect(0 < max(float(row[column]) for column in TIMES) <= float(row["frame_ms"]), f"frame: {row}")
-    expect(float(row["own_ms"]) > 0 and int(row["frames"]) > 0, f"samples: {row}")
+    expect(0 < float(row["own_ms"]) < float(row["process_ms"]) and int(row["frames"]) > 0, f"samples: {row}")
 
 
 def check_frames(program, _):
