@@ -6,13 +6,17 @@
 namespace limber::bench {
 namespace {
 
-double threadCpuMs() {
+double readClock(clockid_t clock) {
   timespec now{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
+  clock_gettime(clock, &now);
   return 1e3 * static_cast<double>(now.tv_sec) + 1e-6 * static_cast<double>(now.tv_nsec);
 }
 
+double threadCpuMs() { return readClock(CLOCK_THREAD_CPUTIME_ID); }
+
 }  // namespace
+
+double processCpuMs() { return readClock(CLOCK_PROCESS_CPUTIME_ID); }
 
 Stopwatch::Stopwatch() : wallStart_(std::chrono::steady_clock::now()), cpuStart_(threadCpuMs()) {}
 

@@ -11,6 +11,9 @@ struct WorkTime {
   double cpuMs = 0.0;  ///< of this thread alone
 };
 
+/// What all threads of this process together have taken so far.
+double processCpuMs();
+
 /// Runs from its construction on.
 class Stopwatch {
  public:

@@ -4,6 +4,7 @@
 #include "accuracy/accuracy_command.h"
 #include "contact/contact_command.h"
 #include "networks/networks_command.h"
+#include "render/render_command.h"
 #include "scaling/scaling_command.h"
 #include "springs/springs_command.h"
 #include "stability/stability_command.h"
@@ -29,6 +30,7 @@ const std::vector<Command>& commandList() {
       {"contact", "what bodies cost that fly, land, rest, sleep and lie in a heap, beside other engines",
        &runContact},
       {"networks", "which braces keep which shape; masses, skins, materials", &runNetworks},
+      {"render", "what drawing many bodies costs, beside the paper's and Bullet's own way", &runRender},
       {"springs", "what a spring costs per substep, by instruction set", &runSprings},
       {"scaling", "1, 2, 4 ... soft cubes until real time is lost", &runScaling},
       {"stability", "hundreds of hard cases, counted alike for every engine", &runStability},

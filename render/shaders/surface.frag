@@ -2,7 +2,7 @@ in vec3 toEye;
 in vec3 shadowCoord;
 in vec2 uv;
 flat in vec4 look;
-#ifdef SMOOTH
+#ifdef VERTEX_NORMAL
 in vec3 smoothNormal;
 #endif
 
@@ -79,14 +79,18 @@ float highlight(float cosine) {
 }
 
 void main() {
-  vec3 face = faceNormal();
-#ifdef SMOOTH
+#ifdef VERTEX_NORMAL
   vec3 normal = normalize(smoothNormal);
 #ifdef TWO_SIDED
   normal = gl_FrontFacing ? normal : -normal;
 #endif
 #else
-  vec3 normal = face;
+  vec3 normal = faceNormal();
+#endif
+#ifdef SMOOTH
+  vec3 face = faceNormal();
+#else
+  vec3 face = normal;
 #endif
   vec3 light = frame.towardsLight.xyz;
   float facing = dot(normal, light);

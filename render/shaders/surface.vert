@@ -1,4 +1,9 @@
+#ifdef UNSHARED
+layout(location = 0) in vec4 vertexPosition;
+layout(location = 2) in vec3 vertexNormal;
+#else
 layout(location = 0) in uint vertexPoint;
+#endif
 layout(location = 1) in vec2 vertexUv;
 #ifdef TUBE
 layout(location = 2) in vec3 vertexRing;  // Fraction of the way to the next point; profile out, along.
@@ -11,7 +16,7 @@ out vec3 toEye;
 out vec3 shadowCoord;
 out vec2 uv;
 flat out vec4 look;
-#ifdef SMOOTH
+#ifdef VERTEX_NORMAL
 out vec3 smoothNormal;
 #endif
 #endif
@@ -53,7 +58,9 @@ void main() {
   uint base = firstPoint + instance * pointCount;
   vec3 position;
   vec3 normal = vec3(0.0);
-#ifdef TUBE
+#if defined(UNSHARED)
+  position = vertexPosition.xyz;
+#elif defined(TUBE)
   tubeVertex(base, firstNormal + instance * pointCount, position, normal);
 #else
   position = pointAt(base + vertexPoint);
@@ -63,10 +70,12 @@ void main() {
   vec3 shadow = (frame.worldToShadow * vec4(position, 1.0)).xyz;
   gl_Position = vec4(2.0 * shadow.x - 1.0, 1.0 - 2.0 * shadow.y, shadow.z, 1.0);
 #else
-#if defined(SMOOTH) && !defined(TUBE)
+#if defined(UNSHARED)
+  normal = vertexNormal;
+#elif defined(SMOOTH) && !defined(TUBE)
   normal = normalAt(firstNormal + instance * pointCount + vertexPoint);
 #endif
-#ifdef SMOOTH
+#ifdef VERTEX_NORMAL
   smoothNormal = normal;
 #endif
   toEye = frame.eye.xyz - position;

@@ -25,7 +25,9 @@ void use(const PassContext& pass, const ShaderProgram& program, const DrawItem& 
          std::uint32_t count) {
   pass.gl.UseProgram(program.name());
   setUniforms(pass, program, item, range.first, count);
-  pass.gl.BindBufferRange(GL_SHADER_STORAGE_BUFFER, kPoints, range.buffer, range.byteOffset, range.bytes);
+  if (item.layout == 0) {
+    pass.gl.BindBufferRange(GL_SHADER_STORAGE_BUFFER, kPoints, range.buffer, range.byteOffset, range.bytes);
+  }
 }
 
 void useWithPoints(const PassContext& pass, const ShaderProgram& program, const DrawItem& item) {
@@ -37,7 +39,7 @@ void useWithPlaces(const PassContext& pass, const ShaderProgram& program, const 
 }
 
 void drawTriangles(const PassContext& pass, const DrawItem& item) {
-  pass.gl.BindVertexArray(item.shape->layout.name());
+  pass.gl.BindVertexArray(item.layout == 0 ? item.shape->layout.name() : item.layout);
   pass.gl.DrawElementsInstanced(GL_TRIANGLES, item.shape->indexCount, GL_UNSIGNED_INT, nullptr,
                                 static_cast<GLsizei>(item.instanceCount));
   ++pass.stats.shapeDrawCalls;
@@ -89,7 +91,7 @@ void computeNormals(const PassContext& pass) {
   pass.gl.MemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
   for (const DrawItem& item : pass.items) {
     const GpuShape& shape = *item.shape;
-    if (!shape.needsNormals()) {
+    if (!shape.needsNormals() || item.layout != 0) {
       continue;
     }
     const ShaderProgram& program = pass.programs.normals(shape.tube);
@@ -114,7 +116,7 @@ void castShadows(const PassContext& pass, const ShadowMap& map) {
   setCulling(pass.gl, false);
   for (const DrawItem& item : pass.items) {
     if (item.shape->indexCount > 0 && item.shape->castsShadow) {
-      useWithPlaces(pass, pass.programs.depth(item.shape->tube), item);
+      useWithPlaces(pass, pass.programs.depth(item.shape->tube, item.layout != 0), item);
       drawTriangles(pass, item);
     }
   }
@@ -130,10 +132,10 @@ void drawSurfaces(const PassContext& pass, DrawMode mode, bool shadows) {
       continue;
     }
     setCulling(pass.gl, !shape.twoSided);
-    useWithPlaces(
-        pass,
-        pass.programs.surface({shape.tube, shape.smooth, shape.twoSided, shape.grid, shadows, item.textured}),
-        item);
+    useWithPlaces(pass,
+                  pass.programs.surface({shape.tube, shape.smooth, shape.twoSided, shape.grid, shadows,
+                                         item.textured, item.layout != 0}),
+                  item);
     drawTriangles(pass, item);
   }
 }

@@ -30,6 +30,7 @@ struct DrawItem {
   PointRange points;  ///< Streamed.
   PointRange places;  ///< What vertices ride on: of a skin, or the points.
   bool textured = false;
+  GLuint layout = 0;  ///< Vertices made on the CPU; 0: the shape's layout, and points from the buffer above.
 };
 
 /// What all passes of a frame share.

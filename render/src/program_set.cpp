@@ -6,8 +6,8 @@ namespace {
 
 std::size_t indexOf(const SurfaceVariant& variant) {
   std::size_t index = 0;
-  for (const bool bit :
-       {variant.tube, variant.smooth, variant.twoSided, variant.grid, variant.shadows, variant.textured}) {
+  for (const bool bit : {variant.tube, variant.smooth, variant.twoSided, variant.grid, variant.shadows,
+                         variant.textured, variant.unshared}) {
     index = 2 * index + (bit ? 1 : 0);
   }
   return index;
@@ -30,10 +30,12 @@ const ShaderProgram& ProgramSet::surface(const SurfaceVariant& variant) {
     };
     define(variant.tube, "TUBE");
     define(variant.smooth, "SMOOTH");
+    define(variant.smooth || variant.unshared, "VERTEX_NORMAL");
     define(variant.twoSided, "TWO_SIDED");
     define(variant.grid, "GRID");
     define(variant.shadows, "SHADOWS");
     define(variant.textured, "TEXTURED");
+    define(variant.unshared, "UNSHARED");
     program = buildProgram(gl_,
                            {{GL_VERTEX_SHADER, surfaceVertexFiles()},
                             {GL_FRAGMENT_SHADER, {"frame.glsl", "background.glsl", "surface.frag"}}},
@@ -42,12 +44,15 @@ const ShaderProgram& ProgramSet::surface(const SurfaceVariant& variant) {
   return program;
 }
 
-const ShaderProgram& ProgramSet::depth(bool tube) {
-  ShaderProgram& program = depths_[tube ? 1 : 0];
+const ShaderProgram& ProgramSet::depth(bool tube, bool unshared) {
+  ShaderProgram& program = depths_[(tube ? 1u : 0u) + (unshared ? 2u : 0u)];
   if (program.name() == 0) {
     std::vector<std::string> defines{"NORMALS_ACCESS readonly", "DEPTH_ONLY"};
     if (tube) {
       defines.emplace_back("TUBE");
+    }
+    if (unshared) {
+      defines.emplace_back("UNSHARED");
     }
     program = buildProgram(
         gl_, {{GL_VERTEX_SHADER, surfaceVertexFiles()}, {GL_FRAGMENT_SHADER, {"depth.frag"}}}, defines);

@@ -18,6 +18,7 @@ struct SurfaceVariant {
   bool grid = false;
   bool shadows = false;
   bool textured = false;
+  bool unshared = false;  ///< Position and normal are attributes.
 };
 
 /// All programs, each compiled when it is first asked for. Every function throws
@@ -27,7 +28,7 @@ class ProgramSet {
   ProgramSet(const Gl& gl, int shadowTaps) : gl_(gl), shadowTaps_(shadowTaps) {}
 
   const ShaderProgram& surface(const SurfaceVariant& variant);
-  const ShaderProgram& depth(bool tube);
+  const ShaderProgram& depth(bool tube, bool unshared);
   const ShaderProgram& lines();
   const ShaderProgram& overlay(bool onScreen);
   const ShaderProgram& backdrop();
@@ -38,8 +39,8 @@ class ProgramSet {
  private:
   const Gl& gl_;
   int shadowTaps_;
-  std::array<ShaderProgram, 64> surfaces_;
-  std::array<ShaderProgram, 2> depths_;
+  std::array<ShaderProgram, 128> surfaces_;
+  std::array<ShaderProgram, 4> depths_;
   std::array<ShaderProgram, 2> normals_;
   std::array<ShaderProgram, 2> skins_;
   ShaderProgram lines_;

@@ -66,18 +66,10 @@ FrameWriter Renderer::beginFrame(StreamPath path) {
   }
   Stopwatch watch;
   parts.layOutInstances();
-  parts.reservePoints();
-  OpenFrame frame{true, parts.frame.serial + 1, path, nullptr, 0};
-  if (path == StreamPath::Ring) {
-    const StreamFrame region = parts.stream->beginFrame();
-    frame.points = region.data;
-    frame.byteOffset = region.byteOffset;
-  } else {
-    frame.points = parts.naive.begin(parts.layout);
-  }
-  parts.frame = frame;
+  parts.reservePoints(path);
+  parts.openFrame(path);
   parts.stats.waitMs = watch.lap();
-  return {*this, frame.serial};
+  return {*this, parts.frame.serial};
 }
 
 void Renderer::draw(FrameWriter& frame, const Camera& camera, const Light& light, const DrawOptions& options,
@@ -150,8 +142,8 @@ GpuMemory Renderer::gpuMemory() const {
   memory.stream = parts.stream->bytes();
   memory.shapes = parts.shapes.bytes();
   memory.scratch = parts.places.bytes() + parts.normals.bytes() + parts.records.bytes() +
-                   parts.uniforms.bytes() + parts.naive.bytes() + parts.overlayLines.bytes() +
-                   parts.numbers.bytes();
+                   parts.uniforms.bytes() + parts.naive.bytes() + parts.unshared.bytes() +
+                   parts.overlayLines.bytes() + parts.numbers.bytes();
   memory.textures = parts.textures.bytes();
   memory.targets = parts.target->bytes() + (parts.shadowMap == nullptr ? 0 : parts.shadowMap->bytes());
   return memory;

@@ -45,6 +45,7 @@ Renderer::Parts::Parts(GlContext& context, const RendererDesc& rendererDesc)
       uniforms(makeBuffer(gl, sizeof(FrameUniforms), nullptr, GL_DYNAMIC_STORAGE_BIT)),
       stream(makeStream(gl, desc.initialPoints, desc.fenceTimeout)),
       naive(gl),
+      unshared(gl),
       overlayLines(gl),
       numbers(gl),
       mostPoints(pointsPerBlock(gl)) {
@@ -78,14 +79,17 @@ void Renderer::Parts::layOutInstances() {
   recordsStale = true;
 }
 
-void Renderer::Parts::reservePoints() {
+void Renderer::Parts::reservePoints(StreamPath path) {
+  if (path == StreamPath::Unshared) {
+    return;
+  }
   if (layout.pointCount > mostPoints) {
     throw std::runtime_error("one frame has " + std::to_string(layout.pointCount) +
                              " points, but this driver can bind " + std::to_string(mostPoints));
   }
   reserveComputed(places, layout.placeCount);
   reserveComputed(normals, layout.normalCount);
-  if (stream->floatsPerFrame() >= 3 * layout.pointCount) {
+  if (path != StreamPath::Ring || stream->floatsPerFrame() >= 3 * layout.pointCount) {
     return;
   }
   // The old buffer may still be read, so it must not go before its fences have passed.
@@ -107,6 +111,18 @@ void Renderer::Parts::reserveComputed(GlBuffer& buffer, std::size_t count) {
   if (buffer.bytes() < bytes) {
     buffer = makeBuffer(gl, std::min(bytes + bytes / 2, 3 * sizeof(float) * mostPoints), nullptr);
   }
+}
+
+void Renderer::Parts::openFrame(StreamPath path) {
+  OpenFrame next{true, frame.serial + 1, path, nullptr, 0};
+  if (path == StreamPath::Ring) {
+    const StreamFrame region = stream->beginFrame();
+    next.points = region.data;
+    next.byteOffset = region.byteOffset;
+  } else {
+    next.points = path == StreamPath::Naive ? naive.begin(layout) : unshared.begin(layout, shapes);
+  }
+  frame = next;
 }
 
 void Renderer::Parts::uploadRecords() {
@@ -133,6 +149,18 @@ void Renderer::Parts::fillRingItems() {
   }
 }
 
+void Renderer::Parts::fillItems() {
+  stats.bytesStreamed = 3 * sizeof(float) * layout.pointCount;
+  if (frame.path == StreamPath::Ring) {
+    fillRingItems();
+  } else if (frame.path == StreamPath::Naive) {
+    naive.upload(layout, shapes, places, items);
+  } else {
+    unshared.upload(layout, shapes, items);
+    stats.bytesStreamed = unshared.uploadedBytes();
+  }
+}
+
 void Renderer::Parts::closeFrame() {
   frame.open = false;
   if (frame.path == StreamPath::Ring) {
@@ -142,16 +170,14 @@ void Renderer::Parts::closeFrame() {
 
 void Renderer::Parts::submit(const Camera& camera, const Light& light, const DrawOptions& options,
                              const Overlay& overlay) {
+  if (frame.path == StreamPath::Unshared && options.mode == DrawMode::Wireframe) {
+    throw std::runtime_error("StreamPath::Unshared cannot draw lines");
+  }
   Stopwatch watch;
   const GlStateGuard guard(gl, sharedContext);
-  stats.bytesStreamed = 3 * sizeof(float) * layout.pointCount;
   stats.shapeDrawCalls = stats.drawCalls = stats.dispatches = 0;
   uploadRecords();
-  if (frame.path == StreamPath::Ring) {
-    fillRingItems();
-  } else {
-    naive.upload(layout, shapes, places, items);
-  }
+  fillItems();
   const FrameUniforms values =
       makeFrameUniforms(camera, light, options, {target->width(), target->height(), desc.shadowMapSize});
   overlayLines.upload(overlay);

@@ -17,6 +17,7 @@
 #include "render_target.h"
 #include "shape_table.h"
 #include "texture_array.h"
+#include "unshared_stream.h"
 
 namespace limber::render {
 
@@ -33,10 +34,12 @@ struct Renderer::Parts {
   Parts(GlContext& context, const RendererDesc& rendererDesc);
 
   void layOutInstances();
-  void reservePoints();
+  void reservePoints(StreamPath path);
   void reserveComputed(GlBuffer& buffer, std::size_t count);
+  void openFrame(StreamPath path);
   void uploadRecords();
   void fillRingItems();
+  void fillItems();
   void closeFrame();
   void submit(const Camera& camera, const Light& light, const DrawOptions& options, const Overlay& overlay);
   void drawLegends(const PassContext& pass, const DrawOptions& options);
@@ -63,6 +66,7 @@ struct Renderer::Parts {
   bool recordsStale = true;
   std::unique_ptr<StreamBuffer> stream;
   NaiveStream naive;
+  UnsharedStream unshared;
   OverlayLines overlayLines;
   OverlayLines numbers;  // Of legends.
   Overlay strokes;       // Scratch for them.

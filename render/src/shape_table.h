@@ -20,6 +20,8 @@ class ShapeTable {
   void require(ShapeId id, const char* caller) const;
 
   const GpuShape& operator[](std::uint32_t index) const { return shapes_[index]; }
+  /// Changes when another shape takes the index.
+  std::uint32_t generation(std::uint32_t index) const { return generations_[index]; }
   /// By index; without points where there is no shape.
   const std::vector<ShapeExtent>& extents() const { return extents_; }
   std::size_t bytes() const;

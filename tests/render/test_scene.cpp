@@ -184,7 +184,7 @@ Scenery skinnedBall(std::uint32_t cells) {
   return skinned;
 }
 
-void populate(Stage& stage) {
+void populateMeshes(Stage& stage) {
   Renderer& renderer = stage.renderer();
   std::vector<std::uint8_t> pixels;
   for (int i = 0; i < 32 * 32; ++i) {
@@ -209,16 +209,20 @@ void populate(Stage& stage) {
   const ShapeId sheetShape = renderer.addShape(sheet.shape);
   stage.add(sheetShape, moved(sheet.points, 0.6f, 0.9f, -0.2f), {{0.8f, 0.4f, 0.3f}, {}});
   stage.add(sheetShape, moved(sheet.points, -1.8f, 1.3f, -0.6f), {{0.9f, 0.8f, 0.3f}, texture});
+}
+
+void populate(Stage& stage) {
+  populateMeshes(stage);
   const Scenery tube = rope(7);
-  const ShapeId tubeShape = renderer.addShape(tube.shape);
+  const ShapeId tubeShape = stage.renderer().addShape(tube.shape);
   stage.add(tubeShape, moved(tube.points, -0.6f, 0.2f, 1.3f), {{0.6f, 0.4f, 0.7f}, {}});
   stage.add(tubeShape, moved(tube.points, -0.2f, 0.3f, 1.8f), {{0.4f, 0.6f, 0.4f}, {}});
   for (const std::uint32_t cells : {1u, 3u}) {
     const Scenery skinned = skinnedBall(cells);
-    const ShapeId skinnedShape = renderer.addShape(skinned.shape);
+    const ShapeId skinnedShape = stage.renderer().addShape(skinned.shape);
     const float x = cells == 1 ? 1.2f : 1.7f;
     stage.add(skinnedShape, moved(skinned.points, x, 0.4f, 1.0f), {{0.3f, 0.7f, 0.6f}, {}});
-    stage.add(skinnedShape, moved(skinned.points, x, 1.2f, 0.3f), {{0.7f, 0.7f, 0.3f}, texture});
+    stage.add(skinnedShape, moved(skinned.points, x, 1.2f, 0.3f), {{0.7f, 0.7f, 0.3f}, {}});
   }
 }
 

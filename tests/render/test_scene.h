@@ -65,7 +65,9 @@ Scenery rope(std::uint32_t points);
 /// one of more.
 Scenery skinnedBall(std::uint32_t cells);
 
-/// Floor, cubes, textured and plain spheres, cloth and ropes: a little of everything.
+/// Floor, cubes, textured and plain spheres, and cloth.
+void populateMeshes(Stage& stage);
+/// These, ropes and skinned balls: a little of everything.
 void populate(Stage& stage);
 
 /// Brightness of a pixel, 0 to 765.

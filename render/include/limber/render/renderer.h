@@ -66,20 +66,23 @@ struct DrawOptions {
   Vec3 backgroundBottom{0.97f, 0.96f, 0.94f};  ///< sRGB.
 };
 
-/// How positions travel to the GPU. The pictures are equal byte for byte.
+/// How positions travel to the GPU. The last two are baselines for tests and benches.
 enum class StreamPath {
-  Ring,  ///< Written in place into one mapped buffer; one draw per shape and pass.
-  Naive  ///< One buffer, one upload and one draw per instance: a baseline for tests and benches.
+  Ring,     ///< Written in place into one mapped buffer; one draw per shape and pass.
+  Naive,    ///< One buffer, one upload and one draw per instance. The picture is Ring's, byte for byte.
+  Unshared  ///< As Bullet's example browser: per instance and frame, three vertices of 36 bytes per triangle
+            ///< with normals from the CPU, in one buffer, drawn by itself. The picture is Ring's but for
+            ///< rounding. Neither tubes (an error in beginFrame()) nor wireframe (an error in draw()).
 };
 
 /// Figures of the last frame; times are milliseconds of this thread.
 struct FrameStats {
-  std::size_t bytesStreamed = 0;   ///< Position bytes.
+  std::size_t bytesStreamed = 0;   ///< Positions; if Unshared, its vertices.
   std::size_t shapeDrawCalls = 0;  ///< Draws of shapes, all passes together.
   std::size_t drawCalls = 0;       ///< As above, with background and legend.
   std::size_t dispatches = 0;      ///< Compute dispatches (skins, normals, tube frames).
   double waitMs = 0.0;             ///< In beginFrame, for the GPU to let go of the region.
-  double uploadMs = 0.0;           ///< In draw: instance table, and positions if Naive.
+  double uploadMs = 0.0;           ///< In draw: instance table, and positions if not Ring.
   double submitMs = 0.0;           ///< In draw: the rest.
   double finishMs = 0.0;           ///< In readPixels: waiting for the picture.
   double readMs = 0.0;             ///< In readPixels: copying it.
@@ -96,7 +99,7 @@ struct RingStats {
 struct GpuMemory {
   std::size_t stream = 0;    ///< The three regions of positions.
   std::size_t shapes = 0;    ///< Static data of the shapes.
-  std::size_t scratch = 0;   ///< Skins' places, normals, instance table, uniforms, naive path.
+  std::size_t scratch = 0;   ///< Skins' places, normals, instance table, uniforms, overlay, baselines' buffers.
   std::size_t textures = 0;  ///< Textures of instances.
   std::size_t targets = 0;   ///< Colour, depth and shadow map.
   std::size_t buffers() const { return stream + shapes + scratch; }

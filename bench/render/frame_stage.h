@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: Zlib
+#pragma once
+
+#include "render/frame_scene.h"
+
+#include <limber/render/gl_context.h>
+#include <limber/render/renderer.h>
+
+#include <memory>
+#include <vector>
+
+namespace limber::bench {
+
+/// A way of drawing.
+struct DrawPath {
+  const char* name;
+  render::StreamPath stream;
+};
+
+/// limber: positions straight into the mapped buffer, a draw per shape. naive_points: positions uploaded and
+/// drawn body by body, normals by the shaders. naive: as the paper and Bullet's example browser do, vertices
+/// and normals made on the CPU.
+const std::vector<DrawPath>& drawPaths();
+
+struct DrawContext {
+  const char* name;
+  render::Backend backend;
+};
+
+const std::vector<DrawContext>& drawContexts();
+
+/// What is drawn, and how large.
+struct FrameCase {
+  const FrameScene* scene;
+  int width, height;  ///< pixels
+  bool shadows;
+};
+
+/// Milliseconds of one frame. The first four follow one another, so they add up to the whole frame but for
+/// some microseconds.
+struct FrameTimes {
+  double upload = 0.0;   ///< opening the frame, writing all positions where the path wants them, and what it
+                         ///< makes of them on this thread: normals, vertices, uploads, the instances' table
+  double submit = 0.0;   ///< all draw calls and dispatches; software drivers shade the vertices in them, and
+                         ///< wait for the shadow map before the first draw that reads it
+  double finish = 0.0;   ///< waiting for the picture
+  double read = 0.0;     ///< copying it
+  double frame = 0.0;    ///< the whole
+  double own = 0.0;      ///< upload and submit in this thread's own time, so without such waits
+  double process = 0.0;  ///< the whole in the time of all threads, a software rasteriser's included
+};
+
+/// A renderer on a context of its own that draws a case in one way.
+class FrameStage {
+ public:
+  FrameStage(const FrameCase& frameCase, const DrawPath& path, const DrawContext& context);
+  ~FrameStage();
+  /// The next so many bodies of the scene; at first there is only the floor.
+  void addBodies(std::size_t count);
+
+  /// Draws the bodies that were added with these points, see pose(), and reads the picture.
+  FrameTimes play(const Eigen::Matrix3Xf& points);
+
+  const DrawPath& path() const { return path_; }
+  const DrawContext& context() const { return drawContext_; }
+  const render::FrameStats& lastFrame() const { return renderer_->lastFrame(); }
+  /// Of the buffers that this path needs.
+  std::size_t bufferBytes() const;
+  std::string driver() const;
+
+ private:
+  void write(const render::FrameWriter& frame, const Eigen::Matrix3Xf& points) const;
+
+  const FrameScene& scene_;
+  DrawPath path_;
+  DrawContext drawContext_;
+  render::Camera camera_;
+  render::Light light_;
+  std::unique_ptr<render::GlContext> context_;
+  std::unique_ptr<render::Renderer> renderer_;
+  render::InstanceId floor_;
+  render::ShapeId shape_;
+  std::vector<render::InstanceId> bodies_;
+  render::Image image_;
+};
+
+}  // namespace limber::bench

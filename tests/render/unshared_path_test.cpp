@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: Zlib
+// The way of Bullet's example browser has to give our picture, or what the bench compares with it means
+// nothing.
+#include <cstdlib>
+#include <stdexcept>
+
+#include "test_scene.h"
+
+namespace limber::render::test {
+namespace {
+
+// Both shade with the same normals up to float rounding (1e-5 for flat ones, which come from differences
+// between pixels), which moves a colour by far less than a level. What that may do is round a channel the
+// other way.
+constexpr int kRounding = 1;
+// In a shadow's edge it may also flip a comparison of depths, a sixteenth of the sunlight.
+constexpr double kFlippedShare = 1e-3;
+
+struct PathPictures {
+  Image ring, unshared;
+};
+
+PathPictures drawBoth(bool shadows) {
+  Stage stage;
+  populateMeshes(stage);
+  stage.light.shadows = shadows;
+  const Image ring = stage.picture();
+  return {ring, stage.picture({}, StreamPath::Unshared)};
+}
+
+/// Share of channels that differ by more than rounding.
+double differingShare(const PathPictures& pictures) {
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < pictures.ring.rgba.size(); ++i) {
+    count += std::abs(int{pictures.ring.rgba[i]} - int{pictures.unshared.rgba[i]}) > kRounding ? 1u : 0u;
+  }
+  return static_cast<double>(count) / static_cast<double>(pictures.ring.rgba.size());
+}
+
+TEST(UnsharedPath, PictureIsThatOfTheRing) {
+  const PathPictures pictures = drawBoth(false);
+  EXPECT_LE(largestDifference(pictures.ring, pictures.unshared), kRounding);
+}
+
+TEST(UnsharedPath, PictureIsThatOfTheRingWithShadows) {
+  EXPECT_LE(differingShare(drawBoth(true)), kFlippedShare);
+}
+
+TEST(UnsharedPath, FollowsWhatMoves) {
+  Stage stage;
+  Scenery ball = makeUvSphere({}, 0.5f);
+  const ShapeId shape = stage.renderer().addShape(ball.shape);
+  stage.add(shape, ball.points);
+  const Image before = stage.picture({}, StreamPath::Unshared);
+  stage.add(shape, moved(ball.points, 0.8f, 0.4f, 0.3f));
+  const Image after = stage.picture({}, StreamPath::Unshared);
+  EXPECT_GT(largestDifference(before, after), 50);
+  EXPECT_LE(largestDifference(after, stage.picture()), kRounding);
+}
+
+TEST(UnsharedPath, UploadsThreeVerticesPerTriangleAndDrawsEachBodyByItself) {
+  Stage stage;
+  const Scenery box = makeBox({}, {0.3f, 0.3f, 0.3f});
+  const ShapeId shape = stage.renderer().addShape(box.shape);
+  for (int i = 0; i < 5; ++i) stage.add(shape, moved(box.points, 0.5f * static_cast<float>(i), 0.5f, 0.0f));
+  const std::size_t before = stage.renderer().gpuMemory().scratch;
+  stage.draw({}, StreamPath::Unshared);
+  const FrameStats& stats = stage.renderer().lastFrame();
+  EXPECT_EQ(stats.bytesStreamed, 5u * 12u * 3u * 36u);
+  EXPECT_EQ(stats.shapeDrawCalls, 2u * 5u) << "shadows, then colours";
+  EXPECT_EQ(stats.dispatches, 0u);
+  constexpr std::size_t kVertices = 5 * 36;
+  EXPECT_GE(stage.renderer().gpuMemory().scratch - before, kVertices * (36 + 4)) << "vertices and indices";
+}
+
+TEST(UnsharedPath, RefusesTubesAndLines) {
+  Stage stage;
+  stage.add(springBox(0.3f));
+  DrawOptions wireframe;
+  wireframe.mode = DrawMode::Wireframe;
+  EXPECT_THROW(stage.draw(wireframe, StreamPath::Unshared), std::runtime_error);
+  EXPECT_NO_THROW(stage.draw({}, StreamPath::Unshared)) << "the frame is still open";
+  stage.add(rope(5));
+  EXPECT_THROW(stage.draw({}, StreamPath::Unshared), std::runtime_error);
+  EXPECT_NO_THROW(stage.draw());
+}
+
+}  // namespace
+}  // namespace limber::render::test
