@@ -46,7 +46,7 @@ class Drop {
  public:
   explicit Drop(const std::string& folder)
       : folder_(folder), scene_(makeDrop()), renderer_(*scene_, demoOptions()) {
-    renderer_.draw(image_);  // the first frame compiles shaders
+    renderer_.draw({}, image_);  // the first frame compiles shaders
   }
   ~Drop() {
     for (const std::string& file : files_) std::remove(file.c_str());
@@ -72,7 +72,7 @@ class Drop {
     samples.tickWall.push_back(tick.wallMs);
     samples.tickOwn.push_back(tick.cpuMs);
     if (writes) image_ = writer_.takeSpare();
-    renderer_.draw(image_);
+    renderer_.draw({}, image_);
     if (!writes) return;
     const std::string file = folder_ + "/render_" + std::to_string(i) + ".png";
     files_.insert(file);

@@ -1,10 +1,16 @@
 #ifdef UNSHARED
 layout(location = 0) in vec4 vertexPosition;
 layout(location = 2) in vec3 vertexNormal;
-#else
+#elif !defined(WELDED)
 layout(location = 0) in uint vertexPoint;
 #endif
+#ifdef WELDED
+// The indices are points themselves, each shaded once however many seams it lies on.
+#define vertexPoint uint(gl_VertexID)
+#define vertexUv vec2(0.0)
+#else
 layout(location = 1) in vec2 vertexUv;
+#endif
 #ifdef TUBE
 layout(location = 2) in vec3 vertexRing;  // Fraction of the way to the next point; profile out, along.
 #endif

@@ -38,8 +38,25 @@ void useWithPlaces(const PassContext& pass, const ShaderProgram& program, const 
   use(pass, program, item, item.places, item.shape->placeCount);
 }
 
-void drawTriangles(const PassContext& pass, const DrawItem& item) {
-  pass.gl.BindVertexArray(item.layout == 0 ? item.shape->layout.name() : item.layout);
+VertexSource sourceOf(const DrawItem& item, bool needsUvs) {
+  if (item.layout != 0) {
+    return VertexSource::Unshared;
+  }
+  if (item.shape->tube) {
+    return VertexSource::Tube;
+  }
+  return needsUvs ? VertexSource::Mesh : VertexSource::Welded;
+}
+
+GLuint layoutOf(const DrawItem& item, VertexSource source) {
+  if (source == VertexSource::Unshared) {
+    return item.layout;
+  }
+  return source == VertexSource::Welded ? item.shape->weldedLayout.name() : item.shape->layout.name();
+}
+
+void drawTriangles(const PassContext& pass, const DrawItem& item, VertexSource source) {
+  pass.gl.BindVertexArray(layoutOf(item, source));
   pass.gl.DrawElementsInstanced(GL_TRIANGLES, item.shape->indexCount, GL_UNSIGNED_INT, nullptr,
                                 static_cast<GLsizei>(item.instanceCount));
   ++pass.stats.shapeDrawCalls;
@@ -116,8 +133,9 @@ void castShadows(const PassContext& pass, const ShadowMap& map) {
   setCulling(pass.gl, false);
   for (const DrawItem& item : pass.items) {
     if (item.shape->indexCount > 0 && item.shape->castsShadow) {
-      useWithPlaces(pass, pass.programs.depth(item.shape->tube, item.layout != 0), item);
-      drawTriangles(pass, item);
+      const VertexSource source = sourceOf(item, false);
+      useWithPlaces(pass, pass.programs.depth(source), item);
+      drawTriangles(pass, item, source);
     }
   }
   pass.gl.Disable(GL_DEPTH_CLAMP);
@@ -132,11 +150,12 @@ void drawSurfaces(const PassContext& pass, DrawMode mode, bool shadows) {
       continue;
     }
     setCulling(pass.gl, !shape.twoSided);
-    useWithPlaces(pass,
-                  pass.programs.surface({shape.tube, shape.smooth, shape.twoSided, shape.grid, shadows,
-                                         item.textured, item.layout != 0}),
-                  item);
-    drawTriangles(pass, item);
+    const VertexSource source = sourceOf(item, shape.grid || item.textured);
+    useWithPlaces(
+        pass,
+        pass.programs.surface({source, shape.smooth, shape.twoSided, shape.grid, shadows, item.textured}),
+        item);
+    drawTriangles(pass, item, source);
   }
 }
 

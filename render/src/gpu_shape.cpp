@@ -71,6 +71,21 @@ GlVertexArray makeLayout(const Gl& gl, const GpuShape& shape) {
   return layout;
 }
 
+void uploadWelded(const Gl& gl, const ShapeDesc& desc, GpuShape& shape) {
+  shape.weldedLayout = makeVertexArray(gl);
+  GLuint indices = shape.indices.name();
+  if (!desc.vertexToPoint.empty()) {
+    std::vector<std::uint32_t> points;
+    points.reserve(desc.triangles.size());
+    for (const std::uint32_t vertex : desc.triangles) {
+      points.push_back(desc.vertexToPoint[vertex]);
+    }
+    shape.weldedIndices = upload(gl, points);
+    indices = shape.weldedIndices.name();
+  }
+  gl.VertexArrayElementBuffer(shape.weldedLayout.name(), indices);
+}
+
 void uploadSurface(const Gl& gl, const ShapeDesc& desc, GpuShape& shape) {
   const SurfaceMesh mesh = makeSurface(desc);
   if (mesh.indices.empty()) {
@@ -80,6 +95,9 @@ void uploadSurface(const Gl& gl, const ShapeDesc& desc, GpuShape& shape) {
   shape.vertices = upload(gl, mesh.vertices);
   shape.indices = upload(gl, mesh.indices);
   shape.layout = makeLayout(gl, shape);
+  if (!shape.tube) {
+    uploadWelded(gl, desc, shape);
+  }
   if (shape.smooth && !shape.tube) {
     const PointAdjacency adjacency = makePointAdjacency(desc);
     shape.adjacencyOffsets = upload(gl, adjacency.offsets);
@@ -111,8 +129,8 @@ void uploadSkin(const Gl& gl, const ShapeDesc& desc, GpuSkin& skin) {
 }  // namespace
 
 std::size_t GpuShape::bytes() const {
-  return skin.bytes() + vertices.bytes() + indices.bytes() + lines.bytes() + adjacencyOffsets.bytes() +
-         adjacencyCorners.bytes();
+  return skin.bytes() + vertices.bytes() + indices.bytes() + weldedIndices.bytes() + lines.bytes() +
+         adjacencyOffsets.bytes() + adjacencyCorners.bytes();
 }
 
 GpuShape makeGpuShape(const Gl& gl, const ShapeDesc& desc) {

@@ -41,6 +41,8 @@ struct GpuShape {
   GlBuffer adjacencyOffsets;  ///< Smooth meshes only, as are the corners.
   GlBuffer adjacencyCorners;
   GlVertexArray layout;
+  GlBuffer weldedIndices;      ///< Points instead of vertices; empty where they are the same, and of tubes.
+  GlVertexArray weldedLayout;  ///< For them; no attributes. Of meshes only.
 
   std::size_t bytes() const;
   bool skinned() const { return skin.weights.name() != 0; }

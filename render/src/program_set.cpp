@@ -5,12 +5,25 @@ namespace limber::render {
 namespace {
 
 std::size_t indexOf(const SurfaceVariant& variant) {
-  std::size_t index = 0;
-  for (const bool bit : {variant.tube, variant.smooth, variant.twoSided, variant.grid, variant.shadows,
-                         variant.textured, variant.unshared}) {
+  auto index = static_cast<std::size_t>(variant.source);
+  for (const bool bit : {variant.smooth, variant.twoSided, variant.grid, variant.shadows, variant.textured}) {
     index = 2 * index + (bit ? 1 : 0);
   }
   return index;
+}
+
+const char* nameOf(VertexSource source) {
+  switch (source) {
+    case VertexSource::Welded:
+      return "WELDED";
+    case VertexSource::Tube:
+      return "TUBE";
+    case VertexSource::Unshared:
+      return "UNSHARED";
+    case VertexSource::Mesh:
+      break;
+  }
+  return "MESH";
 }
 
 std::vector<std::string_view> surfaceVertexFiles() {
@@ -22,20 +35,19 @@ std::vector<std::string_view> surfaceVertexFiles() {
 const ShaderProgram& ProgramSet::surface(const SurfaceVariant& variant) {
   ShaderProgram& program = surfaces_[indexOf(variant)];
   if (program.name() == 0) {
-    std::vector<std::string> defines{"NORMALS_ACCESS readonly", "SHADOW_TAPS " + std::to_string(shadowTaps_)};
+    std::vector<std::string> defines{"NORMALS_ACCESS readonly", "SHADOW_TAPS " + std::to_string(shadowTaps_),
+                                     nameOf(variant.source)};
     const auto define = [&defines](bool wanted, const char* name) {
       if (wanted) {
         defines.emplace_back(name);
       }
     };
-    define(variant.tube, "TUBE");
     define(variant.smooth, "SMOOTH");
-    define(variant.smooth || variant.unshared, "VERTEX_NORMAL");
+    define(variant.smooth || variant.source == VertexSource::Unshared, "VERTEX_NORMAL");
     define(variant.twoSided, "TWO_SIDED");
     define(variant.grid, "GRID");
     define(variant.shadows, "SHADOWS");
     define(variant.textured, "TEXTURED");
-    define(variant.unshared, "UNSHARED");
     program = buildProgram(gl_,
                            {{GL_VERTEX_SHADER, surfaceVertexFiles()},
                             {GL_FRAGMENT_SHADER, {"frame.glsl", "background.glsl", "surface.frag"}}},
@@ -44,18 +56,12 @@ const ShaderProgram& ProgramSet::surface(const SurfaceVariant& variant) {
   return program;
 }
 
-const ShaderProgram& ProgramSet::depth(bool tube, bool unshared) {
-  ShaderProgram& program = depths_[(tube ? 1u : 0u) + (unshared ? 2u : 0u)];
+const ShaderProgram& ProgramSet::depth(VertexSource source) {
+  ShaderProgram& program = depths_[static_cast<std::size_t>(source)];
   if (program.name() == 0) {
-    std::vector<std::string> defines{"NORMALS_ACCESS readonly", "DEPTH_ONLY"};
-    if (tube) {
-      defines.emplace_back("TUBE");
-    }
-    if (unshared) {
-      defines.emplace_back("UNSHARED");
-    }
-    program = buildProgram(
-        gl_, {{GL_VERTEX_SHADER, surfaceVertexFiles()}, {GL_FRAGMENT_SHADER, {"depth.frag"}}}, defines);
+    program =
+        buildProgram(gl_, {{GL_VERTEX_SHADER, surfaceVertexFiles()}, {GL_FRAGMENT_SHADER, {"depth.frag"}}},
+                     {"NORMALS_ACCESS readonly", "DEPTH_ONLY", nameOf(source)});
   }
   return program;
 }

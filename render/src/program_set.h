@@ -9,16 +9,24 @@
 
 namespace limber::render {
 
+/// Where a surface's vertices come from.
+enum class VertexSource {
+  Mesh,     ///< Vertices with texture coordinates that ride on points.
+  Welded,   ///< The points themselves: where nothing asks for texture coordinates.
+  Tube,     ///< Made along a polyline.
+  Unshared  ///< Whole, of StreamPath::Unshared.
+};
+constexpr std::size_t kVertexSources = 4;
+
 /// What a surface program is specialised for; a software rasteriser runs both sides
 /// of every branch.
 struct SurfaceVariant {
-  bool tube = false;
+  VertexSource source = VertexSource::Mesh;
   bool smooth = false;
   bool twoSided = false;
   bool grid = false;
   bool shadows = false;
   bool textured = false;
-  bool unshared = false;  ///< Position and normal are attributes.
 };
 
 /// All programs, each compiled when it is first asked for. Every function throws
@@ -28,7 +36,7 @@ class ProgramSet {
   ProgramSet(const Gl& gl, int shadowTaps) : gl_(gl), shadowTaps_(shadowTaps) {}
 
   const ShaderProgram& surface(const SurfaceVariant& variant);
-  const ShaderProgram& depth(bool tube, bool unshared);
+  const ShaderProgram& depth(VertexSource source);
   const ShaderProgram& lines();
   const ShaderProgram& overlay(bool onScreen);
   const ShaderProgram& backdrop();
@@ -39,8 +47,8 @@ class ProgramSet {
  private:
   const Gl& gl_;
   int shadowTaps_;
-  std::array<ShaderProgram, 128> surfaces_;
-  std::array<ShaderProgram, 4> depths_;
+  std::array<ShaderProgram, 32 * kVertexSources> surfaces_;
+  std::array<ShaderProgram, kVertexSources> depths_;
   std::array<ShaderProgram, 2> normals_;
   std::array<ShaderProgram, 2> skins_;
   ShaderProgram lines_;
