@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: Zlib
+// Pictures against pictures that somebody has looked at. Software rasterisers of one version agree to the
+// last bit on one kind of processor; between kinds (reciprocals, fused multiplication) a few channels move by
+// some levels, and at an edge a pixel may go to the other side: a tolerance of 3, and a thousandth of the
+// pixels.
+//
+// To renew them after a change of looks: LIMBER_RENEW_GOLDENS=1 limber_render_tests
+// --gtest_filter='*Golden*', then look at tests/render/goldens/*.png.
+#include <cstdlib>
+#include <filesystem>
+#include <ostream>
+#include <string>
+
+#include "limber/render/png_file.h"
+#include "test_scene.h"
+
+namespace limber::render::test {
+namespace {
+
+constexpr int kTolerance = 3;
+constexpr double kOutliers = 1e-3;
+
+struct Case {
+  const char* name;
+  DrawMode mode;
+  int samples;
+  bool overlay;
+};
+
+void PrintTo(const Case& value, std::ostream* out) { *out << value.name; }
+
+std::string goldenPath(const Case& value) {
+  return std::string(LIMBER_GOLDENS_DIR) + "/" + value.name + ".png";
+}
+
+Image draw(const Case& value) {
+  RendererDesc desc = smallDesc();
+  desc.width = 320;
+  desc.height = 180;
+  desc.samples = value.samples;
+  Stage stage(Backend::Auto, desc);
+  populate(stage);
+  DrawOptions options;
+  options.mode = value.mode;
+  if (value.overlay) {
+    options.legends = {{ColourMap::Share, "0", "", "5 m/s"}};
+    for (int i = 0; i < 8; ++i) {
+      const auto x = static_cast<float>(i);
+      addArrow(stage.overlay, {0.5f * x - 2.0f, 0.1f, 0.5f}, {0.5f * x - 1.8f, 1.2f, 0.2f},
+               shareColour(x / 7.0f), stage.camera.eye);
+      addCross(stage.overlay, {0.7f * x - 1.8f, 0.0f, -0.5f}, 0.1f, {1.0f, 0.8f, 0.0f});
+    }
+  }
+  return stage.picture(options);
+}
+
+double outlierShare(const Image& a, const Image& b) {
+  std::size_t outliers = 0;
+  for (std::size_t i = 0; i < a.rgba.size(); i += 4) {
+    bool far = false;
+    for (std::size_t c = 0; c < 4; ++c) {
+      far = far || std::abs(int{a.rgba[i + c]} - int{b.rgba[i + c]}) > kTolerance;
+    }
+    outliers += far ? 1u : 0u;
+  }
+  return 4.0 * static_cast<double>(outliers) / static_cast<double>(a.rgba.size());
+}
+
+class Golden : public ::testing::TestWithParam<Case> {};
+
+TEST_P(Golden, LooksAsItDid) {
+  const Image image = draw(GetParam());
+  const std::string path = goldenPath(GetParam());
+  if (std::getenv("LIMBER_RENEW_GOLDENS") != nullptr) {
+    writePng(path, image);
+    GTEST_SKIP() << "wrote " << path << ": look at it";
+  }
+  const Image golden = readPng(path);
+  ASSERT_EQ(golden.width, image.width);
+  ASSERT_EQ(golden.height, image.height);
+  const double share = outlierShare(golden, image);
+  if (share > kOutliers) {
+    const std::string seen = std::filesystem::absolute(std::string(GetParam().name) + "-seen.png").string();
+    writePng(seen, image);
+    ADD_FAILURE() << 100.0 * share << " % of the pixels differ by more than " << kTolerance << " levels from "
+                  << path << "; what was drawn is in " << seen;
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Pictures, Golden,
+                         ::testing::Values(Case{"shaded", DrawMode::Shaded, 1, false},
+                                           Case{"multisampled", DrawMode::Shaded, 4, false},
+                                           Case{"wireframe", DrawMode::Wireframe, 1, false},
+                                           Case{"overlay", DrawMode::Shaded, 1, true}),
+                         [](const auto& test) { return std::string(test.param.name); });
+
+}  // namespace
+}  // namespace limber::render::test
