@@ -13,7 +13,7 @@ constexpr double kStiffness = 1000.0;  // N/m
 constexpr double kDamping = 2.0;       // N s/m, a tenth of the critical damping of a spring and its points
 constexpr double kMass = 0.8;          // kg
 constexpr double kRadius = 0.02;       // m
-constexpr double kSpacing = 2.0;       // m from cube to cube, of 1 m
+constexpr double kCubeSpacing = 2.0;   // m from cube to cube, of 1 m
 constexpr double kDrop = 0.5;          // m
 constexpr double kClearance = 1e-3;    // m between a cube that is to rest and the floor
 constexpr double kHigh = 100.0;        // m: nothing comes near the floor while it is measured
@@ -32,15 +32,15 @@ double heightOf(Role role) {
 std::vector<BodySetup> cubes(Role role, std::uint32_t count) {
   Dice dice(1);
   const auto columns = static_cast<std::uint32_t>(std::ceil(std::sqrt(double(count))));
-  const double half = 0.5 * kSpacing * (columns - 1);
+  const double half = 0.5 * kCubeSpacing * (columns - 1);
   BodySetup cube = bodyOf(closedCubeNetwork(), kMass, kStiffness, kDamping);
   cube.settings.pointRadius = kRadius;
   cube.drag = 1.0;
   cube.maySleep = role == Role::Asleep;
   std::vector<BodySetup> bodies;
   for (std::uint32_t i = 0; i < count; ++i) {
-    cube.settings.position = {kSpacing * (i % columns) - half, 0.5 + kRadius + heightOf(role),
-                              kSpacing * (i / columns) - half};
+    cube.settings.position = {kCubeSpacing * (i % columns) - half, 0.5 + kRadius + heightOf(role),
+                              kCubeSpacing * (i / columns) - half};
     cube.settings.rotation = Eigen::AngleAxisd(dice.within(0.7), Eigen::Vector3d::UnitY());
     bodies.push_back(cube);
   }
@@ -66,7 +66,7 @@ ContactScene cubeScene(Role role, Crowd crowd, bool quick) {
   scene.role = role;
   scene.crowd = crowd;
   scene.bodies = cubes(role, count);
-  const double reach = 0.5 * kSpacing * std::ceil(std::sqrt(double(count))) + 5.0;
+  const double reach = 0.5 * kCubeSpacing * std::ceil(std::sqrt(double(count))) + 5.0;
   scene.addRigidBodies = [reach](RigidBodies& rigid, btDiscreteDynamicsWorld& world) {
     addBox(rigid, world, {reach, 1, reach}, 0, {0, -1, 0}, 0.5);
   };

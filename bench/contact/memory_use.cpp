@@ -27,15 +27,16 @@ std::optional<double> heapBytes() {
 #endif
 }
 
-constexpr double kSpacing = 1.0;                          // m: the broadphase sees no pairs
+constexpr double kLatticeSpacing = 1.0;                   // m: the broadphase sees no pairs
 constexpr double kBondReach = 1.1, kDiagonalReach = 1.5;  // spacings: 6 or 18 neighbours
 
 /// side^3 points, with springs to the neighbours within so many spacings.
 SharedNetwork lattice(int side, double reach) {
-  auto network = std::make_shared<SpringNetwork>(*latticeNetwork(side, side, side, kSpacing));
+  auto network = std::make_shared<SpringNetwork>(*latticeNetwork(side, side, side, kLatticeSpacing));
   std::vector<NetworkSpring> springs;
   for (const NetworkSpring& s : network->springs)
-    if ((network->restPoints[s.a] - network->restPoints[s.b]).norm() < kSpacing * reach) springs.push_back(s);
+    if ((network->restPoints[s.a] - network->restPoints[s.b]).norm() < kLatticeSpacing * reach)
+      springs.push_back(s);
   network->springs = springs;
   return network;
 }
@@ -48,7 +49,7 @@ double bytesOfBody(const SharedNetwork& network, int count) {
   for (int i = 0; i < 4; ++i) engine->tick(kContactTick);
   const double before = *heapBytes();
   for (int i = 0; i < count; ++i) {
-    body.settings.position.x() += 10.0 * kSpacing;
+    body.settings.position.x() += 10.0 * kLatticeSpacing;
     engine->addBody(body);
   }
   for (int i = 0; i < 4; ++i) engine->tick(kContactTick);

@@ -14,12 +14,12 @@
 namespace limber::bench {
 namespace {
 
-constexpr double kSize = 0.5;                        // m, of a body; boxes are half as high
-constexpr double kSpacing = 0.9;                     // m: turned in any way, neighbours do not touch at first
-constexpr int kColumns = 5;                          // along x and z
-constexpr double kHalf = 0.5 * kColumns * kSpacing;  // m, inside of the bin
-constexpr double kThick = 0.5;                       // m, half thickness of its walls
-constexpr double kTall = 8.0;                        // m, half height: nothing can leap out
+constexpr double kSize = 0.5;         // m, of a body; boxes are half as high
+constexpr double kPileSpacing = 0.9;  // m: turned in any way, neighbours do not touch at first
+constexpr int kColumns = 5;           // along x and z
+constexpr double kHalf = 0.5 * kColumns * kPileSpacing;  // m, inside of the bin
+constexpr double kThick = 0.5;                           // m, half thickness of its walls
+constexpr double kTall = 8.0;                            // m, half height: nothing can leap out
 
 /// All springs are equally stiff: btDeformable knows no others.
 SharedNetwork braced(const TriangleMesh& mesh, double scale) {
@@ -55,7 +55,7 @@ std::vector<BodySetup> bodiesOf(int count) {
     BodySetup body = sorts[static_cast<std::size_t>(i) % sorts.size()];
     const Eigen::Vector3d cell(i % kColumns, i / (kColumns * kColumns), i / kColumns % kColumns);
     body.settings.position =
-        kSpacing * (cell + Eigen::Vector3d::Constant(0.5)) - Eigen::Vector3d(kHalf, 0, kHalf);
+        kPileSpacing * (cell + Eigen::Vector3d::Constant(0.5)) - Eigen::Vector3d(kHalf, 0, kHalf);
     body.settings.rotation = dice.rotation();
     bodies.push_back(body);
   }

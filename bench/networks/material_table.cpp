@@ -7,6 +7,7 @@
 #include "cook/tetrahedra.h"
 #include "cook/triangle_geometry.h"
 #include "core/volume_term.h"
+#include "networks/value_of.h"
 #include "support/network_shapes.h"
 #include "text_format.h"
 
@@ -14,18 +15,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <stdexcept>
 
 namespace limber::bench {
 namespace {
 
 constexpr double kYoung = 1e5;
-
-template <class T>
-T valueOf(Result<T> result) {
-  if (!result) throw std::runtime_error(result.error());
-  return std::move(*result);
-}
 
 SharedNetwork filled(const TriangleMesh& mesh, std::uint32_t points) {
   MaterialMesh settings;

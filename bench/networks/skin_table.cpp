@@ -3,6 +3,7 @@
 
 #include "clocks.h"
 #include "cook/skin_weights.h"
+#include "networks/value_of.h"
 #include "support/network_shapes.h"
 #include "support/small_meshes.h"
 #include "support/test_shapes.h"
@@ -13,7 +14,6 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
-#include <stdexcept>
 
 namespace limber::bench {
 namespace {
@@ -61,12 +61,6 @@ Errors errorsOf(const Field& field, const SkinWeights& skin, const std::vector<E
   }
   e.rms = std::sqrt(e.rms);
   return e;
-}
-
-template <class T>
-T valueOf(Result<T> result) {
-  if (!result) throw std::runtime_error(result.error());
-  return std::move(*result);
 }
 
 SkinRow measure(const char* mesh, const SpringNetwork& coarse, const WeldedMesh& fine, SkinKind kind,

@@ -48,16 +48,16 @@ double distanceToTriangle(const Corners& t, const Vector3d& p) {
 }
 
 /// m, 0 outside.
-double depthIn(const PosedSurface& surface, const Vector3d& place) {
+double depthInside(const PosedSurface& surface, const Vector3d& place) {
   return surface.box.contains(place) ? std::max(0.0, -signedDistance(surface, place)) : 0.0;
 }
 
 /// The deepest of one triangle's corners, midpoints of edges and middle.
 double depthOfTriangle(const Corners& t, const PosedSurface& outer) {
-  double deepest = depthIn(outer, (t[0] + t[1] + t[2]) / 3.0);
+  double deepest = depthInside(outer, (t[0] + t[1] + t[2]) / 3.0);
   for (std::size_t k = 0; k < 3; ++k) {
-    deepest = std::max(deepest, depthIn(outer, t[k]));
-    deepest = std::max(deepest, depthIn(outer, 0.5 * (t[k] + t[(k + 1) % 3])));
+    deepest = std::max(deepest, depthInside(outer, t[k]));
+    deepest = std::max(deepest, depthInside(outer, 0.5 * (t[k] + t[(k + 1) % 3])));
   }
   return deepest;
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Zlib
 // Contacts that begin, persist and end.
 #include "support/bullet_world.h"
+#include "support/constants.h"
 #include "support/networks.h"
 #include "support/tested_way.h"
 
@@ -17,12 +18,11 @@ namespace limber {
 namespace {
 
 using test::BulletWorld;
+using test::kRadius;
 using test::vec;
 
-constexpr double kRadius = 0.02;
-
 /// Writes down b, p and e.
-struct Recorder : ContactListener {
+struct CallRecorder : ContactListener {
   std::string calls;
   std::vector<ContactPair> pairs;
   std::function<void(const ContactPair&)> onBegin;
@@ -39,7 +39,7 @@ struct Recorder : ContactListener {
   void contactEnds(const ContactPair& pair) override { note('e', pair); }
 };
 
-SoftBody* addCube(SoftBodySystem& system, double height, double x = 0.0) {
+SoftBody* addLightlyDampedCube(SoftBodySystem& system, double height, double x = 0.0) {
   SoftBodySettings s = test::testedSettings();
   s.position = {x, height, 0};
   s.extensionStiffness = s.compressionStiffness = 2000;
@@ -52,9 +52,9 @@ TEST(ContactListener, tellsOfACubeThatFallsBouncesRestsAndIsLifted) {
   BulletWorld bullet;
   btRigidBody* floor = bullet.addBoxFloor();
   SoftBodySystem system(*bullet.world);
-  Recorder recorder;
+  CallRecorder recorder;
   system.setContactListener(&recorder);
-  SoftBody* cube = addCube(system, 1.5);
+  SoftBody* cube = addLightlyDampedCube(system, 1.5);
   cube->point(0)->setActivationState(DISABLE_DEACTIVATION);
   bool touched = false;
   std::string expected;
@@ -81,9 +81,9 @@ TEST(ContactListener, aPairSumsUpItsContacts) {
   BulletWorld bullet;
   bullet.addBoxFloor();
   SoftBodySystem system(*bullet.world);
-  Recorder recorder;
+  CallRecorder recorder;
   system.setContactListener(&recorder);
-  SoftBody* cube = addCube(system, 0.5 + kRadius);
+  SoftBody* cube = addLightlyDampedCube(system, 0.5 + kRadius);
   bullet.simulate(0.5);
   const ContactPair& last = recorder.pairs.back();
   ASSERT_EQ(last.contacts, cube->contacts().size());
@@ -101,9 +101,9 @@ TEST(ContactListener, sleepIsSilentAndAPartnerThatGoesEndsThePair) {
   BulletWorld bullet;
   btRigidBody* floor = bullet.addBoxFloor();
   SoftBodySystem system(*bullet.world);
-  Recorder recorder;
+  CallRecorder recorder;
   system.setContactListener(&recorder);
-  SoftBody* cube = addCube(system, 0.5 + kRadius);
+  SoftBody* cube = addLightlyDampedCube(system, 0.5 + kRadius);
   bullet.simulate(15.0);
   ASSERT_TRUE(cube->sleeping());
   const std::string calls = recorder.calls;
@@ -122,9 +122,9 @@ TEST(ContactListener, sleepIsSilentAndAPartnerThatGoesEndsThePair) {
 TEST(ContactListener, twoSoftBodiesAreTwoPairsAndDestroyingOneEndsBoth) {
   BulletWorld bullet(0.0);
   SoftBodySystem system(*bullet.world);
-  Recorder recorder;
-  SoftBody* a = addCube(system, 0.0);
-  SoftBody* b = addCube(system, 1.0 + 2 * kRadius + 0.001);
+  CallRecorder recorder;
+  SoftBody* a = addLightlyDampedCube(system, 0.0);
+  SoftBody* b = addLightlyDampedCube(system, 1.0 + 2 * kRadius + 0.001);
   system.setContactListener(&recorder);
   for (std::uint32_t i = 0; i < b->pointCount(); ++i) b->point(i)->setLinearVelocity(vec(0, -0.2, 0));
   for (int i = 0; i < 60 && recorder.calls.empty(); ++i) bullet.tick();
@@ -145,10 +145,10 @@ TEST(ContactListener, aBodyThatTheApplicationTakesOutOfTheWorldEndsItsPairs) {
   BulletWorld bullet;
   bullet.addBoxFloor();
   SoftBodySystem system(*bullet.world);
-  Recorder recorder;
+  CallRecorder recorder;
   system.setContactListener(&recorder);
-  SoftBody* cube = addCube(system, 0.5 + kRadius);
-  SoftBody* second = addCube(system, 5);
+  SoftBody* cube = addLightlyDampedCube(system, 0.5 + kRadius);
+  SoftBody* second = addLightlyDampedCube(system, 5);
   bullet.simulate(0.2);
   btRigidBody* object = test::kSurface ? cube->surfaceObject() : cube->point(3);
   bullet.world->removeRigidBody(object);
@@ -164,10 +164,10 @@ TEST(ContactListener, mayDestroyBodiesEvenTheLastAndRemovePartners) {
     BulletWorld bullet;
     btRigidBody* floor = bullet.addBoxFloor();
     SoftBodySystem system(*bullet.world);
-    Recorder recorder;
+    CallRecorder recorder;
     system.setContactListener(&recorder);
-    addCube(system, 0.5 + kRadius);
-    addCube(system, 0.5 + kRadius, 2.0);
+    addLightlyDampedCube(system, 0.5 + kRadius);
+    addLightlyDampedCube(system, 0.5 + kRadius, 2.0);
     recorder.onBegin = [&](const ContactPair& pair) {
       if (all)
         system.removeAll();
@@ -186,9 +186,9 @@ TEST(ContactListener, nobodyIsToldAfterItIsTakenBack) {
   BulletWorld bullet;
   bullet.addBoxFloor();
   SoftBodySystem system(*bullet.world);
-  Recorder recorder;
+  CallRecorder recorder;
   system.setContactListener(&recorder);
-  addCube(system, 0.5 + kRadius);
+  addLightlyDampedCube(system, 0.5 + kRadius);
   bullet.simulate(0.1);
   const std::string calls = recorder.calls;
   EXPECT_FALSE(calls.empty());

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Zlib
 // Bullet finds and solves the contacts: bounce, rest and friction of soft bodies on its shapes.
+#include "support/bullet_measures.h"
 #include "support/bullet_world.h"
 #include "support/networks.h"
 #include "support/tested_way.h"
@@ -14,6 +15,7 @@ namespace limber {
 namespace {
 
 using test::BulletWorld;
+using test::lowest;
 
 enum class Floor { Plane, Box, Hull, TriangleMesh };
 
@@ -27,12 +29,6 @@ void addFloor(BulletWorld& bullet, Floor floor) {
   if (floor == Floor::Box) bullet.addBoxFloor();
   if (floor == Floor::Hull) bullet.addHullFloor();
   if (floor == Floor::TriangleMesh) bullet.addTriangleFloor();
-}
-
-double lowest(const SoftBody& body) {
-  double y = 1e9;
-  for (std::uint32_t i = 0; i < body.pointCount(); ++i) y = std::min(y, body.position(i).y());
-  return y;
 }
 
 double highest(const SoftBody& body) {

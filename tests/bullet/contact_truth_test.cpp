@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Zlib
 // What bodies tell of their contacts against the laws of motion: weights, momenta, places.
 #include "support/allocation_counter.h"
+#include "support/bullet_measures.h"
 #include "support/bullet_world.h"
+#include "support/constants.h"
 #include "support/networks.h"
 #include "support/tested_way.h"
 
@@ -17,14 +19,15 @@ namespace limber {
 namespace {
 
 using test::BulletWorld;
+using test::eigen;
+using test::kGravity;
+using test::kRadius;
+using test::kTick;
 using test::vec;
 
-constexpr double kRadius = 0.02;
-constexpr double kGravity = 9.81;
-constexpr double kTick = 1.0 / 60;
 constexpr double kWeight = kGravity;  // N, of bodies of 1 kg
 
-SoftBodySettings cubeSettings(double height) {
+SoftBodySettings weighedSettings(double height) {
   SoftBodySettings s = test::testedSettings();
   s.position = {0, height, 0};
   s.extensionStiffness = s.compressionStiffness = 2000;
@@ -34,15 +37,15 @@ SoftBodySettings cubeSettings(double height) {
   return s;
 }
 
-SoftBody* addCube(SoftBodySystem& system, double height = 0.5 + kRadius) {
-  SoftBody* body = *system.createBody(test::fullCubeNetwork(), cubeSettings(height));
+SoftBody* addWeighedCube(SoftBodySystem& system, double height = 0.5 + kRadius) {
+  SoftBody* body = *system.createBody(test::fullCubeNetwork(), weighedSettings(height));
   body->point(0)->setActivationState(DISABLE_DEACTIVATION);
   return body;
 }
 
 /// The cube with a closed surface.
 SoftBody* addClosedCube(SoftBodySystem& system, double height) {
-  SoftBody* body = *system.createBody(test::closedCubeNetwork(), cubeSettings(height));
+  SoftBody* body = *system.createBody(test::closedCubeNetwork(), weighedSettings(height));
   body->point(0)->setActivationState(DISABLE_DEACTIVATION);
   return body;
 }
@@ -52,8 +55,6 @@ struct Sums {
   Eigen::Vector3d friction = Eigen::Vector3d::Zero();  // N s
   double normal = 0.0;                                 // N s
 };
-
-Eigen::Vector3d eigen(const btVector3& v) { return {double(v.x()), double(v.y()), double(v.z())}; }
 
 void add(Sums& sums, const SoftBody& body, const btCollisionObject* other = nullptr) {
   for (const SoftContact& c : body.contacts()) {
@@ -85,7 +86,7 @@ TEST(ContactTruth, aRestingCubeBearsItsWeightOnAPlane) {
   BulletWorld bullet;
   btRigidBody* floor = bullet.addPlaneFloor();
   SoftBodySystem system(*bullet.world);
-  const Sums mean = meanOfAMinute(bullet, *addCube(system), floor);
+  const Sums mean = meanOfAMinute(bullet, *addWeighedCube(system), floor);
   EXPECT_NEAR(mean.normal / (kWeight * kTick), 1.0, kTolerance);
   EXPECT_NEAR(mean.impulse.x(), 0.0, kTolerance * kWeight * kTick);
 }
@@ -94,7 +95,8 @@ TEST(ContactTruth, aRestingCubeBearsItsWeightOnABox) {
   BulletWorld bullet;
   btRigidBody* floor = bullet.addBoxFloor();
   SoftBodySystem system(*bullet.world);
-  EXPECT_NEAR(meanOfAMinute(bullet, *addCube(system), floor).normal / (kWeight * kTick), 1.0, kTolerance);
+  EXPECT_NEAR(meanOfAMinute(bullet, *addWeighedCube(system), floor).normal / (kWeight * kTick), 1.0,
+              kTolerance);
 }
 
 TEST(ContactTruth, aRestingCubeBearsItsWeightOnAFreeBox) {
@@ -103,15 +105,15 @@ TEST(ContactTruth, aRestingCubeBearsItsWeightOnAFreeBox) {
   btRigidBody* box = bullet.addBox(vec(1, 0.2, 1), 2.0, vec(0, 0.2, 0));
   box->setActivationState(DISABLE_DEACTIVATION);
   SoftBodySystem system(*bullet.world);
-  EXPECT_NEAR(meanOfAMinute(bullet, *addCube(system, 0.9 + kRadius), box).normal / (kWeight * kTick), 1.0,
-              kTolerance);
+  EXPECT_NEAR(meanOfAMinute(bullet, *addWeighedCube(system, 0.9 + kRadius), box).normal / (kWeight * kTick),
+              1.0, kTolerance);
 }
 
 TEST(ContactTruth, aFreeBoxOnACubeIsBorneByIt) {
   BulletWorld bullet;
   btRigidBody* floor = bullet.addBoxFloor();
   SoftBodySystem system(*bullet.world);
-  SoftBody* cube = addCube(system);
+  SoftBody* cube = addWeighedCube(system);
   btRigidBody* box = bullet.addBox(vec(0.7, 0.1, 0.7), 0.5, vec(0, 1.1 + 2 * kRadius, 0));
   box->setActivationState(DISABLE_DEACTIVATION);
   const Sums onBox = meanOfAMinute(bullet, *cube, box);
@@ -145,7 +147,7 @@ TEST(ContactTruth, aCubeOnACubeIsBorneByItAsBothTell) {
 TEST(ContactTruth, theImpulsesOfACollisionAreTheChangesOfMomentumInBothBodiesReports) {
   BulletWorld bullet(0.0);
   SoftBodySystem system(*bullet.world);
-  SoftBodySettings s = cubeSettings(0);
+  SoftBodySettings s = weighedSettings(0);
   s.linearVelocity = {0, 1, 0};
   SoftBody* a = *system.createBody(test::closedCubeNetwork(), s);
   s.position = {0, 1.3, 0};
@@ -179,7 +181,7 @@ TEST(ContactTruth, frictionHoldsACubeOnAnIncline) {
       floor->setActivationState(DISABLE_DEACTIVATION);
     }
     SoftBodySystem system(*bullet.world);
-    const Sums mean = meanOfAMinute(bullet, *addCube(system, (free ? 0.9 : 0.5) + kRadius), floor);
+    const Sums mean = meanOfAMinute(bullet, *addWeighedCube(system, (free ? 0.9 : 0.5) + kRadius), floor);
     EXPECT_NEAR(mean.friction.x() / (-kWeight * std::sin(angle) * kTick), 1.0, kTolerance) << free;
     EXPECT_NEAR(mean.normal / (kWeight * std::cos(angle) * kTick), 1.0, kTolerance) << free;
   }
@@ -251,7 +253,7 @@ TEST(ContactTruth, aSleepingBodyKeepsItsContactsUntilTheirPartnerGoes) {
   BulletWorld bullet;
   btRigidBody* floor = bullet.addBoxFloor();
   SoftBodySystem system(*bullet.world);
-  SoftBody* cube = *system.createBody(test::fullCubeNetwork(), cubeSettings(0.5 + kRadius));
+  SoftBody* cube = *system.createBody(test::fullCubeNetwork(), weighedSettings(0.5 + kRadius));
   bullet.simulate(15.0);
   ASSERT_TRUE(cube->sleeping());
   EXPECT_EQ(cube->contacts().size(), 4u);
@@ -263,7 +265,7 @@ TEST(ContactTruth, contactsOfAWorldThatIsGoneAreGone) {
   auto bullet = std::make_unique<BulletWorld>();
   bullet->addBoxFloor();
   SoftBodySystem system(*bullet->world);
-  SoftBody* cube = addCube(system);
+  SoftBody* cube = addWeighedCube(system);
   bullet->simulate(1.0);
   EXPECT_FALSE(cube->contacts().empty());
   bullet.reset();

@@ -22,7 +22,7 @@ constexpr int kContacts = btIDebugDraw::DBG_DrawContactPoints;
 constexpr int kConstraints = btIDebugDraw::DBG_DrawConstraints;
 
 /// Keeps what it is given.
-struct Recorder final : btIDebugDraw {
+struct DrawRecorder final : btIDebugDraw {
   struct Line {
     btVector3 from, to, colour;
   };
@@ -47,15 +47,15 @@ struct Recorder final : btIDebugDraw {
   int getDebugMode() const override { return mode; }
 };
 
-Recorder drawn(const SoftBodySystem& system, int mode) {
-  Recorder recorder;
+DrawRecorder drawn(const SoftBodySystem& system, int mode) {
+  DrawRecorder recorder;
   recorder.mode = mode;
   system.debugDraw(recorder);
   return recorder;
 }
 
-bool has(const Recorder& recorder, const btVector3& from, const btVector3& to) {
-  const auto isThis = [&](const Recorder::Line& line) {
+bool has(const DrawRecorder& recorder, const btVector3& from, const btVector3& to) {
+  const auto isThis = [&](const DrawRecorder::Line& line) {
     return line.from.distance(from) < btScalar(1e-5) && line.to.distance(to) < btScalar(1e-5);
   };
   return std::any_of(recorder.lines.begin(), recorder.lines.end(), isThis);
@@ -69,7 +69,7 @@ struct DebugDraw : testing::Test {
 TEST_F(DebugDraw, showsEverySpringColouredByItsStrain) {
   SoftBody* body = *system.createBody(test::pairNetwork(), test::testedSettings());
   ASSERT_EQ(drawn(system, kWireframe).lines.size(), 1u);
-  const Recorder::Line rest = drawn(system, kWireframe).lines[0];
+  const DrawRecorder::Line rest = drawn(system, kWireframe).lines[0];
   EXPECT_NEAR(double(rest.from.distance(rest.to)), 1.0, 1e-6);
   EXPECT_EQ(rest.colour.x(), rest.colour.z()) << "grey";
 
@@ -77,7 +77,7 @@ TEST_F(DebugDraw, showsEverySpringColouredByItsStrain) {
     body->pin(0), body->pin(1);
     body->point(1)->getWorldTransform().setOrigin(vec(length, 0, 0));
     bullet.tick();
-    const Recorder::Line line = drawn(system, kWireframe).lines[0];
+    const DrawRecorder::Line line = drawn(system, kWireframe).lines[0];
     EXPECT_NEAR(double(line.from.distance(line.to)), length, 1e-5);
     if (length > 1.0)
       EXPECT_GT(line.colour.x(), 2 * line.colour.z()) << "red where it is stretched";
@@ -99,7 +99,7 @@ TEST_F(DebugDraw, drawsABoxAroundABodyWithItsRadius) {
   s.pointRadius = 0.1;
   s.position = {1, 2, 3};
   system.createBody(test::pairNetwork(), s);
-  const Recorder box = drawn(system, kAabb);
+  const DrawRecorder box = drawn(system, kAabb);
   ASSERT_EQ(box.lines.size(), 12u);
   EXPECT_TRUE(has(box, vec(0.9, 1.9, 2.9), vec(2.1, 1.9, 2.9)) ||
               has(box, vec(2.1, 1.9, 2.9), vec(0.9, 1.9, 2.9)));
@@ -114,10 +114,10 @@ TEST(DebugDrawContacts, areThoseOfTheLastTick) {
   s.pointRadius = 0.02;
   SoftBody* cube = *system.createBody(test::closedCubeNetwork(), s);
   bullet.simulate(1.0);
-  const Recorder recorder = drawn(system, kContacts);
+  const DrawRecorder recorder = drawn(system, kContacts);
   ASSERT_EQ(recorder.contacts.size(), cube->contacts().size());
   ASSERT_GE(recorder.contacts.size(), 4u);
-  for (const Recorder::Contact& contact : recorder.contacts) {
+  for (const DrawRecorder::Contact& contact : recorder.contacts) {
     EXPECT_NEAR(double(contact.at.y()), 0.0, 1e-3) << "on the floor";
     EXPECT_GT(double(contact.normal.y()), 0.999);
   }
@@ -131,7 +131,7 @@ TEST_F(DebugDraw, drawsAnchorsAndSingleSpringsWithConstraints) {
   SpringSettings spring;
   ASSERT_TRUE(system.addSpring({box, vec(0, -0.1, 0)}, {nullptr, vec(0, 0.5, 0)}, spring));
   ASSERT_TRUE(system.attach(body, 0, *box, vec(0, 0.1, 0)));
-  const Recorder recorder = drawn(system, kConstraints);
+  const DrawRecorder recorder = drawn(system, kConstraints);
   EXPECT_EQ(recorder.lines.size(), 2u);
   EXPECT_TRUE(has(recorder, vec(0, 0.9, 0), vec(0, 0.5, 0)));
   EXPECT_TRUE(has(recorder, vec(0, 1, 0), vec(0, 1.1, 0)));
@@ -139,7 +139,7 @@ TEST_F(DebugDraw, drawsAnchorsAndSingleSpringsWithConstraints) {
 
 TEST_F(DebugDraw, isPartOfTheWorldsOwn) {
   SoftBody* body = *system.createBody(test::pairNetwork(), test::testedSettings());
-  Recorder recorder;
+  DrawRecorder recorder;
   bullet.world->setDebugDrawer(&recorder);
   bullet.world->debugDrawWorld();
   EXPECT_TRUE(recorder.lines.empty()) << "no mode, nothing drawn";

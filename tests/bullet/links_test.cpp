@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Zlib
 // Springs between any bodies, pins, and points attached to rigid bodies.
+#include "support/bullet_measures.h"
 #include "support/bullet_world.h"
+#include "support/constants.h"
 #include "support/networks.h"
 #include "support/tested_way.h"
 
@@ -13,22 +15,13 @@
 namespace limber {
 namespace {
 
+using test::angularMomentumOf;
 using test::BulletWorld;
-
-constexpr double kTick = 1.0 / 60.0;
+using test::eigen;
+using test::kTick;
+using test::momentumOf;
 
 void keepAwake(SoftBody& body) { body.point(0)->setActivationState(DISABLE_DEACTIVATION); }
-
-Eigen::Vector3d eigen(const btVector3& v) { return {v.x(), v.y(), v.z()}; }
-
-Eigen::Vector3d momentumOf(const btRigidBody& body) {
-  return eigen(body.getLinearVelocity()) / double(body.getInvMass());
-}
-
-Eigen::Vector3d angularMomentumOf(const btRigidBody& body) {
-  const btVector3 spin = body.getInvInertiaTensorWorld().inverse() * body.getAngularVelocity();
-  return eigen(body.getWorldTransform().getOrigin()).cross(momentumOf(body)) + eigen(spin);
-}
 
 // --- springs -----------------------------------------------------------------------------------------------
 

@@ -15,7 +15,7 @@ namespace {
 using test::BulletWorld;
 using test::vec;
 
-constexpr double kRadius = 0.01, kHalfHeight = 0.2;
+constexpr double kClothRadius = 0.01, kHalfHeight = 0.2;
 
 /// 1.2 m, 0.2 kg, 1 cm above the floor.
 SoftBody* addCloth(SoftBodySystem& system) {
@@ -26,9 +26,9 @@ SoftBody* addCloth(SoftBodySystem& system) {
   s.totalMass = 0.2;
   s.extensionStiffness = s.compressionStiffness = 500.0;
   s.damping = 0.3;
-  s.pointRadius = kRadius;
+  s.pointRadius = kClothRadius;
   s.friction = 0.5;
-  s.position = {0, 2 * kRadius, 0};
+  s.position = {0, 2 * kClothRadius, 0};
   return *system.createBody(*buildCloth(shape), s);
 }
 
@@ -57,9 +57,10 @@ TEST(SurfaceMassRatio, aHeavyBoxComesToRestOnAClothOnTheFloor) {
     EXPECT_FALSE(box->isActive()) << mass;
     EXPECT_FALSE(cloth->surfaceObject()->isActive()) << mass;
     // contacts at rest give way by a share of their impulse, see pair_solve.cpp
-    EXPECT_NEAR(double(box->getWorldTransform().getOrigin().y()), kHalfHeight + 2 * kRadius, 2e-4) << mass;
+    EXPECT_NEAR(double(box->getWorldTransform().getOrigin().y()), kHalfHeight + 2 * kClothRadius, 2e-4)
+        << mass;
     // 0.46 of it: the sweeps end before a mass ratio of 20 000 : 1 has quite come through
-    EXPECT_GT(lowest, 0.4 * kRadius) << "at the hit, " << mass;
+    EXPECT_GT(lowest, 0.4 * kClothRadius) << "at the hit, " << mass;
   }
 }
 

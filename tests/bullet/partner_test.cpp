@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Zlib
 // Soft bodies under, on and between rigid bodies that move: rest heights, joints, impacts, sliding.
+#include "support/bullet_measures.h"
 #include "support/bullet_world.h"
+#include "support/constants.h"
 #include "support/networks.h"
 #include "support/stepped_body.h"
 #include "support/tested_way.h"
@@ -15,13 +17,13 @@ namespace limber {
 namespace {
 
 using test::BulletWorld;
+using test::kGravity;
+using test::kRadius;
+using test::momentumOf;
 using test::vec;
 
-constexpr double kRadius = 0.02;
-constexpr double kGravity = 9.81;
-
 /// A cube of eight points of 1 kg together, damped so that what stands on it is at rest in a few seconds.
-SoftBodySettings cubeSettings(double stiffness, double height, double friction = 0.0) {
+SoftBodySettings calmingSettings(double stiffness, double height, double friction = 0.0) {
   SoftBodySettings s = test::testedSettings();
   s.position = {0, height, 0};
   s.extensionStiffness = s.compressionStiffness = stiffness;
@@ -31,8 +33,8 @@ SoftBodySettings cubeSettings(double stiffness, double height, double friction =
   return s;
 }
 
-SoftBody* addCube(SoftBodySystem& system, double stiffness, double height, double friction = 0.0) {
-  SoftBody* body = *system.createBody(test::fullCubeNetwork(), cubeSettings(stiffness, height, friction));
+SoftBody* addCalmingCube(SoftBodySystem& system, double stiffness, double height, double friction = 0.0) {
+  SoftBody* body = *system.createBody(test::fullCubeNetwork(), calmingSettings(stiffness, height, friction));
   body->point(0)->setActivationState(DISABLE_DEACTIVATION);
   return body;
 }
@@ -81,7 +83,7 @@ TEST(Partners, aBoxRestsOnACubeAtTheHeightThatStaticsAsksFor) {
       BulletWorld bullet;
       bullet.addBoxFloor();
       SoftBodySystem system(*bullet.world);
-      addCube(system, stiffness, 0.5 + kRadius);
+      addCalmingCube(system, stiffness, 0.5 + kRadius);
       btRigidBody* box = addBox(bullet, mass, 1 + 2 * kRadius + 0.1);
       bullet.simulate(8.0);
       const double expected = cubeHeight(stiffness, mass * kGravity) + 2 * kRadius + 0.1;
@@ -96,7 +98,7 @@ TEST(Partners, heavyBoxesRestOnStiffCubesToo) {
     bullet.addBoxFloor();
     SoftBodySystem system(*bullet.world);
     // friction keeps the box from squeezing out; it also carries a little of the load's spreading
-    SoftBodySettings s = cubeSettings(1e5, 0.5 + kRadius, 1.0);
+    SoftBodySettings s = calmingSettings(1e5, 0.5 + kRadius, 1.0);
     s.damping *= 20;
     (*system.createBody(test::fullCubeNetwork(), s))->point(0)->setActivationState(DISABLE_DEACTIVATION);
     btRigidBody* box = addBox(bullet, mass, 1 + 2 * kRadius + 0.1, 0.5);
@@ -114,7 +116,7 @@ TEST(Partners, aCubeRestsOnAFreeBoxAsOnTheFloor) {
       bullet.addBoxFloor();
       SoftBodySystem system(*bullet.world);
       btRigidBody* box = addBox(bullet, mass, 0.1, 0.5);
-      SoftBody* cube = addCube(system, stiffness, 0.2 + 0.5 + kRadius);
+      SoftBody* cube = addCalmingCube(system, stiffness, 0.2 + 0.5 + kRadius);
       bullet.simulate(8.0);
       // contacts give way a little, light bodies that carry heavy ones the most: 5e-5 m is asked for at mass
       // ratio 1, 1e-3 m at 1:100
@@ -133,7 +135,7 @@ TEST(Partners, cubesAndPlatesStackUp) {
     std::vector<SoftBody*> cubes;
     double floor = 0, expected = 0;
     for (int i = 0; i < 3; ++i) {
-      cubes.push_back(addCube(system, 1e4, floor + 0.5 + kRadius, 0.5));
+      cubes.push_back(addCalmingCube(system, 1e4, floor + 0.5 + kRadius, 0.5));
       floor += 1 + 2 * kRadius;
       const double above = (2 - i) * (1.0 + mass) * kGravity;
       expected += cubeHeight(1e4, above) + 2 * kRadius;
@@ -162,7 +164,7 @@ TEST(Partners, pilesOfBoxesStandOnACubeAndDoNotSway) {
     BulletWorld bullet;
     bullet.addBoxFloor()->setFriction(1);
     SoftBodySystem system(*bullet.world);
-    addCube(system, 1e4, 0.5 + kRadius, 0.5);
+    addCalmingCube(system, 1e4, 0.5 + kRadius, 0.5);
     std::vector<btRigidBody*> boxes;
     for (int i = 0; i < count; ++i)
       boxes.push_back(addBox(bullet, 0.1, 1 + 2 * kRadius + 0.1 + 0.2 * i, 1.0));
@@ -188,7 +190,7 @@ TEST(Partners, aHingedLidLeansOnACube) {
   BulletWorld bullet;
   bullet.addBoxFloor()->setFriction(1);
   SoftBodySystem system(*bullet.world);
-  SoftBodySettings s = cubeSettings(stiffness, 0.5 + kRadius, 0.5);
+  SoftBodySettings s = calmingSettings(stiffness, 0.5 + kRadius, 0.5);
   s.position.x() = -0.2;
   s.damping *= 10;
   (*system.createBody(test::fullCubeNetwork(), s))->point(0)->setActivationState(DISABLE_DEACTIVATION);
@@ -224,7 +226,7 @@ TEST(Partners, aPlateHungFromAnotherBelowACube) {
   inAnchor.setOrigin(vec(-2, -2, 0));
   btFixedConstraint joint(*anchor, *plate, inAnchor, inPlate);
   bullet.world->addConstraint(&joint);
-  SoftBody* cube = addCube(system, 1e4, 1.1 + 0.5 + kRadius);
+  SoftBody* cube = addCalmingCube(system, 1e4, 1.1 + 0.5 + kRadius);
   bullet.simulate(8.0);
   EXPECT_NEAR(height(*plate), 1.0, 2e-5);
   EXPECT_NEAR(top(*cube), height(*plate) + 0.1 + kRadius + cubeHeight(1e4, 0), 5e-5);
@@ -232,11 +234,6 @@ TEST(Partners, aPlateHungFromAnotherBelowACube) {
 }
 
 // --- motion ------------------------------------------------------------------------------------------------
-
-Eigen::Vector3d momentumOf(const btRigidBody& body) {
-  const btVector3& v = body.getLinearVelocity();
-  return Eigen::Vector3d(double(v.x()), double(v.y()), double(v.z())) / double(body.getInvMass());
-}
 
 /// J, of a body with a diagonal inertia.
 double energyOf(const btRigidBody& body) {
@@ -250,7 +247,7 @@ TEST(Partners, aHitInFreeSpaceKeepsMomentumAndGainsNoEnergy) {
     for (const double mass : {0.1, 1.0, 10.0}) {
       BulletWorld bullet(0.0);
       SoftBodySystem system(*bullet.world);
-      SoftBody* cube = addCube(system, stiffness, 0.0, 0.5);
+      SoftBody* cube = addCalmingCube(system, stiffness, 0.0, 0.5);
       btRigidBody* box = bullet.addBox(vec(0.3, 0.3, 0.7), mass, vec(-1.2, 0.3, 0.1));
       box->setActivationState(DISABLE_DEACTIVATION);
       box->setLinearVelocity(vec(3, 0, 0));
@@ -271,9 +268,9 @@ TEST(Partners, atRestForAMinuteNoEnergyIsGained) {
     BulletWorld bullet;
     bullet.addBoxFloor()->setFriction(1);
     SoftBodySystem system(*bullet.world);
-    SoftBody* lower = addCube(system, 1e4, 0.5 + kRadius, 0.5);
+    SoftBody* lower = addCalmingCube(system, 1e4, 0.5 + kRadius, 0.5);
     btRigidBody* plate = addBox(bullet, mass, 1 + 2 * kRadius + 0.1, 1.0);
-    SoftBody* upper = addCube(system, 1e4, 1.2 + 2 * kRadius + 0.5 + kRadius, 0.5);
+    SoftBody* upper = addCalmingCube(system, 1e4, 1.2 + 2 * kRadius + 0.5 + kRadius, 0.5);
     const auto energy = [&] {
       double sum = energyOf(*plate) + mass * kGravity * height(*plate);
       for (const SoftBody* cube : {lower, upper})
@@ -306,7 +303,7 @@ TEST(Partners, slidesOnATiltedPlateByCoulombsLaw) {
     btFixedConstraint joint(*plate, btTypedConstraint::getFixedBody(), btTransform::getIdentity(),
                             btTransform(btQuaternion::getIdentity(), vec(0, -0.1, 0)));
     bullet.world->addConstraint(&joint);
-    SoftBody* cube = addCube(system, 1e4, 0.5 + kRadius, 0.5);
+    SoftBody* cube = addCalmingCube(system, 1e4, 0.5 + kRadius, 0.5);
     bullet.simulate(1.0);
     const double before = cube->linearMomentum().x();
     bullet.simulate(2.0);
@@ -322,7 +319,7 @@ TEST(Partners, aSleepingBoxWakesWhenACubeFallsOnIt) {
   SoftBodySystem system(*bullet.world);
   btRigidBody* box = addBox(bullet, 1.0, 0.1, 0.5);
   box->forceActivationState(ISLAND_SLEEPING);
-  SoftBody* cube = addCube(system, 1e4, 1.5, 0.5);
+  SoftBody* cube = addCalmingCube(system, 1e4, 1.5, 0.5);
   bullet.simulate(0.2);
   EXPECT_FALSE(box->isActive());
   bullet.simulate(3.0);
@@ -335,7 +332,7 @@ TEST(Partners, bulletsManifoldsSayWhatRigidContactsBear) {
   bullet.addBoxFloor();
   SoftBodySystem system(*bullet.world);
   btRigidBody* box = addBox(bullet, 2.0, 0.1, 0.5);
-  addCube(system, 1e4, 0.2 + 0.5 + kRadius, 0.5);
+  addCalmingCube(system, 1e4, 0.2 + 0.5 + kRadius, 0.5);
   bullet.simulate(4.0);
   double impulse = 0;
   for (int m = 0; m < bullet.dispatcher.getNumManifolds(); ++m) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Zlib
 // A body that has come to rest stays at rest: for a minute, on every kind of floor, soft or stiff.
 #include "support/bullet_world.h"
+#include "support/constants.h"
 #include "support/networks.h"
 #include "support/tested_way.h"
 
@@ -14,8 +15,7 @@ namespace limber {
 namespace {
 
 using test::BulletWorld;
-
-constexpr double kGravity = 9.81;
+using test::kGravity;
 
 void expectLastingRest(BulletWorld& bullet, double stiffness) {
   SoftBodySystem system(*bullet.world);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Zlib
 // Rolling and spinning friction of rigid bodies whose contacts are solved together with springs.
 #include "support/bullet_world.h"
+#include "support/constants.h"
 
 #include <limber/soft_body_system.h>
 
@@ -10,14 +11,16 @@ namespace limber {
 namespace {
 
 using test::BulletWorld;
+using test::kGravity;
 using test::vec;
 
-constexpr double kGravity = 9.81, kRadius = 0.5;
+constexpr double kBallRadius = 0.5;
 
 /// 1 kg, on the floor, of friction 1 like it: rolling friction is the ball's alone, as a length (m).
 btRigidBody* addBall(BulletWorld& bullet, double rolling, double spinning) {
   bullet.addBoxFloor()->setFriction(1);
-  btRigidBody* ball = bullet.add(std::make_unique<btSphereShape>(btScalar(kRadius)), 1.0, vec(0, kRadius, 0));
+  btRigidBody* ball =
+      bullet.add(std::make_unique<btSphereShape>(btScalar(kBallRadius)), 1.0, vec(0, kBallRadius, 0));
   ball->setFriction(1);
   ball->setRollingFriction(btScalar(rolling));
   ball->setSpinningFriction(btScalar(spinning));
@@ -40,10 +43,10 @@ TEST(RollingFriction, slowsABallAsItsMomentDoes) {
       btRigidBody* ball = addBall(bullet, rolling, 0.0);
       tie(system, ball);
       ball->setLinearVelocity(vec(btScalar(speed), 0, 0));
-      ball->setAngularVelocity(vec(0, 0, btScalar(-speed / kRadius)));
+      ball->setAngularVelocity(vec(0, 0, btScalar(-speed / kBallRadius)));
       bullet.simulate(0.5);
       // moment c m g on what rolls:  (2/5 m r^2 + m r^2) alpha = c m g,  a = alpha r
-      const double slower = rolling * kGravity / (1.4 * kRadius);
+      const double slower = rolling * kGravity / (1.4 * kBallRadius);
       EXPECT_NEAR(double(ball->getLinearVelocity().x()), speed - 0.5 * slower, 1e-3)
           << speed << ' ' << rolling;
       bullet.simulate(3.0);
@@ -58,7 +61,7 @@ TEST(RollingFriction, ofASpinAboutTheNormalIsAnother) {
   tie(system, ball);
   ball->setAngularVelocity(vec(0, 10, 0));
   bullet.simulate(1.0);
-  const double slower = 0.05 * kGravity / (0.4 * kRadius * kRadius);
+  const double slower = 0.05 * kGravity / (0.4 * kBallRadius * kBallRadius);
   EXPECT_NEAR(double(ball->getAngularVelocity().y()), 10.0 - slower, 1e-2);
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Zlib
 // Contacts of surfaces as manifolds in Bullet's dispatcher: right, inert, and never of what is gone.
 #include "support/bullet_world.h"
+#include "support/constants.h"
 #include "support/networks.h"
 #include "support/tested_way.h"
 
@@ -14,12 +15,11 @@ namespace limber {
 namespace {
 
 using test::BulletWorld;
+using test::kRadius;
+using test::kTick;
 using test::vec;
 
-constexpr double kRadius = 0.02;
-constexpr double kTick = 1.0 / 60;
-
-SoftBody* addCube(SoftBodySystem& system, double height, double x = 0.0) {
+SoftBody* addShownCube(SoftBodySystem& system, double height, double x = 0.0) {
   SoftBodySettings s = test::testedSettings();
   s.position = {x, height, 0};
   s.extensionStiffness = s.compressionStiffness = 2000;
@@ -41,7 +41,7 @@ TEST(ShownContacts, noneAreShownUnlessAskedFor) {
   BulletWorld bullet;
   bullet.addBoxFloor();
   SoftBodySystem system(*bullet.world);
-  SoftBody* cube = addCube(system, 0.5 + kRadius);
+  SoftBody* cube = addShownCube(system, 0.5 + kRadius);
   bullet.simulate(0.5);
   EXPECT_FALSE(cube->contacts().empty());
   EXPECT_EQ(bullet.dispatcher.getNumManifolds(), 0);
@@ -57,7 +57,7 @@ TEST(ShownContacts, aManifoldBearsTheWeightAndLeadsBackToTheTriangle) {
   btRigidBody* floor = bullet.addBoxFloor();
   SoftBodySystem system(*bullet.world);
   system.reportManifolds(true);
-  SoftBody* cube = addCube(system, 0.5 + kRadius);
+  SoftBody* cube = addShownCube(system, 0.5 + kRadius);
   cube->point(0)->setActivationState(DISABLE_DEACTIVATION);
   bullet.simulate(8.0);
   const auto manifolds = manifoldsOf(bullet, cube->surfaceObject());
@@ -91,7 +91,7 @@ std::vector<double> run(bool report, int ticks) {
   bullet.addBoxFloor();
   SoftBodySystem system(*bullet.world);
   system.reportManifolds(report);
-  SoftBody* cubes[] = {addCube(system, 0.6), addCube(system, 1.7), addCube(system, 0.7, 3.0)};
+  SoftBody* cubes[] = {addShownCube(system, 0.6), addShownCube(system, 1.7), addShownCube(system, 0.7, 3.0)};
   std::vector<btRigidBody*> boxes;
   for (int i = 0; i < 6; ++i)
     boxes.push_back(
@@ -114,8 +114,8 @@ TEST(ShownContacts, twoSoftBodiesShareAManifold) {
   bullet.addBoxFloor();
   SoftBodySystem system(*bullet.world);
   system.reportManifolds(true);
-  SoftBody* lower = addCube(system, 0.5 + kRadius);
-  SoftBody* upper = addCube(system, 1.5 + 3 * kRadius);
+  SoftBody* lower = addShownCube(system, 0.5 + kRadius);
+  SoftBody* upper = addShownCube(system, 1.5 + 3 * kRadius);
   bullet.simulate(1.0);
   const auto manifolds = manifoldsOf(bullet, upper->surfaceObject());
   ASSERT_EQ(manifolds.size(), 1u);
@@ -134,7 +134,7 @@ TEST(ShownContacts, BulletsCallbacksAreNotCalled) {
   bullet.addBoxFloor();
   SoftBodySystem system(*bullet.world);
   system.reportManifolds(true);
-  addCube(system, 0.5 + kRadius);
+  addShownCube(system, 0.5 + kRadius);
   contactsEnded = 0;
   gContactEndedCallback = countEnd;
   bullet.simulate(0.5);
@@ -148,8 +148,8 @@ TEST(ShownContacts, noManifoldNamesWhatHasLeftTheWorld) {
   btRigidBody* floor = bullet.addBoxFloor();
   SoftBodySystem system(*bullet.world);
   system.reportManifolds(true);
-  SoftBody* cube = addCube(system, 0.5 + kRadius);
-  SoftBody* second = addCube(system, 0.5 + kRadius, 3.0);
+  SoftBody* cube = addShownCube(system, 0.5 + kRadius);
+  SoftBody* second = addShownCube(system, 0.5 + kRadius, 3.0);
   bullet.simulate(0.5);
   EXPECT_EQ(bullet.dispatcher.getNumManifolds(), 2);
   system.destroyBody(second);
@@ -169,8 +169,8 @@ TEST(ShownContacts, worldSystemAndBodiesGoInAnyOrder) {
     bullet->addBoxFloor();
     auto system = std::make_unique<SoftBodySystem>(*bullet->world);
     system->reportManifolds(true);
-    SoftBody* cube = addCube(*system, 0.5 + kRadius);
-    addCube(*system, 1.5 + 3 * kRadius);
+    SoftBody* cube = addShownCube(*system, 0.5 + kRadius);
+    addShownCube(*system, 1.5 + 3 * kRadius);
     bullet->simulate(0.5);
     EXPECT_GE(bullet->dispatcher.getNumManifolds(), 2);
     if (order == 0) bullet.reset();

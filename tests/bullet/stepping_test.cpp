@@ -2,6 +2,7 @@
 // The choice of stepper, tolerance, budget and elastic limit, as a user sees them in a Bullet world.
 #include "support/allocation_counter.h"
 #include "support/bullet_world.h"
+#include "support/constants.h"
 #include "support/networks.h"
 #include "support/tested_way.h"
 
@@ -15,8 +16,7 @@ namespace limber {
 namespace {
 
 using test::BulletWorld;
-
-constexpr double kGravity = 9.81;
+using test::kGravity;
 
 SoftBodySettings stiffCube(double stiffness, Stepper stepper) {
   SoftBodySettings s = test::testedSettings();

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Zlib
 // Faces and edges touch: what is smaller than a triangle, what has no point under it, and what is fast.
+#include "support/bullet_measures.h"
 #include "support/bullet_world.h"
+#include "support/constants.h"
 #include "support/networks.h"
 #include "support/tested_way.h"
 
@@ -16,14 +18,14 @@ namespace limber {
 namespace {
 
 using Eigen::Vector3d;
+using test::angularMomentumOf;
 using test::BulletWorld;
+using test::eigen;
+using test::kRadius;
+using test::lowest;
 using test::vec;
 
-constexpr double kRadius = 0.02;
-
-Vector3d eigen(const btVector3& v) { return {double(v.x()), double(v.y()), double(v.z())}; }
-
-SoftBodySettings cubeSettings(const Vector3d& position, double stiffness = 1e3) {
+SoftBodySettings cubeAt(const Vector3d& position, double stiffness = 1e3) {
   SoftBodySettings s = test::testedSettings();
   s.position = position;
   s.extensionStiffness = s.compressionStiffness = stiffness;
@@ -32,7 +34,7 @@ SoftBodySettings cubeSettings(const Vector3d& position, double stiffness = 1e3) 
   return s;
 }
 
-SoftBody* addCube(SoftBodySystem& system, const SoftBodySettings& settings) {
+SoftBody* addAwakeCube(SoftBodySystem& system, const SoftBodySettings& settings) {
   SoftBody* body = *system.createBody(test::closedCubeNetwork(), settings);
   body->surfaceObject()->setActivationState(DISABLE_DEACTIVATION);
   return body;
@@ -46,12 +48,6 @@ btRigidBody* awake(btRigidBody* body) {
 btRigidBody* addMarble(BulletWorld& bullet, double radius, double mass, const Vector3d& place) {
   const btVector3 at = vec(place.x(), place.y(), place.z());
   return awake(bullet.add(std::make_unique<btSphereShape>(static_cast<btScalar>(radius)), mass, at));
-}
-
-double lowest(const SoftBody& body) {
-  double y = 1e9;
-  for (std::uint32_t i = 0; i < body.pointCount(); ++i) y = std::min(y, body.position(i).y());
-  return y;
 }
 
 /// How often the body's closed surface winds around a place: 0 outside, 1 inside, -1 inside one that has been
@@ -78,7 +74,7 @@ TEST(SurfaceContact, aMarbleRestsOnAFaceWithoutJitter) {
     BulletWorld bullet;
     bullet.addBoxFloor();
     SoftBodySystem system(*bullet.world);
-    SoftBody* cube = addCube(system, cubeSettings({0, 0.5 + kRadius, 0}));
+    SoftBody* cube = addAwakeCube(system, cubeAt({0, 0.5 + kRadius, 0}));
     btRigidBody* marble = addMarble(bullet, 0.05, mass, place + Vector3d(0, 1.2, 0));
     marble->setFriction(1);
     marble->setRollingFriction(0);
@@ -101,7 +97,7 @@ TEST(SurfaceContact, aSpikeDoesNotPassBetweenThePoints) {
   BulletWorld bullet;
   bullet.addBoxFloor();
   SoftBodySystem system(*bullet.world);
-  SoftBody* cube = addCube(system, cubeSettings({0, 0.5 + kRadius, 0}));
+  SoftBody* cube = addAwakeCube(system, cubeAt({0, 0.5 + kRadius, 0}));
   btRigidBody* cone = awake(
       bullet.add(std::make_unique<btConeShape>(btScalar(0.05), btScalar(0.5)), 0.2, vec(0.15, 1.4, 0.05)));
   btTransform down(btQuaternion(btVector3(1, 0, 0), SIMD_PI), vec(0.15, 1.4, 0.05));
@@ -141,7 +137,7 @@ TEST(SurfaceContact, aCubeLiesOnRailsThatNoPointTouches) {
       bullet.addBoxFloor();
       SoftBodySystem system(*bullet.world);
       add(bullet, mass);
-      SoftBody* cube = addCube(system, cubeSettings({0, 0.1 + 0.5 + 2 * kRadius, 0}));
+      SoftBody* cube = addAwakeCube(system, cubeAt({0, 0.1 + 0.5 + 2 * kRadius, 0}));
       bullet.simulate(8.0);
       EXPECT_GT(lowest(*cube), 0.08) << "the lower face sags between and beside the rails by a little only";
       EXPECT_NEAR(cube->centerOfMass().x(), 0.0, 0.02);
@@ -154,11 +150,11 @@ TEST(SurfaceContact, aCubeStaysOnALedgeAsLongAsItsCentreIsAboveIt) {
   bullet.addBoxFloor();
   SoftBodySystem system(*bullet.world);
   bullet.addBox(vec(0.5, 0.5, 0.8), 0, vec(0, 0.5, 0))->setFriction(1);
-  SoftBody* stays = addCube(system, cubeSettings({0.3, 1.5 + kRadius, 0}, 1e4));
+  SoftBody* stays = addAwakeCube(system, cubeAt({0.3, 1.5 + kRadius, 0}, 1e4));
   bullet.simulate(4.0);
   EXPECT_GT(stays->centerOfMass().y(), 1.4);
   system.destroyBody(stays);
-  SoftBody* falls = addCube(system, cubeSettings({0.6, 1.5 + kRadius, 0}, 1e4));
+  SoftBody* falls = addAwakeCube(system, cubeAt({0.6, 1.5 + kRadius, 0}, 1e4));
   bullet.simulate(4.0);
   EXPECT_LT(falls->centerOfMass().y(), 1.0);
 }
@@ -204,7 +200,7 @@ TEST(SurfaceContact, bumpsOfAFineGroundDoNotPokeThroughAFace) {
     auto ridge = field ? ridgeOfHeights(heights) : ridgeOfTriangles(bullet);
     bullet.add(std::move(ridge), 0, vec(0, field ? 0.5 * kRidge : 0.0, 0))->setFriction(1);
     SoftBodySystem system(*bullet.world);
-    SoftBody* cube = addCube(system, cubeSettings({0.0, 0.5 + kRidge + 2 * kRadius, 0.013}, 3e3));
+    SoftBody* cube = addAwakeCube(system, cubeAt({0.0, 0.5 + kRidge + 2 * kRadius, 0.013}, 3e3));
     double deepest = 0.0;
     for (int i = 0; i < 240; ++i) {
       bullet.tick();
@@ -226,10 +222,10 @@ TEST(SurfaceContact, softCubesStack) {
     SoftBodySystem system(*bullet.world);
     std::vector<SoftBody*> cubes;
     for (int i = 0; i < 3; ++i) {
-      SoftBodySettings s = cubeSettings({i % 2 * shift, 0.52 + 1.05 * i, 0}, 5e3);
+      SoftBodySettings s = cubeAt({i % 2 * shift, 0.52 + 1.05 * i, 0}, 5e3);
       s.rotation = Eigen::AngleAxisd(i % 2 * turn, Vector3d::UnitY());
       s.damping *= 2;
-      cubes.push_back(addCube(system, s));
+      cubes.push_back(addAwakeCube(system, s));
     }
     bullet.simulate(8.0);
     for (int i = 0; i < 3; ++i) {
@@ -247,14 +243,14 @@ TEST(SurfaceContact, twoSoftBodiesKeepTheirMomentaInAHit) {
   for (int shot = 0; shot < 20; ++shot) {
     BulletWorld bullet(0.0);
     SoftBodySystem system(*bullet.world);
-    SoftBodySettings s = cubeSettings({0, 0, 0}, 1e4);
+    SoftBodySettings s = cubeAt({0, 0, 0}, 1e4);
     s.rotation = Eigen::Quaterniond(any(random), any(random), any(random), any(random)).normalized();
-    SoftBody* still = addCube(system, s);
+    SoftBody* still = addAwakeCube(system, s);
     s.rotation = Eigen::Quaterniond(any(random), any(random), any(random), any(random)).normalized();
     s.position = {-2.0, 0.3 * any(random), 0.3 * any(random)};
     s.linearVelocity = {8, 0, 0};
     s.angularVelocity = 2.0 * Vector3d(any(random), any(random), any(random));
-    SoftBody* flies = addCube(system, s);
+    SoftBody* flies = addAwakeCube(system, s);
     const Vector3d linear = flies->linearMomentum(), angular = flies->angularMomentum();
     const double energy = flies->kineticEnergy();
     bullet.simulate(0.6);
@@ -267,11 +263,6 @@ TEST(SurfaceContact, twoSoftBodiesKeepTheirMomentaInAHit) {
   }
 }
 
-Vector3d angularMomentumOf(const btRigidBody& body) {
-  const btVector3 spin = body.getInvInertiaTensorWorld().inverse() * body.getAngularVelocity();
-  return eigen(body.getCenterOfMassPosition().cross(body.getLinearVelocity()) / body.getInvMass() + spin);
-}
-
 TEST(SurfaceContact, softAndRigidBodiesKeepTheirMomentaInAHit) {
   std::mt19937 random(6);
   std::uniform_real_distribution<double> any(-1, 1);
@@ -279,9 +270,9 @@ TEST(SurfaceContact, softAndRigidBodiesKeepTheirMomentaInAHit) {
     SCOPED_TRACE(shot);
     BulletWorld bullet(0.0);
     SoftBodySystem system(*bullet.world);
-    SoftBodySettings s = cubeSettings({0, 0, 0}, 1e4);
+    SoftBodySettings s = cubeAt({0, 0, 0}, 1e4);
     s.rotation = Eigen::Quaterniond(any(random), any(random), any(random), any(random)).normalized();
-    SoftBody* still = addCube(system, s);
+    SoftBody* still = addAwakeCube(system, s);
     // bodies with three equal moments of inertia: Bullet carries their velocities on as they are
     const btVector3 place = vec(-2.0, 0.3 * any(random), 0.3 * any(random));
     btRigidBody* flies = shot % 2 ? awake(bullet.addBox(vec(0.3, 0.3, 0.3), 1.0, place))
@@ -311,9 +302,9 @@ TEST(SurfaceContact, noShotStaysInACube) {
       for (int shot = 0; shot < 200; ++shot) {
         BulletWorld bullet(0.0);
         SoftBodySystem system(*bullet.world);
-        SoftBodySettings s = cubeSettings({0, 0, 0});
+        SoftBodySettings s = cubeAt({0, 0, 0});
         s.rotation = Eigen::Quaterniond(any(random), any(random), any(random), any(random)).normalized();
-        SoftBody* cube = addCube(system, s);
+        SoftBody* cube = addAwakeCube(system, s);
         Vector3d aim = 0.45 * Vector3d(any(random), any(random), any(random));
         for (int axis = 0; axis <= target; ++axis) aim[axis] = std::copysign(0.49, aim[axis]);
         const Vector3d outward = target == 0 ? Vector3d(aim.x() * Vector3d::UnitX()) : aim;
@@ -342,10 +333,10 @@ TEST(SurfaceContact, fastCubesDoNotPassThroughThinThings) {
       if (what == ThinBox) bullet.addBox(vec(5, 0.005, 5), 0, vec(0, -0.005, 0));
       if (what == Mesh) bullet.addTriangleFloor();
       SoftBodySystem system(*bullet.world);
-      SoftBodySettings s = cubeSettings({0.1, 2.0 + 0.13 * shot, 0.2}, 1e4);
+      SoftBodySettings s = cubeAt({0.1, 2.0 + 0.13 * shot, 0.2}, 1e4);
       s.rotation = Eigen::AngleAxisd(0.3 * shot, Vector3d(1, 2, 3).normalized());
       s.linearVelocity = {3, -100, 0};
-      SoftBody* cube = addCube(system, s);
+      SoftBody* cube = addAwakeCube(system, s);
       bullet.simulate(0.2);
       EXPECT_GT(lowest(*cube), -kRadius) << what << ' ' << shot;
       EXPECT_GT(cube->linearMomentum().y(), -1.0) << what << ' ' << shot;
@@ -361,10 +352,10 @@ TEST(SurfaceContact, fastCubesDoNotPassThroughEachOther) {
     SoftBodySystem system(*bullet.world);
     std::vector<SoftBody*> cubes;
     for (const double side : {-1.0, 1.0}) {
-      SoftBodySettings s = cubeSettings({1.5 * side, 0.2 * any(random), 0.2 * any(random)}, 1e4);
+      SoftBodySettings s = cubeAt({1.5 * side, 0.2 * any(random), 0.2 * any(random)}, 1e4);
       s.rotation = Eigen::Quaterniond(any(random), any(random), any(random), any(random)).normalized();
       s.linearVelocity = {-20.0 * side, 0, 0};
-      cubes.push_back(addCube(system, s));
+      cubes.push_back(addAwakeCube(system, s));
     }
     bullet.simulate(0.25);
     through += cubes[0]->centerOfMass().x() > cubes[1]->centerOfMass().x();

@@ -2,6 +2,7 @@
 // Bodies that are one object in the world move, rest and sleep as those whose points are in it.
 #include "support/allocation_counter.h"
 #include "support/bullet_world.h"
+#include "support/constants.h"
 #include "support/networks.h"
 #include "support/tested_way.h"
 
@@ -17,14 +18,13 @@ namespace limber {
 namespace {
 
 using test::BulletWorld;
-
-constexpr double kTick = 1.0 / 60.0;
+using test::kTick;
 
 // --- equal to points ---------------------------------------------------------------------------------------
 
 using AddFloor = void (*)(BulletWorld&);
 
-double restHeight(AddFloor addFloor, Collision way) {
+double restHeightOfWay(AddFloor addFloor, Collision way) {
   BulletWorld bullet;
   addFloor(bullet);
   SoftBodySystem system(*bullet.world);
@@ -46,7 +46,8 @@ TEST(SurfaceLife, restsAtTheHeightOfPoints) {
                                                 {[](BulletWorld& b) { b.addHullFloor(); }, 1e-7},
                                                 {[](BulletWorld& b) { b.addTriangleFloor(); }, 1e-7}};
   for (const auto& [addFloor, tolerance] : floors)
-    EXPECT_NEAR(restHeight(addFloor, Collision::Surface), restHeight(addFloor, Collision::Points), tolerance);
+    EXPECT_NEAR(restHeightOfWay(addFloor, Collision::Surface), restHeightOfWay(addFloor, Collision::Points),
+                tolerance);
 }
 
 TEST(SurfaceLife, aTumbleIsTheSameWhetherTheUserHoldsThePointsOrNot) {

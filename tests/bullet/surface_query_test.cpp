@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Zlib
 // Rays, sweeps and contact tests find a soft body's surface, as it is deformed, and tell where on it.
+#include "support/bullet_measures.h"
 #include "support/bullet_world.h"
 #include "support/networks.h"
 #include "support/tested_way.h"
@@ -13,6 +14,7 @@ namespace limber {
 namespace {
 
 using test::BulletWorld;
+using test::eigen;
 
 /// Keeps what Bullet tells of a ray's hit.
 struct Ray final : btCollisionWorld::ClosestRayResultCallback {
@@ -45,8 +47,6 @@ Eigen::Vector3d placeOf(const SurfaceHit& hit) {
     place += hit.weights[static_cast<Eigen::Index>(i)] * hit.body->position(hit.points[i]);
   return place;
 }
-
-Eigen::Vector3d eigen(const btVector3& v) { return {v.x(), v.y(), v.z()}; }
 
 /// A closed cube that has been thrown, turned and dented: its triangles are where nobody expects them.
 struct SurfaceQuery : testing::Test {

@@ -2,6 +2,7 @@
 // Whatever a Bullet user does to bodies and world between ticks is taken over; substeps and time steps of the
 // world change nothing.
 #include "support/bullet_world.h"
+#include "support/constants.h"
 #include "support/networks.h"
 #include "support/tested_way.h"
 
@@ -13,7 +14,7 @@ namespace limber {
 namespace {
 
 using test::BulletWorld;
-constexpr double kTick = 1.0 / 60.0;
+using test::kTick;
 
 struct Sim {
   explicit Sim(double gravity = -9.81, SoftBodySettings s = test::testedSettings())

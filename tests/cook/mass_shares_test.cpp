@@ -19,10 +19,9 @@ using limber::MassRule;
 using limber::MassShares;
 using limber::TriangleMesh;
 using limber::WeldedMesh;
+using test_shapes::welded;
 
 namespace {
-
-WeldedMesh welded(const TriangleMesh& mesh) { return *weld(mesh); }
 
 /// The points of a cubic lattice in the box of 2 x `half` that lie well inside.
 WeldedMesh withInside(const TriangleMesh& mesh, double spacing, double half) {

@@ -2,6 +2,7 @@
 #include "cook/rigidity.h"
 
 #include "cook/stiffness_matrix.h"
+#include "cook/triangle_geometry.h"
 #include "core/random.h"
 #include "support/network_shapes.h"
 #include "support/networks.h"
@@ -14,6 +15,7 @@
 
 #include <cmath>
 
+using limber::kPi;
 using limber::Modes;
 using limber::SharedNetwork;
 using limber::SmallDeformations;
@@ -23,8 +25,6 @@ using limber::SpringNetwork;
 using network_shapes::bare;
 
 namespace {
-
-constexpr double kPi = 3.14159265358979323846;
 
 struct Row {
   const char* name;

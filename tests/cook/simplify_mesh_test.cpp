@@ -16,10 +16,9 @@ using limber::simplify;
 using limber::TriangleBvh;
 using limber::TriangleMesh;
 using limber::WeldedMesh;
+using test_shapes::welded;
 
 namespace {
-
-WeldedMesh welded(const TriangleMesh& mesh) { return *weld(mesh); }
 
 WeldedMesh coarse(const TriangleMesh& mesh, std::uint32_t points) { return welded(*simplify(mesh, points)); }
 

@@ -62,7 +62,7 @@ SpringNetwork networkOf(const WeldedMesh& mesh) {
   return network;
 }
 
-SpringNetwork coarse(const TriangleMesh& mesh, std::uint32_t points) {
+SpringNetwork coarseNetwork(const TriangleMesh& mesh, std::uint32_t points) {
   return networkOf(*weld(*simplify(mesh, points)));
 }
 
@@ -112,7 +112,7 @@ TEST(Skin, affineMotionsAreExact) {
                                  small_meshes::cube(12), test_shapes::lShape()};
   for (const TriangleMesh& mesh : meshes) {
     const WeldedMesh welded = *weld(mesh);
-    const SpringNetwork network = coarse(mesh, 60);
+    const SpringNetwork network = coarseNetwork(mesh, 60);
     for (const SkinKind kind : kKinds) {
       const auto weights = skinWeights(network, welded, settingsOf(kind));
       ASSERT_TRUE(weights) << weights.error();
@@ -125,7 +125,7 @@ TEST(Skin, affineMotionsAreExact) {
 /// 100 points for 8 320 vertices.
 TEST(Skin, smoothDeformations) {
   const WeldedMesh mesh = *weld(test_shapes::rabbit(0.0142));
-  const SpringNetwork network = coarse(test_shapes::rabbit(0.0142), 100);
+  const SpringNetwork network = coarseNetwork(test_shapes::rabbit(0.0142), 100);
   struct Bar {
     SkinKind kind;
     double position, normal;  // m, rad
@@ -147,7 +147,7 @@ TEST(Skin, smoothDeformations) {
 /// Whose points see a motion on flat faces only.
 TEST(Skin, smoothDeformationsOfACube) {
   const WeldedMesh mesh = *weld(small_meshes::cube(20));
-  const SpringNetwork network = coarse(small_meshes::cube(20), 100);
+  const SpringNetwork network = coarseNetwork(small_meshes::cube(20), 100);
   const SkinWeights skin = *skinWeights(network, mesh, settingsOf(SkinKind::Dense));
   for (const Motion motion : {bend, twist, squash})
     EXPECT_LT(rmsError(ride(skin, moved(network.restPoints, motion)), moved(mesh.points, motion)), 1e-3);
@@ -187,7 +187,7 @@ TEST(Skin, partsThatNearlyTouchDoNotDragEachOther) {
                         {test_shapes::rabbit(0.025), isEar, 0.02}};
   for (const Case& c : cases) {
     const WeldedMesh mesh = *weld(c.mesh);
-    const SpringNetwork network = coarse(c.mesh, 100);
+    const SpringNetwork network = coarseNetwork(c.mesh, 100);
     for (const SkinKind kind : kKinds) {
       const auto weights = skinWeights(network, mesh, settingsOf(kind));
       ASSERT_TRUE(weights) << weights.error();
@@ -210,7 +210,7 @@ TEST(Skin, bodiesApartDoNotDragEachOther) {
     mesh.triangles.push_back({t[0] + first, t[1] + first, t[2] + first});
   }
   const WeldedMesh welded = *weld(mesh);
-  const SpringNetwork network = coarse(mesh, 84);
+  const SpringNetwork network = coarseNetwork(mesh, 84);
   Points points = network.restPoints;
   for (Vector3d& p : points) p.y() += p.x() > 1.05 ? 0.1 : 0.0;
   for (const SkinKind kind : kKinds) {
@@ -234,7 +234,7 @@ TEST(Skin, placesInPointsMoveWithThem) {
 TEST(Skin, sparseKeepsToItsNeighbours) {
   const TriangleMesh box = small_meshes::cube(16);  // whose nearest neighbours lie in a plane
   const WeldedMesh mesh = *weld(box);
-  const SpringNetwork network = coarse(box, 200);
+  const SpringNetwork network = coarseNetwork(box, 200);
   for (const std::uint32_t neighbours : {4u, 32u}) {
     SkinSettings settings = settingsOf(SkinKind::Sparse);
     settings.neighbours = neighbours;
@@ -265,7 +265,7 @@ TEST(Skin, networkWithSkin) {
   TriangleMesh mesh = test_shapes::rabbit(0.05);
   mesh.positions.emplace_back(9, 9, 9);  // used by no triangle
   mesh.uvs.resize(mesh.positions.size(), Eigen::Vector2f(0.25f, 0.5f));
-  const SpringNetwork network = coarse(mesh, 60);
+  const SpringNetwork network = coarseNetwork(mesh, 60);
   for (const SkinKind kind : kKinds) {
     const auto skinned = withSkin(network, mesh, settingsOf(kind));
     ASSERT_TRUE(skinned) << skinned.error();
@@ -293,7 +293,7 @@ TEST(Skin, networkWithSkin) {
 
 TEST(Skin, roundedWeightsSumToOne) {
   const TriangleMesh mesh = test_shapes::figure();
-  const limber::Skin skin = rounded(*skinWeights(coarse(mesh, 100), *weld(mesh), {}));
+  const limber::Skin skin = rounded(*skinWeights(coarseNetwork(mesh, 100), *weld(mesh), {}));
   for (std::size_t i = 0; i < skin.size(); ++i) {
     double sum = 0.0;
     for (std::uint32_t w = skin.firstWeight[i]; w < skin.firstWeight[i + 1]; ++w)

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "cook/triangle_bvh.h"
 
+#include "cook/triangle_geometry.h"
 #include "support/small_meshes.h"
 #include "support/test_shapes.h"
 
@@ -11,6 +12,7 @@
 #include <cmath>
 
 using Eigen::Vector3d;
+using limber::kPi;
 using limber::nearestBarycentric;
 using limber::pointAt;
 using limber::solidAngle;
@@ -18,12 +20,9 @@ using limber::SurfaceHit;
 using limber::TriangleBvh;
 using limber::TriangleCorners;
 using limber::WeldedMesh;
+using test_shapes::welded;
 
 namespace {
-
-constexpr double kPi = 3.14159265358979323846;
-
-WeldedMesh welded(const limber::TriangleMesh& mesh) { return *weld(mesh); }
 
 TriangleBvh bvhOf(const WeldedMesh& mesh) { return TriangleBvh(mesh.points, mesh.triangles); }
 

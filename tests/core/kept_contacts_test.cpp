@@ -13,11 +13,10 @@ using Eigen::Affine3d;
 using Eigen::AngleAxisd;
 using Eigen::Translation3d;
 using Eigen::Vector3d;
+using test::kMargin;
+using test::kRadius;
+using test::kRounding;
 using test::MovingShape;
-
-constexpr double kMargin = 0.007, kRadius = 0.02;
-/// m: positions of about 1 m are rounded to 1e-16 of that, and products of a few follow.
-constexpr double kRounding = 1e-12;
 
 /// A cube on another, turned and beside the middle: vertices on faces and edges that cross.
 struct Pile {

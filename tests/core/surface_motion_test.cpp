@@ -11,9 +11,8 @@ namespace limber {
 namespace {
 
 using Eigen::Vector3d;
+using test::kMargin;
 using test::MovingShape;
-
-constexpr double kMargin = 0.007;
 
 /// m, from the surface of a cube of 1 m around the origin; below 0 inside.
 double distanceToCube(const Vector3d& p) {

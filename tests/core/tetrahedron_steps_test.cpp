@@ -17,28 +17,32 @@ namespace {
 
 using test::SteppedTestBody;
 
-enum class How { Verlet, Quads, Linked, Shared, Newton };
+enum class TetrahedronStepper { Verlet, Quads, Linked, Shared, Newton };
 
-class TetrahedronSteps : public testing::TestWithParam<How> {
+class TetrahedronSteps : public testing::TestWithParam<TetrahedronStepper> {
  public:
   void SetUp() override {
-    if (GetParam() == How::Quads && !canStepQuads()) GTEST_SKIP() << "this machine has no AVX2";
+    if (GetParam() == TetrahedronStepper::Quads && !canStepQuads())
+      GTEST_SKIP() << "this machine has no AVX2";
   }
 
   void advance(SteppedTestBody& body, double time, int substeps) {
-    if (GetParam() == How::Shared || GetParam() == How::Newton) {
-      const auto kind =
-          GetParam() == How::Shared ? MidpointSolver::Kind::Shared : MidpointSolver::Kind::Newton;
+    if (GetParam() == TetrahedronStepper::Shared || GetParam() == TetrahedronStepper::Newton) {
+      const auto kind = GetParam() == TetrahedronStepper::Shared ? MidpointSolver::Kind::Shared
+                                                                 : MidpointSolver::Kind::Newton;
       return stepImplicit(body.stepped(), implicit, kind, time, substeps, factors);
     }
-    body.stepped().quads = GetParam() == How::Quads ? &quads : nullptr;
+    body.stepped().quads = GetParam() == TetrahedronStepper::Quads ? &quads : nullptr;
     // a rigid body that nothing is linked to makes a group of what is a body of its own
-    if (GetParam() == How::Linked) body.group.links.rigids.resize(1);
+    if (GetParam() == TetrahedronStepper::Linked) body.group.links.rigids.resize(1);
     stepVerlet(body.group, time, substeps);
   }
 
   /// The product of inverse and true momentum: what a stepper may lose by rounding.
-  double rounding() const { return GetParam() == How::Shared || GetParam() == How::Newton ? 1e-9 : 1e-11; }
+  double rounding() const {
+    return GetParam() == TetrahedronStepper::Shared || GetParam() == TetrahedronStepper::Newton ? 1e-9
+                                                                                                : 1e-11;
+  }
 
   QuadArrays quads;
   ImplicitState implicit;
@@ -101,14 +105,16 @@ TEST_P(TetrahedronSteps, areStableWhenScattered) {
   }
 }
 
-std::string nameOf(const testing::TestParamInfo<How>& how) {
+std::string nameOfTetrahedronStepper(const testing::TestParamInfo<TetrahedronStepper>& how) {
   const char* const names[] = {"Verlet", "Quads", "Linked", "Shared", "Newton"};
   return names[static_cast<int>(how.param)];
 }
 
 INSTANTIATE_TEST_SUITE_P(Steppers, TetrahedronSteps,
-                         testing::Values(How::Verlet, How::Quads, How::Linked, How::Shared, How::Newton),
-                         nameOf);
+                         testing::Values(TetrahedronStepper::Verlet, TetrahedronStepper::Quads,
+                                         TetrahedronStepper::Linked, TetrahedronStepper::Shared,
+                                         TetrahedronStepper::Newton),
+                         nameOfTetrahedronStepper);
 
 /// The share of the limit that bodies in their shape come to, in substeps as the default choice takes them.
 TEST(TetrahedronVolumes, areNotHeldBackNearRest) {

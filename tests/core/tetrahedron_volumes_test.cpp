@@ -23,7 +23,7 @@ SpringNetwork pair() {
   return network;
 }
 
-PointState stateOf(const SpringNetwork& network) {
+PointState pairState(const SpringNetwork& network) {
   PointState state;
   state.resize(static_cast<Eigen::Index>(network.restPoints.size()));
   for (Eigen::Index i = 0; i < state.position.cols(); ++i)
@@ -32,8 +32,8 @@ PointState stateOf(const SpringNetwork& network) {
   return state;
 }
 
-TetrahedronVolumes volumesOf(const SpringNetwork& network, double modulus,
-                             const Eigen::Vector3d& scale = Eigen::Vector3d::Ones()) {
+TetrahedronVolumes tetrahedraOf(const SpringNetwork& network, double modulus,
+                                const Eigen::Vector3d& scale = Eigen::Vector3d::Ones()) {
   SoftBodySettings settings;
   settings.volumeModulus = modulus;
   settings.scale = scale;
@@ -43,9 +43,9 @@ TetrahedronVolumes volumesOf(const SpringNetwork& network, double modulus,
 TEST(TetrahedronVolumes, areAtRestAtRestAndWhenMirroredByTheScale) {
   const SpringNetwork network = pair();
   for (const Eigen::Vector3d& scale : {Eigen::Vector3d(1, 1, 1), Eigen::Vector3d(-2, 1, 3)}) {
-    const TetrahedronVolumes v = volumesOf(network, 100.0, scale);
+    const TetrahedronVolumes v = tetrahedraOf(network, 100.0, scale);
     EXPECT_NEAR(v.restVolume[0], std::abs(scale.prod()) / 6.0, 1e-15);
-    PointState state = stateOf(network);
+    PointState state = pairState(network);
     state.position = scale.asDiagonal() * state.position;
     addTetrahedronForces(v, state);
     EXPECT_LT(state.force.norm(), 1e-12);
@@ -55,11 +55,11 @@ TEST(TetrahedronVolumes, areAtRestAtRestAndWhenMirroredByTheScale) {
 
 TEST(TetrahedronVolumes, haveTheGradientOfTheirEnergyAsForceAndNoNetForceOrTorque) {
   const SpringNetwork network = pair();
-  const TetrahedronVolumes v = volumesOf(network, 100.0);
+  const TetrahedronVolumes v = tetrahedraOf(network, 100.0);
   // free, crushed, turned over, swollen and turned over beyond the limits
   for (const double stretch : {1.1, 0.2, -0.7, 2.5, -1.5}) {
     SCOPED_TRACE(stretch);
-    PointState state = stateOf(network);
+    PointState state = pairState(network);
     state.position.row(0) *= stretch;
     for (Eigen::Index i = 0; i < 5; ++i)
       state.position(1, i) += 0.05 * std::sin(3.0 * static_cast<double>(i));
@@ -83,8 +83,8 @@ TEST(TetrahedronVolumes, haveTheGradientOfTheirEnergyAsForceAndNoNetForceOrTorqu
 
 TEST(TetrahedronVolumes, pushBackWhatIsTurnedOverEvenWithoutAModulus) {
   const SpringNetwork network = pair();
-  const TetrahedronVolumes v = volumesOf(network, 0.0);
-  PointState state = stateOf(network);
+  const TetrahedronVolumes v = tetrahedraOf(network, 0.0);
+  PointState state = pairState(network);
   state.position.row(0) *= 0.5;
   addTetrahedronForces(v, state);
   EXPECT_EQ(state.force.norm(), 0.0) << "half its volume is no crush";
@@ -95,18 +95,18 @@ TEST(TetrahedronVolumes, pushBackWhatIsTurnedOverEvenWithoutAModulus) {
 }
 
 TEST(TetrahedronVolumes, takeTheModulusOfTheSpringsByDefault) {
-  const TetrahedronVolumes v = volumesOf(pair(), -1.0);
+  const TetrahedronVolumes v = tetrahedraOf(pair(), -1.0);
   EXPECT_GT(v.modulus, 0.0);
   EXPECT_EQ(v.modulus, v.crushModulus);
-  EXPECT_TRUE(volumesOf(SpringNetwork{}, 5.0).empty());
+  EXPECT_TRUE(tetrahedraOf(SpringNetwork{}, 5.0).empty());
 }
 
 TEST(TetrahedronVolumes, boundTheFrequencyTheyAdd) {
   const SpringNetwork network = pair();
-  TetrahedronVolumes v = volumesOf(network, 100.0);
+  TetrahedronVolumes v = tetrahedraOf(network, 100.0);
   for (const double stretch : {1.0, 1.4, 0.6, 0.1, -0.3}) {
     SCOPED_TRACE(stretch);
-    PointState state = stateOf(network);
+    PointState state = pairState(network);
     state.position.row(0) *= stretch;
     // the Hessian by differences of the forces, with equal masses of 1/2 kg
     Eigen::MatrixXd hessian(15, 15);

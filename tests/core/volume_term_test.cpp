@@ -212,13 +212,14 @@ TEST(VolumeTerm, keepsItsBoundWhileTheShapeIsKept) {
   EXPECT_GT(keptVolumeBoundSquared(v, state, 1.0), 1.5 * bound);
 }
 
-enum class How { Verlet, Shared, Newton };
+enum class VolumeStepper { Verlet, Shared, Newton };
 
-class VolumeSteps : public testing::TestWithParam<How> {
+class VolumeSteps : public testing::TestWithParam<VolumeStepper> {
  public:
   void advance(SteppedTestBody& body, double time, int substeps) {
-    if (GetParam() == How::Verlet) return stepVerlet(body.group, time, substeps);
-    const auto kind = GetParam() == How::Shared ? MidpointSolver::Kind::Shared : MidpointSolver::Kind::Newton;
+    if (GetParam() == VolumeStepper::Verlet) return stepVerlet(body.group, time, substeps);
+    const auto kind =
+        GetParam() == VolumeStepper::Shared ? MidpointSolver::Kind::Shared : MidpointSolver::Kind::Newton;
     stepImplicit(body.stepped(), implicit, kind, time, substeps, factors);
   }
   ImplicitState implicit;
@@ -253,7 +254,8 @@ TEST_P(VolumeSteps, keepMomentumAndComeBackFromFlatAndInsideOut) {
     const Eigen::Vector3d momentum = linearMomentum(body.state);
     for (int i = 0; i < 1200; ++i) advance(body, 1.0 / 60.0, 8);
     // rounding of 10 000 substeps; the implicit ones solve factorised systems in each
-    EXPECT_LT((linearMomentum(body.state) - momentum).norm(), GetParam() == How::Verlet ? 1e-11 : 1e-9);
+    EXPECT_LT((linearMomentum(body.state) - momentum).norm(),
+              GetParam() == VolumeStepper::Verlet ? 1e-11 : 1e-9);
     EXPECT_NEAR(enclosedVolume(body.volumes, body.state.position), 1.0, 1e-6) << "squashed to " << squash;
     EXPECT_LT(body.energy() - 0.5 * momentum.squaredNorm(), 1e-6) << "squashed to " << squash;
   }
@@ -272,13 +274,14 @@ TEST_P(VolumeSteps, areBlownUpByGas) {
   EXPECT_NEAR(body.state.position.col(7).norm(), s, 1e-6);
 }
 
-std::string nameOf(const testing::TestParamInfo<How>& how) {
+std::string nameOfVolumeStepper(const testing::TestParamInfo<VolumeStepper>& how) {
   const char* const names[] = {"Verlet", "Shared", "Newton"};
   return names[static_cast<int>(how.param)];
 }
 
-INSTANTIATE_TEST_SUITE_P(Steppers, VolumeSteps, testing::Values(How::Verlet, How::Shared, How::Newton),
-                         nameOf);
+INSTANTIATE_TEST_SUITE_P(Steppers, VolumeSteps,
+                         testing::Values(VolumeStepper::Verlet, VolumeStepper::Shared, VolumeStepper::Newton),
+                         nameOfVolumeStepper);
 
 }  // namespace
 }  // namespace limber

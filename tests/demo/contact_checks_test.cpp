@@ -2,21 +2,13 @@
 // Each check of what touches is shown a scene that has been tampered with: a check that cannot fail proves
 // nothing. What has just been set up passes those that ask for places alone.
 #include "scenes/contact_checks.h"
-#include "scenes/scene_list.h"
+#include "created_scene.h"
 #include "scenes/timeline.h"
 
 #include <gtest/gtest.h>
 
 namespace limber::scenes {
 namespace {
-
-std::unique_ptr<Scene> create(const char* name, std::uint32_t count) {
-  SceneOptions options;
-  options.count = count;
-  SceneResult scene = findScene(name)->create(options);
-  EXPECT_TRUE(scene) << scene.error();
-  return std::move(*scene);
-}
 
 void shift(SoftBody& body, const Eigen::Vector3d& by) {
   for (std::uint32_t i = 0; i < body.pointCount(); ++i) {
@@ -35,7 +27,7 @@ std::string said(const Scene& scene, const char* part) {
 }
 
 TEST(ContactChecks, softBodiesInOneAnotherAreFound) {
-  const auto scene = create("stack", 3);
+  const auto scene = created("stack", 3);
   EXPECT_EQ(checkSoftApart(1e-3)(*scene), "");
   shift(*scene->soft->body(2), {0, -0.2, 0});
   EXPECT_NE(checkSoftApart(1e-3)(*scene), "");
@@ -43,20 +35,20 @@ TEST(ContactChecks, softBodiesInOneAnotherAreFound) {
 }
 
 TEST(ContactChecks, rigidBodiesInSoftOnesAreFound) {
-  const auto scene = create("tower-of-jelly", 2);
+  const auto scene = created("tower-of-jelly", 2);
   EXPECT_EQ(checkRigidApart(1e-3)(*scene), "");
   moveTo(*scene->world->movables[0], {0, 0.35, 0});
   EXPECT_NE(checkRigidApart(1e-3)(*scene).find("moving body 0"), std::string::npos);
 }
 
 TEST(ContactChecks, pointsInTheFloorAreFound) {
-  const auto scene = create("stack", 1);
+  const auto scene = created("stack", 1);
   shift(*scene->soft->body(0), {0, -0.1, 0});
   EXPECT_NE(checkRigidApart(1e-3)(*scene).find("static body 0"), std::string::npos);
 }
 
 TEST(ContactChecks, whatHasBeenTooDeepIsRemembered) {
-  const auto scene = create("marble", 1);
+  const auto scene = created("marble", 1);
   watchMovablesApart(*scene, 0.02);
   const Check& remembered = scene->endChecks.back();
   scene->afterTick(*scene);
@@ -70,14 +62,14 @@ TEST(ContactChecks, whatHasBeenTooDeepIsRemembered) {
 }
 
 TEST(ContactChecks, movingBodiesAreNotCalm) {
-  const auto scene = create("tower-of-jelly", 1);
+  const auto scene = created("tower-of-jelly", 1);
   EXPECT_EQ(checkMovablesCalm(0.01)(*scene), "");
   scene->world->movables[0]->setLinearVelocity(btVector3(1, 0, 0));
   EXPECT_NE(checkMovablesCalm(0.01)(*scene).find("1 m/s"), std::string::npos);
 }
 
 TEST(MarbleScene, tellsWhereMarblesAre) {
-  const auto scene = create("marble", 2);
+  const auto scene = created("marble", 2);
   btRigidBody &dropped = *scene->world->movables[0], &shot = *scene->world->movables[1];
   EXPECT_NE(said(*scene, "does not rest on a face"), "");  // still in the air
   const Eigen::Vector3d cube = middleOf(*scene->soft->body(0)), target = middleOf(*scene->soft->body(1));
@@ -93,7 +85,7 @@ TEST(MarbleScene, tellsWhereMarblesAre) {
 }
 
 TEST(StackScene, tellsWhatHasFallen) {
-  const auto scene = create("stack", 4);
+  const auto scene = created("stack", 4);
   EXPECT_EQ(said(*scene, "cube"), "");
   shift(*scene->soft->body(2), {0.5, 0, 0});
   EXPECT_NE(said(*scene, "cube 2 has slipped aside"), "");
@@ -102,7 +94,7 @@ TEST(StackScene, tellsWhatHasFallen) {
 }
 
 TEST(TowerScene, tellsWhatHasFallen) {
-  const auto scene = create("tower-of-jelly", 3);
+  const auto scene = created("tower-of-jelly", 3);
   EXPECT_EQ(said(*scene, "storey"), "");
   btRigidBody& plate = *scene->world->movables[1];
   const btTransform built = plate.getWorldTransform();
@@ -117,7 +109,7 @@ TEST(TowerScene, tellsWhatHasFallen) {
 }
 
 TEST(TowerScene, isNudgedOnce) {
-  const auto scene = create("tower-of-jelly", 1);
+  const auto scene = created("tower-of-jelly", 1);
   const btRigidBody& top = *scene->world->movables.back();
   scene->beforeTick(*scene);
   EXPECT_EQ(top.getLinearVelocity().x(), btScalar(0));
@@ -127,7 +119,7 @@ TEST(TowerScene, isNudgedOnce) {
 }
 
 TEST(CurtainScene, tellsWhatHasPassedOrComeOff) {
-  const auto scene = create("curtain", 1);
+  const auto scene = created("curtain", 1);
   EXPECT_EQ(said(*scene, "curtain 0"), "");
   EXPECT_EQ(said(*scene, "passed"), "");
   moveTo(*scene->world->movables[2], {0.5, 0.2, -0.5});
@@ -137,7 +129,7 @@ TEST(CurtainScene, tellsWhatHasPassedOrComeOff) {
 }
 
 TEST(CurtainScene, theBoxPushesAndGoesBack) {
-  const auto scene = create("curtain", 1);
+  const auto scene = created("curtain", 1);
   const btRigidBody& box = *scene->world->movables[0];
   const auto z = [&] { return double(box.getWorldTransform().getOrigin().z()); };
   const double start = z();
@@ -151,7 +143,7 @@ TEST(CurtainScene, theBoxPushesAndGoesBack) {
 }
 
 TEST(PileScene, tellsWhatIsNotInTheBin) {
-  const auto scene = create("pile", 5);
+  const auto scene = created("pile", 5);
   EXPECT_EQ(said(*scene, "bin"), "");
   EXPECT_EQ(said(*scene, "deep in"), "");
   shift(*scene->soft->body(3), {4, 0, 0});

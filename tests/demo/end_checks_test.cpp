@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 // Each end check is shown a scene that has been tampered with: a check that cannot fail proves nothing.
 #include "scenes/end_checks.h"
-#include "scenes/scene_list.h"
+#include "created_scene.h"
 
 #include <gtest/gtest.h>
 
@@ -16,14 +16,6 @@ void run(Scene& scene, int ticks) {
   for (int i = 0; i < ticks; ++i) tick(scene);
 }
 
-std::unique_ptr<Scene> create(const char* name, std::uint32_t count) {
-  SceneOptions options;
-  options.count = count;
-  SceneResult scene = findScene(name)->create(options);
-  EXPECT_TRUE(scene) << scene.error();
-  return std::move(*scene);
-}
-
 void movePoint(SoftBody& body, std::uint32_t i, const btVector3& to) {
   body.point(i)->getWorldTransform().setOrigin(to);
   body.point(i)->getInterpolationWorldTransform().setOrigin(to);
@@ -34,33 +26,33 @@ void contains(const std::string& text, const char* part) {
 }
 
 TEST(EndChecks, fourCubesPass) {
-  const auto scene = create("cubes", 4);
+  const auto scene = created("cubes", 4);
   run(*scene, kEnough);
   EXPECT_EQ(checkEnd(*scene), "");
 }
 
 TEST(EndChecks, cubesInTheAirAreNotCalm) {
-  const auto scene = create("cubes", 4);
+  const auto scene = created("cubes", 4);
   run(*scene, 20);
   contains(checkEnd(*scene), "is not calm");
 }
 
-TEST(EndChecks, runOfNoTicksIsNotCalm) { contains(checkEnd(*create("cubes", 1)), "is not calm"); }
+TEST(EndChecks, runOfNoTicksIsNotCalm) { contains(checkEnd(*created("cubes", 1)), "is not calm"); }
 
 TEST(EndChecks, pointBelowTheFloorIsFound) {
-  const auto scene = create("cubes", 2);
+  const auto scene = created("cubes", 2);
   movePoint(*scene->soft->body(1), 3, btVector3(0, btScalar(-0.5), 0));
   contains(checkAboveFloor(*scene), "point 3 of body 1 is 0.5 m below the floor");
 }
 
 TEST(EndChecks, pointThatIsNowhereIsFound) {
-  const auto scene = create("cubes", 2);
+  const auto scene = created("cubes", 2);
   movePoint(*scene->soft->body(0), 7, btVector3(0, btScalar(NAN), 0));
   contains(checkFinite(*scene), "point 7 of body 0 is nowhere");
 }
 
 TEST(EndChecks, squashedCubeHasLostItsShape) {
-  const auto scene = create("cubes", 1);
+  const auto scene = created("cubes", 1);
   SoftBody& cube = *scene->soft->body(0);
   for (std::uint32_t i = 0; i < cube.pointCount(); ++i) {
     const Eigen::Vector3d p = cube.position(i);
@@ -70,7 +62,7 @@ TEST(EndChecks, squashedCubeHasLostItsShape) {
 }
 
 TEST(EndChecks, mirroredCubeIsInsideOut) {
-  const auto scene = create("cubes", 1);
+  const auto scene = created("cubes", 1);
   SoftBody& cube = *scene->soft->body(0);
   for (std::uint32_t i = 0; i < cube.pointCount(); ++i) {
     const Eigen::Vector3d p = cube.position(i);
@@ -80,7 +72,7 @@ TEST(EndChecks, mirroredCubeIsInsideOut) {
 }
 
 TEST(EndChecks, awakeBodyIsFound) {
-  const auto scene = create("cubes", 1);
+  const auto scene = created("cubes", 1);
   run(*scene, kEnough);
   EXPECT_EQ(checkAsleep(*scene), "");
   scene->soft->body(0)->wake();
@@ -88,7 +80,7 @@ TEST(EndChecks, awakeBodyIsFound) {
 }
 
 TEST(EndChecks, stretchedRopeIsFound) {
-  const auto scene = create("rope", 1);
+  const auto scene = created("rope", 1);
   SoftBody& rope = *scene->soft->body(0);
   EXPECT_EQ(checkStretch(0.01)(*scene), "");
   const Eigen::Vector3d end = rope.position(0);
@@ -97,21 +89,21 @@ TEST(EndChecks, stretchedRopeIsFound) {
 }
 
 TEST(EndChecks, ropeWithoutItsBoxDoesNotHang) {
-  const auto scene = create("rope", 1);
+  const auto scene = created("rope", 1);
   scene->world->dynamics.removeRigidBody(scene->world->statics[1].get());
   run(*scene, 240);
   contains(scene->endChecks.back()(*scene), "rope 0 does not lie on the box");
 }
 
 TEST(EndChecks, clothWithoutItsSphereDoesNotDrape) {
-  const auto scene = create("cloth", 1);
+  const auto scene = created("cloth", 1);
   scene->world->dynamics.removeRigidBody(scene->world->statics[1].get());
   run(*scene, 90);
   contains(scene->endChecks.back()(*scene), "cloth 0 does not lie on the sphere");
 }
 
 TEST(EndChecks, pointInsideTheSphereIsFound) {
-  const auto scene = create("cloth", 1);
+  const auto scene = created("cloth", 1);
   const Check check = checkOutsideBall({0.0, 0.75, 0.0}, 0.75, 0.01);
   EXPECT_EQ(check(*scene), "");
   movePoint(*scene->soft->body(0), 500, btVector3(0, btScalar(0.75), 0));

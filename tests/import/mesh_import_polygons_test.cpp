@@ -4,6 +4,7 @@
 #include <limber/mesh_weld.h>
 
 #include "import/temporary_folder.h"
+#include "support/constants.h"
 
 #include <gtest/gtest.h>
 #include <Eigen/Geometry>
@@ -15,10 +16,9 @@ using Eigen::Vector3d;
 using limber::Result;
 using limber::Triangle;
 using limber::TriangleMesh;
+using limber::test::kPi;
 
 namespace {
-
-constexpr double kPi = 3.14159265358979323846;
 
 /// A file of one face with these corners.
 TriangleMesh importPolygon(const std::vector<Vector3d>& corners) {

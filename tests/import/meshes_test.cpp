@@ -4,6 +4,7 @@
 #include <limber/network_builder.h>
 
 #include "import/temporary_folder.h"
+#include "support/constants.h"
 
 #include <gtest/gtest.h>
 #include <Eigen/Geometry>
@@ -17,10 +18,9 @@ using Eigen::Vector3d;
 using limber::SharedNetwork;
 using limber::SpringNetwork;
 using limber::TriangleMesh;
+using limber::test::kPi;
 
 namespace {
-
-constexpr double kPi = 3.14159265358979323846;
 
 struct Expected {
   const char* name;
@@ -76,8 +76,6 @@ class Meshes : public testing::TestWithParam<Expected> {
     return *buildNetwork(*mesh, settings);
   }
 };
-
-}  // namespace
 
 TEST_P(Meshes, isOneClosedSurfaceWithTheOutsideOut) {
   const SharedNetwork network = build(limber::BraceRule::None);
@@ -155,3 +153,5 @@ TEST(CubeMesh, isTheCubeOfOneMetreAroundTheOrigin) {
   ASSERT_TRUE(mesh) << mesh.error();
   for (const Vector3d& p : mesh->positions) EXPECT_EQ(p.cwiseAbs(), Vector3d(0.5, 0.5, 0.5));
 }
+
+}  // namespace

@@ -2,10 +2,15 @@
 #pragma once
 
 #include "core/surface_contacts.h"
+#include "support/constants.h"
 
 #include <random>
 
 namespace limber::test {
+
+inline constexpr double kMargin = 0.007;  ///< m, how far apart contacts are searched for
+/// m: positions of about 1 m are rounded to 1e-16 of that, and products of a few follow.
+inline constexpr double kRounding = 1e-12;
 
 /// A surface with its points: at rest until `motion` is set. Call surface() after each change.
 struct MovingShape {

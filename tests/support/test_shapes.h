@@ -1,13 +1,16 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
-#include <limber/triangle_mesh.h>
+#include <limber/mesh_weld.h>
 
 /// Closed bodies about 1 m large, outward, for tests of what cooking makes of them. Unless said otherwise
 /// vertices are shared between triangles.
 namespace test_shapes {
 
 using limber::TriangleMesh;
+
+/// Of a sound mesh.
+inline limber::WeldedMesh welded(const TriangleMesh& mesh) { return *limber::weld(mesh); }
 
 // Those of the folder meshes, without texture coordinates, vertices of its own for each triangle.
 TriangleMesh lShape();    ///< 90 points

@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: Zlib
+#pragma once
+
+#include <limber/soft_body.h>
+
+#include <btBulletDynamicsCommon.h>
+
+#include <algorithm>
+
+namespace limber::test {
+
+inline Eigen::Vector3d eigen(const btVector3& v) { return {double(v.x()), double(v.y()), double(v.z())}; }
+
+inline Eigen::Vector3d momentumOf(const btRigidBody& body) {
+  return eigen(body.getLinearVelocity()) / double(body.getInvMass());
+}
+
+/// About the origin.
+inline Eigen::Vector3d angularMomentumOf(const btRigidBody& body) {
+  const btVector3 spin = body.getInvInertiaTensorWorld().inverse() * body.getAngularVelocity();
+  return eigen(body.getCenterOfMassPosition()).cross(momentumOf(body)) + eigen(spin);
+}
+
+/// m, of the points of a body.
+inline double lowest(const SoftBody& body) {
+  double y = 1e9;
+  for (std::uint32_t i = 0; i < body.pointCount(); ++i) y = std::min(y, body.position(i).y());
+  return y;
+}
+
+}  // namespace limber::test
