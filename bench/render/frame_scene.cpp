@@ -6,8 +6,8 @@
 namespace limber::bench {
 namespace {
 
-constexpr float kSpacing = 1.6f;  // m, of cubes 1 m wide
-constexpr float kHeight = 0.8f;   // m, of their middles
+constexpr float kSpacing = 1.6f;       // m, of cubes 1 m wide
+constexpr float kMiddleHeight = 0.8f;  // m, of their middles
 constexpr float kBallRadius = 2.0f, kBallHeight = 2.4f;
 
 constexpr float kSwell = 0.08f;     // of the distance from the middle
@@ -59,7 +59,7 @@ FrameScene makeCubeScene(std::size_t count) {
   Eigen::Matrix3Xf centres(3, static_cast<Eigen::Index>(count));
   for (std::size_t i = 0; i < count; ++i) {
     const float column = static_cast<float>(i % columns), row = static_cast<float>(i / columns);
-    centres.col(static_cast<Eigen::Index>(i)) << kSpacing * (column - middle), kHeight,
+    centres.col(static_cast<Eigen::Index>(i)) << kSpacing * (column - middle), kMiddleHeight,
         kSpacing * (row - middle);
   }
   return makeScene("cubes", render::makeBox({}, {0.5f, 0.5f, 0.5f}), std::move(centres));

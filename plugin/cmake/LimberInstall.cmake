@@ -1,5 +1,5 @@
 # Install rules and the package that find_package(limber CONFIG) finds. The import is a set of its own, so that
-# only those who ask for COMPONENTS import need assimp.
+# only those who ask for COMPONENTS import need assimp, and so is the renderer (render/CMakeLists.txt).
 include(CMakePackageConfigHelpers)
 set(limber_package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/limber)
 
@@ -7,7 +7,7 @@ function(limber_install_set set_name)
   install(TARGETS ${ARGN} EXPORT ${set_name}
     ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR}
     INCLUDES DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
-  install(EXPORT ${set_name} NAMESPACE limber:: DESTINATION ${limber_package_dir})
+  install(EXPORT ${set_name} NAMESPACE limber:: DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/limber)
 endfunction()
 
 limber_install_set(limber-targets limber_core limber)

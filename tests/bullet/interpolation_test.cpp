@@ -17,7 +17,6 @@ namespace {
 using test::BulletWorld;
 using test::vec;
 
-constexpr double kTick = 1.0 / 60.0;
 /// Of float coordinates of a few metres.
 constexpr double kRounding = 2e-6;
 
@@ -52,7 +51,7 @@ TEST_F(InterpolationTest, goesWithTheMotionStatesOfRigidBodies) {
     rigid->setLinearVelocity(vec(3, 1, 0));
     const Eigen::Vector3d start = body->position(0);
     for (int frame = 0; frame < 100; ++frame) {
-      bullet.world->stepSimulation(btScalar(1.0 / 144.0), 5, btScalar(kTick));
+      bullet.world->stepSimulation(btScalar(1.0 / 144.0), 5, btScalar(1.0 / 60.0));
       const Eigen::Vector3d went = at(*body, 0, system.tickFraction()) - start;
       const btVector3 rigidWent = motion.m_graphicsWorldTrans.getOrigin() - vec(0, 50, 0);
       // 50 m up a float is good to 4e-6 m, and it is added to a hundred times

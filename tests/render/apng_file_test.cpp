@@ -19,7 +19,7 @@
 namespace limber::render {
 namespace {
 
-using test::FileSizeLimit;
+using limber::test::FileSizeLimit;
 
 constexpr int kWidth = 31;
 constexpr int kHeight = 17;

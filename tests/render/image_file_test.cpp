@@ -66,7 +66,7 @@ TEST_F(ImageFile, MissingFolderIsNamed) {
 }
 
 TEST_F(ImageFile, FullDiskIsAnErrorAndLeavesNoHalfFile) {
-  const test::FileSizeLimit limit(1000);
+  const limber::test::FileSizeLimit limit(1000);
   EXPECT_THROW(writePng(path("a.png"), noise(64, 64)), std::runtime_error);
   EXPECT_THROW(writePng(path("b.png"), noise(18, 18)), std::runtime_error) << "fails only when closing";
   EXPECT_EQ(fileCount(), 0u);

@@ -9,9 +9,6 @@
 namespace limber::render::test {
 namespace {
 
-constexpr int kMiddleX = kWidth / 2;
-constexpr int kMiddleY = kHeight / 2;
-
 void lookDown(Stage& stage) {
   stage.camera.eye = {0.0f, 6.0f, 0.01f};
   stage.camera.target = {0.0f, 0.0f, 0.0f};

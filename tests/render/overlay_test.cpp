@@ -9,9 +9,6 @@
 namespace limber::render::test {
 namespace {
 
-constexpr int kMiddleX = kWidth / 2;
-constexpr int kMiddleY = kHeight / 2;
-
 // Looking along -z from 5 m.
 void lookAhead(Stage& stage) {
   stage.camera.eye = {0.0f, 0.0f, 5.0f};

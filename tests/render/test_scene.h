@@ -15,6 +15,8 @@ namespace limber::render::test {
 
 constexpr int kWidth = 160;
 constexpr int kHeight = 120;
+constexpr int kMiddleX = kWidth / 2;
+constexpr int kMiddleY = kHeight / 2;
 
 /// Small pictures, so that tests are fast.
 RendererDesc smallDesc();
