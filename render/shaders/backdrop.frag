@@ -1,3 +1,3 @@
 layout(location = 0) out vec4 result;
 
-void main() { result = vec4(backgroundColour(), 1.0); }
+void main() { result = vec4(dithered(backgroundColour()), 1.0); }

@@ -3,3 +3,11 @@ vec3 backgroundColour() {
   float down = clamp(gl_FragCoord.y / frame.viewport.y, 0.0, 1.0);
   return mix(frame.backgroundTop.rgb, frame.backgroundBottom.rgb, smoothstep(0.0, 1.0, down));
 }
+
+// Eight bits are too few for gradients this gentle: they would show as bands. Half a level up or down, by a noise
+// without visible pattern (Jimenez 2014, "Next generation post processing in Call of Duty", slide 123), hides them.
+// A level of sRGB is about 2.2 sqrt(c) / 255 of linear light at c.
+vec3 dithered(vec3 colour) {
+  float noise = fract(52.9829189 * fract(dot(floor(gl_FragCoord.xy), vec2(0.06711056, 0.00583715))));
+  return max(colour + (noise - 0.5) * 2.2 / 255.0 * sqrt(colour), 0.0);
+}

@@ -116,7 +116,7 @@ void main() {
   vec3 ambient = mix(frame.ground.rgb, frame.sky.rgb, 0.5 + 0.5 * normal.y);
   vec3 colour = surfaceColour() * (ambient + frame.sun.rgb * (sun * lit));
 #ifdef GRID
-  colour = mix(colour, backgroundColour(), smoothstep(0.35, 1.0, length(uv) / shapeRadius));
+  colour = mix(colour, dithered(backgroundColour()), smoothstep(0.35, 1.0, length(uv) / shapeRadius));
 #else
   float shine = facing > 0.0 ? highlight(max(dot(normal, middle), 0.0)) : 0.0;
   colour += frame.sun.rgb * (0.22 * sun * shine);
