@@ -25,8 +25,8 @@ struct Options {
 void addOptions(CLI::App& app, Options& options) {
   app.add_option("--out", options.out, "folder of render*.csv and render.txt (default out/bench)");
   app.add_flag("--quick", options.quick, "few sizes and frames, under a minute: the times mean little");
-  app.add_option("--part", options.part, "only frames, memory or png")
-      ->check(CLI::IsMember({"frames", "memory", "png"}));
+  app.add_option("--part", options.part, "only frames, memory, png or skins")
+      ->check(CLI::IsMember({"frames", "memory", "png", "skins"}));
   app.add_option("--context", options.context, "only osmesa or egl")->check(CLI::IsMember({"osmesa", "egl"}));
   app.add_option("--blocks", options.blocks, "turns of each path (default 5)")->check(CLI::PositiveNumber);
 }
@@ -111,6 +111,18 @@ std::vector<PngRow> pngPart(const Options& options, RowProgress& progress) {
   return rows;
 }
 
+std::vector<SkinCostRow> skinPart(const Options& options, RowProgress& progress) {
+  CsvTable csv(options.out + "/render_skins.csv", skinColumns());
+  const std::vector<DrawContext> contexts = workingContexts(options);
+  if (contexts.empty()) return {};
+  SkinLimits limits;
+  if (options.quick) limits = {51, 100, 2, 3};
+  if (options.blocks > 0) limits.blocks = options.blocks;
+  std::vector<SkinCostRow> rows = measureSkinCost(contexts[0], limits, progress);
+  for (const SkinCostRow& row : rows) csv.add(skinCells(row));
+  return rows;
+}
+
 }  // namespace
 
 ExitCode runRender(int argc, char** argv) {
@@ -124,6 +136,7 @@ ExitCode runRender(int argc, char** argv) {
   // first, for it forks, and drivers start threads
   if (wants(options, "memory")) results.memory = memoryPart(options);
   if (wants(options, "frames")) results.frames = framesPart(options, progress);
+  if (wants(options, "skins")) results.skins = skinPart(options, progress);
   if (wants(options, "png")) results.png = pngPart(options, progress);
   publish(summariseRender(results) + renderTargets(results), options.out + "/render.txt");
   return kSuccess;

@@ -4,6 +4,7 @@
 #include "render/frame_row.h"
 #include "render/path_memory.h"
 #include "render/png_cost.h"
+#include "render/skin_cost.h"
 
 namespace limber::bench {
 
@@ -12,6 +13,7 @@ struct RenderResults {
   std::vector<FrameRow> frames;
   std::vector<MemoryRow> memory;
   std::vector<PngRow> png;
+  std::vector<SkinCostRow> skins;
 };
 
 }  // namespace limber::bench

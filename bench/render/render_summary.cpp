@@ -80,11 +80,25 @@ std::string pngTable(const std::vector<PngRow>& rows) {
   return text;
 }
 
+std::string skinTable(const std::vector<SkinCostRow>& rows) {
+  if (rows.empty()) return {};
+  std::string text = format(
+      "\na smooth body of %zu vertices on %zu points, 1280x720, no shadows: places by compute shader (gpu) "
+      "or\n"
+      "by applySkin() and streamed (cpu); ms\n  %-7s %-4s %9s %9s %9s %9s %9s %9s\n",
+      rows[0].vertices, rows[0].points, "", "", "upload", "own", "frame", "process", "MB/frame", "MB");
+  for (const SkinCostRow& row : rows)
+    text += format("  %-7s %-4s %9.3f %9.3f %9.3f %9.3f %9.3f %9.2f\n", row.weights.c_str(), row.way.c_str(),
+                   row.times.upload, row.times.own, row.times.frame, row.times.process,
+                   1e-6 * static_cast<double>(row.bytes), 1e-6 * static_cast<double>(row.bufferBytes));
+  return text;
+}
+
 }  // namespace
 
 std::string summariseRender(const RenderResults& results) {
   return describeMachine() + "\n" + frameTables(results.frames) + memoryTable(results.memory) +
-         pngTable(results.png);
+         skinTable(results.skins) + pngTable(results.png);
 }
 
 }  // namespace limber::bench

@@ -73,13 +73,20 @@ def check_frames(program, _):
 
 
 def check_parts(program, _):
-    """Memory and files: each path is measured, and no picture is left over."""
+    """Memory, skins and files: each path is measured, and no picture is left over."""
     with tempfile.TemporaryDirectory() as name:
         folder = pathlib.Path(name)
         render_run(program, folder, "--part", "memory", "--context", "osmesa")
         rows = {r["path"]: r for r in read_rows(folder / "render_memory.csv")}
         expect(set(rows) == PATHS, f"paths: {list(rows)}")
         expect(int(rows["limber"]["buffer_bytes"]) < int(rows["naive"]["buffer_bytes"]) / 4, f"buffers: {rows}")
+        render_run(program, folder, "--part", "skins")
+        rows = read_rows(folder / "render_skins.csv")
+        ways = [("dense", "gpu"), ("dense", "cpu"), ("sparse", "gpu"), ("sparse", "cpu")]
+        expect([(r["weights"], r["way"]) for r in rows] == ways, f"rows: {rows}")
+        for row in rows:
+            streamed = int(row["points"] if row["way"] == "gpu" else row["vertices"])
+            expect(int(row["bytes_per_frame"]) == 12 * (streamed + FLOOR_POINTS), f"bytes: {row}")
         render_run(program, folder, "--part", "png")
         rows = read_rows(folder / "render_png.csv")
         expect([r["writes_png"] for r in rows] == ["0", "1"], f"rows: {rows}")
