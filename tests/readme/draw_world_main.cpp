@@ -10,17 +10,8 @@
 
 namespace {
 
-limber::TriangleMesh cubeMesh() {
-  limber::TriangleMesh mesh;
-  for (int i = 0; i < 8; ++i)
-    mesh.positions.emplace_back((i & 1) - 0.5, (i >> 1 & 1) - 0.5, (i >> 2 & 1) - 0.5);
-  mesh.triangles = {{0, 4, 6}, {0, 6, 2}, {1, 3, 7}, {1, 7, 5}, {0, 1, 5}, {0, 5, 4},
-                    {2, 6, 7}, {2, 7, 3}, {0, 2, 3}, {0, 3, 1}, {4, 5, 7}, {4, 7, 6}};
-  return mesh;
-}
-
-/// How many pixels are clearly of the default colours of soft bodies and of rigid ones that move: reddish the
-/// first, wood the second.
+/// How many pixels are of the default colours of soft bodies and of rigid ones that move: both have more red
+/// than blue.
 int countReddish(const limber::render::Image& image) {
   int count = 0;
   for (std::size_t i = 0; i < image.rgba.size(); i += 4) count += image.rgba[i] > image.rgba[i + 2] + 40;
@@ -44,7 +35,7 @@ int main() {
   world.addRigidBody(&rigid);
 
   limber::SoftBodySystem soft(world);
-  auto network = limber::buildNetwork(cubeMesh());
+  auto network = limber::buildCloth();
   limber::SoftBodySettings settings;
   settings.position = {0, 1, 0};
   if (!network || !soft.createBody(*network, settings)) return EXIT_FAILURE;
