@@ -104,8 +104,9 @@ TEST(ShapeMesh, ConcaveShapesGiveTheirTriangles) {
   EXPECT_TRUE(meshOf(mesh).shape.twoSided);
   mesh.setLocalScaling(btVector3(2, 1, 1));
   EXPECT_NEAR(areaOf(validMesh(mesh)), 8.0, 1e-5);
-  const std::vector<float> heights(16, 0.5f);
-  const btHeightfieldTerrainShape field(4, 4, heights.data(), 1, 0, 1, 1, PHY_FLOAT, false);
+  // PHY_FLOAT means btScalar
+  const std::vector<btScalar> heights(16, btScalar(0.5));
+  const btHeightfieldTerrainShape field(4, 4, heights.data(), btScalar(1), 0, 1, 1, PHY_FLOAT, false);
   EXPECT_NEAR(areaOf(validMesh(field)), 9.0, 1e-4);
 }
 
