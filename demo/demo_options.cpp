@@ -78,7 +78,8 @@ void addRunOptions(CLI::App& app, CommandLine& line) {
   app.add_option("--overlay", line.overlay,
                  "draw contacts, velocities, boxes, constraints: some, with commas")
       ->check(choice(parseOverlay, o.overlay, "LIST"));
-  app.add_option("--context", line.context, "what draws: auto (a GPU if there is one), osmesa, egl, or egl:N")
+  app.add_option("--context", line.context,
+                 "what draws: auto (a GPU if there is one), osmesa, egl, egl:N or surfaceless")
       ->check(choice(parseContext, o.context, "CONTEXT"));
   app.add_flag("--no-video", line.noVideo, "leave out video.mp4, which is made when there is an ffmpeg");
   app.add_flag("--no-preview", line.noPreview, "leave out preview.png, an animated PNG for any browser");

@@ -60,11 +60,14 @@ std::string parseOverlay(const std::string& text, OverlayChoice& choice) {
 std::string parseContext(const std::string& text, render::ContextDesc& desc) {
   desc = {};
   if (text == "auto") return {};
-  desc.backend = text == "osmesa" ? render::Backend::OSMesa : render::Backend::Egl;
-  if (text == "osmesa" || text == "egl") return {};
+  desc.backend = render::Backend::Egl;
+  if (text == "osmesa") desc.backend = render::Backend::OSMesa;
+  if (text == "surfaceless") desc.backend = render::Backend::EglSurfaceless;
+  if (text == "osmesa" || text == "egl" || text == "surfaceless") return {};
   const bool digits =
       text.size() > 4 && text.size() < 7 && text.find_first_not_of("0123456789", 4) == std::string::npos;
-  if (text.rfind("egl:", 0) != 0 || !digits) return text + " is none of auto, osmesa, egl, egl:N";
+  if (text.rfind("egl:", 0) != 0 || !digits)
+    return text + " is none of auto, osmesa, egl, egl:N, surfaceless";
   desc.eglDevice = std::atoi(text.c_str() + 4);
   return {};
 }

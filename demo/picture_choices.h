@@ -15,7 +15,7 @@ std::string parseCamera(const std::string& text, CameraChoice& choice);
 /// none, or some of contacts, velocities, boxes and constraints with commas.
 std::string parseOverlay(const std::string& text, OverlayChoice& choice);
 
-/// auto, osmesa, egl, or egl:N for the Nth EGL device.
+/// auto, osmesa, egl, egl:N for the Nth EGL device, or surfaceless for EGL without devices.
 std::string parseContext(const std::string& text, render::ContextDesc& desc);
 
 }  // namespace limber::demo

@@ -120,6 +120,9 @@ RunFigures simulate(scenes::Scene& scene, const DemoOptions& options, std::uniqu
   figures.wallSeconds = secondsSince(start);
   if (pictures) {
     figures.gpuBufferBytes = pictures->renderer.gpuBufferBytes();
+    figures.bytesPerFrame = pictures->renderer.lastFrame().bytesStreamed;
+    figures.ringWaits = pictures->renderer.ring().waits;
+    figures.ringStalls = pictures->renderer.ring().stalls;
     figures.driver = pictures->renderer.driver();
   }
   examine(scene, timeline, figures);

@@ -40,7 +40,10 @@ struct RunFigures {
   Milliseconds render;  ///< from positions to pixels in memory
   Milliseconds output;  ///< handing the picture on to the writer
   std::size_t gpuBufferBytes = 0;
-  std::string driver;  ///< empty without pictures
+  std::size_t bytesPerFrame = 0;  ///< of positions, streamed for the last picture
+  std::uint64_t ringWaits = 0;    ///< frames that found their region of the ring in flight
+  std::uint64_t ringStalls = 0;   ///< of these, those that had to wait for the GPU
+  std::string driver;             ///< empty without pictures
   double simulatedSeconds = 0.0;
   double wallSeconds = 0.0;
   double realTimeFactor() const { return wallSeconds > 0.0 ? simulatedSeconds / wallSeconds : 0.0; }

@@ -102,6 +102,9 @@ Json runJson(const DemoOptions& options, const RunFigures& f) {
   json["renderMs"] = millisecondsJson(f.render);
   json["outputMs"] = millisecondsJson(f.output);
   json["gpuBufferBytes"] = f.gpuBufferBytes;
+  json["bytesPerFrame"] = f.bytesPerFrame;
+  json["ringWaits"] = f.ringWaits;
+  json["ringStalls"] = f.ringStalls;
   json["driver"] = f.driver.empty() ? Json(nullptr) : Json(f.driver);
   json["simulatedSeconds"] = f.simulatedSeconds;
   json["wallSeconds"] = f.wallSeconds;
@@ -128,6 +131,9 @@ void printTable(const DemoOptions& options, const RunFigures& f) {
     printRow("render", f.render);
     std::printf("GPU buffers %9.2f MB   (%s)\n", static_cast<double>(f.gpuBufferBytes) / 1e6,
                 f.driver.c_str());
+    std::printf("streamed    %9.2f kB a frame (%llu of %llu waits for the GPU were real)\n",
+                static_cast<double>(f.bytesPerFrame) / 1e3, static_cast<unsigned long long>(f.ringStalls),
+                static_cast<unsigned long long>(f.ringWaits));
   }
   std::printf("speed       %9.2f s of simulation per second of wall time", f.realTimeFactor());
   if (f.render.count > 0) std::printf(" (%.2f without pictures)", f.tickRealTimeFactor());

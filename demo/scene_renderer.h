@@ -31,6 +31,7 @@ class SceneRenderer {
   void draw(const Moment& moment, render::Image& image);
 
   std::size_t gpuBufferBytes() const { return renderer_.gpuBufferBytes(); }
+  render::RingStats ring() const { return renderer_.ringStats(); }
   const render::FrameStats& lastFrame() const { return renderer_.lastFrame(); }
   std::string driver() const;
 

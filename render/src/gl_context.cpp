@@ -24,6 +24,7 @@ std::vector<Try> triesFor(Backend backend) {
     case Backend::OSMesa:
       return {osmesa};
     case Backend::Egl:
+    case Backend::EglSurfaceless:
       return {egl};
     case Backend::Auto:
       break;

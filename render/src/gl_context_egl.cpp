@@ -60,7 +60,7 @@ bool isSoftware(const Egl& egl, EGLDeviceEXT device) {
 }
 
 // Devices come first: they reach the GPU of drivers that lack Mesa's surfaceless platform.
-std::vector<Platform> listPlatforms(const Egl& egl, int wantedDevice) {
+std::vector<Platform> listDevices(const Egl& egl, int wantedDevice) {
   std::vector<Platform> platforms;
   std::array<EGLDeviceEXT, 32> devices{};
   EGLint count = 0;
@@ -74,11 +74,18 @@ std::vector<Platform> listPlatforms(const Egl& egl, int wantedDevice) {
       }
     }
   }
-  if (wantedDevice < 0) {
+  return platforms;
+}
+
+std::vector<Platform> listPlatforms(const Egl& egl, const ContextDesc& desc) {
+  const bool surfacelessOnly = desc.backend == Backend::EglSurfaceless;
+  std::vector<Platform> platforms =
+      surfacelessOnly ? std::vector<Platform>() : listDevices(egl, desc.eglDevice);
+  if (surfacelessOnly || desc.eglDevice < 0) {
     platforms.push_back({EGL_PLATFORM_SURFACELESS_MESA, nullptr, "surfaceless", true});
   }
   std::stable_sort(platforms.begin(), platforms.end(),
-                   [](const Platform& a, const Platform& b) { return !a.software && b.software; });
+                   [](const Platform& x, const Platform& y) { return !x.software && y.software; });
   return platforms;
 }
 
@@ -158,7 +165,7 @@ void requireHardware(const GlContext& context, bool wanted) {
 std::unique_ptr<GlContext> createOn(const ContextDesc& desc, bool onlyHardware) {
   const Egl egl;
   std::string reasons;
-  for (const Platform& platform : listPlatforms(egl, desc.eglDevice)) {
+  for (const Platform& platform : listPlatforms(egl, desc)) {
     if (onlyHardware && platform.software) {
       continue;
     }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "folders.h"
 #include "number_checks.h"
+#include "picture_choices.h"
 #include "picture_output.h"
 #include "progress.h"
 
@@ -81,6 +82,47 @@ TEST(PictureSize, isReadOrRefused) {
        {"", "x", "960", "960x", "x540", "-1x5", "9.5x5", "960x540x", "9999999999x1", " 1x1"}) {
     EXPECT_FALSE(parseSize(bad, width, height)) << bad;
   }
+}
+
+TEST(PictureChoices, camerasAreReadOrRefused) {
+  CameraChoice choice;
+  EXPECT_EQ(parseCamera("orbit", choice), "");
+  EXPECT_EQ(choice.path, CameraPath::Orbit);
+  EXPECT_EQ(parseCamera("1,2.5,-3,0,1e-1,0", choice), "");
+  EXPECT_EQ(choice.path, CameraPath::Fixed);
+  EXPECT_EQ(choice.eye, Eigen::Vector3d(1, 2.5, -3));
+  EXPECT_EQ(choice.target, Eigen::Vector3d(0, 0.1, 0));
+  EXPECT_EQ(parseCamera("auto", choice), "");
+  EXPECT_EQ(choice.path, CameraPath::Auto);
+  for (const char* bad : {"", "round", "1,2,3", "1,2,3,4,5", "1,2,3,4,5,6,7", "1,2,3,4,5,x", "1,2,nan,4,5,6",
+                          "1,2,3,1,2,3", "1,2,3,4,5,"})
+    EXPECT_NE(parseCamera(bad, choice), "") << bad;
+}
+
+TEST(PictureChoices, overlaysAreReadOrRefused) {
+  OverlayChoice choice;
+  EXPECT_EQ(parseOverlay("contacts,velocities", choice), "");
+  EXPECT_TRUE(choice.contacts && choice.velocities && !choice.boxes && !choice.constraints);
+  EXPECT_EQ(parseOverlay("none", choice), "");
+  EXPECT_FALSE(choice.contacts || choice.velocities);
+  EXPECT_EQ(parseOverlay("contacts,speeds", choice),
+            "\"speeds\" is none of contacts, velocities, boxes, constraints");
+  EXPECT_NE(parseOverlay("", choice), "");
+}
+
+TEST(PictureChoices, contextsAreReadOrRefused) {
+  render::ContextDesc desc;
+  EXPECT_EQ(parseContext("osmesa", desc), "");
+  EXPECT_EQ(desc.backend, render::Backend::OSMesa);
+  EXPECT_EQ(parseContext("surfaceless", desc), "");
+  EXPECT_EQ(desc.backend, render::Backend::EglSurfaceless);
+  EXPECT_EQ(parseContext("egl:2", desc), "");
+  EXPECT_EQ(desc.backend, render::Backend::Egl);
+  EXPECT_EQ(desc.eglDevice, 2);
+  EXPECT_EQ(parseContext("auto", desc), "");
+  EXPECT_EQ(desc.backend, render::Backend::Auto);
+  for (const char* bad : {"", "gl", "egl:", "egl:x", "egl:1234"})
+    EXPECT_NE(parseContext(bad, desc), "") << bad;
 }
 
 TEST(Folders, onlyOurOwnOldPicturesGo) {

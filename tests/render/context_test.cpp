@@ -34,7 +34,14 @@ TEST(Context, OsmesaAndEglDrawTheSameBytes) {
   if (!libraryExists("libEGL.so.1")) {
     GTEST_SKIP() << "EGL is not installed";
   }
-  EXPECT_EQ(sceneOn(Backend::OSMesa).rgba, sceneOn(Backend::Egl).rgba);
+  const Image osmesa = sceneOn(Backend::OSMesa);
+  EXPECT_EQ(sceneOn(Backend::EglSurfaceless).rgba, osmesa.rgba);
+  // A GPU rounds in its own way, so it is a software device that is asked for.
+  ContextDesc desc;
+  desc.backend = Backend::Egl;
+  if (describeDriver(loadGl(*createContext(desc))).find("llvmpipe") != std::string::npos) {
+    EXPECT_EQ(sceneOn(Backend::Egl).rgba, osmesa.rgba);
+  }
 }
 
 TEST(Context, ImpossibleDeviceSaysWhatWasTried) {

@@ -9,8 +9,9 @@ namespace limber::render {
 
 /// Which library makes the OpenGL context. Auto tries a GPU through EGL (a device that does not call
 /// itself software), then OSMesa (a software rasteriser in this process), then EGL in software. Egl tries
-/// the devices in their order, GPUs first, then Mesa's platform without any surface.
-enum class Backend { Auto, OSMesa, Egl };
+/// the devices in their order, GPUs first, then Mesa's platform without any surface; EglSurfaceless that
+/// alone.
+enum class Backend { Auto, OSMesa, Egl, EglSurfaceless };
 
 struct ContextDesc {
   Backend backend = Backend::Auto;
