@@ -76,7 +76,7 @@ def draw_parts(axes, rows):
     axes.invert_yaxis()
     axes.set_xlabel("ms")
     axes.set_title(f"one body of {int(rows[0]['triangles']) - 2} triangles, all threads", fontsize=10, loc="left")
-    axes.legend(fontsize=7.5, loc="lower right")
+    axes.legend(fontsize=8, loc="upper center", bbox_to_anchor=(0.5, -0.14), frameon=False)
 
 
 def draw(rows):
