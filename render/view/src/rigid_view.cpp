@@ -4,6 +4,8 @@
 #include "limber/view/convert.h"
 #include "limber/view/shape_mesh.h"
 
+#include "leave_in_order.h"
+
 #include <limber/soft_body.h>
 
 #include <LinearMath/btTransformUtil.h>
@@ -74,7 +76,8 @@ RigidView::RigidView(render::Renderer& renderer, const btDiscreteDynamicsWorld& 
 }
 
 RigidView::~RigidView() {
-  for (const auto& [object, shown] : shown_) hide(shown);
+  leaveInOrder(
+      shown_, [](const Shown&) { return true; }, [this](const Shown& shown) { hide(shown); });
 }
 
 void RigidView::update() {
@@ -93,10 +96,8 @@ void RigidView::update() {
     if (found != shown_.end()) hide(found->second), shown_.erase(found);
     if (show(object, fresh)) shown_.emplace(&object, fresh);
   }
-  for (auto it = shown_.begin(); it != shown_.end();) {
-    if (!it->second.present) hide(it->second);
-    it = it->second.present ? std::next(it) : shown_.erase(it);
-  }
+  leaveInOrder(
+      shown_, [](const Shown& shown) { return !shown.present; }, [this](const Shown& shown) { hide(shown); });
 }
 
 void RigidView::write(const render::FrameWriter& frame, double tickFraction, double tick) const {

@@ -3,7 +3,9 @@
 
 #include "limber/view/soft_surface.h"
 
-#include <algorithm>
+#include "leave_in_order.h"
+
+#include <utility>
 
 namespace limber::view {
 inline namespace LIMBER_BULLET_PRECISION {
@@ -19,7 +21,8 @@ SoftView::SoftView(render::Renderer& renderer, const SoftBodySystem& system, Loo
 }
 
 SoftView::~SoftView() {
-  for (const auto& [body, shown] : shown_) hide(shown);
+  leaveInOrder(
+      shown_, [](const Shown&) { return true; }, [this](const Shown& shown) { hide(shown); });
 }
 
 void SoftView::update() {
@@ -36,10 +39,8 @@ void SoftView::update() {
     if (found != shown_.end()) hide(found->second);
     shown_[&body] = show(body);
   }
-  for (auto it = shown_.begin(); it != shown_.end();) {
-    if (!it->second.present) hide(it->second);
-    it = it->second.present ? std::next(it) : shown_.erase(it);
-  }
+  leaveInOrder(
+      shown_, [](const Shown& shown) { return !shown.present; }, [this](const Shown& shown) { hide(shown); });
 }
 
 void SoftView::write(const render::FrameWriter& frame, double tickFraction) const {
