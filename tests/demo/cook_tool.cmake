@@ -27,7 +27,7 @@ add_executable(limber_cook_tool_tests cook_parts_test.cpp cook_body_test.cpp ../
 target_include_directories(limber_cook_tool_tests PRIVATE ..)
 target_link_libraries(limber_cook_tool_tests PRIVATE limber_cook_tool GTest::gtest_main)
 target_compile_definitions(limber_cook_tool_tests PRIVATE LIMBER_MESH_DIR="${PROJECT_SOURCE_DIR}/meshes")
-limber_gtest(limber_cook_tool_tests unit)
+limber_gtest(limber_cook_tool_tests unit LONG CookBody.theFileHolds*)
 
 # a body by each other rule, its report and picture
 cook_run(equal_length scene 0 "6 brace" ${meshes}/cube.obj -o ${cooked}/equal.limber --braces equal-length --runs 0)
