@@ -6,6 +6,8 @@ set(limber_package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/limber)
 function(limber_install_set set_name)
   install(TARGETS ${ARGN} EXPORT ${set_name}
     ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR}
+    LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}
+    RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR}
     INCLUDES DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
   install(EXPORT ${set_name} NAMESPACE limber:: DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/limber)
 endfunction()

@@ -79,6 +79,11 @@ class SoftBody {
   void unpin(std::uint32_t i);
   bool pinned(std::uint32_t i) const;
 
+  /// Ticks in which a position, velocity or force of the body was not finite, or beyond 1e18: 0 unless the
+  /// application has set such a value or the step has come to one. Points get back the values from before,
+  /// and SoftBodySystem::onWarning() is told the first time.
+  std::uint32_t restorations() const;
+
   bool sleeping() const;
   void wake();
 

@@ -18,6 +18,11 @@ inline namespace LIMBER_BULLET_PRECISION {
 
 class ContactListener;
 
+/// Whether an object of the world is a system's own and not the user's: a point mass (findPoint()), a surface
+/// object (findSurface()), or the one without shape and mass by which systems with bodies of
+/// Collision::Surface tell one stepSimulation() from the next, once SoftBody::point() has been called.
+bool isSystemObject(const btCollisionObject* object);
+
 /// Whether the springs are stepped when the world is.
 enum class HookState : std::uint8_t {
   Idle,        ///< nothing to step: no soft body, no spring
@@ -33,6 +38,7 @@ struct TickProfile {
   double takeBackMs = 0.0;  ///< after Bullet's contacts
   std::size_t pointsStepped = 0;
   std::size_t springSubsteps = 0;  ///< sum over bodies of springs x substeps
+  std::size_t rigidParts = 0;      ///< convex parts of rigid objects that surfaces were held against
   double totalMs() const { return gatherMs + stepMs + handOverMs + takeBackMs; }
 };
 
@@ -71,7 +77,8 @@ class SoftBodySystem {
   std::size_t bodyCount() const;
   SoftBody* body(std::size_t i) const;  ///< in order of creation
 
-  /// Errors: invalid settings, both ends without a body, both ends the same place of one body.
+  /// Errors: invalid settings, both ends without a body, both ends the same place of one body, a pivot that
+  /// is not finite, a surface object, a point mass of a soft body in another world.
   Result<SpringConstraint*> addSpring(const SpringEnd& a, const SpringEnd& b,
                                       const SpringSettings& settings = {});
   /// New settings for a spring; a negative rest length keeps the present one. Errors as addSpring.
@@ -81,7 +88,8 @@ class SoftBodySystem {
 
   /// Makes point i move with `body`, at a pivot in the body's local coordinates (the overload without pivot:
   /// where the point is now). Both feel each other; they do not collide. Errors: no such point, a point that
-  /// is already attached or pinned, a body that is a point mass.
+  /// is already attached or pinned, a body that is a point mass or a surface object, a pivot that is not
+  /// finite, a soft body in another world.
   Result<bool> attach(SoftBody* softBody, std::uint32_t i, btRigidBody& body, const btVector3& pivot);
   Result<bool> attach(SoftBody* softBody, std::uint32_t i, btRigidBody& body);
   /// Lets go of an attached point; false if it was not attached.
@@ -106,7 +114,8 @@ class SoftBodySystem {
   HookState hookState() const;
   /// Takes the pre-tick callback again; the one that replaced ours is called first from then on.
   void rehook();
-  /// Called once when the hook is found overwritten. Default: a line on standard error.
+  /// Called once when the hook is found overwritten, and when a body is first put back because its motion was
+  /// not finite (SoftBody::restorations()). Default: a line on standard error.
   void onWarning(std::function<void(const std::string&)> handler);
 
   /// For Hook::Manual: call it in the pre-tick callback with the tick's length in seconds.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "bullet/body_in_world.h"
 
+#include "bullet/contact_gather.h"
 #include "bullet/surface_body.h"
 #include "bullet/world_points.h"
 
@@ -9,7 +10,10 @@
 namespace limber {
 inline namespace LIMBER_BULLET_PRECISION {
 
-void addToWorld(SoftBodyData& body) { (isSurfaceBody(body) ? addSurface : addPointMasses)(body); }
+void addToWorld(SoftBodyData& body) {
+  (isSurfaceBody(body) ? addSurface : addPointMasses)(body);
+  addContactWatch(body);
+}
 
 void removeFromWorld(SoftBodyData& body) { (isSurfaceBody(body) ? removeSurface : removePointMasses)(body); }
 

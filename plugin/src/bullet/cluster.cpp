@@ -64,6 +64,8 @@ void clear(Cluster& cluster) {
   cluster.contacts.clear();
   cluster.rows.clear();
   cluster.joints.clear();
+  cluster.meetings.clear();
+  cluster.late.clear();
   cluster.step.bodies.clear();
   cluster.step.pairs.contacts.clear();
   cluster.step.pairs.joints.clear();
@@ -104,9 +106,11 @@ void append(Cluster& cluster, TickGroup& group) {
     spring.b = moved(spring.b, firstBody, firstRigid);
     step.links.springs.push_back(spring);
   }
-  for (const LinkAnchor& anchor : links.anchors)
-    step.links.anchors.push_back(
-        {moved(anchor.point, firstBody, firstRigid), moved(anchor.pivot, firstBody, firstRigid)});
+  for (LinkAnchor anchor : links.anchors) {
+    anchor.point = moved(anchor.point, firstBody, firstRigid);
+    anchor.pivot = moved(anchor.pivot, firstBody, firstRigid);
+    step.links.anchors.push_back(anchor);
+  }
 }
 
 void appendGroups(std::vector<TickGroup>& groups, const TickContacts& found, const ClusterNodes& nodes,
@@ -167,6 +171,24 @@ void appendContacts(const TickContacts& found, const ClusterNodes& nodes, Cluste
   }
 }
 
+/// What holds an anchored point must be solved with what it touches.
+bool hasAnchorsAndRows(const TickGroup& group) {
+  const auto touches = [](const SoftBodyData* body) { return !body->contacts.empty(); };
+  return !group.asleep && !group.step.links.anchors.empty() &&
+         std::any_of(group.bodies.begin(), group.bodies.end(), touches);
+}
+
+void appendMeetings(const TickContacts& found, const ClusterNodes& nodes, Clusters& clusters) {
+  const auto placeOf = [&](const SoftBodyData& body) {
+    return clusters.first[nodes.groupOf[body.index]] + clusters.placeInGroup[body.index];
+  };
+  for (const SurfaceMeeting& m : found.meetings) {
+    ClusterMeeting meeting{&m, placeOf(*m.body)};
+    meeting.b = m.other ? placeOf(*m.other) : clusters.first[nodes.ofRigid(found.find(*m.partner))];
+    clusterOf(clusters, nodes.groupOf[m.body->index]).meetings.push_back(meeting);
+  }
+}
+
 void numberBodies(const std::vector<TickGroup>& groups, Clusters& clusters) {
   for (std::uint32_t g = 0; g < groups.size(); ++g)
     for (std::uint32_t i = 0; i < groups[g].bodies.size(); ++i) {
@@ -190,8 +212,12 @@ void addLinkedRigids(const std::vector<TickGroup>& groups, TickContacts& found) 
 
 void makeClusters(std::vector<TickGroup>& groups, TickContacts& found, btScalar tick, Clusters& clusters) {
   clusters.count = 0;
-  for (TickGroup& group : groups) group.clustered = false;
-  if (found.contacts.empty() && found.joints.empty()) return;
+  bool anchored = false;
+  for (TickGroup& group : groups) {
+    group.clustered = false;
+    anchored = anchored || hasAnchorsAndRows(group);
+  }
+  if (found.contacts.empty() && found.joints.empty() && !anchored) return;
   numberBodies(groups, clusters);
   const ClusterNodes nodes{static_cast<std::uint32_t>(groups.size()), clusters.groupOf};
   joinNodes(groups, found, nodes, clusters);
@@ -199,9 +225,12 @@ void makeClusters(std::vector<TickGroup>& groups, TickContacts& found, btScalar 
   clusters.first.assign(clusters.parent.size(), kNoPartner);
   for (const PairContact& c : found.contacts) clusterOf(clusters, nodes.of(c));
   for (const JointRow& j : found.joints) clusterOf(clusters, nodes.of(j));
+  for (std::uint32_t g = 0; g < groups.size(); ++g)
+    if (hasAnchorsAndRows(groups[g])) clusterOf(clusters, g);
   appendGroups(groups, found, nodes, clusters);
   appendRigids(found, nodes, tick, clusters);
   appendContacts(found, nodes, clusters);
+  appendMeetings(found, nodes, clusters);
   for (Cluster& cluster : clusters) appendRows(cluster);
 }
 

@@ -1,13 +1,28 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
+#include "bullet/surface_gather.h"
 #include "bullet/tick_contacts.h"
 #include "bullet/tick_group.h"
 
+#include <utility>
 #include <vector>
 
 namespace limber {
 inline namespace LIMBER_BULLET_PRECISION {
+
+/// A meeting of members of a cluster.
+struct ClusterMeeting {
+  const SurfaceMeeting* surfaces = nullptr;
+  std::uint32_t a = 0, b = 0;  ///< in step.bodies; b, if it is rigid, in step.links.rigids
+  bool moves = false;          ///< too far in the tick for its contacts to stay what they are
+};
+
+/// A contact found within the tick.
+struct LateContact {
+  std::uint32_t meeting = 0;
+  ContactSource source;
+};
 
 /// Groups and rigid bodies that touch in a tick, stepped together in it.
 struct Cluster {
@@ -19,6 +34,10 @@ struct Cluster {
   std::vector<std::uint32_t> contacts;    ///< numbers in TickContacts, of the first step.pairs.contacts
   std::vector<ContactRow*> rows;          ///< of the other step.pairs.contacts
   std::vector<std::uint32_t> joints;      ///< numbers in TickContacts, of step.pairs.joints
+  std::vector<RigidState> start;          ///< of step.links.rigids before the step, if there are joints
+  std::vector<ClusterMeeting> meetings;
+  std::vector<LateContact> late;  ///< the last of step.pairs.contacts
+  std::vector<std::pair<std::uint64_t, std::uint32_t>> known;  ///< scratch: contacts of a meeting, by key
 };
 
 /// The clusters of a tick. Kept from tick to tick for its memory.
@@ -45,15 +64,18 @@ void addLinkedRigids(const std::vector<TickGroup>& groups, TickContacts& found);
 /// (TickGroup::clustered). Groups that nothing else moves with are in none.
 void makeClusters(std::vector<TickGroup>& groups, TickContacts& found, btScalar tick, Clusters& clusters);
 
-/// Steps a cluster by velocity Verlet, as finely as its most demanding group asks for.
-void stepCluster(Cluster& cluster, double tick);
+/// Steps a cluster by velocity Verlet, as finely as its most demanding group asks for. Contacts of surfaces
+/// that move far against each other in the tick are searched for again within it. Joints that take errors back
+/// against what pulls at them may not raise its energy by that.
+void stepCluster(Cluster& cluster, const TickContacts& found, double tick, SurfaceSearch& search);
 
 /// After the step: gives the groups their bodies' states back, and `found` what its contacts bore; hands the
 /// rigid bodies that are in no group over to Bullet.
 void handOverCluster(Cluster& cluster, TickContacts& found, btScalar tick);
 
-/// After Bullet's part of the tick, see takeBackRigid().
-void takeBackCluster(const Cluster& cluster, TickContacts& found, btScalar tick);
+/// After Bullet's part of the tick, see takeBackRigid(); of rigid bodies that are still in the world.
+void takeBackCluster(const Cluster& cluster, TickContacts& found, const btCollisionWorld& world,
+                     btScalar tick);
 
 }  // namespace LIMBER_BULLET_PRECISION
 }  // namespace limber

@@ -12,6 +12,8 @@ void markCoupledPoints(Cluster& cluster) {
       if (place->kind == ContactPlace::Kind::Soft)
         for (std::uint32_t i = 0; i < place->count; ++i)
           cluster.softBodies[place->body]->coupled[place->point[i]] = 1;
+  for (const LinkAnchor& anchor : cluster.step.links.anchors)
+    cluster.softBodies[anchor.point.body]->coupled[anchor.point.point] = 1;
 }
 
 PairContact pairOf(const ContactRow& row, const SoftBodyData& body, std::uint32_t place) {
@@ -22,7 +24,10 @@ PairContact pairOf(const ContactRow& row, const SoftBodyData& body, std::uint32_
   c.b.velocity = row.surfaceVelocity;
   c.normal = row.normal;
   c.gap = row.normal.dot(body.state.position.col(row.point) - row.touch);
+  c.held = row.around ? &row : nullptr;
   c.friction = row.friction;
+  c.restitution = row.restitution;
+  c.bounceThreshold = row.bounceThreshold;
   c.recoverySpeed = row.recoverySpeed;
   return c;
 }

@@ -6,7 +6,7 @@
 namespace limber {
 inline namespace LIMBER_BULLET_PRECISION {
 
-/// Moves the contacts with static and kinematic surfaces of those points that something free touches, too,
+/// Moves the contacts with static and kinematic surfaces of those points that something free touches or holds,
 /// from their bodies' rows to the cluster's pairs: what is squeezed between the two must be solved with both.
 void appendRows(Cluster& cluster);
 

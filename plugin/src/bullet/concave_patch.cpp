@@ -2,6 +2,7 @@
 #include "bullet/concave_patch.h"
 
 #include "bullet/convert.h"
+#include "bullet/kinematic_motion.h"
 
 #include <algorithm>
 
@@ -18,12 +19,17 @@ struct Box {
   }
 };
 
-/// The box of the body's motion in the partner's coordinates.
-Box boxIn(const btTransform& pose, const SweptBox& world) {
+/// The box of the body's motion in the coordinates of the partner, at the start and the end of its own.
+Box boxIn(const btCollisionObject& partner, const SweptBox& world) {
+  const btVector3 from = toBullet(Eigen::Vector3d(world.low.head<3>()));
+  const btVector3 to = toBullet(Eigen::Vector3d(world.high.head<3>()));
+  Box box;
+  btTransformAabb(from, to, btScalar(0), partner.getWorldTransform().inverse(), box.low, box.high);
+  if (!isKinematic(partner)) return box;
   btVector3 low, high;
-  btTransformAabb(toBullet(Eigen::Vector3d(world.low.head<3>())),
-                  toBullet(Eigen::Vector3d(world.high.head<3>())), btScalar(0), pose.inverse(), low, high);
-  return {low, high};
+  btTransformAabb(from, to, btScalar(0), partner.getInterpolationWorldTransform().inverse(), low, high);
+  box.low.setMin(low), box.high.setMax(high);
+  return box;
 }
 
 /// So much larger than the body it is made for that a body that slides or rolls needs a new one only now and
@@ -33,19 +39,41 @@ Box enlarged(const Box& box) {
   return {box.low - more, box.high + more};
 }
 
-ConcavePatch& patchOf(SoftBodyData& body, int partner) {
-  std::vector<ConcavePatch>& patches = body.surface.patches;
+ConcavePatch* findPatch(SoftBodyData& body, int partner) {
+  std::deque<ConcavePatch>& patches = body.surface.patches;
   const auto isPartner = [&](const ConcavePatch& patch) { return patch.partner == partner; };
   const auto it = std::find_if(patches.begin(), patches.end(), isPartner);
-  if (it != patches.end()) return *it;
-  patches.emplace_back();
-  patches.back().partner = partner;
-  return patches.back();
+  return it != patches.end() ? &*it : nullptr;
+}
+
+/// The patch of the last tick, or the memory of one that is no longer near.
+ConcavePatch& patchOf(SoftBodyData& body, int partner) {
+  ConcavePatch* patch = findPatch(body, partner);
+  if (!patch) {
+    patch = findPatch(body, 0);
+    if (!patch) patch = &body.surface.patches.emplace_back();
+    patch->partner = partner;
+    patch->surface.topology.elements.clear();
+    patch->low = btVector3(1, 1, 1), patch->high = btVector3(0, 0, 0);
+  }
+  patch->used = true;
+  return *patch;
+}
+
+/// Where its triangles are at the start of the tick, and how they move in it.
+void placePatch(ConcavePatch& patch, const btCollisionObject& partner) {
+  const btTransform& pose = partner.getWorldTransform();
+  patch.pose = pose;
+  RigidPart& part = *patch.part;
+  const Points& rest = patch.surface.topology.rest;
+  for (Eigen::Index i = 0; i < rest.cols(); ++i) {
+    part.position.col(i) = toEigen(pose * toBullet(Eigen::Vector3d(rest.col(i))));
+    part.motion.col(i) = kinematicWay(partner, part.position.col(i));
+  }
+  fitBoxes(part.moving, part.boxes);
 }
 
 void makePatch(ConcavePatch& patch, const btCollisionObject& partner, const Box& box) {
-  const btTransform& pose = partner.getWorldTransform();
-  patch.pose = pose;
   patch.low = box.low, patch.high = box.high;
   patch.surface =
       makePatchSurface(*static_cast<const btConcaveShape*>(partner.getCollisionShape()), box.low, box.high);
@@ -54,11 +82,9 @@ void makePatch(ConcavePatch& patch, const btCollisionObject& partner, const Box&
   const Points& rest = patch.surface.topology.rest;
   part.surface = &patch.surface;
   part.position.resize(3, rest.cols());
-  part.motion.setZero(3, rest.cols());
-  for (Eigen::Index i = 0; i < rest.cols(); ++i)
-    part.position.col(i) = toEigen(pose * toBullet(Eigen::Vector3d(rest.col(i))));
+  part.motion.resize(3, rest.cols());
   part.moving = {&patch.surface.topology, &part.position, &part.motion, patch.surface.radius, &part.boxes};
-  fitBoxes(part.moving, part.boxes);
+  placePatch(patch, partner);
 }
 
 }  // namespace
@@ -66,11 +92,12 @@ void makePatch(ConcavePatch& patch, const btCollisionObject& partner, const Box&
 const RigidPart* patchAround(SoftBodyData& body, const btCollisionObject& partner,
                              const MovingSurface& soft) {
   if (soft.boxes->nodes.empty()) return nullptr;
-  const Box box = boxIn(partner.getWorldTransform(), soft.boxes->nodes[0]);
+  const Box box = boxIn(partner, soft.boxes->nodes[0]);
   ConcavePatch& patch = patchOf(body, partner.getBroadphaseHandle()->m_uniqueId);
-  const bool good =
-      patch.part && patch.pose == partner.getWorldTransform() && Box{patch.low, patch.high}.holds(box);
-  if (!good) makePatch(patch, partner, enlarged(box));
+  if (!patch.part || !Box{patch.low, patch.high}.holds(box))
+    makePatch(patch, partner, enlarged(box));
+  else if (isKinematic(partner) || !(patch.pose == partner.getWorldTransform()))
+    placePatch(patch, partner);
   return patch.surface.topology.elements.empty() ? nullptr : patch.part.get();
 }
 

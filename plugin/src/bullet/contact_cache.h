@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
+#include "bullet/shape_cache.h"
 #include "bullet/surface_data.h"
+
+#include <cstdint>
 
 namespace limber {
 inline namespace LIMBER_BULLET_PRECISION {
@@ -13,23 +16,37 @@ inline namespace LIMBER_BULLET_PRECISION {
 /// / 2.
 constexpr btScalar kStillThere = btScalar(0.1);
 
+/// Tells a convex partner as it is now from any other, and from itself with another shape: objects and shapes
+/// may be changed, or deleted and others made in their place, and some broadphases use their ids again. 0:
+/// not convex.
+inline std::uint64_t stampOf(const btCollisionObject& partner) {
+  const btCollisionShape& shape = *partner.getCollisionShape();
+  if (!shape.isConvex()) return 0;
+  std::uint64_t hash = hashOfShape(shape);
+  for (const std::uint64_t part :
+       {std::uint64_t{reinterpret_cast<std::uintptr_t>(&partner)},
+        std::uint64_t{reinterpret_cast<std::uintptr_t>(&shape)},
+        static_cast<std::uint64_t>(partner.getBroadphaseHandle()->m_uniqueId)})
+    addToHash(hash, part);
+  return hash | 1;
+}
+
 /// Remembers a contact (world coordinates, the point's centre at `place`) with a convex partner; forgets what
 /// was there before.
-inline void keepContact(CachedContact& cached, const btCollisionObject& partner, const btVector3& surface,
-                        const btVector3& normal, const btVector3& place) {
-  const btCollisionShape& shape = *partner.getCollisionShape();
-  if (shape.isConcave() || shape.isCompound()) return;
+inline void keepContact(CachedContact& cached, std::uint64_t stamp, const btCollisionObject& partner,
+                        const btVector3& surface, const btVector3& normal, const btVector3& place) {
+  if (stamp == 0) return;
   const btTransform& pose = partner.getWorldTransform();
-  cached.partner = partner.getBroadphaseHandle()->m_uniqueId;
+  cached.partner = stamp;
   cached.surface = pose.invXform(surface);
   cached.normal = normal * pose.getBasis();
   cached.place = pose.invXform(place);
 }
 
 /// Whether the remembered contact is one with this partner and still good.
-inline bool isKept(const CachedContact& cached, const btCollisionObject& partner, const btVector3& place,
-                   btScalar radius) {
-  if (cached.partner != partner.getBroadphaseHandle()->m_uniqueId) return false;
+inline bool isKept(const CachedContact& cached, std::uint64_t stamp, const btCollisionObject& partner,
+                   const btVector3& place, btScalar radius) {
+  if (stamp == 0 || cached.partner != stamp) return false;
   const btScalar way = kStillThere * radius;
   return (partner.getWorldTransform().invXform(place) - cached.place).length2() <= way * way;
 }

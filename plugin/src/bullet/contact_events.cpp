@@ -90,8 +90,11 @@ void ContactEvents::collect(SoftBodyData& body) {
   for (std::size_t i = 0; i < now_.size(); ++i) {
     const PartnerMark& other = now_[i].other;
     for (; old != body.touching.end() && old->other.id < other.id; ++old) addEnd(body, *old);
-    const bool known = old != body.touching.end() && old->other.id == other.id;
-    if (known) ++old;
+    const bool sameId = old != body.touching.end() && old->other.id == other.id;
+    const bool known = sameId && old->other.object == other.object;
+    // some broadphases use their ids again
+    if (sameId && !known) addEnd(body, *old);
+    if (sameId) ++old;
     add(known ? &ContactListener::contactPersists : &ContactListener::contactBegins, body, pairs_[i], other);
   }
   for (; old != body.touching.end(); ++old) addEnd(body, *old);

@@ -7,15 +7,29 @@ namespace limber {
 inline namespace LIMBER_BULLET_PRECISION {
 
 /// Fills body.contacts with a row for every static or kinematic surface that a point may reach in the coming
-/// tick, before it touches. Bullet's broadphase names the partners and Bullet's narrowphase the contacts;
-/// only planes, which it would test at any distance, are first tested here, and slow points keep the contact
-/// of the last tick (PointMass::cachedContact). Dynamic partners are left to Bullet's solver. Call after
+/// tick, before it touches. Bullet's broadphase names the partners. Static ones are taken apart
+/// (held_pieces.h): where all that a point may reach is flat it has rows of planes, else rows that follow the
+/// surface within the tick. On kinematic ones that move, Bullet's narrowphase finds planes; slow points keep
+/// that of the last tick (PointMass::cachedContact). Dynamic partners are left to Bullet's solver. Call after
 /// gatherPoints().
 void gatherContacts(SoftBodyData& body, btScalar tick);
+
+/// Makes body.watch, which finds what a point meets that gets farther within a tick than gatherContacts() has
+/// looked for: springs and neighbours may throw it. It is on while something is near.
+void addContactWatch(SoftBodyData& body);
+
+/// After a step without the watch: whether a point that got out of its reach may have met something. Then the
+/// body must be stepped again, with the watch.
+bool mayHaveMissedContacts(SoftBodyData& body);
 
 /// Before a tick: gives every point mass its contact in Bullet's manifolds, and takes out of these what an
 /// earlier tick reported (below), before Bullet starts from it.
 void readManifolds(btDispatcher& dispatcher);
+
+/// After gathering: Bullet's solver leaves contacts that have rows alone, until reportContactImpulses(). It
+/// would see them once a tick, at its start: where shapes are rounded, or meet edges beside each other, it
+/// brakes what slides past these.
+void leaveToRows(btDispatcher& dispatcher);
 
 /// After the tick: what the rows have borne is written to Bullet's manifolds, where users read contact forces
 /// (btManifoldPoint::m_appliedImpulse).

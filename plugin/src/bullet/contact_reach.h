@@ -19,9 +19,18 @@ constexpr double kReachPerMotion = 1.5;
 /// neighbouring triangles of a flat surface are one surface.
 constexpr double kSameSurface = 0.995;
 
-/// m/s at which a point is lifted out of what it has got into: 25 radii per second, 0.5 m/s for the usual
-/// 2 cm.
-inline double recoverySpeed(double radius) { return 25.0 * radius; }
+/// m/s at which things that have got `size` (m) large into each other are drawn apart at most: they must not
+/// fly. A fall through 0.65 of the size is as fast, 0.5 m/s for points of 2 cm. Without gravity it is a tenth
+/// of the size in a tick.
+inline double recoverySpeed(double size, double gravity, double tick) {
+  return std::max(std::sqrt(1.3 * gravity * size), 0.1 * size / tick);
+}
+
+inline ContactSpeeds contactSpeeds(const SoftBodyData& body, double tick) {
+  const double gravity = toEigen(body.world->getGravity()).norm();
+  // what gravity gives in a tenth of a tick is no bounce
+  return {recoverySpeed(double(body.masses.shape->getRadius()), gravity, tick), 0.1 * gravity * tick};
+}
 
 /// Where a point may get in a tick.
 struct Reach {
@@ -29,15 +38,19 @@ struct Reach {
   double distance;  ///< m, beyond the radius
 };
 
-/// `partnerMotion` (m) is what comes towards it.
-inline Reach reachOf(const SoftBodyData& body, Eigen::Index i, double tick, double partnerMotion = 0.0) {
+/// Of a point with a velocity in `time` s; `partnerMotion` (m) is what comes towards it.
+inline Reach reachFrom(const SoftBodyData& body, Eigen::Index i, const Eigen::Vector3d& velocity, double time,
+                       double partnerMotion = 0.0) {
   const double radius = double(body.masses.shape->getRadius());
   const Eigen::Vector3d x = body.state.position.col(i);
-  const double motion =
-      tick * body.state.velocity.col(i).norm() + tick * tick * body.state.acceleration.col(i).norm();
+  const double motion = time * velocity.norm() + time * time * body.state.acceleration.col(i).norm();
   const double distance = kReachPerMotion * motion + partnerMotion + radius / 3.0;
   const double size = radius + distance;
   return {x.array() - size, x.array() + size, distance};
+}
+
+inline Reach reachOf(const SoftBodyData& body, Eigen::Index i, double tick, double partnerMotion = 0.0) {
+  return reachFrom(body, i, body.state.velocity.col(i), tick, partnerMotion);
 }
 
 /// Whether the box of what is reached meets that of an object in the broadphase.

@@ -54,7 +54,7 @@ void spread(ContactSide& side, std::uint32_t triangle, const Triangle& corners) 
 void findTriangle(const SoftBodyData& body, ContactSide& side, const Eigen::Vector3d& way) {
   if (!body.surface.topology || side.triangle != ContactSide::kNone || side.weights.isZero(0.0)) return;
   const std::uint32_t triangle = triangleOf(body, side, way);
-  if (triangle != ContactSide::kNone) spread(side, triangle, body.surface.topology->triangles[triangle]);
+  if (triangle != ContactSide::kNone) spread(side, triangle, body.network->surface[triangle]);
 }
 
 }  // namespace

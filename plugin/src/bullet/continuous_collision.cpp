@@ -3,6 +3,7 @@
 
 #include "bullet/contact_filter.h"
 #include "bullet/convert.h"
+#include "bullet/kinematic_motion.h"
 
 #include <algorithm>
 #include <cmath>
@@ -22,43 +23,34 @@ constexpr double kSweptRadius = 0.9;
 struct InTheWay final : btBroadphaseAabbCallback {
   explicit InTheWay(const SoftBodyData& b) : body(&b) {}
   const SoftBodyData* body;
-  bool dynamic = false;     ///< seen by Bullet's solver only, which does not see points outside the world
-  bool nonDynamic = false;  ///< bounds the points in the substeps, as far as they were expected to get
+  bool points = false;  ///< of other bodies: seen by Bullet's solver only
+  bool others = false;  ///< bound the points in the substeps, as far as they were expected to get
 
   bool process(const btBroadphaseProxy* proxy) override {
     if (!canHit(*body, *proxy)) return true;
-    const bool moves =
-        !static_cast<const btCollisionObject*>(proxy->m_clientObject)->isStaticOrKinematicObject();
-    if (!moves || !body->surface.object) (moves ? dynamic : nonDynamic) = true;
+    const auto* object = static_cast<const btCollisionObject*>(proxy->m_clientObject);
+    (PointMass::from(object) ? points : others) = true;
     return true;
   }
 };
 
 struct FirstHit final : btCollisionWorld::ClosestConvexResultCallback {
-  FirstHit(const SoftBodyData& b, const PointMass& p, const btVector3& from, const btVector3& to)
-      : ClosestConvexResultCallback(from, to), body(&b), point(&p) {}
+  FirstHit(const SoftBodyData& b, const PointMass& p, const btVector3& from, const btVector3& to,
+           bool everything)
+      : ClosestConvexResultCallback(from, to), body(&b), point(&p), all(everything) {}
   const SoftBodyData* body;
   const PointMass* point;
+  bool all;  ///< else point masses alone
 
   bool needsCollision(btBroadphaseProxy* proxy) const override {
     const auto* object = static_cast<const btCollisionObject*>(proxy->m_clientObject);
-    if (body->surface.object && !object->isStaticOrKinematicObject()) return false;
-    return canHit(*body, *proxy) && point->checkCollideWith(object) && object->checkCollideWith(point);
+    if ((!all && !PointMass::from(object)) || isAhead(*object)) return false;
+    return canHit(*body, *proxy) && canHit(*body, *point, *object);
   }
 };
 
 double motion(const SoftBodyData& body, Eigen::Index i) {
   return (body.state.position.col(i) - body.masses.startPosition.col(i)).norm();
-}
-
-/// Whether a point got farther than contacts were looked for.
-bool anyOutOfReach(const SoftBodyData& body) {
-  for (Eigen::Index i = 0; i < body.state.position.cols(); ++i) {
-    const double reach = body.reach[static_cast<std::size_t>(i)];
-    if ((body.state.position.col(i) - body.masses.startPosition.col(i)).squaredNorm() > reach * reach)
-      return true;
-  }
-  return false;
 }
 
 InTheWay lookInTheWay(const SoftBodyData& body, double longest) {
@@ -71,12 +63,12 @@ InTheWay lookInTheWay(const SoftBodyData& body, double longest) {
   return found;
 }
 
-void sweepPoint(SoftBodyData& body, Eigen::Index i) {
+void sweepPoint(SoftBodyData& body, Eigen::Index i, bool all) {
   const PointMass& point = *body.masses.bodies[static_cast<std::size_t>(i)];
   const Eigen::Vector3d start = body.masses.startPosition.col(i), end = body.state.position.col(i);
   btTransform from(btQuaternion::getIdentity(), toBullet(start)),
       to(btQuaternion::getIdentity(), toBullet(end));
-  FirstHit hit(body, point, from.getOrigin(), to.getOrigin());
+  FirstHit hit(body, point, from.getOrigin(), to.getOrigin(), all);
   const btSphereShape sphere(static_cast<btScalar>(kSweptRadius) * body.masses.shape->getRadius());
   body.world->convexSweepTest(&sphere, from, to, hit, btScalar(0));
   const bool intoIt = hit.hasHit() && toEigen(hit.m_hitNormalWorld).dot(end - start) < 0.0;
@@ -88,18 +80,17 @@ void sweepPoint(SoftBodyData& body, Eigen::Index i) {
 void stopAtFirstContact(SoftBodyData& body) {
   if (!body.settings.continuousCollision) return;
   const double careless = kCarelessMotion * double(body.masses.shape->getRadius());
-  if (body.surface.object && !anyOutOfReach(body)) return;
   double longest = 0.0;
   for (Eigen::Index i = 0; i < body.state.position.cols(); ++i)
     if (!body.masses.held[static_cast<std::size_t>(i)]) longest = std::max(longest, motion(body, i));
   if (!(longest > careless)) return;
   const InTheWay found = lookInTheWay(body, longest);
-  if (!found.dynamic && !found.nonDynamic) return;
+  if (!found.points && !found.others) return;
   for (Eigen::Index i = 0; i < body.state.position.cols(); ++i) {
     if (body.masses.held[static_cast<std::size_t>(i)]) continue;
     const double way = motion(body, i);
-    const bool unexpected = found.nonDynamic && way > body.reach[static_cast<std::size_t>(i)];
-    if (way > careless && (found.dynamic || unexpected)) sweepPoint(body, i);
+    const bool unexpected = found.others && way > body.reach[static_cast<std::size_t>(i)];
+    if (way > careless && (found.points || unexpected)) sweepPoint(body, i, unexpected);
   }
 }
 

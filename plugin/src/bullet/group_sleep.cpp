@@ -2,6 +2,7 @@
 #include "bullet/group_sleep.h"
 
 #include "bullet/body_in_world.h"
+#include "bullet/kinematic_motion.h"
 #include "bullet/surface_body.h"
 
 #include <algorithm>
@@ -40,7 +41,7 @@ bool isRestless(TickGroup& group, btScalar tick) {
   for (const SoftBodyData* body : group.bodies)
     if (isRestless(*body, tick)) return true;
   for (const RigidPartner& partner : group.rigids)
-    if (!partner.body->isStaticObject() && isFast(*partner.body)) return true;
+    if (!isStatic(*partner.body) && isFast(*partner.body)) return true;
   return anyMember(group,
                    [](btRigidBody& body) { return body.getActivationState() == DISABLE_DEACTIVATION; });
 }
@@ -70,6 +71,7 @@ void sleepGroup(TickGroup& group) {
     body->asleep = true;
     body->substeps = 0;
     body->surface.partners.clear();
+    body->surface.left.velocity = body->surface.left.spin = btVector3(0, 0, 0);
     std::fill(body->masses.leftVelocity.begin(), body->masses.leftVelocity.end(), btVector3(0, 0, 0));
   }
   forEachMember(group, [](btRigidBody& body) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "bullet/group_stepping.h"
 
+#include "bullet/contact_gather.h"
 #include "core/body_measures.h"
 #include "core/energy_guard.h"
 #include "core/kept_volume_bound.h"
@@ -46,36 +47,64 @@ void updateBounds(SoftBodyData& body) {
   body.fastestSquared = body.fastestAtRest * lightest(body);
   body.dampingRate = dampingRateBound(body.springs, w);
   body.volumes.kept.value = 0.0;
+  body.keptRates = KeptRates();
   body.frequencyStale = false;
-}
-
-/// Own springs and links add up to a stiffness matrix K = K_own + K_links, whose largest eigenvalue is at
-/// most the sum of theirs.
-Frequencies frequenciesOf(TickGroup& group, double tick) {
-  Frequencies own;
-  for (SoftBodyData* body : group.bodies) {
-    if (body->frequencyStale) updateBounds(*body);
-    const double bound = body->frequencySquared + keptVolumeBoundSquared(body->volumes, body->state, tick) +
-                         tetrahedronFrequencyBoundSquared(body->tetrahedra, body->state);
-    own.boundSquared = std::max(own.boundSquared, bound);
-    const bool nearRest = !body->volumes.restless && !body->tetrahedra.restless;
-    own.fastestSquared =
-        std::max(own.fastestSquared, nearRest ? std::min(bound, body->fastestSquared) : bound);
-  }
-  const double links = linkFrequencyBoundSquared(group.step.links);
-  return {own.boundSquared + links, own.fastestSquared + links};
 }
 
 /// rad per tick, which the usual number of substeps resolves anyhow.
 constexpr double kNegligibleTurn = 0.5;
 
+MotionRates ratesOf(SoftBodyData& body, double tick) {
+  if (body.frequencyStale) updateBounds(body);
+  MotionRates rates;
+  rates.boundSquared = body.frequencySquared + keptVolumeBoundSquared(body.volumes, body.state, tick) +
+                       tetrahedronFrequencyBoundSquared(body.tetrahedra, body.state);
+  const bool nearRest = !body.volumes.restless && !body.tetrahedra.restless;
+  rates.fastestSquared =
+      nearRest ? std::min(rates.boundSquared, body.fastestSquared) : rates.boundSquared;
+  rates.turnRate = fastestTurn(body.springs, body.state, kNegligibleTurn / tick);
+  return rates;
+}
+
+MotionRates larger(const MotionRates& a, const MotionRates& b) {
+  return {std::max(a.boundSquared, b.boundSquared), std::max(a.fastestSquared, b.fastestSquared),
+          std::max(a.turnRate, b.turnRate)};
+}
+
+/// s, for which a body without dampers keeps the fastest rates it has had.
+constexpr double kRateMemory = 0.25;
+
+/// What Verlet keeps for ever is not the energy but something that differs from it by some (omega dt)^2: each
+/// change of the substep makes or takes as much. In an undamped body that oscillates, such changes come at
+/// the same moments of each oscillation and add up, so its substeps follow the largest rates of a while.
+MotionRates lasting(SoftBodyData& body, const MotionRates& rates, double tick) {
+  if (body.springs.damped) return rates;
+  KeptRates& kept = body.keptRates;
+  kept.age += tick;
+  if (kept.age > kRateMemory) kept = {MotionRates(), kept.now, 0.0};
+  kept.now = larger(kept.now, rates);
+  return larger(kept.now, kept.before);
+}
+
+/// Own springs and links add up to a stiffness matrix K = K_own + K_links, whose largest eigenvalue is at
+/// most the sum of theirs.
+MotionRates ratesOf(TickGroup& group, double tick) {
+  MotionRates rates;
+  for (SoftBodyData* body : group.bodies) rates = larger(rates, lasting(*body, ratesOf(*body, tick), tick));
+  const double links = linkFrequencyBoundSquared(group.step.links);
+  rates.boundSquared += links;
+  rates.fastestSquared += links;
+  return rates;
+}
+
 SteppingProblem problemOf(TickGroup& group, double tick) {
   SteppingProblem p;
-  p.frequencies = frequenciesOf(group, tick);
+  const MotionRates rates = ratesOf(group, tick);
+  p.frequencies = {rates.boundSquared, rates.fastestSquared};
+  p.turnRate = rates.turnRate;
   p.tick = tick;
   for (SoftBodyData* body : group.bodies) {
     p.dampingRate = std::max(p.dampingRate, body->dampingRate);
-    p.turnRate = std::max(p.turnRate, fastestTurn(body->springs, body->state, kNegligibleTurn / tick));
     p.errorPerSquare = std::max(p.errorPerSquare, body->errorPerSquare);
     p.size = p.size > 0.0 ? std::min(p.size, body->size) : body->size;
     p.touching = p.touching || !body->contacts.empty();
@@ -106,6 +135,7 @@ void rewind(TickGroup& group) {
     body->state.position = body->masses.startPosition;
     body->state.velocity = body->startVelocity;
     for (ContactRow& row : body->contacts) row.impulse.setZero();
+    for (ContactRow& row : body->watch->rows) row.impulse.setZero();
   }
 }
 
@@ -134,28 +164,74 @@ double energyOf(SteppedBody& body) {
   return kineticEnergy(*body.points) + elasticEnergy(body, body.points->position);
 }
 
+/// Whether Verlet's substep does not resolve the push against the change of volume where the body is now.
+bool holdsBack(TickGroup& group, double tick) {
+  if (group.stepper != Stepper::Verlet) return false;
+  SoftBodyData& body = *group.bodies[0];
+  const double dt = tick / group.substeps;
+  return isHeldBack(body.volumes, body.state, dt) || isHeldBack(body.tetrahedra, body.state, dt);
+}
+
+/// Whether it touches nothing that moves, and bounces off something.
+bool bouncesOffHeld(const std::vector<ContactRow>& rows) {
+  const auto isStill = [](const ContactRow& row) { return row.surfaceVelocity.isZero(0.0); };
+  const auto bounces = [](const ContactRow& row) { return row.restitution > 0.0; };
+  return std::any_of(rows.begin(), rows.end(), bounces) && std::all_of(rows.begin(), rows.end(), isStill);
+}
+
+bool isFreeBody(const TickGroup& group) {
+  return group.bodies.size() == 1 && (group.bodies[0]->state.inverseMass.array() > 0.0).all();
+}
+
+bool isFolded(const SoftBodyData& body) { return body.volumes.restless || body.tetrahedra.restless; }
+
+/// `lasting`: the bound is that of the first of these ticks, changes from outside apart; `once`: of this one.
+void guard(TickGroup& group, bool lasting, bool once) {
+  const bool lasted = group.guarded && group.bouncing;
+  group.bouncing = lasting;
+  group.guarded = lasting || once;
+  if (!group.guarded) return;
+  const double energy = energyOf(group.step.bodies[0]);
+  group.energyBound = lasting && lasted ? group.energyBound + energy - group.energyAtEnd : energy;
+}
+
 /// Bodies that are torn apart or turned inside out, in free motion: substeps that do not resolve the push
-/// against the change of volume hold it back, which may give energy.
-void startGuard(TickGroup& group) {
-  SoftBodyData* body = group.bodies.size() == 1 ? group.bodies[0] : nullptr;
-  group.guarded = body && !group.clustered && (body->volumes.restless || body->tetrahedra.restless) &&
-                  isPlain(group.step) && body->contacts.empty() &&
-                  (body->state.inverseMass.array() > 0.0).all();
-  if (group.guarded) group.energyBefore = energyOf(group.step.bodies[0]);
+/// against the change of volume hold it back, which may give energy. Where they resolve it there is nothing
+/// to guard: energy that swings with the motion would be cut at each swing. Bodies that bounce: no bounce is
+/// exact where substeps only just resolve the oscillations between bounces. Their bound is the energy with
+/// which they came, for the same reason.
+void startGuard(TickGroup& group, double tick) {
+  if (group.clustered) return;  // see guardCluster()
+  const bool free = isFreeBody(group) && isPlain(group.step);
+  const bool bounces = free && bouncesOffHeld(group.bodies[0]->contacts);
+  guard(group, bounces, free && group.bodies[0]->contacts.empty() && isFolded(*group.bodies[0]));
+  if (group.guarded && !bounces) group.heldBack = holdsBack(group, tick);
+}
+
+/// Takes so many J out of all motion; returns what was not there.
+double slowDown(PointState& points, double energy) {
+  const double there = kineticEnergy(points), taken = std::min(energy, there);
+  if (taken > 0.0) points.velocity *= std::sqrt(1.0 - taken / there);
+  return energy - taken;
 }
 
 /// Takes what the energy has risen by, less the work of the constant accelerations, out of the motion.
-void endGuard(TickGroup& group) {
-  if (!group.guarded) return;
+void endGuard(TickGroup& group, double tick) {
+  if (!group.guarded || !(group.bouncing || group.heldBack || holdsBack(group, tick))) return;
   const SoftBodyData& body = *group.bodies[0];
-  double allowed = group.energyBefore;
+  double& allowed = group.energyBound;
   for (Eigen::Index i = 0; i < body.state.position.cols(); ++i)
     allowed +=
         massOf(body.state.inverseMass, i) *
         body.state.acceleration.col(i).dot(body.state.position.col(i) - body.masses.startPosition.col(i));
   SteppedBody& stepped = group.step.bodies[0];
-  const double excess = energyOf(stepped) - allowed;
-  if (excess > 0.0) removeKineticEnergy(*stepped.points, excess);
+  group.energyAtEnd = energyOf(stepped);
+  const double excess = group.energyAtEnd - allowed;
+  if (!(excess > 0.0)) return;
+  double left = removeKineticEnergy(*stepped.points, excess);
+  // what is left went into the motion as a whole, which only what it bounces off can have given
+  if (group.bouncing) left = slowDown(*stepped.points, left);
+  group.energyAtEnd -= excess - left;
 }
 
 }  // namespace
@@ -163,9 +239,13 @@ void endGuard(TickGroup& group) {
 void chooseStepping(TickGroup& group, double tick) {
   group.stepping = strictest(group);
   setChoice(group, limber::chooseStepping(problemOf(group, tick), group.stepping));
-  startGuard(group);
-  if (!hasTolerance(group)) return;
-  for (SoftBodyData* body : group.bodies) body->startVelocity = body->state.velocity;
+  startGuard(group, tick);
+  // what else moves the body may throw it farther than was foreseen for it alone
+  const bool together = group.clustered || !isPlain(group.step);
+  for (SoftBodyData* body : group.bodies) {
+    body->startVelocity = body->state.velocity;
+    body->watch->on = body->settings.continuousCollision && (body->watch->on || together);
+  }
 }
 
 void stepGroup(TickGroup& group, double tick, SharedFactors& factors) {
@@ -182,6 +262,18 @@ void stepGroup(TickGroup& group, double tick, SharedFactors& factors) {
   }
 }
 
+void guardCluster(TickGroup& group, bool alone) {
+  guard(group, alone && group.stepping.budget > 0 && isFreeBody(group), false);
+}
+
+void repeatIfMissed(TickGroup& group, double tick, SharedFactors& factors) {
+  bool missed = false;
+  for (SoftBodyData* body : group.bodies) missed = mayHaveMissedContacts(*body) || missed;
+  if (!missed) return;
+  rewind(group);
+  stepGroup(group, tick, factors);
+}
+
 namespace {
 
 /// s, for which a peak of the error is remembered.
@@ -190,7 +282,8 @@ constexpr double kErrorMemory = 0.25;
 }  // namespace
 
 void reportStepping(TickGroup& group, double tick) {
-  endGuard(group);
+  for (SoftBodyData* body : group.bodies) body->watch->merge();
+  endGuard(group, tick);
   for (std::size_t i = 0; i < group.bodies.size(); ++i) {
     SoftBodyData& body = *group.bodies[i];
     const double square = std::pow(tick / group.substeps, 2);

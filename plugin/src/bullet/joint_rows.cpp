@@ -2,6 +2,7 @@
 #include "bullet/joint_rows.h"
 
 #include "bullet/convert.h"
+#include "bullet/surface_object.h"
 
 #include <cmath>
 
@@ -50,7 +51,7 @@ btTypedConstraint::btConstraintInfo2 infoOn(RowBuffer& buffer, const btContactSo
 std::uint32_t sideOf(const btRigidBody& body, const Vector3d& linear, const Vector3d& angular,
                      const TickContacts& found, double& speed) {
   if (isFree(body)) return found.find(body);
-  if (!body.isStaticObject() && body.isActive())
+  if (!isStatic(body) && body.isActive())
     speed -= linear.dot(toEigen(body.getLinearVelocity())) + angular.dot(toEigen(body.getAngularVelocity()));
   return JointRow::kHeld;
 }
@@ -64,6 +65,9 @@ void addRow(const btTypedConstraint& joint, const RowBuffer& buffer, int row, bt
   j.lower = std::max(double(buffer.lower[4 * row]), -most);
   j.upper = std::min(double(buffer.upper[4 * row]), most);
   j.speed = double(buffer.error[4 * row]);
+  // motors have limits on both sides
+  const bool isMotor = buffer.lower[4 * row] > -SIMD_INFINITY && buffer.upper[4 * row] < SIMD_INFINITY;
+  found.recoveries.push_back(isMotor ? 0.0 : j.speed);
   j.softness = double(buffer.softness[4 * row] / tick);
   j.a = sideOf(joint.getRigidBodyA(), j.linearA, j.angularA, found, j.speed);
   j.b = sideOf(joint.getRigidBodyB(), j.linearB, j.angularB, found, j.speed);
@@ -86,6 +90,7 @@ void addTurnRow(const btPersistentManifold& manifold, const Vector3d& axis, doub
   j.b = side(manifold.getBody1(), j.angularB);
   found.joints.push_back(j);
   found.constraints.push_back(nullptr);
+  found.recoveries.push_back(0.0);
 }
 
 bool isNumbered(const TickContacts& found, const btRigidBody& body) {
@@ -107,6 +112,19 @@ void addRows(btTypedConstraint& joint, const btContactSolverInfo& solver, btScal
   }
 }
 
+/// Whether the joint is in the world. Looks from `place` in the world's list on, and leaves there where it
+/// is: rows come in the order of their joints.
+bool isThere(btDynamicsWorld& world, const btTypedConstraint* joint, int& place) {
+  const int count = world.getNumConstraints();
+  for (int i = 0; i < count; ++i) {
+    const int here = (place + i) % count;
+    if (world.getConstraint(here) != joint) continue;
+    place = here;
+    return true;
+  }
+  return false;
+}
+
 void addFeedback(btJointFeedback& feedback, const JointRow& j, btScalar tick) {
   const auto push = [&](btVector3& sum, const Vector3d& along) {
     sum += toBullet(Vector3d(along * (j.impulse / double(tick))));
@@ -115,6 +133,11 @@ void addFeedback(btJointFeedback& feedback, const JointRow& j, btScalar tick) {
   push(feedback.m_appliedForceBodyB, j.linearB);
   push(feedback.m_appliedTorqueBodyA, j.angularA);
   push(feedback.m_appliedTorqueBodyB, j.angularB);
+}
+
+/// Soft bodies' objects are left to Bullet's solver, see surface_rigid.h.
+bool holdsSoft(const btTypedConstraint& joint) {
+  return SurfaceObject::from(&joint.getRigidBodyA()) || SurfaceObject::from(&joint.getRigidBodyB());
 }
 
 }  // namespace
@@ -135,7 +158,7 @@ bool addJoinedBodies(btDiscreteDynamicsWorld& world, TickContacts& found) {
   const std::size_t before = found.rigids.size();
   for (int i = 0; i < world.getNumConstraints(); ++i) {
     btTypedConstraint& joint = *world.getConstraint(i);
-    if (!joint.isEnabled()) continue;
+    if (!joint.isEnabled() || holdsSoft(joint)) continue;
     btRigidBody &a = joint.getRigidBodyA(), &b = joint.getRigidBodyB();
     if (!isNumbered(found, a) && !isNumbered(found, b)) continue;
     for (btRigidBody* body : {&a, &b})
@@ -147,15 +170,16 @@ bool addJoinedBodies(btDiscreteDynamicsWorld& world, TickContacts& found) {
 void addJointRows(btDiscreteDynamicsWorld& world, btScalar tick, TickContacts& found) {
   for (int i = 0; i < world.getNumConstraints(); ++i) {
     btTypedConstraint& joint = *world.getConstraint(i);
-    if (joint.isEnabled() &&
+    if (joint.isEnabled() && !holdsSoft(joint) &&
         (isNumbered(found, joint.getRigidBodyA()) || isNumbered(found, joint.getRigidBodyB())))
       addRows(joint, world.getSolverInfo(), tick, found);
   }
 }
 
-void reportJoints(const TickContacts& contacts, btScalar tick) {
+void reportJoints(btDynamicsWorld& world, const TickContacts& contacts, btScalar tick) {
+  int place = 0;
   for (std::size_t i = 0; i < contacts.joints.size(); ++i) {
-    if (!contacts.constraints[i]) continue;
+    if (!contacts.constraints[i] || !isThere(world, contacts.constraints[i], place)) continue;
     btTypedConstraint& joint = *contacts.constraints[i];
     const JointRow& row = contacts.joints[i];
     joint.internalSetAppliedImpulse(static_cast<btScalar>(row.impulse));

@@ -18,8 +18,9 @@ void addJointRows(btDiscreteDynamicsWorld& world, btScalar tick, TickContacts& f
 void addRollingRows(const btPersistentManifold& manifold, const btManifoldPoint& point, TickContacts& found);
 
 /// After the tick: Bullet says of the joints what they have borne (as it does, the applied impulse is that of
-/// the last row; feedback is the sum of all), and those that bore as much as they may break.
-void reportJoints(const TickContacts& contacts, btScalar tick);
+/// the last row; feedback is the sum of all), and those that bore as much as they may break. Joints that are
+/// no longer in the world are left out.
+void reportJoints(btDynamicsWorld& world, const TickContacts& contacts, btScalar tick);
 
 }  // namespace LIMBER_BULLET_PRECISION
 }  // namespace limber

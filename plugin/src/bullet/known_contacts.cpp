@@ -24,7 +24,8 @@ void guessBearings(TickContacts& contacts) {
     const std::vector<KnownContact>& known = source.body->knownContacts;
     const auto it = std::lower_bound(known.begin(), known.end(), id,
                                      [](const KnownContact& k, const Id& other) { return idOf(k) < other; });
-    if (it != known.end() && idOf(*it) == id) contacts.contacts[i].stopping = it->bearing;
+    if (it != known.end() && idOf(*it) == id && it->object == source.partner.object)
+      contacts.contacts[i].stopping = it->bearing;
   }
 }
 
@@ -36,7 +37,8 @@ void rememberBearings(const std::vector<SoftBodyData*>& bodies, const TickContac
     const PairContact& c = contacts.contacts[i];
     const double along = c.normal.dot(c.impulse);
     const Id id = idOf(source);
-    source.body->knownContacts.push_back({id.first, id.second, {along, c.impulse - along * c.normal}});
+    source.body->knownContacts.push_back(
+        {id.first, source.partner.object, id.second, {along, c.impulse - along * c.normal}});
   }
   const auto before = [](const KnownContact& k, const KnownContact& l) { return idOf(k) < idOf(l); };
   for (SoftBodyData* body : bodies) std::sort(body->knownContacts.begin(), body->knownContacts.end(), before);

@@ -35,6 +35,17 @@ void placePoints(SoftBodyData& body) {
     state.velocity.col(i) = s.linearVelocity + s.angularVelocity.cross(state.position.col(i) - center);
 }
 
+/// m, m/s: what the settings allow, too; Bullet's floats hold the square of the square of it.
+constexpr double kLargestPlace = 1e9;
+
+std::string checkPlaces(const PointState& state) {
+  for (Eigen::Index i = 0; i < state.position.cols(); ++i)
+    for (const Points* array : {&state.position, &state.velocity})
+      if (!(array->col(i).cwiseAbs().maxCoeff() <= kLargestPlace))
+        return "point " + std::to_string(i) + " would be, or move, beyond 1e9";
+  return {};
+}
+
 /// Of the eigenvalue: the period that follows from it is good to some 1e-3.
 constexpr double kResidual = 0.03;
 
@@ -61,6 +72,7 @@ Result<std::unique_ptr<SoftBodyData>> makeBodyData(SharedNetwork network, const 
   body->volumes = makeVolumes(*body->network, settings);
   body->tetrahedra = makeTetrahedronVolumes(*body->network, settings);
   placePoints(*body);
+  if (std::string reason = checkPlaces(body->state); !reason.empty()) return Error{reason};
   body->fastestAtRest = fastestAtRest(*body);
   const Points& x = body->state.position;
   body->size = (x.rowwise().maxCoeff() - x.rowwise().minCoeff()).norm();

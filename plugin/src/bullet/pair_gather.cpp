@@ -2,8 +2,10 @@
 #include "bullet/pair_gather.h"
 
 #include "bullet/box_contact.h"
+#include "bullet/contact_filter.h"
 #include "bullet/contact_reach.h"
 #include "bullet/convert.h"
+#include "bullet/multibody_links.h"
 
 #include <algorithm>
 
@@ -42,7 +44,8 @@ class PairsOfPoint final : public btCollisionWorld::ContactResultCallback {
     const PointMass* point = body_->masses.bodies[point_];
     c.friction = double(gCalculateCombinedFrictionCallback(point, partner_));
     c.restitution = double(gCalculateCombinedRestitutionCallback(point, partner_));
-    c.recoverySpeed = recoverySpeed(radius);
+    c.bounceThreshold = body_->speeds.bounce;
+    c.recoverySpeed = body_->speeds.recovery;
     for (std::size_t i = first_; i < found_->contacts.size(); ++i)
       if (found_->contacts[i].normal.dot(normal) > kSameSurface) {
         if (c.gap < found_->contacts[i].gap) found_->contacts[i] = c;
@@ -50,7 +53,7 @@ class PairsOfPoint final : public btCollisionWorld::ContactResultCallback {
       }
     ContactSource source;
     source.body = body_;
-    source.partner = markOf(*partner_);
+    source.partner = markOf(objectInWorld(*partner_));
     source.key = point_;
     found_->add(c, source);
   }
@@ -85,7 +88,7 @@ void addPairs(SoftBodyData& body, std::uint32_t i, btRigidBody& partner, double 
   const Reach reach = reachOf(body, i, tick, motion);
   if (!overlaps(reach, partner)) return;
   PointMass& point = *body.masses.bodies[i];
-  if (!point.checkCollideWith(&partner) || !partner.checkCollideWith(&point)) return;
+  if (!canHit(body, point, partner)) return;
   PairsOfPoint pairs(body, i, partner, reach.distance, found);
   if (partner.getCollisionShape()->getShapeType() == BOX_SHAPE_PROXYTYPE)
     return addBoxPair(pairs, body, i, partner, reach.distance);

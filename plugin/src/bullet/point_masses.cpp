@@ -5,9 +5,14 @@
 #include "bullet/soft_body_data.h"
 #include "core/coincident_points.h"
 
+#include <cmath>
+
 namespace limber {
 inline namespace LIMBER_BULLET_PRECISION {
 namespace {
+
+/// m, m/s, N: the square of what is less does not overflow Bullet's floats.
+constexpr double kUnsound = 1e18;
 
 PointMass* makeBody(SoftBodyData& body, std::uint32_t i) {
   const btScalar mass = static_cast<btScalar>(body.settings.totalMass * body.network->massShares[i]);
@@ -35,19 +40,37 @@ void remember(PointMasses& masses, std::uint32_t i) {
 
 void gatherHeld(SoftBodyData& body, std::uint32_t i, btScalar tick) {
   PointState& s = body.state;
-  const btVector3& target = body.masses.bodies[i]->getWorldTransform().getOrigin();
+  btVector3& target = body.masses.bodies[i]->getWorldTransform().getOrigin();
+  if (!isSound(target)) {
+    target = body.masses.leftPosition[i];
+    body.restored = true;
+  }
   s.velocity.col(i) = (toEigen(target) - s.position.col(i)) / double(tick);
 }
 
+/// Neither does what is not sound get into the state, from where it would spread.
 void absorbChange(SoftBodyData& body, std::uint32_t i) {
+  const PointMass& point = *body.masses.bodies[i];
+  if (!isSound(point.getWorldTransform().getOrigin()) || !isSound(point.getLinearVelocity())) {
+    writePoint(body, i);
+    body.restored = true;
+  }
   body.state.position.col(i) = currentPosition(body, i);
   body.state.velocity.col(i) = currentVelocity(body, i);
   remember(body.masses, i);
 }
 
 Eigen::Vector3d inverseMass(const PointMass& point, bool held) {
-  if (held) return Eigen::Vector3d::Zero();
-  return toEigen(point.getLinearFactor()) * double(point.getInvMass());
+  const Eigen::Vector3d w = toEigen(point.getLinearFactor()) * double(point.getInvMass());
+  return held || !w.allFinite() ? Eigen::Vector3d::Zero() : w;
+}
+
+void updateInverseMass(SoftBodyData& body, std::uint32_t i) {
+  const Eigen::Vector3d w = inverseMass(*body.masses.bodies[i], body.masses.held[i]);
+  if (w == body.state.inverseMass.col(i)) return;
+  body.frequencyStale = true;
+  body.springs.damperTime = 0.0;
+  body.state.inverseMass.col(i) = w;
 }
 
 /// Held by pin(), by the user (static or kinematic), or taken out of the simulation by Bullet or the user.
@@ -101,7 +124,8 @@ void forgetDeletedPoint(SoftBodyData& body, std::uint32_t index) {
 
 void gatherPoints(SoftBodyData& body, btScalar tick, bool allHeld) {
   PointMasses& m = body.masses;
-  bool moved = false;
+  bool moved = m.changed;
+  m.changed = false;
   for (std::uint32_t i = 0; i < m.bodies.size(); ++i) {
     PointMass& point = *m.bodies[i];
     point.keepCollisionFilter();
@@ -111,13 +135,8 @@ void gatherPoints(SoftBodyData& body, btScalar tick, bool allHeld) {
       gatherHeld(body, i, tick);
     else
       absorbChange(body, i);
-    const Eigen::Vector3d w = inverseMass(point, held);
-    if (w != body.state.inverseMass.col(i)) {
-      body.frequencyStale = true;
-      body.springs.damperTime = 0.0;
-    }
-    body.state.inverseMass.col(i) = w;
     m.held[i] = held;
+    updateInverseMass(body, i);
     remember(m, i);
   }
   // neither the steps themselves nor a pin that is moved about bring points to exactly one place
@@ -134,8 +153,35 @@ void writePoints(SoftBodyData& body) {
 
 void absorbOutsideChanges(SoftBodyData& body) {
   if (!body.masses.shared) return;
-  for (std::uint32_t i = 0; i < body.masses.bodies.size(); ++i)
-    if (body.masses.bodies[i] && !body.masses.held[i]) absorbChange(body, i);
+  for (std::uint32_t i = 0; i < body.masses.bodies.size(); ++i) {
+    if (!body.masses.bodies[i]) continue;
+    updateInverseMass(body, i);
+    if (body.masses.held[i] || !isChangedOutside(body, i)) continue;
+    const Eigen::Vector3d before = body.state.position.col(i);
+    absorbChange(body, i);
+    // pictures of the last tick move along
+    body.masses.startPosition.col(i) += body.state.position.col(i) - before;
+    body.masses.changed = true;
+  }
+}
+
+bool isSound(const btVector3& v) { return toEigen(v).cwiseAbs().sum() < kUnsound; }
+
+void restoreIfUnsound(SoftBodyData& body) {
+  PointState& s = body.state;
+  if (s.position.cwiseAbs().sum() + s.velocity.cwiseAbs().sum() < kUnsound) return;
+  s.position = body.masses.startPosition;
+  s.velocity.setZero();
+  SpringArrays& springs = body.springs;
+  for (std::size_t i = 0; i < springs.originalLength.size(); ++i)
+    if (!std::isfinite(springs.restLength[i])) springs.restLength[i] = springs.originalLength[i];
+  ++springs.revision;
+  for (ContactRow& row : body.contacts) row.impulse.setZero();
+  body.knownContacts.clear();
+  body.implicit = ImplicitState();
+  body.volumes.kept.value = 0.0;
+  body.errorPerSecond = body.errorPerSquare = 0.0;
+  body.restored = true;
 }
 
 bool isChangedOutside(const SoftBodyData& body, std::uint32_t i) {
@@ -145,6 +191,7 @@ bool isChangedOutside(const SoftBodyData& body, std::uint32_t i) {
 }
 
 bool anyPointMoves(const SoftBodyData& body, btScalar tick) {
+  if (body.masses.changed) return true;
   for (std::uint32_t i = 0; i < body.masses.bodies.size(); ++i) {
     const double way = (body.state.position.col(i) - body.masses.startPosition.col(i)).norm();
     if (isChangedOutside(body, i) || way > double(body.masses.bodies[i]->getLinearSleepingThreshold() * tick))

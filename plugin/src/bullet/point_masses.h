@@ -31,6 +31,7 @@ struct PointMasses {
   std::vector<btVector3>
       expectedVelocity;             ///< #points, after the tick if nothing is touched; in a world only
   std::vector<unsigned char> held;  ///< #points, 1: pinned, or held by the user
+  bool changed = false;  ///< the user has changed a point since the last tick, and the state knows already
   bool shared = true;    ///< false: nobody outside has seen the bodies yet; they are neither read nor written
   Points startPosition;  ///< 3 x #points, m, at the start of the tick
 };
@@ -65,8 +66,15 @@ Eigen::Vector3d currentPosition(const SoftBodyData& body, std::uint32_t i);
 Eigen::Vector3d positionAt(const SoftBodyData& body, std::uint32_t i, double tickFraction);
 Eigen::Vector3d currentVelocity(const SoftBodyData& body, std::uint32_t i);
 
-/// Whether the user has moved point i, or changed its velocity, since the last tick.
+/// Whether the user has moved point i, or changed its velocity, since it was last read or written.
 bool isChangedOutside(const SoftBodyData& body, std::uint32_t i);
+
+/// Whether Bullet can reckon with it: neither NaN nor so large that its square overflows.
+bool isSound(const btVector3& v);
+
+/// Puts a body whose motion is not sound any more back to where it was at the start of the tick, at rest.
+/// Whatever is derived from the motion starts anew.
+void restoreIfUnsound(SoftBodyData& body);
 
 /// Whether a point has moved faster than its sleeping threshold over the last tick, or the user has changed
 /// it. Its velocity at the end of a tick would not do: at rest on something it is that of a step in free

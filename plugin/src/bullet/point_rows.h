@@ -4,6 +4,7 @@
 #include "bullet/box_contact.h"
 #include "bullet/contact_cache.h"
 #include "bullet/contact_reach.h"
+#include "bullet/kinematic_motion.h"
 #include "bullet/surface_body.h"
 
 namespace limber {
@@ -51,32 +52,50 @@ class RowsOfPair final : public btCollisionWorld::ContactResultCallback {
   }
 
   /// Keeps the one contact that was found for coming ticks.
-  void keepContact(CachedContact& cached) const {
+  void keepContact(CachedContact& cached, std::uint64_t stamp) const {
     const btVector3 place = toBullet(Eigen::Vector3d(body_->state.position.col(point_)));
-    if (found_ == 1) limber::keepContact(cached, *partner_, surface_, normal_, place);
+    if (found_ == 1) limber::keepContact(cached, stamp, *partner_, surface_, normal_, place);
+  }
+
+  /// A row that the step makes follow what `around` has of this owner; up to then, it is on this plane.
+  void addFollowing(HeldNeighbourhood& around, std::uint32_t owner, const HeldContact* contact) {
+    ContactRow row = makeRow();
+    row.around = &around;
+    row.owner = owner;
+    row.away = !contact;
+    if (contact) row.normal = contact->normal, row.touch = contact->touch;
+    push(row);
   }
 
   void add(const Eigen::Vector3d& normal, const btVector3& surface) {
-    ContactRow row;
-    row.point = point_;
+    ContactRow row = makeRow();
     row.normal = normal.normalized();
-    row.friction = double(gCalculateCombinedFrictionCallback(&own(), partner_));
-    row.restitution = double(gCalculateCombinedRestitutionCallback(&own(), partner_));
-    row.recoverySpeed = recoverySpeed(double(body_->masses.shape->getRadius()));
-    row.surfaceVelocity = velocityOfPartner(surface);
-    // a kinematic body is already where it will be at the end of the tick
-    row.touch = toEigen(surface) + double(body_->masses.shape->getRadius()) * row.normal -
-                double(tick_) * row.surfaceVelocity;
+    row.surfaceVelocity = kinematicWay(*partner_, toEigen(surface)) / double(tick_);
+    row.touch = toEigen(surface) + double(body_->masses.shape->getRadius()) * row.normal;
     for (std::size_t i = first_; i < body_->contacts.size(); ++i)
       if (body_->contacts[i].normal.dot(row.normal) > kSameSurface) {
         if (gap(row) < gap(body_->contacts[i])) body_->contacts[i] = row;
         return;
       }
+    push(row);
+  }
+
+ private:
+  ContactRow makeRow() const {
+    ContactRow row;
+    row.point = point_;
+    row.friction = double(gCalculateCombinedFrictionCallback(&own(), partner_));
+    row.restitution = double(gCalculateCombinedRestitutionCallback(&own(), partner_));
+    row.bounceThreshold = body_->speeds.bounce;
+    row.recoverySpeed = body_->speeds.recovery;
+    return row;
+  }
+
+  void push(const ContactRow& row) {
     body_->contacts.push_back(row);
     body_->contactPartners.push_back(partner_);
   }
 
- private:
   double gap(const ContactRow& row) const {
     return row.normal.dot(body_->state.position.col(point_) - row.touch);
   }
@@ -85,12 +104,6 @@ class RowsOfPair final : public btCollisionWorld::ContactResultCallback {
   const btRigidBody& own() const {
     if (!body_->masses.shared) return *body_->surface.object;
     return *body_->masses.bodies[point_];
-  }
-
-  Eigen::Vector3d velocityOfPartner(const btVector3& surface) const {
-    const btRigidBody* rigid = btRigidBody::upcast(partner_);
-    if (!rigid || !rigid->isKinematicObject()) return Eigen::Vector3d::Zero();
-    return toEigen(rigid->getVelocityInLocalPoint(surface - rigid->getWorldTransform().getOrigin()));
   }
 
   SoftBodyData* body_;

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Zlib
 #include "bullet/rigid_contacts.h"
 
+#include "bullet/contact_reach.h"
 #include "bullet/convert.h"
 #include "bullet/joint_rows.h"
+#include "bullet/multibody_links.h"
 #include "bullet/point_mass.h"
 #include "bullet/surface_object.h"
 
@@ -42,9 +44,6 @@ void fill(RigidManifolds& index, btDiscreteDynamicsWorld& world) {
   });
 }
 
-/// Share of a penetration and m/s, as Bullet's solver has it: rigid bodies are drawn apart by its erp2.
-constexpr double kRecoverySpeed = 0.5;
-
 /// What the last tick bore, spread over its solves: two in each substep. Their number is not known yet.
 Bearing guess(const btManifoldPoint& point) {
   btVector3 t, u;
@@ -66,7 +65,6 @@ void addContact(TickContacts& found, const btPersistentManifold& manifold, const
   c.gap = c.normal.dot(toEigen(onA) - toEigen(onB));
   c.friction = double(point.m_combinedFriction);
   c.restitution = double(point.m_combinedRestitution);
-  c.recoverySpeed = kRecoverySpeed;
   c.stopping = guess;
   ContactSource source;
   source.point = reported;
@@ -79,7 +77,7 @@ btScalar motionOf(const btPersistentManifold& manifold, btScalar tick) {
   btScalar motion = 0;
   for (const btCollisionObject* object : {manifold.getBody0(), manifold.getBody1()}) {
     const btRigidBody* body = btRigidBody::upcast(object);
-    if (!body || body->isStaticObject()) continue;
+    if (!body || isStatic(*body)) continue;
     const btScalar turn = body->getAngularVelocity().length();
     motion += tick * body->getLinearVelocity().length();
     if (turn > 0) motion += tick * turn * object->getCollisionShape()->getAngularMotionDisc();
@@ -112,16 +110,30 @@ void addKnownContacts(TickContacts& found, btPersistentManifold& manifold, KeptP
   }
 }
 
+/// Compounds may give manifolds of their parts back while they look for contacts, a GImpact mesh does always.
+bool keepsManifolds(const btCollisionObject& object) {
+  const btCollisionShape& shape = *object.getCollisionShape();
+  return !shape.isCompound() && shape.getShapeType() != GIMPACT_SHAPE_PROXYTYPE;
+}
+
 /// Where the bodies touch now. What the last tick left was found before they moved: a ball that rolls on it
-/// would be pushed from behind. The parts of compounds may give their manifolds back: not those.
+/// would be pushed from behind. Only where the manifold stays.
 void findAnew(btDiscreteDynamicsWorld& world, const btPersistentManifold& manifold) {
   const btCollisionObject &a = *manifold.getBody0(), &b = *manifold.getBody1();
-  if (a.getCollisionShape()->isCompound() || b.getCollisionShape()->isCompound()) return;
-  auto* dispatcher = dynamic_cast<btCollisionDispatcher*>(world.getDispatcher());
+  if (!keepsManifolds(a) || !keepsManifolds(b)) return;
   auto* proxyA = const_cast<btBroadphaseProxy*>(a.getBroadphaseHandle());
   auto* proxyB = const_cast<btBroadphaseProxy*>(b.getBroadphaseHandle());
   btBroadphasePair* pair = world.getPairCache()->findPair(proxyA, proxyB);
-  if (dispatcher && pair) dispatcher->getNearCallback()(*pair, *dispatcher, world.getDispatchInfo());
+  if (!pair || !pair->m_algorithm) return;
+  // as btCollisionDispatcher::defaultNearCallback does it, whatever the dispatcher is
+  const btCollisionObject* first = static_cast<btCollisionObject*>(pair->m_pProxy0->m_clientObject);
+  const btCollisionObject* second = static_cast<btCollisionObject*>(pair->m_pProxy1->m_clientObject);
+  const btCollisionObjectWrapper wrapA(nullptr, first->getCollisionShape(), first, first->getWorldTransform(), -1,
+                                       -1);
+  const btCollisionObjectWrapper wrapB(nullptr, second->getCollisionShape(), second,
+                                       second->getWorldTransform(), -1, -1);
+  btManifoldResult result(&wrapA, &wrapB);
+  pair->m_algorithm->processCollision(&wrapA, &wrapB, world.getDispatchInfo(), &result);
 }
 
 void addContacts(TickContacts& found, btPersistentManifold& manifold, btScalar tick, KeptPoints& kept) {
@@ -137,11 +149,24 @@ void addContacts(TickContacts& found, btPersistentManifold& manifold, btScalar t
   }
 }
 
+/// Bullet's own least speed that bounces; bodies are drawn apart as its breaking threshold tells their size.
+void setSpeeds(TickContacts& found, std::size_t first, const btDiscreteDynamicsWorld& world,
+               const btPersistentManifold& manifold, btScalar tick) {
+  const auto& info = const_cast<btDiscreteDynamicsWorld&>(world).getSolverInfo();
+  const double size = double(manifold.getContactBreakingThreshold());
+  for (std::size_t i = first; i < found.contacts.size(); ++i) {
+    found.contacts[i].bounceThreshold = double(info.m_restitutionVelocityThreshold);
+    found.contacts[i].recoverySpeed = recoverySpeed(size, double(world.getGravity().length()), double(tick));
+  }
+}
+
 /// The contacts of rigid body `number` with others that have not had their turn.
 void gatherContactsOf(btDiscreteDynamicsWorld& world, std::uint32_t number, RigidManifolds& index,
                       btScalar tick, TickContacts& found) {
   const btRigidBody* body = found.rigids[number].body;
-  const auto place = static_cast<std::size_t>(found.rigids[number].place);
+  // what else a multibody touches is left to Bullet's solver
+  if (LinkBody::from(body)) return;
+  const auto place = static_cast<std::size_t>(found.rigids[number].mark.place);
   for (int i = index.begin[place]; i < index.begin[place + 1]; ++i) {
     btPersistentManifold& manifold = *index.manifolds[static_cast<std::size_t>(i)];
     const btCollisionObject* other = manifold.getBody0() == body ? manifold.getBody1() : manifold.getBody0();
@@ -149,7 +174,9 @@ void gatherContactsOf(btDiscreteDynamicsWorld& world, std::uint32_t number, Rigi
     const std::uint32_t theirs = rigid && isFree(*rigid) ? found.find(*rigid) : TickContacts::kNone;
     if (theirs != TickContacts::kNone && theirs <= number) continue;
     findAnew(world, manifold);
+    const std::size_t first = found.contacts.size();
     addContacts(found, manifold, tick, index.kept);
+    setSpeeds(found, first, world, manifold, tick);
   }
 }
 
@@ -170,7 +197,9 @@ void gatherRigidContacts(btDiscreteDynamicsWorld& world, btScalar tick, RigidMan
 void freeManifolds(btDispatcher& dispatcher) {
   for (int m = 0; m < dispatcher.getNumManifolds(); ++m) {
     btPersistentManifold& manifold = *dispatcher.getManifoldByIndexInternal(m);
-    if (manifold.getContactProcessingThreshold() > kLeftAlone) continue;
+    if (manifold.getContactProcessingThreshold() > kLeftAlone || isSoft(manifold.getBody0()) ||
+        isSoft(manifold.getBody1()))
+      continue;
     const btScalar own = btMin(manifold.getBody0()->getContactProcessingThreshold(),
                                manifold.getBody1()->getContactProcessingThreshold());
     manifold.setContactProcessingThreshold(own);

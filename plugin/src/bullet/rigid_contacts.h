@@ -24,11 +24,12 @@ struct RigidManifolds {
 ///
 /// Bullet's solver is told to leave those alone whose points it knows already (btPersistentManifold::
 /// setContactProcessingThreshold); where faster motion may bring new points into a manifold in this tick, it
-/// keeps its say. freeManifolds() takes that back.
+/// keeps its say. freeManifolds() takes that back once the tick is over.
 void gatherRigidContacts(btDiscreteDynamicsWorld& world, btScalar tick, RigidManifolds& index,
                          TickContacts& found);
 
-/// Lets Bullet's solver treat all manifolds again that gatherRigidContacts() told it to leave alone.
+/// Lets Bullet's solver treat all manifolds again that gatherRigidContacts() told it to leave alone, those of
+/// other systems in the world too.
 void freeManifolds(btDispatcher& dispatcher);
 
 /// After the step: what the contacts and joints have borne, for users who read it from Bullet

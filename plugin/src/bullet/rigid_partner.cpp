@@ -2,6 +2,7 @@
 #include "bullet/rigid_partner.h"
 
 #include "bullet/convert.h"
+#include "bullet/kinematic_motion.h"
 
 #include <cmath>
 
@@ -10,7 +11,9 @@ inline namespace LIMBER_BULLET_PRECISION {
 namespace {
 
 void gatherHeldRigid(RigidPartner& partner, RigidState& state, btScalar tick) {
-  const btTransform& pose = partner.body->getWorldTransform();
+  const btRigidBody& body = *partner.body;
+  const btTransform& pose =
+      isKinematic(body) ? body.getInterpolationWorldTransform() : body.getWorldTransform();
   state = RigidState();
   state.position = toEigen(partner.lastPose.getOrigin());
   state.rotation = toEigen(partner.lastPose.getRotation());
@@ -19,14 +22,37 @@ void gatherHeldRigid(RigidPartner& partner, RigidState& state, btScalar tick) {
   partner.lastPose = pose;
 }
 
-void gatherFreeRigid(RigidPartner& partner, RigidState& state) {
+/// rad/s, by what Bullet's solver changes the body's angular velocity for its unequal moments of inertia.
+Eigen::Vector3d gyroscopicChange(const btRigidBody& body, btScalar tick) {
+  if (body.getFlags() & BT_ENABLE_GYROSCOPIC_FORCE_IMPLICIT_WORLD)
+    return toEigen(body.computeGyroscopicImpulseImplicit_World(tick));
+  if (body.getFlags() & BT_ENABLE_GYROSCOPIC_FORCE_IMPLICIT_BODY)
+    return toEigen(body.computeGyroscopicImpulseImplicit_Body(tick));
+  return Eigen::Vector3d::Zero();
+}
+
+Eigen::Vector3d turnByTorque(const btRigidBody& body) {
+  return toEigen(body.getInvInertiaTensorWorld() * body.getTotalTorque());
+}
+
+/// Sets the angular velocity (rad/s) with which the solver begins so that it will be `wanted` before impulses.
+void setTurnBeforeSolver(btRigidBody& body, const Eigen::Vector3d& wanted, btScalar tick) {
+  Eigen::Vector3d handed = wanted;
+  for (int i = 0; i < 3; ++i) {
+    body.setAngularVelocity(toBullet(handed));
+    handed = wanted - gyroscopicChange(body, tick);
+  }
+  body.setAngularVelocity(toBullet(handed));
+}
+
+void gatherFreeRigid(RigidPartner& partner, RigidState& state, btScalar tick) {
   const btRigidBody& body = *partner.body;
   state.position = toEigen(body.getWorldTransform().getOrigin());
   state.rotation = toEigen(body.getWorldTransform().getRotation());
   state.velocity = toEigen(body.getLinearVelocity());
   state.angularVelocity = toEigen(body.getAngularVelocity());
   state.acceleration = toEigen(body.getTotalForce()) * double(body.getInvMass());
-  state.angularAcceleration = toEigen(body.getInvInertiaTensorWorld() * body.getTotalTorque());
+  state.angularAcceleration = turnByTorque(body) + gyroscopicChange(body, tick) / double(tick);
   state.inverseMass = toEigen(body.getLinearFactor()) * double(body.getInvMass());
   state.inverseInertiaLocal = toEigen(body.getInvInertiaDiagLocal());
   state.angularFactor = toEigen(body.getAngularFactor());
@@ -41,18 +67,18 @@ double keptShare(btScalar damping, btScalar tick) { return std::pow(1.0 - double
 RigidPartner makePartner(btRigidBody& body) {
   RigidPartner partner;
   partner.body = &body;
-  partner.place = body.getWorldArrayIndex();
+  partner.mark = markOf(body);
   partner.lastPose = body.getWorldTransform();
   return partner;
 }
 
 void gatherRigid(RigidPartner& partner, RigidState& state, btScalar tick) {
   partner.held =
-      partner.body->isStaticOrKinematicObject() || partner.body->getActivationState() == DISABLE_SIMULATION;
+      isStaticOrKinematic(*partner.body) || partner.body->getActivationState() == DISABLE_SIMULATION;
   if (partner.held)
     gatherHeldRigid(partner, state, tick);
   else
-    gatherFreeRigid(partner, state);
+    gatherFreeRigid(partner, state, tick);
   partner.start = state;
 }
 
@@ -65,9 +91,9 @@ void handOverRigid(RigidPartner& partner, const RigidState& end, btScalar tick) 
   const double linear = keptShare(body.getLinearDamping(), tick);
   const double angular = keptShare(body.getAngularDamping(), tick);
   const Eigen::Vector3d handed = mean - h * partner.start.acceleration;
-  const Eigen::Vector3d handedAngular = meanAngular - h * partner.start.angularAcceleration;
+  setTurnBeforeSolver(body, meanAngular - h * turnByTorque(body), tick);
   if (linear > 0.0) body.setLinearVelocity(toBullet(Eigen::Vector3d(handed / linear)));
-  if (angular > 0.0) body.setAngularVelocity(toBullet(Eigen::Vector3d(handedAngular / angular)));
+  if (angular > 0.0) body.setAngularVelocity(body.getAngularVelocity() / static_cast<btScalar>(angular));
   partner.expectedVelocity = toBullet(mean);
   partner.expectedAngularVelocity = toBullet(meanAngular);
 }

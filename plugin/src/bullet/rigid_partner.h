@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
+#include "bullet/partner_mark.h"
 #include "core/rigid_state.h"
 
 #include <limber/bullet_precision.h>
@@ -15,13 +16,14 @@ inline namespace LIMBER_BULLET_PRECISION {
 struct RigidPartner {
   btRigidBody* body = nullptr;
   bool held = false;           ///< static, kinematic or out of the simulation: it moves as told
-  int place = -1;              ///< in the world's list of objects, -1: in none
+  PartnerMark mark;            ///< of the body
   btTransform lastPose;        ///< of a held body at the end of the last tick
   RigidState start;            ///< at the start of the tick
   btVector3 expectedVelocity;  ///< after the tick if nothing else acts
   btVector3 expectedAngularVelocity;
 };
 
+/// The body must be in the world.
 RigidPartner makePartner(btRigidBody& body);
 
 /// Fills `state` from Bullet's body. A held body moves evenly from its last pose to its present one.

@@ -164,6 +164,16 @@ struct TriangleList final : btInternalTriangleIndexCallback, btTriangleCallback 
   }
 };
 
+/// Bullet tells no vertices of these.
+ShapeSurface triangleMeshHull(const btConvexTriangleMeshShape& shape) {
+  TriangleList list;
+  const btVector3 most(BT_LARGE_FLOAT, BT_LARGE_FLOAT, BT_LARGE_FLOAT);
+  shape.getMeshInterface()->InternalProcessAllTriangles(&list, -most, most);
+  std::vector<btVector3> corners;
+  for (const Vector3d& corner : list.corners) corners.push_back(toBullet(corner));
+  return corners.empty() ? ShapeSurface() : hullOf(corners, double(shape.getMargin()));
+}
+
 }  // namespace
 
 ShapeSurface makeShapeSurface(const btCollisionShape& shape) {
@@ -174,11 +184,15 @@ ShapeSurface makeShapeSurface(const btCollisionShape& shape) {
       return capsuleSurface(static_cast<const btCapsuleShape&>(shape));
     case BOX_SHAPE_PROXYTYPE:
       return boxSurface(static_cast<const btBoxShape&>(shape));
+    case CONVEX_TRIANGLEMESH_SHAPE_PROXYTYPE:
+      return triangleMeshHull(static_cast<const btConvexTriangleMeshShape&>(shape));
     default:
       break;
   }
-  if (shape.isPolyhedral()) return polyhedronSurface(static_cast<const btPolyhedralConvexShape&>(shape));
   if (!shape.isConvex()) return {};
+  // of a mesh that Bullet treats as convex it does not know the corners
+  if (shape.isPolyhedral() && static_cast<const btPolyhedralConvexShape&>(shape).getNumVertices() > 0)
+    return polyhedronSurface(static_cast<const btPolyhedralConvexShape&>(shape));
   const auto& convex = static_cast<const btConvexShape&>(shape);
   return roundSurface(convex, axisOf(convex));
 }

@@ -5,6 +5,7 @@
 #include "bullet/convert.h"
 #include "bullet/soft_body_data.h"
 #include "bullet/surface_body.h"
+#include "bullet/surface_rigid.h"
 #include "core/body_measures.h"
 #include "core/spring_forces.h"
 
@@ -36,10 +37,18 @@ btRigidBody* SoftBody::point(std::uint32_t i) const {
 
 btRigidBody* SoftBody::surfaceObject() const { return data_->surface.object; }
 
-Eigen::Vector3d SoftBody::position(std::uint32_t i) const { return currentPosition(*data_, i); }
-Eigen::Vector3d SoftBody::velocity(std::uint32_t i) const { return currentVelocity(*data_, i); }
+Eigen::Vector3d SoftBody::position(std::uint32_t i) const {
+  readObject(*data_);
+  return currentPosition(*data_, i);
+}
+
+Eigen::Vector3d SoftBody::velocity(std::uint32_t i) const {
+  readObject(*data_);
+  return currentVelocity(*data_, i);
+}
 
 void SoftBody::writePositions(float* xyz) const {
+  readObject(*data_);
   for (std::uint32_t i = 0; i < pointCount(); ++i) {
     const Eigen::Vector3f p = currentPosition(*data_, i).cast<float>();
     for (int axis = 0; axis < 3; ++axis) *xyz++ = p[axis];
@@ -47,6 +56,7 @@ void SoftBody::writePositions(float* xyz) const {
 }
 
 void SoftBody::writePositions(float* xyz, double tickFraction) const {
+  readObject(*data_);
   for (std::uint32_t i = 0; i < pointCount(); ++i) {
     const Eigen::Vector3f p = positionAt(*data_, i, tickFraction).cast<float>();
     for (int axis = 0; axis < 3; ++axis) *xyz++ = p[axis];
@@ -95,6 +105,7 @@ bool SoftBody::pinned(std::uint32_t i) const {
   return point && point->isKinematicObject();
 }
 
+std::uint32_t SoftBody::restorations() const { return data_->restorations; }
 bool SoftBody::sleeping() const { return data_->asleep; }
 void SoftBody::wake() { wakeBody(*data_, false); }
 
@@ -109,6 +120,7 @@ namespace {
 
 /// The state with what the user has changed since the last tick.
 const PointState& current(SoftBodyData& data) {
+  readObject(data);
   absorbOutsideChanges(data);
   return data.state;
 }

@@ -5,6 +5,7 @@
 #include "bullet/point_masses.h"
 #include "bullet/surface_data.h"
 #include "core/contact_rows.h"
+#include "core/held_surface.h"
 #include "core/implicit_step.h"
 #include "core/pair_contacts.h"
 #include "core/point_state.h"
@@ -15,7 +16,9 @@
 
 #include <limber/soft_body.h>
 
+#include <deque>
 #include <functional>
+#include <memory>
 #include <vector>
 
 namespace limber {
@@ -30,11 +33,13 @@ struct Anchor {
 
 /// What a contact bore in the last tick: a guess of what it will bear in the next.
 struct KnownContact {
-  int partner;        ///< unique id in the broadphase
-  std::uint64_t key;  ///< of the features that touched
-  Bearing bearing;    ///< sum over the tick
+  int partner;                      ///< unique id in the broadphase, until that gives it to another object
+  const btCollisionObject* object;  ///< that had it
+  std::uint64_t key;                ///< of the features that touched
+  Bearing bearing;                  ///< sum over the tick
 };
 
+class MultiBodyLinks;
 class ShownContacts;
 
 /// Something that touched the body when the listener was last told.
@@ -43,13 +48,38 @@ struct TouchingPair {
   SoftBody* otherBody;
 };
 
+/// m/s, what its contacts take from the scene: the same in other units of length, mass and time.
+struct ContactSpeeds {
+  double recovery = 0.0;  ///< at which what has got into something is lifted out at most
+  double bounce = 0.0;    ///< what is slower does not bounce
+};
+
+/// A ContactWatch that must be told of each tick.
+struct ReachWatch : ContactWatch {
+  virtual void start(btScalar tick) = 0;
+};
+
 /// What a SoftBody is made of.
+/// How fast a body moves within itself.
+struct MotionRates {
+  double boundSquared = 0.0, fastestSquared = 0.0;  ///< rad^2/s^2, see Frequencies
+  double turnRate = 0.0;                            ///< rad/s, fastestTurn
+};
+
+/// The largest of the last two spans of time, see lasting() in group_stepping.cpp.
+struct KeptRates {
+  MotionRates now, before;
+  double age = 0.0;  ///< s since the present span began
+};
+
 struct SoftBodyData {
   SharedNetwork network;
   SoftBodySettings settings;
   SoftBody* handle = nullptr;
   btDiscreteDynamicsWorld* world = nullptr;
+  MultiBodyLinks* links = nullptr;  ///< of the world
   const void* system = nullptr;  ///< to tell bodies of several systems in a world apart
+  ShapeCache* shapes = nullptr;  ///< the system's
 
   PointState state;
   SpringArrays springs;
@@ -61,7 +91,16 @@ struct SoftBodyData {
   std::vector<ContactRow> contacts;                       ///< of the present tick, by point
   std::vector<const btCollisionObject*> contactPartners;  ///< #contacts
   std::vector<PartnerMark> partnerMarks;                  ///< of those partners
+  HeldSurroundings held;                                  ///< what is static and not flat around the points
+  std::vector<std::pair<const btCollisionObject*, std::uint32_t>> staticPartners;  ///< scratch, of one point:
+                                                                                   ///< with its owners' end
+  std::size_t staticPieces = 0;                                                    ///< scratch: their begin
+  std::deque<HeldNeighbourhood> neighbourhoods;           ///< in it, of points; kept for their memory
+  std::size_t neighbourhoodCount = 0;                     ///< of the present tick
+  std::vector<std::uint64_t> partnerStamps;               ///< #partners, see stampOf()
   std::vector<double> reach;                              ///< #points, m, how far contacts were looked for
+  std::unique_ptr<ReachWatch> watch;                      ///< finds what is beyond the reach
+  ContactSpeeds speeds;                                   ///< of the present tick
   std::vector<const btCollisionObject*> partners;         ///< scratch of gatherContacts
   std::vector<btRigidBody*> freePartners;                 ///< near in this tick, neither static nor kinematic
   std::vector<SoftBodyData*> softPartners;                ///< near in this tick, with surfaces
@@ -74,17 +113,20 @@ struct SoftBodyData {
   std::uint32_t index = 0;  ///< among the bodies of the system that are alive
   bool alive = true;
   bool asleep = false;
+  bool restored = false;           ///< in this tick, see restoreIfUnsound()
+  std::uint32_t restorations = 0;  ///< ticks in which it was
   double calmTime = 0.0;          ///< s for which its group has been calm
   bool frequencyStale = true;     ///< inverse masses have changed since frequencySquared was computed
   double frequencySquared = 0.0;  ///< rad^2/s^2, bound of its own springs
   double fastestSquared = 0.0;  ///< rad^2/s^2, fastestOscillationSquared with the masses it has now, at most
   double fastestAtRest = 0.0;   ///< the same with the masses of its settings
+  KeptRates keptRates;
   int substeps = 0;             ///< in the last tick
   Stepper stepper = Stepper::Verlet;  ///< in the last tick
   double errorPerSecond = 0.0;        ///< m/s
   double errorPerSquare = 0.0;        ///< m/s^3, see SteppingProblem
   std::vector<double> stiffnessSums;
-  Points startVelocity;        ///< 3 x #points, m/s, at the start of the tick; empty without a tolerance
+  Points startVelocity;        ///< 3 x #points, m/s, at the start of the tick
   double dampingRate = 0.0;    ///< 1/s, dampingRateBound, as stale as frequencySquared
   double size = 0.0;           ///< m, diagonal of the box around it at rest
   bool narrow = false;         ///< see SteppingProblem

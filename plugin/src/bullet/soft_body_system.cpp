@@ -16,32 +16,63 @@ namespace limber {
 inline namespace LIMBER_BULLET_PRECISION {
 namespace {
 
+/// Why a link of the systems with this step cannot hold on to a body; empty if it can.
+std::string whyNotHeld(const btRigidBody* body, const void* step) {
+  if (SurfaceObject::from(body))
+    return "a surface object cannot be held: hold on to a point mass of that soft body, SoftBody::point(i)";
+  const PointMass* point = PointMass::from(body);
+  if (point && (!point->owner() || point->owner()->system != step))
+    return "the point mass belongs to a soft body in another world";
+  return {};
+}
+
 bool holdsOn(const SpringConstraint& spring, const btRigidBody* body) {
   return spring.endA().body == body || spring.endB().body == body;
 }
 
 }  // namespace
 
+bool isSystemObject(const btCollisionObject* object) {
+  return PointMass::from(object) || SurfaceObject::from(object) || StepSentinel::isOne(object);
+}
+
 void warnOnStandardError(const std::string& text) { std::fprintf(stderr, "limber: %s\n", text.c_str()); }
 
 // --- in and out of the world -------------------------------------------------------------------------------
 
 void SoftBodySystem::Impl::hookUp() {
-  if (!hook) hook = &TickHook::listen(*world, *this, hookKind == Hook::PreTick);
+  if (hook) return;
+  hook = &TickHook::listen(*world, *this, hookKind == Hook::PreTick);
+  step->kinematic.forget();
 }
 
-/// Stays in place while it is not known whether the world still exists: an idle hook does no harm.
+/// Stays in place while it is not known whether the world still exists: its next tick will tell.
 void SoftBodySystem::Impl::unhookIfIdle(bool alive) {
   if (!hook || !alive || !bodies.empty() || !springs.empty()) return;
+  freeManifolds(*world->getDispatcher());
   hook->leave(*this, true);
   hook = nullptr;
 }
 
 /// A world that is deleted takes the broadphase handle of every body in it; nothing else tells of its end.
+/// False if there is none of a system's in it: then it is not known.
 bool SoftBodySystem::Impl::worldAlive() const {
-  for (const auto& body : bodies)
-    if (anyInWorld(*body->data_)) return true;
-  return false;
+  const auto isIn = [](const auto& body) { return anyInWorld(*body->data_); };
+  return std::any_of(step->systems.begin(), step->systems.end(), [&](const Impl* system) {
+    return (system->sentinel && system->sentinel->isInWorld()) ||
+           std::any_of(system->bodies.begin(), system->bodies.end(), isIn);
+  });
+}
+
+SoftBodySystem::Impl::Impl(btDiscreteDynamicsWorld& w, Hook h)
+    : world(&w), hookKind(h), step(WorldStep::of(w)) {
+  step->systems.push_back(this);
+}
+
+SoftBodySystem::Impl::~Impl() {
+  step->forgetGroups();
+  if (step->stepped == this) step->stepped = nullptr;
+  step->systems.erase(std::find(step->systems.begin(), step->systems.end(), this));
 }
 
 SoftBodySystem::SoftBodySystem(btDiscreteDynamicsWorld& world, Hook hook)
@@ -49,29 +80,33 @@ SoftBodySystem::SoftBodySystem(btDiscreteDynamicsWorld& world, Hook hook)
 
 SoftBodySystem::~SoftBodySystem() {
   const bool alive = impl_->worldAlive();
-  impl_->stopWatching(alive);
+  impl_->sentinel.reset();
   for (auto& body : impl_->bodies) removeFromWorld(*body->data_);
+  if (alive) freeManifolds(*impl_->world->getDispatcher());
   if (impl_->hook) impl_->hook->leave(*impl_, alive);
 }
 
 void SoftBodySystem::removeAll() {
-  impl_->forgetGroups();
+  impl_->step->forgetGroups();
   impl_->springs.clear();
-  if (impl_->events.calling()) {
+  if (impl_->step->callsListeners()) {
     for (auto& body : impl_->bodies) impl_->doomed.push_back(body.get());
     return;
   }
-  while (!impl_->bodies.empty()) destroyBody(impl_->bodies.back().get());
+  const bool alive = impl_->worldAlive();
+  while (!impl_->bodies.empty()) impl_->destroyNow(impl_->bodies.back().get());
+  impl_->unhookIfIdle(alive);
 }
 
 HookState SoftBodySystem::hookState() const {
-  if (!impl_->hook) return HookState::Idle;
+  if (!impl_->hook || (impl_->bodies.empty() && impl_->springs.empty())) return HookState::Idle;
   if (impl_->hookKind == Hook::Manual) return HookState::Attached;
   return impl_->hook->inPlace() && !impl_->overwritten ? HookState::Attached : HookState::Overwritten;
 }
 
 void SoftBodySystem::rehook() {
   impl_->overwritten = false;
+  impl_->step->kinematic.forget();
   if (impl_->hook && impl_->hookKind == Hook::PreTick) impl_->hook->takeSlot();
 }
 
@@ -86,7 +121,9 @@ Result<SoftBody*> SoftBodySystem::createBody(SharedNetwork network, const SoftBo
   if (!data) return Error{data.error()};
   impl_->hookUp();
   (*data)->world = impl_->world;
-  (*data)->system = impl_.get();
+  (*data)->system = impl_->step.get();
+  (*data)->shapes = &impl_->step->shapes;
+  (*data)->links = &impl_->step->links;
   (*data)->onPointsShared = [impl = impl_.get()] { impl->watchSteps(); };
   (*data)->onPointDeleted = [impl = impl_.get()](const btRigidBody& point) { impl->dropSprings(point); };
   impl_->bodies.push_back(std::make_unique<SoftBody>(std::move(*data)));
@@ -94,37 +131,37 @@ Result<SoftBody*> SoftBodySystem::createBody(SharedNetwork network, const SoftBo
   if (isSurfaceBody(*body->data_))
     body->data_->surface.topology = impl_->topologies.of(body->data_->network, settings);
   addToWorld(*body->data_);
-  impl_->groupsStale = true;
+  impl_->step->groupsStale = true;
   return body;
 }
 
 void SoftBodySystem::destroyBody(SoftBody* body) {
-  if (impl_->events.calling()) {
-    impl_->doomed.push_back(body);
-    return;
-  }
+  impl_->doomed.push_back(body);
+  if (impl_->step->callsListeners()) return;
   const bool alive = impl_->worldAlive();
-  impl_->destroyNow(body);
-  for (std::size_t i = 0; i < impl_->doomed.size(); ++i) impl_->destroyNow(impl_->doomed[i]);
-  impl_->doomed.clear();
+  impl_->destroyDoomed();
   impl_->unhookIfIdle(alive);
+}
+
+void SoftBodySystem::Impl::destroyDoomed() {
+  for (std::size_t i = 0; i < doomed.size(); ++i) destroyNow(doomed[i]);
+  doomed.clear();
 }
 
 void SoftBodySystem::Impl::destroyNow(SoftBody* body) {
   const auto isBody = [&](const auto& owned) { return owned.get() == body; };
   const auto it = std::find_if(bodies.begin(), bodies.end(), isBody);
   if (it == bodies.end()) return;
-  const bool alive = worldAlive();
   endPairsOf(body);
   for (btRigidBody* point : body->data_->masses.bodies)
     if (point) forget(*point);
-  forgetGroups();
+  step->forgetGroups();
   removeFromWorld(*body->data_);
   bodies.erase(std::find_if(bodies.begin(), bodies.end(), isBody));
-  const auto isShared = [](const auto& other) {
-    return isSurfaceBody(*other->data_) && other->data_->masses.shared;
+  const auto isPushed = [](const auto& other) {
+    return isSurfaceBody(*other->data_) && (other->data_->masses.shared || other->data_->surface.pushed);
   };
-  if (std::none_of(bodies.begin(), bodies.end(), isShared)) stopWatching(alive);
+  if (std::none_of(bodies.begin(), bodies.end(), isPushed)) sentinel.reset();
 }
 
 std::size_t SoftBodySystem::bodyCount() const { return impl_->bodies.size(); }
@@ -136,7 +173,11 @@ Result<SpringConstraint*> SoftBodySystem::addSpring(const SpringEnd& a, const Sp
                                                     const SpringSettings& settings) {
   if (std::string reason = validate(settings); !reason.empty()) return Error{reason};
   if (!a.body && !b.body) return Error{"a spring needs a body at one of its ends"};
-  if (a.body == b.body && (a.pivot - b.pivot).length2() == btScalar(0))
+  for (const SpringEnd& end : {a, b}) {
+    if (std::string reason = whyNotHeld(end.body, impl_->step.get()); !reason.empty()) return Error{reason};
+    if (!toEigen(end.pivot).allFinite()) return Error{"a pivot of the spring is not finite"};
+  }
+  if (a.body == b.body && (PointMass::from(a.body) || (a.pivot - b.pivot).length2() == btScalar(0)))
     return Error{"both ends of the spring are the same place of one body"};
   impl_->hookUp();
   impl_->springs.push_back(std::make_unique<SpringConstraint>(a, b, settings));
@@ -144,7 +185,7 @@ Result<SpringConstraint*> SoftBodySystem::addSpring(const SpringEnd& a, const Sp
   if (settings.restLength < 0.0) spring->settings_.restLength = double(spring->length());
   for (btRigidBody* end : {a.body, b.body})
     if (end) end->activate();
-  impl_->groupsStale = true;
+  impl_->step->groupsStale = true;
   return spring;
 }
 
@@ -154,31 +195,39 @@ Result<SpringConstraint*> SoftBodySystem::changeSpring(SpringConstraint* spring,
   const double restLength = settings.restLength < 0.0 ? spring->settings_.restLength : settings.restLength;
   spring->settings_ = settings;
   spring->settings_.restLength = restLength;
-  impl_->groupsStale = true;
+  impl_->step->groupsStale = true;
   return spring;
 }
 
 void SoftBodySystem::removeSpring(SpringConstraint* spring) {
   const auto isSpring = [&](const auto& owned) { return owned.get() == spring; };
-  impl_->forgetGroups();
+  impl_->step->forgetGroups();
   SpringList& springs = impl_->springs;
   springs.erase(std::remove_if(springs.begin(), springs.end(), isSpring), springs.end());
   impl_->unhookIfIdle(impl_->worldAlive());
 }
 
+/// Those of all systems: one may have springs on another's points.
 void SoftBodySystem::Impl::dropSprings(const btRigidBody& body) {
   const auto isOn = [&](const auto& spring) { return holdsOn(*spring, &body); };
-  forgetGroups();
-  springs.erase(std::remove_if(springs.begin(), springs.end(), isOn), springs.end());
+  step->forgetGroups();
+  for (Impl* system : step->systems) {
+    SpringList& all = system->springs;
+    all.erase(std::remove_if(all.begin(), all.end(), isOn), all.end());
+  }
 }
 
-/// Groups hold pointers to bodies and springs: whoever removes one calls this first.
-void SoftBodySystem::Impl::forgetGroups() {
+bool SoftBodySystem::Impl::WorldStep::callsListeners() const {
+  return std::any_of(systems.begin(), systems.end(), [](const Impl* system) { return system->events.calling(); });
+}
+
+void SoftBodySystem::Impl::WorldStep::forgetGroups() {
   groups.clear();
   clusters.count = 0;
   pairs.clear();
   plan.clear();
   living.clear();
+  springs.clear();
   groupsStale = true;
 }
 
@@ -186,16 +235,18 @@ std::size_t SoftBodySystem::springCount() const { return impl_->springs.size(); 
 
 Result<bool> SoftBodySystem::attach(SoftBody* softBody, std::uint32_t i, btRigidBody& body,
                                     const btVector3& pivot) {
+  if (softBody->data_->system != impl_->step.get()) return Error{"the soft body is in another world"};
   PointMass* point = i < softBody->pointCount() ? softBody->data_->masses.bodies[i] : nullptr;
   if (!point) return Error{"there is no point " + std::to_string(i)};
   if (point->attachedTo) return Error{"point " + std::to_string(i) + " is already attached"};
   if (softBody->pinned(i)) return Error{"point " + std::to_string(i) + " is pinned"};
-  if (PointMass::from(&body))
-    return Error{"a point can be attached to a rigid body only, not to a point mass"};
+  if (PointMass::from(&body) || SurfaceObject::from(&body))
+    return Error{"a point can be attached to a rigid body only, not to a soft one: join two points by a spring"};
+  if (!toEigen(pivot).allFinite()) return Error{"the pivot is not finite"};
   point->attachedTo = &body;
   softBody->data_->anchors.push_back({i, &body, pivot});
   softBody->wake();
-  impl_->groupsStale = true;
+  impl_->step->groupsStale = true;
   return true;
 }
 
@@ -215,11 +266,14 @@ bool SoftBodySystem::Impl::detach(SoftBody* softBody, std::uint32_t i) {
   anchors.erase(it);
   if (PointMass* point = softBody->data_->masses.bodies[i]) point->attachedTo = nullptr;
   softBody->wake();
-  forgetGroups();
+  step->forgetGroups();
   return true;
 }
 
-void SoftBodySystem::forget(const btRigidBody& body) { impl_->forget(body); }
+void SoftBodySystem::forget(const btRigidBody& body) {
+  impl_->forget(body);
+  impl_->unhookIfIdle(impl_->worldAlive());
+}
 
 void SoftBodySystem::Impl::forget(const btRigidBody& body) {
   dropSprings(body);
@@ -231,7 +285,7 @@ void SoftBodySystem::Impl::forget(const btRigidBody& body) {
 
 void SoftBodySystem::beforeTick(btScalar tick) { impl_->beforeTick(tick); }
 
-const TickProfile& SoftBodySystem::profile() const { return impl_->profile; }
+const TickProfile& SoftBodySystem::profile() const { return impl_->step->profile; }
 
 double SoftBodySystem::tickFraction() const { return limber::tickFraction(*impl_->world); }
 

@@ -100,6 +100,8 @@ void StepPlan::step(std::vector<TickGroup>& groups, double tick) {
     while (end < candidates_.size() && candidates_[end].fitsWith(candidates_[begin])) ++end;
     stepRun(groups, begin, end, tick);
   }
+  for (TickGroup& group : groups)
+    if (!group.asleep && !group.clustered) repeatIfMissed(group, tick, factors_);
 }
 
 }  // namespace LIMBER_BULLET_PRECISION

@@ -8,6 +8,8 @@ namespace {
 /// N; anything but 0.
 const btVector3 kMark(1, 0, 0);
 
+int sentinelMark;  // see pointMassMark
+
 }  // namespace
 
 class StepSentinel::State final : public btMotionState {
@@ -19,7 +21,7 @@ class StepSentinel::State final : public btMotionState {
   void disown() { owner_ = nullptr; }
   void getWorldTransform(btTransform& pose) const override { pose.setIdentity(); }
   void setWorldTransform(const btTransform&) override {
-    if (owner_) owner_->listener_->afterTickOrEmptyStep();
+    if (owner_) owner_->listener_->motionStatesAsked();
   }
 
  private:
@@ -30,6 +32,7 @@ class StepSentinel::Body final : public btRigidBody {
  public:
   Body(StepSentinel* owner, State* state, btCollisionShape* shape)
       : btRigidBody(btRigidBodyConstructionInfo(0, state, shape)), owner_(owner) {
+    internalSetExtensionPointer(&sentinelMark);
     // dynamic to Bullet, or it would neither be in the list whose forces are cleared nor be asked
     setCollisionFlags(CF_NO_CONTACT_RESPONSE | CF_DISABLE_VISUALIZE_OBJECT);
     forceActivationState(DISABLE_DEACTIVATION);
@@ -51,6 +54,7 @@ StepSentinel::StepSentinel(btDiscreteDynamicsWorld& world, StepListener& listene
 
 StepSentinel::~StepSentinel() {
   if (body_) {
+    if (isInWorld()) world_->removeRigidBody(body_);
     body_->disown();
     body_->setMotionState(nullptr);
     delete body_;
@@ -61,17 +65,19 @@ StepSentinel::~StepSentinel() {
   }
 }
 
-bool StepSentinel::stepHasBegun() {
-  if (!body_ || !body_->isInWorld()) return true;
-  const bool begun = body_->getTotalForce() != kMark;
+bool StepSentinel::stepHasEnded() {
+  if (!isInWorld()) return true;
+  const bool ended = body_->getTotalForce() != kMark;
   body_->clearForces();
   body_->applyCentralForce(kMark);
-  return begun;
+  return ended;
 }
 
-void StepSentinel::leave() {
-  if (body_ && body_->isInWorld()) world_->removeRigidBody(body_);
+bool StepSentinel::isOne(const btCollisionObject* object) {
+  return object && object->internalGetExtensionPointer() == &sentinelMark;
 }
+
+bool StepSentinel::isInWorld() const { return body_ && body_->isInWorld(); }
 
 }  // namespace LIMBER_BULLET_PRECISION
 }  // namespace limber

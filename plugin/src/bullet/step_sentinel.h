@@ -12,8 +12,9 @@ inline namespace LIMBER_BULLET_PRECISION {
 class StepListener {
  public:
   virtual ~StepListener() = default;
-  /// A tick is over, user callbacks included; or a stepSimulation() passes without any tick.
-  virtual void afterTickOrEmptyStep() = 0;
+  /// Motion states are brought up to date: after each tick, user callbacks included; in a stepSimulation()
+  /// that passes without any tick; or because the user asks for it between steps.
+  virtual void motionStatesAsked() = 0;
 };
 
 /// Tells one stepSimulation() from the next. Bullet calls nobody at its begin or end, but it clears the
@@ -25,16 +26,19 @@ class StepListener {
 class StepSentinel {
  public:
   StepSentinel(btDiscreteDynamicsWorld& world, StepListener& listener);
-  /// Does not touch the world: call leave() first if that still exists.
   ~StepSentinel();
   StepSentinel(const StepSentinel&) = delete;
   StepSentinel& operator=(const StepSentinel&) = delete;
 
-  /// In the pre-tick: whether this is the first tick of its stepSimulation().
-  bool stepHasBegun();
+  /// Whether an object is the body of one.
+  static bool isOne(const btCollisionObject* object);
 
-  /// Takes the body out of the world, which still exists.
-  void leave();
+  /// Whether a stepSimulation() has ended since the last call.
+  bool stepHasEnded();
+
+  /// Whether it is in the world, which therefore still exists: a world that is deleted takes the broadphase
+  /// handle of every body in it.
+  bool isInWorld() const;
 
  private:
   class Body;

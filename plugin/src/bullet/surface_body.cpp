@@ -2,25 +2,14 @@
 #include "bullet/surface_body.h"
 
 #include "bullet/contact_reach.h"
-#include "bullet/continuous_collision.h"
 #include "bullet/convert.h"
+#include "bullet/surface_rigid.h"
 
 #include <cmath>
 
 namespace limber {
 inline namespace LIMBER_BULLET_PRECISION {
 namespace {
-
-/// The object where and as fast as the points are on average.
-void placeObject(SoftBodyData& body) {
-  SurfaceObject& object = *body.surface.object;
-  const btVector3 origin = toBullet(meanOf(*body.network, body.state.position));
-  const btVector3 velocity = toBullet(meanOf(*body.network, body.state.velocity));
-  object.getWorldTransform().setOrigin(origin);
-  object.getInterpolationWorldTransform().setOrigin(origin);
-  object.setLinearVelocity(velocity);
-  object.setInterpolationLinearVelocity(velocity);
-}
 
 /// The box of the last tick's motion and of the coming one.
 void setBox(SoftBodyData& body) {
@@ -76,14 +65,15 @@ void addSurface(SoftBodyData& body) {
   SurfaceData& s = body.surface;
   s.contacts.assign(body.masses.bodies.size(), CachedContact());
   s.object = new SurfaceObject(&body);
-  s.shape = std::make_unique<SurfaceShape>(*body.network, body.state.position, *s.object,
-                                           body.masses.shape->getRadius());
+  s.shape = std::make_unique<SurfaceShape>(*body.network, body.settings.scale.prod() < 0.0,
+                                           body.state.position, body.masses.shape->getRadius());
   s.object->setCollisionShape(s.shape.get());
   s.object->setFriction(static_cast<btScalar>(body.settings.friction));
   s.object->setRestitution(static_cast<btScalar>(body.settings.restitution));
   s.object->setSleepingThresholds(static_cast<btScalar>(body.settings.sleepingSpeed),
                                   s.object->getAngularSleepingThreshold());
-  placeObject(body);
+  s.frame = body.settings.rotation.normalized();
+  writeObject(body);
   s.flight = flightOf(body, 0.0);
   s.gravity = body.world->getGravity();
   setBox(body);
@@ -126,7 +116,10 @@ void collectForces(SoftBodyData& body) {
   for (std::uint32_t i = 0; i < body.masses.bodies.size(); ++i) {
     PointMass* point = body.masses.bodies[i];
     if (!point) continue;
-    body.surface.force.col(i) += toEigen(point->getTotalForce());
+    if (isSound(point->getTotalForce()))
+      body.surface.force.col(i) += toEigen(point->getTotalForce());
+    else
+      body.restored = true;
     point->clearForces();
   }
 }
@@ -135,31 +128,35 @@ void gatherSurface(SoftBodyData& body, btScalar tick) {
   SurfaceData& s = body.surface;
   s.foreseen = s.fitted = false;
   s.object->keepCollisionFilter();
+  readObject(body);
   const bool held = isOutOfSimulation(body);
   if (held) sharePoints(body);
   s.held = held;
   if (body.masses.shared) {
     gatherPoints(body, tick, held);
     accelerateShared(body);
-    return;
+    return accelerateByObject(body);
   }
   body.masses.startPosition = body.state.position;
   const btVector3 gravity = body.world->getGravity();
   if (gravity != s.gravity) s.flight.tick = 0.0;
   s.gravity = gravity;
   body.state.acceleration.colwise() = toEigen(gravity);
+  accelerateByObject(body);
 }
 
 void handOverBox(SoftBodyData& body, btScalar tick) {
   body.surface.flight = flightOf(body, double(tick));
   setBox(body);
+  handOverObject(body, double(tick));
 }
 
 void finishSurface(SoftBodyData& body, btScalar tick) {
   if (body.masses.shared) dampPoints(body, double(tick));
-  stopAtFirstContact(body);
+  restoreIfUnsound(body);
+  takeBackObject(body, double(tick));
   if (body.masses.shared) writePoints(body);
-  placeObject(body);
+  writeObject(body);
 }
 
 bool anySurfacePointMoves(const SoftBodyData& body, btScalar tick) {
@@ -172,7 +169,9 @@ bool anySurfacePointMoves(const SoftBodyData& body, btScalar tick) {
 }
 
 bool isSurfaceChanged(const SoftBodyData& body) {
+  if (isObjectChanged(body)) return true;
   if (!body.masses.shared) return false;
+  if (body.masses.changed) return true;
   for (std::uint32_t i = 0; i < body.masses.bodies.size(); ++i)
     if (isChangedOutside(body, i)) return true;
   return false;

@@ -4,6 +4,8 @@
 #include "bullet/concave_patch.h"
 #include "bullet/contact_reach.h"
 #include "bullet/convert.h"
+#include "bullet/held_pieces.h"
+#include "bullet/multibody_links.h"
 #include "bullet/pair_gather.h"
 
 #include <algorithm>
@@ -42,6 +44,16 @@ const MovingSurface& boxedSurface(SoftBodyData& body, double tick) {
   return moving;
 }
 
+/// Holds the box of the whole surface, without fitting all of them, and what is near that.
+SweptBox searchBox(const MovingSurface& soft) {
+  SweptBox box = sweptBounds(soft);
+  double depth = 0.0;
+  for (const double limit : soft.topology->depthLimit) depth = std::max(depth, limit);
+  box.low -= depth + kMargin * soft.radius;
+  box.high += depth + kMargin * soft.radius;
+  return box;
+}
+
 bool areNear(const MovingSurface& a, const MovingSurface& b, double margin) {
   if (a.boxes->nodes.empty() || b.boxes->nodes.empty()) return false;
   return separation(a.boxes->nodes[0], b.boxes->nodes[0]) <= margin;
@@ -51,12 +63,13 @@ bool areNear(const MovingSurface& a, const MovingSurface& b, double margin) {
 KeptContacts& searchWith(SoftBodyData& body, const btCollisionObject& partner, std::uint64_t part) {
   std::vector<KeptSearch>& searches = body.surface.searches;
   const int id = partner.getBroadphaseHandle()->m_uniqueId;
-  const auto isThis = [&](const KeptSearch& s) { return s.partner == id && s.part == part; };
+  const auto isThis = [&](const KeptSearch& s) { return s.partner == &partner && s.id == id && s.part == part; };
   auto it = std::find_if(searches.begin(), searches.end(), isThis);
   if (it == searches.end()) {
-    it = std::find_if(searches.begin(), searches.end(), [](const KeptSearch& s) { return s.partner == 0; });
+    it = std::find_if(searches.begin(), searches.end(), [](const KeptSearch& s) { return !s.partner; });
     if (it == searches.end()) it = searches.emplace(searches.end());
-    it->partner = id;
+    it->partner = &partner;
+    it->id = id;
     it->part = part;
     it->kept.topologyA = nullptr;
   }
@@ -64,12 +77,18 @@ KeptContacts& searchWith(SoftBodyData& body, const btCollisionObject& partner, s
   return it->kept;
 }
 
+template <class List>
+void forgetUnused(List& list) {
+  for (auto& entry : list) {
+    if (!entry.used) entry.partner = {};
+    entry.used = false;
+  }
+}
+
 /// What is no longer near gives its memory to what comes near.
 void forgetOldSearches(SoftBodyData& body) {
-  for (KeptSearch& search : body.surface.searches) {
-    if (!search.used) search.partner = 0;
-    search.used = false;
-  }
+  forgetUnused(body.surface.searches);
+  forgetUnused(body.surface.patches);
 }
 
 ContactPlace softPlace(const SoftBodyData& body, const SurfacePlace& place) {
@@ -101,14 +120,15 @@ PairContact contactOf(const SoftBodyData& body, const btCollisionObject& partner
   pair.gap = c.gap;
   pair.friction = double(gCalculateCombinedFrictionCallback(&frictionObject(body), &partner));
   pair.restitution = double(gCalculateCombinedRestitutionCallback(&frictionObject(body), &partner));
-  pair.recoverySpeed = recoverySpeed(double(body.masses.shape->getRadius()));
+  pair.bounceThreshold = body.speeds.bounce;
+  pair.recoverySpeed = body.speeds.recovery;
   return pair;
 }
 
 ContactSource sourceOf(SoftBodyData& body, const btCollisionObject& partner, std::uint64_t key) {
   ContactSource source;
   source.body = &body;
-  source.partner = markOf(partner);
+  source.partner = markOf(objectInWorld(partner));
   source.key = key;
   return source;
 }
@@ -128,11 +148,40 @@ btVector3 commonPlace(const MovingSurface& soft, const MovingSurface& rigid, con
   return toBullet(Vector3d(positionOf(rigid, c.b) + (rigid.radius + soft.radius) * c.normal));
 }
 
-void addFree(SoftBodyData& body, btRigidBody& partner, const RigidPart& part, std::uint64_t partNumber,
-             double tick, SurfaceSearch& s, TickContacts& found) {
+/// The same contact of the same part has the same key in every tick.
+std::uint64_t keyOf(const SurfaceContact& c, const RigidPart& part) {
+  return c.key ^ (part.number * 0x9e3779b97f4a7c15u);
+}
+
+/// A contact of a meeting but for the places on its sides.
+PairContact contactOf(const SurfaceMeeting& m, const SurfaceContact& c) {
+  const btCollisionObject& partner =
+      m.other ? frictionObject(*m.other) : static_cast<const btCollisionObject&>(*m.partner);
+  PairContact pair = contactOf(*m.body, partner, c);
+  // the smaller one's; a body that has slept from the start has none
+  if (m.other && m.other->speeds.recovery > 0.0)
+    pair.recoverySpeed = std::min(pair.recoverySpeed, m.other->speeds.recovery);
+  return pair;
+}
+
+ContactSource sourceOf(const SurfaceMeeting& m, const SurfaceContact& c) {
+  if (!m.other) return sourceOf(*m.body, *m.partner, keyOf(c, *m.part));
+  ContactSource source = sourceOf(*m.body, frictionObject(*m.other), c.key);
+  source.other = m.other;
+  return source;
+}
+
+/// Ends what was added to `found` since its meetings had a first contact.
+void endMeeting(SurfaceMeeting& m, TickContacts& found) {
+  m.end = static_cast<std::uint32_t>(found.contacts.size());
+  if (m.end > m.first) found.meetings.push_back(m);
+}
+
+void addFree(SoftBodyData& body, btRigidBody& partner, RigidPart& part, double tick, SurfaceSearch& s,
+             TickContacts& found) {
   const MovingSurface& soft = movingSurface(body, tick);
   const double margin = kMargin * soft.radius;
-  KeptContacts& kept = searchWith(body, partner, partNumber);
+  KeptContacts& kept = searchWith(body, partner, part.number);
   if (!refreshContacts(soft, part.moving, margin, kept)) {
     boxedSurface(body, tick);
     s.contacts.clear();
@@ -140,33 +189,27 @@ void addFree(SoftBodyData& body, btRigidBody& partner, const RigidPart& part, st
       findSurfaceContacts(soft, part.moving, margin, s.search, s.contacts);
     keepContacts(soft, part.moving, s.contacts, kept);
   }
+  SurfaceMeeting meeting{&body, nullptr, &partner, &part};
+  meeting.first = static_cast<std::uint32_t>(found.contacts.size());
   for (const SurfaceContact& c : kept.contacts) {
     if (isAttached(body, partner, c.a)) continue;
-    PairContact pair = contactOf(body, partner, c);
+    PairContact pair = contactOf(meeting, c);
     pair.b = placeOn(found, partner, commonPlace(soft, part.moving, c));
-    found.add(pair, sourceOf(body, partner, c.key ^ (partNumber << 56)));
+    found.add(pair, sourceOf(meeting, c));
   }
+  if (isFree(partner)) endMeeting(meeting, found);
 }
 
 void gatherFree(SoftBodyData& body, btRigidBody& partner, double tick, RigidSurfaces& rigids,
                 SurfaceSearch& s, TickContacts& found) {
-  const RigidSurfaces::Range parts = rigids.partsOf(partner, tick);
-  if (parts.begin == parts.end) return gatherPairs(body, partner, static_cast<btScalar>(tick), found);
-  for (std::size_t i = parts.begin; i < parts.end; ++i)
-    addFree(body, partner, rigids.part(i - 1), i - parts.begin, tick, s, found);
+  if (!rigids.hasParts(*partner.getCollisionShape()))
+    return gatherPairs(body, partner, static_cast<btScalar>(tick), found);
+  const SweptBox box = searchBox(movingSurface(body, tick));
+  for (RigidPart* part : rigids.partsNear(partner, box, tick))
+    addFree(body, partner, *part, tick, s, found);
 }
 
 // --- static and kinematic objects --------------------------------------------------------------------------
-
-/// Holds the box of the whole surface, without fitting all of them.
-SweptBox roughBox(const MovingSurface& soft) {
-  SweptBox box = sweptBounds(soft);
-  double depth = 0.0;
-  for (const double limit : soft.topology->depthLimit) depth = std::max(depth, limit);
-  box.low -= depth;
-  box.high += depth;
-  return box;
-}
 
 /// Whether something of the part that is neither flat nor a plane's end is near: else the points are enough.
 bool hasSharpNear(const SweptBox& box, const RigidPart& part) {
@@ -180,67 +223,152 @@ bool hasSharpNear(const SweptBox& box, const RigidPart& part) {
   return false;
 }
 
-/// Whether edges and triangles sink into a sphere or capsule by less than kSagging where their corners rest
-/// on it: no place is farther than c = L / sqrt(3) from a corner if the longest edge is L, and c^2 / (2 R) is
-/// how deep that is under a sphere of radius R.
+/// Whether edges and triangles sink into something round by less than kSagging where their corners rest on
+/// it: no place is farther than c = L / sqrt(3) from a corner if the longest edge is L, and c^2 / (2 R) is how
+/// deep that is under a sphere of radius R. Returns the largest L^2 (m^2).
+double longestSquared(const MovingSurface& soft, double radius) {
+  return 6.0 * kSagging * soft.radius * (radius + soft.radius);
+}
+
+/// Of a sphere or capsule.
 bool bendsGently(const MovingSurface& soft, const RigidPart& part) {
   if (!part.surface->topology.triangles.empty()) return false;
-  const double most = 6.0 * kSagging * soft.radius * (part.surface->radius + soft.radius);
+  const double most = longestSquared(soft, part.surface->radius);
   const auto& edges = soft.topology->edges;
   return std::all_of(edges.begin(), edges.end(), [&](const Edge& e) {
     return (soft.position->col(e[1]) - soft.position->col(e[0])).squaredNorm() <= most;
   });
 }
 
-bool isBorne(const SoftBodyData& body, std::uint32_t point, const btCollisionObject& partner,
-             const Vector3d& normal) {
+/// By the partner itself, or a tile beside it, no farther away than `gap` (m).
+bool isBorne(const SoftBodyData& body, std::uint32_t point, const Vector3d& normal, double gap) {
   const RowRange rows = rowsOfPoint(body.contacts, point);
-  for (std::size_t r = rows.begin; r < rows.end; ++r)
-    if (body.contactPartners[r] == &partner && body.contacts[r].normal.dot(normal) > kSameSide) return true;
+  for (std::size_t r = rows.begin; r < rows.end; ++r) {
+    const ContactRow& row = body.contacts[r];
+    const bool isNear = row.normal.dot(body.state.position.col(point) - row.touch) <= gap;
+    if (!row.away && isNear && row.normal.dot(normal) > kSameSide) return true;
+  }
   return false;
 }
 
 /// Whether the points at the corners bear for it.
-bool cornersBear(const SoftBodyData& body, const btCollisionObject& partner, const SurfaceContact& c) {
-  if (c.gap < -kSagging * double(body.masses.shape->getRadius())) return false;
+bool cornersBear(const SoftBodyData& body, const SurfaceContact& c) {
+  const double radius = double(body.masses.shape->getRadius());
+  if (c.gap < -kSagging * radius) return false;
   for (const std::uint32_t point : c.a.points)
-    if (!isBorne(body, point, partner, c.normal)) return false;
+    if (!isBorne(body, point, c.normal, std::max(c.gap, 0.0) + kMargin * radius)) return false;
   return true;
 }
 
+/// The static objects around a contact of this body, as findContacts() sees them.
+class HeldAround {
+ public:
+  HeldAround(const SoftBodyData& body, const Vector3d& place, double radius, std::vector<HeldPiece>& pieces)
+      : pieces_(pieces), place_(place), radius_(radius) {
+    pieces.clear();
+    const Eigen::AlignedBox3d box(place.array() - radius, place.array() + radius);
+    std::uint32_t owner = 0;
+    for (const btCollisionObject* partner : body.partners)
+      if (!isMoved(*partner)) owner = addPieces(*partner, box, *body.shapes, owner, pieces);
+  }
+
+  bool covers(const Vector3d& normal) const {
+    return isCovered(pieces_.data(), pieces_.data() + pieces_.size(), place_, normal, radius_);
+  }
+
+  /// Whether the surface is flat there, or bends inward, whichever way across `normal` one looks.
+  bool isFlat(const Vector3d& normal, const Vector3d& across) const {
+    constexpr double kTilt = 0.1;  // rad, enough to be seen
+    return covers((normal + kTilt * across).normalized()) && covers((normal - kTilt * across).normalized());
+  }
+
+  /// m, radius of the cylinder whose side it is; 0: of none.
+  double radiusAround(const Vector3d& normal) const {
+    constexpr double kAlongAxis = 0.1, kOnIt = 0.01;  // cosine; share of the radius
+    for (const HeldPiece& piece : pieces_) {
+      if (piece.kind != HeldPiece::Kind::Cylinder) continue;
+      const double radius = piece.size[0] + piece.margin;
+      const bool isSide = std::abs(normal.dot(piece.axes.col(1))) < kAlongAxis;
+      if (isSide && std::abs(nearestOn(&piece, &piece + 1, place_).height) < kOnIt * radius) return radius;
+    }
+    return 0.0;
+  }
+
+ private:
+  std::vector<HeldPiece>& pieces_;
+  Vector3d place_;
+  double radius_;
+};
+
+/// The same of the edge or triangle that touches a cylinder's side. The polyhedron that stands for it has
+/// edges, which brake.
+bool bendsGently(const MovingSurface& soft, const SurfaceContact& c, double radius) {
+  double longest = 0.0;
+  for (std::size_t i = 0; i < 3; ++i)
+    longest = std::max(longest, (soft.position->col(c.a.points[i]) - soft.position->col(c.a.points[(i + 1) % 3]))
+                                    .squaredNorm());
+  return longest <= longestSquared(soft, radius);
+}
+
+/// Whether other objects make the edge or corner of the part that is touched none: they are nearer to what
+/// touches it, or flush with it.
+bool isNoEdge(const SoftBodyData& body, const MovingSurface& soft, const RigidPart& part,
+              const SurfaceContact& c, SurfaceSearch& s) {
+  const Vector3d place = positionOf(part.moving, c.b) + part.moving.radius * c.normal;
+  const HeldAround around(body, place, soft.radius, s.pieces);
+  if (around.covers(c.normal)) return true;
+  if (const double rounded = around.radiusAround(c.normal); rounded > 0.0 && bendsGently(soft, c, rounded))
+    return true;
+  const Vector3d u = c.normal.unitOrthogonal(), v = c.normal.cross(u);
+  if (c.b.kind != FeatureKind::OnEdge) return around.isFlat(c.normal, u) && around.isFlat(c.normal, v);
+  const Vector3d along = part.moving.position->col(c.b.points[1]) - part.moving.position->col(c.b.points[0]);
+  return around.isFlat(c.normal, c.normal.cross(along).normalized());
+}
+
+HeldCorners cornersOf(const MovingSurface& soft, const RigidPart& part, const SurfacePlace& place) {
+  HeldCorners corners;
+  if (place.kind == FeatureKind::OnTriangle) return corners;
+  corners.count = place.kind == FeatureKind::OnEdge ? 2 : 1;
+  for (std::size_t i = 0; i < 2; ++i) corners.at[i] = part.moving.position->col(place.points[i]);
+  corners.reach = soft.radius + part.moving.radius;
+  return corners;
+}
+
 void addHeld(SoftBodyData& body, const btCollisionObject& partner, const RigidPart& part,
-             std::uint64_t partNumber, double tick, SurfaceSearch& s, TickContacts& found) {
+             const SweptBox& box, double tick, SurfaceSearch& s, TickContacts& found) {
   const MovingSurface& soft = movingSurface(body, tick);
   const double margin = kMargin * soft.radius;
-  if (bendsGently(soft, part) || !hasSharpNear(roughBox(soft), part)) return;
+  if (bendsGently(soft, part) || !hasSharpNear(box, part)) return;
   boxedSurface(body, tick);
   if (!areNear(soft, part.moving, margin) || !hasSharpNear(soft.boxes->nodes[0], part)) return;
   findSurfaceContacts(soft, part.moving, margin, s.search, s.contacts);
   for (const SurfaceContact& c : s.contacts) {
     if (c.a.kind == FeatureKind::OnVertex || isAttached(body, partner, c.a)) continue;
-    if (cornersBear(body, partner, c)) continue;
+    if (cornersBear(body, c)) continue;
+    if (!isMoved(partner) && isNoEdge(body, soft, part, c, s)) continue;
     PairContact pair = contactOf(body, partner, c);
-    pair.b.velocity = velocityOf(partner, commonPlace(soft, part.moving, c));
-    found.add(pair, sourceOf(body, partner, c.key ^ (partNumber << 56)));
+    if (!isMoved(partner)) pair.corners = cornersOf(soft, part, c.b);
+    pair.b.velocity = velocityOf(partner, commonPlace(soft, part.moving, c), tick);
+    found.add(pair, sourceOf(body, partner, keyOf(c, part)));
   }
 }
 
 void gatherHeld(SoftBodyData& body, const btCollisionObject& partner, double tick, RigidSurfaces& rigids,
                 SurfaceSearch& s, TickContacts& found) {
   if (partner.getCollisionShape()->getShapeType() == STATIC_PLANE_PROXYTYPE) return;
+  const SweptBox box = searchBox(movingSurface(body, tick));
   if (partner.getCollisionShape()->isConcave()) {
     const RigidPart* patch = patchAround(body, partner, boxedSurface(body, tick));
-    if (patch) addHeld(body, partner, *patch, 0, tick, s, found);
+    if (patch) addHeld(body, partner, *patch, box, tick, s, found);
     return;
   }
-  const RigidSurfaces::Range parts = rigids.partsOf(partner, tick);
-  for (std::size_t i = parts.begin; i < parts.end; ++i)
-    addHeld(body, partner, rigids.part(i - 1), i - parts.begin, tick, s, found);
+  for (const RigidPart* part : rigids.partsNear(partner, box, tick))
+    addHeld(body, partner, *part, box, tick, s, found);
 }
 
 // --- soft bodies -------------------------------------------------------------------------------------------
 
-/// A place on a body that this system does not step in this tick; its points are told to users only.
+/// A place on a body that is not stepped in this tick; its points are told to users only.
 ContactPlace strangePlace(const SoftBodyData& body, const SurfacePlace& place) {
   ContactPlace p = softPlace(body, place);
   p.kind = ContactPlace::Kind::World;
@@ -252,7 +380,7 @@ ContactPlace strangePlace(const SoftBodyData& body, const SurfacePlace& place) {
 
 void gatherSoft(SoftBodyData& body, SoftBodyData& other, double tick, SurfaceSearch& s, TickContacts& found) {
   if (!other.alive || !other.surface.topology) return;
-  const bool together = other.system == body.system && !other.asleep;
+  const bool together = !other.asleep;
   if (together && other.index < body.index) return;
   const MovingSurface &a = movingSurface(body, tick), &b = movingSurface(other, tick);
   const double margin = kMargin * std::min(a.radius, b.radius);
@@ -264,13 +392,14 @@ void gatherSoft(SoftBodyData& body, SoftBodyData& other, double tick, SurfaceSea
     if (areNear(a, b, margin)) findSurfaceContacts(a, b, margin, s.search, s.contacts);
     keepContacts(a, b, s.contacts, kept);
   }
+  SurfaceMeeting meeting{&body, &other};
+  meeting.first = static_cast<std::uint32_t>(found.contacts.size());
   for (const SurfaceContact& c : kept.contacts) {
-    PairContact pair = contactOf(body, frictionObject(other), c);
+    PairContact pair = contactOf(meeting, c);
     pair.b = together ? softPlace(other, c.b) : strangePlace(other, c.b);
-    ContactSource source = sourceOf(body, frictionObject(other), c.key);
-    source.other = &other;
-    found.add(pair, source);
+    found.add(pair, sourceOf(meeting, c));
   }
+  if (together) endMeeting(meeting, found);
 }
 
 void gatherSelf(SoftBodyData& body, double tick, SurfaceSearch& s, TickContacts& found) {
@@ -285,7 +414,52 @@ void gatherSelf(SoftBodyData& body, double tick, SurfaceSearch& s, TickContacts&
   }
 }
 
+// --- within a step -----------------------------------------------------------------------------------------
+
+/// Where the body is now, and its motion of the coming `ahead` seconds.
+const MovingSurface& surfaceWithin(SoftBodyData& body, const PointView& points, double ahead) {
+  SurfaceData& s = body.surface;
+  s.within.resize(3, s.motion.cols());
+  for (std::uint32_t i = 0; i < body.masses.bodies.size(); ++i) {
+    s.within.col(i) = points.positionOf(i);
+    s.motion.col(i) = ahead * points.velocityOf(i);
+  }
+  s.moving.position = &s.within;
+  fitBoxes(s.moving, s.boxes);
+  return s.moving;
+}
+
 }  // namespace
+
+double margin(const SurfaceMeeting& m) {
+  const double radius = m.body->surface.moving.radius;
+  return kMargin * (m.other ? std::min(radius, m.other->surface.moving.radius) : radius);
+}
+
+void findWithin(const SurfaceMeeting& m, const SidesWithin& sides, double ahead, SurfaceSearch& s) {
+  s.pairs.clear();
+  s.sources.clear();
+  s.contacts.clear();
+  const MovingSurface& a = surfaceWithin(*m.body, *sides.a, ahead);
+  if (m.other)
+    surfaceWithin(*m.other, *sides.b, ahead);
+  else
+    movePart(*m.part, m.partner->getWorldTransform(), *sides.rigid, ahead);
+  const MovingSurface& b = m.other ? m.other->surface.moving : m.part->moving;
+  if (areNear(a, b, margin(m))) findSurfaceContacts(a, b, margin(m), s.search, s.contacts);
+  for (const SurfaceContact& c : s.contacts) {
+    if (!m.other && isAttached(*m.body, *m.partner, c.a)) continue;
+    PairContact pair = contactOf(m, c);
+    if (m.other) {
+      pair.b = softPlace(*m.other, c.b);
+    } else {
+      pair.b.kind = ContactPlace::Kind::Rigid;
+      pair.b.arm = positionOf(b, c.b) + (b.radius + a.radius) * c.normal - sides.rigid->position;
+    }
+    s.pairs.push_back(pair);
+    s.sources.push_back(sourceOf(m, c));
+  }
+}
 
 void gatherSurfacePairs(SoftBodyData& body, btScalar tick, RigidSurfaces& rigids, SurfaceSearch& search,
                         TickContacts& found) {

@@ -13,6 +13,9 @@ inline namespace LIMBER_BULLET_PRECISION {
 struct SurfaceSearch {
   ContactSearch search;
   std::vector<SurfaceContact> contacts;
+  std::vector<HeldPiece> pieces;
+  std::vector<PairContact> pairs;  ///< of findWithin()
+  std::vector<ContactSource> sources;
 };
 
 /// Adds to `found` where the surface of a body with Collision::Surface touches, or may touch in the coming
@@ -21,6 +24,19 @@ struct SurfaceSearch {
 /// gatherContacts()'s. Call it after gatherContacts() of all bodies; pairs of soft bodies are found once.
 void gatherSurfacePairs(SoftBodyData& body, btScalar tick, RigidSurfaces& rigids, SurfaceSearch& search,
                         TickContacts& found);
+
+/// m: surfaces of the meeting that are nearer than this are contacts even if they do not approach.
+double margin(const SurfaceMeeting& meeting);
+
+/// Where the sides of a meeting are within a step.
+struct SidesWithin {
+  const PointView *a = nullptr, *b = nullptr;
+  const RigidState* rigid = nullptr;  ///< side b, if it is not soft
+};
+
+/// Writes the contacts of a meeting as they are now, and will be in the coming `ahead` seconds, to
+/// search.pairs and search.sources, sorted by key. Their places have no bodies yet.
+void findWithin(const SurfaceMeeting& meeting, const SidesWithin& sides, double ahead, SurfaceSearch& search);
 
 }  // namespace LIMBER_BULLET_PRECISION
 }  // namespace limber

@@ -57,6 +57,7 @@ SurfaceHit hitOnTriangle(const SoftBodyData& body, std::size_t triangle, const E
   const CornerColumns x = cornersOf(body, hit);
   hit.weights = nearestWeights(x, place);
   hit.normal = (x.col(1) - x.col(0)).cross(x.col(2) - x.col(0)).stableNormalized();
+  if (body.settings.scale.prod() < 0.0) hit.normal = -hit.normal;
   return hit;
 }
 

@@ -31,47 +31,79 @@ Motion motionOf(const btRigidBody& body, btScalar tick) {
   return {tick * body.getLinearVelocity() + fall, turn};
 }
 
-/// Meets all surfaces that a mover's box overlaps.
-struct SurfacesInBox final : btBroadphaseAabbCallback {
-  SurfacesInBox(btRigidBody& b, const void* s) : mover(&b), system(s) {}
-  btRigidBody* mover;
+/// Meets all bodies whose surface or, if the mover is kinematic, points its box overlaps.
+struct BodiesInBox final : btBroadphaseAabbCallback {
+  BodiesInBox(btDiscreteDynamicsWorld& w, btCollisionObject& m, const void* s) : world(&w), mover(&m), system(s) {}
+  btDiscreteDynamicsWorld* world;
+  btCollisionObject* mover;
   const void* system;
 
   bool process(const btBroadphaseProxy* proxy) override {
-    const btBroadphaseProxy* own = mover->getBroadphaseHandle();
-    const bool may = (proxy->m_collisionFilterGroup & own->m_collisionFilterMask) &&
-                     (own->m_collisionFilterGroup & proxy->m_collisionFilterMask);
-    SurfaceObject* surface = may ? livingSurface(proxy, system) : nullptr;
-    if (!surface) return true;
-    if (!surface->isActive()) surface->activate(true);
-    meetPartner(*surface, *mover);
+    if (SurfaceObject* surface = livingSurface(proxy, system)) {
+      meet(*surface->owner(), *surface);
+    } else if (isKinematic(*mover)) {
+      PointMass* point = PointMass::from(static_cast<btCollisionObject*>(proxy->m_clientObject));
+      if (point && point->owner() && point->owner()->system == system && point->owner()->alive)
+        meet(*point->owner(), *point);
+    }
     return true;
+  }
+
+  void meet(SoftBodyData& body, btRigidBody& part) const {
+    btBroadphaseProxy *a = part.getBroadphaseHandle(), *b = mover->getBroadphaseHandle();
+    if (!mayWake(part, *mover) || !world->getPairCache()->needsBroadphaseCollision(a, b)) return;
+    if (!part.isActive()) part.activate(true);
+    meetPartner(body, part, *mover);
   }
 };
 
-void meetInTheWay(btDiscreteDynamicsWorld& world, btRigidBody& body, const Motion& motion,
-                  const void* system) {
+void meetInBox(btDiscreteDynamicsWorld& world, btCollisionObject& mover, const btVector3& low,
+               const btVector3& high, btScalar margin, const void* system) {
+  BodiesInBox bodies(world, mover, system);
+  const btVector3 more(margin, margin, margin);
+  world.getBroadphase()->aabbTest(low - more, high + more, bodies);
+}
+
+void meetInTheWay(btDiscreteDynamicsWorld& world, btRigidBody& body, btScalar tick, const void* system) {
+  const Motion motion = motionOf(body, tick);
+  if (motion.way.length() + motion.turn <= kForeseen) return;
   btVector3 low, high;
   body.getCollisionShape()->getAabb(body.getWorldTransform(), low, high);
-  const btVector3 more(motion.turn + kForeseen, motion.turn + kForeseen, motion.turn + kForeseen);
-  // a kinematic body is already where it will be
-  const btVector3 way = body.isKinematicObject() ? -motion.way : motion.way;
   btVector3 from = low, to = high;
-  from.setMin(low + way), to.setMax(high + way);
-  SurfacesInBox surfaces(body, system);
-  world.getBroadphase()->aabbTest(from - more, to + more, surfaces);
+  from.setMin(low + motion.way), to.setMax(high + motion.way);
+  meetInBox(world, body, from, to, motion.turn + kForeseen, system);
+}
+
+/// A link of a multibody: its box goes on as it has since the broadphase saw it, at the start of the last tick.
+void meetOnwards(btDiscreteDynamicsWorld& world, btCollisionObject& link, const void* system) {
+  const btBroadphaseProxy* proxy = link.getBroadphaseHandle();
+  btVector3 low, high;
+  link.getCollisionShape()->getAabb(link.getWorldTransform(), low, high);
+  const btVector3 margin(gContactBreakingThreshold, gContactBreakingThreshold, gContactBreakingThreshold);
+  const btVector3 down = low - (proxy->m_aabbMin + margin), up = high - (proxy->m_aabbMax - margin);
+  if (btMax(down.length(), up.length()) <= kForeseen) return;
+  btVector3 from = low, to = high;
+  from.setMin(low + down), to.setMax(high + up);
+  meetInBox(world, link, from, to, kForeseen, system);
 }
 
 }  // namespace
 
-void collectMovers(btDiscreteDynamicsWorld& world, const void* system, btScalar tick) {
+void collectMovers(btDiscreteDynamicsWorld& world, const KinematicMotions& kinematic, const void* system,
+                   btScalar tick) {
+  for (const KinematicMotion& motion : kinematic.all())
+    if (motion.moves() && motion.object->hasContactResponse())
+      meetInBox(world, *motion.object, motion.low, motion.high, kForeseen, system);
+  const btCollisionObjectArray& objects = world.getCollisionObjectArray();
+  for (int i = 0; i < objects.size(); ++i)
+    if (objects[i]->getInternalType() == btCollisionObject::CO_FEATHERSTONE_LINK && objects[i]->isActive() &&
+        objects[i]->getBroadphaseHandle() && objects[i]->hasContactResponse())
+      meetOnwards(world, *objects[i], system);
   const btAlignedObjectArray<btRigidBody*>& bodies = BodyReader::read(world);
   for (int i = 0; i < bodies.size(); ++i) {
     btRigidBody& body = *bodies[i];
-    if (!body.isActive() || PointMass::from(&body) || !body.hasContactResponse()) continue;
-    if (!body.getBroadphaseHandle()) continue;
-    const Motion motion = motionOf(body, tick);
-    if (motion.way.length() + motion.turn > kForeseen) meetInTheWay(world, body, motion, system);
+    if (isKinematic(body) || !body.isActive() || PointMass::from(&body)) continue;
+    if (body.getBroadphaseHandle() && body.hasContactResponse()) meetInTheWay(world, body, tick, system);
   }
 }
 

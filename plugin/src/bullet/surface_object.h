@@ -10,10 +10,10 @@ inline namespace LIMBER_BULLET_PRECISION {
 
 struct SoftBodyData;
 
-/// What stands for a soft body in Bullet's world. To Bullet it is a dynamic body, so that it joins islands
-/// with what is near; but it has no inverse mass, is not in the world's list of bodies to be moved, and lets
-/// neither narrowphase nor solver near it. Rays, sweeps and contact tests do find it. Like a PointMass it may
-/// be deleted by the application.
+/// What stands for a soft body in Bullet's world. To Bullet it is a dynamic body of the body's mass and
+/// inertia, which joins islands with what is near, and which constraints hold (surface_rigid.h); but it is not
+/// in the world's list of bodies to be moved, and makes no contacts in Bullet's narrowphase. Rays, sweeps and
+/// contact tests do find it. Like a PointMass it may be deleted by the application.
 class SurfaceObject final : public btRigidBody {
  public:
   BT_DECLARE_ALIGNED_ALLOCATOR();

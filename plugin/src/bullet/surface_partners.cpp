@@ -2,6 +2,7 @@
 #include "bullet/surface_partners.h"
 
 #include "bullet/convert.h"
+#include "bullet/kinematic_motion.h"
 
 #include <algorithm>
 
@@ -22,12 +23,18 @@ void addPartner(SoftBodyData& body, btCollisionObject* partner) {
 
 }  // namespace
 
-void meetPartner(SurfaceObject& surface, btCollisionObject& partner) {
-  SoftBodyData& body = *surface.owner();
-  if (!body.asleep || surface.isActive())
+bool mayWake(const btRigidBody& own, const btCollisionObject& partner) {
+  const SurfaceObject* surface = SurfaceObject::from(&own);
+  const bool excluded = surface ? !surface->mayTouch(partner)
+                                : !own.checkCollideWith(&partner) || !partner.checkCollideWith(&own);
+  return !excluded && own.hasContactResponse() && partner.hasContactResponse();
+}
+
+void meetPartner(SoftBodyData& body, btRigidBody& own, btCollisionObject& partner) {
+  if (!body.asleep || own.isActive())
     addPartner(body, &partner);
-  else if (partner.isKinematicObject() && partner.isActive() && partner.hasContactResponse())
-    surface.activate(true);
+  else if (isKinematic(partner) && partner.isActive() && mayWake(own, partner))
+    own.activate(true);
 }
 
 SurfaceObject* livingSurface(const btBroadphaseProxy* proxy, const void* system) {
@@ -42,7 +49,7 @@ void collectPartners(btDiscreteDynamicsWorld& world, const void* system) {
     const btBroadphaseProxy *a = pairs[i].m_pProxy0, *b = pairs[i].m_pProxy1;
     for (int side = 0; side < 2; ++side, std::swap(a, b)) {
       auto* partner = static_cast<btCollisionObject*>(b->m_clientObject);
-      if (SurfaceObject* surface = livingSurface(a, system)) meetPartner(*surface, *partner);
+      if (SurfaceObject* surface = livingSurface(a, system)) meetPartner(*surface->owner(), *surface, *partner);
     }
   }
 }

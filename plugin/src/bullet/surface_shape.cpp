@@ -18,9 +18,9 @@ struct SurfaceShape::Query {
   }
 };
 
-SurfaceShape::SurfaceShape(const SpringNetwork& network, const Points& positions,
-                           const btCollisionObject& owner, btScalar radius)
-    : network_(&network), positions_(&positions), owner_(&owner) {
+SurfaceShape::SurfaceShape(const SpringNetwork& network, bool mirrored, const Points& positions,
+                           btScalar radius)
+    : network_(&network), mirrored_(mirrored), positions_(&positions) {
   // not CUSTOM_CONCAVE_SHAPE_TYPE: Bullet takes that for a btSdfCollisionShape
   m_shapeType = FAST_CONCAVE_MESH_PROXYTYPE;
   setMargin(radius);
@@ -30,14 +30,19 @@ SurfaceShape::SurfaceShape(const SpringNetwork& network, const Points& positions
 }
 
 void SurfaceShape::getAabb(const btTransform& t, btVector3& aabbMin, btVector3& aabbMax) const {
-  const btVector3 shift = t.getOrigin() - owner_->getWorldTransform().getOrigin();
-  aabbMin = low_ + shift;
-  aabbMax = high_ + shift;
+  if (t.getBasis() == pose_.getBasis()) {
+    const btVector3 shift = t.getOrigin() - pose_.getOrigin();
+    aabbMin = low_ + shift;
+    aabbMax = high_ + shift;
+  } else {
+    // of the box as it was, moved with the owner
+    btTransformAabb(low_, high_, btScalar(0), t * pose_.inverse(), aabbMin, aabbMax);
+  }
 }
 
 btVector3 SurfaceShape::local(std::uint32_t point) const {
-  const Eigen::Vector3d origin = toEigen(owner_->getWorldTransform().getOrigin());
-  return toBullet(Eigen::Vector3d(positions_->col(point) - origin));
+  const Eigen::Vector3d origin = toEigen(pose_.getOrigin());
+  return toBullet(Eigen::Vector3d(positions_->col(point) - origin)) * pose_.getBasis();
 }
 
 void SurfaceShape::processAllTriangles(btTriangleCallback* callback, const btVector3& aabbMin,
@@ -46,7 +51,8 @@ void SurfaceShape::processAllTriangles(btTriangleCallback* callback, const btVec
   const Query query{callback, aabbMin - margin, aabbMax + margin};
   for (std::size_t t = 0; t < network_->surface.size(); ++t) {
     const Triangle& corners = network_->surface[t];
-    query.offer(local(corners[0]), local(corners[1]), local(corners[2]), t);
+    const std::size_t second = mirrored_ ? 2 : 1;
+    query.offer(local(corners[0]), local(corners[second]), local(corners[3 - second]), t);
   }
   if (!springs_.empty()) reportStrips(query);
 }

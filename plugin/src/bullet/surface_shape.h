@@ -23,15 +23,17 @@ class SurfaceShape final : public btConcaveShape {
  public:
   BT_DECLARE_ALIGNED_ALLOCATOR();
 
-  /// `positions` (3 x #points, m) and `owner`, the object whose origin the triangles are relative to, must
-  /// outlive it. `radius` in metres.
-  SurfaceShape(const SpringNetwork& network, const Points& positions, const btCollisionObject& owner,
-               btScalar radius);
+  /// `positions` (3 x #points, m) must outlive it. `radius` in metres. `mirrored`: the body's triangles are its
+  /// network's turned over.
+  SurfaceShape(const SpringNetwork& network, bool mirrored, const Points& positions, btScalar radius);
 
   /// The box (world coordinates, m) that the broadphase gets.
   void setBox(const btVector3& low, const btVector3& high) { low_ = low, high_ = high; }
   const btVector3& low() const { return low_; }
   const btVector3& high() const { return high_; }
+
+  /// Where the owner is when the points are where `positions` says: once it has been moved, the points will be.
+  void setPose(const btTransform& pose) { pose_ = pose; }
 
   const std::vector<std::uint32_t>& springs() const { return springs_; }
 
@@ -50,10 +52,11 @@ class SurfaceShape final : public btConcaveShape {
   void reportStrips(const Query& query) const;
 
   const SpringNetwork* network_;
+  bool mirrored_;
   const Points* positions_;
-  const btCollisionObject* owner_;
   std::vector<std::uint32_t> springs_;  ///< those that are shown as strips
   btVector3 low_ = btVector3(0, 0, 0), high_ = btVector3(0, 0, 0);
+  btTransform pose_ = btTransform::getIdentity();
   btVector3 scaling_ = btVector3(1, 1, 1);
 };
 

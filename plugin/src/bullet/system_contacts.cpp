@@ -11,8 +11,7 @@ void SoftBodySystem::Impl::tellOfContacts() {
   for (auto& body : bodies) events.collect(*body->data_);
   events.call(world);
   // not the hook: it is on the way here
-  for (std::size_t i = 0; i < doomed.size(); ++i) destroyNow(doomed[i]);
-  doomed.clear();
+  for (Impl* system : step->systems) system->destroyDoomed();
 }
 
 void SoftBodySystem::Impl::hideManifolds() {
@@ -21,13 +20,16 @@ void SoftBodySystem::Impl::hideManifolds() {
 }
 
 void SoftBodySystem::Impl::endPairsOf(SoftBody* body) {
-  if (!events.listening()) return;
-  for (auto& other : bodies)
-    if (other.get() == body)
-      events.collectEnds(*body->data_);
-    else
-      events.collectEnds(*other->data_, body);
-  events.call(worldAlive() ? world : nullptr);
+  const bool alive = worldAlive();
+  for (Impl* system : step->systems) {
+    if (!system->events.listening()) continue;
+    for (auto& other : system->bodies)
+      if (other.get() == body)
+        system->events.collectEnds(*body->data_);
+      else
+        system->events.collectEnds(*other->data_, body);
+    system->events.call(alive ? world : nullptr);
+  }
 }
 
 void SoftBodySystem::setContactListener(ContactListener* listener) {

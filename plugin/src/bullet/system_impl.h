@@ -3,6 +3,8 @@
 
 #include "bullet/cluster.h"
 #include "bullet/contact_events.h"
+#include "bullet/kinematic_motion.h"
+#include "bullet/multibody_links.h"
 #include "bullet/rigid_contacts.h"
 #include "bullet/shared_topologies.h"
 #include "bullet/shown_contacts.h"
@@ -14,6 +16,7 @@
 
 #include <limber/soft_body_system.h>
 
+#include <memory>
 #include <vector>
 
 namespace limber {
@@ -24,34 +27,30 @@ void warnOnStandardError(const std::string& text);
 
 /// What a SoftBodySystem is made of; soft_body_system.cpp has what users call, system_tick.cpp the tick.
 struct SoftBodySystem::Impl final : TickListener, StepListener {
-  Impl(btDiscreteDynamicsWorld& w, Hook h) : world(&w), hookKind(h) {}
+  struct WorldStep;
+
+  Impl(btDiscreteDynamicsWorld& w, Hook h);
+  ~Impl() override;
 
   void beforeTick(btScalar tick) override;
   void afterTick(btScalar tick) override;
   void tickMissed() override;
   void debugDraw(btIDebugDraw& drawer) override;
-  void afterTickOrEmptyStep() override;
+  void motionStatesAsked() override;
 
   void hookUp();
   void unhookIfIdle(bool alive);
   bool detach(SoftBody* softBody, std::uint32_t i);
   void forget(const btRigidBody& body);
   void dropSprings(const btRigidBody& body);
-  void forgetGroups();
   bool worldAlive() const;
   void watchSteps();
-  void stopWatching(bool alive);
   void beginStepOfForces();
-  void rebuildGroupsIfNeeded();
-  void gatherGroups(btScalar tick);
-  void gatherPartners(SoftBodyData& body, btScalar tick);
-  void gatherClusters(btScalar tick);
-  void stepGroups(btScalar tick);
-  void handOverGroups(btScalar tick);
-  void updateLiving();
+  void warnOfRestored();
   void tellOfContacts();
   void hideManifolds();
   void destroyNow(SoftBody* body);
+  void destroyDoomed();
   void endPairsOf(SoftBody* body);
 
   btDiscreteDynamicsWorld* world;
@@ -60,26 +59,55 @@ struct SoftBodySystem::Impl final : TickListener, StepListener {
   bool overwritten = false;
   std::function<void(const std::string&)> warn = warnOnStandardError;
 
+  std::shared_ptr<WorldStep> step;
   std::vector<std::unique_ptr<SoftBody>> bodies;
   SpringList springs;
-  std::vector<TickGroup> groups;
-  StepPlan plan;
-  TickContacts pairs;  // contacts in which more than one body moves
-  Clusters clusters;   // what they couple
-  RigidManifolds manifolds;
   SharedTopologies topologies;
-  ShapeCache shapes;
-  RigidSurfaces rigidSurfaces{shapes};
-  SurfaceSearch search;
-  std::vector<SoftBodyData*> living;  // the bodies in the groups
-  std::size_t usableLinks = 0;        // springs and anchors in the groups
-  bool groupsStale = false;
-  std::vector<unsigned char> islands;      // scratch of updateSleep
   std::unique_ptr<StepSentinel> sentinel;  // while point masses outside the world are in the user's hands
   ContactEvents events;
   bool showsManifolds = false;
   std::vector<StrongestContacts> strongest;  // scratch of showContacts
   std::vector<SoftBody*> doomed;             // to be destroyed once the listener has been told
+};
+
+/// The step of all systems of one world: their bodies touch each other, and Bullet's contacts are read and
+/// reported once. The first system whose tick begins steps all.
+struct SoftBodySystem::Impl::WorldStep {
+  /// The one that the world's systems share.
+  static std::shared_ptr<WorldStep> of(btDiscreteDynamicsWorld& world);
+
+  void beforeTick(btScalar tick);
+  void afterTick(btScalar tick);
+  /// Groups hold pointers to bodies and springs: whoever removes one calls this first.
+  void forgetGroups();
+  /// Whether a system's listener is being called: bodies of all must then stay where they are.
+  bool callsListeners() const;
+  void rebuildGroupsIfNeeded();
+  void gatherGroups(btScalar tick);
+  void gatherPartners(SoftBodyData& body, btScalar tick);
+  void gatherClusters(btScalar tick);
+  void stepGroups(btScalar tick);
+  void handOverGroups(btScalar tick);
+  void updateLiving();
+
+  btDiscreteDynamicsWorld* world = nullptr;
+  std::vector<Impl*> systems;  // in the order of their creation
+  const Impl* stepped = nullptr;  // the system that has begun the present tick; nullptr between ticks
+  std::vector<TickGroup> groups;
+  StepPlan plan;
+  KinematicMotions kinematic;
+  MultiBodyLinks links;
+  TickContacts pairs;  // contacts in which more than one body moves
+  Clusters clusters;   // what they couple
+  RigidManifolds manifolds;
+  ShapeCache shapes;
+  RigidSurfaces rigidSurfaces{shapes};
+  SurfaceSearch search;
+  std::vector<SoftBodyData*> living;       // the bodies in the groups
+  std::vector<SpringConstraint*> springs;  // of all systems
+  std::vector<unsigned char> usableLinks;  // see updateUsableLinks()
+  bool groupsStale = true;
+  std::vector<unsigned char> islands;  // scratch of updateSleep
   TickProfile profile;
 };
 

@@ -8,9 +8,14 @@
 #include "bullet/pair_gather.h"
 #include "bullet/surface_body.h"
 #include "bullet/surface_partners.h"
+#include "bullet/surface_rigid.h"
 #include "bullet/system_impl.h"
 
+#include <algorithm>
 #include <chrono>
+#include <mutex>
+#include <string>
+#include <utility>
 
 namespace limber {
 inline namespace LIMBER_BULLET_PRECISION {
@@ -31,68 +36,110 @@ class StopWatch {
   std::chrono::steady_clock::time_point start_;
 };
 
+/// Worlds that have systems. Never deleted: a system of static lifetime may outlive what is.
+struct StepList {
+  std::mutex mutex;  // worlds may be stepped by several threads
+  std::vector<std::pair<const btDynamicsWorld*, std::weak_ptr<void>>> steps;
+};
+
+StepList& stepList() {
+  static StepList& list = *new StepList;
+  return list;
+}
+
 }  // namespace
 
-void SoftBodySystem::Impl::updateLiving() {
+// --- of all systems of a world -----------------------------------------------------------------------------
+
+std::shared_ptr<SoftBodySystem::Impl::WorldStep> SoftBodySystem::Impl::WorldStep::of(
+    btDiscreteDynamicsWorld& world) {
+  StepList& list = stepList();
+  const std::lock_guard<std::mutex> lock(list.mutex);
+  auto& steps = list.steps;
+  const auto isGone = [](const auto& entry) { return entry.second.expired(); };
+  steps.erase(std::remove_if(steps.begin(), steps.end(), isGone), steps.end());
+  for (const auto& [key, known] : steps)
+    if (key == &world)
+      if (auto step = std::static_pointer_cast<WorldStep>(known.lock())) return step;
+  auto step = std::make_shared<WorldStep>();
+  step->world = &world;
+  steps.emplace_back(&world, step);
+  return step;
+}
+
+void SoftBodySystem::Impl::WorldStep::updateLiving() {
   living.clear();
-  for (auto& body : bodies)
-    if (body->data_->alive) {
+  springs.clear();
+  for (Impl* system : systems) {
+    for (auto& body : system->bodies) {
+      if (!body->data_->alive) continue;
       body->data_->index = static_cast<std::uint32_t>(living.size());
       living.push_back(body->data_.get());
     }
+    for (auto& spring : system->springs) springs.push_back(spring.get());
+  }
 }
 
-void SoftBodySystem::Impl::rebuildGroupsIfNeeded() {
+void SoftBodySystem::Impl::WorldStep::rebuildGroupsIfNeeded() {
   for (const TickGroup& group : groups) groupsStale = groupsStale || !isWhole(group);
-  groupsStale = groupsStale || countUsableLinks(living, springs) != usableLinks;
+  groupsStale = updateUsableLinks(living, springs, usableLinks) || groupsStale;
   if (!groupsStale) return;
   updateLiving();
   groups = makeGroups(living, springs);
   plan.clear();
-  usableLinks = countUsableLinks(living, springs);
+  updateUsableLinks(living, springs, usableLinks);
   groupsStale = false;
 }
 
-void SoftBodySystem::Impl::gatherGroups(btScalar tick) {
+void SoftBodySystem::Impl::WorldStep::gatherGroups(btScalar tick) {
   const StopWatch watch(profile.gatherMs);
+  const KinematicMotions::Rewound rewound(kinematic);
   for (TickGroup& group : groups) {
-    if (group.asleep) continue;
-    gatherGroup(group, tick);
+    if (!group.asleep)
+      gatherGroup(group, tick);
+    else
+      for (SoftBodyData* body : group.bodies) dropObjectForces(*body);
   }
   for (TickGroup& group : groups)
     if (!group.asleep)
       for (SoftBodyData* body : group.bodies) gatherPartners(*body, tick);
+  profile.rigidParts = rigidSurfaces.size();
   gatherClusters(tick);
   for (TickGroup& group : groups)
     if (!group.asleep) chooseStepping(group, double(tick));
 }
 
-void SoftBodySystem::Impl::gatherPartners(SoftBodyData& body, btScalar tick) {
+void SoftBodySystem::Impl::WorldStep::gatherPartners(SoftBodyData& body, btScalar tick) {
   if (isSurfaceBody(body)) return gatherSurfacePairs(body, tick, rigidSurfaces, search, pairs);
   for (btRigidBody* partner : body.freePartners) limber::gatherPairs(body, *partner, tick, pairs);
 }
 
-void SoftBodySystem::Impl::gatherClusters(btScalar tick) {
+void SoftBodySystem::Impl::WorldStep::gatherClusters(btScalar tick) {
   guessBearings(pairs);
   addLinkedRigids(groups, pairs);
+  links.addJoints(pairs);
   gatherRigidContacts(*world, tick, manifolds, pairs);
   makeClusters(groups, pairs, tick, clusters);
 }
 
-void SoftBodySystem::Impl::stepGroups(btScalar tick) {
+void SoftBodySystem::Impl::WorldStep::stepGroups(btScalar tick) {
   const StopWatch watch(profile.stepMs);
+  // points that are thrown look for more contacts
+  const KinematicMotions::Rewound rewound(kinematic);
   plan.step(groups, double(tick));
-  for (Cluster& cluster : clusters) stepCluster(cluster, double(tick));
+  for (Cluster& cluster : clusters) stepCluster(cluster, pairs, double(tick), search);
 }
 
-void SoftBodySystem::Impl::handOverGroups(btScalar tick) {
+void SoftBodySystem::Impl::WorldStep::handOverGroups(btScalar tick) {
   const StopWatch watch(profile.handOverMs);
   for (Cluster& cluster : clusters) handOverCluster(cluster, pairs, tick);
+  links.applyImpulses(pairs);
   reportRigidContacts(pairs);
   rememberBearings(living, pairs);
   for (TickGroup& group : groups) {
     if (group.asleep) continue;
     reportStepping(group, double(tick));
+    for (SoftBodyData* body : group.bodies) restoreIfUnsound(*body);
     handOverGroup(group, tick);
     for (const SoftBodyData* body : group.bodies) {
       profile.pointsStepped += body->network->restPoints.size();
@@ -101,26 +148,30 @@ void SoftBodySystem::Impl::handOverGroups(btScalar tick) {
   }
 }
 
-void SoftBodySystem::Impl::beforeTick(btScalar tick) {
+void SoftBodySystem::Impl::WorldStep::beforeTick(btScalar tick) {
   profile = TickProfile();
-  hideManifolds();
+  for (Impl* system : systems) system->hideManifolds();
   // a tick without length moves nothing and would divide by zero
   if (!(tick > btScalar(0))) return;
   rebuildGroupsIfNeeded();
-  beginStepOfForces();
+  for (Impl* system : systems) system->beginStepOfForces();
   collectPartners(*world, this);
-  collectMovers(*world, this, tick);
+  kinematic.follow(*world, tick);
+  links.begin(*world);
+  collectMovers(*world, kinematic, this, tick);
   updateSleep(groups, *world, tick, islands);
-  pairs.clear();
+  markJoined(living, *world);
+  pairs.clear(double(tick));
   rigidSurfaces.clear();
   readManifolds(*world->getDispatcher());
-  freeManifolds(*world->getDispatcher());
   gatherGroups(tick);
+  leaveToRows(*world->getDispatcher());
   stepGroups(tick);
   handOverGroups(tick);
 }
 
-void SoftBodySystem::Impl::afterTick(btScalar tick) {
+void SoftBodySystem::Impl::WorldStep::afterTick(btScalar tick) {
+  freeManifolds(*world->getDispatcher());
   if (!(tick > btScalar(0))) return;
   const StopWatch watch(profile.takeBackMs);
   for (TickGroup& group : groups) {
@@ -129,35 +180,64 @@ void SoftBodySystem::Impl::afterTick(btScalar tick) {
     for (std::size_t i = 0; i < group.springs.size(); ++i)
       group.springs[i]->force_ = group.step.links.springs[i].force;
   }
-  for (const Cluster& cluster : clusters) takeBackCluster(cluster, pairs, tick);
-  reportJoints(pairs, tick);
+  for (const Cluster& cluster : clusters) takeBackCluster(cluster, pairs, *world, tick);
+  reportJoints(*world, pairs, tick);
   reportContacts(living, pairs, *world, double(tick));
   reportContactImpulses(*world->getDispatcher());
-  tellOfContacts();
+}
+
+// --- of one system -----------------------------------------------------------------------------------------
+
+void SoftBodySystem::Impl::beforeTick(btScalar tick) {
+  // left in place when it was not known whether the world still exists
+  unhookIfIdle(true);
+  if (!hook || (step->stepped && step->stepped != this)) return;
+  step->stepped = this;
+  step->beforeTick(tick);
+}
+
+void SoftBodySystem::Impl::afterTick(btScalar tick) {
+  if (step->stepped) step->afterTick(tick);
+  step->stepped = nullptr;
+  warnOfRestored();
+  if (tick > btScalar(0)) tellOfContacts();
+}
+
+void SoftBodySystem::Impl::warnOfRestored() {
+  for (std::size_t i = 0; i < bodies.size(); ++i) {
+    SoftBodyData& body = *bodies[i]->data_;
+    if (!std::exchange(body.restored, false) || body.restorations++ > 0) continue;
+    warn("soft body " + std::to_string(i) +
+         " was given a position, velocity or force that is not finite, or got one: it was put back to where it "
+         "was before, see SoftBody::restorations()");
+  }
 }
 
 // Forces on point masses outside the world last, as Bullet's do, for all ticks of one stepSimulation().
 
 void SoftBodySystem::Impl::watchSteps() {
-  if (!sentinel) sentinel = std::make_unique<StepSentinel>(*world, *this);
-}
-
-void SoftBodySystem::Impl::stopWatching(bool alive) {
-  if (sentinel && alive) sentinel->leave();
-  sentinel.reset();
+  if (sentinel) return;
+  sentinel = std::make_unique<StepSentinel>(*world, *this);
+  // it may begin to watch within a step, of which this is not a new one
+  sentinel->stepHasEnded();
 }
 
 void SoftBodySystem::Impl::beginStepOfForces() {
-  if (!sentinel || !sentinel->stepHasBegun()) return;
-  for (SoftBodyData* body : living)
-    if (isSurfaceBody(*body) && body->masses.shared) body->surface.force.setZero();
+  if (sentinel && !sentinel->stepHasEnded()) return;
+  for (auto& body : bodies) {
+    SurfaceData& surface = body->data_->surface;
+    surface.force.setZero();
+    surface.objectForce.setZero();
+    surface.objectTorque.setZero();
+  }
 }
 
-/// What is applied from here on until a step ends without a tick is lost, as with Bullet's bodies: it is
-/// counted to a step that is over.
-void SoftBodySystem::Impl::afterTickOrEmptyStep() {
-  for (SoftBodyData* body : living)
-    if (isSurfaceBody(*body) && body->masses.shared) collectForces(*body);
+/// What has been applied until here is lost if this step ends without a further tick, as with Bullet's
+/// bodies; not if the user has called synchronizeMotionStates() before a step.
+void SoftBodySystem::Impl::motionStatesAsked() {
+  beginStepOfForces();
+  for (auto& body : bodies)
+    if (isSurfaceBody(*body->data_) && body->data_->masses.shared) collectForces(*body->data_);
 }
 
 void SoftBodySystem::Impl::tickMissed() {

@@ -25,16 +25,20 @@ void TickContacts::add(const PairContact& contact, const ContactSource& source) 
   sources.push_back(source);
 }
 
-void TickContacts::clear() {
-  for (const RigidPartner& rigid : rigids) numbers_[static_cast<std::size_t>(rigid.place)] = kNone;
+void TickContacts::clear(double comingTick) {
+  tick = comingTick;
+  for (const RigidPartner& rigid : rigids) numbers_[static_cast<std::size_t>(rigid.mark.place)] = kNone;
   rigids.clear();
   contacts.clear();
   sources.clear();
+  meetings.clear();
   joints.clear();
   constraints.clear();
+  recoveries.clear();
 }
 
-Eigen::Vector3d velocityOf(const btCollisionObject& object, const btVector3& place) {
+Eigen::Vector3d velocityOf(const btCollisionObject& object, const btVector3& place, double tick) {
+  if (isKinematic(object)) return kinematicWay(object, toEigen(place)) / tick;
   const btRigidBody* rigid = btRigidBody::upcast(&object);
   if (!rigid || rigid->isStaticObject() || !rigid->isActive()) return Eigen::Vector3d::Zero();
   return toEigen(rigid->getVelocityInLocalPoint(place - rigid->getWorldTransform().getOrigin()));
@@ -48,7 +52,7 @@ ContactPlace placeOn(TickContacts& contacts, const btCollisionObject& object, co
     found.body = contacts.add(*rigid);
     found.arm = toEigen(place) - toEigen(rigid->getWorldTransform().getOrigin());
   } else {
-    found.velocity = velocityOf(object, place);
+    found.velocity = velocityOf(object, place, contacts.tick);
   }
   return found;
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
+#include "bullet/kinematic_motion.h"
 #include "bullet/partner_mark.h"
 #include "bullet/rigid_partner.h"
 #include "core/pair_contacts.h"
@@ -25,6 +26,17 @@ struct ContactSource {
   std::uint64_t key = 0;             ///< of the features that touch, the same from tick to tick
 };
 
+struct RigidPart;
+
+/// Two surfaces that touch, or may touch, in the tick.
+struct SurfaceMeeting {
+  SoftBodyData* body = nullptr;      ///< on side a
+  SoftBodyData* other = nullptr;     ///< on side b, if it is soft
+  btRigidBody* partner = nullptr;    ///< on side b, else
+  RigidPart* part = nullptr;         ///< of the partner
+  std::uint32_t first = 0, end = 0;  ///< of its contacts
+};
+
 /// The contacts of one tick in which something other than a single soft body moves, the joints of the rigid
 /// bodies in them, and these rigid bodies. Places and rows name soft bodies by SoftBodyData::index and rigid
 /// bodies by their number here.
@@ -32,8 +44,11 @@ struct TickContacts {
   std::vector<RigidPartner> rigids;
   std::vector<PairContact> contacts;
   std::vector<ContactSource> sources;  ///< #contacts
+  std::vector<SurfaceMeeting> meetings;  ///< of bodies that all move by themselves
   std::vector<JointRow> joints;
   std::vector<btTypedConstraint*> constraints;  ///< #joints; nullptr: rolling friction of a contact
+  std::vector<double> recoveries;               ///< #joints, m/s or rad/s: of their speeds, errors taken back
+  double tick = 0.0;                            ///< s
 
   static constexpr std::uint32_t kNone = static_cast<std::uint32_t>(-1);
 
@@ -42,8 +57,8 @@ struct TickContacts {
   /// The number it has or now gets.
   std::uint32_t add(btRigidBody& body);
   void add(const PairContact& contact, const ContactSource& source);
-  /// Forgets everything but the memory it takes.
-  void clear();
+  /// Forgets everything but the memory it takes. The coming tick takes so many seconds.
+  void clear(double comingTick = 0.0);
 
  private:
   std::vector<std::uint32_t> numbers_;  ///< by place in the world's list of objects
@@ -51,12 +66,13 @@ struct TickContacts {
 
 /// Whether a rigid body moves by itself: neither held nor asleep.
 inline bool isFree(const btRigidBody& body) {
-  return !body.isStaticOrKinematicObject() && body.isActive() &&
+  return !isStaticOrKinematic(body) && body.isActive() &&
          body.getActivationState() != DISABLE_SIMULATION && body.getWorldArrayIndex() >= 0;
 }
 
-/// m/s, of a place on a body that moves by itself or as told; 0 for one that is static or asleep.
-Eigen::Vector3d velocityOf(const btCollisionObject& object, const btVector3& place);
+/// m/s, of a place on a body that moves by itself, at present, or as told, over the tick (s); 0 for one that
+/// is static or asleep.
+Eigen::Vector3d velocityOf(const btCollisionObject& object, const btVector3& place, double tick);
 
 /// The place on a rigid body: of kind Rigid if it is free, which gives it a number, else of kind World.
 ContactPlace placeOn(TickContacts& contacts, const btCollisionObject& object, const btVector3& place);

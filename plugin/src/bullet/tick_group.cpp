@@ -4,6 +4,7 @@
 #include "bullet/body_in_world.h"
 #include "bullet/contact_gather.h"
 #include "bullet/convert.h"
+#include "bullet/kinematic_motion.h"
 
 #include <algorithm>
 #include <map>
@@ -36,7 +37,8 @@ void handOverGroup(TickGroup& group, btScalar tick) {
 
 void takeBackGroup(TickGroup& group, btScalar tick) {
   for (SoftBodyData* body : group.bodies) {
-    if (body->alive) finishBody(*body, tick);
+    if (!body->alive) continue;
+    finishBody(*body, tick);
   }
   for (std::size_t i = 0; i < group.rigids.size(); ++i)
     takeBackRigid(group.rigids[i], group.step.links.rigids[i], tick);
@@ -88,7 +90,7 @@ constexpr std::size_t kNoNode = static_cast<std::size_t>(-1);
 std::size_t nodeOf(const SpringEnd& end, GroupNodes& nodes) {
   if (!end.body) return kNoNode;
   if (const PointMass* point = PointMass::from(end.body)) return nodes.soft(point->owner());
-  return end.body->isStaticObject() ? kNoNode : nodes.rigid(end.body);
+  return isStatic(*end.body) ? kNoNode : nodes.rigid(end.body);
 }
 
 std::uint32_t indexOfBody(TickGroup& group, SoftBodyData* body) {
@@ -139,6 +141,7 @@ void addBody(TickGroup& group, SoftBodyData* body) {
   group.step.bodies.push_back({&body->state, &body->springs, &body->contacts});
   if (!body->volumes.empty()) group.step.bodies.back().volumes = &body->volumes;
   if (!body->tetrahedra.empty()) group.step.bodies.back().tetrahedra = &body->tetrahedra;
+  group.step.bodies.back().watch = body->watch.get();
   if (canStepQuads()) group.step.bodies.back().quads = &body->quads;
   group.step.links.points.push_back(&body->state);
 }
@@ -166,6 +169,17 @@ bool usable(const Anchor& anchor) { return anchor.body->isInWorld(); }
 
 bool usable(const SpringConstraint& spring) { return usable(spring.endA()) && usable(spring.endB()); }
 
+/// 0 if the link is not usable, else 1 and a bit for each end that joins nothing.
+unsigned char stateOf(const Anchor& anchor) {
+  return usable(anchor) ? static_cast<unsigned char>(1 + 2 * isStatic(*anchor.body)) : 0;
+}
+
+unsigned char stateOf(const SpringConstraint& spring) {
+  const auto joinsNothing = [](const SpringEnd& end) { return end.body && isStatic(*end.body); };
+  if (!usable(spring)) return 0;
+  return static_cast<unsigned char>(1 + 2 * joinsNothing(spring.endA()) + 4 * joinsNothing(spring.endB()));
+}
+
 void takeOverSleep(TickGroup& group) {
   group.asleep = !group.bodies.empty();
   group.calmTime = group.bodies.empty() ? 0.0 : group.bodies.front()->calmTime;
@@ -177,15 +191,24 @@ void takeOverSleep(TickGroup& group) {
 
 }  // namespace
 
-std::size_t countUsableLinks(const std::vector<SoftBodyData*>& bodies, const SpringList& springs) {
+bool updateUsableLinks(const std::vector<SoftBodyData*>& bodies, const std::vector<SpringConstraint*>& springs,
+                       std::vector<unsigned char>& links) {
   std::size_t count = 0;
-  for (const auto& spring : springs) count += usable(*spring);
+  bool changed = false;
+  const auto update = [&](unsigned char state) {
+    if (count == links.size()) links.push_back(static_cast<unsigned char>(~state));
+    changed = changed || links[count] != state;
+    links[count++] = state;
+  };
+  for (const SpringConstraint* spring : springs) update(stateOf(*spring));
   for (const SoftBodyData* body : bodies)
-    for (const Anchor& anchor : body->anchors) count += usable(anchor);
-  return count;
+    for (const Anchor& anchor : body->anchors) update(stateOf(anchor));
+  changed = changed || links.size() != count;
+  links.resize(count);
+  return changed;
 }
 
-std::vector<TickGroup> makeGroups(const std::vector<SoftBodyData*>& bodies, const SpringList& springs) {
+std::vector<TickGroup> makeGroups(const std::vector<SoftBodyData*>& bodies, const std::vector<SpringConstraint*>& springs) {
   GroupNodes nodes(bodies);
   std::vector<std::size_t> springNode(springs.size(), kNoNode);
   for (std::size_t i = 0; i < springs.size(); ++i) {
@@ -196,13 +219,13 @@ std::vector<TickGroup> makeGroups(const std::vector<SoftBodyData*>& bodies, cons
   }
   for (SoftBodyData* body : bodies)
     for (const Anchor& anchor : body->anchors)
-      if (usable(anchor) && !anchor.body->isStaticObject())
+      if (usable(anchor) && !isStatic(*anchor.body))
         nodes.join(nodes.soft(body), nodes.rigid(anchor.body));
 
   std::map<std::size_t, TickGroup> groups;
   for (SoftBodyData* body : bodies) addBody(groups[nodes.root(nodes.soft(body))], body);
   for (std::size_t i = 0; i < springs.size(); ++i)
-    if (springNode[i] != kNoNode) addSpring(groups[nodes.root(springNode[i])], springs[i].get());
+    if (springNode[i] != kNoNode) addSpring(groups[nodes.root(springNode[i])], springs[i]);
   for (SoftBodyData* body : bodies) {
     TickGroup& group = groups[nodes.root(nodes.soft(body))];
     for (const Anchor& anchor : body->anchors)

@@ -26,22 +26,27 @@ struct TickGroup {
   Stepping stepping;       ///< the strictest of its bodies' choices
   int substeps = 0;
   Stepper stepper = Stepper::Verlet;
-  bool guarded = false;       ///< its energy must not rise in this tick
-  double energyBefore = 0.0;  ///< J, if it is guarded
+  bool guarded = false;      ///< its energy must not rise in this tick if a push is held back in it
+  bool heldBack = false;     ///< that is so at the start of the tick
+  bool bouncing = false;     ///< its energy must not rise while it touches
+  double energyBound = 0.0;  ///< J, if it is guarded
+  double energyAtEnd = 0.0;  ///< J, of the last tick, if it is guarded
 };
 
 using SpringList = std::vector<std::unique_ptr<SpringConstraint>>;
 
 /// The groups of these bodies and springs, in the order of their first bodies, then of their first springs.
 /// A group is asleep if all its bodies are.
-std::vector<TickGroup> makeGroups(const std::vector<SoftBodyData*>& bodies, const SpringList& springs);
+std::vector<TickGroup> makeGroups(const std::vector<SoftBodyData*>& bodies, const std::vector<SpringConstraint*>& springs);
 
 /// False once a point mass of the group has left the world: the groups must be made anew.
 bool isWhole(const TickGroup& group);
 
-/// Springs and anchors of which both ends are in the world; when their number changes, the groups must be
-/// made anew.
-std::size_t countUsableLinks(const std::vector<SoftBodyData*>& bodies, const SpringList& springs);
+/// Looks up which springs and anchors have both ends in the world, and which of these ends are static.
+/// Returns whether this is not what `links` says, which is then brought up to date: the groups must be made
+/// anew.
+bool updateUsableLinks(const std::vector<SoftBodyData*>& bodies, const std::vector<SpringConstraint*>& springs,
+                       std::vector<unsigned char>& links);
 
 /// The stages of a tick, see point_masses.h.
 void gatherGroup(TickGroup& group, btScalar tick);

@@ -26,8 +26,9 @@ class TickListener {
 /// whoever was there first, and leave the user info alone, so we find our way from the world by a list of
 /// hooks. As an action (of which a world may have many) the hook also learns of the end of each tick.
 ///
-/// When a world is gone nobody tells us, so a hook whose world may be gone is abandoned, not removed: it
-/// stays in the list without listeners, in case the world does live and still calls it.
+/// When a world is gone nobody tells us, so a hook whose world may be gone is not removed: it stays in the
+/// list without listeners. If the world does live, its next tick calls the hook, which then leaves. A hook
+/// that loses its last listener while it calls them leaves at the next tick's begin, too.
 class TickHook final : public btActionInterface {
  public:
   /// Adds a listener to the world's hook, which is put in place if need be. `pretick` false leaves the slot
@@ -52,11 +53,18 @@ class TickHook final : public btActionInterface {
   static void preTick(btDynamicsWorld* world, btScalar tick);
   void beforeTick(btScalar tick);
   void giveSlotBack();
+  bool listened() const;
+  void detach();
+  void detachIfUnused();
+  template <class Call>
+  void callEach(const std::vector<TickListener*>& listeners, Call call);
 
   btDynamicsWorld* world_;
   btInternalTickCallback previous_ = nullptr;
+  // nullptr: has left while they were being called
   std::vector<TickListener*> pretickListeners_;
   std::vector<TickListener*> actionListeners_;
+  int calls_ = 0;  // that go on: listeners and callbacks may come, leave, and destroy each other meanwhile
   bool inTick_ = false;
   bool sawTick_ = false;
 };

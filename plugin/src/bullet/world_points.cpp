@@ -64,7 +64,12 @@ void removePointMasses(SoftBodyData& body) {
 void gatherWorldPoints(SoftBodyData& body, btScalar tick) {
   gatherPoints(body, tick, false);
   for (std::uint32_t i = 0; i < body.masses.bodies.size(); ++i) {
-    const PointMass& point = *body.masses.bodies[i];
+    PointMass& point = *body.masses.bodies[i];
+    if (!isSound(point.getTotalForce())) {
+      point.clearForces();
+      point.applyGravity();
+      body.restored = true;
+    }
     body.state.acceleration.col(i) = toEigen(point.getTotalForce()) * double(point.getInvMass());
     if (body.masses.held[i]) body.state.acceleration.col(i).setZero();
   }
@@ -83,8 +88,10 @@ void handOverVelocities(SoftBodyData& body, btScalar tick) {
 }
 
 void finishWorldPoints(SoftBodyData& body, btScalar tick) {
+  for (PointMass* point : body.masses.bodies) point->setContactProcessingThreshold(BT_LARGE_FLOAT);
   for (std::uint32_t i = 0; i < body.masses.bodies.size(); ++i)
     if (!body.masses.held[i]) takeBackFree(body, i, tick);
+  restoreIfUnsound(body);
   stopAtFirstContact(body);
   writePoints(body);
 }

@@ -6,8 +6,9 @@
 #include "cook/soft_mode_braces.h"
 #include "cook/triangle_geometry.h"
 #include "cook/two_ring_braces.h"
+#include "core/symmetric_parts.h"
 
-#include <Eigen/Dense>
+#include <Eigen/Geometry>
 
 #include <algorithm>
 #include <cmath>
@@ -32,9 +33,8 @@ double thickness(const std::vector<Eigen::Vector3d>& points) {
   for (const Eigen::Vector3d& p : points) centre += p / static_cast<double>(points.size());
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
   for (const Eigen::Vector3d& p : points) covariance += (p - centre) * (p - centre).transpose();
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(covariance, Eigen::EigenvaluesOnly);
   const double trace = covariance.trace();
-  return trace > 0.0 ? std::sqrt(std::max(0.0, axes.eigenvalues()[0]) / trace) : 0.0;
+  return trace > 0.0 ? std::sqrt(std::max(0.0, symmetricParts3(covariance).values[0]) / trace) : 0.0;
 }
 
 /// A piece that bounds a hollow comes facing into it.

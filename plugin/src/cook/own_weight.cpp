@@ -9,6 +9,8 @@
 #include "core/spring_forces.h"
 #include "core/verlet_step.h"
 
+#include <Eigen/Geometry>
+
 #include <algorithm>
 #include <cmath>
 #include <functional>
@@ -112,6 +114,15 @@ void settle(StandingBody& body, double gravity, double mostTime, double calmSpee
   }
 }
 
+double heightOf(const Points& position) { return position.row(1).maxCoeff() - position.row(1).minCoeff(); }
+
+/// Over the height of the rest shape in the attitude that the body has come to: what topples and lies there in
+/// its shape has not collapsed.
+double relativeHeight(const StandingBody& body) {
+  const Eigen::Matrix4d attitude = Eigen::umeyama(body.rest, body.state.position, false);
+  return heightOf(body.state.position) / heightOf(attitude.topLeftCorner<3, 3>() * body.rest);
+}
+
 bool carries(StandingBody& body, double load) {
   Random random(1);
   Points& position = body.state.position;
@@ -120,8 +131,7 @@ bool carries(StandingBody& body, double load) {
   position.row(1).array() -= position.row(1).minCoeff();
   const double mostTime = std::max(kSettlingTime, kFallTimes / std::sqrt(load));
   settle(body, load, mostTime, kCalmSpeed * load);
-  const double height = position.row(1).maxCoeff();
-  if (body.givenUp || !(height >= kLeastHeight * body.rest.row(1).maxCoeff())) return false;
+  if (body.givenUp || !(relativeHeight(body) >= kLeastHeight)) return false;
   settle(body, 0.0, kSettlingTime, kCalmSpeed * load);
   return !body.givenUp && distanceToRest(body.shape, position) < kMostDistance;
 }

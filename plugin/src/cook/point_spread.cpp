@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "cook/point_spread.h"
 
-#include <Eigen/Eigenvalues>
+#include "core/symmetric_parts.h"
 
 namespace limber {
 namespace {
@@ -23,7 +23,7 @@ Spread principalSpread(const std::vector<Eigen::Vector3d>& points) {
   const double size = arms.cwiseAbs().maxCoeff();
   if (size > 0.0) arms /= size;
   const Eigen::Matrix3d scatter = arms * arms.transpose();
-  return {size, arms, Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(scatter).eigenvectors()};
+  return {size, arms, symmetricParts3(scatter).vectors};
 }
 
 }  // namespace

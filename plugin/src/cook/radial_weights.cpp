@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Zlib
 #include "cook/skin_weights.h"
+#include "core/symmetric_parts.h"
 
 #include <Eigen/Dense>
 
@@ -154,9 +155,9 @@ RowSpread spreadOf(const MatrixXd& rows) {
   const RowVector3d middle = rows.colwise().mean();
   const MatrixXd about = rows.rowwise() - middle;
   const Eigen::Matrix3d covariance = about.transpose() * about / static_cast<double>(rows.rows());
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(covariance);
-  const Vector3d deviations = solver.eigenvalues().cwiseMax(0.0).cwiseSqrt();
-  return {middle, solver.eigenvectors().col(0), deviations[0], deviations[2]};
+  const SymmetricParts3 parts = symmetricParts3(covariance);
+  const Vector3d deviations = parts.values.cwiseMax(0.0).cwiseSqrt();
+  return {middle, parts.vectors.col(0), deviations[0], deviations[2]};
 }
 
 /// The nearest point that is off the plane through the middle across the weakest direction by the

@@ -4,8 +4,8 @@
 #include "cook/stiffness_matrix.h"
 #include "core/largest_eigenvalue.h"
 #include "core/random.h"
+#include "core/symmetric_parts.h"
 
-#include <Eigen/Eigenvalues>
 #include <Eigen/SparseCholesky>
 
 #include <algorithm>
@@ -30,9 +30,7 @@ struct SoftEnd {
 };
 
 SoftEnd denseSoftEnd(const SparseMatrix& stiffness, double bound) {
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(Eigen::MatrixXd(stiffness),
-                                                              Eigen::EigenvaluesOnly);
-  const Eigen::VectorXd& values = solver.eigenvalues();
+  const Eigen::VectorXd values = symmetricValues(stiffness);
   const Eigen::Index below = std::lower_bound(values.begin(), values.end(), bound) - values.begin();
   return {below, below < values.size() ? values[below] : 0.0};
 }

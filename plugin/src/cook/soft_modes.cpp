@@ -2,8 +2,9 @@
 #include "cook/rigidity.h"
 #include "cook/stiffness_matrix.h"
 #include "core/random.h"
+#include "core/symmetric_parts.h"
 
-#include <Eigen/Dense>
+#include <Eigen/QR>
 #include <Eigen/SparseCholesky>
 
 #include <algorithm>
@@ -39,15 +40,15 @@ double largestRowSum(const SparseMatrix& matrix) {
 /// round-off of S is that of the stiffest mode of the space, not of all.
 Modes modesWithin(const SparseMatrix& rigidity, const Eigen::MatrixXd& shapes) {
   const Eigen::MatrixXd stretches = rigidity * shapes;
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> ritz(stretches.transpose() * stretches);
-  return {ritz.eigenvalues().cwiseMax(0.0), shapes * ritz.eigenvectors()};
+  const SymmetricParts ritz = symmetricParts(stretches.transpose() * stretches);
+  return {ritz.values.cwiseMax(0.0), shapes * ritz.vectors};
 }
 
 /// With rigid motions made the stiffest of all.
 Eigen::MatrixXd denseModes(const SparseMatrix& stiffness, const Eigen::MatrixXd& rigid, Eigen::Index count) {
   Eigen::MatrixXd matrix = stiffness;
   matrix += (2.0 * largestRowSum(stiffness) + 1.0) * rigid * rigid.transpose();
-  return Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(matrix).eigenvectors().leftCols(count);
+  return symmetricParts(matrix).vectors.leftCols(count);
 }
 
 /// (K + s)^-1 for several vectors at a time.
@@ -139,9 +140,9 @@ void solveWithin(SoftSpace& space) {
   Eigen::MatrixXd small =
       space.basis.leftCols(space.columns).transpose() * space.product.leftCols(space.columns);
   small = (0.5 * (small + small.transpose())).eval();
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> ritz(small);
-  space.values = ritz.eigenvalues().reverse();
-  space.vectors = ritz.eigenvectors().rowwise().reverse();
+  const SymmetricParts ritz = symmetricParts(small);
+  space.values = ritz.values.reverse();
+  space.vectors = ritz.vectors.rowwise().reverse();
 }
 
 bool isConverged(const SoftSpace& space, Eigen::Index count) {

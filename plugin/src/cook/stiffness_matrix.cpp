@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Zlib
 #include "cook/stiffness_matrix.h"
 
-#include <Eigen/Dense>
+#include "core/symmetric_parts.h"
+
+#include <Eigen/Geometry>
 
 #include <algorithm>
 #include <cmath>
@@ -52,7 +54,7 @@ Eigen::MatrixXd rigidMotions(const std::vector<Eigen::Vector3d>& points) {
   // About the principal axes of the points the rotations are orthogonal to each other, and that about the
   // line of points on a line is the last one, and zero.
   const Eigen::Matrix3d scatter = arms * arms.transpose();
-  const Eigen::Matrix3d axes = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(scatter).eigenvectors();
+  const Eigen::Matrix3d axes = symmetricParts3(scatter).vectors;
   Eigen::MatrixXd motions = Eigen::MatrixXd::Zero(3 * count, 6);
   Eigen::Index columns = 3;
   for (Eigen::Index i = 0; i < count; ++i)

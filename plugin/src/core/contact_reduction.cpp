@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Zlib
 #include "core/contact_reduction.h"
 
+#include "core/contact_candidates.h"
+
 #include <algorithm>
 #include <tuple>
 
@@ -29,6 +31,17 @@ void eraseDropped(Candidates& candidates) {
   candidates.erase(std::remove_if(candidates.begin(), candidates.end(), dropped), candidates.end());
 }
 
+/// Two vertices are each other's contact only where neither has another in that direction.
+void reduceVertexPairs(Candidates& candidates) {
+  for (ContactCandidate& x : candidates) {
+    if (x.vertex != kNoVertex || x.rank != kVertexVertex) continue;
+    const std::uint64_t a = std::uint64_t{x.contact.a.feature} * 2, b = std::uint64_t{x.contact.b.feature} * 2 + 1;
+    x.dropped = std::any_of(candidates.begin(), candidates.end(), [&](const ContactCandidate& y) {
+      return (y.vertex == a || y.vertex == b) && !y.dropped && haveSameDirection(x, y);
+    });
+  }
+}
+
 /// Of each vertex and direction only the contact that comes first stays.
 void reduceVertices(Candidates& candidates) {
   sortBy(candidates, [](const ContactCandidate& x) {
@@ -40,6 +53,7 @@ void reduceVertices(Candidates& candidates) {
     for (std::size_t j = first; j < i && !candidates[i].dropped; ++j)
       candidates[i].dropped = !candidates[j].dropped && haveSameDirection(candidates[i], candidates[j]);
   }
+  reduceVertexPairs(candidates);
   eraseDropped(candidates);
 }
 

@@ -138,8 +138,11 @@ void meetVertices(const SurfacePair& pair, std::uint32_t va, std::uint32_t vb, C
   candidate.rank = kVertexVertex;
   candidate.scale = pair.reach();
   // each of many vertices around a ball has a contact; the nearest one is the ball's
-  const bool ofB = isRound(pair.a, pair.b) && !isInVertexCone(pair.b, c.time, vb, c.normal);
-  candidate.vertex = meetingVertex(pair, ofB ? vb : va, ofB);
+  candidate.vertex = kNoVertex;
+  if (isRound(pair.a, pair.b) && !isInVertexCone(pair.b, c.time, vb, c.normal))
+    candidate.vertex = meetingVertex(pair, vb, true);
+  else if (isRound(pair.b, pair.a) || pair.self)
+    candidate.vertex = meetingVertex(pair, va, false);
   addCandidate(pair, candidate, search);
 }
 

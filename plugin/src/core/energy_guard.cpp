@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Zlib
 #include "core/energy_guard.h"
 
-#include <Eigen/Cholesky>
+#include "core/symmetric_parts.h"
+
 #include <Eigen/Geometry>
 
 #include <algorithm>
@@ -26,7 +27,7 @@ struct BodyMoments {
 
   /// All points on a line have no inertia about it, and no spin either.
   Eigen::Vector3d turnFor(const Eigen::Vector3d& angularMomentum) const {
-    return inertia.completeOrthogonalDecomposition().solve(angularMomentum);
+    return leastSolution(inertia, angularMomentum);
   }
 };
 

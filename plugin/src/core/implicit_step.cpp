@@ -231,6 +231,7 @@ void advance(const Substep& s) {
 }  // namespace
 
 bool canStepImplicitly(const SteppedBody& body) {
+  if (body.springs->size() == 0) return false;
   if (body.springs->limited || (body.tetrahedra && !body.tetrahedra->edgesAreSprings)) return false;
   if (body.volumes && body.volumes->restVolume.size() > kMostSolvedVolumes) return false;
   const Points& w = body.points->inverseMass;
@@ -256,7 +257,14 @@ void stepImplicit(SteppedBody& body, ImplicitState& implicit, MidpointSolver::Ki
     return kineticEnergy(*body.points) + elasticEnergy(body, body.points->position);
   };
   implicit.energyFloor += energyNow() - implicit.energyAtEnd;
-  for (int i = 0; i < substeps; ++i) advance({body, implicit, i * h, h, false});
+  for (int i = 0; i < substeps; ++i) {
+    if (body.watch && body.watch->on) {
+      body.watch->look(viewOf(*body.points), i * h, h);
+      body.watch->merge();
+    }
+    if (body.contacts) followSurfaces(*body.contacts, viewOf(*body.points), h);
+    advance({body, implicit, i * h, h, false});
+  }
   implicit.energyAtEnd = energyNow();
 }
 

@@ -2,8 +2,7 @@
 #include "core/largest_eigenvalue.h"
 
 #include "core/random.h"
-
-#include <Eigen/Eigenvalues>
+#include "core/symmetric_parts.h"
 
 #include <algorithm>
 #include <cmath>
@@ -32,10 +31,9 @@ struct Ritz {
 
 Ritz solve(const Eigen::VectorXd& diagonal, const Eigen::VectorXd& coupling, double scale) {
   const double unit = scale > kHuge ? scale : 1.0;
-  Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver;
-  solver.computeFromTridiagonal(diagonal / unit, coupling / unit);
+  const SymmetricParts parts = tridiagonalParts(diagonal / unit, coupling / unit);
   const Eigen::Index last = diagonal.size() - 1;
-  return {solver.eigenvalues()[last] * unit, solver.eigenvectors()(last, last)};
+  return {parts.values[last] * unit, parts.vectors(last, last)};
 }
 
 }  // namespace

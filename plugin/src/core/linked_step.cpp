@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "core/linked_step.h"
 
+#include "core/body_contacts.h"
 #include "core/kernel_views.h"
 #include "core/pair_solve.h"
 #include "core/quad_step.h"
@@ -110,12 +111,12 @@ void damp(StepGroup& group, double dt, bool whole, bool forward) {
 
 void stopAtContacts(StepGroup& group, double time, double dt) {
   for (std::size_t i = 0; i < group.bodies.size(); ++i)
-    if (group.bodies[i].contacts) stopAtContacts(*group.bodies[i].contacts, group.views[i], time, dt);
+    stopAtContacts(group.bodies[i], group.views[i], time, dt);
 }
 
 void settleContacts(StepGroup& group) {
   for (std::size_t i = 0; i < group.bodies.size(); ++i)
-    if (group.bodies[i].contacts) settleContacts(*group.bodies[i].contacts, group.views[i]);
+    settleContacts(group.bodies[i], group.views[i]);
 }
 
 void prepare(StepGroup& group) {
@@ -125,6 +126,17 @@ void prepare(StepGroup& group) {
     if (group.bodies[i].contacts) prepareContacts(*group.bodies[i].contacts, group.views[i]);
   }
   for (RigidState& rigid : group.links.rigids) rigid.turn();
+  for (PairContact& c : group.pairs.contacts) c.impulse.setZero();
+  for (JointRow& j : group.pairs.joints) j.impulse = 0.0;
+  preparePairs(group.pairs, group.links, group.views);
+}
+
+/// Before a substep.
+void searchAgain(StepGroup& group, int substep, int substeps, double dt) {
+  const PairSearch& again = group.again;
+  if (again.every == 0 || substep == 0 || substep % again.every != 0) return;
+  finishPairs(group.pairs);
+  again.search(again.context, group, dt * std::min(again.every, substeps - substep));
   preparePairs(group.pairs, group.links, group.views);
 }
 
@@ -134,26 +146,27 @@ void stepLinked(StepGroup& group, double tick, int substeps) {
   const double dt = tick / substeps;
   prepare(group);
   computeForces(group, false, dt);
-  solveAnchors(group.links, 0.0);
+  joinVelocities(group.links);
   damp(group, dt, false, false);
   for (int s = 0; s < substeps; ++s) {
     const bool last = s + 1 == substeps;
+    searchAgain(group, s, substeps, dt);
     kick(group, 0.5 * dt);
-    solveAnchors(group.links, dt);
     stopAtContacts(group, s * dt, dt);
-    stopPairs(group.pairs, group.links, dt);
+    followHeld(group.pairs);
+    stopPairs(group.pairs, group.links, dt, tick);
     movePairs(group.pairs, dt);
     drift(group, dt);
     computeForces(group, last || 2 * s == substeps, dt);
     kick(group, 0.5 * dt);
     // first anchors and contacts: a damper must not see a point kicked away from what holds it
-    solveAnchors(group.links, 0.0);
     settleContacts(group);
+    followHeld(group.pairs);
     settlePairs(group.pairs, group.links);
     // the half dampings of neighbouring substeps act at the same positions and merge into one
     damp(group, dt, !last, s % 2 == 0);
   }
-  solveAnchors(group.links, 0.0);
+  joinVelocities(group.links);
   finishPairs(group.pairs);
   unload(group);
 }

@@ -4,7 +4,7 @@
 #include "core/spring_damping.h"
 #include "core/spring_forces.h"
 
-#include <Eigen/LU>
+#include <Eigen/Dense>
 
 #include <algorithm>
 #include <cmath>
@@ -15,7 +15,7 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-/// Anchors on one rigid body disturb each other; Gauss-Seidel over them ends when no velocity changes by more
+/// Anchors on one rigid body disturb each other; Gauss-Seidel over them ends when no velocity is wrong by more
 /// than this (m/s), or after the cap.
 constexpr double kAnchorTolerance = 1e-10;
 constexpr int kAnchorSweeps = 50;
@@ -77,8 +77,23 @@ double mobilityBound(const LinkedBodies& bodies, const LinkEnd& end) {
   return rigid.inverseMass.maxCoeff() + end.pivot.squaredNorm() * rigid.inverseInertiaLocal.maxCoeff();
 }
 
-bool onOneNode(const LinkEnd& a, const LinkEnd& b) {
-  return a.kind == b.kind && a.body == b.body && (a.kind != LinkEnd::Kind::Point || a.point == b.point);
+double stiffest(const LinkSpring& s) { return std::max(s.extensionStiffness, s.compressionStiffness); }
+
+/// Where the node that an end is on has its sum.
+double& sumOf(LinkedBodies& bodies, const LinkEnd& end) {
+  const bool rigid = end.kind == LinkEnd::Kind::Rigid;
+  return bodies.stiffnessSums[rigid ? end.body : bodies.firstOfPoints[end.body] + end.point];
+}
+
+/// All sums 0.
+void clearSums(LinkedBodies& bodies) {
+  std::size_t count = bodies.rigids.size();
+  bodies.firstOfPoints.clear();
+  for (const PointState* points : bodies.points) {
+    bodies.firstOfPoints.push_back(count);
+    count += static_cast<std::size_t>(points->position.cols());
+  }
+  bodies.stiffnessSums.assign(count, 0.0);
 }
 
 void dampLink(LinkedBodies& bodies, const LinkSpring& s, double dt) {
@@ -97,19 +112,21 @@ Vector3d driftedPosition(const LinkedBodies& bodies, const LinkEnd& end, double 
   return rigid.position + dt * rigid.velocity + rotationBy(dt * rigid.angularVelocity) * arm(bodies, end);
 }
 
-/// One anchor's impulse; returns the velocity error it removed.
-double solveAnchor(LinkedBodies& bodies, const LinkAnchor& anchor, double dt) {
-  const Matrix3d k = mobility(bodies, anchor.point) + mobility(bodies, anchor.pivot);
-  Vector3d error = endVelocity(bodies, anchor.point) - endVelocity(bodies, anchor.pivot);
-  if (dt > 0.0)
-    error = (driftedPosition(bodies, anchor.point, dt) - driftedPosition(bodies, anchor.pivot, dt)) / dt;
-  // where both sides are held along an axis nothing can be done there
-  const Vector3d impulse = k.fullPivLu().solve(-error);
-  if (!impulse.allFinite()) return 0.0;
-  applyImpulse(bodies, anchor.point, impulse);
-  applyImpulse(bodies, anchor.pivot, -impulse);
-  return (k * impulse).norm();
+/// The inverse of a mobility; where both sides are held along an axis nothing can be done there.
+Matrix3d massOf(const Matrix3d& mobility) {
+  const Eigen::FullPivLU<Matrix3d> lu(mobility);
+  if (lu.isInvertible()) return lu.inverse();
+  return mobility.completeOrthogonalDecomposition().pseudoInverse();
 }
+
+/// Of an error, per tick: as Bullet's joints (btContactSolverInfo::m_erp).
+constexpr double kRecoveryPerTick = 0.2;
+
+/// Of an error, per substep at most.
+constexpr double kRecoveryPerSubstep = 0.2;
+
+/// m/s; slower errors are those of solves and rounding, which may be taken back at once.
+constexpr double kSlowRecovery = 1e-3;
 
 }  // namespace
 
@@ -146,29 +163,61 @@ void dampLinks(LinkedBodies& bodies, double dt, bool forward) {
     std::for_each(bodies.springs.rbegin(), bodies.springs.rend(), damp);
 }
 
-double linkFrequencyBoundSquared(const LinkedBodies& bodies) {
+double linkFrequencyBoundSquared(LinkedBodies& bodies) {
+  if (bodies.springs.empty()) return 0.0;
+  clearSums(bodies);
+  const auto share = [&](const LinkEnd& end) { return std::sqrt(mobilityBound(bodies, end)); };
+  // places in the world do not move: springs there have nothing to do with each other
+  const auto moves = [](const LinkEnd& end) { return end.kind != LinkEnd::Kind::World; };
+  for (const LinkSpring& s : bodies.springs)
+    for (const LinkEnd* end : {&s.a, &s.b})
+      if (moves(*end)) sumOf(bodies, *end) += stiffest(s) * share(*end);
   double bound = 0.0;
-  const auto stiffness = [](const LinkSpring& s) {
-    return std::max(s.extensionStiffness, s.compressionStiffness);
-  };
   for (const LinkSpring& s : bodies.springs) {
     double row = 0.0;
-    for (const LinkEnd* mine : {&s.a, &s.b})
-      for (const LinkSpring& t : bodies.springs)
-        for (const LinkEnd* other : {&t.a, &t.b})
-          if (onOneNode(*mine, *other))
-            row += stiffness(t) * std::sqrt(mobilityBound(bodies, *mine) * mobilityBound(bodies, *other));
+    for (const LinkEnd* end : {&s.a, &s.b})
+      if (moves(*end)) row += share(*end) * sumOf(bodies, *end);
     bound = std::max(bound, row);
   }
   return bound;
 }
 
-void solveAnchors(LinkedBodies& bodies, double dt) {
-  if (bodies.anchors.empty()) return;
-  for (int sweep = 0; sweep < kAnchorSweeps; ++sweep) {
+void turnAnchors(LinkedBodies& bodies) {
+  for (LinkAnchor& anchor : bodies.anchors)
+    anchor.mass = massOf(mobility(bodies, anchor.point) + mobility(bodies, anchor.pivot));
+}
+
+void aimAnchors(LinkedBodies& bodies, double dt, double tick) {
+  for (LinkAnchor& anchor : bodies.anchors) {
+    const Vector3d error = endPosition(bodies, anchor.point) - endPosition(bodies, anchor.pivot);
+    const double size = error.norm(), least = kSlowRecovery * dt;
+    const double share = std::max(kRecoveryPerTick * dt / tick, size > 0.0 ? least / size : 0.0);
+    // a held body goes where it is told to, and the point with it
+    const bool held = bodies.rigids[anchor.pivot.body].inverseMass.isZero(0.0);
+    anchor.apart = (1.0 - (held ? 1.0 : std::min(share, kRecoveryPerSubstep))) * error;
+  }
+}
+
+Vector3d speedError(const LinkedBodies& bodies, const LinkAnchor& anchor, double dt) {
+  if (dt == 0.0) return endVelocity(bodies, anchor.point) - endVelocity(bodies, anchor.pivot);
+  const Vector3d end = driftedPosition(bodies, anchor.point, dt) - driftedPosition(bodies, anchor.pivot, dt);
+  return (end - anchor.apart) / dt;
+}
+
+void bear(LinkedBodies& bodies, const LinkAnchor& anchor, const Vector3d& impulse) {
+  applyImpulse(bodies, anchor.point, impulse);
+  applyImpulse(bodies, anchor.pivot, -impulse);
+}
+
+void joinVelocities(LinkedBodies& bodies) {
+  turnAnchors(bodies);
+  for (int sweep = 0; sweep < kAnchorSweeps && !bodies.anchors.empty(); ++sweep) {
     double largest = 0.0;
-    for (const LinkAnchor& anchor : bodies.anchors)
-      largest = std::max(largest, solveAnchor(bodies, anchor, dt));
+    for (const LinkAnchor& anchor : bodies.anchors) {
+      const Vector3d error = speedError(bodies, anchor, 0.0);
+      bear(bodies, anchor, -(anchor.mass * error));
+      largest = std::max(largest, error.norm());
+    }
     if (largest <= kAnchorTolerance) return;
   }
 }

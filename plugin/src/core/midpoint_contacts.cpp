@@ -20,6 +20,7 @@ double allowedGap(const ContactRow& row, const Eigen::Vector3d& start, const Con
 double solveRow(MidpointContacts& c, std::size_t r, const Eigen::Vector3d& start, const Eigen::Vector3d& end,
                 const ContactSpan& span) {
   const ContactRow& row = (*c.rows)[r];
+  if (row.away) return 0.0;
   const auto at = static_cast<Eigen::Index>(r);
   const double mobility = span.reach * row.normal.dot(c.response.block<3, 3>(3 * at, 3 * at) * row.normal);
   if (!(mobility > 0.0)) return 0.0;
@@ -104,10 +105,13 @@ void settle(MidpointContacts& c, PointState& state, const ContactSpan& span) {
     if (!row.touching) continue;
     // the midpoint rule's end velocity 2 v_m - v0 of a point that was stopped would throw it back
     const Eigen::Vector3d relative = state.velocity.col(row.point) - row.surfaceVelocity;
-    const Eigen::Vector3d across = row.normal.dot(relative) * row.normal;
+    const double mobility = state.inverseMass.col(row.point).maxCoeff(), speed = row.normal.dot(relative);
+    // not more than the surface has pushed: it does not pull
+    const double back = std::min(speed, mobility * impulsePerLoad * normal);
     const bool sticks = (load - normal * row.normal).norm() < row.friction * normal;
-    const Eigen::Vector3d stopped = sticks ? relative : across;
-    row.impulse -= stopped / state.inverseMass.col(row.point).maxCoeff();
+    const Eigen::Vector3d along = back * row.normal;
+    const Eigen::Vector3d stopped = sticks ? Eigen::Vector3d(relative - speed * row.normal + along) : along;
+    row.impulse -= stopped / mobility;
     state.velocity.col(row.point) -= stopped;
   }
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "core/pair_contacts.h"
 
+#include "core/closest_points.h"
 #include "core/pair_rows.h"
 
 #include <Eigen/Geometry>
@@ -75,12 +76,17 @@ Couple coupleOf(const PairContact& c) {
   return both && c.a.kind != c.b.kind ? Couple::Rigid : Couple::Nobody;
 }
 
+void setAxes(PairRow& row, const Vector3d& normal) {
+  const Vector3d tangent = normal.unitOrthogonal();
+  Matrix3d axes;
+  axes << normal, tangent, normal.cross(tangent);
+  for (int k = 0; k < 3; ++k) Map(row.axes[k]) = axes.col(k);
+}
+
 void prepareRow(PairRows& rows, PairRow& row, const PairContact& c, LinkedBodies& bodies,
                 const std::vector<PointView>& views) {
-  const Vector3d tangent = c.normal.unitOrthogonal();
-  Matrix3d axes;
-  axes << c.normal, tangent, c.normal.cross(tangent);
-  for (int k = 0; k < 3; ++k) Map(row.axes[k]) = axes.col(k);
+  setAxes(row, c.normal);
+  const Eigen::Map<const Matrix3d> axes(row.axes[0]);  // its columns
   row.carried = RowVector();
   row.firstPoint = static_cast<std::uint32_t>(rows.points.size());
   row.firstTurn = static_cast<std::uint32_t>(rows.turns.size());
@@ -91,12 +97,89 @@ void prepareRow(PairRows& rows, PairRow& row, const PairContact& c, LinkedBodies
   row.endTurn = static_cast<std::uint32_t>(rows.turns.size());
   const Matrix3d m = mobility(bodies, c.a) + mobility(bodies, c.b);
   setMobility(row, axes.transpose() * m * axes);
+  if (c.ended) row.mass = row.mobility = 0.0;
   row.couple = coupleOf(c);
   row.gap = c.gap;
   row.friction = c.friction;
   row.stopping = inAxes(row, c.stopping);
   row.settling = inAxes(row, c.settling);
-  row.impulse = RowVector();
+  row.impulse = inAxes(row, c.impulse);
+  row.bounces = false;
+}
+
+/// What it bore is a guess for the new normal as long as that is about the old one.
+void turnTo(PairRow& row, const Vector3d& normal) {
+  constexpr double kSameSurface = 0.9;
+  if (normal.dot(ConstMap(row.axes[0])) < kSameSurface) row.stopping = row.settling = RowVector();
+  setAxes(row, normal);
+}
+
+void setAway(PairRow& row) { row.mass = row.mobility = 0.0; }
+
+/// The contact is on this plane now, its points' shares being `weights`.
+void moveRowTo(PairRows& rows, PairRow& row, const Vector3d& normal, double gap, const double* weights) {
+  turnTo(row, normal);
+  row.gap = gap;
+  Vector3d mobility = Vector3d::Zero();
+  for (std::uint32_t i = row.firstPoint; i < row.endPoint; ++i) {
+    RowPoint& point = rows.points[i];
+    const double share = weights[i - row.firstPoint];
+    const ConstMap inverseMass(rows.levers[i].inverseMass);
+    point.share = share;
+    Map(point.response) = share * inverseMass;
+    mobility += share * share * inverseMass;
+  }
+  const Eigen::Map<const Matrix3d> axes(row.axes[0]);  // its columns
+  setMobility(row, axes.transpose() * mobility.asDiagonal() * axes);
+}
+
+void followRow(PairRows& rows, PairRow& row, const ContactRow& held) {
+  if (held.away) return setAway(row);
+  const double whole = 1.0;
+  const ConstMap x(rows.levers[row.firstPoint].position);
+  moveRowTo(rows, row, held.normal, held.normal.dot(x - held.touch), &whole);
+}
+
+/// Where a soft feature is nearest to held corners; `away` leads there from these, `normal` along the contact.
+struct NearestFeature {
+  std::array<double, 3> weights{};
+  Vector3d away, normal;
+  bool inside = false;  ///< of both features, not at their ends
+};
+
+NearestFeature nearestEdge(const Vector3d& a, const Vector3d& b, const HeldCorners& held) {
+  NearestFeature f;
+  SegmentPair along{nearestOnSegment(a, b, held.at[0]), 0.5};
+  if (held.count == 2) along = nearestOnSegments(a, b, held.at[0], held.at[1]);
+  f.weights = {1.0 - along.a, along.a, 0.0};
+  f.inside = along.a > 0.0 && along.a < 1.0 && along.b > 0.0 && along.b < 1.0;
+  f.away = a + along.a * (b - a) - held.at[0];
+  if (held.count == 2) f.away -= along.b * (held.at[1] - held.at[0]);
+  f.normal = held.count == 2 ? Vector3d((b - a).cross(held.at[1] - held.at[0])) : f.away;
+  return f;
+}
+
+NearestFeature nearestTriangle(const Vector3d& a, const Vector3d& b, const Vector3d& c,
+                               const HeldCorners& held) {
+  NearestFeature f;
+  const Vector3d weights = nearestBarycentric({a, b, c}, held.at[0]);
+  f.weights = {weights[0], weights[1], weights[2]};
+  f.inside = weights.minCoeff() > 0.0;
+  f.away = weights[0] * a + weights[1] * b + weights[2] * c - held.at[0];
+  f.normal = (b - a).cross(c - a);
+  return f;
+}
+
+void followCorners(PairRows& rows, PairRow& row, const HeldCorners& held) {
+  std::array<Vector3d, 3> x;
+  const std::uint32_t count = row.endPoint - row.firstPoint;
+  for (std::uint32_t i = 0; i < count; ++i) x[i] = ConstMap(rows.levers[row.firstPoint + i].position);
+  const NearestFeature f = count == 3 ? nearestTriangle(x[0], x[1], x[2], held) : nearestEdge(x[0], x[1], held);
+  const double length = f.normal.norm();
+  if (!f.inside || !(length > 0.0)) return setAway(row);
+  const double side = f.normal.dot(ConstMap(row.axes[0])) < 0.0 ? -1.0 : 1.0;
+  const Vector3d normal = side / length * f.normal;
+  moveRowTo(rows, row, normal, normal.dot(f.away) - held.reach, f.weights.data());
 }
 
 void prepareJoint(JointRow& j, const LinkedBodies& bodies) {
@@ -107,7 +190,6 @@ void prepareJoint(JointRow& j, const LinkedBodies& bodies) {
   };
   const double mobility = share(j.a, j.linearA, j.angularA) + share(j.b, j.linearB, j.angularB);
   j.mass = mobility > 0.0 ? 1.0 / (mobility + j.softness) : 0.0;
-  j.impulse = 0.0;
 }
 
 /// Of the symmetric mobility (1/kg) between the tangents: its inverse, and that of its larger eigenvalue.
@@ -148,7 +230,18 @@ void preparePairs(PairRows& rows, LinkedBodies& bodies, const std::vector<PointV
   rows.active.reserve(rows.contacts.capacity());
   for (std::size_t i = 0; i < rows.contacts.size(); ++i)
     prepareRow(rows, rows.rows[i], rows.contacts[i], bodies, views);
+  for (PairRow& row : rows.rows) row.settled = speedAlong(rows, row);
   for (JointRow& j : rows.joints) prepareJoint(j, bodies);
+}
+
+void followHeld(PairRows& rows) {
+  for (std::size_t i = 0; i < rows.contacts.size(); ++i)
+    if (rows.contacts[i].ended)
+      continue;
+    else if (rows.contacts[i].held)
+      followRow(rows, rows.rows[i], *rows.contacts[i].held);
+    else if (rows.contacts[i].corners.count > 0)
+      followCorners(rows, rows.rows[i], rows.contacts[i].corners);
 }
 
 void movePairs(PairRows& rows, double dt) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "core/contact_place.h"
+#include "core/contact_rows.h"
 #include "core/point_view.h"
 
 #include <cmath>
@@ -27,6 +28,13 @@ struct Bearing {
   }
 };
 
+/// A corner, or an edge's ends, of something at rest that an edge or a triangle of a soft body touches.
+struct HeldCorners {
+  int count = 0;  ///< 0: none
+  std::array<Eigen::Vector3d, 2> at{Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero()};
+  double reach = 0.0;  ///< m, both radii
+};
+
 /// Two places that must not get nearer to each other along a normal than they are allowed to, with Coulomb
 /// friction across it. Impulses are equal and opposite at the two places, so linear momentum is kept to
 /// rounding; angular momentum, too, where one side can bear the couple (see pair_levers.h).
@@ -35,9 +43,13 @@ struct PairContact {
   Eigen::Vector3d normal = Eigen::Vector3d::UnitY();  ///< unit, from b to a
   double gap = 0.0;                                   ///< m between the surfaces; moves on with the substeps
   double friction = 0.0;
-  double restitution = 0.0;    ///< of speeds of approach above kLeastBounce (contact_rows.h)
-  double recoverySpeed = 0.5;  ///< m/s, at which surfaces that overlap are drawn apart at most
-  Bearing stopping, settling;  ///< of the present substep; to begin with, a guess
+  double restitution = 0.0;
+  double bounceThreshold = 0.0;      ///< m/s, slower approaches do not bounce
+  double recoverySpeed = HUGE_VAL;   ///< m/s, at which surfaces that overlap are drawn apart at most
+  Bearing stopping, settling;        ///< of the present substep; to begin with, a guess
+  const ContactRow* held = nullptr;  ///< of a point on a surface at rest: the row that follows it
+  HeldCorners corners;               ///< of an edge or triangle: what it slides over
+  bool ended = false;                ///< no longer there, but what it bore in this tick still is
 
   // Written by the step.
   Eigen::Vector3d impulse = Eigen::Vector3d::Zero();  ///< N s on a, sum over the tick
@@ -105,6 +117,8 @@ struct PairRow {
   std::uint32_t firstPoint, firstOfB, endPoint, firstTurn, endTurn;
   Couple couple;
   double gap, target;                     ///< m; m/s, along it at least
+  double rebound;                         ///< m/s, if it bounces, see Bounce (contact_rows.h)
+  double settled;                         ///< m/s along it, when the last substep ended
   double softness;                        ///< see kSoftness
   double mass, mobility;                  ///< kg along it, and its inverse; both 0: neither side can be moved
   double acrossSoftness;                  ///< 1/kg, speed per change of friction since the last substep
@@ -112,6 +126,7 @@ struct PairRow {
   double acrossAlong[2];                  ///< 1/kg, speeds across per impulse along
   double turnMass, friction;              ///< kg, the least of acrossMass; coefficient
   double mostFriction;                    ///< N s, the radius of its cone
+  bool bounces;                           ///< in this substep
   bool active;                            ///< it bears something, or would be crossed
   RowVector stopping, settling, impulse;  ///< N s, see PairContact
   RowVector before, change, direction;    ///< N s, scratch of the solver
@@ -129,18 +144,23 @@ struct PairRows {
   std::vector<RowLever> levers;  ///< #points
   std::vector<RowTurn> turns;
   std::vector<std::uint32_t> active;  ///< rows of the present stage
+  double tolerance = 1e-4;  ///< m/s, no row may be wrong by more when a solve ends, if it has sweeps left
 };
 
-/// Before the first substep of a tick: rows, masses. The state of bodies.points[i] is at views[i].
+/// Before the first substep of a tick, and when contacts have changed within it (see finishPairs): rows,
+/// masses. The state of bodies.points[i] is at views[i].
 void preparePairs(PairRows& rows, LinkedBodies& bodies, const std::vector<PointView>& views);
 
 /// Makes the row's masses those that belong to speeds per impulse (1/kg), along, across and across both.
 void setMobility(PairRow& row, const Eigen::Matrix3d& mobility);
 
+/// Makes contacts on what is at rest those of where the soft bodies are now.
+void followHeld(PairRows& rows);
+
 /// After a drift of dt seconds: the gaps as they are now.
 void movePairs(PairRows& rows, double dt);
 
-/// After the last substep: the contacts' gaps and what they bore.
+/// After the last substep, or before contacts are changed: their gaps and what they bore.
 void finishPairs(PairRows& rows);
 
 /// Makes the responses of rigid bodies those of their present rotation.

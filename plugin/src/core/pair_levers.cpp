@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Zlib
 #include "core/pair_levers.h"
 
-#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 
 #include <algorithm>
@@ -55,17 +54,16 @@ void addSide(const PairRows& rows, const PairRow& row, std::uint32_t first, std:
   for (std::size_t i = start; i < places.count; ++i) places.way[i] -= middle;
 }
 
-/// The inverse of m with eigenvalues below `least` at 1 / (least^2 / value).
+/// The inverse of m with eigenvalues below `least` at 1 / (least^2 / value): any function f of a symmetric
+/// matrix of two rows is the straight line through f at its eigenvalues, middle -+ half.
 Matrix2d cautiousInverse(const Matrix2d& m, double least) {
-  const Eigen::SelfAdjointEigenSolver<Matrix2d> parts(m);
-  Matrix2d inverse = Matrix2d::Zero();
-  for (int k = 0; k < 2; ++k) {
-    const double value = parts.eigenvalues()[k];
-    const auto direction = parts.eigenvectors().col(k);
-    if (value > 0.0)
-      inverse += std::min(1.0 / value, value / (least * least)) * direction * direction.transpose();
-  }
-  return inverse;
+  const auto inverted = [&](double value) {
+    return value > 0.0 ? std::min(1.0 / value, value / (least * least)) : 0.0;
+  };
+  const double middle = 0.5 * m.trace(), half = std::hypot(0.5 * (m(0, 0) - m(1, 1)), m(0, 1));
+  const double low = inverted(middle - half), high = inverted(middle + half);
+  const double slope = half > 0.0 ? 0.5 * (high - low) / half : 0.0;
+  return 0.5 * (low + high) * Matrix2d::Identity() + slope * (m - middle * Matrix2d::Identity());
 }
 
 /// The inverse of M; where levers are shorter than `apart` (m), less: they would have to bear more than the

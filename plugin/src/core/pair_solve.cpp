@@ -31,9 +31,13 @@ constexpr double kKept = 0.8;
 /// without this a slow slide would take long to get it out.
 constexpr double kLeastTurn = 0.1;
 
+/// m/s, as PairRows::tolerance where there are anchors only: they keep the bodies together to rounding.
+constexpr double kTightTolerance = 1e-10;
+
 /// Sweeps in which cones of friction follow the normals and friction is turned by kLeastTurn. With both,
-/// sweeps may go round in circles for ever; without, they descend to the least of a convex energy.
-constexpr int kFreeSweeps = 10;
+/// sweeps may go round in circles for ever; without, they descend to the least of a convex energy. But cones that
+/// stop too early are those of an unfinished solve, which depends on the order of the contacts.
+constexpr int kFreeSweeps = 15;
 
 /// Friction that stops the sliding (u, v) (m/s) altogether, or as much as there is, against the sliding:
 /// nearer to the least energy of the row alone, or a step of projected gradient towards it.
@@ -74,16 +78,32 @@ inline void solveContact(PairRows& rows, PairRow& row, RowVector& total, double 
   total = sum;
 }
 
+/// m/s, at which an overlap is taken back at most. Where anchors hold bodies together a contact may push against
+/// what cannot give way: in a tick it does no more work than gives what it moves that speed.
+double partingSpeed(const PairContact& c, const PairRow& row, const LinkedBodies& bodies, double dt, double tick) {
+  if (bodies.anchors.empty()) return c.recoverySpeed;
+  const double borne = std::max(row.stopping.n / dt * tick, row.impulse.n);  // N s in the tick
+  const double free = row.mass * c.recoverySpeed;
+  return borne > free ? c.recoverySpeed * free / borne : c.recoverySpeed;
+}
+
 /// What the contact needs before a drift of dt seconds. What would meet in it parts by Newton's law of
 /// restitution, and does not give way.
-void aim(const PairRows& rows, const PairContact& c, PairRow& row, double dt) {
+void aim(const PairRows& rows, const PairContact& c, PairRow& row, double dt, double parting) {
   row.softness = kSoftness;
-  row.target = row.gap >= 0.0 ? -row.gap / dt : std::min(-kRecovery * row.gap / dt, c.recoverySpeed);
+  row.target = row.gap >= 0.0 ? -row.gap / dt : std::min(-kRecovery * row.gap / dt, parting);
+  row.bounces = false;
   if (!(c.restitution > 0.0)) return;
   const double approach = -speedAlong(rows, row);
-  if (!(approach > kLeastBounce && row.gap < approach * dt)) return;
+  if (!(row.gap < approach * dt)) return;
+  // where the surface is followed its normal is another one now
+  const double before = c.held || c.corners.count > 0 ? approach : -row.settled;
+  const Bounce bounce = bounceOf(row.gap, approach, before, c.restitution, c.bounceThreshold, dt);
+  if (bounce.rests) return;
   row.softness = 0.0;
-  row.target = c.restitution * approach;
+  row.bounces = true;
+  row.target = row.gap < 0.0 ? std::max(bounce.mean, row.target) : bounce.mean;
+  row.rebound = bounce.rebound;
 }
 
 /// What a sweep has changed: the largest change of a velocity, squared, and the sum of all as an energy.
@@ -94,6 +114,10 @@ struct Change {
     largest = std::max(largest, work * mobility);
     energy += work;
   }
+  void add(const Eigen::Vector3d& velocity, const Eigen::Vector3d& impulse) {
+    largest = std::max(largest, velocity.squaredNorm());
+    energy -= velocity.dot(impulse);
+  }
   bool within(double tolerance) const { return largest <= tolerance * tolerance; }
 };
 
@@ -103,9 +127,13 @@ struct Solve {
   PairRows& rows;
   LinkedBodies& bodies;
   Stage stage;
+  double dt = 0.0;  ///< s, of the drift that anchors are to end together after; 0 when settling
 
   RowVector& impulse(PairRow& row) const { return stage == Stage::Stopping ? row.stopping : row.settling; }
   double& impulse(JointRow& j) const { return stage == Stage::Stopping ? j.stopping : j.settling; }
+  Eigen::Vector3d& impulse(LinkAnchor& a) const {
+    return stage == Stage::Stopping ? a.stopping : a.settling;
+  }
 
   void activate(std::uint32_t i) {
     joinPlaces(rows, i);
@@ -122,6 +150,10 @@ struct Solve {
     for (JointRow& j : rows.joints) {
       bear(bodies, j, impulse(j));
       j.direction = 0.0;
+    }
+    for (LinkAnchor& anchor : bodies.anchors) {
+      limber::bear(bodies, anchor, impulse(anchor));
+      anchor.direction.setZero();
     }
     rows.active.clear();
     for (std::uint32_t i = 0; i < rows.rows.size(); ++i) {
@@ -163,9 +195,16 @@ struct Solve {
       solveJoint(bodies, j, impulse(j));
       change.add(j.change * j.change, 1.0 / j.mass);
     }
+    for (LinkAnchor& anchor : bodies.anchors) {
+      const Eigen::Vector3d error = speedError(bodies, anchor, dt);
+      anchor.change = -(anchor.mass * error);
+      limber::bear(bodies, anchor, anchor.change);
+      impulse(anchor) += anchor.change;
+      change.add(error, anchor.change);
+    }
     for (const std::uint32_t i : rows.active) {
       PairRow& row = rows.rows[i];
-      solveContact(rows, row, impulse(row), stage == Stage::Stopping ? row.target : 0.0, free);
+      solveContact(rows, row, impulse(row), row.target, free);
       change.add(row.change.squaredNorm(), row.mobility);
     }
     return change;
@@ -179,6 +218,12 @@ struct Solve {
       impulse(j) += j.direction;
       j.direction += j.change;
     }
+    for (LinkAnchor& anchor : bodies.anchors) {
+      anchor.direction *= beta;
+      limber::bear(bodies, anchor, anchor.direction);
+      impulse(anchor) += anchor.direction;
+      anchor.direction += anchor.change;
+    }
     for (const std::uint32_t i : rows.active) {
       PairRow& row = rows.rows[i];
       row.direction *= beta;
@@ -188,16 +233,19 @@ struct Solve {
     }
   }
 
-  bool hasNothingToDo() const { return rows.active.empty() && rows.joints.empty(); }
+  bool hasNothingToDo() const {
+    return rows.active.empty() && rows.joints.empty() && bodies.anchors.empty();
+  }
 
   int run() {
     start();
+    const double tolerance = rows.empty() ? kTightTolerance : rows.tolerance;
     double before = 0.0;
     int lastFree = kFreeSweeps;
     for (int count = 1; !hasNothingToDo(); ++count) {
       const Change change = sweep(count <= lastFree);
       if (count == kMostSweeps) return count;
-      const bool ends = change.within(kPairTolerance);
+      const bool ends = change.within(tolerance);
       if (ends && (stage == Stage::Settling || !activateCrossed())) return count;
       if (ends) lastFree = count + kFreeSweeps;
       // where the last sweep has changed more than the one before, its direction leads astray
@@ -211,17 +259,27 @@ struct Solve {
 
 }  // namespace
 
-int stopPairs(PairRows& rows, LinkedBodies& bodies, double dt) {
-  if (rows.empty()) return 0;
+int stopPairs(PairRows& rows, LinkedBodies& bodies, double dt, double tick) {
+  if (rows.empty() && bodies.anchors.empty()) return 0;
   turnResponses(rows);
-  for (std::size_t i = 0; i < rows.rows.size(); ++i) aim(rows, rows.contacts[i], rows.rows[i], dt);
-  return Solve{rows, bodies, Stage::Stopping}.run();
+  turnAnchors(bodies);
+  aimAnchors(bodies, dt, tick);
+  for (std::size_t i = 0; i < rows.rows.size(); ++i) {
+    const PairContact& c = rows.contacts[i];
+    aim(rows, c, rows.rows[i], dt, partingSpeed(c, rows.rows[i], bodies, dt, tick));
+  }
+  return Solve{rows, bodies, Stage::Stopping, dt}.run();
 }
 
 int settlePairs(PairRows& rows, LinkedBodies& bodies) {
-  if (rows.empty()) return 0;
+  if (rows.empty() && bodies.anchors.empty()) return 0;
   turnResponses(rows);
-  return Solve{rows, bodies, Stage::Settling}.run();
+  turnAnchors(bodies);
+  for (PairRow& row : rows.rows) row.target = row.bounces ? speedAlong(rows, row) + row.rebound : 0.0;
+  const int sweeps = Solve{rows, bodies, Stage::Settling}.run();
+  for (std::size_t i = 0; i < rows.rows.size(); ++i)
+    if (rows.contacts[i].restitution > 0.0) rows.rows[i].settled = speedAlong(rows, rows.rows[i]);
+  return sweeps;
 }
 
 }  // namespace limber

@@ -5,16 +5,15 @@
 
 namespace limber {
 
-/// m/s: no row may be wrong by more when a solve ends, unless it has used up its sweeps.
-constexpr double kPairTolerance = 1e-4;
-
-/// Before a drift of dt seconds: impulses with which no pair ends nearer than it may, those that overlap draw
-/// apart gently, friction stops as much sliding as it can, and joints hold. From the impulses of the last
+/// Before a drift of dt seconds in a tick of that length: impulses with which no pair ends nearer than it may,
+/// those that overlap draw apart gently, friction stops as much sliding as it can, and joints and anchors
+/// hold. From the impulses of the last
 /// substep on, by projected Gauss-Seidel sweeps with a nonsmooth nonlinear conjugate gradient step between
 /// them (Silcowitz, Niebe, Erleben 2010, algorithm 2). Returns the number of sweeps.
-int stopPairs(PairRows& rows, LinkedBodies& bodies, double dt);
+int stopPairs(PairRows& rows, LinkedBodies& bodies, double dt, double tick);
 
-/// After the second kick of a substep: pairs that bore something do not approach, as settleContacts.
+/// After the second kick of a substep: pairs that bore something do not approach, as settleContacts, and the
+/// velocities of anchored points are those of their pivots.
 int settlePairs(PairRows& rows, LinkedBodies& bodies);
 
 }  // namespace limber

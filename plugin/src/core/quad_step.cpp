@@ -79,7 +79,7 @@ void fromQuads(AlignedNumbers& from, Points& to) {
 
 void load(QuadArrays& q, const PointState& state, const SpringArrays& springs) {
   const auto points = static_cast<std::size_t>(state.position.cols());
-  if (q.a.size() != filledUp(springs.size())) {
+  if (q.position.empty() || q.a.size() != filledUp(springs.size())) {
     reserve(q, points + 2, filledUp(springs.size()));
     loadTopology(q, springs, static_cast<unsigned>(points));
   }
@@ -161,7 +161,7 @@ PointView viewOf(QuadArrays& quads) {
 void stepQuads(SteppedBody& body, double tick, int substeps) {
   kernel::ContactCalls calls;
   const kernel::QuadBody quads = loadQuads(body, &calls);
-  BodyContacts contacts{body.contacts, viewOf(*body.quads)};
+  BodyContacts contacts{&body, viewOf(*body.quads)};
   calls = contacts.calls();
   const double change = kernel::stepQuads(quads, tick, substeps);
   unloadQuads(body);

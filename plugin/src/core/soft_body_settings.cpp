@@ -36,9 +36,14 @@ std::string firstBroken(const Check* begin, const Check* end) {
   return {};
 }
 
+/// m, m/s, rad/s: Bullet's floats hold the square of the square of it.
+constexpr double kLargestVector = 1e9;
+
 std::string checkVector(const char* name, const Eigen::Vector3d& v) {
   for (int i = 0; i < 3; ++i)
-    if (!std::isfinite(v[i])) return say((name + std::string(".") + "xyz"[i]).c_str(), v[i], "finite");
+    if (!(std::abs(v[i]) <= kLargestVector))
+      return say((name + std::string(".") + "xyz"[i]).c_str(), v[i],
+                 std::isfinite(v[i]) ? "from -1e9 to 1e9" : "finite");
   return {};
 }
 
@@ -49,6 +54,9 @@ std::string checkPlacement(const SoftBodySettings& s) {
     if (std::string reason = checkVector(name, v); !reason.empty()) return reason;
   for (int i = 0; i < 3; ++i)
     if (s.scale[i] == 0.0) return say((std::string("scale.") + "xyz"[i]).c_str(), 0.0, "other than 0");
+  for (int i = 0; i < 3; ++i)
+    if (std::abs(s.scale[i]) < 1.0 / kLargestVector)
+      return say((std::string("scale.") + "xyz"[i]).c_str(), s.scale[i], "1e-9 or more, or -1e-9 or less");
   const double norm = s.rotation.norm();
   if (!(std::abs(norm - 1.0) < 1e-6)) return say("length of rotation", norm, "1");
   return {};
@@ -107,9 +115,10 @@ double pointRadius(const SpringNetwork& network, const SoftBodySettings& setting
   double shortest = std::numeric_limits<double>::max();
   for (const NetworkSpring& s : network.springs) {
     const Eigen::Vector3d d = network.restPoints[s.b] - network.restPoints[s.a];
-    shortest = std::min(shortest, d.cwiseProduct(settings.scale).norm());
+    const double length = d.cwiseProduct(settings.scale).norm();
+    if (length > 0.0) shortest = std::min(shortest, length);
   }
-  return network.springs.empty() ? kRadiusPerSpring : kRadiusPerSpring * shortest;
+  return shortest < std::numeric_limits<double>::max() ? kRadiusPerSpring * shortest : kRadiusPerSpring;
 }
 
 }  // namespace limber

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "core/spring_lanes.h"
 
+#include "core/body_contacts.h"
 #include "core/kernel_views.h"
 #include "core/lane_kernels.h"
 #include "core/spring_damping.h"
@@ -120,13 +121,12 @@ struct LaneContacts {
   static void stop(void* context, double time, double dt) {
     const auto& self = *static_cast<const LaneContacts*>(context);
     for (std::size_t lane = 0; lane < self.block.lanes.size(); ++lane)
-      if (auto* rows = self.block.lanes[lane].body.contacts)
-        stopAtContacts(*rows, self.points(lane), time, dt);
+      stopAtContacts(self.block.lanes[lane].body, self.points(lane), time, dt);
   }
   static void settle(void* context) {
     const auto& self = *static_cast<const LaneContacts*>(context);
     for (std::size_t lane = 0; lane < self.block.lanes.size(); ++lane)
-      if (auto* rows = self.block.lanes[lane].body.contacts) settleContacts(*rows, self.points(lane));
+      settleContacts(self.block.lanes[lane].body, self.points(lane));
   }
 };
 
@@ -134,9 +134,9 @@ struct LaneContacts {
 bool prepareContacts(LaneBlock& block, const LaneContacts& contacts) {
   bool any = false;
   for (std::size_t lane = 0; lane < block.lanes.size(); ++lane) {
-    auto* rows = block.lanes[lane].body.contacts;
-    if (!rows || rows->empty()) continue;
-    prepareContacts(*rows, contacts.points(lane));
+    SteppedBody& body = block.lanes[lane].body;
+    if (!mayTouch(body)) continue;
+    if (body.contacts) prepareContacts(*body.contacts, contacts.points(lane));
     any = true;
   }
   return any;

@@ -12,10 +12,16 @@ namespace {
 /// share still keeps the discrete oscillation away from the limit, where its amplitude grows without bound.
 constexpr double kLargestPhaseStep = 0.9 * 2.0;
 
-/// Substeps of Verlet that cost about as much as the implicit steppers at their usual number (bench/run
-/// accuracy: spinning cubes, block), which are much less accurate.
-constexpr int kMostVerlet = 500;
+/// Substeps of Verlet, as many as are stable, from which on the implicit steppers at their usual number are
+/// cheaper (bench/run accuracy: spinning cubes, block): the usual period tolerance takes up to twice as many.
+/// They are much less accurate.
+constexpr int kMostVerlet = 300;
 constexpr int kImplicitSubsteps = 4;
+
+/// Who asks for less than this wants oscillations to be true. The midpoint rule's error of a period,
+/// (omega h)^2 / 12, is twice that of Verlet in as many substeps, each of which costs it a hundred times as
+/// much: it cannot give what is too dear for Verlet.
+constexpr double kUsualPeriodTolerance = Stepping{}.periodTolerance;
 
 /// Dampers that take all speed away in less than a substep: the split-off damping then brakes more than the
 /// true one.
@@ -24,6 +30,10 @@ constexpr double kStrongDamping = 1.0;
 /// rad that a spring may turn per substep. A step is a straight line: it makes a spring that turns by t
 /// longer by t^2 / 2 of its length.
 constexpr double kLargestTurn = 0.25;
+
+/// Substeps per tick for the sake of turning. Faster turning, as of a spring whose ends pass each other, is
+/// over within a substep: there is nothing to be followed.
+constexpr double kMostForTurning = 1000.0;
 
 /// Share of a tolerance that is aimed at: the estimate is good to some ten per cent.
 constexpr double kSafety = 0.7;
@@ -40,25 +50,37 @@ Stepper implicitFor(const SteppingProblem& p, bool strong) {
   return strong || p.narrow ? Stepper::BandedNewton : Stepper::ImplicitMidpoint;
 }
 
-/// What Verlet needs: not to become unstable, and what the settings ask of it.
+/// What Verlet needs: not to become unstable, with the usual settings, and with these.
 struct VerletNeed {
-  int stable, wanted;
+  int stable, usual, wanted;
 };
 
 VerletNeed verletNeed(const SteppingProblem& p, const Stepping& s) {
-  Stepping coarsest;
-  coarsest.atLeast = 1;
-  coarsest.periodTolerance = 1.0;
-  return {substepCount(p.frequencies, p.tick, coarsest), substepCount(p.frequencies, p.tick, s)};
+  const auto count = [&](int atLeast, double periodTolerance) {
+    Stepping asked;
+    asked.atLeast = atLeast;
+    asked.periodTolerance = periodTolerance;
+    return substepCount(p.frequencies, p.tick, asked);
+  };
+  return {count(1, 1.0), count(s.atLeast, kUsualPeriodTolerance), count(s.atLeast, s.periodTolerance)};
 }
 
+/// Only one thing depends on the tolerance: one below the usual rules out what cannot meet it. So no error
+/// rises when the tolerance falls.
 Stepper choose(const SteppingProblem& p, const Stepping& s, const VerletNeed& verlet) {
   if (!p.implicitPossible) return Stepper::Verlet;
   if (s.stepper != Stepper::Auto) return s.stepper;
-  const bool strong = p.cheapNewton && p.dampingRate * p.tick / verlet.wanted > kStrongDamping;
+  const bool strong = p.cheapNewton && p.dampingRate * p.tick / verlet.usual > kStrongDamping;
   const bool tooDear = s.budget > 0 && verlet.stable > s.budget;
-  const bool many = verlet.wanted > kMostVerlet && !p.touching;
+  const bool many =
+      verlet.stable > kMostVerlet && !p.touching && s.periodTolerance >= kUsualPeriodTolerance;
   return strong || tooDear || many ? implicitFor(p, strong) : Stepper::Verlet;
+}
+
+/// Errors of the midpoint rule fall with the square of the substep, as Verlet's do.
+int implicitNeed(const Stepping& s) {
+  const double finer = std::sqrt(kUsualPeriodTolerance / std::min(s.periodTolerance, kUsualPeriodTolerance));
+  return std::max(s.atLeast, static_cast<int>(std::min(std::ceil(kImplicitSubsteps * finer), 1e6)));
 }
 
 }  // namespace
@@ -105,6 +127,8 @@ double fastestTurn(const SpringArrays& springs, const PointState& state, double 
   if (largest <= negligible * springs.shortest) return 0.0;
   double fastest = 0.0;
   for (std::size_t i = 0; i < springs.size(); ++i) {
+    // a spring without length at rest pulls in proportion to its length, however it turns
+    if (springs.restLength[i] == 0.0) continue;
     const Eigen::Vector3d d = state.position.col(springs.b[i]) - state.position.col(springs.a[i]);
     const Eigen::Vector3d u = state.velocity.col(springs.b[i]) - state.velocity.col(springs.a[i]);
     // a spring that is nearly folded up turns as fast as it likes without mattering
@@ -115,12 +139,12 @@ double fastestTurn(const SpringArrays& springs, const PointState& state, double 
 }
 
 SteppingChoice chooseStepping(const SteppingProblem& p, const Stepping& s) {
-  const int turning = static_cast<int>(std::min(std::ceil(p.turnRate * p.tick / kLargestTurn), 1e6));
+  const int turning = static_cast<int>(std::min(std::ceil(p.turnRate * p.tick / kLargestTurn), kMostForTurning));
   const VerletNeed need = verletNeed(p, s);
   SteppingChoice choice;
   choice.stepper = choose(p, s, need);
   const bool verlet = choice.stepper == Stepper::Verlet;
-  const int least = verlet ? need.wanted : std::max(s.atLeast, kImplicitSubsteps);
+  const int least = verlet ? need.wanted : implicitNeed(s);
   choice.substeps = std::max({least, turning, neededSubsteps(p, s)});
   if (s.budget > 0) choice.substeps = std::min(choice.substeps, std::max(s.budget, verlet ? need.stable : 1));
   return choice;

@@ -59,6 +59,7 @@ struct SurfaceTopology {
   std::vector<SurfaceElement> elements;
   std::vector<SurfaceNode> nodes;  ///< none without elements
   Points rest;                     ///< m, 3 x #points, as built
+  double featureSize = 0.0;        ///< m, of its edges at rest on average; 0: it has none
 };
 
 /// The error names the first index that is out of range, the first triangle or segment whose corners are not

@@ -113,6 +113,17 @@ void prepareTetrahedra(TetrahedronVolumes& v, const Points& inverseMass, double 
   }
 }
 
+bool isHeldBack(TetrahedronVolumes& v, const PointState& state, double dt) {
+  prepareTetrahedra(v, state.inverseMass, dt);
+  for (std::size_t i = 0; i < v.tetrahedra.size(); ++i) {
+    double squares = 0.0;
+    for (const Vector3d& gradient : shapeOf(v.tetrahedra[i], state.position).gradient)
+      squares += 36.0 * gradient.squaredNorm();
+    if (v.hold[i] * squares > 1.0) return true;
+  }
+  return false;
+}
+
 kernel::Tetrahedra<double> kernelTetrahedra(const TetrahedronVolumes& v) {
   if (v.empty()) return {};
   return {static_cast<kernel::Index>(v.tetrahedra.size()),

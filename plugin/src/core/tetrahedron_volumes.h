@@ -48,6 +48,9 @@ TetrahedronVolumes makeTetrahedronVolumes(const SpringNetwork& network, const So
 /// Sets `hold` for substeps of dt seconds that must be stable; for 0 nothing is held back.
 void prepareTetrahedra(TetrahedronVolumes& volumes, const Points& inverseMass, double dt);
 
+/// Whether that of some tetrahedron holds its push back at these positions.
+bool isHeldBack(TetrahedronVolumes& volumes, const PointState& state, double dt);
+
 kernel::Tetrahedra<double> kernelTetrahedra(const TetrahedronVolumes& volumes);
 
 /// Adds to `state.force`. The forces of a tetrahedron sum to zero and have no torque.

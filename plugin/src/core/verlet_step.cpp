@@ -17,7 +17,7 @@ void stepSingle(SteppedBody& body, double tick, int substeps) {
   if (body.quads) return stepQuads(body, tick, substeps);
   PointState& state = *body.points;
   SpringArrays& springs = *body.springs;
-  BodyContacts contacts{body.contacts, viewOf(state)};
+  BodyContacts contacts{&body, viewOf(state)};
   const kernel::ContactCalls calls = contacts.calls();
   const double change = kernel::stepAlone<double>(
       kernel::Body<double>{

@@ -26,6 +26,8 @@ struct SteppedBody {
 
   QuadArrays* quads = nullptr;  ///< for stepping it four springs at a time, see quad_step.h; may be nullptr
 
+  ContactWatch* watch = nullptr;  ///< may be nullptr
+
   double errorRate = 0.0;  ///< m/s, written by the step, see verletErrorRate
 };
 
@@ -46,11 +48,23 @@ struct BodyInGroup {
   kernel::QuadBody quads;
 };
 
+struct StepGroup;
+
+/// Looks for contacts anew within a tick where surfaces move too far in it to be known at its start.
+struct PairSearch {
+  int every = 0;  ///< substeps from one search to the next; 0: none is needed
+  void* context = nullptr;
+  /// Replaces what it finds in group.pairs.contacts; `ahead`: s until the next search. The state of
+  /// bodies[i] is at views[i].
+  void (*search)(void* context, StepGroup& group, double ahead) = nullptr;
+};
+
 /// Bodies that links join or that touch; without links a group is one body.
 struct StepGroup {
   std::vector<SteppedBody> bodies;
   LinkedBodies links;  ///< links.points[i] is bodies[i].points
   PairRows pairs;      ///< what else couples them, and the rigid ones with their own surroundings
+  PairSearch again;
 
   // Scratch of the step, #bodies.
   std::vector<BodyInGroup> inStep;

@@ -249,6 +249,20 @@ void addVolumeForces(VolumeArrays& volumes, PointState& state) {
                           state.force.data());
 }
 
+bool isHeldBack(VolumeArrays& v, const PointState& state, double dt) {
+  if (v.empty()) return false;
+  kernel::sumUp(kernelVolumes(v), state.position.data(), state.inverseMass.data());
+  for (std::size_t c = 0; c < v.restVolume.size(); ++c) {
+    const double* sums = &v.sums[4 * c];
+    const auto push = [&](double timeStep) {
+      return kernel::stablePush(sums[0], sums[1] + (sums[2] + sums[3]), v.restVolume[c], v.modulus,
+                                v.pressure, timeStep);
+    };
+    if (push(dt) != push(0.0)) return true;
+  }
+  return false;
+}
+
 double volumeEnergy(const VolumeArrays& v, const Points& position) {
   double energy = 0.0;
   for (std::size_t c = 0; c < v.restVolume.size(); ++c) {

@@ -57,6 +57,9 @@ kernel::Volumes<double> kernelVolumes(VolumeArrays& volumes);
 /// Adds to `state.force`. The forces of a component sum to zero and have no torque.
 void addVolumeForces(VolumeArrays& volumes, PointState& state);
 
+/// Whether the push of some component is held back in substeps of dt seconds, see kernel::stablePush.
+bool isHeldBack(VolumeArrays& volumes, const PointState& state, double dt);
+
 /// J.
 double volumeEnergy(const VolumeArrays& volumes, const Points& position);
 

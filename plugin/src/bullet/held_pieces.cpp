@@ -1,0 +1,318 @@
+// SPDX-License-Identifier: Zlib
+#include "bullet/held_pieces.h"
+
+#include "bullet/convert.h"
+#include "bullet/kinematic_motion.h"
+#include "core/closest_points.h"
+
+#include <BulletCollision/BroadphaseCollision/btDbvt.h>
+#include <LinearMath/btAabbUtil2.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace limber {
+inline namespace LIMBER_BULLET_PRECISION {
+namespace {
+
+using Eigen::Vector3d;
+using Kind = HeldPiece::Kind;
+
+/// Hulls of fewer faces are taken as a whole.
+constexpr std::size_t kManyFaces = 64;
+
+Eigen::Matrix3d axesOf(const btTransform& pose) {
+  Eigen::Matrix3d axes;
+  for (int i = 0; i < 3; ++i) axes.col(i) = toEigen(pose.getBasis().getColumn(i)).normalized();
+  return axes;
+}
+
+/// In double, so that what is flat remains so.
+Vector3d placeOf(const btTransform& pose, const Vector3d& own) {
+  Eigen::Matrix3d basis;
+  for (int i = 0; i < 3; ++i) basis.col(i) = toEigen(pose.getBasis().getColumn(i));
+  return basis * own + toEigen(pose.getOrigin());
+}
+
+/// The box of a shape's own coordinates that holds a box of the world.
+struct OwnBox {
+  btVector3 low, high;
+};
+
+OwnBox boxIn(const btTransform& pose, const Eigen::AlignedBox3d& box) {
+  OwnBox own;
+  btTransformAabb(toBullet(Vector3d(box.min())), toBullet(Vector3d(box.max())), btScalar(0), pose.inverse(),
+                  own.low, own.high);
+  return own;
+}
+
+/// Collects what one object has in a box.
+class PieceCollector {
+ public:
+  PieceCollector(const Eigen::AlignedBox3d& box, ShapeCache& shapes, std::uint32_t owner,
+                 std::vector<HeldPiece>& pieces)
+      : box_(box), shapes_(shapes), owner_(owner), pieces_(pieces) {}
+
+  std::uint32_t owner() const { return owner_; }
+
+  void add(const btCollisionShape& shape, const btTransform& pose) {
+    if (shape.getShapeType() == STATIC_PLANE_PROXYTYPE) return addPlane(shape, pose);
+    if (shape.isCompound()) return addChildren(static_cast<const btCompoundShape&>(shape), pose);
+    if (shape.isConcave()) return addSheet(static_cast<const btConcaveShape&>(shape), pose);
+    if (shape.isConvex()) addConvex(static_cast<const btConvexShape&>(shape), pose);
+  }
+
+ private:
+  HeldPiece& push(Kind kind) {
+    HeldPiece& piece = pieces_.emplace_back();
+    piece.kind = kind;
+    piece.owner = owner_;
+    return piece;
+  }
+
+  HeldPiece& pushSolid(Kind kind, const btTransform& pose, double margin) {
+    HeldPiece& piece = push(kind);
+    ++owner_;
+    piece.axes = axesOf(pose);
+    piece.center = toEigen(pose.getOrigin());
+    piece.margin = margin;
+    return piece;
+  }
+
+  void addPlane(const btCollisionShape& shape, const btTransform& pose) {
+    const auto& plane = static_cast<const btStaticPlaneShape&>(shape);
+    HeldPiece& piece = pushSolid(Kind::Plane, pose, 0.0);
+    piece.axes.col(1) = toEigen(pose.getBasis() * plane.getPlaneNormal()).normalized();
+    piece.center = toEigen(pose * (plane.getPlaneNormal() * plane.getPlaneConstant()));
+  }
+
+  /// Around the shape's own axis `axis`, of half that height.
+  void addRound(Kind kind, const btTransform& pose, double margin, int axis, double radius, double half) {
+    HeldPiece& piece = pushSolid(kind, pose, margin);
+    const Eigen::Matrix3d axes = piece.axes;
+    for (int i = 0; i < 3; ++i) piece.axes.col(i) = axes.col((axis + i + 2) % 3);
+    piece.size = {radius, half, radius};
+  }
+
+  void addConvex(const btConvexShape& shape, const btTransform& pose) {
+    const double margin = double(shape.getMargin());
+    switch (shape.getShapeType()) {
+      case BOX_SHAPE_PROXYTYPE: {
+        const auto& box = static_cast<const btBoxShape&>(shape);
+        pushSolid(Kind::Box, pose, 0.0).size = toEigen(box.getHalfExtentsWithMargin());
+        return;
+      }
+      case SPHERE_SHAPE_PROXYTYPE:
+        return addRound(Kind::Capsule, pose, double(static_cast<const btSphereShape&>(shape).getRadius()), 1,
+                        0.0, 0.0);
+      case CAPSULE_SHAPE_PROXYTYPE: {
+        const auto& capsule = static_cast<const btCapsuleShape&>(shape);
+        return addRound(Kind::Capsule, pose, double(capsule.getRadius()), capsule.getUpAxis(), 0.0,
+                        double(capsule.getHalfHeight()));
+      }
+      case CYLINDER_SHAPE_PROXYTYPE: {
+        const auto& cylinder = static_cast<const btCylinderShape&>(shape);
+        const int axis = cylinder.getUpAxis();
+        const btVector3 half = cylinder.getHalfExtentsWithoutMargin();
+        return addRound(Kind::Cylinder, pose, margin, axis, double(half[axis == 0 ? 1 : 0]),
+                        double(half[axis]));
+      }
+      case CONE_SHAPE_PROXYTYPE: {
+        const auto& cone = static_cast<const btConeShape&>(shape);
+        return addRound(Kind::Cone, pose, margin, cone.getConeUpIndex(), double(cone.getRadius()),
+                        0.5 * double(cone.getHeight()));
+      }
+      default:
+        break;
+    }
+    const ShapeSurface& surface = shapes_.surfaceOf(shape);
+    if (!surface.topology.triangles.empty()) return addHull(surface, pose);
+    if (shape.isPolyhedral()) addSegment(static_cast<const btPolyhedralConvexShape&>(shape), pose);
+  }
+
+  /// A hull of one or two points.
+  void addSegment(const btPolyhedralConvexShape& shape, const btTransform& pose) {
+    const int count = shape.getNumVertices();
+    if (count == 0) return;
+    btVector3 from, to;
+    shape.getVertex(0, from);
+    shape.getVertex(count - 1, to);
+    const Vector3d a = placeOf(pose, toEigen(from)), b = placeOf(pose, toEigen(to));
+    HeldPiece& piece = pushSolid(Kind::Capsule, pose, double(shape.getMargin()));
+    piece.center = 0.5 * (a + b);
+    piece.size = {0.0, 0.5 * (b - a).norm(), 0.0};
+    if (!(piece.size[1] > 0.0)) return;
+    piece.axes.col(0) = (b - a).unitOrthogonal();
+    piece.axes.col(1) = (b - a).normalized();
+  }
+
+  /// Whether the hull has no inside.
+  static bool isFlatHull(const SurfaceTopology& t) {
+    constexpr double kFlat = 1e-6;  // of its size
+    const Triangle& first = t.triangles.front();
+    const Vector3d a = t.rest.col(first[0]);
+    const Vector3d normal = (t.rest.col(first[1]) - a).cross(t.rest.col(first[2]) - a).normalized();
+    const double size = (t.rest.colwise() - a).colwise().norm().maxCoeff();
+    return (normal.transpose() * (t.rest.colwise() - a)).cwiseAbs().maxCoeff() <= kFlat * size;
+  }
+
+  /// Left out if it has no area.
+  void addTriangle(Kind kind, const Vector3d (&corners)[3], double margin) {
+    const Vector3d normal = (corners[1] - corners[0]).cross(corners[2] - corners[0]);
+    if (!(normal.squaredNorm() > 0.0)) return;
+    HeldPiece& piece = push(kind);
+    for (int i = 0; i < 3; ++i) piece.axes.col(i) = corners[i];
+    piece.center = normal.normalized();
+    piece.margin = margin;
+  }
+
+  void addHull(const ShapeSurface& surface, const btTransform& pose) {
+    const SurfaceTopology& t = surface.topology;
+    const OwnBox own = boxIn(pose, box_);
+    const Vector3d low = toEigen(own.low).array() - surface.radius;
+    const Vector3d high = toEigen(own.high).array() + surface.radius;
+    const bool all = t.triangles.size() < kManyFaces;
+    const Kind kind = isFlatHull(t) ? Kind::Sheet : Kind::Face;
+    const std::size_t before = pieces_.size();
+    for (const Triangle& corners : t.triangles) {
+      Vector3d x[3];
+      for (std::size_t i = 0; i < 3; ++i) x[i] = t.rest.col(corners[i]);
+      if (!all && ((x[0].cwiseMax(x[1]).cwiseMax(x[2]).array() < low.array()).any() ||
+                   (x[0].cwiseMin(x[1]).cwiseMin(x[2]).array() > high.array()).any()))
+        continue;
+      for (Vector3d& corner : x) corner = placeOf(pose, corner);
+      addTriangle(kind, x, surface.radius);
+    }
+    if (pieces_.size() > before) ++owner_;
+  }
+
+  void addChild(const btCompoundShape& compound, int child, const btTransform& pose) {
+    add(*compound.getChildShape(child), pose * compound.getChildTransform(child));
+  }
+
+  void addChildren(const btCompoundShape& compound, const btTransform& pose) {
+    const OwnBox own = boxIn(pose, box_);
+    const btDbvtVolume volume = btDbvtVolume::FromMM(own.low, own.high);
+    if (const btDbvt* tree = compound.getDynamicAabbTree()) {
+      struct Visit final : btDbvt::ICollide {
+        PieceCollector* self;
+        const btCompoundShape* compound;
+        const btTransform* pose;
+        void Process(const btDbvtNode* leaf) override { self->addChild(*compound, leaf->dataAsInt, *pose); }
+      } visit;
+      visit.self = this, visit.compound = &compound, visit.pose = &pose;
+      return tree->collideTV(tree->m_root, volume, visit);
+    }
+    for (int i = 0; i < compound.getNumChildShapes(); ++i) {
+      btVector3 low, high;
+      compound.getChildShape(i)->getAabb(compound.getChildTransform(i), low, high);
+      if (Intersect(volume, btDbvtVolume::FromMM(low, high))) addChild(compound, i, pose);
+    }
+  }
+
+  void addSheet(const btConcaveShape& shape, const btTransform& pose) {
+    struct Visit final : btTriangleCallback {
+      PieceCollector* self;
+      const btTransform* pose;
+      OwnBox own;
+      double margin;
+      void processTriangle(btVector3* triangle, int, int) override {
+        // height fields and others give whole cells
+        if (!TestTriangleAgainstAabb2(triangle, own.low, own.high)) return;
+        Vector3d corners[3];
+        for (int i = 0; i < 3; ++i) corners[i] = placeOf(*pose, toEigen(triangle[i]));
+        self->addTriangle(Kind::Sheet, corners, margin);
+      }
+    } visit;
+    visit.self = this, visit.pose = &pose, visit.own = boxIn(pose, box_);
+    visit.margin = double(shape.getMargin());
+    const std::size_t before = pieces_.size();
+    shape.processAllTriangles(&visit, visit.own.low, visit.own.high);
+    if (pieces_.size() > before) ++owner_;
+  }
+
+  const Eigen::AlignedBox3d& box_;
+  ShapeCache& shapes_;
+  std::uint32_t owner_;
+  std::vector<HeldPiece>& pieces_;
+};
+
+// --- what is flat ------------------------------------------------------------------------------------------
+
+/// Of a solid whose nearest place is on a flat face.
+bool isFlatSolid(const HeldPiece& piece, const Vector3d& x, double reach) {
+  const Vector3d local = piece.axes.transpose() * (x - piece.center);
+  if (piece.kind == Kind::Plane) return true;
+  if (piece.kind == Kind::Box) {
+    int beyond = 0;
+    for (int i = 0; i < 3; ++i) beyond += std::abs(local[i]) + reach > piece.size[i];
+    return beyond == 1 && piece.margin == 0.0;
+  }
+  if (piece.kind != Kind::Cylinder) return false;
+  return std::abs(local[1]) > piece.size[1] && std::hypot(local[0], local[2]) + reach < piece.size[0];
+}
+
+bool isNearEdge(const HeldPiece& t, int edge, const Vector3d& x, double reach) {
+  const Vector3d from = t.axes.col(edge), to = t.axes.col((edge + 1) % 3);
+  const Vector3d nearest = from + nearestOnSegment(from, to, x) * (to - from);
+  return (nearest - x).squaredNorm() < reach * reach;
+}
+
+bool hasEdge(const HeldPiece& t, const Vector3d& from, const Vector3d& to) {
+  for (int i = 0; i < 3; ++i) {
+    const auto a = t.axes.col(i), b = t.axes.col((i + 1) % 3);
+    if ((a == from && b == to) || (a == to && b == from)) return true;
+  }
+  return false;
+}
+
+/// Whether the triangles lie in one plane and leave no gap around the place below x.
+bool areFlatTriangles(const HeldPiece* begin, const HeldPiece* end, const Vector3d& x, double reach) {
+  constexpr double kFlat = 1e-7;  // m, and 1 - cosine
+  const Vector3d normal = begin->center, foot = x - normal.dot(x - begin->axes.col(0)) * normal;
+  bool isAbove = false;
+  for (const HeldPiece* t = begin; t != end; ++t) {
+    const double turned = 1.0 - std::abs(t->center.dot(normal)), apart = t->center.dot(foot - t->axes.col(0));
+    if (turned > kFlat || std::abs(apart) > kFlat) return false;
+    const Vector3d weights = nearestBarycentric({t->axes.col(0), t->axes.col(1), t->axes.col(2)}, foot);
+    isAbove = isAbove || (t->axes * weights - foot).squaredNorm() < kFlat * kFlat;
+    for (int edge = 0; edge < 3; ++edge) {
+      if (!isNearEdge(*t, edge, foot, reach)) continue;
+      const Vector3d from = t->axes.col(edge), to = t->axes.col((edge + 1) % 3);
+      const auto shares = [&](const HeldPiece& other) { return &other != t && hasEdge(other, from, to); };
+      if (std::none_of(begin, end, shares)) return false;
+    }
+  }
+  return isAbove;
+}
+
+}  // namespace
+
+bool isMoved(const btCollisionObject& object) {
+  return isKinematic(object) && !(object.getWorldTransform() == object.getInterpolationWorldTransform());
+}
+
+std::uint32_t addPieces(const btCollisionObject& object, const Eigen::AlignedBox3d& box, ShapeCache& shapes,
+                        std::uint32_t owner, std::vector<HeldPiece>& pieces) {
+  PieceCollector collector(box, shapes, owner, pieces);
+  collector.add(*object.getCollisionShape(), object.getWorldTransform());
+  return collector.owner();
+}
+
+bool areFlatAround(const HeldPiece* begin, const HeldPiece* end, const Vector3d& x, double radius,
+                   double reach) {
+  for (const HeldPiece *first = begin, *next = begin; first != end; first = next) {
+    if (first->kind == Kind::Sheet) {
+      while (next != end && next->kind == Kind::Sheet && next->owner == first->owner) ++next;
+      if (!areFlatTriangles(first, next, x, radius + reach)) return false;
+      continue;
+    }
+    next = endOfSolid(first, end);
+    if (isFlatSolid(*first, x, reach)) continue;
+    if (nearestOn(first, next, x).height <= radius + reach) return false;
+  }
+  return true;
+}
+
+}  // namespace LIMBER_BULLET_PRECISION
+}  // namespace limber

@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: Zlib
+#pragma once
+
+#include "bullet/convert.h"
+
+#include <limber/bullet_precision.h>
+
+#include <btBulletDynamicsCommon.h>
+
+#include <vector>
+
+namespace limber {
+inline namespace LIMBER_BULLET_PRECISION {
+
+/// Whether an object moves as its user tells: kinematic bodies, static ones with the kinematic flag among
+/// them (Bullet's own idiom leaves both flags on), and ghosts, which character controllers move.
+inline bool isKinematic(const btCollisionObject& object) {
+  return object.isKinematicObject() || object.getInternalType() == btCollisionObject::CO_GHOST_OBJECT;
+}
+
+inline bool isStatic(const btCollisionObject& object) { return object.isStaticObject() && !isKinematic(object); }
+
+/// Whether nothing that touches an object moves it.
+inline bool isStaticOrKinematic(const btCollisionObject& object) {
+  return object.isStaticObject() || isKinematic(object);
+}
+
+/// Whether Bullet has a kinematic object already where it gets in the tick, while all else is where it starts:
+/// what it carries is inside it.
+inline bool isAhead(const btCollisionObject& object) {
+  return isKinematic(object) && !(object.getWorldTransform() == object.getInterpolationWorldTransform() &&
+                                  object.getInterpolationLinearVelocity().isZero() &&
+                                  object.getInterpolationAngularVelocity().isZero());
+}
+
+/// The motion of a kinematic object in the present tick.
+struct KinematicMotion {
+  btCollisionObject* object = nullptr;
+  int id = 0;               ///< unique in the broadphase
+  btTransform start, end;   ///< its poses
+  btTransform told;         ///< where the user has put it: the end of the last tick of a stepSimulation()
+  btTransform interpolated; ///< its interpolation transform outside Rewound
+  int ticksLeft = 0;        ///< until it is there, this one included
+  btVector3 low, high;      ///< m, the box of its motion
+  bool moves() const { return !(start == end); }
+};
+
+/// The kinematic objects of a world. A user puts one where it shall be at the end of a stepSimulation()
+/// before the first of its ticks; here it moves there evenly. Bullet's velocity is not enough to know the
+/// motion: it is not kept for bodies asleep, which massless ones are from addRigidBody() on, nor within the
+/// pre-tick callback.
+class KinematicMotions {
+ public:
+  /// After a time without follow().
+  void forget() { motions_.clear(), started_ = false; }
+
+  /// At the start of a tick.
+  void follow(const btCollisionWorld& world, btScalar tick);
+
+  const std::vector<KinematicMotion>& all() const { return motions_; }
+
+  /// While it lives every kinematic object's world transform is its pose at the start of the tick, when all
+  /// else is where it is, and its interpolation transform that at the end.
+  class Rewound {
+   public:
+    explicit Rewound(const KinematicMotions& motions);
+    ~Rewound();
+    Rewound(const Rewound&) = delete;
+    Rewound& operator=(const Rewound&) = delete;
+
+   private:
+    const KinematicMotions* motions_;
+  };
+
+ private:
+  const KinematicMotion* known(const btCollisionObject& object) const;
+
+  std::vector<KinematicMotion> motions_, last_;  // in the order of the world's list
+  bool started_ = false;
+};
+
+/// m, how far a place on an object gets in the tick while it is Rewound; 0 for one that is not kinematic.
+inline Eigen::Vector3d kinematicWay(const btCollisionObject& object, const Eigen::Vector3d& place) {
+  if (!isKinematic(object) || object.getWorldTransform() == object.getInterpolationWorldTransform())
+    return Eigen::Vector3d::Zero();
+  const btTransform &start = object.getWorldTransform(), &end = object.getInterpolationWorldTransform();
+  const btVector3 turned = (end.getBasis() - start.getBasis()) * start.invXform(toBullet(place));
+  return toEigen(turned) + difference(end.getOrigin(), start.getOrigin());
+}
+
+}  // namespace LIMBER_BULLET_PRECISION
+}  // namespace limber

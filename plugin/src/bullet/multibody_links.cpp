@@ -1,0 +1,214 @@
+// SPDX-License-Identifier: Zlib
+#include "bullet/multibody_links.h"
+
+#include "bullet/convert.h"
+#include "bullet/tick_contacts.h"
+
+#include <Eigen/QR>
+
+#include <algorithm>
+
+namespace limber {
+inline namespace LIMBER_BULLET_PRECISION {
+namespace {
+
+using Eigen::Vector3d;
+using Vector6d = Eigen::Matrix<double, 6, 1>;
+
+int linkMark;  // see pointMassMark
+
+/// Ticks for which a body is kept that no soft body is near any more.
+constexpr int kKeptTicks = 120;
+
+btVector3 placeOf(const btMultiBody& m, int link) {
+  return link < 0 ? m.getBasePos() : m.localPosToWorld(link, btVector3(0, 0, 0));
+}
+
+btMatrix3x3 basisOf(const btMultiBody& m, int link) {
+  if (link < 0) return btMatrix3x3(m.getWorldToBaseRot().inverse());
+  return m.localFrameToWorld(link, btMatrix3x3::getIdentity());
+}
+
+/// Where and how a link moves, by the multibody's own state: its collider is placed after each tick only.
+void placeLink(LinkBody& body, const btVector3& velocity, const btVector3& spin) {
+  const btMultiBody& m = *body.multiBody;
+  const bool isBase = body.link < 0;
+  const btTransform pose(basisOf(m, body.link), placeOf(m, body.link));
+  body.setMassProps(isBase ? m.getBaseMass() : m.getLinkMass(body.link),
+                    isBase ? m.getBaseInertia() : m.getLinkInertia(body.link));
+  body.setWorldTransform(pose);
+  body.setInterpolationWorldTransform(pose);
+  body.updateInertiaTensor();
+  body.setLinearVelocity(pose.getBasis() * velocity);
+  body.setAngularVelocity(pose.getBasis() * spin);
+  body.clearForces();
+  // gravity is among them
+  body.applyCentralForce(isBase ? m.getBaseForce() : m.getLinkForce(body.link));
+  body.applyTorque(isBase ? m.getBaseTorque() : m.getLinkTorque(body.link));
+  body.impulse = body.angularImpulse = btVector3(0, 0, 0);
+}
+
+/// The directions in which a joint lets its link move, as spin and, below, velocity of the link's centre of
+/// mass, in the link's frame.
+Eigen::MatrixXd freedomOf(const btMultibodyLink& link) {
+  Eigen::MatrixXd freedom(6, link.m_dofCount);
+  for (int d = 0; d < link.m_dofCount; ++d) {
+    freedom.block<3, 1>(0, d) = toEigen(link.getAxisTop(d));
+    freedom.block<3, 1>(3, d) = toEigen(link.getAxisBottom(d));
+  }
+  return freedom;
+}
+
+}  // namespace
+
+LinkBody::LinkBody(btMultiBody& m, int l)
+    : btRigidBody(btRigidBodyConstructionInfo(1, nullptr, nullptr)), multiBody(&m), link(l) {
+  internalSetExtensionPointer(&linkMark);
+}
+
+LinkBody* LinkBody::from(btCollisionObject* object) {
+  const bool ours = object && object->internalGetExtensionPointer() == &linkMark;
+  return ours ? static_cast<LinkBody*>(object) : nullptr;
+}
+
+const LinkBody* LinkBody::from(const btCollisionObject* object) {
+  return from(const_cast<btCollisionObject*>(object));
+}
+
+bool isHeldLink(const btMultiBodyLinkCollider& collider) {
+  const btMultiBody& m = *collider.m_multiBody;
+  for (int link = collider.m_link; link >= 0; link = m.getLink(link).m_parent)
+    if (m.getLink(link).m_dofCount > 0) return false;
+  return m.hasFixedBase();
+}
+
+void MultiBodyLinks::begin(const btCollisionWorld& world) {
+  objects_ = world.getNumCollisionObjects();
+  touched_.clear();
+  const auto isOld = [](const auto& body) { return ++body->unused > kKeptTicks; };
+  bodies_.erase(std::remove_if(bodies_.begin(), bodies_.end(), isOld), bodies_.end());
+  for (auto& body : bodies_) body->present = false;
+}
+
+LinkBody& MultiBodyLinks::bodyOf(btMultiBody& multiBody, int link) {
+  const auto isThis = [&](const auto& b) { return b->multiBody == &multiBody && b->link == link; };
+  auto it = std::find_if(bodies_.begin(), bodies_.end(), isThis);
+  if (it == bodies_.end())
+    it = bodies_.insert(bodies_.end(), std::unique_ptr<LinkBody>(new LinkBody(multiBody, link)));
+  LinkBody& body = **it;
+  body.unused = 0;
+  if (body.present) return body;
+  body.present = true;
+  body.collider = nullptr;
+  body.setCollisionShape(&none_);
+  // behind all that are in the world
+  body.setWorldArrayIndex(objects_ + static_cast<int>(it - bodies_.begin()));
+  spins_.resize(multiBody.getNumLinks() + 1);
+  velocities_.resize(multiBody.getNumLinks() + 1);
+  multiBody.compTreeLinkVelocities(&spins_[0], &velocities_[0]);
+  placeLink(body, velocities_[link + 1], spins_[link + 1]);
+  return body;
+}
+
+LinkBody& MultiBodyLinks::bodyOf(const btMultiBodyLinkCollider& collider) {
+  LinkBody& body = bodyOf(*collider.m_multiBody, collider.m_link);
+  if (body.collider == &collider) return body;
+  body.collider = &collider;
+  auto& object = const_cast<btMultiBodyLinkCollider&>(collider);
+  body.setCollisionShape(object.getCollisionShape());
+  body.setBroadphaseHandle(object.getBroadphaseHandle());
+  body.setWorldArrayIndex(object.getWorldArrayIndex());
+  body.setFriction(object.getFriction());
+  body.setRestitution(object.getRestitution());
+  body.forceActivationState(object.getActivationState());
+  return body;
+}
+
+void MultiBodyLinks::addJoint(btMultiBody& multiBody, int link, TickContacts& found) {
+  const btMultibodyLink& joint = multiBody.getLink(link);
+  LinkBody& child = bodyOf(multiBody, link);
+  LinkBody& parent = bodyOf(multiBody, joint.m_parent);
+  const auto numberOf = [&](LinkBody& body) {
+    const bool fixed = body.link < 0 && multiBody.hasFixedBase();
+    return fixed || !isFree(body) ? JointRow::kHeld : found.add(body);
+  };
+  const Vector3d arm = toEigen(child.getCenterOfMassPosition()) - toEigen(parent.getCenterOfMassPosition());
+  const btMatrix3x3& basis = child.getWorldTransform().getBasis();
+  const std::uint32_t a = numberOf(child), b = numberOf(parent);
+  if (a == JointRow::kHeld && b == JointRow::kHeld) return;
+  // all directions beside the joint's own
+  const Eigen::MatrixXd freedom = freedomOf(joint);
+  Eigen::Matrix<double, 6, 6> directions = Eigen::Matrix<double, 6, 6>::Identity();
+  if (freedom.cols() > 0) directions = freedom.householderQr().householderQ() * directions;
+  for (Eigen::Index d = freedom.cols(); d < 6; ++d) {
+    const Vector6d held = directions.col(d);
+    JointRow row;
+    row.a = a, row.b = b;
+    row.angularA = toEigen(basis * toBullet(Vector3d(held.head<3>())));
+    row.linearA = toEigen(basis * toBullet(Vector3d(held.tail<3>())));
+    row.linearB = -row.linearA;
+    row.angularB = -row.angularA - arm.cross(row.linearA);
+    found.joints.push_back(row);
+    found.constraints.push_back(nullptr);
+    found.recoveries.push_back(0.0);
+  }
+}
+
+void MultiBodyLinks::addJoints(btMultiBody& multiBody, const btCollisionObject& touched, TickContacts& found) {
+  auto* handle = const_cast<btBroadphaseProxy*>(touched.getBroadphaseHandle());
+  for (int link = -1; link < multiBody.getNumLinks(); ++link) {
+    LinkBody& body = bodyOf(multiBody, link);
+    if (body.collider) continue;
+    body.setBroadphaseHandle(handle);
+    body.forceActivationState(touched.getActivationState());
+  }
+  for (int link = 0; link < multiBody.getNumLinks(); ++link) addJoint(multiBody, link, found);
+}
+
+void MultiBodyLinks::addJoints(TickContacts& found) {
+  const std::size_t count = found.rigids.size();
+  for (std::size_t i = 0; i < count; ++i) {
+    const LinkBody* body = LinkBody::from(found.rigids[i].body);
+    if (!body || std::find(touched_.begin(), touched_.end(), body->multiBody) != touched_.end()) continue;
+    touched_.push_back(body->multiBody);
+    addJoints(*body->multiBody, *found.rigids[i].body, found);
+  }
+}
+
+void MultiBodyLinks::applyImpulses(const TickContacts& found) {
+  if (touched_.empty()) return;
+  for (const PairContact& c : found.contacts)
+    for (const ContactPlace* place : {&c.a, &c.b}) {
+      if (place->kind != ContactPlace::Kind::Rigid) continue;
+      LinkBody* body = LinkBody::from(found.rigids[place->body].body);
+      if (!body) continue;
+      const Vector3d impulse = place == &c.a ? c.impulse : Vector3d(-c.impulse);
+      body->impulse += toBullet(impulse);
+      body->angularImpulse += toBullet(Vector3d(place->arm.cross(impulse)));
+    }
+  for (btMultiBody* multiBody : touched_) apply(*multiBody);
+}
+
+void MultiBodyLinks::apply(btMultiBody& multiBody) {
+  const int size = multiBody.getNumDofs() + 6;
+  force_.resize(size), change_.resize(size), jacobian_.resize(size);
+  for (int i = 0; i < size; ++i) force_[i] = 0;
+  bool any = false;
+  for (const auto& body : bodies_) {
+    if (body->multiBody != &multiBody || !body->present) continue;
+    if (body->impulse.isZero() && body->angularImpulse.isZero()) continue;
+    any = true;
+    multiBody.fillConstraintJacobianMultiDof(body->link, placeOf(multiBody, body->link), body->angularImpulse,
+                                             body->impulse, &jacobian_[0], numbers_, vectors_, matrices_);
+    for (int i = 0; i < size; ++i) force_[i] += jacobian_[i];
+  }
+  if (!any) return;
+  // for a time of 0: it leaves the velocities alone, and what follows the inertias it needs
+  multiBody.computeAccelerationsArticulatedBodyAlgorithmMultiDof(btScalar(0), numbers_, vectors_, matrices_,
+                                                                 false, false, false);
+  multiBody.calcAccelerationDeltasMultiDof(&force_[0], &change_[0], numbers_, vectors_);
+  multiBody.applyDeltaVeeMultiDof(&change_[0], btScalar(1));
+}
+
+}  // namespace LIMBER_BULLET_PRECISION
+}  // namespace limber

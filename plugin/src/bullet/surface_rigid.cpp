@@ -1,0 +1,321 @@
+// SPDX-License-Identifier: Zlib
+#include "bullet/surface_rigid.h"
+
+#include "bullet/contact_reach.h"
+#include "bullet/convert.h"
+#include "bullet/point_masses.h"
+
+#include <Eigen/Cholesky>
+#include <Eigen/LU>
+
+#include <cmath>
+
+namespace limber {
+inline namespace LIMBER_BULLET_PRECISION {
+namespace {
+
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+
+/// Of the trace: so much inertia has a rope about its own line.
+constexpr double kLeastInertia = 1e-9;
+
+/// Steps towards the rotation of the body; in a tick it does not turn far.
+constexpr int kRotationSteps = 4;
+
+/// The points that are not held as one rigid body.
+struct RigidFit {
+  double mass = 0.0;                           ///< kg
+  Vector3d center = Vector3d::Zero();          ///< m
+  Matrix3d inverseInertia = Matrix3d::Zero();  ///< 1/(kg m^2), about world axes
+};
+
+template <class Visit>
+void forEachFree(const PointState& s, Visit visit) {
+  for (Eigen::Index i = 0; i < s.position.cols(); ++i)
+    if (const double mass = massOf(s.inverseMass, i); mass > 0.0) visit(i, mass);
+}
+
+RigidFit fitRigid(const PointState& s, const Points& position) {
+  RigidFit fit;
+  forEachFree(s, [&](Eigen::Index i, double mass) {
+    fit.mass += mass;
+    fit.center += mass * position.col(i);
+  });
+  if (!(fit.mass > 0.0)) {
+    fit.center = position.rowwise().mean();
+    return fit;
+  }
+  fit.center /= fit.mass;
+  Matrix3d spread = Matrix3d::Zero();
+  forEachFree(s, [&](Eigen::Index i, double mass) {
+    const Vector3d arm = position.col(i) - fit.center;
+    spread += mass * arm * arm.transpose();
+  });
+  const Matrix3d inertia = spread.trace() * Matrix3d::Identity() - spread;
+  if (inertia.trace() > 0.0)
+    fit.inverseInertia = (inertia + kLeastInertia * inertia.trace() * Matrix3d::Identity()).inverse();
+  return fit;
+}
+
+/// The rigid motion with the momentum and angular momentum of these velocities.
+struct RigidMotion {
+  Vector3d velocity = Vector3d::Zero(), spin = Vector3d::Zero();
+};
+
+template <class VelocityOf>
+RigidMotion motionOf(const RigidFit& fit, const PointState& s, const Points& position, VelocityOf velocityOf) {
+  RigidMotion motion;
+  if (!(fit.mass > 0.0)) return motion;
+  Vector3d angular = Vector3d::Zero();
+  forEachFree(s, [&](Eigen::Index i, double mass) {
+    const Vector3d arm = position.col(i) - fit.center, v = velocityOf(i);
+    motion.velocity += mass * v;
+    angular += mass * arm.cross(v);
+  });
+  motion.velocity /= fit.mass;
+  motion.spin = fit.inverseInertia * angular;
+  return motion;
+}
+
+RigidMotion presentMotion(const RigidFit& fit, const PointState& s) {
+  return motionOf(fit, s, s.position, [&](Eigen::Index i) -> Vector3d { return s.velocity.col(i); });
+}
+
+/// Turns the object's frame after the body: the rotation that brings the network's rest shape nearest to the
+/// points (Mueller, Bender, Chentanez, Macklin, A robust method to extract the rotational part of
+/// deformations, 2016). It is also defined for ropes and cloths.
+Eigen::Quaterniond follow(const SoftBodyData& body, const Vector3d& center, Eigen::Quaterniond q) {
+  Matrix3d moments = Matrix3d::Zero();
+  double size = 0.0;
+  for (Eigen::Index i = 0; i < body.state.position.cols(); ++i) {
+    const auto place = static_cast<std::size_t>(i);
+    const Vector3d rest = body.network->restPoints[place].cwiseProduct(body.settings.scale);
+    const Vector3d arm = body.state.position.col(i) - center;
+    moments += body.network->massShares[place] * arm * rest.transpose();
+    size += body.network->massShares[place] * rest.squaredNorm();
+  }
+  for (int step = 0; step < kRotationSteps; ++step) {
+    const Matrix3d r = q.toRotationMatrix();
+    Vector3d turn = Vector3d::Zero();
+    double along = 0.0;
+    for (int axis = 0; axis < 3; ++axis) {
+      turn += r.col(axis).cross(moments.col(axis));
+      along += r.col(axis).dot(moments.col(axis));
+    }
+    turn /= std::abs(along) + 1e-9 * size;
+    const double angle = turn.norm();
+    if (!(angle > 1e-9) || !std::isfinite(angle)) break;
+    q = (Eigen::Quaterniond(Eigen::AngleAxisd(angle, turn / angle)) * q).normalized();
+  }
+  return q;
+}
+
+btMatrix3x3 matrixToBullet(const Matrix3d& m) {
+  const auto at = [&](int row, int column) { return static_cast<btScalar>(m(row, column)); };
+  return btMatrix3x3(at(0, 0), at(0, 1), at(0, 2), at(1, 0), at(1, 1), at(1, 2), at(2, 0), at(2, 1), at(2, 2));
+}
+
+/// Bullet makes its inertia tensor as basis . diagonal . basis^T: the Cholesky factor of any tensor, in place of
+/// the basis, gives that tensor.
+void writeInertia(btRigidBody& object, const RigidFit& fit, const btMatrix3x3& basis) {
+  if (object.getMass() != static_cast<btScalar>(fit.mass)) {
+    const int flags = object.getCollisionFlags();
+    object.setMassProps(static_cast<btScalar>(fit.mass), btVector3(1, 1, 1));
+    // held by all its points it is still no static object
+    object.setCollisionFlags(flags);
+  }
+  Matrix3d factor = Matrix3d::Zero();
+  if (fit.mass > 0.0 && !fit.inverseInertia.isZero(0.0)) factor = fit.inverseInertia.llt().matrixL();
+  object.setInvInertiaDiagLocal(btVector3(1, 1, 1));
+  object.getWorldTransform().setBasis(matrixToBullet(factor));
+  object.updateInertiaTensor();
+  object.getWorldTransform().setBasis(basis);
+  const btMatrix3x3 local = basis.transpose() * object.getInvInertiaTensorWorld() * basis;
+  object.setInvInertiaDiagLocal(btVector3(local[0][0], local[1][1], local[2][2]));
+}
+
+void leave(SoftBodyData& body) {
+  const btRigidBody& object = *body.surface.object;
+  body.surface.left = {object.getWorldTransform(), object.getLinearVelocity(), object.getAngularVelocity()};
+}
+
+bool isFinite(const btVector3& v) {
+  return std::isfinite(double(v.x())) && std::isfinite(double(v.y())) && std::isfinite(double(v.z()));
+}
+
+bool isFinite(const btRigidBody& object) {
+  const btTransform& pose = object.getWorldTransform();
+  return isFinite(object.getLinearVelocity()) && isFinite(object.getAngularVelocity()) &&
+         isFinite(pose.getOrigin()) && isFinite(pose.getBasis()[0]) && isFinite(pose.getBasis()[1]) &&
+         isFinite(pose.getBasis()[2]);
+}
+
+void undo(SoftBodyData& body) {
+  btRigidBody& object = *body.surface.object;
+  object.setWorldTransform(body.surface.left.pose);
+  object.setLinearVelocity(body.surface.left.velocity);
+  object.setAngularVelocity(body.surface.left.spin);
+}
+
+bool isPinned(const SoftBodyData& body, Eigen::Index i) {
+  const PointMass* point = body.masses.bodies[static_cast<std::size_t>(i)];
+  return !point || point->isKinematicObject();
+}
+
+/// Moves all points but those that are pinned; velocity and spin of the whole stay as they are.
+void moveTo(SoftBodyData& body, const btTransform& pose) {
+  PointState& s = body.state;
+  const RigidFit fit = fitRigid(s, s.position);
+  const RigidMotion motion = presentMotion(fit, s);
+  const btTransform& left = body.surface.left.pose;
+  const Eigen::Quaterniond turn = toEigen(pose.getRotation()) * toEigen(left.getRotation()).conjugate();
+  const Vector3d from = toEigen(left.getOrigin()), to = toEigen(pose.getOrigin());
+  for (Eigen::Index i = 0; i < s.position.cols(); ++i) {
+    if (isPinned(body, i)) continue;
+    const Vector3d arm = s.position.col(i) - fit.center;
+    const Vector3d own = s.velocity.col(i) - motion.velocity - motion.spin.cross(arm);
+    s.velocity.col(i) = motion.velocity + motion.spin.cross(turn * arm) + turn * own;
+    s.position.col(i) = to + turn * (s.position.col(i) - from);
+    body.masses.startPosition.col(i) = to + turn * (body.masses.startPosition.col(i) - from);
+  }
+  body.surface.frame = (turn * body.surface.frame).normalized();
+  body.surface.shape->setPose(pose);
+}
+
+void pushBy(SoftBodyData& body, const Vector3d& velocity, const Vector3d& spin, double drift) {
+  PointState& s = body.state;
+  const Vector3d center = toEigen(body.surface.object->getWorldTransform().getOrigin());
+  forEachFree(s, [&](Eigen::Index i, double) {
+    const Vector3d change = velocity + spin.cross(Vector3d(s.position.col(i) - center));
+    const Vector3d allowed = (s.inverseMass.col(i).array() > 0.0).select(change, 0.0);
+    s.velocity.col(i) += allowed;
+    s.position.col(i) += drift * allowed;
+  });
+}
+
+/// Point masses that the user holds see the change, too.
+void writeShared(SoftBodyData& body) {
+  if (!body.masses.shared) return;
+  for (std::uint32_t i = 0; i < body.masses.bodies.size(); ++i) {
+    if (isPinned(body, static_cast<Eigen::Index>(i))) continue;
+    writePoint(body, i);
+    body.masses.leftPosition[i] = body.masses.bodies[i]->getWorldTransform().getOrigin();
+    body.masses.leftVelocity[i] = body.masses.bodies[i]->getLinearVelocity();
+  }
+}
+
+}  // namespace
+
+void writeObject(SoftBodyData& body) {
+  SurfaceData& s = body.surface;
+  btRigidBody& object = *s.object;
+  const RigidFit fit = fitRigid(body.state, body.state.position);
+  const RigidMotion motion = presentMotion(fit, body.state);
+  s.frame = follow(body, meanOf(*body.network, body.state.position), s.frame);
+  const btTransform pose(matrixToBullet(s.frame.toRotationMatrix()), limber::toBullet(fit.center));
+  object.setWorldTransform(pose);
+  object.setInterpolationWorldTransform(pose);
+  object.setLinearVelocity(limber::toBullet(motion.velocity));
+  object.setAngularVelocity(limber::toBullet(motion.spin));
+  object.setInterpolationLinearVelocity(object.getLinearVelocity());
+  object.setInterpolationAngularVelocity(object.getAngularVelocity());
+  writeInertia(object, fit, pose.getBasis());
+  s.shape->setPose(pose);
+  leave(body);
+}
+
+bool isObjectChanged(const SoftBodyData& body) {
+  const btRigidBody* object = body.surface.object;
+  const LeftObject& left = body.surface.left;
+  return object && (object->getLinearVelocity() != left.velocity || object->getAngularVelocity() != left.spin ||
+                    !(object->getWorldTransform() == left.pose));
+}
+
+void readObject(SoftBodyData& body, double drift) {
+  if (!isObjectChanged(body)) return;
+  btRigidBody& object = *body.surface.object;
+  if (!isFinite(object)) {
+    body.restored = true;
+    return undo(body);
+  }
+  absorbOutsideChanges(body);
+  const LeftObject left = body.surface.left;
+  if (!(object.getWorldTransform() == left.pose)) moveTo(body, object.getWorldTransform());
+  pushBy(body, difference(object.getLinearVelocity(), left.velocity),
+         difference(object.getAngularVelocity(), left.spin), drift);
+  leave(body);
+  writeShared(body);
+  // what was foreseen is old
+  body.surface.flight.tick = 0.0;
+  if (body.asleep) object.activate(true);
+}
+
+void accelerateByObject(SoftBodyData& body) {
+  SurfaceData& s = body.surface;
+  btRigidBody& object = *s.object;
+  if (!object.getTotalForce().isZero() || !object.getTotalTorque().isZero()) {
+    if (isFinite(object.getTotalForce()) && isFinite(object.getTotalTorque())) {
+      s.objectForce += toEigen(object.getTotalForce());
+      s.objectTorque += toEigen(object.getTotalTorque());
+    }
+    object.clearForces();
+    // somebody must tell when the step is over
+    if (!s.pushed && body.onPointsShared) body.onPointsShared();
+    s.pushed = true;
+  }
+  if (s.objectForce.isZero(0.0) && s.objectTorque.isZero(0.0)) return;
+  s.flight.tick = 0.0;
+  const RigidFit fit = fitRigid(body.state, body.state.position);
+  if (!(fit.mass > 0.0)) return;
+  const Vector3d linear = s.objectForce / fit.mass, angular = fit.inverseInertia * s.objectTorque;
+  forEachFree(body.state, [&](Eigen::Index i, double) {
+    body.state.acceleration.col(i) += linear + angular.cross(Vector3d(body.state.position.col(i) - fit.center));
+  });
+}
+
+void dropObjectForces(SoftBodyData& body) {
+  if (body.surface.object) body.surface.object->clearForces();
+}
+
+void markJoined(const std::vector<SoftBodyData*>& bodies, btDiscreteDynamicsWorld& world) {
+  for (SoftBodyData* body : bodies) body->surface.joined = false;
+  for (int i = 0; i < world.getNumConstraints(); ++i) {
+    btTypedConstraint& joint = *world.getConstraint(i);
+    if (!joint.isEnabled()) continue;
+    for (btRigidBody* end : {&joint.getRigidBodyA(), &joint.getRigidBodyB()})
+      if (SurfaceObject* object = SurfaceObject::from(end); object && object->owner())
+        object->owner()->surface.joined = true;
+  }
+}
+
+void handOverObject(SoftBodyData& body, double tick) {
+  if (!body.surface.joined) return;
+  const Points& start = body.masses.startPosition;
+  const auto meanVelocity = [&](Eigen::Index i) -> Vector3d {
+    return (body.state.position.col(i) - start.col(i)) / tick;
+  };
+  const RigidMotion motion = motionOf(fitRigid(body.state, start), body.state, start, meanVelocity);
+  body.surface.object->setLinearVelocity(limber::toBullet(motion.velocity));
+  body.surface.object->setAngularVelocity(limber::toBullet(motion.spin));
+  leave(body);
+}
+
+void takeBackObject(SoftBodyData& body, double tick) {
+  if (!body.surface.joined || !isObjectChanged(body)) return readObject(body);
+  const auto gapOf = [&](const ContactRow& row) {
+    return row.normal.dot(body.state.position.col(row.point) - row.touch - tick * row.surfaceVelocity);
+  };
+  std::vector<double>& gaps = body.surface.gaps;
+  gaps.clear();
+  for (const ContactRow& row : body.contacts) gaps.push_back(std::min(gapOf(row), 0.0));
+  readObject(body, tick);
+  for (std::size_t r = 0; r < body.contacts.size(); ++r) {
+    const ContactRow& row = body.contacts[r];
+    const double deeper = gaps[r] - gapOf(row);
+    if (deeper > 0.0) body.state.position.col(row.point) += deeper * row.normal;
+  }
+}
+
+}  // namespace LIMBER_BULLET_PRECISION
+}  // namespace limber
