@@ -313,6 +313,7 @@ TEST(SurfaceLife, theApplicationMayDeleteTheSentinelToo) {
   bullet.tick();
   for (int i = bullet.world->getNumCollisionObjects() - 1; i >= 0; --i) {
     btRigidBody* object = btRigidBody::upcast(bullet.world->getCollisionObjectArray()[i]);
+    EXPECT_TRUE(isSystemObject(object));
     delete object->getMotionState();
     bullet.world->removeCollisionObject(object);
     delete object;

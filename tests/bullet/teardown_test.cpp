@@ -6,8 +6,12 @@
 #include "support/tested_way.h"
 
 #include <limber/soft_body_system.h>
+#include <limber/surface_hit.h>
 
 #include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <utility>
 
 namespace limber {
 namespace {
@@ -206,6 +210,131 @@ TEST(Teardown, removeAllBeforeTheBroadphaseGoes) {
   system.removeAll();
   broadphase.reset();
   world.reset();
+}
+
+// --- hooks -------------------------------------------------------------------------------------------------
+
+struct CallbackPeek : btDynamicsWorld {
+  static btInternalTickCallback of(const btDynamicsWorld& world) {
+    return world.*(&CallbackPeek::m_internalPreTickCallback);
+  }
+};
+
+TEST(Teardown, aSurfaceThatTheUserHasRemovedEndsWithItsSentinel) {
+  BulletWorld bullet;
+  for (const bool bySystem : {false, true}) {
+    auto system = std::make_unique<SoftBodySystem>(*bullet.world);
+    SoftBody* body = addCube(*system);
+    body->point(0)->applyCentralImpulse(btVector3(1, 0, 0));
+    bullet.tick();
+    for (int i = bullet.world->getNumCollisionObjects() - 1; i >= 0; --i) {
+      btCollisionObject* object = bullet.world->getCollisionObjectArray()[i];
+      if (findPoint(object).body == body || findSurface(object).body == body)
+        bullet.world->removeCollisionObject(object);
+    }
+    if (!bySystem) system->destroyBody(body);
+    system.reset();
+    EXPECT_EQ(bullet.world->getNumCollisionObjects(), 0);
+    bullet.tick();
+    EXPECT_EQ(CallbackPeek::of(*bullet.world), nullptr);
+  }
+}
+
+/// In static memory, so that it ends after everything that the first body brought into being.
+void leaveASystemBehind() {
+  static BulletWorld bullet;
+  static SoftBodySystem system(*bullet.world);
+  addCube(system);
+  bullet.tick();
+  std::exit(0);
+}
+
+TEST(Teardown, aSystemMayOutliveTheProgram) {
+  // in a process of its own, where nothing of Limber has been used before
+  GTEST_FLAG_SET(death_test_style, "threadsafe");
+  EXPECT_EXIT(leaveASystemBehind(), testing::ExitedWithCode(0), "");
+}
+
+SoftBodySystem* callbacksSystem = nullptr;
+SoftBodySystem* callbacksOwnSystem = nullptr;
+void destroyAll(btDynamicsWorld*, btScalar) {
+  delete std::exchange(callbacksOwnSystem, nullptr);
+  if (!callbacksSystem) return;
+  while (callbacksSystem->bodyCount() > 0) callbacksSystem->destroyBody(callbacksSystem->body(0));
+}
+
+TEST(Teardown, theLastBodyMayGoInTheUsersPreTick) {
+  BulletWorld bullet;
+  bullet.world->setInternalTickCallback(destroyAll, nullptr, true);
+  SoftBodySystem system(*bullet.world);
+  callbacksSystem = &system;
+  for (int round = 0; round < 3; ++round) {
+    addCube(system);
+    EXPECT_EQ(system.hookState(), HookState::Attached);
+    bullet.tick();
+    EXPECT_EQ(system.hookState(), HookState::Idle);
+    EXPECT_EQ(CallbackPeek::of(*bullet.world), &destroyAll);
+    bullet.tick();
+  }
+  callbacksSystem = nullptr;
+}
+
+TEST(Teardown, theSystemMayGoInTheUsersPreTick) {
+  BulletWorld bullet;
+  bullet.world->setInternalTickCallback(destroyAll, nullptr, true);
+  SoftBodySystem other(*bullet.world);
+  callbacksOwnSystem = new SoftBodySystem(*bullet.world);
+  addCube(*callbacksOwnSystem);
+  SoftBody* body = addCube(other);
+  bullet.tick();
+  EXPECT_GT(body->substeps(), 0) << "the other system is stepped in this tick, too";
+  other.removeAll();
+  EXPECT_EQ(CallbackPeek::of(*bullet.world), &destroyAll);
+}
+
+/// What an application may do in its own action.
+struct Maker final : btActionInterface {
+  SoftBodySystem* system = nullptr;
+  void updateAction(btCollisionWorld*, btScalar) override {
+    if (system->bodyCount() == 0) addCube(*system);
+  }
+  void debugDraw(btIDebugDraw*) override {}
+};
+
+TEST(Teardown, aBodyMadeAfterTheBeginOfATickMissesNothing) {
+  BulletWorld bullet;
+  SoftBodySystem system(*bullet.world);
+  int warnings = 0;
+  system.onWarning([&](const std::string&) { ++warnings; });
+  Maker maker;
+  maker.system = &system;
+  bullet.world->addAction(&maker);
+  bullet.tick();
+  bullet.tick();
+  EXPECT_EQ(warnings, 0);
+  EXPECT_EQ(system.hookState(), HookState::Attached);
+  bullet.world->removeAction(&maker);
+}
+
+TEST(Teardown, systemsOfSpringsAloneLeaveTheWorldAsItWas) {
+  for (int way = 0; way < 4; ++way) {
+    BulletWorld bullet;
+    btRigidBody* box = bullet.addBox(btVector3(1, 1, 1), 1, btVector3(0, 5, 0));
+    auto system = std::make_unique<SoftBodySystem>(*bullet.world);
+    SpringConstraint* spring = *system->addSpring({box}, {nullptr});
+    bullet.tick();
+    EXPECT_NE(CallbackPeek::of(*bullet.world), nullptr);
+    if (way == 0) system->removeSpring(spring);
+    if (way == 1) system->removeAll();
+    if (way == 2) system.reset();
+    if (way == 3) system->forget(*box);
+    if (system) {
+      EXPECT_EQ(system->hookState(), HookState::Idle);
+    }
+    // nothing of ours is in the world that would tell whether it still exists: its next tick does
+    bullet.tick();
+    EXPECT_EQ(CallbackPeek::of(*bullet.world), nullptr) << way;
+  }
 }
 
 }  // namespace

@@ -52,6 +52,13 @@ TEST(LeastStiffness, tellsBodiesApart) {
             100.0 * loadLimit(*bare(network_shapes::cube26()), -1.0));
 }
 
+TEST(LeastStiffness, aBodyThatTopplesHasNotCollapsed) {
+  // leaning so far that its centre of mass is beside its foot: no load is too light to topple it
+  SpringNetwork leaning = *limber::test::fullCubeNetwork();
+  for (Eigen::Vector3d& p : leaning.restPoints) p = {0.3 * p.x() + 1.5 * p.y(), 2.0 * p.y(), 0.6 * p.z()};
+  EXPECT_TRUE(std::isfinite(leastStiffness(leaning, SoftBodySettings(), 9.81).value()));
+}
+
 TEST(LeastStiffness, isProportionalToWeightOverSize) {
   const SpringNetwork cube = *limber::test::fullCubeNetwork();
   SoftBodySettings settings;

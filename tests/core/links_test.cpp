@@ -6,6 +6,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
+
 namespace limber {
 namespace {
 
@@ -135,6 +138,29 @@ TEST(LinkFrequency, boundsTheReducedMassOscillator) {
   linked.group.links.rigids[0].inverseInertiaLocal.setZero();
   linked.addSpring(linked.point(0), linked.pivot({0.2, 0.1, 0}), 0.0);
   EXPECT_DOUBLE_EQ(linkFrequencyBoundSquared(linked.group.links), 40 * (4.0 + 0.5));
+}
+
+TEST(LinkFrequency, boundsAChainWhoseEndsShareNodes) {
+  // w = 4 at both points, 0.5 + 3 |r|^2 at the pivots: row sums of sqrt(w_i w_j) k over ends on one node
+  Linked linked;
+  linked.addSpring(linked.pivot({0.5, 0, 0}), linked.point(0), 0.0);
+  linked.addSpring(linked.point(0), linked.point(1), 0.0);
+  linked.addSpring(linked.point(1), linked.pivot({0, 1, 0}), 0.0);
+  linked.addSpring(linked.point(1), {LinkEnd::Kind::World, 0, 0, Vector3d(1, 2, 3)}, 0.0);
+  const double near = std::sqrt(0.5 + 0.75), far = std::sqrt(0.5 + 3.0);
+  const double rows[] = {near * (near + far) + 4.0 * 2, 4.0 * 2 + 4.0 * 3, 4.0 * 3 + far * (near + far),
+                         4.0 * 3};
+  EXPECT_NEAR(linkFrequencyBoundSquared(linked.group.links), 40 * *std::max_element(rows, rows + 4), 1e-9);
+}
+
+TEST(LinkFrequency, isLinearInTheNumberOfLinks) {
+  Linked linked;
+  // with a quadratic number of pairs this would take a minute
+  const std::uint32_t count = 100000;
+  linked.points.resize(count);
+  linked.points.inverseMass.setConstant(4.0);
+  for (std::uint32_t i = 1; i < count; ++i) linked.addSpring(linked.point(i - 1), linked.point(i), 0.0);
+  EXPECT_DOUBLE_EQ(linkFrequencyBoundSquared(linked.group.links), 40 * 4.0 * 4);
 }
 
 }  // namespace

@@ -130,7 +130,7 @@ TEST(PairContacts, carryBoxesLightAndHeavyAndLieOnThem) {
     scene.run(10.0, 60);
     const double below = scene.force(0, 2) + scene.force(4, 6),
                  middle = scene.force(2, 4) + scene.force(6, 8);
-    // speeds may be wrong by kPairTolerance at each solve: for the light boxes between heavier points that is
+    // speeds may be wrong by PairRows::tolerance at each solve: for the light boxes between heavier points that is
     // up to 4 % of what gravity adds in a substep
     EXPECT_NEAR(middle / (kGravity * (1.0 + mass)), 1.0, 1e-2);
     EXPECT_NEAR(below / (kGravity * (1.0 + 2.0 * mass)), 1.0, 1e-2);
@@ -186,7 +186,7 @@ TEST(PairContacts, drawApartGentlyWhatOverlaps) {
   Scene scene;
   scene.addCube(1e4, 1.0, {0, 0.5, 0});
   scene.stand(0, kFloor);
-  for (PairContact& c : scene.group.pairs.contacts) c.gap = -0.05, c.friction = 0.0;
+  for (PairContact& c : scene.group.pairs.contacts) c.gap = -0.05, c.friction = 0.0, c.recoverySpeed = 0.5;
   double fastest = 0.0;
   for (int i = 0; i < 60; ++i) {
     stepVerlet(scene.group, kTick, 10);

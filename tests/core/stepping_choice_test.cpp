@@ -50,6 +50,27 @@ TEST(SteppingChoice, goesImplicitForStiffBodiesInFreeMotion) {
   EXPECT_EQ(chooseStepping(stiff, Stepping()).stepper, Stepper::Verlet) << "impacts want fine substeps";
 }
 
+TEST(SteppingChoice, neverGetsCoarserWhenMoreIsAskedFor) {
+  for (const double frequency : {1e2, 1e3, 1e4, 3e4, 1e5, 1e6})
+    for (const double damping : {0.0, 1e4, 1e8})
+      for (const int kind : {0, 1, 2}) {  // a large mesh, a few points, a rope
+        SteppingProblem p = freeBody(frequency);
+        p.dampingRate = damping;
+        p.cheapNewton = kind > 0;
+        p.narrow = kind > 1;
+        Stepping s;
+        s.periodTolerance = 1.0;
+        SteppingChoice before = chooseStepping(p, s);
+        while (s.periodTolerance > 1e-6) {
+          s.periodTolerance *= 0.8;
+          const SteppingChoice now = chooseStepping(p, s);
+          EXPECT_TRUE(now.stepper == before.stepper || now.stepper == Stepper::Verlet) << s.periodTolerance;
+          EXPECT_GE(now.substeps, before.substeps) << s.periodTolerance;
+          before = now;
+        }
+      }
+}
+
 TEST(SteppingChoice, solvesStrongDampersWithTheSprings) {
   SteppingProblem damped = freeBody(100.0);
   damped.dampingRate = 1e4;

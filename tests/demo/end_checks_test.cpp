@@ -39,6 +39,30 @@ TEST(EndChecks, cubesInTheAirAreNotCalm) {
 
 TEST(EndChecks, runOfNoTicksIsNotCalm) { contains(checkEnd(*created("cubes", 1)), "is not calm"); }
 
+TEST(EndChecks, aBodyThatRollsAwayIsFineAndOneThatWobblesIsNot) {
+  const auto scene = created("cubes", 1);
+  run(*scene, kEnough);
+  SoftBody& cube = *scene->soft->body(0);
+  const auto setVelocities = [&](auto velocityAt) {
+    cube.wake();
+    for (std::uint32_t i = 0; i < cube.pointCount(); ++i) {
+      const Eigen::Vector3d v = velocityAt(Eigen::Vector3d(cube.position(i) - cube.centerOfMass()));
+      cube.point(i)->setLinearVelocity(btVector3(btScalar(v.x()), btScalar(v.y()), btScalar(v.z())));
+    }
+  };
+  setVelocities([](const Eigen::Vector3d&) { return Eigen::Vector3d(5, 0, 0); });
+  run(*scene, 2);  // a window of the watch may begin with the first
+  contains(checkCalm(0.02)(*scene), "is not calm");
+  setVelocities([](const Eigen::Vector3d& r) {
+    return Eigen::Vector3d(Eigen::Vector3d(2, 0, 0) + Eigen::Vector3d(0, 0, -4).cross(r));
+  });
+  EXPECT_EQ(checkCalmOrRolling(0.02)(*scene), "");
+  setVelocities([](const Eigen::Vector3d& r) { return Eigen::Vector3d(2.0 * r.x(), 0, 0); });
+  contains(checkCalmOrRolling(0.02)(*scene), "is not calm");
+  setVelocities([](const Eigen::Vector3d&) { return Eigen::Vector3d(0, -3, 0); });
+  contains(checkCalmOrRolling(0.02)(*scene), "is not calm");
+}
+
 TEST(EndChecks, pointBelowTheFloorIsFound) {
   const auto scene = created("cubes", 2);
   movePoint(*scene->soft->body(1), 3, btVector3(0, btScalar(-0.5), 0));

@@ -1,0 +1,274 @@
+// SPDX-License-Identifier: Zlib
+// What is moved as told carries, pushes and hits soft bodies, however fast it is and whichever of Bullet's ways
+// it is set up in.
+#include "support/bullet_measures.h"
+#include "support/bullet_world.h"
+#include "support/constants.h"
+#include "support/networks.h"
+#include "support/tested_way.h"
+
+#include <limber/soft_body_system.h>
+
+#include <BulletCollision/CollisionDispatch/btGhostObject.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+namespace limber {
+namespace {
+
+using Eigen::Vector3d;
+using test::BulletWorld;
+using test::kRadius;
+using test::kTick;
+using test::vec;
+
+/// How a user may make a body kinematic and move it.
+enum class Idiom {
+  Placed,       ///< the flag is added to a massless body, which stays static, too; setWorldTransform()
+  MotionState,  ///< the same, moved by a motion state
+  Cleared,      ///< the flag alone
+  Asleep,       ///< as Placed, but never woken: Bullet keeps no velocity for it
+};
+
+struct ToldState final : btMotionState {
+  btTransform pose = btTransform::getIdentity();
+  void getWorldTransform(btTransform& out) const override { out = pose; }
+  void setWorldTransform(const btTransform&) override {}
+};
+
+/// A kinematic body in a world.
+class Mover {
+ public:
+  Mover(BulletWorld& bullet, std::unique_ptr<btCollisionShape> shape, const btTransform& pose, Idiom idiom)
+      : idiom_(idiom) {
+    state_.pose = pose;
+    body_ = bullet.add(std::move(shape), 0, pose.getOrigin());
+    bullet.world->removeRigidBody(body_);
+    body_->setWorldTransform(pose);
+    body_->setInterpolationWorldTransform(pose);
+    const int flags = idiom == Idiom::Cleared ? 0 : body_->getCollisionFlags();
+    body_->setCollisionFlags(flags | btCollisionObject::CF_KINEMATIC_OBJECT);
+    if (idiom == Idiom::MotionState) body_->setMotionState(&state_);
+    body_->setFriction(1);
+    bullet.world->addRigidBody(body_);
+    if (idiom != Idiom::Asleep) body_->setActivationState(DISABLE_DEACTIVATION);
+  }
+
+  void moveTo(const btTransform& pose) {
+    state_.pose = pose;
+    if (idiom_ != Idiom::MotionState) body_->setWorldTransform(pose);
+  }
+  btRigidBody* body() const { return body_; }
+
+ private:
+  Idiom idiom_;
+  ToldState state_;
+  btRigidBody* body_;
+};
+
+/// Eight points of 1 kg together.
+SoftBodySettings cubeAt(const Vector3d& position, double stiffness = 1e4) {
+  SoftBodySettings s = test::testedSettings();
+  s.position = position;
+  s.totalMass = 1.0;
+  s.extensionStiffness = s.compressionStiffness = stiffness;
+  s.damping = 0.2 * std::sqrt(stiffness * 0.125);
+  s.friction = 1.0;
+  s.pointRadius = kRadius;
+  return s;
+}
+
+btTransform at(const btVector3& place) { return btTransform(btQuaternion::getIdentity(), place); }
+
+// --- set up by Bullet's own idioms -------------------------------------------------------------------------
+
+class KinematicIdioms : public testing::TestWithParam<Idiom> {};
+
+TEST_P(KinematicIdioms, aLiftCarriesACube) {
+  for (const double width : {0.6, 0.9, 2.0})
+    for (const double speed : {1.0, 3.0}) {
+      // points alone do not feel a lift between them
+      if (width < 1.0 && !test::kSurface) continue;
+      BulletWorld bullet;
+      SoftBodySystem system(*bullet.world);
+      const double half = width / 2;
+      Mover lift(bullet, std::make_unique<btBoxShape>(vec(half, 0.5, half)), at(vec(0, -0.5, 0)), GetParam());
+      SoftBody* cube = *system.createBody(test::closedCubeNetwork(), cubeAt({0, 0.5 + kRadius, 0}));
+      double height = 0;
+      for (int i = 0; i < 60; ++i) {
+        if (i >= 15) height += speed * kTick;
+        lift.moveTo(at(vec(0, height - 0.5, 0)));
+        bullet.tick();
+        // at 3 m/s all is pressed together within a tick, to the rounding of the places
+        ASSERT_GT(test::lowest(*cube), height + kRadius - 1e-3)
+            << "width " << width << " speed " << speed << " tick " << i;
+      }
+      // flung off upwards at first it is on it again, or still above it, and not faster than what is elastic
+      EXPECT_NEAR(cube->centerOfMass().y(), height + 0.5 + kRadius, 0.35) << width << " " << speed;
+      EXPECT_NEAR(cube->centerOfMass().x(), 0.0, 0.05) << width << " " << speed;
+    }
+}
+
+TEST_P(KinematicIdioms, aConveyingPlatformTakesACubeAlong) {
+  BulletWorld bullet;
+  SoftBodySystem system(*bullet.world);
+  Mover platform(bullet, std::make_unique<btBoxShape>(vec(1, 0.5, 1)), at(vec(0, -0.5, 0)), GetParam());
+  SoftBody* cube = *system.createBody(test::closedCubeNetwork(), cubeAt({0, 0.5 + kRadius, 0}));
+  double way = 0, speed = 0;
+  for (int i = 0; i < 90; ++i) {
+    // 3 m/s^2 of the 9.81 that friction 1 gives
+    if (i > 15) speed = std::min(speed + 3 * kTick, 1.5);
+    way += speed * kTick;
+    platform.moveTo(at(vec(way, -0.5, 0)));
+    bullet.tick();
+  }
+  // it sways by what 3 m/s^2 shear it: some mm at 1e4 N/m
+  EXPECT_NEAR(cube->centerOfMass().x(), way, 0.01);
+  EXPECT_NEAR(cube->linearMomentum().x(), speed, 0.05);
+}
+
+TEST_P(KinematicIdioms, severalTicksOfAStepAreOneMotion) {
+  // one asleep is there after the first tick: nobody knows how many will come
+  for (const int ticks : {1, GetParam() == Idiom::Asleep ? 1 : 2, GetParam() == Idiom::Asleep ? 1 : 4}) {
+    BulletWorld bullet(0);
+    SoftBodySystem system(*bullet.world);
+    Mover slab(bullet, std::make_unique<btBoxShape>(vec(2, 0.05, 2)), at(vec(0, -1, 0)), GetParam());
+    SoftBody* cube = *system.createBody(test::closedCubeNetwork(), cubeAt({0, 0.5, 0}));
+    const btScalar tick = btScalar(kTick / ticks);
+    double height = -1;
+    for (int i = 0; i < 30; ++i) {
+      height += 3 * kTick;
+      slab.moveTo(at(vec(0, height, 0)));
+      bullet.world->stepSimulation(btScalar(kTick) * btScalar(1.0001), ticks, tick);
+      ASSERT_GT(test::lowest(*cube), height + 0.05 + kRadius - 2e-3) << ticks << " ticks, step " << i;
+    }
+    // an elastic hit doubles the speed at most
+    EXPECT_GT(cube->linearMomentum().y(), 2.9) << ticks;
+    EXPECT_LT(cube->linearMomentum().y(), 6.1) << ticks;
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(All, KinematicIdioms,
+                         testing::Values(Idiom::Placed, Idiom::MotionState, Idiom::Cleared, Idiom::Asleep));
+
+// --- fast ones ---------------------------------------------------------------------------------------------
+
+enum class Kind { Box, Hull, Cylinder, Compound, Mesh, ScaledMesh };
+
+const char* nameOf(Kind kind) {
+  const char* names[] = {"box", "hull", "cylinder", "compound", "mesh", "scaled mesh"};
+  return names[static_cast<int>(kind)];
+}
+
+std::unique_ptr<btCollisionShape> hullOf(const btVector3& half) {
+  auto hull = std::make_unique<btConvexHullShape>();
+  // the margin is around it
+  const btVector3 core = half - btVector3(hull->getMargin(), hull->getMargin(), hull->getMargin());
+  for (int i = 0; i < 8; ++i)
+    hull->addPoint(btVector3(i & 1 ? core.x() : -core.x(), i & 2 ? core.y() : -core.y(),
+                             i & 4 ? core.z() : -core.z()));
+  return hull;
+}
+
+std::unique_ptr<btCollisionShape> meshOf(BulletWorld& bullet, const btVector3& half, double scale) {
+  auto mesh = std::make_unique<btTriangleMesh>();
+  const btBoxShape box(half / static_cast<btScalar>(scale));
+  const auto corner = [&](int i) {
+    btVector3 v;
+    box.getVertex(i, v);
+    return v;
+  };
+  const int faces[12][3] = {{0, 1, 2}, {1, 3, 2}, {4, 6, 5}, {5, 6, 7}, {0, 4, 1}, {1, 4, 5},
+                            {2, 3, 6}, {3, 7, 6}, {0, 2, 4}, {2, 6, 4}, {1, 5, 3}, {3, 5, 7}};
+  for (const auto& f : faces) mesh->addTriangle(corner(f[0]), corner(f[1]), corner(f[2]));
+  std::unique_ptr<btCollisionShape> shape = std::make_unique<btBvhTriangleMeshShape>(mesh.get(), true);
+  if (scale != 1.0) {
+    const btScalar s = static_cast<btScalar>(scale);
+    auto* triangles = static_cast<btBvhTriangleMeshShape*>(shape.release());
+    bullet.shapes.emplace_back(triangles);
+    shape = std::make_unique<btScaledBvhTriangleMeshShape>(triangles, btVector3(s, s, s));
+  }
+  bullet.meshes.push_back(std::move(mesh));
+  return shape;
+}
+
+/// A slab about the origin, thin along y.
+std::unique_ptr<btCollisionShape> slabOf(Kind kind, BulletWorld& bullet, const btVector3& half) {
+  if (kind == Kind::Box) return std::make_unique<btBoxShape>(half);
+  if (kind == Kind::Hull) return hullOf(half);
+  if (kind == Kind::Cylinder) return std::make_unique<btCylinderShape>(half);
+  if (kind == Kind::Mesh) return meshOf(bullet, half, 1.0);
+  if (kind == Kind::ScaledMesh) return meshOf(bullet, half, 0.5);
+  auto compound = std::make_unique<btCompoundShape>();
+  const btVector3 quarter(half.x() / 2, half.y(), half.z());
+  for (const btScalar side : {btScalar(-1), btScalar(1)}) {
+    bullet.shapes.push_back(std::make_unique<btBoxShape>(quarter));
+    compound->addChildShape(at(btVector3(side * quarter.x(), 0, 0)), bullet.shapes.back().get());
+  }
+  return compound;
+}
+
+class KinematicSlabs : public testing::TestWithParam<Kind> {};
+
+TEST_P(KinematicSlabs, doNotPassABodyAtRest) {
+  struct Shot {
+    double thickness, speed;
+  };
+  for (const Shot& shot : {Shot{0.1, 4}, {0.2, 8}, {0.4, 10}, {0.6, 20}})
+    for (const double phase : {0.1, 0.6}) {
+      BulletWorld bullet(0);
+      SoftBodySystem system(*bullet.world);
+      const double half = shot.thickness / 2, way = shot.speed * kTick;
+      double height = -half - 0.5 - kRadius - (4 + phase) * way;
+      Mover slab(bullet, slabOf(GetParam(), bullet, vec(1.5, half, 1.5)), at(vec(0, height, 0)), Idiom::Placed);
+      SoftBodySettings s = cubeAt({0.1, 0, 0.05}, 1e4);
+      SoftBody* cube = *system.createBody(test::closedCubeNetwork(), s);
+      for (int i = 0; i < 20; ++i) {
+        height += way;
+        slab.moveTo(at(vec(0, height, 0)));
+        bullet.tick();
+        // hulls and meshes meet points through Bullet's narrowphase, exact to some mm of their radius
+        ASSERT_GT(test::lowest(*cube), height + half)
+            << nameOf(GetParam()) << " of " << shot.thickness << " m at " << shot.speed << " m/s, tick " << i;
+      }
+      // Bullet lets triangles hold a mass in the world back from behind, in the tick in which they meet
+      EXPECT_GT(cube->linearMomentum().y(), (test::kSurface ? 0.95 : 0.9) * shot.speed);
+      // an elastic hit doubles the speed at most
+      EXPECT_LT(cube->linearMomentum().y(), 2.05 * shot.speed);
+    }
+}
+
+TEST_P(KinematicSlabs, turningOnesSweepABodyAway) {
+  for (const double spin : {3.0, 8.0}) {
+    BulletWorld bullet(0);
+    SoftBodySystem system(*bullet.world);
+    Mover paddle(bullet, slabOf(GetParam(), bullet, vec(1.5, 0.1, 1.5)), at(vec(0, 0, 0)), Idiom::Placed);
+    SoftBody* cube = *system.createBody(test::closedCubeNetwork(), cubeAt({0.7, 1.0, 0}));
+    double angle = 0;
+    for (int i = 0; angle < 1.6; ++i) {
+      angle += spin * kTick;
+      paddle.moveTo(btTransform(btQuaternion(vec(0, 0, 1), static_cast<btScalar>(angle)), vec(0, 0, 0)));
+      bullet.tick();
+      // nothing gets deep into the paddle or to its other side; round its end it may
+      const Vector3d along(std::cos(angle), std::sin(angle), 0), across(-along.y(), along.x(), 0);
+      for (std::uint32_t p = 0; p < 8; ++p) {
+        const Vector3d x = cube->position(p);
+        if (along.dot(x) < 1.4 && along.dot(x) > 0.1) {
+          // the plane that a point meets is that of the start of the tick: (spin tick)^2 of 1.4 m
+          ASSERT_GT(across.dot(x), 0.1 + kRadius - 0.01 - 1.4 * spin * spin * kTick * kTick)
+              << nameOf(GetParam()) << " at " << spin << " rad/s, tick " << i << " point " << p;
+        }
+      }
+    }
+    EXPECT_LT(cube->linearMomentum().x(), 0.0);
+    EXPECT_GT(cube->linearMomentum().norm(), 0.5 * spin);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(All, KinematicSlabs,
+            testing::Values(Kind::Box, Kind::Hull, Kind::Cylinder, Kind::Compound, Kind::Mesh,
+                                         Kind::ScaledMesh));
+
+}  // namespace
+}  // namespace limber

@@ -1,0 +1,399 @@
+// SPDX-License-Identifier: Zlib
+// Laws of contacts between bodies that both move: soft with rigid ones, soft with soft ones.
+#include "support/bullet_measures.h"
+#include "support/bullet_world.h"
+#include "support/networks.h"
+#include "support/small_meshes.h"
+#include "support/tested_way.h"
+
+#include <limber/contact_listener.h>
+#include <limber/soft_body_system.h>
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <functional>
+#include <numeric>
+#include <random>
+#include <utility>
+#include <vector>
+
+namespace limber {
+namespace {
+
+using Eigen::Quaterniond;
+using Eigen::Vector3d;
+using test::BulletWorld;
+using test::eigen;
+using test::momentumOf;
+using test::vec;
+
+SoftBodySettings pairBody(const Vector3d& position, const Vector3d& velocity, double stiffness = 1e3) {
+  SoftBodySettings s = test::testedSettings();
+  s.position = position;
+  s.linearVelocity = velocity;
+  s.extensionStiffness = s.compressionStiffness = stiffness;
+  s.damping = 0.1 * std::sqrt(stiffness);
+  return s;
+}
+
+SharedNetwork ballNetwork() { return *buildNetwork(small_meshes::icosphere(1)); }
+
+/// Of a body of 1 kg.
+Vector3d momentumOf(const SoftBody& body) {
+  Vector3d sum = Vector3d::Zero();
+  for (std::uint32_t i = 0; i < body.pointCount(); ++i) sum += body.network().massShares[i] * body.velocity(i);
+  return sum;
+}
+
+// --- mirrored bodies ---------------------------------------------------------------------------------------
+
+/// The mirror images in the plane x = 0.
+Vector3d image(const Vector3d& v) { return {-v.x(), v.y(), v.z()}; }
+Quaterniond image(const Quaterniond& q) { return {q.w(), q.x(), -q.y(), -q.z()}; }
+SoftBodySettings image(SoftBodySettings s) {
+  s.position = image(s.position);
+  s.linearVelocity = image(s.linearVelocity);
+  s.scale.x() = -s.scale.x();
+  s.rotation = image(s.rotation);
+  s.angularVelocity = -image(s.angularVelocity);
+  return s;
+}
+
+/// A scene or its mirror image.
+struct MirrorScene {
+  BulletWorld bullet;
+  SoftBodySystem system{*bullet.world};
+  bool mirrored;
+
+  explicit MirrorScene(bool m, double gravity = 0.0) : bullet(gravity), mirrored(m) {}
+
+  SoftBody* add(const SharedNetwork& network, const SoftBodySettings& settings) {
+    return *system.createBody(network, mirrored ? image(settings) : settings);
+  }
+  btRigidBody* add(std::unique_ptr<btCollisionShape> shape, const Vector3d& position, const Quaterniond& rotation,
+                   const Vector3d& velocity) {
+    const Vector3d x = mirrored ? image(position) : position, v = mirrored ? image(velocity) : velocity;
+    const Quaterniond q = mirrored ? image(rotation) : rotation;
+    btRigidBody* body = bullet.add(std::move(shape), 1.0, vec(x.x(), x.y(), x.z()));
+    btTransform pose = body->getWorldTransform();
+    pose.setRotation(btQuaternion(btScalar(q.x()), btScalar(q.y()), btScalar(q.z()), btScalar(q.w())));
+    body->setCenterOfMassTransform(pose);
+    body->setLinearVelocity(vec(v.x(), v.y(), v.z()));
+    body->setActivationState(DISABLE_DEACTIVATION);
+    return body;
+  }
+};
+
+/// m, how far the points of the bodies are from the mirror images of the others'.
+double asymmetry(const MirrorScene& scene, const MirrorScene& mirrored) {
+  double most = 0.0;
+  for (std::size_t b = 0; b < scene.system.bodyCount(); ++b)
+    for (std::uint32_t i = 0; i < scene.system.body(b)->pointCount(); ++i)
+      most = std::max(most, (scene.system.body(b)->position(i) - image(mirrored.system.body(b)->position(i))).norm());
+  return most;
+}
+
+using Build = std::function<void(MirrorScene&)>;
+
+double asymmetryAfter(double seconds, double gravity, const Build& build) {
+  MirrorScene scene(false, gravity), mirrored(true, gravity);
+  build(scene);
+  build(mirrored);
+  scene.bullet.simulate(seconds);
+  mirrored.bullet.simulate(seconds);
+  return asymmetry(scene, mirrored);
+}
+
+const Quaterniond kTilted = Quaterniond(Eigen::AngleAxisd(0.4, Vector3d(1, 0.6, -0.3).normalized()));
+
+std::unique_ptr<btCollisionShape> wedge() {
+  auto hull = std::make_unique<btConvexHullShape>();
+  for (const double z : {-0.4, 0.4})
+    for (const auto& [x, y] : {std::pair(-0.4, -0.4), {0.4, -0.4}, {0.0, 0.4}}) hull->addPoint(vec(x, y, z));
+  hull->setMargin(0);
+  return hull;
+}
+
+// Bullet keeps what is rigid in floats and the solver stops at 1e-6 m/s: a hit makes some 1e-5 m of it in half
+// a second. A surface that is inside out is 1 m off.
+constexpr double kMirrorTolerance = 1e-4;
+
+TEST(MirroredBodies, mirroredScenesAreMirrorImagesWithRigidBodiesOfEveryShape) {
+  using Shape = std::unique_ptr<btCollisionShape>;
+  const std::pair<const char*, std::function<Shape()>> shapes[] = {
+      {"box", [] { return Shape(new btBoxShape(vec(0.3, 0.4, 0.35))); }},
+      {"sphere", [] { return Shape(new btSphereShape(btScalar(0.3))); }},
+      {"capsule", [] { return Shape(new btCapsuleShape(btScalar(0.2), btScalar(0.5))); }},
+      {"cylinder", [] { return Shape(new btCylinderShape(vec(0.3, 0.4, 0.3))); }},
+      {"wedge", wedge}};
+  for (const auto& [name, make] : shapes) {
+    SCOPED_TRACE(name);
+    const auto build = [&, shape = &make](MirrorScene& scene) {
+      scene.add(test::closedCubeNetwork(), pairBody({-1, 0, 0}, {3, 0, 0}));
+      scene.add((*shape)(), {0.1, 0.1, 0.05}, kTilted, {0, 0, 0});
+    };
+    EXPECT_LT(asymmetryAfter(0.6, 0.0, build), kMirrorTolerance);
+  }
+}
+
+TEST(MirroredBodies, mirroredScenesAreMirrorImagesWithOtherSoftBodies) {
+  EXPECT_LT(asymmetryAfter(0.6, 0.0, [](MirrorScene& scene) {
+    scene.add(test::closedCubeNetwork(), pairBody({-1, 0, 0}, {3, 0, 0}));
+    SoftBodySettings ball = pairBody({0.9, 0.2, 0.1}, {0, 0, 0});
+    ball.scale = {0.5, 0.5, 0.5};
+    scene.add(ballNetwork(), ball);
+  }), kMirrorTolerance);
+}
+
+TEST(MirroredBodies, oneMirroredAxisOrThreeStandAsTheUnmirroredBodyDoes) {
+  if (!test::kSurface) GTEST_SKIP() << "points alone do not bear each other";
+  for (const Vector3d& scale : {Vector3d(-1, 1, 1), {1, -1, 1}, {1, 1, -1}, {-1, -1, 1}, {-1, -1, -1}}) {
+    SCOPED_TRACE(scale.transpose());
+    double heights[2];
+    for (const bool mirrored : {false, true}) {
+      BulletWorld bullet;
+      SoftBodySystem system(*bullet.world);
+      bullet.addBoxFloor();
+      SoftBody* top = nullptr;
+      for (const double y : {0.53, 1.57}) {
+        SoftBodySettings s = pairBody({0, y, 0}, {0, 0, 0}, 1e4);
+        if (mirrored) s.scale = scale;
+        s.damping = 20.0;
+        top = *system.createBody(test::closedCubeNetwork(), s);
+      }
+      btRigidBody* box = bullet.addBox(vec(0.3, 0.1, 0.3), 1.0, vec(0, 2.2, 0));
+      bullet.simulate(3.0);
+      EXPECT_GT(double(box->getWorldTransform().getOrigin().y()), 2.0);
+      heights[mirrored] = top->centerOfMass().y();
+    }
+    // what friction holds at the corners as they come to rest
+    EXPECT_NEAR(heights[0], heights[1], 1e-3);
+  }
+}
+
+// --- systems that share a world ----------------------------------------------------------------------------
+
+struct HeadOn {
+  BulletWorld bullet{0.0};
+  std::vector<std::unique_ptr<SoftBodySystem>> systems;
+  std::vector<SoftBody*> cubes;
+
+  explicit HeadOn(std::size_t count, SoftBodySystem::Hook hook = SoftBodySystem::Hook::PreTick) {
+    for (std::size_t i = 0; i < count; ++i)
+      systems.push_back(std::make_unique<SoftBodySystem>(*bullet.world, hook));
+    for (const double side : {-1.0, 1.0}) {
+      SoftBodySettings s = pairBody({0.8 * side, 0.1 * side, 0.07 * side}, {-3 * side, 0, 0});
+      SoftBodySystem& system = *systems[cubes.size() % count];
+      cubes.push_back(*system.createBody(test::closedCubeNetwork(), s));
+    }
+  }
+  double apart() const { return cubes[1]->centerOfMass().x() - cubes[0]->centerOfMass().x(); }
+};
+
+TEST(SystemsOfOneWorld, bodiesOfTwoMeetAsThoseOfOneDo) {
+  if (!test::kSurface) GTEST_SKIP() << "points in the world meet in Bullet's solver";
+  HeadOn one(1), two(2);
+  for (int i = 0; i < 60; ++i) {
+    one.bullet.tick();
+    two.bullet.tick();
+    for (std::size_t c : {0u, 1u}) ASSERT_EQ(one.cubes[c]->stateHash(), two.cubes[c]->stateHash()) << i;
+  }
+  EXPECT_GT(two.apart(), 1.0);
+  EXPECT_LT((momentumOf(*two.cubes[0]) + momentumOf(*two.cubes[1])).norm(), 1e-12) << "doubles of 3 N s";
+}
+
+TEST(SystemsOfOneWorld, bodiesOfSystemsSteppedByHandMeetToo) {
+  if (!test::kSurface) GTEST_SKIP() << "points in the world meet in Bullet's solver";
+  HeadOn one(1), two(2, SoftBodySystem::Hook::Manual);
+  two.bullet.world->setInternalTickCallback(
+      [](btDynamicsWorld* world, btScalar tick) {
+        for (auto& system : static_cast<HeadOn*>(world->getWorldUserInfo())->systems) system->beforeTick(tick);
+      },
+      &two, true);
+  for (int i = 0; i < 60; ++i) {
+    one.bullet.tick();
+    two.bullet.tick();
+  }
+  for (std::size_t c : {0u, 1u}) EXPECT_EQ(one.cubes[c]->stateHash(), two.cubes[c]->stateHash());
+}
+
+TEST(SystemsOfOneWorld, aSystemThatGoesEndsItsContactsAndLeavesTheOthersSteppingOn) {
+  struct Ends final : ContactListener {
+    int begun = 0, ended = 0;
+    void contactBegins(const ContactPair&) override { ++begun; }
+    void contactEnds(const ContactPair&) override { ++ended; }
+  };
+  BulletWorld bullet;
+  bullet.addBoxFloor();
+  Ends ends;
+  SoftBodySystem stays(*bullet.world);
+  auto goes = std::make_unique<SoftBodySystem>(*bullet.world);
+  stays.setContactListener(&ends);
+  (void)*goes->createBody(test::closedCubeNetwork(), pairBody({0, 0.53, 0}, {0, 0, 0}));
+  SoftBody* upper = *stays.createBody(test::closedCubeNetwork(), pairBody({0, 1.6, 0}, {0, 0, 0}));
+  bullet.simulate(1.0);
+  EXPECT_EQ(ends.begun - ends.ended, 1);
+  EXPECT_GT(upper->centerOfMass().y(), 1.2);
+  goes.reset();
+  bullet.simulate(2.0);
+  EXPECT_LT(upper->centerOfMass().y(), 0.6);
+  EXPECT_GT(upper->centerOfMass().y(), 0.3) << "it lies on the floor";
+}
+
+// --- whose turn it is --------------------------------------------------------------------------------------
+
+/// The same network with its points, triangles and, as far as they are free, springs in another order.
+SharedNetwork shuffled(const SharedNetwork& network, unsigned seed) {
+  if (seed == 0) return network;
+  auto other = std::make_shared<SpringNetwork>(*network);
+  std::mt19937 random(seed);
+  std::vector<std::uint32_t> to(network->restPoints.size());
+  std::iota(to.begin(), to.end(), 0u);
+  for (std::size_t i = to.size(); i-- > 1;) std::swap(to[i], to[random() % (i + 1)]);
+  for (std::size_t i = 0; i < to.size(); ++i) {
+    other->restPoints[to[i]] = network->restPoints[i];
+    other->massShares[to[i]] = network->massShares[i];
+  }
+  for (Triangle& t : other->surface) t = {to[t[0]], to[t[1]], to[t[2]]};
+  for (std::size_t i = other->surface.size(); i-- > 1;)
+    std::swap(other->surface[i], other->surface[random() % (i + 1)]);
+  for (NetworkSpring& s : other->springs) {
+    const auto [a, b] = std::minmax(to[s.a], to[s.b]);
+    s.a = a, s.b = b;
+  }
+  std::sort(other->springs.begin(), other->springs.end(), [](const NetworkSpring& x, const NetworkSpring& y) {
+    return std::pair(x.a, x.b) < std::pair(y.a, y.b);
+  });
+  return other;
+}
+
+struct Order {
+  bool swapped = false;
+  unsigned seed = 0;
+  double nudge = 0.0;  // m
+};
+
+/// Where the lower and the upper body are a second after the upper was thrown onto the lower.
+std::array<Vector3d, 2> meetIn(const Order& order, const SharedNetwork& upper, SoftBodySettings settings) {
+  BulletWorld bullet(0.0);
+  SoftBodySystem system(*bullet.world);
+  // damping is split by springs, one after the other: its own error depends on their order
+  SoftBodySettings lower = pairBody({0, 0, 0}, {0, 0, 0});
+  lower.damping = settings.damping = 0.0;
+  settings.position.x() += order.nudge;
+  SoftBody *a = nullptr, *b = nullptr;
+  const auto addLower = [&] { a = *system.createBody(shuffled(test::closedCubeNetwork(), order.seed), lower); };
+  if (!order.swapped) addLower();
+  b = *system.createBody(shuffled(upper, order.seed), settings);
+  if (order.swapped) addLower();
+  bullet.simulate(1.0);
+  return {a->centerOfMass(), b->centerOfMass()};
+}
+
+struct Thrown {
+  const char* name;
+  SharedNetwork network;
+  SoftBodySettings settings;
+};
+
+std::vector<Thrown> thrownBodies() {
+  RopeSettings rope;
+  rope.segments = 19;
+  std::vector<Thrown> all = {
+      {"ball", ballNetwork(), pairBody({0.1, 1.4, 0.05}, {0, -2, 0})},
+      {"rope", *buildRope(rope), pairBody({-0.35, 0.9, 0.075}, {0, -2, 0})},
+      {"cube", test::closedCubeNetwork(), pairBody({0.3, 1.3, 0.2}, {0, -2, 0})}};
+  all[0].settings.scale = {0.5, 0.5, 0.5};
+  all[2].settings.rotation = kTilted;
+  return all;
+}
+
+double distance(const std::array<Vector3d, 2>& x, const std::array<Vector3d, 2>& y) {
+  return std::max((x[0] - y[0]).norm(), (x[1] - y[1]).norm());
+}
+
+/// What a nudge of 1e-6 m comes to is what rounding, and where a solve stops, may come to, too.
+TEST(OrderOfBodies, whoWasCreatedFirstDoesNotMatter) {
+  if (!test::kSurface) GTEST_SKIP() << "points in the world meet in Bullet's solver";
+  for (const Thrown& thrown : thrownBodies()) {
+    SCOPED_TRACE(thrown.name);
+    const auto now = meetIn({}, thrown.network, thrown.settings);
+    const double nudged = distance(now, meetIn({false, 0, 1e-6}, thrown.network, thrown.settings));
+    EXPECT_LT(distance(now, meetIn({true}, thrown.network, thrown.settings)), nudged);
+  }
+}
+
+TEST(OrderOfBodies, theOrderOfPointsDoesNotMatter) {
+  if (!test::kSurface) GTEST_SKIP() << "points in the world meet in Bullet's solver";
+  for (const Thrown& thrown : thrownBodies()) {
+    SCOPED_TRACE(thrown.name);
+    const auto now = meetIn({}, thrown.network, thrown.settings);
+    const double nudged = distance(now, meetIn({false, 0, 1e-6}, thrown.network, thrown.settings));
+    for (const unsigned seed : {1u, 2u, 3u})
+      EXPECT_LT(distance(now, meetIn({false, seed}, thrown.network, thrown.settings)), 10.0 * nudged);
+  }
+}
+
+// --- fast --------------------------------------------------------------------------------------------------
+
+/// Whether two cubes that meet head-on, each at `speed`, pass through each other.
+bool passThroughEachOther(double speed, unsigned pose) {
+  BulletWorld bullet(0.0);
+  SoftBodySystem system(*bullet.world);
+  std::mt19937 random(pose);
+  std::uniform_real_distribution<double> angle(0.0, 6.28);
+  std::vector<SoftBody*> cubes;
+  for (const double side : {-1.0, 1.0}) {
+    SoftBodySettings s = pairBody({2.5 * side, 0.02 * pose * side, 0}, {-speed * side, 0, 0});
+    for (int i = 0; pose > 0 && i < 3; ++i)
+      s.rotation = s.rotation * Quaterniond(Eigen::AngleAxisd(angle(random), Vector3d::Unit(i)));
+    cubes.push_back(*system.createBody(test::closedCubeNetwork(), s));
+  }
+  bullet.simulate(0.3);
+  const Vector3d momentum = momentumOf(*cubes[0]) + momentumOf(*cubes[1]);
+  EXPECT_LT(momentum.norm(), 1e-10) << "of 200 N s in doubles";
+  return cubes[1]->centerOfMass().x() < cubes[0]->centerOfMass().x();
+}
+
+TEST(FastPairs, cubesThatMeetHeadOnDoNotPassThroughEachOther) {
+  if (!test::kSurface) GTEST_SKIP() << "points alone pass between each other";
+  for (const double speed : {10.0, 50.0, 100.0})
+    for (unsigned pose = 0; pose < 8; ++pose)
+      EXPECT_FALSE(passThroughEachOther(speed, pose)) << speed << " m/s, pose " << pose;
+}
+
+/// J that are left of 8.88 after a rigid ball has hit a soft one, and the rigid one's speed.
+std::pair<double, Vector3d> leftAfterHit(double rate) {
+  BulletWorld bullet(0.0);
+  SoftBodySystem system(*bullet.world);
+  SoftBodySettings s = pairBody({0, 0, 0}, {0, 0, 0});
+  s.scale = {0.5, 0.5, 0.5};
+  s.damping = 0.0;
+  s.friction = 0.0;
+  SoftBody* soft = *system.createBody(ballNetwork(), s);
+  btRigidBody* rigid = bullet.add(std::make_unique<btSphereShape>(btScalar(0.2)), 1.0, vec(-1.2, 0.11, 0.07));
+  rigid->setLinearVelocity(vec(std::sqrt(2.0 * 8.88), 0, 0));
+  bullet.simulate(1.0, 1.0 / rate);
+  const Vector3d velocity = eigen(rigid->getLinearVelocity());
+  return {soft->kineticEnergy() + soft->elasticEnergy() + 0.5 * velocity.squaredNorm(), velocity};
+}
+
+TEST(FastPairs, whatAHitLeavesDoesNotDependOnTheTick) {
+  if (!test::kSurface) GTEST_SKIP() << "points alone pass by";
+  const auto [energy, velocity] = leftAfterHit(960);
+  for (const double rate : {60.0, 120.0, 240.0, 480.0}) {
+    SCOPED_TRACE(rate);
+    const auto [left, after] = leftAfterHit(rate);
+    // it was 4 % and 0.22 m/s at 60 Hz, and more than there had been; what is left is Verlet's own error of
+    // some oscillations after the hit, and what is found up to a search later
+    EXPECT_NEAR(left, energy, 0.01 * 8.88);
+    EXPECT_LT((after - velocity).norm(), 0.02);
+    EXPECT_LT(left, 8.88);
+  }
+}
+
+}  // namespace
+}  // namespace limber

@@ -1,0 +1,352 @@
+// SPDX-License-Identifier: Zlib
+// Rigid bodies that touch, carry or hang on soft ones: Bullet has its part in them before, beside and after.
+#include "support/bullet_measures.h"
+#include "support/bullet_world.h"
+#include "support/constants.h"
+#include "support/networks.h"
+#include "support/tested_way.h"
+
+#include <limber/soft_body_system.h>
+#include <limber/soft_contact.h>
+
+#include <BulletCollision/Gimpact/btGImpactCollisionAlgorithm.h>
+#include <BulletCollision/Gimpact/btGImpactShape.h>
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <functional>
+
+namespace limber {
+namespace {
+
+using test::BulletWorld;
+using test::eigen;
+using test::vec;
+
+double heightOf(const btRigidBody& body) { return double(body.getWorldTransform().getOrigin().y()); }
+
+btRigidBody* addAwakeBox(BulletWorld& bullet, double half, double mass, const btVector3& place) {
+  btRigidBody* box = bullet.addBox(vec(half, half, half), mass, place);
+  box->setActivationState(DISABLE_DEACTIVATION);
+  return box;
+}
+
+/// Something that acts after the solver and before the system, if it was added first.
+struct Deed final : btActionInterface {
+  std::function<void()> now;
+  void updateAction(btCollisionWorld*, btScalar) override {
+    if (now) now();
+    now = nullptr;
+  }
+  void debugDraw(btIDebugDraw*) override {}
+};
+
+/// A soft cube beside a stack of two rigid boxes on the floor, of which it touches the lower one.
+struct CubeAtAStack {
+  BulletWorld bullet;
+  Deed deed;
+  btRigidBody *lower, *upper;
+  std::unique_ptr<SoftBodySystem> system;
+  SoftBody* cube;
+
+  CubeAtAStack() {
+    bullet.addBoxFloor();
+    bullet.world->addAction(&deed);
+    lower = addAwakeBox(bullet, 0.5, 1.0, vec(0, 0.5, 0));
+    upper = addAwakeBox(bullet, 0.5, 1.0, vec(0, 1.5, 0));
+    system = std::make_unique<SoftBodySystem>(*bullet.world);
+    SoftBodySettings s = test::testedSettings();
+    s.position = {1.02, 0.52, 0};
+    s.damping = 10;
+    cube = *system->createBody(test::cubeNetwork(), s);
+    bullet.simulate(0.5);
+    EXPECT_NEAR(heightOf(*upper), 1.5, 0.01);
+  }
+
+  void expectTheStackToStand() {
+    bullet.simulate(0.5);
+    EXPECT_NEAR(heightOf(*lower), 0.5, 0.01);
+    EXPECT_NEAR(heightOf(*upper), 1.5, 0.02);
+  }
+};
+
+void takeSlot(btDynamicsWorld*, btScalar) {}
+
+TEST(RigidNeighbours, standWhenTheLastSoftBodyGoes) {
+  CubeAtAStack scene;
+  scene.system->destroyBody(scene.cube);
+  scene.expectTheStackToStand();
+}
+
+TEST(RigidNeighbours, standWhenTheLastSoftBodyGoesInsideATick) {
+  CubeAtAStack scene;
+  scene.deed.now = [&] { scene.system->destroyBody(scene.cube); };
+  scene.expectTheStackToStand();
+}
+
+TEST(RigidNeighbours, standWhenTheSystemGoes) {
+  CubeAtAStack scene;
+  scene.system.reset();
+  scene.expectTheStackToStand();
+}
+
+TEST(RigidNeighbours, standWhenTheCallbackIsOverwritten) {
+  CubeAtAStack scene;
+  scene.system->onWarning([](const std::string&) {});
+  scene.bullet.world->setInternalTickCallback(takeSlot, nullptr, true);
+  scene.expectTheStackToStand();
+}
+
+TEST(RigidNeighbours, mayGoInATickBeforeTheSystemHearsOfItsEnd) {
+  CubeAtAStack scene;
+  auto* hinge = new btHingeConstraint(*scene.upper, vec(0, 0.4, 0), vec(0, 1, 0));
+  scene.bullet.world->addConstraint(hinge);
+  scene.deed.now = [&] {
+    scene.bullet.world->removeConstraint(hinge);
+    delete hinge;
+    for (btRigidBody* box : {scene.lower, scene.upper}) {
+      scene.bullet.world->removeRigidBody(box);
+      const auto isBox = [&](const auto& body) { return body.get() == box; };
+      auto& all = scene.bullet.bodies;
+      all.erase(std::find_if(all.begin(), all.end(), isBox));
+    }
+  };
+  scene.bullet.simulate(0.5);
+  EXPECT_TRUE(scene.cube->alive());
+  EXPECT_EQ(scene.bullet.world->getNumCollisionObjects(), 1 + (test::kSurface ? 1 : 8));
+}
+
+// --- links -------------------------------------------------------------------------------------------------
+
+TEST(RigidNeighbours, ofTwoLinksOneMayGoInTheTickInWhichTheOtherComes) {
+  BulletWorld bullet(0.0);
+  btRigidBody* first = addAwakeBox(bullet, 0.1, 1.0, vec(0, 0, 0));
+  btRigidBody* second = addAwakeBox(bullet, 0.1, 1.0, vec(0, 0, 2));
+  SoftBodySystem system(*bullet.world);
+  SpringSettings s;
+  s.restLength = 0.5;
+  s.stiffness = 10;
+  ASSERT_TRUE(system.addSpring({first}, {nullptr, vec(1, 0, 0)}, s));
+  ASSERT_TRUE(system.addSpring({second}, {nullptr, vec(1, 0, 2)}, s));
+  bullet.world->removeRigidBody(second);
+  bullet.tick();
+  bullet.world->removeRigidBody(first);
+  bullet.world->addRigidBody(second);
+  const btVector3 left = first->getLinearVelocity();
+  bullet.simulate(0.1);
+  EXPECT_GT(double(second->getLinearVelocity().x()), 0.1) << "its spring pulls";
+  EXPECT_EQ((first->getLinearVelocity() - left).length2(), 0) << "it is in no world";
+}
+
+TEST(RigidNeighbours, areJoinedByTheirLinksWhenTheyBecomeFree) {
+  // two springs on a body that is static at first: then it joins what hangs on them
+  BulletWorld bullet(0.0);
+  btRigidBody* middle = bullet.addBox(vec(0.1, 0.1, 0.1), 0, vec(0, 0, 0));
+  btRigidBody* left = addAwakeBox(bullet, 0.1, 1.0, vec(-1, 0, 0));
+  btRigidBody* right = addAwakeBox(bullet, 0.1, 1.0, vec(1, 0, 0));
+  SoftBodySystem system(*bullet.world);
+  SpringSettings s;
+  s.restLength = 0.5;
+  s.stiffness = 10;
+  ASSERT_TRUE(system.addSpring({left}, {middle}, s));
+  ASSERT_TRUE(system.addSpring({right}, {middle}, s));
+  bullet.tick();
+  bullet.world->removeRigidBody(middle);
+  middle->setMassProps(1.0, vec(0.01, 0.01, 0.01));
+  middle->setCollisionFlags(0);
+  bullet.world->addRigidBody(middle);
+  middle->forceActivationState(DISABLE_DEACTIVATION);
+  left->setLinearVelocity(vec(0, 0, 0));
+  right->setLinearVelocity(vec(0, 0, 0));
+  bullet.simulate(0.2);
+  const Eigen::Vector3d sum = eigen(left->getLinearVelocity()) + eigen(middle->getLinearVelocity()) +
+                              eigen(right->getLinearVelocity());
+  EXPECT_LT(sum.norm(), 1e-6) << "momentum";
+  EXPECT_LT(std::abs(heightOf(*middle)), 1e-6);
+  EXPECT_NEAR(double(middle->getWorldTransform().getOrigin().x()), 0.0, 1e-6) << "both pull alike";
+  EXPECT_GT(double(left->getLinearVelocity().x()), 0.5);
+}
+
+void hangOnASpringOfNoForce(SoftBodySystem& system, btRigidBody* body) {
+  SpringSettings s;
+  s.restLength = 1.0;
+  s.stiffness = 1e-6;
+  ASSERT_TRUE(system.addSpring({body}, {nullptr, vec(0, 3, 0)}, s));
+}
+
+/// m/s, of two balls of 1 kg after a central hit at `speed`; the first may hang on a spring.
+std::pair<double, double> speedsAfterAHit(double speed, bool onSpring) {
+  BulletWorld bullet(0.0);
+  const auto add = [&](double x) {
+    btRigidBody* ball = bullet.add(std::make_unique<btSphereShape>(btScalar(0.25)), 1.0, vec(x, 0, 0));
+    ball->setActivationState(DISABLE_DEACTIVATION);
+    return ball;
+  };
+  btRigidBody *first = add(-1.003), *second = add(0.0);
+  first->setLinearVelocity(vec(speed, 0, 0));
+  SoftBodySystem system(*bullet.world);
+  if (onSpring) hangOnASpringOfNoForce(system, first);
+  bullet.simulate(2.0 / speed + 0.5);
+  return {double(first->getLinearVelocity().x()), double(second->getLinearVelocity().x())};
+}
+
+TEST(RigidNeighbours, onASpringOfNoForceHitEachOtherAsWithoutIt) {
+  for (const double speed : {0.5, 1.0, 3.0}) {
+    const auto with = speedsAfterAHit(speed, true), without = speedsAfterAHit(speed, false);
+    // ours settles in substeps what Bullet's solver does once a tick
+    EXPECT_NEAR(with.first, without.first, 0.01 * speed) << speed;
+    EXPECT_NEAR(with.second, without.second, 0.01 * speed) << speed;
+  }
+}
+
+/// m above the floor, to which a box of 2 kg hops that is dropped from 2 cm and then pushed.
+double hop(bool onSpring) {
+  BulletWorld bullet;
+  bullet.addBoxFloor();
+  btRigidBody* box = bullet.addBox(vec(0.2, 0.2, 0.2), 2.0, vec(0, 0.22, 0));
+  box->setActivationState(DISABLE_DEACTIVATION);
+  SoftBodySystem system(*bullet.world);
+  if (onSpring) hangOnASpringOfNoForce(system, box);
+  bullet.simulate(0.1);
+  box->setLinearVelocity(box->getLinearVelocity() + vec(1, 0, 0));
+  double most = 0;
+  for (int i = 0; i < 60; ++i) {
+    bullet.tick();
+    most = std::max(most, heightOf(*box) - 0.2);
+  }
+  return most;
+}
+
+TEST(RigidNeighbours, onASpringOfNoForceDoNotHopWhenPushed) {
+  EXPECT_NEAR(hop(true), hop(false), 1e-3);
+}
+
+// --- contacts ----------------------------------------------------------------------------------------------
+
+/// m/s, of a point that has hit the floor with 2 m/s, beside a crumb that flies with it and touches nothing.
+double rebound(bool withCrumb) {
+  BulletWorld bullet(0.0);
+  bullet.addBoxFloor()->setRestitution(1);
+  SoftBodySystem system(*bullet.world);
+  SoftBodySettings s = test::testedSettings();
+  s.position = {0, 0.2, 0};
+  s.linearVelocity = {0, -2, 0};
+  s.restitution = 1;
+  s.damping = 0;
+  SoftBody* body = *system.createBody(test::pairNetwork(), s);
+  if (withCrumb) {
+    const double distance = double(body->point(0)->getCollisionShape()->getMargin()) + 0.006;
+    const btVector3 place = body->point(0)->getWorldTransform().getOrigin() + vec(0, distance + 0.1, 0);
+    addAwakeBox(bullet, 0.1, 1e-3, place)->setLinearVelocity(vec(0, -2, 0));
+  }
+  double most = -2;
+  for (int i = 0; i < 10 && most < 0; ++i) {
+    bullet.tick();
+    most = std::max(most, body->velocity(0).y());
+  }
+  return most;
+}
+
+TEST(RigidNeighbours, doNotTakeRestitutionFromWhatHitsTheFloorBesideThem) {
+  EXPECT_NEAR(rebound(false), 2.0, 1e-5);
+  EXPECT_NEAR(rebound(true), 2.0, 1e-2) << "the crumb of a thousandth of a body may be hit then";
+}
+
+/// A box of 10 kg on a plate on a cube, and another cube farther away, in the same system or in one of its own.
+struct StackBesideACube {
+  BulletWorld bullet;
+  SoftBodySystem first{*bullet.world}, second{*bullet.world};
+  SoftBody *carrier, *other;
+  btRigidBody* box;
+
+  explicit StackBesideACube(bool apart) {
+    bullet.addBoxFloor();
+    SoftBodySettings s = test::testedSettings();
+    s.extensionStiffness = s.compressionStiffness = 1e4;
+    s.damping = 10;
+    s.position = {0, 0.5 + test::kRadius, 0};
+    s.pointRadius = test::kRadius;
+    carrier = *first.createBody(test::fullCubeNetwork(), s);
+    s.position.x() = 5;
+    other = *(apart ? second : first).createBody(test::fullCubeNetwork(), s);
+    const double top = 1 + 2 * test::kRadius;
+    bullet.addBox(vec(0.7, 0.1, 0.7), 1.0, vec(0, top + 0.1, 0))->setActivationState(DISABLE_DEACTIVATION);
+    box = addAwakeBox(bullet, 0.4, 10.0, vec(0, top + 0.6, 0));
+    bullet.simulate(4.0);
+  }
+};
+
+TEST(RigidNeighbours, standAlikeInWorldsOfOneAndOfTwoSystems) {
+  const StackBesideACube one(false), two(true);
+  EXPECT_NEAR(heightOf(*two.box), heightOf(*one.box), 1e-6) << "rounding";
+  for (const SoftBody* body : {two.carrier, two.other}) {
+    const std::vector<SoftContact>& contacts = body->contacts();
+    for (std::size_t i = 0; i < contacts.size(); ++i)
+      for (std::size_t j = 0; j < i; ++j)
+        EXPECT_FALSE(contacts[i].other == contacts[j].other &&
+                     contacts[i].side.points == contacts[j].side.points)
+            << "told twice";
+  }
+}
+
+/// As BulletWorld, but manifolds, except for the first, are not from a pool: sanitizers see who reads one that
+/// is gone.
+struct WorldWithoutPool {
+  static btDefaultCollisionConstructionInfo info() {
+    btDefaultCollisionConstructionInfo info;
+    info.m_defaultMaxPersistentManifoldPoolSize = 1;
+    return info;
+  }
+  btDefaultCollisionConfiguration configuration{info()};
+  btCollisionDispatcher dispatcher{&configuration};
+  btDbvtBroadphase broadphase;
+  btSequentialImpulseConstraintSolver solver;
+  btDiscreteDynamicsWorld world{&dispatcher, &broadphase, &solver, &configuration};
+};
+
+/// A tetrahedron 0.6 m high.
+struct GImpactTetrahedron {
+  btVector3 corners[4] = {vec(-.3, -.3, -.3), vec(.3, -.3, -.3), vec(0, -.3, .3), vec(0, .3, 0)};
+  int triangles[12] = {0, 1, 2, 0, 3, 1, 1, 3, 2, 2, 3, 0};
+  btTriangleIndexVertexArray mesh{4, triangles, static_cast<int>(3 * sizeof(int)),
+                                  4, &corners[0][0], static_cast<int>(sizeof(btVector3))};
+  btGImpactMeshShape shape{&mesh};
+  GImpactTetrahedron() { shape.updateBound(); }
+};
+
+TEST(RigidNeighbours, ofGImpactShapesMayCarrySoftBodies) {
+  // its collision algorithm frees the manifold whenever it looks
+  WorldWithoutPool bullet;
+  bullet.world.setGravity(vec(0, -9.81, 0));
+  btGImpactCollisionAlgorithm::registerAlgorithm(&bullet.dispatcher);
+  btBoxShape ground(vec(10, 1, 10));
+  btRigidBody floor(0, nullptr, &ground, btVector3(0, 0, 0));
+  floor.setWorldTransform(btTransform(btQuaternion::getIdentity(), vec(0, -1, 0)));
+  bullet.world.addRigidBody(&floor);
+  btBoxShape brick(vec(0.2, 0.2, 0.2));
+  btRigidBody first(1, nullptr, &brick, vec(0.1, 0.1, 0.1));
+  first.setWorldTransform(btTransform(btQuaternion::getIdentity(), vec(5, 0.2, 0)));
+  bullet.world.addRigidBody(&first);
+  bullet.world.stepSimulation(btScalar(test::kTick), 0);
+  GImpactTetrahedron tetrahedron;
+  btVector3 inertia;
+  tetrahedron.shape.calculateLocalInertia(1, inertia);
+  btRigidBody rigid(1, nullptr, &tetrahedron.shape, inertia);
+  rigid.setWorldTransform(btTransform(btQuaternion::getIdentity(), vec(0, 0.3, 0)));
+  bullet.world.addRigidBody(&rigid);
+  {
+    SoftBodySystem system(bullet.world);
+    SoftBodySettings s = test::testedSettings();
+    s.position = {0, 1.2, 0};
+    s.collisionMask = 0;
+    SoftBody* cube = *system.createBody(test::cubeNetwork(), s);
+    ASSERT_TRUE(system.attach(cube, 0, rigid));
+    for (int i = 0; i < 60; ++i) bullet.world.stepSimulation(btScalar(test::kTick), 0);
+    EXPECT_GT(heightOf(rigid), 0.05) << "on the floor, upright or not";
+  }
+  for (btRigidBody* body : {&rigid, &first, &floor}) bullet.world.removeRigidBody(body);
+}
+
+}  // namespace
+}  // namespace limber

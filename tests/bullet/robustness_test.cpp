@@ -1,0 +1,438 @@
+// SPDX-License-Identifier: Zlib
+// Scenes at the edge of what is sensible: networks without springs, values that are not finite, links to the
+// wrong things, filters of all kinds, and shapes that change under a body at rest.
+#include "support/bullet_world.h"
+#include "support/constants.h"
+#include "support/networks.h"
+#include "support/tested_way.h"
+
+#include <limber/network_file.h>
+#include <limber/soft_body_system.h>
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+namespace limber {
+namespace {
+
+using test::BulletWorld;
+using test::kTick;
+
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+
+SoftBodySettings at(double height) {
+  SoftBodySettings s = test::testedSettings();
+  s.position = {0, height, 0};
+  return s;
+}
+
+// --- networks ----------------------------------------------------------------------------------------------
+
+/// Points in a row along x, no springs.
+SharedNetwork loosePoints(int count) {
+  auto network = std::make_shared<SpringNetwork>();
+  network->kind = NetworkKind::Rope;
+  for (int i = 0; i < count; ++i) network->restPoints.emplace_back(0.3 * i, 0.0, 0.0);
+  network->massShares.assign(static_cast<std::size_t>(count), 1.0 / count);
+  return network;
+}
+
+TEST(WithoutSprings, pointsFlyAndComeToRest) {
+  for (const int count : {1, 3})
+    for (const Stepper stepper : {Stepper::Auto, Stepper::ImplicitMidpoint, Stepper::BandedNewton}) {
+      BulletWorld bullet;
+      bullet.addBoxFloor();
+      SoftBodySystem system(*bullet.world);
+      SoftBodySettings s = at(0.5);
+      s.pointRadius = 0.05;
+      s.stepping.stepper = stepper;
+      const Result<SoftBody*> made = system.createBody(loosePoints(count), s);
+      ASSERT_TRUE(made) << made.error();
+      bullet.simulate(0.25);
+      // free fall, to Bullet's roundings
+      EXPECT_NEAR((*made)->centerOfMass().y(), 0.5 - 0.5 * 9.81 * 0.25 * 0.25, 0.03) << count;
+      bullet.simulate(1.5);
+      // the share of the radius that contacts may be deep
+      EXPECT_NEAR((*made)->centerOfMass().y(), 0.05, 0.005) << count;
+    }
+}
+
+TEST(WithoutSprings, pointsCarryARigidBody) {
+  if (!test::kSurface) GTEST_SKIP() << "the box meets points in Bullet's solver";
+  BulletWorld bullet;
+  bullet.addBoxFloor();
+  SoftBodySystem system(*bullet.world);
+  SoftBodySettings s = at(0.1);
+  s.pointRadius = 0.1;
+  ASSERT_TRUE(system.createBody(loosePoints(3), s));
+  btRigidBody* box = bullet.addBox(test::vec(0.5, 0.1, 0.02), 1.0, test::vec(0.3, 0.35, 0.0));
+  box->setAngularFactor(test::vec(0, 0, 1));
+  bullet.simulate(0.5);
+  EXPECT_GT(double(box->getWorldTransform().getOrigin().y()), 0.25) << "it would lie at 0.1 on the floor";
+}
+
+TEST(RestLengthZero, asksForNoMoreThanItsSpringConstantDoes) {
+  // two pairs of points, each pair in one place at rest, pulled apart and let go: they pass each other
+  auto network = std::make_shared<SpringNetwork>();
+  network->restPoints = {{0, 0, 0}, {0, 0, 0}, {1, 0, 0}, {1, 0, 0}};
+  network->massShares.assign(4, 0.25);
+  network->springs = {{0, 1}, {0, 2}, {2, 3}};
+  BulletWorld bullet(0.0);
+  SoftBodySystem system(*bullet.world);
+  const Result<SoftBody*> made = system.createBody(network, test::testedSettings());
+  ASSERT_TRUE(made) << made.error();
+  (*made)->point(1)->applyCentralImpulse(test::vec(1e-3, 1, 0));
+  int most = 0;
+  for (int i = 0; i < 60; ++i) {
+    bullet.tick();
+    most = std::max(most, (*made)->substeps());
+  }
+  EXPECT_LE(most, 1000);
+  EXPECT_TRUE(std::isfinite((*made)->kineticEnergy()));
+}
+
+// --- values that are not finite ----------------------------------------------------------------------------
+
+struct Given : testing::Test {
+  Given() {
+    bullet.addBoxFloor();
+    system.onWarning([this](const std::string& text) { warnings.push_back(text); });
+    body = *system.createBody(test::closedCubeNetwork(), at(2.0));
+    other = *system.createBody(test::closedCubeNetwork(), at(5.0));
+    bullet.simulate(0.1);
+  }
+  /// All well again: said once, the other body untouched, and the body falls and rests as if nothing was.
+  void expectRecovery() {
+    const double height = body->centerOfMass().y();
+    ASSERT_TRUE(std::isfinite(height));
+    bullet.tick();
+    EXPECT_EQ(warnings.size(), 1u);
+    EXPECT_EQ(body->restorations(), 1u);
+    EXPECT_EQ(other->restorations(), 0u);
+    bullet.simulate(3.0);
+    EXPECT_EQ(warnings.size(), 1u);
+    EXPECT_TRUE(body->alive());
+    EXPECT_TRUE(std::isfinite(body->kineticEnergy()));
+    EXPECT_NEAR(body->centerOfMass().y(), 0.5, 0.1);
+    EXPECT_GT(body->substeps() + body->sleeping(), 0);
+  }
+  BulletWorld bullet;
+  SoftBodySystem system{*bullet.world};
+  std::vector<std::string> warnings;
+  SoftBody *body, *other;
+};
+using NotFinite = Given;
+
+TEST_F(NotFinite, anImpulse) {
+  body->point(3)->applyCentralImpulse(test::vec(kNan, 0, 0));
+  bullet.tick();
+  expectRecovery();
+}
+
+TEST_F(NotFinite, aVelocityBeyondFloats) {
+  body->point(3)->setLinearVelocity(test::vec(0, 1e30, 0));
+  bullet.tick();
+  expectRecovery();
+}
+
+TEST_F(NotFinite, aPosition) {
+  body->point(3)->getWorldTransform().setOrigin(test::vec(0, HUGE_VAL, kNan));
+  bullet.tick();
+  expectRecovery();
+}
+
+TEST_F(NotFinite, aForce) {
+  body->point(3)->applyCentralForce(test::vec(0, kNan, 0));
+  bullet.tick();
+  expectRecovery();
+}
+
+TEST_F(NotFinite, readBeforeTheTick) {
+  body->point(3)->setLinearVelocity(test::vec(0, kNan, 0));
+  EXPECT_TRUE(std::isfinite(body->kineticEnergy()));
+  bullet.tick();
+  expectRecovery();
+}
+
+TEST(TooLarge, isRefused) {
+  BulletWorld bullet;
+  SoftBodySystem system(*bullet.world);
+  const auto refusal = [&](auto change) {
+    SoftBodySettings s = test::testedSettings();
+    change(s);
+    const Result<SoftBody*> made = system.createBody(test::cubeNetwork(), s);
+    return made ? std::string() : made.error();
+  };
+  EXPECT_EQ(refusal([](auto& s) { s.scale.setConstant(1e100); }),
+            "settings: scale.x is 1e+100, must be from -1e9 to 1e9");
+  EXPECT_EQ(refusal([](auto& s) { s.scale.y() = 1e-100; }),
+            "settings: scale.y is 1e-100, must be 1e-9 or more, or -1e-9 or less");
+  EXPECT_EQ(refusal([](auto& s) { s.position.z() = -1e30; }),
+            "settings: position.z is -1e+30, must be from -1e9 to 1e9");
+  EXPECT_EQ(refusal([](auto& s) { s.angularVelocity.z() = s.scale.x() = 1e9; }),
+            "point 0 would be, or move, beyond 1e9");
+  EXPECT_EQ(system.bodyCount(), 0u);
+}
+
+// --- links -------------------------------------------------------------------------------------------------
+
+TEST(WrongLinks, areRefused) {
+  BulletWorld bullet, elsewhere;
+  btRigidBody* box = bullet.addBox(btVector3(1, 1, 1), 1, btVector3(0, 5, 0));
+  SoftBodySystem system(*bullet.world), far(*elsewhere.world);
+  SoftBody* body = *system.createBody(test::cubeNetwork(), at(1));
+  SoftBody* theirs = *far.createBody(test::cubeNetwork(), at(1));
+  const std::string world = "the point mass belongs to a soft body in another world";
+  EXPECT_EQ(system.addSpring({body->point(0)}, {theirs->point(0)}).error(), world);
+  EXPECT_EQ(far.addSpring({body->point(0)}, {nullptr}).error(), world);
+  EXPECT_EQ(far.attach(body, 0, *box).error(), "the soft body is in another world");
+  EXPECT_EQ(system.addSpring({body->point(0), test::vec(1, 0, 0)}, {body->point(0)}).error(),
+            "both ends of the spring are the same place of one body");
+  EXPECT_EQ(system.addSpring({box, test::vec(kNan, 0, 0)}, {nullptr}).error(),
+            "a pivot of the spring is not finite");
+  if (test::kSurface) {
+    EXPECT_FALSE(system.addSpring({body->surfaceObject()}, {box}));
+    EXPECT_FALSE(system.addSpring({box}, {body->surfaceObject()}));
+    EXPECT_FALSE(system.attach(body, 0, *theirs->surfaceObject()));
+  }
+  EXPECT_EQ(system.springCount() + far.springCount(), 0u);
+  bullet.tick();
+  elsewhere.tick();
+}
+
+// --- filters -----------------------------------------------------------------------------------------------
+
+/// Keeps everything apart that has this object.
+struct Excluding final : btOverlapFilterCallback {
+  const btCollisionObject* object = nullptr;
+  bool needBroadphaseCollision(btBroadphaseProxy* a, btBroadphaseProxy* b) const override {
+    return a->m_clientObject != object && b->m_clientObject != object &&
+           (a->m_collisionFilterGroup & b->m_collisionFilterMask) &&
+           (b->m_collisionFilterGroup & a->m_collisionFilterMask);
+  }
+};
+
+TEST(OverlapFilter, isAskedForWhatSoftBodiesTouch) {
+  BulletWorld bullet;
+  Excluding filter;
+  bullet.world->getPairCache()->setOverlapFilterCallback(&filter);
+  filter.object = bullet.addBoxFloor();
+  SoftBodySystem system(*bullet.world);
+  SoftBodySettings s = at(2.0);
+  s.linearVelocity = {0, -30, 0};  // past what the broadphase has foreseen
+  SoftBody* body = *system.createBody(test::closedCubeNetwork(), s);
+  bullet.simulate(1.0);
+  // free fall to Bullet's roundings and its first half tick
+  EXPECT_NEAR(body->centerOfMass().y(), 2.0 - 30.0 - 0.5 * 9.81, 0.15);
+}
+
+TEST(OverlapFilter, keepsASleeperAsleep) {
+  BulletWorld bullet;
+  Excluding filter;
+  bullet.world->getPairCache()->setOverlapFilterCallback(&filter);
+  bullet.addBoxFloor();
+  SoftBodySystem system(*bullet.world);
+  SoftBodySettings s = at(0.52);
+  s.damping = 5.0;
+  SoftBody* body = *system.createBody(test::closedCubeNetwork(), s);
+  for (int i = 0; i < 600 && !body->sleeping(); ++i) bullet.tick();
+  ASSERT_TRUE(body->sleeping());
+  btRigidBody* bullets = bullet.addBox(test::vec(0.05, 0.05, 0.05), 1.0, test::vec(-5, 0.5, 0));
+  bullet.world->removeRigidBody(bullets);
+  filter.object = bullets;
+  bullet.world->addRigidBody(bullets);
+  bullets->setGravity(btVector3(0, 0, 0));
+  bullets->setLinearVelocity(btVector3(60, 0, 0));
+  for (int i = 0; i < 12; ++i) {
+    bullet.tick();
+    ASSERT_TRUE(body->sleeping()) << "tick " << i;
+  }
+  EXPECT_GT(double(bullets->getWorldTransform().getOrigin().x()), 5.0) << "it has flown through";
+}
+
+TEST(NoContactResponse, ofTheSoftBodyItselfIsHonoured) {
+  if (!test::kSurface) GTEST_SKIP() << "a point mass has a flag of its own, which Bullet honours";
+  BulletWorld bullet;
+  bullet.addBoxFloor();
+  btRigidBody* box = bullet.addBox(test::vec(0.2, 0.2, 0.2), 1.0, test::vec(0, 0.2, 0));
+  SoftBodySystem system(*bullet.world);
+  SoftBody* body = *system.createBody(test::closedCubeNetwork(), at(2.0));
+  body->surfaceObject()->setCollisionFlags(body->surfaceObject()->getCollisionFlags() |
+                                           btCollisionObject::CF_NO_CONTACT_RESPONSE);
+  bullet.simulate(1.0);
+  EXPECT_LT(body->centerOfMass().y(), -2.5);
+  EXPECT_NEAR(double(box->getWorldTransform().getOrigin().y()), 0.2, 0.01);
+}
+
+TEST(NoContactResponse, betweenSoftBodiesTheOrderOfCreationIsTheSame) {
+  if (!test::kSurface) GTEST_SKIP() << "a point mass has a flag of its own, which Bullet honours";
+  for (const bool lowerFirst : {true, false})
+    for (const bool ghostIsLower : {true, false}) {
+      BulletWorld bullet(0.0);
+      SoftBodySystem system(*bullet.world);
+      SoftBody* first = *system.createBody(test::closedCubeNetwork(), at(lowerFirst ? 0.0 : 1.3));
+      SoftBody* second = *system.createBody(test::closedCubeNetwork(), at(lowerFirst ? 1.3 : 0.0));
+      SoftBody *lower = lowerFirst ? first : second, *upper = lowerFirst ? second : first;
+      btRigidBody* ghost = (ghostIsLower ? lower : upper)->surfaceObject();
+      ghost->setCollisionFlags(ghost->getCollisionFlags() | btCollisionObject::CF_NO_CONTACT_RESPONSE);
+      for (std::uint32_t i = 0; i < upper->pointCount(); ++i)
+        upper->point(i)->setLinearVelocity(test::vec(0, -2, 0));
+      bullet.simulate(1.0);
+      EXPECT_EQ(lower->linearMomentum().norm(), 0.0) << lowerFirst << ghostIsLower;
+    }
+}
+
+// --- shapes that change ------------------------------------------------------------------------------------
+
+TEST(ChangedShape, aHullThatGrowsLiftsWhatRestsOnIt) {
+  BulletWorld bullet;
+  btRigidBody* floor = bullet.addHullFloor();
+  SoftBodySystem system(*bullet.world);
+  SoftBodySettings s = at(0.55);
+  s.damping = 5.0;
+  SoftBody* body = *system.createBody(test::closedCubeNetwork(), s);
+  body->point(0)->setActivationState(DISABLE_DEACTIVATION);
+  bullet.simulate(1.0);
+  const double before = body->centerOfMass().y();
+  btVector3 low, high, lowAfter, highAfter;
+  floor->getCollisionShape()->getAabb(floor->getWorldTransform(), low, high);
+  floor->getCollisionShape()->setLocalScaling(test::vec(1, 1.01, 1));
+  floor->getCollisionShape()->getAabb(floor->getWorldTransform(), lowAfter, highAfter);
+  bullet.simulate(3.0);
+  const double raised = double(highAfter.y() - high.y());
+  ASSERT_GT(raised, 0.004);
+  // a tenth of it: that is how far points may be deep in what pushes them out
+  EXPECT_NEAR(body->centerOfMass().y() - before, raised, 0.1 * raised);
+}
+
+TEST(ChangedShape, cornersMovedWithinTheBoundingBoxAreSeen) {
+  if (!test::kSurface) GTEST_SKIP() << "Bullet's own manifold keeps the contact, as under a rigid body";
+  BulletWorld bullet;
+  btRigidBody* floor = bullet.addHullFloor();
+  SoftBodySystem system(*bullet.world);
+  SoftBodySettings s = at(0.55);
+  s.damping = 5.0;
+  SoftBody* body = *system.createBody(test::closedCubeNetwork(), s);
+  body->point(0)->setActivationState(DISABLE_DEACTIVATION);
+  bullet.simulate(1.0);
+  const double before = body->centerOfMass().y();
+  // the bounding box stays, the top under the cube sinks by 0.1 m
+  auto& hull = *static_cast<btConvexHullShape*>(floor->getCollisionShape());
+  btVector3 low, high;
+  hull.getAabb(btTransform::getIdentity(), low, high);
+  for (int i = 0; i < hull.getNumPoints(); ++i)
+    if (hull.getUnscaledPoints()[i].y() > 0 && hull.getUnscaledPoints()[i].x() > 0)
+      hull.getUnscaledPoints()[i].setY(hull.getUnscaledPoints()[i].y() - btScalar(0.2));
+  bullet.simulate(0.2);
+  EXPECT_LT(body->centerOfMass().y(), before - 0.03);
+}
+
+TEST(ChangedShape, anIdThatTheBroadphaseUsesAgainIsAnotherObject) {
+  BulletWorld unused;
+  btDefaultCollisionConfiguration configuration;
+  btCollisionDispatcher dispatcher(&configuration);
+  btAxisSweep3 broadphase(btVector3(-100, -100, -100), btVector3(100, 100, 100));
+  btSequentialImpulseConstraintSolver solver;
+  btDiscreteDynamicsWorld world(&dispatcher, &broadphase, &solver, &configuration);
+  world.setGravity(btVector3(0, btScalar(-9.81), 0));
+  btConvexHullShape hull;
+  for (int i = 0; i < 8; ++i)
+    hull.addPoint(test::vec(i & 1 ? 5 : -5, i & 2 ? 0 : -1, i & 4 ? 5 : -5), i == 7);
+  SoftBodySystem system(world);
+  const auto floorAt = [&](double y) {
+    auto floor = std::make_unique<btRigidBody>(0, nullptr, &hull);
+    floor->getWorldTransform().setOrigin(test::vec(0, y, 0));
+    world.addRigidBody(floor.get());
+    return floor;
+  };
+  auto floor = floorAt(0.0);
+  SoftBodySettings s = at(0.56);
+  s.damping = 5.0;
+  SoftBody* body = *system.createBody(test::closedCubeNetwork(), s);
+  body->point(0)->setActivationState(DISABLE_DEACTIVATION);
+  for (int i = 0; i < 60; ++i) world.stepSimulation(btScalar(kTick), 0);
+  const int id = floor->getBroadphaseHandle()->m_uniqueId;
+  world.removeRigidBody(floor.get());
+  floor = floorAt(-0.5);
+  EXPECT_EQ(floor->getBroadphaseHandle()->m_uniqueId, id);
+  const double before = body->centerOfMass().y();
+  for (int i = 0; i < 12; ++i) world.stepSimulation(btScalar(kTick), 0);
+  // free fall over 0.2 s
+  EXPECT_NEAR(body->centerOfMass().y(), before - 0.5 * 9.81 * 0.2 * 0.2, 0.03);
+  system.removeAll();
+  world.removeRigidBody(floor.get());
+}
+
+// --- what the user sees between ticks ----------------------------------------------------------------------
+
+TEST(BetweenTicks, synchronizingMotionStatesLosesNoForce) {
+  BulletWorld bullet(0.0);
+  SoftBodySystem system(*bullet.world);
+  SoftBody* body = *system.createBody(test::cubeNetwork(), test::testedSettings());
+  for (int i = 0; i < 3; ++i) {
+    const double before = body->linearMomentum().x();
+    body->point(0)->applyCentralForce(btVector3(3, 0, 0));
+    bullet.world->synchronizeMotionStates();
+    body->point(1)->applyCentralForce(btVector3(2, 0, 0));
+    bullet.world->synchronizeMotionStates();
+    bullet.tick();
+    EXPECT_NEAR(body->linearMomentum().x() - before, 5 * kTick, 1e-6) << i;
+    // what a step without a tick has cleared is lost, as with Bullet's own bodies
+    body->point(0)->applyCentralForce(btVector3(100, 0, 0));
+    bullet.world->stepSimulation(0, 1);
+  }
+}
+
+TEST(BetweenTicks, massesAreThoseOfNow) {
+  BulletWorld bullet(0.0);
+  SoftBodySystem system(*bullet.world);
+  SoftBodySettings s = test::testedSettings();
+  s.totalMass = 8.0;
+  SoftBody* body = *system.createBody(test::cubeNetwork(), s);
+  body->point(0)->setMassProps(5, btVector3(0, 0, 0));
+  EXPECT_NEAR(body->totalMass(), 12.0, 1e-5);
+  body->pin(0);
+  EXPECT_NEAR(body->totalMass(), 7.0, 1e-5);
+  bullet.tick();
+  EXPECT_NEAR(body->totalMass(), 7.0, 1e-5);
+  body->unpin(0);
+  EXPECT_NEAR(body->totalMass(), 8.0, 1e-5);
+}
+
+TEST(BetweenTicks, whatIsReadDoesNotDependOnWhatWasReadBefore) {
+  BulletWorld bullet;
+  SoftBodySystem system(*bullet.world);
+  SoftBodySettings s = at(3);
+  s.collisionMask = 0;  // two in one place
+  SoftBody* a = *system.createBody(test::cubeNetwork(), s);
+  SoftBody* b = *system.createBody(test::cubeNetwork(), s);
+  for (SoftBody* body : {a, b}) body->point(0)->setLinearVelocity(test::vec(0.5, 0, 0));
+  bullet.simulate(0.2);
+  for (SoftBody* body : {a, b})
+    for (std::uint32_t i = 0; i < 8; ++i) body->point(i)->translate(test::vec(4, 0, 0));
+  EXPECT_GT(b->centerOfMass().x(), 3.9);
+  std::array<float, 24> first, second;
+  a->writePositions(first.data(), 0.5);
+  b->writePositions(second.data(), 0.5);
+  for (std::size_t i = 0; i < 24; ++i) EXPECT_NEAR(first[i], second[i], 1e-6) << i;
+  bullet.tick();
+  EXPECT_EQ(a->stateHash(), b->stateHash());
+}
+
+TEST(BetweenTicks, aSleeperWhosePointWasMovedWakesThoughItWasRead) {
+  if (!test::kSurface) GTEST_SKIP() << "the user wakes bodies of the world, as Bullet has it";
+  BulletWorld bullet(0.0);
+  SoftBodySystem system(*bullet.world);
+  SoftBody* body = *system.createBody(test::cubeNetwork(), test::testedSettings());
+  for (int i = 0; i < 600 && !body->sleeping(); ++i) bullet.tick();
+  ASSERT_TRUE(body->sleeping());
+  body->point(0)->translate(test::vec(0.2, 0, 0));
+  EXPECT_GT(body->centerOfMass().x(), 0.01);
+  bullet.tick();
+  EXPECT_FALSE(body->sleeping());
+}
+
+}  // namespace
+}  // namespace limber

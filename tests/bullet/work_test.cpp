@@ -1,0 +1,133 @@
+// SPDX-License-Identifier: Zlib
+// What a tick looks at is what is near, however much else there is. Work is counted, not timed.
+#include "support/bullet_measures.h"
+#include "support/bullet_world.h"
+#include "support/constants.h"
+#include "support/networks.h"
+#include "support/tested_way.h"
+
+#include <limber/soft_body_system.h>
+
+#include <gtest/gtest.h>
+
+namespace limber {
+namespace {
+
+using test::BulletWorld;
+using test::eigen;
+using test::kRadius;
+using test::vec;
+
+SoftBodySettings settingsAt(double x, double y) {
+  SoftBodySettings s = test::testedSettings();
+  s.position = {x, y, 0};
+  s.pointRadius = kRadius;
+  return s;
+}
+
+constexpr double kTile = 0.25;  // m
+
+/// How the boxes of a floor are put together.
+enum class Boxes { InTree, InList, InRowsOfTrees };
+
+btTransform at(double x, double y, double z) {
+  btTransform pose = btTransform::getIdentity();
+  pose.setOrigin(vec(x, y, z));
+  return pose;
+}
+
+/// A compound of side x side boxes with their tops at y = 0; their middle is the origin.
+std::unique_ptr<btCompoundShape> makeTiles(BulletWorld& bullet, int side, Boxes how) {
+  bullet.shapes.push_back(std::make_unique<btBoxShape>(vec(kTile / 2, 0.05, kTile / 2)));
+  btCollisionShape* tile = bullet.shapes.back().get();
+  auto tiles = std::make_unique<btCompoundShape>(how != Boxes::InList);
+  const double first = -0.5 * (side - 1) * kTile;
+  for (int i = 0; i < side; ++i) {
+    btCompoundShape* row = tiles.get();
+    if (how == Boxes::InRowsOfTrees) {
+      bullet.shapes.push_back(std::make_unique<btCompoundShape>());
+      row = static_cast<btCompoundShape*>(bullet.shapes.back().get());
+    }
+    for (int j = 0; j < side; ++j) row->addChildShape(at(first + kTile * i, -0.05, first + kTile * j), tile);
+    if (row != tiles.get()) tiles->addChildShape(btTransform::getIdentity(), row);
+  }
+  return tiles;
+}
+
+/// The tiles that a cube of a metre can meet, with the quarter of a metre around it in which surfaces are
+/// looked for that are deep in each other.
+constexpr std::size_t kNear = 8 * 8;
+
+TEST(SurfaceWork, ofACompoundThePartsThatAreNearAreLookedAt) {
+  for (const Boxes how : {Boxes::InTree, Boxes::InList, Boxes::InRowsOfTrees}) {
+    SCOPED_TRACE(static_cast<int>(how));
+    BulletWorld bullet;
+    bullet.add(makeTiles(bullet, 100, how), 0, vec(0, 0, 0));
+    SoftBodySystem system(*bullet.world);
+    SoftBody* cube = *system.createBody(test::closedCubeNetwork(), settingsAt(0.06, 0.5 + kRadius));
+    for (int i = 0; i < 5; ++i) bullet.tick();
+    EXPECT_GE(system.profile().rigidParts, 16u) << "the tiles under it";
+    EXPECT_LE(system.profile().rigidParts, kNear);
+    EXPECT_GT(test::lowest(*cube), 0.5 * kRadius) << "it lies on them";
+  }
+}
+
+TEST(SurfaceWork, bodiesShareTheParts) {
+  BulletWorld bullet;
+  bullet.add(makeTiles(bullet, 20, Boxes::InTree), 0, vec(0, 0, 0));
+  SoftBodySystem system(*bullet.world);
+  for (int i = 0; i < 3; ++i)
+    ASSERT_TRUE(system.createBody(test::closedCubeNetwork(), settingsAt(0.06, 0.5 + kRadius + 1.01 * i)));
+  bullet.tick();
+  EXPECT_LE(system.profile().rigidParts, kNear);
+}
+
+TEST(SurfaceWork, ofACompoundThatMovesThePartsThatAreNearAreLookedAt) {
+  BulletWorld bullet(0.0);
+  btRigidBody* plate = bullet.add(makeTiles(bullet, 40, Boxes::InTree), 100, vec(0, 0, 0));
+  plate->setActivationState(DISABLE_DEACTIVATION);
+  plate->setLinearVelocity(vec(0, 3, 0));
+  SoftBodySystem system(*bullet.world);
+  SoftBody* cube = *system.createBody(test::closedCubeNetwork(), settingsAt(0.06, 0.6));
+  for (int i = 0; i < 20; ++i) {
+    bullet.tick();
+    EXPECT_LE(system.profile().rigidParts, kNear);
+  }
+  const double top = double(plate->getWorldTransform().getOrigin().y());
+  EXPECT_GT(top, 0.4) << "it has reached the cube";
+  EXPECT_GT(test::lowest(*cube), top) << "and pushes it";
+}
+
+/// Where a free cube is half a second after it was hit by a fast, spinning plate of this shape.
+Eigen::Vector3d afterBlowOf(bool compound) {
+  BulletWorld bullet(0.0);
+  auto box = std::make_unique<btBoxShape>(vec(1.0, 0.1, 0.3));
+  btVector3 inertia;
+  box->calculateLocalInertia(2, inertia);
+  std::unique_ptr<btCollisionShape> shape = std::move(box);
+  if (compound) {
+    auto parent = std::make_unique<btCompoundShape>();
+    parent->addChildShape(btTransform::getIdentity(), shape.get());
+    bullet.shapes.push_back(std::move(shape));
+    shape = std::move(parent);
+  }
+  btRigidBody* plate = bullet.add(std::move(shape), 2, vec(0.2, -1.2, 0.1));
+  plate->setMassProps(2, inertia);
+  plate->updateInertiaTensor();
+  plate->setLinearVelocity(vec(0, 12, 0));
+  plate->setAngularVelocity(vec(0, 0, 12));
+  SoftBodySystem system(*bullet.world);
+  SoftBody* cube = *system.createBody(test::closedCubeNetwork(), settingsAt(0, 0));
+  for (int i = 0; i < 30; ++i) bullet.tick();
+  return cube->centerOfMass();
+}
+
+TEST(SurfaceWork, whatComesFastAndTurningIsNear) {
+  const Eigen::Vector3d alone = afterBlowOf(false), inCompound = afterBlowOf(true);
+  EXPECT_GT(alone.norm(), 0.5) << "it was hit";
+  // the same numbers up to the rounding of a product of two transforms
+  EXPECT_LT((alone - inCompound).norm(), 1e-4);
+}
+
+}  // namespace
+}  // namespace limber
