@@ -1,0 +1,403 @@
+// SPDX-License-Identifier: Zlib
+#include "fuzz/generator.h"
+
+#include "fuzz/bullet_shapes.h"
+#include "fuzz/dice.h"
+#include "fuzz/networks.h"
+
+#include <algorithm>
+
+namespace limber::fuzz {
+namespace {
+
+using Eigen::Vector3d;
+
+/// Writes the story of one seed.
+class Writer {
+ public:
+  explicit Writer(std::uint64_t seed) : dice_(seed) { story_.seed = seed; }
+  Story write();
+
+ private:
+  Step& add(Kind kind, int at = -1) {
+    story_.steps.emplace_back(kind, at);
+    return story_.steps.back();
+  }
+  Step& addObject(Kind kind, int at = -1) {
+    Step& step = add(kind, at);
+    step.id = ++lastId_;
+    return step;
+  }
+  bool wild() const { return promise_ == "wild"; }
+  void chooseAny(Step& step, const char* field);
+
+  void world();
+  void time();
+  void floor();
+  void rigid(int at = -1);
+  void soft(int at = -1);
+  void softMaterial(Step& step);
+  void softStepping(Step& step);
+  void others();
+  void joint(int at = -1);
+  void user(int frames);
+  void userStep(int at);
+  void userOnPoints(Step& step);
+  void userOnRigid(Step& step);
+  Kind userKind();
+  void spring(int at);
+  Vector3d freePlace(double radius, double lowest);
+  Vector3d turn() { return dice_.chance(0.5) ? Vector3d(0, 0, 0) : dice_.ball(2.0); }
+  int any(const std::vector<int>& ids) {
+    return ids.empty() ? 0 : ids[static_cast<std::size_t>(dice_.below(static_cast<int>(ids.size())))];
+  }
+  int anything() { return dice_.chance(0.6) ? any(softs_) : any(rigids_); }
+
+  struct Ball {
+    Vector3d centre;
+    double radius;
+  };
+
+  Dice dice_;
+  Story story_;
+  std::string promise_;
+  int lastId_ = 0, systems_ = 1, frames_ = 60;
+  std::vector<int> rigids_, softs_, others_, springs_;
+  std::vector<Ball> taken_;
+};
+
+void Writer::chooseAny(Step& step, const char* field) {
+  for (const Field& f : fieldsOf(step.kind))
+    if (f.name == field) step.set(field, dice_.below(static_cast<int>(f.choices.size())));
+}
+
+/// Clear of what is already there, if there is such a place within some tries.
+Vector3d Writer::freePlace(double radius, double lowest) {
+  Vector3d place;
+  const bool anywhere = wild() && dice_.chance(0.1);
+  for (int tries = 0; tries < 50; ++tries) {
+    const double reach = 1.0 + 0.05 * tries;
+    place = dice_.box({-reach, lowest, -reach}, {reach, lowest + 2.0 * reach, reach});
+    const bool clear = std::all_of(taken_.begin(), taken_.end(), [&](const Ball& other) {
+      return (other.centre - place).norm() > other.radius + radius;
+    });
+    if (anywhere || clear) break;
+  }
+  taken_.push_back({place, radius});
+  return place;
+}
+
+void Writer::world() {
+  Step& s = add(Kind::World);
+  promise_ = dice_.of<std::string>({"wild", "wild", "wild", "wild", "closed", "closed", "gentle", "gentle"});
+  s.choose("promise", promise_).set("gravity", Vector3d(0, -9.81, 0));
+  chooseAny(s, "teardown");
+  if (promise_ == "gentle") return;
+  chooseAny(s, "broadphase");
+  if (dice_.chance(0.2)) chooseAny(s, "kind");
+  if (dice_.chance(0.2)) chooseAny(s, "solver");
+  if (dice_.chance(0.2)) s.set("systems", systems_ = 2);
+  if (!wild()) return;
+  if (dice_.chance(0.15)) s.set("gravity", dice_.ball(10));
+  if (dice_.chance(0.1)) s.set("manual", 1);
+  if (dice_.chance(0.2)) s.set("action-first", 1);
+  if (dice_.chance(0.4)) s.set("listener", 1);
+  if (dice_.chance(0.3)) s.set("report", 1);
+  if (dice_.chance(0.3)) s.set("tick", 1);
+  if (dice_.chance(0.2)) s.set("fast-spheres", 1);
+  if (dice_.chance(0.2)) s.set("no-latency", 1);
+  if (dice_.chance(0.2)) s.set("split-impulse", 0);
+  if (dice_.chance(0.2)) s.set("ordered-pairs", 1);
+}
+
+void Writer::time() {
+  Step& s = add(Kind::Time);
+  frames_ = dice_.between(15, 70);
+  const double dt = dice_.of({0.0166667, 0.0166667, 0.0166667, 0.0333333, 0.0666667, 0.00833333, 0.00416667});
+  // shorter ticks, more of them, as long a time
+  if (dt < 0.01) frames_ *= 2;
+  s.set("frames", frames_).set("dt", dt).set("fixed", dt);
+  if (!wild()) return;
+  if (dice_.chance(0.3)) {
+    s.set("sub-steps", dice_.of({1, 3, 10}));
+    s.set("fixed", dice_.of({dt, 0.0166667, 0.01, 0.00416667}));
+  }
+  if (dice_.chance(0.2)) s.set("jitter", dice_.number(0.1, 0.9));
+}
+
+void Writer::floor() {
+  if (wild() && dice_.chance(0.15)) return;
+  Step& s = addObject(Kind::Floor);
+  chooseAny(s, "kind");
+  if (promise_ == "gentle" && s.choice("kind") == "gimpact") s.choose("kind", "plane");
+  s.set("cell", dice_.of({1.0, 1.0, 0.5, 2.0, 6.0})).set("friction", dice_.of({0.5, 0.5, 0.0, 1.0}));
+  if (dice_.chance(0.2)) s.set("restitution", dice_.number(0, 1));
+  if (wild() && dice_.chance(0.15)) s.set("rotation", dice_.ball(0.4));
+  if (wild()) rigids_.push_back(s.id);
+}
+
+// --- objects -----------------------------------------------------------------------------------------------
+
+void Writer::rigid(int at) {
+  Step& s = addObject(Kind::Rigid, at);
+  chooseAny(s, "shape");
+  if (!wild() && s.choice("shape") == "gimpact") s.choose("shape", "box");
+  const Vector3d size = dice_.box({0.1, 0.1, 0.1}, {0.6, 0.6, 0.6});
+  s.set("size", size).set("variant", dice_.below(60));
+  const std::string motion = wild() ? dice_.of<std::string>({"dynamic", "dynamic", "dynamic", "static", "kinematic",
+                                                             "kinematic-kept", "kinematic-state"})
+                                    : dice_.of<std::string>({"dynamic", "dynamic", "static"});
+  s.choose("motion", motion);
+  const OwnedShape shape = makeShape(s.choice("shape"), size, s.whole("variant"));
+  s.set("mass", dice_.decades(0.1, wild() ? 100 : 10));
+  s.set("position", freePlace(std::min(shape.radius, 2.0), std::min(shape.radius, 2.0) + 0.05));
+  if (!wild() && shape.fixed) s.set("position", Vector3d(0, -0.6, 0));
+  s.set("rotation", turn());
+  if (motion != "static") s.set("velocity", dice_.ball(motion == "dynamic" ? 5 : 3));
+  if (motion != "static" && dice_.chance(0.4)) s.set("spin", dice_.ball(5));
+  s.set("friction", dice_.of({0.5, 0.0, 1.0}));
+  if (dice_.chance(0.2)) s.set("restitution", dice_.number(0, 1));
+  rigids_.push_back(s.id);
+  if (!wild()) return;
+  if (dice_.chance(0.1)) s.set("rolling", dice_.number(0, 0.5));
+  if (dice_.chance(0.1)) s.set("ccd", 1);
+  if (dice_.chance(0.07)) s.set("no-response", 1);
+  if (dice_.chance(0.2)) s.set("no-sleep", 1);
+  if (dice_.chance(0.1)) s.set("damping", dice_.number(0, 0.9));
+  if (dice_.chance(0.1)) s.set("group", dice_.of({1, 2, 4, 64})).set("mask", dice_.of({-1, 1, 3, 66}));
+}
+
+/// m, of a sphere around the origin.
+double networkRadius(const SpringNetwork& network, const Vector3d& scale) {
+  double radius = 0.0;
+  for (const Vector3d& p : network.restPoints) radius = std::max(radius, p.cwiseProduct(scale).norm());
+  return radius;
+}
+
+void Writer::soft(int at) {
+  Step& s = addObject(Kind::Soft, at);
+  chooseAny(s, "network");
+  const bool rigidEnough = promise_ != "gentle" || s.choice("network") != "points";
+  if (!rigidEnough) s.choose("network", "cube");
+  double size = dice_.of({1.0, 1.0, 0.5, 0.7});
+  if (wild() && dice_.chance(0.05)) size = dice_.decades(0.01, 5);
+  Vector3d scale = Vector3d::Constant(size);
+  if (dice_.chance(0.2)) scale = Dice::rounded(Vector3d(scale.cwiseProduct(dice_.box({0.6, 0.6, 0.6}, {1.2, 1.2, 1.2}))));
+  if (dice_.chance(0.15)) scale[dice_.below(3)] *= -1;
+  s.set("scale", scale);
+  const double radius = networkRadius(*networkNamed(s.choice("network")), scale) + 0.05;
+  s.set("position", freePlace(radius, radius));
+  s.set("rotation", turn());
+  if (dice_.chance(0.7)) s.set("velocity", dice_.ball(dice_.of({1.0, 5.0, 10.0})));
+  if (dice_.chance(0.3)) s.set("spin", dice_.ball(6));
+  if (systems_ == 2) s.set("system", dice_.below(2));
+  if (dice_.chance(0.25)) s.choose("collision", "points");
+  else if (dice_.chance(0.25)) s.set("self", 1);
+  softMaterial(s);
+  softStepping(s);
+  softs_.push_back(s.id);
+  if (!wild()) return;
+  if (dice_.chance(0.1)) s.set("group", dice_.of({1, 2, 64})).set("mask", dice_.of({-1, 3, 66}));
+  if (dice_.chance(0.3)) s.set("shared", 1);
+}
+
+void Writer::softMaterial(Step& s) {
+  const double stiffness = dice_.decades(50, wild() && dice_.chance(0.1) ? 1e8 : 2e4);
+  s.set("extension", stiffness).set("compression", stiffness);
+  if (dice_.chance(0.15)) s.set("compression", dice_.of({0.0, Dice::rounded(0.1 * stiffness)}));
+  s.set("damping", dice_.chance(0.3) ? 0.0 : dice_.decades(0.01, wild() ? 100 : 10));
+  s.set("mass", dice_.decades(0.1, 10));
+  if (dice_.chance(0.25)) s.set("volume", dice_.chance(0.5) ? 0.0 : dice_.decades(10, 1e5));
+  if (dice_.chance(0.1)) s.set("pressure", dice_.decades(1, 1000));
+  s.set("friction", dice_.of({0.5, 0.5, 0.0, 1.0}));
+  if (dice_.chance(0.25)) s.set("restitution", dice_.number(0, 1));
+  if (dice_.chance(0.15)) s.set("ccd", 0);
+  if (dice_.chance(0.15)) s.set("radius", dice_.number(0.01, 0.08));
+  if (!wild()) return;
+  if (dice_.chance(0.1)) s.set("stiffen", dice_.number(0.05, 0.3)).set("stiffen-factor", dice_.number(1, 20));
+  if (dice_.chance(0.1)) s.set("yield", dice_.number(0.05, 0.3));
+  if (dice_.chance(0.1)) s.set("break", dice_.number(0.1, 1));
+}
+
+void Writer::softStepping(Step& s) {
+  if (dice_.chance(0.2)) chooseAny(s, "stepper");
+  if (dice_.chance(0.15)) s.set("at-least", dice_.of({1, 2, 10, 20}));
+  if (dice_.chance(0.1)) s.set("period", dice_.of({1e-3, 0.01, 0.2}));
+  if (dice_.chance(0.05)) s.set("tolerance", dice_.decades(1e-4, 0.1));
+  if (dice_.chance(0.05)) s.set("relative", dice_.decades(1e-3, 0.1));
+  if (dice_.chance(0.15)) s.set("budget", dice_.of({1, 4, 16, 64}));
+}
+
+void Writer::joint(int at) {
+  if (rigids_.size() < 2) return;
+  Step& s = addObject(Kind::Joint, at);
+  chooseAny(s, "kind");
+  s.set("a", any(rigids_)).set("b", dice_.chance(0.3) ? 0 : any(rigids_)).set("pivot-a", dice_.ball(0.5));
+  if (dice_.chance(0.2)) s.set("collide", 1);
+  if (dice_.chance(0.2)) s.set("motor", dice_.number(-5, 5));
+  if (dice_.chance(0.3)) s.set("low", dice_.number(-1, 0)).set("high", dice_.number(0, 1));
+  if (dice_.chance(0.1)) s.set("break", dice_.number(0.1, 5));
+  others_.push_back(s.id);
+}
+
+/// What a scene has besides rigid and soft bodies.
+void Writer::others() {
+  if (dice_.chance(0.25)) {
+    story_.steps[0].choose("kind", "multi-body").choose("solver", "sequential");
+    Step& s = addObject(Kind::MultiBody);
+    chooseAny(s, "joint");
+    s.set("links", dice_.between(1, 3)).set("fixed-base", dice_.below(2)).set("position", freePlace(0.8, 0.8));
+    s.set("rotation", turn()).set("mass", dice_.decades(0.1, 10));
+  }
+  if (dice_.chance(0.1)) {
+    Step& s = addObject(Kind::Ghost);
+    s.set("position", dice_.box({-1, 0, -1}, {1, 2, 1})).set("pairs", dice_.below(2));
+    others_.push_back(s.id);
+  }
+  if (dice_.chance(0.12)) {
+    Step& s = addObject(Kind::Character);
+    s.set("position", freePlace(0.7, 0.75)).set("walk", Vector3d(dice_.number(-2, 2), 0, dice_.number(-2, 2)));
+    others_.push_back(s.id);
+  }
+  if (dice_.chance(0.08)) {
+    Step& s = addObject(Kind::Vehicle);
+    s.set("size", Vector3d(0.4, 0.2, 0.7)).set("position", freePlace(0.9, 0.9)).set("engine", dice_.number(-20, 20));
+    s.set("velocity", Vector3d(0, 0, dice_.number(-5, 5)));
+    rigids_.push_back(s.id);
+  }
+  for (int i = dice_.chance(0.3) ? dice_.between(1, 3) : 0; i > 0; --i) joint();
+}
+
+// --- the user ----------------------------------------------------------------------------------------------
+
+void Writer::spring(int at) {
+  Step& s = addObject(Kind::Spring, at);
+  s.set("a", anything()).set("b", dice_.chance(0.2) ? 0 : anything());
+  s.set("point-a", dice_.below(200)).set("point-b", dice_.below(200));
+  s.set("pivot-a", dice_.ball(0.3)).set("pivot-b", dice_.chance(0.5) ? dice_.ball(0.3) : Vector3d(0, 2, 0));
+  s.set("stiffness", dice_.decades(1e-3, 1e5)).set("damping", dice_.chance(0.5) ? 0.0 : dice_.decades(0.01, 100));
+  if (dice_.chance(0.3)) s.set("rest", dice_.of({0.0, 0.5, 1.0}));
+  chooseAny(s, "action");
+  if (systems_ == 2) s.set("system", dice_.below(2));
+  springs_.push_back(s.id);
+}
+
+Kind Writer::userKind() {
+  // the likelier ones are named more often
+  return dice_.of({Kind::ChangeSpring, Kind::Attach, Kind::Attach, Kind::Attach, Kind::Detach, Kind::Forget,
+                   Kind::Pin, Kind::Pin, Kind::MovePin, Kind::MovePin, Kind::Unpin, Kind::Push, Kind::Push,
+                   Kind::Push, Kind::Velocity, Kind::Velocity, Kind::Teleport, Kind::Teleport, Kind::Teleport,
+                   Kind::Destroy, Kind::Destroy, Kind::Destroy, Kind::Destroy, Kind::Leave, Kind::Leave, Kind::Enter,
+                   Kind::Flags, Kind::Flags, Kind::Mass, Kind::Material, Kind::Filter, Kind::OverlapFilter,
+                   Kind::Shape, Kind::Shape, Kind::Scaling, Kind::Scaling, Kind::Gravity, Kind::Listener,
+                   Kind::Report, Kind::Look, Kind::Look, Kind::Ray, Kind::Sleep, Kind::Sync, Kind::Hook,
+                   Kind::Clock, Kind::System});
+}
+
+void Writer::userOnPoints(Step& s) {
+  const int point = dice_.below(200);
+  switch (s.kind) {
+    case Kind::Attach:
+      s.set("of", any(softs_)).set("to", any(rigids_)).set("point", point);
+      if (dice_.chance(0.2)) s.set("pivoted", 1).set("pivot", dice_.ball(0.3));
+      break;
+    case Kind::Detach: case Kind::Pin: case Kind::Unpin: s.set("of", any(softs_)).set("point", point); break;
+    case Kind::MovePin: s.set("of", any(softs_)).set("point", point).set("by", dice_.ball(0.3)); break;
+    case Kind::Push:
+      s.set("of", anything()).set("push", dice_.ball(5)).set("off", dice_.ball(0.3));
+      chooseAny(s, "kind");
+      if (dice_.chance(0.6)) s.set("point", point);
+      break;
+    case Kind::Velocity:
+      s.set("of", anything()).set("velocity", dice_.ball(8)).set("spin", dice_.ball(5));
+      if (dice_.chance(0.5)) s.set("point", point);
+      break;
+    default:
+      s.set("of", anything()).set("by", dice_.ball(dice_.of({0.1, 1.0, 3.0}))).set("rotation", turn());
+      if (dice_.chance(0.2)) s.set("point", point);
+      chooseAny(s, "how");
+  }
+}
+
+void Writer::userOnRigid(Step& s) {
+  switch (s.kind) {
+    case Kind::Flags:
+      chooseAny(s, "flag");
+      s.set("of", anything()).set("on", dice_.chance(0.7));
+      break;
+    case Kind::Mass: s.set("of", any(rigids_)).set("mass", dice_.decades(0.1, 100)); break;
+    case Kind::Material:
+      s.set("of", anything()).set("friction", dice_.number(0, 1)).set("restitution", dice_.number(0, 1));
+      break;
+    case Kind::Filter:
+      s.set("of", anything()).set("group", dice_.of({1, 2, 64})).set("mask", dice_.of({-1, 0, 1, 66}));
+      s.set("in-place", dice_.below(2));
+      break;
+    case Kind::Shape:
+      chooseAny(s, "shape");
+      s.set("of", any(rigids_)).set("size", dice_.box({0.1, 0.1, 0.1}, {0.6, 0.6, 0.6})).set("variant", dice_.below(60));
+      break;
+    case Kind::Scaling:
+      s.set("of", any(rigids_)).set("scale", dice_.chance(0.5) ? Vector3d(Vector3d::Constant(dice_.number(0.5, 1.5)))
+                                                               : dice_.box({0.5, 0.5, 0.5}, {1.5, 1.5, 1.5}));
+      break;
+    default: break;
+  }
+}
+
+void Writer::userStep(int at) {
+  if (dice_.chance(0.12)) return spring(at);
+  if (dice_.chance(0.05)) return rigid(at);
+  if (dice_.chance(0.05)) return soft(at);
+  if (dice_.chance(0.03)) return joint(at);
+  Step s(userKind(), at);
+  if (s.kind >= Kind::Attach && s.kind <= Kind::Teleport && s.kind != Kind::Forget) userOnPoints(s);
+  else if (s.kind >= Kind::Flags && s.kind <= Kind::Scaling) userOnRigid(s);
+  else if (s.kind == Kind::ChangeSpring) s.set("of", any(springs_)).set("stiffness", dice_.decades(1, 1e5));
+  else if (s.kind == Kind::Forget || s.kind == Kind::Enter) s.set("of", any(rigids_));
+  else if (s.kind == Kind::Destroy || s.kind == Kind::Leave)
+    s.set("of", dice_.chance(0.8) || others_.empty() ? anything() : any(others_));
+  if (s.kind == Kind::Destroy && dice_.chance(0.1) && !springs_.empty()) s.set("of", any(springs_));
+  if (s.kind == Kind::Destroy) chooseAny(s, "how");
+  if (s.kind == Kind::Leave && dice_.chance(0.2)) s.set("point", dice_.below(200));
+  if (s.kind == Kind::OverlapFilter) s.set("on", dice_.chance(0.8)).set("parity", dice_.chance(0.4));
+  if (s.kind == Kind::Gravity) s.set("gravity", dice_.ball(12)).set("of", dice_.chance(0.3) ? any(rigids_) : 0);
+  if (s.kind == Kind::Listener || s.kind == Kind::Report) s.set("on", dice_.below(2));
+  if (s.kind == Kind::Look || s.kind == Kind::Ray || s.kind == Kind::Sync || s.kind == Kind::Hook) chooseAny(s, "what");
+  if (s.kind == Kind::Look) s.set("of", any(softs_)).set("fraction", dice_.of({0.0, 0.5, 1.0, 1.4}));
+  if (s.kind == Kind::Ray) s.set("of", anything()).set("from", dice_.ball(4)).set("to", dice_.ball(2));
+  if (s.kind == Kind::Sleep) s.set("of", anything()), chooseAny(s, "state");
+  if (s.kind == Kind::System) s.set("system", dice_.below(2)), chooseAny(s, "what");
+  if (s.kind == Kind::Clock)
+    s.set("dt", dice_.of({0.0166667, 0.0333333, 0.00416667, 0.001})).set("sub-steps", dice_.of({0, 1, 5}));
+  if (dice_.chance(0.35)) s.phase = dice_.of({Phase::PreTick, Phase::Tick, Phase::Listener, Phase::Action});
+  if (s.phase == Phase::Tick) story_.steps[0].set("tick", 1);
+  if (s.phase == Phase::Listener) story_.steps[0].set("listener", 1);
+  story_.steps.push_back(s);
+}
+
+void Writer::user(int frames) {
+  const int count = dice_.chance(0.2) ? 0 : dice_.between(1, 14);
+  std::vector<int> when;
+  for (int i = 0; i < count; ++i) when.push_back(dice_.chance(0.15) ? 0 : dice_.below(frames));
+  std::sort(when.begin(), when.end());
+  for (const int at : when) userStep(at);
+}
+
+Story Writer::write() {
+  world();
+  time();
+  floor();
+  const bool gentle = promise_ == "gentle";
+  for (int i = gentle ? 0 : dice_.below(6); i > 0; --i) rigid();
+  for (int i = dice_.of({1, 1, 1, 2, 2, 3}); i > 0; --i) soft();
+  if (wild()) others();
+  if (wild()) user(frames_);
+  return std::move(story_);
+}
+
+}  // namespace
+
+Story makeStory(std::uint64_t seed) { return Writer(seed).write(); }
+
+}  // namespace limber::fuzz

@@ -1,0 +1,121 @@
+// SPDX-License-Identifier: Zlib
+// limber_fuzz: random worlds, each with soft bodies in them and a user who does what users do.
+#include "fuzz/campaign.h"
+#include "fuzz/generator.h"
+
+#include <CLI/CLI.hpp>
+
+#include <cstdio>
+#include <fstream>
+#include <sstream>
+
+#if defined(__SANITIZE_ADDRESS__)
+extern "C" const char* __asan_default_options() { return "halt_on_error=1:detect_leaks=0"; }
+extern "C" const char* __ubsan_default_options() { return "halt_on_error=1:print_stacktrace=1"; }
+#endif
+
+namespace {
+
+using namespace limber::fuzz;
+
+/// What every test run plays. Its neighbours fail by defects that are known and open.
+const char* const kTestedSeeds = "27..45";
+
+struct Options {
+  std::string seeds, replay, out;
+  bool shrinks = false, prints = false, here = false, traces = false;
+  int jobs = 1;
+  double seconds = 30.0;
+};
+
+/// A..B, or one.
+std::pair<std::uint64_t, std::uint64_t> rangeOf(const std::string& text) {
+  const std::size_t dots = text.find("..");
+  const std::uint64_t first = std::strtoull(text.c_str(), nullptr, 10);
+  return {first, dots == std::string::npos ? first : std::strtoull(text.c_str() + dots + 2, nullptr, 10)};
+}
+
+std::string firstLine(const std::string& text) { return text.substr(0, text.find('\n')); }
+
+void report(const Options& options, const Story& story, const Verdict& verdict) {
+  std::printf("seed %llu: %s: %s\n", static_cast<unsigned long long>(story.seed), verdict.law.c_str(),
+              verdict.law == "crash" ? verdict.detail.c_str() : firstLine(verdict.detail).c_str());
+  if (!options.shrinks) return;
+  const Story small = shrink(story, verdict, options.jobs, options.seconds);
+  std::printf("shrunken:\n%s\n", toText(small).c_str());
+  if (options.out.empty()) return;
+  std::ofstream file(options.out + "/" + std::to_string(story.seed) + ".story");
+  file << "// " << verdict.law << ": " << firstLine(verdict.detail) << "\n" << toText(small);
+}
+
+int runSeeds(const Options& options) {
+  const auto [first, last] = rangeOf(options.seeds);
+  std::size_t failures = 0;
+  // some at a time: a story takes memory
+  for (std::uint64_t begin = first; begin <= last; begin += 64) {
+    std::vector<Story> stories;
+    for (std::uint64_t seed = begin; seed <= std::min(last, begin + 63); ++seed) stories.push_back(makeStory(seed));
+    std::vector<std::pair<std::size_t, Verdict>> failed;
+    judge(stories, options.jobs, options.seconds, [&](std::size_t i, const Verdict& verdict) {
+      if (verdict.failed()) failed.emplace_back(i, verdict);
+    });
+    for (const auto& [i, verdict] : failed) report(options, stories[i], verdict);
+    failures += failed.size();
+    std::fflush(stdout);
+  }
+  std::printf("%llu stories, %zu failed\n", static_cast<unsigned long long>(last - first + 1), failures);
+  return failures > 0;
+}
+
+void trace(const Story& story) {
+  const Run run = play(story);
+  for (std::size_t i = 0; i < run.frames.size(); ++i) {
+    std::printf("%4ld %12.6f J%s", static_cast<long>(i) - 1, run.frames[i].energy, run.frames[i].near ? " near" : "");
+    for (const auto& [id, points] : run.frames[i].soft) {
+      const Eigen::Vector3d mean = points.rowwise().mean();
+      std::printf("  #%d %.6f %.6f %.6f low %.6f", id, mean.x(), mean.y(), mean.z(), points.row(1).minCoeff());
+    }
+    std::printf("\n");
+  }
+}
+
+int runStory(const Options& options, const Story& story) {
+  if (options.prints) std::printf("%s", toText(story).c_str());
+  if (options.traces) trace(story);
+  if (options.here) {
+    prepare(story);
+    const auto failure = checkStory(story);
+    std::printf("%s\n", failure ? (failure->law + ": " + failure->detail).c_str() : "all laws hold");
+    return failure ? 1 : 0;
+  }
+  const Verdict verdict = judge(story, options.seconds);
+  if (verdict.failed()) report(options, story, verdict);
+  else std::printf("all laws hold\n");
+  return verdict.failed();
+}
+
+}  // namespace
+
+int main(int count, char** words) {
+  CLI::App app("Plays random worlds with soft bodies and looks for broken laws.");
+  Options options;
+  app.add_option("--seed,--seeds", options.seeds, "one story, or a range A..B")->envname("LIMBER_FUZZ_SEEDS");
+  app.add_option("--replay", options.replay, "a file with a story");
+  app.add_option("--jobs", options.jobs, "processes at a time");
+  app.add_option("--seconds", options.seconds, "processor time that a story may take");
+  app.add_option("--out", options.out, "folder for shrunken stories");
+  app.add_flag("--shrink", options.shrinks, "shrinks what fails");
+  app.add_flag("--print", options.prints, "prints the story");
+  app.add_flag("--trace", options.traces, "prints energy, centres and lowest points, frame by frame");
+  app.add_flag("--here", options.here, "plays it in this process, for a debugger");
+  CLI11_PARSE(app, count, words);
+  if (!options.replay.empty()) {
+    std::ifstream file(options.replay);
+    std::ostringstream text;
+    text << file.rdbuf();
+    return runStory(options, fromText(text.str()));
+  }
+  if (options.seeds.empty()) options.seeds = kTestedSeeds;
+  if (options.seeds.find("..") != std::string::npos) return runSeeds(options);
+  return runStory(options, makeStory(std::strtoull(options.seeds.c_str(), nullptr, 10)));
+}
