@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cstring>
+#include <initializer_list>
 #include <memory>
 #include <stdexcept>
 
@@ -37,8 +38,9 @@ struct Program {
 
   // Everything that could spoil somebody else's picture.
   void setHabits() {
-    for (const GLenum cap : {GL_SCISSOR_TEST, GL_STENCIL_TEST, GL_BLEND, GL_CULL_FACE, GL_POLYGON_OFFSET_FILL,
-                             GL_PRIMITIVE_RESTART, GL_RASTERIZER_DISCARD, GL_COLOR_LOGIC_OP}) {
+    for (const GLenum cap : std::initializer_list<GLenum>{
+             GL_SCISSOR_TEST, GL_STENCIL_TEST, GL_BLEND, GL_CULL_FACE, GL_POLYGON_OFFSET_FILL,
+             GL_PRIMITIVE_RESTART, GL_RASTERIZER_DISCARD, GL_COLOR_LOGIC_OP}) {
       gl.Enable(cap);
     }
     gl.ColorMask(GL_FALSE, GL_TRUE, GL_FALSE, GL_TRUE);
@@ -56,7 +58,7 @@ struct Program {
     gl.BindVertexArray(vertexArray.name());
     gl.BindFramebuffer(GL_DRAW_FRAMEBUFFER, framebuffer.name());
     gl.BindFramebuffer(GL_READ_FRAMEBUFFER, framebuffer.name());
-    for (const GLenum target : {GL_UNIFORM_BUFFER, GL_SHADER_STORAGE_BUFFER}) {
+    for (const GLenum target : std::initializer_list<GLenum>{GL_UNIFORM_BUFFER, GL_SHADER_STORAGE_BUFFER}) {
       gl.BindBufferRange(target, 0, buffer.name(), 256, 128);
     }
     gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, 3, buffer.name());

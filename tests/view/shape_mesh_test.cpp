@@ -61,11 +61,11 @@ TEST(ShapeMesh, RoundShapesComeClose) {
     EXPECT_GT(share, 0.93) << shape.getName();
     EXPECT_LT(share, 1.05) << shape.getName();
   };
-  expectNear(btSphereShape(0.7), 4.0 / 3.0 * kPi * 0.343);
+  expectNear(btSphereShape(btScalar(0.7)), 4.0 / 3.0 * kPi * 0.343);
   const double capsule = kPi * 0.09 * 1.2 + 4.0 / 3.0 * kPi * 0.027;
-  expectNear(btCapsuleShape(0.3, 1.2), capsule);
-  expectNear(btCapsuleShapeX(0.3, 1.2), capsule);
-  expectNear(btCapsuleShapeZ(0.3, 1.2), capsule);
+  expectNear(btCapsuleShape(btScalar(0.3), btScalar(1.2)), capsule);
+  expectNear(btCapsuleShapeX(btScalar(0.3), btScalar(1.2)), capsule);
+  expectNear(btCapsuleShapeZ(btScalar(0.3), btScalar(1.2)), capsule);
   expectNear(btCylinderShape(btVector3(0.5, 1.0, 0.5)), kPi * 0.25 * 2.0);
   btConeShape cone(0.5, 1.5);
   cone.setMargin(0);  // it lies around the cone
@@ -74,9 +74,9 @@ TEST(ShapeMesh, RoundShapesComeClose) {
 
 TEST(ShapeMesh, CapsulesLieAlongTheirAxis) {
   for (int axis = 0; axis < 3; ++axis) {
-    const btCapsuleShape y(0.2, 2.0);
-    const btCapsuleShapeX x(0.2, 2.0);
-    const btCapsuleShapeZ z(0.2, 2.0);
+    const btCapsuleShape y(btScalar(0.2), btScalar(2.0));
+    const btCapsuleShapeX x(btScalar(0.2), btScalar(2.0));
+    const btCapsuleShapeZ z(btScalar(0.2), btScalar(2.0));
     const btCollisionShape* shapes[] = {&x, &y, &z};
     const render::Scenery mesh = validMesh(*shapes[axis]);
     for (std::size_t c = 0; c < 3; ++c) {
