@@ -7,13 +7,27 @@
 #include <exception>
 #include <variant>
 
+namespace {
+
+/// Once: whoever cannot wait asks again.
+void stopAt(int signal) {
+  limber::demo::stopSignal = signal;
+  std::signal(signal, SIG_DFL);
+}
+
+}  // namespace
+
 int main(int argc, char** argv) {
   using namespace limber::demo;
+  for (const int signal : {SIGINT, SIGTERM}) std::signal(signal, stopAt);
   std::signal(SIGXFSZ, SIG_IGN);  // a file that gets too large is then an error like a full disk
   try {
     const ParsedOptions parsed = parseOptions(argc, argv);
     if (const ExitCode* over = std::get_if<ExitCode>(&parsed)) return *over;
     return runDemo(std::get<DemoOptions>(parsed));
+  } catch (const Stopped&) {
+    std::fprintf(stderr, "limber-demo: stopped\n");
+    return 128 + stopSignal;  // as a shell tells it
   } catch (const std::exception& error) {
     std::fprintf(stderr, "limber-demo: %s\n", error.what());
     return kFailure;

@@ -20,6 +20,9 @@
 #include <utility>
 
 namespace limber::demo {
+
+volatile std::sig_atomic_t stopSignal = 0;
+
 namespace {
 
 using Clock = std::chrono::steady_clock;
@@ -36,15 +39,10 @@ struct Pictures {
   PictureOutput output;
 };
 
-std::string checkOutputs(const DemoOptions& options) {
-  std::string reason;
-  if (options.mode != PictureMode::None) reason = prepareFolder(options.outFolder);
-  if (reason.empty() && !options.statsFile.empty()) reason = checkPlace(options.statsFile);
-  return reason;
-}
 
 void advance(scenes::Scene& scene, std::int64_t ticks, RunFigures& figures) {
   for (std::int64_t i = 0; i < ticks; ++i) {
+    if (stopSignal != 0) throw Stopped{};
     const scenes::TickTimes times = scenes::tick(scene);
     figures.tick.add(times.total);
     scenes::add(figures.soft, times.soft);
@@ -137,9 +135,13 @@ ExitCode fail(const std::string& reason) {
 }  // namespace
 
 ExitCode runDemo(const DemoOptions& options) {
-  if (const std::string reason = checkOutputs(options); !reason.empty()) return fail(reason);
+  if (!options.statsFile.empty())
+    if (const std::string reason = checkPlace(options.statsFile); !reason.empty()) return fail(reason);
   const scenes::SceneResult scene = scenes::findScene(options.scene)->create(options.sceneOptions);
   if (!scene) return fail(scene.error());
+  // not before: without a scene nothing is made, and no old picture removed
+  if (options.mode != PictureMode::None)
+    if (const std::string reason = prepareFolder(options.outFolder); !reason.empty()) return fail(reason);
   for (const std::string& note : (*scene)->notes) std::fprintf(stderr, "%s\n", note.c_str());
 
   std::unique_ptr<Pictures> pictures;

@@ -51,7 +51,7 @@ void addBraces(CLI::App& app, CommandLine& line) {
   app.add_option("--braces", line.braces, "none, equal-length, two-ring or pipeline (default)")
       ->check(CLI::IsMember(namesOf(kBraceRules)));
   app.add_option("--brace-weight", n.braceWeight,
-                 "stiffness of a brace, times a spring's (default 0.3 with pipeline, else 1)")
+                 "stiffness of a brace, times a spring's (default 0.5 with pipeline, else 1)")
       ->check(number(1e-6, 1e6));
   app.add_option("--most-braces", n.mostBraces,
                  "per point at most, of solid pieces, pipeline only (default 1.5)")

@@ -2,7 +2,11 @@
 #include "scenes/end_checks.h"
 
 #include "scenes/shape_error.h"
+#include "scenes/timeline.h"
 
+#include <Eigen/QR>
+
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 
@@ -44,6 +48,32 @@ std::string anyBody(const Scene& scene, Reason reason) {
   return {};
 }
 
+std::string whyNotCalm(double motion, double metres) {
+  if (motion <= metres) return {};
+  if (std::isinf(motion)) return " is not calm: it has not been watched for long enough, or is not finite";
+  return text(" is not calm: a point moved %.4g m of late, allowed is %.4g m", motion, metres);
+}
+
+/// s, that RestWatch looks back at least.
+constexpr double kWatched = double(RestWatch::kWindowTicks) / double(kTicksPerSecond);
+
+/// m/s, root mean square: what is left of the points' velocities once the rigid motion is taken off that has
+/// the body's momentum and angular momentum.
+double deformationSpeed(const SoftBody& body) {
+  const Eigen::Vector3d center = body.centerOfMass(), momentum = body.linearMomentum();
+  const double mass = body.totalMass();
+  Eigen::Matrix3d inertia = Eigen::Matrix3d::Zero();
+  for (std::uint32_t i = 0; i < body.pointCount(); ++i) {
+    const Eigen::Vector3d r = body.position(i) - center;
+    inertia += mass * body.network().massShares[i] *
+               (r.squaredNorm() * Eigen::Matrix3d::Identity() - r * r.transpose());
+  }
+  const Eigen::Vector3d spin = body.angularMomentum() - center.cross(momentum);
+  const double rigid =
+      0.5 * momentum.squaredNorm() / mass + 0.5 * spin.dot(inertia.completeOrthogonalDecomposition().solve(spin));
+  return std::sqrt(2.0 * std::max(0.0, body.kineticEnergy() - rigid) / mass);
+}
+
 double largestStretch(const SoftBody& body) {
   const std::vector<Eigen::Vector3d> rest = restShape(body);
   double largest = 0.0;
@@ -76,10 +106,18 @@ std::string checkAboveFloor(const Scene& scene) {
 Check checkCalm(double metres) {
   return [metres](const Scene& scene) {
     return anyBody(scene, [&](std::size_t b, const SoftBody&) {
+      return whyNotCalm(scene.watch.largestMotion(b), metres);
+    });
+  };
+}
+
+Check checkCalmOrRolling(double metres) {
+  return [metres](const Scene& scene) {
+    return anyBody(scene, [&](std::size_t b, const SoftBody& body) {
       const double motion = scene.watch.largestMotion(b);
-      return motion <= metres
-                 ? std::string()
-                 : text(" is not calm: a point moved %.4g m of late, allowed is %.4g m", motion, metres);
+      const double falling = std::abs(body.linearMomentum().y()) / body.totalMass();
+      const bool rolls = std::isfinite(motion) && (deformationSpeed(body) + falling) * kWatched <= metres;
+      return rolls ? std::string() : whyNotCalm(motion, metres);
     });
   };
 }

@@ -14,6 +14,9 @@ std::string checkAboveFloor(const Scene& scene);
 /// No point has moved more than `metres` of late, see RestWatch.
 Check checkCalm(double metres);
 
+/// The same, but a body may roll or slide away as a whole, neither falling nor changing its shape.
+Check checkCalmOrRolling(double metres);
+
 /// Every body sleeps.
 std::string checkAsleep(const Scene& scene);
 
