@@ -51,7 +51,7 @@ class FloorMaker {
   void addHeightField() {
     static const std::vector<float> heights(static_cast<std::size_t>((kEnd - kFirst + 1) * (2 * kHalfWidth + 1)));
     auto shape = std::make_unique<btHeightfieldTerrainShape>(kEnd - kFirst + 1, 2 * kHalfWidth + 1, heights.data(),
-                                                             1, -1, 1, 1, PHY_FLOAT, false);
+                                                             btScalar(-1), btScalar(1), 1, false);
     add(std::move(shape), vec(0.5 * (kEnd + kFirst), 0, 0));
   }
 
