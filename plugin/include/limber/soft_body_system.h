@@ -48,11 +48,13 @@ struct TickProfile {
 ///     auto body = soft.createBody(network, settings);   // then step the world as ever
 ///
 /// It lives in the world's pre-tick callback: an existing one is called first, the world's user info is left
-/// alone. Several systems may share a world. The world, its bodies and the system may go in any order, with
-/// one exception: if the broadphase is freed before the world, call removeAll() first. Rigid bodies that
-/// springs or anchors hold on to must outlive them, as with Bullet's own constraints; forget(body) removes
-/// all that hold on to one. Springs on a point mass that the application deletes go with it. Thread rule: the
-/// thread that steps the world, between steps.
+/// alone. The callback is given back with the last body and spring; where no soft body was in the world, as with
+/// springs between rigid bodies alone, only at the world's next tick, for until then the world may be gone.
+/// Several systems may share a world. The world, its bodies and the system may go in any order, with one
+/// exception: if the broadphase is freed before the world, call removeAll() first. Rigid bodies that springs or
+/// anchors hold on to must outlive them, as with Bullet's own constraints; forget(body) removes all that hold on
+/// to one. Springs on a point mass that the application deletes go with it. Thread rule: the thread that steps
+/// the world, between steps.
 class SoftBodySystem {
  public:
   /// How the springs are stepped.
