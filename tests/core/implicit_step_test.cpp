@@ -141,10 +141,10 @@ TEST_P(ImplicitStep, restsOnAPlaneWithTheRightForce) {
     body.contacts = &rows;
     double weight = 0.0;
     for (int tick = 0; tick < 600; ++tick) {
-      for (ContactRow& row : rows) row.impulse.setZero();
+      for (ContactRow& row : rows) row.impulse = TickImpulse();
       advance(body, 1.0 / 60, 4);
       weight = 0.0;
-      for (const ContactRow& row : rows) weight += row.impulse.y() * 60.0;
+      for (const ContactRow& row : rows) weight += row.impulse.sum.y() * 60.0;
     }
     EXPECT_NEAR(weight, 9.81, 1e-4 * 9.81) << stiffness;
     for (const ContactRow& row : rows) EXPECT_NEAR(body.state.position(1, row.point), -0.52, 1e-9);

@@ -83,7 +83,7 @@ struct Scene {
   /// N: what the contacts from first to last bear upwards.
   double force(std::size_t first, std::size_t last) const {
     double sum = 0.0;
-    for (std::size_t i = first; i < last; ++i) sum += group.pairs.contacts[i].impulse.y() / kTick;
+    for (std::size_t i = first; i < last; ++i) sum += group.pairs.contacts[i].impulse.sum.y() / kTick;
     return sum;
   }
 };

@@ -25,7 +25,7 @@ struct Motion {
 
 /// A story told otherwise, and where its points then are.
 struct Law {
-  const char* name;
+  std::string name;
   Story story;
   Motion motion;
   int framesPerFrame = 1;
@@ -158,7 +158,7 @@ void addFloors(const Story& story, std::vector<Law>& laws) {
       if (s.kind == Kind::Floor) s.choose("kind", kinds[i]);
     });
     // m: convex margins and the narrowphase's floats
-    laws.push_back({"floor-kind", other, Motion(), 1, 1e-3});
+    laws.push_back({std::string("floor-of-") + kinds[i], other, Motion(), 1, 1e-3});
   }
 }
 
@@ -217,7 +217,7 @@ const double kSample = 100.0, kVisible = 1e-4;
 
 std::optional<Failure> check(const Law& law, const Run& run, const std::vector<double>& grown) {
   const Run other = play(law.story);
-  const std::string name = std::string("law-") + law.name;
+  const std::string name = "law-" + law.name;
   if (other.failure) return Failure{name, other.failure->law + ", " + other.failure->detail};
   const auto step = static_cast<std::size_t>(law.framesPerFrame);
   for (std::size_t i = 0; i < run.frames.size() && i * step < other.frames.size() && grown[i] < kVisible; ++i) {

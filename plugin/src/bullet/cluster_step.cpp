@@ -235,7 +235,7 @@ void putContact(Cluster& cluster, std::uint32_t meeting, const PairContact& cont
   }
   PairContact& known = cluster.step.pairs.contacts[it->second];
   const Bearing stopping = known.stopping, settling = known.settling;
-  const Eigen::Vector3d impulse = known.impulse;
+  const TickImpulse impulse = known.impulse;
   known = contact;
   known.stopping = stopping, known.settling = settling, known.impulse = impulse;
 }

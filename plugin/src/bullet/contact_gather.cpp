@@ -492,7 +492,7 @@ void reportContactImpulses(btDispatcher& dispatcher) {
       }
       if (nearest < 0) continue;
       manifold.getContactPoint(nearest).m_appliedImpulse +=
-          static_cast<btScalar>(row.normal.dot(row.impulse));
+          static_cast<btScalar>(row.impulse.along);
     }
   });
 }

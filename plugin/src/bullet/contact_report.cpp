@@ -23,10 +23,10 @@ bool tells(const Vector3d& impulse, double distance, double radius) {
   return distance < kTouching * radius || !impulse.isZero(0.0);
 }
 
-void setImpulse(SoftContact& c, const Vector3d& impulse, const Vector3d& normal) {
-  c.normalImpulse = normal.dot(impulse);
-  c.impulse = toBullet(impulse);
-  c.frictionImpulse = toBullet(Vector3d(impulse - c.normalImpulse * normal));
+void addImpulse(SoftContact& c, const TickImpulse& impulse) {
+  c.normalImpulse += impulse.along;
+  c.impulse += toBullet(impulse.sum);
+  c.frictionImpulse += toBullet(Vector3d(impulse.sum - impulse.pressing));
 }
 
 void add(SoftBodyData& body, const SoftContact& contact, const PartnerMark& partner) {
@@ -47,7 +47,7 @@ void addRow(SoftBodyData& body, const ContactRow& row, const PartnerMark& partne
   const Vector3d x = body.state.position.col(row.point);
   const double radius = double(body.masses.shape->getRadius());
   const double distance = row.normal.dot(x - row.touch - tick * row.surfaceVelocity);
-  if (!tells(row.impulse, distance, radius)) return;
+  if (!tells(row.impulse.sum, distance, radius)) return;
   SoftContact c;
   c.body = body.handle;
   c.other = partner.object;
@@ -55,7 +55,7 @@ void addRow(SoftBodyData& body, const ContactRow& row, const PartnerMark& partne
   c.position = toBullet(Vector3d(x - radius * row.normal));
   c.normal = toBullet(row.normal);
   c.distance = distance;
-  setImpulse(c, row.impulse, row.normal);
+  addImpulse(c, row.impulse);
   add(body, c, partner);
 }
 
@@ -103,7 +103,7 @@ SoftContact mirrored(const SoftContact& c, const btCollisionObject& object) {
 void addPair(const PairContact& pair, const ContactSource& source) {
   SoftBodyData &body = *source.body, *other = source.other;
   const double radius = double(body.masses.shape->getRadius());
-  if (!tells(pair.impulse, pair.gap, radius)) return;
+  if (!tells(pair.impulse.sum, pair.gap, radius)) return;
   SoftContact c;
   Vector3d x, y;
   c.body = body.handle;
@@ -116,7 +116,7 @@ void addPair(const PairContact& pair, const ContactSource& source) {
   c.position = toBullet(Vector3d(x - radius * pair.normal));
   c.normal = toBullet(pair.normal);
   c.distance = pair.gap;
-  setImpulse(c, pair.impulse, pair.normal);
+  addImpulse(c, pair.impulse);
   if (body.report.fresh) add(body, c, source.partner);
   const bool together = other && other != &body && pair.b.kind == ContactPlace::Kind::Soft;
   if (together && other->report.fresh && anyInWorld(body))
@@ -125,10 +125,12 @@ void addPair(const PairContact& pair, const ContactSource& source) {
 
 // --- what Bullet's solver did to points in the world -------------------------------------------------------
 
-Vector3d impulseOf(const btManifoldPoint& p) {
-  return toEigen(p.m_appliedImpulse * p.m_normalWorldOnB +
-                 p.m_appliedImpulseLateral1 * p.m_lateralFrictionDir1 +
-                 p.m_appliedImpulseLateral2 * p.m_lateralFrictionDir2);
+TickImpulse impulseOf(const btManifoldPoint& p, double sign) {
+  const Vector3d normal = sign * toEigen(p.m_normalWorldOnB);
+  const Vector3d friction = sign * toEigen(p.m_appliedImpulseLateral1 * p.m_lateralFrictionDir1 +
+                                           p.m_appliedImpulseLateral2 * p.m_lateralFrictionDir2);
+  const double size = double(p.m_appliedImpulse);
+  return {size * normal + friction, size * normal, size};
 }
 
 /// The report's contact of this point with that object in about that direction, or nullptr.
@@ -149,14 +151,10 @@ SoftContact* findContact(ContactReport& report, std::uint32_t point, const btCol
 
 void addBulletsPart(SoftContact* known, SoftBodyData& body, const PointMass& point,
                     const btCollisionObject& other, const btManifoldPoint& p, bool isFirst) {
-  const double sign = isFirst ? 1.0 : -1.0;
-  const Vector3d impulse = sign * impulseOf(p);
-  if (known) {
-    const Vector3d normal = toEigen(known->normal).normalized();
-    return setImpulse(*known, toEigen(known->impulse) + impulse, normal);
-  }
+  const TickImpulse impulse = impulseOf(p, isFirst ? 1.0 : -1.0);
+  if (known) return addImpulse(*known, impulse);
   const double radius = double(body.masses.shape->getRadius()), distance = double(p.getDistance());
-  if (!tells(impulse, distance, radius)) return;
+  if (!tells(impulse.sum, distance, radius)) return;
   SoftContact c;
   c.body = body.handle;
   c.other = &other;
@@ -168,7 +166,7 @@ void addBulletsPart(SoftContact* known, SoftBodyData& body, const PointMass& poi
   c.position = isFirst ? p.m_positionWorldOnA : p.m_positionWorldOnB;
   c.normal = isFirst ? p.m_normalWorldOnB : -p.m_normalWorldOnB;
   c.distance = distance;
-  setImpulse(c, impulse, toEigen(c.normal));
+  addImpulse(c, impulse);
   add(body, c, markOf(other));
 }
 

@@ -134,8 +134,8 @@ void rewind(TickGroup& group) {
   for (SoftBodyData* body : group.bodies) {
     body->state.position = body->masses.startPosition;
     body->state.velocity = body->startVelocity;
-    for (ContactRow& row : body->contacts) row.impulse.setZero();
-    for (ContactRow& row : body->watch->rows) row.impulse.setZero();
+    for (ContactRow& row : body->contacts) row.impulse = TickImpulse();
+    for (ContactRow& row : body->watch->rows) row.impulse = TickImpulse();
   }
 }
 

@@ -182,7 +182,7 @@ void MultiBodyLinks::applyImpulses(const TickContacts& found) {
       if (place->kind != ContactPlace::Kind::Rigid) continue;
       LinkBody* body = LinkBody::from(found.rigids[place->body].body);
       if (!body) continue;
-      const Vector3d impulse = place == &c.a ? c.impulse : Vector3d(-c.impulse);
+      const Vector3d impulse = place == &c.a ? c.impulse.sum : Vector3d(-c.impulse.sum);
       body->impulse += toBullet(impulse);
       body->angularImpulse += toBullet(Vector3d(place->arm.cross(impulse)));
     }

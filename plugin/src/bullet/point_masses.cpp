@@ -176,7 +176,7 @@ void restoreIfUnsound(SoftBodyData& body) {
   for (std::size_t i = 0; i < springs.originalLength.size(); ++i)
     if (!std::isfinite(springs.restLength[i])) springs.restLength[i] = springs.originalLength[i];
   ++springs.revision;
-  for (ContactRow& row : body.contacts) row.impulse.setZero();
+  for (ContactRow& row : body.contacts) row.impulse = TickImpulse();
   body.knownContacts.clear();
   body.implicit = ImplicitState();
   body.volumes.kept.value = 0.0;

@@ -212,7 +212,7 @@ void reportRigidContacts(TickContacts& contacts) {
     if (!point) continue;
     btVector3 t, u;
     btPlaneSpace1(point->m_normalWorldOnB, t, u);
-    const btVector3 impulse = toBullet(contacts.contacts[i].impulse);
+    const btVector3 impulse = toBullet(contacts.contacts[i].impulse.sum);
     point->m_appliedImpulse += impulse.dot(point->m_normalWorldOnB);
     point->m_appliedImpulseLateral1 += impulse.dot(t);
     point->m_appliedImpulseLateral2 += impulse.dot(u);

@@ -30,7 +30,7 @@ inline void applyRow(ContactRow& row, const PointView& points, double target) {
     impulse += stopping;
   }
   velocity += points.inverseMassOf(row.point).cwiseProduct(impulse);
-  row.impulse += impulse;
+  row.impulse.add(impulse, row.normal, normalImpulse);
 }
 
 inline double speedAlong(const ContactRow& row, const PointView& points) {
@@ -57,9 +57,10 @@ inline void aimRow(ContactRow& row, const PointView& points, double time, double
 /// The rest of a bounce. It may take back a part of what the drift got.
 inline void finishBounce(ContactRow& row, const PointView& points) {
   if (row.rebound > 0.0) return applyRow(row, points, speedAlong(row, points) + row.rebound);
-  const Eigen::Vector3d impulse = row.rebound * row.mass * row.normal;
+  const double size = row.rebound * row.mass;
+  const Eigen::Vector3d impulse = size * row.normal;
   points.velocityOf(row.point) += points.inverseMassOf(row.point).cwiseProduct(impulse);
-  row.impulse += impulse;
+  row.impulse.add(impulse, row.normal, size);
 }
 
 /// Of the radius: how far beyond a point's way surfaces are followed, since other contacts push it there; and

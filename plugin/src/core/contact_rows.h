@@ -10,6 +10,26 @@
 
 namespace limber {
 
+/// What a contact bore in a tick, in which its normal may turn.
+struct TickImpulse {
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();       ///< N s
+  Eigen::Vector3d pressing = Eigen::Vector3d::Zero();  ///< N s, of it what was along the normals
+  double along = 0.0;  ///< N s along them: 0 or more, since surfaces do not pull
+
+  /// `impulse` has the part `size` along the unit normal.
+  void add(const Eigen::Vector3d& impulse, const Eigen::Vector3d& normal, double size) {
+    sum += impulse;
+    pressing += size * normal;
+    along += size;
+  }
+  TickImpulse& operator+=(const TickImpulse& other) {
+    sum += other.sum;
+    pressing += other.pressing;
+    along += other.along;
+    return *this;
+  }
+};
+
 /// A point mass above a surface that nothing moves (static), or that moves as told (kinematic): the point's
 /// centre must stay on the outer side of a plane, and slides on it with Coulomb friction.
 ///
@@ -33,7 +53,7 @@ struct ContactRow {
 
   // Written by the step.
   double mass = 0.0;                                  ///< kg along the normal; 0: cannot be moved
-  Eigen::Vector3d impulse = Eigen::Vector3d::Zero();  ///< N s on the point, sum over the tick
+  TickImpulse impulse;                                ///< on the point
   bool touching = false;                              ///< it bore something in the present substep
   double target = 0.0;                                ///< m/s along the normal at least, in this substep
   bool bounces = false;  ///< in this substep

@@ -126,7 +126,7 @@ void prepare(StepGroup& group) {
     if (group.bodies[i].contacts) prepareContacts(*group.bodies[i].contacts, group.views[i]);
   }
   for (RigidState& rigid : group.links.rigids) rigid.turn();
-  for (PairContact& c : group.pairs.contacts) c.impulse.setZero();
+  for (PairContact& c : group.pairs.contacts) c.impulse = TickImpulse();
   for (JointRow& j : group.pairs.joints) j.impulse = 0.0;
   preparePairs(group.pairs, group.links, group.views);
 }

@@ -48,14 +48,13 @@ void startSubstep(MidpointContacts& c, std::vector<ContactRow>* rows, Eigen::Ind
     const Eigen::Index room = (c.count + kStep - 1) / kStep * kStep;
     c.load.resize(3, room);
     c.change.resize(3, room);
-    c.impulseBefore.resize(3, room);
+    c.impulseBefore.resize(static_cast<std::size_t>(room));
     c.response.resize(3 * room, 3 * room);
     c.unit.resize(3, points);
   }
   c.load.setZero();
   c.change.setZero();
-  for (Eigen::Index r = 0; r < c.count; ++r)
-    c.impulseBefore.col(r) = (*rows)[static_cast<std::size_t>(r)].impulse;
+  for (std::size_t r = 0; rows && r < rows->size(); ++r) c.impulseBefore[r] = (*rows)[r].impulse;
 }
 
 void computeResponse(MidpointContacts& c, MidpointSolver& solver) {
@@ -101,7 +100,7 @@ void settle(MidpointContacts& c, PointState& state, const ContactSpan& span) {
     const Eigen::Vector3d load = c.load.col(static_cast<Eigen::Index>(r));
     const double normal = row.normal.dot(load);
     row.touching = normal > 0.0;
-    row.impulse += impulsePerLoad * load;
+    row.impulse.add(impulsePerLoad * load, row.normal, impulsePerLoad * normal);
     if (!row.touching) continue;
     // the midpoint rule's end velocity 2 v_m - v0 of a point that was stopped would throw it back
     const Eigen::Vector3d relative = state.velocity.col(row.point) - row.surfaceVelocity;
@@ -111,14 +110,13 @@ void settle(MidpointContacts& c, PointState& state, const ContactSpan& span) {
     const bool sticks = (load - normal * row.normal).norm() < row.friction * normal;
     const Eigen::Vector3d along = back * row.normal;
     const Eigen::Vector3d stopped = sticks ? Eigen::Vector3d(relative - speed * row.normal + along) : along;
-    row.impulse -= stopped / mobility;
+    row.impulse.add(-stopped / mobility, row.normal, -back / mobility);
     state.velocity.col(row.point) -= stopped;
   }
 }
 
 void undo(MidpointContacts& c) {
-  for (Eigen::Index r = 0; r < c.count; ++r)
-    (*c.rows)[static_cast<std::size_t>(r)].impulse = c.impulseBefore.col(r);
+  for (std::size_t r = 0; c.rows && r < c.rows->size(); ++r) (*c.rows)[r].impulse = c.impulseBefore[r];
 }
 
 }  // namespace limber

@@ -17,7 +17,7 @@ struct MidpointContacts {
   Eigen::MatrixXd response;  ///< W, 3 #rows x 3 #rows, 1/kg
   Points load;               ///< 3 x #rows, l, kg m
   Points change;             ///< 3 x #rows, of l in this iteration
-  Points impulseBefore;      ///< 3 x #rows, N s, the rows' impulses at the start
+  std::vector<TickImpulse> impulseBefore;  ///< #rows, the rows' impulses at the start
   Points unit;               ///< 3 x #points, scratch
 };
 

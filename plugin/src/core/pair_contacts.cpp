@@ -103,13 +103,21 @@ void prepareRow(PairRows& rows, PairRow& row, const PairContact& c, LinkedBodies
   row.friction = c.friction;
   row.stopping = inAxes(row, c.stopping);
   row.settling = inAxes(row, c.settling);
-  row.impulse = inAxes(row, c.impulse);
+  row.impulse = RowVector();
   row.bounces = false;
 }
 
+/// What the row has borne with its present normal is added to what the contact did.
+void addBorne(PairContact& c, PairRow& row) {
+  const Vector3d normal = ConstMap(row.axes[0]);
+  c.impulse.add(row.impulse.n * normal + bearingOf(row, row.impulse).across, normal, row.impulse.n);
+  row.impulse = RowVector();
+}
+
 /// What it bore is a guess for the new normal as long as that is about the old one.
-void turnTo(PairRow& row, const Vector3d& normal) {
+void turnTo(PairContact& c, PairRow& row, const Vector3d& normal) {
   constexpr double kSameSurface = 0.9;
+  addBorne(c, row);
   if (normal.dot(ConstMap(row.axes[0])) < kSameSurface) row.stopping = row.settling = RowVector();
   setAxes(row, normal);
 }
@@ -117,8 +125,9 @@ void turnTo(PairRow& row, const Vector3d& normal) {
 void setAway(PairRow& row) { row.mass = row.mobility = 0.0; }
 
 /// The contact is on this plane now, its points' shares being `weights`.
-void moveRowTo(PairRows& rows, PairRow& row, const Vector3d& normal, double gap, const double* weights) {
-  turnTo(row, normal);
+void moveRowTo(PairRows& rows, std::size_t number, const Vector3d& normal, double gap, const double* weights) {
+  PairRow& row = rows.rows[number];
+  turnTo(rows.contacts[number], row, normal);
   row.gap = gap;
   Vector3d mobility = Vector3d::Zero();
   for (std::uint32_t i = row.firstPoint; i < row.endPoint; ++i) {
@@ -133,11 +142,13 @@ void moveRowTo(PairRows& rows, PairRow& row, const Vector3d& normal, double gap,
   setMobility(row, axes.transpose() * mobility.asDiagonal() * axes);
 }
 
-void followRow(PairRows& rows, PairRow& row, const ContactRow& held) {
-  if (held.away) return setAway(row);
+void followRow(PairRows& rows, std::size_t number) {
+  const PairRow& row = rows.rows[number];
+  const ContactRow& held = *rows.contacts[number].held;
+  if (held.away) return setAway(rows.rows[number]);
   const double whole = 1.0;
   const ConstMap x(rows.levers[row.firstPoint].position);
-  moveRowTo(rows, row, held.normal, held.normal.dot(x - held.touch), &whole);
+  moveRowTo(rows, number, held.normal, held.normal.dot(x - held.touch), &whole);
 }
 
 /// Where a soft feature is nearest to held corners; `away` leads there from these, `normal` along the contact.
@@ -170,7 +181,9 @@ NearestFeature nearestTriangle(const Vector3d& a, const Vector3d& b, const Vecto
   return f;
 }
 
-void followCorners(PairRows& rows, PairRow& row, const HeldCorners& held) {
+void followCorners(PairRows& rows, std::size_t number) {
+  PairRow& row = rows.rows[number];
+  const HeldCorners& held = rows.contacts[number].corners;
   std::array<Vector3d, 3> x;
   const std::uint32_t count = row.endPoint - row.firstPoint;
   for (std::uint32_t i = 0; i < count; ++i) x[i] = ConstMap(rows.levers[row.firstPoint + i].position);
@@ -179,7 +192,7 @@ void followCorners(PairRows& rows, PairRow& row, const HeldCorners& held) {
   if (!f.inside || !(length > 0.0)) return setAway(row);
   const double side = f.normal.dot(ConstMap(row.axes[0])) < 0.0 ? -1.0 : 1.0;
   const Vector3d normal = side / length * f.normal;
-  moveRowTo(rows, row, normal, normal.dot(f.away) - held.reach, f.weights.data());
+  moveRowTo(rows, number, normal, normal.dot(f.away) - held.reach, f.weights.data());
 }
 
 void prepareJoint(JointRow& j, const LinkedBodies& bodies) {
@@ -239,9 +252,9 @@ void followHeld(PairRows& rows) {
     if (rows.contacts[i].ended)
       continue;
     else if (rows.contacts[i].held)
-      followRow(rows, rows.rows[i], *rows.contacts[i].held);
+      followRow(rows, i);
     else if (rows.contacts[i].corners.count > 0)
-      followCorners(rows, rows.rows[i], rows.contacts[i].corners);
+      followCorners(rows, i);
 }
 
 void movePairs(PairRows& rows, double dt) {
@@ -251,9 +264,9 @@ void movePairs(PairRows& rows, double dt) {
 void finishPairs(PairRows& rows) {
   for (std::size_t i = 0; i < rows.contacts.size(); ++i) {
     PairContact& c = rows.contacts[i];
-    const PairRow& row = rows.rows[i];
+    PairRow& row = rows.rows[i];
     c.gap = row.gap;
-    c.impulse = row.impulse.n * ConstMap(row.axes[0]) + bearingOf(row, row.impulse).across;
+    addBorne(c, row);
     c.stopping = bearingOf(row, row.stopping);
     c.settling = bearingOf(row, row.settling);
   }

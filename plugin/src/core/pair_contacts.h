@@ -52,7 +52,7 @@ struct PairContact {
   bool ended = false;                ///< no longer there, but what it bore in this tick still is
 
   // Written by the step.
-  Eigen::Vector3d impulse = Eigen::Vector3d::Zero();  ///< N s on a, sum over the tick
+  TickImpulse impulse;  ///< on a; while rows are prepared, without what they bore since their normal turned
 };
 
 /// One row of a joint between rigid bodies, as Bullet's constraints describe theirs:
@@ -128,7 +128,7 @@ struct PairRow {
   double mostFriction;                    ///< N s, the radius of its cone
   bool bounces;                           ///< in this substep
   bool active;                            ///< it bears something, or would be crossed
-  RowVector stopping, settling, impulse;  ///< N s, see PairContact
+  RowVector stopping, settling, impulse;  ///< N s, see PairContact; the last since the normal turned
   RowVector before, change, direction;    ///< N s, scratch of the solver
 };
 

@@ -82,7 +82,7 @@ inline void solveContact(PairRows& rows, PairRow& row, RowVector& total, double 
 /// what cannot give way: in a tick it does no more work than gives what it moves that speed.
 double partingSpeed(const PairContact& c, const PairRow& row, const LinkedBodies& bodies, double dt, double tick) {
   if (bodies.anchors.empty()) return c.recoverySpeed;
-  const double borne = std::max(row.stopping.n / dt * tick, row.impulse.n);  // N s in the tick
+  const double borne = std::max(row.stopping.n / dt * tick, c.impulse.along + row.impulse.n);  // N s in the tick
   const double free = row.mass * c.recoverySpeed;
   return borne > free ? c.recoverySpeed * free / borne : c.recoverySpeed;
 }
