@@ -14,7 +14,8 @@ namespace limber::fuzz {
 /// Random numbers of three digits, so that stories are short to print.
 class Dice {
  public:
-  explicit Dice(std::uint64_t seed) : random_(seed * 0x9e3779b97f4a7c15u + 0x51) {}
+  /// The seed is mixed: SplitMix64 counts its state up, and of near seeds the one would say what the other said.
+  explicit Dice(std::uint64_t seed) : random_(Random(seed).next()) {}
 
   int below(int count) { return static_cast<int>(random_.below(static_cast<std::size_t>(count))); }
   int between(int low, int high) { return low + below(high - low + 1); }
