@@ -278,7 +278,8 @@ class HeldAround {
 
   /// Whether the surface is flat there, or bends inward, whichever way across `normal` one looks.
   bool isFlat(const Vector3d& normal, const Vector3d& across) const {
-    constexpr double kTilt = 0.1;  // rad, enough to be seen
+    // rad: twice the least that covers() sees, for it may not have seen that `normal` is tilted by as much
+    constexpr double kTilt = 0.14;
     return covers((normal + kTilt * across).normalized()) && covers((normal - kTilt * across).normalized());
   }
 
