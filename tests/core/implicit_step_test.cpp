@@ -184,7 +184,7 @@ TEST(SharedFactors, ofAClothHaveFewEntries) {
     ImplicitState state;
     stepImplicit(cloth.stepped(), state, Kind::Shared, 1e-3, 1, factors);
     const double points = std::pow(cells + 1.0, 2);
-    EXPECT_LT(static_cast<double>(state.solver.shared->lower.nonZeros()), 6.0 * points * std::log2(points));
+    EXPECT_LT(static_cast<double>(state.solver.shared->factor.lower.nonZeros()), 6.0 * points * std::log2(points));
   }
 }
 
