@@ -69,7 +69,7 @@ std::optional<MemoryUse> measureMemory(bool quick) {
     counts.row(i) << double(networks[i]->restPoints.size()), double(networks[i]->springs.size()), 1.0;
     bytes[i] = bytesOfBody(networks[i], count);
   }
-  const Eigen::Vector3d use = counts.partialPivLu().solve(bytes);
+  const Eigen::Vector3d use = counts.inverse() * bytes;
   return MemoryUse{use[0], use[1], use[2], double(sizeof(NetworkSpring))};
 }
 

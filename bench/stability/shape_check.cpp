@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Zlib
 #include "stability/shape_check.h"
 
+#include "core/linear_algebra.h"
 #include "engines/spring_derivatives.h"
 #include "stability/case_parts.h"
 
-#include <Eigen/Dense>
+#include <Eigen/Geometry>
 
 #include <algorithm>
 
@@ -35,8 +36,7 @@ Shape balancedShape(const ShapeQuestion& q) {
   const SpringDerivatives energy = springDerivatives(q.setup.network->springs, q.start, q.positions);
   const double k = q.start.stiffnesses.maxCoeff();
   if (energy.gradient.cwiseAbs().maxCoeff() > kBalance * k * q.size) return Shape::Lost;
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> modes(energy.hessian, Eigen::EigenvaluesOnly);
-  return modes.eigenvalues()[0] < -kFlat * k ? Shape::Saddle : Shape::Other;
+  return limber::symmetricValues(energy.hessian)[0] < -kFlat * k ? Shape::Saddle : Shape::Other;
 }
 
 /// The spring that carries m w^2 r of a point alone becomes longer by m w^2 r / k. Where that is beyond the

@@ -3,6 +3,7 @@
 
 #include "cook/stiffness_matrix.h"
 #include "cook/triangle_geometry.h"
+#include "core/linear_algebra.h"
 #include "core/random.h"
 #include "support/network_shapes.h"
 #include "support/networks.h"
@@ -10,8 +11,7 @@
 #include "support/test_shapes.h"
 
 #include <gtest/gtest.h>
-
-#include <Eigen/Eigenvalues>
+#include <Eigen/Geometry>
 
 #include <cmath>
 
@@ -57,8 +57,7 @@ std::vector<Row> table() {
 }
 
 Eigen::VectorXd allEigenvalues(const SpringNetwork& network) {
-  const Eigen::MatrixXd matrix = limber::stiffnessMatrix(rigidityMatrix(network));
-  return Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(matrix, Eigen::EigenvaluesOnly).eigenvalues();
+  return limber::symmetricValues(limber::stiffnessMatrix(rigidityMatrix(network)));
 }
 
 }  // namespace

@@ -3,8 +3,7 @@
 
 #include "bullet/convert.h"
 #include "bullet/tick_contacts.h"
-
-#include <Eigen/QR>
+#include "core/linear_algebra.h"
 
 #include <algorithm>
 
@@ -138,8 +137,7 @@ void MultiBodyLinks::addJoint(btMultiBody& multiBody, int link, TickContacts& fo
   if (a == JointRow::kHeld && b == JointRow::kHeld) return;
   // all directions beside the joint's own
   const Eigen::MatrixXd freedom = freedomOf(joint);
-  Eigen::Matrix<double, 6, 6> directions = Eigen::Matrix<double, 6, 6>::Identity();
-  if (freedom.cols() > 0) directions = freedom.householderQr().householderQ() * directions;
+  const Eigen::Matrix<double, 6, 6> directions = orthogonalColumns(freedom, 6);
   for (Eigen::Index d = freedom.cols(); d < 6; ++d) {
     const Vector6d held = directions.col(d);
     JointRow row;

@@ -3,7 +3,7 @@
 #include "cook/tetrahedron_faces.h"
 #include "cook/triangle_bvh.h"
 
-#include <Eigen/Dense>
+#include <Eigen/Geometry>
 
 #include <algorithm>
 #include <cmath>
@@ -17,9 +17,11 @@ using Eigen::Vector4d;
 constexpr std::uint32_t kNoTriangle = 0xffffffffu;
 
 Vector4d barycentric(const std::vector<Vector3d>& points, const Tetrahedron& t, const Vector3d& place) {
-  Eigen::Matrix3d edges;
-  for (int i = 0; i < 3; ++i) edges.col(i) = points[t[std::size_t(i) + 1]] - points[t[0]];
-  const Vector3d rest = edges.partialPivLu().solve(place - points[t[0]]);
+  const Vector3d &origin = points[t[0]], x = place - origin;
+  const Vector3d b = points[t[1]] - origin, c = points[t[2]] - origin, d = points[t[3]] - origin;
+  const Vector3d area = c.cross(d);
+  const double volume = b.dot(area);
+  const Vector3d rest = Vector3d(x.dot(area), b.dot(x.cross(d)), b.dot(c.cross(x))) / volume;
   return {1.0 - rest.sum(), rest[0], rest[1], rest[2]};
 }
 

@@ -2,9 +2,9 @@
 #include "cook/elastic_moduli.h"
 
 #include "cook/linear_response.h"
+#include "core/linear_algebra.h"
 
 #include <Eigen/Geometry>
-#include <Eigen/LU>
 
 #include <algorithm>
 #include <array>
@@ -77,7 +77,7 @@ Eigen::Matrix<double, 6, 6> elasticityOf(const std::array<Matrix3d, 6>& strains)
     const Matrix3d& s = strains[static_cast<std::size_t>(load)];
     compliance.col(load) << s(0, 0), s(1, 1), s(2, 2), 2.0 * s(1, 2), 2.0 * s(2, 0), 2.0 * s(0, 1);
   }
-  return compliance.inverse();
+  return LuFactor(compliance).inverse();
 }
 
 /// The surface within reach of a place: each point's share of its area, and its middle.

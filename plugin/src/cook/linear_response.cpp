@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Zlib
 #include "cook/linear_response.h"
 
+#include "core/linear_algebra.h"
+
 #include <Eigen/Geometry>
 
 #include <array>
@@ -82,18 +84,18 @@ LinearResponse::LinearResponse(const ElasticBody& body) : points_(scaledPoints(b
   stiffness.setFromTriplets(triplets.begin(), triplets.end());
   const double shift = kShift * stiffness.diagonal().maxCoeff();
   for (Index i = 0; i < points_.size(); ++i) stiffness.coeffRef(i, i) += shift;
-  factor_.compute(stiffness);
+  factor_ = factorise(stiffness);
   if (body.volumeModulus <= 0.0 || !body.network.tetrahedra.empty()) return;
   volumeGradient_ = surfaceGradient(body, points_);
-  volumeAnswer_ = factor_.solve(volumeGradient_);
+  volumeAnswer_ = solve(factor_, volumeGradient_);
 }
 
 /// With a term of rank one by the formula of Sherman and Morrison, which keeps the matrix sparse.
 MatrixXd LinearResponse::displacements(const MatrixXd& forces) const {
-  MatrixXd u = factor_.solve(forces);
+  MatrixXd u = solve(factor_, forces);
   if (volumeGradient_.size() == 0) return u;
   const double own = volumeGradient_.col(0).dot(volumeAnswer_.col(0));
-  return u - volumeAnswer_ * (volumeGradient_.transpose() * u) / (1.0 + own);
+  return u - product(volumeAnswer_, transposedProduct(volumeGradient_, u)) / (1.0 + own);
 }
 
 }  // namespace limber

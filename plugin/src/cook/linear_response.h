@@ -2,8 +2,7 @@
 #pragma once
 
 #include "cook/elastic_moduli.h"
-
-#include <Eigen/SparseCholesky>
+#include "core/sparse_factor.h"
 
 namespace limber {
 
@@ -20,7 +19,7 @@ class LinearResponse {
 
  private:
   Eigen::MatrixXd points_;
-  Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> factor_;
+  SparseFactor factor_;
   Eigen::MatrixXd volumeGradient_;  ///< 3 #points x 1, m^2, times the root of modulus over volume; or empty
   Eigen::MatrixXd volumeAnswer_;    ///< the displacements that it alone causes
 };

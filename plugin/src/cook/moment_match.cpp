@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "cook/moment_match.h"
 
-#include <Eigen/Cholesky>
+#include "core/linear_algebra.h"
 
 #include <algorithm>
 #include <numeric>
@@ -72,7 +72,8 @@ MomentVector proximalStep(const Programme& p, const MomentVector& before) {
   for (int i = 0; i < kMostNewtonSteps; ++i) {
     const MomentVector gradient = misfit(p, y) + p.regularisation.cwiseProduct(y - before);
     if (gradient.cwiseAbs().maxCoeff() < 0.01 * kExact) break;
-    const MomentVector step = -hessian(p, y).ldlt().solve(gradient);
+    MomentVector step = -gradient;
+    solveSmall(hessian(p, y), step);
     const double slope = gradient.dot(step), now = dual(p, y, before);
     double length = 1.0;
     while (length > 1e-6 && dual(p, y + length * step, before) > now + 1e-4 * length * slope) length /= 2.0;

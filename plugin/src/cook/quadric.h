@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
-#include <Eigen/Cholesky>
-#include <Eigen/Core>
+#include "core/linear_algebra.h"
 
 namespace limber {
 
@@ -22,7 +21,11 @@ struct Quadric {
   double at(const Eigen::Vector3d& x) const { return x.dot(a * x) - 2.0 * b.dot(x) + c; }
 
   /// Where it is least; some point must be in it, for planes alone may leave a line or more.
-  Eigen::Vector3d minimum() const { return a.ldlt().solve(b); }
+  Eigen::Vector3d minimum() const {
+    Eigen::Vector3d x = b;
+    solveSmall(a, x);
+    return x;
+  }
 };
 
 inline Quadric planeQuadric(const Eigen::Vector3d& unitNormal, const Eigen::Vector3d& through,

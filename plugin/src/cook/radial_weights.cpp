@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Zlib
 #include "cook/skin_weights.h"
-#include "core/symmetric_parts.h"
+#include "core/linear_algebra.h"
 
-#include <Eigen/Dense>
+#include <Eigen/Geometry>
 
 #include <algorithm>
 #include <cmath>
@@ -123,8 +123,9 @@ MatrixXd rightSides(const Kernel& kernel, const MatrixXd& points, const MatrixXd
 /// The least change of the weights (columns) that makes  P^T w = (1, x)  hold, which rounding has loosened.
 void makeAffineExact(const MatrixXd& points, const MatrixXd& places, MatrixXd& weights) {
   const MatrixXd p = affinePart(points);
-  const MatrixXd misfit = p.transpose() * weights - affinePart(places).transpose();
-  weights -= p * (p.transpose() * p).ldlt().solve(misfit);
+  MatrixXd misfit = transposedProduct(p, weights) - affinePart(places).transpose();
+  solveSmall(transposedProduct(p, p), misfit);
+  weights -= product(p, misfit);
 }
 
 /// See above; `solution` is the whole of M^-1 b for one place, `inverse` M^-1, `unit` the variances' unit.
@@ -142,7 +143,7 @@ void fadeOut(const MatrixXd& inverse, const SparseRows& variances, Index place, 
   const MatrixXd columns = chosenRows(inverse, faded).transpose() * d.asDiagonal();  // M^-1 is symmetric
   const MatrixXd system = MatrixXd::Identity(count, count) + d.asDiagonal() * chosenRows(columns, faded);
   const VectorXd right = d.cwiseProduct(VectorXd(chosenRows(solution, faded)));
-  solution -= columns * system.partialPivLu().solve(right);
+  solution -= product(columns, LuFactor(system).solve(right));
 }
 
 struct RowSpread {
@@ -154,7 +155,7 @@ struct RowSpread {
 RowSpread spreadOf(const MatrixXd& rows) {
   const RowVector3d middle = rows.colwise().mean();
   const MatrixXd about = rows.rowwise() - middle;
-  const Eigen::Matrix3d covariance = about.transpose() * about / static_cast<double>(rows.rows());
+  const Eigen::Matrix3d covariance = transposedProduct(about, about) / static_cast<double>(rows.rows());
   const SymmetricParts3 parts = symmetricParts3(covariance);
   const Vector3d deviations = parts.values.cwiseMax(0.0).cwiseSqrt();
   return {middle, parts.vectors.col(0), deviations[0], deviations[2]};
@@ -206,7 +207,7 @@ SkinWeights denseWeights(const SkinProblem& problem) {
   const Frame frame = frameOf(asRows(problem.points));
   const MatrixXd points = frame.of(asRows(problem.points)), places = frame.of(asRows(problem.places));
   const Index n = points.rows();
-  const Eigen::PartialPivLU<MatrixXd> factors(interpolationMatrix(kSmooth, points));
+  const LuFactor factors(interpolationMatrix(kSmooth, points));
   const MatrixXd inverse = problem.variances.nonZeros() > 0 ? factors.inverse() : MatrixXd();
   SkinWeights result;
   result.weights.reserve(problem.points.size() * problem.places.size());
@@ -242,7 +243,7 @@ SkinWeights sparseWeights(const SkinProblem& problem, std::uint32_t neighbours) 
     MatrixXd system = interpolationMatrix(kCubic, scaled);
     for (std::size_t j = 0; j < chosen.size(); ++j)
       system(Index(j), Index(j)) += variances[chosen[j]] / cube(frame.unit);
-    MatrixXd weights = system.partialPivLu().solve(rightSides(kCubic, scaled, place)).topRows(near.rows());
+    MatrixXd weights = LuFactor(system).solve(rightSides(kCubic, scaled, place)).topRows(near.rows());
     makeAffineExact(scaled, place, weights);
     result.weights.insert(result.weights.end(), weights.data(), weights.data() + weights.size());
     for (const Index point : chosen) result.points.push_back(static_cast<std::uint32_t>(point));

@@ -3,8 +3,9 @@
 
 #include "cook/network_pieces.h"
 #include "cook/triangle_geometry.h"
+#include "core/linear_algebra.h"
 
-#include <Eigen/Dense>
+#include <Eigen/Geometry>
 
 #include <algorithm>
 #include <cmath>
@@ -28,14 +29,24 @@ Points restPointsOf(const SpringNetwork& network) {
   return rest;
 }
 
-/// Squared distances, summed, after the best rigid motion: with the singular values s of the covariance,
-///     sum |x|^2 + |y|^2 - 2 (s0 + s1 +- s2),  minus where the best map would be a reflection.
+/// The most that the trace of a rotation times C can be: the largest eigenvalue of a symmetric matrix whose
+/// eigenvector is the rotation's quaternion (B. Horn, "Closed-form solution of absolute orientation using unit
+/// quaternions", 1987).
+double largestTrace(const Eigen::Matrix3d& c) {
+  const Eigen::Vector3d twist(c(1, 2) - c(2, 1), c(2, 0) - c(0, 2), c(0, 1) - c(1, 0));
+  Eigen::MatrixXd m(4, 4);
+  m(0, 0) = c.trace();
+  m.block<3, 1>(1, 0) = twist;
+  m.block<1, 3>(0, 1) = twist.transpose();
+  m.block<3, 3>(1, 1) = c + c.transpose() - c.trace() * Eigen::Matrix3d::Identity();
+  return symmetricValues(m)[3];
+}
+
+/// Squared distances, summed, after the best rigid motion:  sum |x|^2 + |y|^2 - 2 x . R y.
 double squaredDistance(const Points& a, const Points& b) {
   const Points x = a.colwise() - a.rowwise().mean(), y = b.colwise() - b.rowwise().mean();
   const Eigen::Matrix3d covariance = x * y.transpose();
-  const Eigen::Vector3d s = Eigen::JacobiSVD<Eigen::Matrix3d>(covariance).singularValues();
-  const double sign = covariance.determinant() < 0.0 ? -1.0 : 1.0;
-  return std::max(0.0, x.squaredNorm() + y.squaredNorm() - 2.0 * (s[0] + s[1] + sign * s[2]));
+  return std::max(0.0, x.squaredNorm() + y.squaredNorm() - 2.0 * largestTrace(covariance));
 }
 
 }  // namespace

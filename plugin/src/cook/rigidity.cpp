@@ -3,10 +3,9 @@
 
 #include "cook/stiffness_matrix.h"
 #include "core/largest_eigenvalue.h"
+#include "core/linear_algebra.h"
 #include "core/random.h"
-#include "core/symmetric_parts.h"
-
-#include <Eigen/SparseCholesky>
+#include "core/sparse_factor.h"
 
 #include <algorithm>
 #include <cmath>
@@ -35,17 +34,15 @@ SoftEnd denseSoftEnd(const SparseMatrix& stiffness, double bound) {
   return {below, below < values.size() ? values[below] : 0.0};
 }
 
-using Factors = Eigen::SimplicialLDLT<SparseMatrix>;
-
 /// Largest residual of solving with a factor, relative to the matrix, that speaks for its inertia.
 constexpr double kSoundFactor = 1e-10;
 
-bool isSound(const Factors& factors, const SparseMatrix& matrix, double size) {
-  if (factors.info() != Eigen::Success) return false;
+bool isSound(const SparseFactor& factor, const SparseMatrix& matrix, double size) {
+  if (!factor.isComplete) return false;
   Random random(1);
   Eigen::VectorXd b(matrix.rows());
   for (double& x : b) x = random.uniform() - 0.5;
-  const Eigen::VectorXd x = factors.solve(b);
+  const Eigen::VectorXd x = solve(factor, b);
   return (matrix * x - b).norm() <= kSoundFactor * (size * x.norm() + b.norm());
 }
 
@@ -53,19 +50,20 @@ bool isSound(const Factors& factors, const SparseMatrix& matrix, double size) {
 /// eigenvalue of its inverse belongs to the first one above. Without pivoting a factor can be unsound where s
 /// meets an eigenvalue of a leading block; then a somewhat larger s is taken.
 SoftEnd sparseSoftEnd(const SparseMatrix& stiffness, double bound, double stiffest) {
-  Factors factors;
+  SparseFactor factor;
   double shift = 0.0;
   for (int attempt = 0; attempt < 6; ++attempt) {
     shift = bound * std::pow(1.7, attempt);
     SparseMatrix shifted = stiffness;
     for (Eigen::Index i = 0; i < shifted.rows(); ++i) shifted.coeffRef(i, i) -= shift;
-    factors.compute(shifted);
-    if (isSound(factors, shifted, stiffest)) break;
+    factor = factorise(shifted);
+    if (isSound(factor, shifted, stiffest)) break;
   }
-  const Eigen::Index below = (factors.vectorD().array() < 0.0).count();
+  if (!factor.isComplete) return denseSoftEnd(stiffness, bound);
+  const Eigen::Index below = (factor.diagonal.array() < 0.0).count();
   if (below == stiffness.rows()) return {below, 0.0};
   const double inverse = largestEigenvalue(
-      [&](const Eigen::VectorXd& v) -> Eigen::VectorXd { return factors.solve(v); }, stiffness.rows());
+      [&](const Eigen::VectorXd& v) -> Eigen::VectorXd { return solve(factor, v); }, stiffness.rows());
   return {below, inverse > 0.0 ? shift + 1.0 / inverse : 0.0};
 }
 

@@ -1,11 +1,9 @@
 // SPDX-License-Identifier: Zlib
 #include "cook/rigidity.h"
 #include "cook/stiffness_matrix.h"
+#include "core/linear_algebra.h"
 #include "core/random.h"
-#include "core/symmetric_parts.h"
-
-#include <Eigen/QR>
-#include <Eigen/SparseCholesky>
+#include "core/sparse_factor.h"
 
 #include <algorithm>
 #include <cmath>
@@ -40,14 +38,14 @@ double largestRowSum(const SparseMatrix& matrix) {
 /// round-off of S is that of the stiffest mode of the space, not of all.
 Modes modesWithin(const SparseMatrix& rigidity, const Eigen::MatrixXd& shapes) {
   const Eigen::MatrixXd stretches = rigidity * shapes;
-  const SymmetricParts ritz = symmetricParts(stretches.transpose() * stretches);
-  return {ritz.values.cwiseMax(0.0), shapes * ritz.vectors};
+  const SymmetricParts ritz = symmetricParts(transposedProduct(stretches, stretches));
+  return {ritz.values.cwiseMax(0.0), product(shapes, ritz.vectors)};
 }
 
 /// With rigid motions made the stiffest of all.
 Eigen::MatrixXd denseModes(const SparseMatrix& stiffness, const Eigen::MatrixXd& rigid, Eigen::Index count) {
   Eigen::MatrixXd matrix = stiffness;
-  matrix += (2.0 * largestRowSum(stiffness) + 1.0) * rigid * rigid.transpose();
+  matrix += (2.0 * largestRowSum(stiffness) + 1.0) * product(rigid, rigid.transpose());
   return symmetricParts(matrix).vectors.leftCols(count);
 }
 
@@ -57,27 +55,20 @@ class ShiftedInverse {
   ShiftedInverse(const SparseMatrix& stiffness, double shift) {
     SparseMatrix shifted = stiffness;
     for (Eigen::Index i = 0; i < shifted.rows(); ++i) shifted.coeffRef(i, i) += shift;
-    factors_.compute(shifted);
-    lower_ = factors_.matrixL();
-    diagonal_ = factors_.vectorD();
+    factor_ = factorise(shifted);
   }
 
   Block operator*(const Block& b) const {
-    RowBlock x = factors_.permutationP() * b;
-    for (Eigen::Index j = 0; j < lower_.cols(); ++j)
-      for (SparseMatrix::InnerIterator entry(lower_, j); entry; ++entry)
-        if (entry.row() > j) x.row(entry.row()) -= entry.value() * x.row(j);
-    x = diagonal_.cwiseInverse().asDiagonal() * x;
-    for (Eigen::Index j = lower_.cols(); j-- > 0;)
-      for (SparseMatrix::InnerIterator entry(lower_, j); entry; ++entry)
-        if (entry.row() > j) x.row(j) -= entry.value() * x.row(entry.row());
-    return factors_.permutationPinv() * x;
+    RowBlock x(b.rows(), kBlock);
+    for (Eigen::Index i = 0; i < b.rows(); ++i) x.row(factor_.place[i]) = b.row(i);
+    solveOrdered(factor_, x);
+    Block result(b.rows(), kBlock);
+    for (Eigen::Index i = 0; i < b.rows(); ++i) result.row(i) = x.row(factor_.place[i]);
+    return result;
   }
 
  private:
-  Eigen::SimplicialLDLT<SparseMatrix> factors_;
-  SparseMatrix lower_;
-  Eigen::VectorXd diagonal_;
+  SparseFactor factor_;
 };
 
 /// The space that block Lanczos with thick restarts (Wu, Simon 2000) spans with the inverse, whose largest
@@ -95,8 +86,8 @@ struct SoftSpace {
 
 void project(const SoftSpace& space, Eigen::Ref<Eigen::MatrixXd> block) {
   const auto basis = space.basis.leftCols(space.columns);
-  block -= space.rigid * (space.rigid.transpose() * block).eval();
-  block -= basis * (basis.transpose() * block).eval();
+  block -= product(space.rigid, transposedProduct(space.rigid, block));
+  block -= product(basis, transposedProduct(basis, block));
 }
 
 void randomise(SoftSpace& space, Eigen::Ref<Eigen::MatrixXd> block) {
@@ -128,17 +119,17 @@ Block orthonormal(SoftSpace& space, Block block) {
 
 /// Adds the block to the space and returns what the inverse leads to from it.
 Block extend(SoftSpace& space, const Block& block) {
-  Block product = space.inverse * block;
-  product -= space.rigid * (space.rigid.transpose() * product).eval();
+  Block answer = space.inverse * block;
+  answer -= product(space.rigid, transposedProduct(space.rigid, answer));
   space.basis.middleCols(space.columns, kBlock) = block;
-  space.product.middleCols(space.columns, kBlock) = product;
+  space.product.middleCols(space.columns, kBlock) = answer;
   space.columns += kBlock;
-  return orthonormal(space, product);
+  return orthonormal(space, answer);
 }
 
 void solveWithin(SoftSpace& space) {
   Eigen::MatrixXd small =
-      space.basis.leftCols(space.columns).transpose() * space.product.leftCols(space.columns);
+      transposedProduct(space.basis.leftCols(space.columns), space.product.leftCols(space.columns));
   small = (0.5 * (small + small.transpose())).eval();
   const SymmetricParts ritz = symmetricParts(small);
   space.values = ritz.values.reverse();
@@ -146,18 +137,19 @@ void solveWithin(SoftSpace& space) {
 }
 
 bool isConverged(const SoftSpace& space, Eigen::Index count) {
-  const Eigen::MatrixXd residuals = space.product.leftCols(space.columns) * space.vectors.leftCols(count) -
-                                    space.basis.leftCols(space.columns) * space.vectors.leftCols(count) *
-                                        space.values.head(count).asDiagonal();
+  const Eigen::MatrixXd residuals =
+      product(space.product.leftCols(space.columns), space.vectors.leftCols(count)) -
+      product(space.basis.leftCols(space.columns), space.vectors.leftCols(count)) *
+          space.values.head(count).asDiagonal();
   return (residuals.colwise().norm().transpose().array() <= kModeTolerance * space.values.head(count).array())
       .all();
 }
 
 /// Shrinks the space to its softest `count` modes.
 void keep(SoftSpace& space, Eigen::Index count) {
-  space.basis.leftCols(count) = (space.basis.leftCols(space.columns) * space.vectors.leftCols(count)).eval();
+  space.basis.leftCols(count) = product(space.basis.leftCols(space.columns), space.vectors.leftCols(count));
   space.product.leftCols(count) =
-      (space.product.leftCols(space.columns) * space.vectors.leftCols(count)).eval();
+      product(space.product.leftCols(space.columns), space.vectors.leftCols(count));
   space.columns = count;
 }
 
@@ -200,15 +192,11 @@ Eigen::MatrixXd sparseModes(const SparseMatrix& stiffness, const Eigen::MatrixXd
   space.basis.resize(stiffness.rows(), 2 * count + 6 * kBlock);
   space.product.resize(stiffness.rows(), space.basis.cols());
   converge(space, count);
-  return space.basis.leftCols(space.columns) * space.vectors.leftCols(std::min(count, space.columns));
+  return product(space.basis.leftCols(space.columns),
+                 space.vectors.leftCols(std::min(count, space.columns)));
 }
 
 constexpr int kRoughPasses = 2;
-
-Eigen::MatrixXd orthonormal(const Eigen::MatrixXd& columns) {
-  const Eigen::HouseholderQR<Eigen::MatrixXd> qr(columns);
-  return qr.householderQ() * Eigen::MatrixXd::Identity(columns.rows(), columns.cols());
-}
 
 /// Inverse iteration of a random space (subspace iteration).
 Eigen::MatrixXd roughShapes(const SparseMatrix& stiffness, const Eigen::MatrixXd& rigid, Eigen::Index count) {
@@ -218,11 +206,11 @@ Eigen::MatrixXd roughShapes(const SparseMatrix& stiffness, const Eigen::MatrixXd
   Eigen::MatrixXd shapes(stiffness.rows(), (count + kBlock - 1) / kBlock * kBlock);
   for (double& x : shapes.reshaped()) x = random.uniform() - 0.5;
   for (int pass = 0; pass < kRoughPasses; ++pass) {
-    shapes -= rigid * (rigid.transpose() * shapes).eval();
+    shapes -= product(rigid, transposedProduct(rigid, shapes));
     for (Eigen::Index j = 0; j < shapes.cols(); j += kBlock)
       shapes.middleCols(j, kBlock) = inverse * Block(shapes.middleCols(j, kBlock));
-    shapes -= rigid * (rigid.transpose() * shapes).eval();
-    shapes = orthonormal(shapes);
+    shapes -= product(rigid, transposedProduct(rigid, shapes));
+    shapes = orthogonalColumns(shapes, shapes.cols());
   }
   return shapes;
 }

@@ -3,8 +3,8 @@
 
 #include "cook/tetrahedron_faces.h"
 #include "cook/triangle_geometry.h"
+#include "core/linear_algebra.h"
 
-#include <Eigen/Cholesky>
 #include <Eigen/Geometry>
 
 #include <algorithm>
@@ -72,7 +72,8 @@ Vector3d meetingOfPlanes(const Fit& fit, std::uint32_t point, const SolidSurface
     area += weight;
   }
   left += kStayInPlace * area * Matrix3d::Identity();
-  return here + left.ldlt().solve(right);
+  solveSmall(left, right);
+  return here + right;
 }
 
 Vector3d meanOfNeighbours(const Fit& fit, std::uint32_t point) {

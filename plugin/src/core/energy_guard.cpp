@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "core/energy_guard.h"
 
-#include "core/symmetric_parts.h"
+#include "core/linear_algebra.h"
 
 #include <Eigen/Geometry>
 
@@ -27,7 +27,7 @@ struct BodyMoments {
 
   /// All points on a line have no inertia about it, and no spin either.
   Eigen::Vector3d turnFor(const Eigen::Vector3d& angularMomentum) const {
-    return leastSolution(inertia, angularMomentum);
+    return pseudoInverse(inertia) * angularMomentum;
   }
 };
 

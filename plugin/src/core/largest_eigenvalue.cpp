@@ -2,7 +2,7 @@
 #include "core/largest_eigenvalue.h"
 
 #include "core/random.h"
-#include "core/symmetric_parts.h"
+#include "core/linear_algebra.h"
 
 #include <algorithm>
 #include <cmath>

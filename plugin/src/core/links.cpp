@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Zlib
 #include "core/links.h"
 
+#include "core/linear_algebra.h"
 #include "core/spring_damping.h"
 #include "core/spring_forces.h"
 
-#include <Eigen/Dense>
+#include <Eigen/LU>
 
 #include <algorithm>
 #include <cmath>
@@ -112,11 +113,14 @@ Vector3d driftedPosition(const LinkedBodies& bodies, const LinkEnd& end, double 
   return rigid.position + dt * rigid.velocity + rotationBy(dt * rigid.angularVelocity) * arm(bodies, end);
 }
 
+/// Of the cube of a mobility's trace: with such a determinant its cofactors lose few digits.
+constexpr double kPlain = 1e-6;
+
 /// The inverse of a mobility; where both sides are held along an axis nothing can be done there.
 Matrix3d massOf(const Matrix3d& mobility) {
-  const Eigen::FullPivLU<Matrix3d> lu(mobility);
-  if (lu.isInvertible()) return lu.inverse();
-  return mobility.completeOrthogonalDecomposition().pseudoInverse();
+  const double size = mobility.trace();
+  const bool isPlain = mobility.determinant() > kPlain * size * size * size;
+  return isPlain ? Matrix3d(mobility.inverse()) : pseudoInverse(mobility);
 }
 
 /// Of an error, per tick: as Bullet's joints (btContactSolverInfo::m_erp).

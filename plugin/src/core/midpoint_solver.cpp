@@ -154,9 +154,9 @@ void solve(MidpointSolver& solver, Points& b) {
   solvePlain(solver, b);
   const VolumeUpdate& u = solver.volumes;
   if (u.gradient.empty()) return;
-  Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kMostSolvedVolumes, 1> y(u.inner.rows());
+  SmallVector y(u.inner.rows());
   for (std::size_t c = 0; c < u.gradient.size(); ++c) y[static_cast<Eigen::Index>(c)] = dot(u.gradient[c], b);
-  y = u.inner.ldlt().solve(y).eval();
+  solveSmall(u.inner, y);
   for (std::size_t c = 0; c < u.gradient.size(); ++c) b -= y[static_cast<Eigen::Index>(c)] * u.response[c];
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "core/banded_matrix.h"
+#include "core/linear_algebra.h"
 #include "core/shared_factor.h"
 #include "core/tetrahedron_volumes.h"
 #include "core/volume_term.h"
@@ -14,15 +15,14 @@ namespace limber {
 
 /// More closed surfaces in a body than this are stepped by Verlet.
 constexpr int kMostSolvedVolumes = 8;
+static_assert(kMostSolvedVolumes <= kMostSmall);
 
 /// What the volume term adds to a matrix A: sum d g g^T over the components, g the gradient of the volume and
 /// d = h^2/4 K / V0. By Sherman, Morrison and Woodbury
 ///     (A + G D G^T)^-1 b = x - Z (D^-1 + G^T Z)^-1 G^T x,   x = A^-1 b,   Z = A^-1 G.
 struct VolumeUpdate {
-  using Small =
-      Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kMostSolvedVolumes, kMostSolvedVolumes>;
   std::vector<Points> gradient, response;  ///< #components: g and A^-1 g
-  Small inner;                             ///< D^-1 + G^T Z
+  SmallMatrix inner;                       ///< D^-1 + G^T Z
 };
 
 /// The linear system of one iteration of the implicit midpoint rule, solved in one of two ways.

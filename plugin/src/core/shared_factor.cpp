@@ -3,8 +3,6 @@
 
 #include "core/midpoint_damping.h"
 
-#include <Eigen/SparseCholesky>
-
 #include <algorithm>
 
 namespace limber {
@@ -21,14 +19,10 @@ bool equal(const Sparse& a, const Sparse& b) {
 }
 
 std::shared_ptr<const SharedFactor> makeFactor(Sparse matrix) {
-  const Eigen::SimplicialLLT<Sparse> cholesky(matrix);
-  auto factor = std::make_shared<SharedFactor>();
-  factor->lower = cholesky.matrixL();
-  factor->lower.makeCompressed();
-  const auto& permutation = cholesky.permutationP().indices();
-  factor->place.assign(permutation.data(), permutation.data() + permutation.size());
-  factor->matrix = std::move(matrix);
-  return factor;
+  auto shared = std::make_shared<SharedFactor>();
+  shared->factor = factorise(matrix);
+  shared->matrix = std::move(matrix);
+  return shared;
 }
 
 using Entries = std::vector<Eigen::Triplet<double>>;
@@ -57,20 +51,9 @@ void joinCorners(const TetrahedronVolumes& v, const Points& inverseMass, double 
 }  // namespace
 
 void SharedFactor::solve(Points& b, Points& scratch) const {
-  const Eigen::Index count = lower.cols();
-  for (Eigen::Index i = 0; i < count; ++i) scratch.col(place[static_cast<std::size_t>(i)]) = b.col(i);
-  for (Eigen::Index j = 0; j < count; ++j) {
-    Sparse::InnerIterator entry(lower, j);  // the diagonal comes first
-    scratch.col(j) /= entry.value();
-    while (++entry) scratch.col(entry.row()) -= entry.value() * scratch.col(j);
-  }
-  for (Eigen::Index j = count; j-- > 0;) {
-    Sparse::InnerIterator entry(lower, j);
-    const double diagonal = entry.value();
-    while (++entry) scratch.col(j) -= entry.value() * scratch.col(entry.row());
-    scratch.col(j) /= diagonal;
-  }
-  for (Eigen::Index i = 0; i < count; ++i) b.col(i) = scratch.col(place[static_cast<std::size_t>(i)]);
+  for (Eigen::Index i = 0; i < b.cols(); ++i) scratch.col(factor.place[i]) = b.col(i);
+  solveOrdered(factor, scratch.transpose());
+  for (Eigen::Index i = 0; i < b.cols(); ++i) b.col(i) = scratch.col(factor.place[i]);
 }
 
 Sparse midpointMatrix(const ElasticParts& parts, const Points& inverseMass, double h) {

@@ -2,17 +2,16 @@
 #pragma once
 
 #include "core/point_state.h"
+#include "core/sparse_factor.h"
 #include "core/spring_arrays.h"
 #include "core/tetrahedron_volumes.h"
-
-#include <Eigen/SparseCore>
 
 #include <memory>
 #include <vector>
 
 namespace limber {
 
-/// The matrix of the local/global iterations of the implicit midpoint rule and its Cholesky factor
+/// The matrix of the local/global iterations of the implicit midpoint rule and its factor
 /// (Liu, Bargteil, O'Brien, Kavan 2013, equation 14, for substeps h of the midpoint rule):
 ///
 ///     A = M + sum over springs (h^2/4 k + h/2 c (1 + beta)) (e_a - e_b)(e_a - e_b)^T,  #points x #points,
@@ -27,8 +26,7 @@ namespace limber {
 /// share it. Rows and columns of held points are those of the unit matrix.
 struct SharedFactor {
   Eigen::SparseMatrix<double> matrix;  ///< A
-  Eigen::SparseMatrix<double> lower;   ///< L of P A P^T = L L^T
-  std::vector<std::uint32_t> place;    ///< #points, row of point i in L
+  SparseFactor factor;
 
   /// Solves A x = b in place for all three coordinates; `scratch` is 3 x #points.
   void solve(Points& b, Points& scratch) const;
