@@ -83,7 +83,7 @@ cook_run(unwritable_picture unit 1 "cannot write /dev/null/a.png" ${meshes}/cube
 # every model that assimp's own tests have: cooked or refused with a reason, none crashes, hangs or fills the memory.
 # Left out with sanitizers, which need more address space than the limit and ten times as long.
 find_package(Python3 COMPONENTS Interpreter)
-if(Python3_FOUND AND NOT LIMBER_SANITIZE)
+if(Python3_FOUND AND LIMBER_LONG_TESTS AND NOT LIMBER_SANITIZE)
   add_test(NAME cook.assimp_models COMMAND ${Python3_EXECUTABLE} ${CMAKE_CURRENT_SOURCE_DIR}/cook_models.py
     $<TARGET_FILE:limber-cook>)
   set_tests_properties(cook.assimp_models PROPERTIES LABELS scene TIMEOUT 600 PROCESSORS 2 SKIP_RETURN_CODE 77)

@@ -38,11 +38,11 @@ void limitProcessorTime(double seconds) {
 
 const char* const kVerdictMark = "\n=verdict=";
 
-[[noreturn]] void playInChild(const Story& story, int pipe, double seconds) {
-  limitProcessorTime(seconds);
+[[noreturn]] void playInChild(const Story& story, int pipe, const Effort& effort) {
+  limitProcessorTime(effort.seconds);
   dup2(pipe, STDERR_FILENO);
   dup2(pipe, STDOUT_FILENO);
-  const std::optional<Failure> failure = checkStory(story);
+  const std::optional<Failure> failure = checkStory(story, effort.once);
   std::string text = kVerdictMark;
   if (failure) text += failure->law + "\n" + failure->detail;
   if (write(pipe, text.data(), text.size()) < 0) std::abort();
@@ -50,7 +50,7 @@ const char* const kVerdictMark = "\n=verdict=";
   _exit(0);
 }
 
-Child start(const Story& story, std::size_t index, double seconds) {
+Child start(const Story& story, std::size_t index, const Effort& effort) {
   prepare(story);
   int ends[2];
   if (pipe(ends) != 0) std::abort();
@@ -60,7 +60,7 @@ Child start(const Story& story, std::size_t index, double seconds) {
   if (child.process < 0) std::abort();
   if (child.process == 0) {
     close(ends[0]);
-    playInChild(story, ends[1], seconds);
+    playInChild(story, ends[1], effort);
   }
   close(ends[1]);
   fcntl(ends[0], F_SETFL, O_NONBLOCK);
@@ -109,20 +109,20 @@ Verdict end(Child& child, bool late) {
 
 }  // namespace
 
-void judge(const std::vector<Story>& stories, int jobs, double seconds,
+void judge(const std::vector<Story>& stories, const Effort& effort,
            const std::function<void(std::size_t, const Verdict&)>& told) {
   std::vector<Child> children;
   std::size_t next = 0;
   while (next < stories.size() || !children.empty()) {
-    while (next < stories.size() && children.size() < static_cast<std::size_t>(jobs)) {
-      children.push_back(start(stories[next], next, seconds));
+    while (next < stories.size() && children.size() < static_cast<std::size_t>(effort.jobs)) {
+      children.push_back(start(stories[next], next, effort));
       ++next;
     }
     std::vector<pollfd> waits;
     for (const Child& child : children) waits.push_back({child.pipe, POLLIN, 0});
     poll(waits.data(), waits.size(), 200);
     for (std::size_t i = children.size(); i-- > 0;) {
-      const bool late = std::chrono::duration<double>(Clock::now() - children[i].start).count() > kPatience * seconds;
+      const bool late = std::chrono::duration<double>(Clock::now() - children[i].start).count() > kPatience * effort.seconds;
       if (listen(children[i]) && !late) continue;
       const std::size_t story = children[i].story;
       const Verdict verdict = end(children[i], late);
@@ -132,9 +132,9 @@ void judge(const std::vector<Story>& stories, int jobs, double seconds,
   }
 }
 
-Verdict judge(const Story& story, double seconds) {
+Verdict judge(const Story& story, const Effort& effort) {
   Verdict verdict;
-  judge({story}, 1, seconds, [&](std::size_t, const Verdict& told) { verdict = told; });
+  judge({story}, {1, effort.seconds, effort.once}, [&](std::size_t, const Verdict& told) { verdict = told; });
   return verdict;
 }
 

@@ -18,12 +18,19 @@ struct Verdict {
 
 /// Plays stories in child processes, `jobs` at a time, each for no more than `seconds` of processor time, and calls `told` with
 /// each one's index and verdict as they end, here.
-void judge(const std::vector<Story>& stories, int jobs, double seconds,
+/// What a story is given.
+struct Effort {
+  int jobs = 1;           ///< processes at a time
+  double seconds = 30.0;  ///< of a processor's time
+  bool once = false;      ///< it is played once: the laws that compare runs are left out
+};
+
+void judge(const std::vector<Story>& stories, const Effort& effort,
            const std::function<void(std::size_t, const Verdict&)>& told);
-Verdict judge(const Story& story, double seconds);
+Verdict judge(const Story& story, const Effort& effort);
 
 /// The smallest story that fails as this one does: steps are left out, frames cut, numbers made simple, as
 /// long as the same law breaks.
-Story shrink(const Story& story, const Verdict& verdict, int jobs, double seconds);
+Story shrink(const Story& story, const Verdict& verdict, const Effort& effort);
 
 }  // namespace limber::fuzz

@@ -133,7 +133,7 @@ void prepare(const Story& story) {
     if (s.kind == Kind::Soft) networkNamed(s.choice("network"));
 }
 
-std::optional<Failure> checkStory(const Story& story) {
+std::optional<Failure> checkStory(const Story& story, bool once) {
   const Run run = play(story);
   PlayOptions withoutSoft;
   withoutSoft.softBodies = false;
@@ -143,13 +143,14 @@ std::optional<Failure> checkStory(const Story& story) {
     if (twin.failure && twin.failure->law == run.failure->law) return {};
     return run.failure;
   }
+  const bool wild = story.first(Kind::World).choice("promise") == "wild";
+  if (once) return wild || !startsClear(story, run.frames.front()) ? std::nullopt : checkFloor(story, run);
   if (auto failure = checkRepeats(story, run)) return failure;
   const Run twin = play(story, withoutSoft);
   if (twin.failure) return {};
   if (!actsFromAfar(story))
     if (auto failure = checkTwin(run, twin)) return failure;
-  if (story.first(Kind::World).choice("promise") != "wild") return checkClosed(story, run, twin);
-  return {};
+  return wild ? std::nullopt : checkClosed(story, run, twin);
 }
 
 }  // namespace limber::fuzz

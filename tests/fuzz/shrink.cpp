@@ -18,8 +18,8 @@ std::string crashKind(const Verdict& verdict) {
 
 class Shrinker {
  public:
-  Shrinker(const Story& story, const Verdict& verdict, int jobs, double seconds)
-      : story_(story), law_(verdict.law), crash_(crashKind(verdict)), jobs_(jobs), seconds_(seconds) {}
+  Shrinker(const Story& story, const Verdict& verdict, const Effort& effort)
+      : story_(story), law_(verdict.law), crash_(crashKind(verdict)), effort_(effort) {}
 
   Story run() {
     // until no single change is left; each round is some hundred short plays
@@ -38,11 +38,11 @@ class Shrinker {
   bool takeFirst(const std::vector<Story>& tries) {
     std::size_t best = tries.size();
     // no more at a time than are played at once: the first that fails ends it
-    for (std::size_t i = 0; i < tries.size() && best == tries.size(); i += static_cast<std::size_t>(jobs_)) {
-      const std::size_t last = std::min(tries.size(), i + static_cast<std::size_t>(jobs_));
+    for (std::size_t i = 0; i < tries.size() && best == tries.size(); i += static_cast<std::size_t>(effort_.jobs)) {
+      const std::size_t last = std::min(tries.size(), i + static_cast<std::size_t>(effort_.jobs));
       const std::vector<Story> few(tries.begin() + static_cast<std::ptrdiff_t>(i),
                                    tries.begin() + static_cast<std::ptrdiff_t>(last));
-      judge(few, jobs_, seconds_, [&](std::size_t index, const Verdict& verdict) {
+      judge(few, effort_, [&](std::size_t index, const Verdict& verdict) {
         if (verdict.law == law_ && crashKind(verdict) == crash_) best = std::min(best, i + index);
       });
     }
@@ -123,14 +123,13 @@ class Shrinker {
 
   Story story_;
   std::string law_, crash_;
-  int jobs_;
-  double seconds_;
+  Effort effort_;
 };
 
 }  // namespace
 
-Story shrink(const Story& story, const Verdict& verdict, int jobs, double seconds) {
-  return Shrinker(story, verdict, jobs, seconds).run();
+Story shrink(const Story& story, const Verdict& verdict, const Effort& effort) {
+  return Shrinker(story, verdict, effort).run();
 }
 
 }  // namespace limber::fuzz
