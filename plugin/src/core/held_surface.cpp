@@ -154,9 +154,18 @@ HeldPlace nearestOnHull(const HeldPiece* first, const HeldPiece* end, const Vect
 
 // --- contacts of a point -----------------------------------------------------------------------------------
 
+/// Where the point goes: from + t way, for t from `start` to 1.
+struct Path {
+  Vector3d from, way;
+  double start = 0.0;
+
+  Vector3d at(double t) const { return from + t * way; }
+};
+
 struct Meeting {
   const HeldPiece *first, *end;
-  const Vector3d &x, &way;
+  const Vector3d& x;
+  const Path& path;
   double radius;
 };
 
@@ -170,21 +179,22 @@ HeldContact contactAt(const Meeting& m, const HeldPlace& place, const Vector3d& 
   return c;
 }
 
-/// Follows the point until it meets the solid, by conservative advancement; false if it does not on its way.
-bool advance(const Meeting& m, HeldContact& c, HeldPlace place) {
-  double time = 0.0;
-  Vector3d at = m.x;
+constexpr double kNever = 2.0;
+
+/// Follows the point until it meets the solid, by conservative advancement; returns when, kNever if it does not.
+double advance(const Meeting& m, HeldContact& c) {
+  double time = m.path.start;
+  HeldPlace place = nearestOn(m.first, m.end, m.path.at(time));
   for (int i = 0; i < kMostAdvances; ++i) {
     const double gap = place.height - m.radius;
     if (gap <= 0.01 * kTouching * m.radius) break;
-    const double approach = -place.normal.dot(m.way);
-    if (!(approach > 0.0) || time + gap / approach > 1.0) return false;
+    const double approach = -place.normal.dot(m.path.way);
+    if (!(approach > 0.0) || time + gap / approach > 1.0) return kNever;
     time += gap / approach;
-    at = m.x + time * m.way;
-    place = nearestOn(m.first, m.end, at);
+    place = nearestOn(m.first, m.end, m.path.at(time));
   }
-  c = contactAt(m, place, at);
-  return true;
+  c = contactAt(m, place, m.path.at(time));
+  return time;
 }
 
 /// Whether another triangle of a sheet is between the point and the place.
@@ -214,11 +224,13 @@ bool isBlocked(const HeldNeighbourhood& around, const Meeting& m, const HeldCont
   return false;
 }
 
-/// Whether y says the same as x and x is to be kept.
+/// Whether x is to be kept, of two contacts that say about the same. An edge that is flush with a face is none:
+/// it must stand out from it. Gaps would not tell, where the point is still far and the normals are not quite equal.
 bool isBetter(const HeldContact& x, const HeldContact& y, double radius) {
   const double least = 0.02 * kTouching * radius;
-  if (x.onFace != y.onFace && std::abs(x.gap - y.gap) < least) return x.onFace;
-  return x.gap <= y.gap;
+  if (x.onFace == y.onFace) return x.gap <= y.gap;
+  const HeldContact &face = x.onFace ? x : y, &edge = x.onFace ? y : x;
+  return x.onFace == (face.normal.dot(edge.touch - face.touch) < least);
 }
 
 void addContact(std::vector<HeldContact>& contacts, const HeldContact& c, double radius) {
@@ -236,6 +248,24 @@ void keepSide(HeldPiece& sheet, const Vector3d& x) {
   const bool inside = nearestOnTriangle(sheet, x).inside;
   if (!inside || !sheet.metInside) sheet.side = heightAbove(sheet, x) < 0.0 ? -1 : 1;
   sheet.metInside = inside;
+}
+
+/// The path of a point that slides on the face that it meets first. What is met on the straight way beyond it may
+/// be buried, as the sides of flush tiles are.
+Path pathAlong(const HeldPiece* begin, const HeldPiece* end, const Vector3d& x, const Vector3d& way, double radius) {
+  const Path straight{x, way};
+  if (begin == end || endOfSolid(begin, end) == end) return straight;
+  Vector3d normal = Vector3d::Zero();
+  double time = kNever;
+  for (const HeldPiece *first = begin, *next = begin; first != end; first = next) {
+    next = endOfSolid(first, end);
+    HeldContact c;
+    const double met = advance({first, next, x, straight, radius}, c);
+    if (met < time && c.onFace && c.normal.dot(way) < 0.0) time = met, normal = c.normal;
+  }
+  if (time == kNever) return straight;
+  const Vector3d into = normal.dot(way) * normal;
+  return {x + time * into, way - into, time};
 }
 
 }  // namespace
@@ -266,16 +296,17 @@ void findContacts(HeldNeighbourhood& around, const Vector3d& x, const Vector3d& 
   HeldPiece* begin = around.all->pieces.data() + around.begin;
   const HeldPiece* end = around.all->pieces.data() + around.end;
   const double most = within + way.norm();
+  const Path path = pathAlong(begin, end, x, way, around.radius);
   for (HeldPiece *first = begin, *next = begin; first != end; first = next) {
     next = const_cast<HeldPiece*>(endOfSolid(first, end));
     if (first->kind == Kind::Sheet) keepSide(*first, x);
     const HeldPlace place = nearestOn(first, next, x);
     const double gap = place.height - around.radius;
     if (gap > most) continue;
-    const Meeting meeting{first, next, x, way, around.radius};
+    const Meeting meeting{first, next, x, path, around.radius};
     HeldContact c = contactAt(meeting, place, x);
     const bool meetsLater = gap > kTouching * around.radius && gap + place.normal.dot(way) < 0.0;
-    if (meetsLater && !advance(meeting, c, place)) continue;
+    if (meetsLater && advance(meeting, c) == kNever) continue;
     if (!isBlocked(around, meeting, c)) addContact(contacts, c, around.radius);
   }
 }
