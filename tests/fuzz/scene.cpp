@@ -233,6 +233,12 @@ SoftBodySettings softSettings(const Step& s) {
   return made;
 }
 
+/// The same with every point a little elsewhere: what is about to buckle does so.
+SharedNetwork nudged(SpringNetwork network, double by, Random& random) {
+  for (Vector3d& point : network.restPoints) point += by * random.direction();
+  return std::make_shared<const SpringNetwork>(std::move(network));
+}
+
 }  // namespace
 
 void WorldPlayer::addSoft(const Step& s) {
@@ -240,9 +246,13 @@ void WorldPlayer::addSoft(const Step& s) {
   SoftBodySystem* system = systemOf(index);
   if (!system || softs_.count(s.id)) return;
   SoftBodySettings settings = softSettings(s);
-  if (options_.nudge > 0.0)
-    settings.position += options_.nudge * Random(static_cast<std::uint64_t>(s.id)).direction();
-  Result<SoftBody*> body = system->createBody(networkNamed(s.choice("network")), settings);
+  SharedNetwork network = networkNamed(s.choice("network"));
+  if (options_.nudge > 0.0) {
+    Random random(static_cast<std::uint64_t>(s.id));
+    settings.position += options_.nudge * random.direction();
+    network = nudged(*network, options_.nudge, random);
+  }
+  Result<SoftBody*> body = system->createBody(network, settings);
   // what is refused is not there; the laws are about what has been accepted
   if (!body) return;
   softs_[s.id] = {*body, index};
