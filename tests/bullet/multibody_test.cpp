@@ -241,7 +241,7 @@ TEST(MultiBodies, aDoorSwingsOpenWhenItIsHit) {
     // in the door's frame no point is on its other side
     const btTransform pose = w.colliders[0]->getWorldTransform();
     for (std::uint32_t p = 0; p < 8; ++p) {
-      const Vector3d x = eigen(pose.inverse() * vec(cube->position(p).x(), cube->position(p).y(), cube->position(p).z()));
+      const Vector3d at = cube->position(p), x = eigen(pose.inverse() * vec(at.x(), at.y(), at.z()));
       if (std::abs(x.z()) < 0.55) farthest = std::max(farthest, x.x());
     }
   }

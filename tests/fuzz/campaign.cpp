@@ -122,7 +122,8 @@ void judge(const std::vector<Story>& stories, const Effort& effort,
     for (const Child& child : children) waits.push_back({child.pipe, POLLIN, 0});
     poll(waits.data(), waits.size(), 200);
     for (std::size_t i = children.size(); i-- > 0;) {
-      const bool late = std::chrono::duration<double>(Clock::now() - children[i].start).count() > kPatience * effort.seconds;
+      const std::chrono::duration<double> past = Clock::now() - children[i].start;
+      const bool late = past.count() > kPatience * effort.seconds;
       if (listen(children[i]) && !late) continue;
       const std::size_t story = children[i].story;
       const Verdict verdict = end(children[i], late);

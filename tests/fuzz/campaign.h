@@ -16,8 +16,6 @@ struct Verdict {
   bool failed() const { return !law.empty(); }
 };
 
-/// Plays stories in child processes, `jobs` at a time, each for no more than `seconds` of processor time, and calls `told` with
-/// each one's index and verdict as they end, here.
 /// What a story is given.
 struct Effort {
   int jobs = 1;           ///< processes at a time
@@ -25,6 +23,7 @@ struct Effort {
   bool once = false;      ///< it is played once: the laws that compare runs are left out
 };
 
+/// Plays stories in child processes and calls `told` with each one's index and verdict as they end, here.
 void judge(const std::vector<Story>& stories, const Effort& effort,
            const std::function<void(std::size_t, const Verdict&)>& told);
 Verdict judge(const Story& story, const Effort& effort);

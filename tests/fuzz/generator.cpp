@@ -182,7 +182,10 @@ void Writer::soft(int at) {
   double size = dice_.of({1.0, 1.0, 0.5, 0.7});
   if (wild() && dice_.chance(0.05)) size = dice_.decades(0.01, 5);
   Vector3d scale = Vector3d::Constant(size);
-  if (dice_.chance(0.2)) scale = Dice::rounded(Vector3d(scale.cwiseProduct(dice_.box({0.6, 0.6, 0.6}, {1.2, 1.2, 1.2}))));
+  if (dice_.chance(0.2)) {
+    const Vector3d stretch = dice_.box({0.6, 0.6, 0.6}, {1.2, 1.2, 1.2});
+    scale = Dice::rounded(Vector3d(scale.cwiseProduct(stretch)));
+  }
   if (dice_.chance(0.15)) scale[dice_.below(3)] *= -1;
   s.set("scale", scale);
   const double radius = networkRadius(*networkNamed(s.choice("network")), scale) + 0.05;
@@ -338,7 +341,8 @@ void Writer::userOnRigid(Step& s) {
       break;
     case Kind::Shape:
       chooseAny(s, "shape");
-      s.set("of", any(rigids_)).set("size", dice_.box({0.1, 0.1, 0.1}, {0.6, 0.6, 0.6})).set("variant", dice_.below(60));
+      s.set("of", any(rigids_)).set("size", dice_.box({0.1, 0.1, 0.1}, {0.6, 0.6, 0.6}));
+      s.set("variant", dice_.below(60));
       break;
     case Kind::Scaling:
       s.set("of", any(rigids_)).set("scale", dice_.chance(0.5) ? Vector3d(Vector3d::Constant(dice_.number(0.5, 1.5)))

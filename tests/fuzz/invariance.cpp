@@ -92,9 +92,13 @@ Story changed(Story story, Change change) {
   return story;
 }
 
+std::vector<Step>::iterator firstSoft(Story& story) {
+  return std::find_if(story.steps.begin(), story.steps.end(), [](const Step& s) { return s.kind == Kind::Soft; });
+}
+
 Story inOtherOrder(Story story) {
   std::stable_partition(story.steps.begin(), story.steps.end(), [](const Step& s) { return s.kind != Kind::Soft; });
-  const auto first = std::find_if(story.steps.begin(), story.steps.end(), [](const Step& s) { return s.kind == Kind::Soft; });
+  const auto first = firstSoft(story);
   std::reverse(first, story.steps.end());
   return story;
 }
@@ -106,7 +110,7 @@ Story besideFarOthers(Story story) {
   Step rigid(Kind::Rigid);
   rigid.id = 902;
   rigid.set("position", Vector3d(0, 40, 70)).set("spin", Vector3d(1, 2, 3));
-  const auto first = std::find_if(story.steps.begin(), story.steps.end(), [](const Step& s) { return s.kind == Kind::Soft; });
+  const auto first = firstSoft(story);
   story.steps.insert(story.steps.insert(first, soft), rigid);
   return story;
 }
@@ -181,7 +185,8 @@ double distance(const Frame& frame, const Frame& other, const Motion& motion) {
 /// m/s, of any point.
 double highestSpeed(const Run& run, double dt) {
   double way = 0.0;
-  for (std::size_t i = 1; i < run.frames.size(); ++i) way = std::max(way, distance(run.frames[i], run.frames[i - 1], Motion()));
+  for (std::size_t i = 1; i < run.frames.size(); ++i)
+    way = std::max(way, distance(run.frames[i], run.frames[i - 1], Motion()));
   return way / dt;
 }
 
@@ -234,8 +239,10 @@ bool isOver(const Frame& frame, const Eigen::Vector3d& middle, double extent) {
   // m, what a point at the edge may touch of it
   const double reach = 0.2;
   for (const auto& [id, points] : frame.soft)
-    for (Eigen::Index i = 0; i < points.cols(); ++i)
-      if (std::max(std::abs(points(0, i) - middle.x()), std::abs(points(2, i) - middle.z())) > extent - reach) return false;
+    for (Eigen::Index i = 0; i < points.cols(); ++i) {
+      const Vector3d off = (points.col(i) - middle).cwiseAbs();
+      if (std::max(off.x(), off.z()) > extent - reach) return false;
+    }
   return true;
 }
 

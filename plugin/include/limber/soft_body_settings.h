@@ -87,7 +87,8 @@ struct SoftBodySettings {
   double restitution = 0.0;  ///< 0..1, Bullet multiplies it with the partner's
   int collisionGroup = 1;    ///< Bullet's filter group; 1 = btBroadphaseProxy::DefaultFilter
   int collisionMask = -1;    ///< Bullet's filter mask; -1 = btBroadphaseProxy::AllFilter
-  bool continuousCollision = true;  ///< Bullet sweeps points that move fast while something is in their way
+  bool continuousCollision = true;  ///< contacts that nobody foresaw at the start of a tick are found within it,
+                                    ///< so that what moves fast does not pass through
   double sleepingSpeed =
       0.1;  ///< m/s; a body all of whose points stay slower for gDeactivationTime goes to sleep
 

@@ -208,7 +208,8 @@ bool updateUsableLinks(const std::vector<SoftBodyData*>& bodies, const std::vect
   return changed;
 }
 
-std::vector<TickGroup> makeGroups(const std::vector<SoftBodyData*>& bodies, const std::vector<SpringConstraint*>& springs) {
+std::vector<TickGroup> makeGroups(const std::vector<SoftBodyData*>& bodies,
+                                  const std::vector<SpringConstraint*>& springs) {
   GroupNodes nodes(bodies);
   std::vector<std::size_t> springNode(springs.size(), kNoNode);
   for (std::size_t i = 0; i < springs.size(); ++i) {

@@ -37,7 +37,8 @@ using SpringList = std::vector<std::unique_ptr<SpringConstraint>>;
 
 /// The groups of these bodies and springs, in the order of their first bodies, then of their first springs.
 /// A group is asleep if all its bodies are.
-std::vector<TickGroup> makeGroups(const std::vector<SoftBodyData*>& bodies, const std::vector<SpringConstraint*>& springs);
+std::vector<TickGroup> makeGroups(const std::vector<SoftBodyData*>& bodies,
+                                  const std::vector<SpringConstraint*>& springs);
 
 /// False once a point mass of the group has left the world: the groups must be made anew.
 bool isWhole(const TickGroup& group);
