@@ -35,10 +35,11 @@ void rememberBearings(const std::vector<SoftBodyData*>& bodies, const TickContac
     const ContactSource& source = contacts.sources[i];
     if (!source.body) continue;
     const PairContact& c = contacts.contacts[i];
-    const Eigen::Vector3d across = c.impulse.sum - c.impulse.pressing;
+    // with the normal that it began with, as the next tick's search finds it: what it bore may have turned away
+    const double along = c.normal.dot(c.impulse.sum);
     const Id id = idOf(source);
     source.body->knownContacts.push_back(
-        {id.first, source.partner.object, id.second, {c.impulse.along, across - c.normal.dot(across) * c.normal}});
+        {id.first, source.partner.object, id.second, {along, c.impulse.sum - along * c.normal}});
   }
   const auto before = [](const KnownContact& k, const KnownContact& l) { return idOf(k) < idOf(l); };
   for (SoftBodyData* body : bodies) std::sort(body->knownContacts.begin(), body->knownContacts.end(), before);
