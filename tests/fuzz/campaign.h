@@ -19,7 +19,7 @@ struct Verdict {
 /// What a story is given.
 struct Effort {
   int jobs = 1;           ///< processes at a time
-  double seconds = 30.0;  ///< of a processor's time
+  double seconds = 60.0;  ///< of a processor's time
   bool once = false;      ///< it is played once: the laws that compare runs are left out
 };
 

@@ -224,8 +224,8 @@ void Writer::softMaterial(Step& s) {
 
 void Writer::softStepping(Step& s) {
   if (dice_.chance(0.2)) chooseAny(s, "stepper");
-  // who asks for Verlet at any stiffness waits for it, and so does this
-  if (s.choice("stepper") == "verlet")
+  // who asks for Verlet at any stiffness, or for springs that only it can step, waits for it, and so does this
+  if (s.choice("stepper") == "verlet" || s["stiffen"] > 0)
     for (const char* stiffness : {"extension", "compression"}) s.set(stiffness, std::min(s[stiffness], 2e4));
   if (dice_.chance(0.15)) s.set("at-least", dice_.of({1, 2, 10, 20}));
   if (dice_.chance(0.1)) s.set("period", dice_.of({1e-3, 0.01, 0.2}));

@@ -253,7 +253,7 @@ void WorldPlayer::changeRigid(const Step& s) {
   const bool inWorld = body->isInWorld();
   if (s.kind == Kind::Scaling && object->shape.shape) {
     object->shape.shape->setLocalScaling(toBt(s.vec("scale")));
-    world_->updateSingleAabb(body);
+    if (inWorld) world_->updateSingleAabb(body);
     return;
   }
   OwnedShape shape = makeShape(s.choice("shape"), s.vec("size"), s.whole("variant"));
