@@ -286,16 +286,30 @@ TEST(NoContactResponse, betweenSoftBodiesTheOrderOfCreationIsTheSame) {
 
 // --- shapes that change ------------------------------------------------------------------------------------
 
-TEST(ChangedShape, aHullThatGrowsLiftsWhatRestsOnIt) {
+/// A cube that lies on a hull.
+struct RestingCube {
   BulletWorld bullet;
   btRigidBody* floor = bullet.addHullFloor();
-  SoftBodySystem system(*bullet.world);
-  SoftBodySettings s = at(0.55);
-  s.damping = 5.0;
-  SoftBody* body = *system.createBody(test::closedCubeNetwork(), s);
-  body->point(0)->setActivationState(DISABLE_DEACTIVATION);
-  bullet.simulate(1.0);
-  const double before = body->centerOfMass().y();
+  SoftBodySystem system{*bullet.world};
+  SoftBody* body = nullptr;
+  double before = 0.0;  ///< m, height of its centre
+
+  RestingCube() {
+    SoftBodySettings s = at(0.55);
+    s.damping = 5.0;
+    body = *system.createBody(test::closedCubeNetwork(), s);
+    body->point(0)->setActivationState(DISABLE_DEACTIVATION);
+    bullet.simulate(1.0);
+    before = body->centerOfMass().y();
+  }
+};
+
+TEST(ChangedShape, aHullThatGrowsLiftsWhatRestsOnIt) {
+  RestingCube scene;
+  BulletWorld& bullet = scene.bullet;
+  btRigidBody* floor = scene.floor;
+  SoftBody* body = scene.body;
+  const double before = scene.before;
   btVector3 low, high, lowAfter, highAfter;
   floor->getCollisionShape()->getAabb(floor->getWorldTransform(), low, high);
   floor->getCollisionShape()->setLocalScaling(test::vec(1, 1.01, 1));
@@ -309,15 +323,11 @@ TEST(ChangedShape, aHullThatGrowsLiftsWhatRestsOnIt) {
 
 TEST(ChangedShape, cornersMovedWithinTheBoundingBoxAreSeen) {
   if (!test::kSurface) GTEST_SKIP() << "Bullet's own manifold keeps the contact, as under a rigid body";
-  BulletWorld bullet;
-  btRigidBody* floor = bullet.addHullFloor();
-  SoftBodySystem system(*bullet.world);
-  SoftBodySettings s = at(0.55);
-  s.damping = 5.0;
-  SoftBody* body = *system.createBody(test::closedCubeNetwork(), s);
-  body->point(0)->setActivationState(DISABLE_DEACTIVATION);
-  bullet.simulate(1.0);
-  const double before = body->centerOfMass().y();
+  RestingCube scene;
+  BulletWorld& bullet = scene.bullet;
+  btRigidBody* floor = scene.floor;
+  SoftBody* body = scene.body;
+  const double before = scene.before;
   // the bounding box stays, the top under the cube sinks by 0.1 m
   auto& hull = *static_cast<btConvexHullShape*>(floor->getCollisionShape());
   btVector3 low, high;

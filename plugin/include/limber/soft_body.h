@@ -82,7 +82,7 @@ class SoftBody {
   bool pinned(std::uint32_t i) const;
 
   /// Ticks in which a position, velocity or force of the body was not finite, or beyond 1e18: 0 unless the
-  /// application has set such a value or the step has come to one. Points get back the values from before,
+  /// application has set such a value or the step has computed one. Points then get their last sound values,
   /// and SoftBodySystem::onWarning() is told the first time.
   std::uint32_t restorations() const;
 

@@ -26,8 +26,8 @@ void spreadGuesses(PairRows& pairs, int substeps) {
 /// (btContactSolverInfo::m_erp2): any more would be a kick that a hit without us does not give.
 constexpr double kOverlapPerTick = 0.2;
 
-/// Of the recovery speed: at which small overlaps, which every solve leaves, may be taken back anyhow, mostly a
-/// hop of 2e-5 m.
+/// Share of the recovery speed at which an overlap may always be corrected. Every solve leaves small overlaps; this
+/// makes hops of about 2e-5 m.
 constexpr double kLeastRecovery = 0.04;
 
 /// Rigid bodies among themselves part as by Bullet's solver.

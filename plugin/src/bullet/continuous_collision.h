@@ -8,7 +8,7 @@ inline namespace LIMBER_BULLET_PRECISION {
 
 /// Stops point masses in the world that have passed through other bodies' in this tick where they first
 /// touched them. Their velocity stays: in the next tick Bullet sees the contact and answers it. Call after
-/// contacts were taken back, when start and end positions are known, and before the bodies are written.
+/// Bullet's contacts have been read, when start and end positions are known, and before the bodies are written.
 ///
 /// Everything else bounds points within the substeps: it is swept only for those that Bullet has pushed
 /// farther than contacts were looked for. Only points that move far enough to miss a contact are swept, and

@@ -55,7 +55,7 @@ void SoftBodySystem::Impl::unhookIfIdle(bool alive) {
 }
 
 /// A world that is deleted takes the broadphase handle of every body in it; nothing else tells of its end.
-/// False if there is none of a system's in it: then it is not known.
+/// False if no body of a system is in the world: then nothing tells whether it exists.
 bool SoftBodySystem::Impl::worldAlive() const {
   const auto isIn = [](const auto& body) { return anyInWorld(*body->data_); };
   return std::any_of(step->systems.begin(), step->systems.end(), [&](const Impl* system) {

@@ -260,7 +260,7 @@ void accelerateByObject(SoftBodyData& body) {
       s.objectTorque += toEigen(object.getTotalTorque());
     }
     object.clearForces();
-    // somebody must tell when the step is over
+    // the system has to learn when the step has ended
     if (!s.pushed && body.onPointsShared) body.onPointsShared();
     s.pushed = true;
   }

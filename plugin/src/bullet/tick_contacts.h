@@ -47,7 +47,7 @@ struct TickContacts {
   std::vector<SurfaceMeeting> meetings;  ///< of bodies that all move by themselves
   std::vector<JointRow> joints;
   std::vector<btTypedConstraint*> constraints;  ///< #joints; nullptr: rolling friction of a contact
-  std::vector<double> recoveries;               ///< #joints, m/s or rad/s: of their speeds, errors taken back
+  std::vector<double> recoveries;               ///< #joints, m/s or rad/s: their speeds that correct errors
   double tick = 0.0;                            ///< s
 
   static constexpr std::uint32_t kNone = static_cast<std::uint32_t>(-1);

@@ -54,7 +54,7 @@ inline void aimRow(ContactRow& row, const PointView& points, double time, double
   row.rebound = bounce.rebound;
 }
 
-/// The rest of a bounce. It may take back a part of what the drift got.
+/// The second half of a bounce, which is an impulse along the normal or against it.
 inline void finishBounce(ContactRow& row, const PointView& points) {
   if (row.rebound > 0.0) return applyRow(row, points, speedAlong(row, points) + row.rebound);
   const double size = row.rebound * row.mass;
