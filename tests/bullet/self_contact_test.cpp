@@ -182,26 +182,30 @@ double nearestToBox(const SoftBody& cloth) {
 /// edge between them is left out, and comes as near as 0.9 radii.
 constexpr double kNearest = 0.9;
 
+/// It falls 5 radii a tick where it meets the box's corners.
 TEST(SurfaceOnItself, aClothDrapedOverABallFallsOverABoxesCorner) {
-  SoftBodySettings s = clothSettings(true);
-  s.position = {0.02, 1.6, 0.01};
-  Drape drape(s, 14);
-  btRigidBody* ball = drape.bullet.add(std::make_unique<btSphereShape>(btScalar(0.35)), 0, vec(0, 1.2, 0));
-  ball->setFriction(2);
-  drape.run(4.0);
-  EXPECT_GT(drape.cloth->centerOfMass().y(), 1.0) << "it hangs over the ball";
-  drape.bullet.world->removeRigidBody(ball);
-  drape.cloth->wake();
-  drape.run(15.0);
-  EXPECT_TRUE(drape.sleeps());
-  EXPECT_EQ(drape.most, 0);
-  EXPECT_GT(nearestToBox(*drape.cloth), kNearest * s.pointRadius);
-  double high = 0.0;
-  for (std::uint32_t i = 0; i < drape.cloth->pointCount(); ++i) {
-    high = std::max(high, drape.cloth->position(i).y());
-    EXPECT_GT(drape.cloth->position(i).y(), 0.9 * s.pointRadius) << i;
+  for (int start = 0; start < 6; ++start) {
+    SCOPED_TRACE(start);
+    SoftBodySettings s = clothSettings(true);
+    s.position = {0.02 + 0.001 * start, 1.6, 0.01};
+    Drape drape(s, 14);
+    btRigidBody* ball = drape.bullet.add(std::make_unique<btSphereShape>(btScalar(0.35)), 0, vec(0, 1.2, 0));
+    ball->setFriction(2);
+    drape.run(4.0);
+    EXPECT_GT(drape.cloth->centerOfMass().y(), 1.0) << "it hangs over the ball";
+    drape.bullet.world->removeRigidBody(ball);
+    drape.cloth->wake();
+    drape.run(15.0);
+    EXPECT_TRUE(drape.sleeps());
+    EXPECT_EQ(drape.most, 0);
+    EXPECT_GT(nearestToBox(*drape.cloth), kNearest * s.pointRadius);
+    double high = 0.0;
+    for (std::uint32_t i = 0; i < drape.cloth->pointCount(); ++i) {
+      high = std::max(high, drape.cloth->position(i).y());
+      EXPECT_GT(drape.cloth->position(i).y(), 0.9 * s.pointRadius) << i;
+    }
+    EXPECT_GT(high, 0.6) << "and lies over the box";
   }
-  EXPECT_GT(high, 0.6) << "and lies over the box";
 }
 
 /// Relative to the box's centre.

@@ -184,7 +184,10 @@ void appendMeetings(const TickContacts& found, const ClusterNodes& nodes, Cluste
   };
   for (const SurfaceMeeting& m : found.meetings) {
     ClusterMeeting meeting{&m, placeOf(*m.body)};
-    meeting.b = m.other ? placeOf(*m.other) : clusters.first[nodes.ofRigid(found.find(*m.partner))];
+    if (m.other)
+      meeting.b = placeOf(*m.other);
+    else if (!m.held)
+      meeting.b = clusters.first[nodes.ofRigid(found.find(*m.partner))];
     clusterOf(clusters, nodes.groupOf[m.body->index]).meetings.push_back(meeting);
   }
 }

@@ -178,10 +178,6 @@ constexpr double kMostBetweenSearches = 0.05, kMostInSubstep = 0.1;
 /// Searches and substeps that fine meshes may cost even where their features are passed quickly.
 constexpr double kManySearches = 16.0, kManySubsteps = 64.0;
 
-const MovingSurface& surfaceB(const SurfaceMeeting& m) {
-  return m.other ? m.other->surface.moving : m.part->moving;
-}
-
 double featureSize(const MovingSurface& surface) {
   const double size = surface.topology->featureSize;
   return size > 0.0 ? size : surface.radius;
@@ -248,7 +244,7 @@ void searchWithin(void* context, StepGroup& group, double ahead) {
     SidesWithin sides{&group.views[m.a]};
     if (m.surfaces->other)
       sides.b = &group.views[m.b];
-    else
+    else if (!m.surfaces->held)
       sides.rigid = &group.links.rigids[m.b];
     findWithin(*m.surfaces, sides, ahead, *search);
     collectKnown(*cluster, number, *found);

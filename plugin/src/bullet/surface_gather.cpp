@@ -155,9 +155,7 @@ std::uint64_t keyOf(const SurfaceContact& c, const RigidPart& part) {
 
 /// A contact of a meeting but for the places on its sides.
 PairContact contactOf(const SurfaceMeeting& m, const SurfaceContact& c) {
-  const btCollisionObject& partner =
-      m.other ? frictionObject(*m.other) : static_cast<const btCollisionObject&>(*m.partner);
-  PairContact pair = contactOf(*m.body, partner, c);
+  PairContact pair = contactOf(*m.body, m.other ? frictionObject(*m.other) : *m.partner, c);
   // the smaller one's; a body that has slept from the start has none
   if (m.other && m.other->speeds.recovery > 0.0)
     pair.recoverySpeed = std::min(pair.recoverySpeed, m.other->speeds.recovery);
@@ -335,6 +333,21 @@ HeldCorners cornersOf(const MovingSurface& soft, const RigidPart& part, const Su
   return corners;
 }
 
+/// A contact of an edge or triangle that its corners do not bear for.
+bool isHeldContact(const SoftBodyData& body, const btCollisionObject& partner, const RigidPart& part,
+                   const SurfaceContact& c, SurfaceSearch& s) {
+  if (c.a.kind == FeatureKind::OnVertex || isAttached(body, partner, c.a) || cornersBear(body, c)) return false;
+  return isMoved(partner) || !isNoEdge(body, body.surface.moving, part, c, s);
+}
+
+/// With what is at rest.
+PairContact heldContact(const SoftBodyData& body, const btCollisionObject& partner, const RigidPart& part,
+                        const SurfaceContact& c) {
+  PairContact pair = contactOf(body, partner, c);
+  pair.corners = cornersOf(body.surface.moving, part, c.b);
+  return pair;
+}
+
 void addHeld(SoftBodyData& body, const btCollisionObject& partner, const RigidPart& part,
              const SweptBox& box, double tick, SurfaceSearch& s, TickContacts& found) {
   const MovingSurface& soft = movingSurface(body, tick);
@@ -343,15 +356,17 @@ void addHeld(SoftBodyData& body, const btCollisionObject& partner, const RigidPa
   boxedSurface(body, tick);
   if (!areNear(soft, part.moving, margin) || !hasSharpNear(soft.boxes->nodes[0], part)) return;
   findSurfaceContacts(soft, part.moving, margin, s.search, s.contacts);
+  SurfaceMeeting meeting;
+  meeting.body = &body, meeting.held = &partner, meeting.heldPart = &part;
+  meeting.first = static_cast<std::uint32_t>(found.contacts.size());
+  const bool moved = isMoved(partner);
   for (const SurfaceContact& c : s.contacts) {
-    if (c.a.kind == FeatureKind::OnVertex || isAttached(body, partner, c.a)) continue;
-    if (cornersBear(body, c)) continue;
-    if (!isMoved(partner) && isNoEdge(body, soft, part, c, s)) continue;
-    PairContact pair = contactOf(body, partner, c);
-    if (!isMoved(partner)) pair.corners = cornersOf(soft, part, c.b);
-    pair.b.velocity = velocityOf(partner, commonPlace(soft, part.moving, c), tick);
+    if (!isHeldContact(body, partner, part, c, s)) continue;
+    PairContact pair = moved ? contactOf(body, partner, c) : heldContact(body, partner, part, c);
+    if (moved) pair.b.velocity = velocityOf(partner, commonPlace(soft, part.moving, c), tick);
     found.add(pair, sourceOf(body, partner, keyOf(c, part)));
   }
+  if (!moved) endMeeting(meeting, found);
 }
 
 void gatherHeld(SoftBodyData& body, const btCollisionObject& partner, double tick, RigidSurfaces& rigids,
@@ -432,6 +447,11 @@ const MovingSurface& surfaceWithin(SoftBodyData& body, const PointView& points, 
 
 }  // namespace
 
+const MovingSurface& surfaceB(const SurfaceMeeting& m) {
+  if (m.other) return m.other->surface.moving;
+  return m.held ? m.heldPart->moving : m.part->moving;
+}
+
 double margin(const SurfaceMeeting& m) {
   const double radius = m.body->surface.moving.radius;
   return kMargin * (m.other ? std::min(radius, m.other->surface.moving.radius) : radius);
@@ -444,11 +464,17 @@ void findWithin(const SurfaceMeeting& m, const SidesWithin& sides, double ahead,
   const MovingSurface& a = surfaceWithin(*m.body, *sides.a, ahead);
   if (m.other)
     surfaceWithin(*m.other, *sides.b, ahead);
-  else
+  else if (!m.held)
     movePart(*m.part, m.partner->getWorldTransform(), *sides.rigid, ahead);
-  const MovingSurface& b = m.other ? m.other->surface.moving : m.part->moving;
+  const MovingSurface& b = surfaceB(m);
   if (areNear(a, b, margin(m))) findSurfaceContacts(a, b, margin(m), s.search, s.contacts);
   for (const SurfaceContact& c : s.contacts) {
+    if (m.held) {
+      if (!isHeldContact(*m.body, *m.held, *m.heldPart, c, s)) continue;
+      s.pairs.push_back(heldContact(*m.body, *m.held, *m.heldPart, c));
+      s.sources.push_back(sourceOf(*m.body, *m.held, keyOf(c, *m.heldPart)));
+      continue;
+    }
     if (!m.other && isAttached(*m.body, *m.partner, c.a)) continue;
     PairContact pair = contactOf(m, c);
     if (m.other) {

@@ -25,13 +25,16 @@ struct SurfaceSearch {
 void gatherSurfacePairs(SoftBodyData& body, btScalar tick, RigidSurfaces& rigids, SurfaceSearch& search,
                         TickContacts& found);
 
+/// The surface on side b.
+const MovingSurface& surfaceB(const SurfaceMeeting& meeting);
+
 /// m: surfaces of the meeting that are nearer than this are contacts even if they do not approach.
 double margin(const SurfaceMeeting& meeting);
 
 /// Where the sides of a meeting are within a step.
 struct SidesWithin {
   const PointView *a = nullptr, *b = nullptr;
-  const RigidState* rigid = nullptr;  ///< side b, if it is not soft
+  const RigidState* rigid = nullptr;  ///< side b, if it is rigid and moves by itself
 };
 
 /// Writes the contacts of a meeting as they are now, and will be in the coming `ahead` seconds, to

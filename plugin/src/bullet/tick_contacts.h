@@ -32,8 +32,10 @@ struct RigidPart;
 struct SurfaceMeeting {
   SoftBodyData* body = nullptr;      ///< on side a
   SoftBodyData* other = nullptr;     ///< on side b, if it is soft
-  btRigidBody* partner = nullptr;    ///< on side b, else
+  btRigidBody* partner = nullptr;    ///< on side b, if it is rigid and moves by itself
   RigidPart* part = nullptr;         ///< of the partner
+  const btCollisionObject* held = nullptr;  ///< on side b, if it is at rest
+  const RigidPart* heldPart = nullptr;      ///< of it
   std::uint32_t first = 0, end = 0;  ///< of its contacts
 };
 
@@ -44,7 +46,7 @@ struct TickContacts {
   std::vector<RigidPartner> rigids;
   std::vector<PairContact> contacts;
   std::vector<ContactSource> sources;  ///< #contacts
-  std::vector<SurfaceMeeting> meetings;  ///< of bodies that all move by themselves
+  std::vector<SurfaceMeeting> meetings;
   std::vector<JointRow> joints;
   std::vector<btTypedConstraint*> constraints;  ///< #joints; nullptr: rolling friction of a contact
   std::vector<double> recoveries;               ///< #joints, m/s or rad/s: their speeds that correct errors
