@@ -28,15 +28,26 @@ constexpr double kEnergySwing = 1e-4;
 /// Iterations in which the dampers turn with their springs.
 constexpr int kDamperTurns = 3;
 
+/// Of a substep that leads through surfaces.
+constexpr int kMostWaysFollowed = 3;
+
 /// Halvings of a Newton step that would go uphill.
 constexpr int kMostImplicitHalvings = 6;
 
-void start(const Substep& s) {
+/// What the iterations start from: x0 + h/2 v0 for the midpoint; going downhill from x0 for Euler's, the springs
+/// never get more energy than there was.
+void guess(const Substep& s) {
   PointState& p = s.points();
-  s.implicit.start = p.position;
-  s.implicit.startVelocity = p.velocity;
-  p.position += 0.5 * s.h * p.velocity;
-  startSubstep(s.implicit.contacts, s.body.contacts, p.position.cols());
+  p.position = s.implicit.start;
+  for (Eigen::Index i = 0; i < p.position.cols(); ++i)
+    if (!s.euler || isHeld(p.inverseMass, i)) p.position.col(i) += 0.5 * s.h * s.implicit.startVelocity.col(i);
+}
+
+void start(const Substep& s) {
+  s.implicit.start = s.points().position;
+  s.implicit.startVelocity = s.points().velocity;
+  startSubstep(s.implicit.contacts, s.body.contacts, s.points().position.cols());
+  guess(s);
 }
 
 /// Newton's method may overshoot where springs are strongly compressed, and either method where the volume is
@@ -109,6 +120,17 @@ double solveMidpoint(const Substep& s, const ContactSpan& span) {
   return moved;
 }
 
+/// The same, and again while what was found leads through surfaces that the rows did not follow.
+double solveFollowing(const Substep& s, const ContactSpan& span) {
+  PointView atStart = viewOf(s.points());
+  atStart.position = s.implicit.start.data();
+  for (int again = kMostWaysFollowed;; --again) {
+    const double left = solveMidpoint(s, span);
+    if (again == 0 || !s.touches() || !followWay(s.implicit.contacts, s.points().position, atStart, span)) return left;
+    guess(s);
+  }
+}
+
 /// J of motion and springs.
 double energy(const Substep& s) {
   return kineticEnergy(s.points()) + elasticEnergy(s.body, s.points().position);
@@ -179,14 +201,12 @@ void finish(const Substep& s) {
 }
 
 /// Half a substep of backward Euler, which the equation for the midpoint is: x = x0 + h/2 v,
-/// v = v0 + h/2 (a + M^-1 f(x)). Going downhill from x0, the springs never get more energy than there was.
+/// v = v0 + h/2 (a + M^-1 f(x)).
 void advanceHalfByEuler(const Substep& s) {
   PointState& p = s.points();
   const Eigen::Vector3d spin = spinOf(p);
   start(s);
-  for (Eigen::Index i = 0; i < p.position.cols(); ++i)
-    if (!isHeld(p.inverseMass, i)) p.position.col(i) = s.implicit.start.col(i);
-  solveMidpoint(s, s.firstHalf());
+  solveFollowing(s, s.firstHalf());
   computeForces(s, false);
   setVelocities(s, 1.0);
   if (s.touches()) settle(s.implicit.contacts, p, s.firstHalf());
@@ -212,7 +232,7 @@ double errorRate(const Substep& s, double left) {
 void advance(const Substep& s) {
   const Eigen::Vector3d spin = spinOf(s.points());
   start(s);
-  const double left = solveMidpoint(s, s.whole());
+  const double left = solveFollowing(s, s.whole());
   computeForces(s, false);
   s.body.errorRate = std::max(s.body.errorRate, errorRate(s, left));
   const bool settled = left <= kNearlyConverged * longest(s.springs());
@@ -228,6 +248,12 @@ void advance(const Substep& s) {
   advanceHalfByEuler({s.body, s.implicit, s.time + 0.5 * s.h, s.h, true});
 }
 
+std::size_t countPoints(const std::vector<ContactRow>& rows) {
+  std::size_t count = 0;
+  for (std::size_t r = 0; r < rows.size(); ++r) count += r == 0 || rows[r].point != rows[r - 1].point;
+  return count;
+}
+
 }  // namespace
 
 bool canStepImplicitly(const SteppedBody& body) {
@@ -240,7 +266,7 @@ bool canStepImplicitly(const SteppedBody& body) {
   const auto moves = [](const ContactRow& row) {
     return !row.surfaceVelocity.isZero(0.0) || row.restitution > 0.0;
   };
-  return body.contacts->size() <= kMostMidpointRows &&
+  return countPoints(*body.contacts) <= kMostMidpointPoints &&
          std::none_of(body.contacts->begin(), body.contacts->end(), moves);
 }
 

@@ -10,6 +10,9 @@ namespace {
 constexpr int kMostLoadSweeps = 50;
 constexpr double kLargestLeft = 1e-12;  ///< m, of the last sweep's largest correction
 
+/// Of the radius: how deep a way must lead into a surface that is not followed to be solved for again.
+constexpr double kThrough = 0.01;
+
 /// m: how far below its surface the row's point may end, at most 0.
 double allowedGap(const ContactRow& row, const Eigen::Vector3d& start, const ContactSpan& span) {
   const double gap = row.normal.dot(start - row.touch - span.time * row.surfaceVelocity);
@@ -20,9 +23,9 @@ double allowedGap(const ContactRow& row, const Eigen::Vector3d& start, const Con
 double solveRow(MidpointContacts& c, std::size_t r, const Eigen::Vector3d& start, const Eigen::Vector3d& end,
                 const ContactSpan& span) {
   const ContactRow& row = (*c.rows)[r];
-  if (row.away) return 0.0;
   const auto at = static_cast<Eigen::Index>(r);
-  const double mobility = span.reach * row.normal.dot(c.response.block<3, 3>(3 * at, 3 * at) * row.normal);
+  const Eigen::Index place = 3 * c.place[r];
+  const double mobility = span.reach * row.normal.dot(c.response.block<3, 3>(place, place) * row.normal);
   if (!(mobility > 0.0)) return 0.0;
   const Eigen::Vector3d before = c.load.col(at) + c.change.col(at);
   const Eigen::Vector3d surface = row.touch + (span.time + span.duration) * row.surfaceVelocity;
@@ -35,7 +38,15 @@ double solveRow(MidpointContacts& c, std::size_t r, const Eigen::Vector3d& start
   if (size > most) tangential *= most > 0.0 ? most / size : 0.0;
   const Eigen::Vector3d correction = normal * row.normal + tangential - before;
   c.change.col(at) += correction;
+  c.changeAt.segment<3>(place) += correction;
   return mobility * correction.norm();
+}
+
+bool leadsThrough(const ContactRow& row, const Eigen::Vector3d& start, const Eigen::Vector3d& end,
+                  const ContactSpan& span) {
+  if (!row.around || row.away) return false;
+  const double gap = row.normal.dot(end - row.touch);
+  return gap < allowedGap(row, start, span) - kThrough * row.around->radius;
 }
 
 }  // namespace
@@ -44,12 +55,22 @@ void startSubstep(MidpointContacts& c, std::vector<ContactRow>* rows, Eigen::Ind
   constexpr Eigen::Index kStep = 8;
   c.rows = rows;
   c.count = static_cast<Eigen::Index>(rows ? rows->size() : 0);
+  c.touched.clear();
+  c.place.clear();
+  for (Eigen::Index r = 0; r < c.count; ++r) {
+    const std::uint32_t point = (*rows)[static_cast<std::size_t>(r)].point;
+    if (c.touched.empty() || c.touched.back() != point) c.touched.push_back(point);
+    c.place.push_back(static_cast<Eigen::Index>(c.touched.size()) - 1);
+  }
+  const auto roomFor = [](Eigen::Index n) { return (n + kStep - 1) / kStep * kStep; };
   if (c.count > c.load.cols()) {
-    const Eigen::Index room = (c.count + kStep - 1) / kStep * kStep;
-    c.load.resize(3, room);
-    c.change.resize(3, room);
-    c.impulseBefore.resize(static_cast<std::size_t>(room));
-    c.response.resize(3 * room, 3 * room);
+    c.load.resize(3, roomFor(c.count));
+    c.change.resize(3, roomFor(c.count));
+    c.impulseBefore.resize(static_cast<std::size_t>(roomFor(c.count)));
+  }
+  if (const auto touched = static_cast<Eigen::Index>(c.touched.size()); 3 * touched > c.changeAt.size()) {
+    c.changeAt.resize(3 * roomFor(touched));
+    c.response.resize(3 * roomFor(touched), 3 * roomFor(touched));
     c.unit.resize(3, points);
   }
   c.load.setZero();
@@ -58,33 +79,55 @@ void startSubstep(MidpointContacts& c, std::vector<ContactRow>* rows, Eigen::Ind
 }
 
 void computeResponse(MidpointContacts& c, MidpointSolver& solver) {
-  const auto pointOf = [&](Eigen::Index r) { return (*c.rows)[static_cast<std::size_t>(r)].point; };
-  for (Eigen::Index s = 0; s < c.count; ++s)
+  const auto count = static_cast<Eigen::Index>(c.touched.size());
+  for (Eigen::Index s = 0; s < count; ++s)
     for (Eigen::Index axis = 0; axis < 3; ++axis) {
+      const std::uint32_t point = c.touched[static_cast<std::size_t>(s)];
       c.unit.setZero();
-      if (solver.inverseMass(axis, pointOf(s)) > 0.0) {
-        c.unit(axis, pointOf(s)) = 1.0;
+      if (solver.inverseMass(axis, point) > 0.0) {
+        c.unit(axis, point) = 1.0;
         solve(solver, c.unit);
       }
-      for (Eigen::Index r = 0; r < c.count; ++r)
-        c.response.block<3, 1>(3 * r, 3 * s + axis) = c.unit.col(pointOf(r));
+      for (Eigen::Index r = 0; r < count; ++r)
+        c.response.block<3, 1>(3 * r, 3 * s + axis) = c.unit.col(c.touched[static_cast<std::size_t>(r)]);
     }
 }
 
 void solveLoads(MidpointContacts& c, const Points& found, const Points& start, const ContactSpan& span) {
+  const auto size = 3 * static_cast<Eigen::Index>(c.touched.size());
   c.change.setZero();
+  c.changeAt.setZero();
   for (int sweep = 0; sweep < kMostLoadSweeps; ++sweep) {
     double largest = 0.0;
-    for (Eigen::Index r = 0; r < c.count; ++r) {
-      const std::uint32_t point = (*c.rows)[static_cast<std::size_t>(r)].point;
-      const Eigen::Vector3d moved = c.response.block(3 * r, 0, 3, 3 * c.count) *
-                                    Eigen::Map<const Eigen::VectorXd>(c.change.data(), 3 * c.count);
-      const Eigen::Vector3d x0 = start.col(point);
-      const Eigen::Vector3d end = x0 + span.reach * (found.col(point) + moved - x0);
-      largest = std::max(largest, solveRow(c, static_cast<std::size_t>(r), x0, end, span));
+    for (std::size_t r = 0; r < c.rows->size(); ++r) {
+      const ContactRow& row = (*c.rows)[r];
+      if (row.away) continue;
+      const Eigen::Vector3d moved = c.response.block(3 * c.place[r], 0, 3, size) * c.changeAt.head(size);
+      const Eigen::Vector3d x0 = start.col(row.point);
+      const Eigen::Vector3d end = x0 + span.reach * (found.col(row.point) + moved - x0);
+      largest = std::max(largest, solveRow(c, r, x0, end, span));
     }
     if (largest < kLargestLeft) return;
   }
+}
+
+bool followWay(MidpointContacts& c, const Points& found, const PointView& start, const ContactSpan& span) {
+  std::vector<ContactRow>& rows = *c.rows;
+  c.trial = rows;
+  bool through = false;
+  for (std::size_t begin = 0, end = 0; begin < rows.size(); begin = end) {
+    const std::uint32_t point = rows[begin].point;
+    bool follows = false;
+    for (; end < rows.size() && rows[end].point == point; ++end) follows = follows || rows[end].around;
+    if (!follows) continue;
+    const Eigen::Vector3d x = start.positionOf(point), way = span.reach * (found.col(point) - x);
+    followSurface(&c.trial[begin], end - begin, start, way, 0.0);
+    for (std::size_t r = begin; r < end; ++r) through = through || leadsThrough(c.trial[r], x, x + way, span);
+  }
+  if (!through) return false;
+  std::copy(c.trial.begin(), c.trial.end(), rows.begin());
+  c.load.setZero();
+  return true;
 }
 
 void addLoads(const MidpointContacts& c, const Points& loads, Points& rightHandSide) {

@@ -13,16 +13,20 @@ namespace limber {
 /// so the rows are solved together, by projected Gauss-Seidel on W (Jourdan, Alart, Jean 1998).
 struct MidpointContacts {
   std::vector<ContactRow>* rows = nullptr;
-  Eigen::Index count = 0;    ///< #rows; the arrays have room for more and grow only
-  Eigen::MatrixXd response;  ///< W, 3 #rows x 3 #rows, 1/kg
-  Points load;               ///< 3 x #rows, l, kg m
-  Points change;             ///< 3 x #rows, of l in this iteration
+  Eigen::Index count = 0;              ///< #rows; the arrays have room for more and grow only
+  std::vector<std::uint32_t> touched;  ///< points that have rows
+  std::vector<Eigen::Index> place;     ///< #rows, of the row's point among them
+  Eigen::MatrixXd response;            ///< W, 3 #touched x 3 #touched, 1/kg
+  Points load;                         ///< 3 x #rows, l, kg m
+  Points change;                       ///< 3 x #rows, of l in this iteration
+  Eigen::VectorXd changeAt;            ///< 3 #touched, the sums of `change`
   std::vector<TickImpulse> impulseBefore;  ///< #rows, the rows' impulses at the start
   Points unit;               ///< 3 x #points, scratch
+  std::vector<ContactRow> trial;  ///< #rows, scratch
 };
 
-/// More rows than this cost more than stepping the body by Verlet.
-constexpr std::size_t kMostMidpointRows = 48;
+/// More points with rows than this cost more than stepping the body by Verlet.
+constexpr std::size_t kMostMidpointPoints = 48;
 
 /// Starts a substep with these rows (nullptr: none) and no loads.
 void startSubstep(MidpointContacts& contacts, std::vector<ContactRow>* rows, Eigen::Index points);
@@ -40,6 +44,11 @@ struct ContactSpan {
 /// that the iterations have found at `found` (3 x #points, m) and those of the start at `start`.
 void solveLoads(MidpointContacts& contacts, const Points& found, const Points& start,
                 const ContactSpan& span);
+
+/// Looks along the ways that the iterations have found for surfaces that the rows do not follow, because the
+/// forces of so long a step lead elsewhere than its first velocities. If a way leads through one, gives the
+/// rows what is on their ways, and no loads, and returns true.
+bool followWay(MidpointContacts& contacts, const Points& found, const PointView& start, const ContactSpan& span);
 
 /// Adds the loads, or their change, to the 3 x #points right hand side.
 void addLoads(const MidpointContacts& contacts, const Points& loads, Points& rightHandSide);
