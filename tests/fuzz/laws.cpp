@@ -107,9 +107,9 @@ bool startsClear(const Story& story, const Frame& start) {
   for (const auto& [id, points] : start.soft) {
     if (points.size() == 0) continue;
     Eigen::AlignedBox3d box = boxOf(points);
-    if (floor && box.min().y() < 0.5 * margin) return false;
-    box.min().array() -= 0.5 * margin;
-    box.max().array() += 0.5 * margin;
+    if (floor && box.min().y() < margin) return false;
+    box.min().array() -= margin;
+    box.max().array() += margin;
     for (const Eigen::AlignedBox3d& other : boxes)
       if (other.intersects(box)) return false;
     boxes.push_back(box);

@@ -127,6 +127,7 @@ namespace {
 void setChoice(TickGroup& group, const SteppingChoice& choice) {
   group.stepper = choice.stepper;
   group.substeps = choice.substeps;
+  group.cut = choice.cut;
 }
 
 /// Puts the points back to where the tick started from.
@@ -172,11 +173,14 @@ bool holdsBack(TickGroup& group, double tick) {
   return isHeldBack(body.volumes, body.state, dt) || isHeldBack(body.tetrahedra, body.state, dt);
 }
 
-/// Whether it touches nothing that moves, and bounces off something.
-bool bouncesOffHeld(const std::vector<ContactRow>& rows) {
+/// Whether it touches nothing that moves.
+bool standsOnStill(const std::vector<ContactRow>& rows) {
   const auto isStill = [](const ContactRow& row) { return row.surfaceVelocity.isZero(0.0); };
-  const auto bounces = [](const ContactRow& row) { return row.restitution > 0.0; };
-  return std::any_of(rows.begin(), rows.end(), bounces) && std::all_of(rows.begin(), rows.end(), isStill);
+  return std::all_of(rows.begin(), rows.end(), isStill);
+}
+
+bool bounces(const std::vector<ContactRow>& rows) {
+  return std::any_of(rows.begin(), rows.end(), [](const ContactRow& row) { return row.restitution > 0.0; });
 }
 
 bool isFreeBody(const TickGroup& group) {
@@ -187,8 +191,8 @@ bool isFolded(const SoftBodyData& body) { return body.volumes.restless || body.t
 
 /// `lasting`: the bound is that of the first of these ticks, changes from outside apart; `once`: of this one.
 void guard(TickGroup& group, bool lasting, bool once) {
-  const bool lasted = group.guarded && group.bouncing;
-  group.bouncing = lasting;
+  const bool lasted = group.guarded && group.lasting;
+  group.lasting = lasting;
   group.guarded = lasting || once;
   if (!group.guarded) return;
   const double energy = energyOf(group.step.bodies[0]);
@@ -198,14 +202,16 @@ void guard(TickGroup& group, bool lasting, bool once) {
 /// Bodies that are torn apart or turned inside out, in free motion: substeps that do not resolve the push
 /// against the change of volume hold it back, which may give energy. Where they resolve it there is nothing
 /// to guard: energy that swings with the motion would be cut at each swing. Bodies that bounce: no bounce is
-/// exact where substeps only just resolve the oscillations between bounces. Their bound is the energy with
-/// which they came, for the same reason.
+/// exact where substeps only just resolve the oscillations between bounces. Bodies whose budget is cut: springs
+/// that turn round within a substep, as crushed ones do, give or take energy at random. The bound of both is the
+/// energy with which that began, for the same reason.
 void startGuard(TickGroup& group, double tick) {
   if (group.clustered) return;  // see guardCluster()
   const bool free = isFreeBody(group) && isPlain(group.step);
-  const bool bounces = free && bouncesOffHeld(group.bodies[0]->contacts);
-  guard(group, bounces, free && group.bodies[0]->contacts.empty() && isFolded(*group.bodies[0]));
-  if (group.guarded && !bounces) group.heldBack = holdsBack(group, tick);
+  const bool cut = group.cut && group.stepper == Stepper::Verlet;
+  const bool lasting = free && standsOnStill(group.bodies[0]->contacts) && (cut || bounces(group.bodies[0]->contacts));
+  guard(group, lasting, free && group.bodies[0]->contacts.empty() && isFolded(*group.bodies[0]));
+  if (group.guarded && !lasting) group.heldBack = holdsBack(group, tick);
 }
 
 /// Takes so many J out of all motion; returns what was not there.
@@ -217,7 +223,7 @@ double slowDown(PointState& points, double energy) {
 
 /// Takes what the energy has risen by, less the work of the constant accelerations, out of the motion.
 void endGuard(TickGroup& group, double tick) {
-  if (!group.guarded || !(group.bouncing || group.heldBack || holdsBack(group, tick))) return;
+  if (!group.guarded || !(group.lasting || group.heldBack || holdsBack(group, tick))) return;
   const SoftBodyData& body = *group.bodies[0];
   double& allowed = group.energyBound;
   for (Eigen::Index i = 0; i < body.state.position.cols(); ++i)
@@ -230,7 +236,7 @@ void endGuard(TickGroup& group, double tick) {
   if (!(excess > 0.0)) return;
   double left = removeKineticEnergy(*stepped.points, excess);
   // what is left went into the motion as a whole, which only what it bounces off can have given
-  if (group.bouncing) left = slowDown(*stepped.points, left);
+  if (!group.bodies[0]->contacts.empty()) left = slowDown(*stepped.points, left);
   group.energyAtEnd -= excess - left;
 }
 

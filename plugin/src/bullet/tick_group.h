@@ -25,10 +25,11 @@ struct TickGroup {
   bool clustered = false;  ///< in this tick it is stepped together with what it touches
   Stepping stepping;       ///< the strictest of its bodies' choices
   int substeps = 0;
+  bool cut = false;  ///< the budget allows fewer than it needs
   Stepper stepper = Stepper::Verlet;
   bool guarded = false;      ///< its energy must not rise in this tick if a push is held back in it
   bool heldBack = false;     ///< that is so at the start of the tick
-  bool bouncing = false;     ///< its energy must not rise while it touches
+  bool lasting = false;      ///< nor beyond what it was in the first of such ticks
   double energyBound = 0.0;  ///< J, if it is guarded
   double energyAtEnd = 0.0;  ///< J, of the last tick, if it is guarded
 };

@@ -146,7 +146,10 @@ SteppingChoice chooseStepping(const SteppingProblem& p, const Stepping& s) {
   const bool verlet = choice.stepper == Stepper::Verlet;
   const int least = verlet ? need.wanted : implicitNeed(s);
   choice.substeps = std::max({least, turning, neededSubsteps(p, s)});
-  if (s.budget > 0) choice.substeps = std::min(choice.substeps, std::max(s.budget, verlet ? need.stable : 1));
+  if (s.budget <= 0) return choice;
+  const int most = std::max(s.budget, verlet ? need.stable : 1);
+  choice.cut = choice.substeps > most;
+  choice.substeps = std::min(choice.substeps, most);
   return choice;
 }
 

@@ -49,6 +49,7 @@ struct SteppingProblem {
 struct SteppingChoice {
   Stepper stepper = Stepper::Verlet;
   int substeps = 1;
+  bool cut = false;  ///< the budget allows fewer than are needed
 };
 
 /// 1/s: the fastest a damper of these springs takes speed away, max c (wa + wb).
