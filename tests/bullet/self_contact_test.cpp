@@ -131,6 +131,27 @@ TEST(SurfaceOnItself, aClothFoldsWithoutPassingThrough) {
   }
 }
 
+/// In one substep a tick it is crushed by what falls on it; contacts that give way would let it sink by more than
+/// its radius.
+TEST(SurfaceOnItself, aChainThatFallsOnItsEndDoesNotSinkIntoTheFloor) {
+  BulletWorld bullet;
+  bullet.addBoxFloor();
+  SoftBodySystem system(*bullet.world);
+  SoftBodySettings s = test::testedSettings();
+  s.position = {0, 0.9, 0};
+  s.scale = {1, 0.7, 1};
+  s.extensionStiffness = s.compressionStiffness = 160.0;
+  s.selfCollision = true;
+  s.stepping.budget = 1;
+  SoftBody* chain = *system.createBody(test::chainNetwork(12), s);
+  double lowest = 1.0;
+  for (int tick = 0; tick < 25; ++tick) {
+    bullet.tick();
+    for (std::uint32_t i = 0; i < chain->pointCount(); ++i) lowest = std::min(lowest, chain->position(i).y());
+  }
+  EXPECT_GT(lowest, 0.8 * double(chain->point(0)->getCollisionShape()->getMargin()));
+}
+
 /// A box of half size 0.3 that stands on the floor, and a cloth that falls over it.
 struct Drape {
   btBoxShape part{vec(0.3, 0.3, 0.3)};

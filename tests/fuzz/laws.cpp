@@ -73,12 +73,15 @@ std::optional<Failure> checkEnergy(const Story& story, const Run& run, const Run
 /// m: the floor's own margins, and what the edge of a box may cut into a segment whose ends lie on it.
 const double kCut = 0.03;
 
-/// No point of a soft body that starts above the floor is below it, as long as the body is over it.
+/// No point of a soft body that starts above the floor is below it, as long as the body is over it and looks for what
+/// is in the way of its points.
 std::optional<Failure> checkFloor(const Story& story, const Run& run) {
   const Step floor = story.first(Kind::Floor);
   if (floor.id == 0) return {};
   const double extent = floor["extent"] - 0.2;
   std::map<int, bool> away;
+  for (const Step& s : story.steps)
+    if (s.kind == Kind::Soft) away[s.id] = s["ccd"] == 0.0;
   for (std::size_t i = 0; i < run.frames.size(); ++i)
     for (const auto& [id, points] : run.frames[i].soft) {
       if (points.size() == 0) continue;
