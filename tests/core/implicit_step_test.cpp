@@ -158,6 +158,30 @@ TEST_P(ImplicitStep, restsOnAPlaneWithTheRightForce) {
   }
 }
 
+/// Points that slide, each on the edge of its cone of friction. Rounding must not tell whether they stick.
+TEST_P(ImplicitStep, slidesAlikeEverywhere) {
+  const auto slide = [&](double x) {
+    SteppedTestBody body(test::fullCubeNetwork(), 1e3, 1.0);
+    forget();
+    body.state.position.row(0).array() += x;
+    body.state.velocity.row(0).setConstant(3.0);
+    body.state.acceleration.row(1).setConstant(-9.81);
+    std::vector<ContactRow> rows(4);
+    for (std::uint32_t i = 0, r = 0; i < 8; ++i)
+      if (body.state.position(1, i) < 0.0) {
+        rows[r].point = i;
+        rows[r].friction = 0.25;
+        rows[r++].touch = Eigen::Vector3d(0.0, -0.52, 0.0);
+      }
+    body.contacts = &rows;
+    for (int tick = 0; tick < 30; ++tick) advance(body, 1.0 / 60, 5);
+    body.state.position.row(0).array() -= x;
+    return body.state.position;
+  };
+  const Points here = slide(0.0);
+  for (const double x : {1.0 / 3, 3.1, 7.7}) EXPECT_LT((slide(x) - here).cwiseAbs().maxCoeff(), 1e-8) << x;
+}
+
 INSTANTIATE_TEST_SUITE_P(Kinds, ImplicitStep, testing::Values(Kind::Shared, Kind::Newton),
                          [](const auto& i) { return i.param == Kind::Shared ? "Shared" : "Newton"; });
 

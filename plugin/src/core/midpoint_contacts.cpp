@@ -42,6 +42,9 @@ double solveRow(MidpointContacts& c, std::size_t r, const Eigen::Vector3d& start
   return mobility * correction.norm();
 }
 
+/// Loads that slide are on their cone but for so much of it: rounding must not make them stick.
+constexpr double kOnCone = 1e-9;
+
 bool leadsThrough(const ContactRow& row, const Eigen::Vector3d& start, const Eigen::Vector3d& end,
                   const ContactSpan& span) {
   if (!row.around || row.away) return false;
@@ -150,7 +153,7 @@ void settle(MidpointContacts& c, PointState& state, const ContactSpan& span) {
     const double mobility = state.inverseMass.col(row.point).maxCoeff(), speed = row.normal.dot(relative);
     // not more than the surface has pushed: it does not pull
     const double back = std::min(speed, mobility * impulsePerLoad * normal);
-    const bool sticks = (load - normal * row.normal).norm() < row.friction * normal;
+    const bool sticks = (load - normal * row.normal).norm() < (1.0 - kOnCone) * row.friction * normal;
     const Eigen::Vector3d along = back * row.normal;
     const Eigen::Vector3d stopped = sticks ? Eigen::Vector3d(relative - speed * row.normal + along) : along;
     row.impulse.add(-stopped / mobility, row.normal, -back / mobility);
