@@ -42,6 +42,7 @@ struct Run {
 struct PlayOptions {
   bool softBodies = true;  ///< without them it is the rigid twin
   double nudge = 0.0;      ///< m, how far each soft body and each of its points starts from where it should
+  int nudgeNumber = 0;     ///< other directions
 };
 
 Run play(const Story& story, const PlayOptions& options = {});

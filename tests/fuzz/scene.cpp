@@ -248,7 +248,7 @@ void WorldPlayer::addSoft(const Step& s) {
   SoftBodySettings settings = softSettings(s);
   SharedNetwork network = networkNamed(s.choice("network"));
   if (options_.nudge > 0.0) {
-    Random random(static_cast<std::uint64_t>(s.id));
+    Random random(static_cast<std::uint64_t>(s.id + 1000 * options_.nudgeNumber));
     settings.position += options_.nudge * random.direction();
     network = nudged(*network, options_.nudge, random);
   }
