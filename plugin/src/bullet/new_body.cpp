@@ -49,9 +49,13 @@ std::string checkPlaces(const PointState& state) {
 /// Of the eigenvalue: the period that follows from it is good to some 1e-3.
 constexpr double kResidual = 0.03;
 
-/// With nothing held and the masses of the settings.
+/// With nothing held and the masses of the settings. Not as it is turned and where: what remains of the residual
+/// would be another, and with it, now and then, the number of substeps.
 double fastestAtRest(const SoftBodyData& body) {
   PointState rest = body.state;
+  for (Eigen::Index i = 0; i < rest.position.cols(); ++i)
+    rest.position.col(i) =
+        body.network->restPoints[static_cast<std::size_t>(i)].cwiseProduct(body.settings.scale);
   for (Eigen::Index i = 0; i < rest.inverseMass.cols(); ++i)
     rest.inverseMass.col(i).setConstant(
         1.0 / (body.settings.totalMass * body.network->massShares[static_cast<std::size_t>(i)]));
