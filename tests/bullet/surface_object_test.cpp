@@ -107,6 +107,29 @@ TEST(SurfaceObjects, impulsesActOnBodiesWhosePointsAreInUseToo) {
   t.expectEqualMomenta("ten ticks later");
 }
 
+TEST(SurfaceObjects, aTorqueAboutItsOwnLineDoesNothingToAStraightRope) {
+  for (const Vector3d& turn : {Vector3d(0, 0, 0), Vector3d(0.3, 1.1, -0.5)}) {
+    BulletWorld world(0.0);
+    SoftBodySystem system(*world.world);
+    SoftBodySettings s = cubeSettings(Vector3d(0.3, 2, -0.2));
+    if (!turn.isZero()) s.rotation = Eigen::AngleAxisd(turn.norm(), turn.normalized());
+    SoftBody& rope = **system.createBody(test::pairNetwork(), s);
+    rope.surfaceObject()->setActivationState(DISABLE_DEACTIVATION);
+    const Vector3d line = (rope.position(1) - rope.position(0)).normalized(), across = line.unitOrthogonal();
+    const auto spin = [&]() -> Vector3d {
+      return rope.angularMomentum() - rope.centerOfMass().cross(rope.linearMomentum());
+    };
+    rope.surfaceObject()->applyTorqueImpulse(vec(3 * line.x(), 3 * line.y(), 3 * line.z()));
+    // floats of the direction
+    EXPECT_LT(rope.linearMomentum().norm() + spin().norm(), 1e-5);
+    rope.surfaceObject()->applyTorqueImpulse(vec(across.x(), across.y(), across.z()));
+    EXPECT_LT((spin() - across).norm(), 1e-5);
+    rope.surfaceObject()->applyTorque(vec(60 * line.x(), 60 * line.y(), 60 * line.z()));
+    world.tick();
+    EXPECT_LT(rope.linearMomentum().norm() + (spin() - across).norm(), 1e-4);
+  }
+}
+
 TEST(SurfaceObjects, forcesActForAllTicksOfAStep) {
   for (const int ticks : {1, 2, 4}) {
     Twins t;

@@ -5,8 +5,7 @@
 #include "bullet/convert.h"
 #include "bullet/point_masses.h"
 
-#include <Eigen/Cholesky>
-#include <Eigen/LU>
+#include <Eigen/Eigenvalues>
 
 #include <cmath>
 
@@ -17,8 +16,10 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-/// Of the trace: so much inertia has a rope about its own line.
-constexpr double kLeastInertia = 1e-9;
+/// Of the trace: about an axis with less inertia, as a rope's own line, torques turn ever less, and nothing where
+/// there is none. Bullet's floats hold spins about all axes at once: what is lost of a very fast one would be a
+/// kick about the others.
+constexpr double kLeastInertia = 1e-5;
 
 /// Steps towards the rotation of the body; in a tick it does not turn far.
 constexpr int kRotationSteps = 4;
@@ -28,12 +29,23 @@ struct RigidFit {
   double mass = 0.0;                           ///< kg
   Vector3d center = Vector3d::Zero();          ///< m
   Matrix3d inverseInertia = Matrix3d::Zero();  ///< 1/(kg m^2), about world axes
+  Matrix3d factor = Matrix3d::Zero();          ///< times its transpose it is that
 };
 
 template <class Visit>
 void forEachFree(const PointState& s, Visit visit) {
   for (Eigen::Index i = 0; i < s.position.cols(); ++i)
     if (const double mass = massOf(s.inverseMass, i); mass > 0.0) visit(i, mass);
+}
+
+/// Makes each principal inertia x the inverse x / (x^2 + least^2).
+void setInertia(RigidFit& fit, const Matrix3d& inertia) {
+  if (!(inertia.trace() > 0.0)) return;
+  const double least = kLeastInertia * inertia.trace();
+  const Eigen::SelfAdjointEigenSolver<Matrix3d> principal(inertia);
+  const Eigen::Array3d x = principal.eigenvalues().array().max(0.0);
+  fit.factor = principal.eigenvectors() * (x / (x.square() + least * least)).sqrt().matrix().asDiagonal();
+  fit.inverseInertia = fit.factor * fit.factor.transpose();
 }
 
 RigidFit fitRigid(const PointState& s, const Points& position) {
@@ -52,9 +64,7 @@ RigidFit fitRigid(const PointState& s, const Points& position) {
     const Vector3d arm = position.col(i) - fit.center;
     spread += mass * arm * arm.transpose();
   });
-  const Matrix3d inertia = spread.trace() * Matrix3d::Identity() - spread;
-  if (inertia.trace() > 0.0)
-    fit.inverseInertia = (inertia + kLeastInertia * inertia.trace() * Matrix3d::Identity()).inverse();
+  setInertia(fit, spread.trace() * Matrix3d::Identity() - spread);
   return fit;
 }
 
@@ -116,8 +126,8 @@ btMatrix3x3 matrixToBullet(const Matrix3d& m) {
   return btMatrix3x3(at(0, 0), at(0, 1), at(0, 2), at(1, 0), at(1, 1), at(1, 2), at(2, 0), at(2, 1), at(2, 2));
 }
 
-/// Bullet makes its inertia tensor as basis . diagonal . basis^T: the Cholesky factor of any tensor, in place of
-/// the basis, gives that tensor.
+/// Bullet makes its inertia tensor as basis . diagonal . basis^T: a factor of any tensor, in place of the basis,
+/// gives that tensor.
 void writeInertia(btRigidBody& object, const RigidFit& fit, const btMatrix3x3& basis) {
   if (object.getMass() != static_cast<btScalar>(fit.mass)) {
     const int flags = object.getCollisionFlags();
@@ -125,10 +135,8 @@ void writeInertia(btRigidBody& object, const RigidFit& fit, const btMatrix3x3& b
     // held by all its points it is still no static object
     object.setCollisionFlags(flags);
   }
-  Matrix3d factor = Matrix3d::Zero();
-  if (fit.mass > 0.0 && !fit.inverseInertia.isZero(0.0)) factor = fit.inverseInertia.llt().matrixL();
   object.setInvInertiaDiagLocal(btVector3(1, 1, 1));
-  object.getWorldTransform().setBasis(matrixToBullet(factor));
+  object.getWorldTransform().setBasis(matrixToBullet(fit.factor));
   object.updateInertiaTensor();
   object.getWorldTransform().setBasis(basis);
   const btMatrix3x3 local = basis.transpose() * object.getInvInertiaTensorWorld() * basis;
