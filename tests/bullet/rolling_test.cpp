@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: Zlib
 // Rolling and spinning friction of rigid bodies whose contacts are solved together with springs.
+#include "support/bullet_measures.h"
 #include "support/bullet_world.h"
 #include "support/constants.h"
+#include "support/networks.h"
 
 #include <limber/soft_body_system.h>
+#include <limber/soft_contact.h>
 
 #include <gtest/gtest.h>
 
@@ -63,6 +66,33 @@ TEST(RollingFriction, ofASpinAboutTheNormalIsAnother) {
   bullet.simulate(1.0);
   const double slower = 0.05 * kGravity / (0.4 * kBallRadius * kBallRadius);
   EXPECT_NEAR(double(ball->getAngularVelocity().y()), 10.0 - slower, 1e-2);
+}
+
+/// Bullet's solver has the first tick of a contact between a point of the world and what was put there before it.
+TEST(RollingFriction, ofWhatIsPutIntoPointsTurnsNothing) {
+  for (const bool massChanged : {false, true}) {
+    BulletWorld bullet(0.0);
+    SoftBodySystem system(*bullet.world);
+    SoftBodySettings s;
+    s.collision = Collision::Points;
+    SoftBody& cube = **system.createBody(test::cubeNetwork(), s);
+    if (massChanged)
+      for (std::uint32_t i = 0; i < 8; ++i) cube.point(i)->setMassProps(btScalar(0.3), btVector3(0, 0, 0));
+    btRigidBody* box = bullet.addBox(vec(0.5, 0.5, 0.5), 1.0, vec(0, 0, 0));
+    bullet.simulate(0.5);
+    btRigidBody* plane = bullet.addPlaneFloor();
+    plane->setCollisionFlags(btCollisionObject::CF_KINEMATIC_OBJECT);
+    plane->forceActivationState(DISABLE_DEACTIVATION);
+    plane->setRollingFriction(btScalar(0.2));
+    for (int i = 0; i < 5; ++i) {
+      plane->getWorldTransform().setRotation(btQuaternion(vec(0, 0, 1), btScalar(0.05 * (i + 1))));
+      bullet.tick();
+      EXPECT_TRUE(test::eigen(box->getLinearVelocity()).allFinite()) << i;
+      for (const SoftContact& c : cube.contacts()) EXPECT_TRUE(test::eigen(c.impulse).allFinite()) << i;
+      for (std::uint32_t p = 0; p < 8; ++p) EXPECT_EQ(cube.point(p)->getAngularVelocity(), btVector3(0, 0, 0));
+    }
+    EXPECT_EQ(cube.restorations(), 0u);
+  }
 }
 
 }  // namespace

@@ -14,10 +14,19 @@ namespace {
 /// m, m/s, N: the square of what is less does not overflow Bullet's floats.
 constexpr double kUnsound = 1e18;
 
+/// A point mass does not spin, and so slides with its full friction: its angular factor is 0. Without any inverse
+/// inertia Bullet's rolling friction on what is at rest would divide by zero, should Bullet ever solve a contact
+/// that nobody foresaw. So much more inertia than a sphere's is as good as none of the inverse, also to solvers
+/// that do not look at the angular factor.
+btVector3 inertiaOf(const SoftBodyData& body, btScalar mass) {
+  constexpr btScalar kMuch = btScalar(1e4);
+  const btScalar radius = body.masses.shape->getRadius(), inertia = kMuch * mass * radius * radius;
+  return btVector3(inertia, inertia, inertia);
+}
+
 PointMass* makeBody(SoftBodyData& body, std::uint32_t i) {
   const btScalar mass = static_cast<btScalar>(body.settings.totalMass * body.network->massShares[i]);
-  // no inertia: a point mass does not spin, and so slides with its full friction
-  btRigidBody::btRigidBodyConstructionInfo info(mass, nullptr, body.masses.shape.get(), btVector3(0, 0, 0));
+  btRigidBody::btRigidBodyConstructionInfo info(mass, nullptr, body.masses.shape.get(), inertiaOf(body, mass));
   info.m_startWorldTransform.setIdentity();
   info.m_startWorldTransform.setOrigin(toBullet(Eigen::Vector3d(body.state.position.col(i))));
   info.m_friction = static_cast<btScalar>(body.settings.friction);
@@ -65,7 +74,17 @@ Eigen::Vector3d inverseMass(const PointMass& point, bool held) {
   return held || !w.allFinite() ? Eigen::Vector3d::Zero() : w;
 }
 
+/// Users who give it another mass give it no inertia.
+void keepInertia(SoftBodyData& body, PointMass& point) {
+  const btScalar inverseMass = point.getInvMass();
+  if (!(inverseMass > btScalar(0)) || !point.getInvInertiaDiagLocal().isZero()) return;
+  const btVector3 inertia = inertiaOf(body, btScalar(1) / inverseMass);
+  point.setInvInertiaDiagLocal(btVector3(1, 1, 1) / inertia);
+  point.updateInertiaTensor();
+}
+
 void updateInverseMass(SoftBodyData& body, std::uint32_t i) {
+  keepInertia(body, *body.masses.bodies[i]);
   const Eigen::Vector3d w = inverseMass(*body.masses.bodies[i], body.masses.held[i]);
   if (w == body.state.inverseMass.col(i)) return;
   body.frequencyStale = true;
