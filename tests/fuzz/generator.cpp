@@ -42,6 +42,7 @@ class Writer {
   void joint(int at = -1);
   void user(int frames);
   void userStep(int at);
+  bool mayBePulled(int soft) const;
   void userOnPoints(Step& step);
   void userOnRigid(Step& step);
   Kind userKind();
@@ -300,12 +301,22 @@ Kind Writer::userKind() {
                    Kind::Clock, Kind::System});
 }
 
+/// A point that is attached to a pivot on a held body is there at once, and its springs stretched by metres. The
+/// energy that this gives to a stiff light body is that of an explosion: a speed of that way times sqrt(k / m), and
+/// some times as much of its light points.
+bool Writer::mayBePulled(int soft) const {
+  constexpr double kMost = 2.5e5;  // 1/s^2: over 4 m, 2 km/s
+  for (const Step& s : story_.steps)
+    if (s.kind == Kind::Soft && s.id == soft) return std::max(s["extension"], s["compression"]) < kMost * s["mass"];
+  return true;
+}
+
 void Writer::userOnPoints(Step& s) {
   const int point = dice_.below(200);
   switch (s.kind) {
     case Kind::Attach:
       s.set("of", any(softs_)).set("to", any(rigids_)).set("point", point);
-      if (dice_.chance(0.2)) s.set("pivoted", 1).set("pivot", dice_.ball(0.3));
+      if (dice_.chance(0.2)) s.set("pivoted", mayBePulled(s.whole("of"))).set("pivot", dice_.ball(0.3));
       break;
     case Kind::Detach: case Kind::Pin: case Kind::Unpin: s.set("of", any(softs_)).set("point", point); break;
     case Kind::MovePin: s.set("of", any(softs_)).set("point", point).set("by", dice_.ball(0.3)); break;
