@@ -7,6 +7,7 @@
 
 #include "core/random.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 
@@ -103,6 +104,9 @@ void WorldPlayer::step(int frame) {
   double dt = clock_["dt"];
   if (jitter > 0) dt *= 1.0 + jitter * (2.0 * Random(static_cast<std::uint64_t>(frame)).uniform() - 1.0);
   moveKinematics(dt);
+  // what the user has just put there
+  result_.frames.back().near = result_.frames.back().near || softIsNearRigid();
+  rigidPairs_ = 0;
   world_->stepSimulation(toBt(dt), clock_.whole("sub-steps"), toBt(clock_["fixed"]));
   observe();
 }
@@ -155,7 +159,7 @@ void WorldPlayer::observe() {
   }
   frame.energy = energy();
   frame.near = softIsNearRigid();
-  frame.rigidPairs = touchingRigidPairs();
+  frame.rigidPairs = std::max(rigidPairs_, touchingRigidPairs());
   frame.hash = hash.value;
   result_.frames.push_back(std::move(frame));
 }

@@ -30,7 +30,7 @@ struct Frame {
   std::map<int, RigidPose> rigid;
   double energy = 0.0;        ///< J, of all that is not held; heights count from y = 0
   bool near = false;          ///< a soft body is near a dynamic rigid one
-  int rigidPairs = 0;         ///< how many pairs of rigid objects touch
+  int rigidPairs = 0;         ///< how many pairs of rigid objects touched, at most, in its ticks
   std::uint64_t hash = 0;     ///< of all state, bit for bit
 };
 

@@ -129,6 +129,8 @@ void WorldPlayer::addSystem() {
 }
 
 void WorldPlayer::preTick(btScalar tick) {
+  // of the last tick's
+  rigidPairs_ = std::max(rigidPairs_, touchingRigidPairs());
   perform(Phase::PreTick);
   if (!settings_.is("manual")) return;
   for (std::size_t i = 0; i < systems_.size(); ++i)

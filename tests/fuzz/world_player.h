@@ -149,6 +149,7 @@ class WorldPlayer {
   Step settings_, clock_;
   Run result_;
   int frame_ = -1;
+  int rigidPairs_ = 0;  ///< the most that have touched in a tick of the present frame but the last
   Phase phase_ = Phase::Between;
   std::vector<char> done_;  ///< for each step of the story
   btInternalTickCallback slot_ = nullptr;  ///< the user's own pre-tick callback
