@@ -10,6 +10,7 @@
 
 #include <limber/network_builder.h>
 
+#include <Eigen/Geometry>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -123,19 +124,27 @@ TEST_P(ImplicitStep, creepsAtTheRightRateHoweverStronglyDamped) {
   }
 }
 
+/// Of the points of a cube of 1 m that are next to the plane at this depth (m) below its middle.
+std::vector<ContactRow> rowsOnPlane(const PointState& state, const Eigen::Vector3d& normal, double depth,
+                                    double friction) {
+  std::vector<ContactRow> rows;
+  for (std::uint32_t i = 0; i < 8; ++i)
+    if (normal.dot(state.position.col(i)) < 0.0) {
+      rows.emplace_back();
+      rows.back().point = i;
+      rows.back().normal = normal;
+      rows.back().touch = -depth * normal;
+      rows.back().friction = friction;
+    }
+  return rows;
+}
+
 TEST_P(ImplicitStep, restsOnAPlaneWithTheRightForce) {
   for (const double stiffness : {1e3, 1e6}) {
     SteppedTestBody body(test::fullCubeNetwork(), stiffness, 0.1 * 2 * std::sqrt(stiffness * 0.125));
     forget();
     body.state.acceleration.row(1).setConstant(-9.81);
-    std::vector<ContactRow> rows;
-    for (std::uint32_t i = 0; i < 8; ++i)
-      if (body.state.position(1, i) < 0.0) {
-        ContactRow row;
-        row.point = i;
-        row.touch = Eigen::Vector3d(0.0, -0.52, 0.0);
-        rows.push_back(row);
-      }
+    std::vector<ContactRow> rows = rowsOnPlane(body.state, Eigen::Vector3d::UnitY(), 0.52, 0.0);
     ASSERT_EQ(rows.size(), 4u);
     body.contacts = &rows;
     double weight = 0.0;
@@ -166,13 +175,7 @@ TEST_P(ImplicitStep, slidesAlikeEverywhere) {
     body.state.position.row(0).array() += x;
     body.state.velocity.row(0).setConstant(3.0);
     body.state.acceleration.row(1).setConstant(-9.81);
-    std::vector<ContactRow> rows(4);
-    for (std::uint32_t i = 0, r = 0; i < 8; ++i)
-      if (body.state.position(1, i) < 0.0) {
-        rows[r].point = i;
-        rows[r].friction = 0.25;
-        rows[r++].touch = Eigen::Vector3d(0.0, -0.52, 0.0);
-      }
+    std::vector<ContactRow> rows = rowsOnPlane(body.state, Eigen::Vector3d::UnitY(), 0.52, 0.25);
     body.contacts = &rows;
     for (int tick = 0; tick < 30; ++tick) advance(body, 1.0 / 60, 5);
     body.state.position.row(0).array() -= x;
@@ -180,6 +183,28 @@ TEST_P(ImplicitStep, slidesAlikeEverywhere) {
   };
   const Points here = slide(0.0);
   for (const double x : {1.0 / 3, 3.1, 7.7}) EXPECT_LT((slide(x) - here).cwiseAbs().maxCoeff(), 1e-8) << x;
+}
+
+TEST_P(ImplicitStep, contactsAreTheSameInOtherUnits) {
+  const auto finalPosition = [&](double length, double mass) {
+    SteppedTestBody body(test::fullCubeNetwork(), mass * 1e4, mass * 5.0, mass);
+    forget();
+    body.settings.scale.setConstant(length);
+    body.springs = makeSprings(*body.net, body.settings);
+    const Eigen::Vector3d normal = Eigen::Vector3d(0.1, 1.0, 0.05).normalized();
+    std::vector<ContactRow> rows = rowsOnPlane(body.state, normal, 0.5, 0.5);
+    for (ContactRow& row : rows) row.touch *= length;
+    body.state.position *= length;
+    body.state.velocity.colwise() = length * Eigen::Vector3d(2.0, -0.5, 1.0);
+    body.state.acceleration.row(1).setConstant(-9.81 * length);
+    body.contacts = &rows;
+    for (int tick = 0; tick < 60; ++tick) {
+      for (ContactRow& row : rows) row.impulse = TickImpulse();
+      advance(body, 1.0 / 60, 4);
+    }
+    return Points(body.state.position / length);
+  };
+  EXPECT_EQ(finalPosition(1.0, 1.0), finalPosition(1024.0, 4.0)) << "powers of two: no other bits";
 }
 
 INSTANTIATE_TEST_SUITE_P(Kinds, ImplicitStep, testing::Values(Kind::Shared, Kind::Newton),

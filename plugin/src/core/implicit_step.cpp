@@ -14,6 +14,9 @@ namespace {
 
 /// Iterations end when no point moves by more than this share of the longest spring.
 constexpr double kConverged = 1e-11;
+
+/// The same of the sweeps over the contacts in an iteration.
+constexpr double kContactsConverged = 1e-12;
 constexpr int kMostSharedIterations = 20;
 
 /// Iterations that end with a larger movement, as a share of the longest spring, have not found a midpoint
@@ -43,10 +46,17 @@ void guess(const Substep& s) {
     if (!s.euler || isHeld(p.inverseMass, i)) p.position.col(i) += 0.5 * s.h * s.implicit.startVelocity.col(i);
 }
 
+double longest(const SpringArrays& springs) {
+  double length = 0.0;
+  for (const double l : springs.restLength) length = std::max(length, l);
+  return length;
+}
+
 void start(const Substep& s) {
   s.implicit.start = s.points().position;
   s.implicit.startVelocity = s.points().velocity;
-  startSubstep(s.implicit.contacts, s.body.contacts, s.points().position.cols());
+  const double enough = kContactsConverged * longest(s.springs());
+  startSubstep(s.implicit.contacts, s.body.contacts, s.points().position.cols(), enough);
   guess(s);
 }
 
@@ -99,12 +109,6 @@ double iterate(const Substep& s, const ContactSpan& span, int iteration) {
     shortenStep(s);
   s.points().position += state.residual;
   return state.residual.cwiseAbs().maxCoeff();
-}
-
-double longest(const SpringArrays& springs) {
-  double length = 0.0;
-  for (const double l : springs.restLength) length = std::max(length, l);
-  return length;
 }
 
 /// Iterates to the end; returns the last movement (m).

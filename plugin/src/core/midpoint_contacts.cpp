@@ -8,7 +8,6 @@ namespace limber {
 namespace {
 
 constexpr int kMostLoadSweeps = 50;
-constexpr double kLargestLeft = 1e-12;  ///< m, of the last sweep's largest correction
 
 /// Of the radius: how deep a way must lead into a surface that is not followed to be solved for again.
 constexpr double kThrough = 0.01;
@@ -54,8 +53,9 @@ bool leadsThrough(const ContactRow& row, const Eigen::Vector3d& start, const Eig
 
 }  // namespace
 
-void startSubstep(MidpointContacts& c, std::vector<ContactRow>* rows, Eigen::Index points) {
+void startSubstep(MidpointContacts& c, std::vector<ContactRow>* rows, Eigen::Index points, double enough) {
   constexpr Eigen::Index kStep = 8;
+  c.enough = enough;
   c.rows = rows;
   c.count = static_cast<Eigen::Index>(rows ? rows->size() : 0);
   c.touched.clear();
@@ -110,7 +110,7 @@ void solveLoads(MidpointContacts& c, const Points& found, const Points& start, c
       const Eigen::Vector3d end = x0 + span.reach * (found.col(row.point) + moved - x0);
       largest = std::max(largest, solveRow(c, r, x0, end, span));
     }
-    if (largest < kLargestLeft) return;
+    if (largest <= c.enough) return;
   }
 }
 

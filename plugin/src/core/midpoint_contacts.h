@@ -13,6 +13,7 @@ namespace limber {
 /// so the rows are solved together, by projected Gauss-Seidel on W (Jourdan, Alart, Jean 1998).
 struct MidpointContacts {
   std::vector<ContactRow>* rows = nullptr;
+  double enough = 0.0;                 ///< m, of the last sweep's largest correction
   Eigen::Index count = 0;              ///< #rows; the arrays have room for more and grow only
   std::vector<std::uint32_t> touched;  ///< points that have rows
   std::vector<Eigen::Index> place;     ///< #rows, of the row's point among them
@@ -28,8 +29,9 @@ struct MidpointContacts {
 /// More points with rows than this cost more than stepping the body by Verlet.
 constexpr std::size_t kMostMidpointPoints = 48;
 
-/// Starts a substep with these rows (nullptr: none) and no loads.
-void startSubstep(MidpointContacts& contacts, std::vector<ContactRow>* rows, Eigen::Index points);
+/// Starts a substep with these rows (nullptr: none) and no loads. Sweeps that correct no place by more than `enough`
+/// (m) end.
+void startSubstep(MidpointContacts& contacts, std::vector<ContactRow>* rows, Eigen::Index points, double enough);
 
 /// Computes W; `solver` must be up to date.
 void computeResponse(MidpointContacts& contacts, MidpointSolver& solver);
