@@ -190,7 +190,8 @@ OwnedShape makeShape(const std::string& name, const Vector3d& size, int variant)
 
 namespace {
 
-const double kThickness = 1.0;  ///< m, half of it, of what is made of boxes
+/// m, half of it, of what is made of boxes.
+double thickness(double extent) { return extent / 6.0; }
 
 FloorPiece onePiece(OwnedShape shape, double y = 0.0) {
   shape.fixed = true;
@@ -217,11 +218,11 @@ void forSquares(double extent, int cells, Add add) {
 
 FloorPiece compoundFloor(double extent, int cells) {
   OwnedShape made;
-  const Vector3d half(extent / cells, kThickness, extent / cells);
+  const Vector3d half(extent / cells, thickness(extent), extent / cells);
   auto whole = std::make_unique<btCompoundShape>();
   made.parts.push_back(std::make_unique<btBoxShape>(toBt(half)));
   forSquares(extent, cells, [&](double x, double z) {
-    whole->addChildShape(btTransform(btQuaternion::getIdentity(), toBt(Vector3d(x, -kThickness, z))),
+    whole->addChildShape(btTransform(btQuaternion::getIdentity(), toBt(Vector3d(x, -thickness(extent), z))),
                          made.parts.back().get());
   });
   made.shape = std::move(whole);
@@ -230,9 +231,9 @@ FloorPiece compoundFloor(double extent, int cells) {
 
 std::vector<FloorPiece> tiledFloor(bool hulls, double extent, int cells) {
   std::vector<FloorPiece> pieces;
-  const Vector3d half(extent / cells, kThickness, extent / cells);
+  const Vector3d half(extent / cells, thickness(extent), extent / cells);
   forSquares(extent, cells, [&](double x, double z) {
-    FloorPiece piece = onePiece(hulls ? hullBox(half) : makeShape("box", half, 0), -kThickness);
+    FloorPiece piece = onePiece(hulls ? hullBox(half) : makeShape("box", half, 0), -thickness(extent));
     // a hull's margin lies outside of it
     if (hulls) piece.shape.shape->setMargin(0);
     piece.position += Vector3d(x, 0, z);
@@ -272,7 +273,7 @@ std::vector<FloorPiece> makeFloor(const std::string& kind, double extent, double
   if (kind == "boxes" || kind == "hulls") return tiledFloor(kind == "hulls", extent, std::min(cells, 12));
   if (kind == "plane") pieces.push_back(onePiece(makeShape("plane", Vector3d::Ones(), 0)));
   else if (kind == "box")
-    pieces.push_back(onePiece(makeShape("box", Vector3d(extent, kThickness, extent), 0), -kThickness));
+    pieces.push_back(onePiece(makeShape("box", Vector3d(extent, thickness(extent), extent), 0), -thickness(extent)));
   else if (kind == "compound") pieces.push_back(compoundFloor(extent, std::min(cells, 12)));
   else pieces.push_back(onePiece(meshFloor(kind, extent, cells)));
   return pieces;
