@@ -29,8 +29,19 @@ void forgetPartners(SoftBodyData& body) {
   body.softPartners.clear();
 }
 
-bool hasPartners(const SoftBodyData& body) {
-  return !body.partners.empty() || !body.freePartners.empty() || !body.softPartners.empty();
+Eigen::AlignedBox3d boxOf(const btCollisionObject& object) {
+  btVector3 low, high;
+  object.getCollisionShape()->getAabb(object.getWorldTransform(), low, high);
+  return {toEigen(low), toEigen(high)};
+}
+
+/// Whether something may get into the box (m). Boxes in Bullet's broadphase are larger than what is in them, by
+/// lengths that are the same however large the scene is, and longer after motion: what is near to it only by these
+/// must not decide how the body is stepped.
+bool hasPartnersIn(const Eigen::AlignedBox3d& box, const SoftBodyData& body) {
+  const auto isIn = [&](const btCollisionObject* p) { return isMoved(*p) || box.intersects(boxOf(*p)); };
+  return !body.freePartners.empty() || !body.softPartners.empty() ||
+         std::any_of(body.partners.begin(), body.partners.end(), isIn);
 }
 
 template <class T>
@@ -175,10 +186,12 @@ void addStaticRows(SoftBodyData& body, std::uint32_t i, const Reach& reach, btSc
   body.staticPartners.clear();
   body.staticPieces = body.held.pieces.size();
   std::uint32_t owners = 0;
-  for (const btCollisionObject* partner : body.partners) {
-    if (isMoved(*partner) || !overlaps(reach, *partner)) continue;
+  const Eigen::AlignedBox3d box(reach.low, reach.high);
+  for (std::size_t p = 0; p < body.partners.size(); ++p) {
+    const btCollisionObject* partner = body.partners[p];
+    if (isMoved(*partner) || !box.intersects(body.partnerBoxes[p])) continue;
     if (mayBeExcluded(body) && !canHit(body, *body.masses.bodies[i], *partner)) continue;
-    owners = addPieces(*partner, {reach.low, reach.high}, *body.shapes, owners, body.held.pieces);
+    owners = addPieces(*partner, box, *body.shapes, owners, body.held.pieces);
     body.staticPartners.emplace_back(partner, owners);
   }
   const HeldPiece *begin = body.held.pieces.data() + body.staticPieces,
@@ -255,10 +268,10 @@ void takePartners(SoftBodyData& body) {
 /// Whether Bullet's broadphase knows that nothing is in the way of a body that flies as was foreseen: then
 /// nothing pushes its points aside either.
 bool fliesFreely(SoftBodyData& body, double tick) {
-  if (hasPartners(body)) return false;
   const bool foreseen = !body.masses.shared && body.surface.flight.tick == tick;
   const Flight flight = foreseen ? body.surface.flight : flightOf(body, tick);
-  if (!foreseen && !partnersCover(body, flight.box)) return false;
+  if (hasPartnersIn(flight.box, body) || (!foreseen && !partnersCover(body, flight.box))) return false;
+  forgetPartners(body);
   body.reach.assign(body.masses.bodies.size(), flight.reach);
   return true;
 }
@@ -281,6 +294,7 @@ void leavePointsToRows(SoftBodyData& body) {
 void notePartner(SoftBodyData& body, const btCollisionObject& partner) {
   body.partnerMarks.push_back(markOf(partner));
   body.partnerStamps.push_back(stampOf(partner));
+  body.partnerBoxes.push_back(boxOf(partner));
 }
 
 /// Adds static and kinematic partners of a body in a box.
@@ -409,6 +423,7 @@ void gatherContacts(SoftBodyData& body, btScalar tick) {
   body.neighbourhoodCount = 0;
   body.partnerMarks.clear();
   body.partnerStamps.clear();
+  body.partnerBoxes.clear();
   body.speeds = contactSpeeds(body, double(tick));
   body.watch->start(tick);
   forgetPartners(body);

@@ -98,6 +98,7 @@ struct SoftBodyData {
   std::deque<HeldNeighbourhood> neighbourhoods;           ///< in it, of points; kept for their memory
   std::size_t neighbourhoodCount = 0;                     ///< of the present tick
   std::vector<std::uint64_t> partnerStamps;               ///< #partners, see stampOf()
+  std::vector<Eigen::AlignedBox3d> partnerBoxes;          ///< #partners, m
   std::vector<double> reach;                              ///< #points, m, how far contacts were looked for
   std::unique_ptr<ReachWatch> watch;                      ///< finds what is beyond the reach
   ContactSpeeds speeds;                                   ///< of the present tick
