@@ -158,6 +158,8 @@ void WorldPlayer::changeSystem(const Step& s) {
 // --- everything --------------------------------------------------------------------------------------------
 
 void WorldPlayer::tearDown() {
+  // steps of ticks that have not come
+  done_.assign(done_.size(), 1);
   const std::string& order = settings_.choice("teardown");
   if (order == "hello-world" || order == "hello-system") {
     helloWorldLoop();
