@@ -63,6 +63,22 @@ InTheWay lookInTheWay(const SoftBodyData& body, double longest) {
   return found;
 }
 
+double radiusOf(const PointMass& point) {
+  return double(static_cast<const btSphereShape*>(point.getCollisionShape())->getRadius());
+}
+
+/// The share of the way after which two points overlap by so much of the smaller radius that Bullet finds them in
+/// contact, and its solver has what is needed to part them; 1 if they do so already, and it must find their speed.
+double shareUntilOverlap(const btVector3& offset, const btVector3& way, double radius, double otherRadius) {
+  const double distance = radius + otherRadius - (1.0 - kSweptRadius) * std::min(radius, otherRadius);
+  // |offset + f way| = distance
+  const Eigen::Vector3d from = toEigen(offset), along = toEigen(way);
+  const double a = along.squaredNorm(), b = from.dot(along), c = from.squaredNorm() - distance * distance;
+  const double root = b * b - a * c;
+  if (c <= 0.0 || b >= 0.0 || root <= 0.0) return 1.0;
+  return std::min(1.0, c / (std::sqrt(root) - b));
+}
+
 void sweepPoint(SoftBodyData& body, Eigen::Index i, bool all) {
   const PointMass& point = *body.masses.bodies[static_cast<std::size_t>(i)];
   const Eigen::Vector3d start = body.masses.startPosition.col(i), end = body.state.position.col(i);
@@ -71,8 +87,12 @@ void sweepPoint(SoftBodyData& body, Eigen::Index i, bool all) {
   FirstHit hit(body, point, from.getOrigin(), to.getOrigin(), all);
   const btSphereShape sphere(static_cast<btScalar>(kSweptRadius) * body.masses.shape->getRadius());
   body.world->convexSweepTest(&sphere, from, to, hit, btScalar(0));
-  const bool intoIt = hit.hasHit() && toEigen(hit.m_hitNormalWorld).dot(end - start) < 0.0;
-  if (intoIt) body.state.position.col(i) = start + double(hit.m_closestHitFraction) * (end - start);
+  if (!hit.hasHit() || !(toEigen(hit.m_hitNormalWorld).dot(end - start) < 0.0)) return;
+  double share = double(hit.m_closestHitFraction);
+  if (const PointMass* other = PointMass::from(hit.m_hitCollisionObject))
+    share = shareUntilOverlap(from.getOrigin() - other->getWorldTransform().getOrigin(), to.getOrigin() - from.getOrigin(),
+                              double(body.masses.shape->getRadius()), radiusOf(*other));
+  body.state.position.col(i) = start + share * (end - start);
 }
 
 }  // namespace

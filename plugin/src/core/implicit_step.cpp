@@ -28,6 +28,9 @@ constexpr int kMostNewtonIterations = 12;
 /// midpoint rule does not keep it to the last digit, it swings about its value.
 constexpr double kEnergySwing = 1e-4;
 
+/// Of the energy: of a body that has been at rest, what the work and the motion of its fall differ by.
+constexpr double kEnergyRounding = 1e-10;
+
 /// Iterations in which the dampers turn with their springs.
 constexpr int kDamperTurns = 3;
 
@@ -162,9 +165,10 @@ double work(const Substep& s) {
 bool guardEnergy(const Substep& s) {
   ImplicitState& state = s.implicit;
   const double after = energy(s), floor = state.energyFloor + work(s);
-  const double excess = after - floor - kEnergySwing * std::abs(state.energyFloor);
+  const double allowed = kEnergySwing * std::abs(state.energyFloor) + kEnergyRounding * std::abs(after);
+  const double excess = after - floor - allowed;
   const double left = excess > 0.0 ? removeKineticEnergy(s.points(), excess) : 0.0;
-  if (left > kEnergySwing * std::abs(state.energyFloor)) return false;
+  if (left > allowed) return false;
   state.energyFloor = std::min(floor, after - std::max(0.0, excess - left));
   return true;
 }
