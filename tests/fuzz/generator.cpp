@@ -156,6 +156,8 @@ void Writer::rigid(int at) {
   s.set("rotation", turn());
   if (motion != "static") s.set("velocity", dice_.ball(motion == "dynamic" ? 5 : 3));
   if (motion != "static" && dice_.chance(0.4)) s.set("spin", dice_.ball(5));
+  // what lies on a plane that turns flies ever faster, as it should
+  if (s.choice("shape") == "plane") s.set("spin", Vector3d(0, 0, 0));
   s.set("friction", dice_.of({0.5, 0.0, 1.0}));
   if (dice_.chance(0.2)) s.set("restitution", dice_.number(0, 1));
   rigids_.push_back(s.id);

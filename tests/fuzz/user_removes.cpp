@@ -149,10 +149,17 @@ void WorldPlayer::changeSystem(const Step& s) {
   if (!system) return;
   if (s.choice("what") == "destroy") systems_[index].reset();
   else system->removeAll();
-  for (auto it = softs_.begin(); it != softs_.end();)
-    it = it->second.system == index ? softs_.erase(it) : std::next(it);
-  for (auto it = springs_.begin(); it != springs_.end();)
-    it = it->second.system == index ? springs_.erase(it) : std::next(it);
+  const auto isGone = [&](const auto& entry) { return entry.second.system == index; };
+  std::vector<int> gone;
+  for (const auto& entry : softs_)
+    if (isGone(entry)) gone.push_back(entry.first);
+  for (const int id : gone) softs_.erase(id);
+  // with them those of other systems that they hung on
+  for (auto it = springs_.begin(); it != springs_.end();) {
+    const auto& ends = it->second.ends;
+    const bool hung = std::find_first_of(std::begin(ends), std::end(ends), gone.begin(), gone.end()) != std::end(ends);
+    it = isGone(*it) || hung ? springs_.erase(it) : std::next(it);
+  }
 }
 
 // --- everything --------------------------------------------------------------------------------------------
