@@ -185,6 +185,19 @@ TEST_P(ImplicitStep, slidesAlikeEverywhere) {
   for (const double x : {1.0 / 3, 3.1, 7.7}) EXPECT_LT((slide(x) - here).cwiseAbs().maxCoeff(), 1e-8) << x;
 }
 
+TEST_P(ImplicitStep, whatIsOnlyNearChangesNothing) {
+  const auto fly = [&](bool near) {
+    SteppedTestBody body(test::fullCubeNetwork(), 1e4, 1.0);
+    forget();
+    body.state.velocity.row(0) = 5.0 * body.state.position.row(1);
+    std::vector<ContactRow> rows = rowsOnPlane(body.state, Eigen::Vector3d::UnitY(), 2.0, 0.5);
+    if (near) body.contacts = &rows;
+    for (int tick = 0; tick < 30; ++tick) advance(body, 1.0 / 60, 1);
+    return body.state.position;
+  };
+  EXPECT_EQ(fly(true), fly(false));
+}
+
 TEST_P(ImplicitStep, contactsAreTheSameInOtherUnits) {
   const auto finalPosition = [&](double length, double mass) {
     SteppedTestBody body(test::fullCubeNetwork(), mass * 1e4, mass * 5.0, mass);

@@ -106,10 +106,8 @@ double iterate(const Substep& s, const ContactSpan& span, int iteration) {
     computeResponse(state.contacts, state.solver);
   computeResidual(s);
   solve(state.solver, state.residual);
-  if (s.touches())
-    solveContacts(s, span);
-  else
-    shortenStep(s);
+  if (s.touches()) solveContacts(s, span);
+  if (!bears(s.implicit.contacts)) shortenStep(s);
   s.points().position += state.residual;
   return state.residual.cwiseAbs().maxCoeff();
 }
@@ -186,7 +184,7 @@ void setVelocities(const Substep& s, double reach) {
 /// constant accelerations alone: `before` is its spin at the start, `duration` ends now.
 void keepSpin(const Substep& s, const Eigen::Vector3d& before, double duration) {
   PointState& p = s.points();
-  if (s.touches() || (p.inverseMass.array() == 0.0).any()) return;
+  if (bears(s.implicit.contacts) || (p.inverseMass.array() == 0.0).any()) return;
   double mass = 0.0;
   Eigen::Vector3d center = Eigen::Vector3d::Zero(), spin = before;
   for (Eigen::Index i = 0; i < p.position.cols(); ++i) {

@@ -133,6 +133,8 @@ bool followWay(MidpointContacts& c, const Points& found, const PointView& start,
   return true;
 }
 
+bool bears(const MidpointContacts& c) { return !c.load.leftCols(c.count).isZero(0.0); }
+
 void addLoads(const MidpointContacts& c, const Points& loads, Points& rightHandSide) {
   for (std::size_t r = 0; r < c.rows->size(); ++r)
     rightHandSide.col((*c.rows)[r].point) += loads.col(static_cast<Eigen::Index>(r));

@@ -52,6 +52,9 @@ void solveLoads(MidpointContacts& contacts, const Points& found, const Points& s
 /// rows what is on their ways, and no loads, and returns true.
 bool followWay(MidpointContacts& contacts, const Points& found, const PointView& start, const ContactSpan& span);
 
+/// Whether any row bears a load. Rows of what is only near change nothing.
+bool bears(const MidpointContacts& contacts);
+
 /// Adds the loads, or their change, to the 3 x #points right hand side.
 void addLoads(const MidpointContacts& contacts, const Points& loads, Points& rightHandSide);
 
