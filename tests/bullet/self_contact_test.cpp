@@ -145,7 +145,7 @@ TEST(SurfaceOnItself, aChainThatFallsOnItsEndDoesNotSinkIntoTheFloor) {
   s.stepping.budget = 1;
   SoftBody* chain = *system.createBody(test::chainNetwork(12), s);
   double lowest = 1.0;
-  for (int tick = 0; tick < 25; ++tick) {
+  for (int tick = 0; tick < 20; ++tick) {
     bullet.tick();
     for (std::uint32_t i = 0; i < chain->pointCount(); ++i) lowest = std::min(lowest, chain->position(i).y());
   }

@@ -4,8 +4,10 @@
 #include "bullet/contact_reach.h"
 #include "bullet/convert.h"
 #include "bullet/point_masses.h"
+#include "core/linear_algebra.h"
 
-#include <Eigen/Eigenvalues>
+#include <Eigen/Cholesky>
+#include <Eigen/LU>
 
 #include <cmath>
 
@@ -38,13 +40,22 @@ void forEachFree(const PointState& s, Visit visit) {
     if (const double mass = massOf(s.inverseMass, i); mass > 0.0) visit(i, mass);
 }
 
-/// Makes each principal inertia x the inverse x / (x^2 + least^2).
+/// Of the cube of the trace: a tensor of that determinant has principal inertias of more than 4 times that share of
+/// the trace.
+constexpr double kRoundBody = 1e-3;
+
+/// Makes each principal inertia x the inverse x / (x^2 + least^2); where no x is small, 1 / x to 1e-5 of it.
 void setInertia(RigidFit& fit, const Matrix3d& inertia) {
-  if (!(inertia.trace() > 0.0)) return;
-  const double least = kLeastInertia * inertia.trace();
-  const Eigen::SelfAdjointEigenSolver<Matrix3d> principal(inertia);
-  const Eigen::Array3d x = principal.eigenvalues().array().max(0.0);
-  fit.factor = principal.eigenvectors() * (x / (x.square() + least * least)).sqrt().matrix().asDiagonal();
+  const double trace = inertia.trace(), least = kLeastInertia * trace;
+  if (!(trace > 0.0)) return;
+  if (inertia.determinant() > kRoundBody * trace * trace * trace) {
+    fit.inverseInertia = inertia.inverse();
+    fit.factor = fit.inverseInertia.llt().matrixL();
+    return;
+  }
+  const SymmetricParts3 principal = symmetricParts3(inertia);
+  const Eigen::Array3d x = principal.values.array().max(0.0);
+  fit.factor = principal.vectors * (x / (x.square() + least * least)).sqrt().matrix().asDiagonal();
   fit.inverseInertia = fit.factor * fit.factor.transpose();
 }
 
