@@ -74,8 +74,8 @@ std::optional<Failure> checkEnergy(const Story& story, const Run& run, const Run
 /// m: the floor's own margins, and what the edge of a box may cut into a segment whose ends lie on it.
 const double kCut = 0.03;
 
-/// No point of a soft body that starts above the floor is below it, as long as the body is over it and looks for what
-/// is in the way of its points.
+/// No point of a soft body that starts above the floor is below it, as long as the body is over it. Bodies without
+/// continuous collision are left out.
 std::optional<Failure> checkFloor(const Story& story, const Run& run) {
   const Step floor = story.first(Kind::Floor);
   if (floor.id == 0) return {};

@@ -333,7 +333,8 @@ void WorldPlayer::addMultiBody(const Step& s) {
     const btScalar mass = toBt(0.5 * s["mass"]);
     made.shapes[static_cast<std::size_t>(i) + 1].shape->calculateLocalInertia(mass, inertia);
     if (joint == "revolute")
-      body.setupRevolute(i, mass, inertia, i - 1, straight, btVector3(toBt(i % 2), 0, toBt(1 - i % 2)), half, half, true);
+      body.setupRevolute(i, mass, inertia, i - 1, straight, btVector3(toBt(i % 2), 0, toBt(1 - i % 2)), half, half,
+                         true);
     else if (joint == "prismatic")
       body.setupPrismatic(i, mass, inertia, i - 1, straight, btVector3(0, 1, 0), half, half, true);
     else if (joint == "spherical")

@@ -90,8 +90,8 @@ void sweepPoint(SoftBodyData& body, Eigen::Index i, bool all) {
   if (!hit.hasHit() || !(toEigen(hit.m_hitNormalWorld).dot(end - start) < 0.0)) return;
   double share = double(hit.m_closestHitFraction);
   if (const PointMass* other = PointMass::from(hit.m_hitCollisionObject))
-    share = shareUntilOverlap(from.getOrigin() - other->getWorldTransform().getOrigin(), to.getOrigin() - from.getOrigin(),
-                              double(body.masses.shape->getRadius()), radiusOf(*other));
+    share = shareUntilOverlap(from.getOrigin() - other->getWorldTransform().getOrigin(),
+                              to.getOrigin() - from.getOrigin(), radiusOf(point), radiusOf(*other));
   body.state.position.col(i) = start + share * (end - start);
 }
 

@@ -22,8 +22,8 @@ enum class Stage { Stopping, Settling };
 /// Contacts give way by this share of what one alone would give way to the change of its impulse since the
 /// last substep (a proximal term), and normals to a fifth of the impulse itself. What contacts of rigid
 /// bodies bear against each other, of which nothing else tells how it is shared out, then settles instead of
-/// wandering, and piles come to rest. On a pile of ten boxes this costs 3e-5 m of height. What a single point
-/// bears is settled by its springs.
+/// wandering, and piles come to rest. On a pile of ten boxes this costs 3e-5 m of height. A single point on
+/// a static or kinematic object needs none of this: its springs tell what it bears.
 constexpr double kSoftness = 0.02;
 constexpr double kKept = 0.8;
 
@@ -88,7 +88,7 @@ double partingSpeed(const PairContact& c, const PairRow& row, const LinkedBodies
   return borne > free ? c.recoverySpeed * free / borne : c.recoverySpeed;
 }
 
-/// Whether a point bears it alone, against what does not move by itself.
+/// Whether side a is a single point mass and side b a static or kinematic object.
 bool isOfPoint(const PairContact& c) {
   return c.a.kind == ContactPlace::Kind::Soft && c.a.count == 1 && c.b.kind == ContactPlace::Kind::World;
 }
