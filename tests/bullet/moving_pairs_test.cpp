@@ -395,5 +395,113 @@ TEST(FastPairs, whatAHitLeavesDoesNotDependOnTheTick) {
   }
 }
 
+// --- points that meet points -------------------------------------------------------------------------------
+
+/// Of frictionless points in the world, without any damping.
+SoftBodySettings pointsBody(const Vector3d& position, const Vector3d& velocity, double radius) {
+  SoftBodySettings s = pairBody(position, velocity, 1e4);
+  s.collision = Collision::Points;
+  s.pointRadius = radius;
+  s.damping = s.friction = 0.0;
+  return s;
+}
+
+/// Two pairs of points, the second `aside` (m) of the way of the first, after a second.
+std::pair<Vector3d, Vector3d> velocitiesAfterPass(double speed, double aside) {
+  BulletWorld bullet(0.0);
+  SoftBodySystem system(*bullet.world);
+  SoftBody* left = *system.createBody(test::pairNetwork(), pointsBody({0, 0, -0.53}, {0, 0, speed}, 0.1));
+  SoftBody* right = *system.createBody(test::pairNetwork(), pointsBody({0, aside, 0}, {0, 0, 0}, 0.1));
+  bullet.simulate(1.0);
+  return {momentumOf(*left), momentumOf(*right)};
+}
+
+TEST(PointPairs, whatPassesByIsNotHeldBack) {
+  for (const double speed : {0.7, 3.0, 30.0, 300.0}) {
+    SCOPED_TRACE(speed);
+    const auto [left, right] = velocitiesAfterPass(speed, 0.201);
+    EXPECT_LT((left - Vector3d(0, 0, speed)).norm(), 1e-6 * speed) << "to Bullet's floats";
+    EXPECT_LT(right.norm(), 1e-6 * speed);
+  }
+}
+
+TEST(PointPairs, smoothPointsShareTheirSpeedAlongTheLineBetweenThem) {
+  const auto [left, right] = velocitiesAfterPass(1.0, 0.1);
+  // the sine of the angle between way and normal is aside / (2 r); Newton's law at restitution 0
+  const Vector3d normal(0, -0.5, -std::sqrt(0.75)), speed(0, 0, 1);
+  const Vector3d change = -0.5 * normal.dot(speed) * normal;
+  // in the substep in which they meet they go on along the plane between them: 2 mm of 20 cm, four times
+  EXPECT_LT((left - speed - change).norm(), 0.04);
+  EXPECT_LT((right + change).norm(), 0.04);
+  EXPECT_LT((left + right - speed).norm(), 1e-6);
+}
+
+double energyOf(const SoftBody& body) { return body.kineticEnergy() + body.elasticEnergy(); }
+
+/// Two stiff cubes that meet in some attitude: the most energy they have, of what they had, and J lost of momentum.
+std::pair<double, double> mostEnergyOfMeeting(double speed, unsigned attitude) {
+  std::mt19937 random(attitude);
+  std::normal_distribution<double> normal;
+  const auto some = [&] { return Vector3d(normal(random), normal(random), normal(random)); };
+  BulletWorld bullet(0.0);
+  SoftBodySystem system(*bullet.world);
+  SoftBodySettings s = pointsBody({0, 0, 0}, {speed, 0, 0}, 0.15);
+  s.rotation = Eigen::AngleAxisd(2.0, some().normalized());
+  s.angularVelocity = 3.0 * some();
+  SoftBody* left = *system.createBody(test::closedCubeNetwork(), s);
+  s.position = 0.2 * some();
+  s.position.x() = 2.0;
+  s.linearVelocity = {-speed, 0, 0};
+  s.rotation = Eigen::AngleAxisd(2.0, some().normalized());
+  SoftBody* right = *system.createBody(test::closedCubeNetwork(), s);
+  const double start = energyOf(*left) + energyOf(*right);
+  const Vector3d momentum = momentumOf(*left) + momentumOf(*right);
+  double most = 0.0;
+  for (int tick = 0; tick < 90; ++tick) {
+    bullet.tick();
+    most = std::max(most, (energyOf(*left) + energyOf(*right)) / start);
+  }
+  return {most, (momentumOf(*left) + momentumOf(*right) - momentum).norm() / speed};
+}
+
+TEST(PointPairs, theirMeetingMakesNoEnergy) {
+  for (const double speed : {1.0, 5.0, 20.0})
+    for (unsigned attitude = 0; attitude < 8; ++attitude) {
+      SCOPED_TRACE(testing::Message() << speed << " m/s, attitude " << attitude);
+      const auto [energy, momentum] = mostEnergyOfMeeting(speed, attitude);
+      EXPECT_LT(energy, 1.01) << "Verlet's energy swings by (omega dt)^2 / 8";
+      EXPECT_LT(momentum, 1e-5) << "float positions of some metres";
+    }
+}
+
+TEST(PointPairs, bothTellWhatTheyBear) {
+  BulletWorld bullet(0.0);
+  SoftBodySystem system(*bullet.world);
+  SoftBody* left = *system.createBody(test::pairNetwork(), pointsBody({0, 0, -0.21}, {0, 0, 1}, 0.1));
+  SoftBody* right = *system.createBody(test::pairNetwork(), pointsBody({0, 0, 0}, {0, 0, 0}, 0.1));
+  Vector3d ofLeft = Vector3d::Zero(), ofRight = Vector3d::Zero();
+  double inBullet = 0.0;
+  for (int tick = 0; tick < 10; ++tick) {
+    bullet.tick();
+    for (const SoftContact& c : left->contacts()) {
+      EXPECT_EQ(c.otherBody, right);
+      ofLeft += eigen(c.impulse);
+    }
+    for (const SoftContact& c : right->contacts()) {
+      EXPECT_EQ(c.otherBody, left);
+      ofRight += eigen(c.impulse);
+    }
+    for (int m = 0; m < bullet.dispatcher.getNumManifolds(); ++m) {
+      const btPersistentManifold& manifold = *bullet.dispatcher.getManifoldByIndexInternal(m);
+      for (int p = 0; p < manifold.getNumContacts(); ++p)
+        inBullet += double(manifold.getContactPoint(p).m_appliedImpulse);
+    }
+  }
+  EXPECT_LT((ofLeft + ofRight).norm(), 1e-9);
+  EXPECT_NEAR(ofRight.z(), momentumOf(*right).z(), 1e-5) << "all that it has got it got there";
+  EXPECT_GT(ofRight.z(), 0.4);
+  EXPECT_LE(inBullet, ofRight.z() + 1e-5) << "where Bullet sees a contact, it has its impulse";
+}
+
 }  // namespace
 }  // namespace limber

@@ -49,7 +49,7 @@ void addOnce(std::vector<T>& list, T entry) {
   if (std::find(list.begin(), list.end(), entry) == list.end()) list.push_back(entry);
 }
 
-/// Sorts them by what they are. Point masses in the world meet other bodies' points in Bullet's solver.
+/// Sorts them by what they are. Point masses that meet those of other bodies are in pair_gather.h.
 void addPartner(SoftBodyData& body, btCollisionObject& object) {
   if (PointMass::from(&object)) return;
   if (SurfaceObject* surface = SurfaceObject::from(&object)) {
@@ -70,11 +70,8 @@ void addPartner(SoftBodyData& body, btCollisionObject& object) {
 struct PartnersInBox final : btBroadphaseAabbCallback {
   explicit PartnersInBox(SoftBodyData& b) : body(&b) {}
   SoftBodyData* body;
-  bool pointsOfOthers = false;
 
   bool process(const btBroadphaseProxy* proxy) override {
-    const PointMass* point = PointMass::from(static_cast<btCollisionObject*>(proxy->m_clientObject));
-    pointsOfOthers = pointsOfOthers || (point && point->owner() != body);
     if (canHit(*body, *proxy)) addPartner(*body, *static_cast<btCollisionObject*>(proxy->m_clientObject));
     return true;
   }
@@ -239,9 +236,11 @@ void forEachContact(btDispatcher& dispatcher, Visit visit) {
   }
 }
 
-}  // namespace
-
-namespace {
+/// Of two bodies, one of them awake: gatherPointPairs() has a row for it.
+bool isOfAwakePoints(const PointMass& point, const btCollisionObject* partner) {
+  const PointMass* other = PointMass::from(partner);
+  return other && other->owner() && !(point.owner()->asleep && other->owner()->asleep);
+}
 
 /// The box around all reaches; keeps how far contacts are looked for.
 Eigen::AlignedBox3d reachBox(SoftBodyData& body, double tick) {
@@ -276,13 +275,10 @@ bool fliesFreely(SoftBodyData& body, double tick) {
   return true;
 }
 
-/// Returns whether Bullet's solver has something to do for the body's points: with points of others, or free
-/// bodies.
-bool askForPartners(SoftBodyData& body, const Eigen::AlignedBox3d& box) {
+void askForPartners(SoftBodyData& body, const Eigen::AlignedBox3d& box) {
   PartnersInBox partners(body);
   body.world->getBroadphase()->aabbTest(toBullet(Eigen::Vector3d(box.min())),
                                         toBullet(Eigen::Vector3d(box.max())), partners);
-  return partners.pointsOfOthers || !body.freePartners.empty();
 }
 
 /// For the present tick Bullet's solver leaves alone what the points touch, what it has not found yet, too;
@@ -431,8 +427,8 @@ void gatherContacts(SoftBodyData& body, btScalar tick) {
   takePartners(body);
   if (surface && fliesFreely(body, double(tick))) return;
   const Eigen::AlignedBox3d box = reachBox(body, double(tick));
-  if (!surface || !partnersCover(body, box))
-    if (!askForPartners(body, box) && !surface) leavePointsToRows(body);
+  if (!surface || !partnersCover(body, box)) askForPartners(body, box);
+  if (!surface && body.freePartners.empty()) leavePointsToRows(body);
   if (surface && body.partners.empty()) return;
   for (const btCollisionObject* partner : body.partners) notePartner(body, *partner);
   body.watch->on = body.settings.continuousCollision && !body.partners.empty();
@@ -467,8 +463,8 @@ void addContactWatch(SoftBodyData& body) { body.watch = std::make_unique<Watch>(
 void readManifolds(btDispatcher& dispatcher) {
   forEachContact(
       dispatcher, [](btPersistentManifold& manifold, PointMass& point, const btCollisionObject* partner) {
-        if (point.owner()->asleep || !isStaticOrKinematic(*partner)) return;
-        const bool simple = manifold.getNumContacts() == 1 && !partner->getCollisionShape()->isConcave() &&
+        if (!isOfAwakePoints(point, partner) && (point.owner()->asleep || !isStaticOrKinematic(*partner))) return;
+        const bool simple = !PointMass::from(partner) && manifold.getNumContacts() == 1 && !partner->getCollisionShape()->isConcave() &&
                             !partner->getCollisionShape()->isCompound();
         if (simple) point.cachedContact = &manifold;
         // its rows are enough: Bullet would push the point out of where the partner will be
@@ -483,6 +479,7 @@ void readManifolds(btDispatcher& dispatcher) {
 void leaveToRows(btDispatcher& dispatcher) {
   forEachContact(dispatcher, [](btPersistentManifold& manifold, PointMass& point,
                                 const btCollisionObject* partner) {
+    if (isOfAwakePoints(point, partner)) manifold.setContactProcessingThreshold(-BT_LARGE_FLOAT);
     const SoftBodyData& body = *point.owner();
     const RowRange rows = rowsOfPoint(body.contacts, point.index());
     for (std::size_t r = rows.begin; r < rows.end && !body.asleep; ++r)
@@ -495,6 +492,10 @@ void reportContactImpulses(btDispatcher& dispatcher) {
                                 const btCollisionObject* partner) {
     const SoftBodyData& body = *point.owner();
     const RowRange rows = rowsOfPoint(body.contacts, point.index());
+    for (const SoftContact& c : body.report.contacts)
+      if (c.other == partner && PointMass::from(partner) && c.side.points[0] == point.index() &&
+          manifold.getNumContacts() > 0)
+        manifold.getContactPoint(0).m_appliedImpulse = static_cast<btScalar>(c.normalImpulse);
     manifold.setContactProcessingThreshold(
         btMin(point.getContactProcessingThreshold(), partner->getContactProcessingThreshold()));
     for (std::size_t r = rows.begin; r < rows.end; ++r) {

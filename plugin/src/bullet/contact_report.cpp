@@ -119,8 +119,10 @@ void addPair(const PairContact& pair, const ContactSource& source) {
   addImpulse(c, pair.impulse);
   if (body.report.fresh) add(body, c, source.partner);
   const bool together = other && other != &body && pair.b.kind == ContactPlace::Kind::Soft;
-  if (together && other->report.fresh && anyInWorld(body))
-    add(*other, mirrored(c, *body.surface.object), markOf(*body.surface.object));
+  if (!together || !other->report.fresh || !anyInWorld(body)) return;
+  const btCollisionObject* object = body.surface.object;
+  if (!object) object = body.masses.bodies[pair.a.point[0]];
+  add(*other, mirrored(c, *object), markOf(*object));
 }
 
 // --- what Bullet's solver did to points in the world -------------------------------------------------------

@@ -6,13 +6,12 @@
 namespace limber {
 inline namespace LIMBER_BULLET_PRECISION {
 
-/// Stops point masses in the world that have passed through other bodies' in this tick where they first
-/// touched them. Their velocity stays: in the next tick Bullet sees the contact and answers it. Call after
-/// Bullet's contacts have been read, when start and end positions are known, and before the bodies are written.
+/// Stops point masses in the world that have got farther in this tick than contacts were looked for where they
+/// first touched something. Their velocity stays: the next tick finds the contact. Call after Bullet's contacts
+/// have been read, when start and end positions are known, and before the bodies are written.
 ///
-/// Everything else bounds points within the substeps: it is swept only for those that Bullet has pushed
-/// farther than contacts were looked for. Only points that move far enough to miss a contact are swept, and
-/// only if anything is in the box the body sweeps (one query of the broadphase for a whole body). Bullet's own
+/// Only points that move far enough to miss a contact are swept, and only if anything is in the box the body
+/// sweeps (one query of the broadphase for a whole body). Bullet's own
 /// continuous collision is not used, because it sweeps twice, without such a query, and on triangle meshes
 /// ignores all motions into the surface that are shorter than the world's m_allowedCcdPenetration (4 cm),
 /// twice a point mass.

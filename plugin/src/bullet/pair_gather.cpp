@@ -6,8 +6,10 @@
 #include "bullet/contact_reach.h"
 #include "bullet/convert.h"
 #include "bullet/multibody_links.h"
+#include "bullet/surface_body.h"
 
 #include <algorithm>
+#include <numeric>
 
 namespace limber {
 inline namespace LIMBER_BULLET_PRECISION {
@@ -103,12 +105,135 @@ void wake(btRigidBody& partner) {
   partner.applyGravity();
 }
 
+// --- points of other bodies --------------------------------------------------------------------------------
+
+double radiusOf(const PointMass& point) { return double(point.owner()->masses.shape->getRadius()); }
+
+/// m/s and m/s^2; what is asleep is not stepped.
+Eigen::Vector3d velocityOf(const PointMass& point) {
+  if (point.owner()->asleep) return Eigen::Vector3d::Zero();
+  return point.owner()->state.velocity.col(point.index());
+}
+
+Eigen::Vector3d accelerationOf(const PointMass& point) {
+  if (point.owner()->asleep) return Eigen::Vector3d::Zero();
+  return point.owner()->state.acceleration.col(point.index());
+}
+
+ContactPlace placeOf(const PointMass& point) {
+  ContactPlace place;
+  place.kind = point.owner()->asleep ? ContactPlace::Kind::World : ContactPlace::Kind::Soft;
+  place.body = point.owner()->index;
+  place.point[0] = point.index();
+  return place;
+}
+
+/// The contacts that a point makes with points of other bodies.
+class PairsOfPoints final : public btBroadphaseAabbCallback {
+ public:
+  PairsOfPoints(PointMass& point, double tick, TickContacts& found) : point_(&point), tick_(tick), found_(&found) {}
+
+  bool process(const btBroadphaseProxy* proxy) override {
+    const PointMass* other = PointMass::from(static_cast<btCollisionObject*>(proxy->m_clientObject));
+    const SoftBodyData &body = *point_->owner(), *theirs = other ? other->owner() : nullptr;
+    if (!theirs || theirs == &body || !theirs->alive) return true;
+    // the other body adds it
+    if (!theirs->asleep && theirs->index < body.index) return true;
+    if (canHit(body, *proxy) && canHit(body, *point_, *other)) addIfNear(*other);
+    return true;
+  }
+
+ private:
+  void addIfNear(const PointMass& other) {
+    const SoftBodyData& theirs = *other.owner();
+    const Eigen::Vector3d offset =
+        point_->owner()->state.position.col(point_->index()) - theirs.state.position.col(other.index());
+    const Eigen::Vector3d velocity = velocityOf(*point_) - velocityOf(other);
+    const double change = tick_ * tick_ * (accelerationOf(*point_) - accelerationOf(other)).norm();
+    const double reach = radiusOf(*point_) + radiusOf(other);
+    if (offset.norm() - reach > kReachPerMotion * (tick_ * velocity.norm() + change) + reach / 3.0) return;
+    const Eigen::Vector3d nearest = offsetWhenNearest(offset, velocity, tick_, reach);
+    if (nearest.norm() > 0.0) add(other, nearest.normalized(), offset, reach);
+  }
+
+  void add(const PointMass& other, const Eigen::Vector3d& normal, const Eigen::Vector3d& offset, double reach) {
+    SoftBodyData &body = *point_->owner(), &theirs = *other.owner();
+    PairContact c;
+    c.a = placeOf(*point_);
+    c.b = placeOf(other);
+    c.normal = normal;
+    c.gap = normal.dot(offset) - reach;
+    c.spheres = theirs.asleep ? 0.0 : reach;
+    c.friction = double(gCalculateCombinedFrictionCallback(point_, &other));
+    c.restitution = double(gCalculateCombinedRestitutionCallback(point_, &other));
+    c.bounceThreshold = body.speeds.bounce;
+    c.recoverySpeed = theirs.asleep ? body.speeds.recovery : std::min(body.speeds.recovery, theirs.speeds.recovery);
+    ContactSource source;
+    source.body = &body;
+    source.other = &theirs;
+    source.partner = markOf(other);
+    source.key = point_->index();
+    found_->add(c, source);
+  }
+
+  PointMass* point_;
+  double tick_;
+  TickContacts* found_;
+};
+
+double larger(double a, double b) { return std::max(a, b); }
+
+struct FindsOthersPoints final : btBroadphaseAabbCallback {
+  explicit FindsOthersPoints(const SoftBodyData& b) : body(&b) {}
+  const SoftBodyData* body;
+  bool any = false;
+
+  bool process(const btBroadphaseProxy* proxy) override {
+    const PointMass* point = PointMass::from(static_cast<btCollisionObject*>(proxy->m_clientObject));
+    any = any || (point && point->owner() != body);
+    return true;
+  }
+};
+
+void findAround(SoftBodyData& body, const Eigen::Vector3d& low, const Eigen::Vector3d& high,
+                btBroadphaseAabbCallback& callback) {
+  body.world->getBroadphase()->aabbTest(toBullet(low), toBullet(high), callback);
+}
+
+void addPointPairs(SoftBodyData& body, double tick, double farthest, TickContacts& found) {
+  Eigen::AlignedBox3d box;
+  for (std::uint32_t i = 0; i < body.masses.bodies.size(); ++i) {
+    const Reach reach = reachOf(body, i, tick, farthest);
+    box.extend(reach.low).extend(reach.high);
+  }
+  FindsOthersPoints others(body);
+  findAround(body, box.min(), box.max(), others);
+  if (!others.any) return;
+  for (std::uint32_t i = 0; i < body.masses.bodies.size(); ++i) {
+    const Reach reach = reachOf(body, i, tick, farthest);
+    PairsOfPoints pairs(*body.masses.bodies[i], tick, found);
+    findAround(body, reach.low, reach.high, pairs);
+  }
+}
+
 }  // namespace
 
 void gatherPairs(SoftBodyData& body, btRigidBody& partner, btScalar tick, TickContacts& found) {
   wake(partner);
   for (std::uint32_t i = 0; i < body.masses.bodies.size(); ++i)
     addPairs(body, i, partner, double(tick), found);
+}
+
+void gatherPointPairs(const std::vector<TickGroup>& groups, btScalar tick, TickContacts& found) {
+  // whatever comes towards a point comes no farther
+  double farthest = 0.0;
+  for (const TickGroup& group : groups)
+    for (const SoftBodyData* body : group.bodies)
+      if (!group.asleep && !isSurfaceBody(*body))
+        farthest = std::accumulate(body->reach.begin(), body->reach.end(), farthest, larger);
+  for (const TickGroup& group : groups)
+    for (SoftBodyData* body : group.bodies)
+      if (!group.asleep && !isSurfaceBody(*body)) addPointPairs(*body, double(tick), farthest, found);
 }
 
 }  // namespace LIMBER_BULLET_PRECISION

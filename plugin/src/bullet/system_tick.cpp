@@ -103,6 +103,7 @@ void SoftBodySystem::Impl::WorldStep::gatherGroups(btScalar tick) {
   for (TickGroup& group : groups)
     if (!group.asleep)
       for (SoftBodyData* body : group.bodies) gatherPartners(*body, tick);
+  gatherPointPairs(groups, tick, pairs);
   profile.rigidParts = rigidSurfaces.size();
   gatherClusters(tick);
   for (TickGroup& group : groups)

@@ -153,7 +153,7 @@ void stepLinked(StepGroup& group, double tick, int substeps) {
     searchAgain(group, s, substeps, dt);
     kick(group, 0.5 * dt);
     stopAtContacts(group, s * dt, dt);
-    followHeld(group.pairs);
+    followContacts(group.pairs, dt);
     stopPairs(group.pairs, group.links, dt, tick);
     movePairs(group.pairs, dt);
     drift(group, dt);
@@ -161,7 +161,7 @@ void stepLinked(StepGroup& group, double tick, int substeps) {
     kick(group, 0.5 * dt);
     // first anchors and contacts: a damper must not see a point kicked away from what holds it
     settleContacts(group);
-    followHeld(group.pairs);
+    followContacts(group.pairs, 0.0);
     settlePairs(group.pairs, group.links);
     // the half dampings of neighbouring substeps act at the same positions and merge into one
     damp(group, dt, !last, s % 2 == 0);

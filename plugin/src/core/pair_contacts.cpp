@@ -195,6 +195,21 @@ void followCorners(PairRows& rows, std::size_t number) {
   moveRowTo(rows, number, normal, normal.dot(f.away) - held.reach, f.weights.data());
 }
 
+/// Points that pass each other must not be held back by the plane between where they are now.
+void followSpheres(PairRows& rows, std::size_t number, double dt) {
+  PairRow& row = rows.rows[number];
+  const double reach = rows.contacts[number].spheres;
+  const std::uint32_t a = row.firstPoint, b = row.firstOfB;
+  const Vector3d offset = ConstMap(rows.levers[a].position) - ConstMap(rows.levers[b].position);
+  const Vector3d velocity = ConstMap(rows.points[a].velocity) - ConstMap(rows.points[b].velocity);
+  const Vector3d nearest = offsetWhenNearest(offset, velocity, dt, reach);
+  const double length = nearest.norm();
+  if (!(length > 0.0)) return setAway(row);
+  const Vector3d normal = nearest / length;
+  const double weights[] = {1.0, -1.0};
+  moveRowTo(rows, number, normal, normal.dot(offset) - reach, weights);
+}
+
 void prepareJoint(JointRow& j, const LinkedBodies& bodies) {
   const auto share = [&](std::uint32_t body, const Vector3d& linear, const Vector3d& angular) {
     if (body == JointRow::kHeld) return 0.0;
@@ -247,7 +262,16 @@ void preparePairs(PairRows& rows, LinkedBodies& bodies, const std::vector<PointV
   for (JointRow& j : rows.joints) prepareJoint(j, bodies);
 }
 
-void followHeld(PairRows& rows) {
+Eigen::Vector3d offsetWhenNearest(const Vector3d& offset, const Vector3d& velocity, double dt, double reach) {
+  // |offset + t velocity| = reach, or its least
+  const double a = velocity.squaredNorm(), b = offset.dot(velocity), c = offset.squaredNorm() - reach * reach;
+  if (c <= 0.0 || b >= 0.0) return offset;
+  const double root = b * b - a * c;
+  const double time = root > 0.0 ? c / (std::sqrt(root) - b) : -b / a;
+  return offset + std::min(time, dt) * velocity;
+}
+
+void followContacts(PairRows& rows, double dt) {
   for (std::size_t i = 0; i < rows.contacts.size(); ++i)
     if (rows.contacts[i].ended)
       continue;
@@ -255,6 +279,8 @@ void followHeld(PairRows& rows) {
       followRow(rows, i);
     else if (rows.contacts[i].corners.count > 0)
       followCorners(rows, i);
+    else if (rows.contacts[i].spheres > 0.0)
+      followSpheres(rows, i, dt);
 }
 
 void movePairs(PairRows& rows, double dt) {

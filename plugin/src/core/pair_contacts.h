@@ -49,6 +49,7 @@ struct PairContact {
   Bearing stopping, settling;        ///< of the present substep; to begin with, a guess
   const ContactRow* held = nullptr;  ///< of a point on a surface at rest: the row that follows it
   HeldCorners corners;               ///< of an edge or triangle: what it slides over
+  double spheres = 0.0;              ///< m, of two point masses: both radii; the contact follows them
   bool ended = false;                ///< no longer there, but what it bore in this tick still is
 
   // Written by the step.
@@ -154,8 +155,14 @@ void preparePairs(PairRows& rows, LinkedBodies& bodies, const std::vector<PointV
 /// Makes the row's masses those that belong to speeds per impulse (1/kg), along, across and across both.
 void setMobility(PairRow& row, const Eigen::Matrix3d& mobility);
 
-/// Makes contacts on what is at rest those of where the soft bodies are now.
-void followHeld(PairRows& rows);
+/// Where one sphere is relative to another when they touch on a straight way of dt seconds, or else when they are
+/// nearest; m and m/s, `reach` is the sum of their radii. Now, if they overlap.
+Eigen::Vector3d offsetWhenNearest(const Eigen::Vector3d& offset, const Eigen::Vector3d& velocity, double dt,
+                                  double reach);
+
+/// Makes contacts on what is at rest, and those of point masses with each other, those of where the soft bodies are
+/// now, before a drift of dt seconds.
+void followContacts(PairRows& rows, double dt);
 
 /// After a drift of dt seconds: the gaps as they are now.
 void movePairs(PairRows& rows, double dt);

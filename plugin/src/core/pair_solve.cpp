@@ -103,7 +103,7 @@ void aim(const PairRows& rows, const PairContact& c, PairRow& row, double dt, do
   const double approach = -speedAlong(rows, row);
   if (!(row.gap < approach * dt)) return;
   // where the surface is followed its normal is another one now
-  const double before = c.held || c.corners.count > 0 ? approach : -row.settled;
+  const double before = c.held || c.corners.count > 0 || c.spheres > 0.0 ? approach : -row.settled;
   const Bounce bounce = bounceOf(row.gap, approach, before, c.restitution, c.bounceThreshold, dt);
   if (bounce.rests) return;
   row.softness = 0.0;
