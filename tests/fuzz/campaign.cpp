@@ -12,6 +12,9 @@
 #include <csignal>
 #include <cstdio>
 #include <cstdlib>
+#if defined(__SANITIZE_ADDRESS__)
+#include <sanitizer/lsan_interface.h>
+#endif
 
 namespace limber::fuzz {
 namespace {
@@ -38,11 +41,21 @@ void limitProcessorTime(double seconds) {
 
 const char* const kVerdictMark = "\n=verdict=";
 
+/// Whether anything is lost, of which the sanitizer then tells; false where there is none.
+bool leaks() {
+#if defined(__SANITIZE_ADDRESS__)
+  return __lsan_do_recoverable_leak_check() != 0;
+#else
+  return false;
+#endif
+}
+
 [[noreturn]] void playInChild(const Story& story, int pipe, const Effort& effort) {
   limitProcessorTime(effort.seconds);
   dup2(pipe, STDERR_FILENO);
   dup2(pipe, STDOUT_FILENO);
-  const std::optional<Failure> failure = checkStory(story, effort.once);
+  const std::optional<Failure> failure = checkStory(story, effort.laws);
+  if (leaks()) std::abort();
   std::string text = kVerdictMark;
   if (failure) text += failure->law + "\n" + failure->detail;
   if (write(pipe, text.data(), text.size()) < 0) std::abort();
@@ -135,7 +148,7 @@ void judge(const std::vector<Story>& stories, const Effort& effort,
 
 Verdict judge(const Story& story, const Effort& effort) {
   Verdict verdict;
-  judge({story}, {1, effort.seconds, effort.once}, [&](std::size_t, const Verdict& told) { verdict = told; });
+  judge({story}, {1, effort.seconds, effort.laws}, [&](std::size_t, const Verdict& told) { verdict = told; });
   return verdict;
 }
 

@@ -20,7 +20,7 @@ struct Verdict {
 struct Effort {
   int jobs = 1;           ///< processes at a time
   double seconds = 60.0;  ///< of a processor's time
-  bool once = false;      ///< it is played once: the laws that compare runs are left out
+  Lawbook laws;
 };
 
 /// Plays stories in child processes and calls `told` with each one's index and verdict as they end, here.

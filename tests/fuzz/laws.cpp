@@ -122,11 +122,11 @@ bool startsClear(const Story& story, const Frame& start) {
 }
 
 /// Closed and gentle stories have no source of energy.
-std::optional<Failure> checkClosed(const Story& story, const Run& run, const Run& twin) {
+std::optional<Failure> checkClosed(const Story& story, const Run& run, const Run& twin, const Lawbook& laws) {
   if (!startsClear(story, run.frames.front())) return {};
   if (auto failure = checkFloor(story, run)) return failure;
   if (auto failure = checkEnergy(story, run, twin)) return failure;
-  if (story.first(Kind::World).choice("promise") == "gentle") return checkInvariance(story, run);
+  if (story.first(Kind::World).choice("promise") == "gentle") return checkInvariance(story, run, laws);
   return {};
 }
 
@@ -137,7 +137,7 @@ void prepare(const Story& story) {
     if (s.kind == Kind::Soft) networkNamed(s.choice("network"));
 }
 
-std::optional<Failure> checkStory(const Story& story, bool once) {
+std::optional<Failure> checkStory(const Story& story, const Lawbook& laws) {
   const Run run = play(story);
   PlayOptions withoutSoft;
   withoutSoft.softBodies = false;
@@ -148,13 +148,13 @@ std::optional<Failure> checkStory(const Story& story, bool once) {
     return run.failure;
   }
   const bool wild = story.first(Kind::World).choice("promise") == "wild";
-  if (once) return wild || !startsClear(story, run.frames.front()) ? std::nullopt : checkFloor(story, run);
+  if (laws.once) return wild || !startsClear(story, run.frames.front()) ? std::nullopt : checkFloor(story, run);
   if (auto failure = checkRepeats(story, run)) return failure;
   const Run twin = play(story, withoutSoft);
   if (twin.failure) return {};
   if (!actsFromAfar(story))
     if (auto failure = checkTwin(run, twin)) return failure;
-  return wild ? std::nullopt : checkClosed(story, run, twin);
+  return wild ? std::nullopt : checkClosed(story, run, twin, laws);
 }
 
 }  // namespace limber::fuzz

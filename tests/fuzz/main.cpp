@@ -10,7 +10,7 @@
 #include <sstream>
 
 #if defined(__SANITIZE_ADDRESS__)
-extern "C" const char* __asan_default_options() { return "halt_on_error=1:detect_leaks=0"; }
+extern "C" const char* __asan_default_options() { return "halt_on_error=1:detect_leaks=1"; }
 extern "C" const char* __ubsan_default_options() { return "halt_on_error=1:print_stacktrace=1"; }
 #endif
 
@@ -22,7 +22,7 @@ using namespace limber::fuzz;
 const char* const kTestedSeeds = "1..48";
 
 struct Options {
-  std::string seeds, replay, out;
+  std::string seeds, replay, out, frames;
   bool shrinks = false, prints = false, here = false, traces = false;
   Effort effort;
 };
@@ -83,7 +83,8 @@ int runStory(const Options& options, const Story& story) {
   if (options.traces) trace(story);
   if (options.here) {
     prepare(story);
-    const auto failure = checkStory(story, options.effort.once);
+    const auto failure = checkStory(story, options.effort.laws);
+    if (!options.frames.empty()) writeFrames(play(story), options.frames);
     std::printf("%s\n", failure ? (failure->law + ": " + failure->detail).c_str() : "all laws hold");
     return failure ? 1 : 0;
   }
@@ -102,7 +103,9 @@ int main(int count, char** words) {
   app.add_option("--replay", options.replay, "a file with a story");
   app.add_option("--jobs", options.effort.jobs, "processes at a time");
   app.add_option("--seconds", options.effort.seconds, "processor time that a story may take");
-  app.add_flag("--once", options.effort.once, "plays it once, for sanitizers: nothing is compared with other runs");
+  app.add_flag("--once", options.effort.laws.once, "plays it once, for sanitizers: nothing is compared with other runs");
+  app.add_option("--beside", options.effort.laws.beside, "a limber_fuzz of another precision, which must play it alike");
+  app.add_option("--frames", options.frames, "file for the points of a story that is played --here");
   app.add_option("--out", options.out, "folder for shrunken stories");
   app.add_flag("--shrink", options.shrinks, "shrinks what fails");
   app.add_flag("--print", options.prints, "prints the story");

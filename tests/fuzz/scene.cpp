@@ -144,7 +144,7 @@ void WorldPlayer::addFloor(const Step& s) {
   const btMatrix3x3 turn(rotationOf(s.vec("rotation")));
   int id = s.id;
   Step rigid(Kind::Rigid);
-  rigid.choose("motion", "static").set("friction", s["friction"]).set("restitution", s["restitution"]);
+  rigid.choose("motion", s.choice("motion")).set("friction", s["friction"]).set("restitution", s["restitution"]);
   rigid.set("rotation", s.vec("rotation"));
   for (FloorPiece& piece : pieces) {
     const Vector3d position = s.vec("position") + fromBt(turn * toBt(piece.position));

@@ -59,6 +59,7 @@ std::vector<KindInfo> sceneKinds() {
         number("sub-steps"), number("jitter")}},
       {"floor",
        {choice("kind", "plane box mesh height-field boxes compound hulls scaled-mesh gimpact"),
+        choice("motion", "static kinematic"),
         place("position"), number("cell", 1, kLength), number("extent", 6, kLength), rotation("rotation"), number("friction", 0.5),
         number("restitution")}},
       {"rigid",
