@@ -9,7 +9,6 @@
 #include "bullet/surface_body.h"
 
 #include <algorithm>
-#include <numeric>
 
 namespace limber {
 inline namespace LIMBER_BULLET_PRECISION {
@@ -181,8 +180,6 @@ class PairsOfPoints final : public btBroadphaseAabbCallback {
   TickContacts* found_;
 };
 
-double larger(double a, double b) { return std::max(a, b); }
-
 struct FindsOthersPoints final : btBroadphaseAabbCallback {
   explicit FindsOthersPoints(const SoftBodyData& b) : body(&b) {}
   const SoftBodyData* body;
@@ -230,7 +227,7 @@ void gatherPointPairs(const std::vector<TickGroup>& groups, btScalar tick, TickC
   for (const TickGroup& group : groups)
     for (const SoftBodyData* body : group.bodies)
       if (!group.asleep && !isSurfaceBody(*body))
-        farthest = std::accumulate(body->reach.begin(), body->reach.end(), farthest, larger);
+        for (const double reach : body->reach) farthest = std::max(farthest, reach);
   for (const TickGroup& group : groups)
     for (SoftBodyData* body : group.bodies)
       if (!group.asleep && !isSurfaceBody(*body)) addPointPairs(*body, double(tick), farthest, found);
