@@ -185,10 +185,9 @@ void prepareContacts(std::vector<ContactRow>& rows, const PointView& points) {
 
 Bounce bounceOf(double gap, double approach, double before, double restitution, double slow, double dt) {
   const double way = std::max(gap, 0.0);
-  double kick = approach - before, squared = before * before + 4.0 * kick * way / dt;
-  // what pulls it back would have turned it round already
-  if (!(squared > 0.0)) kick = 0.0, squared = approach * approach;
-  const double pressing = 2.0 * kick / dt, impact = std::sqrt(squared);
+  const double kick = approach - before, pressing = 2.0 * kick / dt;
+  // below 0 by rounding alone: it gets there within the substep
+  const double impact = std::sqrt(std::max(0.0, before * before + 2.0 * pressing * way));
   double speed = restitution * impact;
   double rest = dt - (way > 0.0 ? std::min(dt, 2.0 * way / (approach - kick + impact)) : 0.0);
   if (!(impact > slow)) return {};
