@@ -191,6 +191,22 @@ TEST(SurfaceContacts, ropesTouchAcrossAndEndToEnd) {
   EXPECT_NEAR(found[0].gap, 0.002, kRounding);
 }
 
+/// On which side either is of the other, rounding alone tells where they are. Their motion tells it.
+TEST(SurfaceContacts, ropesThatCrossInOnePlacePartAgainstTheirMotion) {
+  for (const double off : {-1e-16, 0.0, 1e-16}) {
+    MovingShape a = test::ropeShape(1, 1.0, 0.02), b = test::ropeShape(1, 1.0, 0.02);
+    a.position.colwise() -= Vector3d(0.5, -off, 0);
+    b.position.col(0) = Vector3d(0.1, 0, -0.5);
+    b.position.col(1) = Vector3d(0.1, 0, 0.5);
+    for (const double up : {-1e-3, 1e-3}) {
+      a.setMotion(Vector3d(0, up, 0));
+      const auto found = test::contactsOf(a, b, test::kMargin);
+      ASSERT_EQ(found.size(), 1u);
+      EXPECT_NEAR(found[0].normal.y(), up > 0.0 ? -1.0 : 1.0, 1e-9) << off << ", " << up;
+    }
+  }
+}
+
 TEST(SurfaceContacts, ropeHangsOverTheEdgeOfABox) {
   MovingShape rope = test::ropeShape(1, 1.0, kRadius), box = test::boxShape(Vector3d::Ones(), 0.0, true);
   rope.move(Translation3d(0.5, 0.5, 0.1) * Affine3d(AngleAxisd(-0.25 * M_PI, Vector3d::UnitZ())) *

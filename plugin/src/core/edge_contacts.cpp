@@ -180,7 +180,7 @@ void meetEdges(const SurfacePair& pair, std::uint32_t ea, std::uint32_t eb, Cont
   const Vector3d alongA = alongOf(a, places.time), alongB = alongOf(b, places.time);
   if (areParallel(alongA, alongB)) return;
   Vector3d normal = alongA.cross(alongB).normalized();
-  if (normal.dot(places.away) < 0.0) normal = -normal;
+  if (normal.dot(directionBetween(places, a, b)) < 0.0) normal = -normal;
   const bool apart = areApart(pair, ea, eb, places.time, normal);
   if (!apart && !havePassed(pair, ea, eb, places, normal)) return;
   ContactCandidate candidate;
