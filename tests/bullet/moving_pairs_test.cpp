@@ -200,7 +200,8 @@ TEST(SystemsOfOneWorld, bodiesOfTwoMeetAsThoseOfOneDo) {
     two.bullet.tick();
     for (std::size_t c : {0u, 1u}) ASSERT_EQ(one.cubes[c]->stateHash(), two.cubes[c]->stateHash()) << i;
   }
-  EXPECT_GT(two.apart(), 1.0);
+  // points alone pass between each other
+  EXPECT_EQ(two.apart() > 1.0, test::kSurface);
   EXPECT_LT((momentumOf(*two.cubes[0]) + momentumOf(*two.cubes[1])).norm(), 1e-12) << "doubles of 3 N s";
 }
 

@@ -73,6 +73,39 @@ TEST_P(TiledFloor, motionOnTilesIsThatOnOnePlane) {
   }
 }
 
+/// Bullet meets a tile for the first time when a point gets onto it, and would brake that at the rounded edge.
+TEST_P(TiledFloor, pointsInTheWorldSlideOverItBesideOthers) {
+  BulletWorld bullet;
+  test::addTiledFloor(bullet, GetParam(), 0.0);
+  SoftBodySystem system(*bullet.world);
+  // 0.1 m in a tick: it then has corners 13 mm past the edges of tiles, which are rounded by 40 mm
+  SoftBodySettings s = onFloor(0.5 + kRadius, 0.0, 1.5);
+  s.collision = Collision::Points;
+  SoftBody* cube = *system.createBody(test::closedCubeNetwork(), s);
+  s.position.z() += 1.1;
+  ASSERT_TRUE(system.createBody(test::closedCubeNetwork(), s));
+  bullet.addBox(test::vec(0.2, 0.2, 0.2), 0.1, test::vec(0.013, 0.6, -0.74))->setLinearVelocity(test::vec(1.5, 0, 0));
+  for (int i = 0; i < 10; ++i) bullet.tick(1.0 / 15.0);
+  EXPECT_NEAR(velocityOf(*cube).x(), 1.5, 1.5e-3);
+}
+
+/// What pushes them is solved together with what bears them.
+TEST_P(TiledFloor, pointsInTheWorldAreNotPushedThroughIt) {
+  BulletWorld bullet;
+  test::addTiledFloor(bullet, GetParam(), 0.0);
+  SoftBodySystem system(*bullet.world);
+  SoftBodySettings s = onFloor(kRadius, 0.0, 0.0);
+  s.collision = Collision::Points;
+  SoftBody* below = *system.createBody(test::pairNetwork(), s);
+  s.position.y() = 0.3;
+  s.linearVelocity.y() = -10.0;
+  ASSERT_TRUE(system.createBody(test::pairNetwork(), s));
+  for (int i = 0; i < 10; ++i) {
+    bullet.tick();
+    EXPECT_GT(highestBottom(*below, 0.0), -0.1 * kRadius) << i;
+  }
+}
+
 TEST_P(TiledFloor, aCubeSlidesDownASlopeAgainstFriction) {
   const double slope = M_PI / 6, friction = 0.2;
   BulletWorld bullet;

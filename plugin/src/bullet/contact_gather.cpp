@@ -428,7 +428,7 @@ void gatherContacts(SoftBodyData& body, btScalar tick) {
   if (surface && fliesFreely(body, double(tick))) return;
   const Eigen::AlignedBox3d box = reachBox(body, double(tick));
   if (!surface || !partnersCover(body, box)) askForPartners(body, box);
-  if (!surface && body.freePartners.empty()) leavePointsToRows(body);
+  if (!surface) leavePointsToRows(body);
   if (surface && body.partners.empty()) return;
   for (const btCollisionObject* partner : body.partners) notePartner(body, *partner);
   body.watch->on = body.settings.continuousCollision && !body.partners.empty();
