@@ -29,6 +29,18 @@ TEST(SelfContacts, noneAtRest) {
   EXPECT_TRUE(selfContacts(thick, 0.001).empty());
 }
 
+/// The diagonals of a square, also where its corners have moved so that they cross elsewhere.
+TEST(SelfContacts, springsThatCrossAtRestDoNotTouch) {
+  Points square(3, 4);
+  square << 0, 1, 1, 0, 0, 0, 0, 0, 0, 0, 1, 1;
+  SurfaceFeatures diagonals;
+  diagonals.segments = {{0, 2}, {1, 3}};
+  MovingShape shape = test::makeShape(square, diagonals, 0.01);
+  EXPECT_TRUE(selfContacts(shape, 0.003).empty());
+  shape.position.col(2) = Vector3d(0.7, 0, 0.7);
+  EXPECT_TRUE(selfContacts(shape, 0.003).empty());
+}
+
 /// A cloth folded over: every point of the upper half rests on the lower one.
 TEST(SelfContacts, foldedClothLiesOnItself) {
   MovingShape cloth = test::clothShape(10, 0.05, 0.01);

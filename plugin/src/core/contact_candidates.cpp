@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Zlib
 #include "core/contact_candidates.h"
 
+#include "core/closest_points.h"
+
 #include <algorithm>
 
 namespace limber {
@@ -35,9 +37,24 @@ bool shareVertex(const SurfacePlace& a, const SurfacePlace& b) {
   });
 }
 
+/// m, of a vertex or edge from a vertex, an edge or, of a vertex, a triangle.
+double distanceAtRest(const Points& rest, const SurfacePlace& a, const SurfacePlace& b) {
+  if (a.kind == FeatureKind::OnTriangle) return distanceAtRest(rest, b, a);
+  const auto corner = [&](const SurfacePlace& place, std::size_t i) { return Vector3d(rest.col(place.points[i])); };
+  if (b.kind == FeatureKind::OnTriangle) {
+    const Vector3d weights = nearestBarycentric({corner(b, 0), corner(b, 1), corner(b, 2)}, corner(a, 0));
+    return (weights[0] * corner(b, 0) + weights[1] * corner(b, 1) + weights[2] * corner(b, 2) - corner(a, 0)).norm();
+  }
+  // an edge without length is a vertex
+  const SegmentPair along = nearestOnSegments(corner(a, 0), corner(a, 1), corner(b, 0), corner(b, 1));
+  return (corner(a, 0) + along.a * (corner(a, 1) - corner(a, 0)) - corner(b, 0) -
+          along.b * (corner(b, 1) - corner(b, 0)))
+      .norm();
+}
+
+/// Wherever on them: braces that cross at rest lie in each other for ever, also where they are sheared.
 bool areCloseAtRest(const SurfacePair& pair, const SurfacePlace& a, const SurfacePlace& b) {
-  const MovingSurface resting{pair.a.topology, &pair.a.topology->rest, pair.a.motion, pair.a.radius, nullptr};
-  return (positionOf(resting, a, 0.0) - positionOf(resting, b, 0.0)).norm() <= pair.reach() + pair.margin;
+  return distanceAtRest(pair.a.topology->rest, a, b) <= pair.reach() + pair.margin;
 }
 
 }  // namespace
