@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Zlib
 // Ropes and cloths touch themselves.
+#include "support/bullet_measures.h"
 #include "support/bullet_world.h"
 #include "support/networks.h"
 #include "support/tested_way.h"
@@ -150,6 +151,29 @@ TEST(SurfaceOnItself, aChainThatFallsOnItsEndDoesNotSinkIntoTheFloor) {
     for (std::uint32_t i = 0; i < chain->pointCount(); ++i) lowest = std::min(lowest, chain->position(i).y());
   }
   EXPECT_GT(lowest, 0.8 * double(chain->point(0)->getCollisionShape()->getMargin()));
+}
+
+/// Falls on its end and crumples: which of its segments touch changes many times in a tick.
+TEST(SurfaceOnItself, aChainCrumplesAlikeInHalfTicks) {
+  const double seconds = 31.0 / 60.0;
+  const auto crumpled = [&](double tick) {
+    BulletWorld bullet(-10.0);
+    bullet.addPlaneFloor()->setFriction(0.5);
+    SoftBodySystem system(*bullet.world);
+    SoftBodySettings s = test::testedSettings();
+    s.position = {0, 2, 0};
+    s.linearVelocity = {0, 0, 0.7};
+    s.extensionStiffness = 1000.0;
+    s.compressionStiffness = 9730.0;
+    s.damping = 1.0;
+    s.totalMass = 1.0;
+    s.selfCollision = true;
+    s.stepping.periodTolerance = 2e-3;
+    SoftBody* chain = *system.createBody(test::chainNetwork(12), s);
+    bullet.simulate(seconds, tick);
+    return test::placesOf(*chain);
+  };
+  EXPECT_LT((crumpled(1.0 / 60.0) - crumpled(1.0 / 120.0)).cwiseAbs().maxCoeff(), 1e-3);
 }
 
 /// A box of half size 0.3 that stands on the floor, and a cloth that falls over it.

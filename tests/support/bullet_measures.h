@@ -28,4 +28,11 @@ inline double lowest(const SoftBody& body) {
   return y;
 }
 
+/// m, a column for each point.
+inline Eigen::Matrix3Xd placesOf(const SoftBody& body) {
+  Eigen::Matrix3Xd places(3, body.pointCount());
+  for (std::uint32_t i = 0; i < body.pointCount(); ++i) places.col(i) = body.position(i);
+  return places;
+}
+
 }  // namespace limber::test

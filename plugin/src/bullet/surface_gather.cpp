@@ -169,6 +169,8 @@ ContactSource sourceOf(const SurfaceMeeting& m, const SurfaceContact& c) {
   return source;
 }
 
+bool isSelf(const SurfaceMeeting& m) { return m.other == m.body; }
+
 /// Ends what was added to `found` since its meetings had a first contact.
 void endMeeting(SurfaceMeeting& m, TickContacts& found) {
   m.end = static_cast<std::uint32_t>(found.contacts.size());
@@ -420,14 +422,15 @@ void gatherSoft(SoftBodyData& body, SoftBodyData& other, double tick, SurfaceSea
 
 void gatherSelf(SoftBodyData& body, double tick, SurfaceSearch& s, TickContacts& found) {
   const MovingSurface& surface = boxedSurface(body, tick);
-  findSelfContacts(surface, kMargin * surface.radius, s.search, s.contacts);
+  SurfaceMeeting meeting{&body, &body};
+  meeting.first = static_cast<std::uint32_t>(found.contacts.size());
+  findSelfContacts(surface, margin(meeting), s.search, s.contacts);
   for (const SurfaceContact& c : s.contacts) {
-    PairContact pair = contactOf(body, frictionObject(body), c);
+    PairContact pair = contactOf(meeting, c);
     pair.b = softPlace(body, c.b);
-    ContactSource source = sourceOf(body, frictionObject(body), c.key);
-    source.other = &body;
-    found.add(pair, source);
+    found.add(pair, sourceOf(meeting, c));
   }
+  endMeeting(meeting, found);
 }
 
 // --- within a step -----------------------------------------------------------------------------------------
@@ -462,12 +465,15 @@ void findWithin(const SurfaceMeeting& m, const SidesWithin& sides, double ahead,
   s.sources.clear();
   s.contacts.clear();
   const MovingSurface& a = surfaceWithin(*m.body, *sides.a, ahead);
-  if (m.other)
+  if (m.other && !isSelf(m))
     surfaceWithin(*m.other, *sides.b, ahead);
-  else if (!m.held)
+  else if (m.partner)
     movePart(*m.part, m.partner->getWorldTransform(), *sides.rigid, ahead);
   const MovingSurface& b = surfaceB(m);
-  if (areNear(a, b, margin(m))) findSurfaceContacts(a, b, margin(m), s.search, s.contacts);
+  if (isSelf(m))
+    findSelfContacts(a, margin(m), s.search, s.contacts);
+  else if (areNear(a, b, margin(m)))
+    findSurfaceContacts(a, b, margin(m), s.search, s.contacts);
   for (const SurfaceContact& c : s.contacts) {
     if (m.held) {
       if (!isHeldContact(*m.body, *m.held, *m.heldPart, c, s)) continue;
