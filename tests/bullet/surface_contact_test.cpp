@@ -6,6 +6,7 @@
 #include "support/networks.h"
 #include "support/tested_way.h"
 
+#include <limber/network_builder.h>
 #include <limber/soft_body_system.h>
 
 #include <BulletCollision/CollisionShapes/btHeightfieldTerrainShape.h>
@@ -369,6 +370,32 @@ TEST(SurfaceContact, fastCubesDoNotPassThroughEachOther) {
     through += inside;
   }
   EXPECT_EQ(through, 0) << "of 40 at 40 m/s";
+}
+
+/// It lands corner first, and one side of it gets over the floor's edge within a tick: what it hits there is nothing
+/// that its motion at the start of the tick leads to.
+TEST(SurfaceContact, aClothSlidesOverAnEdgeAlikeInHalfTicks) {
+  const auto slid = [&](double tick) {
+    BulletWorld bullet;
+    bullet.addBox(vec(6, 1, 6), 0, vec(0, -1, 0))->setFriction(0.5);
+    SoftBodySystem system(*bullet.world);
+    SoftBodySettings s = test::testedSettings();
+    s.position = {-0.5, 1, 0};
+    const Vector3d turn(0.53, -0.734, -1.55);
+    s.rotation = Eigen::AngleAxisd(turn.norm(), turn.normalized());
+    s.linearVelocity = {-5.24, 3.94, 0};
+    s.extensionStiffness = s.compressionStiffness = 1000.0;
+    s.damping = 1.0;
+    s.totalMass = 8.35;
+    s.friction = 1.0;
+    s.stepping.periodTolerance = 2e-3;
+    ClothSettings shape;
+    shape.columns = shape.rows = 4;
+    SoftBody* cloth = *system.createBody(*buildCloth(shape), s);
+    bullet.simulate(31.0 / 30.0, tick);
+    return test::placesOf(*cloth);
+  };
+  EXPECT_LT((slid(1.0 / 30.0) - slid(1.0 / 60.0)).cwiseAbs().maxCoeff(), 1e-2);
 }
 
 }  // namespace

@@ -39,6 +39,11 @@ struct ClusterNodes {
   std::uint32_t ofRigid(std::uint32_t number) const {
     return number == JointRow::kHeld ? kNoPartner : groups + number;
   }
+  std::uint32_t of(const SoftBodyData& body) const { return groupOf[body.index]; }
+  std::uint32_t ofOther(const SurfaceMeeting& m, const TickContacts& found) const {
+    if (m.other) return of(*m.other);
+    return m.partner ? ofRigid(found.find(*m.partner)) : kNoPartner;
+  }
   std::uint32_t of(const PairContact& c) const { return of(c.a) != kNoPartner ? of(c.a) : of(c.b); }
   std::uint32_t of(const JointRow& j) const { return ofRigid(j.a) != kNoPartner ? ofRigid(j.a) : ofRigid(j.b); }
 };
@@ -52,6 +57,7 @@ void joinNodes(const std::vector<TickGroup>& groups, const TickContacts& found, 
       if (!groups[g].asleep && !rigid.held && found.find(*rigid.body) != kNoPartner)
         join(clusters, g, nodes.ofRigid(found.find(*rigid.body)));
   for (const PairContact& c : found.contacts) join(clusters, nodes.of(c.a), nodes.of(c.b));
+  for (const SurfaceMeeting& m : found.meetings) join(clusters, nodes.of(*m.body), nodes.ofOther(m, found));
   for (const JointRow& j : found.joints) join(clusters, nodes.ofRigid(j.a), nodes.ofRigid(j.b));
 }
 
@@ -220,7 +226,7 @@ void makeClusters(std::vector<TickGroup>& groups, TickContacts& found, btScalar 
     group.clustered = false;
     anchored = anchored || hasAnchorsAndRows(group);
   }
-  if (found.contacts.empty() && found.joints.empty() && !anchored) return;
+  if (found.contacts.empty() && found.joints.empty() && found.meetings.empty() && !anchored) return;
   numberBodies(groups, clusters);
   const ClusterNodes nodes{static_cast<std::uint32_t>(groups.size()), clusters.groupOf};
   joinNodes(groups, found, nodes, clusters);
@@ -228,6 +234,7 @@ void makeClusters(std::vector<TickGroup>& groups, TickContacts& found, btScalar 
   clusters.first.assign(clusters.parent.size(), kNoPartner);
   for (const PairContact& c : found.contacts) clusterOf(clusters, nodes.of(c));
   for (const JointRow& j : found.joints) clusterOf(clusters, nodes.of(j));
+  for (const SurfaceMeeting& m : found.meetings) clusterOf(clusters, nodes.of(*m.body));
   for (std::uint32_t g = 0; g < groups.size(); ++g)
     if (hasAnchorsAndRows(groups[g])) clusterOf(clusters, g);
   appendGroups(groups, found, nodes, clusters);

@@ -171,32 +171,11 @@ void limitEnergy(Cluster& cluster, const TickContacts& found, double before) {
 
 // --- contacts that are searched for within the tick --------------------------------------------------------
 
-/// Of the size of a surface's features: how far surfaces move against each other from one search to the next,
-/// and in one substep.
-constexpr double kMostBetweenSearches = 0.05, kMostInSubstep = 0.1;
+/// Of the size of a surface's features: how far surfaces move against each other in one substep.
+constexpr double kMostInSubstep = 0.1;
 
 /// Searches and substeps that fine meshes may cost even where their features are passed quickly.
 constexpr double kManySearches = 16.0, kManySubsteps = 64.0;
-
-double featureSize(const MovingSurface& surface) {
-  const double size = surface.topology->featureSize;
-  return size > 0.0 ? size : surface.radius;
-}
-
-double longestWay(const Points& motion, const Eigen::Vector3d& common) {
-  double most = 0.0;
-  for (Eigen::Index i = 0; i < motion.cols(); ++i)
-    most = std::max(most, (motion.col(i) - common).squaredNorm());
-  return std::sqrt(most);
-}
-
-/// The surfaces' motion against each other that is foreseen for the tick, in sizes of their features.
-double wayOf(const SurfaceMeeting& m) {
-  const MovingSurface &a = m.body->surface.moving, &b = surfaceB(m);
-  const Eigen::Vector3d common = 0.5 * (a.motion->rowwise().mean() + b.motion->rowwise().mean());
-  const double way = longestWay(*a.motion, common) + longestWay(*b.motion, common);
-  return way / std::min(featureSize(a), featureSize(b));
-}
 
 struct SearchContext {
   Cluster* cluster;
@@ -257,13 +236,20 @@ void searchWithin(void* context, StepGroup& group, double ahead) {
   }
 }
 
-/// Marks what moves. Returns the longest way, in sizes of features.
-double findMoving(Cluster& cluster) {
-  double most = 0.0;
+/// The longest ways, in sizes of features.
+struct LongestWays {
+  double all = 0.0;
+  double ofContacts = 0.0;  ///< where contacts are foreseen: what is only near must not change the substeps
+};
+
+/// Marks what moves.
+LongestWays findMoving(Cluster& cluster) {
+  LongestWays most;
   for (ClusterMeeting& m : cluster.meetings) {
     const double way = wayOf(*m.surfaces);
     m.moves = way > kMostBetweenSearches;
-    most = std::max(most, way);
+    most.all = std::max(most.all, way);
+    if (m.surfaces->end > m.surfaces->first) most.ofContacts = std::max(most.ofContacts, way);
   }
   return most;
 }
@@ -310,9 +296,10 @@ void stepCluster(Cluster& cluster, const TickContacts& found, double tick, Surfa
   for (const TickGroup* group : cluster.groups) substeps = std::max(substeps, group->substeps);
   SearchContext context{&cluster, &found, &search};
   cluster.step.again = PairSearch();
-  if (const double way = findMoving(cluster); way > kMostBetweenSearches) {
-    substeps = std::max(substeps, substepsFor(cluster, way));
-    const double searches = std::min(way / kMostBetweenSearches, std::max(kManySearches, way / kMostInSubstep));
+  if (const LongestWays way = findMoving(cluster); way.all > kMostBetweenSearches) {
+    if (way.ofContacts > kMostBetweenSearches) substeps = std::max(substeps, substepsFor(cluster, way.ofContacts));
+    const double searches =
+        std::min(way.all / kMostBetweenSearches, std::max(kManySearches, way.all / kMostInSubstep));
     cluster.step.again = {std::max(1, static_cast<int>(substeps / searches)), &context, searchWithin};
   }
   for (TickGroup* group : cluster.groups) group->substeps = substeps;

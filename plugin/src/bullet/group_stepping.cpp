@@ -111,7 +111,7 @@ SteppingProblem problemOf(TickGroup& group, double tick) {
     p.narrow = body->narrow;
     p.cheapNewton = body->cheapNewton;
   }
-  p.implicitPossible = !group.clustered && isPlain(group.step) && canStepImplicitly(group.step.bodies[0]);
+  p.implicitPossible = isPlain(group.step) && canStepImplicitly(group.step.bodies[0]);
   return p;
 }
 
@@ -244,7 +244,13 @@ void endGuard(TickGroup& group, double tick) {
 
 void chooseStepping(TickGroup& group, double tick) {
   group.stepping = strictest(group);
-  setChoice(group, limber::chooseStepping(problemOf(group, tick), group.stepping));
+  SteppingProblem problem = problemOf(group, tick);
+  setChoice(group, limber::chooseStepping(problem, group.stepping));
+  for (SoftBodyData* body : group.bodies) body->prefersImplicit = group.stepper != Stepper::Verlet;
+  if (group.clustered && group.stepper != Stepper::Verlet) {
+    problem.implicitPossible = false;
+    setChoice(group, limber::chooseStepping(problem, group.stepping));
+  }
   startGuard(group, tick);
   // what else moves the body may throw it farther than was foreseen for it alone
   const bool together = group.clustered || !isPlain(group.step);

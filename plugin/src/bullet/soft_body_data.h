@@ -132,6 +132,7 @@ struct SoftBodyData {
   double size = 0.0;           ///< m, diagonal of the box around it at rest
   bool narrow = false;         ///< see SteppingProblem
   bool cheapNewton = false;    ///< see SteppingProblem
+  bool prefersImplicit = false;  ///< in the last tick, whatever else moved with it
   QuadArrays quads;            ///< empty unless it is stepped so
   ImplicitState implicit;      ///< empty unless it is stepped so
   std::vector<float> skinned;  ///< 3 x #points, scratch of a body with a skin

@@ -77,7 +77,8 @@ struct SurfaceData {
   Points within;                                    ///< 3 x #points, m, where they are within a step
   SurfaceBoxes boxes;
   MovingSurface moving;               ///< a view of the above
-  bool foreseen = false;              ///< `motion` is that of this tick
+  double impact = 0.0;                ///< m in the tick, towards static and kinematic objects that stop it
+  bool foreseen = false;              ///< `motion` and `impact` are those of this tick
   bool fitted = false;                ///< and so are `boxes`
   std::vector<KeptSearch> searches;  ///< with what was near in the last tick
   std::deque<ConcavePatch> patches;  ///< of concave partners; views into a patch last as long as it does

@@ -26,12 +26,21 @@ constexpr double kSagging = 0.5;
 /// Cosine between the normals of a contact and of those of the corners that bear for it.
 constexpr double kSameSide = 0.9;
 
+/// m, the most that a point moves in the tick towards what its rows are of.
+double impactOf(const SoftBodyData& body, double tick) {
+  double most = 0.0;
+  for (const ContactRow& row : body.contacts)
+    most = std::max(most, -tick * row.normal.dot(body.state.velocity.col(row.point) - row.surfaceVelocity));
+  return most;
+}
+
 const MovingSurface& movingSurface(SoftBodyData& body, double tick) {
   SurfaceData& s = body.surface;
   if (!s.foreseen) {
     s.motion = tick * body.state.velocity + tick * tick * body.state.acceleration;
     s.moving = {s.topology.get(), &body.state.position, &s.motion, double(body.masses.shape->getRadius()),
                 &s.boxes};
+    s.impact = impactOf(body, tick);
     s.foreseen = true;
   }
   return s.moving;
@@ -169,12 +178,51 @@ ContactSource sourceOf(const SurfaceMeeting& m, const SurfaceContact& c) {
   return source;
 }
 
+double featureSize(const MovingSurface& surface) {
+  const double size = surface.topology->featureSize;
+  return size > 0.0 ? size : surface.radius;
+}
+
+double smallerFeatures(const SurfaceMeeting& m) {
+  return std::min(featureSize(m.body->surface.moving), featureSize(surfaceB(m)));
+}
+
+double longestWay(const Points& motion, const Vector3d& common) {
+  return std::sqrt((motion.colwise() - common).colwise().squaredNorm().maxCoeff());
+}
+
 bool isSelf(const SurfaceMeeting& m) { return m.other == m.body; }
 
+/// What steps together with others has neither implicit steppers nor a tick that is done again where its error is too
+/// large: what asks for one of these must not lose it to what is only near.
+bool isSearchedIn(const SoftBodyData& body) {
+  const Stepping& s = body.settings.stepping;
+  const bool asksForError = s.tolerance > 0.0 || s.relativeTolerance > 0.0;
+  return body.settings.continuousCollision && !body.prefersImplicit && !asksForError;
+}
+
+/// Whether hits and springs may bring together in the tick what nobody foresees to touch, and that is to be found.
+bool mayMeet(const SurfaceMeeting& m, double tick, SurfaceSearch& s) {
+  if (!isSearchedIn(*m.body) || (m.other && !isSearchedIn(*m.other))) return false;
+  const double way = wayOf(m);
+  if (!(way > kMostBetweenSearches)) return false;
+  const MovingSurface& a = boxedSurface(*m.body, tick);
+  if (m.other) boxedSurface(*m.other, tick);
+  const double farther = way * smallerFeatures(m);
+  if (isSelf(m)) {
+    findSelfContacts(a, margin(m), s.search, s.contacts, farther);
+    return !s.contacts.empty();
+  }
+  findNearLeaves(a, surfaceB(m), margin(m) + farther, s.search.waiting, s.search.near);
+  return !s.search.near.empty();
+}
+
 /// Ends what was added to `found` since its meetings had a first contact.
-void endMeeting(SurfaceMeeting& m, TickContacts& found) {
+void endMeeting(SurfaceMeeting& m, double tick, SurfaceSearch& s, TickContacts& found) {
   m.end = static_cast<std::uint32_t>(found.contacts.size());
-  if (m.end > m.first) found.meetings.push_back(m);
+  if (m.end == m.first && !mayMeet(m, tick, s)) return;
+  if (m.partner) found.add(*m.partner);
+  found.meetings.push_back(m);
 }
 
 void addFree(SoftBodyData& body, btRigidBody& partner, RigidPart& part, double tick, SurfaceSearch& s,
@@ -197,7 +245,7 @@ void addFree(SoftBodyData& body, btRigidBody& partner, RigidPart& part, double t
     pair.b = placeOn(found, partner, commonPlace(soft, part.moving, c));
     found.add(pair, sourceOf(meeting, c));
   }
-  if (isFree(partner)) endMeeting(meeting, found);
+  if (isFree(partner)) endMeeting(meeting, tick, s, found);
 }
 
 void gatherFree(SoftBodyData& body, btRigidBody& partner, double tick, RigidSurfaces& rigids,
@@ -368,7 +416,7 @@ void addHeld(SoftBodyData& body, const btCollisionObject& partner, const RigidPa
     if (moved) pair.b.velocity = velocityOf(partner, commonPlace(soft, part.moving, c), tick);
     found.add(pair, sourceOf(body, partner, keyOf(c, part)));
   }
-  if (!moved) endMeeting(meeting, found);
+  if (!moved) endMeeting(meeting, tick, s, found);
 }
 
 void gatherHeld(SoftBodyData& body, const btCollisionObject& partner, double tick, RigidSurfaces& rigids,
@@ -417,7 +465,7 @@ void gatherSoft(SoftBodyData& body, SoftBodyData& other, double tick, SurfaceSea
     pair.b = together ? softPlace(other, c.b) : strangePlace(other, c.b);
     found.add(pair, sourceOf(meeting, c));
   }
-  if (together) endMeeting(meeting, found);
+  if (together) endMeeting(meeting, tick, s, found);
 }
 
 void gatherSelf(SoftBodyData& body, double tick, SurfaceSearch& s, TickContacts& found) {
@@ -430,7 +478,7 @@ void gatherSelf(SoftBodyData& body, double tick, SurfaceSearch& s, TickContacts&
     pair.b = softPlace(body, c.b);
     found.add(pair, sourceOf(meeting, c));
   }
-  endMeeting(meeting, found);
+  endMeeting(meeting, tick, s, found);
 }
 
 // --- within a step -----------------------------------------------------------------------------------------
@@ -453,6 +501,14 @@ const MovingSurface& surfaceWithin(SoftBodyData& body, const PointView& points, 
 const MovingSurface& surfaceB(const SurfaceMeeting& m) {
   if (m.other) return m.other->surface.moving;
   return m.held ? m.heldPart->moving : m.part->moving;
+}
+
+double wayOf(const SurfaceMeeting& m) {
+  const MovingSurface &a = m.body->surface.moving, &b = surfaceB(m);
+  const Vector3d common = 0.5 * (a.motion->rowwise().mean() + b.motion->rowwise().mean());
+  const double way = longestWay(*a.motion, common) + longestWay(*b.motion, common);
+  const double stopped = m.body->surface.impact + (m.other ? m.other->surface.impact : 0.0);
+  return (way + stopped) / smallerFeatures(m);
 }
 
 double margin(const SurfaceMeeting& m) {

@@ -54,7 +54,7 @@ double distanceAtRest(const Points& rest, const SurfacePlace& a, const SurfacePl
 
 /// Wherever on them: braces that cross at rest lie in each other for ever, also where they are sheared.
 bool areCloseAtRest(const SurfacePair& pair, const SurfacePlace& a, const SurfacePlace& b) {
-  return distanceAtRest(pair.a.topology->rest, a, b) <= pair.reach() + pair.margin;
+  return distanceAtRest(pair.a.topology->rest, a, b) <= pair.reach() + pair.margin - pair.farther;
 }
 
 }  // namespace

@@ -8,8 +8,9 @@ namespace limber {
 /// Two surfaces whose contacts are looked for.
 struct SurfacePair {
   const MovingSurface &a, &b;
-  double margin;  ///< m
-  bool self;      ///< both are the same
+  double margin;   ///< m
+  bool self;       ///< both are the same
+  double farther;  ///< m, by which the margin is larger than the one that tells what is close at rest
 
   double reach() const { return a.radius + b.radius; }
 };

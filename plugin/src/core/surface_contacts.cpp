@@ -21,13 +21,13 @@ void searchNear(const SurfacePair& pair, ContactSearch& search, std::vector<Surf
 void findSurfaceContacts(const MovingSurface& a, const MovingSurface& b, double margin, ContactSearch& search,
                          std::vector<SurfaceContact>& found) {
   findNearLeaves(a, b, margin, search.waiting, search.near);
-  searchNear({a, b, margin, false}, search, found);
+  searchNear({a, b, margin, false, 0.0}, search, found);
 }
 
 void findSelfContacts(const MovingSurface& surface, double margin, ContactSearch& search,
-                      std::vector<SurfaceContact>& found) {
-  findNearLeaves(surface, margin, search.waiting, search.near);
-  searchNear({surface, surface, margin, true}, search, found);
+                      std::vector<SurfaceContact>& found, double farther) {
+  findNearLeaves(surface, margin + farther, search.waiting, search.near);
+  searchNear({surface, surface, margin + farther, true, farther}, search, found);
 }
 
 }  // namespace limber

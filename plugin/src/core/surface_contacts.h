@@ -71,8 +71,8 @@ void findSurfaceContacts(const MovingSurface& a, const MovingSurface& b, double 
                          std::vector<SurfaceContact>& found);
 
 /// Contacts of a surface with itself, but not between features that share a vertex or are no farther than
-/// both radii and the margin from each other at rest.
+/// both radii and the margin from each other at rest; and what is apart by up to `farther` (m) more.
 void findSelfContacts(const MovingSurface& surface, double margin, ContactSearch& search,
-                      std::vector<SurfaceContact>& found);
+                      std::vector<SurfaceContact>& found, double farther = 0.0);
 
 }  // namespace limber

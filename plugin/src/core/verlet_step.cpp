@@ -51,7 +51,7 @@ void stepVerlet(StepGroup& group, double tick, int substeps) {
     prepareDampers(*body.springs, body.points->inverseMass, tick / substeps);
     prepareVolumes(body, tick / substeps);
   }
-  if (isPlain(group))
+  if (isPlain(group) && group.again.every == 0)
     stepSingle(group.bodies[0], tick, substeps);
   else
     stepLinked(group, tick, substeps);
