@@ -50,6 +50,18 @@ TEST(SteppingChoice, goesImplicitForStiffBodiesInFreeMotion) {
   EXPECT_EQ(chooseStepping(stiff, Stepping()).stepper, Stepper::Verlet) << "impacts want fine substeps";
 }
 
+TEST(SteppingChoice, goesImplicitOnlyWhereThatIsCheaper) {
+  SteppingProblem stiff = freeBody(1e5);
+  Stepping s;
+  s.tolerance = 1.0;
+  EXPECT_EQ(chooseStepping(stiff, s).stepper, Stepper::ImplicitMidpoint);
+  stiff.errorPerSquare = 0.7 * std::pow(60 * 200, 2);  // the tolerance asks for 200 substeps, stability for 926
+  EXPECT_EQ(chooseStepping(stiff, s).stepper, Stepper::Verlet);
+  stiff.errorPerSquare = 0.0;
+  stiff.turnRate = 60.0 * 50;  // 0.25 rad in each of 200 substeps
+  EXPECT_EQ(chooseStepping(stiff, s).stepper, Stepper::Verlet);
+}
+
 TEST(SteppingChoice, neverGetsCoarserWhenMoreIsAskedFor) {
   for (const double frequency : {1e2, 1e3, 1e4, 3e4, 1e5, 1e6})
     for (const double damping : {0.0, 1e4, 1e8})

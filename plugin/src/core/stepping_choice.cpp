@@ -12,10 +12,9 @@ namespace {
 /// share still keeps the discrete oscillation away from the limit, where its amplitude grows without bound.
 constexpr double kLargestPhaseStep = 0.9 * 2.0;
 
-/// Substeps of Verlet, as many as are stable, from which on the implicit steppers at their usual number are
-/// cheaper (bench/run accuracy: spinning cubes, block): the usual period tolerance takes up to twice as many.
-/// They are much less accurate.
-constexpr int kMostVerlet = 300;
+/// Substeps of Verlet, as many as are stable, that cost what one of the implicit steppers does (bench/run accuracy:
+/// spinning cubes, block): the usual period tolerance takes up to twice as many. Implicit ones are much less accurate.
+constexpr double kVerletPerImplicit = 60.0;
 constexpr int kImplicitSubsteps = 4;
 
 /// Who asks for less than this wants oscillations to be true. The midpoint rule's error of a period,
@@ -67,13 +66,13 @@ VerletNeed verletNeed(const SteppingProblem& p, const Stepping& s) {
 
 /// Only one thing depends on the tolerance: one below the usual rules out what cannot meet it. So no error
 /// rises when the tolerance falls.
-Stepper choose(const SteppingProblem& p, const Stepping& s, const VerletNeed& verlet) {
+Stepper choose(const SteppingProblem& p, const Stepping& s, const VerletNeed& verlet, int implicit) {
   if (!p.implicitPossible) return Stepper::Verlet;
   if (s.stepper != Stepper::Auto) return s.stepper;
   const bool strong = p.cheapNewton && p.dampingRate * p.tick / verlet.usual > kStrongDamping;
   const bool tooDear = s.budget > 0 && verlet.stable > s.budget;
-  const bool many =
-      verlet.stable > kMostVerlet && !p.touching && s.periodTolerance >= kUsualPeriodTolerance;
+  const bool many = verlet.stable > kVerletPerImplicit * implicit && !p.touching &&
+                    s.periodTolerance >= kUsualPeriodTolerance;
   return strong || tooDear || many ? implicitFor(p, strong) : Stepper::Verlet;
 }
 
@@ -140,12 +139,13 @@ double fastestTurn(const SpringArrays& springs, const PointState& state, double 
 
 SteppingChoice chooseStepping(const SteppingProblem& p, const Stepping& s) {
   const int turning = static_cast<int>(std::min(std::ceil(p.turnRate * p.tick / kLargestTurn), kMostForTurning));
+  const int followed = std::max(turning, neededSubsteps(p, s));
   const VerletNeed need = verletNeed(p, s);
+  const int implicit = std::max(implicitNeed(s), followed);
   SteppingChoice choice;
-  choice.stepper = choose(p, s, need);
+  choice.stepper = choose(p, s, need, implicit);
   const bool verlet = choice.stepper == Stepper::Verlet;
-  const int least = verlet ? need.wanted : implicitNeed(s);
-  choice.substeps = std::max({least, turning, neededSubsteps(p, s)});
+  choice.substeps = verlet ? std::max(need.wanted, followed) : implicit;
   if (s.budget <= 0) return choice;
   const int most = std::max(s.budget, verlet ? need.stable : 1);
   choice.cut = choice.substeps > most;
