@@ -135,6 +135,7 @@ void rewind(TickGroup& group) {
   for (SoftBodyData* body : group.bodies) {
     body->state.position = body->masses.startPosition;
     body->state.velocity = body->startVelocity;
+    body->implicit.meanOver = 0.0;
     for (ContactRow& row : body->contacts) row.impulse = TickImpulse();
     for (ContactRow& row : body->watch->rows) row.impulse = TickImpulse();
   }
@@ -304,6 +305,7 @@ void reportStepping(TickGroup& group, double tick) {
     body.errorPerSecond = body.errorPerSquare * square;
     body.substeps = group.substeps;
     body.stepper = group.stepper;
+    if (group.stepper == Stepper::Verlet) body.implicit.meanOver = 0.0;
   }
 }
 

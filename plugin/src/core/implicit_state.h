@@ -15,7 +15,8 @@ struct ImplicitState {
   Points residual, trial;       ///< 3 x #points, scratch
   double energyFloor = 0.0;     ///< J, the least energy it has had, work done on it and other changes added
   double energyAtEnd = 0.0;     ///< J, at the end of the last tick
-  Points meanAcceleration;      ///< 3 x #points, m/s^2, of the last substep; empty before the first
+  Points meanAcceleration;      ///< 3 x #points, m/s^2, of the last substep
+  double meanOver = 0.0;        ///< s, how long that was; 0: none, or the body has moved otherwise since
 };
 
 }  // namespace limber

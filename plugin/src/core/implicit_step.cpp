@@ -230,8 +230,9 @@ double errorRate(const Substep& s, double left) {
   const PointState& p = s.points();
   Points& mean = s.implicit.meanAcceleration;
   s.implicit.trial = p.force.cwiseProduct(p.inverseMass);
-  const double change = mean.size() ? (s.implicit.trial - mean).squaredNorm() : 0.0;
+  const double change = s.implicit.meanOver == s.h ? (s.implicit.trial - mean).squaredNorm() : 0.0;
   mean = s.implicit.trial;
+  s.implicit.meanOver = s.h;
   return 2.0 * verletErrorRate(change, p.position.cols(), s.h) + left / s.h;
 }
 
