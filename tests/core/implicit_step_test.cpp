@@ -198,6 +198,15 @@ TEST_P(ImplicitStep, whatIsOnlyNearChangesNothing) {
   EXPECT_EQ(fly(true), fly(false));
 }
 
+TEST_P(ImplicitStep, whatIsOnlyNearIsNotSolvedFor) {
+  SteppedTestBody body(test::fullCubeNetwork(), 1e4, 1.0);
+  std::vector<ContactRow> rows = rowsOnPlane(body.state, Eigen::Vector3d::UnitY(), 2.0, 0.5);
+  body.contacts = &rows;
+  advance(body, 1.0 / 60, 1);
+  const std::vector<char>& responds = states[&body].contacts.responds;
+  EXPECT_EQ(responds, std::vector<char>(4, 0)) << "none of the points reaches the plane";
+}
+
 TEST_P(ImplicitStep, errorIsThatOfThePresentMotion) {
   const auto errorRate = [&](bool afterAnother) {
     SteppedTestBody body(test::fullCubeNetwork(), 1e4, 0.0);

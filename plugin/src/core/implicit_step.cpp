@@ -88,7 +88,7 @@ void solveContacts(const Substep& s, const ContactSpan& span) {
   ImplicitState& state = s.implicit;
   MidpointContacts& contacts = state.contacts;
   state.trial = s.points().position + state.residual;
-  solveLoads(contacts, state.trial, state.start, span);
+  solveLoads(contacts, state.solver, state.trial, state.start, span);
   contacts.load += contacts.change;
   state.trial.setZero();
   addLoads(contacts, contacts.change, state.trial);
@@ -103,7 +103,7 @@ double iterate(const Substep& s, const ContactSpan& span, int iteration) {
   update(state.solver, {s.springs(), s.body.tetrahedra}, state.damperDirection, s.points().position);
   if (s.body.volumes) updateVolumes(state.solver, *s.body.volumes, s.points());
   if (s.touches() && (iteration == 0 || state.solver.kind == MidpointSolver::Kind::Newton))
-    computeResponse(state.contacts, state.solver);
+    forgetResponse(state.contacts);
   computeResidual(s);
   solve(state.solver, state.residual);
   if (s.touches()) solveContacts(s, span);

@@ -18,17 +18,36 @@ double allowedGap(const ContactRow& row, const Eigen::Vector3d& start, const Con
   return gap >= 0.0 ? 0.0 : gap + std::min(-kRecovery * gap, row.recoverySpeed * span.duration);
 }
 
+/// The columns of W that belong to a touched point: each costs a solution for the whole body.
+void computeResponse(MidpointContacts& c, MidpointSolver& solver, Eigen::Index place) {
+  char& responds = c.responds[static_cast<std::size_t>(place)];
+  if (responds) return;
+  responds = 1;
+  const auto count = static_cast<Eigen::Index>(c.touched.size());
+  const std::uint32_t point = c.touched[static_cast<std::size_t>(place)];
+  for (Eigen::Index axis = 0; axis < 3; ++axis) {
+    if (!(solver.inverseMass(axis, point) > 0.0)) continue;
+    c.unit.setZero();
+    c.unit(axis, point) = 1.0;
+    solve(solver, c.unit);
+    for (Eigen::Index r = 0; r < count; ++r)
+      c.response.block<3, 1>(3 * r, 3 * place + axis) = c.unit.col(c.touched[static_cast<std::size_t>(r)]);
+  }
+}
+
 /// Corrects the load of row r, whose point goes from `start` to `end`; returns by how far (m) it was off.
-double solveRow(MidpointContacts& c, std::size_t r, const Eigen::Vector3d& start, const Eigen::Vector3d& end,
-                const ContactSpan& span) {
+double solveRow(MidpointContacts& c, MidpointSolver& solver, std::size_t r, const Eigen::Vector3d& start,
+                const Eigen::Vector3d& end, const ContactSpan& span) {
   const ContactRow& row = (*c.rows)[r];
   const auto at = static_cast<Eigen::Index>(r);
   const Eigen::Index place = 3 * c.place[r];
-  const double mobility = span.reach * row.normal.dot(c.response.block<3, 3>(place, place) * row.normal);
-  if (!(mobility > 0.0)) return 0.0;
   const Eigen::Vector3d before = c.load.col(at) + c.change.col(at);
   const Eigen::Vector3d surface = row.touch + (span.time + span.duration) * row.surfaceVelocity;
   const double gap = row.normal.dot(end - surface) - allowedGap(row, start, span);
+  if (gap >= 0.0 && before.isZero(0.0)) return 0.0;
+  computeResponse(c, solver, c.place[r]);
+  const double mobility = span.reach * row.normal.dot(c.response.block<3, 3>(place, place) * row.normal);
+  if (!(mobility > 0.0)) return 0.0;
   const double normal = std::max(0.0, row.normal.dot(before) - gap / mobility);
   const Eigen::Vector3d slip = end - start - span.duration * row.surfaceVelocity;
   const Eigen::Vector3d sliding = slip - row.normal.dot(slip) * row.normal;
@@ -74,6 +93,7 @@ void startSubstep(MidpointContacts& c, std::vector<ContactRow>* rows, Eigen::Ind
   if (const auto touched = static_cast<Eigen::Index>(c.touched.size()); 3 * touched > c.changeAt.size()) {
     c.changeAt.resize(3 * roomFor(touched));
     c.response.resize(3 * roomFor(touched), 3 * roomFor(touched));
+    c.responds.reserve(static_cast<std::size_t>(roomFor(touched)));
     c.unit.resize(3, points);
   }
   c.load.setZero();
@@ -81,22 +101,14 @@ void startSubstep(MidpointContacts& c, std::vector<ContactRow>* rows, Eigen::Ind
   for (std::size_t r = 0; rows && r < rows->size(); ++r) c.impulseBefore[r] = (*rows)[r].impulse;
 }
 
-void computeResponse(MidpointContacts& c, MidpointSolver& solver) {
-  const auto count = static_cast<Eigen::Index>(c.touched.size());
-  for (Eigen::Index s = 0; s < count; ++s)
-    for (Eigen::Index axis = 0; axis < 3; ++axis) {
-      const std::uint32_t point = c.touched[static_cast<std::size_t>(s)];
-      c.unit.setZero();
-      if (solver.inverseMass(axis, point) > 0.0) {
-        c.unit(axis, point) = 1.0;
-        solve(solver, c.unit);
-      }
-      for (Eigen::Index r = 0; r < count; ++r)
-        c.response.block<3, 1>(3 * r, 3 * s + axis) = c.unit.col(c.touched[static_cast<std::size_t>(r)]);
-    }
+void forgetResponse(MidpointContacts& c) {
+  const auto size = 3 * static_cast<Eigen::Index>(c.touched.size());
+  c.response.topLeftCorner(size, size).setZero();
+  c.responds.assign(c.touched.size(), 0);
 }
 
-void solveLoads(MidpointContacts& c, const Points& found, const Points& start, const ContactSpan& span) {
+void solveLoads(MidpointContacts& c, MidpointSolver& solver, const Points& found, const Points& start,
+                const ContactSpan& span) {
   const auto size = 3 * static_cast<Eigen::Index>(c.touched.size());
   c.change.setZero();
   c.changeAt.setZero();
@@ -108,7 +120,7 @@ void solveLoads(MidpointContacts& c, const Points& found, const Points& start, c
       const Eigen::Vector3d moved = c.response.block(3 * c.place[r], 0, 3, size) * c.changeAt.head(size);
       const Eigen::Vector3d x0 = start.col(row.point);
       const Eigen::Vector3d end = x0 + span.reach * (found.col(row.point) + moved - x0);
-      largest = std::max(largest, solveRow(c, r, x0, end, span));
+      largest = std::max(largest, solveRow(c, solver, r, x0, end, span));
     }
     if (largest <= c.enough) return;
   }

@@ -18,6 +18,7 @@ struct MidpointContacts {
   std::vector<std::uint32_t> touched;  ///< points that have rows
   std::vector<Eigen::Index> place;     ///< #rows, of the row's point among them
   Eigen::MatrixXd response;            ///< W, 3 #touched x 3 #touched, 1/kg
+  std::vector<char> responds;          ///< #touched, whether the point's columns of W are there; else they are 0
   Points load;                         ///< 3 x #rows, l, kg m
   Points change;                       ///< 3 x #rows, of l in this iteration
   Eigen::VectorXd changeAt;            ///< 3 #touched, the sums of `change`
@@ -33,8 +34,8 @@ constexpr std::size_t kMostMidpointPoints = 48;
 /// (m) end.
 void startSubstep(MidpointContacts& contacts, std::vector<ContactRow>* rows, Eigen::Index points, double enough);
 
-/// Computes W; `solver` must be up to date.
-void computeResponse(MidpointContacts& contacts, MidpointSolver& solver);
+/// Forgets W, of which solveLoads() computes what it needs.
+void forgetResponse(MidpointContacts& contacts);
 
 /// The part of a tick that is solved for: from `time` on, `duration` seconds long, in which a point goes
 /// `reach` times as far as from its start to the position that the iterations find; 2 for the midpoint rule.
@@ -43,8 +44,9 @@ struct ContactSpan {
 };
 
 /// Finds the change of the loads after which no row is violated at the end of the span, with the positions
-/// that the iterations have found at `found` (3 x #points, m) and those of the start at `start`.
-void solveLoads(MidpointContacts& contacts, const Points& found, const Points& start,
+/// that the iterations have found at `found` (3 x #points, m) and those of the start at `start`. `solver` must be
+/// up to date.
+void solveLoads(MidpointContacts& contacts, MidpointSolver& solver, const Points& found, const Points& start,
                 const ContactSpan& span);
 
 /// Looks along the ways that the iterations have found for surfaces that the rows do not follow, because the
