@@ -182,6 +182,21 @@ TEST(PairContacts, slideByCoulombsLaw) {
   }
 }
 
+TEST(PairContacts, leaveAPointThatIsCarriedToItsAnchor) {
+  Scene scene;
+  const std::uint32_t cube = scene.addCube(1e3, 2.0, {0, 0.5, 0});
+  LinkedBodies& links = scene.group.links;
+  RigidState holder;
+  holder.position = scene.soft[0].state.position.col(0);
+  holder.velocity = {0, -1, 0};
+  links.rigids.push_back(holder);
+  links.anchors.push_back({{LinkEnd::Kind::Point, cube, 0, {}}, {LinkEnd::Kind::Rigid, 0, 0, Vector3d::Zero()}});
+  scene.add(point(cube, 0), ContactPlace(), 0.0);
+  scene.run(0.1, 20);
+  EXPECT_EQ(scene.force(0, 1), 0.0) << "both would push as long as they are let";
+  EXPECT_LT((endPosition(links, links.anchors[0].point) - links.rigids[0].position).norm(), 1e-9);
+}
+
 TEST(PairContacts, drawApartGentlyWhatOverlaps) {
   Scene scene;
   scene.addCube(1e4, 1.0, {0, 0.5, 0});

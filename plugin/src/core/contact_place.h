@@ -20,7 +20,7 @@ struct ContactPlace {
   Eigen::Vector3d velocity = Eigen::Vector3d::Zero();  ///< of the World: m/s, constant over the tick
 };
 
-/// 1/kg, 3 x 3: the velocity change there per impulse there.
+/// 1/kg, 3 x 3: the velocity change there per impulse there, of a Rigid.
 Eigen::Matrix3d mobility(const LinkedBodies& bodies, const ContactPlace& place);
 
 }  // namespace limber

@@ -32,10 +32,10 @@ void addPoint(PairRows& rows, double* velocity, const Vector3d& inverseMass, dou
   rows.levers.push_back({});
 }
 
-void addPoint(PairRows& rows, const PointView& view, std::uint32_t point, double share) {
-  addPoint(rows, view.velocityOf(point).data(), view.inverseMassOf(point), share);
+void addPoint(PairRows& rows, const PointView& view, std::uint32_t point, const double* inverseMass, double share) {
+  addPoint(rows, view.velocityOf(point).data(), ConstMap(inverseMass), share);
   rows.levers.back().position = view.positionOf(point).data();
-  rows.levers.back().inverseMass = view.inverseMassOf(point).data();
+  rows.levers.back().inverseMass = inverseMass;
 }
 
 void addTurn(PairRows& rows, const PairRow& row, RigidState& rigid, const Vector3d& arm) {
@@ -44,14 +44,36 @@ void addTurn(PairRows& rows, const PairRow& row, RigidState& rigid, const Vector
   rows.turns.push_back(turn);
 }
 
+constexpr double kNoInverseMass[3] = {0.0, 0.0, 0.0};
+
+/// A point that is attached to something held goes where that goes: a contact that pushed it would only make the
+/// anchor push back as much, in each sweep anew.
+void findCarried(PairRows& rows, const LinkedBodies& bodies) {
+  rows.carried.clear();
+  for (const LinkAnchor& anchor : bodies.anchors) {
+    const RigidState& rigid = bodies.rigids[anchor.pivot.body];
+    const bool held = rigid.inverseMass.isZero(0.0) && rigid.inverseInertia.isZero(0.0);
+    if (held) rows.carried.emplace_back(anchor.point.body, anchor.point.point);
+  }
+  std::sort(rows.carried.begin(), rows.carried.end());
+}
+
+/// 1/kg per axis.
+const double* inverseMassOf(const PairRows& rows, const PointView& view, std::uint32_t body, std::uint32_t point) {
+  const bool carried = std::binary_search(rows.carried.begin(), rows.carried.end(), std::pair(body, point));
+  return carried ? kNoInverseMass : view.inverseMassOf(point).data();
+}
+
 /// One side of a contact; `sign` is 1 for a and -1 for b.
 void addPlace(PairRows& rows, PairRow& row, LinkedBodies& bodies, const std::vector<PointView>& views,
               const ContactPlace& place, double sign) {
   if (place.kind == ContactPlace::Kind::World) {
     row.carried += inAxes(row, sign * place.velocity);
   } else if (place.kind == ContactPlace::Kind::Soft) {
+    const PointView& view = views[place.body];
     for (std::uint32_t i = 0; i < place.count; ++i)
-      addPoint(rows, views[place.body], place.point[i], sign * place.weight[i]);
+      addPoint(rows, view, place.point[i], inverseMassOf(rows, view, place.body, place.point[i]),
+               sign * place.weight[i]);
   } else {
     RigidState& rigid = bodies.rigids[place.body];
     addPoint(rows, rigid.velocity.data(), rigid.inverseMass, sign);
@@ -83,6 +105,17 @@ void setAxes(PairRow& row, const Vector3d& normal) {
   for (int k = 0; k < 3; ++k) Map(row.axes[k]) = axes.col(k);
 }
 
+/// 1/kg, 3 x 3: the velocity change along each axis per impulse.
+Matrix3d mobilityOf(const PairRows& rows, const PairRow& row, const PairContact& c, const LinkedBodies& bodies) {
+  Matrix3d m = Matrix3d::Zero();
+  for (const ContactPlace* place : {&c.a, &c.b})
+    if (place->kind == ContactPlace::Kind::Rigid) m += mobility(bodies, *place);
+  for (std::uint32_t i = row.firstPoint; i < row.endPoint; ++i)
+    if (const double* inverseMass = rows.levers[i].inverseMass)
+      m.diagonal() += rows.points[i].share * rows.points[i].share * ConstMap(inverseMass);
+  return m;
+}
+
 void prepareRow(PairRows& rows, PairRow& row, const PairContact& c, LinkedBodies& bodies,
                 const std::vector<PointView>& views) {
   setAxes(row, c.normal);
@@ -95,8 +128,7 @@ void prepareRow(PairRows& rows, PairRow& row, const PairContact& c, LinkedBodies
   addPlace(rows, row, bodies, views, c.b, -1.0);
   row.endPoint = static_cast<std::uint32_t>(rows.points.size());
   row.endTurn = static_cast<std::uint32_t>(rows.turns.size());
-  const Matrix3d m = mobility(bodies, c.a) + mobility(bodies, c.b);
-  setMobility(row, axes.transpose() * m * axes);
+  setMobility(row, axes.transpose() * mobilityOf(rows, row, c, bodies) * axes);
   if (c.ended) row.mass = row.mobility = 0.0;
   row.couple = coupleOf(c);
   row.gap = c.gap;
@@ -256,6 +288,7 @@ void preparePairs(PairRows& rows, LinkedBodies& bodies, const std::vector<PointV
   rows.turns.clear();
   rows.rows.resize(rows.contacts.size());
   rows.active.reserve(rows.contacts.capacity());
+  findCarried(rows, bodies);
   for (std::size_t i = 0; i < rows.contacts.size(); ++i)
     prepareRow(rows, rows.rows[i], rows.contacts[i], bodies, views);
   for (PairRow& row : rows.rows) row.settled = speedAlong(rows, row);

@@ -7,6 +7,7 @@
 
 #include <cmath>
 #include <cstdint>
+#include <utility>
 #include <vector>
 
 namespace limber {
@@ -145,6 +146,7 @@ struct PairRows {
   std::vector<RowLever> levers;  ///< #points
   std::vector<RowTurn> turns;
   std::vector<std::uint32_t> active;  ///< rows of the present stage
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> carried;  ///< body and point, sorted: attached to what is held
   double tolerance = 1e-4;  ///< m/s, no row may be wrong by more when a solve ends, if it has sweeps left
 };
 
