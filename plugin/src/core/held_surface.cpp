@@ -290,18 +290,31 @@ HeldPlace nearestOn(const HeldPiece* first, const HeldPiece* end, const Vector3d
   return nearestOnSheet(*first, x);
 }
 
+namespace {
+
+/// Whether the point has come nowhere near since it was last looked at. It cannot have changed sides of a sheet
+/// either.
+bool isClear(const HeldNeighbourhood& around, const Vector3d& x, double most) {
+  return around.clear > most && (x - around.clearAt).norm() < around.clear - most;
+}
+
+}  // namespace
+
 void findContacts(HeldNeighbourhood& around, const Vector3d& x, const Vector3d& way, double within) {
   std::vector<HeldContact>& contacts = around.all->contacts;
   contacts.clear();
   HeldPiece* begin = around.all->pieces.data() + around.begin;
   const HeldPiece* end = around.all->pieces.data() + around.end;
   const double most = within + way.norm();
+  if (isClear(around, x, most)) return;
+  double least = HUGE_VAL;
   const Path path = pathAlong(begin, end, x, way, around.radius);
   for (HeldPiece *first = begin, *next = begin; first != end; first = next) {
     next = const_cast<HeldPiece*>(endOfSolid(first, end));
     if (first->kind == Kind::Sheet) keepSide(*first, x);
     const HeldPlace place = nearestOn(first, next, x);
     const double gap = place.height - around.radius;
+    least = std::min(least, gap);
     if (gap > most) continue;
     const Meeting meeting{first, next, x, path, around.radius};
     HeldContact c = contactAt(meeting, place, x);
@@ -309,6 +322,8 @@ void findContacts(HeldNeighbourhood& around, const Vector3d& x, const Vector3d& 
     if (meetsLater && advance(meeting, c) == kNever) continue;
     if (!isBlocked(around, meeting, c)) addContact(contacts, c, around.radius);
   }
+  around.clearAt = x;
+  around.clear = std::max(least, 0.0);
 }
 
 bool isCovered(const HeldPiece* begin, const HeldPiece* end, const Vector3d& place, const Vector3d& normal,

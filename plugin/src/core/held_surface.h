@@ -59,6 +59,10 @@ struct HeldNeighbourhood {
   HeldSurroundings* all = nullptr;
   std::size_t begin = 0, end = 0;
   double radius = 0.0;  ///< m, of the point
+
+  // Written by findContacts().
+  Eigen::Vector3d clearAt = Eigen::Vector3d::Zero();  ///< m: a point there touches nothing before it has gone
+  double clear = 0.0;                                 ///< so far, m; 0: it may touch at once
 };
 
 /// Fills all->contacts with the places where a point at `x` that is about to move by `way` (m) may touch: each
