@@ -128,5 +128,26 @@ TEST(TetrahedronVolumes, boundTheFrequencyTheyAdd) {
   }
 }
 
+/// As when one point of a body that falls is pinned.
+TEST(TetrahedronVolumes, areRestlessWhereTheyComeFarFromRestInTheTick) {
+  const SpringNetwork network = pair();
+  TetrahedronVolumes v = tetrahedraOf(network, 100.0);
+  PointState state = pairState(network);
+  const auto isRestless = [&](double tick) {
+    tetrahedronFrequencyBoundSquared(v, state, tick);
+    return v.restless;
+  };
+  const Eigen::Vector3d fall(0.3, -7.5, 0.3);
+  state.velocity.colwise() = fall;
+  EXPECT_FALSE(isRestless(1.0)) << "all of it falls";
+  for (Eigen::Index i = 0; i < state.velocity.cols(); ++i)
+    state.velocity.col(i) = Eigen::Vector3d(1, 2, 3).cross(state.position.col(i));
+  EXPECT_FALSE(isRestless(1.0)) << "it turns";
+  state.velocity.colwise() = fall;
+  state.velocity.col(0).setZero();
+  EXPECT_FALSE(isRestless(1e-3));
+  EXPECT_TRUE(isRestless(1.0));
+}
+
 }  // namespace
 }  // namespace limber

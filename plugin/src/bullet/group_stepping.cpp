@@ -58,7 +58,7 @@ MotionRates ratesOf(SoftBodyData& body, double tick) {
   if (body.frequencyStale) updateBounds(body);
   MotionRates rates;
   rates.boundSquared = body.frequencySquared + keptVolumeBoundSquared(body.volumes, body.state, tick) +
-                       tetrahedronFrequencyBoundSquared(body.tetrahedra, body.state);
+                       tetrahedronFrequencyBoundSquared(body.tetrahedra, body.state, tick);
   const bool nearRest = !body.volumes.restless && !body.tetrahedra.restless;
   rates.fastestSquared =
       nearRest ? std::min(rates.boundSquared, body.fastestSquared) : rates.boundSquared;
@@ -184,8 +184,11 @@ bool bounces(const std::vector<ContactRow>& rows) {
   return std::any_of(rows.begin(), rows.end(), [](const ContactRow& row) { return row.restitution > 0.0; });
 }
 
+/// Whether it is one body and what holds its points, if anything, stands still and so does no work.
 bool isFreeBody(const TickGroup& group) {
-  return group.bodies.size() == 1 && (group.bodies[0]->state.inverseMass.array() > 0.0).all();
+  if (group.bodies.size() != 1) return false;
+  const PointState& s = group.bodies[0]->state;
+  return (s.inverseMass.array() > 0.0 || s.velocity.array() == 0.0).all();
 }
 
 bool isFolded(const SoftBodyData& body) { return body.volumes.restless || body.tetrahedra.restless; }

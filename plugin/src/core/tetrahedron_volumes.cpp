@@ -161,7 +161,7 @@ TetrahedronSlope tetrahedronSlope(const TetrahedronVolumes& v, std::size_t i, co
   return slope;
 }
 
-double tetrahedronFrequencyBoundSquared(TetrahedronVolumes& v, const PointState& state) {
+double tetrahedronFrequencyBoundSquared(TetrahedronVolumes& v, const PointState& state, double tick) {
   std::fill(v.rowSums.begin(), v.rowSums.end(), 0.0);
   v.restless = false;
   for (std::size_t i = 0; i < v.tetrahedra.size(); ++i) {
@@ -170,9 +170,13 @@ double tetrahedronFrequencyBoundSquared(TetrahedronVolumes& v, const PointState&
     const double relative = shape.volume / v.restVolume[i];
     const double stiffness = stiffnessNear(v, relative) / v.restVolume[i];
     const double push = std::abs(kernel::tetrahedronPush(relative, v.modulus, v.crushModulus));
-    v.restless = v.restless || std::abs(relative - 1.0) > kFar;
-    double norms = 0.0;
-    for (const Vector3d& g : shape.gradient) norms += g.norm();
+    double norms = 0.0, rate = 0.0;
+    for (std::size_t corner = 0; corner < 4; ++corner) {
+      norms += shape.gradient[corner].norm();
+      rate += shape.gradient[corner].dot(state.velocity.col(t[corner]));
+    }
+    const double foreseen = std::abs(tick * rate / v.restVolume[i]);
+    v.restless = v.restless || std::abs(relative - 1.0) > kFar || foreseen > kFar;
     for (std::size_t corner = 0; corner < 4; ++corner)
       v.rowSums[t[corner]] += stiffness * shape.gradient[corner].norm() * norms +
                               push * perimeter(t, corner, state.position) / 6.0;

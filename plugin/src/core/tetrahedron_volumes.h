@@ -69,13 +69,13 @@ TetrahedronSlope tetrahedronSlope(const TetrahedronVolumes& volumes, std::size_t
                                   const Points& position);
 
 /// rad^2/s^2 that the volume term can add to the square of the body's fastest oscillation, at these
-/// positions. Sets `restless`.
+/// positions. Sets `restless`, also where it may come far from rest in a tick of so many seconds.
 ///
 /// The Hessian of a tetrahedron's energy is  s g g^T - p H  with its stiffness s and push p, the gradient g
 /// and the second derivatives H of its volume, whose 3 x 3 blocks are cross products with a sixth of the edge
 /// that two corners do not have. Row sums of block norms, times inverse masses, bound the eigenvalues:
 ///     max over points i of  w_i sum over its tetrahedra ( s |g_i| sum_j |g_j|  +  |p| sum of edges / 6 ),
 /// the edges being those of the face opposite to i.
-double tetrahedronFrequencyBoundSquared(TetrahedronVolumes& volumes, const PointState& state);
+double tetrahedronFrequencyBoundSquared(TetrahedronVolumes& volumes, const PointState& state, double tick = 0.0);
 
 }  // namespace limber
