@@ -366,7 +366,8 @@ TEST(DrapeOnBall, neitherOrderNorTickMattersMoreThanANudge) {
   constexpr double kChance = 4.0, kSeconds = 0.6;
   const auto now = drapeOnBall(kSeconds, {});
   const auto nudged = [&](double nudge) {
-    return std::max(most(now, drapeOnBall(kSeconds, {false, 0, nudge})), most(now, drapeOnBall(kSeconds, {false, 0, -nudge})));
+    return std::max(most(now, drapeOnBall(kSeconds, {false, 0, nudge})),
+                    most(now, drapeOnBall(kSeconds, {false, 0, -nudge})));
   };
   EXPECT_LT(most(now, drapeOnBall(kSeconds, {false, 1})), kChance * nudged(1e-6));
   // 0.9 mm is what it falls in a substep when it lands
@@ -442,12 +443,13 @@ SoftBodySettings pointsBody(const Vector3d& position, const Vector3d& velocity, 
   return s;
 }
 
-/// Two pairs of points, the second `aside` (m) of the way of the first, after a second.
-std::pair<Vector3d, Vector3d> velocitiesAfterPass(double speed, double aside) {
+/// kg m/s: a pair of points flies at `speed` (m/s) along z towards another pair, which is at rest and `offset` (m) higher.
+/// The momentum of both after one second.
+std::pair<Vector3d, Vector3d> momentaAfterOneSecond(double speed, double offset) {
   BulletWorld bullet(0.0);
   SoftBodySystem system(*bullet.world);
   SoftBody* left = *system.createBody(test::pairNetwork(), pointsBody({0, 0, -0.53}, {0, 0, speed}, 0.1));
-  SoftBody* right = *system.createBody(test::pairNetwork(), pointsBody({0, aside, 0}, {0, 0, 0}, 0.1));
+  SoftBody* right = *system.createBody(test::pairNetwork(), pointsBody({0, offset, 0}, {0, 0, 0}, 0.1));
   bullet.simulate(1.0);
   return {momentumOf(*left), momentumOf(*right)};
 }
@@ -455,15 +457,15 @@ std::pair<Vector3d, Vector3d> velocitiesAfterPass(double speed, double aside) {
 TEST(PointPairs, whatPassesByIsNotHeldBack) {
   for (const double speed : {0.7, 3.0, 30.0, 300.0}) {
     SCOPED_TRACE(speed);
-    const auto [left, right] = velocitiesAfterPass(speed, 0.201);
+    const auto [left, right] = momentaAfterOneSecond(speed, 0.201);
     EXPECT_LT((left - Vector3d(0, 0, speed)).norm(), 1e-6 * speed) << "to Bullet's floats";
     EXPECT_LT(right.norm(), 1e-6 * speed);
   }
 }
 
 TEST(PointPairs, smoothPointsShareTheirSpeedAlongTheLineBetweenThem) {
-  const auto [left, right] = velocitiesAfterPass(1.0, 0.1);
-  // the sine of the angle between way and normal is aside / (2 r); Newton's law at restitution 0
+  const auto [left, right] = momentaAfterOneSecond(1.0, 0.1);
+  // the sine of the angle between velocity and normal is offset / (2 r); Newton's law at restitution 0
   const Vector3d normal(0, -0.5, -std::sqrt(0.75)), speed(0, 0, 1);
   const Vector3d change = -0.5 * normal.dot(speed) * normal;
   // in the substep in which they meet they go on along the plane between them: 2 mm of 20 cm, four times

@@ -103,8 +103,10 @@ int main(int count, char** words) {
   app.add_option("--replay", options.replay, "a file with a story");
   app.add_option("--jobs", options.effort.jobs, "processes at a time");
   app.add_option("--seconds", options.effort.seconds, "processor time that a story may take");
-  app.add_flag("--once", options.effort.laws.once, "plays it once, for sanitizers: nothing is compared with other runs");
-  app.add_option("--beside", options.effort.laws.beside, "a limber_fuzz of another precision, which must play it alike");
+  app.add_flag("--once", options.effort.laws.once,
+               "plays it once, for sanitizers: nothing is compared with other runs");
+  app.add_option("--beside", options.effort.laws.beside,
+                 "a limber_fuzz of another precision, which must play it alike");
   app.add_option("--frames", options.frames, "file for the points of a story that is played --here");
   app.add_option("--out", options.out, "folder for shrunken stories");
   app.add_flag("--shrink", options.shrinks, "shrinks what fails");

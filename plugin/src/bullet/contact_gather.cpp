@@ -463,10 +463,11 @@ void addContactWatch(SoftBodyData& body) { body.watch = std::make_unique<Watch>(
 void readManifolds(btDispatcher& dispatcher) {
   forEachContact(
       dispatcher, [](btPersistentManifold& manifold, PointMass& point, const btCollisionObject* partner) {
-        if (!isOfAwakePoints(point, partner) && (point.owner()->asleep || !isStaticOrKinematic(*partner))) return;
-        const bool simple = !PointMass::from(partner) && manifold.getNumContacts() == 1 && !partner->getCollisionShape()->isConcave() &&
-                            !partner->getCollisionShape()->isCompound();
-        if (simple) point.cachedContact = &manifold;
+        const bool ofPoints = isOfAwakePoints(point, partner);
+        if (!ofPoints && (point.owner()->asleep || !isStaticOrKinematic(*partner))) return;
+        const btCollisionShape& shape = *partner->getCollisionShape();
+        const bool simple = manifold.getNumContacts() == 1 && !shape.isConcave() && !shape.isCompound();
+        if (simple && !ofPoints) point.cachedContact = &manifold;
         // its rows are enough: Bullet would push the point out of where the partner will be
         if (isAhead(*partner)) manifold.setContactProcessingThreshold(-BT_LARGE_FLOAT);
         for (int p = 0; p < manifold.getNumContacts(); ++p) {
@@ -492,10 +493,6 @@ void reportContactImpulses(btDispatcher& dispatcher) {
                                 const btCollisionObject* partner) {
     const SoftBodyData& body = *point.owner();
     const RowRange rows = rowsOfPoint(body.contacts, point.index());
-    for (const SoftContact& c : body.report.contacts)
-      if (c.other == partner && PointMass::from(partner) && c.side.points[0] == point.index() &&
-          manifold.getNumContacts() > 0)
-        manifold.getContactPoint(0).m_appliedImpulse = static_cast<btScalar>(c.normalImpulse);
     manifold.setContactProcessingThreshold(
         btMin(point.getContactProcessingThreshold(), partner->getContactProcessingThreshold()));
     for (std::size_t r = rows.begin; r < rows.end; ++r) {

@@ -10,7 +10,7 @@ inline namespace LIMBER_BULLET_PRECISION {
 /// tick, before it touches. Bullet's broadphase names the partners. Static ones are taken apart
 /// (held_pieces.h): where all that a point may reach is flat it has rows of planes, else rows that follow the
 /// surface within the tick. On kinematic ones that move, Bullet's narrowphase finds planes; slow points keep
-/// that of the last tick (PointMass::cachedContact). Dynamic partners are left to Bullet's solver. Call after
+/// that of the last tick (PointMass::cachedContact). What moves by itself is in pair_gather.h. Call after
 /// gatherPoints().
 void gatherContacts(SoftBodyData& body, btScalar tick);
 

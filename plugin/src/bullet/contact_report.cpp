@@ -172,21 +172,25 @@ void addBulletsPart(SoftContact* known, SoftBodyData& body, const PointMass& poi
   add(body, c, markOf(other));
 }
 
-/// A manifold of two soft bodies is seen from both.
-void addManifold(const btPersistentManifold& manifold, const void* system) {
+/// A manifold of two soft bodies is seen from both, and gets what their points have borne.
+void addManifold(btPersistentManifold& manifold) {
+  const SoftContact* ofPoints = nullptr;
   for (int side = 0; side < 2; ++side) {
     const btCollisionObject* object = side == 0 ? manifold.getBody0() : manifold.getBody1();
     const btCollisionObject* other = side == 0 ? manifold.getBody1() : manifold.getBody0();
     const PointMass* point = PointMass::from(object);
     SoftBodyData* body = point ? point->owner() : nullptr;
-    if (!body || body->system != system || !body->report.fresh) continue;
+    if (!body || !body->alive || !body->report.fresh) continue;
     for (int p = 0; p < manifold.getNumContacts(); ++p) {
-      const btManifoldPoint& contact = manifold.getContactPoint(p);
+      btManifoldPoint& contact = manifold.getContactPoint(p);
       const btVector3 normal = side == 0 ? contact.m_normalWorldOnB : -contact.m_normalWorldOnB;
-      addBulletsPart(findContact(body->report, point->index(), other, normal), *body, *point, *other, contact,
-                     side == 0);
+      SoftContact* known = findContact(body->report, point->index(), other, normal);
+      addBulletsPart(known, *body, *point, *other, contact, side == 0);
+      if (known && PointMass::from(other)) ofPoints = known;
     }
   }
+  // two spheres have one contact
+  if (ofPoints) manifold.getContactPoint(0).m_appliedImpulse = static_cast<btScalar>(ofPoints->normalImpulse);
 }
 
 }  // namespace
@@ -209,9 +213,8 @@ void reportContacts(const std::vector<SoftBodyData*>& bodies, const TickContacts
       addPair(pairs.contacts[i], pairs.sources[i]);
   if (!anyInBullet) return;
   for (SoftBodyData* body : bodies) body->report.known = body->report.contacts.size();
-  const btDispatcher& dispatcher = *world.getDispatcher();
-  for (int m = 0; m < dispatcher.getNumManifolds(); ++m)
-    addManifold(*const_cast<btDispatcher&>(dispatcher).getManifoldByIndexInternal(m), bodies[0]->system);
+  auto& dispatcher = const_cast<btDispatcher&>(*world.getDispatcher());
+  for (int m = 0; m < dispatcher.getNumManifolds(); ++m) addManifold(*dispatcher.getManifoldByIndexInternal(m));
 }
 
 }  // namespace LIMBER_BULLET_PRECISION

@@ -222,12 +222,16 @@ void gatherPairs(SoftBodyData& body, btRigidBody& partner, btScalar tick, TickCo
 }
 
 void gatherPointPairs(const std::vector<TickGroup>& groups, btScalar tick, TickContacts& found) {
+  int bodies = 0;
   // whatever comes towards a point comes no farther
   double farthest = 0.0;
   for (const TickGroup& group : groups)
-    for (const SoftBodyData* body : group.bodies)
-      if (!group.asleep && !isSurfaceBody(*body))
-        for (const double reach : body->reach) farthest = std::max(farthest, reach);
+    for (const SoftBodyData* body : group.bodies) {
+      if (isSurfaceBody(*body)) continue;
+      ++bodies;
+      if (!group.asleep) farthest = std::max(farthest, *std::max_element(body->reach.begin(), body->reach.end()));
+    }
+  if (bodies < 2) return;
   for (const TickGroup& group : groups)
     for (SoftBodyData* body : group.bodies)
       if (!group.asleep && !isSurfaceBody(*body)) addPointPairs(*body, double(tick), farthest, found);

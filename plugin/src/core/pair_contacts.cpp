@@ -105,11 +105,20 @@ void setAxes(PairRow& row, const Vector3d& normal) {
   for (int k = 0; k < 3; ++k) Map(row.axes[k]) = axes.col(k);
 }
 
-/// 1/kg, 3 x 3: the velocity change along each axis per impulse.
+/// 1/kg, 3 x 3: the velocity change at a place off the centre per impulse there.
+Matrix3d mobilityOf(const RigidState& rigid, const Vector3d& arm) {
+  Matrix3d cross;
+  cross << 0, -arm.z(), arm.y(), arm.z(), 0, -arm.x(), -arm.y(), arm.x(), 0;
+  Matrix3d m = -cross * rigid.inverseInertia * cross;
+  m.diagonal() += rigid.inverseMass;
+  return m;
+}
+
+/// The same, of a contact's two places against each other.
 Matrix3d mobilityOf(const PairRows& rows, const PairRow& row, const PairContact& c, const LinkedBodies& bodies) {
   Matrix3d m = Matrix3d::Zero();
   for (const ContactPlace* place : {&c.a, &c.b})
-    if (place->kind == ContactPlace::Kind::Rigid) m += mobility(bodies, *place);
+    if (place->kind == ContactPlace::Kind::Rigid) m += mobilityOf(bodies.rigids[place->body], place->arm);
   for (std::uint32_t i = row.firstPoint; i < row.endPoint; ++i)
     if (const double* inverseMass = rows.levers[i].inverseMass)
       m.diagonal() += rows.points[i].share * rows.points[i].share * ConstMap(inverseMass);

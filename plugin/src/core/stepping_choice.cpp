@@ -64,8 +64,9 @@ VerletNeed verletNeed(const SteppingProblem& p, const Stepping& s) {
   return {count(1, 1.0), count(s.atLeast, kUsualPeriodTolerance), count(s.atLeast, s.periodTolerance)};
 }
 
-/// Only one thing depends on the tolerance: one below the usual rules out what cannot meet it. So no error
-/// rises when the tolerance falls.
+/// A smaller tolerance only ever takes the choice from an implicit stepper to Verlet, which is more exact: one of the
+/// period below the usual rules out what cannot meet it, one of the error makes it dearer. So no error rises when a
+/// tolerance falls.
 Stepper choose(const SteppingProblem& p, const Stepping& s, const VerletNeed& verlet, int implicit) {
   if (!p.implicitPossible) return Stepper::Verlet;
   if (s.stepper != Stepper::Auto) return s.stepper;
