@@ -50,7 +50,7 @@ bool spinsApart(const ShapeQuestion& q) {
     inertia += m[i] * (r.squaredNorm() * Eigen::Matrix3d::Identity() - r * r.transpose());
   }
   const Eigen::Vector3d spin = spinOf(m, q.positions, q.velocities).momentum;
-  const double omega = inertia.completeOrthogonalDecomposition().solve(spin).norm();
+  const double omega = (limber::pseudoInverse(inertia) * spin).norm();
   const double radius = (q.positions.colwise() - centre).colwise().norm().maxCoeff();
   return m.maxCoeff() * omega * omega * radius > kShapeTolerance * q.size * q.start.stiffnesses.maxCoeff();
 }

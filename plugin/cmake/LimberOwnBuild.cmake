@@ -16,9 +16,6 @@ add_compile_options(-Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wsign-conver
 if(LIMBER_WERROR)
   add_compile_options(-Werror)
 endif()
-if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
-  add_compile_options(-fpch-preprocess)  # ccache wants it
-endif()
 if(LIMBER_SANITIZE)
   # Without the checks of pointers, which take as long to compile as the rest: bad ones are the address sanitizer's,
   # but misaligned ones and wrong dynamic types then go unseen.

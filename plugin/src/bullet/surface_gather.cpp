@@ -201,16 +201,11 @@ bool isSearchedIn(const SoftBodyData& body) {
   return body.settings.continuousCollision && !body.prefersImplicit && !asksForError;
 }
 
-/// m in the tick, by which hits on static and kinematic objects stop the two.
-double stoppedWay(const SurfaceMeeting& m) {
-  return m.body->surface.impact + (m.other ? m.other->surface.impact : 0.0);
-}
-
-/// Whether a hit may bring together in the tick what nobody foresees to touch, and that is to be found.
+/// Whether hits and springs may bring together in the tick what nobody foresees to touch, and that is to be found.
 bool mayMeet(const SurfaceMeeting& m, double tick, SurfaceSearch& s) {
   if (!isSearchedIn(*m.body) || (m.other && !isSearchedIn(*m.other))) return false;
-  if (!(stoppedWay(m) > kMostBetweenSearches * smallerFeatures(m))) return false;
   const double way = wayOf(m);
+  if (!(way > kMostBetweenSearches)) return false;
   const MovingSurface& a = boxedSurface(*m.body, tick);
   if (m.other) boxedSurface(*m.other, tick);
   const double farther = way * smallerFeatures(m);
@@ -511,9 +506,8 @@ const MovingSurface& surfaceB(const SurfaceMeeting& m) {
 double wayOf(const SurfaceMeeting& m) {
   const MovingSurface &a = m.body->surface.moving, &b = surfaceB(m);
   const Vector3d common = 0.5 * (a.motion->rowwise().mean() + b.motion->rowwise().mean());
-  const double way = longestWay(*a.motion, common) + longestWay(*b.motion, common);
-  // what is met along the foreseen motion is foreseen
-  return (m.end > m.first ? way : way + stoppedWay(m)) / smallerFeatures(m);
+  const double stopped = m.body->surface.impact + (m.other ? m.other->surface.impact : 0.0);
+  return (longestWay(*a.motion, common) + longestWay(*b.motion, common) + stopped) / smallerFeatures(m);
 }
 
 double margin(const SurfaceMeeting& m) {

@@ -34,8 +34,8 @@ double margin(const SurfaceMeeting& meeting);
 /// Of the size of a surface's features: how far surfaces move against each other from one search to the next.
 constexpr double kMostBetweenSearches = 0.05;
 
-/// How far the surfaces may move against each other in the tick, in sizes of their features: as was foreseen, and
-/// where that brings no contact by what hits on static and kinematic objects stop.
+/// How far the surfaces may move against each other in the tick, in sizes of their features: as was foreseen, and by
+/// what hits on static and kinematic objects stop.
 double wayOf(const SurfaceMeeting& meeting);
 
 /// Where the sides of a meeting are within a step.
