@@ -4,6 +4,7 @@
 #include "support/bullet_world.h"
 #include "support/networks.h"
 #include "support/tested_way.h"
+#include "support/tiled_floors.h"
 
 #include <limber/network_builder.h>
 #include <limber/soft_body_system.h>
@@ -279,6 +280,40 @@ TEST(SurfaceOnItself, aClothComesToRestOverABoxesEdgesAndCorners) {
     EXPECT_GT(nearestToBox(*drape.cloth), kNearest * p.radius);
     EXPECT_GT(drape.cloth->centerOfMass().y(), 0.2) << "it has not slid off";
   }
+}
+
+/// m, the height of the lowest point's centre in two seconds in which a cloth falls and crumples on a floor at z = 0.
+double lowestOfFallingCloth(test::FloorKind floor, double turn) {
+  BulletWorld bullet;
+  test::addTiledFloor(bullet, floor, 0.0);
+  SoftBodySystem system(*bullet.world);
+  ClothSettings cloth;
+  cloth.columns = 9;
+  cloth.rows = 7;
+  SoftBodySettings s = test::testedSettings();
+  s.position = {1, 2, 0};
+  s.rotation = Eigen::AngleAxisd(1.0, Vector3d(0.8, turn, 0.6).normalized());
+  s.extensionStiffness = 86.3;
+  s.compressionStiffness = 8.63;
+  s.damping = 0.019;
+  s.totalMass = 2.52;
+  s.friction = 1.0;
+  s.pointRadius = 0.0022;
+  s.selfCollision = true;
+  SoftBody* body = *system.createBody(*buildCloth(cloth), s);
+  double lowest = HUGE_VAL;
+  for (int i = 0; i < 30; ++i) {
+    bullet.tick(1.0 / 15);
+    for (std::uint32_t p = 0; p < body->pointCount(); ++p) lowest = std::min(lowest, body->position(p).y());
+  }
+  return lowest;
+}
+
+TEST(SurfaceOnItself, whatTouchesWithinATickDoesNotPushIntoTheFloor) {
+  for (const test::FloorKind floor : {test::FloorKind::Plane, test::FloorKind::CoarseMesh, test::FloorKind::HeightField})
+    for (const double turn : {0.0, 0.1, 0.2, 0.3})
+      // a sweep's tolerance for speeds, 1e-4 m/s, over a tick
+      EXPECT_GT(lowestOfFallingCloth(floor, turn), 0.0022 - 1e-5) << nameOf(floor) << ", turned by " << turn;
 }
 
 TEST(SurfaceOnItself, wantsASurface) {

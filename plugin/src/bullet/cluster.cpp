@@ -190,6 +190,7 @@ void appendMeetings(const TickContacts& found, const ClusterNodes& nodes, Cluste
   };
   for (const SurfaceMeeting& m : found.meetings) {
     ClusterMeeting meeting{&m, placeOf(*m.body)};
+    meeting.way = wayOf(m);
     if (m.other)
       meeting.b = placeOf(*m.other);
     else if (!m.held)

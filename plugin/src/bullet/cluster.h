@@ -15,7 +15,10 @@ inline namespace LIMBER_BULLET_PRECISION {
 struct ClusterMeeting {
   const SurfaceMeeting* surfaces = nullptr;
   std::uint32_t a = 0, b = 0;  ///< in step.bodies; b, if it is rigid, in step.links.rigids
-  bool moves = false;          ///< too far in the tick for its contacts to stay what they are
+  double way = 0.0;            ///< see wayOf()
+
+  /// Too far in the tick for its contacts to stay what they are.
+  bool moves() const { return way > kMostBetweenSearches; }
 };
 
 /// A contact found within the tick.

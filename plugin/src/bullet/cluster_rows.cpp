@@ -5,8 +5,13 @@ namespace limber {
 inline namespace LIMBER_BULLET_PRECISION {
 namespace {
 
+/// Points that something else than what is held touches, or may touch within the tick: solved apart from it their rows
+/// would give way.
 void markCoupledPoints(Cluster& cluster) {
   for (SoftBodyData* body : cluster.softBodies) body->coupled.assign(body->masses.bodies.size(), 0);
+  for (const ClusterMeeting& m : cluster.meetings)
+    for (SoftBodyData* body : {m.surfaces->body, m.surfaces->other})
+      if (m.moves() && body) body->coupled.assign(body->coupled.size(), 1);
   for (const PairContact& c : cluster.step.pairs.contacts)
     for (const ContactPlace* place : {&c.a, &c.b})
       if (place->kind == ContactPlace::Kind::Soft)

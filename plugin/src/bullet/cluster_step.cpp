@@ -219,7 +219,7 @@ void searchWithin(void* context, StepGroup& group, double ahead) {
   auto& [cluster, found, search] = *static_cast<SearchContext*>(context);
   for (std::uint32_t number = 0; number < cluster->meetings.size(); ++number) {
     const ClusterMeeting& m = cluster->meetings[number];
-    if (!m.moves) continue;
+    if (!m.moves()) continue;
     SidesWithin sides{&group.views[m.a]};
     if (m.surfaces->other)
       sides.b = &group.views[m.b];
@@ -242,14 +242,11 @@ struct LongestWays {
   double ofContacts = 0.0;  ///< where contacts are foreseen: what is only near must not change the substeps
 };
 
-/// Marks what moves.
-LongestWays findMoving(Cluster& cluster) {
+LongestWays longestWays(const Cluster& cluster) {
   LongestWays most;
-  for (ClusterMeeting& m : cluster.meetings) {
-    const double way = wayOf(*m.surfaces);
-    m.moves = way > kMostBetweenSearches;
-    most.all = std::max(most.all, way);
-    if (m.surfaces->end > m.surfaces->first) most.ofContacts = std::max(most.ofContacts, way);
+  for (const ClusterMeeting& m : cluster.meetings) {
+    most.all = std::max(most.all, m.way);
+    if (m.surfaces->end > m.surfaces->first) most.ofContacts = std::max(most.ofContacts, m.way);
   }
   return most;
 }
@@ -265,8 +262,14 @@ int substepsFor(const Cluster& cluster, double way) {
 /// Contacts found within the tick, too, are reported and remembered.
 void handOverLate(Cluster& cluster, TickContacts& found) {
   const std::size_t first = cluster.contacts.size() + cluster.rows.size();
-  for (std::size_t i = 0; i < cluster.late.size(); ++i)
-    found.add(cluster.step.pairs.contacts[first + i], cluster.late[i].source);
+  for (std::size_t i = 0; i < cluster.late.size(); ++i) {
+    PairContact contact = cluster.step.pairs.contacts[first + i];
+    const SurfaceMeeting& meeting = *cluster.meetings[cluster.late[i].meeting].surfaces;
+    contact.a.body = meeting.body->index;
+    if (meeting.other) contact.b.body = meeting.other->index;
+    if (meeting.partner) contact.b.body = found.find(*meeting.partner);
+    found.add(contact, cluster.late[i].source);
+  }
 }
 
 void handOver(const PairContact& contact, PairContact& found) {
@@ -296,7 +299,7 @@ void stepCluster(Cluster& cluster, const TickContacts& found, double tick, Surfa
   for (const TickGroup* group : cluster.groups) substeps = std::max(substeps, group->substeps);
   SearchContext context{&cluster, &found, &search};
   cluster.step.again = PairSearch();
-  if (const LongestWays way = findMoving(cluster); way.all > kMostBetweenSearches) {
+  if (const LongestWays way = longestWays(cluster); way.all > kMostBetweenSearches) {
     if (way.ofContacts > kMostBetweenSearches) substeps = std::max(substeps, substepsFor(cluster, way.ofContacts));
     const double searches =
         std::min(way.all / kMostBetweenSearches, std::max(kManySearches, way.all / kMostInSubstep));
