@@ -164,6 +164,23 @@ TEST(Teardown, springsAndAnchorsGoWithTheirBodies) {
   EXPECT_TRUE(b->alive());
 }
 
+TEST(Teardown, springsOfAnotherSystemGoWithTheSystemOfTheirPoints) {
+  BulletWorld bullet;
+  auto first = std::make_unique<SoftBodySystem>(*bullet.world);
+  SoftBodySystem second(*bullet.world);
+  SoftBody* gone = addCube(*first);
+  SoftBody* stays = addCube(second);
+  btRigidBody* box = bullet.addBox(btVector3(1, 1, 1), 1, btVector3(0, 5, 0));
+  ASSERT_TRUE(second.addSpring({gone->point(0)}, {box}));
+  ASSERT_TRUE(second.addSpring({stays->point(0)}, {gone->point(1)}));
+  ASSERT_TRUE(second.addSpring({stays->point(1)}, {box}));
+  bullet.tick();
+  first.reset();
+  EXPECT_EQ(second.springCount(), 1u);
+  bullet.tick();
+  EXPECT_TRUE(stays->alive());
+}
+
 TEST(Teardown, springsOnDeletedPointsGoWithThem) {
   BulletWorld bullet;
   SoftBodySystem system(*bullet.world);

@@ -11,6 +11,7 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <functional>
 
 namespace limber {
 inline namespace LIMBER_BULLET_PRECISION {
@@ -81,6 +82,7 @@ SoftBodySystem::SoftBodySystem(btDiscreteDynamicsWorld& world, Hook hook)
 SoftBodySystem::~SoftBodySystem() {
   const bool alive = impl_->worldAlive();
   impl_->sentinel.reset();
+  impl_->dropSpringsOfOthers();
   for (auto& body : impl_->bodies) removeFromWorld(*body->data_);
   if (alive) freeManifolds(*impl_->world->getDispatcher());
   if (impl_->hook) impl_->hook->leave(*impl_, alive);
@@ -215,6 +217,21 @@ void SoftBodySystem::Impl::dropSprings(const btRigidBody& body) {
     SpringList& all = system->springs;
     all.erase(std::remove_if(all.begin(), all.end(), isOn), all.end());
   }
+}
+
+void SoftBodySystem::Impl::dropSpringsOfOthers() {
+  std::vector<const btRigidBody*> points;
+  for (const auto& body : bodies)
+    points.insert(points.end(), body->data_->masses.bodies.begin(), body->data_->masses.bodies.end());
+  std::sort(points.begin(), points.end(), std::less<>());
+  const auto isHere = [&](const btRigidBody* body) {
+    return body && std::binary_search(points.begin(), points.end(), body, std::less<>());
+  };
+  const auto isOn = [&](const auto& spring) { return isHere(spring->endA().body) || isHere(spring->endB().body); };
+  for (Impl* system : step->systems)
+    if (system != this)
+      system->springs.erase(std::remove_if(system->springs.begin(), system->springs.end(), isOn),
+                            system->springs.end());
 }
 
 bool SoftBodySystem::Impl::WorldStep::callsListeners() const {

@@ -43,6 +43,7 @@ struct SoftBodySystem::Impl final : TickListener, StepListener {
   bool detach(SoftBody* softBody, std::uint32_t i);
   void forget(const btRigidBody& body);
   void dropSprings(const btRigidBody& body);
+  void dropSpringsOfOthers();  ///< on points of this system
   bool worldAlive() const;
   void watchSteps();
   void beginStepOfForces();
