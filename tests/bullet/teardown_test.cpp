@@ -58,6 +58,19 @@ TEST(Teardown, worldFirstWithTheBodiesInIt) {
   EXPECT_FALSE(inWorld(*body)->isInWorld());
 }
 
+TEST(Teardown, pointsMayBeAskedForWhenTheWorldHasGone) {
+  auto bullet = std::make_unique<BulletWorld>();
+  SoftBodySystem system(*bullet->world);
+  SoftBody* asked = addCube(system);
+  SoftBody* pinned = addCube(system);
+  bullet->tick();
+  bullet.reset();
+  ASSERT_NE(asked->point(0), nullptr);
+  EXPECT_NEAR(double(asked->point(0)->getWorldTransform().getOrigin().y()), asked->position(0).y(), 1e-6);
+  pinned->pin(1);
+  system.removeAll();
+}
+
 TEST(Teardown, worldFirstThenRemoveAll) {
   BulletWorld bullet;
   SoftBodySystem system(*bullet.world);

@@ -73,6 +73,24 @@ TEST_P(TiledFloor, motionOnTilesIsThatOnOnePlane) {
   }
 }
 
+/// What is put on terrain is rarely put just beside it, and a float of a metre is some 1e-7 m.
+TEST_P(TiledFloor, whatIsPutIntoItALittleIsPushedOut) {
+  for (const double depth : {-1e-9, 0.0, 1e-9, 1e-4, 0.4 * kRadius}) {
+    SCOPED_TRACE(depth);
+    BulletWorld bullet;
+    test::addTiledFloor(bullet, GetParam(), 0.5);
+    SoftBodySystem system(*bullet.world);
+    SoftBodySettings s = onFloor(0.5 - depth, 0.0, 0.0);
+    s.position.x() = 0.5;
+    s.extensionStiffness = s.compressionStiffness = 1e4;
+    s.damping = 5.0;
+    SoftBody* cube = *system.createBody(test::closedCubeNetwork(), s);
+    bullet.simulate(1.0);
+    EXPECT_NEAR(lowest(*cube), kRadius, 1e-4);
+    EXPECT_NEAR(cube->centerOfMass().y(), 0.5 + kRadius, 5e-3) << "but for its sag";
+  }
+}
+
 /// Bullet meets a tile for the first time when a point gets onto it, and would brake that at the rounded edge.
 TEST_P(TiledFloor, pointsInTheWorldSlideOverItBesideOthers) {
   BulletWorld bullet;

@@ -69,7 +69,7 @@ class SoftBodySystem {
   SoftBodySystem(const SoftBodySystem&) = delete;
   SoftBodySystem& operator=(const SoftBodySystem&) = delete;
 
-  /// A body of the network's shape. Errors, with nothing created: no or invalid network, invalid settings, a
+  /// A body of the network's shape; the world must exist. Errors, with nothing created: no or invalid network, invalid settings, a
   /// scale that brings all points of a spring together.
   Result<SoftBody*> createBody(SharedNetwork network, const SoftBodySettings& settings = {});
 

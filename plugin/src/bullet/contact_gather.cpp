@@ -12,6 +12,8 @@
 #include "bullet/point_rows.h"
 #include "bullet/surface_body.h"
 #include "bullet/surface_partners.h"
+#include "core/body_measures.h"
+#include "core/closest_points.h"
 
 #include <algorithm>
 
@@ -22,6 +24,13 @@ namespace {
 /// Of the radius: a point that reaches no farther, the third of it that is always looked at included, is
 /// slow.
 constexpr double kSlowReach = 0.6;
+
+/// Of the radius: a point that is no farther from a triangle's plane may be on its wrong side. What touches is pressed
+/// in by far less.
+constexpr double kDeepest = 0.5;
+
+/// Of a spring's length: what is no farther beside a triangle is on it.
+constexpr double kOnIt = 1e-9;
 
 void forgetPartners(SoftBodyData& body) {
   body.partners.clear();
@@ -130,14 +139,54 @@ void addFoundRows(RowsOfPair& rows, SoftBodyData& body, std::uint32_t i, const b
 /// Nobody can have excluded a pair with a point that nobody outside knows.
 bool mayBeExcluded(const SoftBodyData& body) { return body.masses.shared || !body.anchors.empty(); }
 
+double heightAbove(const HeldPiece& sheet, const Eigen::Vector3d& x) {
+  return sheet.center.dot(x - sheet.axes.col(0));
+}
+
+/// Whether the straight line from x to y goes through a triangle.
+bool goesThrough(const HeldPiece& sheet, const Eigen::Vector3d& x, const Eigen::Vector3d& y) {
+  const double from = heightAbove(sheet, x), to = heightAbove(sheet, y);
+  if (from == to || (from > 0.0) == (to > 0.0)) return false;
+  const Eigen::Vector3d place = x + from / (from - to) * (y - x);
+  const Eigen::Vector3d weights =
+      nearestBarycentric({sheet.axes.col(0), sheet.axes.col(1), sheet.axes.col(2)}, place);
+  return (sheet.axes * weights - place).norm() <= kOnIt * (y - x).norm();
+}
+
+/// Whether a spring of point i goes through a triangle.
+bool isHungThrough(const SoftBodyData& body, std::uint32_t i, const HeldPiece& sheet) {
+  const auto& x = body.state.position;
+  const auto goes = [&](const NetworkSpring& s) {
+    return (s.a == i && goesThrough(sheet, x.col(i), x.col(s.b))) ||
+           (s.b == i && goesThrough(sheet, x.col(i), x.col(s.a)));
+  };
+  return std::any_of(body.network->springs.begin(), body.network->springs.end(), goes);
+}
+
+/// What is put on terrain to within round-off, or a little too deep, has points that lie in its triangles: what touches
+/// is a radius away. These belong where their body is, if springs of theirs go through.
+void chooseSides(const SoftBodyData& body, std::uint32_t i, HeldPiece* begin, HeldPiece* end) {
+  const double radius = double(body.masses.shape->getRadius());
+  const Eigen::Vector3d x = body.state.position.col(i);
+  for (HeldPiece* piece = begin; piece != end; ++piece) {
+    if (piece->kind != HeldPiece::Kind::Sheet) continue;
+    if (!(std::abs(heightAbove(*piece, x)) < piece->margin + kDeepest * radius)) continue;
+    if (!isHungThrough(body, i, *piece)) continue;
+    piece->metAbove = true;
+    piece->side = heightAbove(*piece, centerOfMass(body.state)) < 0.0 ? -1 : 1;
+  }
+}
+
 /// On a plane, of a sheet on all of it; `next` becomes the piece after these.
 HeldPlace nearestOnFlat(const HeldPiece* first, const HeldPiece* end, const Eigen::Vector3d& x,
                         const HeldPiece*& next) {
   next = endOfSolid(first, end);
   if (first->kind != HeldPiece::Kind::Sheet) return nearestOn(first, next, x);
-  while (next != end && next->owner == first->owner) ++next;
-  const double height = first->center.dot(x - first->axes.col(0)), side = height < 0.0 ? -1.0 : 1.0;
-  return {side * first->center, side * height - first->margin, true};
+  const HeldPiece* below = first;
+  for (; next != end && next->owner == first->owner; ++next)
+    if (next->metAbove) below = next;
+  const double height = heightAbove(*below, x), side = below->metAbove ? below->side : height < 0.0 ? -1.0 : 1.0;
+  return {side * below->center, side * height - below->margin, true};
 }
 
 /// Rows that need not follow anything: all that is near is flat.
@@ -194,6 +243,7 @@ void addStaticRows(SoftBodyData& body, std::uint32_t i, const Reach& reach, btSc
   const HeldPiece *begin = body.held.pieces.data() + body.staticPieces,
                   *end = body.held.pieces.data() + body.held.pieces.size();
   if (begin == end) return;
+  chooseSides(body, i, body.held.pieces.data() + body.staticPieces, body.held.pieces.data() + body.held.pieces.size());
   if (!areFlatAround(begin, end, body.state.position.col(i), double(body.masses.shape->getRadius()),
                      reach.distance))
     return addFollowingRows(body, i, reach, tick);

@@ -34,12 +34,35 @@ int ticksOf(const KinematicMotion& m, btScalar tick) {
   return static_cast<int>(std::lround(std::min(std::max(ticks, 1.0), kMaxTicks)));
 }
 
-/// Of an object that is seen for the first time, in the first tick.
-btTransform movedBack(const btCollisionObject& object, btScalar tick) {
+/// Of an object that is new in the world. Bullet's velocity tells how it has moved since it was made, but also that it
+/// was made elsewhere: what has come farther than half its size in a tick was put there.
+btTransform startOfNew(const btCollisionObject& object, btScalar tick) {
+  const btTransform& told = object.getWorldTransform();
   btTransform start;
-  btTransformUtil::integrateTransform(object.getWorldTransform(), -object.getInterpolationLinearVelocity(),
+  btTransformUtil::integrateTransform(told, -object.getInterpolationLinearVelocity(),
                                       -object.getInterpolationAngularVelocity(), tick, start);
-  return start;
+  btVector3 center;
+  btScalar radius;
+  object.getCollisionShape()->getBoundingSphere(center, radius);
+  return (start(center) - told(center)).length2() < btScalar(0.25) * radius * radius ? start : told;
+}
+
+/// Whether Bullet knows of no motion that has led it where it is: its user has put it there.
+bool isPutThere(const btCollisionObject& object) {
+  return object.getInterpolationLinearVelocity().isZero() && object.getInterpolationAngularVelocity().isZero();
+}
+
+KinematicMotion newMotion(btCollisionObject& object) {
+  KinematicMotion motion;
+  motion.object = &object;
+  motion.id = object.getBroadphaseHandle()->m_uniqueId;
+  motion.told = motion.end = object.getWorldTransform();
+  return motion;
+}
+
+bool isFollowed(const btCollisionObject& object) {
+  return isKinematic(object) && object.getBroadphaseHandle() && !PointMass::from(&object) &&
+         !SurfaceObject::from(&object);
 }
 
 void advance(KinematicMotion& m, btScalar tick) {
@@ -79,29 +102,32 @@ const KinematicMotion* KinematicMotions::known(const btCollisionObject& object) 
   return it == last_.end() ? nullptr : &*it;
 }
 
+void KinematicMotions::start(const btCollisionWorld& world) {
+  motions_.clear();
+  const btCollisionObjectArray& objects = world.getCollisionObjectArray();
+  for (int i = 0; i < objects.size(); ++i) {
+    if (!isFollowed(*objects[i])) continue;
+    motions_.push_back(newMotion(*objects[i]));
+    motions_.back().seenBetweenSteps = true;
+  }
+}
+
 void KinematicMotions::follow(const btCollisionWorld& world, btScalar tick) {
   std::swap(motions_, last_);
   motions_.clear();
   const btCollisionObjectArray& objects = world.getCollisionObjectArray();
   for (int i = 0; i < objects.size(); ++i) {
     btCollisionObject& object = *objects[i];
-    if (!isKinematic(object) || !object.getBroadphaseHandle()) continue;
-    if (PointMass::from(&object) || SurfaceObject::from(&object)) continue;
-    KinematicMotion motion;
-    if (const KinematicMotion* before = known(object)) {
-      motion = *before;
-    } else {
-      motion.object = &object;
-      motion.id = object.getBroadphaseHandle()->m_uniqueId;
-      motion.told = object.getWorldTransform();
-      // what comes into a world that is followed is put there
-      motion.end = started_ ? motion.told : movedBack(object, tick);
-    }
+    if (!isFollowed(object)) continue;
+    const KinematicMotion* before = known(object);
+    KinematicMotion motion = before ? *before : newMotion(object);
+    if (!before) motion.end = startOfNew(object, tick);
+    else if (motion.seenBetweenSteps && isPutThere(object)) motion.end = object.getWorldTransform();
+    motion.seenBetweenSteps = false;
     advance(motion, tick);
     fitBox(motion);
     motions_.push_back(motion);
   }
-  started_ = true;
 }
 
 KinematicMotions::Rewound::Rewound(const KinematicMotions& motions) : motions_(&motions) {

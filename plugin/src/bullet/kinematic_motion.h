@@ -41,6 +41,7 @@ struct KinematicMotion {
   btTransform told;         ///< where the user has put it: the end of the last tick of a stepSimulation()
   btTransform interpolated; ///< its interpolation transform outside Rewound
   int ticksLeft = 0;        ///< until it is there, this one included
+  bool seenBetweenSteps = false;  ///< by start() alone
   btVector3 low, high;      ///< m, the box of its motion
   bool moves() const { return !(start == end); }
 };
@@ -51,8 +52,8 @@ struct KinematicMotion {
 /// pre-tick callback.
 class KinematicMotions {
  public:
-  /// After a time without follow().
-  void forget() { motions_.clear(), started_ = false; }
+  /// After a time without follow(): from where its objects are now, between two stepSimulation().
+  void start(const btCollisionWorld& world);
 
   /// At the start of a tick.
   void follow(const btCollisionWorld& world, btScalar tick);
@@ -76,7 +77,6 @@ class KinematicMotions {
   const KinematicMotion* known(const btCollisionObject& object) const;
 
   std::vector<KinematicMotion> motions_, last_;  // in the order of the world's list
-  bool started_ = false;
 };
 
 /// m, how far a place on an object gets in the tick while it is Rewound; 0 for one that is not kinematic.

@@ -44,7 +44,7 @@ void warnOnStandardError(const std::string& text) { std::fprintf(stderr, "limber
 void SoftBodySystem::Impl::hookUp() {
   if (hook) return;
   hook = &TickHook::listen(*world, *this, hookKind == Hook::PreTick);
-  step->kinematic.forget();
+  step->kinematic.start(*world);
 }
 
 /// Stays in place while it is not known whether the world still exists: its next tick will tell.
@@ -108,7 +108,7 @@ HookState SoftBodySystem::hookState() const {
 
 void SoftBodySystem::rehook() {
   impl_->overwritten = false;
-  impl_->step->kinematic.forget();
+  impl_->step->kinematic.start(*impl_->world);
   if (impl_->hook && impl_->hookKind == Hook::PreTick) impl_->hook->takeSlot();
 }
 

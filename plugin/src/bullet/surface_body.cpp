@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "bullet/surface_body.h"
 
+#include "bullet/body_in_world.h"
 #include "bullet/contact_reach.h"
 #include "bullet/convert.h"
 #include "bullet/surface_rigid.h"
@@ -102,14 +103,16 @@ void sharePoints(SoftBodyData& body) {
   if (body.masses.shared || !body.alive) return;
   body.masses.shared = true;
   body.surface.force.setZero(3, body.state.position.cols());
-  body.surface.gravity = body.world->getGravity();
+  // who is in no world cannot know that it still exists
+  const bool inWorld = anyInWorld(body);
+  if (inWorld) body.surface.gravity = body.world->getGravity();
   for (PointMass* point : body.masses.bodies) {
     if (body.surface.object) point->setFriction(body.surface.object->getFriction());
     point->setGravity(body.surface.gravity);
     if (body.asleep) point->setActivationState(ISLAND_SLEEPING);
   }
   writePoints(body);
-  if (body.onPointsShared) body.onPointsShared();
+  if (inWorld && body.onPointsShared) body.onPointsShared();
 }
 
 void collectForces(SoftBodyData& body) {

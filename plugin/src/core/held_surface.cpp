@@ -111,25 +111,29 @@ HeldPlace nearestOnCone(const HeldPiece& cone, const Vector3d& x) {
 }
 
 struct OnTriangle {
-  Vector3d away;  ///< m, from the nearest place to the point
-  bool inside;    ///< the foot is in the triangle, not on its edges
+  Vector3d away;        ///< m, from the nearest place to the point
+  double height = 0.0;  ///< m, above its plane
+  bool inside = false;  ///< the foot is in the triangle, not on its edges
+  bool above = false;   ///< the foot is in it or, to rounding, on its edges
 };
-
-OnTriangle nearestOnTriangle(const HeldPiece& t, const Vector3d& x) {
-  const Vector3d weights = nearestBarycentric({t.axes.col(0), t.axes.col(1), t.axes.col(2)}, x);
-  return {x - t.axes * weights, weights.minCoeff() > 0.0};
-}
 
 double heightAbove(const HeldPiece& t, const Vector3d& x) { return t.center.dot(x - t.axes.col(0)); }
 
-HeldPlace nearestOnSheet(const HeldPiece& sheet, const Vector3d& x) {
+OnTriangle nearestOnTriangle(const HeldPiece& t, const Vector3d& x) {
   constexpr double kOnIt = 1e-9;  // m
-  const OnTriangle nearest = nearestOnTriangle(sheet, x);
-  const double height = heightAbove(sheet, x);
-  const double side = sheet.metInside ? sheet.side : height < 0.0 ? -1.0 : 1.0;
-  if (nearest.inside || nearest.away.norm() < kOnIt)
-    return {side * sheet.center, side * height - sheet.margin, nearest.inside};
-  return outside(nearest.away, sheet, false);
+  const Vector3d weights = nearestBarycentric({t.axes.col(0), t.axes.col(1), t.axes.col(2)}, x);
+  const Vector3d away = x - t.axes * weights;
+  const double height = heightAbove(t, x);
+  const bool inside = weights.minCoeff() > 0.0;
+  return {away, height, inside, inside || (away - height * t.center).norm() < kOnIt};
+}
+
+HeldPlace nearestOnSheet(const HeldPiece& sheet, const Vector3d& x) {
+  const auto [away, height, inside, above] = nearestOnTriangle(sheet, x);
+  const double side = sheet.metAbove ? sheet.side : height < 0.0 ? -1.0 : 1.0;
+  if (above)
+    return {side * sheet.center, side * height - sheet.margin, inside};
+  return outside(away, sheet, false);
 }
 
 HeldPlace nearestOnHull(const HeldPiece* first, const HeldPiece* end, const Vector3d& x) {
@@ -245,9 +249,9 @@ void addContact(std::vector<HeldContact>& contacts, const HeldContact& c, double
 /// Whose side of a sheet the point is on stays as it was as long as it is above it: what has got into it is
 /// pushed out again.
 void keepSide(HeldPiece& sheet, const Vector3d& x) {
-  const bool inside = nearestOnTriangle(sheet, x).inside;
-  if (!inside || !sheet.metInside) sheet.side = heightAbove(sheet, x) < 0.0 ? -1 : 1;
-  sheet.metInside = inside;
+  const OnTriangle nearest = nearestOnTriangle(sheet, x);
+  if (!nearest.above || !sheet.metAbove) sheet.side = nearest.height < 0.0 ? -1 : 1;
+  sheet.metAbove = nearest.above;
 }
 
 /// The path of a point that slides on the face that it meets first. What is met on the straight way beyond it may

@@ -20,7 +20,7 @@ struct HeldPiece {
     Sheet      ///< a triangle that is solid on neither side
   };
   Kind kind = Kind::Plane;
-  bool metInside = false;   ///< of a Sheet: the point was above it, beside none of its edges, when last seen
+  bool metAbove = false;    ///< of a Sheet: the point was above or below it, not beside its edges, when last seen
   std::int8_t side = 1;     ///< of a Sheet: -1 if the point is behind it
   std::uint32_t owner = 0;  ///< whose contacts these are, within a neighbourhood
   double margin = 0.0;      ///< m, of everything about what the other members tell
