@@ -50,6 +50,17 @@ TEST(SteppingChoice, goesImplicitForStiffBodiesInFreeMotion) {
   EXPECT_EQ(chooseStepping(stiff, Stepping()).stepper, Stepper::Verlet) << "impacts want fine substeps";
 }
 
+TEST(SteppingChoice, pinnedBodiesGoImplicitOnlyForABudget) {
+  SteppingProblem stiff = freeBody(1e5);
+  stiff.held = true;
+  EXPECT_EQ(chooseStepping(stiff, Stepping()).stepper, Stepper::Verlet);
+  Stepping s;
+  s.budget = 10;
+  EXPECT_EQ(chooseStepping(stiff, s).stepper, Stepper::ImplicitMidpoint);
+  stiff.cheapNewton = true;
+  EXPECT_EQ(chooseStepping(stiff, s).stepper, Stepper::BandedNewton);
+}
+
 TEST(SteppingChoice, goesImplicitOnlyWhereThatIsCheaper) {
   SteppingProblem stiff = freeBody(1e5);
   Stepping s;

@@ -112,6 +112,7 @@ SteppingProblem problemOf(TickGroup& group, double tick) {
     p.cheapNewton = body->cheapNewton;
   }
   p.implicitPossible = isPlain(group.step) && canStepImplicitly(group.step.bodies[0]);
+  p.held = p.implicitPossible && (group.step.bodies[0].points->inverseMass.array() == 0.0).any();
   return p;
 }
 

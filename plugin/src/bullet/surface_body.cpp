@@ -148,6 +148,17 @@ void gatherSurface(SoftBodyData& body, btScalar tick) {
   accelerateByObject(body);
 }
 
+void showFlight(SoftBodyData& body, btScalar tick) {
+  SurfaceData& s = body.surface;
+  if (!body.masses.shared && s.flight.tick == double(tick)) return;
+  const Flight flight = flightOf(body, double(tick));
+  if (s.flight.box.contains(flight.box) || !s.object || !s.object->isInWorld()) return;
+  s.flight = flight;
+  s.flight.tick = 0.0;
+  setBox(body);
+  body.world->updateSingleAabb(s.object);
+}
+
 void handOverBox(SoftBodyData& body, btScalar tick) {
   body.surface.flight = flightOf(body, double(tick));
   setBox(body);

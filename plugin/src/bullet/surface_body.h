@@ -29,6 +29,10 @@ void collectForces(SoftBodyData& body);
 /// gatherPoints(), and the accelerations from gravity and forces.
 void gatherSurface(SoftBodyData& body, btScalar tick);
 
+/// At the start of a tick: where a body that has been thrown since the last one may get is told to Bullet's broadphase,
+/// in which others look for it.
+void showFlight(SoftBodyData& body, btScalar tick);
+
 /// After the step: gives the broadphase the box of this tick's motion and of what the points may reach in the
 /// next.
 void handOverBox(SoftBodyData& body, btScalar tick);

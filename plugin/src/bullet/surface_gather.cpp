@@ -549,6 +549,18 @@ void findWithin(const SurfaceMeeting& m, const SidesWithin& sides, double ahead,
   }
 }
 
+void shareSoftPartners(const std::vector<TickGroup>& groups) {
+  for (const TickGroup& group : groups) {
+    if (group.asleep) continue;
+    for (SoftBodyData* body : group.bodies)
+      for (SoftBodyData* other : body->softPartners) {
+        if (other->asleep) continue;
+        std::vector<SoftBodyData*>& theirs = other->softPartners;
+        if (std::find(theirs.begin(), theirs.end(), body) == theirs.end()) theirs.push_back(body);
+      }
+  }
+}
+
 void gatherSurfacePairs(SoftBodyData& body, btScalar tick, RigidSurfaces& rigids, SurfaceSearch& search,
                         TickContacts& found) {
   if (!body.surface.topology) return;

@@ -3,6 +3,7 @@
 
 #include "bullet/rigid_surfaces.h"
 #include "bullet/soft_body_data.h"
+#include "bullet/tick_group.h"
 #include "bullet/tick_contacts.h"
 #include "core/surface_contacts.h"
 
@@ -17,6 +18,10 @@ struct SurfaceSearch {
   std::vector<PairContact> pairs;  ///< of findWithin()
   std::vector<ContactSource> sources;
 };
+
+/// Makes those that have found another soft body known to it, too: one that has just been thrown is far outside what
+/// the other one looks at. Call it after gatherContacts() of all bodies.
+void shareSoftPartners(const std::vector<TickGroup>& groups);
 
 /// Adds to `found` where the surface of a body with Collision::Surface touches, or may touch in the coming
 /// tick: vertices, edges and triangles of rigid bodies that move by themselves, and of other soft bodies;

@@ -96,10 +96,13 @@ void SoftBodySystem::Impl::WorldStep::gatherGroups(btScalar tick) {
   const KinematicMotions::Rewound rewound(kinematic);
   for (TickGroup& group : groups) {
     if (!group.asleep)
-      gatherGroup(group, tick);
+      gatherBodies(group, tick);
     else
       for (SoftBodyData* body : group.bodies) dropObjectForces(*body);
   }
+  for (TickGroup& group : groups)
+    if (!group.asleep) gatherGroup(group, tick);
+  shareSoftPartners(groups);
   for (TickGroup& group : groups)
     if (!group.asleep)
       for (SoftBodyData* body : group.bodies) gatherPartners(*body, tick);

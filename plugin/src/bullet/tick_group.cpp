@@ -5,6 +5,7 @@
 #include "bullet/contact_gather.h"
 #include "bullet/convert.h"
 #include "bullet/kinematic_motion.h"
+#include "bullet/surface_body.h"
 
 #include <algorithm>
 #include <map>
@@ -20,11 +21,15 @@ bool isWhole(const TickGroup& group) {
   return true;
 }
 
-void gatherGroup(TickGroup& group, btScalar tick) {
+void gatherBodies(TickGroup& group, btScalar tick) {
   for (SoftBodyData* body : group.bodies) {
     gatherBody(*body, tick);
-    gatherContacts(*body, tick);
+    if (isSurfaceBody(*body)) showFlight(*body, tick);
   }
+}
+
+void gatherGroup(TickGroup& group, btScalar tick) {
+  for (SoftBodyData* body : group.bodies) gatherContacts(*body, tick);
   for (std::size_t i = 0; i < group.rigids.size(); ++i)
     gatherRigid(group.rigids[i], group.step.links.rigids[i], tick);
 }

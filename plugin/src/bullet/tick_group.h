@@ -50,7 +50,8 @@ bool isWhole(const TickGroup& group);
 bool updateUsableLinks(const std::vector<SoftBodyData*>& bodies, const std::vector<SpringConstraint*>& springs,
                        std::vector<unsigned char>& links);
 
-/// The stages of a tick, see point_masses.h.
+/// The stages of a tick, see point_masses.h. What a body may touch depends on where all of them are.
+void gatherBodies(TickGroup& group, btScalar tick);
 void gatherGroup(TickGroup& group, btScalar tick);
 void handOverGroup(TickGroup& group, btScalar tick);
 void takeBackGroup(TickGroup& group, btScalar tick);

@@ -16,6 +16,7 @@ struct ImplicitState {
   double energyFloor = 0.0;     ///< J, the least energy it has had, work done on it and other changes added
   double energyAtEnd = 0.0;     ///< J, at the end of the last tick
   Points meanAcceleration;      ///< 3 x #points, m/s^2, of the last substep
+  double remainder = 0.0;       ///< m, what further iterations would move
   double meanOver = 0.0;        ///< s, how long that was; 0: none, or the body has moved otherwise since
 };
 

@@ -40,13 +40,13 @@ constexpr int kMostWaysFollowed = 3;
 /// Halvings of a Newton step that would go uphill.
 constexpr int kMostImplicitHalvings = 6;
 
-/// What the iterations start from: x0 + h/2 v0 for the midpoint; going downhill from x0 for Euler's, the springs
-/// never get more energy than there was.
+/// What the iterations start from: x0 + h/2 v0, where they keep what turns or falls as a whole however stiff it is; or
+/// x0, from which the springs never get more energy than there was, but of such motion little comes about.
 void guess(const Substep& s) {
   PointState& p = s.points();
   p.position = s.implicit.start;
   for (Eigen::Index i = 0; i < p.position.cols(); ++i)
-    if (!s.euler || isHeld(p.inverseMass, i)) p.position.col(i) += 0.5 * s.h * s.implicit.startVelocity.col(i);
+    if (!s.downhill || isHeld(p.inverseMass, i)) p.position.col(i) += 0.5 * s.h * s.implicit.startVelocity.col(i);
 }
 
 double longest(const SpringArrays& springs) {
@@ -112,6 +112,14 @@ double iterate(const Substep& s, const ContactSpan& span, int iteration) {
   return state.residual.cwiseAbs().maxCoeff();
 }
 
+/// m, what iterations would still move whose movement falls by the same factor each time. Those of a factor that all
+/// share come near what turns a stiff body about a pin very slowly: their last movement is no measure.
+double remainder(double moved, double before) {
+  constexpr double kSlowest = 0.999;
+  const double factor = before > 0.0 ? std::min(moved / before, kSlowest) : 0.0;
+  return moved * factor / (1.0 - factor);
+}
+
 /// Iterates to the end; returns the last movement (m).
 double solveMidpoint(const Substep& s, const ContactSpan& span) {
   const bool shared = s.implicit.solver.kind == MidpointSolver::Kind::Shared;
@@ -119,7 +127,9 @@ double solveMidpoint(const Substep& s, const ContactSpan& span) {
   const double enough = kConverged * longest(s.springs());
   double moved = 0.0;
   for (int i = 0; i < most; ++i) {
+    const double before = moved;
     moved = iterate(s, span, i);
+    s.implicit.remainder = remainder(moved, before);
     if (moved <= enough) break;
   }
   return moved;
@@ -207,11 +217,10 @@ void finish(const Substep& s) {
 }
 
 /// Half a substep of backward Euler, which the equation for the midpoint is: x = x0 + h/2 v,
-/// v = v0 + h/2 (a + M^-1 f(x)).
-void advanceHalfByEuler(const Substep& s) {
+/// v = v0 + h/2 (a + M^-1 f(x)). False if it makes energy.
+bool stepHalfByEuler(const Substep& s, const Eigen::Vector3d& spin) {
   PointState& p = s.points();
-  const Eigen::Vector3d spin = spinOf(p);
-  start(s);
+  guess(s);
   solveFollowing(s, s.firstHalf());
   computeForces(s, false);
   setVelocities(s, 1.0);
@@ -219,21 +228,34 @@ void advanceHalfByEuler(const Substep& s) {
   // giving back the spin that the dampers of a straight step have braked may cost more energy than there is
   s.implicit.trial = p.velocity;
   keepSpin(s, spin, 0.5 * s.h);
-  if (guardEnergy(s)) return;
+  if (guardEnergy(s)) return true;
   p.velocity = s.implicit.trial;
-  if (!guardEnergy(s)) s.implicit.energyFloor = energy(s);
+  return guardEnergy(s);
+}
+
+void advanceHalfByEuler(const Substep& s) {
+  const Eigen::Vector3d spin = spinOf(s.points());
+  start(s);
+  if (stepHalfByEuler(s, spin)) return;
+  undo(s.implicit.contacts);
+  s.points().position = s.implicit.start;
+  s.points().velocity = s.implicit.startVelocity;
+  Substep downhill = s;
+  downhill.downhill = true;
+  start(downhill);
+  if (!stepHalfByEuler(downhill, spin)) s.implicit.energyFloor = energy(s);
 }
 
 /// m/s, root mean square: the midpoint rule is wrong by (omega h)^2 / 12 of the phase (compare
 /// verletErrorRate), and what the iterations left.
-double errorRate(const Substep& s, double left) {
+double errorRate(const Substep& s) {
   const PointState& p = s.points();
   Points& mean = s.implicit.meanAcceleration;
   s.implicit.trial = p.force.cwiseProduct(p.inverseMass);
   const double change = s.implicit.meanOver == s.h ? (s.implicit.trial - mean).squaredNorm() : 0.0;
   mean = s.implicit.trial;
   s.implicit.meanOver = s.h;
-  return 2.0 * verletErrorRate(change, p.position.cols(), s.h) + left / s.h;
+  return 2.0 * verletErrorRate(change, p.position.cols(), s.h) + s.implicit.remainder / s.h;
 }
 
 void advance(const Substep& s) {
@@ -241,7 +263,7 @@ void advance(const Substep& s) {
   start(s);
   const double left = solveFollowing(s, s.whole());
   computeForces(s, false);
-  s.body.errorRate = std::max(s.body.errorRate, errorRate(s, left));
+  s.body.errorRate = std::max(s.body.errorRate, errorRate(s));
   const bool settled = left <= kNearlyConverged * longest(s.springs());
   if (settled) {
     finish(s);
@@ -251,8 +273,11 @@ void advance(const Substep& s) {
   }
   s.points().position = s.implicit.start;
   s.points().velocity = s.implicit.startVelocity;
-  advanceHalfByEuler({s.body, s.implicit, s.time, s.h, true});
-  advanceHalfByEuler({s.body, s.implicit, s.time + 0.5 * s.h, s.h, true});
+  for (const double half : {0.0, 0.5}) {
+    Substep euler{s.body, s.implicit, s.time + half * s.h, s.h};
+    euler.euler = true;
+    advanceHalfByEuler(euler);
+  }
 }
 
 std::size_t countPoints(const std::vector<ContactRow>& rows) {

@@ -13,7 +13,8 @@ struct Substep {
   ImplicitState& implicit;
   double time;         ///< s since the start of the tick
   double h;            ///< s, of the whole substep
-  bool euler = false;  ///< only its first half, by backward Euler
+  bool euler = false;     ///< only its first half, by backward Euler
+  bool downhill = false;  ///< from x0 instead of from where the motion leads
 
   PointState& points() const { return *body.points; }
   SpringArrays& springs() const { return *body.springs; }

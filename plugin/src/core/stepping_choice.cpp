@@ -46,7 +46,7 @@ int neededSubsteps(const SteppingProblem& p, const Stepping& s) {
 }
 
 Stepper implicitFor(const SteppingProblem& p, bool strong) {
-  return strong || p.narrow ? Stepper::BandedNewton : Stepper::ImplicitMidpoint;
+  return strong || p.narrow || p.cheapNewton ? Stepper::BandedNewton : Stepper::ImplicitMidpoint;
 }
 
 /// What Verlet needs: not to become unstable, with the usual settings, and with these.
@@ -64,6 +64,8 @@ VerletNeed verletNeed(const SteppingProblem& p, const Stepping& s) {
   return {count(1, 1.0), count(s.atLeast, kUsualPeriodTolerance), count(s.atLeast, s.periodTolerance)};
 }
 
+/// Who is merely dear for Verlet is stepped implicitly if it is free: what keeps a free body's springs from gaining energy
+/// where substeps do not resolve them also brakes what swings about a pin.
 /// A smaller tolerance only ever takes the choice from an implicit stepper to Verlet, which is more exact: one of the
 /// period below the usual rules out what cannot meet it, one of the error makes it dearer. So no error rises when a
 /// tolerance falls.
@@ -72,7 +74,7 @@ Stepper choose(const SteppingProblem& p, const Stepping& s, const VerletNeed& ve
   if (s.stepper != Stepper::Auto) return s.stepper;
   const bool strong = p.cheapNewton && p.dampingRate * p.tick / verlet.usual > kStrongDamping;
   const bool tooDear = s.budget > 0 && verlet.stable > s.budget;
-  const bool many = verlet.stable > kVerletPerImplicit * implicit && !p.touching &&
+  const bool many = verlet.stable > kVerletPerImplicit * implicit && !p.touching && !p.held &&
                     s.periodTolerance >= kUsualPeriodTolerance;
   return strong || tooDear || many ? implicitFor(p, strong) : Stepper::Verlet;
 }

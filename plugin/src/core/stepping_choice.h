@@ -44,6 +44,7 @@ struct SteppingProblem {
   bool cheapNewton =
       false;            ///< a few points, or few diagonals: the banded matrix is factorised in microseconds
   bool narrow = false;  ///< a rope or chain: the banded matrix has a few diagonals only
+  bool held = false;    ///< some points are pinned
 };
 
 struct SteppingChoice {
