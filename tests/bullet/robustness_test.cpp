@@ -178,6 +178,21 @@ TEST(TooLarge, isRefused) {
 
 // --- links -------------------------------------------------------------------------------------------------
 
+TEST(WrongLinks, thatAreNoneAreRefused) {
+  BulletWorld bullet;
+  SoftBodySystem system(*bullet.world), other(*bullet.world);
+  btRigidBody* box = bullet.addBox(btVector3(1, 1, 1), 1, btVector3(0, 5, 0));
+  SpringConstraint* gone = *system.addSpring({box}, {nullptr});
+  SpringConstraint* strange = *other.addSpring({box}, {nullptr});
+  system.removeSpring(gone);
+  for (SpringConstraint* spring : {gone, strange, static_cast<SpringConstraint*>(nullptr)})
+    EXPECT_FALSE(system.changeSpring(spring, SpringSettings()));
+  EXPECT_TRUE(other.changeSpring(strange, SpringSettings()));
+  EXPECT_FALSE(system.attach(nullptr, 0, *box));
+  EXPECT_FALSE(system.attach(nullptr, 0, *box, btVector3(0, 0, 0)));
+  EXPECT_FALSE(system.detach(nullptr, 0));
+}
+
 TEST(WrongLinks, areRefused) {
   BulletWorld bullet, elsewhere;
   btRigidBody* box = bullet.addBox(btVector3(1, 1, 1), 1, btVector3(0, 5, 0));

@@ -133,6 +133,9 @@ TEST(NetworkFile, whatCannotBeWrittenLeavesNothingBehind) {
   const TemporaryFolder folder;
   const SpringNetwork network = test::everyMemberNetwork();
   const std::string nowhere = folder.path() + "/none/body.limber";
+  SpringNetwork wrong = network;
+  wrong.springs[0].b = 1000;
+  EXPECT_EQ(saveNetwork(wrong, nowhere), nowhere + ": " + validate(wrong));
   EXPECT_EQ(saveNetwork(network, nowhere), "cannot write " + nowhere + ": No such file or directory");
   EXPECT_EQ(saveNetwork(network, folder.path()), "cannot write " + folder.path() + ": it is no regular file");
   EXPECT_EQ(saveNetwork(network, "/dev/null"), "cannot write /dev/null: it is no regular file");

@@ -21,7 +21,7 @@ std::vector<std::uint8_t> toBytes(const SpringNetwork& network);
 Result<SharedNetwork> fromBytes(const std::uint8_t* bytes, std::size_t size);
 
 /// Writes the file anew under a temporary name and renames it, so that there is never half a file. Empty when
-/// written, else the reason with the file's name.
+/// written, else the reason with the file's name; what validate(SpringNetwork) refuses is not written.
 std::string saveNetwork(const SpringNetwork& network, const std::string& file);
 
 /// fromBytes of a file; errors have the file's name in them.

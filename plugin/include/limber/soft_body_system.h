@@ -83,13 +83,14 @@ class SoftBodySystem {
   /// is not finite, a surface object, a point mass of a soft body in another world.
   Result<SpringConstraint*> addSpring(const SpringEnd& a, const SpringEnd& b,
                                       const SpringSettings& settings = {});
-  /// New settings for a spring; a negative rest length keeps the present one. Errors as addSpring.
+  /// New settings for a spring; a negative rest length keeps the present one. Errors: invalid settings, a
+  /// spring that is not, or no longer, one of this system.
   Result<SpringConstraint*> changeSpring(SpringConstraint* spring, const SpringSettings& settings);
   void removeSpring(SpringConstraint* spring);
   std::size_t springCount() const;
 
   /// Makes point i move with `body`, at a pivot in the body's local coordinates (the overload without pivot:
-  /// where the point is now). Both feel each other; they do not collide. Errors: no such point, a point that
+  /// where the point is now). Both feel each other; they do not collide. Errors: no soft body, no such point, a point that
   /// is already attached or pinned, a body that is a point mass or a surface object, a pivot that is not
   /// finite, a soft body in another world.
   Result<bool> attach(SoftBody* softBody, std::uint32_t i, btRigidBody& body, const btVector3& pivot);

@@ -11,7 +11,7 @@ void markCoupledPoints(Cluster& cluster) {
   for (SoftBodyData* body : cluster.softBodies) body->coupled.assign(body->masses.bodies.size(), 0);
   for (const ClusterMeeting& m : cluster.meetings)
     for (SoftBodyData* body : {m.surfaces->body, m.surfaces->other})
-      if (m.moves() && body) body->coupled.assign(body->coupled.size(), 1);
+      if (m.moves() && !m.surfaces->held && body) body->coupled.assign(body->coupled.size(), 1);
   for (const PairContact& c : cluster.step.pairs.contacts)
     for (const ContactPlace* place : {&c.a, &c.b})
       if (place->kind == ContactPlace::Kind::Soft)

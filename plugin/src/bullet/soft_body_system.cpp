@@ -193,6 +193,9 @@ Result<SpringConstraint*> SoftBodySystem::addSpring(const SpringEnd& a, const Sp
 
 Result<SpringConstraint*> SoftBodySystem::changeSpring(SpringConstraint* spring,
                                                        const SpringSettings& settings) {
+  const auto isSpring = [&](const auto& owned) { return owned.get() == spring; };
+  if (std::none_of(impl_->springs.begin(), impl_->springs.end(), isSpring))
+    return Error{"the spring is not, or no longer, one of this system"};
   if (std::string reason = validate(settings); !reason.empty()) return Error{reason};
   const double restLength = settings.restLength < 0.0 ? spring->settings_.restLength : settings.restLength;
   spring->settings_ = settings;
@@ -252,6 +255,7 @@ std::size_t SoftBodySystem::springCount() const { return impl_->springs.size(); 
 
 Result<bool> SoftBodySystem::attach(SoftBody* softBody, std::uint32_t i, btRigidBody& body,
                                     const btVector3& pivot) {
+  if (!softBody) return Error{"there is no soft body to attach"};
   if (softBody->data_->system != impl_->step.get()) return Error{"the soft body is in another world"};
   PointMass* point = i < softBody->pointCount() ? softBody->data_->masses.bodies[i] : nullptr;
   if (!point) return Error{"there is no point " + std::to_string(i)};
@@ -268,12 +272,13 @@ Result<bool> SoftBodySystem::attach(SoftBody* softBody, std::uint32_t i, btRigid
 }
 
 Result<bool> SoftBodySystem::attach(SoftBody* softBody, std::uint32_t i, btRigidBody& body) {
+  if (!softBody) return Error{"there is no soft body to attach"};
   if (i >= softBody->pointCount()) return Error{"there is no point " + std::to_string(i)};
   const btVector3 place = toBullet(softBody->position(i));
   return attach(softBody, i, body, body.getWorldTransform().inverse() * place);
 }
 
-bool SoftBodySystem::detach(SoftBody* softBody, std::uint32_t i) { return impl_->detach(softBody, i); }
+bool SoftBodySystem::detach(SoftBody* softBody, std::uint32_t i) { return softBody && impl_->detach(softBody, i); }
 
 bool SoftBodySystem::Impl::detach(SoftBody* softBody, std::uint32_t i) {
   std::vector<Anchor>& anchors = softBody->data_->anchors;

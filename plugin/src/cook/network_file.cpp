@@ -82,6 +82,7 @@ Result<SharedNetwork> fromBytes(const std::uint8_t* bytes, std::size_t size) {
 }
 
 std::string saveNetwork(const SpringNetwork& network, const std::string& file) {
+  if (std::string reason = validate(network); !reason.empty()) return file + ": " + reason;
   return writeWholeFile(file, toBytes(network));
 }
 
