@@ -20,20 +20,20 @@ namespace {
 constexpr int kTolerance = 3;
 constexpr double kOutliers = 1e-3;
 
-struct Case {
+struct GoldenCase {
   const char* name;
   DrawMode mode;
   int samples;
   bool overlay;
 };
 
-void PrintTo(const Case& value, std::ostream* out) { *out << value.name; }
+void PrintTo(const GoldenCase& value, std::ostream* out) { *out << value.name; }
 
-std::string goldenPath(const Case& value) {
+std::string goldenPath(const GoldenCase& value) {
   return std::string(LIMBER_GOLDENS_DIR) + "/" + value.name + ".png";
 }
 
-Image draw(const Case& value) {
+Image draw(const GoldenCase& value) {
   RendererDesc desc = smallDesc();
   desc.width = 320;
   desc.height = 180;
@@ -66,7 +66,7 @@ double outlierShare(const Image& a, const Image& b) {
   return 4.0 * static_cast<double>(outliers) / static_cast<double>(a.rgba.size());
 }
 
-class Golden : public ::testing::TestWithParam<Case> {};
+class Golden : public ::testing::TestWithParam<GoldenCase> {};
 
 TEST_P(Golden, LooksAsItDid) {
   const Image image = draw(GetParam());
@@ -88,10 +88,10 @@ TEST_P(Golden, LooksAsItDid) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Pictures, Golden,
-                         ::testing::Values(Case{"shaded", DrawMode::Shaded, 1, false},
-                                           Case{"multisampled", DrawMode::Shaded, 4, false},
-                                           Case{"wireframe", DrawMode::Wireframe, 1, false},
-                                           Case{"overlay", DrawMode::Shaded, 1, true}),
+                         ::testing::Values(GoldenCase{"shaded", DrawMode::Shaded, 1, false},
+                                           GoldenCase{"multisampled", DrawMode::Shaded, 4, false},
+                                           GoldenCase{"wireframe", DrawMode::Wireframe, 1, false},
+                                           GoldenCase{"overlay", DrawMode::Shaded, 1, true}),
                          [](const auto& test) { return std::string(test.param.name); });
 
 }  // namespace

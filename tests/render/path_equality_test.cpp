@@ -8,19 +8,19 @@
 namespace limber::render::test {
 namespace {
 
-struct Case {
+struct PathCase {
   std::string name;
   DrawMode mode = DrawMode::Shaded;
   bool shadows = true;
   int samples = 1;
 };
 
-void PrintTo(const Case& value, std::ostream* out) { *out << value.name; }
+void PrintTo(const PathCase& value, std::ostream* out) { *out << value.name; }
 
-class PathEquality : public ::testing::TestWithParam<Case> {};
+class PathEquality : public ::testing::TestWithParam<PathCase> {};
 
 TEST_P(PathEquality, NaiveAndBatchedPicturesAreEqual) {
-  const Case& param = GetParam();
+  const PathCase& param = GetParam();
   RendererDesc desc = smallDesc();
   desc.samples = param.samples;
   Stage stage(Backend::Auto, desc);
@@ -37,10 +37,10 @@ TEST_P(PathEquality, NaiveAndBatchedPicturesAreEqual) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Modes, PathEquality,
-                         ::testing::Values(Case{"Shaded", DrawMode::Shaded, false, 1},
-                                           Case{"ShadedWithShadows", DrawMode::Shaded, true, 1},
-                                           Case{"Wireframe", DrawMode::Wireframe, true, 1},
-                                           Case{"Multisampled", DrawMode::Shaded, true, 4}),
+                         ::testing::Values(PathCase{"Shaded", DrawMode::Shaded, false, 1},
+                                           PathCase{"ShadedWithShadows", DrawMode::Shaded, true, 1},
+                                           PathCase{"Wireframe", DrawMode::Wireframe, true, 1},
+                                           PathCase{"Multisampled", DrawMode::Shaded, true, 4}),
                          [](const auto& test) { return test.param.name; });
 
 }  // namespace
