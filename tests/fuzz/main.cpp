@@ -46,7 +46,7 @@ std::string wrongSeeds(const std::string& text) {
     if (!seedsOf(text).empty()) return {};
   } catch (const std::logic_error&) {
   }
-  return "'" + text + "' is none of 7, 1..48 and 1..48,878";
+  return "'" + text + "' names no seeds; write 7, 1..48 or 1..48,878";
 }
 
 std::string firstLine(const std::string& text) { return text.substr(0, text.find('\n')); }

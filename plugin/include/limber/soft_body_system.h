@@ -69,8 +69,8 @@ class SoftBodySystem {
   SoftBodySystem(const SoftBodySystem&) = delete;
   SoftBodySystem& operator=(const SoftBodySystem&) = delete;
 
-  /// A body of the network's shape; the world must exist. Errors, with nothing created: no or invalid network, invalid settings, a
-  /// scale that brings all points of a spring together.
+  /// A body of the network's shape. The world must exist. Errors, with nothing created: no or invalid network,
+  /// invalid settings, a scale that brings all points of a spring together.
   Result<SoftBody*> createBody(SharedNetwork network, const SoftBodySettings& settings = {});
 
   /// Removes the body, its anchors and every spring on it. The pointer is invalid afterwards.
@@ -89,10 +89,10 @@ class SoftBodySystem {
   void removeSpring(SpringConstraint* spring);
   std::size_t springCount() const;
 
-  /// Makes point i move with `body`, at a pivot in the body's local coordinates (the overload without pivot:
-  /// where the point is now). Both feel each other; they do not collide. Errors: no soft body, no such point, a point that
-  /// is already attached or pinned, a body that is a point mass or a surface object, a pivot that is not
-  /// finite, a soft body in another world.
+  /// Makes point i move with `body`, at a pivot (m) in the body's local coordinates (the overload without pivot:
+  /// where the point is now). Both feel each other; they do not collide. Errors: no soft body, no such point, a
+  /// point that is already attached or pinned, a body that is a point mass or a surface object, a pivot that is
+  /// not finite, a soft body in another world.
   Result<bool> attach(SoftBody* softBody, std::uint32_t i, btRigidBody& body, const btVector3& pivot);
   Result<bool> attach(SoftBody* softBody, std::uint32_t i, btRigidBody& body);
   /// Lets go of an attached point; false if it was not attached.

@@ -143,14 +143,17 @@ double heightAbove(const HeldPiece& sheet, const Eigen::Vector3d& x) {
   return sheet.center.dot(x - sheet.axes.col(0));
 }
 
+/// m
+double distanceTo(const HeldPiece& sheet, const Eigen::Vector3d& x) {
+  const Eigen::Vector3d weights = nearestBarycentric({sheet.axes.col(0), sheet.axes.col(1), sheet.axes.col(2)}, x);
+  return (sheet.axes * weights - x).norm();
+}
+
 /// Whether the straight line from x to y goes through a triangle.
 bool goesThrough(const HeldPiece& sheet, const Eigen::Vector3d& x, const Eigen::Vector3d& y) {
   const double from = heightAbove(sheet, x), to = heightAbove(sheet, y);
   if (from == to || (from > 0.0) == (to > 0.0)) return false;
-  const Eigen::Vector3d place = x + from / (from - to) * (y - x);
-  const Eigen::Vector3d weights =
-      nearestBarycentric({sheet.axes.col(0), sheet.axes.col(1), sheet.axes.col(2)}, place);
-  return (sheet.axes * weights - place).norm() <= kOnIt * (y - x).norm();
+  return distanceTo(sheet, x + from / (from - to) * (y - x)) <= kOnIt * (y - x).norm();
 }
 
 /// Whether a spring of point i goes through a triangle.
@@ -171,6 +174,8 @@ void chooseSides(const SoftBodyData& body, std::uint32_t i, HeldPiece* begin, He
   for (HeldPiece* piece = begin; piece != end; ++piece) {
     if (piece->kind != HeldPiece::Kind::Sheet) continue;
     if (!(std::abs(heightAbove(*piece, x)) < piece->margin + kDeepest * radius)) continue;
+    // most planes that pass by are those of triangles farther away; to look at all springs costs more
+    if (distanceTo(*piece, x) > piece->margin + radius) continue;
     if (!isHungThrough(body, i, *piece)) continue;
     piece->metAbove = true;
     piece->side = heightAbove(*piece, centerOfMass(body.state)) < 0.0 ? -1 : 1;

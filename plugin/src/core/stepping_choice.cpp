@@ -64,8 +64,8 @@ VerletNeed verletNeed(const SteppingProblem& p, const Stepping& s) {
   return {count(1, 1.0), count(s.atLeast, kUsualPeriodTolerance), count(s.atLeast, s.periodTolerance)};
 }
 
-/// Who is merely dear for Verlet is stepped implicitly if it is free: what keeps a free body's springs from gaining energy
-/// where substeps do not resolve them also brakes what swings about a pin.
+/// A free body that needs many substeps of Verlet is stepped implicitly. A pinned one is not: where substeps do not
+/// resolve the springs, the guard against a gain of energy also brakes what swings about the pin.
 /// A smaller tolerance only ever takes the choice from an implicit stepper to Verlet, which is more exact: one of the
 /// period below the usual rules out what cannot meet it, one of the error makes it dearer. So no error rises when a
 /// tolerance falls.
