@@ -219,5 +219,105 @@ TEST(Joined, aCubeOnABoxThatHangsOnAJointNeverGainsEnergy) {
   }
 }
 
+// --- driven by joints ------------------------------------------------------------------------------------
+
+constexpr double kSpring = 40.0;  // N/m
+
+/// Bounces along y only.
+template <class SixDof>
+Joint springAlongY(std::unique_ptr<SixDof> joint) {
+  joint->setLinearLowerLimit(vec(0, 1, 0));
+  joint->setLinearUpperLimit(vec(0, -1, 0));
+  joint->setAngularLowerLimit(vec(0, 0, 0));
+  joint->setAngularUpperLimit(vec(0, 0, 0));
+  joint->enableSpring(1, true);
+  joint->setStiffness(1, btScalar(kSpring));
+  joint->setEquilibriumPoint();
+  return joint;
+}
+
+/// A cube attached by its four upper corners below a box that hangs on a joint.
+struct Driven {
+  explicit Driven(const MakeJoint& make) {
+    box = bullet.addBox(vec(.5, .1, .5), 2.0, vec(0, 0, 0));
+    box->setActivationState(DISABLE_DEACTIVATION);
+    joint = make(*box, *bullet.addBox(vec(.01, .01, .01), 0, vec(0, 0, 50)), btTransform::getIdentity());
+    bullet.world->addConstraint(joint.get());
+    SoftBodySettings s = lightlyDamped(1e5, 1.0);
+    s.collisionMask = 0;
+    s.position = {0, -0.6, 0};
+    cube = *system.createBody(test::fullCubeNetwork(), s);
+    for (std::uint32_t i = 0; i < cube->pointCount(); ++i)
+      if (cube->position(i).y() > -0.2) {
+        EXPECT_TRUE(system.attach(cube, i, *box));
+      }
+  }
+  ~Driven() { bullet.world->removeConstraint(joint.get()); }
+
+  BulletWorld bullet;
+  SoftBodySystem system{*bullet.world};
+  btRigidBody* box;
+  SoftBody* cube;
+  Joint joint;
+};
+
+/// J, least and most of what is on the spring in its last two swings, above the start.
+std::pair<double, double> energyGained(const MakeJoint& make, double rate) {
+  Driven d(make);
+  const auto energy = [&] {
+    const double y = double(d.box->getWorldTransform().getOrigin().y());
+    return totalEnergyOf(*d.cube) + totalEnergyOf(*d.box) + 0.5 * kSpring * y * y;
+  };
+  const double start = energy();
+  double most = -HUGE_VAL, least = HUGE_VAL;
+  for (int i = 0; i < 5 * rate; ++i) {
+    d.bullet.tick(1 / rate);
+    if (i < 3.3 * rate) continue;  // a swing is 1.7 s
+    most = std::max(most, energy() - start);
+    least = std::min(least, energy() - start);
+  }
+  return {least, most};
+}
+
+TEST(Joined, whatBouncesOnASpringOfBulletsKeepsItsEnergy) {
+  const std::pair<const char*, MakeJoint> joints[] = {
+      {"spring",
+       [](btRigidBody& box, btRigidBody& base, const btTransform& f) -> Joint {
+         return springAlongY(
+             std::make_unique<btGeneric6DofSpringConstraint>(base, box, onBase(base, f), f, true));
+       }},
+      {"spring 2",
+       [](btRigidBody& box, btRigidBody& base, const btTransform& f) -> Joint {
+         return springAlongY(std::make_unique<btGeneric6DofSpring2Constraint>(base, box, onBase(base, f), f));
+       }},
+  };
+  // velocity Verlet's is off by (omega h)^2 / 8 = 5e-4 of it, and the cube's damping takes its vibration
+  const double swing = 0.5 * std::pow(3.0 * kGravity, 2) / kSpring;
+  for (const auto& [name, make] : joints)
+    for (const double rate : {60.0, 240.0}) {
+      const auto [least, most] = energyGained(make, rate);
+      EXPECT_LT(most, 0.002 * swing) << name << ", " << rate << " ticks a second";
+      EXPECT_GT(least, -0.002 * swing) << name << ", " << rate << " ticks a second";
+    }
+}
+
+TEST(Joined, aMotorPushesWithItsForce) {
+  constexpr double kForce = 6.0, kTime = 0.5;
+  const MakeJoint motor = [](btRigidBody& box, btRigidBody& base, const btTransform& f) -> Joint {
+    auto joint = std::make_unique<btSliderConstraint>(base, box, onBase(base, f), f, true);
+    joint->setLowerLinLimit(1), joint->setUpperLinLimit(-1);
+    joint->setPoweredLinMotor(true);
+    joint->setTargetLinMotorVelocity(100);
+    joint->setMaxLinMotorForce(btScalar(kForce));
+    return joint;
+  };
+  for (const double rate : {60.0, 240.0}) {
+    Driven d(motor);
+    d.bullet.simulate(kTime, 1 / rate);
+    const double momentum = 2.0 * double(d.box->getLinearVelocity().x()) + d.cube->linearMomentum().x();
+    EXPECT_NEAR(std::abs(momentum), kForce * kTime, 1e-3 * kForce * kTime) << rate << " ticks a second";
+  }
+}
+
 }  // namespace
 }  // namespace limber

@@ -119,7 +119,7 @@ double workOfAccelerations(const Cluster& cluster) {
 double workOfRecoveries(const Cluster& cluster, const TickContacts& found) {
   double work = 0.0;
   for (std::size_t i = 0; i < cluster.joints.size(); ++i)
-    work += cluster.step.pairs.joints[i].impulse * found.recoveries[cluster.joints[i]];
+    work += cluster.step.pairs.joints[i].impulse * found.jointSources[cluster.joints[i]].recovery;
   return work;
 }
 

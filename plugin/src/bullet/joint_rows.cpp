@@ -56,8 +56,16 @@ std::uint32_t sideOf(const btRigidBody& body, const Vector3d& linear, const Vect
   return JointRow::kHeld;
 }
 
-void addRow(const btTypedConstraint& joint, const RowBuffer& buffer, int row, btScalar tick,
-            TickContacts& found) {
+bool drives(const RowBuffer& buffer, int row) {
+  return buffer.lower[4 * row] > -SIMD_INFINITY && buffer.upper[4 * row] < SIMD_INFINITY;
+}
+
+JointSource sourceOf(btTypedConstraint& joint, const RowBuffer& buffer, int row) {
+  if (!drives(buffer, row)) return {&joint, double(buffer.error[4 * row]), false, 0.0, 0.0};
+  return {&joint, 0.0, true, double(buffer.lower[4 * row]), double(buffer.upper[4 * row])};
+}
+
+void addRow(const btTypedConstraint& joint, const RowBuffer& buffer, int row, btScalar tick, TickContacts& found) {
   JointRow j;
   j.linearA = vectorAt(buffer.linearA, row), j.angularA = vectorAt(buffer.angularA, row);
   j.linearB = vectorAt(buffer.linearB, row), j.angularB = vectorAt(buffer.angularB, row);
@@ -65,9 +73,6 @@ void addRow(const btTypedConstraint& joint, const RowBuffer& buffer, int row, bt
   j.lower = std::max(double(buffer.lower[4 * row]), -most);
   j.upper = std::min(double(buffer.upper[4 * row]), most);
   j.speed = double(buffer.error[4 * row]);
-  // motors have limits on both sides
-  const bool isMotor = buffer.lower[4 * row] > -SIMD_INFINITY && buffer.upper[4 * row] < SIMD_INFINITY;
-  found.recoveries.push_back(isMotor ? 0.0 : j.speed);
   j.softness = double(buffer.softness[4 * row] / tick);
   j.a = sideOf(joint.getRigidBodyA(), j.linearA, j.angularA, found, j.speed);
   j.b = sideOf(joint.getRigidBodyB(), j.linearB, j.angularB, found, j.speed);
@@ -89,27 +94,78 @@ void addTurnRow(const btPersistentManifold& manifold, const Vector3d& axis, doub
   j.a = side(manifold.getBody0(), j.angularA);
   j.b = side(manifold.getBody1(), j.angularB);
   found.joints.push_back(j);
-  found.constraints.push_back(nullptr);
-  found.recoveries.push_back(0.0);
+  found.jointSources.emplace_back();
 }
 
 bool isNumbered(const TickContacts& found, const btRigidBody& body) {
   return isFree(body) && found.find(body) != TickContacts::kNone;
 }
 
-void addRows(btTypedConstraint& joint, const btContactSolverInfo& solver, btScalar tick,
-             TickContacts& found) {
+/// Fills the buffer as Bullet's solver does. The number of rows; 0 too if there are too many.
+int readRows(btTypedConstraint& joint, const btContactSolverInfo& solver, btScalar tick, RowBuffer& buffer) {
   joint.buildJacobian();
   btTypedConstraint::btConstraintInfo1 size;
   joint.getInfo1(&size);
-  if (size.m_numConstraintRows <= 0 || size.m_numConstraintRows > kMostRows) return;
-  RowBuffer buffer;
+  if (size.m_numConstraintRows <= 0 || size.m_numConstraintRows > kMostRows) return 0;
   btTypedConstraint::btConstraintInfo2 info = infoOn(buffer, solver, tick);
   joint.getInfo2(&info);
-  for (int row = 0; row < size.m_numConstraintRows; ++row) {
-    addRow(joint, buffer, row, tick, found);
-    found.constraints.push_back(&joint);
+  return size.m_numConstraintRows;
+}
+
+/// Puts both bodies of a joint, while it lives, to where they come in some time (s) by their velocities.
+class Ahead {
+ public:
+  Ahead(btTypedConstraint& joint, btScalar time)
+      : bodies_{&joint.getRigidBodyA(), &joint.getRigidBodyB()},
+        poses_{bodies_[0]->getWorldTransform(), bodies_[1]->getWorldTransform()} {
+    btTransform ahead;
+    for (btRigidBody* body : bodies_) {
+      if (!isFree(*body)) continue;
+      body->predictIntegratedTransform(time, ahead);
+      body->setWorldTransform(ahead);
+    }
   }
+  ~Ahead() {
+    for (int i : {0, 1})
+      if (isFree(*bodies_[i])) bodies_[i]->setWorldTransform(poses_[i]);
+  }
+  Ahead(const Ahead&) = delete;
+  Ahead& operator=(const Ahead&) = delete;
+
+ private:
+  btRigidBody* bodies_[2];
+  btTransform poses_[2];
+};
+
+bool hasSprings(const btTypedConstraint& joint) {
+  const btTypedConstraintType type = joint.getConstraintType();
+  return type == D6_SPRING_CONSTRAINT_TYPE || type == D6_SPRING_2_CONSTRAINT_TYPE;
+}
+
+/// Springs push with the force of half a tick later. Theirs is constant in the tick of length h: at the start's
+/// distance x it changes (x, v) by a matrix whose determinant is 1 + (omega h)^2 / 2, and swings grow; at that of
+/// the middle, x + h v / 2, by one of determinant 1.
+void takeSprings(const RowBuffer& middle, int rows, RowBuffer& buffer) {
+  for (int row = 0; row < rows; ++row) {
+    if (!drives(buffer, row) || !drives(middle, row)) continue;
+    buffer.error[4 * row] = middle.error[4 * row];
+    buffer.lower[4 * row] = middle.lower[4 * row];
+    buffer.upper[4 * row] = middle.upper[4 * row];
+  }
+}
+
+void addRows(btTypedConstraint& joint, const btContactSolverInfo& solver, btScalar tick,
+             TickContacts& found) {
+  RowBuffer buffer, middle;
+  int inTheMiddle = 0;
+  if (hasSprings(joint)) {
+    const Ahead ahead(joint, tick / 2);
+    inTheMiddle = readRows(joint, solver, tick, middle);
+  }
+  const int rows = readRows(joint, solver, tick, buffer);
+  for (int row = 0; row < rows; ++row) found.jointSources.push_back(sourceOf(joint, buffer, row));
+  if (inTheMiddle == rows) takeSprings(middle, rows, buffer);
+  for (int row = 0; row < rows; ++row) addRow(joint, buffer, row, tick, found);
 }
 
 /// Whether the joint is in the world. Looks from `place` in the world's list on, and leaves there where it
@@ -133,6 +189,14 @@ void addFeedback(btJointFeedback& feedback, const JointRow& j, btScalar tick) {
   push(feedback.m_appliedForceBodyB, j.linearB);
   push(feedback.m_appliedTorqueBodyA, j.angularA);
   push(feedback.m_appliedTorqueBodyB, j.angularB);
+}
+
+/// What reaches its limit here does so in Bullet's solver, where a spring may still, or already, push the other way.
+double pushInSolver(const JointRow& row, const JointSource& source) {
+  const bool back = row.impulse < 0.0;
+  if (std::abs(row.impulse) < 0.999999 * std::abs(back ? row.lower : row.upper)) return row.impulse;
+  const double there = back ? source.lower : source.upper;
+  return there != 0.0 ? there : back ? source.upper : source.lower;
 }
 
 /// Soft bodies' objects are left to Bullet's solver, see surface_rigid.h.
@@ -176,11 +240,22 @@ void addJointRows(btDiscreteDynamicsWorld& world, btScalar tick, TickContacts& f
   }
 }
 
+void leaveToSolver(TickContacts& found, btScalar tick) {
+  for (std::size_t i = 0; i < found.joints.size(); ++i) {
+    if (!found.jointSources[i].drives) continue;
+    const JointRow& row = found.joints[i];
+    const double push = pushInSolver(row, found.jointSources[i]);
+    if (row.a != JointRow::kHeld) pushLater(found.rigids[row.a], push * row.linearA, push * row.angularA, tick);
+    if (row.b != JointRow::kHeld) pushLater(found.rigids[row.b], push * row.linearB, push * row.angularB, tick);
+  }
+}
+
 void reportJoints(btDynamicsWorld& world, const TickContacts& contacts, btScalar tick) {
   int place = 0;
   for (std::size_t i = 0; i < contacts.joints.size(); ++i) {
-    if (!contacts.constraints[i] || !isThere(world, contacts.constraints[i], place)) continue;
-    btTypedConstraint& joint = *contacts.constraints[i];
+    btTypedConstraint* constraint = contacts.jointSources[i].constraint;
+    if (!constraint || !isThere(world, constraint, place)) continue;
+    btTypedConstraint& joint = *constraint;
     const JointRow& row = contacts.joints[i];
     joint.internalSetAppliedImpulse(static_cast<btScalar>(row.impulse));
     if (joint.getJointFeedback()) addFeedback(*joint.getJointFeedback(), row, tick);

@@ -17,6 +17,10 @@ void addJointRows(btDiscreteDynamicsWorld& world, btScalar tick, TickContacts& f
 /// Rolling and spinning friction of the contact between rigid bodies that was added last.
 void addRollingRows(const btPersistentManifold& manifold, const btManifoldPoint& point, TickContacts& found);
 
+/// Bullet's solver lets motors and springs push whatever velocities it is given. What they will push there is taken
+/// off these, so that it acts once.
+void leaveToSolver(TickContacts& found, btScalar tick);
+
 /// After the tick: Bullet says of the joints what they have borne (as it does, the applied impulse is that of
 /// the last row; feedback is the sum of all), and those that bore as much as they may break. Joints that are
 /// no longer in the world are left out.

@@ -147,8 +147,7 @@ void MultiBodyLinks::addJoint(btMultiBody& multiBody, int link, TickContacts& fo
     row.linearB = -row.linearA;
     row.angularB = -row.angularA - arm.cross(row.linearA);
     found.joints.push_back(row);
-    found.constraints.push_back(nullptr);
-    found.recoveries.push_back(0.0);
+    found.jointSources.emplace_back();
   }
 }
 

@@ -109,7 +109,7 @@ void wake(btRigidBody& partner) {
 double radiusOf(const PointMass& point) { return double(point.owner()->masses.shape->getRadius()); }
 
 /// m/s and m/s^2; what is asleep is not stepped.
-Eigen::Vector3d velocityOf(const PointMass& point) {
+Eigen::Vector3d pointVelocity(const PointMass& point) {
   if (point.owner()->asleep) return Eigen::Vector3d::Zero();
   return point.owner()->state.velocity.col(point.index());
 }
@@ -147,7 +147,7 @@ class PairsOfPoints final : public btBroadphaseAabbCallback {
     const SoftBodyData& theirs = *other.owner();
     const Eigen::Vector3d offset =
         point_->owner()->state.position.col(point_->index()) - theirs.state.position.col(other.index());
-    const Eigen::Vector3d velocity = velocityOf(*point_) - velocityOf(other);
+    const Eigen::Vector3d velocity = pointVelocity(*point_) - pointVelocity(other);
     const double change = tick_ * tick_ * (accelerationOf(*point_) - accelerationOf(other)).norm();
     const double reach = radiusOf(*point_) + radiusOf(other);
     if (offset.norm() - reach > kReachPerMotion * (tick_ * velocity.norm() + change) + reach / 3.0) return;

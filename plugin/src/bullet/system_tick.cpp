@@ -150,6 +150,7 @@ void SoftBodySystem::Impl::WorldStep::handOverGroups(btScalar tick) {
       profile.springSubsteps += body->springs.size() * static_cast<std::size_t>(group.substeps);
     }
   }
+  leaveToSolver(pairs, tick);
 }
 
 void SoftBodySystem::Impl::WorldStep::beforeTick(btScalar tick) {

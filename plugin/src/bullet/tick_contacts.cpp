@@ -33,8 +33,7 @@ void TickContacts::clear(double comingTick) {
   sources.clear();
   meetings.clear();
   joints.clear();
-  constraints.clear();
-  recoveries.clear();
+  jointSources.clear();
 }
 
 Eigen::Vector3d velocityOf(const btCollisionObject& object, const btVector3& place, double tick) {

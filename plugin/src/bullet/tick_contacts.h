@@ -26,6 +26,14 @@ struct ContactSource {
   std::uint64_t key = 0;             ///< of the features that touch, the same from tick to tick
 };
 
+/// Where a row of a joint comes from.
+struct JointSource {
+  btTypedConstraint* constraint = nullptr;  ///< nullptr: rolling friction of a contact
+  double recovery = 0.0;                    ///< m/s or rad/s, the speed that corrects errors
+  bool drives = false;                      ///< a motor or a spring: its impulse has limits on both sides
+  double lower = 0.0, upper = 0.0;          ///< of one that drives: its impulse's limits in Bullet's solver
+};
+
 struct RigidPart;
 
 /// Two surfaces that touch, or may touch, in the tick.
@@ -48,9 +56,8 @@ struct TickContacts {
   std::vector<ContactSource> sources;  ///< #contacts
   std::vector<SurfaceMeeting> meetings;
   std::vector<JointRow> joints;
-  std::vector<btTypedConstraint*> constraints;  ///< #joints; nullptr: rolling friction of a contact
-  std::vector<double> recoveries;               ///< #joints, m/s or rad/s: their speeds that correct errors
-  double tick = 0.0;                            ///< s
+  std::vector<JointSource> jointSources;  ///< #joints
+  double tick = 0.0;                      ///< s
 
   static constexpr std::uint32_t kNone = static_cast<std::uint32_t>(-1);
 

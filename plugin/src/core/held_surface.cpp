@@ -183,9 +183,9 @@ HeldContact contactAt(const Meeting& m, const HeldPlace& place, const Vector3d& 
   return c;
 }
 
-constexpr double kNever = 2.0;
+constexpr double kNoMeeting = 2.0;
 
-/// Follows the point until it meets the solid, by conservative advancement; returns when, kNever if it does not.
+/// Follows the point until it meets the solid, by conservative advancement; returns when, kNoMeeting if it does not.
 double advance(const Meeting& m, HeldContact& c) {
   double time = m.path.start;
   HeldPlace place = nearestOn(m.first, m.end, m.path.at(time));
@@ -193,7 +193,7 @@ double advance(const Meeting& m, HeldContact& c) {
     const double gap = place.height - m.radius;
     if (gap <= 0.01 * kTouching * m.radius) break;
     const double approach = -place.normal.dot(m.path.way);
-    if (!(approach > 0.0) || time + gap / approach > 1.0) return kNever;
+    if (!(approach > 0.0) || time + gap / approach > 1.0) return kNoMeeting;
     time += gap / approach;
     place = nearestOn(m.first, m.end, m.path.at(time));
   }
@@ -260,14 +260,14 @@ Path pathAlong(const HeldPiece* begin, const HeldPiece* end, const Vector3d& x, 
   const Path straight{x, way};
   if (begin == end || endOfSolid(begin, end) == end) return straight;
   Vector3d normal = Vector3d::Zero();
-  double time = kNever;
+  double time = kNoMeeting;
   for (const HeldPiece *first = begin, *next = begin; first != end; first = next) {
     next = endOfSolid(first, end);
     HeldContact c;
     const double met = advance({first, next, x, straight, radius}, c);
     if (met < time && c.onFace && c.normal.dot(way) < 0.0) time = met, normal = c.normal;
   }
-  if (time == kNever) return straight;
+  if (time == kNoMeeting) return straight;
   const Vector3d into = normal.dot(way) * normal;
   return {x + time * into, way - into, time};
 }
@@ -323,7 +323,7 @@ void findContacts(HeldNeighbourhood& around, const Vector3d& x, const Vector3d& 
     const Meeting meeting{first, next, x, path, around.radius};
     HeldContact c = contactAt(meeting, place, x);
     const bool meetsLater = gap > kTouching * around.radius && gap + place.normal.dot(way) < 0.0;
-    if (meetsLater && advance(meeting, c) == kNever) continue;
+    if (meetsLater && advance(meeting, c) == kNoMeeting) continue;
     if (!isBlocked(around, meeting, c)) addContact(contacts, c, around.radius);
   }
   around.clearAt = x;

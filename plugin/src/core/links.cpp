@@ -117,7 +117,7 @@ Vector3d driftedPosition(const LinkedBodies& bodies, const LinkEnd& end, double 
 constexpr double kPlain = 1e-6;
 
 /// The inverse of a mobility; where both sides are held along an axis nothing can be done there.
-Matrix3d massOf(const Matrix3d& mobility) {
+Matrix3d massAgainst(const Matrix3d& mobility) {
   const double size = mobility.trace();
   const bool isPlain = mobility.determinant() > kPlain * size * size * size;
   return isPlain ? Matrix3d(mobility.inverse()) : pseudoInverse(mobility);
@@ -188,7 +188,7 @@ double linkFrequencyBoundSquared(LinkedBodies& bodies) {
 
 void turnAnchors(LinkedBodies& bodies) {
   for (LinkAnchor& anchor : bodies.anchors)
-    anchor.mass = massOf(mobility(bodies, anchor.point) + mobility(bodies, anchor.pivot));
+    anchor.mass = massAgainst(mobility(bodies, anchor.point) + mobility(bodies, anchor.pivot));
 }
 
 void aimAnchors(LinkedBodies& bodies, double dt, double tick) {
