@@ -206,7 +206,9 @@ TEST(WrongLinks, areRefused) {
   EXPECT_EQ(system.addSpring({body->point(0), test::vec(1, 0, 0)}, {body->point(0)}).error(),
             "both ends of the spring are the same place of one body");
   EXPECT_EQ(system.addSpring({box, test::vec(kNan, 0, 0)}, {nullptr}).error(),
-            "a pivot of the spring is not finite");
+            "a pivot of the spring is not finite, or farther than 1e6");
+  EXPECT_FALSE(system.addSpring({box, test::vec(1e30, 0, 0)}, {nullptr}));
+  EXPECT_FALSE(system.attach(body, 0, *box, test::vec(0, 1e30, 0)));
   if (test::kSurface) {
     EXPECT_FALSE(system.addSpring({body->surfaceObject()}, {box}));
     EXPECT_FALSE(system.addSpring({box}, {body->surfaceObject()}));

@@ -40,13 +40,17 @@ TEST(SoftBodySettings, everyBadOneIsNamedWithItsValueAndRule) {
             "compressionStiffness is nan, must be from 0 to 1e12");
   EXPECT_EQ(reasonAfter([](auto& s) { s.damping = -0.5; }), "damping is -0.5, must be from 0 to 1e12");
   EXPECT_EQ(reasonAfter([](auto& s) { s.totalMass = 0; }),
-            "totalMass is 0, must be above 0 and at most 1e12");
+            "totalMass is 0, must be from 1e-9 to 1e12");
   EXPECT_EQ(reasonAfter([](auto& s) { s.pointRadius = -1; }), "pointRadius is -1, must be from 0 to 1e6");
   EXPECT_EQ(reasonAfter([](auto& s) { s.restitution = 1.5; }), "restitution is 1.5, must be from 0 to 1");
   EXPECT_EQ(reasonAfter([](auto& s) { s.stepping.atLeast = 0; }),
             "stepping.atLeast is 0, must be from 1 to 1e6");
   EXPECT_EQ(reasonAfter([](auto& s) { s.stepping.periodTolerance = 0; }),
-            "stepping.periodTolerance is 0, must be above 0 and at most 1");
+            "stepping.periodTolerance is 0, must be from 1e-8 to 1");
+  EXPECT_EQ(reasonAfter([](auto& s) { s.stepping.stepper = static_cast<Stepper>(9); }),
+            "stepping.stepper is 9, must be one of Stepper's");
+  EXPECT_EQ(reasonAfter([](auto& s) { s.collision = static_cast<Collision>(7); }),
+            "collision is 7, must be one of Collision's");
 }
 
 TEST(SoftBodySettings, negativeScaleMirrorsAndIsAllowed) {
@@ -67,6 +71,9 @@ TEST(SpringSettings, badOnesAreNamed) {
   EXPECT_EQ(validate(s), "");
   s.damping = -1;
   EXPECT_EQ(validate(s), "damping is -1, must be from 0 to 1e12");
+  s = SpringSettings();
+  s.action = static_cast<SpringAction>(3);
+  EXPECT_EQ(validate(s), "action is 3, must be one of SpringAction's");
 }
 
 }  // namespace

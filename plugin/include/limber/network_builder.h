@@ -55,7 +55,8 @@ struct RopeSettings {
       0.1;  ///< stiffness of the skip-one springs relative to the segments; 0 leaves them out
 };
 
-/// A chain of points along +x. Errors: length not above 0, no segments, negative bending.
+/// A chain of points along +x. Errors: length not above 0, no segments, more than ten million points,
+/// negative bending.
 Result<SharedNetwork> buildRope(const RopeSettings& settings = {});
 
 struct ClothSettings {
@@ -68,7 +69,8 @@ struct ClothSettings {
 };
 
 /// A sheet in the plane y = 0, centred at the origin, normal +y. Point (column i, row j) has index
-/// j * (columns + 1) + i; i runs along +x, j along +z. Errors: sizes not above 0, no cells, negative scales.
+/// j * (columns + 1) + i; i runs along +x, j along +z. Errors: sizes not above 0, no cells, more than ten million points,
+/// negative scales.
 ///
 ///     o---o---o     structural: along x and z
 ///     | X | X |     shear:      both diagonals

@@ -26,7 +26,7 @@ struct Stepping {
                                   ///< ticks within 1e-4 and cost little beside Bullet's part of the tick
   double periodTolerance = 0.04;  ///< largest relative error of the period of the body's stiffest oscillation
                                   ///< (Verlet: (omega dt)^2 / 24); slower ones are better by the square of
-                                  ///< the ratio. Halving the error costs 1.41x the substeps.
+                                  ///< the ratio. Halving the error costs 1.41x the substeps. 1e-8 to 1
   double tolerance = 0.0;         ///< m per second of motion, of SoftBody::errorPerSecond(); 0: not asked for
   double relativeTolerance = 0.0;  ///< the same as a share of the body's size per second; 0: not asked for
   int budget = 0;  ///< substeps per tick at most, 0: no limit. A body that would need more to be stable is
@@ -72,7 +72,7 @@ struct SoftBodySettings {
   double extensionStiffness = 1000.0;    ///< N/m of each spring while longer than at rest, 0 or more
   double compressionStiffness = 1000.0;  ///< N/m of each spring while shorter than at rest, 0 or more
   double damping = 1.0;                  ///< N s/m along each spring, 0 or more; never limits the time step
-  double totalMass = 1.0;                ///< kg, above 0
+  double totalMass = 1.0;                ///< kg, 1e-9 or more
 
   double volumeModulus = -1.0;  ///< Pa, 0 or more, against changes of the volume inside a closed surface;
                                 ///< negative: for each closed piece, as stiff as the body's springs are
@@ -99,7 +99,7 @@ struct SoftBodySettings {
   static SoftBodySettings paper();
 };
 
-/// The first setting that cannot be used and why ("totalMass is -1, must be above 0"), or an empty string.
+/// The first setting that cannot be used and why ("totalMass is -1, must be from 1e-9 to 1e12"), or an empty string.
 std::string validate(const SoftBodySettings& settings);
 
 /// The radius (m) a body's point masses get: the setting, or 2 % of the shortest spring at the body's scale.

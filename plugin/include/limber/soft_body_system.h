@@ -80,7 +80,7 @@ class SoftBodySystem {
   SoftBody* body(std::size_t i) const;  ///< in order of creation
 
   /// Errors: invalid settings, both ends without a body, both ends the same place of one body, a pivot that
-  /// is not finite, a surface object, a point mass of a soft body in another world.
+  /// is not finite or farther than 1e6 m, a surface object, a point mass of a soft body in another world.
   Result<SpringConstraint*> addSpring(const SpringEnd& a, const SpringEnd& b,
                                       const SpringSettings& settings = {});
   /// New settings for a spring; a negative rest length keeps the present one. Errors: invalid settings, a
@@ -92,7 +92,7 @@ class SoftBodySystem {
   /// Makes point i move with `body`, at a pivot (m) in the body's local coordinates (the overload without pivot:
   /// where the point is now). Both feel each other; they do not collide. Errors: no soft body, no such point, a
   /// point that is already attached or pinned, a body that is a point mass or a surface object, a pivot that is
-  /// not finite, a soft body in another world.
+  /// not finite or farther than 1e6 m, a soft body in another world.
   Result<bool> attach(SoftBody* softBody, std::uint32_t i, btRigidBody& body, const btVector3& pivot);
   Result<bool> attach(SoftBody* softBody, std::uint32_t i, btRigidBody& body);
   /// Lets go of an attached point; false if it was not attached.

@@ -18,6 +18,14 @@ inline namespace LIMBER_BULLET_PRECISION {
 namespace {
 
 /// Why a link of the systems with this step cannot hold on to a body; empty if it can.
+/// m. Farther from its body, a pivot takes more substeps than anyone waits for.
+constexpr double kFarthestPivot = 1e6;
+
+bool isPivot(const btVector3& place) {
+  const Eigen::Vector3d p = toEigen(place);
+  return p.allFinite() && p.cwiseAbs().maxCoeff() <= kFarthestPivot;
+}
+
 std::string whyNotHeld(const btRigidBody* body, const void* step) {
   if (SurfaceObject::from(body))
     return "a surface object cannot be held: hold on to a point mass of that soft body, SoftBody::point(i)";
@@ -177,7 +185,7 @@ Result<SpringConstraint*> SoftBodySystem::addSpring(const SpringEnd& a, const Sp
   if (!a.body && !b.body) return Error{"a spring needs a body at one of its ends"};
   for (const SpringEnd& end : {a, b}) {
     if (std::string reason = whyNotHeld(end.body, impl_->step.get()); !reason.empty()) return Error{reason};
-    if (!toEigen(end.pivot).allFinite()) return Error{"a pivot of the spring is not finite"};
+    if (!isPivot(end.pivot)) return Error{"a pivot of the spring is not finite, or farther than 1e6"};
   }
   if (a.body == b.body && (PointMass::from(a.body) || (a.pivot - b.pivot).length2() == btScalar(0)))
     return Error{"both ends of the spring are the same place of one body"};
@@ -263,7 +271,7 @@ Result<bool> SoftBodySystem::attach(SoftBody* softBody, std::uint32_t i, btRigid
   if (softBody->pinned(i)) return Error{"point " + std::to_string(i) + " is pinned"};
   if (PointMass::from(&body) || SurfaceObject::from(&body))
     return Error{"a point can be attached to a rigid body only, not to a soft one: join two points by a spring"};
-  if (!toEigen(pivot).allFinite()) return Error{"the pivot is not finite"};
+  if (!isPivot(pivot)) return Error{"the pivot is not finite, or farther than 1e6"};
   point->attachedTo = &body;
   softBody->data_->anchors.push_back({i, &body, pivot});
   softBody->wake();

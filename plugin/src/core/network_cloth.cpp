@@ -25,9 +25,8 @@ std::string check(const ClothSettings& settings) {
   if (!isSize(settings.width) || !isSize(settings.depth)) return "width and depth of a cloth must be above 0";
   if (settings.columns == 0 || settings.rows == 0)
     return "a cloth needs at least one column and one row of cells";
-  if ((settings.columns + 1.0) * (settings.rows + 1.0) >= kNoPoint) {
-    return "a cloth of that many cells has more points than an index counts";
-  }
+  if ((settings.columns + 1.0) * (settings.rows + 1.0) > 1e7)
+    return "a cloth of that many cells has more than ten million points";
   if (!isScale(settings.shearScale)) return "the shear scale of a cloth must be 0 or more";
   if (!isScale(settings.bendingScale)) return "the bending scale of a cloth must be 0 or more";
   return {};
