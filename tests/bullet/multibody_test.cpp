@@ -10,6 +10,7 @@
 #include <limber/soft_contact.h>
 
 #include <BulletCollision/CollisionDispatch/btGhostObject.h>
+#include <BulletDynamics/Character/btKinematicCharacterController.h>
 #include <BulletDynamics/Featherstone/btMultiBody.h>
 #include <BulletDynamics/Featherstone/btMultiBodyConstraintSolver.h>
 #include <BulletDynamics/Featherstone/btMultiBodyDynamicsWorld.h>
@@ -310,6 +311,50 @@ TEST(MultiBodies, aMovingCharacterPushesACubeASensorDoesNot) {
     EXPECT_GT(cube->linearMomentum().x(), 1.9);
     EXPECT_GT(cube->centerOfMass().x(), x + 0.3 + 0.5 - 0.15);
   }
+}
+
+/// Bullet's character on a floor, as its demos set it up.
+struct Character {
+  Character(BulletWorld& its, const btVector3& place) : bullet(its) {
+    bullet.world->getPairCache()->setInternalGhostPairCallback(&pairs);
+    ghost.setCollisionShape(&capsule);
+    ghost.setCollisionFlags(btCollisionObject::CF_CHARACTER_OBJECT);
+    ghost.setWorldTransform(btTransform(btQuaternion::getIdentity(), place));
+    bullet.world->addCollisionObject(&ghost, btBroadphaseProxy::CharacterFilter, btBroadphaseProxy::AllFilter);
+    bullet.world->addAction(&controller);
+    controller.setGravity(vec(0, -9.81, 0));
+  }
+  ~Character() {
+    bullet.world->removeAction(&controller);
+    bullet.world->removeCollisionObject(&ghost);
+    bullet.world->getPairCache()->setInternalGhostPairCallback(nullptr);
+  }
+  btVector3 place() const { return ghost.getWorldTransform().getOrigin(); }
+
+  BulletWorld& bullet;
+  btGhostPairCallback pairs;
+  btCapsuleShape capsule{btScalar(0.3), btScalar(1)};
+  btPairCachingGhostObject ghost;
+  btKinematicCharacterController controller{&ghost, &capsule, btScalar(0.2), vec(0, 1, 0)};
+};
+
+SoftBody* cubeOnFloor(BulletWorld& bullet, SoftBodySystem& system, double x) {
+  bullet.addPlaneFloor();
+  SoftBodySettings s = cubeBesideLinksAt({x, 0.5 + kRadius, 0});
+  return *system.createBody(test::closedCubeNetwork(), s);
+}
+
+TEST(MultiBodies, bulletsCharacterWalksAgainstACubeAndPushesIt) {
+  if (!test::kSurface) GTEST_SKIP() << "the corners of the face let a capsule pass between them";
+  BulletWorld bullet;
+  SoftBodySystem system(*bullet.world);
+  SoftBody* cube = cubeOnFloor(bullet, system, 0);
+  Character character(bullet, vec(-2, 0.8, 0));
+  character.controller.setWalkDirection(vec(2 * kTick, 0, 0));
+  bullet.simulate(3);
+  EXPECT_GT(cube->centerOfMass().x(), 0.2);
+  EXPECT_LT(double(character.place().x()), cube->centerOfMass().x() - 0.5) << "it does not walk through";
+  EXPECT_NEAR(cube->centerOfMass().y(), 0.5 + kRadius, 0.05);
 }
 
 }  // namespace
