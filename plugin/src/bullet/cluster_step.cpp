@@ -215,17 +215,17 @@ void putContact(Cluster& cluster, std::uint32_t meeting, const PairContact& cont
   known.stopping = stopping, known.settling = settling, known.impulse = impulse;
 }
 
-void searchWithin(void* context, StepGroup& group, double ahead) {
+void searchWithin(void* context, StepGroup& group, double since, double ahead) {
   auto& [cluster, found, search] = *static_cast<SearchContext*>(context);
   for (std::uint32_t number = 0; number < cluster->meetings.size(); ++number) {
     const ClusterMeeting& m = cluster->meetings[number];
     if (!m.moves()) continue;
-    SidesWithin sides{&group.views[m.a]};
+    SidesWithin sides{&group.views[m.a], nullptr, nullptr, since / found->tick};
     if (m.surfaces->other)
       sides.b = &group.views[m.b];
     else if (!m.surfaces->held)
       sides.rigid = &group.links.rigids[m.b];
-    findWithin(*m.surfaces, sides, ahead, *search);
+    findWithin(*m.surfaces, sides, ahead, found->tick, *search);
     collectKnown(*cluster, number, *found);
     for (std::size_t i = 0; i < search->pairs.size(); ++i) {
       PairContact& contact = search->pairs[i];

@@ -65,6 +65,7 @@ void placePatch(ConcavePatch& patch, const btCollisionObject& partner) {
   const btTransform& pose = partner.getWorldTransform();
   patch.pose = pose;
   RigidPart& part = *patch.part;
+  part.moved = false;
   const Points& rest = patch.surface.topology.rest;
   for (Eigen::Index i = 0; i < rest.cols(); ++i) {
     part.position.col(i) = toEigen(pose * toBullet(Eigen::Vector3d(rest.col(i))));
@@ -89,8 +90,7 @@ void makePatch(ConcavePatch& patch, const btCollisionObject& partner, const Box&
 
 }  // namespace
 
-const RigidPart* patchAround(SoftBodyData& body, const btCollisionObject& partner,
-                             const MovingSurface& soft) {
+RigidPart* patchAround(SoftBodyData& body, const btCollisionObject& partner, const MovingSurface& soft) {
   if (soft.boxes->nodes.empty()) return nullptr;
   const Box box = boxIn(partner, soft.boxes->nodes[0]);
   ConcavePatch& patch = patchOf(body, partner.getBroadphaseHandle()->m_uniqueId);

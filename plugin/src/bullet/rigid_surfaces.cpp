@@ -77,11 +77,24 @@ std::uint64_t childNumber(std::uint64_t parent, int child) {
   return parent * 0x100000001b3u + static_cast<std::uint64_t>(child) + 1;
 }
 
+void keepStart(RigidPart& part) {
+  if (part.moved) return;
+  part.start = part.position;
+  part.whole = part.motion;
+  part.moved = true;
+}
+
 }  // namespace
 
+void movePart(RigidPart& part, double share, double ahead) {
+  keepStart(part);
+  part.position = part.start + share * part.whole;
+  part.motion = ahead * part.whole;
+  fitBoxes(part.moving, part.boxes);
+}
+
 void movePart(RigidPart& part, const btTransform& from, const RigidState& to, double ahead) {
-  if (!part.moved) part.start = part.position;
-  part.moved = true;
+  keepStart(part);
   const Eigen::Matrix3d turn = (to.rotation * toEigen(from.getRotation()).conjugate()).toRotationMatrix();
   const Eigen::Vector3d origin = toEigen(from.getOrigin());
   for (Eigen::Index i = 0; i < part.start.cols(); ++i) {

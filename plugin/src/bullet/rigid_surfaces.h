@@ -16,7 +16,7 @@ struct RigidPart {
   std::uint64_t number = 0;  ///< which part of the object it is, the same in every tick
   const ShapeSurface* surface = nullptr;
   Points position, motion;  ///< m, 3 x #points
-  Points start;             ///< m, 3 x #points, where they were as the tick began; see movePart()
+  Points start, whole;      ///< m, 3 x #points, position and motion as the tick began; see movePart()
   bool moved = false;       ///< since then
   SurfaceBoxes boxes;
   MovingSurface moving;  ///< a view of the above
@@ -25,6 +25,8 @@ struct RigidPart {
 /// Within a step: the part of a body that has come from `from` to `to`, and its motion of the coming `ahead`
 /// seconds.
 void movePart(RigidPart& part, const btTransform& from, const RigidState& to, double ahead);
+/// Of an object that moves as told: at `share` of the tick, and its motion of the coming `ahead` shares.
+void movePart(RigidPart& part, double share, double ahead);
 
 /// The surfaces of the rigid objects near soft bodies in a tick. A convex object has one part, a compound one
 /// for each convex child; planes and concave shapes have none. A part is made when something comes near it,

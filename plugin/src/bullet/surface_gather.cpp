@@ -237,7 +237,7 @@ void addFree(SoftBodyData& body, btRigidBody& partner, RigidPart& part, double t
       findSurfaceContacts(soft, part.moving, margin, s.search, s.contacts);
     keepContacts(soft, part.moving, s.contacts, kept);
   }
-  SurfaceMeeting meeting{&body, nullptr, &partner, &part};
+  SurfaceMeeting meeting{&body, nullptr, &partner, nullptr, &part};
   meeting.first = static_cast<std::uint32_t>(found.contacts.size());
   for (const SurfaceContact& c : kept.contacts) {
     if (isAttached(body, partner, c.a)) continue;
@@ -390,16 +390,36 @@ bool isHeldContact(const SoftBodyData& body, const btCollisionObject& partner, c
   return isMoved(partner) || !isNoEdge(body, body.surface.moving, part, c, s);
 }
 
-/// With what is at rest.
+/// rad/s, of what moves as told.
+Vector3d spinOf(const btCollisionObject& object, double tick) {
+  if (!isKinematic(object)) return Vector3d::Zero();
+  return rotationBetween(toEigen(object.getWorldTransform().getRotation()),
+                         toEigen(object.getInterpolationWorldTransform().getRotation())) /
+         tick;
+}
+
+/// Of the place of a part that is touched; its motion is that of `seconds`.
+Vector3d velocityAt(const btCollisionObject& partner, const RigidPart& part, const MovingSurface& soft,
+                    const SurfaceContact& c, double seconds, double tick) {
+  Vector3d moved = Vector3d::Zero();
+  for (int i = 0; i < 3; ++i)
+    moved += c.b.weights[i] * part.motion.col(c.b.points[static_cast<std::size_t>(i)]);
+  return moved / seconds + spinOf(partner, tick).cross((part.moving.radius + soft.radius) * c.normal);
+}
+
+/// With what is at rest, or moves as told: its motion is that of `seconds`.
 PairContact heldContact(const SoftBodyData& body, const btCollisionObject& partner, const RigidPart& part,
-                        const SurfaceContact& c) {
+                        const SurfaceContact& c, double seconds, double tick) {
   PairContact pair = contactOf(body, partner, c);
-  pair.corners = cornersOf(body.surface.moving, part, c.b);
+  if (isMoved(partner))
+    pair.b.velocity = velocityAt(partner, part, body.surface.moving, c, seconds, tick);
+  else
+    pair.corners = cornersOf(body.surface.moving, part, c.b);
   return pair;
 }
 
-void addHeld(SoftBodyData& body, const btCollisionObject& partner, const RigidPart& part,
-             const SweptBox& box, double tick, SurfaceSearch& s, TickContacts& found) {
+void addHeld(SoftBodyData& body, const btCollisionObject& partner, RigidPart& part, const SweptBox& box,
+             double tick, SurfaceSearch& s, TickContacts& found) {
   const MovingSurface& soft = movingSurface(body, tick);
   const double margin = kMargin * soft.radius;
   if (bendsGently(soft, part) || !hasSharpNear(box, part)) return;
@@ -407,16 +427,12 @@ void addHeld(SoftBodyData& body, const btCollisionObject& partner, const RigidPa
   if (!areNear(soft, part.moving, margin) || !hasSharpNear(soft.boxes->nodes[0], part)) return;
   findSurfaceContacts(soft, part.moving, margin, s.search, s.contacts);
   SurfaceMeeting meeting;
-  meeting.body = &body, meeting.held = &partner, meeting.heldPart = &part;
+  meeting.body = &body, meeting.held = &partner, meeting.part = &part;
   meeting.first = static_cast<std::uint32_t>(found.contacts.size());
-  const bool moved = isMoved(partner);
-  for (const SurfaceContact& c : s.contacts) {
-    if (!isHeldContact(body, partner, part, c, s)) continue;
-    PairContact pair = moved ? contactOf(body, partner, c) : heldContact(body, partner, part, c);
-    if (moved) pair.b.velocity = velocityOf(partner, commonPlace(soft, part.moving, c), tick);
-    found.add(pair, sourceOf(body, partner, keyOf(c, part)));
-  }
-  if (!moved) endMeeting(meeting, tick, s, found);
+  for (const SurfaceContact& c : s.contacts)
+    if (isHeldContact(body, partner, part, c, s))
+      found.add(heldContact(body, partner, part, c, tick, tick), sourceOf(body, partner, keyOf(c, part)));
+  endMeeting(meeting, tick, s, found);
 }
 
 void gatherHeld(SoftBodyData& body, const btCollisionObject& partner, double tick, RigidSurfaces& rigids,
@@ -424,11 +440,11 @@ void gatherHeld(SoftBodyData& body, const btCollisionObject& partner, double tic
   if (partner.getCollisionShape()->getShapeType() == STATIC_PLANE_PROXYTYPE) return;
   const SweptBox box = searchBox(movingSurface(body, tick));
   if (partner.getCollisionShape()->isConcave()) {
-    const RigidPart* patch = patchAround(body, partner, boxedSurface(body, tick));
+    RigidPart* patch = patchAround(body, partner, boxedSurface(body, tick));
     if (patch) addHeld(body, partner, *patch, box, tick, s, found);
     return;
   }
-  for (const RigidPart* part : rigids.partsNear(partner, box, tick))
+  for (RigidPart* part : rigids.partsNear(partner, box, tick))
     addHeld(body, partner, *part, box, tick, s, found);
 }
 
@@ -500,7 +516,7 @@ const MovingSurface& surfaceWithin(SoftBodyData& body, const PointView& points, 
 
 const MovingSurface& surfaceB(const SurfaceMeeting& m) {
   if (m.other) return m.other->surface.moving;
-  return m.held ? m.heldPart->moving : m.part->moving;
+  return m.part->moving;
 }
 
 double wayOf(const SurfaceMeeting& m) {
@@ -515,7 +531,7 @@ double margin(const SurfaceMeeting& m) {
   return kMargin * (m.other ? std::min(radius, m.other->surface.moving.radius) : radius);
 }
 
-void findWithin(const SurfaceMeeting& m, const SidesWithin& sides, double ahead, SurfaceSearch& s) {
+void findWithin(const SurfaceMeeting& m, const SidesWithin& sides, double ahead, double tick, SurfaceSearch& s) {
   s.pairs.clear();
   s.sources.clear();
   s.contacts.clear();
@@ -524,6 +540,8 @@ void findWithin(const SurfaceMeeting& m, const SidesWithin& sides, double ahead,
     surfaceWithin(*m.other, *sides.b, ahead);
   else if (m.partner)
     movePart(*m.part, m.partner->getWorldTransform(), *sides.rigid, ahead);
+  else if (m.held && isMoved(*m.held))
+    movePart(*m.part, sides.share, ahead / tick);
   const MovingSurface& b = surfaceB(m);
   if (isSelf(m))
     findSelfContacts(a, margin(m), s.search, s.contacts);
@@ -531,9 +549,9 @@ void findWithin(const SurfaceMeeting& m, const SidesWithin& sides, double ahead,
     findSurfaceContacts(a, b, margin(m), s.search, s.contacts);
   for (const SurfaceContact& c : s.contacts) {
     if (m.held) {
-      if (!isHeldContact(*m.body, *m.held, *m.heldPart, c, s)) continue;
-      s.pairs.push_back(heldContact(*m.body, *m.held, *m.heldPart, c));
-      s.sources.push_back(sourceOf(*m.body, *m.held, keyOf(c, *m.heldPart)));
+      if (!isHeldContact(*m.body, *m.held, *m.part, c, s)) continue;
+      s.pairs.push_back(heldContact(*m.body, *m.held, *m.part, c, ahead, tick));
+      s.sources.push_back(sourceOf(*m.body, *m.held, keyOf(c, *m.part)));
       continue;
     }
     if (!m.other && isAttached(*m.body, *m.partner, c.a)) continue;

@@ -47,11 +47,13 @@ double wayOf(const SurfaceMeeting& meeting);
 struct SidesWithin {
   const PointView *a = nullptr, *b = nullptr;
   const RigidState* rigid = nullptr;  ///< side b, if it is rigid and moves by itself
+  double share = 0.0;                 ///< of the tick that is over
 };
 
 /// Writes the contacts of a meeting as they are now, and will be in the coming `ahead` seconds, to
-/// search.pairs and search.sources, sorted by key. Their places have no bodies yet.
-void findWithin(const SurfaceMeeting& meeting, const SidesWithin& sides, double ahead, SurfaceSearch& search);
+/// search.pairs and search.sources, sorted by key. Their places have no bodies yet. The tick is that long (s).
+void findWithin(const SurfaceMeeting& meeting, const SidesWithin& sides, double ahead, double tick,
+                SurfaceSearch& search);
 
 }  // namespace LIMBER_BULLET_PRECISION
 }  // namespace limber

@@ -41,9 +41,8 @@ struct SurfaceMeeting {
   SoftBodyData* body = nullptr;      ///< on side a
   SoftBodyData* other = nullptr;     ///< on side b, if it is soft
   btRigidBody* partner = nullptr;    ///< on side b, if it is rigid and moves by itself
-  RigidPart* part = nullptr;         ///< of the partner
-  const btCollisionObject* held = nullptr;  ///< on side b, if it is at rest
-  const RigidPart* heldPart = nullptr;      ///< of it
+  const btCollisionObject* held = nullptr;  ///< on side b, if it is at rest or moves as told
+  RigidPart* part = nullptr;         ///< of one of these
   std::uint32_t first = 0, end = 0;  ///< of its contacts
 };
 

@@ -136,7 +136,7 @@ void searchAgain(StepGroup& group, int substep, int substeps, double dt) {
   const PairSearch& again = group.again;
   if (again.every == 0 || substep == 0 || substep % again.every != 0) return;
   finishPairs(group.pairs);
-  again.search(again.context, group, dt * std::min(again.every, substeps - substep));
+  again.search(again.context, group, dt * substep, dt * std::min(again.every, substeps - substep));
   preparePairs(group.pairs, group.links, group.views);
 }
 

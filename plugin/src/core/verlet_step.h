@@ -54,9 +54,9 @@ struct StepGroup;
 struct PairSearch {
   int every = 0;  ///< substeps from one search to the next; 0: none is needed
   void* context = nullptr;
-  /// Replaces what it finds in group.pairs.contacts; `ahead`: s until the next search. The state of
-  /// bodies[i] is at views[i].
-  void (*search)(void* context, StepGroup& group, double ahead) = nullptr;
+  /// Replaces what it finds in group.pairs.contacts; s since the start of the tick and until the next search. The
+  /// state of bodies[i] is at views[i].
+  void (*search)(void* context, StepGroup& group, double since, double ahead) = nullptr;
 };
 
 /// Bodies that links join or that touch; without links a group is one body.
