@@ -319,5 +319,114 @@ TEST(Joined, aMotorPushesWithItsForce) {
   }
 }
 
+/// A spring so stiff that a swing takes nine ticks: what Bullet's solver would add where it passes its rest is energy.
+TEST(Joined, aStiffSpringOfBulletsSwingsAsFarAsItShould) {
+  constexpr double kStiff = 4860.0, kSpeed = 1.0;  // N/m, m/s
+  const auto joint = [](auto spring) -> Joint {
+    spring->setLinearLowerLimit(vec(1, 0, 0)), spring->setLinearUpperLimit(vec(-1, 0, 0));
+    spring->setAngularLowerLimit(vec(0, 0, 0)), spring->setAngularUpperLimit(vec(0, 0, 0));
+    spring->enableSpring(0, true), spring->setEquilibriumPoint();
+    return spring;
+  };
+  const MakeJoint joints[] = {
+      [&](btRigidBody& box, btRigidBody& base, const btTransform& f) {
+        auto spring = std::make_unique<btGeneric6DofSpringConstraint>(base, box, onBase(base, f), f, true);
+        spring->setStiffness(0, btScalar(kStiff));
+        return joint(std::move(spring));
+      },
+      [&](btRigidBody& box, btRigidBody& base, const btTransform& f) {
+        auto spring = std::make_unique<btGeneric6DofSpring2Constraint>(base, box, onBase(base, f), f);
+        spring->setStiffness(0, btScalar(kStiff), false);  // as stiff as that, whatever the tick
+        return joint(std::move(spring));
+      }};
+  for (const MakeJoint& make : joints) {
+    Driven d(make);
+    d.bullet.world->setGravity(vec(0, 0, 0));
+    d.box->setGravity(vec(0, 0, 0));
+    d.box->setLinearVelocity(vec(kSpeed, 0, 0));
+    for (std::uint32_t i = 0; i < d.cube->pointCount(); ++i) d.cube->point(i)->setLinearVelocity(vec(kSpeed, 0, 0));
+    double farthest = 0, fastest = 0;
+    for (int i = 0; i < 300; ++i) {
+      d.bullet.tick();
+      farthest = std::max(farthest, std::abs(double(d.box->getWorldTransform().getOrigin().x())));
+      fastest = std::max(fastest, double(d.box->getLinearVelocity().length()));
+    }
+    // seen at the ends of ticks, 40 degrees of a swing apart; the cube gives a little
+    const double swing = kSpeed / std::sqrt(kStiff / 3.0);
+    EXPECT_LT(farthest, 1.05 * swing);
+    EXPECT_GT(farthest, 0.85 * swing);
+    EXPECT_LT(fastest, 1.05 * kSpeed);
+  }
+}
+
+/// An arm of 2 kg and 1 m on an angular spring at its end, coupled to a soft body by next to nothing.
+TEST(Joined, anAngularSpringOfBulletsSwingsAsFarAsItShould) {
+  BulletWorld bullet(0.0);
+  SoftBodySystem system(*bullet.world);
+  btRigidBody* arm = bullet.addBox(vec(.5, .05, .05), 2.0, vec(.5, 0, 0));
+  btRigidBody* base = bullet.addBox(vec(.01, .01, .01), 0, vec(0, 0, 50));
+  arm->setActivationState(DISABLE_DEACTIVATION);
+  btTransform frame = btTransform::getIdentity();
+  frame.setOrigin(vec(-.5, 0, 0));
+  btGeneric6DofSpring2Constraint joint(*base, *arm, base->getWorldTransform().inverse(), frame);
+  joint.setLinearLowerLimit(vec(0, 0, 0)), joint.setLinearUpperLimit(vec(0, 0, 0));
+  joint.setAngularLowerLimit(vec(0, 0, 1)), joint.setAngularUpperLimit(vec(0, 0, -1));
+  joint.enableSpring(5, true), joint.setStiffness(5, 200), joint.setEquilibriumPoint();
+  bullet.world->addConstraint(&joint, true);
+  SoftBodySettings s = lightlyDamped(1e4, 1.0);
+  s.position = {5, 0, 0};
+  SoftBody* cube = *system.createBody(test::fullCubeNetwork(), s);
+  SpringSettings weak;
+  weak.stiffness = 1e-3;
+  ASSERT_TRUE(system.addSpring({arm}, {cube->point(0)}, weak));
+  constexpr double kSpin = 0.5;  // rad/s
+  arm->setAngularVelocity(vec(0, 0, kSpin));
+  arm->setLinearVelocity(vec(0, 0.5 * kSpin, 0));
+  double most = 0;
+  for (int i = 0; i < 720; ++i) {
+    bullet.tick(1.0 / 240.0);
+    most = std::max(most, std::abs(double(arm->getWorldTransform().getRotation().getAngle())));
+  }
+  bullet.world->removeConstraint(&joint);
+  // of its inertia about the joint, 2 (1 + 0.01) / 12 + 2 / 4 kg m^2
+  const double inertia = 2.0 * 1.01 / 12.0 + 0.5;
+  EXPECT_NEAR(most, kSpin / std::sqrt(200.0 / inertia), 5e-4);
+}
+
+TEST(Joined, aJointBreaksAtItsThreshold) {
+  const MakeJoint ball = [](btRigidBody& box, btRigidBody&, const btTransform& f) -> Joint {
+    return std::make_unique<btPoint2PointConstraint>(box, f.getOrigin());
+  };
+  for (const double rate : {15.0, 60.0, 240.0})
+    for (const double share : {0.2, 0.7, 0.9, 0.97, 1.03}) {
+      Driven d(ball);
+      d.joint->setBreakingImpulseThreshold(btScalar(share * 3.0 * kGravity / rate));
+      for (int i = 0; i < 3; ++i) d.bullet.tick(1 / rate);
+      EXPECT_EQ(d.joint->isEnabled(), share > 1.0) << share << " of the weight, " << rate << " ticks a second";
+    }
+}
+
+TEST(Joined, whatHangsOnAMovingKinematicBodyGoesAsFast) {
+  for (const double rate : {15.0, 60.0, 240.0}) {
+    btRigidBody* base = nullptr;
+    const MakeJoint hinge = [&](btRigidBody& box, btRigidBody& its, const btTransform& f) -> Joint {
+      base = &its;
+      return std::make_unique<btFixedConstraint>(its, box, onBase(its, f), f);
+    };
+    Driven d(hinge);
+    base->setCollisionFlags(base->getCollisionFlags() | btCollisionObject::CF_KINEMATIC_OBJECT);
+    base->setActivationState(DISABLE_DEACTIVATION);
+    btTransform pose = base->getWorldTransform();
+    for (int i = 0; i < 2 * rate; ++i) {
+      pose.setOrigin(pose.getOrigin() + vec(2 / rate, 0, 0));
+      base->setWorldTransform(pose);
+      d.bullet.tick(1 / rate);
+    }
+    // the cube still swings a little from the start
+    EXPECT_NEAR(d.cube->linearMomentum().x(), 2.0, 5e-3) << rate << " ticks a second";
+    EXPECT_NEAR(double(d.box->getLinearVelocity().x()), 2.0, 5e-3) << rate << " ticks a second";
+  }
+}
+
 }  // namespace
 }  // namespace limber

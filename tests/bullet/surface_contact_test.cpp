@@ -398,5 +398,51 @@ TEST(SurfaceContact, aClothSlidesOverAnEdgeAlikeInHalfTicks) {
   EXPECT_LT((slid(1.0 / 30.0) - slid(1.0 / 60.0)).cwiseAbs().maxCoeff(), 1e-2);
 }
 
+// --- pinned where something is -----------------------------------------------------------------------------
+
+double fastest(const SoftBody& body) {
+  double most = 0.0;
+  for (std::uint32_t i = 0; i < body.pointCount(); ++i) most = std::max(most, body.velocity(i).norm());
+  return most;
+}
+
+/// A segment at the share e from its pinned end had to move its free end by d / e to be clear of what that is in: 1e15
+/// m/s, or 1400 m/s for a curtain of the default settings.
+TEST(SurfaceContact, pinsMayBeInWhatIsStatic) {
+  for (const double out : {-0.01, 0.0, 0.02}) {
+    BulletWorld bullet;
+    SoftBodySystem system(*bullet.world);
+    bullet.add(std::make_unique<btBoxShape>(vec(2, 1, 2)), 0, vec(2, 1, 0));
+    RopeSettings rope;
+    rope.length = 6.0;
+    rope.segments = 10;
+    SoftBodySettings s = test::testedSettings();
+    s.position = {-6, 2 + out, 0.3};
+    s.totalMass = 5.0;
+    s.extensionStiffness = s.compressionStiffness = 1e4;
+    s.damping = 5.0;
+    s.pointRadius = 0.05;
+    SoftBody* body = *system.createBody(*buildRope(rope), s);
+    body->pin(0), body->pin(10);
+    double most = 0.0;
+    for (int i = 0; i < 60; ++i) bullet.tick(), most = std::max(most, fastest(*body));
+    EXPECT_LT(most, 8.0) << "rope, " << out;  // it sags by less than a metre
+  }
+  for (const double height : {2.04, 2.045, 2.05, 2.052}) {
+    BulletWorld bullet;
+    SoftBodySystem system(*bullet.world);
+    bullet.add(std::make_unique<btCapsuleShapeX>(btScalar(0.05), btScalar(2)), 0, vec(0, 2, 0));
+    ClothSettings cells;
+    cells.columns = cells.rows = 8;
+    SoftBodySettings s = test::testedSettings();
+    s.position = {0, height, 0.5};
+    SoftBody* curtain = *system.createBody(*buildCloth(cells), s);
+    for (std::uint32_t i = 0; i < 9; i += 2) curtain->pin(i);
+    double most = 0.0;
+    for (int i = 0; i < 60; ++i) bullet.tick(), most = std::max(most, fastest(*curtain));
+    EXPECT_LT(most, 8.0) << "curtain, " << height;  // a free fall from its height of 1 m is 4.4, its tip whips
+  }
+}
+
 }  // namespace
 }  // namespace limber

@@ -51,8 +51,12 @@ btTypedConstraint::btConstraintInfo2 infoOn(RowBuffer& buffer, const btContactSo
 std::uint32_t sideOf(const btRigidBody& body, const Vector3d& linear, const Vector3d& angular,
                      const TickContacts& found, double& speed) {
   if (isFree(body)) return found.find(body);
-  if (!isStatic(body) && body.isActive())
-    speed -= linear.dot(toEigen(body.getLinearVelocity())) + angular.dot(toEigen(body.getAngularVelocity()));
+  if (isKinematic(body)) {
+    const btTransform &start = body.getWorldTransform(), &end = body.getInterpolationWorldTransform();
+    const Vector3d moved = toEigen(btVector3(end.getOrigin() - start.getOrigin()));
+    const Vector3d turned = rotationBetween(toEigen(start.getRotation()), toEigen(end.getRotation()));
+    speed -= (linear.dot(moved) + angular.dot(turned)) / found.tick;
+  }
   return JointRow::kHeld;
 }
 
@@ -60,18 +64,12 @@ bool drives(const RowBuffer& buffer, int row) {
   return buffer.lower[4 * row] > -SIMD_INFINITY && buffer.upper[4 * row] < SIMD_INFINITY;
 }
 
-JointSource sourceOf(btTypedConstraint& joint, const RowBuffer& buffer, int row) {
-  if (!drives(buffer, row)) return {&joint, double(buffer.error[4 * row]), false, 0.0, 0.0};
-  return {&joint, 0.0, true, double(buffer.lower[4 * row]), double(buffer.upper[4 * row])};
-}
-
 void addRow(const btTypedConstraint& joint, const RowBuffer& buffer, int row, btScalar tick, TickContacts& found) {
   JointRow j;
   j.linearA = vectorAt(buffer.linearA, row), j.angularA = vectorAt(buffer.angularA, row);
   j.linearB = vectorAt(buffer.linearB, row), j.angularB = vectorAt(buffer.angularB, row);
-  const double most = double(joint.getBreakingImpulseThreshold());
-  j.lower = std::max(double(buffer.lower[4 * row]), -most);
-  j.upper = std::min(double(buffer.upper[4 * row]), most);
+  j.lower = double(buffer.lower[4 * row]);
+  j.upper = double(buffer.upper[4 * row]);
   j.speed = double(buffer.error[4 * row]);
   j.softness = double(buffer.softness[4 * row] / tick);
   j.a = sideOf(joint.getRigidBodyA(), j.linearA, j.angularA, found, j.speed);
@@ -112,22 +110,24 @@ int readRows(btTypedConstraint& joint, const btContactSolverInfo& solver, btScal
   return size.m_numConstraintRows;
 }
 
-/// Puts both bodies of a joint, while it lives, to where they come in some time (s) by their velocities.
+/// Puts both bodies of a joint, while it lives, to where its errors count: what moves as told to the end of the tick,
+/// where Bullet's solver sees it; what moves by itself to where its velocity takes it in some time (s).
 class Ahead {
  public:
   Ahead(btTypedConstraint& joint, btScalar time)
       : bodies_{&joint.getRigidBodyA(), &joint.getRigidBodyB()},
         poses_{bodies_[0]->getWorldTransform(), bodies_[1]->getWorldTransform()} {
-    btTransform ahead;
     for (btRigidBody* body : bodies_) {
-      if (!isFree(*body)) continue;
-      body->predictIntegratedTransform(time, ahead);
+      btTransform ahead = body->getWorldTransform();
+      if (isKinematic(*body))
+        ahead = body->getInterpolationWorldTransform();
+      else if (isFree(*body) && time > btScalar(0))
+        body->predictIntegratedTransform(time, ahead);
       body->setWorldTransform(ahead);
     }
   }
   ~Ahead() {
-    for (int i : {0, 1})
-      if (isFree(*bodies_[i])) bodies_[i]->setWorldTransform(poses_[i]);
+    for (int i : {0, 1}) bodies_[i]->setWorldTransform(poses_[i]);
   }
   Ahead(const Ahead&) = delete;
   Ahead& operator=(const Ahead&) = delete;
@@ -157,15 +157,96 @@ void takeSprings(const RowBuffer& middle, int rows, RowBuffer& buffer) {
 void addRows(btTypedConstraint& joint, const btContactSolverInfo& solver, btScalar tick,
              TickContacts& found) {
   RowBuffer buffer, middle;
-  int inTheMiddle = 0;
+  int rows = 0, inTheMiddle = 0;
   if (hasSprings(joint)) {
     const Ahead ahead(joint, tick / 2);
     inTheMiddle = readRows(joint, solver, tick, middle);
   }
-  const int rows = readRows(joint, solver, tick, buffer);
-  for (int row = 0; row < rows; ++row) found.jointSources.push_back(sourceOf(joint, buffer, row));
+  {
+    const Ahead ahead(joint, 0);
+    rows = readRows(joint, solver, tick, buffer);
+  }
   if (inTheMiddle == rows) takeSprings(middle, rows, buffer);
-  for (int row = 0; row < rows; ++row) addRow(joint, buffer, row, tick, found);
+  for (int row = 0; row < rows; ++row) {
+    const bool is = drives(buffer, row);
+    found.jointSources.push_back({&joint, is ? 0.0 : double(buffer.error[4 * row]), is});
+    addRow(joint, buffer, row, tick, found);
+  }
+}
+
+// --- motors and springs while Bullet's solver runs ---------------------------------------------------------
+
+/// Calls visit(flag) for all flags of a kind of joint that let a motor or a spring push.
+template <class Visit>
+void forEachDrive(btGeneric6DofConstraint& joint, Visit visit) {
+  for (int i = 0; i < 3; ++i) {
+    visit(joint.getTranslationalLimitMotor()->m_enableMotor[i]);
+    visit(joint.getRotationalLimitMotor(i)->m_enableMotor);
+  }
+}
+
+template <class Visit>
+void forEachDrive(btGeneric6DofSpring2Constraint& joint, Visit visit) {
+  for (int i = 0; i < 3; ++i) {
+    btTranslationalLimitMotor2& linear = *joint.getTranslationalLimitMotor();
+    btRotationalLimitMotor2& angular = *joint.getRotationalLimitMotor(i);
+    for (bool* flag : {&linear.m_enableMotor[i], &linear.m_enableSpring[i], &angular.m_enableMotor,
+                       &angular.m_enableSpring})
+      visit(*flag);
+  }
+}
+
+/// Those of Bullet's own kinds, by getters and setters where there are no flags to be had.
+template <class Visit>
+void visitDrives(btTypedConstraint& joint, Visit visit) {
+  const auto through = [&](bool value, auto set) {
+    const bool before = value;
+    visit(value);
+    if (value != before) set(value);
+  };
+  switch (joint.getConstraintType()) {
+    case HINGE_CONSTRAINT_TYPE: {
+      auto& hinge = static_cast<btHingeConstraint&>(joint);
+      return through(hinge.getEnableAngularMotor(), [&](bool on) { hinge.enableMotor(on); });
+    }
+    case CONETWIST_CONSTRAINT_TYPE: {
+      auto& cone = static_cast<btConeTwistConstraint&>(joint);
+      return through(cone.isMotorEnabled(), [&](bool on) { cone.enableMotor(on); });
+    }
+    case SLIDER_CONSTRAINT_TYPE: {
+      auto& slider = static_cast<btSliderConstraint&>(joint);
+      through(slider.getPoweredLinMotor(), [&](bool on) { slider.setPoweredLinMotor(on); });
+      return through(slider.getPoweredAngMotor(), [&](bool on) { slider.setPoweredAngMotor(on); });
+    }
+    case D6_SPRING_CONSTRAINT_TYPE: {
+      auto& spring = static_cast<btGeneric6DofSpringConstraint&>(joint);
+      // a spring pushes through the motor of its axis, which goes on and off with it
+      for (int i = 0; i < 6; ++i) through(spring.isSpringEnabled(i), [&](bool on) { spring.enableSpring(i, on); });
+      return forEachDrive(spring, visit);
+    }
+    case D6_CONSTRAINT_TYPE: return forEachDrive(static_cast<btGeneric6DofConstraint&>(joint), visit);
+    case D6_SPRING_2_CONSTRAINT_TYPE:
+      return forEachDrive(static_cast<btGeneric6DofSpring2Constraint&>(joint), visit);
+    default: return;
+  }
+}
+
+/// Which ones were on, a bit each.
+std::uint32_t switchOff(btTypedConstraint& joint) {
+  std::uint32_t on = 0, bit = 1;
+  visitDrives(joint, [&](bool& flag) {
+    if (flag) on |= bit;
+    bit <<= 1;
+    flag = false;
+  });
+  return on;
+}
+
+void switchOn(btTypedConstraint& joint, std::uint32_t on) {
+  visitDrives(joint, [&](bool& flag) {
+    if (on & 1u) flag = true;
+    on >>= 1;
+  });
 }
 
 /// Whether the joint is in the world. Looks from `place` in the world's list on, and leaves there where it
@@ -189,14 +270,6 @@ void addFeedback(btJointFeedback& feedback, const JointRow& j, btScalar tick) {
   push(feedback.m_appliedForceBodyB, j.linearB);
   push(feedback.m_appliedTorqueBodyA, j.angularA);
   push(feedback.m_appliedTorqueBodyB, j.angularB);
-}
-
-/// What reaches its limit here does so in Bullet's solver, where a spring may still, or already, push the other way.
-double pushInSolver(const JointRow& row, const JointSource& source) {
-  const bool back = row.impulse < 0.0;
-  if (std::abs(row.impulse) < 0.999999 * std::abs(back ? row.lower : row.upper)) return row.impulse;
-  const double there = back ? source.lower : source.upper;
-  return there != 0.0 ? there : back ? source.upper : source.lower;
 }
 
 /// Soft bodies' objects are left to Bullet's solver, see surface_rigid.h.
@@ -240,14 +313,18 @@ void addJointRows(btDiscreteDynamicsWorld& world, btScalar tick, TickContacts& f
   }
 }
 
-void leaveToSolver(TickContacts& found, btScalar tick) {
-  for (std::size_t i = 0; i < found.joints.size(); ++i) {
-    if (!found.jointSources[i].drives) continue;
-    const JointRow& row = found.joints[i];
-    const double push = pushInSolver(row, found.jointSources[i]);
-    if (row.a != JointRow::kHeld) pushLater(found.rigids[row.a], push * row.linearA, push * row.angularA, tick);
-    if (row.b != JointRow::kHeld) pushLater(found.rigids[row.b], push * row.linearB, push * row.angularB, tick);
+void switchOffDrives(const TickContacts& found, std::vector<SwitchedOff>& off) {
+  for (const JointSource& source : found.jointSources) {
+    if (!source.drives || (!off.empty() && off.back().joint == source.constraint)) continue;
+    off.push_back({source.constraint, switchOff(*source.constraint)});
   }
+}
+
+void switchOnDrives(btDynamicsWorld& world, std::vector<SwitchedOff>& off) {
+  int place = 0;
+  for (const SwitchedOff& o : off)
+    if (isThere(world, o.joint, place)) switchOn(*o.joint, o.drives);
+  off.clear();
 }
 
 void reportJoints(btDynamicsWorld& world, const TickContacts& contacts, btScalar tick) {

@@ -17,9 +17,16 @@ void addJointRows(btDiscreteDynamicsWorld& world, btScalar tick, TickContacts& f
 /// Rolling and spinning friction of the contact between rigid bodies that was added last.
 void addRollingRows(const btPersistentManifold& manifold, const btManifoldPoint& point, TickContacts& found);
 
-/// Bullet's solver lets motors and springs push whatever velocities it is given. What they will push there is taken
-/// off these, so that it acts once.
-void leaveToSolver(TickContacts& found, btScalar tick);
+/// A joint whose motors and springs are switched off.
+struct SwitchedOff {
+  btTypedConstraint* joint;
+  std::uint32_t drives;  ///< a bit for each that was on
+};
+
+/// Bullet's solver would let motors and springs push a second time, whatever velocities it is given: those whose rows
+/// are in `found` are off until it has run.
+void switchOffDrives(const TickContacts& found, std::vector<SwitchedOff>& off);
+void switchOnDrives(btDynamicsWorld& world, std::vector<SwitchedOff>& off);
 
 /// After the tick: Bullet says of the joints what they have borne (as it does, the applied impulse is that of
 /// the last row; feedback is the sum of all), and those that bore as much as they may break. Joints that are

@@ -98,17 +98,6 @@ void handOverRigid(RigidPartner& partner, const RigidState& end, btScalar tick) 
   partner.expectedAngularVelocity = toBullet(meanAngular);
 }
 
-void pushLater(RigidPartner& partner, const Eigen::Vector3d& impulse, const Eigen::Vector3d& turn, btScalar tick) {
-  if (partner.held) return;
-  btRigidBody& body = *partner.body;
-  const double linear = keptShare(body.getLinearDamping(), tick);
-  const double angular = keptShare(body.getAngularDamping(), tick);
-  const btVector3 velocity = toBullet(impulse) * body.getInvMass() * body.getLinearFactor();
-  const btVector3 spin = body.getInvInertiaTensorWorld() * toBullet(turn) * body.getAngularFactor();
-  if (linear > 0.0) body.setLinearVelocity(body.getLinearVelocity() - velocity / static_cast<btScalar>(linear));
-  if (angular > 0.0) body.setAngularVelocity(body.getAngularVelocity() - spin / static_cast<btScalar>(angular));
-}
-
 void takeBackRigid(RigidPartner& partner, const RigidState& end, btScalar tick) {
   if (partner.held || !partner.body->isActive()) return;
   btRigidBody& body = *partner.body;

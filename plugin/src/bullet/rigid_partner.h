@@ -32,8 +32,6 @@ void gatherRigid(RigidPartner& partner, RigidState& state, btScalar tick);
 /// As handOverVelocities() and takeBackContacts() for point masses. Bullet's damping acts on both the
 /// velocity handed over, where it is made up for, and the one at the end.
 void handOverRigid(RigidPartner& partner, const RigidState& end, btScalar tick);
-/// Takes off what is handed over what an impulse (N s) and one that turns (N m s) will give back in Bullet's solver.
-void pushLater(RigidPartner& partner, const Eigen::Vector3d& impulse, const Eigen::Vector3d& turn, btScalar tick);
 void takeBackRigid(RigidPartner& partner, const RigidState& end, btScalar tick);
 
 }  // namespace LIMBER_BULLET_PRECISION

@@ -58,7 +58,7 @@ void SoftBodySystem::Impl::hookUp() {
 /// Stays in place while it is not known whether the world still exists: its next tick will tell.
 void SoftBodySystem::Impl::unhookIfIdle(bool alive) {
   if (!hook || !alive || !bodies.empty() || !springs.empty()) return;
-  freeManifolds(*world->getDispatcher());
+  step->giveBackToBullet();
   hook->leave(*this, true);
   hook = nullptr;
 }
@@ -92,7 +92,7 @@ SoftBodySystem::~SoftBodySystem() {
   impl_->sentinel.reset();
   impl_->dropSpringsOfOthers();
   for (auto& body : impl_->bodies) removeFromWorld(*body->data_);
-  if (alive) freeManifolds(*impl_->world->getDispatcher());
+  if (alive) impl_->step->giveBackToBullet();
   if (impl_->hook) impl_->hook->leave(*impl_, alive);
 }
 

@@ -5,6 +5,7 @@
 #include "bullet/contact_events.h"
 #include "bullet/kinematic_motion.h"
 #include "bullet/multibody_links.h"
+#include "bullet/joint_rows.h"
 #include "bullet/rigid_contacts.h"
 #include "bullet/shared_topologies.h"
 #include "bullet/shown_contacts.h"
@@ -90,6 +91,8 @@ struct SoftBodySystem::Impl::WorldStep {
   void stepGroups(btScalar tick);
   void handOverGroups(btScalar tick);
   void updateLiving();
+  /// Manifolds, motors and springs that Bullet's solver was to leave alone in a tick.
+  void giveBackToBullet();
 
   btDiscreteDynamicsWorld* world = nullptr;
   std::vector<Impl*> systems;  // in the order of their creation
@@ -101,6 +104,7 @@ struct SoftBodySystem::Impl::WorldStep {
   TickContacts pairs;  // contacts in which more than one body moves
   Clusters clusters;   // what they couple
   RigidManifolds manifolds;
+  std::vector<SwitchedOff> drivesOff;
   ShapeCache shapes;
   RigidSurfaces rigidSurfaces{shapes};
   SurfaceSearch search;

@@ -150,7 +150,7 @@ void SoftBodySystem::Impl::WorldStep::handOverGroups(btScalar tick) {
       profile.springSubsteps += body->springs.size() * static_cast<std::size_t>(group.substeps);
     }
   }
-  leaveToSolver(pairs, tick);
+  switchOffDrives(pairs, drivesOff);
 }
 
 void SoftBodySystem::Impl::WorldStep::beforeTick(btScalar tick) {
@@ -175,8 +175,13 @@ void SoftBodySystem::Impl::WorldStep::beforeTick(btScalar tick) {
   handOverGroups(tick);
 }
 
-void SoftBodySystem::Impl::WorldStep::afterTick(btScalar tick) {
+void SoftBodySystem::Impl::WorldStep::giveBackToBullet() {
   freeManifolds(*world->getDispatcher());
+  switchOnDrives(*world, drivesOff);
+}
+
+void SoftBodySystem::Impl::WorldStep::afterTick(btScalar tick) {
+  giveBackToBullet();
   if (!(tick > btScalar(0))) return;
   const StopWatch watch(profile.takeBackMs);
   for (TickGroup& group : groups) {

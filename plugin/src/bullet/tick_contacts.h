@@ -31,7 +31,6 @@ struct JointSource {
   btTypedConstraint* constraint = nullptr;  ///< nullptr: rolling friction of a contact
   double recovery = 0.0;                    ///< m/s or rad/s, the speed that corrects errors
   bool drives = false;                      ///< a motor or a spring: its impulse has limits on both sides
-  double lower = 0.0, upper = 0.0;          ///< of one that drives: its impulse's limits in Bullet's solver
 };
 
 struct RigidPart;

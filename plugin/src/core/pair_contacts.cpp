@@ -125,6 +125,34 @@ Matrix3d mobilityOf(const PairRows& rows, const PairRow& row, const PairContact&
   return m;
 }
 
+void setAway(PairRow& row) { row.mass = row.mobility = 0.0; }
+
+/// Of the weights of an edge's or triangle's corners, the least that free ones must have.
+constexpr double kLeastFree = 0.02;
+
+/// What a pinned corner is in, nothing takes it out of: on the way from it to a free corner the overlap goes from d to
+/// nothing, and to end it at the free corner's share e would move that by d / e, however small e is. So each free
+/// corner has only its own overlap to end. Where nothing but pinned corners is there is no contact.
+void leaveOutPinned(PairRows& rows, PairRow& row) {
+  row.pinned = 0.0;
+  const bool bMoves = row.firstOfB != row.endPoint || row.firstTurn != row.endTurn;
+  if (bMoves || row.firstOfB - row.firstPoint < 2) return;
+  const ConstMap normal(row.axes[0]);
+  double height = 0.0, free = 0.0;
+  const auto isPinned = [&](std::uint32_t i) { return ConstMap(rows.levers[i].inverseMass).isZero(0.0); };
+  for (std::uint32_t i = row.firstPoint; i < row.firstOfB; ++i) {
+    height += rows.points[i].share * normal.dot(ConstMap(rows.levers[i].position));
+    if (!isPinned(i)) free += rows.points[i].share;
+  }
+  if (free < kLeastFree) return setAway(row);
+  for (std::uint32_t i = row.firstPoint; i < row.firstOfB; ++i) {
+    if (!isPinned(i)) continue;
+    const double gap = row.gap + normal.dot(ConstMap(rows.levers[i].position)) - height;
+    row.pinned += rows.points[i].share * std::min(0.0, gap);
+  }
+  row.gap -= row.pinned;
+}
+
 void prepareRow(PairRows& rows, PairRow& row, const PairContact& c, LinkedBodies& bodies,
                 const std::vector<PointView>& views) {
   setAxes(row, c.normal);
@@ -141,6 +169,7 @@ void prepareRow(PairRows& rows, PairRow& row, const PairContact& c, LinkedBodies
   if (c.ended) row.mass = row.mobility = 0.0;
   row.couple = coupleOf(c);
   row.gap = c.gap;
+  leaveOutPinned(rows, row);
   row.friction = c.friction;
   row.stopping = inAxes(row, c.stopping);
   row.settling = inAxes(row, c.settling);
@@ -163,8 +192,6 @@ void turnTo(PairContact& c, PairRow& row, const Vector3d& normal) {
   setAxes(row, normal);
 }
 
-void setAway(PairRow& row) { row.mass = row.mobility = 0.0; }
-
 /// The contact is on this plane now, its points' shares being `weights`.
 void moveRowTo(PairRows& rows, std::size_t number, const Vector3d& normal, double gap, const double* weights) {
   PairRow& row = rows.rows[number];
@@ -181,6 +208,7 @@ void moveRowTo(PairRows& rows, std::size_t number, const Vector3d& normal, doubl
   }
   const Eigen::Map<const Matrix3d> axes(row.axes[0]);  // its columns
   setMobility(row, axes.transpose() * mobility.asDiagonal() * axes);
+  leaveOutPinned(rows, row);
 }
 
 void followRow(PairRows& rows, std::size_t number) {
@@ -333,7 +361,7 @@ void finishPairs(PairRows& rows) {
   for (std::size_t i = 0; i < rows.contacts.size(); ++i) {
     PairContact& c = rows.contacts[i];
     PairRow& row = rows.rows[i];
-    c.gap = row.gap;
+    c.gap = row.gap + row.pinned;
     addBorne(c, row);
     c.stopping = bearingOf(row, row.stopping);
     c.settling = bearingOf(row, row.settling);

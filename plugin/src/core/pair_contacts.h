@@ -131,6 +131,7 @@ struct PairRow {
   std::uint32_t firstPoint, firstOfB, endPoint, firstTurn, endTurn;
   Couple couple;
   double gap, target;                     ///< m; m/s, along it at least
+  double pinned;                          ///< m, what pinned points have of an overlap, which is not in the gap
   double rebound;                         ///< m/s, if it bounces, see Bounce (contact_rows.h)
   double settled;                         ///< m/s along it, when the last substep ended
   double softness;                        ///< see kSoftness
