@@ -3,9 +3,8 @@
 #include "cook/tetrahedra.h"
 #include "cook/tetrahedra_repair.h"
 #include "cook/tetrahedron_faces.h"
-#include "cook/triangle_bvh.h"
-#include "core/mesh_edges.h"
-#include "core/surface_components.h"
+#include "mesh/edges.h"
+#include "mesh/triangle_bvh.h"
 #include "support/small_meshes.h"
 #include "support/test_shapes.h"
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "cook/skin_weights.h"
 #include "cook/tetrahedron_faces.h"
-#include "cook/triangle_bvh.h"
+#include "mesh/triangle_bvh.h"
 
 #include <Eigen/Geometry>
 

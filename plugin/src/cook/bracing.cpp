@@ -4,9 +4,9 @@
 #include "cook/antipodal_braces.h"
 #include "cook/counterexample_braces.h"
 #include "cook/soft_mode_braces.h"
-#include "cook/triangle_geometry.h"
 #include "cook/two_ring_braces.h"
 #include "core/linear_algebra.h"
+#include "mesh/surface.h"
 
 #include <Eigen/Geometry>
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Zlib
 #include "cook/deformations.h"
 
-#include "cook/triangle_geometry.h"
 #include "core/random.h"
+#include "mesh/surface.h"
 
 #include <Eigen/Geometry>
 

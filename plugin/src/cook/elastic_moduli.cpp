@@ -41,7 +41,7 @@ std::array<double, 6> uniaxial(const Vector3d& d) {
 }
 
 /// Twice the area vector.
-Vector3d areaVector(const MatrixXd& points, const Triangle& t) {
+Vector3d twiceAreaVector(const MatrixXd& points, const Triangle& t) {
   const Vector3d a = points.col(t[0]), b = points.col(t[1]), c = points.col(t[2]);
   return (b - a).cross(c - a);
 }
@@ -53,7 +53,7 @@ std::array<Matrix3d, 6> meanStrains(const ElasticBody& body) {
   MatrixXd forces = MatrixXd::Zero(points.size(), 6);
   double volume = 0.0;
   for (const Triangle& t : body.network.surface) {
-    const Vector3d area = areaVector(points, t) / 2.0;
+    const Vector3d area = twiceAreaVector(points, t) / 2.0;
     volume += area.dot(points.col(t[0])) / 3.0;
     for (int load = 0; load < 6; ++load)
       for (const std::uint32_t corner : t)
@@ -65,7 +65,7 @@ std::array<Matrix3d, 6> meanStrains(const ElasticBody& body) {
     Matrix3d sum = Matrix3d::Zero();
     for (const Triangle& t : body.network.surface)
       for (const std::uint32_t corner : t)
-        sum += u.block<3, 1>(3 * corner, load) * areaVector(points, t).transpose() / 6.0;
+        sum += u.block<3, 1>(3 * corner, load) * twiceAreaVector(points, t).transpose() / 6.0;
     strains[static_cast<std::size_t>(load)] = (sum + sum.transpose()) / (2.0 * volume);
   }
   return strains;
@@ -91,7 +91,7 @@ Patch findPatch(const std::vector<Triangle>& surface, const MatrixXd& points, co
   Patch patch{Eigen::VectorXd::Zero(points.cols())};
   for (const Triangle& t : surface)
     for (const std::uint32_t corner : t)
-      if ((points.col(corner) - place).norm() <= reach) patch.share[corner] += areaVector(points, t).norm();
+      if ((points.col(corner) - place).norm() <= reach) patch.share[corner] += twiceAreaVector(points, t).norm();
   if (patch.share.sum() > 0.0) patch.share /= patch.share.sum();
   patch.middle = points * patch.share;
   return patch;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
-#include "core/mesh_edges.h"
+#include "mesh/edges.h"
 
 #include <Eigen/Core>
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
-#include "cook/triangle_bvh.h"
-#include "core/mesh_edges.h"
+#include "mesh/edges.h"
+#include "mesh/triangle_bvh.h"
 
 #include <cstdint>
 #include <unordered_map>

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "cook/bcc_lattice.h"
-#include "cook/triangle_bvh.h"
+#include "mesh/triangle_bvh.h"
 
 #include <cstdint>
 #include <vector>

@@ -3,8 +3,8 @@
 
 #include "cook/moment_match.h"
 #include "cook/solid_moments.h"
-#include "cook/triangle_geometry.h"
-#include "core/mesh_edges.h"
+#include "mesh/edges.h"
+#include "mesh/surface.h"
 
 #include <Eigen/Geometry>
 

@@ -4,18 +4,15 @@
 #include "cook/global_rigidity.h"
 #include "cook/network_pieces.h"
 #include "cook/network_remarks.h"
-#include "cook/outward_surface.h"
 #include "cook/own_weight.h"
 #include "cook/point_spread.h"
 #include "cook/return_rate.h"
 #include "cook/rigidity.h"
-#include "cook/self_intersections.h"
 #include "cook/stiffness_matrix.h"
 #include "cook/time_step.h"
-#include "cook/triangle_bvh.h"
-#include "cook/triangle_geometry.h"
-#include "core/mesh_edges.h"
-#include "core/surface_components.h"
+#include "mesh/edges.h"
+#include "mesh/surface.h"
+#include "mesh/triangle_bvh.h"
 
 #include <algorithm>
 #include <cmath>

@@ -4,9 +4,9 @@
 #include "cook/bracing.h"
 #include "cook/equal_length_braces.h"
 #include "cook/mass_shares.h"
-#include "cook/outward_surface.h"
 #include "cook/two_ring_braces.h"
-#include "core/surface_components.h"
+#include "mesh/edges.h"
+#include "mesh/surface.h"
 
 #include <algorithm>
 #include <chrono>

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "cook/network_pieces.h"
 
-#include "core/disjoint_sets.h"
-#include "core/mesh_edges.h"
+#include "mesh/edges.h"
 
 #include <algorithm>
 #include <cstdint>

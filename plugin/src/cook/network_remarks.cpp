@@ -2,7 +2,7 @@
 #include "cook/network_remarks.h"
 
 #include "cook/deformation_names.h"
-#include "core/counted.h"
+#include "mesh/edges.h"
 
 #include <algorithm>
 #include <cmath>

@@ -4,10 +4,10 @@
 #include "cook/network_pieces.h"
 #include "cook/relaxed_body.h"
 #include "cook/rest_state.h"
-#include "cook/triangle_geometry.h"
 #include "core/random.h"
 #include "core/spring_forces.h"
 #include "core/verlet_step.h"
+#include "mesh/surface.h"
 
 #include <Eigen/Geometry>
 
@@ -173,7 +173,7 @@ double volumeModulusOf(const SpringNetwork& network, const SoftBodySettings& set
   return std::max(0.0, terms.tetrahedra.empty() ? terms.volumes.modulus : terms.tetrahedra.modulus);
 }
 
-double massOf(const SpringNetwork& network, const std::vector<Eigen::Index>& points) {
+double massOfPoints(const SpringNetwork& network, const std::vector<Eigen::Index>& points) {
   double mass = 0.0;
   for (const Eigen::Index i : points) mass += network.massShares[static_cast<std::size_t>(i)];
   return mass;
@@ -186,7 +186,7 @@ std::optional<double> leastStiffnessOfPieces(const SpringNetwork& network, SoftB
   settings.volumeModulus = volumeModulusOf(network, settings);
   for (const std::vector<Eigen::Index>& points : findPieces(network)) {
     SoftBodySettings own = settings;
-    own.totalMass *= massOf(network, points);
+    own.totalMass *= massOfPoints(network, points);
     const auto goOn = [&] { return !progress || progress("own weight", done); };
     const std::optional<double> one = leastStiffnessOfPiece(pieceOf(network, points), own, gravity, goOn);
     if (!one) return std::nullopt;

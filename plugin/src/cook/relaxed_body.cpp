@@ -2,8 +2,8 @@
 #include "cook/relaxed_body.h"
 
 #include "cook/network_pieces.h"
-#include "cook/triangle_geometry.h"
 #include "core/linear_algebra.h"
+#include "mesh/surface.h"
 
 #include <Eigen/Geometry>
 

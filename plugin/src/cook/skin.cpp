@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Zlib
 #include <limber/skin.h>
 
-#include "cook/outward_surface.h"
 #include "cook/skin_weights.h"
+#include "mesh/surface.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "cook/skin_gaps.h"
 
-#include "core/mesh_edges.h"
+#include "mesh/edges.h"
 
 #include <algorithm>
 #include <cmath>

@@ -22,7 +22,7 @@ constexpr std::size_t kMostSoftCandidates = 100000;
 
 /// Modes are braced somewhat beyond the goal: the estimate of their new stiffness leaves out that they give
 /// way sideways. Rough ones stand for several.
-constexpr double kBeyond = 3.0, kRoughBeyond = 8.0;
+constexpr double kBeyondGoal = 3.0, kRoughBeyond = 8.0;
 
 double stiffestOf(const SpringNetwork& network) {
   const SparseMatrix stiffness = stiffnessMatrix(rigidityMatrix(network));
@@ -94,7 +94,7 @@ void addSoftModeBraces(BracedPiece& piece, std::size_t most, std::uint64_t seed,
     if (modes.eigenvalues.size() == 0) return;
     const double least = leastModeRatio(piece.network.restPoints.size()) * stiffestOf(piece.network);
     if (modes.eigenvalues[0] >= least) return;
-    const double goal = (isLarge(piece.network) ? kRoughBeyond : kBeyond) * least;
+    const double goal = (isLarge(piece.network) ? kRoughBeyond : kBeyondGoal) * least;
     if (!braceModes(piece, modes, least, goal, cap, seed + static_cast<std::uint64_t>(round))) return;
   }
 }

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Zlib
 #include "cook/solid_surface.h"
 
-#include "cook/outward_surface.h"
-#include "core/surface_components.h"
+#include "mesh/edges.h"
+#include "mesh/surface.h"
 
 #include <utility>
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
-#include "cook/triangle_bvh.h"
+#include "mesh/triangle_bvh.h"
 
 #include <limber/mesh_weld.h>
 

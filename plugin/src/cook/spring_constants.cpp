@@ -4,7 +4,7 @@
 #include "cook/elastic_moduli.h"
 #include "cook/fourth_degree.h"
 #include "cook/tetrahedron_faces.h"
-#include "core/mesh_edges.h"
+#include "mesh/edges.h"
 
 #include <algorithm>
 #include <utility>

@@ -2,8 +2,8 @@
 #include "cook/surface_fit.h"
 
 #include "cook/tetrahedron_faces.h"
-#include "cook/triangle_geometry.h"
 #include "core/linear_algebra.h"
+#include "mesh/surface.h"
 
 #include <Eigen/Geometry>
 

@@ -2,7 +2,7 @@
 #include "cook/tetrahedra_repair.h"
 
 #include "cook/tetrahedron_faces.h"
-#include "core/mesh_edges.h"
+#include "mesh/edges.h"
 
 #include <algorithm>
 #include <numeric>

@@ -9,13 +9,13 @@ namespace limber {
 namespace {
 
 /// What takes gigabytes is a mistake.
-constexpr std::uint32_t kMostPoints = 10'000'000;
+constexpr std::uint32_t kMostRopePoints = 10'000'000;
 
 std::string check(const RopeSettings& settings) {
   if (!std::isfinite(settings.length) || settings.length <= 0.0)
     return "the length of a rope must be above 0";
   if (settings.segments == 0) return "a rope needs at least one segment";
-  if (settings.segments > kMostPoints) return "a rope of that many segments has more than ten million points";
+  if (settings.segments > kMostRopePoints) return "a rope of that many segments has more than ten million points";
   if (!std::isfinite(settings.bendingScale) || settings.bendingScale < 0.0) {
     return "the bending scale of a rope must be 0 or more";
   }

@@ -1,5 +1,10 @@
 // SPDX-License-Identifier: Zlib
-#include "cook/triangle_bvh.h"
+// Builds the tree of boxes over the triangles of a surface and answers questions about rays, distances and
+// insides with it.
+
+#include "mesh/triangle_bvh.h"
+
+#include "mesh/edges.h"
 
 #include <algorithm>
 #include <cmath>
@@ -50,8 +55,6 @@ bool meetsBox(const AlignedBox3d& box, const Vector3d& origin, const Vector3d& d
   return span.from <= span.to;
 }
 
-Vector3d areaVector(const TriangleCorners& t) { return 0.5 * (t[1] - t[0]).cross(t[2] - t[0]); }
-
 }  // namespace
 
 TriangleBvh::TriangleBvh(const std::vector<Vector3d>& points, const std::vector<Triangle>& triangles)
@@ -81,7 +84,7 @@ void TriangleBvh::setDipole(Node& node, std::uint32_t first, std::uint32_t count
   Vector3d moment = Vector3d::Zero();
   for (std::uint32_t i = first; i < first + count; ++i) {
     const TriangleCorners& t = corners_[order_[i]];
-    const Vector3d vector = areaVector(t);
+    const Vector3d vector = areaVector(t[0], t[1], t[2]);
     node.areaNormal += vector;
     area += vector.norm();
     moment += vector.norm() / 3.0 * (t[0] + t[1] + t[2]);
@@ -185,9 +188,10 @@ SurfaceHit TriangleBvh::nearestWithin(const Vector3d& position, double distance,
     }
     for (std::uint32_t i = node.first; i < node.first + node.count; ++i) {
       const std::uint32_t triangle = order_[i];
-      if (areaVector(corners_[triangle]).dot(normal) < 0.0) continue;
-      const Vector3d barycentric = nearestBarycentric(corners_[triangle], position);
-      const Vector3d foot = pointAt(corners_[triangle], barycentric);
+      const TriangleCorners& t = corners_[triangle];
+      if (areaVector(t[0], t[1], t[2]).dot(normal) < 0.0) continue;
+      const Vector3d barycentric = nearestBarycentric(t, position);
+      const Vector3d foot = pointAt(t, barycentric);
       const double squared = (foot - position).squaredNorm();
       if (squared > best || (squared == best && triangle > hit.triangle)) continue;
       best = squared;
@@ -283,6 +287,20 @@ bool TriangleBvh::staysInside(const Vector3d& a, const Vector3d& b, double toler
     begin = end;
   }
   return true;
+}
+
+std::size_t countPiercingEdges(const std::vector<Eigen::Vector3d>& points,
+                               const std::vector<Triangle>& triangles) {
+  const TriangleBvh surface(points, triangles);
+  const std::vector<Edge> edges = uniqueEdges(triangles);
+  const auto pierces = [&](const Edge& edge) {
+    const auto apart = [&](std::uint32_t triangle) {
+      const Triangle& t = triangles[triangle];
+      return std::none_of(t.begin(), t.end(), [&](std::uint32_t i) { return i == edge[0] || i == edge[1]; });
+    };
+    return surface.isPierced(points[edge[0]], points[edge[1]], apart);
+  };
+  return static_cast<std::size_t>(std::count_if(edges.begin(), edges.end(), pierces));
 }
 
 }  // namespace limber

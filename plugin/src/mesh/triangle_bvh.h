@@ -1,13 +1,15 @@
 // SPDX-License-Identifier: Zlib
+// A tree of boxes over the triangles of a surface, which answers questions about rays, distances and insides.
 #pragma once
 
-#include "cook/triangle_geometry.h"
+#include "mesh/surface.h"
 
 #include <limber/triangle_mesh.h>
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 
+#include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <vector>
@@ -76,5 +78,10 @@ class TriangleBvh {
   std::vector<Node> nodes_;
   double margin_ = 0.0;  ///< m, by which boxes are larger than their triangles
 };
+
+/// Edges of a surface that pass through the inside of one of its triangles. Where two triangles cross, an
+/// edge of one does. Sheets that lie in each other or touch, and edges that meet edges, do not count.
+std::size_t countPiercingEdges(const std::vector<Eigen::Vector3d>& points,
+                               const std::vector<Triangle>& triangles);
 
 }  // namespace limber
