@@ -4,10 +4,9 @@
 #include "cook/elastic_moduli.h"
 #include "cook/return_rate.h"
 #include "cook/rigidity.h"
-#include "cook/soft_mode_braces.h"
-#include "cook/two_ring_braces.h"
 #include "core/volume_term.h"
 #include "mesh/triangle_bvh.h"
+#include "network/bracing.h"
 #include "support/network_shapes.h"
 #include "support/small_meshes.h"
 

@@ -128,8 +128,7 @@ MassShares shareMass(MassRule rule, const std::vector<Vector3d>& points,
     result.shares = areaShares(points, surface);
   }
   result.centreError = result.inertiaError = std::numeric_limits<double>::quiet_NaN();
-  const EdgeDefects defects = findEdgeDefects(surface);
-  if (surface.empty() || defects.open + defects.nonManifold + defects.inconsistent > 0) return result;
+  if (surface.empty() || !findEdgeDefects(surface).none()) return result;
   const Eigen::Map<const Eigen::Matrix3Xd> places(points.front().data(), 3, Eigen::Index(points.size()));
   const SolidMoments solid = solidMoments(places, surface);
   if (!(std::abs(solid.volume) > 0.0) || !(solid.second.trace() > 0.0)) return result;

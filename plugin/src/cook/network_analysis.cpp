@@ -37,20 +37,15 @@ SoftBodySettings bodySettings(const AnalysisSettings& settings) {
 MeshReport meshReport(const SpringNetwork& network) {
   MeshReport report = network.report;
   if (report.triangles > 0 || network.surface.empty()) return report;
-  const EdgeDefects defects = findEdgeDefects(network.surface);
   report.vertices = report.points = network.restPoints.size();
   report.triangles = network.surface.size();
   report.components = findComponents(network.restPoints.size(), network.surface).count;
-  report.openEdges = defects.open;
-  report.nonManifoldEdges = defects.nonManifold;
-  report.inconsistentEdges = defects.inconsistent;
+  setEdgeDefects(report, network.surface);
   return report;
 }
 
 bool isClosed(const SpringNetwork& network) {
-  if (network.surface.empty()) return false;
-  const EdgeDefects defects = findEdgeDefects(network.surface);
-  return defects.open + defects.nonManifold + defects.inconsistent == 0;
+  return !network.surface.empty() && findEdgeDefects(network.surface).none();
 }
 
 /// As the volume term sees the surface, whichever way it faces.

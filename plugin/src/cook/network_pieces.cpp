@@ -22,13 +22,6 @@ std::vector<Corners> keep(const std::vector<Corners>& all, const std::vector<std
   return kept;
 }
 
-void describeSurface(SpringNetwork& network) {
-  const EdgeDefects defects = findEdgeDefects(network.surface);
-  network.report.openEdges = defects.open;
-  network.report.nonManifoldEdges = defects.nonManifold;
-  network.report.inconsistentEdges = defects.inconsistent;
-}
-
 }  // namespace
 
 std::vector<std::vector<Eigen::Index>> findPieces(const SpringNetwork& network) {
@@ -64,7 +57,7 @@ SpringNetwork pieceOf(const SpringNetwork& network, const std::vector<Eigen::Ind
       piece.springs.push_back({number[s.a], number[s.b], s.kind, s.stiffnessScale});
   piece.surface = keep(network.surface, number);
   piece.tetrahedra = keep(network.tetrahedra, number);
-  describeSurface(piece);
+  setEdgeDefects(piece.report, piece.surface);
   return piece;
 }
 

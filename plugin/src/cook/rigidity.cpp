@@ -69,12 +69,16 @@ SoftEnd sparseSoftEnd(const SparseMatrix& stiffness, double bound, double stiffe
 
 }  // namespace
 
+double stiffestEigenvalue(const SparseMatrix& stiffness) {
+  return largestEigenvalue([&](const Eigen::VectorXd& v) -> Eigen::VectorXd { return stiffness * v; },
+                           stiffness.rows());
+}
+
 SmallDeformations smallDeformations(const SpringNetwork& network) {
   const SparseMatrix stiffness = stiffnessMatrix(rigidityMatrix(network));
   const Eigen::Index unknowns = stiffness.rows(), rigid = rigidMotions(network.restPoints).cols();
   SmallDeformations result;
-  result.stiffest =
-      largestEigenvalue([&](const Eigen::VectorXd& v) -> Eigen::VectorXd { return stiffness * v; }, unknowns);
+  result.stiffest = stiffestEigenvalue(stiffness);
   SoftEnd end{unknowns, 0.0};
   if (result.stiffest > 0.0) {
     const double bound = kMechanism * result.stiffest;

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
+#include "cook/stiffness_matrix.h"
+
 #include <limber/spring_network.h>
 
 #include <Eigen/Core>
@@ -16,6 +18,9 @@ struct SmallDeformations {
 };
 
 SmallDeformations smallDeformations(const SpringNetwork& network);
+
+/// Of a stiffness matrix.
+double stiffestEigenvalue(const SparseMatrix& stiffness);
 
 /// The softest oscillations, mechanisms first, rigid motions left out.
 struct Modes {

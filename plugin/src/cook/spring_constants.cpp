@@ -50,7 +50,7 @@ Edges collectEdges(const SpringNetwork& network) {
     for (std::size_t i = 0; i < 4; ++i) {
       edges.pointVolumes[t[i]] += volume / 4.0;
       for (std::size_t j = i + 1; j < 4; ++j)
-        all.push_back({{std::min(t[i], t[j]), std::max(t[i], t[j])}, volume});
+        all.push_back({edgeBetween(t[i], t[j]), volume});
     }
   }
   std::sort(all.begin(), all.end());

@@ -55,10 +55,7 @@ std::vector<Numbers> tetrahedraOfPoints(const TetrahedralMesh& mesh) {
 std::vector<Edge> crowdedEdges(const std::vector<Triangle>& surface) {
   std::vector<Edge> edges, crowded;
   for (const Triangle& t : surface)
-    for (std::size_t i = 0; i < 3; ++i) {
-      const std::uint32_t a = t[i], b = t[(i + 1) % 3];
-      edges.push_back({std::min(a, b), std::max(a, b)});
-    }
+    for (std::size_t i = 0; i < 3; ++i) edges.push_back(edgeBetween(t[i], t[(i + 1) % 3]));
   std::sort(edges.begin(), edges.end());
   for (std::size_t i = 2; i < edges.size(); ++i)
     if (edges[i] == edges[i - 2] && (crowded.empty() || crowded.back() != edges[i]))

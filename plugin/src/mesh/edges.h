@@ -18,6 +18,8 @@ namespace limber {
 /// Two point indices, the smaller one first.
 using Edge = std::array<std::uint32_t, 2>;
 
+inline Edge edgeBetween(std::uint32_t a, std::uint32_t b) { return {std::min(a, b), std::max(a, b)}; }
+
 /// The edges of the triangles, sorted, each once. Corners of a triangle must differ.
 std::vector<Edge> uniqueEdges(const std::vector<Triangle>& triangles);
 

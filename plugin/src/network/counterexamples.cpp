@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Zlib
-#include "cook/counterexample_braces.h"
+// Lets a piece of a body go from large random deformations and braces the wrong shapes that it comes to rest in.
+
+#include "network/bracing.h"
 
 #include "cook/deformations.h"
 #include "cook/relaxation.h"

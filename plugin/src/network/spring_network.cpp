@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: Zlib
+// Checks that a spring network keeps the promises of its members.
+
 #include <limber/spring_network.h>
 
 #include <Eigen/Geometry>
