@@ -2,8 +2,8 @@
 // How braces are chosen from many pairs.
 #include "network/bracing.h"
 
-#include "cook/rigidity.h"
 #include "core/random.h"
+#include "network/rigidity.h"
 #include "support/network_shapes.h"
 
 #include <gtest/gtest.h>

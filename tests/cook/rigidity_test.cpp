@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Zlib
-#include "cook/rigidity.h"
+#include "network/rigidity.h"
 
-#include "cook/stiffness_matrix.h"
 #include "core/linear_algebra.h"
 #include "core/random.h"
 #include "mesh/surface.h"

@@ -4,11 +4,10 @@
 
 #include "network/bracing.h"
 
-#include "cook/rigidity.h"
-#include "cook/stiffness_matrix.h"
 #include "core/linear_algebra.h"
 #include "core/random.h"
 #include "mesh/surface.h"
+#include "network/rigidity.h"
 
 #include <Eigen/Geometry>
 

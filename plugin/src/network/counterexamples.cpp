@@ -3,9 +3,8 @@
 
 #include "network/bracing.h"
 
-#include "cook/deformations.h"
-#include "cook/relaxation.h"
 #include "core/random.h"
+#include "network/relaxation.h"
 
 #include <algorithm>
 #include <array>
