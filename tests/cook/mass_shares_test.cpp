@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-#include "cook/mass_shares.h"
+#include "network/masses.h"
 
 #include "mesh/triangle_bvh.h"
 #include "support/small_meshes.h"

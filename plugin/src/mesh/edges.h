@@ -9,6 +9,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <cstdio>
 #include <numeric>
 #include <string>
 #include <vector>
@@ -65,9 +66,18 @@ struct SurfaceComponents {
 
 SurfaceComponents findComponents(std::size_t points, const std::vector<Triangle>& triangles);
 
+// --- counts and numbers in words ---
+
 /// "1 vertex", "2 vertices"
 inline std::string counted(std::size_t count, const char* one, const char* many) {
   return std::to_string(count) + " " + (count == 1 ? one : many);
+}
+
+/// "0.0123", "1.23e+06"
+inline std::string inThreeDigits(double value) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.3g", value);
+  return text;
 }
 
 }  // namespace limber

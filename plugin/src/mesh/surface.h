@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// The geometry of single triangles and of whole surfaces: angles, extents, volumes, normals, and which side is
-// outside.
+// The geometry of single triangles and of whole surfaces: angles, extents, volumes, normals, and which side
+// is outside.
 #pragma once
 
 #include "core/closest_points.h"
@@ -37,7 +37,8 @@ inline Eigen::Vector3d pointAt(const TriangleCorners& triangle, const Eigen::Vec
 }
 
 /// m^2, along the normal of the triangle with these corners.
-inline Eigen::Vector3d areaVector(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eigen::Vector3d& c) {
+inline Eigen::Vector3d areaVector(const Eigen::Vector3d& a, const Eigen::Vector3d& b,
+                                  const Eigen::Vector3d& c) {
   return 0.5 * (b - a).cross(c - a);
 }
 

@@ -149,8 +149,8 @@ Nearest findNearest(const KeptPositions& kept, const std::vector<Eigen::Vector3d
   return nearest;
 }
 
-// mergeEqual() and mergeNearby() return for each position the index of the position it joins, never a later one;
-// a position that joins none keeps its own index. #positions entries. Both expect finite positions.
+// mergeEqual() and mergeNearby() return for each position the index of the position it joins, never a later
+// one; a position that joins none keeps its own index. #positions entries. Both expect finite positions.
 
 /// Joins equal positions (-0 equals 0) to the first of them.
 std::vector<std::uint32_t> mergeEqual(const std::vector<Eigen::Vector3d>& positions) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// Analyses a network before it is used: it collects what the other chapters measure, remarks on what is unusual
-// and describes all of it in words.
+// Analyses a network before it is used: it collects what the other chapters measure, remarks on what is
+// unusual and describes all of it in words.
 
 #include <limber/network_analysis.h>
 
@@ -217,12 +217,6 @@ constexpr double kUnevenMasses = 20.0;  // the lightest point's share over the m
 constexpr double kShortSpring = 1e-3;   // of the mean length
 constexpr char kTooFast[] = "its stiffest springs, or lightest points, take time steps too short for that";
 
-std::string number(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.3g", value);
-  return text;
-}
-
 void remarkOnMesh(const MeshReport& mesh, Remarks& remarks) {
   if (mesh.openEdges > 0)
     remarks.push_back("the surface is open (" + counted(mesh.openEdges, "edge has", "edges have") +
@@ -259,7 +253,7 @@ void remarkOnSprings(const SpringNetwork& network, Remarks& remarks) {
   if (network.massShares.empty()) return;
   const auto [least, most] = std::minmax_element(network.massShares.begin(), network.massShares.end());
   if (*most > kUnevenMasses * *least)
-    remarks.push_back("the heaviest point has " + number(*most / *least) +
+    remarks.push_back("the heaviest point has " + inThreeDigits(*most / *least) +
                       " times the mass of the lightest: that makes time steps short");
 }
 
@@ -283,7 +277,7 @@ void remarkOnRigidity(const NetworkAnalysis& a, Remarks& remarks) {
                       " no spring: points within flat faces and points with fewer than three springs that "
                       "span space move freely; braces help");
   else if (a.rigidity == Rigidity::NearlyFlexible)
-    remarks.push_back("its softest oscillation has only " + number(a.modeRatio) +
+    remarks.push_back("its softest oscillation has only " + inThreeDigits(a.modeRatio) +
                       " of the stiffest one's eigenvalue: it wobbles like something with a hinge");
   if (a.globallyRigidKnown && !a.globallyRigid && a.mechanisms == 0)
     remarks.push_back("not globally rigid: other shapes than this one fit the same spring lengths");
@@ -312,8 +306,9 @@ void remarkOnWeight(const AnalysisSettings& settings, const NetworkAnalysis& a, 
   else if (a.leastStiffness == 0.0)
     remarks.push_back("collapses under its own weight however stiff its springs are");
   else if (a.leastStiffness > settings.stiffness)
-    remarks.push_back("collapses under its own weight of " + number(settings.totalMass) + " kg at " +
-                      number(settings.stiffness) + " N/m: it needs " + number(a.leastStiffness) + " N/m");
+    remarks.push_back("collapses under its own weight of " + inThreeDigits(settings.totalMass) + " kg at " +
+                      inThreeDigits(settings.stiffness) + " N/m: it needs " +
+                      inThreeDigits(a.leastStiffness) + " N/m");
 }
 
 /// What people should know of a network with this analysis: what is unusual, what should be mended and how.

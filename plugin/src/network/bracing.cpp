@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// Braces a piece of a body: chords through its inside first, then braces for its soft modes, then braces for the
-// wrong shapes that counterexamples.cpp finds.
+// Braces a piece of a body: chords through its inside first, then braces for its soft modes, then braces for
+// the wrong shapes that counterexamples.cpp finds.
 
 #include "network/bracing.h"
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// Braces are springs that keep the shape of a body. This header declares the rules that find them, and the piece
-// of a body that is being braced.
+// Braces are springs that keep the shape of a body. This header declares the rules that find them, and the
+// piece of a body that is being braced.
 #pragma once
 
 #include "mesh/edges.h"

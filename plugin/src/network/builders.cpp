@@ -3,10 +3,11 @@
 
 #include <limber/network_builder.h>
 
-#include "cook/mass_shares.h"
 #include "mesh/edges.h"
 #include "mesh/surface.h"
 #include "network/bracing.h"
+#include "network/masses.h"
+#include "network/skin.h"
 
 #include <Eigen/Core>
 
@@ -353,15 +354,6 @@ std::vector<NetworkSpring> connect(const WeldedMesh& welded, const NetworkSettin
     return s.a != t.a ? s.a < t.a : s.b < t.b;
   });
   return springs;
-}
-
-RenderSurface makeRenderSurface(const TriangleMesh& mesh, const WeldedMesh& welded) {
-  RenderSurface render;
-  render.vertexToPoint = welded.vertexToPoint;
-  render.uvs = mesh.uvs;
-  render.triangles.reserve(welded.keptTriangles.size());
-  for (const std::uint32_t kept : welded.keptTriangles) render.triangles.push_back(mesh.triangles[kept]);
-  return render;
 }
 
 }  // namespace

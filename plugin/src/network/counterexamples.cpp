@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// Lets a piece of a body go from large random deformations and braces the wrong shapes that it comes to rest in.
+// Lets a piece of a body go from large random deformations and braces the wrong shapes that it comes to rest
+// in.
 
 #include "network/bracing.h"
 

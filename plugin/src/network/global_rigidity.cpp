@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// Tests whether a network is generically globally rigid, with matrices over a finite field, in which ranks are
-// exact.
+// Tests whether a network is generically globally rigid, with matrices over a finite field, in which ranks
+// are exact.
 
 #include "network/rigidity.h"
 

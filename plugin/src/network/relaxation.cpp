@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// Lets bodies of a network come to rest: by lightly damped dynamics of many of them at once first, then by descent
-// to the minimum of the energy.
+// Lets bodies of a network come to rest: by lightly damped dynamics of many of them at once first, then by
+// descent to the minimum of the energy.
 
 #include "network/relaxation.h"
 

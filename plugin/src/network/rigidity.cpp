@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// Splits a network into pieces and finds its rigid motions, its mechanisms and its softest oscillations, from the
-// stiffness matrix at rest.
+// Splits a network into pieces and finds its rigid motions, its mechanisms and its softest oscillations, from
+// the stiffness matrix at rest.
 
 #include "network/rigidity.h"
 

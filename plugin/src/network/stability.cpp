@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// Measures how a body of a network stands up to large deformations and to its own weight, and which time steps it
-// takes.
+// Measures how a body of a network stands up to large deformations and to its own weight, and which time
+// steps it takes.
 
 #include "network/relaxation.h"
 

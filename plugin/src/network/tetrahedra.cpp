@@ -1,22 +1,160 @@
 // SPDX-License-Identifier: Zlib
-#include "cook/tetrahedra.h"
+// Fills the inside of a surface with tetrahedra: it searches a lattice that fits, has it filled and repaired,
+// and draws the points at the surface into its edges and corners.
 
-#include "cook/lattice_cut.h"
-#include "cook/lattice_fill.h"
-#include "cook/solid_surface.h"
-#include "cook/surface_fit.h"
-#include "cook/tetrahedra_repair.h"
-#include "cook/tetrahedron_faces.h"
+#include "network/tetrahedra.h"
+
+#include "core/linear_algebra.h"
+#include "mesh/edges.h"
+#include "mesh/surface.h"
+#include "mesh/triangle_bvh.h"
+
+#include <limber/mesh_weld.h>
+
+#include <Eigen/Geometry>
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <string>
+#include <utility>
+#include <vector>
 
 namespace limber {
 namespace {
 
+using Eigen::Matrix3d;
 using Eigen::Vector3d;
+
+/// A closed surface, turned so that its inside is inside.
+struct SolidSurface {
+  std::vector<Triangle> triangles;
+  std::vector<Eigen::Vector3d> centroids, normals;  ///< #triangles, m and unit vectors pointing outward
+  std::vector<std::uint32_t> pieceOfTriangle;       ///< #triangles; pieces share no point
+  std::size_t pieces = 0;
+  TriangleBvh bvh;
+  Eigen::AlignedBox3d box;
+  double volume = 0.0;  ///< m^3
+};
+
+/// Why the mesh has no inside, or an empty string.
+std::string whyNotSolid(const MeshReport& report) {
+  if (report.openEdges > 0)
+    return "the mesh is not closed: it has " + std::to_string(report.openEdges) + " open edges";
+  if (report.inconsistentEdges > 0)
+    return "the mesh has no inside: at " + std::to_string(report.inconsistentEdges) +
+           " edges its triangles are oriented against each other";
+  return {};
+}
+
+SolidSurface makeSolidSurface(const WeldedMesh& mesh) {
+  const std::vector<Triangle> triangles = turnedOutward(mesh.points, mesh.triangles);
+  SolidSurface s{triangles, {}, {}, {}, 0, TriangleBvh(mesh.points, triangles), {}, 0.0};
+  SurfaceComponents components = findComponents(mesh.points.size(), triangles);
+  s.pieces = components.count;
+  s.pieceOfTriangle = std::move(components.ofTriangle);
+  s.volume = signedVolume(mesh.points, triangles);
+  for (const Triangle& t : triangles) {
+    const Vector3d &a = mesh.points[t[0]], &b = mesh.points[t[1]], &c = mesh.points[t[2]];
+    s.centroids.emplace_back((a + b + c) / 3.0);
+    s.normals.push_back((b - a).cross(c - a).normalized());
+    s.box.extend(a).extend(b).extend(c);
+  }
+  return s;
+}
+
+/// The smallest and the largest angle (degrees) that fitSurface() leaves, unless they were there before.
+constexpr double kSmallestAngle = 18.0, kLargestAngle = 145.0;
+
+/// Rounds over all points.
+constexpr int kRounds = 6;
+
+/// Weight of staying in place against the planes: it decides only along directions that no plane does.
+constexpr double kStayInPlace = 0.05;
+
+struct Fit {
+  TetrahedralMesh& mesh;
+  std::vector<std::vector<std::uint32_t>> tetrahedraAt, trianglesAt;  ///< of each point
+};
+
+/// How far the angles at a point are within their bounds, radians; negative outside, -10 for a tetrahedron
+/// that is turned over.
+double slack(const Fit& fit, std::uint32_t point) {
+  double least = kPi;
+  for (const std::uint32_t i : fit.tetrahedraAt[point]) {
+    const Tetrahedron& t = fit.mesh.tetrahedra[i];
+    if (volumeOf(fit.mesh.points, t) <= 0.0) return -10.0;
+    const DihedralAngles angles = dihedralAngles(fit.mesh.points, t);
+    least = std::min({least, angles.smallest - kSmallestAngle * kPi / 180.0,
+                      kLargestAngle * kPi / 180.0 - angles.largest});
+  }
+  return least;
+}
+
+/// Moves the point towards `target` as far as the angles stay within bounds, or no worse than they are.
+void moveTowards(Fit& fit, std::uint32_t point, const Vector3d& target) {
+  const Vector3d from = fit.mesh.points[point];
+  const double least = std::min(0.0, slack(fit, point));
+  for (const double share : {1.0, 0.5, 0.25}) {
+    fit.mesh.points[point] = from + share * (target - from);
+    if (slack(fit, point) >= least) return;
+  }
+  fit.mesh.points[point] = from;
+}
+
+/// Where the planes of the surface next to the triangles around a point meet.
+Vector3d meetingOfPlanes(const Fit& fit, std::uint32_t point, const SolidSurface& surface) {
+  const std::vector<Vector3d>& points = fit.mesh.points;
+  const Vector3d& here = points[point];
+  Matrix3d left = Matrix3d::Zero();
+  Vector3d right = Vector3d::Zero();
+  double area = 0.0;
+  for (const std::uint32_t i : fit.trianglesAt[point]) {
+    const Triangle& t = fit.mesh.surface[i];
+    const double weight = (points[t[1]] - points[t[0]]).cross(points[t[2]] - points[t[0]]).norm();
+    for (std::size_t corner = 0; corner < 3; ++corner) {
+      const Vector3d sample = (points[t[0]] + points[t[1]] + points[t[2]] + 3.0 * points[t[corner]]) / 6.0;
+      const SurfaceHit hit = surface.bvh.nearest(sample);
+      const Vector3d& normal = surface.normals[hit.triangle];
+      left += weight * normal * normal.transpose();
+      right += weight * normal.dot(hit.position - here) * normal;
+    }
+    area += weight;
+  }
+  left += kStayInPlace * area * Matrix3d::Identity();
+  solveSmall(left, right);
+  return here + right;
+}
+
+Vector3d meanOfNeighbours(const Fit& fit, std::uint32_t point) {
+  Vector3d sum = Vector3d::Zero();
+  double weight = 0.0;
+  for (const std::uint32_t i : fit.tetrahedraAt[point]) {
+    const Tetrahedron& t = fit.mesh.tetrahedra[i];
+    const double volume = volumeOf(fit.mesh.points, t);
+    for (const std::uint32_t corner : t) sum += 0.25 * volume * fit.mesh.points[corner];
+    weight += volume;
+  }
+  return sum / weight;
+}
+
+/// Draws the points of the surface to where the planes of the given surface around them meet (the least
+/// squares of M. Garland, P. Heckbert, "Surface simplification using quadric error metrics", SIGGRAPH 1997),
+/// so that sharp edges and corners, which the lattice cuts off, come back, and round bodies keep their
+/// volume; and evens out the points inside. Points move one after the other, as far as the angles allow.
+void fitSurface(TetrahedralMesh& mesh, const SolidSurface& surface) {
+  Fit fit{mesh, {}, {}};
+  fit.tetrahedraAt.resize(mesh.points.size());
+  fit.trianglesAt.resize(mesh.points.size());
+  for (std::uint32_t t = 0; t < mesh.tetrahedra.size(); ++t)
+    for (const std::uint32_t point : mesh.tetrahedra[t]) fit.tetrahedraAt[point].push_back(t);
+  for (std::uint32_t t = 0; t < mesh.surface.size(); ++t)
+    for (const std::uint32_t point : mesh.surface[t]) fit.trianglesAt[point].push_back(t);
+  for (int round = 0; round < kRounds; ++round)
+    for (std::uint32_t point = 0; point < mesh.points.size(); ++point)
+      moveTowards(fit, point,
+                  fit.trianglesAt[point].empty() ? meanOfNeighbours(fit, point)
+                                                 : meetingOfPlanes(fit, point, surface));
+}
 
 /// Sites at most: their arrays take about 60 bytes each.
 constexpr double kMostSites = 4e6;
@@ -61,7 +199,7 @@ double sitesNeeded(const Eigen::AlignedBox3d& box, double spacing) {
 }
 
 TetrahedralMesh stuff(const SolidSurface& surface, double spacing) {
-  TetrahedralMesh mesh = fillLattice(cutLattice(placeLattice(surface.box, spacing), surface.bvh));
+  TetrahedralMesh mesh = fillLattice(placeLattice(surface.box, spacing), surface.bvh);
   makeManifold(mesh, kCrumb * surface.volume / static_cast<double>(surface.pieces));
   return mesh;
 }
@@ -112,12 +250,6 @@ std::string findLoss(const TetrahedralMesh& mesh, const SolidSurface& surface) {
     known = part;
   }
   return {};
-}
-
-std::string say(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.3g", value);
-  return text;
 }
 
 /// A filling that has yet to be fitted to the surface, and what is wrong with it.
@@ -174,7 +306,7 @@ bool isFlat(const SolidSurface& surface) { return surface.volume <= kLeastVolume
 Result<TetrahedralMesh> finish(Trial trial, const SolidSurface& surface) {
   if (trial.spacing == 0.0) return Error{"so many points need a lattice that is too large"};
   if (!trial.loss.empty())
-    return Error{trial.loss + ": it is thinner than a lattice of " + say(trial.spacing) +
+    return Error{trial.loss + ": it is thinner than a lattice of " + inThreeDigits(trial.spacing) +
                  " m can follow, or oriented inward; take a smaller spacing or more points"};
   fitSurface(trial.mesh, surface);
   return std::move(trial.mesh);
@@ -185,12 +317,12 @@ Result<TetrahedralMesh> finish(Trial trial, const SolidSurface& surface) {
 Result<TetrahedralMesh> fillWithTetrahedra(const WeldedMesh& mesh, double spacing) {
   if (std::string reason = whyNotSolid(mesh.report); !reason.empty()) return Error{std::move(reason)};
   if (!std::isfinite(spacing) || spacing <= 0.0)
-    return Error{"the spacing is " + say(spacing) + ", it must be above 0"};
+    return Error{"the spacing is " + inThreeDigits(spacing) + ", it must be above 0"};
   const SolidSurface surface = makeSolidSurface(mesh);
   if (isFlat(surface)) return Error{kNoVolume};
   if (const double sites = sitesNeeded(surface.box, spacing); sites > kMostSites)
-    return Error{"the spacing of " + say(spacing) + " m needs a lattice of " + say(sites) +
-                 " sites, it may have " + say(kMostSites)};
+    return Error{"the spacing of " + inThreeDigits(spacing) + " m needs a lattice of " + inThreeDigits(sites) +
+                 " sites, it may have " + inThreeDigits(kMostSites)};
   return finish(fillAt(surface, spacing, 1.0), surface);
 }
 

@@ -1,17 +1,22 @@
 // SPDX-License-Identifier: Zlib
+// Declares the weights with which the places of a skin ride on the points of a network.
 #pragma once
 
-#include "cook/skin_gaps.h"
+#include "mesh/triangle_bvh.h"
 
 #include <limber/mesh_weld.h>
 #include <limber/skin.h>
+#include <limber/spring_network.h>
 
 #include <Eigen/Core>
+#include <Eigen/SparseCore>
 
 #include <cstdint>
 #include <vector>
 
 namespace limber {
+
+using SparseRows = Eigen::SparseMatrix<double, Eigen::RowMajor>;
 
 /// A Skin before its weights are rounded.
 struct SkinWeights {
@@ -25,7 +30,7 @@ struct SkinProblem {
   std::vector<Eigen::Vector3d> points;   ///< #points
   std::vector<Eigen::Vector3d> places;   ///< #places
   std::vector<Eigen::Vector3d> normals;  ///< #places, outward
-  SparseRows variances;  ///< #places x #points, m^3: how little a point tells about a place, see skin_gaps.h
+  SparseRows variances;  ///< #places x #points, m^3: how little a point tells about a place, see gapVariances()
 };
 
 /// Whether the points lie in no plane, so that affine motions can be told from them.
@@ -44,6 +49,9 @@ SkinWeights tetrahedronWeights(const SkinProblem& problem, const std::vector<Tet
 
 /// Barycentric coordinates in the tetrahedron of the nearest triangle and a point across the body from it.
 SkinWeights triangleWeights(const SkinProblem& problem, const std::vector<Triangle>& surface);
+
+/// How a welded mesh is drawn: its vertices ride on the welded points, or on the places of a skin.
+RenderSurface makeRenderSurface(const TriangleMesh& mesh, const WeldedMesh& welded, Skin skin = {});
 
 /// Rounded so that the weights of each place sum to 1 as closely as floats allow.
 Skin rounded(const SkinWeights& exact);
