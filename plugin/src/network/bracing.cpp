@@ -88,16 +88,7 @@ std::uint32_t walk(const InsideChords& chords, std::uint32_t from, Random& rando
   return from;
 }
 
-void boundAll(BraceChoice& choice, const Eigen::VectorXf& weights) {
-  const Eigen::VectorXf sums = choice.benefit.transpose() * weights;
-  for (Eigen::Index pair = 0; pair < sums.size(); ++pair)
-    if (sums[pair] > 0.0f) choice.bounds.push_back({sums[pair], pair});
-  std::make_heap(choice.bounds.begin(), choice.bounds.end());
-  choice.bounded = true;
-}
-
-}  // namespace
-
+/// The pair must be allowed and the piece not full.
 void addBrace(BracedPiece& piece, const Edge& pair) {
   const NetworkSpring brace{pair[0], pair[1], SpringKind::Brace, piece.weight};
   std::vector<NetworkSpring>& springs = piece.network.springs;
@@ -108,6 +99,16 @@ void addBrace(BracedPiece& piece, const Edge& pair) {
   piece.chords.join(pair[0], pair[1]);
   piece.braces.push_back(pair);
 }
+
+void boundAll(BraceChoice& choice, const Eigen::VectorXf& weights) {
+  const Eigen::VectorXf sums = choice.benefit.transpose() * weights;
+  for (Eigen::Index pair = 0; pair < sums.size(); ++pair)
+    if (sums[pair] > 0.0f) choice.bounds.push_back({sums[pair], pair});
+  std::make_heap(choice.bounds.begin(), choice.bounds.end());
+  choice.bounded = true;
+}
+
+}  // namespace
 
 Eigen::VectorXf addBest(BracedPiece& piece, BraceChoice& choice, const Eigen::VectorXf& weights) {
   if (!choice.bounded) boundAll(choice, weights);

@@ -60,9 +60,6 @@ struct BracedPiece {
 /// Whether to go on, told how far the present work is, 0 to 1.
 using GoOn = std::function<bool(double)>;
 
-/// The pair must be allowed and the piece not full.
-void addBrace(BracedPiece& piece, const Edge& pair);
-
 /// Pairs to choose braces from, and what each is good for.
 struct BraceChoice {
   std::vector<Edge> pairs;

@@ -195,7 +195,8 @@ Patch findPatch(const std::vector<Triangle>& surface, const MatrixXd& points, co
   Patch patch{Eigen::VectorXd::Zero(points.cols())};
   for (const Triangle& t : surface)
     for (const std::uint32_t corner : t)
-      if ((points.col(corner) - place).norm() <= reach) patch.share[corner] += twiceAreaVector(points, t).norm();
+      if ((points.col(corner) - place).norm() <= reach)
+        patch.share[corner] += twiceAreaVector(points, t).norm();
   if (patch.share.sum() > 0.0) patch.share /= patch.share.sum();
   patch.middle = points * patch.share;
   return patch;

@@ -56,7 +56,6 @@ using MomentVector = Eigen::Matrix<double, 10, 1>;
 
 struct MomentMatch {
   std::vector<double> shares;  ///< #points, sum 1
-  MomentVector misfit = MomentVector::Zero();
   /// Proven: no shares within the bounds come nearer to the target than this (Euclidean distance of the
   /// moments, mass included). Above 0 the problem has no solution.
   double leastMisfit = 0.0;
@@ -175,7 +174,6 @@ MomentMatch matchMoments(const std::vector<MomentVector>& momentsOfPoint, const 
   for (std::size_t i = 0; i < momentsOfPoint.size(); ++i) match.shares.push_back(share(p, i, y));
   const double sum = std::accumulate(match.shares.begin(), match.shares.end(), 0.0);
   for (double& s : match.shares) s /= sum;
-  match.misfit = error;
   if (error.cwiseAbs().maxCoeff() > kExact) match.leastMisfit = provenMisfit(p, y, error);
   return match;
 }

@@ -72,7 +72,7 @@ FourthDegree symmetricPart(const Eigen::Matrix<double, 6, 6>& elasticity);
 
 /// The edges of the tetrahedra as springs that together are a material, for a network that has its points,
 /// tetrahedra and surface: sets `springs`, with stiffness scales of mean 1, and `stiffnessPerModulus`, so
-/// that the measured Young's modulus (elastic_moduli.h) is the one asked for. Edges of the surface are
+/// that the measured Young's modulus (measureModuli()) is the one asked for. Edges of the surface are
 /// Structural, those inside Brace, since they hold it up from within.
 ///
 /// The constants stay near those of A. Van Gelder, "Approximate simulation of elastic membranes by

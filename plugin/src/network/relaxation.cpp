@@ -24,6 +24,16 @@
 #include <vector>
 
 namespace limber {
+namespace {
+
+/// rad^2/s^2 that the volume terms can add to the square of the fastest oscillation in the next `time`
+/// seconds.
+double volumeBoundSquared(BodyTerms& terms, const PointState& state, double time) {
+  return volumeFrequencyBoundSquared(terms.volumes, state, time) +
+         tetrahedronFrequencyBoundSquared(terms.tetrahedra, state);
+}
+
+}  // namespace
 
 BodyTerms::BodyTerms(const SpringNetwork& network, const SoftBodySettings& settings)
     : springs(makeSprings(network, settings)),
@@ -35,11 +45,6 @@ SteppedBody steppedBody(BodyTerms& terms, PointState& state) {
   if (!terms.volumes.empty()) body.volumes = &terms.volumes;
   if (!terms.tetrahedra.empty()) body.tetrahedra = &terms.tetrahedra;
   return body;
-}
-
-double volumeBoundSquared(BodyTerms& terms, const PointState& state, double time) {
-  return volumeFrequencyBoundSquared(terms.volumes, state, time) +
-         tetrahedronFrequencyBoundSquared(terms.tetrahedra, state);
 }
 
 double boundSquared(BodyTerms& terms, const PointState& state) {

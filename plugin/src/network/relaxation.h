@@ -31,10 +31,6 @@ struct BodyTerms {
 /// With pointers to `terms` and `state`.
 SteppedBody steppedBody(BodyTerms& terms, PointState& state);
 
-/// rad^2/s^2 that the volume terms can add to the square of the fastest oscillation in the next `time`
-/// seconds.
-double volumeBoundSquared(BodyTerms& terms, const PointState& state, double time);
-
 /// rad^2/s^2: no oscillation about these positions is faster.
 double boundSquared(BodyTerms& terms, const PointState& state);
 

@@ -265,8 +265,8 @@ void settle(StandingBody& body, double gravity, double mostTime, double calmSpee
 
 double heightOf(const Points& position) { return position.row(1).maxCoeff() - position.row(1).minCoeff(); }
 
-/// The height divided by that of the rest shape, turned as the body is now: a body that has toppled and kept its
-/// shape has not collapsed.
+/// The height divided by that of the rest shape, turned as the body is now: a body that has toppled and kept
+/// its shape has not collapsed.
 double relativeHeight(const StandingBody& body) {
   const Eigen::Matrix4d attitude = Eigen::umeyama(body.rest, body.state.position, false);
   return heightOf(body.state.position) / heightOf(attitude.topLeftCorner<3, 3>() * body.rest);

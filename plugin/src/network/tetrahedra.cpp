@@ -321,8 +321,8 @@ Result<TetrahedralMesh> fillWithTetrahedra(const WeldedMesh& mesh, double spacin
   const SolidSurface surface = makeSolidSurface(mesh);
   if (isFlat(surface)) return Error{kNoVolume};
   if (const double sites = sitesNeeded(surface.box, spacing); sites > kMostSites)
-    return Error{"the spacing of " + inThreeDigits(spacing) + " m needs a lattice of " + inThreeDigits(sites) +
-                 " sites, it may have " + inThreeDigits(kMostSites)};
+    return Error{"the spacing of " + inThreeDigits(spacing) + " m needs a lattice of " +
+                 inThreeDigits(sites) + " sites, it may have " + inThreeDigits(kMostSites)};
   return finish(fillAt(surface, spacing, 1.0), surface);
 }
 

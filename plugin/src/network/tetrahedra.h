@@ -20,9 +20,6 @@ namespace limber {
 /// No tetrahedron lies behind a face of the surface.
 constexpr std::uint32_t kOutside = 0xffffffffu;
 
-/// The face opposite to a corner, counter-clockwise seen from outside.
-Triangle faceOf(const Tetrahedron& tetrahedron, std::size_t corner);
-
 /// For each corner of each tetrahedron the one behind the face opposite to it, or kOutside.
 using FaceNeighbours = std::vector<std::array<std::uint32_t, 4>>;
 FaceNeighbours findFaceNeighbours(const std::vector<Tetrahedron>& tetrahedra);

@@ -18,14 +18,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-/// Times twice the area, pointing outward.
-Vector3d faceNormal(const std::vector<Vector3d>& points, const Tetrahedron& t, std::size_t corner) {
-  const Triangle f = faceOf(t, corner);
-  return (points[f[1]] - points[f[0]]).cross(points[f[2]] - points[f[0]]);
-}
-
-}  // namespace
-
+/// The face opposite to a corner, counter-clockwise seen from outside.
 Triangle faceOf(const Tetrahedron& t, std::size_t corner) {
   switch (corner) {
     case 0:
@@ -38,6 +31,14 @@ Triangle faceOf(const Tetrahedron& t, std::size_t corner) {
       return {t[0], t[2], t[1]};
   }
 }
+
+/// Times twice the area, pointing outward.
+Vector3d faceNormal(const std::vector<Vector3d>& points, const Tetrahedron& t, std::size_t corner) {
+  const Triangle f = faceOf(t, corner);
+  return (points[f[1]] - points[f[0]]).cross(points[f[2]] - points[f[0]]);
+}
+
+}  // namespace
 
 FaceNeighbours findFaceNeighbours(const std::vector<Tetrahedron>& tetrahedra) {
   std::vector<std::pair<Triangle, std::uint32_t>> faces;  // sorted corners; 4 x tetrahedron + corner
