@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// The edges of a triangle mesh, the components that share points, and what is wrong with its edges.
+// Declares the edges of triangle meshes, the components that share points and the defects of edges, and puts
+// counts and numbers into words.
 #pragma once
 
 #include <limber/mesh_weld.h>
