@@ -2,7 +2,7 @@
 #include "networks/large_table.h"
 
 #include "clocks.h"
-#include "cook/return_rate.h"
+#include "network/relaxation.h"
 #include "support/test_shapes.h"
 #include "text_format.h"
 

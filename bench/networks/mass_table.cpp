@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "networks/mass_table.h"
 
-#include "cook/mass_shares.h"
+#include "network/masses.h"
 #include "support/network_shapes.h"
 #include "text_format.h"
 

@@ -1,12 +1,10 @@
 // SPDX-License-Identifier: Zlib
 #include "networks/material_table.h"
 
-#include "cook/bending_moduli.h"
-#include "cook/elastic_moduli.h"
-#include "cook/spring_constants.h"
-#include "cook/tetrahedra.h"
-#include "cook/triangle_geometry.h"
 #include "core/volume_term.h"
+#include "mesh/surface.h"
+#include "network/material.h"
+#include "network/tetrahedra.h"
 #include "networks/value_of.h"
 #include "support/network_shapes.h"
 #include "text_format.h"

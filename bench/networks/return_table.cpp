@@ -2,8 +2,8 @@
 #include "networks/return_table.h"
 
 #include "clocks.h"
-#include "cook/bracing.h"
-#include "cook/elastic_moduli.h"
+#include "network/bracing.h"
+#include "network/material.h"
 
 #include <algorithm>
 #include <random>

@@ -2,7 +2,7 @@
 #include "networks/skin_table.h"
 
 #include "clocks.h"
-#include "cook/skin_weights.h"
+#include "network/skin.h"
 #include "networks/value_of.h"
 #include "support/network_shapes.h"
 #include "support/small_meshes.h"

@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: Zlib
 // How braces are chosen from many pairs.
-#include "cook/braced_piece.h"
+#include "network/bracing.h"
 
-#include "cook/rigidity.h"
-#include "cook/soft_mode_braces.h"
 #include "core/random.h"
+#include "network/rigidity.h"
 #include "support/network_shapes.h"
 
 #include <gtest/gtest.h>

@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: Zlib
 // BraceRule::Pipeline and TwoRing: what they promise, on small shapes and few runs; bench/run networks has
 // the large ones.
-#include "cook/elastic_moduli.h"
-#include "cook/return_rate.h"
-#include "cook/rigidity.h"
-#include "cook/soft_mode_braces.h"
-#include "cook/triangle_bvh.h"
-#include "cook/two_ring_braces.h"
 #include "core/volume_term.h"
+#include "mesh/triangle_bvh.h"
+#include "network/bracing.h"
+#include "network/material.h"
+#include "network/relaxation.h"
+#include "network/rigidity.h"
 #include "support/network_shapes.h"
 #include "support/small_meshes.h"
 

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Zlib
 // Measured elasticity against closed forms.
-#include "cook/elastic_moduli.h"
-#include "cook/bending_moduli.h"
-#include "cook/fourth_degree.h"
+#include "network/material.h"
 #include "support/networks.h"
 #include "support/small_meshes.h"
 

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "cook/file_networks.h"
 
-#include "cook/little_endian.h"
-#include "cook/payload_hash.h"
+#include "network/file.h"
 
 namespace limber::test {
 namespace {

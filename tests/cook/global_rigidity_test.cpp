@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-#include "cook/global_rigidity.h"
+#include "network/rigidity.h"
 
 #include "core/random.h"
 #include "support/network_shapes.h"

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
-#include "cook/mass_shares.h"
+#include "network/masses.h"
 
-#include "cook/triangle_bvh.h"
+#include "mesh/triangle_bvh.h"
 #include "support/small_meshes.h"
 #include "support/test_shapes.h"
 

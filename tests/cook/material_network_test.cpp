@@ -2,11 +2,8 @@
 // Bodies of a material: what is asked is what is measured.
 #include <limber/material_network.h>
 
-#include "cook/bending_moduli.h"
-#include "cook/elastic_moduli.h"
-#include "cook/spring_constants.h"
-#include "cook/tetrahedra.h"
-#include "cook/tetrahedron_faces.h"
+#include "network/material.h"
+#include "network/tetrahedra.h"
 #include "support/network_shapes.h"
 #include "support/small_meshes.h"
 #include "support/test_shapes.h"

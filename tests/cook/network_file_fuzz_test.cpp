@@ -3,7 +3,7 @@
 #include <limber/network_file.h>
 
 #include "cook/file_networks.h"
-#include "cook/little_endian.h"
+#include "network/file.h"
 
 #include <gtest/gtest.h>
 

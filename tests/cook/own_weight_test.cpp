@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-#include "cook/own_weight.h"
+#include "network/relaxation.h"
 
 #include "support/network_shapes.h"
 #include "support/networks.h"

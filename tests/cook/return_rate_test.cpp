@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: Zlib
 // Large deformations, what bodies relax to from them, and how often that is the rest shape.
-#include "cook/return_rate.h"
+#include "network/relaxation.h"
 
-#include "cook/deformations.h"
-#include "cook/relaxation.h"
 #include "core/spring_forces.h"
 #include "support/network_shapes.h"
 #include "support/networks.h"

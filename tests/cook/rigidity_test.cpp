@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: Zlib
-#include "cook/rigidity.h"
+#include "network/rigidity.h"
 
-#include "cook/stiffness_matrix.h"
-#include "cook/triangle_geometry.h"
 #include "core/linear_algebra.h"
 #include "core/random.h"
+#include "mesh/surface.h"
 #include "support/network_shapes.h"
 #include "support/networks.h"
 #include "support/small_meshes.h"

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
 // Surfaces that pass through themselves are told so, and still make bodies.
-#include "cook/self_intersections.h"
+#include "mesh/triangle_bvh.h"
 #include "support/network_shapes.h"
 #include "support/small_meshes.h"
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include <limber/simplify_mesh.h>
 
-#include "cook/triangle_bvh.h"
+#include "mesh/triangle_bvh.h"
 #include "support/small_meshes.h"
 #include "support/test_shapes.h"
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include <limber/skin.h>
 
-#include "cook/skin_weights.h"
+#include "network/skin.h"
 #include "support/small_meshes.h"
 #include "support/test_shapes.h"
 

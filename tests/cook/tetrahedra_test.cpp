@@ -1,11 +1,8 @@
 // SPDX-License-Identifier: Zlib
 // Tetrahedra that fill closed meshes: shape, surface, volume, components, errors.
-#include "cook/tetrahedra.h"
-#include "cook/tetrahedra_repair.h"
-#include "cook/tetrahedron_faces.h"
-#include "cook/triangle_bvh.h"
-#include "core/mesh_edges.h"
-#include "core/surface_components.h"
+#include "mesh/edges.h"
+#include "mesh/triangle_bvh.h"
+#include "network/tetrahedra.h"
 #include "support/small_meshes.h"
 #include "support/test_shapes.h"
 

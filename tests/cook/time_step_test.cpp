@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Zlib
-#include "cook/time_step.h"
+#include "network/relaxation.h"
 
-#include "cook/body_terms.h"
-#include "cook/rest_state.h"
 #include "core/random.h"
 #include "core/spring_forces.h"
 #include "core/verlet_step.h"

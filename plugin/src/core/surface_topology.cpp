@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Zlib
 #include "core/surface_topology.h"
 
-#include "core/surface_components.h"
 #include "core/surface_tree.h"
+#include "mesh/edges.h"
 
 #include <Eigen/Geometry>
 

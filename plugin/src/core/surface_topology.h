@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
-#include "core/mesh_edges.h"
 #include "core/point_state.h"
+#include "mesh/edges.h"
 
 #include <limber/result.h>
 

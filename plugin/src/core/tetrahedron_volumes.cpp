@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Zlib
 #include "core/tetrahedron_volumes.h"
 
-#include "core/mesh_edges.h"
 #include "core/volume_term.h"
+#include "mesh/edges.h"
 
 #include <Eigen/Geometry>
 

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "core/volume_term.h"
 
-#include "core/mesh_edges.h"
-#include "core/surface_components.h"
+#include "mesh/edges.h"
 
 #include <algorithm>
 #include <cmath>

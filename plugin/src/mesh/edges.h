@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: Zlib
+// Declares the edges of triangle meshes, the components that share points and the defects of edges, and puts
+// counts and numbers into words.
+#pragma once
+
+#include <limber/mesh_weld.h>
+#include <limber/triangle_mesh.h>
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <cstdio>
+#include <numeric>
+#include <string>
+#include <vector>
+
+namespace limber {
+
+/// Two point indices, the smaller one first.
+using Edge = std::array<std::uint32_t, 2>;
+
+inline Edge edgeBetween(std::uint32_t a, std::uint32_t b) { return {std::min(a, b), std::max(a, b)}; }
+
+/// The edges of the triangles, sorted, each once. Corners of a triangle must differ.
+std::vector<Edge> uniqueEdges(const std::vector<Triangle>& triangles);
+
+/// The edges that a closed, oriented surface does not have; see MeshReport.
+struct EdgeDefects {
+  std::size_t open = 0;
+  std::size_t nonManifold = 0;
+  std::size_t inconsistent = 0;
+
+  bool none() const { return open + nonManifold + inconsistent == 0; }
+};
+
+EdgeDefects findEdgeDefects(const std::vector<Triangle>& triangles);
+
+/// Sets the numbers of defective edges in the report of a mesh with these triangles.
+void setEdgeDefects(MeshReport& report, const std::vector<Triangle>& triangles);
+
+/// Sets of indices that grow together; each is known by its smallest member, its root.
+class DisjointSets {
+ public:
+  explicit DisjointSets(std::size_t count) : parent_(count) {
+    std::iota(parent_.begin(), parent_.end(), std::uint32_t{0});
+  }
+
+  std::uint32_t root(std::uint32_t i) {
+    while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
+    return i;
+  }
+  void join(std::uint32_t i, std::uint32_t j) {
+    i = root(i), j = root(j);
+    parent_[std::max(i, j)] = std::min(i, j);
+  }
+
+ private:
+  std::vector<std::uint32_t> parent_;
+};
+
+/// Which pieces of a surface share no point.
+struct SurfaceComponents {
+  std::size_t count = 0;
+  std::vector<std::uint32_t> ofTriangle;  ///< #triangles, numbered in the order of their first triangles
+};
+
+SurfaceComponents findComponents(std::size_t points, const std::vector<Triangle>& triangles);
+
+// --- counts and numbers in words ---
+
+/// "1 vertex", "2 vertices"
+inline std::string counted(std::size_t count, const char* one, const char* many) {
+  return std::to_string(count) + " " + (count == 1 ? one : many);
+}
+
+/// "0.0123", "1.23e+06"
+inline std::string inThreeDigits(double value) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.3g", value);
+  return text;
+}
+
+}  // namespace limber

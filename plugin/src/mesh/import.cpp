@@ -1,0 +1,410 @@
+// SPDX-License-Identifier: Zlib
+// Reads mesh files through assimp. The file is checked before assimp reads it, its scene is checked before it
+// is followed, and its polygons are split into triangles here.
+
+#include <limber/mesh_import.h>
+
+#include <limber/triangle_mesh.h>
+
+#include <assimp/Importer.hpp>
+#include <assimp/scene.h>
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <exception>
+#include <filesystem>
+#include <fstream>
+#include <numeric>
+#include <sstream>
+#include <string>
+#include <system_error>
+#include <vector>
+
+namespace limber {
+namespace {
+
+using Eigen::Vector2d;
+using Eigen::Vector3d;
+
+bool isPly(const std::string& firstLine) {
+  const std::string magic = firstLine.substr(0, 3);
+  return magic == "ply" || magic == "PLY";
+}
+
+/// The first word of a line; empty for a line without words.
+std::string firstWord(const std::string& line) {
+  std::istringstream words(line);
+  std::string word;
+  words >> word;
+  return word;
+}
+
+/// "element vertex 812": each element takes a byte at least.
+std::string checkElement(const std::string& line, std::uintmax_t fileSize) {
+  std::istringstream words(line);
+  std::string keyword, element;
+  std::uintmax_t count = 0;
+  words >> keyword >> element >> count;
+  if (!words) return "the PLY header has no count in '" + line + "'";
+  if (count <= fileSize) return {};
+  return "the PLY header announces " + std::to_string(count) + " elements '" + element + "' in a file of " +
+         std::to_string(fileSize) + " bytes";
+}
+
+/// What would keep assimp busy for ever (seen in 5.2): a PLY header without an end, or with counts of
+/// elements that the file cannot hold. Empty for sound headers and for files that are no PLY.
+std::string checkPlyHeader(const std::string& path) {
+  std::ifstream file(path, std::ios::binary);
+  std::string line;
+  std::getline(file, line);
+  if (!isPly(line)) return {};
+  const std::uintmax_t fileSize = std::filesystem::file_size(path);
+  while (std::getline(file, line)) {
+    const std::string word = firstWord(line);
+    if (word == "end_header") return {};
+    if (word != "element") continue;
+    if (std::string reason = checkElement(line, fileSize); !reason.empty()) return reason;
+  }
+  return "the PLY header has no end";
+}
+
+std::string checkFile(const std::string& path) {
+  std::error_code failure;
+  const std::filesystem::file_status status = std::filesystem::status(path, failure);
+  if (!std::filesystem::exists(status)) return "there is no such file";
+  if (std::filesystem::is_directory(status)) return "it is a directory";
+  if (!std::filesystem::is_regular_file(status)) return "it is not a regular file";
+  const std::uintmax_t size = std::filesystem::file_size(path, failure);
+  if (failure) return failure.message();
+  if (size == 0) return "the file is empty";
+  return checkPlyHeader(path);
+}
+
+using Ring = std::vector<std::uint32_t>;  ///< corners not yet clipped off, counter-clockwise
+
+/// Clipping takes up to the third power of the number of corners; above this, polygons are taken for convex.
+constexpr std::size_t kMostCornersToClip = 1000;
+
+/// The sum of the corner fans' area vectors, twice the area (Newell's method); also right for concave
+/// polygons.
+Vector3d areaVector(const std::vector<Vector3d>& corners) {
+  Vector3d sum = Vector3d::Zero();
+  for (std::size_t i = 1; i + 1 < corners.size(); ++i) {
+    sum += (corners[i] - corners[0]).cross(corners[i + 1] - corners[0]);
+  }
+  return sum;
+}
+
+/// The polygon seen along the axis nearest to its normal, from the side where it is counter-clockwise.
+std::vector<Vector2d> project(const std::vector<Vector3d>& corners) {
+  const Vector3d normal = areaVector(corners);
+  Eigen::Index axis = 0;
+  normal.cwiseAbs().maxCoeff(&axis);
+  const bool fromAbove = normal[axis] >= 0.0;
+  const Eigen::Index u = (axis + (fromAbove ? 1 : 2)) % 3, v = (axis + (fromAbove ? 2 : 1)) % 3;
+  std::vector<Vector2d> points;
+  points.reserve(corners.size());
+  for (const Vector3d& corner : corners) points.emplace_back(corner[u], corner[v]);
+  return points;
+}
+
+/// Above 0 when c lies to the left of the line from a to b.
+double side(const Vector2d& a, const Vector2d& b, const Vector2d& c) {
+  const Vector2d ab = b - a, ac = c - a;
+  return ab.x() * ac.y() - ab.y() * ac.x();
+}
+
+/// Whether p lies in the triangle or on its border, but not in a corner.
+bool blocks(const Vector2d& p, const Vector2d& a, const Vector2d& b, const Vector2d& c) {
+  if (p == a || p == b || p == c) return false;
+  return side(a, b, p) >= 0.0 && side(b, c, p) >= 0.0 && side(c, a, p) >= 0.0;
+}
+
+Triangle cornerAt(const Ring& ring, std::size_t place) {
+  return {ring[(place + ring.size() - 1) % ring.size()], ring[place], ring[(place + 1) % ring.size()]};
+}
+
+/// An ear is a corner that points outward and whose triangle holds no other corner.
+bool isEar(const Ring& ring, std::size_t place, const std::vector<Vector2d>& points) {
+  const Triangle t = cornerAt(ring, place);
+  const Vector2d &a = points[t[0]], &b = points[t[1]], &c = points[t[2]];
+  if (!(side(a, b, c) > 0.0)) return false;
+  for (const std::uint32_t other : ring) {
+    if (blocks(points[other], a, b, c)) return false;
+  }
+  return true;
+}
+
+/// Place 1 comes first, so that a convex polygon becomes a fan around corner 0. Simple polygons always have
+/// an ear (G. Meisters 1975); others lose that corner anyway.
+std::size_t findEar(const Ring& ring, const std::vector<Vector2d>& points) {
+  for (std::size_t i = 1; i <= ring.size(); ++i) {
+    if (isEar(ring, i % ring.size(), points)) return i % ring.size();
+  }
+  return 1;
+}
+
+/// Splits a polygon of n >= 3 corners into n - 2 triangles of its corners, with its orientation; concave
+/// polygons by clipping ears. Convex ones become a fan around corner 0. Drops nothing: polygons that are no
+/// plane simple loop give triangles too, good or bad.
+std::vector<Triangle> splitPolygon(const std::vector<Vector3d>& corners) {
+  const std::vector<Vector2d> points = project(corners);
+  Ring ring(corners.size());
+  std::iota(ring.begin(), ring.end(), 0u);
+  std::vector<Triangle> triangles;
+  if (ring.size() > kMostCornersToClip) {
+    for (std::size_t i = 1; i + 1 < ring.size(); ++i) triangles.push_back({ring[0], ring[i], ring[i + 1]});
+    return triangles;
+  }
+  while (ring.size() > 3) {
+    const std::size_t ear = findEar(ring, points);
+    triangles.push_back(cornerAt(ring, ear));
+    ring.erase(ring.begin() + static_cast<std::ptrdiff_t>(ear));
+  }
+  triangles.push_back({ring[0], ring[1], ring[2]});
+  return triangles;
+}
+
+/// A mesh at a node; a mesh that two nodes refer to has two placements.
+struct Placement {
+  const aiMesh* mesh;
+  Eigen::Matrix3d linear;
+  Eigen::Vector3d origin;
+};
+
+Eigen::Vector3d toEigen(const aiVector3D& v) { return {v.x, v.y, v.z}; }
+
+Eigen::Matrix4d toEigen(const aiMatrix4x4& m) {
+  Eigen::Matrix4d matrix;
+  matrix << m.a1, m.a2, m.a3, m.a4, m.b1, m.b2, m.b3, m.b4, m.c1, m.c2, m.c3, m.c4, m.d1, m.d2, m.d3, m.d4;
+  return matrix;
+}
+
+/// Faces of one or two corners are points and lines.
+bool isPolygon(const aiFace& face) { return face.mNumIndices >= 3; }
+
+bool hasPolygons(const aiMesh& mesh) {
+  for (unsigned face = 0; face < mesh.mNumFaces; ++face) {
+    if (isPolygon(mesh.mFaces[face])) return true;
+  }
+  return false;
+}
+
+/// Those that are there: assimp's RAW reader leaves some out.
+std::vector<const aiNode*> childrenOf(const aiNode& node) {
+  std::vector<const aiNode*> children;
+  for (unsigned i = 0; node.mChildren != nullptr && i < node.mNumChildren; ++i) {
+    if (node.mChildren[i] != nullptr) children.push_back(node.mChildren[i]);
+  }
+  return children;
+}
+
+void collectPlacements(const aiScene& scene, const aiNode& node, const Eigen::Matrix4d& parent,
+                       std::vector<Placement>& placements) {
+  const Eigen::Matrix4d toRoot = parent * toEigen(node.mTransformation);
+  for (unsigned i = 0; i < node.mNumMeshes; ++i) {
+    const aiMesh* mesh = scene.mMeshes[node.mMeshes[i]];
+    if (hasPolygons(*mesh))
+      placements.push_back({mesh, toRoot.topLeftCorner<3, 3>(), toRoot.topRightCorner<3, 1>()});
+  }
+  for (const aiNode* child : childrenOf(node)) collectPlacements(scene, *child, toRoot, placements);
+}
+
+template <class Has>
+bool allHave(const std::vector<Placement>& placements, Has has) {
+  for (const Placement& placement : placements) {
+    if (!has(*placement.mesh)) return false;
+  }
+  return true;
+}
+
+void addPositions(const Placement& placement, std::vector<Eigen::Vector3d>& positions) {
+  for (unsigned i = 0; i < placement.mesh->mNumVertices; ++i) {
+    positions.push_back(placement.linear * toEigen(placement.mesh->mVertices[i]) + placement.origin);
+  }
+}
+
+/// Normals go with the inverse transpose of the linear part, which is its cofactor matrix / determinant. The
+/// cofactors (cross products of the columns) exist even when the determinant is 0; of it only the sign
+/// matters.
+void addNormals(const Placement& placement, std::vector<Eigen::Vector3f>& normals) {
+  const Eigen::Matrix3d& m = placement.linear;
+  Eigen::Matrix3d cofactors;
+  cofactors << m.col(1).cross(m.col(2)), m.col(2).cross(m.col(0)), m.col(0).cross(m.col(1));
+  if (m.determinant() < 0.0) cofactors = -cofactors;
+  for (unsigned i = 0; i < placement.mesh->mNumVertices; ++i) {
+    normals.push_back((cofactors * toEigen(placement.mesh->mNormals[i])).normalized().cast<float>());
+  }
+}
+
+void addUvs(const Placement& placement, std::vector<Eigen::Vector2f>& uvs) {
+  for (unsigned i = 0; i < placement.mesh->mNumVertices; ++i) {
+    const aiVector3D& uv = placement.mesh->mTextureCoords[0][i];
+    uvs.emplace_back(static_cast<float>(uv.x), static_cast<float>(uv.y));
+  }
+}
+
+std::vector<Triangle> splitFace(const aiMesh& mesh, const aiFace& face) {
+  if (face.mNumIndices == 3) return {{0, 1, 2}};
+  std::vector<Eigen::Vector3d> corners;
+  for (unsigned i = 0; i < face.mNumIndices; ++i)
+    corners.push_back(toEigen(mesh.mVertices[face.mIndices[i]]));
+  return splitPolygon(corners);
+}
+
+/// A mirror turns the order of the corners around.
+void addTriangles(const Placement& placement, std::uint32_t firstVertex, std::vector<Triangle>& triangles) {
+  const bool mirrored = placement.linear.determinant() < 0.0;
+  for (unsigned i = 0; i < placement.mesh->mNumFaces; ++i) {
+    const aiFace& face = placement.mesh->mFaces[i];
+    if (!isPolygon(face)) continue;
+    for (const Triangle& corner : splitFace(*placement.mesh, face)) {
+      const auto vertex = [&](std::size_t k) { return firstVertex + face.mIndices[corner[k]]; };
+      triangles.push_back({vertex(0), vertex(mirrored ? 2 : 1), vertex(mirrored ? 1 : 2)});
+    }
+  }
+}
+
+std::string checkFaces(const aiMesh& mesh, unsigned meshIndex) {
+  for (unsigned face = 0; face < mesh.mNumFaces; ++face) {
+    for (unsigned corner = 0; corner < mesh.mFaces[face].mNumIndices; ++corner) {
+      const unsigned vertex = mesh.mFaces[face].mIndices[corner];
+      if (vertex < mesh.mNumVertices) continue;
+      return "face " + std::to_string(face) + " of mesh " + std::to_string(meshIndex) + " uses vertex " +
+             std::to_string(vertex) + " of " + std::to_string(mesh.mNumVertices);
+    }
+  }
+  return {};
+}
+
+std::string checkNode(const aiScene& scene, const aiNode& node) {
+  for (unsigned i = 0; i < node.mNumMeshes; ++i) {
+    if (node.mMeshes[i] < scene.mNumMeshes) continue;
+    return "node '" + std::string(node.mName.C_Str()) + "' uses mesh " + std::to_string(node.mMeshes[i]) +
+           " of " + std::to_string(scene.mNumMeshes);
+  }
+  for (const aiNode* child : childrenOf(node)) {
+    std::string reason = checkNode(scene, *child);
+    if (!reason.empty()) return reason;
+  }
+  return {};
+}
+
+/// The first mesh or index in the scene that must not be followed, or an empty string.
+std::string checkScene(const aiScene& scene) {
+  if (scene.mRootNode == nullptr) return "the file has no scene";
+  std::string reason = checkNode(scene, *scene.mRootNode);
+  for (unsigned i = 0; i < scene.mNumMeshes && reason.empty(); ++i) reason = checkFaces(*scene.mMeshes[i], i);
+  return reason;
+}
+
+/// The faces of all meshes at all nodes as triangles, in the coordinates of the root; points and lines are
+/// left out. The scene must have passed checkScene().
+TriangleMesh joinMeshes(const aiScene& scene) {
+  std::vector<Placement> placements;
+  collectPlacements(scene, *scene.mRootNode, Eigen::Matrix4d::Identity(), placements);
+  const bool withNormals = allHave(placements, [](const aiMesh& mesh) { return mesh.HasNormals(); });
+  const bool withUvs = allHave(placements, [](const aiMesh& mesh) { return mesh.HasTextureCoords(0); });
+
+  TriangleMesh joined;
+  for (const Placement& placement : placements) {
+    addTriangles(placement, static_cast<std::uint32_t>(joined.positions.size()), joined.triangles);
+    addPositions(placement, joined.positions);
+    if (withNormals) addNormals(placement, joined.normals);
+    if (withUvs) addUvs(placement, joined.uvs);
+  }
+  return joined;
+}
+
+/// The bits of one vertex: three doubles, a normal, texture coordinates. Bits, because NaN has no order.
+using VertexBits = std::array<std::uint32_t, 11>;
+
+std::vector<VertexBits> vertexBits(const TriangleMesh& mesh) {
+  std::vector<VertexBits> bits(mesh.positions.size(), VertexBits{});
+  for (std::size_t i = 0; i < bits.size(); ++i) {
+    std::memcpy(&bits[i][0], mesh.positions[i].data(), 3 * sizeof(double));
+    if (!mesh.normals.empty()) std::memcpy(&bits[i][6], mesh.normals[i].data(), 3 * sizeof(float));
+    if (!mesh.uvs.empty()) std::memcpy(&bits[i][9], mesh.uvs[i].data(), 2 * sizeof(float));
+  }
+  return bits;
+}
+
+/// For each vertex the first one that is identical to it.
+std::vector<std::uint32_t> firstIdentical(const std::vector<VertexBits>& bits) {
+  std::vector<std::uint32_t> order(bits.size()), first(bits.size());
+  std::iota(order.begin(), order.end(), 0u);
+  std::sort(order.begin(), order.end(),
+            [&](std::uint32_t i, std::uint32_t j) { return bits[i] != bits[j] ? bits[i] < bits[j] : i < j; });
+  for (std::size_t k = 0; k < order.size(); ++k) {
+    const bool repeats = k > 0 && bits[order[k]] == bits[order[k - 1]];
+    first[order[k]] = repeats ? first[order[k - 1]] : order[k];
+  }
+  return first;
+}
+
+template <class T>
+void keepOnly(const std::vector<std::uint32_t>& kept, std::vector<T>& values) {
+  if (values.empty()) return;
+  for (std::size_t i = 0; i < kept.size(); ++i) values[i] = values[kept[i]];
+  values.resize(kept.size());
+}
+
+/// Stores vertices once that are equal bit for bit in position, normal and texture coordinates: many file
+/// readers give every corner a vertex of its own, and each of them would be moved and uploaded in every
+/// frame. Keeps the order of first occurrence. The mesh must be valid.
+void joinIdenticalVertices(TriangleMesh& mesh) {
+  const std::vector<std::uint32_t> first = firstIdentical(vertexBits(mesh));
+  std::vector<std::uint32_t> kept, newIndex(first.size());
+  for (std::uint32_t i = 0; i < first.size(); ++i) {
+    newIndex[i] = first[i] == i ? static_cast<std::uint32_t>(kept.size()) : newIndex[first[i]];
+    if (first[i] == i) kept.push_back(i);
+  }
+  keepOnly(kept, mesh.positions);
+  keepOnly(kept, mesh.normals);
+  keepOnly(kept, mesh.uvs);
+  for (Triangle& t : mesh.triangles) t = {newIndex[t[0]], newIndex[t[1]], newIndex[t[2]]};
+}
+
+/// Reads without any of assimp's repairs, so that our own checks see what the file holds. Not even its
+/// splitting of polygons: it follows indices unchecked, drops small triangles and aborts the program at a
+/// face without corners.
+Result<TriangleMesh> readMesh(const std::string& path) {
+  Assimp::Importer importer;
+  const aiScene* scene = importer.ReadFile(path, 0);
+  if (scene == nullptr) return Error{importer.GetErrorString()};
+  if (std::string reason = checkScene(*scene); !reason.empty()) return Error{std::move(reason)};
+
+  TriangleMesh mesh = joinMeshes(*scene);
+  if (mesh.triangles.empty()) return Error{"the file has no triangles"};
+  if (std::string reason = validate(mesh); !reason.empty()) return Error{std::move(reason)};
+  joinIdenticalVertices(mesh);
+  return mesh;
+}
+
+/// assimp lets through what its format readers or the standard library throw on damaged files.
+Result<TriangleMesh> readWithoutThrowing(const std::string& path) {
+  try {
+    if (std::string reason = checkFile(path); !reason.empty()) return Error{std::move(reason)};
+    return readMesh(path);
+  } catch (const std::exception& failure) {
+    return Error{failure.what()};
+  } catch (...) {
+    return Error{"the reader gave up for an unknown reason"};
+  }
+}
+
+}  // namespace
+
+Result<TriangleMesh> importMesh(const std::string& path) {
+  Result<TriangleMesh> mesh = readWithoutThrowing(path);
+  if (!mesh) return Error{"cannot import '" + path + "': " + mesh.error()};
+  return mesh;
+}
+
+}  // namespace limber

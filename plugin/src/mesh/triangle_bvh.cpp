@@ -1,0 +1,306 @@
+// SPDX-License-Identifier: Zlib
+// Builds the tree of boxes over the triangles of a surface and answers questions about rays, distances and
+// insides with it.
+
+#include "mesh/triangle_bvh.h"
+
+#include "mesh/edges.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+
+namespace limber {
+namespace {
+
+using Eigen::AlignedBox3d;
+using Eigen::Vector3d;
+
+constexpr std::uint32_t kLeafTriangles = 4;
+/// Nodes wait here while one of their kin is visited: one per level, and halving makes at most 32 levels.
+constexpr std::size_t kBvhStack = 40;
+/// A node is far when it is this many radii away; winding numbers then err by some hundredths (Barill et al.
+/// 2018 take 2).
+constexpr double kFarRadii = 2.5;
+/// Barycentric margin within which a line that passes an edge meets both triangles: none slips through.
+constexpr double kEdgeMargin = 1e-9;
+/// The same where crossings only cut a segment into pieces, each then tested on its own: one too many does no
+/// harm, one too few does.
+constexpr double kCutMargin = 1e-6;
+/// Barycentric, and of a segment: what lies deeper than this passes through and does not merely touch.
+constexpr double kInsidePart = 1e-6;
+/// The part of a chord at each end that staysInside() does not look at.
+constexpr double kEndPart = 0.01;
+/// The most samples of a piece that runs along the surface.
+constexpr int kMostSamples = 16;
+
+struct Span {
+  double from, to;
+};
+
+/// Whether the line is in the box somewhere between `span.from` and `span.to`, both in lengths of
+/// `direction`.
+bool meetsBox(const AlignedBox3d& box, const Vector3d& origin, const Vector3d& direction, Span span) {
+  for (int axis = 0; axis < 3; ++axis) {
+    if (direction[axis] == 0.0) {
+      if (origin[axis] < box.min()[axis] || origin[axis] > box.max()[axis]) return false;
+      continue;
+    }
+    const double t0 = (box.min()[axis] - origin[axis]) / direction[axis];
+    const double t1 = (box.max()[axis] - origin[axis]) / direction[axis];
+    span.from = std::max(span.from, std::min(t0, t1));
+    span.to = std::min(span.to, std::max(t0, t1));
+  }
+  return span.from <= span.to;
+}
+
+}  // namespace
+
+TriangleBvh::TriangleBvh(const std::vector<Vector3d>& points, const std::vector<Triangle>& triangles)
+    : order_(triangles.size()) {
+  corners_.reserve(triangles.size());
+  for (const Triangle& t : triangles) corners_.push_back({points[t[0]], points[t[1]], points[t[2]]});
+  std::iota(order_.begin(), order_.end(), 0u);
+  if (triangles.empty()) return;
+  const auto count = static_cast<std::uint32_t>(triangles.size());
+  margin_ = kCutMargin * boxOf(0, count).diagonal().norm();
+  nodes_.reserve(triangles.size());
+  nodes_.emplace_back();
+  build(0, 0, count);
+}
+
+AlignedBox3d TriangleBvh::boxOf(std::uint32_t first, std::uint32_t count) const {
+  AlignedBox3d box;
+  for (std::uint32_t i = first; i < first + count; ++i) {
+    for (const Vector3d& corner : corners_[order_[i]]) box.extend(corner);
+  }
+  return AlignedBox3d(box.min().array() - margin_, box.max().array() + margin_);
+}
+
+/// About the centre of area, where the quadrupole of a flat patch is smallest.
+void TriangleBvh::setDipole(Node& node, std::uint32_t first, std::uint32_t count) const {
+  double area = 0.0;
+  Vector3d moment = Vector3d::Zero();
+  for (std::uint32_t i = first; i < first + count; ++i) {
+    const TriangleCorners& t = corners_[order_[i]];
+    const Vector3d vector = areaVector(t[0], t[1], t[2]);
+    node.areaNormal += vector;
+    area += vector.norm();
+    moment += vector.norm() / 3.0 * (t[0] + t[1] + t[2]);
+  }
+  node.centre = area > 0.0 ? Vector3d(moment / area) : Vector3d(node.box.center());
+  for (std::uint32_t i = first; i < first + count; ++i) {
+    for (const Vector3d& corner : corners_[order_[i]])
+      node.radius = std::max(node.radius, (corner - node.centre).norm());
+  }
+}
+
+/// Halves the triangles at the median of their centroids along the longest side of the box.
+void TriangleBvh::build(std::uint32_t node, std::uint32_t first, std::uint32_t count) {
+  nodes_[node].box = boxOf(first, count);
+  setDipole(nodes_[node], first, count);
+  const auto begin = order_.begin() + first;
+  if (count <= kLeafTriangles) {
+    nodes_[node].first = first;
+    nodes_[node].count = count;
+    std::sort(begin, begin + count);  // the same sums whatever nth_element made of the order
+    return;
+  }
+  Eigen::Index axis = 0;
+  nodes_[node].box.sizes().maxCoeff(&axis);
+  const auto key = [&](std::uint32_t i) {
+    return corners_[i][0][axis] + corners_[i][1][axis] + corners_[i][2][axis];
+  };
+  std::nth_element(begin, begin + count / 2, begin + count, [&](std::uint32_t i, std::uint32_t j) {
+    return key(i) != key(j) ? key(i) < key(j) : i < j;
+  });
+  const auto children = static_cast<std::uint32_t>(nodes_.size());
+  nodes_[node].first = children;
+  nodes_.resize(nodes_.size() + 2);
+  build(children, first, count / 2);
+  build(children + 1, first + count / 2, count - count / 2);
+}
+
+SurfaceHit TriangleBvh::firstHit(const Vector3d& origin, const Vector3d& direction, double from,
+                                 double to) const {
+  SurfaceHit hit;
+  hit.distance = to;
+  std::array<std::uint32_t, kBvhStack> stack{};
+  std::size_t waiting = nodes_.empty() ? 0 : 1;
+  while (waiting > 0) {
+    const Node& node = nodes_[stack[--waiting]];
+    if (!meetsBox(node.box, origin, direction, {from, hit.distance})) continue;
+    if (node.count == 0) {
+      const bool ahead = direction.dot(nodes_[node.first + 1].centre - nodes_[node.first].centre) >= 0.0;
+      stack[waiting++] = ahead ? node.first + 1 : node.first;
+      stack[waiting++] = ahead ? node.first : node.first + 1;
+      continue;
+    }
+    for (std::uint32_t i = node.first; i < node.first + node.count; ++i) {
+      const std::uint32_t triangle = order_[i];
+      const auto met = meetLine(corners_[triangle], origin, direction, kEdgeMargin);
+      if (!met || met->along < from || met->along > hit.distance) continue;
+      if (met->along == hit.distance && triangle > hit.triangle) continue;
+      hit = {triangle, met->along, origin + met->along * direction, met->barycentric};
+    }
+  }
+  if (!hit) hit.distance = 0.0;
+  return hit;
+}
+
+bool TriangleBvh::isPierced(const Vector3d& a, const Vector3d& b,
+                            const std::function<bool(std::uint32_t)>& counts) const {
+  std::array<std::uint32_t, kBvhStack> stack{};
+  std::size_t waiting = nodes_.empty() ? 0 : 1;
+  while (waiting > 0) {
+    const Node& node = nodes_[stack[--waiting]];
+    if (!meetsBox(node.box, a, b - a, {0.0, 1.0})) continue;
+    if (node.count == 0) {
+      stack[waiting++] = node.first + 1;
+      stack[waiting++] = node.first;
+      continue;
+    }
+    for (std::uint32_t i = node.first; i < node.first + node.count; ++i) {
+      if (!counts(order_[i])) continue;
+      const auto met = meetLine(corners_[order_[i]], a, b - a, -kInsidePart);
+      if (met && met->along > kInsidePart && met->along < 1.0 - kInsidePart) return true;
+    }
+  }
+  return false;
+}
+
+SurfaceHit TriangleBvh::nearestWithin(const Vector3d& position, double distance,
+                                      const Vector3d& normal) const {
+  SurfaceHit hit;
+  double best = distance * distance;
+  std::array<std::uint32_t, kBvhStack> stack{};
+  std::size_t waiting = nodes_.empty() ? 0 : 1;
+  while (waiting > 0) {
+    const Node& node = nodes_[stack[--waiting]];
+    if (node.box.squaredExteriorDistance(position) > best) continue;
+    if (node.count == 0) {
+      const bool firstIsNearer = nodes_[node.first].box.squaredExteriorDistance(position) <=
+                                 nodes_[node.first + 1].box.squaredExteriorDistance(position);
+      stack[waiting++] = firstIsNearer ? node.first + 1 : node.first;
+      stack[waiting++] = firstIsNearer ? node.first : node.first + 1;
+      continue;
+    }
+    for (std::uint32_t i = node.first; i < node.first + node.count; ++i) {
+      const std::uint32_t triangle = order_[i];
+      const TriangleCorners& t = corners_[triangle];
+      if (areaVector(t[0], t[1], t[2]).dot(normal) < 0.0) continue;
+      const Vector3d barycentric = nearestBarycentric(t, position);
+      const Vector3d foot = pointAt(t, barycentric);
+      const double squared = (foot - position).squaredNorm();
+      if (squared > best || (squared == best && triangle > hit.triangle)) continue;
+      best = squared;
+      hit = {triangle, std::sqrt(squared), foot, barycentric};
+    }
+  }
+  return hit;
+}
+
+SurfaceHit TriangleBvh::nearest(const Vector3d& position) const {
+  return nearestWithin(position, std::numeric_limits<double>::infinity());
+}
+
+SurfaceHit TriangleBvh::nearestFacing(const Vector3d& position, const Vector3d& normal) const {
+  return nearestWithin(position, std::numeric_limits<double>::infinity(), normal);
+}
+
+double TriangleBvh::windingNumber(const Vector3d& position) const {
+  double angle = 0.0;
+  std::array<std::uint32_t, kBvhStack> stack{};
+  std::size_t waiting = nodes_.empty() ? 0 : 1;
+  while (waiting > 0) {
+    const Node& node = nodes_[stack[--waiting]];
+    const Vector3d away = node.centre - position;
+    const double distance = away.norm();
+    if (distance > kFarRadii * node.radius) {
+      angle += away.dot(node.areaNormal) / (distance * distance * distance);
+    } else if (node.count == 0) {
+      stack[waiting++] = node.first + 1;
+      stack[waiting++] = node.first;
+    } else {
+      for (std::uint32_t i = node.first; i < node.first + node.count; ++i)
+        angle += solidAngle(corners_[order_[i]], position);
+    }
+  }
+  return angle / (4.0 * kPi);
+}
+
+double TriangleBvh::signedDistance(const Vector3d& position) const {
+  const double distance = nearest(position).distance;
+  return inside(position) ? -distance : distance;
+}
+
+bool TriangleBvh::isInsideOrNear(const Vector3d& position, double tolerance) const {
+  return nearestWithin(position, tolerance) || inside(position);
+}
+
+/// Where the segment from a (0) to b (1) meets triangles, ascending.
+std::vector<double> TriangleBvh::crossings(const Vector3d& a, const Vector3d& b) const {
+  std::vector<double> found;
+  const Vector3d direction = b - a;
+  std::array<std::uint32_t, kBvhStack> stack{};
+  std::size_t waiting = nodes_.empty() ? 0 : 1;
+  while (waiting > 0) {
+    const Node& node = nodes_[stack[--waiting]];
+    if (!meetsBox(node.box, a, direction, {0.0, 1.0})) continue;
+    if (node.count == 0) {
+      stack[waiting++] = node.first + 1;
+      stack[waiting++] = node.first;
+      continue;
+    }
+    for (std::uint32_t i = node.first; i < node.first + node.count; ++i) {
+      const auto met = meetLine(corners_[order_[i]], a, direction, kCutMargin);
+      if (met && met->along > 0.0 && met->along < 1.0) found.push_back(met->along);
+    }
+  }
+  std::sort(found.begin(), found.end());
+  return found;
+}
+
+/// The crossings cut the segment into pieces that a closed surface has wholly on one side, so one sample of a
+/// piece would do. Three find a way out through a hole; more are taken where the piece runs along the
+/// surface, in a flat face, where crossings are left to chance.
+bool TriangleBvh::staysInside(const Vector3d& a, const Vector3d& b, double tolerance) const {
+  const Vector3d from = a + kEndPart * (b - a), to = b + kEndPart * (a - b);
+  const double length = (to - from).norm(), near = std::max(tolerance, margin_);
+  std::vector<double> cuts = crossings(from, to);
+  cuts.push_back(1.0);
+  double begin = 0.0;
+  for (const double end : cuts) {
+    const double pieceLength = (end - begin) * length;
+    if (pieceLength > near) {
+      const auto at = [&](double part) -> Vector3d {
+        return from + (begin + part * (end - begin)) * (to - from);
+      };
+      const bool alongSurface = bool(nearestWithin(at(0.5), near));
+      const int wanted = static_cast<int>(std::min(pieceLength / near, double(kMostSamples)));
+      const int samples = alongSurface ? std::max(wanted, 3) : 3;
+      for (int i = 0; i < samples; ++i) {
+        if (!isInsideOrNear(at((i + 0.5) / samples), near)) return false;
+      }
+    }
+    begin = end;
+  }
+  return true;
+}
+
+std::size_t countPiercingEdges(const std::vector<Eigen::Vector3d>& points,
+                               const std::vector<Triangle>& triangles) {
+  const TriangleBvh surface(points, triangles);
+  const std::vector<Edge> edges = uniqueEdges(triangles);
+  const auto pierces = [&](const Edge& edge) {
+    const auto apart = [&](std::uint32_t triangle) {
+      const Triangle& t = triangles[triangle];
+      return std::none_of(t.begin(), t.end(), [&](std::uint32_t i) { return i == edge[0] || i == edge[1]; });
+    };
+    return surface.isPierced(points[edge[0]], points[edge[1]], apart);
+  };
+  return static_cast<std::size_t>(std::count_if(edges.begin(), edges.end(), pierces));
+}
+
+}  // namespace limber

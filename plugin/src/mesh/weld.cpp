@@ -1,0 +1,342 @@
+// SPDX-License-Identifier: Zlib
+// Checks a triangle mesh and welds its vertices into points. Triangles without area and triangles that are
+// there twice are dropped, and a report says what the mesh is like.
+
+#include <limber/mesh_weld.h>
+
+#include "mesh/edges.h"
+
+#include <limber/triangle_mesh.h>
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <numeric>
+#include <unordered_map>
+#include <utility>
+#include <vector>
+
+namespace limber {
+namespace {
+
+std::string checkPositions(const TriangleMesh& mesh) {
+  for (std::size_t vertex = 0; vertex < mesh.positions.size(); ++vertex) {
+    if (!mesh.positions[vertex].allFinite()) {
+      return "the position of vertex " + std::to_string(vertex) + " is not finite";
+    }
+  }
+  return {};
+}
+
+std::string checkIndices(const TriangleMesh& mesh) {
+  for (std::size_t triangle = 0; triangle < mesh.triangles.size(); ++triangle) {
+    for (const std::uint32_t vertex : mesh.triangles[triangle]) {
+      if (vertex >= mesh.positions.size()) {
+        return "triangle " + std::to_string(triangle) + " uses vertex " + std::to_string(vertex) + " of " +
+               std::to_string(mesh.positions.size());
+      }
+    }
+  }
+  return {};
+}
+
+std::string checkCount(const char* name, std::size_t count, std::size_t vertices) {
+  if (count == 0 || count == vertices) return {};
+  return std::to_string(count) + " " + name + " for " + std::to_string(vertices) + " vertices";
+}
+
+}  // namespace
+
+std::string validate(const TriangleMesh& mesh) {
+  if (mesh.positions.empty()) return "the mesh has no vertices";
+  if (mesh.triangles.empty()) return "the mesh has no triangles";
+  std::string reason = checkCount("normals", mesh.normals.size(), mesh.positions.size());
+  if (reason.empty()) reason = checkCount("texture coordinates", mesh.uvs.size(), mesh.positions.size());
+  if (reason.empty()) reason = checkPositions(mesh);
+  if (reason.empty()) reason = checkIndices(mesh);
+  return reason;
+}
+
+namespace {
+
+using Cell = std::array<std::int64_t, 3>;
+
+constexpr std::uint32_t kEndOfChain = 0xffffffffu;
+
+/// Cells this many tolerances wide: a position then has to look into 3 or 4 cells on average.
+constexpr double kTolerancesPerCell = 4.0;
+
+/// Cells narrower than this part of the largest coordinate would have numbers that a double cannot count.
+constexpr double kFinestCell = 0x1p-40;
+
+/// How much further than the tolerance we look: more than rounding can shift a border.
+constexpr double kReachMargin = 1.001;
+
+struct CellHash {
+  std::size_t operator()(const Cell& cell) const {
+    std::uint64_t hash = 0;
+    for (const std::int64_t index : cell) {
+      hash = (hash ^ static_cast<std::uint64_t>(index)) * 0x9e3779b97f4a7c15u;  // 2^64 / golden ratio
+      hash ^= hash >> 32;
+    }
+    return static_cast<std::size_t>(hash);
+  }
+};
+
+/// The positions kept so far, by the cell they lie in. A cell holds few of them, since they lie apart by more
+/// than the tolerance. Only looked up, never iterated: the order of the hash table does not show.
+struct KeptPositions {
+  double largest;  ///< no coordinate of any position is further from 0
+  double cellWidth;
+  std::unordered_map<Cell, std::uint32_t, CellHash> lastInCell;
+  std::vector<std::uint32_t> previousInCell;  ///< #positions; kEndOfChain ends the chain
+};
+
+double largestCoordinate(const std::vector<Eigen::Vector3d>& positions) {
+  double largest = 0.0;
+  for (const Eigen::Vector3d& p : positions) largest = std::max(largest, p.cwiseAbs().maxCoeff());
+  return largest;
+}
+
+Cell cellOf(const Eigen::Vector3d& position, const KeptPositions& kept) {
+  const Eigen::Vector3d inside = position.cwiseMax(-kept.largest).cwiseMin(kept.largest);
+  const Eigen::Vector3d cell = (inside / kept.cellWidth).array().floor();
+  return {static_cast<std::int64_t>(cell.x()), static_cast<std::int64_t>(cell.y()),
+          static_cast<std::int64_t>(cell.z())};
+}
+
+void keep(KeptPositions& kept, const Cell& cell, std::uint32_t index) {
+  const auto [entry, isNew] = kept.lastInCell.try_emplace(cell, index);
+  if (isNew) return;
+  kept.previousInCell[index] = entry->second;
+  entry->second = index;
+}
+
+struct Nearest {
+  std::uint32_t index = kEndOfChain;
+  double distance = std::numeric_limits<double>::infinity();
+};
+
+void lookInCell(const KeptPositions& kept, const std::vector<Eigen::Vector3d>& positions, const Cell& cell,
+                const Eigen::Vector3d& position, Nearest& nearest) {
+  const auto entry = kept.lastInCell.find(cell);
+  if (entry == kept.lastInCell.end()) return;
+  for (std::uint32_t other = entry->second; other != kEndOfChain; other = kept.previousInCell[other]) {
+    const double distance = (positions[other] - position).stableNorm();
+    const bool earlierAndAsNear = distance == nearest.distance && other < nearest.index;
+    if (distance < nearest.distance || earlierAndAsNear) nearest = {other, distance};
+  }
+}
+
+/// The nearest kept position, if one lies within the tolerance; further ones may be missed.
+Nearest findNearest(const KeptPositions& kept, const std::vector<Eigen::Vector3d>& positions,
+                    const Eigen::Vector3d& position, double tolerance) {
+  const Eigen::Vector3d reach = Eigen::Vector3d::Constant(tolerance * kReachMargin);
+  const Cell low = cellOf(position - reach, kept), high = cellOf(position + reach, kept);
+  Nearest nearest;
+  for (std::int64_t x = low[0]; x <= high[0]; ++x) {
+    for (std::int64_t y = low[1]; y <= high[1]; ++y) {
+      for (std::int64_t z = low[2]; z <= high[2]; ++z)
+        lookInCell(kept, positions, {x, y, z}, position, nearest);
+    }
+  }
+  return nearest;
+}
+
+// mergeEqual() and mergeNearby() return for each position the index of the position it joins, never a later
+// one; a position that joins none keeps its own index. #positions entries. Both expect finite positions.
+
+/// Joins equal positions (-0 equals 0) to the first of them.
+std::vector<std::uint32_t> mergeEqual(const std::vector<Eigen::Vector3d>& positions) {
+  std::vector<std::uint32_t> order(positions.size());
+  std::iota(order.begin(), order.end(), 0u);
+  std::sort(order.begin(), order.end(), [&](std::uint32_t i, std::uint32_t j) {
+    const Eigen::Vector3d &p = positions[i], &q = positions[j];
+    for (Eigen::Index axis = 0; axis < 3; ++axis) {
+      if (p[axis] != q[axis]) return p[axis] < q[axis];
+    }
+    return i < j;
+  });
+
+  std::vector<std::uint32_t> joined(positions.size());
+  std::uint32_t first = 0;
+  for (std::size_t k = 0; k < order.size(); ++k) {
+    if (k == 0 || positions[order[k]] != positions[first]) first = order[k];
+    joined[order[k]] = first;
+  }
+  return joined;
+}
+
+/// Goes through the positions in order: each joins the nearest one kept so far within `tolerance` (the first
+/// of equally near ones), or is kept itself. The tolerance must be above 0.
+std::vector<std::uint32_t> mergeNearby(const std::vector<Eigen::Vector3d>& positions, double tolerance) {
+  const double largest = largestCoordinate(positions);
+  const double cellWidth = std::max(tolerance * kTolerancesPerCell, largest * kFinestCell);
+  KeptPositions kept{largest, cellWidth, {}, std::vector<std::uint32_t>(positions.size(), kEndOfChain)};
+  std::vector<std::uint32_t> joined(positions.size());
+  for (std::uint32_t i = 0; i < joined.size(); ++i) {
+    const Nearest nearest = findNearest(kept, positions, positions[i], tolerance);
+    const bool joins = nearest.distance <= tolerance;
+    joined[i] = joins ? nearest.index : i;
+    if (!joins) keep(kept, cellOf(positions[i], kept), i);
+  }
+  return joined;
+}
+
+/// A triangle whose height is below this part of its longest side has no area: mesh files hold floats, and
+/// these cannot tell such corners from points of one line.
+constexpr double kFlattestTriangle = 1e-7;
+
+/// Vertices that some triangle uses, in ascending order.
+std::vector<std::uint32_t> usedVertices(std::size_t vertices, const std::vector<Triangle>& triangles) {
+  std::vector<char> isUsed(vertices, 0);
+  for (const Triangle& t : triangles) {
+    for (const std::uint32_t vertex : t) isUsed[vertex] = 1;
+  }
+  std::vector<std::uint32_t> used;
+  for (std::uint32_t vertex = 0; vertex < vertices; ++vertex) {
+    if (isUsed[vertex]) used.push_back(vertex);
+  }
+  return used;
+}
+
+/// For each vertex in use the vertex whose position it takes; kNoPoint for the others.
+std::vector<std::uint32_t> joinVertices(const TriangleMesh& mesh, double tolerance) {
+  const std::vector<std::uint32_t> used = usedVertices(mesh.positions.size(), mesh.triangles);
+  std::vector<Eigen::Vector3d> positions;
+  positions.reserve(used.size());
+  for (const std::uint32_t vertex : used) positions.push_back(mesh.positions[vertex]);
+
+  const std::vector<std::uint32_t> joined =
+      tolerance > 0.0 ? mergeNearby(positions, tolerance) : mergeEqual(positions);
+  std::vector<std::uint32_t> joinedVertex(mesh.positions.size(), kNoPoint);
+  for (std::size_t i = 0; i < used.size(); ++i) joinedVertex[used[i]] = used[joined[i]];
+  return joinedVertex;
+}
+
+/// Twice the area is |e1 x e2|, the height over the longest side L is |e1 x e2| / L. Divided by the largest
+/// coordinate first, so that tiny and huge triangles neither underflow nor overflow.
+bool hasArea(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eigen::Vector3d& c) {
+  const double size = std::max((b - a).cwiseAbs().maxCoeff(), (c - a).cwiseAbs().maxCoeff());
+  const Eigen::Vector3d e1 = (b - a) / size, e2 = (c - a) / size;
+  const double longest = std::sqrt(std::max({e1.squaredNorm(), e2.squaredNorm(), (e2 - e1).squaredNorm()}));
+  return e1.cross(e2).norm() > kFlattestTriangle * longest * longest;
+}
+
+bool isDegenerate(const Triangle& t, const std::vector<Eigen::Vector3d>& positions) {
+  if (t[0] == t[1] || t[1] == t[2] || t[2] == t[0]) return true;
+  return !hasArea(positions[t[0]], positions[t[1]], positions[t[2]]);
+}
+
+/// Which triangles have the same three corners as an earlier one, whatever their order.
+std::vector<char> findDuplicates(const std::vector<Triangle>& triangles) {
+  std::vector<std::pair<Triangle, std::size_t>> sorted;
+  sorted.reserve(triangles.size());
+  for (std::size_t i = 0; i < triangles.size(); ++i) {
+    Triangle corners = triangles[i];
+    std::sort(corners.begin(), corners.end());
+    sorted.emplace_back(corners, i);
+  }
+  std::sort(sorted.begin(), sorted.end());
+
+  std::vector<char> isDuplicate(triangles.size(), 0);
+  for (std::size_t k = 1; k < sorted.size(); ++k) {
+    if (sorted[k].first == sorted[k - 1].first) isDuplicate[sorted[k].second] = 1;
+  }
+  return isDuplicate;
+}
+
+/// Fills triangles (still with the indices of joined vertices), keptTriangles and the counts of those
+/// dropped.
+void keepSoundTriangles(const TriangleMesh& mesh, const std::vector<std::uint32_t>& joined,
+                        WeldedMesh& welded) {
+  std::vector<Triangle> triangles;
+  triangles.reserve(mesh.triangles.size());
+  for (const Triangle& t : mesh.triangles) triangles.push_back({joined[t[0]], joined[t[1]], joined[t[2]]});
+
+  const std::vector<char> isDuplicate = findDuplicates(triangles);
+  for (std::uint32_t i = 0; i < triangles.size(); ++i) {
+    if (isDegenerate(triangles[i], mesh.positions)) {
+      ++welded.report.degenerateTriangles;
+    } else if (isDuplicate[i]) {
+      ++welded.report.duplicateTriangles;
+    } else {
+      welded.triangles.push_back(triangles[i]);
+      welded.keptTriangles.push_back(i);
+    }
+  }
+}
+
+/// Numbers the points in the order of the first vertex that uses them, and puts their numbers into the
+/// triangles.
+void numberPoints(const TriangleMesh& mesh, const std::vector<std::uint32_t>& joined, WeldedMesh& welded) {
+  std::vector<Triangle> kept;
+  for (const std::uint32_t i : welded.keptTriangles) kept.push_back(mesh.triangles[i]);
+
+  std::vector<std::uint32_t> pointOf(mesh.positions.size(), kNoPoint);  // by joined vertex
+  welded.vertexToPoint.assign(mesh.positions.size(), kNoPoint);
+  for (const std::uint32_t vertex : usedVertices(mesh.positions.size(), kept)) {
+    std::uint32_t& point = pointOf[joined[vertex]];
+    if (point == kNoPoint) {
+      point = static_cast<std::uint32_t>(welded.points.size());
+      welded.points.push_back(mesh.positions[joined[vertex]]);
+    }
+    welded.vertexToPoint[vertex] = point;
+  }
+  for (Triangle& t : welded.triangles) t = {pointOf[t[0]], pointOf[t[1]], pointOf[t[2]]};
+}
+
+void completeReport(WeldedMesh& welded) {
+  MeshReport& report = welded.report;
+  const std::vector<std::uint32_t>& map = welded.vertexToPoint;
+  report.vertices = map.size();
+  report.points = welded.points.size();
+  report.triangles = welded.triangles.size();
+  report.isolatedVertices = static_cast<std::size_t>(std::count(map.begin(), map.end(), kNoPoint));
+  report.components = findComponents(welded.points.size(), welded.triangles).count;
+  setEdgeDefects(report, welded.triangles);
+}
+
+}  // namespace
+
+std::string describe(const MeshReport& report) {
+  std::string text = counted(report.vertices, "vertex", "vertices") + " -> " +
+                     counted(report.points, "point", "points") + ", " +
+                     counted(report.triangles, "triangle", "triangles") + ", " +
+                     counted(report.components, "component", "components");
+  const auto add = [&](std::size_t count, const char* one, const char* many) {
+    if (count > 0) text += ", " + counted(count, one, many);
+  };
+  add(report.degenerateTriangles, "degenerate triangle", "degenerate triangles");
+  add(report.duplicateTriangles, "duplicate triangle", "duplicate triangles");
+  add(report.isolatedVertices, "isolated vertex", "isolated vertices");
+  add(report.openEdges, "open edge", "open edges");
+  add(report.nonManifoldEdges, "non-manifold edge", "non-manifold edges");
+  add(report.inconsistentEdges, "inconsistent edge", "inconsistent edges");
+  if (report.watertight()) text += ", watertight";
+  return text;
+}
+
+Result<WeldedMesh> weld(const TriangleMesh& mesh, double tolerance) {
+  if (std::string reason = validate(mesh); !reason.empty()) return Error{std::move(reason)};
+  if (!std::isfinite(tolerance) || tolerance < 0.0) {
+    return Error{"the weld tolerance is " + std::to_string(tolerance) + ", it must be a length of 0 or more"};
+  }
+  WeldedMesh welded;
+  const std::vector<std::uint32_t> joined = joinVertices(mesh, tolerance);
+  keepSoundTriangles(mesh, joined, welded);
+  if (welded.triangles.empty()) {
+    return Error{"none of the " + std::to_string(mesh.triangles.size()) + " triangles has an area"};
+  }
+  numberPoints(mesh, joined, welded);
+  completeReport(welded);
+  return welded;
+}
+
+}  // namespace limber

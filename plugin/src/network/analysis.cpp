@@ -1,0 +1,442 @@
+// SPDX-License-Identifier: Zlib
+// Analyses a network before it is used: it collects what the other chapters measure, remarks on what is
+// unusual and describes all of it in words.
+
+#include <limber/network_analysis.h>
+
+#include "core/linear_algebra.h"
+#include "mesh/edges.h"
+#include "mesh/surface.h"
+#include "mesh/triangle_bvh.h"
+#include "network/relaxation.h"
+#include "network/rigidity.h"
+
+#include <limber/spring_network.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdarg>
+#include <cstdio>
+#include <optional>
+#include <utility>
+#include <vector>
+
+namespace limber {
+namespace {
+
+constexpr double kThinSpread = 1e-4;
+
+/// The points about their centre in units of their size, and their principal axes, the thinnest first.
+struct Spread {
+  double size = 0.0;
+  Eigen::Matrix3Xd arms;
+  Eigen::Matrix3d axes;
+};
+
+Spread principalSpread(const std::vector<Eigen::Vector3d>& points) {
+  const auto count = static_cast<Eigen::Index>(points.size());
+  Eigen::Matrix3Xd arms(3, count);
+  for (Eigen::Index i = 0; i < count; ++i) arms.col(i) = points[static_cast<std::size_t>(i)];
+  arms.colwise() -= arms.rowwise().mean().eval();
+  const double size = arms.cwiseAbs().maxCoeff();
+  if (size > 0.0) arms /= size;
+  const Eigen::Matrix3d scatter = arms * arms.transpose();
+  return {size, arms, symmetricParts3(scatter).vectors};
+}
+
+/// Rope for points on a line, Cloth for points in a plane, else Solid; to within a ten-thousandth of their
+/// largest distance from the centre.
+NetworkKind spreadOf(const std::vector<Eigen::Vector3d>& points) {
+  if (points.size() < 3) return NetworkKind::Rope;
+  const Spread s = principalSpread(points);
+  const Eigen::Vector3d reach = (s.axes.transpose() * s.arms).cwiseAbs().rowwise().maxCoeff();
+  const double thin = kThinSpread * s.arms.colwise().norm().maxCoeff();
+  if (reach[1] <= thin) return NetworkKind::Rope;
+  return reach[0] <= thin ? NetworkKind::Cloth : NetworkKind::Solid;
+}
+
+/// The points moved into their plane (Cloth) or onto their line (Rope): what lies out of it by less than
+/// spreadOf() sees would, by the square of that, resist bending as though it were a body's own stiffness.
+std::vector<Eigen::Vector3d> flattened(std::vector<Eigen::Vector3d> points, NetworkKind kind) {
+  if (points.empty() || kind == NetworkKind::Solid) return points;
+  const Spread s = principalSpread(points);
+  const Eigen::Index thinAxes = kind == NetworkKind::Rope ? 2 : 1;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const Eigen::Vector3d arm = s.size * s.arms.col(static_cast<Eigen::Index>(i));
+    for (Eigen::Index k = 0; k < thinAxes; ++k) points[i] -= s.axes.col(k).dot(arm) * s.axes.col(k);
+  }
+  return points;
+}
+
+/// Of the size: how far a spring may leave the body and still be inside, the round-off of its surface.
+constexpr double kMostOutside = 1e-6;
+
+SoftBodySettings bodySettings(const AnalysisSettings& settings) {
+  SoftBodySettings body;
+  body.totalMass = settings.totalMass;
+  body.extensionStiffness = body.compressionStiffness = settings.stiffness;
+  body.damping = 0.0;
+  return body;
+}
+
+/// What welding found, or, for surfaces that no welding has made, what can be seen of them.
+MeshReport meshReport(const SpringNetwork& network) {
+  MeshReport report = network.report;
+  if (report.triangles > 0 || network.surface.empty()) return report;
+  report.vertices = report.points = network.restPoints.size();
+  report.triangles = network.surface.size();
+  report.components = findComponents(network.restPoints.size(), network.surface).count;
+  setEdgeDefects(report, network.surface);
+  return report;
+}
+
+bool isClosed(const SpringNetwork& network) {
+  return !network.surface.empty() && findEdgeDefects(network.surface).none();
+}
+
+/// As the volume term sees the surface, whichever way it faces.
+void analyseInside(const SpringNetwork& network, NetworkAnalysis& a) {
+  const std::vector<Triangle> outward = turnedOutward(network.restPoints, network.surface);
+  a.volume = signedVolume(network.restPoints, outward);
+  const TriangleBvh surface(network.restPoints, outward);
+  const std::vector<Edge> edges = uniqueEdges(outward);
+  const double tolerance = kMostOutside * extent(network.restPoints);
+  a.springsOutside = static_cast<std::size_t>(
+      std::count_if(network.springs.begin(), network.springs.end(), [&](const NetworkSpring& s) {
+        if (std::binary_search(edges.begin(), edges.end(), Edge{s.a, s.b})) return false;
+        return !surface.staysInside(network.restPoints[s.a], network.restPoints[s.b], tolerance);
+      }));
+}
+
+/// Rigid motions of points within the plane or along the line in which they are judged.
+std::size_t ownMotions(const std::vector<Eigen::Vector3d>& points, NetworkKind kind) {
+  if (kind == NetworkKind::Rope) return 1;
+  if (kind == NetworkKind::Cloth) return points.size() == 1 ? 2 : 3;
+  return static_cast<std::size_t>(rigidMotions(points).cols());
+}
+
+/// Motions of the pieces against each other, which are no mechanisms of any of them.
+std::size_t motionsBetween(const SpringNetwork& network, NetworkKind kind) {
+  std::size_t motions = 0;
+  for (const std::vector<Eigen::Index>& piece : findPieces(network)) {
+    std::vector<Eigen::Vector3d> points;
+    for (const Eigen::Index i : piece) points.push_back(network.restPoints[static_cast<std::size_t>(i)]);
+    motions += ownMotions(points, kind);
+  }
+  return motions - std::min(motions, ownMotions(network.restPoints, kind));
+}
+
+/// Mechanisms that every body in a plane (#points - 3 out of it) or on a line (2 #points - 4 across it) has,
+/// however many springs join it: to first order nothing resists bending. 0 for solids.
+std::size_t bendingMechanisms(NetworkKind kind, std::size_t points) {
+  if (points < 3 || kind == NetworkKind::Solid) return 0;
+  return kind == NetworkKind::Rope ? 2 * points - 4 : points - 3;
+}
+
+Rigidity grade(std::size_t mechanisms, double ratio) {
+  if (mechanisms > 0) return Rigidity::Flexible;
+  if (ratio < 1e-4) return Rigidity::NearlyFlexible;
+  return ratio < 1e-3 ? Rigidity::Soft : Rigidity::Rigid;
+}
+
+void analyseSmallDeformations(SpringNetwork network, NetworkAnalysis& a) {
+  network.restPoints = flattened(std::move(network.restPoints), a.kind);
+  const SmallDeformations small = smallDeformations(network);
+  a.rank = small.rank;
+  a.mechanisms = small.mechanisms - std::min(small.mechanisms, motionsBetween(network, a.kind));
+  a.selfStresses = small.selfStresses;
+  a.softestEigenvalue = small.softest;
+  a.stiffestEigenvalue = small.stiffest;
+  const std::size_t own = a.mechanisms - std::min(a.mechanisms, bendingMechanisms(a.kind, a.points));
+  a.modeRatio = own == 0 && small.stiffest > 0.0 ? small.softest / small.stiffest : 0.0;
+  a.rigidity = grade(own, a.modeRatio);
+}
+
+void analyseGlobalRigidity(const SpringNetwork& network, const Progress& goOn, NetworkAnalysis& a) {
+  if (a.points > kMostForGlobalRigidity) return;
+  const auto ask = [&](double done) { return goOn("global rigidity", done); };
+  bool rigid = true;
+  for (const std::vector<Eigen::Index>& piece : findPieces(network))
+    rigid = rigid && isGloballyRigid(pieceOf(network, piece), 1, ask);
+  a.globallyRigidKnown = !a.endedEarly;
+  a.globallyRigid = a.globallyRigidKnown && rigid;
+}
+
+void analyseTimeSteps(const SpringNetwork& network, const AnalysisSettings& settings, NetworkAnalysis& a) {
+  const TimeSteps steps = timeSteps(network, bodySettings(settings));
+  a.criticalTimeStep = steps.critical;
+  a.safeTimeStep = steps.safe;
+}
+
+void analyseLargeDeformations(const SpringNetwork& network, const AnalysisSettings& settings,
+                              const Progress& goOn, NetworkAnalysis& a) {
+  for (std::size_t kind = 0; kind < kDeformations && settings.runs > 0 && !a.endedEarly; ++kind) {
+    const Progress ofAll = [&](const char* what, double done) {
+      return goOn(what, (static_cast<double>(kind) + done) / kDeformations);
+    };
+    a.returns[kind] =
+        measureReturns(network, static_cast<Deformation>(kind), settings.runs, settings.seed, ofAll);
+  }
+}
+
+void analyseOwnWeight(const SpringNetwork& network, const AnalysisSettings& settings, const Progress& goOn,
+                      NetworkAnalysis& a) {
+  const std::optional<double> least = leastStiffness(network, bodySettings(settings), settings.gravity, goOn);
+  a.leastStiffnessKnown = least.has_value();
+  a.leastStiffness = least && std::isfinite(*least) ? *least : 0.0;
+}
+
+/// Asks the settings' progress whether to go on; once not, never again.
+Progress asking(const AnalysisSettings& settings, bool& ended) {
+  return [&](const char* what, double done) {
+    ended = ended || (settings.progress && !settings.progress(what, done));
+    return !ended;
+  };
+}
+
+void analyseStages(const SpringNetwork& network, const AnalysisSettings& settings, NetworkAnalysis& a) {
+  const Progress goOn = asking(settings, a.endedEarly);
+  const bool solid = a.kind == NetworkKind::Solid;
+  if (goOn("small deformations", 0.0)) analyseSmallDeformations(network, a);
+  if (goOn("global rigidity", 0.0)) analyseGlobalRigidity(network, goOn, a);
+  if (goOn("time steps", 0.0)) analyseTimeSteps(network, settings, a);
+  if (solid && isClosed(network) && goOn("springs outside", 0.0)) analyseInside(network, a);
+  if (solid && !a.endedEarly) analyseLargeDeformations(network, settings, goOn, a);
+  if (solid && !a.endedEarly) analyseOwnWeight(network, settings, goOn, a);
+}
+
+/// In the order of Deformation.
+constexpr std::array<const char*, kDeformations> kDeformationNames{"squash", "twist",   "noise",    "push",
+                                                                   "mirror", "flatten", "inversion"};
+
+using Remarks = std::vector<std::string>;
+
+constexpr double kGoodReturn = 0.99;    // below it a remark names the kinds that fail
+constexpr double kUnevenMasses = 20.0;  // the lightest point's share over the mean sets the time step
+constexpr double kShortSpring = 1e-3;   // of the mean length
+constexpr char kTooFast[] = "its stiffest springs, or lightest points, take time steps too short for that";
+
+void remarkOnMesh(const MeshReport& mesh, Remarks& remarks) {
+  if (mesh.openEdges > 0)
+    remarks.push_back("the surface is open (" + counted(mesh.openEdges, "edge has", "edges have") +
+                      " one triangle only): its open part keeps no volume");
+  if (mesh.nonManifoldEdges > 0)
+    remarks.push_back(counted(mesh.nonManifoldEdges, "edge belongs", "edges belong") +
+                      " to more than two triangles: inside and outside are undefined there");
+  if (mesh.inconsistentEdges > 0)
+    remarks.push_back(counted(mesh.inconsistentEdges, "edge lies", "edges lie") +
+                      " between triangles that face opposite ways");
+  if (mesh.degenerateTriangles + mesh.duplicateTriangles > 0)
+    remarks.push_back(
+        counted(mesh.degenerateTriangles + mesh.duplicateTriangles, "triangle was", "triangles were") +
+        " dropped: without area, or there already");
+}
+
+void remarkOnCrossings(const NetworkAnalysis& a, Remarks& remarks) {
+  if (a.piercingEdges == 0) return;
+  remarks.push_back(
+      counted(a.piercingEdges, "edge passes", "edges pass") +
+      " through a triangle: where parts of the surface overlap, inside and outside are mixed, and "
+      "the volume counts twice");
+}
+
+void remarkOnSprings(const SpringNetwork& network, Remarks& remarks) {
+  double sum = 0.0, shortest = HUGE_VAL;
+  for (const NetworkSpring& s : network.springs) {
+    const double length = (network.restPoints[s.b] - network.restPoints[s.a]).norm();
+    sum += length;
+    shortest = std::min(shortest, length);
+  }
+  if (!network.springs.empty() && shortest * static_cast<double>(network.springs.size()) < kShortSpring * sum)
+    remarks.push_back("some springs are shorter than a thousandth of the mean: weld with a tolerance");
+  if (network.massShares.empty()) return;
+  const auto [least, most] = std::minmax_element(network.massShares.begin(), network.massShares.end());
+  if (*most > kUnevenMasses * *least)
+    remarks.push_back("the heaviest point has " + inThreeDigits(*most / *least) +
+                      " times the mass of the lightest: that makes time steps short");
+}
+
+void remarkOnBending(const SpringNetwork& network, const NetworkAnalysis& a, Remarks& remarks) {
+  const bool line = a.kind == NetworkKind::Rope;
+  const bool bends = std::any_of(network.springs.begin(), network.springs.end(),
+                                 [](const NetworkSpring& s) { return s.kind == SpringKind::Bending; });
+  const std::string where = line ? "all points are on a line" : "all points are in a plane";
+  remarks.push_back(
+      where + ": no springs resist bending at rest" +
+      (bends ? ", its bending springs do once it is bent" : ", and it has no bending springs: it is limp"));
+  const std::size_t unavoidable = bendingMechanisms(a.kind, a.points);
+  if (a.mechanisms > unavoidable)
+    remarks.push_back(counted(a.mechanisms - unavoidable, "mechanism", "mechanisms") +
+                      (line ? " along the line" : " within the plane") + " besides bending");
+}
+
+void remarkOnRigidity(const NetworkAnalysis& a, Remarks& remarks) {
+  if (a.mechanisms > 0)
+    remarks.push_back(counted(a.mechanisms, "deformation stretches", "deformations stretch") +
+                      " no spring: points within flat faces and points with fewer than three springs that "
+                      "span space move freely; braces help");
+  else if (a.rigidity == Rigidity::NearlyFlexible)
+    remarks.push_back("its softest oscillation has only " + inThreeDigits(a.modeRatio) +
+                      " of the stiffest one's eigenvalue: it wobbles like something with a hinge");
+  if (a.globallyRigidKnown && !a.globallyRigid && a.mechanisms == 0)
+    remarks.push_back("not globally rigid: other shapes than this one fit the same spring lengths");
+  if (a.springsOutside > 0)
+    remarks.push_back(counted(a.springsOutside, "spring leaves", "springs leave") +
+                      " the body and ties parts together that only face each other");
+}
+
+void remarkOnReturns(const AnalysisSettings& settings, const NetworkAnalysis& a, Remarks& remarks) {
+  if (settings.runs > 0 && a.returns[0].runs == 0)
+    remarks.push_back(std::string("not let go from large deformations: ") + kTooFast);
+  std::string failing;
+  for (std::size_t kind = 0; kind < kDeformations; ++kind) {
+    const ReturnRate& r = a.returns[kind];
+    if (r.runs == 0 || r.rate() >= kGoodReturn) continue;
+    failing += (failing.empty() ? "" : ", ") + std::string(kDeformationNames[kind]) + " " +
+               std::to_string(r.returned) + " of " + std::to_string(r.runs);
+  }
+  if (!failing.empty()) remarks.push_back("does not always come back to its shape: " + failing);
+}
+
+void remarkOnWeight(const AnalysisSettings& settings, const NetworkAnalysis& a, Remarks& remarks) {
+  if (!(settings.gravity > 0.0)) return;
+  if (!a.leastStiffnessKnown)
+    remarks.push_back(std::string("not known whether it carries its own weight: ") + kTooFast);
+  else if (a.leastStiffness == 0.0)
+    remarks.push_back("collapses under its own weight however stiff its springs are");
+  else if (a.leastStiffness > settings.stiffness)
+    remarks.push_back("collapses under its own weight of " + inThreeDigits(settings.totalMass) + " kg at " +
+                      inThreeDigits(settings.stiffness) + " N/m: it needs " +
+                      inThreeDigits(a.leastStiffness) + " N/m");
+}
+
+/// What people should know of a network with this analysis: what is unusual, what should be mended and how.
+std::vector<std::string> remarksOn(const SpringNetwork& network, const AnalysisSettings& settings,
+                                   const NetworkAnalysis& analysis) {
+  Remarks remarks;
+  remarkOnMesh(analysis.mesh, remarks);
+  remarkOnCrossings(analysis, remarks);
+  if (analysis.pieces > 1)
+    remarks.push_back(std::to_string(analysis.pieces) +
+                      " pieces that no spring joins, each judged by itself");
+  remarkOnSprings(network, remarks);
+  if (analysis.endedEarly) {
+    remarks.push_back("ended early: what had not been measured by then is missing");
+    return remarks;
+  }
+  if (analysis.kind != NetworkKind::Solid) {
+    remarkOnBending(network, analysis, remarks);
+    return remarks;
+  }
+  remarkOnRigidity(analysis, remarks);
+  remarkOnReturns(settings, analysis, remarks);
+  remarkOnWeight(settings, analysis, remarks);
+  return remarks;
+}
+
+}  // namespace
+
+double ReturnRate::standardError() const {
+  return runs ? std::sqrt(rate() * (1.0 - rate()) / static_cast<double>(runs)) : 0.0;
+}
+
+ReturnRate NetworkAnalysis::allReturns() const {
+  ReturnRate all;
+  for (const Deformation deformation : {Deformation::Squash, Deformation::Twist, Deformation::Noise,
+                                        Deformation::Push, Deformation::Mirror}) {
+    const ReturnRate& one = returns[static_cast<std::size_t>(deformation)];
+    all.runs += one.runs;
+    all.returned += one.returned;
+    all.mirrored += one.mirrored;
+  }
+  return all;
+}
+
+NetworkAnalysis analyse(const SpringNetwork& network, const AnalysisSettings& settings) {
+  NetworkAnalysis a;
+  a.kind = spreadOf(network.restPoints);
+  a.points = network.restPoints.size();
+  a.springs = network.springs.size();
+  a.braces = static_cast<std::size_t>(
+      std::count_if(network.springs.begin(), network.springs.end(),
+                    [](const NetworkSpring& s) { return s.kind == SpringKind::Brace; }));
+  a.pieces = findPieces(network).size();
+  a.mesh = meshReport(network);
+  a.piercingEdges = countPiercingEdges(network.restPoints, network.surface);
+  analyseStages(network, settings, a);
+  a.remarks = remarksOn(network, settings, a);
+  return a;
+}
+
+namespace {
+
+/// As printf, of numbers and short words.
+#if defined(__GNUC__)
+__attribute__((format(printf, 1, 2)))
+#endif
+std::string
+line(const char* format, ...) {
+  char text[200];
+  va_list values;
+  va_start(values, format);
+  std::vsnprintf(text, sizeof text, format, values);
+  va_end(values);
+  return std::string(text) + "\n";
+}
+
+const char* kindName(NetworkKind kind) {
+  return kind == NetworkKind::Rope ? "on a line" : kind == NetworkKind::Cloth ? "flat" : "solid";
+}
+
+const char* rigidityName(Rigidity rigidity) {
+  switch (rigidity) {
+    case Rigidity::Flexible:
+      return "flexible";
+    case Rigidity::NearlyFlexible:
+      return "nearly flexible";
+    case Rigidity::Soft:
+      return "soft";
+    case Rigidity::Rigid:
+      return "rigid";
+  }
+  return "";
+}
+
+const char* globalRigidity(const NetworkAnalysis& a) {
+  if (a.globallyRigidKnown) return a.globallyRigid ? "yes" : "no";
+  return a.endedEarly ? "not tested" : "not tested: too many points";
+}
+
+std::string returnLines(const NetworkAnalysis& a) {
+  const ReturnRate all = a.allReturns();
+  if (all.runs == 0) return {};
+  std::string text = line("comes back          %.1f %% +- %.1f of %u runs, %u more as its mirror image",
+                          100.0 * all.rate(), 100.0 * all.standardError(), all.runs, all.mirrored);
+  for (std::size_t kind = 0; kind < kDeformations; ++kind)
+    text += line("  %-17s %u of %u", kDeformationNames[kind], a.returns[kind].returned, a.returns[kind].runs);
+  return text;
+}
+
+}  // namespace
+
+std::string describe(const NetworkAnalysis& a) {
+  std::string text = line("%s: %zu points, %zu springs, %zu of them braces", kindName(a.kind), a.points,
+                          a.springs, a.braces);
+  if (a.mesh.triangles > 0) text += describe(a.mesh) + "\n";
+  if (a.volume > 0.0) text += line("volume              %.4g m^3", a.volume);
+  text += line("rigidity            %s: rank %zu, %zu mechanisms, %zu self-stresses",
+               rigidityName(a.rigidity), a.rank, a.mechanisms, a.selfStresses);
+  text +=
+      line("softest : stiffest  %.3g : %.3g = %.2g", a.softestEigenvalue, a.stiffestEigenvalue, a.modeRatio);
+  text += line("globally rigid      %s", globalRigidity(a));
+  text += returnLines(a);
+  if (a.leastStiffness > 0.0)
+    text += line("own weight          carried by springs of %.3g N/m and more", a.leastStiffness);
+  text += line("time step           %.3g s critical, %.3g s safe", a.criticalTimeStep, a.safeTimeStep);
+  if (a.volume > 0.0) text += line("springs outside     %zu", a.springsOutside);
+  for (const std::string& remark : a.remarks) text += "! " + remark + "\n";
+  return text;
+}
+
+}  // namespace limber

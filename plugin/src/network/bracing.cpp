@@ -1,0 +1,333 @@
+// SPDX-License-Identifier: Zlib
+// Braces a piece of a body: chords through its inside first, then braces for its soft modes, then braces for
+// the wrong shapes that counterexamples.cpp finds.
+
+#include "network/bracing.h"
+
+#include "core/linear_algebra.h"
+#include "core/random.h"
+#include "mesh/surface.h"
+#include "network/rigidity.h"
+
+#include <Eigen/Geometry>
+
+#include <algorithm>
+#include <cmath>
+
+namespace limber {
+
+std::vector<Edge> findTwoRingPairs(std::size_t points, const std::vector<Edge>& edges) {
+  std::vector<std::vector<std::uint32_t>> neighbours(points);
+  for (const Edge& e : edges) {
+    neighbours[e[0]].push_back(e[1]);
+    neighbours[e[1]].push_back(e[0]);
+  }
+  std::vector<Edge> pairs;
+  for (const std::vector<std::uint32_t>& around : neighbours)
+    for (const std::uint32_t a : around)
+      for (const std::uint32_t b : around)
+        if (a < b && !std::binary_search(edges.begin(), edges.end(), Edge{a, b})) pairs.push_back({a, b});
+  std::sort(pairs.begin(), pairs.end());
+  pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
+  return pairs;
+}
+
+namespace {
+
+/// Share of the size by which a chord may leave the surface: rounding of coordinates in single precision.
+constexpr double kTolerance = 1e-6;
+
+std::uint64_t keyOf(std::uint32_t a, std::uint32_t b) {
+  return static_cast<std::uint64_t>(std::min(a, b)) << 32 | std::max(a, b);
+}
+
+}  // namespace
+
+InsideChords::InsideChords(const std::vector<Eigen::Vector3d>& points, const std::vector<Triangle>& triangles,
+                           const std::vector<Edge>& edges)
+    : points_(points), size_(extent(points)), surface_(points, triangles), neighbours_(points.size()) {
+  for (const Edge& e : edges) join(e[0], e[1]);
+}
+
+bool InsideChords::joined(std::uint32_t a, std::uint32_t b) const {
+  const std::vector<std::uint32_t>& of = neighbours_[a];
+  return a == b || std::find(of.begin(), of.end(), b) != of.end();
+}
+
+bool InsideChords::allowed(std::uint32_t a, std::uint32_t b) {
+  if (joined(a, b)) return false;
+  const auto [known, isNew] = inside_.try_emplace(keyOf(a, b), false);
+  if (isNew)
+    known->second =
+        surface_.staysInside(points_[std::min(a, b)], points_[std::max(a, b)], kTolerance * size_);
+  return known->second;
+}
+
+void InsideChords::join(std::uint32_t a, std::uint32_t b) {
+  neighbours_[a].push_back(b);
+  neighbours_[b].push_back(a);
+}
+
+namespace {
+
+/// Springs between the ends of a near pair.
+constexpr std::uint32_t kShortestWalk = 2, kLongestWalk = 16;
+
+std::vector<Edge> allPairs(std::uint32_t points) {
+  std::vector<Edge> pairs;
+  for (std::uint32_t a = 0; a < points; ++a)
+    for (std::uint32_t b = a + 1; b < points; ++b) pairs.push_back({a, b});
+  return pairs;
+}
+
+std::uint32_t walk(const InsideChords& chords, std::uint32_t from, Random& random) {
+  for (std::uint32_t steps = kShortestWalk + random.below(kLongestWalk - kShortestWalk + 1); steps > 0;
+       --steps)
+    if (!chords.neighbours(from).empty())
+      from = chords.neighbours(from)[random.below(chords.neighbours(from).size())];
+  return from;
+}
+
+/// The pair must be allowed and the piece not full.
+void addBrace(BracedPiece& piece, const Edge& pair) {
+  const NetworkSpring brace{pair[0], pair[1], SpringKind::Brace, piece.weight};
+  std::vector<NetworkSpring>& springs = piece.network.springs;
+  const auto place = std::upper_bound(
+      springs.begin(), springs.end(), brace,
+      [](const NetworkSpring& s, const NetworkSpring& t) { return s.a != t.a ? s.a < t.a : s.b < t.b; });
+  springs.insert(place, brace);
+  piece.chords.join(pair[0], pair[1]);
+  piece.braces.push_back(pair);
+}
+
+void boundAll(BraceChoice& choice, const Eigen::VectorXf& weights) {
+  const Eigen::VectorXf sums = choice.benefit.transpose() * weights;
+  for (Eigen::Index pair = 0; pair < sums.size(); ++pair)
+    if (sums[pair] > 0.0f) choice.bounds.push_back({sums[pair], pair});
+  std::make_heap(choice.bounds.begin(), choice.bounds.end());
+  choice.bounded = true;
+}
+
+}  // namespace
+
+Eigen::VectorXf addBest(BracedPiece& piece, BraceChoice& choice, const Eigen::VectorXf& weights) {
+  if (!choice.bounded) boundAll(choice, weights);
+  while (!choice.bounds.empty()) {
+    std::pop_heap(choice.bounds.begin(), choice.bounds.end());
+    BraceChoice::Bound best = choice.bounds.back();
+    choice.bounds.pop_back();
+    const Edge& pair = choice.pairs[static_cast<std::size_t>(best.pair)];
+    best.sum = choice.benefit.col(best.pair).dot(weights);
+    if (!(best.sum > 0.0f) || !piece.chords.allowed(pair[0], pair[1])) continue;
+    if (!choice.bounds.empty() && best < choice.bounds.front()) {
+      choice.bounds.push_back(best);
+      std::push_heap(choice.bounds.begin(), choice.bounds.end());
+      continue;
+    }
+    addBrace(piece, pair);
+    return choice.benefit.col(best.pair);
+  }
+  return {};
+}
+
+std::vector<Edge> candidatePairs(const BracedPiece& piece, std::size_t most, std::uint64_t seed) {
+  const std::size_t n = piece.network.restPoints.size();
+  if (n * (n - 1) / 2 <= most) return allPairs(static_cast<std::uint32_t>(n));
+  Random random(seed);
+  std::vector<Edge> pairs;
+  for (std::size_t i = 0; i < most; ++i) {
+    const std::uint32_t a = random.below(n);
+    const std::uint32_t b = i % 2 == 0 ? random.below(n) : walk(piece.chords, a, random);
+    if (a != b) pairs.push_back(edgeBetween(a, b));
+  }
+  std::sort(pairs.begin(), pairs.end());
+  pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
+  return pairs;
+}
+
+namespace {
+
+constexpr double kLeastRatio = 1e-3;
+/// The ratio of icospheres of n points without braces is 1.2/n (their edges alone are rigid).
+constexpr double kLeastRatioTimesPoints = 0.6;
+
+}  // namespace
+
+double leastModeRatio(std::size_t points) {
+  return std::min(kLeastRatio, kLeastRatioTimesPoints / static_cast<double>(points));
+}
+
+namespace {
+
+/// Share of the size from which on a ray counts as having left its own surface.
+constexpr double kAway = 1e-4;
+
+/// Of the size: longer than any ray within the body.
+constexpr double kFarAway = 2.0;
+
+using Positions = std::vector<Eigen::Vector3d>;
+
+/// The corners of the triangle that was hit, the nearest first.
+Triangle byDistance(const Positions& points, Triangle t, const Eigen::Vector3d& hit) {
+  std::stable_sort(t.begin(), t.end(), [&](std::uint32_t a, std::uint32_t b) {
+    return (points[a] - hit).squaredNorm() < (points[b] - hit).squaredNorm();
+  });
+  return t;
+}
+
+/// Chords through the body: from each point that no such chord ends in yet, along its inward normal to where
+/// that meets the surface again, to the nearest corner there whose chord stays inside. They keep opposite
+/// walls apart, which no spring within the surface does.
+void addAntipodalBraces(BracedPiece& piece) {
+  const Positions& points = piece.network.restPoints;
+  const std::vector<Triangle>& triangles = piece.network.surface;
+  const Positions normals = vertexNormals(points, triangles);
+  const double size = piece.chords.size();
+  std::vector<bool> reached(points.size(), false);
+  for (std::uint32_t i = 0; i < points.size() && !piece.full(); ++i) {
+    if (reached[i]) continue;
+    const SurfaceHit hit =
+        piece.chords.surface().firstHit(points[i], -normals[i], kAway * size, kFarAway * size);
+    if (!hit) continue;
+    for (const std::uint32_t j : byDistance(points, triangles[hit.triangle], hit.position)) {
+      if (!piece.chords.allowed(i, j)) continue;
+      addBrace(piece, edgeBetween(i, j));
+      reached[i] = reached[j] = true;
+      break;
+    }
+  }
+}
+
+constexpr int kMostBraceRounds = 40;
+constexpr std::size_t kLeastModes = 30, kMostModes = 150;  // looked at together
+/// Of more points than this so many rough modes are looked at: fewer rounds, each in less time.
+constexpr std::size_t kMany = 1000, kRoughModes = 300;
+constexpr std::size_t kMostSoftCandidates = 100000;
+
+/// Modes are braced somewhat beyond the goal: the estimate of their new stiffness leaves out that they give
+/// way sideways. Rough ones stand for several.
+constexpr double kBeyondGoal = 3.0, kRoughBeyond = 8.0;
+
+/// By how much a unit of each mode stretches each pair, squared.
+BraceChoice stretches(const BracedPiece& piece, const Modes& modes, std::uint64_t seed) {
+  const std::vector<Eigen::Vector3d>& points = piece.network.restPoints;
+  BraceChoice choice(static_cast<std::size_t>(modes.shapes.cols()),
+                     candidatePairs(piece, kMostSoftCandidates, seed));
+  for (std::size_t p = 0; p < choice.pairs.size(); ++p) {
+    const auto [a, b] = choice.pairs[p];
+    const Eigen::RowVector3d n = (points[b] - points[a]).normalized().transpose();
+    const Eigen::RowVectorXd stretch = n * (modes.shapes.middleRows<3>(3 * Eigen::Index(b)) -
+                                            modes.shapes.middleRows<3>(3 * Eigen::Index(a)));
+    choice.benefit.col(static_cast<Eigen::Index>(p)) = stretch.cwiseAbs2().transpose().cast<float>();
+  }
+  return choice;
+}
+
+/// Adds braces until the eigenvalue of each mode that is softer than `least` has, to first order, reached the
+/// goal: a brace of stiffness w that a unit of the mode stretches by c adds  w c^2.  Softer modes weigh more,
+/// by the square. The others are the body's own large motions, such as the opening of the arms of an L, which
+/// braces are not to tie.
+bool braceModes(BracedPiece& piece, const Modes& modes, double least, double goal, std::size_t cap,
+                std::uint64_t seed) {
+  BraceChoice choice = stretches(piece, modes, seed);
+  Eigen::VectorXf eigenvalues = modes.eigenvalues.cast<float>().cwiseMax(static_cast<float>(1e-3 * goal));
+  const Eigen::VectorXf tooSoft = (modes.eigenvalues.array() < least).cast<float>();
+  bool added = false;
+  while (piece.braces.size() < cap) {
+    const Eigen::VectorXf weights =
+        (eigenvalues.array() < static_cast<float>(goal))
+            .select(tooSoft.array() * eigenvalues.array().square().inverse(), 0.0f)
+            .matrix();
+    if (weights.maxCoeff() <= 0.0f) break;
+    const Eigen::VectorXf gains = addBest(piece, choice, weights);
+    if (gains.size() == 0) break;
+    eigenvalues += static_cast<float>(piece.weight) * gains;
+    added = true;
+  }
+  return added;
+}
+
+bool isLarge(const SpringNetwork& network) { return network.restPoints.size() > kMany; }
+
+Modes modesToBrace(const SpringNetwork& network) {
+  if (isLarge(network)) return roughModes(network, kRoughModes);
+  return softestModes(network, std::clamp(network.restPoints.size() / 8, kLeastModes, kMostModes));
+}
+
+/// Braces mechanisms and soft oscillations, each time the pairs that the softest ones stretch most, until
+/// leastModeRatio() is reached, the piece is full, or nothing inside the body helps.
+/// `most`: braces that the piece then has at most, of those that it may get.
+void addSoftModeBraces(BracedPiece& piece, std::size_t most, std::uint64_t seed, const GoOn& goOn) {
+  const std::size_t cap = std::min(most, piece.mostBraces);
+  for (int round = 0; round < kMostBraceRounds && piece.braces.size() < cap; ++round) {
+    if (!goOn(static_cast<double>(round) / kMostBraceRounds)) return;
+    const Modes modes = modesToBrace(piece.network);
+    if (modes.eigenvalues.size() == 0) return;
+    const double stiffest = stiffestEigenvalue(stiffnessMatrix(rigidityMatrix(piece.network)));
+    const double least = leastModeRatio(piece.network.restPoints.size()) * stiffest;
+    if (modes.eigenvalues[0] >= least) return;
+    const double goal = (isLarge(piece.network) ? kRoughBeyond : kBeyondGoal) * least;
+    if (!braceModes(piece, modes, least, goal, cap, seed + static_cast<std::uint64_t>(round))) return;
+  }
+}
+
+/// Thickness over size below which a piece counts as flat.
+constexpr double kFlatPiece = 1e-3;
+
+/// Chords per point below which an open piece counts as without an inside.
+constexpr double kLeastChords = 0.125;
+
+/// Of the braces that a piece may get: what soft modes may take of them. Thin rods stay soft whatever they
+/// get, and would have none left for what large deformations do to them.
+constexpr double kShareForModes = 0.75;
+constexpr double kRounding = 1e-6;  // 0.7 x 90 springs are 63, not 62
+
+/// Root mean square distance from the best plane over that from the centre.
+double thickness(const std::vector<Eigen::Vector3d>& points) {
+  Eigen::Vector3d centre = Eigen::Vector3d::Zero();
+  for (const Eigen::Vector3d& p : points) centre += p / static_cast<double>(points.size());
+  Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
+  for (const Eigen::Vector3d& p : points) covariance += (p - centre) * (p - centre).transpose();
+  const double trace = covariance.trace();
+  return trace > 0.0 ? std::sqrt(std::max(0.0, symmetricParts3(covariance).values[0]) / trace) : 0.0;
+}
+
+/// A piece that bounds a hollow comes facing into it.
+SpringNetwork bareNetwork(const PieceToBrace& piece) {
+  SpringNetwork network;
+  network.restPoints = piece.points;
+  network.surface = piece.triangles;
+  if (signedVolume(piece.points, piece.triangles) < 0.0)
+    for (Triangle& t : network.surface) std::swap(t[1], t[2]);
+  for (const Edge& e : piece.edges) network.springs.push_back({e[0], e[1], SpringKind::Structural, 1.0});
+  return network;
+}
+
+GoOn during(const char* what, const Progress& goOn) {
+  return [&goOn, what](double done) { return goOn(what, done); };
+}
+
+}  // namespace
+
+std::vector<Edge> bracePiece(const PieceToBrace& piece, const BracingSettings& settings,
+                             const Progress& goOn) {
+  const std::size_t points = piece.points.size();
+  if (thickness(piece.points) < kFlatPiece) return findTwoRingPairs(points, piece.edges);
+  if (!goOn("bracing: chords", 0.0)) return {};
+  SpringNetwork network = bareNetwork(piece);
+  InsideChords chords(network.restPoints, network.surface, piece.edges);
+  const double pairs = 0.5 * static_cast<double>(points) * static_cast<double>(points - 1);
+  const double most = std::min(settings.mostBraces * static_cast<double>(points) + kRounding, pairs);
+  BracedPiece braced{
+      std::move(network), std::move(chords), settings.weight, static_cast<std::size_t>(most), {}};
+  addAntipodalBraces(braced);
+  const bool hollow = static_cast<double>(braced.braces.size()) < kLeastChords * static_cast<double>(points);
+  if (hollow && !piece.closed) return findTwoRingPairs(points, piece.edges);
+  const auto forModes = static_cast<std::size_t>(kShareForModes * most);
+  addSoftModeBraces(braced, forModes, settings.seed, during("bracing: soft modes", goOn));
+  addCounterexampleBraces(braced, settings.seed, during("bracing: wrong shapes", goOn));
+  std::sort(braced.braces.begin(), braced.braces.end());
+  return braced.braces;
+}
+
+}  // namespace limber

@@ -1,0 +1,381 @@
+// SPDX-License-Identifier: Zlib
+// Builds the networks of ropes, cloths and meshes.
+
+#include <limber/network_builder.h>
+
+#include "mesh/edges.h"
+#include "mesh/surface.h"
+#include "network/bracing.h"
+#include "network/masses.h"
+#include "network/skin.h"
+
+#include <Eigen/Core>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstddef>
+#include <numeric>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace limber {
+namespace {
+
+/// What takes gigabytes is a mistake.
+constexpr std::uint32_t kMostRopePoints = 10'000'000;
+
+bool isSize(double value) { return std::isfinite(value) && value > 0.0; }
+bool isScale(double value) { return std::isfinite(value) && value >= 0.0; }
+
+std::string check(const RopeSettings& settings) {
+  if (!isSize(settings.length)) return "the length of a rope must be above 0";
+  if (settings.segments == 0) return "a rope needs at least one segment";
+  if (settings.segments > kMostRopePoints)
+    return "a rope of that many segments has more than ten million points";
+  if (!isScale(settings.bendingScale)) return "the bending scale of a rope must be 0 or more";
+  return {};
+}
+
+std::vector<Eigen::Vector3d> ropePoints(double length, std::uint32_t segments) {
+  std::vector<Eigen::Vector3d> points;
+  for (std::uint32_t i = 0; i <= segments; ++i) points.emplace_back(length * i / segments, 0.0, 0.0);
+  return points;
+}
+
+/// Visits the points in order and joins each to those after it, so that the springs come out sorted.
+///
+///     o---o---o---o   structural
+///     o-------o       bending: skips one point
+std::vector<NetworkSpring> ropeSprings(std::uint32_t segments, double bendingScale) {
+  std::vector<NetworkSpring> springs;
+  for (std::uint32_t i = 0; i < segments; ++i) {
+    springs.push_back({i, i + 1, SpringKind::Structural, 1.0});
+    if (bendingScale > 0.0 && i + 1 < segments)
+      springs.push_back({i, i + 2, SpringKind::Bending, bendingScale});
+  }
+  return springs;
+}
+
+}  // namespace
+
+Result<SharedNetwork> buildRope(const RopeSettings& settings) {
+  if (std::string reason = check(settings); !reason.empty()) return Error{std::move(reason)};
+  auto network = std::make_shared<SpringNetwork>();
+  network->kind = NetworkKind::Rope;
+  network->restPoints = ropePoints(settings.length, settings.segments);
+  network->massShares.assign(settings.segments + 1, 1.0 / (settings.segments + 1.0));
+  network->springs = ropeSprings(settings.segments, settings.bendingScale);
+  return SharedNetwork(std::move(network));
+}
+
+namespace {
+
+/// Cells along x and z, and the index of the point in column i, row j.
+struct Grid {
+  std::uint32_t columns;
+  std::uint32_t rows;
+
+  std::uint32_t points() const { return (columns + 1) * (rows + 1); }
+  std::uint32_t at(std::uint32_t i, std::uint32_t j) const { return j * (columns + 1) + i; }
+};
+
+std::string check(const ClothSettings& settings) {
+  if (!isSize(settings.width) || !isSize(settings.depth)) return "width and depth of a cloth must be above 0";
+  if (settings.columns == 0 || settings.rows == 0)
+    return "a cloth needs at least one column and one row of cells";
+  if ((settings.columns + 1.0) * (settings.rows + 1.0) > 1e7)
+    return "a cloth of that many cells has more than ten million points";
+  if (!isScale(settings.shearScale)) return "the shear scale of a cloth must be 0 or more";
+  if (!isScale(settings.bendingScale)) return "the bending scale of a cloth must be 0 or more";
+  return {};
+}
+
+std::vector<Eigen::Vector3d> clothPoints(const Grid& grid, double width, double depth) {
+  std::vector<Eigen::Vector3d> points;
+  points.reserve(grid.points());
+  for (std::uint32_t j = 0; j <= grid.rows; ++j) {
+    for (std::uint32_t i = 0; i <= grid.columns; ++i) {
+      const double u = static_cast<double>(i) / grid.columns, v = static_cast<double>(j) / grid.rows;
+      points.emplace_back(width * (u - 0.5), 0.0, depth * (v - 0.5));
+    }
+  }
+  return points;
+}
+
+/// The springs from point (i, j) to points after it, in ascending order of their index:
+///
+///     (i, j)    (i+1, j)  (i+2, j)       structural, bending
+///     (i-1, j+1)  (i, j+1)  (i+1, j+1)   shear, structural, shear
+///               (i, j+2)                 bending
+void addSpringsOfPoint(const Grid& grid, const ClothSettings& settings, std::uint32_t i, std::uint32_t j,
+                       std::vector<NetworkSpring>& springs) {
+  const auto join = [&](std::uint32_t column, std::uint32_t row, SpringKind kind, double scale) {
+    if (column > grid.columns || row > grid.rows || scale == 0.0) return;
+    springs.push_back({grid.at(i, j), grid.at(column, row), kind, scale});
+  };
+  join(i + 1, j, SpringKind::Structural, 1.0);
+  join(i + 2, j, SpringKind::Bending, settings.bendingScale);
+  if (i > 0) join(i - 1, j + 1, SpringKind::Shear, settings.shearScale);
+  join(i, j + 1, SpringKind::Structural, 1.0);
+  join(i + 1, j + 1, SpringKind::Shear, settings.shearScale);
+  join(i, j + 2, SpringKind::Bending, settings.bendingScale);
+}
+
+std::vector<NetworkSpring> clothSprings(const Grid& grid, const ClothSettings& settings) {
+  std::vector<NetworkSpring> springs;
+  for (std::uint32_t j = 0; j <= grid.rows; ++j) {
+    for (std::uint32_t i = 0; i <= grid.columns; ++i) addSpringsOfPoint(grid, settings, i, j, springs);
+  }
+  return springs;
+}
+
+/// The diagonals alternate like the fields of a chess board: with parallel ones folds would prefer a
+/// direction.
+std::vector<Triangle> clothTriangles(const Grid& grid) {
+  std::vector<Triangle> triangles;
+  for (std::uint32_t j = 0; j < grid.rows; ++j) {
+    for (std::uint32_t i = 0; i < grid.columns; ++i) {
+      const std::uint32_t a = grid.at(i, j), b = grid.at(i + 1, j), c = grid.at(i + 1, j + 1),
+                          d = grid.at(i, j + 1);
+      const bool alongAC = (i + j) % 2 == 0;
+      triangles.push_back(alongAC ? Triangle{a, d, c} : Triangle{a, d, b});
+      triangles.push_back(alongAC ? Triangle{a, c, b} : Triangle{b, d, c});
+    }
+  }
+  return triangles;
+}
+
+/// u along +x, v along -z: the picture is upright for someone who looks down at it, with +x to the right.
+std::vector<Eigen::Vector2f> clothUvs(const Grid& grid) {
+  std::vector<Eigen::Vector2f> uvs;
+  uvs.reserve(grid.points());
+  for (std::uint32_t j = 0; j <= grid.rows; ++j) {
+    for (std::uint32_t i = 0; i <= grid.columns; ++i) {
+      const double u = static_cast<double>(i) / grid.columns, v = 1.0 - static_cast<double>(j) / grid.rows;
+      uvs.emplace_back(static_cast<float>(u), static_cast<float>(v));
+    }
+  }
+  return uvs;
+}
+
+}  // namespace
+
+Result<SharedNetwork> buildCloth(const ClothSettings& settings) {
+  if (std::string reason = check(settings); !reason.empty()) return Error{std::move(reason)};
+  const Grid grid{settings.columns, settings.rows};
+  auto network = std::make_shared<SpringNetwork>();
+  network->kind = NetworkKind::Cloth;
+  network->restPoints = clothPoints(grid, settings.width, settings.depth);
+  network->massShares.assign(grid.points(), 1.0 / grid.points());
+  network->springs = clothSprings(grid, settings);
+  network->surface = clothTriangles(grid);
+  network->render.vertexToPoint.resize(grid.points());
+  std::iota(network->render.vertexToPoint.begin(), network->render.vertexToPoint.end(), 0u);
+  network->render.uvs = clothUvs(grid);
+  network->render.triangles = network->surface;
+  return SharedNetwork(std::move(network));
+}
+
+namespace {
+
+/// Lengths that differ by less than this part are equal: far above the rounding of the floats that mesh files
+/// hold, far below the differences that a modeller makes on purpose.
+constexpr double kEqualLength = 1e-5;
+
+struct Interval {
+  double low;
+  double high;
+};
+
+/// The squared distances that equal the length of some edge, as disjoint ascending intervals.
+std::vector<Interval> squaredLengths(const std::vector<Eigen::Vector3d>& points,
+                                     const std::vector<Edge>& edges) {
+  std::vector<double> lengths;
+  lengths.reserve(edges.size());
+  for (const Edge& edge : edges) lengths.push_back((points[edge[0]] - points[edge[1]]).norm());
+  std::sort(lengths.begin(), lengths.end());
+
+  std::vector<Interval> intervals;
+  for (const double length : lengths) {
+    const double low = length * (1.0 - kEqualLength), high = length * (1.0 + kEqualLength);
+    if (!intervals.empty() && low * low <= intervals.back().high) {
+      intervals.back().high = high * high;
+    } else {
+      intervals.push_back({low * low, high * high});
+    }
+  }
+  return intervals;
+}
+
+bool contains(const std::vector<Interval>& intervals, double value) {
+  const auto next = std::lower_bound(intervals.begin(), intervals.end(), value,
+                                     [](const Interval& interval, double v) { return interval.high < v; });
+  return next != intervals.end() && next->low <= value;
+}
+
+/// The points sorted along the axis in which the body is longest: there a window of the longest edge is
+/// shortest.
+std::vector<std::uint32_t> sortAlongLongestAxis(const std::vector<Eigen::Vector3d>& points,
+                                                Eigen::Index& axis) {
+  Eigen::Vector3d low = points.front(), high = points.front();
+  for (const Eigen::Vector3d& p : points) {
+    low = low.cwiseMin(p);
+    high = high.cwiseMax(p);
+  }
+  (high - low).maxCoeff(&axis);
+  std::vector<std::uint32_t> order(points.size());
+  std::iota(order.begin(), order.end(), 0u);
+  std::sort(order.begin(), order.end(), [&](std::uint32_t i, std::uint32_t j) {
+    return points[i][axis] != points[j][axis] ? points[i][axis] < points[j][axis] : i < j;
+  });
+  return order;
+}
+
+/// All pairs of points that are no edge but as far apart as the ends of some edge, sorted. `edges` must be
+/// sorted and unique.
+std::vector<Edge> findEqualLengthPairs(const std::vector<Eigen::Vector3d>& points,
+                                       const std::vector<Edge>& edges) {
+  std::vector<Edge> pairs;
+  if (edges.empty()) return pairs;
+  const std::vector<Interval> lengths = squaredLengths(points, edges);
+  const double reach = std::sqrt(lengths.back().high);
+  Eigen::Index axis = 0;
+  const std::vector<std::uint32_t> order = sortAlongLongestAxis(points, axis);
+
+  for (std::size_t i = 0; i < order.size(); ++i) {
+    const Eigen::Vector3d& p = points[order[i]];
+    for (std::size_t j = i + 1; j < order.size() && points[order[j]][axis] - p[axis] <= reach; ++j) {
+      if (!contains(lengths, (points[order[j]] - p).squaredNorm())) continue;
+      const Edge pair = edgeBetween(order[i], order[j]);
+      if (!std::binary_search(edges.begin(), edges.end(), pair)) pairs.push_back(pair);
+    }
+  }
+  std::sort(pairs.begin(), pairs.end());
+  return pairs;
+}
+
+constexpr std::uint32_t kInNoPiece = 0xffffffffu;
+
+std::string checkSettings(const NetworkSettings& s) {
+  const auto finite = [](double value) { return std::isfinite(value); };
+  if (!finite(s.braceWeight) || s.braceWeight < 0.0)
+    return "braceWeight is " + std::to_string(s.braceWeight) + ", must be above 0, or 0 for the rule's own";
+  if (!finite(s.mostBraces) || s.mostBraces <= 0.0)
+    return "mostBraces is " + std::to_string(s.mostBraces) + ", must be above 0";
+  if (!finite(s.mostSeconds) || s.mostSeconds < 0.0)
+    return "mostSeconds is " + std::to_string(s.mostSeconds) + ", must be 0 or more";
+  if (s.braces > BraceRule::Pipeline) return "braces is none of the rules";
+  if (s.masses > MassRule::Moments) return "masses is none of the rules";
+  return {};
+}
+
+double weightOf(const NetworkSettings& settings) {
+  if (settings.braceWeight > 0.0) return settings.braceWeight;
+  return settings.braces == BraceRule::Pipeline ? kPipelineWeight : 1.0;
+}
+
+/// A component, and which point of the mesh each of its points is, ascending.
+struct Piece {
+  PieceToBrace shape;
+  std::vector<std::uint32_t> points;
+};
+
+std::vector<Piece> splitIntoPieces(const WeldedMesh& welded) {
+  const SurfaceComponents components = findComponents(welded.points.size(), welded.triangles);
+  std::vector<std::uint32_t> pieceOf(welded.points.size(), kInNoPiece), index(welded.points.size());
+  for (std::size_t t = 0; t < welded.triangles.size(); ++t)
+    for (const std::uint32_t corner : welded.triangles[t]) pieceOf[corner] = components.ofTriangle[t];
+  std::vector<Piece> pieces(components.count);
+  for (std::uint32_t i = 0; i < welded.points.size(); ++i) {
+    if (pieceOf[i] == kInNoPiece) continue;
+    Piece& piece = pieces[pieceOf[i]];
+    index[i] = static_cast<std::uint32_t>(piece.points.size());
+    piece.points.push_back(i);
+    piece.shape.points.push_back(welded.points[i]);
+  }
+  for (std::size_t t = 0; t < welded.triangles.size(); ++t) {
+    const Triangle& corners = welded.triangles[t];
+    pieces[components.ofTriangle[t]].shape.triangles.push_back(
+        {index[corners[0]], index[corners[1]], index[corners[2]]});
+  }
+  return pieces;
+}
+
+void describeEdges(PieceToBrace& shape) {
+  shape.edges = uniqueEdges(shape.triangles);
+  shape.closed = findEdgeDefects(shape.triangles).none();
+}
+
+/// Asks progress and clock whether to go on; once not, never again.
+Progress impatient(const NetworkSettings& settings) {
+  using Clock = std::chrono::steady_clock;
+  return [&settings, begin = Clock::now(), going = true](const char* what, double done) mutable {
+    const double seconds = std::chrono::duration<double>(Clock::now() - begin).count();
+    going = going && (settings.mostSeconds == 0.0 || seconds < settings.mostSeconds) &&
+            (!settings.progress || settings.progress(what, done));
+    return going;
+  };
+}
+
+std::vector<Edge> findBraces(const PieceToBrace& shape, const NetworkSettings& settings,
+                             const Progress& goOn) {
+  switch (settings.braces) {
+    case BraceRule::None:
+      return {};
+    case BraceRule::EqualLength:
+      return findEqualLengthPairs(shape.points, shape.edges);
+    case BraceRule::TwoRing:
+      return findTwoRingPairs(shape.points.size(), shape.edges);
+    case BraceRule::Pipeline:
+      return bracePiece(shape, {weightOf(settings), settings.mostBraces, settings.seed}, goOn);
+  }
+  return {};
+}
+
+void addSprings(const Piece& piece, const std::vector<Edge>& pairs, SpringKind kind, double stiffnessScale,
+                std::vector<NetworkSpring>& springs) {
+  for (const Edge& pair : pairs)
+    springs.push_back({piece.points[pair[0]], piece.points[pair[1]], kind, stiffnessScale});
+}
+
+/// The edges and, within each component, braces.
+std::vector<NetworkSpring> connect(const WeldedMesh& welded, const NetworkSettings& settings) {
+  std::vector<NetworkSpring> springs;
+  const Progress goOn = impatient(settings);
+  for (Piece& piece : splitIntoPieces(welded)) {
+    describeEdges(piece.shape);
+    addSprings(piece, piece.shape.edges, SpringKind::Structural, 1.0, springs);
+    addSprings(piece, findBraces(piece.shape, settings, goOn), SpringKind::Brace, weightOf(settings),
+               springs);
+  }
+  std::sort(springs.begin(), springs.end(), [](const NetworkSpring& s, const NetworkSpring& t) {
+    return s.a != t.a ? s.a < t.a : s.b < t.b;
+  });
+  return springs;
+}
+
+}  // namespace
+
+Result<SharedNetwork> buildNetwork(const TriangleMesh& mesh, const NetworkSettings& settings) {
+  const std::string reason = checkSettings(settings);
+  if (!reason.empty()) return Error{reason};
+  Result<WeldedMesh> welded = weld(mesh, settings.weldTolerance);
+  if (!welded) return Error{welded.error()};
+
+  const std::vector<bool> inward = facingInward(welded->points, welded->triangles);
+  turn(welded->triangles, inward);
+  auto network = std::make_shared<SpringNetwork>();
+  network->kind = NetworkKind::Solid;
+  network->springs = connect(*welded, settings);
+  network->massShares = shareMass(settings.masses, welded->points, welded->triangles).shares;
+  network->render = makeRenderSurface(mesh, *welded);
+  turn(network->render.triangles, inward);
+  network->report = welded->report;
+  network->restPoints = std::move(welded->points);
+  network->surface = std::move(welded->triangles);
+  return SharedNetwork(std::move(network));
+}
+
+}  // namespace limber

@@ -1,0 +1,158 @@
+// SPDX-License-Identifier: Zlib
+// Lets a piece of a body go from large random deformations and braces the wrong shapes that it comes to rest
+// in.
+
+#include "network/bracing.h"
+
+#include "core/random.h"
+#include "network/relaxation.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace limber {
+namespace {
+
+constexpr int kCleanRounds = 12, kMostRounds = 60;
+
+/// Of all runs together, in runs of a body of one point: a run takes about points^1.5, since the steps grow
+/// with the way across the body. 5 000 points get 56 runs, 1 000 get 630.
+constexpr double kMostWork = 2.0e7;
+
+/// Runs of a round: each kind of deformation so often, and further ones of kinds that have failed before.
+constexpr std::size_t kRunsOfEach = 2, kFurtherRuns = 10;
+constexpr std::size_t kRuns = kRunsOfEach * kDeformations + kFurtherRuns;
+
+/// Times that a wrong shape gets further braces before it is given up for new ones.
+constexpr int kMostTries = 6;
+constexpr double kBracesPerExample = 0.5;  // of a try
+constexpr std::size_t kMostCandidates = 100000;
+
+/// How fast a wrong shape's say fades with what braces do for it already.
+constexpr float kCovered = 0.5f;
+
+/// A shape that a run ended in.
+struct Example {
+  Deformation kind;
+  Points x;
+};
+using Examples = std::vector<Example>;
+
+struct Trials {
+  std::uint64_t seed;
+  std::size_t runsLeft;
+  std::array<std::uint32_t, kDeformations> failures{};
+};
+
+std::size_t mostRuns(std::size_t points) {
+  return static_cast<std::size_t>(kMostWork / std::pow(static_cast<double>(points), 1.5));
+}
+
+std::vector<Deformation> kindsOfRound(const Trials& trials, Random& random) {
+  std::vector<Deformation> kinds;
+  for (std::size_t i = 0; i < kRunsOfEach * kDeformations; ++i)
+    kinds.push_back(static_cast<Deformation>(i % kDeformations));
+  std::vector<Deformation> weighted(kinds.begin(), kinds.begin() + kDeformations);
+  for (std::size_t k = 0; k < kDeformations; ++k)
+    weighted.insert(weighted.end(), trials.failures[k], static_cast<Deformation>(k));
+  while (kinds.size() < kRuns) kinds.push_back(weighted[random.below(weighted.size())]);
+  return kinds;
+}
+
+/// Not the mirror image: all its distances are right, no brace can tell.
+bool isWrong(const RelaxedBody& body, const Points& x) {
+  return x.allFinite() && distanceToRest(body, x) >= kReturned && distanceToRest(body, -x) >= kReturned;
+}
+
+/// The wrong ones of the shapes that the starts relax to.
+Examples findWrong(RelaxedBody& body, const Examples& starts, Trials& trials,
+                   const std::function<bool()>& goOn) {
+  trials.runsLeft -= std::min(trials.runsLeft, starts.size());
+  Examples ends(starts.size());
+  relax(
+      body, starts.size(), [&](std::size_t i) { return starts[i].x; },
+      [&](std::size_t i, const Points& x) {
+        if (isWrong(body, x)) ends[i] = {starts[i].kind, x};
+        return goOn();
+      });
+  ends.erase(std::remove_if(ends.begin(), ends.end(), [](const Example& e) { return e.x.cols() == 0; }),
+             ends.end());
+  return ends;
+}
+
+Examples startsOfRound(const RelaxedBody& body, const Trials& trials, std::uint64_t round) {
+  Random random(trials.seed ^ (round << 32));
+  Examples starts;
+  for (const Deformation kind : kindsOfRound(trials, random))
+    starts.push_back({kind, deform(body.rest, kind, trials.seed, kRuns * round + starts.size())});
+  return starts;
+}
+
+/// The squares of the errors of length, over the largest allowed one of each example.
+BraceChoice errorsOf(BracedPiece& piece, const RelaxedBody& body, const Examples& examples,
+                     std::uint64_t seed) {
+  BraceChoice choice(examples.size(), candidatePairs(piece, kMostCandidates, seed));
+  Eigen::VectorXf largest = Eigen::VectorXf::Constant(choice.benefit.rows(), 1e-30f);
+  for (std::size_t p = 0; p < choice.pairs.size(); ++p) {
+    const auto [a, b] = choice.pairs[p];
+    const double rest = (body.rest.col(a) - body.rest.col(b)).norm();
+    auto errors = choice.benefit.col(static_cast<Eigen::Index>(p));
+    for (std::size_t f = 0; f < examples.size(); ++f) {
+      const double error = (examples[f].x.col(a) - examples[f].x.col(b)).norm() - rest;
+      errors[static_cast<Eigen::Index>(f)] = static_cast<float>(error * error);
+    }
+    if ((errors.array() > largest.array()).any() && piece.chords.allowed(a, b))
+      largest = largest.cwiseMax(errors);
+  }
+  choice.benefit = largest.cwiseInverse().asDiagonal() * choice.benefit;
+  return choice;
+}
+
+bool braceWorst(BracedPiece& piece, const RelaxedBody& body, const Examples& examples, std::uint64_t seed) {
+  BraceChoice choice = errorsOf(piece, body, examples, seed);
+  Eigen::VectorXf say = Eigen::VectorXf::Ones(choice.benefit.rows());
+  const double wanted = std::ceil(kBracesPerExample * static_cast<double>(examples.size()));
+  for (int added = 0; added < static_cast<int>(wanted) && !piece.full(); ++added) {
+    const Eigen::VectorXf benefits = addBest(piece, choice, say);
+    if (benefits.size() == 0) return added > 0;
+    say.array() /= 1.0f + benefits.array() / kCovered;
+  }
+  return true;
+}
+
+/// Braces the wrong shapes and lets the piece go on from them, until it gets out of all.
+void mend(BracedPiece& piece, Examples wrong, std::uint64_t seed, Trials& trials,
+          const std::function<bool()>& goOn) {
+  for (int tries = 0; tries < kMostTries && !wrong.empty() && !piece.full() && goOn(); ++tries) {
+    if (!braceWorst(piece, RelaxedBody(piece.network), wrong, seed + static_cast<std::uint64_t>(tries)))
+      return;
+    RelaxedBody braced(piece.network);
+    if (trials.runsLeft == 0) return;
+    wrong = findWrong(braced, wrong, trials, goOn);
+  }
+}
+
+}  // namespace
+
+void addCounterexampleBraces(BracedPiece& piece, std::uint64_t seed, const GoOn& goOn) {
+  Trials trials{seed, mostRuns(piece.network.restPoints.size())};
+  int clean = 0;
+  double done = 0.0;  // a round that is not clean takes none of it back
+  for (int round = 0; round < kMostRounds && clean < kCleanRounds && !piece.full() && trials.runsLeft > 0;
+       ++round) {
+    done =
+        std::max({done, static_cast<double>(clean) / kCleanRounds, static_cast<double>(round) / kMostRounds});
+    bool going = true;
+    const std::function<bool()> ask = [&] { return going = going && goOn(done); };
+    RelaxedBody body(piece.network);
+    Examples wrong =
+        findWrong(body, startsOfRound(body, trials, static_cast<std::uint64_t>(round)), trials, ask);
+    if (!going) return;
+    clean = wrong.empty() ? clean + 1 : 0;
+    for (const Example& e : wrong) ++trials.failures[static_cast<std::size_t>(e.kind)];
+    mend(piece, std::move(wrong), seed + (static_cast<std::uint64_t>(round) << 16), trials, ask);
+  }
+}
+
+}  // namespace limber

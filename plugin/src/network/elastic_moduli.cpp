@@ -1,0 +1,272 @@
+// SPDX-License-Identifier: Zlib
+// Measures the moduli of a body of springs: it solves for the small displacements under uniform and bending
+// stresses.
+
+#include "network/material.h"
+
+#include "core/linear_algebra.h"
+#include "core/sparse_factor.h"
+#include "mesh/surface.h"
+#include "network/masses.h"
+
+#include <Eigen/Geometry>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace limber {
+namespace {
+
+using Eigen::Index;
+using Eigen::Matrix3d;
+using Eigen::MatrixXd;
+using Eigen::Vector3d;
+
+/// Small displacements of a body under forces, about its rest shape.
+class LinearResponse {
+ public:
+  explicit LinearResponse(const ElasticBody& body);
+
+  /// 3 #points x #loads, m, for forces (N) in the same order: x, y, z of each point. The forces of each load
+  /// must have neither sum nor torque on any part of the body.
+  Eigen::MatrixXd displacements(const Eigen::MatrixXd& forces) const;
+
+  const Eigen::MatrixXd& points() const { return points_; }  ///< 3 x #points, m, at the body's scale
+
+ private:
+  Eigen::MatrixXd points_;
+  SparseFactor factor_;
+  Eigen::MatrixXd volumeGradient_;  ///< 3 #points x 1, m^2, times the root of modulus over volume; or empty
+  Eigen::MatrixXd volumeAnswer_;    ///< the displacements that it alone causes
+};
+
+using Triplets = std::vector<Eigen::Triplet<double>>;
+
+/// Of the largest diagonal entry, added to the diagonal: rigid motions, which the forces do not excite, would
+/// make the matrix singular. The softest modes of solids have 1e-5 of it and more.
+constexpr double kShift = 1e-10;
+
+MatrixXd scaledPoints(const ElasticBody& body) {
+  MatrixXd points(3, static_cast<Index>(body.network.restPoints.size()));
+  for (Index i = 0; i < points.cols(); ++i)
+    points.col(i) = body.network.restPoints[static_cast<std::size_t>(i)].cwiseProduct(body.scale);
+  return points;
+}
+
+/// The lower half of the block of points i and j, or all of it below the diagonal.
+void addBlock(Triplets& triplets, Index i, Index j, const Matrix3d& block) {
+  for (Index r = 0; r < 3; ++r)
+    for (Index c = 0; c < 3; ++c)
+      if (3 * i + r >= 3 * j + c) triplets.emplace_back(3 * i + r, 3 * j + c, block(r, c));
+}
+
+/// Springs without tension: k n n^T along their directions n.
+void addSprings(const ElasticBody& body, const MatrixXd& points, Triplets& triplets) {
+  for (const NetworkSpring& s : body.network.springs) {
+    const Index a = s.a, b = s.b;
+    const Vector3d n = (points.col(b) - points.col(a)).normalized();
+    const Matrix3d block = body.stiffness * s.stiffnessScale * n * n.transpose();
+    addBlock(triplets, a, a, block);
+    addBlock(triplets, b, b, block);
+    addBlock(triplets, b, a, -block);
+  }
+}
+
+/// At rest the volume term K/2 (V - V0)^2 / V0 of a tetrahedron has the Hessian K/V0 g g^T, g the gradient
+/// of its volume: a third of the opposite face's area vector for each corner, pointing at it.
+void addTetrahedra(const ElasticBody& body, const MatrixXd& points, Triplets& triplets) {
+  for (const Tetrahedron& t : body.network.tetrahedra) {
+    const Vector3d a = points.col(t[0]), b = points.col(t[1]) - a, c = points.col(t[2]) - a,
+                   d = points.col(t[3]) - a;
+    std::array<Vector3d, 4> g{Vector3d::Zero(), c.cross(d) / 6.0, d.cross(b) / 6.0, b.cross(c) / 6.0};
+    g[0] = -(g[1] + g[2] + g[3]);
+    const double factor = body.volumeModulus / std::abs(b.dot(g[1]));
+    for (std::size_t i = 0; i < 4; ++i)
+      for (std::size_t j = 0; j < 4; ++j)
+        if (t[i] >= t[j]) addBlock(triplets, t[i], t[j], factor * g[i] * g[j].transpose());
+  }
+}
+
+/// The same for the whole inside of the surface.
+MatrixXd surfaceGradient(const ElasticBody& body, const MatrixXd& points) {
+  MatrixXd gradient = MatrixXd::Zero(points.size(), 1);
+  for (const Triangle& t : body.network.surface) {
+    const Vector3d a = points.col(t[0]), b = points.col(t[1]), c = points.col(t[2]);
+    for (const std::uint32_t corner : t) gradient.block<3, 1>(3 * corner, 0) += (b - a).cross(c - a) / 6.0;
+  }
+  // the volume is a homogeneous function of third degree (Euler)
+  const double volume = std::abs(gradient.col(0).dot(points.reshaped())) / 3.0;
+  return gradient * std::sqrt(body.volumeModulus / volume);
+}
+
+LinearResponse::LinearResponse(const ElasticBody& body) : points_(scaledPoints(body)) {
+  Triplets triplets;
+  addSprings(body, points_, triplets);
+  if (body.volumeModulus > 0.0) addTetrahedra(body, points_, triplets);
+  Eigen::SparseMatrix<double> stiffness(points_.size(), points_.size());
+  stiffness.setFromTriplets(triplets.begin(), triplets.end());
+  const double shift = kShift * stiffness.diagonal().maxCoeff();
+  for (Index i = 0; i < points_.size(); ++i) stiffness.coeffRef(i, i) += shift;
+  factor_ = factorise(stiffness);
+  if (body.volumeModulus <= 0.0 || !body.network.tetrahedra.empty()) return;
+  volumeGradient_ = surfaceGradient(body, points_);
+  volumeAnswer_ = solve(factor_, volumeGradient_);
+}
+
+/// With a term of rank one by the formula of Sherman and Morrison, which keeps the matrix sparse.
+MatrixXd LinearResponse::displacements(const MatrixXd& forces) const {
+  MatrixXd u = solve(factor_, forces);
+  if (volumeGradient_.size() == 0) return u;
+  const double own = volumeGradient_.col(0).dot(volumeAnswer_.col(0));
+  return u - product(volumeAnswer_, transposedProduct(volumeGradient_, u)) / (1.0 + own);
+}
+
+constexpr int kDirections = 40;
+
+/// Evenly over a half sphere, by the golden angle.
+Vector3d direction(int i) {
+  const double z = (i + 0.5) / kDirections, radius = std::sqrt(1.0 - z * z);
+  const double angle = i * kPi * (3.0 - std::sqrt(5.0));
+  return {radius * std::cos(angle), radius * std::sin(angle), z};
+}
+
+/// The uniform stresses xx, yy, zz, yz, xz, xy of 1 Pa.
+Matrix3d unitStress(int i) {
+  Matrix3d stress = Matrix3d::Zero();
+  const int a = i < 3 ? i : (i - 2) % 3, b = i < 3 ? i : (i - 1) % 3;
+  stress(a, b) = stress(b, a) = 1.0;
+  return stress;
+}
+
+/// What of each unit stress the stress d d^T has.
+std::array<double, 6> uniaxial(const Vector3d& d) {
+  return {d[0] * d[0], d[1] * d[1], d[2] * d[2], d[1] * d[2], d[2] * d[0], d[0] * d[1]};
+}
+
+/// Twice the area vector.
+Vector3d twiceAreaVector(const MatrixXd& points, const Triangle& t) {
+  const Vector3d a = points.col(t[0]), b = points.col(t[1]), c = points.col(t[2]);
+  return (b - a).cross(c - a);
+}
+
+/// The mean strain under each unit stress.
+std::array<Matrix3d, 6> meanStrains(const ElasticBody& body) {
+  const LinearResponse response(body);
+  const MatrixXd& points = response.points();
+  MatrixXd forces = MatrixXd::Zero(points.size(), 6);
+  double volume = 0.0;
+  for (const Triangle& t : body.network.surface) {
+    const Vector3d area = twiceAreaVector(points, t) / 2.0;
+    volume += area.dot(points.col(t[0])) / 3.0;
+    for (int load = 0; load < 6; ++load)
+      for (const std::uint32_t corner : t)
+        forces.block<3, 1>(3 * corner, load) += unitStress(load) * area / 3.0;
+  }
+  const MatrixXd u = response.displacements(forces);
+  std::array<Matrix3d, 6> strains;
+  for (int load = 0; load < 6; ++load) {
+    Matrix3d sum = Matrix3d::Zero();
+    for (const Triangle& t : body.network.surface)
+      for (const std::uint32_t corner : t)
+        sum += u.block<3, 1>(3 * corner, load) * twiceAreaVector(points, t).transpose() / 6.0;
+    strains[static_cast<std::size_t>(load)] = (sum + sum.transpose()) / (2.0 * volume);
+  }
+  return strains;
+}
+
+Eigen::Matrix<double, 6, 6> elasticityOf(const std::array<Matrix3d, 6>& strains) {
+  Eigen::Matrix<double, 6, 6> compliance;
+  for (int load = 0; load < 6; ++load) {
+    const Matrix3d& s = strains[static_cast<std::size_t>(load)];
+    compliance.col(load) << s(0, 0), s(1, 1), s(2, 2), 2.0 * s(1, 2), 2.0 * s(2, 0), 2.0 * s(0, 1);
+  }
+  return LuFactor(compliance).inverse();
+}
+
+/// The surface within reach of a place: each point's share of its area, and its middle.
+struct Patch {
+  Eigen::VectorXd share;
+  Vector3d middle = Vector3d::Zero();
+};
+
+Patch findPatch(const std::vector<Triangle>& surface, const MatrixXd& points, const Vector3d& place,
+                double reach) {
+  Patch patch{Eigen::VectorXd::Zero(points.cols())};
+  for (const Triangle& t : surface)
+    for (const std::uint32_t corner : t)
+      if ((points.col(corner) - place).norm() <= reach)
+        patch.share[corner] += twiceAreaVector(points, t).norm();
+  if (patch.share.sum() > 0.0) patch.share /= patch.share.sum();
+  patch.middle = points * patch.share;
+  return patch;
+}
+
+}  // namespace
+
+ElasticModuli measureModuli(const ElasticBody& body) {
+  const std::array<Matrix3d, 6> strains =
+      meanStrains({body.network, body.stiffness, body.volumeModulus, body.scale.cwiseAbs()});
+  ElasticModuli moduli;
+  for (int i = 0; i < kDirections; ++i) {
+    const Vector3d d = direction(i);
+    const std::array<double, 6> part = uniaxial(d);
+    Matrix3d strain = Matrix3d::Zero();
+    for (std::size_t load = 0; load < 6; ++load) strain += part[load] * strains[load];
+    const double along = d.dot(strain * d);
+    moduli.youngsModuli.push_back(1.0 / along);
+    moduli.youngsModulus += 1.0 / (along * kDirections);
+    moduli.poissonRatio += 0.5 * (along - strain.trace()) / (along * kDirections);
+  }
+  const auto [least, most] = std::minmax_element(moduli.youngsModuli.begin(), moduli.youngsModuli.end());
+  moduli.isotropy = *least / *most;
+  moduli.bulkModulus = 1.0 / (strains[0] + strains[1] + strains[2]).trace();
+  moduli.elasticity = elasticityOf(strains);
+  return moduli;
+}
+
+double openingStiffness(const ElasticBody& body, const Vector3d& placeA, const Vector3d& placeB,
+                        double reach) {
+  const LinearResponse response(body);
+  const Patch a = findPatch(body.network.surface, response.points(), placeA, reach);
+  const Patch b = findPatch(body.network.surface, response.points(), placeB, reach);
+  const Vector3d apart = (b.middle - a.middle).normalized();
+  if (a.share.sum() == 0.0 || b.share.sum() == 0.0 || apart.norm() == 0.0) return 0.0;
+  const MatrixXd force = (apart * (b.share - a.share).transpose()).reshaped();
+  return 1.0 / force.col(0).dot(response.displacements(force).col(0));
+}
+
+namespace {
+
+/// The tractions s_aa along axis `along`, growing along axis `across`, integrated against linear shape
+/// functions: for a corner, area / 12 times the sum of the corners' stresses and its own once more.
+void addTractions(const MatrixXd& points, const Triangle& t, const Vector3d& centre, Index along,
+                  Index across, Eigen::Ref<Eigen::VectorXd> forces) {
+  const Vector3d u = points.col(t[1]) - points.col(t[0]), v = points.col(t[2]) - points.col(t[0]);
+  const double area = u.cross(v)[along] / 2.0;
+  double sum = 0.0;
+  for (const std::uint32_t corner : t) sum += points(across, corner) - centre[across];
+  for (const std::uint32_t corner : t)
+    forces[3 * Index(corner) + along] += area / 12.0 * (sum + points(across, corner) - centre[across]);
+}
+
+}  // namespace
+
+std::array<double, 6> measureBendingModuli(const ElasticBody& body) {
+  const LinearResponse response(body);
+  const MatrixXd& points = response.points();
+  const SolidMoments solid = solidMoments(points, body.network.surface);
+  MatrixXd forces = MatrixXd::Zero(points.size(), 6);
+  const auto axes = [](Index load) { return std::array<Index, 2>{load / 2, (load / 2 + 1 + load % 2) % 3}; };
+  for (Index load = 0; load < 6; ++load)
+    for (const Triangle& t : body.network.surface)
+      addTractions(points, t, solid.centre, axes(load)[0], axes(load)[1], forces.col(load));
+  const MatrixXd u = response.displacements(forces);
+  std::array<double, 6> moduli{};
+  for (Index load = 0; load < 6; ++load)
+    moduli[std::size_t(load)] =
+        solid.volume * solid.second(axes(load)[1], axes(load)[1]) / forces.col(load).dot(u.col(load));
+  return moduli;
+}
+
+}  // namespace limber

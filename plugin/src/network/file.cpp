@@ -1,0 +1,417 @@
+// SPDX-License-Identifier: Zlib
+// Writes networks to .limber files and reads them back. Every number is little-endian, a hash finds damage,
+// and nothing that is read is believed before it is checked.
+
+#include <limber/network_file.h>
+
+#include "network/file.h"
+
+#include <limber/result.h>
+#include <limber/spring_network.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <cstdio>
+#include <cstring>
+#include <filesystem>
+#include <limits>
+#include <memory>
+#include <string>
+#include <system_error>
+#include <type_traits>
+#include <utility>
+#include <vector>
+
+namespace limber {
+namespace {
+
+// What a `.limber` file of version 1 holds after its header, said once for the writer and the reader: a
+// Stream has value() for a number, count() for a std::size_t (8 bytes everywhere) and array() for a count and
+// that many elements. A changed layout is a new version.
+
+/// Calls scalar(x) for every number of an array's element, in the order of the file.
+template <class Element, class F>
+void forEachScalar(Element& element, F scalar) {
+  using T = std::remove_const_t<Element>;
+  if constexpr (std::is_arithmetic_v<T>) {
+    scalar(element);
+  } else if constexpr (std::is_same_v<T, NetworkSpring>) {
+    scalar(element.a);
+    scalar(element.b);
+    scalar(element.kind);
+    scalar(element.stiffnessScale);
+  } else {  // std::array or a vector of Eigen's
+    for (decltype(element.size()) i = 0; i < element.size(); ++i) scalar(element[i]);
+  }
+}
+
+template <class Stream, class Report>
+void transferReport(Stream& stream, Report& report) {
+  stream.count("vertices", report.vertices);
+  stream.count("points", report.points);
+  stream.count("triangles", report.triangles);
+  stream.count("degenerate triangles", report.degenerateTriangles);
+  stream.count("duplicate triangles", report.duplicateTriangles);
+  stream.count("isolated vertices", report.isolatedVertices);
+  stream.count("components", report.components);
+  stream.count("open edges", report.openEdges);
+  stream.count("non-manifold edges", report.nonManifoldEdges);
+  stream.count("inconsistent edges", report.inconsistentEdges);
+}
+
+template <class Stream, class Network>
+void transferNetwork(Stream& stream, Network& network) {
+  stream.value("network kind", network.kind);
+  stream.value("stiffness per modulus", network.stiffnessPerModulus);
+  transferReport(stream, network.report);
+  stream.array("rest points", network.restPoints);
+  stream.array("mass shares", network.massShares);
+  stream.array("springs", network.springs);
+  stream.array("surface triangles", network.surface);
+  stream.array("tetrahedra", network.tetrahedra);
+  stream.array("skin offsets", network.render.skin.firstWeight);
+  stream.array("skin points", network.render.skin.points);
+  stream.array("skin weights", network.render.skin.weights);
+  stream.array("render vertices", network.render.vertexToPoint);
+  stream.array("texture coordinates", network.render.uvs);
+  stream.array("render triangles", network.render.triangles);
+}
+
+// Numbers as a `.limber` file has them: little-endian, enumerations in one byte.
+
+template <std::size_t bytes>
+struct UnsignedOf;
+template <>
+struct UnsignedOf<1> {
+  using Type = std::uint8_t;
+};
+template <>
+struct UnsignedOf<4> {
+  using Type = std::uint32_t;
+};
+template <>
+struct UnsignedOf<8> {
+  using Type = std::uint64_t;
+};
+
+/// The unsigned number with the same bits as a T.
+template <class T>
+using Bits = typename UnsignedOf<sizeof(T)>::Type;
+
+template <class T>
+Bits<T> toBits(const T& value) {
+  Bits<T> bits;
+  std::memcpy(&bits, &value, sizeof bits);
+  return bits;
+}
+
+template <class T>
+T fromBits(Bits<T> bits) {
+  T value;
+  std::memcpy(&value, &bits, sizeof value);
+  return value;
+}
+
+/// Bytes of one element of an array, in the file.
+template <class Element>
+std::size_t bytesInFile() {
+  std::size_t bytes = 0;
+  const Element element{};
+  forEachScalar(element, [&](const auto& scalar) { bytes += sizeof scalar; });
+  return bytes;
+}
+
+/// The highest value of an enumeration.
+constexpr NetworkKind lastOf(NetworkKind) { return NetworkKind::Solid; }
+constexpr SpringKind lastOf(SpringKind) { return SpringKind::Brace; }
+
+/// The Stream of transferNetwork() that reads `size` bytes and never beyond. After the first problem it reads
+/// nothing more.
+class NetworkReader {
+ public:
+  NetworkReader(const std::uint8_t* bytes, std::size_t size) : at_(bytes), left_(size) {}
+
+  /// What is wrong, or empty.
+  const std::string& problem() const { return problem_; }
+  std::size_t bytesLeft() const { return left_; }
+
+  template <class T>
+  void value(const char* name, T& value) {
+    if (!has(name, 1, sizeof(T))) return;
+    if (!take(value)) problem_ = "the " + std::string(name) + outOfRange(value);
+  }
+
+  void count(const char* name, std::size_t& count) {
+    if (!has(name, 1, 8)) return;
+    std::uint64_t number = 0;
+    take(number);
+    if (number > std::numeric_limits<std::size_t>::max())
+      problem_ = "more " + std::string(name) + " than fit this machine";
+    else
+      count = static_cast<std::size_t>(number);
+  }
+
+  template <class T>
+  void array(const char* name, std::vector<T>& elements) {
+    std::size_t size = 0;
+    count(name, size);
+    if (!has(name, size, bytesInFile<T>())) return;
+    elements.resize(size);
+    for (std::size_t i = 0; i < size && problem_.empty(); ++i) {
+      forEachScalar(elements[i], [&](auto& scalar) {
+        if (!take(scalar)) problem_ = "element " + std::to_string(i) + " of the " + name + outOfRange(scalar);
+      });
+    }
+  }
+
+ private:
+  /// Before anything is allocated: no count can be higher than what the bytes still hold.
+  bool has(const char* name, std::size_t count, std::size_t bytesEach) {
+    if (!problem_.empty()) return false;
+    if (count <= left_ / bytesEach) return true;
+    problem_ = "the bytes end before its " + std::to_string(count) + " " + name;
+    return false;
+  }
+
+  /// False if the value is none of its enumeration.
+  template <class T>
+  bool take(T& value) {
+    value = fromBits<T>(readLittleEndian<Bits<T>>(at_));
+    at_ += sizeof(T);
+    left_ -= sizeof(T);
+    if constexpr (std::is_enum_v<T>) return value <= lastOf(T{});
+    return true;
+  }
+
+  template <class T>
+  static std::string outOfRange(const T& value) {
+    return " has the unknown kind " + std::to_string(+toBits(value));
+  }
+
+  const std::uint8_t* at_;
+  std::size_t left_;
+  std::string problem_;
+};
+
+/// The Stream of transferNetwork() that appends to `bytes`.
+class NetworkWriter {
+ public:
+  explicit NetworkWriter(std::vector<std::uint8_t>& bytes) : bytes_(bytes) {}
+
+  template <class T>
+  void value(const char*, const T& value) {
+    writeLittleEndian(toBits(value), grow(sizeof(T)));
+  }
+
+  void count(const char*, std::size_t count) { writeLittleEndian(std::uint64_t{count}, grow(8)); }
+
+  template <class T>
+  void array(const char* name, const std::vector<T>& elements) {
+    count(name, elements.size());
+    std::uint8_t* at = grow(elements.size() * bytesInFile<T>());
+    for (const T& element : elements) {
+      forEachScalar(element, [&](const auto& scalar) {
+        writeLittleEndian(toBits(scalar), at);
+        at += sizeof scalar;
+      });
+    }
+  }
+
+ private:
+  std::uint8_t* grow(std::size_t size) {
+    bytes_.resize(bytes_.size() + size);
+    return bytes_.data() + bytes_.size() - size;
+  }
+
+  std::vector<std::uint8_t>& bytes_;
+};
+
+// FNV-1a's offset basis (Fowler, Noll, Vo), and an odd factor with many bits set (that of splitmix64)
+constexpr std::uint64_t kBasis = 0xcbf29ce484222325u;
+constexpr std::uint64_t kFactor = 0xbf58476d1ce4e5b9u;
+
+// FNV-1a over words instead of bytes, eight times as fast. Both steps can be undone (the factor is odd), so
+// different words lead from one state to different states, and different states stay different.
+std::uint64_t mix(std::uint64_t hash, std::uint64_t word) {
+  hash = (hash ^ word) * kFactor;
+  return hash ^ hash >> 32;
+}
+
+}  // namespace
+
+std::uint64_t hashPayload(const std::uint8_t* bytes, std::size_t size) {
+  std::uint64_t hash = mix(kBasis, size);
+  const std::size_t whole = size / 8 * 8;
+  for (std::size_t at = 0; at < whole; at += 8) hash = mix(hash, readLittleEndian<std::uint64_t>(bytes + at));
+  std::uint64_t rest = 0;  // the last bytes, filled up with zeros
+  for (std::size_t at = whole; at < size; ++at) rest |= std::uint64_t{bytes[at]} << 8 * (at - whole);
+  return mix(hash, rest);
+}
+
+namespace {
+
+/// What is wrong with a file of `fileSize` bytes, from its first ones, or empty.
+using HeaderCheck = std::string (*)(const std::uint8_t* header, std::uint64_t fileSize);
+
+namespace fs = std::filesystem;
+
+constexpr int kMostNames = 1000;  // of temporary files that others write at the same time, or have left
+
+struct Close {
+  void operator()(std::FILE* stream) const { std::fclose(stream); }
+};
+using Stream = std::unique_ptr<std::FILE, Close>;
+
+std::string because(const char* what, const std::string& file, const std::string& reason) {
+  return std::string(what) + " " + file + ": " + reason;
+}
+
+bool readMore(std::FILE* stream, std::vector<std::uint8_t>& bytes, std::size_t count) {
+  const std::size_t before = bytes.size();
+  bytes.resize(before + count);
+  return std::fread(bytes.data() + before, 1, count, stream) == count;
+}
+
+/// A new file `<file>.<number>.part`; "x": only if there is none of this name.
+Stream openBeside(const std::string& file, std::string& name) {
+  for (int i = 0; i < kMostNames; ++i) {
+    name = file + "." + std::to_string(i) + ".part";
+    Stream stream(std::fopen(name.c_str(), "wbx"));
+    if (stream || errno != EEXIST) return stream;
+  }
+  return nullptr;
+}
+
+bool writeAndClose(Stream stream, const std::vector<std::uint8_t>& bytes) {
+  const bool written = std::fwrite(bytes.data(), 1, bytes.size(), stream.get()) == bytes.size();
+  return std::fclose(stream.release()) == 0 && written;
+}
+
+/// All bytes of a file; the rest of them only after its first `headerBytes` (or all, if there are fewer) have
+/// passed the check, so that no large foreign file is read. Errors name the file: it cannot be read, is no
+/// regular file, or what the check finds.
+Result<std::vector<std::uint8_t>> readWholeFile(const std::string& file, std::size_t headerBytes,
+                                                HeaderCheck check) {
+  std::error_code error;
+  const std::uint64_t size = fs::file_size(file, error);
+  if (error) return Error{because("cannot read", file, error.message())};
+  const Stream stream(std::fopen(file.c_str(), "rb"));
+  if (!stream) return Error{because("cannot read", file, std::strerror(errno))};
+  const std::size_t first = static_cast<std::size_t>(std::min<std::uint64_t>(size, headerBytes));
+  std::vector<std::uint8_t> bytes;
+  if (!readMore(stream.get(), bytes, first)) return Error{because("cannot read", file, std::strerror(errno))};
+  const std::string reason = check(bytes.data(), size);
+  if (!reason.empty()) return Error{file + ": " + reason};
+  if (!readMore(stream.get(), bytes, static_cast<std::size_t>(size) - first)) {
+    return Error{because("cannot read", file, "it ended while it was read")};
+  }
+  return bytes;
+}
+
+/// Writes a file beside `file` and renames it to that, so that there is always the old or the new one whole.
+/// Empty when written, else the reason with the file's name; nothing is left behind then.
+std::string writeWholeFile(const std::string& file, const std::vector<std::uint8_t>& bytes) {
+  std::error_code error;
+  const fs::file_status status = fs::status(file, error);
+  // renaming would put a plain file in the place of a device
+  if (fs::exists(status) && !fs::is_regular_file(status)) {
+    return because("cannot write", file, "it is no regular file");
+  }
+  std::string part;
+  Stream stream = openBeside(file, part);
+  if (!stream) return because("cannot write", file, std::strerror(errno));
+  errno = 0;
+  if (!writeAndClose(std::move(stream), bytes)) {
+    error = std::error_code(errno != 0 ? errno : EIO, std::generic_category());
+  } else {
+    error.clear();
+    fs::rename(part, file, error);
+  }
+  if (!error) return {};
+  std::error_code ignored;
+  fs::remove(part, ignored);
+  return because("cannot write", file, error.message());
+}
+
+// The header: 8 bytes that begin every .limber file (as PNG's: no text, and spoilt by a transfer as text),
+// the version (4 bytes), then size and hash of the rest (8 bytes each).
+constexpr std::array<std::uint8_t, 8> kMagic = {0x89, 'L', 'I', 'M', 'B', 'R', '\r', '\n'};
+constexpr std::uint32_t kVersion = 1;
+constexpr std::size_t kVersionAt = 8, kSizeAt = 12, kHashAt = 20, kHeaderBytes = 28;
+
+std::string checkSize(std::uint64_t promised, std::uint64_t present) {
+  if (promised == present) return {};
+  const std::string contents = std::to_string(promised) + " bytes after its header";
+  if (promised > present) return "cut short: of " + contents + " there are " + std::to_string(present);
+  return "longer than it says: " + std::to_string(present - promised) + " bytes follow the " + contents;
+}
+
+/// Everything but the hash. `header` holds the first bytes of `fileSize`, kHeaderBytes if there are as many.
+std::string checkHeader(const std::uint8_t* header, std::uint64_t fileSize) {
+  const auto size = static_cast<std::size_t>(std::min<std::uint64_t>(fileSize, kHeaderBytes));
+  const std::size_t start = std::min(size, kMagic.size());
+  if (size == 0) return "no .limber file: it is empty";
+  if (!std::equal(header, header + start, kMagic.begin())) return "no .limber file: it begins otherwise";
+  if (size < kHeaderBytes) return "cut short: it ends within its header";
+  const auto version = readLittleEndian<std::uint32_t>(header + kVersionAt);
+  if (version != kVersion) {
+    return "a .limber file of version " + std::to_string(version) + ", this library reads version " +
+           std::to_string(kVersion);
+  }
+  return checkSize(readLittleEndian<std::uint64_t>(header + kSizeAt), fileSize - kHeaderBytes);
+}
+
+std::string checkHash(const std::uint8_t* bytes, std::size_t size) {
+  const auto promised = readLittleEndian<std::uint64_t>(bytes + kHashAt);
+  const std::uint64_t present = hashPayload(bytes + kHeaderBytes, size - kHeaderBytes);
+  return promised == present ? std::string() : "damaged: its hash is not that of its contents";
+}
+
+std::string readContents(const std::uint8_t* bytes, std::size_t size, SpringNetwork& network) {
+  NetworkReader reader(bytes, size);
+  transferNetwork(reader, network);
+  if (!reader.problem().empty()) return reader.problem();
+  if (reader.bytesLeft() > 0) return std::to_string(reader.bytesLeft()) + " bytes are left over at the end";
+  return validate(network);
+}
+
+}  // namespace
+
+std::vector<std::uint8_t> toBytes(const SpringNetwork& network) {
+  std::vector<std::uint8_t> bytes(kMagic.begin(), kMagic.end());
+  bytes.resize(kHeaderBytes);
+  NetworkWriter writer(bytes);
+  transferNetwork(writer, network);
+  const std::size_t size = bytes.size() - kHeaderBytes;
+  writeLittleEndian(kVersion, bytes.data() + kVersionAt);
+  writeLittleEndian(std::uint64_t{size}, bytes.data() + kSizeAt);
+  writeLittleEndian(hashPayload(bytes.data() + kHeaderBytes, size), bytes.data() + kHashAt);
+  return bytes;
+}
+
+Result<SharedNetwork> fromBytes(const std::uint8_t* bytes, std::size_t size) {
+  std::string reason = checkHeader(bytes, size);
+  if (reason.empty()) reason = checkHash(bytes, size);
+  auto network = std::make_shared<SpringNetwork>();
+  if (reason.empty()) reason = readContents(bytes + kHeaderBytes, size - kHeaderBytes, *network);
+  if (!reason.empty()) return Error{std::move(reason)};
+  return SharedNetwork(std::move(network));
+}
+
+std::string saveNetwork(const SpringNetwork& network, const std::string& file) {
+  if (std::string reason = validate(network); !reason.empty()) return file + ": " + reason;
+  return writeWholeFile(file, toBytes(network));
+}
+
+Result<SharedNetwork> loadNetwork(const std::string& file) {
+  const Result<std::vector<std::uint8_t>> bytes = readWholeFile(file, kHeaderBytes, checkHeader);
+  if (!bytes) return Error{bytes.error()};
+  Result<SharedNetwork> network = fromBytes(bytes->data(), bytes->size());
+  return network ? network : Error{file + ": " + network.error()};
+}
+
+}  // namespace limber

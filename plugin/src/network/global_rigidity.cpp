@@ -1,0 +1,263 @@
+// SPDX-License-Identifier: Zlib
+// Tests whether a network is generically globally rigid, with matrices over a finite field, in which ranks
+// are exact.
+
+#include "network/rigidity.h"
+
+#include "core/random.h"
+
+#include <Eigen/OrderingMethods>
+#include <Eigen/SparseCore>
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <vector>
+
+namespace limber {
+namespace {
+
+/// Arithmetic modulo the prime 2^31 - 1, in which ranks are exact. A matrix of random numbers has a smaller
+/// rank than over the reals only where a polynomial in them vanishes by chance (Schwartz 1980).
+namespace prime_field {
+
+using Element = std::uint32_t;
+constexpr std::uint64_t kPrime = 0x7fffffffu;
+
+Element sum(Element a, Element b) { return static_cast<Element>((std::uint64_t(a) + b) % kPrime); }
+Element difference(Element a, Element b) {
+  return static_cast<Element>((std::uint64_t(a) + kPrime - b) % kPrime);
+}
+Element product(Element a, Element b) { return static_cast<Element>(std::uint64_t(a) * b % kPrime); }
+Element random(Random& source) { return static_cast<Element>(source.next() % kPrime); }
+
+/// Of a != 0.
+Element inverse(Element a) {
+  // a^(p - 2), Fermat
+  Element result = 1, power = a;
+  for (std::uint64_t exponent = kPrime - 2; exponent > 0; exponent >>= 1) {
+    if (exponent & 1) result = product(result, power);
+    power = product(power, power);
+  }
+  return result;
+}
+
+struct Matrix {
+  std::size_t rows, columns;
+  std::vector<Element> entries;  ///< row by row
+
+  Matrix(std::size_t r, std::size_t c) : rows(r), columns(c), entries(r * c, 0) {}
+  Element& operator()(std::size_t r, std::size_t c) { return entries[r * columns + c]; }
+  Element operator()(std::size_t r, std::size_t c) const { return entries[r * columns + c]; }
+};
+
+/// Asked with the share done, 0 to 1, whether to go on; once not, the result means nothing.
+using GoOn = std::function<bool(double)>;
+
+/// The columns behind `from` in which the row is not zero.
+std::vector<std::size_t> nonzeros(const Matrix& m, std::size_t row, std::size_t from) {
+  std::vector<std::size_t> columns;
+  for (std::size_t c = from; c < m.columns; ++c)
+    if (m(row, c) != 0) columns.push_back(c);
+  return columns;
+}
+
+/// row -= factor * other, in the columns listed from `first` to `last`.
+void subtract(Matrix& m, std::size_t row, Element factor, std::size_t other, const std::size_t* first,
+              const std::size_t* last) {
+  const std::uint64_t minus = kPrime - factor;
+  Element* to = &m.entries[row * m.columns];
+  const Element* from = &m.entries[other * m.columns];
+  for (; first != last; ++first)
+    to[*first] = static_cast<Element>((to[*first] + minus * from[*first]) % kPrime);
+}
+
+bool mayGoOn(const GoOn& goOn, std::size_t row, std::size_t rows) {
+  return !goOn || goOn(static_cast<double>(row) / static_cast<double>(rows));
+}
+
+std::size_t rank(Matrix m, const GoOn& goOn) {
+  std::size_t found = 0;
+  for (std::size_t c = 0; c < m.columns && found < m.rows && mayGoOn(goOn, c, m.columns); ++c) {
+    std::size_t pivot = found;
+    while (pivot < m.rows && m(pivot, c) == 0) ++pivot;
+    if (pivot == m.rows) continue;
+    if (pivot != found)
+      std::swap_ranges(&m.entries[pivot * m.columns], &m.entries[pivot * m.columns] + m.columns,
+                       &m.entries[found * m.columns]);
+    const std::vector<std::size_t> columns = nonzeros(m, found, c);
+    const Element scale = inverse(m(found, c));
+    for (std::size_t r = found + 1; r < m.rows; ++r)
+      if (m(r, c) != 0)
+        subtract(m, r, product(scale, m(r, c)), found, columns.data(), columns.data() + columns.size());
+    ++found;
+  }
+  return found;
+}
+
+/// Solves A x = b in place, free unknowns at 0, for a symmetric A whose leading blocks have the ranks of
+/// their rows and a b in its range; returns the rank of A. Skips what is zero.
+std::size_t solveSymmetric(Matrix a, std::vector<Element>& b, const GoOn& goOn) {
+  std::vector<std::size_t> pivots;
+  for (std::size_t p = 0; p < a.rows && mayGoOn(goOn, p, a.rows); ++p) {
+    if (a(p, p) == 0) continue;
+    pivots.push_back(p);
+    const std::vector<std::size_t> columns = nonzeros(a, p, p + 1);
+    const Element scale = inverse(a(p, p));
+    const std::size_t* const end = columns.data() + columns.size();
+    for (const std::size_t* at = columns.data(); at != end; ++at) {
+      const std::size_t r = *at;
+      const Element factor = product(scale, a(p, r));
+      subtract(a, r, factor, p, at, end);  // all that is read of a row later is what follows its diagonal
+      b[r] = difference(b[r], product(factor, b[p]));
+    }
+  }
+  std::vector<Element> x(b.size(), 0);
+  for (std::size_t i = pivots.size(); i-- > 0;) {
+    const std::size_t p = pivots[i];
+    Element rest = b[p];
+    for (std::size_t c = p + 1; c < a.columns; ++c)
+      if (a(p, c) != 0) rest = difference(rest, product(a(p, c), x[c]));
+    x[p] = product(rest, inverse(a(p, p)));
+  }
+  b = x;
+  return pivots.size();
+}
+
+}  // namespace prime_field
+
+using prime_field::Element;
+
+/// Rows of the rigidity matrix without division by lengths: b - a at b, a - b at a. A stress s of it is in
+/// equilibrium when  sum_s stress_s row_s = 0.
+struct Framework {
+  std::size_t points = 0;
+  std::vector<std::array<std::uint32_t, 2>> ends;   ///< #springs
+  std::vector<std::array<Element, 3>> differences;  ///< #springs, b - a
+};
+
+/// Point numbers that keep the elimination of a matrix with an entry for each spring sparse.
+std::vector<std::uint32_t> eliminationOrder(const SpringNetwork& network) {
+  const auto count = static_cast<int>(network.restPoints.size());
+  std::vector<Eigen::Triplet<double>> entries;
+  for (int i = 0; i < count; ++i) entries.emplace_back(i, i, 1.0);
+  for (const NetworkSpring& s : network.springs) {
+    entries.emplace_back(static_cast<int>(s.a), static_cast<int>(s.b), 1.0);
+    entries.emplace_back(static_cast<int>(s.b), static_cast<int>(s.a), 1.0);
+  }
+  Eigen::SparseMatrix<double> graph(count, count);
+  graph.setFromTriplets(entries.begin(), entries.end());
+  Eigen::PermutationMatrix<Eigen::Dynamic> order;
+  Eigen::AMDOrdering<int>()(graph, order);
+  std::vector<std::uint32_t> place(network.restPoints.size());
+  for (int i = 0; i < count; ++i)
+    place[static_cast<std::size_t>(order.indices()[i])] = static_cast<std::uint32_t>(i);
+  return place;
+}
+
+Framework randomPlacement(const SpringNetwork& network, Random& random) {
+  std::vector<std::array<Element, 3>> places(network.restPoints.size());
+  for (auto& place : places)
+    for (Element& x : place) x = prime_field::random(random);
+  const std::vector<std::uint32_t> order = eliminationOrder(network);
+  Framework framework;
+  framework.points = network.restPoints.size();
+  for (const NetworkSpring& s : network.springs) {
+    framework.ends.push_back({order[s.a], order[s.b]});
+    std::array<Element, 3> d{};
+    for (std::size_t axis = 0; axis < 3; ++axis)
+      d[axis] = prime_field::difference(places[s.b][axis], places[s.a][axis]);
+    framework.differences.push_back(d);
+  }
+  return framework;
+}
+
+std::vector<Element> randomVector(std::size_t size, Random& random) {
+  std::vector<Element> v(size);
+  for (Element& x : v) x = prime_field::random(random);
+  return v;
+}
+
+/// K = R^T D R with the spring constants D, all of whose ranks of leading blocks are, for random constants,
+/// those of the columns of R.
+prime_field::Matrix stiffness(const Framework& f, const std::vector<Element>& constants) {
+  using namespace prime_field;
+  Matrix k(3 * f.points, 3 * f.points);
+  for (std::size_t s = 0; s < f.ends.size(); ++s) {
+    for (std::size_t i = 0; i < 3; ++i) {
+      for (std::size_t j = 0; j < 3; ++j) {
+        const Element entry = product(constants[s], product(f.differences[s][i], f.differences[s][j]));
+        for (std::size_t row = 0; row < 2; ++row)
+          for (std::size_t column = 0; column < 2; ++column) {
+            Element& at = k(3 * f.ends[s][row] + i, 3 * f.ends[s][column] + j);
+            at = row == column ? sum(at, entry) : difference(at, entry);
+          }
+      }
+    }
+  }
+  return k;
+}
+
+/// R^T w
+std::vector<Element> forces(const Framework& f, const std::vector<Element>& w) {
+  using namespace prime_field;
+  std::vector<Element> result(3 * f.points, 0);
+  for (std::size_t s = 0; s < f.ends.size(); ++s) {
+    for (std::size_t i = 0; i < 3; ++i) {
+      const Element force = product(w[s], f.differences[s][i]);
+      Element &a = result[3 * f.ends[s][0] + i], &b = result[3 * f.ends[s][1] + i];
+      a = difference(a, force);
+      b = sum(b, force);
+    }
+  }
+  return result;
+}
+
+/// What is left of random tensions g once the points have moved into equilibrium:  g - D R x,  K x = R^T g.
+std::vector<Element> equilibriumStress(const Framework& f, const std::vector<Element>& constants,
+                                       std::vector<Element> g, const std::vector<Element>& x) {
+  using namespace prime_field;
+  for (std::size_t s = 0; s < f.ends.size(); ++s) {
+    Element stretch = 0;
+    for (std::size_t i = 0; i < 3; ++i) {
+      const Element apart = difference(x[3 * f.ends[s][1] + i], x[3 * f.ends[s][0] + i]);
+      stretch = sum(stretch, product(f.differences[s][i], apart));
+    }
+    g[s] = difference(g[s], product(constants[s], stretch));
+  }
+  return g;
+}
+
+prime_field::Matrix stressMatrix(const Framework& f, const std::vector<Element>& stress) {
+  using namespace prime_field;
+  Matrix matrix(f.points, f.points);
+  for (std::size_t s = 0; s < f.ends.size(); ++s) {
+    const auto [a, b] = f.ends[s];
+    matrix(a, a) = sum(matrix(a, a), stress[s]);
+    matrix(b, b) = sum(matrix(b, b), stress[s]);
+    matrix(a, b) = matrix(b, a) = difference(0, stress[s]);
+  }
+  return matrix;
+}
+
+}  // namespace
+
+bool isGloballyRigid(const SpringNetwork& network, std::uint64_t seed,
+                     const std::function<bool(double)>& goOn) {
+  const std::size_t points = network.restPoints.size(), springs = network.springs.size();
+  if (points <= 4) return springs == points * (points - 1) / 2;
+  if (springs <= 3 * points - 6) return false;  // no stress
+  Random random(seed);
+  const Framework framework = randomPlacement(network, random);
+  const std::vector<Element> constants = randomVector(springs, random),
+                             tensions = randomVector(springs, random);
+  std::vector<Element> x = forces(framework, tensions);
+  if (prime_field::solveSymmetric(stiffness(framework, constants), x, goOn) != 3 * points - 6) return false;
+  const auto afterSolving = [&](double) { return !goOn || goOn(1.0); };  // the rest takes a tenth as long
+  return prime_field::rank(stressMatrix(framework, equilibriumStress(framework, constants, tensions, x)),
+                           afterSolving) == points - 4;
+}
+
+}  // namespace limber

@@ -1,0 +1,388 @@
+// SPDX-License-Identifier: Zlib
+// Lets bodies of a network come to rest: by lightly damped dynamics of many of them at once first, then by
+// descent to the minimum of the energy.
+
+#include "network/relaxation.h"
+
+#include "core/body_measures.h"
+#include "core/linear_algebra.h"
+#include "core/quad_step.h"
+#include "core/spring_forces.h"
+#include "core/spring_lanes.h"
+#include "core/stepping_choice.h"
+#include "core/verlet_step.h"
+#include "mesh/surface.h"
+#include "network/rigidity.h"
+
+#include <Eigen/Geometry>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <list>
+#include <vector>
+
+namespace limber {
+namespace {
+
+/// rad^2/s^2 that the volume terms can add to the square of the fastest oscillation in the next `time`
+/// seconds.
+double volumeBoundSquared(BodyTerms& terms, const PointState& state, double time) {
+  return volumeFrequencyBoundSquared(terms.volumes, state, time) +
+         tetrahedronFrequencyBoundSquared(terms.tetrahedra, state);
+}
+
+}  // namespace
+
+BodyTerms::BodyTerms(const SpringNetwork& network, const SoftBodySettings& settings)
+    : springs(makeSprings(network, settings)),
+      volumes(makeVolumes(network, settings)),
+      tetrahedra(makeTetrahedronVolumes(network, settings)) {}
+
+SteppedBody steppedBody(BodyTerms& terms, PointState& state) {
+  SteppedBody body{&state, &terms.springs, nullptr};
+  if (!terms.volumes.empty()) body.volumes = &terms.volumes;
+  if (!terms.tetrahedra.empty()) body.tetrahedra = &terms.tetrahedra;
+  return body;
+}
+
+double boundSquared(BodyTerms& terms, const PointState& state) {
+  std::vector<double> sums;
+  return frequencyBoundSquared(terms.springs, state.inverseMass, sums) +
+         volumeBoundSquared(terms, state, 0.0);
+}
+
+PointState restState(const SpringNetwork& network, const SoftBodySettings& settings) {
+  PointState state;
+  state.resize(static_cast<Eigen::Index>(network.restPoints.size()));
+  for (std::size_t i = 0; i < network.restPoints.size(); ++i) {
+    const auto column = static_cast<Eigen::Index>(i);
+    state.position.col(column) = network.restPoints[i].cwiseProduct(settings.scale);
+    state.inverseMass.col(column).setConstant(1.0 / (settings.totalMass * network.massShares[i]));
+  }
+  return state;
+}
+
+namespace {
+
+SoftBodySettings unitSettings(double size) {
+  SoftBodySettings settings;
+  settings.scale.setConstant(size > 0.0 ? 1.0 / size : 1.0);
+  settings.extensionStiffness = settings.compressionStiffness = 1.0;
+  settings.damping = 0.0;
+  return settings;
+}
+
+Points restPointsOf(const SpringNetwork& network) {
+  Points rest(3, static_cast<Eigen::Index>(network.restPoints.size()));
+  for (Eigen::Index i = 0; i < rest.cols(); ++i)
+    rest.col(i) = network.restPoints[static_cast<std::size_t>(i)];
+  return rest;
+}
+
+/// The most that the trace of a rotation times C can be: the largest eigenvalue of a symmetric matrix whose
+/// eigenvector is the rotation's quaternion (B. Horn, "Closed-form solution of absolute orientation using unit
+/// quaternions", 1987).
+double largestTrace(const Eigen::Matrix3d& c) {
+  const Eigen::Vector3d twist(c(1, 2) - c(2, 1), c(2, 0) - c(0, 2), c(0, 1) - c(1, 0));
+  Eigen::MatrixXd m(4, 4);
+  m(0, 0) = c.trace();
+  m.block<3, 1>(1, 0) = twist;
+  m.block<1, 3>(0, 1) = twist.transpose();
+  m.block<3, 3>(1, 1) = c + c.transpose() - c.trace() * Eigen::Matrix3d::Identity();
+  return symmetricValues(m)[3];
+}
+
+/// Squared distances, summed, after the best rigid motion:  sum |x|^2 + |y|^2 - 2 x . R y.
+double squaredDistance(const Points& a, const Points& b) {
+  const Points x = a.colwise() - a.rowwise().mean(), y = b.colwise() - b.rowwise().mean();
+  const Eigen::Matrix3d covariance = x * y.transpose();
+  return std::max(0.0, x.squaredNorm() + y.squaredNorm() - 2.0 * largestTrace(covariance));
+}
+
+}  // namespace
+
+RelaxedBody::RelaxedBody(const SpringNetwork& network) : rest(restPointsOf(network)) {
+  const SoftBodySettings settings = unitSettings(extent(rest));
+  rest *= settings.scale.x();
+  terms = BodyTerms(network, settings);
+  pieces = findPieces(network);
+}
+
+double distanceToRest(const RelaxedBody& body, const Points& x) {
+  if (!x.allFinite()) return std::numeric_limits<double>::infinity();
+  double sum = 0.0;
+  for (const std::vector<Eigen::Index>& piece : body.pieces)
+    sum += squaredDistance(body.rest(Eigen::all, piece), x(Eigen::all, piece));
+  return std::sqrt(sum / static_cast<double>(x.cols()));
+}
+
+namespace {
+
+constexpr std::size_t kMemory = 8;       // pairs of steps and changes of the force
+constexpr std::size_t kArrivedEach = 8;  // iterations between two questions whether it has arrived
+constexpr double kSufficient = 1e-4;     // Armijo's share of the decrease that the slope promises
+constexpr int kMostHalvings = 30;
+
+/// A step and by how much the gradient changed over it.
+struct DescentPair {
+  Points step, change;
+  double curvature = 0.0;  ///< step . change, above 0
+};
+
+/// The two-loop recursion: minus the inverse Hessian that the pairs make, times the gradient.
+Points direction(const std::vector<DescentPair>& pairs, const Points& gradient) {
+  Points d = -gradient;
+  std::vector<double> share(pairs.size());
+  for (std::size_t i = pairs.size(); i-- > 0;) {
+    share[i] = dot(pairs[i].step, d) / pairs[i].curvature;
+    d -= share[i] * pairs[i].change;
+  }
+  if (!pairs.empty()) d *= pairs.back().curvature / pairs.back().change.squaredNorm();
+  for (std::size_t i = 0; i < pairs.size(); ++i)
+    d += (share[i] - dot(pairs[i].change, d) / pairs[i].curvature) * pairs[i].step;
+  return d;
+}
+
+void remember(std::vector<DescentPair>& pairs, Points step, Points change) {
+  const double curvature = dot(step, change);
+  if (curvature <= 1e-12 * std::sqrt(step.squaredNorm() * change.squaredNorm())) return;
+  if (pairs.size() == kMemory) pairs.erase(pairs.begin());
+  pairs.push_back({std::move(step), std::move(change), curvature});
+}
+
+Points gradientAt(SteppedBody& body) {
+  computeElasticForces(body);
+  return -body.points->force;
+}
+
+/// Halves the step until the energy falls enough; 0 if it never does.
+double search(SteppedBody& body, const Points& from, const Points& d, double slope, double& energy) {
+  double step = 1.0;
+  for (int i = 0; i < kMostHalvings; ++i, step *= 0.5) {
+    body.points->position = from + step * d;
+    const double there = elasticEnergy(body, body.points->position);
+    if (there > energy + kSufficient * step * slope) continue;
+    energy = there;
+    return step;
+  }
+  body.points->position = from;
+  return 0.0;
+}
+
+/// Moves the points to the minimum of the elastic energy that lies downhill, by L-BFGS (Liu and Nocedal
+/// 1989), until the largest force on a point is below `leastForce` (N), `arrived` says so of the positions,
+/// or after `iterations`.
+void descend(SteppedBody& body, double leastForce, std::size_t iterations,
+             const std::function<bool(const Points&)>& arrived) {
+  std::vector<DescentPair> pairs;
+  Points gradient = gradientAt(body);
+  double energy = elasticEnergy(body, body.points->position);
+  for (std::size_t i = 0; i < iterations; ++i) {
+    if (gradient.cwiseAbs().maxCoeff() < leastForce) return;
+    if (i % kArrivedEach == 0 && arrived(body.points->position)) return;
+    Points d = direction(pairs, gradient);
+    double slope = dot(d, gradient);
+    if (slope >= 0.0) pairs.clear(), d = -gradient, slope = -gradient.squaredNorm();
+    const Points from = body.points->position;
+    if (search(body, from, d, slope, energy) == 0.0) {
+      if (pairs.empty()) return;  // as low as rounding lets it
+      pairs.clear();
+      continue;
+    }
+    const Points earlier = gradient;
+    gradient = gradientAt(body);
+    remember(pairs, body.points->position - from, gradient - earlier);
+  }
+}
+
+constexpr double kRelaxationDrag = 0.05;  // 1/s, at unit mass and spring constant
+constexpr double kStepShare = 0.75;       // of the stable step at rest
+constexpr double kMostTime = 600.0;       // s; by then drag alone has taken 13 powers of ten of the energy
+constexpr double kLeastTime = 10.0;       // s before a body counts as at rest: it starts without speed
+
+// Substeps between two looks at a run, at which its step is chosen: few while it is wild, that is, while its
+// step must be much smaller than at rest or its points move far (of the size, root mean square) between two
+// looks at a calm one. A calm run's step is not chosen anew at each look.
+constexpr int kCalmSubsteps = 8, kWildSubsteps = 4;
+constexpr int kCalmLooks = 8;
+constexpr std::size_t kRunsPerLane = 4;  // at a time: those with the same step fill registers
+constexpr int kMostLooks = 4000;         // then a run that is still wild goes on by descent
+constexpr double kWildBound = 1.5;       // times the square of the frequency bound at rest
+constexpr double kFarMove = 0.5;
+constexpr double kCalmShare = 0.95, kWildShare = 0.6;  // of the stable step
+constexpr int kMostStepHalvings = 12;                // of the step at rest
+
+/// J over the square of the mean spring length, kinetic: too little to flip a point through its neighbours.
+constexpr double kRestEnergy = 1e-2;
+constexpr double kLeastForce = 2e-6;  // N, of the descent
+constexpr std::size_t kMostDescent = 3000;
+
+double meanLength(const SpringArrays& springs) {
+  double sum = 0.0;
+  for (const double length : springs.restLength) sum += length;
+  return springs.size() > 0 ? sum / static_cast<double>(springs.size()) : 1.0;
+}
+
+/// One start on its way.
+struct Run {
+  std::size_t index = 0;
+  PointState state;
+  double time = 0.0;  ///< s
+  int looks = 0;
+  int halvings = 0;              ///< of the step at rest
+  int substeps = kWildSubsteps;  ///< until the next look
+};
+
+/// What all runs of a body share.
+struct Dynamics {
+  RelaxedBody& body;
+  double springBound;  ///< rad^2/s^2
+  double restBound;    ///< rad^2/s^2, with the volume terms
+  double step;         ///< s, at rest
+  double restEnergy;   ///< J
+  InstructionSet set = bestInstructionSet();
+  LaneBlock block;
+  LaneScratch scratch;
+  QuadArrays quads;
+
+  explicit Dynamics(RelaxedBody& relaxed) : body(relaxed) {
+    const PointState rest = stateAt(body.rest);
+    std::vector<double> sums;
+    springBound = frequencyBoundSquared(body.terms.springs, rest.inverseMass, sums);
+    restBound = boundSquared(rest, 0.0);
+    step = restBound > 0.0 ? kStepShare * 2.0 / std::sqrt(restBound) : 1.0;
+    const double length = meanLength(body.terms.springs);
+    restEnergy = kRestEnergy * length * length;
+  }
+
+  static PointState stateAt(const Points& position) {
+    PointState state;
+    state.resize(position.cols());
+    state.position = position;
+    state.inverseMass.setOnes();
+    return state;
+  }
+  /// rad^2/s^2, for the next `time` seconds.
+  double boundSquared(const PointState& state, double time) {
+    return springBound + volumeBoundSquared(body.terms, state, time);
+  }
+  SteppedBody stepped(PointState& state) {
+    SteppedBody s = steppedBody(body.terms, state);
+    if (canStepQuads()) s.quads = &quads;
+    return s;
+  }
+};
+
+double timeOf(const Dynamics& dynamics, const Run& run) {
+  return run.substeps * std::ldexp(dynamics.step, -run.halvings);
+}
+
+bool isWild(const Dynamics& dynamics, const Run& run, double bound) {
+  const double squaredSpeed =
+      run.state.velocity.squaredNorm() / static_cast<double>(run.state.velocity.cols());
+  const double way = kCalmSubsteps * dynamics.step;
+  return bound > kWildBound * dynamics.restBound || squaredSpeed * way * way > kFarMove * kFarMove;
+}
+
+/// The volume terms are the stiffer the larger the triangles are. Steps are halves of halves so that many
+/// runs share theirs.
+void chooseStep(Dynamics& dynamics, Run& run) {
+  if (run.substeps == kCalmSubsteps && run.looks % kCalmLooks != 0) return;
+  const double bound = dynamics.boundSquared(run.state, dynamics.step);
+  const bool wild = isWild(dynamics, run, bound);
+  const double stable = (wild ? kWildShare : kCalmShare) * 2.0 / std::sqrt(bound);
+  run.substeps = wild ? kWildSubsteps : kCalmSubsteps;
+  run.halvings = 0;
+  while (run.halvings < kMostStepHalvings && std::ldexp(dynamics.step, -run.halvings) > stable) ++run.halvings;
+}
+
+void stepAlone(Dynamics& dynamics, Run& run) {
+  StepGroup group;
+  group.bodies.push_back(dynamics.stepped(run.state));
+  stepVerlet(group, timeOf(dynamics, run), run.substeps);
+}
+
+/// All with the same step. Lanes pay once three of them are filled.
+void stepTogether(Dynamics& dynamics, Run* const* runs, std::size_t count) {
+  if (count < 3 || laneCount(dynamics.set) < 3) {
+    for (std::size_t i = 0; i < count; ++i) stepAlone(dynamics, *runs[i]);
+    return;
+  }
+  dynamics.block.lanes.resize(count);
+  for (std::size_t lane = 0; lane < count; ++lane)
+    dynamics.block.lanes[lane].body = dynamics.stepped(runs[lane]->state);
+  stepLanes(dynamics.block, dynamics.scratch, timeOf(dynamics, *runs[0]), runs[0]->substeps, dynamics.set);
+}
+
+void stepAll(Dynamics& dynamics, std::list<Run>& runs) {
+  for (const int substeps : {kCalmSubsteps, kWildSubsteps})
+    for (int halvings = 0; halvings <= kMostStepHalvings; ++halvings) {
+      std::vector<Run*> same;
+      for (Run& run : runs)
+        if (run.substeps == substeps && run.halvings == halvings) same.push_back(&run);
+      const auto lanes = static_cast<std::size_t>(laneCount(dynamics.set));
+      for (std::size_t i = 0; i < same.size(); i += lanes)
+        stepTogether(dynamics, &same[i], std::min(lanes, same.size() - i));
+    }
+}
+
+/// Also when its numbers are none any more.
+bool hasCalmedDown(const Dynamics& dynamics, const Run& run) {
+  if (run.looks >= kMostLooks || run.time >= kMostTime) return true;
+  return run.time >= kLeastTime && !(0.5 * run.state.velocity.squaredNorm() >= dynamics.restEnergy);
+}
+
+/// Nothing is held back, as it is for the sake of a stable step: forces that are no gradient of the energy
+/// would lead the descent astray.
+void settle(Dynamics& dynamics, Run& run) {
+  SteppedBody stepped = dynamics.stepped(run.state);
+  prepareVolumes(stepped, 0.0);
+  const double near = 0.5 * kReturned;
+  descend(stepped, kLeastForce, kMostDescent,
+          [&](const Points& x) { return distanceToRest(dynamics.body, x) < near; });
+}
+
+/// Steps all runs to their next looks and takes those out that are at rest; false once `finish` has said so.
+bool advance(Dynamics& dynamics, std::list<Run>& runs,
+             const std::function<bool(std::size_t, const Points&)>& finish) {
+  for (Run& run : runs) chooseStep(dynamics, run);
+  stepAll(dynamics, runs);
+  for (auto run = runs.begin(); run != runs.end();) {
+    const double time = timeOf(dynamics, *run);
+    run->time += time;
+    ++run->looks;
+    run->state.velocity /= 1.0 + kRelaxationDrag * time;
+    if (!hasCalmedDown(dynamics, *run)) {
+      ++run;
+      continue;
+    }
+    settle(dynamics, *run);
+    if (!finish(run->index, run->state.position)) return false;
+    run = runs.erase(run);
+  }
+  return true;
+}
+
+}  // namespace
+
+bool canRelax(RelaxedBody& body) { return kMostLooks * kCalmSubsteps * Dynamics(body).step >= kLeastTime; }
+
+void relax(RelaxedBody& body, std::size_t count, const std::function<Points(std::size_t)>& start,
+           const std::function<bool(std::size_t, const Points&)>& finish) {
+  Dynamics dynamics(body);
+  const auto most = kRunsPerLane * static_cast<std::size_t>(laneCount(dynamics.set));
+  std::list<Run> runs;
+  for (std::size_t next = 0; next < count || !runs.empty();) {
+    while (next < count && runs.size() < most) {
+      Run run;
+      run.index = next;
+      run.state = Dynamics::stateAt(start(next++));
+      runs.push_back(std::move(run));
+    }
+    if (!advance(dynamics, runs, finish)) return;
+  }
+}
+
+}  // namespace limber

@@ -1,0 +1,444 @@
+// SPDX-License-Identifier: Zlib
+// Splits a network into pieces and finds its rigid motions, its mechanisms and its softest oscillations, from
+// the stiffness matrix at rest.
+
+#include "network/rigidity.h"
+
+#include "core/largest_eigenvalue.h"
+#include "core/linear_algebra.h"
+#include "core/random.h"
+#include "core/sparse_factor.h"
+#include "mesh/edges.h"
+
+#include <Eigen/Geometry>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+
+namespace limber {
+namespace {
+
+constexpr std::uint32_t kNotHere = 0xffffffffu;
+
+/// Those of the triangles or tetrahedra that have all corners here, with the points' new numbers.
+template <class Corners>
+std::vector<Corners> keep(const std::vector<Corners>& all, const std::vector<std::uint32_t>& number) {
+  std::vector<Corners> kept;
+  for (Corners corners : all) {
+    for (std::uint32_t& corner : corners) corner = number[corner];
+    if (std::find(corners.begin(), corners.end(), kNotHere) == corners.end()) kept.push_back(corners);
+  }
+  return kept;
+}
+
+}  // namespace
+
+std::vector<std::vector<Eigen::Index>> findPieces(const SpringNetwork& network) {
+  const std::size_t points = network.restPoints.size();
+  DisjointSets sets(points);
+  for (const NetworkSpring& s : network.springs) sets.join(s.a, s.b);
+  std::vector<std::vector<Eigen::Index>> pieces;
+  std::vector<std::size_t> pieceOfRoot(points, 0);
+  for (std::uint32_t i = 0; i < points; ++i) {
+    const std::uint32_t root = sets.root(i);
+    if (root == i) pieceOfRoot[i] = pieces.size(), pieces.emplace_back();
+    pieces[pieceOfRoot[root]].push_back(static_cast<Eigen::Index>(i));
+  }
+  return pieces;
+}
+
+SpringNetwork pieceOf(const SpringNetwork& network, const std::vector<Eigen::Index>& points) {
+  SpringNetwork piece;
+  piece.kind = network.kind;
+  piece.stiffnessPerModulus = network.stiffnessPerModulus;
+  std::vector<std::uint32_t> number(network.restPoints.size(), kNotHere);
+  double mass = 0.0;
+  for (const Eigen::Index point : points) {
+    const auto i = static_cast<std::size_t>(point);
+    number[i] = static_cast<std::uint32_t>(piece.restPoints.size());
+    piece.restPoints.push_back(network.restPoints[i]);
+    piece.massShares.push_back(network.massShares[i]);
+    mass += network.massShares[i];
+  }
+  for (double& share : piece.massShares) share /= mass;
+  for (const NetworkSpring& s : network.springs)
+    if (number[s.a] != kNotHere && number[s.b] != kNotHere)
+      piece.springs.push_back({number[s.a], number[s.b], s.kind, s.stiffnessScale});
+  piece.surface = keep(network.surface, number);
+  piece.tetrahedra = keep(network.tetrahedra, number);
+  setEdgeDefects(piece.report, piece.surface);
+  return piece;
+}
+
+namespace {
+
+/// Relative to the largest distance from the centre; points nearer to a line than this are on it: meshes come
+/// in single precision.
+constexpr double kOnLine = 1e-6;
+
+}  // namespace
+
+SparseMatrix rigidityMatrix(const SpringNetwork& network) {
+  std::vector<Eigen::Triplet<double>> entries;
+  entries.reserve(6 * network.springs.size());
+  for (std::size_t s = 0; s < network.springs.size(); ++s) {
+    const NetworkSpring& spring = network.springs[s];
+    const Eigen::Vector3d d = network.restPoints[spring.b] - network.restPoints[spring.a];
+    const Eigen::Vector3d row = std::sqrt(spring.stiffnessScale) * d.stableNormalized();
+    if (row.isZero(0.0)) continue;
+    for (int axis = 0; axis < 3; ++axis) {
+      entries.emplace_back(static_cast<int>(s), 3 * static_cast<int>(spring.a) + axis, -row[axis]);
+      entries.emplace_back(static_cast<int>(s), 3 * static_cast<int>(spring.b) + axis, row[axis]);
+    }
+  }
+  SparseMatrix rigidity(static_cast<Eigen::Index>(network.springs.size()),
+                        3 * static_cast<Eigen::Index>(network.restPoints.size()));
+  rigidity.setFromTriplets(entries.begin(), entries.end());
+  return rigidity;
+}
+
+SparseMatrix stiffnessMatrix(const SparseMatrix& rigidity) {
+  const SparseMatrix transposed = rigidity.transpose();
+  return transposed * rigidity;
+}
+
+Eigen::MatrixXd rigidMotions(const std::vector<Eigen::Vector3d>& points) {
+  const auto count = static_cast<Eigen::Index>(points.size());
+  if (points.empty()) return Eigen::MatrixXd(0, 0);
+  Eigen::Vector3d centre = Eigen::Vector3d::Zero();
+  for (const Eigen::Vector3d& p : points) centre += p / static_cast<double>(count);
+  Eigen::Matrix3Xd arms(3, count);
+  for (Eigen::Index i = 0; i < count; ++i) arms.col(i) = points[static_cast<std::size_t>(i)] - centre;
+  const double size = arms.cwiseAbs().maxCoeff();
+  if (size > 0.0) arms /= size;
+
+  // About the principal axes of the points the rotations are orthogonal to each other, and that about the
+  // line of points on a line is the last one, and zero.
+  const Eigen::Matrix3d scatter = arms * arms.transpose();
+  const Eigen::Matrix3d axes = symmetricParts3(scatter).vectors;
+  Eigen::MatrixXd motions = Eigen::MatrixXd::Zero(3 * count, 6);
+  Eigen::Index columns = 3;
+  for (Eigen::Index i = 0; i < count; ++i)
+    motions.block<3, 3>(3 * i, 0) = Eigen::Matrix3d::Identity() / std::sqrt(static_cast<double>(count));
+  for (int axis = 0; axis < 3; ++axis) {
+    const Eigen::Vector3d about = axes.col(axis);
+    auto rotation = motions.col(columns);
+    double reach = 0.0;
+    for (Eigen::Index i = 0; i < count; ++i) {
+      rotation.segment<3>(3 * i) = about.cross(Eigen::Vector3d(arms.col(i)));
+      reach = std::max(reach, rotation.segment<3>(3 * i).norm());
+    }
+    if (reach < kOnLine) continue;
+    rotation.normalize();
+    ++columns;
+  }
+  return motions.leftCols(columns);
+}
+
+namespace {
+
+/// A mode whose eigenvalue is below this part of the stiffest one's is a mechanism. The points of a mesh come
+/// in single precision, which turns its springs by about 1e-6 and so moves the singular values of the
+/// rigidity matrix by 1e-6 of the largest (Weyl) and eigenvalues, their squares, by 1e-12. The round-off of
+/// double lies four powers of ten below.
+constexpr double kMechanism = 1e-12;
+
+/// Up to so many unknowns all eigenvalues, or all modes, are computed at once.
+constexpr Eigen::Index kMostDense = 450;
+
+/// Eigenvalues of the stiffness matrix on the mechanism's side of the bound, and the smallest on the other.
+struct SoftEnd {
+  Eigen::Index below = 0;
+  double softest = 0.0;
+};
+
+SoftEnd denseSoftEnd(const SparseMatrix& stiffness, double bound) {
+  const Eigen::VectorXd values = symmetricValues(stiffness);
+  const Eigen::Index below = std::lower_bound(values.begin(), values.end(), bound) - values.begin();
+  return {below, below < values.size() ? values[below] : 0.0};
+}
+
+/// Largest residual of solving with a factor, relative to the matrix, that speaks for its inertia.
+constexpr double kSoundFactor = 1e-10;
+
+bool isSound(const SparseFactor& factor, const SparseMatrix& matrix, double size) {
+  if (!factor.isComplete) return false;
+  Random random(1);
+  Eigen::VectorXd b(matrix.rows());
+  for (double& x : b) x = random.uniform() - 0.5;
+  const Eigen::VectorXd x = solve(factor, b);
+  return (matrix * x - b).norm() <= kSoundFactor * (size * x.norm() + b.norm());
+}
+
+/// Of  K - s  as many pivots are negative as K has eigenvalues below s (Sylvester), and the largest
+/// eigenvalue of its inverse belongs to the first one above. Without pivoting a factor can be unsound where s
+/// meets an eigenvalue of a leading block; then a somewhat larger s is taken.
+SoftEnd sparseSoftEnd(const SparseMatrix& stiffness, double bound, double stiffest) {
+  SparseFactor factor;
+  double shift = 0.0;
+  for (int attempt = 0; attempt < 6; ++attempt) {
+    shift = bound * std::pow(1.7, attempt);
+    SparseMatrix shifted = stiffness;
+    for (Eigen::Index i = 0; i < shifted.rows(); ++i) shifted.coeffRef(i, i) -= shift;
+    factor = factorise(shifted);
+    if (isSound(factor, shifted, stiffest)) break;
+  }
+  if (!factor.isComplete) return denseSoftEnd(stiffness, bound);
+  const Eigen::Index below = (factor.diagonal.array() < 0.0).count();
+  if (below == stiffness.rows()) return {below, 0.0};
+  const double inverse = largestEigenvalue(
+      [&](const Eigen::VectorXd& v) -> Eigen::VectorXd { return solve(factor, v); }, stiffness.rows());
+  return {below, inverse > 0.0 ? shift + 1.0 / inverse : 0.0};
+}
+
+}  // namespace
+
+double stiffestEigenvalue(const SparseMatrix& stiffness) {
+  return largestEigenvalue([&](const Eigen::VectorXd& v) -> Eigen::VectorXd { return stiffness * v; },
+                           stiffness.rows());
+}
+
+SmallDeformations smallDeformations(const SpringNetwork& network) {
+  const SparseMatrix stiffness = stiffnessMatrix(rigidityMatrix(network));
+  const Eigen::Index unknowns = stiffness.rows(), rigid = rigidMotions(network.restPoints).cols();
+  SmallDeformations result;
+  result.stiffest = stiffestEigenvalue(stiffness);
+  SoftEnd end{unknowns, 0.0};
+  if (result.stiffest > 0.0) {
+    const double bound = kMechanism * result.stiffest;
+    end = unknowns <= kMostDense ? denseSoftEnd(stiffness, bound)
+                                 : sparseSoftEnd(stiffness, bound, result.stiffest);
+  }
+  result.softest = end.softest;
+  result.rank = static_cast<std::size_t>(unknowns - end.below);
+  result.mechanisms = static_cast<std::size_t>(std::max<Eigen::Index>(end.below - rigid, 0));
+  result.selfStresses = network.springs.size() - result.rank;
+  return result;
+}
+
+namespace {
+
+constexpr Eigen::Index kBlock = 8;  // vectors that the space grows by
+constexpr int kMostBlocks = 400;    // by then something is wrong with the matrix
+constexpr int kBlocksBetweenChecks = 3;
+constexpr double kModeTolerance = 1e-5;  // of a residual, relative to the eigenvalue of the inverse
+constexpr double kConfirmed = 1e-4;      // relative change of an eigenvalue that says that nothing was missed
+constexpr double kDependent = 1e-13;     // norm of what is left of a unit vector: round-off
+constexpr double kRelativeShift = 1e-9;  // of the largest eigenvalue, added so that there is an inverse
+
+using Block = Eigen::Matrix<double, Eigen::Dynamic, kBlock>;
+using RowBlock = Eigen::Matrix<double, Eigen::Dynamic, kBlock, Eigen::RowMajor>;
+
+/// Each eigenvalue lies within the sum of a row's magnitudes (Gershgorin).
+double largestRowSum(const SparseMatrix& matrix) {
+  Eigen::VectorXd sums = Eigen::VectorXd::Zero(matrix.rows());
+  for (Eigen::Index j = 0; j < matrix.outerSize(); ++j)
+    for (SparseMatrix::InnerIterator entry(matrix, j); entry; ++entry)
+      sums[entry.row()] += std::abs(entry.value());
+  return sums.size() ? sums.maxCoeff() : 0.0;
+}
+
+/// The modes within the space of `shapes` U (orthonormal): with  (R U)^T R U = B S B^T  they are U B. The
+/// round-off of S is that of the stiffest mode of the space, not of all.
+Modes modesWithin(const SparseMatrix& rigidity, const Eigen::MatrixXd& shapes) {
+  const Eigen::MatrixXd stretches = rigidity * shapes;
+  const SymmetricParts ritz = symmetricParts(transposedProduct(stretches, stretches));
+  return {ritz.values.cwiseMax(0.0), product(shapes, ritz.vectors)};
+}
+
+/// With rigid motions made the stiffest of all.
+Eigen::MatrixXd denseModes(const SparseMatrix& stiffness, const Eigen::MatrixXd& rigid, Eigen::Index count) {
+  Eigen::MatrixXd matrix = stiffness;
+  matrix += (2.0 * largestRowSum(stiffness) + 1.0) * product(rigid, rigid.transpose());
+  return symmetricParts(matrix).vectors.leftCols(count);
+}
+
+/// (K + s)^-1 for several vectors at a time.
+class ShiftedInverse {
+ public:
+  ShiftedInverse(const SparseMatrix& stiffness, double shift) {
+    SparseMatrix shifted = stiffness;
+    for (Eigen::Index i = 0; i < shifted.rows(); ++i) shifted.coeffRef(i, i) += shift;
+    factor_ = factorise(shifted);
+  }
+
+  Block operator*(const Block& b) const {
+    RowBlock x(b.rows(), kBlock);
+    for (Eigen::Index i = 0; i < b.rows(); ++i) x.row(factor_.place[i]) = b.row(i);
+    solveOrdered(factor_, x);
+    Block result(b.rows(), kBlock);
+    for (Eigen::Index i = 0; i < b.rows(); ++i) result.row(i) = x.row(factor_.place[i]);
+    return result;
+  }
+
+ private:
+  SparseFactor factor_;
+};
+
+/// The space that block Lanczos with thick restarts (Wu, Simon 2000) spans with the inverse, whose largest
+/// eigenvalues are the softest modes. All products are kept instead of the three-term recurrence: spaces are
+/// small, and then no round-off can bring false copies of modes.
+struct SoftSpace {
+  const ShiftedInverse& inverse;
+  const Eigen::MatrixXd& rigid;
+  Eigen::MatrixXd basis{}, product{};  ///< orthonormal, and the inverse times it; `columns` of them
+  Eigen::Index columns = 0;
+  Eigen::VectorXd values{};   ///< of the inverse within the space, descending
+  Eigen::MatrixXd vectors{};  ///< columns x columns, in terms of the basis
+  Random random{1};
+};
+
+void project(const SoftSpace& space, Eigen::Ref<Eigen::MatrixXd> block) {
+  const auto basis = space.basis.leftCols(space.columns);
+  block -= product(space.rigid, transposedProduct(space.rigid, block));
+  block -= product(basis, transposedProduct(basis, block));
+}
+
+void randomise(SoftSpace& space, Eigen::Ref<Eigen::MatrixXd> block) {
+  for (Eigen::Index j = 0; j < block.cols(); ++j)
+    for (Eigen::Index i = 0; i < block.rows(); ++i) block(i, j) = space.random.uniform() - 0.5;
+  block.colwise().normalize();
+}
+
+/// Orthonormal and orthogonal to the space and to rigid motions; random where nothing is left. Twice, since
+/// once leaves the round-off of what was taken away (Parlett 1998, section 6.9).
+Block orthonormal(SoftSpace& space, Block block) {
+  block.colwise().normalize();
+  for (int pass = 0; pass < 2; ++pass) {
+    project(space, block);
+    for (Eigen::Index j = 0; j < kBlock; ++j) {
+      auto v = block.col(j);
+      const auto earlier = block.leftCols(j);
+      v -= earlier * (earlier.transpose() * v).eval();
+      if (!(v.norm() > kDependent)) {
+        randomise(space, v);
+        project(space, v);
+        v -= earlier * (earlier.transpose() * v).eval();
+      }
+      v.normalize();
+    }
+  }
+  return block;
+}
+
+/// Adds the block to the space and returns what the inverse leads to from it.
+Block extend(SoftSpace& space, const Block& block) {
+  Block answer = space.inverse * block;
+  answer -= product(space.rigid, transposedProduct(space.rigid, answer));
+  space.basis.middleCols(space.columns, kBlock) = block;
+  space.product.middleCols(space.columns, kBlock) = answer;
+  space.columns += kBlock;
+  return orthonormal(space, answer);
+}
+
+void solveWithin(SoftSpace& space) {
+  Eigen::MatrixXd small =
+      transposedProduct(space.basis.leftCols(space.columns), space.product.leftCols(space.columns));
+  small = (0.5 * (small + small.transpose())).eval();
+  const SymmetricParts ritz = symmetricParts(small);
+  space.values = ritz.values.reverse();
+  space.vectors = ritz.vectors.rowwise().reverse();
+}
+
+bool isConverged(const SoftSpace& space, Eigen::Index count) {
+  const Eigen::MatrixXd residuals =
+      product(space.product.leftCols(space.columns), space.vectors.leftCols(count)) -
+      product(space.basis.leftCols(space.columns), space.vectors.leftCols(count)) *
+          space.values.head(count).asDiagonal();
+  return (residuals.colwise().norm().transpose().array() <= kModeTolerance * space.values.head(count).array())
+      .all();
+}
+
+/// Shrinks the space to its softest `count` modes.
+void keep(SoftSpace& space, Eigen::Index count) {
+  space.basis.leftCols(count) = product(space.basis.leftCols(space.columns), space.vectors.leftCols(count));
+  space.product.leftCols(count) =
+      product(space.product.leftCols(space.columns), space.vectors.leftCols(count));
+  space.columns = count;
+}
+
+Block randomBlock(SoftSpace& space) {
+  Block block(space.rigid.rows(), kBlock);
+  randomise(space, block);
+  return orthonormal(space, block);
+}
+
+/// Grows the space until it holds the `count` softest modes, or for kMostBlocks blocks.
+///
+/// Symmetric shapes have equal modes and tessellated boxes many mechanisms, of which a Krylov space holds no
+/// more than a block: what was found counts when fresh random vectors change nothing.
+void converge(SoftSpace& space, Eigen::Index count) {
+  Eigen::VectorXd found = Eigen::VectorXd::Zero(count);
+  Block next = randomBlock(space);
+  for (int round = 1, sinceFresh = 1; round <= kMostBlocks; ++round, ++sinceFresh) {
+    next = extend(space, next);
+    const bool isFull = space.columns + kBlock > space.basis.cols();
+    if (space.columns < count || (sinceFresh % kBlocksBetweenChecks != 0 && !isFull)) continue;
+    solveWithin(space);
+    if (isConverged(space, count)) {
+      const Eigen::VectorXd values = space.values.head(count);
+      if (((values - found).array().abs() <= kConfirmed * values.array()).all()) return;
+      found = values;
+      keep(space, count);
+      next = randomBlock(space);
+      sinceFresh = 0;
+    } else if (isFull) {
+      keep(space, count + 2 * kBlock);
+    }
+  }
+  solveWithin(space);  // it has grown since it was solved last
+}
+
+Eigen::MatrixXd sparseModes(const SparseMatrix& stiffness, const Eigen::MatrixXd& rigid, Eigen::Index count) {
+  const double stiffest = largestRowSum(stiffness);
+  const ShiftedInverse inverse(stiffness, stiffest > 0.0 ? kRelativeShift * stiffest : 1.0);
+  SoftSpace space{inverse, rigid};
+  space.basis.resize(stiffness.rows(), 2 * count + 6 * kBlock);
+  space.product.resize(stiffness.rows(), space.basis.cols());
+  converge(space, count);
+  return product(space.basis.leftCols(space.columns),
+                 space.vectors.leftCols(std::min(count, space.columns)));
+}
+
+constexpr int kRoughPasses = 2;
+
+/// Inverse iteration of a random space (subspace iteration).
+Eigen::MatrixXd roughShapes(const SparseMatrix& stiffness, const Eigen::MatrixXd& rigid, Eigen::Index count) {
+  const double stiffest = largestRowSum(stiffness);
+  const ShiftedInverse inverse(stiffness, stiffest > 0.0 ? kRelativeShift * stiffest : 1.0);
+  Random random(1);
+  Eigen::MatrixXd shapes(stiffness.rows(), (count + kBlock - 1) / kBlock * kBlock);
+  for (double& x : shapes.reshaped()) x = random.uniform() - 0.5;
+  for (int pass = 0; pass < kRoughPasses; ++pass) {
+    shapes -= product(rigid, transposedProduct(rigid, shapes));
+    for (Eigen::Index j = 0; j < shapes.cols(); j += kBlock)
+      shapes.middleCols(j, kBlock) = inverse * Block(shapes.middleCols(j, kBlock));
+    shapes -= product(rigid, transposedProduct(rigid, shapes));
+    shapes = orthogonalColumns(shapes, shapes.cols());
+  }
+  return shapes;
+}
+
+}  // namespace
+
+Modes roughModes(const SpringNetwork& network, std::size_t count) {
+  const SparseMatrix rigidity = rigidityMatrix(network), stiffness = stiffnessMatrix(rigidity);
+  if (stiffness.rows() <= kMostDense || 4 * count > static_cast<std::size_t>(stiffness.rows()))
+    return softestModes(network, count);
+  return modesWithin(
+      rigidity, roughShapes(stiffness, rigidMotions(network.restPoints), static_cast<Eigen::Index>(count)));
+}
+
+Modes softestModes(const SpringNetwork& network, std::size_t count) {
+  const SparseMatrix rigidity = rigidityMatrix(network), stiffness = stiffnessMatrix(rigidity);
+  const Eigen::MatrixXd rigid = rigidMotions(network.restPoints);
+  const Eigen::Index unknowns = stiffness.rows(), there = unknowns - rigid.cols();
+  const auto wanted = static_cast<Eigen::Index>(std::min(count, static_cast<std::size_t>(there)));
+  if (wanted == 0) return {Eigen::VectorXd(0), Eigen::MatrixXd(unknowns, 0)};
+  const bool isDense = unknowns <= kMostDense || 4 * wanted > unknowns;
+  return modesWithin(rigidity,
+                     isDense ? denseModes(stiffness, rigid, wanted) : sparseModes(stiffness, rigid, wanted));
+}
+
+}  // namespace limber

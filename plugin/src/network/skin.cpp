@@ -1,0 +1,308 @@
+// SPDX-License-Identifier: Zlib
+// Makes a detailed mesh ride on the points of a network. Points that are near only through the air are found
+// first, so that they count little.
+
+#include <limber/skin.h>
+
+#include "mesh/edges.h"
+#include "mesh/surface.h"
+#include "mesh/triangle_bvh.h"
+#include "network/skin.h"
+
+#include <limber/mesh_weld.h>
+#include <limber/spring_network.h>
+
+#include <Eigen/SparseCore>
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <queue>
+#include <utility>
+
+namespace limber {
+namespace {
+
+using Eigen::Index;
+using Eigen::Vector3d;
+
+using SparseRows = Eigen::SparseMatrix<double, Eigen::RowMajor>;
+
+/// Points whose straight ways are looked at; those farther off hardly weigh in a skin.
+constexpr std::size_t kNearest = 200;
+/// How far straight ways may leave the surface, of the size of the body.
+constexpr double kGapTolerance = 1e-3;
+/// Ways longer than this times the distance of the farthest of the nearest are cut.
+constexpr double kLongestWay = 3.0;
+/// The variance begins where the square of the way is this many times that of the straight line (ways bend at
+/// points only, so that they are somewhat too long), and grows this much faster than the kernel.
+constexpr double kFreeDetour = 1.5, kVariance = 30.0;
+/// Rounds of averaging over the detailed mesh at most, and what is dropped between them.
+constexpr std::size_t kMostGapRounds = 200;
+constexpr double kNegligible = 1e-3;
+
+struct Way {
+  std::uint32_t to;
+  double length;
+};
+
+using Ways = std::vector<std::vector<Way>>;
+
+/// Nearest first, without `point`.
+std::vector<Way> nearestPoints(const std::vector<Vector3d>& points, std::uint32_t point) {
+  std::vector<Way> all;
+  for (std::uint32_t i = 0; i < points.size(); ++i) {
+    if (i != point) all.push_back({i, (points[i] - points[point]).norm()});
+  }
+  const std::size_t count = std::min(kNearest, all.size());
+  std::partial_sort(
+      all.begin(), all.begin() + static_cast<std::ptrdiff_t>(count), all.end(),
+      [](const Way& s, const Way& t) { return s.length != t.length ? s.length < t.length : s.to < t.to; });
+  all.resize(count);
+  return all;
+}
+
+void connect(Ways& ways, const std::vector<Vector3d>& points, std::uint32_t a, std::uint32_t b) {
+  const double length = (points[a] - points[b]).norm();
+  ways[a].push_back({b, length});
+  ways[b].push_back({a, length});
+}
+
+/// Edges of triangles and tetrahedra.
+Ways edgeWays(const SpringNetwork& network) {
+  Ways ways(network.restPoints.size());
+  for (const Edge& edge : uniqueEdges(network.surface)) connect(ways, network.restPoints, edge[0], edge[1]);
+  for (const Tetrahedron& t : network.tetrahedra) {
+    for (std::size_t i = 0; i < 4; ++i) {
+      for (std::size_t j = i + 1; j < 4; ++j) connect(ways, network.restPoints, t[i], t[j]);
+    }
+  }
+  return ways;
+}
+
+/// Adds the straight ways that stay inside; which points have a near one that they do not see.
+std::vector<char> addStraightWays(Ways& ways, const std::vector<Vector3d>& points,
+                                  const std::vector<std::vector<Way>>& nearest, const TriangleBvh& surface) {
+  const double tolerance = kGapTolerance * extent(points);
+  std::vector<char> hidden(points.size(), 0);
+  for (std::uint32_t i = 0; i < points.size(); ++i) {
+    for (const Way& way : nearest[i]) {
+      const bool otherLooksToo = std::any_of(nearest[way.to].begin(), nearest[way.to].end(),
+                                             [&](const Way& back) { return back.to == i; });
+      if (otherLooksToo && way.to < i) continue;
+      if (surface.staysInside(points[i], points[way.to], tolerance)) {
+        connect(ways, points, i, way.to);
+      } else {
+        hidden[i] = hidden[way.to] = 1;
+      }
+    }
+  }
+  return hidden;
+}
+
+/// Lengths of the shortest ways from `from` (E. Dijkstra, 1959), `longest` where there is no shorter one.
+void shortestWays(const Ways& ways, std::uint32_t from, double longest, std::vector<double>& length) {
+  using Arrival = std::pair<double, std::uint32_t>;
+  std::priority_queue<Arrival, std::vector<Arrival>, std::greater<>> front;
+  std::fill(length.begin(), length.end(), longest);
+  length[from] = 0.0;
+  front.push({0.0, from});
+  while (!front.empty()) {
+    const auto [here, point] = front.top();
+    front.pop();
+    if (here > length[point]) continue;
+    for (const Way& way : ways[point]) {
+      if (here + way.length >= length[way.to]) continue;
+      length[way.to] = here + way.length;
+      front.push({length[way.to], way.to});
+    }
+  }
+}
+
+double variance(double way, double straight) {
+  const double excess = way * way - kFreeDetour * straight * straight;
+  return excess > 0.0 ? kVariance * std::pow(excess, 1.5) : 0.0;
+}
+
+/// Each row the mean of a vertex and its neighbours.
+SparseRows averaging(const WeldedMesh& mesh) {
+  std::vector<Eigen::Triplet<double>> entries;
+  const auto count = static_cast<Index>(mesh.points.size());
+  for (Index i = 0; i < count; ++i) entries.emplace_back(i, i, 1.0);
+  for (const Edge& e : uniqueEdges(mesh.triangles)) {
+    entries.emplace_back(e[0], e[1], 1.0);
+    entries.emplace_back(e[1], e[0], 1.0);
+  }
+  SparseRows matrix(count, count);
+  matrix.setFromTriplets(entries.begin(), entries.end());
+  const Eigen::VectorXd sums = matrix * Eigen::VectorXd::Ones(count);
+  return sums.cwiseInverse().asDiagonal() * matrix;
+}
+
+/// How little a point tells about another that is near it through the air only, #points x #points, m^3: a
+/// variance to set against that of |r|^3 interpolation, where the expected square of the difference between
+/// two positions grows with the cube of their distance. It rises from 0 as the shortest way through the body
+/// becomes longer than the straight line. Not stored: 0, and for points that are not among each other's
+/// nearest.
+SparseRows gapVariances(const SpringNetwork& network, const TriangleBvh& surface) {
+  const std::vector<Vector3d>& points = network.restPoints;
+  std::vector<std::vector<Way>> nearest;
+  for (std::uint32_t i = 0; i < points.size(); ++i) nearest.push_back(nearestPoints(points, i));
+  Ways ways = edgeWays(network);
+  const std::vector<char> hidden = addStraightWays(ways, points, nearest, surface);
+
+  std::vector<Eigen::Triplet<double>> entries;
+  std::vector<double> length(points.size());
+  for (std::uint32_t i = 0; i < points.size(); ++i) {
+    if (!hidden[i]) continue;
+    shortestWays(ways, i, kLongestWay * nearest[i].back().length, length);
+    for (const Way& way : nearest[i]) {
+      const double v = variance(length[way.to], way.length);
+      if (v > 0.0) entries.emplace_back(i, way.to, v);
+    }
+  }
+  SparseRows result(static_cast<Index>(points.size()), static_cast<Index>(points.size()));
+  result.setFromTriplets(entries.begin(), entries.end());
+  return result;
+}
+
+/// How far the vertices of a detailed mesh belong to the points of the coarse surface, #vertices x #points,
+/// from 0 to 1: smooth over the detailed mesh, so that it knows of no part that is only near.
+///
+/// Begins with the barycentric coordinates of the nearest place on the coarse surface that faces the same
+/// way, and blurs them over about half a coarse edge: no kinks at the edges of the coarse surface.
+SparseRows belonging(const WeldedMesh& mesh, const SpringNetwork& network, const TriangleBvh& surface) {
+  std::vector<Eigen::Triplet<double>> entries;
+  const std::vector<Vector3d> normals = vertexNormals(mesh.points, mesh.triangles);
+  for (std::size_t i = 0; i < mesh.points.size(); ++i) {
+    const SurfaceHit foot = surface.nearestFacing(mesh.points[i], normals[i]);
+    if (!foot) continue;
+    for (int c = 0; c < 3; ++c) {
+      const std::uint32_t point = network.surface[foot.triangle][static_cast<std::size_t>(c)];
+      entries.emplace_back(static_cast<Index>(i), static_cast<Index>(point), foot.barycentric[c]);
+    }
+  }
+  SparseRows result(static_cast<Index>(mesh.points.size()), static_cast<Index>(network.restPoints.size()));
+  result.setFromTriplets(entries.begin(), entries.end());
+  const SparseRows average = averaging(mesh);
+  const std::size_t rounds = mesh.points.size() / (2 * network.restPoints.size());
+  for (std::size_t round = 0; round < std::min(rounds, kMostGapRounds); ++round) {
+    result = SparseRows(average * result);
+    result.prune(1.0, kNegligible);
+  }
+  return result;
+}
+
+/// 8 bytes each in the skin, 12 more while it is made.
+constexpr std::size_t kMostWeights = 20'000'000;
+
+SkinProblem makeProblem(const SpringNetwork& network, const WeldedMesh& mesh, SkinKind kind) {
+  SkinProblem problem{network.restPoints, mesh.points, vertexNormals(mesh.points, mesh.triangles), {}};
+  if (kind == SkinKind::Barycentric) return problem;
+  const TriangleBvh surface(network.restPoints, network.surface);
+  problem.variances = belonging(mesh, network, surface) * gapVariances(network, surface);
+  return problem;
+}
+
+std::string refuse(const SpringNetwork& network, const WeldedMesh& mesh, const SkinSettings& settings) {
+  if (settings.neighbours < 4)
+    return "a skin of " + std::to_string(settings.neighbours) +
+           " neighbours was asked for, it takes 4 or more";
+  if (std::string reason = validate(network); !reason.empty()) return "network: " + reason;
+  if (network.surface.empty()) return "a network without a surface has no skin";
+  if (!spansSpace(network.restPoints))
+    return "the points of the network lie in a plane: no skin can ride on them";
+  const std::size_t weights =
+      std::max(mesh.points.size(), network.restPoints.size()) * network.restPoints.size();
+  if (settings.kind == SkinKind::Dense && weights > kMostWeights) {
+    return "a dense skin of " + std::to_string(mesh.points.size()) + " vertices on " +
+           std::to_string(network.restPoints.size()) + " points takes " + std::to_string(weights) +
+           " numbers, more than " + std::to_string(kMostWeights) + ": use a sparse one";
+  }
+  return {};
+}
+
+SkinWeights solve(const SpringNetwork& network, const SkinProblem& problem, const SkinSettings& settings) {
+  if (settings.kind == SkinKind::Dense) return denseWeights(problem);
+  if (settings.kind == SkinKind::Sparse) return sparseWeights(problem, settings.neighbours);
+  return network.tetrahedra.empty() ? triangleWeights(problem, network.surface)
+                                    : tetrahedronWeights(problem, network.tetrahedra);
+}
+
+/// Largest first, each with the rounding error of those before: what is left over is that of the smallest.
+void roundPlace(const SkinWeights& exact, std::uint32_t begin, std::uint32_t end,
+                std::vector<float>& weights) {
+  std::vector<std::uint32_t> order(end - begin);
+  std::iota(order.begin(), order.end(), begin);
+  std::stable_sort(order.begin(), order.end(), [&](std::uint32_t i, std::uint32_t j) {
+    return std::abs(exact.weights[i]) > std::abs(exact.weights[j]);
+  });
+  double left = 0.0;
+  for (const std::uint32_t w : order) {
+    weights[w] = static_cast<float>(exact.weights[w] + left);
+    left += exact.weights[w] - static_cast<double>(weights[w]);
+  }
+}
+
+}  // namespace
+
+RenderSurface makeRenderSurface(const TriangleMesh& mesh, const WeldedMesh& welded, Skin skin) {
+  RenderSurface render;
+  render.skin = std::move(skin);
+  render.vertexToPoint = welded.vertexToPoint;
+  render.uvs = mesh.uvs;
+  render.triangles.reserve(welded.keptTriangles.size());
+  for (const std::uint32_t kept : welded.keptTriangles) render.triangles.push_back(mesh.triangles[kept]);
+  return render;
+}
+
+Skin rounded(const SkinWeights& exact) {
+  Skin skin{exact.firstWeight, exact.points, std::vector<float>(exact.weights.size())};
+  for (std::size_t i = 0; i < skin.size(); ++i)
+    roundPlace(exact, exact.firstWeight[i], exact.firstWeight[i + 1], skin.weights);
+  return skin;
+}
+
+Result<SkinWeights> skinWeights(const SpringNetwork& network, const WeldedMesh& mesh,
+                                const SkinSettings& settings) {
+  if (std::string reason = refuse(network, mesh, settings); !reason.empty()) return Error{std::move(reason)};
+  SkinWeights weights = solve(network, makeProblem(network, mesh, settings.kind), settings);
+  const auto finite = [](double w) { return std::isfinite(w); };
+  if (!std::all_of(weights.weights.begin(), weights.weights.end(), finite))
+    return Error{"no skin can ride on this network: points coincide, or triangles have no area"};
+  return weights;
+}
+
+Result<SharedNetwork> withSkin(const SpringNetwork& network, const TriangleMesh& mesh,
+                               const SkinSettings& settings) {
+  Result<WeldedMesh> welded = weld(mesh, settings.weldTolerance);
+  if (!welded) return Error{welded.error()};
+  const std::vector<bool> inward = facingInward(welded->points, welded->triangles);
+  turn(welded->triangles, inward);
+  Result<SkinWeights> weights = skinWeights(network, *welded, settings);
+  if (!weights) return Error{weights.error()};
+  auto skinned = std::make_shared<SpringNetwork>(network);
+  skinned->render = makeRenderSurface(mesh, *welded, rounded(*weights));
+  turn(skinned->render.triangles, inward);
+  return SharedNetwork(std::move(skinned));
+}
+
+/// Relative to the first point of each place, so that nothing is lost far from the origin.
+void applySkin(const Skin& skin, const float* points, float* places) {
+  for (std::size_t i = 0; i < skin.size(); ++i) {
+    const std::uint32_t begin = skin.firstWeight[i], end = skin.firstWeight[i + 1];
+    const float* origin = points + 3 * std::size_t(skin.points[begin]);
+    float x = 0.0f, y = 0.0f, z = 0.0f;
+    for (std::uint32_t w = begin; w < end; ++w) {
+      const float* p = points + 3 * std::size_t(skin.points[w]);
+      x += skin.weights[w] * (p[0] - origin[0]);
+      y += skin.weights[w] * (p[1] - origin[1]);
+      z += skin.weights[w] * (p[2] - origin[2]);
+    }
+    places[3 * i] = origin[0] + x;
+    places[3 * i + 1] = origin[1] + y;
+    places[3 * i + 2] = origin[2] + z;
+  }
+}
+
+}  // namespace limber

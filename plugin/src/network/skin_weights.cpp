@@ -1,0 +1,389 @@
+// SPDX-License-Identifier: Zlib
+// Finds the weights of skins: barycentric ones in tetrahedra and triangles, and those of radial
+// interpolation.
+
+#include "network/skin.h"
+
+#include "core/linear_algebra.h"
+#include "mesh/triangle_bvh.h"
+#include "network/tetrahedra.h"
+
+#include <Eigen/Geometry>
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+namespace limber {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::RowVector3d;
+using Eigen::Vector3d;
+using Eigen::Vector4d;
+using Eigen::VectorXd;
+
+constexpr std::uint32_t kNoTriangle = 0xffffffffu;
+
+Vector4d barycentric(const std::vector<Vector3d>& points, const Tetrahedron& t, const Vector3d& place) {
+  const Vector3d &origin = points[t[0]], x = place - origin;
+  const Vector3d b = points[t[1]] - origin, c = points[t[2]] - origin, d = points[t[3]] - origin;
+  const Vector3d area = c.cross(d);
+  const double volume = b.dot(area);
+  const Vector3d rest = Vector3d(x.dot(area), b.dot(x.cross(d)), b.dot(c.cross(x))) / volume;
+  return {1.0 - rest.sum(), rest[0], rest[1], rest[2]};
+}
+
+void addPlace(SkinWeights& skin, const std::vector<Vector3d>& points, const Tetrahedron& t,
+              const Vector3d& place) {
+  const Vector4d weights = barycentric(points, t, place);
+  skin.points.insert(skin.points.end(), t.begin(), t.end());
+  skin.weights.insert(skin.weights.end(), weights.data(), weights.data() + 4);
+  skin.firstWeight.push_back(static_cast<std::uint32_t>(skin.points.size()));
+}
+
+/// The faces that only one tetrahedron has, and whose they are.
+struct Border {
+  std::vector<Triangle> faces;
+  std::vector<std::uint32_t> owner;  ///< #faces
+};
+
+Border borderOf(const std::vector<Tetrahedron>& tetrahedra, const FaceNeighbours& neighbours) {
+  Border border;
+  border.faces = surfaceOf(tetrahedra, neighbours);
+  for (std::uint32_t t = 0; t < tetrahedra.size(); ++t)
+    for (const std::uint32_t neighbour : neighbours[t])
+      if (neighbour == kOutside) border.owner.push_back(t);
+  return border;
+}
+
+/// From tetrahedron to tetrahedron through the side that the place lies farthest beyond, until none is, or
+/// the border is reached, or as many steps are taken as there are tetrahedra.
+std::uint32_t walkTo(const Vector3d& place, std::uint32_t start, const std::vector<Vector3d>& points,
+                     const std::vector<Tetrahedron>& tetrahedra, const FaceNeighbours& neighbours) {
+  std::uint32_t here = start;
+  for (std::size_t step = 0; step < tetrahedra.size(); ++step) {
+    Eigen::Index corner = 0;
+    const double least = barycentric(points, tetrahedra[here], place).minCoeff(&corner);
+    const std::uint32_t next = neighbours[here][static_cast<std::size_t>(corner)];
+    if (least >= 0.0 || next == kOutside) return here;
+    here = next;
+  }
+  return here;
+}
+
+/// The nearest triangle that faces as the place does: that of a part that only nearly touches faces the other
+/// way.
+std::uint32_t nearestOutside(const TriangleBvh& bvh, const SkinProblem& problem, std::size_t place) {
+  const SurfaceHit hit = bvh.nearestFacing(problem.places[place], problem.normals[place]);
+  return hit ? hit.triangle : bvh.nearest(problem.places[place]).triangle;
+}
+
+Vector3d unitNormal(const std::vector<Vector3d>& points, const Triangle& t) {
+  return (points[t[1]] - points[t[0]]).cross(points[t[2]] - points[t[0]]).normalized();
+}
+
+/// Height over the plane of the triangle against the distance from its middle: how steep a fourth corner is.
+double steepness(const std::vector<Vector3d>& points, const Triangle& t, std::uint32_t point) {
+  const Vector3d away = points[point] - (points[t[0]] + points[t[1]] + points[t[2]]) / 3.0;
+  const double distance = away.norm();
+  return distance > 0.0 ? std::abs(away.dot(unitNormal(points, t))) / distance : 0.0;
+}
+
+/// Steep enough for a fourth corner; else the steepest of all points is taken.
+constexpr double kSteep = 0.3;
+
+/// A point across the body from the triangle, with which it makes a tetrahedron.
+std::uint32_t fourthCorner(const std::vector<Vector3d>& points, const std::vector<Triangle>& surface,
+                           const TriangleBvh& bvh, const Triangle& t) {
+  const Vector3d middle = (points[t[0]] + points[t[1]] + points[t[2]]) / 3.0;
+  const double size = (points[t[1]] - points[t[0]]).norm();
+  const auto hit = bvh.firstHit(middle, -unitNormal(points, t), 1e-3 * size, HUGE_VAL);
+  std::uint32_t best = kNoTriangle;
+  double steepest = kSteep;
+  if (hit) {
+    for (const std::uint32_t point : surface[hit.triangle]) {
+      if (steepness(points, t, point) <= steepest) continue;
+      steepest = steepness(points, t, point);
+      best = point;
+    }
+  }
+  if (best != kNoTriangle) return best;
+  steepest = 0.0;
+  for (std::uint32_t point = 0; point < points.size(); ++point) {
+    if (steepness(points, t, point) <= steepest) continue;
+    steepest = steepness(points, t, point);
+    best = point;
+  }
+  return best;
+}
+
+}  // namespace
+
+SkinWeights tetrahedronWeights(const SkinProblem& problem, const std::vector<Tetrahedron>& tetrahedra) {
+  const FaceNeighbours neighbours = findFaceNeighbours(tetrahedra);
+  const Border border = borderOf(tetrahedra, neighbours);
+  const TriangleBvh bvh(problem.points, border.faces);
+  SkinWeights result;
+  for (std::size_t p = 0; p < problem.places.size(); ++p) {
+    const Vector3d& place = problem.places[p];
+    const std::uint32_t start = border.owner[nearestOutside(bvh, problem, p)];
+    const std::uint32_t found = walkTo(place, start, problem.points, tetrahedra, neighbours);
+    addPlace(result, problem.points, tetrahedra[found], place);
+  }
+  return result;
+}
+
+SkinWeights triangleWeights(const SkinProblem& problem, const std::vector<Triangle>& surface) {
+  const TriangleBvh bvh(problem.points, surface);
+  std::vector<std::uint32_t> fourth(surface.size(), kNoTriangle);
+  SkinWeights result;
+  for (std::size_t p = 0; p < problem.places.size(); ++p) {
+    const std::uint32_t i = nearestOutside(bvh, problem, p);
+    const Triangle& t = surface[i];
+    if (fourth[i] == kNoTriangle) fourth[i] = fourthCorner(problem.points, surface, bvh, t);
+    addPlace(result, problem.points, {t[0], t[1], t[2], fourth[i]}, problem.places[p]);
+  }
+  return result;
+}
+
+namespace {
+
+// Interpolating f at points x_i by  s(x) = sum l_i k(|x - x_i|) + c + a . x  with  sum l_i = 0, sum l_i x_i =
+// 0  is linear in the values f_i: with the symmetric matrix M of these conditions,
+//     s(x) = b(x)^T M^-1 (f, 0),   b(x) = (k(|x - x_1|), ..., k(|x - x_n|), 1, x),
+// so that the weights of a place are the first n entries of M^-1 b(x).
+//
+// The same is the best prediction of a random field with the covariance k, about an affine one (kriging: G.
+// Matheron, "The intrinsic random functions and their applications", 1973). Dense skins take B. Matern's
+// covariance (1960) of fields that are twice differentiable and, over lengths well above the body's, smooth:
+// on boxes, whose points see each field on flat faces only, the cubic kernel |r|^3 (J. Duchon, 1977) of less
+// smooth fields errs three times as much. Sparse ones take |r|^3, which tells no lengths apart: its weights
+// change less when a neighbour is exchanged. In kriging a point can be
+// a measurement with an error of variance v_i: M gets v_i on its diagonal. So points across a gap in the body
+// fade out, without a jump, and the affine motions stay exact. M differs from place to place then; with
+// V the diagonal matrix of the v_i > 0 of a place, R the matrix that picks their rows, and w = M^-1 b
+// (Woodbury),
+//     (M + R^T V R)^-1 b = w - M^-1 R^T V^1/2 (1 + V^1/2 R M^-1 R^T V^1/2)^-1 V^1/2 R w.
+
+/// Places that are solved for together: enough for the matrix kernels, little memory.
+constexpr Index kBatch = 256;
+/// Points span space if their spread along the least direction is this part of the largest one's.
+constexpr double kLeastSpread = 1e-4;
+/// The same for the neighbours of a place, which are to make good weights.
+constexpr double kLeastLocalSpread = 0.1;
+
+MatrixXd asRows(const std::vector<Vector3d>& positions) {
+  MatrixXd rows(static_cast<Index>(positions.size()), 3);
+  for (Index i = 0; i < rows.rows(); ++i) rows.row(i) = positions[static_cast<std::size_t>(i)];
+  return rows;
+}
+
+/// About the middle of the points, in units of the farthest one's distance from it: the system's entries are
+/// of the order of 1, and nothing cancels far from the origin.
+struct Frame {
+  RowVector3d origin;
+  double unit;
+
+  MatrixXd of(const MatrixXd& rows) const { return (rows.rowwise() - origin) / unit; }
+};
+
+Frame frameOf(const MatrixXd& points) {
+  const RowVector3d middle = points.colwise().mean();
+  return {middle, (points.rowwise() - middle).rowwise().norm().maxCoeff()};
+}
+
+MatrixXd chosenRows(const MatrixXd& rows, const std::vector<Index>& chosen) {
+  MatrixXd result(static_cast<Index>(chosen.size()), rows.cols());
+  for (std::size_t i = 0; i < chosen.size(); ++i) result.row(static_cast<Index>(i)) = rows.row(chosen[i]);
+  return result;
+}
+
+double cube(double r) { return r * r * r; }
+
+/// Covariance of a field at places r apart, and of a measurement whose variance is v for |r|^3.
+struct Kernel {
+  double (*covariance)(double r);
+  double (*variance)(double v);
+};
+
+constexpr Kernel kCubic{&cube, [](double v) { return v; }};
+
+/// Matern's of smoothness 5/2, and so little of the cubic one that it rules over lengths well below a tenth
+/// of the body alone: it keeps weights small where places lie a little off all points. The first odd power of
+/// Matern's series, -(r/l)^5 / 45, is what makes its fields rough, as |r|^3 does in the cubic one: variances
+/// of lengths to the third become such to the fifth, of which a tenth already cuts off what is across a gap.
+constexpr double kCorrelation = 2.0;  // length, in radii of the body
+constexpr double kCubicShare = 1e-4, kGapShare = 0.1;
+constexpr Kernel kSmooth{[](double r) {
+                           const double s = r / kCorrelation;
+                           return (1.0 + s + s * s / 3.0) * std::exp(-s) + kCubicShare * cube(r);
+                         },
+                         [](double v) {
+                           const double rough = std::pow(v, 5.0 / 3.0) / std::pow(kCorrelation, 5.0) / 45.0;
+                           return kCubicShare * v + kGapShare * rough;
+                         }};
+
+/// k(|x - x_i|) of all points for one place.
+VectorXd covariances(const Kernel& kernel, const MatrixXd& points, const RowVector3d& place) {
+  return (points.rowwise() - place).rowwise().norm().unaryExpr(kernel.covariance);
+}
+
+MatrixXd affinePart(const MatrixXd& rows) {
+  MatrixXd part(rows.rows(), 4);
+  part.col(0).setOnes();
+  part.rightCols<3>() = rows;
+  return part;
+}
+
+MatrixXd interpolationMatrix(const Kernel& kernel, const MatrixXd& points) {
+  const Index n = points.rows();
+  MatrixXd m = MatrixXd::Zero(n + 4, n + 4);
+  for (Index i = 0; i < n; ++i) m.col(i).head(n) = covariances(kernel, points, points.row(i));
+  m.topRightCorner(n, 4) = affinePart(points);
+  m.bottomLeftCorner(4, n) = affinePart(points).transpose();
+  return m;
+}
+
+MatrixXd rightSides(const Kernel& kernel, const MatrixXd& points, const MatrixXd& places) {
+  MatrixXd sides(points.rows() + 4, places.rows());
+  for (Index i = 0; i < places.rows(); ++i)
+    sides.col(i).head(points.rows()) = covariances(kernel, points, places.row(i));
+  sides.bottomRows<4>() = affinePart(places).transpose();
+  return sides;
+}
+
+/// The least change of the weights (columns) that makes  P^T w = (1, x)  hold, which rounding has loosened.
+void makeAffineExact(const MatrixXd& points, const MatrixXd& places, MatrixXd& weights) {
+  const MatrixXd p = affinePart(points);
+  MatrixXd misfit = transposedProduct(p, weights) - affinePart(places).transpose();
+  solveSmall(transposedProduct(p, p), misfit);
+  weights -= product(p, misfit);
+}
+
+/// See above; `solution` is the whole of M^-1 b for one place, `inverse` M^-1, `unit` the variances' unit.
+void fadeOut(const MatrixXd& inverse, const SparseRows& variances, Index place, double unit,
+             VectorXd& solution) {
+  std::vector<Index> faded;
+  std::vector<double> deviation;
+  for (SparseRows::InnerIterator v(variances, place); v; ++v) {
+    faded.push_back(v.col());
+    deviation.push_back(std::sqrt(kSmooth.variance(v.value() / unit)));
+  }
+  if (faded.empty()) return;
+  const auto count = static_cast<Index>(faded.size());
+  const Eigen::Map<const VectorXd> d(deviation.data(), count);
+  const MatrixXd columns = chosenRows(inverse, faded).transpose() * d.asDiagonal();  // M^-1 is symmetric
+  const MatrixXd system = MatrixXd::Identity(count, count) + d.asDiagonal() * chosenRows(columns, faded);
+  const VectorXd right = d.cwiseProduct(VectorXd(chosenRows(solution, faded)));
+  solution -= product(columns, LuFactor(system).solve(right));
+}
+
+struct RowSpread {
+  RowVector3d middle;
+  Vector3d weakest;       ///< direction, unit vector
+  double least, largest;  ///< standard deviations
+};
+
+RowSpread spreadOf(const MatrixXd& rows) {
+  const RowVector3d middle = rows.colwise().mean();
+  const MatrixXd about = rows.rowwise() - middle;
+  const Eigen::Matrix3d covariance = transposedProduct(about, about) / static_cast<double>(rows.rows());
+  const SymmetricParts3 parts = symmetricParts3(covariance);
+  const Vector3d deviations = parts.values.cwiseMax(0.0).cwiseSqrt();
+  return {middle, parts.vectors.col(0), deviations[0], deviations[2]};
+}
+
+/// The nearest point that is off the plane through the middle across the weakest direction by the
+/// neighbours' largest deviation, or else the one farthest off.
+Index nearestOffPlane(const MatrixXd& points, const VectorXd& distance, const RowSpread& spread) {
+  const VectorXd height = ((points.rowwise() - spread.middle) * spread.weakest).cwiseAbs();
+  Index best = 0;
+  height.maxCoeff(&best);
+  for (Index i = 0; i < points.rows(); ++i) {
+    if (height[i] >= spread.largest && (height[best] < spread.largest || distance[i] < distance[best]))
+      best = i;
+  }
+  return best;
+}
+
+/// The nearest points, the last up to three exchanged where they do not span space well. Ascending.
+std::vector<Index> neighboursOf(const MatrixXd& points, const RowVector3d& place, const VectorXd& variances,
+                                Index count) {
+  const VectorXd distance = covariances(kCubic, points, place) + variances;
+  std::vector<Index> chosen(static_cast<std::size_t>(points.rows()));
+  std::iota(chosen.begin(), chosen.end(), Index(0));
+  const auto end = chosen.begin() + std::min(count, points.rows());
+  std::partial_sort(chosen.begin(), end, chosen.end(), [&](Index i, Index j) {
+    return distance[i] != distance[j] ? distance[i] < distance[j] : i < j;
+  });
+  chosen.erase(end, chosen.end());
+  for (std::size_t last = chosen.size(); last-- > 1 && chosen.size() - last <= 3;) {
+    const RowSpread spread = spreadOf(chosenRows(points, chosen));
+    if (spread.least >= kLeastLocalSpread * spread.largest) break;
+    const Index other = nearestOffPlane(points, distance, spread);
+    if (std::find(chosen.begin(), chosen.end(), other) == chosen.end()) chosen[last] = other;
+  }
+  std::sort(chosen.begin(), chosen.end());
+  return chosen;
+}
+
+}  // namespace
+
+bool spansSpace(const std::vector<Vector3d>& points) {
+  if (points.size() < 4) return false;
+  const RowSpread spread = spreadOf(asRows(points));
+  return spread.least > kLeastSpread * spread.largest;
+}
+
+SkinWeights denseWeights(const SkinProblem& problem) {
+  const Frame frame = frameOf(asRows(problem.points));
+  const MatrixXd points = frame.of(asRows(problem.points)), places = frame.of(asRows(problem.places));
+  const Index n = points.rows();
+  const LuFactor factors(interpolationMatrix(kSmooth, points));
+  const MatrixXd inverse = problem.variances.nonZeros() > 0 ? factors.inverse() : MatrixXd();
+  SkinWeights result;
+  result.weights.reserve(problem.points.size() * problem.places.size());
+  result.points.reserve(problem.points.size() * problem.places.size());
+  for (Index first = 0; first < places.rows(); first += kBatch) {
+    const MatrixXd batch = places.middleRows(first, std::min(kBatch, places.rows() - first));
+    MatrixXd solutions = factors.solve(rightSides(kSmooth, points, batch));
+    for (Index i = 0; i < batch.rows(); ++i) {
+      VectorXd solution = solutions.col(i);
+      fadeOut(inverse, problem.variances, first + i, cube(frame.unit), solution);
+      solutions.col(i) = solution;
+    }
+    MatrixXd weights = solutions.topRows(n);
+    makeAffineExact(points, batch, weights);
+    result.weights.insert(result.weights.end(), weights.data(), weights.data() + weights.size());
+  }
+  for (std::size_t i = 0; i < problem.places.size(); ++i) {
+    for (Index point = 0; point < n; ++point) result.points.push_back(static_cast<std::uint32_t>(point));
+    result.firstWeight.push_back(static_cast<std::uint32_t>(result.points.size()));
+  }
+  return result;
+}
+
+SkinWeights sparseWeights(const SkinProblem& problem, std::uint32_t neighbours) {
+  const MatrixXd points = asRows(problem.points), places = asRows(problem.places);
+  SkinWeights result;
+  for (Index i = 0; i < places.rows(); ++i) {
+    const VectorXd variances = problem.variances.row(i).transpose();
+    const std::vector<Index> chosen = neighboursOf(points, places.row(i), variances, Index(neighbours));
+    const MatrixXd near = chosenRows(points, chosen);
+    const Frame frame = frameOf(near);
+    const MatrixXd scaled = frame.of(near), place = frame.of(places.row(i));
+    MatrixXd system = interpolationMatrix(kCubic, scaled);
+    for (std::size_t j = 0; j < chosen.size(); ++j)
+      system(Index(j), Index(j)) += variances[chosen[j]] / cube(frame.unit);
+    MatrixXd weights = LuFactor(system).solve(rightSides(kCubic, scaled, place)).topRows(near.rows());
+    makeAffineExact(scaled, place, weights);
+    result.weights.insert(result.weights.end(), weights.data(), weights.data() + weights.size());
+    for (const Index point : chosen) result.points.push_back(static_cast<std::uint32_t>(point));
+    result.firstWeight.push_back(static_cast<std::uint32_t>(result.points.size()));
+  }
+  return result;
+}
+
+}  // namespace limber

@@ -1,0 +1,224 @@
+// SPDX-License-Identifier: Zlib
+// Checks that a spring network keeps the promises of its members.
+
+#include <limber/spring_network.h>
+
+#include <Eigen/Geometry>
+
+#include <array>
+#include <cmath>
+#include <cstddef>
+
+namespace limber {
+namespace {
+
+/// How far the mass shares may be from 1 together: the rounding of a sum of millions.
+constexpr double kShareRounding = 1e-9;
+
+/// How far the weights of a place may be from 1 together: the rounding of thousands of floats.
+constexpr double kWeightRounding = 1e-4;
+
+using Pair = std::array<std::uint32_t, 2>;
+
+std::string name(const char* what, std::size_t index) { return what + (" " + std::to_string(index)); }
+
+std::string checkPoints(const std::vector<Eigen::Vector3d>& points) {
+  if (points.empty()) return "the network has no points";
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    if (!points[i].allFinite()) return name("point", i) + " is not finite";
+  }
+  return {};
+}
+
+std::string checkMassShares(const std::vector<double>& shares, std::size_t points) {
+  if (shares.size() != points) {
+    return std::to_string(shares.size()) + " mass shares for " + std::to_string(points) + " points";
+  }
+  double sum = 0.0;
+  for (std::size_t i = 0; i < shares.size(); ++i) {
+    if (!std::isfinite(shares[i]) || shares[i] <= 0.0) return name("mass share", i) + " is not above 0";
+    sum += shares[i];
+  }
+  if (std::abs(sum - 1.0) > kShareRounding)
+    return "the mass shares sum to " + std::to_string(sum) + ", not to 1";
+  return {};
+}
+
+std::string checkSpring(const NetworkSpring& spring, std::size_t points) {
+  if (spring.a >= spring.b) return " does not go from a lower to a higher point";
+  if (spring.b >= points) return " uses point " + std::to_string(spring.b) + " of " + std::to_string(points);
+  if (!std::isfinite(spring.stiffnessScale) || spring.stiffnessScale <= 0.0) {
+    return " has a stiffness scale that is not above 0";
+  }
+  return {};
+}
+
+std::string checkSprings(const std::vector<NetworkSpring>& springs, std::size_t points) {
+  for (std::size_t i = 0; i < springs.size(); ++i) {
+    const std::string reason = checkSpring(springs[i], points);
+    if (!reason.empty()) return name("spring", i) + reason;
+    if (i == 0) continue;
+    const Pair previous{springs[i - 1].a, springs[i - 1].b}, pair{springs[i].a, springs[i].b};
+    if (pair == previous) return name("spring", i) + " joins the same points as the one before";
+    if (pair < previous) return name("spring", i) + " is not in the order of its points";
+  }
+  return {};
+}
+
+std::string checkTriangles(const std::vector<Triangle>& triangles, std::size_t count,
+                           const char* triangleName, const char* cornerName) {
+  for (std::size_t i = 0; i < triangles.size(); ++i) {
+    for (const std::uint32_t corner : triangles[i]) {
+      if (corner < count) continue;
+      return name(triangleName, i) + " uses " + name(cornerName, corner) + " of " + std::to_string(count);
+    }
+  }
+  return {};
+}
+
+/// Six times the volume.
+double spannedVolume(const std::vector<Eigen::Vector3d>& points, const Tetrahedron& t) {
+  const Eigen::Vector3d b = points[t[1]] - points[t[0]], c = points[t[2]] - points[t[0]];
+  return b.dot(c.cross(points[t[3]] - points[t[0]]));
+}
+
+std::string checkCornersDiffer(const std::vector<Triangle>& triangles) {
+  for (std::size_t i = 0; i < triangles.size(); ++i) {
+    const Triangle& t = triangles[i];
+    if (t[0] == t[1] || t[1] == t[2] || t[2] == t[0])
+      return name("surface triangle", i) + " has one corner twice";
+  }
+  return {};
+}
+
+std::string checkNoTetrahedronTwice(std::vector<Tetrahedron> tetrahedra) {
+  for (Tetrahedron& t : tetrahedra) std::sort(t.begin(), t.end());
+  std::sort(tetrahedra.begin(), tetrahedra.end());
+  const auto twice = std::adjacent_find(tetrahedra.begin(), tetrahedra.end());
+  if (twice == tetrahedra.end()) return {};
+  return "a tetrahedron of " + name("point", (*twice)[0]) + ", " + std::to_string((*twice)[1]) + ", " +
+         std::to_string((*twice)[2]) + " and " + std::to_string((*twice)[3]) + " is there twice";
+}
+
+std::string checkTetrahedra(const std::vector<Tetrahedron>& tetrahedra,
+                            const std::vector<Eigen::Vector3d>& points) {
+  for (std::size_t i = 0; i < tetrahedra.size(); ++i) {
+    for (const std::uint32_t corner : tetrahedra[i]) {
+      if (corner < points.size()) continue;
+      return name("tetrahedron", i) + " uses " + name("point", corner) + " of " +
+             std::to_string(points.size());
+    }
+    if (!(spannedVolume(points, tetrahedra[i]) > 0.0))
+      return name("tetrahedron", i) + " has a volume that is not above 0";
+  }
+  return {};
+}
+
+std::string checkStiffnessPerModulus(double stiffness) {
+  const bool sound = std::isfinite(stiffness) && stiffness >= 0.0;
+  return sound ? std::string() : "the stiffness per modulus is not a finite number of 0 or more";
+}
+
+std::string checkSkinSizes(const Skin& skin) {
+  if (skin.points.size() != skin.weights.size()) {
+    return "the skin has " + std::to_string(skin.weights.size()) + " weights for " +
+           std::to_string(skin.points.size()) + " points";
+  }
+  const std::size_t last = skin.firstWeight.empty() ? 0 : skin.firstWeight.back();
+  if (last != skin.weights.size()) {
+    return "the places of the skin have " + std::to_string(last) + " weights, there are " +
+           std::to_string(skin.weights.size());
+  }
+  if (!skin.firstWeight.empty() && skin.firstWeight.front() != 0)
+    return "the skin's first place does not begin at weight 0";
+  for (std::size_t i = 0; i < skin.size(); ++i) {
+    if (skin.firstWeight[i] >= skin.firstWeight[i + 1]) return name("skin place", i) + " has no weights";
+  }
+  return {};
+}
+
+std::string checkSkinPlace(const Skin& skin, std::size_t place, std::size_t points) {
+  double sum = 0.0;
+  for (std::uint32_t w = skin.firstWeight[place]; w < skin.firstWeight[place + 1]; ++w) {
+    if (skin.points[w] >= points)
+      return " rides on " + name("point", skin.points[w]) + " of " + std::to_string(points);
+    if (!std::isfinite(skin.weights[w])) return " has a weight that is not finite";
+    sum += static_cast<double>(skin.weights[w]);
+  }
+  if (std::abs(sum - 1.0) > kWeightRounding) return " has weights that do not sum to 1";
+  return {};
+}
+
+std::string checkSkin(const Skin& skin, std::size_t points) {
+  std::string reason = checkSkinSizes(skin);
+  for (std::size_t i = 0; reason.empty() && i < skin.size(); ++i) {
+    const std::string ofPlace = checkSkinPlace(skin, i, points);
+    if (!ofPlace.empty()) reason = name("skin place", i) + ofPlace;
+  }
+  return reason;
+}
+
+/// `what` the vertices ride on: points, or places of the skin.
+std::string checkVertexToPoint(const std::vector<std::uint32_t>& vertexToPoint, std::size_t count,
+                               const char* what) {
+  for (std::size_t i = 0; i < vertexToPoint.size(); ++i) {
+    if (vertexToPoint[i] < count || vertexToPoint[i] == kNoPoint) continue;
+    return name("render vertex", i) + " rides on " + name(what, vertexToPoint[i]) + " of " +
+           std::to_string(count);
+  }
+  return {};
+}
+
+std::string checkPointless(const RenderSurface& render) {
+  for (std::size_t i = 0; i < render.triangles.size(); ++i) {
+    for (const std::uint32_t vertex : render.triangles[i]) {
+      if (render.vertexToPoint[vertex] != kNoPoint) continue;
+      return name("render triangle", i) + " uses " + name("vertex", vertex) + ", which rides on no point";
+    }
+  }
+  return {};
+}
+
+std::string checkRender(const RenderSurface& render, std::size_t points) {
+  const std::size_t vertices = render.vertexToPoint.size();
+  if (!render.uvs.empty() && render.uvs.size() != vertices) {
+    return std::to_string(render.uvs.size()) + " texture coordinates for " + std::to_string(vertices) +
+           " render vertices";
+  }
+  const bool bare = render.skin.firstWeight.empty();
+  std::string reason = checkSkin(render.skin, points);
+  if (reason.empty()) {
+    reason = checkVertexToPoint(render.vertexToPoint, bare ? points : render.skin.size(),
+                                bare ? "point" : "skin place");
+  }
+  if (reason.empty()) reason = checkTriangles(render.triangles, vertices, "render triangle", "vertex");
+  if (reason.empty()) reason = checkPointless(render);
+  return reason;
+}
+
+std::string checkRopeHasNoSurface(const SpringNetwork& network) {
+  const RenderSurface& render = network.render;
+  const bool bare = network.surface.empty() && render.triangles.empty() && render.vertexToPoint.empty() &&
+                    render.skin.firstWeight.empty() && network.tetrahedra.empty();
+  return network.kind != NetworkKind::Rope || bare ? std::string()
+                                                   : "a rope has no surface, skin or tetrahedra";
+}
+
+}  // namespace
+
+std::string validate(const SpringNetwork& network) {
+  const std::size_t points = network.restPoints.size();
+  std::string reason = checkPoints(network.restPoints);
+  if (reason.empty()) reason = checkMassShares(network.massShares, points);
+  if (reason.empty()) reason = checkSprings(network.springs, points);
+  if (reason.empty()) reason = checkTriangles(network.surface, points, "surface triangle", "point");
+  if (reason.empty()) reason = checkCornersDiffer(network.surface);
+  if (reason.empty()) reason = checkTetrahedra(network.tetrahedra, network.restPoints);
+  if (reason.empty()) reason = checkNoTetrahedronTwice(network.tetrahedra);
+  if (reason.empty()) reason = checkStiffnessPerModulus(network.stiffnessPerModulus);
+  if (reason.empty()) reason = checkRender(network.render, points);
+  if (reason.empty()) reason = checkRopeHasNoSurface(network);
+  return reason;
+}
+
+}  // namespace limber

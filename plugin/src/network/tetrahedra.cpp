@@ -1,0 +1,338 @@
+// SPDX-License-Identifier: Zlib
+// Fills the inside of a surface with tetrahedra: it searches a lattice that fits, has it filled and repaired,
+// and draws the points at the surface into its edges and corners.
+
+#include "network/tetrahedra.h"
+
+#include "core/linear_algebra.h"
+#include "mesh/edges.h"
+#include "mesh/surface.h"
+#include "mesh/triangle_bvh.h"
+
+#include <limber/mesh_weld.h>
+
+#include <Eigen/Geometry>
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace limber {
+namespace {
+
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+
+/// A closed surface, turned so that its inside is inside.
+struct SolidSurface {
+  std::vector<Triangle> triangles;
+  std::vector<Eigen::Vector3d> centroids, normals;  ///< #triangles, m and unit vectors pointing outward
+  std::vector<std::uint32_t> pieceOfTriangle;       ///< #triangles; pieces share no point
+  std::size_t pieces = 0;
+  TriangleBvh bvh;
+  Eigen::AlignedBox3d box;
+  double volume = 0.0;  ///< m^3
+};
+
+/// Why the mesh has no inside, or an empty string.
+std::string whyNotSolid(const MeshReport& report) {
+  if (report.openEdges > 0)
+    return "the mesh is not closed: it has " + std::to_string(report.openEdges) + " open edges";
+  if (report.inconsistentEdges > 0)
+    return "the mesh has no inside: at " + std::to_string(report.inconsistentEdges) +
+           " edges its triangles are oriented against each other";
+  return {};
+}
+
+SolidSurface makeSolidSurface(const WeldedMesh& mesh) {
+  const std::vector<Triangle> triangles = turnedOutward(mesh.points, mesh.triangles);
+  SolidSurface s{triangles, {}, {}, {}, 0, TriangleBvh(mesh.points, triangles), {}, 0.0};
+  SurfaceComponents components = findComponents(mesh.points.size(), triangles);
+  s.pieces = components.count;
+  s.pieceOfTriangle = std::move(components.ofTriangle);
+  s.volume = signedVolume(mesh.points, triangles);
+  for (const Triangle& t : triangles) {
+    const Vector3d &a = mesh.points[t[0]], &b = mesh.points[t[1]], &c = mesh.points[t[2]];
+    s.centroids.emplace_back((a + b + c) / 3.0);
+    s.normals.push_back((b - a).cross(c - a).normalized());
+    s.box.extend(a).extend(b).extend(c);
+  }
+  return s;
+}
+
+/// The smallest and the largest angle (degrees) that fitSurface() leaves, unless they were there before.
+constexpr double kSmallestAngle = 18.0, kLargestAngle = 145.0;
+
+/// Rounds over all points.
+constexpr int kRounds = 6;
+
+/// Weight of staying in place against the planes: it decides only along directions that no plane does.
+constexpr double kStayInPlace = 0.05;
+
+struct Fit {
+  TetrahedralMesh& mesh;
+  std::vector<std::vector<std::uint32_t>> tetrahedraAt, trianglesAt;  ///< of each point
+};
+
+/// How far the angles at a point are within their bounds, radians; negative outside, -10 for a tetrahedron
+/// that is turned over.
+double slack(const Fit& fit, std::uint32_t point) {
+  double least = kPi;
+  for (const std::uint32_t i : fit.tetrahedraAt[point]) {
+    const Tetrahedron& t = fit.mesh.tetrahedra[i];
+    if (volumeOf(fit.mesh.points, t) <= 0.0) return -10.0;
+    const DihedralAngles angles = dihedralAngles(fit.mesh.points, t);
+    least = std::min({least, angles.smallest - kSmallestAngle * kPi / 180.0,
+                      kLargestAngle * kPi / 180.0 - angles.largest});
+  }
+  return least;
+}
+
+/// Moves the point towards `target` as far as the angles stay within bounds, or no worse than they are.
+void moveTowards(Fit& fit, std::uint32_t point, const Vector3d& target) {
+  const Vector3d from = fit.mesh.points[point];
+  const double least = std::min(0.0, slack(fit, point));
+  for (const double share : {1.0, 0.5, 0.25}) {
+    fit.mesh.points[point] = from + share * (target - from);
+    if (slack(fit, point) >= least) return;
+  }
+  fit.mesh.points[point] = from;
+}
+
+/// Where the planes of the surface next to the triangles around a point meet.
+Vector3d meetingOfPlanes(const Fit& fit, std::uint32_t point, const SolidSurface& surface) {
+  const std::vector<Vector3d>& points = fit.mesh.points;
+  const Vector3d& here = points[point];
+  Matrix3d left = Matrix3d::Zero();
+  Vector3d right = Vector3d::Zero();
+  double area = 0.0;
+  for (const std::uint32_t i : fit.trianglesAt[point]) {
+    const Triangle& t = fit.mesh.surface[i];
+    const double weight = (points[t[1]] - points[t[0]]).cross(points[t[2]] - points[t[0]]).norm();
+    for (std::size_t corner = 0; corner < 3; ++corner) {
+      const Vector3d sample = (points[t[0]] + points[t[1]] + points[t[2]] + 3.0 * points[t[corner]]) / 6.0;
+      const SurfaceHit hit = surface.bvh.nearest(sample);
+      const Vector3d& normal = surface.normals[hit.triangle];
+      left += weight * normal * normal.transpose();
+      right += weight * normal.dot(hit.position - here) * normal;
+    }
+    area += weight;
+  }
+  left += kStayInPlace * area * Matrix3d::Identity();
+  solveSmall(left, right);
+  return here + right;
+}
+
+Vector3d meanOfNeighbours(const Fit& fit, std::uint32_t point) {
+  Vector3d sum = Vector3d::Zero();
+  double weight = 0.0;
+  for (const std::uint32_t i : fit.tetrahedraAt[point]) {
+    const Tetrahedron& t = fit.mesh.tetrahedra[i];
+    const double volume = volumeOf(fit.mesh.points, t);
+    for (const std::uint32_t corner : t) sum += 0.25 * volume * fit.mesh.points[corner];
+    weight += volume;
+  }
+  return sum / weight;
+}
+
+/// Draws the points of the surface to where the planes of the given surface around them meet (the least
+/// squares of M. Garland, P. Heckbert, "Surface simplification using quadric error metrics", SIGGRAPH 1997),
+/// so that sharp edges and corners, which the lattice cuts off, come back, and round bodies keep their
+/// volume; and evens out the points inside. Points move one after the other, as far as the angles allow.
+void fitSurface(TetrahedralMesh& mesh, const SolidSurface& surface) {
+  Fit fit{mesh, {}, {}};
+  fit.tetrahedraAt.resize(mesh.points.size());
+  fit.trianglesAt.resize(mesh.points.size());
+  for (std::uint32_t t = 0; t < mesh.tetrahedra.size(); ++t)
+    for (const std::uint32_t point : mesh.tetrahedra[t]) fit.tetrahedraAt[point].push_back(t);
+  for (std::uint32_t t = 0; t < mesh.surface.size(); ++t)
+    for (const std::uint32_t point : mesh.surface[t]) fit.trianglesAt[point].push_back(t);
+  for (int round = 0; round < kRounds; ++round)
+    for (std::uint32_t point = 0; point < mesh.points.size(); ++point)
+      moveTowards(fit, point,
+                  fit.trianglesAt[point].empty() ? meanOfNeighbours(fit, point)
+                                                 : meetingOfPlanes(fit, point, surface));
+}
+
+/// Sites at most: their arrays take about 60 bytes each.
+constexpr double kMostSites = 4e6;
+
+/// A part of the body with less than this share of a piece's volume is a crumb that may go.
+constexpr double kCrumb = 0.01;
+
+/// The least and the most stretching of the lattice along an axis: flat lattices have sharp angles.
+constexpr double kLeastStretch = 0.8, kMostStretch = 1.25;
+
+/// Spacings that are tried for a number of points unless the body falls apart on the first ones.
+constexpr double kUsualTrials = 9.0;
+
+/// A surface that encloses less than this share of its box is flat.
+constexpr double kLeastVolume = 1e-6;
+constexpr char kNoVolume[] = "the mesh encloses no volume";
+
+/// How much the volume that is missing before the fit counts beside the number of points that is missed, both
+/// as logarithms: a lattice that lies well in the body is worth some points. An L with arms of 2 x 2 cells on
+/// the lattice has, before calibration, 0.95 of the modulus of a fine one; a fifth more points askew in it
+/// have two thirds.
+constexpr double kVolumeWeight = 8.0;
+
+/// Beyond this miss, a factor of 1.5, points count as much as volume.
+constexpr double kFarOff = 0.4;
+
+/// Whole cells across the box wherever that stretches them little, so that flat sides of boxes lie in the
+/// lattice.
+BccLattice placeLattice(const Eigen::AlignedBox3d& box, double spacing) {
+  BccLattice lattice;
+  for (int i = 0; i < 3; ++i) {
+    const double extent = box.sizes()[i], across = std::max(1.0, std::round(extent / spacing));
+    lattice.spacing[i] = std::clamp(extent / across, kLeastStretch * spacing, kMostStretch * spacing);
+    lattice.cells[i] = static_cast<int>(across) + 5;
+    lattice.origin[i] = box.center()[i] - (0.5 * across + 2.0) * lattice.spacing[i];
+  }
+  return lattice;
+}
+
+double sitesNeeded(const Eigen::AlignedBox3d& box, double spacing) {
+  return 2.0 * (box.sizes().array() / spacing + 6.0).prod();
+}
+
+TetrahedralMesh stuff(const SolidSurface& surface, double spacing) {
+  TetrahedralMesh mesh = fillLattice(placeLattice(surface.box, spacing), surface.bvh);
+  makeManifold(mesh, kCrumb * surface.volume / static_cast<double>(surface.pieces));
+  return mesh;
+}
+
+/// How many points of the surface of each part of the body lie next to each piece of the given surface,
+/// #parts x #pieces.
+Eigen::MatrixXi countEncounters(const TetrahedralMesh& mesh, const SolidSurface& surface) {
+  const std::vector<std::uint32_t> partOfTetrahedron = findPieces(mesh.tetrahedra);
+  std::vector<std::uint32_t> partOfPoint(mesh.points.size());
+  std::uint32_t parts = 0;
+  for (std::size_t t = 0; t < mesh.tetrahedra.size(); ++t) {
+    parts = std::max(parts, partOfTetrahedron[t] + 1);
+    for (const std::uint32_t point : mesh.tetrahedra[t]) partOfPoint[point] = partOfTetrahedron[t];
+  }
+  Eigen::MatrixXi count = Eigen::MatrixXi::Zero(parts, static_cast<Eigen::Index>(surface.pieces));
+  std::vector<char> isOuter(mesh.points.size(), 0);
+  for (const Triangle& t : mesh.surface)
+    for (const std::uint32_t point : t) isOuter[point] = 1;
+  for (std::size_t i = 0; i < isOuter.size(); ++i)
+    if (isOuter[i])
+      ++count(partOfPoint[i], surface.pieceOfTriangle[surface.bvh.nearest(mesh.points[i]).triangle]);
+  return count;
+}
+
+/// Whether the inside is on both sides of the piece, so that it is no part of the body's surface.
+bool isBuried(const SolidSurface& surface, std::uint32_t piece) {
+  const double step = 1e-4 * surface.box.diagonal().norm();
+  for (std::size_t t = 0; t < surface.triangles.size(); ++t)
+    if (surface.pieceOfTriangle[t] == piece &&
+        !surface.bvh.inside(surface.centroids[t] + step * surface.normals[t]))
+      return false;
+  return true;
+}
+
+/// What of the mesh the tetrahedra fail to stand for, or an empty string.
+std::string findLoss(const TetrahedralMesh& mesh, const SolidSurface& surface) {
+  if (mesh.tetrahedra.empty()) return "the whole mesh is missed";
+  const Eigen::MatrixXi count = countEncounters(mesh, surface);
+  for (std::uint32_t piece = 0; piece < surface.pieces; ++piece)
+    if (count.col(piece).maxCoeff() == 0 && !isBuried(surface, piece))
+      return "piece " + std::to_string(piece) + " of the mesh is missed";
+  std::vector<Eigen::Index> mainPart(surface.pieces, -1);
+  for (Eigen::Index part = 0; part < count.rows(); ++part) {
+    Eigen::Index piece = 0;
+    count.row(part).maxCoeff(&piece);
+    Eigen::Index& known = mainPart[static_cast<std::size_t>(piece)];
+    if (known >= 0) return "piece " + std::to_string(piece) + " of the mesh falls apart";
+    known = part;
+  }
+  return {};
+}
+
+/// A filling that has yet to be fitted to the surface, and what is wrong with it.
+struct Trial {
+  TetrahedralMesh mesh;
+  double spacing = 0.0;
+  std::string loss;
+  double miss = 0.0;     ///< the number of points over the wanted one, as a logarithm
+  double penalty = 0.0;  ///< 0 would be best
+};
+
+Trial fillAt(const SolidSurface& surface, double spacing, double points) {
+  Trial trial;
+  trial.mesh = stuff(surface, spacing);
+  trial.spacing = spacing;
+  trial.loss = findLoss(trial.mesh, surface);
+  double volume = 0.0;
+  for (const Tetrahedron& t : trial.mesh.tetrahedra) volume += volumeOf(trial.mesh.points, t);
+  trial.miss = std::log(static_cast<double>(std::max<std::size_t>(1, trial.mesh.points.size())) / points);
+  const double off = std::abs(trial.miss), farOff = std::max(0.0, off - kFarOff);
+  trial.penalty = off + kVolumeWeight * (farOff + std::abs(std::log(volume / surface.volume)));
+  return trial;
+}
+
+void keepBetter(Trial& best, Trial trial) {
+  const bool isBetter =
+      best.loss.empty() == trial.loss.empty() ? trial.penalty < best.penalty : trial.loss.empty();
+  if (isBetter || best.spacing == 0.0) best = std::move(trial);
+}
+
+/// The spacing for about this many points: two for each cube of the lattice, and those of the surface, so
+/// that the number goes with a power between 2 and 3. It changes in leaps where several rows come at once.
+Trial search(const SolidSurface& surface, double points, const std::function<bool(double)>& goOn) {
+  double spacing = std::cbrt(3.0 * surface.volume / points);
+  Trial best;
+  int tried = 0;
+  const auto attempt = [&](double at) {
+    if (goOn && !goOn(std::min(1.0, tried++ / kUsualTrials))) return 0.0;
+    if (sitesNeeded(surface.box, at) > kMostSites) return 0.0;
+    Trial trial = fillAt(surface, at, points);
+    const double miss = trial.miss;
+    keepBetter(best, std::move(trial));
+    return miss;
+  };
+  for (int i = 0; i < 5; ++i) spacing *= std::exp(attempt(spacing) / 2.6);
+  const double near = best.spacing;
+  for (const double factor : {0.9, 0.95, 1.05, 1.1}) attempt(factor * near);
+  for (double finer = 0.85 * near; !best.loss.empty() && finer > 0.5 * near; finer *= 0.95) attempt(finer);
+  return best;
+}
+
+bool isFlat(const SolidSurface& surface) { return surface.volume <= kLeastVolume * surface.box.volume(); }
+
+Result<TetrahedralMesh> finish(Trial trial, const SolidSurface& surface) {
+  if (trial.spacing == 0.0) return Error{"so many points need a lattice that is too large"};
+  if (!trial.loss.empty())
+    return Error{trial.loss + ": it is thinner than a lattice of " + inThreeDigits(trial.spacing) +
+                 " m can follow, or oriented inward; take a smaller spacing or more points"};
+  fitSurface(trial.mesh, surface);
+  return std::move(trial.mesh);
+}
+
+}  // namespace
+
+Result<TetrahedralMesh> fillWithTetrahedra(const WeldedMesh& mesh, double spacing) {
+  if (std::string reason = whyNotSolid(mesh.report); !reason.empty()) return Error{std::move(reason)};
+  if (!std::isfinite(spacing) || spacing <= 0.0)
+    return Error{"the spacing is " + inThreeDigits(spacing) + ", it must be above 0"};
+  const SolidSurface surface = makeSolidSurface(mesh);
+  if (isFlat(surface)) return Error{kNoVolume};
+  if (const double sites = sitesNeeded(surface.box, spacing); sites > kMostSites)
+    return Error{"the spacing of " + inThreeDigits(spacing) + " m needs a lattice of " +
+                 inThreeDigits(sites) + " sites, it may have " + inThreeDigits(kMostSites)};
+  return finish(fillAt(surface, spacing, 1.0), surface);
+}
+
+Result<TetrahedralMesh> fillWithPoints(const WeldedMesh& mesh, std::size_t points,
+                                       const std::function<bool(double)>& goOn) {
+  if (std::string reason = whyNotSolid(mesh.report); !reason.empty()) return Error{std::move(reason)};
+  if (points < 8) return Error{std::to_string(points) + " points are too few, there must be 8 or more"};
+  const SolidSurface surface = makeSolidSurface(mesh);
+  if (isFlat(surface)) return Error{kNoVolume};
+  return finish(search(surface, static_cast<double>(points), goOn), surface);
+}
+
+}  // namespace limber

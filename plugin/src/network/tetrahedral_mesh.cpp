@@ -1,0 +1,243 @@
+// SPDX-License-Identifier: Zlib
+// Finds faces, neighbours, volumes and angles of tetrahedra, and makes the surface of a tetrahedral mesh a
+// manifold.
+
+#include "network/tetrahedra.h"
+
+#include "mesh/edges.h"
+
+#include <Eigen/Geometry>
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <utility>
+
+namespace limber {
+namespace {
+
+using Eigen::Vector3d;
+
+/// The face opposite to a corner, counter-clockwise seen from outside.
+Triangle faceOf(const Tetrahedron& t, std::size_t corner) {
+  switch (corner) {
+    case 0:
+      return {t[1], t[2], t[3]};
+    case 1:
+      return {t[0], t[3], t[2]};
+    case 2:
+      return {t[0], t[1], t[3]};
+    default:
+      return {t[0], t[2], t[1]};
+  }
+}
+
+/// Times twice the area, pointing outward.
+Vector3d faceNormal(const std::vector<Vector3d>& points, const Tetrahedron& t, std::size_t corner) {
+  const Triangle f = faceOf(t, corner);
+  return (points[f[1]] - points[f[0]]).cross(points[f[2]] - points[f[0]]);
+}
+
+}  // namespace
+
+FaceNeighbours findFaceNeighbours(const std::vector<Tetrahedron>& tetrahedra) {
+  std::vector<std::pair<Triangle, std::uint32_t>> faces;  // sorted corners; 4 x tetrahedron + corner
+  faces.reserve(4 * tetrahedra.size());
+  for (std::uint32_t t = 0; t < tetrahedra.size(); ++t)
+    for (std::uint32_t corner = 0; corner < 4; ++corner) {
+      Triangle face = faceOf(tetrahedra[t], corner);
+      std::sort(face.begin(), face.end());
+      faces.emplace_back(face, 4 * t + corner);
+    }
+  std::sort(faces.begin(), faces.end());
+  FaceNeighbours neighbours(tetrahedra.size(), {kOutside, kOutside, kOutside, kOutside});
+  for (std::size_t i = 1; i < faces.size(); ++i) {
+    if (faces[i].first != faces[i - 1].first) continue;
+    const std::uint32_t a = faces[i - 1].second, b = faces[i].second;
+    neighbours[a / 4][a % 4] = b / 4;
+    neighbours[b / 4][b % 4] = a / 4;
+  }
+  return neighbours;
+}
+
+std::vector<Triangle> surfaceOf(const std::vector<Tetrahedron>& tetrahedra,
+                                const FaceNeighbours& neighbours) {
+  std::vector<Triangle> surface;
+  for (std::size_t t = 0; t < tetrahedra.size(); ++t)
+    for (std::size_t corner = 0; corner < 4; ++corner)
+      if (neighbours[t][corner] == kOutside) surface.push_back(faceOf(tetrahedra[t], corner));
+  return surface;
+}
+
+double volumeOf(const std::vector<Vector3d>& points, const Tetrahedron& t) {
+  const Vector3d& a = points[t[0]];
+  return (points[t[1]] - a).dot((points[t[2]] - a).cross(points[t[3]] - a)) / 6.0;
+}
+
+DihedralAngles dihedralAngles(const std::vector<Vector3d>& points, const Tetrahedron& t) {
+  std::array<Vector3d, 4> normals;
+  for (std::size_t i = 0; i < 4; ++i) normals[i] = faceNormal(points, t, i).normalized();
+  DihedralAngles angles{3.2, 0.0};
+  for (std::size_t i = 0; i < 4; ++i)
+    for (std::size_t j = i + 1; j < 4; ++j) {
+      const double angle = std::acos(std::clamp(-normals[i].dot(normals[j]), -1.0, 1.0));
+      angles.smallest = std::min(angles.smallest, angle);
+      angles.largest = std::max(angles.largest, angle);
+    }
+  return angles;
+}
+
+namespace {
+
+using Numbers = std::vector<std::uint32_t>;
+
+bool has(const Tetrahedron& t, std::uint32_t point) {
+  return std::find(t.begin(), t.end(), point) != t.end();
+}
+
+/// Groups of `some` tetrahedra (ascending) that are joined through faces all of which have the points `hub`:
+/// for each its group's first member, as an index into `some`.
+Numbers groupAround(const std::vector<Tetrahedron>& tetrahedra, const FaceNeighbours& neighbours,
+                    const Numbers& some, const Numbers& hub) {
+  Numbers group(some.size(), kOutside), open;
+  for (std::uint32_t first = 0; first < some.size(); ++first) {
+    if (group[first] != kOutside) continue;
+    group[first] = first;
+    open.push_back(first);
+    while (!open.empty()) {
+      const std::uint32_t t = some[open.back()];
+      open.pop_back();
+      for (std::size_t corner = 0; corner < 4; ++corner) {
+        const std::uint32_t other = neighbours[t][corner];
+        const bool atHub = std::find(hub.begin(), hub.end(), tetrahedra[t][corner]) == hub.end();
+        const auto found = std::lower_bound(some.begin(), some.end(), other);
+        if (!atHub || found == some.end() || *found != other) continue;
+        const auto index = static_cast<std::uint32_t>(found - some.begin());
+        if (group[index] != kOutside) continue;
+        group[index] = first;
+        open.push_back(index);
+      }
+    }
+  }
+  return group;
+}
+
+/// The tetrahedra at each point, ascending.
+std::vector<Numbers> tetrahedraOfPoints(const TetrahedralMesh& mesh) {
+  std::vector<Numbers> at(mesh.points.size());
+  for (std::uint32_t t = 0; t < mesh.tetrahedra.size(); ++t)
+    for (const std::uint32_t point : mesh.tetrahedra[t]) at[point].push_back(t);
+  return at;
+}
+
+/// Edges of more than two triangles of the surface.
+std::vector<Edge> crowdedEdges(const std::vector<Triangle>& surface) {
+  std::vector<Edge> edges, crowded;
+  for (const Triangle& t : surface)
+    for (std::size_t i = 0; i < 3; ++i) edges.push_back(edgeBetween(t[i], t[(i + 1) % 3]));
+  std::sort(edges.begin(), edges.end());
+  for (std::size_t i = 2; i < edges.size(); ++i)
+    if (edges[i] == edges[i - 2] && (crowded.empty() || crowded.back() != edges[i]))
+      crowded.push_back(edges[i]);
+  return crowded;
+}
+
+void removeMarked(std::vector<Tetrahedron>& tetrahedra, const std::vector<char>& marked) {
+  std::size_t kept = 0;
+  for (std::size_t t = 0; t < tetrahedra.size(); ++t)
+    if (!marked[t]) tetrahedra[kept++] = tetrahedra[t];
+  tetrahedra.resize(kept);
+}
+
+/// Marks all groups but the one of the largest volume.
+void markSmaller(const TetrahedralMesh& mesh, const Numbers& some, const Numbers& group,
+                 std::vector<char>& marked) {
+  std::vector<double> volume(some.size(), 0.0);
+  for (std::size_t i = 0; i < some.size(); ++i)
+    volume[group[i]] += volumeOf(mesh.points, mesh.tetrahedra[some[i]]);
+  const auto largest = std::max_element(volume.begin(), volume.end()) - volume.begin();
+  for (std::size_t i = 0; i < some.size(); ++i)
+    if (group[i] != largest) marked[some[i]] = 1;
+}
+
+/// Whether there was nothing to take away.
+bool removeAtCrowdedEdges(TetrahedralMesh& mesh) {
+  const FaceNeighbours neighbours = findFaceNeighbours(mesh.tetrahedra);
+  const std::vector<Edge> crowded = crowdedEdges(surfaceOf(mesh.tetrahedra, neighbours));
+  if (crowded.empty()) return true;
+  const std::vector<Numbers> at = tetrahedraOfPoints(mesh);
+  std::vector<char> marked(mesh.tetrahedra.size(), 0);
+  for (const Edge& edge : crowded) {
+    Numbers some;
+    for (const std::uint32_t t : at[edge[0]])
+      if (has(mesh.tetrahedra[t], edge[1])) some.push_back(t);
+    markSmaller(mesh, some, groupAround(mesh.tetrahedra, neighbours, some, {edge[0], edge[1]}), marked);
+  }
+  removeMarked(mesh.tetrahedra, marked);
+  return false;
+}
+
+void splitPoints(TetrahedralMesh& mesh) {
+  const FaceNeighbours neighbours = findFaceNeighbours(mesh.tetrahedra);
+  const std::vector<Numbers> at = tetrahedraOfPoints(mesh);
+  for (std::uint32_t point = 0; point < at.size(); ++point) {
+    const Numbers group = groupAround(mesh.tetrahedra, neighbours, at[point], {point});
+    for (std::uint32_t first = 1; first < group.size(); ++first) {
+      if (group[first] != first) continue;
+      for (std::size_t i = first; i < group.size(); ++i) {
+        Tetrahedron& t = mesh.tetrahedra[at[point][i]];
+        if (group[i] == first)
+          std::replace(t.begin(), t.end(), point, static_cast<std::uint32_t>(mesh.points.size()));
+      }
+      mesh.points.push_back(mesh.points[point]);
+    }
+  }
+}
+
+void removeSmallPieces(TetrahedralMesh& mesh, double leastVolume) {
+  const Numbers piece = findPieces(mesh.tetrahedra);
+  std::vector<double> volume(piece.size(), 0.0);
+  for (std::size_t t = 0; t < piece.size(); ++t)
+    volume[piece[t]] += volumeOf(mesh.points, mesh.tetrahedra[t]);
+  std::vector<char> marked(piece.size(), 0);
+  for (std::size_t t = 0; t < piece.size(); ++t) marked[t] = volume[piece[t]] < leastVolume;
+  removeMarked(mesh.tetrahedra, marked);
+}
+
+void dropUnusedPoints(TetrahedralMesh& mesh) {
+  Numbers newIndex(mesh.points.size(), kOutside);
+  for (const Tetrahedron& t : mesh.tetrahedra)
+    for (const std::uint32_t point : t) newIndex[point] = 0;
+  std::uint32_t kept = 0;
+  for (std::uint32_t point = 0; point < newIndex.size(); ++point) {
+    if (newIndex[point] == kOutside) continue;
+    mesh.points[kept] = mesh.points[point];
+    newIndex[point] = kept++;
+  }
+  mesh.points.resize(kept);
+  for (Tetrahedron& t : mesh.tetrahedra)
+    for (std::uint32_t& point : t) point = newIndex[point];
+}
+
+}  // namespace
+
+std::vector<std::uint32_t> findPieces(const std::vector<Tetrahedron>& tetrahedra) {
+  Numbers all(tetrahedra.size());
+  std::iota(all.begin(), all.end(), 0u);
+  const Numbers group = groupAround(tetrahedra, findFaceNeighbours(tetrahedra), all, {});
+  Numbers number(group.size());
+  std::uint32_t pieces = 0;
+  for (std::size_t t = 0; t < group.size(); ++t) number[t] = group[t] == t ? pieces++ : number[group[t]];
+  return number;
+}
+
+void makeManifold(TetrahedralMesh& mesh, double leastVolume) {
+  while (!removeAtCrowdedEdges(mesh)) {
+  }
+  removeSmallPieces(mesh, leastVolume);
+  splitPoints(mesh);
+  dropUnusedPoints(mesh);
+  mesh.surface = surfaceOf(mesh.tetrahedra, findFaceNeighbours(mesh.tetrahedra));
+}
+
+}  // namespace limber
