@@ -6,8 +6,8 @@
 #include "cook/spring_constants.h"
 #include "cook/tetrahedra.h"
 #include "cook/triangle_geometry.h"
-#include "core/volume_term.h"
 #include "networks/value_of.h"
+#include "solver/volume_term.h"
 #include "support/network_shapes.h"
 #include "text_format.h"
 

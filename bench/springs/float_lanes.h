@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
-#include "core/cache_line.h"
-#include "core/lane_kernels.h"
+#include "solver/cache_line.h"
+#include "solver/lane_kernels.h"
 
 #include <vector>
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
-#include "core/quad_step.h"
-#include "core/spring_lanes.h"
+#include "solver/quad_step.h"
+#include "solver/spring_lanes.h"
 #include "springs/float_lanes.h"
 
 #include <deque>

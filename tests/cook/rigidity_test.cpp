@@ -3,8 +3,8 @@
 
 #include "cook/stiffness_matrix.h"
 #include "cook/triangle_geometry.h"
-#include "core/linear_algebra.h"
 #include "core/random.h"
+#include "solver/linear_algebra.h"
 #include "support/network_shapes.h"
 #include "support/networks.h"
 #include "support/small_meshes.h"

@@ -2,11 +2,11 @@
 #include "bullet/group_stepping.h"
 
 #include "bullet/contact_gather.h"
-#include "core/body_measures.h"
-#include "core/energy_guard.h"
-#include "core/kept_volume_bound.h"
-#include "core/spring_forces.h"
-#include "core/stepping_choice.h"
+#include "solver/body_measures.h"
+#include "solver/energy_guard.h"
+#include "solver/kept_volume_bound.h"
+#include "solver/spring_forces.h"
+#include "solver/stepping_choice.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "cook/body_terms.h"
 
-#include "core/stepping_choice.h"
+#include "solver/stepping_choice.h"
 
 namespace limber {
 

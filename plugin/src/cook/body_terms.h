@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
-#include "core/verlet_step.h"
+#include "solver/verlet_step.h"
 
 #include <limber/soft_body_settings.h>
 #include <limber/spring_network.h>

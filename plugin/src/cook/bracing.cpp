@@ -6,7 +6,7 @@
 #include "cook/soft_mode_braces.h"
 #include "cook/triangle_geometry.h"
 #include "cook/two_ring_braces.h"
-#include "core/linear_algebra.h"
+#include "solver/linear_algebra.h"
 
 #include <Eigen/Geometry>
 

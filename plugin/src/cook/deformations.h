@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
-#include "core/point_state.h"
+#include "solver/point_state.h"
 
 #include <limber/network_analysis.h>
 

@@ -2,7 +2,7 @@
 #include "cook/elastic_moduli.h"
 
 #include "cook/linear_response.h"
-#include "core/linear_algebra.h"
+#include "solver/linear_algebra.h"
 
 #include <Eigen/Geometry>
 

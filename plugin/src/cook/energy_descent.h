@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
-#include "core/verlet_step.h"
+#include "solver/verlet_step.h"
 
 #include <functional>
 

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "cook/elastic_moduli.h"
-#include "core/sparse_factor.h"
+#include "solver/sparse_factor.h"
 
 namespace limber {
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "cook/moment_match.h"
 
-#include "core/linear_algebra.h"
+#include "solver/linear_algebra.h"
 
 #include <algorithm>
 #include <numeric>

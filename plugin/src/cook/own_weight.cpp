@@ -6,8 +6,8 @@
 #include "cook/rest_state.h"
 #include "cook/triangle_geometry.h"
 #include "core/random.h"
-#include "core/spring_forces.h"
-#include "core/verlet_step.h"
+#include "solver/spring_forces.h"
+#include "solver/verlet_step.h"
 
 #include <Eigen/Geometry>
 

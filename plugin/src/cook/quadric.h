@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
-#include "core/linear_algebra.h"
+#include "solver/linear_algebra.h"
 
 namespace limber {
 

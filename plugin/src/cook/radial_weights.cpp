@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
 #include "cook/skin_weights.h"
-#include "core/linear_algebra.h"
+#include "solver/linear_algebra.h"
 
 #include <Eigen/Geometry>
 

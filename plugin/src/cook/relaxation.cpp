@@ -2,10 +2,10 @@
 #include "cook/relaxation.h"
 
 #include "cook/energy_descent.h"
-#include "core/body_measures.h"
-#include "core/quad_step.h"
-#include "core/spring_lanes.h"
-#include "core/stepping_choice.h"
+#include "solver/body_measures.h"
+#include "solver/quad_step.h"
+#include "solver/spring_lanes.h"
+#include "solver/stepping_choice.h"
 
 #include <algorithm>
 #include <cmath>

@@ -3,7 +3,7 @@
 
 #include "cook/network_pieces.h"
 #include "cook/triangle_geometry.h"
-#include "core/linear_algebra.h"
+#include "solver/linear_algebra.h"
 
 #include <Eigen/Geometry>
 

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "cook/body_terms.h"
-#include "core/point_state.h"
+#include "solver/point_state.h"
 
 #include <limber/spring_network.h>
 

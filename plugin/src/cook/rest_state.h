@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
-#include "core/point_state.h"
+#include "solver/point_state.h"
 
 #include <limber/soft_body_settings.h>
 #include <limber/spring_network.h>

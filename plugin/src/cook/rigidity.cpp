@@ -2,10 +2,10 @@
 #include "cook/rigidity.h"
 
 #include "cook/stiffness_matrix.h"
-#include "core/largest_eigenvalue.h"
-#include "core/linear_algebra.h"
 #include "core/random.h"
-#include "core/sparse_factor.h"
+#include "solver/largest_eigenvalue.h"
+#include "solver/linear_algebra.h"
+#include "solver/sparse_factor.h"
 
 #include <algorithm>
 #include <cmath>

@@ -3,7 +3,7 @@
 
 #include "cook/rigidity.h"
 #include "cook/stiffness_matrix.h"
-#include "core/largest_eigenvalue.h"
+#include "solver/largest_eigenvalue.h"
 
 #include <algorithm>
 

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Zlib
 #include "cook/rigidity.h"
 #include "cook/stiffness_matrix.h"
-#include "core/linear_algebra.h"
 #include "core/random.h"
-#include "core/sparse_factor.h"
+#include "solver/linear_algebra.h"
+#include "solver/sparse_factor.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "cook/stiffness_matrix.h"
 
-#include "core/linear_algebra.h"
+#include "solver/linear_algebra.h"
 
 #include <Eigen/Geometry>
 

@@ -3,7 +3,7 @@
 
 #include "cook/tetrahedron_faces.h"
 #include "cook/triangle_geometry.h"
-#include "core/linear_algebra.h"
+#include "solver/linear_algebra.h"
 
 #include <Eigen/Geometry>
 

@@ -3,7 +3,7 @@
 
 #include "cook/body_terms.h"
 #include "cook/rest_state.h"
-#include "core/fastest_oscillation.h"
+#include "solver/fastest_oscillation.h"
 
 #include <cmath>
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
-#include "core/closest_points.h"
+#include "solver/closest_points.h"
 
 #include <limber/triangle_mesh.h>
 
