@@ -2,7 +2,7 @@
 #pragma once
 
 #include "bullet/shape_cache.h"
-#include "collide/surface_tree.h"
+#include "collide/surface.h"
 #include "solver/rigid_state.h"
 
 #include <deque>

@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
-#include "collide/surface_tree.h"
+// Contacts of two surfaces, or of one with itself: places that touch or will touch in a tick; and those of the last
+// search, as long as they hold.
+
+#include "collide/surface.h"
 
 #include <array>
 #include <cstdint>
@@ -74,5 +77,24 @@ void findSurfaceContacts(const MovingSurface& a, const MovingSurface& b, double 
 /// both radii and the margin from each other at rest; and what is apart by up to `farther` (m) more.
 void findSelfContacts(const MovingSurface& surface, double margin, ContactSearch& search,
                       std::vector<SurfaceContact>& found, double farther = 0.0);
+
+// --- contacts that are kept --------------------------------------------------------------------------------
+
+/// The contacts of two surfaces as a search has found them, and where the surfaces were then.
+struct KeptContacts {
+  std::vector<SurfaceContact> contacts;
+  Points a, b;                                                       ///< m, positions at the search
+  const SurfaceTopology *topologyA = nullptr, *topologyB = nullptr;  ///< nullptr: nothing is kept
+};
+
+/// Whether a search with the same margin would find the same places again: no point has moved by more than a
+/// small share of the margin since, and what was farther apart than the margin does not meet in this tick,
+/// common motion apart. Then their weights, normals and gaps are made those of now; else the contacts are to
+/// be searched for. Boxes need not be fitted.
+bool refreshContacts(const MovingSurface& a, const MovingSurface& b, double margin, KeptContacts& kept);
+
+/// Keeps what a search has just found.
+void keepContacts(const MovingSurface& a, const MovingSurface& b, const std::vector<SurfaceContact>& found,
+                  KeptContacts& kept);
 
 }  // namespace limber

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Zlib
-#include "collide/surface_topology.h"
+#include "collide/surface.h"
 
-#include "collide/surface_tree.h"
 #include "core/surface_components.h"
 
 #include <Eigen/Geometry>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-#include "collide/surface_tree.h"
+#include "collide/surface.h"
 
 #include "solver/closest_points.h"
 
