@@ -7,7 +7,7 @@
 #include "cook/tetrahedra.h"
 #include "cook/triangle_geometry.h"
 #include "networks/value_of.h"
-#include "solver/volume_term.h"
+#include "solver/volumes.h"
 #include "support/network_shapes.h"
 #include "text_format.h"
 

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
-#include "solver/cache_line.h"
 #include "solver/lane_kernels.h"
 
 #include <vector>

@@ -7,7 +7,7 @@
 #include "cook/soft_mode_braces.h"
 #include "cook/triangle_bvh.h"
 #include "cook/two_ring_braces.h"
-#include "solver/volume_term.h"
+#include "solver/volumes.h"
 #include "support/network_shapes.h"
 #include "support/small_meshes.h"
 

@@ -4,7 +4,7 @@
 
 #include "cook/deformations.h"
 #include "cook/relaxation.h"
-#include "solver/spring_forces.h"
+#include "solver/springs.h"
 #include "support/network_shapes.h"
 #include "support/networks.h"
 #include "support/small_meshes.h"

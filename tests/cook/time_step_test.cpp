@@ -4,9 +4,9 @@
 #include "cook/body_terms.h"
 #include "cook/rest_state.h"
 #include "core/random.h"
-#include "solver/spring_forces.h"
+#include "solver/springs.h"
 #include "solver/verlet_step.h"
-#include "solver/volume_term.h"
+#include "solver/volumes.h"
 #include "support/network_shapes.h"
 #include "support/networks.h"
 

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// Springs beyond their elastic limit against the law written in solver/elastic_limit.h.
-#include "solver/elastic_limit.h"
-#include "solver/spring_forces.h"
+// Springs beyond their elastic limit against the law written in solver/springs.cpp.
+#include "solver/springs.h"
 #include "solver/stepping_choice.h"
 #include "support/networks.h"
 #include "support/stepped_body.h"

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Zlib
 // The implicit steppers by themselves: no Bullet, closed forms, conservation laws, and Verlet as the
 // reference.
-#include "solver/body_measures.h"
 #include "solver/implicit_step.h"
 #include "solver/point_order.h"
-#include "solver/spring_forces.h"
+#include "solver/point_state.h"
+#include "solver/springs.h"
 #include "support/networks.h"
 #include "support/stepped_body.h"
 

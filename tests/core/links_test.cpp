@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 // Springs and anchors between points and rigid bodies, without Bullet.
-#include "solver/body_measures.h"
 #include "solver/links.h"
+#include "solver/point_state.h"
 #include "solver/verlet_step.h"
 
 #include <gtest/gtest.h>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 // A body four springs at a time against the same body spring by spring: the same bits.
-#include "solver/quad_step.h"
-#include "solver/spring_order.h"
+#include "solver/simd_steps.h"
+#include "solver/springs.h"
 #include "support/networks.h"
 #include "support/stepped_body.h"
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
 // Bodies side by side in lanes against the same bodies one by one: the same bits, with every instruction set.
-#include "solver/spring_lanes.h"
+#include "solver/simd_steps.h"
 #include "solver/verlet_step.h"
 #include "support/networks.h"
 

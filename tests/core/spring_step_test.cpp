@@ -1,11 +1,9 @@
 // SPDX-License-Identifier: Zlib
 // The step by itself: no Bullet, closed forms and conservation laws.
-#include "solver/body_measures.h"
-#include "solver/coincident_points.h"
 #include "solver/fastest_oscillation.h"
 #include "solver/linear_algebra.h"
-#include "solver/spring_damping.h"
-#include "solver/spring_forces.h"
+#include "solver/point_state.h"
+#include "solver/springs.h"
 #include "solver/stepping_choice.h"
 #include "solver/verlet_step.h"
 #include "support/networks.h"

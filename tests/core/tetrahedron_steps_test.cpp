@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Zlib
 // The volumes of tetrahedra in all steppers: a closed form, conservation laws, and recovery.
-#include "solver/energy_guard.h"
 #include "solver/implicit_step.h"
-#include "solver/quad_step.h"
+#include "solver/point_state.h"
+#include "solver/simd_steps.h"
 #include "solver/stepping_choice.h"
 #include "support/networks.h"
 #include "support/stepped_body.h"

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 // The volume term of tetrahedra: gradient, conservation, orientation, frequency.
 #include "solver/linear_algebra.h"
-#include "solver/tetrahedron_volumes.h"
+#include "solver/volumes.h"
 
 #include <gtest/gtest.h>
 #include <Eigen/Geometry>

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
-#include "solver/body_measures.h"
-#include "solver/spring_forces.h"
+#include "solver/point_state.h"
+#include "solver/springs.h"
 #include "solver/verlet_step.h"
 
 #include <limber/spring_network.h>

@@ -2,11 +2,10 @@
 #include "bullet/group_stepping.h"
 
 #include "bullet/contact_gather.h"
-#include "solver/body_measures.h"
-#include "solver/energy_guard.h"
-#include "solver/kept_volume_bound.h"
-#include "solver/spring_forces.h"
+#include "solver/point_state.h"
+#include "solver/springs.h"
 #include "solver/stepping_choice.h"
+#include "solver/volumes.h"
 
 #include <algorithm>
 #include <cmath>

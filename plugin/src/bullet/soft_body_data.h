@@ -9,10 +9,9 @@
 #include "solver/implicit_step.h"
 #include "solver/pair_contacts.h"
 #include "solver/point_state.h"
-#include "solver/quad_step.h"
-#include "solver/spring_arrays.h"
-#include "solver/tetrahedron_volumes.h"
-#include "solver/volume_term.h"
+#include "solver/simd_steps.h"
+#include "solver/springs.h"
+#include "solver/volumes.h"
 
 #include <limber/soft_body.h>
 

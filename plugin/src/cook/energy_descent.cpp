@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "cook/energy_descent.h"
 
-#include "solver/spring_forces.h"
+#include "solver/springs.h"
 
 #include <algorithm>
 #include <cmath>

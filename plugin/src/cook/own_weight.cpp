@@ -6,7 +6,7 @@
 #include "cook/rest_state.h"
 #include "cook/triangle_geometry.h"
 #include "core/random.h"
-#include "solver/spring_forces.h"
+#include "solver/springs.h"
 #include "solver/verlet_step.h"
 
 #include <Eigen/Geometry>

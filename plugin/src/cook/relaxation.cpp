@@ -2,9 +2,8 @@
 #include "cook/relaxation.h"
 
 #include "cook/energy_descent.h"
-#include "solver/body_measures.h"
-#include "solver/quad_step.h"
-#include "solver/spring_lanes.h"
+#include "solver/point_state.h"
+#include "solver/simd_steps.h"
 #include "solver/stepping_choice.h"
 
 #include <algorithm>

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "solver/held_surface.h"
-#include "solver/point_view.h"
+#include "solver/point_state.h"
 
 #include <cmath>
 #include <cstdint>

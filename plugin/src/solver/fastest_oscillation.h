@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
-#include "solver/spring_arrays.h"
-#include "solver/tetrahedron_volumes.h"
-#include "solver/volume_term.h"
+#include "solver/springs.h"
+#include "solver/volumes.h"
 
 namespace limber {
 

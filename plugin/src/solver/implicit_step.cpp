@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: Zlib
 #include "solver/implicit_step.h"
 
-#include "solver/body_measures.h"
-#include "solver/energy_guard.h"
 #include "solver/midpoint_equation.h"
-#include "solver/spring_forces.h"
+#include "solver/point_state.h"
+#include "solver/springs.h"
 
 #include <algorithm>
 #include <cmath>

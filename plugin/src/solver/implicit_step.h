@@ -19,7 +19,7 @@ bool canStepImplicitly(const SteppedBody& body);
 /// the matrix of either kind (midpoint_solver.h): local/global iterations (Liu and others 2013; Dinev and
 /// others 2018 for the midpoint rule) or Newton's method. Second order; linear momentum is exact at every
 /// iteration, angular momentum when converged. Where rounding of the iterations or the nonlinearity would add
-/// energy, it is taken out of the internal motion (energy_guard.h). Allocates when the body, its springs or h
+/// energy, it is taken out of the internal motion (removeKineticEnergy). Allocates when the body, its springs or h
 /// are new.
 void stepImplicit(SteppedBody& body, ImplicitState& implicit, MidpointSolver::Kind kind, double tick,
                   int substeps, SharedFactors& factors);

@@ -2,8 +2,7 @@
 #include "solver/links.h"
 
 #include "solver/linear_algebra.h"
-#include "solver/spring_damping.h"
-#include "solver/spring_forces.h"
+#include "solver/springs.h"
 
 #include <Eigen/LU>
 

@@ -53,7 +53,7 @@ struct LinkedBodies {
 /// Adds the force of every link to both its ends and keeps its direction.
 void addLinkForces(LinkedBodies& bodies);
 
-/// Applies the link dampers for `dt` seconds, see spring_damping.h.
+/// Applies the link dampers for `dt` seconds, see dampingImpulse().
 void dampLinks(LinkedBodies& bodies, double dt, bool forward);
 
 /// rad^2/s^2: the links' share of the fastest oscillation (frequencyBoundSquared, with the inverse mass of a

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "solver/point_state.h"
-#include "solver/spring_arrays.h"
+#include "solver/springs.h"
 
 namespace limber {
 
@@ -14,10 +14,6 @@ namespace limber {
 inline double lookAhead(double damping, double inverseMasses, double h) {
   const double z = damping * inverseMasses * h;
   return z / (2.0 + z);
-}
-
-inline double inverseMassesOf(const SpringArrays& springs, const Points& inverseMass, std::size_t s) {
-  return inverseMass.col(springs.a[s]).maxCoeff() + inverseMass.col(springs.b[s]).maxCoeff();
 }
 
 /// kg: what the damper of spring s adds to the matrix of the midpoint rule, h/2 c (1 + beta).

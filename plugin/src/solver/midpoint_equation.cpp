@@ -2,7 +2,7 @@
 #include "solver/midpoint_equation.h"
 
 #include "solver/midpoint_damping.h"
-#include "solver/spring_forces.h"
+#include "solver/springs.h"
 
 #include <cmath>
 

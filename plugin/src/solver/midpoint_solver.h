@@ -4,8 +4,7 @@
 #include "solver/banded_matrix.h"
 #include "solver/linear_algebra.h"
 #include "solver/shared_factor.h"
-#include "solver/tetrahedron_volumes.h"
-#include "solver/volume_term.h"
+#include "solver/volumes.h"
 
 #include <cstdint>
 #include <memory>

@@ -3,7 +3,7 @@
 
 #include "solver/contact_rows.h"
 #include "solver/links.h"
-#include "solver/point_view.h"
+#include "solver/point_state.h"
 
 #include <cmath>
 #include <cstdint>

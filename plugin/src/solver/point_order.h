@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
-#include "solver/spring_arrays.h"
+#include "solver/springs.h"
 
 #include <cstdint>
 #include <vector>

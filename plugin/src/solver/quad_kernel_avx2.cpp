@@ -138,7 +138,7 @@ Quad sixQuadVolumes(const VolumeBody& v, Index component, const Quad* x) {
   return sum;
 }
 
-/// As addVolumeForces of volume_kernel.h, to the bit.
+/// As addVolumeForces of verlet_kernel.h, to the bit.
 void addQuadVolumeForces(const VolumeBody& v, const Quad* x, const Quad* w, Quad* force) {
   if (v.components == 0) return;
   Quad *gradient = quads(v.gradient), *sums = quads(v.sums);
@@ -176,7 +176,7 @@ Rows rows(const Vector<Quad>& v) {
            _mm256_permute2f128_pd(xy02, z02, 0x31), _mm256_permute2f128_pd(xy13, z13, 0x31)}};
 }
 
-/// As addTetrahedronForces of tetrahedron_kernel.h, to the bit.
+/// As addTetrahedronForces of verlet_kernel.h, to the bit.
 void addQuadTetrahedronForces(const TetrahedronBody& t, const Quad* x, Quad* force) {
   for (Index i = 0; i < t.count; i += 4) {
     const Index* corners = t.corners + 4 * i;

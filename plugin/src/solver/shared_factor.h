@@ -3,8 +3,8 @@
 
 #include "solver/point_state.h"
 #include "solver/sparse_factor.h"
-#include "solver/spring_arrays.h"
-#include "solver/tetrahedron_volumes.h"
+#include "solver/springs.h"
+#include "solver/volumes.h"
 
 #include <memory>
 #include <vector>

@@ -115,10 +115,8 @@ int substepCount(const Frequencies& frequencies, double tick, const Stepping& se
 
 double dampingRateBound(const SpringArrays& springs, const Points& inverseMass) {
   double rate = 0.0;
-  for (std::size_t i = 0; i < springs.size(); ++i) {
-    const double w = inverseMass.col(springs.a[i]).maxCoeff() + inverseMass.col(springs.b[i]).maxCoeff();
-    rate = std::max(rate, springs.damping[i] * w);
-  }
+  for (std::size_t i = 0; i < springs.size(); ++i)
+    rate = std::max(rate, springs.damping[i] * inverseMassesOf(springs, inverseMass, i));
   return rate;
 }
 

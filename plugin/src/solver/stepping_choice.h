@@ -2,7 +2,7 @@
 #pragma once
 
 #include "solver/point_state.h"
-#include "solver/spring_arrays.h"
+#include "solver/springs.h"
 
 #include <limber/soft_body_settings.h>
 

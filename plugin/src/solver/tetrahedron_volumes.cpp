@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Zlib
-#include "solver/tetrahedron_volumes.h"
+// The volume term of tetrahedra: its forces and energy, and a bound of how fast it lets a body oscillate.
+#include "solver/volumes.h"
 
 #include "core/mesh_edges.h"
-#include "solver/volume_term.h"
 
 #include <Eigen/Geometry>
 
@@ -78,9 +78,7 @@ TetrahedronVolumes makeTetrahedronVolumes(const SpringNetwork& network, const So
   TetrahedronVolumes v;
   v.tetrahedra = network.tetrahedra;
   if (v.empty()) return v;
-  Points rest(3, static_cast<Eigen::Index>(network.restPoints.size()));
-  for (Eigen::Index i = 0; i < rest.cols(); ++i)
-    rest.col(i) = network.restPoints[static_cast<std::size_t>(i)].cwiseProduct(settings.scale);
+  const Points rest = scaledRest(network, settings.scale);
   double sum = 0.0;
   v.restGradientSquares.resize(4, static_cast<Eigen::Index>(v.tetrahedra.size()));
   for (std::size_t i = 0; i < v.tetrahedra.size(); ++i) {

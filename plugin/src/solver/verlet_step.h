@@ -1,14 +1,16 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
+// Velocity Verlet for soft bodies: one by itself, or several with the rigid ones that are coupled with them.
+
 #include "solver/contact_rows.h"
 #include "solver/lane_kernels.h"
 #include "solver/links.h"
 #include "solver/pair_contacts.h"
 #include "solver/point_state.h"
-#include "solver/spring_arrays.h"
-#include "solver/tetrahedron_volumes.h"
-#include "solver/volume_term.h"
+#include "solver/springs.h"
+#include "solver/verlet_kernel.h"
+#include "solver/volumes.h"
 
 #include <vector>
 
@@ -24,12 +26,18 @@ struct SteppedBody {
   VolumeArrays* volumes = nullptr;           ///< may be nullptr
   TetrahedronVolumes* tetrahedra = nullptr;  ///< may be nullptr
 
-  QuadArrays* quads = nullptr;  ///< for stepping it four springs at a time, see quad_step.h; may be nullptr
+  QuadArrays* quads = nullptr;  ///< for stepping it four springs at a time, see simd_steps.h; may be nullptr
 
   ContactWatch* watch = nullptr;  ///< may be nullptr
 
   double errorRate = 0.0;  ///< m/s, written by the step, see verletErrorRate
 };
+
+/// Sets the points' forces to those of springs and volume, and keeps the springs' directions for the dampers.
+void computeElasticForces(SteppedBody& body);
+
+/// J in springs and volume, with the points at `position`.
+double elasticEnergy(SteppedBody& body, const Points& position);
 
 /// Makes the volume terms ready for substeps of dt seconds that must be stable; 0 for an implicit stepper.
 void prepareVolumes(SteppedBody& body, double dt);
@@ -83,8 +91,51 @@ bool isPlain(const StepGroup& group);
 /// Second order, symplectic without damping; linear momentum is exact and angular momentum is kept, since all
 /// impulses run along the springs. Stable for omega dt < 2 whatever the damping: kick-drift-kick keeps
 /// v^2 + omega^2 (1 - (omega dt)^2/4) x^2, whose velocity part the dampers can only shrink.
-/// A body by itself and one in a lane (spring_lanes.h) give the same bits.
+/// A body by itself and one in a lane (simd_steps.h) give the same bits.
 /// Held points (inverse mass 0) move on with their velocity. Allocates nothing.
 void stepVerlet(StepGroup& group, double tick, int substeps);
+
+// --- contacts of points, as steps call them ----------------------------------------------------------------
+
+inline bool mayTouch(const SteppedBody& body) {
+  return (body.contacts && !body.contacts->empty()) || (body.watch && body.watch->on);
+}
+
+/// Before a drift: holds back what is on its way into something, foreseen or not.
+inline void stopAtContacts(SteppedBody& body, const PointView& points, double time, double dt) {
+  if (body.contacts) stopAtContacts(*body.contacts, points, time, dt);
+  if (!body.watch || !body.watch->on) return;
+  body.watch->look(points, time, dt);
+  if (!body.watch->rows.empty()) stopAtContacts(body.watch->rows, points, time, dt);
+}
+
+/// After the second kick.
+inline void settleContacts(SteppedBody& body, const PointView& points) {
+  if (body.contacts) settleContacts(*body.contacts, points);
+  if (body.watch && !body.watch->rows.empty()) settleContacts(body.watch->rows, points);
+}
+
+/// A body's contacts as the kernels call them. `points` must hold the state of the start of the tick by the
+/// time calls() is called.
+struct BodyContacts {
+  SteppedBody* body;
+  PointView points;
+
+  kernel::ContactCalls calls() {
+    const bool touches = mayTouch(*body);
+    if (touches && body->contacts) prepareContacts(*body->contacts, points);
+    return {touches ? this : nullptr, &BodyContacts::stop, &BodyContacts::settle};
+  }
+
+ private:
+  static void stop(void* context, double time, double dt) {
+    auto& self = *static_cast<BodyContacts*>(context);
+    stopAtContacts(*self.body, self.points, time, dt);
+  }
+  static void settle(void* context) {
+    auto& self = *static_cast<BodyContacts*>(context);
+    settleContacts(*self.body, self.points);
+  }
+};
 
 }  // namespace limber

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Zlib
-#include "solver/volume_term.h"
+// The volume term of closed surfaces: its forces and energy, and bounds of how fast it lets a body oscillate.
+#include "solver/volumes.h"
 
 #include "core/mesh_edges.h"
 #include "core/surface_components.h"
@@ -67,13 +68,6 @@ double gasEnergy(double v) {
 /// Surfaces that enclose less than this share of their box are flat, or not oriented: their pressure would be
 /// without bounds.
 constexpr double kLeastEnclosed = 1e-6;
-
-Points scaledRest(const SpringNetwork& network, const Eigen::Vector3d& scale) {
-  Points rest(3, static_cast<Eigen::Index>(network.restPoints.size()));
-  for (Eigen::Index i = 0; i < rest.cols(); ++i)
-    rest.col(i) = network.restPoints[static_cast<std::size_t>(i)].cwiseProduct(scale);
-  return rest;
-}
 
 /// m; 0 of no triangles.
 double shortestEdge(const std::vector<Triangle>& triangles, const Points& points) {
@@ -186,6 +180,13 @@ double componentBound(VolumeArrays& v, std::size_t c, const PointState& state, d
 
 }  // namespace
 
+Points scaledRest(const SpringNetwork& network, const Eigen::Vector3d& scale) {
+  Points rest(3, static_cast<Eigen::Index>(network.restPoints.size()));
+  for (Eigen::Index i = 0; i < rest.cols(); ++i)
+    rest.col(i) = network.restPoints[static_cast<std::size_t>(i)].cwiseProduct(scale);
+  return rest;
+}
+
 double networkModulus(const SpringNetwork& network, const Eigen::Vector3d& scale, double stiffness,
                       double volume) {
   double sum = 0.0;
@@ -197,7 +198,7 @@ double networkModulus(const SpringNetwork& network, const Eigen::Vector3d& scale
 }
 
 std::string checkVolume(const SpringNetwork& network, const SoftBodySettings& settings) {
-  const bool perTetrahedron = !network.tetrahedra.empty();  // see tetrahedron_volumes.h
+  const bool perTetrahedron = !network.tetrahedra.empty();  // see TetrahedronVolumes
   const bool asked = (settings.volumeModulus > 0.0 && !perTetrahedron) || settings.pressure > 0.0;
   if (!asked) return {};
   const bool closed = mayHaveVolume(network) && isClosed(findEdgeDefects(network.surface));
@@ -309,6 +310,40 @@ bool isFarFromRest(const VolumeArrays& v, const Points& position) {
   for (std::size_t c = 0; c < v.restVolume.size(); ++c)
     if (std::abs(componentVolume(v, c, position) / v.restVolume[c] - 1.0) > kFarFromRest) return true;
   return false;
+}
+
+// --- a bound that is kept while the shape is ---------------------------------------------------------------
+
+namespace {
+
+using Eigen::Vector3d;
+
+/// Of the shortest edge at rest: motion against each other that is no change of shape. It makes the bound
+/// of a cube half a per cent larger.
+constexpr double kSlack = 2e-4;
+
+/// m, how far a point has moved against the others since the shape was kept, and may move in the tick.
+double shapeChange(const Points& kept, const PointState& state, double tick) {
+  const Vector3d moved = (state.position - kept).rowwise().mean();
+  const Vector3d velocity = state.velocity.rowwise().mean();
+  double change = 0.0, speed = 0.0;
+  for (Eigen::Index i = 0; i < kept.cols(); ++i) {
+    change = std::max(change, (state.position.col(i) - kept.col(i) - moved).squaredNorm());
+    speed = std::max(speed, (state.velocity.col(i) - velocity).squaredNorm());
+  }
+  return std::sqrt(change) + tick * std::sqrt(speed);
+}
+
+}  // namespace
+
+double keptVolumeBoundSquared(VolumeArrays& v, const PointState& state, double tick) {
+  if (v.empty()) return 0.0;
+  const double slack = kSlack * v.shortestEdge;
+  if (v.kept.value > 0.0 && shapeChange(v.kept.shape, state, tick) <= slack) return v.kept.value;
+  const double bound = volumeFrequencyBoundSquared(v, state, tick, slack);
+  v.kept.shape = state.position;
+  v.kept.value = v.restless ? 0.0 : bound;
+  return bound;
 }
 
 }  // namespace limber
