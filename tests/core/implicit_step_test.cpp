@@ -2,7 +2,7 @@
 // The implicit steppers by themselves: no Bullet, closed forms, conservation laws, and Verlet as the
 // reference.
 #include "solver/implicit_step.h"
-#include "solver/point_order.h"
+#include "solver/midpoint_solver.h"
 #include "solver/point_state.h"
 #include "solver/springs.h"
 #include "support/networks.h"

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Zlib
 // The step by itself: no Bullet, closed forms and conservation laws.
-#include "solver/fastest_oscillation.h"
 #include "solver/linear_algebra.h"
 #include "solver/point_state.h"
 #include "solver/springs.h"

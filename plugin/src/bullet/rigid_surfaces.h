@@ -3,7 +3,7 @@
 
 #include "bullet/shape_cache.h"
 #include "collide/surface.h"
-#include "solver/rigid_state.h"
+#include "solver/links.h"
 
 #include <deque>
 #include <vector>

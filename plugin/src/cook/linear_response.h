@@ -2,7 +2,7 @@
 #pragma once
 
 #include "cook/elastic_moduli.h"
-#include "solver/sparse_factor.h"
+#include "solver/linear_algebra.h"
 
 namespace limber {
 

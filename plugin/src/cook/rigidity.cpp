@@ -3,9 +3,7 @@
 
 #include "cook/stiffness_matrix.h"
 #include "core/random.h"
-#include "solver/largest_eigenvalue.h"
 #include "solver/linear_algebra.h"
-#include "solver/sparse_factor.h"
 
 #include <algorithm>
 #include <cmath>

@@ -3,7 +3,7 @@
 
 #include "cook/rigidity.h"
 #include "cook/stiffness_matrix.h"
-#include "solver/largest_eigenvalue.h"
+#include "solver/linear_algebra.h"
 
 #include <algorithm>
 

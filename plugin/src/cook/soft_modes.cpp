@@ -3,7 +3,6 @@
 #include "cook/stiffness_matrix.h"
 #include "core/random.h"
 #include "solver/linear_algebra.h"
-#include "solver/sparse_factor.h"
 
 #include <algorithm>
 #include <cmath>

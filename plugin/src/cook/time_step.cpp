@@ -3,7 +3,7 @@
 
 #include "cook/body_terms.h"
 #include "cook/rest_state.h"
-#include "solver/fastest_oscillation.h"
+#include "solver/stepping_choice.h"
 
 #include <cmath>
 

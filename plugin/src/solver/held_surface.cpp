@@ -272,6 +272,12 @@ Path pathAlong(const HeldPiece* begin, const HeldPiece* end, const Vector3d& x, 
   return {x + time * into, way - into, time};
 }
 
+/// Whether the point has come nowhere near since it was last looked at. It cannot have changed sides of a sheet
+/// either.
+bool isClear(const HeldNeighbourhood& around, const Vector3d& x, double most) {
+  return around.clear > most && (x - around.clearAt).norm() < around.clear - most;
+}
+
 }  // namespace
 
 const HeldPiece* endOfSolid(const HeldPiece* first, const HeldPiece* end) {
@@ -293,16 +299,6 @@ HeldPlace nearestOn(const HeldPiece* first, const HeldPiece* end, const Vector3d
   }
   return nearestOnSheet(*first, x);
 }
-
-namespace {
-
-/// Whether the point has come nowhere near since it was last looked at. It cannot have changed sides of a sheet
-/// either.
-bool isClear(const HeldNeighbourhood& around, const Vector3d& x, double most) {
-  return around.clear > most && (x - around.clearAt).norm() < around.clear - most;
-}
-
-}  // namespace
 
 void findContacts(HeldNeighbourhood& around, const Vector3d& x, const Vector3d& way, double within) {
   std::vector<HeldContact>& contacts = around.all->contacts;

@@ -1,8 +1,12 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
-#include <Eigen/Core>
+// Small dense matrices, factors of sparse ones, and the largest eigenvalue of what multiplies a vector.
 
+#include <Eigen/Core>
+#include <Eigen/SparseCore>
+
+#include <functional>
 #include <memory>
 
 namespace limber {
@@ -18,7 +22,7 @@ Eigen::MatrixXd product(const MatrixView& a, const MatrixView& b);
 /// a^T b
 Eigen::MatrixXd transposedProduct(const MatrixView& a, const MatrixView& b);
 
-// --- symmetric matrices, of which only the lower triangle is read ---
+// --- symmetric matrices, of which only the lower triangle is read ------------------------------------------
 
 /// Eigenvalues in ascending order, and unit eigenvectors in the columns that belong to them.
 struct SymmetricParts {
@@ -51,7 +55,7 @@ using SmallVector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kMostSmall, 1>;
 /// Of a small symmetric system, for each column of the right sides in place.
 void solveSmall(const SmallMatrix& matrix, Eigen::Ref<Eigen::MatrixXd> columns);
 
-// --- any matrices ---
+// --- any matrices ------------------------------------------------------------------------------------------
 
 /// The factors of a square matrix, with exchanges of rows.
 class LuFactor {
@@ -71,5 +75,44 @@ class LuFactor {
 /// The first `count` columns of an orthogonal matrix whose first ones span the same as those of the given one,
 /// which is no wider than high.
 Eigen::MatrixXd orthogonalColumns(const Eigen::MatrixXd& columns, Eigen::Index count);
+
+// --- sparse matrices ---------------------------------------------------------------------------------------
+
+/// P A P^T = L D L^T of a symmetric matrix A, with an order P that leaves few entries. There is no pivoting.
+struct SparseFactor {
+  Eigen::SparseMatrix<double> lower;  ///< L without its diagonal, which is 1
+  Eigen::VectorXd diagonal;           ///< D
+  Eigen::VectorXi place;              ///< which row of L belongs to a row of A
+  bool isComplete = false;            ///< false: a pivot was 0, and no solution is finite
+};
+
+/// Only the lower triangle of the matrix is read.
+SparseFactor factorise(const Eigen::SparseMatrix<double>& matrix);
+
+/// A^-1 b, for one vector or for columns of them.
+Eigen::VectorXd solve(const SparseFactor& factor, const Eigen::VectorXd& b);
+Eigen::MatrixXd solve(const SparseFactor& factor, const Eigen::MatrixXd& b);
+
+/// Solves  L D L^T x = b  in place, with several vectors side by side: rows are in the order of L.
+template <class Rows>
+void solveOrdered(const SparseFactor& factor, Rows&& x) {
+  using Entry = Eigen::SparseMatrix<double>::InnerIterator;
+  const Eigen::Index count = factor.lower.cols();
+  for (Eigen::Index j = 0; j < count; ++j)
+    for (Entry entry(factor.lower, j); entry; ++entry) x.row(entry.row()) -= entry.value() * x.row(j);
+  for (Eigen::Index j = 0; j < count; ++j) x.row(j) /= factor.diagonal[j];
+  for (Eigen::Index j = count; j-- > 0;)
+    for (Entry entry(factor.lower, j); entry; ++entry) x.row(j) -= entry.value() * x.row(entry.row());
+}
+
+// --- the largest eigenvalue --------------------------------------------------------------------------------
+
+/// A symmetric matrix as what it does to a vector.
+using SymmetricOperator = std::function<Eigen::VectorXd(const Eigen::VectorXd&)>;
+
+/// The largest eigenvalue (algebraically) of a symmetric matrix of `size` rows, by Lanczos iteration with
+/// full orthogonalisation from a seeded start, to a residual of `tolerance` times the eigenvalue; its error
+/// is about the square of that (Parlett 1998, chapter 11). 0 for no rows.
+double largestEigenvalue(const SymmetricOperator& multiply, Eigen::Index size, double tolerance = 1e-5);
 
 }  // namespace limber

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Zlib
+// Moves rigid bodies, and computes what springs and anchors do to the bodies that they join.
 #include "solver/links.h"
 
 #include "solver/linear_algebra.h"
@@ -10,6 +11,43 @@
 #include <cmath>
 
 namespace limber {
+
+// --- rigid bodies ------------------------------------------------------------------------------------------
+
+void RigidState::kick(double dt) {
+  velocity += dt * (acceleration + force.cwiseProduct(inverseMass));
+  angularVelocity += dt * (angularAcceleration + inverseInertia * torque);
+}
+
+void RigidState::drift(double dt) {
+  position += dt * velocity;
+  rotation = (rotationBy(dt * angularVelocity) * rotation).normalized();
+  turn();
+}
+
+void RigidState::turn() {
+  const Eigen::Matrix3d r = rotation.toRotationMatrix();
+  inverseInertia = angularFactor.asDiagonal() * (r * inverseInertiaLocal.asDiagonal() * r.transpose());
+}
+
+Eigen::Quaterniond rotationBy(const Eigen::Vector3d& v) {
+  const double angle = v.norm();
+  // sin(x/2)/x by its series where dividing by x would lose digits
+  const double ratio = angle < 1e-4 ? 0.5 - angle * angle / 48.0 : std::sin(0.5 * angle) / angle;
+  const Eigen::Vector3d axis = ratio * v;
+  return Eigen::Quaterniond(std::cos(0.5 * angle), axis.x(), axis.y(), axis.z());
+}
+
+Eigen::Vector3d rotationBetween(const Eigen::Quaterniond& from, const Eigen::Quaterniond& to) {
+  Eigen::Quaterniond q = to * from.conjugate();
+  if (q.w() < 0.0) q.coeffs() = -q.coeffs();
+  const double sine = q.vec().norm();
+  const double ratio = sine < 1e-8 ? 2.0 : 2.0 * std::atan2(sine, q.w()) / sine;
+  return ratio * q.vec();
+}
+
+// --- links -------------------------------------------------------------------------------------------------
+
 namespace {
 
 using Eigen::Matrix3d;
@@ -60,13 +98,7 @@ Matrix3d mobility(const LinkedBodies& bodies, const LinkEnd& end) {
   if (end.kind == LinkEnd::Kind::World) return Matrix3d::Zero();
   if (end.kind == LinkEnd::Kind::Point)
     return bodies.points[end.body]->inverseMass.col(end.point).asDiagonal();
-  const RigidState& rigid = bodies.rigids[end.body];
-  const Vector3d r = arm(bodies, end);
-  Matrix3d cross;
-  cross << 0, -r.z(), r.y(), r.z(), 0, -r.x(), -r.y(), r.x(), 0;
-  Matrix3d m = -cross * rigid.inverseInertia * cross;
-  m.diagonal() += rigid.inverseMass;
-  return m;
+  return bodies.rigids[end.body].mobilityAt(arm(bodies, end));
 }
 
 /// An upper bound of the mobility in any direction and at any rotation.

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Zlib
-#include "solver/midpoint_contacts.h"
+// Solves contacts in a substep of the implicit midpoint rule.
+#include "solver/implicit_step.h"
 
 #include <algorithm>
 #include <cmath>

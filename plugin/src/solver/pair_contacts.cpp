@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Zlib
+// Prepares the rows of contacts and joints, and lets them follow the bodies through the substeps.
 #include "solver/pair_contacts.h"
 
 #include "solver/closest_points.h"
@@ -105,20 +106,11 @@ void setAxes(PairRow& row, const Vector3d& normal) {
   for (int k = 0; k < 3; ++k) Map(row.axes[k]) = axes.col(k);
 }
 
-/// 1/kg, 3 x 3: the velocity change at a place off the centre per impulse there.
-Matrix3d mobilityOf(const RigidState& rigid, const Vector3d& arm) {
-  Matrix3d cross;
-  cross << 0, -arm.z(), arm.y(), arm.z(), 0, -arm.x(), -arm.y(), arm.x(), 0;
-  Matrix3d m = -cross * rigid.inverseInertia * cross;
-  m.diagonal() += rigid.inverseMass;
-  return m;
-}
-
-/// The same, of a contact's two places against each other.
+/// 1/kg, 3 x 3: the velocity change of a contact's two places against each other per impulse there.
 Matrix3d mobilityOf(const PairRows& rows, const PairRow& row, const PairContact& c, const LinkedBodies& bodies) {
   Matrix3d m = Matrix3d::Zero();
   for (const ContactPlace* place : {&c.a, &c.b})
-    if (place->kind == ContactPlace::Kind::Rigid) m += mobilityOf(bodies.rigids[place->body], place->arm);
+    if (place->kind == ContactPlace::Kind::Rigid) m += bodies.rigids[place->body].mobilityAt(place->arm);
   for (std::uint32_t i = row.firstPoint; i < row.endPoint; ++i)
     if (const double* inverseMass = rows.levers[i].inverseMass)
       m.diagonal() += rows.points[i].share * rows.points[i].share * ConstMap(inverseMass);

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
+// Contacts and joints between bodies that are stepped together, and the solve of all of them in a substep.
+
 #include "solver/contact_rows.h"
 #include "solver/links.h"
 #include "solver/point_state.h"
@@ -50,7 +52,7 @@ struct HeldCorners {
 
 /// Two places that must not get nearer to each other along a normal than they are allowed to, with Coulomb
 /// friction across it. Impulses are equal and opposite at the two places, so linear momentum is kept to
-/// rounding; angular momentum, too, where one side can bear the couple (see pair_levers.h).
+/// rounding; angular momentum, too, where one side can bear the couple (see joinPlaces() of pair_solve.cpp).
 struct PairContact {
   ContactPlace a, b;
   Eigen::Vector3d normal = Eigen::Vector3d::UnitY();  ///< unit, from b to a
@@ -96,7 +98,7 @@ struct RowPoint {
   double response[3];  ///< 1/kg per axis: its change per impulse on side a
 };
 
-/// What makes a RowPoint's share follow the place where two bodies touch, see pair_levers.h.
+/// What makes a RowPoint's share follow the place where two bodies touch, see joinPlaces() of pair_solve.cpp.
 struct RowLever {
   const double* position;     ///< m, 3; none of a rigid body
   const double* inverseMass;  ///< 1/kg per axis
@@ -191,5 +193,18 @@ void bear(LinkedBodies& bodies, JointRow& j, double change);
 
 /// Brings the joint to its speed, with the impulse `sum` within its limits; j.change likewise.
 void solveJoint(LinkedBodies& bodies, JointRow& j, double& sum);
+
+// --- the solve ---------------------------------------------------------------------------------------------
+
+/// Before a drift of dt seconds in a tick of that length: impulses with which no pair ends nearer than it may,
+/// those that overlap draw apart gently, friction stops as much sliding as it can, and joints and anchors
+/// hold. From the impulses of the last
+/// substep on, by projected Gauss-Seidel sweeps with a nonsmooth nonlinear conjugate gradient step between
+/// them (Silcowitz, Niebe, Erleben 2010, algorithm 2). Returns the number of sweeps.
+int stopPairs(PairRows& rows, LinkedBodies& bodies, double dt, double tick);
+
+/// After the second kick of a substep: pairs that bore something do not approach, as settleContacts, and the
+/// velocities of anchored points are those of their pivots.
+int settlePairs(PairRows& rows, LinkedBodies& bodies);
 
 }  // namespace limber

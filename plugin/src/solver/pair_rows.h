@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
+// What the sweeps do over and over with one row.
+
 #include "solver/pair_contacts.h"
 
 namespace limber {
-
-// What the sweeps do over and over with one row.
 
 struct Motion {
   double x = 0.0, y = 0.0, z = 0.0;

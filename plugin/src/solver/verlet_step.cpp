@@ -2,7 +2,7 @@
 // Steps soft bodies by velocity Verlet: one by itself, or several together.
 #include "solver/verlet_step.h"
 
-#include "solver/pair_solve.h"
+#include "solver/pair_contacts.h"
 #include "solver/simd_steps.h"
 
 #include <algorithm>
