@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Zlib
 #include "networks/material_table.h"
 
-#include "core/volume_term.h"
 #include "mesh/surface.h"
 #include "network/material.h"
 #include "network/tetrahedra.h"
 #include "networks/value_of.h"
+#include "solver/volumes.h"
 #include "support/network_shapes.h"
 #include "text_format.h"
 

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
-#include "core/cache_line.h"
-#include "core/lane_kernels.h"
+#include "solver/lane_kernels.h"
 
 #include <vector>
 

@@ -2,7 +2,7 @@
 // The body of float_lanes_*.cpp, each of which compiles it for another instruction set.
 
 #define LIMBER_PACK_NUMBER float
-#include "core/verlet_kernel.h"
+#include "solver/verlet_kernel.h"
 
 namespace limber::bench {
 namespace {

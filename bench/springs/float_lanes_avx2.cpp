@@ -4,9 +4,9 @@
 #if defined(LIMBER_HAS_LANES)
 #define LIMBER_PACK_BITS 256
 #define LIMBER_FLOAT_STEP stepFloatsAvx2
-#include "core/target_begin.h"
+#include "solver/target_begin.h"
 
 #include "springs/float_lanes.inl"
 
-#include "core/target_end.h"
+#include "solver/target_end.h"
 #endif

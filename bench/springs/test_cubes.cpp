@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "springs/test_cubes.h"
 
-#include "core/spring_damping.h"
+#include "solver/springs.h"
 
 #include <Eigen/Geometry>
 

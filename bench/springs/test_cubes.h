@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
-#include "core/quad_step.h"
-#include "core/spring_lanes.h"
+#include "solver/simd_steps.h"
 #include "springs/float_lanes.h"
 
 #include <deque>

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Zlib
 #include "stability/shape_check.h"
 
-#include "core/linear_algebra.h"
 #include "engines/spring_derivatives.h"
+#include "solver/linear_algebra.h"
 #include "stability/case_parts.h"
 
 #include <Eigen/Geometry>

@@ -2,7 +2,7 @@
 // How braces are chosen from many pairs.
 #include "network/bracing.h"
 
-#include "core/random.h"
+#include "mesh/random.h"
 #include "network/rigidity.h"
 #include "support/network_shapes.h"
 

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Zlib
 // BraceRule::Pipeline and TwoRing: what they promise, on small shapes and few runs; bench/run networks has
 // the large ones.
-#include "core/volume_term.h"
 #include "mesh/triangle_bvh.h"
 #include "network/bracing.h"
 #include "network/material.h"
 #include "network/relaxation.h"
 #include "network/rigidity.h"
+#include "solver/volumes.h"
 #include "support/network_shapes.h"
 #include "support/small_meshes.h"
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "network/rigidity.h"
 
-#include "core/random.h"
+#include "mesh/random.h"
 #include "support/network_shapes.h"
 #include "support/networks.h"
 

@@ -2,7 +2,7 @@
 #include <limber/network_analysis.h>
 #include <limber/network_file.h>
 
-#include "core/random.h"
+#include "mesh/random.h"
 #include "support/network_shapes.h"
 #include "support/networks.h"
 #include "support/small_meshes.h"

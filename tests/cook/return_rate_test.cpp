@@ -2,7 +2,7 @@
 // Large deformations, what bodies relax to from them, and how often that is the rest shape.
 #include "network/relaxation.h"
 
-#include "core/spring_forces.h"
+#include "solver/springs.h"
 #include "support/network_shapes.h"
 #include "support/networks.h"
 #include "support/small_meshes.h"

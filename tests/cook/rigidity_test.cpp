@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Zlib
 #include "network/rigidity.h"
 
-#include "core/linear_algebra.h"
-#include "core/random.h"
+#include "mesh/random.h"
 #include "mesh/surface.h"
+#include "solver/linear_algebra.h"
 #include "support/network_shapes.h"
 #include "support/networks.h"
 #include "support/small_meshes.h"

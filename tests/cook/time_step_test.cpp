@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Zlib
 #include "network/relaxation.h"
 
-#include "core/random.h"
-#include "core/spring_forces.h"
-#include "core/verlet_step.h"
-#include "core/volume_term.h"
+#include "mesh/random.h"
+#include "solver/springs.h"
+#include "solver/verlet_step.h"
+#include "solver/volumes.h"
 #include "support/network_shapes.h"
 #include "support/networks.h"
 

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Zlib
-// Springs beyond their elastic limit against the law written in core/elastic_limit.h.
-#include "core/elastic_limit.h"
-#include "core/spring_forces.h"
-#include "core/stepping_choice.h"
+// Springs beyond their elastic limit against the law written in solver/springs.cpp.
+#include "solver/springs.h"
+#include "solver/stepping_choice.h"
 #include "support/networks.h"
 #include "support/stepped_body.h"
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
 // What a point that moves may touch of what is held around it.
-#include "core/held_surface.h"
+#include "solver/held_surface.h"
 
 #include <Eigen/Geometry>
 #include <gtest/gtest.h>

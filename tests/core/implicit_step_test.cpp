@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Zlib
 // The implicit steppers by themselves: no Bullet, closed forms, conservation laws, and Verlet as the
 // reference.
-#include "core/implicit_step.h"
-#include "core/body_measures.h"
-#include "core/point_order.h"
-#include "core/spring_forces.h"
+#include "solver/implicit_step.h"
+#include "solver/midpoint_solver.h"
+#include "solver/point_state.h"
+#include "solver/springs.h"
 #include "support/networks.h"
 #include "support/stepped_body.h"
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
 // Contacts that are kept from a search are those that a new search finds.
-#include "core/kept_contacts.h"
+#include "collide/surface_contacts.h"
 
 #include "support/moving_shapes.h"
 

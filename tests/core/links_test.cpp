@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Zlib
 // Springs and anchors between points and rigid bodies, without Bullet.
-#include "core/links.h"
-#include "core/body_measures.h"
-#include "core/verlet_step.h"
+#include "solver/links.h"
+#include "solver/point_state.h"
+#include "solver/verlet_step.h"
 
 #include <gtest/gtest.h>
 

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Zlib
 // Contacts of soft bodies with each other and with rigid ones that move, in the substeps: forces at rest
 // against weights, conservation laws, and Coulomb's law.
-#include "core/pair_contacts.h"
-#include "core/body_measures.h"
-#include "core/verlet_step.h"
+#include "solver/pair_contacts.h"
+#include "solver/point_state.h"
+#include "solver/verlet_step.h"
 #include "support/networks.h"
 #include "support/stepped_body.h"
 

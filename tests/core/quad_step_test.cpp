@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 // A body four springs at a time against the same body spring by spring: the same bits.
-#include "core/quad_step.h"
-#include "core/spring_order.h"
+#include "solver/simd_steps.h"
+#include "solver/springs.h"
 #include "support/networks.h"
 #include "support/stepped_body.h"
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 // Bodies side by side in lanes against the same bodies one by one: the same bits, with every instruction set.
-#include "core/spring_lanes.h"
-#include "core/verlet_step.h"
+#include "solver/simd_steps.h"
+#include "solver/verlet_step.h"
 #include "support/networks.h"
 
 #include <gtest/gtest.h>

@@ -1,13 +1,10 @@
 // SPDX-License-Identifier: Zlib
 // The step by itself: no Bullet, closed forms and conservation laws.
-#include "core/body_measures.h"
-#include "core/coincident_points.h"
-#include "core/fastest_oscillation.h"
-#include "core/linear_algebra.h"
-#include "core/spring_damping.h"
-#include "core/spring_forces.h"
-#include "core/stepping_choice.h"
-#include "core/verlet_step.h"
+#include "solver/linear_algebra.h"
+#include "solver/point_state.h"
+#include "solver/springs.h"
+#include "solver/stepping_choice.h"
+#include "solver/verlet_step.h"
 #include "support/networks.h"
 #include "support/stepped_body.h"
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
 // Which stepper a body gets, and in how many substeps.
-#include "core/stepping_choice.h"
+#include "solver/stepping_choice.h"
 #include "support/networks.h"
 #include "support/stepped_body.h"
 

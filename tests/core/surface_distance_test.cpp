@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
 // The smallest gap found between convex bodies is their distance.
-#include "core/closest_points.h"
+#include "solver/closest_points.h"
 #include "support/moving_shapes.h"
 
 #include <gtest/gtest.h>

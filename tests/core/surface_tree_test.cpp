@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
 // Trees of boxes against all pairs, and the sides of a surface against a ball's.
-#include "core/closest_points.h"
+#include "solver/closest_points.h"
 #include "support/moving_shapes.h"
 
 #include <gtest/gtest.h>

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Zlib
 // The volumes of tetrahedra in all steppers: a closed form, conservation laws, and recovery.
-#include "core/energy_guard.h"
-#include "core/implicit_step.h"
-#include "core/quad_step.h"
-#include "core/stepping_choice.h"
+#include "solver/implicit_step.h"
+#include "solver/point_state.h"
+#include "solver/simd_steps.h"
+#include "solver/stepping_choice.h"
 #include "support/networks.h"
 #include "support/stepped_body.h"
 

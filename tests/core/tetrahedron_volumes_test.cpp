@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 // The volume term of tetrahedra: gradient, conservation, orientation, frequency.
-#include "core/tetrahedron_volumes.h"
-#include "core/linear_algebra.h"
+#include "solver/linear_algebra.h"
+#include "solver/volumes.h"
 
 #include <gtest/gtest.h>
 #include <Eigen/Geometry>

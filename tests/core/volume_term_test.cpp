@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: Zlib
 // The volume term by itself and in all steppers: closed forms and conservation laws.
-#include "core/volume_term.h"
-#include "core/body_measures.h"
-#include "core/implicit_step.h"
-#include "core/kept_volume_bound.h"
-#include "core/linear_algebra.h"
-#include "core/stepping_choice.h"
+#include "solver/implicit_step.h"
+#include "solver/linear_algebra.h"
+#include "solver/point_state.h"
+#include "solver/stepping_choice.h"
+#include "solver/volumes.h"
 #include "support/networks.h"
 #include "support/small_meshes.h"
 #include "support/stepped_body.h"

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "fuzz/bullet_shapes.h"
 
-#include "core/random.h"
+#include "mesh/random.h"
 
 #include <BulletCollision/CollisionShapes/btHeightfieldTerrainShape.h>
 #include <BulletCollision/CollisionShapes/btScaledBvhTriangleMeshShape.h>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
-#include "core/random.h"
+#include "mesh/random.h"
 
 #include <cmath>
 #include <cstdio>

@@ -5,7 +5,7 @@
 #include "fuzz/networks.h"
 #include "fuzz/world_player.h"
 
-#include "core/random.h"
+#include "mesh/random.h"
 
 #include <algorithm>
 #include <cmath>

@@ -3,7 +3,7 @@
 #include "fuzz/networks.h"
 #include "fuzz/world_player.h"
 
-#include "core/random.h"
+#include "mesh/random.h"
 
 #include <BulletCollision/Gimpact/btGImpactCollisionAlgorithm.h>
 #include <BulletDynamics/ConstraintSolver/btNNCGConstraintSolver.h>

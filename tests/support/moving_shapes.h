@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
-#include "core/surface_contacts.h"
+#include "collide/surface_contacts.h"
 #include "support/constants.h"
 
 #include <random>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "support/network_shapes.h"
 
-#include "core/random.h"
+#include "mesh/random.h"
 #include "support/small_meshes.h"
 #include "support/test_shapes.h"
 

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
-#include "core/body_measures.h"
-#include "core/spring_forces.h"
-#include "core/verlet_step.h"
+#include "solver/point_state.h"
+#include "solver/springs.h"
+#include "solver/verlet_step.h"
 
 #include <limber/spring_network.h>
 

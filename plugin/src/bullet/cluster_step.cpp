@@ -2,8 +2,8 @@
 #include "bullet/cluster.h"
 #include "bullet/cluster_rows.h"
 #include "bullet/group_stepping.h"
-#include "core/body_measures.h"
-#include "core/spring_forces.h"
+#include "solver/point_state.h"
+#include "solver/springs.h"
 
 #include <algorithm>
 #include <cmath>

@@ -12,8 +12,8 @@
 #include "bullet/point_rows.h"
 #include "bullet/surface_body.h"
 #include "bullet/surface_partners.h"
-#include "core/body_measures.h"
-#include "core/closest_points.h"
+#include "solver/closest_points.h"
+#include "solver/point_state.h"
 
 #include <algorithm>
 

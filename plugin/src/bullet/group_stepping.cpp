@@ -2,11 +2,10 @@
 #include "bullet/group_stepping.h"
 
 #include "bullet/contact_gather.h"
-#include "core/body_measures.h"
-#include "core/energy_guard.h"
-#include "core/kept_volume_bound.h"
-#include "core/spring_forces.h"
-#include "core/stepping_choice.h"
+#include "solver/point_state.h"
+#include "solver/springs.h"
+#include "solver/stepping_choice.h"
+#include "solver/volumes.h"
 
 #include <algorithm>
 #include <cmath>

@@ -3,7 +3,7 @@
 
 #include "bullet/convert.h"
 #include "bullet/kinematic_motion.h"
-#include "core/closest_points.h"
+#include "solver/closest_points.h"
 
 #include <BulletCollision/BroadphaseCollision/btDbvt.h>
 #include <LinearMath/btAabbUtil2.h>

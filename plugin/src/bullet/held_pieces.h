@@ -2,7 +2,7 @@
 #pragma once
 
 #include "bullet/shape_cache.h"
-#include "core/held_surface.h"
+#include "solver/held_surface.h"
 
 #include <Eigen/Geometry>
 

@@ -3,7 +3,7 @@
 
 #include "bullet/convert.h"
 #include "bullet/tick_contacts.h"
-#include "core/linear_algebra.h"
+#include "solver/linear_algebra.h"
 
 #include <algorithm>
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Zlib
 #include "bullet/new_body.h"
 
-#include "core/fastest_oscillation.h"
-#include "core/point_order.h"
+#include "solver/midpoint_solver.h"
+#include "solver/stepping_choice.h"
 
 namespace limber {
 inline namespace LIMBER_BULLET_PRECISION {

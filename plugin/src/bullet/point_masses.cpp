@@ -3,7 +3,7 @@
 
 #include "bullet/convert.h"
 #include "bullet/soft_body_data.h"
-#include "core/coincident_points.h"
+#include "solver/springs.h"
 
 #include <cmath>
 

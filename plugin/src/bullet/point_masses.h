@@ -2,7 +2,7 @@
 #pragma once
 
 #include "bullet/point_mass.h"
-#include "core/point_state.h"
+#include "solver/point_state.h"
 
 #include <memory>
 #include <vector>

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "bullet/partner_mark.h"
-#include "core/rigid_state.h"
+#include "solver/links.h"
 
 #include <limber/bullet_precision.h>
 

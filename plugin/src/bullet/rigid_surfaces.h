@@ -2,8 +2,8 @@
 #pragma once
 
 #include "bullet/shape_cache.h"
-#include "core/rigid_state.h"
-#include "core/surface_tree.h"
+#include "collide/surface.h"
+#include "solver/links.h"
 
 #include <deque>
 #include <vector>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
-#include "core/surface_topology.h"
+#include "collide/surface.h"
 
 #include <limber/soft_body_settings.h>
 #include <limber/spring_network.h>

@@ -6,8 +6,8 @@
 #include "bullet/soft_body_data.h"
 #include "bullet/surface_body.h"
 #include "bullet/surface_rigid.h"
-#include "core/body_measures.h"
-#include "core/spring_forces.h"
+#include "solver/point_state.h"
+#include "solver/springs.h"
 
 #include <limber/skin.h>
 

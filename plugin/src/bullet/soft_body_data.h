@@ -4,15 +4,14 @@
 #include "bullet/contact_report.h"
 #include "bullet/point_masses.h"
 #include "bullet/surface_data.h"
-#include "core/contact_rows.h"
-#include "core/held_surface.h"
-#include "core/implicit_step.h"
-#include "core/pair_contacts.h"
-#include "core/point_state.h"
-#include "core/quad_step.h"
-#include "core/spring_arrays.h"
-#include "core/tetrahedron_volumes.h"
-#include "core/volume_term.h"
+#include "solver/contact_rows.h"
+#include "solver/held_surface.h"
+#include "solver/implicit_step.h"
+#include "solver/pair_contacts.h"
+#include "solver/point_state.h"
+#include "solver/simd_steps.h"
+#include "solver/springs.h"
+#include "solver/volumes.h"
 
 #include <limber/soft_body.h>
 

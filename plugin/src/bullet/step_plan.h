@@ -2,7 +2,7 @@
 #pragma once
 
 #include "bullet/tick_group.h"
-#include "core/spring_lanes.h"
+#include "solver/simd_steps.h"
 
 #include <vector>
 

@@ -4,7 +4,7 @@
 #include "bullet/rigid_surfaces.h"
 #include "bullet/surface_object.h"
 #include "bullet/surface_shape.h"
-#include "core/kept_contacts.h"
+#include "collide/surface_contacts.h"
 
 #include <Eigen/Geometry>
 

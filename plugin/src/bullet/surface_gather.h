@@ -3,9 +3,9 @@
 
 #include "bullet/rigid_surfaces.h"
 #include "bullet/soft_body_data.h"
-#include "bullet/tick_group.h"
 #include "bullet/tick_contacts.h"
-#include "core/surface_contacts.h"
+#include "bullet/tick_group.h"
+#include "collide/surface_contacts.h"
 
 namespace limber {
 inline namespace LIMBER_BULLET_PRECISION {

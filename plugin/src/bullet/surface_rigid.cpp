@@ -4,7 +4,7 @@
 #include "bullet/contact_reach.h"
 #include "bullet/convert.h"
 #include "bullet/point_masses.h"
-#include "core/linear_algebra.h"
+#include "solver/linear_algebra.h"
 
 #include <Eigen/Cholesky>
 #include <Eigen/LU>

@@ -4,7 +4,7 @@
 #include <limber/bullet_precision.h>
 #include <limber/spring_network.h>
 
-#include "core/point_state.h"
+#include "solver/point_state.h"
 
 #include <btBulletDynamicsCommon.h>
 

@@ -4,7 +4,7 @@
 #include "bullet/kinematic_motion.h"
 #include "bullet/partner_mark.h"
 #include "bullet/rigid_partner.h"
-#include "core/pair_contacts.h"
+#include "solver/pair_contacts.h"
 
 #include <limber/bullet_precision.h>
 

@@ -3,7 +3,7 @@
 
 #include "bullet/rigid_partner.h"
 #include "bullet/soft_body_data.h"
-#include "core/verlet_step.h"
+#include "solver/verlet_step.h"
 
 #include <limber/spring_constraint.h>
 

@@ -4,8 +4,8 @@
 
 #include <limber/simplify_mesh.h>
 
-#include "core/linear_algebra.h"
 #include "mesh/surface.h"
+#include "solver/linear_algebra.h"
 
 #include <limber/mesh_weld.h>
 #include <limber/triangle_mesh.h>

@@ -3,7 +3,7 @@
 // is outside.
 #pragma once
 
-#include "core/closest_points.h"
+#include "solver/closest_points.h"
 
 #include <limber/triangle_mesh.h>
 

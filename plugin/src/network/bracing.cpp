@@ -4,10 +4,10 @@
 
 #include "network/bracing.h"
 
-#include "core/linear_algebra.h"
-#include "core/random.h"
+#include "mesh/random.h"
 #include "mesh/surface.h"
 #include "network/rigidity.h"
+#include "solver/linear_algebra.h"
 
 #include <Eigen/Geometry>
 

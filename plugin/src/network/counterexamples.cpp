@@ -4,7 +4,7 @@
 
 #include "network/bracing.h"
 
-#include "core/random.h"
+#include "mesh/random.h"
 #include "network/relaxation.h"
 
 #include <algorithm>

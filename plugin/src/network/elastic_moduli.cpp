@@ -4,10 +4,9 @@
 
 #include "network/material.h"
 
-#include "core/linear_algebra.h"
-#include "core/sparse_factor.h"
 #include "mesh/surface.h"
 #include "network/masses.h"
+#include "solver/linear_algebra.h"
 
 #include <Eigen/Geometry>
 

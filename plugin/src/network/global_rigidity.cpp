@@ -4,7 +4,7 @@
 
 #include "network/rigidity.h"
 
-#include "core/random.h"
+#include "mesh/random.h"
 
 #include <Eigen/OrderingMethods>
 #include <Eigen/SparseCore>

@@ -4,9 +4,9 @@
 
 #include "network/masses.h"
 
-#include "core/linear_algebra.h"
 #include "mesh/edges.h"
 #include "mesh/surface.h"
+#include "solver/linear_algebra.h"
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>

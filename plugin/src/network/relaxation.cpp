@@ -4,15 +4,14 @@
 
 #include "network/relaxation.h"
 
-#include "core/body_measures.h"
-#include "core/linear_algebra.h"
-#include "core/quad_step.h"
-#include "core/spring_forces.h"
-#include "core/spring_lanes.h"
-#include "core/stepping_choice.h"
-#include "core/verlet_step.h"
 #include "mesh/surface.h"
 #include "network/rigidity.h"
+#include "solver/linear_algebra.h"
+#include "solver/point_state.h"
+#include "solver/simd_steps.h"
+#include "solver/springs.h"
+#include "solver/stepping_choice.h"
+#include "solver/verlet_step.h"
 
 #include <Eigen/Geometry>
 

@@ -3,8 +3,8 @@
 // large deformations, the time steps that they take and the weight that they carry.
 #pragma once
 
-#include "core/point_state.h"
-#include "core/verlet_step.h"
+#include "solver/point_state.h"
+#include "solver/verlet_step.h"
 
 #include <limber/network_analysis.h>
 #include <limber/network_builder.h>

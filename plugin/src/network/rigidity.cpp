@@ -4,11 +4,9 @@
 
 #include "network/rigidity.h"
 
-#include "core/largest_eigenvalue.h"
-#include "core/linear_algebra.h"
-#include "core/random.h"
-#include "core/sparse_factor.h"
+#include "mesh/random.h"
 #include "mesh/edges.h"
+#include "solver/linear_algebra.h"
 
 #include <Eigen/Geometry>
 

@@ -4,9 +4,9 @@
 
 #include "network/skin.h"
 
-#include "core/linear_algebra.h"
 #include "mesh/triangle_bvh.h"
 #include "network/tetrahedra.h"
+#include "solver/linear_algebra.h"
 
 #include <Eigen/Geometry>
 

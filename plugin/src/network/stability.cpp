@@ -4,12 +4,12 @@
 
 #include "network/relaxation.h"
 
-#include "core/fastest_oscillation.h"
-#include "core/random.h"
-#include "core/spring_forces.h"
-#include "core/verlet_step.h"
+#include "mesh/random.h"
 #include "mesh/surface.h"
 #include "network/rigidity.h"
+#include "solver/springs.h"
+#include "solver/stepping_choice.h"
+#include "solver/verlet_step.h"
 
 #include <Eigen/Geometry>
 

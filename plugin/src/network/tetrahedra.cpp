@@ -4,10 +4,10 @@
 
 #include "network/tetrahedra.h"
 
-#include "core/linear_algebra.h"
 #include "mesh/edges.h"
 #include "mesh/surface.h"
 #include "mesh/triangle_bvh.h"
+#include "solver/linear_algebra.h"
 
 #include <limber/mesh_weld.h>
 

@@ -1,0 +1,268 @@
+// SPDX-License-Identifier: Zlib
+#include "collide/surface.h"
+
+#include "solver/closest_points.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numeric>
+
+namespace limber {
+namespace {
+
+using Eigen::Vector3d;
+
+/// Nodes wait while one of their kin is visited: one per level, and halving makes at most 32 levels.
+constexpr std::size_t kStack = 40;
+
+class TreeBuilder {
+ public:
+  TreeBuilder(const Points& rest, const std::vector<SurfaceElement>& elements) : order_(elements.size()) {
+    std::iota(order_.begin(), order_.end(), 0u);
+    for (const SurfaceElement& e : elements)
+      centres_.push_back((rest.col(e.corners[0]) + rest.col(e.corners[1]) + rest.col(e.corners[2])) / 3.0);
+    if (elements.empty()) return;
+    nodes_.reserve(2 * elements.size());
+    nodes_.emplace_back();
+    build(0, 0, elements.size());
+  }
+
+  std::vector<SurfaceNode> take() { return std::move(nodes_); }
+
+ private:
+  void build(std::uint32_t node, std::size_t first, std::size_t count) {
+    if (count == 1) {
+      nodes_[node].element = order_[first];
+      return;
+    }
+    const auto begin = order_.begin() + static_cast<std::ptrdiff_t>(first);
+    const auto middle = begin + static_cast<std::ptrdiff_t>(count / 2);
+    const auto end = begin + static_cast<std::ptrdiff_t>(count);
+    Eigen::AlignedBox3d box;
+    std::for_each(begin, end, [&](std::uint32_t i) { box.extend(centres_[i]); });
+    Eigen::Index axis = 0;
+    box.sizes().maxCoeff(&axis);
+    // sorted, not halved: the same tree whatever the library's nth_element does
+    std::sort(begin, end, [&](std::uint32_t i, std::uint32_t j) {
+      const double x = centres_[i][axis], y = centres_[j][axis];
+      return x != y ? x < y : i < j;
+    });
+    const auto child = static_cast<std::uint32_t>(nodes_.size());
+    nodes_[node].child = child;
+    nodes_.resize(nodes_.size() + 2);
+    build(child, first, static_cast<std::size_t>(middle - begin));
+    build(child + 1, first + count / 2, static_cast<std::size_t>(end - middle));
+  }
+
+  std::vector<std::uint32_t> order_;
+  std::vector<Vector3d> centres_;
+  std::vector<SurfaceNode> nodes_;
+};
+
+SweptBox pointBox(const MovingSurface& surface, Eigen::Index point) {
+  Eigen::Array4d start, motion;
+  start << surface.position->col(point), 0.0;
+  motion << surface.motion->col(point), 0.0;
+  const Eigen::Array4d end = start + motion, radius(surface.radius, surface.radius, surface.radius, 0.0);
+  return {start.min(end) - radius, start.max(end) + radius};
+}
+
+SweptBox elementBox(const MovingSurface& surface, const SurfaceElement& element,
+                    const std::vector<SweptBox>& points) {
+  const auto& [a, b, c] = element.corners;
+  SweptBox box = merged(merged(points[a], points[b]), points[c]);
+  const std::uint32_t triangle = element.triangle;
+  if (triangle == kNoFeature || !surface.topology->oneSided[triangle]) return box;
+  const Vector3d first = surface.position->col(a);
+  const Vector3d area = (surface.position->col(b) - first).cross(surface.position->col(c) - first);
+  const double length = area.norm();
+  if (length == 0.0) return box;
+  Eigen::Array4d depth(area.x(), area.y(), area.z(), 0.0);
+  depth *= surface.topology->depthLimit[triangle] / length;
+  box.low -= depth.max(0.0);
+  box.high -= depth.min(0.0);
+  return box;
+}
+
+bool isLeaf(const SurfaceNode& node) { return node.element != kNoFeature; }
+
+double sizeOf(const SweptBox& box) { return (box.high - box.low).maxCoeff(); }
+
+/// m^2
+double squaredDistance(const SweptBox& box, const Eigen::Array4d& place) {
+  return (box.low - place).max(place - box.high).max(0.0).matrix().squaredNorm();
+}
+
+/// Replaces a pair of nodes by those with the children of the larger one.
+void descend(const MovingSurface& a, const MovingSurface& b, std::uint32_t i, std::uint32_t j,
+             LeafPairs& waiting) {
+  const SurfaceNode &na = a.topology->nodes[i], &nb = b.topology->nodes[j];
+  if (isLeaf(nb) || (!isLeaf(na) && sizeOf(a.boxes->nodes[i]) >= sizeOf(b.boxes->nodes[j]))) {
+    waiting.emplace_back(na.child + 1, j);
+    waiting.emplace_back(na.child, j);
+  } else {
+    waiting.emplace_back(i, nb.child + 1);
+    waiting.emplace_back(i, nb.child);
+  }
+}
+
+/// Sum of the normals around a vertex or an edge or of a triangle (where no weight is 0), each by its angle
+/// there: the sign of the distance does not depend on the triangle asked (Baerentzen, Aanaes 2005).
+Vector3d pseudonormal(const MovingSurface& surface, std::uint32_t triangle, const Vector3d& barycentric) {
+  const SurfaceTopology& t = *surface.topology;
+  const Triangle& corners = t.triangles[triangle];
+  Eigen::Index largest = 0;
+  barycentric.maxCoeff(&largest);
+  const std::uint32_t anchor = corners[static_cast<std::size_t>(largest)];
+  const auto holds = [](const Triangle& other, std::uint32_t v) {
+    return other[0] == v || other[1] == v || other[2] == v;
+  };
+  Vector3d sum = Vector3d::Zero();
+  for (const std::uint32_t* i = t.trianglesAround.begin(anchor); i != t.trianglesAround.end(anchor); ++i) {
+    bool around = true;
+    for (std::size_t k = 0; k < 3; ++k)
+      around =
+          around && (barycentric[static_cast<Eigen::Index>(k)] <= 0.0 || holds(t.triangles[*i], corners[k]));
+    if (!around) continue;
+    const auto feature = featureOf<3>(surface, t.triangles[*i]);
+    const bool atVertex = (barycentric.array() > 0.0).count() == 1;
+    double angle = 1.0;
+    if (atVertex) {
+      Eigen::Index k = 0;
+      while (t.triangles[*i][static_cast<std::size_t>(k)] != anchor) ++k;
+      const Vector3d u = feature.start.col((k + 1) % 3) - feature.start.col(k);
+      const Vector3d v = feature.start.col((k + 2) % 3) - feature.start.col(k);
+      angle = std::atan2(u.cross(v).norm(), u.dot(v));
+    }
+    sum += angle * normalOf<3>(feature.start);
+  }
+  return sum;
+}
+
+}  // namespace
+
+std::vector<SurfaceNode> makeSurfaceTree(const Points& rest, const std::vector<SurfaceElement>& elements) {
+  return TreeBuilder(rest, elements).take();
+}
+
+SweptBox sweptBounds(const MovingSurface& surface) {
+  SweptBox box;
+  for (const std::uint32_t v : surface.topology->vertices) box = merged(box, pointBox(surface, v));
+  return box;
+}
+
+void fitBoxes(const MovingSurface& surface, SurfaceBoxes& boxes) {
+  const SurfaceTopology& t = *surface.topology;
+  boxes.points.resize(static_cast<std::size_t>(surface.position->cols()));
+  for (std::size_t i = 0; i < boxes.points.size(); ++i)
+    boxes.points[i] = pointBox(surface, static_cast<Eigen::Index>(i));
+  boxes.nodes.resize(t.nodes.size());
+  for (std::size_t i = t.nodes.size(); i-- > 0;) {
+    const SurfaceNode& node = t.nodes[i];
+    boxes.nodes[i] = isLeaf(node) ? elementBox(surface, t.elements[node.element], boxes.points)
+                                  : merged(boxes.nodes[node.child], boxes.nodes[node.child + 1]);
+  }
+}
+
+void findNearLeaves(const MovingSurface& a, const MovingSurface& b, double margin, LeafPairs& waiting,
+                    LeafPairs& near) {
+  near.clear();
+  waiting.clear();
+  if (!a.boxes->nodes.empty() && !b.boxes->nodes.empty()) waiting.emplace_back(0, 0);
+  while (!waiting.empty()) {
+    const auto [i, j] = waiting.back();
+    waiting.pop_back();
+    if (separation(a.boxes->nodes[i], b.boxes->nodes[j]) > margin) continue;
+    if (isLeaf(a.topology->nodes[i]) && isLeaf(b.topology->nodes[j]))
+      near.emplace_back(i, j);
+    else
+      descend(a, b, i, j, waiting);
+  }
+}
+
+void findNearLeaves(const MovingSurface& surface, double margin, LeafPairs& waiting, LeafPairs& near) {
+  const std::vector<SurfaceNode>& nodes = surface.topology->nodes;
+  near.clear();
+  waiting.clear();
+  if (!nodes.empty()) waiting.emplace_back(0, 0);
+  while (!waiting.empty()) {
+    const auto [i, j] = waiting.back();
+    waiting.pop_back();
+    if (i == j) {
+      if (isLeaf(nodes[i])) continue;
+      const std::uint32_t child = nodes[i].child;
+      waiting.emplace_back(child + 1, child + 1);
+      waiting.emplace_back(child, child + 1);
+      waiting.emplace_back(child, child);
+    } else if (separation(surface.boxes->nodes[i], surface.boxes->nodes[j]) > margin) {
+      continue;
+    } else if (isLeaf(nodes[i]) && isLeaf(nodes[j])) {
+      near.push_back(std::minmax(i, j));
+    } else {
+      descend(surface, surface, i, j, waiting);
+    }
+  }
+}
+
+void findTriangles(const MovingSurface& surface, const Eigen::AlignedBox3d& box,
+                   std::vector<std::uint32_t>& found) {
+  const SurfaceTopology& t = *surface.topology;
+  SweptBox asked;
+  asked.low.head<3>() = box.min();
+  asked.high.head<3>() = box.max();
+  found.clear();
+  std::array<std::uint32_t, kStack> stack{};
+  std::size_t waiting = t.nodes.empty() ? 0 : 1;
+  while (waiting > 0) {
+    const std::uint32_t i = stack[--waiting];
+    if (separation(surface.boxes->nodes[i], asked) > 0.0) continue;
+    const SurfaceNode& node = t.nodes[i];
+    if (!isLeaf(node)) {
+      stack[waiting++] = node.child + 1;
+      stack[waiting++] = node.child;
+    } else if (t.elements[node.element].triangle != kNoFeature) {
+      found.push_back(t.elements[node.element].triangle);
+    }
+  }
+}
+
+NearestOnSurface nearestOnSurface(const MovingSurface& surface, const Vector3d& place, double within) {
+  const SurfaceTopology& t = *surface.topology;
+  const std::vector<SweptBox>& boxes = surface.boxes->nodes;
+  Eigen::Array4d at;
+  at << place, 0.0;
+  NearestOnSurface nearest;
+  double best = within * within;
+  std::array<std::uint32_t, kStack> stack{};
+  std::size_t waiting = boxes.empty() ? 0 : 1;
+  while (waiting > 0) {
+    const std::uint32_t i = stack[--waiting];
+    if (squaredDistance(boxes[i], at) > best) continue;
+    const SurfaceNode& node = t.nodes[i];
+    if (node.element == kNoFeature) {
+      const bool firstIsNearer =
+          squaredDistance(boxes[node.child], at) <= squaredDistance(boxes[node.child + 1], at);
+      stack[waiting++] = firstIsNearer ? node.child + 1 : node.child;
+      stack[waiting++] = firstIsNearer ? node.child : node.child + 1;
+      continue;
+    }
+    const std::uint32_t triangle = t.elements[node.element].triangle;
+    if (triangle == kNoFeature) continue;
+    const auto corners = featureOf<3>(surface, t.triangles[triangle]).start;
+    const Vector3d weights = nearestBarycentric({corners.col(0), corners.col(1), corners.col(2)}, place);
+    const double squared = (corners * weights - place).squaredNorm();
+    if (squared > best || (squared == best && triangle > nearest.triangle)) continue;
+    best = squared;
+    nearest.triangle = triangle;
+    nearest.barycentric = weights;
+  }
+  if (nearest.triangle == kNoFeature) return nearest;
+  const auto corners = featureOf<3>(surface, t.triangles[nearest.triangle]).start;
+  const Vector3d away = place - corners * nearest.barycentric;
+  nearest.distance = std::sqrt(best);
+  nearest.behind = away.dot(pseudonormal(surface, nearest.triangle, nearest.barycentric)) < 0.0;
+  return nearest;
+}
+
+}  // namespace limber

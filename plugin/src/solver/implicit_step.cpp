@@ -1,0 +1,427 @@
+// SPDX-License-Identifier: Zlib
+// Steps a soft body by the implicit midpoint rule: its equation, the iterations, and the guard of its energy.
+#include "solver/implicit_step.h"
+
+#include "solver/point_state.h"
+#include "solver/springs.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace limber {
+namespace {
+
+// --- the equation ------------------------------------------------------------------------------------------
+
+/// A substep of the implicit midpoint rule as it is being solved: body.points->position is the midpoint x
+/// that the iterations work on.
+struct Substep {
+  SteppedBody& body;
+  ImplicitState& implicit;
+  double time;         ///< s since the start of the tick
+  double h;            ///< s, of the whole substep
+  bool euler = false;     ///< only its first half, by backward Euler
+  bool downhill = false;  ///< from x0 instead of from where the motion leads
+
+  PointState& points() const { return *body.points; }
+  SpringArrays& springs() const { return *body.springs; }
+  ContactSpan whole() const { return {time, h, 2.0}; }
+  ContactSpan firstHalf() const { return {time, 0.5 * h, 1.0}; }
+  bool touches() const { return implicit.contacts.count > 0; }
+};
+
+/// y of implicit_step.h; held points go with their velocity.
+Eigen::Vector3d inertialMidpoint(const Substep& s, Eigen::Index i) {
+  return s.implicit.start.col(i) + 0.5 * s.h * s.implicit.startVelocity.col(i) +
+         0.25 * s.h * s.h * s.points().acceleration.col(i);
+}
+
+/// 0 to 1, see lookAhead(); backward Euler takes the mean velocity.
+double damperLookAhead(const Substep& s, std::size_t i) {
+  if (s.euler) return 0.0;
+  return lookAhead(s.springs().damping[i], inverseMassesOf(s.springs(), s.points().inverseMass, i), s.h);
+}
+
+/// m: by how much farther apart the ends of spring i are, along its damper, than where the damper would pull
+/// with no force. With the velocity v_m + beta (v_m - v0) of lookAhead() and v_m = 2/h (x - x0) that
+/// is where   (1 + beta) (x - x0) = beta h/2 v0.
+double damperStretch(const Substep& s, std::size_t i, const Points& x) {
+  const ImplicitState& state = s.implicit;
+  const auto a = s.springs().a[i], b = s.springs().b[i];
+  const double beta = damperLookAhead(s, i), old = 0.5 * s.h * beta / (1.0 + beta);
+  const auto way = [&](std::uint32_t j) -> Eigen::Vector3d {
+    return x.col(j) - state.start.col(j) - old * state.startVelocity.col(j);
+  };
+  return state.damperDirection.col(static_cast<Eigen::Index>(i)).dot(way(b) - way(a));
+}
+
+/// kg: h/2 c (1 + beta).
+double damperWeight(const Substep& s, std::size_t i) {
+  return 0.5 * s.h * s.springs().damping[i] * (1.0 + damperLookAhead(s, i));
+}
+
+/// Adds the dampers' forces for the velocities that the present midpoint positions mean.
+void addDampingForces(const Substep& s) {
+  const SpringArrays& springs = s.springs();
+  if (!springs.damped) return;
+  Points& force = s.points().force;
+  for (std::size_t i = 0; i < springs.size(); ++i) {
+    const double pull = 4.0 / (s.h * s.h) * damperWeight(s, i) * damperStretch(s, i, s.points().position);
+    const Eigen::Vector3d f = pull * s.implicit.damperDirection.col(static_cast<Eigen::Index>(i));
+    force.col(springs.a[i]) += f;
+    force.col(springs.b[i]) -= f;
+  }
+}
+
+/// Sets the points' forces to those of springs and dampers at x. The dampers turn with their springs if they
+/// are told to: in the first iterations only, since under strong damping changing directions would not
+/// converge.
+void computeForces(const Substep& s, bool turnDampers) {
+  computeElasticForces(s.body);
+  if (turnDampers) s.implicit.damperDirection = s.springs().direction;
+  addDampingForces(s);
+}
+
+/// Sets implicit.residual to  M (y - x) + h^2/4 f(x) + loads  (implicit_step.h), 0 for held points.
+void computeResidual(const Substep& s) {
+  const PointState& p = s.points();
+  Points& r = s.implicit.residual;
+  for (Eigen::Index i = 0; i < p.position.cols(); ++i) {
+    if (isHeld(p.inverseMass, i))
+      r.col(i).setZero();
+    else
+      r.col(i) = massOf(p.inverseMass, i) * (inertialMidpoint(s, i) - p.position.col(i)) +
+                 0.25 * s.h * s.h * p.force.col(i);
+  }
+  if (s.touches()) addLoads(s.implicit.contacts, s.implicit.contacts.load, r);
+}
+
+/// What the iterations descend on when nothing touches: |x - y|_M^2 / 2 + h^2/4 E(x) and the dampers' part.
+double objective(const Substep& s, const Points& position) {
+  const PointState& p = s.points();
+  double sum = 0.25 * s.h * s.h * elasticEnergy(s.body, position);
+  for (Eigen::Index i = 0; i < position.cols(); ++i)
+    if (!isHeld(p.inverseMass, i))
+      sum += 0.5 * massOf(p.inverseMass, i) * (position.col(i) - inertialMidpoint(s, i)).squaredNorm();
+  for (std::size_t i = 0; s.springs().damped && i < s.springs().size(); ++i)
+    sum += 0.5 * damperWeight(s, i) * std::pow(damperStretch(s, i, position), 2);
+  return sum;
+}
+
+// --- the iterations ----------------------------------------------------------------------------------------
+
+/// Iterations end when no point moves by more than this share of the longest spring.
+constexpr double kConverged = 1e-11;
+
+/// The same of the sweeps over the contacts in an iteration.
+constexpr double kContactsConverged = 1e-12;
+constexpr int kMostSharedIterations = 20;
+
+/// Iterations that end with a larger movement, as a share of the longest spring, have not found a midpoint
+/// that could be extrapolated from.
+constexpr double kNearlyConverged = 0.05;
+constexpr int kMostNewtonIterations = 12;
+
+/// Share by which the energy may rise above the least it has been, work and changes from outside apart: the
+/// midpoint rule does not keep it to the last digit, it swings about its value.
+constexpr double kEnergySwing = 1e-4;
+
+/// Of the energy: of a body that has been at rest, what the work and the motion of its fall differ by.
+constexpr double kEnergyRounding = 1e-10;
+
+/// Iterations in which the dampers turn with their springs.
+constexpr int kDamperTurns = 3;
+
+/// Of a substep that leads through surfaces.
+constexpr int kMostWaysFollowed = 3;
+
+/// Halvings of a Newton step that would go uphill.
+constexpr int kMostImplicitHalvings = 6;
+
+/// What the iterations start from: x0 + h/2 v0, where they keep what turns or falls as a whole however stiff it is; or
+/// x0, from which the springs never get more energy than there was, but of such motion little comes about.
+void guess(const Substep& s) {
+  PointState& p = s.points();
+  p.position = s.implicit.start;
+  for (Eigen::Index i = 0; i < p.position.cols(); ++i)
+    if (!s.downhill || isHeld(p.inverseMass, i)) p.position.col(i) += 0.5 * s.h * s.implicit.startVelocity.col(i);
+}
+
+double longest(const SpringArrays& springs) {
+  double length = 0.0;
+  for (const double l : springs.restLength) length = std::max(length, l);
+  return length;
+}
+
+void start(const Substep& s) {
+  s.implicit.start = s.points().position;
+  s.implicit.startVelocity = s.points().velocity;
+  const double enough = kContactsConverged * longest(s.springs());
+  startSubstep(s.implicit.contacts, s.body.contacts, s.points().position.cols(), enough);
+  guess(s);
+}
+
+/// Newton's method may overshoot where springs are strongly compressed, and either method where the volume is
+/// far from the rest volume, or tetrahedra are: the matrix has their gradients, of which the constant one has
+/// those at rest, not their second derivatives.
+bool mayOvershoot(const Substep& s) {
+  if (s.implicit.solver.kind == MidpointSolver::Kind::Newton || s.body.tetrahedra) return true;
+  return s.body.volumes && isFarFromRest(*s.body.volumes, s.points().position);
+}
+
+void shortenStep(const Substep& s) {
+  if (!mayOvershoot(s)) return;
+  const Points& x = s.points().position;
+  Points& step = s.implicit.residual;
+  const double before = objective(s, x);
+  for (int i = 0; i < kMostImplicitHalvings; ++i) {
+    s.implicit.trial = x + step;
+    if (objective(s, s.implicit.trial) <= before) return;
+    step *= 0.5;
+  }
+}
+
+/// The loads that this iteration's step asks for, and what they do to the step.
+void solveContacts(const Substep& s, const ContactSpan& span) {
+  ImplicitState& state = s.implicit;
+  MidpointContacts& contacts = state.contacts;
+  state.trial = s.points().position + state.residual;
+  solveLoads(contacts, state.solver, state.trial, state.start, span);
+  contacts.load += contacts.change;
+  state.trial.setZero();
+  addLoads(contacts, contacts.change, state.trial);
+  solve(state.solver, state.trial);
+  state.residual += state.trial;
+}
+
+/// One iteration; returns the largest movement of a point (m). The step is found in place of the residual.
+double iterate(const Substep& s, const ContactSpan& span, int iteration) {
+  ImplicitState& state = s.implicit;
+  computeForces(s, iteration < (s.euler ? 1 : kDamperTurns));
+  update(state.solver, {s.springs(), s.body.tetrahedra}, state.damperDirection, s.points().position);
+  if (s.body.volumes) updateVolumes(state.solver, *s.body.volumes, s.points());
+  if (s.touches() && (iteration == 0 || state.solver.kind == MidpointSolver::Kind::Newton))
+    forgetResponse(state.contacts);
+  computeResidual(s);
+  solve(state.solver, state.residual);
+  if (s.touches()) solveContacts(s, span);
+  if (!bears(s.implicit.contacts)) shortenStep(s);
+  s.points().position += state.residual;
+  return state.residual.cwiseAbs().maxCoeff();
+}
+
+/// m, what iterations would still move whose movement falls by the same factor each time. Those of a factor that all
+/// share come near what turns a stiff body about a pin very slowly: their last movement is no measure.
+double remainder(double moved, double before) {
+  constexpr double kSlowest = 0.999;
+  const double factor = before > 0.0 ? std::min(moved / before, kSlowest) : 0.0;
+  return moved * factor / (1.0 - factor);
+}
+
+/// Iterates to the end; returns the last movement (m).
+double solveMidpoint(const Substep& s, const ContactSpan& span) {
+  const bool shared = s.implicit.solver.kind == MidpointSolver::Kind::Shared;
+  const int most = shared ? kMostSharedIterations : kMostNewtonIterations;
+  const double enough = kConverged * longest(s.springs());
+  double moved = 0.0;
+  for (int i = 0; i < most; ++i) {
+    const double before = moved;
+    moved = iterate(s, span, i);
+    s.implicit.remainder = remainder(moved, before);
+    if (moved <= enough) break;
+  }
+  return moved;
+}
+
+/// The same, and again while what was found leads through surfaces that the rows did not follow.
+double solveFollowing(const Substep& s, const ContactSpan& span) {
+  PointView atStart = viewOf(s.points());
+  atStart.position = s.implicit.start.data();
+  for (int again = kMostWaysFollowed;; --again) {
+    const double left = solveMidpoint(s, span);
+    if (again == 0 || !s.touches() || !followWay(s.implicit.contacts, s.points().position, atStart, span)) return left;
+    guess(s);
+  }
+}
+
+/// J of motion and springs.
+double energy(const Substep& s) {
+  return kineticEnergy(s.points()) + elasticEnergy(s.body, s.points().position);
+}
+
+/// J done on the points since the start by the constant accelerations, by what holds points, and by contacts.
+double work(const Substep& s) {
+  const PointState& p = s.points();
+  double sum = 0.0;
+  for (Eigen::Index i = 0; i < p.position.cols(); ++i) {
+    const Eigen::Vector3d moved = p.position.col(i) - s.implicit.start.col(i);
+    sum += isHeld(p.inverseMass, i) ? -p.force.col(i).dot(moved)
+                                    : massOf(p.inverseMass, i) * p.acceleration.col(i).dot(moved);
+  }
+  for (Eigen::Index r = 0; r < s.implicit.contacts.count; ++r) {
+    const auto point = (*s.body.contacts)[static_cast<std::size_t>(r)].point;
+    sum += 4.0 / (s.h * s.h) *
+           s.implicit.contacts.load.col(r).dot(p.position.col(point) - s.implicit.start.col(point));
+  }
+  return sum;
+}
+
+/// Takes out the energy by which the substep has left the swing allowed to it; false if it cannot be taken
+/// out of the motion. Otherwise the floor is kept.
+bool guardEnergy(const Substep& s) {
+  ImplicitState& state = s.implicit;
+  const double after = energy(s), floor = state.energyFloor + work(s);
+  const double allowed = kEnergySwing * std::abs(state.energyFloor) + kEnergyRounding * std::abs(after);
+  const double excess = after - floor - allowed;
+  const double left = excess > 0.0 ? removeKineticEnergy(s.points(), excess) : 0.0;
+  if (left > allowed) return false;
+  state.energyFloor = std::min(floor, after - std::max(0.0, excess - left));
+  return true;
+}
+
+/// The velocities that have brought the free points to where they are, times `reach` less the rest of v0.
+void setVelocities(const Substep& s, double reach) {
+  PointState& p = s.points();
+  for (Eigen::Index i = 0; i < p.position.cols(); ++i)
+    if (!isHeld(p.inverseMass, i))
+      p.velocity.col(i) = 2.0 / s.h * (p.position.col(i) - s.implicit.start.col(i)) -
+                          (reach - 1.0) * s.implicit.startVelocity.col(i);
+}
+
+/// Unfinished iterations keep linear but not angular momentum. A free body's changes by the torque of the
+/// constant accelerations alone: `before` is its spin at the start, `duration` ends now.
+void keepSpin(const Substep& s, const Eigen::Vector3d& before, double duration) {
+  PointState& p = s.points();
+  if (bears(s.implicit.contacts) || (p.inverseMass.array() == 0.0).any()) return;
+  double mass = 0.0;
+  Eigen::Vector3d center = Eigen::Vector3d::Zero(), spin = before;
+  for (Eigen::Index i = 0; i < p.position.cols(); ++i) {
+    mass += massOf(p.inverseMass, i);
+    center += 0.5 * massOf(p.inverseMass, i) * (p.position.col(i) + s.implicit.start.col(i));
+  }
+  center /= mass;
+  for (Eigen::Index i = 0; i < p.position.cols(); ++i) {
+    const Eigen::Vector3d r = 0.5 * (p.position.col(i) + s.implicit.start.col(i)) - center;
+    spin += duration * massOf(p.inverseMass, i) * r.cross(Eigen::Vector3d(p.acceleration.col(i)));
+  }
+  setSpin(p, spin);
+}
+
+/// From the midpoint to the end of the substep.
+void finish(const Substep& s) {
+  s.points().position = 2.0 * s.points().position - s.implicit.start;
+  setVelocities(s, 2.0);
+  if (s.touches()) settle(s.implicit.contacts, s.points(), s.whole());
+}
+
+/// Half a substep of backward Euler, which the equation for the midpoint is: x = x0 + h/2 v,
+/// v = v0 + h/2 (a + M^-1 f(x)). False if it makes energy.
+bool stepHalfByEuler(const Substep& s, const Eigen::Vector3d& spin) {
+  PointState& p = s.points();
+  guess(s);
+  solveFollowing(s, s.firstHalf());
+  computeForces(s, false);
+  setVelocities(s, 1.0);
+  if (s.touches()) settle(s.implicit.contacts, p, s.firstHalf());
+  // giving back the spin that the dampers of a straight step have braked may cost more energy than there is
+  s.implicit.trial = p.velocity;
+  keepSpin(s, spin, 0.5 * s.h);
+  if (guardEnergy(s)) return true;
+  p.velocity = s.implicit.trial;
+  return guardEnergy(s);
+}
+
+void advanceHalfByEuler(const Substep& s) {
+  const Eigen::Vector3d spin = spinOf(s.points());
+  start(s);
+  if (stepHalfByEuler(s, spin)) return;
+  undo(s.implicit.contacts);
+  s.points().position = s.implicit.start;
+  s.points().velocity = s.implicit.startVelocity;
+  Substep downhill = s;
+  downhill.downhill = true;
+  start(downhill);
+  if (!stepHalfByEuler(downhill, spin)) s.implicit.energyFloor = energy(s);
+}
+
+/// m/s, root mean square: the midpoint rule is wrong by (omega h)^2 / 12 of the phase (compare
+/// verletErrorRate), and what the iterations left.
+double errorRate(const Substep& s) {
+  const PointState& p = s.points();
+  Points& mean = s.implicit.meanAcceleration;
+  s.implicit.trial = p.force.cwiseProduct(p.inverseMass);
+  const double change = s.implicit.meanOver == s.h ? (s.implicit.trial - mean).squaredNorm() : 0.0;
+  mean = s.implicit.trial;
+  s.implicit.meanOver = s.h;
+  return 2.0 * verletErrorRate(change, p.position.cols(), s.h) + s.implicit.remainder / s.h;
+}
+
+void advance(const Substep& s) {
+  const Eigen::Vector3d spin = spinOf(s.points());
+  start(s);
+  const double left = solveFollowing(s, s.whole());
+  computeForces(s, false);
+  s.body.errorRate = std::max(s.body.errorRate, errorRate(s));
+  const bool settled = left <= kNearlyConverged * longest(s.springs());
+  if (settled) {
+    finish(s);
+    keepSpin(s, spin, s.h);
+    if (guardEnergy(s)) return;
+    undo(s.implicit.contacts);
+  }
+  s.points().position = s.implicit.start;
+  s.points().velocity = s.implicit.startVelocity;
+  for (const double half : {0.0, 0.5}) {
+    Substep euler{s.body, s.implicit, s.time + half * s.h, s.h};
+    euler.euler = true;
+    advanceHalfByEuler(euler);
+  }
+}
+
+std::size_t countPoints(const std::vector<ContactRow>& rows) {
+  std::size_t count = 0;
+  for (std::size_t r = 0; r < rows.size(); ++r) count += r == 0 || rows[r].point != rows[r - 1].point;
+  return count;
+}
+
+}  // namespace
+
+bool canStepImplicitly(const SteppedBody& body) {
+  if (body.springs->size() == 0) return false;
+  if (body.springs->limited || (body.tetrahedra && !body.tetrahedra->edgesAreSprings)) return false;
+  if (body.volumes && body.volumes->restVolume.size() > kMostSolvedVolumes) return false;
+  const Points& w = body.points->inverseMass;
+  if (w.row(0) != w.row(1) || w.row(0) != w.row(2)) return false;
+  if (!body.contacts) return true;
+  const auto moves = [](const ContactRow& row) {
+    return !row.surfaceVelocity.isZero(0.0) || row.restitution > 0.0;
+  };
+  return countPoints(*body.contacts) <= kMostMidpointPoints &&
+         std::none_of(body.contacts->begin(), body.contacts->end(), moves);
+}
+
+void stepImplicit(SteppedBody& body, ImplicitState& implicit, MidpointSolver::Kind kind, double tick,
+                  int substeps, SharedFactors& factors) {
+  const double h = tick / substeps;
+  implicit.solver.kind = kind;
+  prepareVolumes(body, 0.0);
+  prepare(implicit.solver, {*body.springs, body.tetrahedra}, body.points->inverseMass, h, factors);
+  implicit.residual.resizeLike(body.points->position);
+  implicit.trial.resizeLike(body.points->position);
+  body.errorRate = 0.0;
+  const auto energyNow = [&] {
+    return kineticEnergy(*body.points) + elasticEnergy(body, body.points->position);
+  };
+  implicit.energyFloor += energyNow() - implicit.energyAtEnd;
+  for (int i = 0; i < substeps; ++i) {
+    if (body.watch && body.watch->on) {
+      body.watch->look(viewOf(*body.points), i * h, h);
+      body.watch->merge();
+    }
+    if (body.contacts) followSurfaces(*body.contacts, viewOf(*body.points), h);
+    advance({body, implicit, i * h, h, false});
+  }
+  implicit.energyAtEnd = energyNow();
+}
+
+}  // namespace limber

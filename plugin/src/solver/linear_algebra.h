@@ -1,0 +1,118 @@
+// SPDX-License-Identifier: Zlib
+#pragma once
+
+// Small dense matrices, factors of sparse ones, and the largest eigenvalue of what multiplies a vector.
+
+#include <Eigen/Core>
+#include <Eigen/SparseCore>
+
+#include <functional>
+#include <memory>
+
+namespace limber {
+
+// Eigen's decompositions and large products, compiled once: each instance of them takes seconds.
+
+/// A matrix, or a block of one, which is not copied.
+using MatrixView = Eigen::Ref<const Eigen::MatrixXd>;
+
+/// a b
+Eigen::MatrixXd product(const MatrixView& a, const MatrixView& b);
+
+/// a^T b
+Eigen::MatrixXd transposedProduct(const MatrixView& a, const MatrixView& b);
+
+// --- symmetric matrices, of which only the lower triangle is read ------------------------------------------
+
+/// Eigenvalues in ascending order, and unit eigenvectors in the columns that belong to them.
+struct SymmetricParts {
+  Eigen::VectorXd values;
+  Eigen::MatrixXd vectors;
+};
+struct SymmetricParts3 {
+  Eigen::Vector3d values;
+  Eigen::Matrix3d vectors;
+};
+
+SymmetricParts symmetricParts(const Eigen::MatrixXd& matrix);
+SymmetricParts3 symmetricParts3(const Eigen::Matrix3d& matrix);
+
+/// The eigenvalues alone, in ascending order.
+Eigen::VectorXd symmetricValues(const Eigen::MatrixXd& matrix);
+
+/// Of the tridiagonal matrix with `diagonal` (n) and `coupling` (n - 1) beside it.
+SymmetricParts tridiagonalParts(const Eigen::VectorXd& diagonal, const Eigen::VectorXd& coupling);
+
+/// Times a vector b it is the x of least length that minimises |matrix x - b|: parts below 1e-14 of the
+/// largest are left out.
+Eigen::Matrix3d pseudoInverse(const Eigen::Matrix3d& matrix);
+
+/// Up to 10 x 10 and 10, without an allocation.
+constexpr int kMostSmall = 10;
+using SmallMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kMostSmall, kMostSmall>;
+using SmallVector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kMostSmall, 1>;
+
+/// Of a small symmetric system, for each column of the right sides in place.
+void solveSmall(const SmallMatrix& matrix, Eigen::Ref<Eigen::MatrixXd> columns);
+
+// --- any matrices ------------------------------------------------------------------------------------------
+
+/// The factors of a square matrix, with exchanges of rows.
+class LuFactor {
+ public:
+  explicit LuFactor(const Eigen::MatrixXd& matrix);
+  ~LuFactor();
+  LuFactor(const LuFactor&) = delete;
+  LuFactor& operator=(const LuFactor&) = delete;
+
+  Eigen::MatrixXd solve(const Eigen::MatrixXd& right) const;
+  Eigen::MatrixXd inverse() const;
+
+ private:
+  std::unique_ptr<Eigen::PartialPivLU<Eigen::MatrixXd>> factors_;
+};
+
+/// The first `count` columns of an orthogonal matrix whose first ones span the same as those of the given one,
+/// which is no wider than high.
+Eigen::MatrixXd orthogonalColumns(const Eigen::MatrixXd& columns, Eigen::Index count);
+
+// --- sparse matrices ---------------------------------------------------------------------------------------
+
+/// P A P^T = L D L^T of a symmetric matrix A, with an order P that leaves few entries. There is no pivoting.
+struct SparseFactor {
+  Eigen::SparseMatrix<double> lower;  ///< L without its diagonal, which is 1
+  Eigen::VectorXd diagonal;           ///< D
+  Eigen::VectorXi place;              ///< which row of L belongs to a row of A
+  bool isComplete = false;            ///< false: a pivot was 0, and no solution is finite
+};
+
+/// Only the lower triangle of the matrix is read.
+SparseFactor factorise(const Eigen::SparseMatrix<double>& matrix);
+
+/// A^-1 b, for one vector or for columns of them.
+Eigen::VectorXd solve(const SparseFactor& factor, const Eigen::VectorXd& b);
+Eigen::MatrixXd solve(const SparseFactor& factor, const Eigen::MatrixXd& b);
+
+/// Solves  L D L^T x = b  in place, with several vectors side by side: rows are in the order of L.
+template <class Rows>
+void solveOrdered(const SparseFactor& factor, Rows&& x) {
+  using Entry = Eigen::SparseMatrix<double>::InnerIterator;
+  const Eigen::Index count = factor.lower.cols();
+  for (Eigen::Index j = 0; j < count; ++j)
+    for (Entry entry(factor.lower, j); entry; ++entry) x.row(entry.row()) -= entry.value() * x.row(j);
+  for (Eigen::Index j = 0; j < count; ++j) x.row(j) /= factor.diagonal[j];
+  for (Eigen::Index j = count; j-- > 0;)
+    for (Entry entry(factor.lower, j); entry; ++entry) x.row(j) -= entry.value() * x.row(entry.row());
+}
+
+// --- the largest eigenvalue --------------------------------------------------------------------------------
+
+/// A symmetric matrix as what it does to a vector.
+using SymmetricOperator = std::function<Eigen::VectorXd(const Eigen::VectorXd&)>;
+
+/// The largest eigenvalue (algebraically) of a symmetric matrix of `size` rows, by Lanczos iteration with
+/// full orthogonalisation from a seeded start, to a residual of `tolerance` times the eigenvalue; its error
+/// is about the square of that (Parlett 1998, chapter 11). 0 for no rows.
+double largestEigenvalue(const SymmetricOperator& multiply, Eigen::Index size, double tolerance = 1e-5);
+
+}  // namespace limber

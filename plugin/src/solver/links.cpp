@@ -1,0 +1,269 @@
+// SPDX-License-Identifier: Zlib
+// Moves rigid bodies, and computes what springs and anchors do to the bodies that they join.
+#include "solver/links.h"
+
+#include "solver/linear_algebra.h"
+#include "solver/springs.h"
+
+#include <Eigen/LU>
+
+#include <algorithm>
+#include <cmath>
+
+namespace limber {
+
+// --- rigid bodies ------------------------------------------------------------------------------------------
+
+void RigidState::kick(double dt) {
+  velocity += dt * (acceleration + force.cwiseProduct(inverseMass));
+  angularVelocity += dt * (angularAcceleration + inverseInertia * torque);
+}
+
+void RigidState::drift(double dt) {
+  position += dt * velocity;
+  rotation = (rotationBy(dt * angularVelocity) * rotation).normalized();
+  turn();
+}
+
+void RigidState::turn() {
+  const Eigen::Matrix3d r = rotation.toRotationMatrix();
+  inverseInertia = angularFactor.asDiagonal() * (r * inverseInertiaLocal.asDiagonal() * r.transpose());
+}
+
+Eigen::Quaterniond rotationBy(const Eigen::Vector3d& v) {
+  const double angle = v.norm();
+  // sin(x/2)/x by its series where dividing by x would lose digits
+  const double ratio = angle < 1e-4 ? 0.5 - angle * angle / 48.0 : std::sin(0.5 * angle) / angle;
+  const Eigen::Vector3d axis = ratio * v;
+  return Eigen::Quaterniond(std::cos(0.5 * angle), axis.x(), axis.y(), axis.z());
+}
+
+Eigen::Vector3d rotationBetween(const Eigen::Quaterniond& from, const Eigen::Quaterniond& to) {
+  Eigen::Quaterniond q = to * from.conjugate();
+  if (q.w() < 0.0) q.coeffs() = -q.coeffs();
+  const double sine = q.vec().norm();
+  const double ratio = sine < 1e-8 ? 2.0 : 2.0 * std::atan2(sine, q.w()) / sine;
+  return ratio * q.vec();
+}
+
+// --- links -------------------------------------------------------------------------------------------------
+
+namespace {
+
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+
+/// Anchors on one rigid body disturb each other; Gauss-Seidel over them ends when no velocity is wrong by more
+/// than this (m/s), or after the cap.
+constexpr double kAnchorTolerance = 1e-10;
+constexpr int kAnchorSweeps = 50;
+
+Vector3d arm(const LinkedBodies& bodies, const LinkEnd& end) {
+  return bodies.rigids[end.body].rotation * end.pivot;
+}
+
+Vector3d endVelocity(const LinkedBodies& bodies, const LinkEnd& end) {
+  switch (end.kind) {
+    case LinkEnd::Kind::Point:
+      return bodies.points[end.body]->velocity.col(end.point);
+    case LinkEnd::Kind::Rigid:
+      return bodies.rigids[end.body].velocityAt(arm(bodies, end));
+    case LinkEnd::Kind::World:
+      break;
+  }
+  return Vector3d::Zero();
+}
+
+void applyImpulse(LinkedBodies& bodies, const LinkEnd& end, const Vector3d& impulse) {
+  if (end.kind == LinkEnd::Kind::Point) {
+    PointState& p = *bodies.points[end.body];
+    p.velocity.col(end.point) += impulse.cwiseProduct(p.inverseMass.col(end.point));
+  } else if (end.kind == LinkEnd::Kind::Rigid) {
+    bodies.rigids[end.body].applyImpulse(impulse, arm(bodies, end));
+  }
+}
+
+void addForce(LinkedBodies& bodies, const LinkEnd& end, const Vector3d& force) {
+  if (end.kind == LinkEnd::Kind::Point) {
+    bodies.points[end.body]->force.col(end.point) += force;
+  } else if (end.kind == LinkEnd::Kind::Rigid) {
+    RigidState& rigid = bodies.rigids[end.body];
+    rigid.force += force;
+    rigid.torque += arm(bodies, end).cross(force);
+  }
+}
+
+/// The velocity change at the end per impulse there, 3 x 3.
+Matrix3d mobility(const LinkedBodies& bodies, const LinkEnd& end) {
+  if (end.kind == LinkEnd::Kind::World) return Matrix3d::Zero();
+  if (end.kind == LinkEnd::Kind::Point)
+    return bodies.points[end.body]->inverseMass.col(end.point).asDiagonal();
+  return bodies.rigids[end.body].mobilityAt(arm(bodies, end));
+}
+
+/// An upper bound of the mobility in any direction and at any rotation.
+double mobilityBound(const LinkedBodies& bodies, const LinkEnd& end) {
+  if (end.kind == LinkEnd::Kind::World) return 0.0;
+  if (end.kind == LinkEnd::Kind::Point) return bodies.points[end.body]->inverseMass.col(end.point).maxCoeff();
+  const RigidState& rigid = bodies.rigids[end.body];
+  return rigid.inverseMass.maxCoeff() + end.pivot.squaredNorm() * rigid.inverseInertiaLocal.maxCoeff();
+}
+
+double stiffest(const LinkSpring& s) { return std::max(s.extensionStiffness, s.compressionStiffness); }
+
+/// Where the node that an end is on has its sum.
+double& sumOf(LinkedBodies& bodies, const LinkEnd& end) {
+  const bool rigid = end.kind == LinkEnd::Kind::Rigid;
+  return bodies.stiffnessSums[rigid ? end.body : bodies.firstOfPoints[end.body] + end.point];
+}
+
+/// All sums 0.
+void clearSums(LinkedBodies& bodies) {
+  std::size_t count = bodies.rigids.size();
+  bodies.firstOfPoints.clear();
+  for (const PointState* points : bodies.points) {
+    bodies.firstOfPoints.push_back(count);
+    count += static_cast<std::size_t>(points->position.cols());
+  }
+  bodies.stiffnessSums.assign(count, 0.0);
+}
+
+void dampLink(LinkedBodies& bodies, const LinkSpring& s, double dt) {
+  const Vector3d& n = s.direction;
+  const double w = n.dot((mobility(bodies, s.a) + mobility(bodies, s.b)) * n);
+  const double speed = n.dot(endVelocity(bodies, s.b) - endVelocity(bodies, s.a));
+  const Vector3d impulse = dampingImpulse(s.damping, w, dt) * speed * n;
+  applyImpulse(bodies, s.a, impulse);
+  applyImpulse(bodies, s.b, -impulse);
+}
+
+/// Where the end will be after drifting for dt, as drift() does it.
+Vector3d driftedPosition(const LinkedBodies& bodies, const LinkEnd& end, double dt) {
+  if (end.kind != LinkEnd::Kind::Rigid) return endPosition(bodies, end) + dt * endVelocity(bodies, end);
+  const RigidState& rigid = bodies.rigids[end.body];
+  return rigid.position + dt * rigid.velocity + rotationBy(dt * rigid.angularVelocity) * arm(bodies, end);
+}
+
+/// Of the cube of a mobility's trace: with such a determinant its cofactors lose few digits.
+constexpr double kPlain = 1e-6;
+
+/// The inverse of a mobility; where both sides are held along an axis nothing can be done there.
+Matrix3d massAgainst(const Matrix3d& mobility) {
+  const double size = mobility.trace();
+  const bool isPlain = mobility.determinant() > kPlain * size * size * size;
+  return isPlain ? Matrix3d(mobility.inverse()) : pseudoInverse(mobility);
+}
+
+/// Of an error, per tick: as Bullet's joints (btContactSolverInfo::m_erp).
+constexpr double kRecoveryPerTick = 0.2;
+
+/// Of an error, per substep at most.
+constexpr double kRecoveryPerSubstep = 0.2;
+
+/// m/s; slower errors are those of solves and rounding, which may be taken back at once.
+constexpr double kSlowRecovery = 1e-3;
+
+}  // namespace
+
+Vector3d endPosition(const LinkedBodies& bodies, const LinkEnd& end) {
+  switch (end.kind) {
+    case LinkEnd::Kind::Point:
+      return bodies.points[end.body]->position.col(end.point);
+    case LinkEnd::Kind::Rigid:
+      return bodies.rigids[end.body].position + arm(bodies, end);
+    case LinkEnd::Kind::World:
+      break;
+  }
+  return end.pivot;
+}
+
+void addLinkForces(LinkedBodies& bodies) {
+  for (LinkSpring& s : bodies.springs) {
+    const Vector3d d = endPosition(bodies, s.b) - endPosition(bodies, s.a);
+    const SpringPull pull = springPull(d, s.restLength, s.extensionStiffness, s.compressionStiffness);
+    s.direction = pull.direction;
+    s.force = pull.force;
+    addForce(bodies, s.a, pull.force * pull.direction);
+    addForce(bodies, s.b, -pull.force * pull.direction);
+  }
+}
+
+void dampLinks(LinkedBodies& bodies, double dt, bool forward) {
+  const auto damp = [&](const LinkSpring& s) {
+    if (s.damping > 0.0) dampLink(bodies, s, dt);
+  };
+  if (forward)
+    std::for_each(bodies.springs.begin(), bodies.springs.end(), damp);
+  else
+    std::for_each(bodies.springs.rbegin(), bodies.springs.rend(), damp);
+}
+
+double linkFrequencyBoundSquared(LinkedBodies& bodies) {
+  if (bodies.springs.empty()) return 0.0;
+  clearSums(bodies);
+  const auto share = [&](const LinkEnd& end) { return std::sqrt(mobilityBound(bodies, end)); };
+  // places in the world do not move: springs there have nothing to do with each other
+  const auto moves = [](const LinkEnd& end) { return end.kind != LinkEnd::Kind::World; };
+  for (const LinkSpring& s : bodies.springs)
+    for (const LinkEnd* end : {&s.a, &s.b})
+      if (moves(*end)) sumOf(bodies, *end) += stiffest(s) * share(*end);
+  double bound = 0.0;
+  for (const LinkSpring& s : bodies.springs) {
+    double row = 0.0;
+    for (const LinkEnd* end : {&s.a, &s.b})
+      if (moves(*end)) row += share(*end) * sumOf(bodies, *end);
+    bound = std::max(bound, row);
+  }
+  return bound;
+}
+
+void turnAnchors(LinkedBodies& bodies) {
+  for (LinkAnchor& anchor : bodies.anchors)
+    anchor.mass = massAgainst(mobility(bodies, anchor.point) + mobility(bodies, anchor.pivot));
+}
+
+void aimAnchors(LinkedBodies& bodies, double dt, double tick) {
+  for (LinkAnchor& anchor : bodies.anchors) {
+    const Vector3d error = endPosition(bodies, anchor.point) - endPosition(bodies, anchor.pivot);
+    const double size = error.norm(), least = kSlowRecovery * dt;
+    const double share = std::max(kRecoveryPerTick * dt / tick, size > 0.0 ? least / size : 0.0);
+    // a held body goes where it is told to, and the point with it
+    const bool held = bodies.rigids[anchor.pivot.body].inverseMass.isZero(0.0);
+    anchor.apart = (1.0 - (held ? 1.0 : std::min(share, kRecoveryPerSubstep))) * error;
+  }
+}
+
+Vector3d speedError(const LinkedBodies& bodies, const LinkAnchor& anchor, double dt) {
+  if (dt == 0.0) return endVelocity(bodies, anchor.point) - endVelocity(bodies, anchor.pivot);
+  const Vector3d end = driftedPosition(bodies, anchor.point, dt) - driftedPosition(bodies, anchor.pivot, dt);
+  return (end - anchor.apart) / dt;
+}
+
+void bear(LinkedBodies& bodies, const LinkAnchor& anchor, const Vector3d& impulse) {
+  applyImpulse(bodies, anchor.point, impulse);
+  applyImpulse(bodies, anchor.pivot, -impulse);
+}
+
+void joinVelocities(LinkedBodies& bodies) {
+  turnAnchors(bodies);
+  for (int sweep = 0; sweep < kAnchorSweeps && !bodies.anchors.empty(); ++sweep) {
+    double largest = 0.0;
+    for (const LinkAnchor& anchor : bodies.anchors) {
+      const Vector3d error = speedError(bodies, anchor, 0.0);
+      bear(bodies, anchor, -(anchor.mass * error));
+      largest = std::max(largest, error.norm());
+    }
+    if (largest <= kAnchorTolerance) return;
+  }
+}
+
+double elasticEnergy(const LinkedBodies& bodies) {
+  double energy = 0.0;
+  for (const LinkSpring& s : bodies.springs) {
+    const double stretch = (endPosition(bodies, s.b) - endPosition(bodies, s.a)).norm() - s.restLength;
+    energy += 0.5 * stretch * stretch * (stretch > 0.0 ? s.extensionStiffness : s.compressionStiffness);
+  }
+  return energy;
+}
+
+}  // namespace limber

@@ -1,0 +1,141 @@
+// SPDX-License-Identifier: Zlib
+#pragma once
+
+// Springs and anchors between soft and rigid bodies, and the rigid bodies that they join.
+
+#include "solver/point_state.h"
+
+#include <Eigen/Geometry>
+
+#include <cstdint>
+#include <vector>
+
+namespace limber {
+
+// --- rigid bodies ------------------------------------------------------------------------------------------
+
+/// A rigid body that springs or anchors join to soft ones, carried along in their substeps.
+struct RigidState {
+  Eigen::Vector3d position = Eigen::Vector3d::Zero();  ///< m, of the centre of mass
+  Eigen::Quaterniond rotation = Eigen::Quaterniond::Identity();
+  Eigen::Vector3d velocity = Eigen::Vector3d::Zero();             ///< m/s
+  Eigen::Vector3d angularVelocity = Eigen::Vector3d::Zero();      ///< rad/s
+  Eigen::Vector3d acceleration = Eigen::Vector3d::Zero();         ///< m/s^2, constant over a tick
+  Eigen::Vector3d angularAcceleration = Eigen::Vector3d::Zero();  ///< rad/s^2, constant over a tick
+  Eigen::Vector3d inverseMass = Eigen::Vector3d::Zero();          ///< 1/kg per axis; 0: held or static
+  Eigen::Vector3d inverseInertiaLocal = Eigen::Vector3d::Zero();  ///< 1/(kg m^2), principal axes
+  Eigen::Vector3d angularFactor = Eigen::Vector3d::Ones();        ///< 0 locks a world axis
+  Eigen::Vector3d force = Eigen::Vector3d::Zero();                ///< N, from springs
+  Eigen::Vector3d torque = Eigen::Vector3d::Zero();               ///< N m, from springs
+  Eigen::Matrix3d inverseInertia = Eigen::Matrix3d::Zero();  ///< 1/(kg m^2), about world axes, see turn()
+
+  /// Makes inverseInertia that of the present rotation. Call it once the fields above are set; drift() does.
+  void turn();
+
+  void kick(double dt);
+  void drift(double dt);
+
+  /// Adds an impulse (N s) at `arm` (m) from the centre of mass.
+  void applyImpulse(const Eigen::Vector3d& impulse, const Eigen::Vector3d& arm) {
+    velocity += impulse.cwiseProduct(inverseMass);
+    angularVelocity += inverseInertia * arm.cross(impulse);
+  }
+
+  Eigen::Vector3d velocityAt(const Eigen::Vector3d& arm) const {
+    return velocity + angularVelocity.cross(arm);
+  }
+
+  /// 1/kg, 3 x 3: the velocity change at `arm` per impulse there.
+  Eigen::Matrix3d mobilityAt(const Eigen::Vector3d& arm) const {
+    Eigen::Matrix3d cross;
+    cross << 0, -arm.z(), arm.y(), arm.z(), 0, -arm.x(), -arm.y(), arm.x(), 0;
+    Eigen::Matrix3d m = -cross * inverseInertia * cross;
+    m.diagonal() += inverseMass;
+    return m;
+  }
+};
+
+/// The rotation by |v| radians about v.
+Eigen::Quaterniond rotationBy(const Eigen::Vector3d& v);
+
+/// The vector of the rotation that leads from `from` to `to`, at most pi long.
+Eigen::Vector3d rotationBetween(const Eigen::Quaterniond& from, const Eigen::Quaterniond& to);
+
+// --- links -------------------------------------------------------------------------------------------------
+
+/// A place a link holds on to: a point mass of a soft body, a pivot on a rigid body, or a place in the world.
+struct LinkEnd {
+  enum class Kind : std::uint8_t { Point, Rigid, World } kind = Kind::World;
+  std::uint32_t body = 0;                           ///< index into the group's points or rigids
+  std::uint32_t point = 0;                          ///< of a Point
+  Eigen::Vector3d pivot = Eigen::Vector3d::Zero();  ///< m; local to a Rigid, in world coordinates for World
+};
+
+/// A single spring between two ends, as SpringSettings describes it.
+struct LinkSpring {
+  LinkEnd a, b;
+  double restLength = 0.0, extensionStiffness = 0.0, compressionStiffness = 0.0, damping = 0.0;
+  Eigen::Vector3d direction = Eigen::Vector3d::Zero();  ///< from a to b, 0 while slack
+  double force = 0.0;                                   ///< N, above 0 pulls
+};
+
+/// A point mass that moves with a pivot on a rigid body.
+struct LinkAnchor {
+  LinkEnd point;  ///< of kind Point
+  LinkEnd pivot;  ///< of kind Rigid
+  Eigen::Vector3d stopping = Eigen::Vector3d::Zero();  ///< N s on the point in the present substep, before its
+  Eigen::Vector3d settling = Eigen::Vector3d::Zero();  ///< drift and after it; to begin with, a guess
+
+  // Written by the step.
+  Eigen::Vector3d apart = Eigen::Vector3d::Zero();  ///< m, of the point from the pivot after the drift
+  Eigen::Matrix3d mass = Eigen::Matrix3d::Zero();   ///< kg, impulse on the point per velocity
+  Eigen::Vector3d direction = Eigen::Vector3d::Zero(), change = Eigen::Vector3d::Zero();  ///< scratch
+};
+
+/// Soft and rigid bodies that links join, stepped together.
+struct LinkedBodies {
+  std::vector<PointState*> points;
+  std::vector<RigidState> rigids;
+  std::vector<LinkSpring> springs;
+  std::vector<LinkAnchor> anchors;
+
+  // Scratch of linkFrequencyBoundSquared.
+  std::vector<double> stiffnessSums;       ///< #rigids, then #points of all
+  std::vector<std::size_t> firstOfPoints;  ///< #points, of each in there
+};
+
+/// Adds the force of every link to both its ends and keeps its direction.
+void addLinkForces(LinkedBodies& bodies);
+
+/// Applies the link dampers for `dt` seconds, see dampingImpulse().
+void dampLinks(LinkedBodies& bodies, double dt, bool forward);
+
+/// rad^2/s^2: the links' share of the fastest oscillation (frequencyBoundSquared, with the inverse mass of a
+/// rigid body at a pivot, 1/m + |r|^2 / smallest inertia).
+double linkFrequencyBoundSquared(LinkedBodies& bodies);
+
+/// Makes the anchors' masses those of the present rotation of the rigid bodies.
+void turnAnchors(LinkedBodies& bodies);
+
+/// Sets what is to be left of the anchors' errors after a drift of `dt` in a tick of that length (s). They are
+/// taken back slowly: the way that Bullet has moved a body by in a tick would, taken back in a substep, become
+/// a speed as many times higher as there are substeps in a tick.
+void aimAnchors(LinkedBodies& bodies, double dt, double tick);
+
+/// m/s of the point relative to the pivot, less what it may be: so that after drifting for `dt` they are
+/// `apart` (SHAKE); with dt = 0 so that their velocities agree (RATTLE; Andersen 1983).
+Eigen::Vector3d speedError(const LinkedBodies& bodies, const LinkAnchor& anchor, double dt);
+
+/// An impulse on the point and its opposite on the rigid body.
+void bear(LinkedBodies& bodies, const LinkAnchor& anchor, const Eigen::Vector3d& impulse);
+
+/// Makes the velocities of points and pivots agree, whatever else the bodies meet.
+void joinVelocities(LinkedBodies& bodies);
+
+/// World position (m) of an end.
+Eigen::Vector3d endPosition(const LinkedBodies& bodies, const LinkEnd& end);
+
+/// J stored in the links.
+double elasticEnergy(const LinkedBodies& bodies);
+
+}  // namespace limber

@@ -1,0 +1,183 @@
+// SPDX-License-Identifier: Zlib
+// Solves contacts in a substep of the implicit midpoint rule.
+#include "solver/implicit_step.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace limber {
+namespace {
+
+constexpr int kMostLoadSweeps = 50;
+
+/// Of the radius: how deep a way must lead into a surface that is not followed to be solved for again.
+constexpr double kThrough = 0.01;
+
+/// m: how far below its surface the row's point may end, at most 0.
+double allowedGap(const ContactRow& row, const Eigen::Vector3d& start, const ContactSpan& span) {
+  const double gap = row.normal.dot(start - row.touch - span.time * row.surfaceVelocity);
+  return gap >= 0.0 ? 0.0 : gap + std::min(-kRecovery * gap, row.recoverySpeed * span.duration);
+}
+
+/// The columns of W that belong to a touched point: each costs a solution for the whole body.
+void computeResponse(MidpointContacts& c, MidpointSolver& solver, Eigen::Index place) {
+  char& responds = c.responds[static_cast<std::size_t>(place)];
+  if (responds) return;
+  responds = 1;
+  const auto count = static_cast<Eigen::Index>(c.touched.size());
+  const std::uint32_t point = c.touched[static_cast<std::size_t>(place)];
+  for (Eigen::Index axis = 0; axis < 3; ++axis) {
+    if (!(solver.inverseMass(axis, point) > 0.0)) continue;
+    c.unit.setZero();
+    c.unit(axis, point) = 1.0;
+    solve(solver, c.unit);
+    for (Eigen::Index r = 0; r < count; ++r)
+      c.response.block<3, 1>(3 * r, 3 * place + axis) = c.unit.col(c.touched[static_cast<std::size_t>(r)]);
+  }
+}
+
+/// Corrects the load of row r, whose point goes from `start` to `end`; returns by how far (m) it was off.
+double solveRow(MidpointContacts& c, MidpointSolver& solver, std::size_t r, const Eigen::Vector3d& start,
+                const Eigen::Vector3d& end, const ContactSpan& span) {
+  const ContactRow& row = (*c.rows)[r];
+  const auto at = static_cast<Eigen::Index>(r);
+  const Eigen::Index place = 3 * c.place[r];
+  const Eigen::Vector3d before = c.load.col(at) + c.change.col(at);
+  const Eigen::Vector3d surface = row.touch + (span.time + span.duration) * row.surfaceVelocity;
+  const double gap = row.normal.dot(end - surface) - allowedGap(row, start, span);
+  if (gap >= 0.0 && before.isZero(0.0)) return 0.0;
+  computeResponse(c, solver, c.place[r]);
+  const double mobility = span.reach * row.normal.dot(c.response.block<3, 3>(place, place) * row.normal);
+  if (!(mobility > 0.0)) return 0.0;
+  const double normal = std::max(0.0, row.normal.dot(before) - gap / mobility);
+  const Eigen::Vector3d slip = end - start - span.duration * row.surfaceVelocity;
+  const Eigen::Vector3d sliding = slip - row.normal.dot(slip) * row.normal;
+  Eigen::Vector3d tangential = before - row.normal.dot(before) * row.normal - sliding / mobility;
+  const double most = row.friction * normal, size = tangential.norm();
+  if (size > most) tangential *= most > 0.0 ? most / size : 0.0;
+  const Eigen::Vector3d correction = normal * row.normal + tangential - before;
+  c.change.col(at) += correction;
+  c.changeAt.segment<3>(place) += correction;
+  return mobility * correction.norm();
+}
+
+/// Loads that slide are on their cone but for so much of it: rounding must not make them stick.
+constexpr double kOnCone = 1e-9;
+
+bool leadsThrough(const ContactRow& row, const Eigen::Vector3d& start, const Eigen::Vector3d& end,
+                  const ContactSpan& span) {
+  if (!row.around || row.away) return false;
+  const double gap = row.normal.dot(end - row.touch);
+  return gap < allowedGap(row, start, span) - kThrough * row.around->radius;
+}
+
+}  // namespace
+
+void startSubstep(MidpointContacts& c, std::vector<ContactRow>* rows, Eigen::Index points, double enough) {
+  constexpr Eigen::Index kStep = 8;
+  c.enough = enough;
+  c.rows = rows;
+  c.count = static_cast<Eigen::Index>(rows ? rows->size() : 0);
+  c.touched.clear();
+  c.place.clear();
+  for (Eigen::Index r = 0; r < c.count; ++r) {
+    const std::uint32_t point = (*rows)[static_cast<std::size_t>(r)].point;
+    if (c.touched.empty() || c.touched.back() != point) c.touched.push_back(point);
+    c.place.push_back(static_cast<Eigen::Index>(c.touched.size()) - 1);
+  }
+  const auto roomFor = [](Eigen::Index n) { return (n + kStep - 1) / kStep * kStep; };
+  if (c.count > c.load.cols()) {
+    c.load.resize(3, roomFor(c.count));
+    c.change.resize(3, roomFor(c.count));
+    c.impulseBefore.resize(static_cast<std::size_t>(roomFor(c.count)));
+  }
+  if (const auto touched = static_cast<Eigen::Index>(c.touched.size()); 3 * touched > c.changeAt.size()) {
+    c.changeAt.resize(3 * roomFor(touched));
+    c.response.resize(3 * roomFor(touched), 3 * roomFor(touched));
+    c.responds.reserve(static_cast<std::size_t>(roomFor(touched)));
+    c.unit.resize(3, points);
+  }
+  c.load.setZero();
+  c.change.setZero();
+  for (std::size_t r = 0; rows && r < rows->size(); ++r) c.impulseBefore[r] = (*rows)[r].impulse;
+}
+
+void forgetResponse(MidpointContacts& c) {
+  const auto size = 3 * static_cast<Eigen::Index>(c.touched.size());
+  c.response.topLeftCorner(size, size).setZero();
+  c.responds.assign(c.touched.size(), 0);
+}
+
+void solveLoads(MidpointContacts& c, MidpointSolver& solver, const Points& found, const Points& start,
+                const ContactSpan& span) {
+  const auto size = 3 * static_cast<Eigen::Index>(c.touched.size());
+  c.change.setZero();
+  c.changeAt.setZero();
+  for (int sweep = 0; sweep < kMostLoadSweeps; ++sweep) {
+    double largest = 0.0;
+    for (std::size_t r = 0; r < c.rows->size(); ++r) {
+      const ContactRow& row = (*c.rows)[r];
+      if (row.away) continue;
+      const Eigen::Vector3d moved = c.response.block(3 * c.place[r], 0, 3, size) * c.changeAt.head(size);
+      const Eigen::Vector3d x0 = start.col(row.point);
+      const Eigen::Vector3d end = x0 + span.reach * (found.col(row.point) + moved - x0);
+      largest = std::max(largest, solveRow(c, solver, r, x0, end, span));
+    }
+    if (largest <= c.enough) return;
+  }
+}
+
+bool followWay(MidpointContacts& c, const Points& found, const PointView& start, const ContactSpan& span) {
+  std::vector<ContactRow>& rows = *c.rows;
+  c.trial = rows;
+  bool through = false;
+  for (std::size_t begin = 0, end = 0; begin < rows.size(); begin = end) {
+    const std::uint32_t point = rows[begin].point;
+    bool follows = false;
+    for (; end < rows.size() && rows[end].point == point; ++end) follows = follows || rows[end].around;
+    if (!follows) continue;
+    const Eigen::Vector3d x = start.positionOf(point), way = span.reach * (found.col(point) - x);
+    followSurface(&c.trial[begin], end - begin, start, way, 0.0);
+    for (std::size_t r = begin; r < end; ++r) through = through || leadsThrough(c.trial[r], x, x + way, span);
+  }
+  if (!through) return false;
+  std::copy(c.trial.begin(), c.trial.end(), rows.begin());
+  c.load.setZero();
+  return true;
+}
+
+bool bears(const MidpointContacts& c) { return !c.load.leftCols(c.count).isZero(0.0); }
+
+void addLoads(const MidpointContacts& c, const Points& loads, Points& rightHandSide) {
+  for (std::size_t r = 0; r < c.rows->size(); ++r)
+    rightHandSide.col((*c.rows)[r].point) += loads.col(static_cast<Eigen::Index>(r));
+}
+
+void settle(MidpointContacts& c, PointState& state, const ContactSpan& span) {
+  // F = 4 / h^2 l acts for the span, which is reach h/2 long
+  const double impulsePerLoad = span.reach * span.reach / span.duration;
+  for (std::size_t r = 0; r < c.rows->size(); ++r) {
+    ContactRow& row = (*c.rows)[r];
+    const Eigen::Vector3d load = c.load.col(static_cast<Eigen::Index>(r));
+    const double normal = row.normal.dot(load);
+    row.touching = normal > 0.0;
+    row.impulse.add(impulsePerLoad * load, row.normal, impulsePerLoad * normal);
+    if (!row.touching) continue;
+    // the midpoint rule's end velocity 2 v_m - v0 of a point that was stopped would throw it back
+    const Eigen::Vector3d relative = state.velocity.col(row.point) - row.surfaceVelocity;
+    const double mobility = state.inverseMass.col(row.point).maxCoeff(), speed = row.normal.dot(relative);
+    // not more than the surface has pushed: it does not pull
+    const double back = std::min(speed, mobility * impulsePerLoad * normal);
+    const bool sticks = (load - normal * row.normal).norm() < (1.0 - kOnCone) * row.friction * normal;
+    const Eigen::Vector3d along = back * row.normal;
+    const Eigen::Vector3d stopped = sticks ? Eigen::Vector3d(relative - speed * row.normal + along) : along;
+    row.impulse.add(-stopped / mobility, row.normal, -back / mobility);
+    state.velocity.col(row.point) -= stopped;
+  }
+}
+
+void undo(MidpointContacts& c) {
+  for (std::size_t r = 0; c.rows && r < c.rows->size(); ++r) (*c.rows)[r].impulse = c.impulseBefore[r];
+}
+
+}  // namespace limber

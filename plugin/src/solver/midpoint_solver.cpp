@@ -1,0 +1,340 @@
+// SPDX-License-Identifier: Zlib
+// Assembles, factorises and solves the linear systems of the implicit midpoint rule.
+#include "solver/midpoint_solver.h"
+
+#include <algorithm>
+
+namespace limber {
+
+// --- banded matrices ---------------------------------------------------------------------------------------
+
+void factorise(BandedMatrix& matrix) {
+  Eigen::MatrixXd& a = matrix.band;
+  const Eigen::Index size = matrix.size(), width = matrix.width();
+  for (Eigen::Index j = 0; j < size; ++j) {
+    const Eigen::Index below = std::min(width, size - 1 - j);
+    if (!(a(0, j) > 0.0)) a(0, j) = 1.0;
+    // columns j + k lose l_k d l^T; l is column j divided by its pivot d
+    for (Eigen::Index k = 1; k <= below; ++k) {
+      const double factor = a(k, j) / a(0, j);
+      if (factor != 0.0) a.col(j + k).head(below - k + 1) -= factor * a.col(j).segment(k, below - k + 1);
+    }
+    a.col(j).segment(1, below) /= a(0, j);
+  }
+}
+
+void solve(const BandedMatrix& factors, Eigen::Ref<Eigen::VectorXd> b) {
+  const Eigen::MatrixXd& a = factors.band;
+  const Eigen::Index size = factors.size(), width = factors.width();
+  for (Eigen::Index j = 0; j < size; ++j) {
+    const Eigen::Index below = std::min(width, size - 1 - j);
+    b.segment(j + 1, below) -= b[j] * a.col(j).segment(1, below);
+  }
+  for (Eigen::Index j = size; j-- > 0;) {
+    const Eigen::Index below = std::min(width, size - 1 - j);
+    b[j] = b[j] / a(0, j) - a.col(j).segment(1, below).dot(b.segment(j + 1, below));
+  }
+}
+
+namespace {
+
+using Neighbours = std::vector<std::vector<std::uint32_t>>;
+
+Neighbours neighboursOf(const SpringArrays& springs, std::size_t points) {
+  Neighbours neighbours(points);
+  for (std::size_t s = 0; s < springs.size(); ++s) {
+    neighbours[springs.a[s]].push_back(springs.b[s]);
+    neighbours[springs.b[s]].push_back(springs.a[s]);
+  }
+  const auto fewer = [&](std::uint32_t a, std::uint32_t b) {
+    return neighbours[a].size() != neighbours[b].size() ? neighbours[a].size() < neighbours[b].size() : a < b;
+  };
+  Neighbours sorted = neighbours;
+  for (auto& list : sorted) std::sort(list.begin(), list.end(), fewer);
+  return sorted;
+}
+
+/// Appends the points that can be reached from `start`, nearest first.
+void visitFrom(std::uint32_t start, const Neighbours& neighbours, std::vector<unsigned char>& seen,
+               std::vector<std::uint32_t>& order) {
+  std::size_t next = order.size();
+  order.push_back(start);
+  seen[start] = 1;
+  for (; next < order.size(); ++next)
+    for (const std::uint32_t i : neighbours[order[next]])
+      if (!seen[i]) {
+        seen[i] = 1;
+        order.push_back(i);
+      }
+}
+
+/// The point of a component from which the others are farthest, found by going to the far end twice.
+std::uint32_t farEnd(std::uint32_t start, const Neighbours& neighbours) {
+  for (int pass = 0; pass < 2; ++pass) {
+    std::vector<unsigned char> seen(neighbours.size(), 0);
+    std::vector<std::uint32_t> order;
+    visitFrom(start, neighbours, seen, order);
+    start = order.back();
+  }
+  return start;
+}
+
+}  // namespace
+
+std::vector<std::uint32_t> bandOrder(const SpringArrays& springs, std::size_t points) {
+  const Neighbours neighbours = neighboursOf(springs, points);
+  std::vector<unsigned char> seen(points, 0);
+  std::vector<std::uint32_t> order;
+  for (std::uint32_t i = 0; i < points; ++i)
+    if (!seen[i]) visitFrom(farEnd(i, neighbours), neighbours, seen, order);
+  std::vector<std::uint32_t> place(points);
+  for (std::uint32_t k = 0; k < points; ++k) place[order[k]] = static_cast<std::uint32_t>(points) - 1 - k;
+  return place;
+}
+
+std::size_t bandWidth(const SpringArrays& springs, const std::vector<std::uint32_t>& place) {
+  std::size_t width = 0;
+  for (std::size_t s = 0; s < springs.size(); ++s) {
+    const auto a = place[springs.a[s]], b = place[springs.b[s]];
+    width = std::max<std::size_t>(width, a > b ? a - b : b - a);
+  }
+  return width;
+}
+
+// --- the matrix that bodies share --------------------------------------------------------------------------
+
+namespace {
+
+/// kg: what the damper of spring s adds to the matrix of the midpoint rule, h/2 c (1 + beta).
+double dampingWeight(const SpringArrays& springs, const Points& inverseMass, std::size_t s, double h) {
+  const double c = springs.damping[s];
+  return 0.5 * h * c * (1.0 + lookAhead(c, inverseMassesOf(springs, inverseMass, s), h));
+}
+
+using Sparse = Eigen::SparseMatrix<double>;
+
+bool equal(const Sparse& a, const Sparse& b) {
+  if (a.rows() != b.rows() || a.nonZeros() != b.nonZeros()) return false;
+  const auto count = static_cast<std::size_t>(a.nonZeros());
+  return std::equal(a.valuePtr(), a.valuePtr() + count, b.valuePtr()) &&
+         std::equal(a.innerIndexPtr(), a.innerIndexPtr() + count, b.innerIndexPtr()) &&
+         std::equal(a.outerIndexPtr(), a.outerIndexPtr() + a.cols() + 1, b.outerIndexPtr());
+}
+
+std::shared_ptr<const SharedFactor> makeFactor(Sparse matrix) {
+  auto shared = std::make_shared<SharedFactor>();
+  shared->factor = factorise(matrix);
+  shared->matrix = std::move(matrix);
+  return shared;
+}
+
+using Entries = std::vector<Eigen::Triplet<double>>;
+
+/// Adds  weight (e_a - e_b)(e_a - e_b)^T,  without what belongs to held points.
+void join(std::uint32_t a, std::uint32_t b, double weight, const Points& inverseMass, Entries& entries) {
+  const bool heldA = isHeld(inverseMass, a), heldB = isHeld(inverseMass, b);
+  if (!heldA) entries.emplace_back(a, a, weight);
+  if (!heldB) entries.emplace_back(b, b, weight);
+  if (heldA || heldB) return;
+  entries.emplace_back(a, b, -weight);
+  entries.emplace_back(b, a, -weight);
+}
+
+void joinCorners(const TetrahedronVolumes& v, const Points& inverseMass, double h, Entries& entries) {
+  for (std::size_t t = 0; t < v.tetrahedra.size(); ++t) {
+    const Eigen::Array4d squares = v.restGradientSquares.col(static_cast<Eigen::Index>(t));
+    const double factor = 0.25 * h * h * v.modulus / v.restVolume[t];
+    for (Eigen::Index i = 0; i < 4; ++i)
+      for (Eigen::Index j = 0; j < i; ++j)
+        join(v.tetrahedra[t][static_cast<std::size_t>(i)], v.tetrahedra[t][static_cast<std::size_t>(j)],
+             0.25 * factor * (2.0 * squares.sum() - squares[i] - squares[j]), inverseMass, entries);
+  }
+}
+
+/// A for substeps of h seconds.
+Sparse midpointMatrix(const ElasticParts& parts, const Points& inverseMass, double h) {
+  Entries entries;
+  const SpringArrays& springs = parts.springs;
+  for (std::uint32_t i = 0; i < inverseMass.cols(); ++i)
+    entries.emplace_back(i, i, isHeld(inverseMass, i) ? 1.0 : massOf(inverseMass, i));
+  for (std::size_t s = 0; s < springs.size(); ++s) {
+    const double k = std::max(springs.extensionStiffness[s], springs.compressionStiffness[s]);
+    const double weight = 0.25 * h * h * k + dampingWeight(springs, inverseMass, s, h);
+    join(springs.a[s], springs.b[s], weight, inverseMass, entries);
+  }
+  if (parts.tetrahedra) joinCorners(*parts.tetrahedra, inverseMass, h, entries);
+  Sparse matrix(inverseMass.cols(), inverseMass.cols());
+  matrix.setFromTriplets(entries.begin(), entries.end());
+  return matrix;
+}
+
+}  // namespace
+
+void SharedFactor::solve(Points& b, Points& scratch) const {
+  for (Eigen::Index i = 0; i < b.cols(); ++i) scratch.col(factor.place[i]) = b.col(i);
+  solveOrdered(factor, scratch.transpose());
+  for (Eigen::Index i = 0; i < b.cols(); ++i) b.col(i) = scratch.col(factor.place[i]);
+}
+
+std::shared_ptr<const SharedFactor> SharedFactors::get(Sparse matrix) {
+  known_.erase(std::remove_if(known_.begin(), known_.end(), [](const auto& f) { return f.expired(); }),
+               known_.end());
+  for (const auto& known : known_)
+    if (auto factor = known.lock(); factor && equal(factor->matrix, matrix)) return factor;
+  auto factor = makeFactor(std::move(matrix));
+  known_.push_back(factor);
+  return factor;
+}
+
+// --- the system of an iteration ----------------------------------------------------------------------------
+
+namespace {
+
+void prepareBanded(MidpointSolver& solver, const SpringArrays& springs) {
+  const auto points = static_cast<std::size_t>(solver.inverseMass.cols());
+  if (solver.place.size() != points) {
+    solver.place = bandOrder(springs, points);
+    const auto width = 3 * static_cast<Eigen::Index>(bandWidth(springs, solver.place)) + 2;
+    solver.banded.resize(static_cast<Eigen::Index>(3 * points), width);
+    solver.ordered.resize(static_cast<Eigen::Index>(3 * points));
+  }
+}
+
+/// h^2/4 times the stiffness of spring s plus its damping weight, 3 x 3.
+Eigen::Matrix3d springBlock(const MidpointSolver& solver, const SpringArrays& springs, std::size_t s,
+                            const Points& damperDirection, const Points& position) {
+  const Eigen::Vector3d m = damperDirection.col(static_cast<Eigen::Index>(s));
+  const Eigen::Vector3d n = springs.direction.col(static_cast<Eigen::Index>(s));
+  const double length = (position.col(springs.b[s]) - position.col(springs.a[s])).norm();
+  const double stretch = length - springs.restLength[s];
+  const double k = stretch > 0.0 ? springs.extensionStiffness[s] : springs.compressionStiffness[s];
+  const double stiffness = 0.25 * solver.substep * solver.substep * k;
+  const double sideways = length > 0.0 ? stiffness * std::max(0.0, stretch / length) : 0.0;
+  const Eigen::Matrix3d along = n * n.transpose();
+  return stiffness * along + solver.dampingWeights[s] * m * m.transpose() +
+         sideways * (Eigen::Matrix3d::Identity() - along);
+}
+
+void addBlock(BandedMatrix& matrix, std::uint32_t rowPlace, std::uint32_t columnPlace,
+              const Eigen::Matrix3d& block) {
+  const Eigen::Index row = 3 * Eigen::Index{rowPlace}, column = 3 * Eigen::Index{columnPlace};
+  for (Eigen::Index i = 0; i < 3; ++i)
+    for (Eigen::Index j = 0; j < 3; ++j)
+      if (row + i >= column + j) matrix.at(row + i, column + j) += block(i, j);
+}
+
+/// Adds the block of a row of one point and the columns of another, above or below the diagonal; nothing if
+/// either is held.
+void addFree(MidpointSolver& solver, std::uint32_t rowPoint, std::uint32_t columnPoint,
+             const Eigen::Matrix3d& block) {
+  if (isHeld(solver.inverseMass, rowPoint) || isHeld(solver.inverseMass, columnPoint)) return;
+  const std::uint32_t row = solver.place[rowPoint], column = solver.place[columnPoint];
+  if (row >= column)
+    addBlock(solver.banded, row, column, block);
+  else
+    addBlock(solver.banded, column, row, block.transpose());
+}
+
+void addMasses(MidpointSolver& solver) {
+  for (Eigen::Index i = 0; i < solver.inverseMass.cols(); ++i)
+    for (Eigen::Index c = 0; c < 3; ++c) {
+      const Eigen::Index row = 3 * Eigen::Index{solver.place[static_cast<std::size_t>(i)]} + c;
+      solver.banded.at(row, row) = isHeld(solver.inverseMass, i) ? 1.0 : massOf(solver.inverseMass, i);
+    }
+}
+
+void addTetrahedra(MidpointSolver& solver, const TetrahedronVolumes& tetrahedra, const Points& position) {
+  for (std::size_t t = 0; t < tetrahedra.tetrahedra.size(); ++t) {
+    const TetrahedronSlope slope = tetrahedronSlope(tetrahedra, t, position);
+    const double stiffness = 0.25 * solver.substep * solver.substep * slope.stiffness;
+    if (stiffness == 0.0) continue;
+    const Tetrahedron& corner = tetrahedra.tetrahedra[t];
+    for (Eigen::Index i = 0; i < 4; ++i)
+      for (Eigen::Index j = 0; j <= i; ++j)
+        addFree(solver, corner[static_cast<std::size_t>(i)], corner[static_cast<std::size_t>(j)],
+                stiffness * slope.gradient.col(i) * slope.gradient.col(j).transpose());
+  }
+}
+
+/// Without the volume term.
+void solvePlain(MidpointSolver& solver, Points& b) {
+  if (solver.kind == MidpointSolver::Kind::Shared) return solver.shared->solve(b, solver.scratch);
+  for (Eigen::Index i = 0; i < b.cols(); ++i)
+    solver.ordered.segment<3>(3 * Eigen::Index{solver.place[static_cast<std::size_t>(i)]}) = b.col(i);
+  solve(solver.banded, solver.ordered);
+  for (Eigen::Index i = 0; i < b.cols(); ++i)
+    b.col(i) = solver.ordered.segment<3>(3 * Eigen::Index{solver.place[static_cast<std::size_t>(i)]});
+}
+
+}  // namespace
+
+void prepare(MidpointSolver& solver, const ElasticParts& parts, const Points& inverseMass, double h,
+             SharedFactors& factors) {
+  const SpringArrays& springs = parts.springs;
+  const bool same = solver.substep == h && solver.revision == springs.revision &&
+                    solver.inverseMass.cols() == inverseMass.cols() && solver.inverseMass == inverseMass;
+  const bool shared = solver.kind == MidpointSolver::Kind::Shared;
+  if (same && (shared ? solver.shared != nullptr : !solver.place.empty())) return;
+  solver.substep = h;
+  solver.revision = springs.revision;
+  solver.inverseMass = inverseMass;
+  solver.scratch.resize(3, inverseMass.cols());
+  solver.dampingWeights.resize(springs.size());
+  for (std::size_t s = 0; s < springs.size(); ++s)
+    solver.dampingWeights[s] = dampingWeight(springs, solver.inverseMass, s, h);
+  if (shared)
+    solver.shared = factors.get(midpointMatrix(parts, inverseMass, h));
+  else
+    prepareBanded(solver, springs);
+}
+
+void update(MidpointSolver& solver, const ElasticParts& parts, const Points& damperDirection,
+            const Points& position) {
+  if (solver.kind == MidpointSolver::Kind::Shared) return;
+  const SpringArrays& springs = parts.springs;
+  BandedMatrix& matrix = solver.banded;
+  matrix.band.setZero();
+  addMasses(solver);
+  for (std::size_t s = 0; s < springs.size(); ++s) {
+    const auto a = springs.a[s], b = springs.b[s];
+    const Eigen::Matrix3d block = springBlock(solver, springs, s, damperDirection, position);
+    addFree(solver, a, a, block);
+    addFree(solver, b, b, block);
+    addFree(solver, a, b, -block);
+  }
+  if (parts.tetrahedra) addTetrahedra(solver, *parts.tetrahedra, position);
+  factorise(matrix);
+}
+
+void updateVolumes(MidpointSolver& solver, const VolumeArrays& volumes, const PointState& state) {
+  VolumeUpdate& u = solver.volumes;
+  const std::size_t count = volumes.restVolume.size();
+  u.gradient.resize(count);
+  u.response.resize(count);
+  u.inner.resize(static_cast<Eigen::Index>(count), static_cast<Eigen::Index>(count));
+  u.inner.setZero();
+  for (std::size_t c = 0; c < count; ++c) {
+    const VolumeSlope slope = volumeSlope(volumes, c, state, u.gradient[c]);
+    const double d = 0.25 * solver.substep * solver.substep * slope.stiffness;
+    if (d == 0.0) u.gradient[c].setZero();
+    u.inner(static_cast<Eigen::Index>(c), static_cast<Eigen::Index>(c)) = d == 0.0 ? 1.0 : 1.0 / d;
+    u.response[c] = u.gradient[c];
+    solvePlain(solver, u.response[c]);
+  }
+  for (std::size_t c = 0; c < count; ++c)
+    for (std::size_t e = 0; e < count; ++e)
+      u.inner(static_cast<Eigen::Index>(c), static_cast<Eigen::Index>(e)) +=
+          dot(u.gradient[c], u.response[e]);
+}
+
+void solve(MidpointSolver& solver, Points& b) {
+  solvePlain(solver, b);
+  const VolumeUpdate& u = solver.volumes;
+  if (u.gradient.empty()) return;
+  SmallVector y(u.inner.rows());
+  for (std::size_t c = 0; c < u.gradient.size(); ++c) y[static_cast<Eigen::Index>(c)] = dot(u.gradient[c], b);
+  solveSmall(u.inner, y);
+  for (std::size_t c = 0; c < u.gradient.size(); ++c) b -= y[static_cast<Eigen::Index>(c)] * u.response[c];
+}
+
+}  // namespace limber

@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: Zlib
+#pragma once
+
+// What the sweeps do over and over with one row.
+
+#include "solver/pair_contacts.h"
+
+namespace limber {
+
+struct Motion {
+  double x = 0.0, y = 0.0, z = 0.0;
+};
+
+/// m/s, of side a relative to b without the turning of rigid bodies.
+inline Motion motionOf(const PairRows& rows, const PairRow& row) {
+  Motion m;
+  for (std::uint32_t i = row.firstPoint; i < row.endPoint; ++i) {
+    const RowPoint& p = rows.points[i];
+    m.x += p.share * p.velocity[0];
+    m.y += p.share * p.velocity[1];
+    m.z += p.share * p.velocity[2];
+  }
+  return m;
+}
+
+inline double along(const double* axis, const Motion& m) {
+  return axis[0] * m.x + axis[1] * m.y + axis[2] * m.z;
+}
+
+inline Motion turnOf(const RowTurn& turn) {
+  const Eigen::Vector3d& w = turn.body->angularVelocity;
+  return {w.x(), w.y(), w.z()};
+}
+
+/// m/s across, of what the points' speeds along the normal add at their levers.
+inline RowVector leverSpeeds(const PairRows& rows, const PairRow& row) {
+  RowVector speeds;
+  for (std::uint32_t i = row.firstPoint; i < row.endPoint; ++i) {
+    const double* v = rows.points[i].velocity;
+    const double speed = along(row.axes[0], {v[0], v[1], v[2]});
+    speeds.u += rows.levers[i].across[0] * speed;
+    speeds.v += rows.levers[i].across[1] * speed;
+  }
+  return speeds;
+}
+
+inline void bearAtLevers(PairRows& rows, const PairRow& row, const RowVector& j) {
+  for (std::uint32_t i = row.firstPoint; i < row.endPoint; ++i) {
+    const RowLever& lever = rows.levers[i];
+    const double impulse = lever.across[0] * j.u + lever.across[1] * j.v;
+    for (int k = 0; k < 3; ++k) rows.points[i].velocity[k] += lever.response[k] * impulse;
+  }
+}
+
+/// m/s of side a relative to b.
+inline RowVector speedsOf(const PairRows& rows, const PairRow& row) {
+  const Motion m = motionOf(rows, row);
+  RowVector speeds{row.carried.n + along(row.axes[0], m), row.carried.u + along(row.axes[1], m),
+                   row.carried.v + along(row.axes[2], m)};
+  for (std::uint32_t i = row.firstTurn; i < row.endTurn; ++i) {
+    const RowTurn& t = rows.turns[i];
+    const Motion w = turnOf(t);
+    speeds += {along(t.speeds[0], w), along(t.speeds[1], w), along(t.speeds[2], w)};
+  }
+  if (row.couple == Couple::Soft) speeds += leverSpeeds(rows, row);
+  return speeds;
+}
+
+/// speedsOf().n
+inline double speedAlong(const PairRows& rows, const PairRow& row) {
+  double speed = row.carried.n + along(row.axes[0], motionOf(rows, row));
+  for (std::uint32_t i = row.firstTurn; i < row.endTurn; ++i)
+    speed += along(rows.turns[i].speeds[0], turnOf(rows.turns[i]));
+  return speed;
+}
+
+/// Gives both sides an impulse.
+inline void bear(PairRows& rows, PairRow& row, const RowVector& j) {
+  const double(&a)[3][3] = row.axes;
+  const double x = a[0][0] * j.n + a[1][0] * j.u + a[2][0] * j.v;
+  const double y = a[0][1] * j.n + a[1][1] * j.u + a[2][1] * j.v;
+  const double z = a[0][2] * j.n + a[1][2] * j.u + a[2][2] * j.v;
+  for (std::uint32_t i = row.firstPoint; i < row.endPoint; ++i) {
+    const RowPoint& p = rows.points[i];
+    p.velocity[0] += p.response[0] * x;
+    p.velocity[1] += p.response[1] * y;
+    p.velocity[2] += p.response[2] * z;
+  }
+  for (std::uint32_t i = row.firstTurn; i < row.endTurn; ++i) {
+    const RowTurn& t = rows.turns[i];
+    double* w = t.body->angularVelocity.data();
+    for (int k = 0; k < 3; ++k)
+      w[k] += t.response[0][k] * j.n + t.response[1][k] * j.u + t.response[2][k] * j.v;
+  }
+  if (row.couple == Couple::Soft) bearAtLevers(rows, row, j);
+  row.impulse += j;
+}
+
+}  // namespace limber

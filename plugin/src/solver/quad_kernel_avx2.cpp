@@ -1,0 +1,260 @@
+// SPDX-License-Identifier: Zlib
+#include "solver/lane_kernels.h"
+
+#if defined(LIMBER_HAS_LANES)
+#define LIMBER_PACK_BITS 256
+#include "solver/target_begin.h"
+
+#include "solver/verlet_kernel.h"
+
+namespace limber::kernel {
+namespace {
+
+using Quad = Pack;
+
+/// One body; a point is the quad x, y, z, 0.
+struct QuadPoints {
+  const QuadBody& b;
+  bool damped() const { return b.damped; }
+  const ContactCalls& contacts() const { return *b.contacts; }
+};
+
+Quad* quads(double* numbers) { return reinterpret_cast<Quad*>(numbers); }
+const Quad* quads(const double* numbers) { return reinterpret_cast<const Quad*>(numbers); }
+
+template <int i>
+Quad spread(Quad v) {
+  return _mm256_permute4x64_pd(v, i * 0x55);
+}
+
+double total(Quad q) { return q[0] + (q[1] + q[2]); }
+
+/// x, y and z of four points.
+struct Columns {
+  Quad x, y, z;
+};
+
+Columns columns(Quad p0, Quad p1, Quad p2, Quad p3) {
+  const Quad xz01 = _mm256_unpacklo_pd(p0, p1), y01 = _mm256_unpackhi_pd(p0, p1);
+  const Quad xz23 = _mm256_unpacklo_pd(p2, p3), y23 = _mm256_unpackhi_pd(p2, p3);
+  return {_mm256_permute2f128_pd(xz01, xz23, 0x20), _mm256_permute2f128_pd(y01, y23, 0x20),
+          _mm256_permute2f128_pd(xz01, xz23, 0x31)};
+}
+
+void pullTogether(const QuadBody& b, Index spring, Quad pull, Quad direction) {
+  const Quad force = pull * direction;
+  Quad& fa = quads(b.force)[b.a[spring]];
+  fa = fa + force;
+  Quad& fb = quads(b.force)[b.b[spring]];
+  fb = fb - force;
+}
+
+/// addForce of four springs from i on.
+void addForces(const QuadBody& b, Index i) {
+  const Quad* x = quads(b.position);
+  const Quad d0 = x[b.b[i]] - x[b.a[i]], d1 = x[b.b[i + 1]] - x[b.a[i + 1]];
+  const Quad d2 = x[b.b[i + 2]] - x[b.a[i + 2]], d3 = x[b.b[i + 3]] - x[b.a[i + 3]];
+  const Columns d = columns(d0, d1, d2, d3);
+  const Pull<Quad> p = pullOf(d.x * d.x + (d.y * d.y + d.z * d.z), quads(b.restLength)[i / 4],
+                              quads(b.extensionStiffness)[i / 4], quads(b.compressionStiffness)[i / 4]);
+  quads(b.inverseLength)[i / 4] = p.scale;
+  pullTogether(b, i, spread<0>(p.force), d0 * spread<0>(p.scale));
+  pullTogether(b, i + 1, spread<1>(p.force), d1 * spread<1>(p.scale));
+  pullTogether(b, i + 2, spread<2>(p.force), d2 * spread<2>(p.scale));
+  pullTogether(b, i + 3, spread<3>(p.force), d3 * spread<3>(p.scale));
+}
+
+/// The direction of one of four springs, as addForces has it: to keep its inverse length is a quarter of the
+/// memory, which large bodies wait for.
+template <int i>
+Quad directionOf(const QuadBody& b, Index first, Quad inverseLength) {
+  const Quad* x = quads(b.position);
+  return (x[b.b[first + i]] - x[b.a[first + i]]) * spread<i>(inverseLength);
+}
+
+void push(const QuadBody& b, Index spring, Quad impulse, Quad direction) {
+  const Quad j = impulse * direction;
+  const Index ia = b.a[spring], ib = b.b[spring];
+  Quad* v = quads(b.velocity);
+  const Quad* w = quads(b.inverseMass);
+  v[ia] = v[ia] + j * w[ia];
+  v[ib] = v[ib] - j * w[ib];
+}
+
+Quad closing(const QuadBody& b, Index spring, Quad direction) {
+  const Quad* v = quads(b.velocity);
+  return direction * (v[b.b[spring]] - v[b.a[spring]]);
+}
+
+/// damp of four springs that share no point.
+void dampTogether(const QuadBody& b, Index i, Quad factor) {
+  const Quad scale = quads(b.inverseLength)[i / 4];
+  const Quad n0 = directionOf<0>(b, i, scale), n1 = directionOf<1>(b, i, scale);
+  const Quad n2 = directionOf<2>(b, i, scale), n3 = directionOf<3>(b, i, scale);
+  const Columns c =
+      columns(closing(b, i, n0), closing(b, i + 1, n1), closing(b, i + 2, n2), closing(b, i + 3, n3));
+  const Quad impulse = factor * (c.x + (c.y + c.z));
+  push(b, i, spread<0>(impulse), n0);
+  push(b, i + 1, spread<1>(impulse), n1);
+  push(b, i + 2, spread<2>(impulse), n2);
+  push(b, i + 3, spread<3>(impulse), n3);
+}
+
+/// Springs that share points, one after the other.
+template <int i>
+void dampOne(const QuadBody& b, Index first, Quad factor) {
+  const Quad n = directionOf<i>(b, first, quads(b.inverseLength)[first / 4]);
+  const Quad c = closing(b, first + i, n);
+  push(b, first + i, spread<i>(factor) * all(Quad(), total(c)), n);
+}
+
+void dampInTurn(const QuadBody& b, Index i, Quad factor, bool forward) {
+  if (forward) {
+    dampOne<0>(b, i, factor), dampOne<1>(b, i, factor), dampOne<2>(b, i, factor), dampOne<3>(b, i, factor);
+  } else {
+    dampOne<3>(b, i, factor), dampOne<2>(b, i, factor), dampOne<1>(b, i, factor), dampOne<0>(b, i, factor);
+  }
+}
+
+/// y z x 0
+Quad rolled(Quad v) { return _mm256_permute4x64_pd(v, 0xC9); }
+
+/// z x y 0
+Quad rolledBack(Quad v) { return _mm256_permute4x64_pd(v, 0xD2); }
+
+/// As sixVolumes, but by axis.
+Quad sixQuadVolumes(const VolumeBody& v, Index component, const Quad* x) {
+  Quad sum = all(Quad(), 0.0);
+  const Quad o = x[v.corners[3 * v.firstTriangle[component]]];
+  Quad* gradient = quads(v.gradient);
+  for (Index t = v.firstTriangle[component]; t < v.firstTriangle[component + 1]; ++t) {
+    const Index* corner = v.corners + 3 * t;
+    const Quad a = x[corner[0]];
+    const Quad b = x[corner[1]] - a, c = x[corner[2]] - a;
+    const Quad n = rolled(b) * rolledBack(c) - rolledBack(b) * rolled(c);
+    sum = sum + (a - o) * n;
+    for (Index k = 0; k < 3; ++k) gradient[corner[k]] = gradient[corner[k]] + n;
+  }
+  return sum;
+}
+
+/// As addVolumeForces of verlet_kernel.h, to the bit.
+void addQuadVolumeForces(const VolumeBody& v, const Quad* x, const Quad* w, Quad* force) {
+  if (v.components == 0) return;
+  Quad *gradient = quads(v.gradient), *sums = quads(v.sums);
+  for (Index i = 0; i < v.points; ++i) gradient[i] = all(Quad(), 0.0);
+  for (Index c = 0; c < v.components; ++c) {
+    sums[2 * c] = sixQuadVolumes(v, c, x);
+    sums[2 * c + 1] = all(Quad(), 0.0);
+  }
+  for (Index i = 0; i < v.points; ++i) {
+    Quad& squares = sums[2 * v.componentOf[i] + 1];
+    squares = squares + w[i] * gradient[i] * gradient[i];
+  }
+  for (Index c = 0; c < v.components; ++c)
+    sums[2 * c] = all(Quad(), stablePush(total(sums[2 * c]), total(sums[2 * c + 1]), v.restVolume[c],
+                                         *v.modulus, *v.pressure, v.timeStep));
+  for (Index i = 0; i < v.points; ++i) force[i] = force[i] + sums[2 * v.componentOf[i]] * gradient[i];
+}
+
+Vector<Quad> wayFrom(const Quad* x, const Index* corners, Index to) {
+  const Columns w = columns(x[corners[to]] - x[corners[0]], x[corners[4 + to]] - x[corners[4]],
+                            x[corners[8 + to]] - x[corners[8]], x[corners[12 + to]] - x[corners[12]]);
+  return {w.x, w.y, w.z};
+}
+
+/// Four vectors as quads x, y, z, 0.
+struct Rows {
+  Quad row[4];
+};
+
+Rows rows(const Vector<Quad>& v) {
+  const Quad zero = all(Quad(), 0.0);
+  const Quad xy02 = _mm256_unpacklo_pd(v.x, v.y), xy13 = _mm256_unpackhi_pd(v.x, v.y);
+  const Quad z02 = _mm256_unpacklo_pd(v.z, zero), z13 = _mm256_unpackhi_pd(v.z, zero);
+  return {{_mm256_permute2f128_pd(xy02, z02, 0x20), _mm256_permute2f128_pd(xy13, z13, 0x20),
+           _mm256_permute2f128_pd(xy02, z02, 0x31), _mm256_permute2f128_pd(xy13, z13, 0x31)}};
+}
+
+/// As addTetrahedronForces of verlet_kernel.h, to the bit.
+void addQuadTetrahedronForces(const TetrahedronBody& t, const Quad* x, Quad* force) {
+  for (Index i = 0; i < t.count; i += 4) {
+    const Index* corners = t.corners + 4 * i;
+    const CornerForces<Quad> f = tetrahedronForces(
+        wayFrom(x, corners, 1), wayFrom(x, corners, 2), wayFrom(x, corners, 3), quads(t.inverseRest)[i / 4],
+        quads(t.hold)[i / 4], all(Quad(), *t.modulus), all(Quad(), *t.crushModulus));
+    const Rows b = rows(f.b), c = rows(f.c), d = rows(f.d);
+    for (Index k = 0; k < 4; ++k) {
+      const Index* corner = corners + 4 * k;
+      force[corner[0]] = force[corner[0]] - (b.row[k] + (c.row[k] + d.row[k]));
+      force[corner[1]] = force[corner[1]] + b.row[k];
+      force[corner[2]] = force[corner[2]] + c.row[k];
+      force[corner[3]] = force[corner[3]] + d.row[k];
+    }
+  }
+}
+
+void computeForces(const QuadPoints& p) {
+  for (Index i = 0; i < p.b.points; ++i) quads(p.b.force)[i] = all(Quad(), 0.0);
+  for (Index i = 0; i < p.b.springs; i += 4) addForces(p.b, i);
+  addQuadVolumeForces(p.b.volumes, quads(p.b.position), quads(p.b.inverseMass), quads(p.b.force));
+  addQuadTetrahedronForces(p.b.tetrahedra, quads(p.b.position), quads(p.b.force));
+}
+
+void dampAll(const QuadPoints& p, bool whole, bool forward) {
+  const Quad* factors = quads(whole ? p.b.dampFull : p.b.dampHalf);
+  const Index groups = p.b.springs / 4;
+  for (Index k = 0; k < groups; ++k) {
+    const Index g = forward ? k : groups - 1 - k;
+    if (p.b.apart[g])
+      dampTogether(p.b, 4 * g, factors[g]);
+    else
+      dampInTurn(p.b, 4 * g, factors[g], forward);
+  }
+}
+
+void kick(const QuadPoints& p, double dt) {
+  const Quad time = all(Quad(), dt);
+  Quad* v = quads(p.b.velocity);
+  const Quad *a = quads(p.b.acceleration), *f = quads(p.b.force), *w = quads(p.b.inverseMass);
+  for (Index i = 0; i < p.b.points; ++i) v[i] = v[i] + time * (a[i] + f[i] * w[i]);
+}
+
+void drift(const QuadPoints& p, double dt) {
+  const Quad time = all(Quad(), dt);
+  Quad* x = quads(p.b.position);
+  const Quad* v = quads(p.b.velocity);
+  for (Index i = 0; i < p.b.points; ++i) x[i] = x[i] + time * v[i];
+}
+
+double computeForcesAndChange(const QuadPoints& p) {
+  const Quad *f = quads(p.b.force), *w = quads(p.b.inverseMass);
+  Quad* earlier = quads(p.b.earlierForce);
+  for (Index i = 0; i < p.b.points; ++i) earlier[i] = f[i];
+  computeForces(p);
+  Quad sum = all(Quad(), 0.0);
+  for (Index i = 0; i < p.b.points; ++i) {
+    const Quad change = (f[i] - earlier[i]) * w[i];
+    sum = sum + change * change;
+  }
+  return sum[0] + (sum[1] + sum[2]);
+}
+
+}  // namespace
+
+double stepQuads(const QuadBody& body, double tick, int substeps) {
+  return stepAlone<double>(QuadPoints{body}, tick, substeps);
+}
+
+void computeQuadForces(const QuadBody& body) { computeForces(QuadPoints{body}); }
+double computeQuadForcesAndChange(const QuadBody& body) { return computeForcesAndChange(QuadPoints{body}); }
+void kickQuads(const QuadBody& body, double dt) { kick(QuadPoints{body}, dt); }
+void driftQuads(const QuadBody& body, double dt) { drift(QuadPoints{body}, dt); }
+void dampQuads(const QuadBody& body, bool whole, bool forward) {
+  if (body.damped) dampAll(QuadPoints{body}, whole, forward);
+}
+
+}  // namespace limber::kernel
+
+#include "solver/target_end.h"
+#endif

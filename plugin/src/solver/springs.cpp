@@ -1,0 +1,222 @@
+// SPDX-License-Identifier: Zlib
+// Makes the springs of a body, computes their forces and applies their dampers.
+#include "solver/springs.h"
+
+#include "mesh/random.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+
+namespace limber {
+namespace {
+
+// --- the order of springs ----------------------------------------------------------------------------------
+
+/// Springs that are looked at for one that fits: enough for any network, and linear in its size.
+constexpr std::size_t kWindow = 256;
+
+bool shares(const NetworkSpring& s, const NetworkSpring& t) {
+  return s.a == t.a || s.a == t.b || s.b == t.a || s.b == t.b;
+}
+
+}  // namespace
+
+std::vector<std::uint32_t> orderApart(const SpringNetwork& network) {
+  const std::vector<NetworkSpring>& springs = network.springs;
+  std::vector<std::uint32_t> left(springs.size()), order;
+  for (std::uint32_t i = 0; i < left.size(); ++i) left[i] = i;
+  order.reserve(springs.size());
+  std::size_t first = 0;  // left[0..first) are taken
+  while (first < left.size()) {
+    const std::size_t begin = order.size(), end = std::min(left.size(), first + kWindow);
+    const auto fits = [&](std::uint32_t i) {
+      return std::none_of(order.begin() + static_cast<std::ptrdiff_t>(begin), order.end(),
+                          [&](std::uint32_t j) { return shares(springs[i], springs[j]); });
+    };
+    while (order.size() < begin + 4 && first < left.size()) {
+      std::size_t k = first;
+      while (k < end && !fits(left[k])) ++k;
+      if (k == end) k = first;  // none fits: the four will be taken in turn
+      order.push_back(left[k]);
+      // those passed over move up and keep their order
+      std::rotate(left.begin() + static_cast<std::ptrdiff_t>(first),
+                  left.begin() + static_cast<std::ptrdiff_t>(k),
+                  left.begin() + static_cast<std::ptrdiff_t>(k) + 1);
+      ++first;
+    }
+  }
+  return order;
+}
+
+SpringArrays makeSprings(const SpringNetwork& network, const SoftBodySettings& settings) {
+  SpringArrays s;
+  for (const std::uint32_t i : orderApart(network)) {
+    const NetworkSpring& spring = network.springs[i];
+    const Eigen::Vector3d d = network.restPoints[spring.b] - network.restPoints[spring.a];
+    s.a.push_back(spring.a);
+    s.b.push_back(spring.b);
+    s.restLength.push_back(d.cwiseProduct(settings.scale).norm());
+    s.extensionStiffness.push_back(settings.extensionStiffness * spring.stiffnessScale);
+    s.compressionStiffness.push_back(settings.compressionStiffness * spring.stiffnessScale);
+    s.damping.push_back(settings.damping * spring.stiffnessScale);
+  }
+  for (const double length : s.restLength)
+    if (length > 0.0) s.shortest = s.shortest > 0.0 ? std::min(s.shortest, length) : length;
+  const ElasticLimit& limit = settings.elasticLimit;
+  s.limit = limit;
+  s.limited = limit.stiffenStrain > 0.0 || limit.yieldStrain > 0.0 || limit.breakStrain > 0.0;
+  if (s.limited) s.originalLength = s.restLength;
+  s.damped = settings.damping > 0.0;
+  s.direction.setZero(3, static_cast<Eigen::Index>(s.size()));
+  s.dampHalf.assign(s.size(), 0.0);
+  s.dampFull.assign(s.size(), 0.0);
+  return s;
+}
+
+// --- coincident ends ---------------------------------------------------------------------------------------
+
+namespace {
+
+/// Of the rest length: closer counts as one place, and farther apart they are put.
+constexpr double kSamePlace = 1e-9;
+constexpr double kApart = 1e-6;
+
+/// -1 to 1, the same for the same input on every machine.
+double scatter(std::uint64_t seed) { return 2.0 * Random(seed * 0x9e3779b97f4a7c15u).uniform() - 1.0; }
+
+Eigen::Vector3d directionOf(std::uint32_t a, std::uint32_t b) {
+  const std::uint64_t seed = (std::uint64_t{a} << 32 | b) * 3;
+  const Eigen::Vector3d d(scatter(seed), scatter(seed + 1), scatter(seed + 2));
+  return d.norm() > 0.0 ? Eigen::Vector3d(d.normalized()) : Eigen::Vector3d::UnitX();
+}
+
+}  // namespace
+
+void separateCoincident(const SpringArrays& springs, PointState& state) {
+  for (std::size_t s = 0; s < springs.size(); ++s) {
+    const auto a = springs.a[s], b = springs.b[s];
+    const double length = springs.restLength[s];
+    if ((state.position.col(b) - state.position.col(a)).norm() >= kSamePlace * length) continue;
+    const Eigen::Vector3d wa = state.inverseMass.col(a), wb = state.inverseMass.col(b);
+    const double sum = (wa + wb).maxCoeff();
+    if (!(sum > 0.0)) continue;
+    const Eigen::Vector3d apart = kApart * length / sum * directionOf(a, b);
+    state.position.col(a) -= wa.cwiseProduct(apart);
+    state.position.col(b) += wb.cwiseProduct(apart);
+  }
+}
+
+// --- elastic limits ----------------------------------------------------------------------------------------
+
+namespace {
+
+void breakSpring(SpringArrays& springs, std::size_t i) {
+  springs.extensionStiffness[i] = springs.compressionStiffness[i] = springs.damping[i] = 0.0;
+  springs.dampHalf[i] = springs.dampFull[i] = 0.0;
+  ++springs.broken;
+}
+
+bool isBroken(const SpringArrays& springs, std::size_t i) {
+  return springs.extensionStiffness[i] == 0.0 && springs.compressionStiffness[i] == 0.0;
+}
+
+/// The new rest length once the elongation at `length` is beyond the yield strain.
+double yieldedLength(const SpringArrays& springs, std::size_t i, double length) {
+  const double original = springs.originalLength[i], rest = springs.restLength[i];
+  const double largest = springs.limit.yieldStrain * original, elongation = length - rest;
+  if (std::abs(elongation) <= largest) return rest;
+  const double wanted = length - std::copysign(largest, elongation);
+  const double change = springs.limit.yieldMaximum * original;
+  return std::clamp(wanted, original - change, original + change);
+}
+
+void updateLimits(SpringArrays& springs, std::size_t i, double length) {
+  const ElasticLimit& limit = springs.limit;
+  if (isBroken(springs, i)) return;
+  if (limit.breakStrain > 0.0 && length > (1.0 + limit.breakStrain) * springs.originalLength[i])
+    breakSpring(springs, i);
+  else if (limit.yieldStrain > 0.0)
+    springs.restLength[i] = yieldedLength(springs, i, length);
+}
+
+/// J at elongation e (m) of a spring of stiffness k that stiffens beyond |e| = s by the factor.
+double stiffenedEnergy(double k, double e, double s, double factor) {
+  const double beyond = std::max(0.0, std::abs(e) - s), below = std::abs(e) - beyond;
+  return 0.5 * k * below * below + beyond * (k * s + 0.5 * k * factor * beyond);
+}
+
+/// Adds the forces of springs with an elastic limit, which first lets them yield and break. With L0 the rest
+/// length the spring was made with, L the present one, l its length and e = l - L:
+///
+///     breaks    when l - L0 > breakStrain L0: no force, no damping from then on
+///     yields    when |e| > yieldStrain L0: L moves until |e| is that, but not beyond L0 (1 +- yieldMaximum);
+///               rate-independent, so the result does not depend on the substep
+///     stiffens  F = k e up to |e| = s = stiffenStrain L0, then k (s + stiffenFactor (|e| - s)), signed
+void addLimitedForces(SpringArrays& springs, PointState& state) {
+  const ElasticLimit& limit = springs.limit;
+  for (std::size_t i = 0; i < springs.size(); ++i) {
+    const Eigen::Vector3d d = state.position.col(springs.b[i]) - state.position.col(springs.a[i]);
+    if (springs.originalLength[i] > 0.0) updateLimits(springs, i, d.norm());
+    SpringPull pull =
+        springPull(d, springs.restLength[i], springs.extensionStiffness[i], springs.compressionStiffness[i]);
+    if (limit.stiffenStrain > 0.0 && pull.force != 0.0) {
+      const double e = d.norm() - springs.restLength[i];
+      const double beyond = std::abs(e) - limit.stiffenStrain * springs.originalLength[i];
+      if (beyond > 0.0) pull.force += pull.force / e * std::copysign((limit.stiffenFactor - 1.0) * beyond, e);
+    }
+    springs.direction.col(static_cast<Eigen::Index>(i)) = pull.direction;
+    const Eigen::Vector3d force = pull.force * pull.direction;
+    state.force.col(springs.a[i]) += force;
+    state.force.col(springs.b[i]) -= force;
+  }
+}
+
+}  // namespace
+
+// --- forces ------------------------------------------------------------------------------------------------
+
+void computeSpringForces(SpringArrays& springs, PointState& state) {
+  if (springs.limited) {
+    state.force.setZero();
+    addLimitedForces(springs, state);
+  } else {
+    kernel::computeForces(kernelSprings(springs), kernelPoints(state));
+  }
+}
+
+double elasticEnergy(const SpringArrays& springs, const Points& position) {
+  double energy = 0.0;
+  for (std::size_t i = 0; i < springs.size(); ++i) {
+    const double length = (position.col(springs.b[i]) - position.col(springs.a[i])).norm();
+    const double stretch = length - springs.restLength[i];
+    const double stiffness = stretch > 0.0 ? springs.extensionStiffness[i] : springs.compressionStiffness[i];
+    energy +=
+        springs.limit.stiffenStrain > 0.0
+            ? stiffenedEnergy(stiffness, stretch, springs.limit.stiffenStrain * springs.originalLength[i],
+                              springs.limit.stiffenFactor)
+            : 0.5 * stiffness * stretch * stretch;
+  }
+  return energy;
+}
+
+// --- dampers -----------------------------------------------------------------------------------------------
+
+void prepareDampers(SpringArrays& springs, const Points& inverseMass, double dt) {
+  if (!springs.damped || springs.damperTime == dt) return;
+  springs.damperTime = dt;
+  ++springs.revision;
+  for (std::size_t i = 0; i < springs.size(); ++i) {
+    const double w = inverseMassesOf(springs, inverseMass, i);
+    springs.dampHalf[i] = dampingImpulse(springs.damping[i], w, 0.5 * dt);
+    springs.dampFull[i] = dampingImpulse(springs.damping[i], w, dt);
+  }
+}
+
+void dampSprings(SpringArrays& springs, const std::vector<double>& impulse, SweepOrder order,
+                 PointState& state) {
+  if (!springs.damped) return;
+  kernel::dampAll(kernelSprings(springs), impulse.data(), order == SweepOrder::Forward, kernelPoints(state));
+}
+
+}  // namespace limber

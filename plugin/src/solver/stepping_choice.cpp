@@ -1,0 +1,257 @@
+// SPDX-License-Identifier: Zlib
+// Finds how fast a body oscillates, and chooses its stepper and number of substeps.
+#include "solver/stepping_choice.h"
+
+#include "solver/linear_algebra.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <vector>
+
+namespace limber {
+namespace {
+
+// --- the fastest oscillation -------------------------------------------------------------------------------
+
+using Eigen::Index;
+using Eigen::Vector3d;
+
+/// A spring's part of the stiffness matrix is (along - across) n n^T + across I between its ends.
+struct SpringSlopes {
+  Points direction;                   ///< 3 x #springs, n
+  std::vector<double> along, across;  ///< N/m
+};
+
+/// The force k (l - L) n of a spring changes by k n n^T along it, and by its force over its length across it.
+/// In compression that is negative and lowers frequencies: left out.
+SpringSlopes slopesOf(const SpringArrays& springs, const Points& x) {
+  const std::size_t count = springs.size();
+  SpringSlopes s{Points(3, static_cast<Index>(count)), std::vector<double>(count),
+                 std::vector<double>(count)};
+  const double stiffened = springs.limit.stiffenStrain > 0.0 ? springs.limit.stiffenFactor : 1.0;
+  for (std::size_t i = 0; i < count; ++i) {
+    const Vector3d d = x.col(springs.b[i]) - x.col(springs.a[i]);
+    const double length = d.norm();
+    s.direction.col(static_cast<Index>(i)) = d.stableNormalized();
+    s.along[i] = stiffened * std::max(springs.extensionStiffness[i], springs.compressionStiffness[i]);
+    if (length > springs.restLength[i])
+      s.across[i] = springs.extensionStiffness[i] * (length - springs.restLength[i]) / length;
+  }
+  return s;
+}
+
+void addSpringForces(const SpringArrays& springs, const SpringSlopes& s, const Points& u, Points& force) {
+  for (std::size_t i = 0; i < springs.size(); ++i) {
+    const Vector3d n = s.direction.col(static_cast<Index>(i));
+    const Vector3d way = u.col(springs.b[i]) - u.col(springs.a[i]);
+    const Vector3d f = s.across[i] * way + ((s.along[i] - s.across[i]) * n.dot(way)) * n;
+    force.col(springs.a[i]) -= f;
+    force.col(springs.b[i]) += f;
+  }
+}
+
+/// sqrt(stiffness) times the gradient of each component's volume: the volume term's stiffness matrix is the
+/// sum of their squares g g^T, for at rest it has no force.
+std::vector<Points> volumeGradients(const VolumeArrays& volumes, const PointState& state) {
+  std::vector<Points> gradients;
+  Points gradient = Points::Zero(3, state.position.cols());
+  for (std::size_t c = 0; c < volumes.restVolume.size(); ++c) {
+    const VolumeSlope slope = volumeSlope(volumes, c, state, gradient);
+    gradients.push_back(std::sqrt(slope.stiffness) * gradient);
+  }
+  return gradients;
+}
+
+std::vector<TetrahedronSlope> tetrahedronSlopes(const TetrahedronVolumes& volumes, const Points& x) {
+  std::vector<TetrahedronSlope> slopes;
+  for (std::size_t i = 0; i < volumes.tetrahedra.size(); ++i)
+    slopes.push_back(tetrahedronSlope(volumes, i, x));
+  return slopes;
+}
+
+void addTetrahedronForces(const TetrahedronVolumes& volumes, const std::vector<TetrahedronSlope>& slopes,
+                          const Points& u, Points& force) {
+  for (std::size_t i = 0; i < slopes.size(); ++i) {
+    double change = 0.0;
+    for (Index k = 0; k < 4; ++k)
+      change += slopes[i].gradient.col(k).dot(u.col(volumes.tetrahedra[i][static_cast<std::size_t>(k)]));
+    for (Index k = 0; k < 4; ++k)
+      force.col(volumes.tetrahedra[i][static_cast<std::size_t>(k)]) +=
+          slopes[i].stiffness * change * slopes[i].gradient.col(k);
+  }
+}
+
+}  // namespace
+
+double fastestOscillationSquared(const SpringArrays& springs, const VolumeArrays& volumes,
+                                 const TetrahedronVolumes& tetrahedra, const PointState& state,
+                                 double tolerance) {
+  const SpringSlopes slopes = slopesOf(springs, state.position);
+  const std::vector<Points> gradients = volumeGradients(volumes, state);
+  const std::vector<TetrahedronSlope> ofTetrahedra = tetrahedronSlopes(tetrahedra, state.position);
+  const Points root = state.inverseMass.cwiseSqrt();
+  Points force(3, root.cols());
+  return largestEigenvalue(
+      [&](const Eigen::VectorXd& v) -> Eigen::VectorXd {
+        const Points u = root.cwiseProduct(v.reshaped(3, root.cols()));
+        force.setZero();
+        addSpringForces(springs, slopes, u, force);
+        addTetrahedronForces(tetrahedra, ofTetrahedra, u, force);
+        for (const Points& g : gradients) force += dot(g, u) * g;
+        return root.cwiseProduct(force).reshaped();
+      },
+      root.size(), tolerance);
+}
+
+// --- the choice --------------------------------------------------------------------------------------------
+
+namespace {
+
+/// Of Verlet's stability limit omega dt = 2. The bound on omega is exact only for a single spring; there this
+/// share still keeps the discrete oscillation away from the limit, where its amplitude grows without bound.
+constexpr double kLargestPhaseStep = 0.9 * 2.0;
+
+/// Substeps of Verlet, as many as are stable, that cost what one of the implicit steppers does (bench/run accuracy:
+/// spinning cubes, block): the usual period tolerance takes up to twice as many. Implicit ones are much less accurate.
+constexpr double kVerletPerImplicit = 60.0;
+constexpr int kImplicitSubsteps = 4;
+
+/// Who asks for less than this wants oscillations to be true. The midpoint rule's error of a period,
+/// (omega h)^2 / 12, is twice that of Verlet in as many substeps, each of which costs it a hundred times as
+/// much: it cannot give what is too dear for Verlet.
+constexpr double kUsualPeriodTolerance = Stepping{}.periodTolerance;
+
+/// Dampers that take all speed away in less than a substep: the split-off damping then brakes more than the
+/// true one.
+constexpr double kStrongDamping = 1.0;
+
+/// rad that a spring may turn per substep. A step is a straight line: it makes a spring that turns by t
+/// longer by t^2 / 2 of its length.
+constexpr double kLargestTurn = 0.25;
+
+/// Substeps per tick for the sake of turning. Faster turning, as of a spring whose ends pass each other, is
+/// over within a substep: there is nothing to be followed.
+constexpr double kMostForTurning = 1000.0;
+
+/// Share of a tolerance that is aimed at: the estimate is good to some ten per cent.
+constexpr double kSafety = 0.7;
+
+/// Substeps that the tolerance asks for, the error being proportional to the square of the substep.
+int neededSubsteps(const SteppingProblem& p, const Stepping& s) {
+  double tolerance = s.tolerance > 0.0 ? s.tolerance : std::numeric_limits<double>::infinity();
+  if (s.relativeTolerance > 0.0) tolerance = std::min(tolerance, s.relativeTolerance * p.size);
+  const double needed = std::ceil(p.tick * std::sqrt(p.errorPerSquare / (kSafety * tolerance)));
+  return static_cast<int>(std::clamp(needed, 1.0, 1e6));
+}
+
+Stepper implicitFor(const SteppingProblem& p, bool strong) {
+  return strong || p.narrow || p.cheapNewton ? Stepper::BandedNewton : Stepper::ImplicitMidpoint;
+}
+
+/// What Verlet needs: not to become unstable, with the usual settings, and with these.
+struct VerletNeed {
+  int stable, usual, wanted;
+};
+
+VerletNeed verletNeed(const SteppingProblem& p, const Stepping& s) {
+  const auto count = [&](int atLeast, double periodTolerance) {
+    Stepping asked;
+    asked.atLeast = atLeast;
+    asked.periodTolerance = periodTolerance;
+    return substepCount(p.frequencies, p.tick, asked);
+  };
+  return {count(1, 1.0), count(s.atLeast, kUsualPeriodTolerance), count(s.atLeast, s.periodTolerance)};
+}
+
+/// A free body that needs many substeps of Verlet is stepped implicitly. A pinned one is not: where substeps do not
+/// resolve the springs, the guard against a gain of energy also brakes what swings about the pin.
+/// A smaller tolerance only ever takes the choice from an implicit stepper to Verlet, which is more exact: one of the
+/// period below the usual rules out what cannot meet it, one of the error makes it dearer. So no error rises when a
+/// tolerance falls.
+Stepper choose(const SteppingProblem& p, const Stepping& s, const VerletNeed& verlet, int implicit) {
+  if (!p.implicitPossible) return Stepper::Verlet;
+  if (s.stepper != Stepper::Auto) return s.stepper;
+  const bool strong = p.cheapNewton && p.dampingRate * p.tick / verlet.usual > kStrongDamping;
+  const bool tooDear = s.budget > 0 && verlet.stable > s.budget;
+  const bool many = verlet.stable > kVerletPerImplicit * implicit && !p.touching && !p.held &&
+                    s.periodTolerance >= kUsualPeriodTolerance;
+  return strong || tooDear || many ? implicitFor(p, strong) : Stepper::Verlet;
+}
+
+/// Errors of the midpoint rule fall with the square of the substep, as Verlet's do.
+int implicitNeed(const Stepping& s) {
+  const double finer = std::sqrt(kUsualPeriodTolerance / std::min(s.periodTolerance, kUsualPeriodTolerance));
+  return std::max(s.atLeast, static_cast<int>(std::min(std::ceil(kImplicitSubsteps * finer), 1e6)));
+}
+
+}  // namespace
+
+double frequencyBoundSquared(const SpringArrays& springs, const Points& inverseMass,
+                             std::vector<double>& stiffnessSums) {
+  stiffnessSums.assign(static_cast<std::size_t>(inverseMass.cols()), 0.0);
+  const double stiffened = springs.limit.stiffenStrain > 0.0 ? springs.limit.stiffenFactor : 1.0;
+  const auto stiffness = [&](std::size_t s) {
+    return stiffened * std::max(springs.extensionStiffness[s], springs.compressionStiffness[s]);
+  };
+  for (std::size_t s = 0; s < springs.size(); ++s) {
+    stiffnessSums[springs.a[s]] += stiffness(s);
+    stiffnessSums[springs.b[s]] += stiffness(s);
+  }
+  double bound = 0.0;
+  for (std::size_t s = 0; s < springs.size(); ++s) {
+    const auto rowPart = [&](std::uint32_t i) { return inverseMass.col(i).maxCoeff() * stiffnessSums[i]; };
+    bound = std::max(bound, rowPart(springs.a[s]) + rowPart(springs.b[s]));
+  }
+  return bound;
+}
+
+int substepCount(const Frequencies& frequencies, double tick, const Stepping& settings) {
+  const double stable = std::sqrt(frequencies.boundSquared) * tick / kLargestPhaseStep;
+  const double exact = std::sqrt(frequencies.fastestSquared / (24.0 * settings.periodTolerance)) * tick;
+  const double needed = std::ceil(std::max(stable, exact));
+  return std::max(settings.atLeast, static_cast<int>(std::min(needed, 1e9)));
+}
+
+double dampingRateBound(const SpringArrays& springs, const Points& inverseMass) {
+  double rate = 0.0;
+  for (std::size_t i = 0; i < springs.size(); ++i)
+    rate = std::max(rate, springs.damping[i] * inverseMassesOf(springs, inverseMass, i));
+  return rate;
+}
+
+double fastestTurn(const SpringArrays& springs, const PointState& state, double negligible) {
+  // two ends differ by at most twice the largest difference from point 0
+  const double largest =
+      2.0 * std::sqrt((state.velocity.colwise() - state.velocity.col(0)).colwise().squaredNorm().maxCoeff());
+  if (largest <= negligible * springs.shortest) return 0.0;
+  double fastest = 0.0;
+  for (std::size_t i = 0; i < springs.size(); ++i) {
+    // a spring without length at rest pulls in proportion to its length, however it turns
+    if (springs.restLength[i] == 0.0) continue;
+    const Eigen::Vector3d d = state.position.col(springs.b[i]) - state.position.col(springs.a[i]);
+    const Eigen::Vector3d u = state.velocity.col(springs.b[i]) - state.velocity.col(springs.a[i]);
+    // a spring that is nearly folded up turns as fast as it likes without mattering
+    const double squared = std::max(d.squaredNorm(), springs.restLength[i] * springs.restLength[i]);
+    if (squared > 0.0) fastest = std::max(fastest, (u - u.dot(d) / squared * d).squaredNorm() / squared);
+  }
+  return std::sqrt(fastest);
+}
+
+SteppingChoice chooseStepping(const SteppingProblem& p, const Stepping& s) {
+  const int turning = static_cast<int>(std::min(std::ceil(p.turnRate * p.tick / kLargestTurn), kMostForTurning));
+  const int followed = std::max(turning, neededSubsteps(p, s));
+  const VerletNeed need = verletNeed(p, s);
+  const int implicit = std::max(implicitNeed(s), followed);
+  SteppingChoice choice;
+  choice.stepper = choose(p, s, need, implicit);
+  const bool verlet = choice.stepper == Stepper::Verlet;
+  choice.substeps = verlet ? std::max(need.wanted, followed) : implicit;
+  if (s.budget <= 0) return choice;
+  const int most = std::max(s.budget, verlet ? need.stable : 1);
+  choice.cut = choice.substeps > most;
+  choice.substeps = std::min(choice.substeps, most);
+  return choice;
+}
+
+}  // namespace limber

@@ -1,0 +1,189 @@
+// SPDX-License-Identifier: Zlib
+// The volume term of tetrahedra: its forces and energy, and a bound of how fast it lets a body oscillate.
+#include "solver/volumes.h"
+
+#include "mesh/edges.h"
+
+#include <Eigen/Geometry>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <utility>
+
+namespace limber {
+namespace {
+
+using Eigen::Vector3d;
+
+/// A tetrahedron as it is now.
+struct Shape {
+  double volume;                     ///< m^3, signed
+  std::array<Vector3d, 4> gradient;  ///< m^2, of the volume by its corners
+};
+
+/// With edges b, c, d from the first corner: V = b . (c x d) / 6.
+Shape shapeOf(const Tetrahedron& t, const Points& position) {
+  const Vector3d a = position.col(t[0]), b = position.col(t[1]) - a, c = position.col(t[2]) - a,
+                 d = position.col(t[3]) - a;
+  const Vector3d gb = c.cross(d) / 6.0, gc = d.cross(b) / 6.0, gd = b.cross(c) / 6.0;
+  return {b.dot(gb), {-(gb + gc + gd), gb, gc, gd}};
+}
+
+/// Pa: the most by which the push changes with the relative volume nearby.
+double stiffnessNear(const TetrahedronVolumes& v, double relativeVolume) {
+  const bool nearlyCrushed = relativeVolume < kernel::kCrushed + 0.2;
+  return v.modulus + (nearlyCrushed ? v.crushModulus : 0.0);
+}
+
+/// The integral of the change c of a volume, limited, from `from` on.
+double energyOfChange(double c, double from) {
+  const double change = std::clamp(c, kernel::kLargestShrinking, kernel::kLargestSwelling) - from;
+  // a push that no longer grows has a straight line for its integral
+  return change * (c - from - 0.5 * change);
+}
+
+/// Of the rest volume: a change that is far.
+constexpr double kFar = 0.5;
+
+double perimeter(const Tetrahedron& t, std::size_t without, const Points& x) {
+  const std::uint32_t a = t[(without + 1) % 4], b = t[(without + 2) % 4], c = t[(without + 3) % 4];
+  return (x.col(b) - x.col(a)).norm() + (x.col(c) - x.col(b)).norm() + (x.col(a) - x.col(c)).norm();
+}
+
+std::vector<double> crowdOf(const std::vector<Tetrahedron>& tetrahedra, std::size_t points) {
+  std::vector<double> around(points, 0.0), crowd;
+  for (const Tetrahedron& t : tetrahedra)
+    for (const std::uint32_t corner : t) around[corner] += 1.0;
+  for (const Tetrahedron& t : tetrahedra)
+    crowd.push_back(std::max({around[t[0]], around[t[1]], around[t[2]], around[t[3]]}));
+  return crowd;
+}
+
+bool springsRunAlongEdges(const SpringNetwork& network) {
+  std::vector<Edge> edges;
+  for (const NetworkSpring& s : network.springs) edges.push_back({std::min(s.a, s.b), std::max(s.a, s.b)});
+  std::sort(edges.begin(), edges.end());
+  for (const Tetrahedron& t : network.tetrahedra)
+    for (std::size_t i = 0; i < 4; ++i)
+      for (std::size_t j = 0; j < i; ++j)
+        if (!std::binary_search(edges.begin(), edges.end(), Edge{std::min(t[i], t[j]), std::max(t[i], t[j])}))
+          return false;
+  return true;
+}
+
+}  // namespace
+
+TetrahedronVolumes makeTetrahedronVolumes(const SpringNetwork& network, const SoftBodySettings& settings) {
+  TetrahedronVolumes v;
+  v.tetrahedra = network.tetrahedra;
+  if (v.empty()) return v;
+  const Points rest = scaledRest(network, settings.scale);
+  double sum = 0.0;
+  v.restGradientSquares.resize(4, static_cast<Eigen::Index>(v.tetrahedra.size()));
+  for (std::size_t i = 0; i < v.tetrahedra.size(); ++i) {
+    if (settings.scale.prod() < 0.0) std::swap(v.tetrahedra[i][2], v.tetrahedra[i][3]);
+    const Shape shape = shapeOf(v.tetrahedra[i], rest);
+    v.restVolume.push_back(std::abs(shape.volume));
+    v.inverseRest.push_back(1.0 / (6.0 * v.restVolume.back()));
+    sum += v.restVolume.back();
+    for (std::size_t corner = 0; corner < 4; ++corner)
+      v.restGradientSquares(static_cast<Eigen::Index>(corner), static_cast<Eigen::Index>(i)) =
+          shape.gradient[corner].squaredNorm();
+  }
+  v.crowd = crowdOf(v.tetrahedra, network.restPoints.size());
+  v.hold.assign(v.tetrahedra.size(), 0.0);
+  v.rowSums.assign(network.restPoints.size(), 0.0);
+  v.edgesAreSprings = springsRunAlongEdges(network);
+  const double stiffness = std::max(settings.extensionStiffness, settings.compressionStiffness);
+  v.crushModulus = networkModulus(network, settings.scale, stiffness, sum);
+  v.modulus = settings.volumeModulus >= 0.0 ? settings.volumeModulus : v.crushModulus;
+  return v;
+}
+
+void prepareTetrahedra(TetrahedronVolumes& v, const Points& inverseMass, double dt) {
+  const double factor = (v.modulus + v.crushModulus) * dt * dt / (36.0 * kLargestCornerPhaseSquared);
+  for (std::size_t i = 0; i < v.tetrahedra.size(); ++i) {
+    double largest = 0.0;
+    for (const std::uint32_t corner : v.tetrahedra[i])
+      largest = std::max(largest, inverseMass.col(corner).maxCoeff());
+    v.hold[i] = factor * largest * v.crowd[i] / v.restVolume[i];
+  }
+}
+
+bool isHeldBack(TetrahedronVolumes& v, const PointState& state, double dt) {
+  prepareTetrahedra(v, state.inverseMass, dt);
+  for (std::size_t i = 0; i < v.tetrahedra.size(); ++i) {
+    double squares = 0.0;
+    for (const Vector3d& gradient : shapeOf(v.tetrahedra[i], state.position).gradient)
+      squares += 36.0 * gradient.squaredNorm();
+    if (v.hold[i] * squares > 1.0) return true;
+  }
+  return false;
+}
+
+kernel::Tetrahedra<double> kernelTetrahedra(const TetrahedronVolumes& v) {
+  if (v.empty()) return {};
+  return {static_cast<kernel::Index>(v.tetrahedra.size()),
+          v.tetrahedra.front().data(),
+          v.inverseRest.data(),
+          v.hold.data(),
+          &v.modulus,
+          &v.crushModulus};
+}
+
+void addTetrahedronForces(const TetrahedronVolumes& v, PointState& state) {
+  kernel::addTetrahedronForces(kernelTetrahedra(v), state.position.data(), state.force.data());
+}
+
+double tetrahedronEnergy(const TetrahedronVolumes& v, const Points& position) {
+  double energy = 0.0;
+  for (std::size_t i = 0; i < v.tetrahedra.size(); ++i) {
+    const double change = shapeOf(v.tetrahedra[i], position).volume / v.restVolume[i] - 1.0;
+    const double crushed = std::min(change, kernel::kCrushed - 1.0);
+    energy += v.restVolume[i] * (v.modulus * energyOfChange(change, 0.0) +
+                                 v.crushModulus * energyOfChange(crushed, kernel::kCrushed - 1.0));
+  }
+  return energy;
+}
+
+TetrahedronSlope tetrahedronSlope(const TetrahedronVolumes& v, std::size_t i, const Points& position) {
+  const Shape shape = shapeOf(v.tetrahedra[i], position);
+  TetrahedronSlope slope;
+  for (Eigen::Index corner = 0; corner < 4; ++corner)
+    slope.gradient.col(corner) = shape.gradient[static_cast<std::size_t>(corner)];
+  const double change = shape.volume / v.restVolume[i] - 1.0;
+  const bool limited = change < kernel::kLargestShrinking || change > kernel::kLargestSwelling;
+  const double crush = change < kernel::kCrushed - 1.0 ? v.crushModulus : 0.0;
+  slope.stiffness = limited ? 0.0 : (v.modulus + crush) / v.restVolume[i];
+  return slope;
+}
+
+double tetrahedronFrequencyBoundSquared(TetrahedronVolumes& v, const PointState& state, double tick) {
+  std::fill(v.rowSums.begin(), v.rowSums.end(), 0.0);
+  v.restless = false;
+  for (std::size_t i = 0; i < v.tetrahedra.size(); ++i) {
+    const Tetrahedron& t = v.tetrahedra[i];
+    const Shape shape = shapeOf(t, state.position);
+    const double relative = shape.volume / v.restVolume[i];
+    const double stiffness = stiffnessNear(v, relative) / v.restVolume[i];
+    const double push = std::abs(kernel::tetrahedronPush(relative, v.modulus, v.crushModulus));
+    double norms = 0.0, rate = 0.0;
+    for (std::size_t corner = 0; corner < 4; ++corner) {
+      norms += shape.gradient[corner].norm();
+      rate += shape.gradient[corner].dot(state.velocity.col(t[corner]));
+    }
+    const double foreseen = std::abs(tick * rate / v.restVolume[i]);
+    v.restless = v.restless || std::abs(relative - 1.0) > kFar || foreseen > kFar;
+    for (std::size_t corner = 0; corner < 4; ++corner)
+      v.rowSums[t[corner]] += stiffness * shape.gradient[corner].norm() * norms +
+                              push * perimeter(t, corner, state.position) / 6.0;
+  }
+  double largest = 0.0;
+  for (std::size_t i = 0; i < v.rowSums.size(); ++i)
+    largest =
+        std::max(largest, state.inverseMass.col(static_cast<Eigen::Index>(i)).maxCoeff() * v.rowSums[i]);
+  return largest;
+}
+
+}  // namespace limber

@@ -1,0 +1,233 @@
+// SPDX-License-Identifier: Zlib
+// Steps soft bodies by velocity Verlet: one by itself, or several together.
+#include "solver/verlet_step.h"
+
+#include "solver/pair_contacts.h"
+#include "solver/simd_steps.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace limber {
+
+void computeElasticForces(SteppedBody& body) {
+  computeSpringForces(*body.springs, *body.points);
+  if (body.volumes) addVolumeForces(*body.volumes, *body.points);
+  if (body.tetrahedra) addTetrahedronForces(*body.tetrahedra, *body.points);
+}
+
+double elasticEnergy(SteppedBody& body, const Points& position) {
+  return elasticEnergy(*body.springs, position) +
+         (body.volumes ? volumeEnergy(*body.volumes, position) : 0.0) +
+         (body.tetrahedra ? tetrahedronEnergy(*body.tetrahedra, position) : 0.0);
+}
+
+void prepareVolumes(SteppedBody& body, double dt) {
+  if (body.volumes) body.volumes->timeStep = dt;
+  if (body.tetrahedra) prepareTetrahedra(*body.tetrahedra, body.points->inverseMass, dt);
+}
+
+double verletErrorRate(double change, Eigen::Index points, double dt) {
+  return dt / 24.0 * std::sqrt(change / static_cast<double>(std::max<Eigen::Index>(points, 1)));
+}
+
+// --- a body by itself --------------------------------------------------------------------------------------
+
+namespace {
+
+void stepSingle(SteppedBody& body, double tick, int substeps) {
+  if (body.quads) return stepQuads(body, tick, substeps);
+  PointState& state = *body.points;
+  SpringArrays& springs = *body.springs;
+  BodyContacts contacts{&body, viewOf(state)};
+  const kernel::ContactCalls calls = contacts.calls();
+  const double change = kernel::stepAlone<double>(
+      kernel::Body<double>{
+          kernelSprings(springs), kernelPoints(state),
+          body.volumes ? kernelVolumes(*body.volumes) : kernel::Volumes<double>{},
+          body.tetrahedra ? kernelTetrahedra(*body.tetrahedra) : kernel::Tetrahedra<double>{}, springs.damped,
+          springs.dampHalf.data(), springs.dampFull.data(), &calls, state.earlierForce.data()},
+      tick, substeps);
+  body.errorRate = verletErrorRate(change, state.position.cols(), tick / substeps);
+}
+
+// --- one body among others, four springs at a time or one by one -------------------------------------------
+
+void computeForces(BodyInGroup& body) {
+  if (body.inQuads) return kernel::computeQuadForces(body.quads);
+  computeElasticForces(*body.stepped);
+}
+
+/// See computeForcesAndChange() of verlet_kernel.h; without the forces of links.
+double computeForcesAndChange(BodyInGroup& body) {
+  if (body.inQuads) return kernel::computeQuadForcesAndChange(body.quads);
+  PointState& p = *body.stepped->points;
+  p.earlierForce = p.force;
+  computeElasticForces(*body.stepped);
+  return (p.force - p.earlierForce).cwiseProduct(p.inverseMass).squaredNorm();
+}
+
+void kick(BodyInGroup& body, double dt) {
+  if (body.inQuads) return kernel::kickQuads(body.quads, dt);
+  kernel::kick(kernelPoints(*body.stepped->points), dt);
+}
+
+void drift(BodyInGroup& body, double dt) {
+  if (body.inQuads) return kernel::driftQuads(body.quads, dt);
+  kernel::drift(kernelPoints(*body.stepped->points), dt);
+}
+
+void damp(BodyInGroup& body, bool whole, bool forward) {
+  if (body.inQuads) return kernel::dampQuads(body.quads, whole, forward);
+  SpringArrays& springs = *body.stepped->springs;
+  dampSprings(springs, whole ? springs.dampFull : springs.dampHalf,
+              forward ? SweepOrder::Forward : SweepOrder::Backward, *body.stepped->points);
+}
+
+// --- bodies that are stepped together ----------------------------------------------------------------------
+
+/// Links read and push the points of their bodies where PointState has them.
+void markLinked(StepGroup& group) {
+  const auto mark = [&](const LinkEnd& end) {
+    if (end.kind == LinkEnd::Kind::Point) group.inStep[end.body].inQuads = false;
+  };
+  for (const LinkSpring& spring : group.links.springs) mark(spring.a), mark(spring.b);
+  for (const LinkAnchor& anchor : group.links.anchors) mark(anchor.point), mark(anchor.pivot);
+}
+
+void load(StepGroup& group) {
+  group.inStep.resize(group.bodies.size());
+  group.views.resize(group.bodies.size());
+  for (std::size_t i = 0; i < group.bodies.size(); ++i) {
+    SteppedBody& body = group.bodies[i];
+    group.inStep[i] = {&body, body.quads && !body.springs->limited, {}};
+  }
+  markLinked(group);
+  for (std::size_t i = 0; i < group.bodies.size(); ++i) {
+    BodyInGroup& body = group.inStep[i];
+    if (body.inQuads) body.quads = loadQuads(*body.stepped, nullptr);
+    group.views[i] = body.inQuads ? viewOf(*body.stepped->quads) : viewOf(*body.stepped->points);
+  }
+}
+
+void unload(StepGroup& group) {
+  for (BodyInGroup& body : group.inStep)
+    if (body.inQuads) unloadQuads(*body.stepped);
+}
+
+void computeForces(StepGroup& group, bool estimates, double dt) {
+  for (BodyInGroup& body : group.inStep) {
+    if (!estimates) {
+      computeForces(body);
+      continue;
+    }
+    const double rate =
+        verletErrorRate(computeForcesAndChange(body), body.stepped->points->position.cols(), dt);
+    body.stepped->errorRate = std::max(body.stepped->errorRate, rate);
+  }
+  for (RigidState& rigid : group.links.rigids) {
+    rigid.force.setZero();
+    rigid.torque.setZero();
+  }
+  addLinkForces(group.links);
+}
+
+void kick(StepGroup& group, double dt) {
+  for (BodyInGroup& body : group.inStep) kick(body, dt);
+  for (RigidState& rigid : group.links.rigids) rigid.kick(dt);
+}
+
+void drift(StepGroup& group, double dt) {
+  for (BodyInGroup& body : group.inStep) drift(body, dt);
+  for (RigidState& rigid : group.links.rigids) rigid.drift(dt);
+}
+
+void damp(StepGroup& group, double dt, bool whole, bool forward) {
+  for (BodyInGroup& body : group.inStep) damp(body, whole, forward);
+  dampLinks(group.links, whole ? dt : 0.5 * dt, forward);
+}
+
+void stopAtContacts(StepGroup& group, double time, double dt) {
+  for (std::size_t i = 0; i < group.bodies.size(); ++i)
+    stopAtContacts(group.bodies[i], group.views[i], time, dt);
+}
+
+void settleContacts(StepGroup& group) {
+  for (std::size_t i = 0; i < group.bodies.size(); ++i)
+    settleContacts(group.bodies[i], group.views[i]);
+}
+
+void prepare(StepGroup& group) {
+  load(group);
+  for (std::size_t i = 0; i < group.bodies.size(); ++i) {
+    group.bodies[i].errorRate = 0.0;
+    if (group.bodies[i].contacts) prepareContacts(*group.bodies[i].contacts, group.views[i]);
+  }
+  for (RigidState& rigid : group.links.rigids) rigid.turn();
+  for (PairContact& c : group.pairs.contacts) c.impulse = TickImpulse();
+  for (JointRow& j : group.pairs.joints) j.impulse = 0.0;
+  preparePairs(group.pairs, group.links, group.views);
+}
+
+/// Before a substep.
+void searchAgain(StepGroup& group, int substep, int substeps, double dt) {
+  const PairSearch& again = group.again;
+  if (again.every == 0 || substep == 0 || substep % again.every != 0) return;
+  finishPairs(group.pairs);
+  again.search(again.context, group, dt * substep, dt * std::min(again.every, substeps - substep));
+  preparePairs(group.pairs, group.links, group.views);
+}
+
+/// stepVerlet for bodies that links, contacts or joints couple. Their dampers and volume terms must be
+/// prepared. A body gives the same bits as by itself where nothing is between them.
+void stepLinked(StepGroup& group, double tick, int substeps) {
+  const double dt = tick / substeps;
+  prepare(group);
+  computeForces(group, false, dt);
+  joinVelocities(group.links);
+  damp(group, dt, false, false);
+  for (int s = 0; s < substeps; ++s) {
+    const bool last = s + 1 == substeps;
+    searchAgain(group, s, substeps, dt);
+    kick(group, 0.5 * dt);
+    stopAtContacts(group, s * dt, dt);
+    followContacts(group.pairs, dt);
+    stopPairs(group.pairs, group.links, dt, tick);
+    movePairs(group.pairs, dt);
+    drift(group, dt);
+    computeForces(group, last || 2 * s == substeps, dt);
+    kick(group, 0.5 * dt);
+    // first anchors and contacts: a damper must not see a point kicked away from what holds it
+    settleContacts(group);
+    followContacts(group.pairs, 0.0);
+    settlePairs(group.pairs, group.links);
+    // the half dampings of neighbouring substeps act at the same positions and merge into one
+    damp(group, dt, !last, s % 2 == 0);
+  }
+  joinVelocities(group.links);
+  finishPairs(group.pairs);
+  unload(group);
+}
+
+}  // namespace
+
+// --- the step ----------------------------------------------------------------------------------------------
+
+bool isPlain(const StepGroup& group) {
+  const LinkedBodies& links = group.links;
+  return group.bodies.size() == 1 && group.pairs.empty() && links.springs.empty() && links.anchors.empty() &&
+         links.rigids.empty() && !group.bodies[0].springs->limited;
+}
+
+void stepVerlet(StepGroup& group, double tick, int substeps) {
+  for (SteppedBody& body : group.bodies) {
+    prepareDampers(*body.springs, body.points->inverseMass, tick / substeps);
+    prepareVolumes(body, tick / substeps);
+  }
+  if (isPlain(group) && group.again.every == 0)
+    stepSingle(group.bodies[0], tick, substeps);
+  else
+    stepLinked(group, tick, substeps);
+}
+
+}  // namespace limber

@@ -1,0 +1,348 @@
+// SPDX-License-Identifier: Zlib
+// The volume term of closed surfaces: its forces and energy, and bounds of how fast it lets a body oscillate.
+#include "solver/volumes.h"
+
+#include "mesh/edges.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace limber {
+namespace {
+
+/// What is asked is the surface itself: a report may have been made of another one, or by hand.
+bool isClosed(const EdgeDefects& defects) {
+  return defects.open + defects.nonManifold + defects.inconsistent == 0;
+}
+
+bool mayHaveVolume(const SpringNetwork& network) {
+  return network.kind == NetworkKind::Solid && !network.surface.empty() && network.tetrahedra.empty();
+}
+
+std::string whyNoVolume(const SpringNetwork& network) {
+  if (network.kind != NetworkKind::Solid || network.surface.empty())
+    return "a rope or cloth encloses no volume";
+  if (!network.tetrahedra.empty()) return "a body of tetrahedra has no room for gas";
+  const EdgeDefects defects = findEdgeDefects(network.surface);
+  if (isClosed(defects)) return "the surface encloses nothing: it is flat";
+  const auto edges = [](std::size_t count, const char* what) {
+    return count == 0 ? std::string() : std::to_string(count) + " " + what + " edges, ";
+  };
+  const std::string found = edges(defects.open, "open") + edges(defects.nonManifold, "non-manifold") +
+                            edges(defects.inconsistent, "inconsistent");
+  return "the surface is not closed: it has " + found.substr(0, found.size() - 2);
+}
+
+/// Calls visit(a, b - a, c - a) for the corners of each triangle of a component.
+template <class Visit>
+void forEachTriangle(const VolumeArrays& v, std::size_t component, const Points& x, Visit visit) {
+  for (std::size_t i = v.firstTriangle[component]; i < v.firstTriangle[component + 1]; ++i) {
+    const Triangle& t = v.triangles[i];
+    visit(t, Eigen::Vector3d(x.col(t[1]) - x.col(t[0])), Eigen::Vector3d(x.col(t[2]) - x.col(t[0])));
+  }
+}
+
+double componentVolume(const VolumeArrays& v, std::size_t component, const Points& x) {
+  const Eigen::Vector3d origin = x.col(v.triangles[v.firstTriangle[component]][0]);
+  double six = 0.0;
+  forEachTriangle(v, component, x,
+                  [&](const Triangle& t, const Eigen::Vector3d& b, const Eigen::Vector3d& c) {
+                    six += (x.col(t[0]) - origin).dot(b.cross(c));
+                  });
+  return six / 6.0;
+}
+
+/// Of the change c of the volume relative to the rest volume: the integral of the limited c.
+double swellingEnergy(double c) {
+  const double limited = std::clamp(c, kernel::kLargestShrinking, kernel::kLargestSwelling);
+  return limited * (c - 0.5 * limited);
+}
+
+/// The integral of -1 / v over the volume v relative to the rest volume, from 1 on.
+double gasEnergy(double v) {
+  const double least = kernel::kLeastGasVolume;
+  return v > least ? -std::log(v) : -std::log(least) - (v - least) / least;
+}
+
+/// Surfaces that enclose less than this share of their box are flat, or not oriented: their pressure would be
+/// without bounds.
+constexpr double kLeastEnclosed = 1e-6;
+
+/// m; 0 of no triangles.
+double shortestEdge(const std::vector<Triangle>& triangles, const Points& points) {
+  double shortest = triangles.empty() ? 0.0 : HUGE_VAL;
+  for (const Triangle& t : triangles)
+    for (std::size_t k = 0; k < 3; ++k)
+      shortest = std::min(shortest, (points.col(t[(k + 1) % 3]) - points.col(t[k])).norm());
+  return shortest;
+}
+
+/// Of the box around triangles first to last.
+double boxVolume(const std::vector<Triangle>& triangles, std::size_t first, const Points& points) {
+  Eigen::AlignedBox3d box;
+  for (std::size_t t = first; t < triangles.size(); ++t)
+    for (const std::uint32_t corner : triangles[t]) box.extend(Eigen::Vector3d(points.col(corner)));
+  return box.sizes().prod();
+}
+
+std::vector<std::vector<Triangle>> trianglesByComponent(const SpringNetwork& network) {
+  const SurfaceComponents components = findComponents(network.restPoints.size(), network.surface);
+  std::vector<std::vector<Triangle>> triangles(components.count);
+  for (std::size_t t = 0; t < network.surface.size(); ++t)
+    triangles[components.ofTriangle[t]].push_back(network.surface[t]);
+  return triangles;
+}
+
+/// Adds a component with its outside outside, whichever way the mesh, the scale or a hollow had turned it.
+void addComponent(VolumeArrays& v, const std::vector<Triangle>& component, const Points& rest) {
+  const std::size_t first = v.triangles.size();
+  v.triangles.insert(v.triangles.end(), component.begin(), component.end());
+  v.firstTriangle.push_back(static_cast<std::uint32_t>(v.triangles.size()));
+  const double volume = componentVolume(v, v.restVolume.size(), rest);
+  if (std::abs(volume) <= kLeastEnclosed * boxVolume(v.triangles, first, rest)) {
+    v.triangles.resize(first);
+    v.firstTriangle.pop_back();
+    return;
+  }
+  for (std::size_t t = first; t < v.triangles.size(); ++t) {
+    if (volume < 0.0) std::swap(v.triangles[t][1], v.triangles[t][2]);
+    for (const std::uint32_t corner : v.triangles[t])
+      v.componentOf[corner] = static_cast<std::uint32_t>(v.restVolume.size());
+  }
+  v.restVolume.push_back(std::abs(volume));
+}
+
+/// Of the rest volume: a change that is far. The push then bends the energy about as much as the springs do.
+constexpr double kFarFromRest = 0.2;
+
+/// The square of the longest edge now, and of the longest when its ends have flown on for a tick.
+struct EdgeSquares {
+  double now = 0.0, later = 0.0;
+};
+
+double squareOfSum(double squared, double more) {
+  const double sum = std::sqrt(squared) + more;
+  return sum * sum;
+}
+
+EdgeSquares longestEdge(const Triangle& t, const PointState& state, double tick, double slack) {
+  EdgeSquares longest;
+  for (std::size_t k = 0; k < 3; ++k) {
+    const auto a = t[k], b = t[(k + 1) % 3];
+    const Eigen::Vector3d edge = state.position.col(b) - state.position.col(a);
+    const Eigen::Vector3d moved = edge + tick * (state.velocity.col(b) - state.velocity.col(a));
+    longest.now = std::max(longest.now, edge.squaredNorm());
+    longest.later = std::max({longest.later, longest.now, moved.squaredNorm()});
+  }
+  if (slack > 0.0) longest.later = squareOfSum(longest.later, 2.0 * slack);
+  return longest;
+}
+
+/// Sums up the longest edges around each point into rowSums; returns the square of the largest growth of one.
+double sumEdges(VolumeArrays& v, std::size_t c, const PointState& state, double tick, double slack) {
+  double growth = 1.0;
+  for (std::size_t i = v.firstTriangle[c]; i < v.firstTriangle[c + 1]; ++i) {
+    const EdgeSquares edge = longestEdge(v.triangles[i], state, tick, slack);
+    if (edge.now > 0.0) growth = std::max(growth, edge.later / edge.now);
+    for (const std::uint32_t corner : v.triangles[i]) v.rowSums[corner] += std::sqrt(edge.later) / 3.0;
+  }
+  return growth;
+}
+
+/// 1/m^2 and more: sum w |g|^2 of a component, g the gradient of its volume. A triangle gives a corner a
+/// sixth of the cross product of two edges, which changes by at most 2 slack (|e1| + |e2|) / 6: with the sums
+/// r of longest edges, that are thirds,  |change of g| <= 2 slack r.
+double gradientSum(const VolumeArrays& v, const double* sums, const PointState& state, double slack) {
+  const double now = (sums[1] + sums[2] + sums[3]) / 36.0;
+  if (!(slack > 0.0)) return now;
+  double change = 0.0;
+  for (std::size_t i = 0; i < v.rowSums.size(); ++i)
+    change += state.inverseMass.col(static_cast<Eigen::Index>(i)).maxCoeff() * v.rowSums[i] * v.rowSums[i];
+  return squareOfSum(now, 2.0 * slack * std::sqrt(change));
+}
+
+/// Of one component, see volumeFrequencyBoundSquared; after sumUp().
+double componentBound(VolumeArrays& v, std::size_t c, const PointState& state, double tick, double slack) {
+  const double* sums = &v.sums[4 * c];
+  const kernel::Push<double> now = kernel::pushOf(sums[0] / 6.0, v.restVolume[c], v.modulus, v.pressure);
+  const double edges = sumEdges(v, c, state, tick, slack);
+  const double growth = edges * std::sqrt(edges) - 1.0;
+  const double push = std::abs(now.push) + v.modulus * std::min(growth, -kernel::kLargestShrinking);
+  const double change = sums[0] / (6.0 * v.restVolume[c]) - 1.0;
+  v.restless = v.restless || std::abs(change) > kFarFromRest || growth > kFarFromRest;
+  double across = 0.0;
+  for (std::size_t i = v.firstTriangle[c]; i < v.firstTriangle[c + 1]; ++i)
+    for (const std::uint32_t corner : v.triangles[i])
+      across = std::max(across, state.inverseMass.col(corner).maxCoeff() * v.rowSums[corner]);
+  return now.stiffness * gradientSum(v, sums, state, slack) + push * across;
+}
+
+}  // namespace
+
+Points scaledRest(const SpringNetwork& network, const Eigen::Vector3d& scale) {
+  Points rest(3, static_cast<Eigen::Index>(network.restPoints.size()));
+  for (Eigen::Index i = 0; i < rest.cols(); ++i)
+    rest.col(i) = network.restPoints[static_cast<std::size_t>(i)].cwiseProduct(scale);
+  return rest;
+}
+
+double networkModulus(const SpringNetwork& network, const Eigen::Vector3d& scale, double stiffness,
+                      double volume) {
+  double sum = 0.0;
+  for (const NetworkSpring& s : network.springs) {
+    const Eigen::Vector3d d = network.restPoints[s.b] - network.restPoints[s.a];
+    sum += stiffness * s.stiffnessScale * d.cwiseProduct(scale).squaredNorm();
+  }
+  return sum / (6.0 * volume);
+}
+
+std::string checkVolume(const SpringNetwork& network, const SoftBodySettings& settings) {
+  const bool perTetrahedron = !network.tetrahedra.empty();  // see TetrahedronVolumes
+  const bool asked = (settings.volumeModulus > 0.0 && !perTetrahedron) || settings.pressure > 0.0;
+  if (!asked) return {};
+  const bool closed = mayHaveVolume(network) && isClosed(findEdgeDefects(network.surface));
+  if (closed && !makeVolumes(network, settings).empty()) return {};
+  return std::string(settings.pressure > 0.0 ? "pressure" : "volumeModulus") + ": " + whyNoVolume(network);
+}
+
+VolumeArrays makeVolumes(const SpringNetwork& network, const SoftBodySettings& settings) {
+  if (!mayHaveVolume(network) || (settings.volumeModulus == 0.0 && settings.pressure == 0.0)) return {};
+  const Points rest = scaledRest(network, settings.scale);
+  VolumeArrays v;
+  v.firstTriangle = {0};
+  v.componentOf.assign(network.restPoints.size(), 0);
+  for (const std::vector<Triangle>& component : trianglesByComponent(network))
+    if (isClosed(findEdgeDefects(component))) addComponent(v, component, rest);
+  double volume = 0.0;
+  for (const double one : v.restVolume) volume += one;
+  const double stiffness = std::max(settings.extensionStiffness, settings.compressionStiffness);
+  v.modulus = settings.volumeModulus >= 0.0 || v.empty()
+                  ? settings.volumeModulus
+                  : networkModulus(network, settings.scale, stiffness, volume);
+  v.pressure = settings.pressure;
+  v.shortestEdge = shortestEdge(v.triangles, rest);
+  v.gradient.setZero(3, rest.cols());
+  v.sums.assign(4 * v.restVolume.size(), 0.0);
+  v.rowSums.assign(network.restPoints.size(), 0.0);
+  return v;
+}
+
+kernel::Volumes<double> kernelVolumes(VolumeArrays& v) {
+  kernel::Volumes<double> k;
+  if (v.empty()) return k;
+  k.components = static_cast<kernel::Index>(v.restVolume.size());
+  k.points = static_cast<kernel::Index>(v.componentOf.size());
+  k.firstTriangle = v.firstTriangle.data();
+  k.corners = v.triangles.front().data();
+  k.componentOf = v.componentOf.data();
+  k.restVolume = v.restVolume.data();
+  k.modulus = &v.modulus;
+  k.pressure = &v.pressure;
+  k.gradient = v.gradient.data();
+  k.sums = v.sums.data();
+  k.timeStep = v.timeStep;
+  return k;
+}
+
+void addVolumeForces(VolumeArrays& volumes, PointState& state) {
+  kernel::addVolumeForces(kernelVolumes(volumes), state.position.data(), state.inverseMass.data(),
+                          state.force.data());
+}
+
+bool isHeldBack(VolumeArrays& v, const PointState& state, double dt) {
+  if (v.empty()) return false;
+  kernel::sumUp(kernelVolumes(v), state.position.data(), state.inverseMass.data());
+  for (std::size_t c = 0; c < v.restVolume.size(); ++c) {
+    const double* sums = &v.sums[4 * c];
+    const auto push = [&](double timeStep) {
+      return kernel::stablePush(sums[0], sums[1] + (sums[2] + sums[3]), v.restVolume[c], v.modulus,
+                                v.pressure, timeStep);
+    };
+    if (push(dt) != push(0.0)) return true;
+  }
+  return false;
+}
+
+double volumeEnergy(const VolumeArrays& v, const Points& position) {
+  double energy = 0.0;
+  for (std::size_t c = 0; c < v.restVolume.size(); ++c) {
+    const double relative = componentVolume(v, c, position) / v.restVolume[c];
+    energy +=
+        v.restVolume[c] * (v.modulus * swellingEnergy(relative - 1.0) + v.pressure * gasEnergy(relative));
+  }
+  return energy;
+}
+
+double enclosedVolume(const VolumeArrays& v, const Points& position) {
+  double sum = 0.0;
+  for (std::size_t c = 0; c < v.restVolume.size(); ++c) sum += componentVolume(v, c, position);
+  return sum;
+}
+
+double volumeFrequencyBoundSquared(VolumeArrays& v, const PointState& state, double tick, double slack) {
+  if (v.empty()) return 0.0;
+  kernel::sumUp(kernelVolumes(v), state.position.data(), state.inverseMass.data());
+  std::fill(v.rowSums.begin(), v.rowSums.end(), 0.0);
+  v.restless = false;
+  double largest = 0.0;
+  for (std::size_t c = 0; c < v.restVolume.size(); ++c)
+    largest = std::max(largest, componentBound(v, c, state, tick, slack));
+  return largest;
+}
+
+VolumeSlope volumeSlope(const VolumeArrays& v, std::size_t component, const PointState& state,
+                        Points& gradient) {
+  gradient.setZero(3, state.position.cols());
+  forEachTriangle(v, component, state.position,
+                  [&](const Triangle& t, const Eigen::Vector3d& b, const Eigen::Vector3d& c) {
+                    for (const std::uint32_t corner : t)
+                      if (!isHeld(state.inverseMass, corner)) gradient.col(corner) += b.cross(c) / 6.0;
+                  });
+  const double volume = componentVolume(v, component, state.position), rest = v.restVolume[component];
+  const double change = (volume - rest) / rest;
+  const bool limited = change > kernel::kLargestSwelling || change < kernel::kLargestShrinking;
+  const double gas = volume > kernel::kLeastGasVolume * rest ? v.pressure * rest / (volume * volume) : 0.0;
+  return {volume, (limited ? 0.0 : v.modulus / rest) + gas};
+}
+
+bool isFarFromRest(const VolumeArrays& v, const Points& position) {
+  for (std::size_t c = 0; c < v.restVolume.size(); ++c)
+    if (std::abs(componentVolume(v, c, position) / v.restVolume[c] - 1.0) > kFarFromRest) return true;
+  return false;
+}
+
+// --- a bound that is kept while the shape is ---------------------------------------------------------------
+
+namespace {
+
+using Eigen::Vector3d;
+
+/// Of the shortest edge at rest: motion against each other that is no change of shape. It makes the bound
+/// of a cube half a per cent larger.
+constexpr double kSlack = 2e-4;
+
+/// m, how far a point has moved against the others since the shape was kept, and may move in the tick.
+double shapeChange(const Points& kept, const PointState& state, double tick) {
+  const Vector3d moved = (state.position - kept).rowwise().mean();
+  const Vector3d velocity = state.velocity.rowwise().mean();
+  double change = 0.0, speed = 0.0;
+  for (Eigen::Index i = 0; i < kept.cols(); ++i) {
+    change = std::max(change, (state.position.col(i) - kept.col(i) - moved).squaredNorm());
+    speed = std::max(speed, (state.velocity.col(i) - velocity).squaredNorm());
+  }
+  return std::sqrt(change) + tick * std::sqrt(speed);
+}
+
+}  // namespace
+
+double keptVolumeBoundSquared(VolumeArrays& v, const PointState& state, double tick) {
+  if (v.empty()) return 0.0;
+  const double slack = kSlack * v.shortestEdge;
+  if (v.kept.value > 0.0 && shapeChange(v.kept.shape, state, tick) <= slack) return v.kept.value;
+  const double bound = volumeFrequencyBoundSquared(v, state, tick, slack);
+  v.kept.shape = state.position;
+  v.kept.value = v.restless ? 0.0 : bound;
+  return bound;
+}
+
+}  // namespace limber
