@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Zlib
 #include "bullet/contact_gather.h"
 
+#include "bullet/bullet_objects.h"
 #include "bullet/contact_cache.h"
 #include "bullet/contact_filter.h"
 #include "bullet/contact_reach.h"
-#include "bullet/convert.h"
 #include "bullet/held_pieces.h"
 #include "bullet/kinematic_motion.h"
 #include "bullet/multibody_links.h"

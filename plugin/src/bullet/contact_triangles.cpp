@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "bullet/body_in_world.h"
+#include "bullet/bullet_objects.h"
 #include "bullet/contact_report.h"
-#include "bullet/convert.h"
 #include "bullet/soft_body_data.h"
 
 #include <Eigen/Geometry>

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Zlib
 #include "bullet/continuous_collision.h"
 
+#include "bullet/bullet_objects.h"
 #include "bullet/contact_filter.h"
-#include "bullet/convert.h"
 #include "bullet/kinematic_motion.h"
 
 #include <algorithm>

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Zlib
 #include "bullet/debug_draw.h"
 
+#include "bullet/bullet_objects.h"
 #include "bullet/contact_report.h"
-#include "bullet/convert.h"
 
 #include <limber/soft_contact.h>
 #include <limber/spring_constraint.h>

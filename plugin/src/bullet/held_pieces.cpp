@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "bullet/held_pieces.h"
 
-#include "bullet/convert.h"
+#include "bullet/bullet_objects.h"
 #include "bullet/kinematic_motion.h"
 #include "core/closest_points.h"
 

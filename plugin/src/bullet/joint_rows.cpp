@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "bullet/joint_rows.h"
 
-#include "bullet/convert.h"
+#include "bullet/bullet_objects.h"
 #include "bullet/surface_object.h"
 
 #include <cmath>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
-#include "bullet/convert.h"
+#include "bullet/bullet_objects.h"
 
 #include <limber/bullet_precision.h>
 
@@ -11,27 +11,6 @@
 
 namespace limber {
 inline namespace LIMBER_BULLET_PRECISION {
-
-/// Whether an object moves as its user tells: kinematic bodies, static ones with the kinematic flag among
-/// them (Bullet's own idiom leaves both flags on), and ghosts, which character controllers move.
-inline bool isKinematic(const btCollisionObject& object) {
-  return object.isKinematicObject() || object.getInternalType() == btCollisionObject::CO_GHOST_OBJECT;
-}
-
-inline bool isStatic(const btCollisionObject& object) { return object.isStaticObject() && !isKinematic(object); }
-
-/// Whether nothing that touches an object moves it.
-inline bool isStaticOrKinematic(const btCollisionObject& object) {
-  return object.isStaticObject() || isKinematic(object);
-}
-
-/// Whether Bullet has a kinematic object already where it gets in the tick, while all else is where it starts:
-/// what it carries is inside it.
-inline bool isAhead(const btCollisionObject& object) {
-  return isKinematic(object) && !(object.getWorldTransform() == object.getInterpolationWorldTransform() &&
-                                  object.getInterpolationLinearVelocity().isZero() &&
-                                  object.getInterpolationAngularVelocity().isZero());
-}
 
 /// The motion of a kinematic object in the present tick.
 struct KinematicMotion {

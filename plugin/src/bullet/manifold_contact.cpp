@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-#include "bullet/convert.h"
+#include "bullet/bullet_objects.h"
 #include "bullet/point_mass.h"
 #include "bullet/surface_object.h"
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "bullet/multibody_links.h"
 
-#include "bullet/convert.h"
+#include "bullet/bullet_objects.h"
 #include "bullet/tick_contacts.h"
 #include "core/linear_algebra.h"
 

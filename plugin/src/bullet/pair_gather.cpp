@@ -2,9 +2,9 @@
 #include "bullet/pair_gather.h"
 
 #include "bullet/box_contact.h"
+#include "bullet/bullet_objects.h"
 #include "bullet/contact_filter.h"
 #include "bullet/contact_reach.h"
-#include "bullet/convert.h"
 #include "bullet/multibody_links.h"
 #include "bullet/surface_body.h"
 

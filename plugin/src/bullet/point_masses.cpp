@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "bullet/point_masses.h"
 
-#include "bullet/convert.h"
+#include "bullet/bullet_objects.h"
 #include "bullet/soft_body_data.h"
 #include "core/coincident_points.h"
 

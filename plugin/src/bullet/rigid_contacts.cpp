@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Zlib
 #include "bullet/rigid_contacts.h"
 
+#include "bullet/bullet_objects.h"
 #include "bullet/contact_reach.h"
-#include "bullet/convert.h"
 #include "bullet/joint_rows.h"
 #include "bullet/multibody_links.h"
 #include "bullet/point_mass.h"

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "bullet/rigid_partner.h"
 
-#include "bullet/convert.h"
+#include "bullet/bullet_objects.h"
 #include "bullet/kinematic_motion.h"
 
 #include <cmath>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
-#include "bullet/partner_mark.h"
+#include "bullet/bullet_objects.h"
 #include "core/rigid_state.h"
 
 #include <limber/bullet_precision.h>

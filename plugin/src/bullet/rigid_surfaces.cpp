@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "bullet/rigid_surfaces.h"
 
-#include "bullet/convert.h"
+#include "bullet/bullet_objects.h"
 #include "bullet/tick_contacts.h"
 
 #include <BulletCollision/BroadphaseCollision/btDbvt.h>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "bullet/shape_surface.h"
 
-#include "bullet/convert.h"
+#include "bullet/bullet_objects.h"
 
 #include <LinearMath/btConvexHullComputer.h>
 

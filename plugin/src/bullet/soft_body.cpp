@@ -2,7 +2,7 @@
 #include <limber/soft_body.h>
 
 #include "bullet/body_in_world.h"
-#include "bullet/convert.h"
+#include "bullet/bullet_objects.h"
 #include "bullet/soft_body_data.h"
 #include "bullet/surface_body.h"
 #include "bullet/surface_rigid.h"

@@ -2,12 +2,12 @@
 #include <limber/soft_body_system.h>
 
 #include "bullet/body_in_world.h"
-#include "bullet/convert.h"
+#include "bullet/bullet_objects.h"
 #include "bullet/debug_draw.h"
 #include "bullet/new_body.h"
 #include "bullet/surface_body.h"
 #include "bullet/system_impl.h"
-#include "bullet/world_clock.h"
+#include "bullet/tick_hook.h"
 
 #include <algorithm>
 #include <cstdio>

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Zlib
 #include "bullet/surface_gather.h"
 
+#include "bullet/bullet_objects.h"
 #include "bullet/concave_patch.h"
 #include "bullet/contact_reach.h"
-#include "bullet/convert.h"
 #include "bullet/held_pieces.h"
 #include "bullet/multibody_links.h"
 #include "bullet/pair_gather.h"

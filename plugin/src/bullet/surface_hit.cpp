@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Zlib
-#include <limber/surface_hit.h>
-
-#include "bullet/convert.h"
+#include "bullet/bullet_objects.h"
 #include "bullet/soft_body_data.h"
+
+#include <limber/surface_hit.h>
 
 #include <algorithm>
 

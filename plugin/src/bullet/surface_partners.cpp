@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "bullet/surface_partners.h"
 
-#include "bullet/convert.h"
+#include "bullet/bullet_objects.h"
 #include "bullet/kinematic_motion.h"
 
 #include <algorithm>

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Zlib
 #include "bullet/surface_rigid.h"
 
+#include "bullet/bullet_objects.h"
 #include "bullet/contact_reach.h"
-#include "bullet/convert.h"
 #include "bullet/point_masses.h"
 #include "core/linear_algebra.h"
 

@@ -9,7 +9,6 @@
 #include "bullet/shared_topologies.h"
 #include "bullet/shown_contacts.h"
 #include "bullet/step_plan.h"
-#include "bullet/step_sentinel.h"
 #include "bullet/surface_gather.h"
 #include "bullet/tick_group.h"
 #include "bullet/tick_hook.h"

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "bullet/tick_contacts.h"
 
-#include "bullet/convert.h"
+#include "bullet/bullet_objects.h"
 
 namespace limber {
 inline namespace LIMBER_BULLET_PRECISION {

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
+#include "bullet/bullet_objects.h"
 #include "bullet/kinematic_motion.h"
-#include "bullet/partner_mark.h"
 #include "bullet/rigid_partner.h"
 #include "core/pair_contacts.h"
 
@@ -71,12 +71,6 @@ struct TickContacts {
  private:
   std::vector<std::uint32_t> numbers_;  ///< by place in the world's list of objects
 };
-
-/// Whether a rigid body moves by itself: neither held nor asleep.
-inline bool isFree(const btRigidBody& body) {
-  return !isStaticOrKinematic(body) && body.isActive() &&
-         body.getActivationState() != DISABLE_SIMULATION && body.getWorldArrayIndex() >= 0;
-}
 
 /// m/s, of a place on a body that moves by itself, at present, or as told, over the tick (s); 0 for one that
 /// is static or asleep.

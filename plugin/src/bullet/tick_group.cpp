@@ -2,8 +2,8 @@
 #include "bullet/tick_group.h"
 
 #include "bullet/body_in_world.h"
+#include "bullet/bullet_objects.h"
 #include "bullet/contact_gather.h"
-#include "bullet/convert.h"
 #include "bullet/kinematic_motion.h"
 #include "bullet/surface_body.h"
 

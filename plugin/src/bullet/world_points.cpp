@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Zlib
 #include "bullet/world_points.h"
 
+#include "bullet/bullet_objects.h"
 #include "bullet/continuous_collision.h"
-#include "bullet/convert.h"
 
 #include <cmath>
 #include <limits>
