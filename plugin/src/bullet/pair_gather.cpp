@@ -7,6 +7,7 @@
 #include "bullet/contact_reach.h"
 #include "bullet/multibody_links.h"
 #include "bullet/surface_body.h"
+#include "bullet/tick_group.h"
 
 #include <algorithm>
 

@@ -3,10 +3,11 @@
 
 #include "bullet/soft_body_data.h"
 #include "bullet/tick_contacts.h"
-#include "bullet/tick_group.h"
 
 namespace limber {
 inline namespace LIMBER_BULLET_PRECISION {
+
+struct TickGroup;
 
 /// Adds to `found` a contact for every surface of a rigid body that moves by itself and that a point of the
 /// body may reach in the coming tick, before it touches: Bullet's narrowphase finds it. A partner that is

@@ -7,6 +7,7 @@
 #include "bullet/held_pieces.h"
 #include "bullet/multibody_links.h"
 #include "bullet/pair_gather.h"
+#include "bullet/tick_group.h"
 
 #include <algorithm>
 
@@ -333,12 +334,12 @@ class HeldAround {
 
   /// m, radius of the cylinder whose side it is; 0: of none.
   double radiusAround(const Vector3d& normal) const {
-    constexpr double kAlongAxis = 0.1, kOnIt = 0.01;  // cosine; share of the radius
+    constexpr double kAlongAxis = 0.1, kOnSide = 0.01;  // cosine; share of the radius
     for (const HeldPiece& piece : pieces_) {
       if (piece.kind != HeldPiece::Kind::Cylinder) continue;
       const double radius = piece.size[0] + piece.margin;
       const bool isSide = std::abs(normal.dot(piece.axes.col(1))) < kAlongAxis;
-      if (isSide && std::abs(nearestOn(&piece, &piece + 1, place_).height) < kOnIt * radius) return radius;
+      if (isSide && std::abs(nearestOn(&piece, &piece + 1, place_).height) < kOnSide * radius) return radius;
     }
     return 0.0;
   }

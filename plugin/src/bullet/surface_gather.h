@@ -3,12 +3,13 @@
 
 #include "bullet/rigid_surfaces.h"
 #include "bullet/soft_body_data.h"
-#include "bullet/tick_group.h"
 #include "bullet/tick_contacts.h"
 #include "core/surface_contacts.h"
 
 namespace limber {
 inline namespace LIMBER_BULLET_PRECISION {
+
+struct TickGroup;
 
 /// Scratch of gatherSurfacePairs, kept for its capacity.
 struct SurfaceSearch {

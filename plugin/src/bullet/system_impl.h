@@ -1,14 +1,12 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
-#include "bullet/cluster.h"
 #include "bullet/contact_events.h"
 #include "bullet/kinematic_motion.h"
 #include "bullet/multibody_links.h"
 #include "bullet/rigid_contacts.h"
 #include "bullet/shared_topologies.h"
 #include "bullet/shown_contacts.h"
-#include "bullet/step_plan.h"
 #include "bullet/surface_gather.h"
 #include "bullet/tick_group.h"
 #include "bullet/tick_hook.h"

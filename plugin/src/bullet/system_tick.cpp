@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Zlib
 #include "bullet/body_in_world.h"
 #include "bullet/contact_gather.h"
-#include "bullet/group_sleep.h"
-#include "bullet/group_stepping.h"
 #include "bullet/joint_rows.h"
 #include "bullet/known_contacts.h"
 #include "bullet/pair_gather.h"
@@ -10,6 +8,7 @@
 #include "bullet/surface_partners.h"
 #include "bullet/surface_rigid.h"
 #include "bullet/system_impl.h"
+#include "bullet/tick_group.h"
 
 #include <algorithm>
 #include <chrono>
