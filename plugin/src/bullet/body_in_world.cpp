@@ -2,8 +2,8 @@
 #include "bullet/body_in_world.h"
 
 #include "bullet/contact_gather.h"
+#include "bullet/point_masses.h"
 #include "bullet/surface_body.h"
-#include "bullet/world_points.h"
 
 #include <algorithm>
 

@@ -278,25 +278,6 @@ void addRows(SoftBodyData& body, std::uint32_t i, const btCollisionObject& partn
     addFoundRows(rows, body, i, partner, stamp);
 }
 
-/// Calls visit(manifold point, soft body, point, partner) for all contacts of point masses.
-template <class Visit>
-void forEachContact(btDispatcher& dispatcher, Visit visit) {
-  for (int m = 0; m < dispatcher.getNumManifolds(); ++m) {
-    btPersistentManifold& manifold = *dispatcher.getManifoldByIndexInternal(m);
-    PointMass* first = PointMass::from(const_cast<btCollisionObject*>(manifold.getBody0()));
-    PointMass* point = first ? first : PointMass::from(const_cast<btCollisionObject*>(manifold.getBody1()));
-    if (!point || !point->owner()) continue;
-    const btCollisionObject* partner = first ? manifold.getBody1() : manifold.getBody0();
-    visit(manifold, *point, partner);
-  }
-}
-
-/// Of two bodies, one of them awake: gatherPointPairs() has a row for it.
-bool isOfAwakePoints(const PointMass& point, const btCollisionObject* partner) {
-  const PointMass* other = PointMass::from(partner);
-  return other && other->owner() && !(point.owner()->asleep && other->owner()->asleep);
-}
-
 /// The box around all reaches; keeps how far contacts are looked for.
 Eigen::AlignedBox3d reachBox(SoftBodyData& body, double tick) {
   Eigen::AlignedBox3d box;
@@ -514,56 +495,6 @@ bool mayHaveMissedContacts(SoftBodyData& body) {
 }
 
 void addContactWatch(SoftBodyData& body) { body.watch = std::make_unique<Watch>(body); }
-
-void readManifolds(btDispatcher& dispatcher) {
-  forEachContact(
-      dispatcher, [](btPersistentManifold& manifold, PointMass& point, const btCollisionObject* partner) {
-        const bool ofPoints = isOfAwakePoints(point, partner);
-        if (!ofPoints && (point.owner()->asleep || !isStaticOrKinematic(*partner))) return;
-        const btCollisionShape& shape = *partner->getCollisionShape();
-        const bool simple = manifold.getNumContacts() == 1 && !shape.isConcave() && !shape.isCompound();
-        if (simple && !ofPoints) point.cachedContact = &manifold;
-        // its rows are enough: Bullet would push the point out of where the partner will be
-        if (isAhead(*partner)) manifold.setContactProcessingThreshold(-BT_LARGE_FLOAT);
-        for (int p = 0; p < manifold.getNumContacts(); ++p) {
-          btManifoldPoint& contact = manifold.getContactPoint(p);
-          contact.m_appliedImpulse = contact.m_appliedImpulseLateral1 = contact.m_appliedImpulseLateral2 = 0;
-        }
-      });
-}
-
-void leaveToRows(btDispatcher& dispatcher) {
-  forEachContact(dispatcher, [](btPersistentManifold& manifold, PointMass& point,
-                                const btCollisionObject* partner) {
-    if (isOfAwakePoints(point, partner)) manifold.setContactProcessingThreshold(-BT_LARGE_FLOAT);
-    const SoftBodyData& body = *point.owner();
-    const RowRange rows = rowsOfPoint(body.contacts, point.index());
-    for (std::size_t r = rows.begin; r < rows.end && !body.asleep; ++r)
-      if (body.contactPartners[r] == partner) manifold.setContactProcessingThreshold(-BT_LARGE_FLOAT);
-  });
-}
-
-void reportContactImpulses(btDispatcher& dispatcher) {
-  forEachContact(dispatcher, [](btPersistentManifold& manifold, PointMass& point,
-                                const btCollisionObject* partner) {
-    const SoftBodyData& body = *point.owner();
-    const RowRange rows = rowsOfPoint(body.contacts, point.index());
-    manifold.setContactProcessingThreshold(
-        btMin(point.getContactProcessingThreshold(), partner->getContactProcessingThreshold()));
-    for (std::size_t r = rows.begin; r < rows.end; ++r) {
-      const ContactRow& row = body.contacts[r];
-      if (body.contactPartners[r] != partner) continue;
-      int nearest = -1;
-      for (int p = 0; p < manifold.getNumContacts(); ++p) {
-        const double along = std::abs(toEigen(manifold.getContactPoint(p).m_normalWorldOnB).dot(row.normal));
-        if (along > kSameSurface && nearest < 0) nearest = p;
-      }
-      if (nearest < 0) continue;
-      manifold.getContactPoint(nearest).m_appliedImpulse +=
-          static_cast<btScalar>(row.impulse.along);
-    }
-  });
-}
 
 }  // namespace LIMBER_BULLET_PRECISION
 }  // namespace limber

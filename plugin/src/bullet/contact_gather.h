@@ -22,18 +22,6 @@ void addContactWatch(SoftBodyData& body);
 /// body must be stepped again, with the watch.
 bool mayHaveMissedContacts(SoftBodyData& body);
 
-/// Before a tick: gives every point mass its contact in Bullet's manifolds, and takes out of these what an
-/// earlier tick reported (below), before Bullet starts from it.
-void readManifolds(btDispatcher& dispatcher);
-
-/// After gathering: Bullet's solver leaves contacts that have rows alone, until reportContactImpulses(). It
-/// would see them once a tick, at its start: where shapes are rounded, or meet edges beside each other, it
-/// brakes what slides past these.
-void leaveToRows(btDispatcher& dispatcher);
-
-/// After the tick: what the rows have borne is written to Bullet's manifolds, where users read contact forces
-/// (btManifoldPoint::m_appliedImpulse).
-void reportContactImpulses(btDispatcher& dispatcher);
 
 }  // namespace LIMBER_BULLET_PRECISION
 }  // namespace limber

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "bullet/kinematic_motion.h"
 
-#include "bullet/point_mass.h"
+#include "bullet/point_masses.h"
 #include "bullet/surface_object.h"
 
 #include <algorithm>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
 #include "bullet/bullet_objects.h"
-#include "bullet/point_mass.h"
+#include "bullet/point_masses.h"
 #include "bullet/surface_object.h"
 
 #include <limber/soft_contact.h>

@@ -1,4 +1,8 @@
 // SPDX-License-Identifier: Zlib
+
+// Makes, reads and writes the Bullet bodies of points: what the user has changed in them goes into the state, and the
+// state, rounded, into them.
+
 #include "bullet/point_masses.h"
 
 #include "bullet/bullet_objects.h"
@@ -9,6 +13,42 @@
 
 namespace limber {
 inline namespace LIMBER_BULLET_PRECISION {
+namespace {
+
+/// Its address in the extension pointer marks our bodies: no RTTI needed, and the user pointer and index stay
+/// the user's.
+int pointMassMark;
+
+}  // namespace
+
+PointMass::PointMass(const btRigidBodyConstructionInfo& info, SoftBodyData* owner, std::uint32_t index)
+    : btRigidBody(info), owner_(owner), index_(index) {
+  internalSetExtensionPointer(&pointMassMark);
+  keepCollisionFilter();
+}
+
+PointMass::~PointMass() {
+  if (owner_) forgetDeletedPoint(*owner_, index_);
+}
+
+PointMass* PointMass::from(btCollisionObject* object) {
+  const bool ours = object && object->internalGetExtensionPointer() == &pointMassMark;
+  return ours ? static_cast<PointMass*>(object) : nullptr;
+}
+
+const PointMass* PointMass::from(const btCollisionObject* object) {
+  return from(const_cast<btCollisionObject*>(object));
+}
+
+bool PointMass::checkCollideWithOverride(const btCollisionObject* other) const {
+  if (other == attachedTo) return false;
+  const PointMass* point = from(other);
+  if (point && point->owner_ == owner_ && owner_) return false;
+  return btRigidBody::checkCollideWithOverride(other);
+}
+
+// --- the points of one body --------------------------------------------------------------------------------
+
 namespace {
 
 /// m, m/s, N: the square of what is less does not overflow Bullet's floats.

@@ -5,7 +5,7 @@
 #include "bullet/contact_reach.h"
 #include "bullet/joint_rows.h"
 #include "bullet/multibody_links.h"
-#include "bullet/point_mass.h"
+#include "bullet/point_masses.h"
 #include "bullet/surface_object.h"
 
 namespace limber {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-#include "bullet/point_mass.h"
+#include "bullet/point_masses.h"
 #include "bullet/surface_partners.h"
 
 namespace limber {
