@@ -10,31 +10,25 @@ namespace limber {
 inline namespace LIMBER_BULLET_PRECISION {
 namespace {
 
-struct Box {
-  btVector3 low, high;
-  bool holds(const Box& other) const {
-    for (int i = 0; i < 3; ++i)
-      if (other.low[i] < low[i] || other.high[i] > high[i]) return false;
-    return true;
-  }
-};
+bool holds(const LocalBox& box, const LocalBox& other) {
+  for (int i = 0; i < 3; ++i)
+    if (other.low[i] < box.low[i] || other.high[i] > box.high[i]) return false;
+  return true;
+}
 
 /// The box of the body's motion in the coordinates of the partner, at the start and the end of its own.
-Box boxIn(const btCollisionObject& partner, const SweptBox& world) {
-  const btVector3 from = toBullet(Eigen::Vector3d(world.low.head<3>()));
-  const btVector3 to = toBullet(Eigen::Vector3d(world.high.head<3>()));
-  Box box;
-  btTransformAabb(from, to, btScalar(0), partner.getWorldTransform().inverse(), box.low, box.high);
+LocalBox boxIn(const btCollisionObject& partner, const SweptBox& world) {
+  const Eigen::Vector3d low = world.low.head<3>(), high = world.high.head<3>();
+  LocalBox box = localBoxOf(partner.getWorldTransform(), low, high);
   if (!isKinematic(partner)) return box;
-  btVector3 low, high;
-  btTransformAabb(from, to, btScalar(0), partner.getInterpolationWorldTransform().inverse(), low, high);
-  box.low.setMin(low), box.high.setMax(high);
+  const LocalBox end = localBoxOf(partner.getInterpolationWorldTransform(), low, high);
+  box.low.setMin(end.low), box.high.setMax(end.high);
   return box;
 }
 
 /// So much larger than the body it is made for that a body that slides or rolls needs a new one only now and
 /// then.
-Box enlarged(const Box& box) {
+LocalBox enlarged(const LocalBox& box) {
   const btVector3 more = btScalar(0.25) * (box.high - box.low);
   return {box.low - more, box.high + more};
 }
@@ -74,7 +68,7 @@ void placePatch(ConcavePatch& patch, const btCollisionObject& partner) {
   fitBoxes(part.moving, part.boxes);
 }
 
-void makePatch(ConcavePatch& patch, const btCollisionObject& partner, const Box& box) {
+void makePatch(ConcavePatch& patch, const btCollisionObject& partner, const LocalBox& box) {
   patch.low = box.low, patch.high = box.high;
   patch.surface =
       makePatchSurface(*static_cast<const btConcaveShape*>(partner.getCollisionShape()), box.low, box.high);
@@ -92,9 +86,9 @@ void makePatch(ConcavePatch& patch, const btCollisionObject& partner, const Box&
 
 RigidPart* patchAround(SoftBodyData& body, const btCollisionObject& partner, const MovingSurface& soft) {
   if (soft.boxes->nodes.empty()) return nullptr;
-  const Box box = boxIn(partner, soft.boxes->nodes[0]);
+  const LocalBox box = boxIn(partner, soft.boxes->nodes[0]);
   ConcavePatch& patch = patchOf(body, partner.getBroadphaseHandle()->m_uniqueId);
-  if (!patch.part || !Box{patch.low, patch.high}.holds(box))
+  if (!patch.part || !holds({patch.low, patch.high}, box))
     makePatch(patch, partner, enlarged(box));
   else if (isKinematic(partner) || !(patch.pose == partner.getWorldTransform()))
     placePatch(patch, partner);

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
-#include "bullet/shape_cache.h"
-#include "bullet/surface_data.h"
+#include "bullet/rigid_shapes.h"
+#include "bullet/soft_body_data.h"
 
 #include <cstdint>
 

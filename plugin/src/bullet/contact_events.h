@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
+#include "bullet/contact_report.h"
 #include "bullet/soft_body_data.h"
 
 #include <limber/contact_listener.h>

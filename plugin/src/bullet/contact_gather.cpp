@@ -5,11 +5,11 @@
 #include "bullet/contact_cache.h"
 #include "bullet/contact_filter.h"
 #include "bullet/contact_reach.h"
-#include "bullet/held_pieces.h"
 #include "bullet/kinematic_motion.h"
 #include "bullet/multibody_links.h"
 #include "bullet/point_masses.h"
 #include "bullet/point_rows.h"
+#include "bullet/rigid_shapes.h"
 #include "bullet/surface_body.h"
 #include "bullet/surface_partners.h"
 #include "core/body_measures.h"
@@ -337,8 +337,7 @@ struct HeldInBox final : btBroadphaseAabbCallback {
 
   bool process(const btBroadphaseProxy* proxy) override {
     const auto* object = static_cast<const btCollisionObject*>(proxy->m_clientObject);
-    const bool soft = PointMass::from(object) || SurfaceObject::from(object);
-    if (soft || !isStaticOrKinematic(*object) || !canHit(*body, *proxy)) return true;
+    if (isSoft(object) || !isStaticOrKinematic(*object) || !canHit(*body, *proxy)) return true;
     any = true;
     if (std::find(body->partners.begin(), body->partners.end(), object) != body->partners.end()) return true;
     body->partners.push_back(object);

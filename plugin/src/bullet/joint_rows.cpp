@@ -2,7 +2,7 @@
 #include "bullet/joint_rows.h"
 
 #include "bullet/bullet_objects.h"
-#include "bullet/surface_object.h"
+#include "bullet/surface_body.h"
 
 #include <cmath>
 

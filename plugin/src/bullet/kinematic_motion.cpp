@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "bullet/kinematic_motion.h"
 
-#include "bullet/point_masses.h"
-#include "bullet/surface_object.h"
+#include "bullet/soft_body_data.h"
 
 #include <algorithm>
 #include <cmath>
@@ -61,8 +60,7 @@ KinematicMotion newMotion(btCollisionObject& object) {
 }
 
 bool isFollowed(const btCollisionObject& object) {
-  return isKinematic(object) && object.getBroadphaseHandle() && !PointMass::from(&object) &&
-         !SurfaceObject::from(&object);
+  return isKinematic(object) && object.getBroadphaseHandle() && !isSoft(&object);
 }
 
 void advance(KinematicMotion& m, btScalar tick) {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "bullet/bullet_objects.h"
 #include "bullet/point_masses.h"
-#include "bullet/surface_object.h"
+#include "bullet/surface_body.h"
 
 #include <limber/soft_contact.h>
 #include <limber/surface_hit.h>

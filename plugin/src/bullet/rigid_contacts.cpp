@@ -6,17 +6,13 @@
 #include "bullet/joint_rows.h"
 #include "bullet/multibody_links.h"
 #include "bullet/point_masses.h"
-#include "bullet/surface_object.h"
+#include "bullet/surface_body.h"
 
 namespace limber {
 inline namespace LIMBER_BULLET_PRECISION {
 namespace {
 
 constexpr btScalar kLeftAlone = -BT_LARGE_FLOAT;
-
-bool isSoft(const btCollisionObject* object) {
-  return PointMass::from(object) != nullptr || SurfaceObject::from(object) != nullptr;
-}
 
 /// Calls visit(place in the world's list, manifold) for both objects of all manifolds that matter.
 template <class Visit>

@@ -2,10 +2,10 @@
 #include <limber/soft_body.h>
 
 #include "bullet/body_in_world.h"
+#include "bullet/contact_report.h"
 #include "bullet/bullet_objects.h"
 #include "bullet/soft_body_data.h"
 #include "bullet/surface_body.h"
-#include "bullet/surface_rigid.h"
 #include "core/body_measures.h"
 #include "core/spring_forces.h"
 

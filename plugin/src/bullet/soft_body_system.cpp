@@ -4,7 +4,6 @@
 #include "bullet/body_in_world.h"
 #include "bullet/bullet_objects.h"
 #include "bullet/debug_draw.h"
-#include "bullet/new_body.h"
 #include "bullet/surface_body.h"
 #include "bullet/system_impl.h"
 #include "bullet/tick_hook.h"
@@ -42,7 +41,7 @@ bool holdsOn(const SpringConstraint& spring, const btRigidBody* body) {
 }  // namespace
 
 bool isSystemObject(const btCollisionObject* object) {
-  return PointMass::from(object) || SurfaceObject::from(object) || StepSentinel::isOne(object);
+  return isSoft(object) || StepSentinel::isOne(object);
 }
 
 void warnOnStandardError(const std::string& text) { std::fprintf(stderr, "limber: %s\n", text.c_str()); }

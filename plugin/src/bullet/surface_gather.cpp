@@ -4,9 +4,9 @@
 #include "bullet/bullet_objects.h"
 #include "bullet/concave_patch.h"
 #include "bullet/contact_reach.h"
-#include "bullet/held_pieces.h"
 #include "bullet/multibody_links.h"
 #include "bullet/pair_gather.h"
+#include "bullet/rigid_shapes.h"
 #include "bullet/tick_group.h"
 
 #include <algorithm>

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
+#include "bullet/body_in_world.h"
 #include "bullet/contact_events.h"
 #include "bullet/kinematic_motion.h"
 #include "bullet/multibody_links.h"
 #include "bullet/rigid_contacts.h"
-#include "bullet/shared_topologies.h"
 #include "bullet/shown_contacts.h"
 #include "bullet/surface_gather.h"
 #include "bullet/tick_group.h"

@@ -6,7 +6,6 @@
 #include "bullet/pair_gather.h"
 #include "bullet/surface_body.h"
 #include "bullet/surface_partners.h"
-#include "bullet/surface_rigid.h"
 #include "bullet/system_impl.h"
 #include "bullet/tick_group.h"
 
