@@ -4,7 +4,7 @@
 
 #include "bullet/body_in_world.h"
 
-#include "bullet/contact_gather.h"
+#include "bullet/point_contacts.h"
 #include "bullet/point_masses.h"
 #include "bullet/surface_body.h"
 #include "core/fastest_oscillation.h"

@@ -3,7 +3,7 @@
 
 #include "bullet/body_in_world.h"
 #include "bullet/bullet_objects.h"
-#include "bullet/contact_reach.h"
+#include "bullet/point_contacts.h"
 #include "bullet/soft_body_data.h"
 #include "bullet/surface_body.h"
 #include "bullet/tick_contacts.h"

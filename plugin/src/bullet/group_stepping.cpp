@@ -3,7 +3,7 @@
 // Chooses how each group is stepped, steps those that are in no cluster, bodies of one network side by side, and
 // takes out energy that a step has made.
 
-#include "bullet/contact_gather.h"
+#include "bullet/point_contacts.h"
 #include "bullet/tick_group.h"
 #include "core/body_measures.h"
 #include "core/energy_guard.h"

@@ -1,4 +1,7 @@
 // SPDX-License-Identifier: Zlib
+
+// What moves as its user tells, and which objects come near soft bodies in a tick.
+
 #pragma once
 
 #include "bullet/bullet_objects.h"
@@ -7,10 +10,14 @@
 
 #include <btBulletDynamicsCommon.h>
 
+#include <Eigen/Geometry>
+
 #include <vector>
 
 namespace limber {
 inline namespace LIMBER_BULLET_PRECISION {
+
+struct SoftBodyData;
 
 /// The motion of a kinematic object in the present tick.
 struct KinematicMotion {
@@ -66,6 +73,24 @@ inline Eigen::Vector3d kinematicWay(const btCollisionObject& object, const Eigen
   const btVector3 turned = (end.getBasis() - start.getBasis()) * start.invXform(toBullet(place));
   return toEigen(turned) + difference(end.getOrigin(), start.getOrigin());
 }
+
+// --- partners of the coming tick ---------------------------------------------------------------------------
+
+/// Before a tick: gives every awake surface body of `system` the static and kinematic objects that Bullet's
+/// broadphase found near it (surface.partners, in order of their unique ids), and wakes those that sleep
+/// where a kinematic object is awake, as Bullet's islands do.
+/// One pass over the pairs instead of one query per body.
+void collectPartners(btDiscreteDynamicsWorld& world, const void* system);
+
+/// Adds to them, and to those of bodies with Collision::Points, the objects of the user's that will get near in
+/// the coming tick because of their own motion, of which the broadphase does not know yet, and wakes bodies
+/// that sleep in their way. Dynamic bodies are looked for by surfaces only: points leave them to Bullet.
+void collectMovers(btDiscreteDynamicsWorld& world, const KinematicMotions& kinematic, const void* system,
+                   btScalar tick);
+
+/// Whether surface.partners holds everything that may touch something in this box (m) in the coming tick:
+/// Bullet's broadphase has looked there.
+bool partnersCover(const SoftBodyData& body, const Eigen::AlignedBox3d& box);
 
 }  // namespace LIMBER_BULLET_PRECISION
 }  // namespace limber

@@ -2,9 +2,9 @@
 #include "bullet/rigid_contacts.h"
 
 #include "bullet/bullet_objects.h"
-#include "bullet/contact_reach.h"
 #include "bullet/joint_rows.h"
 #include "bullet/multibody_links.h"
+#include "bullet/point_contacts.h"
 #include "bullet/point_masses.h"
 #include "bullet/surface_body.h"
 

@@ -2,8 +2,8 @@
 #include <limber/soft_body.h>
 
 #include "bullet/body_in_world.h"
-#include "bullet/contact_report.h"
 #include "bullet/bullet_objects.h"
+#include "bullet/contact_report.h"
 #include "bullet/soft_body_data.h"
 #include "bullet/surface_body.h"
 #include "core/body_measures.h"

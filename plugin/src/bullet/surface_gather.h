@@ -1,10 +1,16 @@
 // SPDX-License-Identifier: Zlib
+
+// Contacts of surfaces: of vertices, edges and triangles, with rigid objects and with each other, before a step and
+// within it.
+
 #pragma once
 
 #include "bullet/rigid_shapes.h"
 #include "bullet/soft_body_data.h"
 #include "bullet/tick_contacts.h"
 #include "core/surface_contacts.h"
+
+#include <vector>
 
 namespace limber {
 inline namespace LIMBER_BULLET_PRECISION {
@@ -55,6 +61,29 @@ struct SidesWithin {
 /// search.pairs and search.sources, sorted by key. Their places have no bodies yet. The tick is that long (s).
 void findWithin(const SurfaceMeeting& meeting, const SidesWithin& sides, double ahead, double tick,
                 SurfaceSearch& search);
+
+/// m, of a place on a surface.
+Eigen::Vector3d positionOf(const MovingSurface& surface, const SurfacePlace& place);
+
+// --- on what is held ---------------------------------------------------------------------------------------
+
+/// The triangles of a static object with a concave shape that are around the body in this tick, or nullptr if
+/// there are none. Made anew when the body or the object has moved away.
+RigidPart* patchAround(SoftBodyData& body, const btCollisionObject& partner, const MovingSurface& soft);
+
+/// Whether something of the part that is neither flat nor a plane's end is near: else the points are enough.
+bool hasSharpNear(const SweptBox& box, const RigidPart& part);
+
+/// Whether edges and triangles sink into a sphere or capsule by little where their corners rest on it.
+bool bendsGently(const MovingSurface& soft, const RigidPart& part);
+
+/// Whether the points at the corners of what touches bear for it; `margin` as above.
+bool cornersBear(const SoftBodyData& body, const SurfaceContact& c, double margin);
+
+/// Whether other objects make the edge or corner of the part that is touched none: they are nearer to what
+/// touches it, or flush with it.
+bool isNoEdge(const SoftBodyData& body, const MovingSurface& soft, const RigidPart& part, const SurfaceContact& c,
+              SurfaceSearch& s);
 
 }  // namespace LIMBER_BULLET_PRECISION
 }  // namespace limber

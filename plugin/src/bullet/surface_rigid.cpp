@@ -4,7 +4,7 @@
 // whatever changes it moves them.
 
 #include "bullet/bullet_objects.h"
-#include "bullet/contact_reach.h"
+#include "bullet/point_contacts.h"
 #include "bullet/point_masses.h"
 #include "bullet/soft_body_data.h"
 #include "bullet/surface_body.h"

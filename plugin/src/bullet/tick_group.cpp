@@ -6,8 +6,8 @@
 
 #include "bullet/body_in_world.h"
 #include "bullet/bullet_objects.h"
-#include "bullet/contact_gather.h"
 #include "bullet/kinematic_motion.h"
+#include "bullet/point_contacts.h"
 #include "bullet/surface_body.h"
 
 #include <algorithm>

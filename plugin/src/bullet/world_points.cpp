@@ -4,9 +4,8 @@
 // they would pass through, and shares contacts with Bullet's manifolds.
 
 #include "bullet/bullet_objects.h"
-#include "bullet/contact_filter.h"
-#include "bullet/contact_reach.h"
 #include "bullet/kinematic_motion.h"
+#include "bullet/point_contacts.h"
 #include "bullet/point_masses.h"
 #include "bullet/soft_body_data.h"
 
