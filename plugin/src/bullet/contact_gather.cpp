@@ -5,11 +5,11 @@
 
 #include "bullet/bullet_objects.h"
 #include "bullet/kinematic_motion.h"
-#include "bullet/multibody_links.h"
 #include "bullet/point_contacts.h"
 #include "bullet/point_masses.h"
 #include "bullet/rigid_shapes.h"
 #include "bullet/surface_body.h"
+#include "bullet/tick_contacts.h"
 
 #include <algorithm>
 

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Zlib
-#include "bullet/joint_rows.h"
+
+// Makes rows of Bullet's constraints and of rolling friction, and tells Bullet what they have borne.
 
 #include "bullet/bullet_objects.h"
 #include "bullet/surface_body.h"
+#include "bullet/tick_contacts.h"
 
 #include <cmath>
 
@@ -199,7 +201,7 @@ double pushInSolver(const JointRow& row, const JointSource& source) {
   return there != 0.0 ? there : back ? source.upper : source.lower;
 }
 
-/// Soft bodies' objects are left to Bullet's solver, see surface_rigid.h.
+/// Soft bodies' objects are left to Bullet's solver, see surface_rigid.cpp.
 bool holdsSoft(const btTypedConstraint& joint) {
   return SurfaceObject::from(&joint.getRigidBodyA()) || SurfaceObject::from(&joint.getRigidBodyB());
 }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Zlib
-#include "bullet/multibody_links.h"
+
+// Makes rigid bodies and joints of the links of multibodies for a tick, and gives the multibodies what these bore.
 
 #include "bullet/bullet_objects.h"
 #include "bullet/tick_contacts.h"

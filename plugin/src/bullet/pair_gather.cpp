@@ -3,7 +3,6 @@
 // Finds the contacts of points with rigid bodies that move by themselves, and with points of other bodies.
 
 #include "bullet/bullet_objects.h"
-#include "bullet/multibody_links.h"
 #include "bullet/point_contacts.h"
 #include "bullet/surface_body.h"
 #include "bullet/tick_contacts.h"

@@ -6,9 +6,9 @@
 #include "bullet/surface_gather.h"
 
 #include "bullet/bullet_objects.h"
-#include "bullet/multibody_links.h"
 #include "bullet/point_contacts.h"
 #include "bullet/rigid_shapes.h"
+#include "bullet/tick_contacts.h"
 #include "bullet/tick_group.h"
 
 #include <algorithm>

@@ -4,10 +4,9 @@
 #include "bullet/body_in_world.h"
 #include "bullet/contact_events.h"
 #include "bullet/kinematic_motion.h"
-#include "bullet/multibody_links.h"
-#include "bullet/rigid_contacts.h"
 #include "bullet/shown_contacts.h"
 #include "bullet/surface_gather.h"
+#include "bullet/tick_contacts.h"
 #include "bullet/tick_group.h"
 #include "bullet/tick_hook.h"
 

@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: Zlib
 #include "bullet/body_in_world.h"
-#include "bullet/joint_rows.h"
 #include "bullet/kinematic_motion.h"
-#include "bullet/known_contacts.h"
 #include "bullet/point_contacts.h"
 #include "bullet/surface_body.h"
 #include "bullet/system_impl.h"
+#include "bullet/tick_contacts.h"
 #include "bullet/tick_group.h"
 
 #include <algorithm>

@@ -5,7 +5,6 @@
 
 #pragma once
 
-#include "bullet/rigid_partner.h"
 #include "bullet/soft_body_data.h"
 #include "bullet/surface_gather.h"
 #include "bullet/tick_contacts.h"
