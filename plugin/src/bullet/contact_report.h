@@ -1,15 +1,24 @@
 // SPDX-License-Identifier: Zlib
+
+// What users learn of contacts: the report of each body, the calls of a listener, and manifolds in Bullet's dispatcher.
+
 #pragma once
 
 #include "bullet/soft_body_data.h"
 
+#include <limber/contact_listener.h>
+#include <limber/soft_body_system.h>
 #include <limber/soft_contact.h>
 
+#include <array>
 #include <cstddef>
+#include <memory>
 #include <vector>
 
 namespace limber {
 inline namespace LIMBER_BULLET_PRECISION {
+
+// --- the report --------------------------------------------------------------------------------------------
 
 struct TickContacts;
 
@@ -26,6 +35,97 @@ const std::vector<SoftContact>& readReport(SoftBodyData& body);
 
 /// Finds the triangle of a contact's sides.
 void findTriangles(SoftContact& contact);
+
+// --- events ------------------------------------------------------------------------------------------------
+
+/// A call that a listener is to get.
+struct ContactEvent {
+  void (ContactListener::*call)(const ContactPair&) = nullptr;
+  SoftBodyData* body = nullptr;
+  PartnerMark other;
+  ContactPair pair;
+};
+
+/// Compares what touches now with what touched when the listener was last told.
+class ContactEvents {
+ public:
+  void setListener(ContactListener* listener, const std::vector<std::unique_ptr<SoftBody>>& bodies);
+  bool listening() const { return listener_ != nullptr; }
+  /// Whether calls are under way: bodies must then stay where they are.
+  bool calling() const { return calling_; }
+
+  /// After reportContacts(): adds what the listener is to be told of a body.
+  void collect(SoftBodyData& body);
+  /// Ends all pairs of a body, which is about to go.
+  void collectEnds(SoftBodyData& body);
+  /// Ends a body's pairs with another body, which is about to go.
+  void collectEnds(SoftBodyData& body, const SoftBody* other);
+  /// Makes the calls. `world`: nullptr if it may be gone.
+  void call(const btCollisionWorld* world);
+
+ private:
+  void sumUp(SoftBodyData& body);
+  void add(void (ContactListener::*told)(const ContactPair&), SoftBodyData& body, const ContactPair& pair,
+           const PartnerMark& other);
+  void addEnd(SoftBodyData& body, const TouchingPair& ended);
+
+  ContactListener* listener_ = nullptr;
+  bool calling_ = false;
+  std::vector<ContactEvent> events_;
+  // Scratch of one body: what touches now, by id.
+  std::vector<TouchingPair> now_;
+  std::vector<ContactPair> pairs_;  // #now_
+};
+
+// --- manifolds ---------------------------------------------------------------------------------------------
+
+// The contacts of bodies with Collision::Surface, shown between ticks as manifolds in Bullet's dispatcher.
+//
+// Each manifold belongs to the pair of the two objects in Bullet's broadphase, as those that Bullet's own
+// algorithms make: it goes when one of the objects leaves the world, in whatever way, and so never names an
+// object that is gone. No step of Bullet's sees one: they are released before it.
+
+/// What a pair in the broadphase has in place of one of Bullet's algorithms. Bullet deletes it with the pair.
+class ShownContacts final : public btCollisionAlgorithm {
+ public:
+  ShownContacts(btDispatcher& dispatcher, SoftBodyData& body, const btCollisionObject& other);
+  ~ShownContacts() override;
+
+  const btCollisionObject* other() const { return other_; }
+  bool isShown() const { return manifold_ != nullptr; }
+  /// A new manifold, without points.
+  btPersistentManifold& show();
+  /// Releases the manifold, without telling those who listen for the ends of Bullet's own contacts.
+  void hide();
+
+  void processCollision(const btCollisionObjectWrapper*, const btCollisionObjectWrapper*,
+                        const btDispatcherInfo&, btManifoldResult*) override {}
+  btScalar calculateTimeOfImpact(btCollisionObject*, btCollisionObject*, const btDispatcherInfo&,
+                                 btManifoldResult*) override {
+    return 1;
+  }
+  void getAllContactManifolds(btManifoldArray& manifolds) override {
+    if (manifold_) manifolds.push_back(manifold_);
+  }
+
+ private:
+  SoftBodyData* body_;
+  const btCollisionObject* other_;
+  btPersistentManifold* manifold_ = nullptr;
+};
+
+/// Scratch of showContacts().
+struct StrongestContacts {
+  const btCollisionObject* other;
+  int count;
+  std::array<const SoftContact*, MANIFOLD_CACHE_SIZE> contacts;  ///< by normal impulse, the largest first
+};
+
+/// After a tick: shows what the body's report tells, of each partner the four that bear most.
+void showContacts(SoftBodyData& body, std::vector<StrongestContacts>& scratch);
+
+/// Before a tick.
+void hideContacts(SoftBodyData& body);
 
 }  // namespace LIMBER_BULLET_PRECISION
 }  // namespace limber

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Zlib
+
+// What a system is made of, and the step that all systems of a world share.
+
 #pragma once
 
 #include "bullet/body_in_world.h"
-#include "bullet/contact_events.h"
+#include "bullet/contact_report.h"
 #include "bullet/kinematic_motion.h"
-#include "bullet/shown_contacts.h"
 #include "bullet/surface_gather.h"
 #include "bullet/tick_contacts.h"
 #include "bullet/tick_group.h"
@@ -12,7 +14,9 @@
 
 #include <limber/soft_body_system.h>
 
+#include <functional>
 #include <memory>
+#include <string>
 #include <vector>
 
 namespace limber {
@@ -21,7 +25,8 @@ inline namespace LIMBER_BULLET_PRECISION {
 /// Where SoftBodySystem's warnings go unless the user wants them elsewhere.
 void warnOnStandardError(const std::string& text);
 
-/// What a SoftBodySystem is made of; soft_body_system.cpp has what users call, system_tick.cpp the tick.
+/// What a SoftBodySystem is made of; soft_body_system.cpp has what users call, system_tick.cpp the
+/// tick.
 struct SoftBodySystem::Impl final : TickListener, StepListener {
   struct WorldStep;
 
