@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 
-// Numbers and objects of Bullet's: conversions, kinds of objects by what moves them, and marks by which an object is
-// known that the application may delete.
+// Numbers and objects of Bullet's: conversions, kinds of objects by what moves them, and marks by which an
+// object is known that the application may delete.
 
 #pragma once
 
@@ -32,11 +32,6 @@ inline btVector3 toBullet(const Eigen::Vector3d& v) {
   return btVector3(static_cast<btScalar>(v.x()), static_cast<btScalar>(v.y()), static_cast<btScalar>(v.z()));
 }
 
-inline btQuaternion toBullet(const Eigen::Quaterniond& q) {
-  return btQuaternion(static_cast<btScalar>(q.x()), static_cast<btScalar>(q.y()),
-                      static_cast<btScalar>(q.z()), static_cast<btScalar>(q.w()));
-}
-
 // --- kinds of objects --------------------------------------------------------------------------------------
 
 /// Whether an object moves as its user tells: kinematic bodies, static ones with the kinematic flag among
@@ -50,14 +45,6 @@ inline bool isStatic(const btCollisionObject& object) { return object.isStaticOb
 /// Whether nothing that touches an object moves it.
 inline bool isStaticOrKinematic(const btCollisionObject& object) {
   return object.isStaticObject() || isKinematic(object);
-}
-
-/// Whether Bullet has a kinematic object already where it gets in the tick, while all else is where it starts:
-/// what it carries is inside it.
-inline bool isAhead(const btCollisionObject& object) {
-  return isKinematic(object) && !(object.getWorldTransform() == object.getInterpolationWorldTransform() &&
-                                  object.getInterpolationLinearVelocity().isZero() &&
-                                  object.getInterpolationAngularVelocity().isZero());
 }
 
 /// Whether a rigid body moves by itself: neither held nor asleep.

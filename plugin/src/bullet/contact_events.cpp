@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Zlib
 
-// Tells a listener what begins to touch, goes on and ends, and shows contacts of surfaces as manifolds between ticks.
+// Tells a listener what begins to touch, goes on and ends, and shows contacts of surfaces as manifolds
+// between ticks.
 
 #include "bullet/body_in_world.h"
 #include "bullet/contact_report.h"
@@ -137,6 +138,41 @@ void ContactEvents::call(const btCollisionWorld* world) {
 }
 
 // --- manifolds ---------------------------------------------------------------------------------------------
+
+// The contacts of bodies with Collision::Surface, shown between ticks as manifolds in Bullet's dispatcher.
+//
+// Each manifold belongs to the pair of the two objects in Bullet's broadphase, as those that Bullet's own
+// algorithms make: it goes when one of the objects leaves the world, in whatever way, and so never names an
+// object that is gone. No step of Bullet's sees one: they are released before it.
+
+/// What a pair in the broadphase has in place of one of Bullet's algorithms. Bullet deletes it with the pair.
+class ShownContacts final : public btCollisionAlgorithm {
+ public:
+  ShownContacts(btDispatcher& dispatcher, SoftBodyData& body, const btCollisionObject& other);
+  ~ShownContacts() override;
+
+  const btCollisionObject* other() const { return other_; }
+  bool isShown() const { return manifold_ != nullptr; }
+  /// A new manifold, without points.
+  btPersistentManifold& show();
+  /// Releases the manifold, without telling those who listen for the ends of Bullet's own contacts.
+  void hide();
+
+  void processCollision(const btCollisionObjectWrapper*, const btCollisionObjectWrapper*,
+                        const btDispatcherInfo&, btManifoldResult*) override {}
+  btScalar calculateTimeOfImpact(btCollisionObject*, btCollisionObject*, const btDispatcherInfo&,
+                                 btManifoldResult*) override {
+    return 1;
+  }
+  void getAllContactManifolds(btManifoldArray& manifolds) override {
+    if (manifold_) manifolds.push_back(manifold_);
+  }
+
+ private:
+  SoftBodyData* body_;
+  const btCollisionObject* other_;
+  btPersistentManifold* manifold_ = nullptr;
+};
 
 ShownContacts::ShownContacts(btDispatcher& dispatcher, SoftBodyData& body, const btCollisionObject& other)
     : body_(&body), other_(&other) {

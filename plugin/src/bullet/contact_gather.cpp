@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 
-// Finds what points may touch of static and kinematic objects in a tick: first the objects near a body, then rows for
-// each point, and within the tick rows for points that get farther than was foreseen.
+// Finds what points may touch of static and kinematic objects in a tick: first the objects near a body, then
+// rows for each point, and within the tick rows for points that get farther than was foreseen.
 
 #include "bullet/bullet_objects.h"
 #include "bullet/kinematic_motion.h"
@@ -43,7 +43,7 @@ void addOnce(std::vector<T>& list, T entry) {
   if (std::find(list.begin(), list.end(), entry) == list.end()) list.push_back(entry);
 }
 
-/// Sorts them by what they are. Point masses that meet those of other bodies are in pair_gather.h.
+/// Sorts them by what they are. Point masses that meet those of other bodies are in pair_gather.cpp.
 void addPartner(SoftBodyData& body, btCollisionObject& object) {
   if (PointMass::from(&object)) return;
   if (SurfaceObject* surface = SurfaceObject::from(&object)) {
@@ -70,6 +70,12 @@ struct PartnersInBox final : btBroadphaseAabbCallback {
     return true;
   }
 };
+
+ContactSpeeds contactSpeeds(const SoftBodyData& body, double tick) {
+  const double gravity = toEigen(body.world->getGravity()).norm();
+  // what gravity gives in a tenth of a tick is no bounce
+  return {recoverySpeed(double(body.masses.shape->getRadius()), gravity, tick), 0.1 * gravity * tick};
+}
 
 /// The box around all reaches; keeps how far contacts are looked for.
 Eigen::AlignedBox3d reachBox(SoftBodyData& body, double tick) {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 
-// Fills the reports of bodies after a tick, from the rows of points, the contacts between bodies, and Bullet's manifolds,
-// and finds their triangles when they are read.
+// Fills the reports of bodies after a tick, from the rows of points, the contacts between bodies, and
+// Bullet's manifolds, and finds their triangles when they are read.
 
 #include "bullet/contact_report.h"
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Zlib
 
-// What users learn of contacts: the report of each body, the calls of a listener, and manifolds in Bullet's dispatcher.
+// What users learn of contacts: the report of each body, the calls of a listener, and manifolds in Bullet's
+// dispatcher.
 
 #pragma once
 
@@ -78,41 +79,6 @@ class ContactEvents {
 };
 
 // --- manifolds ---------------------------------------------------------------------------------------------
-
-// The contacts of bodies with Collision::Surface, shown between ticks as manifolds in Bullet's dispatcher.
-//
-// Each manifold belongs to the pair of the two objects in Bullet's broadphase, as those that Bullet's own
-// algorithms make: it goes when one of the objects leaves the world, in whatever way, and so never names an
-// object that is gone. No step of Bullet's sees one: they are released before it.
-
-/// What a pair in the broadphase has in place of one of Bullet's algorithms. Bullet deletes it with the pair.
-class ShownContacts final : public btCollisionAlgorithm {
- public:
-  ShownContacts(btDispatcher& dispatcher, SoftBodyData& body, const btCollisionObject& other);
-  ~ShownContacts() override;
-
-  const btCollisionObject* other() const { return other_; }
-  bool isShown() const { return manifold_ != nullptr; }
-  /// A new manifold, without points.
-  btPersistentManifold& show();
-  /// Releases the manifold, without telling those who listen for the ends of Bullet's own contacts.
-  void hide();
-
-  void processCollision(const btCollisionObjectWrapper*, const btCollisionObjectWrapper*,
-                        const btDispatcherInfo&, btManifoldResult*) override {}
-  btScalar calculateTimeOfImpact(btCollisionObject*, btCollisionObject*, const btDispatcherInfo&,
-                                 btManifoldResult*) override {
-    return 1;
-  }
-  void getAllContactManifolds(btManifoldArray& manifolds) override {
-    if (manifold_) manifolds.push_back(manifold_);
-  }
-
- private:
-  SoftBodyData* body_;
-  const btCollisionObject* other_;
-  btPersistentManifold* manifold_ = nullptr;
-};
 
 /// Scratch of showContacts().
 struct StrongestContacts {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Zlib
 
-// Takes static and kinematic objects apart into the pieces on which points rest, and tells where they are flat.
+// Takes static and kinematic objects apart into the pieces on which points rest, and tells where they are
+// flat.
 
 #include "bullet/bullet_objects.h"
 #include "bullet/kinematic_motion.h"

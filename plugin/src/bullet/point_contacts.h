@@ -38,12 +38,6 @@ inline double recoverySpeed(double size, double gravity, double tick) {
   return std::max(std::sqrt(1.3 * gravity * size), 0.1 * size / tick);
 }
 
-inline ContactSpeeds contactSpeeds(const SoftBodyData& body, double tick) {
-  const double gravity = toEigen(body.world->getGravity()).norm();
-  // what gravity gives in a tenth of a tick is no bounce
-  return {recoverySpeed(double(body.masses.shape->getRadius()), gravity, tick), 0.1 * gravity * tick};
-}
-
 /// Where a point may get in a tick.
 struct Reach {
   Eigen::Vector3d low, high;
@@ -203,19 +197,6 @@ inline NearestOnBox nearestOnBox(const btBoxShape& box, const btTransform& pose,
   }
   const btVector3 normal = pose.getBasis() * toBullet(Eigen::Vector3d(outward.normalized()));
   return {toEigen(pose * toBullet(surface)), toEigen(normal).normalized()};
-}
-
-/// m: how much farther than it is a box that is a part of the shape may be for Bullet's narrowphase. The core
-/// that it sweeps a ball of the margin m around has its corners sqrt(3) m within the box's: sqrt(3) m - m.
-inline btScalar roundingOf(const btCollisionShape& shape) {
-  constexpr double kCorner = 0.7320508075688772;
-  if (shape.getShapeType() == BOX_SHAPE_PROXYTYPE) return btScalar(kCorner) * shape.getMargin();
-  btScalar rounding = 0;
-  if (!shape.isCompound()) return rounding;
-  const auto& compound = static_cast<const btCompoundShape&>(shape);
-  for (int i = 0; i < compound.getNumChildShapes(); ++i)
-    rounding = btMax(rounding, roundingOf(*compound.getChildShape(i)));
-  return rounding;
 }
 
 }  // namespace LIMBER_BULLET_PRECISION

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 
-// Makes, reads and writes the Bullet bodies of points: what the user has changed in them goes into the state, and the
-// state, rounded, into them.
+// Makes, reads and writes the Bullet bodies of points: what the user has changed in them goes into the state,
+// and the state, rounded, into them.
 
 #include "bullet/point_masses.h"
 
@@ -18,6 +18,15 @@ namespace {
 /// Its address in the extension pointer marks our bodies: no RTTI needed, and the user pointer and index stay
 /// the user's.
 int pointMassMark;
+
+/// When the application deletes one.
+void forgetDeletedPoint(SoftBodyData& body, std::uint32_t index) {
+  const PointMass* point = body.masses.bodies[index];
+  body.masses.bodies[index] = nullptr;
+  body.alive = false;
+  if (body.surface.object) body.surface.object->forceActivationState(DISABLE_SIMULATION);
+  if (body.onPointDeleted) body.onPointDeleted(*point);
+}
 
 }  // namespace
 
@@ -171,14 +180,6 @@ void deletePointMasses(SoftBodyData& body) {
     delete point;
     point = nullptr;
   }
-}
-
-void forgetDeletedPoint(SoftBodyData& body, std::uint32_t index) {
-  const PointMass* point = body.masses.bodies[index];
-  body.masses.bodies[index] = nullptr;
-  body.alive = false;
-  if (body.surface.object) body.surface.object->forceActivationState(DISABLE_SIMULATION);
-  if (body.onPointDeleted) body.onPointDeleted(*point);
 }
 
 void gatherPoints(SoftBodyData& body, btScalar tick, bool allHeld) {

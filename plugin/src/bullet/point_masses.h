@@ -89,9 +89,6 @@ void makePointMasses(SoftBodyData& body);
 /// Deletes those that the application has not deleted; they are in no world any more.
 void deletePointMasses(SoftBodyData& body);
 
-/// Called by ~PointMass when the application deletes one.
-void forgetDeletedPoint(SoftBodyData& body, std::uint32_t index);
-
 /// Before the step: takes over what changed outside, and inverse masses; accelerations are left to the
 /// caller. `allHeld`: the body as a whole is out of the simulation.
 void gatherPoints(SoftBodyData& body, btScalar tick, bool allHeld);

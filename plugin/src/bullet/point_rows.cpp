@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 
-// Makes the rows of a point on a static or kinematic object: planes where that is flat or moves, else rows that follow
-// its surface within the tick.
+// Makes the rows of a point on a static or kinematic object: planes where that is flat or moves, else rows
+// that follow its surface within the tick.
 
 #include "bullet/bullet_objects.h"
 #include "bullet/kinematic_motion.h"
@@ -58,6 +58,19 @@ bool isKept(const CachedContact& cached, std::uint64_t stamp, const btCollisionO
 }
 
 // --- the rows of a pair ------------------------------------------------------------------------------------
+
+/// m: how much farther than it is a box that is a part of the shape may be for Bullet's narrowphase. The core
+/// that it sweeps a ball of the margin m around has its corners sqrt(3) m within the box's: sqrt(3) m - m.
+btScalar roundingOf(const btCollisionShape& shape) {
+  constexpr double kCorner = 0.7320508075688772;
+  if (shape.getShapeType() == BOX_SHAPE_PROXYTYPE) return btScalar(kCorner) * shape.getMargin();
+  btScalar rounding = 0;
+  if (!shape.isCompound()) return rounding;
+  const auto& compound = static_cast<const btCompoundShape&>(shape);
+  for (int i = 0; i < compound.getNumChildShapes(); ++i)
+    rounding = btMax(rounding, roundingOf(*compound.getChildShape(i)));
+  return rounding;
+}
 
 /// The rows that one point and one partner make. Points of surfaces meet boxes as they are (nearestOnBox());
 /// masses in the world meet what Bullet makes of them.

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 
-// What soft bodies touch of Bullet's shapes: their surfaces, kept from tick to tick, where those of rigid objects are in
-// a tick, and the pieces that static and kinematic objects are taken apart into.
+// What soft bodies touch of Bullet's shapes: their surfaces, kept from tick to tick, where those of rigid
+// objects are in a tick, and the pieces that static and kinematic objects are taken apart into.
 
 #pragma once
 
@@ -35,9 +35,6 @@ struct ShapeSurface {
   double radius = 0.0;                    ///< m
   std::vector<std::uint32_t> sharpEdges;  ///< those that are not flat
 };
-
-/// Nothing for shapes that have neither edges nor vertices (planes), are concave or are compounds.
-ShapeSurface makeShapeSurface(const btCollisionShape& shape);
 
 /// The triangles of a concave shape that overlap a box in the shape's own coordinates, two-sided; corners in
 /// the same place are one vertex.

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 
-// Makes the surfaces of Bullet's shapes, keeps them while they are asked for, and places those of the rigid objects
-// near soft bodies in a tick.
+// Makes the surfaces of Bullet's shapes, keeps them while they are asked for, and places those of the rigid
+// objects near soft bodies in a tick.
 
 #include "bullet/bullet_objects.h"
 #include "bullet/rigid_shapes.h"
@@ -184,8 +184,7 @@ ShapeSurface triangleMeshHull(const btConvexTriangleMeshShape& shape) {
   return corners.empty() ? ShapeSurface() : hullOf(corners, double(shape.getMargin()));
 }
 
-}  // namespace
-
+/// Nothing for shapes that have neither edges nor vertices (planes), are concave or are compounds.
 ShapeSurface makeShapeSurface(const btCollisionShape& shape) {
   switch (shape.getShapeType()) {
     case SPHERE_SHAPE_PROXYTYPE:
@@ -206,6 +205,8 @@ ShapeSurface makeShapeSurface(const btCollisionShape& shape) {
   const auto& convex = static_cast<const btConvexShape&>(shape);
   return roundSurface(convex, axisOf(convex));
 }
+
+}  // namespace
 
 ShapeSurface makePatchSurface(const btConcaveShape& shape, const btVector3& low, const btVector3& high) {
   TriangleList list;

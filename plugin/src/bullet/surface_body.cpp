@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 
-// The object and shape that stand for a soft body in Bullet's world, and what a tick does with them and with the body's
-// points, which are outside.
+// The object and shape that stand for a soft body in Bullet's world, and what a tick does with them and with
+// the body's points, which are outside.
 
 #include "bullet/surface_body.h"
 
@@ -88,6 +88,12 @@ void SurfaceShape::reportStrips(const Query& query) const {
 namespace {
 
 int surfaceMark;  // see pointMassMark
+
+/// When the application deletes it.
+void forgetDeletedSurface(SoftBodyData& body) {
+  body.surface.object = nullptr;
+  body.alive = false;
+}
 
 }  // namespace
 
@@ -201,11 +207,6 @@ void removeSurface(SoftBodyData& body) {
     body.surface.object = nullptr;
   }
   deletePointMasses(body);
-}
-
-void forgetDeletedSurface(SoftBodyData& body) {
-  body.surface.object = nullptr;
-  body.alive = false;
 }
 
 void sharePoints(SoftBodyData& body) {

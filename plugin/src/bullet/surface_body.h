@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 
-// Surface mode: one object stands in Bullet's world for the whole of a soft body, and its user moves it as a rigid
-// body.
+// Surface mode: one object stands in Bullet's world for the whole of a soft body, and its user moves it as a
+// rigid body.
 
 #pragma once
 
@@ -111,9 +111,6 @@ void addSurface(SoftBodyData& body);
 
 /// Deletes what the application has not deleted. A world that is gone is not touched.
 void removeSurface(SoftBodyData& body);
-
-/// Called by ~SurfaceObject when the application deletes it.
-void forgetDeletedSurface(SoftBodyData& body);
 
 /// From now on the point masses are kept up to date and read: somebody outside has one.
 void sharePoints(SoftBodyData& body);

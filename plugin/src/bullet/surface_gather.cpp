@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 
-// Finds where surfaces touch, or may touch in a tick: rigid bodies that move, static and kinematic objects, other soft
-// bodies and themselves.
+// Finds where surfaces touch, or may touch in a tick: rigid bodies that move, static and kinematic objects,
+// other soft bodies and themselves.
 
 #include "bullet/surface_gather.h"
 
@@ -170,6 +170,18 @@ ContactSource sourceOf(const SurfaceMeeting& m, const SurfaceContact& c) {
 double featureSize(const MovingSurface& surface) {
   const double size = surface.topology->featureSize;
   return size > 0.0 ? size : surface.radius;
+}
+
+/// The surface on side b.
+const MovingSurface& surfaceB(const SurfaceMeeting& m) {
+  if (m.other) return m.other->surface.moving;
+  return m.part->moving;
+}
+
+/// m: surfaces of a meeting that are nearer than this are contacts even if they do not approach.
+double margin(const SurfaceMeeting& m) {
+  const double radius = m.body->surface.moving.radius;
+  return kMargin * (m.other ? std::min(radius, m.other->surface.moving.radius) : radius);
 }
 
 double smallerFeatures(const SurfaceMeeting& m) {
@@ -390,11 +402,6 @@ const MovingSurface& surfaceWithin(SoftBodyData& body, const PointView& points, 
 
 }  // namespace
 
-const MovingSurface& surfaceB(const SurfaceMeeting& m) {
-  if (m.other) return m.other->surface.moving;
-  return m.part->moving;
-}
-
 double wayOf(const SurfaceMeeting& m) {
   const MovingSurface &a = m.body->surface.moving, &b = surfaceB(m);
   const Vector3d common = 0.5 * (a.motion->rowwise().mean() + b.motion->rowwise().mean());
@@ -407,11 +414,6 @@ Vector3d positionOf(const MovingSurface& surface, const SurfacePlace& place) {
   for (int i = 0; i < 3; ++i)
     x += place.weights[i] * surface.position->col(place.points[static_cast<std::size_t>(i)]);
   return x;
-}
-
-double margin(const SurfaceMeeting& m) {
-  const double radius = m.body->surface.moving.radius;
-  return kMargin * (m.other ? std::min(radius, m.other->surface.moving.radius) : radius);
 }
 
 void findWithin(const SurfaceMeeting& m, const SidesWithin& sides, double ahead, double tick, SurfaceSearch& s) {

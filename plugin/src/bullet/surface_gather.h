@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 
-// Contacts of surfaces: of vertices, edges and triangles, with rigid objects and with each other, before a step and
-// within it.
+// Contacts of surfaces: of vertices, edges and triangles, with rigid objects and with each other, before a
+// step and within it.
 
 #pragma once
 
@@ -37,12 +37,6 @@ void shareSoftPartners(const std::vector<TickGroup>& groups);
 void gatherSurfacePairs(SoftBodyData& body, btScalar tick, RigidSurfaces& rigids, SurfaceSearch& search,
                         TickContacts& found);
 
-/// The surface on side b.
-const MovingSurface& surfaceB(const SurfaceMeeting& meeting);
-
-/// m: surfaces of the meeting that are nearer than this are contacts even if they do not approach.
-double margin(const SurfaceMeeting& meeting);
-
 /// Of the size of a surface's features: how far surfaces move against each other from one search to the next.
 constexpr double kMostBetweenSearches = 0.05;
 
@@ -77,7 +71,7 @@ bool hasSharpNear(const SweptBox& box, const RigidPart& part);
 /// Whether edges and triangles sink into a sphere or capsule by little where their corners rest on it.
 bool bendsGently(const MovingSurface& soft, const RigidPart& part);
 
-/// Whether the points at the corners of what touches bear for it; `margin` as above.
+/// Whether the points at the corners of what touches bear for it: those that are no farther than `margin` (m) beyond it from what they touch.
 bool cornersBear(const SoftBodyData& body, const SurfaceContact& c, double margin);
 
 /// Whether other objects make the edge or corner of the part that is touched none: they are nearer to what

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 
-// What a surface meets of static and kinematic objects: the triangles of concave ones around a body, and the edges and
-// corners that more than its points touch.
+// What a surface meets of static and kinematic objects: the triangles of concave ones around a body, and the
+// edges and corners that more than its points touch.
 
 #include "bullet/bullet_objects.h"
 #include "bullet/kinematic_motion.h"

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 
-// What is stepped together in a tick: groups of what springs and anchors join, and clusters of the groups and rigid
-// bodies that touch. Both are put together here, put to sleep and woken, and stepped.
+// What is stepped together in a tick: groups of what springs and anchors join, and clusters of the groups and
+// rigid bodies that touch. Both are put together here, put to sleep and woken, and stepped.
 
 #pragma once
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 
-// Points in the world: hands their motion over to Bullet and takes back what its solver did, stops fast points at what
-// they would pass through, and shares contacts with Bullet's manifolds.
+// Points in the world: hands their motion over to Bullet and takes back what its solver did, stops fast
+// points at what they would pass through, and shares contacts with Bullet's manifolds.
 
 #include "bullet/bullet_objects.h"
 #include "bullet/kinematic_motion.h"
@@ -109,6 +109,14 @@ void wakeWorldPoints(SoftBodyData& body, bool insideTick) {
 // --- continuous collision ----------------------------------------------------------------------------------
 
 namespace {
+
+/// Whether Bullet has a kinematic object already where it gets in the tick, while all else is where it starts:
+/// what it carries is inside it.
+bool isAhead(const btCollisionObject& object) {
+  return isKinematic(object) && !(object.getWorldTransform() == object.getInterpolationWorldTransform() &&
+                                  object.getInterpolationLinearVelocity().isZero() &&
+                                  object.getInterpolationAngularVelocity().isZero());
+}
 
 /// Share of the radius that a point may move in a tick without more: its centre then stays on the right side
 /// of whatever it has not touched yet.
