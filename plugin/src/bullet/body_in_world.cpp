@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Zlib
 
-// Makes bodies and the surfaces that equal ones share, and takes a body through its life in the world.
+// This file makes bodies and the surfaces that equal bodies share, and takes a body through its life in the
+// world.
 
 #include "bullet/body_in_world.h"
 

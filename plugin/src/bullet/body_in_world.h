@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 
-// How a body is made, gets into the world and out of it, and goes through the stages of a tick, in either of
-// the two ways in which bodies live there.
+// These functions make a body, bring it into the world and out of it, and take it through the stages of a
+// tick, in either of the two ways in which bodies live there.
 
 #pragma once
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 
-// Numbers and objects of Bullet's: conversions, kinds of objects by what moves them, and marks by which an
-// object is known that the application may delete.
+// This header converts Bullet's numbers, tells what moves an object, and marks objects that the application
+// may delete.
 
 #pragma once
 

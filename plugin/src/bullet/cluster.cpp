@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
 
-// Finds what contacts and joints couple in a tick and puts each such set together for one step.
+// This file finds what contacts and joints couple in a tick, and puts each such set together for one step.
 
 #include "bullet/tick_group.h"
 

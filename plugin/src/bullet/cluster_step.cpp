@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 
-// Steps a cluster, searches for contacts within its step, limits what joints add to its energy, and hands the
-// result over.
+// This file steps a cluster, searches for contacts within its step, limits what joints add to its energy, and
+// hands the result over.
 
 #include "bullet/tick_group.h"
 #include "core/body_measures.h"

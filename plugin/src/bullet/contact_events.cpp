@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 
-// Tells a listener what begins to touch, goes on and ends, and shows contacts of surfaces as manifolds
-// between ticks.
+// This file tells a listener what begins to touch, goes on and ends, and shows contacts of surfaces as
+// manifolds between ticks.
 
 #include "bullet/body_in_world.h"
 #include "bullet/contact_report.h"

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 
-// Finds what points may touch of static and kinematic objects in a tick: first the objects near a body, then
-// rows for each point, and within the tick rows for points that get farther than was foreseen.
+// This file finds what points may touch of static and kinematic objects in a tick: first the objects near a
+// body, then rows for each point, and within the tick rows for points that get farther than was foreseen.
 
 #include "bullet/bullet_objects.h"
 #include "bullet/kinematic_motion.h"

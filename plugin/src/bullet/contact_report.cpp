@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
 
-// Fills the reports of bodies after a tick, from the rows of points, the contacts between bodies, and
+// This file fills the reports of bodies after a tick from the rows of points, the contacts between bodies and
 // Bullet's manifolds, and finds their triangles when they are read.
 
 #include "bullet/contact_report.h"

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 
-// What users learn of contacts: the report of each body, the calls of a listener, and manifolds in Bullet's
-// dispatcher.
+// Users learn of contacts from three things: the report of each body, the calls of a listener, and manifolds
+// in Bullet's dispatcher.
 
 #pragma once
 
@@ -19,9 +19,9 @@
 namespace limber {
 inline namespace LIMBER_BULLET_PRECISION {
 
-// --- the report --------------------------------------------------------------------------------------------
-
 struct TickContacts;
+
+// --- the report --------------------------------------------------------------------------------------------
 
 /// After a tick of that length (s), before reportContactImpulses(): fills the reports of all bodies of a
 /// system that are awake. `bodies`: those in its groups, which `pairs` names by their index.

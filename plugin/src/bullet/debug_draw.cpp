@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
 
-// Draws soft bodies and springs for Bullet's debug drawer.
+// This file draws soft bodies and springs for Bullet's debug drawer.
 
 #include "bullet/bullet_objects.h"
 #include "bullet/contact_report.h"

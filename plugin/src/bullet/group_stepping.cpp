@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 
-// Chooses how each group is stepped, steps those that are in no cluster, bodies of one network side by side,
-// and takes out energy that a step has made.
+// This file chooses how each group is stepped, steps those that are in no cluster, bodies of one network side
+// by side, and takes out energy that a step has made.
 
 #include "bullet/point_contacts.h"
 #include "bullet/tick_group.h"

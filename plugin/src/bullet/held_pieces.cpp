@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: Zlib
 
-// Takes static and kinematic objects apart into the pieces on which points rest, and tells where they are
-// flat.
+// This file takes static and kinematic objects apart into the pieces on which points rest, and tells where
+// they are flat.
 
 #include "bullet/bullet_objects.h"
-#include "bullet/kinematic_motion.h"
 #include "bullet/rigid_shapes.h"
 #include "core/closest_points.h"
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Zlib
 
-// Makes rows of Bullet's constraints and of rolling friction, and tells Bullet what they have borne.
+// This file makes rows of Bullet's constraints and of rolling friction, and tells Bullet what they have
+// borne.
 
 #include "bullet/bullet_objects.h"
 #include "bullet/surface_body.h"

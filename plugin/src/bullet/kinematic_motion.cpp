@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 
-// Follows what moves as told through the ticks of a step, and collects what comes near soft bodies: what
-// Bullet's broadphase has paired with them, and what moves towards them.
+// This file follows what moves as told through the ticks of a step. It also collects what comes near soft
+// bodies: what Bullet's broadphase has paired with them, and what moves towards them.
 
 #include "bullet/kinematic_motion.h"
 

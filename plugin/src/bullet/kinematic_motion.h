@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
 
-// What moves as its user tells, and which objects come near soft bodies in a tick.
+// This header declares how kinematic objects move in a tick, and which objects come near soft bodies.
 
 #pragma once
 

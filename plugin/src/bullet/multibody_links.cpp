@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 
-// Makes rigid bodies and joints of the links of multibodies for a tick, and gives the multibodies what these
-// bore.
+// This file makes rigid bodies and joints of the links of multibodies for a tick, and gives the multibodies
+// what these bore.
 
 #include "bullet/bullet_objects.h"
 #include "bullet/tick_contacts.h"

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Zlib
 
-// Finds the contacts of points with rigid bodies that move by themselves, and with points of other bodies.
+// This file finds the contacts of points with rigid bodies that move by themselves, and with points of other
+// bodies.
 
 #include "bullet/bullet_objects.h"
 #include "bullet/point_contacts.h"

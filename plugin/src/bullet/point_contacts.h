@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Zlib
 
-// Contacts of points: how far a point may get in a tick, what it may touch there, and how that is found.
+// This header tells how far a point may get in a tick and what it may touch, and declares what finds its
+// contacts.
 
 #pragma once
 
@@ -159,8 +160,6 @@ void addRows(SoftBodyData& body, std::uint32_t i, const btCollisionObject& partn
 std::uint64_t stampOf(const btCollisionObject& partner);
 
 // --- contacts with what moves by itself --------------------------------------------------------------------
-
-struct TickGroup;
 
 /// Adds to `found` a contact for every surface of a rigid body that moves by itself and that a point of the
 /// body may reach in the coming tick, before it touches: Bullet's narrowphase finds it. A partner that is

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 
-// Makes, reads and writes the Bullet bodies of points: what the user has changed in them goes into the state,
-// and the state, rounded, into them.
+// This file makes, reads and writes the Bullet bodies of points. What the user has changed in them goes into
+// the state; the state, rounded, goes into them.
 
 #include "bullet/point_masses.h"
 

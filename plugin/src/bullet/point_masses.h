@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Zlib
 
-// Point masses: the Bullet bodies of a soft body's points, and how points live in the world.
+// Point masses are the Bullet bodies of a soft body's points. This header declares them and how they live in
+// the world.
 
 #pragma once
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 
-// Makes the rows of a point on a static or kinematic object: planes where that is flat or moves, else rows
-// that follow its surface within the tick.
+// This file makes the rows of a point on a static or kinematic object: planes where the object is flat or
+// moves, else rows that follow its surface within the tick.
 
 #include "bullet/bullet_objects.h"
 #include "bullet/kinematic_motion.h"

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 
-// Finds what the rigid bodies that soft ones push touch in their turn, out of Bullet's manifolds, with points
-// that Bullet has given up, and reports what these contacts bore.
+// This file finds what rigid bodies that soft ones push touch in their turn. It reads Bullet's manifolds,
+// adds points that Bullet has given up, and reports what the contacts bore.
 
 #include "bullet/bullet_objects.h"
 #include "bullet/point_contacts.h"

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 
-// What soft bodies touch of Bullet's shapes: their surfaces, kept from tick to tick, where those of rigid
-// objects are in a tick, and the pieces that static and kinematic objects are taken apart into.
+// Soft bodies touch Bullet's shapes by these: surfaces of shapes, which are kept from tick to tick, surfaces
+// of rigid objects in a tick, and pieces of static and kinematic objects.
 
 #pragma once
 
@@ -40,12 +40,12 @@ struct ShapeSurface {
 /// the same place are one vertex.
 ShapeSurface makePatchSurface(const btConcaveShape& shape, const btVector3& low, const btVector3& high);
 
-/// The box of a shape's own coordinates that holds a box of the world.
+/// A box in a shape's own coordinates.
 struct LocalBox {
   btVector3 low, high;
 };
 
-/// The corners (m) are those of the box of the world.
+/// The one that holds a box of the world; `low` and `high` (m) are that box's corners.
 LocalBox localBoxOf(const btTransform& pose, const Eigen::Vector3d& low, const Eigen::Vector3d& high);
 
 inline void addToHash(std::uint64_t& hash, std::uint64_t value) {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 
-// Makes the surfaces of Bullet's shapes, keeps them while they are asked for, and places those of the rigid
-// objects near soft bodies in a tick.
+// This file makes the surfaces of Bullet's shapes, keeps them while they are asked for, and places those of
+// the rigid objects near soft bodies in a tick.
 
 #include "bullet/bullet_objects.h"
 #include "bullet/rigid_shapes.h"

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
 
-// What users ask of a soft body, and what they read out of Bullet's queries and manifolds.
+// This file answers what users ask of a soft body, and reads Bullet's queries and manifolds for them.
 
 #include <limber/soft_body.h>
 

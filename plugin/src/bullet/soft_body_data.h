@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 
-// What a soft body is made of, from its network to what it touches. The parts of it that live in Bullet's
-// world are in point_masses.h and surface_body.h.
+// This header holds what a soft body is made of, from its network to what it touches. The parts that live in
+// Bullet's world are in point_masses.h and surface_body.h.
 
 #pragma once
 

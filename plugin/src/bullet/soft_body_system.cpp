@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 
-// What users ask of a system: bodies into and out of the world, springs and anchors between them, and news of
-// contacts. The ticks are in system_tick.cpp.
+// This file has what users call of a system: it brings bodies into the world and out of it, adds springs and
+// anchors, and sets listeners of contacts. The ticks are in system_tick.cpp.
 
 #include <limber/soft_body_system.h>
 

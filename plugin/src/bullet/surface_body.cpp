@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 
-// The object and shape that stand for a soft body in Bullet's world, and what a tick does with them and with
-// the body's points, which are outside.
+// This file makes the object and the shape that stand for a soft body in Bullet's world, and takes both and
+// the body's points through a tick.
 
 #include "bullet/surface_body.h"
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 
-// Surface mode: one object stands in Bullet's world for the whole of a soft body, and its user moves it as a
-// rigid body.
+// In surface mode one object stands in Bullet's world for the whole of a soft body, and its user moves it as
+// a rigid body.
 
 #pragma once
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 
-// Finds where surfaces touch, or may touch in a tick: rigid bodies that move, static and kinematic objects,
-// other soft bodies and themselves.
+// This file finds where surfaces touch, or may touch in a tick: rigid bodies that move, static and kinematic
+// objects, other soft bodies and themselves.
 
 #include "bullet/surface_gather.h"
 

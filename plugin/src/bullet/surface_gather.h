@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
 
-// Contacts of surfaces: of vertices, edges and triangles, with rigid objects and with each other, before a
+// This header declares the search for contacts of surfaces, with rigid objects and with each other, before a
 // step and within it.
 
 #pragma once
@@ -71,7 +71,8 @@ bool hasSharpNear(const SweptBox& box, const RigidPart& part);
 /// Whether edges and triangles sink into a sphere or capsule by little where their corners rest on it.
 bool bendsGently(const MovingSurface& soft, const RigidPart& part);
 
-/// Whether the points at the corners of what touches bear for it: those that are no farther than `margin` (m) beyond it from what they touch.
+/// Whether the points at the corners of what touches bear for it: those that are no more than `margin` (m)
+/// farther from what they touch.
 bool cornersBear(const SoftBodyData& body, const SurfaceContact& c, double margin);
 
 /// Whether other objects make the edge or corner of the part that is touched none: they are nearer to what

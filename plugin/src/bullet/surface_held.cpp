@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: Zlib
 
-// What a surface meets of static and kinematic objects: the triangles of concave ones around a body, and the
-// edges and corners that more than its points touch.
+// This file tells what a surface meets of static and kinematic objects: the triangles of concave ones around
+// a body, and the edges and corners that more than its points touch.
 
 #include "bullet/bullet_objects.h"
 #include "bullet/kinematic_motion.h"
-#include "bullet/point_contacts.h"
 #include "bullet/rigid_shapes.h"
 #include "bullet/surface_gather.h"
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 
-// The surface object as the rigid body that its user sees: its mass, inertia and motion are those of the
-// points, and whatever changes it moves them.
+// This file makes the surface object the rigid body that its user sees. The object has the mass, inertia and
+// motion of the points, and whatever changes it moves them.
 
 #include "bullet/bullet_objects.h"
 #include "bullet/point_contacts.h"

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
 
-// What a system is made of, and the step that all systems of a world share.
+// This header declares what a system is made of, and the step that all systems of a world share.
 
 #pragma once
 

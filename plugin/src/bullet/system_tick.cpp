@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 
-// A tick, in order: what all systems of a world do before Bullet's part of it and after, and what each system
-// does.
+// This file has a tick in order: what all systems of a world do before Bullet's part of it and after, and
+// what each system does.
 
 #include "bullet/body_in_world.h"
 #include "bullet/kinematic_motion.h"

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 
-// Takes rigid bodies through the stages of a tick, numbers those in the contacts of a tick, and remembers
-// what contacts bore.
+// This file takes rigid bodies through the stages of a tick, numbers those in the contacts of a tick, and
+// remembers what contacts bore.
 
 #include "bullet/tick_contacts.h"
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 
-// The contacts of a tick in which more than one body moves, and the rigid bodies in them: what these touch in
-// their turn, their joints, and the links of multibodies.
+// This header declares the contacts of a tick in which more than one body moves, and the rigid bodies in
+// them: what these touch in their turn, their joints, and the links of multibodies.
 
 #pragma once
 

@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: Zlib
 
-// Puts groups together, takes them through the stages of a tick, and puts them to sleep and wakes them.
+// This file puts groups together, takes them through the stages of a tick, puts them to sleep and wakes them.
 
 #include "bullet/tick_group.h"
 
 #include "bullet/body_in_world.h"
 #include "bullet/bullet_objects.h"
-#include "bullet/kinematic_motion.h"
 #include "bullet/point_contacts.h"
 #include "bullet/surface_body.h"
 

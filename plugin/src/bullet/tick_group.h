@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 
-// What is stepped together in a tick: groups of what springs and anchors join, and clusters of the groups and
-// rigid bodies that touch. Both are put together here, put to sleep and woken, and stepped.
+// Springs and anchors join bodies into groups; contacts in a tick join groups and rigid bodies into clusters.
+// This header declares how both are made, stepped, put to sleep and woken.
 
 #pragma once
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 
-// Takes the world's pre-tick callback, keeps a body in the world that shows when a step has ended, and reads
-// the clock.
+// This file takes the world's pre-tick callback, keeps a body in the world that shows when a step has ended,
+// and reads the clock.
 
 #include "bullet/tick_hook.h"
 

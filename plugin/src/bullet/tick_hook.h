@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Zlib
 
-// What tells a system of the world's time: its ticks, the ends of its stepSimulation() calls, and its clock.
+// These classes tell a system of the world's time: its ticks, the ends of its stepSimulation() calls, and its
+// clock.
 
 #pragma once
 

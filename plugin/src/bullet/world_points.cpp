@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: Zlib
 
-// Points in the world: hands their motion over to Bullet and takes back what its solver did, stops fast
-// points at what they would pass through, and shares contacts with Bullet's manifolds.
+// This file hands the motion of points in the world over to Bullet and takes back what its solver did. It
+// stops fast points at what they would pass through, and shares contacts with Bullet's manifolds.
 
 #include "bullet/bullet_objects.h"
-#include "bullet/kinematic_motion.h"
 #include "bullet/point_contacts.h"
 #include "bullet/point_masses.h"
 #include "bullet/soft_body_data.h"
@@ -180,10 +179,9 @@ void sweepPoint(SoftBodyData& body, Eigen::Index i) {
 /// have been read, when start and end positions are known, and before the bodies are written.
 ///
 /// Only points that move far enough to miss a contact are swept, and only if anything is in the box the body
-/// sweeps (one query of the broadphase for a whole body). Bullet's own
-/// continuous collision is not used, because it sweeps twice, without such a query, and on triangle meshes
-/// ignores all motions into the surface that are shorter than the world's m_allowedCcdPenetration (4 cm),
-/// twice a point mass.
+/// sweeps (one query of the broadphase for a whole body). Bullet's own continuous collision is not used,
+/// because it sweeps twice, without such a query, and on triangle meshes ignores all motions into the surface
+/// that are shorter than the world's m_allowedCcdPenetration (4 cm), twice a point mass.
 void stopAtFirstContact(SoftBodyData& body) {
   if (!body.settings.continuousCollision) return;
   const double careless = kCarelessMotion * double(body.masses.shape->getRadius());
