@@ -1,12 +1,49 @@
 // SPDX-License-Identifier: Zlib
+
+// These functions make a body, bring it into the world and out of it, and take it through the stages of a
+// tick, in either of the two ways in which bodies live there.
+
 #pragma once
 
 #include "bullet/soft_body_data.h"
+#include "collide/surface.h"
+
+#include <limber/result.h>
+#include <limber/soft_body_settings.h>
+#include <limber/spring_network.h>
+
+#include <array>
+#include <map>
+#include <memory>
+#include <utility>
 
 namespace limber {
 inline namespace LIMBER_BULLET_PRECISION {
 
-// The two ways a body lives in the world, world_points.h and surface_body.h, by its settings.
+// --- a new body --------------------------------------------------------------------------------------------
+
+/// A body at its starting place, not yet in a world. Errors as SoftBodySystem::createBody.
+Result<std::unique_ptr<SoftBodyData>> makeBodyData(SharedNetwork network, const SoftBodySettings& settings);
+
+/// The surfaces of networks at the scales that bodies have: equal bodies share one. Those that no body has
+/// any more are forgotten.
+class SharedTopologies {
+ public:
+  /// Its points are those of the network; without triangles its structural springs are its edges.
+  std::shared_ptr<const SurfaceTopology> of(const SharedNetwork& network, const SoftBodySettings& settings);
+
+ private:
+  using Key = std::pair<const SpringNetwork*, std::array<double, 3>>;
+  struct Entry {
+    SharedNetwork network;  ///< so that no other takes its address
+    std::weak_ptr<const SurfaceTopology> topology;
+  };
+  std::map<Key, Entry> entries_;
+};
+
+// --- in the world ------------------------------------------------------------------------------------------
+
+// The two ways a body lives in the world, point_masses.h and surface_body.h, by its settings.
 
 void addToWorld(SoftBodyData& body);
 void removeFromWorld(SoftBodyData& body);

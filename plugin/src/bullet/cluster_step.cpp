@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Zlib
-#include "bullet/cluster.h"
-#include "bullet/cluster_rows.h"
-#include "bullet/group_stepping.h"
+
+// This file steps a cluster, searches for contacts within its step, limits what joints add to its energy, and
+// hands the result over.
+
+#include "bullet/tick_group.h"
 #include "solver/point_state.h"
 #include "solver/springs.h"
 
@@ -272,6 +274,12 @@ void handOverLate(Cluster& cluster, TickContacts& found) {
   }
 }
 
+/// After the step: gives the rows of points what they bore.
+void reportRows(Cluster& cluster) {
+  for (std::size_t i = 0; i < cluster.rows.size(); ++i)
+    cluster.rows[i]->impulse = cluster.step.pairs.contacts[cluster.contacts.size() + i].impulse;
+}
+
 void handOver(const PairContact& contact, PairContact& found) {
   const std::uint32_t a = found.a.body, b = found.b.body;
   found = contact;
@@ -285,10 +293,8 @@ bool isAlone(const Cluster& cluster) {
   if (step.bodies.size() != 1 || !links.rigids.empty() || !links.springs.empty() || !links.anchors.empty())
     return false;
   const auto isStill = [](const PairContact& c) { return c.b.velocity.isZero(0.0); };
-  const auto standsOnStill = [](const ContactRow& row) { return row.surfaceVelocity.isZero(0.0); };
-  const std::vector<ContactRow>& rows = *step.bodies[0].contacts;
   return std::all_of(step.pairs.contacts.begin(), step.pairs.contacts.end(), isStill) &&
-         std::all_of(rows.begin(), rows.end(), standsOnStill);
+         standsOnStill(*step.bodies[0].contacts);
 }
 
 }  // namespace

@@ -1,36 +1,21 @@
 // SPDX-License-Identifier: Zlib
-#include "bullet/contact_gather.h"
 
-#include "bullet/contact_cache.h"
-#include "bullet/contact_filter.h"
-#include "bullet/contact_reach.h"
-#include "bullet/convert.h"
-#include "bullet/held_pieces.h"
+// This file finds what points may touch of static and kinematic objects in a tick: first the objects near a
+// body, then rows for each point, and within the tick rows for points that get farther than was foreseen.
+
+#include "bullet/bullet_objects.h"
 #include "bullet/kinematic_motion.h"
-#include "bullet/multibody_links.h"
+#include "bullet/point_contacts.h"
 #include "bullet/point_masses.h"
-#include "bullet/point_rows.h"
+#include "bullet/rigid_shapes.h"
 #include "bullet/surface_body.h"
-#include "bullet/surface_partners.h"
-#include "solver/closest_points.h"
-#include "solver/point_state.h"
+#include "bullet/tick_contacts.h"
 
 #include <algorithm>
 
 namespace limber {
 inline namespace LIMBER_BULLET_PRECISION {
 namespace {
-
-/// Of the radius: a point that reaches no farther, the third of it that is always looked at included, is
-/// slow.
-constexpr double kSlowReach = 0.6;
-
-/// Of the radius: a point that is no farther from a triangle's plane may be on its wrong side. What touches is pressed
-/// in by far less.
-constexpr double kDeepest = 0.5;
-
-/// Of a spring's length: what is no farther beside a triangle is on it.
-constexpr double kOnIt = 1e-9;
 
 void forgetPartners(SoftBodyData& body) {
   body.partners.clear();
@@ -58,7 +43,7 @@ void addOnce(std::vector<T>& list, T entry) {
   if (std::find(list.begin(), list.end(), entry) == list.end()) list.push_back(entry);
 }
 
-/// Sorts them by what they are. Point masses that meet those of other bodies are in pair_gather.h.
+/// Sorts them by what they are. Point masses that meet those of other bodies are in pair_gather.cpp.
 void addPartner(SoftBodyData& body, btCollisionObject& object) {
   if (PointMass::from(&object)) return;
   if (SurfaceObject* surface = SurfaceObject::from(&object)) {
@@ -86,215 +71,10 @@ struct PartnersInBox final : btBroadphaseAabbCallback {
   }
 };
 
-void addPlaneRow(RowsOfPair& rows, const SoftBodyData& body, std::uint32_t i,
-                 const btCollisionObject& partner, double reach) {
-  const auto& plane = *static_cast<const btStaticPlaneShape*>(partner.getCollisionShape());
-  const btTransform& pose = partner.getWorldTransform();
-  const Eigen::Vector3d normal = toEigen(pose.getBasis() * plane.getPlaneNormal());
-  const btVector3 onPlane = pose * (plane.getPlaneNormal() * plane.getPlaneConstant());
-  const Eigen::Vector3d x = body.state.position.col(i);
-  const double height = normal.dot(x - toEigen(onPlane));
-  if (height - double(body.masses.shape->getRadius()) > reach) return;
-  rows.add(normal, toBullet(Eigen::Vector3d(x - height * normal)));
-}
-
-/// Uses the contact that Bullet found a tick ago. On a flat face it is as good as new; a slow point has not
-/// left that face. False if there is none or the point is too fast for it.
-bool addCachedRow(RowsOfPair& rows, const SoftBodyData& body, std::uint32_t i,
-                  const btCollisionObject& partner, double reach) {
-  const PointMass& point = *body.masses.bodies[i];
-  const btPersistentManifold* manifold = point.cachedContact;
-  const double radius = double(body.masses.shape->getRadius());
-  if (!manifold || reach > kSlowReach * radius) return false;
-  const bool pointIsFirst = manifold->getBody0() == &point;
-  if ((pointIsFirst ? manifold->getBody1() : manifold->getBody0()) != &partner) return false;
-  const btManifoldPoint& contact = manifold->getContactPoint(0);
-  const btVector3 normal = pointIsFirst ? contact.m_normalWorldOnB : -contact.m_normalWorldOnB;
-  rows.add(toEigen(normal),
-           partner.getWorldTransform() * (pointIsFirst ? contact.m_localPointB : contact.m_localPointA));
-  return true;
-}
-
-/// The same for a point outside the world, for which Bullet keeps none.
-bool addKeptRow(RowsOfPair& rows, const SoftBodyData& body, std::uint32_t i, const btCollisionObject& partner,
-                std::uint64_t stamp, double reach) {
-  const CachedContact& cached = body.surface.contacts[i];
-  const double radius = double(body.masses.shape->getRadius());
-  const btVector3 place = toBullet(Eigen::Vector3d(body.state.position.col(i)));
-  if (reach > kSlowReach * radius || !isKept(cached, stamp, partner, place, body.masses.shape->getRadius()))
-    return false;
-  const btTransform& pose = partner.getWorldTransform();
-  rows.add(toEigen(pose.getBasis() * cached.normal), pose * cached.surface);
-  return true;
-}
-
-/// Asks Bullet's narrowphase.
-void addFoundRows(RowsOfPair& rows, SoftBodyData& body, std::uint32_t i, const btCollisionObject& partner,
-                  std::uint64_t stamp) {
-  if (!body.masses.shared) writePoint(body, i);
-  body.world->contactPairTest(body.masses.bodies[i], const_cast<btCollisionObject*>(&partner), rows);
-  if (isSurfaceBody(body)) rows.keepContact(body.surface.contacts[i], stamp);
-}
-
-/// Nobody can have excluded a pair with a point that nobody outside knows.
-bool mayBeExcluded(const SoftBodyData& body) { return body.masses.shared || !body.anchors.empty(); }
-
-double heightAbove(const HeldPiece& sheet, const Eigen::Vector3d& x) {
-  return sheet.center.dot(x - sheet.axes.col(0));
-}
-
-/// m
-double distanceTo(const HeldPiece& sheet, const Eigen::Vector3d& x) {
-  const Eigen::Vector3d weights = nearestBarycentric({sheet.axes.col(0), sheet.axes.col(1), sheet.axes.col(2)}, x);
-  return (sheet.axes * weights - x).norm();
-}
-
-/// Whether the straight line from x to y goes through a triangle.
-bool goesThrough(const HeldPiece& sheet, const Eigen::Vector3d& x, const Eigen::Vector3d& y) {
-  const double from = heightAbove(sheet, x), to = heightAbove(sheet, y);
-  if (from == to || (from > 0.0) == (to > 0.0)) return false;
-  return distanceTo(sheet, x + from / (from - to) * (y - x)) <= kOnIt * (y - x).norm();
-}
-
-/// Whether a spring of point i goes through a triangle.
-bool isHungThrough(const SoftBodyData& body, std::uint32_t i, const HeldPiece& sheet) {
-  const auto& x = body.state.position;
-  const auto goes = [&](const NetworkSpring& s) {
-    return (s.a == i && goesThrough(sheet, x.col(i), x.col(s.b))) ||
-           (s.b == i && goesThrough(sheet, x.col(i), x.col(s.a)));
-  };
-  return std::any_of(body.network->springs.begin(), body.network->springs.end(), goes);
-}
-
-/// What is put on terrain to within round-off, or a little too deep, has points that lie in its triangles: what touches
-/// is a radius away. These belong where their body is, if springs of theirs go through.
-void chooseSides(const SoftBodyData& body, std::uint32_t i, HeldPiece* begin, HeldPiece* end) {
-  const double radius = double(body.masses.shape->getRadius());
-  const Eigen::Vector3d x = body.state.position.col(i);
-  for (HeldPiece* piece = begin; piece != end; ++piece) {
-    if (piece->kind != HeldPiece::Kind::Sheet) continue;
-    if (!(std::abs(heightAbove(*piece, x)) < piece->margin + kDeepest * radius)) continue;
-    // most planes that pass by are those of triangles farther away; to look at all springs costs more
-    if (distanceTo(*piece, x) > piece->margin + radius) continue;
-    if (!isHungThrough(body, i, *piece)) continue;
-    piece->metAbove = true;
-    piece->side = heightAbove(*piece, centerOfMass(body.state)) < 0.0 ? -1 : 1;
-  }
-}
-
-/// On a plane, of a sheet on all of it; `next` becomes the piece after these.
-HeldPlace nearestOnFlat(const HeldPiece* first, const HeldPiece* end, const Eigen::Vector3d& x,
-                        const HeldPiece*& next) {
-  next = endOfSolid(first, end);
-  if (first->kind != HeldPiece::Kind::Sheet) return nearestOn(first, next, x);
-  const HeldPiece* below = first;
-  for (; next != end && next->owner == first->owner; ++next)
-    if (next->metAbove) below = next;
-  const double height = heightAbove(*below, x), side = below->metAbove ? below->side : height < 0.0 ? -1.0 : 1.0;
-  return {side * below->center, side * height - below->margin, true};
-}
-
-/// Rows that need not follow anything: all that is near is flat.
-void addFlatRows(SoftBodyData& body, std::uint32_t i, const Reach& reach, btScalar tick) {
-  const HeldSurroundings& all = body.held;
-  const Eigen::Vector3d x = body.state.position.col(i);
-  const HeldPiece* end = all.pieces.data() + all.pieces.size();
-  const HeldPiece* first = all.pieces.data() + body.staticPieces;
-  for (const auto& [partner, endOfOwners] : body.staticPartners) {
-    RowsOfPair rows(body, i, *partner, reach.distance, tick);
-    for (const HeldPiece* next = first; first != end && first->owner < endOfOwners; first = next) {
-      const HeldPlace place = nearestOnFlat(first, end, x, next);
-      if (place.height - double(body.masses.shape->getRadius()) <= reach.distance)
-        rows.add(place.normal, toBullet(Eigen::Vector3d(x - place.height * place.normal)));
-    }
-  }
-}
-
-/// Rows that follow what is near: for each owner as many as there are directions in which it is.
-void addFollowingRows(SoftBodyData& body, std::uint32_t i, const Reach& reach, btScalar tick) {
-  if (body.neighbourhoodCount == body.neighbourhoods.size()) body.neighbourhoods.emplace_back();
-  HeldNeighbourhood& around = body.neighbourhoods[body.neighbourhoodCount++];
-  around = {&body.held, body.staticPieces, body.held.pieces.size(),
-            double(body.masses.shape->getRadius())};
-  findContacts(around, body.state.position.col(i), Eigen::Vector3d::Zero(), reach.distance);
-  std::uint32_t owner = 0;
-  for (const auto& [partner, endOfOwners] : body.staticPartners) {
-    RowsOfPair rows(body, i, *partner, reach.distance, tick);
-    for (; owner < endOfOwners; ++owner) {
-      bool any = false;
-      for (const HeldContact& c : body.held.contacts) {
-        if (c.owner != owner) continue;
-        rows.addFollowing(around, owner, &c);
-        any = true;
-      }
-      if (!any) rows.addFollowing(around, owner, nullptr);
-    }
-  }
-}
-
-/// On what does not move.
-void addStaticRows(SoftBodyData& body, std::uint32_t i, const Reach& reach, btScalar tick) {
-  body.staticPartners.clear();
-  body.staticPieces = body.held.pieces.size();
-  std::uint32_t owners = 0;
-  const Eigen::AlignedBox3d box(reach.low, reach.high);
-  for (std::size_t p = 0; p < body.partners.size(); ++p) {
-    const btCollisionObject* partner = body.partners[p];
-    if (isMoved(*partner) || !box.intersects(body.partnerBoxes[p])) continue;
-    if (mayBeExcluded(body) && !canHit(body, *body.masses.bodies[i], *partner)) continue;
-    owners = addPieces(*partner, box, *body.shapes, owners, body.held.pieces);
-    body.staticPartners.emplace_back(partner, owners);
-  }
-  const HeldPiece *begin = body.held.pieces.data() + body.staticPieces,
-                  *end = body.held.pieces.data() + body.held.pieces.size();
-  if (begin == end) return;
-  chooseSides(body, i, body.held.pieces.data() + body.staticPieces, body.held.pieces.data() + body.held.pieces.size());
-  if (!areFlatAround(begin, end, body.state.position.col(i), double(body.masses.shape->getRadius()),
-                     reach.distance))
-    return addFollowingRows(body, i, reach, tick);
-  addFlatRows(body, i, reach, tick);
-  body.held.pieces.resize(body.staticPieces);
-}
-
-/// On what moves as told; of a point that starts with a velocity and moves for `time` s of the tick.
-void addRows(SoftBodyData& body, std::uint32_t i, const btCollisionObject& partner, std::uint64_t stamp,
-             const Eigen::Vector3d& velocity, double time, btScalar tick) {
-  if (!isMoved(partner)) return;
-  const double travel = kinematicWay(partner, body.state.position.col(i)).norm();
-  const Reach reach = reachFrom(body, i, velocity, time, kReachPerMotion * travel);
-  if (!overlaps(reach, partner)) return;
-  if (mayBeExcluded(body) && !canHit(body, *body.masses.bodies[i], partner)) return;
-  const double distance = reach.distance;
-  // it may be carried along, and need not be searched for there
-  body.reach[i] = std::max(body.reach[i], distance);
-  RowsOfPair rows(body, i, partner, distance, tick);
-  const int shape = partner.getCollisionShape()->getShapeType();
-  if (shape == STATIC_PLANE_PROXYTYPE)
-    addPlaneRow(rows, body, i, partner, distance);
-  else if (shape == BOX_SHAPE_PROXYTYPE && isSurfaceBody(body))
-    rows.addOnBox(*static_cast<const btBoxShape*>(partner.getCollisionShape()), partner.getWorldTransform());
-  else if (!(isSurfaceBody(body) ? addKeptRow(rows, body, i, partner, stamp, distance)
-                                 : addCachedRow(rows, body, i, partner, distance)))
-    addFoundRows(rows, body, i, partner, stamp);
-}
-
-/// Calls visit(manifold point, soft body, point, partner) for all contacts of point masses.
-template <class Visit>
-void forEachContact(btDispatcher& dispatcher, Visit visit) {
-  for (int m = 0; m < dispatcher.getNumManifolds(); ++m) {
-    btPersistentManifold& manifold = *dispatcher.getManifoldByIndexInternal(m);
-    PointMass* first = PointMass::from(const_cast<btCollisionObject*>(manifold.getBody0()));
-    PointMass* point = first ? first : PointMass::from(const_cast<btCollisionObject*>(manifold.getBody1()));
-    if (!point || !point->owner()) continue;
-    const btCollisionObject* partner = first ? manifold.getBody1() : manifold.getBody0();
-    visit(manifold, *point, partner);
-  }
-}
-
-/// Of two bodies, one of them awake: gatherPointPairs() has a row for it.
-bool isOfAwakePoints(const PointMass& point, const btCollisionObject* partner) {
-  const PointMass* other = PointMass::from(partner);
-  return other && other->owner() && !(point.owner()->asleep && other->owner()->asleep);
+ContactSpeeds contactSpeeds(const SoftBodyData& body, double tick) {
+  const double gravity = toEigen(body.world->getGravity()).norm();
+  // what gravity gives in a tenth of a tick is no bounce
+  return {recoverySpeed(double(body.masses.shape->getRadius()), gravity, tick), 0.1 * gravity * tick};
 }
 
 /// The box around all reaches; keeps how far contacts are looked for.
@@ -356,8 +136,7 @@ struct HeldInBox final : btBroadphaseAabbCallback {
 
   bool process(const btBroadphaseProxy* proxy) override {
     const auto* object = static_cast<const btCollisionObject*>(proxy->m_clientObject);
-    const bool soft = PointMass::from(object) || SurfaceObject::from(object);
-    if (soft || !isStaticOrKinematic(*object) || !canHit(*body, *proxy)) return true;
+    if (isSoft(object) || !isStaticOrKinematic(*object) || !canHit(*body, *proxy)) return true;
     any = true;
     if (std::find(body->partners.begin(), body->partners.end(), object) != body->partners.end()) return true;
     body->partners.push_back(object);
@@ -514,56 +293,6 @@ bool mayHaveMissedContacts(SoftBodyData& body) {
 }
 
 void addContactWatch(SoftBodyData& body) { body.watch = std::make_unique<Watch>(body); }
-
-void readManifolds(btDispatcher& dispatcher) {
-  forEachContact(
-      dispatcher, [](btPersistentManifold& manifold, PointMass& point, const btCollisionObject* partner) {
-        const bool ofPoints = isOfAwakePoints(point, partner);
-        if (!ofPoints && (point.owner()->asleep || !isStaticOrKinematic(*partner))) return;
-        const btCollisionShape& shape = *partner->getCollisionShape();
-        const bool simple = manifold.getNumContacts() == 1 && !shape.isConcave() && !shape.isCompound();
-        if (simple && !ofPoints) point.cachedContact = &manifold;
-        // its rows are enough: Bullet would push the point out of where the partner will be
-        if (isAhead(*partner)) manifold.setContactProcessingThreshold(-BT_LARGE_FLOAT);
-        for (int p = 0; p < manifold.getNumContacts(); ++p) {
-          btManifoldPoint& contact = manifold.getContactPoint(p);
-          contact.m_appliedImpulse = contact.m_appliedImpulseLateral1 = contact.m_appliedImpulseLateral2 = 0;
-        }
-      });
-}
-
-void leaveToRows(btDispatcher& dispatcher) {
-  forEachContact(dispatcher, [](btPersistentManifold& manifold, PointMass& point,
-                                const btCollisionObject* partner) {
-    if (isOfAwakePoints(point, partner)) manifold.setContactProcessingThreshold(-BT_LARGE_FLOAT);
-    const SoftBodyData& body = *point.owner();
-    const RowRange rows = rowsOfPoint(body.contacts, point.index());
-    for (std::size_t r = rows.begin; r < rows.end && !body.asleep; ++r)
-      if (body.contactPartners[r] == partner) manifold.setContactProcessingThreshold(-BT_LARGE_FLOAT);
-  });
-}
-
-void reportContactImpulses(btDispatcher& dispatcher) {
-  forEachContact(dispatcher, [](btPersistentManifold& manifold, PointMass& point,
-                                const btCollisionObject* partner) {
-    const SoftBodyData& body = *point.owner();
-    const RowRange rows = rowsOfPoint(body.contacts, point.index());
-    manifold.setContactProcessingThreshold(
-        btMin(point.getContactProcessingThreshold(), partner->getContactProcessingThreshold()));
-    for (std::size_t r = rows.begin; r < rows.end; ++r) {
-      const ContactRow& row = body.contacts[r];
-      if (body.contactPartners[r] != partner) continue;
-      int nearest = -1;
-      for (int p = 0; p < manifold.getNumContacts(); ++p) {
-        const double along = std::abs(toEigen(manifold.getContactPoint(p).m_normalWorldOnB).dot(row.normal));
-        if (along > kSameSurface && nearest < 0) nearest = p;
-      }
-      if (nearest < 0) continue;
-      manifold.getContactPoint(nearest).m_appliedImpulse +=
-          static_cast<btScalar>(row.impulse.along);
-    }
-  });
-}
 
 }  // namespace LIMBER_BULLET_PRECISION
 }  // namespace limber

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Zlib
-#include "bullet/debug_draw.h"
 
+// This file draws soft bodies and springs for Bullet's debug drawer.
+
+#include "bullet/bullet_objects.h"
 #include "bullet/contact_report.h"
-#include "bullet/convert.h"
+#include "bullet/system_impl.h"
 
 #include <limber/soft_contact.h>
 #include <limber/spring_constraint.h>
@@ -79,8 +81,8 @@ void drawAnchors(const SoftBodyData& body, btIDebugDraw& drawer) {
 
 bool asks(const btIDebugDraw& drawer, int what) { return (drawer.getDebugMode() & what) != 0; }
 
-}  // namespace
-
+/// What the drawer's mode asks for of a body: springs coloured by strain and pinned points (wireframe), its
+/// box (AABB), what it touches (contact points), its anchors (constraints).
 void debugDraw(SoftBodyData& body, btIDebugDraw& drawer) {
   if (!body.alive) return;
   if (asks(drawer, btIDebugDraw::DBG_DrawWireframe)) {
@@ -92,6 +94,7 @@ void debugDraw(SoftBodyData& body, btIDebugDraw& drawer) {
   if (asks(drawer, btIDebugDraw::DBG_DrawConstraints)) drawAnchors(body, drawer);
 }
 
+/// Springs that were added one by one (constraints).
 void debugDraw(const SpringList& springs, btIDebugDraw& drawer) {
   if (!asks(drawer, btIDebugDraw::DBG_DrawConstraints)) return;
   for (const auto& spring : springs) {
@@ -99,6 +102,15 @@ void debugDraw(const SpringList& springs, btIDebugDraw& drawer) {
     drawer.drawLine(SpringConstraint::worldPivot(spring->endA()),
                     SpringConstraint::worldPivot(spring->endB()), colourOf(strain));
   }
+}
+
+}  // namespace
+
+void SoftBodySystem::debugDraw(btIDebugDraw& drawer) const { impl_->debugDraw(drawer); }
+
+void SoftBodySystem::Impl::debugDraw(btIDebugDraw& drawer) {
+  for (auto& body : bodies) limber::debugDraw(*body->data_, drawer);
+  limber::debugDraw(springs, drawer);
 }
 
 }  // namespace LIMBER_BULLET_PRECISION

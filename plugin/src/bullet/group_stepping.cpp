@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: Zlib
-#include "bullet/group_stepping.h"
 
-#include "bullet/contact_gather.h"
+// This file chooses how each group is stepped, steps those that are in no cluster, bodies of one network side
+// by side, and takes out energy that a step has made.
+
+#include "bullet/point_contacts.h"
+#include "bullet/tick_group.h"
 #include "solver/point_state.h"
 #include "solver/springs.h"
 #include "solver/stepping_choice.h"
@@ -9,6 +12,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <tuple>
 
 namespace limber {
 inline namespace LIMBER_BULLET_PRECISION {
@@ -115,14 +120,11 @@ SteppingProblem problemOf(TickGroup& group, double tick) {
   return p;
 }
 
-}  // namespace
-
+/// Whether the group's bodies ask for an error tolerance, so that a tick may have to be stepped again.
 bool hasTolerance(const TickGroup& group) {
   const Stepping& s = group.stepping;
   return s.tolerance > 0.0 || s.relativeTolerance > 0.0;
 }
-
-namespace {
 
 void setChoice(TickGroup& group, const SteppingChoice& choice) {
   group.stepper = choice.stepper;
@@ -158,9 +160,7 @@ double errorPerSquare(const TickGroup& group, double tick) {
 /// Times a tick is done again because its error was larger than foreseen.
 constexpr int kMostRetries = 3;
 
-}  // namespace
-
-namespace {
+// --- energy ------------------------------------------------------------------------------------------------
 
 double energyOf(SteppedBody& body) {
   return kineticEnergy(*body.points) + elasticEnergy(body, body.points->position);
@@ -172,12 +172,6 @@ bool holdsBack(TickGroup& group, double tick) {
   SoftBodyData& body = *group.bodies[0];
   const double dt = tick / group.substeps;
   return isHeldBack(body.volumes, body.state, dt) || isHeldBack(body.tetrahedra, body.state, dt);
-}
-
-/// Whether it touches nothing that moves.
-bool standsOnStill(const std::vector<ContactRow>& rows) {
-  const auto isStill = [](const ContactRow& row) { return row.surfaceVelocity.isZero(0.0); };
-  return std::all_of(rows.begin(), rows.end(), isStill);
 }
 
 bool bounces(const std::vector<ContactRow>& rows) {
@@ -244,7 +238,39 @@ void endGuard(TickGroup& group, double tick) {
   group.energyAtEnd -= excess - left;
 }
 
+// --- one group ---------------------------------------------------------------------------------------------
+
+/// Steps the group; with a tolerance again, more finely, where the error turns out larger than foreseen.
+void stepGroup(TickGroup& group, double tick, SharedFactors& factors) {
+  stepOnce(group, tick, factors);
+  if (!hasTolerance(group) || !group.step.links.rigids.empty()) return;
+  SteppingProblem problem = problemOf(group, tick);
+  for (int i = 0; i < kMostRetries; ++i) {
+    problem.errorPerSquare = std::max(problem.errorPerSquare, errorPerSquare(group, tick));
+    const SteppingChoice choice = limber::chooseStepping(problem, group.stepping);
+    if (choice.substeps <= group.substeps) return;
+    setChoice(group, choice);
+    rewind(group);
+    stepOnce(group, tick, factors);
+  }
+}
+
+/// After the step of a group that is in no cluster: steps it again with watches on (point_contacts.h) where
+/// a point got farther than contacts were looked for, and something is there.
+void repeatIfMissed(TickGroup& group, double tick, SharedFactors& factors) {
+  bool missed = false;
+  for (SoftBodyData* body : group.bodies) missed = mayHaveMissedContacts(*body) || missed;
+  if (!missed) return;
+  rewind(group);
+  stepGroup(group, tick, factors);
+}
+
 }  // namespace
+
+bool standsOnStill(const std::vector<ContactRow>& rows) {
+  const auto isStill = [](const ContactRow& row) { return row.surfaceVelocity.isZero(0.0); };
+  return std::all_of(rows.begin(), rows.end(), isStill);
+}
 
 void chooseStepping(TickGroup& group, double tick) {
   group.stepping = strictest(group);
@@ -264,31 +290,108 @@ void chooseStepping(TickGroup& group, double tick) {
   }
 }
 
-void stepGroup(TickGroup& group, double tick, SharedFactors& factors) {
-  stepOnce(group, tick, factors);
-  if (!hasTolerance(group) || !group.step.links.rigids.empty()) return;
-  SteppingProblem problem = problemOf(group, tick);
-  for (int i = 0; i < kMostRetries; ++i) {
-    problem.errorPerSquare = std::max(problem.errorPerSquare, errorPerSquare(group, tick));
-    const SteppingChoice choice = limber::chooseStepping(problem, group.stepping);
-    if (choice.substeps <= group.substeps) return;
-    setChoice(group, choice);
-    rewind(group);
-    stepOnce(group, tick, factors);
-  }
-}
-
 void guardCluster(TickGroup& group, bool alone) {
   guard(group, alone && group.stepping.budget > 0 && isFreeBody(group), false);
 }
 
-void repeatIfMissed(TickGroup& group, double tick, SharedFactors& factors) {
-  bool missed = false;
-  for (SoftBodyData* body : group.bodies) missed = mayHaveMissedContacts(*body) || missed;
-  if (!missed) return;
-  rewind(group);
-  stepGroup(group, tick, factors);
+// --- groups side by side -----------------------------------------------------------------------------------
+
+namespace {
+
+/// A block of more springs than this would not stay in the cache next to the processor (about 0.5 kB a spring
+/// with eight lanes); such bodies are stepped one by one.
+constexpr std::size_t kLargestInLanes = 1000;
+
+bool fitsLanes(const TickGroup& group) {
+  return !hasTolerance(group) && group.stepper == Stepper::Verlet && isPlain(group.step) &&
+         group.bodies[0]->springs.size() <= kLargestInLanes && group.bodies[0]->springs.size() > 0;
 }
+
+/// Bodies side by side go through the same triangles and tetrahedra.
+int volumeKind(const SoftBodyData& body) {
+  if (body.volumes.empty() && body.tetrahedra.empty()) return 0;
+  return body.settings.scale.prod() < 0.0 ? -1 : 1;
+}
+
+}  // namespace
+
+bool StepPlan::Candidate::fitsWith(const Candidate& other) const {
+  return std::tie(network, substeps, damped, volumes) ==
+         std::tie(other.network, other.substeps, other.damped, other.volumes);
+}
+
+bool StepPlan::Candidate::operator<(const Candidate& other) const {
+  return std::tie(network, substeps, damped, volumes, group) <
+         std::tie(other.network, other.substeps, other.damped, other.volumes, other.group);
+}
+
+void StepPlan::clear() {
+  blocks_.clear();
+  networkOf_.clear();
+}
+
+void StepPlan::number(const std::vector<TickGroup>& groups) {
+  std::map<const SpringNetwork*, std::size_t> numbers;
+  for (const TickGroup& group : groups) {
+    const SpringNetwork* network = group.bodies.empty() ? nullptr : group.bodies[0]->network.get();
+    networkOf_.push_back(numbers.try_emplace(network, numbers.size()).first->second);
+  }
+}
+
+void StepPlan::stepOrCollect(std::vector<TickGroup>& groups, double tick) {
+  candidates_.clear();
+  for (std::size_t i = 0; i < groups.size(); ++i) {
+    if (groups[i].asleep || groups[i].clustered) continue;
+    if (fitsLanes(groups[i]))
+      candidates_.push_back({networkOf_[i], groups[i].substeps, groups[i].bodies[0]->springs.damped,
+                             volumeKind(*groups[i].bodies[0]), i});
+    else
+      stepGroup(groups[i], tick, factors_);
+  }
+  std::sort(candidates_.begin(), candidates_.end());
+}
+
+void StepPlan::stepBlock(std::vector<TickGroup>& groups, std::size_t begin, std::size_t end, double tick) {
+  if (blocksUsed_ == blocks_.size()) blocks_.emplace_back();
+  LaneBlock& block = blocks_[blocksUsed_++];
+  block.lanes.resize(end - begin);
+  for (std::size_t i = begin; i < end; ++i) {
+    const SteppedBody& body = groups[candidates_[i].group].step.bodies[0];
+    LaneBlock::Lane& lane = block.lanes[i - begin];
+    if (lane.body.points != body.points) lane.revision = 0;
+    lane.body = body;
+  }
+  stepLanes(block, scratch_, tick, candidates_[begin].substeps, set_);
+  for (std::size_t i = begin; i < end; ++i)
+    groups[candidates_[i].group].step.bodies[0].errorRate = block.lanes[i - begin].body.errorRate;
+}
+
+/// Bodies that are alone in their block have nothing to gain from it.
+void StepPlan::stepRun(std::vector<TickGroup>& groups, std::size_t begin, std::size_t end, double tick) {
+  const auto lanes = static_cast<std::size_t>(laneCount(set_));
+  for (std::size_t i = begin; i < end; i += lanes) {
+    const std::size_t stop = std::min(i + lanes, end);
+    if (stop - i > 1)
+      stepBlock(groups, i, stop, tick);
+    else
+      stepGroup(groups[candidates_[i].group], tick, factors_);
+  }
+}
+
+void StepPlan::step(std::vector<TickGroup>& groups, double tick) {
+  if (networkOf_.size() != groups.size()) number(groups);
+  stepOrCollect(groups, tick);
+  blocksUsed_ = 0;
+  for (std::size_t begin = 0, end; begin < candidates_.size(); begin = end) {
+    end = begin + 1;
+    while (end < candidates_.size() && candidates_[end].fitsWith(candidates_[begin])) ++end;
+    stepRun(groups, begin, end, tick);
+  }
+  for (TickGroup& group : groups)
+    if (!group.asleep && !group.clustered) repeatIfMissed(group, tick, factors_);
+}
+
+// --- after the step ----------------------------------------------------------------------------------------
 
 namespace {
 

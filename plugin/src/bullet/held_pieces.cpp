@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Zlib
-#include "bullet/held_pieces.h"
 
-#include "bullet/convert.h"
-#include "bullet/kinematic_motion.h"
+// This file takes static and kinematic objects apart into the pieces on which points rest, and tells where
+// they are flat.
+
+#include "bullet/bullet_objects.h"
+#include "bullet/rigid_shapes.h"
 #include "solver/closest_points.h"
 
 #include <BulletCollision/BroadphaseCollision/btDbvt.h>
@@ -32,18 +34,6 @@ Vector3d placeOf(const btTransform& pose, const Vector3d& own) {
   Eigen::Matrix3d basis;
   for (int i = 0; i < 3; ++i) basis.col(i) = toEigen(pose.getBasis().getColumn(i));
   return basis * own + toEigen(pose.getOrigin());
-}
-
-/// The box of a shape's own coordinates that holds a box of the world.
-struct OwnBox {
-  btVector3 low, high;
-};
-
-OwnBox boxIn(const btTransform& pose, const Eigen::AlignedBox3d& box) {
-  OwnBox own;
-  btTransformAabb(toBullet(Vector3d(box.min())), toBullet(Vector3d(box.max())), btScalar(0), pose.inverse(),
-                  own.low, own.high);
-  return own;
 }
 
 /// Collects what one object has in a box.
@@ -168,7 +158,7 @@ class PieceCollector {
 
   void addHull(const ShapeSurface& surface, const btTransform& pose) {
     const SurfaceTopology& t = surface.topology;
-    const OwnBox own = boxIn(pose, box_);
+    const LocalBox own = localBoxOf(pose, box_.min(), box_.max());
     const Vector3d low = toEigen(own.low).array() - surface.radius;
     const Vector3d high = toEigen(own.high).array() + surface.radius;
     const bool all = t.triangles.size() < kManyFaces;
@@ -191,7 +181,7 @@ class PieceCollector {
   }
 
   void addChildren(const btCompoundShape& compound, const btTransform& pose) {
-    const OwnBox own = boxIn(pose, box_);
+    const LocalBox own = localBoxOf(pose, box_.min(), box_.max());
     const btDbvtVolume volume = btDbvtVolume::FromMM(own.low, own.high);
     if (const btDbvt* tree = compound.getDynamicAabbTree()) {
       struct Visit final : btDbvt::ICollide {
@@ -214,7 +204,7 @@ class PieceCollector {
     struct Visit final : btTriangleCallback {
       PieceCollector* self;
       const btTransform* pose;
-      OwnBox own;
+      LocalBox own;
       double margin;
       void processTriangle(btVector3* triangle, int, int) override {
         // height fields and others give whole cells
@@ -224,7 +214,7 @@ class PieceCollector {
         self->addTriangle(Kind::Sheet, corners, margin);
       }
     } visit;
-    visit.self = this, visit.pose = &pose, visit.own = boxIn(pose, box_);
+    visit.self = this, visit.pose = &pose, visit.own = localBoxOf(pose, box_.min(), box_.max());
     visit.margin = double(shape.getMargin());
     const std::size_t before = pieces_.size();
     shape.processAllTriangles(&visit, visit.own.low, visit.own.high);

@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: Zlib
-#include "bullet/joint_rows.h"
 
-#include "bullet/convert.h"
-#include "bullet/surface_object.h"
+// This file makes rows of Bullet's constraints and of rolling friction, and tells Bullet what they have
+// borne.
+
+#include "bullet/bullet_objects.h"
+#include "bullet/surface_body.h"
+#include "bullet/tick_contacts.h"
 
 #include <cmath>
 
@@ -272,7 +275,7 @@ void addFeedback(btJointFeedback& feedback, const JointRow& j, btScalar tick) {
   push(feedback.m_appliedTorqueBodyB, j.angularB);
 }
 
-/// Soft bodies' objects are left to Bullet's solver, see surface_rigid.h.
+/// Soft bodies' objects are left to Bullet's solver, see surface_rigid.cpp.
 bool holdsSoft(const btTypedConstraint& joint) {
   return SurfaceObject::from(&joint.getRigidBodyA()) || SurfaceObject::from(&joint.getRigidBodyB());
 }

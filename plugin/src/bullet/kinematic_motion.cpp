@@ -1,8 +1,13 @@
 // SPDX-License-Identifier: Zlib
+
+// This file follows what moves as told through the ticks of a step. It also collects what comes near soft
+// bodies: what Bullet's broadphase has paired with them, and what moves towards them.
+
 #include "bullet/kinematic_motion.h"
 
-#include "bullet/point_mass.h"
-#include "bullet/surface_object.h"
+#include "bullet/bullet_objects.h"
+#include "bullet/point_masses.h"
+#include "bullet/soft_body_data.h"
 
 #include <algorithm>
 #include <cmath>
@@ -61,8 +66,7 @@ KinematicMotion newMotion(btCollisionObject& object) {
 }
 
 bool isFollowed(const btCollisionObject& object) {
-  return isKinematic(object) && object.getBroadphaseHandle() && !PointMass::from(&object) &&
-         !SurfaceObject::from(&object);
+  return isKinematic(object) && object.getBroadphaseHandle() && !isSoft(&object);
 }
 
 void advance(KinematicMotion& m, btScalar tick) {
@@ -142,6 +146,172 @@ KinematicMotions::Rewound::~Rewound() {
   for (const KinematicMotion& m : motions_->motions_) {
     m.object->setWorldTransform(m.told);
     m.object->setInterpolationWorldTransform(m.interpolated);
+  }
+}
+
+// --- what the broadphase has found -------------------------------------------------------------------------
+
+namespace {
+
+bool olderProxy(const btCollisionObject* a, const btCollisionObject* b) {
+  return a->getBroadphaseHandle()->m_uniqueId < b->getBroadphaseHandle()->m_uniqueId;
+}
+
+/// Keeps the order of the ids, not that of Bullet's hash table.
+void addPartner(SoftBodyData& body, btCollisionObject* partner) {
+  auto& partners = body.surface.partners;
+  const auto place = std::lower_bound(partners.begin(), partners.end(), partner, olderProxy);
+  if (place == partners.end() || *place != partner) partners.insert(place, partner);
+}
+
+/// Whether contacts with this partner, which Bullet's broadphase pairs with it, wake a surface or point.
+bool mayWake(const btRigidBody& own, const btCollisionObject& partner) {
+  const SurfaceObject* surface = SurfaceObject::from(&own);
+  const bool excluded = surface ? !surface->mayTouch(partner)
+                                : !own.checkCollideWith(&partner) || !partner.checkCollideWith(&own);
+  return !excluded && own.hasContactResponse() && partner.hasContactResponse();
+}
+
+/// Adds a partner of the coming tick, met by the body's surface or point `own`. A body that sleeps is woken by
+/// kinematic objects that are awake, as Bullet's islands do.
+void meetPartner(SoftBodyData& body, btRigidBody& own, btCollisionObject& partner) {
+  if (!body.asleep || own.isActive())
+    addPartner(body, &partner);
+  else if (isKinematic(partner) && partner.isActive() && mayWake(own, partner))
+    own.activate(true);
+}
+
+/// The surface of a living body of `system`, or nullptr.
+SurfaceObject* livingSurface(const btBroadphaseProxy* proxy, const void* system) {
+  SurfaceObject* surface = SurfaceObject::from(static_cast<btCollisionObject*>(proxy->m_clientObject));
+  const SoftBodyData* body = surface ? surface->owner() : nullptr;
+  return body && body->system == system && body->alive ? surface : nullptr;
+}
+
+}  // namespace
+
+void collectPartners(btDiscreteDynamicsWorld& world, const void* system) {
+  const btBroadphasePairArray& pairs = world.getPairCache()->getOverlappingPairArray();
+  for (int i = 0; i < pairs.size(); ++i) {
+    const btBroadphaseProxy *a = pairs[i].m_pProxy0, *b = pairs[i].m_pProxy1;
+    for (int side = 0; side < 2; ++side, std::swap(a, b)) {
+      auto* partner = static_cast<btCollisionObject*>(b->m_clientObject);
+      if (SurfaceObject* surface = livingSurface(a, system)) meetPartner(*surface->owner(), *surface, *partner);
+    }
+  }
+}
+
+bool partnersCover(const SoftBodyData& body, const Eigen::AlignedBox3d& box) {
+  const SurfaceShape& shape = *body.surface.shape;
+  // the box went through rounding, the broadphase adds gContactBreakingThreshold on all sides
+  const double slack = 0.5 * double(gContactBreakingThreshold);
+  return body.surface.flight.tick > 0.0 &&
+         (box.min().array() >= toEigen(shape.low()).array() - slack).all() &&
+         (box.max().array() <= toEigen(shape.high()).array() + slack).all();
+}
+
+// --- what moves towards soft bodies ------------------------------------------------------------------------
+
+namespace {
+
+/// m: Bullet's broadphase keeps boxes by so much larger than they are; slower motion it has foreseen.
+constexpr btScalar kForeseen = btScalar(0.01);
+
+/// btDiscreteDynamicsWorld has no getter for its list of bodies; a derived class may name the protected
+/// member.
+struct BodyReader : btDiscreteDynamicsWorld {
+  static const btAlignedObjectArray<btRigidBody*>& read(const btDiscreteDynamicsWorld& world) {
+    return world.*(&BodyReader::m_nonStaticRigidBodies);
+  }
+};
+
+/// m, the motion of the centre and a bound of what turning adds to it.
+struct Motion {
+  btVector3 way;
+  btScalar turn;
+};
+
+Motion motionOf(const btRigidBody& body, btScalar tick) {
+  const btScalar spin = body.getAngularVelocity().length();
+  const btVector3 fall = body.getTotalForce() * (body.getInvMass() * tick * tick);
+  const btScalar turn =
+      spin > 0 ? tick * spin * body.getCollisionShape()->getAngularMotionDisc() : btScalar(0);
+  return {tick * body.getLinearVelocity() + fall, turn};
+}
+
+/// Meets all bodies whose surface or, if the mover is kinematic, points its box overlaps.
+struct BodiesInBox final : btBroadphaseAabbCallback {
+  BodiesInBox(btDiscreteDynamicsWorld& w, btCollisionObject& m, const void* s) : world(&w), mover(&m), system(s) {}
+  btDiscreteDynamicsWorld* world;
+  btCollisionObject* mover;
+  const void* system;
+
+  bool process(const btBroadphaseProxy* proxy) override {
+    if (SurfaceObject* surface = livingSurface(proxy, system)) {
+      meet(*surface->owner(), *surface);
+    } else if (isKinematic(*mover)) {
+      PointMass* point = PointMass::from(static_cast<btCollisionObject*>(proxy->m_clientObject));
+      if (point && point->owner() && point->owner()->system == system && point->owner()->alive)
+        meet(*point->owner(), *point);
+    }
+    return true;
+  }
+
+  void meet(SoftBodyData& body, btRigidBody& part) const {
+    btBroadphaseProxy *a = part.getBroadphaseHandle(), *b = mover->getBroadphaseHandle();
+    if (!mayWake(part, *mover) || !world->getPairCache()->needsBroadphaseCollision(a, b)) return;
+    if (!part.isActive()) part.activate(true);
+    meetPartner(body, part, *mover);
+  }
+};
+
+void meetInBox(btDiscreteDynamicsWorld& world, btCollisionObject& mover, const btVector3& low,
+               const btVector3& high, btScalar margin, const void* system) {
+  BodiesInBox bodies(world, mover, system);
+  const btVector3 more(margin, margin, margin);
+  world.getBroadphase()->aabbTest(low - more, high + more, bodies);
+}
+
+void meetInTheWay(btDiscreteDynamicsWorld& world, btRigidBody& body, btScalar tick, const void* system) {
+  const Motion motion = motionOf(body, tick);
+  if (motion.way.length() + motion.turn <= kForeseen) return;
+  btVector3 low, high;
+  body.getCollisionShape()->getAabb(body.getWorldTransform(), low, high);
+  btVector3 from = low, to = high;
+  from.setMin(low + motion.way), to.setMax(high + motion.way);
+  meetInBox(world, body, from, to, motion.turn + kForeseen, system);
+}
+
+/// A link of a multibody: its box goes on as it has since the broadphase saw it, at the start of the last tick.
+void meetOnwards(btDiscreteDynamicsWorld& world, btCollisionObject& link, const void* system) {
+  const btBroadphaseProxy* proxy = link.getBroadphaseHandle();
+  btVector3 low, high;
+  link.getCollisionShape()->getAabb(link.getWorldTransform(), low, high);
+  const btVector3 margin(gContactBreakingThreshold, gContactBreakingThreshold, gContactBreakingThreshold);
+  const btVector3 down = low - (proxy->m_aabbMin + margin), up = high - (proxy->m_aabbMax - margin);
+  if (btMax(down.length(), up.length()) <= kForeseen) return;
+  btVector3 from = low, to = high;
+  from.setMin(low + down), to.setMax(high + up);
+  meetInBox(world, link, from, to, kForeseen, system);
+}
+
+}  // namespace
+
+void collectMovers(btDiscreteDynamicsWorld& world, const KinematicMotions& kinematic, const void* system,
+                   btScalar tick) {
+  for (const KinematicMotion& motion : kinematic.all())
+    if (motion.moves() && motion.object->hasContactResponse())
+      meetInBox(world, *motion.object, motion.low, motion.high, kForeseen, system);
+  const btCollisionObjectArray& objects = world.getCollisionObjectArray();
+  for (int i = 0; i < objects.size(); ++i)
+    if (objects[i]->getInternalType() == btCollisionObject::CO_FEATHERSTONE_LINK && objects[i]->isActive() &&
+        objects[i]->getBroadphaseHandle() && objects[i]->hasContactResponse())
+      meetOnwards(world, *objects[i], system);
+  const btAlignedObjectArray<btRigidBody*>& bodies = BodyReader::read(world);
+  for (int i = 0; i < bodies.size(); ++i) {
+    btRigidBody& body = *bodies[i];
+    if (isKinematic(body) || !body.isActive() || PointMass::from(&body)) continue;
+    if (body.getBroadphaseHandle() && body.hasContactResponse()) meetInTheWay(world, body, tick, system);
   }
 }
 

@@ -1,37 +1,23 @@
 // SPDX-License-Identifier: Zlib
+
+// This header declares how kinematic objects move in a tick, and which objects come near soft bodies.
+
 #pragma once
 
-#include "bullet/convert.h"
+#include "bullet/bullet_objects.h"
 
 #include <limber/bullet_precision.h>
 
 #include <btBulletDynamicsCommon.h>
+
+#include <Eigen/Geometry>
 
 #include <vector>
 
 namespace limber {
 inline namespace LIMBER_BULLET_PRECISION {
 
-/// Whether an object moves as its user tells: kinematic bodies, static ones with the kinematic flag among
-/// them (Bullet's own idiom leaves both flags on), and ghosts, which character controllers move.
-inline bool isKinematic(const btCollisionObject& object) {
-  return object.isKinematicObject() || object.getInternalType() == btCollisionObject::CO_GHOST_OBJECT;
-}
-
-inline bool isStatic(const btCollisionObject& object) { return object.isStaticObject() && !isKinematic(object); }
-
-/// Whether nothing that touches an object moves it.
-inline bool isStaticOrKinematic(const btCollisionObject& object) {
-  return object.isStaticObject() || isKinematic(object);
-}
-
-/// Whether Bullet has a kinematic object already where it gets in the tick, while all else is where it starts:
-/// what it carries is inside it.
-inline bool isAhead(const btCollisionObject& object) {
-  return isKinematic(object) && !(object.getWorldTransform() == object.getInterpolationWorldTransform() &&
-                                  object.getInterpolationLinearVelocity().isZero() &&
-                                  object.getInterpolationAngularVelocity().isZero());
-}
+struct SoftBodyData;
 
 /// The motion of a kinematic object in the present tick.
 struct KinematicMotion {
@@ -87,6 +73,24 @@ inline Eigen::Vector3d kinematicWay(const btCollisionObject& object, const Eigen
   const btVector3 turned = (end.getBasis() - start.getBasis()) * start.invXform(toBullet(place));
   return toEigen(turned) + difference(end.getOrigin(), start.getOrigin());
 }
+
+// --- partners of the coming tick ---------------------------------------------------------------------------
+
+/// Before a tick: gives every awake surface body of `system` the static and kinematic objects that Bullet's
+/// broadphase found near it (surface.partners, in order of their unique ids), and wakes those that sleep
+/// where a kinematic object is awake, as Bullet's islands do.
+/// One pass over the pairs instead of one query per body.
+void collectPartners(btDiscreteDynamicsWorld& world, const void* system);
+
+/// Adds to them, and to those of bodies with Collision::Points, the objects of the user's that will get near in
+/// the coming tick because of their own motion, of which the broadphase does not know yet, and wakes bodies
+/// that sleep in their way. Dynamic bodies are looked for by surfaces only: points leave them to Bullet.
+void collectMovers(btDiscreteDynamicsWorld& world, const KinematicMotions& kinematic, const void* system,
+                   btScalar tick);
+
+/// Whether surface.partners holds everything that may touch something in this box (m) in the coming tick:
+/// Bullet's broadphase has looked there.
+bool partnersCover(const SoftBodyData& body, const Eigen::AlignedBox3d& box);
 
 }  // namespace LIMBER_BULLET_PRECISION
 }  // namespace limber

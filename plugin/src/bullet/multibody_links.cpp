@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Zlib
-#include "bullet/multibody_links.h"
 
-#include "bullet/convert.h"
+// This file makes rigid bodies and joints of the links of multibodies for a tick, and gives the multibodies
+// what these bore.
+
+#include "bullet/bullet_objects.h"
 #include "bullet/tick_contacts.h"
 #include "solver/linear_algebra.h"
 

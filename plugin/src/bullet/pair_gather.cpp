@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: Zlib
-#include "bullet/pair_gather.h"
 
-#include "bullet/box_contact.h"
-#include "bullet/contact_filter.h"
-#include "bullet/contact_reach.h"
-#include "bullet/convert.h"
-#include "bullet/multibody_links.h"
+// This file finds the contacts of points with rigid bodies that move by themselves, and with points of other
+// bodies.
+
+#include "bullet/bullet_objects.h"
+#include "bullet/point_contacts.h"
 #include "bullet/surface_body.h"
+#include "bullet/tick_contacts.h"
+#include "bullet/tick_group.h"
 
 #include <algorithm>
 

@@ -1,7 +1,11 @@
 // SPDX-License-Identifier: Zlib
+
+// This file makes, reads and writes the Bullet bodies of points. What the user has changed in them goes into
+// the state; the state, rounded, goes into them.
+
 #include "bullet/point_masses.h"
 
-#include "bullet/convert.h"
+#include "bullet/bullet_objects.h"
 #include "bullet/soft_body_data.h"
 #include "solver/springs.h"
 
@@ -9,6 +13,51 @@
 
 namespace limber {
 inline namespace LIMBER_BULLET_PRECISION {
+namespace {
+
+/// Its address in the extension pointer marks our bodies: no RTTI needed, and the user pointer and index stay
+/// the user's.
+int pointMassMark;
+
+/// When the application deletes one.
+void forgetDeletedPoint(SoftBodyData& body, std::uint32_t index) {
+  const PointMass* point = body.masses.bodies[index];
+  body.masses.bodies[index] = nullptr;
+  body.alive = false;
+  if (body.surface.object) body.surface.object->forceActivationState(DISABLE_SIMULATION);
+  if (body.onPointDeleted) body.onPointDeleted(*point);
+}
+
+}  // namespace
+
+PointMass::PointMass(const btRigidBodyConstructionInfo& info, SoftBodyData* owner, std::uint32_t index)
+    : btRigidBody(info), owner_(owner), index_(index) {
+  internalSetExtensionPointer(&pointMassMark);
+  keepCollisionFilter();
+}
+
+PointMass::~PointMass() {
+  if (owner_) forgetDeletedPoint(*owner_, index_);
+}
+
+PointMass* PointMass::from(btCollisionObject* object) {
+  const bool ours = object && object->internalGetExtensionPointer() == &pointMassMark;
+  return ours ? static_cast<PointMass*>(object) : nullptr;
+}
+
+const PointMass* PointMass::from(const btCollisionObject* object) {
+  return from(const_cast<btCollisionObject*>(object));
+}
+
+bool PointMass::checkCollideWithOverride(const btCollisionObject* other) const {
+  if (other == attachedTo) return false;
+  const PointMass* point = from(other);
+  if (point && point->owner_ == owner_ && owner_) return false;
+  return btRigidBody::checkCollideWithOverride(other);
+}
+
+// --- the points of one body --------------------------------------------------------------------------------
+
 namespace {
 
 /// m, m/s, N: the square of what is less does not overflow Bullet's floats.
@@ -131,14 +180,6 @@ void deletePointMasses(SoftBodyData& body) {
     delete point;
     point = nullptr;
   }
-}
-
-void forgetDeletedPoint(SoftBodyData& body, std::uint32_t index) {
-  const PointMass* point = body.masses.bodies[index];
-  body.masses.bodies[index] = nullptr;
-  body.alive = false;
-  if (body.surface.object) body.surface.object->forceActivationState(DISABLE_SIMULATION);
-  if (body.onPointDeleted) body.onPointDeleted(*point);
 }
 
 void gatherPoints(SoftBodyData& body, btScalar tick, bool allHeld) {

@@ -1,22 +1,86 @@
 // SPDX-License-Identifier: Zlib
-#include "bullet/rigid_contacts.h"
 
-#include "bullet/contact_reach.h"
-#include "bullet/convert.h"
-#include "bullet/joint_rows.h"
-#include "bullet/multibody_links.h"
-#include "bullet/point_mass.h"
-#include "bullet/surface_object.h"
+// This file finds what rigid bodies that soft ones push touch in their turn. It reads Bullet's manifolds,
+// adds points that Bullet has given up, and reports what the contacts bore.
+
+#include "bullet/bullet_objects.h"
+#include "bullet/point_contacts.h"
+#include "bullet/point_masses.h"
+#include "bullet/soft_body_data.h"
+#include "bullet/surface_body.h"
+#include "bullet/tick_contacts.h"
+
+#include <algorithm>
+#include <functional>
 
 namespace limber {
 inline namespace LIMBER_BULLET_PRECISION {
+
+// --- points of manifolds -----------------------------------------------------------------------------------
+
+namespace {
+
+/// As many as two faces of boxes have.
+constexpr std::size_t kMostPoints = 8;
+
+bool isBefore(const KeptPoint& x, const KeptPoint& y) {
+  if (x.manifold != y.manifold) return std::less<const void*>()(x.manifold, y.manifold);
+  return x.order < y.order;
+}
+
+bool has(const btPersistentManifold& manifold, const btManifoldPoint& point) {
+  const btScalar same = manifold.getContactBreakingThreshold();
+  for (int p = 0; p < manifold.getNumContacts(); ++p)
+    if (manifold.getContactPoint(p).m_localPointA.distance2(point.m_localPointA) < same * same) return true;
+  return false;
+}
+
+/// As btPersistentManifold::refreshContactPoints has it.
+bool holds(const btPersistentManifold& manifold, const btManifoldPoint& point) {
+  const btScalar most = manifold.getContactBreakingThreshold();
+  const btVector3 apart = manifold.getBody0()->getWorldTransform() * point.m_localPointA -
+                          manifold.getBody1()->getWorldTransform() * point.m_localPointB;
+  const btScalar gap = apart.dot(point.m_normalWorldOnB);
+  return gap <= most && (apart - gap * point.m_normalWorldOnB).length2() <= most * most;
+}
+
+void keep(const btPersistentManifold& manifold, const btManifoldPoint& point, std::vector<KeptPoint>& now) {
+  now.push_back(
+      {&manifold, manifold.getBody0(), manifold.getBody1(), static_cast<std::uint32_t>(now.size()), point});
+}
+
+/// Keeps the points of `manifold`, then those of it in kept.last that it has no more and that still hold.
+/// Returns where the latter begin in kept.now; they go to its end.
+std::size_t keepPoints(const btPersistentManifold& manifold, KeptPoints& kept) {
+  const std::size_t first = kept.now.size();
+  for (int p = 0; p < manifold.getNumContacts(); ++p) keep(manifold, manifold.getContactPoint(p), kept.now);
+  const std::size_t extra = kept.now.size();
+  const auto isEarlier = [](const KeptPoint& k, const btPersistentManifold* m) {
+    return std::less<const void*>()(k.manifold, m);
+  };
+  auto k = std::lower_bound(kept.last.begin(), kept.last.end(), &manifold, isEarlier);
+  for (; k != kept.last.end() && k->manifold == &manifold; ++k) {
+    if (k->a != manifold.getBody0() || k->b != manifold.getBody1()) continue;
+    if (has(manifold, k->point) || !holds(manifold, k->point)) continue;
+    if (kept.now.size() - first < kMostPoints) keep(manifold, k->point, kept.now);
+  }
+  return extra;
+}
+
+/// Ends a tick: what was kept becomes what is known.
+void turnOver(KeptPoints& kept) {
+  kept.last.swap(kept.now);
+  kept.now.clear();
+  std::sort(kept.last.begin(), kept.last.end(), isBefore);
+}
+
+}  // namespace
+
+// --- contacts ----------------------------------------------------------------------------------------------
+
 namespace {
 
 constexpr btScalar kLeftAlone = -BT_LARGE_FLOAT;
-
-bool isSoft(const btCollisionObject* object) {
-  return PointMass::from(object) != nullptr || SurfaceObject::from(object) != nullptr;
-}
 
 /// Calls visit(place in the world's list, manifold) for both objects of all manifolds that matter.
 template <class Visit>

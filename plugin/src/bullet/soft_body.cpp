@@ -1,15 +1,22 @@
 // SPDX-License-Identifier: Zlib
+
+// This file answers what users ask of a soft body, and reads Bullet's queries and manifolds for them.
+
 #include <limber/soft_body.h>
 
 #include "bullet/body_in_world.h"
-#include "bullet/convert.h"
+#include "bullet/bullet_objects.h"
+#include "bullet/contact_report.h"
+#include "bullet/point_masses.h"
 #include "bullet/soft_body_data.h"
 #include "bullet/surface_body.h"
-#include "bullet/surface_rigid.h"
+#include "solver/closest_points.h"
 #include "solver/point_state.h"
 #include "solver/springs.h"
 
 #include <limber/skin.h>
+#include <limber/soft_contact.h>
+#include <limber/surface_hit.h>
 
 #include <cmath>
 
@@ -139,10 +146,147 @@ double SoftBody::elasticEnergy() const {
 }
 std::uint64_t SoftBody::stateHash() const { return limber::stateHash(current(*data_)); }
 
+// --- what Bullet's queries hit -----------------------------------------------------------------------------
+
 PointReference findPoint(const btCollisionObject* object) {
   const PointMass* point = PointMass::from(object);
   if (!point || !point->owner()) return {};
   return {point->owner()->handle, point->index()};
+}
+
+namespace {
+
+using CornerColumns = Eigen::Matrix3d;
+
+/// Weights of a and b of the place on the segment that is nearest to p.
+Eigen::Vector2d segmentWeights(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eigen::Vector3d& p) {
+  const double t = nearestOnSegment(a, b, p);
+  return {1.0 - t, t};
+}
+
+/// The nearest place on the triangle's three sides.
+Eigen::Vector3d sideWeights(const CornerColumns& x, const Eigen::Vector3d& p) {
+  Eigen::Vector3d best = Eigen::Vector3d::UnitX();
+  for (int i = 0; i < 3; ++i) {
+    const int j = (i + 1) % 3;
+    const Eigen::Vector2d w = segmentWeights(x.col(i), x.col(j), p);
+    Eigen::Vector3d weights = Eigen::Vector3d::Zero();
+    weights[i] = w[0], weights[j] = w[1];
+    if ((x * weights - p).squaredNorm() < (x * best - p).squaredNorm()) best = weights;
+  }
+  return best;
+}
+
+Eigen::Vector3d nearestWeights(const CornerColumns& x, const Eigen::Vector3d& p) {
+  const Eigen::Vector3d ab = x.col(1) - x.col(0), ac = x.col(2) - x.col(0), ap = p - x.col(0);
+  const Eigen::Vector3d normal = ab.cross(ac);
+  const double size = normal.squaredNorm();
+  if (!(size > 0.0)) return sideWeights(x, p);
+  const double v = ap.cross(ac).dot(normal) / size, w = ab.cross(ap).dot(normal) / size;
+  const Eigen::Vector3d weights(1.0 - v - w, v, w);
+  return weights.minCoeff() >= 0.0 ? weights : sideWeights(x, p);
+}
+
+CornerColumns cornersOf(const SoftBodyData& body, const SurfaceHit& hit) {
+  CornerColumns x;
+  for (int i = 0; i < 3; ++i) x.col(i) = body.state.position.col(hit.points[static_cast<std::size_t>(i)]);
+  return x;
+}
+
+SurfaceHit hitOnTriangle(const SoftBodyData& body, std::size_t triangle, const Eigen::Vector3d& place) {
+  SurfaceHit hit;
+  hit.body = body.handle;
+  hit.triangle = static_cast<std::uint32_t>(triangle);
+  const Triangle& corners = body.network->surface[triangle];
+  hit.points = {corners[0], corners[1], corners[2]};
+  const CornerColumns x = cornersOf(body, hit);
+  hit.weights = nearestWeights(x, place);
+  hit.normal = (x.col(1) - x.col(0)).cross(x.col(2) - x.col(0)).stableNormalized();
+  if (body.settings.scale.prod() < 0.0) hit.normal = -hit.normal;
+  return hit;
+}
+
+SurfaceHit hitOnSpring(const SoftBodyData& body, std::uint32_t index, const Eigen::Vector3d& place) {
+  SurfaceHit hit;
+  hit.body = body.handle;
+  hit.triangle = index;
+  const NetworkSpring& spring = body.network->springs[index];
+  hit.points = {spring.a, spring.b, spring.b};
+  const CornerColumns x = cornersOf(body, hit);
+  const Eigen::Vector2d w = segmentWeights(x.col(0), x.col(1), place);
+  hit.weights = {w[0], w[1], 0.0};
+  hit.normal = (place - x * hit.weights).stableNormalized();
+  return hit;
+}
+
+}  // namespace
+
+SurfaceReference findSurface(const btCollisionObject* object) {
+  const SurfaceObject* surface = SurfaceObject::from(object);
+  if (!surface || !surface->owner()) return {};
+  return {surface->owner()->handle};
+}
+
+SurfaceHit surfaceHit(const btCollisionObject* object, int triangleIndex, const btVector3& place) {
+  const SurfaceObject* surface = SurfaceObject::from(object);
+  if (!surface || !surface->owner() || triangleIndex < 0) return {};
+  const SoftBodyData& body = *surface->owner();
+  const auto index = static_cast<std::size_t>(triangleIndex);
+  if (index < body.network->surface.size()) return hitOnTriangle(body, index, toEigen(place));
+  const std::vector<std::uint32_t>& springs = body.surface.shape->springs();
+  if (index / 4 < springs.size()) return hitOnSpring(body, springs[index / 4], toEigen(place));
+  return {};
+}
+
+// --- what Bullet's manifolds tell --------------------------------------------------------------------------
+
+namespace {
+
+/// The soft body an object is or is a part of, and where on it a contact is.
+SoftBody* readSide(const btCollisionObject* object, int index, const btVector3& place, ContactSide& side) {
+  if (const PointReference point = findPoint(object); point.body) {
+    side.points = {point.index, point.index, point.index};
+    side.weights = Eigen::Vector3d::UnitX();
+    return point.body;
+  }
+  const SurfaceHit hit = surfaceHit(object, index, place);
+  if (hit.body) {
+    side.points = hit.points;
+    side.weights = hit.weights;
+    if (hit.triangle < hit.body->network().surface.size()) side.triangle = hit.triangle;
+  }
+  return findSurface(object).body;
+}
+
+/// The manifold's contact as its second object sees it.
+void turnRound(SoftContact& c) {
+  std::swap(c.side, c.otherSide);
+  c.normal = -c.normal;
+  c.impulse = -c.impulse;
+  c.frictionImpulse = -c.frictionImpulse;
+}
+
+}  // namespace
+
+SoftContact readContact(const btPersistentManifold& manifold, int point) {
+  SoftContact c;
+  if (point < 0 || point >= manifold.getNumContacts()) return c;
+  const btManifoldPoint& p = manifold.getContactPoint(point);
+  SoftBody* a = readSide(manifold.getBody0(), p.m_index0, p.m_positionWorldOnA, c.side);
+  SoftBody* b = readSide(manifold.getBody1(), p.m_index1, p.m_positionWorldOnB, c.otherSide);
+  if (!a && !b) return SoftContact();
+  c.body = a ? a : b;
+  c.otherBody = a ? b : nullptr;
+  c.other = a ? manifold.getBody1() : manifold.getBody0();
+  c.position = a ? p.m_positionWorldOnA : p.m_positionWorldOnB;
+  c.normal = p.m_normalWorldOnB;
+  c.distance = double(p.getDistance());
+  c.normalImpulse = double(p.m_appliedImpulse);
+  c.frictionImpulse = p.m_appliedImpulseLateral1 * p.m_lateralFrictionDir1 +
+                      p.m_appliedImpulseLateral2 * p.m_lateralFrictionDir2;
+  c.impulse = p.m_appliedImpulse * p.m_normalWorldOnB + c.frictionImpulse;
+  if (!a) turnRound(c);
+  return c;
 }
 
 }  // namespace LIMBER_BULLET_PRECISION

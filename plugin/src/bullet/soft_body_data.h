@@ -1,9 +1,15 @@
 // SPDX-License-Identifier: Zlib
+
+// This header holds what a soft body is made of, from its network to what it touches. The parts that live in
+// Bullet's world are in point_masses.h and surface_body.h.
+
 #pragma once
 
-#include "bullet/contact_report.h"
+#include "bullet/bullet_objects.h"
 #include "bullet/point_masses.h"
-#include "bullet/surface_data.h"
+#include "bullet/rigid_shapes.h"
+#include "bullet/surface_body.h"
+#include "collide/surface_contacts.h"
 #include "solver/contact_rows.h"
 #include "solver/held_surface.h"
 #include "solver/implicit_step.h"
@@ -14,6 +20,9 @@
 #include "solver/volumes.h"
 
 #include <limber/soft_body.h>
+#include <limber/soft_contact.h>
+
+#include <Eigen/Geometry>
 
 #include <deque>
 #include <functional>
@@ -22,6 +31,11 @@
 
 namespace limber {
 inline namespace LIMBER_BULLET_PRECISION {
+
+class MultiBodyLinks;
+class ShownContacts;
+
+// --- contacts ----------------------------------------------------------------------------------------------
 
 /// A point mass that moves with a rigid body.
 struct Anchor {
@@ -37,9 +51,6 @@ struct KnownContact {
   std::uint64_t key;                ///< of the features that touched
   Bearing bearing;                  ///< sum over the tick
 };
-
-class MultiBodyLinks;
-class ShownContacts;
 
 /// Something that touched the body when the listener was last told.
 struct TouchingPair {
@@ -58,7 +69,79 @@ struct ReachWatch : ContactWatch {
   virtual void start(btScalar tick) = 0;
 };
 
-/// What a SoftBody is made of.
+/// What a body tells of its contacts in the last tick in which it was awake.
+struct ContactReport {
+  std::vector<SoftContact> contacts;
+  std::vector<PartnerMark> partners;  ///< #contacts, their others
+  std::size_t rows = 0, known = 0;    ///< the first are of points on what is held, by point; up to known
+                                      ///< those found by us, the others by Bullet
+  bool fresh = false;                 ///< of the last tick
+  bool hasTriangles = false;          ///< ContactSide::triangle is up to date
+};
+
+// --- a body with a surface ---------------------------------------------------------------------------------
+
+/// The plane in which a point last touched a static or kinematic convex body, in that body's coordinates.
+struct CachedContact {
+  std::uint64_t partner = 0;  ///< its stamp, see stampOf(); 0: none
+  btVector3 surface = btVector3(0, 0, 0), normal = btVector3(0, 0, 0);
+  btVector3 place = btVector3(0, 0, 0);  ///< of the point's centre when it was found
+};
+
+/// Where a body may get in a tick if nothing is in its way, see flightOf().
+struct Flight {
+  Eigen::AlignedBox3d box;  ///< m
+  double reach = 0.0;       ///< m, no point gets farther
+  double tick = 0.0;        ///< s, of that tick; 0: not known
+};
+
+/// The last search for contacts with a surface. Kept while the two are near, and then for its memory.
+struct KeptSearch {
+  const btCollisionObject* partner = nullptr;  ///< nullptr: none
+  int id = 0;                                  ///< of the partner in the broadphase, unless used again
+  std::uint64_t part = 0;                      ///< of the partner's shape
+  bool used = false;       ///< in the present tick
+  KeptContacts kept;
+};
+
+/// How a surface object was left, see surface_rigid.cpp.
+struct LeftObject {
+  btTransform pose = btTransform::getIdentity();
+  btVector3 velocity = btVector3(0, 0, 0), spin = btVector3(0, 0, 0);
+};
+
+/// What a body with Collision::Surface has besides its points.
+struct SurfaceData {
+  SurfaceObject* object = nullptr;  ///< nullptr: Collision::Points, or the application has deleted it
+  std::unique_ptr<SurfaceShape> shape;
+  LeftObject left;
+  Eigen::Quaterniond frame = Eigen::Quaterniond::Identity();  ///< the object's basis, turning with the body
+  Eigen::Vector3d objectForce = Eigen::Vector3d::Zero();      ///< N, on the object in this stepSimulation()
+  Eigen::Vector3d objectTorque = Eigen::Vector3d::Zero();     ///< N m
+  bool pushed = false;                  ///< there have been any
+  bool joined = false;                  ///< a constraint of Bullet's holds the object
+  std::vector<double> gaps;             ///< #contacts, scratch of takeBackObject()
+  bool held = false;                    ///< taken out of the simulation by Bullet or the user
+  btVector3 gravity;                    ///< m/s^2, of the world when the points were given it
+  Points force;                         ///< 3 x #points, N, of the present stepSimulation(); once shared
+  std::vector<CachedContact> contacts;  ///< #points
+  Flight flight;                        ///< foreseen for the coming tick; Bullet's broadphase has its box
+  std::vector<btCollisionObject*> partners;  ///< of the coming tick, see collectPartners()
+
+  std::shared_ptr<const SurfaceTopology> topology;  ///< of its points, triangles and, of ropes, springs
+  Points motion;                                    ///< 3 x #points, m, expected over the tick
+  Points within;                                    ///< 3 x #points, m, where they are within a step
+  SurfaceBoxes boxes;
+  MovingSurface moving;               ///< a view of the above
+  double impact = 0.0;                ///< m in the tick, towards static and kinematic objects that stop it
+  bool foreseen = false;              ///< `motion` and `impact` are those of this tick
+  bool fitted = false;                ///< and so are `boxes`
+  std::vector<KeptSearch> searches;  ///< with what was near in the last tick
+  std::deque<ConcavePatch> patches;  ///< of concave partners; views into a patch last as long as it does
+};
+
+// --- a body ------------------------------------------------------------------------------------------------
+
 /// How fast a body moves within itself.
 struct MotionRates {
   double boundSquared = 0.0, fastestSquared = 0.0;  ///< rad^2/s^2, see Frequencies
@@ -71,6 +154,7 @@ struct KeptRates {
   double age = 0.0;  ///< s since the present span began
 };
 
+/// What a SoftBody is made of.
 struct SoftBodyData {
   SharedNetwork network;
   SoftBodySettings settings;
@@ -144,6 +228,13 @@ struct SoftBodyData {
 
 /// The data of a body that users hold.
 SoftBodyData& dataOf(const SoftBody& body);
+
+inline bool isSurfaceBody(const SoftBodyData& body) { return body.settings.collision == Collision::Surface; }
+
+/// Whether an object is a soft body's: one of its points, or its surface.
+inline bool isSoft(const btCollisionObject* object) {
+  return PointMass::from(object) != nullptr || SurfaceObject::from(object) != nullptr;
+}
 
 }  // namespace LIMBER_BULLET_PRECISION
 }  // namespace limber

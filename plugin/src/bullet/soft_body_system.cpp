@@ -1,13 +1,15 @@
 // SPDX-License-Identifier: Zlib
+
+// This file has what users call of a system: it brings bodies into the world and out of it, adds springs and
+// anchors, and sets listeners of contacts. The ticks are in system_tick.cpp.
+
 #include <limber/soft_body_system.h>
 
 #include "bullet/body_in_world.h"
-#include "bullet/convert.h"
-#include "bullet/debug_draw.h"
-#include "bullet/new_body.h"
+#include "bullet/bullet_objects.h"
 #include "bullet/surface_body.h"
 #include "bullet/system_impl.h"
-#include "bullet/world_clock.h"
+#include "bullet/tick_hook.h"
 
 #include <algorithm>
 #include <cstdio>
@@ -17,7 +19,6 @@ namespace limber {
 inline namespace LIMBER_BULLET_PRECISION {
 namespace {
 
-/// Why a link of the systems with this step cannot hold on to a body; empty if it can.
 /// m. Farther from its body, a pivot takes more substeps than anyone waits for.
 constexpr double kFarthestPivot = 1e6;
 
@@ -26,6 +27,7 @@ bool isPivot(const btVector3& place) {
   return p.allFinite() && p.cwiseAbs().maxCoeff() <= kFarthestPivot;
 }
 
+/// Why a link of the systems with this step cannot hold on to a body; empty if it can.
 std::string whyNotHeld(const btRigidBody* body, const void* step) {
   if (SurfaceObject::from(body))
     return "a surface object cannot be held: hold on to a point mass of that soft body, SoftBody::point(i)";
@@ -42,7 +44,7 @@ bool holdsOn(const SpringConstraint& spring, const btRigidBody* body) {
 }  // namespace
 
 bool isSystemObject(const btCollisionObject* object) {
-  return PointMass::from(object) || SurfaceObject::from(object) || StepSentinel::isOne(object);
+  return isSoft(object) || StepSentinel::isOne(object);
 }
 
 void warnOnStandardError(const std::string& text) { std::fprintf(stderr, "limber: %s\n", text.c_str()); }
@@ -313,18 +315,52 @@ void SoftBodySystem::Impl::forget(const btRigidBody& body) {
         detach(softBody.get(), softBody->data_->anchors[i].point);
 }
 
+// --- contacts ----------------------------------------------------------------------------------------------
+
+void SoftBodySystem::Impl::tellOfContacts() {
+  if (showsManifolds)
+    for (auto& body : bodies) showContacts(*body->data_, strongest);
+  if (!events.listening()) return;
+  for (auto& body : bodies) events.collect(*body->data_);
+  events.call(world);
+  // not the hook: it is on the way here
+  for (Impl* system : step->systems) system->destroyDoomed();
+}
+
+void SoftBodySystem::Impl::hideManifolds() {
+  if (!showsManifolds) return;
+  for (std::size_t i = bodies.size(); i-- > 0;) hideContacts(*bodies[i]->data_);
+}
+
+void SoftBodySystem::Impl::endPairsOf(SoftBody* body) {
+  const bool alive = worldAlive();
+  for (Impl* system : step->systems) {
+    if (!system->events.listening()) continue;
+    for (auto& other : system->bodies)
+      if (other.get() == body)
+        system->events.collectEnds(*body->data_);
+      else
+        system->events.collectEnds(*other->data_, body);
+    system->events.call(alive ? world : nullptr);
+  }
+}
+
+void SoftBodySystem::setContactListener(ContactListener* listener) {
+  impl_->events.setListener(listener, impl_->bodies);
+}
+
+void SoftBodySystem::reportManifolds(bool report) {
+  if (!report) impl_->hideManifolds();
+  impl_->showsManifolds = report;
+}
+
+// --- ticks -------------------------------------------------------------------------------------------------
+
 void SoftBodySystem::beforeTick(btScalar tick) { impl_->beforeTick(tick); }
 
 const TickProfile& SoftBodySystem::profile() const { return impl_->step->profile; }
 
 double SoftBodySystem::tickFraction() const { return limber::tickFraction(*impl_->world); }
-
-void SoftBodySystem::debugDraw(btIDebugDraw& drawer) const { impl_->debugDraw(drawer); }
-
-void SoftBodySystem::Impl::debugDraw(btIDebugDraw& drawer) {
-  for (auto& body : bodies) limber::debugDraw(*body->data_, drawer);
-  limber::debugDraw(springs, drawer);
-}
 
 }  // namespace LIMBER_BULLET_PRECISION
 }  // namespace limber

@@ -1,12 +1,15 @@
 // SPDX-License-Identifier: Zlib
+
+// This file finds where surfaces touch, or may touch in a tick: rigid bodies that move, static and kinematic
+// objects, other soft bodies and themselves.
+
 #include "bullet/surface_gather.h"
 
-#include "bullet/concave_patch.h"
-#include "bullet/contact_reach.h"
-#include "bullet/convert.h"
-#include "bullet/held_pieces.h"
-#include "bullet/multibody_links.h"
-#include "bullet/pair_gather.h"
+#include "bullet/bullet_objects.h"
+#include "bullet/point_contacts.h"
+#include "bullet/rigid_shapes.h"
+#include "bullet/tick_contacts.h"
+#include "bullet/tick_group.h"
 
 #include <algorithm>
 
@@ -18,13 +21,6 @@ using Eigen::Vector3d;
 
 /// Of the radius: surfaces nearer than this are contacts even if they do not approach.
 constexpr double kMargin = 1.0 / 3.0;
-
-/// Of the radius: how far an edge or triangle may be in a static surface on which all its corners rest. It
-/// sinks into round ones between its corners.
-constexpr double kSagging = 0.5;
-
-/// Cosine between the normals of a contact and of those of the corners that bear for it.
-constexpr double kSameSide = 0.9;
 
 /// m, the most that a point moves in the tick towards what its rows are of.
 double impactOf(const SoftBodyData& body, double tick) {
@@ -112,13 +108,6 @@ ContactPlace softPlace(const SoftBodyData& body, const SurfacePlace& place) {
   return p;
 }
 
-Vector3d positionOf(const MovingSurface& surface, const SurfacePlace& place) {
-  Vector3d x = Vector3d::Zero();
-  for (int i = 0; i < 3; ++i)
-    x += place.weights[i] * surface.position->col(place.points[static_cast<std::size_t>(i)]);
-  return x;
-}
-
 const btCollisionObject& frictionObject(const SoftBodyData& body) { return *body.surface.object; }
 
 /// What the two have in common whatever they touch with.
@@ -181,6 +170,18 @@ ContactSource sourceOf(const SurfaceMeeting& m, const SurfaceContact& c) {
 double featureSize(const MovingSurface& surface) {
   const double size = surface.topology->featureSize;
   return size > 0.0 ? size : surface.radius;
+}
+
+/// The surface on side b.
+const MovingSurface& surfaceB(const SurfaceMeeting& m) {
+  if (m.other) return m.other->surface.moving;
+  return m.part->moving;
+}
+
+/// m: surfaces of a meeting that are nearer than this are contacts even if they do not approach.
+double margin(const SurfaceMeeting& m) {
+  const double radius = m.body->surface.moving.radius;
+  return kMargin * (m.other ? std::min(radius, m.other->surface.moving.radius) : radius);
 }
 
 double smallerFeatures(const SurfaceMeeting& m) {
@@ -259,121 +260,6 @@ void gatherFree(SoftBodyData& body, btRigidBody& partner, double tick, RigidSurf
 
 // --- static and kinematic objects --------------------------------------------------------------------------
 
-/// Whether something of the part that is neither flat nor a plane's end is near: else the points are enough.
-bool hasSharpNear(const SweptBox& box, const RigidPart& part) {
-  const SurfaceTopology& t = part.surface->topology;
-  if (t.edges.empty()) return true;
-  for (const std::uint32_t e : part.surface->sharpEdges) {
-    const Edge& edge = t.edges[e];
-    const SweptBox edgeBox = merged(part.boxes.points[edge[0]], part.boxes.points[edge[1]]);
-    if (separation(box, edgeBox) <= 0.0) return true;
-  }
-  return false;
-}
-
-/// Whether edges and triangles sink into something round by less than kSagging where their corners rest on
-/// it: no place is farther than c = L / sqrt(3) from a corner if the longest edge is L, and c^2 / (2 R) is how
-/// deep that is under a sphere of radius R. Returns the largest L^2 (m^2).
-double longestSquared(const MovingSurface& soft, double radius) {
-  return 6.0 * kSagging * soft.radius * (radius + soft.radius);
-}
-
-/// Of a sphere or capsule.
-bool bendsGently(const MovingSurface& soft, const RigidPart& part) {
-  if (!part.surface->topology.triangles.empty()) return false;
-  const double most = longestSquared(soft, part.surface->radius);
-  const auto& edges = soft.topology->edges;
-  return std::all_of(edges.begin(), edges.end(), [&](const Edge& e) {
-    return (soft.position->col(e[1]) - soft.position->col(e[0])).squaredNorm() <= most;
-  });
-}
-
-/// By the partner itself, or a tile beside it, no farther away than `gap` (m).
-bool isBorne(const SoftBodyData& body, std::uint32_t point, const Vector3d& normal, double gap) {
-  const RowRange rows = rowsOfPoint(body.contacts, point);
-  for (std::size_t r = rows.begin; r < rows.end; ++r) {
-    const ContactRow& row = body.contacts[r];
-    const bool isNear = row.normal.dot(body.state.position.col(point) - row.touch) <= gap;
-    if (!row.away && isNear && row.normal.dot(normal) > kSameSide) return true;
-  }
-  return false;
-}
-
-/// Whether the points at the corners bear for it.
-bool cornersBear(const SoftBodyData& body, const SurfaceContact& c) {
-  const double radius = double(body.masses.shape->getRadius());
-  if (c.gap < -kSagging * radius) return false;
-  for (const std::uint32_t point : c.a.points)
-    if (!isBorne(body, point, c.normal, std::max(c.gap, 0.0) + kMargin * radius)) return false;
-  return true;
-}
-
-/// The static objects around a contact of this body, as findContacts() sees them.
-class HeldAround {
- public:
-  HeldAround(const SoftBodyData& body, const Vector3d& place, double radius, std::vector<HeldPiece>& pieces)
-      : pieces_(pieces), place_(place), radius_(radius) {
-    pieces.clear();
-    const Eigen::AlignedBox3d box(place.array() - radius, place.array() + radius);
-    std::uint32_t owner = 0;
-    for (const btCollisionObject* partner : body.partners)
-      if (!isMoved(*partner)) owner = addPieces(*partner, box, *body.shapes, owner, pieces);
-  }
-
-  bool covers(const Vector3d& normal) const {
-    return isCovered(pieces_.data(), pieces_.data() + pieces_.size(), place_, normal, radius_);
-  }
-
-  /// Whether the surface is flat there, or bends inward, whichever way across `normal` one looks.
-  bool isFlat(const Vector3d& normal, const Vector3d& across) const {
-    // rad: twice the least that covers() sees, for it may not have seen that `normal` is tilted by as much
-    constexpr double kTilt = 0.14;
-    return covers((normal + kTilt * across).normalized()) && covers((normal - kTilt * across).normalized());
-  }
-
-  /// m, radius of the cylinder whose side it is; 0: of none.
-  double radiusAround(const Vector3d& normal) const {
-    constexpr double kAlongAxis = 0.1, kOnIt = 0.01;  // cosine; share of the radius
-    for (const HeldPiece& piece : pieces_) {
-      if (piece.kind != HeldPiece::Kind::Cylinder) continue;
-      const double radius = piece.size[0] + piece.margin;
-      const bool isSide = std::abs(normal.dot(piece.axes.col(1))) < kAlongAxis;
-      if (isSide && std::abs(nearestOn(&piece, &piece + 1, place_).height) < kOnIt * radius) return radius;
-    }
-    return 0.0;
-  }
-
- private:
-  std::vector<HeldPiece>& pieces_;
-  Vector3d place_;
-  double radius_;
-};
-
-/// The same of the edge or triangle that touches a cylinder's side. The polyhedron that stands for it has
-/// edges, which brake.
-bool bendsGently(const MovingSurface& soft, const SurfaceContact& c, double radius) {
-  double longest = 0.0;
-  for (std::size_t i = 0; i < 3; ++i)
-    longest = std::max(longest, (soft.position->col(c.a.points[i]) - soft.position->col(c.a.points[(i + 1) % 3]))
-                                    .squaredNorm());
-  return longest <= longestSquared(soft, radius);
-}
-
-/// Whether other objects make the edge or corner of the part that is touched none: they are nearer to what
-/// touches it, or flush with it.
-bool isNoEdge(const SoftBodyData& body, const MovingSurface& soft, const RigidPart& part,
-              const SurfaceContact& c, SurfaceSearch& s) {
-  const Vector3d place = positionOf(part.moving, c.b) + part.moving.radius * c.normal;
-  const HeldAround around(body, place, soft.radius, s.pieces);
-  if (around.covers(c.normal)) return true;
-  if (const double rounded = around.radiusAround(c.normal); rounded > 0.0 && bendsGently(soft, c, rounded))
-    return true;
-  const Vector3d u = c.normal.unitOrthogonal(), v = c.normal.cross(u);
-  if (c.b.kind != FeatureKind::OnEdge) return around.isFlat(c.normal, u) && around.isFlat(c.normal, v);
-  const Vector3d along = part.moving.position->col(c.b.points[1]) - part.moving.position->col(c.b.points[0]);
-  return around.isFlat(c.normal, c.normal.cross(along).normalized());
-}
-
 HeldCorners cornersOf(const MovingSurface& soft, const RigidPart& part, const SurfacePlace& place) {
   HeldCorners corners;
   if (place.kind == FeatureKind::OnTriangle) return corners;
@@ -386,8 +272,10 @@ HeldCorners cornersOf(const MovingSurface& soft, const RigidPart& part, const Su
 /// A contact of an edge or triangle that its corners do not bear for.
 bool isHeldContact(const SoftBodyData& body, const btCollisionObject& partner, const RigidPart& part,
                    const SurfaceContact& c, SurfaceSearch& s) {
-  if (c.a.kind == FeatureKind::OnVertex || isAttached(body, partner, c.a) || cornersBear(body, c)) return false;
-  return isMoved(partner) || !isNoEdge(body, body.surface.moving, part, c, s);
+  const MovingSurface& soft = body.surface.moving;
+  if (c.a.kind == FeatureKind::OnVertex || isAttached(body, partner, c.a)) return false;
+  if (cornersBear(body, c, kMargin * soft.radius)) return false;
+  return isMoved(partner) || !isNoEdge(body, soft, part, c, s);
 }
 
 /// rad/s, of what moves as told.
@@ -514,11 +402,6 @@ const MovingSurface& surfaceWithin(SoftBodyData& body, const PointView& points, 
 
 }  // namespace
 
-const MovingSurface& surfaceB(const SurfaceMeeting& m) {
-  if (m.other) return m.other->surface.moving;
-  return m.part->moving;
-}
-
 double wayOf(const SurfaceMeeting& m) {
   const MovingSurface &a = m.body->surface.moving, &b = surfaceB(m);
   const Vector3d common = 0.5 * (a.motion->rowwise().mean() + b.motion->rowwise().mean());
@@ -526,9 +409,11 @@ double wayOf(const SurfaceMeeting& m) {
   return (longestWay(*a.motion, common) + longestWay(*b.motion, common) + stopped) / smallerFeatures(m);
 }
 
-double margin(const SurfaceMeeting& m) {
-  const double radius = m.body->surface.moving.radius;
-  return kMargin * (m.other ? std::min(radius, m.other->surface.moving.radius) : radius);
+Vector3d positionOf(const MovingSurface& surface, const SurfacePlace& place) {
+  Vector3d x = Vector3d::Zero();
+  for (int i = 0; i < 3; ++i)
+    x += place.weights[i] * surface.position->col(place.points[static_cast<std::size_t>(i)]);
+  return x;
 }
 
 void findWithin(const SurfaceMeeting& m, const SidesWithin& sides, double ahead, double tick, SurfaceSearch& s) {

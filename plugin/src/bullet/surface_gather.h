@@ -1,14 +1,21 @@
 // SPDX-License-Identifier: Zlib
+
+// This header declares the search for contacts of surfaces, with rigid objects and with each other, before a
+// step and within it.
+
 #pragma once
 
-#include "bullet/rigid_surfaces.h"
+#include "bullet/rigid_shapes.h"
 #include "bullet/soft_body_data.h"
 #include "bullet/tick_contacts.h"
-#include "bullet/tick_group.h"
 #include "collide/surface_contacts.h"
+
+#include <vector>
 
 namespace limber {
 inline namespace LIMBER_BULLET_PRECISION {
+
+struct TickGroup;
 
 /// Scratch of gatherSurfacePairs, kept for its capacity.
 struct SurfaceSearch {
@@ -30,12 +37,6 @@ void shareSoftPartners(const std::vector<TickGroup>& groups);
 void gatherSurfacePairs(SoftBodyData& body, btScalar tick, RigidSurfaces& rigids, SurfaceSearch& search,
                         TickContacts& found);
 
-/// The surface on side b.
-const MovingSurface& surfaceB(const SurfaceMeeting& meeting);
-
-/// m: surfaces of the meeting that are nearer than this are contacts even if they do not approach.
-double margin(const SurfaceMeeting& meeting);
-
 /// Of the size of a surface's features: how far surfaces move against each other from one search to the next.
 constexpr double kMostBetweenSearches = 0.05;
 
@@ -54,6 +55,30 @@ struct SidesWithin {
 /// search.pairs and search.sources, sorted by key. Their places have no bodies yet. The tick is that long (s).
 void findWithin(const SurfaceMeeting& meeting, const SidesWithin& sides, double ahead, double tick,
                 SurfaceSearch& search);
+
+/// m, of a place on a surface.
+Eigen::Vector3d positionOf(const MovingSurface& surface, const SurfacePlace& place);
+
+// --- on what is held ---------------------------------------------------------------------------------------
+
+/// The triangles of a static object with a concave shape that are around the body in this tick, or nullptr if
+/// there are none. Made anew when the body or the object has moved away.
+RigidPart* patchAround(SoftBodyData& body, const btCollisionObject& partner, const MovingSurface& soft);
+
+/// Whether something of the part that is neither flat nor a plane's end is near: else the points are enough.
+bool hasSharpNear(const SweptBox& box, const RigidPart& part);
+
+/// Whether edges and triangles sink into a sphere or capsule by little where their corners rest on it.
+bool bendsGently(const MovingSurface& soft, const RigidPart& part);
+
+/// Whether the points at the corners of what touches bear for it: those that are no more than `margin` (m)
+/// farther from what they touch.
+bool cornersBear(const SoftBodyData& body, const SurfaceContact& c, double margin);
+
+/// Whether other objects make the edge or corner of the part that is touched none: they are nearer to what
+/// touches it, or flush with it.
+bool isNoEdge(const SoftBodyData& body, const MovingSurface& soft, const RigidPart& part, const SurfaceContact& c,
+              SurfaceSearch& s);
 
 }  // namespace LIMBER_BULLET_PRECISION
 }  // namespace limber

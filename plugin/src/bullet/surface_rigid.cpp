@@ -1,9 +1,13 @@
 // SPDX-License-Identifier: Zlib
-#include "bullet/surface_rigid.h"
 
-#include "bullet/contact_reach.h"
-#include "bullet/convert.h"
+// This file makes the surface object the rigid body that its user sees. The object has the mass, inertia and
+// motion of the points, and whatever changes it moves them.
+
+#include "bullet/bullet_objects.h"
+#include "bullet/point_contacts.h"
 #include "bullet/point_masses.h"
+#include "bullet/soft_body_data.h"
+#include "bullet/surface_body.h"
 #include "solver/linear_algebra.h"
 
 #include <Eigen/Cholesky>
@@ -232,11 +236,11 @@ void writeObject(SoftBodyData& body) {
   const RigidFit fit = fitRigid(body.state, body.state.position);
   const RigidMotion motion = presentMotion(fit, body.state);
   s.frame = follow(body, meanOf(*body.network, body.state.position), s.frame);
-  const btTransform pose(matrixToBullet(s.frame.toRotationMatrix()), limber::toBullet(fit.center));
+  const btTransform pose(matrixToBullet(s.frame.toRotationMatrix()), toBullet(fit.center));
   object.setWorldTransform(pose);
   object.setInterpolationWorldTransform(pose);
-  object.setLinearVelocity(limber::toBullet(motion.velocity));
-  object.setAngularVelocity(limber::toBullet(motion.spin));
+  object.setLinearVelocity(toBullet(motion.velocity));
+  object.setAngularVelocity(toBullet(motion.spin));
   object.setInterpolationLinearVelocity(object.getLinearVelocity());
   object.setInterpolationAngularVelocity(object.getAngularVelocity());
   writeInertia(object, fit, pose.getBasis());
@@ -315,8 +319,8 @@ void handOverObject(SoftBodyData& body, double tick) {
     return (body.state.position.col(i) - start.col(i)) / tick;
   };
   const RigidMotion motion = motionOf(fitRigid(body.state, start), body.state, start, meanVelocity);
-  body.surface.object->setLinearVelocity(limber::toBullet(motion.velocity));
-  body.surface.object->setAngularVelocity(limber::toBullet(motion.spin));
+  body.surface.object->setLinearVelocity(toBullet(motion.velocity));
+  body.surface.object->setAngularVelocity(toBullet(motion.spin));
   leave(body);
 }
 

@@ -1,23 +1,22 @@
 // SPDX-License-Identifier: Zlib
+
+// This header declares what a system is made of, and the step that all systems of a world share.
+
 #pragma once
 
-#include "bullet/cluster.h"
-#include "bullet/contact_events.h"
+#include "bullet/body_in_world.h"
+#include "bullet/contact_report.h"
 #include "bullet/kinematic_motion.h"
-#include "bullet/multibody_links.h"
-#include "bullet/joint_rows.h"
-#include "bullet/rigid_contacts.h"
-#include "bullet/shared_topologies.h"
-#include "bullet/shown_contacts.h"
-#include "bullet/step_plan.h"
-#include "bullet/step_sentinel.h"
 #include "bullet/surface_gather.h"
+#include "bullet/tick_contacts.h"
 #include "bullet/tick_group.h"
 #include "bullet/tick_hook.h"
 
 #include <limber/soft_body_system.h>
 
+#include <functional>
 #include <memory>
+#include <string>
 #include <vector>
 
 namespace limber {
@@ -26,7 +25,8 @@ inline namespace LIMBER_BULLET_PRECISION {
 /// Where SoftBodySystem's warnings go unless the user wants them elsewhere.
 void warnOnStandardError(const std::string& text);
 
-/// What a SoftBodySystem is made of; soft_body_system.cpp has what users call, system_tick.cpp the tick.
+/// What a SoftBodySystem is made of; soft_body_system.cpp has what users call, system_tick.cpp the
+/// tick.
 struct SoftBodySystem::Impl final : TickListener, StepListener {
   struct WorldStep;
 

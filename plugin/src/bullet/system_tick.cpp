@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: Zlib
+
+// This file has a tick in order: what all systems of a world do before Bullet's part of it and after, and
+// what each system does.
+
 #include "bullet/body_in_world.h"
-#include "bullet/contact_gather.h"
-#include "bullet/group_sleep.h"
-#include "bullet/group_stepping.h"
-#include "bullet/joint_rows.h"
-#include "bullet/known_contacts.h"
-#include "bullet/pair_gather.h"
+#include "bullet/kinematic_motion.h"
+#include "bullet/point_contacts.h"
 #include "bullet/surface_body.h"
-#include "bullet/surface_partners.h"
-#include "bullet/surface_rigid.h"
 #include "bullet/system_impl.h"
+#include "bullet/tick_contacts.h"
+#include "bullet/tick_group.h"
 
 #include <algorithm>
 #include <chrono>

@@ -1,10 +1,125 @@
 // SPDX-License-Identifier: Zlib
+
+// This file takes rigid bodies through the stages of a tick, numbers those in the contacts of a tick, and
+// remembers what contacts bore.
+
 #include "bullet/tick_contacts.h"
 
-#include "bullet/convert.h"
+#include "bullet/bullet_objects.h"
+#include "bullet/kinematic_motion.h"
+#include "bullet/soft_body_data.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
 
 namespace limber {
 inline namespace LIMBER_BULLET_PRECISION {
+
+// --- rigid bodies that take part ---------------------------------------------------------------------------
+
+namespace {
+
+void gatherHeldRigid(RigidPartner& partner, RigidState& state, btScalar tick) {
+  const btRigidBody& body = *partner.body;
+  const btTransform& pose =
+      isKinematic(body) ? body.getInterpolationWorldTransform() : body.getWorldTransform();
+  state = RigidState();
+  state.position = toEigen(partner.lastPose.getOrigin());
+  state.rotation = toEigen(partner.lastPose.getRotation());
+  state.velocity = (toEigen(pose.getOrigin()) - state.position) / double(tick);
+  state.angularVelocity = rotationBetween(state.rotation, toEigen(pose.getRotation())) / double(tick);
+  partner.lastPose = pose;
+}
+
+/// rad/s, by what Bullet's solver changes the body's angular velocity for its unequal moments of inertia.
+Eigen::Vector3d gyroscopicChange(const btRigidBody& body, btScalar tick) {
+  if (body.getFlags() & BT_ENABLE_GYROSCOPIC_FORCE_IMPLICIT_WORLD)
+    return toEigen(body.computeGyroscopicImpulseImplicit_World(tick));
+  if (body.getFlags() & BT_ENABLE_GYROSCOPIC_FORCE_IMPLICIT_BODY)
+    return toEigen(body.computeGyroscopicImpulseImplicit_Body(tick));
+  return Eigen::Vector3d::Zero();
+}
+
+Eigen::Vector3d turnByTorque(const btRigidBody& body) {
+  return toEigen(body.getInvInertiaTensorWorld() * body.getTotalTorque());
+}
+
+/// Sets the angular velocity (rad/s) with which the solver begins so that it will be `wanted` before impulses.
+void setTurnBeforeSolver(btRigidBody& body, const Eigen::Vector3d& wanted, btScalar tick) {
+  Eigen::Vector3d handed = wanted;
+  for (int i = 0; i < 3; ++i) {
+    body.setAngularVelocity(toBullet(handed));
+    handed = wanted - gyroscopicChange(body, tick);
+  }
+  body.setAngularVelocity(toBullet(handed));
+}
+
+void gatherFreeRigid(RigidPartner& partner, RigidState& state, btScalar tick) {
+  const btRigidBody& body = *partner.body;
+  state.position = toEigen(body.getWorldTransform().getOrigin());
+  state.rotation = toEigen(body.getWorldTransform().getRotation());
+  state.velocity = toEigen(body.getLinearVelocity());
+  state.angularVelocity = toEigen(body.getAngularVelocity());
+  state.acceleration = toEigen(body.getTotalForce()) * double(body.getInvMass());
+  state.angularAcceleration = turnByTorque(body) + gyroscopicChange(body, tick) / double(tick);
+  state.inverseMass = toEigen(body.getLinearFactor()) * double(body.getInvMass());
+  state.inverseInertiaLocal = toEigen(body.getInvInertiaDiagLocal());
+  state.angularFactor = toEigen(body.getAngularFactor());
+}
+
+/// What Bullet multiplies velocities by in the tick, before its solver; it is 0 only where all motion is
+/// lost.
+double keptShare(btScalar damping, btScalar tick) { return std::pow(1.0 - double(damping), double(tick)); }
+
+}  // namespace
+
+RigidPartner makePartner(btRigidBody& body) {
+  RigidPartner partner;
+  partner.body = &body;
+  partner.mark = markOf(body);
+  partner.lastPose = body.getWorldTransform();
+  return partner;
+}
+
+void gatherRigid(RigidPartner& partner, RigidState& state, btScalar tick) {
+  partner.held =
+      isStaticOrKinematic(*partner.body) || partner.body->getActivationState() == DISABLE_SIMULATION;
+  if (partner.held)
+    gatherHeldRigid(partner, state, tick);
+  else
+    gatherFreeRigid(partner, state, tick);
+  partner.start = state;
+}
+
+void handOverRigid(RigidPartner& partner, const RigidState& end, btScalar tick) {
+  if (partner.held) return;
+  btRigidBody& body = *partner.body;
+  const double h = double(tick);
+  const Eigen::Vector3d mean = (end.position - partner.start.position) / h;
+  const Eigen::Vector3d meanAngular = rotationBetween(partner.start.rotation, end.rotation) / h;
+  const double linear = keptShare(body.getLinearDamping(), tick);
+  const double angular = keptShare(body.getAngularDamping(), tick);
+  const Eigen::Vector3d handed = mean - h * partner.start.acceleration;
+  setTurnBeforeSolver(body, meanAngular - h * turnByTorque(body), tick);
+  if (linear > 0.0) body.setLinearVelocity(toBullet(Eigen::Vector3d(handed / linear)));
+  if (angular > 0.0) body.setAngularVelocity(body.getAngularVelocity() / static_cast<btScalar>(angular));
+  partner.expectedVelocity = toBullet(mean);
+  partner.expectedAngularVelocity = toBullet(meanAngular);
+}
+
+void takeBackRigid(RigidPartner& partner, const RigidState& end, btScalar tick) {
+  if (partner.held || !partner.body->isActive()) return;
+  btRigidBody& body = *partner.body;
+  const Eigen::Vector3d velocity = keptShare(body.getLinearDamping(), tick) * end.velocity;
+  const Eigen::Vector3d spin = keptShare(body.getAngularDamping(), tick) * end.angularVelocity;
+  body.setLinearVelocity(body.getLinearVelocity() - partner.expectedVelocity + toBullet(velocity));
+  body.setAngularVelocity(body.getAngularVelocity() - partner.expectedAngularVelocity + toBullet(spin));
+  body.setInterpolationLinearVelocity(body.getLinearVelocity());
+  body.setInterpolationAngularVelocity(body.getAngularVelocity());
+}
+
+// --- the contacts of a tick --------------------------------------------------------------------------------
 
 std::uint32_t TickContacts::find(const btRigidBody& body) const {
   const auto place = static_cast<std::size_t>(body.getWorldArrayIndex());
@@ -54,6 +169,47 @@ ContactPlace placeOn(TickContacts& contacts, const btCollisionObject& object, co
     found.velocity = velocityOf(object, place, contacts.tick);
   }
   return found;
+}
+
+// --- what contacts bore in the last tick -------------------------------------------------------------------
+
+namespace {
+
+using Id = std::pair<int, std::uint64_t>;
+
+Id idOf(const KnownContact& known) { return {known.partner, known.key}; }
+
+Id idOf(const ContactSource& source) { return {source.partner.id, source.key}; }
+
+}  // namespace
+
+void guessBearings(TickContacts& contacts) {
+  for (std::size_t i = 0; i < contacts.contacts.size(); ++i) {
+    const ContactSource& source = contacts.sources[i];
+    if (!source.body) continue;
+    const Id id = idOf(source);
+    const std::vector<KnownContact>& known = source.body->knownContacts;
+    const auto it = std::lower_bound(known.begin(), known.end(), id,
+                                     [](const KnownContact& k, const Id& other) { return idOf(k) < other; });
+    if (it != known.end() && idOf(*it) == id && it->object == source.partner.object)
+      contacts.contacts[i].stopping = it->bearing;
+  }
+}
+
+void rememberBearings(const std::vector<SoftBodyData*>& bodies, const TickContacts& contacts) {
+  for (SoftBodyData* body : bodies) body->knownContacts.clear();
+  for (std::size_t i = 0; i < contacts.contacts.size(); ++i) {
+    const ContactSource& source = contacts.sources[i];
+    if (!source.body) continue;
+    const PairContact& c = contacts.contacts[i];
+    // with the normal that it began with, as the next tick's search finds it: what it bore may have turned away
+    const double along = c.normal.dot(c.impulse.sum);
+    const Id id = idOf(source);
+    source.body->knownContacts.push_back(
+        {id.first, source.partner.object, id.second, {along, c.impulse.sum - along * c.normal}});
+  }
+  const auto before = [](const KnownContact& k, const KnownContact& l) { return idOf(k) < idOf(l); };
+  for (SoftBodyData* body : bodies) std::sort(body->knownContacts.begin(), body->knownContacts.end(), before);
 }
 
 }  // namespace LIMBER_BULLET_PRECISION

@@ -1,21 +1,55 @@
 // SPDX-License-Identifier: Zlib
+
+// This header declares the contacts of a tick in which more than one body moves, and the rigid bodies in
+// them: what these touch in their turn, their joints, and the links of multibodies.
+
 #pragma once
 
-#include "bullet/kinematic_motion.h"
-#include "bullet/partner_mark.h"
-#include "bullet/rigid_partner.h"
+#include "bullet/bullet_objects.h"
+#include "solver/links.h"
 #include "solver/pair_contacts.h"
 
 #include <limber/bullet_precision.h>
 
+#include <BulletDynamics/Featherstone/btMultiBody.h>
+#include <BulletDynamics/Featherstone/btMultiBodyLinkCollider.h>
 #include <btBulletDynamicsCommon.h>
 
+#include <cstdint>
+#include <memory>
 #include <vector>
 
 namespace limber {
 inline namespace LIMBER_BULLET_PRECISION {
 
 struct SoftBodyData;
+
+// --- rigid bodies that take part ---------------------------------------------------------------------------
+
+/// A rigid body of the user's that springs or anchors hold on to: it takes part in the substeps and, like a
+/// point mass, is handed its mean velocity of the tick.
+struct RigidPartner {
+  btRigidBody* body = nullptr;
+  bool held = false;           ///< static, kinematic or out of the simulation: it moves as told
+  PartnerMark mark;            ///< of the body
+  btTransform lastPose;        ///< of a held body at the end of the last tick
+  RigidState start;            ///< at the start of the tick
+  btVector3 expectedVelocity;  ///< after the tick if nothing else acts
+  btVector3 expectedAngularVelocity;
+};
+
+/// The body must be in the world.
+RigidPartner makePartner(btRigidBody& body);
+
+/// Fills `state` from Bullet's body. A held body moves evenly from its last pose to its present one.
+void gatherRigid(RigidPartner& partner, RigidState& state, btScalar tick);
+
+/// As handOverVelocities() and finishWorldPoints() for point masses. Bullet's damping acts on both the
+/// velocity handed over, where it is made up for, and the one at the end.
+void handOverRigid(RigidPartner& partner, const RigidState& end, btScalar tick);
+void takeBackRigid(RigidPartner& partner, const RigidState& end, btScalar tick);
+
+// --- the contacts of a tick --------------------------------------------------------------------------------
 
 /// Where a contact was found.
 struct ContactSource {
@@ -71,18 +105,154 @@ struct TickContacts {
   std::vector<std::uint32_t> numbers_;  ///< by place in the world's list of objects
 };
 
-/// Whether a rigid body moves by itself: neither held nor asleep.
-inline bool isFree(const btRigidBody& body) {
-  return !isStaticOrKinematic(body) && body.isActive() &&
-         body.getActivationState() != DISABLE_SIMULATION && body.getWorldArrayIndex() >= 0;
-}
-
 /// m/s, of a place on a body that moves by itself, at present, or as told, over the tick (s); 0 for one that
 /// is static or asleep.
 Eigen::Vector3d velocityOf(const btCollisionObject& object, const btVector3& place, double tick);
 
 /// The place on a rigid body: of kind Rigid if it is free, which gives it a number, else of kind World.
 ContactPlace placeOn(TickContacts& contacts, const btCollisionObject& object, const btVector3& place);
+
+/// Starts the contacts of soft bodies from what those of the same features bore in the last tick.
+void guessBearings(TickContacts& contacts);
+
+/// After the step: remembers what they bore. `bodies`: all of the system.
+void rememberBearings(const std::vector<SoftBodyData*>& bodies, const TickContacts& contacts);
+
+// --- contacts of rigid bodies ------------------------------------------------------------------------------
+
+/// A point of a manifold as it was found.
+struct KeptPoint {
+  const btPersistentManifold* manifold;
+  const btCollisionObject *a, *b;
+  std::uint32_t order;  ///< in which it was kept
+  btManifoldPoint point;
+};
+
+/// The contact points of the last tick. Bullet has four points at most in a manifold, of eight that boxes
+/// upon each other may have, and from tick to tick others: now and then four on one side, from which the
+/// upper box falls for a tick. With those of the ticks before that are still near, it does not.
+struct KeptPoints {
+  std::vector<KeptPoint> last;  ///< by manifold
+  std::vector<KeptPoint> now;
+};
+
+/// Bullet's contact manifolds by the objects they are of, those of one object in the order of the dispatcher.
+struct RigidManifolds {
+  std::vector<int> begin;                        ///< #objects + 1, into `manifolds`
+  std::vector<btPersistentManifold*> manifolds;  ///< each twice
+  KeptPoints kept;
+};
+
+/// What rigid bodies that soft ones push have in their turn to push against: all contacts and joints of
+/// found.rigids with what is held, and with further rigid bodies, which join them, until none is left out
+/// (a limit to this would make piles collapse). Contacts are those of Bullet's manifolds, which its
+/// narrowphase is asked to find anew where the bodies are now, with the impulses of the last tick as a guess.
+/// Point masses and surface objects are not looked at.
+///
+/// Bullet's solver is told to leave those alone whose points it knows already (btPersistentManifold::
+/// setContactProcessingThreshold); where faster motion may bring new points into a manifold in this tick, it
+/// keeps its say. freeManifolds() takes that back once the tick is over.
+void gatherRigidContacts(btDiscreteDynamicsWorld& world, btScalar tick, RigidManifolds& index,
+                         TickContacts& found);
+
+/// Lets Bullet's solver treat all manifolds again that gatherRigidContacts() told it to leave alone, those of
+/// other systems in the world too.
+void freeManifolds(btDispatcher& dispatcher);
+
+/// After the step: what the contacts and joints have borne, for users who read it from Bullet
+/// (btManifoldPoint::m_appliedImpulse, btTypedConstraint::getAppliedImpulse).
+void reportRigidContacts(TickContacts& contacts);
+
+// --- their joints ------------------------------------------------------------------------------------------
+
+/// Numbers the free bodies that joints (Bullet's enabled constraints) join to numbered ones. False if there
+/// are no more.
+bool addJoinedBodies(btDiscreteDynamicsWorld& world, TickContacts& found);
+
+/// The rows of all joints of numbered bodies, as Bullet's solver would make them for a tick; limits of
+/// impulses are those of the whole tick.
+void addJointRows(btDiscreteDynamicsWorld& world, btScalar tick, TickContacts& found);
+
+/// Rolling and spinning friction of the contact between rigid bodies that was added last.
+void addRollingRows(const btPersistentManifold& manifold, const btManifoldPoint& point, TickContacts& found);
+
+/// A joint whose motors and springs are switched off.
+struct SwitchedOff {
+  btTypedConstraint* joint;
+  std::uint32_t drives;  ///< a bit for each that was on
+};
+
+/// Bullet's solver would let motors and springs push a second time, whatever velocities it is given: those whose rows
+/// are in `found` are off until it has run.
+void switchOffDrives(const TickContacts& found, std::vector<SwitchedOff>& off);
+void switchOnDrives(btDynamicsWorld& world, std::vector<SwitchedOff>& off);
+
+/// After the tick: Bullet says of the joints what they have borne (as it does, the applied impulse is that of
+/// the last row; feedback is the sum of all), and those that bore as much as they may break. Joints that are
+/// no longer in the world are left out.
+void reportJoints(btDynamicsWorld& world, const TickContacts& contacts, btScalar tick);
+
+// --- multibodies -------------------------------------------------------------------------------------------
+
+/// A link (or the base) of a btMultiBody as a rigid body, for the present tick. It is in no world.
+class LinkBody final : public btRigidBody {
+ public:
+  BT_DECLARE_ALIGNED_ALLOCATOR();
+
+  LinkBody(btMultiBody& m, int l);
+
+  /// The link an object is, or nullptr.
+  static LinkBody* from(btCollisionObject* object);
+  static const LinkBody* from(const btCollisionObject* object);
+
+  btMultiBody* multiBody;
+  int link;  ///< -1: the base
+  const btMultiBodyLinkCollider* collider = nullptr;
+  int unused = 0;  ///< ticks since it was last asked for
+  bool present = false;
+  btVector3 impulse = btVector3(0, 0, 0), angularImpulse = btVector3(0, 0, 0);  ///< N s, N m s
+};
+
+/// What stands in the world for an object that a contact is with.
+inline const btCollisionObject& objectInWorld(const btCollisionObject& object) {
+  const LinkBody* link = LinkBody::from(&object);
+  return link && link->collider ? *link->collider : object;
+}
+
+/// Whether nothing moves a link: it and all joints down to a fixed base have no freedom.
+bool isHeldLink(const btMultiBodyLinkCollider& collider);
+
+/// The links of multibodies that soft bodies touch. While contacts are solved each is a rigid body that joints
+/// hold to the others; what it has borne goes into the joints of the multibody, exactly.
+class MultiBodyLinks {
+ public:
+  /// At the start of a tick.
+  void begin(const btCollisionWorld& world);
+
+  /// The body of a link as it is now.
+  LinkBody& bodyOf(const btMultiBodyLinkCollider& collider);
+
+  /// Adds all links of the multibodies that are in `found`, and their joints.
+  void addJoints(TickContacts& found);
+
+  /// After the step: gives the multibodies what their links have borne.
+  void applyImpulses(const TickContacts& found);
+
+ private:
+  LinkBody& bodyOf(btMultiBody& multiBody, int link);
+  void addJoints(btMultiBody& multiBody, const btCollisionObject& touched, TickContacts& found);
+  void addJoint(btMultiBody& multiBody, int link, TickContacts& found);
+  void apply(btMultiBody& multiBody);
+
+  std::vector<std::unique_ptr<LinkBody>> bodies_;
+  std::vector<btMultiBody*> touched_;  // in this tick
+  int objects_ = 0;                    // in the world
+  btSphereShape none_{btScalar(0)};    // of links that have no shape
+  // scratch of btMultiBody
+  btAlignedObjectArray<btVector3> spins_, velocities_, vectors_;
+  btAlignedObjectArray<btScalar> numbers_, jacobian_, force_, change_;
+  btAlignedObjectArray<btMatrix3x3> matrices_;
+};
 
 }  // namespace LIMBER_BULLET_PRECISION
 }  // namespace limber

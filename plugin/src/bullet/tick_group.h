@@ -1,17 +1,26 @@
 // SPDX-License-Identifier: Zlib
+
+// Springs and anchors join bodies into groups; contacts in a tick join groups and rigid bodies into clusters.
+// This header declares how both are made, stepped, put to sleep and woken.
+
 #pragma once
 
-#include "bullet/rigid_partner.h"
 #include "bullet/soft_body_data.h"
+#include "bullet/surface_gather.h"
+#include "bullet/tick_contacts.h"
+#include "solver/simd_steps.h"
 #include "solver/verlet_step.h"
 
 #include <limber/spring_constraint.h>
 
 #include <memory>
+#include <utility>
 #include <vector>
 
 namespace limber {
 inline namespace LIMBER_BULLET_PRECISION {
+
+// --- groups ------------------------------------------------------------------------------------------------
 
 /// Soft and rigid bodies that springs and anchors join: stepped, put to sleep and woken together. A soft body
 /// that nothing is joined to is a group of its own.
@@ -50,11 +59,147 @@ bool isWhole(const TickGroup& group);
 bool updateUsableLinks(const std::vector<SoftBodyData*>& bodies, const std::vector<SpringConstraint*>& springs,
                        std::vector<unsigned char>& links);
 
-/// The stages of a tick, see point_masses.h. What a body may touch depends on where all of them are.
+/// The stages of a tick, see body_in_world.h. What a body may touch depends on where all of them are.
 void gatherBodies(TickGroup& group, btScalar tick);
 void gatherGroup(TickGroup& group, btScalar tick);
 void handOverGroup(TickGroup& group, btScalar tick);
 void takeBackGroup(TickGroup& group, btScalar tick);
+
+// --- sleep -------------------------------------------------------------------------------------------------
+
+/// Puts whole groups to sleep and wakes them, by Bullet's own rules (gDeactivationTime, gDisableDeactivation,
+/// each body's sleeping threshold, DISABLE_DEACTIVATION).
+///
+/// Bullet sees no link between the points of a body: left alone it would freeze them one by one. So awake
+/// points have their deactivation timer held at 0, and a group goes to sleep in one tick, when all its
+/// members have been calm for gDeactivationTime and nothing awake is in contact with any of them. `islands`
+/// is scratch.
+void updateSleep(std::vector<TickGroup>& groups, btDiscreteDynamicsWorld& world, btScalar tick,
+                 std::vector<unsigned char>& islands);
+
+// --- stepping ----------------------------------------------------------------------------------------------
+
+/// Before the step: sets the group's stepper and substeps for this tick.
+void chooseStepping(TickGroup& group, double tick);
+
+/// Before the step of a cluster that is this group and nothing else that moves by itself or as told, with a
+/// budget that leaves its oscillations next to unresolved: its energy must not rise while it is so. With false:
+/// of any other cluster.
+void guardCluster(TickGroup& group, bool alone);
+
+/// Whether what bears points by these rows does not move.
+bool standsOnStill(const std::vector<ContactRow>& rows);
+
+/// After the step: what the bodies tell of it.
+void reportStepping(TickGroup& group, double tick);
+
+/// Which bodies are stepped side by side: those of one network that take equally many substeps of Verlet.
+/// Kept from tick to tick, so that a lane whose body stays the same need not copy its springs again.
+class StepPlan {
+ public:
+  /// Steps all groups that are awake and in no cluster. Order and result do not depend on how they are put
+  /// together.
+  void step(std::vector<TickGroup>& groups, double tick);
+
+  /// Forgets the bodies: the groups have been made anew.
+  void clear();
+
+ private:
+  struct Candidate {
+    std::size_t network;  ///< number of the body's network in order of first appearance
+    int substeps;
+    bool damped;
+    int volumes;  ///< 0: no volume term, -1: of a body whose scale mirrors it, else 1
+    std::size_t group;
+    bool fitsWith(const Candidate& other) const;
+    bool operator<(const Candidate& other) const;
+  };
+
+  void number(const std::vector<TickGroup>& groups);
+  /// Steps the groups that do not fit into lanes and sorts the others into candidates_.
+  void stepOrCollect(std::vector<TickGroup>& groups, double tick);
+  void stepRun(std::vector<TickGroup>& groups, std::size_t begin, std::size_t end, double tick);
+  void stepBlock(std::vector<TickGroup>& groups, std::size_t begin, std::size_t end, double tick);
+
+  SharedFactors factors_;
+  InstructionSet set_ = bestInstructionSet();
+  std::vector<std::size_t> networkOf_;  ///< #groups
+  std::vector<Candidate> candidates_;
+  std::vector<LaneBlock> blocks_;
+  LaneScratch scratch_;
+  std::size_t blocksUsed_ = 0;
+};
+
+// --- clusters ----------------------------------------------------------------------------------------------
+
+/// A meeting of members of a cluster.
+struct ClusterMeeting {
+  const SurfaceMeeting* surfaces = nullptr;
+  std::uint32_t a = 0, b = 0;  ///< in step.bodies; b, if it is rigid, in step.links.rigids
+  double way = 0.0;            ///< see wayOf()
+
+  /// Too far in the tick for its contacts to stay what they are.
+  bool moves() const { return way > kMostBetweenSearches; }
+};
+
+/// A contact found within the tick.
+struct LateContact {
+  std::uint32_t meeting = 0;
+  ContactSource source;
+};
+
+/// Groups and rigid bodies that touch in a tick, stepped together in it.
+struct Cluster {
+  StepGroup step;  ///< bodies and links of its groups, one group after the other
+  std::vector<TickGroup*> groups;
+  std::vector<SoftBodyData*> softBodies;  ///< step.bodies[i] is softBodies[i]
+  std::vector<std::uint32_t> rigids;      ///< numbers in TickContacts of those that are in no group; they are
+                                          ///< the last of step.links.rigids
+  std::vector<std::uint32_t> contacts;    ///< numbers in TickContacts, of the first step.pairs.contacts
+  std::vector<ContactRow*> rows;          ///< of the other step.pairs.contacts
+  std::vector<std::uint32_t> joints;      ///< numbers in TickContacts, of step.pairs.joints
+  std::vector<RigidState> start;          ///< of step.links.rigids before the step, if there are joints
+  std::vector<ClusterMeeting> meetings;
+  std::vector<LateContact> late;  ///< the last of step.pairs.contacts
+  std::vector<std::pair<std::uint64_t, std::uint32_t>> known;  ///< scratch: contacts of a meeting, by key
+};
+
+/// The clusters of a tick. Kept from tick to tick for its memory.
+struct Clusters {
+  std::vector<Cluster> all;
+  std::size_t count = 0;  ///< of `all`, those of the present tick
+
+  Cluster* begin() { return all.data(); }
+  Cluster* end() { return all.data() + count; }
+
+  // Scratch, by SoftBodyData::index.
+  std::vector<std::uint32_t> groupOf, placeInGroup;
+  // Scratch by node: groups, then rigid bodies.
+  std::vector<std::uint32_t> parent;
+  std::vector<std::uint32_t> cluster;  ///< of a root, the cluster
+  std::vector<std::uint32_t> first;  ///< of a group, its first body in the cluster; of a rigid body, its own
+};
+
+/// Adds the rigid bodies that links join to awake groups to `found`, so that what they touch is looked for,
+/// too. Call it before gatherRigidContacts().
+void addLinkedRigids(const std::vector<TickGroup>& groups, TickContacts& found);
+
+/// Puts together what contacts and joints couple, and tells groups that they are in a cluster
+/// (TickGroup::clustered). Groups that nothing else moves with are in none.
+void makeClusters(std::vector<TickGroup>& groups, TickContacts& found, btScalar tick, Clusters& clusters);
+
+/// Steps a cluster by velocity Verlet, as finely as its most demanding group asks for. Contacts of surfaces
+/// that move far against each other in the tick are searched for again within it. Joints that take errors back
+/// against what pulls at them may not raise its energy by that.
+void stepCluster(Cluster& cluster, const TickContacts& found, double tick, SurfaceSearch& search);
+
+/// After the step: gives the groups their bodies' states back, and `found` what its contacts bore; hands the
+/// rigid bodies that are in no group over to Bullet.
+void handOverCluster(Cluster& cluster, TickContacts& found, btScalar tick);
+
+/// After Bullet's part of the tick, see takeBackRigid(); of rigid bodies that are still in the world.
+void takeBackCluster(const Cluster& cluster, TickContacts& found, const btCollisionWorld& world,
+                     btScalar tick);
 
 }  // namespace LIMBER_BULLET_PRECISION
 }  // namespace limber

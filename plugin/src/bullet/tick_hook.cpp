@@ -1,4 +1,8 @@
 // SPDX-License-Identifier: Zlib
+
+// This file takes the world's pre-tick callback, keeps a body in the world that shows when a step has ended,
+// and reads the clock.
+
 #include "bullet/tick_hook.h"
 
 #include <algorithm>
@@ -7,6 +11,9 @@
 
 namespace limber {
 inline namespace LIMBER_BULLET_PRECISION {
+
+// --- ticks -------------------------------------------------------------------------------------------------
+
 namespace {
 
 /// btDynamicsWorld has no getter for its callback; a derived class may name the protected member.
@@ -153,6 +160,113 @@ void TickHook::updateAction(btCollisionWorld*, btScalar tick) {
 
 void TickHook::debugDraw(btIDebugDraw* drawer) {
   callEach(actionListeners_, [&](TickListener& listener) { listener.debugDraw(*drawer); });
+}
+
+// --- steps -------------------------------------------------------------------------------------------------
+
+namespace {
+
+/// N; anything but 0.
+const btVector3 kMark(1, 0, 0);
+
+int sentinelMark;  // see pointMassMark
+
+}  // namespace
+
+class StepSentinel::State final : public btMotionState {
+ public:
+  explicit State(StepSentinel* owner) : owner_(owner) {}
+  ~State() override {
+    if (owner_) owner_->state_ = nullptr;
+  }
+  void disown() { owner_ = nullptr; }
+  void getWorldTransform(btTransform& pose) const override { pose.setIdentity(); }
+  void setWorldTransform(const btTransform&) override {
+    if (owner_) owner_->listener_->motionStatesAsked();
+  }
+
+ private:
+  StepSentinel* owner_;
+};
+
+class StepSentinel::Body final : public btRigidBody {
+ public:
+  Body(StepSentinel* owner, State* state, btCollisionShape* shape)
+      : btRigidBody(btRigidBodyConstructionInfo(0, state, shape)), owner_(owner) {
+    internalSetExtensionPointer(&sentinelMark);
+    // dynamic to Bullet, or it would neither be in the list whose forces are cleared nor be asked
+    setCollisionFlags(CF_NO_CONTACT_RESPONSE | CF_DISABLE_VISUALIZE_OBJECT);
+    forceActivationState(DISABLE_DEACTIVATION);
+  }
+  ~Body() override {
+    if (owner_) owner_->body_ = nullptr;
+  }
+  void disown() { owner_ = nullptr; }
+
+ private:
+  StepSentinel* owner_;
+};
+
+StepSentinel::StepSentinel(btDiscreteDynamicsWorld& world, StepListener& listener)
+    : world_(&world), listener_(&listener), state_(new State(this)) {
+  body_ = new Body(this, state_, &shape_);
+  world.addRigidBody(body_, 0, 0);
+}
+
+StepSentinel::~StepSentinel() {
+  if (body_) {
+    if (isInWorld()) world_->removeRigidBody(body_);
+    body_->disown();
+    body_->setMotionState(nullptr);
+    delete body_;
+  }
+  if (state_) {
+    state_->disown();
+    delete state_;
+  }
+}
+
+bool StepSentinel::stepHasEnded() {
+  if (!isInWorld()) return true;
+  const bool ended = body_->getTotalForce() != kMark;
+  body_->clearForces();
+  body_->applyCentralForce(kMark);
+  return ended;
+}
+
+bool StepSentinel::isOne(const btCollisionObject* object) {
+  return object && object->internalGetExtensionPointer() == &sentinelMark;
+}
+
+bool StepSentinel::isInWorld() const { return body_ && body_->isInWorld(); }
+
+// --- clock -------------------------------------------------------------------------------------------------
+
+namespace {
+
+/// btDiscreteDynamicsWorld has no getters for its clock; a derived class may name the protected members.
+struct ClockReader : btDiscreteDynamicsWorld {
+  static btScalar timeSinceTick(const btDiscreteDynamicsWorld& world) {
+    return world.*(&ClockReader::m_localTime);
+  }
+  static btScalar fixedTick(const btDiscreteDynamicsWorld& world) {
+    return world.*(&ClockReader::m_fixedTimeStep);
+  }
+  static bool showsThePast(const btDiscreteDynamicsWorld& world) {
+    return world.*(&ClockReader::m_latencyMotionStateInterpolation);
+  }
+};
+
+}  // namespace
+
+// As btDiscreteDynamicsWorld::synchronizeSingleMotionState: from the state after the last tick it goes
+// m_localTime - m_fixedTimeStep with latency and m_localTime without. With ticks of variable length the world
+// sets m_fixedTimeStep to 0 and always shows the last tick.
+double tickFraction(const btDiscreteDynamicsWorld& world) {
+  const double tick = double(ClockReader::fixedTick(world));
+  if (!(tick > 0.0)) return 1.0;
+  const double share = double(ClockReader::timeSinceTick(world)) / tick;
+  return ClockReader::showsThePast(world) ? share : 1.0 + share;
 }
 
 }  // namespace LIMBER_BULLET_PRECISION

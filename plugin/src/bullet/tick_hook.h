@@ -1,4 +1,8 @@
 // SPDX-License-Identifier: Zlib
+
+// These classes tell a system of the world's time: its ticks, the ends of its stepSimulation() calls, and its
+// clock.
+
 #pragma once
 
 #include <limber/bullet_precision.h>
@@ -10,6 +14,8 @@
 namespace limber {
 inline namespace LIMBER_BULLET_PRECISION {
 
+// --- ticks -------------------------------------------------------------------------------------------------
+
 /// Somebody who wants to know of a world's ticks.
 class TickListener {
  public:
@@ -20,7 +26,7 @@ class TickListener {
   virtual void debugDraw(btIDebugDraw& drawer) = 0;  ///< the world draws itself
 };
 
-/// The only file that touches a world's pre-tick callback.
+/// The only class that touches a world's pre-tick callback.
 ///
 /// A world has one slot for it and one user info pointer for both its callbacks. We take the slot, call
 /// whoever was there first, and leave the user info alone, so we find our way from the world by a list of
@@ -68,6 +74,56 @@ class TickHook final : public btActionInterface {
   bool inTick_ = false;
   bool sawTick_ = false;
 };
+
+// --- steps -------------------------------------------------------------------------------------------------
+
+/// Somebody who keeps forces of bodies that are outside the world as Bullet keeps those inside.
+class StepListener {
+ public:
+  virtual ~StepListener() = default;
+  /// Motion states are brought up to date: after each tick, user callbacks included; in a stepSimulation()
+  /// that passes without any tick; or because the user asks for it between steps.
+  virtual void motionStatesAsked() = 0;
+};
+
+/// Tells one stepSimulation() from the next. Bullet calls nobody at its begin or end, but it clears the
+/// forces on all bodies at the end, and asks the motion states of those that are awake after every tick (and
+/// once if there is none). So a body without shape or mass, which meets nothing, stays awake in the world
+/// with a force on it: once that is gone, a step has ended.
+///
+/// The application may delete body and motion state as any other's; every tick then counts as a new step.
+class StepSentinel {
+ public:
+  StepSentinel(btDiscreteDynamicsWorld& world, StepListener& listener);
+  ~StepSentinel();
+  StepSentinel(const StepSentinel&) = delete;
+  StepSentinel& operator=(const StepSentinel&) = delete;
+
+  /// Whether an object is the body of one.
+  static bool isOne(const btCollisionObject* object);
+
+  /// Whether a stepSimulation() has ended since the last call.
+  bool stepHasEnded();
+
+  /// Whether it is in the world, which therefore still exists: a world that is deleted takes the broadphase
+  /// handle of every body in it.
+  bool isInWorld() const;
+
+ private:
+  class Body;
+  class State;
+
+  btDiscreteDynamicsWorld* world_;
+  StepListener* listener_;
+  btEmptyShape shape_;
+  Body* body_;
+  State* state_;
+};
+
+// --- clock -------------------------------------------------------------------------------------------------
+
+/// See SoftBodySystem::tickFraction().
+double tickFraction(const btDiscreteDynamicsWorld& world);
 
 }  // namespace LIMBER_BULLET_PRECISION
 }  // namespace limber

@@ -1,9 +1,18 @@
 // SPDX-License-Identifier: Zlib
-#include "bullet/world_points.h"
 
-#include "bullet/continuous_collision.h"
-#include "bullet/convert.h"
+// This file hands the motion of points in the world over to Bullet and takes back what its solver did. It
+// stops fast points at what they would pass through, and shares contacts with Bullet's manifolds.
 
+#include "bullet/bullet_objects.h"
+#include "bullet/point_contacts.h"
+#include "bullet/point_masses.h"
+#include "bullet/soft_body_data.h"
+
+#include <limber/fast_spheres.h>
+
+#include <BulletCollision/CollisionDispatch/btSphereBoxCollisionAlgorithm.h>
+
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -87,6 +96,109 @@ void handOverVelocities(SoftBodyData& body, btScalar tick) {
   }
 }
 
+void wakeWorldPoints(SoftBodyData& body, bool insideTick) {
+  for (PointMass* point : body.masses.bodies) {
+    if (!point || point->isActive()) continue;
+    point->activate(true);
+    // the world has already given gravity to those that were awake at the start of the step
+    if (insideTick) point->applyGravity();
+  }
+}
+
+// --- continuous collision ----------------------------------------------------------------------------------
+
+namespace {
+
+/// Whether Bullet has a kinematic object already where it gets in the tick, while all else is where it starts:
+/// what it carries is inside it.
+bool isAhead(const btCollisionObject& object) {
+  return isKinematic(object) && !(object.getWorldTransform() == object.getInterpolationWorldTransform() &&
+                                  object.getInterpolationLinearVelocity().isZero() &&
+                                  object.getInterpolationAngularVelocity().isZero());
+}
+
+/// Share of the radius that a point may move in a tick without more: its centre then stays on the right side
+/// of whatever it has not touched yet.
+constexpr double kCarelessMotion = 0.25;
+
+/// Share of the radius that is swept, so that a point at rest does not hit what it lies on.
+constexpr double kSweptRadius = 0.9;
+
+/// Whether there is something that a body might have passed through in a tick.
+struct InTheWay final : btBroadphaseAabbCallback {
+  explicit InTheWay(const SoftBodyData& b) : body(&b) {}
+  const SoftBodyData* body;
+  bool any = false;
+
+  bool process(const btBroadphaseProxy* proxy) override {
+    any = any || canHit(*body, *proxy);
+    return true;
+  }
+};
+
+struct FirstHit final : btCollisionWorld::ClosestConvexResultCallback {
+  FirstHit(const SoftBodyData& b, const PointMass& p, const btVector3& from, const btVector3& to)
+      : ClosestConvexResultCallback(from, to), body(&b), point(&p) {}
+  const SoftBodyData* body;
+  const PointMass* point;
+
+  bool needsCollision(btBroadphaseProxy* proxy) const override {
+    const auto* object = static_cast<const btCollisionObject*>(proxy->m_clientObject);
+    return !isAhead(*object) && canHit(*body, *proxy) && canHit(*body, *point, *object);
+  }
+};
+
+double motion(const SoftBodyData& body, Eigen::Index i) {
+  return (body.state.position.col(i) - body.masses.startPosition.col(i)).norm();
+}
+
+bool isAnythingInTheWay(const SoftBodyData& body, double longest) {
+  const Points& from = body.masses.startPosition;
+  const double margin = double(body.masses.shape->getRadius()) + longest;
+  const Eigen::Vector3d low = from.rowwise().minCoeff().array() - margin;
+  const Eigen::Vector3d high = from.rowwise().maxCoeff().array() + margin;
+  InTheWay found(body);
+  body.world->getBroadphase()->aabbTest(toBullet(low), toBullet(high), found);
+  return found.any;
+}
+
+void sweepPoint(SoftBodyData& body, Eigen::Index i) {
+  const PointMass& point = *body.masses.bodies[static_cast<std::size_t>(i)];
+  const Eigen::Vector3d start = body.masses.startPosition.col(i), end = body.state.position.col(i);
+  btTransform from(btQuaternion::getIdentity(), toBullet(start)),
+      to(btQuaternion::getIdentity(), toBullet(end));
+  FirstHit hit(body, point, from.getOrigin(), to.getOrigin());
+  const btSphereShape sphere(static_cast<btScalar>(kSweptRadius) * body.masses.shape->getRadius());
+  body.world->convexSweepTest(&sphere, from, to, hit, btScalar(0));
+  if (!hit.hasHit() || !(toEigen(hit.m_hitNormalWorld).dot(end - start) < 0.0)) return;
+  body.state.position.col(i) = start + double(hit.m_closestHitFraction) * (end - start);
+}
+
+/// Stops point masses in the world that have got farther in this tick than contacts were looked for where they
+/// first touched something. Their velocity stays: the next tick finds the contact. Call after Bullet's contacts
+/// have been read, when start and end positions are known, and before the bodies are written.
+///
+/// Only points that move far enough to miss a contact are swept, and only if anything is in the box the body
+/// sweeps (one query of the broadphase for a whole body). Bullet's own continuous collision is not used,
+/// because it sweeps twice, without such a query, and on triangle meshes ignores all motions into the surface
+/// that are shorter than the world's m_allowedCcdPenetration (4 cm), twice a point mass.
+void stopAtFirstContact(SoftBodyData& body) {
+  if (!body.settings.continuousCollision) return;
+  const double careless = kCarelessMotion * double(body.masses.shape->getRadius());
+  const auto isUnexpected = [&](Eigen::Index i) {
+    const auto at = static_cast<std::size_t>(i);
+    return !body.masses.held[at] && motion(body, i) > std::max(careless, body.reach[at]);
+  };
+  double longest = 0.0;
+  for (Eigen::Index i = 0; i < body.state.position.cols(); ++i)
+    if (isUnexpected(i)) longest = std::max(longest, motion(body, i));
+  if (!(longest > 0.0) || !isAnythingInTheWay(body, longest)) return;
+  for (Eigen::Index i = 0; i < body.state.position.cols(); ++i)
+    if (isUnexpected(i)) sweepPoint(body, i);
+}
+
+}  // namespace
+
 void finishWorldPoints(SoftBodyData& body, btScalar tick) {
   for (PointMass* point : body.masses.bodies) point->setContactProcessingThreshold(BT_LARGE_FLOAT);
   for (std::uint32_t i = 0; i < body.masses.bodies.size(); ++i)
@@ -96,13 +208,100 @@ void finishWorldPoints(SoftBodyData& body, btScalar tick) {
   writePoints(body);
 }
 
-void wakeWorldPoints(SoftBodyData& body, bool insideTick) {
-  for (PointMass* point : body.masses.bodies) {
-    if (!point || point->isActive()) continue;
-    point->activate(true);
-    // the world has already given gravity to those that were awake at the start of the step
-    if (insideTick) point->applyGravity();
+// --- Bullet's contacts with points -------------------------------------------------------------------------
+
+namespace {
+
+/// Calls visit(manifold point, soft body, point, partner) for all contacts of point masses.
+template <class Visit>
+void forEachContact(btDispatcher& dispatcher, Visit visit) {
+  for (int m = 0; m < dispatcher.getNumManifolds(); ++m) {
+    btPersistentManifold& manifold = *dispatcher.getManifoldByIndexInternal(m);
+    PointMass* first = PointMass::from(const_cast<btCollisionObject*>(manifold.getBody0()));
+    PointMass* point = first ? first : PointMass::from(const_cast<btCollisionObject*>(manifold.getBody1()));
+    if (!point || !point->owner()) continue;
+    const btCollisionObject* partner = first ? manifold.getBody1() : manifold.getBody0();
+    visit(manifold, *point, partner);
   }
+}
+
+/// Of two bodies, one of them awake: gatherPointPairs() has a row for it.
+bool isOfAwakePoints(const PointMass& point, const btCollisionObject* partner) {
+  const PointMass* other = PointMass::from(partner);
+  return other && other->owner() && !(point.owner()->asleep && other->owner()->asleep);
+}
+
+}  // namespace
+
+void readManifolds(btDispatcher& dispatcher) {
+  forEachContact(
+      dispatcher, [](btPersistentManifold& manifold, PointMass& point, const btCollisionObject* partner) {
+        const bool ofPoints = isOfAwakePoints(point, partner);
+        if (!ofPoints && (point.owner()->asleep || !isStaticOrKinematic(*partner))) return;
+        const btCollisionShape& shape = *partner->getCollisionShape();
+        const bool simple = manifold.getNumContacts() == 1 && !shape.isConcave() && !shape.isCompound();
+        if (simple && !ofPoints) point.cachedContact = &manifold;
+        // its rows are enough: Bullet would push the point out of where the partner will be
+        if (isAhead(*partner)) manifold.setContactProcessingThreshold(-BT_LARGE_FLOAT);
+        for (int p = 0; p < manifold.getNumContacts(); ++p) {
+          btManifoldPoint& contact = manifold.getContactPoint(p);
+          contact.m_appliedImpulse = contact.m_appliedImpulseLateral1 = contact.m_appliedImpulseLateral2 = 0;
+        }
+      });
+}
+
+void leaveToRows(btDispatcher& dispatcher) {
+  forEachContact(dispatcher, [](btPersistentManifold& manifold, PointMass& point,
+                                const btCollisionObject* partner) {
+    if (isOfAwakePoints(point, partner)) manifold.setContactProcessingThreshold(-BT_LARGE_FLOAT);
+    const SoftBodyData& body = *point.owner();
+    const RowRange rows = rowsOfPoint(body.contacts, point.index());
+    for (std::size_t r = rows.begin; r < rows.end && !body.asleep; ++r)
+      if (body.contactPartners[r] == partner) manifold.setContactProcessingThreshold(-BT_LARGE_FLOAT);
+  });
+}
+
+void reportContactImpulses(btDispatcher& dispatcher) {
+  forEachContact(dispatcher, [](btPersistentManifold& manifold, PointMass& point,
+                                const btCollisionObject* partner) {
+    const SoftBodyData& body = *point.owner();
+    const RowRange rows = rowsOfPoint(body.contacts, point.index());
+    manifold.setContactProcessingThreshold(
+        btMin(point.getContactProcessingThreshold(), partner->getContactProcessingThreshold()));
+    for (std::size_t r = rows.begin; r < rows.end; ++r) {
+      const ContactRow& row = body.contacts[r];
+      if (body.contactPartners[r] != partner) continue;
+      int nearest = -1;
+      for (int p = 0; p < manifold.getNumContacts(); ++p) {
+        const double along = std::abs(toEigen(manifold.getContactPoint(p).m_normalWorldOnB).dot(row.normal));
+        if (along > kSameSurface && nearest < 0) nearest = p;
+      }
+      if (nearest < 0) continue;
+      manifold.getContactPoint(nearest).m_appliedImpulse +=
+          static_cast<btScalar>(row.impulse.along);
+    }
+  });
+}
+
+// --- spheres against boxes ---------------------------------------------------------------------------------
+
+namespace {
+
+/// Which of the two objects is the sphere.
+btSphereBoxCollisionAlgorithm::CreateFunc makeCreateFunction(bool swapped) {
+  btSphereBoxCollisionAlgorithm::CreateFunc create;
+  create.m_swapped = swapped;
+  return create;
+}
+
+}  // namespace
+
+void useFastSphereAlgorithms(btCollisionDispatcher& dispatcher) {
+  // a dispatcher keeps pointers only, and may live as long as the program; they are never changed
+  static btSphereBoxCollisionAlgorithm::CreateFunc sphereBox = makeCreateFunction(false),
+                                                   boxSphere = makeCreateFunction(true);
+  dispatcher.registerCollisionCreateFunc(SPHERE_SHAPE_PROXYTYPE, BOX_SHAPE_PROXYTYPE, &sphereBox);
+  dispatcher.registerCollisionCreateFunc(BOX_SHAPE_PROXYTYPE, SPHERE_SHAPE_PROXYTYPE, &boxSphere);
 }
 
 }  // namespace LIMBER_BULLET_PRECISION

@@ -253,8 +253,8 @@ Vector3d normalAt(const MovingSurface& surface, std::uint32_t triangle) {
 
 /// What is nearest to a vertex inside is something it is behind of. One triangle is as near as `depth`.
 bool isBehindNearest(const MovingSurface& surface, const Vector3d& position, double depth) {
-  constexpr double kRounding = 1.001;
-  return nearestOnSurface(surface, position, kRounding * depth).behind;
+  constexpr double kSlightlyMore = 1.001;
+  return nearestOnSurface(surface, position, kSlightlyMore * depth).behind;
 }
 
 /// `begin` to `end` are one vertex, the nearest triangle first.
@@ -313,7 +313,7 @@ struct Arrival {
 /// that faces between them do not keep the round away, and it does not just pass along it.
 bool meetsRound(const SurfacePair& pair, const MovingSurface& mine, const MovingSurface& other,
                 const Arrival& at) {
-  constexpr double kTouching = 0.1;  // share of the margin
+  constexpr double kTouchingShare = 0.1;  // share of the margin
   constexpr double kHeadOn = 0.5;    // cosine
   if (!isRound(other, mine)) return false;
   const SurfaceTopology& t = *mine.topology;
@@ -321,7 +321,7 @@ bool meetsRound(const SurfacePair& pair, const MovingSurface& mine, const Moving
     return (mine.position->col(t.edges[e][0]) - mine.position->col(t.edges[e][1])).norm() > other.radius;
   };
   if (std::any_of(t.edgesAround.begin(at.vertex), t.edgesAround.end(at.vertex), isLong)) return false;
-  const bool touches = at.time == 0.0 && at.gap <= kTouching * pair.margin;
+  const bool touches = at.time == 0.0 && at.gap <= kTouchingShare * pair.margin;
   return (touches || at.outward.dot(at.motion) >= kHeadOn * at.motion.norm()) &&
          facesOutward(mine, at.time, at.vertex, at.outward);
 }
@@ -353,8 +353,8 @@ double depthLimit(const SurfaceTopology& t, std::uint32_t edge) {
 
 /// Of a place that is `depth` behind an edge, and so, straight below one, on a surface beside it.
 bool isInside(const MovingSurface& surface, const Vector3d& place, double depth) {
-  constexpr double kRounding = 1.001;
-  const NearestOnSurface nearest = nearestOnSurface(surface, place, kRounding * depth);
+  constexpr double kSlightlyMore = 1.001;
+  const NearestOnSurface nearest = nearestOnSurface(surface, place, kSlightlyMore * depth);
   if (nearest.triangle == kNoFeature || !surface.topology->oneSided[nearest.triangle]) return false;
   return nearest.behind || nearest.distance <= kCrossingTolerance * depth;
 }

@@ -92,10 +92,10 @@ Bearing bearingOf(const PairRow& row, const RowVector& v) {
 }
 
 Couple coupleOf(const PairContact& c) {
-  using Kind = ContactPlace::Kind;
-  if (c.a.kind == Kind::Soft && c.b.kind == Kind::Soft)
+  using PlaceKind = ContactPlace::Kind;
+  if (c.a.kind == PlaceKind::Soft && c.b.kind == PlaceKind::Soft)
     return c.a.count + c.b.count > 2 ? Couple::Soft : Couple::Nobody;
-  const bool both = c.a.kind != Kind::World && c.b.kind != Kind::World;
+  const bool both = c.a.kind != PlaceKind::World && c.b.kind != PlaceKind::World;
   return both && c.a.kind != c.b.kind ? Couple::Rigid : Couple::Nobody;
 }
 

@@ -1,0 +1,386 @@
+// SPDX-License-Identifier: Zlib
+
+// This file makes the rows of a point on a static or kinematic object: planes where the object is flat or
+// moves, else rows that follow its surface within the tick.
+
+#include "bullet/bullet_objects.h"
+#include "bullet/kinematic_motion.h"
+#include "bullet/point_contacts.h"
+#include "bullet/rigid_shapes.h"
+#include "bullet/soft_body_data.h"
+#include "solver/closest_points.h"
+#include "solver/point_state.h"
+
+#include <algorithm>
+
+namespace limber {
+inline namespace LIMBER_BULLET_PRECISION {
+namespace {
+
+/// Of the radius: a point that reaches no farther, the third of it that is always looked at included, is
+/// slow.
+constexpr double kSlowReach = 0.6;
+
+/// Of the radius: a point that is no farther from a triangle's plane may be on its wrong side. What touches is pressed
+/// in by far less.
+constexpr double kDeepest = 0.5;
+
+/// Of a spring's length: what is no farther beside a triangle is on it.
+constexpr double kOnIt = 1e-9;
+
+// --- contacts that are known -------------------------------------------------------------------------------
+
+// A point at rest on a flat face need not ask Bullet's narrowphase again in every tick.
+
+/// Share of the radius that a point may have moved relative to the partner since its contact was found: on a
+/// face nothing changes, round an edge or on a ball of 1 m the surface departs from the plane by (0.1 r)^2
+/// / 2.
+constexpr btScalar kStillThere = btScalar(0.1);
+
+/// Remembers a contact (world coordinates, the point's centre at `place`) with a convex partner; forgets what
+/// was there before.
+void keepContact(CachedContact& cached, std::uint64_t stamp, const btCollisionObject& partner,
+                 const btVector3& surface, const btVector3& normal, const btVector3& place) {
+  if (stamp == 0) return;
+  const btTransform& pose = partner.getWorldTransform();
+  cached.partner = stamp;
+  cached.surface = pose.invXform(surface);
+  cached.normal = normal * pose.getBasis();
+  cached.place = pose.invXform(place);
+}
+
+/// Whether the remembered contact is one with this partner and still good.
+bool isKept(const CachedContact& cached, std::uint64_t stamp, const btCollisionObject& partner,
+            const btVector3& place, btScalar radius) {
+  if (stamp == 0 || cached.partner != stamp) return false;
+  const btScalar way = kStillThere * radius;
+  return (partner.getWorldTransform().invXform(place) - cached.place).length2() <= way * way;
+}
+
+// --- the rows of a pair ------------------------------------------------------------------------------------
+
+/// m: how much farther than it is a box that is a part of the shape may be for Bullet's narrowphase. The core
+/// that it sweeps a ball of the margin m around has its corners sqrt(3) m within the box's: sqrt(3) m - m.
+btScalar roundingOf(const btCollisionShape& shape) {
+  constexpr double kCorner = 0.7320508075688772;
+  if (shape.getShapeType() == BOX_SHAPE_PROXYTYPE) return btScalar(kCorner) * shape.getMargin();
+  btScalar rounding = 0;
+  if (!shape.isCompound()) return rounding;
+  const auto& compound = static_cast<const btCompoundShape&>(shape);
+  for (int i = 0; i < compound.getNumChildShapes(); ++i)
+    rounding = btMax(rounding, roundingOf(*compound.getChildShape(i)));
+  return rounding;
+}
+
+/// The rows that one point and one partner make. Points of surfaces meet boxes as they are (nearestOnBox());
+/// masses in the world meet what Bullet makes of them.
+class RowsOfPair final : public btCollisionWorld::ContactResultCallback {
+ public:
+  RowsOfPair(SoftBodyData& body, std::uint32_t point, const btCollisionObject& partner, double reach,
+             btScalar tick)
+      : body_(&body),
+        point_(point),
+        partner_(&partner),
+        reach_(reach),
+        tick_(tick),
+        first_(body.contacts.size()) {
+    const btScalar rounding = isSurfaceBody(body) ? roundingOf(*partner.getCollisionShape()) : 0;
+    m_closestDistanceThreshold = static_cast<btScalar>(reach) + rounding;
+  }
+
+  btScalar addSingleResult(btManifoldPoint& contact, const btCollisionObjectWrapper* first, int, int,
+                           const btCollisionObjectWrapper* second, int, int) override {
+    const bool pointIsFirst = first->getCollisionObject() == body_->masses.bodies[point_];
+    const btCollisionObjectWrapper& theirs = pointIsFirst ? *second : *first;
+    if (isSurfaceBody(*body_) && theirs.getCollisionShape()->getShapeType() == BOX_SHAPE_PROXYTYPE) {
+      addOnBox(*static_cast<const btBoxShape*>(theirs.getCollisionShape()), theirs.getWorldTransform());
+      return 0;
+    }
+    if (contact.getDistance() > static_cast<btScalar>(reach_)) return 0;
+    const btVector3 normal = pointIsFirst ? contact.m_normalWorldOnB : -contact.m_normalWorldOnB;
+    surface_ = pointIsFirst ? contact.m_positionWorldOnB : contact.m_positionWorldOnA;
+    normal_ = normal;
+    ++found_;
+    add(toEigen(normal), surface_);
+    return 0;
+  }
+
+  void addOnBox(const btBoxShape& box, const btTransform& pose) {
+    const Eigen::Vector3d x = body_->state.position.col(point_);
+    const NearestOnBox nearest = nearestOnBox(box, pose, x);
+    const double height = nearest.normal.dot(x - nearest.surface);
+    if (height - double(body_->masses.shape->getRadius()) <= reach_)
+      add(nearest.normal, toBullet(nearest.surface));
+  }
+
+  /// Keeps the one contact that was found for coming ticks.
+  void keepContact(CachedContact& cached, std::uint64_t stamp) const {
+    const btVector3 place = toBullet(Eigen::Vector3d(body_->state.position.col(point_)));
+    if (found_ == 1) limber::keepContact(cached, stamp, *partner_, surface_, normal_, place);
+  }
+
+  /// A row that the step makes follow what `around` has of this owner; up to then, it is on this plane.
+  void addFollowing(HeldNeighbourhood& around, std::uint32_t owner, const HeldContact* contact) {
+    ContactRow row = makeRow();
+    row.around = &around;
+    row.owner = owner;
+    row.away = !contact;
+    if (contact) row.normal = contact->normal, row.touch = contact->touch;
+    push(row);
+  }
+
+  void add(const Eigen::Vector3d& normal, const btVector3& surface) {
+    ContactRow row = makeRow();
+    row.normal = normal.normalized();
+    row.surfaceVelocity = kinematicWay(*partner_, toEigen(surface)) / double(tick_);
+    row.touch = toEigen(surface) + double(body_->masses.shape->getRadius()) * row.normal;
+    for (std::size_t i = first_; i < body_->contacts.size(); ++i)
+      if (body_->contacts[i].normal.dot(row.normal) > kSameSurface) {
+        if (gap(row) < gap(body_->contacts[i])) body_->contacts[i] = row;
+        return;
+      }
+    push(row);
+  }
+
+ private:
+  ContactRow makeRow() const {
+    ContactRow row;
+    row.point = point_;
+    row.friction = double(gCalculateCombinedFrictionCallback(&own(), partner_));
+    row.restitution = double(gCalculateCombinedRestitutionCallback(&own(), partner_));
+    row.bounceThreshold = body_->speeds.bounce;
+    row.recoverySpeed = body_->speeds.recovery;
+    return row;
+  }
+
+  void push(const ContactRow& row) {
+    body_->contacts.push_back(row);
+    body_->contactPartners.push_back(partner_);
+  }
+
+  double gap(const ContactRow& row) const {
+    return row.normal.dot(body_->state.position.col(point_) - row.touch);
+  }
+
+  /// What the user may have given a friction of its own.
+  const btRigidBody& own() const {
+    if (!body_->masses.shared) return *body_->surface.object;
+    return *body_->masses.bodies[point_];
+  }
+
+  SoftBodyData* body_;
+  std::uint32_t point_;
+  const btCollisionObject* partner_;
+  double reach_;  ///< m, beyond the radius
+  btScalar tick_;
+  std::size_t first_;
+  int found_ = 0;
+  btVector3 surface_, normal_;  // of the last one found
+};
+
+void addPlaneRow(RowsOfPair& rows, const SoftBodyData& body, std::uint32_t i,
+                 const btCollisionObject& partner, double reach) {
+  const auto& plane = *static_cast<const btStaticPlaneShape*>(partner.getCollisionShape());
+  const btTransform& pose = partner.getWorldTransform();
+  const Eigen::Vector3d normal = toEigen(pose.getBasis() * plane.getPlaneNormal());
+  const btVector3 onPlane = pose * (plane.getPlaneNormal() * plane.getPlaneConstant());
+  const Eigen::Vector3d x = body.state.position.col(i);
+  const double height = normal.dot(x - toEigen(onPlane));
+  if (height - double(body.masses.shape->getRadius()) > reach) return;
+  rows.add(normal, toBullet(Eigen::Vector3d(x - height * normal)));
+}
+
+/// Uses the contact that Bullet found a tick ago. On a flat face it is as good as new; a slow point has not
+/// left that face. False if there is none or the point is too fast for it.
+bool addCachedRow(RowsOfPair& rows, const SoftBodyData& body, std::uint32_t i,
+                  const btCollisionObject& partner, double reach) {
+  const PointMass& point = *body.masses.bodies[i];
+  const btPersistentManifold* manifold = point.cachedContact;
+  const double radius = double(body.masses.shape->getRadius());
+  if (!manifold || reach > kSlowReach * radius) return false;
+  const bool pointIsFirst = manifold->getBody0() == &point;
+  if ((pointIsFirst ? manifold->getBody1() : manifold->getBody0()) != &partner) return false;
+  const btManifoldPoint& contact = manifold->getContactPoint(0);
+  const btVector3 normal = pointIsFirst ? contact.m_normalWorldOnB : -contact.m_normalWorldOnB;
+  rows.add(toEigen(normal),
+           partner.getWorldTransform() * (pointIsFirst ? contact.m_localPointB : contact.m_localPointA));
+  return true;
+}
+
+/// The same for a point outside the world, for which Bullet keeps none.
+bool addKeptRow(RowsOfPair& rows, const SoftBodyData& body, std::uint32_t i, const btCollisionObject& partner,
+                std::uint64_t stamp, double reach) {
+  const CachedContact& cached = body.surface.contacts[i];
+  const double radius = double(body.masses.shape->getRadius());
+  const btVector3 place = toBullet(Eigen::Vector3d(body.state.position.col(i)));
+  if (reach > kSlowReach * radius || !isKept(cached, stamp, partner, place, body.masses.shape->getRadius()))
+    return false;
+  const btTransform& pose = partner.getWorldTransform();
+  rows.add(toEigen(pose.getBasis() * cached.normal), pose * cached.surface);
+  return true;
+}
+
+/// Asks Bullet's narrowphase.
+void addFoundRows(RowsOfPair& rows, SoftBodyData& body, std::uint32_t i, const btCollisionObject& partner,
+                  std::uint64_t stamp) {
+  if (!body.masses.shared) writePoint(body, i);
+  body.world->contactPairTest(body.masses.bodies[i], const_cast<btCollisionObject*>(&partner), rows);
+  if (isSurfaceBody(body)) rows.keepContact(body.surface.contacts[i], stamp);
+}
+
+/// Nobody can have excluded a pair with a point that nobody outside knows.
+bool mayBeExcluded(const SoftBodyData& body) { return body.masses.shared || !body.anchors.empty(); }
+
+double heightAbove(const HeldPiece& sheet, const Eigen::Vector3d& x) {
+  return sheet.center.dot(x - sheet.axes.col(0));
+}
+
+/// m
+double distanceTo(const HeldPiece& sheet, const Eigen::Vector3d& x) {
+  const Eigen::Vector3d weights = nearestBarycentric({sheet.axes.col(0), sheet.axes.col(1), sheet.axes.col(2)}, x);
+  return (sheet.axes * weights - x).norm();
+}
+
+/// Whether the straight line from x to y goes through a triangle.
+bool goesThrough(const HeldPiece& sheet, const Eigen::Vector3d& x, const Eigen::Vector3d& y) {
+  const double from = heightAbove(sheet, x), to = heightAbove(sheet, y);
+  if (from == to || (from > 0.0) == (to > 0.0)) return false;
+  return distanceTo(sheet, x + from / (from - to) * (y - x)) <= kOnIt * (y - x).norm();
+}
+
+/// Whether a spring of point i goes through a triangle.
+bool isHungThrough(const SoftBodyData& body, std::uint32_t i, const HeldPiece& sheet) {
+  const auto& x = body.state.position;
+  const auto goes = [&](const NetworkSpring& s) {
+    return (s.a == i && goesThrough(sheet, x.col(i), x.col(s.b))) ||
+           (s.b == i && goesThrough(sheet, x.col(i), x.col(s.a)));
+  };
+  return std::any_of(body.network->springs.begin(), body.network->springs.end(), goes);
+}
+
+/// What is put on terrain to within round-off, or a little too deep, has points that lie in its triangles: what touches
+/// is a radius away. These belong where their body is, if springs of theirs go through.
+void chooseSides(const SoftBodyData& body, std::uint32_t i, HeldPiece* begin, HeldPiece* end) {
+  const double radius = double(body.masses.shape->getRadius());
+  const Eigen::Vector3d x = body.state.position.col(i);
+  for (HeldPiece* piece = begin; piece != end; ++piece) {
+    if (piece->kind != HeldPiece::Kind::Sheet) continue;
+    if (!(std::abs(heightAbove(*piece, x)) < piece->margin + kDeepest * radius)) continue;
+    // most planes that pass by are those of triangles farther away; to look at all springs costs more
+    if (distanceTo(*piece, x) > piece->margin + radius) continue;
+    if (!isHungThrough(body, i, *piece)) continue;
+    piece->metAbove = true;
+    piece->side = heightAbove(*piece, centerOfMass(body.state)) < 0.0 ? -1 : 1;
+  }
+}
+
+/// On a plane, of a sheet on all of it; `next` becomes the piece after these.
+HeldPlace nearestOnFlat(const HeldPiece* first, const HeldPiece* end, const Eigen::Vector3d& x,
+                        const HeldPiece*& next) {
+  next = endOfSolid(first, end);
+  if (first->kind != HeldPiece::Kind::Sheet) return nearestOn(first, next, x);
+  const HeldPiece* below = first;
+  for (; next != end && next->owner == first->owner; ++next)
+    if (next->metAbove) below = next;
+  const double height = heightAbove(*below, x), side = below->metAbove ? below->side : height < 0.0 ? -1.0 : 1.0;
+  return {side * below->center, side * height - below->margin, true};
+}
+
+/// Rows that need not follow anything: all that is near is flat.
+void addFlatRows(SoftBodyData& body, std::uint32_t i, const Reach& reach, btScalar tick) {
+  const HeldSurroundings& all = body.held;
+  const Eigen::Vector3d x = body.state.position.col(i);
+  const HeldPiece* end = all.pieces.data() + all.pieces.size();
+  const HeldPiece* first = all.pieces.data() + body.staticPieces;
+  for (const auto& [partner, endOfOwners] : body.staticPartners) {
+    RowsOfPair rows(body, i, *partner, reach.distance, tick);
+    for (const HeldPiece* next = first; first != end && first->owner < endOfOwners; first = next) {
+      const HeldPlace place = nearestOnFlat(first, end, x, next);
+      if (place.height - double(body.masses.shape->getRadius()) <= reach.distance)
+        rows.add(place.normal, toBullet(Eigen::Vector3d(x - place.height * place.normal)));
+    }
+  }
+}
+
+/// Rows that follow what is near: for each owner as many as there are directions in which it is.
+void addFollowingRows(SoftBodyData& body, std::uint32_t i, const Reach& reach, btScalar tick) {
+  if (body.neighbourhoodCount == body.neighbourhoods.size()) body.neighbourhoods.emplace_back();
+  HeldNeighbourhood& around = body.neighbourhoods[body.neighbourhoodCount++];
+  around = {&body.held, body.staticPieces, body.held.pieces.size(),
+            double(body.masses.shape->getRadius())};
+  findContacts(around, body.state.position.col(i), Eigen::Vector3d::Zero(), reach.distance);
+  std::uint32_t owner = 0;
+  for (const auto& [partner, endOfOwners] : body.staticPartners) {
+    RowsOfPair rows(body, i, *partner, reach.distance, tick);
+    for (; owner < endOfOwners; ++owner) {
+      bool any = false;
+      for (const HeldContact& c : body.held.contacts) {
+        if (c.owner != owner) continue;
+        rows.addFollowing(around, owner, &c);
+        any = true;
+      }
+      if (!any) rows.addFollowing(around, owner, nullptr);
+    }
+  }
+}
+
+}  // namespace
+
+std::uint64_t stampOf(const btCollisionObject& partner) {
+  const btCollisionShape& shape = *partner.getCollisionShape();
+  if (!shape.isConvex()) return 0;
+  std::uint64_t hash = hashOfShape(shape);
+  for (const std::uint64_t part :
+       {std::uint64_t{reinterpret_cast<std::uintptr_t>(&partner)},
+        std::uint64_t{reinterpret_cast<std::uintptr_t>(&shape)},
+        static_cast<std::uint64_t>(partner.getBroadphaseHandle()->m_uniqueId)})
+    addToHash(hash, part);
+  return hash | 1;
+}
+
+void addStaticRows(SoftBodyData& body, std::uint32_t i, const Reach& reach, btScalar tick) {
+  body.staticPartners.clear();
+  body.staticPieces = body.held.pieces.size();
+  std::uint32_t owners = 0;
+  const Eigen::AlignedBox3d box(reach.low, reach.high);
+  for (std::size_t p = 0; p < body.partners.size(); ++p) {
+    const btCollisionObject* partner = body.partners[p];
+    if (isMoved(*partner) || !box.intersects(body.partnerBoxes[p])) continue;
+    if (mayBeExcluded(body) && !canHit(body, *body.masses.bodies[i], *partner)) continue;
+    owners = addPieces(*partner, box, *body.shapes, owners, body.held.pieces);
+    body.staticPartners.emplace_back(partner, owners);
+  }
+  const HeldPiece *begin = body.held.pieces.data() + body.staticPieces,
+                  *end = body.held.pieces.data() + body.held.pieces.size();
+  if (begin == end) return;
+  chooseSides(body, i, body.held.pieces.data() + body.staticPieces, body.held.pieces.data() + body.held.pieces.size());
+  if (!areFlatAround(begin, end, body.state.position.col(i), double(body.masses.shape->getRadius()),
+                     reach.distance))
+    return addFollowingRows(body, i, reach, tick);
+  addFlatRows(body, i, reach, tick);
+  body.held.pieces.resize(body.staticPieces);
+}
+
+void addRows(SoftBodyData& body, std::uint32_t i, const btCollisionObject& partner, std::uint64_t stamp,
+             const Eigen::Vector3d& velocity, double time, btScalar tick) {
+  if (!isMoved(partner)) return;
+  const double travel = kinematicWay(partner, body.state.position.col(i)).norm();
+  const Reach reach = reachFrom(body, i, velocity, time, kReachPerMotion * travel);
+  if (!overlaps(reach, partner)) return;
+  if (mayBeExcluded(body) && !canHit(body, *body.masses.bodies[i], partner)) return;
+  const double distance = reach.distance;
+  // it may be carried along, and need not be searched for there
+  body.reach[i] = std::max(body.reach[i], distance);
+  RowsOfPair rows(body, i, partner, distance, tick);
+  const int shape = partner.getCollisionShape()->getShapeType();
+  if (shape == STATIC_PLANE_PROXYTYPE)
+    addPlaneRow(rows, body, i, partner, distance);
+  else if (shape == BOX_SHAPE_PROXYTYPE && isSurfaceBody(body))
+    rows.addOnBox(*static_cast<const btBoxShape*>(partner.getCollisionShape()), partner.getWorldTransform());
+  else if (!(isSurfaceBody(body) ? addKeptRow(rows, body, i, partner, stamp, distance)
+                                 : addCachedRow(rows, body, i, partner, distance)))
+    addFoundRows(rows, body, i, partner, stamp);
+}
+
+}  // namespace LIMBER_BULLET_PRECISION
+}  // namespace limber
