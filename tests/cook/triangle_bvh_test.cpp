@@ -16,7 +16,7 @@ using limber::kPi;
 using limber::nearestBarycentric;
 using limber::pointAt;
 using limber::solidAngle;
-using limber::SurfaceHit;
+using limber::TriangleHit;
 using limber::TriangleBvh;
 using limber::TriangleCorners;
 using limber::WeldedMesh;
@@ -58,7 +58,7 @@ TEST(TriangleBvh, nearestIsTheNearestOfAll) {
   const TriangleBvh bvh = bvhOf(mesh);
   for (int i = 0; i < 300; ++i) {
     const Vector3d p = spread(i, 0.7);
-    const SurfaceHit hit = bvh.nearest(p);
+    const TriangleHit hit = bvh.nearest(p);
     ASSERT_TRUE(hit);
     EXPECT_NEAR(hit.distance, bruteDistance(mesh, p), 1e-14);
     EXPECT_NEAR((hit.position - p).norm(), hit.distance, 1e-14);
@@ -69,7 +69,7 @@ TEST(TriangleBvh, nearestIsTheNearestOfAll) {
 
 TEST(TriangleBvh, equallyNearTrianglesGiveTheLowestIndex) {
   const WeldedMesh cube = welded(small_meshes::cube(4));
-  const SurfaceHit hit = bvhOf(cube).nearest(Vector3d(0.5, 0.5, 0.5));
+  const TriangleHit hit = bvhOf(cube).nearest(Vector3d(0.5, 0.5, 0.5));
   std::uint32_t lowest = 0;
   while ((corners(cube, lowest)[0] - Vector3d(0.5, 0.5, 0.5)).norm() > 0.0 &&
          (corners(cube, lowest)[1] - Vector3d(0.5, 0.5, 0.5)).norm() > 0.0 &&
@@ -106,7 +106,7 @@ TEST(TriangleBvh, raysMeetTheFirstTriangle) {
 TEST(TriangleBvh, raysFromWithinAlwaysMeetAClosedSurface) {
   const TriangleBvh bvh = bvhOf(welded(small_meshes::icosphere(3)));
   for (int i = 0; i < 2000; ++i) {
-    const SurfaceHit hit = bvh.firstHit(Vector3d(0.1, 0.2, 0.3), spread(i, 1.0).normalized(), 0.0, 10.0);
+    const TriangleHit hit = bvh.firstHit(Vector3d(0.1, 0.2, 0.3), spread(i, 1.0).normalized(), 0.0, 10.0);
     ASSERT_TRUE(hit) << i;
     EXPECT_NEAR(hit.position.norm(), 1.0, 0.01);
   }

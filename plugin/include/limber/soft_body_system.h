@@ -54,7 +54,7 @@ struct TickProfile {
 /// exception: if the broadphase is freed before the world, call removeAll() first. Rigid bodies that springs or
 /// anchors hold on to must outlive them, as with Bullet's own constraints; forget(body) removes all that hold on
 /// to one. Springs on a point mass that the application deletes go with it. Thread rule: the thread that steps
-/// the world, between steps.
+/// the world, between steps, or within one in callbacks and actions of the world.
 class SoftBodySystem {
  public:
   /// How the springs are stepped.

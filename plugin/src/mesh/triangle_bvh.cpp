@@ -122,9 +122,9 @@ void TriangleBvh::build(std::uint32_t node, std::uint32_t first, std::uint32_t c
   build(children + 1, first + count / 2, count - count / 2);
 }
 
-SurfaceHit TriangleBvh::firstHit(const Vector3d& origin, const Vector3d& direction, double from,
+TriangleHit TriangleBvh::firstHit(const Vector3d& origin, const Vector3d& direction, double from,
                                  double to) const {
-  SurfaceHit hit;
+  TriangleHit hit;
   hit.distance = to;
   std::array<std::uint32_t, kBvhStack> stack{};
   std::size_t waiting = nodes_.empty() ? 0 : 1;
@@ -170,9 +170,9 @@ bool TriangleBvh::isPierced(const Vector3d& a, const Vector3d& b,
   return false;
 }
 
-SurfaceHit TriangleBvh::nearestWithin(const Vector3d& position, double distance,
+TriangleHit TriangleBvh::nearestWithin(const Vector3d& position, double distance,
                                       const Vector3d& normal) const {
-  SurfaceHit hit;
+  TriangleHit hit;
   double best = distance * distance;
   std::array<std::uint32_t, kBvhStack> stack{};
   std::size_t waiting = nodes_.empty() ? 0 : 1;
@@ -201,11 +201,11 @@ SurfaceHit TriangleBvh::nearestWithin(const Vector3d& position, double distance,
   return hit;
 }
 
-SurfaceHit TriangleBvh::nearest(const Vector3d& position) const {
+TriangleHit TriangleBvh::nearest(const Vector3d& position) const {
   return nearestWithin(position, std::numeric_limits<double>::infinity());
 }
 
-SurfaceHit TriangleBvh::nearestFacing(const Vector3d& position, const Vector3d& normal) const {
+TriangleHit TriangleBvh::nearestFacing(const Vector3d& position, const Vector3d& normal) const {
   return nearestWithin(position, std::numeric_limits<double>::infinity(), normal);
 }
 

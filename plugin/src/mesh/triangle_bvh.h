@@ -17,7 +17,7 @@
 namespace limber {
 
 /// Where a ray or a nearest-point query met the surface.
-struct SurfaceHit {
+struct TriangleHit {
   std::uint32_t triangle = 0xffffffffu;  ///< none: 0xffffffff
   double distance = 0.0;                 ///< m; along the ray, or to the nearest point
   Eigen::Vector3d position = Eigen::Vector3d::Zero();
@@ -34,16 +34,16 @@ class TriangleBvh {
 
   /// The first triangle that the ray meets between `from` and `to` along the unit `direction` (m); triangles
   /// seen from either side.
-  SurfaceHit firstHit(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction, double from,
+  TriangleHit firstHit(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction, double from,
                       double to) const;
   /// Whether the segment passes through the inside of a triangle that `counts` accepts, by more than a
   /// millionth of its length on either side.
   bool isPierced(const Eigen::Vector3d& a, const Eigen::Vector3d& b,
                  const std::function<bool(std::uint32_t)>& counts) const;
-  SurfaceHit nearest(const Eigen::Vector3d& position) const;
+  TriangleHit nearest(const Eigen::Vector3d& position) const;
 
   /// Among the triangles whose normal does not point against `normal`, if there are any.
-  SurfaceHit nearestFacing(const Eigen::Vector3d& position, const Eigen::Vector3d& normal) const;
+  TriangleHit nearestFacing(const Eigen::Vector3d& position, const Eigen::Vector3d& normal) const;
 
   /// Generalized winding number (Jacobson, Kavan, Sorkine 2013; far triangles by their dipole, Barill et al.
   /// 2018): 1 inside a closed surface, 0 outside, in between near holes.
@@ -68,7 +68,7 @@ class TriangleBvh {
   Eigen::AlignedBox3d boxOf(std::uint32_t first, std::uint32_t count) const;
   void setDipole(Node& node, std::uint32_t first, std::uint32_t count) const;
   void build(std::uint32_t node, std::uint32_t first, std::uint32_t count);
-  SurfaceHit nearestWithin(const Eigen::Vector3d& position, double distance,
+  TriangleHit nearestWithin(const Eigen::Vector3d& position, double distance,
                            const Eigen::Vector3d& normal = Eigen::Vector3d::Zero()) const;
   bool isInsideOrNear(const Eigen::Vector3d& position, double tolerance) const;
   std::vector<double> crossings(const Eigen::Vector3d& a, const Eigen::Vector3d& b) const;

@@ -186,7 +186,7 @@ void addAntipodalBraces(BracedPiece& piece) {
   std::vector<bool> reached(points.size(), false);
   for (std::uint32_t i = 0; i < points.size() && !piece.full(); ++i) {
     if (reached[i]) continue;
-    const SurfaceHit hit =
+    const TriangleHit hit =
         piece.chords.surface().firstHit(points[i], -normals[i], kAway * size, kFarAway * size);
     if (!hit) continue;
     for (const std::uint32_t j : byDistance(points, triangles[hit.triangle], hit.position)) {

@@ -145,7 +145,7 @@ Vector3d bisect(Vector3d in, Vector3d out, const TriangleBvh& surface) {
 Vector3d findCut(const Vector3d& in, const Vector3d& out, const TriangleBvh& surface) {
   const double length = (out - in).norm(), step = 1e-3 * length;
   const Vector3d direction = (out - in) / length;
-  const SurfaceHit hit = surface.firstHit(in, direction, 0.0, length);
+  const TriangleHit hit = surface.firstHit(in, direction, 0.0, length);
   if (!hit) return bisect(in, out, surface);
   const bool leaves = hit.distance + step >= length || !surface.inside(hit.position + step * direction);
   return leaves ? hit.position : bisect(in, out, surface);

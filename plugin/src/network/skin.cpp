@@ -175,7 +175,7 @@ SparseRows belonging(const WeldedMesh& mesh, const SpringNetwork& network, const
   std::vector<Eigen::Triplet<double>> entries;
   const std::vector<Vector3d> normals = vertexNormals(mesh.points, mesh.triangles);
   for (std::size_t i = 0; i < mesh.points.size(); ++i) {
-    const SurfaceHit foot = surface.nearestFacing(mesh.points[i], normals[i]);
+    const TriangleHit foot = surface.nearestFacing(mesh.points[i], normals[i]);
     if (!foot) continue;
     for (int c = 0; c < 3; ++c) {
       const std::uint32_t point = network.surface[foot.triangle][static_cast<std::size_t>(c)];

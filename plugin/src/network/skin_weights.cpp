@@ -76,7 +76,7 @@ std::uint32_t walkTo(const Vector3d& place, std::uint32_t start, const std::vect
 /// The nearest triangle that faces as the place does: that of a part that only nearly touches faces the other
 /// way.
 std::uint32_t nearestOutside(const TriangleBvh& bvh, const SkinProblem& problem, std::size_t place) {
-  const SurfaceHit hit = bvh.nearestFacing(problem.places[place], problem.normals[place]);
+  const TriangleHit hit = bvh.nearestFacing(problem.places[place], problem.normals[place]);
   return hit ? hit.triangle : bvh.nearest(problem.places[place]).triangle;
 }
 

@@ -113,7 +113,7 @@ Vector3d meetingOfPlanes(const Fit& fit, std::uint32_t point, const SolidSurface
     const double weight = (points[t[1]] - points[t[0]]).cross(points[t[2]] - points[t[0]]).norm();
     for (std::size_t corner = 0; corner < 3; ++corner) {
       const Vector3d sample = (points[t[0]] + points[t[1]] + points[t[2]] + 3.0 * points[t[corner]]) / 6.0;
-      const SurfaceHit hit = surface.bvh.nearest(sample);
+      const TriangleHit hit = surface.bvh.nearest(sample);
       const Vector3d& normal = surface.normals[hit.triangle];
       left += weight * normal * normal.transpose();
       right += weight * normal.dot(hit.position - here) * normal;
