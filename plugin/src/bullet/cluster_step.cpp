@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 
 // This file steps a cluster, searches for contacts within its step, limits what joints add to its energy, and
-// hands the result over.
+// writes the result to Bullet.
 
 #include "bullet/tick_group.h"
 #include "solver/point_state.h"

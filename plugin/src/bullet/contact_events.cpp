@@ -219,7 +219,7 @@ void keep(const SoftContact& contact, std::vector<StrongestContacts>& strongest)
 }
 
 /// What the pair of the two objects has, made if need be; nullptr if Bullet's broadphase knows no such pair
-/// or somebody else is in charge of it.
+/// or the pair has an algorithm that is not ours.
 ShownContacts* shownOf(SoftBodyData& body, const btCollisionObject& other) {
   for (ShownContacts* shown : body.shown)
     if (shown->other() == &other) return shown;

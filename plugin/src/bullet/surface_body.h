@@ -112,7 +112,7 @@ void addSurface(SoftBodyData& body);
 /// Deletes what the application has not deleted. A world that is gone is not touched.
 void removeSurface(SoftBodyData& body);
 
-/// From now on the point masses are kept up to date and read: somebody outside has one.
+/// From now on the point masses are kept up to date and read: the application has one.
 void sharePoints(SoftBodyData& body);
 
 /// Moves the forces that the user has applied to the points since the last call into surface.force.

@@ -156,6 +156,8 @@ void SoftBodySystem::Impl::WorldStep::handOverGroups(btScalar tick) {
 void SoftBodySystem::Impl::WorldStep::beforeTick(btScalar tick) {
   profile = TickProfile();
   for (Impl* system : systems) system->hideManifolds();
+  // of a tick whose end nobody told
+  switchOnDrives(*world, drivesOff);
   // a tick without length moves nothing and would divide by zero
   if (!(tick > btScalar(0))) return;
   rebuildGroupsIfNeeded();

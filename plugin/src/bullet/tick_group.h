@@ -193,8 +193,8 @@ void makeClusters(std::vector<TickGroup>& groups, TickContacts& found, btScalar 
 /// against what pulls at them may not raise its energy by that.
 void stepCluster(Cluster& cluster, const TickContacts& found, double tick, SurfaceSearch& search);
 
-/// After the step: gives the groups their bodies' states back, and `found` what its contacts bore; hands the
-/// rigid bodies that are in no group over to Bullet.
+/// After the step: gives the groups their bodies' states back, and `found` the impulses of its contacts;
+/// writes the rigid bodies that are in no group to Bullet.
 void handOverCluster(Cluster& cluster, TickContacts& found, btScalar tick);
 
 /// After Bullet's part of the tick, see takeBackRigid(); of rigid bodies that are still in the world.

@@ -93,7 +93,7 @@ void TickHook::detachIfUnused() {
 
 void TickHook::detach() {
   world_->removeAction(this);
-  // somebody who took the slot after us may be calling us on: then stay, and pass the call on
+  // a callback that was set after ours may call ours: then ours stays, and calls the one before it
   if (!inPlace() && previous_) return;
   giveSlotBack();
   auto& hooks = hookList().hooks;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 
-// This file hands the motion of points in the world over to Bullet and takes back what its solver did. It
-// stops fast points at what they would pass through, and shares contacts with Bullet's manifolds.
+// This file writes the motion of points in the world to Bullet's bodies and reads the impulses of Bullet's solver
+// from them. It stops fast points at what they would pass through, and shares contacts with Bullet's manifolds.
 
 #include "bullet/bullet_objects.h"
 #include "bullet/point_contacts.h"
@@ -20,8 +20,8 @@ namespace limber {
 inline namespace LIMBER_BULLET_PRECISION {
 namespace {
 
-/// Roundings Bullet makes between what we hand over and what we read back; differences up to this many units
-/// in the last place are not an impulse.
+/// Roundings Bullet makes between what is written to its bodies and what is read from them; differences up to
+/// this many units in the last place are not an impulse.
 constexpr double kRoundings = 4.0;
 constexpr double kEpsilon = std::numeric_limits<btScalar>::epsilon();
 

@@ -34,12 +34,12 @@ struct SurfaceFeatures {
 };
 
 /// A triangle, a segment or a lone vertex, with those of its edges and corners that no element before it has:
-/// each feature is in one element's care.
+/// each feature belongs to one element.
 struct SurfaceElement {
   std::array<std::uint32_t, 3> corners;  ///< the last repeated
   std::uint32_t triangle = kNoFeature;
-  std::array<std::uint32_t, 3> vertices = {kNoFeature, kNoFeature, kNoFeature};  ///< in its care
-  std::array<std::uint32_t, 3> edges = {kNoFeature, kNoFeature, kNoFeature};     ///< in its care
+  std::array<std::uint32_t, 3> vertices = {kNoFeature, kNoFeature, kNoFeature};  ///< that belong to it
+  std::array<std::uint32_t, 3> edges = {kNoFeature, kNoFeature, kNoFeature};     ///< that belong to it
 };
 
 /// Lists of different lengths, one after the other: list i is items[first[i]] to items[first[i + 1]].
@@ -61,7 +61,7 @@ struct SurfaceNode {
 struct SurfaceTopology {
   std::vector<Triangle> triangles;
   std::vector<std::uint8_t> oneSided;  ///< #triangles: solid behind it
-  std::vector<double> depthLimit;      ///< #triangles, m: farther behind it, a vertex is none of its business
+  std::vector<double> depthLimit;      ///< #triangles, m: vertices farther behind it do not touch it
   std::vector<Edge> edges;             ///< of triangles, then segments
   std::vector<std::array<std::uint32_t, 2>> edgeTriangles;  ///< #edges, kNoFeature where there is none
   IndexLists edgesAround, trianglesAround;                  ///< #points lists

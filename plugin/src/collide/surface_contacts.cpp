@@ -17,7 +17,7 @@ using Eigen::Vector3d;
 
 // --- features that are near --------------------------------------------------------------------------------
 
-/// An element with the boxes of what is in its care.
+/// An element with the boxes of the features that belong to it.
 struct BoxedElement {
   const SurfaceElement* element = nullptr;
   SweptBox whole;
