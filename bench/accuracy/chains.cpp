@@ -17,7 +17,7 @@ Eigen::Matrix3Xd hanging(const SpringNetwork& network, double mass, double stiff
   double below = mass;
   for (Eigen::Index i = 1; i < count; ++i) {
     const auto n = static_cast<std::size_t>(i);
-    below -= mass * network.massShares[n - 1];
+    below -= mass * network.massFractions[n - 1];
     const double rest = (network.restPoints[n] - network.restPoints[n - 1]).norm();
     points(1, i) = points(1, i - 1) - rest - below * kGravity / stiffness;
   }

@@ -28,7 +28,7 @@ EngineChoice finer(const Scene& scene, double dt, int factor) {
   const int count = factor * stableSubsteps(scene.bodies[0], dt);
   const auto tune = [count](SoftBodySettings& s) {
     s.stepping.stepper = Stepper::Verlet;
-    s.stepping.atLeast = count;
+    s.stepping.minSubsteps = count;
   };
   return {"limber", "verlet x" + std::to_string(factor), [tune](double) { return makeLimberEngine(tune); }};
 }

@@ -11,7 +11,7 @@ namespace {
 std::shared_ptr<SpringNetwork> withPoints(NetworkKind kind, std::vector<Eigen::Vector3d> points) {
   auto network = std::make_shared<SpringNetwork>();
   network->kind = kind;
-  network->massShares.assign(points.size(), 1.0 / static_cast<double>(points.size()));
+  network->massFractions.assign(points.size(), 1.0 / static_cast<double>(points.size()));
   network->restPoints = std::move(points);
   return network;
 }
@@ -51,8 +51,8 @@ SharedNetwork barNetwork(int links) { return line(links, Eigen::Vector3d::UnitX(
 SharedNetwork loadedChainNetwork(int links, double ratio) {
   auto network = line(links, -Eigen::Vector3d::UnitY());
   const double sum = links + ratio;
-  for (double& share : network->massShares) share = 1.0 / sum;
-  network->massShares.back() = ratio / sum;
+  for (double& share : network->massFractions) share = 1.0 / sum;
+  network->massFractions.back() = ratio / sum;
   return network;
 }
 

@@ -28,7 +28,7 @@ void addOptions(CLI::App& app, Options& options) {
   app.add_option("--scene", options.scene, "only scenes whose name has this in it");
   app.add_option("--repeats", options.limits.repeats, "repeats of each scene (default 3)")
       ->check(CLI::PositiveNumber);
-  app.add_option("--patience", options.limits.mostSeconds,
+  app.add_option("--patience", options.limits.timeLimit,
                  "seconds that an engine may take for a repeat of a scene (default 120)")
       ->check(CLI::PositiveNumber);
   app.add_flag("--flags", options.flags, "compare kinds of collision of btSoftBody instead");
@@ -41,13 +41,13 @@ std::vector<ContactScene> scenesOf(const Options& options) {
   return chosen;
 }
 
-std::vector<ContactRow> measureAll(const std::vector<ContactScene>& scenes, const Options& options) {
+std::vector<PlaneContact> measureAll(const std::vector<ContactScene>& scenes, const Options& options) {
   const std::vector<ContactEngine> engines = options.flags ? contactFlags() : contactEngines();
   CsvTable csv(options.out + "/" + kCsvName, contactColumns());
   RowProgress progress;
-  std::vector<ContactRow> all;
+  std::vector<PlaneContact> all;
   for (const ContactScene& scene : scenes) {
-    for (ContactRow& row : measureContact(scene, engines, options.limits, progress)) {
+    for (PlaneContact& row : measureContact(scene, engines, options.limits, progress)) {
       csv.add(contactCells(row));
       all.push_back(std::move(row));
     }
@@ -69,7 +69,7 @@ ExitCode runContact(int argc, char** argv) {
     return kUsage;
   }
   if (!canWrite(options.out, kCsvName)) return kFailure;
-  const std::vector<ContactRow> rows = measureAll(scenes, options);
+  const std::vector<PlaneContact> rows = measureAll(scenes, options);
   std::string summary = summariseContact(rows);
   if (!options.flags) summary += contactTargets(rows) + "\n" + describe(measureMemory(options.quick));
   publish(summary, options.out + "/contact.txt");

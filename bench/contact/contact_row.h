@@ -8,7 +8,7 @@
 namespace limber::bench {
 
 /// What one engine's run of a scene took. Empty where the engine could not.
-struct ContactRow {
+struct PlaneContact {
   std::string scene, engine;
   Role role = Role::Rest;
   Crowd crowd = Crowd::Small;
@@ -30,6 +30,6 @@ struct ContactRow {
 };
 
 std::vector<std::string> contactColumns();
-std::vector<std::string> contactCells(const ContactRow& row);
+std::vector<std::string> contactCells(const PlaneContact& row);
 
 }  // namespace limber::bench

@@ -61,11 +61,11 @@ void ContactStage::checkPlaces() {
   }
 }
 
-void ContactStage::advance(int ticks, double mostSeconds) {
+void ContactStage::advance(int ticks, double timeLimit) {
   for (int i = 0; i < ticks && !over(); ++i) {
     tick();
     const bool hopeless = laterSeconds_ > kHopeless * std::max(1, done_ - 1);
-    if ((hopeless || seconds_ > mostSeconds) && !over())
+    if ((hopeless || seconds_ > timeLimit) && !over())
       error_ = format("given up after %d ticks: %.0f ms each", done_, 1e3 * seconds_ / done_);
   }
   if (error_.empty()) checkPlaces();

@@ -14,9 +14,9 @@ class ContactStage {
   ContactStage(const ContactStage&) = delete;
   ContactStage& operator=(const ContactStage&) = delete;
 
-  /// So many ticks, or fewer where the scene ends; gives up where they take longer than `mostSeconds` in all
+  /// So many ticks, or fewer where the scene ends; gives up where they take longer than `timeLimit` in all
   /// or than two seconds each.
-  void advance(int ticks, double mostSeconds);
+  void advance(int ticks, double timeLimit);
   bool over() const { return !error_.empty() || done_ >= scene_.settleTicks + scene_.measuredTicks; }
   /// Why it did not come to its end, or empty.
   const std::string& error() const { return error_; }

@@ -52,7 +52,7 @@ void playAll(std::vector<Run>& runs, const ContactScene& scene, const ContactLim
   for (int turn = 0; turn < turns; ++turn) {
     for (std::size_t i = 0; i < runs.size(); ++i) {
       Run& run = runs[(i + static_cast<std::size_t>(turn + repeat)) % runs.size()];
-      if (run.stage && !run.stage->over()) run.stage->advance(scene.turn, limits.mostSeconds);
+      if (run.stage && !run.stage->over()) run.stage->advance(scene.turn, limits.timeLimit);
     }
     progress.show(scene.name, (repeat + double(turn + 1) / turns) / limits.repeats);
   }
@@ -93,8 +93,8 @@ std::size_t pointsOf(const ContactScene& scene) {
   return points;
 }
 
-ContactRow rowOf(const Run& run, const std::vector<Run>& runs, const ContactScene& scene) {
-  ContactRow row;
+PlaneContact rowOf(const Run& run, const std::vector<Run>& runs, const ContactScene& scene) {
+  PlaneContact row;
   row.scene = scene.name, row.engine = run.engine->name;
   row.role = scene.role, row.crowd = scene.crowd;
   row.bodies = scene.bodies.size(), row.points = pointsOf(scene);
@@ -115,7 +115,7 @@ ContactRow rowOf(const Run& run, const std::vector<Run>& runs, const ContactScen
 
 }  // namespace
 
-std::vector<ContactRow> measureContact(const ContactScene& scene, const std::vector<ContactEngine>& engines,
+std::vector<PlaneContact> measureContact(const ContactScene& scene, const std::vector<ContactEngine>& engines,
                                        const ContactLimits& limits, RowProgress& progress) {
   std::vector<Run> runs = runsOf(scene, engines);
   for (int repeat = 0; repeat < limits.repeats; ++repeat) {
@@ -123,7 +123,7 @@ std::vector<ContactRow> measureContact(const ContactScene& scene, const std::vec
     playAll(runs, scene, limits, repeat, progress);
     for (Run& run : runs) keep(run);
   }
-  std::vector<ContactRow> rows;
+  std::vector<PlaneContact> rows;
   for (const Run& run : runs) rows.push_back(rowOf(run, runs, scene));
   return rows;
 }

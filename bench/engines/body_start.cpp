@@ -49,7 +49,7 @@ BodyStart startOf(const BodySetup& setup) {
     throw std::runtime_error("springs that pull and push differently are Limber's alone");
   BodyStart start;
   const auto shares = Eigen::Map<const Eigen::VectorXd>(
-      setup.network->massShares.data(), static_cast<Eigen::Index>(setup.network->massShares.size()));
+      setup.network->massFractions.data(), static_cast<Eigen::Index>(setup.network->massFractions.size()));
   start.masses = s.totalMass * shares;
   const Eigen::Matrix3Xd rest = placed(*setup.network, s);
   fillSprings(setup, rest, start);

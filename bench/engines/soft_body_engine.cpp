@@ -80,7 +80,7 @@ void setContacts(btSoftBody& body, SoftContacts contacts) {
   } else {
     body.generateClusters(kClusters);
     body.m_cfg.collisions =
-        (contacts == SoftContacts::Clusters ? Flags::CL_RS : Flags::SDF_RS) | Flags::CL_SS;
+        (contacts == SoftContacts::Islands ? Flags::CL_RS : Flags::SDF_RS) | Flags::CL_SS;
   }
 }
 

@@ -16,7 +16,7 @@
 namespace limber::bench {
 namespace {
 
-constexpr double kMostMegabytes = 2048.0;
+constexpr double kMaxMegabytes = 2048.0;
 constexpr std::uint32_t kRunsOfEach = 2;
 constexpr std::uint64_t kSeed = 1000;
 
@@ -44,7 +44,7 @@ LargeRow measure(double cell, std::uint32_t points) {
   return row;
 }
 
-double mostSeconds(const LargeRow& row) { return row.points <= 400 ? 10.0 : 300.0; }
+double timeLimit(const LargeRow& row) { return row.points <= 400 ? 10.0 : 300.0; }
 
 }  // namespace
 
@@ -64,8 +64,8 @@ std::string largeTargets(const std::vector<LargeRow>& rows) {
   std::string text;
   for (const LargeRow& r : rows)
     text += format("  %-4s  %-78s %.1f s, %.0f MB\n",
-                   r.seconds <= mostSeconds(r) && r.megabytes < kMostMegabytes ? "hit" : "MISS",
-                   format("%zu points cook in at most %.0f s and 2 GiB", r.points, mostSeconds(r)).c_str(),
+                   r.seconds <= timeLimit(r) && r.megabytes < kMaxMegabytes ? "hit" : "MISS",
+                   format("%zu points cook in at most %.0f s and 2 GiB", r.points, timeLimit(r)).c_str(),
                    r.seconds, r.megabytes);
   return text;
 }

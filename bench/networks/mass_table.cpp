@@ -35,7 +35,7 @@ std::vector<MassRow> measureMasses() {
   for (const network_shapes::NamedShape& shape : network_shapes::solids()) {
     const SharedNetwork network = network_shapes::bare(shape.make());
     for (const auto& [rule, name] : rules) {
-      const MassShares m = shareMass(rule, network->restPoints, network->surface);
+      const MassFractions m = shareMass(rule, network->restPoints, network->surface);
       const auto [least, most] = std::minmax_element(m.shares.begin(), m.shares.end());
       rows.push_back({shape.name, name, m.centreError, m.inertiaError, *most / *least});
       rows.back().unsolvable = m.leastMisfit > 0.0;

@@ -44,9 +44,9 @@ Way way(const char* what, const char* number, double damping, bool resting, int 
 
 void addSingles(double damping, bool resting, std::vector<Way>& ways) {
   for (const bool four : {false, true}) {
-    if (four && !canStepQuads()) continue;
+    if (four && !canStepSpringBatches()) continue;
     auto cubes = std::make_shared<std::deque<TestCube>>(makeCubes(1, damping, resting));
-    if (four) cubes->front().group.bodies[0].quads = &cubes->front().quads;
+    if (four) cubes->front().group.bodies[0].springBatches = &cubes->front().springBatches;
     ways.push_back(way(four ? "1 body AVX2" : "1 body scalar", "double", damping, resting, 1));
     ways.back().run = [cubes] { stepVerlet(cubes->front().group, kTick, kSubsteps); };
   }

@@ -14,7 +14,7 @@ SpringNetwork cubeOfAllPairs() {
   SpringNetwork network;
   for (std::uint32_t i = 0; i < 8; ++i) {
     network.restPoints.emplace_back(i & 1u ? 0.5 : -0.5, i & 2u ? 0.5 : -0.5, i & 4u ? 0.5 : -0.5);
-    network.massShares.push_back(kPointMass);
+    network.massFractions.push_back(kPointMass);
     for (std::uint32_t j = 0; j < i; ++j) network.springs.push_back({j, i, SpringKind::Structural, 1.0});
   }
   return network;
@@ -24,7 +24,7 @@ void addFloor(TestCube& cube) {
   for (std::uint32_t i = 0; i < 8; ++i) {
     cube.state.velocity.col(i).setZero();
     if (cube.state.position(1, i) > 0.0) continue;
-    ContactRow row;
+    PlaneContact row;
     row.point = i;
     row.friction = 0.5;
     row.touch = cube.state.position.col(i);

@@ -13,9 +13,9 @@ namespace limber::bench {
 struct TestCube {
   PointState state;
   SpringArrays springs;
-  std::vector<ContactRow> contacts;
-  QuadArrays quads;
-  StepGroup group;
+  std::vector<PlaneContact> contacts;
+  SpringBatchArrays springBatches;
+  SolverIsland group;
 };
 
 /// `count` cubes at their start; `resting` gives each the four contacts of one that lies on a floor.

@@ -13,7 +13,7 @@
 namespace limber::bench {
 namespace {
 
-constexpr double kMostDrag = 2.0;                   // 1/s, so that what is slowed down as a whole still falls
+constexpr double kMaxDrag = 2.0;                   // 1/s, so that what is slowed down as a whole still falls
 constexpr double kDragOfFalling = 2.0;              // 1/s: what is slowed down as a whole must still fall
 constexpr double kShortest = 2.0, kLongest = 60.0;  // s
 
@@ -61,7 +61,7 @@ Eigen::Matrix3Xd restPositions(const BodySetup& body) {
 }
 
 double settleTime(const BodySetup& cube) {
-  const auto& shares = cube.network->massShares;
+  const auto& shares = cube.network->massFractions;
   const double heaviest = cube.settings.totalMass * *std::max_element(shares.begin(), shares.end());
   const double k = cube.settings.extensionStiffness, c = cube.settings.damping;
   const double slowest = std::sqrt(k / heaviest);

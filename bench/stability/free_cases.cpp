@@ -43,7 +43,7 @@ void addStiffnesses(std::vector<HardCase>& cases, bool quick) {
 /// The chosen points are `ratio` times as heavy as the others.
 void loadPoints(BodySetup& cube, double ratio, const std::vector<std::size_t>& heavy) {
   auto network = std::make_shared<SpringNetwork>(*cube.network);
-  auto& shares = network->massShares;
+  auto& shares = network->massFractions;
   shares.assign(shares.size(), 1.0);
   for (const std::size_t i : heavy) shares[i] = ratio;
   double sum = 0.0;

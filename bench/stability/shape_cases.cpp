@@ -115,7 +115,7 @@ void addStarts(std::vector<HardCase>& cases, const std::string& group, const Sta
 SharedNetwork doubledPointNetwork(const SpringNetwork& cube) {
   auto network = std::make_shared<SpringNetwork>(cube);
   network->restPoints.push_back(cube.restPoints[0]);
-  network->massShares.assign(9, 1.0 / 9.0);
+  network->massFractions.assign(9, 1.0 / 9.0);
   std::vector<NetworkSpring> springs;
   for (std::uint32_t a = 0; a < 9; ++a)
     for (std::uint32_t b = a + 1; b < 9; ++b) springs.push_back({a, b, SpringKind::Structural, 1.0});

@@ -14,7 +14,7 @@
 namespace limber::demo {
 namespace {
 
-constexpr double kMostPoints = 1e6;
+constexpr double kMaxPoints = 1e6;
 
 /// What CLI11 fills in; some of it only makes sense together.
 struct CommandLine {
@@ -53,10 +53,10 @@ void addBraces(CLI::App& app, CommandLine& line) {
   app.add_option("--brace-weight", n.braceWeight,
                  "stiffness of a brace, times a spring's (default 0.5 with pipeline, else 1)")
       ->check(number(1e-6, 1e6));
-  app.add_option("--most-braces", n.mostBraces,
+  app.add_option("--max-braces", n.maxBracesPerPoint,
                  "per point at most, of solid pieces, pipeline only (default 1.5)")
       ->check(number(1e-3, 1e3));
-  app.add_option("--seconds", n.mostSeconds,
+  app.add_option("--seconds", n.timeLimit,
                  "pipeline adds no more braces after these; the body then depends on the machine's speed "
                  "(default: no limit)")
       ->check(number(1e-3, 1e6));
@@ -71,7 +71,7 @@ void addDetail(CLI::App& app, CommandLine& line) {
   app.add_option("--points", o.points,
                  "about as many point masses: the mesh is simplified, and drawn in full as a skin on them "
                  "(default: all of the mesh; 300 with --material)")
-      ->check(wholeNumber(8, kMostPoints));
+      ->check(wholeNumber(8, kMaxPoints));
   app.add_option("--skin", line.skin, "dense (default), sparse or barycentric (default with --material)")
       ->check(CLI::IsMember(namesOf(kSkinKinds)));
   app.add_option("--neighbours", line.skinSettings.neighbours,
@@ -107,7 +107,7 @@ std::string firstGiven(const CLI::App& app, std::initializer_list<const char*> o
 std::string fileConflict(const CLI::App& app) {
   if (given(app, "--report")) {
     const std::string other = firstGiven(
-        app, {"MESH", "--out", "--braces", "--brace-weight", "--most-braces", "--seconds", "--masses",
+        app, {"MESH", "--out", "--braces", "--brace-weight", "--max-braces", "--seconds", "--masses",
               "--weld", "--points", "--skin", "--neighbours", "--material", "--spacing"});
     return other.empty() ? other : other + " has no meaning with --report: nothing is cooked";
   }
@@ -119,7 +119,7 @@ std::string fileConflict(const CLI::App& app) {
 std::string conflict(const CLI::App& app, const CommandLine& line) {
   if (line.options.material) {
     const std::string other =
-        firstGiven(app, {"--braces", "--brace-weight", "--most-braces", "--seconds", "--masses"});
+        firstGiven(app, {"--braces", "--brace-weight", "--max-braces", "--seconds", "--masses"});
     if (!other.empty()) return other + " has no meaning with --material";
     if (given(app, "--spacing") && given(app, "--points")) return "--spacing and --points say the same";
   } else {
@@ -127,7 +127,7 @@ std::string conflict(const CLI::App& app, const CommandLine& line) {
     if (given(app, "--skin") && !given(app, "--points")) return "--skin needs --points";
   }
   if (line.braces != "pipeline") {
-    const std::string other = firstGiven(app, {"--most-braces", "--seconds"});
+    const std::string other = firstGiven(app, {"--max-braces", "--seconds"});
     if (!other.empty()) return other + " has no meaning with --braces " + line.braces;
   }
   if (given(app, "--neighbours") && line.skin != "sparse") return "--neighbours needs --skin sparse";

@@ -65,7 +65,7 @@ double deformationSpeed(const SoftBody& body) {
   Eigen::Matrix3d inertia = Eigen::Matrix3d::Zero();
   for (std::uint32_t i = 0; i < body.pointCount(); ++i) {
     const Eigen::Vector3d r = body.position(i) - center;
-    inertia += mass * body.network().massShares[i] *
+    inertia += mass * body.network().massFractions[i] *
                (r.squaredNorm() * Eigen::Matrix3d::Identity() - r * r.transpose());
   }
   const Eigen::Vector3d spin = body.angularMomentum() - center.cross(momentum);

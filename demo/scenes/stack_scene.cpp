@@ -16,7 +16,7 @@ constexpr double kRadius = 0.02;   // m, of each point
 constexpr double kGap = 2e-3;      // m, at first
 constexpr double kOff = 0.02;      // m, at most, beside the axis at first
 constexpr double kLeast = 0.85;    // m from middle to middle: the lowest carries nine others
-constexpr double kMostOff = 0.3;   // m beside the lowest one, at the end
+constexpr double kMaxOff = 0.3;   // m beside the lowest one, at the end
 constexpr double kDeepest = 5e-3;  // m, that cubes may be in one another
 
 /// Each is above the one below it, and over the lowest.
@@ -27,7 +27,7 @@ std::string checkStands(const Scene& scene) {
     const Eigen::Vector3d middle = middleOf(*scene.soft->body(b));
     const std::string name = "cube " + std::to_string(b);
     if (middle.y() - below.y() < kLeast * kEdge) return name + " does not stand on the one below";
-    if (std::hypot(middle.x() - lowest.x(), middle.z() - lowest.z()) > kMostOff)
+    if (std::hypot(middle.x() - lowest.x(), middle.z() - lowest.z()) > kMaxOff)
       return name + " has slipped aside";
     below = middle;
   }

@@ -20,7 +20,7 @@ constexpr double kGap = 2e-3;                           // m, at first
 constexpr double kFloorHeight = kBlock + 2.0 * kPlateThick + 2.0 * (kRadius + kGap);  // m, of a storey
 constexpr std::int64_t kNudgeTick = 4 * kTicksPerSecond;
 constexpr double kNudge = 0.4;     // N s, at the topmost plate
-constexpr double kMostOff = 0.2;   // m beside the lowest block at the end
+constexpr double kMaxOff = 0.2;   // m beside the lowest block at the end
 constexpr double kSag = 0.75;      // of a storey's height that must be left
 constexpr double kLevel = 0.98;    // cosine of a plate's tilt, at least: 11 degrees
 constexpr double kDeepest = 5e-3;  // m, that blocks and plates may be in one another
@@ -36,7 +36,7 @@ std::string checkTower(const Scene& scene) {
     if (at.y() < block.y() || block.y() < kSag * (kFloorHeight * double(i) + 0.5 * kBlock))
       return name + " has come down";
     if (double(plate.getBasis()[1][1]) < kLevel) return name + " is not level";
-    if (std::hypot(at.x() - lowest.x(), at.z() - lowest.z()) > kMostOff) return name + " has slipped aside";
+    if (std::hypot(at.x() - lowest.x(), at.z() - lowest.z()) > kMaxOff) return name + " has slipped aside";
   }
   return {};
 }

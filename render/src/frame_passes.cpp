@@ -7,7 +7,7 @@ namespace limber::render {
 namespace {
 
 constexpr std::uint32_t kGroupSize = 64;
-constexpr std::uint32_t kMostGroupsPerRow = 65535;  // The least that OpenGL allows.
+constexpr std::uint32_t kMaxGroupsPerRow = 65535;  // The least that OpenGL allows.
 
 void setUniforms(const PassContext& pass, const ShaderProgram& program, const DrawItem& item,
                  std::uint32_t first, std::uint32_t count) {
@@ -66,7 +66,7 @@ void drawTriangles(const PassContext& pass, const DrawItem& item, VertexSource s
 void dispatch(const PassContext& pass, const ShaderProgram& program, std::uint32_t invocations) {
   pass.gl.ProgramUniform1ui(program.name(), program.location(DrawUniform::Invocations), invocations);
   const std::uint32_t groups = (invocations + kGroupSize - 1) / kGroupSize;
-  const std::uint32_t columns = std::min(groups, kMostGroupsPerRow);
+  const std::uint32_t columns = std::min(groups, kMaxGroupsPerRow);
   pass.gl.DispatchCompute(columns, (groups + columns - 1) / columns, 1);
   ++pass.stats.dispatches;
 }

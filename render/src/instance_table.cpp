@@ -11,11 +11,11 @@ namespace limber::render {
 namespace {
 
 // 2^32 floats is what the shaders' indices can reach.
-constexpr std::size_t kMostPoints = UINT32_MAX / 3;
+constexpr std::size_t kMaxPoints = UINT32_MAX / 3;
 
 void requireCountable(const FrameLayout& layout) {
-  if (std::max({layout.pointCount, layout.placeCount, layout.normalCount}) > kMostPoints) {
-    throw std::runtime_error("too many points for one frame: more than " + std::to_string(kMostPoints));
+  if (std::max({layout.pointCount, layout.placeCount, layout.normalCount}) > kMaxPoints) {
+    throw std::runtime_error("too many points for one frame: more than " + std::to_string(kMaxPoints));
   }
 }
 

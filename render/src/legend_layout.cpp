@@ -9,21 +9,21 @@ namespace limber::render {
 namespace {
 
 // Of the picture's height, with the least pixels at which a digit can be read.
-constexpr float kTextShare = 0.022f, kLeastText = 7.0f;
-constexpr float kBarShare = 0.018f, kLeastBar = 6.0f;
+constexpr float kTextShare = 0.022f, kMinText = 7.0f;
+constexpr float kBarShare = 0.018f, kMinBar = 6.0f;
 constexpr float kMarginShare = 0.03f;
 constexpr float kBarWidthShare = 0.22f;  // of its width
 
 constexpr Vec3 kRim{0.97f, 0.97f, 0.97f}, kInk{0.1f, 0.1f, 0.12f};
 
-float textHeight(const BarPlace& bar) { return std::max(bar.height * kTextShare / kBarShare, kLeastText); }
+float textHeight(const BarPlace& bar) { return std::max(bar.height * kTextShare / kBarShare, kMinText); }
 
 }  // namespace
 
 BarPlace barPlace(std::size_t row, int pictureWidth, int pictureHeight) {
   const auto width = static_cast<float>(pictureWidth);
   const auto height = static_cast<float>(pictureHeight);
-  BarPlace bar{0.0f, 0.0f, kBarWidthShare * width, std::max(kLeastBar, kBarShare * height)};
+  BarPlace bar{0.0f, 0.0f, kBarWidthShare * width, std::max(kMinBar, kBarShare * height)};
   const float margin = kMarginShare * height;
   const float rowHeight = bar.height + 2.5f * textHeight(bar);
   bar.left = width - margin - bar.width;

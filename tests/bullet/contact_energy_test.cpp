@@ -177,7 +177,7 @@ Rebound fall(const Fall& f) {
   s.friction = 0.0;
   s.volumeModulus = 0.0;
   s.restitution = f.restitution;
-  s.stepping.atLeast = f.substeps;
+  s.stepping.minSubsteps = f.substeps;
   s.position = {0, 1.5, 0};
   s.rotation = f.rotation;
   s.sleepingSpeed = 0.0;
@@ -294,7 +294,7 @@ TEST(TightBudget, ofAClothThatTouchesItselfMakesNoEnergy) {
     s.damping = s.friction = 0.0;
     s.totalMass = 0.3;
     s.selfCollision = true;
-    s.stepping.budget = 4;
+    s.stepping.maxSubsteps = 4;
     ClothSettings cloth;
     cloth.columns = cloth.rows = 3;
     SoftBody* body = *system.createBody(*buildCloth(cloth), s);

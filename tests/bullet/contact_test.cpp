@@ -169,7 +169,7 @@ TEST(Contact, reboundIsThatOfTheConvergedReference) {
     s.position = {0, 1.02, 0};
     s.extensionStiffness = s.compressionStiffness = stiffness;
     s.damping = 0.04 * std::sqrt(stiffness * 0.125);
-    s.stepping.atLeast = substeps;
+    s.stepping.minSubsteps = substeps;
     SoftBody* body = *system.createBody(test::fullCubeNetwork(), s);
     double highestAfter = 0;
     bool falls = false, rises = false;

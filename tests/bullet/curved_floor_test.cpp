@@ -56,10 +56,10 @@ SoftBody* addRope(SoftBodySystem& system, const Hanging& h) {
   const double total = h.left + h.right + kRopeMass;
   for (int i = -half; i <= half; ++i) {
     network->restPoints.push_back({i * kSegment, 0, 0});
-    network->massShares.push_back(kRopeMass / (2 * half - 1) / total);
+    network->massFractions.push_back(kRopeMass / (2 * half - 1) / total);
   }
-  network->massShares.front() = h.left / total;
-  network->massShares.back() = h.right / total;
+  network->massFractions.front() = h.left / total;
+  network->massFractions.back() = h.right / total;
   const auto count = static_cast<std::uint32_t>(network->restPoints.size());
   for (std::uint32_t i = 0; i + 1 < count; ++i)
     network->springs.push_back({i, i + 1, SpringKind::Structural, 1.0});
@@ -119,7 +119,7 @@ SoftBody* addBead(SoftBodySystem& system, double height, double speed) {
   auto network = std::make_shared<SpringNetwork>();
   network->kind = NetworkKind::Rope;
   network->restPoints = {{0, 0, -0.02}, {0, 0, 0.02}};
-  network->massShares = {0.5, 0.5};
+  network->massFractions = {0.5, 0.5};
   network->springs = {{0, 1, SpringKind::Structural, 1.0}};
   SoftBodySettings s = test::testedSettings();
   s.position = {0, height, 0};

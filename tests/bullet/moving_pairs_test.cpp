@@ -44,7 +44,7 @@ SharedNetwork ballNetwork() { return *buildNetwork(small_meshes::icosphere(1)); 
 /// Of a body of 1 kg.
 Vector3d momentumOf(const SoftBody& body) {
   Vector3d sum = Vector3d::Zero();
-  for (std::uint32_t i = 0; i < body.pointCount(); ++i) sum += body.network().massShares[i] * body.velocity(i);
+  for (std::uint32_t i = 0; i < body.pointCount(); ++i) sum += body.network().massFractions[i] * body.velocity(i);
   return sum;
 }
 
@@ -254,7 +254,7 @@ SharedNetwork shuffled(const SharedNetwork& network, unsigned seed) {
   for (std::size_t i = to.size(); i-- > 1;) std::swap(to[i], to[random() % (i + 1)]);
   for (std::size_t i = 0; i < to.size(); ++i) {
     other->restPoints[to[i]] = network->restPoints[i];
-    other->massShares[to[i]] = network->massShares[i];
+    other->massFractions[to[i]] = network->massFractions[i];
   }
   for (Triangle& t : other->surface) t = {to[t[0]], to[t[1]], to[t[2]]};
   for (std::size_t i = other->surface.size(); i-- > 1;)

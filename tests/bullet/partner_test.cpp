@@ -58,12 +58,12 @@ double top(const SoftBody& body) {
 /// over its upper points: relaxed by the spring maths alone.
 double cubeHeight(double stiffness, double load) {
   test::SteppedTestBody cube(test::fullCubeNetwork(), stiffness, std::sqrt(stiffness * 0.125));
-  std::vector<ContactRow> rows;
+  std::vector<PlaneContact> rows;
   for (std::uint32_t i = 0; i < 8; ++i) {
     const bool upper = cube.state.position(1, i) > 0;
     cube.state.acceleration(1, i) = -kGravity - (upper ? load / 4 * cube.state.inverseMass(1, i) : 0.0);
     if (upper) continue;
-    ContactRow row;
+    PlaneContact row;
     row.point = i;
     row.touch = {0, -0.5, 0};
     rows.push_back(row);

@@ -35,7 +35,7 @@ SharedNetwork loosePoints(int count) {
   auto network = std::make_shared<SpringNetwork>();
   network->kind = NetworkKind::Rope;
   for (int i = 0; i < count; ++i) network->restPoints.emplace_back(0.3 * i, 0.0, 0.0);
-  network->massShares.assign(static_cast<std::size_t>(count), 1.0 / count);
+  network->massFractions.assign(static_cast<std::size_t>(count), 1.0 / count);
   return network;
 }
 
@@ -77,7 +77,7 @@ TEST(RestLengthZero, asksForNoMoreThanItsSpringConstantDoes) {
   // two pairs of points, each pair in one place at rest, pulled apart and let go: they pass each other
   auto network = std::make_shared<SpringNetwork>();
   network->restPoints = {{0, 0, 0}, {0, 0, 0}, {1, 0, 0}, {1, 0, 0}};
-  network->massShares.assign(4, 0.25);
+  network->massFractions.assign(4, 0.25);
   network->springs = {{0, 1}, {0, 2}, {2, 3}};
   BulletWorld bullet(0.0);
   SoftBodySystem system(*bullet.world);

@@ -144,7 +144,7 @@ TEST(SurfaceOnItself, aChainThatFallsOnItsEndDoesNotSinkIntoTheFloor) {
   s.scale = {1, 0.7, 1};
   s.extensionStiffness = s.compressionStiffness = 160.0;
   s.selfCollision = true;
-  s.stepping.budget = 1;
+  s.stepping.maxSubsteps = 1;
   SoftBody* chain = *system.createBody(test::chainNetwork(12), s);
   double lowest = 1.0;
   for (int tick = 0; tick < 20; ++tick) {

@@ -37,7 +37,7 @@ std::vector<btPersistentManifold*> manifoldsOf(BulletWorld& bullet, const btColl
   return found;
 }
 
-TEST(ShownContacts, noneAreShownUnlessAskedFor) {
+TEST(ReportedManifold, noneAreShownUnlessAskedFor) {
   BulletWorld bullet;
   bullet.addBoxFloor();
   SoftBodySystem system(*bullet.world);
@@ -52,7 +52,7 @@ TEST(ShownContacts, noneAreShownUnlessAskedFor) {
   EXPECT_EQ(bullet.dispatcher.getNumManifolds(), 0);
 }
 
-TEST(ShownContacts, aManifoldBearsTheWeightAndLeadsBackToTheTriangle) {
+TEST(ReportedManifold, aManifoldBearsTheWeightAndLeadsBackToTheTriangle) {
   BulletWorld bullet;
   btRigidBody* floor = bullet.addBoxFloor();
   SoftBodySystem system(*bullet.world);
@@ -107,9 +107,9 @@ std::vector<double> run(bool report, int ticks) {
   return states;
 }
 
-TEST(ShownContacts, changeNothing) { EXPECT_EQ(run(false, 600), run(true, 600)); }
+TEST(ReportedManifold, changeNothing) { EXPECT_EQ(run(false, 600), run(true, 600)); }
 
-TEST(ShownContacts, twoSoftBodiesShareAManifold) {
+TEST(ReportedManifold, twoSoftBodiesShareAManifold) {
   BulletWorld bullet;
   bullet.addBoxFloor();
   SoftBodySystem system(*bullet.world);
@@ -129,7 +129,7 @@ TEST(ShownContacts, twoSoftBodiesShareAManifold) {
 int contactsEnded;
 void countEnd(btPersistentManifold* const&) { ++contactsEnded; }
 
-TEST(ShownContacts, BulletsCallbacksAreNotCalled) {
+TEST(ReportedManifold, BulletsCallbacksAreNotCalled) {
   BulletWorld bullet;
   bullet.addBoxFloor();
   SoftBodySystem system(*bullet.world);
@@ -143,7 +143,7 @@ TEST(ShownContacts, BulletsCallbacksAreNotCalled) {
   EXPECT_EQ(contactsEnded, 0);
 }
 
-TEST(ShownContacts, noManifoldNamesWhatHasLeftTheWorld) {
+TEST(ReportedManifold, noManifoldNamesWhatHasLeftTheWorld) {
   BulletWorld bullet;
   btRigidBody* floor = bullet.addBoxFloor();
   SoftBodySystem system(*bullet.world);
@@ -163,7 +163,7 @@ TEST(ShownContacts, noManifoldNamesWhatHasLeftTheWorld) {
   EXPECT_EQ(bullet.dispatcher.getNumManifolds(), 0);
 }
 
-TEST(ShownContacts, worldSystemAndBodiesGoInAnyOrder) {
+TEST(ReportedManifold, worldSystemAndBodiesGoInAnyOrder) {
   for (int order = 0; order < 4; ++order) {
     auto bullet = std::make_unique<BulletWorld>();
     bullet->addBoxFloor();

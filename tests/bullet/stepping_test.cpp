@@ -170,7 +170,7 @@ TEST(PeriodTolerance, askedToBeFinerAutoIsNeverFartherOff) {
   for (const bool chain : {false, true}) {
     Stepping fine;
     fine.stepper = Stepper::Verlet;
-    fine.atLeast = 6000;
+    fine.minSubsteps = 6000;
     const Eigen::Matrix3Xd exact = pointsAfterASecond(chain, fine);
     double before = HUGE_VAL;
     for (const double tolerance : {0.04, 1e-2, 1e-3, 1e-4}) {
@@ -189,13 +189,13 @@ TEST(PeriodTolerance, askedToBeFinerAutoIsNeverFartherOff) {
 
 /// A cube in free flight that breathes and turns, and its distance (m, root mean square) from the converged
 /// motion after a second.
-struct Flight {
+struct SweptBounds {
   double error = 0.0, estimate = 0.0;
   int substeps = 0;
 };
 
-Flight fly(const Stepping& stepping) {
-  const auto positionsAfter = [](const Stepping& choice, Flight& flight) {
+SweptBounds fly(const Stepping& stepping) {
+  const auto positionsAfter = [](const Stepping& choice, SweptBounds& flight) {
     BulletWorld bullet(0.0);
     SoftBodySystem system(*bullet.world);
     SoftBodySettings s = test::testedSettings();
@@ -217,9 +217,9 @@ Flight fly(const Stepping& stepping) {
     for (std::uint32_t i = 0; i < 8; ++i) x.col(i) = body->position(i);
     return x;
   };
-  Flight flight, unused;
+  SweptBounds flight, unused;
   Stepping fine;
-  fine.atLeast = 2000;
+  fine.minSubsteps = 2000;
   const Eigen::Matrix3Xd exact = positionsAfter(fine, unused);
   flight.error = std::sqrt((positionsAfter(stepping, flight) - exact).squaredNorm() / 8.0);
   return flight;
@@ -229,7 +229,7 @@ TEST(Tolerance, isMetByTheTrueError) {
   for (const double tolerance : {1e-2, 1e-3, 1e-4}) {
     Stepping s;
     s.tolerance = tolerance;
-    const Flight flight = fly(s);
+    const SweptBounds flight = fly(s);
     EXPECT_LT(flight.error, tolerance) << "m after one second at " << flight.substeps << " substeps";
     EXPECT_GT(flight.error, 0.02 * tolerance) << "the estimate is not wasteful either";
   }
@@ -245,8 +245,8 @@ TEST(Tolerance, asAShareOfTheBodysSizeIsTheSame) {
 TEST(Budget, capsTheSubstepsAndReportsTheErrorThatFollows) {
   Stepping wanted, capped;
   wanted.tolerance = capped.tolerance = 1e-4;
-  capped.budget = 16;
-  const Flight free = fly(wanted), limited = fly(capped);
+  capped.maxSubsteps = 16;
+  const SweptBounds free = fly(wanted), limited = fly(capped);
   EXPECT_GT(free.substeps, 16);
   EXPECT_EQ(limited.substeps, 16);
   EXPECT_GT(limited.estimate, 1e-4) << "the tolerance is missed, and says so";
@@ -255,8 +255,8 @@ TEST(Budget, capsTheSubstepsAndReportsTheErrorThatFollows) {
 
 TEST(ErrorEstimate, fallsWithTheSquareOfTheSubstep) {
   Stepping coarse, fine;
-  coarse.atLeast = 20;
-  fine.atLeast = 40;
+  coarse.minSubsteps = 20;
+  fine.minSubsteps = 40;
   EXPECT_NEAR(fly(coarse).estimate / fly(fine).estimate, 4.0, 0.4);
 }
 

@@ -83,10 +83,10 @@ TEST(Volume, isTheSameToTheBitForBodiesSteppedTogether) { EXPECT_EQ(hashes(true)
 /// Undamped bodies in space, next to each other, whose points have been given random velocities up to
 /// `speed` (m/s).
 struct UndampedFlight {
-  UndampedFlight(const SharedNetwork& network, std::size_t count, double speed, int atLeast) {
+  UndampedFlight(const SharedNetwork& network, std::size_t count, double speed, int minSubsteps) {
     SoftBodySettings s = test::testedSettings();
     s.damping = 0.0;
-    s.stepping.atLeast = atLeast;
+    s.stepping.minSubsteps = minSubsteps;
     std::mt19937 random(7);
     std::uniform_real_distribution<double> component(-speed, speed);
     for (std::size_t b = 0; b < count; ++b) {
@@ -111,10 +111,10 @@ TEST(Volume, undampedFlightKeepsItsEnergy) {
        {test::closedCubeNetwork(), *buildNetwork(small_meshes::icosphere(1))})
     for (const std::size_t bodies : {1u, 3u})  // by itself, and side by side in lanes
       for (const double speed : {0.8, 2.0, 8.0})
-        for (const int atLeast : {5, 60}) {
+        for (const int minSubsteps : {5, 60}) {
           SCOPED_TRACE(testing::Message() << network->restPoints.size() << " points, " << bodies << " bodies, "
-                                          << speed << " m/s, " << atLeast << " substeps");
-          UndampedFlight flight(network, bodies, speed, atLeast);
+                                          << speed << " m/s, " << minSubsteps << " substeps");
+          UndampedFlight flight(network, bodies, speed, minSubsteps);
           flight.bullet.tick();
           std::vector<double> start, least, most;
           for (std::size_t b = 0; b < bodies; ++b) start.push_back(flight.energy(b));
@@ -128,7 +128,7 @@ TEST(Volume, undampedFlightKeepsItsEnergy) {
           }
           // a mode's energy swings by (omega dt)^2 / 4: up to a quarter for the stiffest at the usual
           // tolerance, of which this many modes leave some hundredths
-          const double swing = atLeast == 5 ? 0.06 : 0.002;
+          const double swing = minSubsteps == 5 ? 0.06 : 0.002;
           for (std::size_t b = 0; b < bodies; ++b) {
             EXPECT_GT(least[b], (1.0 - swing) * start[b]);
             EXPECT_LT(most[b], (1.0 + swing) * start[b]);

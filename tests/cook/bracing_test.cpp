@@ -97,7 +97,7 @@ TEST(Bracing, isDeterministicAndSeeded) {
   EXPECT_EQ(first, braces());
   settings.seed = 2;
   EXPECT_NE(first, braces());
-  settings.mostBraces = 0.7;
+  settings.maxBracesPerPoint = 0.7;
   EXPECT_EQ(braces().size(), 42u);
 }
 
@@ -110,7 +110,7 @@ TEST(Bracing, turnsMeshesThatAreInsideOut) {
 
 TEST(Bracing, keepsToTheCapAndTheWeight) {
   NetworkSettings settings;
-  settings.mostBraces = 0.25;
+  settings.maxBracesPerPoint = 0.25;
   settings.braceWeight = 0.5;
   const std::vector<NetworkSpring> braces = bracesOf(*build(network_shapes::ico42(), settings));
   EXPECT_EQ(braces.size(), 10u);  // 0.25 x 42
@@ -137,7 +137,7 @@ TEST(Bracing, reportsProgressAndEndsEarly) {
 
 TEST(Bracing, endsWhenTheTimeIsOver) {
   NetworkSettings settings;
-  settings.mostSeconds = 1e-9;
+  settings.timeLimit = 1e-9;
   EXPECT_TRUE(bracesOf(*build(network_shapes::ico42(), settings)).empty());
 }
 

@@ -37,7 +37,7 @@ MeshReport numberedReport() {
 SpringNetwork everyMemberNetwork() {
   SpringNetwork network;
   network.restPoints = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {0.125, 0.25, 0.375}};
-  network.massShares = {0.125, 0.25, 0.125, 0.25, 0.25};
+  network.massFractions = {0.125, 0.25, 0.125, 0.25, 0.25};
   network.springs = {{0, 1, SpringKind::Structural, 1.0},    {0, 2, SpringKind::Shear, 0.5},
                      {0, 3, SpringKind::Bending, 1.0 / 3.0}, {0, 4, SpringKind::Brace, 0.1},
                      {1, 2, SpringKind::Structural, 1e-300}, {3, 4, SpringKind::Brace, 1e300}};

@@ -94,16 +94,16 @@ TEST(MaterialNetwork, sharesTheMassByVolumeWithABoundedRatio) {
   const SharedNetwork network = make(test_shapes::star(), 300);
   double sum = 0.0, least = 1.0;
   Eigen::Vector3d centre = Eigen::Vector3d::Zero(), solid = Eigen::Vector3d::Zero();
-  for (std::size_t i = 0; i < network->massShares.size(); ++i) {
-    sum += network->massShares[i];
-    least = std::min(least, network->massShares[i]);
-    centre += network->massShares[i] * network->restPoints[i];
+  for (std::size_t i = 0; i < network->massFractions.size(); ++i) {
+    sum += network->massFractions[i];
+    least = std::min(least, network->massFractions[i]);
+    centre += network->massFractions[i] * network->restPoints[i];
   }
   for (const Tetrahedron& t : network->tetrahedra)
     for (const std::uint32_t corner : t)
       solid += volumeOf(network->restPoints, t) / (4.0 * volumeOfAll(*network)) * network->restPoints[corner];
   EXPECT_NEAR(sum, 1.0, 1e-12);
-  EXPECT_GT(least * static_cast<double>(network->massShares.size()), 0.15);
+  EXPECT_GT(least * static_cast<double>(network->massFractions.size()), 0.15);
   EXPECT_LT((centre - solid).norm(), 0.01) << "of a body 1 m large";
 }
 

@@ -51,7 +51,7 @@ void expectSame(const SpringNetwork& a, const SpringNetwork& b) {
   EXPECT_EQ(a.kind, b.kind);
   EXPECT_EQ(a.stiffnessPerModulus, b.stiffnessPerModulus);
   expectSameBits(a.restPoints, b.restPoints);
-  expectSameBits(a.massShares, b.massShares);
+  expectSameBits(a.massFractions, b.massFractions);
   expectSameSprings(a, b);
   expectSameBits(a.surface, b.surface);
   expectSameBits(a.tetrahedra, b.tetrahedra);

@@ -159,7 +159,7 @@ TEST(Relaxation, descendsTheWholeEnergy) {
   RelaxedBody body(*coarseMaterialCube());
   const auto start = [&](std::size_t i) { return deform(body.rest, Deformation::Squash, 1, i); };
   relax(body, 8, start, [&](std::size_t, const Points&) {
-    for (const double hold : body.terms.tetrahedra.hold) EXPECT_EQ(hold, 0.0);
+    for (const double hold : body.terms.tetrahedra.stabilityScale) EXPECT_EQ(hold, 0.0);
     return true;
   });
   RelaxedBody closed(*network_shapes::bare(network_shapes::ico42()));

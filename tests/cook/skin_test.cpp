@@ -58,7 +58,7 @@ SpringNetwork networkOf(const WeldedMesh& mesh) {
   SpringNetwork network;
   network.restPoints = mesh.points;
   network.surface = mesh.triangles;
-  network.massShares.assign(mesh.points.size(), 1.0 / double(mesh.points.size()));
+  network.massFractions.assign(mesh.points.size(), 1.0 / double(mesh.points.size()));
   return network;
 }
 
@@ -251,7 +251,7 @@ TEST(Skin, sparseKeepsToItsNeighbours) {
 TEST(Skin, tetrahedraCarryWhatIsInThem) {
   SpringNetwork network = networkOf(*weld(small_meshes::cube()));
   network.restPoints.emplace_back(0, 0, 0);
-  network.massShares.assign(9, 1.0 / 9.0);
+  network.massFractions.assign(9, 1.0 / 9.0);
   for (const limber::Triangle& t : network.surface) network.tetrahedra.push_back({8, t[0], t[1], t[2]});
   ASSERT_EQ(validate(network), "");
   TriangleMesh ball = small_meshes::icosphere(2);

@@ -41,7 +41,7 @@ bool blowsUp(const SharedNetwork& network, const SoftBodySettings& settings, dou
   disturb(state);
   limber::SpringArrays springs = makeSprings(*network, settings);
   limber::VolumeArrays volumes = makeVolumes(*network, settings);
-  limber::StepGroup group;
+  limber::SolverIsland group;
   group.bodies.push_back({&state, &springs, nullptr});
   if (!volumes.empty()) group.bodies[0].volumes = &volumes;
   group.links.points.push_back(&state);
@@ -56,7 +56,7 @@ bool blowsUpFreely(const SharedNetwork& network, const SoftBodySettings& setting
   const limber::Points rest = state.position;
   disturb(state);
   limber::BodyTerms terms(*network, settings);
-  limber::SteppedBody body = steppedBody(terms, state);
+  limber::SolverBody body = solverBody(terms, state);
   prepareVolumes(body, 0.0);
   for (int i = 0; i < 400; ++i) {
     computeElasticForces(body);
@@ -134,8 +134,8 @@ TEST(TimeSteps, unevenMassesScalesAndSprings) {
   limber::SpringNetwork uneven = *bare(network_shapes::hull60());
   limber::Random random(1);
   double sum = 0.0;
-  for (double& share : uneven.massShares) sum += share = 0.2 + random.uniform();
-  for (double& share : uneven.massShares) share /= sum;
+  for (double& share : uneven.massFractions) sum += share = 0.2 + random.uniform();
+  for (double& share : uneven.massFractions) share /= sum;
   for (auto& s : uneven.springs) s.stiffnessScale = 0.3 + random.uniform();
   SoftBodySettings settings = settingsOf(50.0, 0.5);
   settings.scale = {2.0, 0.5, 1.0};

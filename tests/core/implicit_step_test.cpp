@@ -125,9 +125,9 @@ TEST_P(ImplicitStep, creepsAtTheRightRateHoweverStronglyDamped) {
 }
 
 /// Of the points of a cube of 1 m that are next to the plane at this depth (m) below its middle.
-std::vector<ContactRow> rowsOnPlane(const PointState& state, const Eigen::Vector3d& normal, double depth,
+std::vector<PlaneContact> rowsOnPlane(const PointState& state, const Eigen::Vector3d& normal, double depth,
                                     double friction) {
-  std::vector<ContactRow> rows;
+  std::vector<PlaneContact> rows;
   for (std::uint32_t i = 0; i < 8; ++i)
     if (normal.dot(state.position.col(i)) < 0.0) {
       rows.emplace_back();
@@ -144,18 +144,18 @@ TEST_P(ImplicitStep, restsOnAPlaneWithTheRightForce) {
     SteppedTestBody body(test::fullCubeNetwork(), stiffness, 0.1 * 2 * std::sqrt(stiffness * 0.125));
     forget();
     body.state.acceleration.row(1).setConstant(-9.81);
-    std::vector<ContactRow> rows = rowsOnPlane(body.state, Eigen::Vector3d::UnitY(), 0.52, 0.0);
+    std::vector<PlaneContact> rows = rowsOnPlane(body.state, Eigen::Vector3d::UnitY(), 0.52, 0.0);
     ASSERT_EQ(rows.size(), 4u);
     body.contacts = &rows;
     double weight = 0.0;
     for (int tick = 0; tick < 600; ++tick) {
-      for (ContactRow& row : rows) row.impulse = TickImpulse();
+      for (PlaneContact& row : rows) row.impulse = TickImpulse();
       advance(body, 1.0 / 60, 4);
       weight = 0.0;
-      for (const ContactRow& row : rows) weight += row.impulse.sum.y() * 60.0;
+      for (const PlaneContact& row : rows) weight += row.impulse.sum.y() * 60.0;
     }
     EXPECT_NEAR(weight, 9.81, 1e-4 * 9.81) << stiffness;
-    for (const ContactRow& row : rows) EXPECT_NEAR(body.state.position(1, row.point), -0.52, 1e-9);
+    for (const PlaneContact& row : rows) EXPECT_NEAR(body.state.position(1, row.point), -0.52, 1e-9);
     EXPECT_LT(body.state.velocity.cwiseAbs().maxCoeff(), 1e-6);
     computeSpringForces(body.springs, body.state);
     for (std::uint32_t i = 0; i < 8; ++i) {
@@ -175,7 +175,7 @@ TEST_P(ImplicitStep, slidesAlikeEverywhere) {
     body.state.position.row(0).array() += x;
     body.state.velocity.row(0).setConstant(3.0);
     body.state.acceleration.row(1).setConstant(-9.81);
-    std::vector<ContactRow> rows = rowsOnPlane(body.state, Eigen::Vector3d::UnitY(), 0.52, 0.25);
+    std::vector<PlaneContact> rows = rowsOnPlane(body.state, Eigen::Vector3d::UnitY(), 0.52, 0.25);
     body.contacts = &rows;
     for (int tick = 0; tick < 30; ++tick) advance(body, 1.0 / 60, 5);
     body.state.position.row(0).array() -= x;
@@ -190,7 +190,7 @@ TEST_P(ImplicitStep, whatIsOnlyNearChangesNothing) {
     SteppedTestBody body(test::fullCubeNetwork(), 1e4, 1.0);
     forget();
     body.state.velocity.row(0) = 5.0 * body.state.position.row(1);
-    std::vector<ContactRow> rows = rowsOnPlane(body.state, Eigen::Vector3d::UnitY(), 2.0, 0.5);
+    std::vector<PlaneContact> rows = rowsOnPlane(body.state, Eigen::Vector3d::UnitY(), 2.0, 0.5);
     if (near) body.contacts = &rows;
     for (int tick = 0; tick < 30; ++tick) advance(body, 1.0 / 60, 1);
     return body.state.position;
@@ -200,7 +200,7 @@ TEST_P(ImplicitStep, whatIsOnlyNearChangesNothing) {
 
 TEST_P(ImplicitStep, whatIsOnlyNearIsNotSolvedFor) {
   SteppedTestBody body(test::fullCubeNetwork(), 1e4, 1.0);
-  std::vector<ContactRow> rows = rowsOnPlane(body.state, Eigen::Vector3d::UnitY(), 2.0, 0.5);
+  std::vector<PlaneContact> rows = rowsOnPlane(body.state, Eigen::Vector3d::UnitY(), 2.0, 0.5);
   body.contacts = &rows;
   advance(body, 1.0 / 60, 1);
   const std::vector<char>& responds = states[&body].contacts.responds;
@@ -228,14 +228,14 @@ TEST_P(ImplicitStep, contactsAreTheSameInOtherUnits) {
     body.settings.scale.setConstant(length);
     body.springs = makeSprings(*body.net, body.settings);
     const Eigen::Vector3d normal = Eigen::Vector3d(0.1, 1.0, 0.05).normalized();
-    std::vector<ContactRow> rows = rowsOnPlane(body.state, normal, 0.5, 0.5);
-    for (ContactRow& row : rows) row.touch *= length;
+    std::vector<PlaneContact> rows = rowsOnPlane(body.state, normal, 0.5, 0.5);
+    for (PlaneContact& row : rows) row.touch *= length;
     body.state.position *= length;
     body.state.velocity.colwise() = length * Eigen::Vector3d(2.0, -0.5, 1.0);
     body.state.acceleration.row(1).setConstant(-9.81 * length);
     body.contacts = &rows;
     for (int tick = 0; tick < 60; ++tick) {
-      for (ContactRow& row : rows) row.impulse = TickImpulse();
+      for (PlaneContact& row : rows) row.impulse = TickImpulse();
       advance(body, 1.0 / 60, 4);
     }
     return Points(body.state.position / length);

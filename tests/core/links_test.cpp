@@ -73,7 +73,7 @@ struct Linked {
 
   PointState points;
   SpringArrays none;
-  StepGroup group;
+  SolverIsland group;
 };
 
 TEST(Links, keepMomentumAndEnergy) {

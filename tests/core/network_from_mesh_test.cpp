@@ -152,8 +152,8 @@ TEST(NetworkFromMesh, settingsOutOfRangeAreNamed) {
   };
   EXPECT_EQ(error([](auto& s) { s.braceWeight = -1.0; }),
             "braceWeight is -1.000000, must be above 0, or 0 for the rule's own");
-  EXPECT_EQ(error([](auto& s) { s.mostBraces = 0.0; }), "mostBraces is 0.000000, must be above 0");
-  EXPECT_EQ(error([](auto& s) { s.mostSeconds = -2.0; }), "mostSeconds is -2.000000, must be 0 or more");
+  EXPECT_EQ(error([](auto& s) { s.maxBracesPerPoint = 0.0; }), "maxBracesPerPoint is 0.000000, must be above 0");
+  EXPECT_EQ(error([](auto& s) { s.timeLimit = -2.0; }), "timeLimit is -2.000000, must be 0 or more");
   EXPECT_EQ(error([](auto& s) { s.braces = static_cast<BraceRule>(9); }), "braces is none of the rules");
   EXPECT_EQ(error([](auto& s) { s.masses = static_cast<limber::MassRule>(9); }),
             "masses is none of the rules");
@@ -169,9 +169,9 @@ TEST(NetworkFromMesh, noBraces) {
 
 TEST(NetworkFromMesh, equalMassShares) {
   const SharedNetwork network = soundNetwork(small_meshes::cube(12));
-  const double sum = std::accumulate(network->massShares.begin(), network->massShares.end(), 0.0);
+  const double sum = std::accumulate(network->massFractions.begin(), network->massFractions.end(), 0.0);
   EXPECT_NEAR(sum, 1.0, 1e-12);
-  for (const double share : network->massShares) EXPECT_EQ(share, network->massShares.front());
+  for (const double share : network->massFractions) EXPECT_EQ(share, network->massFractions.front());
 }
 
 TEST(NetworkFromMesh, weldErrorsPassThrough) {

@@ -43,8 +43,8 @@ TEST(SoftBodySettings, everyBadOneIsNamedWithItsValueAndRule) {
             "totalMass is 0, must be from 1e-9 to 1e12");
   EXPECT_EQ(reasonAfter([](auto& s) { s.pointRadius = -1; }), "pointRadius is -1, must be from 0 to 1e6");
   EXPECT_EQ(reasonAfter([](auto& s) { s.restitution = 1.5; }), "restitution is 1.5, must be from 0 to 1");
-  EXPECT_EQ(reasonAfter([](auto& s) { s.stepping.atLeast = 0; }),
-            "stepping.atLeast is 0, must be from 1 to 1e6");
+  EXPECT_EQ(reasonAfter([](auto& s) { s.stepping.minSubsteps = 0; }),
+            "stepping.minSubsteps is 0, must be from 1 to 1e6");
   EXPECT_EQ(reasonAfter([](auto& s) { s.stepping.periodTolerance = 0; }),
             "stepping.periodTolerance is 0, must be from 1e-8 to 1");
   EXPECT_EQ(reasonAfter([](auto& s) { s.stepping.stepper = static_cast<Stepper>(9); }),

@@ -17,10 +17,10 @@ struct LaneBody {
   SpringArrays springs;
   VolumeArrays volumes;
   TetrahedronVolumes tetrahedra;
-  std::vector<ContactRow> contacts;
-  StepGroup group;
+  std::vector<PlaneContact> contacts;
+  SolverIsland group;
 
-  SteppedBody stepped() {
+  SolverBody stepped() {
     return {&state, &springs, &contacts, volumes.empty() ? nullptr : &volumes,
             tetrahedra.empty() ? nullptr : &tetrahedra};
   }
@@ -46,7 +46,7 @@ void fill(LaneBody& body, const SharedNetwork& network, int which, double dampin
   }
   if (which == 5) body.state.position.col(1) = body.state.position.col(0);  // coincident ends
   for (std::uint32_t i = 0; i < 8 && which % 2 == 1; i += 3) {
-    ContactRow row;
+    PlaneContact row;
     row.point = i;
     row.friction = 0.4;
     row.touch = Eigen::Vector3d(0.0, -0.4 - 0.05 * i, 0.0);

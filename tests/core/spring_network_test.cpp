@@ -39,12 +39,12 @@ TEST(SpringNetwork, nanPoint) {
             "point 5 is not finite");
 }
 
-TEST(SpringNetwork, massShares) {
-  EXPECT_EQ(validateChanged([](SpringNetwork& n) { n.massShares.pop_back(); }), "7 mass shares for 8 points");
-  EXPECT_EQ(validateChanged([](SpringNetwork& n) { n.massShares[2] = 0.0; }), "mass share 2 is not above 0");
-  EXPECT_EQ(validateChanged([](SpringNetwork& n) { n.massShares[3] = std::nan(""); }),
+TEST(SpringNetwork, massFractions) {
+  EXPECT_EQ(validateChanged([](SpringNetwork& n) { n.massFractions.pop_back(); }), "7 mass shares for 8 points");
+  EXPECT_EQ(validateChanged([](SpringNetwork& n) { n.massFractions[2] = 0.0; }), "mass share 2 is not above 0");
+  EXPECT_EQ(validateChanged([](SpringNetwork& n) { n.massFractions[3] = std::nan(""); }),
             "mass share 3 is not above 0");
-  EXPECT_EQ(validateChanged([](SpringNetwork& n) { n.massShares[0] = 0.25; }),
+  EXPECT_EQ(validateChanged([](SpringNetwork& n) { n.massFractions[0] = 0.25; }),
             "the mass shares sum to 1.125000, not to 1");
 }
 

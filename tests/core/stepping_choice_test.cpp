@@ -23,14 +23,14 @@ SteppingProblem freeBody(double frequency) {
 TEST(SubstepCount, followsStabilityToleranceAndTheUser) {
   Stepping choice;
   EXPECT_EQ(substepCount({}, 1.0 / 60, choice), 5) << "the default";
-  choice.atLeast = 1;
+  choice.minSubsteps = 1;
   choice.periodTolerance = 1.0;
   EXPECT_EQ(substepCount({}, 1.0 / 60, choice), 1);
   const Frequencies fast{1e6, 0.25e6};  // 1000 rad/s at most, 500 about the rest shape
   EXPECT_EQ(substepCount(fast, 1.0 / 60, choice), static_cast<int>(std::ceil(1000.0 / 60 / 1.8)));
   choice.periodTolerance = 1e-4;
   EXPECT_EQ(substepCount(fast, 1.0 / 60, choice), static_cast<int>(std::ceil(500.0 / 60 / std::sqrt(24e-4))));
-  choice.atLeast = 1000;
+  choice.minSubsteps = 1000;
   EXPECT_EQ(substepCount(fast, 1.0 / 60, choice), 1000);
 }
 
@@ -55,7 +55,7 @@ TEST(SteppingChoice, pinnedBodiesGoImplicitOnlyForABudget) {
   stiff.held = true;
   EXPECT_EQ(chooseStepping(stiff, Stepping()).stepper, Stepper::Verlet);
   Stepping s;
-  s.budget = 10;
+  s.maxSubsteps = 10;
   EXPECT_EQ(chooseStepping(stiff, s).stepper, Stepper::ImplicitMidpoint);
   stiff.cheapNewton = true;
   EXPECT_EQ(chooseStepping(stiff, s).stepper, Stepper::BandedNewton);
@@ -66,9 +66,9 @@ TEST(SteppingChoice, goesImplicitOnlyWhereThatIsCheaper) {
   Stepping s;
   s.tolerance = 1.0;
   EXPECT_EQ(chooseStepping(stiff, s).stepper, Stepper::ImplicitMidpoint);
-  stiff.errorPerSquare = 0.7 * std::pow(60 * 200, 2);  // the tolerance asks for 200 substeps, stability for 926
+  stiff.errorCoefficient = 0.7 * std::pow(60 * 200, 2);  // the tolerance asks for 200 substeps, stability for 926
   EXPECT_EQ(chooseStepping(stiff, s).stepper, Stepper::Verlet);
-  stiff.errorPerSquare = 0.0;
+  stiff.errorCoefficient = 0.0;
   stiff.turnRate = 60.0 * 50;  // 0.25 rad in each of 200 substeps
   EXPECT_EQ(chooseStepping(stiff, s).stepper, Stepper::Verlet);
 }
@@ -117,7 +117,7 @@ TEST(SteppingChoice, canBeForcedButNotWhereItCannotWork) {
 
 TEST(SteppingChoice, toleranceRaisesTheSubstepsByTheSquareRoot) {
   SteppingProblem p = freeBody(10.0);
-  p.errorPerSquare = 0.7 * 60.0 * 60.0;  // 1 m/s in one substep, 0.7 of the tolerance is aimed at
+  p.errorCoefficient = 0.7 * 60.0 * 60.0;  // 1 m/s in one substep, 0.7 of the tolerance is aimed at
   Stepping s;
   s.tolerance = 0.01;
   EXPECT_EQ(chooseStepping(p, s).substeps, 10);
@@ -130,13 +130,13 @@ TEST(SteppingChoice, toleranceRaisesTheSubstepsByTheSquareRoot) {
 
 TEST(SteppingChoice, budgetCapsTheSubstepsAndNeverStability) {
   SteppingProblem p = freeBody(1000.0);
-  p.errorPerSquare = 1e12;
+  p.errorCoefficient = 1e12;
   Stepping s;
   s.tolerance = 1e-6;
-  s.budget = 100;
+  s.maxSubsteps = 100;
   EXPECT_EQ(chooseStepping(p, s).stepper, Stepper::Verlet);
   EXPECT_EQ(chooseStepping(p, s).substeps, 100);
-  s.budget = 3;
+  s.maxSubsteps = 3;
   EXPECT_EQ(chooseStepping(p, s).stepper, Stepper::ImplicitMidpoint);
   EXPECT_EQ(chooseStepping(p, s).substeps, 3);
   p.implicitPossible = false;

@@ -28,7 +28,7 @@ void expectSound(const std::vector<SurfaceContact>& found, const MovingShape& a,
       EXPECT_LT(found[i - 1].key, c.key);
     }
     EXPECT_NEAR(c.normal.norm(), 1.0, 1e-14);
-    for (const SurfacePlace* place : {&c.a, &c.b}) {
+    for (const SurfacePoint* place : {&c.a, &c.b}) {
       EXPECT_NEAR(place->weights.sum(), 1.0, 1e-14);
       EXPECT_GE(place->weights.minCoeff(), 0.0);
     }

@@ -53,7 +53,7 @@ TEST(SelfContacts, foldedClothLiesOnItself) {
   for (const SurfaceContact& c : found) {
     EXPECT_NEAR(std::abs(c.normal.y()), 1.0, 1e-9);
     EXPECT_NEAR(c.gap, 0.0, 1e-12);
-    for (const SurfacePlace* place : {&c.a, &c.b})
+    for (const SurfacePoint* place : {&c.a, &c.b})
       if (place->kind == FeatureKind::OnVertex && cloth.position(1, place->feature) > 0.01)
         upper.insert(place->feature);
   }

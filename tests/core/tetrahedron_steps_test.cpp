@@ -22,7 +22,7 @@ enum class TetrahedronStepper { Verlet, Quads, Linked, Shared, Newton };
 class TetrahedronSteps : public testing::TestWithParam<TetrahedronStepper> {
  public:
   void SetUp() override {
-    if (GetParam() == TetrahedronStepper::Quads && !canStepQuads())
+    if (GetParam() == TetrahedronStepper::Quads && !canStepSpringBatches())
       GTEST_SKIP() << "this machine has no AVX2";
   }
 
@@ -32,7 +32,7 @@ class TetrahedronSteps : public testing::TestWithParam<TetrahedronStepper> {
                                                                  : MidpointSolver::Kind::Newton;
       return stepImplicit(body.stepped(), implicit, kind, time, substeps, factors);
     }
-    body.stepped().quads = GetParam() == TetrahedronStepper::Quads ? &quads : nullptr;
+    body.stepped().springBatches = GetParam() == TetrahedronStepper::Quads ? &springBatches : nullptr;
     // a rigid body that nothing is linked to makes a group of what is a body of its own
     if (GetParam() == TetrahedronStepper::Linked) body.group.links.rigids.resize(1);
     stepVerlet(body.group, time, substeps);
@@ -44,7 +44,7 @@ class TetrahedronSteps : public testing::TestWithParam<TetrahedronStepper> {
                                                                                                 : 1e-11;
   }
 
-  QuadArrays quads;
+  SpringBatchArrays springBatches;
   ImplicitState implicit;
   SharedFactors factors;
 };
@@ -126,7 +126,7 @@ TEST(TetrahedronVolumes, areNotHeldBackNearRest) {
                            tetrahedronFrequencyBoundSquared(v, body.state);
     prepareTetrahedra(v, body.state.inverseMass, 1.0 / std::sqrt(squared));  // half of Verlet's limit
     for (std::size_t t = 0; t < v.tetrahedra.size(); ++t)
-      EXPECT_LT(36.0 * v.hold[t] * v.restGradientSquares.col(static_cast<Eigen::Index>(t)).sum(), 1.0);
+      EXPECT_LT(36.0 * v.stabilityScale[t] * v.restGradientSquares.col(static_cast<Eigen::Index>(t)).sum(), 1.0);
   }
 }
 

@@ -15,7 +15,7 @@ namespace {
 SpringNetwork pair() {
   SpringNetwork network;
   network.restPoints = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {1, 1, 1}};
-  network.massShares.assign(5, 0.2);
+  network.massFractions.assign(5, 0.2);
   network.tetrahedra = {{0, 1, 2, 3}, {1, 4, 2, 3}};
   for (std::uint32_t a = 0; a < 5; ++a)
     for (std::uint32_t b = a + 1; b < 5; ++b)
@@ -122,7 +122,7 @@ TEST(TetrahedronVolumes, boundTheFrequencyTheyAdd) {
     const Eigen::MatrixXd symmetric = hessian + hessian.transpose();  // x 1/2 x 2 per kg
     const double largest = symmetricValues(symmetric).cwiseAbs().maxCoeff();
     const double bound = tetrahedronFrequencyBoundSquared(v, state);
-    EXPECT_EQ(v.restless, std::abs(stretch - 1.0) > 0.5);
+    EXPECT_EQ(v.farFromRest, std::abs(stretch - 1.0) > 0.5);
     EXPECT_GE(bound, largest * (1.0 - 1e-6));
     EXPECT_LE(bound, 4.0 * largest) << "a bound that costs at most twice the substeps";
   }
@@ -133,20 +133,20 @@ TEST(TetrahedronVolumes, areRestlessWhereTheyComeFarFromRestInTheTick) {
   const SpringNetwork network = pair();
   TetrahedronVolumes v = tetrahedraOf(network, 100.0);
   PointState state = pairState(network);
-  const auto isRestless = [&](double tick) {
+  const auto movesTooFast = [&](double tick) {
     tetrahedronFrequencyBoundSquared(v, state, tick);
-    return v.restless;
+    return v.farFromRest;
   };
   const Eigen::Vector3d fall(0.3, -7.5, 0.3);
   state.velocity.colwise() = fall;
-  EXPECT_FALSE(isRestless(1.0)) << "all of it falls";
+  EXPECT_FALSE(movesTooFast(1.0)) << "all of it falls";
   for (Eigen::Index i = 0; i < state.velocity.cols(); ++i)
     state.velocity.col(i) = Eigen::Vector3d(1, 2, 3).cross(state.position.col(i));
-  EXPECT_FALSE(isRestless(1.0)) << "it turns";
+  EXPECT_FALSE(movesTooFast(1.0)) << "it turns";
   state.velocity.colwise() = fall;
   state.velocity.col(0).setZero();
-  EXPECT_FALSE(isRestless(1e-3));
-  EXPECT_TRUE(isRestless(1.0));
+  EXPECT_FALSE(movesTooFast(1e-3));
+  EXPECT_TRUE(movesTooFast(1.0));
 }
 
 }  // namespace

@@ -77,7 +77,7 @@ TEST(CookBody, weldingReachesTheSimplifiedMeshAndItsSkin) {
 
 TEST(CookBody, errorsNameTheMesh) {
   CookOptions options = cooking("cube.obj");
-  options.network.mostBraces = -1.0;
+  options.network.maxBracesPerPoint = -1.0;
   options.network.braces = BraceRule::Pipeline;
   const std::string reason = cookBody(options).error();
   EXPECT_EQ(reason.rfind(options.meshFile + ": ", 0), 0u) << reason;

@@ -47,8 +47,8 @@ TEST(CookOptions, defaultsAreTheLibrarys) {
   EXPECT_EQ(o.network.braces, n.braces);
   EXPECT_EQ(o.network.masses, n.masses);
   EXPECT_EQ(o.network.braceWeight, n.braceWeight);
-  EXPECT_EQ(o.network.mostBraces, n.mostBraces);
-  EXPECT_EQ(o.network.mostSeconds, n.mostSeconds);
+  EXPECT_EQ(o.network.maxBracesPerPoint, n.maxBracesPerPoint);
+  EXPECT_EQ(o.network.timeLimit, n.timeLimit);
   EXPECT_EQ(o.network.seed, n.seed);
   EXPECT_EQ(o.analysis.runs, a.runs);
   EXPECT_EQ(o.analysis.totalMass, a.totalMass);
@@ -61,7 +61,7 @@ TEST(CookOptions, everyChoiceArrives) {
   const CookOptions o = parsed({"a.obj",    "-o",
                                 "a.limber", "--braces",
                                 "pipeline", "--brace-weight",
-                                "0.5",      "--most-braces",
+                                "0.5",      "--max-braces",
                                 "1.25",     "--seed",
                                 "7",        "--seconds",
                                 "9",        "--masses",
@@ -74,8 +74,8 @@ TEST(CookOptions, everyChoiceArrives) {
                                 "2",        "--stiffness",
                                 "500"});
   EXPECT_EQ(o.network.braceWeight, 0.5);
-  EXPECT_EQ(o.network.mostBraces, 1.25);
-  EXPECT_EQ(o.network.mostSeconds, 9.0);
+  EXPECT_EQ(o.network.maxBracesPerPoint, 1.25);
+  EXPECT_EQ(o.network.timeLimit, 9.0);
   EXPECT_EQ(o.network.seed, 7u);
   EXPECT_EQ(o.analysis.seed, 7u);
   EXPECT_EQ(o.network.masses, MassRule::Moments);

@@ -56,8 +56,8 @@ cook_run(nan_weld unit 2 "nan is not a finite number" ${meshes}/cube.obj -o a.li
 cook_run(few_points unit 2 "7 is not between 8" ${meshes}/cube.obj -o a.limber --points 7)
 cook_run(report_and_mesh unit 2 "MESH has no meaning with --report" ${meshes}/cube.obj --report a.limber)
 cook_run(report_and_rule unit 2 "--braces has no meaning with --report" --report a.limber --braces none)
-cook_run(cap_without_pipeline unit 2 "--most-braces has no meaning with --braces none" ${meshes}/cube.obj -o a.limber
-  --braces none --most-braces 1)
+cook_run(cap_without_pipeline unit 2 "--max-braces has no meaning with --braces none" ${meshes}/cube.obj -o a.limber
+  --braces none --max-braces 1)
 cook_run(material_and_braces unit 2 "--braces has no meaning with --material" ${meshes}/cube.obj -o a.limber
   --material --braces none)
 cook_run(spacing_alone unit 2 "--spacing needs --material" ${meshes}/cube.obj -o a.limber --spacing 1)

@@ -59,7 +59,7 @@ TEST(Scenes, takeTheUsersChoices) {
     const SoftBody& body = *(*scene)->soft->body(2);
     double pinned = 0.0;
     for (std::uint32_t i = 0; i < body.pointCount(); ++i)
-      if (body.pinned(i)) pinned += body.network().massShares[i];
+      if (body.pinned(i)) pinned += body.network().massFractions[i];
     EXPECT_NEAR(body.totalMass(), 2.0 * (1.0 - pinned), 1e-6) << "what is pinned does not count";
   }
 }

@@ -46,7 +46,7 @@ SharedNetwork material() {
 SharedNetwork points() {
   auto made = std::make_shared<SpringNetwork>();
   for (int i = 0; i < 4; ++i) made->restPoints.emplace_back(0.3 * i, 0.2 * (i % 2), 0.1 * i);
-  made->massShares.assign(4, 0.25);
+  made->massFractions.assign(4, 0.25);
   return made;
 }
 

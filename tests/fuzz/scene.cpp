@@ -226,11 +226,11 @@ SoftBodySettings softSettings(const Step& s) {
   made.continuousCollision = s.is("ccd");
   made.sleepingSpeed = s["sleeping-speed"];
   made.stepping.stepper = static_cast<Stepper>(s.whole("stepper"));
-  made.stepping.atLeast = s.whole("at-least");
+  made.stepping.minSubsteps = s.whole("at-least");
   made.stepping.periodTolerance = s["period"];
   made.stepping.tolerance = s["tolerance"];
   made.stepping.relativeTolerance = s["relative"];
-  made.stepping.budget = s.whole("budget");
+  made.stepping.maxSubsteps = s.whole("budget");
   made.elasticLimit = {s["stiffen"], s["stiffen-factor"], s["yield"], s["yield-maximum"], s["break"]};
   return made;
 }

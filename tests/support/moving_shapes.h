@@ -47,7 +47,7 @@ MovingShape ballShape(int splits, double radius);
 
 std::vector<SurfaceContact> contactsOf(MovingShape& a, MovingShape& b, double margin);
 
-Eigen::Vector3d placeAt(const MovingShape& shape, const SurfacePlace& place, double time);
+Eigen::Vector3d placeAt(const MovingShape& shape, const SurfacePoint& place, double time);
 
 Eigen::Vector3d randomVector(std::mt19937& random);  ///< coordinates from -1 to 1
 Eigen::Affine3d randomTurn(std::mt19937& random);

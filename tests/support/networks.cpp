@@ -14,7 +14,7 @@ SharedNetwork network(NetworkKind kind, std::vector<Eigen::Vector3d> points,
                       const std::vector<std::pair<std::uint32_t, std::uint32_t>>& springs) {
   auto made = std::make_shared<SpringNetwork>();
   made->kind = kind;
-  made->massShares.assign(points.size(), 1.0 / static_cast<double>(points.size()));
+  made->massFractions.assign(points.size(), 1.0 / static_cast<double>(points.size()));
   made->restPoints = std::move(points);
   for (const auto& [a, b] : springs) made->springs.push_back({a, b, SpringKind::Structural, 1.0});
   return made;
@@ -52,7 +52,7 @@ SharedNetwork ofTetrahedra(const std::vector<Eigen::Vector3d>& points,
                            const std::vector<Tetrahedron>& tetrahedra) {
   auto network = std::make_shared<SpringNetwork>();
   network->restPoints = points;
-  network->massShares.assign(points.size(), 1.0 / static_cast<double>(points.size()));
+  network->massFractions.assign(points.size(), 1.0 / static_cast<double>(points.size()));
   network->tetrahedra = tetrahedra;
   std::set<std::pair<std::uint32_t, std::uint32_t>> edges;
   for (const Tetrahedron& t : tetrahedra)

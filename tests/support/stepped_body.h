@@ -23,7 +23,7 @@ struct SteppedTestBody {
     state.resize(static_cast<Eigen::Index>(network->restPoints.size()));
     for (Eigen::Index i = 0; i < state.position.cols(); ++i) {
       state.position.col(i) = network->restPoints[static_cast<std::size_t>(i)];
-      const double mass = totalMass * network->massShares[static_cast<std::size_t>(i)];
+      const double mass = totalMass * network->massFractions[static_cast<std::size_t>(i)];
       state.inverseMass.col(i).setConstant(1.0 / mass);
     }
     group.bodies.push_back({&state, &springs, nullptr});
@@ -40,7 +40,7 @@ struct SteppedTestBody {
   }
   double energy() { return kineticEnergy(state) + elasticEnergy(group.bodies[0], state.position); }
 
-  SteppedBody& stepped() {
+  SolverBody& stepped() {
     group.bodies[0].contacts = contacts;
     return group.bodies[0];
   }
@@ -51,8 +51,8 @@ struct SteppedTestBody {
   SpringArrays springs;
   VolumeArrays volumes;
   TetrahedronVolumes tetrahedra;
-  std::vector<ContactRow>* contacts = nullptr;
-  StepGroup group;
+  std::vector<PlaneContact>* contacts = nullptr;
+  SolverIsland group;
 };
 
 }  // namespace limber::test

@@ -34,9 +34,9 @@ struct NetworkSettings {
   double weldTolerance = 0.0;  ///< metres, see weld()
   BraceRule braces = BraceRule::Pipeline;
   double braceWeight = 0.0;  ///< stiffnessScale of braces, above 0; 0: 0.5 for Pipeline, 1 for the others
-  double mostBraces = 1.5;   ///< braces per point at most, above 0; Pipeline only, and there of pieces that
+  double maxBracesPerPoint = 1.5;   ///< braces per point at most, above 0; Pipeline only, and there of pieces that
                             ///< have an inside: flat and open ones get the two-ring whole
-  double mostSeconds = 0.0;  ///< Pipeline stops adding after this time; 0: never. With a limit that is
+  double timeLimit = 0.0;  ///< Pipeline stops adding after this time; 0: never. With a limit that is
                              ///< reached the network depends on the machine's speed.
   std::uint64_t seed = 1;    ///< of the deformations that Pipeline tries
   MassRule masses = MassRule::Equal;

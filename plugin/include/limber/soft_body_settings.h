@@ -22,14 +22,14 @@ enum class Stepper : std::uint8_t {
 /// accuracy, or cap what it may cost.
 struct Stepping {
   Stepper stepper = Stepper::Auto;
-  int atLeast = 5;                ///< substeps per tick, 1 or more. 5 keep the period of an oscillation of 30
+  int minSubsteps = 5;                ///< substeps per tick, 1 or more. 5 keep the period of an oscillation of 30
                                   ///< ticks within 1e-4 and cost little beside Bullet's part of the tick
   double periodTolerance = 0.04;  ///< largest relative error of the period of the body's stiffest oscillation
                                   ///< (Verlet: (omega dt)^2 / 24); slower ones are better by the square of
                                   ///< the ratio. Halving the error costs 1.41x the substeps. 1e-8 to 1
   double tolerance = 0.0;         ///< m per second of motion, of SoftBody::errorPerSecond(); 0: not asked for
   double relativeTolerance = 0.0;  ///< the same as a share of the body's size per second; 0: not asked for
-  int budget = 0;  ///< substeps per tick at most, 0: no limit. A body that would need more to be stable is
+  int maxSubsteps = 0;  ///< substeps per tick at most, 0: no limit. A body that would need more to be stable is
                    ///< stepped implicitly; the error that follows is reported by SoftBody::errorPerSecond()
 };
 

@@ -22,8 +22,8 @@ namespace {
 
 Eigen::Vector3d centerOfMass(const SpringNetwork& network, const Points& position) {
   Eigen::Vector3d center = Eigen::Vector3d::Zero();
-  for (std::size_t i = 0; i < network.massShares.size(); ++i)
-    center += network.massShares[i] * position.col(static_cast<Eigen::Index>(i));
+  for (std::size_t i = 0; i < network.massFractions.size(); ++i)
+    center += network.massFractions[i] * position.col(static_cast<Eigen::Index>(i));
   return center;
 }
 
@@ -70,7 +70,7 @@ double fastestAtRest(const SoftBodyData& body) {
         body.network->restPoints[static_cast<std::size_t>(i)].cwiseProduct(body.settings.scale);
   for (Eigen::Index i = 0; i < rest.inverseMass.cols(); ++i)
     rest.inverseMass.col(i).setConstant(
-        1.0 / (body.settings.totalMass * body.network->massShares[static_cast<std::size_t>(i)]));
+        1.0 / (body.settings.totalMass * body.network->massFractions[static_cast<std::size_t>(i)]));
   return fastestOscillationSquared(body.springs, body.volumes, body.tetrahedra, rest, kResidual);
 }
 
@@ -176,7 +176,7 @@ void wakeBody(SoftBodyData& body, bool insideTick) {
   body.calmTime = 0.0;
 }
 
-bool isRestless(const SoftBodyData& body, btScalar tick) {
+bool movesTooFast(const SoftBodyData& body, btScalar tick) {
   return (isSurfaceBody(body) ? anySurfacePointMoves : anyPointMoves)(body, tick);
 }
 
@@ -184,8 +184,8 @@ void gatherBody(SoftBodyData& body, btScalar tick) {
   (isSurfaceBody(body) ? gatherSurface : gatherWorldPoints)(body, tick);
 }
 
-void handOverBody(SoftBodyData& body, btScalar tick) {
-  (isSurfaceBody(body) ? handOverBox : handOverVelocities)(body, tick);
+void writeBodyToBullet(SoftBodyData& body, btScalar tick) {
+  (isSurfaceBody(body) ? writeBoxToBullet : writeVelocitiesToBullet)(body, tick);
 }
 
 void finishBody(SoftBodyData& body, btScalar tick) {

@@ -58,11 +58,11 @@ bool wholeInWorld(const SoftBodyData& body);
 void wakeBody(SoftBodyData& body, bool insideTick);
 
 /// Whether it moves too much to sleep, see anyPointMoves().
-bool isRestless(const SoftBodyData& body, btScalar tick);
+bool movesTooFast(const SoftBodyData& body, btScalar tick);
 
 // The stages of a tick.
 void gatherBody(SoftBodyData& body, btScalar tick);
-void handOverBody(SoftBodyData& body, btScalar tick);
+void writeBodyToBullet(SoftBodyData& body, btScalar tick);
 void finishBody(SoftBodyData& body, btScalar tick);
 
 }  // namespace LIMBER_BULLET_PRECISION

@@ -57,19 +57,19 @@ inline bool isFree(const btRigidBody& body) {
 
 /// An object that was in the world when it was marked. The application may have deleted it since, and even
 /// have made another one in the same place of memory.
-struct PartnerMark {
+struct ObjectHandle {
   const btCollisionObject* object = nullptr;
   int place = -1;  ///< in the world's list of objects, then
   int id = 0;      ///< unique in the broadphase
 };
 
 /// The object must be in the world.
-inline PartnerMark markOf(const btCollisionObject& object) {
+inline ObjectHandle handleOf(const btCollisionObject& object) {
   return {&object, object.getWorldArrayIndex(), object.getBroadphaseHandle()->m_uniqueId};
 }
 
 /// Whether that very object is still in the world; only then may it be followed.
-inline bool isThere(const btCollisionWorld& world, const PartnerMark& mark) {
+inline bool isValid(const btCollisionWorld& world, const ObjectHandle& mark) {
   const btCollisionObjectArray& objects = world.getCollisionObjectArray();
   int place = mark.place;
   if (place < 0 || place >= objects.size() || objects[place] != mark.object)

@@ -17,11 +17,11 @@ namespace {
 bool before(const TouchingPair& pair, int id) { return pair.other.id < id; }
 
 /// What stands for the object in pairs: a body in many pieces is one.
-PartnerMark pairMark(const SoftContact& contact, const PartnerMark& partner) {
+ObjectHandle pairHandle(const SoftContact& contact, const ObjectHandle& partner) {
   const PointMass* point = PointMass::from(contact.other);
   if (!point || !point->owner()) return partner;
   const PointMass* first = point->owner()->masses.bodies[0];
-  return first && first->isInWorld() ? markOf(*first) : partner;
+  return first && first->isInWorld() ? handleOf(*first) : partner;
 }
 
 void addTo(ContactPair& pair, const SoftContact& contact) {
@@ -47,7 +47,7 @@ void ContactEvents::setListener(ContactListener* listener,
 }
 
 void ContactEvents::add(void (ContactListener::*told)(const ContactPair&), SoftBodyData& body,
-                        const ContactPair& pair, const PartnerMark& other) {
+                        const ContactPair& pair, const ObjectHandle& other) {
   events_.push_back({told, &body, other, pair});
 }
 
@@ -65,7 +65,7 @@ void ContactEvents::sumUp(SoftBodyData& body) {
   pairs_.clear();
   for (std::size_t i = 0; i < body.report.contacts.size(); ++i) {
     const SoftContact& contact = body.report.contacts[i];
-    const PartnerMark other = pairMark(contact, body.report.partners[i]);
+    const ObjectHandle other = pairHandle(contact, body.report.partners[i]);
     const auto it = std::lower_bound(now_.begin(), now_.end(), other.id, before);
     const auto place = it - now_.begin();
     if (it == now_.end() || it->other.id != other.id) {
@@ -83,7 +83,7 @@ void ContactEvents::collect(SoftBodyData& body) {
   if (!body.alive || !anyInWorld(body)) return collectEnds(body);
   dropGone(body);
   if (body.asleep || !body.report.fresh) {
-    const auto gone = [&](const TouchingPair& pair) { return !isThere(*body.world, pair.other); };
+    const auto gone = [&](const TouchingPair& pair) { return !isValid(*body.world, pair.other); };
     for (const TouchingPair& pair : body.touching)
       if (gone(pair)) addEnd(body, pair);
     body.touching.erase(std::remove_if(body.touching.begin(), body.touching.end(), gone),
@@ -93,7 +93,7 @@ void ContactEvents::collect(SoftBodyData& body) {
   sumUp(body);
   auto old = body.touching.begin();
   for (std::size_t i = 0; i < now_.size(); ++i) {
-    const PartnerMark& other = now_[i].other;
+    const ObjectHandle& other = now_[i].other;
     for (; old != body.touching.end() && old->other.id < other.id; ++old) addEnd(body, *old);
     const bool sameId = old != body.touching.end() && old->other.id == other.id;
     const bool known = sameId && old->other.object == other.object;
@@ -125,7 +125,7 @@ void ContactEvents::call(const btCollisionWorld* world) {
   for (std::size_t i = 0; i < events_.size(); ++i) {
     ContactEvent& event = events_[i];
     const bool ends = event.call == &ContactListener::contactEnds;
-    event.pair.otherGone = !world || !isThere(*world, event.other);
+    event.pair.otherGone = !world || !isValid(*world, event.other);
     // what a callback has just removed: a pair that was known ends after the next tick
     if (event.pair.otherGone && event.call == &ContactListener::contactBegins)
       forget(*event.body, event.other.id);
@@ -146,10 +146,10 @@ void ContactEvents::call(const btCollisionWorld* world) {
 // object that is gone. No step of Bullet's sees one: they are released before it.
 
 /// What a pair in the broadphase has in place of one of Bullet's algorithms. Bullet deletes it with the pair.
-class ShownContacts final : public btCollisionAlgorithm {
+class ReportedManifold final : public btCollisionAlgorithm {
  public:
-  ShownContacts(btDispatcher& dispatcher, SoftBodyData& body, const btCollisionObject& other);
-  ~ShownContacts() override;
+  ReportedManifold(btDispatcher& dispatcher, SoftBodyData& body, const btCollisionObject& other);
+  ~ReportedManifold() override;
 
   const btCollisionObject* other() const { return other_; }
   bool isShown() const { return manifold_ != nullptr; }
@@ -174,25 +174,25 @@ class ShownContacts final : public btCollisionAlgorithm {
   btPersistentManifold* manifold_ = nullptr;
 };
 
-ShownContacts::ShownContacts(btDispatcher& dispatcher, SoftBodyData& body, const btCollisionObject& other)
+ReportedManifold::ReportedManifold(btDispatcher& dispatcher, SoftBodyData& body, const btCollisionObject& other)
     : body_(&body), other_(&other) {
   m_dispatcher = &dispatcher;
   body.shown.push_back(this);
 }
 
-ShownContacts::~ShownContacts() {
+ReportedManifold::~ReportedManifold() {
   hide();
   body_->shown.erase(std::find(body_->shown.begin(), body_->shown.end(), this));
 }
 
-btPersistentManifold& ShownContacts::show() {
+btPersistentManifold& ReportedManifold::show() {
   manifold_ = m_dispatcher->getNewManifold(body_->surface.object, other_);
   // Bullet's solver leaves it alone, should it ever see it
   manifold_->setContactProcessingThreshold(-BT_LARGE_FLOAT);
   return *manifold_;
 }
 
-void ShownContacts::hide() {
+void ReportedManifold::hide() {
   if (!manifold_) return;
   for (int i = 0; i < manifold_->getNumContacts(); ++i)
     manifold_->clearUserCache(manifold_->getContactPoint(i));
@@ -220,16 +220,16 @@ void keep(const SoftContact& contact, std::vector<StrongestContacts>& strongest)
 
 /// What the pair of the two objects has, made if need be; nullptr if Bullet's broadphase knows no such pair
 /// or the pair has an algorithm that is not ours.
-ShownContacts* shownOf(SoftBodyData& body, const btCollisionObject& other) {
-  for (ShownContacts* shown : body.shown)
+ReportedManifold* reportedManifoldOf(SoftBodyData& body, const btCollisionObject& other) {
+  for (ReportedManifold* shown : body.shown)
     if (shown->other() == &other) return shown;
   btBroadphaseProxy* own = body.surface.object->getBroadphaseHandle();
   btBroadphaseProxy* theirs = const_cast<btCollisionObject&>(other).getBroadphaseHandle();
   btBroadphasePair* pair = body.world->getPairCache()->findPair(own, theirs);
   if (!pair || pair->m_algorithm) return nullptr;
   // not from Bullet's pool, whose elements have a size of their own
-  auto* shown = new (btAlignedAlloc(sizeof(ShownContacts), 16))
-      ShownContacts(*body.world->getDispatcher(), body, other);
+  auto* shown = new (btAlignedAlloc(sizeof(ReportedManifold), 16))
+      ReportedManifold(*body.world->getDispatcher(), body, other);
   pair->m_algorithm = shown;
   return shown;
 }
@@ -256,21 +256,21 @@ btManifoldPoint manifoldPoint(const SoftContact& c, const btCollisionObject& a, 
 bool isOthersTurn(const SoftBodyData& body, const btCollisionObject& other) {
   const SurfaceObject* surface = SurfaceObject::from(&other);
   if (!surface || !surface->owner()) return false;
-  for (const ShownContacts* shown : surface->owner()->shown)
+  for (const ReportedManifold* shown : surface->owner()->shown)
     if (shown->other() == body.surface.object) return true;
   return false;
 }
 
 }  // namespace
 
-void showContacts(SoftBodyData& body, std::vector<StrongestContacts>& scratch) {
+void reportManifold(SoftBodyData& body, std::vector<StrongestContacts>& scratch) {
   if (!isSurfaceBody(body) || !body.alive || !body.surface.object || !body.surface.object->isInWorld())
     return;
   scratch.clear();
   for (const SoftContact& contact : readReport(body)) keep(contact, scratch);
   for (const StrongestContacts& strongest : scratch) {
     if (isOthersTurn(body, *strongest.other)) continue;
-    ShownContacts* shown = shownOf(body, *strongest.other);
+    ReportedManifold* shown = reportedManifoldOf(body, *strongest.other);
     if (!shown || shown->isShown()) continue;
     btPersistentManifold& manifold = shown->show();
     for (int i = 0; i < strongest.count; ++i)
@@ -280,7 +280,7 @@ void showContacts(SoftBodyData& body, std::vector<StrongestContacts>& scratch) {
   }
 }
 
-void hideContacts(SoftBodyData& body) {
+void removeReportedManifolds(SoftBodyData& body) {
   for (std::size_t i = body.shown.size(); i-- > 0;) body.shown[i]->hide();
 }
 

@@ -35,7 +35,7 @@ void addImpulse(SoftContact& c, const TickImpulse& impulse) {
   c.frictionImpulse += toBullet(Vector3d(impulse.sum - impulse.pressing));
 }
 
-void add(SoftBodyData& body, const SoftContact& contact, const PartnerMark& partner) {
+void add(SoftBodyData& body, const SoftContact& contact, const ObjectHandle& partner) {
   body.report.contacts.push_back(contact);
   body.report.partners.push_back(partner);
 }
@@ -49,7 +49,7 @@ ContactSide pointSide(std::uint32_t point) {
 
 // --- on static and kinematic objects -----------------------------------------------------------------------
 
-void addRow(SoftBodyData& body, const ContactRow& row, const PartnerMark& partner, double tick) {
+void addRow(SoftBodyData& body, const PlaneContact& row, const ObjectHandle& partner, double tick) {
   const Vector3d x = body.state.position.col(row.point);
   const double radius = double(body.masses.shape->getRadius());
   const double distance = row.normal.dot(x - row.touch - tick * row.surfaceVelocity);
@@ -66,13 +66,13 @@ void addRow(SoftBodyData& body, const ContactRow& row, const PartnerMark& partne
 }
 
 void addRows(SoftBodyData& body, const btCollisionWorld& world, double tick) {
-  const PartnerMark* mark = nullptr;
+  const ObjectHandle* mark = nullptr;
   for (std::size_t i = 0; i < body.contacts.size(); ++i) {
     const btCollisionObject* partner = body.contactPartners[i];
     if (!mark || mark->object != partner) {
-      const auto isPartner = [&](const PartnerMark& m) { return m.object == partner; };
-      const auto it = std::find_if(body.partnerMarks.begin(), body.partnerMarks.end(), isPartner);
-      mark = it != body.partnerMarks.end() && isThere(world, *it) ? &*it : nullptr;
+      const auto isPartner = [&](const ObjectHandle& m) { return m.object == partner; };
+      const auto it = std::find_if(body.partnerHandles.begin(), body.partnerHandles.end(), isPartner);
+      mark = it != body.partnerHandles.end() && isValid(world, *it) ? &*it : nullptr;
     }
     if (mark) addRow(body, body.contacts[i], *mark, tick);
   }
@@ -80,7 +80,7 @@ void addRows(SoftBodyData& body, const btCollisionWorld& world, double tick) {
 
 // --- where more than the body moves ------------------------------------------------------------------------
 
-ContactSide sideOf(const ContactPlace& place, const SoftBodyData& body, Vector3d& position) {
+ContactSide sideOf(const ContactPoint& place, const SoftBodyData& body, Vector3d& position) {
   ContactSide side;
   position.setZero();
   for (std::uint32_t i = 0; i < place.count; ++i) {
@@ -106,7 +106,7 @@ SoftContact mirrored(const SoftContact& c, const btCollisionObject& object) {
   return m;
 }
 
-void addPair(const PairContact& pair, const ContactSource& source) {
+void addPair(const Contact& pair, const ContactSource& source) {
   SoftBodyData &body = *source.body, *other = source.other;
   const double radius = double(body.masses.shape->getRadius());
   if (!tells(pair.impulse.sum, pair.gap, radius)) return;
@@ -124,11 +124,11 @@ void addPair(const PairContact& pair, const ContactSource& source) {
   c.distance = pair.gap;
   addImpulse(c, pair.impulse);
   if (body.report.fresh) add(body, c, source.partner);
-  const bool together = other && other != &body && pair.b.kind == ContactPlace::Kind::Soft;
+  const bool together = other && other != &body && pair.b.kind == ContactPoint::Kind::Soft;
   if (!together || !other->report.fresh || !anyInWorld(body)) return;
   const btCollisionObject* object = body.surface.object;
   if (!object) object = body.masses.bodies[pair.a.point[0]];
-  add(*other, mirrored(c, *object), markOf(*object));
+  add(*other, mirrored(c, *object), handleOf(*object));
 }
 
 // --- what Bullet's solver did to points in the world -------------------------------------------------------
@@ -175,7 +175,7 @@ void addBulletsPart(SoftContact* known, SoftBodyData& body, const PointMass& poi
   c.normal = isFirst ? p.m_normalWorldOnB : -p.m_normalWorldOnB;
   c.distance = distance;
   addImpulse(c, impulse);
-  add(body, c, markOf(other));
+  add(body, c, handleOf(other));
 }
 
 /// A manifold of two soft bodies is seen from both, and gets what their points have borne.
@@ -215,7 +215,7 @@ void reportContacts(const std::vector<SoftBodyData*>& bodies, const TickContacts
     anyInBullet = anyInBullet || !isSurfaceBody(*body);
   }
   for (std::size_t i = 0; i < pairs.contacts.size(); ++i)
-    if (pairs.sources[i].body && isThere(world, pairs.sources[i].partner))
+    if (pairs.sources[i].body && isValid(world, pairs.sources[i].partner))
       addPair(pairs.contacts[i], pairs.sources[i]);
   if (!anyInBullet) return;
   for (SoftBodyData* body : bodies) body->report.known = body->report.contacts.size();
@@ -232,23 +232,23 @@ bool hasCorner(const Triangle& triangle, std::uint32_t point) {
 }
 
 /// How much a triangle of the body faces that way, -1 to 1; two-sided ones face both ways.
-double facing(const SoftBodyData& body, std::uint32_t triangle, const Eigen::Vector3d& way) {
+double facing(const SoftBodyData& body, std::uint32_t triangle, const Eigen::Vector3d& displacement) {
   const Triangle& t = body.surface.topology->triangles[triangle];
   const Points& x = body.state.position;
   const Eigen::Vector3d a = x.col(t[0]), normal = (x.col(t[1]) - a).cross(x.col(t[2]) - a).stableNormalized();
-  const double along = normal.dot(way);
+  const double along = normal.dot(displacement);
   return body.surface.topology->oneSided[triangle] ? along : std::abs(along);
 }
 
 /// The triangle that has all points of the side and faces that way most; of equals, the first.
-std::uint32_t triangleOf(const SoftBodyData& body, const ContactSide& side, const Eigen::Vector3d& way) {
+std::uint32_t triangleOf(const SoftBodyData& body, const ContactSide& side, const Eigen::Vector3d& displacement) {
   const IndexLists& around = body.surface.topology->trianglesAround;
   std::uint32_t best = ContactSide::kNone;
   double most = -2.0;
   for (const std::uint32_t* t = around.begin(side.points[0]); t != around.end(side.points[0]); ++t) {
     const Triangle& corners = body.surface.topology->triangles[*t];
     if (!hasCorner(corners, side.points[1]) || !hasCorner(corners, side.points[2])) continue;
-    const double much = facing(body, *t, way);
+    const double much = facing(body, *t, displacement);
     if (much > most) most = much, best = *t;
   }
   return best;
@@ -266,9 +266,9 @@ void spread(ContactSide& side, std::uint32_t triangle, const Triangle& corners) 
   side = {triangle, {corners[0], corners[1], corners[2]}, weights};
 }
 
-void findTriangle(const SoftBodyData& body, ContactSide& side, const Eigen::Vector3d& way) {
+void findTriangle(const SoftBodyData& body, ContactSide& side, const Eigen::Vector3d& displacement) {
   if (!body.surface.topology || side.triangle != ContactSide::kNone || side.weights.isZero(0.0)) return;
-  const std::uint32_t triangle = triangleOf(body, side, way);
+  const std::uint32_t triangle = triangleOf(body, side, displacement);
   if (triangle != ContactSide::kNone) spread(side, triangle, body.network->surface[triangle]);
 }
 
@@ -285,7 +285,7 @@ void dropGone(SoftBodyData& body) {
   std::size_t kept = 0;
   const bool here = !r.contacts.empty() && anyInWorld(body);
   for (std::size_t i = 0; here && i < r.contacts.size(); ++i) {
-    if (!isThere(*body.world, r.partners[i])) continue;
+    if (!isValid(*body.world, r.partners[i])) continue;
     if (kept != i) r.contacts[kept] = r.contacts[i], r.partners[kept] = r.partners[i];
     ++kept;
   }

@@ -43,7 +43,7 @@ void findTriangles(SoftContact& contact);
 struct ContactEvent {
   void (ContactListener::*call)(const ContactPair&) = nullptr;
   SoftBodyData* body = nullptr;
-  PartnerMark other;
+  ObjectHandle other;
   ContactPair pair;
 };
 
@@ -67,7 +67,7 @@ class ContactEvents {
  private:
   void sumUp(SoftBodyData& body);
   void add(void (ContactListener::*told)(const ContactPair&), SoftBodyData& body, const ContactPair& pair,
-           const PartnerMark& other);
+           const ObjectHandle& other);
   void addEnd(SoftBodyData& body, const TouchingPair& ended);
 
   ContactListener* listener_ = nullptr;
@@ -80,7 +80,7 @@ class ContactEvents {
 
 // --- manifolds ---------------------------------------------------------------------------------------------
 
-/// Scratch of showContacts().
+/// Scratch of reportManifold().
 struct StrongestContacts {
   const btCollisionObject* other;
   int count;
@@ -88,10 +88,10 @@ struct StrongestContacts {
 };
 
 /// After a tick: shows what the body's report tells, of each partner the four that bear most.
-void showContacts(SoftBodyData& body, std::vector<StrongestContacts>& scratch);
+void reportManifold(SoftBodyData& body, std::vector<StrongestContacts>& scratch);
 
 /// Before a tick.
-void hideContacts(SoftBodyData& body);
+void removeReportedManifolds(SoftBodyData& body);
 
 }  // namespace LIMBER_BULLET_PRECISION
 }  // namespace limber

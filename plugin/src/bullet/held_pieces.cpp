@@ -230,22 +230,22 @@ class PieceCollector {
 // --- what is flat ------------------------------------------------------------------------------------------
 
 /// Of a solid whose nearest place is on a flat face.
-bool isFlatSolid(const HeldPiece& piece, const Vector3d& x, double reach) {
+bool isFlatSolid(const HeldPiece& piece, const Vector3d& x, double searchRegion) {
   const Vector3d local = piece.axes.transpose() * (x - piece.center);
   if (piece.kind == Kind::Plane) return true;
   if (piece.kind == Kind::Box) {
     int beyond = 0;
-    for (int i = 0; i < 3; ++i) beyond += std::abs(local[i]) + reach > piece.size[i];
+    for (int i = 0; i < 3; ++i) beyond += std::abs(local[i]) + searchRegion > piece.size[i];
     return beyond == 1 && piece.margin == 0.0;
   }
   if (piece.kind != Kind::Cylinder) return false;
-  return std::abs(local[1]) > piece.size[1] && std::hypot(local[0], local[2]) + reach < piece.size[0];
+  return std::abs(local[1]) > piece.size[1] && std::hypot(local[0], local[2]) + searchRegion < piece.size[0];
 }
 
-bool isNearEdge(const HeldPiece& t, int edge, const Vector3d& x, double reach) {
+bool isNearEdge(const HeldPiece& t, int edge, const Vector3d& x, double searchRegion) {
   const Vector3d from = t.axes.col(edge), to = t.axes.col((edge + 1) % 3);
   const Vector3d nearest = from + nearestOnSegment(from, to, x) * (to - from);
-  return (nearest - x).squaredNorm() < reach * reach;
+  return (nearest - x).squaredNorm() < searchRegion * searchRegion;
 }
 
 bool hasEdge(const HeldPiece& t, const Vector3d& from, const Vector3d& to) {
@@ -257,7 +257,7 @@ bool hasEdge(const HeldPiece& t, const Vector3d& from, const Vector3d& to) {
 }
 
 /// Whether the triangles lie in one plane and leave no gap around the place below x.
-bool areFlatTriangles(const HeldPiece* begin, const HeldPiece* end, const Vector3d& x, double reach) {
+bool areFlatTriangles(const HeldPiece* begin, const HeldPiece* end, const Vector3d& x, double searchRegion) {
   constexpr double kFlat = 1e-7;  // m, and 1 - cosine
   const Vector3d normal = begin->center, foot = x - normal.dot(x - begin->axes.col(0)) * normal;
   bool isAbove = false;
@@ -267,7 +267,7 @@ bool areFlatTriangles(const HeldPiece* begin, const HeldPiece* end, const Vector
     const Vector3d weights = nearestBarycentric({t->axes.col(0), t->axes.col(1), t->axes.col(2)}, foot);
     isAbove = isAbove || (t->axes * weights - foot).squaredNorm() < kFlat * kFlat;
     for (int edge = 0; edge < 3; ++edge) {
-      if (!isNearEdge(*t, edge, foot, reach)) continue;
+      if (!isNearEdge(*t, edge, foot, searchRegion)) continue;
       const Vector3d from = t->axes.col(edge), to = t->axes.col((edge + 1) % 3);
       const auto shares = [&](const HeldPiece& other) { return &other != t && hasEdge(other, from, to); };
       if (std::none_of(begin, end, shares)) return false;
@@ -290,16 +290,16 @@ std::uint32_t addPieces(const btCollisionObject& object, const Eigen::AlignedBox
 }
 
 bool areFlatAround(const HeldPiece* begin, const HeldPiece* end, const Vector3d& x, double radius,
-                   double reach) {
+                   double searchRegion) {
   for (const HeldPiece *first = begin, *next = begin; first != end; first = next) {
     if (first->kind == Kind::Sheet) {
       while (next != end && next->kind == Kind::Sheet && next->owner == first->owner) ++next;
-      if (!areFlatTriangles(first, next, x, radius + reach)) return false;
+      if (!areFlatTriangles(first, next, x, radius + searchRegion)) return false;
       continue;
     }
     next = endOfSolid(first, end);
-    if (isFlatSolid(*first, x, reach)) continue;
-    if (nearestOn(first, next, x).height <= radius + reach) return false;
+    if (isFlatSolid(*first, x, searchRegion)) continue;
+    if (nearestOn(first, next, x).height <= radius + searchRegion) return false;
   }
   return true;
 }

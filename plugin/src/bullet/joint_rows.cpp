@@ -16,14 +16,14 @@ namespace {
 using Eigen::Vector3d;
 
 /// Bullet's largest kind of constraint has six rows and a spring or motor for each.
-constexpr int kMostRows = 16;
+constexpr int kMaxRows = 16;
 
 /// Where Bullet's constraints write their rows.
 struct RowBuffer {
-  btScalar linearA[4 * kMostRows] = {}, angularA[4 * kMostRows] = {};
-  btScalar linearB[4 * kMostRows] = {}, angularB[4 * kMostRows] = {};
-  btScalar error[4 * kMostRows] = {}, softness[4 * kMostRows] = {};
-  btScalar lower[4 * kMostRows], upper[4 * kMostRows];
+  btScalar linearA[4 * kMaxRows] = {}, angularA[4 * kMaxRows] = {};
+  btScalar linearB[4 * kMaxRows] = {}, angularB[4 * kMaxRows] = {};
+  btScalar error[4 * kMaxRows] = {}, softness[4 * kMaxRows] = {};
+  btScalar lower[4 * kMaxRows], upper[4 * kMaxRows];
 };
 
 Vector3d vectorAt(const btScalar* numbers, int row) {
@@ -32,7 +32,7 @@ Vector3d vectorAt(const btScalar* numbers, int row) {
 
 btTypedConstraint::btConstraintInfo2 infoOn(RowBuffer& buffer, const btContactSolverInfo& solver,
                                             btScalar tick) {
-  for (int i = 0; i < 4 * kMostRows; ++i) {
+  for (int i = 0; i < 4 * kMaxRows; ++i) {
     buffer.lower[i] = -SIMD_INFINITY, buffer.upper[i] = SIMD_INFINITY;
     buffer.softness[i] = solver.m_globalCfm;
   }
@@ -60,7 +60,7 @@ std::uint32_t sideOf(const btRigidBody& body, const Vector3d& linear, const Vect
     const Vector3d turned = rotationBetween(toEigen(start.getRotation()), toEigen(end.getRotation()));
     speed -= (linear.dot(moved) + angular.dot(turned)) / found.tick;
   }
-  return JointRow::kHeld;
+  return JointConstraint::kHeld;
 }
 
 bool drives(const RowBuffer& buffer, int row) {
@@ -68,7 +68,7 @@ bool drives(const RowBuffer& buffer, int row) {
 }
 
 void addRow(const btTypedConstraint& joint, const RowBuffer& buffer, int row, btScalar tick, TickContacts& found) {
-  JointRow j;
+  JointConstraint j;
   j.linearA = vectorAt(buffer.linearA, row), j.angularA = vectorAt(buffer.angularA, row);
   j.linearB = vectorAt(buffer.linearB, row), j.angularB = vectorAt(buffer.angularB, row);
   j.lower = double(buffer.lower[4 * row]);
@@ -83,14 +83,14 @@ void addRow(const btTypedConstraint& joint, const RowBuffer& buffer, int row, bt
 /// Against turning of the sides of the last contact against each other, by `rolling` (m) times what it bears.
 void addTurnRow(const btPersistentManifold& manifold, const Vector3d& axis, double rolling,
                 TickContacts& found) {
-  JointRow j;
+  JointConstraint j;
   j.contact = static_cast<std::uint32_t>(found.contacts.size() - 1);
   j.rolling = rolling;
   j.linearA = j.linearB = Vector3d::Zero();
   j.angularA = axis, j.angularB = -axis;
   const auto side = [&](const btCollisionObject* object, const Vector3d& angular) {
     const btRigidBody* body = btRigidBody::upcast(object);
-    return body ? sideOf(*body, Vector3d::Zero(), angular, found, j.speed) : JointRow::kHeld;
+    return body ? sideOf(*body, Vector3d::Zero(), angular, found, j.speed) : JointConstraint::kHeld;
   };
   j.a = side(manifold.getBody0(), j.angularA);
   j.b = side(manifold.getBody1(), j.angularB);
@@ -107,7 +107,7 @@ int readRows(btTypedConstraint& joint, const btContactSolverInfo& solver, btScal
   joint.buildJacobian();
   btTypedConstraint::btConstraintInfo1 size;
   joint.getInfo1(&size);
-  if (size.m_numConstraintRows <= 0 || size.m_numConstraintRows > kMostRows) return 0;
+  if (size.m_numConstraintRows <= 0 || size.m_numConstraintRows > kMaxRows) return 0;
   btTypedConstraint::btConstraintInfo2 info = infoOn(buffer, solver, tick);
   joint.getInfo2(&info);
   return size.m_numConstraintRows;
@@ -254,7 +254,7 @@ void switchOn(btTypedConstraint& joint, std::uint32_t on) {
 
 /// Whether the joint is in the world. Looks from `place` in the world's list on, and leaves there where it
 /// is: rows come in the order of their joints.
-bool isThere(btDynamicsWorld& world, const btTypedConstraint* joint, int& place) {
+bool isValid(btDynamicsWorld& world, const btTypedConstraint* joint, int& place) {
   const int count = world.getNumConstraints();
   for (int i = 0; i < count; ++i) {
     const int here = (place + i) % count;
@@ -265,7 +265,7 @@ bool isThere(btDynamicsWorld& world, const btTypedConstraint* joint, int& place)
   return false;
 }
 
-void addFeedback(btJointFeedback& feedback, const JointRow& j, btScalar tick) {
+void addFeedback(btJointFeedback& feedback, const JointConstraint& j, btScalar tick) {
   const auto push = [&](btVector3& sum, const Vector3d& along) {
     sum += toBullet(Vector3d(along * (j.impulse / double(tick))));
   };
@@ -326,7 +326,7 @@ void switchOffDrives(const TickContacts& found, std::vector<SwitchedOff>& off) {
 void switchOnDrives(btDynamicsWorld& world, std::vector<SwitchedOff>& off) {
   int place = 0;
   for (const SwitchedOff& o : off)
-    if (isThere(world, o.joint, place)) switchOn(*o.joint, o.drives);
+    if (isValid(world, o.joint, place)) switchOn(*o.joint, o.drives);
   off.clear();
 }
 
@@ -334,9 +334,9 @@ void reportJoints(btDynamicsWorld& world, const TickContacts& contacts, btScalar
   int place = 0;
   for (std::size_t i = 0; i < contacts.joints.size(); ++i) {
     btTypedConstraint* constraint = contacts.jointSources[i].constraint;
-    if (!constraint || !isThere(world, constraint, place)) continue;
+    if (!constraint || !isValid(world, constraint, place)) continue;
     btTypedConstraint& joint = *constraint;
-    const JointRow& row = contacts.joints[i];
+    const JointConstraint& row = contacts.joints[i];
     joint.internalSetAppliedImpulse(static_cast<btScalar>(row.impulse));
     if (joint.getJointFeedback()) addFeedback(*joint.getJointFeedback(), row, tick);
     if (std::abs(row.impulse) >= double(joint.getBreakingImpulseThreshold())) joint.setEnabled(false);

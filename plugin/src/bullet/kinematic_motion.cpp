@@ -31,10 +31,10 @@ int ticksOf(const KinematicMotion& m, btScalar tick) {
   if (!(m.object->getInterpolationWorldTransform() == m.told)) return 1;
   const double speed = double(m.object->getInterpolationLinearVelocity().length());
   const double spin = double(m.object->getInterpolationAngularVelocity().length());
-  const double way = double((m.told.getOrigin() - m.start.getOrigin()).length());
+  const double displacement = double((m.told.getOrigin() - m.start.getOrigin()).length());
   const double turn = double(m.start.getRotation().angleShortestPath(m.told.getRotation()));
   double ticks = 1.0;
-  if (way * spin >= turn * speed && speed > 0.0) ticks = way / (speed * double(tick));
+  if (displacement * spin >= turn * speed && speed > 0.0) ticks = displacement / (speed * double(tick));
   else if (spin > 0.0) ticks = turn / (spin * double(tick));
   return static_cast<int>(std::lround(std::min(std::max(ticks, 1.0), kMaxTicks)));
 }
@@ -174,7 +174,7 @@ bool mayWake(const btRigidBody& own, const btCollisionObject& partner) {
 
 /// Adds a partner of the coming tick, met by the body's surface or point `own`. A body that sleeps is woken by
 /// kinematic objects that are awake, as Bullet's islands do.
-void meetPartner(SoftBodyData& body, btRigidBody& own, btCollisionObject& partner) {
+void collidePartner(SoftBodyData& body, btRigidBody& own, btCollisionObject& partner) {
   if (!body.asleep || own.isActive())
     addPartner(body, &partner);
   else if (isKinematic(partner) && partner.isActive() && mayWake(own, partner))
@@ -196,7 +196,7 @@ void collectPartners(btDiscreteDynamicsWorld& world, const void* system) {
     const btBroadphaseProxy *a = pairs[i].m_pProxy0, *b = pairs[i].m_pProxy1;
     for (int side = 0; side < 2; ++side, std::swap(a, b)) {
       auto* partner = static_cast<btCollisionObject*>(b->m_clientObject);
-      if (SurfaceObject* surface = livingSurface(a, system)) meetPartner(*surface->owner(), *surface, *partner);
+      if (SurfaceObject* surface = livingSurface(a, system)) collidePartner(*surface->owner(), *surface, *partner);
     }
   }
 }
@@ -205,7 +205,7 @@ bool partnersCover(const SoftBodyData& body, const Eigen::AlignedBox3d& box) {
   const SurfaceShape& shape = *body.surface.shape;
   // the box went through rounding, the broadphase adds gContactBreakingThreshold on all sides
   const double slack = 0.5 * double(gContactBreakingThreshold);
-  return body.surface.flight.tick > 0.0 &&
+  return body.surface.sweptBounds.tick > 0.0 &&
          (box.min().array() >= toEigen(shape.low()).array() - slack).all() &&
          (box.max().array() <= toEigen(shape.high()).array() + slack).all();
 }
@@ -227,7 +227,7 @@ struct BodyReader : btDiscreteDynamicsWorld {
 
 /// m, the motion of the centre and a bound of what turning adds to it.
 struct Motion {
-  btVector3 way;
+  btVector3 displacement;
   btScalar turn;
 };
 
@@ -261,7 +261,7 @@ struct BodiesInBox final : btBroadphaseAabbCallback {
     btBroadphaseProxy *a = part.getBroadphaseHandle(), *b = mover->getBroadphaseHandle();
     if (!mayWake(part, *mover) || !world->getPairCache()->needsBroadphaseCollision(a, b)) return;
     if (!part.isActive()) part.activate(true);
-    meetPartner(body, part, *mover);
+    collidePartner(body, part, *mover);
   }
 };
 
@@ -274,11 +274,11 @@ void meetInBox(btDiscreteDynamicsWorld& world, btCollisionObject& mover, const b
 
 void meetInTheWay(btDiscreteDynamicsWorld& world, btRigidBody& body, btScalar tick, const void* system) {
   const Motion motion = motionOf(body, tick);
-  if (motion.way.length() + motion.turn <= kForeseen) return;
+  if (motion.displacement.length() + motion.turn <= kForeseen) return;
   btVector3 low, high;
   body.getCollisionShape()->getAabb(body.getWorldTransform(), low, high);
   btVector3 from = low, to = high;
-  from.setMin(low + motion.way), to.setMax(high + motion.way);
+  from.setMin(low + motion.displacement), to.setMax(high + motion.displacement);
   meetInBox(world, body, from, to, motion.turn + kForeseen, system);
 }
 

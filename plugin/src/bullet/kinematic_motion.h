@@ -66,7 +66,7 @@ class KinematicMotions {
 };
 
 /// m, how far a place on an object gets in the tick while it is Rewound; 0 for one that is not kinematic.
-inline Eigen::Vector3d kinematicWay(const btCollisionObject& object, const Eigen::Vector3d& place) {
+inline Eigen::Vector3d kinematicDisplacement(const btCollisionObject& object, const Eigen::Vector3d& place) {
   if (!isKinematic(object) || object.getWorldTransform() == object.getInterpolationWorldTransform())
     return Eigen::Vector3d::Zero();
   const btTransform &start = object.getWorldTransform(), &end = object.getInterpolationWorldTransform();

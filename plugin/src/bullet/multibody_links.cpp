@@ -131,18 +131,18 @@ void MultiBodyLinks::addJoint(btMultiBody& multiBody, int link, TickContacts& fo
   LinkBody& parent = bodyOf(multiBody, joint.m_parent);
   const auto numberOf = [&](LinkBody& body) {
     const bool fixed = body.link < 0 && multiBody.hasFixedBase();
-    return fixed || !isFree(body) ? JointRow::kHeld : found.add(body);
+    return fixed || !isFree(body) ? JointConstraint::kHeld : found.add(body);
   };
   const Vector3d arm = toEigen(child.getCenterOfMassPosition()) - toEigen(parent.getCenterOfMassPosition());
   const btMatrix3x3& basis = child.getWorldTransform().getBasis();
   const std::uint32_t a = numberOf(child), b = numberOf(parent);
-  if (a == JointRow::kHeld && b == JointRow::kHeld) return;
+  if (a == JointConstraint::kHeld && b == JointConstraint::kHeld) return;
   // all directions beside the joint's own
   const Eigen::MatrixXd freedom = freedomOf(joint);
   const Eigen::Matrix<double, 6, 6> directions = orthogonalColumns(freedom, 6);
   for (Eigen::Index d = freedom.cols(); d < 6; ++d) {
     const Vector6d held = directions.col(d);
-    JointRow row;
+    JointConstraint row;
     row.a = a, row.b = b;
     row.angularA = toEigen(basis * toBullet(Vector3d(held.head<3>())));
     row.linearA = toEigen(basis * toBullet(Vector3d(held.tail<3>())));
@@ -176,9 +176,9 @@ void MultiBodyLinks::addJoints(TickContacts& found) {
 
 void MultiBodyLinks::applyImpulses(const TickContacts& found) {
   if (touched_.empty()) return;
-  for (const PairContact& c : found.contacts)
-    for (const ContactPlace* place : {&c.a, &c.b}) {
-      if (place->kind != ContactPlace::Kind::Rigid) continue;
+  for (const Contact& c : found.contacts)
+    for (const ContactPoint* place : {&c.a, &c.b}) {
+      if (place->kind != ContactPoint::Kind::Rigid) continue;
       LinkBody* body = LinkBody::from(found.rigids[place->body].body);
       if (!body) continue;
       const Vector3d impulse = place == &c.a ? c.impulse.sum : Vector3d(-c.impulse.sum);

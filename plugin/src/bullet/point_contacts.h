@@ -21,12 +21,12 @@ namespace limber {
 inline namespace LIMBER_BULLET_PRECISION {
 
 struct TickContacts;
-struct TickGroup;
+struct LinkedGroup;
 
 // --- what a point may reach --------------------------------------------------------------------------------
 
 /// A point can be pushed faster within the tick than it was at its start.
-constexpr double kReachPerMotion = 1.5;
+constexpr double kSearchPerMotion = 1.5;
 
 /// Of two contacts of a point whose normals are closer than this (cosine), only the nearer counts:
 /// neighbouring triangles of a flat surface are one surface.
@@ -40,45 +40,45 @@ inline double recoverySpeed(double size, double gravity, double tick) {
 }
 
 /// Where a point may get in a tick.
-struct Reach {
+struct SearchRegion {
   Eigen::Vector3d low, high;
   double distance;  ///< m, beyond the radius
 };
 
 /// Of a point with a velocity in `time` s; `partnerMotion` (m) is what comes towards it.
-inline Reach reachFrom(const SoftBodyData& body, Eigen::Index i, const Eigen::Vector3d& velocity, double time,
+inline SearchRegion searchRegionFrom(const SoftBodyData& body, Eigen::Index i, const Eigen::Vector3d& velocity, double time,
                        double partnerMotion = 0.0) {
   const double radius = double(body.masses.shape->getRadius());
   const Eigen::Vector3d x = body.state.position.col(i);
   const double motion = time * velocity.norm() + time * time * body.state.acceleration.col(i).norm();
-  const double distance = kReachPerMotion * motion + partnerMotion + radius / 3.0;
+  const double distance = kSearchPerMotion * motion + partnerMotion + radius / 3.0;
   const double size = radius + distance;
   return {x.array() - size, x.array() + size, distance};
 }
 
-inline Reach reachOf(const SoftBodyData& body, Eigen::Index i, double tick, double partnerMotion = 0.0) {
-  return reachFrom(body, i, body.state.velocity.col(i), tick, partnerMotion);
+inline SearchRegion searchRegionOf(const SoftBodyData& body, Eigen::Index i, double tick, double partnerMotion = 0.0) {
+  return searchRegionFrom(body, i, body.state.velocity.col(i), tick, partnerMotion);
 }
 
 /// Whether the box of what is reached meets that of an object in the broadphase.
-inline bool overlaps(const Reach& reach, const btCollisionObject& partner) {
+inline bool overlaps(const SearchRegion& searchRegion, const btCollisionObject& partner) {
   const btBroadphaseProxy& proxy = *partner.getBroadphaseHandle();
-  return (toEigen(proxy.m_aabbMin).array() <= reach.high.array()).all() &&
-         (toEigen(proxy.m_aabbMax).array() >= reach.low.array()).all();
+  return (toEigen(proxy.m_aabbMin).array() <= searchRegion.high.array()).all() &&
+         (toEigen(proxy.m_aabbMax).array() >= searchRegion.low.array()).all();
 }
 
 /// The mean of a quantity per point, by mass.
 inline Eigen::Vector3d meanOf(const SpringNetwork& network, const Points& quantity) {
   Eigen::Vector3d mean = Eigen::Vector3d::Zero();
   for (Eigen::Index i = 0; i < quantity.cols(); ++i)
-    mean += network.massShares[static_cast<std::size_t>(i)] * quantity.col(i);
+    mean += network.massFractions[static_cast<std::size_t>(i)] * quantity.col(i);
   return mean;
 }
 
 /// Where the points of a body may get in a tick if nothing is in their way: the body flies on, and its points
-/// move relative to that as each may (reachOf). Smaller than the box around all reaches, which also hold what
+/// move relative to that as each may (searchRegionOf). Smaller than the box around all reaches, which also hold what
 /// a hit may push aside.
-inline Flight flightOf(const SoftBodyData& body, double tick) {
+inline SweptBounds sweptBoundsOf(const SoftBodyData& body, double tick) {
   const PointState& s = body.state;
   const Eigen::Vector3d mean = meanOf(*body.network, s.velocity);
   Eigen::AlignedBox3d box;
@@ -89,10 +89,10 @@ inline Flight flightOf(const SoftBodyData& body, double tick) {
   }
   const double radius = double(body.masses.shape->getRadius());
   const double fall = tick * tick * s.acceleration.col(0).norm();
-  const double margin = radius + radius / 3.0 + kReachPerMotion * (tick * std::sqrt(fastest) + fall);
-  const Eigen::Vector3d way = kReachPerMotion * tick * mean;
-  const Eigen::Vector3d low = box.min() + way.cwiseMin(0.0), high = box.max() + way.cwiseMax(0.0);
-  return {{low.array() - margin, high.array() + margin}, margin - radius + way.norm(), tick};
+  const double margin = radius + radius / 3.0 + kSearchPerMotion * (tick * std::sqrt(fastest) + fall);
+  const Eigen::Vector3d displacement = kSearchPerMotion * tick * mean;
+  const Eigen::Vector3d low = box.min() + displacement.cwiseMin(0.0), high = box.max() + displacement.cwiseMax(0.0);
+  return {{low.array() - margin, high.array() + margin}, margin - radius + displacement.norm(), tick};
 }
 
 // --- what it may touch -------------------------------------------------------------------------------------
@@ -147,7 +147,7 @@ void addContactWatch(SoftBodyData& body);
 bool mayHaveMissedContacts(SoftBodyData& body);
 
 /// Rows of one point on the static partners of its body, as far as it may reach in the tick (s).
-void addStaticRows(SoftBodyData& body, std::uint32_t i, const Reach& reach, btScalar tick);
+void addStaticRows(SoftBodyData& body, std::uint32_t i, const SearchRegion& searchRegion, btScalar tick);
 
 /// Rows on a partner that moves as told; of a point that starts with a velocity and moves for `time` s of the tick.
 /// `stamp`: stampOf() the partner.
@@ -168,7 +168,7 @@ void gatherPairs(SoftBodyData& body, btRigidBody& partner, btScalar tick, TickCo
 
 /// Adds a contact for every two point masses in the world, of different bodies, that may meet in the coming tick.
 /// Call it when all awake groups have been gathered.
-void gatherPointPairs(const std::vector<TickGroup>& groups, btScalar tick, TickContacts& found);
+void gatherPointPairs(const std::vector<LinkedGroup>& groups, btScalar tick, TickContacts& found);
 
 // --- boxes -------------------------------------------------------------------------------------------------
 

@@ -74,7 +74,7 @@ btVector3 inertiaOf(const SoftBodyData& body, btScalar mass) {
 }
 
 PointMass* makeBody(SoftBodyData& body, std::uint32_t i) {
-  const btScalar mass = static_cast<btScalar>(body.settings.totalMass * body.network->massShares[i]);
+  const btScalar mass = static_cast<btScalar>(body.settings.totalMass * body.network->massFractions[i]);
   btRigidBody::btRigidBodyConstructionInfo info(mass, nullptr, body.masses.shape.get(), inertiaOf(body, mass));
   info.m_startWorldTransform.setIdentity();
   info.m_startWorldTransform.setOrigin(toBullet(Eigen::Vector3d(body.state.position.col(i))));
@@ -212,7 +212,7 @@ void writePoints(SoftBodyData& body) {
 }
 
 void absorbOutsideChanges(SoftBodyData& body) {
-  if (!body.masses.shared) return;
+  if (!body.masses.exposed) return;
   for (std::uint32_t i = 0; i < body.masses.bodies.size(); ++i) {
     if (!body.masses.bodies[i]) continue;
     updateInverseMass(body, i);
@@ -236,11 +236,11 @@ void restoreIfUnsound(SoftBodyData& body) {
   for (std::size_t i = 0; i < springs.originalLength.size(); ++i)
     if (!std::isfinite(springs.restLength[i])) springs.restLength[i] = springs.originalLength[i];
   ++springs.revision;
-  for (ContactRow& row : body.contacts) row.impulse = TickImpulse();
-  body.knownContacts.clear();
+  for (PlaneContact& row : body.contacts) row.impulse = TickImpulse();
+  body.storedImpulses.clear();
   body.implicit = ImplicitState();
   body.volumes.kept.value = 0.0;
-  body.errorPerSecond = body.errorPerSquare = 0.0;
+  body.errorPerSecond = body.errorCoefficient = 0.0;
   body.restored = true;
 }
 
@@ -253,8 +253,8 @@ bool isChangedOutside(const SoftBodyData& body, std::uint32_t i) {
 bool anyPointMoves(const SoftBodyData& body, btScalar tick) {
   if (body.masses.changed) return true;
   for (std::uint32_t i = 0; i < body.masses.bodies.size(); ++i) {
-    const double way = (body.state.position.col(i) - body.masses.startPosition.col(i)).norm();
-    if (isChangedOutside(body, i) || way > double(body.masses.bodies[i]->getLinearSleepingThreshold() * tick))
+    const double displacement = (body.state.position.col(i) - body.masses.startPosition.col(i)).norm();
+    if (isChangedOutside(body, i) || displacement > double(body.masses.bodies[i]->getLinearSleepingThreshold() * tick))
       return true;
   }
   return false;
@@ -262,7 +262,7 @@ bool anyPointMoves(const SoftBodyData& body, btScalar tick) {
 
 Eigen::Vector3d currentPosition(const SoftBodyData& body, std::uint32_t i) {
   const PointMass* point = body.masses.bodies[i];
-  if (!point || !body.masses.shared) return body.state.position.col(i);
+  if (!point || !body.masses.exposed) return body.state.position.col(i);
   return body.state.position.col(i) +
          difference(point->getWorldTransform().getOrigin(), body.masses.leftPosition[i]);
 }
@@ -277,7 +277,7 @@ Eigen::Vector3d positionAt(const SoftBodyData& body, std::uint32_t i, double tic
 
 Eigen::Vector3d currentVelocity(const SoftBodyData& body, std::uint32_t i) {
   const PointMass* point = body.masses.bodies[i];
-  if (!point || !body.masses.shared || body.masses.held[i]) return body.state.velocity.col(i);
+  if (!point || !body.masses.exposed || body.masses.held[i]) return body.state.velocity.col(i);
   return body.state.velocity.col(i) + difference(point->getLinearVelocity(), body.masses.leftVelocity[i]);
 }
 
@@ -285,7 +285,7 @@ void setPinned(SoftBodyData& body, std::uint32_t i, bool pinned) {
   PointMass* point = body.masses.bodies[i];
   if (!point) return;
   const int kinematic = btCollisionObject::CF_KINEMATIC_OBJECT;
-  const btScalar mass = static_cast<btScalar>(body.settings.totalMass * body.network->massShares[i]);
+  const btScalar mass = static_cast<btScalar>(body.settings.totalMass * body.network->massFractions[i]);
   // setMassProps(0) marks the body static; as a kinematic one it may also be moved
   point->setMassProps(pinned ? btScalar(0) : mass, btVector3(0, 0, 0));
   const int flags = point->getCollisionFlags() & ~(kinematic | btCollisionObject::CF_STATIC_OBJECT);

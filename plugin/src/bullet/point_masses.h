@@ -80,7 +80,7 @@ struct PointMasses {
       expectedVelocity;             ///< #points, after the tick if nothing is touched; in a world only
   std::vector<unsigned char> held;  ///< #points, 1: pinned, or held by the user
   bool changed = false;  ///< the user has changed a point since the last tick, and the state knows already
-  bool shared = true;    ///< false: nobody outside has seen the bodies yet; they are neither read nor written
+  bool exposed = true;    ///< false: nobody outside has seen the bodies yet; they are neither read nor written
   Points startPosition;  ///< 3 x #points, m, at the start of the tick
 };
 
@@ -146,7 +146,7 @@ void gatherWorldPoints(SoftBodyData& body, btScalar tick);
 /// After the step: gives each body the mean velocity of the tick without the part that Bullet adds itself,
 ///     u = (x_end - x_start) / h - a h,
 /// so that Bullet's own integration x += h (u + a h) ends where the step ended.
-void handOverVelocities(SoftBodyData& body, btScalar tick);
+void writeVelocitiesToBullet(SoftBodyData& body, btScalar tick);
 
 /// After Bullet's contacts: whatever it changed of the velocity it was expected to leave is an impulse,
 ///     v = v_end + D,  x = x_end + h D,  D = v_bullet - v_expected,

@@ -21,7 +21,7 @@ inline namespace LIMBER_BULLET_PRECISION {
 namespace {
 
 /// As many as two faces of boxes have.
-constexpr std::size_t kMostPoints = 8;
+constexpr std::size_t kMaxPoints = 8;
 
 bool isBefore(const KeptPoint& x, const KeptPoint& y) {
   if (x.manifold != y.manifold) return std::less<const void*>()(x.manifold, y.manifold);
@@ -62,7 +62,7 @@ std::size_t keepPoints(const btPersistentManifold& manifold, KeptPoints& kept) {
   for (; k != kept.last.end() && k->manifold == &manifold; ++k) {
     if (k->a != manifold.getBody0() || k->b != manifold.getBody1()) continue;
     if (has(manifold, k->point) || !holds(manifold, k->point)) continue;
-    if (kept.now.size() - first < kMostPoints) keep(manifold, k->point, kept.now);
+    if (kept.now.size() - first < kMaxPoints) keep(manifold, k->point, kept.now);
   }
   return extra;
 }
@@ -109,7 +109,7 @@ void fill(RigidManifolds& index, btDiscreteDynamicsWorld& world) {
 }
 
 /// What the last tick bore, spread over its solves: two in each substep. Their number is not known yet.
-Bearing guess(const btManifoldPoint& point) {
+ContactImpulse guess(const btManifoldPoint& point) {
   btVector3 t, u;
   btPlaneSpace1(point.m_normalWorldOnB, t, u);
   return {double(point.m_appliedImpulse),
@@ -118,18 +118,18 @@ Bearing guess(const btManifoldPoint& point) {
 
 /// `reported`: what the contact bears is added to; may be null.
 void addContact(TickContacts& found, const btPersistentManifold& manifold, const btManifoldPoint& point,
-                const Bearing& guess, btManifoldPoint* reported) {
+                const ContactImpulse& guess, btManifoldPoint* reported) {
   const btCollisionObject &a = *manifold.getBody0(), &b = *manifold.getBody1();
   const btVector3 onA = a.getWorldTransform() * point.m_localPointA;
   const btVector3 onB = b.getWorldTransform() * point.m_localPointB;
-  PairContact c;
+  Contact c;
   c.a = placeOn(found, a, onA);
   c.b = placeOn(found, b, onB);
   c.normal = toEigen(point.m_normalWorldOnB).normalized();
   c.gap = c.normal.dot(toEigen(onA) - toEigen(onB));
   c.friction = double(point.m_combinedFriction);
   c.restitution = double(point.m_combinedRestitution);
-  c.stopping = guess;
+  c.positionImpulse = guess;
   ContactSource source;
   source.point = reported;
   found.add(c, source);
@@ -162,7 +162,7 @@ btManifoldPoint* nearest(btPersistentManifold& manifold, const btManifoldPoint& 
 }
 
 /// Also with points that Bullet has given up. What these bear is reported at those next to them.
-void addKnownContacts(TickContacts& found, btPersistentManifold& manifold, KeptPoints& kept) {
+void addStoredContacts(TickContacts& found, btPersistentManifold& manifold, KeptPoints& kept) {
   const std::size_t extra = keepPoints(manifold, kept);
   for (int p = 0; p < manifold.getNumContacts(); ++p) {
     btManifoldPoint& point = manifold.getContactPoint(p);
@@ -170,7 +170,7 @@ void addKnownContacts(TickContacts& found, btPersistentManifold& manifold, KeptP
   }
   for (std::size_t i = extra; i < kept.now.size(); ++i) {
     const btManifoldPoint& point = kept.now[i].point;
-    addContact(found, manifold, point, Bearing(), nearest(manifold, point));
+    addContact(found, manifold, point, ContactImpulse(), nearest(manifold, point));
   }
 }
 
@@ -182,7 +182,7 @@ bool keepsManifolds(const btCollisionObject& object) {
 
 /// Where the bodies touch now. What the last tick left was found before they moved: a ball that rolls on it
 /// would be pushed from behind. Only where the manifold stays.
-void findAnew(btDiscreteDynamicsWorld& world, const btPersistentManifold& manifold) {
+void refreshManifold(btDiscreteDynamicsWorld& world, const btPersistentManifold& manifold) {
   const btCollisionObject &a = *manifold.getBody0(), &b = *manifold.getBody1();
   if (!keepsManifolds(a) || !keepsManifolds(b)) return;
   auto* proxyA = const_cast<btBroadphaseProxy*>(a.getBroadphaseHandle());
@@ -203,12 +203,12 @@ void findAnew(btDiscreteDynamicsWorld& world, const btPersistentManifold& manifo
 void addContacts(TickContacts& found, btPersistentManifold& manifold, btScalar tick, KeptPoints& kept) {
   const bool knownOnly = motionOf(manifold, tick) < manifold.getContactBreakingThreshold();
   if (knownOnly) {
-    addKnownContacts(found, manifold, kept);
+    addStoredContacts(found, manifold, kept);
     manifold.setContactProcessingThreshold(kLeftAlone);
   }
   for (int p = 0; p < manifold.getNumContacts(); ++p) {
     btManifoldPoint& point = manifold.getContactPoint(p);
-    if (!knownOnly) addContact(found, manifold, point, Bearing(), nullptr);
+    if (!knownOnly) addContact(found, manifold, point, ContactImpulse(), nullptr);
     point.m_appliedImpulse = point.m_appliedImpulseLateral1 = point.m_appliedImpulseLateral2 = 0;
   }
 }
@@ -237,7 +237,7 @@ void gatherContactsOf(btDiscreteDynamicsWorld& world, std::uint32_t number, Rigi
     const btRigidBody* rigid = btRigidBody::upcast(other);
     const std::uint32_t theirs = rigid && isFree(*rigid) ? found.find(*rigid) : TickContacts::kNone;
     if (theirs != TickContacts::kNone && theirs <= number) continue;
-    findAnew(world, manifold);
+    refreshManifold(world, manifold);
     const std::size_t first = found.contacts.size();
     addContacts(found, manifold, tick, index.kept);
     setSpeeds(found, first, world, manifold, tick);
@@ -258,7 +258,7 @@ void gatherRigidContacts(btDiscreteDynamicsWorld& world, btScalar tick, RigidMan
   addJointRows(world, tick, found);
 }
 
-void freeManifolds(btDispatcher& dispatcher) {
+void restoreBreakingThresholds(btDispatcher& dispatcher) {
   for (int m = 0; m < dispatcher.getNumManifolds(); ++m) {
     btPersistentManifold& manifold = *dispatcher.getManifoldByIndexInternal(m);
     if (manifold.getContactProcessingThreshold() > kLeftAlone || isSoft(manifold.getBody0()) ||

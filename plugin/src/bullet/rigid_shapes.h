@@ -160,10 +160,10 @@ bool isMoved(const btCollisionObject& object);
 std::uint32_t addPieces(const btCollisionObject& object, const Eigen::AlignedBox3d& box, ShapeCache& shapes,
                         std::uint32_t owner, std::vector<HeldPiece>& pieces);
 
-/// Whether the pieces are flat within `reach` of the place on each that is nearest to `x`, or farther away
+/// Whether the pieces are flat within `searchRegion` of the place on each that is nearest to `x`, or farther away
 /// than that; `radius` is that of the point at x.
 bool areFlatAround(const HeldPiece* begin, const HeldPiece* end, const Eigen::Vector3d& x, double radius,
-                   double reach);
+                   double searchRegion);
 
 }  // namespace LIMBER_BULLET_PRECISION
 }  // namespace limber

@@ -38,7 +38,7 @@ bool SoftBody::alive() const { return data_->alive; }
 
 btRigidBody* SoftBody::point(std::uint32_t i) const {
   if (i >= pointCount()) return nullptr;
-  if (isSurfaceBody(*data_)) sharePoints(*data_);
+  if (isSurfaceBody(*data_)) exposePoints(*data_);
   return data_->masses.bodies[i];
 }
 

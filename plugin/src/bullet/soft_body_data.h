@@ -10,10 +10,10 @@
 #include "bullet/rigid_shapes.h"
 #include "bullet/surface_body.h"
 #include "collide/surface_contacts.h"
-#include "solver/contact_rows.h"
+#include "solver/plane_contacts.h"
 #include "solver/held_surface.h"
 #include "solver/implicit_step.h"
-#include "solver/pair_contacts.h"
+#include "solver/contacts.h"
 #include "solver/point_state.h"
 #include "solver/simd_steps.h"
 #include "solver/springs.h"
@@ -33,7 +33,7 @@ namespace limber {
 inline namespace LIMBER_BULLET_PRECISION {
 
 class MultiBodyLinks;
-class ShownContacts;
+class ReportedManifold;
 
 // --- contacts ----------------------------------------------------------------------------------------------
 
@@ -45,16 +45,16 @@ struct Anchor {
 };
 
 /// What a contact bore in the last tick: a guess of what it will bear in the next.
-struct KnownContact {
+struct StoredImpulse {
   int partner;                      ///< unique id in the broadphase, until that gives it to another object
   const btCollisionObject* object;  ///< that had it
   std::uint64_t key;                ///< of the features that touched
-  Bearing bearing;                  ///< sum over the tick
+  ContactImpulse impulse;                  ///< sum over the tick
 };
 
 /// Something that touched the body when the listener was last told.
 struct TouchingPair {
-  PartnerMark other;
+  ObjectHandle other;
   SoftBody* otherBody;
 };
 
@@ -65,14 +65,14 @@ struct ContactSpeeds {
 };
 
 /// A ContactWatch that must be told of each tick.
-struct ReachWatch : ContactWatch {
+struct SearchWatch : ContactWatch {
   virtual void start(btScalar tick) = 0;
 };
 
 /// What a body tells of its contacts in the last tick in which it was awake.
 struct ContactReport {
   std::vector<SoftContact> contacts;
-  std::vector<PartnerMark> partners;  ///< #contacts, their others
+  std::vector<ObjectHandle> partners;  ///< #contacts, their others
   std::size_t rows = 0, known = 0;    ///< the first are of points on what is held, by point; up to known
                                       ///< those found by us, the others by Bullet
   bool fresh = false;                 ///< of the last tick
@@ -88,20 +88,20 @@ struct CachedContact {
   btVector3 place = btVector3(0, 0, 0);  ///< of the point's centre when it was found
 };
 
-/// Where a body may get in a tick if nothing is in its way, see flightOf().
-struct Flight {
+/// Where a body may get in a tick if nothing is in its way, see sweptBoundsOf().
+struct SweptBounds {
   Eigen::AlignedBox3d box;  ///< m
-  double reach = 0.0;       ///< m, no point gets farther
+  double maxDisplacement = 0.0;  ///< m, no point gets farther
   double tick = 0.0;        ///< s, of that tick; 0: not known
 };
 
 /// The last search for contacts with a surface. Kept while the two are near, and then for its memory.
-struct KeptSearch {
+struct CachedSearch {
   const btCollisionObject* partner = nullptr;  ///< nullptr: none
   int id = 0;                                  ///< of the partner in the broadphase, unless used again
   std::uint64_t part = 0;                      ///< of the partner's shape
   bool used = false;       ///< in the present tick
-  KeptContacts kept;
+  ContactCache kept;
 };
 
 /// How a surface object was left, see surface_rigid.cpp.
@@ -120,12 +120,12 @@ struct SurfaceData {
   Eigen::Vector3d objectTorque = Eigen::Vector3d::Zero();     ///< N m
   bool pushed = false;                  ///< there have been any
   bool joined = false;                  ///< a constraint of Bullet's holds the object
-  std::vector<double> gaps;             ///< #contacts, scratch of takeBackObject()
+  std::vector<double> gaps;             ///< #contacts, scratch of readObjectFromBullet()
   bool held = false;                    ///< taken out of the simulation by Bullet or the user
   btVector3 gravity;                    ///< m/s^2, of the world when the points were given it
   Points force;                         ///< 3 x #points, N, of the present stepSimulation(); once shared
   std::vector<CachedContact> contacts;  ///< #points
-  Flight flight;                        ///< foreseen for the coming tick; Bullet's broadphase has its box
+  SweptBounds sweptBounds;                        ///< foreseen for the coming tick; Bullet's broadphase has its box
   std::vector<btCollisionObject*> partners;  ///< of the coming tick, see collectPartners()
 
   std::shared_ptr<const SurfaceTopology> topology;  ///< of its points, triangles and, of ropes, springs
@@ -136,7 +136,7 @@ struct SurfaceData {
   double impact = 0.0;                ///< m in the tick, towards static and kinematic objects that stop it
   bool foreseen = false;              ///< `motion` and `impact` are those of this tick
   bool fitted = false;                ///< and so are `boxes`
-  std::vector<KeptSearch> searches;  ///< with what was near in the last tick
+  std::vector<CachedSearch> searches;  ///< with what was near in the last tick
   std::deque<ConcavePatch> patches;  ///< of concave partners; views into a patch last as long as it does
 };
 
@@ -149,7 +149,7 @@ struct MotionRates {
 };
 
 /// The largest of the last two spans of time, see lasting() in group_stepping.cpp.
-struct KeptRates {
+struct RateHistory {
   MotionRates now, before;
   double age = 0.0;  ///< s since the present span began
 };
@@ -171,9 +171,9 @@ struct SoftBodyData {
   PointMasses masses;
   SurfaceData surface;
   std::vector<Anchor> anchors;
-  std::vector<ContactRow> contacts;                       ///< of the present tick, by point
+  std::vector<PlaneContact> contacts;                       ///< of the present tick, by point
   std::vector<const btCollisionObject*> contactPartners;  ///< #contacts
-  std::vector<PartnerMark> partnerMarks;                  ///< of those partners
+  std::vector<ObjectHandle> partnerHandles;                  ///< of those partners
   HeldSurroundings held;                                  ///< what is static and not flat around the points
   std::vector<std::pair<const btCollisionObject*, std::uint32_t>> staticPartners;  ///< scratch, of one point:
                                                                                    ///< with its owners' end
@@ -182,16 +182,16 @@ struct SoftBodyData {
   std::size_t neighbourhoodCount = 0;                     ///< of the present tick
   std::vector<std::uint64_t> partnerStamps;               ///< #partners, see stampOf()
   std::vector<Eigen::AlignedBox3d> partnerBoxes;          ///< #partners, m
-  std::vector<double> reach;                              ///< #points, m, how far contacts were looked for
-  std::unique_ptr<ReachWatch> watch;                      ///< finds what is beyond the reach
+  std::vector<double> searchDistance;                              ///< #points, m, how far contacts were looked for
+  std::unique_ptr<SearchWatch> watch;                      ///< finds what is beyond the reach
   ContactSpeeds speeds;                                   ///< of the present tick
   std::vector<const btCollisionObject*> partners;         ///< scratch of gatherContacts
   std::vector<btRigidBody*> freePartners;                 ///< near in this tick, neither static nor kinematic
   std::vector<SoftBodyData*> softPartners;                ///< near in this tick, with surfaces
   ContactReport report;
   std::vector<TouchingPair> touching;       ///< for a listener, by id
-  std::vector<ShownContacts*> shown;        ///< in Bullet's dispatcher
-  std::vector<KnownContact> knownContacts;  ///< with free bodies, of the last tick
+  std::vector<ReportedManifold*> shown;        ///< in Bullet's dispatcher
+  std::vector<StoredImpulse> storedImpulses;  ///< with free bodies, of the last tick
   std::vector<unsigned char> coupled;       ///< #points, scratch: 1 if something that moves touches the point
 
   std::uint32_t index = 0;  ///< among the bodies of the system that are alive
@@ -204,11 +204,11 @@ struct SoftBodyData {
   double frequencySquared = 0.0;  ///< rad^2/s^2, bound of its own springs
   double fastestSquared = 0.0;  ///< rad^2/s^2, fastestOscillationSquared with the masses it has now, at most
   double fastestAtRest = 0.0;   ///< the same with the masses of its settings
-  KeptRates keptRates;
+  RateHistory rateHistory;
   int substeps = 0;             ///< in the last tick
   Stepper stepper = Stepper::Verlet;  ///< in the last tick
   double errorPerSecond = 0.0;        ///< m/s
-  double errorPerSquare = 0.0;        ///< m/s^3, see SteppingProblem
+  double errorCoefficient = 0.0;        ///< m/s^3, see SteppingProblem
   std::vector<double> stiffnessSums;
   Points startVelocity;        ///< 3 x #points, m/s, at the start of the tick
   double dampingRate = 0.0;    ///< 1/s, dampingRateBound, as stale as frequencySquared
@@ -216,14 +216,14 @@ struct SoftBodyData {
   bool narrow = false;         ///< see SteppingProblem
   bool cheapNewton = false;    ///< see SteppingProblem
   bool prefersImplicit = false;  ///< in the last tick, whatever else moved with it
-  QuadArrays quads;            ///< empty unless it is stepped so
+  SpringBatchArrays springBatches;            ///< empty unless it is stepped so
   ImplicitState implicit;      ///< empty unless it is stepped so
   std::vector<float> skinned;  ///< 3 x #points, scratch of a body with a skin
 
   /// Told when the application deletes one of the points.
   std::function<void(const btRigidBody&)> onPointDeleted;
   /// Told when the point masses of a body with Collision::Surface become known outside.
-  std::function<void()> onPointsShared;
+  std::function<void()> onPointsExposed;
 };
 
 /// The data of a body that users hold.

@@ -44,7 +44,7 @@ bool holdsOn(const SpringConstraint& spring, const btRigidBody* body) {
 }  // namespace
 
 bool isSystemObject(const btCollisionObject* object) {
-  return isSoft(object) || StepSentinel::isOne(object);
+  return isSoft(object) || StepBoundary::isOne(object);
 }
 
 void warnOnStandardError(const std::string& text) { std::fprintf(stderr, "limber: %s\n", text.c_str()); }
@@ -60,7 +60,7 @@ void SoftBodySystem::Impl::hookUp() {
 /// Stays in place while it is not known whether the world still exists: its next tick will tell.
 void SoftBodySystem::Impl::unhookIfIdle(bool alive) {
   if (!hook || !alive || !bodies.empty() || !springs.empty()) return;
-  step->giveBackToBullet();
+  step->leaveToBullet();
   hook->leave(*this, true);
   hook = nullptr;
 }
@@ -94,7 +94,7 @@ SoftBodySystem::~SoftBodySystem() {
   impl_->sentinel.reset();
   impl_->dropSpringsOfOthers();
   for (auto& body : impl_->bodies) removeFromWorld(*body->data_);
-  if (alive) impl_->step->giveBackToBullet();
+  if (alive) impl_->step->leaveToBullet();
   if (impl_->hook) impl_->hook->leave(*impl_, alive);
 }
 
@@ -136,7 +136,7 @@ Result<SoftBody*> SoftBodySystem::createBody(SharedNetwork network, const SoftBo
   (*data)->system = impl_->step.get();
   (*data)->shapes = &impl_->step->shapes;
   (*data)->links = &impl_->step->links;
-  (*data)->onPointsShared = [impl = impl_.get()] { impl->watchSteps(); };
+  (*data)->onPointsExposed = [impl = impl_.get()] { impl->watchSteps(); };
   (*data)->onPointDeleted = [impl = impl_.get()](const btRigidBody& point) { impl->dropSprings(point); };
   impl_->bodies.push_back(std::make_unique<SoftBody>(std::move(*data)));
   SoftBody* body = impl_->bodies.back().get();
@@ -171,7 +171,7 @@ void SoftBodySystem::Impl::destroyNow(SoftBody* body) {
   removeFromWorld(*body->data_);
   bodies.erase(std::find_if(bodies.begin(), bodies.end(), isBody));
   const auto isPushed = [](const auto& other) {
-    return isSurfaceBody(*other->data_) && (other->data_->masses.shared || other->data_->surface.pushed);
+    return isSurfaceBody(*other->data_) && (other->data_->masses.exposed || other->data_->surface.pushed);
   };
   if (std::none_of(bodies.begin(), bodies.end(), isPushed)) sentinel.reset();
 }
@@ -253,7 +253,7 @@ bool SoftBodySystem::Impl::WorldStep::callsListeners() const {
 
 void SoftBodySystem::Impl::WorldStep::forgetGroups() {
   groups.clear();
-  clusters.count = 0;
+  islands.count = 0;
   pairs.clear();
   plan.clear();
   living.clear();
@@ -319,7 +319,7 @@ void SoftBodySystem::Impl::forget(const btRigidBody& body) {
 
 void SoftBodySystem::Impl::tellOfContacts() {
   if (showsManifolds)
-    for (auto& body : bodies) showContacts(*body->data_, strongest);
+    for (auto& body : bodies) reportManifold(*body->data_, strongest);
   if (!events.listening()) return;
   for (auto& body : bodies) events.collect(*body->data_);
   events.call(world);
@@ -329,7 +329,7 @@ void SoftBodySystem::Impl::tellOfContacts() {
 
 void SoftBodySystem::Impl::hideManifolds() {
   if (!showsManifolds) return;
-  for (std::size_t i = bodies.size(); i-- > 0;) hideContacts(*bodies[i]->data_);
+  for (std::size_t i = bodies.size(); i-- > 0;) removeReportedManifolds(*bodies[i]->data_);
 }
 
 void SoftBodySystem::Impl::endPairsOf(SoftBody* body) {

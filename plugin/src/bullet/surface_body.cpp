@@ -129,7 +129,7 @@ namespace {
 
 /// The box of the last tick's motion and of the coming one.
 void setBox(SoftBodyData& body) {
-  Eigen::AlignedBox3d box = body.surface.flight.box;
+  Eigen::AlignedBox3d box = body.surface.sweptBounds.box;
   for (Eigen::Index i = 0; i < body.state.position.cols(); ++i) box.extend(body.masses.startPosition.col(i));
   body.surface.shape->setBox(toBullet(Eigen::Vector3d(box.min())), toBullet(Eigen::Vector3d(box.max())));
 }
@@ -177,7 +177,7 @@ void dampPoints(SoftBodyData& body, double tick) {
 
 void addSurface(SoftBodyData& body) {
   makePointMasses(body);
-  body.masses.shared = false;
+  body.masses.exposed = false;
   SurfaceData& s = body.surface;
   s.contacts.assign(body.masses.bodies.size(), CachedContact());
   s.object = new SurfaceObject(&body);
@@ -190,7 +190,7 @@ void addSurface(SoftBodyData& body) {
                                   s.object->getAngularSleepingThreshold());
   s.frame = body.settings.rotation.normalized();
   writeObject(body);
-  s.flight = flightOf(body, 0.0);
+  s.sweptBounds = sweptBoundsOf(body, 0.0);
   s.gravity = body.world->getGravity();
   setBox(body);
   // past btDiscreteDynamicsWorld, which would move it
@@ -209,9 +209,9 @@ void removeSurface(SoftBodyData& body) {
   deletePointMasses(body);
 }
 
-void sharePoints(SoftBodyData& body) {
-  if (body.masses.shared || !body.alive) return;
-  body.masses.shared = true;
+void exposePoints(SoftBodyData& body) {
+  if (body.masses.exposed || !body.alive) return;
+  body.masses.exposed = true;
   body.surface.force.setZero(3, body.state.position.cols());
   // who is in no world cannot know that it still exists
   const bool inWorld = anyInWorld(body);
@@ -222,7 +222,7 @@ void sharePoints(SoftBodyData& body) {
     if (body.asleep) point->setActivationState(ISLAND_SLEEPING);
   }
   writePoints(body);
-  if (inWorld && body.onPointsShared) body.onPointsShared();
+  if (inWorld && body.onPointsExposed) body.onPointsExposed();
 }
 
 void collectForces(SoftBodyData& body) {
@@ -243,48 +243,48 @@ void gatherSurface(SoftBodyData& body, btScalar tick) {
   s.object->keepCollisionFilter();
   readObject(body);
   const bool held = isOutOfSimulation(body);
-  if (held) sharePoints(body);
+  if (held) exposePoints(body);
   s.held = held;
-  if (body.masses.shared) {
+  if (body.masses.exposed) {
     gatherPoints(body, tick, held);
     accelerateShared(body);
     return accelerateByObject(body);
   }
   body.masses.startPosition = body.state.position;
   const btVector3 gravity = body.world->getGravity();
-  if (gravity != s.gravity) s.flight.tick = 0.0;
+  if (gravity != s.gravity) s.sweptBounds.tick = 0.0;
   s.gravity = gravity;
   body.state.acceleration.colwise() = toEigen(gravity);
   accelerateByObject(body);
 }
 
-void showFlight(SoftBodyData& body, btScalar tick) {
+void updateBroadphaseBox(SoftBodyData& body, btScalar tick) {
   SurfaceData& s = body.surface;
-  if (!body.masses.shared && s.flight.tick == double(tick)) return;
-  const Flight flight = flightOf(body, double(tick));
-  if (s.flight.box.contains(flight.box) || !s.object || !s.object->isInWorld()) return;
-  s.flight = flight;
-  s.flight.tick = 0.0;
+  if (!body.masses.exposed && s.sweptBounds.tick == double(tick)) return;
+  const SweptBounds sweptBounds = sweptBoundsOf(body, double(tick));
+  if (s.sweptBounds.box.contains(sweptBounds.box) || !s.object || !s.object->isInWorld()) return;
+  s.sweptBounds = sweptBounds;
+  s.sweptBounds.tick = 0.0;
   setBox(body);
   body.world->updateSingleAabb(s.object);
 }
 
-void handOverBox(SoftBodyData& body, btScalar tick) {
-  body.surface.flight = flightOf(body, double(tick));
+void writeBoxToBullet(SoftBodyData& body, btScalar tick) {
+  body.surface.sweptBounds = sweptBoundsOf(body, double(tick));
   setBox(body);
-  handOverObject(body, double(tick));
+  writeObjectToBullet(body, double(tick));
 }
 
 void finishSurface(SoftBodyData& body, btScalar tick) {
-  if (body.masses.shared) dampPoints(body, double(tick));
+  if (body.masses.exposed) dampPoints(body, double(tick));
   restoreIfUnsound(body);
-  takeBackObject(body, double(tick));
-  if (body.masses.shared) writePoints(body);
+  readObjectFromBullet(body, double(tick));
+  if (body.masses.exposed) writePoints(body);
   writeObject(body);
 }
 
 bool anySurfacePointMoves(const SoftBodyData& body, btScalar tick) {
-  if (!body.masses.shared) {
+  if (!body.masses.exposed) {
     const double still = double(body.surface.object->getLinearSleepingThreshold() * tick);
     const Points& start = body.masses.startPosition;
     return (body.state.position - start).colwise().squaredNorm().maxCoeff() > still * still;
@@ -294,7 +294,7 @@ bool anySurfacePointMoves(const SoftBodyData& body, btScalar tick) {
 
 bool isSurfaceChanged(const SoftBodyData& body) {
   if (isObjectChanged(body)) return true;
-  if (!body.masses.shared) return false;
+  if (!body.masses.exposed) return false;
   if (body.masses.changed) return true;
   for (std::uint32_t i = 0; i < body.masses.bodies.size(); ++i)
     if (isChangedOutside(body, i)) return true;
@@ -307,8 +307,8 @@ void wakeSurface(SoftBodyData& body) {
   };
   wake(body.surface.object);
   // what was foreseen is old, and partners were collected for those that were awake
-  body.surface.flight.tick = 0.0;
-  if (!body.masses.shared) return;
+  body.surface.sweptBounds.tick = 0.0;
+  if (!body.masses.exposed) return;
   for (PointMass* point : body.masses.bodies) wake(point);
 }
 

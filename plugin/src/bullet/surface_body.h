@@ -113,7 +113,7 @@ void addSurface(SoftBodyData& body);
 void removeSurface(SoftBodyData& body);
 
 /// From now on the point masses are kept up to date and read: the application has one.
-void sharePoints(SoftBodyData& body);
+void exposePoints(SoftBodyData& body);
 
 /// Moves the forces that the user has applied to the points since the last call into surface.force.
 void collectForces(SoftBodyData& body);
@@ -123,11 +123,11 @@ void gatherSurface(SoftBodyData& body, btScalar tick);
 
 /// At the start of a tick: where a body that has been thrown since the last one may get is told to Bullet's broadphase,
 /// in which others look for it.
-void showFlight(SoftBodyData& body, btScalar tick);
+void updateBroadphaseBox(SoftBodyData& body, btScalar tick);
 
 /// After the step: gives the broadphase the box of this tick's motion and of what the points may reach in the
 /// next.
-void handOverBox(SoftBodyData& body, btScalar tick);
+void writeBoxToBullet(SoftBodyData& body, btScalar tick);
 
 /// After the tick: Bullet's linear damping of the points, continuous collision, and the result written to the
 /// point masses and the object.
@@ -167,11 +167,11 @@ void dropObjectForces(SoftBodyData& body);
 void markJoined(const std::vector<SoftBodyData*>& bodies, btDiscreteDynamicsWorld& world);
 
 /// Before Bullet's solver: an object in a constraint has the mean velocity of the tick.
-void handOverObject(SoftBodyData& body, double tick);
+void writeObjectToBullet(SoftBodyData& body, double tick);
 
 /// After it: what the constraint gave has acted from the start of the tick on. It pushes no point into what
 /// its contacts keep it out of.
-void takeBackObject(SoftBodyData& body, double tick);
+void readObjectFromBullet(SoftBodyData& body, double tick);
 
 }  // namespace LIMBER_BULLET_PRECISION
 }  // namespace limber

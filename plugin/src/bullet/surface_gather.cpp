@@ -9,7 +9,7 @@
 #include "bullet/point_contacts.h"
 #include "bullet/rigid_shapes.h"
 #include "bullet/tick_contacts.h"
-#include "bullet/tick_group.h"
+#include "bullet/linked_group.h"
 
 #include <algorithm>
 
@@ -25,7 +25,7 @@ constexpr double kMargin = 1.0 / 3.0;
 /// m, the most that a point moves in the tick towards what its rows are of.
 double impactOf(const SoftBodyData& body, double tick) {
   double most = 0.0;
-  for (const ContactRow& row : body.contacts)
+  for (const PlaneContact& row : body.contacts)
     most = std::max(most, -tick * row.normal.dot(body.state.velocity.col(row.point) - row.surfaceVelocity));
   return most;
 }
@@ -65,13 +65,13 @@ bool areNear(const MovingSurface& a, const MovingSurface& b, double margin) {
 }
 
 /// The last search with a part of a partner; a new one if there was none in the last tick.
-KeptContacts& searchWith(SoftBodyData& body, const btCollisionObject& partner, std::uint64_t part) {
-  std::vector<KeptSearch>& searches = body.surface.searches;
+ContactCache& searchWith(SoftBodyData& body, const btCollisionObject& partner, std::uint64_t part) {
+  std::vector<CachedSearch>& searches = body.surface.searches;
   const int id = partner.getBroadphaseHandle()->m_uniqueId;
-  const auto isThis = [&](const KeptSearch& s) { return s.partner == &partner && s.id == id && s.part == part; };
+  const auto isThis = [&](const CachedSearch& s) { return s.partner == &partner && s.id == id && s.part == part; };
   auto it = std::find_if(searches.begin(), searches.end(), isThis);
   if (it == searches.end()) {
-    it = std::find_if(searches.begin(), searches.end(), [](const KeptSearch& s) { return !s.partner; });
+    it = std::find_if(searches.begin(), searches.end(), [](const CachedSearch& s) { return !s.partner; });
     if (it == searches.end()) it = searches.emplace(searches.end());
     it->partner = &partner;
     it->id = id;
@@ -96,9 +96,9 @@ void forgetOldSearches(SoftBodyData& body) {
   forgetUnused(body.surface.patches);
 }
 
-ContactPlace softPlace(const SoftBodyData& body, const SurfacePlace& place) {
-  ContactPlace p;
-  p.kind = ContactPlace::Kind::Soft;
+ContactPoint softPlace(const SoftBodyData& body, const SurfacePoint& place) {
+  ContactPoint p;
+  p.kind = ContactPoint::Kind::Soft;
   p.body = body.index;
   p.count = place.kind == FeatureKind::OnVertex ? 1 : place.kind == FeatureKind::OnEdge ? 2 : 3;
   for (std::uint32_t i = 0; i < p.count; ++i) {
@@ -111,8 +111,8 @@ ContactPlace softPlace(const SoftBodyData& body, const SurfacePlace& place) {
 const btCollisionObject& frictionObject(const SoftBodyData& body) { return *body.surface.object; }
 
 /// What the two have in common whatever they touch with.
-PairContact contactOf(const SoftBodyData& body, const btCollisionObject& partner, const SurfaceContact& c) {
-  PairContact pair;
+Contact contactOf(const SoftBodyData& body, const btCollisionObject& partner, const SurfaceContact& c) {
+  Contact pair;
   pair.a = softPlace(body, c.a);
   pair.normal = c.normal;
   pair.gap = c.gap;
@@ -126,13 +126,13 @@ PairContact contactOf(const SoftBodyData& body, const btCollisionObject& partner
 ContactSource sourceOf(SoftBodyData& body, const btCollisionObject& partner, std::uint64_t key) {
   ContactSource source;
   source.body = &body;
-  source.partner = markOf(objectInWorld(partner));
+  source.partner = handleOf(objectInWorld(partner));
   source.key = key;
   return source;
 }
 
 /// Points that are attached to a body do not collide with it, nor do the edges and triangles they end.
-bool isAttached(const SoftBodyData& body, const btCollisionObject& partner, const SurfacePlace& place) {
+bool isAttached(const SoftBodyData& body, const btCollisionObject& partner, const SurfacePoint& place) {
   if (body.anchors.empty()) return false;
   return std::any_of(place.points.begin(), place.points.end(),
                      [&](std::uint32_t point) { return body.masses.bodies[point]->attachedTo == &partner; });
@@ -152,15 +152,15 @@ std::uint64_t keyOf(const SurfaceContact& c, const RigidPart& part) {
 }
 
 /// A contact of a meeting but for the places on its sides.
-PairContact contactOf(const SurfaceMeeting& m, const SurfaceContact& c) {
-  PairContact pair = contactOf(*m.body, m.other ? frictionObject(*m.other) : *m.partner, c);
+Contact contactOf(const SurfaceCandidate& m, const SurfaceContact& c) {
+  Contact pair = contactOf(*m.body, m.other ? frictionObject(*m.other) : *m.partner, c);
   // the smaller one's; a body that has slept from the start has none
   if (m.other && m.other->speeds.recovery > 0.0)
     pair.recoverySpeed = std::min(pair.recoverySpeed, m.other->speeds.recovery);
   return pair;
 }
 
-ContactSource sourceOf(const SurfaceMeeting& m, const SurfaceContact& c) {
+ContactSource sourceOf(const SurfaceCandidate& m, const SurfaceContact& c) {
   if (!m.other) return sourceOf(*m.body, *m.partner, keyOf(c, *m.part));
   ContactSource source = sourceOf(*m.body, frictionObject(*m.other), c.key);
   source.other = m.other;
@@ -173,26 +173,26 @@ double featureSize(const MovingSurface& surface) {
 }
 
 /// The surface on side b.
-const MovingSurface& surfaceB(const SurfaceMeeting& m) {
+const MovingSurface& surfaceB(const SurfaceCandidate& m) {
   if (m.other) return m.other->surface.moving;
   return m.part->moving;
 }
 
 /// m: surfaces of a meeting that are nearer than this are contacts even if they do not approach.
-double margin(const SurfaceMeeting& m) {
+double margin(const SurfaceCandidate& m) {
   const double radius = m.body->surface.moving.radius;
   return kMargin * (m.other ? std::min(radius, m.other->surface.moving.radius) : radius);
 }
 
-double smallerFeatures(const SurfaceMeeting& m) {
+double smallerFeatures(const SurfaceCandidate& m) {
   return std::min(featureSize(m.body->surface.moving), featureSize(surfaceB(m)));
 }
 
-double longestWay(const Points& motion, const Vector3d& common) {
+double longestDisplacement(const Points& motion, const Vector3d& common) {
   return std::sqrt((motion.colwise() - common).colwise().squaredNorm().maxCoeff());
 }
 
-bool isSelf(const SurfaceMeeting& m) { return m.other == m.body; }
+bool isSelf(const SurfaceCandidate& m) { return m.other == m.body; }
 
 /// What steps together with others has neither implicit steppers nor a tick that is done again where its error is too
 /// large: what asks for one of these must not lose it to what is only near.
@@ -203,13 +203,13 @@ bool isSearchedIn(const SoftBodyData& body) {
 }
 
 /// Whether hits and springs may bring together in the tick what nobody foresees to touch, and that is to be found.
-bool mayMeet(const SurfaceMeeting& m, double tick, SurfaceSearch& s) {
+bool mayMeet(const SurfaceCandidate& m, double tick, SurfaceSearch& s) {
   if (!isSearchedIn(*m.body) || (m.other && !isSearchedIn(*m.other))) return false;
-  const double way = wayOf(m);
-  if (!(way > kMostBetweenSearches)) return false;
+  const double displacement = displacementOf(m);
+  if (!(displacement > kMaxBetweenSearches)) return false;
   const MovingSurface& a = boxedSurface(*m.body, tick);
   if (m.other) boxedSurface(*m.other, tick);
-  const double farther = way * smallerFeatures(m);
+  const double farther = displacement * smallerFeatures(m);
   if (isSelf(m)) {
     findSelfContacts(a, margin(m), s.search, s.contacts, farther);
     return !s.contacts.empty();
@@ -219,34 +219,34 @@ bool mayMeet(const SurfaceMeeting& m, double tick, SurfaceSearch& s) {
 }
 
 /// Ends what was added to `found` since its meetings had a first contact.
-void endMeeting(SurfaceMeeting& m, double tick, SurfaceSearch& s, TickContacts& found) {
+void endCandidate(SurfaceCandidate& m, double tick, SurfaceSearch& s, TickContacts& found) {
   m.end = static_cast<std::uint32_t>(found.contacts.size());
   if (m.end == m.first && !mayMeet(m, tick, s)) return;
   if (m.partner) found.add(*m.partner);
-  found.meetings.push_back(m);
+  found.candidates.push_back(m);
 }
 
 void addFree(SoftBodyData& body, btRigidBody& partner, RigidPart& part, double tick, SurfaceSearch& s,
              TickContacts& found) {
   const MovingSurface& soft = movingSurface(body, tick);
   const double margin = kMargin * soft.radius;
-  KeptContacts& kept = searchWith(body, partner, part.number);
+  ContactCache& kept = searchWith(body, partner, part.number);
   if (!refreshContacts(soft, part.moving, margin, kept)) {
     boxedSurface(body, tick);
     s.contacts.clear();
     if (areNear(soft, part.moving, margin))
       findSurfaceContacts(soft, part.moving, margin, s.search, s.contacts);
-    keepContacts(soft, part.moving, s.contacts, kept);
+    storeContacts(soft, part.moving, s.contacts, kept);
   }
-  SurfaceMeeting meeting{&body, nullptr, &partner, nullptr, &part};
-  meeting.first = static_cast<std::uint32_t>(found.contacts.size());
+  SurfaceCandidate candidate{&body, nullptr, &partner, nullptr, &part};
+  candidate.first = static_cast<std::uint32_t>(found.contacts.size());
   for (const SurfaceContact& c : kept.contacts) {
     if (isAttached(body, partner, c.a)) continue;
-    PairContact pair = contactOf(meeting, c);
+    Contact pair = contactOf(candidate, c);
     pair.b = placeOn(found, partner, commonPlace(soft, part.moving, c));
-    found.add(pair, sourceOf(meeting, c));
+    found.add(pair, sourceOf(candidate, c));
   }
-  if (isFree(partner)) endMeeting(meeting, tick, s, found);
+  if (isFree(partner)) endCandidate(candidate, tick, s, found);
 }
 
 void gatherFree(SoftBodyData& body, btRigidBody& partner, double tick, RigidSurfaces& rigids,
@@ -260,12 +260,12 @@ void gatherFree(SoftBodyData& body, btRigidBody& partner, double tick, RigidSurf
 
 // --- static and kinematic objects --------------------------------------------------------------------------
 
-HeldCorners cornersOf(const MovingSurface& soft, const RigidPart& part, const SurfacePlace& place) {
+HeldCorners cornersOf(const MovingSurface& soft, const RigidPart& part, const SurfacePoint& place) {
   HeldCorners corners;
   if (place.kind == FeatureKind::OnTriangle) return corners;
   corners.count = place.kind == FeatureKind::OnEdge ? 2 : 1;
   for (std::size_t i = 0; i < 2; ++i) corners.at[i] = part.moving.position->col(place.points[i]);
-  corners.reach = soft.radius + part.moving.radius;
+  corners.radiusSum = soft.radius + part.moving.radius;
   return corners;
 }
 
@@ -296,9 +296,9 @@ Vector3d velocityAt(const btCollisionObject& partner, const RigidPart& part, con
 }
 
 /// With what is at rest, or moves as told: its motion is that of `seconds`.
-PairContact heldContact(const SoftBodyData& body, const btCollisionObject& partner, const RigidPart& part,
+Contact heldContact(const SoftBodyData& body, const btCollisionObject& partner, const RigidPart& part,
                         const SurfaceContact& c, double seconds, double tick) {
-  PairContact pair = contactOf(body, partner, c);
+  Contact pair = contactOf(body, partner, c);
   if (isMoved(partner))
     pair.b.velocity = velocityAt(partner, part, body.surface.moving, c, seconds, tick);
   else
@@ -314,13 +314,13 @@ void addHeld(SoftBodyData& body, const btCollisionObject& partner, RigidPart& pa
   boxedSurface(body, tick);
   if (!areNear(soft, part.moving, margin) || !hasSharpNear(soft.boxes->nodes[0], part)) return;
   findSurfaceContacts(soft, part.moving, margin, s.search, s.contacts);
-  SurfaceMeeting meeting;
-  meeting.body = &body, meeting.held = &partner, meeting.part = &part;
-  meeting.first = static_cast<std::uint32_t>(found.contacts.size());
+  SurfaceCandidate candidate;
+  candidate.body = &body, candidate.held = &partner, candidate.part = &part;
+  candidate.first = static_cast<std::uint32_t>(found.contacts.size());
   for (const SurfaceContact& c : s.contacts)
     if (isHeldContact(body, partner, part, c, s))
       found.add(heldContact(body, partner, part, c, tick, tick), sourceOf(body, partner, keyOf(c, part)));
-  endMeeting(meeting, tick, s, found);
+  endCandidate(candidate, tick, s, found);
 }
 
 void gatherHeld(SoftBodyData& body, const btCollisionObject& partner, double tick, RigidSurfaces& rigids,
@@ -339,9 +339,9 @@ void gatherHeld(SoftBodyData& body, const btCollisionObject& partner, double tic
 // --- soft bodies -------------------------------------------------------------------------------------------
 
 /// A place on a body that is not stepped in this tick; its points are told to users only.
-ContactPlace strangePlace(const SoftBodyData& body, const SurfacePlace& place) {
-  ContactPlace p = softPlace(body, place);
-  p.kind = ContactPlace::Kind::World;
+ContactPoint foreignPoint(const SoftBodyData& body, const SurfacePoint& place) {
+  ContactPoint p = softPlace(body, place);
+  p.kind = ContactPoint::Kind::World;
   if (body.asleep) return p;
   for (int i = 0; i < 3; ++i)
     p.velocity += place.weights[i] * body.state.velocity.col(place.points[static_cast<std::size_t>(i)]);
@@ -354,35 +354,35 @@ void gatherSoft(SoftBodyData& body, SoftBodyData& other, double tick, SurfaceSea
   if (together && other.index < body.index) return;
   const MovingSurface &a = movingSurface(body, tick), &b = movingSurface(other, tick);
   const double margin = kMargin * std::min(a.radius, b.radius);
-  KeptContacts& kept = searchWith(body, frictionObject(other), 0);
+  ContactCache& kept = searchWith(body, frictionObject(other), 0);
   if (!refreshContacts(a, b, margin, kept)) {
     boxedSurface(body, tick);
     boxedSurface(other, tick);
     s.contacts.clear();
     if (areNear(a, b, margin)) findSurfaceContacts(a, b, margin, s.search, s.contacts);
-    keepContacts(a, b, s.contacts, kept);
+    storeContacts(a, b, s.contacts, kept);
   }
-  SurfaceMeeting meeting{&body, &other};
-  meeting.first = static_cast<std::uint32_t>(found.contacts.size());
+  SurfaceCandidate candidate{&body, &other};
+  candidate.first = static_cast<std::uint32_t>(found.contacts.size());
   for (const SurfaceContact& c : kept.contacts) {
-    PairContact pair = contactOf(meeting, c);
-    pair.b = together ? softPlace(other, c.b) : strangePlace(other, c.b);
-    found.add(pair, sourceOf(meeting, c));
+    Contact pair = contactOf(candidate, c);
+    pair.b = together ? softPlace(other, c.b) : foreignPoint(other, c.b);
+    found.add(pair, sourceOf(candidate, c));
   }
-  if (together) endMeeting(meeting, tick, s, found);
+  if (together) endCandidate(candidate, tick, s, found);
 }
 
 void gatherSelf(SoftBodyData& body, double tick, SurfaceSearch& s, TickContacts& found) {
   const MovingSurface& surface = boxedSurface(body, tick);
-  SurfaceMeeting meeting{&body, &body};
-  meeting.first = static_cast<std::uint32_t>(found.contacts.size());
-  findSelfContacts(surface, margin(meeting), s.search, s.contacts);
+  SurfaceCandidate candidate{&body, &body};
+  candidate.first = static_cast<std::uint32_t>(found.contacts.size());
+  findSelfContacts(surface, margin(candidate), s.search, s.contacts);
   for (const SurfaceContact& c : s.contacts) {
-    PairContact pair = contactOf(meeting, c);
+    Contact pair = contactOf(candidate, c);
     pair.b = softPlace(body, c.b);
-    found.add(pair, sourceOf(meeting, c));
+    found.add(pair, sourceOf(candidate, c));
   }
-  endMeeting(meeting, tick, s, found);
+  endCandidate(candidate, tick, s, found);
 }
 
 // --- within a step -----------------------------------------------------------------------------------------
@@ -402,21 +402,21 @@ const MovingSurface& surfaceWithin(SoftBodyData& body, const PointView& points, 
 
 }  // namespace
 
-double wayOf(const SurfaceMeeting& m) {
+double displacementOf(const SurfaceCandidate& m) {
   const MovingSurface &a = m.body->surface.moving, &b = surfaceB(m);
   const Vector3d common = 0.5 * (a.motion->rowwise().mean() + b.motion->rowwise().mean());
   const double stopped = m.body->surface.impact + (m.other ? m.other->surface.impact : 0.0);
-  return (longestWay(*a.motion, common) + longestWay(*b.motion, common) + stopped) / smallerFeatures(m);
+  return (longestDisplacement(*a.motion, common) + longestDisplacement(*b.motion, common) + stopped) / smallerFeatures(m);
 }
 
-Vector3d positionOf(const MovingSurface& surface, const SurfacePlace& place) {
+Vector3d positionOf(const MovingSurface& surface, const SurfacePoint& place) {
   Vector3d x = Vector3d::Zero();
   for (int i = 0; i < 3; ++i)
     x += place.weights[i] * surface.position->col(place.points[static_cast<std::size_t>(i)]);
   return x;
 }
 
-void findWithin(const SurfaceMeeting& m, const SidesWithin& sides, double ahead, double tick, SurfaceSearch& s) {
+void findWithin(const SurfaceCandidate& m, const SidesWithin& sides, double ahead, double tick, SurfaceSearch& s) {
   s.pairs.clear();
   s.sources.clear();
   s.contacts.clear();
@@ -440,11 +440,11 @@ void findWithin(const SurfaceMeeting& m, const SidesWithin& sides, double ahead,
       continue;
     }
     if (!m.other && isAttached(*m.body, *m.partner, c.a)) continue;
-    PairContact pair = contactOf(m, c);
+    Contact pair = contactOf(m, c);
     if (m.other) {
       pair.b = softPlace(*m.other, c.b);
     } else {
-      pair.b.kind = ContactPlace::Kind::Rigid;
+      pair.b.kind = ContactPoint::Kind::Rigid;
       pair.b.arm = positionOf(b, c.b) + (b.radius + a.radius) * c.normal - sides.rigid->position;
     }
     s.pairs.push_back(pair);
@@ -452,8 +452,8 @@ void findWithin(const SurfaceMeeting& m, const SidesWithin& sides, double ahead,
   }
 }
 
-void shareSoftPartners(const std::vector<TickGroup>& groups) {
-  for (const TickGroup& group : groups) {
+void shareSoftPartners(const std::vector<LinkedGroup>& groups) {
+  for (const LinkedGroup& group : groups) {
     if (group.asleep) continue;
     for (SoftBodyData* body : group.bodies)
       for (SoftBodyData* other : body->softPartners) {

@@ -15,20 +15,20 @@
 namespace limber {
 inline namespace LIMBER_BULLET_PRECISION {
 
-struct TickGroup;
+struct LinkedGroup;
 
 /// Scratch of gatherSurfacePairs, kept for its capacity.
 struct SurfaceSearch {
   ContactSearch search;
   std::vector<SurfaceContact> contacts;
   std::vector<HeldPiece> pieces;
-  std::vector<PairContact> pairs;  ///< of findWithin()
+  std::vector<Contact> pairs;  ///< of findWithin()
   std::vector<ContactSource> sources;
 };
 
 /// Makes those that have found another soft body known to it, too: one that has just been thrown is far outside what
 /// the other one looks at. Call it after gatherContacts() of all bodies.
-void shareSoftPartners(const std::vector<TickGroup>& groups);
+void shareSoftPartners(const std::vector<LinkedGroup>& groups);
 
 /// Adds to `found` where the surface of a body with Collision::Surface touches, or may touch in the coming
 /// tick: vertices, edges and triangles of rigid bodies that move by themselves, and of other soft bodies;
@@ -38,11 +38,11 @@ void gatherSurfacePairs(SoftBodyData& body, btScalar tick, RigidSurfaces& rigids
                         TickContacts& found);
 
 /// Of the size of a surface's features: how far surfaces move against each other from one search to the next.
-constexpr double kMostBetweenSearches = 0.05;
+constexpr double kMaxBetweenSearches = 0.05;
 
 /// How far the surfaces may move against each other in the tick, in sizes of their features: as was foreseen, and by
 /// what hits on static and kinematic objects stop.
-double wayOf(const SurfaceMeeting& meeting);
+double displacementOf(const SurfaceCandidate& candidate);
 
 /// Where the sides of a meeting are within a step.
 struct SidesWithin {
@@ -53,11 +53,11 @@ struct SidesWithin {
 
 /// Writes the contacts of a meeting as they are now, and will be in the coming `ahead` seconds, to
 /// search.pairs and search.sources, sorted by key. Their places have no bodies yet. The tick is that long (s).
-void findWithin(const SurfaceMeeting& meeting, const SidesWithin& sides, double ahead, double tick,
+void findWithin(const SurfaceCandidate& candidate, const SidesWithin& sides, double ahead, double tick,
                 SurfaceSearch& search);
 
 /// m, of a place on a surface.
-Eigen::Vector3d positionOf(const MovingSurface& surface, const SurfacePlace& place);
+Eigen::Vector3d positionOf(const MovingSurface& surface, const SurfacePoint& place);
 
 // --- on what is held ---------------------------------------------------------------------------------------
 

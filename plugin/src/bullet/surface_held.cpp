@@ -67,7 +67,7 @@ void placePatch(ConcavePatch& patch, const btCollisionObject& partner) {
   const Points& rest = patch.surface.topology.rest;
   for (Eigen::Index i = 0; i < rest.cols(); ++i) {
     part.position.col(i) = toEigen(pose * toBullet(Eigen::Vector3d(rest.col(i))));
-    part.motion.col(i) = kinematicWay(partner, part.position.col(i));
+    part.motion.col(i) = kinematicDisplacement(partner, part.position.col(i));
   }
   fitBoxes(part.moving, part.boxes);
 }
@@ -121,9 +121,9 @@ double longestSquared(const MovingSurface& soft, double radius) {
 
 /// By the partner itself, or a tile beside it, no farther away than `gap` (m).
 bool isBorne(const SoftBodyData& body, std::uint32_t point, const Vector3d& normal, double gap) {
-  const RowRange rows = rowsOfPoint(body.contacts, point);
+  const ContactRange rows = contactsOfPoint(body.contacts, point);
   for (std::size_t r = rows.begin; r < rows.end; ++r) {
-    const ContactRow& row = body.contacts[r];
+    const PlaneContact& row = body.contacts[r];
     const bool isNear = row.normal.dot(body.state.position.col(point) - row.touch) <= gap;
     if (!row.away && isNear && row.normal.dot(normal) > kSameSide) return true;
   }

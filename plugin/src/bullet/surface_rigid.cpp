@@ -25,7 +25,7 @@ using Eigen::Vector3d;
 /// Of the trace: about an axis with less inertia, as a rope's own line, torques turn ever less, and nothing where
 /// there is none. Bullet's floats hold spins about all axes at once: what is lost of a very fast one would be a
 /// kick about the others.
-constexpr double kLeastInertia = 1e-5;
+constexpr double kMinInertia = 1e-5;
 
 /// Steps towards the rotation of the body; in a tick it does not turn far.
 constexpr int kRotationSteps = 4;
@@ -50,7 +50,7 @@ constexpr double kRoundBody = 1e-3;
 
 /// Makes each principal inertia x the inverse x / (x^2 + least^2); where no x is small, 1 / x to 1e-5 of it.
 void setInertia(RigidFit& fit, const Matrix3d& inertia) {
-  const double trace = inertia.trace(), least = kLeastInertia * trace;
+  const double trace = inertia.trace(), least = kMinInertia * trace;
   if (!(trace > 0.0)) return;
   if (inertia.determinant() > kRoundBody * trace * trace * trace) {
     fit.inverseInertia = inertia.inverse();
@@ -117,8 +117,8 @@ Eigen::Quaterniond follow(const SoftBodyData& body, const Vector3d& center, Eige
     const auto place = static_cast<std::size_t>(i);
     const Vector3d rest = body.network->restPoints[place].cwiseProduct(body.settings.scale);
     const Vector3d arm = body.state.position.col(i) - center;
-    moments += body.network->massShares[place] * arm * rest.transpose();
-    size += body.network->massShares[place] * rest.squaredNorm();
+    moments += body.network->massFractions[place] * arm * rest.transpose();
+    size += body.network->massFractions[place] * rest.squaredNorm();
   }
   for (int step = 0; step < kRotationSteps; ++step) {
     const Matrix3d r = q.toRotationMatrix();
@@ -219,7 +219,7 @@ void pushBy(SoftBodyData& body, const Vector3d& velocity, const Vector3d& spin, 
 
 /// Point masses that the user holds see the change, too.
 void writeShared(SoftBodyData& body) {
-  if (!body.masses.shared) return;
+  if (!body.masses.exposed) return;
   for (std::uint32_t i = 0; i < body.masses.bodies.size(); ++i) {
     if (isPinned(body, static_cast<Eigen::Index>(i))) continue;
     writePoint(body, i);
@@ -270,7 +270,7 @@ void readObject(SoftBodyData& body, double drift) {
   leave(body);
   writeShared(body);
   // what was foreseen is old
-  body.surface.flight.tick = 0.0;
+  body.surface.sweptBounds.tick = 0.0;
   if (body.asleep) object.activate(true);
 }
 
@@ -284,11 +284,11 @@ void accelerateByObject(SoftBodyData& body) {
     }
     object.clearForces();
     // the system has to learn when the step has ended
-    if (!s.pushed && body.onPointsShared) body.onPointsShared();
+    if (!s.pushed && body.onPointsExposed) body.onPointsExposed();
     s.pushed = true;
   }
   if (s.objectForce.isZero(0.0) && s.objectTorque.isZero(0.0)) return;
-  s.flight.tick = 0.0;
+  s.sweptBounds.tick = 0.0;
   const RigidFit fit = fitRigid(body.state, body.state.position);
   if (!(fit.mass > 0.0)) return;
   const Vector3d linear = s.objectForce / fit.mass, angular = fit.inverseInertia * s.objectTorque;
@@ -312,7 +312,7 @@ void markJoined(const std::vector<SoftBodyData*>& bodies, btDiscreteDynamicsWorl
   }
 }
 
-void handOverObject(SoftBodyData& body, double tick) {
+void writeObjectToBullet(SoftBodyData& body, double tick) {
   if (!body.surface.joined) return;
   const Points& start = body.masses.startPosition;
   const auto meanVelocity = [&](Eigen::Index i) -> Vector3d {
@@ -324,17 +324,17 @@ void handOverObject(SoftBodyData& body, double tick) {
   leave(body);
 }
 
-void takeBackObject(SoftBodyData& body, double tick) {
+void readObjectFromBullet(SoftBodyData& body, double tick) {
   if (!body.surface.joined || !isObjectChanged(body)) return readObject(body);
-  const auto gapOf = [&](const ContactRow& row) {
+  const auto gapOf = [&](const PlaneContact& row) {
     return row.normal.dot(body.state.position.col(row.point) - row.touch - tick * row.surfaceVelocity);
   };
   std::vector<double>& gaps = body.surface.gaps;
   gaps.clear();
-  for (const ContactRow& row : body.contacts) gaps.push_back(std::min(gapOf(row), 0.0));
+  for (const PlaneContact& row : body.contacts) gaps.push_back(std::min(gapOf(row), 0.0));
   readObject(body, tick);
   for (std::size_t r = 0; r < body.contacts.size(); ++r) {
-    const ContactRow& row = body.contacts[r];
+    const PlaneContact& row = body.contacts[r];
     const double deeper = gaps[r] - gapOf(row);
     if (deeper > 0.0) body.state.position.col(row.point) += deeper * row.normal;
   }

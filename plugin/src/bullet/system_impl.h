@@ -9,7 +9,7 @@
 #include "bullet/kinematic_motion.h"
 #include "bullet/surface_gather.h"
 #include "bullet/tick_contacts.h"
-#include "bullet/tick_group.h"
+#include "bullet/linked_group.h"
 #include "bullet/tick_hook.h"
 
 #include <limber/soft_body_system.h>
@@ -65,10 +65,10 @@ struct SoftBodySystem::Impl final : TickListener, StepListener {
   std::vector<std::unique_ptr<SoftBody>> bodies;
   SpringList springs;
   SharedTopologies topologies;
-  std::unique_ptr<StepSentinel> sentinel;  // while point masses outside the world are in the user's hands
+  std::unique_ptr<StepBoundary> sentinel;  // while point masses outside the world are in the user's hands
   ContactEvents events;
   bool showsManifolds = false;
-  std::vector<StrongestContacts> strongest;  // scratch of showContacts
+  std::vector<StrongestContacts> strongest;  // scratch of reportManifold
   std::vector<SoftBody*> doomed;             // to be destroyed once the listener has been told
 };
 
@@ -87,22 +87,22 @@ struct SoftBodySystem::Impl::WorldStep {
   void rebuildGroupsIfNeeded();
   void gatherGroups(btScalar tick);
   void gatherPartners(SoftBodyData& body, btScalar tick);
-  void gatherClusters(btScalar tick);
+  void gatherIslands(btScalar tick);
   void stepGroups(btScalar tick);
-  void handOverGroups(btScalar tick);
+  void writeGroupsToBullet(btScalar tick);
   void updateLiving();
   /// Manifolds, motors and springs that Bullet's solver was to leave alone in a tick.
-  void giveBackToBullet();
+  void leaveToBullet();
 
   btDiscreteDynamicsWorld* world = nullptr;
   std::vector<Impl*> systems;  // in the order of their creation
   const Impl* stepped = nullptr;  // the system that has begun the present tick; nullptr between ticks
-  std::vector<TickGroup> groups;
+  std::vector<LinkedGroup> groups;
   StepPlan plan;
   KinematicMotions kinematic;
   MultiBodyLinks links;
   TickContacts pairs;  // contacts in which more than one body moves
-  Clusters clusters;   // what they couple
+  Islands islands;   // what they couple
   RigidManifolds manifolds;
   std::vector<SwitchedOff> drivesOff;
   ShapeCache shapes;
@@ -112,7 +112,7 @@ struct SoftBodySystem::Impl::WorldStep {
   std::vector<SpringConstraint*> springs;  // of all systems
   std::vector<unsigned char> usableLinks;  // see updateUsableLinks()
   bool groupsStale = true;
-  std::vector<unsigned char> islands;  // scratch of updateSleep
+  std::vector<unsigned char> bulletIslands;  // scratch of updateSleep
   TickProfile profile;
 };
 

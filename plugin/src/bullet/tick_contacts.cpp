@@ -77,7 +77,7 @@ double keptShare(btScalar damping, btScalar tick) { return std::pow(1.0 - double
 RigidPartner makePartner(btRigidBody& body) {
   RigidPartner partner;
   partner.body = &body;
-  partner.mark = markOf(body);
+  partner.mark = handleOf(body);
   partner.lastPose = body.getWorldTransform();
   return partner;
 }
@@ -92,7 +92,7 @@ void gatherRigid(RigidPartner& partner, RigidState& state, btScalar tick) {
   partner.start = state;
 }
 
-void handOverRigid(RigidPartner& partner, const RigidState& end, btScalar tick) {
+void writeRigidToBullet(RigidPartner& partner, const RigidState& end, btScalar tick) {
   if (partner.held) return;
   btRigidBody& body = *partner.body;
   const double h = double(tick);
@@ -108,7 +108,7 @@ void handOverRigid(RigidPartner& partner, const RigidState& end, btScalar tick) 
   partner.expectedAngularVelocity = toBullet(meanAngular);
 }
 
-void takeBackRigid(RigidPartner& partner, const RigidState& end, btScalar tick) {
+void readRigidFromBullet(RigidPartner& partner, const RigidState& end, btScalar tick) {
   if (partner.held || !partner.body->isActive()) return;
   btRigidBody& body = *partner.body;
   const Eigen::Vector3d velocity = keptShare(body.getLinearDamping(), tick) * end.velocity;
@@ -135,7 +135,7 @@ std::uint32_t TickContacts::add(btRigidBody& body) {
   return numbers_[place];
 }
 
-void TickContacts::add(const PairContact& contact, const ContactSource& source) {
+void TickContacts::add(const Contact& contact, const ContactSource& source) {
   contacts.push_back(contact);
   sources.push_back(source);
 }
@@ -146,23 +146,23 @@ void TickContacts::clear(double comingTick) {
   rigids.clear();
   contacts.clear();
   sources.clear();
-  meetings.clear();
+  candidates.clear();
   joints.clear();
   jointSources.clear();
 }
 
 Eigen::Vector3d velocityOf(const btCollisionObject& object, const btVector3& place, double tick) {
-  if (isKinematic(object)) return kinematicWay(object, toEigen(place)) / tick;
+  if (isKinematic(object)) return kinematicDisplacement(object, toEigen(place)) / tick;
   const btRigidBody* rigid = btRigidBody::upcast(&object);
   if (!rigid || rigid->isStaticObject() || !rigid->isActive()) return Eigen::Vector3d::Zero();
   return toEigen(rigid->getVelocityInLocalPoint(place - rigid->getWorldTransform().getOrigin()));
 }
 
-ContactPlace placeOn(TickContacts& contacts, const btCollisionObject& object, const btVector3& place) {
-  ContactPlace found;
+ContactPoint placeOn(TickContacts& contacts, const btCollisionObject& object, const btVector3& place) {
+  ContactPoint found;
   btRigidBody* rigid = btRigidBody::upcast(const_cast<btCollisionObject*>(&object));
   if (rigid && isFree(*rigid)) {
-    found.kind = ContactPlace::Kind::Rigid;
+    found.kind = ContactPoint::Kind::Rigid;
     found.body = contacts.add(*rigid);
     found.arm = toEigen(place) - toEigen(rigid->getWorldTransform().getOrigin());
   } else {
@@ -177,39 +177,39 @@ namespace {
 
 using Id = std::pair<int, std::uint64_t>;
 
-Id idOf(const KnownContact& known) { return {known.partner, known.key}; }
+Id idOf(const StoredImpulse& known) { return {known.partner, known.key}; }
 
 Id idOf(const ContactSource& source) { return {source.partner.id, source.key}; }
 
 }  // namespace
 
-void guessBearings(TickContacts& contacts) {
+void warmStart(TickContacts& contacts) {
   for (std::size_t i = 0; i < contacts.contacts.size(); ++i) {
     const ContactSource& source = contacts.sources[i];
     if (!source.body) continue;
     const Id id = idOf(source);
-    const std::vector<KnownContact>& known = source.body->knownContacts;
+    const std::vector<StoredImpulse>& known = source.body->storedImpulses;
     const auto it = std::lower_bound(known.begin(), known.end(), id,
-                                     [](const KnownContact& k, const Id& other) { return idOf(k) < other; });
+                                     [](const StoredImpulse& k, const Id& other) { return idOf(k) < other; });
     if (it != known.end() && idOf(*it) == id && it->object == source.partner.object)
-      contacts.contacts[i].stopping = it->bearing;
+      contacts.contacts[i].positionImpulse = it->impulse;
   }
 }
 
-void rememberBearings(const std::vector<SoftBodyData*>& bodies, const TickContacts& contacts) {
-  for (SoftBodyData* body : bodies) body->knownContacts.clear();
+void storeImpulses(const std::vector<SoftBodyData*>& bodies, const TickContacts& contacts) {
+  for (SoftBodyData* body : bodies) body->storedImpulses.clear();
   for (std::size_t i = 0; i < contacts.contacts.size(); ++i) {
     const ContactSource& source = contacts.sources[i];
     if (!source.body) continue;
-    const PairContact& c = contacts.contacts[i];
+    const Contact& c = contacts.contacts[i];
     // with the normal that it began with, as the next tick's search finds it: what it bore may have turned away
     const double along = c.normal.dot(c.impulse.sum);
     const Id id = idOf(source);
-    source.body->knownContacts.push_back(
+    source.body->storedImpulses.push_back(
         {id.first, source.partner.object, id.second, {along, c.impulse.sum - along * c.normal}});
   }
-  const auto before = [](const KnownContact& k, const KnownContact& l) { return idOf(k) < idOf(l); };
-  for (SoftBodyData* body : bodies) std::sort(body->knownContacts.begin(), body->knownContacts.end(), before);
+  const auto before = [](const StoredImpulse& k, const StoredImpulse& l) { return idOf(k) < idOf(l); };
+  for (SoftBodyData* body : bodies) std::sort(body->storedImpulses.begin(), body->storedImpulses.end(), before);
 }
 
 }  // namespace LIMBER_BULLET_PRECISION

@@ -7,7 +7,7 @@
 
 #include "bullet/bullet_objects.h"
 #include "solver/links.h"
-#include "solver/pair_contacts.h"
+#include "solver/contacts.h"
 
 #include <limber/bullet_precision.h>
 
@@ -31,7 +31,7 @@ struct SoftBodyData;
 struct RigidPartner {
   btRigidBody* body = nullptr;
   bool held = false;           ///< static, kinematic or out of the simulation: it moves as told
-  PartnerMark mark;            ///< of the body
+  ObjectHandle mark;            ///< of the body
   btTransform lastPose;        ///< of a held body at the end of the last tick
   RigidState start;            ///< at the start of the tick
   btVector3 expectedVelocity;  ///< after the tick if nothing else acts
@@ -44,10 +44,10 @@ RigidPartner makePartner(btRigidBody& body);
 /// Fills `state` from Bullet's body. A held body moves evenly from its last pose to its present one.
 void gatherRigid(RigidPartner& partner, RigidState& state, btScalar tick);
 
-/// As handOverVelocities() and finishWorldPoints() for point masses. Bullet's damping acts on both the
+/// As writeVelocitiesToBullet() and finishWorldPoints() for point masses. Bullet's damping acts on both the
 /// velocity handed over, where it is made up for, and the one at the end.
-void handOverRigid(RigidPartner& partner, const RigidState& end, btScalar tick);
-void takeBackRigid(RigidPartner& partner, const RigidState& end, btScalar tick);
+void writeRigidToBullet(RigidPartner& partner, const RigidState& end, btScalar tick);
+void readRigidFromBullet(RigidPartner& partner, const RigidState& end, btScalar tick);
 
 // --- the contacts of a tick --------------------------------------------------------------------------------
 
@@ -56,7 +56,7 @@ struct ContactSource {
   btManifoldPoint* point = nullptr;  ///< Bullet's, between rigid bodies
   SoftBodyData* body = nullptr;      ///< the soft body on side a, of all others
   SoftBodyData* other = nullptr;     ///< the soft body on side b, if it is one
-  PartnerMark partner;               ///< on side b
+  ObjectHandle partner;               ///< on side b
   std::uint64_t key = 0;             ///< of the features that touch, the same from tick to tick
 };
 
@@ -70,7 +70,7 @@ struct JointSource {
 struct RigidPart;
 
 /// Two surfaces that touch, or may touch, in the tick.
-struct SurfaceMeeting {
+struct SurfaceCandidate {
   SoftBodyData* body = nullptr;      ///< on side a
   SoftBodyData* other = nullptr;     ///< on side b, if it is soft
   btRigidBody* partner = nullptr;    ///< on side b, if it is rigid and moves by itself
@@ -84,10 +84,10 @@ struct SurfaceMeeting {
 /// bodies by their number here.
 struct TickContacts {
   std::vector<RigidPartner> rigids;
-  std::vector<PairContact> contacts;
+  std::vector<Contact> contacts;
   std::vector<ContactSource> sources;  ///< #contacts
-  std::vector<SurfaceMeeting> meetings;
-  std::vector<JointRow> joints;
+  std::vector<SurfaceCandidate> candidates;
+  std::vector<JointConstraint> joints;
   std::vector<JointSource> jointSources;  ///< #joints
   double tick = 0.0;                      ///< s
 
@@ -97,7 +97,7 @@ struct TickContacts {
   std::uint32_t find(const btRigidBody& body) const;
   /// The number it has or now gets.
   std::uint32_t add(btRigidBody& body);
-  void add(const PairContact& contact, const ContactSource& source);
+  void add(const Contact& contact, const ContactSource& source);
   /// Forgets everything but the memory it takes. The coming tick takes so many seconds.
   void clear(double comingTick = 0.0);
 
@@ -110,13 +110,13 @@ struct TickContacts {
 Eigen::Vector3d velocityOf(const btCollisionObject& object, const btVector3& place, double tick);
 
 /// The place on a rigid body: of kind Rigid if it is free, which gives it a number, else of kind World.
-ContactPlace placeOn(TickContacts& contacts, const btCollisionObject& object, const btVector3& place);
+ContactPoint placeOn(TickContacts& contacts, const btCollisionObject& object, const btVector3& place);
 
 /// Starts the contacts of soft bodies from what those of the same features bore in the last tick.
-void guessBearings(TickContacts& contacts);
+void warmStart(TickContacts& contacts);
 
 /// After the step: remembers what they bore. `bodies`: all of the system.
-void rememberBearings(const std::vector<SoftBodyData*>& bodies, const TickContacts& contacts);
+void storeImpulses(const std::vector<SoftBodyData*>& bodies, const TickContacts& contacts);
 
 // --- contacts of rigid bodies ------------------------------------------------------------------------------
 
@@ -151,13 +151,13 @@ struct RigidManifolds {
 ///
 /// Bullet's solver is told to leave those alone whose points it knows already (btPersistentManifold::
 /// setContactProcessingThreshold); where faster motion may bring new points into a manifold in this tick, it
-/// keeps its say. freeManifolds() takes that back once the tick is over.
+/// keeps its say. restoreBreakingThresholds() takes that back once the tick is over.
 void gatherRigidContacts(btDiscreteDynamicsWorld& world, btScalar tick, RigidManifolds& index,
                          TickContacts& found);
 
 /// Lets Bullet's solver treat all manifolds again that gatherRigidContacts() told it to leave alone, those of
 /// other systems in the world too.
-void freeManifolds(btDispatcher& dispatcher);
+void restoreBreakingThresholds(btDispatcher& dispatcher);
 
 /// After the step: what the contacts and joints have borne, for users who read it from Bullet
 /// (btManifoldPoint::m_appliedImpulse, btTypedConstraint::getAppliedImpulse).

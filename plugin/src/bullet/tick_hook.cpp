@@ -173,9 +173,9 @@ int sentinelMark;  // see pointMassMark
 
 }  // namespace
 
-class StepSentinel::State final : public btMotionState {
+class StepBoundary::State final : public btMotionState {
  public:
-  explicit State(StepSentinel* owner) : owner_(owner) {}
+  explicit State(StepBoundary* owner) : owner_(owner) {}
   ~State() override {
     if (owner_) owner_->state_ = nullptr;
   }
@@ -186,12 +186,12 @@ class StepSentinel::State final : public btMotionState {
   }
 
  private:
-  StepSentinel* owner_;
+  StepBoundary* owner_;
 };
 
-class StepSentinel::Body final : public btRigidBody {
+class StepBoundary::Body final : public btRigidBody {
  public:
-  Body(StepSentinel* owner, State* state, btCollisionShape* shape)
+  Body(StepBoundary* owner, State* state, btCollisionShape* shape)
       : btRigidBody(btRigidBodyConstructionInfo(0, state, shape)), owner_(owner) {
     internalSetExtensionPointer(&sentinelMark);
     // dynamic to Bullet, or it would neither be in the list whose forces are cleared nor be asked
@@ -204,16 +204,16 @@ class StepSentinel::Body final : public btRigidBody {
   void disown() { owner_ = nullptr; }
 
  private:
-  StepSentinel* owner_;
+  StepBoundary* owner_;
 };
 
-StepSentinel::StepSentinel(btDiscreteDynamicsWorld& world, StepListener& listener)
+StepBoundary::StepBoundary(btDiscreteDynamicsWorld& world, StepListener& listener)
     : world_(&world), listener_(&listener), state_(new State(this)) {
   body_ = new Body(this, state_, &shape_);
   world.addRigidBody(body_, 0, 0);
 }
 
-StepSentinel::~StepSentinel() {
+StepBoundary::~StepBoundary() {
   if (body_) {
     if (isInWorld()) world_->removeRigidBody(body_);
     body_->disown();
@@ -226,7 +226,7 @@ StepSentinel::~StepSentinel() {
   }
 }
 
-bool StepSentinel::stepHasEnded() {
+bool StepBoundary::stepHasEnded() {
   if (!isInWorld()) return true;
   const bool ended = body_->getTotalForce() != kMark;
   body_->clearForces();
@@ -234,11 +234,11 @@ bool StepSentinel::stepHasEnded() {
   return ended;
 }
 
-bool StepSentinel::isOne(const btCollisionObject* object) {
+bool StepBoundary::isOne(const btCollisionObject* object) {
   return object && object->internalGetExtensionPointer() == &sentinelMark;
 }
 
-bool StepSentinel::isInWorld() const { return body_ && body_->isInWorld(); }
+bool StepBoundary::isInWorld() const { return body_ && body_->isInWorld(); }
 
 // --- clock -------------------------------------------------------------------------------------------------
 

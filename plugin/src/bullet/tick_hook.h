@@ -92,12 +92,12 @@ class StepListener {
 /// with a force on it: once that is gone, a step has ended.
 ///
 /// The application may delete body and motion state as any other's; every tick then counts as a new step.
-class StepSentinel {
+class StepBoundary {
  public:
-  StepSentinel(btDiscreteDynamicsWorld& world, StepListener& listener);
-  ~StepSentinel();
-  StepSentinel(const StepSentinel&) = delete;
-  StepSentinel& operator=(const StepSentinel&) = delete;
+  StepBoundary(btDiscreteDynamicsWorld& world, StepListener& listener);
+  ~StepBoundary();
+  StepBoundary(const StepBoundary&) = delete;
+  StepBoundary& operator=(const StepBoundary&) = delete;
 
   /// Whether an object is the body of one.
   static bool isOne(const btCollisionObject* object);

@@ -37,7 +37,7 @@ Eigen::Vector3d withoutRounding(const Eigen::Vector3d& v, double scale) {
   return v.cwiseAbs().maxCoeff() <= noise ? Eigen::Vector3d::Zero() : v;
 }
 
-void takeBackFree(SoftBodyData& body, std::uint32_t i, btScalar tick) {
+void readFreePoint(SoftBodyData& body, std::uint32_t i, btScalar tick) {
   const PointMass& point = *body.masses.bodies[i];
   const btVector3& expected = body.masses.expectedVelocity[i];
   const btVector3& start = body.masses.leftPosition[i];
@@ -84,7 +84,7 @@ void gatherWorldPoints(SoftBodyData& body, btScalar tick) {
   }
 }
 
-void handOverVelocities(SoftBodyData& body, btScalar tick) {
+void writeVelocitiesToBullet(SoftBodyData& body, btScalar tick) {
   PointMasses& m = body.masses;
   for (std::uint32_t i = 0; i < m.bodies.size(); ++i) {
     if (m.held[i]) continue;
@@ -187,7 +187,7 @@ void stopAtFirstContact(SoftBodyData& body) {
   const double careless = kCarelessMotion * double(body.masses.shape->getRadius());
   const auto isUnexpected = [&](Eigen::Index i) {
     const auto at = static_cast<std::size_t>(i);
-    return !body.masses.held[at] && motion(body, i) > std::max(careless, body.reach[at]);
+    return !body.masses.held[at] && motion(body, i) > std::max(careless, body.searchDistance[at]);
   };
   double longest = 0.0;
   for (Eigen::Index i = 0; i < body.state.position.cols(); ++i)
@@ -202,7 +202,7 @@ void stopAtFirstContact(SoftBodyData& body) {
 void finishWorldPoints(SoftBodyData& body, btScalar tick) {
   for (PointMass* point : body.masses.bodies) point->setContactProcessingThreshold(BT_LARGE_FLOAT);
   for (std::uint32_t i = 0; i < body.masses.bodies.size(); ++i)
-    if (!body.masses.held[i]) takeBackFree(body, i, tick);
+    if (!body.masses.held[i]) readFreePoint(body, i, tick);
   restoreIfUnsound(body);
   stopAtFirstContact(body);
   writePoints(body);
@@ -255,7 +255,7 @@ void leaveToRows(btDispatcher& dispatcher) {
                                 const btCollisionObject* partner) {
     if (isOfAwakePoints(point, partner)) manifold.setContactProcessingThreshold(-BT_LARGE_FLOAT);
     const SoftBodyData& body = *point.owner();
-    const RowRange rows = rowsOfPoint(body.contacts, point.index());
+    const ContactRange rows = contactsOfPoint(body.contacts, point.index());
     for (std::size_t r = rows.begin; r < rows.end && !body.asleep; ++r)
       if (body.contactPartners[r] == partner) manifold.setContactProcessingThreshold(-BT_LARGE_FLOAT);
   });
@@ -265,11 +265,11 @@ void reportContactImpulses(btDispatcher& dispatcher) {
   forEachContact(dispatcher, [](btPersistentManifold& manifold, PointMass& point,
                                 const btCollisionObject* partner) {
     const SoftBodyData& body = *point.owner();
-    const RowRange rows = rowsOfPoint(body.contacts, point.index());
+    const ContactRange rows = contactsOfPoint(body.contacts, point.index());
     manifold.setContactProcessingThreshold(
         btMin(point.getContactProcessingThreshold(), partner->getContactProcessingThreshold()));
     for (std::size_t r = rows.begin; r < rows.end; ++r) {
-      const ContactRow& row = body.contacts[r];
+      const PlaneContact& row = body.contacts[r];
       if (body.contactPartners[r] != partner) continue;
       int nearest = -1;
       for (int p = 0; p < manifold.getNumContacts(); ++p) {

@@ -23,32 +23,32 @@ double approachAlong(const Eigen::Vector3d& direction, const MovingFeature<N>& a
 }
 
 /// Steps to a meeting; features that turn past each other need most.
-constexpr int kMostAdvances = 32;
+constexpr int kMaxAdvances = 32;
 /// Share of the margin within which features have met.
 constexpr double kMetShare = 0.01;
 /// Later than the tick.
 constexpr double kNever = std::numeric_limits<double>::infinity();
 
-/// When the features come within `reach` (m) of each other: conservative advancement (Mirtich 1996), each
+/// When the features come within `radiusSum` (m) of each other: conservative advancement (Mirtich 1996), each
 /// step along the direction between the nearest places, which bounds the approach of all others. A direct
 /// hit takes one step.
 /// @returns where they meet; or, if they do not within the tick but start within `margin` more, where they
 /// are nearest at its start; else a time of kNever.
 template <int N, int M>
-NearestPlaces<N, M> findMeeting(const MovingFeature<N>& a, const MovingFeature<M>& b, double reach,
+NearestPoints<N, M> findFeatureContact(const MovingFeature<N>& a, const MovingFeature<M>& b, double radiusSum,
                                 double margin) {
-  const NearestPlaces<N, M> start = nearestPlaces(a, b, 0.0);
-  NearestPlaces<N, M> places = start;
-  for (int i = 0; i < kMostAdvances; ++i) {
-    const double gap = places.distance - reach;
+  const NearestPoints<N, M> start = nearestPoints(a, b, 0.0);
+  NearestPoints<N, M> places = start;
+  for (int i = 0; i < kMaxAdvances; ++i) {
+    const double gap = places.distance - radiusSum;
     if (gap <= kMetShare * margin) return places;
     const double approach = approachAlong(places.away / places.distance, a, b);
     const double time = approach > 0.0 ? places.time + gap / approach : kNever;
     if (time > 1.0) break;
-    places = nearestPlaces(a, b, time);
+    places = nearestPoints(a, b, time);
   }
   places = start;
-  if (start.distance - reach > margin) places.time = kNever;
+  if (start.distance - radiusSum > margin) places.time = kNever;
   return places;
 }
 
@@ -139,7 +139,7 @@ struct VertexTriangle {
   const SurfacePair& pair;
   MovingFeature<1> vertex;
   MovingFeature<3> triangle;
-  VertexBehind at;
+  PenetratingVertex at;
   double side = 1.0;  ///< -1: seen from behind
 
   Vector3d normal(double time) const { return side * normalOf<3>(triangle.at(time)); }
@@ -149,7 +149,7 @@ struct VertexTriangle {
 };
 
 /// The candidate of a vertex that the triangle pushes along its unit `normal`.
-void addVertexOnTriangle(const SurfacePair& pair, const VertexBehind& at, const Vector3d& normal, double time,
+void addVertexOnTriangle(const SurfacePair& pair, const PenetratingVertex& at, const Vector3d& normal, double time,
                          ContactSearch& search) {
   const SurfaceTopology& t = *(at.ofB ? pair.a : pair.b).topology;
   ContactCandidate candidate;
@@ -161,7 +161,7 @@ void addVertexOnTriangle(const SurfacePair& pair, const VertexBehind& at, const 
   c.time = time;
   candidate.rank = at.ofB ? kTriangleVertex : kVertexTriangle;
   candidate.scale = t.depthLimit[at.triangle];
-  candidate.vertex = meetingVertex(pair, at.vertex, at.ofB);
+  candidate.vertex = contactVertex(pair, at.vertex, at.ofB);
   addCandidate(pair, candidate, search);
 }
 
@@ -177,7 +177,7 @@ void addAt(VertexTriangle& meeting, double time, ContactSearch& search) {
 void addBehind(VertexTriangle& meeting, double depth, double limit, ContactSearch& search) {
   if (meeting.pair.self || depth > limit) return;
   const MovingFeature<3>::Corners& t = meeting.triangle.start;
-  VertexBehind& at = meeting.at;
+  PenetratingVertex& at = meeting.at;
   at.barycentric = footIn(t, meeting.vertex.start);
   at.beneath = moveInto(at.barycentric);
   if (!at.beneath) at.barycentric = nearestBarycentric({t.col(0), t.col(1), t.col(2)}, meeting.vertex.start);
@@ -187,19 +187,19 @@ void addBehind(VertexTriangle& meeting, double depth, double limit, ContactSearc
 }
 
 /// When a vertex in front of the triangle's plane comes within reach of it, by conservative advancement as in
-/// findMeeting(); kNever if it does not, or not within the tick.
+/// findFeatureContact(); kNever if it does not, or not within the tick.
 double timeOfLanding(const VertexTriangle& meeting, double height) {
-  const double reach = meeting.pair.reach(), met = kMetShare * meeting.pair.margin;
+  const double radiusSum = meeting.pair.radiusSum(), met = kMetShare * meeting.pair.margin;
   double time = 0.0;
   Vector3d normal = meeting.normal(0.0);
-  for (int i = 0; i < kMostAdvances && height - reach > met; ++i) {
+  for (int i = 0; i < kMaxAdvances && height - radiusSum > met; ++i) {
     const double approach = approachAlong(normal, meeting.vertex, meeting.triangle);
-    if (approach <= 0.0 || time + (height - reach) / approach > 1.0) return kNever;
-    time += (height - reach) / approach;
+    if (approach <= 0.0 || time + (height - radiusSum) / approach > 1.0) return kNever;
+    time += (height - radiusSum) / approach;
     normal = meeting.normal(time);
     height = meeting.height(time);
   }
-  return height - reach > met ? kNever : time;
+  return height - radiusSum > met ? kNever : time;
 }
 
 }  // namespace
@@ -211,7 +211,7 @@ bool moveInto(Vector3d& barycentric) {
   return true;
 }
 
-void meetVertexTriangle(const SurfacePair& pair, bool ofB, std::uint32_t v, std::uint32_t triangle,
+void collideVertexTriangle(const SurfacePair& pair, bool ofB, std::uint32_t v, std::uint32_t triangle,
                         ContactSearch& search) {
   const MovingSurface &mine = ofB ? pair.b : pair.a, &other = ofB ? pair.a : pair.b;
   VertexTriangle meeting{pair,
@@ -232,7 +232,7 @@ void meetVertexTriangle(const SurfacePair& pair, bool ofB, std::uint32_t v, std:
     normal = -normal;
     height = -height;
   }
-  const double gap = height - pair.reach();
+  const double gap = height - pair.radiusSum();
   if (gap > pair.margin && approachAlong(normal, meeting.vertex, meeting.triangle) < gap) return;
   const double time = gap > 0.0 ? timeOfLanding(meeting, height) : 0.0;
   if (time != kNever)
@@ -245,7 +245,7 @@ void meetVertexTriangle(const SurfacePair& pair, bool ofB, std::uint32_t v, std:
 
 namespace {
 
-using Behind = std::vector<VertexBehind>::const_iterator;
+using Behind = std::vector<PenetratingVertex>::const_iterator;
 
 Vector3d normalAt(const MovingSurface& surface, std::uint32_t triangle) {
   return normalOf<3>(featureOf<3>(surface, surface.topology->triangles[triangle]).start);
@@ -260,24 +260,24 @@ bool isBehindNearest(const MovingSurface& surface, const Vector3d& position, dou
 /// `begin` to `end` are one vertex, the nearest triangle first.
 void addInside(const SurfacePair& pair, Behind begin, Behind end, ContactSearch& search) {
   const MovingSurface &mine = begin->ofB ? pair.b : pair.a, &other = begin->ofB ? pair.a : pair.b;
-  const auto less = [](const VertexBehind& x, const VertexBehind& y) { return x.depth < y.depth; };
+  const auto less = [](const PenetratingVertex& x, const PenetratingVertex& y) { return x.depth < y.depth; };
   const double depth = std::min_element(begin, end, less)->depth;
   if (!isBehindNearest(other, mine.position->col(begin->vertex), depth)) return;
-  const auto facing = std::find_if(begin, end, [&](const VertexBehind& at) {
+  const auto facing = std::find_if(begin, end, [&](const PenetratingVertex& at) {
     return facesOutward(mine, 0.0, at.vertex, -normalAt(other, at.triangle));
   });
-  const VertexBehind& at = facing != end ? *facing : *begin;
+  const PenetratingVertex& at = facing != end ? *facing : *begin;
   addVertexOnTriangle(pair, at, normalAt(other, at.triangle), 0.0, search);
 }
 
 }  // namespace
 
 void addInsideVertices(const SurfacePair& pair, ContactSearch& search) {
-  const auto order = [](const VertexBehind& at) {
+  const auto order = [](const PenetratingVertex& at) {
     return std::make_tuple(at.ofB, at.vertex, !at.beneath, at.depth, at.triangle);
   };
   std::sort(search.behind.begin(), search.behind.end(),
-            [&](const VertexBehind& x, const VertexBehind& y) { return order(x) < order(y); });
+            [&](const PenetratingVertex& x, const PenetratingVertex& y) { return order(x) < order(y); });
   for (Behind begin = search.behind.begin(), end = begin; begin != search.behind.end(); begin = end) {
     while (end != search.behind.end() && end->ofB == begin->ofB && end->vertex == begin->vertex) ++end;
     addInside(pair, begin, end, search);
@@ -293,7 +293,7 @@ constexpr double kVertexTolerance = 0.01, kCrossingTolerance = 0.1;
 
 /// Unit, from b to a; where they coincide, against their relative motion.
 template <int N, int M>
-Vector3d directionBetween(const NearestPlaces<N, M>& places, const MovingFeature<N>& a,
+Vector3d directionBetween(const NearestPoints<N, M>& places, const MovingFeature<N>& a,
                           const MovingFeature<M>& b) {
   constexpr double kCoincident = 1e-12;
   if (places.distance > kCoincident) return places.away / places.distance;
@@ -326,7 +326,7 @@ bool meetsRound(const SurfacePair& pair, const MovingSurface& mine, const Moving
          facesOutward(mine, at.time, at.vertex, at.outward);
 }
 
-bool vertexMeets(const SurfacePair& pair, bool ofB, const Arrival& at) {
+bool vertexTouches(const SurfacePair& pair, bool ofB, const Arrival& at) {
   const MovingSurface &mine = ofB ? pair.b : pair.a, &other = ofB ? pair.a : pair.b;
   if (pair.self && mine.topology->triangles.empty())
     return true;  // a fold is nearest to itself where it bends
@@ -384,7 +384,7 @@ bool areApart(const SurfacePair& pair, std::uint32_t ea, std::uint32_t eb, doubl
 
 /// Whether the crossing edges have passed through each other.
 bool havePassed(const SurfacePair& pair, std::uint32_t ea, std::uint32_t eb,
-                const NearestPlaces<2, 2>& places, const Vector3d& normal) {
+                const NearestPoints<2, 2>& places, const Vector3d& normal) {
   if (pair.self || places.time > 0.0) return false;
   if (places.distance > std::min(depthLimit(*pair.a.topology, ea), depthLimit(*pair.b.topology, eb)))
     return false;
@@ -397,44 +397,44 @@ bool havePassed(const SurfacePair& pair, std::uint32_t ea, std::uint32_t eb,
 
 }  // namespace
 
-void meetVertices(const SurfacePair& pair, std::uint32_t va, std::uint32_t vb, ContactSearch& search) {
+void collideVertices(const SurfacePair& pair, std::uint32_t va, std::uint32_t vb, ContactSearch& search) {
   const auto a = featureOf<1>(pair.a, std::array<std::uint32_t, 1>{va});
   const auto b = featureOf<1>(pair.b, std::array<std::uint32_t, 1>{vb});
-  const auto places = findMeeting(a, b, pair.reach(), pair.margin);
+  const auto places = findFeatureContact(a, b, pair.radiusSum(), pair.margin);
   if (places.time == kNever) return;
   ContactCandidate candidate;
   SurfaceContact& c = candidate.contact;
   c.normal = directionBetween(places, a, b);
   c.time = places.time;
   const Vector3d motion = a.motion - b.motion;
-  const double gap = places.distance - pair.reach();
-  if (!vertexMeets(pair, false, {va, -c.normal, motion, c.time, gap})) return;
-  if (!vertexMeets(pair, true, {vb, c.normal, -motion, c.time, gap})) return;
+  const double gap = places.distance - pair.radiusSum();
+  if (!vertexTouches(pair, false, {va, -c.normal, motion, c.time, gap})) return;
+  if (!vertexTouches(pair, true, {vb, c.normal, -motion, c.time, gap})) return;
   c.a = atVertex(va);
   c.b = atVertex(vb);
   candidate.rank = kVertexVertex;
-  candidate.scale = pair.reach();
+  candidate.scale = pair.radiusSum();
   // each of many vertices around a ball has a contact; the nearest one is the ball's
   candidate.vertex = kNoVertex;
   if (isRound(pair.a, pair.b) && !isInVertexCone(pair.b, c.time, vb, c.normal))
-    candidate.vertex = meetingVertex(pair, vb, true);
+    candidate.vertex = contactVertex(pair, vb, true);
   else if (isRound(pair.b, pair.a) || pair.self)
-    candidate.vertex = meetingVertex(pair, va, false);
+    candidate.vertex = contactVertex(pair, va, false);
   addCandidate(pair, candidate, search);
 }
 
-void meetVertexEdge(const SurfacePair& pair, bool ofB, std::uint32_t v, std::uint32_t edge,
+void collideVertexEdge(const SurfacePair& pair, bool ofB, std::uint32_t v, std::uint32_t edge,
                     ContactSearch& search) {
   const MovingSurface &mine = ofB ? pair.b : pair.a, &other = ofB ? pair.a : pair.b;
   const auto vertex = featureOf<1>(mine, std::array<std::uint32_t, 1>{v});
   const auto segment = featureOf<2>(other, other.topology->edges[edge]);
-  const auto places = findMeeting(vertex, segment, pair.reach(), pair.margin);
+  const auto places = findFeatureContact(vertex, segment, pair.radiusSum(), pair.margin);
   if (places.time == kNever || places.b.minCoeff() <= 0.0) return;
   const Vector3d outward = directionBetween(places, vertex, segment);
   if (!isInNormalCone(other, places.time, edge, outward, kVertexTolerance)) return;
   const Vector3d motion = vertex.motion - segment.motion * places.b;
-  const double gap = places.distance - pair.reach();
-  if (!vertexMeets(pair, ofB, {v, -outward, motion, places.time, gap})) return;
+  const double gap = places.distance - pair.radiusSum();
+  if (!vertexTouches(pair, ofB, {v, -outward, motion, places.time, gap})) return;
   ContactCandidate candidate;
   SurfaceContact& c = candidate.contact;
   c.a = atVertex(v);
@@ -444,15 +444,15 @@ void meetVertexEdge(const SurfacePair& pair, bool ofB, std::uint32_t v, std::uin
   c.time = places.time;
   candidate.rank = ofB ? kEdgeVertex : kVertexEdge;
   candidate.scale = (segment.start.col(1) - segment.start.col(0)).norm();
-  candidate.vertex = meetingVertex(pair, v, ofB);
+  candidate.vertex = contactVertex(pair, v, ofB);
   addCandidate(pair, candidate, search);
 }
 
-void meetEdges(const SurfacePair& pair, std::uint32_t ea, std::uint32_t eb, ContactSearch& search) {
+void collideEdges(const SurfacePair& pair, std::uint32_t ea, std::uint32_t eb, ContactSearch& search) {
   const auto a = featureOf<2>(pair.a, pair.a.topology->edges[ea]);
   const auto b = featureOf<2>(pair.b, pair.b.topology->edges[eb]);
   if (areParallel(alongOf(a, 0.0), alongOf(b, 0.0))) return;
-  const auto places = findMeeting(a, b, pair.reach(), pair.margin);
+  const auto places = findFeatureContact(a, b, pair.radiusSum(), pair.margin);
   if (places.time == kNever || places.a.minCoeff() <= 0.0 || places.b.minCoeff() <= 0.0) return;
   const Vector3d alongA = alongOf(a, places.time), alongB = alongOf(b, places.time);
   if (areParallel(alongA, alongB)) return;

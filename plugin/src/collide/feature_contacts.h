@@ -18,7 +18,7 @@ struct SurfacePair {
   bool self;       ///< both are the same
   double farther;  ///< m, by which the margin is larger than the one that tells what is close at rest
 
-  double reach() const { return a.radius + b.radius; }
+  double radiusSum() const { return a.radius + b.radius; }
 };
 
 /// Of what touches: on a, then on b. Contacts of a lower rank are kept before those of a higher one.
@@ -34,12 +34,12 @@ enum ContactRank : std::uint8_t {
 /// Much thicker than the other and without triangles: a ball or a capsule.
 bool isRound(const MovingSurface& surface, const MovingSurface& other);
 
-SurfacePlace atVertex(std::uint32_t v);
-SurfacePlace onEdge(const SurfaceTopology& t, std::uint32_t edge, const Eigen::Vector2d& weights);
-SurfacePlace onTriangle(const SurfaceTopology& t, std::uint32_t triangle, const Eigen::Vector3d& weights);
+SurfacePoint atVertex(std::uint32_t v);
+SurfacePoint onEdge(const SurfaceTopology& t, std::uint32_t edge, const Eigen::Vector2d& weights);
+SurfacePoint onTriangle(const SurfaceTopology& t, std::uint32_t triangle, const Eigen::Vector3d& weights);
 
 /// ContactCandidate::vertex
-std::uint64_t meetingVertex(const SurfacePair& pair, std::uint32_t v, bool ofB);
+std::uint64_t contactVertex(const SurfacePair& pair, std::uint32_t v, bool ofB);
 
 /// Completes a candidate that has places, normal, time, rank, scale and vertex; leaves it out if a surface
 /// touches itself where it always does.
@@ -49,7 +49,7 @@ void addCandidate(const SurfacePair& pair, ContactCandidate& candidate, ContactS
 
 /// Nearest places on two features at one time.
 template <int N, int M>
-struct NearestPlaces {
+struct NearestPoints {
   Eigen::Matrix<double, N, 1> a;  ///< weights of the corners
   Eigen::Matrix<double, M, 1> b;
   Eigen::Vector3d away = Eigen::Vector3d::Zero();  ///< m, from b to a
@@ -58,29 +58,29 @@ struct NearestPlaces {
 };
 
 inline void nearestWeights(const MovingFeature<1>::Corners&, const MovingFeature<1>::Corners&,
-                           NearestPlaces<1, 1>& places) {
+                           NearestPoints<1, 1>& places) {
   places.a[0] = places.b[0] = 1.0;
 }
 
 inline void nearestWeights(const MovingFeature<1>::Corners& a, const MovingFeature<2>::Corners& b,
-                           NearestPlaces<1, 2>& places) {
+                           NearestPoints<1, 2>& places) {
   const double along = nearestOnSegment(b.col(0), b.col(1), a.col(0));
   places.a[0] = 1.0;
   places.b << 1.0 - along, along;
 }
 
 inline void nearestWeights(const MovingFeature<2>::Corners& a, const MovingFeature<2>::Corners& b,
-                           NearestPlaces<2, 2>& places) {
+                           NearestPoints<2, 2>& places) {
   const SegmentPair along = nearestOnSegments(a.col(0), a.col(1), b.col(0), b.col(1));
   places.a << 1.0 - along.a, along.a;
   places.b << 1.0 - along.b, along.b;
 }
 
 template <int N, int M>
-NearestPlaces<N, M> nearestPlaces(const MovingFeature<N>& a, const MovingFeature<M>& b, double time) {
+NearestPoints<N, M> nearestPoints(const MovingFeature<N>& a, const MovingFeature<M>& b, double time) {
   const auto atA = a.at(time);
   const auto atB = b.at(time);
-  NearestPlaces<N, M> places;
+  NearestPoints<N, M> places;
   nearestWeights(atA, atB, places);
   places.away = atA * places.a - atB * places.b;
   places.distance = places.away.norm();
@@ -93,7 +93,7 @@ NearestPlaces<N, M> nearestPlaces(const MovingFeature<N>& a, const MovingFeature
 /// A vertex of a and a triangle of b, or (`ofB`) a vertex of b and a triangle of a. In front of it: a
 /// candidate where it is above the triangle, now or when it lands. Behind one that is one-sided: goes to
 /// `search.behind`.
-void meetVertexTriangle(const SurfacePair& pair, bool ofB, std::uint32_t v, std::uint32_t triangle,
+void collideVertexTriangle(const SurfacePair& pair, bool ofB, std::uint32_t v, std::uint32_t triangle,
                         ContactSearch& search);
 
 /// Finds out which vertices of `search.behind` are inside the other surface, and adds a contact for each:
@@ -109,14 +109,14 @@ bool moveInto(Eigen::Vector3d& barycentric);
 // now or when they meet.
 
 /// Vertices of a and b.
-void meetVertices(const SurfacePair& pair, std::uint32_t va, std::uint32_t vb, ContactSearch& search);
+void collideVertices(const SurfacePair& pair, std::uint32_t va, std::uint32_t vb, ContactSearch& search);
 
 /// A vertex of a and an edge of b, or (`ofB`) a vertex of b and an edge of a.
-void meetVertexEdge(const SurfacePair& pair, bool ofB, std::uint32_t v, std::uint32_t edge,
+void collideVertexEdge(const SurfacePair& pair, bool ofB, std::uint32_t v, std::uint32_t edge,
                     ContactSearch& search);
 
 /// Edges of a and b that cross. Those of solid bodies may have passed through each other by less than the
 /// depth limit of their triangles.
-void meetEdges(const SurfacePair& pair, std::uint32_t ea, std::uint32_t eb, ContactSearch& search);
+void collideEdges(const SurfacePair& pair, std::uint32_t ea, std::uint32_t eb, ContactSearch& search);
 
 }  // namespace limber

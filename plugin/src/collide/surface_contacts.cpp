@@ -42,43 +42,43 @@ BoxedElement boxed(const MovingSurface& surface, std::uint32_t leaf) {
 }
 
 /// The vertices in the care of `mine` against all that is in the care of `other`; `ofB` tells whose they are.
-void meetVerticesOf(const SurfacePair& pair, bool ofB, const BoxedElement& mine, const BoxedElement& other,
+void collideVerticesOf(const SurfacePair& pair, bool ofB, const BoxedElement& mine, const BoxedElement& other,
                     ContactSearch& search) {
   for (const std::uint32_t v : mine.element->vertices) {
     if (v == kNoFeature || separation(mine.vertexBox(v), other.whole) > pair.margin) continue;
     const SweptBox& box = mine.vertexBox(v);
     if (other.element->triangle != kNoFeature)
-      meetVertexTriangle(pair, ofB, v, other.element->triangle, search);
+      collideVertexTriangle(pair, ofB, v, other.element->triangle, search);
     for (std::size_t i = 0; i < 3; ++i)
       if (other.element->edges[i] != kNoFeature && separation(box, other.edges[i]) <= pair.margin)
-        meetVertexEdge(pair, ofB, v, other.element->edges[i], search);
+        collideVertexEdge(pair, ofB, v, other.element->edges[i], search);
     for (const std::uint32_t w : other.element->vertices)
       if (!ofB && w != kNoFeature && separation(box, other.vertexBox(w)) <= pair.margin)
-        meetVertices(pair, v, w, search);
+        collideVertices(pair, v, w, search);
   }
 }
 
-void meetEdgesOf(const SurfacePair& pair, const BoxedElement& a, const BoxedElement& b,
+void collideEdgesOf(const SurfacePair& pair, const BoxedElement& a, const BoxedElement& b,
                  ContactSearch& search) {
   for (std::size_t i = 0; i < 3; ++i) {
     if (a.element->edges[i] == kNoFeature || separation(a.edges[i], b.whole) > pair.margin) continue;
     for (std::size_t j = 0; j < 3; ++j)
       if (b.element->edges[j] != kNoFeature && separation(a.edges[i], b.edges[j]) <= pair.margin)
-        meetEdges(pair, a.element->edges[i], b.element->edges[j], search);
+        collideEdges(pair, a.element->edges[i], b.element->edges[j], search);
   }
 }
 
 /// What the features in the care of the elements of `search.near` have to do with each other; adds to
 /// `search.candidates` and `search.behind`.
-void meetNearFeatures(const SurfacePair& pair, ContactSearch& search) {
+void collideNearFeatures(const SurfacePair& pair, ContactSearch& search) {
   std::uint32_t leafA = kNoFeature, leafB = kNoFeature;
   BoxedElement a, b;
   for (const auto& [i, j] : search.near) {
     if (i != leafA) a = boxed(pair.a, leafA = i);
     if (j != leafB) b = boxed(pair.b, leafB = j);
-    meetVerticesOf(pair, false, a, b, search);
-    meetVerticesOf(pair, true, b, a, search);
-    meetEdgesOf(pair, a, b, search);
+    collideVerticesOf(pair, false, a, b, search);
+    collideVerticesOf(pair, true, b, a, search);
+    collideEdgesOf(pair, a, b, search);
   }
 }
 
@@ -88,9 +88,9 @@ void meetNearFeatures(const SurfacePair& pair, ContactSearch& search) {
 constexpr double kRound = 2.0;
 
 template <std::size_t N>
-SurfacePlace placeOn(std::uint32_t feature, const std::array<std::uint32_t, N>& corners,
+SurfacePoint placeOn(std::uint32_t feature, const std::array<std::uint32_t, N>& corners,
                      const Vector3d& weights) {
-  SurfacePlace place;
+  SurfacePoint place;
   place.kind = static_cast<FeatureKind>(N - 1);
   place.feature = feature;
   for (std::size_t i = 0; i < 3; ++i) place.points[i] = corners[std::min(i, N - 1)];
@@ -98,23 +98,23 @@ SurfacePlace placeOn(std::uint32_t feature, const std::array<std::uint32_t, N>& 
   return place;
 }
 
-Vector3d positionOf(const MovingSurface& surface, const SurfacePlace& place, double time) {
+Vector3d positionOf(const MovingSurface& surface, const SurfacePoint& place, double time) {
   Vector3d position = Vector3d::Zero();
   for (std::size_t i = 0; i < 3; ++i)
     position += place.weights[static_cast<Eigen::Index>(i)] * surface.at(place.points[i], time);
   return position;
 }
 
-bool shareVertex(const SurfacePlace& a, const SurfacePlace& b) {
+bool shareVertex(const SurfacePoint& a, const SurfacePoint& b) {
   return std::any_of(a.points.begin(), a.points.end(), [&](std::uint32_t v) {
     return std::find(b.points.begin(), b.points.end(), v) != b.points.end();
   });
 }
 
 /// m, of a vertex or edge from a vertex, an edge or, of a vertex, a triangle.
-double distanceAtRest(const Points& rest, const SurfacePlace& a, const SurfacePlace& b) {
+double distanceAtRest(const Points& rest, const SurfacePoint& a, const SurfacePoint& b) {
   if (a.kind == FeatureKind::OnTriangle) return distanceAtRest(rest, b, a);
-  const auto corner = [&](const SurfacePlace& place, std::size_t i) { return Vector3d(rest.col(place.points[i])); };
+  const auto corner = [&](const SurfacePoint& place, std::size_t i) { return Vector3d(rest.col(place.points[i])); };
   if (b.kind == FeatureKind::OnTriangle) {
     const Vector3d weights = nearestBarycentric({corner(b, 0), corner(b, 1), corner(b, 2)}, corner(a, 0));
     return (weights[0] * corner(b, 0) + weights[1] * corner(b, 1) + weights[2] * corner(b, 2) - corner(a, 0)).norm();
@@ -127,8 +127,8 @@ double distanceAtRest(const Points& rest, const SurfacePlace& a, const SurfacePl
 }
 
 /// Wherever on them: braces that cross at rest lie in each other for ever, also where they are sheared.
-bool areCloseAtRest(const SurfacePair& pair, const SurfacePlace& a, const SurfacePlace& b) {
-  return distanceAtRest(pair.a.topology->rest, a, b) <= pair.reach() + pair.margin - pair.farther;
+bool areCloseAtRest(const SurfacePair& pair, const SurfacePoint& a, const SurfacePoint& b) {
+  return distanceAtRest(pair.a.topology->rest, a, b) <= pair.radiusSum() + pair.margin - pair.farther;
 }
 
 }  // namespace
@@ -137,26 +137,26 @@ bool isRound(const MovingSurface& surface, const MovingSurface& other) {
   return surface.topology->triangles.empty() && surface.radius > kRound * other.radius;
 }
 
-SurfacePlace atVertex(std::uint32_t v) {
+SurfacePoint atVertex(std::uint32_t v) {
   return placeOn(v, std::array<std::uint32_t, 1>{v}, Vector3d::UnitX());
 }
 
-SurfacePlace onEdge(const SurfaceTopology& t, std::uint32_t edge, const Eigen::Vector2d& weights) {
+SurfacePoint onEdge(const SurfaceTopology& t, std::uint32_t edge, const Eigen::Vector2d& weights) {
   return placeOn(edge, t.edges[edge], {weights[0], weights[1], 0.0});
 }
 
-SurfacePlace onTriangle(const SurfaceTopology& t, std::uint32_t triangle, const Vector3d& weights) {
+SurfacePoint onTriangle(const SurfaceTopology& t, std::uint32_t triangle, const Vector3d& weights) {
   return placeOn(triangle, t.triangles[triangle], weights);
 }
 
-std::uint64_t meetingVertex(const SurfacePair& pair, std::uint32_t v, bool ofB) {
+std::uint64_t contactVertex(const SurfacePair& pair, std::uint32_t v, bool ofB) {
   return std::uint64_t{v} * 2 + (ofB && !pair.self ? 1 : 0);
 }
 
 void addCandidate(const SurfacePair& pair, ContactCandidate& candidate, ContactSearch& search) {
   SurfaceContact& c = candidate.contact;
   if (pair.self && (shareVertex(c.a, c.b) || areCloseAtRest(pair, c.a, c.b))) return;
-  c.gap = c.normal.dot(positionOf(pair.a, c.a, 0.0) - positionOf(pair.b, c.b, 0.0)) - pair.reach();
+  c.gap = c.normal.dot(positionOf(pair.a, c.a, 0.0) - positionOf(pair.b, c.b, 0.0)) - pair.radiusSum();
   c.key = std::uint64_t{candidate.rank} << 60 | std::uint64_t{c.a.feature} << 30 | c.b.feature;
   candidate.place = 0.5 * (positionOf(pair.a, c.a, c.time) + positionOf(pair.b, c.b, c.time));
   search.candidates.push_back(candidate);
@@ -249,7 +249,7 @@ void reduceContacts(Candidates& candidates, std::vector<SurfaceContact>& found) 
 void searchNear(const SurfacePair& pair, ContactSearch& search, std::vector<SurfaceContact>& found) {
   search.candidates.clear();
   search.behind.clear();
-  meetNearFeatures(pair, search);
+  collideNearFeatures(pair, search);
   addInsideVertices(pair, search);
   reduceContacts(search.candidates, found);
 }
@@ -275,13 +275,13 @@ namespace {
 /// Shares of the margin: by how much the surfaces may have moved against each other since the search, where
 /// features begin and end to be nearest; and that and the coming motion together, within which nothing that
 /// was not near meets.
-constexpr double kMostMoved = 0.2, kMostWithMotion = 0.9;
+constexpr double kMaxMoved = 0.2, kMaxWithMotion = 0.9;
 
 /// Cosine by which a normal may have turned since.
 constexpr double kSameNormal = 0.999;
 
 /// m: the longest of the points' ways from `from` to `to`, after `common` is taken off.
-double longestWay(const Points& from, const Points& to, const Vector3d& common) {
+double longestDisplacement(const Points& from, const Points& to, const Vector3d& common) {
   double most = 0.0;
   for (Eigen::Index i = 0; i < to.cols(); ++i) {
     const double x = to(0, i) - from(0, i) - common[0], y = to(1, i) - from(1, i) - common[1],
@@ -299,18 +299,18 @@ double longestMotion(const Points& motion, const Vector3d& common) {
 }
 
 bool haveHardlyMoved(const MovingSurface& a, const MovingSurface& b, double margin,
-                     const KeptContacts& kept) {
-  const Vector3d way = a.position->col(0) - kept.a.col(0), motion = a.motion->col(0);
-  const double moved = longestWay(kept.a, *a.position, way) + longestWay(kept.b, *b.position, way);
-  if (!(moved <= kMostMoved * margin)) return false;
+                     const ContactCache& cache) {
+  const Vector3d displacement = a.position->col(0) - cache.a.col(0), motion = a.motion->col(0);
+  const double moved = longestDisplacement(cache.a, *a.position, displacement) + longestDisplacement(cache.b, *b.position, displacement);
+  if (!(moved <= kMaxMoved * margin)) return false;
   return moved + longestMotion(*a.motion, motion) + longestMotion(*b.motion, motion) <=
-         kMostWithMotion * margin;
+         kMaxWithMotion * margin;
 }
 
 /// Whether the place is on the vertex, within the edge or in the triangle that it was on; the weights are its
 /// new ones there.
 template <class Weights>
-bool moveTo(SurfacePlace& place, const Weights& weights) {
+bool moveTo(SurfacePoint& place, const Weights& weights) {
   for (Eigen::Index i = 0; i < weights.size(); ++i) {
     if (!(weights[i] > 0.0)) return false;
     place.weights[i] = weights[i];
@@ -318,7 +318,7 @@ bool moveTo(SurfacePlace& place, const Weights& weights) {
   return true;
 }
 
-Vector3d positionOf(const MovingSurface& surface, const SurfacePlace& place) {
+Vector3d positionOf(const MovingSurface& surface, const SurfacePoint& place) {
   Vector3d x = Vector3d::Zero();
   for (std::size_t i = 0; i < 3; ++i)
     x += place.weights[static_cast<Eigen::Index>(i)] * surface.position->col(place.points[i]);
@@ -326,8 +326,8 @@ Vector3d positionOf(const MovingSurface& surface, const SurfacePlace& place) {
 }
 
 /// False where the two features no longer meet as they did; `normal` is not yet unit, nor of the right sign.
-bool moveVertexTriangle(const MovingSurface& mine, SurfacePlace& vertex, const MovingSurface& other,
-                        SurfacePlace& triangle, Vector3d& normal) {
+bool moveVertexTriangle(const MovingSurface& mine, SurfacePoint& vertex, const MovingSurface& other,
+                        SurfacePoint& triangle, Vector3d& normal) {
   const Vector3d a = other.position->col(triangle.points[0]);
   const Vector3d u = other.position->col(triangle.points[1]) - a;
   const Vector3d v = other.position->col(triangle.points[2]) - a;
@@ -344,15 +344,15 @@ bool moveVertexTriangle(const MovingSurface& mine, SurfacePlace& vertex, const M
 
 bool moveEdges(const MovingSurface& a, const MovingSurface& b, SurfaceContact& c, Vector3d& normal) {
   const auto ea = featureOf<2>(a, c.a.points), eb = featureOf<2>(b, c.b.points);
-  const auto places = nearestPlaces(ea, eb, 0.0);
+  const auto places = nearestPoints(ea, eb, 0.0);
   normal = (ea.start.col(1) - ea.start.col(0)).cross(eb.start.col(1) - eb.start.col(0));
   return moveTo(c.a, places.a) && moveTo(c.b, places.b);
 }
 
-bool moveVertexEdge(const MovingSurface& mine, const SurfacePlace& vertex, const MovingSurface& other,
-                    SurfacePlace& edge, Vector3d& normal) {
+bool moveVertexEdge(const MovingSurface& mine, const SurfacePoint& vertex, const MovingSurface& other,
+                    SurfacePoint& edge, Vector3d& normal) {
   const auto v = featureOf<1>(mine, vertex.points);
-  const auto places = nearestPlaces(v, featureOf<2>(other, edge.points), 0.0);
+  const auto places = nearestPoints(v, featureOf<2>(other, edge.points), 0.0);
   normal = places.away;
   return moveTo(edge, places.b);
 }
@@ -383,22 +383,22 @@ bool refresh(const MovingSurface& a, const MovingSurface& b, SurfaceContact& c) 
 
 }  // namespace
 
-bool refreshContacts(const MovingSurface& a, const MovingSurface& b, double margin, KeptContacts& kept) {
-  if (kept.topologyA != a.topology || kept.topologyB != b.topology) return false;
-  if (kept.a.cols() != a.position->cols() || kept.b.cols() != b.position->cols()) return false;
-  if (!haveHardlyMoved(a, b, margin, kept)) return false;
-  for (SurfaceContact& c : kept.contacts)
+bool refreshContacts(const MovingSurface& a, const MovingSurface& b, double margin, ContactCache& cache) {
+  if (cache.topologyA != a.topology || cache.topologyB != b.topology) return false;
+  if (cache.a.cols() != a.position->cols() || cache.b.cols() != b.position->cols()) return false;
+  if (!haveHardlyMoved(a, b, margin, cache)) return false;
+  for (SurfaceContact& c : cache.contacts)
     if (!refresh(a, b, c)) return false;
   return true;
 }
 
-void keepContacts(const MovingSurface& a, const MovingSurface& b, const std::vector<SurfaceContact>& found,
-                  KeptContacts& kept) {
-  kept.contacts = found;
-  kept.a = *a.position;
-  kept.b = *b.position;
-  kept.topologyA = a.topology;
-  kept.topologyB = b.topology;
+void storeContacts(const MovingSurface& a, const MovingSurface& b, const std::vector<SurfaceContact>& found,
+                  ContactCache& cache) {
+  cache.contacts = found;
+  cache.a = *a.position;
+  cache.b = *b.position;
+  cache.topologyA = a.topology;
+  cache.topologyB = b.topology;
 }
 
 }  // namespace limber

@@ -15,7 +15,7 @@ namespace limber {
 enum class FeatureKind : std::uint8_t { OnVertex, OnEdge, OnTriangle };
 
 /// A place on a surface that moves with it.
-struct SurfacePlace {
+struct SurfacePoint {
   FeatureKind kind = FeatureKind::OnVertex;
   std::uint32_t feature = 0;                          ///< point, edge or triangle
   std::array<std::uint32_t, 3> points = {};           ///< the feature's corners, the last repeated
@@ -25,7 +25,7 @@ struct SurfacePlace {
 /// Two surfaces must not come nearer to each other here:
 ///     gap(t) = normal . (place on a - place on b) - both radii >= 0
 struct SurfaceContact {
-  SurfacePlace a, b;
+  SurfacePoint a, b;
   Eigen::Vector3d normal = Eigen::Vector3d::Zero();  ///< unit, from b to a
   double gap = 0.0;       ///< m, at the start of the tick; below 0 where they overlap
   double time = 0.0;      ///< share of the tick after which they are expected to touch; 0: near already
@@ -45,7 +45,7 @@ struct ContactCandidate {
 };
 
 /// A vertex of one surface that may be inside the other, behind this triangle.
-struct VertexBehind {
+struct PenetratingVertex {
   bool ofB = false;  ///< the vertex
   std::uint32_t vertex = 0, triangle = 0;
   double depth = 0.0;                                     ///< m, to the triangle
@@ -57,7 +57,7 @@ struct VertexBehind {
 struct ContactSearch {
   LeafPairs waiting, near;
   std::vector<ContactCandidate> candidates;
-  std::vector<VertexBehind> behind;
+  std::vector<PenetratingVertex> behind;
 };
 
 /// All places where the two surfaces touch, are within `margin` (m) of it, or will touch if they move on as
@@ -81,7 +81,7 @@ void findSelfContacts(const MovingSurface& surface, double margin, ContactSearch
 // --- contacts that are kept --------------------------------------------------------------------------------
 
 /// The contacts of two surfaces as a search has found them, and where the surfaces were then.
-struct KeptContacts {
+struct ContactCache {
   std::vector<SurfaceContact> contacts;
   Points a, b;                                                       ///< m, positions at the search
   const SurfaceTopology *topologyA = nullptr, *topologyB = nullptr;  ///< nullptr: nothing is kept
@@ -91,10 +91,10 @@ struct KeptContacts {
 /// small share of the margin since, and what was farther apart than the margin does not meet in this tick,
 /// common motion apart. Then their weights, normals and gaps are made those of now; else the contacts are to
 /// be searched for. Boxes need not be fitted.
-bool refreshContacts(const MovingSurface& a, const MovingSurface& b, double margin, KeptContacts& kept);
+bool refreshContacts(const MovingSurface& a, const MovingSurface& b, double margin, ContactCache& cache);
 
 /// Keeps what a search has just found.
-void keepContacts(const MovingSurface& a, const MovingSurface& b, const std::vector<SurfaceContact>& found,
-                  KeptContacts& kept);
+void storeContacts(const MovingSurface& a, const MovingSurface& b, const std::vector<SurfaceContact>& found,
+                  ContactCache& cache);
 
 }  // namespace limber

@@ -138,9 +138,9 @@ bool isIdle(const SurfaceTopology& t, std::uint32_t edge) {
 }
 
 /// Gives each vertex and edge into the care of the first element that has it.
-class Caretaker {
+class FeatureOwners {
  public:
-  Caretaker(SurfaceTopology& t, std::size_t triangleEdges, bool rigid)
+  FeatureOwners(SurfaceTopology& t, std::size_t triangleEdges, bool rigid)
       : t_(t),
         triangleEdges_(triangleEdges),
         vertexTaken_(static_cast<std::size_t>(t.rest.cols())),
@@ -209,7 +209,7 @@ Result<SurfaceTopology> makeSurfaceTopology(const Points& rest, const SurfaceFea
   for (const Edge& e : t.edges) t.featureSize += (rest.col(e[0]) - rest.col(e[1])).norm() / double(t.edges.size());
   t.edgesAround = listsAround(rest.cols(), t.edges);
   t.trianglesAround = listsAround(rest.cols(), t.triangles);
-  Caretaker care(t, triangleEdges, features.rigid);
+  FeatureOwners care(t, triangleEdges, features.rigid);
   for (std::uint32_t i = 0; i < t.triangles.size(); ++i) care.addTriangle(i);
   for (std::size_t e = triangleEdges; e < t.edges.size(); ++e) care.addSegment(static_cast<std::uint32_t>(e));
   for (const std::uint32_t v : features.vertices) care.addVertex(v);

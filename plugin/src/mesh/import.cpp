@@ -89,7 +89,7 @@ std::string checkFile(const std::string& path) {
 using Ring = std::vector<std::uint32_t>;  ///< corners not yet clipped off, counter-clockwise
 
 /// Clipping takes up to the third power of the number of corners; above this, polygons are taken for convex.
-constexpr std::size_t kMostCornersToClip = 1000;
+constexpr std::size_t kMaxCornersToClip = 1000;
 
 /// The sum of the corner fans' area vectors, twice the area (Newell's method); also right for concave
 /// polygons.
@@ -158,7 +158,7 @@ std::vector<Triangle> splitPolygon(const std::vector<Vector3d>& corners) {
   Ring ring(corners.size());
   std::iota(ring.begin(), ring.end(), 0u);
   std::vector<Triangle> triangles;
-  if (ring.size() > kMostCornersToClip) {
+  if (ring.size() > kMaxCornersToClip) {
     for (std::size_t i = 1; i + 1 < ring.size(); ++i) triangles.push_back({ring[0], ring[i], ring[i + 1]});
     return triangles;
   }

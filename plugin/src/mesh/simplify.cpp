@@ -80,7 +80,7 @@ constexpr double kBorderWeight = 10.0;
 constexpr double kLargestFaceTurn = 0.3;
 /// The least quality of a new triangle,  4 sqrt(3) area / sum of squared sides  (1: equilateral), unless the
 /// old one was worse.
-constexpr double kLeastQuality = 0.15;
+constexpr double kMinQuality = 0.15;
 
 bool contains(const Triangle& t, std::uint32_t point) {
   return t[0] == point || t[1] == point || t[2] == point;
@@ -179,7 +179,7 @@ bool shapeAllows(const CollapsibleSurface& surface, std::uint32_t moved, std::ui
     const Vector3d was = areaVector(before[0], before[1], before[2]);
     const Vector3d is = areaVector(after[0], after[1], after[2]);
     if (was.dot(is) <= kLargestFaceTurn * was.norm() * is.norm()) return false;
-    const double least = std::min(kLeastQuality, quality(before[0], before[1], before[2]));
+    const double least = std::min(kMinQuality, quality(before[0], before[1], before[2]));
     if (quality(after[0], after[1], after[2]) < least) return false;
   }
   return true;

@@ -33,7 +33,7 @@ constexpr double kInsidePart = 1e-6;
 /// The part of a chord at each end that staysInside() does not look at.
 constexpr double kEndPart = 0.01;
 /// The most samples of a piece that runs along the surface.
-constexpr int kMostSamples = 16;
+constexpr int kMaxSamples = 16;
 
 struct Span {
   double from, to;
@@ -41,7 +41,7 @@ struct Span {
 
 /// Whether the line is in the box somewhere between `span.from` and `span.to`, both in lengths of
 /// `direction`.
-bool meetsBox(const AlignedBox3d& box, const Vector3d& origin, const Vector3d& direction, Span span) {
+bool overlapsBox(const AlignedBox3d& box, const Vector3d& origin, const Vector3d& direction, Span span) {
   for (int axis = 0; axis < 3; ++axis) {
     if (direction[axis] == 0.0) {
       if (origin[axis] < box.min()[axis] || origin[axis] > box.max()[axis]) return false;
@@ -130,7 +130,7 @@ TriangleHit TriangleBvh::firstHit(const Vector3d& origin, const Vector3d& direct
   std::size_t waiting = nodes_.empty() ? 0 : 1;
   while (waiting > 0) {
     const Node& node = nodes_[stack[--waiting]];
-    if (!meetsBox(node.box, origin, direction, {from, hit.distance})) continue;
+    if (!overlapsBox(node.box, origin, direction, {from, hit.distance})) continue;
     if (node.count == 0) {
       const bool ahead = direction.dot(nodes_[node.first + 1].centre - nodes_[node.first].centre) >= 0.0;
       stack[waiting++] = ahead ? node.first + 1 : node.first;
@@ -139,7 +139,7 @@ TriangleHit TriangleBvh::firstHit(const Vector3d& origin, const Vector3d& direct
     }
     for (std::uint32_t i = node.first; i < node.first + node.count; ++i) {
       const std::uint32_t triangle = order_[i];
-      const auto met = meetLine(corners_[triangle], origin, direction, kEdgeMargin);
+      const auto met = intersectLine(corners_[triangle], origin, direction, kEdgeMargin);
       if (!met || met->along < from || met->along > hit.distance) continue;
       if (met->along == hit.distance && triangle > hit.triangle) continue;
       hit = {triangle, met->along, origin + met->along * direction, met->barycentric};
@@ -155,7 +155,7 @@ bool TriangleBvh::isPierced(const Vector3d& a, const Vector3d& b,
   std::size_t waiting = nodes_.empty() ? 0 : 1;
   while (waiting > 0) {
     const Node& node = nodes_[stack[--waiting]];
-    if (!meetsBox(node.box, a, b - a, {0.0, 1.0})) continue;
+    if (!overlapsBox(node.box, a, b - a, {0.0, 1.0})) continue;
     if (node.count == 0) {
       stack[waiting++] = node.first + 1;
       stack[waiting++] = node.first;
@@ -163,7 +163,7 @@ bool TriangleBvh::isPierced(const Vector3d& a, const Vector3d& b,
     }
     for (std::uint32_t i = node.first; i < node.first + node.count; ++i) {
       if (!counts(order_[i])) continue;
-      const auto met = meetLine(corners_[order_[i]], a, b - a, -kInsidePart);
+      const auto met = intersectLine(corners_[order_[i]], a, b - a, -kInsidePart);
       if (met && met->along > kInsidePart && met->along < 1.0 - kInsidePart) return true;
     }
   }
@@ -247,14 +247,14 @@ std::vector<double> TriangleBvh::crossings(const Vector3d& a, const Vector3d& b)
   std::size_t waiting = nodes_.empty() ? 0 : 1;
   while (waiting > 0) {
     const Node& node = nodes_[stack[--waiting]];
-    if (!meetsBox(node.box, a, direction, {0.0, 1.0})) continue;
+    if (!overlapsBox(node.box, a, direction, {0.0, 1.0})) continue;
     if (node.count == 0) {
       stack[waiting++] = node.first + 1;
       stack[waiting++] = node.first;
       continue;
     }
     for (std::uint32_t i = node.first; i < node.first + node.count; ++i) {
-      const auto met = meetLine(corners_[order_[i]], a, direction, kCutMargin);
+      const auto met = intersectLine(corners_[order_[i]], a, direction, kCutMargin);
       if (met && met->along > 0.0 && met->along < 1.0) found.push_back(met->along);
     }
   }
@@ -278,7 +278,7 @@ bool TriangleBvh::staysInside(const Vector3d& a, const Vector3d& b, double toler
         return from + (begin + part * (end - begin)) * (to - from);
       };
       const bool alongSurface = bool(nearestWithin(at(0.5), near));
-      const int wanted = static_cast<int>(std::min(pieceLength / near, double(kMostSamples)));
+      const int wanted = static_cast<int>(std::min(pieceLength / near, double(kMaxSamples)));
       const int samples = alongSurface ? std::max(wanted, 3) : 3;
       for (int i = 0; i < samples; ++i) {
         if (!isInsideOrNear(at((i + 0.5) / samples), near)) return false;

@@ -70,7 +70,7 @@ std::vector<Eigen::Vector3d> flattened(std::vector<Eigen::Vector3d> points, Netw
 }
 
 /// Of the size: how far a spring may leave the body and still be inside, the round-off of its surface.
-constexpr double kMostOutside = 1e-6;
+constexpr double kMaxOutside = 1e-6;
 
 SoftBodySettings bodySettings(const AnalysisSettings& settings) {
   SoftBodySettings body;
@@ -101,7 +101,7 @@ void analyseInside(const SpringNetwork& network, NetworkAnalysis& a) {
   a.volume = signedVolume(network.restPoints, outward);
   const TriangleBvh surface(network.restPoints, outward);
   const std::vector<Edge> edges = uniqueEdges(outward);
-  const double tolerance = kMostOutside * extent(network.restPoints);
+  const double tolerance = kMaxOutside * extent(network.restPoints);
   a.springsOutside = static_cast<std::size_t>(
       std::count_if(network.springs.begin(), network.springs.end(), [&](const NetworkSpring& s) {
         if (std::binary_search(edges.begin(), edges.end(), Edge{s.a, s.b})) return false;
@@ -154,7 +154,7 @@ void analyseSmallDeformations(SpringNetwork network, NetworkAnalysis& a) {
 }
 
 void analyseGlobalRigidity(const SpringNetwork& network, const Progress& goOn, NetworkAnalysis& a) {
-  if (a.points > kMostForGlobalRigidity) return;
+  if (a.points > kMaxForGlobalRigidity) return;
   const auto ask = [&](double done) { return goOn("global rigidity", done); };
   bool rigid = true;
   for (const std::vector<Eigen::Index>& piece : findPieces(network))
@@ -180,7 +180,7 @@ void analyseLargeDeformations(const SpringNetwork& network, const AnalysisSettin
   }
 }
 
-void analyseOwnWeight(const SpringNetwork& network, const AnalysisSettings& settings, const Progress& goOn,
+void analyseSelfWeight(const SpringNetwork& network, const AnalysisSettings& settings, const Progress& goOn,
                       NetworkAnalysis& a) {
   const std::optional<double> least = leastStiffness(network, bodySettings(settings), settings.gravity, goOn);
   a.leastStiffnessKnown = least.has_value();
@@ -203,7 +203,7 @@ void analyseStages(const SpringNetwork& network, const AnalysisSettings& setting
   if (goOn("time steps", 0.0)) analyseTimeSteps(network, settings, a);
   if (solid && isClosed(network) && goOn("springs outside", 0.0)) analyseInside(network, a);
   if (solid && !a.endedEarly) analyseLargeDeformations(network, settings, goOn, a);
-  if (solid && !a.endedEarly) analyseOwnWeight(network, settings, goOn, a);
+  if (solid && !a.endedEarly) analyseSelfWeight(network, settings, goOn, a);
 }
 
 /// In the order of Deformation.
@@ -250,8 +250,8 @@ void remarkOnSprings(const SpringNetwork& network, Remarks& remarks) {
   }
   if (!network.springs.empty() && shortest * static_cast<double>(network.springs.size()) < kShortSpring * sum)
     remarks.push_back("some springs are shorter than a thousandth of the mean: weld with a tolerance");
-  if (network.massShares.empty()) return;
-  const auto [least, most] = std::minmax_element(network.massShares.begin(), network.massShares.end());
+  if (network.massFractions.empty()) return;
+  const auto [least, most] = std::minmax_element(network.massFractions.begin(), network.massFractions.end());
   if (*most > kUnevenMasses * *least)
     remarks.push_back("the heaviest point has " + inThreeDigits(*most / *least) +
                       " times the mass of the lightest: that makes time steps short");

@@ -147,14 +147,14 @@ std::vector<Edge> candidatePairs(const BracedPiece& piece, std::size_t most, std
 
 namespace {
 
-constexpr double kLeastRatio = 1e-3;
+constexpr double kMinRatio = 1e-3;
 /// The ratio of icospheres of n points without braces is 1.2/n (their edges alone are rigid).
-constexpr double kLeastRatioTimesPoints = 0.6;
+constexpr double kMinRatioTimesPoints = 0.6;
 
 }  // namespace
 
 double leastModeRatio(std::size_t points) {
-  return std::min(kLeastRatio, kLeastRatioTimesPoints / static_cast<double>(points));
+  return std::min(kMinRatio, kMinRatioTimesPoints / static_cast<double>(points));
 }
 
 namespace {
@@ -198,11 +198,11 @@ void addAntipodalBraces(BracedPiece& piece) {
   }
 }
 
-constexpr int kMostBraceRounds = 40;
-constexpr std::size_t kLeastModes = 30, kMostModes = 150;  // looked at together
+constexpr int kMaxBraceRounds = 40;
+constexpr std::size_t kMinModes = 30, kMaxModes = 150;  // looked at together
 /// Of more points than this so many rough modes are looked at: fewer rounds, each in less time.
 constexpr std::size_t kMany = 1000, kRoughModes = 300;
-constexpr std::size_t kMostSoftCandidates = 100000;
+constexpr std::size_t kMaxSoftCandidates = 100000;
 
 /// Modes are braced somewhat beyond the goal: the estimate of their new stiffness leaves out that they give
 /// way sideways. Rough ones stand for several.
@@ -212,7 +212,7 @@ constexpr double kBeyondGoal = 3.0, kRoughBeyond = 8.0;
 BraceChoice stretches(const BracedPiece& piece, const Modes& modes, std::uint64_t seed) {
   const std::vector<Eigen::Vector3d>& points = piece.network.restPoints;
   BraceChoice choice(static_cast<std::size_t>(modes.shapes.cols()),
-                     candidatePairs(piece, kMostSoftCandidates, seed));
+                     candidatePairs(piece, kMaxSoftCandidates, seed));
   for (std::size_t p = 0; p < choice.pairs.size(); ++p) {
     const auto [a, b] = choice.pairs[p];
     const Eigen::RowVector3d n = (points[b] - points[a]).normalized().transpose();
@@ -251,16 +251,16 @@ bool isLarge(const SpringNetwork& network) { return network.restPoints.size() > 
 
 Modes modesToBrace(const SpringNetwork& network) {
   if (isLarge(network)) return roughModes(network, kRoughModes);
-  return softestModes(network, std::clamp(network.restPoints.size() / 8, kLeastModes, kMostModes));
+  return softestModes(network, std::clamp(network.restPoints.size() / 8, kMinModes, kMaxModes));
 }
 
 /// Braces mechanisms and soft oscillations, each time the pairs that the softest ones stretch most, until
 /// leastModeRatio() is reached, the piece is full, or nothing inside the body helps.
 /// `most`: braces that the piece then has at most, of those that it may get.
 void addSoftModeBraces(BracedPiece& piece, std::size_t most, std::uint64_t seed, const GoOn& goOn) {
-  const std::size_t cap = std::min(most, piece.mostBraces);
-  for (int round = 0; round < kMostBraceRounds && piece.braces.size() < cap; ++round) {
-    if (!goOn(static_cast<double>(round) / kMostBraceRounds)) return;
+  const std::size_t cap = std::min(most, piece.maxBracesPerPoint);
+  for (int round = 0; round < kMaxBraceRounds && piece.braces.size() < cap; ++round) {
+    if (!goOn(static_cast<double>(round) / kMaxBraceRounds)) return;
     const Modes modes = modesToBrace(piece.network);
     if (modes.eigenvalues.size() == 0) return;
     const double stiffest = stiffestEigenvalue(stiffnessMatrix(rigidityMatrix(piece.network)));
@@ -275,7 +275,7 @@ void addSoftModeBraces(BracedPiece& piece, std::size_t most, std::uint64_t seed,
 constexpr double kFlatPiece = 1e-3;
 
 /// Chords per point below which an open piece counts as without an inside.
-constexpr double kLeastChords = 0.125;
+constexpr double kMinChords = 0.125;
 
 /// Of the braces that a piece may get: what soft modes may take of them. Thin rods stay soft whatever they
 /// get, and would have none left for what large deformations do to them.
@@ -317,11 +317,11 @@ std::vector<Edge> bracePiece(const PieceToBrace& piece, const BracingSettings& s
   SpringNetwork network = bareNetwork(piece);
   InsideChords chords(network.restPoints, network.surface, piece.edges);
   const double pairs = 0.5 * static_cast<double>(points) * static_cast<double>(points - 1);
-  const double most = std::min(settings.mostBraces * static_cast<double>(points) + kRounding, pairs);
+  const double most = std::min(settings.maxBracesPerPoint * static_cast<double>(points) + kRounding, pairs);
   BracedPiece braced{
       std::move(network), std::move(chords), settings.weight, static_cast<std::size_t>(most), {}};
   addAntipodalBraces(braced);
-  const bool hollow = static_cast<double>(braced.braces.size()) < kLeastChords * static_cast<double>(points);
+  const bool hollow = static_cast<double>(braced.braces.size()) < kMinChords * static_cast<double>(points);
   if (hollow && !piece.closed) return findTwoRingPairs(points, piece.edges);
   const auto forModes = static_cast<std::size_t>(kShareForModes * most);
   addSoftModeBraces(braced, forModes, settings.seed, during("bracing: soft modes", goOn));

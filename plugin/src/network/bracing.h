@@ -51,10 +51,10 @@ struct BracedPiece {
   SpringNetwork network;  ///< points, springs and, turned outwards, the surface; no masses, no render surface
   InsideChords chords;
   double weight = 1.0;         ///< stiffnessScale of a brace
-  std::size_t mostBraces = 0;  ///< in all that it may get
+  std::size_t maxBracesPerPoint = 0;  ///< in all that it may get
   std::vector<Edge> braces;    ///< in the order they were added
 
-  bool full() const { return braces.size() >= mostBraces; }
+  bool full() const { return braces.size() >= maxBracesPerPoint; }
 };
 
 /// Whether to go on, told how far the present work is, 0 to 1.
@@ -115,7 +115,7 @@ constexpr double kPipelineWeight = 0.5;
 
 struct BracingSettings {
   double weight = kPipelineWeight;  ///< stiffnessScale of a brace
-  double mostBraces = 1.5;          ///< per point
+  double maxBracesPerPoint = 1.5;          ///< per point
   std::uint64_t seed = 1;
 };
 

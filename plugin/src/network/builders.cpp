@@ -24,7 +24,7 @@ namespace limber {
 namespace {
 
 /// What takes gigabytes is a mistake.
-constexpr std::uint32_t kMostRopePoints = 10'000'000;
+constexpr std::uint32_t kMaxRopePoints = 10'000'000;
 
 bool isSize(double value) { return std::isfinite(value) && value > 0.0; }
 bool isScale(double value) { return std::isfinite(value) && value >= 0.0; }
@@ -32,7 +32,7 @@ bool isScale(double value) { return std::isfinite(value) && value >= 0.0; }
 std::string check(const RopeSettings& settings) {
   if (!isSize(settings.length)) return "the length of a rope must be above 0";
   if (settings.segments == 0) return "a rope needs at least one segment";
-  if (settings.segments > kMostRopePoints)
+  if (settings.segments > kMaxRopePoints)
     return "a rope of that many segments has more than ten million points";
   if (!isScale(settings.bendingScale)) return "the bending scale of a rope must be 0 or more";
   return {};
@@ -65,7 +65,7 @@ Result<SharedNetwork> buildRope(const RopeSettings& settings) {
   auto network = std::make_shared<SpringNetwork>();
   network->kind = NetworkKind::Rope;
   network->restPoints = ropePoints(settings.length, settings.segments);
-  network->massShares.assign(settings.segments + 1, 1.0 / (settings.segments + 1.0));
+  network->massFractions.assign(settings.segments + 1, 1.0 / (settings.segments + 1.0));
   network->springs = ropeSprings(settings.segments, settings.bendingScale);
   return SharedNetwork(std::move(network));
 }
@@ -168,7 +168,7 @@ Result<SharedNetwork> buildCloth(const ClothSettings& settings) {
   auto network = std::make_shared<SpringNetwork>();
   network->kind = NetworkKind::Cloth;
   network->restPoints = clothPoints(grid, settings.width, settings.depth);
-  network->massShares.assign(grid.points(), 1.0 / grid.points());
+  network->massFractions.assign(grid.points(), 1.0 / grid.points());
   network->springs = clothSprings(grid, settings);
   network->surface = clothTriangles(grid);
   network->render.vertexToPoint.resize(grid.points());
@@ -262,10 +262,10 @@ std::string checkSettings(const NetworkSettings& s) {
   const auto finite = [](double value) { return std::isfinite(value); };
   if (!finite(s.braceWeight) || s.braceWeight < 0.0)
     return "braceWeight is " + std::to_string(s.braceWeight) + ", must be above 0, or 0 for the rule's own";
-  if (!finite(s.mostBraces) || s.mostBraces <= 0.0)
-    return "mostBraces is " + std::to_string(s.mostBraces) + ", must be above 0";
-  if (!finite(s.mostSeconds) || s.mostSeconds < 0.0)
-    return "mostSeconds is " + std::to_string(s.mostSeconds) + ", must be 0 or more";
+  if (!finite(s.maxBracesPerPoint) || s.maxBracesPerPoint <= 0.0)
+    return "maxBracesPerPoint is " + std::to_string(s.maxBracesPerPoint) + ", must be above 0";
+  if (!finite(s.timeLimit) || s.timeLimit < 0.0)
+    return "timeLimit is " + std::to_string(s.timeLimit) + ", must be 0 or more";
   if (s.braces > BraceRule::Pipeline) return "braces is none of the rules";
   if (s.masses > MassRule::Moments) return "masses is none of the rules";
   return {};
@@ -313,7 +313,7 @@ Progress impatient(const NetworkSettings& settings) {
   using Clock = std::chrono::steady_clock;
   return [&settings, begin = Clock::now(), going = true](const char* what, double done) mutable {
     const double seconds = std::chrono::duration<double>(Clock::now() - begin).count();
-    going = going && (settings.mostSeconds == 0.0 || seconds < settings.mostSeconds) &&
+    going = going && (settings.timeLimit == 0.0 || seconds < settings.timeLimit) &&
             (!settings.progress || settings.progress(what, done));
     return going;
   };
@@ -329,7 +329,7 @@ std::vector<Edge> findBraces(const PieceToBrace& shape, const NetworkSettings& s
     case BraceRule::TwoRing:
       return findTwoRingPairs(shape.points.size(), shape.edges);
     case BraceRule::Pipeline:
-      return bracePiece(shape, {weightOf(settings), settings.mostBraces, settings.seed}, goOn);
+      return bracePiece(shape, {weightOf(settings), settings.maxBracesPerPoint, settings.seed}, goOn);
   }
   return {};
 }
@@ -369,7 +369,7 @@ Result<SharedNetwork> buildNetwork(const TriangleMesh& mesh, const NetworkSettin
   auto network = std::make_shared<SpringNetwork>();
   network->kind = NetworkKind::Solid;
   network->springs = connect(*welded, settings);
-  network->massShares = shareMass(settings.masses, welded->points, welded->triangles).shares;
+  network->massFractions = shareMass(settings.masses, welded->points, welded->triangles).shares;
   network->render = makeRenderSurface(mesh, *welded);
   turn(network->render.triangles, inward);
   network->report = welded->report;

@@ -14,20 +14,20 @@
 namespace limber {
 namespace {
 
-constexpr int kCleanRounds = 12, kMostRounds = 60;
+constexpr int kCleanRounds = 12, kMaxRounds = 60;
 
 /// Of all runs together, in runs of a body of one point: a run takes about points^1.5, since the steps grow
 /// with the way across the body. 5 000 points get 56 runs, 1 000 get 630.
-constexpr double kMostWork = 2.0e7;
+constexpr double kMaxWork = 2.0e7;
 
 /// Runs of a round: each kind of deformation so often, and further ones of kinds that have failed before.
 constexpr std::size_t kRunsOfEach = 2, kFurtherRuns = 10;
 constexpr std::size_t kRuns = kRunsOfEach * kDeformations + kFurtherRuns;
 
 /// Times that a wrong shape gets further braces before it is given up for new ones.
-constexpr int kMostTries = 6;
+constexpr int kMaxTries = 6;
 constexpr double kBracesPerExample = 0.5;  // of a try
-constexpr std::size_t kMostCandidates = 100000;
+constexpr std::size_t kMaxCandidates = 100000;
 
 /// How fast a wrong shape's say fades with what braces do for it already.
 constexpr float kCovered = 0.5f;
@@ -45,8 +45,8 @@ struct Trials {
   std::array<std::uint32_t, kDeformations> failures{};
 };
 
-std::size_t mostRuns(std::size_t points) {
-  return static_cast<std::size_t>(kMostWork / std::pow(static_cast<double>(points), 1.5));
+std::size_t maxRuns(std::size_t points) {
+  return static_cast<std::size_t>(kMaxWork / std::pow(static_cast<double>(points), 1.5));
 }
 
 std::vector<Deformation> kindsOfRound(const Trials& trials, Random& random) {
@@ -92,7 +92,7 @@ Examples startsOfRound(const RelaxedBody& body, const Trials& trials, std::uint6
 /// The squares of the errors of length, over the largest allowed one of each example.
 BraceChoice errorsOf(BracedPiece& piece, const RelaxedBody& body, const Examples& examples,
                      std::uint64_t seed) {
-  BraceChoice choice(examples.size(), candidatePairs(piece, kMostCandidates, seed));
+  BraceChoice choice(examples.size(), candidatePairs(piece, kMaxCandidates, seed));
   Eigen::VectorXf largest = Eigen::VectorXf::Constant(choice.benefit.rows(), 1e-30f);
   for (std::size_t p = 0; p < choice.pairs.size(); ++p) {
     const auto [a, b] = choice.pairs[p];
@@ -124,7 +124,7 @@ bool braceWorst(BracedPiece& piece, const RelaxedBody& body, const Examples& exa
 /// Braces the wrong shapes and lets the piece go on from them, until it gets out of all.
 void mend(BracedPiece& piece, Examples wrong, std::uint64_t seed, Trials& trials,
           const std::function<bool()>& goOn) {
-  for (int tries = 0; tries < kMostTries && !wrong.empty() && !piece.full() && goOn(); ++tries) {
+  for (int tries = 0; tries < kMaxTries && !wrong.empty() && !piece.full() && goOn(); ++tries) {
     if (!braceWorst(piece, RelaxedBody(piece.network), wrong, seed + static_cast<std::uint64_t>(tries)))
       return;
     RelaxedBody braced(piece.network);
@@ -136,13 +136,13 @@ void mend(BracedPiece& piece, Examples wrong, std::uint64_t seed, Trials& trials
 }  // namespace
 
 void addCounterexampleBraces(BracedPiece& piece, std::uint64_t seed, const GoOn& goOn) {
-  Trials trials{seed, mostRuns(piece.network.restPoints.size())};
+  Trials trials{seed, maxRuns(piece.network.restPoints.size())};
   int clean = 0;
   double done = 0.0;  // a round that is not clean takes none of it back
-  for (int round = 0; round < kMostRounds && clean < kCleanRounds && !piece.full() && trials.runsLeft > 0;
+  for (int round = 0; round < kMaxRounds && clean < kCleanRounds && !piece.full() && trials.runsLeft > 0;
        ++round) {
     done =
-        std::max({done, static_cast<double>(clean) / kCleanRounds, static_cast<double>(round) / kMostRounds});
+        std::max({done, static_cast<double>(clean) / kCleanRounds, static_cast<double>(round) / kMaxRounds});
     bool going = true;
     const std::function<bool()> ask = [&] { return going = going && goOn(done); };
     RelaxedBody body(piece.network);

@@ -69,7 +69,7 @@ void transferNetwork(Stream& stream, Network& network) {
   stream.value("stiffness per modulus", network.stiffnessPerModulus);
   transferReport(stream, network.report);
   stream.array("rest points", network.restPoints);
-  stream.array("mass shares", network.massShares);
+  stream.array("mass shares", network.massFractions);
   stream.array("springs", network.springs);
   stream.array("surface triangles", network.surface);
   stream.array("tetrahedra", network.tetrahedra);
@@ -259,7 +259,7 @@ using HeaderCheck = std::string (*)(const std::uint8_t* header, std::uint64_t fi
 
 namespace fs = std::filesystem;
 
-constexpr int kMostNames = 1000;  // of temporary files that others write at the same time, or have left
+constexpr int kMaxNames = 1000;  // of temporary files that others write at the same time, or have left
 
 struct Close {
   void operator()(std::FILE* stream) const { std::fclose(stream); }
@@ -278,7 +278,7 @@ bool readMore(std::FILE* stream, std::vector<std::uint8_t>& bytes, std::size_t c
 
 /// A new file `<file>.<number>.part`; "x": only if there is none of this name.
 Stream openBeside(const std::string& file, std::string& name) {
-  for (int i = 0; i < kMostNames; ++i) {
+  for (int i = 0; i < kMaxNames; ++i) {
     name = file + "." + std::to_string(i) + ".part";
     Stream stream(std::fopen(name.c_str(), "wbx"));
     if (stream || errno != EEXIST) return stream;

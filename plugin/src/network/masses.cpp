@@ -73,8 +73,8 @@ struct MomentMatch {
 
 using Hessian = Eigen::Matrix<double, 10, 10>;
 
-constexpr int kMostMatchRounds = 100;
-constexpr int kMostNewtonSteps = 50;
+constexpr int kMaxMatchRounds = 100;
+constexpr int kMaxNewtonSteps = 50;
 constexpr double kExact = 1e-10;
 
 struct Programme {
@@ -122,7 +122,7 @@ Hessian hessian(const Programme& p, const MomentVector& y) {
 /// One round of the proximal point method, with Newton steps halved until the dual falls.
 MomentVector proximalStep(const Programme& p, const MomentVector& before) {
   MomentVector y = before;
-  for (int i = 0; i < kMostNewtonSteps; ++i) {
+  for (int i = 0; i < kMaxNewtonSteps; ++i) {
     const MomentVector gradient = misfit(p, y) + p.regularisation.cwiseProduct(y - before);
     if (gradient.cwiseAbs().maxCoeff() < 0.01 * kExact) break;
     MomentVector step = -gradient;
@@ -166,7 +166,7 @@ MomentMatch matchMoments(const std::vector<MomentVector>& momentsOfPoint, const 
   Programme p{momentsOfPoint, target, wanted, least, most, MomentVector::Constant(1e-4)};
   p.regularisation.head<4>().setConstant(1e-8);
   MomentVector y = MomentVector::Zero(), error = misfit(p, y);
-  for (int round = 0; round < kMostMatchRounds && error.cwiseAbs().maxCoeff() > kExact; ++round) {
+  for (int round = 0; round < kMaxMatchRounds && error.cwiseAbs().maxCoeff() > kExact; ++round) {
     y = proximalStep(p, y);
     error = misfit(p, y);
   }
@@ -179,10 +179,10 @@ MomentMatch matchMoments(const std::vector<MomentVector>& momentsOfPoint, const 
 }
 
 /// The least share that Area and Moments give, of the mean: the lightest point limits the time step.
-constexpr double kLeastMassShare = 0.2;
+constexpr double kMinMassShare = 0.2;
 /// The most that they give to a point of the surface, lest a few carry the body. Points inside get what
 /// Moments takes.
-constexpr double kMostMassShare = 10.0;
+constexpr double kMaxMassShare = 10.0;
 
 /// Of the mass: too little to be told from nothing.
 constexpr double kNoShare = 1e-30;
@@ -206,7 +206,7 @@ Moments pointMoments(const std::vector<Vector3d>& points, const std::vector<doub
 /// Sum 1, in proportion to `shares` but for those that the bounds stand against.
 std::vector<double> bounded(const std::vector<double>& shares) {
   const double mean = 1.0 / static_cast<double>(shares.size());
-  const double least = kLeastMassShare * mean, most = kMostMassShare * mean;
+  const double least = kMinMassShare * mean, most = kMaxMassShare * mean;
   const auto [low, high] = std::minmax_element(shares.begin(), shares.end());
   if (*low >= least && *high <= most) return shares;
   const auto sumOf = [&](double factor) {
@@ -252,7 +252,7 @@ MomentVector momentsOf(const Vector3d& p) {
 }
 
 /// Sets the shares, from those wanted, and what is proven about them.
-void matchSolid(MassShares& result, const std::vector<Vector3d>& points, const std::vector<Triangle>& surface,
+void matchSolid(MassFractions& result, const std::vector<Vector3d>& points, const std::vector<Triangle>& surface,
                 const SolidMoments& solid) {
   const double unit = std::sqrt(solid.second.trace());
   const Matrix3d s = solid.second / (unit * unit);
@@ -264,10 +264,10 @@ void matchSolid(MassShares& result, const std::vector<Vector3d>& points, const s
   const double mean = 1.0 / static_cast<double>(points.size());
   std::vector<double> most(points.size(), 1.0);
   for (const Triangle& t : surface) {
-    for (const std::uint32_t corner : t) most[corner] = std::min(1.0, kMostMassShare * mean);
+    for (const std::uint32_t corner : t) most[corner] = std::min(1.0, kMaxMassShare * mean);
   }
   const std::vector<double> wanted = std::move(result.shares);
-  MomentMatch match = matchMoments(rows, target, wanted, kLeastMassShare * mean, most);
+  MomentMatch match = matchMoments(rows, target, wanted, kMinMassShare * mean, most);
   result.leastMisfit = match.leastMisfit;
   if (match.leastMisfit > 0.0)
     result.leastMisfitAnyMass =
@@ -277,9 +277,9 @@ void matchSolid(MassShares& result, const std::vector<Vector3d>& points, const s
 
 }  // namespace
 
-MassShares shareMass(MassRule rule, const std::vector<Vector3d>& points,
+MassFractions shareMass(MassRule rule, const std::vector<Vector3d>& points,
                      const std::vector<Triangle>& surface) {
-  MassShares result;
+  MassFractions result;
   if (rule == MassRule::Equal) {
     result.shares.assign(points.size(), 1.0 / static_cast<double>(points.size()));
   } else {

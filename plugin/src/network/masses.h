@@ -23,7 +23,7 @@ SolidMoments solidMoments(const Eigen::Ref<const Eigen::Matrix3Xd>& points,
                           const std::vector<Triangle>& surface);
 
 /// Each point's share of the mass of a body, and how well they stand for the solid.
-struct MassShares {
+struct MassFractions {
   std::vector<double> shares;  ///< #points, above 0, sum 1
 
   // Against the uniform solid inside the surface; NaN if the surface is not closed.
@@ -42,7 +42,7 @@ struct MassShares {
 /// that lie on a round surface alone have more inertia than the solid however they are shared; it takes
 /// points inside to match it. Points of no triangle count as mean ones for Area and Moments. A surface that
 /// is not closed has Area's shares for Moments.
-MassShares shareMass(MassRule rule, const std::vector<Eigen::Vector3d>& points,
+MassFractions shareMass(MassRule rule, const std::vector<Eigen::Vector3d>& points,
                      const std::vector<Triangle>& surface);
 
 }  // namespace limber

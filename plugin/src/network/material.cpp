@@ -66,7 +66,7 @@ namespace {
 constexpr double kStay = 0.2;
 
 /// Least share of Van Gelder's constant: a weaker spring would hold nothing.
-constexpr double kLeastOfVanGelder = 0.2;
+constexpr double kMinOfVanGelder = 0.2;
 
 /// By how much the springs around a point of the surface are to be stiffer than those inside: the value that
 /// makes the Young's modulus of the same body nearly the same on coarse and fine lattices. Without it a cube
@@ -134,7 +134,7 @@ void fitElasticity(const Edges& edges, const FourthDegree& elasticity, std::vect
         slope += 0.5 * edges.powers[e].dot(misfit[p]) / edges.pointVolumes[p];
         curvature += 0.25 / edges.pointVolumes[p];  // the powers have length 1
       }
-      const double next = std::max(x[e] - slope / curvature, kLeastOfVanGelder * edges.vanGelder[e]);
+      const double next = std::max(x[e] - slope / curvature, kMinOfVanGelder * edges.vanGelder[e]);
       add(e, next - x[e]);
       x[e] = next;
     }
@@ -188,7 +188,7 @@ double setMaterialSprings(SpringNetwork& network, const std::function<bool(doubl
 namespace {
 
 /// The least mass of a point, of the mean: the lightest point limits the time step.
-constexpr double kLeastCornerShare = 0.2;
+constexpr double kMinCornerShare = 0.2;
 
 /// A material with half its springs is none, so there is no early result.
 constexpr char kEnded[] = "ended early: progress returned false";
@@ -211,7 +211,7 @@ std::vector<double> volumeShares(const SpringNetwork& network) {
     for (const std::uint32_t point : t) shares[point] += volumeOf(network.restPoints, t) / (4.0 * volume);
   double sum = 0.0;
   for (double& share : shares) {
-    share = std::max(share, kLeastCornerShare / static_cast<double>(shares.size()));
+    share = std::max(share, kMinCornerShare / static_cast<double>(shares.size()));
     sum += share;
   }
   for (double& share : shares) share /= sum;
@@ -283,7 +283,7 @@ Result<SharedNetwork> buildMaterialNetwork(const TriangleMesh& mesh, const Mater
   network.tetrahedra = std::move(filling->tetrahedra);
   network.surface = std::move(filling->surface);
   network.report = welded->report;
-  network.massShares = volumeShares(network);
+  network.massFractions = volumeShares(network);
   setMaterialSprings(network, [&](double done) { return tell("spring constants", 0.4 + 0.5 * done); });
   if (!tell("skin", 0.9)) return Error{kEnded};
   Result<SharedNetwork> skinned = withSkin(network, mesh, {SkinKind::Barycentric, 32, 0.0});

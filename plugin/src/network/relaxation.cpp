@@ -39,8 +39,8 @@ BodyTerms::BodyTerms(const SpringNetwork& network, const SoftBodySettings& setti
       volumes(makeVolumes(network, settings)),
       tetrahedra(makeTetrahedronVolumes(network, settings)) {}
 
-SteppedBody steppedBody(BodyTerms& terms, PointState& state) {
-  SteppedBody body{&state, &terms.springs, nullptr};
+SolverBody solverBody(BodyTerms& terms, PointState& state) {
+  SolverBody body{&state, &terms.springs, nullptr};
   if (!terms.volumes.empty()) body.volumes = &terms.volumes;
   if (!terms.tetrahedra.empty()) body.tetrahedra = &terms.tetrahedra;
   return body;
@@ -58,7 +58,7 @@ PointState restState(const SpringNetwork& network, const SoftBodySettings& setti
   for (std::size_t i = 0; i < network.restPoints.size(); ++i) {
     const auto column = static_cast<Eigen::Index>(i);
     state.position.col(column) = network.restPoints[i].cwiseProduct(settings.scale);
-    state.inverseMass.col(column).setConstant(1.0 / (settings.totalMass * network.massShares[i]));
+    state.inverseMass.col(column).setConstant(1.0 / (settings.totalMass * network.massFractions[i]));
   }
   return state;
 }
@@ -122,7 +122,7 @@ namespace {
 constexpr std::size_t kMemory = 8;       // pairs of steps and changes of the force
 constexpr std::size_t kArrivedEach = 8;  // iterations between two questions whether it has arrived
 constexpr double kSufficient = 1e-4;     // Armijo's share of the decrease that the slope promises
-constexpr int kMostHalvings = 30;
+constexpr int kMaxHalvings = 30;
 
 /// A step and by how much the gradient changed over it.
 struct DescentPair {
@@ -151,15 +151,15 @@ void remember(std::vector<DescentPair>& pairs, Points step, Points change) {
   pairs.push_back({std::move(step), std::move(change), curvature});
 }
 
-Points gradientAt(SteppedBody& body) {
+Points gradientAt(SolverBody& body) {
   computeElasticForces(body);
   return -body.points->force;
 }
 
 /// Halves the step until the energy falls enough; 0 if it never does.
-double search(SteppedBody& body, const Points& from, const Points& d, double slope, double& energy) {
+double search(SolverBody& body, const Points& from, const Points& d, double slope, double& energy) {
   double step = 1.0;
-  for (int i = 0; i < kMostHalvings; ++i, step *= 0.5) {
+  for (int i = 0; i < kMaxHalvings; ++i, step *= 0.5) {
     body.points->position = from + step * d;
     const double there = elasticEnergy(body, body.points->position);
     if (there > energy + kSufficient * step * slope) continue;
@@ -173,7 +173,7 @@ double search(SteppedBody& body, const Points& from, const Points& d, double slo
 /// Moves the points to the minimum of the elastic energy that lies downhill, by L-BFGS (Liu and Nocedal
 /// 1989), until the largest force on a point is below `leastForce` (N), `arrived` says so of the positions,
 /// or after `iterations`.
-void descend(SteppedBody& body, double leastForce, std::size_t iterations,
+void descend(SolverBody& body, double leastForce, std::size_t iterations,
              const std::function<bool(const Points&)>& arrived) {
   std::vector<DescentPair> pairs;
   Points gradient = gradientAt(body);
@@ -198,8 +198,8 @@ void descend(SteppedBody& body, double leastForce, std::size_t iterations,
 
 constexpr double kRelaxationDrag = 0.05;  // 1/s, at unit mass and spring constant
 constexpr double kStepShare = 0.75;       // of the stable step at rest
-constexpr double kMostTime = 600.0;       // s; by then drag alone has taken 13 powers of ten of the energy
-constexpr double kLeastTime = 10.0;       // s before a body counts as at rest: it starts without speed
+constexpr double kMaxTime = 600.0;       // s; by then drag alone has taken 13 powers of ten of the energy
+constexpr double kMinTime = 10.0;       // s before a body counts as at rest: it starts without speed
 
 // Substeps between two looks at a run, at which its step is chosen: few while it is wild, that is, while its
 // step must be much smaller than at rest or its points move far (of the size, root mean square) between two
@@ -207,16 +207,16 @@ constexpr double kLeastTime = 10.0;       // s before a body counts as at rest: 
 constexpr int kCalmSubsteps = 8, kWildSubsteps = 4;
 constexpr int kCalmLooks = 8;
 constexpr std::size_t kRunsPerLane = 4;  // at a time: those with the same step fill registers
-constexpr int kMostLooks = 4000;         // then a run that is still wild goes on by descent
+constexpr int kMaxLooks = 4000;         // then a run that is still wild goes on by descent
 constexpr double kWildBound = 1.5;       // times the square of the frequency bound at rest
 constexpr double kFarMove = 0.5;
 constexpr double kCalmShare = 0.95, kWildShare = 0.6;  // of the stable step
-constexpr int kMostStepHalvings = 12;                // of the step at rest
+constexpr int kMaxStepHalvings = 12;                // of the step at rest
 
 /// J over the square of the mean spring length, kinetic: too little to flip a point through its neighbours.
 constexpr double kRestEnergy = 1e-2;
-constexpr double kLeastForce = 2e-6;  // N, of the descent
-constexpr std::size_t kMostDescent = 3000;
+constexpr double kMinForce = 2e-6;  // N, of the descent
+constexpr std::size_t kMaxDescent = 3000;
 
 double meanLength(const SpringArrays& springs) {
   double sum = 0.0;
@@ -244,7 +244,7 @@ struct Dynamics {
   InstructionSet set = bestInstructionSet();
   LaneBlock block;
   LaneScratch scratch;
-  QuadArrays quads;
+  SpringBatchArrays springBatches;
 
   explicit Dynamics(RelaxedBody& relaxed) : body(relaxed) {
     const PointState rest = stateAt(body.rest);
@@ -267,9 +267,9 @@ struct Dynamics {
   double boundSquared(const PointState& state, double time) {
     return springBound + volumeBoundSquared(body.terms, state, time);
   }
-  SteppedBody stepped(PointState& state) {
-    SteppedBody s = steppedBody(body.terms, state);
-    if (canStepQuads()) s.quads = &quads;
+  SolverBody stepped(PointState& state) {
+    SolverBody s = solverBody(body.terms, state);
+    if (canStepSpringBatches()) s.springBatches = &springBatches;
     return s;
   }
 };
@@ -294,11 +294,11 @@ void chooseStep(Dynamics& dynamics, Run& run) {
   const double stable = (wild ? kWildShare : kCalmShare) * 2.0 / std::sqrt(bound);
   run.substeps = wild ? kWildSubsteps : kCalmSubsteps;
   run.halvings = 0;
-  while (run.halvings < kMostStepHalvings && std::ldexp(dynamics.step, -run.halvings) > stable) ++run.halvings;
+  while (run.halvings < kMaxStepHalvings && std::ldexp(dynamics.step, -run.halvings) > stable) ++run.halvings;
 }
 
 void stepAlone(Dynamics& dynamics, Run& run) {
-  StepGroup group;
+  SolverIsland group;
   group.bodies.push_back(dynamics.stepped(run.state));
   stepVerlet(group, timeOf(dynamics, run), run.substeps);
 }
@@ -317,7 +317,7 @@ void stepTogether(Dynamics& dynamics, Run* const* runs, std::size_t count) {
 
 void stepAll(Dynamics& dynamics, std::list<Run>& runs) {
   for (const int substeps : {kCalmSubsteps, kWildSubsteps})
-    for (int halvings = 0; halvings <= kMostStepHalvings; ++halvings) {
+    for (int halvings = 0; halvings <= kMaxStepHalvings; ++halvings) {
       std::vector<Run*> same;
       for (Run& run : runs)
         if (run.substeps == substeps && run.halvings == halvings) same.push_back(&run);
@@ -329,17 +329,17 @@ void stepAll(Dynamics& dynamics, std::list<Run>& runs) {
 
 /// Also when its numbers are none any more.
 bool hasCalmedDown(const Dynamics& dynamics, const Run& run) {
-  if (run.looks >= kMostLooks || run.time >= kMostTime) return true;
-  return run.time >= kLeastTime && !(0.5 * run.state.velocity.squaredNorm() >= dynamics.restEnergy);
+  if (run.looks >= kMaxLooks || run.time >= kMaxTime) return true;
+  return run.time >= kMinTime && !(0.5 * run.state.velocity.squaredNorm() >= dynamics.restEnergy);
 }
 
 /// Nothing is held back, as it is for the sake of a stable step: forces that are no gradient of the energy
 /// would lead the descent astray.
 void settle(Dynamics& dynamics, Run& run) {
-  SteppedBody stepped = dynamics.stepped(run.state);
+  SolverBody stepped = dynamics.stepped(run.state);
   prepareVolumes(stepped, 0.0);
   const double near = 0.5 * kReturned;
-  descend(stepped, kLeastForce, kMostDescent,
+  descend(stepped, kMinForce, kMaxDescent,
           [&](const Points& x) { return distanceToRest(dynamics.body, x) < near; });
 }
 
@@ -366,7 +366,7 @@ bool advance(Dynamics& dynamics, std::list<Run>& runs,
 
 }  // namespace
 
-bool canRelax(RelaxedBody& body) { return kMostLooks * kCalmSubsteps * Dynamics(body).step >= kLeastTime; }
+bool canRelax(RelaxedBody& body) { return kMaxLooks * kCalmSubsteps * Dynamics(body).step >= kMinTime; }
 
 void relax(RelaxedBody& body, std::size_t count, const std::function<Points(std::size_t)>& start,
            const std::function<bool(std::size_t, const Points&)>& finish) {

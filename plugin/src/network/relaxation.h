@@ -29,7 +29,7 @@ struct BodyTerms {
 };
 
 /// With pointers to `terms` and `state`.
-SteppedBody steppedBody(BodyTerms& terms, PointState& state);
+SolverBody solverBody(BodyTerms& terms, PointState& state);
 
 /// rad^2/s^2: no oscillation about these positions is faster.
 double boundSquared(BodyTerms& terms, const PointState& state);

@@ -56,10 +56,10 @@ SpringNetwork pieceOf(const SpringNetwork& network, const std::vector<Eigen::Ind
     const auto i = static_cast<std::size_t>(point);
     number[i] = static_cast<std::uint32_t>(piece.restPoints.size());
     piece.restPoints.push_back(network.restPoints[i]);
-    piece.massShares.push_back(network.massShares[i]);
-    mass += network.massShares[i];
+    piece.massFractions.push_back(network.massFractions[i]);
+    mass += network.massFractions[i];
   }
-  for (double& share : piece.massShares) share /= mass;
+  for (double& share : piece.massFractions) share /= mass;
   for (const NetworkSpring& s : network.springs)
     if (number[s.a] != kNotHere && number[s.b] != kNotHere)
       piece.springs.push_back({number[s.a], number[s.b], s.kind, s.stiffnessScale});
@@ -143,7 +143,7 @@ namespace {
 constexpr double kMechanism = 1e-12;
 
 /// Up to so many unknowns all eigenvalues, or all modes, are computed at once.
-constexpr Eigen::Index kMostDense = 450;
+constexpr Eigen::Index kMaxDense = 450;
 
 /// Eigenvalues of the stiffness matrix on the mechanism's side of the bound, and the smallest on the other.
 struct SoftEnd {
@@ -205,7 +205,7 @@ SmallDeformations smallDeformations(const SpringNetwork& network) {
   SoftEnd end{unknowns, 0.0};
   if (result.stiffest > 0.0) {
     const double bound = kMechanism * result.stiffest;
-    end = unknowns <= kMostDense ? denseSoftEnd(stiffness, bound)
+    end = unknowns <= kMaxDense ? denseSoftEnd(stiffness, bound)
                                  : sparseSoftEnd(stiffness, bound, result.stiffest);
   }
   result.softest = end.softest;
@@ -218,7 +218,7 @@ SmallDeformations smallDeformations(const SpringNetwork& network) {
 namespace {
 
 constexpr Eigen::Index kBlock = 8;  // vectors that the space grows by
-constexpr int kMostBlocks = 400;    // by then something is wrong with the matrix
+constexpr int kMaxBlocks = 400;    // by then something is wrong with the matrix
 constexpr int kBlocksBetweenChecks = 3;
 constexpr double kModeTolerance = 1e-5;  // of a residual, relative to the eigenvalue of the inverse
 constexpr double kConfirmed = 1e-4;      // relative change of an eigenvalue that says that nothing was missed
@@ -362,14 +362,14 @@ Block randomBlock(SoftSpace& space) {
   return orthonormal(space, block);
 }
 
-/// Grows the space until it holds the `count` softest modes, or for kMostBlocks blocks.
+/// Grows the space until it holds the `count` softest modes, or for kMaxBlocks blocks.
 ///
 /// Symmetric shapes have equal modes and tessellated boxes many mechanisms, of which a Krylov space holds no
 /// more than a block: what was found counts when fresh random vectors change nothing.
 void converge(SoftSpace& space, Eigen::Index count) {
   Eigen::VectorXd found = Eigen::VectorXd::Zero(count);
   Block next = randomBlock(space);
-  for (int round = 1, sinceFresh = 1; round <= kMostBlocks; ++round, ++sinceFresh) {
+  for (int round = 1, sinceFresh = 1; round <= kMaxBlocks; ++round, ++sinceFresh) {
     next = extend(space, next);
     const bool isFull = space.columns + kBlock > space.basis.cols();
     if (space.columns < count || (sinceFresh % kBlocksBetweenChecks != 0 && !isFull)) continue;
@@ -422,7 +422,7 @@ Eigen::MatrixXd roughShapes(const SparseMatrix& stiffness, const Eigen::MatrixXd
 
 Modes roughModes(const SpringNetwork& network, std::size_t count) {
   const SparseMatrix rigidity = rigidityMatrix(network), stiffness = stiffnessMatrix(rigidity);
-  if (stiffness.rows() <= kMostDense || 4 * count > static_cast<std::size_t>(stiffness.rows()))
+  if (stiffness.rows() <= kMaxDense || 4 * count > static_cast<std::size_t>(stiffness.rows()))
     return softestModes(network, count);
   return modesWithin(
       rigidity, roughShapes(stiffness, rigidMotions(network.restPoints), static_cast<Eigen::Index>(count)));
@@ -434,7 +434,7 @@ Modes softestModes(const SpringNetwork& network, std::size_t count) {
   const Eigen::Index unknowns = stiffness.rows(), there = unknowns - rigid.cols();
   const auto wanted = static_cast<Eigen::Index>(std::min(count, static_cast<std::size_t>(there)));
   if (wanted == 0) return {Eigen::VectorXd(0), Eigen::MatrixXd(unknowns, 0)};
-  const bool isDense = unknowns <= kMostDense || 4 * wanted > unknowns;
+  const bool isDense = unknowns <= kMaxDense || 4 * wanted > unknowns;
   return modesWithin(rigidity,
                      isDense ? denseModes(stiffness, rigid, wanted) : sparseModes(stiffness, rigid, wanted));
 }

@@ -38,7 +38,7 @@ constexpr double kLongestWay = 3.0;
 /// points only, so that they are somewhat too long), and grows this much faster than the kernel.
 constexpr double kFreeDetour = 1.5, kVariance = 30.0;
 /// Rounds of averaging over the detailed mesh at most, and what is dropped between them.
-constexpr std::size_t kMostGapRounds = 200;
+constexpr std::size_t kMaxGapRounds = 200;
 constexpr double kNegligible = 1e-3;
 
 struct Way {
@@ -186,7 +186,7 @@ SparseRows belonging(const WeldedMesh& mesh, const SpringNetwork& network, const
   result.setFromTriplets(entries.begin(), entries.end());
   const SparseRows average = averaging(mesh);
   const std::size_t rounds = mesh.points.size() / (2 * network.restPoints.size());
-  for (std::size_t round = 0; round < std::min(rounds, kMostGapRounds); ++round) {
+  for (std::size_t round = 0; round < std::min(rounds, kMaxGapRounds); ++round) {
     result = SparseRows(average * result);
     result.prune(1.0, kNegligible);
   }
@@ -194,7 +194,7 @@ SparseRows belonging(const WeldedMesh& mesh, const SpringNetwork& network, const
 }
 
 /// 8 bytes each in the skin, 12 more while it is made.
-constexpr std::size_t kMostWeights = 20'000'000;
+constexpr std::size_t kMaxWeights = 20'000'000;
 
 SkinProblem makeProblem(const SpringNetwork& network, const WeldedMesh& mesh, SkinKind kind) {
   SkinProblem problem{network.restPoints, mesh.points, vertexNormals(mesh.points, mesh.triangles), {}};
@@ -214,10 +214,10 @@ std::string refuse(const SpringNetwork& network, const WeldedMesh& mesh, const S
     return "the points of the network lie in a plane: no skin can ride on them";
   const std::size_t weights =
       std::max(mesh.points.size(), network.restPoints.size()) * network.restPoints.size();
-  if (settings.kind == SkinKind::Dense && weights > kMostWeights) {
+  if (settings.kind == SkinKind::Dense && weights > kMaxWeights) {
     return "a dense skin of " + std::to_string(mesh.points.size()) + " vertices on " +
            std::to_string(network.restPoints.size()) + " points takes " + std::to_string(weights) +
-           " numbers, more than " + std::to_string(kMostWeights) + ": use a sparse one";
+           " numbers, more than " + std::to_string(kMaxWeights) + ": use a sparse one";
   }
   return {};
 }

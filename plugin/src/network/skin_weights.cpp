@@ -170,9 +170,9 @@ namespace {
 /// Places that are solved for together: enough for the matrix kernels, little memory.
 constexpr Index kBatch = 256;
 /// Points span space if their spread along the least direction is this part of the largest one's.
-constexpr double kLeastSpread = 1e-4;
+constexpr double kMinSpread = 1e-4;
 /// The same for the neighbours of a place, which are to make good weights.
-constexpr double kLeastLocalSpread = 0.1;
+constexpr double kMinLocalSpread = 0.1;
 
 MatrixXd asRows(const std::vector<Vector3d>& positions) {
   MatrixXd rows(static_cast<Index>(positions.size()), 3);
@@ -321,7 +321,7 @@ std::vector<Index> neighboursOf(const MatrixXd& points, const RowVector3d& place
   chosen.erase(end, chosen.end());
   for (std::size_t last = chosen.size(); last-- > 1 && chosen.size() - last <= 3;) {
     const RowSpread spread = spreadOf(chosenRows(points, chosen));
-    if (spread.least >= kLeastLocalSpread * spread.largest) break;
+    if (spread.least >= kMinLocalSpread * spread.largest) break;
     const Index other = nearestOffPlane(points, distance, spread);
     if (std::find(chosen.begin(), chosen.end(), other) == chosen.end()) chosen[last] = other;
   }
@@ -334,7 +334,7 @@ std::vector<Index> neighboursOf(const MatrixXd& points, const RowVector3d& place
 bool spansSpace(const std::vector<Vector3d>& points) {
   if (points.size() < 4) return false;
   const RowSpread spread = spreadOf(asRows(points));
-  return spread.least > kLeastSpread * spread.largest;
+  return spread.least > kMinSpread * spread.largest;
 }
 
 SkinWeights denseWeights(const SkinProblem& problem) {

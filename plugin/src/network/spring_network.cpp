@@ -209,7 +209,7 @@ std::string checkRopeHasNoSurface(const SpringNetwork& network) {
 std::string validate(const SpringNetwork& network) {
   const std::size_t points = network.restPoints.size();
   std::string reason = checkPoints(network.restPoints);
-  if (reason.empty()) reason = checkMassShares(network.massShares, points);
+  if (reason.empty()) reason = checkMassShares(network.massFractions, points);
   if (reason.empty()) reason = checkSprings(network.springs, points);
   if (reason.empty()) reason = checkTriangles(network.surface, points, "surface triangle", "point");
   if (reason.empty()) reason = checkCornersDiffer(network.surface);

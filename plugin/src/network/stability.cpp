@@ -173,7 +173,7 @@ constexpr double kStride = 1.6;  // beyond what is too much a body can come back
 constexpr double kPrecision = 1.04;
 
 // The motion, in units of the size, the mean mass of a point and the stiffness.
-constexpr double kMostDrag = 0.1;  // at most, and sqrt(load): more would hold up what topples
+constexpr double kMaxDrag = 0.1;  // at most, and sqrt(load): more would hold up what topples
 constexpr double kFriction = 0.5;
 constexpr double kSafeStepShare = 0.5;   // of the safe step
 constexpr double kSettlingTime = 300.0;  // at most: drag takes 13 powers of ten of the energy
@@ -183,12 +183,12 @@ constexpr int kCalmSteps = 20;
 constexpr double kUnevenStart = 1e-3;  // of the start: no body stands in an unstable equilibrium
 
 // Common bodies take some hundred thousand steps for all loads together.
-constexpr std::size_t kMostStandingSteps = 4'000'000;
+constexpr std::size_t kMaxStandingSteps = 4'000'000;
 constexpr std::size_t kStepsBetweenQuestions = 256;
 
 // What counts as standing.
-constexpr double kLeastHeight = 0.5;    // over the height at rest
-constexpr double kMostDistance = 0.05;  // of the rest shape afterwards: dents are no collapse
+constexpr double kMinHeight = 0.5;    // over the height at rest
+constexpr double kMaxDistance = 0.05;  // of the rest shape afterwards: dents are no collapse
 
 /// The body in units of 1, its lowest point on the floor y = 0.
 struct StandingBody {
@@ -218,14 +218,14 @@ StandingBody makeStanding(const SpringNetwork& network, const SoftBodySettings& 
   body.state.position.row(1).array() -= body.state.position.row(1).minCoeff();
   body.rest = body.state.position;
   body.step = kSafeStepShare * 2.0 / std::sqrt(boundSquared(body.terms, body.state));
-  body.givenUp = !(kSettlingTime / body.step <= static_cast<double>(kMostStandingSteps));
+  body.givenUp = !(kSettlingTime / body.step <= static_cast<double>(kMaxStandingSteps));
   return body;
 }
 
 /// Counts a step; whether it may be made.
 bool mayStep(StandingBody& body) {
   const bool asks = body.goOn && body.steps % kStepsBetweenQuestions == 0;
-  body.givenUp = body.givenUp || ++body.steps > kMostStandingSteps || (asks && !body.goOn());
+  body.givenUp = body.givenUp || ++body.steps > kMaxStandingSteps || (asks && !body.goOn());
   return !body.givenUp;
 }
 
@@ -245,11 +245,11 @@ void touchFloor(PointState& state, double dt) {
 
 /// Lets the body move until it rests.
 void settle(StandingBody& body, double gravity, double mostTime, double calmSpeed) {
-  SteppedBody stepped = steppedBody(body.terms, body.state);
+  SolverBody stepped = solverBody(body.terms, body.state);
   prepareVolumes(stepped, body.step);
   PointState& p = body.state;
   p.velocity.setZero();
-  const double drag = gravity > 0.0 ? std::min(kMostDrag, std::sqrt(gravity)) : kMostDrag;
+  const double drag = gravity > 0.0 ? std::min(kMaxDrag, std::sqrt(gravity)) : kMaxDrag;
   const double dt = body.step, kept = std::exp(-drag * dt);
   const double calm = calmSpeed * calmSpeed * static_cast<double>(p.position.cols());
   int calmSteps = 0;
@@ -280,9 +280,9 @@ bool carries(StandingBody& body, double load) {
   position.row(1).array() -= position.row(1).minCoeff();
   const double mostTime = std::max(kSettlingTime, kFallTimes / std::sqrt(load));
   settle(body, load, mostTime, kCalmSpeed * load);
-  if (body.givenUp || !(relativeHeight(body) >= kLeastHeight)) return false;
+  if (body.givenUp || !(relativeHeight(body) >= kMinHeight)) return false;
   settle(body, 0.0, kSettlingTime, kCalmSpeed * load);
-  return !body.givenUp && distanceToRest(body.shape, position) < kMostDistance;
+  return !body.givenUp && distanceToRest(body.shape, position) < kMaxDistance;
 }
 
 /// The largest load before the first that is too much; 0 if all are. Without meaning once given up.
@@ -324,7 +324,7 @@ double volumeModulusOf(const SpringNetwork& network, const SoftBodySettings& set
 
 double massOfPoints(const SpringNetwork& network, const std::vector<Eigen::Index>& points) {
   double mass = 0.0;
-  for (const Eigen::Index i : points) mass += network.massShares[static_cast<std::size_t>(i)];
+  for (const Eigen::Index i : points) mass += network.massFractions[static_cast<std::size_t>(i)];
   return mass;
 }
 

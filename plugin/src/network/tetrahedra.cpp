@@ -157,19 +157,19 @@ void fitSurface(TetrahedralMesh& mesh, const SolidSurface& surface) {
 }
 
 /// Sites at most: their arrays take about 60 bytes each.
-constexpr double kMostSites = 4e6;
+constexpr double kMaxSites = 4e6;
 
 /// A part of the body with less than this share of a piece's volume is a crumb that may go.
 constexpr double kCrumb = 0.01;
 
 /// The least and the most stretching of the lattice along an axis: flat lattices have sharp angles.
-constexpr double kLeastStretch = 0.8, kMostStretch = 1.25;
+constexpr double kMinStretch = 0.8, kMaxStretch = 1.25;
 
 /// Spacings that are tried for a number of points unless the body falls apart on the first ones.
 constexpr double kUsualTrials = 9.0;
 
 /// A surface that encloses less than this share of its box is flat.
-constexpr double kLeastVolume = 1e-6;
+constexpr double kMinVolume = 1e-6;
 constexpr char kNoVolume[] = "the mesh encloses no volume";
 
 /// How much the volume that is missing before the fit counts beside the number of points that is missed, both
@@ -187,7 +187,7 @@ BccLattice placeLattice(const Eigen::AlignedBox3d& box, double spacing) {
   BccLattice lattice;
   for (int i = 0; i < 3; ++i) {
     const double extent = box.sizes()[i], across = std::max(1.0, std::round(extent / spacing));
-    lattice.spacing[i] = std::clamp(extent / across, kLeastStretch * spacing, kMostStretch * spacing);
+    lattice.spacing[i] = std::clamp(extent / across, kMinStretch * spacing, kMaxStretch * spacing);
     lattice.cells[i] = static_cast<int>(across) + 5;
     lattice.origin[i] = box.center()[i] - (0.5 * across + 2.0) * lattice.spacing[i];
   }
@@ -288,7 +288,7 @@ Trial search(const SolidSurface& surface, double points, const std::function<boo
   int tried = 0;
   const auto attempt = [&](double at) {
     if (goOn && !goOn(std::min(1.0, tried++ / kUsualTrials))) return 0.0;
-    if (sitesNeeded(surface.box, at) > kMostSites) return 0.0;
+    if (sitesNeeded(surface.box, at) > kMaxSites) return 0.0;
     Trial trial = fillAt(surface, at, points);
     const double miss = trial.miss;
     keepBetter(best, std::move(trial));
@@ -301,7 +301,7 @@ Trial search(const SolidSurface& surface, double points, const std::function<boo
   return best;
 }
 
-bool isFlat(const SolidSurface& surface) { return surface.volume <= kLeastVolume * surface.box.volume(); }
+bool isFlat(const SolidSurface& surface) { return surface.volume <= kMinVolume * surface.box.volume(); }
 
 Result<TetrahedralMesh> finish(Trial trial, const SolidSurface& surface) {
   if (trial.spacing == 0.0) return Error{"so many points need a lattice that is too large"};
@@ -320,9 +320,9 @@ Result<TetrahedralMesh> fillWithTetrahedra(const WeldedMesh& mesh, double spacin
     return Error{"the spacing is " + inThreeDigits(spacing) + ", it must be above 0"};
   const SolidSurface surface = makeSolidSurface(mesh);
   if (isFlat(surface)) return Error{kNoVolume};
-  if (const double sites = sitesNeeded(surface.box, spacing); sites > kMostSites)
+  if (const double sites = sitesNeeded(surface.box, spacing); sites > kMaxSites)
     return Error{"the spacing of " + inThreeDigits(spacing) + " m needs a lattice of " +
-                 inThreeDigits(sites) + " sites, it may have " + inThreeDigits(kMostSites)};
+                 inThreeDigits(sites) + " sites, it may have " + inThreeDigits(kMaxSites)};
   return finish(fillAt(surface, spacing, 1.0), surface);
 }
 

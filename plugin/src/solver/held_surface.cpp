@@ -31,24 +31,24 @@ constexpr double kSameContact = 0.995;
 /// Cosine between the normals of something round and of a polyhedron that stands for it.
 constexpr double kAboutSame = 0.98;
 
-constexpr int kMostPointAdvances = 12;
+constexpr int kMaxPointAdvances = 12;
 
 bool isOfRevolution(Kind kind) { return kind == Kind::Capsule || kind == Kind::Cylinder || kind == Kind::Cone; }
 
 // --- nearest places on the pieces --------------------------------------------------------------------------
 
 /// `away` leads from the nearest place to the point, which is outside.
-HeldPlace outside(const Vector3d& away, const HeldPiece& piece, bool onFace) {
+HeldPoint outside(const Vector3d& away, const HeldPiece& piece, bool onFace) {
   const double distance = away.norm();
   return {away / distance, distance - piece.margin, onFace};
 }
 
-HeldPlace nearestOnPlane(const HeldPiece& plane, const Vector3d& x) {
+HeldPoint nearestOnPlane(const HeldPiece& plane, const Vector3d& x) {
   const Vector3d normal = plane.axes.col(1);
   return {normal, normal.dot(x - plane.center), true};
 }
 
-HeldPlace nearestOnBox(const HeldPiece& box, const Vector3d& x) {
+HeldPoint nearestOnBox(const HeldPiece& box, const Vector3d& x) {
   const Vector3d local = box.axes.transpose() * (x - box.center);
   const Vector3d outward = local - local.cwiseMax(-box.size).cwiseMin(box.size);
   if (!outward.isZero(0.0))
@@ -58,7 +58,7 @@ HeldPlace nearestOnBox(const HeldPiece& box, const Vector3d& x) {
   return {(local[axis] < 0.0 ? -1.0 : 1.0) * box.axes.col(axis), -depth - box.margin, true};
 }
 
-HeldPlace nearestOnCapsule(const HeldPiece& capsule, const Vector3d& x) {
+HeldPoint nearestOnCapsule(const HeldPiece& capsule, const Vector3d& x) {
   const Vector3d axis = capsule.axes.col(1), to = x - capsule.center;
   const Vector3d away = to - std::clamp(axis.dot(to), -capsule.size[1], capsule.size[1]) * axis;
   if (away.isZero(0.0)) return {capsule.axes.col(0), -capsule.margin, false};
@@ -80,7 +80,7 @@ struct HalfPlane {
   Vector3d inSpace(const Vector2d& v) const { return v[0] * radial + v[1] * axis; }
 };
 
-HeldPlace nearestOnCylinder(const HeldPiece& cylinder, const Vector3d& x) {
+HeldPoint nearestOnCylinder(const HeldPiece& cylinder, const Vector3d& x) {
   const HalfPlane plane(cylinder, x);
   const double radius = cylinder.size[0], half = cylinder.size[1];
   const Vector2d nearest(std::min(plane.at[0], radius), std::clamp(plane.at[1], -half, half));
@@ -91,7 +91,7 @@ HeldPlace nearestOnCylinder(const HeldPiece& cylinder, const Vector3d& x) {
   return {(plane.at[1] < 0.0 ? -1.0 : 1.0) * plane.axis, -toCap - cylinder.margin, true};
 }
 
-HeldPlace nearestOnCone(const HeldPiece& cone, const Vector3d& x) {
+HeldPoint nearestOnCone(const HeldPiece& cone, const Vector3d& x) {
   const HalfPlane plane(cone, x);
   const double radius = cone.size[0], half = cone.size[1];
   const Vector2d tip(0.0, half), slope = Vector2d(radius, -half) - tip;
@@ -128,7 +128,7 @@ OnTriangle nearestOnTriangle(const HeldPiece& t, const Vector3d& x) {
   return {away, height, inside, inside || (away - height * t.center).norm() < kOnIt};
 }
 
-HeldPlace nearestOnSheet(const HeldPiece& sheet, const Vector3d& x) {
+HeldPoint nearestOnSheet(const HeldPiece& sheet, const Vector3d& x) {
   const auto [away, height, inside, above] = nearestOnTriangle(sheet, x);
   const double side = sheet.metAbove ? sheet.side : height < 0.0 ? -1.0 : 1.0;
   if (above)
@@ -136,7 +136,7 @@ HeldPlace nearestOnSheet(const HeldPiece& sheet, const Vector3d& x) {
   return outside(away, sheet, false);
 }
 
-HeldPlace nearestOnHull(const HeldPiece* first, const HeldPiece* end, const Vector3d& x) {
+HeldPoint nearestOnHull(const HeldPiece* first, const HeldPiece* end, const Vector3d& x) {
   const HeldPiece* shallowest = first;
   double most = -HUGE_VAL;
   for (const HeldPiece* t = first; t != end; ++t)
@@ -160,10 +160,10 @@ HeldPlace nearestOnHull(const HeldPiece* first, const HeldPiece* end, const Vect
 
 /// Where the point goes: from + t way, for t from `start` to 1.
 struct Path {
-  Vector3d from, way;
+  Vector3d from, displacement;
   double start = 0.0;
 
-  Vector3d at(double t) const { return from + t * way; }
+  Vector3d at(double t) const { return from + t * displacement; }
 };
 
 struct Meeting {
@@ -173,7 +173,7 @@ struct Meeting {
   double radius;
 };
 
-HeldContact contactAt(const Meeting& m, const HeldPlace& place, const Vector3d& at) {
+HeldContact contactAt(const Meeting& m, const HeldPoint& place, const Vector3d& at) {
   HeldContact c;
   c.owner = m.first->owner;
   c.onFace = place.onFace;
@@ -188,11 +188,11 @@ constexpr double kNoMeeting = 2.0;
 /// Follows the point until it meets the solid, by conservative advancement; returns when, kNoMeeting if it does not.
 double advance(const Meeting& m, HeldContact& c) {
   double time = m.path.start;
-  HeldPlace place = nearestOn(m.first, m.end, m.path.at(time));
-  for (int i = 0; i < kMostPointAdvances; ++i) {
+  HeldPoint place = nearestOn(m.first, m.end, m.path.at(time));
+  for (int i = 0; i < kMaxPointAdvances; ++i) {
     const double gap = place.height - m.radius;
     if (gap <= 0.01 * kTouching * m.radius) break;
-    const double approach = -place.normal.dot(m.path.way);
+    const double approach = -place.normal.dot(m.path.displacement);
     if (!(approach > 0.0) || time + gap / approach > 1.0) return kNoMeeting;
     time += gap / approach;
     place = nearestOn(m.first, m.end, m.path.at(time));
@@ -256,8 +256,8 @@ void keepSide(HeldPiece& sheet, const Vector3d& x) {
 
 /// The path of a point that slides on the face that it meets first. What is met on the straight way beyond it may
 /// be buried, as the sides of flush tiles are.
-Path pathAlong(const HeldPiece* begin, const HeldPiece* end, const Vector3d& x, const Vector3d& way, double radius) {
-  const Path straight{x, way};
+Path pathAlong(const HeldPiece* begin, const HeldPiece* end, const Vector3d& x, const Vector3d& displacement, double radius) {
+  const Path straight{x, displacement};
   if (begin == end || endOfSolid(begin, end) == end) return straight;
   Vector3d normal = Vector3d::Zero();
   double time = kNoMeeting;
@@ -265,11 +265,11 @@ Path pathAlong(const HeldPiece* begin, const HeldPiece* end, const Vector3d& x, 
     next = endOfSolid(first, end);
     HeldContact c;
     const double met = advance({first, next, x, straight, radius}, c);
-    if (met < time && c.onFace && c.normal.dot(way) < 0.0) time = met, normal = c.normal;
+    if (met < time && c.onFace && c.normal.dot(displacement) < 0.0) time = met, normal = c.normal;
   }
   if (time == kNoMeeting) return straight;
-  const Vector3d into = normal.dot(way) * normal;
-  return {x + time * into, way - into, time};
+  const Vector3d into = normal.dot(displacement) * normal;
+  return {x + time * into, displacement - into, time};
 }
 
 /// Whether the point has come nowhere near since it was last looked at. It cannot have changed sides of a sheet
@@ -287,7 +287,7 @@ const HeldPiece* endOfSolid(const HeldPiece* first, const HeldPiece* end) {
   return next;
 }
 
-HeldPlace nearestOn(const HeldPiece* first, const HeldPiece* end, const Vector3d& x) {
+HeldPoint nearestOn(const HeldPiece* first, const HeldPiece* end, const Vector3d& x) {
   switch (first->kind) {
     case Kind::Plane: return nearestOnPlane(*first, x);
     case Kind::Box: return nearestOnBox(*first, x);
@@ -300,25 +300,25 @@ HeldPlace nearestOn(const HeldPiece* first, const HeldPiece* end, const Vector3d
   return nearestOnSheet(*first, x);
 }
 
-void findContacts(HeldNeighbourhood& around, const Vector3d& x, const Vector3d& way, double within) {
+void findContacts(HeldNeighbourhood& around, const Vector3d& x, const Vector3d& displacement, double within) {
   std::vector<HeldContact>& contacts = around.all->contacts;
   contacts.clear();
   HeldPiece* begin = around.all->pieces.data() + around.begin;
   const HeldPiece* end = around.all->pieces.data() + around.end;
-  const double most = within + way.norm();
+  const double most = within + displacement.norm();
   if (isClear(around, x, most)) return;
   double least = HUGE_VAL;
-  const Path path = pathAlong(begin, end, x, way, around.radius);
+  const Path path = pathAlong(begin, end, x, displacement, around.radius);
   for (HeldPiece *first = begin, *next = begin; first != end; first = next) {
     next = const_cast<HeldPiece*>(endOfSolid(first, end));
     if (first->kind == Kind::Sheet) keepSide(*first, x);
-    const HeldPlace place = nearestOn(first, next, x);
+    const HeldPoint place = nearestOn(first, next, x);
     const double gap = place.height - around.radius;
     least = std::min(least, gap);
     if (gap > most) continue;
     const Meeting meeting{first, next, x, path, around.radius};
     HeldContact c = contactAt(meeting, place, x);
-    const bool meetsLater = gap > kTouching * around.radius && gap + place.normal.dot(way) < 0.0;
+    const bool meetsLater = gap > kTouching * around.radius && gap + place.normal.dot(displacement) < 0.0;
     if (meetsLater && advance(meeting, c) == kNoMeeting) continue;
     if (!isBlocked(around, meeting, c)) addContact(contacts, c, around.radius);
   }
@@ -332,7 +332,7 @@ bool isCovered(const HeldPiece* begin, const HeldPiece* end, const Vector3d& pla
   const Vector3d center = place + ball * normal;
   for (const HeldPiece *other = begin, *next = begin; other != end; other = next) {
     next = endOfSolid(other, end);
-    const HeldPlace nearest = nearestOn(other, next, center);
+    const HeldPoint nearest = nearestOn(other, next, center);
     // what is touched may be a polyhedron slightly within something round
     const bool isItself = isOfRevolution(other->kind) && nearest.normal.dot(normal) > kAboutSame;
     if (!isItself && nearest.height < (1.0 - kOverlap) * ball) return true;

@@ -30,14 +30,14 @@ struct HeldPiece {
 };
 
 /// The nearest place on a piece: the point x minus `height` times `normal`.
-struct HeldPlace {
+struct HeldPoint {
   Eigen::Vector3d normal = Eigen::Vector3d::UnitY();  ///< unit, from the surface to the point
   double height = 0.0;                                ///< m, below 0 inside
   bool onFace = false;                                ///< in a flat face, not on its edges
 };
 
 /// Nearest place of the solid, or triangle, that begins at `first` (before `end`), and where it ends.
-HeldPlace nearestOn(const HeldPiece* first, const HeldPiece* end, const Eigen::Vector3d& x);
+HeldPoint nearestOn(const HeldPiece* first, const HeldPiece* end, const Eigen::Vector3d& x);
 const HeldPiece* endOfSolid(const HeldPiece* first, const HeldPiece* end);
 
 /// Where a point may touch what is held.
@@ -65,11 +65,11 @@ struct HeldNeighbourhood {
   double clear = 0.0;                                 ///< so far, m; 0: it may touch at once
 };
 
-/// Fills all->contacts with the places where a point at `x` that is about to move by `way` (m) may touch: each
+/// Fills all->contacts with the places where a point at `x` that is about to move by `displacement` (m) may touch: each
 /// is nearest to the point among all that is held around it, where the point is or where it will meet it.
 /// Contacts that are farther than `within` (m) beyond the way are left out. Edges and corners that other
 /// pieces cover, as those between the tiles of a floor, are none.
-void findContacts(HeldNeighbourhood& around, const Eigen::Vector3d& x, const Eigen::Vector3d& way,
+void findContacts(HeldNeighbourhood& around, const Eigen::Vector3d& x, const Eigen::Vector3d& displacement,
                   double within);
 
 /// Whether something of radius `radius` that touches at `place` along `normal` would overlap other pieces.

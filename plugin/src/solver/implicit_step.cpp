@@ -16,7 +16,7 @@ namespace {
 /// A substep of the implicit midpoint rule as it is being solved: body.points->position is the midpoint x
 /// that the iterations work on.
 struct Substep {
-  SteppedBody& body;
+  SolverBody& body;
   ImplicitState& implicit;
   double time;         ///< s since the start of the tick
   double h;            ///< s, of the whole substep
@@ -49,10 +49,10 @@ double damperStretch(const Substep& s, std::size_t i, const Points& x) {
   const ImplicitState& state = s.implicit;
   const auto a = s.springs().a[i], b = s.springs().b[i];
   const double beta = damperLookAhead(s, i), old = 0.5 * s.h * beta / (1.0 + beta);
-  const auto way = [&](std::uint32_t j) -> Eigen::Vector3d {
+  const auto displacement = [&](std::uint32_t j) -> Eigen::Vector3d {
     return x.col(j) - state.start.col(j) - old * state.startVelocity.col(j);
   };
-  return state.damperDirection.col(static_cast<Eigen::Index>(i)).dot(way(b) - way(a));
+  return state.damperDirection.col(static_cast<Eigen::Index>(i)).dot(displacement(b) - displacement(a));
 }
 
 /// kg: h/2 c (1 + beta).
@@ -115,12 +115,12 @@ constexpr double kConverged = 1e-11;
 
 /// The same of the sweeps over the contacts in an iteration.
 constexpr double kContactsConverged = 1e-12;
-constexpr int kMostSharedIterations = 20;
+constexpr int kMaxSharedIterations = 20;
 
 /// Iterations that end with a larger movement, as a share of the longest spring, have not found a midpoint
 /// that could be extrapolated from.
 constexpr double kNearlyConverged = 0.05;
-constexpr int kMostNewtonIterations = 12;
+constexpr int kMaxNewtonIterations = 12;
 
 /// Share by which the energy may rise above the least it has been, work and changes from outside apart: the
 /// midpoint rule does not keep it to the last digit, it swings about its value.
@@ -133,10 +133,10 @@ constexpr double kEnergyRounding = 1e-10;
 constexpr int kDamperTurns = 3;
 
 /// Of a substep that leads through surfaces.
-constexpr int kMostWaysFollowed = 3;
+constexpr int kMaxWaysFollowed = 3;
 
 /// Halvings of a Newton step that would go uphill.
-constexpr int kMostImplicitHalvings = 6;
+constexpr int kMaxImplicitHalvings = 6;
 
 /// What the iterations start from: x0 + h/2 v0, where they keep what turns or falls as a whole however stiff it is; or
 /// x0, from which the springs never get more energy than there was, but of such motion little comes about.
@@ -174,7 +174,7 @@ void shortenStep(const Substep& s) {
   const Points& x = s.points().position;
   Points& step = s.implicit.residual;
   const double before = objective(s, x);
-  for (int i = 0; i < kMostImplicitHalvings; ++i) {
+  for (int i = 0; i < kMaxImplicitHalvings; ++i) {
     s.implicit.trial = x + step;
     if (objective(s, s.implicit.trial) <= before) return;
     step *= 0.5;
@@ -221,7 +221,7 @@ double remainder(double moved, double before) {
 /// Iterates to the end; returns the last movement (m).
 double solveMidpoint(const Substep& s, const ContactSpan& span) {
   const bool shared = s.implicit.solver.kind == MidpointSolver::Kind::Shared;
-  const int most = shared ? kMostSharedIterations : kMostNewtonIterations;
+  const int most = shared ? kMaxSharedIterations : kMaxNewtonIterations;
   const double enough = kConverged * longest(s.springs());
   double moved = 0.0;
   for (int i = 0; i < most; ++i) {
@@ -237,9 +237,9 @@ double solveMidpoint(const Substep& s, const ContactSpan& span) {
 double solveFollowing(const Substep& s, const ContactSpan& span) {
   PointView atStart = viewOf(s.points());
   atStart.position = s.implicit.start.data();
-  for (int again = kMostWaysFollowed;; --again) {
+  for (int again = kMaxWaysFollowed;; --again) {
     const double left = solveMidpoint(s, span);
-    if (again == 0 || !s.touches() || !followWay(s.implicit.contacts, s.points().position, atStart, span)) return left;
+    if (again == 0 || !s.touches() || !followDisplacement(s.implicit.contacts, s.points().position, atStart, span)) return left;
     guess(s);
   }
 }
@@ -378,7 +378,7 @@ void advance(const Substep& s) {
   }
 }
 
-std::size_t countPoints(const std::vector<ContactRow>& rows) {
+std::size_t countPoints(const std::vector<PlaneContact>& rows) {
   std::size_t count = 0;
   for (std::size_t r = 0; r < rows.size(); ++r) count += r == 0 || rows[r].point != rows[r - 1].point;
   return count;
@@ -386,21 +386,21 @@ std::size_t countPoints(const std::vector<ContactRow>& rows) {
 
 }  // namespace
 
-bool canStepImplicitly(const SteppedBody& body) {
+bool canStepImplicitly(const SolverBody& body) {
   if (body.springs->size() == 0) return false;
   if (body.springs->limited || (body.tetrahedra && !body.tetrahedra->edgesAreSprings)) return false;
-  if (body.volumes && body.volumes->restVolume.size() > kMostSolvedVolumes) return false;
+  if (body.volumes && body.volumes->restVolume.size() > kMaxSolvedVolumes) return false;
   const Points& w = body.points->inverseMass;
   if (w.row(0) != w.row(1) || w.row(0) != w.row(2)) return false;
   if (!body.contacts) return true;
-  const auto moves = [](const ContactRow& row) {
+  const auto moves = [](const PlaneContact& row) {
     return !row.surfaceVelocity.isZero(0.0) || row.restitution > 0.0;
   };
-  return countPoints(*body.contacts) <= kMostMidpointPoints &&
+  return countPoints(*body.contacts) <= kMaxMidpointPoints &&
          std::none_of(body.contacts->begin(), body.contacts->end(), moves);
 }
 
-void stepImplicit(SteppedBody& body, ImplicitState& implicit, MidpointSolver::Kind kind, double tick,
+void stepImplicit(SolverBody& body, ImplicitState& implicit, MidpointSolver::Kind kind, double tick,
                   int substeps, SharedFactors& factors) {
   const double h = tick / substeps;
   implicit.solver.kind = kind;

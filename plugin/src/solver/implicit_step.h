@@ -3,7 +3,7 @@
 
 // Steps a soft body by the implicit midpoint rule, with its contacts.
 
-#include "solver/contact_rows.h"
+#include "solver/plane_contacts.h"
 #include "solver/midpoint_solver.h"
 #include "solver/verlet_step.h"
 
@@ -17,7 +17,7 @@ namespace limber {
 ///     x_m += W l,   l = h^2/4 F,   W = the touched points' part of A^-1,
 /// so the rows are solved together, by projected Gauss-Seidel on W (Jourdan, Alart, Jean 1998).
 struct MidpointContacts {
-  std::vector<ContactRow>* rows = nullptr;
+  std::vector<PlaneContact>* rows = nullptr;
   double enough = 0.0;                 ///< m, of the last sweep's largest correction
   Eigen::Index count = 0;              ///< #rows; the arrays have room for more and grow only
   std::vector<std::uint32_t> touched;  ///< points that have rows
@@ -29,15 +29,15 @@ struct MidpointContacts {
   Eigen::VectorXd changeAt;            ///< 3 #touched, the sums of `change`
   std::vector<TickImpulse> impulseBefore;  ///< #rows, the rows' impulses at the start
   Points unit;               ///< 3 x #points, scratch
-  std::vector<ContactRow> trial;  ///< #rows, scratch
+  std::vector<PlaneContact> trial;  ///< #rows, scratch
 };
 
 /// More points with rows than this cost more than stepping the body by Verlet.
-constexpr std::size_t kMostMidpointPoints = 48;
+constexpr std::size_t kMaxMidpointPoints = 48;
 
 /// Starts a substep with these rows (nullptr: none) and no loads. Sweeps that correct no place by more than `enough`
 /// (m) end.
-void startSubstep(MidpointContacts& contacts, std::vector<ContactRow>* rows, Eigen::Index points, double enough);
+void startSubstep(MidpointContacts& contacts, std::vector<PlaneContact>* rows, Eigen::Index points, double enough);
 
 /// Forgets W, of which solveLoads() computes what it needs.
 void forgetResponse(MidpointContacts& contacts);
@@ -57,7 +57,7 @@ void solveLoads(MidpointContacts& contacts, MidpointSolver& solver, const Points
 /// Looks along the ways that the iterations have found for surfaces that the rows do not follow, because the
 /// forces of so long a step lead elsewhere than its first velocities. If a way leads through one, gives the
 /// rows what is on their ways, and no loads, and returns true.
-bool followWay(MidpointContacts& contacts, const Points& found, const PointView& start, const ContactSpan& span);
+bool followDisplacement(MidpointContacts& contacts, const Points& found, const PointView& start, const ContactSpan& span);
 
 /// Whether any row bears a load. Rows of what is only near change nothing.
 bool bears(const MidpointContacts& contacts);
@@ -90,7 +90,7 @@ struct ImplicitState {
 
 /// Whether stepImplicit can step the body: points are held along all axes or none, no elastic limit, not more
 /// contacts than it solves, and none with a moving surface.
-bool canStepImplicitly(const SteppedBody& body);
+bool canStepImplicitly(const SolverBody& body);
 
 /// Advances one body without links by `tick` seconds in `substeps` substeps of h of the implicit midpoint
 /// rule
@@ -103,7 +103,7 @@ bool canStepImplicitly(const SteppedBody& body);
 /// iteration, angular momentum when converged. Where rounding of the iterations or the nonlinearity would add
 /// energy, it is taken out of the internal motion (removeKineticEnergy). Allocates when the body, its springs or h
 /// are new.
-void stepImplicit(SteppedBody& body, ImplicitState& implicit, MidpointSolver::Kind kind, double tick,
+void stepImplicit(SolverBody& body, ImplicitState& implicit, MidpointSolver::Kind kind, double tick,
                   int substeps, SharedFactors& factors);
 
 }  // namespace limber

@@ -28,7 +28,7 @@ void LIMBER_PACK_STEP(const LaneBody& b, double tick, int substeps) {
                   v.timeStep};
   const TetrahedronBody& t = b.tetrahedra;
   body.tetrahedra = {t.count,       t.corners,        packs(t.inverseRest),
-                     packs(t.hold), packs(t.modulus), packs(t.crushModulus)};
+                     packs(t.stabilityScale), packs(t.modulus), packs(t.crushModulus)};
   body.hasDampers = b.damped;
   body.dampHalf = packs(b.dampHalf);
   body.dampFull = packs(b.dampFull);

@@ -41,12 +41,12 @@ struct VolumeBody {
   double timeStep = 0.0;
 };
 
-/// Of both kinds of bodies below: kernel::Tetrahedra with packs for numbers; of a QuadBody, with one number
+/// Of both kinds of bodies below: kernel::Tetrahedra with packs for numbers; of a SpringBatchBody, with one number
 /// per tetrahedron, filled up to a multiple of four, and one modulus.
 struct TetrahedronBody {
   unsigned count = 0;
   const unsigned* corners = nullptr;
-  const double *inverseRest = nullptr, *hold = nullptr, *modulus = nullptr, *crushModulus = nullptr;
+  const double *inverseRest = nullptr, *stabilityScale = nullptr, *modulus = nullptr, *crushModulus = nullptr;
 };
 
 /// A kernel::Body whose numbers are packs of `laneCount` doubles.
@@ -67,7 +67,7 @@ struct LaneBody {
 
 /// One body whose points are quads x, y, z, 0 of doubles; what is one number per spring comes as it is. The
 /// number of springs is a multiple of four.
-struct QuadBody {
+struct SpringBatchBody {
   unsigned points, springs;
   const unsigned *a, *b;
   const unsigned char* apart;  ///< per four springs: whether they share no point
@@ -83,13 +83,13 @@ struct QuadBody {
 };
 
 /// Needs AVX2. Returns computeForcesAndChange.
-double stepQuads(const QuadBody& body, double tick, int substeps);
+double stepSpringBatches(const SpringBatchBody& body, double tick, int substeps);
 /// The parts of such a step, for bodies that are stepped together with others. Need AVX2.
-void computeQuadForces(const QuadBody& body);
-double computeQuadForcesAndChange(const QuadBody& body);
-void kickQuads(const QuadBody& body, double dt);
-void driftQuads(const QuadBody& body, double dt);
-void dampQuads(const QuadBody& body, bool whole, bool forward);
+void computeBatchForces(const SpringBatchBody& body);
+double computeBatchForcesAndChange(const SpringBatchBody& body);
+void kickSpringBatches(const SpringBatchBody& body, double dt);
+void driftSpringBatches(const SpringBatchBody& body, double dt);
+void dampSpringBatches(const SpringBatchBody& body, bool whole, bool forward);
 
 #if defined(LIMBER_HAS_LANES)
 void stepSse2(const LaneBody& body, double tick, int substeps);

@@ -145,7 +145,7 @@ Eigen::MatrixXd solve(const SparseFactor& factor, const Eigen::MatrixXd& b) {
 
 namespace {
 
-constexpr Eigen::Index kMostSteps = 400;
+constexpr Eigen::Index kMaxSteps = 400;
 constexpr Eigen::Index kStepsBetweenChecks = 8;
 
 /// Below this part of the largest entry so far the space is used up: what remains is round-off.
@@ -174,7 +174,7 @@ Ritz solve(const Eigen::VectorXd& diagonal, const Eigen::VectorXd& coupling, dou
 }  // namespace
 
 double largestEigenvalue(const SymmetricOperator& multiply, Eigen::Index size, double tolerance) {
-  const Eigen::Index steps = std::min(size, kMostSteps);
+  const Eigen::Index steps = std::min(size, kMaxSteps);
   Eigen::MatrixXd basis(size, steps);
   Eigen::VectorXd diagonal(steps), coupling(steps);
   Random random(1);

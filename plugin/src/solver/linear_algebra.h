@@ -48,9 +48,9 @@ SymmetricParts tridiagonalParts(const Eigen::VectorXd& diagonal, const Eigen::Ve
 Eigen::Matrix3d pseudoInverse(const Eigen::Matrix3d& matrix);
 
 /// Up to 10 x 10 and 10, without an allocation.
-constexpr int kMostSmall = 10;
-using SmallMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kMostSmall, kMostSmall>;
-using SmallVector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kMostSmall, 1>;
+constexpr int kMaxSmall = 10;
+using SmallMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kMaxSmall, kMaxSmall>;
+using SmallVector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kMaxSmall, 1>;
 
 /// Of a small symmetric system, for each column of the right sides in place.
 void solveSmall(const SmallMatrix& matrix, Eigen::Ref<Eigen::MatrixXd> columns);

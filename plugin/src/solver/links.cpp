@@ -217,7 +217,7 @@ double linkFrequencyBoundSquared(LinkedBodies& bodies) {
   return bound;
 }
 
-void turnAnchors(LinkedBodies& bodies) {
+void updateAnchorMasses(LinkedBodies& bodies) {
   for (LinkAnchor& anchor : bodies.anchors)
     anchor.mass = massAgainst(mobility(bodies, anchor.point) + mobility(bodies, anchor.pivot));
 }
@@ -239,18 +239,18 @@ Vector3d speedError(const LinkedBodies& bodies, const LinkAnchor& anchor, double
   return (end - anchor.apart) / dt;
 }
 
-void bear(LinkedBodies& bodies, const LinkAnchor& anchor, const Vector3d& impulse) {
+void applyImpulse(LinkedBodies& bodies, const LinkAnchor& anchor, const Vector3d& impulse) {
   applyImpulse(bodies, anchor.point, impulse);
   applyImpulse(bodies, anchor.pivot, -impulse);
 }
 
 void joinVelocities(LinkedBodies& bodies) {
-  turnAnchors(bodies);
+  updateAnchorMasses(bodies);
   for (int sweep = 0; sweep < kAnchorSweeps && !bodies.anchors.empty(); ++sweep) {
     double largest = 0.0;
     for (const LinkAnchor& anchor : bodies.anchors) {
       const Vector3d error = speedError(bodies, anchor, 0.0);
-      bear(bodies, anchor, -(anchor.mass * error));
+      applyImpulse(bodies, anchor, -(anchor.mass * error));
       largest = std::max(largest, error.norm());
     }
     if (largest <= kAnchorTolerance) return;

@@ -83,8 +83,8 @@ struct LinkSpring {
 struct LinkAnchor {
   LinkEnd point;  ///< of kind Point
   LinkEnd pivot;  ///< of kind Rigid
-  Eigen::Vector3d stopping = Eigen::Vector3d::Zero();  ///< N s on the point in the present substep, before its
-  Eigen::Vector3d settling = Eigen::Vector3d::Zero();  ///< drift and after it; to begin with, a guess
+  Eigen::Vector3d positionImpulse = Eigen::Vector3d::Zero();  ///< N s on the point in the present substep, before its
+  Eigen::Vector3d velocityImpulse = Eigen::Vector3d::Zero();  ///< drift and after it; to begin with, a guess
 
   // Written by the step.
   Eigen::Vector3d apart = Eigen::Vector3d::Zero();  ///< m, of the point from the pivot after the drift
@@ -115,7 +115,7 @@ void dampLinks(LinkedBodies& bodies, double dt, bool forward);
 double linkFrequencyBoundSquared(LinkedBodies& bodies);
 
 /// Makes the anchors' masses those of the present rotation of the rigid bodies.
-void turnAnchors(LinkedBodies& bodies);
+void updateAnchorMasses(LinkedBodies& bodies);
 
 /// Sets what is to be left of the anchors' errors after a drift of `dt` in a tick of that length (s). They are
 /// taken back slowly: the way that Bullet has moved a body by in a tick would, taken back in a substep, become
@@ -127,7 +127,7 @@ void aimAnchors(LinkedBodies& bodies, double dt, double tick);
 Eigen::Vector3d speedError(const LinkedBodies& bodies, const LinkAnchor& anchor, double dt);
 
 /// An impulse on the point and its opposite on the rigid body.
-void bear(LinkedBodies& bodies, const LinkAnchor& anchor, const Eigen::Vector3d& impulse);
+void applyImpulse(LinkedBodies& bodies, const LinkAnchor& anchor, const Eigen::Vector3d& impulse);
 
 /// Makes the velocities of points and pivots agree, whatever else the bodies meet.
 void joinVelocities(LinkedBodies& bodies);

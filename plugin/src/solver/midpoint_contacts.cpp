@@ -8,13 +8,13 @@
 namespace limber {
 namespace {
 
-constexpr int kMostLoadSweeps = 50;
+constexpr int kMaxLoadSweeps = 50;
 
 /// Of the radius: how deep a way must lead into a surface that is not followed to be solved for again.
 constexpr double kThrough = 0.01;
 
 /// m: how far below its surface the row's point may end, at most 0.
-double allowedGap(const ContactRow& row, const Eigen::Vector3d& start, const ContactSpan& span) {
+double allowedGap(const PlaneContact& row, const Eigen::Vector3d& start, const ContactSpan& span) {
   const double gap = row.normal.dot(start - row.touch - span.time * row.surfaceVelocity);
   return gap >= 0.0 ? 0.0 : gap + std::min(-kRecovery * gap, row.recoverySpeed * span.duration);
 }
@@ -39,7 +39,7 @@ void computeResponse(MidpointContacts& c, MidpointSolver& solver, Eigen::Index p
 /// Corrects the load of row r, whose point goes from `start` to `end`; returns by how far (m) it was off.
 double solveRow(MidpointContacts& c, MidpointSolver& solver, std::size_t r, const Eigen::Vector3d& start,
                 const Eigen::Vector3d& end, const ContactSpan& span) {
-  const ContactRow& row = (*c.rows)[r];
+  const PlaneContact& row = (*c.rows)[r];
   const auto at = static_cast<Eigen::Index>(r);
   const Eigen::Index place = 3 * c.place[r];
   const Eigen::Vector3d before = c.load.col(at) + c.change.col(at);
@@ -64,7 +64,7 @@ double solveRow(MidpointContacts& c, MidpointSolver& solver, std::size_t r, cons
 /// Loads that slide are on their cone but for so much of it: rounding must not make them stick.
 constexpr double kOnCone = 1e-9;
 
-bool leadsThrough(const ContactRow& row, const Eigen::Vector3d& start, const Eigen::Vector3d& end,
+bool leadsThrough(const PlaneContact& row, const Eigen::Vector3d& start, const Eigen::Vector3d& end,
                   const ContactSpan& span) {
   if (!row.around || row.away) return false;
   const double gap = row.normal.dot(end - row.touch);
@@ -73,7 +73,7 @@ bool leadsThrough(const ContactRow& row, const Eigen::Vector3d& start, const Eig
 
 }  // namespace
 
-void startSubstep(MidpointContacts& c, std::vector<ContactRow>* rows, Eigen::Index points, double enough) {
+void startSubstep(MidpointContacts& c, std::vector<PlaneContact>* rows, Eigen::Index points, double enough) {
   constexpr Eigen::Index kStep = 8;
   c.enough = enough;
   c.rows = rows;
@@ -113,10 +113,10 @@ void solveLoads(MidpointContacts& c, MidpointSolver& solver, const Points& found
   const auto size = 3 * static_cast<Eigen::Index>(c.touched.size());
   c.change.setZero();
   c.changeAt.setZero();
-  for (int sweep = 0; sweep < kMostLoadSweeps; ++sweep) {
+  for (int sweep = 0; sweep < kMaxLoadSweeps; ++sweep) {
     double largest = 0.0;
     for (std::size_t r = 0; r < c.rows->size(); ++r) {
-      const ContactRow& row = (*c.rows)[r];
+      const PlaneContact& row = (*c.rows)[r];
       if (row.away) continue;
       const Eigen::Vector3d moved = c.response.block(3 * c.place[r], 0, 3, size) * c.changeAt.head(size);
       const Eigen::Vector3d x0 = start.col(row.point);
@@ -127,8 +127,8 @@ void solveLoads(MidpointContacts& c, MidpointSolver& solver, const Points& found
   }
 }
 
-bool followWay(MidpointContacts& c, const Points& found, const PointView& start, const ContactSpan& span) {
-  std::vector<ContactRow>& rows = *c.rows;
+bool followDisplacement(MidpointContacts& c, const Points& found, const PointView& start, const ContactSpan& span) {
+  std::vector<PlaneContact>& rows = *c.rows;
   c.trial = rows;
   bool through = false;
   for (std::size_t begin = 0, end = 0; begin < rows.size(); begin = end) {
@@ -136,9 +136,9 @@ bool followWay(MidpointContacts& c, const Points& found, const PointView& start,
     bool follows = false;
     for (; end < rows.size() && rows[end].point == point; ++end) follows = follows || rows[end].around;
     if (!follows) continue;
-    const Eigen::Vector3d x = start.positionOf(point), way = span.reach * (found.col(point) - x);
-    followSurface(&c.trial[begin], end - begin, start, way, 0.0);
-    for (std::size_t r = begin; r < end; ++r) through = through || leadsThrough(c.trial[r], x, x + way, span);
+    const Eigen::Vector3d x = start.positionOf(point), displacement = span.reach * (found.col(point) - x);
+    followSurface(&c.trial[begin], end - begin, start, displacement, 0.0);
+    for (std::size_t r = begin; r < end; ++r) through = through || leadsThrough(c.trial[r], x, x + displacement, span);
   }
   if (!through) return false;
   std::copy(c.trial.begin(), c.trial.end(), rows.begin());
@@ -157,7 +157,7 @@ void settle(MidpointContacts& c, PointState& state, const ContactSpan& span) {
   // F = 4 / h^2 l acts for the span, which is reach h/2 long
   const double impulsePerLoad = span.reach * span.reach / span.duration;
   for (std::size_t r = 0; r < c.rows->size(); ++r) {
-    ContactRow& row = (*c.rows)[r];
+    PlaneContact& row = (*c.rows)[r];
     const Eigen::Vector3d load = c.load.col(static_cast<Eigen::Index>(r));
     const double normal = row.normal.dot(load);
     row.touching = normal > 0.0;

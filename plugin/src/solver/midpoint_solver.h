@@ -96,8 +96,8 @@ inline double lookAhead(double damping, double inverseMasses, double h) {
 }
 
 /// More closed surfaces in a body than this are stepped by Verlet.
-constexpr int kMostSolvedVolumes = 8;
-static_assert(kMostSolvedVolumes <= kMostSmall);
+constexpr int kMaxSolvedVolumes = 8;
+static_assert(kMaxSolvedVolumes <= kMaxSmall);
 
 /// What the volume term adds to a matrix A: sum d g g^T over the components, g the gradient of the volume and
 /// d = h^2/4 K / V0. By Sherman, Morrison and Woodbury

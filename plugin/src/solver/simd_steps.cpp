@@ -9,13 +9,13 @@
 
 #if !defined(LIMBER_HAS_LANES)
 namespace limber::kernel {
-// never called, see canStepQuads()
-double stepQuads(const QuadBody&, double, int) { return 0.0; }
-void computeQuadForces(const QuadBody&) {}
-double computeQuadForcesAndChange(const QuadBody&) { return 0.0; }
-void kickQuads(const QuadBody&, double) {}
-void driftQuads(const QuadBody&, double) {}
-void dampQuads(const QuadBody&, bool, bool) {}
+// never called, see canStepSpringBatches()
+double stepSpringBatches(const SpringBatchBody&, double, int) { return 0.0; }
+void computeBatchForces(const SpringBatchBody&) {}
+double computeBatchForcesAndChange(const SpringBatchBody&) { return 0.0; }
+void kickSpringBatches(const SpringBatchBody&, double) {}
+void driftSpringBatches(const SpringBatchBody&, double) {}
+void dampSpringBatches(const SpringBatchBody&, bool, bool) {}
 }  // namespace limber::kernel
 #endif
 
@@ -66,7 +66,7 @@ kernel::VolumeBody volumeBody(VolumeArrays& volumes) {
 
 kernel::TetrahedronBody tetrahedronBody(const TetrahedronVolumes& volumes) {
   const kernel::Tetrahedra<double> t = kernelTetrahedra(volumes);
-  return {t.count, t.corners, t.inverseRest, t.hold, t.modulus, t.crushModulus};
+  return {t.count, t.corners, t.inverseRest, t.stabilityScale, t.modulus, t.crushModulus};
 }
 
 void reserveVolumes(LaneBlock& b, LaneScratch& scratch, const VolumeArrays& volumes, std::size_t lanes) {
@@ -80,7 +80,7 @@ void reserveVolumes(LaneBlock& b, LaneScratch& scratch, const VolumeArrays& volu
 void reserveTetrahedra(LaneBlock& b, LaneScratch& scratch, const TetrahedronVolumes& tetrahedra,
                        std::size_t lanes) {
   reserveNumbers(b.inverseRest, tetrahedra.inverseRest.size() * lanes);
-  reserveNumbers(scratch.hold, tetrahedra.hold.size() * lanes);
+  reserveNumbers(scratch.stabilityScale, tetrahedra.stabilityScale.size() * lanes);
   reserveNumbers(b.tetrahedronModulus, lanes);
   reserveNumbers(b.crushModulus, lanes);
 }
@@ -92,7 +92,7 @@ void reserve(LaneScratch& s, std::size_t points, std::size_t springs, std::size_
 }
 
 void reserve(LaneBlock& b, LaneScratch& scratch, std::size_t lanes) {
-  const SteppedBody& first = b.lanes[0].body;
+  const SolverBody& first = b.lanes[0].body;
   reserve(scratch, static_cast<std::size_t>(first.points->position.cols()), first.springs->size(), lanes);
   for (auto* array :
        {&b.restLength, &b.extensionStiffness, &b.compressionStiffness, &b.dampHalf, &b.dampFull})
@@ -156,7 +156,7 @@ void load(LaneBlock& block, LaneScratch& scratch, std::size_t lanes) {
     LaneBlock::Lane& source = block.lanes[lane];
     loadState(scratch, *source.body.points, lane, lanes);
     const TetrahedronVolumes* tetrahedra = source.body.tetrahedra;
-    if (tetrahedra) toLane(tetrahedra->hold.data(), tetrahedra->hold.size(), scratch.hold, lane, lanes);
+    if (tetrahedra) toLane(tetrahedra->stabilityScale.data(), tetrahedra->stabilityScale.size(), scratch.stabilityScale, lane, lanes);
     if (source.revision == source.body.springs->revision) continue;
     loadSprings(block, *source.body.springs, lane, lanes);
     if (source.body.volumes) loadVolumes(block, *source.body.volumes, lane, lanes);
@@ -180,12 +180,12 @@ struct LaneContacts {
   static void stop(void* context, double time, double dt) {
     const auto& self = *static_cast<const LaneContacts*>(context);
     for (std::size_t lane = 0; lane < self.block.lanes.size(); ++lane)
-      stopAtContacts(self.block.lanes[lane].body, self.points(lane), time, dt);
+      solvePositions(self.block.lanes[lane].body, self.points(lane), time, dt);
   }
   static void settle(void* context) {
     const auto& self = *static_cast<const LaneContacts*>(context);
     for (std::size_t lane = 0; lane < self.block.lanes.size(); ++lane)
-      settleContacts(self.block.lanes[lane].body, self.points(lane));
+      solveVelocities(self.block.lanes[lane].body, self.points(lane));
   }
 };
 
@@ -193,7 +193,7 @@ struct LaneContacts {
 bool prepareContacts(LaneBlock& block, const LaneContacts& contacts) {
   bool any = false;
   for (std::size_t lane = 0; lane < block.lanes.size(); ++lane) {
-    SteppedBody& body = block.lanes[lane].body;
+    SolverBody& body = block.lanes[lane].body;
     if (!mayTouch(body)) continue;
     if (body.contacts) prepareContacts(*body.contacts, contacts.points(lane));
     any = true;
@@ -215,7 +215,7 @@ kernel::TetrahedronBody laneTetrahedra(LaneBlock& b, LaneScratch& s) {
   const TetrahedronVolumes* tetrahedra = b.lanes[0].body.tetrahedra;
   if (!tetrahedra) return {};
   kernel::TetrahedronBody body = tetrahedronBody(*tetrahedra);
-  body.inverseRest = numbers(b.inverseRest), body.hold = numbers(s.hold);
+  body.inverseRest = numbers(b.inverseRest), body.stabilityScale = numbers(s.stabilityScale);
   body.modulus = numbers(b.tetrahedronModulus), body.crushModulus = numbers(b.crushModulus);
   return body;
 }
@@ -262,7 +262,7 @@ void stepPacks(const kernel::LaneBody& body, double tick, int substeps, Instruct
 void unload(LaneBlock& block, const LaneScratch& scratch, std::size_t lanes, const CacheLine& change,
             double dt) {
   for (std::size_t lane = 0; lane < block.lanes.size(); ++lane) {
-    SteppedBody& body = block.lanes[lane].body;
+    SolverBody& body = block.lanes[lane].body;
     PointState& state = *body.points;
     const auto count = static_cast<std::size_t>(state.position.size());
     fromLane(scratch.position, lane, lanes, count, state.position.data());
@@ -295,7 +295,7 @@ namespace {
 
 std::size_t filledUp(std::size_t springs) { return (springs + 3) / 4 * 4; }
 
-void reserve(QuadArrays& q, std::size_t points, std::size_t springs) {
+void reserve(SpringBatchArrays& q, std::size_t points, std::size_t springs) {
   for (auto* array : {&q.position, &q.velocity, &q.acceleration, &q.inverseMass, &q.force, &q.earlierForce})
     reserveNumbers(*array, 4 * points);
   for (auto* array : {&q.restLength, &q.extensionStiffness, &q.compressionStiffness, &q.inverseLength,
@@ -313,7 +313,7 @@ bool shareNoPoint(const unsigned* a, const unsigned* b) {
   return true;
 }
 
-void loadTopology(QuadArrays& q, const SpringArrays& springs, unsigned points) {
+void loadTopology(SpringBatchArrays& q, const SpringArrays& springs, unsigned points) {
   std::copy(springs.a.begin(), springs.a.end(), q.a.begin());
   std::copy(springs.b.begin(), springs.b.end(), q.b.begin());
   std::fill(q.a.begin() + static_cast<std::ptrdiff_t>(springs.size()), q.a.end(), points);
@@ -322,7 +322,7 @@ void loadTopology(QuadArrays& q, const SpringArrays& springs, unsigned points) {
   for (std::size_t g = 0; g < q.apart.size(); ++g) q.apart[g] = shareNoPoint(&q.a[4 * g], &q.b[4 * g]);
 }
 
-void loadSprings(QuadArrays& q, const SpringArrays& springs) {
+void loadSprings(SpringBatchArrays& q, const SpringArrays& springs) {
   const auto copy = [](const std::vector<double>& from, AlignedNumbers& to) {
     std::copy(from.begin(), from.end(), numbers(to));
   };
@@ -335,32 +335,32 @@ void loadSprings(QuadArrays& q, const SpringArrays& springs) {
   q.revision = springs.revision;
 }
 
-void toQuads(const Points& from, AlignedNumbers& to) {
+void toBatches(const Points& from, AlignedNumbers& to) {
   double* target = numbers(to);
   for (Eigen::Index i = 0; i < from.cols(); ++i)
     for (Eigen::Index c = 0; c < 3; ++c) target[4 * i + c] = from(c, i);
 }
 
-void fromQuads(AlignedNumbers& from, Points& to) {
+void fromBatches(AlignedNumbers& from, Points& to) {
   const double* source = numbers(from);
   for (Eigen::Index i = 0; i < to.cols(); ++i)
     for (Eigen::Index c = 0; c < 3; ++c) to(c, i) = source[4 * i + c];
 }
 
-void load(QuadArrays& q, const PointState& state, const SpringArrays& springs) {
+void load(SpringBatchArrays& q, const PointState& state, const SpringArrays& springs) {
   const auto points = static_cast<std::size_t>(state.position.cols());
   if (q.position.empty() || q.a.size() != filledUp(springs.size())) {
     reserve(q, points + 2, filledUp(springs.size()));
     loadTopology(q, springs, static_cast<unsigned>(points));
   }
   if (q.revision != springs.revision) loadSprings(q, springs);
-  toQuads(state.position, q.position);
-  toQuads(state.velocity, q.velocity);
-  toQuads(state.acceleration, q.acceleration);
-  toQuads(state.inverseMass, q.inverseMass);
+  toBatches(state.position, q.position);
+  toBatches(state.velocity, q.velocity);
+  toBatches(state.acceleration, q.acceleration);
+  toBatches(state.inverseMass, q.inverseMass);
 }
 
-kernel::VolumeBody quadVolumes(QuadArrays& q, VolumeArrays* volumes) {
+kernel::VolumeBody batchVolumes(SpringBatchArrays& q, VolumeArrays* volumes) {
   if (!volumes) return {};
   reserveNumbers(q.gradient, q.position.size() * 8);
   reserveNumbers(q.sums, 8 * volumes->restVolume.size());
@@ -369,28 +369,28 @@ kernel::VolumeBody quadVolumes(QuadArrays& q, VolumeArrays* volumes) {
   return body;
 }
 
-kernel::TetrahedronBody quadTetrahedra(QuadArrays& q, const TetrahedronVolumes* tetrahedra) {
+kernel::TetrahedronBody batchTetrahedra(SpringBatchArrays& q, const TetrahedronVolumes* tetrahedra) {
   if (!tetrahedra) return {};
   const std::size_t count = filledUp(tetrahedra->tetrahedra.size());
   if (q.corners.size() != 4 * count) {
     reserveNumbers(q.inverseRest, count);
-    reserveNumbers(q.hold, count);
+    reserveNumbers(q.stabilityScale, count);
     q.corners.assign(4 * count, static_cast<unsigned>(q.position.size() * 2 - 2));
     const unsigned* corners = tetrahedra->tetrahedra.front().data();
     std::copy(corners, corners + 4 * tetrahedra->tetrahedra.size(), q.corners.begin());
     std::copy(tetrahedra->inverseRest.begin(), tetrahedra->inverseRest.end(), numbers(q.inverseRest));
   }
-  std::copy(tetrahedra->hold.begin(), tetrahedra->hold.end(), numbers(q.hold));
+  std::copy(tetrahedra->stabilityScale.begin(), tetrahedra->stabilityScale.end(), numbers(q.stabilityScale));
   kernel::TetrahedronBody body = tetrahedronBody(*tetrahedra);
   body.count = static_cast<unsigned>(count);
   body.corners = q.corners.data();
-  body.inverseRest = numbers(q.inverseRest), body.hold = numbers(q.hold);
+  body.inverseRest = numbers(q.inverseRest), body.stabilityScale = numbers(q.stabilityScale);
   return body;
 }
 
-kernel::QuadBody quadBody(SteppedBody& stepped, const kernel::ContactCalls* contacts) {
-  QuadArrays& q = *stepped.quads;
-  kernel::QuadBody body;
+kernel::SpringBatchBody springBatchBody(SolverBody& stepped, const kernel::ContactCalls* contacts) {
+  SpringBatchArrays& q = *stepped.springBatches;
+  kernel::SpringBatchBody body;
   body.points = static_cast<unsigned>(q.position.size() * 2);
   body.springs = static_cast<unsigned>(q.a.size());
   body.a = q.a.data(), body.b = q.b.data(), body.apart = q.apart.data();
@@ -403,8 +403,8 @@ kernel::QuadBody quadBody(SteppedBody& stepped, const kernel::ContactCalls* cont
   body.compressionStiffness = numbers(q.sameStiffness ? q.extensionStiffness : q.compressionStiffness);
   body.inverseLength = numbers(q.inverseLength);
   body.dampHalf = numbers(q.dampHalf), body.dampFull = numbers(q.dampFull);
-  body.volumes = quadVolumes(q, stepped.volumes);
-  body.tetrahedra = quadTetrahedra(q, stepped.tetrahedra);
+  body.volumes = batchVolumes(q, stepped.volumes);
+  body.tetrahedra = batchTetrahedra(q, stepped.tetrahedra);
   body.damped = stepped.springs->damped;
   body.contacts = contacts;
   return body;
@@ -412,29 +412,29 @@ kernel::QuadBody quadBody(SteppedBody& stepped, const kernel::ContactCalls* cont
 
 }  // namespace
 
-bool canStepQuads() { return isAvailable(InstructionSet::Avx2); }
+bool canStepSpringBatches() { return isAvailable(InstructionSet::Avx2); }
 
-kernel::QuadBody loadQuads(SteppedBody& body, const kernel::ContactCalls* contacts) {
-  load(*body.quads, *body.points, *body.springs);
-  return quadBody(body, contacts);
+kernel::SpringBatchBody loadSpringBatches(SolverBody& body, const kernel::ContactCalls* contacts) {
+  load(*body.springBatches, *body.points, *body.springs);
+  return springBatchBody(body, contacts);
 }
 
-void unloadQuads(SteppedBody& body) {
-  fromQuads(body.quads->position, body.points->position);
-  fromQuads(body.quads->velocity, body.points->velocity);
+void unloadSpringBatches(SolverBody& body) {
+  fromBatches(body.springBatches->position, body.points->position);
+  fromBatches(body.springBatches->velocity, body.points->velocity);
 }
 
-PointView viewOf(QuadArrays& quads) {
-  return {numbers(quads.position), numbers(quads.velocity), numbers(quads.inverseMass), 1, 4};
+PointView viewOf(SpringBatchArrays& springBatches) {
+  return {numbers(springBatches.position), numbers(springBatches.velocity), numbers(springBatches.inverseMass), 1, 4};
 }
 
-void stepQuads(SteppedBody& body, double tick, int substeps) {
+void stepSpringBatches(SolverBody& body, double tick, int substeps) {
   kernel::ContactCalls calls;
-  const kernel::QuadBody quads = loadQuads(body, &calls);
-  BodyContacts contacts{&body, viewOf(*body.quads)};
+  const kernel::SpringBatchBody springBatches = loadSpringBatches(body, &calls);
+  BodyContacts contacts{&body, viewOf(*body.springBatches)};
   calls = contacts.calls();
-  const double change = kernel::stepQuads(quads, tick, substeps);
-  unloadQuads(body);
+  const double change = kernel::stepSpringBatches(springBatches, tick, substeps);
+  unloadSpringBatches(body);
   body.errorRate = verletErrorRate(change, body.points->position.cols(), tick / substeps);
 }
 

@@ -34,7 +34,7 @@ const char* nameOf(InstructionSet set);
 /// and are all damped or all not, and have a volume term or all have not.
 struct LaneBlock {
   struct Lane {
-    SteppedBody body;
+    SolverBody body;
     unsigned revision = 0;  ///< of its springs when their constants were copied; 0: not yet
   };
   std::vector<Lane> lanes;  ///< 1 to laneCount(instructionSet) bodies
@@ -52,7 +52,7 @@ struct LaneScratch {
   AlignedNumbers position, velocity, acceleration, inverseMass, force, earlierForce;  // 3 x #points
   AlignedNumbers direction;                                                           // 3 x #springs
   AlignedNumbers gradient, sums;  // 3 x #points, 4 x #components
-  AlignedNumbers hold;            // #tetrahedra
+  AlignedNumbers stabilityScale;            // #tetrahedra
 };
 
 /// As stepVerlet for each of the bodies, to the bit, whatever the instruction set.
@@ -61,16 +61,16 @@ void stepLanes(LaneBlock& block, LaneScratch& scratch, double tick, int substeps
 
 // --- four springs of a body --------------------------------------------------------------------------------
 
-/// A body's numbers as the kernel that takes four springs at a time wants them (lane_kernels.h: QuadBody).
+/// A body's numbers as the kernel that takes four springs at a time wants them (lane_kernels.h: SpringBatchBody).
 /// Two points without a body behind them come last: springs and tetrahedra that fill up the last four have
 /// these.
-struct QuadArrays {
+struct SpringBatchArrays {
   AlignedNumbers position, velocity, acceleration, inverseMass, force, earlierForce;  // 4 x (#points + 2)
   AlignedNumbers restLength, extensionStiffness, compressionStiffness, inverseLength, dampHalf,
       dampFull;                      // #springs, filled up
   bool sameStiffness = false;        // of all springs, extended and compressed
   AlignedNumbers gradient, sums;     // of the volume: 4 x (#points + 2), 8 x #components
-  AlignedNumbers inverseRest, hold;  // #tetrahedra, filled up
+  AlignedNumbers inverseRest, stabilityScale;  // #tetrahedra, filled up
   std::vector<unsigned> corners;     // 4 x #tetrahedra, filled up
   std::vector<unsigned> a, b;        // #springs, filled up
   std::vector<unsigned char> apart;  // #springs / 4: whether the four share no point
@@ -78,20 +78,20 @@ struct QuadArrays {
 };
 
 /// Whether this machine can: AVX2.
-bool canStepQuads();
+bool canStepSpringBatches();
 
 /// Copies the body's state, and what else has changed, into body.quads, which must be set. Allocates at the
 /// first call only. `contacts` must outlive the result; nullptr for a body that is stepped part by part.
-kernel::QuadBody loadQuads(SteppedBody& body, const kernel::ContactCalls* contacts);
+kernel::SpringBatchBody loadSpringBatches(SolverBody& body, const kernel::ContactCalls* contacts);
 
 /// Copies positions and velocities back.
-void unloadQuads(SteppedBody& body);
+void unloadSpringBatches(SolverBody& body);
 
 /// The points as they are while they are stepped.
-PointView viewOf(QuadArrays& quads);
+PointView viewOf(SpringBatchArrays& springBatches);
 
 /// As stepVerlet for a body without links and elastic limit, to the bit. body.quads must be set. Allocates at
 /// the first call only.
-void stepQuads(SteppedBody& body, double tick, int substeps);
+void stepSpringBatches(SolverBody& body, double tick, int substeps);
 
 }  // namespace limber

@@ -44,8 +44,8 @@ SpringSlopes slopesOf(const SpringArrays& springs, const Points& x) {
 void addSpringForces(const SpringArrays& springs, const SpringSlopes& s, const Points& u, Points& force) {
   for (std::size_t i = 0; i < springs.size(); ++i) {
     const Vector3d n = s.direction.col(static_cast<Index>(i));
-    const Vector3d way = u.col(springs.b[i]) - u.col(springs.a[i]);
-    const Vector3d f = s.across[i] * way + ((s.along[i] - s.across[i]) * n.dot(way)) * n;
+    const Vector3d displacement = u.col(springs.b[i]) - u.col(springs.a[i]);
+    const Vector3d f = s.across[i] * displacement + ((s.along[i] - s.across[i]) * n.dot(displacement)) * n;
     force.col(springs.a[i]) -= f;
     force.col(springs.b[i]) += f;
   }
@@ -132,7 +132,7 @@ constexpr double kLargestTurn = 0.25;
 
 /// Substeps per tick for the sake of turning. Faster turning, as of a spring whose ends pass each other, is
 /// over within a substep: there is nothing to be followed.
-constexpr double kMostForTurning = 1000.0;
+constexpr double kMaxForTurning = 1000.0;
 
 /// Share of a tolerance that is aimed at: the estimate is good to some ten per cent.
 constexpr double kSafety = 0.7;
@@ -141,7 +141,7 @@ constexpr double kSafety = 0.7;
 int neededSubsteps(const SteppingProblem& p, const Stepping& s) {
   double tolerance = s.tolerance > 0.0 ? s.tolerance : std::numeric_limits<double>::infinity();
   if (s.relativeTolerance > 0.0) tolerance = std::min(tolerance, s.relativeTolerance * p.size);
-  const double needed = std::ceil(p.tick * std::sqrt(p.errorPerSquare / (kSafety * tolerance)));
+  const double needed = std::ceil(p.tick * std::sqrt(p.errorCoefficient / (kSafety * tolerance)));
   return static_cast<int>(std::clamp(needed, 1.0, 1e6));
 }
 
@@ -155,13 +155,13 @@ struct VerletNeed {
 };
 
 VerletNeed verletNeed(const SteppingProblem& p, const Stepping& s) {
-  const auto count = [&](int atLeast, double periodTolerance) {
+  const auto count = [&](int minSubsteps, double periodTolerance) {
     Stepping asked;
-    asked.atLeast = atLeast;
+    asked.minSubsteps = minSubsteps;
     asked.periodTolerance = periodTolerance;
     return substepCount(p.frequencies, p.tick, asked);
   };
-  return {count(1, 1.0), count(s.atLeast, kUsualPeriodTolerance), count(s.atLeast, s.periodTolerance)};
+  return {count(1, 1.0), count(s.minSubsteps, kUsualPeriodTolerance), count(s.minSubsteps, s.periodTolerance)};
 }
 
 /// A free body that needs many substeps of Verlet is stepped implicitly. A pinned one is not: where substeps do not
@@ -173,7 +173,7 @@ Stepper choose(const SteppingProblem& p, const Stepping& s, const VerletNeed& ve
   if (!p.implicitPossible) return Stepper::Verlet;
   if (s.stepper != Stepper::Auto) return s.stepper;
   const bool strong = p.cheapNewton && p.dampingRate * p.tick / verlet.usual > kStrongDamping;
-  const bool tooDear = s.budget > 0 && verlet.stable > s.budget;
+  const bool tooDear = s.maxSubsteps > 0 && verlet.stable > s.maxSubsteps;
   const bool many = verlet.stable > kVerletPerImplicit * implicit && !p.touching && !p.held &&
                     s.periodTolerance >= kUsualPeriodTolerance;
   return strong || tooDear || many ? implicitFor(p, strong) : Stepper::Verlet;
@@ -182,7 +182,7 @@ Stepper choose(const SteppingProblem& p, const Stepping& s, const VerletNeed& ve
 /// Errors of the midpoint rule fall with the square of the substep, as Verlet's do.
 int implicitNeed(const Stepping& s) {
   const double finer = std::sqrt(kUsualPeriodTolerance / std::min(s.periodTolerance, kUsualPeriodTolerance));
-  return std::max(s.atLeast, static_cast<int>(std::min(std::ceil(kImplicitSubsteps * finer), 1e6)));
+  return std::max(s.minSubsteps, static_cast<int>(std::min(std::ceil(kImplicitSubsteps * finer), 1e6)));
 }
 
 }  // namespace
@@ -210,7 +210,7 @@ int substepCount(const Frequencies& frequencies, double tick, const Stepping& se
   const double stable = std::sqrt(frequencies.boundSquared) * tick / kLargestPhaseStep;
   const double exact = std::sqrt(frequencies.fastestSquared / (24.0 * settings.periodTolerance)) * tick;
   const double needed = std::ceil(std::max(stable, exact));
-  return std::max(settings.atLeast, static_cast<int>(std::min(needed, 1e9)));
+  return std::max(settings.minSubsteps, static_cast<int>(std::min(needed, 1e9)));
 }
 
 double dampingRateBound(const SpringArrays& springs, const Points& inverseMass) {
@@ -239,7 +239,7 @@ double fastestTurn(const SpringArrays& springs, const PointState& state, double 
 }
 
 SteppingChoice chooseStepping(const SteppingProblem& p, const Stepping& s) {
-  const int turning = static_cast<int>(std::min(std::ceil(p.turnRate * p.tick / kLargestTurn), kMostForTurning));
+  const int turning = static_cast<int>(std::min(std::ceil(p.turnRate * p.tick / kLargestTurn), kMaxForTurning));
   const int followed = std::max(turning, neededSubsteps(p, s));
   const VerletNeed need = verletNeed(p, s);
   const int implicit = std::max(implicitNeed(s), followed);
@@ -247,8 +247,8 @@ SteppingChoice chooseStepping(const SteppingProblem& p, const Stepping& s) {
   choice.stepper = choose(p, s, need, implicit);
   const bool verlet = choice.stepper == Stepper::Verlet;
   choice.substeps = verlet ? std::max(need.wanted, followed) : implicit;
-  if (s.budget <= 0) return choice;
-  const int most = std::max(s.budget, verlet ? need.stable : 1);
+  if (s.maxSubsteps <= 0) return choice;
+  const int most = std::max(s.maxSubsteps, verlet ? need.stable : 1);
   choice.cut = choice.substeps > most;
   choice.substeps = std::min(choice.substeps, most);
   return choice;

@@ -40,7 +40,7 @@ struct Frequencies {
   double fastestSquared = 0.0;  ///< about its rest shape, see fastestOscillationSquared
 };
 
-/// Substeps for a tick of `tick` seconds: at least settings.atLeast; stable at any deformation (velocity
+/// Substeps for a tick of `tick` seconds: at least settings.minSubsteps; stable at any deformation (velocity
 /// Verlet: omega dt < 2, the dampers do not change that); period error of the fastest oscillation about the
 /// rest shape, (omega dt)^2 / 24 (Hairer, Lubich, Wanner 2006, section I.5), at most
 /// settings.periodTolerance.
@@ -52,7 +52,7 @@ struct SteppingProblem {
   double dampingRate = 0.0;       ///< 1/s, dampingRateBound
   double turnRate = 0.0;          ///< rad/s, fastestTurn
   double tick = 0.0;              ///< s
-  double errorPerSquare = 0.0;    ///< m/s^3, the last error rate over the square of its substep; 0: unknown
+  double errorCoefficient = 0.0;    ///< m/s^3, the last error rate over the square of its substep; 0: unknown
   double size = 0.0;              ///< m, of the body
   bool implicitPossible = false;  ///< see canStepImplicitly
   bool touching = false;          ///< has contacts

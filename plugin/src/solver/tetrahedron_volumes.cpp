@@ -52,12 +52,12 @@ double perimeter(const Tetrahedron& t, std::size_t without, const Points& x) {
 }
 
 std::vector<double> crowdOf(const std::vector<Tetrahedron>& tetrahedra, std::size_t points) {
-  std::vector<double> around(points, 0.0), crowd;
+  std::vector<double> around(points, 0.0), valence;
   for (const Tetrahedron& t : tetrahedra)
     for (const std::uint32_t corner : t) around[corner] += 1.0;
   for (const Tetrahedron& t : tetrahedra)
-    crowd.push_back(std::max({around[t[0]], around[t[1]], around[t[2]], around[t[3]]}));
-  return crowd;
+    valence.push_back(std::max({around[t[0]], around[t[1]], around[t[2]], around[t[3]]}));
+  return valence;
 }
 
 bool springsRunAlongEdges(const SpringNetwork& network) {
@@ -91,8 +91,8 @@ TetrahedronVolumes makeTetrahedronVolumes(const SpringNetwork& network, const So
       v.restGradientSquares(static_cast<Eigen::Index>(corner), static_cast<Eigen::Index>(i)) =
           shape.gradient[corner].squaredNorm();
   }
-  v.crowd = crowdOf(v.tetrahedra, network.restPoints.size());
-  v.hold.assign(v.tetrahedra.size(), 0.0);
+  v.valence = crowdOf(v.tetrahedra, network.restPoints.size());
+  v.stabilityScale.assign(v.tetrahedra.size(), 0.0);
   v.rowSums.assign(network.restPoints.size(), 0.0);
   v.edgesAreSprings = springsRunAlongEdges(network);
   const double stiffness = std::max(settings.extensionStiffness, settings.compressionStiffness);
@@ -107,7 +107,7 @@ void prepareTetrahedra(TetrahedronVolumes& v, const Points& inverseMass, double 
     double largest = 0.0;
     for (const std::uint32_t corner : v.tetrahedra[i])
       largest = std::max(largest, inverseMass.col(corner).maxCoeff());
-    v.hold[i] = factor * largest * v.crowd[i] / v.restVolume[i];
+    v.stabilityScale[i] = factor * largest * v.valence[i] / v.restVolume[i];
   }
 }
 
@@ -117,7 +117,7 @@ bool isHeldBack(TetrahedronVolumes& v, const PointState& state, double dt) {
     double squares = 0.0;
     for (const Vector3d& gradient : shapeOf(v.tetrahedra[i], state.position).gradient)
       squares += 36.0 * gradient.squaredNorm();
-    if (v.hold[i] * squares > 1.0) return true;
+    if (v.stabilityScale[i] * squares > 1.0) return true;
   }
   return false;
 }
@@ -127,7 +127,7 @@ kernel::Tetrahedra<double> kernelTetrahedra(const TetrahedronVolumes& v) {
   return {static_cast<kernel::Index>(v.tetrahedra.size()),
           v.tetrahedra.front().data(),
           v.inverseRest.data(),
-          v.hold.data(),
+          v.stabilityScale.data(),
           &v.modulus,
           &v.crushModulus};
 }
@@ -161,7 +161,7 @@ TetrahedronSlope tetrahedronSlope(const TetrahedronVolumes& v, std::size_t i, co
 
 double tetrahedronFrequencyBoundSquared(TetrahedronVolumes& v, const PointState& state, double tick) {
   std::fill(v.rowSums.begin(), v.rowSums.end(), 0.0);
-  v.restless = false;
+  v.farFromRest = false;
   for (std::size_t i = 0; i < v.tetrahedra.size(); ++i) {
     const Tetrahedron& t = v.tetrahedra[i];
     const Shape shape = shapeOf(t, state.position);
@@ -174,7 +174,7 @@ double tetrahedronFrequencyBoundSquared(TetrahedronVolumes& v, const PointState&
       rate += shape.gradient[corner].dot(state.velocity.col(t[corner]));
     }
     const double foreseen = std::abs(tick * rate / v.restVolume[i]);
-    v.restless = v.restless || std::abs(relative - 1.0) > kFar || foreseen > kFar;
+    v.farFromRest = v.farFromRest || std::abs(relative - 1.0) > kFar || foreseen > kFar;
     for (std::size_t corner = 0; corner < 4; ++corner)
       v.rowSums[t[corner]] += stiffness * shape.gradient[corner].norm() * norms +
                               push * perimeter(t, corner, state.position) / 6.0;

@@ -91,7 +91,7 @@ struct Volumes {
 constexpr double kLargestSwelling = 1.0, kLargestShrinking = -2.0;
 
 /// Share of the rest volume below which gas is not compressed further.
-constexpr double kLeastGasVolume = 0.1;
+constexpr double kMinGasVolume = 0.1;
 
 /// (omega dt)^2 from which on the push is held back. Far below Verlet's limit of 4, far above what the
 /// substeps of a body in its shape come to.
@@ -118,7 +118,7 @@ template <class V>
 inline Push<V> pushOf(V volume, V restVolume, V modulus, V pressure) {
   const V change = (volume - restVolume) / restVolume;
   const V limited = larger(smaller(change, all(V(), kLargestSwelling)), all(V(), kLargestShrinking));
-  const V gas = restVolume / larger(volume, all(V(), kLeastGasVolume) * restVolume);
+  const V gas = restVolume / larger(volume, all(V(), kMinGasVolume) * restVolume);
   return {pressure * gas - modulus * limited, (modulus + pressure * gas * gas) / restVolume};
 }
 
@@ -197,7 +197,7 @@ struct Tetrahedra {
   Index count = 0;                  ///< 0: none
   const Index* corners = nullptr;   ///< 4 x count, point indices
   const V* inverseRest = nullptr;   ///< count, 1/m^3, one over six rest volumes
-  const V* hold = nullptr;          ///< count, 1/m^4, see TetrahedronVolumes
+  const V* stabilityScale = nullptr;          ///< count, 1/m^4, see TetrahedronVolumes
   const V* modulus = nullptr;       ///< Pa, one
   const V* crushModulus = nullptr;  ///< Pa, one
 };
@@ -241,17 +241,17 @@ struct CornerForces {
 /// the corners  c x d, d x b, b x c.
 template <class V>
 inline CornerForces<V> tetrahedronForces(const Vector<V>& b, const Vector<V>& c, const Vector<V>& d,
-                                         V inverseRest, V hold, V modulus, V crushModulus) {
+                                         V inverseRest, V stabilityScale, V modulus, V crushModulus) {
   const Vector<V> gb = cross(c, d), gc = cross(d, b), gd = cross(b, c);
   const Vector<V> ga{gb.x + gc.x + gd.x, gb.y + gc.y + gd.y, gb.z + gc.z + gd.z};
   const V squares = (dot(ga, ga) + dot(gb, gb)) + (dot(gc, gc) + dot(gd, gd));
   const V push = tetrahedronPush(dot(b, gb) * inverseRest, modulus, crushModulus) * all(V(), 1.0 / 6.0) /
-                 larger(hold * squares, all(V(), 1.0));
+                 larger(stabilityScale * squares, all(V(), 1.0));
   return {scaled(push, gb), scaled(push, gc), scaled(push, gd)};
 }
 
 template <class V>
-inline Vector<V> wayFrom(const V* a, const V* b) {
+inline Vector<V> displacementFrom(const V* a, const V* b) {
   return {b[0] - a[0], b[1] - a[1], b[2] - a[2]};
 }
 
@@ -266,8 +266,8 @@ inline void addTetrahedronForces(const Tetrahedra<V>& t, const V* position, V* f
     const Index* corner = t.corners + 4 * i;
     const V* a = position + 3 * corner[0];
     const CornerForces<V> f = tetrahedronForces(
-        wayFrom(a, position + 3 * corner[1]), wayFrom(a, position + 3 * corner[2]),
-        wayFrom(a, position + 3 * corner[3]), t.inverseRest[i], t.hold[i], *t.modulus, *t.crushModulus);
+        displacementFrom(a, position + 3 * corner[1]), displacementFrom(a, position + 3 * corner[2]),
+        displacementFrom(a, position + 3 * corner[3]), t.inverseRest[i], t.stabilityScale[i], *t.modulus, *t.crushModulus);
     V* fa = force + 3 * corner[0];
     fa[0] = fa[0] - (f.b.x + (f.c.x + f.d.x));
     fa[1] = fa[1] - (f.b.y + (f.c.y + f.d.y));

@@ -2,7 +2,7 @@
 // Steps soft bodies by velocity Verlet: one by itself, or several together.
 #include "solver/verlet_step.h"
 
-#include "solver/pair_contacts.h"
+#include "solver/contacts.h"
 #include "solver/simd_steps.h"
 
 #include <algorithm>
@@ -10,19 +10,19 @@
 
 namespace limber {
 
-void computeElasticForces(SteppedBody& body) {
+void computeElasticForces(SolverBody& body) {
   computeSpringForces(*body.springs, *body.points);
   if (body.volumes) addVolumeForces(*body.volumes, *body.points);
   if (body.tetrahedra) addTetrahedronForces(*body.tetrahedra, *body.points);
 }
 
-double elasticEnergy(SteppedBody& body, const Points& position) {
+double elasticEnergy(SolverBody& body, const Points& position) {
   return elasticEnergy(*body.springs, position) +
          (body.volumes ? volumeEnergy(*body.volumes, position) : 0.0) +
          (body.tetrahedra ? tetrahedronEnergy(*body.tetrahedra, position) : 0.0);
 }
 
-void prepareVolumes(SteppedBody& body, double dt) {
+void prepareVolumes(SolverBody& body, double dt) {
   if (body.volumes) body.volumes->timeStep = dt;
   if (body.tetrahedra) prepareTetrahedra(*body.tetrahedra, body.points->inverseMass, dt);
 }
@@ -35,8 +35,8 @@ double verletErrorRate(double change, Eigen::Index points, double dt) {
 
 namespace {
 
-void stepSingle(SteppedBody& body, double tick, int substeps) {
-  if (body.quads) return stepQuads(body, tick, substeps);
+void stepSingle(SolverBody& body, double tick, int substeps) {
+  if (body.springBatches) return stepSpringBatches(body, tick, substeps);
   PointState& state = *body.points;
   SpringArrays& springs = *body.springs;
   BodyContacts contacts{&body, viewOf(state)};
@@ -53,32 +53,32 @@ void stepSingle(SteppedBody& body, double tick, int substeps) {
 
 // --- one body among others, four springs at a time or one by one -------------------------------------------
 
-void computeForces(BodyInGroup& body) {
-  if (body.inQuads) return kernel::computeQuadForces(body.quads);
+void computeForces(BatchedBody& body) {
+  if (body.inBatches) return kernel::computeBatchForces(body.springBatches);
   computeElasticForces(*body.stepped);
 }
 
 /// See computeForcesAndChange() of verlet_kernel.h; without the forces of links.
-double computeForcesAndChange(BodyInGroup& body) {
-  if (body.inQuads) return kernel::computeQuadForcesAndChange(body.quads);
+double computeForcesAndChange(BatchedBody& body) {
+  if (body.inBatches) return kernel::computeBatchForcesAndChange(body.springBatches);
   PointState& p = *body.stepped->points;
   p.earlierForce = p.force;
   computeElasticForces(*body.stepped);
   return (p.force - p.earlierForce).cwiseProduct(p.inverseMass).squaredNorm();
 }
 
-void kick(BodyInGroup& body, double dt) {
-  if (body.inQuads) return kernel::kickQuads(body.quads, dt);
+void kick(BatchedBody& body, double dt) {
+  if (body.inBatches) return kernel::kickSpringBatches(body.springBatches, dt);
   kernel::kick(kernelPoints(*body.stepped->points), dt);
 }
 
-void drift(BodyInGroup& body, double dt) {
-  if (body.inQuads) return kernel::driftQuads(body.quads, dt);
+void drift(BatchedBody& body, double dt) {
+  if (body.inBatches) return kernel::driftSpringBatches(body.springBatches, dt);
   kernel::drift(kernelPoints(*body.stepped->points), dt);
 }
 
-void damp(BodyInGroup& body, bool whole, bool forward) {
-  if (body.inQuads) return kernel::dampQuads(body.quads, whole, forward);
+void damp(BatchedBody& body, bool whole, bool forward) {
+  if (body.inBatches) return kernel::dampSpringBatches(body.springBatches, whole, forward);
   SpringArrays& springs = *body.stepped->springs;
   dampSprings(springs, whole ? springs.dampFull : springs.dampHalf,
               forward ? SweepOrder::Forward : SweepOrder::Backward, *body.stepped->points);
@@ -87,36 +87,36 @@ void damp(BodyInGroup& body, bool whole, bool forward) {
 // --- bodies that are stepped together ----------------------------------------------------------------------
 
 /// Links read and push the points of their bodies where PointState has them.
-void markLinked(StepGroup& group) {
+void markLinked(SolverIsland& group) {
   const auto mark = [&](const LinkEnd& end) {
-    if (end.kind == LinkEnd::Kind::Point) group.inStep[end.body].inQuads = false;
+    if (end.kind == LinkEnd::Kind::Point) group.inStep[end.body].inBatches = false;
   };
   for (const LinkSpring& spring : group.links.springs) mark(spring.a), mark(spring.b);
   for (const LinkAnchor& anchor : group.links.anchors) mark(anchor.point), mark(anchor.pivot);
 }
 
-void load(StepGroup& group) {
+void load(SolverIsland& group) {
   group.inStep.resize(group.bodies.size());
   group.views.resize(group.bodies.size());
   for (std::size_t i = 0; i < group.bodies.size(); ++i) {
-    SteppedBody& body = group.bodies[i];
-    group.inStep[i] = {&body, body.quads && !body.springs->limited, {}};
+    SolverBody& body = group.bodies[i];
+    group.inStep[i] = {&body, body.springBatches && !body.springs->limited, {}};
   }
   markLinked(group);
   for (std::size_t i = 0; i < group.bodies.size(); ++i) {
-    BodyInGroup& body = group.inStep[i];
-    if (body.inQuads) body.quads = loadQuads(*body.stepped, nullptr);
-    group.views[i] = body.inQuads ? viewOf(*body.stepped->quads) : viewOf(*body.stepped->points);
+    BatchedBody& body = group.inStep[i];
+    if (body.inBatches) body.springBatches = loadSpringBatches(*body.stepped, nullptr);
+    group.views[i] = body.inBatches ? viewOf(*body.stepped->springBatches) : viewOf(*body.stepped->points);
   }
 }
 
-void unload(StepGroup& group) {
-  for (BodyInGroup& body : group.inStep)
-    if (body.inQuads) unloadQuads(*body.stepped);
+void unload(SolverIsland& group) {
+  for (BatchedBody& body : group.inStep)
+    if (body.inBatches) unloadSpringBatches(*body.stepped);
 }
 
-void computeForces(StepGroup& group, bool estimates, double dt) {
-  for (BodyInGroup& body : group.inStep) {
+void computeForces(SolverIsland& group, bool estimates, double dt) {
+  for (BatchedBody& body : group.inStep) {
     if (!estimates) {
       computeForces(body);
       continue;
@@ -132,55 +132,55 @@ void computeForces(StepGroup& group, bool estimates, double dt) {
   addLinkForces(group.links);
 }
 
-void kick(StepGroup& group, double dt) {
-  for (BodyInGroup& body : group.inStep) kick(body, dt);
+void kick(SolverIsland& group, double dt) {
+  for (BatchedBody& body : group.inStep) kick(body, dt);
   for (RigidState& rigid : group.links.rigids) rigid.kick(dt);
 }
 
-void drift(StepGroup& group, double dt) {
-  for (BodyInGroup& body : group.inStep) drift(body, dt);
+void drift(SolverIsland& group, double dt) {
+  for (BatchedBody& body : group.inStep) drift(body, dt);
   for (RigidState& rigid : group.links.rigids) rigid.drift(dt);
 }
 
-void damp(StepGroup& group, double dt, bool whole, bool forward) {
-  for (BodyInGroup& body : group.inStep) damp(body, whole, forward);
+void damp(SolverIsland& group, double dt, bool whole, bool forward) {
+  for (BatchedBody& body : group.inStep) damp(body, whole, forward);
   dampLinks(group.links, whole ? dt : 0.5 * dt, forward);
 }
 
-void stopAtContacts(StepGroup& group, double time, double dt) {
+void solvePositions(SolverIsland& group, double time, double dt) {
   for (std::size_t i = 0; i < group.bodies.size(); ++i)
-    stopAtContacts(group.bodies[i], group.views[i], time, dt);
+    solvePositions(group.bodies[i], group.views[i], time, dt);
 }
 
-void settleContacts(StepGroup& group) {
+void solveVelocities(SolverIsland& group) {
   for (std::size_t i = 0; i < group.bodies.size(); ++i)
-    settleContacts(group.bodies[i], group.views[i]);
+    solveVelocities(group.bodies[i], group.views[i]);
 }
 
-void prepare(StepGroup& group) {
+void prepare(SolverIsland& group) {
   load(group);
   for (std::size_t i = 0; i < group.bodies.size(); ++i) {
     group.bodies[i].errorRate = 0.0;
     if (group.bodies[i].contacts) prepareContacts(*group.bodies[i].contacts, group.views[i]);
   }
   for (RigidState& rigid : group.links.rigids) rigid.turn();
-  for (PairContact& c : group.pairs.contacts) c.impulse = TickImpulse();
-  for (JointRow& j : group.pairs.joints) j.impulse = 0.0;
-  preparePairs(group.pairs, group.links, group.views);
+  for (Contact& c : group.pairs.contacts) c.impulse = TickImpulse();
+  for (JointConstraint& j : group.pairs.joints) j.impulse = 0.0;
+  prepareConstraints(group.pairs, group.links, group.views);
 }
 
 /// Before a substep.
-void searchAgain(StepGroup& group, int substep, int substeps, double dt) {
+void searchAgain(SolverIsland& group, int substep, int substeps, double dt) {
   const PairSearch& again = group.again;
   if (again.every == 0 || substep == 0 || substep % again.every != 0) return;
-  finishPairs(group.pairs);
+  finishConstraints(group.pairs);
   again.search(again.context, group, dt * substep, dt * std::min(again.every, substeps - substep));
-  preparePairs(group.pairs, group.links, group.views);
+  prepareConstraints(group.pairs, group.links, group.views);
 }
 
 /// stepVerlet for bodies that links, contacts or joints couple. Their dampers and volume terms must be
 /// prepared. A body gives the same bits as by itself where nothing is between them.
-void stepLinked(StepGroup& group, double tick, int substeps) {
+void stepLinked(SolverIsland& group, double tick, int substeps) {
   const double dt = tick / substeps;
   prepare(group);
   computeForces(group, false, dt);
@@ -190,22 +190,22 @@ void stepLinked(StepGroup& group, double tick, int substeps) {
     const bool last = s + 1 == substeps;
     searchAgain(group, s, substeps, dt);
     kick(group, 0.5 * dt);
-    stopAtContacts(group, s * dt, dt);
+    solvePositions(group, s * dt, dt);
     followContacts(group.pairs, dt);
-    stopPairs(group.pairs, group.links, dt, tick);
-    movePairs(group.pairs, dt);
+    solvePositions(group.pairs, group.links, dt, tick);
+    updateGaps(group.pairs, dt);
     drift(group, dt);
     computeForces(group, last || 2 * s == substeps, dt);
     kick(group, 0.5 * dt);
     // first anchors and contacts: a damper must not see a point kicked away from what holds it
-    settleContacts(group);
+    solveVelocities(group);
     followContacts(group.pairs, 0.0);
-    settlePairs(group.pairs, group.links);
+    solveVelocities(group.pairs, group.links);
     // the half dampings of neighbouring substeps act at the same positions and merge into one
     damp(group, dt, !last, s % 2 == 0);
   }
   joinVelocities(group.links);
-  finishPairs(group.pairs);
+  finishConstraints(group.pairs);
   unload(group);
 }
 
@@ -213,14 +213,14 @@ void stepLinked(StepGroup& group, double tick, int substeps) {
 
 // --- the step ----------------------------------------------------------------------------------------------
 
-bool isPlain(const StepGroup& group) {
+bool isPlain(const SolverIsland& group) {
   const LinkedBodies& links = group.links;
   return group.bodies.size() == 1 && group.pairs.empty() && links.springs.empty() && links.anchors.empty() &&
          links.rigids.empty() && !group.bodies[0].springs->limited;
 }
 
-void stepVerlet(StepGroup& group, double tick, int substeps) {
-  for (SteppedBody& body : group.bodies) {
+void stepVerlet(SolverIsland& group, double tick, int substeps) {
+  for (SolverBody& body : group.bodies) {
     prepareDampers(*body.springs, body.points->inverseMass, tick / substeps);
     prepareVolumes(body, tick / substeps);
   }

@@ -3,10 +3,10 @@
 
 // Velocity Verlet for soft bodies: one by itself, or several with the rigid ones that are coupled with them.
 
-#include "solver/contact_rows.h"
+#include "solver/plane_contacts.h"
 #include "solver/lane_kernels.h"
 #include "solver/links.h"
-#include "solver/pair_contacts.h"
+#include "solver/contacts.h"
 #include "solver/point_state.h"
 #include "solver/springs.h"
 #include "solver/verlet_kernel.h"
@@ -16,17 +16,17 @@
 
 namespace limber {
 
-struct QuadArrays;
+struct SpringBatchArrays;
 
 /// A soft body as the step sees it.
-struct SteppedBody {
+struct SolverBody {
   PointState* points;
   SpringArrays* springs;
-  std::vector<ContactRow>* contacts;         ///< may be nullptr
+  std::vector<PlaneContact>* contacts;         ///< may be nullptr
   VolumeArrays* volumes = nullptr;           ///< may be nullptr
   TetrahedronVolumes* tetrahedra = nullptr;  ///< may be nullptr
 
-  QuadArrays* quads = nullptr;  ///< for stepping it four springs at a time, see simd_steps.h; may be nullptr
+  SpringBatchArrays* springBatches = nullptr;  ///< for stepping it four springs at a time, see simd_steps.h; may be nullptr
 
   ContactWatch* watch = nullptr;  ///< may be nullptr
 
@@ -34,13 +34,13 @@ struct SteppedBody {
 };
 
 /// Sets the points' forces to those of springs and volume, and keeps the springs' directions for the dampers.
-void computeElasticForces(SteppedBody& body);
+void computeElasticForces(SolverBody& body);
 
 /// J in springs and volume, with the points at `position`.
-double elasticEnergy(SteppedBody& body, const Points& position);
+double elasticEnergy(SolverBody& body, const Points& position);
 
 /// Makes the volume terms ready for substeps of dt seconds that must be stable; 0 for an implicit stepper.
-void prepareVolumes(SteppedBody& body, double dt);
+void prepareVolumes(SolverBody& body, double dt);
 
 /// m/s: how fast the positions of Verlet's solution depart from the exact one, root mean square over the
 /// points. In substeps of dt an oscillation of frequency omega is wrong by (omega dt)^2 / 24 of its phase
@@ -50,13 +50,13 @@ void prepareVolumes(SteppedBody& body, double dt);
 double verletErrorRate(double change, Eigen::Index points, double dt);
 
 /// A body while it is stepped together with others.
-struct BodyInGroup {
-  SteppedBody* stepped;
-  bool inQuads;  ///< its state is in the quads, else in the points
-  kernel::QuadBody quads;
+struct BatchedBody {
+  SolverBody* stepped;
+  bool inBatches;  ///< its state is in the quads, else in the points
+  kernel::SpringBatchBody springBatches;
 };
 
-struct StepGroup;
+struct SolverIsland;
 
 /// Looks for contacts anew within a tick where surfaces move too far in it to be known at its start.
 struct PairSearch {
@@ -64,23 +64,23 @@ struct PairSearch {
   void* context = nullptr;
   /// Replaces what it finds in group.pairs.contacts; s since the start of the tick and until the next search. The
   /// state of bodies[i] is at views[i].
-  void (*search)(void* context, StepGroup& group, double since, double ahead) = nullptr;
+  void (*search)(void* context, SolverIsland& group, double since, double ahead) = nullptr;
 };
 
 /// Bodies that links join or that touch; without links a group is one body.
-struct StepGroup {
-  std::vector<SteppedBody> bodies;
+struct SolverIsland {
+  std::vector<SolverBody> bodies;
   LinkedBodies links;  ///< links.points[i] is bodies[i].points
-  PairRows pairs;      ///< what else couples them, and the rigid ones with their own surroundings
+  IslandConstraints pairs;      ///< what else couples them, and the rigid ones with their own surroundings
   PairSearch again;
 
   // Scratch of the step, #bodies.
-  std::vector<BodyInGroup> inStep;
+  std::vector<BatchedBody> inStep;
   std::vector<PointView> views;  ///< where the bodies' points are meanwhile
 };
 
 /// Whether the group is one body that nothing but its own springs, volumes and contacts acts on.
-bool isPlain(const StepGroup& group);
+bool isPlain(const SolverIsland& group);
 
 /// Advances all bodies of the group by `tick` seconds in `substeps` substeps of velocity Verlet with damping
 /// split off (Strang), per substep of dt:
@@ -93,32 +93,32 @@ bool isPlain(const StepGroup& group);
 /// v^2 + omega^2 (1 - (omega dt)^2/4) x^2, whose velocity part the dampers can only shrink.
 /// A body by itself and one in a lane (simd_steps.h) give the same bits.
 /// Held points (inverse mass 0) move on with their velocity. Allocates nothing.
-void stepVerlet(StepGroup& group, double tick, int substeps);
+void stepVerlet(SolverIsland& group, double tick, int substeps);
 
 // --- contacts of points, as steps call them ----------------------------------------------------------------
 
-inline bool mayTouch(const SteppedBody& body) {
+inline bool mayTouch(const SolverBody& body) {
   return (body.contacts && !body.contacts->empty()) || (body.watch && body.watch->on);
 }
 
 /// Before a drift: holds back what is on its way into something, foreseen or not.
-inline void stopAtContacts(SteppedBody& body, const PointView& points, double time, double dt) {
-  if (body.contacts) stopAtContacts(*body.contacts, points, time, dt);
+inline void solvePositions(SolverBody& body, const PointView& points, double time, double dt) {
+  if (body.contacts) solvePositions(*body.contacts, points, time, dt);
   if (!body.watch || !body.watch->on) return;
   body.watch->look(points, time, dt);
-  if (!body.watch->rows.empty()) stopAtContacts(body.watch->rows, points, time, dt);
+  if (!body.watch->rows.empty()) solvePositions(body.watch->rows, points, time, dt);
 }
 
 /// After the second kick.
-inline void settleContacts(SteppedBody& body, const PointView& points) {
-  if (body.contacts) settleContacts(*body.contacts, points);
-  if (body.watch && !body.watch->rows.empty()) settleContacts(body.watch->rows, points);
+inline void solveVelocities(SolverBody& body, const PointView& points) {
+  if (body.contacts) solveVelocities(*body.contacts, points);
+  if (body.watch && !body.watch->rows.empty()) solveVelocities(body.watch->rows, points);
 }
 
 /// A body's contacts as the kernels call them. `points` must hold the state of the start of the tick by the
 /// time calls() is called.
 struct BodyContacts {
-  SteppedBody* body;
+  SolverBody* body;
   PointView points;
 
   kernel::ContactCalls calls() {
@@ -130,11 +130,11 @@ struct BodyContacts {
  private:
   static void stop(void* context, double time, double dt) {
     auto& self = *static_cast<BodyContacts*>(context);
-    stopAtContacts(*self.body, self.points, time, dt);
+    solvePositions(*self.body, self.points, time, dt);
   }
   static void settle(void* context) {
     auto& self = *static_cast<BodyContacts*>(context);
-    settleContacts(*self.body, self.points);
+    solveVelocities(*self.body, self.points);
   }
 };
 

@@ -60,13 +60,13 @@ double swellingEnergy(double c) {
 
 /// The integral of -1 / v over the volume v relative to the rest volume, from 1 on.
 double gasEnergy(double v) {
-  const double least = kernel::kLeastGasVolume;
+  const double least = kernel::kMinGasVolume;
   return v > least ? -std::log(v) : -std::log(least) - (v - least) / least;
 }
 
 /// Surfaces that enclose less than this share of their box are flat, or not oriented: their pressure would be
 /// without bounds.
-constexpr double kLeastEnclosed = 1e-6;
+constexpr double kMinEnclosed = 1e-6;
 
 /// m; 0 of no triangles.
 double shortestEdge(const std::vector<Triangle>& triangles, const Points& points) {
@@ -99,7 +99,7 @@ void addComponent(VolumeArrays& v, const std::vector<Triangle>& component, const
   v.triangles.insert(v.triangles.end(), component.begin(), component.end());
   v.firstTriangle.push_back(static_cast<std::uint32_t>(v.triangles.size()));
   const double volume = componentVolume(v, v.restVolume.size(), rest);
-  if (std::abs(volume) <= kLeastEnclosed * boxVolume(v.triangles, first, rest)) {
+  if (std::abs(volume) <= kMinEnclosed * boxVolume(v.triangles, first, rest)) {
     v.triangles.resize(first);
     v.firstTriangle.pop_back();
     return;
@@ -169,7 +169,7 @@ double componentBound(VolumeArrays& v, std::size_t c, const PointState& state, d
   const double growth = edges * std::sqrt(edges) - 1.0;
   const double push = std::abs(now.push) + v.modulus * std::min(growth, -kernel::kLargestShrinking);
   const double change = sums[0] / (6.0 * v.restVolume[c]) - 1.0;
-  v.restless = v.restless || std::abs(change) > kFarFromRest || growth > kFarFromRest;
+  v.farFromRest = v.farFromRest || std::abs(change) > kFarFromRest || growth > kFarFromRest;
   double across = 0.0;
   for (std::size_t i = v.firstTriangle[c]; i < v.firstTriangle[c + 1]; ++i)
     for (const std::uint32_t corner : v.triangles[i])
@@ -283,7 +283,7 @@ double volumeFrequencyBoundSquared(VolumeArrays& v, const PointState& state, dou
   if (v.empty()) return 0.0;
   kernel::sumUp(kernelVolumes(v), state.position.data(), state.inverseMass.data());
   std::fill(v.rowSums.begin(), v.rowSums.end(), 0.0);
-  v.restless = false;
+  v.farFromRest = false;
   double largest = 0.0;
   for (std::size_t c = 0; c < v.restVolume.size(); ++c)
     largest = std::max(largest, componentBound(v, c, state, tick, slack));
@@ -301,7 +301,7 @@ VolumeSlope volumeSlope(const VolumeArrays& v, std::size_t component, const Poin
   const double volume = componentVolume(v, component, state.position), rest = v.restVolume[component];
   const double change = (volume - rest) / rest;
   const bool limited = change > kernel::kLargestSwelling || change < kernel::kLargestShrinking;
-  const double gas = volume > kernel::kLeastGasVolume * rest ? v.pressure * rest / (volume * volume) : 0.0;
+  const double gas = volume > kernel::kMinGasVolume * rest ? v.pressure * rest / (volume * volume) : 0.0;
   return {volume, (limited ? 0.0 : v.modulus / rest) + gas};
 }
 
@@ -341,7 +341,7 @@ double keptVolumeBoundSquared(VolumeArrays& v, const PointState& state, double t
   if (v.kept.value > 0.0 && shapeChange(v.kept.shape, state, tick) <= slack) return v.kept.value;
   const double bound = volumeFrequencyBoundSquared(v, state, tick, slack);
   v.kept.shape = state.position;
-  v.kept.value = v.restless ? 0.0 : bound;
+  v.kept.value = v.farFromRest ? 0.0 : bound;
   return bound;
 }
 

@@ -9,7 +9,7 @@
 #include "bullet/surface_body.h"
 #include "bullet/system_impl.h"
 #include "bullet/tick_contacts.h"
-#include "bullet/tick_group.h"
+#include "bullet/linked_group.h"
 
 #include <algorithm>
 #include <chrono>
@@ -81,11 +81,11 @@ void SoftBodySystem::Impl::WorldStep::updateLiving() {
 }
 
 void SoftBodySystem::Impl::WorldStep::rebuildGroupsIfNeeded() {
-  for (const TickGroup& group : groups) groupsStale = groupsStale || !isWhole(group);
+  for (const LinkedGroup& group : groups) groupsStale = groupsStale || !isWhole(group);
   groupsStale = updateUsableLinks(living, springs, usableLinks) || groupsStale;
   if (!groupsStale) return;
   updateLiving();
-  groups = makeGroups(living, springs);
+  groups = makeLinkedGroups(living, springs);
   plan.clear();
   updateUsableLinks(living, springs, usableLinks);
   groupsStale = false;
@@ -94,22 +94,22 @@ void SoftBodySystem::Impl::WorldStep::rebuildGroupsIfNeeded() {
 void SoftBodySystem::Impl::WorldStep::gatherGroups(btScalar tick) {
   const StopWatch watch(profile.gatherMs);
   const KinematicMotions::Rewound rewound(kinematic);
-  for (TickGroup& group : groups) {
+  for (LinkedGroup& group : groups) {
     if (!group.asleep)
       gatherBodies(group, tick);
     else
       for (SoftBodyData* body : group.bodies) dropObjectForces(*body);
   }
-  for (TickGroup& group : groups)
+  for (LinkedGroup& group : groups)
     if (!group.asleep) gatherGroup(group, tick);
   shareSoftPartners(groups);
-  for (TickGroup& group : groups)
+  for (LinkedGroup& group : groups)
     if (!group.asleep)
       for (SoftBodyData* body : group.bodies) gatherPartners(*body, tick);
   gatherPointPairs(groups, tick, pairs);
   profile.rigidParts = rigidSurfaces.size();
-  gatherClusters(tick);
-  for (TickGroup& group : groups)
+  gatherIslands(tick);
+  for (LinkedGroup& group : groups)
     if (!group.asleep) chooseStepping(group, double(tick));
 }
 
@@ -118,12 +118,12 @@ void SoftBodySystem::Impl::WorldStep::gatherPartners(SoftBodyData& body, btScala
   for (btRigidBody* partner : body.freePartners) limber::gatherPairs(body, *partner, tick, pairs);
 }
 
-void SoftBodySystem::Impl::WorldStep::gatherClusters(btScalar tick) {
-  guessBearings(pairs);
+void SoftBodySystem::Impl::WorldStep::gatherIslands(btScalar tick) {
+  warmStart(pairs);
   addLinkedRigids(groups, pairs);
   links.addJoints(pairs);
   gatherRigidContacts(*world, tick, manifolds, pairs);
-  makeClusters(groups, pairs, tick, clusters);
+  makeIslands(groups, pairs, tick, islands);
 }
 
 void SoftBodySystem::Impl::WorldStep::stepGroups(btScalar tick) {
@@ -131,20 +131,20 @@ void SoftBodySystem::Impl::WorldStep::stepGroups(btScalar tick) {
   // points that are thrown look for more contacts
   const KinematicMotions::Rewound rewound(kinematic);
   plan.step(groups, double(tick));
-  for (Cluster& cluster : clusters) stepCluster(cluster, pairs, double(tick), search);
+  for (Island& island : islands) stepIsland(island, pairs, double(tick), search);
 }
 
-void SoftBodySystem::Impl::WorldStep::handOverGroups(btScalar tick) {
+void SoftBodySystem::Impl::WorldStep::writeGroupsToBullet(btScalar tick) {
   const StopWatch watch(profile.handOverMs);
-  for (Cluster& cluster : clusters) handOverCluster(cluster, pairs, tick);
+  for (Island& island : islands) writeIslandToBullet(island, pairs, tick);
   links.applyImpulses(pairs);
   reportRigidContacts(pairs);
-  rememberBearings(living, pairs);
-  for (TickGroup& group : groups) {
+  storeImpulses(living, pairs);
+  for (LinkedGroup& group : groups) {
     if (group.asleep) continue;
     reportStepping(group, double(tick));
     for (SoftBodyData* body : group.bodies) restoreIfUnsound(*body);
-    handOverGroup(group, tick);
+    writeGroupToBullet(group, tick);
     for (const SoftBodyData* body : group.bodies) {
       profile.pointsStepped += body->network->restPoints.size();
       profile.springSubsteps += body->springs.size() * static_cast<std::size_t>(group.substeps);
@@ -166,7 +166,7 @@ void SoftBodySystem::Impl::WorldStep::beforeTick(btScalar tick) {
   kinematic.follow(*world, tick);
   links.begin(*world);
   collectMovers(*world, kinematic, this, tick);
-  updateSleep(groups, *world, tick, islands);
+  updateSleep(groups, *world, tick, bulletIslands);
   markJoined(living, *world);
   pairs.clear(double(tick));
   rigidSurfaces.clear();
@@ -174,25 +174,25 @@ void SoftBodySystem::Impl::WorldStep::beforeTick(btScalar tick) {
   gatherGroups(tick);
   leaveToRows(*world->getDispatcher());
   stepGroups(tick);
-  handOverGroups(tick);
+  writeGroupsToBullet(tick);
 }
 
-void SoftBodySystem::Impl::WorldStep::giveBackToBullet() {
-  freeManifolds(*world->getDispatcher());
+void SoftBodySystem::Impl::WorldStep::leaveToBullet() {
+  restoreBreakingThresholds(*world->getDispatcher());
   switchOnDrives(*world, drivesOff);
 }
 
 void SoftBodySystem::Impl::WorldStep::afterTick(btScalar tick) {
-  giveBackToBullet();
+  leaveToBullet();
   if (!(tick > btScalar(0))) return;
   const StopWatch watch(profile.takeBackMs);
-  for (TickGroup& group : groups) {
+  for (LinkedGroup& group : groups) {
     if (group.asleep) continue;
-    takeBackGroup(group, tick);
+    readGroupFromBullet(group, tick);
     for (std::size_t i = 0; i < group.springs.size(); ++i)
       group.springs[i]->force_ = group.step.links.springs[i].force;
   }
-  for (const Cluster& cluster : clusters) takeBackCluster(cluster, pairs, *world, tick);
+  for (const Island& island : islands) readIslandFromBullet(island, pairs, *world, tick);
   reportJoints(*world, pairs, tick);
   reportContacts(living, pairs, *world, double(tick));
   reportContactImpulses(*world->getDispatcher());
@@ -229,7 +229,7 @@ void SoftBodySystem::Impl::warnOfRestored() {
 
 void SoftBodySystem::Impl::watchSteps() {
   if (sentinel) return;
-  sentinel = std::make_unique<StepSentinel>(*world, *this);
+  sentinel = std::make_unique<StepBoundary>(*world, *this);
   // it may begin to watch within a step, of which this is not a new one
   sentinel->stepHasEnded();
 }
@@ -249,7 +249,7 @@ void SoftBodySystem::Impl::beginStepOfForces() {
 void SoftBodySystem::Impl::motionStatesAsked() {
   beginStepOfForces();
   for (auto& body : bodies)
-    if (isSurfaceBody(*body->data_) && body->data_->masses.shared) collectForces(*body->data_);
+    if (isSurfaceBody(*body->data_) && body->data_->masses.exposed) collectForces(*body->data_);
 }
 
 void SoftBodySystem::Impl::tickMissed() {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
 // Points on surfaces that nothing moves.
-#include "solver/contact_rows.h"
+#include "solver/plane_contacts.h"
 
 #include <gtest/gtest.h>
 

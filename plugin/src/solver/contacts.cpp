@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Zlib
 // Prepares the rows of contacts and joints, and lets them follow the bodies through the substeps.
-#include "solver/pair_contacts.h"
+#include "solver/contacts.h"
 
 #include "solver/closest_points.h"
-#include "solver/pair_rows.h"
+#include "solver/contact_constraint.h"
 
 #include <Eigen/Geometry>
 #include <Eigen/LU>
@@ -23,33 +23,33 @@ using Eigen::Vector3d;
 using Map = Eigen::Map<Vector3d>;
 using ConstMap = Eigen::Map<const Vector3d>;
 
-RowVector inAxes(const PairRow& row, const Vector3d& v) {
+ContactVector inAxes(const ContactConstraint& row, const Vector3d& v) {
   return {ConstMap(row.axes[0]).dot(v), ConstMap(row.axes[1]).dot(v), ConstMap(row.axes[2]).dot(v)};
 }
 
-void addPoint(PairRows& rows, double* velocity, const Vector3d& inverseMass, double share) {
+void addPoint(IslandConstraints& rows, double* velocity, const Vector3d& inverseMass, double share) {
   const Vector3d response = share * inverseMass;
   rows.points.push_back({velocity, share, {response[0], response[1], response[2]}});
-  rows.levers.push_back({});
+  rows.momentArms.push_back({});
 }
 
-void addPoint(PairRows& rows, const PointView& view, std::uint32_t point, const double* inverseMass, double share) {
+void addPoint(IslandConstraints& rows, const PointView& view, std::uint32_t point, const double* inverseMass, double share) {
   addPoint(rows, view.velocityOf(point).data(), ConstMap(inverseMass), share);
-  rows.levers.back().position = view.positionOf(point).data();
-  rows.levers.back().inverseMass = inverseMass;
+  rows.momentArms.back().position = view.positionOf(point).data();
+  rows.momentArms.back().inverseMass = inverseMass;
 }
 
-void addTurn(PairRows& rows, const PairRow& row, RigidState& rigid, const Vector3d& arm) {
-  RowTurn turn{&rigid, {}, {}};
+void addTurn(IslandConstraints& rows, const ContactConstraint& row, RigidState& rigid, const Vector3d& arm) {
+  ConstraintRotation turn{&rigid, {}, {}};
   for (int k = 0; k < 3; ++k) Map(turn.speeds[k]) = arm.cross(ConstMap(row.axes[k]));
-  rows.turns.push_back(turn);
+  rows.rotations.push_back(turn);
 }
 
 constexpr double kNoInverseMass[3] = {0.0, 0.0, 0.0};
 
 /// A point that is attached to something held goes where that goes: a contact that pushed it would only make the
 /// anchor push back as much, in each sweep anew.
-void findCarried(PairRows& rows, const LinkedBodies& bodies) {
+void findCarried(IslandConstraints& rows, const LinkedBodies& bodies) {
   rows.carried.clear();
   for (const LinkAnchor& anchor : bodies.anchors) {
     const RigidState& rigid = bodies.rigids[anchor.pivot.body];
@@ -60,17 +60,17 @@ void findCarried(PairRows& rows, const LinkedBodies& bodies) {
 }
 
 /// 1/kg per axis.
-const double* inverseMassOf(const PairRows& rows, const PointView& view, std::uint32_t body, std::uint32_t point) {
+const double* inverseMassOf(const IslandConstraints& rows, const PointView& view, std::uint32_t body, std::uint32_t point) {
   const bool carried = std::binary_search(rows.carried.begin(), rows.carried.end(), std::pair(body, point));
   return carried ? kNoInverseMass : view.inverseMassOf(point).data();
 }
 
 /// One side of a contact; `sign` is 1 for a and -1 for b.
-void addPlace(PairRows& rows, PairRow& row, LinkedBodies& bodies, const std::vector<PointView>& views,
-              const ContactPlace& place, double sign) {
-  if (place.kind == ContactPlace::Kind::World) {
+void addPlace(IslandConstraints& rows, ContactConstraint& row, LinkedBodies& bodies, const std::vector<PointView>& views,
+              const ContactPoint& place, double sign) {
+  if (place.kind == ContactPoint::Kind::World) {
     row.carried += inAxes(row, sign * place.velocity);
-  } else if (place.kind == ContactPlace::Kind::Soft) {
+  } else if (place.kind == ContactPoint::Kind::Soft) {
     const PointView& view = views[place.body];
     for (std::uint32_t i = 0; i < place.count; ++i)
       addPoint(rows, view, place.point[i], inverseMassOf(rows, view, place.body, place.point[i]),
@@ -82,24 +82,24 @@ void addPlace(PairRows& rows, PairRow& row, LinkedBodies& bodies, const std::vec
   }
 }
 
-RowVector inAxes(const PairRow& row, const Bearing& bearing) {
-  const RowVector across = inAxes(row, bearing.across);
-  return {bearing.along, across.u, across.v};
+ContactVector inAxes(const ContactConstraint& row, const ContactImpulse& impulse) {
+  const ContactVector across = inAxes(row, impulse.across);
+  return {impulse.along, across.u, across.v};
 }
 
-Bearing bearingOf(const PairRow& row, const RowVector& v) {
+ContactImpulse impulseOfVector(const ContactConstraint& row, const ContactVector& v) {
   return {v.n, v.u * ConstMap(row.axes[1]) + v.v * ConstMap(row.axes[2])};
 }
 
-Couple coupleOf(const PairContact& c) {
-  using PlaceKind = ContactPlace::Kind;
+Couple coupleOf(const Contact& c) {
+  using PlaceKind = ContactPoint::Kind;
   if (c.a.kind == PlaceKind::Soft && c.b.kind == PlaceKind::Soft)
     return c.a.count + c.b.count > 2 ? Couple::Soft : Couple::Nobody;
   const bool both = c.a.kind != PlaceKind::World && c.b.kind != PlaceKind::World;
   return both && c.a.kind != c.b.kind ? Couple::Rigid : Couple::Nobody;
 }
 
-void setAxes(PairRow& row, const Vector3d& normal) {
+void setAxes(ContactConstraint& row, const Vector3d& normal) {
   const Vector3d tangent = normal.unitOrthogonal();
   Matrix3d axes;
   axes << normal, tangent, normal.cross(tangent);
@@ -107,93 +107,93 @@ void setAxes(PairRow& row, const Vector3d& normal) {
 }
 
 /// 1/kg, 3 x 3: the velocity change of a contact's two places against each other per impulse there.
-Matrix3d mobilityOf(const PairRows& rows, const PairRow& row, const PairContact& c, const LinkedBodies& bodies) {
+Matrix3d mobilityOf(const IslandConstraints& rows, const ContactConstraint& row, const Contact& c, const LinkedBodies& bodies) {
   Matrix3d m = Matrix3d::Zero();
-  for (const ContactPlace* place : {&c.a, &c.b})
-    if (place->kind == ContactPlace::Kind::Rigid) m += bodies.rigids[place->body].mobilityAt(place->arm);
+  for (const ContactPoint* place : {&c.a, &c.b})
+    if (place->kind == ContactPoint::Kind::Rigid) m += bodies.rigids[place->body].mobilityAt(place->arm);
   for (std::uint32_t i = row.firstPoint; i < row.endPoint; ++i)
-    if (const double* inverseMass = rows.levers[i].inverseMass)
+    if (const double* inverseMass = rows.momentArms[i].inverseMass)
       m.diagonal() += rows.points[i].share * rows.points[i].share * ConstMap(inverseMass);
   return m;
 }
 
-void setAway(PairRow& row) { row.mass = row.mobility = 0.0; }
+void setAway(ContactConstraint& row) { row.mass = row.mobility = 0.0; }
 
 /// Of the weights of an edge's or triangle's corners, the least that free ones must have.
-constexpr double kLeastFree = 0.02;
+constexpr double kMinFree = 0.02;
 
 /// What a pinned corner is in, nothing takes it out of: on the way from it to a free corner the overlap goes from d to
 /// nothing, and to end it at the free corner's share e would move that by d / e, however small e is. So each free
 /// corner has only its own overlap to end. Where nothing but pinned corners is there is no contact.
-void leaveOutPinned(PairRows& rows, PairRow& row) {
+void leaveOutPinned(IslandConstraints& rows, ContactConstraint& row) {
   row.pinned = 0.0;
-  const bool bMoves = row.firstOfB != row.endPoint || row.firstTurn != row.endTurn;
+  const bool bMoves = row.firstOfB != row.endPoint || row.firstRotation != row.endRotation;
   if (bMoves || row.firstOfB - row.firstPoint < 2) return;
   const ConstMap normal(row.axes[0]);
   double height = 0.0, free = 0.0;
-  const auto isPinned = [&](std::uint32_t i) { return ConstMap(rows.levers[i].inverseMass).isZero(0.0); };
+  const auto isPinned = [&](std::uint32_t i) { return ConstMap(rows.momentArms[i].inverseMass).isZero(0.0); };
   for (std::uint32_t i = row.firstPoint; i < row.firstOfB; ++i) {
-    height += rows.points[i].share * normal.dot(ConstMap(rows.levers[i].position));
+    height += rows.points[i].share * normal.dot(ConstMap(rows.momentArms[i].position));
     if (!isPinned(i)) free += rows.points[i].share;
   }
-  if (free < kLeastFree) return setAway(row);
+  if (free < kMinFree) return setAway(row);
   for (std::uint32_t i = row.firstPoint; i < row.firstOfB; ++i) {
     if (!isPinned(i)) continue;
-    const double gap = row.gap + normal.dot(ConstMap(rows.levers[i].position)) - height;
+    const double gap = row.gap + normal.dot(ConstMap(rows.momentArms[i].position)) - height;
     row.pinned += rows.points[i].share * std::min(0.0, gap);
   }
   row.gap -= row.pinned;
 }
 
-void prepareRow(PairRows& rows, PairRow& row, const PairContact& c, LinkedBodies& bodies,
+void prepareRow(IslandConstraints& rows, ContactConstraint& row, const Contact& c, LinkedBodies& bodies,
                 const std::vector<PointView>& views) {
   setAxes(row, c.normal);
   const Eigen::Map<const Matrix3d> axes(row.axes[0]);  // its columns
-  row.carried = RowVector();
+  row.carried = ContactVector();
   row.firstPoint = static_cast<std::uint32_t>(rows.points.size());
-  row.firstTurn = static_cast<std::uint32_t>(rows.turns.size());
+  row.firstRotation = static_cast<std::uint32_t>(rows.rotations.size());
   addPlace(rows, row, bodies, views, c.a, 1.0);
   row.firstOfB = static_cast<std::uint32_t>(rows.points.size());
   addPlace(rows, row, bodies, views, c.b, -1.0);
   row.endPoint = static_cast<std::uint32_t>(rows.points.size());
-  row.endTurn = static_cast<std::uint32_t>(rows.turns.size());
+  row.endRotation = static_cast<std::uint32_t>(rows.rotations.size());
   setMobility(row, axes.transpose() * mobilityOf(rows, row, c, bodies) * axes);
   if (c.ended) row.mass = row.mobility = 0.0;
   row.couple = coupleOf(c);
   row.gap = c.gap;
   leaveOutPinned(rows, row);
   row.friction = c.friction;
-  row.stopping = inAxes(row, c.stopping);
-  row.settling = inAxes(row, c.settling);
-  row.impulse = RowVector();
+  row.positionImpulse = inAxes(row, c.positionImpulse);
+  row.velocityImpulse = inAxes(row, c.velocityImpulse);
+  row.impulse = ContactVector();
   row.bounces = false;
 }
 
 /// What the row has borne with its present normal is added to what the contact did.
-void addBorne(PairContact& c, PairRow& row) {
+void addBorne(Contact& c, ContactConstraint& row) {
   const Vector3d normal = ConstMap(row.axes[0]);
-  c.impulse.add(row.impulse.n * normal + bearingOf(row, row.impulse).across, normal, row.impulse.n);
-  row.impulse = RowVector();
+  c.impulse.add(row.impulse.n * normal + impulseOfVector(row, row.impulse).across, normal, row.impulse.n);
+  row.impulse = ContactVector();
 }
 
 /// What it bore is a guess for the new normal as long as that is about the old one.
-void turnTo(PairContact& c, PairRow& row, const Vector3d& normal) {
+void turnTo(Contact& c, ContactConstraint& row, const Vector3d& normal) {
   constexpr double kSameSurface = 0.9;
   addBorne(c, row);
-  if (normal.dot(ConstMap(row.axes[0])) < kSameSurface) row.stopping = row.settling = RowVector();
+  if (normal.dot(ConstMap(row.axes[0])) < kSameSurface) row.positionImpulse = row.velocityImpulse = ContactVector();
   setAxes(row, normal);
 }
 
 /// The contact is on this plane now, its points' shares being `weights`.
-void moveRowTo(PairRows& rows, std::size_t number, const Vector3d& normal, double gap, const double* weights) {
-  PairRow& row = rows.rows[number];
+void moveRowTo(IslandConstraints& rows, std::size_t number, const Vector3d& normal, double gap, const double* weights) {
+  ContactConstraint& row = rows.rows[number];
   turnTo(rows.contacts[number], row, normal);
   row.gap = gap;
   Vector3d mobility = Vector3d::Zero();
   for (std::uint32_t i = row.firstPoint; i < row.endPoint; ++i) {
-    RowPoint& point = rows.points[i];
+    ConstraintPoint& point = rows.points[i];
     const double share = weights[i - row.firstPoint];
-    const ConstMap inverseMass(rows.levers[i].inverseMass);
+    const ConstMap inverseMass(rows.momentArms[i].inverseMass);
     point.share = share;
     Map(point.response) = share * inverseMass;
     mobility += share * share * inverseMass;
@@ -203,12 +203,12 @@ void moveRowTo(PairRows& rows, std::size_t number, const Vector3d& normal, doubl
   leaveOutPinned(rows, row);
 }
 
-void followRow(PairRows& rows, std::size_t number) {
-  const PairRow& row = rows.rows[number];
-  const ContactRow& held = *rows.contacts[number].held;
+void followRow(IslandConstraints& rows, std::size_t number) {
+  const ContactConstraint& row = rows.rows[number];
+  const PlaneContact& held = *rows.contacts[number].held;
   if (held.away) return setAway(rows.rows[number]);
   const double whole = 1.0;
-  const ConstMap x(rows.levers[row.firstPoint].position);
+  const ConstMap x(rows.momentArms[row.firstPoint].position);
   moveRowTo(rows, number, held.normal, held.normal.dot(x - held.touch), &whole);
 }
 
@@ -242,38 +242,38 @@ NearestFeature nearestTriangle(const Vector3d& a, const Vector3d& b, const Vecto
   return f;
 }
 
-void followCorners(PairRows& rows, std::size_t number) {
-  PairRow& row = rows.rows[number];
+void followCorners(IslandConstraints& rows, std::size_t number) {
+  ContactConstraint& row = rows.rows[number];
   const HeldCorners& held = rows.contacts[number].corners;
   std::array<Vector3d, 3> x;
   const std::uint32_t count = row.endPoint - row.firstPoint;
-  for (std::uint32_t i = 0; i < count; ++i) x[i] = ConstMap(rows.levers[row.firstPoint + i].position);
+  for (std::uint32_t i = 0; i < count; ++i) x[i] = ConstMap(rows.momentArms[row.firstPoint + i].position);
   const NearestFeature f = count == 3 ? nearestTriangle(x[0], x[1], x[2], held) : nearestEdge(x[0], x[1], held);
   const double length = f.normal.norm();
   if (!f.inside || !(length > 0.0)) return setAway(row);
   const double side = f.normal.dot(ConstMap(row.axes[0])) < 0.0 ? -1.0 : 1.0;
   const Vector3d normal = side / length * f.normal;
-  moveRowTo(rows, number, normal, normal.dot(f.away) - held.reach, f.weights.data());
+  moveRowTo(rows, number, normal, normal.dot(f.away) - held.radiusSum, f.weights.data());
 }
 
 /// Points that pass each other must not be held back by the plane between where they are now.
-void followSpheres(PairRows& rows, std::size_t number, double dt) {
-  PairRow& row = rows.rows[number];
-  const double reach = rows.contacts[number].spheres;
+void followSpheres(IslandConstraints& rows, std::size_t number, double dt) {
+  ContactConstraint& row = rows.rows[number];
+  const double radiusSum = rows.contacts[number].spheres;
   const std::uint32_t a = row.firstPoint, b = row.firstOfB;
-  const Vector3d offset = ConstMap(rows.levers[a].position) - ConstMap(rows.levers[b].position);
+  const Vector3d offset = ConstMap(rows.momentArms[a].position) - ConstMap(rows.momentArms[b].position);
   const Vector3d velocity = ConstMap(rows.points[a].velocity) - ConstMap(rows.points[b].velocity);
-  const Vector3d nearest = offsetWhenNearest(offset, velocity, dt, reach);
+  const Vector3d nearest = offsetWhenNearest(offset, velocity, dt, radiusSum);
   const double length = nearest.norm();
   if (!(length > 0.0)) return setAway(row);
   const Vector3d normal = nearest / length;
   const double weights[] = {1.0, -1.0};
-  moveRowTo(rows, number, normal, normal.dot(offset) - reach, weights);
+  moveRowTo(rows, number, normal, normal.dot(offset) - radiusSum, weights);
 }
 
-void prepareJoint(JointRow& j, const LinkedBodies& bodies) {
+void prepareJoint(JointConstraint& j, const LinkedBodies& bodies) {
   const auto share = [&](std::uint32_t body, const Vector3d& linear, const Vector3d& angular) {
-    if (body == JointRow::kHeld) return 0.0;
+    if (body == JointConstraint::kHeld) return 0.0;
     const RigidState& rigid = bodies.rigids[body];
     return linear.dot(linear.cwiseProduct(rigid.inverseMass)) + angular.dot(rigid.inverseInertia * angular);
   };
@@ -282,7 +282,7 @@ void prepareJoint(JointRow& j, const LinkedBodies& bodies) {
 }
 
 /// Of the symmetric mobility (1/kg) between the tangents: its inverse, and that of its larger eigenvalue.
-void setAcross(PairRow& row, double uu, double uv, double vv) {
+void setAcross(ContactConstraint& row, double uu, double uv, double vv) {
   const double determinant = uu * vv - uv * uv;
   const double scale = determinant > 0.0 ? 1.0 / determinant : 0.0;
   row.acrossMass[0] = scale * vv, row.acrossMass[1] = -scale * uv, row.acrossMass[2] = scale * uu;
@@ -290,9 +290,9 @@ void setAcross(PairRow& row, double uu, double uv, double vv) {
   row.turnMass = determinant > 0.0 ? 1.0 / largest : 0.0;
 }
 
-double speedOf(const LinkedBodies& bodies, const JointRow& j) {
+double speedOf(const LinkedBodies& bodies, const JointConstraint& j) {
   const auto share = [&](std::uint32_t body, const Vector3d& linear, const Vector3d& angular) {
-    if (body == JointRow::kHeld) return 0.0;
+    if (body == JointConstraint::kHeld) return 0.0;
     const RigidState& rigid = bodies.rigids[body];
     return linear.dot(rigid.velocity) + angular.dot(rigid.angularVelocity);
   };
@@ -301,7 +301,7 @@ double speedOf(const LinkedBodies& bodies, const JointRow& j) {
 
 }  // namespace
 
-void setMobility(PairRow& row, const Matrix3d& mobility) {
+void setMobility(ContactConstraint& row, const Matrix3d& mobility) {
   row.mobility = mobility(0, 0);
   row.mass = row.mobility > 0.0 ? 1.0 / row.mobility : 0.0;
   row.acrossAlong[0] = mobility(1, 0);
@@ -311,29 +311,29 @@ void setMobility(PairRow& row, const Matrix3d& mobility) {
   setAcross(row, uu + row.acrossSoftness, uv, vv + row.acrossSoftness);
 }
 
-void preparePairs(PairRows& rows, LinkedBodies& bodies, const std::vector<PointView>& views) {
+void prepareConstraints(IslandConstraints& rows, LinkedBodies& bodies, const std::vector<PointView>& views) {
   rows.points.clear();
-  rows.levers.clear();
-  rows.turns.clear();
+  rows.momentArms.clear();
+  rows.rotations.clear();
   rows.rows.resize(rows.contacts.size());
   rows.active.reserve(rows.contacts.capacity());
   findCarried(rows, bodies);
   for (std::size_t i = 0; i < rows.contacts.size(); ++i)
     prepareRow(rows, rows.rows[i], rows.contacts[i], bodies, views);
-  for (PairRow& row : rows.rows) row.settled = speedAlong(rows, row);
-  for (JointRow& j : rows.joints) prepareJoint(j, bodies);
+  for (ContactConstraint& row : rows.rows) row.settled = speedAlong(rows, row);
+  for (JointConstraint& j : rows.joints) prepareJoint(j, bodies);
 }
 
-Eigen::Vector3d offsetWhenNearest(const Vector3d& offset, const Vector3d& velocity, double dt, double reach) {
+Eigen::Vector3d offsetWhenNearest(const Vector3d& offset, const Vector3d& velocity, double dt, double radiusSum) {
   // |offset + t velocity| = reach, or its least
-  const double a = velocity.squaredNorm(), b = offset.dot(velocity), c = offset.squaredNorm() - reach * reach;
+  const double a = velocity.squaredNorm(), b = offset.dot(velocity), c = offset.squaredNorm() - radiusSum * radiusSum;
   if (c <= 0.0 || b >= 0.0) return offset;
   const double root = b * b - a * c;
   const double time = root > 0.0 ? c / (std::sqrt(root) - b) : -b / a;
   return offset + std::min(time, dt) * velocity;
 }
 
-void followContacts(PairRows& rows, double dt) {
+void followContacts(IslandConstraints& rows, double dt) {
   for (std::size_t i = 0; i < rows.contacts.size(); ++i)
     if (rows.contacts[i].ended)
       continue;
@@ -345,29 +345,29 @@ void followContacts(PairRows& rows, double dt) {
       followSpheres(rows, i, dt);
 }
 
-void movePairs(PairRows& rows, double dt) {
-  for (PairRow& row : rows.rows) row.gap += dt * speedAlong(rows, row);
+void updateGaps(IslandConstraints& rows, double dt) {
+  for (ContactConstraint& row : rows.rows) row.gap += dt * speedAlong(rows, row);
 }
 
-void finishPairs(PairRows& rows) {
+void finishConstraints(IslandConstraints& rows) {
   for (std::size_t i = 0; i < rows.contacts.size(); ++i) {
-    PairContact& c = rows.contacts[i];
-    PairRow& row = rows.rows[i];
+    Contact& c = rows.contacts[i];
+    ContactConstraint& row = rows.rows[i];
     c.gap = row.gap + row.pinned;
     addBorne(c, row);
-    c.stopping = bearingOf(row, row.stopping);
-    c.settling = bearingOf(row, row.settling);
+    c.positionImpulse = impulseOfVector(row, row.positionImpulse);
+    c.velocityImpulse = impulseOfVector(row, row.velocityImpulse);
   }
 }
 
-void turnResponses(PairRows& rows) {
-  for (RowTurn& turn : rows.turns)
+void rotateResponses(IslandConstraints& rows) {
+  for (ConstraintRotation& turn : rows.rotations)
     for (int k = 0; k < 3; ++k) Map(turn.response[k]) = turn.body->inverseInertia * ConstMap(turn.speeds[k]);
 }
 
-void bear(LinkedBodies& bodies, JointRow& j, double change) {
+void applyImpulse(LinkedBodies& bodies, JointConstraint& j, double change) {
   const auto push = [&](std::uint32_t body, const Vector3d& linear, const Vector3d& angular) {
-    if (body == JointRow::kHeld) return;
+    if (body == JointConstraint::kHeld) return;
     RigidState& rigid = bodies.rigids[body];
     rigid.velocity += change * linear.cwiseProduct(rigid.inverseMass);
     rigid.angularVelocity += change * (rigid.inverseInertia * angular);
@@ -377,12 +377,12 @@ void bear(LinkedBodies& bodies, JointRow& j, double change) {
   j.impulse += change;
 }
 
-void solveJoint(LinkedBodies& bodies, JointRow& j, double& sum) {
+void solveJoint(LinkedBodies& bodies, JointConstraint& j, double& sum) {
   const double wanted = sum + (j.speed - speedOf(bodies, j) - j.softness * sum) * j.mass;
   const double impulse = std::clamp(wanted, j.lower, j.upper);
   j.change = impulse - sum;
   sum = impulse;
-  bear(bodies, j, j.change);
+  applyImpulse(bodies, j, j.change);
 }
 
 }  // namespace limber

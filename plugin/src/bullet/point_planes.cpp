@@ -53,8 +53,8 @@ void keepContact(CachedContact& cached, std::uint64_t stamp, const btCollisionOb
 bool isKept(const CachedContact& cached, std::uint64_t stamp, const btCollisionObject& partner,
             const btVector3& place, btScalar radius) {
   if (stamp == 0 || cached.partner != stamp) return false;
-  const btScalar way = kStillThere * radius;
-  return (partner.getWorldTransform().invXform(place) - cached.place).length2() <= way * way;
+  const btScalar displacement = kStillThere * radius;
+  return (partner.getWorldTransform().invXform(place) - cached.place).length2() <= displacement * displacement;
 }
 
 // --- the rows of a pair ------------------------------------------------------------------------------------
@@ -76,16 +76,16 @@ btScalar roundingOf(const btCollisionShape& shape) {
 /// masses in the world meet what Bullet makes of them.
 class RowsOfPair final : public btCollisionWorld::ContactResultCallback {
  public:
-  RowsOfPair(SoftBodyData& body, std::uint32_t point, const btCollisionObject& partner, double reach,
+  RowsOfPair(SoftBodyData& body, std::uint32_t point, const btCollisionObject& partner, double searchRegion,
              btScalar tick)
       : body_(&body),
         point_(point),
         partner_(&partner),
-        reach_(reach),
+        reach_(searchRegion),
         tick_(tick),
         first_(body.contacts.size()) {
     const btScalar rounding = isSurfaceBody(body) ? roundingOf(*partner.getCollisionShape()) : 0;
-    m_closestDistanceThreshold = static_cast<btScalar>(reach) + rounding;
+    m_closestDistanceThreshold = static_cast<btScalar>(searchRegion) + rounding;
   }
 
   btScalar addSingleResult(btManifoldPoint& contact, const btCollisionObjectWrapper* first, int, int,
@@ -121,7 +121,7 @@ class RowsOfPair final : public btCollisionWorld::ContactResultCallback {
 
   /// A row that the step makes follow what `around` has of this owner; up to then, it is on this plane.
   void addFollowing(HeldNeighbourhood& around, std::uint32_t owner, const HeldContact* contact) {
-    ContactRow row = makeRow();
+    PlaneContact row = makeRow();
     row.around = &around;
     row.owner = owner;
     row.away = !contact;
@@ -130,9 +130,9 @@ class RowsOfPair final : public btCollisionWorld::ContactResultCallback {
   }
 
   void add(const Eigen::Vector3d& normal, const btVector3& surface) {
-    ContactRow row = makeRow();
+    PlaneContact row = makeRow();
     row.normal = normal.normalized();
-    row.surfaceVelocity = kinematicWay(*partner_, toEigen(surface)) / double(tick_);
+    row.surfaceVelocity = kinematicDisplacement(*partner_, toEigen(surface)) / double(tick_);
     row.touch = toEigen(surface) + double(body_->masses.shape->getRadius()) * row.normal;
     for (std::size_t i = first_; i < body_->contacts.size(); ++i)
       if (body_->contacts[i].normal.dot(row.normal) > kSameSurface) {
@@ -143,8 +143,8 @@ class RowsOfPair final : public btCollisionWorld::ContactResultCallback {
   }
 
  private:
-  ContactRow makeRow() const {
-    ContactRow row;
+  PlaneContact makeRow() const {
+    PlaneContact row;
     row.point = point_;
     row.friction = double(gCalculateCombinedFrictionCallback(&own(), partner_));
     row.restitution = double(gCalculateCombinedRestitutionCallback(&own(), partner_));
@@ -153,18 +153,18 @@ class RowsOfPair final : public btCollisionWorld::ContactResultCallback {
     return row;
   }
 
-  void push(const ContactRow& row) {
+  void push(const PlaneContact& row) {
     body_->contacts.push_back(row);
     body_->contactPartners.push_back(partner_);
   }
 
-  double gap(const ContactRow& row) const {
+  double gap(const PlaneContact& row) const {
     return row.normal.dot(body_->state.position.col(point_) - row.touch);
   }
 
   /// What the user may have given a friction of its own.
   const btRigidBody& own() const {
-    if (!body_->masses.shared) return *body_->surface.object;
+    if (!body_->masses.exposed) return *body_->surface.object;
     return *body_->masses.bodies[point_];
   }
 
@@ -179,25 +179,25 @@ class RowsOfPair final : public btCollisionWorld::ContactResultCallback {
 };
 
 void addPlaneRow(RowsOfPair& rows, const SoftBodyData& body, std::uint32_t i,
-                 const btCollisionObject& partner, double reach) {
+                 const btCollisionObject& partner, double searchRegion) {
   const auto& plane = *static_cast<const btStaticPlaneShape*>(partner.getCollisionShape());
   const btTransform& pose = partner.getWorldTransform();
   const Eigen::Vector3d normal = toEigen(pose.getBasis() * plane.getPlaneNormal());
   const btVector3 onPlane = pose * (plane.getPlaneNormal() * plane.getPlaneConstant());
   const Eigen::Vector3d x = body.state.position.col(i);
   const double height = normal.dot(x - toEigen(onPlane));
-  if (height - double(body.masses.shape->getRadius()) > reach) return;
+  if (height - double(body.masses.shape->getRadius()) > searchRegion) return;
   rows.add(normal, toBullet(Eigen::Vector3d(x - height * normal)));
 }
 
 /// Uses the contact that Bullet found a tick ago. On a flat face it is as good as new; a slow point has not
 /// left that face. False if there is none or the point is too fast for it.
 bool addCachedRow(RowsOfPair& rows, const SoftBodyData& body, std::uint32_t i,
-                  const btCollisionObject& partner, double reach) {
+                  const btCollisionObject& partner, double searchRegion) {
   const PointMass& point = *body.masses.bodies[i];
   const btPersistentManifold* manifold = point.cachedContact;
   const double radius = double(body.masses.shape->getRadius());
-  if (!manifold || reach > kSlowReach * radius) return false;
+  if (!manifold || searchRegion > kSlowReach * radius) return false;
   const bool pointIsFirst = manifold->getBody0() == &point;
   if ((pointIsFirst ? manifold->getBody1() : manifold->getBody0()) != &partner) return false;
   const btManifoldPoint& contact = manifold->getContactPoint(0);
@@ -209,11 +209,11 @@ bool addCachedRow(RowsOfPair& rows, const SoftBodyData& body, std::uint32_t i,
 
 /// The same for a point outside the world, for which Bullet keeps none.
 bool addKeptRow(RowsOfPair& rows, const SoftBodyData& body, std::uint32_t i, const btCollisionObject& partner,
-                std::uint64_t stamp, double reach) {
+                std::uint64_t stamp, double searchRegion) {
   const CachedContact& cached = body.surface.contacts[i];
   const double radius = double(body.masses.shape->getRadius());
   const btVector3 place = toBullet(Eigen::Vector3d(body.state.position.col(i)));
-  if (reach > kSlowReach * radius || !isKept(cached, stamp, partner, place, body.masses.shape->getRadius()))
+  if (searchRegion > kSlowReach * radius || !isKept(cached, stamp, partner, place, body.masses.shape->getRadius()))
     return false;
   const btTransform& pose = partner.getWorldTransform();
   rows.add(toEigen(pose.getBasis() * cached.normal), pose * cached.surface);
@@ -223,13 +223,13 @@ bool addKeptRow(RowsOfPair& rows, const SoftBodyData& body, std::uint32_t i, con
 /// Asks Bullet's narrowphase.
 void addFoundRows(RowsOfPair& rows, SoftBodyData& body, std::uint32_t i, const btCollisionObject& partner,
                   std::uint64_t stamp) {
-  if (!body.masses.shared) writePoint(body, i);
+  if (!body.masses.exposed) writePoint(body, i);
   body.world->contactPairTest(body.masses.bodies[i], const_cast<btCollisionObject*>(&partner), rows);
   if (isSurfaceBody(body)) rows.keepContact(body.surface.contacts[i], stamp);
 }
 
 /// Nobody can have excluded a pair with a point that nobody outside knows.
-bool mayBeExcluded(const SoftBodyData& body) { return body.masses.shared || !body.anchors.empty(); }
+bool mayBeExcluded(const SoftBodyData& body) { return body.masses.exposed || !body.anchors.empty(); }
 
 double heightAbove(const HeldPiece& sheet, const Eigen::Vector3d& x) {
   return sheet.center.dot(x - sheet.axes.col(0));
@@ -275,7 +275,7 @@ void chooseSides(const SoftBodyData& body, std::uint32_t i, HeldPiece* begin, He
 }
 
 /// On a plane, of a sheet on all of it; `next` becomes the piece after these.
-HeldPlace nearestOnFlat(const HeldPiece* first, const HeldPiece* end, const Eigen::Vector3d& x,
+HeldPoint nearestOnFlat(const HeldPiece* first, const HeldPiece* end, const Eigen::Vector3d& x,
                         const HeldPiece*& next) {
   next = endOfSolid(first, end);
   if (first->kind != HeldPiece::Kind::Sheet) return nearestOn(first, next, x);
@@ -287,31 +287,31 @@ HeldPlace nearestOnFlat(const HeldPiece* first, const HeldPiece* end, const Eige
 }
 
 /// Rows that need not follow anything: all that is near is flat.
-void addFlatRows(SoftBodyData& body, std::uint32_t i, const Reach& reach, btScalar tick) {
+void addFlatRows(SoftBodyData& body, std::uint32_t i, const SearchRegion& searchRegion, btScalar tick) {
   const HeldSurroundings& all = body.held;
   const Eigen::Vector3d x = body.state.position.col(i);
   const HeldPiece* end = all.pieces.data() + all.pieces.size();
   const HeldPiece* first = all.pieces.data() + body.staticPieces;
   for (const auto& [partner, endOfOwners] : body.staticPartners) {
-    RowsOfPair rows(body, i, *partner, reach.distance, tick);
+    RowsOfPair rows(body, i, *partner, searchRegion.distance, tick);
     for (const HeldPiece* next = first; first != end && first->owner < endOfOwners; first = next) {
-      const HeldPlace place = nearestOnFlat(first, end, x, next);
-      if (place.height - double(body.masses.shape->getRadius()) <= reach.distance)
+      const HeldPoint place = nearestOnFlat(first, end, x, next);
+      if (place.height - double(body.masses.shape->getRadius()) <= searchRegion.distance)
         rows.add(place.normal, toBullet(Eigen::Vector3d(x - place.height * place.normal)));
     }
   }
 }
 
 /// Rows that follow what is near: for each owner as many as there are directions in which it is.
-void addFollowingRows(SoftBodyData& body, std::uint32_t i, const Reach& reach, btScalar tick) {
+void addFollowingRows(SoftBodyData& body, std::uint32_t i, const SearchRegion& searchRegion, btScalar tick) {
   if (body.neighbourhoodCount == body.neighbourhoods.size()) body.neighbourhoods.emplace_back();
   HeldNeighbourhood& around = body.neighbourhoods[body.neighbourhoodCount++];
   around = {&body.held, body.staticPieces, body.held.pieces.size(),
             double(body.masses.shape->getRadius())};
-  findContacts(around, body.state.position.col(i), Eigen::Vector3d::Zero(), reach.distance);
+  findContacts(around, body.state.position.col(i), Eigen::Vector3d::Zero(), searchRegion.distance);
   std::uint32_t owner = 0;
   for (const auto& [partner, endOfOwners] : body.staticPartners) {
-    RowsOfPair rows(body, i, *partner, reach.distance, tick);
+    RowsOfPair rows(body, i, *partner, searchRegion.distance, tick);
     for (; owner < endOfOwners; ++owner) {
       bool any = false;
       for (const HeldContact& c : body.held.contacts) {
@@ -338,11 +338,11 @@ std::uint64_t stampOf(const btCollisionObject& partner) {
   return hash | 1;
 }
 
-void addStaticRows(SoftBodyData& body, std::uint32_t i, const Reach& reach, btScalar tick) {
+void addStaticRows(SoftBodyData& body, std::uint32_t i, const SearchRegion& searchRegion, btScalar tick) {
   body.staticPartners.clear();
   body.staticPieces = body.held.pieces.size();
   std::uint32_t owners = 0;
-  const Eigen::AlignedBox3d box(reach.low, reach.high);
+  const Eigen::AlignedBox3d box(searchRegion.low, searchRegion.high);
   for (std::size_t p = 0; p < body.partners.size(); ++p) {
     const btCollisionObject* partner = body.partners[p];
     if (isMoved(*partner) || !box.intersects(body.partnerBoxes[p])) continue;
@@ -355,22 +355,22 @@ void addStaticRows(SoftBodyData& body, std::uint32_t i, const Reach& reach, btSc
   if (begin == end) return;
   chooseSides(body, i, body.held.pieces.data() + body.staticPieces, body.held.pieces.data() + body.held.pieces.size());
   if (!areFlatAround(begin, end, body.state.position.col(i), double(body.masses.shape->getRadius()),
-                     reach.distance))
-    return addFollowingRows(body, i, reach, tick);
-  addFlatRows(body, i, reach, tick);
+                     searchRegion.distance))
+    return addFollowingRows(body, i, searchRegion, tick);
+  addFlatRows(body, i, searchRegion, tick);
   body.held.pieces.resize(body.staticPieces);
 }
 
 void addRows(SoftBodyData& body, std::uint32_t i, const btCollisionObject& partner, std::uint64_t stamp,
              const Eigen::Vector3d& velocity, double time, btScalar tick) {
   if (!isMoved(partner)) return;
-  const double travel = kinematicWay(partner, body.state.position.col(i)).norm();
-  const Reach reach = reachFrom(body, i, velocity, time, kReachPerMotion * travel);
-  if (!overlaps(reach, partner)) return;
+  const double travel = kinematicDisplacement(partner, body.state.position.col(i)).norm();
+  const SearchRegion searchRegion = searchRegionFrom(body, i, velocity, time, kSearchPerMotion * travel);
+  if (!overlaps(searchRegion, partner)) return;
   if (mayBeExcluded(body) && !canHit(body, *body.masses.bodies[i], partner)) return;
-  const double distance = reach.distance;
+  const double distance = searchRegion.distance;
   // it may be carried along, and need not be searched for there
-  body.reach[i] = std::max(body.reach[i], distance);
+  body.searchDistance[i] = std::max(body.searchDistance[i], distance);
   RowsOfPair rows(body, i, partner, distance, tick);
   const int shape = partner.getCollisionShape()->getShapeType();
   if (shape == STATIC_PLANE_PROXYTYPE)

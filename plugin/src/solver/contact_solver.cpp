@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Zlib
 // Solves contacts, joints and anchors of a group together, by sweeps over their rows.
-#include "solver/pair_contacts.h"
+#include "solver/contacts.h"
 
-#include "solver/contact_rows.h"
-#include "solver/pair_rows.h"
+#include "solver/plane_contacts.h"
+#include "solver/contact_constraint.h"
 
 #include <Eigen/LU>
 
@@ -22,42 +22,42 @@ using Eigen::Vector3d;
 using ConstMap = Eigen::Map<const Vector3d>;
 
 /// A triangle's share may leave it by so much before its place stays put until the next tick.
-constexpr double kMostShare = 1.25;
+constexpr double kMaxShare = 1.25;
 
 /// Of the arm of a rigid body's place: what stops it from farther away acts as if it had come nearer.
-constexpr double kMostReach = 0.3;
+constexpr double kMaxReach = 0.3;
 
 /// Points across a normal that are this much thinner one way than the other, squared, are in a line.
 constexpr double kThin = 1e-6;
 
-constexpr std::size_t kMostRowPoints = 6;
+constexpr std::size_t kMaxRowPoints = 6;
 
 /// The points of a row as its axes show them.
 struct Places {
   std::size_t count = 0;
-  std::array<Vector3d, kMostRowPoints> way;  ///< m, from the middle of the side: along the normal, then across
+  std::array<Vector3d, kMaxRowPoints> displacement;  ///< m, from the middle of the side: along the normal, then across
   Vector3d apart = Vector3d::Zero();      ///< m, from place b to a, likewise
   Matrix2d inverse;                       ///< 1/m^2, of M
 
-  Vector2d lever(std::size_t i) const { return way[i].tail<2>(); }
+  Vector2d momentArm(std::size_t i) const { return displacement[i].tail<2>(); }
 };
 
-Vector3d vectorInAxes(const PairRow& row, const Vector3d& x) {
+Vector3d vectorInAxes(const ContactConstraint& row, const Vector3d& x) {
   return {ConstMap(row.axes[0]).dot(x), ConstMap(row.axes[1]).dot(x), ConstMap(row.axes[2]).dot(x)};
 }
 
 /// The soft points from `first` to `end`.
-void addSide(const PairRows& rows, const PairRow& row, std::uint32_t first, std::uint32_t end,
+void addSide(const IslandConstraints& rows, const ContactConstraint& row, std::uint32_t first, std::uint32_t end,
              const Vector3d& origin, Places& places) {
   const std::size_t start = places.count;
   Vector3d middle = Vector3d::Zero();
   for (std::uint32_t i = first; i < end; ++i) {
-    const Vector3d x = vectorInAxes(row, ConstMap(rows.levers[i].position) - origin);
+    const Vector3d x = vectorInAxes(row, ConstMap(rows.momentArms[i].position) - origin);
     places.apart += rows.points[i].share * x;
-    places.way[places.count++] = x;
+    places.displacement[places.count++] = x;
     middle += x / double(end - first);
   }
-  for (std::size_t i = start; i < places.count; ++i) places.way[i] -= middle;
+  for (std::size_t i = start; i < places.count; ++i) places.displacement[i] -= middle;
 }
 
 /// The inverse of m with eigenvalues below `least` at 1 / (least^2 / value): any function f of a symmetric
@@ -76,53 +76,53 @@ Matrix2d cautiousInverse(const Matrix2d& m, double least) {
 /// contact.
 void invert(Places& places, double apart) {
   Matrix2d m = Matrix2d::Zero();
-  for (std::size_t i = 0; i < places.count; ++i) m += places.lever(i) * places.lever(i).transpose();
+  for (std::size_t i = 0; i < places.count; ++i) m += places.momentArm(i) * places.momentArm(i).transpose();
   const double least = std::max(apart * apart, kThin * m.trace());
   const double middle = 0.5 * m.trace(), determinant = m.determinant();
   const double smallest = middle - std::sqrt(std::max(0.0, middle * middle - determinant));
   places.inverse = smallest > least ? Matrix2d(m.inverse()) : cautiousInverse(m, least);
 }
 
-void setShare(PairRows& rows, std::uint32_t i, double share) {
-  RowPoint& point = rows.points[i];
+void setShare(IslandConstraints& rows, std::uint32_t i, double share) {
+  ConstraintPoint& point = rows.points[i];
   point.share = share;
-  for (int k = 0; k < 3; ++k) point.response[k] = share * rows.levers[i].inverseMass[k];
+  for (int k = 0; k < 3; ++k) point.response[k] = share * rows.momentArms[i].inverseMass[k];
 }
 
 /// Makes the places meet across the normal, as far as the soft ones can be moved. `first`: the row's point
 /// that places begins with.
-void moveShares(PairRows& rows, std::uint32_t first, Places& places) {
+void moveShares(IslandConstraints& rows, std::uint32_t first, Places& places) {
   const Vector2d more = places.inverse * places.apart.tail<2>();
-  std::array<double, kMostRowPoints> shares;
+  std::array<double, kMaxRowPoints> shares;
   for (std::size_t i = 0; i < places.count; ++i) {
-    shares[i] = rows.points[first + i].share - places.lever(i).dot(more);
-    if (!(std::abs(shares[i]) <= kMostShare)) return;
+    shares[i] = rows.points[first + i].share - places.momentArm(i).dot(more);
+    if (!(std::abs(shares[i]) <= kMaxShare)) return;
   }
   for (std::size_t i = 0; i < places.count; ++i) {
-    places.apart -= places.lever(i).dot(more) * places.way[i];
+    places.apart -= places.momentArm(i).dot(more) * places.displacement[i];
     setShare(rows, first + static_cast<std::uint32_t>(i), shares[i]);
   }
 }
 
-void setLever(const PairRow& row, const Vector2d& across, RowLever& lever) {
-  for (int k = 0; k < 2; ++k) lever.across[k] = across[k];
-  for (int k = 0; k < 3; ++k) lever.response[k] = lever.inverseMass[k] * row.axes[0][k];
+void setMomentArm(const ContactConstraint& row, const Vector2d& across, MomentArm& momentArm) {
+  for (int k = 0; k < 2; ++k) momentArm.across[k] = across[k];
+  for (int k = 0; k < 3; ++k) momentArm.response[k] = momentArm.inverseMass[k] * row.axes[0][k];
 }
 
-void joinSoft(PairRows& rows, const PairRow& row) {
-  const Vector3d origin = ConstMap(rows.levers[row.firstPoint].position);
+void joinSoft(IslandConstraints& rows, const ContactConstraint& row) {
+  const Vector3d origin = ConstMap(rows.momentArms[row.firstPoint].position);
   Places places;
   addSide(rows, row, row.firstPoint, row.firstOfB, origin, places);
   addSide(rows, row, row.firstOfB, row.endPoint, origin, places);
   invert(places, places.apart[0]);
   moveShares(rows, row.firstPoint, places);
   for (std::size_t i = 0; i < places.count; ++i)
-    setLever(row, places.apart[0] * (places.inverse * places.lever(i)), rows.levers[row.firstPoint + i]);
+    setMomentArm(row, places.apart[0] * (places.inverse * places.momentArm(i)), rows.momentArms[row.firstPoint + i]);
 }
 
-void joinRigid(PairRows& rows, const PairRow& row, const PairContact& c) {
-  const bool softIsA = c.a.kind == ContactPlace::Kind::Soft;
-  RowTurn& turn = rows.turns[row.firstTurn];
+void joinRigid(IslandConstraints& rows, const ContactConstraint& row, const Contact& c) {
+  const bool softIsA = c.a.kind == ContactPoint::Kind::Soft;
+  ConstraintRotation& turn = rows.rotations[row.firstRotation];
   Vector3d arm = softIsA ? c.b.arm : c.a.arm;
   const Vector3d origin = turn.body->position + arm;
   Places places;
@@ -133,7 +133,7 @@ void joinRigid(PairRows& rows, const PairRow& row, const PairContact& c) {
   invert(places, 0.0);
   moveShares(rows, softIsA ? row.firstPoint : row.firstOfB, places);
   const double sign = softIsA ? -1.0 : 1.0;
-  const double most = kMostReach * arm.norm(), distance = places.apart.norm();
+  const double most = kMaxReach * arm.norm(), distance = places.apart.norm();
   if (distance > most) places.apart *= most / distance;
   for (int k = 0; k < 3; ++k) arm -= sign * places.apart[k] * ConstMap(row.axes[k]);
   for (int k = 0; k < 3; ++k) {
@@ -144,20 +144,20 @@ void joinRigid(PairRows& rows, const PairRow& row, const PairContact& c) {
 }
 
 /// 1/kg: speeds along, across and across both, of one impulse in each of these directions.
-Matrix3d leverMobility(const PairRows& rows, const PairRow& row) {
+Matrix3d momentArmMobility(const IslandConstraints& rows, const ContactConstraint& row) {
   const Eigen::Map<const Matrix3d> axes(row.axes[0]);  // its columns
   Matrix3d mobility = Matrix3d::Zero();
   for (std::uint32_t i = row.firstPoint; i < row.endPoint; ++i) {
-    const RowPoint& point = rows.points[i];
-    const RowLever& lever = rows.levers[i];
-    const Vector3d across(0.0, lever.across[0], lever.across[1]);
+    const ConstraintPoint& point = rows.points[i];
+    const MomentArm& momentArm = rows.momentArms[i];
+    const Vector3d across(0.0, momentArm.across[0], momentArm.across[1]);
     const Matrix3d changes =
-        ConstMap(point.response).asDiagonal() * axes + ConstMap(lever.response) * across.transpose();
+        ConstMap(point.response).asDiagonal() * axes + ConstMap(momentArm.response) * across.transpose();
     mobility += (point.share * axes + axes.col(0) * across.transpose()).transpose() * changes;
   }
-  for (std::uint32_t i = row.firstTurn; i < row.endTurn; ++i)
-    mobility += Eigen::Map<const Matrix3d>(rows.turns[i].speeds[0]).transpose() *
-                Eigen::Map<const Matrix3d>(rows.turns[i].response[0]);
+  for (std::uint32_t i = row.firstRotation; i < row.endRotation; ++i)
+    mobility += Eigen::Map<const Matrix3d>(rows.rotations[i].speeds[0]).transpose() *
+                Eigen::Map<const Matrix3d>(rows.rotations[i].response[0]);
   return mobility;
 }
 
@@ -173,25 +173,25 @@ Matrix3d leverMobility(const PairRows& rows, const PairRow& row) {
 /// lets the levers of edges and triangles bear what is left, d n x J; neither changes the sum of a side. That
 /// is the least change that does. The places' relative speed across grows by sum l_i (n . v_i): the surfaces
 /// touch in the middle, and turn. A rigid body's place moves by what no soft one's can.
-void joinPlaces(PairRows& rows, std::size_t contact) {
-  PairRow& row = rows.rows[contact];
+void joinPlaces(IslandConstraints& rows, std::size_t contact) {
+  ContactConstraint& row = rows.rows[contact];
   if (row.couple == Couple::Nobody) return;
   if (row.couple == Couple::Soft)
     joinSoft(rows, row);
   else
     joinRigid(rows, row, rows.contacts[contact]);
   // a sweep that takes a row for heavier than it is diverges
-  setMobility(row, leverMobility(rows, row));
+  setMobility(row, momentArmMobility(rows, row));
 }
 
 // --- sweeps ------------------------------------------------------------------------------------------------
 
 /// Few solves need more than a tenth of it, but to end those early costs more: the error that is left is in
 /// the way of all substeps that follow.
-constexpr int kMostSweeps = 50;
+constexpr int kMaxSweeps = 50;
 
 /// Which of a row's two impulses a solve is about.
-enum class Stage { Stopping, Settling };
+enum class Stage { Positions, Velocities };
 
 /// Contacts give way by this share of what one alone would give way to the change of its impulse since the
 /// last substep (a proximal term), and normals to a fifth of the impulse itself. What contacts of rigid
@@ -204,21 +204,21 @@ constexpr double kKept = 0.8;
 /// Of the friction of a contact that slides: by so much at least a sweep turns it against the sliding.
 /// Contacts of one body may bear friction against each other that does nothing but use up their cones;
 /// without this a slow slide would take long to get it out.
-constexpr double kLeastTurn = 0.1;
+constexpr double kMinTurn = 0.1;
 
-/// m/s, as PairRows::tolerance where there are anchors only: they keep the bodies together to rounding.
+/// m/s, as IslandConstraints::tolerance where there are anchors only: they keep the bodies together to rounding.
 constexpr double kTightTolerance = 1e-10;
 
-/// Sweeps in which cones of friction follow the normals and friction is turned by kLeastTurn. With both,
+/// Sweeps in which cones of friction follow the normals and friction is turned by kMinTurn. With both,
 /// sweeps may go round in circles for ever; without, they descend to the least of a convex energy. But cones that
 /// stop too early are those of an unfinished solve, which depends on the order of the contacts.
 constexpr int kFreeSweeps = 15;
 
 /// Friction that stops the sliding (u, v) (m/s) altogether, or as much as there is, against the sliding:
 /// nearer to the least energy of the row alone, or a step of projected gradient towards it.
-inline void addFriction(const PairRow& row, double u, double v, double leastTurn, RowVector& sum) {
+inline void addFriction(const ContactConstraint& row, double u, double v, double leastTurn, ContactVector& sum) {
   const double* m = row.acrossMass;
-  const double most = row.mostFriction;
+  const double most = row.maxFriction;
   u += row.acrossSoftness * (sum.u - row.before.u);
   v += row.acrossSoftness * (sum.v - row.before.v);
   const double stopU = sum.u - (m[0] * u + m[1] * v);
@@ -238,38 +238,38 @@ inline void addFriction(const PairRow& row, double u, double v, double leastTurn
 
 /// Brings the speed along the normal up to `target` (m/s), with the impulse `total` 0 or more along it and
 /// friction within its cone, which is `free` to follow; row.change is what this has changed.
-inline void solveContact(PairRows& rows, PairRow& row, RowVector& total, double target, bool free) {
-  const RowVector speeds = speedsOf(rows, row), earlier = total;
-  RowVector sum = earlier;
+inline void solveContact(IslandConstraints& rows, ContactConstraint& row, ContactVector& total, double target, bool free) {
+  const ContactVector speeds = speedsOf(rows, row), earlier = total;
+  ContactVector sum = earlier;
   const double strain = row.softness * (sum.n - kKept * row.before.n);
   sum.n = std::max(0.0, sum.n + ((target - speeds.n) * row.mass - strain) / (1.0 + row.softness));
   const double more = sum.n - earlier.n;
-  if (free) row.mostFriction = row.friction * sum.n;
+  if (free) row.maxFriction = row.friction * sum.n;
   addFriction(row, speeds.u + more * row.acrossAlong[0], speeds.v + more * row.acrossAlong[1],
-              free ? kLeastTurn : 0.0, sum);
-  const RowVector change{more, sum.u - earlier.u, sum.v - earlier.v};
-  bear(rows, row, change);
+              free ? kMinTurn : 0.0, sum);
+  const ContactVector change{more, sum.u - earlier.u, sum.v - earlier.v};
+  applyImpulse(rows, row, change);
   row.change = change;
   total = sum;
 }
 
 /// m/s, at which an overlap is taken back at most. Where anchors hold bodies together a contact may push against
 /// what cannot give way: in a tick it does no more work than gives what it moves that speed.
-double partingSpeed(const PairContact& c, const PairRow& row, const LinkedBodies& bodies, double dt, double tick) {
+double partingSpeed(const Contact& c, const ContactConstraint& row, const LinkedBodies& bodies, double dt, double tick) {
   if (bodies.anchors.empty()) return c.recoverySpeed;
-  const double borne = std::max(row.stopping.n / dt * tick, c.impulse.along + row.impulse.n);  // N s in the tick
+  const double borne = std::max(row.positionImpulse.n / dt * tick, c.impulse.along + row.impulse.n);  // N s in the tick
   const double free = row.mass * c.recoverySpeed;
   return borne > free ? c.recoverySpeed * free / borne : c.recoverySpeed;
 }
 
 /// Whether side a is a single point mass and side b a static or kinematic object.
-bool isOfPoint(const PairContact& c) {
-  return c.a.kind == ContactPlace::Kind::Soft && c.a.count == 1 && c.b.kind == ContactPlace::Kind::World;
+bool isOfPoint(const Contact& c) {
+  return c.a.kind == ContactPoint::Kind::Soft && c.a.count == 1 && c.b.kind == ContactPoint::Kind::World;
 }
 
 /// What the contact needs before a drift of dt seconds. What would meet in it parts by Newton's law of
 /// restitution, and does not give way.
-void aim(const PairRows& rows, const PairContact& c, PairRow& row, double dt, double parting) {
+void aim(const IslandConstraints& rows, const Contact& c, ContactConstraint& row, double dt, double parting) {
   row.softness = isOfPoint(c) ? 0.0 : kSoftness;
   row.target = row.gap >= 0.0 ? -row.gap / dt : std::min(-kRecovery * row.gap / dt, parting);
   row.bounces = false;
@@ -304,56 +304,56 @@ struct Change {
 /// One stage of all rows of a group. Contacts that bear nothing and are not crossed either are left out of
 /// the sweeps, and looked at again when these have ended.
 struct Solve {
-  PairRows& rows;
+  IslandConstraints& rows;
   LinkedBodies& bodies;
   Stage stage;
   double dt = 0.0;  ///< s, of the drift that anchors are to end together after; 0 when settling
 
-  RowVector& impulse(PairRow& row) const { return stage == Stage::Stopping ? row.stopping : row.settling; }
-  double& impulse(JointRow& j) const { return stage == Stage::Stopping ? j.stopping : j.settling; }
+  ContactVector& impulse(ContactConstraint& row) const { return stage == Stage::Positions ? row.positionImpulse : row.velocityImpulse; }
+  double& impulse(JointConstraint& j) const { return stage == Stage::Positions ? j.positionImpulse : j.velocityImpulse; }
   Eigen::Vector3d& impulse(LinkAnchor& a) const {
-    return stage == Stage::Stopping ? a.stopping : a.settling;
+    return stage == Stage::Positions ? a.positionImpulse : a.velocityImpulse;
   }
 
   void activate(std::uint32_t i) {
     joinPlaces(rows, i);
-    PairRow& row = rows.rows[i];
+    ContactConstraint& row = rows.rows[i];
     row.active = true;
-    row.mostFriction = 0.0;
-    row.direction = RowVector();
-    row.change = RowVector();
+    row.maxFriction = 0.0;
+    row.direction = ContactVector();
+    row.change = ContactVector();
     rows.active.push_back(i);
   }
 
   /// What the last substep bore is about what this one will.
   void start() {
-    for (JointRow& j : rows.joints) {
-      bear(bodies, j, impulse(j));
+    for (JointConstraint& j : rows.joints) {
+      applyImpulse(bodies, j, impulse(j));
       j.direction = 0.0;
     }
     for (LinkAnchor& anchor : bodies.anchors) {
-      limber::bear(bodies, anchor, impulse(anchor));
+      limber::applyImpulse(bodies, anchor, impulse(anchor));
       anchor.direction.setZero();
     }
     rows.active.clear();
     for (std::uint32_t i = 0; i < rows.rows.size(); ++i) {
-      PairRow& row = rows.rows[i];
-      RowVector& sum = impulse(row);
-      const bool takesPart = row.mass > 0.0 && (stage == Stage::Stopping || row.stopping.n > 0.0);
+      ContactConstraint& row = rows.rows[i];
+      ContactVector& sum = impulse(row);
+      const bool takesPart = row.mass > 0.0 && (stage == Stage::Positions || row.positionImpulse.n > 0.0);
       row.active = false;
-      if (!takesPart || sum.n <= 0.0) sum = RowVector();
+      if (!takesPart || sum.n <= 0.0) sum = ContactVector();
       row.before = sum;
-      if (sum.n > 0.0 || (takesPart && stage == Stage::Settling)) activate(i);
-      if (sum.n > 0.0) bear(rows, row, sum);
+      if (sum.n > 0.0 || (takesPart && stage == Stage::Velocities)) activate(i);
+      if (sum.n > 0.0) applyImpulse(rows, row, sum);
     }
-    if (stage == Stage::Stopping) activateCrossed();
+    if (stage == Stage::Positions) activateCrossed();
   }
 
   /// Takes in the contacts that would be crossed in the coming drift. Returns whether there are any.
   bool activateCrossed() {
     const std::size_t count = rows.active.size();
     for (std::uint32_t i = 0; i < rows.rows.size(); ++i) {
-      const PairRow& row = rows.rows[i];
+      const ContactConstraint& row = rows.rows[i];
       if (!row.active && row.mass > 0.0 && speedAlong(rows, row) < row.target) activate(i);
     }
     if (rows.active.size() == count) return false;
@@ -362,28 +362,28 @@ struct Solve {
   }
 
   /// As cones of friction, see kFreeSweeps.
-  void limitRolling(JointRow& j) const {
+  void limitRolling(JointConstraint& j) const {
     j.upper = j.rolling * impulse(rows.rows[j.contact]).n;
     j.lower = -j.upper;
   }
 
   Change sweep(bool free) {
     Change change;
-    for (JointRow& j : rows.joints) {
+    for (JointConstraint& j : rows.joints) {
       if (j.mass == 0.0) continue;
-      if (free && j.contact != JointRow::kHeld) limitRolling(j);
+      if (free && j.contact != JointConstraint::kHeld) limitRolling(j);
       solveJoint(bodies, j, impulse(j));
       change.add(j.change * j.change, 1.0 / j.mass);
     }
     for (LinkAnchor& anchor : bodies.anchors) {
       const Eigen::Vector3d error = speedError(bodies, anchor, dt);
       anchor.change = -(anchor.mass * error);
-      limber::bear(bodies, anchor, anchor.change);
+      limber::applyImpulse(bodies, anchor, anchor.change);
       impulse(anchor) += anchor.change;
       change.add(error, anchor.change);
     }
     for (const std::uint32_t i : rows.active) {
-      PairRow& row = rows.rows[i];
+      ContactConstraint& row = rows.rows[i];
       solveContact(rows, row, impulse(row), row.target, free);
       change.add(row.change.squaredNorm(), row.mobility);
     }
@@ -392,22 +392,22 @@ struct Solve {
 
   /// On along `beta` times the last direction; the new one is that and what the sweep has changed.
   void stepOn(double beta) {
-    for (JointRow& j : rows.joints) {
+    for (JointConstraint& j : rows.joints) {
       j.direction *= beta;
-      bear(bodies, j, j.direction);
+      applyImpulse(bodies, j, j.direction);
       impulse(j) += j.direction;
       j.direction += j.change;
     }
     for (LinkAnchor& anchor : bodies.anchors) {
       anchor.direction *= beta;
-      limber::bear(bodies, anchor, anchor.direction);
+      limber::applyImpulse(bodies, anchor, anchor.direction);
       impulse(anchor) += anchor.direction;
       anchor.direction += anchor.change;
     }
     for (const std::uint32_t i : rows.active) {
-      PairRow& row = rows.rows[i];
+      ContactConstraint& row = rows.rows[i];
       row.direction *= beta;
-      bear(rows, row, row.direction);
+      applyImpulse(rows, row, row.direction);
       impulse(row) += row.direction;
       row.direction += row.change;
     }
@@ -424,9 +424,9 @@ struct Solve {
     int lastFree = kFreeSweeps;
     for (int count = 1; !hasNothingToDo(); ++count) {
       const Change change = sweep(count <= lastFree);
-      if (count == kMostSweeps) return count;
+      if (count == kMaxSweeps) return count;
       const bool ends = change.within(tolerance);
-      if (ends && (stage == Stage::Settling || !activateCrossed())) return count;
+      if (ends && (stage == Stage::Velocities || !activateCrossed())) return count;
       if (ends) lastFree = count + kFreeSweeps;
       // where the last sweep has changed more than the one before, its direction leads astray
       const double beta = before > 0.0 ? change.energy / before : 0.0;
@@ -439,24 +439,24 @@ struct Solve {
 
 }  // namespace
 
-int stopPairs(PairRows& rows, LinkedBodies& bodies, double dt, double tick) {
+int solvePositions(IslandConstraints& rows, LinkedBodies& bodies, double dt, double tick) {
   if (rows.empty() && bodies.anchors.empty()) return 0;
-  turnResponses(rows);
-  turnAnchors(bodies);
+  rotateResponses(rows);
+  updateAnchorMasses(bodies);
   aimAnchors(bodies, dt, tick);
   for (std::size_t i = 0; i < rows.rows.size(); ++i) {
-    const PairContact& c = rows.contacts[i];
+    const Contact& c = rows.contacts[i];
     aim(rows, c, rows.rows[i], dt, partingSpeed(c, rows.rows[i], bodies, dt, tick));
   }
-  return Solve{rows, bodies, Stage::Stopping, dt}.run();
+  return Solve{rows, bodies, Stage::Positions, dt}.run();
 }
 
-int settlePairs(PairRows& rows, LinkedBodies& bodies) {
+int solveVelocities(IslandConstraints& rows, LinkedBodies& bodies) {
   if (rows.empty() && bodies.anchors.empty()) return 0;
-  turnResponses(rows);
-  turnAnchors(bodies);
-  for (PairRow& row : rows.rows) row.target = row.bounces ? speedAlong(rows, row) + row.rebound : 0.0;
-  const int sweeps = Solve{rows, bodies, Stage::Settling}.run();
+  rotateResponses(rows);
+  updateAnchorMasses(bodies);
+  for (ContactConstraint& row : rows.rows) row.target = row.bounces ? speedAlong(rows, row) + row.rebound : 0.0;
+  const int sweeps = Solve{rows, bodies, Stage::Velocities}.run();
   for (std::size_t i = 0; i < rows.rows.size(); ++i)
     if (rows.contacts[i].restitution > 0.0) rows.rows[i].settled = speedAlong(rows, rows.rows[i]);
   return sweeps;

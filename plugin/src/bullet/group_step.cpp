@@ -4,7 +4,7 @@
 // by side, and takes out energy that a step has made.
 
 #include "bullet/point_contacts.h"
-#include "bullet/tick_group.h"
+#include "bullet/linked_group.h"
 #include "solver/point_state.h"
 #include "solver/springs.h"
 #include "solver/stepping_choice.h"
@@ -21,16 +21,16 @@ namespace {
 
 /// The strictest of the bodies' choices; springs between rigid bodies alone have the defaults. Linked bodies
 /// are stepped by Verlet whatever they choose.
-Stepping strictest(const TickGroup& group) {
+Stepping strictest(const LinkedGroup& group) {
   if (group.bodies.empty()) return Stepping();
   Stepping all = group.bodies[0]->settings.stepping;
   for (const SoftBodyData* body : group.bodies) {
     const Stepping& s = body->settings.stepping;
-    all.atLeast = std::max(all.atLeast, s.atLeast);
+    all.minSubsteps = std::max(all.minSubsteps, s.minSubsteps);
     all.periodTolerance = std::min(all.periodTolerance, s.periodTolerance);
     for (auto part : {&Stepping::tolerance, &Stepping::relativeTolerance})
       if (s.*part > 0.0) all.*part = all.*part > 0.0 ? std::min(all.*part, s.*part) : s.*part;
-    if (s.budget > 0) all.budget = all.budget > 0 ? std::min(all.budget, s.budget) : s.budget;
+    if (s.maxSubsteps > 0) all.maxSubsteps = all.maxSubsteps > 0 ? std::min(all.maxSubsteps, s.maxSubsteps) : s.maxSubsteps;
   }
   return all;
 }
@@ -39,9 +39,9 @@ Stepping strictest(const TickGroup& group) {
 /// that at most.
 double lightest(const SoftBodyData& body) {
   double most = 0.0;
-  for (std::size_t i = 0; i < body.network->massShares.size(); ++i)
+  for (std::size_t i = 0; i < body.network->massFractions.size(); ++i)
     most = std::max(most, body.state.inverseMass.col(static_cast<Eigen::Index>(i)).maxCoeff() *
-                              body.network->massShares[i]);
+                              body.network->massFractions[i]);
   return most * body.settings.totalMass;
 }
 
@@ -51,7 +51,7 @@ void updateBounds(SoftBodyData& body) {
   body.fastestSquared = body.fastestAtRest * lightest(body);
   body.dampingRate = dampingRateBound(body.springs, w);
   body.volumes.kept.value = 0.0;
-  body.keptRates = KeptRates();
+  body.rateHistory = RateHistory();
   body.frequencyStale = false;
 }
 
@@ -63,7 +63,7 @@ MotionRates ratesOf(SoftBodyData& body, double tick) {
   MotionRates rates;
   rates.boundSquared = body.frequencySquared + keptVolumeBoundSquared(body.volumes, body.state, tick) +
                        tetrahedronFrequencyBoundSquared(body.tetrahedra, body.state, tick);
-  const bool nearRest = !body.volumes.restless && !body.tetrahedra.restless;
+  const bool nearRest = !body.volumes.farFromRest && !body.tetrahedra.farFromRest;
   rates.fastestSquared =
       nearRest ? std::min(rates.boundSquared, body.fastestSquared) : rates.boundSquared;
   rates.turnRate = fastestTurn(body.springs, body.state, kNegligibleTurn / tick);
@@ -83,7 +83,7 @@ constexpr double kRateMemory = 0.25;
 /// the same moments of each oscillation and add up, so its substeps follow the largest rates of a while.
 MotionRates lasting(SoftBodyData& body, const MotionRates& rates, double tick) {
   if (body.springs.damped) return rates;
-  KeptRates& kept = body.keptRates;
+  RateHistory& kept = body.rateHistory;
   kept.age += tick;
   if (kept.age > kRateMemory) kept = {MotionRates(), kept.now, 0.0};
   kept.now = larger(kept.now, rates);
@@ -92,7 +92,7 @@ MotionRates lasting(SoftBodyData& body, const MotionRates& rates, double tick) {
 
 /// Own springs and links add up to a stiffness matrix K = K_own + K_links, whose largest eigenvalue is at
 /// most the sum of theirs.
-MotionRates ratesOf(TickGroup& group, double tick) {
+MotionRates ratesOf(LinkedGroup& group, double tick) {
   MotionRates rates;
   for (SoftBodyData* body : group.bodies) rates = larger(rates, lasting(*body, ratesOf(*body, tick), tick));
   const double links = linkFrequencyBoundSquared(group.step.links);
@@ -101,7 +101,7 @@ MotionRates ratesOf(TickGroup& group, double tick) {
   return rates;
 }
 
-SteppingProblem problemOf(TickGroup& group, double tick) {
+SteppingProblem problemOf(LinkedGroup& group, double tick) {
   SteppingProblem p;
   const MotionRates rates = ratesOf(group, tick);
   p.frequencies = {rates.boundSquared, rates.fastestSquared};
@@ -109,7 +109,7 @@ SteppingProblem problemOf(TickGroup& group, double tick) {
   p.tick = tick;
   for (SoftBodyData* body : group.bodies) {
     p.dampingRate = std::max(p.dampingRate, body->dampingRate);
-    p.errorPerSquare = std::max(p.errorPerSquare, body->errorPerSquare);
+    p.errorCoefficient = std::max(p.errorCoefficient, body->errorCoefficient);
     p.size = p.size > 0.0 ? std::min(p.size, body->size) : body->size;
     p.touching = p.touching || !body->contacts.empty();
     p.narrow = body->narrow;
@@ -121,29 +121,29 @@ SteppingProblem problemOf(TickGroup& group, double tick) {
 }
 
 /// Whether the group's bodies ask for an error tolerance, so that a tick may have to be stepped again.
-bool hasTolerance(const TickGroup& group) {
+bool hasTolerance(const LinkedGroup& group) {
   const Stepping& s = group.stepping;
   return s.tolerance > 0.0 || s.relativeTolerance > 0.0;
 }
 
-void setChoice(TickGroup& group, const SteppingChoice& choice) {
+void setChoice(LinkedGroup& group, const SteppingChoice& choice) {
   group.stepper = choice.stepper;
   group.substeps = choice.substeps;
   group.cut = choice.cut;
 }
 
 /// Puts the points back to where the tick started from.
-void rewind(TickGroup& group) {
+void rewind(LinkedGroup& group) {
   for (SoftBodyData* body : group.bodies) {
     body->state.position = body->masses.startPosition;
     body->state.velocity = body->startVelocity;
     body->implicit.meanOver = 0.0;
-    for (ContactRow& row : body->contacts) row.impulse = TickImpulse();
-    for (ContactRow& row : body->watch->rows) row.impulse = TickImpulse();
+    for (PlaneContact& row : body->contacts) row.impulse = TickImpulse();
+    for (PlaneContact& row : body->watch->rows) row.impulse = TickImpulse();
   }
 }
 
-void stepOnce(TickGroup& group, double tick, SharedFactors& factors) {
+void stepOnce(LinkedGroup& group, double tick, SharedFactors& factors) {
   if (group.stepper == Stepper::Verlet) return stepVerlet(group.step, tick, group.substeps);
   const auto kind =
       group.stepper == Stepper::BandedNewton ? MidpointSolver::Kind::Newton : MidpointSolver::Kind::Shared;
@@ -151,44 +151,44 @@ void stepOnce(TickGroup& group, double tick, SharedFactors& factors) {
 }
 
 /// The largest of the bodies' errors over the square of the substep, m/s^3.
-double errorPerSquare(const TickGroup& group, double tick) {
+double errorCoefficient(const LinkedGroup& group, double tick) {
   double largest = 0.0;
-  for (const SteppedBody& body : group.step.bodies) largest = std::max(largest, body.errorRate);
+  for (const SolverBody& body : group.step.bodies) largest = std::max(largest, body.errorRate);
   return largest / std::pow(tick / group.substeps, 2);
 }
 
 /// Times a tick is done again because its error was larger than foreseen.
-constexpr int kMostRetries = 3;
+constexpr int kMaxRetries = 3;
 
 // --- energy ------------------------------------------------------------------------------------------------
 
-double energyOf(SteppedBody& body) {
+double energyOf(SolverBody& body) {
   return kineticEnergy(*body.points) + elasticEnergy(body, body.points->position);
 }
 
 /// Whether Verlet's substep does not resolve the push against the change of volume where the body is now.
-bool holdsBack(TickGroup& group, double tick) {
+bool holdsBack(LinkedGroup& group, double tick) {
   if (group.stepper != Stepper::Verlet) return false;
   SoftBodyData& body = *group.bodies[0];
   const double dt = tick / group.substeps;
   return isHeldBack(body.volumes, body.state, dt) || isHeldBack(body.tetrahedra, body.state, dt);
 }
 
-bool bounces(const std::vector<ContactRow>& rows) {
-  return std::any_of(rows.begin(), rows.end(), [](const ContactRow& row) { return row.restitution > 0.0; });
+bool bounces(const std::vector<PlaneContact>& rows) {
+  return std::any_of(rows.begin(), rows.end(), [](const PlaneContact& row) { return row.restitution > 0.0; });
 }
 
 /// Whether it is one body and what holds its points, if anything, stands still and so does no work.
-bool isFreeBody(const TickGroup& group) {
+bool isFreeBody(const LinkedGroup& group) {
   if (group.bodies.size() != 1) return false;
   const PointState& s = group.bodies[0]->state;
   return (s.inverseMass.array() > 0.0 || s.velocity.array() == 0.0).all();
 }
 
-bool isFolded(const SoftBodyData& body) { return body.volumes.restless || body.tetrahedra.restless; }
+bool isFolded(const SoftBodyData& body) { return body.volumes.farFromRest || body.tetrahedra.farFromRest; }
 
 /// `lasting`: the bound is that of the first of these ticks, changes from outside apart; `once`: of this one.
-void guard(TickGroup& group, bool lasting, bool once) {
+void guard(LinkedGroup& group, bool lasting, bool once) {
   const bool lasted = group.guarded && group.lasting;
   group.lasting = lasting;
   group.guarded = lasting || once;
@@ -203,8 +203,8 @@ void guard(TickGroup& group, bool lasting, bool once) {
 /// exact where substeps only just resolve the oscillations between bounces. Bodies whose budget is cut: springs
 /// that turn round within a substep, as crushed ones do, give or take energy at random. The bound of both is the
 /// energy with which that began, for the same reason.
-void startGuard(TickGroup& group, double tick) {
-  if (group.clustered) return;  // see guardCluster()
+void startGuard(LinkedGroup& group, double tick) {
+  if (group.inIsland) return;  // see guardIsland()
   const bool free = isFreeBody(group) && isPlain(group.step);
   const bool cut = group.cut && group.stepper == Stepper::Verlet;
   const bool lasting = free && standsOnStill(group.bodies[0]->contacts) && (cut || bounces(group.bodies[0]->contacts));
@@ -220,7 +220,7 @@ double slowDown(PointState& points, double energy) {
 }
 
 /// Takes what the energy has risen by, less the work of the constant accelerations, out of the motion.
-void endGuard(TickGroup& group, double tick) {
+void endGuard(LinkedGroup& group, double tick) {
   if (!group.guarded || !(group.lasting || group.heldBack || holdsBack(group, tick))) return;
   const SoftBodyData& body = *group.bodies[0];
   double& allowed = group.energyBound;
@@ -228,7 +228,7 @@ void endGuard(TickGroup& group, double tick) {
     allowed +=
         massOf(body.state.inverseMass, i) *
         body.state.acceleration.col(i).dot(body.state.position.col(i) - body.masses.startPosition.col(i));
-  SteppedBody& stepped = group.step.bodies[0];
+  SolverBody& stepped = group.step.bodies[0];
   group.energyAtEnd = energyOf(stepped);
   const double excess = group.energyAtEnd - allowed;
   if (!(excess > 0.0)) return;
@@ -241,12 +241,12 @@ void endGuard(TickGroup& group, double tick) {
 // --- one group ---------------------------------------------------------------------------------------------
 
 /// Steps the group; with a tolerance again, more finely, where the error turns out larger than foreseen.
-void stepGroup(TickGroup& group, double tick, SharedFactors& factors) {
+void stepLinkedGroup(LinkedGroup& group, double tick, SharedFactors& factors) {
   stepOnce(group, tick, factors);
   if (!hasTolerance(group) || !group.step.links.rigids.empty()) return;
   SteppingProblem problem = problemOf(group, tick);
-  for (int i = 0; i < kMostRetries; ++i) {
-    problem.errorPerSquare = std::max(problem.errorPerSquare, errorPerSquare(group, tick));
+  for (int i = 0; i < kMaxRetries; ++i) {
+    problem.errorCoefficient = std::max(problem.errorCoefficient, errorCoefficient(group, tick));
     const SteppingChoice choice = limber::chooseStepping(problem, group.stepping);
     if (choice.substeps <= group.substeps) return;
     setChoice(group, choice);
@@ -257,41 +257,41 @@ void stepGroup(TickGroup& group, double tick, SharedFactors& factors) {
 
 /// After the step of a group that is in no cluster: steps it again with watches on (point_contacts.h) where
 /// a point got farther than contacts were looked for, and something is there.
-void repeatIfMissed(TickGroup& group, double tick, SharedFactors& factors) {
+void repeatIfMissed(LinkedGroup& group, double tick, SharedFactors& factors) {
   bool missed = false;
   for (SoftBodyData* body : group.bodies) missed = mayHaveMissedContacts(*body) || missed;
   if (!missed) return;
   rewind(group);
-  stepGroup(group, tick, factors);
+  stepLinkedGroup(group, tick, factors);
 }
 
 }  // namespace
 
-bool standsOnStill(const std::vector<ContactRow>& rows) {
-  const auto isStill = [](const ContactRow& row) { return row.surfaceVelocity.isZero(0.0); };
+bool standsOnStill(const std::vector<PlaneContact>& rows) {
+  const auto isStill = [](const PlaneContact& row) { return row.surfaceVelocity.isZero(0.0); };
   return std::all_of(rows.begin(), rows.end(), isStill);
 }
 
-void chooseStepping(TickGroup& group, double tick) {
+void chooseStepping(LinkedGroup& group, double tick) {
   group.stepping = strictest(group);
   SteppingProblem problem = problemOf(group, tick);
   setChoice(group, limber::chooseStepping(problem, group.stepping));
   for (SoftBodyData* body : group.bodies) body->prefersImplicit = group.stepper != Stepper::Verlet;
-  if (group.clustered && group.stepper != Stepper::Verlet) {
+  if (group.inIsland && group.stepper != Stepper::Verlet) {
     problem.implicitPossible = false;
     setChoice(group, limber::chooseStepping(problem, group.stepping));
   }
   startGuard(group, tick);
   // what else moves the body may throw it farther than was foreseen for it alone
-  const bool together = group.clustered || !isPlain(group.step);
+  const bool together = group.inIsland || !isPlain(group.step);
   for (SoftBodyData* body : group.bodies) {
     body->startVelocity = body->state.velocity;
     body->watch->on = body->settings.continuousCollision && (body->watch->on || together);
   }
 }
 
-void guardCluster(TickGroup& group, bool alone) {
-  guard(group, alone && group.stepping.budget > 0 && isFreeBody(group), false);
+void guardIsland(LinkedGroup& group, bool alone) {
+  guard(group, alone && group.stepping.maxSubsteps > 0 && isFreeBody(group), false);
 }
 
 // --- groups side by side -----------------------------------------------------------------------------------
@@ -302,7 +302,7 @@ namespace {
 /// with eight lanes); such bodies are stepped one by one.
 constexpr std::size_t kLargestInLanes = 1000;
 
-bool fitsLanes(const TickGroup& group) {
+bool fitsLanes(const LinkedGroup& group) {
   return !hasTolerance(group) && group.stepper == Stepper::Verlet && isPlain(group.step) &&
          group.bodies[0]->springs.size() <= kLargestInLanes && group.bodies[0]->springs.size() > 0;
 }
@@ -330,33 +330,33 @@ void StepPlan::clear() {
   networkOf_.clear();
 }
 
-void StepPlan::number(const std::vector<TickGroup>& groups) {
+void StepPlan::number(const std::vector<LinkedGroup>& groups) {
   std::map<const SpringNetwork*, std::size_t> numbers;
-  for (const TickGroup& group : groups) {
+  for (const LinkedGroup& group : groups) {
     const SpringNetwork* network = group.bodies.empty() ? nullptr : group.bodies[0]->network.get();
     networkOf_.push_back(numbers.try_emplace(network, numbers.size()).first->second);
   }
 }
 
-void StepPlan::stepOrCollect(std::vector<TickGroup>& groups, double tick) {
+void StepPlan::stepOrCollect(std::vector<LinkedGroup>& groups, double tick) {
   candidates_.clear();
   for (std::size_t i = 0; i < groups.size(); ++i) {
-    if (groups[i].asleep || groups[i].clustered) continue;
+    if (groups[i].asleep || groups[i].inIsland) continue;
     if (fitsLanes(groups[i]))
       candidates_.push_back({networkOf_[i], groups[i].substeps, groups[i].bodies[0]->springs.damped,
                              volumeKind(*groups[i].bodies[0]), i});
     else
-      stepGroup(groups[i], tick, factors_);
+      stepLinkedGroup(groups[i], tick, factors_);
   }
   std::sort(candidates_.begin(), candidates_.end());
 }
 
-void StepPlan::stepBlock(std::vector<TickGroup>& groups, std::size_t begin, std::size_t end, double tick) {
+void StepPlan::stepBlock(std::vector<LinkedGroup>& groups, std::size_t begin, std::size_t end, double tick) {
   if (blocksUsed_ == blocks_.size()) blocks_.emplace_back();
   LaneBlock& block = blocks_[blocksUsed_++];
   block.lanes.resize(end - begin);
   for (std::size_t i = begin; i < end; ++i) {
-    const SteppedBody& body = groups[candidates_[i].group].step.bodies[0];
+    const SolverBody& body = groups[candidates_[i].group].step.bodies[0];
     LaneBlock::Lane& lane = block.lanes[i - begin];
     if (lane.body.points != body.points) lane.revision = 0;
     lane.body = body;
@@ -367,18 +367,18 @@ void StepPlan::stepBlock(std::vector<TickGroup>& groups, std::size_t begin, std:
 }
 
 /// Bodies that are alone in their block have nothing to gain from it.
-void StepPlan::stepRun(std::vector<TickGroup>& groups, std::size_t begin, std::size_t end, double tick) {
+void StepPlan::stepRun(std::vector<LinkedGroup>& groups, std::size_t begin, std::size_t end, double tick) {
   const auto lanes = static_cast<std::size_t>(laneCount(set_));
   for (std::size_t i = begin; i < end; i += lanes) {
     const std::size_t stop = std::min(i + lanes, end);
     if (stop - i > 1)
       stepBlock(groups, i, stop, tick);
     else
-      stepGroup(groups[candidates_[i].group], tick, factors_);
+      stepLinkedGroup(groups[candidates_[i].group], tick, factors_);
   }
 }
 
-void StepPlan::step(std::vector<TickGroup>& groups, double tick) {
+void StepPlan::step(std::vector<LinkedGroup>& groups, double tick) {
   if (networkOf_.size() != groups.size()) number(groups);
   stepOrCollect(groups, tick);
   blocksUsed_ = 0;
@@ -387,8 +387,8 @@ void StepPlan::step(std::vector<TickGroup>& groups, double tick) {
     while (end < candidates_.size() && candidates_[end].fitsWith(candidates_[begin])) ++end;
     stepRun(groups, begin, end, tick);
   }
-  for (TickGroup& group : groups)
-    if (!group.asleep && !group.clustered) repeatIfMissed(group, tick, factors_);
+  for (LinkedGroup& group : groups)
+    if (!group.asleep && !group.inIsland) repeatIfMissed(group, tick, factors_);
 }
 
 // --- after the step ----------------------------------------------------------------------------------------
@@ -400,15 +400,15 @@ constexpr double kErrorMemory = 0.25;
 
 }  // namespace
 
-void reportStepping(TickGroup& group, double tick) {
+void reportStepping(LinkedGroup& group, double tick) {
   for (SoftBodyData* body : group.bodies) body->watch->merge();
   endGuard(group, tick);
   for (std::size_t i = 0; i < group.bodies.size(); ++i) {
     SoftBodyData& body = *group.bodies[i];
     const double square = std::pow(tick / group.substeps, 2);
-    const double faded = body.errorPerSquare * std::max(0.0, 1.0 - tick / kErrorMemory);
-    body.errorPerSquare = std::max(group.step.bodies[i].errorRate / square, faded);
-    body.errorPerSecond = body.errorPerSquare * square;
+    const double faded = body.errorCoefficient * std::max(0.0, 1.0 - tick / kErrorMemory);
+    body.errorCoefficient = std::max(group.step.bodies[i].errorRate / square, faded);
+    body.errorPerSecond = body.errorCoefficient * square;
     body.substeps = group.substeps;
     body.stepper = group.stepper;
     if (group.stepper == Stepper::Verlet) body.implicit.meanOver = 0.0;

@@ -7,7 +7,7 @@
 #include "bullet/point_contacts.h"
 #include "bullet/surface_body.h"
 #include "bullet/tick_contacts.h"
-#include "bullet/tick_group.h"
+#include "bullet/linked_group.h"
 
 #include <algorithm>
 
@@ -18,10 +18,10 @@ namespace {
 /// The contacts that one point and one rigid body make.
 class PairsOfPoint final : public btCollisionWorld::ContactResultCallback {
  public:
-  PairsOfPoint(SoftBodyData& body, std::uint32_t point, const btRigidBody& partner, double reach,
+  PairsOfPoint(SoftBodyData& body, std::uint32_t point, const btRigidBody& partner, double searchRegion,
                TickContacts& found)
       : body_(&body), point_(point), partner_(&partner), found_(&found), first_(found.contacts.size()) {
-    m_closestDistanceThreshold = static_cast<btScalar>(reach);
+    m_closestDistanceThreshold = static_cast<btScalar>(searchRegion);
   }
 
   btScalar addSingleResult(btManifoldPoint& contact, const btCollisionObjectWrapper* first, int, int,
@@ -35,8 +35,8 @@ class PairsOfPoint final : public btCollisionWorld::ContactResultCallback {
   }
 
   void add(const Eigen::Vector3d& normal, const Eigen::Vector3d& surface) {
-    PairContact c;
-    c.a.kind = ContactPlace::Kind::Soft;
+    Contact c;
+    c.a.kind = ContactPoint::Kind::Soft;
     c.a.body = body_->index;
     c.a.point[0] = point_;
     c.b = placeOn(*found_, *partner_, toBullet(surface));
@@ -55,7 +55,7 @@ class PairsOfPoint final : public btCollisionWorld::ContactResultCallback {
       }
     ContactSource source;
     source.body = body_;
-    source.partner = markOf(objectInWorld(*partner_));
+    source.partner = handleOf(objectInWorld(*partner_));
     source.key = point_;
     found_->add(c, source);
   }
@@ -69,7 +69,7 @@ class PairsOfPoint final : public btCollisionWorld::ContactResultCallback {
 };
 
 /// m, how far the partner's surface may move in the tick.
-double wayInTick(const btRigidBody& partner, double tick) {
+double displacementInTick(const btRigidBody& partner, double tick) {
   const btScalar turn = partner.getAngularVelocity().length();
   double speed = double(partner.getLinearVelocity().length());
   if (turn > 0) speed += double(turn * partner.getCollisionShape()->getAngularMotionDisc());
@@ -77,24 +77,24 @@ double wayInTick(const btRigidBody& partner, double tick) {
 }
 
 void addBoxPair(PairsOfPoint& pairs, const SoftBodyData& body, std::uint32_t i, const btRigidBody& partner,
-                double reach) {
+                double searchRegion) {
   const Eigen::Vector3d x = body.state.position.col(i);
   const auto& box = *static_cast<const btBoxShape*>(partner.getCollisionShape());
   const NearestOnBox nearest = nearestOnBox(box, partner.getWorldTransform(), x);
   const double height = nearest.normal.dot(x - nearest.surface);
-  if (height - double(body.masses.shape->getRadius()) <= reach) pairs.add(nearest.normal, nearest.surface);
+  if (height - double(body.masses.shape->getRadius()) <= searchRegion) pairs.add(nearest.normal, nearest.surface);
 }
 
 void addPairs(SoftBodyData& body, std::uint32_t i, btRigidBody& partner, double tick, TickContacts& found) {
-  const double motion = kReachPerMotion * wayInTick(partner, tick);
-  const Reach reach = reachOf(body, i, tick, motion);
-  if (!overlaps(reach, partner)) return;
+  const double motion = kSearchPerMotion * displacementInTick(partner, tick);
+  const SearchRegion searchRegion = searchRegionOf(body, i, tick, motion);
+  if (!overlaps(searchRegion, partner)) return;
   PointMass& point = *body.masses.bodies[i];
   if (!canHit(body, point, partner)) return;
-  PairsOfPoint pairs(body, i, partner, reach.distance, found);
+  PairsOfPoint pairs(body, i, partner, searchRegion.distance, found);
   if (partner.getCollisionShape()->getShapeType() == BOX_SHAPE_PROXYTYPE)
-    return addBoxPair(pairs, body, i, partner, reach.distance);
-  if (!body.masses.shared) writePoint(body, i);
+    return addBoxPair(pairs, body, i, partner, searchRegion.distance);
+  if (!body.masses.exposed) writePoint(body, i);
   body.world->contactPairTest(&point, &partner, pairs);
 }
 
@@ -120,9 +120,9 @@ Eigen::Vector3d accelerationOf(const PointMass& point) {
   return point.owner()->state.acceleration.col(point.index());
 }
 
-ContactPlace placeOf(const PointMass& point) {
-  ContactPlace place;
-  place.kind = point.owner()->asleep ? ContactPlace::Kind::World : ContactPlace::Kind::Soft;
+ContactPoint placeOf(const PointMass& point) {
+  ContactPoint place;
+  place.kind = point.owner()->asleep ? ContactPoint::Kind::World : ContactPoint::Kind::Soft;
   place.body = point.owner()->index;
   place.point[0] = point.index();
   return place;
@@ -150,20 +150,20 @@ class PairsOfPoints final : public btBroadphaseAabbCallback {
         point_->owner()->state.position.col(point_->index()) - theirs.state.position.col(other.index());
     const Eigen::Vector3d velocity = pointVelocity(*point_) - pointVelocity(other);
     const double change = tick_ * tick_ * (accelerationOf(*point_) - accelerationOf(other)).norm();
-    const double reach = radiusOf(*point_) + radiusOf(other);
-    if (offset.norm() - reach > kReachPerMotion * (tick_ * velocity.norm() + change) + reach / 3.0) return;
-    const Eigen::Vector3d nearest = offsetWhenNearest(offset, velocity, tick_, reach);
-    if (nearest.norm() > 0.0) add(other, nearest.normalized(), offset, reach);
+    const double searchRegion = radiusOf(*point_) + radiusOf(other);
+    if (offset.norm() - searchRegion > kSearchPerMotion * (tick_ * velocity.norm() + change) + searchRegion / 3.0) return;
+    const Eigen::Vector3d nearest = offsetWhenNearest(offset, velocity, tick_, searchRegion);
+    if (nearest.norm() > 0.0) add(other, nearest.normalized(), offset, searchRegion);
   }
 
-  void add(const PointMass& other, const Eigen::Vector3d& normal, const Eigen::Vector3d& offset, double reach) {
+  void add(const PointMass& other, const Eigen::Vector3d& normal, const Eigen::Vector3d& offset, double searchRegion) {
     SoftBodyData &body = *point_->owner(), &theirs = *other.owner();
-    PairContact c;
+    Contact c;
     c.a = placeOf(*point_);
     c.b = placeOf(other);
     c.normal = normal;
-    c.gap = normal.dot(offset) - reach;
-    c.spheres = theirs.asleep ? 0.0 : reach;
+    c.gap = normal.dot(offset) - searchRegion;
+    c.spheres = theirs.asleep ? 0.0 : searchRegion;
     c.friction = double(gCalculateCombinedFrictionCallback(point_, &other));
     c.restitution = double(gCalculateCombinedRestitutionCallback(point_, &other));
     c.bounceThreshold = body.speeds.bounce;
@@ -171,7 +171,7 @@ class PairsOfPoints final : public btBroadphaseAabbCallback {
     ContactSource source;
     source.body = &body;
     source.other = &theirs;
-    source.partner = markOf(other);
+    source.partner = handleOf(other);
     source.key = point_->index();
     found_->add(c, source);
   }
@@ -201,16 +201,16 @@ void findAround(SoftBodyData& body, const Eigen::Vector3d& low, const Eigen::Vec
 void addPointPairs(SoftBodyData& body, double tick, double farthest, TickContacts& found) {
   Eigen::AlignedBox3d box;
   for (std::uint32_t i = 0; i < body.masses.bodies.size(); ++i) {
-    const Reach reach = reachOf(body, i, tick, farthest);
-    box.extend(reach.low).extend(reach.high);
+    const SearchRegion searchRegion = searchRegionOf(body, i, tick, farthest);
+    box.extend(searchRegion.low).extend(searchRegion.high);
   }
   FindsOthersPoints others(body);
   findAround(body, box.min(), box.max(), others);
   if (!others.any) return;
   for (std::uint32_t i = 0; i < body.masses.bodies.size(); ++i) {
-    const Reach reach = reachOf(body, i, tick, farthest);
+    const SearchRegion searchRegion = searchRegionOf(body, i, tick, farthest);
     PairsOfPoints pairs(*body.masses.bodies[i], tick, found);
-    findAround(body, reach.low, reach.high, pairs);
+    findAround(body, searchRegion.low, searchRegion.high, pairs);
   }
 }
 
@@ -222,18 +222,18 @@ void gatherPairs(SoftBodyData& body, btRigidBody& partner, btScalar tick, TickCo
     addPairs(body, i, partner, double(tick), found);
 }
 
-void gatherPointPairs(const std::vector<TickGroup>& groups, btScalar tick, TickContacts& found) {
+void gatherPointPairs(const std::vector<LinkedGroup>& groups, btScalar tick, TickContacts& found) {
   int bodies = 0;
   // whatever comes towards a point comes no farther
   double farthest = 0.0;
-  for (const TickGroup& group : groups)
+  for (const LinkedGroup& group : groups)
     for (const SoftBodyData* body : group.bodies) {
       if (isSurfaceBody(*body)) continue;
       ++bodies;
-      if (!group.asleep) farthest = std::max(farthest, *std::max_element(body->reach.begin(), body->reach.end()));
+      if (!group.asleep) farthest = std::max(farthest, *std::max_element(body->searchDistance.begin(), body->searchDistance.end()));
     }
   if (bodies < 2) return;
-  for (const TickGroup& group : groups)
+  for (const LinkedGroup& group : groups)
     for (SoftBodyData* body : group.bodies)
       if (!group.asleep && !isSurfaceBody(*body)) addPointPairs(*body, double(tick), farthest, found);
 }

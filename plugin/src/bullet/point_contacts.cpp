@@ -80,11 +80,11 @@ ContactSpeeds contactSpeeds(const SoftBodyData& body, double tick) {
 /// The box around all reaches; keeps how far contacts are looked for.
 Eigen::AlignedBox3d reachBox(SoftBodyData& body, double tick) {
   Eigen::AlignedBox3d box;
-  body.reach.resize(body.masses.bodies.size());
+  body.searchDistance.resize(body.masses.bodies.size());
   for (Eigen::Index i = 0; i < body.state.position.cols(); ++i) {
-    const Reach reach = reachOf(body, i, tick);
-    body.reach[static_cast<std::size_t>(i)] = reach.distance;
-    box.extend(reach.low).extend(reach.high);
+    const SearchRegion searchRegion = searchRegionOf(body, i, tick);
+    body.searchDistance[static_cast<std::size_t>(i)] = searchRegion.distance;
+    box.extend(searchRegion.low).extend(searchRegion.high);
   }
   return box;
 }
@@ -101,12 +101,12 @@ void takePartners(SoftBodyData& body) {
 
 /// Whether Bullet's broadphase knows that nothing is in the way of a body that flies as was foreseen: then
 /// nothing pushes its points aside either.
-bool fliesFreely(SoftBodyData& body, double tick) {
-  const bool foreseen = !body.masses.shared && body.surface.flight.tick == tick;
-  const Flight flight = foreseen ? body.surface.flight : flightOf(body, tick);
-  if (hasPartnersIn(flight.box, body) || (!foreseen && !partnersCover(body, flight.box))) return false;
+bool nothingIsNear(SoftBodyData& body, double tick) {
+  const bool foreseen = !body.masses.exposed && body.surface.sweptBounds.tick == tick;
+  const SweptBounds sweptBounds = foreseen ? body.surface.sweptBounds : sweptBoundsOf(body, tick);
+  if (hasPartnersIn(sweptBounds.box, body) || (!foreseen && !partnersCover(body, sweptBounds.box))) return false;
   forgetPartners(body);
-  body.reach.assign(body.masses.bodies.size(), flight.reach);
+  body.searchDistance.assign(body.masses.bodies.size(), sweptBounds.maxDisplacement);
   return true;
 }
 
@@ -123,7 +123,7 @@ void leavePointsToRows(SoftBodyData& body) {
 }
 
 void notePartner(SoftBodyData& body, const btCollisionObject& partner) {
-  body.partnerMarks.push_back(markOf(partner));
+  body.partnerHandles.push_back(handleOf(partner));
   body.partnerStamps.push_back(stampOf(partner));
   body.partnerBoxes.push_back(boxOf(partner));
 }
@@ -147,7 +147,7 @@ struct HeldInBox final : btBroadphaseAabbCallback {
 
 /// Looks for contacts of points that are about to leave their reach, from where they are. The rows are apart
 /// from the body's until the tick ends: contacts between bodies point to those.
-class Watch final : public ReachWatch {
+class Watch final : public SearchWatch {
  public:
   explicit Watch(SoftBodyData& body) : body_(&body) {}
 
@@ -162,8 +162,8 @@ class Watch final : public ReachWatch {
     bool found = false;
     for (std::uint32_t i = 0; i < body_->masses.bodies.size(); ++i) {
       const Eigen::Vector3d x = points.positionOf(i), v = points.velocityOf(i);
-      const double reach = body_->reach[i];
-      const bool leaves = (x + dt * v - body_->masses.startPosition.col(i)).squaredNorm() > reach * reach;
+      const double searchRegion = body_->searchDistance[i];
+      const bool leaves = (x + dt * v - body_->masses.startPosition.col(i)).squaredNorm() > searchRegion * searchRegion;
       if (!leaves || body_->masses.held[i]) continue;
       search(i, x, v, time);
       found = true;
@@ -184,7 +184,7 @@ class Watch final : public ReachWatch {
   }
 
  private:
-  static bool isBefore(std::uint32_t point, const ContactRow& row) { return point < row.point; }
+  static bool isBefore(std::uint32_t point, const PlaneContact& row) { return point < row.point; }
 
   /// From x, for the rest of the tick.
   void search(std::uint32_t i, const Eigen::Vector3d& x, const Eigen::Vector3d& v, double time) {
@@ -192,17 +192,17 @@ class Watch final : public ReachWatch {
     const btVector3 left = origin;
     const double rest = double(tick_) - time;
     body_->state.position.col(i) = x;
-    const Reach reach = reachFrom(*body_, i, v, rest);
+    const SearchRegion searchRegion = searchRegionFrom(*body_, i, v, rest);
     HeldInBox held(*body_);
-    body_->world->getBroadphase()->aabbTest(toBullet(reach.low), toBullet(reach.high), held);
+    body_->world->getBroadphase()->aabbTest(toBullet(searchRegion.low), toBullet(searchRegion.high), held);
     found_.clear();
     foundPartners_.clear();
     swapRows(found_, foundPartners_);
-    addStaticRows(*body_, i, reach, tick_);
+    addStaticRows(*body_, i, searchRegion, tick_);
     for (std::size_t p = 0; p < body_->partners.size(); ++p) {
       // what moves is where it starts in the tick: the point beside it there as it is now
       const btCollisionObject& partner = *body_->partners[p];
-      const Eigen::Vector3d beside = x - time / double(tick_) * kinematicWay(partner, x);
+      const Eigen::Vector3d beside = x - time / double(tick_) * kinematicDisplacement(partner, x);
       body_->state.position.col(i) = beside;
       origin = toBullet(beside);
       addRows(*body_, i, partner, body_->partnerStamps[p], v, rest, tick_);
@@ -211,19 +211,19 @@ class Watch final : public ReachWatch {
     body_->state.position.col(i) = x;
     origin = left;
     take(i);
-    const double reached = (x - body_->masses.startPosition.col(i)).norm() + reach.distance;
-    body_->reach[i] = std::max(body_->reach[i], reached);
+    const double reached = (x - body_->masses.startPosition.col(i)).norm() + searchRegion.distance;
+    body_->searchDistance[i] = std::max(body_->searchDistance[i], reached);
   }
 
   /// What is gathered goes to the body's rows.
-  void swapRows(std::vector<ContactRow>& r, std::vector<const btCollisionObject*>& p) {
+  void swapRows(std::vector<PlaneContact>& r, std::vector<const btCollisionObject*>& p) {
     std::swap(body_->contacts, r);
     std::swap(body_->contactPartners, p);
   }
 
   /// In place of what was found of the point before, whose impulses what is found now has.
   void take(std::uint32_t i) {
-    const RowRange old = rowsOfPoint(rows, i);
+    const ContactRange old = contactsOfPoint(rows, i);
     for (std::size_t r = old.begin; r < old.end; ++r)
       for (std::size_t n = 0; n < found_.size(); ++n)
         if (foundPartners_[n] == partners_[r]) {
@@ -240,7 +240,7 @@ class Watch final : public ReachWatch {
   SoftBodyData* body_;
   btScalar tick_ = 0;
   std::vector<const btCollisionObject*> partners_;  // #rows
-  std::vector<ContactRow> found_;                   // scratch
+  std::vector<PlaneContact> found_;                   // scratch
   std::vector<const btCollisionObject*> foundPartners_;
 };
 
@@ -251,7 +251,7 @@ void gatherContacts(SoftBodyData& body, btScalar tick) {
   body.contactPartners.clear();
   body.held.pieces.clear();
   body.neighbourhoodCount = 0;
-  body.partnerMarks.clear();
+  body.partnerHandles.clear();
   body.partnerStamps.clear();
   body.partnerBoxes.clear();
   body.speeds = contactSpeeds(body, double(tick));
@@ -259,7 +259,7 @@ void gatherContacts(SoftBodyData& body, btScalar tick) {
   forgetPartners(body);
   const bool surface = isSurfaceBody(body);
   takePartners(body);
-  if (surface && fliesFreely(body, double(tick))) return;
+  if (surface && nothingIsNear(body, double(tick))) return;
   const Eigen::AlignedBox3d box = reachBox(body, double(tick));
   if (!surface || !partnersCover(body, box)) askForPartners(body, box);
   if (!surface) leavePointsToRows(body);
@@ -268,7 +268,7 @@ void gatherContacts(SoftBodyData& body, btScalar tick) {
   body.watch->on = body.settings.continuousCollision && !body.partners.empty();
   for (std::uint32_t i = 0; i < body.masses.bodies.size(); ++i) {
     if (body.masses.held[i]) continue;
-    addStaticRows(body, i, reachOf(body, i, double(tick)), tick);
+    addStaticRows(body, i, searchRegionOf(body, i, double(tick)), tick);
     for (std::size_t p = 0; p < body.partners.size(); ++p)
       addRows(body, i, *body.partners[p], body.partnerStamps[p], body.state.velocity.col(i), double(tick), tick);
     // Bullet may free a manifold at any time after this
@@ -281,7 +281,7 @@ bool mayHaveMissedContacts(SoftBodyData& body) {
   Eigen::AlignedBox3d box;
   for (Eigen::Index i = 0; i < body.state.position.cols(); ++i) {
     const Eigen::Vector3d start = body.masses.startPosition.col(i), end = body.state.position.col(i);
-    if ((end - start).norm() > body.reach[static_cast<std::size_t>(i)]) box.extend(start).extend(end);
+    if ((end - start).norm() > body.searchDistance[static_cast<std::size_t>(i)]) box.extend(start).extend(end);
   }
   if (box.isEmpty()) return false;
   const double margin = double(body.masses.shape->getRadius());

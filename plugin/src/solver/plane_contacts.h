@@ -36,7 +36,7 @@ struct TickImpulse {
 ///     gap(t) = normal . (x(t) - touch - t surfaceVelocity) >= 0,    t from the start of the tick
 ///
 /// Where the surface is not flat around the point, the plane follows it from substep to substep.
-struct ContactRow {
+struct PlaneContact {
   std::uint32_t point = 0;
   Eigen::Vector3d normal = Eigen::Vector3d::UnitY();  ///< unit, from the surface to the point
   Eigen::Vector3d touch = Eigen::Vector3d::Zero();    ///< m, where the centre touches at the tick's start
@@ -62,10 +62,10 @@ struct ContactRow {
 };
 
 /// The indices of a point's rows, among rows in the order of their points.
-struct RowRange {
+struct ContactRange {
   std::size_t begin, end;
 };
-RowRange rowsOfPoint(const std::vector<ContactRow>& rows, std::uint32_t point);
+ContactRange contactsOfPoint(const std::vector<PlaneContact>& rows, std::uint32_t point);
 
 /// A substep in which a point meets a surface and parts from it by Newton's law of restitution: along its
 /// normal `mean` is the speed of the drift, and `rebound` is added after the second kick.
@@ -87,33 +87,33 @@ constexpr double kRecovery = 0.2;
 
 /// Makes the planes of the rows of one point, those from `rows` on, those of the surface where it is, or where
 /// it will meet it on its way (m). Looks for surfaces up to `within` (m) beyond that.
-void followSurface(ContactRow* rows, std::size_t count, const PointView& points, const Eigen::Vector3d& way,
+void followSurface(PlaneContact* rows, std::size_t count, const PointView& points, const Eigen::Vector3d& displacement,
                    double within);
 
 /// Before a substep of dt: the same for all points.
-void followSurfaces(std::vector<ContactRow>& rows, const PointView& points, double dt);
+void followSurfaces(std::vector<PlaneContact>& rows, const PointView& points, double dt);
 
 /// Before the first substep of a tick: the rows' masses.
-void prepareContacts(std::vector<ContactRow>& rows, const PointView& points);
+void prepareContacts(std::vector<PlaneContact>& rows, const PointView& points);
 
 /// Before a drift of `dt` from `time` (s since the start of the tick): takes from each point the velocity
 /// with which it would end below a surface, and as much of its sliding as friction allows. A point that is
 /// already below is lifted gently. Rows of one point alternate until they agree; rows of different points are
 /// independent, so this is exact.
-void stopAtContacts(std::vector<ContactRow>& rows, const PointView& points, double time, double dt);
+void solvePositions(std::vector<PlaneContact>& rows, const PointView& points, double time, double dt);
 
-/// Told of each drift before stopAtContacts(): finds contacts that nobody foresaw at the start of the tick.
+/// Told of each drift before solvePositions(): finds contacts that nobody foresaw at the start of the tick.
 struct ContactWatch {
   bool on = false;
-  std::vector<ContactRow> rows;  ///< found in this tick
+  std::vector<PlaneContact> rows;  ///< found in this tick
   virtual ~ContactWatch() = default;
   virtual void look(const PointView& points, double time, double dt) = 0;
   /// Moves the rows to those of the body.
   virtual void merge() = 0;
 };
 
-/// After the second kick of a substep: a point that touches does not approach. This is to stopAtContacts what
+/// After the second kick of a substep: a point that touches does not approach. This is to solvePositions what
 /// RATTLE is to SHAKE: velocities are those of bodies at rest, not of a step in free fall.
-void settleContacts(std::vector<ContactRow>& rows, const PointView& points);
+void solveVelocities(std::vector<PlaneContact>& rows, const PointView& points);
 
 }  // namespace limber

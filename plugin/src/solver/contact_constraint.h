@@ -3,7 +3,7 @@
 
 // What the sweeps do over and over with one row.
 
-#include "solver/pair_contacts.h"
+#include "solver/contacts.h"
 
 namespace limber {
 
@@ -12,10 +12,10 @@ struct Motion {
 };
 
 /// m/s, of side a relative to b without the turning of rigid bodies.
-inline Motion motionOf(const PairRows& rows, const PairRow& row) {
+inline Motion motionOf(const IslandConstraints& rows, const ContactConstraint& row) {
   Motion m;
   for (std::uint32_t i = row.firstPoint; i < row.endPoint; ++i) {
-    const RowPoint& p = rows.points[i];
+    const ConstraintPoint& p = rows.points[i];
     m.x += p.share * p.velocity[0];
     m.y += p.share * p.velocity[1];
     m.z += p.share * p.velocity[2];
@@ -27,72 +27,72 @@ inline double along(const double* axis, const Motion& m) {
   return axis[0] * m.x + axis[1] * m.y + axis[2] * m.z;
 }
 
-inline Motion turnOf(const RowTurn& turn) {
+inline Motion turnOf(const ConstraintRotation& turn) {
   const Eigen::Vector3d& w = turn.body->angularVelocity;
   return {w.x(), w.y(), w.z()};
 }
 
 /// m/s across, of what the points' speeds along the normal add at their levers.
-inline RowVector leverSpeeds(const PairRows& rows, const PairRow& row) {
-  RowVector speeds;
+inline ContactVector momentArmSpeeds(const IslandConstraints& rows, const ContactConstraint& row) {
+  ContactVector speeds;
   for (std::uint32_t i = row.firstPoint; i < row.endPoint; ++i) {
     const double* v = rows.points[i].velocity;
     const double speed = along(row.axes[0], {v[0], v[1], v[2]});
-    speeds.u += rows.levers[i].across[0] * speed;
-    speeds.v += rows.levers[i].across[1] * speed;
+    speeds.u += rows.momentArms[i].across[0] * speed;
+    speeds.v += rows.momentArms[i].across[1] * speed;
   }
   return speeds;
 }
 
-inline void bearAtLevers(PairRows& rows, const PairRow& row, const RowVector& j) {
+inline void applyAtMomentArms(IslandConstraints& rows, const ContactConstraint& row, const ContactVector& j) {
   for (std::uint32_t i = row.firstPoint; i < row.endPoint; ++i) {
-    const RowLever& lever = rows.levers[i];
-    const double impulse = lever.across[0] * j.u + lever.across[1] * j.v;
-    for (int k = 0; k < 3; ++k) rows.points[i].velocity[k] += lever.response[k] * impulse;
+    const MomentArm& momentArm = rows.momentArms[i];
+    const double impulse = momentArm.across[0] * j.u + momentArm.across[1] * j.v;
+    for (int k = 0; k < 3; ++k) rows.points[i].velocity[k] += momentArm.response[k] * impulse;
   }
 }
 
 /// m/s of side a relative to b.
-inline RowVector speedsOf(const PairRows& rows, const PairRow& row) {
+inline ContactVector speedsOf(const IslandConstraints& rows, const ContactConstraint& row) {
   const Motion m = motionOf(rows, row);
-  RowVector speeds{row.carried.n + along(row.axes[0], m), row.carried.u + along(row.axes[1], m),
+  ContactVector speeds{row.carried.n + along(row.axes[0], m), row.carried.u + along(row.axes[1], m),
                    row.carried.v + along(row.axes[2], m)};
-  for (std::uint32_t i = row.firstTurn; i < row.endTurn; ++i) {
-    const RowTurn& t = rows.turns[i];
+  for (std::uint32_t i = row.firstRotation; i < row.endRotation; ++i) {
+    const ConstraintRotation& t = rows.rotations[i];
     const Motion w = turnOf(t);
     speeds += {along(t.speeds[0], w), along(t.speeds[1], w), along(t.speeds[2], w)};
   }
-  if (row.couple == Couple::Soft) speeds += leverSpeeds(rows, row);
+  if (row.couple == Couple::Soft) speeds += momentArmSpeeds(rows, row);
   return speeds;
 }
 
 /// speedsOf().n
-inline double speedAlong(const PairRows& rows, const PairRow& row) {
+inline double speedAlong(const IslandConstraints& rows, const ContactConstraint& row) {
   double speed = row.carried.n + along(row.axes[0], motionOf(rows, row));
-  for (std::uint32_t i = row.firstTurn; i < row.endTurn; ++i)
-    speed += along(rows.turns[i].speeds[0], turnOf(rows.turns[i]));
+  for (std::uint32_t i = row.firstRotation; i < row.endRotation; ++i)
+    speed += along(rows.rotations[i].speeds[0], turnOf(rows.rotations[i]));
   return speed;
 }
 
 /// Gives both sides an impulse.
-inline void bear(PairRows& rows, PairRow& row, const RowVector& j) {
+inline void applyImpulse(IslandConstraints& rows, ContactConstraint& row, const ContactVector& j) {
   const double(&a)[3][3] = row.axes;
   const double x = a[0][0] * j.n + a[1][0] * j.u + a[2][0] * j.v;
   const double y = a[0][1] * j.n + a[1][1] * j.u + a[2][1] * j.v;
   const double z = a[0][2] * j.n + a[1][2] * j.u + a[2][2] * j.v;
   for (std::uint32_t i = row.firstPoint; i < row.endPoint; ++i) {
-    const RowPoint& p = rows.points[i];
+    const ConstraintPoint& p = rows.points[i];
     p.velocity[0] += p.response[0] * x;
     p.velocity[1] += p.response[1] * y;
     p.velocity[2] += p.response[2] * z;
   }
-  for (std::uint32_t i = row.firstTurn; i < row.endTurn; ++i) {
-    const RowTurn& t = rows.turns[i];
+  for (std::uint32_t i = row.firstRotation; i < row.endRotation; ++i) {
+    const ConstraintRotation& t = rows.rotations[i];
     double* w = t.body->angularVelocity.data();
     for (int k = 0; k < 3; ++k)
       w[k] += t.response[0][k] * j.n + t.response[1][k] * j.u + t.response[2][k] * j.v;
   }
-  if (row.couple == Couple::Soft) bearAtLevers(rows, row, j);
+  if (row.couple == Couple::Soft) applyAtMomentArms(rows, row, j);
   row.impulse += j;
 }
 

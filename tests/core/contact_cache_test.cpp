@@ -22,16 +22,16 @@ using test::MovingShape;
 struct Pile {
   MovingShape upper = test::boxShape(Vector3d::Ones(), kRadius);
   MovingShape lower = test::boxShape(Vector3d::Ones(), kRadius);
-  KeptContacts kept;
+  ContactCache kept;
 
   Pile() {
     upper.move(Translation3d(0.3, 1.0 + 2.0 * kRadius + 0.001, 0.2) * AngleAxisd(0.4, Vector3d::UnitY()));
-    keepContacts(upper.surface(), lower.surface(), test::contactsOf(upper, lower, kMargin), kept);
+    storeContacts(upper.surface(), lower.surface(), test::contactsOf(upper, lower, kMargin), kept);
   }
   bool refresh() { return refreshContacts(upper.surface(), lower.surface(), kMargin, kept); }
 };
 
-TEST(KeptContacts, areThoseOfANewSearch) {
+TEST(ContactCache, areThoseOfANewSearch) {
   Pile pile;
   ASSERT_GE(pile.kept.contacts.size(), 4u);
   // 0.3 mm along and 0.2 mm down, 0.1 mrad about all axes: within a fifth of the margin
@@ -49,7 +49,7 @@ TEST(KeptContacts, areThoseOfANewSearch) {
   }
 }
 
-TEST(KeptContacts, goAlongWithBothSurfaces) {
+TEST(ContactCache, goAlongWithBothSurfaces) {
   Pile pile;
   for (MovingShape* shape : {&pile.upper, &pile.lower}) {
     shape->move(Affine3d(Translation3d(3.0, -2.0, 1.0)));
@@ -58,25 +58,25 @@ TEST(KeptContacts, goAlongWithBothSurfaces) {
   EXPECT_TRUE(pile.refresh()) << "only motion against each other counts";
 }
 
-TEST(KeptContacts, areNotTrustedAfterMoreThanAShareOfTheMargin) {
+TEST(ContactCache, areNotTrustedAfterMoreThanAShareOfTheMargin) {
   Pile pile;
   pile.upper.move(Affine3d(Translation3d(0.3 * kMargin, 0.0, 0.0)));
   EXPECT_FALSE(pile.refresh());
 }
 
-TEST(KeptContacts, areNotTrustedIfSomethingElseMayMeetWithinTheTick) {
+TEST(ContactCache, areNotTrustedIfSomethingElseMayMeetWithinTheTick) {
   Pile pile;
   pile.upper.setMotion({0.0, -kMargin, 0.0});
   EXPECT_FALSE(pile.refresh());
 }
 
-TEST(KeptContacts, areNotTrustedOnceAPlaceLeavesItsFeature) {
+TEST(ContactCache, areNotTrustedOnceAPlaceLeavesItsFeature) {
   MovingShape upper = test::boxShape(Vector3d::Ones(), kRadius);
   MovingShape lower = test::boxShape(Vector3d::Ones(), kRadius);
   // two upper corners are 0.1 mm within the lower cube's face
   upper.move(Affine3d(Translation3d(1.0 - 1e-4, 1.0 + 2.0 * kRadius, 0.3)));
-  KeptContacts kept;
-  keepContacts(upper.surface(), lower.surface(), test::contactsOf(upper, lower, kMargin), kept);
+  ContactCache kept;
+  storeContacts(upper.surface(), lower.surface(), test::contactsOf(upper, lower, kMargin), kept);
   ASSERT_FALSE(kept.contacts.empty());
   upper.move(Affine3d(Translation3d(9e-4, 0.0, 0.0)));
   EXPECT_FALSE(refreshContacts(upper.surface(), lower.surface(), kMargin, kept));

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 // Contacts of soft bodies with each other and with rigid ones that move, in the substeps: forces at rest
 // against weights, conservation laws, and Coulomb's law.
-#include "solver/pair_contacts.h"
+#include "solver/contacts.h"
 #include "solver/point_state.h"
 #include "solver/verlet_step.h"
 #include "support/networks.h"
@@ -21,17 +21,17 @@ using test::SteppedTestBody;
 constexpr double kTick = 1.0 / 60.0;
 constexpr double kGravity = 9.81;
 
-ContactPlace point(std::uint32_t body, std::uint32_t i) {
-  ContactPlace place;
-  place.kind = ContactPlace::Kind::Soft;
+ContactPoint point(std::uint32_t body, std::uint32_t i) {
+  ContactPoint place;
+  place.kind = ContactPoint::Kind::Soft;
   place.body = body;
   place.point = {i, 0, 0};
   return place;
 }
 
-ContactPlace corner(std::uint32_t rigid, const Vector3d& arm) {
-  ContactPlace place;
-  place.kind = ContactPlace::Kind::Rigid;
+ContactPoint corner(std::uint32_t rigid, const Vector3d& arm) {
+  ContactPoint place;
+  place.kind = ContactPoint::Kind::Rigid;
   place.body = rigid;
   place.arm = arm;
   return place;
@@ -39,7 +39,7 @@ ContactPlace corner(std::uint32_t rigid, const Vector3d& arm) {
 
 /// A group made by hand.
 struct Scene {
-  StepGroup group;
+  SolverIsland group;
   std::deque<SteppedTestBody> soft;
 
   std::uint32_t addCube(double stiffness, double damping, const Vector3d& place) {
@@ -62,9 +62,9 @@ struct Scene {
     return static_cast<std::uint32_t>(group.links.rigids.size() - 1);
   }
 
-  void add(const ContactPlace& a, const ContactPlace& b, double gap,
+  void add(const ContactPoint& a, const ContactPoint& b, double gap,
            const Vector3d& normal = Vector3d::UnitY()) {
-    PairContact c;
+    Contact c;
     c.a = a, c.b = b, c.gap = gap, c.normal = normal, c.friction = 0.5;
     group.pairs.contacts.push_back(c);
   }
@@ -88,7 +88,7 @@ struct Scene {
   }
 };
 
-const auto kFloor = [](std::uint32_t) { return ContactPlace(); };
+const auto kFloor = [](std::uint32_t) { return ContactPoint(); };
 
 TEST(PairContacts, carryATowerOfCubes) {
   for (const double stiffness : {1e3, 1e5}) {
@@ -108,7 +108,7 @@ TEST(PairContacts, carryATowerOfCubes) {
           << c;
     // contacts give way by 0.4 % of what a point alone would: with four cubes on it, of 16 g dt
     for (const SteppedTestBody& cube : scene.soft) EXPECT_LT(cube.state.velocity.cwiseAbs().maxCoeff(), 3e-4);
-    for (const PairContact& c : scene.group.pairs.contacts) EXPECT_NEAR(c.gap, 0.0, 1e-6);
+    for (const Contact& c : scene.group.pairs.contacts) EXPECT_NEAR(c.gap, 0.0, 1e-6);
   }
 }
 
@@ -123,19 +123,19 @@ TEST(PairContacts, carryBoxesLightAndHeavyAndLieOnThem) {
       if (i & 2)
         scene.add(point(cube, i - 2), corner(under, arm), 0.0);
       else
-        scene.add(corner(under, arm), ContactPlace(), 0.0);
+        scene.add(corner(under, arm), ContactPoint(), 0.0);
     }
     for (std::uint32_t i = 0; i < 8; ++i)
       if (i & 2) scene.add(corner(over, Vector3d((i & 1) - 0.5, -0.5, (i >> 2) - 0.5)), point(cube, i), 0.0);
     scene.run(10.0, 60);
     const double below = scene.force(0, 2) + scene.force(4, 6),
                  middle = scene.force(2, 4) + scene.force(6, 8);
-    // speeds may be wrong by PairRows::tolerance at each solve: for the light boxes between heavier points that is
+    // speeds may be wrong by IslandConstraints::tolerance at each solve: for the light boxes between heavier points that is
     // up to 4 % of what gravity adds in a substep
     EXPECT_NEAR(middle / (kGravity * (1.0 + mass)), 1.0, 1e-2);
     EXPECT_NEAR(below / (kGravity * (1.0 + 2.0 * mass)), 1.0, 1e-2);
     EXPECT_NEAR(scene.force(8, 12) / (kGravity * mass), 1.0, 1e-2);
-    for (const PairContact& c : scene.group.pairs.contacts) EXPECT_NEAR(c.gap, 0.0, 2e-6);
+    for (const Contact& c : scene.group.pairs.contacts) EXPECT_NEAR(c.gap, 0.0, 2e-6);
   }
 }
 
@@ -146,7 +146,7 @@ TEST(PairContacts, keepMomentumAndLoseEnergyInFreeFlight) {
   for (SteppedTestBody& cube : scene.soft) cube.state.acceleration.setZero();
   scene.soft[0].state.velocity.row(0).setConstant(3.0);
   // a corner of the right cube between three corners of the left one's side
-  ContactPlace side = point(left, 1);
+  ContactPoint side = point(left, 1);
   side.count = 3;
   side.point = {1, 3, 5};
   const Vector3d at = scene.soft[right].state.position.col(0);
@@ -175,7 +175,7 @@ TEST(PairContacts, slideByCoulombsLaw) {
     // the slope is level and gravity tilted
     scene.group.links.rigids[0].acceleration = kGravity * Vector3d(std::sin(slope), -std::cos(slope), 0);
     for (const double x : {-0.5, 0.5})
-      for (const double z : {-0.5, 0.5}) scene.add(corner(0, {x, -0.5, z}), ContactPlace(), 0.0);
+      for (const double z : {-0.5, 0.5}) scene.add(corner(0, {x, -0.5, z}), ContactPoint(), 0.0);
     scene.run(1.0, 10);
     const double expected = std::max(0.0, kGravity * (std::sin(slope) - 0.5 * std::cos(slope)));
     EXPECT_NEAR(scene.group.links.rigids[0].velocity.x(), expected, 1e-4 + 1e-3 * expected) << share;
@@ -191,7 +191,7 @@ TEST(PairContacts, leaveAPointThatIsCarriedToItsAnchor) {
   holder.velocity = {0, -1, 0};
   links.rigids.push_back(holder);
   links.anchors.push_back({{LinkEnd::Kind::Point, cube, 0, {}}, {LinkEnd::Kind::Rigid, 0, 0, Vector3d::Zero()}});
-  scene.add(point(cube, 0), ContactPlace(), 0.0);
+  scene.add(point(cube, 0), ContactPoint(), 0.0);
   scene.run(0.1, 20);
   EXPECT_EQ(scene.force(0, 1), 0.0) << "both would push as long as they are let";
   EXPECT_LT((endPosition(links, links.anchors[0].point) - links.rigids[0].position).norm(), 1e-9);
@@ -201,7 +201,7 @@ TEST(PairContacts, drawApartGentlyWhatOverlaps) {
   Scene scene;
   scene.addCube(1e4, 1.0, {0, 0.5, 0});
   scene.stand(0, kFloor);
-  for (PairContact& c : scene.group.pairs.contacts) c.gap = -0.05, c.friction = 0.0, c.recoverySpeed = 0.5;
+  for (Contact& c : scene.group.pairs.contacts) c.gap = -0.05, c.friction = 0.0, c.recoverySpeed = 0.5;
   double fastest = 0.0;
   for (int i = 0; i < 60; ++i) {
     stepVerlet(scene.group, kTick, 10);

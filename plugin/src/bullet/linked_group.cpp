@@ -2,7 +2,7 @@
 
 // This file puts groups together, takes them through the stages of a tick, puts them to sleep and wakes them.
 
-#include "bullet/tick_group.h"
+#include "bullet/linked_group.h"
 
 #include "bullet/body_in_world.h"
 #include "bullet/bullet_objects.h"
@@ -17,9 +17,9 @@ inline namespace LIMBER_BULLET_PRECISION {
 namespace {
 
 /// Everything a link can join, numbered: soft bodies first, then rigid bodies in order of first mention.
-class GroupNodes {
+class LinkedNodes {
  public:
-  explicit GroupNodes(const std::vector<SoftBodyData*>& bodies) {
+  explicit LinkedNodes(const std::vector<SoftBodyData*>& bodies) {
     for (std::size_t i = 0; i < bodies.size(); ++i) softIndex_[bodies[i]] = add();
   }
 
@@ -57,18 +57,18 @@ class GroupNodes {
 constexpr std::size_t kNoNode = static_cast<std::size_t>(-1);
 
 /// The node of a spring's end. Static bodies and the world join nothing to each other.
-std::size_t nodeOf(const SpringEnd& end, GroupNodes& nodes) {
+std::size_t nodeOf(const SpringEnd& end, LinkedNodes& nodes) {
   if (!end.body) return kNoNode;
   if (const PointMass* point = PointMass::from(end.body)) return nodes.soft(point->owner());
   return isStatic(*end.body) ? kNoNode : nodes.rigid(end.body);
 }
 
-std::uint32_t indexOfBody(TickGroup& group, SoftBodyData* body) {
+std::uint32_t indexOfBody(LinkedGroup& group, SoftBodyData* body) {
   const auto it = std::find(group.bodies.begin(), group.bodies.end(), body);
   return static_cast<std::uint32_t>(it - group.bodies.begin());
 }
 
-std::uint32_t indexOfRigid(TickGroup& group, btRigidBody* body) {
+std::uint32_t indexOfRigid(LinkedGroup& group, btRigidBody* body) {
   const auto same = [&](const RigidPartner& partner) { return partner.body == body; };
   const auto it = std::find_if(group.rigids.begin(), group.rigids.end(), same);
   const auto index = static_cast<std::uint32_t>(it - group.rigids.begin());
@@ -79,7 +79,7 @@ std::uint32_t indexOfRigid(TickGroup& group, btRigidBody* body) {
   return index;
 }
 
-LinkEnd pointEnd(TickGroup& group, SoftBodyData* body, std::uint32_t point) {
+LinkEnd pointEnd(LinkedGroup& group, SoftBodyData* body, std::uint32_t point) {
   LinkEnd end;
   end.kind = LinkEnd::Kind::Point;
   end.body = indexOfBody(group, body);
@@ -87,7 +87,7 @@ LinkEnd pointEnd(TickGroup& group, SoftBodyData* body, std::uint32_t point) {
   return end;
 }
 
-LinkEnd rigidEnd(TickGroup& group, btRigidBody* body, const btVector3& pivot) {
+LinkEnd rigidEnd(LinkedGroup& group, btRigidBody* body, const btVector3& pivot) {
   LinkEnd end;
   end.kind = LinkEnd::Kind::Rigid;
   end.body = indexOfRigid(group, body);
@@ -95,7 +95,7 @@ LinkEnd rigidEnd(TickGroup& group, btRigidBody* body, const btVector3& pivot) {
   return end;
 }
 
-LinkEnd linkEnd(TickGroup& group, const SpringEnd& end) {
+LinkEnd linkEnd(LinkedGroup& group, const SpringEnd& end) {
   if (!end.body) {
     LinkEnd world;
     world.pivot = toEigen(end.pivot);
@@ -106,17 +106,17 @@ LinkEnd linkEnd(TickGroup& group, const SpringEnd& end) {
   return rigidEnd(group, end.body, end.pivot);
 }
 
-void addBody(TickGroup& group, SoftBodyData* body) {
+void addBody(LinkedGroup& group, SoftBodyData* body) {
   group.bodies.push_back(body);
   group.step.bodies.push_back({&body->state, &body->springs, &body->contacts});
   if (!body->volumes.empty()) group.step.bodies.back().volumes = &body->volumes;
   if (!body->tetrahedra.empty()) group.step.bodies.back().tetrahedra = &body->tetrahedra;
   group.step.bodies.back().watch = body->watch.get();
-  if (canStepQuads()) group.step.bodies.back().quads = &body->quads;
+  if (canStepSpringBatches()) group.step.bodies.back().springBatches = &body->springBatches;
   group.step.links.points.push_back(&body->state);
 }
 
-void addSpring(TickGroup& group, SpringConstraint* spring) {
+void addSpring(LinkedGroup& group, SpringConstraint* spring) {
   const SpringSettings& s = spring->settings();
   LinkSpring link;
   link.a = linkEnd(group, spring->endA());
@@ -150,7 +150,7 @@ unsigned char stateOf(const SpringConstraint& spring) {
   return static_cast<unsigned char>(1 + 2 * joinsNothing(spring.endA()) + 4 * joinsNothing(spring.endB()));
 }
 
-void takeOverSleep(TickGroup& group) {
+void takeOverSleep(LinkedGroup& group) {
   group.asleep = !group.bodies.empty();
   group.calmTime = group.bodies.empty() ? 0.0 : group.bodies.front()->calmTime;
   for (const SoftBodyData* body : group.bodies) {
@@ -178,9 +178,9 @@ bool updateUsableLinks(const std::vector<SoftBodyData*>& bodies, const std::vect
   return changed;
 }
 
-std::vector<TickGroup> makeGroups(const std::vector<SoftBodyData*>& bodies,
+std::vector<LinkedGroup> makeLinkedGroups(const std::vector<SoftBodyData*>& bodies,
                                   const std::vector<SpringConstraint*>& springs) {
-  GroupNodes nodes(bodies);
+  LinkedNodes nodes(bodies);
   std::vector<std::size_t> springNode(springs.size(), kNoNode);
   for (std::size_t i = 0; i < springs.size(); ++i) {
     if (!usable(*springs[i])) continue;
@@ -193,19 +193,19 @@ std::vector<TickGroup> makeGroups(const std::vector<SoftBodyData*>& bodies,
       if (usable(anchor) && !isStatic(*anchor.body))
         nodes.join(nodes.soft(body), nodes.rigid(anchor.body));
 
-  std::map<std::size_t, TickGroup> groups;
+  std::map<std::size_t, LinkedGroup> groups;
   for (SoftBodyData* body : bodies) addBody(groups[nodes.root(nodes.soft(body))], body);
   for (std::size_t i = 0; i < springs.size(); ++i)
     if (springNode[i] != kNoNode) addSpring(groups[nodes.root(springNode[i])], springs[i]);
   for (SoftBodyData* body : bodies) {
-    TickGroup& group = groups[nodes.root(nodes.soft(body))];
+    LinkedGroup& group = groups[nodes.root(nodes.soft(body))];
     for (const Anchor& anchor : body->anchors)
       if (usable(anchor))
         group.step.links.anchors.push_back(
             {pointEnd(group, body, anchor.point), rigidEnd(group, anchor.body, anchor.pivot)});
   }
 
-  std::vector<TickGroup> ordered;
+  std::vector<LinkedGroup> ordered;
   for (auto& [root, group] : groups) {
     takeOverSleep(group);
     ordered.push_back(std::move(group));
@@ -215,7 +215,7 @@ std::vector<TickGroup> makeGroups(const std::vector<SoftBodyData*>& bodies,
 
 // --- the stages of a tick ----------------------------------------------------------------------------------
 
-bool isWhole(const TickGroup& group) {
+bool isWhole(const LinkedGroup& group) {
   for (SoftBodyData* body : group.bodies) {
     body->alive = body->alive && wholeInWorld(*body);
     if (!body->alive) return false;
@@ -223,32 +223,32 @@ bool isWhole(const TickGroup& group) {
   return true;
 }
 
-void gatherBodies(TickGroup& group, btScalar tick) {
+void gatherBodies(LinkedGroup& group, btScalar tick) {
   for (SoftBodyData* body : group.bodies) {
     gatherBody(*body, tick);
-    if (isSurfaceBody(*body)) showFlight(*body, tick);
+    if (isSurfaceBody(*body)) updateBroadphaseBox(*body, tick);
   }
 }
 
-void gatherGroup(TickGroup& group, btScalar tick) {
+void gatherGroup(LinkedGroup& group, btScalar tick) {
   for (SoftBodyData* body : group.bodies) gatherContacts(*body, tick);
   for (std::size_t i = 0; i < group.rigids.size(); ++i)
     gatherRigid(group.rigids[i], group.step.links.rigids[i], tick);
 }
 
-void handOverGroup(TickGroup& group, btScalar tick) {
-  for (SoftBodyData* body : group.bodies) handOverBody(*body, tick);
+void writeGroupToBullet(LinkedGroup& group, btScalar tick) {
+  for (SoftBodyData* body : group.bodies) writeBodyToBullet(*body, tick);
   for (std::size_t i = 0; i < group.rigids.size(); ++i)
-    handOverRigid(group.rigids[i], group.step.links.rigids[i], tick);
+    writeRigidToBullet(group.rigids[i], group.step.links.rigids[i], tick);
 }
 
-void takeBackGroup(TickGroup& group, btScalar tick) {
+void readGroupFromBullet(LinkedGroup& group, btScalar tick) {
   for (SoftBodyData* body : group.bodies) {
     if (!body->alive) continue;
     finishBody(*body, tick);
   }
   for (std::size_t i = 0; i < group.rigids.size(); ++i)
-    takeBackRigid(group.rigids[i], group.step.links.rigids[i], tick);
+    readRigidFromBullet(group.rigids[i], group.step.links.rigids[i], tick);
 }
 
 // --- sleep -------------------------------------------------------------------------------------------------
@@ -257,10 +257,10 @@ namespace {
 
 /// Calls visit(body) for all Bullet bodies of the group that can sleep.
 template <class Visit>
-void forEachMember(TickGroup& group, Visit visit) {
+void forEachMember(LinkedGroup& group, Visit visit) {
   for (SoftBodyData* body : group.bodies) {
     if (body->surface.object) visit(*body->surface.object);
-    if (!body->masses.shared) continue;
+    if (!body->masses.exposed) continue;
     for (PointMass* point : body->masses.bodies)
       if (point) visit(*point);
   }
@@ -269,7 +269,7 @@ void forEachMember(TickGroup& group, Visit visit) {
 }
 
 template <class Test>
-bool anyMember(TickGroup& group, Test test) {
+bool anyMember(LinkedGroup& group, Test test) {
   bool found = false;
   forEachMember(group, [&](btRigidBody& body) { found = found || test(body); });
   return found;
@@ -281,22 +281,22 @@ bool isFast(const btRigidBody& body) {
          body.getAngularVelocity().length2() > angular * angular;
 }
 
-bool isRestless(TickGroup& group, btScalar tick) {
+bool movesTooFast(LinkedGroup& group, btScalar tick) {
   for (const SoftBodyData* body : group.bodies)
-    if (isRestless(*body, tick)) return true;
+    if (movesTooFast(*body, tick)) return true;
   for (const RigidPartner& partner : group.rigids)
     if (!isStatic(*partner.body) && isFast(*partner.body)) return true;
   return anyMember(group,
                    [](btRigidBody& body) { return body.getActivationState() == DISABLE_DEACTIVATION; });
 }
 
-bool isChanged(const TickGroup& group) {
+bool isChanged(const LinkedGroup& group) {
   return std::any_of(group.bodies.begin(), group.bodies.end(), [](const SoftBodyData* body) {
     return isSurfaceBody(*body) && isSurfaceChanged(*body);
   });
 }
 
-void wakeGroup(TickGroup& group) {
+void wakeGroup(LinkedGroup& group) {
   for (SoftBodyData* body : group.bodies) wakeBody(*body, true);
   for (RigidPartner& partner : group.rigids) {
     btRigidBody& rigid = *partner.body;
@@ -309,7 +309,7 @@ void wakeGroup(TickGroup& group) {
 }
 
 /// All velocities go to zero: what was calm for seconds stands still.
-void sleepGroup(TickGroup& group) {
+void sleepGroup(LinkedGroup& group) {
   for (SoftBodyData* body : group.bodies) {
     body->state.velocity.setZero();
     body->asleep = true;
@@ -330,7 +330,7 @@ void sleepGroup(TickGroup& group) {
 bool sleepIsOff() { return gDisableDeactivation || gDeactivationTime == btScalar(0); }
 
 /// Woken from outside (a contact, the user), or kept awake; otherwise its calm time goes on.
-void updateCalmTime(TickGroup& group, btScalar tick) {
+void updateCalmTime(LinkedGroup& group, btScalar tick) {
   // wake() on a body that is awake starts its calm time anew
   for (const SoftBodyData* body : group.bodies) group.calmTime = std::min(group.calmTime, body->calmTime);
   if (group.asleep && !anyMember(group, [](btRigidBody& body) { return body.isActive(); }) &&
@@ -340,72 +340,72 @@ void updateCalmTime(TickGroup& group, btScalar tick) {
         return !body.isActive() && body.getActivationState() == ISLAND_SLEEPING;
       }))
     wakeGroup(group);
-  group.calmTime = sleepIsOff() || isRestless(group, tick) ? 0.0 : group.calmTime + double(tick);
+  group.calmTime = sleepIsOff() || movesTooFast(group, tick) ? 0.0 : group.calmTime + double(tick);
   forEachMember(group, [](btRigidBody& body) { body.setDeactivationTime(0); });
   for (SoftBodyData* body : group.bodies)
     if (body->surface.object)
       body->surface.object->setDeactivationTime(static_cast<btScalar>(group.calmTime));
 }
 
-void rememberCalmTime(const TickGroup& group) {
+void rememberCalmTime(const LinkedGroup& group) {
   for (SoftBodyData* body : group.bodies) body->calmTime = group.calmTime;
 }
 
-bool wantsSleep(const TickGroup& group) {
+bool wantsSleep(const LinkedGroup& group) {
   return !group.asleep && group.calmTime > double(gDeactivationTime);
 }
 
-void markIsland(const btRigidBody& body, std::vector<unsigned char>& islands) {
+void markIsland(const btRigidBody& body, std::vector<unsigned char>& bulletIslands) {
   const int tag = body.getIslandTag();
-  if (tag >= 0 && static_cast<std::size_t>(tag) < islands.size()) islands[static_cast<std::size_t>(tag)] = 1;
+  if (tag >= 0 && static_cast<std::size_t>(tag) < bulletIslands.size()) bulletIslands[static_cast<std::size_t>(tag)] = 1;
 }
 
-bool inMarkedIsland(const btRigidBody& body, const std::vector<unsigned char>& islands) {
+bool inMarkedIsland(const btRigidBody& body, const std::vector<unsigned char>& bulletIslands) {
   const int tag = body.getIslandTag();
-  return tag >= 0 && static_cast<std::size_t>(tag) < islands.size() && islands[static_cast<std::size_t>(tag)];
+  return tag >= 0 && static_cast<std::size_t>(tag) < bulletIslands.size() && bulletIslands[static_cast<std::size_t>(tag)];
 }
 
 /// Whether the body is the surface of a soft body in one of these groups, which are all of one system.
-bool isOwnSurface(const std::vector<TickGroup>& groups, const btRigidBody* body) {
+bool isOwnSurface(const std::vector<LinkedGroup>& groups, const btRigidBody* body) {
   const SurfaceObject* surface = SurfaceObject::from(body);
   if (!surface || !surface->owner()) return false;
-  for (const TickGroup& group : groups)
+  for (const LinkedGroup& group : groups)
     if (!group.bodies.empty()) return group.bodies[0]->system == surface->owner()->system;
   return false;
 }
 
-/// Marks the islands of the last tick that hold something awake which is not a member of any group.
-void markOthersAwake(const std::vector<TickGroup>& groups, btDiscreteDynamicsWorld& world,
-                     std::vector<unsigned char>& islands) {
+/// Marks Bullet's islands of the last tick that hold something awake which is not a member of any group.
+void markOthersAwake(const std::vector<LinkedGroup>& groups, btDiscreteDynamicsWorld& world,
+                     std::vector<unsigned char>& bulletIslands) {
   const auto isPartner = [&](const btRigidBody* body) {
-    for (const TickGroup& group : groups)
+    for (const LinkedGroup& group : groups)
       for (const RigidPartner& partner : group.rigids)
         if (partner.body == body) return true;
     return false;
   };
   const btCollisionObjectArray& objects = world.getCollisionObjectArray();
-  islands.assign(static_cast<std::size_t>(objects.size()), 0);
+  bulletIslands.assign(static_cast<std::size_t>(objects.size()), 0);
   for (int i = 0; i < objects.size(); ++i) {
     btRigidBody* body = btRigidBody::upcast(objects[i]);
     if (!body || PointMass::from(body) || isOwnSurface(groups, body) || body->isStaticOrKinematicObject() ||
         isPartner(body))
       continue;
-    if (body->isActive() && !body->wantsSleeping()) markIsland(*body, islands);
+    if (body->isActive() && !body->wantsSleeping()) markIsland(*body, bulletIslands);
   }
 }
 
 /// A group in contact with something awake stays awake, and then so do its own islands.
-void settleCandidates(std::vector<TickGroup>& groups, std::vector<unsigned char>& islands) {
-  const auto markGroup = [&](TickGroup& group) {
-    forEachMember(group, [&](btRigidBody& body) { markIsland(body, islands); });
+void settleCandidates(std::vector<LinkedGroup>& groups, std::vector<unsigned char>& bulletIslands) {
+  const auto markGroup = [&](LinkedGroup& group) {
+    forEachMember(group, [&](btRigidBody& body) { markIsland(body, bulletIslands); });
   };
-  for (TickGroup& group : groups)
+  for (LinkedGroup& group : groups)
     if (!group.asleep && !wantsSleep(group)) markGroup(group);
   for (bool changed = true; changed;) {
     changed = false;
-    for (TickGroup& group : groups) {
+    for (LinkedGroup& group : groups) {
       if (!wantsSleep(group)) continue;
-      if (!anyMember(group, [&](btRigidBody& body) { return inMarkedIsland(body, islands); })) continue;
+      if (!anyMember(group, [&](btRigidBody& body) { return inMarkedIsland(body, bulletIslands); })) continue;
       group.calmTime = double(gDeactivationTime);
       markGroup(group);
       changed = true;
@@ -415,18 +415,18 @@ void settleCandidates(std::vector<TickGroup>& groups, std::vector<unsigned char>
 
 }  // namespace
 
-void updateSleep(std::vector<TickGroup>& groups, btDiscreteDynamicsWorld& world, btScalar tick,
-                 std::vector<unsigned char>& islands) {
+void updateSleep(std::vector<LinkedGroup>& groups, btDiscreteDynamicsWorld& world, btScalar tick,
+                 std::vector<unsigned char>& bulletIslands) {
   bool candidates = false;
-  for (TickGroup& group : groups) {
+  for (LinkedGroup& group : groups) {
     updateCalmTime(group, tick);
     rememberCalmTime(group);
     candidates = candidates || wantsSleep(group);
   }
   if (!candidates) return;
-  markOthersAwake(groups, world, islands);
-  settleCandidates(groups, islands);
-  for (TickGroup& group : groups)
+  markOthersAwake(groups, world, bulletIslands);
+  settleCandidates(groups, bulletIslands);
+  for (LinkedGroup& group : groups)
     if (wantsSleep(group)) sleepGroup(group);
 }
 

@@ -37,24 +37,24 @@ struct Tossed : SteppedTestBody {
       state.acceleration.col(i) = Eigen::Vector3d(0.0, -9.81, 0.0);
     }
     state.inverseMass.col(0).setZero();
-    ContactRow row;
+    PlaneContact row;
     row.point = 1;
     row.friction = 0.3;
     row.touch = state.position.col(1);
     rows.push_back(row);
     contacts = &rows;
   }
-  std::vector<ContactRow> rows;
+  std::vector<PlaneContact> rows;
 };
 
 TEST(Quads, giveTheBitsOfSpringBySpring) {
-  if (!canStepQuads()) GTEST_SKIP() << "this machine has no AVX2";
+  if (!canStepSpringBatches()) GTEST_SKIP() << "this machine has no AVX2";
   for (const SharedNetwork& network : networks())
     for (const double damping : {0.0, 0.2}) {
       SCOPED_TRACE(testing::Message() << network->springs.size() << " springs, damping " << damping);
       Tossed single(network, damping), four(network, damping);
-      QuadArrays quads;
-      four.stepped().quads = &quads;
+      SpringBatchArrays springBatches;
+      four.stepped().springBatches = &springBatches;
       for (int tick = 0; tick < 20; ++tick) {
         const int substeps = tick < 10 ? 6 : 9;
         single.stepped();

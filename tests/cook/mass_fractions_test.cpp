@@ -16,7 +16,7 @@
 
 using Eigen::Vector3d;
 using limber::MassRule;
-using limber::MassShares;
+using limber::MassFractions;
 using limber::TriangleMesh;
 using limber::WeldedMesh;
 using test_shapes::welded;
@@ -39,11 +39,11 @@ WeldedMesh withInside(const TriangleMesh& mesh, double spacing, double half) {
   return filled;
 }
 
-MassShares shares(MassRule rule, const WeldedMesh& mesh) {
+MassFractions shares(MassRule rule, const WeldedMesh& mesh) {
   return shareMass(rule, mesh.points, mesh.triangles);
 }
 
-void expectSound(const MassShares& result, std::size_t points) {
+void expectSound(const MassFractions& result, std::size_t points) {
   ASSERT_EQ(result.shares.size(), points);
   EXPECT_NEAR(std::accumulate(result.shares.begin(), result.shares.end(), 0.0), 1.0, 1e-12);
   EXPECT_GT(*std::min_element(result.shares.begin(), result.shares.end()), 0.19 / double(points));
@@ -51,16 +51,16 @@ void expectSound(const MassShares& result, std::size_t points) {
 
 }  // namespace
 
-TEST(MassShares, equal) {
-  const MassShares result = shares(MassRule::Equal, welded(small_meshes::cube()));
+TEST(MassFractions, equal) {
+  const MassFractions result = shares(MassRule::Equal, welded(small_meshes::cube()));
   EXPECT_EQ(result.shares, std::vector<double>(8, 0.125));
   EXPECT_NEAR(result.centreError, 0.0, 1e-15);
   EXPECT_NEAR(result.inertiaError, 2.0, 1e-12) << "masses in the corners have three times the inertia";
 }
 
-TEST(MassShares, areaOfATetrahedron) {
+TEST(MassFractions, areaOfATetrahedron) {
   const WeldedMesh mesh = welded(small_meshes::tetrahedron());
-  const MassShares result = shares(MassRule::Area, mesh);
+  const MassFractions result = shares(MassRule::Area, mesh);
   const double slanted = std::sqrt(3.0) / 2.0, all = 1.5 + slanted;
   EXPECT_NEAR(result.shares[0], 0.5 / all, 1e-15) << "three right-angled triangles, a third of each";
   for (const int i : {1, 2, 3})
@@ -69,7 +69,7 @@ TEST(MassShares, areaOfATetrahedron) {
 
 /// A tetrahedron with 40 further points within a hair of its first corner, so that three points have all the
 /// area.
-TEST(MassShares, areaIsBounded) {
+TEST(MassFractions, areaIsBounded) {
   TriangleMesh fringed = small_meshes::tetrahedron();
   for (std::uint32_t i = 0; i < 40; ++i) {
     fringed.positions.push_back({1e-5, 1e-5 * (i + 1), 1e-5 * i * i});
@@ -78,7 +78,7 @@ TEST(MassShares, areaIsBounded) {
   fringed.triangles[4] = {0, 4, 5};
   const WeldedMesh body = welded(fringed);
   ASSERT_EQ(body.points.size(), 44u);
-  const MassShares result = shares(MassRule::Area, body);
+  const MassFractions result = shares(MassRule::Area, body);
   const auto [least, most] = std::minmax_element(result.shares.begin(), result.shares.end());
   EXPECT_NEAR(std::accumulate(result.shares.begin(), result.shares.end(), 0.0), 1.0, 1e-12);
   EXPECT_NEAR(*least * 44.0, 0.2, 1e-9);
@@ -88,7 +88,7 @@ TEST(MassShares, areaIsBounded) {
 }
 
 /// A third of the area around the hub of a wheel would be 14 times the mean.
-TEST(MassShares, areaOfAHubIsBounded) {
+TEST(MassFractions, areaOfAHubIsBounded) {
   TriangleMesh wheel;
   wheel.positions.push_back({0, 0, 0});
   for (std::uint32_t i = 0; i < 40; ++i) {
@@ -97,13 +97,13 @@ TEST(MassShares, areaOfAHubIsBounded) {
   }
   wheel.triangles.push_back({0, 40, 1});
   for (const MassRule rule : {MassRule::Area, MassRule::Moments}) {
-    const MassShares result = shares(rule, welded(wheel));
+    const MassFractions result = shares(rule, welded(wheel));
     EXPECT_NEAR(result.shares[0] * 41.0, 10.0, 1e-9);
     EXPECT_NEAR(std::accumulate(result.shares.begin(), result.shares.end(), 0.0), 1.0, 1e-12);
   }
 }
 
-TEST(MassShares, momentsAreMatchedWhereThePointsAllowIt) {
+TEST(MassFractions, momentsAreMatchedWhereThePointsAllowIt) {
   struct Case {
     const char* name;
     WeldedMesh mesh;
@@ -118,7 +118,7 @@ TEST(MassShares, momentsAreMatchedWhereThePointsAllowIt) {
                         {"noise sphere", withInside(test_shapes::noiseSphere(2), 0.2, 0.7)}};
   for (const Case& c : cases) {
     SCOPED_TRACE(c.name);
-    const MassShares result = shares(MassRule::Moments, c.mesh);
+    const MassFractions result = shares(MassRule::Moments, c.mesh);
     expectSound(result, c.mesh.points.size());
     EXPECT_LT(result.centreError, 1e-8);  // what the solver stops at, 1e-10, of moments of the order of 1
     EXPECT_LT(result.inertiaError, 1e-8);
@@ -126,45 +126,45 @@ TEST(MassShares, momentsAreMatchedWhereThePointsAllowIt) {
 }
 
 /// Rotations and distances from the origin must not matter: moments are taken about the solid's centre.
-TEST(MassShares, farFromTheOrigin) {
+TEST(MassFractions, farFromTheOrigin) {
   WeldedMesh mesh = welded(test_shapes::lShape());
-  const MassShares here = shares(MassRule::Moments, mesh);
+  const MassFractions here = shares(MassRule::Moments, mesh);
   for (Vector3d& p : mesh.points) p += Vector3d(300, -200, 100);
-  const MassShares there = shares(MassRule::Moments, mesh);
+  const MassFractions there = shares(MassRule::Moments, mesh);
   EXPECT_LT(there.inertiaError, 1e-8);
   for (std::size_t i = 0; i < here.shares.size(); ++i) EXPECT_NEAR(there.shares[i], here.shares[i], 1e-8);
 }
 
 /// All points are at the same distance from the centre, so that the trace of the second moments is fixed: 5/3
 /// of a ball's. What is left is to keep mass and centre.
-TEST(MassShares, momentsOfAHollowSphere) {
-  const MassShares result = shares(MassRule::Moments, welded(small_meshes::icosphere(2)));
+TEST(MassFractions, momentsOfAHollowSphere) {
+  const MassFractions result = shares(MassRule::Moments, welded(small_meshes::icosphere(2)));
   expectSound(result, 162);
   EXPECT_LT(result.centreError, 1e-8);
   EXPECT_NEAR(result.inertiaError, 5.0 / 3.0 - 1.0, 0.05);  // 0.05: the polyhedron is not quite a ball
 }
 
 /// A certificate that no shares will do, and whether it is for the points or for the bounds.
-TEST(MassShares, provesThatThereIsNoSolution) {
-  const MassShares hollow = shares(MassRule::Moments, welded(small_meshes::icosphere(2)));
+TEST(MassFractions, provesThatThereIsNoSolution) {
+  const MassFractions hollow = shares(MassRule::Moments, welded(small_meshes::icosphere(2)));
   // the trace of the second moments is 1 for the ball and 5/3 for all shares, the polyhedron's corners
   // lying a little farther out
   EXPECT_GT(hollow.leastMisfit, 0.6 / std::sqrt(3.0) - 0.1);
   EXPECT_GT(hollow.leastMisfitAnyMass, 0.6 / std::sqrt(3.0) - 0.1) << "no lighter points would help";
-  const MassShares cube = shares(MassRule::Moments, welded(small_meshes::cube(4)));
+  const MassFractions cube = shares(MassRule::Moments, welded(small_meshes::cube(4)));
   EXPECT_GT(cube.leastMisfit, 0.01);
   EXPECT_EQ(cube.leastMisfitAnyMass, 0.0) << "only the bounds on the shares stand against it";
-  const MassShares filled = shares(MassRule::Moments, withInside(small_meshes::icosphere(2), 0.4, 1.0));
+  const MassFractions filled = shares(MassRule::Moments, withInside(small_meshes::icosphere(2), 0.4, 1.0));
   EXPECT_EQ(filled.leastMisfit, 0.0);
   EXPECT_LT(filled.inertiaError, 1e-8) << "points inside make it solvable";
 }
 
 /// The body that material mode makes of a mesh has points inside.
-TEST(MassShares, momentsAreMatchedByTheBodiesOfMaterialMode) {
+TEST(MassFractions, momentsAreMatchedByTheBodiesOfMaterialMode) {
   for (const TriangleMesh& mesh : {small_meshes::cube(1), small_meshes::icosphere(2), test_shapes::cylinder(),
                                    test_shapes::noiseSphere(2)}) {
     const auto network = *limber::buildMaterialNetwork(mesh);
-    const MassShares result = limber::shareMass(MassRule::Moments, network->restPoints, network->surface);
+    const MassFractions result = limber::shareMass(MassRule::Moments, network->restPoints, network->surface);
     expectSound(result, network->restPoints.size());
     EXPECT_EQ(result.leastMisfit, 0.0);
     EXPECT_LT(result.centreError, 1e-8);
@@ -172,10 +172,10 @@ TEST(MassShares, momentsAreMatchedByTheBodiesOfMaterialMode) {
   }
 }
 
-TEST(MassShares, heavyPointsOfTheSurfaceAreBounded) {
+TEST(MassFractions, heavyPointsOfTheSurfaceAreBounded) {
   for (const TriangleMesh& mesh : {small_meshes::cube(4), test_shapes::noiseSphere(3)}) {
     const WeldedMesh body = welded(mesh);
-    const MassShares equal = shares(MassRule::Equal, body), result = shares(MassRule::Moments, body);
+    const MassFractions equal = shares(MassRule::Equal, body), result = shares(MassRule::Moments, body);
     expectSound(result, body.points.size());
     EXPECT_LE(*std::max_element(result.shares.begin(), result.shares.end()) * double(body.points.size()),
               10.01);
@@ -184,9 +184,9 @@ TEST(MassShares, heavyPointsOfTheSurfaceAreBounded) {
   }
 }
 
-TEST(MassShares, openSurfacesHaveNoSolid) {
+TEST(MassFractions, openSurfacesHaveNoSolid) {
   const WeldedMesh sheet = welded(small_meshes::singleTriangle());
-  const MassShares result = shares(MassRule::Moments, sheet);
+  const MassFractions result = shares(MassRule::Moments, sheet);
   EXPECT_EQ(result.shares, shares(MassRule::Area, sheet).shares);
   EXPECT_TRUE(std::isnan(result.centreError));
   EXPECT_TRUE(std::isnan(result.inertiaError));

@@ -13,14 +13,14 @@ namespace {
 using Quad = Pack;
 
 /// One body; a point is the quad x, y, z, 0.
-struct QuadPoints {
-  const QuadBody& b;
+struct SpringBatchPoints {
+  const SpringBatchBody& b;
   bool damped() const { return b.damped; }
   const ContactCalls& contacts() const { return *b.contacts; }
 };
 
-Quad* quads(double* numbers) { return reinterpret_cast<Quad*>(numbers); }
-const Quad* quads(const double* numbers) { return reinterpret_cast<const Quad*>(numbers); }
+Quad* springBatches(double* numbers) { return reinterpret_cast<Quad*>(numbers); }
+const Quad* springBatches(const double* numbers) { return reinterpret_cast<const Quad*>(numbers); }
 
 template <int i>
 Quad spread(Quad v) {
@@ -41,23 +41,23 @@ Columns columns(Quad p0, Quad p1, Quad p2, Quad p3) {
           _mm256_permute2f128_pd(xz01, xz23, 0x31)};
 }
 
-void pullTogether(const QuadBody& b, Index spring, Quad pull, Quad direction) {
+void pullTogether(const SpringBatchBody& b, Index spring, Quad pull, Quad direction) {
   const Quad force = pull * direction;
-  Quad& fa = quads(b.force)[b.a[spring]];
+  Quad& fa = springBatches(b.force)[b.a[spring]];
   fa = fa + force;
-  Quad& fb = quads(b.force)[b.b[spring]];
+  Quad& fb = springBatches(b.force)[b.b[spring]];
   fb = fb - force;
 }
 
 /// addForce of four springs from i on.
-void addForces(const QuadBody& b, Index i) {
-  const Quad* x = quads(b.position);
+void addForces(const SpringBatchBody& b, Index i) {
+  const Quad* x = springBatches(b.position);
   const Quad d0 = x[b.b[i]] - x[b.a[i]], d1 = x[b.b[i + 1]] - x[b.a[i + 1]];
   const Quad d2 = x[b.b[i + 2]] - x[b.a[i + 2]], d3 = x[b.b[i + 3]] - x[b.a[i + 3]];
   const Columns d = columns(d0, d1, d2, d3);
-  const Pull<Quad> p = pullOf(d.x * d.x + (d.y * d.y + d.z * d.z), quads(b.restLength)[i / 4],
-                              quads(b.extensionStiffness)[i / 4], quads(b.compressionStiffness)[i / 4]);
-  quads(b.inverseLength)[i / 4] = p.scale;
+  const Pull<Quad> p = pullOf(d.x * d.x + (d.y * d.y + d.z * d.z), springBatches(b.restLength)[i / 4],
+                              springBatches(b.extensionStiffness)[i / 4], springBatches(b.compressionStiffness)[i / 4]);
+  springBatches(b.inverseLength)[i / 4] = p.scale;
   pullTogether(b, i, spread<0>(p.force), d0 * spread<0>(p.scale));
   pullTogether(b, i + 1, spread<1>(p.force), d1 * spread<1>(p.scale));
   pullTogether(b, i + 2, spread<2>(p.force), d2 * spread<2>(p.scale));
@@ -67,28 +67,28 @@ void addForces(const QuadBody& b, Index i) {
 /// The direction of one of four springs, as addForces has it: to keep its inverse length is a quarter of the
 /// memory, which large bodies wait for.
 template <int i>
-Quad directionOf(const QuadBody& b, Index first, Quad inverseLength) {
-  const Quad* x = quads(b.position);
+Quad directionOf(const SpringBatchBody& b, Index first, Quad inverseLength) {
+  const Quad* x = springBatches(b.position);
   return (x[b.b[first + i]] - x[b.a[first + i]]) * spread<i>(inverseLength);
 }
 
-void push(const QuadBody& b, Index spring, Quad impulse, Quad direction) {
+void push(const SpringBatchBody& b, Index spring, Quad impulse, Quad direction) {
   const Quad j = impulse * direction;
   const Index ia = b.a[spring], ib = b.b[spring];
-  Quad* v = quads(b.velocity);
-  const Quad* w = quads(b.inverseMass);
+  Quad* v = springBatches(b.velocity);
+  const Quad* w = springBatches(b.inverseMass);
   v[ia] = v[ia] + j * w[ia];
   v[ib] = v[ib] - j * w[ib];
 }
 
-Quad closing(const QuadBody& b, Index spring, Quad direction) {
-  const Quad* v = quads(b.velocity);
+Quad closing(const SpringBatchBody& b, Index spring, Quad direction) {
+  const Quad* v = springBatches(b.velocity);
   return direction * (v[b.b[spring]] - v[b.a[spring]]);
 }
 
 /// damp of four springs that share no point.
-void dampTogether(const QuadBody& b, Index i, Quad factor) {
-  const Quad scale = quads(b.inverseLength)[i / 4];
+void dampTogether(const SpringBatchBody& b, Index i, Quad factor) {
+  const Quad scale = springBatches(b.inverseLength)[i / 4];
   const Quad n0 = directionOf<0>(b, i, scale), n1 = directionOf<1>(b, i, scale);
   const Quad n2 = directionOf<2>(b, i, scale), n3 = directionOf<3>(b, i, scale);
   const Columns c =
@@ -102,13 +102,13 @@ void dampTogether(const QuadBody& b, Index i, Quad factor) {
 
 /// Springs that share points, one after the other.
 template <int i>
-void dampOne(const QuadBody& b, Index first, Quad factor) {
-  const Quad n = directionOf<i>(b, first, quads(b.inverseLength)[first / 4]);
+void dampOne(const SpringBatchBody& b, Index first, Quad factor) {
+  const Quad n = directionOf<i>(b, first, springBatches(b.inverseLength)[first / 4]);
   const Quad c = closing(b, first + i, n);
   push(b, first + i, spread<i>(factor) * all(Quad(), total(c)), n);
 }
 
-void dampInTurn(const QuadBody& b, Index i, Quad factor, bool forward) {
+void dampInTurn(const SpringBatchBody& b, Index i, Quad factor, bool forward) {
   if (forward) {
     dampOne<0>(b, i, factor), dampOne<1>(b, i, factor), dampOne<2>(b, i, factor), dampOne<3>(b, i, factor);
   } else {
@@ -123,10 +123,10 @@ Quad rolled(Quad v) { return _mm256_permute4x64_pd(v, 0xC9); }
 Quad rolledBack(Quad v) { return _mm256_permute4x64_pd(v, 0xD2); }
 
 /// As sixVolumes, but by axis.
-Quad sixQuadVolumes(const VolumeBody& v, Index component, const Quad* x) {
+Quad sixBatchVolumes(const VolumeBody& v, Index component, const Quad* x) {
   Quad sum = all(Quad(), 0.0);
   const Quad o = x[v.corners[3 * v.firstTriangle[component]]];
-  Quad* gradient = quads(v.gradient);
+  Quad* gradient = springBatches(v.gradient);
   for (Index t = v.firstTriangle[component]; t < v.firstTriangle[component + 1]; ++t) {
     const Index* corner = v.corners + 3 * t;
     const Quad a = x[corner[0]];
@@ -139,12 +139,12 @@ Quad sixQuadVolumes(const VolumeBody& v, Index component, const Quad* x) {
 }
 
 /// As addVolumeForces of verlet_kernel.h, to the bit.
-void addQuadVolumeForces(const VolumeBody& v, const Quad* x, const Quad* w, Quad* force) {
+void addBatchVolumeForces(const VolumeBody& v, const Quad* x, const Quad* w, Quad* force) {
   if (v.components == 0) return;
-  Quad *gradient = quads(v.gradient), *sums = quads(v.sums);
+  Quad *gradient = springBatches(v.gradient), *sums = springBatches(v.sums);
   for (Index i = 0; i < v.points; ++i) gradient[i] = all(Quad(), 0.0);
   for (Index c = 0; c < v.components; ++c) {
-    sums[2 * c] = sixQuadVolumes(v, c, x);
+    sums[2 * c] = sixBatchVolumes(v, c, x);
     sums[2 * c + 1] = all(Quad(), 0.0);
   }
   for (Index i = 0; i < v.points; ++i) {
@@ -157,7 +157,7 @@ void addQuadVolumeForces(const VolumeBody& v, const Quad* x, const Quad* w, Quad
   for (Index i = 0; i < v.points; ++i) force[i] = force[i] + sums[2 * v.componentOf[i]] * gradient[i];
 }
 
-Vector<Quad> wayFrom(const Quad* x, const Index* corners, Index to) {
+Vector<Quad> displacementFrom(const Quad* x, const Index* corners, Index to) {
   const Columns w = columns(x[corners[to]] - x[corners[0]], x[corners[4 + to]] - x[corners[4]],
                             x[corners[8 + to]] - x[corners[8]], x[corners[12 + to]] - x[corners[12]]);
   return {w.x, w.y, w.z};
@@ -177,12 +177,12 @@ Rows rows(const Vector<Quad>& v) {
 }
 
 /// As addTetrahedronForces of verlet_kernel.h, to the bit.
-void addQuadTetrahedronForces(const TetrahedronBody& t, const Quad* x, Quad* force) {
+void addBatchTetrahedronForces(const TetrahedronBody& t, const Quad* x, Quad* force) {
   for (Index i = 0; i < t.count; i += 4) {
     const Index* corners = t.corners + 4 * i;
     const CornerForces<Quad> f = tetrahedronForces(
-        wayFrom(x, corners, 1), wayFrom(x, corners, 2), wayFrom(x, corners, 3), quads(t.inverseRest)[i / 4],
-        quads(t.hold)[i / 4], all(Quad(), *t.modulus), all(Quad(), *t.crushModulus));
+        displacementFrom(x, corners, 1), displacementFrom(x, corners, 2), displacementFrom(x, corners, 3), springBatches(t.inverseRest)[i / 4],
+        springBatches(t.stabilityScale)[i / 4], all(Quad(), *t.modulus), all(Quad(), *t.crushModulus));
     const Rows b = rows(f.b), c = rows(f.c), d = rows(f.d);
     for (Index k = 0; k < 4; ++k) {
       const Index* corner = corners + 4 * k;
@@ -194,15 +194,15 @@ void addQuadTetrahedronForces(const TetrahedronBody& t, const Quad* x, Quad* for
   }
 }
 
-void computeForces(const QuadPoints& p) {
-  for (Index i = 0; i < p.b.points; ++i) quads(p.b.force)[i] = all(Quad(), 0.0);
+void computeForces(const SpringBatchPoints& p) {
+  for (Index i = 0; i < p.b.points; ++i) springBatches(p.b.force)[i] = all(Quad(), 0.0);
   for (Index i = 0; i < p.b.springs; i += 4) addForces(p.b, i);
-  addQuadVolumeForces(p.b.volumes, quads(p.b.position), quads(p.b.inverseMass), quads(p.b.force));
-  addQuadTetrahedronForces(p.b.tetrahedra, quads(p.b.position), quads(p.b.force));
+  addBatchVolumeForces(p.b.volumes, springBatches(p.b.position), springBatches(p.b.inverseMass), springBatches(p.b.force));
+  addBatchTetrahedronForces(p.b.tetrahedra, springBatches(p.b.position), springBatches(p.b.force));
 }
 
-void dampAll(const QuadPoints& p, bool whole, bool forward) {
-  const Quad* factors = quads(whole ? p.b.dampFull : p.b.dampHalf);
+void dampAll(const SpringBatchPoints& p, bool whole, bool forward) {
+  const Quad* factors = springBatches(whole ? p.b.dampFull : p.b.dampHalf);
   const Index groups = p.b.springs / 4;
   for (Index k = 0; k < groups; ++k) {
     const Index g = forward ? k : groups - 1 - k;
@@ -213,23 +213,23 @@ void dampAll(const QuadPoints& p, bool whole, bool forward) {
   }
 }
 
-void kick(const QuadPoints& p, double dt) {
+void kick(const SpringBatchPoints& p, double dt) {
   const Quad time = all(Quad(), dt);
-  Quad* v = quads(p.b.velocity);
-  const Quad *a = quads(p.b.acceleration), *f = quads(p.b.force), *w = quads(p.b.inverseMass);
+  Quad* v = springBatches(p.b.velocity);
+  const Quad *a = springBatches(p.b.acceleration), *f = springBatches(p.b.force), *w = springBatches(p.b.inverseMass);
   for (Index i = 0; i < p.b.points; ++i) v[i] = v[i] + time * (a[i] + f[i] * w[i]);
 }
 
-void drift(const QuadPoints& p, double dt) {
+void drift(const SpringBatchPoints& p, double dt) {
   const Quad time = all(Quad(), dt);
-  Quad* x = quads(p.b.position);
-  const Quad* v = quads(p.b.velocity);
+  Quad* x = springBatches(p.b.position);
+  const Quad* v = springBatches(p.b.velocity);
   for (Index i = 0; i < p.b.points; ++i) x[i] = x[i] + time * v[i];
 }
 
-double computeForcesAndChange(const QuadPoints& p) {
-  const Quad *f = quads(p.b.force), *w = quads(p.b.inverseMass);
-  Quad* earlier = quads(p.b.earlierForce);
+double computeForcesAndChange(const SpringBatchPoints& p) {
+  const Quad *f = springBatches(p.b.force), *w = springBatches(p.b.inverseMass);
+  Quad* earlier = springBatches(p.b.earlierForce);
   for (Index i = 0; i < p.b.points; ++i) earlier[i] = f[i];
   computeForces(p);
   Quad sum = all(Quad(), 0.0);
@@ -242,16 +242,16 @@ double computeForcesAndChange(const QuadPoints& p) {
 
 }  // namespace
 
-double stepQuads(const QuadBody& body, double tick, int substeps) {
-  return stepAlone<double>(QuadPoints{body}, tick, substeps);
+double stepSpringBatches(const SpringBatchBody& body, double tick, int substeps) {
+  return stepAlone<double>(SpringBatchPoints{body}, tick, substeps);
 }
 
-void computeQuadForces(const QuadBody& body) { computeForces(QuadPoints{body}); }
-double computeQuadForcesAndChange(const QuadBody& body) { return computeForcesAndChange(QuadPoints{body}); }
-void kickQuads(const QuadBody& body, double dt) { kick(QuadPoints{body}, dt); }
-void driftQuads(const QuadBody& body, double dt) { drift(QuadPoints{body}, dt); }
-void dampQuads(const QuadBody& body, bool whole, bool forward) {
-  if (body.damped) dampAll(QuadPoints{body}, whole, forward);
+void computeBatchForces(const SpringBatchBody& body) { computeForces(SpringBatchPoints{body}); }
+double computeBatchForcesAndChange(const SpringBatchBody& body) { return computeForcesAndChange(SpringBatchPoints{body}); }
+void kickSpringBatches(const SpringBatchBody& body, double dt) { kick(SpringBatchPoints{body}, dt); }
+void driftSpringBatches(const SpringBatchBody& body, double dt) { drift(SpringBatchPoints{body}, dt); }
+void dampSpringBatches(const SpringBatchBody& body, bool whole, bool forward) {
+  if (body.damped) dampAll(SpringBatchPoints{body}, whole, forward);
 }
 
 }  // namespace limber::kernel

@@ -1,0 +1,299 @@
+// SPDX-License-Identifier: Zlib
+
+// This file finds what contacts and joints couple in a tick, and puts each such set together for one step.
+
+#include "bullet/linked_group.h"
+
+#include <algorithm>
+#include <numeric>
+
+namespace limber {
+inline namespace LIMBER_BULLET_PRECISION {
+namespace {
+
+constexpr std::uint32_t kNoPartner = TickContacts::kNone;
+
+// --- which node is coupled to which ------------------------------------------------------------------------
+
+std::uint32_t root(Islands& islands, std::uint32_t i) {
+  std::vector<std::uint32_t>& parent = islands.parent;
+  while (parent[i] != i) i = parent[i] = parent[parent[i]];
+  return i;
+}
+
+/// The lower number becomes the root, so that clusters come in the order of their first member.
+void join(Islands& islands, std::uint32_t a, std::uint32_t b) {
+  if (a == kNoPartner || b == kNoPartner) return;
+  a = root(islands, a), b = root(islands, b);
+  islands.parent[std::max(a, b)] = std::min(a, b);
+}
+
+/// The nodes that places and rows are on.
+struct IslandNodes {
+  std::uint32_t groups;
+  const std::vector<std::uint32_t>& groupOf;  ///< of a soft body, by SoftBodyData::index
+
+  std::uint32_t of(const ContactPoint& place) const {
+    if (place.kind == ContactPoint::Kind::Soft) return groupOf[place.body];
+    return place.kind == ContactPoint::Kind::Rigid ? groups + place.body : kNoPartner;
+  }
+  std::uint32_t ofRigid(std::uint32_t number) const {
+    return number == JointConstraint::kHeld ? kNoPartner : groups + number;
+  }
+  std::uint32_t of(const SoftBodyData& body) const { return groupOf[body.index]; }
+  std::uint32_t ofOther(const SurfaceCandidate& m, const TickContacts& found) const {
+    if (m.other) return of(*m.other);
+    return m.partner ? ofRigid(found.find(*m.partner)) : kNoPartner;
+  }
+  std::uint32_t of(const Contact& c) const { return of(c.a) != kNoPartner ? of(c.a) : of(c.b); }
+  std::uint32_t of(const JointConstraint& j) const { return ofRigid(j.a) != kNoPartner ? ofRigid(j.a) : ofRigid(j.b); }
+};
+
+void joinNodes(const std::vector<LinkedGroup>& groups, const TickContacts& found, const IslandNodes& nodes,
+               Islands& islands) {
+  islands.parent.resize(groups.size() + found.rigids.size());
+  std::iota(islands.parent.begin(), islands.parent.end(), std::uint32_t{0});
+  for (std::uint32_t g = 0; g < groups.size(); ++g)
+    for (const RigidPartner& rigid : groups[g].rigids)
+      if (!groups[g].asleep && !rigid.held && found.find(*rigid.body) != kNoPartner)
+        join(islands, g, nodes.ofRigid(found.find(*rigid.body)));
+  for (const Contact& c : found.contacts) join(islands, nodes.of(c.a), nodes.of(c.b));
+  for (const SurfaceCandidate& m : found.candidates) join(islands, nodes.of(*m.body), nodes.ofOther(m, found));
+  for (const JointConstraint& j : found.joints) join(islands, nodes.ofRigid(j.a), nodes.ofRigid(j.b));
+}
+
+// --- filling the clusters ----------------------------------------------------------------------------------
+
+void clear(Island& island) {
+  island.groups.clear();
+  island.softBodies.clear();
+  island.rigids.clear();
+  island.contacts.clear();
+  island.rows.clear();
+  island.joints.clear();
+  island.candidates.clear();
+  island.late.clear();
+  island.step.bodies.clear();
+  island.step.pairs.contacts.clear();
+  island.step.pairs.joints.clear();
+  island.step.links.points.clear();
+  island.step.links.rigids.clear();
+  island.step.links.springs.clear();
+  island.step.links.anchors.clear();
+}
+
+/// The cluster of a node, a new one if its set has none yet.
+Island& islandOf(Islands& islands, std::uint32_t node) {
+  std::uint32_t& number = islands.island[root(islands, node)];
+  if (number == kNoPartner) {
+    number = static_cast<std::uint32_t>(islands.count++);
+    if (islands.all.size() < islands.count) islands.all.emplace_back();
+    clear(islands.all[number]);
+  }
+  return islands.all[number];
+}
+
+LinkEnd moved(LinkEnd end, std::uint32_t firstBody, std::uint32_t firstRigid) {
+  if (end.kind != LinkEnd::Kind::World) end.body += end.kind == LinkEnd::Kind::Rigid ? firstRigid : firstBody;
+  return end;
+}
+
+void append(Island& island, LinkedGroup& group) {
+  SolverIsland& step = island.step;
+  const auto firstBody = static_cast<std::uint32_t>(step.bodies.size());
+  const auto firstRigid = static_cast<std::uint32_t>(step.links.rigids.size());
+  const LinkedBodies& links = group.step.links;
+  island.groups.push_back(&group);
+  island.softBodies.insert(island.softBodies.end(), group.bodies.begin(), group.bodies.end());
+  step.bodies.insert(step.bodies.end(), group.step.bodies.begin(), group.step.bodies.end());
+  step.links.points.insert(step.links.points.end(), links.points.begin(), links.points.end());
+  step.links.rigids.insert(step.links.rigids.end(), links.rigids.begin(), links.rigids.end());
+  for (LinkSpring spring : links.springs) {
+    spring.a = moved(spring.a, firstBody, firstRigid);
+    spring.b = moved(spring.b, firstBody, firstRigid);
+    step.links.springs.push_back(spring);
+  }
+  for (LinkAnchor anchor : links.anchors) {
+    anchor.point = moved(anchor.point, firstBody, firstRigid);
+    anchor.pivot = moved(anchor.pivot, firstBody, firstRigid);
+    step.links.anchors.push_back(anchor);
+  }
+}
+
+void appendGroups(std::vector<LinkedGroup>& groups, const TickContacts& found, const IslandNodes& nodes,
+                  Islands& islands) {
+  for (std::uint32_t g = 0; g < groups.size(); ++g) {
+    LinkedGroup& group = groups[g];
+    group.inIsland = islands.island[root(islands, g)] != kNoPartner;
+    if (!group.inIsland) continue;
+    Island& island = islandOf(islands, g);
+    islands.first[g] = static_cast<std::uint32_t>(island.step.bodies.size());
+    const auto firstRigid = static_cast<std::uint32_t>(island.step.links.rigids.size());
+    for (std::uint32_t i = 0; i < group.rigids.size(); ++i)
+      if (const std::uint32_t number = found.find(*group.rigids[i].body);
+          number != kNoPartner && !group.rigids[i].held)
+        islands.first[nodes.ofRigid(number)] = firstRigid + i;
+    append(island, group);
+  }
+}
+
+void appendRigids(TickContacts& found, const IslandNodes& nodes, btScalar tick, Islands& islands) {
+  for (std::uint32_t number = 0; number < found.rigids.size(); ++number) {
+    const std::uint32_t node = nodes.ofRigid(number);
+    if (islands.first[node] != kNoPartner || islands.island[root(islands, node)] == kNoPartner) continue;
+    Island& island = islandOf(islands, node);
+    islands.first[node] = static_cast<std::uint32_t>(island.step.links.rigids.size());
+    island.rigids.push_back(number);
+    island.step.links.rigids.emplace_back();
+    gatherRigid(found.rigids[number], island.step.links.rigids.back(), tick);
+  }
+}
+
+/// Contacts name bodies by their number in the system; rows of a cluster by their place in it.
+void renumber(ContactPoint& place, const IslandNodes& nodes, const Islands& islands) {
+  if (place.kind == ContactPoint::Kind::World) return;
+  const bool soft = place.kind == ContactPoint::Kind::Soft;
+  place.body = islands.first[nodes.of(place)] + (soft ? islands.indexInGroup[place.body] : 0);
+}
+
+void appendContacts(const TickContacts& found, const IslandNodes& nodes, Islands& islands) {
+  for (std::uint32_t i = 0; i < found.contacts.size(); ++i) {
+    Island& island = islandOf(islands, nodes.of(found.contacts[i]));
+    island.contacts.push_back(i);
+    island.step.pairs.contacts.push_back(found.contacts[i]);
+    Contact& c = island.step.pairs.contacts.back();
+    renumber(c.a, nodes, islands);
+    renumber(c.b, nodes, islands);
+  }
+  for (std::uint32_t i = 0; i < found.joints.size(); ++i) {
+    Island& island = islandOf(islands, nodes.of(found.joints[i]));
+    island.joints.push_back(i);
+    island.step.pairs.joints.push_back(found.joints[i]);
+    JointConstraint& j = island.step.pairs.joints.back();
+    for (std::uint32_t* side : {&j.a, &j.b})
+      if (*side != JointConstraint::kHeld) *side = islands.first[nodes.ofRigid(*side)];
+    if (j.contact == JointConstraint::kHeld) continue;
+    const auto place = std::lower_bound(island.contacts.begin(), island.contacts.end(), j.contact);
+    j.contact = static_cast<std::uint32_t>(place - island.contacts.begin());
+  }
+}
+
+/// What holds an anchored point must be solved with what it touches.
+bool hasAnchorsAndRows(const LinkedGroup& group) {
+  const auto touches = [](const SoftBodyData* body) { return !body->contacts.empty(); };
+  return !group.asleep && !group.step.links.anchors.empty() &&
+         std::any_of(group.bodies.begin(), group.bodies.end(), touches);
+}
+
+void appendMeetings(const TickContacts& found, const IslandNodes& nodes, Islands& islands) {
+  const auto placeOf = [&](const SoftBodyData& body) {
+    return islands.first[nodes.groupOf[body.index]] + islands.indexInGroup[body.index];
+  };
+  for (const SurfaceCandidate& m : found.candidates) {
+    IslandPair candidate{&m, placeOf(*m.body)};
+    candidate.displacement = displacementOf(m);
+    if (m.other)
+      candidate.b = placeOf(*m.other);
+    else if (!m.held)
+      candidate.b = islands.first[nodes.ofRigid(found.find(*m.partner))];
+    islandOf(islands, nodes.groupOf[m.body->index]).candidates.push_back(candidate);
+  }
+}
+
+void numberBodies(const std::vector<LinkedGroup>& groups, Islands& islands) {
+  for (std::uint32_t g = 0; g < groups.size(); ++g)
+    for (std::uint32_t i = 0; i < groups[g].bodies.size(); ++i) {
+      const std::size_t body = groups[g].bodies[i]->index;
+      if (body >= islands.groupOf.size()) {
+        islands.groupOf.resize(body + 1);
+        islands.indexInGroup.resize(body + 1);
+      }
+      islands.groupOf[body] = g;
+      islands.indexInGroup[body] = i;
+    }
+}
+
+// --- contacts of points with what is held ------------------------------------------------------------------
+
+/// Points that something else than what is held touches, or may touch within the tick: solved apart from it their rows
+/// would give way.
+void markCoupledPoints(Island& island) {
+  for (SoftBodyData* body : island.softBodies) body->coupled.assign(body->masses.bodies.size(), 0);
+  for (const IslandPair& m : island.candidates)
+    for (SoftBodyData* body : {m.surfaces->body, m.surfaces->other})
+      if (m.moves() && !m.surfaces->held && body) body->coupled.assign(body->coupled.size(), 1);
+  for (const Contact& c : island.step.pairs.contacts)
+    for (const ContactPoint* place : {&c.a, &c.b})
+      if (place->kind == ContactPoint::Kind::Soft)
+        for (std::uint32_t i = 0; i < place->count; ++i)
+          island.softBodies[place->body]->coupled[place->point[i]] = 1;
+  for (const LinkAnchor& anchor : island.step.links.anchors)
+    island.softBodies[anchor.point.body]->coupled[anchor.point.point] = 1;
+}
+
+Contact pairOf(const PlaneContact& row, const SoftBodyData& body, std::uint32_t place) {
+  Contact c;
+  c.a.kind = ContactPoint::Kind::Soft;
+  c.a.body = place;
+  c.a.point[0] = row.point;
+  c.b.velocity = row.surfaceVelocity;
+  c.normal = row.normal;
+  c.gap = row.normal.dot(body.state.position.col(row.point) - row.touch);
+  c.held = row.around ? &row : nullptr;
+  c.friction = row.friction;
+  c.restitution = row.restitution;
+  c.bounceThreshold = row.bounceThreshold;
+  c.recoverySpeed = row.recoverySpeed;
+  return c;
+}
+
+/// Moves the contacts with static and kinematic surfaces of those points that something free touches or holds,
+/// from their bodies' rows to the cluster's pairs: what is squeezed between the two must be solved with both.
+void appendRows(Island& island) {
+  markCoupledPoints(island);
+  for (std::uint32_t place = 0; place < island.softBodies.size(); ++place) {
+    SoftBodyData& body = *island.softBodies[place];
+    for (PlaneContact& row : body.contacts) {
+      row.coupled = body.coupled[row.point] != 0;
+      if (!row.coupled) continue;
+      island.rows.push_back(&row);
+      island.step.pairs.contacts.push_back(pairOf(row, body, place));
+    }
+  }
+}
+
+}  // namespace
+
+void addLinkedRigids(const std::vector<LinkedGroup>& groups, TickContacts& found) {
+  for (const LinkedGroup& group : groups)
+    for (const RigidPartner& rigid : group.rigids)
+      if (!group.asleep && isFree(*rigid.body)) found.add(*rigid.body);
+}
+
+void makeIslands(std::vector<LinkedGroup>& groups, TickContacts& found, btScalar tick, Islands& islands) {
+  islands.count = 0;
+  bool anchored = false;
+  for (LinkedGroup& group : groups) {
+    group.inIsland = false;
+    anchored = anchored || hasAnchorsAndRows(group);
+  }
+  if (found.contacts.empty() && found.joints.empty() && found.candidates.empty() && !anchored) return;
+  numberBodies(groups, islands);
+  const IslandNodes nodes{static_cast<std::uint32_t>(groups.size()), islands.groupOf};
+  joinNodes(groups, found, nodes, islands);
+  islands.island.assign(islands.parent.size(), kNoPartner);
+  islands.first.assign(islands.parent.size(), kNoPartner);
+  for (const Contact& c : found.contacts) islandOf(islands, nodes.of(c));
+  for (const JointConstraint& j : found.joints) islandOf(islands, nodes.of(j));
+  for (const SurfaceCandidate& m : found.candidates) islandOf(islands, nodes.of(*m.body));
+  for (std::uint32_t g = 0; g < groups.size(); ++g)
+    if (hasAnchorsAndRows(groups[g])) islandOf(islands, g);
+  appendGroups(groups, found, nodes, islands);
+  appendRigids(found, nodes, tick, islands);
+  appendContacts(found, nodes, islands);
+  appendMeetings(found, nodes, islands);
+  for (Island& island : islands) appendRows(island);
+}
+
+}  // namespace LIMBER_BULLET_PRECISION
+}  // namespace limber

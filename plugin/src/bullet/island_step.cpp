@@ -1,0 +1,349 @@
+// SPDX-License-Identifier: Zlib
+
+// This file steps a cluster, searches for contacts within its step, limits what joints add to its energy, and
+// writes the result to Bullet.
+
+#include "bullet/linked_group.h"
+#include "solver/point_state.h"
+#include "solver/springs.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace limber {
+inline namespace LIMBER_BULLET_PRECISION {
+namespace {
+
+/// Guesses are sums over the last tick, in each of whose substeps a contact is solved twice.
+void spreadGuesses(IslandConstraints& pairs, int substeps) {
+  for (Contact& c : pairs.contacts) {
+    const double share = 0.5 / substeps;
+    c.positionImpulse *= share;
+    c.velocityImpulse = c.positionImpulse;
+  }
+  for (JointConstraint& j : pairs.joints) j.lower /= 2.0 * substeps, j.upper /= 2.0 * substeps;
+}
+
+/// Of an overlap per tick, as Bullet's solver takes it back, which leaves the bodies that speed
+/// (btContactSolverInfo::m_erp2): any more would be a kick that a hit without us does not give.
+constexpr double kOverlapPerTick = 0.2;
+
+/// Share of the recovery speed at which an overlap may always be corrected. Every solve leaves small overlaps; this
+/// makes hops of about 2e-5 m.
+constexpr double kMinRecovery = 0.04;
+
+/// Rigid bodies among themselves part as by Bullet's solver.
+void recoverAsBullet(IslandConstraints& pairs, double tick) {
+  for (Contact& c : pairs.contacts)
+    c.recoverySpeed = std::clamp(-kOverlapPerTick * c.gap / tick, kMinRecovery * c.recoverySpeed, c.recoverySpeed);
+}
+
+/// m/s: a small share of what gravity and forces give in a tick, or of how fast anything is.
+double speedTolerance(const SolverIsland& step, double tick) {
+  double squared = 0.0;
+  const auto add = [&](const auto& acceleration, const auto& velocity) {
+    squared = std::max({squared, tick * tick * acceleration.squaredNorm(), 4e-4 * velocity.squaredNorm()});
+  };
+  for (const SolverBody& body : step.bodies)
+    for (Eigen::Index i = 0; i < body.points->position.cols(); ++i)
+      add(body.points->acceleration.col(i), body.points->velocity.col(i));
+  for (const RigidState& rigid : step.links.rigids) add(rigid.acceleration, rigid.velocity);
+  return 6e-4 * std::sqrt(squared);
+}
+
+/// The index of the first of the cluster's rigid bodies that are in no group.
+std::size_t firstOwnRigid(const Island& island) {
+  return island.step.links.rigids.size() - island.rigids.size();
+}
+
+void giveBack(Island& island) {
+  const SolverIsland& step = island.step;
+  std::size_t body = 0, rigid = 0, spring = 0, anchor = 0;
+  for (LinkedGroup* group : island.groups) {
+    for (SolverBody& stepped : group->step.bodies) stepped.errorRate = step.bodies[body++].errorRate;
+    for (RigidState& state : group->step.links.rigids) state = step.links.rigids[rigid++];
+    for (LinkSpring& link : group->step.links.springs) link.force = step.links.springs[spring++].force;
+    for (LinkAnchor& link : group->step.links.anchors) {
+      link.positionImpulse = step.links.anchors[anchor].positionImpulse;
+      link.velocityImpulse = step.links.anchors[anchor++].velocityImpulse;
+    }
+  }
+}
+
+// --- energy ------------------------------------------------------------------------------------------------
+
+/// The sum over the axes of x_i y_i / w_i; what has no inverse mass does not move by itself.
+double weighted(const Eigen::Vector3d& x, const Eigen::Vector3d& y, const Eigen::Vector3d& inverse) {
+  double sum = 0.0;
+  for (int k = 0; k < 3; ++k) sum += inverse[k] > 0.0 ? x[k] * y[k] / inverse[k] : 0.0;
+  return sum;
+}
+
+double kineticEnergy(const RigidState& rigid) {
+  const Eigen::Vector3d spin = rigid.rotation.conjugate() * rigid.angularVelocity;
+  return 0.5 * weighted(rigid.velocity, rigid.velocity, rigid.inverseMass) +
+         0.5 * weighted(spin, spin, rigid.inverseInertiaLocal);
+}
+
+double kineticEnergy(const SolverIsland& step) {
+  double sum = 0.0;
+  for (const SolverBody& body : step.bodies) sum += limber::kineticEnergy(*body.points);
+  for (const RigidState& rigid : step.links.rigids) sum += kineticEnergy(rigid);
+  return sum;
+}
+
+double energyOf(SolverIsland& step) {
+  double sum = kineticEnergy(step) + elasticEnergy(step.links);
+  for (SolverBody& body : step.bodies) sum += elasticEnergy(body, body.points->position);
+  return sum;
+}
+
+/// J, what the constant accelerations have done in the tick.
+double workOfAccelerations(const Island& island) {
+  double work = 0.0;
+  for (const SoftBodyData* body : island.softBodies) {
+    const PointState& s = body->state;
+    const Points displacement = s.position - body->masses.startPosition;
+    for (Eigen::Index i = 0; i < displacement.cols(); ++i)
+      work += weighted(s.acceleration.col(i), displacement.col(i), s.inverseMass.col(i));
+  }
+  for (std::size_t i = 0; i < island.start.size(); ++i) {
+    const RigidState &start = island.start[i], &end = island.step.links.rigids[i];
+    const Eigen::Quaterniond inside = start.rotation.conjugate();
+    work += weighted(start.acceleration, end.position - start.position, start.inverseMass);
+    work += weighted(inside * start.angularAcceleration, inside * rotationBetween(start.rotation, end.rotation),
+                     start.inverseInertiaLocal);
+  }
+  return work;
+}
+
+/// J, what joints have done by taking back errors.
+double workOfRecoveries(const Island& island, const TickContacts& found) {
+  double work = 0.0;
+  for (std::size_t i = 0; i < island.joints.size(); ++i)
+    work += island.step.pairs.joints[i].impulse * found.jointSources[island.joints[i]].recovery;
+  return work;
+}
+
+/// kg and m/s, of all that moves; of no mass where something is joined to what is held.
+struct CommonMotion {
+  double mass = 0.0;
+  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+};
+
+CommonMotion commonMotion(const SolverIsland& step) {
+  CommonMotion all;
+  for (const JointConstraint& j : step.pairs.joints)
+    if (j.contact == JointConstraint::kHeld && (j.a == JointConstraint::kHeld || j.b == JointConstraint::kHeld)) return all;
+  for (const SolverBody& body : step.bodies) {
+    all.mass += totalMass(*body.points);
+    all.mean += linearMomentum(*body.points);
+  }
+  for (const RigidState& rigid : step.links.rigids)
+    if (rigid.inverseMass.minCoeff() > 0.0) {
+      all.mass += 1.0 / rigid.inverseMass.x();
+      all.mean += rigid.velocity / rigid.inverseMass.x();
+    }
+  if (all.mass > 0.0) all.mean /= all.mass;
+  return all;
+}
+
+/// Scales all motion relative to `mean`.
+void slowDown(SolverIsland& step, const Eigen::Vector3d& mean, double factor) {
+  for (SolverBody& body : step.bodies)
+    for (Eigen::Index i = 0; i < body.points->velocity.cols(); ++i)
+      if (body.points->inverseMass.col(i).minCoeff() > 0.0)
+        body.points->velocity.col(i) = mean + factor * (body.points->velocity.col(i) - mean);
+  for (RigidState& rigid : step.links.rigids)
+    if (rigid.inverseMass.minCoeff() > 0.0) {
+      rigid.velocity = mean + factor * (rigid.velocity - mean);
+      rigid.angularVelocity *= factor;
+    }
+}
+
+/// Takes out of the motion what the energy has risen by in the tick, as far as joints have raised it.
+void limitEnergy(Island& island, const TickContacts& found, double before) {
+  const double risen = energyOf(island.step) - before - workOfAccelerations(island);
+  const double excess = std::min(risen, workOfRecoveries(island, found));
+  if (!(excess > 0.0)) return;
+  const CommonMotion motion = commonMotion(island.step);
+  const double free = kineticEnergy(island.step) - 0.5 * motion.mass * motion.mean.squaredNorm();
+  if (free > excess) slowDown(island.step, motion.mean, std::sqrt(1.0 - excess / free));
+}
+
+// --- contacts that are searched for within the tick --------------------------------------------------------
+
+/// Of the size of a surface's features: how far surfaces move against each other in one substep.
+constexpr double kMaxInSubstep = 0.1;
+
+/// Searches and substeps that fine meshes may cost even where their features are passed quickly.
+constexpr double kManySearches = 16.0, kManySubsteps = 64.0;
+
+struct SearchContext {
+  Island* island;
+  const TickContacts* found;
+  SurfaceSearch* search;
+};
+
+/// Takes a contact for one that has ended until it is found again.
+void collectKnown(Island& island, std::uint32_t number, const TickContacts& found) {
+  const SurfaceCandidate& m = *island.candidates[number].surfaces;
+  island.known.clear();
+  const auto begin = island.contacts.begin();
+  for (auto it = std::lower_bound(begin, island.contacts.end(), m.first);
+       it != island.contacts.end() && *it < m.end; ++it)
+    island.known.emplace_back(found.sources[*it].key, static_cast<std::uint32_t>(it - begin));
+  const std::size_t first = island.contacts.size() + island.rows.size();
+  for (std::size_t i = 0; i < island.late.size(); ++i)
+    if (island.late[i].candidate == number)
+      island.known.emplace_back(island.late[i].source.key, static_cast<std::uint32_t>(first + i));
+  std::sort(island.known.begin(), island.known.end());
+  for (const auto& [key, i] : island.known) island.step.pairs.contacts[i].ended = true;
+}
+
+void putContact(Island& island, std::uint32_t candidate, const Contact& contact,
+                const ContactSource& source) {
+  const auto it =
+      std::lower_bound(island.known.begin(), island.known.end(), std::pair(source.key, std::uint32_t{0}));
+  if (it == island.known.end() || it->first != source.key) {
+    island.late.push_back({candidate, source});
+    island.step.pairs.contacts.push_back(contact);
+    return;
+  }
+  Contact& known = island.step.pairs.contacts[it->second];
+  const ContactImpulse positionImpulse = known.positionImpulse, velocityImpulse = known.velocityImpulse;
+  const TickImpulse impulse = known.impulse;
+  known = contact;
+  known.positionImpulse = positionImpulse, known.velocityImpulse = velocityImpulse, known.impulse = impulse;
+}
+
+void searchWithin(void* context, SolverIsland& group, double since, double ahead) {
+  auto& [island, found, search] = *static_cast<SearchContext*>(context);
+  for (std::uint32_t number = 0; number < island->candidates.size(); ++number) {
+    const IslandPair& m = island->candidates[number];
+    if (!m.moves()) continue;
+    SidesWithin sides{&group.views[m.a], nullptr, nullptr, since / found->tick};
+    if (m.surfaces->other)
+      sides.b = &group.views[m.b];
+    else if (!m.surfaces->held)
+      sides.rigid = &group.links.rigids[m.b];
+    findWithin(*m.surfaces, sides, ahead, found->tick, *search);
+    collectKnown(*island, number, *found);
+    for (std::size_t i = 0; i < search->pairs.size(); ++i) {
+      Contact& contact = search->pairs[i];
+      contact.a.body = m.a;
+      contact.b.body = m.b;
+      putContact(*island, number, contact, search->sources[i]);
+    }
+  }
+}
+
+/// The longest ways, in sizes of features.
+struct LongestDisplacements {
+  double all = 0.0;
+  double ofContacts = 0.0;  ///< where contacts are foreseen: what is only near must not change the substeps
+};
+
+LongestDisplacements longestDisplacements(const Island& island) {
+  LongestDisplacements most;
+  for (const IslandPair& m : island.candidates) {
+    most.all = std::max(most.all, m.displacement);
+    if (m.surfaces->end > m.surfaces->first) most.ofContacts = std::max(most.ofContacts, m.displacement);
+  }
+  return most;
+}
+
+/// No more than any group's budget.
+int substepsFor(const Island& island, double displacement) {
+  int most = static_cast<int>(std::ceil(std::min(displacement / kMaxInSubstep, kManySubsteps)));
+  for (const LinkedGroup* group : island.groups)
+    if (group->stepping.maxSubsteps > 0) most = std::min(most, group->stepping.maxSubsteps);
+  return most;
+}
+
+/// Contacts found within the tick, too, are reported and remembered.
+void reportLateContacts(Island& island, TickContacts& found) {
+  const std::size_t first = island.contacts.size() + island.rows.size();
+  for (std::size_t i = 0; i < island.late.size(); ++i) {
+    Contact contact = island.step.pairs.contacts[first + i];
+    const SurfaceCandidate& candidate = *island.candidates[island.late[i].candidate].surfaces;
+    contact.a.body = candidate.body->index;
+    if (candidate.other) contact.b.body = candidate.other->index;
+    if (candidate.partner) contact.b.body = found.find(*candidate.partner);
+    found.add(contact, island.late[i].source);
+  }
+}
+
+/// After the step: gives the rows of points what they bore.
+void reportRows(Island& island) {
+  for (std::size_t i = 0; i < island.rows.size(); ++i)
+    island.rows[i]->impulse = island.step.pairs.contacts[island.contacts.size() + i].impulse;
+}
+
+void handOver(const Contact& contact, Contact& found) {
+  const std::uint32_t a = found.a.body, b = found.b.body;
+  found = contact;
+  found.a.body = a, found.b.body = b;
+}
+
+/// Whether nothing but one soft body moves: it touches itself, or what is still.
+bool isAlone(const Island& island) {
+  const SolverIsland& step = island.step;
+  const LinkedBodies& links = step.links;
+  if (step.bodies.size() != 1 || !links.rigids.empty() || !links.springs.empty() || !links.anchors.empty())
+    return false;
+  const auto isStill = [](const Contact& c) { return c.b.velocity.isZero(0.0); };
+  return std::all_of(step.pairs.contacts.begin(), step.pairs.contacts.end(), isStill) &&
+         standsOnStill(*step.bodies[0].contacts);
+}
+
+}  // namespace
+
+void stepIsland(Island& island, const TickContacts& found, double tick, SurfaceSearch& search) {
+  for (LinkedGroup* group : island.groups) guardIsland(*group, isAlone(island));
+  int substeps = 1;
+  for (const LinkedGroup* group : island.groups) substeps = std::max(substeps, group->substeps);
+  SearchContext context{&island, &found, &search};
+  island.step.again = PairSearch();
+  if (const LongestDisplacements displacement = longestDisplacements(island); displacement.all > kMaxBetweenSearches) {
+    if (displacement.ofContacts > kMaxBetweenSearches) substeps = std::max(substeps, substepsFor(island, displacement.ofContacts));
+    const double searches =
+        std::min(displacement.all / kMaxBetweenSearches, std::max(kManySearches, displacement.all / kMaxInSubstep));
+    island.step.again = {std::max(1, static_cast<int>(substeps / searches)), &context, searchWithin};
+  }
+  for (LinkedGroup* group : island.groups) group->substeps = substeps;
+  spreadGuesses(island.step.pairs, substeps);
+  island.step.pairs.tolerance = speedTolerance(island.step, tick);
+  if (island.softBodies.empty()) recoverAsBullet(island.step.pairs, tick);
+  const bool joined = !island.joints.empty();
+  island.start.clear();
+  if (joined) island.start = island.step.links.rigids;
+  const double before = joined ? energyOf(island.step) : 0.0;
+  stepVerlet(island.step, tick, substeps);
+  if (joined) limitEnergy(island, found, before);
+}
+
+void writeIslandToBullet(Island& island, TickContacts& found, btScalar tick) {
+  const IslandConstraints& pairs = island.step.pairs;
+  for (std::size_t i = 0; i < island.contacts.size(); ++i)
+    handOver(pairs.contacts[i], found.contacts[island.contacts[i]]);
+  reportLateContacts(island, found);
+  for (std::size_t i = 0; i < island.joints.size(); ++i)
+    found.joints[island.joints[i]].impulse = pairs.joints[i].impulse;
+  reportRows(island);
+  giveBack(island);
+  const std::size_t first = firstOwnRigid(island);
+  for (std::size_t i = 0; i < island.rigids.size(); ++i)
+    writeRigidToBullet(found.rigids[island.rigids[i]], island.step.links.rigids[first + i], tick);
+}
+
+void readIslandFromBullet(const Island& island, TickContacts& found, const btCollisionWorld& world,
+                     btScalar tick) {
+  const std::size_t first = firstOwnRigid(island);
+  for (std::size_t i = 0; i < island.rigids.size(); ++i)
+    if (RigidPartner& rigid = found.rigids[island.rigids[i]]; isValid(world, rigid.mark))
+      readRigidFromBullet(rigid, island.step.links.rigids[first + i], tick);
+}
+
+}  // namespace LIMBER_BULLET_PRECISION
+}  // namespace limber
