@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// Runs the README's drawWorld() on a world with a soft and two rigid bodies and looks for all three in its
+// Runs drawWorld() of render/README.md on a world with a soft and two rigid bodies and looks for all three in its
 // picture.
 #include "draw_world.cpp"
 
