@@ -39,7 +39,6 @@ struct Pictures {
   PictureOutput output;
 };
 
-
 void advance(scenes::Scene& scene, std::int64_t ticks, RunFigures& figures) {
   for (std::int64_t i = 0; i < ticks; ++i) {
     if (stopSignal != 0) throw Stopped{};

@@ -13,7 +13,8 @@ extern volatile std::sig_atomic_t stopSignal;
 /// Thrown by a run that was asked to stop, so that nothing is left half written.
 struct Stopped {};
 
-/// Runs a scene to its end and reports. Exceptions: Stopped; std::runtime_error from the renderer and its files.
+/// Runs a scene to its end and reports. Exceptions: Stopped; std::runtime_error from the renderer and its
+/// files.
 ExitCode runDemo(const DemoOptions& options);
 
 }  // namespace limber::demo

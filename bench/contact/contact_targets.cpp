@@ -58,7 +58,7 @@ std::string sleepLines(const Rows& rows, const std::string& name) {
   std::string text;
   for (const Crowd crowd : {Crowd::Small, Crowd::Middle, Crowd::Large}) {
     const PlaneContact *awake = find(rows, name, Role::Rest, crowd),
-                     *asleep = find(rows, name, Role::Asleep, crowd);
+                       *asleep = find(rows, name, Role::Asleep, crowd);
     std::optional<double> percent;
     if (awake && asleep) percent = 100.0 * asleep->tickMedian / awake->tickMedian;
     text += line(sceneName(asleep, "cubes asleep") + ": at most 2 % of awake", percent, 2.0, " %");
@@ -79,7 +79,7 @@ std::string sphereLine(const Rows& rows, const std::string& name) {
 
 std::string realTimeLines(const Rows& rows, const std::string& name) {
   const PlaneContact *airborne = find(rows, name, Role::Airborne, Crowd::Large),
-                   *rest = find(rows, name, Role::Rest, Crowd::RealTime);
+                     *rest = find(rows, name, Role::Rest, Crowd::RealTime);
   const auto tick = [](const PlaneContact* row) {
     return row ? std::optional<double>(row->tickMedian) : std::nullopt;
   };

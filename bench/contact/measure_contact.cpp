@@ -116,7 +116,7 @@ PlaneContact rowOf(const Run& run, const std::vector<Run>& runs, const ContactSc
 }  // namespace
 
 std::vector<PlaneContact> measureContact(const ContactScene& scene, const std::vector<ContactEngine>& engines,
-                                       const ContactLimits& limits, RowProgress& progress) {
+                                         const ContactLimits& limits, RowProgress& progress) {
   std::vector<Run> runs = runsOf(scene, engines);
   for (int repeat = 0; repeat < limits.repeats; ++repeat) {
     for (Run& run : runs) open(run, scene);

@@ -13,7 +13,7 @@
 namespace limber::bench {
 namespace {
 
-constexpr double kMaxDrag = 2.0;                   // 1/s, so that what is slowed down as a whole still falls
+constexpr double kMaxDrag = 2.0;                    // 1/s, so that what is slowed down as a whole still falls
 constexpr double kDragOfFalling = 2.0;              // 1/s: what is slowed down as a whole must still fall
 constexpr double kShortest = 2.0, kLongest = 60.0;  // s
 

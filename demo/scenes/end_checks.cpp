@@ -69,8 +69,8 @@ double deformationSpeed(const SoftBody& body) {
                (r.squaredNorm() * Eigen::Matrix3d::Identity() - r * r.transpose());
   }
   const Eigen::Vector3d spin = body.angularMomentum() - center.cross(momentum);
-  const double rigid =
-      0.5 * momentum.squaredNorm() / mass + 0.5 * spin.dot(inertia.completeOrthogonalDecomposition().solve(spin));
+  const double rigid = 0.5 * momentum.squaredNorm() / mass +
+                       0.5 * spin.dot(inertia.completeOrthogonalDecomposition().solve(spin));
   return std::sqrt(2.0 * std::max(0.0, body.kineticEnergy() - rigid) / mass);
 }
 

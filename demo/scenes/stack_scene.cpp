@@ -16,7 +16,7 @@ constexpr double kRadius = 0.02;   // m, of each point
 constexpr double kGap = 2e-3;      // m, at first
 constexpr double kOff = 0.02;      // m, at most, beside the axis at first
 constexpr double kLeast = 0.85;    // m from middle to middle: the lowest carries nine others
-constexpr double kMaxOff = 0.3;   // m beside the lowest one, at the end
+constexpr double kMaxOff = 0.3;    // m beside the lowest one, at the end
 constexpr double kDeepest = 5e-3;  // m, that cubes may be in one another
 
 /// Each is above the one below it, and over the lowest.

@@ -125,8 +125,9 @@ TEST(TumblingDrops, makeNoEnergyOnTwoTriangles) { expectDropsWithoutRise(addTwoT
 
 /// A point that a spring throws within the tick, faster than anything moved at its start, meets the floor.
 TEST(TumblingDrops, pointsThrownBySpringsStayOutside) {
-  for (const FloorMaker addFloor : {FloorMaker([](BulletWorld& b) { b.addBox(vec(5, 0.02, 5), 0, vec(0, -0.02, 0)); }),
-                                  FloorMaker(addTwoTriangles)})
+  for (const FloorMaker addFloor :
+       {FloorMaker([](BulletWorld& b) { b.addBox(vec(5, 0.02, 5), 0, vec(0, -0.02, 0)); }),
+        FloorMaker(addTwoTriangles)})
     for (const double height : {0.1, 0.4, 0.8}) {
       BulletWorld bullet(0.0);
       addFloor(bullet);
@@ -207,9 +208,9 @@ SharedNetwork bracedBall() {
   return *buildNetwork(mesh, settings);
 }
 
-/// Bodies that nothing damps, e = 1: the points of a vertical pair and of a cube, flat and on a corner, and of a
-/// ball, bounce against each other for two seconds. Substeps resolve the stiffest oscillation by more than a
-/// hundred steps: the rest is their error, which falls with their square.
+/// Bodies that nothing damps, e = 1: the points of a vertical pair and of a cube, flat and on a corner, and
+/// of a ball, bounce against each other for two seconds. Substeps resolve the stiffest oscillation by more
+/// than a hundred steps: the rest is their error, which falls with their square.
 TEST(Restitution, ofOneKeepsTheEnergyOfAnUndampedBody) {
   const Eigen::Quaterniond upright = turned(kPi / 2, Vector3d::UnitZ());
   for (const Fall& f : {Fall{test::pairNetwork(), upright}, Fall{test::fullCubeNetwork()},
@@ -223,19 +224,21 @@ TEST(Restitution, ofOneKeepsTheEnergyOfAnUndampedBody) {
   }
 }
 
-/// In the usual substeps (omega dt = 1) the energy of the stiffest oscillations swings by an eighth of what is
-/// in them. What bounces gains none on top of that, and rises no higher than a rigid body would.
+/// In the usual substeps (omega dt = 1) the energy of the stiffest oscillations swings by an eighth of what
+/// is in them. What bounces gains none on top of that, and rises no higher than a rigid body would.
 TEST(Restitution, neverGivesEnergy) {
   for (const double stiffness : {2e3, 1e4})
     for (const double restitution : {1.0, 0.8, 0.5})
-      for (const Fall& f : {Fall{test::fullCubeNetwork()}, Fall{test::fullCubeNetwork(), turned(0.7, {1, 2, 0.5})},
-                            Fall{bracedBall()}}) {
+      for (const Fall& f : {Fall{test::fullCubeNetwork()},
+                            Fall{test::fullCubeNetwork(), turned(0.7, {1, 2, 0.5})}, Fall{bracedBall()}}) {
         Fall usual = f;
         usual.stiffness = stiffness;
         usual.restitution = restitution;
         const Rebound rebound = fall(usual);
-        EXPECT_LE(rebound.most, 1.1) << f.network->restPoints.size() << ", " << stiffness << ", " << restitution;
-        EXPECT_LE(rebound.top, 1.51) << f.network->restPoints.size() << ", " << stiffness << ", " << restitution;
+        EXPECT_LE(rebound.most, 1.1) << f.network->restPoints.size() << ", " << stiffness << ", "
+                                     << restitution;
+        EXPECT_LE(rebound.top, 1.51) << f.network->restPoints.size() << ", " << stiffness << ", "
+                                     << restitution;
       }
 }
 
@@ -286,7 +289,8 @@ TEST(TightBudget, ofAClothThatTouchesItselfMakesNoEnergy) {
     BulletWorld bullet(-kGravity);
     bullet.addPlaneFloor();
     auto hull = std::make_unique<btConvexHullShape>();
-    for (int i = 0; i < 8; ++i) hull->addPoint(vec(i & 1 ? 0.3 : -0.3, i & 2 ? 0.3 : -0.3, i & 4 ? 0.3 : -0.3));
+    for (int i = 0; i < 8; ++i)
+      hull->addPoint(vec(i & 1 ? 0.3 : -0.3, i & 2 ? 0.3 : -0.3, i & 4 ? 0.3 : -0.3));
     bullet.add(std::move(hull), 0, vec(0.1 * draw(random), 0.3, 0));
     SoftBodySystem system(*bullet.world);
     SoftBodySettings s = test::testedSettings();
@@ -314,16 +318,16 @@ TEST(TightBudget, ofAClothThatTouchesItselfMakesNoEnergy) {
 
 // --- units -------------------------------------------------------------------------------------------------
 
-/// The scene in other units: lengths are L times as large and gravity is the same, so times are sqrt(L) times,
-/// masses L^3 times and stiffnesses L^2 times as large.
+/// The scene in other units: lengths are L times as large and gravity is the same, so times are sqrt(L)
+/// times, masses L^3 times and stiffnesses L^2 times as large.
 struct Units {
   double length;
   double time() const { return std::sqrt(length); }
   double mass() const { return length * length * length; }
 };
 
-/// Heights of all points, in lengths of the scene, in every tick of a second: a cube of 1 m above (or below) a
-/// floor, and a second one that falls on it.
+/// Heights of all points, in lengths of the scene, in every tick of a second: a cube of 1 m above (or below)
+/// a floor, and a second one that falls on it.
 std::vector<double> heightsIn(const Units& u, double height, double restitution, double gravity) {
   BulletWorld bullet(-gravity);
   bullet.add(std::make_unique<btStaticPlaneShape>(btVector3(0, 1, 0), btScalar(0)), 0, vec(0, 0, 0))

@@ -37,15 +37,15 @@ Vector3d hangingPath(double radius, double along) {
 }
 
 struct Hanging {
-  double radius;         ///< m, of the cylinder
-  double left, right;    ///< kg, at the rope's ends
-  double speed;          ///< m/s, towards the right
+  double radius;       ///< m, of the cylinder
+  double left, right;  ///< kg, at the rope's ends
+  double speed;        ///< m/s, towards the right
 };
 
-constexpr double kRopeMass = 0.02;    // kg
-constexpr double kStiffness = 2e4;    // N/m, of a segment of 5 cm: it is 2 % longer under 2 kg
-constexpr double kSegment = 0.05;     // m
-constexpr double kSide = 0.9;         // m, of what hangs down
+constexpr double kRopeMass = 0.02;  // kg
+constexpr double kStiffness = 2e4;  // N/m, of a segment of 5 cm: it is 2 % longer under 2 kg
+constexpr double kSegment = 0.05;   // m
+constexpr double kSide = 0.9;       // m, of what hangs down
 
 /// A rope over the cylinder, as long as it is under the lighter load.
 SoftBody* addRope(SoftBodySystem& system, const Hanging& h) {

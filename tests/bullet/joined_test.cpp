@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// Soft bodies attached to rigid ones that touch something or hang on joints of Bullet's: energy does not rise,
-// momentum is kept, and what is attached stays where it is attached.
+// Soft bodies attached to rigid ones that touch something or hang on joints of Bullet's: energy does not
+// rise, momentum is kept, and what is attached stays where it is attached.
 #include "support/bullet_measures.h"
 #include "support/bullet_world.h"
 #include "support/constants.h"
@@ -76,7 +76,8 @@ void expectNoEnergyIsGained(const Glued& glued, double stiffness) {
   // a hit that Bullet sees first stops the box by itself for a tick, which at 7 m/s is 0.12 m; that is then
   // taken back by a fifth in each tick
   EXPECT_LT(apart, 0.12);
-  EXPECT_LT((cube->position(1) - eigen(box->getWorldTransform() * pivot)).norm(), 0.02) << "they still tumble";
+  EXPECT_LT((cube->position(1) - eigen(box->getWorldTransform() * pivot)).norm(), 0.02)
+      << "they still tumble";
 }
 
 TEST(Glued, aCubeOnABoxNeverGainsEnergy) {
@@ -113,8 +114,8 @@ TEST(Glued, keepsMomentumInAHit) {
 
 // --- attached to what hangs on joints ----------------------------------------------------------------------
 
-/// A joint between `box` and the world or `base`, which is static, at `pivot` of the box about `axis`; the box
-/// is at the origin, unturned.
+/// A joint between `box` and the world or `base`, which is static, at `pivot` of the box about `axis`; the
+/// box is at the origin, unturned.
 using Joint = std::unique_ptr<btTypedConstraint>;
 using MakeJoint = std::function<Joint(btRigidBody& box, btRigidBody& base, const btTransform& frame)>;
 
@@ -187,8 +188,8 @@ void expectNoEnergyIsGained(const MakeJoint& make, unsigned seed, double rate) {
   BulletWorld bullet;
   SoftBodySystem system(*bullet.world);
   const double mass = dice.decades(-1, 1.5), soft = dice.decades(-1, 1);
-  btRigidBody* box = bullet.addBox(vec(dice.between(.1, .5), dice.between(.1, .5), dice.between(.1, .5)), mass,
-                                   vec(0, 0, 0));
+  btRigidBody* box = bullet.addBox(vec(dice.between(.1, .5), dice.between(.1, .5), dice.between(.1, .5)),
+                                   mass, vec(0, 0, 0));
   box->setActivationState(DISABLE_DEACTIVATION);
   btRigidBody* base = bullet.addBox(vec(.01, .01, .01), 0, vec(0, 0, 50));
   const Joint joint = make(*box, *base, randomFrame(dice));
@@ -319,7 +320,8 @@ TEST(Joined, aMotorPushesWithItsForce) {
   }
 }
 
-/// A spring so stiff that a swing takes nine ticks: what Bullet's solver would add where it passes its rest is energy.
+/// A spring so stiff that a swing takes nine ticks: what Bullet's solver would add where it passes its rest
+/// is energy.
 TEST(Joined, aStiffSpringOfBulletsSwingsAsFarAsItShould) {
   constexpr double kStiff = 4860.0, kSpeed = 1.0;  // N/m, m/s
   const auto joint = [](auto spring) -> Joint {
@@ -344,7 +346,8 @@ TEST(Joined, aStiffSpringOfBulletsSwingsAsFarAsItShould) {
     d.bullet.world->setGravity(vec(0, 0, 0));
     d.box->setGravity(vec(0, 0, 0));
     d.box->setLinearVelocity(vec(kSpeed, 0, 0));
-    for (std::uint32_t i = 0; i < d.cube->pointCount(); ++i) d.cube->point(i)->setLinearVelocity(vec(kSpeed, 0, 0));
+    for (std::uint32_t i = 0; i < d.cube->pointCount(); ++i)
+      d.cube->point(i)->setLinearVelocity(vec(kSpeed, 0, 0));
     double farthest = 0, fastest = 0;
     for (int i = 0; i < 300; ++i) {
       d.bullet.tick();
@@ -402,7 +405,8 @@ TEST(Joined, aJointBreaksAtItsThreshold) {
       Driven d(ball);
       d.joint->setBreakingImpulseThreshold(btScalar(share * 3.0 * kGravity / rate));
       for (int i = 0; i < 3; ++i) d.bullet.tick(1 / rate);
-      EXPECT_EQ(d.joint->isEnabled(), share > 1.0) << share << " of the weight, " << rate << " ticks a second";
+      EXPECT_EQ(d.joint->isEnabled(), share > 1.0)
+          << share << " of the weight, " << rate << " ticks a second";
     }
 }
 

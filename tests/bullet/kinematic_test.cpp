@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// What is moved as told carries, pushes and hits soft bodies, however fast it is and whichever of Bullet's ways
-// it is set up in.
+// What is moved as told carries, pushes and hits soft bodies, however fast it is and whichever of Bullet's
+// ways it is set up in.
 #include "support/bullet_measures.h"
 #include "support/bullet_world.h"
 #include "support/constants.h"
@@ -145,7 +145,8 @@ TEST_P(KinematicIdioms, aLiftThatRisesInTheFirstStepCarriesACube) {
       SoftBody* cube = *system.createBody(test::closedCubeNetwork(), cubeAt({0, 0.5 + kRadius + 0.01, 0}));
       for (int i = 1; i <= 60 / ticks; ++i) {
         lift.moveTo(at(vec(0, i * ticks * kTick - 0.5, 0)));
-        bullet.world->stepSimulation(static_cast<btScalar>(ticks * kTick), ticks, static_cast<btScalar>(kTick));
+        bullet.world->stepSimulation(static_cast<btScalar>(ticks * kTick), ticks,
+                                     static_cast<btScalar>(kTick));
       }
       EXPECT_NEAR(test::lowest(*cube), 1.0 + kRadius, 2e-3) << ticks << " ticks a step, mesh " << mesh;
     }
@@ -189,8 +190,8 @@ std::unique_ptr<btCollisionShape> hullOf(const btVector3& half) {
   // the margin is around it
   const btVector3 core = half - btVector3(hull->getMargin(), hull->getMargin(), hull->getMargin());
   for (int i = 0; i < 8; ++i)
-    hull->addPoint(btVector3(i & 1 ? core.x() : -core.x(), i & 2 ? core.y() : -core.y(),
-                             i & 4 ? core.z() : -core.z()));
+    hull->addPoint(
+        btVector3(i & 1 ? core.x() : -core.x(), i & 2 ? core.y() : -core.y(), i & 4 ? core.z() : -core.z()));
   return hull;
 }
 
@@ -244,7 +245,8 @@ TEST_P(KinematicSlabs, doNotPassABodyAtRest) {
       SoftBodySystem system(*bullet.world);
       const double half = shot.thickness / 2, way = shot.speed * kTick;
       double height = -half - 0.5 - kRadius - (4 + phase) * way;
-      Mover slab(bullet, slabOf(GetParam(), bullet, vec(1.5, half, 1.5)), at(vec(0, height, 0)), Idiom::Placed);
+      Mover slab(bullet, slabOf(GetParam(), bullet, vec(1.5, half, 1.5)), at(vec(0, height, 0)),
+                 Idiom::Placed);
       SoftBodySettings s = cubeAt({0.1, 0, 0.05}, 1e4);
       SoftBody* cube = *system.createBody(test::closedCubeNetwork(), s);
       for (int i = 0; i < 20; ++i) {
@@ -290,7 +292,7 @@ TEST_P(KinematicSlabs, turningOnesSweepABodyAway) {
 }
 
 INSTANTIATE_TEST_SUITE_P(All, KinematicSlabs,
-            testing::Values(Kind::Box, Kind::Hull, Kind::Cylinder, Kind::Compound, Kind::Mesh,
+                         testing::Values(Kind::Box, Kind::Hull, Kind::Cylinder, Kind::Compound, Kind::Mesh,
                                          Kind::ScaledMesh));
 
 /// m, how deep the middle of a structural or shear spring, or a quarter of it, is in a box.
@@ -308,8 +310,9 @@ double deepestSpring(const SoftBody& cloth, const btTransform& pose, double half
   return deepest;
 }
 
-/// A box flies with a corner or an edge ahead into a cloth that hangs in the air: its springs lie on the corner, and
-/// are not cut by it. They were by up to 3.8 cm when edges and triangles met what is moved as told once a tick.
+/// A box flies with a corner or an edge ahead into a cloth that hangs in the air: its springs lie on the
+/// corner, and are not cut by it. They were by up to 3.8 cm when edges and triangles met what is moved as
+/// told once a tick.
 TEST(KinematicBoxes, aCornerDoesNotCutIntoACloth) {
   if (!test::kSurface) GTEST_SKIP() << "springs of points do not collide";
   ClothSettings cells;

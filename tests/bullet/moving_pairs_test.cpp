@@ -44,7 +44,8 @@ SharedNetwork ballNetwork() { return *buildNetwork(small_meshes::icosphere(1)); 
 /// Of a body of 1 kg.
 Vector3d momentumOf(const SoftBody& body) {
   Vector3d sum = Vector3d::Zero();
-  for (std::uint32_t i = 0; i < body.pointCount(); ++i) sum += body.network().massFractions[i] * body.velocity(i);
+  for (std::uint32_t i = 0; i < body.pointCount(); ++i)
+    sum += body.network().massFractions[i] * body.velocity(i);
   return sum;
 }
 
@@ -73,8 +74,8 @@ struct MirrorScene {
   SoftBody* add(const SharedNetwork& network, const SoftBodySettings& settings) {
     return *system.createBody(network, mirrored ? image(settings) : settings);
   }
-  btRigidBody* add(std::unique_ptr<btCollisionShape> shape, const Vector3d& position, const Quaterniond& rotation,
-                   const Vector3d& velocity) {
+  btRigidBody* add(std::unique_ptr<btCollisionShape> shape, const Vector3d& position,
+                   const Quaterniond& rotation, const Vector3d& velocity) {
     const Vector3d x = mirrored ? image(position) : position, v = mirrored ? image(velocity) : velocity;
     const Quaterniond q = mirrored ? image(rotation) : rotation;
     btRigidBody* body = bullet.add(std::move(shape), 1.0, vec(x.x(), x.y(), x.z()));
@@ -92,7 +93,8 @@ double asymmetry(const MirrorScene& scene, const MirrorScene& mirrored) {
   double most = 0.0;
   for (std::size_t b = 0; b < scene.system.bodyCount(); ++b)
     for (std::uint32_t i = 0; i < scene.system.body(b)->pointCount(); ++i)
-      most = std::max(most, (scene.system.body(b)->position(i) - image(mirrored.system.body(b)->position(i))).norm());
+      most = std::max(
+          most, (scene.system.body(b)->position(i) - image(mirrored.system.body(b)->position(i))).norm());
   return most;
 }
 
@@ -117,8 +119,8 @@ std::unique_ptr<btCollisionShape> wedge() {
   return hull;
 }
 
-// Bullet keeps what is rigid in floats and the solver stops at 1e-6 m/s: a hit makes some 1e-5 m of it in half
-// a second. A surface that is inside out is 1 m off.
+// Bullet keeps what is rigid in floats and the solver stops at 1e-6 m/s: a hit makes some 1e-5 m of it in
+// half a second. A surface that is inside out is 1 m off.
 constexpr double kMirrorTolerance = 1e-4;
 
 TEST(MirroredBodies, mirroredScenesAreMirrorImagesWithRigidBodiesOfEveryShape) {
@@ -140,12 +142,14 @@ TEST(MirroredBodies, mirroredScenesAreMirrorImagesWithRigidBodiesOfEveryShape) {
 }
 
 TEST(MirroredBodies, mirroredScenesAreMirrorImagesWithOtherSoftBodies) {
-  EXPECT_LT(asymmetryAfter(0.6, 0.0, [](MirrorScene& scene) {
-    scene.add(test::closedCubeNetwork(), pairBody({-1, 0, 0}, {3, 0, 0}));
-    SoftBodySettings ball = pairBody({0.9, 0.2, 0.1}, {0, 0, 0});
-    ball.scale = {0.5, 0.5, 0.5};
-    scene.add(ballNetwork(), ball);
-  }), kMirrorTolerance);
+  EXPECT_LT(asymmetryAfter(0.6, 0.0,
+                           [](MirrorScene& scene) {
+                             scene.add(test::closedCubeNetwork(), pairBody({-1, 0, 0}, {3, 0, 0}));
+                             SoftBodySettings ball = pairBody({0.9, 0.2, 0.1}, {0, 0, 0});
+                             ball.scale = {0.5, 0.5, 0.5};
+                             scene.add(ballNetwork(), ball);
+                           }),
+            kMirrorTolerance);
 }
 
 TEST(MirroredBodies, oneMirroredAxisOrThreeStandAsTheUnmirroredBodyDoes) {
@@ -209,7 +213,8 @@ TEST(SystemsOfOneWorld, bodiesOfSystemsSteppedByHandMeetToo) {
   HeadOn one(1), two(2, SoftBodySystem::Hook::Manual);
   two.bullet.world->setInternalTickCallback(
       [](btDynamicsWorld* world, btScalar tick) {
-        for (auto& system : static_cast<HeadOn*>(world->getWorldUserInfo())->systems) system->beforeTick(tick);
+        for (auto& system : static_cast<HeadOn*>(world->getWorldUserInfo())->systems)
+          system->beforeTick(tick);
       },
       &two, true);
   for (int i = 0; i < 60; ++i) {
@@ -284,7 +289,9 @@ std::array<Vector3d, 2> meetIn(const Order& order, const SharedNetwork& upper, S
   lower.damping = settings.damping = 0.0;
   settings.position.x() += order.nudge;
   SoftBody *a = nullptr, *b = nullptr;
-  const auto addLower = [&] { a = *system.createBody(shuffled(test::closedCubeNetwork(), order.seed), lower); };
+  const auto addLower = [&] {
+    a = *system.createBody(shuffled(test::closedCubeNetwork(), order.seed), lower);
+  };
   if (!order.swapped) addLower();
   b = *system.createBody(shuffled(upper, order.seed), settings);
   if (order.swapped) addLower();
@@ -301,10 +308,9 @@ struct Thrown {
 std::vector<Thrown> thrownBodies() {
   RopeSettings rope;
   rope.segments = 19;
-  std::vector<Thrown> all = {
-      {"ball", ballNetwork(), pairBody({0.1, 1.4, 0.05}, {0, -2, 0})},
-      {"rope", *buildRope(rope), pairBody({-0.35, 0.9, 0.075}, {0, -2, 0})},
-      {"cube", test::closedCubeNetwork(), pairBody({0.3, 1.3, 0.2}, {0, -2, 0})}};
+  std::vector<Thrown> all = {{"ball", ballNetwork(), pairBody({0.1, 1.4, 0.05}, {0, -2, 0})},
+                             {"rope", *buildRope(rope), pairBody({-0.35, 0.9, 0.075}, {0, -2, 0})},
+                             {"cube", test::closedCubeNetwork(), pairBody({0.3, 1.3, 0.2}, {0, -2, 0})}};
   all[0].settings.scale = {0.5, 0.5, 0.5};
   all[2].settings.rotation = kTilted;
   return all;
@@ -334,9 +340,11 @@ TEST(OrderOfBodies, theOrderOfPointsDoesNotMatter) {
   }
 }
 
-// --- a cloth on a ball --------------------------------------------------------------------------------------
+// --- a cloth on a ball
+// --------------------------------------------------------------------------------------
 
-/// Where the points of a cloth are, in the order of the grid, so many seconds after it was dropped on a static ball.
+/// Where the points of a cloth are, in the order of the grid, so many seconds after it was dropped on a
+/// static ball.
 std::vector<Vector3d> drapeOnBall(double seconds, const Order& order, double rate = 60.0) {
   BulletWorld bullet;
   bullet.add(std::make_unique<btSphereShape>(btScalar(0.4)), 0, vec(0, 0, 0));
@@ -360,8 +368,8 @@ double most(const std::vector<Vector3d>& x, const std::vector<Vector3d>& y) {
   return d;
 }
 
-/// The cloth wrinkles: where it starts 1e-6 m aside, its points are 5 cm elsewhere after 0.6 s. Which wrinkles come
-/// first is chance, so what is asked for is the size of such a difference.
+/// The cloth wrinkles: where it starts 1e-6 m aside, its points are 5 cm elsewhere after 0.6 s. Which
+/// wrinkles come first is chance, so what is asked for is the size of such a difference.
 TEST(DrapeOnBall, neitherOrderNorTickMattersMoreThanANudge) {
   constexpr double kChance = 4.0, kSeconds = 0.6;
   const auto now = drapeOnBall(kSeconds, {});
@@ -411,7 +419,8 @@ TEST(FastPairs, whatIsThrownHitsInItsFirstTick) {
         BulletWorld bullet(0.0);
         SoftBodySystem system(*bullet.world);
         const auto add = [&](bool thrown) {
-          return *system.createBody(test::closedCubeNetwork(), pairBody({0, 0, thrown ? 0.6 + 0.5 * way : 0.0}, {0, 0, 0}));
+          return *system.createBody(test::closedCubeNetwork(),
+                                    pairBody({0, 0, thrown ? 0.6 + 0.5 * way : 0.0}, {0, 0, 0}));
         };
         SoftBody* first = add(thrownFirst);
         SoftBody* second = add(!thrownFirst);
@@ -469,8 +478,8 @@ SoftBodySettings pointsBody(const Vector3d& position, const Vector3d& velocity, 
   return s;
 }
 
-/// kg m/s: a pair of points flies at `speed` (m/s) along z towards another pair, which is at rest and `offset` (m) higher.
-/// The momentum of both after one second.
+/// kg m/s: a pair of points flies at `speed` (m/s) along z towards another pair, which is at rest and
+/// `offset` (m) higher. The momentum of both after one second.
 std::pair<Vector3d, Vector3d> momentaAfterOneSecond(double speed, double offset) {
   BulletWorld bullet(0.0);
   SoftBodySystem system(*bullet.world);
@@ -502,7 +511,8 @@ TEST(PointPairs, smoothPointsShareTheirSpeedAlongTheLineBetweenThem) {
 
 double energyOf(const SoftBody& body) { return body.kineticEnergy() + body.elasticEnergy(); }
 
-/// Two stiff cubes that meet in some attitude: the most energy they have, of what they had, and J lost of momentum.
+/// Two stiff cubes that meet in some attitude: the most energy they have, of what they had, and J lost of
+/// momentum.
 std::pair<double, double> mostEnergyOfMeeting(double speed, unsigned attitude) {
   std::mt19937 random(attitude);
   std::normal_distribution<double> normal;

@@ -63,8 +63,10 @@ struct MultiBodyWorld : BulletWorld {
     btMultiBodyLinkCollider* collider = colliders.back().get();
     collider->setCollisionShape(shapes.back().get());
     collider->setFriction(0);
-    if (link < 0) body->setBaseCollider(collider);
-    else body->getLink(link).m_collider = collider;
+    if (link < 0)
+      body->setBaseCollider(collider);
+    else
+      body->getLink(link).m_collider = collider;
     return collider;
   }
 
@@ -77,7 +79,8 @@ struct MultiBodyWorld : BulletWorld {
     body->forwardKinematics(rotations, places);
     body->updateCollisionObjectWorldTransforms(rotations, places);
     for (auto& collider : colliders)
-      if (collider->m_multiBody == body && !collider->getBroadphaseHandle()) world->addCollisionObject(collider.get());
+      if (collider->m_multiBody == body && !collider->getBroadphaseHandle())
+        world->addCollisionObject(collider.get());
   }
 
   btMultiBodyConstraintSolver links;
@@ -171,7 +174,8 @@ TEST(MultiBodies, aBaseWithoutLinksIsHitAsARigidBox) {
       double energy = 0;
       const double p = multi ? momentaOf(*base, energy).linear.x() : 2 * double(box->getLinearVelocity().x());
       // in single precision
-      ASSERT_NEAR(cube->linearMomentum().x() + p, 3.0, 1e-4) << (multi ? "multibody" : "rigid") << " tick " << i;
+      ASSERT_NEAR(cube->linearMomentum().x() + p, 3.0, 1e-4)
+          << (multi ? "multibody" : "rigid") << " tick " << i;
       end[multi] = p;
     }
     EXPECT_GT(end[multi], 1.5);
@@ -205,7 +209,8 @@ TEST(MultiBodies, aChainInSpaceKeepsAllMomentaInAHit) {
       double energy = cube->kineticEnergy() + cube->elasticEnergy();
       const Momenta m = momentaOf(*chain, energy);
       // a tick keeps Bullet's joint speeds, not the momenta of the chain that it turns: to the tick's order
-      ASSERT_LT((cube->linearMomentum() + m.linear - Vector3d(4, 0, 0)).norm(), 0.1 * 60 / rate) << "tick " << i;
+      ASSERT_LT((cube->linearMomentum() + m.linear - Vector3d(4, 0, 0)).norm(), 0.1 * 60 / rate)
+          << "tick " << i;
       ASSERT_LT((cube->angularMomentum() + m.angular - angular).norm(), 0.2 * 60 / rate) << "tick " << i;
       ASSERT_LT(energy, 8.0 * 1.02) << "tick " << i << " at " << rate << " Hz";
       jointSpeed = std::max(jointSpeed, std::abs(double(chain->getJointVel(0))));
@@ -219,8 +224,8 @@ TEST(MultiBodies, aDoorSwingsOpenWhenItIsHit) {
   MultiBodyWorld w(0);
   btMultiBody* frame = w.addMultiBody(1, 0, vec(0.1, 1, 0.1), vec(1, 0, -0.6), true);
   const btVector3 half = vec(0.05, 0.6, 0.6);
-  frame->setupRevolute(0, 2, inertiaOf(half, 2), -1, btQuaternion::getIdentity(), btVector3(0, 1, 0), vec(0, 0, 0),
-                       vec(0, 0, 0.6), true);
+  frame->setupRevolute(0, 2, inertiaOf(half, 2), -1, btQuaternion::getIdentity(), btVector3(0, 1, 0),
+                       vec(0, 0, 0), vec(0, 0, 0.6), true);
   w.addCollider(frame, 0, half);
   frame->setCanSleep(false);
   w.enter(frame);
@@ -320,7 +325,8 @@ struct Character {
     ghost.setCollisionShape(&capsule);
     ghost.setCollisionFlags(btCollisionObject::CF_CHARACTER_OBJECT);
     ghost.setWorldTransform(btTransform(btQuaternion::getIdentity(), place));
-    bullet.world->addCollisionObject(&ghost, btBroadphaseProxy::CharacterFilter, btBroadphaseProxy::AllFilter);
+    bullet.world->addCollisionObject(&ghost, btBroadphaseProxy::CharacterFilter,
+                                     btBroadphaseProxy::AllFilter);
     bullet.world->addAction(&controller);
     controller.setGravity(vec(0, -9.81, 0));
   }

@@ -218,9 +218,7 @@ double hop(bool onSpring) {
   return most;
 }
 
-TEST(RigidNeighbours, onASpringOfNoForceDoNotHopWhenPushed) {
-  EXPECT_NEAR(hop(true), hop(false), 1e-3);
-}
+TEST(RigidNeighbours, onASpringOfNoForceDoNotHopWhenPushed) { EXPECT_NEAR(hop(true), hop(false), 1e-3); }
 
 // --- contacts ----------------------------------------------------------------------------------------------
 
@@ -253,7 +251,8 @@ TEST(RigidNeighbours, doNotTakeRestitutionFromWhatHitsTheFloorBesideThem) {
   EXPECT_NEAR(rebound(true), 2.0, 1e-2) << "the crumb of a thousandth of a body may be hit then";
 }
 
-/// A box of 10 kg on a plate on a cube, and another cube farther away, in the same system or in one of its own.
+/// A box of 10 kg on a plate on a cube, and another cube farther away, in the same system or in one of its
+/// own.
 struct StackBesideACube {
   BulletWorld bullet;
   SoftBodySystem first{*bullet.world}, second{*bullet.world};
@@ -290,8 +289,8 @@ TEST(RigidNeighbours, standAlikeInWorldsOfOneAndOfTwoSystems) {
   }
 }
 
-/// As BulletWorld, but manifolds, except for the first, are not from a pool: sanitizers see who reads one that
-/// is gone.
+/// As BulletWorld, but manifolds, except for the first, are not from a pool: sanitizers see who reads one
+/// that is gone.
 struct WorldWithoutPool {
   static btDefaultCollisionConstructionInfo info() {
     btDefaultCollisionConstructionInfo info;
@@ -309,7 +308,7 @@ struct WorldWithoutPool {
 struct GImpactTetrahedron {
   btVector3 corners[4] = {vec(-.3, -.3, -.3), vec(.3, -.3, -.3), vec(0, -.3, .3), vec(0, .3, 0)};
   int triangles[12] = {0, 1, 2, 0, 3, 1, 1, 3, 2, 2, 3, 0};
-  btTriangleIndexVertexArray mesh{4, triangles, static_cast<int>(3 * sizeof(int)),
+  btTriangleIndexVertexArray mesh{4, triangles,      static_cast<int>(3 * sizeof(int)),
                                   4, &corners[0][0], static_cast<int>(sizeof(btVector3))};
   btGImpactMeshShape shape{&mesh};
   GImpactTetrahedron() { shape.updateBound(); }

@@ -68,7 +68,8 @@ TEST(RollingFriction, ofASpinAboutTheNormalIsAnother) {
   EXPECT_NEAR(double(ball->getAngularVelocity().y()), 10.0 - slower, 1e-2);
 }
 
-/// Bullet's solver has the first tick of a contact between a point of the world and what was put there before it.
+/// Bullet's solver has the first tick of a contact between a point of the world and what was put there before
+/// it.
 TEST(RollingFriction, ofWhatIsPutIntoPointsTurnsNothing) {
   for (const bool massChanged : {false, true}) {
     BulletWorld bullet(0.0);
@@ -89,7 +90,8 @@ TEST(RollingFriction, ofWhatIsPutIntoPointsTurnsNothing) {
       bullet.tick();
       EXPECT_TRUE(test::eigen(box->getLinearVelocity()).allFinite()) << i;
       for (const SoftContact& c : cube.contacts()) EXPECT_TRUE(test::eigen(c.impulse).allFinite()) << i;
-      for (std::uint32_t p = 0; p < 8; ++p) EXPECT_EQ(cube.point(p)->getAngularVelocity(), btVector3(0, 0, 0));
+      for (std::uint32_t p = 0; p < 8; ++p)
+        EXPECT_EQ(cube.point(p)->getAngularVelocity(), btVector3(0, 0, 0));
     }
     EXPECT_EQ(cube.restorations(), 0u);
   }

@@ -133,8 +133,8 @@ TEST(SurfaceOnItself, aClothFoldsWithoutPassingThrough) {
   }
 }
 
-/// In one substep a tick it is crushed by what falls on it; contacts that give way would let it sink by more than
-/// its radius.
+/// In one substep a tick it is crushed by what falls on it; contacts that give way would let it sink by more
+/// than its radius.
 TEST(SurfaceOnItself, aChainThatFallsOnItsEndDoesNotSinkIntoTheFloor) {
   BulletWorld bullet;
   bullet.addBoxFloor();
@@ -282,7 +282,8 @@ TEST(SurfaceOnItself, aClothComesToRestOverABoxesEdgesAndCorners) {
   }
 }
 
-/// m, the height of the lowest point's centre in two seconds in which a cloth falls and crumples on a floor at z = 0.
+/// m, the height of the lowest point's centre in two seconds in which a cloth falls and crumples on a floor
+/// at z = 0.
 double lowestOfFallingCloth(test::FloorKind floor, double turn) {
   BulletWorld bullet;
   test::addTiledFloor(bullet, floor, 0.0);

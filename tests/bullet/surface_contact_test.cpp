@@ -372,8 +372,8 @@ TEST(SurfaceContact, fastCubesDoNotPassThroughEachOther) {
   EXPECT_EQ(through, 0) << "of 40 at 40 m/s";
 }
 
-/// It lands corner first, and one side of it gets over the floor's edge within a tick: what it hits there is nothing
-/// that its motion at the start of the tick leads to.
+/// It lands corner first, and one side of it gets over the floor's edge within a tick: what it hits there is
+/// nothing that its motion at the start of the tick leads to.
 TEST(SurfaceContact, aClothSlidesOverAnEdgeAlikeInHalfTicks) {
   const auto slid = [&](double tick) {
     BulletWorld bullet;
@@ -406,8 +406,8 @@ double fastest(const SoftBody& body) {
   return most;
 }
 
-/// A segment at the share e from its pinned end had to move its free end by d / e to be clear of what that is in: 1e15
-/// m/s, or 1400 m/s for a curtain of the default settings.
+/// A segment at the share e from its pinned end had to move its free end by d / e to be clear of what that is
+/// in: 1e15 m/s, or 1400 m/s for a curtain of the default settings.
 TEST(SurfaceContact, pinsMayBeInWhatIsStatic) {
   for (const double out : {-0.01, 0.0, 0.02}) {
     BulletWorld bullet;
@@ -440,7 +440,8 @@ TEST(SurfaceContact, pinsMayBeInWhatIsStatic) {
     for (std::uint32_t i = 0; i < 9; i += 2) curtain->pin(i);
     double most = 0.0;
     for (int i = 0; i < 60; ++i) bullet.tick(), most = std::max(most, fastest(*curtain));
-    EXPECT_LT(most, 8.0) << "curtain, " << height;  // a free fall from its height of 1 m is 4.4, its tip whips
+    EXPECT_LT(most, 8.0) << "curtain, "
+                         << height;  // a free fall from its height of 1 m is 4.4, its tip whips
   }
 }
 

@@ -68,7 +68,8 @@ TEST(SurfaceObjects, areRigidBodiesToTheirUsers) {
   Twins t;
   EXPECT_NEAR(double(t.object->getInvMass()), 1 / kMass, 1e-6);
   EXPECT_FALSE(t.object->isStaticOrKinematicObject());
-  for (int i = 0; i < 3; ++i) EXPECT_NEAR(double(t.object->getInvInertiaTensorWorld()[i][i]), 1 / kMass / 0.5, 1e-5);
+  for (int i = 0; i < 3; ++i)
+    EXPECT_NEAR(double(t.object->getInvInertiaTensorWorld()[i][i]), 1 / kMass / 0.5, 1e-5);
   t.soft->point(0)->setMassProps(1, btVector3(0, 0, 0));
   t.tick();
   EXPECT_NEAR(double(t.object->getInvMass()), 1 / (kMass + 0.75), 1e-6);
@@ -147,8 +148,8 @@ TEST(SurfaceObjects, forcesActForAllTicksOfAStep) {
     EXPECT_LT((t.soft->linearMomentum() - momentumOf(*t.twin)).norm(), 1e-5) << ticks;
     // the twin's torque acts about where it is turned, the soft one's likewise, but it is also bent a little
     const Vector3d spin = t.soft->angularMomentum() - t.soft->centerOfMass().cross(t.soft->linearMomentum());
-    const Vector3d twinSpin = angularMomentumOf(*t.twin) -
-                              eigen(t.twin->getCenterOfMassPosition()).cross(momentumOf(*t.twin));
+    const Vector3d twinSpin =
+        angularMomentumOf(*t.twin) - eigen(t.twin->getCenterOfMassPosition()).cross(momentumOf(*t.twin));
     EXPECT_LT((spin - twinSpin).norm(), 1e-4) << ticks;
   }
 }
@@ -186,8 +187,10 @@ TEST(SurfaceObjects, aBodyIsPutWhereTheObjectIsPut) {
     const double energy = t.soft->elasticEnergy();
     const btTransform before = t.object->getWorldTransform();
     const btTransform after(btQuaternion(vec(1, 2, 0.5).normalized(), btScalar(0.8)), vec(7, 3, 1));
-    if (asleep) t.object->setWorldTransform(after);
-    else t.object->setCenterOfMassTransform(after);
+    if (asleep)
+      t.object->setWorldTransform(after);
+    else
+      t.object->setCenterOfMassTransform(after);
     const Vector3d expected = eigen(after * (before.inverse() * vec(corner.x(), corner.y(), corner.z())));
     // in single precision, at 7 m
     EXPECT_LT((t.soft->position(6) - expected).norm(), 2e-6);
@@ -293,10 +296,10 @@ TEST(SurfaceObjects, aPointToPointConstraintHoldsThemAsRigidBodies) {
     const btVector3 held = t.object->getCenterOfMassTransform() * pivot;
     const btVector3 twins = t.twin->getCenterOfMassTransform() * pivot;
     // the twin swings at its own pivot to a centimetre
-    ASSERT_LT(double((held - vec(0.5, 2.5, 0.5)).length()), 0.02) << "tick " << i << ", the twin: "
-        << double((twins - vec(0.5, 2.5, 0.5)).length());
-    energy = t.soft->kineticEnergy() + t.soft->elasticEnergy() +
-             kMass * 9.81 * (t.soft->centerOfMass().y() - 2);
+    ASSERT_LT(double((held - vec(0.5, 2.5, 0.5)).length()), 0.02)
+        << "tick " << i << ", the twin: " << double((twins - vec(0.5, 2.5, 0.5)).length());
+    energy =
+        t.soft->kineticEnergy() + t.soft->elasticEnergy() + kMass * 9.81 * (t.soft->centerOfMass().y() - 2);
     // nothing is gained; the rigid twin itself is exact to some per cent of the 17 J of its swing
     ASSERT_LT(energy, 1.0) << "tick " << i;
     if (i < 60) {

@@ -67,7 +67,8 @@ TEST_P(TiledFloor, motionOnTilesIsThatOnOnePlane) {
       bullet.tick();
       highest = std::max(highest, highestBottom(*cube, 0.0));
     }
-    // single precision rounds the height of one tile beside the next to 1e-7 m: no more than 1e-3 of the speed
+    // single precision rounds the height of one tile beside the next to 1e-7 m: no more than 1e-3 of the
+    // speed
     EXPECT_NEAR(velocityOf(*cube).x(), 3.0, 3e-3);
     EXPECT_LT(highest, 1e-3) << "it does not hop";
   }
@@ -91,7 +92,8 @@ TEST_P(TiledFloor, whatIsPutIntoItALittleIsPushedOut) {
   }
 }
 
-/// Bullet meets a tile for the first time when a point gets onto it, and would brake that at the rounded edge.
+/// Bullet meets a tile for the first time when a point gets onto it, and would brake that at the rounded
+/// edge.
 TEST_P(TiledFloor, pointsInTheWorldSlideOverItBesideOthers) {
   BulletWorld bullet;
   test::addTiledFloor(bullet, GetParam(), 0.0);
@@ -102,7 +104,8 @@ TEST_P(TiledFloor, pointsInTheWorldSlideOverItBesideOthers) {
   SoftBody* cube = *system.createBody(test::closedCubeNetwork(), s);
   s.position.z() += 1.1;
   ASSERT_TRUE(system.createBody(test::closedCubeNetwork(), s));
-  bullet.addBox(test::vec(0.2, 0.2, 0.2), 0.1, test::vec(0.013, 0.6, -0.74))->setLinearVelocity(test::vec(1.5, 0, 0));
+  bullet.addBox(test::vec(0.2, 0.2, 0.2), 0.1, test::vec(0.013, 0.6, -0.74))
+      ->setLinearVelocity(test::vec(1.5, 0, 0));
   for (int i = 0; i < 10; ++i) bullet.tick(1.0 / 15.0);
   EXPECT_NEAR(velocityOf(*cube).x(), 1.5, 1.5e-3);
 }
@@ -183,7 +186,8 @@ TEST(SurfaceTiles, aBodyCrossesMeshesAndForgetsThem) {
     const double x = -1.0 + 0.5 * i;
     mesh->addTriangle(test::vec(x, 0, -2), test::vec(x, 0, 2), test::vec(x + 0.5, 0, -2));
     mesh->addTriangle(test::vec(x + 0.5, 0, -2), test::vec(x, 0, 2), test::vec(x + 0.5, 0, 2));
-    bullet.add(std::make_unique<btBvhTriangleMeshShape>(mesh.get(), true), 0, btVector3(0, 0, 0))->setFriction(0);
+    bullet.add(std::make_unique<btBvhTriangleMeshShape>(mesh.get(), true), 0, btVector3(0, 0, 0))
+        ->setFriction(0);
     bullet.meshes.push_back(std::move(mesh));
   }
   SoftBodySystem system(*bullet.world);

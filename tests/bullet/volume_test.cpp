@@ -107,13 +107,12 @@ struct UndampedFlight {
 };
 
 TEST(Volume, undampedFlightKeepsItsEnergy) {
-  for (const SharedNetwork& network :
-       {test::closedCubeNetwork(), *buildNetwork(small_meshes::icosphere(1))})
+  for (const SharedNetwork& network : {test::closedCubeNetwork(), *buildNetwork(small_meshes::icosphere(1))})
     for (const std::size_t bodies : {1u, 3u})  // by itself, and side by side in lanes
       for (const double speed : {0.8, 2.0, 8.0})
         for (const int minSubsteps : {5, 60}) {
-          SCOPED_TRACE(testing::Message() << network->restPoints.size() << " points, " << bodies << " bodies, "
-                                          << speed << " m/s, " << minSubsteps << " substeps");
+          SCOPED_TRACE(testing::Message() << network->restPoints.size() << " points, " << bodies
+                                          << " bodies, " << speed << " m/s, " << minSubsteps << " substeps");
           UndampedFlight flight(network, bodies, speed, minSubsteps);
           flight.bullet.tick();
           std::vector<double> start, least, most;
@@ -137,8 +136,7 @@ TEST(Volume, undampedFlightKeepsItsEnergy) {
 }
 
 TEST(Volume, undampedFlightIsReversible) {
-  for (const SharedNetwork& network :
-       {test::closedCubeNetwork(), *buildNetwork(small_meshes::icosphere(1))})
+  for (const SharedNetwork& network : {test::closedCubeNetwork(), *buildNetwork(small_meshes::icosphere(1))})
     for (const std::size_t bodies : {1u, 3u}) {
       UndampedFlight flight(network, bodies, 2.0, 5);
       const SoftBody& body = *flight.system.body(0);

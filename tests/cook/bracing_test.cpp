@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Zlib
 // BraceRule::Pipeline and TwoRing: what they promise, on small shapes and few runs; bench/run networks has
 // the large ones.
-#include "mesh/triangle_bvh.h"
 #include "network/bracing.h"
+#include "mesh/triangle_bvh.h"
 #include "network/material.h"
 #include "network/relaxation.h"
 #include "network/rigidity.h"

@@ -15,8 +15,8 @@
 #include <numeric>
 
 using Eigen::Vector3d;
-using limber::MassRule;
 using limber::MassFractions;
+using limber::MassRule;
 using limber::TriangleMesh;
 using limber::WeldedMesh;
 using test_shapes::welded;

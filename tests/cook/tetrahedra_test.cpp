@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Zlib
 // Tetrahedra that fill closed meshes: shape, surface, volume, components, errors.
+#include "network/tetrahedra.h"
 #include "mesh/edges.h"
 #include "mesh/triangle_bvh.h"
-#include "network/tetrahedra.h"
 #include "support/small_meshes.h"
 #include "support/test_shapes.h"
 

@@ -16,9 +16,9 @@ using limber::kPi;
 using limber::nearestBarycentric;
 using limber::pointAt;
 using limber::solidAngle;
-using limber::TriangleHit;
 using limber::TriangleBvh;
 using limber::TriangleCorners;
+using limber::TriangleHit;
 using limber::WeldedMesh;
 using test_shapes::welded;
 

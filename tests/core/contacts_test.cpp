@@ -130,8 +130,8 @@ TEST(PairContacts, carryBoxesLightAndHeavyAndLieOnThem) {
     scene.run(10.0, 60);
     const double below = scene.force(0, 2) + scene.force(4, 6),
                  middle = scene.force(2, 4) + scene.force(6, 8);
-    // speeds may be wrong by IslandConstraints::tolerance at each solve: for the light boxes between heavier points that is
-    // up to 4 % of what gravity adds in a substep
+    // speeds may be wrong by IslandConstraints::tolerance at each solve: for the light boxes between heavier
+    // points that is up to 4 % of what gravity adds in a substep
     EXPECT_NEAR(middle / (kGravity * (1.0 + mass)), 1.0, 1e-2);
     EXPECT_NEAR(below / (kGravity * (1.0 + 2.0 * mass)), 1.0, 1e-2);
     EXPECT_NEAR(scene.force(8, 12) / (kGravity * mass), 1.0, 1e-2);
@@ -190,7 +190,8 @@ TEST(PairContacts, leaveAPointThatIsCarriedToItsAnchor) {
   holder.position = scene.soft[0].state.position.col(0);
   holder.velocity = {0, -1, 0};
   links.rigids.push_back(holder);
-  links.anchors.push_back({{LinkEnd::Kind::Point, cube, 0, {}}, {LinkEnd::Kind::Rigid, 0, 0, Vector3d::Zero()}});
+  links.anchors.push_back(
+      {{LinkEnd::Kind::Point, cube, 0, {}}, {LinkEnd::Kind::Rigid, 0, 0, Vector3d::Zero()}});
   scene.add(point(cube, 0), ContactPoint(), 0.0);
   scene.run(0.1, 20);
   EXPECT_EQ(scene.force(0, 1), 0.0) << "both would push as long as they are let";

@@ -2,8 +2,8 @@
 // What a point that moves may touch of what is held around it.
 #include "solver/held_surface.h"
 
-#include <Eigen/Geometry>
 #include <gtest/gtest.h>
+#include <Eigen/Geometry>
 
 #include <cmath>
 

@@ -10,8 +10,8 @@
 
 #include <limber/network_builder.h>
 
-#include <Eigen/Geometry>
 #include <gtest/gtest.h>
+#include <Eigen/Geometry>
 
 #include <cmath>
 #include <map>
@@ -126,7 +126,7 @@ TEST_P(ImplicitStep, creepsAtTheRightRateHoweverStronglyDamped) {
 
 /// Of the points of a cube of 1 m that are next to the plane at this depth (m) below its middle.
 std::vector<PlaneContact> rowsOnPlane(const PointState& state, const Eigen::Vector3d& normal, double depth,
-                                    double friction) {
+                                      double friction) {
   std::vector<PlaneContact> rows;
   for (std::uint32_t i = 0; i < 8; ++i)
     if (normal.dot(state.position.col(i)) < 0.0) {
@@ -268,7 +268,8 @@ TEST(SharedFactors, ofAClothHaveFewEntries) {
     ImplicitState state;
     stepImplicit(cloth.stepped(), state, Kind::Shared, 1e-3, 1, factors);
     const double points = std::pow(cells + 1.0, 2);
-    EXPECT_LT(static_cast<double>(state.solver.shared->factor.lower.nonZeros()), 6.0 * points * std::log2(points));
+    EXPECT_LT(static_cast<double>(state.solver.shared->factor.lower.nonZeros()),
+              6.0 * points * std::log2(points));
   }
 }
 

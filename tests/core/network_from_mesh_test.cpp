@@ -152,7 +152,8 @@ TEST(NetworkFromMesh, settingsOutOfRangeAreNamed) {
   };
   EXPECT_EQ(error([](auto& s) { s.braceWeight = -1.0; }),
             "braceWeight is -1.000000, must be above 0, or 0 for the rule's own");
-  EXPECT_EQ(error([](auto& s) { s.maxBracesPerPoint = 0.0; }), "maxBracesPerPoint is 0.000000, must be above 0");
+  EXPECT_EQ(error([](auto& s) { s.maxBracesPerPoint = 0.0; }),
+            "maxBracesPerPoint is 0.000000, must be above 0");
   EXPECT_EQ(error([](auto& s) { s.timeLimit = -2.0; }), "timeLimit is -2.000000, must be 0 or more");
   EXPECT_EQ(error([](auto& s) { s.braces = static_cast<BraceRule>(9); }), "braces is none of the rules");
   EXPECT_EQ(error([](auto& s) { s.masses = static_cast<limber::MassRule>(9); }),

@@ -66,7 +66,8 @@ TEST(NetworkRope, impossibleSettingsAreRefused) {
   EXPECT_EQ(buildRope(rope(0.0, 4, 0.1)).error(), "the length of a rope must be above 0");
   EXPECT_FALSE(buildRope(rope(std::nan(""), 4, 0.1)));
   EXPECT_EQ(buildRope(rope(1.0, 0, 0.1)).error(), "a rope needs at least one segment");
-  EXPECT_EQ(buildRope(rope(1.0, 4000000000u, 0.1)).error(), "a rope of that many segments has more than ten million points");
+  EXPECT_EQ(buildRope(rope(1.0, 4000000000u, 0.1)).error(),
+            "a rope of that many segments has more than ten million points");
   EXPECT_EQ(buildRope(rope(1.0, 4, -0.1)).error(), "the bending scale of a rope must be 0 or more");
   EXPECT_FALSE(buildRope(rope(1.0, 4, std::nan(""))));
   EXPECT_FALSE(buildRope(rope(1.0, 0xffffffffu, 0.1)));

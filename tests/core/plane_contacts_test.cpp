@@ -7,7 +7,8 @@
 namespace limber {
 namespace {
 
-/// What presses on it gives it a high speed within the substep, from none: rounding must not make that an impact.
+/// What presses on it gives it a high speed within the substep, from none: rounding must not make that an
+/// impact.
 TEST(Bounce, whatIsPressedOnFromRestRests) {
   const double approach = 3.5, restitution = 0.5, slow = 0.02, dt = 2e-3;  // m/s, s
   for (const double gap : {-1e-17, 0.0, 1e-17})

@@ -39,8 +39,7 @@ TEST(SoftBodySettings, everyBadOneIsNamedWithItsValueAndRule) {
   EXPECT_EQ(reasonAfter([](auto& s) { s.compressionStiffness = std::nan(""); }),
             "compressionStiffness is nan, must be from 0 to 1e12");
   EXPECT_EQ(reasonAfter([](auto& s) { s.damping = -0.5; }), "damping is -0.5, must be from 0 to 1e12");
-  EXPECT_EQ(reasonAfter([](auto& s) { s.totalMass = 0; }),
-            "totalMass is 0, must be from 1e-9 to 1e12");
+  EXPECT_EQ(reasonAfter([](auto& s) { s.totalMass = 0; }), "totalMass is 0, must be from 1e-9 to 1e12");
   EXPECT_EQ(reasonAfter([](auto& s) { s.pointRadius = -1; }), "pointRadius is -1, must be from 0 to 1e6");
   EXPECT_EQ(reasonAfter([](auto& s) { s.restitution = 1.5; }), "restitution is 1.5, must be from 0 to 1");
   EXPECT_EQ(reasonAfter([](auto& s) { s.stepping.minSubsteps = 0; }),

@@ -40,8 +40,10 @@ TEST(SpringNetwork, nanPoint) {
 }
 
 TEST(SpringNetwork, massFractions) {
-  EXPECT_EQ(validateChanged([](SpringNetwork& n) { n.massFractions.pop_back(); }), "7 mass shares for 8 points");
-  EXPECT_EQ(validateChanged([](SpringNetwork& n) { n.massFractions[2] = 0.0; }), "mass share 2 is not above 0");
+  EXPECT_EQ(validateChanged([](SpringNetwork& n) { n.massFractions.pop_back(); }),
+            "7 mass shares for 8 points");
+  EXPECT_EQ(validateChanged([](SpringNetwork& n) { n.massFractions[2] = 0.0; }),
+            "mass share 2 is not above 0");
   EXPECT_EQ(validateChanged([](SpringNetwork& n) { n.massFractions[3] = std::nan(""); }),
             "mass share 3 is not above 0");
   EXPECT_EQ(validateChanged([](SpringNetwork& n) { n.massFractions[0] = 0.25; }),

@@ -66,7 +66,8 @@ TEST(SteppingChoice, goesImplicitOnlyWhereThatIsCheaper) {
   Stepping s;
   s.tolerance = 1.0;
   EXPECT_EQ(chooseStepping(stiff, s).stepper, Stepper::ImplicitMidpoint);
-  stiff.errorCoefficient = 0.7 * std::pow(60 * 200, 2);  // the tolerance asks for 200 substeps, stability for 926
+  stiff.errorCoefficient =
+      0.7 * std::pow(60 * 200, 2);  // the tolerance asks for 200 substeps, stability for 926
   EXPECT_EQ(chooseStepping(stiff, s).stepper, Stepper::Verlet);
   stiff.errorCoefficient = 0.0;
   stiff.turnRate = 60.0 * 50;  // 0.25 rad in each of 200 substeps

@@ -126,7 +126,8 @@ TEST(TetrahedronVolumes, areNotHeldBackNearRest) {
                            tetrahedronFrequencyBoundSquared(v, body.state);
     prepareTetrahedra(v, body.state.inverseMass, 1.0 / std::sqrt(squared));  // half of Verlet's limit
     for (std::size_t t = 0; t < v.tetrahedra.size(); ++t)
-      EXPECT_LT(36.0 * v.stabilityScale[t] * v.restGradientSquares.col(static_cast<Eigen::Index>(t)).sum(), 1.0);
+      EXPECT_LT(36.0 * v.stabilityScale[t] * v.restGradientSquares.col(static_cast<Eigen::Index>(t)).sum(),
+                1.0);
   }
 }
 

@@ -58,21 +58,12 @@ TEST(CookOptions, defaultsAreTheLibrarys) {
 }
 
 TEST(CookOptions, everyChoiceArrives) {
-  const CookOptions o = parsed({"a.obj",    "-o",
-                                "a.limber", "--braces",
-                                "pipeline", "--brace-weight",
-                                "0.5",      "--max-braces",
-                                "1.25",     "--seed",
-                                "7",        "--seconds",
-                                "9",        "--masses",
-                                "moments",  "--weld",
-                                "0.001",    "--points",
-                                "80",       "--skin",
-                                "sparse",   "--neighbours",
-                                "12",       "--runs",
-                                "3",        "--mass",
-                                "2",        "--stiffness",
-                                "500"});
+  const CookOptions o =
+      parsed({"a.obj", "-o",           "a.limber", "--braces",     "pipeline", "--brace-weight",
+              "0.5",   "--max-braces", "1.25",     "--seed",       "7",        "--seconds",
+              "9",     "--masses",     "moments",  "--weld",       "0.001",    "--points",
+              "80",    "--skin",       "sparse",   "--neighbours", "12",       "--runs",
+              "3",     "--mass",       "2",        "--stiffness",  "500"});
   EXPECT_EQ(o.network.braceWeight, 0.5);
   EXPECT_EQ(o.network.maxBracesPerPoint, 1.25);
   EXPECT_EQ(o.network.timeLimit, 9.0);

@@ -43,9 +43,11 @@ double waves(double x, double z, double height, int variant) {
 std::unique_ptr<btTriangleMesh> boxMesh(const Vector3d& half) {
   auto mesh = std::make_unique<btTriangleMesh>();
   const auto corner = [&](int i) {
-    return toBt(Vector3d(i & 1 ? half.x() : -half.x(), i & 2 ? half.y() : -half.y(), i & 4 ? half.z() : -half.z()));
+    return toBt(
+        Vector3d(i & 1 ? half.x() : -half.x(), i & 2 ? half.y() : -half.y(), i & 4 ? half.z() : -half.z()));
   };
-  const int faces[6][4] = {{0, 4, 6, 2}, {1, 3, 7, 5}, {0, 1, 5, 4}, {2, 6, 7, 3}, {0, 2, 3, 1}, {4, 5, 7, 6}};
+  const int faces[6][4] = {{0, 4, 6, 2}, {1, 3, 7, 5}, {0, 1, 5, 4},
+                           {2, 6, 7, 3}, {0, 2, 3, 1}, {4, 5, 7, 6}};
   for (const auto& f : faces) addQuad(*mesh, corner(f[0]), corner(f[1]), corner(f[2]), corner(f[3]));
   return mesh;
 }
@@ -62,21 +64,33 @@ void makeConvex(OwnedShape& made, const std::string& name, const Vector3d& s, in
   const double round = 0.5 * (s.x() + s.z());
   const auto isKind = [&](const char* kind) { return name.rfind(kind, 0) == 0; };
   const char axis = name.back();
-  if (name == "box") made.shape = std::make_unique<btBoxShape>(toBt(s));
-  else if (name == "sphere") made.shape = std::make_unique<btSphereShape>(toBt(s.x()));
-  else if (name == "hull") made.shape = hull(s, variant);
+  if (name == "box")
+    made.shape = std::make_unique<btBoxShape>(toBt(s));
+  else if (name == "sphere")
+    made.shape = std::make_unique<btSphereShape>(toBt(s.x()));
+  else if (name == "hull")
+    made.shape = hull(s, variant);
   else if (isKind("capsule")) {
-    if (axis == 'x') made.shape = std::make_unique<btCapsuleShapeX>(toBt(s.y()), toBt(s.x()));
-    else if (axis == 'y') made.shape = std::make_unique<btCapsuleShape>(toBt(s.x()), toBt(s.y()));
-    else made.shape = std::make_unique<btCapsuleShapeZ>(toBt(s.x()), toBt(s.z()));
+    if (axis == 'x')
+      made.shape = std::make_unique<btCapsuleShapeX>(toBt(s.y()), toBt(s.x()));
+    else if (axis == 'y')
+      made.shape = std::make_unique<btCapsuleShape>(toBt(s.x()), toBt(s.y()));
+    else
+      made.shape = std::make_unique<btCapsuleShapeZ>(toBt(s.x()), toBt(s.z()));
   } else if (isKind("cylinder")) {
-    if (axis == 'x') made.shape = std::make_unique<btCylinderShapeX>(toBt(s));
-    else if (axis == 'y') made.shape = std::make_unique<btCylinderShape>(toBt(s));
-    else made.shape = std::make_unique<btCylinderShapeZ>(toBt(s));
+    if (axis == 'x')
+      made.shape = std::make_unique<btCylinderShapeX>(toBt(s));
+    else if (axis == 'y')
+      made.shape = std::make_unique<btCylinderShape>(toBt(s));
+    else
+      made.shape = std::make_unique<btCylinderShapeZ>(toBt(s));
   } else if (isKind("cone")) {
-    if (axis == 'x') made.shape = std::make_unique<btConeShapeX>(toBt(round), toBt(2 * s.y()));
-    else if (axis == 'y') made.shape = std::make_unique<btConeShape>(toBt(round), toBt(2 * s.y()));
-    else made.shape = std::make_unique<btConeShapeZ>(toBt(round), toBt(2 * s.y()));
+    if (axis == 'x')
+      made.shape = std::make_unique<btConeShapeX>(toBt(round), toBt(2 * s.y()));
+    else if (axis == 'y')
+      made.shape = std::make_unique<btConeShape>(toBt(round), toBt(2 * s.y()));
+    else
+      made.shape = std::make_unique<btConeShapeZ>(toBt(round), toBt(2 * s.y()));
   } else if (name == "multi-sphere") {
     const btVector3 places[3] = {btVector3(0, 0, 0), toBt(Vector3d(s.x() * 0.5, 0, 0)),
                                  toBt(Vector3d(0, s.y() * 0.4, s.z() * 0.3))};
@@ -93,8 +107,8 @@ void makeConvex(OwnedShape& made, const std::string& name, const Vector3d& s, in
     made.shape = std::make_unique<btConvexTriangleMeshShape>(made.meshes.back().get());
   } else if (name == "scaled") {
     made.parts.push_back(std::make_unique<btCylinderShape>(toBt(s * 2.0)));
-    made.shape =
-        std::make_unique<btUniformScalingShape>(static_cast<btConvexShape*>(made.parts.back().get()), toBt(0.5));
+    made.shape = std::make_unique<btUniformScalingShape>(static_cast<btConvexShape*>(made.parts.back().get()),
+                                                         toBt(0.5));
   }
 }
 
@@ -118,7 +132,8 @@ std::unique_ptr<btCompoundShape> compound(OwnedShape& owner, const Vector3d& s, 
   return made;
 }
 
-void makeHeightField(OwnedShape& made, double extentX, double extentZ, int cells, double height, int variant) {
+void makeHeightField(OwnedShape& made, double extentX, double extentZ, int cells, double height,
+                     int variant) {
   const int n = cells + 1;
   made.heights = std::make_unique<std::vector<btScalar>>();
   for (int j = 0; j < n; ++j)
@@ -126,10 +141,9 @@ void makeHeightField(OwnedShape& made, double extentX, double extentZ, int cells
       const double x = extentX * (2.0 * i / cells - 1.0), z = extentZ * (2.0 * j / cells - 1.0);
       made.heights->push_back(toBt(waves(x, z, height, variant)));
     }
-  auto field = std::make_unique<btHeightfieldTerrainShape>(n, n, made.heights->data(), btScalar(1), toBt(-height),
-                                                           toBt(height), 1, PHY_FLOAT, variant % 2 == 1);
-  field->setLocalScaling(
-      btVector3(toBt(2 * extentX / cells), btScalar(1), toBt(2 * extentZ / cells)));
+  auto field = std::make_unique<btHeightfieldTerrainShape>(
+      n, n, made.heights->data(), btScalar(1), toBt(-height), toBt(height), 1, PHY_FLOAT, variant % 2 == 1);
+  field->setLocalScaling(btVector3(toBt(2 * extentX / cells), btScalar(1), toBt(2 * extentZ / cells)));
   made.shape = std::move(field);
 }
 
@@ -145,7 +159,8 @@ void makeConcave(OwnedShape& made, const std::string& name, const Vector3d& s, i
     made.meshes.push_back(variant % 2 ? boxMesh(s) : gridMesh(s.x() * 3, s.z() * 3, 5, height));
     made.parts.push_back(std::make_unique<btBvhTriangleMeshShape>(made.meshes.back().get(), true));
     made.shape = std::make_unique<btScaledBvhTriangleMeshShape>(
-        static_cast<btBvhTriangleMeshShape*>(made.parts.back().get()), btVector3(1, btScalar(1.5), btScalar(0.8)));
+        static_cast<btBvhTriangleMeshShape*>(made.parts.back().get()),
+        btVector3(1, btScalar(1.5), btScalar(0.8)));
   } else if (name == "height-field") {
     makeHeightField(made, s.x() * 3, s.z() * 3, 4 + variant % 8, s.y(), variant);
   }
@@ -201,8 +216,8 @@ FloorPiece onePiece(OwnedShape shape, double y = 0.0) {
 OwnedShape hullBox(const Vector3d& half) {
   auto shape = std::make_unique<btConvexHullShape>();
   for (int i = 0; i < 8; ++i)
-    shape->addPoint(toBt(Vector3d(i & 1 ? half.x() : -half.x(), i & 2 ? half.y() : -half.y(),
-                                  i & 4 ? half.z() : -half.z())));
+    shape->addPoint(toBt(
+        Vector3d(i & 1 ? half.x() : -half.x(), i & 2 ? half.y() : -half.y(), i & 4 ? half.z() : -half.z())));
   OwnedShape made;
   made.shape = std::move(shape);
   return made;
@@ -271,11 +286,15 @@ std::vector<FloorPiece> makeFloor(const std::string& kind, double extent, double
   const int cells = std::min(40, std::max(1, static_cast<int>(std::lround(2.0 * extent / cell))));
   std::vector<FloorPiece> pieces;
   if (kind == "boxes" || kind == "hulls") return tiledFloor(kind == "hulls", extent, std::min(cells, 12));
-  if (kind == "plane") pieces.push_back(onePiece(makeShape("plane", Vector3d::Ones(), 0)));
+  if (kind == "plane")
+    pieces.push_back(onePiece(makeShape("plane", Vector3d::Ones(), 0)));
   else if (kind == "box")
-    pieces.push_back(onePiece(makeShape("box", Vector3d(extent, thickness(extent), extent), 0), -thickness(extent)));
-  else if (kind == "compound") pieces.push_back(compoundFloor(extent, std::min(cells, 12)));
-  else pieces.push_back(onePiece(meshFloor(kind, extent, cells)));
+    pieces.push_back(
+        onePiece(makeShape("box", Vector3d(extent, thickness(extent), extent), 0), -thickness(extent)));
+  else if (kind == "compound")
+    pieces.push_back(compoundFloor(extent, std::min(cells, 12)));
+  else
+    pieces.push_back(onePiece(meshFloor(kind, extent, cells)));
   return pieces;
 }
 

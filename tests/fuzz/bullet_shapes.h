@@ -24,8 +24,8 @@ struct OwnedShape {
   std::vector<std::unique_ptr<btCollisionShape>> parts;
   std::vector<std::unique_ptr<btStridingMeshInterface>> meshes;
   std::unique_ptr<std::vector<btScalar>> heights;
-  bool fixed = false;    ///< it can only be static or kinematic
-  double radius = 0.5;   ///< m, of a sphere around its origin, to place it
+  bool fixed = false;   ///< it can only be static or kinematic
+  double radius = 0.5;  ///< m, of a sphere around its origin, to place it
 };
 
 /// `size`: half sizes (m) of the box around it, about; `variant` picks one of many of its kind.

@@ -29,8 +29,8 @@ struct Child {
   Clock::time_point start;
 };
 
-/// A busy machine gives a story a small share of a processor: only its own time counts, and this many times as
-/// long on the clock for one that waits for ever.
+/// A busy machine gives a story a small share of a processor: only its own time counts, and this many times
+/// as long on the clock for one that waits for ever.
 const double kPatience = 30.0;
 
 void limitProcessorTime(double seconds) {

@@ -14,7 +14,8 @@ namespace limber::fuzz {
 /// Random numbers of three digits, so that stories are short to print.
 class Dice {
  public:
-  /// The seed is mixed: SplitMix64 counts its state up, and of near seeds the one would say what the other said.
+  /// The seed is mixed: SplitMix64 counts its state up, and of near seeds the one would say what the other
+  /// said.
   explicit Dice(std::uint64_t seed) : random_(Random(seed).next()) {}
 
   int below(int count) { return static_cast<int>(random_.below(static_cast<std::size_t>(count))); }
@@ -22,9 +23,7 @@ class Dice {
   bool chance(double share) { return random_.uniform() < share; }
   double number(double low, double high) { return rounded(low + (high - low) * random_.uniform()); }
   /// As likely in each decade.
-  double decades(double low, double high) {
-    return rounded(low * std::pow(high / low, random_.uniform()));
-  }
+  double decades(double low, double high) { return rounded(low * std::pow(high / low, random_.uniform())); }
   Eigen::Vector3d ball(double radius) { return rounded(radius * random_.inBall()); }
   Eigen::Vector3d box(const Eigen::Vector3d& low, const Eigen::Vector3d& high) {
     const double x = number(low.x(), high.x()), y = number(low.y(), high.y());

@@ -145,9 +145,10 @@ void Writer::rigid(int at) {
   if (!wild() && s.choice("shape") == "gimpact") s.choose("shape", "box");
   const Vector3d size = dice_.box({0.1, 0.1, 0.1}, {0.6, 0.6, 0.6});
   s.set("size", size).set("variant", dice_.below(60));
-  const std::string motion = wild() ? dice_.of<std::string>({"dynamic", "dynamic", "dynamic", "static", "kinematic",
-                                                             "kinematic-kept", "kinematic-state"})
-                                    : dice_.of<std::string>({"dynamic", "dynamic", "static"});
+  const std::string motion = wild()
+                                 ? dice_.of<std::string>({"dynamic", "dynamic", "dynamic", "static",
+                                                          "kinematic", "kinematic-kept", "kinematic-state"})
+                                 : dice_.of<std::string>({"dynamic", "dynamic", "static"});
   s.choose("motion", motion);
   const OwnedShape shape = makeShape(s.choice("shape"), size, s.whole("variant"));
   s.set("mass", dice_.decades(0.1, wild() ? 100 : 10));
@@ -197,8 +198,10 @@ void Writer::soft(int at) {
   if (dice_.chance(0.7)) s.set("velocity", dice_.ball(dice_.of({1.0, 5.0, 10.0})));
   if (dice_.chance(0.3)) s.set("spin", dice_.ball(6));
   if (systems_ == 2) s.set("system", dice_.below(2));
-  if (dice_.chance(0.25)) s.choose("collision", "points");
-  else if (dice_.chance(0.25)) s.set("self", 1);
+  if (dice_.chance(0.25))
+    s.choose("collision", "points");
+  else if (dice_.chance(0.25))
+    s.set("self", 1);
   softMaterial(s);
   softStepping(s);
   softs_.push_back(s.id);
@@ -227,7 +230,8 @@ void Writer::softMaterial(Step& s) {
 
 void Writer::softStepping(Step& s) {
   if (dice_.chance(0.2)) chooseAny(s, "stepper");
-  // who asks for Verlet at any stiffness, or for springs that only it can step, waits for it, and so does this
+  // who asks for Verlet at any stiffness, or for springs that only it can step, waits for it, and so does
+  // this
   if (s.choice("stepper") == "verlet" || s["stiffen"] > 0)
     for (const char* stiffness : {"extension", "compression"}) s.set(stiffness, std::min(s[stiffness], 2e4));
   if (dice_.chance(0.15)) s.set("at-least", dice_.of({1, 2, 10, 20}));
@@ -255,7 +259,9 @@ void Writer::others() {
     story_.steps[0].choose("kind", "multi-body").choose("solver", "sequential");
     Step& s = addObject(Kind::MultiBody);
     chooseAny(s, "joint");
-    s.set("links", dice_.between(1, 3)).set("fixed-base", dice_.below(2)).set("position", freePlace(0.8, 0.8));
+    s.set("links", dice_.between(1, 3))
+        .set("fixed-base", dice_.below(2))
+        .set("position", freePlace(0.8, 0.8));
     s.set("rotation", turn()).set("mass", dice_.decades(0.1, 10));
   }
   if (dice_.chance(0.1)) {
@@ -265,12 +271,15 @@ void Writer::others() {
   }
   if (dice_.chance(0.12)) {
     Step& s = addObject(Kind::Character);
-    s.set("position", freePlace(0.7, 0.75)).set("walk", Vector3d(dice_.number(-2, 2), 0, dice_.number(-2, 2)));
+    s.set("position", freePlace(0.7, 0.75))
+        .set("walk", Vector3d(dice_.number(-2, 2), 0, dice_.number(-2, 2)));
     others_.push_back(s.id);
   }
   if (dice_.chance(0.08)) {
     Step& s = addObject(Kind::Vehicle);
-    s.set("size", Vector3d(0.4, 0.2, 0.7)).set("position", freePlace(0.9, 0.9)).set("engine", dice_.number(-20, 20));
+    s.set("size", Vector3d(0.4, 0.2, 0.7))
+        .set("position", freePlace(0.9, 0.9))
+        .set("engine", dice_.number(-20, 20));
     s.set("velocity", Vector3d(0, 0, dice_.number(-5, 5)));
     rigids_.push_back(s.id);
   }
@@ -284,7 +293,8 @@ void Writer::spring(int at) {
   s.set("a", anything()).set("b", dice_.chance(0.2) ? 0 : anything());
   s.set("point-a", dice_.below(200)).set("point-b", dice_.below(200));
   s.set("pivot-a", dice_.ball(0.3)).set("pivot-b", dice_.chance(0.5) ? dice_.ball(0.3) : Vector3d(0, 2, 0));
-  s.set("stiffness", dice_.decades(1e-3, 1e5)).set("damping", dice_.chance(0.5) ? 0.0 : dice_.decades(0.01, 100));
+  s.set("stiffness", dice_.decades(1e-3, 1e5))
+      .set("damping", dice_.chance(0.5) ? 0.0 : dice_.decades(0.01, 100));
   if (dice_.chance(0.3)) s.set("rest", dice_.of({0.0, 0.5, 1.0}));
   chooseAny(s, "action");
   if (systems_ == 2) s.set("system", dice_.below(2));
@@ -293,23 +303,26 @@ void Writer::spring(int at) {
 
 Kind Writer::userKind() {
   // the likelier ones are named more often
-  return dice_.of({Kind::ChangeSpring, Kind::Attach, Kind::Attach, Kind::Attach, Kind::Detach, Kind::Forget,
-                   Kind::Pin, Kind::Pin, Kind::MovePin, Kind::MovePin, Kind::Unpin, Kind::Push, Kind::Push,
-                   Kind::Push, Kind::Velocity, Kind::Velocity, Kind::Teleport, Kind::Teleport, Kind::Teleport,
-                   Kind::Destroy, Kind::Destroy, Kind::Destroy, Kind::Destroy, Kind::Leave, Kind::Leave, Kind::Enter,
-                   Kind::Flags, Kind::Flags, Kind::Mass, Kind::Material, Kind::Filter, Kind::OverlapFilter,
-                   Kind::Shape, Kind::Shape, Kind::Scaling, Kind::Scaling, Kind::Gravity, Kind::Listener,
-                   Kind::Report, Kind::Look, Kind::Look, Kind::Ray, Kind::Sleep, Kind::Sync, Kind::Hook,
-                   Kind::Clock, Kind::System});
+  return dice_.of({Kind::ChangeSpring, Kind::Attach,        Kind::Attach,   Kind::Attach,   Kind::Detach,
+                   Kind::Forget,       Kind::Pin,           Kind::Pin,      Kind::MovePin,  Kind::MovePin,
+                   Kind::Unpin,        Kind::Push,          Kind::Push,     Kind::Push,     Kind::Velocity,
+                   Kind::Velocity,     Kind::Teleport,      Kind::Teleport, Kind::Teleport, Kind::Destroy,
+                   Kind::Destroy,      Kind::Destroy,       Kind::Destroy,  Kind::Leave,    Kind::Leave,
+                   Kind::Enter,        Kind::Flags,         Kind::Flags,    Kind::Mass,     Kind::Material,
+                   Kind::Filter,       Kind::OverlapFilter, Kind::Shape,    Kind::Shape,    Kind::Scaling,
+                   Kind::Scaling,      Kind::Gravity,       Kind::Listener, Kind::Report,   Kind::Look,
+                   Kind::Look,         Kind::Ray,           Kind::Sleep,    Kind::Sync,     Kind::Hook,
+                   Kind::Clock,        Kind::System});
 }
 
-/// A point that is attached to a pivot on a held body is there at once, and its springs stretched by metres. The
-/// energy that this gives to a stiff light body is that of an explosion: a speed of that way times sqrt(k / m), and
-/// some times as much of its light points.
+/// A point that is attached to a pivot on a held body is there at once, and its springs stretched by metres.
+/// The energy that this gives to a stiff light body is that of an explosion: a speed of that way times sqrt(k
+/// / m), and some times as much of its light points.
 bool Writer::mayBePulled(int soft) const {
   constexpr double kMost = 2.5e5;  // 1/s^2: over 4 m, 2 km/s
   for (const Step& s : story_.steps)
-    if (s.kind == Kind::Soft && s.id == soft) return std::max(s["extension"], s["compression"]) < kMost * s["mass"];
+    if (s.kind == Kind::Soft && s.id == soft)
+      return std::max(s["extension"], s["compression"]) < kMost * s["mass"];
   return true;
 }
 
@@ -320,8 +333,14 @@ void Writer::userOnPoints(Step& s) {
       s.set("of", any(softs_)).set("to", any(rigids_)).set("point", point);
       if (dice_.chance(0.2)) s.set("pivoted", mayBePulled(s.whole("of"))).set("pivot", dice_.ball(0.3));
       break;
-    case Kind::Detach: case Kind::Pin: case Kind::Unpin: s.set("of", any(softs_)).set("point", point); break;
-    case Kind::MovePin: s.set("of", any(softs_)).set("point", point).set("by", dice_.ball(0.3)); break;
+    case Kind::Detach:
+    case Kind::Pin:
+    case Kind::Unpin:
+      s.set("of", any(softs_)).set("point", point);
+      break;
+    case Kind::MovePin:
+      s.set("of", any(softs_)).set("point", point).set("by", dice_.ball(0.3));
+      break;
     case Kind::Push:
       s.set("of", anything()).set("push", dice_.ball(5)).set("off", dice_.ball(0.3));
       chooseAny(s, "kind");
@@ -344,7 +363,9 @@ void Writer::userOnRigid(Step& s) {
       chooseAny(s, "flag");
       s.set("of", anything()).set("on", dice_.chance(0.7));
       break;
-    case Kind::Mass: s.set("of", any(rigids_)).set("mass", dice_.decades(0.1, 100)); break;
+    case Kind::Mass:
+      s.set("of", any(rigids_)).set("mass", dice_.decades(0.1, 100));
+      break;
     case Kind::Material:
       s.set("of", anything()).set("friction", dice_.number(0, 1)).set("restitution", dice_.number(0, 1));
       break;
@@ -358,10 +379,12 @@ void Writer::userOnRigid(Step& s) {
       s.set("variant", dice_.below(60));
       break;
     case Kind::Scaling:
-      s.set("of", any(rigids_)).set("scale", dice_.chance(0.5) ? Vector3d(Vector3d::Constant(dice_.number(0.5, 1.5)))
-                                                               : dice_.box({0.5, 0.5, 0.5}, {1.5, 1.5, 1.5}));
+      s.set("of", any(rigids_))
+          .set("scale", dice_.chance(0.5) ? Vector3d(Vector3d::Constant(dice_.number(0.5, 1.5)))
+                                          : dice_.box({0.5, 0.5, 0.5}, {1.5, 1.5, 1.5}));
       break;
-    default: break;
+    default:
+      break;
   }
 }
 
@@ -371,19 +394,25 @@ void Writer::userStep(int at) {
   if (dice_.chance(0.05)) return soft(at);
   if (dice_.chance(0.03)) return joint(at);
   Step s(userKind(), at);
-  if (s.kind >= Kind::Attach && s.kind <= Kind::Teleport && s.kind != Kind::Forget) userOnPoints(s);
-  else if (s.kind >= Kind::Flags && s.kind <= Kind::Scaling) userOnRigid(s);
-  else if (s.kind == Kind::ChangeSpring) s.set("of", any(springs_)).set("stiffness", dice_.decades(1, 1e5));
-  else if (s.kind == Kind::Forget || s.kind == Kind::Enter) s.set("of", any(rigids_));
+  if (s.kind >= Kind::Attach && s.kind <= Kind::Teleport && s.kind != Kind::Forget)
+    userOnPoints(s);
+  else if (s.kind >= Kind::Flags && s.kind <= Kind::Scaling)
+    userOnRigid(s);
+  else if (s.kind == Kind::ChangeSpring)
+    s.set("of", any(springs_)).set("stiffness", dice_.decades(1, 1e5));
+  else if (s.kind == Kind::Forget || s.kind == Kind::Enter)
+    s.set("of", any(rigids_));
   else if (s.kind == Kind::Destroy || s.kind == Kind::Leave)
     s.set("of", dice_.chance(0.8) || others_.empty() ? anything() : any(others_));
   if (s.kind == Kind::Destroy && dice_.chance(0.1) && !springs_.empty()) s.set("of", any(springs_));
   if (s.kind == Kind::Destroy) chooseAny(s, "how");
   if (s.kind == Kind::Leave && dice_.chance(0.2)) s.set("point", dice_.below(200));
   if (s.kind == Kind::OverlapFilter) s.set("on", dice_.chance(0.8)).set("parity", dice_.chance(0.4));
-  if (s.kind == Kind::Gravity) s.set("gravity", dice_.ball(12)).set("of", dice_.chance(0.3) ? any(rigids_) : 0);
+  if (s.kind == Kind::Gravity)
+    s.set("gravity", dice_.ball(12)).set("of", dice_.chance(0.3) ? any(rigids_) : 0);
   if (s.kind == Kind::Listener || s.kind == Kind::Report) s.set("on", dice_.below(2));
-  if (s.kind == Kind::Look || s.kind == Kind::Ray || s.kind == Kind::Sync || s.kind == Kind::Hook) chooseAny(s, "what");
+  if (s.kind == Kind::Look || s.kind == Kind::Ray || s.kind == Kind::Sync || s.kind == Kind::Hook)
+    chooseAny(s, "what");
   if (s.kind == Kind::Look) s.set("of", any(softs_)).set("fraction", dice_.of({0.0, 0.5, 1.0, 1.4}));
   if (s.kind == Kind::Ray) s.set("of", anything()).set("from", dice_.ball(4)).set("to", dice_.ball(2));
   if (s.kind == Kind::Sleep) s.set("of", anything()), chooseAny(s, "state");

@@ -47,9 +47,12 @@ Matrix3d rotationMatrix(const Vector3d& axial) {
 
 Vector3d movedField(const Field& field, const Vector3d& v, const Motion& by) {
   switch (field.role) {
-    case Role::Place: return by(v);
-    case Role::Vector: return by.turn * v;
-    case Role::Axial: return by.turn.determinant() * (by.turn * v);
+    case Role::Place:
+      return by(v);
+    case Role::Vector:
+      return by.turn * v;
+    case Role::Axial:
+      return by.turn.determinant() * (by.turn * v);
     case Role::Rotation: {
       Matrix3d turned = by.turn * rotationMatrix(v);
       // a mirrored body is one of mirrored scale
@@ -57,7 +60,8 @@ Vector3d movedField(const Field& field, const Vector3d& v, const Motion& by) {
       const Eigen::AngleAxisd angle(turned);
       return angle.angle() * angle.axis();
     }
-    default: return v;
+    default:
+      return v;
   }
 }
 
@@ -78,12 +82,15 @@ Story moved(Story story, const Motion& by) {
 Story rescaled(Story story, double kg, double m, double s) {
   for (Step& step : story.steps) {
     for (const Field& field : fieldsOf(step.kind)) {
-      const double factor = std::pow(kg, field.unit.kg) * std::pow(m, field.unit.m) * std::pow(s, field.unit.s);
+      const double factor =
+          std::pow(kg, field.unit.kg) * std::pow(m, field.unit.m) * std::pow(s, field.unit.s);
       for (std::size_t i = 0; i < field.size(); ++i) {
         double& value = step.values[field.offset + i];
         // a volume modulus below 0 means: choose one
-        if (field.role != Role::Choice && value >= 0.0) value *= factor;
-        else if (field.role >= Role::Place) value *= factor;
+        if (field.role != Role::Choice && value >= 0.0)
+          value *= factor;
+        else if (field.role >= Role::Place)
+          value *= factor;
       }
     }
     if (step.kind == Kind::Soft) step.set("scale", step.vec("scale") * m);
@@ -98,11 +105,13 @@ Story changed(Story story, Change change) {
 }
 
 std::vector<Step>::iterator firstSoft(Story& story) {
-  return std::find_if(story.steps.begin(), story.steps.end(), [](const Step& s) { return s.kind == Kind::Soft; });
+  return std::find_if(story.steps.begin(), story.steps.end(),
+                      [](const Step& s) { return s.kind == Kind::Soft; });
 }
 
 Story inOtherOrder(Story story) {
-  std::stable_partition(story.steps.begin(), story.steps.end(), [](const Step& s) { return s.kind != Kind::Soft; });
+  std::stable_partition(story.steps.begin(), story.steps.end(),
+                        [](const Step& s) { return s.kind != Kind::Soft; });
   const auto first = firstSoft(story);
   std::reverse(first, story.steps.end());
   return story;
@@ -127,7 +136,10 @@ Story lookedAt(Story story) {
     if (s.kind == Kind::Soft) softs.push_back(s.id);
   for (int i = 0; i < frames; i += 3) {
     Step ray(Kind::Ray, i);
-    ray.set("from", Vector3d(0, 5, 0)).set("to", Vector3d(0.1 * i, 0, 0)).choose("what", "all").set("of", softs[0]);
+    ray.set("from", Vector3d(0, 5, 0))
+        .set("to", Vector3d(0.1 * i, 0, 0))
+        .choose("what", "all")
+        .set("of", softs[0]);
     Step look(Kind::Look, i);
     look.set("of", softs[static_cast<std::size_t>(i) % softs.size()]).set("fraction", 0.5);
     Step draw(Kind::Look, i);
@@ -160,7 +172,8 @@ void addMotions(const Story& story, std::vector<Law>& laws) {
 
 void addFloors(const Story& story, std::vector<Law>& laws) {
   const std::string kind = story.first(Kind::Floor).choice("kind");
-  const char* const kinds[] = {"plane", "box", "mesh", "height-field", "boxes", "compound", "hulls", "scaled-mesh"};
+  const char* const kinds[] = {"plane", "box",      "mesh",  "height-field",
+                               "boxes", "compound", "hulls", "scaled-mesh"};
   const auto seed = static_cast<std::size_t>(story.seed);
   // two of them each time; all take turns over the seeds
   for (const std::size_t i : {seed % 8, (seed / 8 + 3) % 8}) {
@@ -195,9 +208,9 @@ double highestSpeed(const Run& run, double dt) {
   return way / dt;
 }
 
-/// In substeps of which the stiffest oscillation needs thirty and more: what is asked of tolerances differs from
-/// tick to tick by as much as they allow. With continuous collision: without, what nobody foresees at the start of a
-/// tick is found at the next one's.
+/// In substeps of which the stiffest oscillation needs thirty and more: what is asked of tolerances differs
+/// from tick to tick by as much as they allow. With continuous collision: without, what nobody foresees at
+/// the start of a tick is found at the next one's.
 Story finely(Story story, double periodTolerance) {
   return changed(std::move(story), [=](Step& s) {
     if (s.kind != Kind::Soft) return;
@@ -207,7 +220,8 @@ Story finely(Story story, double periodTolerance) {
 
 Story inHalfTicks(Story story) {
   return changed(std::move(story), [](Step& s) {
-    if (s.kind == Kind::Time) s.set("dt", s["dt"] / 2).set("fixed", s["fixed"] / 2).set("frames", s["frames"] * 2);
+    if (s.kind == Kind::Time)
+      s.set("dt", s["dt"] / 2).set("fixed", s["fixed"] / 2).set("frames", s["frames"] * 2);
   });
 }
 
@@ -225,25 +239,34 @@ std::vector<Law> lawsFor(const Story& story) {
   if (story.first(Kind::Floor).id) {
     addFloors(story, laws);
     // m: what touches it never sleeps, as awake below
-    laws.push_back({"kinematic-floor", changed(story, [](Step& s) {
-                      if (s.kind == Kind::Floor) s.choose("motion", "kinematic");
-                    }), Motion(), 1, 2e-3});
+    laws.push_back({"kinematic-floor",
+                    changed(story,
+                            [](Step& s) {
+                              if (s.kind == Kind::Floor) s.choose("motion", "kinematic");
+                            }),
+                    Motion(), 1, 2e-3});
   }
   if (softBodies(story) > 1) {
     laws.push_back({"order", inOtherOrder(story), Motion()});
     bool second = false;
-    laws.push_back({"two-systems", changed(story, [&](Step& s) {
-                      if (s.kind == Kind::World) s.set("systems", 2);
-                      if (s.kind != Kind::Soft) return;
-                      s.set("system", second);
-                      second = !second;
-                    }), Motion()});
+    laws.push_back({"two-systems",
+                    changed(story,
+                            [&](Step& s) {
+                              if (s.kind == Kind::World) s.set("systems", 2);
+                              if (s.kind != Kind::Soft) return;
+                              s.set("system", second);
+                              second = !second;
+                            }),
+                    Motion()});
   }
   laws.push_back({"far-others", besideFarOthers(story), Motion()});
   laws.push_back({"looked-at", lookedAt(story), Motion()});
-  laws.push_back({"awake", changed(story, [](Step& s) {
-                    if (s.kind == Kind::Soft) s.set("sleeping-speed", 0);
-                  }), Motion(), 1, 2e-3});
+  laws.push_back({"awake",
+                  changed(story,
+                          [](Step& s) {
+                            if (s.kind == Kind::Soft) s.set("sleeping-speed", 0);
+                          }),
+                  Motion(), 1, 2e-3});
   return laws;
 }
 
@@ -267,7 +290,8 @@ const int kNudges = 3;
 /// a sample. Where it has become visible there is nothing to compare any more.
 const double kSample = 100.0, kSampleOfSteps = 10.0, kVisible = 1e-4;
 
-std::optional<Failure> compare(const Law& law, const Run& run, const Run& other, const std::vector<double>& allowed) {
+std::optional<Failure> compare(const Law& law, const Run& run, const Run& other,
+                               const std::vector<double>& allowed) {
   const std::string name = "law-" + law.name;
   if (other.failure) return Failure{name, other.failure->law + ", " + other.failure->detail};
   const auto step = static_cast<std::size_t>(law.framesPerFrame);
@@ -290,7 +314,8 @@ std::optional<Failure> check(const Law& law, const Run& run, const std::vector<d
 std::vector<double> growth(const Run& run, const Run& other) {
   std::vector<double> grown;
   for (std::size_t i = 0; i < run.frames.size(); ++i) {
-    const double off = i < other.frames.size() ? distance(run.frames[i], other.frames[i], Motion()) : HUGE_VAL;
+    const double off =
+        i < other.frames.size() ? distance(run.frames[i], other.frames[i], Motion()) : HUGE_VAL;
     grown.push_back(std::max(off, grown.empty() ? 0.0 : grown.back()));
   }
   return grown;
@@ -309,8 +334,8 @@ std::vector<double> allowedByNudge(const Story& story, const Run& run) {
   return allowed;
 }
 
-/// What the tick decides is when impacts are seen, by a substep at most, and so what speed they leave: to one in
-/// a hundred; and what shorter substeps change shows how much such errors grow in this story.
+/// What the tick decides is when impacts are seen, by a substep at most, and so what speed they leave: to one
+/// in a hundred; and what shorter substeps change shows how much such errors grow in this story.
 std::optional<Failure> checkHalfTicks(const Story& story) {
   const Story fine = finely(story, 2e-3);
   const Run run = play(fine), finer = play(finely(story, 5e-4));
@@ -327,10 +352,13 @@ std::optional<Failure> checkHalfTicks(const Story& story) {
 
 /// By another program, in a file.
 Run playedBy(const std::string& program, const Story& story) {
-  const std::string name = std::filesystem::temp_directory_path() / ("limber_fuzz_" + std::to_string(getpid()));
+  const std::string name =
+      std::filesystem::temp_directory_path() / ("limber_fuzz_" + std::to_string(getpid()));
   std::ofstream(name + ".story") << toText(story);
-  const std::string call = "'" + program + "' --replay " + name + ".story --here --once --frames " + name + ".frames";
-  if (std::system((call + " > /dev/null 2>&1").c_str()) != 0) std::fprintf(stderr, "%s fails\n", call.c_str());
+  const std::string call =
+      "'" + program + "' --replay " + name + ".story --here --once --frames " + name + ".frames";
+  if (std::system((call + " > /dev/null 2>&1").c_str()) != 0)
+    std::fprintf(stderr, "%s fails\n", call.c_str());
   const Run run = readFrames(name + ".frames");
   for (const char* end : {".story", ".frames"}) std::filesystem::remove(name + end);
   return run;
@@ -342,7 +370,8 @@ std::optional<Failure> checkPrecisions(const Story& story, const Run& run, const
   const Law law{"precision", story, Motion(), 1, 1e-4};
   const Run other = playedBy(beside, story);
   if (other.frames.size() != run.frames.size())
-    return Failure{"law-precision", "the other build stops after " + std::to_string(other.frames.size()) + " frames"};
+    return Failure{"law-precision",
+                   "the other build stops after " + std::to_string(other.frames.size()) + " frames"};
   return compare(law, run, other, allowed);
 }
 
@@ -384,7 +413,8 @@ void writeFrames(const Run& run, const std::string& path) {
     for (const auto& [id, points] : frame.soft) {
       put(file, id);
       put(file, points.cols());
-      file.write(reinterpret_cast<const char*>(points.data()), points.size() * std::streamsize{sizeof(double)});
+      file.write(reinterpret_cast<const char*>(points.data()),
+                 points.size() * std::streamsize{sizeof(double)});
     }
   }
 }

@@ -21,8 +21,8 @@ std::optional<Failure> checkRepeats(const Story& story, const Run& first) {
 /// Joints and springs between soft and rigid bodies act from afar.
 bool actsFromAfar(const Story& story) {
   for (const Step& s : story.steps)
-    if (s.kind == Kind::Spring || s.kind == Kind::Attach || s.kind == Kind::Vehicle || s.kind == Kind::Character ||
-        s.kind == Kind::OverlapFilter || s.phase == Phase::Listener)
+    if (s.kind == Kind::Spring || s.kind == Kind::Attach || s.kind == Kind::Vehicle ||
+        s.kind == Kind::Character || s.kind == Kind::OverlapFilter || s.phase == Phase::Listener)
       return true;
   return false;
 }
@@ -38,31 +38,31 @@ std::optional<Failure> checkTwin(const Run& run, const Run& twin) {
       const double off = (it->second.position - pose.position).norm();
       // floats, of metres
       if (off > 1e-5)
-        return Failure{"twin", frameText(i) + "rigid body " + std::to_string(id) + " is " + std::to_string(off) +
-                                   " m from its twin before a soft body came near any"};
+        return Failure{"twin", frameText(i) + "rigid body " + std::to_string(id) + " is " +
+                                   std::to_string(off) + " m from its twin before a soft body came near any"};
     }
     if (run.frames[i].near) break;
   }
   return {};
 }
 
-/// J, what remains of the energy at a frame over the next tenth of a second. Velocities lag by half a substep of
-/// contact forces, which shows as energy that comes and goes while bodies hit one another.
+/// J, what remains of the energy at a frame over the next tenth of a second. Velocities lag by half a substep
+/// of contact forces, which shows as energy that comes and goes while bodies hit one another.
 double lastingEnergy(const Run& run, std::size_t frame, std::size_t frames) {
   double least = run.frames[frame].energy;
   for (std::size_t i = frame; i <= frame + frames; ++i) least = std::min(least, run.frames[i].energy);
   return least;
 }
 
-/// A joule that comes from nowhere. What is allowed: `part` of the energy of the start; what the rigid bodies gain
-/// without soft ones; and a millijoule for bodies at rest.
+/// A joule that comes from nowhere. What is allowed: `part` of the energy of the start; what the rigid bodies
+/// gain without soft ones; and a millijoule for bodies at rest.
 std::optional<Failure> checkEnergy(const Story& story, const Run& run, const Run& twin, double part) {
   const double start = run.frames.front().energy, dt = story.first(Kind::Time)["dt"];
   const auto lasting = static_cast<std::size_t>(std::max(3.0, std::ceil(0.1 / dt)));
   double allowance = part * std::abs(start) + 1e-3;
   for (std::size_t i = 0; i + lasting < std::min(run.frames.size(), twin.frames.size()); ++i) {
-    allowance = std::max(allowance, part * std::abs(start) + 1e-3 +
-                                        2.0 * (twin.frames[i].energy - twin.frames[0].energy));
+    allowance = std::max(
+        allowance, part * std::abs(start) + 1e-3 + 2.0 * (twin.frames[i].energy - twin.frames[0].energy));
     const double energy = lastingEnergy(run, i, lasting);
     if (energy - start > allowance)
       return Failure{"energy", frameText(i) + std::to_string(energy) + " J of " + std::to_string(start)};
@@ -77,9 +77,10 @@ Story inShorterSubsteps(Story story) {
   return story;
 }
 
-/// Verlet keeps not this energy but one that differs by up to (omega dt)^2 / 4 of an oscillation's, which at a
-/// period error (omega dt)^2 / 24 of 4 % is a quarter, and on the average half of that. So a hit that turns most of
-/// what was fall into the fastest oscillations shows energy that is none. It falls with dt^2; what is made stays.
+/// Verlet keeps not this energy but one that differs by up to (omega dt)^2 / 4 of an oscillation's, which at
+/// a period error (omega dt)^2 / 24 of 4 % is a quarter, and on the average half of that. So a hit that turns
+/// most of what was fall into the fastest oscillations shows energy that is none. It falls with dt^2; what is
+/// made stays.
 std::optional<Failure> checkEnergy(const Story& story, const Run& run, const Run& twin) {
   auto failure = checkEnergy(story, run, twin, 0.02);
   if (!failure || checkEnergy(story, run, twin, 0.12)) return failure;
@@ -91,8 +92,8 @@ std::optional<Failure> checkEnergy(const Story& story, const Run& run, const Run
 /// m: the floor's own margins, and what the edge of a box may cut into a segment whose ends lie on it.
 const double kCut = 0.03;
 
-/// No point of a soft body that starts above the floor is below it, as long as the body is over it. Bodies without
-/// continuous collision are left out.
+/// No point of a soft body that starts above the floor is below it, as long as the body is over it. Bodies
+/// without continuous collision are left out.
 std::optional<Failure> checkFloor(const Story& story, const Run& run) {
   const Step floor = story.first(Kind::Floor);
   if (floor.id == 0) return {};
@@ -104,12 +105,13 @@ std::optional<Failure> checkFloor(const Story& story, const Run& run) {
     for (const auto& [id, points] : run.frames[i].soft) {
       if (points.size() == 0) continue;
       const Eigen::Matrix3Xd local = points.colwise() - floor.vec("position");
-      away[id] = away[id] || local.row(0).cwiseAbs().maxCoeff() > extent || local.row(2).cwiseAbs().maxCoeff() > extent;
+      away[id] = away[id] || local.row(0).cwiseAbs().maxCoeff() > extent ||
+                 local.row(2).cwiseAbs().maxCoeff() > extent;
       const double lowest = local.row(1).minCoeff();
       if (i == 0 && lowest < 0.0) away[id] = true;
       if (!away[id] && lowest < -kCut)
-        return Failure{"floor", frameText(i) + "soft body " + std::to_string(id) + " is " + std::to_string(-lowest) +
-                                    " m below the floor"};
+        return Failure{"floor", frameText(i) + "soft body " + std::to_string(id) + " is " +
+                                    std::to_string(-lowest) + " m below the floor"};
     }
   return {};
 }
@@ -165,7 +167,8 @@ std::optional<Failure> checkStory(const Story& story, const Lawbook& laws) {
     return run.failure;
   }
   const bool wild = story.first(Kind::World).choice("promise") == "wild";
-  if (laws.once) return wild || !startsClear(story, run.frames.front()) ? std::nullopt : checkFloor(story, run);
+  if (laws.once)
+    return wild || !startsClear(story, run.frames.front()) ? std::nullopt : checkFloor(story, run);
   if (auto failure = checkRepeats(story, run)) return failure;
   const Run twin = play(story, withoutSoft);
   if (twin.failure) return {};

@@ -67,7 +67,8 @@ int runSeeds(const Options& options, const std::vector<std::uint64_t>& seeds) {
   // some at a time: a story takes memory
   for (std::size_t begin = 0; begin < seeds.size(); begin += 64) {
     std::vector<Story> stories;
-    for (std::size_t i = begin; i < std::min(seeds.size(), begin + 64); ++i) stories.push_back(makeStory(seeds[i]));
+    for (std::size_t i = begin; i < std::min(seeds.size(), begin + 64); ++i)
+      stories.push_back(makeStory(seeds[i]));
     std::vector<std::pair<std::size_t, Verdict>> failed;
     judge(stories, options.effort, [&](std::size_t i, const Verdict& verdict) {
       if (verdict.failed()) failed.emplace_back(i, verdict);
@@ -83,10 +84,12 @@ int runSeeds(const Options& options, const std::vector<std::uint64_t>& seeds) {
 void trace(const Story& story) {
   const Run run = play(story);
   for (std::size_t i = 0; i < run.frames.size(); ++i) {
-    std::printf("%4ld %12.6f J%s", static_cast<long>(i) - 1, run.frames[i].energy, run.frames[i].near ? " near" : "");
+    std::printf("%4ld %12.6f J%s", static_cast<long>(i) - 1, run.frames[i].energy,
+                run.frames[i].near ? " near" : "");
     for (const auto& [id, points] : run.frames[i].soft) {
       const Eigen::Vector3d mean = points.rowwise().mean();
-      std::printf("  #%d %.6f %.6f %.6f low %.6f", id, mean.x(), mean.y(), mean.z(), points.row(1).minCoeff());
+      std::printf("  #%d %.6f %.6f %.6f low %.6f", id, mean.x(), mean.y(), mean.z(),
+                  points.row(1).minCoeff());
     }
     std::printf("\n");
   }
@@ -103,8 +106,10 @@ int runStory(const Options& options, const Story& story) {
     return failure ? 1 : 0;
   }
   const Verdict verdict = judge(story, options.effort);
-  if (verdict.failed()) report(options, story, verdict);
-  else std::printf("all laws hold\n");
+  if (verdict.failed())
+    report(options, story, verdict);
+  else
+    std::printf("all laws hold\n");
   return verdict.failed();
 }
 

@@ -116,12 +116,16 @@ void WorldPlayer::moveKinematics(double seconds) {
   for (auto& [id, object] : rigids_) {
     if (!object.moves || !object.body->isKinematicObject()) continue;
     btTransform to;
-    if (object.body->getMotionState()) object.body->getMotionState()->getWorldTransform(to);
-    else to = object.body->getWorldTransform();
+    if (object.body->getMotionState())
+      object.body->getMotionState()->getWorldTransform(to);
+    else
+      to = object.body->getWorldTransform();
     to.setOrigin(to.getOrigin() + toBt(object.velocity * seconds));
     to.setBasis(btMatrix3x3(rotationOf(object.spin * seconds)) * to.getBasis());
-    if (object.body->getMotionState()) moveState(*object.body->getMotionState(), to);
-    else object.body->setWorldTransform(to);
+    if (object.body->getMotionState())
+      moveState(*object.body->getMotionState(), to);
+    else
+      object.body->setWorldTransform(to);
   }
 }
 
@@ -191,8 +195,7 @@ void WorldPlayer::observeContacts(int id, SoftBody& body) {
   for (const SoftContact& contact : body.contacts()) {
     const Vector3d place = fromBt(contact.position), normal = fromBt(contact.normal),
                    impulse = fromBt(contact.impulse);
-    if (!place.allFinite() || !normal.allFinite() || !impulse.allFinite() ||
-        !std::isfinite(contact.distance))
+    if (!place.allFinite() || !normal.allFinite() || !impulse.allFinite() || !std::isfinite(contact.distance))
       return fail("contacts", name + " is not finite");
     // floats, of a unit
     if (std::abs(normal.norm() - 1.0) > 1e-3) return fail("contacts", name + " has the normal " + at(normal));
@@ -258,7 +261,8 @@ int WorldPlayer::touchingRigidPairs() const {
   int count = 0;
   for (int i = 0; i < dispatcher_->getNumManifolds(); ++i) {
     const btPersistentManifold& manifold = *dispatcher_->getManifoldByIndexInternal(i);
-    if (manifold.getNumContacts() > 0 && !isSoft(manifold.getBody0()) && !isSoft(manifold.getBody1())) ++count;
+    if (manifold.getNumContacts() > 0 && !isSoft(manifold.getBody0()) && !isSoft(manifold.getBody1()))
+      ++count;
   }
   return count;
 }

@@ -28,10 +28,10 @@ struct RigidPose {
 struct Frame {
   std::map<int, Eigen::Matrix3Xd> soft;  ///< m, points of the soft bodies by id
   std::map<int, RigidPose> rigid;
-  double energy = 0.0;        ///< J, of all that is not held; heights count from y = 0
-  bool near = false;          ///< a soft body is near a dynamic rigid one
-  int rigidPairs = 0;         ///< how many pairs of rigid objects touched, at most, in its ticks
-  std::uint64_t hash = 0;     ///< of all state, bit for bit
+  double energy = 0.0;     ///< J, of all that is not held; heights count from y = 0
+  bool near = false;       ///< a soft body is near a dynamic rigid one
+  int rigidPairs = 0;      ///< how many pairs of rigid objects touched, at most, in its ticks
+  std::uint64_t hash = 0;  ///< of all state, bit for bit
 };
 
 struct Run {

@@ -144,7 +144,9 @@ void WorldPlayer::addFloor(const Step& s) {
   const btMatrix3x3 turn(rotationOf(s.vec("rotation")));
   int id = s.id;
   Step rigid(Kind::Rigid);
-  rigid.choose("motion", s.choice("motion")).set("friction", s["friction"]).set("restitution", s["restitution"]);
+  rigid.choose("motion", s.choice("motion"))
+      .set("friction", s["friction"])
+      .set("restitution", s["restitution"]);
   rigid.set("rotation", s.vec("rotation"));
   for (FloorPiece& piece : pieces) {
     const Vector3d position = s.vec("position") + fromBt(turn * toBt(piece.position));
@@ -168,7 +170,8 @@ void WorldPlayer::addRigidObject(int id, OwnedShape shape, const Step& s, const 
   if (mass > 0) made.shape.shape->calculateLocalInertia(toBt(mass), inertia);
   const btTransform at(rotationOf(s.vec("rotation")), toBt(position));
   made.state = makeState(motion, s.whole("variant"), at);
-  btRigidBody::btRigidBodyConstructionInfo info(toBt(mass), made.state.get(), made.shape.shape.get(), inertia);
+  btRigidBody::btRigidBodyConstructionInfo info(toBt(mass), made.state.get(), made.shape.shape.get(),
+                                                inertia);
   info.m_startWorldTransform = at;
   info.m_friction = toBt(s["friction"]);
   info.m_restitution = toBt(s["restitution"]);
@@ -193,8 +196,10 @@ void WorldPlayer::addRigidObject(int id, OwnedShape shape, const Step& s, const 
   }
   made.group = s.whole("group");
   made.mask = s.whole("mask");
-  if (made.group) world_->addRigidBody(&body, made.group, made.mask);
-  else world_->addRigidBody(&body);
+  if (made.group)
+    world_->addRigidBody(&body, made.group, made.mask);
+  else
+    world_->addRigidBody(&body);
 }
 
 // --- soft bodies -------------------------------------------------------------------------------------------
@@ -333,8 +338,8 @@ void WorldPlayer::addMultiBody(const Step& s) {
     const btScalar mass = toBt(0.5 * s["mass"]);
     made.shapes[static_cast<std::size_t>(i) + 1].shape->calculateLocalInertia(mass, inertia);
     if (joint == "revolute")
-      body.setupRevolute(i, mass, inertia, i - 1, straight, btVector3(toBt(i % 2), 0, toBt(1 - i % 2)), half, half,
-                         true);
+      body.setupRevolute(i, mass, inertia, i - 1, straight, btVector3(toBt(i % 2), 0, toBt(1 - i % 2)), half,
+                         half, true);
     else if (joint == "prismatic")
       body.setupPrismatic(i, mass, inertia, i - 1, straight, btVector3(0, 1, 0), half, half, true);
     else if (joint == "spherical")
@@ -352,8 +357,10 @@ void WorldPlayer::addMultiBody(const Step& s) {
     collider->setCollisionShape(made.shapes[static_cast<std::size_t>(i + 1)].shape.get());
     const bool fixed = i < 0 && s.is("fixed-base");
     world->addCollisionObject(collider.get(), fixed ? 2 : 1, fixed ? -1 ^ 2 : -1);
-    if (i < 0) body.setBaseCollider(collider.get());
-    else body.getLink(i).m_collider = collider.get();
+    if (i < 0)
+      body.setBaseCollider(collider.get());
+    else
+      body.getLink(i).m_collider = collider.get();
     made.colliders.push_back(std::move(collider));
   }
   body.updateCollisionObjectWorldTransforms(turns, places);
@@ -363,8 +370,10 @@ void WorldPlayer::addGhost(const Step& s) {
   if (ghosts_.count(s.id)) return;
   GhostObject& made = ghosts_[s.id];
   made.shape = makeShape("box", s.vec("size"), 0);
-  if (s.is("pairs")) made.ghost = std::make_unique<btPairCachingGhostObject>();
-  else made.ghost = std::make_unique<btGhostObject>();
+  if (s.is("pairs"))
+    made.ghost = std::make_unique<btPairCachingGhostObject>();
+  else
+    made.ghost = std::make_unique<btGhostObject>();
   made.ghost->setCollisionShape(made.shape.shape.get());
   made.ghost->setCollisionFlags(made.ghost->getCollisionFlags() | btCollisionObject::CF_NO_CONTACT_RESPONSE);
   made.ghost->setWorldTransform(btTransform(btQuaternion::getIdentity(), toBt(s.vec("position"))));
@@ -402,8 +411,7 @@ void WorldPlayer::addVehicle(const Step& s) {
   VehicleObject& made = vehicles_[s.id];
   made.raycaster = std::make_unique<btDefaultVehicleRaycaster>(world_.get());
   const btRaycastVehicle::btVehicleTuning tuning;
-  made.vehicle =
-      std::make_unique<btRaycastVehicle>(tuning, rigids_[s.id].body.get(), made.raycaster.get());
+  made.vehicle = std::make_unique<btRaycastVehicle>(tuning, rigids_[s.id].body.get(), made.raycaster.get());
   made.vehicle->setCoordinateSystem(0, 1, 2);
   for (int i = 0; i < 4; ++i) {
     const Vector3d place((i & 1 ? 1 : -1) * size.x(), 0, (i & 2 ? 1 : -1) * size.z());

@@ -38,7 +38,8 @@ class Shrinker {
   bool takeFirst(const std::vector<Story>& tries) {
     std::size_t best = tries.size();
     // no more at a time than are played at once: the first that fails ends it
-    for (std::size_t i = 0; i < tries.size() && best == tries.size(); i += static_cast<std::size_t>(effort_.jobs)) {
+    for (std::size_t i = 0; i < tries.size() && best == tries.size();
+         i += static_cast<std::size_t>(effort_.jobs)) {
       const std::size_t last = std::min(tries.size(), i + static_cast<std::size_t>(effort_.jobs));
       const std::vector<Story> few(tries.begin() + static_cast<std::ptrdiff_t>(i),
                                    tries.begin() + static_cast<std::ptrdiff_t>(last));

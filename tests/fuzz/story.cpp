@@ -11,8 +11,8 @@ namespace limber::fuzz {
 namespace {
 
 constexpr Unit kLength{0, 1, 0}, kMass{1, 0, 0}, kTime{0, 0, 1}, kSpeed{0, 1, -1}, kSpin{0, 0, -1},
-    kAcceleration{0, 1, -2}, kStiffness{1, 0, -2}, kDamping{1, 0, -1}, kPressure{1, -1, -2}, kImpulse{1, 1, -1},
-    kNone{};
+    kAcceleration{0, 1, -2}, kStiffness{1, 0, -2}, kDamping{1, 0, -1}, kPressure{1, -1, -2},
+    kImpulse{1, 1, -1}, kNone{};
 
 Field number(const char* name, double standard = 0.0, Unit unit = kNone) {
   return {name, Role::Number, unit, {standard, 0, 0}, {}, 0};
@@ -34,10 +34,12 @@ Field sizes(const char* name, double standard, Unit unit = kNone) {
 
 const char* const kShapes =
     "box sphere capsule-x capsule-y capsule-z cylinder-x cylinder-y cylinder-z cone-x cone-y cone-z hull "
-    "multi-sphere compound nested triangle-hull scaled tetrahedron plane mesh scaled-mesh height-field gimpact";
+    "multi-sphere compound nested triangle-hull scaled tetrahedron plane mesh scaled-mesh height-field "
+    "gimpact";
 const char* const kMotions = "dynamic static kinematic kinematic-kept kinematic-state";
 const char* const kNetworks =
-    "cube full-cube cube-mesh ball rope cloth torus l-shape material pair chain rod ball-fine cloth-fine triangle "
+    "cube full-cube cube-mesh ball rope cloth torus l-shape material pair chain rod ball-fine cloth-fine "
+    "triangle "
     "islands tetrahedron points cube-fine";
 
 struct KindInfo {
@@ -52,16 +54,16 @@ std::vector<KindInfo> sceneKinds() {
         choice("broadphase", "dbvt axis-sweep simple"), choice("solver", "sequential nncg mlcp"),
         vector("gravity", kAcceleration), number("systems", 1), number("manual"), number("pre-tick"),
         number("tick"), number("action-first"), number("listener"), number("report"), number("fast-spheres"),
-        number("no-latency"), number("split-impulse", 1), number("ordered-pairs"), number("max-sub-steps-spent"),
+        number("no-latency"), number("split-impulse", 1), number("ordered-pairs"),
+        number("max-sub-steps-spent"),
         choice("teardown", "system world remove-all hello-world hello-system one-by-one broadphase")}},
       {"time",
        {number("frames", 60), number("dt", 0.0166667, kTime), number("fixed", 0.0166667, kTime),
         number("sub-steps"), number("jitter")}},
       {"floor",
        {choice("kind", "plane box mesh height-field boxes compound hulls scaled-mesh gimpact"),
-        choice("motion", "static kinematic"),
-        place("position"), number("cell", 1, kLength), number("extent", 6, kLength), rotation("rotation"), number("friction", 0.5),
-        number("restitution")}},
+        choice("motion", "static kinematic"), place("position"), number("cell", 1, kLength),
+        number("extent", 6, kLength), rotation("rotation"), number("friction", 0.5), number("restitution")}},
       {"rigid",
        {choice("shape", kShapes), sizes("size", 0.5, kLength), number("variant"), choice("motion", kMotions),
         number("mass", 1, kMass), place("position"), rotation("rotation"), vector("velocity", kSpeed),
@@ -69,16 +71,39 @@ std::vector<KindInfo> sceneKinds() {
         number("group"), number("mask", -1), number("ccd"), number("no-response"), number("no-sleep"),
         number("damping")}},
       {"soft",
-       {choice("network", kNetworks), number("system"), place("position"), rotation("rotation"),
-        sizes("scale", 1), vector("velocity", kSpeed), axial("spin", kSpin), number("extension", 1000, kStiffness),
-        number("compression", 1000, kStiffness), number("damping", 1, kDamping), number("mass", 1, kMass),
-        number("volume", -1, kPressure), number("pressure", 0, kPressure),
-        choice("collision", "surface points"), number("self"), number("radius", 0, kLength),
-        number("friction", 0.5), number("restitution"), number("group", 1), number("mask", -1),
-        number("ccd", 1), number("sleeping-speed", 0.1, kSpeed),
-        choice("stepper", "auto verlet implicit newton"), number("at-least", 5), number("period", 0.04),
-        number("tolerance", 0, kSpeed), number("relative"), number("budget"), number("stiffen"),
-        number("stiffen-factor", 10), number("yield"), number("yield-maximum", 0.5), number("break"),
+       {choice("network", kNetworks),
+        number("system"),
+        place("position"),
+        rotation("rotation"),
+        sizes("scale", 1),
+        vector("velocity", kSpeed),
+        axial("spin", kSpin),
+        number("extension", 1000, kStiffness),
+        number("compression", 1000, kStiffness),
+        number("damping", 1, kDamping),
+        number("mass", 1, kMass),
+        number("volume", -1, kPressure),
+        number("pressure", 0, kPressure),
+        choice("collision", "surface points"),
+        number("self"),
+        number("radius", 0, kLength),
+        number("friction", 0.5),
+        number("restitution"),
+        number("group", 1),
+        number("mask", -1),
+        number("ccd", 1),
+        number("sleeping-speed", 0.1, kSpeed),
+        choice("stepper", "auto verlet implicit newton"),
+        number("at-least", 5),
+        number("period", 0.04),
+        number("tolerance", 0, kSpeed),
+        number("relative"),
+        number("budget"),
+        number("stiffen"),
+        number("stiffen-factor", 10),
+        number("yield"),
+        number("yield-maximum", 0.5),
+        number("break"),
         number("shared")}},
       {"joint",
        {choice("kind", "point hinge slider cone-twist dof6 dof6-spring2 fixed gear"), reference("a"),
@@ -105,11 +130,11 @@ std::vector<KindInfo> userKinds() {
     return first;
   };
   return {
-      {"spring",
-       spring({reference("a"), reference("b"), number("point-a"), number("point-b"),
-               sizes("pivot-a", 0, kLength), sizes("pivot-b", 0, kLength), number("system")})},
+      {"spring", spring({reference("a"), reference("b"), number("point-a"), number("point-b"),
+                         sizes("pivot-a", 0, kLength), sizes("pivot-b", 0, kLength), number("system")})},
       {"change-spring", spring({reference("of")})},
-      {"attach", {reference("of"), number("point"), reference("to"), number("pivoted"), sizes("pivot", 0, kLength)}},
+      {"attach",
+       {reference("of"), number("point"), reference("to"), number("pivoted"), sizes("pivot", 0, kLength)}},
       {"detach", {reference("of"), number("point")}},
       {"forget", {reference("of")}},
       {"pin", {reference("of"), number("point")}},
@@ -125,7 +150,8 @@ std::vector<KindInfo> userKinds() {
       {"destroy", {reference("of"), choice("how", "properly delete-object delete-point")}},
       {"leave", {reference("of"), number("point", -1)}},
       {"enter", {reference("of")}},
-      {"flags", {reference("of"), choice("flag", "no-response kinematic static kinematic-kept"), number("on", 1)}},
+      {"flags",
+       {reference("of"), choice("flag", "no-response kinematic static kinematic-kept"), number("on", 1)}},
       {"mass", {reference("of"), number("point", -1), number("mass", 1, kMass)}},
       {"material", {reference("of"), number("friction", 0.5), number("restitution"), number("rolling")}},
       {"filter", {reference("of"), number("group", 1), number("mask", -1), number("in-place")}},
@@ -135,7 +161,8 @@ std::vector<KindInfo> userKinds() {
       {"gravity", {reference("of"), vector("gravity", kAcceleration)}},
       {"listener", {number("on", 1)}},
       {"report", {number("on", 1)}},
-      {"look", {reference("of"), number("fraction", 1), choice("what", "positions places contacts measures draw")}},
+      {"look",
+       {reference("of"), number("fraction", 1), choice("what", "positions places contacts measures draw")}},
       {"ray", {place("from"), place("to"), choice("what", "ray sweep contact all"), reference("of")}},
       {"sleep", {reference("of"), choice("state", "wake sleep never-sleep force-wake")}},
       {"sync", {choice("what", "motion-states clear-forces apply-gravity no-step aabbs reset-caches")}},
@@ -231,7 +258,8 @@ std::string shortest(double value) {
 }
 
 std::string valueText(const Step& step, const Field& field) {
-  if (field.role == Role::Choice) return field.choices.at(static_cast<std::size_t>(step.values[field.offset]));
+  if (field.role == Role::Choice)
+    return field.choices.at(static_cast<std::size_t>(step.values[field.offset]));
   std::string text = shortest(step.values[field.offset]);
   for (std::size_t i = 1; i < field.size(); ++i) text += "," + shortest(step.values[field.offset + i]);
   return text;

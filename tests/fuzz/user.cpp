@@ -44,8 +44,14 @@ bool isScene(Kind kind) { return kind <= Kind::Vehicle; }
 /// What a contact listener is allowed to do.
 bool allowedInListener(Kind kind) {
   switch (kind) {
-    case Kind::Push: case Kind::Destroy: case Kind::Leave: case Kind::Look: case Kind::Ray: return true;
-    default: return false;
+    case Kind::Push:
+    case Kind::Destroy:
+    case Kind::Leave:
+    case Kind::Look:
+    case Kind::Ray:
+      return true;
+    default:
+      return false;
   }
 }
 
@@ -67,42 +73,80 @@ void WorldPlayer::perform(Phase phase) {
 void WorldPlayer::act(const Step& s) {
   if (isScene(s.kind)) return build(s);
   switch (s.kind) {
-    case Kind::Spring: case Kind::ChangeSpring: case Kind::Attach: case Kind::Detach: case Kind::Forget:
+    case Kind::Spring:
+    case Kind::ChangeSpring:
+    case Kind::Attach:
+    case Kind::Detach:
+    case Kind::Forget:
       return touchSprings(s);
-    case Kind::Pin: case Kind::MovePin: case Kind::Unpin: return touchPoints(s);
-    case Kind::Push: return push(s);
-    case Kind::Velocity: return setVelocity(s);
-    case Kind::Teleport: return teleport(s);
-    case Kind::Destroy: return destroy(s);
-    case Kind::Leave: return leave(s);
-    case Kind::Enter: return enter(s);
-    case Kind::Flags: return changeFlags(s);
-    case Kind::Mass: case Kind::Material: case Kind::Shape: case Kind::Scaling: return changeRigid(s);
-    case Kind::Filter: case Kind::OverlapFilter: return changeFilter(s);
+    case Kind::Pin:
+    case Kind::MovePin:
+    case Kind::Unpin:
+      return touchPoints(s);
+    case Kind::Push:
+      return push(s);
+    case Kind::Velocity:
+      return setVelocity(s);
+    case Kind::Teleport:
+      return teleport(s);
+    case Kind::Destroy:
+      return destroy(s);
+    case Kind::Leave:
+      return leave(s);
+    case Kind::Enter:
+      return enter(s);
+    case Kind::Flags:
+      return changeFlags(s);
+    case Kind::Mass:
+    case Kind::Material:
+    case Kind::Shape:
+    case Kind::Scaling:
+      return changeRigid(s);
+    case Kind::Filter:
+    case Kind::OverlapFilter:
+      return changeFilter(s);
     case Kind::Gravity:
-      if (RigidObject* object = rigid(s.whole("of"))) object->body->setGravity(toBt(s.vec("gravity")));
-      else world_->setGravity(toBt(s.vec("gravity")));
+      if (RigidObject* object = rigid(s.whole("of")))
+        object->body->setGravity(toBt(s.vec("gravity")));
+      else
+        world_->setGravity(toBt(s.vec("gravity")));
       return;
-    case Kind::Look: return look(s);
-    case Kind::Ray: return castRay(s);
-    case Kind::Sleep: return changeSleep(s);
-    case Kind::Sync: return synchronize(s);
-    case Kind::Clock: clock_ = s; return;
-    default: return changeSystem(s);
+    case Kind::Look:
+      return look(s);
+    case Kind::Ray:
+      return castRay(s);
+    case Kind::Sleep:
+      return changeSleep(s);
+    case Kind::Sync:
+      return synchronize(s);
+    case Kind::Clock:
+      clock_ = s;
+      return;
+    default:
+      return changeSystem(s);
   }
 }
 
 void WorldPlayer::build(const Step& s) {
   switch (s.kind) {
-    case Kind::Floor: return addFloor(s);
-    case Kind::Rigid: return addRigid(s);
-    case Kind::Soft: return addSoft(s);
-    case Kind::Joint: return addJoint(s);
-    case Kind::MultiBody: return addMultiBody(s);
-    case Kind::Ghost: return addGhost(s);
-    case Kind::Character: return addCharacter(s);
-    case Kind::Vehicle: return addVehicle(s);
-    default: return;
+    case Kind::Floor:
+      return addFloor(s);
+    case Kind::Rigid:
+      return addRigid(s);
+    case Kind::Soft:
+      return addSoft(s);
+    case Kind::Joint:
+      return addJoint(s);
+    case Kind::MultiBody:
+      return addMultiBody(s);
+    case Kind::Ghost:
+      return addGhost(s);
+    case Kind::Character:
+      return addCharacter(s);
+    case Kind::Vehicle:
+      return addVehicle(s);
+    default:
+      return;
   }
 }
 
@@ -134,7 +178,8 @@ void WorldPlayer::touchSprings(const Step& s) {
     for (int i = 0; i < 2; ++i) {
       const char* names[2][3] = {{"a", "point-a", "pivot-a"}, {"b", "point-b", "pivot-b"}};
       made.ends[i] = s.whole(names[i][0]);
-      if (const SoftBody* body = livingSoft(made.ends[i])) made.points[i] = pointOf(*body, s.whole(names[i][1]));
+      if (const SoftBody* body = livingSoft(made.ends[i]))
+        made.points[i] = pointOf(*body, s.whole(names[i][1]));
       ends[i] = {bodyOf(made.ends[i], static_cast<int>(made.points[i])), toBt(s.vec(names[i][2]))};
       // a point has no inside
       if (livingSoft(made.ends[i])) ends[i].pivot.setZero();
@@ -166,8 +211,10 @@ void WorldPlayer::touchSprings(const Step& s) {
   }
   RigidObject* partner = rigid(s.whole("to"));
   if (!partner) return;
-  if (s.is("pivoted")) (void)system->attach(object->body, point, *partner->body, toBt(s.vec("pivot")));
-  else (void)system->attach(object->body, point, *partner->body);
+  if (s.is("pivoted"))
+    (void)system->attach(object->body, point, *partner->body, toBt(s.vec("pivot")));
+  else
+    (void)system->attach(object->body, point, *partner->body);
 }
 
 void WorldPlayer::touchPoints(const Step& s) {
@@ -175,9 +222,12 @@ void WorldPlayer::touchPoints(const Step& s) {
   if (!body) return;
   const std::uint32_t point = pointOf(*body, s.whole("point"));
   if (!body->point(point)) return;
-  if (s.kind == Kind::Pin) body->pin(point);
-  else if (s.kind == Kind::Unpin) body->unpin(point);
-  else if (body->pinned(point)) body->movePin(point, toBt(body->position(point) + s.vec("by")));
+  if (s.kind == Kind::Pin)
+    body->pin(point);
+  else if (s.kind == Kind::Unpin)
+    body->unpin(point);
+  else if (body->pinned(point))
+    body->movePin(point, toBt(body->position(point) + s.vec("by")));
 }
 
 // --- motion ------------------------------------------------------------------------------------------------
@@ -190,9 +240,12 @@ void WorldPlayer::push(const Step& s) {
   body->activate();
   if (kind == "impulse") body->applyImpulse(push, off);
   // for a sixtieth of a second as much as the impulse
-  else if (kind == "force") body->applyForce(push * btScalar(60), off);
-  else if (kind == "torque") body->applyTorque(push * btScalar(60));
-  else body->applyTorqueImpulse(push);
+  else if (kind == "force")
+    body->applyForce(push * btScalar(60), off);
+  else if (kind == "torque")
+    body->applyTorque(push * btScalar(60));
+  else
+    body->applyTorqueImpulse(push);
 }
 
 void WorldPlayer::setVelocity(const Step& s) {
@@ -214,8 +267,10 @@ void WorldPlayer::teleport(const Step& s) {
     btTransform to = body.getWorldTransform();
     to.setOrigin(to.getOrigin() + by.getOrigin());
     to.setBasis(by.getBasis() * to.getBasis());
-    if (s.choice("how") == "motion-state") body.setCenterOfMassTransform(to);
-    else body.setWorldTransform(to);
+    if (s.choice("how") == "motion-state")
+      body.setCenterOfMassTransform(to);
+    else
+      body.setWorldTransform(to);
     body.activate();
   };
   SoftBody* soft = livingSoft(s.whole("of"));
@@ -261,8 +316,10 @@ void WorldPlayer::changeRigid(const Step& s) {
   if (inWorld) world_->removeRigidBody(body);
   body->setCollisionShape(shape.shape.get());
   object->shape = std::move(shape);
-  if (inWorld && object->group) world_->addRigidBody(body, object->group, object->mask);
-  else if (inWorld) world_->addRigidBody(body);
+  if (inWorld && object->group)
+    world_->addRigidBody(body, object->group, object->mask);
+  else if (inWorld)
+    world_->addRigidBody(body);
 }
 
 void WorldPlayer::changeFilter(const Step& s) {
@@ -294,7 +351,8 @@ void WorldPlayer::changeFlags(const Step& s) {
   if (name == "static") flag = btCollisionObject::CF_STATIC_OBJECT;
   if (name.rfind("kinematic", 0) == 0) flag = btCollisionObject::CF_KINEMATIC_OBJECT;
   const int old = body->getCollisionFlags();
-  if (s.is("on")) body->setCollisionFlags(old | flag);
+  if (s.is("on"))
+    body->setCollisionFlags(old | flag);
   else if (flag != btCollisionObject::CF_STATIC_OBJECT || body->getInvMass() > 0)
     body->setCollisionFlags(old & ~flag);
   body->activate(true);
@@ -306,10 +364,14 @@ void WorldPlayer::changeSleep(const Step& s) {
   if (soft && state == "wake") return soft->wake();
   btRigidBody* body = bodyOf(s.whole("of"), -1);
   if (!body || (!soft && body->isStaticOrKinematicObject())) return;
-  if (state == "wake") body->activate();
-  else if (state == "sleep") body->setActivationState(ISLAND_SLEEPING);
-  else if (state == "never-sleep") body->setActivationState(DISABLE_DEACTIVATION);
-  else body->forceActivationState(ACTIVE_TAG);
+  if (state == "wake")
+    body->activate();
+  else if (state == "sleep")
+    body->setActivationState(ISLAND_SLEEPING);
+  else if (state == "never-sleep")
+    body->setActivationState(DISABLE_DEACTIVATION);
+  else
+    body->forceActivationState(ACTIVE_TAG);
 }
 
 // --- reading -----------------------------------------------------------------------------------------------
@@ -327,9 +389,12 @@ void WorldPlayer::look(const Step& s) {
 void WorldPlayer::lookAt(const SoftBody& body, const Step& s) {
   const std::string& what = s.choice("what");
   std::vector<float> xyz(3 * std::max(body.pointCount(), body.placeCount()));
-  if (what == "positions") body.writePositions(xyz.data(), s["fraction"]);
-  else if (what == "places") body.writePlaces(xyz.data(), s["fraction"]);
-  else if (what == "contacts") (void)body.contacts();
+  if (what == "positions")
+    body.writePositions(xyz.data(), s["fraction"]);
+  else if (what == "places")
+    body.writePlaces(xyz.data(), s["fraction"]);
+  else if (what == "contacts")
+    (void)body.contacts();
   else
     xyz.push_back(static_cast<float>(body.centerOfMass().x() + body.kineticEnergy() + body.elasticEnergy() +
                                      body.angularMomentum().y() + body.totalMass()));
@@ -366,11 +431,16 @@ void WorldPlayer::castRay(const Step& s) {
 
 void WorldPlayer::synchronize(const Step& s) {
   const std::string& what = s.choice("what");
-  if (what == "motion-states") world_->synchronizeMotionStates();
-  else if (what == "clear-forces") world_->clearForces();
-  else if (what == "apply-gravity") world_->applyGravity();
-  else if (what == "aabbs") world_->updateAabbs();
-  else if (what == "no-step" && phase_ == Phase::Between) world_->stepSimulation(0, 10);
+  if (what == "motion-states")
+    world_->synchronizeMotionStates();
+  else if (what == "clear-forces")
+    world_->clearForces();
+  else if (what == "apply-gravity")
+    world_->applyGravity();
+  else if (what == "aabbs")
+    world_->updateAabbs();
+  else if (what == "no-step" && phase_ == Phase::Between)
+    world_->stepSimulation(0, 10);
   else if (what == "reset-caches" && phase_ == Phase::Between)
     for (auto& [id, object] : rigids_)
       if (object.body->getBroadphaseHandle())

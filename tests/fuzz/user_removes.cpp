@@ -6,7 +6,9 @@ namespace limber::fuzz {
 
 btInternalTickCallback preTickSlot(const btDynamicsWorld& world) {
   struct Slots : btDynamicsWorld {
-    static btInternalTickCallback of(const btDynamicsWorld& w) { return w.*(&Slots::m_internalPreTickCallback); }
+    static btInternalTickCallback of(const btDynamicsWorld& w) {
+      return w.*(&Slots::m_internalPreTickCallback);
+    }
   };
   return Slots::of(world);
 }
@@ -19,8 +21,10 @@ void WorldPlayer::forgetEverywhere(btRigidBody& body) {
 /// The springs whose end has gone: Limber has deleted them.
 void WorldPlayer::forgetSpringsOn(int id) {
   for (auto it = springs_.begin(); it != springs_.end();)
-    if (it->second.ends[0] == id || it->second.ends[1] == id) it = springs_.erase(it);
-    else ++it;
+    if (it->second.ends[0] == id || it->second.ends[1] == id)
+      it = springs_.erase(it);
+    else
+      ++it;
 }
 
 void WorldPlayer::removeJointsOn(int id) {
@@ -118,8 +122,10 @@ void WorldPlayer::leave(const Step& s) {
 void WorldPlayer::enter(const Step& s) {
   RigidObject* object = rigid(s.whole("of"));
   if (!object || object->body->isInWorld()) return;
-  if (object->group) world_->addRigidBody(object->body.get(), object->group, object->mask);
-  else world_->addRigidBody(object->body.get());
+  if (object->group)
+    world_->addRigidBody(object->body.get(), object->group, object->mask);
+  else
+    world_->addRigidBody(object->body.get());
 }
 
 /// Steps for the systems themselves, their listener, their hook.
@@ -137,7 +143,8 @@ void WorldPlayer::changeSystem(const Step& s) {
   }
   if (s.kind == Kind::Listener || s.kind == Kind::Report) {
     for (auto& system : systems_) {
-      if (system && s.kind == Kind::Listener) system->setContactListener(s.is("on") ? listener_.get() : nullptr);
+      if (system && s.kind == Kind::Listener)
+        system->setContactListener(s.is("on") ? listener_.get() : nullptr);
       if (system && s.kind == Kind::Report) system->reportManifolds(s.is("on"));
     }
     return;
@@ -147,8 +154,10 @@ void WorldPlayer::changeSystem(const Step& s) {
   const auto index = static_cast<std::size_t>(s.whole("system"));
   SoftBodySystem* system = systemOf(index);
   if (!system) return;
-  if (s.choice("what") == "destroy") systems_[index].reset();
-  else system->removeAll();
+  if (s.choice("what") == "destroy")
+    systems_[index].reset();
+  else
+    system->removeAll();
   const auto isGone = [&](const auto& entry) { return entry.second.system == index; };
   std::vector<int> gone;
   for (const auto& entry : softs_)
@@ -157,7 +166,8 @@ void WorldPlayer::changeSystem(const Step& s) {
   // with them those of other systems that they hung on
   for (auto it = springs_.begin(); it != springs_.end();) {
     const auto& ends = it->second.ends;
-    const bool hung = std::find_first_of(std::begin(ends), std::end(ends), gone.begin(), gone.end()) != std::end(ends);
+    const bool hung =
+        std::find_first_of(std::begin(ends), std::end(ends), gone.begin(), gone.end()) != std::end(ends);
     it = isGone(*it) || hung ? springs_.erase(it) : std::next(it);
   }
 }
@@ -273,10 +283,12 @@ void WorldPlayer::checkEmptied() {
                         std::to_string(objects));
   if (world_->getWorldUserInfo() != this) fail("callbacks", "the world's user info has changed");
   for (auto& system : systems_)
-    if (system && system->hookState() != HookState::Idle) fail("callbacks", "an empty system is still hooked");
+    if (system && system->hookState() != HookState::Idle)
+      fail("callbacks", "an empty system is still hooked");
   // without a soft body in the world nobody can tell whether it still exists, until it ticks
   if (preTickSlot(*world_) != slot_) world_->stepSimulation(btScalar(1.0 / 60), 0);
-  if (preTickSlot(*world_) != slot_) fail("callbacks", "the user's pre-tick callback is not back after a tick");
+  if (preTickSlot(*world_) != slot_)
+    fail("callbacks", "the user's pre-tick callback is not back after a tick");
   for (int i = 0; i < dispatcher_->getNumManifolds(); ++i) {
     const btPersistentManifold& manifold = *dispatcher_->getManifoldByIndexInternal(i);
     if (manifold.getContactProcessingThreshold() < btScalar(0))

@@ -151,7 +151,7 @@ class WorldPlayer {
   int frame_ = -1;
   int rigidPairs_ = 0;  ///< the most that have touched in a tick of the present frame but the last
   Phase phase_ = Phase::Between;
-  std::vector<char> done_;  ///< for each step of the story
+  std::vector<char> done_;                 ///< for each step of the story
   btInternalTickCallback slot_ = nullptr;  ///< the user's own pre-tick callback
 
   std::unique_ptr<btGhostPairCallback> ghostPairs_;

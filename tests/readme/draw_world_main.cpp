@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// Runs drawWorld() of render/README.md on a world with a soft and two rigid bodies and looks for all three in its
-// picture.
+// Runs drawWorld() of render/README.md on a world with a soft and two rigid bodies and looks for all three in
+// its picture.
 #include "draw_world.cpp"
 
 #include <limber/network_builder.h>

@@ -20,11 +20,11 @@ int main() {
   auto network = limber::buildNetwork(*mesh);
   if (!network) return std::puts(network.error().c_str()), 1;
   limber::SoftBodySettings settings;
-  settings.position = {0, 2, 0};       // m
-  settings.extensionStiffness = 800;   // N/m of each spring
+  settings.position = {0, 2, 0};      // m
+  settings.extensionStiffness = 800;  // N/m of each spring
   settings.compressionStiffness = 800;
-  settings.damping = 1;                // N s/m of each spring
-  settings.totalMass = 1;              // kg
+  settings.damping = 1;    // N s/m of each spring
+  settings.totalMass = 1;  // kg
   auto body = soft.createBody(*network, settings);
   if (!body) return std::puts(body.error().c_str()), 1;
 

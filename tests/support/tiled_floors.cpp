@@ -49,9 +49,10 @@ class FloorMaker {
   }
 
   void addHeightField() {
-    static const std::vector<float> heights(static_cast<std::size_t>((kEnd - kFirst + 1) * (2 * kHalfWidth + 1)));
-    auto shape = std::make_unique<btHeightfieldTerrainShape>(kEnd - kFirst + 1, 2 * kHalfWidth + 1, heights.data(),
-                                                             btScalar(-1), btScalar(1), 1, false);
+    static const std::vector<float> heights(
+        static_cast<std::size_t>((kEnd - kFirst + 1) * (2 * kHalfWidth + 1)));
+    auto shape = std::make_unique<btHeightfieldTerrainShape>(
+        kEnd - kFirst + 1, 2 * kHalfWidth + 1, heights.data(), btScalar(-1), btScalar(1), 1, false);
     add(std::move(shape), vec(0.5 * (kEnd + kFirst), 0, 0));
   }
 
@@ -91,15 +92,24 @@ class FloorMaker {
 
 const char* nameOf(FloorKind kind) {
   switch (kind) {
-    case FloorKind::Plane: return "Plane";
-    case FloorKind::Box: return "Box";
-    case FloorKind::BoxTiles: return "BoxTiles";
-    case FloorKind::Compound: return "Compound";
-    case FloorKind::HullTiles: return "HullTiles";
-    case FloorKind::CoarseMesh: return "CoarseMesh";
-    case FloorKind::FineMesh: return "FineMesh";
-    case FloorKind::MeshTiles: return "MeshTiles";
-    case FloorKind::HeightField: return "HeightField";
+    case FloorKind::Plane:
+      return "Plane";
+    case FloorKind::Box:
+      return "Box";
+    case FloorKind::BoxTiles:
+      return "BoxTiles";
+    case FloorKind::Compound:
+      return "Compound";
+    case FloorKind::HullTiles:
+      return "HullTiles";
+    case FloorKind::CoarseMesh:
+      return "CoarseMesh";
+    case FloorKind::FineMesh:
+      return "FineMesh";
+    case FloorKind::MeshTiles:
+      return "MeshTiles";
+    case FloorKind::HeightField:
+      return "HeightField";
   }
   return "";
 }
@@ -108,17 +118,25 @@ void addTiledFloor(BulletWorld& bullet, FloorKind kind, double friction, double 
   FloorMaker maker(bullet, friction, slope);
   switch (kind) {
     case FloorKind::Plane:
-      return maker.add(std::make_unique<btStaticPlaneShape>(btVector3(0, 1, 0), btScalar(0)), btVector3(0, 0, 0));
-    case FloorKind::Box: return maker.add(std::make_unique<btBoxShape>(vec(10, 1, 10)), vec(0, -1, 0));
-    case FloorKind::BoxTiles: return maker.addBoxes();
-    case FloorKind::Compound: return maker.addCompound();
-    case FloorKind::HullTiles: return maker.addHulls();
-    case FloorKind::CoarseMesh: return maker.addMesh(kFirst, kEnd, -kHalfWidth, kHalfWidth, 1.0);
-    case FloorKind::FineMesh: return maker.addMesh(kFirst, kEnd, -kHalfWidth, kHalfWidth, 0.1);
+      return maker.add(std::make_unique<btStaticPlaneShape>(btVector3(0, 1, 0), btScalar(0)),
+                       btVector3(0, 0, 0));
+    case FloorKind::Box:
+      return maker.add(std::make_unique<btBoxShape>(vec(10, 1, 10)), vec(0, -1, 0));
+    case FloorKind::BoxTiles:
+      return maker.addBoxes();
+    case FloorKind::Compound:
+      return maker.addCompound();
+    case FloorKind::HullTiles:
+      return maker.addHulls();
+    case FloorKind::CoarseMesh:
+      return maker.addMesh(kFirst, kEnd, -kHalfWidth, kHalfWidth, 1.0);
+    case FloorKind::FineMesh:
+      return maker.addMesh(kFirst, kEnd, -kHalfWidth, kHalfWidth, 0.1);
     case FloorKind::MeshTiles:
       for (int i = kFirst; i < kEnd; i += 2) maker.addMesh(i, i + 2, -kHalfWidth, kHalfWidth, 1.0);
       return;
-    case FloorKind::HeightField: return maker.addHeightField();
+    case FloorKind::HeightField:
+      return maker.addHeightField();
   }
 }
 

@@ -6,11 +6,22 @@
 namespace limber::test {
 
 /// Ways to make one flat floor of Bullet's shapes.
-enum class FloorKind { Plane, Box, BoxTiles, Compound, HullTiles, CoarseMesh, FineMesh, MeshTiles, HeightField };
+enum class FloorKind {
+  Plane,
+  Box,
+  BoxTiles,
+  Compound,
+  HullTiles,
+  CoarseMesh,
+  FineMesh,
+  MeshTiles,
+  HeightField
+};
 
-inline constexpr FloorKind kFloorKinds[] = {FloorKind::Plane,      FloorKind::Box,       FloorKind::BoxTiles,
-                                            FloorKind::Compound,   FloorKind::HullTiles, FloorKind::CoarseMesh,
-                                            FloorKind::FineMesh,   FloorKind::MeshTiles, FloorKind::HeightField};
+inline constexpr FloorKind kFloorKinds[] = {
+    FloorKind::Plane,    FloorKind::Box,       FloorKind::BoxTiles,
+    FloorKind::Compound, FloorKind::HullTiles, FloorKind::CoarseMesh,
+    FloorKind::FineMesh, FloorKind::MeshTiles, FloorKind::HeightField};
 
 const char* nameOf(FloorKind kind);
 

@@ -34,11 +34,11 @@ struct NetworkSettings {
   double weldTolerance = 0.0;  ///< metres, see weld()
   BraceRule braces = BraceRule::Pipeline;
   double braceWeight = 0.0;  ///< stiffnessScale of braces, above 0; 0: 0.5 for Pipeline, 1 for the others
-  double maxBracesPerPoint = 1.5;   ///< braces per point at most, above 0; Pipeline only, and there of pieces that
-                            ///< have an inside: flat and open ones get the two-ring whole
+  double maxBracesPerPoint = 1.5;  ///< braces per point at most, above 0; Pipeline only, and there of pieces
+                                   ///< that have an inside: flat and open ones get the two-ring whole
   double timeLimit = 0.0;  ///< Pipeline stops adding after this time; 0: never. With a limit that is
-                             ///< reached the network depends on the machine's speed.
-  std::uint64_t seed = 1;    ///< of the deformations that Pipeline tries
+                           ///< reached the network depends on the machine's speed.
+  std::uint64_t seed = 1;  ///< of the deformations that Pipeline tries
   MassRule masses = MassRule::Equal;
   Progress progress;  ///< called from time to time on the calling thread, or empty
 };
@@ -69,8 +69,8 @@ struct ClothSettings {
 };
 
 /// A sheet in the plane y = 0, centred at the origin, normal +y. Point (column i, row j) has index
-/// j * (columns + 1) + i; i runs along +x, j along +z. Errors: sizes not above 0, no cells, more than ten million points,
-/// negative scales.
+/// j * (columns + 1) + i; i runs along +x, j along +z. Errors: sizes not above 0, no cells, more than ten
+/// million points, negative scales.
 ///
 ///     o---o---o     structural: along x and z
 ///     | X | X |     shear:      both diagonals

@@ -50,9 +50,9 @@ class SoftBody {
   /// What stands for the body in Bullet's world with Collision::Surface: its origin is the centre of mass,
   /// its velocity the mean one, its shape the surface as it is now, which rays, sweeps and contact tests
   /// find. Group, mask, user pointer and index are the user's, its friction is that of the points until
-  /// point() is called. Impulses, forces, velocities and poses that are given to it act on the soft body as on
-  /// a rigid one of its mass and inertia, from the next tick on, and Bullet's constraints hold it; its gravity and
-  /// damping are those of the settings and the world. Like the points it has the flag
+  /// point() is called. Impulses, forces, velocities and poses that are given to it act on the soft body as
+  /// on a rigid one of its mass and inertia, from the next tick on, and Bullet's constraints hold it; its
+  /// gravity and damping are those of the settings and the world. Like the points it has the flag
   /// CF_DISABLE_VISUALIZE_OBJECT: the system draws the body. Deleting it or taking it out of the world
   /// ends the body. nullptr with Collision::Points, or once it is deleted.
   btRigidBody* surfaceObject() const;

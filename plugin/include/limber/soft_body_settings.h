@@ -22,15 +22,16 @@ enum class Stepper : std::uint8_t {
 /// accuracy, or cap what it may cost.
 struct Stepping {
   Stepper stepper = Stepper::Auto;
-  int minSubsteps = 5;                ///< substeps per tick, 1 or more. 5 keep the period of an oscillation of 30
+  int minSubsteps = 5;            ///< substeps per tick, 1 or more. 5 keep the period of an oscillation of 30
                                   ///< ticks within 1e-4 and cost little beside Bullet's part of the tick
   double periodTolerance = 0.04;  ///< largest relative error of the period of the body's stiffest oscillation
                                   ///< (Verlet: (omega dt)^2 / 24); slower ones are better by the square of
                                   ///< the ratio. Halving the error costs 1.41x the substeps. 1e-8 to 1
   double tolerance = 0.0;         ///< m per second of motion, of SoftBody::errorPerSecond(); 0: not asked for
   double relativeTolerance = 0.0;  ///< the same as a share of the body's size per second; 0: not asked for
-  int maxSubsteps = 0;  ///< substeps per tick at most, 0: no limit. A body that would need more to be stable is
-                   ///< stepped implicitly; the error that follows is reported by SoftBody::errorPerSecond()
+  int maxSubsteps =
+      0;  ///< substeps per tick at most, 0: no limit. A body that would need more to be stable is
+          ///< stepped implicitly; the error that follows is reported by SoftBody::errorPerSecond()
 };
 
 /// What becomes of springs beyond a strain, |length / rest length - 1|. Each is off at 0.
@@ -50,10 +51,11 @@ struct ElasticLimit {
 
 /// How a soft body lives in Bullet's world.
 enum class Collision : std::uint8_t {
-  Points,  ///< every point mass is a sphere body of the world, which Bullet's narrowphase and solver know; only
-           ///< these spheres touch, and they cost Bullet as much as any rigid body
+  Points,  ///< every point mass is a sphere body of the world, which Bullet's narrowphase and solver know;
+           ///< only these spheres touch, and they cost Bullet as much as any rigid body
   Surface  ///< one object stands for the whole body (SoftBody::surfaceObject()); the point masses are outside
-           ///< the world. Points, edges and triangles touch. Costs Bullet next to nothing while nothing is near
+           ///< the world. Points, edges and triangles touch. Costs Bullet next to nothing while nothing is
+           ///< near
 };
 
 #if defined(__GNUC__) && !defined(__clang__)
@@ -87,8 +89,8 @@ struct SoftBodySettings {
   double restitution = 0.0;  ///< 0..1, Bullet multiplies it with the partner's
   int collisionGroup = 1;    ///< Bullet's filter group; 1 = btBroadphaseProxy::DefaultFilter
   int collisionMask = -1;    ///< Bullet's filter mask; -1 = btBroadphaseProxy::AllFilter
-  bool continuousCollision = true;  ///< contacts that nobody foresaw at the start of a tick are found within it,
-                                    ///< so that what moves fast does not pass through
+  bool continuousCollision = true;  ///< contacts that nobody foresaw at the start of a tick are found within
+                                    ///< it, so that what moves fast does not pass through
   double sleepingSpeed =
       0.1;  ///< m/s; a body all of whose points stay slower for gDeactivationTime goes to sleep
 
@@ -99,7 +101,8 @@ struct SoftBodySettings {
   static SoftBodySettings paper();
 };
 
-/// The first setting that cannot be used and why ("totalMass is -1, must be from 1e-9 to 1e12"), or an empty string.
+/// The first setting that cannot be used and why ("totalMass is -1, must be from 1e-9 to 1e12"), or an empty
+/// string.
 std::string validate(const SoftBodySettings& settings);
 
 /// The radius (m) a body's point masses get: the setting, or 2 % of the shortest spring at the body's scale.

@@ -48,13 +48,13 @@ struct TickProfile {
 ///     auto body = soft.createBody(network, settings);   // then step the world as ever
 ///
 /// It lives in the world's pre-tick callback: an existing one is called first, the world's user info is left
-/// alone. The callback is given back with the last body and spring; where no soft body was in the world, as with
-/// springs between rigid bodies alone, only at the world's next tick, for until then the world may be gone.
-/// Several systems may share a world. The world, its bodies and the system may go in any order, with one
-/// exception: if the broadphase is freed before the world, call removeAll() first. Rigid bodies that springs or
-/// anchors hold on to must outlive them, as with Bullet's own constraints; forget(body) removes all that hold on
-/// to one. Springs on a point mass that the application deletes go with it. Thread rule: the thread that steps
-/// the world, between steps, or within one in callbacks and actions of the world.
+/// alone. The callback is given back with the last body and spring; where no soft body was in the world, as
+/// with springs between rigid bodies alone, only at the world's next tick, for until then the world may be
+/// gone. Several systems may share a world. The world, its bodies and the system may go in any order, with
+/// one exception: if the broadphase is freed before the world, call removeAll() first. Rigid bodies that
+/// springs or anchors hold on to must outlive them, as with Bullet's own constraints; forget(body) removes
+/// all that hold on to one. Springs on a point mass that the application deletes go with it. Thread rule: the
+/// thread that steps the world, between steps, or within one in callbacks and actions of the world.
 class SoftBodySystem {
  public:
   /// How the springs are stepped.
@@ -69,8 +69,8 @@ class SoftBodySystem {
   SoftBodySystem(const SoftBodySystem&) = delete;
   SoftBodySystem& operator=(const SoftBodySystem&) = delete;
 
-  /// A body of the network's shape. The world must exist. Errors, with nothing created: no or invalid network,
-  /// invalid settings, a scale that brings all points of a spring together.
+  /// A body of the network's shape. The world must exist. Errors, with nothing created: no or invalid
+  /// network, invalid settings, a scale that brings all points of a spring together.
   Result<SoftBody*> createBody(SharedNetwork network, const SoftBodySettings& settings = {});
 
   /// Removes the body, its anchors and every spring on it. The pointer is invalid afterwards.
@@ -89,10 +89,10 @@ class SoftBodySystem {
   void removeSpring(SpringConstraint* spring);
   std::size_t springCount() const;
 
-  /// Makes point i move with `body`, at a pivot (m) in the body's local coordinates (the overload without pivot:
-  /// where the point is now). Both feel each other; they do not collide. Errors: no soft body, no such point, a
-  /// point that is already attached or pinned, a body that is a point mass or a surface object, a pivot that is
-  /// not finite or farther than 1e6 m, a soft body in another world.
+  /// Makes point i move with `body`, at a pivot (m) in the body's local coordinates (the overload without
+  /// pivot: where the point is now). Both feel each other; they do not collide. Errors: no soft body, no such
+  /// point, a point that is already attached or pinned, a body that is a point mass or a surface object, a
+  /// pivot that is not finite or farther than 1e6 m, a soft body in another world.
   Result<bool> attach(SoftBody* softBody, std::uint32_t i, btRigidBody& body, const btVector3& pivot);
   Result<bool> attach(SoftBody* softBody, std::uint32_t i, btRigidBody& body);
   /// Lets go of an attached point; false if it was not attached.

@@ -36,10 +36,11 @@ struct SoftContact {
   btVector3 normal = btVector3(0, 0, 0);     ///< unit, from other to body
   double distance = 0.0;  ///< m between the surfaces at the end of the tick, below 0 where they overlap; the
                           ///< other surface is at position - distance * normal
-  btVector3 impulse = btVector3(0, 0, 0);          ///< N s on body, sum over the tick
-  double normalImpulse = 0.0;                      ///< N s, what of it pressed along the normal, 0 or more
-  btVector3 frictionImpulse = btVector3(0, 0, 0);  ///< N s, what of it was across the normal
-                                                   ///< (where the surface is curved, the normal of each moment)
+  btVector3 impulse = btVector3(0, 0, 0);  ///< N s on body, sum over the tick
+  double normalImpulse = 0.0;              ///< N s, what of it pressed along the normal, 0 or more
+  btVector3 frictionImpulse =
+      btVector3(0, 0, 0);  ///< N s, what of it was across the normal
+                           ///< (where the surface is curved, the normal of each moment)
 };
 
 /// The contact that a manifold in Bullet's dispatcher tells of: of a point mass with anything, or of a

@@ -58,7 +58,7 @@ struct RenderSurface {
 struct SpringNetwork {
   NetworkKind kind = NetworkKind::Solid;
   std::vector<Eigen::Vector3d> restPoints;  ///< #points, metres
-  std::vector<double> massFractions;           ///< #points, share of the total mass, sum 1
+  std::vector<double> massFractions;        ///< #points, share of the total mass, sum 1
   std::vector<NetworkSpring> springs;       ///< #springs, sorted by (a, b), each pair once
   std::vector<Triangle> surface;            ///< #triangles, point indices; empty for ropes
   std::vector<Tetrahedron> tetrahedra;      ///< #tetrahedra that fill the body in material mode, or empty

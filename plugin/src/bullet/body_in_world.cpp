@@ -61,8 +61,8 @@ std::string checkPlaces(const PointState& state) {
 /// Of the eigenvalue: the period that follows from it is good to some 1e-3.
 constexpr double kResidual = 0.03;
 
-/// With nothing held and the masses of the settings. Not as it is turned and where: what remains of the residual
-/// would be another, and with it, now and then, the number of substeps.
+/// With nothing held and the masses of the settings. Not as it is turned and where: what remains of the
+/// residual would be another, and with it, now and then, the number of substeps.
 double fastestAtRest(const SoftBodyData& body) {
   PointState rest = body.state;
   for (Eigen::Index i = 0; i < rest.position.cols(); ++i)

@@ -40,7 +40,9 @@ inline bool isKinematic(const btCollisionObject& object) {
   return object.isKinematicObject() || object.getInternalType() == btCollisionObject::CO_GHOST_OBJECT;
 }
 
-inline bool isStatic(const btCollisionObject& object) { return object.isStaticObject() && !isKinematic(object); }
+inline bool isStatic(const btCollisionObject& object) {
+  return object.isStaticObject() && !isKinematic(object);
+}
 
 /// Whether nothing that touches an object moves it.
 inline bool isStaticOrKinematic(const btCollisionObject& object) {
@@ -49,8 +51,8 @@ inline bool isStaticOrKinematic(const btCollisionObject& object) {
 
 /// Whether a rigid body moves by itself: neither held nor asleep.
 inline bool isFree(const btRigidBody& body) {
-  return !isStaticOrKinematic(body) && body.isActive() &&
-         body.getActivationState() != DISABLE_SIMULATION && body.getWorldArrayIndex() >= 0;
+  return !isStaticOrKinematic(body) && body.isActive() && body.getActivationState() != DISABLE_SIMULATION &&
+         body.getWorldArrayIndex() >= 0;
 }
 
 // --- objects that may be gone ------------------------------------------------------------------------------

@@ -174,7 +174,8 @@ class ReportedManifold final : public btCollisionAlgorithm {
   btPersistentManifold* manifold_ = nullptr;
 };
 
-ReportedManifold::ReportedManifold(btDispatcher& dispatcher, SoftBodyData& body, const btCollisionObject& other)
+ReportedManifold::ReportedManifold(btDispatcher& dispatcher, SoftBodyData& body,
+                                   const btCollisionObject& other)
     : body_(&body), other_(&other) {
   m_dispatcher = &dispatcher;
   body.shown.push_back(this);

@@ -220,7 +220,8 @@ void reportContacts(const std::vector<SoftBodyData*>& bodies, const TickContacts
   if (!anyInBullet) return;
   for (SoftBodyData* body : bodies) body->report.known = body->report.contacts.size();
   auto& dispatcher = const_cast<btDispatcher&>(*world.getDispatcher());
-  for (int m = 0; m < dispatcher.getNumManifolds(); ++m) addManifold(*dispatcher.getManifoldByIndexInternal(m));
+  for (int m = 0; m < dispatcher.getNumManifolds(); ++m)
+    addManifold(*dispatcher.getManifoldByIndexInternal(m));
 }
 
 // --- triangles ---------------------------------------------------------------------------------------------
@@ -241,7 +242,8 @@ double facing(const SoftBodyData& body, std::uint32_t triangle, const Eigen::Vec
 }
 
 /// The triangle that has all points of the side and faces that way most; of equals, the first.
-std::uint32_t triangleOf(const SoftBodyData& body, const ContactSide& side, const Eigen::Vector3d& displacement) {
+std::uint32_t triangleOf(const SoftBodyData& body, const ContactSide& side,
+                         const Eigen::Vector3d& displacement) {
   const IndexLists& around = body.surface.topology->trianglesAround;
   std::uint32_t best = ContactSide::kNone;
   double most = -2.0;

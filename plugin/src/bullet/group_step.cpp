@@ -3,8 +3,8 @@
 // This file chooses how each group is stepped, steps those that are in no cluster, bodies of one network side
 // by side, and takes out energy that a step has made.
 
-#include "bullet/point_contacts.h"
 #include "bullet/linked_group.h"
+#include "bullet/point_contacts.h"
 #include "solver/point_state.h"
 #include "solver/springs.h"
 #include "solver/stepping_choice.h"
@@ -30,7 +30,8 @@ Stepping strictest(const LinkedGroup& group) {
     all.periodTolerance = std::min(all.periodTolerance, s.periodTolerance);
     for (auto part : {&Stepping::tolerance, &Stepping::relativeTolerance})
       if (s.*part > 0.0) all.*part = all.*part > 0.0 ? std::min(all.*part, s.*part) : s.*part;
-    if (s.maxSubsteps > 0) all.maxSubsteps = all.maxSubsteps > 0 ? std::min(all.maxSubsteps, s.maxSubsteps) : s.maxSubsteps;
+    if (s.maxSubsteps > 0)
+      all.maxSubsteps = all.maxSubsteps > 0 ? std::min(all.maxSubsteps, s.maxSubsteps) : s.maxSubsteps;
   }
   return all;
 }
@@ -64,8 +65,7 @@ MotionRates ratesOf(SoftBodyData& body, double tick) {
   rates.boundSquared = body.frequencySquared + keptVolumeBoundSquared(body.volumes, body.state, tick) +
                        tetrahedronFrequencyBoundSquared(body.tetrahedra, body.state, tick);
   const bool nearRest = !body.volumes.farFromRest && !body.tetrahedra.farFromRest;
-  rates.fastestSquared =
-      nearRest ? std::min(rates.boundSquared, body.fastestSquared) : rates.boundSquared;
+  rates.fastestSquared = nearRest ? std::min(rates.boundSquared, body.fastestSquared) : rates.boundSquared;
   rates.turnRate = fastestTurn(body.springs, body.state, kNegligibleTurn / tick);
   return rates;
 }
@@ -200,14 +200,15 @@ void guard(LinkedGroup& group, bool lasting, bool once) {
 /// Bodies that are torn apart or turned inside out, in free motion: substeps that do not resolve the push
 /// against the change of volume hold it back, which may give energy. Where they resolve it there is nothing
 /// to guard: energy that swings with the motion would be cut at each swing. Bodies that bounce: no bounce is
-/// exact where substeps only just resolve the oscillations between bounces. Bodies whose budget is cut: springs
-/// that turn round within a substep, as crushed ones do, give or take energy at random. The bound of both is the
-/// energy with which that began, for the same reason.
+/// exact where substeps only just resolve the oscillations between bounces. Bodies whose budget is cut:
+/// springs that turn round within a substep, as crushed ones do, give or take energy at random. The bound of
+/// both is the energy with which that began, for the same reason.
 void startGuard(LinkedGroup& group, double tick) {
   if (group.inIsland) return;  // see guardIsland()
   const bool free = isFreeBody(group) && isPlain(group.step);
   const bool cut = group.cut && group.stepper == Stepper::Verlet;
-  const bool lasting = free && standsOnStill(group.bodies[0]->contacts) && (cut || bounces(group.bodies[0]->contacts));
+  const bool lasting =
+      free && standsOnStill(group.bodies[0]->contacts) && (cut || bounces(group.bodies[0]->contacts));
   guard(group, lasting, free && group.bodies[0]->contacts.empty() && isFolded(*group.bodies[0]));
   if (group.guarded && !lasting) group.heldBack = holdsBack(group, tick);
 }

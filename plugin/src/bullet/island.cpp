@@ -46,7 +46,9 @@ struct IslandNodes {
     return m.partner ? ofRigid(found.find(*m.partner)) : kNoPartner;
   }
   std::uint32_t of(const Contact& c) const { return of(c.a) != kNoPartner ? of(c.a) : of(c.b); }
-  std::uint32_t of(const JointConstraint& j) const { return ofRigid(j.a) != kNoPartner ? ofRigid(j.a) : ofRigid(j.b); }
+  std::uint32_t of(const JointConstraint& j) const {
+    return ofRigid(j.a) != kNoPartner ? ofRigid(j.a) : ofRigid(j.b);
+  }
 };
 
 void joinNodes(const std::vector<LinkedGroup>& groups, const TickContacts& found, const IslandNodes& nodes,
@@ -58,7 +60,8 @@ void joinNodes(const std::vector<LinkedGroup>& groups, const TickContacts& found
       if (!groups[g].asleep && !rigid.held && found.find(*rigid.body) != kNoPartner)
         join(islands, g, nodes.ofRigid(found.find(*rigid.body)));
   for (const Contact& c : found.contacts) join(islands, nodes.of(c.a), nodes.of(c.b));
-  for (const SurfaceCandidate& m : found.candidates) join(islands, nodes.of(*m.body), nodes.ofOther(m, found));
+  for (const SurfaceCandidate& m : found.candidates)
+    join(islands, nodes.of(*m.body), nodes.ofOther(m, found));
   for (const JointConstraint& j : found.joints) join(islands, nodes.ofRigid(j.a), nodes.ofRigid(j.b));
 }
 
@@ -215,8 +218,8 @@ void numberBodies(const std::vector<LinkedGroup>& groups, Islands& islands) {
 
 // --- contacts of points with what is held ------------------------------------------------------------------
 
-/// Points that something else than what is held touches, or may touch within the tick: solved apart from it their rows
-/// would give way.
+/// Points that something else than what is held touches, or may touch within the tick: solved apart from it
+/// their rows would give way.
 void markCoupledPoints(Island& island) {
   for (SoftBodyData* body : island.softBodies) body->coupled.assign(body->masses.bodies.size(), 0);
   for (const IslandPair& m : island.candidates)
@@ -247,8 +250,9 @@ Contact pairOf(const PlaneContact& row, const SoftBodyData& body, std::uint32_t 
   return c;
 }
 
-/// Moves the contacts with static and kinematic surfaces of those points that something free touches or holds,
-/// from their bodies' rows to the cluster's pairs: what is squeezed between the two must be solved with both.
+/// Moves the contacts with static and kinematic surfaces of those points that something free touches or
+/// holds, from their bodies' rows to the cluster's pairs: what is squeezed between the two must be solved
+/// with both.
 void appendRows(Island& island) {
   markCoupledPoints(island);
   for (std::uint32_t place = 0; place < island.softBodies.size(); ++place) {

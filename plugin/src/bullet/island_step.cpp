@@ -28,14 +28,15 @@ void spreadGuesses(IslandConstraints& pairs, int substeps) {
 /// (btContactSolverInfo::m_erp2): any more would be a kick that a hit without us does not give.
 constexpr double kOverlapPerTick = 0.2;
 
-/// Share of the recovery speed at which an overlap may always be corrected. Every solve leaves small overlaps; this
-/// makes hops of about 2e-5 m.
+/// Share of the recovery speed at which an overlap may always be corrected. Every solve leaves small
+/// overlaps; this makes hops of about 2e-5 m.
 constexpr double kMinRecovery = 0.04;
 
 /// Rigid bodies among themselves part as by Bullet's solver.
 void recoverAsBullet(IslandConstraints& pairs, double tick) {
   for (Contact& c : pairs.contacts)
-    c.recoverySpeed = std::clamp(-kOverlapPerTick * c.gap / tick, kMinRecovery * c.recoverySpeed, c.recoverySpeed);
+    c.recoverySpeed =
+        std::clamp(-kOverlapPerTick * c.gap / tick, kMinRecovery * c.recoverySpeed, c.recoverySpeed);
 }
 
 /// m/s: a small share of what gravity and forces give in a tick, or of how fast anything is.
@@ -111,8 +112,8 @@ double workOfAccelerations(const Island& island) {
     const RigidState &start = island.start[i], &end = island.step.links.rigids[i];
     const Eigen::Quaterniond inside = start.rotation.conjugate();
     work += weighted(start.acceleration, end.position - start.position, start.inverseMass);
-    work += weighted(inside * start.angularAcceleration, inside * rotationBetween(start.rotation, end.rotation),
-                     start.inverseInertiaLocal);
+    work += weighted(inside * start.angularAcceleration,
+                     inside * rotationBetween(start.rotation, end.rotation), start.inverseInertiaLocal);
   }
   return work;
 }
@@ -134,7 +135,9 @@ struct CommonMotion {
 CommonMotion commonMotion(const SolverIsland& step) {
   CommonMotion all;
   for (const JointConstraint& j : step.pairs.joints)
-    if (j.contact == JointConstraint::kHeld && (j.a == JointConstraint::kHeld || j.b == JointConstraint::kHeld)) return all;
+    if (j.contact == JointConstraint::kHeld &&
+        (j.a == JointConstraint::kHeld || j.b == JointConstraint::kHeld))
+      return all;
   for (const SolverBody& body : step.bodies) {
     all.mass += totalMass(*body.points);
     all.mean += linearMomentum(*body.points);
@@ -305,10 +308,12 @@ void stepIsland(Island& island, const TickContacts& found, double tick, SurfaceS
   for (const LinkedGroup* group : island.groups) substeps = std::max(substeps, group->substeps);
   SearchContext context{&island, &found, &search};
   island.step.again = PairSearch();
-  if (const LongestDisplacements displacement = longestDisplacements(island); displacement.all > kMaxBetweenSearches) {
-    if (displacement.ofContacts > kMaxBetweenSearches) substeps = std::max(substeps, substepsFor(island, displacement.ofContacts));
-    const double searches =
-        std::min(displacement.all / kMaxBetweenSearches, std::max(kManySearches, displacement.all / kMaxInSubstep));
+  if (const LongestDisplacements displacement = longestDisplacements(island);
+      displacement.all > kMaxBetweenSearches) {
+    if (displacement.ofContacts > kMaxBetweenSearches)
+      substeps = std::max(substeps, substepsFor(island, displacement.ofContacts));
+    const double searches = std::min(displacement.all / kMaxBetweenSearches,
+                                     std::max(kManySearches, displacement.all / kMaxInSubstep));
     island.step.again = {std::max(1, static_cast<int>(substeps / searches)), &context, searchWithin};
   }
   for (LinkedGroup* group : island.groups) group->substeps = substeps;
@@ -338,7 +343,7 @@ void writeIslandToBullet(Island& island, TickContacts& found, btScalar tick) {
 }
 
 void readIslandFromBullet(const Island& island, TickContacts& found, const btCollisionWorld& world,
-                     btScalar tick) {
+                          btScalar tick) {
   const std::size_t first = firstOwnRigid(island);
   for (std::size_t i = 0; i < island.rigids.size(); ++i)
     if (RigidPartner& rigid = found.rigids[island.rigids[i]]; isValid(world, rigid.mark))

@@ -67,7 +67,8 @@ bool drives(const RowBuffer& buffer, int row) {
   return buffer.lower[4 * row] > -SIMD_INFINITY && buffer.upper[4 * row] < SIMD_INFINITY;
 }
 
-void addRow(const btTypedConstraint& joint, const RowBuffer& buffer, int row, btScalar tick, TickContacts& found) {
+void addRow(const btTypedConstraint& joint, const RowBuffer& buffer, int row, btScalar tick,
+            TickContacts& found) {
   JointConstraint j;
   j.linearA = vectorAt(buffer.linearA, row), j.angularA = vectorAt(buffer.angularA, row);
   j.linearB = vectorAt(buffer.linearB, row), j.angularB = vectorAt(buffer.angularB, row);
@@ -113,8 +114,9 @@ int readRows(btTypedConstraint& joint, const btContactSolverInfo& solver, btScal
   return size.m_numConstraintRows;
 }
 
-/// Puts both bodies of a joint, while it lives, to where its errors count: what moves as told to the end of the tick,
-/// where Bullet's solver sees it; what moves by itself to where its velocity takes it in some time (s).
+/// Puts both bodies of a joint, while it lives, to where its errors count: what moves as told to the end of
+/// the tick, where Bullet's solver sees it; what moves by itself to where its velocity takes it in some time
+/// (s).
 class Ahead {
  public:
   Ahead(btTypedConstraint& joint, btScalar time)
@@ -145,9 +147,9 @@ bool hasSprings(const btTypedConstraint& joint) {
   return type == D6_SPRING_CONSTRAINT_TYPE || type == D6_SPRING_2_CONSTRAINT_TYPE;
 }
 
-/// Springs push with the force of half a tick later. Theirs is constant in the tick of length h: at the start's
-/// distance x it changes (x, v) by a matrix whose determinant is 1 + (omega h)^2 / 2, and swings grow; at that of
-/// the middle, x + h v / 2, by one of determinant 1.
+/// Springs push with the force of half a tick later. Theirs is constant in the tick of length h: at the
+/// start's distance x it changes (x, v) by a matrix whose determinant is 1 + (omega h)^2 / 2, and swings
+/// grow; at that of the middle, x + h v / 2, by one of determinant 1.
 void takeSprings(const RowBuffer& middle, int rows, RowBuffer& buffer) {
   for (int row = 0; row < rows; ++row) {
     if (!drives(buffer, row) || !drives(middle, row)) continue;
@@ -224,13 +226,16 @@ void visitDrives(btTypedConstraint& joint, Visit visit) {
     case D6_SPRING_CONSTRAINT_TYPE: {
       auto& spring = static_cast<btGeneric6DofSpringConstraint&>(joint);
       // a spring pushes through the motor of its axis, which goes on and off with it
-      for (int i = 0; i < 6; ++i) through(spring.isSpringEnabled(i), [&](bool on) { spring.enableSpring(i, on); });
+      for (int i = 0; i < 6; ++i)
+        through(spring.isSpringEnabled(i), [&](bool on) { spring.enableSpring(i, on); });
       return forEachDrive(spring, visit);
     }
-    case D6_CONSTRAINT_TYPE: return forEachDrive(static_cast<btGeneric6DofConstraint&>(joint), visit);
+    case D6_CONSTRAINT_TYPE:
+      return forEachDrive(static_cast<btGeneric6DofConstraint&>(joint), visit);
     case D6_SPRING_2_CONSTRAINT_TYPE:
       return forEachDrive(static_cast<btGeneric6DofSpring2Constraint&>(joint), visit);
-    default: return;
+    default:
+      return;
   }
 }
 

@@ -34,13 +34,15 @@ int ticksOf(const KinematicMotion& m, btScalar tick) {
   const double displacement = double((m.told.getOrigin() - m.start.getOrigin()).length());
   const double turn = double(m.start.getRotation().angleShortestPath(m.told.getRotation()));
   double ticks = 1.0;
-  if (displacement * spin >= turn * speed && speed > 0.0) ticks = displacement / (speed * double(tick));
-  else if (spin > 0.0) ticks = turn / (spin * double(tick));
+  if (displacement * spin >= turn * speed && speed > 0.0)
+    ticks = displacement / (speed * double(tick));
+  else if (spin > 0.0)
+    ticks = turn / (spin * double(tick));
   return static_cast<int>(std::lround(std::min(std::max(ticks, 1.0), kMaxTicks)));
 }
 
-/// Of an object that is new in the world. Bullet's velocity tells how it has moved since it was made, but also that it
-/// was made elsewhere: what has come farther than half its size in a tick was put there.
+/// Of an object that is new in the world. Bullet's velocity tells how it has moved since it was made, but
+/// also that it was made elsewhere: what has come farther than half its size in a tick was put there.
 btTransform startOfNew(const btCollisionObject& object, btScalar tick) {
   const btTransform& told = object.getWorldTransform();
   btTransform start;
@@ -54,7 +56,8 @@ btTransform startOfNew(const btCollisionObject& object, btScalar tick) {
 
 /// Whether Bullet knows of no motion that has led it where it is: its user has put it there.
 bool isPutThere(const btCollisionObject& object) {
-  return object.getInterpolationLinearVelocity().isZero() && object.getInterpolationAngularVelocity().isZero();
+  return object.getInterpolationLinearVelocity().isZero() &&
+         object.getInterpolationAngularVelocity().isZero();
 }
 
 KinematicMotion newMotion(btCollisionObject& object) {
@@ -125,8 +128,10 @@ void KinematicMotions::follow(const btCollisionWorld& world, btScalar tick) {
     if (!isFollowed(object)) continue;
     const KinematicMotion* before = known(object);
     KinematicMotion motion = before ? *before : newMotion(object);
-    if (!before) motion.end = startOfNew(object, tick);
-    else if (motion.seenBetweenSteps && isPutThere(object)) motion.end = object.getWorldTransform();
+    if (!before)
+      motion.end = startOfNew(object, tick);
+    else if (motion.seenBetweenSteps && isPutThere(object))
+      motion.end = object.getWorldTransform();
     motion.seenBetweenSteps = false;
     advance(motion, tick);
     fitBox(motion);
@@ -172,8 +177,8 @@ bool mayWake(const btRigidBody& own, const btCollisionObject& partner) {
   return !excluded && own.hasContactResponse() && partner.hasContactResponse();
 }
 
-/// Adds a partner of the coming tick, met by the body's surface or point `own`. A body that sleeps is woken by
-/// kinematic objects that are awake, as Bullet's islands do.
+/// Adds a partner of the coming tick, met by the body's surface or point `own`. A body that sleeps is woken
+/// by kinematic objects that are awake, as Bullet's islands do.
 void collidePartner(SoftBodyData& body, btRigidBody& own, btCollisionObject& partner) {
   if (!body.asleep || own.isActive())
     addPartner(body, &partner);
@@ -196,7 +201,8 @@ void collectPartners(btDiscreteDynamicsWorld& world, const void* system) {
     const btBroadphaseProxy *a = pairs[i].m_pProxy0, *b = pairs[i].m_pProxy1;
     for (int side = 0; side < 2; ++side, std::swap(a, b)) {
       auto* partner = static_cast<btCollisionObject*>(b->m_clientObject);
-      if (SurfaceObject* surface = livingSurface(a, system)) collidePartner(*surface->owner(), *surface, *partner);
+      if (SurfaceObject* surface = livingSurface(a, system))
+        collidePartner(*surface->owner(), *surface, *partner);
     }
   }
 }
@@ -241,7 +247,8 @@ Motion motionOf(const btRigidBody& body, btScalar tick) {
 
 /// Meets all bodies whose surface or, if the mover is kinematic, points its box overlaps.
 struct BodiesInBox final : btBroadphaseAabbCallback {
-  BodiesInBox(btDiscreteDynamicsWorld& w, btCollisionObject& m, const void* s) : world(&w), mover(&m), system(s) {}
+  BodiesInBox(btDiscreteDynamicsWorld& w, btCollisionObject& m, const void* s)
+      : world(&w), mover(&m), system(s) {}
   btDiscreteDynamicsWorld* world;
   btCollisionObject* mover;
   const void* system;
@@ -282,7 +289,8 @@ void meetInTheWay(btDiscreteDynamicsWorld& world, btRigidBody& body, btScalar ti
   meetInBox(world, body, from, to, motion.turn + kForeseen, system);
 }
 
-/// A link of a multibody: its box goes on as it has since the broadphase saw it, at the start of the last tick.
+/// A link of a multibody: its box goes on as it has since the broadphase saw it, at the start of the last
+/// tick.
 void meetOnwards(btDiscreteDynamicsWorld& world, btCollisionObject& link, const void* system) {
   const btBroadphaseProxy* proxy = link.getBroadphaseHandle();
   btVector3 low, high;

@@ -22,13 +22,13 @@ struct SoftBodyData;
 /// The motion of a kinematic object in the present tick.
 struct KinematicMotion {
   btCollisionObject* object = nullptr;
-  int id = 0;               ///< unique in the broadphase
-  btTransform start, end;   ///< its poses
-  btTransform told;         ///< where the user has put it: the end of the last tick of a stepSimulation()
-  btTransform interpolated; ///< its interpolation transform outside Rewound
-  int ticksLeft = 0;        ///< until it is there, this one included
+  int id = 0;                ///< unique in the broadphase
+  btTransform start, end;    ///< its poses
+  btTransform told;          ///< where the user has put it: the end of the last tick of a stepSimulation()
+  btTransform interpolated;  ///< its interpolation transform outside Rewound
+  int ticksLeft = 0;         ///< until it is there, this one included
   bool seenBetweenSteps = false;  ///< by start() alone
-  btVector3 low, high;      ///< m, the box of its motion
+  btVector3 low, high;            ///< m, the box of its motion
   bool moves() const { return !(start == end); }
 };
 
@@ -82,9 +82,10 @@ inline Eigen::Vector3d kinematicDisplacement(const btCollisionObject& object, co
 /// One pass over the pairs instead of one query per body.
 void collectPartners(btDiscreteDynamicsWorld& world, const void* system);
 
-/// Adds to them, and to those of bodies with Collision::Points, the objects of the user's that will get near in
-/// the coming tick because of their own motion, of which the broadphase does not know yet, and wakes bodies
-/// that sleep in their way. Dynamic bodies are looked for by surfaces only: points leave them to Bullet.
+/// Adds to them, and to those of bodies with Collision::Points, the objects of the user's that will get near
+/// in the coming tick because of their own motion, of which the broadphase does not know yet, and wakes
+/// bodies that sleep in their way. Dynamic bodies are looked for by surfaces only: points leave them to
+/// Bullet.
 void collectMovers(btDiscreteDynamicsWorld& world, const KinematicMotions& kinematic, const void* system,
                    btScalar tick);
 

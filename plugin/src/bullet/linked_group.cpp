@@ -161,8 +161,8 @@ void takeOverSleep(LinkedGroup& group) {
 
 }  // namespace
 
-bool updateUsableLinks(const std::vector<SoftBodyData*>& bodies, const std::vector<SpringConstraint*>& springs,
-                       std::vector<unsigned char>& links) {
+bool updateUsableLinks(const std::vector<SoftBodyData*>& bodies,
+                       const std::vector<SpringConstraint*>& springs, std::vector<unsigned char>& links) {
   std::size_t count = 0;
   bool changed = false;
   const auto update = [&](unsigned char state) {
@@ -179,7 +179,7 @@ bool updateUsableLinks(const std::vector<SoftBodyData*>& bodies, const std::vect
 }
 
 std::vector<LinkedGroup> makeLinkedGroups(const std::vector<SoftBodyData*>& bodies,
-                                  const std::vector<SpringConstraint*>& springs) {
+                                          const std::vector<SpringConstraint*>& springs) {
   LinkedNodes nodes(bodies);
   std::vector<std::size_t> springNode(springs.size(), kNoNode);
   for (std::size_t i = 0; i < springs.size(); ++i) {
@@ -190,8 +190,7 @@ std::vector<LinkedGroup> makeLinkedGroups(const std::vector<SoftBodyData*>& bodi
   }
   for (SoftBodyData* body : bodies)
     for (const Anchor& anchor : body->anchors)
-      if (usable(anchor) && !isStatic(*anchor.body))
-        nodes.join(nodes.soft(body), nodes.rigid(anchor.body));
+      if (usable(anchor) && !isStatic(*anchor.body)) nodes.join(nodes.soft(body), nodes.rigid(anchor.body));
 
   std::map<std::size_t, LinkedGroup> groups;
   for (SoftBodyData* body : bodies) addBody(groups[nodes.root(nodes.soft(body))], body);
@@ -357,12 +356,14 @@ bool wantsSleep(const LinkedGroup& group) {
 
 void markIsland(const btRigidBody& body, std::vector<unsigned char>& bulletIslands) {
   const int tag = body.getIslandTag();
-  if (tag >= 0 && static_cast<std::size_t>(tag) < bulletIslands.size()) bulletIslands[static_cast<std::size_t>(tag)] = 1;
+  if (tag >= 0 && static_cast<std::size_t>(tag) < bulletIslands.size())
+    bulletIslands[static_cast<std::size_t>(tag)] = 1;
 }
 
 bool inMarkedIsland(const btRigidBody& body, const std::vector<unsigned char>& bulletIslands) {
   const int tag = body.getIslandTag();
-  return tag >= 0 && static_cast<std::size_t>(tag) < bulletIslands.size() && bulletIslands[static_cast<std::size_t>(tag)];
+  return tag >= 0 && static_cast<std::size_t>(tag) < bulletIslands.size() &&
+         bulletIslands[static_cast<std::size_t>(tag)];
 }
 
 /// Whether the body is the surface of a soft body in one of these groups, which are all of one system.

@@ -32,7 +32,7 @@ struct LinkedGroup {
   double calmTime = 0.0;  ///< s for which nothing in it has moved faster than it may in sleep
   bool asleep = false;
   bool inIsland = false;  ///< in this tick it is stepped together with what it touches
-  Stepping stepping;       ///< the strictest of its bodies' choices
+  Stepping stepping;      ///< the strictest of its bodies' choices
   int substeps = 0;
   bool cut = false;  ///< the budget allows fewer than it needs
   Stepper stepper = Stepper::Verlet;
@@ -48,7 +48,7 @@ using SpringList = std::vector<std::unique_ptr<SpringConstraint>>;
 /// The groups of these bodies and springs, in the order of their first bodies, then of their first springs.
 /// A group is asleep if all its bodies are.
 std::vector<LinkedGroup> makeLinkedGroups(const std::vector<SoftBodyData*>& bodies,
-                                  const std::vector<SpringConstraint*>& springs);
+                                          const std::vector<SpringConstraint*>& springs);
 
 /// False once a point mass of the group has left the world: the groups must be made anew.
 bool isWhole(const LinkedGroup& group);
@@ -56,8 +56,8 @@ bool isWhole(const LinkedGroup& group);
 /// Looks up which springs and anchors have both ends in the world, and which of these ends are static.
 /// Returns whether this is not what `links` says, which is then brought up to date: the groups must be made
 /// anew.
-bool updateUsableLinks(const std::vector<SoftBodyData*>& bodies, const std::vector<SpringConstraint*>& springs,
-                       std::vector<unsigned char>& links);
+bool updateUsableLinks(const std::vector<SoftBodyData*>& bodies,
+                       const std::vector<SpringConstraint*>& springs, std::vector<unsigned char>& links);
 
 /// The stages of a tick, see body_in_world.h. What a body may touch depends on where all of them are.
 void gatherBodies(LinkedGroup& group, btScalar tick);
@@ -72,8 +72,8 @@ void readGroupFromBullet(LinkedGroup& group, btScalar tick);
 ///
 /// Bullet sees no link between the points of a body: left alone it would freeze them one by one. So awake
 /// points have their deactivation timer held at 0, and a group goes to sleep in one tick, when all its
-/// members have been calm for gDeactivationTime and nothing awake is in contact with any of them. `bulletIslands`
-/// is scratch.
+/// members have been calm for gDeactivationTime and nothing awake is in contact with any of them.
+/// `bulletIslands` is scratch.
 void updateSleep(std::vector<LinkedGroup>& groups, btDiscreteDynamicsWorld& world, btScalar tick,
                  std::vector<unsigned char>& bulletIslands);
 
@@ -83,8 +83,8 @@ void updateSleep(std::vector<LinkedGroup>& groups, btDiscreteDynamicsWorld& worl
 void chooseStepping(LinkedGroup& group, double tick);
 
 /// Before the step of a cluster that is this group and nothing else that moves by itself or as told, with a
-/// budget that leaves its oscillations next to unresolved: its energy must not rise while it is so. With false:
-/// of any other cluster.
+/// budget that leaves its oscillations next to unresolved: its energy must not rise while it is so. With
+/// false: of any other cluster.
 void guardIsland(LinkedGroup& group, bool alone);
 
 /// Whether what bears points by these rows does not move.
@@ -136,7 +136,7 @@ class StepPlan {
 struct IslandPair {
   const SurfaceCandidate* surfaces = nullptr;
   std::uint32_t a = 0, b = 0;  ///< in step.bodies; b, if it is rigid, in step.links.rigids
-  double displacement = 0.0;            ///< see displacementOf()
+  double displacement = 0.0;   ///< see displacementOf()
 
   /// Too far in the tick for its contacts to stay what they are.
   bool moves() const { return displacement > kMaxBetweenSearches; }
@@ -156,11 +156,11 @@ struct Island {
   std::vector<std::uint32_t> rigids;      ///< numbers in TickContacts of those that are in no group; they are
                                           ///< the last of step.links.rigids
   std::vector<std::uint32_t> contacts;    ///< numbers in TickContacts, of the first step.pairs.contacts
-  std::vector<PlaneContact*> rows;          ///< of the other step.pairs.contacts
+  std::vector<PlaneContact*> rows;        ///< of the other step.pairs.contacts
   std::vector<std::uint32_t> joints;      ///< numbers in TickContacts, of step.pairs.joints
   std::vector<RigidState> start;          ///< of step.links.rigids before the step, if there are joints
   std::vector<IslandPair> candidates;
-  std::vector<LateContact> late;  ///< the last of step.pairs.contacts
+  std::vector<LateContact> late;                               ///< the last of step.pairs.contacts
   std::vector<std::pair<std::uint64_t, std::uint32_t>> known;  ///< scratch: contacts of a meeting, by key
 };
 
@@ -177,7 +177,7 @@ struct Islands {
   // Scratch by node: groups, then rigid bodies.
   std::vector<std::uint32_t> parent;
   std::vector<std::uint32_t> island;  ///< of a root, the cluster
-  std::vector<std::uint32_t> first;  ///< of a group, its first body in the cluster; of a rigid body, its own
+  std::vector<std::uint32_t> first;   ///< of a group, its first body in the cluster; of a rigid body, its own
 };
 
 /// Adds the rigid bodies that links join to awake groups to `found`, so that what they touch is looked for,
@@ -189,8 +189,8 @@ void addLinkedRigids(const std::vector<LinkedGroup>& groups, TickContacts& found
 void makeIslands(std::vector<LinkedGroup>& groups, TickContacts& found, btScalar tick, Islands& islands);
 
 /// Steps a cluster by velocity Verlet, as finely as its most demanding group asks for. Contacts of surfaces
-/// that move far against each other in the tick are searched for again within it. Joints that take errors back
-/// against what pulls at them may not raise its energy by that.
+/// that move far against each other in the tick are searched for again within it. Joints that take errors
+/// back against what pulls at them may not raise its energy by that.
 void stepIsland(Island& island, const TickContacts& found, double tick, SurfaceSearch& search);
 
 /// After the step: gives the groups their bodies' states back, and `found` the impulses of its contacts;
@@ -199,7 +199,7 @@ void writeIslandToBullet(Island& island, TickContacts& found, btScalar tick);
 
 /// After Bullet's part of the tick, see readRigidFromBullet(); of rigid bodies that are still in the world.
 void readIslandFromBullet(const Island& island, TickContacts& found, const btCollisionWorld& world,
-                     btScalar tick);
+                          btScalar tick);
 
 }  // namespace LIMBER_BULLET_PRECISION
 }  // namespace limber

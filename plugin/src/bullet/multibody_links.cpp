@@ -153,7 +153,8 @@ void MultiBodyLinks::addJoint(btMultiBody& multiBody, int link, TickContacts& fo
   }
 }
 
-void MultiBodyLinks::addJoints(btMultiBody& multiBody, const btCollisionObject& touched, TickContacts& found) {
+void MultiBodyLinks::addJoints(btMultiBody& multiBody, const btCollisionObject& touched,
+                               TickContacts& found) {
   auto* handle = const_cast<btBroadphaseProxy*>(touched.getBroadphaseHandle());
   for (int link = -1; link < multiBody.getNumLinks(); ++link) {
     LinkBody& body = bodyOf(multiBody, link);

@@ -4,10 +4,10 @@
 // bodies.
 
 #include "bullet/bullet_objects.h"
+#include "bullet/linked_group.h"
 #include "bullet/point_contacts.h"
 #include "bullet/surface_body.h"
 #include "bullet/tick_contacts.h"
-#include "bullet/linked_group.h"
 
 #include <algorithm>
 
@@ -82,7 +82,8 @@ void addBoxPair(PairsOfPoint& pairs, const SoftBodyData& body, std::uint32_t i, 
   const auto& box = *static_cast<const btBoxShape*>(partner.getCollisionShape());
   const NearestOnBox nearest = nearestOnBox(box, partner.getWorldTransform(), x);
   const double height = nearest.normal.dot(x - nearest.surface);
-  if (height - double(body.masses.shape->getRadius()) <= searchRegion) pairs.add(nearest.normal, nearest.surface);
+  if (height - double(body.masses.shape->getRadius()) <= searchRegion)
+    pairs.add(nearest.normal, nearest.surface);
 }
 
 void addPairs(SoftBodyData& body, std::uint32_t i, btRigidBody& partner, double tick, TickContacts& found) {
@@ -131,7 +132,8 @@ ContactPoint placeOf(const PointMass& point) {
 /// The contacts that a point makes with points of other bodies.
 class PairsOfPoints final : public btBroadphaseAabbCallback {
  public:
-  PairsOfPoints(PointMass& point, double tick, TickContacts& found) : point_(&point), tick_(tick), found_(&found) {}
+  PairsOfPoints(PointMass& point, double tick, TickContacts& found)
+      : point_(&point), tick_(tick), found_(&found) {}
 
   bool process(const btBroadphaseProxy* proxy) override {
     const PointMass* other = PointMass::from(static_cast<btCollisionObject*>(proxy->m_clientObject));
@@ -151,12 +153,15 @@ class PairsOfPoints final : public btBroadphaseAabbCallback {
     const Eigen::Vector3d velocity = pointVelocity(*point_) - pointVelocity(other);
     const double change = tick_ * tick_ * (accelerationOf(*point_) - accelerationOf(other)).norm();
     const double searchRegion = radiusOf(*point_) + radiusOf(other);
-    if (offset.norm() - searchRegion > kSearchPerMotion * (tick_ * velocity.norm() + change) + searchRegion / 3.0) return;
+    if (offset.norm() - searchRegion >
+        kSearchPerMotion * (tick_ * velocity.norm() + change) + searchRegion / 3.0)
+      return;
     const Eigen::Vector3d nearest = offsetWhenNearest(offset, velocity, tick_, searchRegion);
     if (nearest.norm() > 0.0) add(other, nearest.normalized(), offset, searchRegion);
   }
 
-  void add(const PointMass& other, const Eigen::Vector3d& normal, const Eigen::Vector3d& offset, double searchRegion) {
+  void add(const PointMass& other, const Eigen::Vector3d& normal, const Eigen::Vector3d& offset,
+           double searchRegion) {
     SoftBodyData &body = *point_->owner(), &theirs = *other.owner();
     Contact c;
     c.a = placeOf(*point_);
@@ -167,7 +172,8 @@ class PairsOfPoints final : public btBroadphaseAabbCallback {
     c.friction = double(gCalculateCombinedFrictionCallback(point_, &other));
     c.restitution = double(gCalculateCombinedRestitutionCallback(point_, &other));
     c.bounceThreshold = body.speeds.bounce;
-    c.recoverySpeed = theirs.asleep ? body.speeds.recovery : std::min(body.speeds.recovery, theirs.speeds.recovery);
+    c.recoverySpeed =
+        theirs.asleep ? body.speeds.recovery : std::min(body.speeds.recovery, theirs.speeds.recovery);
     ContactSource source;
     source.body = &body;
     source.other = &theirs;
@@ -230,7 +236,9 @@ void gatherPointPairs(const std::vector<LinkedGroup>& groups, btScalar tick, Tic
     for (const SoftBodyData* body : group.bodies) {
       if (isSurfaceBody(*body)) continue;
       ++bodies;
-      if (!group.asleep) farthest = std::max(farthest, *std::max_element(body->searchDistance.begin(), body->searchDistance.end()));
+      if (!group.asleep)
+        farthest =
+            std::max(farthest, *std::max_element(body->searchDistance.begin(), body->searchDistance.end()));
     }
   if (bodies < 2) return;
   for (const LinkedGroup& group : groups)

@@ -3,9 +3,9 @@
 // This file finds what points may touch of static and kinematic objects in a tick: first the objects near a
 // body, then rows for each point, and within the tick rows for points that get farther than was foreseen.
 
+#include "bullet/point_contacts.h"
 #include "bullet/bullet_objects.h"
 #include "bullet/kinematic_motion.h"
-#include "bullet/point_contacts.h"
 #include "bullet/point_masses.h"
 #include "bullet/rigid_shapes.h"
 #include "bullet/surface_body.h"
@@ -29,9 +29,9 @@ Eigen::AlignedBox3d boxOf(const btCollisionObject& object) {
   return {toEigen(low), toEigen(high)};
 }
 
-/// Whether something may get into the box (m). Boxes in Bullet's broadphase are larger than what is in them, by
-/// lengths that are the same however large the scene is, and longer after motion: what is near to it only by these
-/// must not decide how the body is stepped.
+/// Whether something may get into the box (m). Boxes in Bullet's broadphase are larger than what is in them,
+/// by lengths that are the same however large the scene is, and longer after motion: what is near to it only
+/// by these must not decide how the body is stepped.
 bool hasPartnersIn(const Eigen::AlignedBox3d& box, const SoftBodyData& body) {
   const auto isIn = [&](const btCollisionObject* p) { return isMoved(*p) || box.intersects(boxOf(*p)); };
   return !body.freePartners.empty() || !body.softPartners.empty() ||
@@ -104,7 +104,8 @@ void takePartners(SoftBodyData& body) {
 bool nothingIsNear(SoftBodyData& body, double tick) {
   const bool foreseen = !body.masses.exposed && body.surface.sweptBounds.tick == tick;
   const SweptBounds sweptBounds = foreseen ? body.surface.sweptBounds : sweptBoundsOf(body, tick);
-  if (hasPartnersIn(sweptBounds.box, body) || (!foreseen && !partnersCover(body, sweptBounds.box))) return false;
+  if (hasPartnersIn(sweptBounds.box, body) || (!foreseen && !partnersCover(body, sweptBounds.box)))
+    return false;
   forgetPartners(body);
   body.searchDistance.assign(body.masses.bodies.size(), sweptBounds.maxDisplacement);
   return true;
@@ -163,7 +164,8 @@ class Watch final : public SearchWatch {
     for (std::uint32_t i = 0; i < body_->masses.bodies.size(); ++i) {
       const Eigen::Vector3d x = points.positionOf(i), v = points.velocityOf(i);
       const double searchRegion = body_->searchDistance[i];
-      const bool leaves = (x + dt * v - body_->masses.startPosition.col(i)).squaredNorm() > searchRegion * searchRegion;
+      const bool leaves =
+          (x + dt * v - body_->masses.startPosition.col(i)).squaredNorm() > searchRegion * searchRegion;
       if (!leaves || body_->masses.held[i]) continue;
       search(i, x, v, time);
       found = true;
@@ -240,7 +242,7 @@ class Watch final : public SearchWatch {
   SoftBodyData* body_;
   btScalar tick_ = 0;
   std::vector<const btCollisionObject*> partners_;  // #rows
-  std::vector<PlaneContact> found_;                   // scratch
+  std::vector<PlaneContact> found_;                 // scratch
   std::vector<const btCollisionObject*> foundPartners_;
 };
 
@@ -270,7 +272,8 @@ void gatherContacts(SoftBodyData& body, btScalar tick) {
     if (body.masses.held[i]) continue;
     addStaticRows(body, i, searchRegionOf(body, i, double(tick)), tick);
     for (std::size_t p = 0; p < body.partners.size(); ++p)
-      addRows(body, i, *body.partners[p], body.partnerStamps[p], body.state.velocity.col(i), double(tick), tick);
+      addRows(body, i, *body.partners[p], body.partnerStamps[p], body.state.velocity.col(i), double(tick),
+              tick);
     // Bullet may free a manifold at any time after this
     if (!surface) body.masses.bodies[i]->cachedContact = nullptr;
   }
@@ -281,7 +284,8 @@ bool mayHaveMissedContacts(SoftBodyData& body) {
   Eigen::AlignedBox3d box;
   for (Eigen::Index i = 0; i < body.state.position.cols(); ++i) {
     const Eigen::Vector3d start = body.masses.startPosition.col(i), end = body.state.position.col(i);
-    if ((end - start).norm() > body.searchDistance[static_cast<std::size_t>(i)]) box.extend(start).extend(end);
+    if ((end - start).norm() > body.searchDistance[static_cast<std::size_t>(i)])
+      box.extend(start).extend(end);
   }
   if (box.isEmpty()) return false;
   const double margin = double(body.masses.shape->getRadius());

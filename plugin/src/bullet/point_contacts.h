@@ -46,8 +46,9 @@ struct SearchRegion {
 };
 
 /// Of a point with a velocity in `time` s; `partnerMotion` (m) is what comes towards it.
-inline SearchRegion searchRegionFrom(const SoftBodyData& body, Eigen::Index i, const Eigen::Vector3d& velocity, double time,
-                       double partnerMotion = 0.0) {
+inline SearchRegion searchRegionFrom(const SoftBodyData& body, Eigen::Index i,
+                                     const Eigen::Vector3d& velocity, double time,
+                                     double partnerMotion = 0.0) {
   const double radius = double(body.masses.shape->getRadius());
   const Eigen::Vector3d x = body.state.position.col(i);
   const double motion = time * velocity.norm() + time * time * body.state.acceleration.col(i).norm();
@@ -56,7 +57,8 @@ inline SearchRegion searchRegionFrom(const SoftBodyData& body, Eigen::Index i, c
   return {x.array() - size, x.array() + size, distance};
 }
 
-inline SearchRegion searchRegionOf(const SoftBodyData& body, Eigen::Index i, double tick, double partnerMotion = 0.0) {
+inline SearchRegion searchRegionOf(const SoftBodyData& body, Eigen::Index i, double tick,
+                                   double partnerMotion = 0.0) {
   return searchRegionFrom(body, i, body.state.velocity.col(i), tick, partnerMotion);
 }
 
@@ -76,8 +78,8 @@ inline Eigen::Vector3d meanOf(const SpringNetwork& network, const Points& quanti
 }
 
 /// Where the points of a body may get in a tick if nothing is in their way: the body flies on, and its points
-/// move relative to that as each may (searchRegionOf). Smaller than the box around all reaches, which also hold what
-/// a hit may push aside.
+/// move relative to that as each may (searchRegionOf). Smaller than the box around all reaches, which also
+/// hold what a hit may push aside.
 inline SweptBounds sweptBoundsOf(const SoftBodyData& body, double tick) {
   const PointState& s = body.state;
   const Eigen::Vector3d mean = meanOf(*body.network, s.velocity);
@@ -91,7 +93,8 @@ inline SweptBounds sweptBoundsOf(const SoftBodyData& body, double tick) {
   const double fall = tick * tick * s.acceleration.col(0).norm();
   const double margin = radius + radius / 3.0 + kSearchPerMotion * (tick * std::sqrt(fastest) + fall);
   const Eigen::Vector3d displacement = kSearchPerMotion * tick * mean;
-  const Eigen::Vector3d low = box.min() + displacement.cwiseMin(0.0), high = box.max() + displacement.cwiseMax(0.0);
+  const Eigen::Vector3d low = box.min() + displacement.cwiseMin(0.0),
+                        high = box.max() + displacement.cwiseMax(0.0);
   return {{low.array() - margin, high.array() + margin}, margin - radius + displacement.norm(), tick};
 }
 
@@ -132,10 +135,10 @@ inline bool canHit(const SoftBodyData& body, const PointMass& point, const btCol
 
 /// Fills body.contacts with a row for every static or kinematic surface that a point may reach in the coming
 /// tick, before it touches. Bullet's broadphase names the partners. Static ones are taken apart
-/// (held_pieces.cpp): where all that a point may reach is flat it has rows of planes, else rows that follow the
-/// surface within the tick. On kinematic ones that move, Bullet's narrowphase finds planes; slow points keep
-/// that of the last tick (PointMass::cachedContact). What moves by itself is in gatherPairs(). Call after
-/// gatherPoints().
+/// (held_pieces.cpp): where all that a point may reach is flat it has rows of planes, else rows that follow
+/// the surface within the tick. On kinematic ones that move, Bullet's narrowphase finds planes; slow points
+/// keep that of the last tick (PointMass::cachedContact). What moves by itself is in gatherPairs(). Call
+/// after gatherPoints().
 void gatherContacts(SoftBodyData& body, btScalar tick);
 
 /// Makes body.watch, which finds what a point meets that gets farther within a tick than gatherContacts() has
@@ -149,8 +152,8 @@ bool mayHaveMissedContacts(SoftBodyData& body);
 /// Rows of one point on the static partners of its body, as far as it may reach in the tick (s).
 void addStaticRows(SoftBodyData& body, std::uint32_t i, const SearchRegion& searchRegion, btScalar tick);
 
-/// Rows on a partner that moves as told; of a point that starts with a velocity and moves for `time` s of the tick.
-/// `stamp`: stampOf() the partner.
+/// Rows on a partner that moves as told; of a point that starts with a velocity and moves for `time` s of the
+/// tick. `stamp`: stampOf() the partner.
 void addRows(SoftBodyData& body, std::uint32_t i, const btCollisionObject& partner, std::uint64_t stamp,
              const Eigen::Vector3d& velocity, double time, btScalar tick);
 
@@ -166,8 +169,8 @@ std::uint64_t stampOf(const btCollisionObject& partner);
 /// asleep is woken.
 void gatherPairs(SoftBodyData& body, btRigidBody& partner, btScalar tick, TickContacts& found);
 
-/// Adds a contact for every two point masses in the world, of different bodies, that may meet in the coming tick.
-/// Call it when all awake groups have been gathered.
+/// Adds a contact for every two point masses in the world, of different bodies, that may meet in the coming
+/// tick. Call it when all awake groups have been gathered.
 void gatherPointPairs(const std::vector<LinkedGroup>& groups, btScalar tick, TickContacts& found);
 
 // --- boxes -------------------------------------------------------------------------------------------------

@@ -63,10 +63,10 @@ namespace {
 /// m, m/s, N: the square of what is less does not overflow Bullet's floats.
 constexpr double kUnsound = 1e18;
 
-/// A point mass does not spin, and so slides with its full friction: its angular factor is 0. Without any inverse
-/// inertia Bullet's rolling friction on what is at rest would divide by zero, should Bullet ever solve a contact
-/// that nobody foresaw. So much more inertia than a sphere's is as good as none of the inverse, also to solvers
-/// that do not look at the angular factor.
+/// A point mass does not spin, and so slides with its full friction: its angular factor is 0. Without any
+/// inverse inertia Bullet's rolling friction on what is at rest would divide by zero, should Bullet ever
+/// solve a contact that nobody foresaw. So much more inertia than a sphere's is as good as none of the
+/// inverse, also to solvers that do not look at the angular factor.
 btVector3 inertiaOf(const SoftBodyData& body, btScalar mass) {
   constexpr btScalar kMuch = btScalar(1e4);
   const btScalar radius = body.masses.shape->getRadius(), inertia = kMuch * mass * radius * radius;
@@ -75,7 +75,8 @@ btVector3 inertiaOf(const SoftBodyData& body, btScalar mass) {
 
 PointMass* makeBody(SoftBodyData& body, std::uint32_t i) {
   const btScalar mass = static_cast<btScalar>(body.settings.totalMass * body.network->massFractions[i]);
-  btRigidBody::btRigidBodyConstructionInfo info(mass, nullptr, body.masses.shape.get(), inertiaOf(body, mass));
+  btRigidBody::btRigidBodyConstructionInfo info(mass, nullptr, body.masses.shape.get(),
+                                                inertiaOf(body, mass));
   info.m_startWorldTransform.setIdentity();
   info.m_startWorldTransform.setOrigin(toBullet(Eigen::Vector3d(body.state.position.col(i))));
   info.m_friction = static_cast<btScalar>(body.settings.friction);
@@ -254,7 +255,8 @@ bool anyPointMoves(const SoftBodyData& body, btScalar tick) {
   if (body.masses.changed) return true;
   for (std::uint32_t i = 0; i < body.masses.bodies.size(); ++i) {
     const double displacement = (body.state.position.col(i) - body.masses.startPosition.col(i)).norm();
-    if (isChangedOutside(body, i) || displacement > double(body.masses.bodies[i]->getLinearSleepingThreshold() * tick))
+    if (isChangedOutside(body, i) ||
+        displacement > double(body.masses.bodies[i]->getLinearSleepingThreshold() * tick))
       return true;
   }
   return false;

@@ -80,7 +80,7 @@ struct PointMasses {
       expectedVelocity;             ///< #points, after the tick if nothing is touched; in a world only
   std::vector<unsigned char> held;  ///< #points, 1: pinned, or held by the user
   bool changed = false;  ///< the user has changed a point since the last tick, and the state knows already
-  bool exposed = true;    ///< false: nobody outside has seen the bodies yet; they are neither read nor written
+  bool exposed = true;   ///< false: nobody outside has seen the bodies yet; they are neither read nor written
   Points startPosition;  ///< 3 x #points, m, at the start of the tick
 };
 

@@ -21,8 +21,8 @@ namespace {
 /// slow.
 constexpr double kSlowReach = 0.6;
 
-/// Of the radius: a point that is no farther from a triangle's plane may be on its wrong side. What touches is pressed
-/// in by far less.
+/// Of the radius: a point that is no farther from a triangle's plane may be on its wrong side. What touches
+/// is pressed in by far less.
 constexpr double kDeepest = 0.5;
 
 /// Of a spring's length: what is no farther beside a triangle is on it.
@@ -54,7 +54,8 @@ bool isKept(const CachedContact& cached, std::uint64_t stamp, const btCollisionO
             const btVector3& place, btScalar radius) {
   if (stamp == 0 || cached.partner != stamp) return false;
   const btScalar displacement = kStillThere * radius;
-  return (partner.getWorldTransform().invXform(place) - cached.place).length2() <= displacement * displacement;
+  return (partner.getWorldTransform().invXform(place) - cached.place).length2() <=
+         displacement * displacement;
 }
 
 // --- the rows of a pair ------------------------------------------------------------------------------------
@@ -213,7 +214,8 @@ bool addKeptRow(RowsOfPair& rows, const SoftBodyData& body, std::uint32_t i, con
   const CachedContact& cached = body.surface.contacts[i];
   const double radius = double(body.masses.shape->getRadius());
   const btVector3 place = toBullet(Eigen::Vector3d(body.state.position.col(i)));
-  if (searchRegion > kSlowReach * radius || !isKept(cached, stamp, partner, place, body.masses.shape->getRadius()))
+  if (searchRegion > kSlowReach * radius ||
+      !isKept(cached, stamp, partner, place, body.masses.shape->getRadius()))
     return false;
   const btTransform& pose = partner.getWorldTransform();
   rows.add(toEigen(pose.getBasis() * cached.normal), pose * cached.surface);
@@ -237,7 +239,8 @@ double heightAbove(const HeldPiece& sheet, const Eigen::Vector3d& x) {
 
 /// m
 double distanceTo(const HeldPiece& sheet, const Eigen::Vector3d& x) {
-  const Eigen::Vector3d weights = nearestBarycentric({sheet.axes.col(0), sheet.axes.col(1), sheet.axes.col(2)}, x);
+  const Eigen::Vector3d weights =
+      nearestBarycentric({sheet.axes.col(0), sheet.axes.col(1), sheet.axes.col(2)}, x);
   return (sheet.axes * weights - x).norm();
 }
 
@@ -258,8 +261,8 @@ bool isHungThrough(const SoftBodyData& body, std::uint32_t i, const HeldPiece& s
   return std::any_of(body.network->springs.begin(), body.network->springs.end(), goes);
 }
 
-/// What is put on terrain to within round-off, or a little too deep, has points that lie in its triangles: what touches
-/// is a radius away. These belong where their body is, if springs of theirs go through.
+/// What is put on terrain to within round-off, or a little too deep, has points that lie in its triangles:
+/// what touches is a radius away. These belong where their body is, if springs of theirs go through.
 void chooseSides(const SoftBodyData& body, std::uint32_t i, HeldPiece* begin, HeldPiece* end) {
   const double radius = double(body.masses.shape->getRadius());
   const Eigen::Vector3d x = body.state.position.col(i);
@@ -282,7 +285,9 @@ HeldPoint nearestOnFlat(const HeldPiece* first, const HeldPiece* end, const Eige
   const HeldPiece* below = first;
   for (; next != end && next->owner == first->owner; ++next)
     if (next->metAbove) below = next;
-  const double height = heightAbove(*below, x), side = below->metAbove ? below->side : height < 0.0 ? -1.0 : 1.0;
+  const double height = heightAbove(*below, x), side = below->metAbove ? below->side
+                                                       : height < 0.0  ? -1.0
+                                                                       : 1.0;
   return {side * below->center, side * height - below->margin, true};
 }
 
@@ -306,8 +311,7 @@ void addFlatRows(SoftBodyData& body, std::uint32_t i, const SearchRegion& search
 void addFollowingRows(SoftBodyData& body, std::uint32_t i, const SearchRegion& searchRegion, btScalar tick) {
   if (body.neighbourhoodCount == body.neighbourhoods.size()) body.neighbourhoods.emplace_back();
   HeldNeighbourhood& around = body.neighbourhoods[body.neighbourhoodCount++];
-  around = {&body.held, body.staticPieces, body.held.pieces.size(),
-            double(body.masses.shape->getRadius())};
+  around = {&body.held, body.staticPieces, body.held.pieces.size(), double(body.masses.shape->getRadius())};
   findContacts(around, body.state.position.col(i), Eigen::Vector3d::Zero(), searchRegion.distance);
   std::uint32_t owner = 0;
   for (const auto& [partner, endOfOwners] : body.staticPartners) {
@@ -330,10 +334,9 @@ std::uint64_t stampOf(const btCollisionObject& partner) {
   const btCollisionShape& shape = *partner.getCollisionShape();
   if (!shape.isConvex()) return 0;
   std::uint64_t hash = hashOfShape(shape);
-  for (const std::uint64_t part :
-       {std::uint64_t{reinterpret_cast<std::uintptr_t>(&partner)},
-        std::uint64_t{reinterpret_cast<std::uintptr_t>(&shape)},
-        static_cast<std::uint64_t>(partner.getBroadphaseHandle()->m_uniqueId)})
+  for (const std::uint64_t part : {std::uint64_t{reinterpret_cast<std::uintptr_t>(&partner)},
+                                   std::uint64_t{reinterpret_cast<std::uintptr_t>(&shape)},
+                                   static_cast<std::uint64_t>(partner.getBroadphaseHandle()->m_uniqueId)})
     addToHash(hash, part);
   return hash | 1;
 }
@@ -353,7 +356,8 @@ void addStaticRows(SoftBodyData& body, std::uint32_t i, const SearchRegion& sear
   const HeldPiece *begin = body.held.pieces.data() + body.staticPieces,
                   *end = body.held.pieces.data() + body.held.pieces.size();
   if (begin == end) return;
-  chooseSides(body, i, body.held.pieces.data() + body.staticPieces, body.held.pieces.data() + body.held.pieces.size());
+  chooseSides(body, i, body.held.pieces.data() + body.staticPieces,
+              body.held.pieces.data() + body.held.pieces.size());
   if (!areFlatAround(begin, end, body.state.position.col(i), double(body.masses.shape->getRadius()),
                      searchRegion.distance))
     return addFollowingRows(body, i, searchRegion, tick);

@@ -192,8 +192,8 @@ void refreshManifold(btDiscreteDynamicsWorld& world, const btPersistentManifold&
   // as btCollisionDispatcher::defaultNearCallback does it, whatever the dispatcher is
   const btCollisionObject* first = static_cast<btCollisionObject*>(pair->m_pProxy0->m_clientObject);
   const btCollisionObject* second = static_cast<btCollisionObject*>(pair->m_pProxy1->m_clientObject);
-  const btCollisionObjectWrapper wrapA(nullptr, first->getCollisionShape(), first, first->getWorldTransform(), -1,
-                                       -1);
+  const btCollisionObjectWrapper wrapA(nullptr, first->getCollisionShape(), first, first->getWorldTransform(),
+                                       -1, -1);
   const btCollisionObjectWrapper wrapB(nullptr, second->getCollisionShape(), second,
                                        second->getWorldTransform(), -1, -1);
   btManifoldResult result(&wrapA, &wrapB);

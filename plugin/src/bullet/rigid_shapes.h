@@ -55,8 +55,8 @@ inline void addToHash(std::uint64_t& hash, std::uint64_t value) {
 /// Of everything that makes a convex shape what it is now: type, margin, and corners, scaling included.
 std::uint64_t hashOfShape(const btCollisionShape& shape);
 
-/// The surfaces of convex shapes that soft bodies have come near, until nobody asks for them any more. A shape that
-/// has been changed, or deleted and another one made in its place, is seen by its hash.
+/// The surfaces of convex shapes that soft bodies have come near, until nobody asks for them any more. A
+/// shape that has been changed, or deleted and another one made in its place, is seen by its hash.
 class ShapeCache {
  public:
   const ShapeSurface& surfaceOf(const btCollisionShape& shape);
@@ -104,10 +104,9 @@ class RigidSurfaces {
   /// Whether the shape has any parts at all.
   bool hasParts(const btCollisionShape& shape);
 
-  /// The only part of a convex object; of a compound those that can meet the box in this tick, by the order of
-  /// its children. Valid until the next call.
-  const std::vector<RigidPart*>& partsNear(const btCollisionObject& object, const SweptBox& box,
-                                                 double tick);
+  /// The only part of a convex object; of a compound those that can meet the box in this tick, by the order
+  /// of its children. Valid until the next call.
+  const std::vector<RigidPart*>& partsNear(const btCollisionObject& object, const SweptBox& box, double tick);
 
   /// How many parts were made in this tick.
   std::size_t size() const { return used_; }
@@ -155,13 +154,13 @@ struct ConcavePatch {
 bool isMoved(const btCollisionObject& object);
 
 /// Adds what an object's shape has in a box (m, in the world): convex solids as a whole, hulls of many faces
-/// and sheets by triangles. Each solid is an owner of its own, numbered from `owner` on, and so is each sheet.
-/// Returns the next number.
+/// and sheets by triangles. Each solid is an owner of its own, numbered from `owner` on, and so is each
+/// sheet. Returns the next number.
 std::uint32_t addPieces(const btCollisionObject& object, const Eigen::AlignedBox3d& box, ShapeCache& shapes,
                         std::uint32_t owner, std::vector<HeldPiece>& pieces);
 
-/// Whether the pieces are flat within `searchRegion` of the place on each that is nearest to `x`, or farther away
-/// than that; `radius` is that of the point at x.
+/// Whether the pieces are flat within `searchRegion` of the place on each that is nearest to `x`, or farther
+/// away than that; `radius` is that of the point at x.
 bool areFlatAround(const HeldPiece* begin, const HeldPiece* end, const Eigen::Vector3d& x, double radius,
                    double searchRegion);
 

@@ -302,7 +302,8 @@ Eigen::Vector3d motionOf(const btCollisionObject& object, const Eigen::Vector3d&
 }
 
 /// The box in which something of the object is at the moment of its pose if it comes into `box` within the
-/// tick. Motion is linear in the place, so no part of it moves farther than the farthest corner of its bounds.
+/// tick. Motion is linear in the place, so no part of it moves farther than the farthest corner of its
+/// bounds.
 SweptBox grownByMotion(const btCollisionObject& object, SweptBox box, double tick) {
   btVector3 bounds[2];
   object.getCollisionShape()->getAabb(object.getWorldTransform(), bounds[0], bounds[1]);
@@ -389,8 +390,8 @@ bool RigidSurfaces::hasParts(const btCollisionShape& shape) {
   return false;
 }
 
-const std::vector<RigidPart*>& RigidSurfaces::partsNear(const btCollisionObject& object,
-                                                              const SweptBox& box, double tick) {
+const std::vector<RigidPart*>& RigidSurfaces::partsNear(const btCollisionObject& object, const SweptBox& box,
+                                                        double tick) {
   near_.clear();
   const btCollisionShape& shape = *object.getCollisionShape();
   const SweptBox grown = shape.isCompound() ? grownByMotion(object, box, tick) : box;

@@ -43,9 +43,7 @@ bool holdsOn(const SpringConstraint& spring, const btRigidBody* body) {
 
 }  // namespace
 
-bool isSystemObject(const btCollisionObject* object) {
-  return isSoft(object) || StepBoundary::isOne(object);
-}
+bool isSystemObject(const btCollisionObject* object) { return isSoft(object) || StepBoundary::isOne(object); }
 
 void warnOnStandardError(const std::string& text) { std::fprintf(stderr, "limber: %s\n", text.c_str()); }
 
@@ -240,7 +238,9 @@ void SoftBodySystem::Impl::dropSpringsOfOthers() {
   const auto isHere = [&](const btRigidBody* body) {
     return body && std::binary_search(points.begin(), points.end(), body, std::less<>());
   };
-  const auto isOn = [&](const auto& spring) { return isHere(spring->endA().body) || isHere(spring->endB().body); };
+  const auto isOn = [&](const auto& spring) {
+    return isHere(spring->endA().body) || isHere(spring->endB().body);
+  };
   for (Impl* system : step->systems)
     if (system != this)
       system->springs.erase(std::remove_if(system->springs.begin(), system->springs.end(), isOn),
@@ -248,7 +248,8 @@ void SoftBodySystem::Impl::dropSpringsOfOthers() {
 }
 
 bool SoftBodySystem::Impl::WorldStep::callsListeners() const {
-  return std::any_of(systems.begin(), systems.end(), [](const Impl* system) { return system->events.calling(); });
+  return std::any_of(systems.begin(), systems.end(),
+                     [](const Impl* system) { return system->events.calling(); });
 }
 
 void SoftBodySystem::Impl::WorldStep::forgetGroups() {
@@ -272,7 +273,8 @@ Result<bool> SoftBodySystem::attach(SoftBody* softBody, std::uint32_t i, btRigid
   if (point->attachedTo) return Error{"point " + std::to_string(i) + " is already attached"};
   if (softBody->pinned(i)) return Error{"point " + std::to_string(i) + " is pinned"};
   if (PointMass::from(&body) || SurfaceObject::from(&body))
-    return Error{"a point can be attached to a rigid body only, not to a soft one: join two points by a spring"};
+    return Error{
+        "a point can be attached to a rigid body only, not to a soft one: join two points by a spring"};
   if (!isPivot(pivot)) return Error{"the pivot is not finite, or farther than 1e6"};
   point->attachedTo = &body;
   softBody->data_->anchors.push_back({i, &body, pivot});
@@ -288,7 +290,9 @@ Result<bool> SoftBodySystem::attach(SoftBody* softBody, std::uint32_t i, btRigid
   return attach(softBody, i, body, body.getWorldTransform().inverse() * place);
 }
 
-bool SoftBodySystem::detach(SoftBody* softBody, std::uint32_t i) { return softBody && impl_->detach(softBody, i); }
+bool SoftBodySystem::detach(SoftBody* softBody, std::uint32_t i) {
+  return softBody && impl_->detach(softBody, i);
+}
 
 bool SoftBodySystem::Impl::detach(SoftBody* softBody, std::uint32_t i) {
   std::vector<Anchor>& anchors = softBody->data_->anchors;

@@ -24,9 +24,9 @@ inline namespace LIMBER_BULLET_PRECISION {
 struct SoftBodyData;
 
 /// What stands for a soft body in Bullet's world. To Bullet it is a dynamic body of the body's mass and
-/// inertia, which joins islands with what is near, and which constraints hold (surface_rigid.cpp); but it is not
-/// in the world's list of bodies to be moved, and makes no contacts in Bullet's narrowphase. Rays, sweeps and
-/// contact tests do find it. Like a PointMass it may be deleted by the application.
+/// inertia, which joins islands with what is near, and which constraints hold (surface_rigid.cpp); but it is
+/// not in the world's list of bodies to be moved, and makes no contacts in Bullet's narrowphase. Rays, sweeps
+/// and contact tests do find it. Like a PointMass it may be deleted by the application.
 class SurfaceObject final : public btRigidBody {
  public:
   BT_DECLARE_ALIGNED_ALLOCATOR();
@@ -64,8 +64,8 @@ class SurfaceShape final : public btConcaveShape {
  public:
   BT_DECLARE_ALIGNED_ALLOCATOR();
 
-  /// `positions` (3 x #points, m) must outlive it. `radius` in metres. `mirrored`: the body's triangles are its
-  /// network's turned over.
+  /// `positions` (3 x #points, m) must outlive it. `radius` in metres. `mirrored`: the body's triangles are
+  /// its network's turned over.
   SurfaceShape(const SpringNetwork& network, bool mirrored, const Points& positions, btScalar radius);
 
   /// The box (world coordinates, m) that the broadphase gets.
@@ -73,7 +73,8 @@ class SurfaceShape final : public btConcaveShape {
   const btVector3& low() const { return low_; }
   const btVector3& high() const { return high_; }
 
-  /// Where the owner is when the points are where `positions` says: once it has been moved, the points will be.
+  /// Where the owner is when the points are where `positions` says: once it has been moved, the points will
+  /// be.
   void setPose(const btTransform& pose) { pose_ = pose; }
 
   const std::vector<std::uint32_t>& springs() const { return springs_; }
@@ -121,8 +122,8 @@ void collectForces(SoftBodyData& body);
 /// gatherPoints(), and the accelerations from gravity and forces.
 void gatherSurface(SoftBodyData& body, btScalar tick);
 
-/// At the start of a tick: where a body that has been thrown since the last one may get is told to Bullet's broadphase,
-/// in which others look for it.
+/// At the start of a tick: where a body that has been thrown since the last one may get is told to Bullet's
+/// broadphase, in which others look for it.
 void updateBroadphaseBox(SoftBodyData& body, btScalar tick);
 
 /// After the step: gives the broadphase the box of this tick's motion and of what the points may reach in the
@@ -158,8 +159,8 @@ bool isObjectChanged(const SoftBodyData& body);
 /// velocity.
 void readObject(SoftBodyData& body, double drift = 0.0);
 
-/// At the start of a tick: adds the forces on the object, which act in all ticks of a stepSimulation(), to the
-/// points' accelerations. What acts on one that sleeps is lost, as with Bullet's bodies.
+/// At the start of a tick: adds the forces on the object, which act in all ticks of a stepSimulation(), to
+/// the points' accelerations. What acts on one that sleeps is lost, as with Bullet's bodies.
 void accelerateByObject(SoftBodyData& body);
 void dropObjectForces(SoftBodyData& body);
 

@@ -6,10 +6,10 @@
 #include "bullet/surface_gather.h"
 
 #include "bullet/bullet_objects.h"
+#include "bullet/linked_group.h"
 #include "bullet/point_contacts.h"
 #include "bullet/rigid_shapes.h"
 #include "bullet/tick_contacts.h"
-#include "bullet/linked_group.h"
 
 #include <algorithm>
 
@@ -68,7 +68,9 @@ bool areNear(const MovingSurface& a, const MovingSurface& b, double margin) {
 ContactCache& searchWith(SoftBodyData& body, const btCollisionObject& partner, std::uint64_t part) {
   std::vector<CachedSearch>& searches = body.surface.searches;
   const int id = partner.getBroadphaseHandle()->m_uniqueId;
-  const auto isThis = [&](const CachedSearch& s) { return s.partner == &partner && s.id == id && s.part == part; };
+  const auto isThis = [&](const CachedSearch& s) {
+    return s.partner == &partner && s.id == id && s.part == part;
+  };
   auto it = std::find_if(searches.begin(), searches.end(), isThis);
   if (it == searches.end()) {
     it = std::find_if(searches.begin(), searches.end(), [](const CachedSearch& s) { return !s.partner; });
@@ -194,15 +196,16 @@ double longestDisplacement(const Points& motion, const Vector3d& common) {
 
 bool isSelf(const SurfaceCandidate& m) { return m.other == m.body; }
 
-/// What steps together with others has neither implicit steppers nor a tick that is done again where its error is too
-/// large: what asks for one of these must not lose it to what is only near.
+/// What steps together with others has neither implicit steppers nor a tick that is done again where its
+/// error is too large: what asks for one of these must not lose it to what is only near.
 bool isSearchedIn(const SoftBodyData& body) {
   const Stepping& s = body.settings.stepping;
   const bool asksForError = s.tolerance > 0.0 || s.relativeTolerance > 0.0;
   return body.settings.continuousCollision && !body.prefersImplicit && !asksForError;
 }
 
-/// Whether hits and springs may bring together in the tick what nobody foresees to touch, and that is to be found.
+/// Whether hits and springs may bring together in the tick what nobody foresees to touch, and that is to be
+/// found.
 bool mayMeet(const SurfaceCandidate& m, double tick, SurfaceSearch& s) {
   if (!isSearchedIn(*m.body) || (m.other && !isSearchedIn(*m.other))) return false;
   const double displacement = displacementOf(m);
@@ -254,8 +257,7 @@ void gatherFree(SoftBodyData& body, btRigidBody& partner, double tick, RigidSurf
   if (!rigids.hasParts(*partner.getCollisionShape()))
     return gatherPairs(body, partner, static_cast<btScalar>(tick), found);
   const SweptBox box = searchBox(movingSurface(body, tick));
-  for (RigidPart* part : rigids.partsNear(partner, box, tick))
-    addFree(body, partner, *part, tick, s, found);
+  for (RigidPart* part : rigids.partsNear(partner, box, tick)) addFree(body, partner, *part, tick, s, found);
 }
 
 // --- static and kinematic objects --------------------------------------------------------------------------
@@ -297,7 +299,7 @@ Vector3d velocityAt(const btCollisionObject& partner, const RigidPart& part, con
 
 /// With what is at rest, or moves as told: its motion is that of `seconds`.
 Contact heldContact(const SoftBodyData& body, const btCollisionObject& partner, const RigidPart& part,
-                        const SurfaceContact& c, double seconds, double tick) {
+                    const SurfaceContact& c, double seconds, double tick) {
   Contact pair = contactOf(body, partner, c);
   if (isMoved(partner))
     pair.b.velocity = velocityAt(partner, part, body.surface.moving, c, seconds, tick);
@@ -406,7 +408,8 @@ double displacementOf(const SurfaceCandidate& m) {
   const MovingSurface &a = m.body->surface.moving, &b = surfaceB(m);
   const Vector3d common = 0.5 * (a.motion->rowwise().mean() + b.motion->rowwise().mean());
   const double stopped = m.body->surface.impact + (m.other ? m.other->surface.impact : 0.0);
-  return (longestDisplacement(*a.motion, common) + longestDisplacement(*b.motion, common) + stopped) / smallerFeatures(m);
+  return (longestDisplacement(*a.motion, common) + longestDisplacement(*b.motion, common) + stopped) /
+         smallerFeatures(m);
 }
 
 Vector3d positionOf(const MovingSurface& surface, const SurfacePoint& place) {
@@ -416,7 +419,8 @@ Vector3d positionOf(const MovingSurface& surface, const SurfacePoint& place) {
   return x;
 }
 
-void findWithin(const SurfaceCandidate& m, const SidesWithin& sides, double ahead, double tick, SurfaceSearch& s) {
+void findWithin(const SurfaceCandidate& m, const SidesWithin& sides, double ahead, double tick,
+                SurfaceSearch& s) {
   s.pairs.clear();
   s.sources.clear();
   s.contacts.clear();

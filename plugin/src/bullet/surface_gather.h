@@ -26,8 +26,8 @@ struct SurfaceSearch {
   std::vector<ContactSource> sources;
 };
 
-/// Makes those that have found another soft body known to it, too: one that has just been thrown is far outside what
-/// the other one looks at. Call it after gatherContacts() of all bodies.
+/// Makes those that have found another soft body known to it, too: one that has just been thrown is far
+/// outside what the other one looks at. Call it after gatherContacts() of all bodies.
 void shareSoftPartners(const std::vector<LinkedGroup>& groups);
 
 /// Adds to `found` where the surface of a body with Collision::Surface touches, or may touch in the coming
@@ -40,8 +40,8 @@ void gatherSurfacePairs(SoftBodyData& body, btScalar tick, RigidSurfaces& rigids
 /// Of the size of a surface's features: how far surfaces move against each other from one search to the next.
 constexpr double kMaxBetweenSearches = 0.05;
 
-/// How far the surfaces may move against each other in the tick, in sizes of their features: as was foreseen, and by
-/// what hits on static and kinematic objects stop.
+/// How far the surfaces may move against each other in the tick, in sizes of their features: as was foreseen,
+/// and by what hits on static and kinematic objects stop.
 double displacementOf(const SurfaceCandidate& candidate);
 
 /// Where the sides of a meeting are within a step.
@@ -52,7 +52,8 @@ struct SidesWithin {
 };
 
 /// Writes the contacts of a meeting as they are now, and will be in the coming `ahead` seconds, to
-/// search.pairs and search.sources, sorted by key. Their places have no bodies yet. The tick is that long (s).
+/// search.pairs and search.sources, sorted by key. Their places have no bodies yet. The tick is that long
+/// (s).
 void findWithin(const SurfaceCandidate& candidate, const SidesWithin& sides, double ahead, double tick,
                 SurfaceSearch& search);
 
@@ -77,8 +78,8 @@ bool cornersBear(const SoftBodyData& body, const SurfaceContact& c, double margi
 
 /// Whether other objects make the edge or corner of the part that is touched none: they are nearer to what
 /// touches it, or flush with it.
-bool isNoEdge(const SoftBodyData& body, const MovingSurface& soft, const RigidPart& part, const SurfaceContact& c,
-              SurfaceSearch& s);
+bool isNoEdge(const SoftBodyData& body, const MovingSurface& soft, const RigidPart& part,
+              const SurfaceContact& c, SurfaceSearch& s);
 
 }  // namespace LIMBER_BULLET_PRECISION
 }  // namespace limber

@@ -113,8 +113,8 @@ constexpr double kSagging = 0.5;
 constexpr double kSameSide = 0.9;
 
 /// Whether edges and triangles sink into something round by less than kSagging where their corners rest on
-/// it: no place is farther than c = L / sqrt(3) from a corner if the longest edge is L, and c^2 / (2 R) is how
-/// deep that is under a sphere of radius R. Returns the largest L^2 (m^2).
+/// it: no place is farther than c = L / sqrt(3) from a corner if the longest edge is L, and c^2 / (2 R) is
+/// how deep that is under a sphere of radius R. Returns the largest L^2 (m^2).
 double longestSquared(const MovingSurface& soft, double radius) {
   return 6.0 * kSagging * soft.radius * (radius + soft.radius);
 }
@@ -176,8 +176,9 @@ class HeldAround {
 bool bendsGently(const MovingSurface& soft, const SurfaceContact& c, double radius) {
   double longest = 0.0;
   for (std::size_t i = 0; i < 3; ++i)
-    longest = std::max(longest, (soft.position->col(c.a.points[i]) - soft.position->col(c.a.points[(i + 1) % 3]))
-                                    .squaredNorm());
+    longest = std::max(
+        longest,
+        (soft.position->col(c.a.points[i]) - soft.position->col(c.a.points[(i + 1) % 3])).squaredNorm());
   return longest <= longestSquared(soft, radius);
 }
 
@@ -211,8 +212,8 @@ bool cornersBear(const SoftBodyData& body, const SurfaceContact& c, double margi
   return true;
 }
 
-bool isNoEdge(const SoftBodyData& body, const MovingSurface& soft, const RigidPart& part, const SurfaceContact& c,
-              SurfaceSearch& s) {
+bool isNoEdge(const SoftBodyData& body, const MovingSurface& soft, const RigidPart& part,
+              const SurfaceContact& c, SurfaceSearch& s) {
   const Vector3d place = positionOf(part.moving, c.b) + part.moving.radius * c.normal;
   const HeldAround around(body, place, soft.radius, s.pieces);
   if (around.covers(c.normal)) return true;

@@ -22,9 +22,9 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-/// Of the trace: about an axis with less inertia, as a rope's own line, torques turn ever less, and nothing where
-/// there is none. Bullet's floats hold spins about all axes at once: what is lost of a very fast one would be a
-/// kick about the others.
+/// Of the trace: about an axis with less inertia, as a rope's own line, torques turn ever less, and nothing
+/// where there is none. Bullet's floats hold spins about all axes at once: what is lost of a very fast one
+/// would be a kick about the others.
 constexpr double kMinInertia = 1e-5;
 
 /// Steps towards the rotation of the body; in a tick it does not turn far.
@@ -44,8 +44,8 @@ void forEachFree(const PointState& s, Visit visit) {
     if (const double mass = massOf(s.inverseMass, i); mass > 0.0) visit(i, mass);
 }
 
-/// Of the cube of the trace: a tensor of that determinant has principal inertias of more than 4 times that share of
-/// the trace.
+/// Of the cube of the trace: a tensor of that determinant has principal inertias of more than 4 times that
+/// share of the trace.
 constexpr double kRoundBody = 1e-3;
 
 /// Makes each principal inertia x the inverse x / (x^2 + least^2); where no x is small, 1 / x to 1e-5 of it.
@@ -89,7 +89,8 @@ struct RigidMotion {
 };
 
 template <class VelocityOf>
-RigidMotion motionOf(const RigidFit& fit, const PointState& s, const Points& position, VelocityOf velocityOf) {
+RigidMotion motionOf(const RigidFit& fit, const PointState& s, const Points& position,
+                     VelocityOf velocityOf) {
   RigidMotion motion;
   if (!(fit.mass > 0.0)) return motion;
   Vector3d angular = Vector3d::Zero();
@@ -138,11 +139,12 @@ Eigen::Quaterniond follow(const SoftBodyData& body, const Vector3d& center, Eige
 
 btMatrix3x3 matrixToBullet(const Matrix3d& m) {
   const auto at = [&](int row, int column) { return static_cast<btScalar>(m(row, column)); };
-  return btMatrix3x3(at(0, 0), at(0, 1), at(0, 2), at(1, 0), at(1, 1), at(1, 2), at(2, 0), at(2, 1), at(2, 2));
+  return btMatrix3x3(at(0, 0), at(0, 1), at(0, 2), at(1, 0), at(1, 1), at(1, 2), at(2, 0), at(2, 1),
+                     at(2, 2));
 }
 
-/// Bullet makes its inertia tensor as basis . diagonal . basis^T: a factor of any tensor, in place of the basis,
-/// gives that tensor.
+/// Bullet makes its inertia tensor as basis . diagonal . basis^T: a factor of any tensor, in place of the
+/// basis, gives that tensor.
 void writeInertia(btRigidBody& object, const RigidFit& fit, const btMatrix3x3& basis) {
   if (object.getMass() != static_cast<btScalar>(fit.mass)) {
     const int flags = object.getCollisionFlags();
@@ -251,8 +253,8 @@ void writeObject(SoftBodyData& body) {
 bool isObjectChanged(const SoftBodyData& body) {
   const btRigidBody* object = body.surface.object;
   const LeftObject& left = body.surface.left;
-  return object && (object->getLinearVelocity() != left.velocity || object->getAngularVelocity() != left.spin ||
-                    !(object->getWorldTransform() == left.pose));
+  return object && (object->getLinearVelocity() != left.velocity ||
+                    object->getAngularVelocity() != left.spin || !(object->getWorldTransform() == left.pose));
 }
 
 void readObject(SoftBodyData& body, double drift) {
@@ -293,7 +295,8 @@ void accelerateByObject(SoftBodyData& body) {
   if (!(fit.mass > 0.0)) return;
   const Vector3d linear = s.objectForce / fit.mass, angular = fit.inverseInertia * s.objectTorque;
   forEachFree(body.state, [&](Eigen::Index i, double) {
-    body.state.acceleration.col(i) += linear + angular.cross(Vector3d(body.state.position.col(i) - fit.center));
+    body.state.acceleration.col(i) +=
+        linear + angular.cross(Vector3d(body.state.position.col(i) - fit.center));
   });
 }
 

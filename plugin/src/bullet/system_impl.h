@@ -7,9 +7,9 @@
 #include "bullet/body_in_world.h"
 #include "bullet/contact_report.h"
 #include "bullet/kinematic_motion.h"
+#include "bullet/linked_group.h"
 #include "bullet/surface_gather.h"
 #include "bullet/tick_contacts.h"
-#include "bullet/linked_group.h"
 #include "bullet/tick_hook.h"
 
 #include <limber/soft_body_system.h>
@@ -95,14 +95,14 @@ struct SoftBodySystem::Impl::WorldStep {
   void leaveToBullet();
 
   btDiscreteDynamicsWorld* world = nullptr;
-  std::vector<Impl*> systems;  // in the order of their creation
+  std::vector<Impl*> systems;     // in the order of their creation
   const Impl* stepped = nullptr;  // the system that has begun the present tick; nullptr between ticks
   std::vector<LinkedGroup> groups;
   StepPlan plan;
   KinematicMotions kinematic;
   MultiBodyLinks links;
   TickContacts pairs;  // contacts in which more than one body moves
-  Islands islands;   // what they couple
+  Islands islands;     // what they couple
   RigidManifolds manifolds;
   std::vector<SwitchedOff> drivesOff;
   ShapeCache shapes;

@@ -5,11 +5,11 @@
 
 #include "bullet/body_in_world.h"
 #include "bullet/kinematic_motion.h"
+#include "bullet/linked_group.h"
 #include "bullet/point_contacts.h"
 #include "bullet/surface_body.h"
 #include "bullet/system_impl.h"
 #include "bullet/tick_contacts.h"
-#include "bullet/linked_group.h"
 
 #include <algorithm>
 #include <chrono>
@@ -220,7 +220,8 @@ void SoftBodySystem::Impl::warnOfRestored() {
     SoftBodyData& body = *bodies[i]->data_;
     if (!std::exchange(body.restored, false) || body.restorations++ > 0) continue;
     warn("soft body " + std::to_string(i) +
-         " was given a position, velocity or force that is not finite, or got one: it was put back to where it "
+         " was given a position, velocity or force that is not finite, or got one: it was put back to where "
+         "it "
          "was before, see SoftBody::restorations()");
   }
 }

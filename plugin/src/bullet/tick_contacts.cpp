@@ -45,7 +45,8 @@ Eigen::Vector3d turnByTorque(const btRigidBody& body) {
   return toEigen(body.getInvInertiaTensorWorld() * body.getTotalTorque());
 }
 
-/// Sets the angular velocity (rad/s) with which the solver begins so that it will be `wanted` before impulses.
+/// Sets the angular velocity (rad/s) with which the solver begins so that it will be `wanted` before
+/// impulses.
 void setTurnBeforeSolver(btRigidBody& body, const Eigen::Vector3d& wanted, btScalar tick) {
   Eigen::Vector3d handed = wanted;
   for (int i = 0; i < 3; ++i) {
@@ -202,14 +203,16 @@ void storeImpulses(const std::vector<SoftBodyData*>& bodies, const TickContacts&
     const ContactSource& source = contacts.sources[i];
     if (!source.body) continue;
     const Contact& c = contacts.contacts[i];
-    // with the normal that it began with, as the next tick's search finds it: what it bore may have turned away
+    // with the normal that it began with, as the next tick's search finds it: what it bore may have turned
+    // away
     const double along = c.normal.dot(c.impulse.sum);
     const Id id = idOf(source);
     source.body->storedImpulses.push_back(
         {id.first, source.partner.object, id.second, {along, c.impulse.sum - along * c.normal}});
   }
   const auto before = [](const StoredImpulse& k, const StoredImpulse& l) { return idOf(k) < idOf(l); };
-  for (SoftBodyData* body : bodies) std::sort(body->storedImpulses.begin(), body->storedImpulses.end(), before);
+  for (SoftBodyData* body : bodies)
+    std::sort(body->storedImpulses.begin(), body->storedImpulses.end(), before);
 }
 
 }  // namespace LIMBER_BULLET_PRECISION

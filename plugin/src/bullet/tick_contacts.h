@@ -6,8 +6,8 @@
 #pragma once
 
 #include "bullet/bullet_objects.h"
-#include "solver/links.h"
 #include "solver/contacts.h"
+#include "solver/links.h"
 
 #include <limber/bullet_precision.h>
 
@@ -31,7 +31,7 @@ struct SoftBodyData;
 struct RigidPartner {
   btRigidBody* body = nullptr;
   bool held = false;           ///< static, kinematic or out of the simulation: it moves as told
-  ObjectHandle mark;            ///< of the body
+  ObjectHandle mark;           ///< of the body
   btTransform lastPose;        ///< of a held body at the end of the last tick
   RigidState start;            ///< at the start of the tick
   btVector3 expectedVelocity;  ///< after the tick if nothing else acts
@@ -56,7 +56,7 @@ struct ContactSource {
   btManifoldPoint* point = nullptr;  ///< Bullet's, between rigid bodies
   SoftBodyData* body = nullptr;      ///< the soft body on side a, of all others
   SoftBodyData* other = nullptr;     ///< the soft body on side b, if it is one
-  ObjectHandle partner;               ///< on side b
+  ObjectHandle partner;              ///< on side b
   std::uint64_t key = 0;             ///< of the features that touch, the same from tick to tick
 };
 
@@ -71,12 +71,12 @@ struct RigidPart;
 
 /// Two surfaces that touch, or may touch, in the tick.
 struct SurfaceCandidate {
-  SoftBodyData* body = nullptr;      ///< on side a
-  SoftBodyData* other = nullptr;     ///< on side b, if it is soft
-  btRigidBody* partner = nullptr;    ///< on side b, if it is rigid and moves by itself
+  SoftBodyData* body = nullptr;             ///< on side a
+  SoftBodyData* other = nullptr;            ///< on side b, if it is soft
+  btRigidBody* partner = nullptr;           ///< on side b, if it is rigid and moves by itself
   const btCollisionObject* held = nullptr;  ///< on side b, if it is at rest or moves as told
-  RigidPart* part = nullptr;         ///< of one of these
-  std::uint32_t first = 0, end = 0;  ///< of its contacts
+  RigidPart* part = nullptr;                ///< of one of these
+  std::uint32_t first = 0, end = 0;         ///< of its contacts
 };
 
 /// The contacts of one tick in which something other than a single soft body moves, the joints of the rigid
@@ -182,8 +182,8 @@ struct SwitchedOff {
   std::uint32_t drives;  ///< a bit for each that was on
 };
 
-/// Bullet's solver would let motors and springs push a second time, whatever velocities it is given: those whose rows
-/// are in `found` are off until it has run.
+/// Bullet's solver would let motors and springs push a second time, whatever velocities it is given: those
+/// whose rows are in `found` are off until it has run.
 void switchOffDrives(const TickContacts& found, std::vector<SwitchedOff>& off);
 void switchOnDrives(btDynamicsWorld& world, std::vector<SwitchedOff>& off);
 
@@ -222,8 +222,8 @@ inline const btCollisionObject& objectInWorld(const btCollisionObject& object) {
 /// Whether nothing moves a link: it and all joints down to a fixed base have no freedom.
 bool isHeldLink(const btMultiBodyLinkCollider& collider);
 
-/// The links of multibodies that soft bodies touch. While contacts are solved each is a rigid body that joints
-/// hold to the others; what it has borne goes into the joints of the multibody, exactly.
+/// The links of multibodies that soft bodies touch. While contacts are solved each is a rigid body that
+/// joints hold to the others; what it has borne goes into the joints of the multibody, exactly.
 class MultiBodyLinks {
  public:
   /// At the start of a tick.

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Zlib
 
-// This file writes the motion of points in the world to Bullet's bodies and reads the impulses of Bullet's solver
-// from them. It stops fast points at what they would pass through, and shares contacts with Bullet's manifolds.
+// This file writes the motion of points in the world to Bullet's bodies and reads the impulses of Bullet's
+// solver from them. It stops fast points at what they would pass through, and shares contacts with Bullet's
+// manifolds.
 
 #include "bullet/bullet_objects.h"
 #include "bullet/point_contacts.h"
@@ -109,8 +110,8 @@ void wakeWorldPoints(SoftBodyData& body, bool insideTick) {
 
 namespace {
 
-/// Whether Bullet has a kinematic object already where it gets in the tick, while all else is where it starts:
-/// what it carries is inside it.
+/// Whether Bullet has a kinematic object already where it gets in the tick, while all else is where it
+/// starts: what it carries is inside it.
 bool isAhead(const btCollisionObject& object) {
   return isKinematic(object) && !(object.getWorldTransform() == object.getInterpolationWorldTransform() &&
                                   object.getInterpolationLinearVelocity().isZero() &&
@@ -174,9 +175,9 @@ void sweepPoint(SoftBodyData& body, Eigen::Index i) {
   body.state.position.col(i) = start + double(hit.m_closestHitFraction) * (end - start);
 }
 
-/// Stops point masses in the world that have got farther in this tick than contacts were looked for where they
-/// first touched something. Their velocity stays: the next tick finds the contact. Call after Bullet's contacts
-/// have been read, when start and end positions are known, and before the bodies are written.
+/// Stops point masses in the world that have got farther in this tick than contacts were looked for where
+/// they first touched something. Their velocity stays: the next tick finds the contact. Call after Bullet's
+/// contacts have been read, when start and end positions are known, and before the bodies are written.
 ///
 /// Only points that move far enough to miss a contact are swept, and only if anything is in the box the body
 /// sweeps (one query of the broadphase for a whole body). Bullet's own continuous collision is not used,
@@ -251,14 +252,16 @@ void readManifolds(btDispatcher& dispatcher) {
 }
 
 void leaveToRows(btDispatcher& dispatcher) {
-  forEachContact(dispatcher, [](btPersistentManifold& manifold, PointMass& point,
-                                const btCollisionObject* partner) {
-    if (isOfAwakePoints(point, partner)) manifold.setContactProcessingThreshold(-BT_LARGE_FLOAT);
-    const SoftBodyData& body = *point.owner();
-    const ContactRange rows = contactsOfPoint(body.contacts, point.index());
-    for (std::size_t r = rows.begin; r < rows.end && !body.asleep; ++r)
-      if (body.contactPartners[r] == partner) manifold.setContactProcessingThreshold(-BT_LARGE_FLOAT);
-  });
+  forEachContact(dispatcher,
+                 [](btPersistentManifold& manifold, PointMass& point, const btCollisionObject* partner) {
+                   if (isOfAwakePoints(point, partner))
+                     manifold.setContactProcessingThreshold(-BT_LARGE_FLOAT);
+                   const SoftBodyData& body = *point.owner();
+                   const ContactRange rows = contactsOfPoint(body.contacts, point.index());
+                   for (std::size_t r = rows.begin; r < rows.end && !body.asleep; ++r)
+                     if (body.contactPartners[r] == partner)
+                       manifold.setContactProcessingThreshold(-BT_LARGE_FLOAT);
+                 });
 }
 
 void reportContactImpulses(btDispatcher& dispatcher) {
@@ -277,8 +280,7 @@ void reportContactImpulses(btDispatcher& dispatcher) {
         if (along > kSameSurface && nearest < 0) nearest = p;
       }
       if (nearest < 0) continue;
-      manifold.getContactPoint(nearest).m_appliedImpulse +=
-          static_cast<btScalar>(row.impulse.along);
+      manifold.getContactPoint(nearest).m_appliedImpulse += static_cast<btScalar>(row.impulse.along);
     }
   });
 }

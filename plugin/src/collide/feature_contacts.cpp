@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// Contacts of single features: vertices on triangles, vertices that have come inside, and edges and vertices where
-// surfaces touch at edges and corners.
+// Contacts of single features: vertices on triangles, vertices that have come inside, and edges and vertices
+// where surfaces touch at edges and corners.
 #include "collide/feature_contacts.h"
 
 #include "solver/closest_points.h"
@@ -36,7 +36,7 @@ constexpr double kNever = std::numeric_limits<double>::infinity();
 /// are nearest at its start; else a time of kNever.
 template <int N, int M>
 NearestPoints<N, M> findFeatureContact(const MovingFeature<N>& a, const MovingFeature<M>& b, double radiusSum,
-                                double margin) {
+                                       double margin) {
   const NearestPoints<N, M> start = nearestPoints(a, b, 0.0);
   NearestPoints<N, M> places = start;
   for (int i = 0; i < kMaxAdvances; ++i) {
@@ -149,8 +149,8 @@ struct VertexTriangle {
 };
 
 /// The candidate of a vertex that the triangle pushes along its unit `normal`.
-void addVertexOnTriangle(const SurfacePair& pair, const PenetratingVertex& at, const Vector3d& normal, double time,
-                         ContactSearch& search) {
+void addVertexOnTriangle(const SurfacePair& pair, const PenetratingVertex& at, const Vector3d& normal,
+                         double time, ContactSearch& search) {
   const SurfaceTopology& t = *(at.ofB ? pair.a : pair.b).topology;
   ContactCandidate candidate;
   SurfaceContact& c = candidate.contact;
@@ -212,7 +212,7 @@ bool moveInto(Vector3d& barycentric) {
 }
 
 void collideVertexTriangle(const SurfacePair& pair, bool ofB, std::uint32_t v, std::uint32_t triangle,
-                        ContactSearch& search) {
+                           ContactSearch& search) {
   const MovingSurface &mine = ofB ? pair.b : pair.a, &other = ofB ? pair.a : pair.b;
   VertexTriangle meeting{pair,
                          featureOf<1>(mine, std::array<std::uint32_t, 1>{v}),
@@ -314,7 +314,7 @@ struct Arrival {
 bool meetsRound(const SurfacePair& pair, const MovingSurface& mine, const MovingSurface& other,
                 const Arrival& at) {
   constexpr double kTouchingShare = 0.1;  // share of the margin
-  constexpr double kHeadOn = 0.5;    // cosine
+  constexpr double kHeadOn = 0.5;         // cosine
   if (!isRound(other, mine)) return false;
   const SurfaceTopology& t = *mine.topology;
   const auto isLong = [&](std::uint32_t e) {
@@ -424,7 +424,7 @@ void collideVertices(const SurfacePair& pair, std::uint32_t va, std::uint32_t vb
 }
 
 void collideVertexEdge(const SurfacePair& pair, bool ofB, std::uint32_t v, std::uint32_t edge,
-                    ContactSearch& search) {
+                       ContactSearch& search) {
   const MovingSurface &mine = ofB ? pair.b : pair.a, &other = ofB ? pair.a : pair.b;
   const auto vertex = featureOf<1>(mine, std::array<std::uint32_t, 1>{v});
   const auto segment = featureOf<2>(other, other.topology->edges[edge]);

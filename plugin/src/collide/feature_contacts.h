@@ -94,7 +94,7 @@ NearestPoints<N, M> nearestPoints(const MovingFeature<N>& a, const MovingFeature
 /// candidate where it is above the triangle, now or when it lands. Behind one that is one-sided: goes to
 /// `search.behind`.
 void collideVertexTriangle(const SurfacePair& pair, bool ofB, std::uint32_t v, std::uint32_t triangle,
-                        ContactSearch& search);
+                           ContactSearch& search);
 
 /// Finds out which vertices of `search.behind` are inside the other surface, and adds a contact for each:
 /// with the nearest triangle that the vertex faces.
@@ -113,7 +113,7 @@ void collideVertices(const SurfacePair& pair, std::uint32_t va, std::uint32_t vb
 
 /// A vertex of a and an edge of b, or (`ofB`) a vertex of b and an edge of a.
 void collideVertexEdge(const SurfacePair& pair, bool ofB, std::uint32_t v, std::uint32_t edge,
-                    ContactSearch& search);
+                       ContactSearch& search);
 
 /// Edges of a and b that cross. Those of solid bodies may have passed through each other by less than the
 /// depth limit of their triangles.

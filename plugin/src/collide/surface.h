@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
-// A triangle surface: what stays the same while it moves, where it is during one tick, and the tree of boxes that
-// finds what is near it.
+// A triangle surface: what stays the same while it moves, where it is during one tick, and the tree of boxes
+// that finds what is near it.
 
 #include "mesh/edges.h"
 #include "solver/point_state.h"

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// Finds the contacts of surfaces among the features that are near each other, keeps one of those that say the same,
-// and refreshes those of an earlier search.
+// Finds the contacts of surfaces among the features that are near each other, keeps one of those that say the
+// same, and refreshes those of an earlier search.
 #include "collide/surface_contacts.h"
 
 #include "collide/feature_contacts.h"
@@ -43,7 +43,7 @@ BoxedElement boxed(const MovingSurface& surface, std::uint32_t leaf) {
 
 /// The vertices in the care of `mine` against all that is in the care of `other`; `ofB` tells whose they are.
 void collideVerticesOf(const SurfacePair& pair, bool ofB, const BoxedElement& mine, const BoxedElement& other,
-                    ContactSearch& search) {
+                       ContactSearch& search) {
   for (const std::uint32_t v : mine.element->vertices) {
     if (v == kNoFeature || separation(mine.vertexBox(v), other.whole) > pair.margin) continue;
     const SweptBox& box = mine.vertexBox(v);
@@ -59,7 +59,7 @@ void collideVerticesOf(const SurfacePair& pair, bool ofB, const BoxedElement& mi
 }
 
 void collideEdgesOf(const SurfacePair& pair, const BoxedElement& a, const BoxedElement& b,
-                 ContactSearch& search) {
+                    ContactSearch& search) {
   for (std::size_t i = 0; i < 3; ++i) {
     if (a.element->edges[i] == kNoFeature || separation(a.edges[i], b.whole) > pair.margin) continue;
     for (std::size_t j = 0; j < 3; ++j)
@@ -114,10 +114,13 @@ bool shareVertex(const SurfacePoint& a, const SurfacePoint& b) {
 /// m, of a vertex or edge from a vertex, an edge or, of a vertex, a triangle.
 double distanceAtRest(const Points& rest, const SurfacePoint& a, const SurfacePoint& b) {
   if (a.kind == FeatureKind::OnTriangle) return distanceAtRest(rest, b, a);
-  const auto corner = [&](const SurfacePoint& place, std::size_t i) { return Vector3d(rest.col(place.points[i])); };
+  const auto corner = [&](const SurfacePoint& place, std::size_t i) {
+    return Vector3d(rest.col(place.points[i]));
+  };
   if (b.kind == FeatureKind::OnTriangle) {
     const Vector3d weights = nearestBarycentric({corner(b, 0), corner(b, 1), corner(b, 2)}, corner(a, 0));
-    return (weights[0] * corner(b, 0) + weights[1] * corner(b, 1) + weights[2] * corner(b, 2) - corner(a, 0)).norm();
+    return (weights[0] * corner(b, 0) + weights[1] * corner(b, 1) + weights[2] * corner(b, 2) - corner(a, 0))
+        .norm();
   }
   // an edge without length is a vertex
   const SegmentPair along = nearestOnSegments(corner(a, 0), corner(a, 1), corner(b, 0), corner(b, 1));
@@ -192,7 +195,8 @@ void eraseDropped(Candidates& candidates) {
 void reduceVertexPairs(Candidates& candidates) {
   for (ContactCandidate& x : candidates) {
     if (x.vertex != kNoVertex || x.rank != kVertexVertex) continue;
-    const std::uint64_t a = std::uint64_t{x.contact.a.feature} * 2, b = std::uint64_t{x.contact.b.feature} * 2 + 1;
+    const std::uint64_t a = std::uint64_t{x.contact.a.feature} * 2,
+                        b = std::uint64_t{x.contact.b.feature} * 2 + 1;
     x.dropped = std::any_of(candidates.begin(), candidates.end(), [&](const ContactCandidate& y) {
       return (y.vertex == a || y.vertex == b) && !y.dropped && haveSameDirection(x, y);
     });
@@ -301,7 +305,8 @@ double longestMotion(const Points& motion, const Vector3d& common) {
 bool haveHardlyMoved(const MovingSurface& a, const MovingSurface& b, double margin,
                      const ContactCache& cache) {
   const Vector3d displacement = a.position->col(0) - cache.a.col(0), motion = a.motion->col(0);
-  const double moved = longestDisplacement(cache.a, *a.position, displacement) + longestDisplacement(cache.b, *b.position, displacement);
+  const double moved = longestDisplacement(cache.a, *a.position, displacement) +
+                       longestDisplacement(cache.b, *b.position, displacement);
   if (!(moved <= kMaxMoved * margin)) return false;
   return moved + longestMotion(*a.motion, motion) + longestMotion(*b.motion, motion) <=
          kMaxWithMotion * margin;
@@ -393,7 +398,7 @@ bool refreshContacts(const MovingSurface& a, const MovingSurface& b, double marg
 }
 
 void storeContacts(const MovingSurface& a, const MovingSurface& b, const std::vector<SurfaceContact>& found,
-                  ContactCache& cache) {
+                   ContactCache& cache) {
   cache.contacts = found;
   cache.a = *a.position;
   cache.b = *b.position;

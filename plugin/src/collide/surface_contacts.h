@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
-// Contacts of two surfaces, or of one with itself: places that touch or will touch in a tick; and those of the last
-// search, as long as they hold.
+// Contacts of two surfaces, or of one with itself: places that touch or will touch in a tick; and those of
+// the last search, as long as they hold.
 
 #include "collide/surface.h"
 
@@ -95,6 +95,6 @@ bool refreshContacts(const MovingSurface& a, const MovingSurface& b, double marg
 
 /// Keeps what a search has just found.
 void storeContacts(const MovingSurface& a, const MovingSurface& b, const std::vector<SurfaceContact>& found,
-                  ContactCache& cache);
+                   ContactCache& cache);
 
 }  // namespace limber

@@ -206,7 +206,8 @@ Result<SurfaceTopology> makeSurfaceTopology(const Points& rest, const SurfaceFea
   setEdgeTriangles(t, triangleEdges);
   t.oneSided = findOneSided(t, triangleEdges, features.outward);
   for (const Triangle& corners : t.triangles) t.depthLimit.push_back(kDepthShare * shortestSide(t, corners));
-  for (const Edge& e : t.edges) t.featureSize += (rest.col(e[0]) - rest.col(e[1])).norm() / double(t.edges.size());
+  for (const Edge& e : t.edges)
+    t.featureSize += (rest.col(e[0]) - rest.col(e[1])).norm() / double(t.edges.size());
   t.edgesAround = listsAround(rest.cols(), t.edges);
   t.trianglesAround = listsAround(rest.cols(), t.triangles);
   FeatureOwners care(t, triangleEdges, features.rigid);

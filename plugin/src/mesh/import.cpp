@@ -6,8 +6,8 @@
 
 #include <limber/triangle_mesh.h>
 
-#include <assimp/Importer.hpp>
 #include <assimp/scene.h>
+#include <assimp/Importer.hpp>
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>

@@ -82,8 +82,8 @@ SurfaceComponents findComponents(std::size_t points, const std::vector<Triangle>
   return components;
 }
 
-std::optional<LineHit> intersectLine(const TriangleCorners& t, const Vector3d& origin, const Vector3d& direction,
-                                double margin) {
+std::optional<LineHit> intersectLine(const TriangleCorners& t, const Vector3d& origin,
+                                     const Vector3d& direction, double margin) {
   const Vector3d e1 = t[1] - t[0], e2 = t[2] - t[0];
   const Vector3d h = direction.cross(e2);
   const double determinant = e1.dot(h);

@@ -26,7 +26,7 @@ struct LineHit {
 /// T. Moller, B. Trumbore, "Fast, minimum storage ray/triangle intersection", 1997. Barycentric coordinates
 /// down to -`margin` count as hits; lines in the triangle's plane do not.
 std::optional<LineHit> intersectLine(const TriangleCorners& triangle, const Eigen::Vector3d& origin,
-                                const Eigen::Vector3d& direction, double margin);
+                                     const Eigen::Vector3d& direction, double margin);
 
 /// Signed solid angle of the triangle seen from `p`, positive from behind, where its corners run clockwise
 /// (A. van Oosterom, J. Strackee, "The solid angle of a plane triangle", 1983). 0 in its plane.

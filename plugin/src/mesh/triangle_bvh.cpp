@@ -123,7 +123,7 @@ void TriangleBvh::build(std::uint32_t node, std::uint32_t first, std::uint32_t c
 }
 
 TriangleHit TriangleBvh::firstHit(const Vector3d& origin, const Vector3d& direction, double from,
-                                 double to) const {
+                                  double to) const {
   TriangleHit hit;
   hit.distance = to;
   std::array<std::uint32_t, kBvhStack> stack{};
@@ -171,7 +171,7 @@ bool TriangleBvh::isPierced(const Vector3d& a, const Vector3d& b,
 }
 
 TriangleHit TriangleBvh::nearestWithin(const Vector3d& position, double distance,
-                                      const Vector3d& normal) const {
+                                       const Vector3d& normal) const {
   TriangleHit hit;
   double best = distance * distance;
   std::array<std::uint32_t, kBvhStack> stack{};

@@ -35,7 +35,7 @@ class TriangleBvh {
   /// The first triangle that the ray meets between `from` and `to` along the unit `direction` (m); triangles
   /// seen from either side.
   TriangleHit firstHit(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction, double from,
-                      double to) const;
+                       double to) const;
   /// Whether the segment passes through the inside of a triangle that `counts` accepts, by more than a
   /// millionth of its length on either side.
   bool isPierced(const Eigen::Vector3d& a, const Eigen::Vector3d& b,
@@ -69,7 +69,7 @@ class TriangleBvh {
   void setDipole(Node& node, std::uint32_t first, std::uint32_t count) const;
   void build(std::uint32_t node, std::uint32_t first, std::uint32_t count);
   TriangleHit nearestWithin(const Eigen::Vector3d& position, double distance,
-                           const Eigen::Vector3d& normal = Eigen::Vector3d::Zero()) const;
+                            const Eigen::Vector3d& normal = Eigen::Vector3d::Zero()) const;
   bool isInsideOrNear(const Eigen::Vector3d& position, double tolerance) const;
   std::vector<double> crossings(const Eigen::Vector3d& a, const Eigen::Vector3d& b) const;
 

@@ -181,7 +181,7 @@ void analyseLargeDeformations(const SpringNetwork& network, const AnalysisSettin
 }
 
 void analyseSelfWeight(const SpringNetwork& network, const AnalysisSettings& settings, const Progress& goOn,
-                      NetworkAnalysis& a) {
+                       NetworkAnalysis& a) {
   const std::optional<double> least = leastStiffness(network, bodySettings(settings), settings.gravity, goOn);
   a.leastStiffnessKnown = least.has_value();
   a.leastStiffness = least && std::isfinite(*least) ? *least : 0.0;

@@ -50,9 +50,9 @@ class InsideChords {
 struct BracedPiece {
   SpringNetwork network;  ///< points, springs and, turned outwards, the surface; no masses, no render surface
   InsideChords chords;
-  double weight = 1.0;         ///< stiffnessScale of a brace
+  double weight = 1.0;                ///< stiffnessScale of a brace
   std::size_t maxBracesPerPoint = 0;  ///< in all that it may get
-  std::vector<Edge> braces;    ///< in the order they were added
+  std::vector<Edge> braces;           ///< in the order they were added
 
   bool full() const { return braces.size() >= maxBracesPerPoint; }
 };
@@ -115,7 +115,7 @@ constexpr double kPipelineWeight = 0.5;
 
 struct BracingSettings {
   double weight = kPipelineWeight;  ///< stiffnessScale of a brace
-  double maxBracesPerPoint = 1.5;          ///< per point
+  double maxBracesPerPoint = 1.5;   ///< per point
   std::uint64_t seed = 1;
 };
 

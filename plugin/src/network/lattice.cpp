@@ -186,7 +186,8 @@ void warp(CutLattice& cut) {
     cut.positions[site] = cut.cuts[c];
     cut.side[site] = 0;
     for (std::uint32_t d = 0; d < kNeighbours; ++d)
-      if (neighbour(cut.lattice, site, d) != kNoSite) cut.cutOfEdge[edgeNumber(cut.lattice, site, d)] = kNoSite;
+      if (neighbour(cut.lattice, site, d) != kNoSite)
+        cut.cutOfEdge[edgeNumber(cut.lattice, site, d)] = kNoSite;
   }
 }
 

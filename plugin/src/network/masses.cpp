@@ -252,8 +252,8 @@ MomentVector momentsOf(const Vector3d& p) {
 }
 
 /// Sets the shares, from those wanted, and what is proven about them.
-void matchSolid(MassFractions& result, const std::vector<Vector3d>& points, const std::vector<Triangle>& surface,
-                const SolidMoments& solid) {
+void matchSolid(MassFractions& result, const std::vector<Vector3d>& points,
+                const std::vector<Triangle>& surface, const SolidMoments& solid) {
   const double unit = std::sqrt(solid.second.trace());
   const Matrix3d s = solid.second / (unit * unit);
   MomentVector target;
@@ -278,7 +278,7 @@ void matchSolid(MassFractions& result, const std::vector<Vector3d>& points, cons
 }  // namespace
 
 MassFractions shareMass(MassRule rule, const std::vector<Vector3d>& points,
-                     const std::vector<Triangle>& surface) {
+                        const std::vector<Triangle>& surface) {
   MassFractions result;
   if (rule == MassRule::Equal) {
     result.shares.assign(points.size(), 1.0 / static_cast<double>(points.size()));

@@ -43,6 +43,6 @@ struct MassFractions {
 /// points inside to match it. Points of no triangle count as mean ones for Area and Moments. A surface that
 /// is not closed has Area's shares for Moments.
 MassFractions shareMass(MassRule rule, const std::vector<Eigen::Vector3d>& points,
-                     const std::vector<Triangle>& surface);
+                        const std::vector<Triangle>& surface);
 
 }  // namespace limber

@@ -99,8 +99,7 @@ Edges collectEdges(const SpringNetwork& network) {
     const double volume = volumeOf(network.restPoints, t);
     for (std::size_t i = 0; i < 4; ++i) {
       edges.pointVolumes[t[i]] += volume / 4.0;
-      for (std::size_t j = i + 1; j < 4; ++j)
-        all.push_back({edgeBetween(t[i], t[j]), volume});
+      for (std::size_t j = i + 1; j < 4; ++j) all.push_back({edgeBetween(t[i], t[j]), volume});
     }
   }
   std::sort(all.begin(), all.end());

@@ -81,8 +81,8 @@ Points restPointsOf(const SpringNetwork& network) {
 }
 
 /// The most that the trace of a rotation times C can be: the largest eigenvalue of a symmetric matrix whose
-/// eigenvector is the rotation's quaternion (B. Horn, "Closed-form solution of absolute orientation using unit
-/// quaternions", 1987).
+/// eigenvector is the rotation's quaternion (B. Horn, "Closed-form solution of absolute orientation using
+/// unit quaternions", 1987).
 double largestTrace(const Eigen::Matrix3d& c) {
   const Eigen::Vector3d twist(c(1, 2) - c(2, 1), c(2, 0) - c(0, 2), c(0, 1) - c(1, 0));
   Eigen::MatrixXd m(4, 4);
@@ -198,8 +198,8 @@ void descend(SolverBody& body, double leastForce, std::size_t iterations,
 
 constexpr double kRelaxationDrag = 0.05;  // 1/s, at unit mass and spring constant
 constexpr double kStepShare = 0.75;       // of the stable step at rest
-constexpr double kMaxTime = 600.0;       // s; by then drag alone has taken 13 powers of ten of the energy
-constexpr double kMinTime = 10.0;       // s before a body counts as at rest: it starts without speed
+constexpr double kMaxTime = 600.0;        // s; by then drag alone has taken 13 powers of ten of the energy
+constexpr double kMinTime = 10.0;         // s before a body counts as at rest: it starts without speed
 
 // Substeps between two looks at a run, at which its step is chosen: few while it is wild, that is, while its
 // step must be much smaller than at rest or its points move far (of the size, root mean square) between two
@@ -207,11 +207,11 @@ constexpr double kMinTime = 10.0;       // s before a body counts as at rest: it
 constexpr int kCalmSubsteps = 8, kWildSubsteps = 4;
 constexpr int kCalmLooks = 8;
 constexpr std::size_t kRunsPerLane = 4;  // at a time: those with the same step fill registers
-constexpr int kMaxLooks = 4000;         // then a run that is still wild goes on by descent
+constexpr int kMaxLooks = 4000;          // then a run that is still wild goes on by descent
 constexpr double kWildBound = 1.5;       // times the square of the frequency bound at rest
 constexpr double kFarMove = 0.5;
 constexpr double kCalmShare = 0.95, kWildShare = 0.6;  // of the stable step
-constexpr int kMaxStepHalvings = 12;                // of the step at rest
+constexpr int kMaxStepHalvings = 12;                   // of the step at rest
 
 /// J over the square of the mean spring length, kinetic: too little to flip a point through its neighbours.
 constexpr double kRestEnergy = 1e-2;

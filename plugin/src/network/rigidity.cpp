@@ -4,8 +4,8 @@
 
 #include "network/rigidity.h"
 
-#include "mesh/random.h"
 #include "mesh/edges.h"
+#include "mesh/random.h"
 #include "solver/linear_algebra.h"
 
 #include <Eigen/Geometry>
@@ -206,7 +206,7 @@ SmallDeformations smallDeformations(const SpringNetwork& network) {
   if (result.stiffest > 0.0) {
     const double bound = kMechanism * result.stiffest;
     end = unknowns <= kMaxDense ? denseSoftEnd(stiffness, bound)
-                                 : sparseSoftEnd(stiffness, bound, result.stiffest);
+                                : sparseSoftEnd(stiffness, bound, result.stiffest);
   }
   result.softest = end.softest;
   result.rank = static_cast<std::size_t>(unknowns - end.below);
@@ -218,7 +218,7 @@ SmallDeformations smallDeformations(const SpringNetwork& network) {
 namespace {
 
 constexpr Eigen::Index kBlock = 8;  // vectors that the space grows by
-constexpr int kMaxBlocks = 400;    // by then something is wrong with the matrix
+constexpr int kMaxBlocks = 400;     // by then something is wrong with the matrix
 constexpr int kBlocksBetweenChecks = 3;
 constexpr double kModeTolerance = 1e-5;  // of a residual, relative to the eigenvalue of the inverse
 constexpr double kConfirmed = 1e-4;      // relative change of an eigenvalue that says that nothing was missed
@@ -395,8 +395,7 @@ Eigen::MatrixXd sparseModes(const SparseMatrix& stiffness, const Eigen::MatrixXd
   space.basis.resize(stiffness.rows(), 2 * count + 6 * kBlock);
   space.product.resize(stiffness.rows(), space.basis.cols());
   converge(space, count);
-  return product(space.basis.leftCols(space.columns),
-                 space.vectors.leftCols(std::min(count, space.columns)));
+  return product(space.basis.leftCols(space.columns), space.vectors.leftCols(std::min(count, space.columns)));
 }
 
 constexpr int kRoughPasses = 2;

@@ -30,7 +30,8 @@ struct SkinProblem {
   std::vector<Eigen::Vector3d> points;   ///< #points
   std::vector<Eigen::Vector3d> places;   ///< #places
   std::vector<Eigen::Vector3d> normals;  ///< #places, outward
-  SparseRows variances;  ///< #places x #points, m^3: how little a point tells about a place, see gapVariances()
+  SparseRows
+      variances;  ///< #places x #points, m^3: how little a point tells about a place, see gapVariances()
 };
 
 /// Whether the points lie in no plane, so that affine motions can be told from them.

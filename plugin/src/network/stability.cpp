@@ -187,7 +187,7 @@ constexpr std::size_t kMaxStandingSteps = 4'000'000;
 constexpr std::size_t kStepsBetweenQuestions = 256;
 
 // What counts as standing.
-constexpr double kMinHeight = 0.5;    // over the height at rest
+constexpr double kMinHeight = 0.5;     // over the height at rest
 constexpr double kMaxDistance = 0.05;  // of the rest shape afterwards: dents are no collapse
 
 /// The body in units of 1, its lowest point on the floor y = 0.

@@ -56,7 +56,7 @@ inline void applyAtMomentArms(IslandConstraints& rows, const ContactConstraint& 
 inline ContactVector speedsOf(const IslandConstraints& rows, const ContactConstraint& row) {
   const Motion m = motionOf(rows, row);
   ContactVector speeds{row.carried.n + along(row.axes[0], m), row.carried.u + along(row.axes[1], m),
-                   row.carried.v + along(row.axes[2], m)};
+                       row.carried.v + along(row.axes[2], m)};
   for (std::uint32_t i = row.firstRotation; i < row.endRotation; ++i) {
     const ConstraintRotation& t = rows.rotations[i];
     const Motion w = turnOf(t);

@@ -2,8 +2,8 @@
 // Solves contacts, joints and anchors of a group together, by sweeps over their rows.
 #include "solver/contacts.h"
 
-#include "solver/plane_contacts.h"
 #include "solver/contact_constraint.h"
+#include "solver/plane_contacts.h"
 
 #include <Eigen/LU>
 
@@ -35,9 +35,10 @@ constexpr std::size_t kMaxRowPoints = 6;
 /// The points of a row as its axes show them.
 struct Places {
   std::size_t count = 0;
-  std::array<Vector3d, kMaxRowPoints> displacement;  ///< m, from the middle of the side: along the normal, then across
-  Vector3d apart = Vector3d::Zero();      ///< m, from place b to a, likewise
-  Matrix2d inverse;                       ///< 1/m^2, of M
+  std::array<Vector3d, kMaxRowPoints>
+      displacement;                   ///< m, from the middle of the side: along the normal, then across
+  Vector3d apart = Vector3d::Zero();  ///< m, from place b to a, likewise
+  Matrix2d inverse;                   ///< 1/m^2, of M
 
   Vector2d momentArm(std::size_t i) const { return displacement[i].tail<2>(); }
 };
@@ -47,8 +48,8 @@ Vector3d vectorInAxes(const ContactConstraint& row, const Vector3d& x) {
 }
 
 /// The soft points from `first` to `end`.
-void addSide(const IslandConstraints& rows, const ContactConstraint& row, std::uint32_t first, std::uint32_t end,
-             const Vector3d& origin, Places& places) {
+void addSide(const IslandConstraints& rows, const ContactConstraint& row, std::uint32_t first,
+             std::uint32_t end, const Vector3d& origin, Places& places) {
   const std::size_t start = places.count;
   Vector3d middle = Vector3d::Zero();
   for (std::uint32_t i = first; i < end; ++i) {
@@ -117,7 +118,8 @@ void joinSoft(IslandConstraints& rows, const ContactConstraint& row) {
   invert(places, places.apart[0]);
   moveShares(rows, row.firstPoint, places);
   for (std::size_t i = 0; i < places.count; ++i)
-    setMomentArm(row, places.apart[0] * (places.inverse * places.momentArm(i)), rows.momentArms[row.firstPoint + i]);
+    setMomentArm(row, places.apart[0] * (places.inverse * places.momentArm(i)),
+                 rows.momentArms[row.firstPoint + i]);
 }
 
 void joinRigid(IslandConstraints& rows, const ContactConstraint& row, const Contact& c) {
@@ -206,17 +208,19 @@ constexpr double kKept = 0.8;
 /// without this a slow slide would take long to get it out.
 constexpr double kMinTurn = 0.1;
 
-/// m/s, as IslandConstraints::tolerance where there are anchors only: they keep the bodies together to rounding.
+/// m/s, as IslandConstraints::tolerance where there are anchors only: they keep the bodies together to
+/// rounding.
 constexpr double kTightTolerance = 1e-10;
 
 /// Sweeps in which cones of friction follow the normals and friction is turned by kMinTurn. With both,
-/// sweeps may go round in circles for ever; without, they descend to the least of a convex energy. But cones that
-/// stop too early are those of an unfinished solve, which depends on the order of the contacts.
+/// sweeps may go round in circles for ever; without, they descend to the least of a convex energy. But cones
+/// that stop too early are those of an unfinished solve, which depends on the order of the contacts.
 constexpr int kFreeSweeps = 15;
 
 /// Friction that stops the sliding (u, v) (m/s) altogether, or as much as there is, against the sliding:
 /// nearer to the least energy of the row alone, or a step of projected gradient towards it.
-inline void addFriction(const ContactConstraint& row, double u, double v, double leastTurn, ContactVector& sum) {
+inline void addFriction(const ContactConstraint& row, double u, double v, double leastTurn,
+                        ContactVector& sum) {
   const double* m = row.acrossMass;
   const double most = row.maxFriction;
   u += row.acrossSoftness * (sum.u - row.before.u);
@@ -238,7 +242,8 @@ inline void addFriction(const ContactConstraint& row, double u, double v, double
 
 /// Brings the speed along the normal up to `target` (m/s), with the impulse `total` 0 or more along it and
 /// friction within its cone, which is `free` to follow; row.change is what this has changed.
-inline void solveContact(IslandConstraints& rows, ContactConstraint& row, ContactVector& total, double target, bool free) {
+inline void solveContact(IslandConstraints& rows, ContactConstraint& row, ContactVector& total, double target,
+                         bool free) {
   const ContactVector speeds = speedsOf(rows, row), earlier = total;
   ContactVector sum = earlier;
   const double strain = row.softness * (sum.n - kKept * row.before.n);
@@ -253,11 +258,13 @@ inline void solveContact(IslandConstraints& rows, ContactConstraint& row, Contac
   total = sum;
 }
 
-/// m/s, at which an overlap is taken back at most. Where anchors hold bodies together a contact may push against
-/// what cannot give way: in a tick it does no more work than gives what it moves that speed.
-double partingSpeed(const Contact& c, const ContactConstraint& row, const LinkedBodies& bodies, double dt, double tick) {
+/// m/s, at which an overlap is taken back at most. Where anchors hold bodies together a contact may push
+/// against what cannot give way: in a tick it does no more work than gives what it moves that speed.
+double partingSpeed(const Contact& c, const ContactConstraint& row, const LinkedBodies& bodies, double dt,
+                    double tick) {
   if (bodies.anchors.empty()) return c.recoverySpeed;
-  const double borne = std::max(row.positionImpulse.n / dt * tick, c.impulse.along + row.impulse.n);  // N s in the tick
+  const double borne =
+      std::max(row.positionImpulse.n / dt * tick, c.impulse.along + row.impulse.n);  // N s in the tick
   const double free = row.mass * c.recoverySpeed;
   return borne > free ? c.recoverySpeed * free / borne : c.recoverySpeed;
 }
@@ -309,8 +316,12 @@ struct Solve {
   Stage stage;
   double dt = 0.0;  ///< s, of the drift that anchors are to end together after; 0 when settling
 
-  ContactVector& impulse(ContactConstraint& row) const { return stage == Stage::Positions ? row.positionImpulse : row.velocityImpulse; }
-  double& impulse(JointConstraint& j) const { return stage == Stage::Positions ? j.positionImpulse : j.velocityImpulse; }
+  ContactVector& impulse(ContactConstraint& row) const {
+    return stage == Stage::Positions ? row.positionImpulse : row.velocityImpulse;
+  }
+  double& impulse(JointConstraint& j) const {
+    return stage == Stage::Positions ? j.positionImpulse : j.velocityImpulse;
+  }
   Eigen::Vector3d& impulse(LinkAnchor& a) const {
     return stage == Stage::Positions ? a.positionImpulse : a.velocityImpulse;
   }
@@ -413,9 +424,7 @@ struct Solve {
     }
   }
 
-  bool hasNothingToDo() const {
-    return rows.active.empty() && rows.joints.empty() && bodies.anchors.empty();
-  }
+  bool hasNothingToDo() const { return rows.active.empty() && rows.joints.empty() && bodies.anchors.empty(); }
 
   int run() {
     start();
@@ -455,7 +464,8 @@ int solveVelocities(IslandConstraints& rows, LinkedBodies& bodies) {
   if (rows.empty() && bodies.anchors.empty()) return 0;
   rotateResponses(rows);
   updateAnchorMasses(bodies);
-  for (ContactConstraint& row : rows.rows) row.target = row.bounces ? speedAlong(rows, row) + row.rebound : 0.0;
+  for (ContactConstraint& row : rows.rows)
+    row.target = row.bounces ? speedAlong(rows, row) + row.rebound : 0.0;
   const int sweeps = Solve{rows, bodies, Stage::Velocities}.run();
   for (std::size_t i = 0; i < rows.rows.size(); ++i)
     if (rows.contacts[i].restitution > 0.0) rows.rows[i].settled = speedAlong(rows, rows.rows[i]);

@@ -33,7 +33,8 @@ void addPoint(IslandConstraints& rows, double* velocity, const Vector3d& inverse
   rows.momentArms.push_back({});
 }
 
-void addPoint(IslandConstraints& rows, const PointView& view, std::uint32_t point, const double* inverseMass, double share) {
+void addPoint(IslandConstraints& rows, const PointView& view, std::uint32_t point, const double* inverseMass,
+              double share) {
   addPoint(rows, view.velocityOf(point).data(), ConstMap(inverseMass), share);
   rows.momentArms.back().position = view.positionOf(point).data();
   rows.momentArms.back().inverseMass = inverseMass;
@@ -47,8 +48,8 @@ void addTurn(IslandConstraints& rows, const ContactConstraint& row, RigidState& 
 
 constexpr double kNoInverseMass[3] = {0.0, 0.0, 0.0};
 
-/// A point that is attached to something held goes where that goes: a contact that pushed it would only make the
-/// anchor push back as much, in each sweep anew.
+/// A point that is attached to something held goes where that goes: a contact that pushed it would only make
+/// the anchor push back as much, in each sweep anew.
 void findCarried(IslandConstraints& rows, const LinkedBodies& bodies) {
   rows.carried.clear();
   for (const LinkAnchor& anchor : bodies.anchors) {
@@ -60,14 +61,15 @@ void findCarried(IslandConstraints& rows, const LinkedBodies& bodies) {
 }
 
 /// 1/kg per axis.
-const double* inverseMassOf(const IslandConstraints& rows, const PointView& view, std::uint32_t body, std::uint32_t point) {
+const double* inverseMassOf(const IslandConstraints& rows, const PointView& view, std::uint32_t body,
+                            std::uint32_t point) {
   const bool carried = std::binary_search(rows.carried.begin(), rows.carried.end(), std::pair(body, point));
   return carried ? kNoInverseMass : view.inverseMassOf(point).data();
 }
 
 /// One side of a contact; `sign` is 1 for a and -1 for b.
-void addPlace(IslandConstraints& rows, ContactConstraint& row, LinkedBodies& bodies, const std::vector<PointView>& views,
-              const ContactPoint& place, double sign) {
+void addPlace(IslandConstraints& rows, ContactConstraint& row, LinkedBodies& bodies,
+              const std::vector<PointView>& views, const ContactPoint& place, double sign) {
   if (place.kind == ContactPoint::Kind::World) {
     row.carried += inAxes(row, sign * place.velocity);
   } else if (place.kind == ContactPoint::Kind::Soft) {
@@ -107,7 +109,8 @@ void setAxes(ContactConstraint& row, const Vector3d& normal) {
 }
 
 /// 1/kg, 3 x 3: the velocity change of a contact's two places against each other per impulse there.
-Matrix3d mobilityOf(const IslandConstraints& rows, const ContactConstraint& row, const Contact& c, const LinkedBodies& bodies) {
+Matrix3d mobilityOf(const IslandConstraints& rows, const ContactConstraint& row, const Contact& c,
+                    const LinkedBodies& bodies) {
   Matrix3d m = Matrix3d::Zero();
   for (const ContactPoint* place : {&c.a, &c.b})
     if (place->kind == ContactPoint::Kind::Rigid) m += bodies.rigids[place->body].mobilityAt(place->arm);
@@ -122,9 +125,10 @@ void setAway(ContactConstraint& row) { row.mass = row.mobility = 0.0; }
 /// Of the weights of an edge's or triangle's corners, the least that free ones must have.
 constexpr double kMinFree = 0.02;
 
-/// What a pinned corner is in, nothing takes it out of: on the way from it to a free corner the overlap goes from d to
-/// nothing, and to end it at the free corner's share e would move that by d / e, however small e is. So each free
-/// corner has only its own overlap to end. Where nothing but pinned corners is there is no contact.
+/// What a pinned corner is in, nothing takes it out of: on the way from it to a free corner the overlap goes
+/// from d to nothing, and to end it at the free corner's share e would move that by d / e, however small e
+/// is. So each free corner has only its own overlap to end. Where nothing but pinned corners is there is no
+/// contact.
 void leaveOutPinned(IslandConstraints& rows, ContactConstraint& row) {
   row.pinned = 0.0;
   const bool bMoves = row.firstOfB != row.endPoint || row.firstRotation != row.endRotation;
@@ -180,12 +184,14 @@ void addBorne(Contact& c, ContactConstraint& row) {
 void turnTo(Contact& c, ContactConstraint& row, const Vector3d& normal) {
   constexpr double kSameSurface = 0.9;
   addBorne(c, row);
-  if (normal.dot(ConstMap(row.axes[0])) < kSameSurface) row.positionImpulse = row.velocityImpulse = ContactVector();
+  if (normal.dot(ConstMap(row.axes[0])) < kSameSurface)
+    row.positionImpulse = row.velocityImpulse = ContactVector();
   setAxes(row, normal);
 }
 
 /// The contact is on this plane now, its points' shares being `weights`.
-void moveRowTo(IslandConstraints& rows, std::size_t number, const Vector3d& normal, double gap, const double* weights) {
+void moveRowTo(IslandConstraints& rows, std::size_t number, const Vector3d& normal, double gap,
+               const double* weights) {
   ContactConstraint& row = rows.rows[number];
   turnTo(rows.contacts[number], row, normal);
   row.gap = gap;
@@ -212,7 +218,8 @@ void followRow(IslandConstraints& rows, std::size_t number) {
   moveRowTo(rows, number, held.normal, held.normal.dot(x - held.touch), &whole);
 }
 
-/// Where a soft feature is nearest to held corners; `away` leads there from these, `normal` along the contact.
+/// Where a soft feature is nearest to held corners; `away` leads there from these, `normal` along the
+/// contact.
 struct NearestFeature {
   std::array<double, 3> weights{};
   Vector3d away, normal;
@@ -248,7 +255,8 @@ void followCorners(IslandConstraints& rows, std::size_t number) {
   std::array<Vector3d, 3> x;
   const std::uint32_t count = row.endPoint - row.firstPoint;
   for (std::uint32_t i = 0; i < count; ++i) x[i] = ConstMap(rows.momentArms[row.firstPoint + i].position);
-  const NearestFeature f = count == 3 ? nearestTriangle(x[0], x[1], x[2], held) : nearestEdge(x[0], x[1], held);
+  const NearestFeature f =
+      count == 3 ? nearestTriangle(x[0], x[1], x[2], held) : nearestEdge(x[0], x[1], held);
   const double length = f.normal.norm();
   if (!f.inside || !(length > 0.0)) return setAway(row);
   const double side = f.normal.dot(ConstMap(row.axes[0])) < 0.0 ? -1.0 : 1.0;
@@ -324,9 +332,11 @@ void prepareConstraints(IslandConstraints& rows, LinkedBodies& bodies, const std
   for (JointConstraint& j : rows.joints) prepareJoint(j, bodies);
 }
 
-Eigen::Vector3d offsetWhenNearest(const Vector3d& offset, const Vector3d& velocity, double dt, double radiusSum) {
+Eigen::Vector3d offsetWhenNearest(const Vector3d& offset, const Vector3d& velocity, double dt,
+                                  double radiusSum) {
   // |offset + t velocity| = reach, or its least
-  const double a = velocity.squaredNorm(), b = offset.dot(velocity), c = offset.squaredNorm() - radiusSum * radiusSum;
+  const double a = velocity.squaredNorm(), b = offset.dot(velocity),
+               c = offset.squaredNorm() - radiusSum * radiusSum;
   if (c <= 0.0 || b >= 0.0) return offset;
   const double root = b * b - a * c;
   const double time = root > 0.0 ? c / (std::sqrt(root) - b) : -b / a;

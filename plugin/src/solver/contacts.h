@@ -3,8 +3,8 @@
 
 // Contacts and joints between bodies that are stepped together, and the solve of all of them in a substep.
 
-#include "solver/plane_contacts.h"
 #include "solver/links.h"
+#include "solver/plane_contacts.h"
 #include "solver/point_state.h"
 
 #include <cmath>
@@ -59,13 +59,13 @@ struct Contact {
   double gap = 0.0;                                   ///< m between the surfaces; moves on with the substeps
   double friction = 0.0;
   double restitution = 0.0;
-  double bounceThreshold = 0.0;      ///< m/s, slower approaches do not bounce
-  double recoverySpeed = HUGE_VAL;   ///< m/s, at which surfaces that overlap are drawn apart at most
-  ContactImpulse positionImpulse, velocityImpulse;        ///< of the present substep; to begin with, a guess
+  double bounceThreshold = 0.0;     ///< m/s, slower approaches do not bounce
+  double recoverySpeed = HUGE_VAL;  ///< m/s, at which surfaces that overlap are drawn apart at most
+  ContactImpulse positionImpulse, velocityImpulse;  ///< of the present substep; to begin with, a guess
   const PlaneContact* held = nullptr;  ///< of a point on a surface at rest: the row that follows it
-  HeldCorners corners;               ///< of an edge or triangle: what it slides over
-  double spheres = 0.0;              ///< m, of two point masses: both radii; the contact follows them
-  bool ended = false;                ///< no longer there, but what it bore in this tick still is
+  HeldCorners corners;                 ///< of an edge or triangle: what it slides over
+  double spheres = 0.0;                ///< m, of two point masses: both radii; the contact follows them
+  bool ended = false;                  ///< no longer there, but what it bore in this tick still is
 
   // Written by the step.
   TickImpulse impulse;  ///< on a; while rows are prepared, without what they bore since their normal turned
@@ -83,7 +83,8 @@ struct JointConstraint {
   double softness = 0.0;                       ///< of the speed, per impulse (Bullet's cfm / time step)
   std::uint32_t contact = kHeld;               ///< rolling friction: of which contact; else kHeld
   double rolling = 0.0;                        ///< m, its limits are so many times what the contact bears
-  double positionImpulse = 0.0, velocityImpulse = 0.0;       ///< impulse of the present substep; to begin with, a guess
+  double positionImpulse = 0.0,
+         velocityImpulse = 0.0;  ///< impulse of the present substep; to begin with, a guess
 
   // Written by the step.
   double impulse = 0.0;                  ///< sum over the tick
@@ -98,7 +99,8 @@ struct ConstraintPoint {
   double response[3];  ///< 1/kg per axis: its change per impulse on side a
 };
 
-/// What makes a ConstraintPoint's share follow the place where two bodies touch, see joinPlaces() of pair_solve.cpp.
+/// What makes a ConstraintPoint's share follow the place where two bodies touch, see joinPlaces() of
+/// pair_solve.cpp.
 struct MomentArm {
   const double* position;     ///< m, 3; none of a rigid body
   const double* inverseMass;  ///< 1/kg per axis
@@ -128,25 +130,26 @@ enum class Couple : std::uint8_t { Nobody, Soft, Rigid };
 
 /// A contact as the sweeps want it.
 struct ContactConstraint {
-  double axes[3][3];  ///< the normal and two tangents
+  double axes[3][3];      ///< the normal and two tangents
   ContactVector carried;  ///< m/s, of what is moved as told
   std::uint32_t firstPoint, firstOfB, endPoint, firstRotation, endRotation;
   Couple couple;
-  double gap, target;                     ///< m; m/s, along it at least
-  double pinned;                          ///< m, what pinned points have of an overlap, which is not in the gap
-  double rebound;                         ///< m/s, if it bounces, see Bounce (contact_rows.h)
-  double settled;                         ///< m/s along it, when the last substep ended
-  double softness;                        ///< see kSoftness
-  double mass, mobility;                  ///< kg along it, and its inverse; both 0: neither side can be moved
-  double acrossSoftness;                  ///< 1/kg, speed per change of friction since the last substep
-  double acrossMass[3];                   ///< kg between the tangents, softness included: uu, uv, vv
-  double acrossAlong[2];                  ///< 1/kg, speeds across per impulse along
-  double turnMass, friction;              ///< kg, the least of acrossMass; coefficient
-  double maxFriction;                    ///< N s, the radius of its cone
-  bool bounces;                           ///< in this substep
-  bool active;                            ///< it bears something, or would be crossed
-  ContactVector positionImpulse, velocityImpulse, impulse;  ///< N s, see Contact; the last since the normal turned
-  ContactVector before, change, direction;    ///< N s, scratch of the solver
+  double gap, target;         ///< m; m/s, along it at least
+  double pinned;              ///< m, what pinned points have of an overlap, which is not in the gap
+  double rebound;             ///< m/s, if it bounces, see Bounce (contact_rows.h)
+  double settled;             ///< m/s along it, when the last substep ended
+  double softness;            ///< see kSoftness
+  double mass, mobility;      ///< kg along it, and its inverse; both 0: neither side can be moved
+  double acrossSoftness;      ///< 1/kg, speed per change of friction since the last substep
+  double acrossMass[3];       ///< kg between the tangents, softness included: uu, uv, vv
+  double acrossAlong[2];      ///< 1/kg, speeds across per impulse along
+  double turnMass, friction;  ///< kg, the least of acrossMass; coefficient
+  double maxFriction;         ///< N s, the radius of its cone
+  bool bounces;               ///< in this substep
+  bool active;                ///< it bears something, or would be crossed
+  ContactVector positionImpulse, velocityImpulse,
+      impulse;                              ///< N s, see Contact; the last since the normal turned
+  ContactVector before, change, direction;  ///< N s, scratch of the solver
 };
 
 /// What couples the bodies of a group besides springs.
@@ -161,24 +164,25 @@ struct IslandConstraints {
   std::vector<MomentArm> momentArms;  ///< #points
   std::vector<ConstraintRotation> rotations;
   std::vector<std::uint32_t> active;  ///< rows of the present stage
-  std::vector<std::pair<std::uint32_t, std::uint32_t>> carried;  ///< body and point, sorted: attached to what is held
+  std::vector<std::pair<std::uint32_t, std::uint32_t>>
+      carried;              ///< body and point, sorted: attached to what is held
   double tolerance = 1e-4;  ///< m/s, no row may be wrong by more when a solve ends, if it has sweeps left
 };
 
-/// Before the first substep of a tick, and when contacts have changed within it (see finishConstraints): rows,
-/// masses. The state of bodies.points[i] is at views[i].
+/// Before the first substep of a tick, and when contacts have changed within it (see finishConstraints):
+/// rows, masses. The state of bodies.points[i] is at views[i].
 void prepareConstraints(IslandConstraints& rows, LinkedBodies& bodies, const std::vector<PointView>& views);
 
 /// Makes the row's masses those that belong to speeds per impulse (1/kg), along, across and across both.
 void setMobility(ContactConstraint& row, const Eigen::Matrix3d& mobility);
 
-/// Where one sphere is relative to another when they touch on a straight way of dt seconds, or else when they are
-/// nearest; m and m/s, `radiusSum` is the sum of their radii. Now, if they overlap.
+/// Where one sphere is relative to another when they touch on a straight way of dt seconds, or else when they
+/// are nearest; m and m/s, `radiusSum` is the sum of their radii. Now, if they overlap.
 Eigen::Vector3d offsetWhenNearest(const Eigen::Vector3d& offset, const Eigen::Vector3d& velocity, double dt,
                                   double radiusSum);
 
-/// Makes contacts on what is at rest, and those of point masses with each other, those of where the soft bodies are
-/// now, before a drift of dt seconds.
+/// Makes contacts on what is at rest, and those of point masses with each other, those of where the soft
+/// bodies are now, before a drift of dt seconds.
 void followContacts(IslandConstraints& rows, double dt);
 
 /// After a drift of dt seconds: the gaps as they are now.
@@ -197,11 +201,11 @@ void solveJoint(LinkedBodies& bodies, JointConstraint& j, double& sum);
 
 // --- the solve ---------------------------------------------------------------------------------------------
 
-/// Before a drift of dt seconds in a tick of that length: impulses with which no pair ends nearer than it may,
-/// those that overlap draw apart gently, friction stops as much sliding as it can, and joints and anchors
-/// hold. From the impulses of the last
-/// substep on, by projected Gauss-Seidel sweeps with a nonsmooth nonlinear conjugate gradient step between
-/// them (Silcowitz, Niebe, Erleben 2010, algorithm 2). Returns the number of sweeps.
+/// Before a drift of dt seconds in a tick of that length: impulses with which no pair ends nearer than it
+/// may, those that overlap draw apart gently, friction stops as much sliding as it can, and joints and
+/// anchors hold. From the impulses of the last substep on, by projected Gauss-Seidel sweeps with a nonsmooth
+/// nonlinear conjugate gradient step between them (Silcowitz, Niebe, Erleben 2010, algorithm 2). Returns the
+/// number of sweeps.
 int solvePositions(IslandConstraints& rows, LinkedBodies& bodies, double dt, double tick);
 
 /// After the second kick of a substep: pairs that bore something do not approach, as solveVelocities, and the

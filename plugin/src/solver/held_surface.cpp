@@ -33,7 +33,9 @@ constexpr double kAboutSame = 0.98;
 
 constexpr int kMaxPointAdvances = 12;
 
-bool isOfRevolution(Kind kind) { return kind == Kind::Capsule || kind == Kind::Cylinder || kind == Kind::Cone; }
+bool isOfRevolution(Kind kind) {
+  return kind == Kind::Capsule || kind == Kind::Cylinder || kind == Kind::Cone;
+}
 
 // --- nearest places on the pieces --------------------------------------------------------------------------
 
@@ -51,8 +53,7 @@ HeldPoint nearestOnPlane(const HeldPiece& plane, const Vector3d& x) {
 HeldPoint nearestOnBox(const HeldPiece& box, const Vector3d& x) {
   const Vector3d local = box.axes.transpose() * (x - box.center);
   const Vector3d outward = local - local.cwiseMax(-box.size).cwiseMin(box.size);
-  if (!outward.isZero(0.0))
-    return outside(box.axes * outward, box, (outward.array() != 0.0).count() == 1);
+  if (!outward.isZero(0.0)) return outside(box.axes * outward, box, (outward.array() != 0.0).count() == 1);
   Eigen::Index axis;
   const double depth = (box.size - local.cwiseAbs()).minCoeff(&axis);
   return {(local[axis] < 0.0 ? -1.0 : 1.0) * box.axes.col(axis), -depth - box.margin, true};
@@ -131,8 +132,7 @@ OnTriangle nearestOnTriangle(const HeldPiece& t, const Vector3d& x) {
 HeldPoint nearestOnSheet(const HeldPiece& sheet, const Vector3d& x) {
   const auto [away, height, inside, above] = nearestOnTriangle(sheet, x);
   const double side = sheet.metAbove ? sheet.side : height < 0.0 ? -1.0 : 1.0;
-  if (above)
-    return {side * sheet.center, side * height - sheet.margin, inside};
+  if (above) return {side * sheet.center, side * height - sheet.margin, inside};
   return outside(away, sheet, false);
 }
 
@@ -185,7 +185,8 @@ HeldContact contactAt(const Meeting& m, const HeldPoint& place, const Vector3d& 
 
 constexpr double kNoMeeting = 2.0;
 
-/// Follows the point until it meets the solid, by conservative advancement; returns when, kNoMeeting if it does not.
+/// Follows the point until it meets the solid, by conservative advancement; returns when, kNoMeeting if it
+/// does not.
 double advance(const Meeting& m, HeldContact& c) {
   double time = m.path.start;
   HeldPoint place = nearestOn(m.first, m.end, m.path.at(time));
@@ -221,15 +222,17 @@ bool isBlocked(const HeldNeighbourhood& around, const Meeting& m, const HeldCont
   for (const HeldPiece *other = begin, *next = begin; other != end; other = next) {
     next = endOfSolid(other, end);
     if (isOurs(m, other)) continue;
-    if (other->kind == Kind::Sheet && m.first->kind == Kind::Sheet && isHidden(*other, m.x, place)) return true;
+    if (other->kind == Kind::Sheet && m.first->kind == Kind::Sheet && isHidden(*other, m.x, place))
+      return true;
     if (c.onFace) continue;
     if (nearestOn(other, next, center).height < (1.0 - kOverlap) * ball) return true;
   }
   return false;
 }
 
-/// Whether x is to be kept, of two contacts that say about the same. An edge that is flush with a face is none:
-/// it must stand out from it. Gaps would not tell, where the point is still far and the normals are not quite equal.
+/// Whether x is to be kept, of two contacts that say about the same. An edge that is flush with a face is
+/// none: it must stand out from it. Gaps would not tell, where the point is still far and the normals are not
+/// quite equal.
 bool isBetter(const HeldContact& x, const HeldContact& y, double radius) {
   const double least = 0.02 * kTouching * radius;
   if (x.onFace == y.onFace) return x.gap <= y.gap;
@@ -254,9 +257,10 @@ void keepSide(HeldPiece& sheet, const Vector3d& x) {
   sheet.metAbove = nearest.above;
 }
 
-/// The path of a point that slides on the face that it meets first. What is met on the straight way beyond it may
-/// be buried, as the sides of flush tiles are.
-Path pathAlong(const HeldPiece* begin, const HeldPiece* end, const Vector3d& x, const Vector3d& displacement, double radius) {
+/// The path of a point that slides on the face that it meets first. What is met on the straight way beyond it
+/// may be buried, as the sides of flush tiles are.
+Path pathAlong(const HeldPiece* begin, const HeldPiece* end, const Vector3d& x, const Vector3d& displacement,
+               double radius) {
   const Path straight{x, displacement};
   if (begin == end || endOfSolid(begin, end) == end) return straight;
   Vector3d normal = Vector3d::Zero();
@@ -272,8 +276,8 @@ Path pathAlong(const HeldPiece* begin, const HeldPiece* end, const Vector3d& x, 
   return {x + time * into, displacement - into, time};
 }
 
-/// Whether the point has come nowhere near since it was last looked at. It cannot have changed sides of a sheet
-/// either.
+/// Whether the point has come nowhere near since it was last looked at. It cannot have changed sides of a
+/// sheet either.
 bool isClear(const HeldNeighbourhood& around, const Vector3d& x, double most) {
   return around.clear > most && (x - around.clearAt).norm() < around.clear - most;
 }
@@ -289,13 +293,20 @@ const HeldPiece* endOfSolid(const HeldPiece* first, const HeldPiece* end) {
 
 HeldPoint nearestOn(const HeldPiece* first, const HeldPiece* end, const Vector3d& x) {
   switch (first->kind) {
-    case Kind::Plane: return nearestOnPlane(*first, x);
-    case Kind::Box: return nearestOnBox(*first, x);
-    case Kind::Capsule: return nearestOnCapsule(*first, x);
-    case Kind::Cylinder: return nearestOnCylinder(*first, x);
-    case Kind::Cone: return nearestOnCone(*first, x);
-    case Kind::Face: return nearestOnHull(first, end, x);
-    case Kind::Sheet: break;
+    case Kind::Plane:
+      return nearestOnPlane(*first, x);
+    case Kind::Box:
+      return nearestOnBox(*first, x);
+    case Kind::Capsule:
+      return nearestOnCapsule(*first, x);
+    case Kind::Cylinder:
+      return nearestOnCylinder(*first, x);
+    case Kind::Cone:
+      return nearestOnCone(*first, x);
+    case Kind::Face:
+      return nearestOnHull(first, end, x);
+    case Kind::Sheet:
+      break;
   }
   return nearestOnSheet(*first, x);
 }

@@ -20,10 +20,11 @@ struct HeldPiece {
     Sheet      ///< a triangle that is solid on neither side
   };
   Kind kind = Kind::Plane;
-  bool metAbove = false;    ///< of a Sheet: the point was above or below it, not beside its edges, when last seen
-  std::int8_t side = 1;     ///< of a Sheet: -1 if the point is behind it
-  std::uint32_t owner = 0;  ///< whose contacts these are, within a neighbourhood
-  double margin = 0.0;      ///< m, of everything about what the other members tell
+  bool metAbove =
+      false;  ///< of a Sheet: the point was above or below it, not beside its edges, when last seen
+  std::int8_t side = 1;                                ///< of a Sheet: -1 if the point is behind it
+  std::uint32_t owner = 0;                             ///< whose contacts these are, within a neighbourhood
+  double margin = 0.0;                                 ///< m, of everything about what the other members tell
   Eigen::Matrix3d axes = Eigen::Matrix3d::Identity();  ///< unit columns; of a Face or Sheet the corners
   Eigen::Vector3d center = Eigen::Vector3d::Zero();    ///< m; of a Face or Sheet the unit normal
   Eigen::Vector3d size = Eigen::Vector3d::Zero();      ///< m
@@ -65,10 +66,10 @@ struct HeldNeighbourhood {
   double clear = 0.0;                                 ///< so far, m; 0: it may touch at once
 };
 
-/// Fills all->contacts with the places where a point at `x` that is about to move by `displacement` (m) may touch: each
-/// is nearest to the point among all that is held around it, where the point is or where it will meet it.
-/// Contacts that are farther than `within` (m) beyond the way are left out. Edges and corners that other
-/// pieces cover, as those between the tiles of a floor, are none.
+/// Fills all->contacts with the places where a point at `x` that is about to move by `displacement` (m) may
+/// touch: each is nearest to the point among all that is held around it, where the point is or where it will
+/// meet it. Contacts that are farther than `within` (m) beyond the way are left out. Edges and corners that
+/// other pieces cover, as those between the tiles of a floor, are none.
 void findContacts(HeldNeighbourhood& around, const Eigen::Vector3d& x, const Eigen::Vector3d& displacement,
                   double within);
 

@@ -18,8 +18,8 @@ namespace {
 struct Substep {
   SolverBody& body;
   ImplicitState& implicit;
-  double time;         ///< s since the start of the tick
-  double h;            ///< s, of the whole substep
+  double time;            ///< s since the start of the tick
+  double h;               ///< s, of the whole substep
   bool euler = false;     ///< only its first half, by backward Euler
   bool downhill = false;  ///< from x0 instead of from where the motion leads
 
@@ -138,13 +138,15 @@ constexpr int kMaxWaysFollowed = 3;
 /// Halvings of a Newton step that would go uphill.
 constexpr int kMaxImplicitHalvings = 6;
 
-/// What the iterations start from: x0 + h/2 v0, where they keep what turns or falls as a whole however stiff it is; or
-/// x0, from which the springs never get more energy than there was, but of such motion little comes about.
+/// What the iterations start from: x0 + h/2 v0, where they keep what turns or falls as a whole however stiff
+/// it is; or x0, from which the springs never get more energy than there was, but of such motion little comes
+/// about.
 void guess(const Substep& s) {
   PointState& p = s.points();
   p.position = s.implicit.start;
   for (Eigen::Index i = 0; i < p.position.cols(); ++i)
-    if (!s.downhill || isHeld(p.inverseMass, i)) p.position.col(i) += 0.5 * s.h * s.implicit.startVelocity.col(i);
+    if (!s.downhill || isHeld(p.inverseMass, i))
+      p.position.col(i) += 0.5 * s.h * s.implicit.startVelocity.col(i);
 }
 
 double longest(const SpringArrays& springs) {
@@ -210,8 +212,9 @@ double iterate(const Substep& s, const ContactSpan& span, int iteration) {
   return state.residual.cwiseAbs().maxCoeff();
 }
 
-/// m, what iterations would still move whose movement falls by the same factor each time. Those of a factor that all
-/// share come near what turns a stiff body about a pin very slowly: their last movement is no measure.
+/// m, what iterations would still move whose movement falls by the same factor each time. Those of a factor
+/// that all share come near what turns a stiff body about a pin very slowly: their last movement is no
+/// measure.
 double remainder(double moved, double before) {
   constexpr double kSlowest = 0.999;
   const double factor = before > 0.0 ? std::min(moved / before, kSlowest) : 0.0;
@@ -239,7 +242,9 @@ double solveFollowing(const Substep& s, const ContactSpan& span) {
   atStart.position = s.implicit.start.data();
   for (int again = kMaxWaysFollowed;; --again) {
     const double left = solveMidpoint(s, span);
-    if (again == 0 || !s.touches() || !followDisplacement(s.implicit.contacts, s.points().position, atStart, span)) return left;
+    if (again == 0 || !s.touches() ||
+        !followDisplacement(s.implicit.contacts, s.points().position, atStart, span))
+      return left;
     guess(s);
   }
 }

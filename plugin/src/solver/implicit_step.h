@@ -3,8 +3,8 @@
 
 // Steps a soft body by the implicit midpoint rule, with its contacts.
 
-#include "solver/plane_contacts.h"
 #include "solver/midpoint_solver.h"
+#include "solver/plane_contacts.h"
 #include "solver/verlet_step.h"
 
 #include <vector>
@@ -23,21 +23,22 @@ struct MidpointContacts {
   std::vector<std::uint32_t> touched;  ///< points that have rows
   std::vector<Eigen::Index> place;     ///< #rows, of the row's point among them
   Eigen::MatrixXd response;            ///< W, 3 #touched x 3 #touched, 1/kg
-  std::vector<char> responds;          ///< #touched, whether the point's columns of W are there; else they are 0
-  Points load;                         ///< 3 x #rows, l, kg m
-  Points change;                       ///< 3 x #rows, of l in this iteration
-  Eigen::VectorXd changeAt;            ///< 3 #touched, the sums of `change`
+  std::vector<char> responds;  ///< #touched, whether the point's columns of W are there; else they are 0
+  Points load;                 ///< 3 x #rows, l, kg m
+  Points change;               ///< 3 x #rows, of l in this iteration
+  Eigen::VectorXd changeAt;    ///< 3 #touched, the sums of `change`
   std::vector<TickImpulse> impulseBefore;  ///< #rows, the rows' impulses at the start
-  Points unit;               ///< 3 x #points, scratch
-  std::vector<PlaneContact> trial;  ///< #rows, scratch
+  Points unit;                             ///< 3 x #points, scratch
+  std::vector<PlaneContact> trial;         ///< #rows, scratch
 };
 
 /// More points with rows than this cost more than stepping the body by Verlet.
 constexpr std::size_t kMaxMidpointPoints = 48;
 
-/// Starts a substep with these rows (nullptr: none) and no loads. Sweeps that correct no place by more than `enough`
-/// (m) end.
-void startSubstep(MidpointContacts& contacts, std::vector<PlaneContact>* rows, Eigen::Index points, double enough);
+/// Starts a substep with these rows (nullptr: none) and no loads. Sweeps that correct no place by more than
+/// `enough` (m) end.
+void startSubstep(MidpointContacts& contacts, std::vector<PlaneContact>* rows, Eigen::Index points,
+                  double enough);
 
 /// Forgets W, of which solveLoads() computes what it needs.
 void forgetResponse(MidpointContacts& contacts);
@@ -49,15 +50,16 @@ struct ContactSpan {
 };
 
 /// Finds the change of the loads after which no row is violated at the end of the span, with the positions
-/// that the iterations have found at `found` (3 x #points, m) and those of the start at `start`. `solver` must be
-/// up to date.
+/// that the iterations have found at `found` (3 x #points, m) and those of the start at `start`. `solver`
+/// must be up to date.
 void solveLoads(MidpointContacts& contacts, MidpointSolver& solver, const Points& found, const Points& start,
                 const ContactSpan& span);
 
 /// Looks along the ways that the iterations have found for surfaces that the rows do not follow, because the
 /// forces of so long a step lead elsewhere than its first velocities. If a way leads through one, gives the
 /// rows what is on their ways, and no loads, and returns true.
-bool followDisplacement(MidpointContacts& contacts, const Points& found, const PointView& start, const ContactSpan& span);
+bool followDisplacement(MidpointContacts& contacts, const Points& found, const PointView& start,
+                        const ContactSpan& span);
 
 /// Whether any row bears a load. Rows of what is only near change nothing.
 bool bears(const MidpointContacts& contacts);
@@ -101,8 +103,8 @@ bool canStepImplicitly(const SolverBody& body);
 /// the matrix of either kind (midpoint_solver.h): local/global iterations (Liu and others 2013; Dinev and
 /// others 2018 for the midpoint rule) or Newton's method. Second order; linear momentum is exact at every
 /// iteration, angular momentum when converged. Where rounding of the iterations or the nonlinearity would add
-/// energy, it is taken out of the internal motion (removeKineticEnergy). Allocates when the body, its springs or h
-/// are new.
+/// energy, it is taken out of the internal motion (removeKineticEnergy). Allocates when the body, its springs
+/// or h are new.
 void stepImplicit(SolverBody& body, ImplicitState& implicit, MidpointSolver::Kind kind, double tick,
                   int substeps, SharedFactors& factors);
 

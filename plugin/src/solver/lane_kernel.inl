@@ -27,8 +27,12 @@ void LIMBER_PACK_STEP(const LaneBody& b, double tick, int substeps) {
                   packs(v.restVolume), packs(v.modulus), packs(v.pressure), packs(v.gradient), packs(v.sums),
                   v.timeStep};
   const TetrahedronBody& t = b.tetrahedra;
-  body.tetrahedra = {t.count,       t.corners,        packs(t.inverseRest),
-                     packs(t.stabilityScale), packs(t.modulus), packs(t.crushModulus)};
+  body.tetrahedra = {t.count,
+                     t.corners,
+                     packs(t.inverseRest),
+                     packs(t.stabilityScale),
+                     packs(t.modulus),
+                     packs(t.crushModulus)};
   body.hasDampers = b.damped;
   body.dampHalf = packs(b.dampHalf);
   body.dampFull = packs(b.dampFull);

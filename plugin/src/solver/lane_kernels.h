@@ -41,8 +41,8 @@ struct VolumeBody {
   double timeStep = 0.0;
 };
 
-/// Of both kinds of bodies below: kernel::Tetrahedra with packs for numbers; of a SpringBatchBody, with one number
-/// per tetrahedron, filled up to a multiple of four, and one modulus.
+/// Of both kinds of bodies below: kernel::Tetrahedra with packs for numbers; of a SpringBatchBody, with one
+/// number per tetrahedron, filled up to a multiple of four, and one modulus.
 struct TetrahedronBody {
   unsigned count = 0;
   const unsigned* corners = nullptr;

@@ -26,8 +26,8 @@ struct Reflection {
   double scale;
 };
 
-/// Turns the column, from row `first` on, into the direction of that row's axis. Eigen's own takes five seconds
-/// to compile, most of them for blocks of columns.
+/// Turns the column, from row `first` on, into the direction of that row's axis. Eigen's own takes five
+/// seconds to compile, most of them for blocks of columns.
 Reflection reflectionOntoAxis(const Eigen::Ref<const Eigen::VectorXd>& column, Eigen::Index first) {
   Reflection r{column.tail(column.size() - first), 0.0};
   r.normal[0] += std::copysign(r.normal.norm(), r.normal[0]);

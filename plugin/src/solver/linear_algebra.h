@@ -72,8 +72,8 @@ class LuFactor {
   std::unique_ptr<Eigen::PartialPivLU<Eigen::MatrixXd>> factors_;
 };
 
-/// The first `count` columns of an orthogonal matrix whose first ones span the same as those of the given one,
-/// which is no wider than high.
+/// The first `count` columns of an orthogonal matrix whose first ones span the same as those of the given
+/// one, which is no wider than high.
 Eigen::MatrixXd orthogonalColumns(const Eigen::MatrixXd& columns, Eigen::Index count);
 
 // --- sparse matrices ---------------------------------------------------------------------------------------

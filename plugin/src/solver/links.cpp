@@ -53,8 +53,8 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-/// Anchors on one rigid body disturb each other; Gauss-Seidel over them ends when no velocity is wrong by more
-/// than this (m/s), or after the cap.
+/// Anchors on one rigid body disturb each other; Gauss-Seidel over them ends when no velocity is wrong by
+/// more than this (m/s), or after the cap.
 constexpr double kAnchorTolerance = 1e-10;
 constexpr int kAnchorSweeps = 50;
 

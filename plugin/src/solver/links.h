@@ -83,7 +83,8 @@ struct LinkSpring {
 struct LinkAnchor {
   LinkEnd point;  ///< of kind Point
   LinkEnd pivot;  ///< of kind Rigid
-  Eigen::Vector3d positionImpulse = Eigen::Vector3d::Zero();  ///< N s on the point in the present substep, before its
+  Eigen::Vector3d positionImpulse =
+      Eigen::Vector3d::Zero();  ///< N s on the point in the present substep, before its
   Eigen::Vector3d velocityImpulse = Eigen::Vector3d::Zero();  ///< drift and after it; to begin with, a guess
 
   // Written by the step.
@@ -117,9 +118,9 @@ double linkFrequencyBoundSquared(LinkedBodies& bodies);
 /// Makes the anchors' masses those of the present rotation of the rigid bodies.
 void updateAnchorMasses(LinkedBodies& bodies);
 
-/// Sets what is to be left of the anchors' errors after a drift of `dt` in a tick of that length (s). They are
-/// taken back slowly: the way that Bullet has moved a body by in a tick would, taken back in a substep, become
-/// a speed as many times higher as there are substeps in a tick.
+/// Sets what is to be left of the anchors' errors after a drift of `dt` in a tick of that length (s). They
+/// are taken back slowly: the way that Bullet has moved a body by in a tick would, taken back in a substep,
+/// become a speed as many times higher as there are substeps in a tick.
 void aimAnchors(LinkedBodies& bodies, double dt, double tick);
 
 /// m/s of the point relative to the pivot, less what it may be: so that after drifting for `dt` they are

@@ -127,7 +127,8 @@ void solveLoads(MidpointContacts& c, MidpointSolver& solver, const Points& found
   }
 }
 
-bool followDisplacement(MidpointContacts& c, const Points& found, const PointView& start, const ContactSpan& span) {
+bool followDisplacement(MidpointContacts& c, const Points& found, const PointView& start,
+                        const ContactSpan& span) {
   std::vector<PlaneContact>& rows = *c.rows;
   c.trial = rows;
   bool through = false;
@@ -138,7 +139,8 @@ bool followDisplacement(MidpointContacts& c, const Points& found, const PointVie
     if (!follows) continue;
     const Eigen::Vector3d x = start.positionOf(point), displacement = span.reach * (found.col(point) - x);
     followSurface(&c.trial[begin], end - begin, start, displacement, 0.0);
-    for (std::size_t r = begin; r < end; ++r) through = through || leadsThrough(c.trial[r], x, x + displacement, span);
+    for (std::size_t r = begin; r < end; ++r)
+      through = through || leadsThrough(c.trial[r], x, x + displacement, span);
   }
   if (!through) return false;
   std::copy(c.trial.begin(), c.trial.end(), rows.begin());

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
-// The linear systems of the implicit midpoint rule: a constant matrix that bodies share, or a banded one of Newton's
-// method.
+// The linear systems of the implicit midpoint rule: a constant matrix that bodies share, or a banded one of
+// Newton's method.
 
 #include "solver/linear_algebra.h"
 #include "solver/point_state.h"

@@ -155,8 +155,8 @@ ContactRange contactsOfPoint(const std::vector<PlaneContact>& rows, std::uint32_
   return {static_cast<std::size_t>(first - rows.begin()), static_cast<std::size_t>(end - rows.begin())};
 }
 
-void followSurface(PlaneContact* rows, std::size_t count, const PointView& points, const Eigen::Vector3d& displacement,
-                   double within) {
+void followSurface(PlaneContact* rows, std::size_t count, const PointView& points,
+                   const Eigen::Vector3d& displacement, double within) {
   HeldNeighbourhood* around = neighbourhoodOf(rows, count);
   if (!around) return;
   findContacts(*around, points.positionOf(rows->point), displacement, within);
@@ -173,7 +173,8 @@ void followSurface(PlaneContact* rows, std::size_t count, const PointView& point
 }
 
 void followSurfaces(std::vector<PlaneContact>& rows, const PointView& points, double dt) {
-  forEachPoint(rows, [&](PlaneContact* first, std::size_t count) { follow(first, count, points, dt, kFollowBeyond); });
+  forEachPoint(
+      rows, [&](PlaneContact* first, std::size_t count) { follow(first, count, points, dt, kFollowBeyond); });
 }
 
 void prepareContacts(std::vector<PlaneContact>& rows, const PointView& points) {
@@ -189,7 +190,8 @@ Bounce bounceOf(double gap, double approach, double before, double restitution, 
   // below 0 by rounding alone: it gets there within the substep
   const double impact = std::sqrt(std::max(0.0, before * before + 2.0 * pressing * displacement));
   double speed = restitution * impact;
-  double rest = dt - (displacement > 0.0 ? std::min(dt, 2.0 * displacement / (approach - kick + impact)) : 0.0);
+  double rest =
+      dt - (displacement > 0.0 ? std::min(dt, 2.0 * displacement / (approach - kick + impact)) : 0.0);
   if (!(impact > slow)) return {};
   for (int flights = 0; pressing * rest > 2.0 * speed; ++flights) {
     if (restitution < 1.0 && (flights == kMaxFlights || !(speed > slow))) return {};

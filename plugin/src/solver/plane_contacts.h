@@ -45,7 +45,7 @@ struct PlaneContact {
   double restitution = 0.0;
   double bounceThreshold = 0.0;     ///< m/s, slower approaches do not bounce, or nothing would come to rest
   double recoverySpeed = HUGE_VAL;  ///< m/s, at which a point that is below the surface is lifted at most
-  bool coupled = false;        ///< it is solved elsewhere, with contacts between bodies (pair_contacts.h)
+  bool coupled = false;  ///< it is solved elsewhere, with contacts between bodies (pair_contacts.h)
 
   HeldNeighbourhood* around = nullptr;  ///< what the plane follows, of a surface at rest; nullptr: it stays
   std::uint32_t owner = 0;              ///< its pieces in there
@@ -56,8 +56,8 @@ struct PlaneContact {
   TickImpulse impulse;                                ///< on the point
   bool touching = false;                              ///< it bore something in the present substep
   double target = 0.0;                                ///< m/s along the normal at least, in this substep
-  bool bounces = false;  ///< in this substep
-  double rebound = 0.0;  ///< m/s, see Bounce
+  bool bounces = false;                               ///< in this substep
+  double rebound = 0.0;                               ///< m/s, see Bounce
   Eigen::Vector3d settled = Eigen::Vector3d::Zero();  ///< m/s of the point, when the last substep ended
 };
 
@@ -85,10 +85,10 @@ Bounce bounceOf(double gap, double approach, double before, double restitution, 
 /// something must come out, not be thrown out.
 constexpr double kRecovery = 0.2;
 
-/// Makes the planes of the rows of one point, those from `rows` on, those of the surface where it is, or where
-/// it will meet it on its way (m). Looks for surfaces up to `within` (m) beyond that.
-void followSurface(PlaneContact* rows, std::size_t count, const PointView& points, const Eigen::Vector3d& displacement,
-                   double within);
+/// Makes the planes of the rows of one point, those from `rows` on, those of the surface where it is, or
+/// where it will meet it on its way (m). Looks for surfaces up to `within` (m) beyond that.
+void followSurface(PlaneContact* rows, std::size_t count, const PointView& points,
+                   const Eigen::Vector3d& displacement, double within);
 
 /// Before a substep of dt: the same for all points.
 void followSurfaces(std::vector<PlaneContact>& rows, const PointView& points, double dt);

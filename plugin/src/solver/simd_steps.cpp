@@ -156,7 +156,9 @@ void load(LaneBlock& block, LaneScratch& scratch, std::size_t lanes) {
     LaneBlock::Lane& source = block.lanes[lane];
     loadState(scratch, *source.body.points, lane, lanes);
     const TetrahedronVolumes* tetrahedra = source.body.tetrahedra;
-    if (tetrahedra) toLane(tetrahedra->stabilityScale.data(), tetrahedra->stabilityScale.size(), scratch.stabilityScale, lane, lanes);
+    if (tetrahedra)
+      toLane(tetrahedra->stabilityScale.data(), tetrahedra->stabilityScale.size(), scratch.stabilityScale,
+             lane, lanes);
     if (source.revision == source.body.springs->revision) continue;
     loadSprings(block, *source.body.springs, lane, lanes);
     if (source.body.volumes) loadVolumes(block, *source.body.volumes, lane, lanes);
@@ -425,7 +427,8 @@ void unloadSpringBatches(SolverBody& body) {
 }
 
 PointView viewOf(SpringBatchArrays& springBatches) {
-  return {numbers(springBatches.position), numbers(springBatches.velocity), numbers(springBatches.inverseMass), 1, 4};
+  return {numbers(springBatches.position), numbers(springBatches.velocity),
+          numbers(springBatches.inverseMass), 1, 4};
 }
 
 void stepSpringBatches(SolverBody& body, double tick, int substeps) {

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
-// Velocity Verlet in vector registers: bodies of one network side by side, or four springs of one body at a time.
+// Velocity Verlet in vector registers: bodies of one network side by side, or four springs of one body at a
+// time.
 
 #include "solver/lane_kernels.h"
 #include "solver/verlet_step.h"
@@ -52,7 +53,7 @@ struct LaneScratch {
   AlignedNumbers position, velocity, acceleration, inverseMass, force, earlierForce;  // 3 x #points
   AlignedNumbers direction;                                                           // 3 x #springs
   AlignedNumbers gradient, sums;  // 3 x #points, 4 x #components
-  AlignedNumbers stabilityScale;            // #tetrahedra
+  AlignedNumbers stabilityScale;  // #tetrahedra
 };
 
 /// As stepVerlet for each of the bodies, to the bit, whatever the instruction set.
@@ -61,20 +62,20 @@ void stepLanes(LaneBlock& block, LaneScratch& scratch, double tick, int substeps
 
 // --- four springs of a body --------------------------------------------------------------------------------
 
-/// A body's numbers as the kernel that takes four springs at a time wants them (lane_kernels.h: SpringBatchBody).
-/// Two points without a body behind them come last: springs and tetrahedra that fill up the last four have
-/// these.
+/// A body's numbers as the kernel that takes four springs at a time wants them (lane_kernels.h:
+/// SpringBatchBody). Two points without a body behind them come last: springs and tetrahedra that fill up the
+/// last four have these.
 struct SpringBatchArrays {
   AlignedNumbers position, velocity, acceleration, inverseMass, force, earlierForce;  // 4 x (#points + 2)
   AlignedNumbers restLength, extensionStiffness, compressionStiffness, inverseLength, dampHalf,
-      dampFull;                      // #springs, filled up
-  bool sameStiffness = false;        // of all springs, extended and compressed
-  AlignedNumbers gradient, sums;     // of the volume: 4 x (#points + 2), 8 x #components
+      dampFull;                                // #springs, filled up
+  bool sameStiffness = false;                  // of all springs, extended and compressed
+  AlignedNumbers gradient, sums;               // of the volume: 4 x (#points + 2), 8 x #components
   AlignedNumbers inverseRest, stabilityScale;  // #tetrahedra, filled up
-  std::vector<unsigned> corners;     // 4 x #tetrahedra, filled up
-  std::vector<unsigned> a, b;        // #springs, filled up
-  std::vector<unsigned char> apart;  // #springs / 4: whether the four share no point
-  unsigned revision = 0;             // of the springs when their constants were copied; 0: not yet
+  std::vector<unsigned> corners;               // 4 x #tetrahedra, filled up
+  std::vector<unsigned> a, b;                  // #springs, filled up
+  std::vector<unsigned char> apart;            // #springs / 4: whether the four share no point
+  unsigned revision = 0;                       // of the springs when their constants were copied; 0: not yet
 };
 
 /// Whether this machine can: AVX2.

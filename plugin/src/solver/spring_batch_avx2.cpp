@@ -55,8 +55,9 @@ void addForces(const SpringBatchBody& b, Index i) {
   const Quad d0 = x[b.b[i]] - x[b.a[i]], d1 = x[b.b[i + 1]] - x[b.a[i + 1]];
   const Quad d2 = x[b.b[i + 2]] - x[b.a[i + 2]], d3 = x[b.b[i + 3]] - x[b.a[i + 3]];
   const Columns d = columns(d0, d1, d2, d3);
-  const Pull<Quad> p = pullOf(d.x * d.x + (d.y * d.y + d.z * d.z), springBatches(b.restLength)[i / 4],
-                              springBatches(b.extensionStiffness)[i / 4], springBatches(b.compressionStiffness)[i / 4]);
+  const Pull<Quad> p =
+      pullOf(d.x * d.x + (d.y * d.y + d.z * d.z), springBatches(b.restLength)[i / 4],
+             springBatches(b.extensionStiffness)[i / 4], springBatches(b.compressionStiffness)[i / 4]);
   springBatches(b.inverseLength)[i / 4] = p.scale;
   pullTogether(b, i, spread<0>(p.force), d0 * spread<0>(p.scale));
   pullTogether(b, i + 1, spread<1>(p.force), d1 * spread<1>(p.scale));
@@ -181,8 +182,9 @@ void addBatchTetrahedronForces(const TetrahedronBody& t, const Quad* x, Quad* fo
   for (Index i = 0; i < t.count; i += 4) {
     const Index* corners = t.corners + 4 * i;
     const CornerForces<Quad> f = tetrahedronForces(
-        displacementFrom(x, corners, 1), displacementFrom(x, corners, 2), displacementFrom(x, corners, 3), springBatches(t.inverseRest)[i / 4],
-        springBatches(t.stabilityScale)[i / 4], all(Quad(), *t.modulus), all(Quad(), *t.crushModulus));
+        displacementFrom(x, corners, 1), displacementFrom(x, corners, 2), displacementFrom(x, corners, 3),
+        springBatches(t.inverseRest)[i / 4], springBatches(t.stabilityScale)[i / 4], all(Quad(), *t.modulus),
+        all(Quad(), *t.crushModulus));
     const Rows b = rows(f.b), c = rows(f.c), d = rows(f.d);
     for (Index k = 0; k < 4; ++k) {
       const Index* corner = corners + 4 * k;
@@ -197,7 +199,8 @@ void addBatchTetrahedronForces(const TetrahedronBody& t, const Quad* x, Quad* fo
 void computeForces(const SpringBatchPoints& p) {
   for (Index i = 0; i < p.b.points; ++i) springBatches(p.b.force)[i] = all(Quad(), 0.0);
   for (Index i = 0; i < p.b.springs; i += 4) addForces(p.b, i);
-  addBatchVolumeForces(p.b.volumes, springBatches(p.b.position), springBatches(p.b.inverseMass), springBatches(p.b.force));
+  addBatchVolumeForces(p.b.volumes, springBatches(p.b.position), springBatches(p.b.inverseMass),
+                       springBatches(p.b.force));
   addBatchTetrahedronForces(p.b.tetrahedra, springBatches(p.b.position), springBatches(p.b.force));
 }
 
@@ -216,7 +219,8 @@ void dampAll(const SpringBatchPoints& p, bool whole, bool forward) {
 void kick(const SpringBatchPoints& p, double dt) {
   const Quad time = all(Quad(), dt);
   Quad* v = springBatches(p.b.velocity);
-  const Quad *a = springBatches(p.b.acceleration), *f = springBatches(p.b.force), *w = springBatches(p.b.inverseMass);
+  const Quad *a = springBatches(p.b.acceleration), *f = springBatches(p.b.force),
+             *w = springBatches(p.b.inverseMass);
   for (Index i = 0; i < p.b.points; ++i) v[i] = v[i] + time * (a[i] + f[i] * w[i]);
 }
 
@@ -247,7 +251,9 @@ double stepSpringBatches(const SpringBatchBody& body, double tick, int substeps)
 }
 
 void computeBatchForces(const SpringBatchBody& body) { computeForces(SpringBatchPoints{body}); }
-double computeBatchForcesAndChange(const SpringBatchBody& body) { return computeForcesAndChange(SpringBatchPoints{body}); }
+double computeBatchForcesAndChange(const SpringBatchBody& body) {
+  return computeForcesAndChange(SpringBatchPoints{body});
+}
 void kickSpringBatches(const SpringBatchBody& body, double dt) { kick(SpringBatchPoints{body}, dt); }
 void driftSpringBatches(const SpringBatchBody& body, double dt) { drift(SpringBatchPoints{body}, dt); }
 void dampSpringBatches(const SpringBatchBody& body, bool whole, bool forward) {

@@ -115,8 +115,8 @@ inline double dampingImpulse(double damping, double inverseMasses, double dt) {
   return (1.0 - decay(damping * inverseMasses * dt)) / inverseMasses;
 }
 
-/// 1/kg: how easily the ends of spring s are moved against each other. Where a point moves along some axes only, its
-/// largest inverse mass is taken.
+/// 1/kg: how easily the ends of spring s are moved against each other. Where a point moves along some axes
+/// only, its largest inverse mass is taken.
 inline double inverseMassesOf(const SpringArrays& springs, const Points& inverseMass, std::size_t s) {
   return inverseMass.col(springs.a[s]).maxCoeff() + inverseMass.col(springs.b[s]).maxCoeff();
 }

@@ -112,8 +112,9 @@ namespace {
 /// share still keeps the discrete oscillation away from the limit, where its amplitude grows without bound.
 constexpr double kLargestPhaseStep = 0.9 * 2.0;
 
-/// Substeps of Verlet, as many as are stable, that cost what one of the implicit steppers does (bench/run accuracy:
-/// spinning cubes, block): the usual period tolerance takes up to twice as many. Implicit ones are much less accurate.
+/// Substeps of Verlet, as many as are stable, that cost what one of the implicit steppers does (bench/run
+/// accuracy: spinning cubes, block): the usual period tolerance takes up to twice as many. Implicit ones are
+/// much less accurate.
 constexpr double kVerletPerImplicit = 60.0;
 constexpr int kImplicitSubsteps = 4;
 
@@ -161,14 +162,15 @@ VerletNeed verletNeed(const SteppingProblem& p, const Stepping& s) {
     asked.periodTolerance = periodTolerance;
     return substepCount(p.frequencies, p.tick, asked);
   };
-  return {count(1, 1.0), count(s.minSubsteps, kUsualPeriodTolerance), count(s.minSubsteps, s.periodTolerance)};
+  return {count(1, 1.0), count(s.minSubsteps, kUsualPeriodTolerance),
+          count(s.minSubsteps, s.periodTolerance)};
 }
 
-/// A free body that needs many substeps of Verlet is stepped implicitly. A pinned one is not: where substeps do not
-/// resolve the springs, the guard against a gain of energy also brakes what swings about the pin.
-/// A smaller tolerance only ever takes the choice from an implicit stepper to Verlet, which is more exact: one of the
-/// period below the usual rules out what cannot meet it, one of the error makes it dearer. So no error rises when a
-/// tolerance falls.
+/// A free body that needs many substeps of Verlet is stepped implicitly. A pinned one is not: where substeps
+/// do not resolve the springs, the guard against a gain of energy also brakes what swings about the pin. A
+/// smaller tolerance only ever takes the choice from an implicit stepper to Verlet, which is more exact: one
+/// of the period below the usual rules out what cannot meet it, one of the error makes it dearer. So no error
+/// rises when a tolerance falls.
 Stepper choose(const SteppingProblem& p, const Stepping& s, const VerletNeed& verlet, int implicit) {
   if (!p.implicitPossible) return Stepper::Verlet;
   if (s.stepper != Stepper::Auto) return s.stepper;
@@ -239,7 +241,8 @@ double fastestTurn(const SpringArrays& springs, const PointState& state, double 
 }
 
 SteppingChoice chooseStepping(const SteppingProblem& p, const Stepping& s) {
-  const int turning = static_cast<int>(std::min(std::ceil(p.turnRate * p.tick / kLargestTurn), kMaxForTurning));
+  const int turning =
+      static_cast<int>(std::min(std::ceil(p.turnRate * p.tick / kLargestTurn), kMaxForTurning));
   const int followed = std::max(turning, neededSubsteps(p, s));
   const VerletNeed need = verletNeed(p, s);
   const int implicit = std::max(implicitNeed(s), followed);

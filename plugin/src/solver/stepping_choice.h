@@ -52,7 +52,7 @@ struct SteppingProblem {
   double dampingRate = 0.0;       ///< 1/s, dampingRateBound
   double turnRate = 0.0;          ///< rad/s, fastestTurn
   double tick = 0.0;              ///< s
-  double errorCoefficient = 0.0;    ///< m/s^3, the last error rate over the square of its substep; 0: unknown
+  double errorCoefficient = 0.0;  ///< m/s^3, the last error rate over the square of its substep; 0: unknown
   double size = 0.0;              ///< m, of the body
   bool implicitPossible = false;  ///< see canStepImplicitly
   bool touching = false;          ///< has contacts
@@ -80,9 +80,10 @@ double fastestTurn(const SpringArrays& springs, const PointState& state, double 
 ///   - Newton's method for a body damped so strongly that splitting the dampers off would slow its creep, if
 ///   that
 ///     is cheap; large meshes stay with Verlet;
-///   - where so many substeps are needed to be stable that implicit ones are cheaper, for bodies in free motion,
-///     Newton's method for ropes and chains and local/global iterations for all others, unless a periodTolerance
-///     below the usual one is asked for;
+///   - where so many substeps are needed to be stable that implicit ones are cheaper, for bodies in free
+///   motion,
+///     Newton's method for ropes and chains and local/global iterations for all others, unless a
+///     periodTolerance below the usual one is asked for;
 ///   - one of these too when the budget does not allow Verlet its stable number.
 /// A tolerance raises the number of substeps, the budget caps it. A forced stepper is taken where possible.
 SteppingChoice chooseStepping(const SteppingProblem& problem, const Stepping& settings);

@@ -194,12 +194,12 @@ constexpr double kCrushed = 0.3;
 /// The tetrahedra of a body.
 template <class V>
 struct Tetrahedra {
-  Index count = 0;                  ///< 0: none
-  const Index* corners = nullptr;   ///< 4 x count, point indices
-  const V* inverseRest = nullptr;   ///< count, 1/m^3, one over six rest volumes
-  const V* stabilityScale = nullptr;          ///< count, 1/m^4, see TetrahedronVolumes
-  const V* modulus = nullptr;       ///< Pa, one
-  const V* crushModulus = nullptr;  ///< Pa, one
+  Index count = 0;                    ///< 0: none
+  const Index* corners = nullptr;     ///< 4 x count, point indices
+  const V* inverseRest = nullptr;     ///< count, 1/m^3, one over six rest volumes
+  const V* stabilityScale = nullptr;  ///< count, 1/m^4, see TetrahedronVolumes
+  const V* modulus = nullptr;         ///< Pa, one
+  const V* crushModulus = nullptr;    ///< Pa, one
 };
 
 template <class V>
@@ -267,7 +267,8 @@ inline void addTetrahedronForces(const Tetrahedra<V>& t, const V* position, V* f
     const V* a = position + 3 * corner[0];
     const CornerForces<V> f = tetrahedronForces(
         displacementFrom(a, position + 3 * corner[1]), displacementFrom(a, position + 3 * corner[2]),
-        displacementFrom(a, position + 3 * corner[3]), t.inverseRest[i], t.stabilityScale[i], *t.modulus, *t.crushModulus);
+        displacementFrom(a, position + 3 * corner[3]), t.inverseRest[i], t.stabilityScale[i], *t.modulus,
+        *t.crushModulus);
     V* fa = force + 3 * corner[0];
     fa[0] = fa[0] - (f.b.x + (f.c.x + f.d.x));
     fa[1] = fa[1] - (f.b.y + (f.c.y + f.d.y));

@@ -153,8 +153,7 @@ void solvePositions(SolverIsland& group, double time, double dt) {
 }
 
 void solveVelocities(SolverIsland& group) {
-  for (std::size_t i = 0; i < group.bodies.size(); ++i)
-    solveVelocities(group.bodies[i], group.views[i]);
+  for (std::size_t i = 0; i < group.bodies.size(); ++i) solveVelocities(group.bodies[i], group.views[i]);
 }
 
 void prepare(SolverIsland& group) {

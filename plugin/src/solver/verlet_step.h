@@ -3,10 +3,10 @@
 
 // Velocity Verlet for soft bodies: one by itself, or several with the rigid ones that are coupled with them.
 
-#include "solver/plane_contacts.h"
+#include "solver/contacts.h"
 #include "solver/lane_kernels.h"
 #include "solver/links.h"
-#include "solver/contacts.h"
+#include "solver/plane_contacts.h"
 #include "solver/point_state.h"
 #include "solver/springs.h"
 #include "solver/verlet_kernel.h"
@@ -22,11 +22,12 @@ struct SpringBatchArrays;
 struct SolverBody {
   PointState* points;
   SpringArrays* springs;
-  std::vector<PlaneContact>* contacts;         ///< may be nullptr
+  std::vector<PlaneContact>* contacts;       ///< may be nullptr
   VolumeArrays* volumes = nullptr;           ///< may be nullptr
   TetrahedronVolumes* tetrahedra = nullptr;  ///< may be nullptr
 
-  SpringBatchArrays* springBatches = nullptr;  ///< for stepping it four springs at a time, see simd_steps.h; may be nullptr
+  SpringBatchArrays* springBatches =
+      nullptr;  ///< for stepping it four springs at a time, see simd_steps.h; may be nullptr
 
   ContactWatch* watch = nullptr;  ///< may be nullptr
 
@@ -62,16 +63,16 @@ struct SolverIsland;
 struct PairSearch {
   int every = 0;  ///< substeps from one search to the next; 0: none is needed
   void* context = nullptr;
-  /// Replaces what it finds in group.pairs.contacts; s since the start of the tick and until the next search. The
-  /// state of bodies[i] is at views[i].
+  /// Replaces what it finds in group.pairs.contacts; s since the start of the tick and until the next search.
+  /// The state of bodies[i] is at views[i].
   void (*search)(void* context, SolverIsland& group, double since, double ahead) = nullptr;
 };
 
 /// Bodies that links join or that touch; without links a group is one body.
 struct SolverIsland {
   std::vector<SolverBody> bodies;
-  LinkedBodies links;  ///< links.points[i] is bodies[i].points
-  IslandConstraints pairs;      ///< what else couples them, and the rigid ones with their own surroundings
+  LinkedBodies links;       ///< links.points[i] is bodies[i].points
+  IslandConstraints pairs;  ///< what else couples them, and the rigid ones with their own surroundings
   PairSearch again;
 
   // Scratch of the step, #bodies.

@@ -37,7 +37,7 @@ struct VolumeArrays {
   double timeStep = 0.0;                     ///< s, of Verlet's substep; 0: of an implicit stepper
   double shortestEdge = 0.0;                 ///< m, at rest
 
-  bool farFromRest = false;        ///< in this tick some volume is, or may come, far from that at rest
+  bool farFromRest = false;     ///< in this tick some volume is, or may come, far from that at rest
   Points gradient;              ///< 3 x #points, scratch
   std::vector<double> sums;     ///< 4 x #components, scratch
   std::vector<double> rowSums;  ///< #points, scratch
@@ -112,19 +112,19 @@ double keptVolumeBoundSquared(VolumeArrays& volumes, const PointState& state, do
 ///
 /// Along its gradient g a tetrahedron oscillates with at most  omega^2 = (K + G)/V0 w sum |g|^2, w the
 /// largest of its corners' inverse masses, which has no bound while the body is torn apart. Beyond omega^2
-/// dt^2 = kLargestCornerPhaseSquared the push is divided by what it is too large: `stabilityScale` is (K + G) w dt^2 /
-/// (36 V0 kLargestCornerPhaseSquared), for 36 |g|^2.
+/// dt^2 = kLargestCornerPhaseSquared the push is divided by what it is too large: `stabilityScale` is (K + G)
+/// w dt^2 / (36 V0 kLargestCornerPhaseSquared), for 36 |g|^2.
 struct TetrahedronVolumes {
   std::vector<Tetrahedron> tetrahedra;  ///< oriented as at the body's scale
   std::vector<double> restVolume;       ///< #tetrahedra, m^3, above 0
   std::vector<double> inverseRest;      ///< #tetrahedra, 1/m^3: 1 / (6 restVolume)
   Eigen::Array4Xd restGradientSquares;  ///< 4 x #tetrahedra, m^4, of the volume by the corners
-  std::vector<double> valence;            ///< #tetrahedra, n: most tetrahedra around one of its corners
-  std::vector<double> stabilityScale;             ///< #tetrahedra, 1/m^4, set by prepareTetrahedra
+  std::vector<double> valence;          ///< #tetrahedra, n: most tetrahedra around one of its corners
+  std::vector<double> stabilityScale;   ///< #tetrahedra, 1/m^4, set by prepareTetrahedra
   double modulus = 0.0;                 ///< Pa, K
   double crushModulus = 0.0;            ///< Pa, G: Young's modulus of the springs together
   bool edgesAreSprings = false;         ///< all of them
-  bool farFromRest = false;                ///< far from rest, as of tetrahedronFrequencyBoundSquared
+  bool farFromRest = false;             ///< far from rest, as of tetrahedronFrequencyBoundSquared
 
   std::vector<double> rowSums;  ///< #points, scratch
 
@@ -169,6 +169,7 @@ TetrahedronSlope tetrahedronSlope(const TetrahedronVolumes& volumes, std::size_t
 /// that two corners do not have. Row sums of block norms, times inverse masses, bound the eigenvalues:
 ///     max over points i of  w_i sum over its tetrahedra ( s |g_i| sum_j |g_j|  +  |p| sum of edges / 6 ),
 /// the edges being those of the face opposite to i.
-double tetrahedronFrequencyBoundSquared(TetrahedronVolumes& volumes, const PointState& state, double tick = 0.0);
+double tetrahedronFrequencyBoundSquared(TetrahedronVolumes& volumes, const PointState& state,
+                                        double tick = 0.0);
 
 }  // namespace limber
