@@ -37,7 +37,7 @@ std::vector<btPersistentManifold*> manifoldsOf(BulletWorld& bullet, const btColl
   return found;
 }
 
-TEST(ReportedManifold, noneAreShownUnlessAskedFor) {
+TEST(ReportedManifolds, noneAreShownUnlessAskedFor) {
   BulletWorld bullet;
   bullet.addBoxFloor();
   SoftBodySystem system(*bullet.world);
@@ -52,7 +52,7 @@ TEST(ReportedManifold, noneAreShownUnlessAskedFor) {
   EXPECT_EQ(bullet.dispatcher.getNumManifolds(), 0);
 }
 
-TEST(ReportedManifold, aManifoldBearsTheWeightAndLeadsBackToTheTriangle) {
+TEST(ReportedManifolds, aManifoldBearsTheWeightAndLeadsBackToTheTriangle) {
   BulletWorld bullet;
   btRigidBody* floor = bullet.addBoxFloor();
   SoftBodySystem system(*bullet.world);
@@ -107,9 +107,9 @@ std::vector<double> run(bool report, int ticks) {
   return states;
 }
 
-TEST(ReportedManifold, changeNothing) { EXPECT_EQ(run(false, 600), run(true, 600)); }
+TEST(ReportedManifolds, changeNothing) { EXPECT_EQ(run(false, 600), run(true, 600)); }
 
-TEST(ReportedManifold, twoSoftBodiesShareAManifold) {
+TEST(ReportedManifolds, twoSoftBodiesShareAManifold) {
   BulletWorld bullet;
   bullet.addBoxFloor();
   SoftBodySystem system(*bullet.world);
@@ -129,7 +129,7 @@ TEST(ReportedManifold, twoSoftBodiesShareAManifold) {
 int contactsEnded;
 void countEnd(btPersistentManifold* const&) { ++contactsEnded; }
 
-TEST(ReportedManifold, BulletsCallbacksAreNotCalled) {
+TEST(ReportedManifolds, BulletsCallbacksAreNotCalled) {
   BulletWorld bullet;
   bullet.addBoxFloor();
   SoftBodySystem system(*bullet.world);
@@ -143,7 +143,7 @@ TEST(ReportedManifold, BulletsCallbacksAreNotCalled) {
   EXPECT_EQ(contactsEnded, 0);
 }
 
-TEST(ReportedManifold, noManifoldNamesWhatHasLeftTheWorld) {
+TEST(ReportedManifolds, noManifoldNamesWhatHasLeftTheWorld) {
   BulletWorld bullet;
   btRigidBody* floor = bullet.addBoxFloor();
   SoftBodySystem system(*bullet.world);
@@ -163,7 +163,7 @@ TEST(ReportedManifold, noManifoldNamesWhatHasLeftTheWorld) {
   EXPECT_EQ(bullet.dispatcher.getNumManifolds(), 0);
 }
 
-TEST(ReportedManifold, worldSystemAndBodiesGoInAnyOrder) {
+TEST(ReportedManifolds, worldSystemAndBodiesGoInAnyOrder) {
   for (int order = 0; order < 4; ++order) {
     auto bullet = std::make_unique<BulletWorld>();
     bullet->addBoxFloor();
