@@ -7,7 +7,7 @@ namespace limber::demo {
 namespace {
 
 /// Half of what the scene shows is this far, m: marks are drawn in proportion.
-double searchRegionOf(const scenes::View& view) { return 0.5 * view.box.diagonal().norm(); }
+double viewRadius(const scenes::View& view) { return 0.5 * view.box.diagonal().norm(); }
 
 constexpr double kContactSize = 0.04;  // of the reach
 
@@ -28,7 +28,7 @@ constexpr int kAsksActions =
 SceneOverlay::SceneOverlay(const scenes::Scene& scene, const OverlayChoice& choice)
     : scene_(scene), choice_(choice) {
   drawer_.setDebugMode(modeOf(choice));
-  drawer_.contactSize = static_cast<float>(kContactSize * searchRegionOf(scene.view));
+  drawer_.contactSize = static_cast<float>(kContactSize * viewRadius(scene.view));
 }
 
 const render::Overlay& SceneOverlay::draw(render::Vec3 eye) {

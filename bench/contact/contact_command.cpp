@@ -41,13 +41,13 @@ std::vector<ContactScene> scenesOf(const Options& options) {
   return chosen;
 }
 
-std::vector<PlaneContact> measureAll(const std::vector<ContactScene>& scenes, const Options& options) {
+std::vector<ContactRow> measureAll(const std::vector<ContactScene>& scenes, const Options& options) {
   const std::vector<ContactEngine> engines = options.flags ? contactFlags() : contactEngines();
   CsvTable csv(options.out + "/" + kCsvName, contactColumns());
   RowProgress progress;
-  std::vector<PlaneContact> all;
+  std::vector<ContactRow> all;
   for (const ContactScene& scene : scenes) {
-    for (PlaneContact& row : measureContact(scene, engines, options.limits, progress)) {
+    for (ContactRow& row : measureContact(scene, engines, options.limits, progress)) {
       csv.add(contactCells(row));
       all.push_back(std::move(row));
     }
@@ -69,7 +69,7 @@ ExitCode runContact(int argc, char** argv) {
     return kUsage;
   }
   if (!canWrite(options.out, kCsvName)) return kFailure;
-  const std::vector<PlaneContact> rows = measureAll(scenes, options);
+  const std::vector<ContactRow> rows = measureAll(scenes, options);
   std::string summary = summariseContact(rows);
   if (!options.flags) summary += contactTargets(rows) + "\n" + describe(measureMemory(options.quick));
   publish(summary, options.out + "/contact.txt");

@@ -96,7 +96,7 @@ std::vector<ContactEngine> contactFlags() {
       softBody("SDF_RS", 4, always<SoftContacts::Points>),
       softBody("SDF_RS | VF_SS", 4, always<SoftContacts::PointsAndFaces>),
       softBody("SDF_RS | CL_SS", 4, always<SoftContacts::PointsAndClusters>),
-      softBody("CL_RS | CL_SS", 4, always<SoftContacts::Islands>), spheres()};
+      softBody("CL_RS | CL_SS", 4, always<SoftContacts::Clusters>), spheres()};
   engines[1].isReference = true;
   return engines;
 }

@@ -35,7 +35,7 @@ std::vector<std::string> contactColumns() {
           "error"};
 }
 
-std::vector<std::string> contactCells(const PlaneContact& row) {
+std::vector<std::string> contactCells(const ContactRow& row) {
   const auto cell = [&](double value) { return row.ran() ? numberCell(value) : std::string(); };
   const auto ratio = [&](const std::optional<double>& value) { return value ? cell(*value) : std::string(); };
   const bool moves = row.role == Role::Airborne || row.role == Role::Landing;

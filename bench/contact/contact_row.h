@@ -8,7 +8,7 @@
 namespace limber::bench {
 
 /// What one engine's run of a scene took. Empty where the engine could not.
-struct PlaneContact {
+struct ContactRow {
   std::string scene, engine;
   Role role = Role::Rest;
   Crowd crowd = Crowd::Small;
@@ -30,6 +30,6 @@ struct PlaneContact {
 };
 
 std::vector<std::string> contactColumns();
-std::vector<std::string> contactCells(const PlaneContact& row);
+std::vector<std::string> contactCells(const ContactRow& row);
 
 }  // namespace limber::bench

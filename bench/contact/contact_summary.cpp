@@ -20,7 +20,7 @@ std::string ratioText(const std::optional<double>& ratio) {
   return ratio ? format("%.2f", *ratio) : std::string("-");
 }
 
-std::string lineOf(const PlaneContact& r) {
+std::string lineOf(const ContactRow& r) {
   if (!r.ran()) return format("  %-22s %s\n", r.engine.c_str(), r.error.c_str());
   const bool moves = r.role == Role::Airborne || r.role == Role::Landing;
   const std::string speed = moves ? "-" : format("%.1e", r.residualSpeed);
@@ -31,17 +31,17 @@ std::string lineOf(const PlaneContact& r) {
                 100.0 * r.asleep);
 }
 
-std::string headingOf(const PlaneContact& r) {
+std::string headingOf(const ContactRow& r) {
   return format("\n%s: %zu %s, %zu points\n  %-22s %9s %9s %8s %10s %10s %11s %10s %9s %8s\n",
                 r.scene.c_str(), r.bodies, r.bodies == 1 ? "body" : "bodies", r.points, "", "median ms",
                 "worst ms", "us/point", "btSoftBody", "spheres", "deepest", "speed m/s", "strain", "asleep");
 }
 
 /// Where others took the machine: times of the thread are not free of that either, caches are shared.
-std::string busyWarning(const std::vector<PlaneContact>& rows) {
+std::string busyWarning(const std::vector<ContactRow>& rows) {
   constexpr double kBusy = 1.1;
   double wall = 0.0, own = 0.0;
-  for (const PlaneContact& row : rows) {
+  for (const ContactRow& row : rows) {
     wall += row.wallMedian;
     own += row.tickMedian;
   }
@@ -51,11 +51,11 @@ std::string busyWarning(const std::vector<PlaneContact>& rows) {
 
 }  // namespace
 
-std::string summariseContact(const std::vector<PlaneContact>& rows) {
+std::string summariseContact(const std::vector<ContactRow>& rows) {
   std::string text = describeMachine();
   text += kConditions;
   std::string scene;
-  for (const PlaneContact& row : rows) {
+  for (const ContactRow& row : rows) {
     if (row.scene != scene) text += headingOf(row);
     scene = row.scene;
     text += lineOf(row);

@@ -6,6 +6,6 @@
 namespace limber::bench {
 
 /// All that was measured, as a table for people.
-std::string summariseContact(const std::vector<PlaneContact>& rows);
+std::string summariseContact(const std::vector<ContactRow>& rows);
 
 }  // namespace limber::bench

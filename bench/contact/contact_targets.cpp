@@ -9,13 +9,13 @@
 namespace limber::bench {
 namespace {
 
-using Rows = std::vector<PlaneContact>;
+using Rows = std::vector<ContactRow>;
 
 constexpr double kRealTime = 1e3 * kContactTick;  // ms
 
 /// nullptr where there is none, or it has not run.
-const PlaneContact* find(const Rows& rows, const std::string& engine, Role role, Crowd crowd = Crowd::Small) {
-  for (const PlaneContact& row : rows)
+const ContactRow* find(const Rows& rows, const std::string& engine, Role role, Crowd crowd = Crowd::Small) {
+  for (const ContactRow& row : rows)
     if (row.engine == engine && row.role == role && row.crowd == crowd && row.ran()) return &row;
   return nullptr;
 }
@@ -26,14 +26,14 @@ std::string line(const std::string& what, const std::optional<double>& value, do
   return format("  %-4s  %-62s %.3g%s\n", *value <= most ? "hit" : "MISS", what.c_str(), *value, unit);
 }
 
-std::optional<double> softRatio(const PlaneContact* row) { return row ? row->toSoftBody : std::nullopt; }
+std::optional<double> softRatio(const ContactRow* row) { return row ? row->toSoftBody : std::nullopt; }
 
 /// Quick runs have fewer bodies than a target is meant for.
-std::string sceneName(const PlaneContact* row, const char* meant) { return row ? row->scene : meant; }
+std::string sceneName(const ContactRow* row, const char* meant) { return row ? row->scene : meant; }
 
 std::string softBodyLines(const Rows& rows, const std::string& name) {
   const auto ratio = [&](Role role, Crowd crowd, double most, const char* meant, const char* text) {
-    const PlaneContact* row = find(rows, name, role, crowd);
+    const ContactRow* row = find(rows, name, role, crowd);
     return line(sceneName(row, meant) + text, softRatio(row), most);
   };
   return ratio(Role::Rest, Crowd::Middle, 0.7, "512 cubes rest", ": at most 0.7 of btSoftBody 4 it") +
@@ -47,7 +47,7 @@ std::string softBodyLines(const Rows& rows, const std::string& name) {
 }
 
 std::string landingLine(const Rows& rows, const std::string& name) {
-  const PlaneContact* landing = find(rows, name, Role::Landing, Crowd::Middle);
+  const ContactRow* landing = find(rows, name, Role::Landing, Crowd::Middle);
   std::optional<double> share;
   if (landing) share = landing->tickWorst / landing->tickMedian;
   return line(sceneName(landing, "512 cubes landing") + ": worst tick at most 3 times the median", share,
@@ -57,8 +57,8 @@ std::string landingLine(const Rows& rows, const std::string& name) {
 std::string sleepLines(const Rows& rows, const std::string& name) {
   std::string text;
   for (const Crowd crowd : {Crowd::Small, Crowd::Middle, Crowd::Large}) {
-    const PlaneContact *awake = find(rows, name, Role::Rest, crowd),
-                       *asleep = find(rows, name, Role::Asleep, crowd);
+    const ContactRow *awake = find(rows, name, Role::Rest, crowd),
+                     *asleep = find(rows, name, Role::Asleep, crowd);
     std::optional<double> percent;
     if (awake && asleep) percent = 100.0 * asleep->tickMedian / awake->tickMedian;
     text += line(sceneName(asleep, "cubes asleep") + ": at most 2 % of awake", percent, 2.0, " %");
@@ -68,8 +68,8 @@ std::string sleepLines(const Rows& rows, const std::string& name) {
 
 /// Only the worst scene is named.
 std::string sphereLine(const Rows& rows, const std::string& name) {
-  const PlaneContact* worst = nullptr;
-  for (const PlaneContact& row : rows) {
+  const ContactRow* worst = nullptr;
+  for (const ContactRow& row : rows) {
     if (row.engine != name || !row.toSpheres) continue;
     if (!worst || *row.toSpheres > *worst->toSpheres) worst = &row;
   }
@@ -78,9 +78,9 @@ std::string sphereLine(const Rows& rows, const std::string& name) {
 }
 
 std::string realTimeLines(const Rows& rows, const std::string& name) {
-  const PlaneContact *airborne = find(rows, name, Role::Airborne, Crowd::Large),
-                     *rest = find(rows, name, Role::Rest, Crowd::RealTime);
-  const auto tick = [](const PlaneContact* row) {
+  const ContactRow *airborne = find(rows, name, Role::Airborne, Crowd::Large),
+                   *rest = find(rows, name, Role::Rest, Crowd::RealTime);
+  const auto tick = [](const ContactRow* row) {
     return row ? std::optional<double>(row->tickMedian) : std::nullopt;
   };
   return line(sceneName(airborne, "4096 cubes airborne") + ": real time at 60 Hz, 16.67 ms", tick(airborne),
@@ -91,7 +91,7 @@ std::string realTimeLines(const Rows& rows, const std::string& name) {
 
 }  // namespace
 
-std::string contactTargets(const std::vector<PlaneContact>& rows) {
+std::string contactTargets(const std::vector<ContactRow>& rows) {
   std::string text;
   for (const std::string& name : limberNames())
     text += "\ntargets of " + name + ", one thread, in the same run\n" + softBodyLines(rows, name) +

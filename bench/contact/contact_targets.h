@@ -6,6 +6,6 @@
 namespace limber::bench {
 
 /// A line for each target and each of Limber's settings: hit, MISS, or "-" where it was not measured.
-std::string contactTargets(const std::vector<PlaneContact>& rows);
+std::string contactTargets(const std::vector<ContactRow>& rows);
 
 }  // namespace limber::bench

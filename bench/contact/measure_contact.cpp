@@ -93,8 +93,8 @@ std::size_t pointsOf(const ContactScene& scene) {
   return points;
 }
 
-PlaneContact rowOf(const Run& run, const std::vector<Run>& runs, const ContactScene& scene) {
-  PlaneContact row;
+ContactRow rowOf(const Run& run, const std::vector<Run>& runs, const ContactScene& scene) {
+  ContactRow row;
   row.scene = scene.name, row.engine = run.engine->name;
   row.role = scene.role, row.crowd = scene.crowd;
   row.bodies = scene.bodies.size(), row.points = pointsOf(scene);
@@ -115,15 +115,15 @@ PlaneContact rowOf(const Run& run, const std::vector<Run>& runs, const ContactSc
 
 }  // namespace
 
-std::vector<PlaneContact> measureContact(const ContactScene& scene, const std::vector<ContactEngine>& engines,
-                                         const ContactLimits& limits, RowProgress& progress) {
+std::vector<ContactRow> measureContact(const ContactScene& scene, const std::vector<ContactEngine>& engines,
+                                       const ContactLimits& limits, RowProgress& progress) {
   std::vector<Run> runs = runsOf(scene, engines);
   for (int repeat = 0; repeat < limits.repeats; ++repeat) {
     for (Run& run : runs) open(run, scene);
     playAll(runs, scene, limits, repeat, progress);
     for (Run& run : runs) keep(run);
   }
-  std::vector<PlaneContact> rows;
+  std::vector<ContactRow> rows;
   for (const Run& run : runs) rows.push_back(rowOf(run, runs, scene));
   return rows;
 }

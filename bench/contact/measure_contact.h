@@ -14,7 +14,7 @@ struct ContactLimits {
 
 /// A row for each engine, in their order. All of them are open at once and take turns, in an order that
 /// rotates with each turn and each repeat; the medians of the repeats count.
-std::vector<PlaneContact> measureContact(const ContactScene& scene, const std::vector<ContactEngine>& engines,
-                                         const ContactLimits& limits, RowProgress& progress);
+std::vector<ContactRow> measureContact(const ContactScene& scene, const std::vector<ContactEngine>& engines,
+                                       const ContactLimits& limits, RowProgress& progress);
 
 }  // namespace limber::bench

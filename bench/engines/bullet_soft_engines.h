@@ -17,7 +17,7 @@ enum class SoftContacts : std::uint8_t {
   Points,             ///< SDF_RS
   PointsAndFaces,     ///< SDF_RS | VF_SS
   PointsAndClusters,  ///< SDF_RS | CL_SS, 8 clusters at most
-  Islands             ///< CL_RS | CL_SS, 8 clusters at most
+  Clusters            ///< CL_RS | CL_SS, 8 clusters at most
 };
 
 /// Bullet's position-based soft body. Bodies without faces collide as their points.

@@ -79,7 +79,7 @@ void setContacts(btSoftBody& body, SoftContacts contacts) {
     body.m_cfg.collisions = Flags::SDF_RS | Flags::VF_SS;
   } else {
     body.generateClusters(kClusters);
-    body.m_cfg.collisions = (contacts == SoftContacts::Islands ? Flags::CL_RS : Flags::SDF_RS) | Flags::CL_SS;
+    body.m_cfg.collisions = (contacts == SoftContacts::Clusters ? Flags::CL_RS : Flags::SDF_RS) | Flags::CL_SS;
   }
 }
 

@@ -19,7 +19,7 @@ std::string line(const std::string& what, const Value& value, bool hit, const ch
   return format("  %-4s  %-84s %.3g%s\n", hit ? "hit" : "MISS", what.c_str(), *value, unit);
 }
 
-std::string minSubsteps(const std::string& what, const Value& value, double least) {
+std::string atLeast(const std::string& what, const Value& value, double least) {
   return line(what, value, value && *value >= least);
 }
 
@@ -53,7 +53,7 @@ double ownOf(const FrameRow& row) { return row.times.own; }
 std::string submissionLines(const Rows& rows, std::size_t bodies) {
   const auto line = [&](bool shadows, const char* what, const std::function<double(const FrameRow&)>& cost) {
     const auto chosen = [&](const FrameRow& r) { return r.bodies == bodies && r.shadows == shadows; };
-    return minSubsteps(format("%zu cubes, %s of naive at least 10 times ours", bodies, what),
+    return atLeast(format("%zu cubes, %s of naive at least 10 times ours", bodies, what),
                        leastRatio(rows, chosen, cost), 10.0);
   };
   return line(false, "no shadows: upload + submit", uploadAndSubmit) +
@@ -65,7 +65,7 @@ std::string frameLines(const Rows& rows, bool shadows) {
     return r.bodies == 4096 && r.height == 1080 && r.shadows == shadows;
   };
   const auto line = [&](const char* clock, const std::function<double(const FrameRow&)>& cost) {
-    return minSubsteps(format("4096 cubes, 1920x1080, %s: frame of naive at least 2 times ours, %s",
+    return atLeast(format("4096 cubes, 1920x1080, %s: frame of naive at least 2 times ours, %s",
                               shadows ? "shadows" : "no shadows", clock),
                        leastRatio(rows, chosen, cost), 2.0);
   };
@@ -75,7 +75,7 @@ std::string frameLines(const Rows& rows, bool shadows) {
 /// No target, but where a single body may lose.
 std::string ballLine(const Rows& rows) {
   const auto isBall = [](const FrameRow& r) { return r.scene == "ball"; };
-  return minSubsteps("(no target) one large smooth body: frame of naive over ours at least 1, all threads",
+  return atLeast("(no target) one large smooth body: frame of naive over ours at least 1, all threads",
                      leastRatio(rows, isBall, processOf), 1.0);
 }
 

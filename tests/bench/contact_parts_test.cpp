@@ -109,7 +109,7 @@ TEST(ContactScenes, haveAllRolesAndFewBodiesWhenQuick) {
 
 TEST(SoftContacts, allHoldACubeOnAFloor) {
   for (const SoftContacts contacts : {SoftContacts::Points, SoftContacts::PointsAndFaces,
-                                      SoftContacts::PointsAndClusters, SoftContacts::Islands}) {
+                                      SoftContacts::PointsAndClusters, SoftContacts::Clusters}) {
     ContactScene scene = fallingCube(0, 60);
     scene.bodies[0].settings.position.y() = 0.53;
     scene.bodies[0].drag = 1.0;

@@ -189,13 +189,13 @@ TEST(PeriodTolerance, askedToBeFinerAutoIsNeverFartherOff) {
 
 /// A cube in free flight that breathes and turns, and its distance (m, root mean square) from the converged
 /// motion after a second.
-struct SweptBounds {
+struct FlightEnd {
   double error = 0.0, estimate = 0.0;
   int substeps = 0;
 };
 
-SweptBounds fly(const Stepping& stepping) {
-  const auto positionsAfter = [](const Stepping& choice, SweptBounds& flight) {
+FlightEnd fly(const Stepping& stepping) {
+  const auto positionsAfter = [](const Stepping& choice, FlightEnd& flight) {
     BulletWorld bullet(0.0);
     SoftBodySystem system(*bullet.world);
     SoftBodySettings s = test::testedSettings();
@@ -217,7 +217,7 @@ SweptBounds fly(const Stepping& stepping) {
     for (std::uint32_t i = 0; i < 8; ++i) x.col(i) = body->position(i);
     return x;
   };
-  SweptBounds flight, unused;
+  FlightEnd flight, unused;
   Stepping fine;
   fine.minSubsteps = 2000;
   const Eigen::Matrix3Xd exact = positionsAfter(fine, unused);
@@ -229,7 +229,7 @@ TEST(Tolerance, isMetByTheTrueError) {
   for (const double tolerance : {1e-2, 1e-3, 1e-4}) {
     Stepping s;
     s.tolerance = tolerance;
-    const SweptBounds flight = fly(s);
+    const FlightEnd flight = fly(s);
     EXPECT_LT(flight.error, tolerance) << "m after one second at " << flight.substeps << " substeps";
     EXPECT_GT(flight.error, 0.02 * tolerance) << "the estimate is not wasteful either";
   }
@@ -246,7 +246,7 @@ TEST(Budget, capsTheSubstepsAndReportsTheErrorThatFollows) {
   Stepping wanted, capped;
   wanted.tolerance = capped.tolerance = 1e-4;
   capped.maxSubsteps = 16;
-  const SweptBounds free = fly(wanted), limited = fly(capped);
+  const FlightEnd free = fly(wanted), limited = fly(capped);
   EXPECT_GT(free.substeps, 16);
   EXPECT_EQ(limited.substeps, 16);
   EXPECT_GT(limited.estimate, 1e-4) << "the tolerance is missed, and says so";

@@ -133,20 +133,20 @@ TEST(TetrahedronVolumes, areRestlessWhereTheyComeFarFromRestInTheTick) {
   const SpringNetwork network = pair();
   TetrahedronVolumes v = tetrahedraOf(network, 100.0);
   PointState state = pairState(network);
-  const auto movesTooFast = [&](double tick) {
+  const auto farFromRest = [&](double tick) {
     tetrahedronFrequencyBoundSquared(v, state, tick);
     return v.farFromRest;
   };
   const Eigen::Vector3d fall(0.3, -7.5, 0.3);
   state.velocity.colwise() = fall;
-  EXPECT_FALSE(movesTooFast(1.0)) << "all of it falls";
+  EXPECT_FALSE(farFromRest(1.0)) << "all of it falls";
   for (Eigen::Index i = 0; i < state.velocity.cols(); ++i)
     state.velocity.col(i) = Eigen::Vector3d(1, 2, 3).cross(state.position.col(i));
-  EXPECT_FALSE(movesTooFast(1.0)) << "it turns";
+  EXPECT_FALSE(farFromRest(1.0)) << "it turns";
   state.velocity.colwise() = fall;
   state.velocity.col(0).setZero();
-  EXPECT_FALSE(movesTooFast(1e-3));
-  EXPECT_TRUE(movesTooFast(1.0));
+  EXPECT_FALSE(farFromRest(1e-3));
+  EXPECT_TRUE(farFromRest(1.0));
 }
 
 }  // namespace

@@ -58,9 +58,9 @@ MovingShape boxShape(const Vector3d& sizes, double radius, bool rigid) {
     points.col(i) = sizes.cwiseProduct(Vector3d(i & 1, i >> 1 & 1, i >> 2) - Vector3d::Constant(0.5));
   SurfaceFeatures features;
   features.rigid = rigid;
-  const std::uint32_t springBatches[6][4] = {{0, 4, 6, 2}, {1, 3, 7, 5}, {0, 1, 5, 4},
+  const std::uint32_t quads[6][4] = {{0, 4, 6, 2}, {1, 3, 7, 5}, {0, 1, 5, 4},
                                              {2, 6, 7, 3}, {0, 2, 3, 1}, {4, 5, 7, 6}};
-  for (const auto& q : springBatches) {
+  for (const auto& q : quads) {
     features.triangles.push_back({q[0], q[1], q[2]});
     features.triangles.push_back({q[0], q[2], q[3]});
   }
