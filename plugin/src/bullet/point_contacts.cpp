@@ -29,13 +29,38 @@ Eigen::AlignedBox3d boxOf(const btCollisionObject& object) {
   return {toEigen(low), toEigen(high)};
 }
 
-/// Whether something may get into the box (m). Boxes in Bullet's broadphase are larger than what is in them,
-/// by lengths that are the same however large the scene is, and longer after motion: what is near to it only
-/// by these must not decide how the body is stepped.
-bool hasPartnersIn(const Eigen::AlignedBox3d& box, const SoftBodyData& body) {
-  const auto isIn = [&](const btCollisionObject* p) { return isMoved(*p) || box.intersects(boxOf(*p)); };
-  return !body.freePartners.empty() || !body.softPartners.empty() ||
-         std::any_of(body.partners.begin(), body.partners.end(), isIn);
+/// Whether the box reaches below a plane's surface, or nearly so. A plane's own box is infinite.
+bool reachesPlane(const Eigen::AlignedBox3d& box, const btStaticPlaneShape& plane, const btTransform& pose) {
+  const Eigen::Vector3d normal = toEigen(pose.getBasis() * plane.getPlaneNormal());
+  const double offset = double(plane.getPlaneConstant()) + normal.dot(toEigen(pose.getOrigin()));
+  const double lowest = normal.dot(box.center()) - 0.5 * normal.cwiseAbs().dot(box.sizes());
+  return lowest <= offset + double(plane.getMargin());
+}
+
+/// Whether a partner that does not move may get into the box (m). Boxes in Bullet's broadphase are larger
+/// than what is in them, by lengths that are the same however large the scene is, and longer after motion:
+/// what is near to it only by these must not decide how the body is stepped.
+bool isIn(const Eigen::AlignedBox3d& box, const btCollisionObject& partner) {
+  const btCollisionShape& shape = *partner.getCollisionShape();
+  if (shape.getShapeType() == STATIC_PLANE_PROXYTYPE)
+    return reachesPlane(box, static_cast<const btStaticPlaneShape&>(shape), partner.getWorldTransform());
+  return box.intersects(boxOf(partner));
+}
+
+/// The box of another soft body in the tick: the one it was foreseen to stay in, else that of the broadphase.
+Eigen::AlignedBox3d boxOf(const SoftBodyData& other, double tick) {
+  const SurfaceData& s = other.surface;
+  if (!other.masses.exposed && s.sweptBounds.tick == tick) return s.sweptBounds.box;
+  return {toEigen(s.shape->low()), toEigen(s.shape->high())};
+}
+
+/// Whether something may get into the box (m) in the tick.
+bool hasPartnersIn(const Eigen::AlignedBox3d& box, const SoftBodyData& body, double tick) {
+  const auto held = [&](const btCollisionObject* p) { return isMoved(*p) || isIn(box, *p); };
+  const auto soft = [&](const SoftBodyData* other) { return box.intersects(boxOf(*other, tick)); };
+  return !body.freePartners.empty() ||
+         std::any_of(body.softPartners.begin(), body.softPartners.end(), soft) ||
+         std::any_of(body.partners.begin(), body.partners.end(), held);
 }
 
 template <class T>
@@ -104,7 +129,7 @@ void takePartners(SoftBodyData& body) {
 bool nothingIsNear(SoftBodyData& body, double tick) {
   const bool foreseen = !body.masses.exposed && body.surface.sweptBounds.tick == tick;
   const SweptBounds sweptBounds = foreseen ? body.surface.sweptBounds : sweptBoundsOf(body, tick);
-  if (hasPartnersIn(sweptBounds.box, body) || (!foreseen && !partnersCover(body, sweptBounds.box)))
+  if (hasPartnersIn(sweptBounds.box, body, tick) || (!foreseen && !partnersCover(body, sweptBounds.box)))
     return false;
   forgetPartners(body);
   body.searchDistance.assign(body.masses.bodies.size(), sweptBounds.maxDisplacement);

@@ -95,7 +95,10 @@ inline SweptBounds sweptBoundsOf(const SoftBodyData& body, double tick) {
   const Eigen::Vector3d displacement = kSearchPerMotion * tick * mean;
   const Eigen::Vector3d low = box.min() + displacement.cwiseMin(0.0),
                         high = box.max() + displacement.cwiseMax(0.0);
-  return {{low.array() - margin, high.array() + margin}, margin - radius + displacement.norm(), tick};
+  return {{low.array() - margin, high.array() + margin},
+          margin - radius + displacement.norm(),
+          tick,
+          displacement};
 }
 
 // --- what it may touch -------------------------------------------------------------------------------------

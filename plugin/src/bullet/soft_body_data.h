@@ -90,9 +90,10 @@ struct CachedContact {
 
 /// Where a body may get in a tick if nothing is in its way, see sweptBoundsOf().
 struct SweptBounds {
-  Eigen::AlignedBox3d box;       ///< m
-  double maxDisplacement = 0.0;  ///< m, no point gets farther
-  double tick = 0.0;             ///< s, of that tick; 0: not known
+  Eigen::AlignedBox3d box;                                 ///< m
+  double maxDisplacement = 0.0;                            ///< m, of any point
+  double tick = 0.0;                                       ///< s, of that tick; 0: not known
+  Eigen::Vector3d displacement = Eigen::Vector3d::Zero();  ///< m, of the body as a whole
 };
 
 /// The last search for contacts with a surface. Kept while the two are near, and then for its memory.

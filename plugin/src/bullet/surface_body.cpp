@@ -127,10 +127,29 @@ bool SurfaceObject::mayTouch(const btCollisionObject& other) const {
 
 namespace {
 
-/// The box of the last tick's motion and of the coming one.
+/// Ticks for which a box in the broadphase is to do: Bullet does nothing for an object whose box stays the
+/// same, and searches its whole tree for each that does not.
+constexpr double kBoxTicks = 4.0;
+
+/// Of the size of the box: no more room than that, or bodies that fly side by side would seem to meet.
+constexpr double kMaxBoxRoom = 0.25;
+
+/// Of the size of the box: more unused room than twice the wanted one and this makes the box anew.
+constexpr double kNoRoom = 1e-3;
+
+/// Sets the box for the broadphase: around the last tick's motion and the coming one, with room for the next
+/// ticks in the direction of the motion. The present box stays while it holds what is needed.
 void setBox(SoftBodyData& body) {
+  const SurfaceShape& shape = *body.surface.shape;
   Eigen::AlignedBox3d box = body.surface.sweptBounds.box;
   for (Eigen::Index i = 0; i < body.state.position.cols(); ++i) box.extend(body.masses.startPosition.col(i));
+  const Eigen::Vector3d size = box.sizes(), largest = kMaxBoxRoom * size;
+  const Eigen::Vector3d room =
+      (kBoxTicks * body.surface.sweptBounds.displacement).cwiseMin(largest).cwiseMax(-largest);
+  const Eigen::AlignedBox3d present(toEigen(shape.low()), toEigen(shape.high()));
+  const Eigen::Vector3d unused = present.sizes() - size - 2.0 * room.cwiseAbs();
+  if (present.contains(box) && (unused.array() <= kNoRoom * size.array()).all()) return;
+  box.extend(box.min() + room.cwiseMin(0.0)).extend(box.max() + room.cwiseMax(0.0));
   body.surface.shape->setBox(toBullet(Eigen::Vector3d(box.min())), toBullet(Eigen::Vector3d(box.max())));
 }
 

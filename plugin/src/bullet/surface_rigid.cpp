@@ -30,12 +30,14 @@ constexpr double kMinInertia = 1e-5;
 /// Steps towards the rotation of the body; in a tick it does not turn far.
 constexpr int kRotationSteps = 4;
 
-/// The points that are not held as one rigid body.
+/// The points that are not held as one rigid body, and its motion: momentum and angular momentum are theirs.
 struct RigidFit {
   double mass = 0.0;                           ///< kg
   Vector3d center = Vector3d::Zero();          ///< m
   Matrix3d inverseInertia = Matrix3d::Zero();  ///< 1/(kg m^2), about world axes
   Matrix3d factor = Matrix3d::Zero();          ///< times its transpose it is that
+  Vector3d velocity = Vector3d::Zero();        ///< m/s
+  Vector3d spin = Vector3d::Zero();            ///< rad/s
 };
 
 template <class Visit>
@@ -63,49 +65,38 @@ void setInertia(RigidFit& fit, const Matrix3d& inertia) {
   fit.inverseInertia = fit.factor * fit.factor.transpose();
 }
 
-RigidFit fitRigid(const PointState& s, const Points& position) {
+/// In one pass, with d from a place near the centre: the sums of m, m d, m d d^T, m v and m d x v. About the
+/// centre c the second moments are less by M c c^T, and the angular momentum by c x (sum m v).
+template <class VelocityOf>
+RigidFit fitRigid(const PointState& s, const Points& position, VelocityOf velocityOf) {
   RigidFit fit;
+  const Vector3d from = position.col(0);
+  Vector3d first = Vector3d::Zero(), momentum = Vector3d::Zero(), angular = Vector3d::Zero();
+  Matrix3d second = Matrix3d::Zero();
   forEachFree(s, [&](Eigen::Index i, double mass) {
+    const Vector3d d = position.col(i) - from, moment = mass * d, v = velocityOf(i);
     fit.mass += mass;
-    fit.center += mass * position.col(i);
+    first += moment;
+    second += moment * d.transpose();
+    momentum += mass * v;
+    angular += moment.cross(v);
   });
   if (!(fit.mass > 0.0)) {
     fit.center = position.rowwise().mean();
     return fit;
   }
-  fit.center /= fit.mass;
-  Matrix3d spread = Matrix3d::Zero();
-  forEachFree(s, [&](Eigen::Index i, double mass) {
-    const Vector3d arm = position.col(i) - fit.center;
-    spread += mass * arm * arm.transpose();
-  });
-  setInertia(fit, spread.trace() * Matrix3d::Identity() - spread);
+  const Vector3d c = first / fit.mass;
+  fit.center = from + c;
+  second -= first * c.transpose();
+  setInertia(fit, second.trace() * Matrix3d::Identity() - second);
+  fit.velocity = momentum / fit.mass;
+  fit.spin = fit.inverseInertia * (angular - c.cross(momentum));
   return fit;
 }
 
-/// The rigid motion with the momentum and angular momentum of these velocities.
-struct RigidMotion {
-  Vector3d velocity = Vector3d::Zero(), spin = Vector3d::Zero();
-};
-
-template <class VelocityOf>
-RigidMotion motionOf(const RigidFit& fit, const PointState& s, const Points& position,
-                     VelocityOf velocityOf) {
-  RigidMotion motion;
-  if (!(fit.mass > 0.0)) return motion;
-  Vector3d angular = Vector3d::Zero();
-  forEachFree(s, [&](Eigen::Index i, double mass) {
-    const Vector3d arm = position.col(i) - fit.center, v = velocityOf(i);
-    motion.velocity += mass * v;
-    angular += mass * arm.cross(v);
-  });
-  motion.velocity /= fit.mass;
-  motion.spin = fit.inverseInertia * angular;
-  return motion;
-}
-
-RigidMotion presentMotion(const RigidFit& fit, const PointState& s) {
-  return motionOf(fit, s, s.position, [&](Eigen::Index i) -> Vector3d { return s.velocity.col(i); });
+/// As the body is and moves now.
+RigidFit fitRigid(const PointState& s) {
+  return fitRigid(s, s.position, [&](Eigen::Index i) -> Vector3d { return s.velocity.col(i); });
 }
 
 /// Turns the object's frame after the body: the rotation that brings the network's rest shape nearest to the
@@ -117,9 +108,9 @@ Eigen::Quaterniond follow(const SoftBodyData& body, const Vector3d& center, Eige
   for (Eigen::Index i = 0; i < body.state.position.cols(); ++i) {
     const auto place = static_cast<std::size_t>(i);
     const Vector3d rest = body.network->restPoints[place].cwiseProduct(body.settings.scale);
-    const Vector3d arm = body.state.position.col(i) - center;
-    moments += body.network->massFractions[place] * arm * rest.transpose();
-    size += body.network->massFractions[place] * rest.squaredNorm();
+    const Vector3d weighted = body.network->massFractions[place] * rest;
+    moments += (body.state.position.col(i) - center) * weighted.transpose();
+    size += weighted.dot(rest);
   }
   for (int step = 0; step < kRotationSteps; ++step) {
     const Matrix3d r = q.toRotationMatrix();
@@ -132,7 +123,8 @@ Eigen::Quaterniond follow(const SoftBodyData& body, const Vector3d& center, Eige
     turn /= std::abs(along) + 1e-9 * size;
     const double angle = turn.norm();
     if (!(angle > 1e-9) || !std::isfinite(angle)) break;
-    q = (Eigen::Quaterniond(Eigen::AngleAxisd(angle, turn / angle)) * q).normalized();
+    // (1, turn / 2) is that rotation to second order: the next step brings the rest
+    q = (Eigen::Quaterniond(1.0, 0.5 * turn.x(), 0.5 * turn.y(), 0.5 * turn.z()) * q).normalized();
   }
   return q;
 }
@@ -191,16 +183,15 @@ bool isPinned(const SoftBodyData& body, Eigen::Index i) {
 /// Moves all points but those that are pinned; velocity and spin of the whole stay as they are.
 void moveTo(SoftBodyData& body, const btTransform& pose) {
   PointState& s = body.state;
-  const RigidFit fit = fitRigid(s, s.position);
-  const RigidMotion motion = presentMotion(fit, s);
+  const RigidFit fit = fitRigid(s);
   const btTransform& left = body.surface.left.pose;
   const Eigen::Quaterniond turn = toEigen(pose.getRotation()) * toEigen(left.getRotation()).conjugate();
   const Vector3d from = toEigen(left.getOrigin()), to = toEigen(pose.getOrigin());
   for (Eigen::Index i = 0; i < s.position.cols(); ++i) {
     if (isPinned(body, i)) continue;
     const Vector3d arm = s.position.col(i) - fit.center;
-    const Vector3d own = s.velocity.col(i) - motion.velocity - motion.spin.cross(arm);
-    s.velocity.col(i) = motion.velocity + motion.spin.cross(turn * arm) + turn * own;
+    const Vector3d own = s.velocity.col(i) - fit.velocity - fit.spin.cross(arm);
+    s.velocity.col(i) = fit.velocity + fit.spin.cross(turn * arm) + turn * own;
     s.position.col(i) = to + turn * (s.position.col(i) - from);
     body.masses.startPosition.col(i) = to + turn * (body.masses.startPosition.col(i) - from);
   }
@@ -235,14 +226,13 @@ void writeShared(SoftBodyData& body) {
 void writeObject(SoftBodyData& body) {
   SurfaceData& s = body.surface;
   btRigidBody& object = *s.object;
-  const RigidFit fit = fitRigid(body.state, body.state.position);
-  const RigidMotion motion = presentMotion(fit, body.state);
+  const RigidFit fit = fitRigid(body.state);
   s.frame = follow(body, meanOf(*body.network, body.state.position), s.frame);
   const btTransform pose(matrixToBullet(s.frame.toRotationMatrix()), toBullet(fit.center));
   object.setWorldTransform(pose);
   object.setInterpolationWorldTransform(pose);
-  object.setLinearVelocity(toBullet(motion.velocity));
-  object.setAngularVelocity(toBullet(motion.spin));
+  object.setLinearVelocity(toBullet(fit.velocity));
+  object.setAngularVelocity(toBullet(fit.spin));
   object.setInterpolationLinearVelocity(object.getLinearVelocity());
   object.setInterpolationAngularVelocity(object.getAngularVelocity());
   writeInertia(object, fit, pose.getBasis());
@@ -291,7 +281,7 @@ void accelerateByObject(SoftBodyData& body) {
   }
   if (s.objectForce.isZero(0.0) && s.objectTorque.isZero(0.0)) return;
   s.sweptBounds.tick = 0.0;
-  const RigidFit fit = fitRigid(body.state, body.state.position);
+  const RigidFit fit = fitRigid(body.state);
   if (!(fit.mass > 0.0)) return;
   const Vector3d linear = s.objectForce / fit.mass, angular = fit.inverseInertia * s.objectTorque;
   forEachFree(body.state, [&](Eigen::Index i, double) {
@@ -321,7 +311,7 @@ void writeObjectToBullet(SoftBodyData& body, double tick) {
   const auto meanVelocity = [&](Eigen::Index i) -> Vector3d {
     return (body.state.position.col(i) - start.col(i)) / tick;
   };
-  const RigidMotion motion = motionOf(fitRigid(body.state, start), body.state, start, meanVelocity);
+  const RigidFit motion = fitRigid(body.state, start, meanVelocity);
   body.surface.object->setLinearVelocity(toBullet(motion.velocity));
   body.surface.object->setAngularVelocity(toBullet(motion.spin));
   leave(body);
