@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 
-// This file makes bodies and the surfaces that equal bodies share, and takes a body through its life in the
-// world.
+// This file makes bodies and the surface topologies that equal bodies share. It also calls the functions for
+// points or for surfaces at each stage of a body's life in the world.
 
 #include "bullet/body_in_world.h"
 
@@ -27,13 +27,15 @@ Eigen::Vector3d centerOfMass(const SpringNetwork& network, const Points& positio
   return center;
 }
 
-/// Points between two that a spring joins: a rope has 1, one with bending springs 2.
+/// Maximum width of a narrow matrix band: the index distance of two points that a spring joins. A rope has 1,
+/// a rope with bending springs 2.
 constexpr std::size_t kNarrowBand = 3;
 
-/// Of factorising the banded matrix, about 3 #points (3 width)^2: some 20 us. A cube takes 10 000.
+/// Maximum number of operations of a cheap banded factorisation, about 3 #points (3 width)^2. This takes some
+/// 20 us. A cube takes 10 000 operations.
 constexpr std::size_t kCheapOperations = 50000;
 
-void placePoints(SoftBodyData& body) {
+void initializePoints(SoftBodyData& body) {
   const SoftBodySettings& s = body.settings;
   PointState& state = body.state;
   state.resize(static_cast<Eigen::Index>(body.network->restPoints.size()));
@@ -47,22 +49,23 @@ void placePoints(SoftBodyData& body) {
     state.velocity.col(i) = s.linearVelocity + s.angularVelocity.cross(state.position.col(i) - center);
 }
 
-/// m, m/s: what the settings allow, too; Bullet's floats hold the square of the square of it.
-constexpr double kLargestPlace = 1e9;
+/// m, m/s; the settings have the same limit. Its fourth power does not overflow Bullet's floats.
+constexpr double kMaxCoordinate = 1e9;
 
-std::string checkPlaces(const PointState& state) {
+std::string checkCoordinates(const PointState& state) {
   for (Eigen::Index i = 0; i < state.position.cols(); ++i)
     for (const Points* array : {&state.position, &state.velocity})
-      if (!(array->col(i).cwiseAbs().maxCoeff() <= kLargestPlace))
+      if (!(array->col(i).cwiseAbs().maxCoeff() <= kMaxCoordinate))
         return "point " + std::to_string(i) + " would be, or move, beyond 1e9";
   return {};
 }
 
-/// Of the eigenvalue: the period that follows from it is good to some 1e-3.
+/// Relative residual of the eigenvalue. The error of the resulting period is about 1e-3.
 constexpr double kResidual = 0.03;
 
-/// With nothing held and the masses of the settings. Not as it is turned and where: what remains of the
-/// residual would be another, and with it, now and then, the number of substeps.
+/// Returns the fastest oscillation with the masses of the settings and no held points. It uses the unrotated
+/// rest shape at the origin: otherwise the remaining residual, and sometimes the number of substeps, would
+/// depend on the body's initial pose.
 double fastestAtRest(const SoftBodyData& body) {
   PointState rest = body.state;
   for (Eigen::Index i = 0; i < rest.position.cols(); ++i)
@@ -87,13 +90,13 @@ Result<std::unique_ptr<SoftBodyData>> makeBodyData(SharedNetwork network, const 
   body->springs = makeSprings(*body->network, settings);
   body->volumes = makeVolumes(*body->network, settings);
   body->tetrahedra = makeTetrahedronVolumes(*body->network, settings);
-  placePoints(*body);
-  if (std::string reason = checkPlaces(body->state); !reason.empty()) return Error{reason};
+  initializePoints(*body);
+  if (std::string reason = checkCoordinates(body->state); !reason.empty()) return Error{reason};
   body->fastestAtRest = fastestAtRest(*body);
   const Points& x = body->state.position;
   body->size = (x.rowwise().maxCoeff() - x.rowwise().minCoeff()).norm();
-  const auto place = bandOrder(body->springs, body->network->restPoints.size());
-  const std::size_t width = bandWidth(body->springs, place), points = body->network->restPoints.size();
+  const auto order = bandOrder(body->springs, body->network->restPoints.size());
+  const std::size_t width = bandWidth(body->springs, order), points = body->network->restPoints.size();
   body->narrow = width <= kNarrowBand;
   body->cheapNewton = 27 * points * width * width <= kCheapOperations;
   return body;
@@ -103,7 +106,8 @@ Result<std::unique_ptr<SoftBodyData>> makeBodyData(SharedNetwork network, const 
 
 namespace {
 
-/// A scale that mirrors the network turns its triangles inside out: here they are turned back.
+/// Returns the surface features of a network. A scale that mirrors the network reverses the orientation of
+/// its triangles, so it is reversed again here.
 SurfaceFeatures featuresOf(const SpringNetwork& network, const SoftBodySettings& settings) {
   SurfaceFeatures features;
   features.triangles = network.surface;
@@ -153,17 +157,17 @@ void removeFromWorld(SoftBodyData& body) { (isSurfaceBody(body) ? removeSurface 
 
 namespace {
 
-bool isInWorld(const PointMass* point) { return point && point->isInWorld(); }
+bool isInWorld(const btRigidBody* object) { return object && object->isInWorld(); }
 
 }  // namespace
 
 bool anyInWorld(const SoftBodyData& body) {
-  if (isSurfaceBody(body)) return body.surface.object && body.surface.object->isInWorld();
+  if (isSurfaceBody(body)) return isInWorld(body.surface.object);
   return std::any_of(body.masses.bodies.begin(), body.masses.bodies.end(), isInWorld);
 }
 
 bool wholeInWorld(const SoftBodyData& body) {
-  if (isSurfaceBody(body)) return body.surface.object && body.surface.object->isInWorld();
+  if (isSurfaceBody(body)) return isInWorld(body.surface.object);
   return std::all_of(body.masses.bodies.begin(), body.masses.bodies.end(), isInWorld);
 }
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 
-// These functions make a body, bring it into the world and out of it, and take it through the stages of a
-// tick, in either of the two ways in which bodies live there.
+// This header declares how a body is made, added to the world and removed from it, and the stages of its
+// tick. Each function handles both Collision::Points and Collision::Surface.
 
 #pragma once
 
@@ -22,20 +22,21 @@ inline namespace LIMBER_BULLET_PRECISION {
 
 // --- a new body --------------------------------------------------------------------------------------------
 
-/// A body at its starting place, not yet in a world. Errors as SoftBodySystem::createBody.
+/// Makes a body at its starting position, which is not yet in a world. Has the errors of
+/// SoftBodySystem::createBody.
 Result<std::unique_ptr<SoftBodyData>> makeBodyData(SharedNetwork network, const SoftBodySettings& settings);
 
-/// The surfaces of networks at the scales that bodies have: equal bodies share one. Those that no body has
-/// any more are forgotten.
+/// Surface topologies by network and scale. Equal bodies share one. Unused topologies are deleted.
 class SharedTopologies {
  public:
-  /// Its points are those of the network; without triangles its structural springs are its edges.
+  /// Returns the surface topology of a network. Its vertices are the network's points. If the network has no
+  /// triangles, the structural springs are the edges.
   std::shared_ptr<const SurfaceTopology> of(const SharedNetwork& network, const SoftBodySettings& settings);
 
  private:
   using Key = std::pair<const SpringNetwork*, std::array<double, 3>>;
   struct Entry {
-    SharedNetwork network;  ///< so that no other takes its address
+    SharedNetwork network;  ///< keeps its address from being used by another network
     std::weak_ptr<const SurfaceTopology> topology;
   };
   std::map<Key, Entry> entries_;
@@ -43,21 +44,21 @@ class SharedTopologies {
 
 // --- in the world ------------------------------------------------------------------------------------------
 
-// The two ways a body lives in the world, point_masses.h and surface_body.h, by its settings.
+// These functions call those of point_masses.h or surface_body.h, depending on the body's settings.
 
 void addToWorld(SoftBodyData& body);
 void removeFromWorld(SoftBodyData& body);
 
-/// Whether anything of the body is in a world that still exists.
+/// Returns whether any of the body's objects is in a world that still exists.
 bool anyInWorld(const SoftBodyData& body);
 
-/// Whether everything of it is.
+/// Returns whether all of the body's objects are in a world that still exists.
 bool wholeInWorld(const SoftBodyData& body);
 
-/// Wakes it; `insideTick`: it also gets the gravity of this step that it missed while asleep.
+/// Wakes the body. `insideTick`: also applies the gravity of this step, which it missed while asleep.
 void wakeBody(SoftBodyData& body, bool insideTick);
 
-/// Whether it moves too much to sleep, see anyPointMoves().
+/// Returns whether the body moves too fast to sleep, see anyPointMoves().
 bool movesTooFast(const SoftBodyData& body, btScalar tick);
 
 // The stages of a tick.

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 
-// This header converts Bullet's numbers, tells what moves an object, and marks objects that the application
-// may delete.
+// This header converts between Bullet's and Eigen's types, classifies objects by their kind of motion, and
+// defines handles to objects that the application may delete.
 
 #pragma once
 
@@ -16,10 +16,10 @@ inline namespace LIMBER_BULLET_PRECISION {
 
 // --- numbers -----------------------------------------------------------------------------------------------
 
-// The one place where btScalar (float or double) and the step's double meet.
+// All conversions between btScalar (float or double) and the solver's double are here.
 
 inline Eigen::Vector3d toEigen(const btVector3& v) { return {v.x(), v.y(), v.z()}; }
-/// In double, whatever Bullet's own precision.
+/// Subtracts in double precision, independent of Bullet's precision.
 inline Eigen::Vector3d difference(const btVector3& now, const btVector3& before) {
   return toEigen(now) - toEigen(before);
 }
@@ -34,8 +34,8 @@ inline btVector3 toBullet(const Eigen::Vector3d& v) {
 
 // --- kinds of objects --------------------------------------------------------------------------------------
 
-/// Whether an object moves as its user tells: kinematic bodies, static ones with the kinematic flag among
-/// them (Bullet's own idiom leaves both flags on), and ghosts, which character controllers move.
+/// Returns whether the user moves the object. This includes kinematic bodies, also those that have the static
+/// flag as well (as in Bullet's own examples), and ghosts, which character controllers move.
 inline bool isKinematic(const btCollisionObject& object) {
   return object.isKinematicObject() || object.getInternalType() == btCollisionObject::CO_GHOST_OBJECT;
 }
@@ -44,41 +44,41 @@ inline bool isStatic(const btCollisionObject& object) {
   return object.isStaticObject() && !isKinematic(object);
 }
 
-/// Whether nothing that touches an object moves it.
+/// Returns whether contacts cannot move the object.
 inline bool isStaticOrKinematic(const btCollisionObject& object) {
   return object.isStaticObject() || isKinematic(object);
 }
 
-/// Whether a rigid body moves by itself: neither held nor asleep.
+/// Returns whether a rigid body is dynamic, awake and in the simulation.
 inline bool isFree(const btRigidBody& body) {
   return !isStaticOrKinematic(body) && body.isActive() && body.getActivationState() != DISABLE_SIMULATION &&
          body.getWorldArrayIndex() >= 0;
 }
 
-// --- objects that may be gone ------------------------------------------------------------------------------
+// --- handles to objects ------------------------------------------------------------------------------------
 
-/// An object that was in the world when it was marked. The application may have deleted it since, and even
-/// have made another one in the same place of memory.
+/// A handle to an object that was in the world when the handle was made. The application may have deleted the
+/// object since, and another object may have the same address.
 struct ObjectHandle {
   const btCollisionObject* object = nullptr;
-  int place = -1;  ///< in the world's list of objects, then
+  int index = -1;  ///< index in the world's list of objects when the handle was made
   int id = 0;      ///< unique in the broadphase
 };
 
-/// The object must be in the world.
+/// Returns a handle to an object, which must be in the world.
 inline ObjectHandle handleOf(const btCollisionObject& object) {
   return {&object, object.getWorldArrayIndex(), object.getBroadphaseHandle()->m_uniqueId};
 }
 
-/// Whether that very object is still in the world; only then may it be followed.
-inline bool isValid(const btCollisionWorld& world, const ObjectHandle& mark) {
+/// Returns whether the same object is still in the world. Only then may its pointer be dereferenced.
+inline bool isValid(const btCollisionWorld& world, const ObjectHandle& handle) {
   const btCollisionObjectArray& objects = world.getCollisionObjectArray();
-  int place = mark.place;
-  if (place < 0 || place >= objects.size() || objects[place] != mark.object)
-    place = objects.findLinearSearch(const_cast<btCollisionObject*>(mark.object));
-  if (place >= objects.size()) return false;
-  const btBroadphaseProxy* proxy = objects[place]->getBroadphaseHandle();
-  return proxy && proxy->m_uniqueId == mark.id;
+  int index = handle.index;
+  if (index < 0 || index >= objects.size() || objects[index] != handle.object)
+    index = objects.findLinearSearch(const_cast<btCollisionObject*>(handle.object));
+  if (index >= objects.size()) return false;
+  const btBroadphaseProxy* proxy = objects[index]->getBroadphaseHandle();
+  return proxy && proxy->m_uniqueId == handle.id;
 }
 
 }  // namespace LIMBER_BULLET_PRECISION

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 
-// This file tells a listener what begins to touch, goes on and ends, and shows contacts of surfaces as
-// manifolds between ticks.
+// This file calls a listener when contacts begin, persist and end. It also adds manifolds for contacts of
+// surfaces to Bullet's dispatcher between ticks.
 
 #include "bullet/body_in_world.h"
 #include "bullet/contact_report.h"
@@ -16,7 +16,8 @@ namespace {
 
 bool before(const TouchingPair& pair, int id) { return pair.other.id < id; }
 
-/// What stands for the object in pairs: a body in many pieces is one.
+/// Returns the handle of the object that represents the contact's partner in pairs. The first point
+/// represents all points of a soft body.
 ObjectHandle pairHandle(const SoftContact& contact, const ObjectHandle& partner) {
   const PointMass* point = PointMass::from(contact.other);
   if (!point || !point->owner()) return partner;
@@ -46,9 +47,9 @@ void ContactEvents::setListener(ContactListener* listener,
   for (const auto& body : bodies) dataOf(*body).touching.clear();
 }
 
-void ContactEvents::add(void (ContactListener::*told)(const ContactPair&), SoftBodyData& body,
+void ContactEvents::add(void (ContactListener::*callback)(const ContactPair&), SoftBodyData& body,
                         const ContactPair& pair, const ObjectHandle& other) {
-  events_.push_back({told, &body, other, pair});
+  events_.push_back({callback, &body, other, pair});
 }
 
 void ContactEvents::addEnd(SoftBodyData& body, const TouchingPair& ended) {
@@ -59,29 +60,29 @@ void ContactEvents::addEnd(SoftBodyData& body, const TouchingPair& ended) {
   add(&ContactListener::contactEnds, body, pair, ended.other);
 }
 
-/// Brings the body's contacts together by partner.
-void ContactEvents::sumUp(SoftBodyData& body) {
+/// Groups the body's contacts by partner.
+void ContactEvents::sumByPartner(SoftBodyData& body) {
   now_.clear();
   pairs_.clear();
   for (std::size_t i = 0; i < body.report.contacts.size(); ++i) {
     const SoftContact& contact = body.report.contacts[i];
     const ObjectHandle other = pairHandle(contact, body.report.partners[i]);
     const auto it = std::lower_bound(now_.begin(), now_.end(), other.id, before);
-    const auto place = it - now_.begin();
+    const auto index = it - now_.begin();
     if (it == now_.end() || it->other.id != other.id) {
       now_.insert(it, {other, contact.otherBody});
-      ContactPair& pair = *pairs_.insert(pairs_.begin() + place, ContactPair());
+      ContactPair& pair = *pairs_.insert(pairs_.begin() + index, ContactPair());
       pair.body = body.handle;
       pair.other = other.object;
       pair.otherBody = contact.otherBody;
     }
-    addTo(pairs_[static_cast<std::size_t>(place)], contact);
+    addTo(pairs_[static_cast<std::size_t>(index)], contact);
   }
 }
 
 void ContactEvents::collect(SoftBodyData& body) {
   if (!body.alive || !anyInWorld(body)) return collectEnds(body);
-  dropGone(body);
+  dropInvalidContacts(body);
   if (body.asleep || !body.report.fresh) {
     const auto gone = [&](const TouchingPair& pair) { return !isValid(*body.world, pair.other); };
     for (const TouchingPair& pair : body.touching)
@@ -90,17 +91,18 @@ void ContactEvents::collect(SoftBodyData& body) {
                         body.touching.end());
     return;
   }
-  sumUp(body);
+  sumByPartner(body);
   auto old = body.touching.begin();
   for (std::size_t i = 0; i < now_.size(); ++i) {
     const ObjectHandle& other = now_[i].other;
     for (; old != body.touching.end() && old->other.id < other.id; ++old) addEnd(body, *old);
     const bool sameId = old != body.touching.end() && old->other.id == other.id;
-    const bool known = sameId && old->other.object == other.object;
-    // some broadphases use their ids again
-    if (sameId && !known) addEnd(body, *old);
+    const bool persists = sameId && old->other.object == other.object;
+    // some broadphases reuse their ids
+    if (sameId && !persists) addEnd(body, *old);
     if (sameId) ++old;
-    add(known ? &ContactListener::contactPersists : &ContactListener::contactBegins, body, pairs_[i], other);
+    add(persists ? &ContactListener::contactPersists : &ContactListener::contactBegins, body, pairs_[i],
+        other);
   }
   for (; old != body.touching.end(); ++old) addEnd(body, *old);
   body.touching.swap(now_);
@@ -121,12 +123,12 @@ void ContactEvents::collectEnds(SoftBodyData& body, const SoftBody* other) {
 
 void ContactEvents::call(const btCollisionWorld* world) {
   calling_ = true;
-  // by index: a callback may set another listener, which clears them
+  // by index, because a callback may set another listener, which clears the list
   for (std::size_t i = 0; i < events_.size(); ++i) {
     ContactEvent& event = events_[i];
     const bool ends = event.call == &ContactListener::contactEnds;
     event.pair.otherGone = !world || !isValid(*world, event.other);
-    // what a callback has just removed: a pair that was known ends after the next tick
+    // a callback has just removed the object; a pair that persisted before ends after the next tick
     if (event.pair.otherGone && event.call == &ContactListener::contactBegins)
       forget(*event.body, event.other.id);
     if (event.pair.otherGone && !ends) continue;
@@ -139,13 +141,13 @@ void ContactEvents::call(const btCollisionWorld* world) {
 
 // --- manifolds ---------------------------------------------------------------------------------------------
 
-// The contacts of bodies with Collision::Surface, shown between ticks as manifolds in Bullet's dispatcher.
+// Contacts of bodies with Collision::Surface appear as manifolds in Bullet's dispatcher between ticks.
 //
-// Each manifold belongs to the pair of the two objects in Bullet's broadphase, as those that Bullet's own
-// algorithms make: it goes when one of the objects leaves the world, in whatever way, and so never names an
-// object that is gone. No step of Bullet's sees one: they are released before it.
+// Each manifold belongs to the pair of the two objects in Bullet's broadphase, like those of Bullet's own
+// algorithms. So it is deleted when one of the objects leaves the world, and never refers to a deleted
+// object. The manifolds are released before each step of Bullet's solver.
 
-/// What a pair in the broadphase has in place of one of Bullet's algorithms. Bullet deletes it with the pair.
+/// The collision algorithm of such a pair in the broadphase. Bullet deletes it with the pair.
 class ReportedManifold final : public btCollisionAlgorithm {
  public:
   ReportedManifold(btDispatcher& dispatcher, SoftBodyData& body, const btCollisionObject& other);
@@ -153,9 +155,9 @@ class ReportedManifold final : public btCollisionAlgorithm {
 
   const btCollisionObject* other() const { return other_; }
   bool isShown() const { return manifold_ != nullptr; }
-  /// A new manifold, without points.
+  /// Adds a new manifold, without points.
   btPersistentManifold& show();
-  /// Releases the manifold, without telling those who listen for the ends of Bullet's own contacts.
+  /// Releases the manifold without calling Bullet's contact-ended callbacks.
   void hide();
 
   void processCollision(const btCollisionObjectWrapper*, const btCollisionObjectWrapper*,
@@ -188,7 +190,7 @@ ReportedManifold::~ReportedManifold() {
 
 btPersistentManifold& ReportedManifold::show() {
   manifold_ = m_dispatcher->getNewManifold(body_->surface.object, other_);
-  // Bullet's solver leaves it alone, should it ever see it
+  // makes Bullet's solver ignore the manifold if it is still there in a step
   manifold_->setContactProcessingThreshold(-BT_LARGE_FLOAT);
   return *manifold_;
 }
@@ -204,23 +206,23 @@ void ReportedManifold::hide() {
 
 namespace {
 
-/// Keeps the contact if it is among the strongest with its partner.
-void keep(const SoftContact& contact, std::vector<StrongestContacts>& strongest) {
+/// Inserts the contact if it is among the strongest ones with its partner.
+void insertIfStrong(const SoftContact& contact, std::vector<StrongestContacts>& strongest) {
   const auto isOther = [&](const StrongestContacts& s) { return s.other == contact.other; };
   auto it = std::find_if(strongest.begin(), strongest.end(), isOther);
   if (it == strongest.end()) it = strongest.insert(it, {contact.other, 0, {}});
-  auto& kept = it->contacts;
-  int place = it->count;
-  while (place > 0 && kept[static_cast<std::size_t>(place - 1)]->normalImpulse < contact.normalImpulse)
-    --place;
-  if (place == MANIFOLD_CACHE_SIZE) return;
+  auto& sorted = it->contacts;
+  int index = it->count;
+  while (index > 0 && sorted[static_cast<std::size_t>(index - 1)]->normalImpulse < contact.normalImpulse)
+    --index;
+  if (index == MANIFOLD_CACHE_SIZE) return;
   if (it->count < MANIFOLD_CACHE_SIZE) ++it->count;
-  std::copy_backward(kept.begin() + place, kept.begin() + it->count - 1, kept.begin() + it->count);
-  kept[static_cast<std::size_t>(place)] = &contact;
+  std::copy_backward(sorted.begin() + index, sorted.begin() + it->count - 1, sorted.begin() + it->count);
+  sorted[static_cast<std::size_t>(index)] = &contact;
 }
 
-/// What the pair of the two objects has, made if need be; nullptr if Bullet's broadphase knows no such pair
-/// or the pair has an algorithm that is not ours.
+/// Returns the reported manifold of the pair of two objects and creates it on first use. Returns nullptr if
+/// Bullet's broadphase has no such pair or the pair has a collision algorithm of Bullet's.
 ReportedManifold* reportedManifoldOf(SoftBodyData& body, const btCollisionObject& other) {
   for (ReportedManifold* shown : body.shown)
     if (shown->other() == &other) return shown;
@@ -228,7 +230,7 @@ ReportedManifold* reportedManifoldOf(SoftBodyData& body, const btCollisionObject
   btBroadphaseProxy* theirs = const_cast<btCollisionObject&>(other).getBroadphaseHandle();
   btBroadphasePair* pair = body.world->getPairCache()->findPair(own, theirs);
   if (!pair || pair->m_algorithm) return nullptr;
-  // not from Bullet's pool, whose elements have a size of their own
+  // not from Bullet's pool, whose elements have a fixed size
   auto* shown = new (btAlignedAlloc(sizeof(ReportedManifold), 16))
       ReportedManifold(*body.world->getDispatcher(), body, other);
   pair->m_algorithm = shown;
@@ -253,8 +255,8 @@ btManifoldPoint manifoldPoint(const SoftContact& c, const btCollisionObject& a, 
   return p;
 }
 
-/// Of two soft bodies one shows the manifold for both.
-bool isOthersTurn(const SoftBodyData& body, const btCollisionObject& other) {
+/// Returns whether the other soft body already has the manifold of this pair.
+bool isReportedByOther(const SoftBodyData& body, const btCollisionObject& other) {
   const SurfaceObject* surface = SurfaceObject::from(&other);
   if (!surface || !surface->owner()) return false;
   for (const ReportedManifold* shown : surface->owner()->shown)
@@ -268,9 +270,9 @@ void reportManifold(SoftBodyData& body, std::vector<StrongestContacts>& scratch)
   if (!isSurfaceBody(body) || !body.alive || !body.surface.object || !body.surface.object->isInWorld())
     return;
   scratch.clear();
-  for (const SoftContact& contact : readReport(body)) keep(contact, scratch);
+  for (const SoftContact& contact : readReport(body)) insertIfStrong(contact, scratch);
   for (const StrongestContacts& strongest : scratch) {
-    if (isOthersTurn(body, *strongest.other)) continue;
+    if (isReportedByOther(body, *strongest.other)) continue;
     ReportedManifold* shown = reportedManifoldOf(body, *strongest.other);
     if (!shown || shown->isShown()) continue;
     btPersistentManifold& manifold = shown->show();

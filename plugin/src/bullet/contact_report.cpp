@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 
-// This file fills the reports of bodies after a tick from the rows of points, the contacts between bodies and
-// Bullet's manifolds, and finds their triangles when they are read.
+// This file fills the contact reports of bodies after a tick from the plane contacts of points, the contacts
+// between bodies and Bullet's manifolds. It finds the triangles of the contacts when a report is read.
 
 #include "bullet/contact_report.h"
 
@@ -22,10 +22,10 @@ namespace {
 
 using Eigen::Vector3d;
 
-/// Of the radius: nearer surfaces touch even if they bear nothing.
+/// In radii: surfaces nearer than this are reported as contacts even without an impulse.
 constexpr double kTouching = 0.05;
 
-bool tells(const Vector3d& impulse, double distance, double radius) {
+bool isReported(const Vector3d& impulse, double distance, double radius) {
   return distance < kTouching * radius || !impulse.isZero(0.0);
 }
 
@@ -53,7 +53,7 @@ void addRow(SoftBodyData& body, const PlaneContact& row, const ObjectHandle& par
   const Vector3d x = body.state.position.col(row.point);
   const double radius = double(body.masses.shape->getRadius());
   const double distance = row.normal.dot(x - row.touch - tick * row.surfaceVelocity);
-  if (!tells(row.impulse.sum, distance, radius)) return;
+  if (!isReported(row.impulse.sum, distance, radius)) return;
   SoftContact c;
   c.body = body.handle;
   c.other = partner.object;
@@ -66,33 +66,33 @@ void addRow(SoftBodyData& body, const PlaneContact& row, const ObjectHandle& par
 }
 
 void addRows(SoftBodyData& body, const btCollisionWorld& world, double tick) {
-  const ObjectHandle* mark = nullptr;
+  const ObjectHandle* handle = nullptr;
   for (std::size_t i = 0; i < body.contacts.size(); ++i) {
     const btCollisionObject* partner = body.contactPartners[i];
-    if (!mark || mark->object != partner) {
+    if (!handle || handle->object != partner) {
       const auto isPartner = [&](const ObjectHandle& m) { return m.object == partner; };
       const auto it = std::find_if(body.partnerHandles.begin(), body.partnerHandles.end(), isPartner);
-      mark = it != body.partnerHandles.end() && isValid(world, *it) ? &*it : nullptr;
+      handle = it != body.partnerHandles.end() && isValid(world, *it) ? &*it : nullptr;
     }
-    if (mark) addRow(body, body.contacts[i], *mark, tick);
+    if (handle) addRow(body, body.contacts[i], *handle, tick);
   }
 }
 
-// --- where more than the body moves ------------------------------------------------------------------------
+// --- with other moving bodies ------------------------------------------------------------------------------
 
-ContactSide sideOf(const ContactPoint& place, const SoftBodyData& body, Vector3d& position) {
+ContactSide sideOf(const ContactPoint& p, const SoftBodyData& body, Vector3d& position) {
   ContactSide side;
   position.setZero();
-  for (std::uint32_t i = 0; i < place.count; ++i) {
-    side.points[i] = place.point[i];
-    side.weights[i] = place.weight[i];
-    position += place.weight[i] * body.state.position.col(place.point[i]);
+  for (std::uint32_t i = 0; i < p.count; ++i) {
+    side.points[i] = p.point[i];
+    side.weights[i] = p.weight[i];
+    position += p.weight[i] * body.state.position.col(p.point[i]);
   }
-  for (std::uint32_t i = place.count; i < 3; ++i) side.points[i] = side.points[i - 1];
+  for (std::uint32_t i = p.count; i < 3; ++i) side.points[i] = side.points[i - 1];
   return side;
 }
 
-/// What the second body sees of a contact.
+/// Returns the contact as seen from the second body, whose partner is `object`.
 SoftContact mirrored(const SoftContact& c, const btCollisionObject& object) {
   SoftContact m = c;
   m.body = c.otherBody;
@@ -109,7 +109,7 @@ SoftContact mirrored(const SoftContact& c, const btCollisionObject& object) {
 void addPair(const Contact& pair, const ContactSource& source) {
   SoftBodyData &body = *source.body, *other = source.other;
   const double radius = double(body.masses.shape->getRadius());
-  if (!tells(pair.impulse.sum, pair.gap, radius)) return;
+  if (!isReported(pair.impulse.sum, pair.gap, radius)) return;
   SoftContact c;
   Vector3d x, y;
   c.body = body.handle;
@@ -131,7 +131,7 @@ void addPair(const Contact& pair, const ContactSource& source) {
   add(*other, mirrored(c, *object), handleOf(*object));
 }
 
-// --- what Bullet's solver did to points in the world -------------------------------------------------------
+// --- contacts of points that Bullet's solver handled -------------------------------------------------------
 
 TickImpulse impulseOf(const btManifoldPoint& p, double sign) {
   const Vector3d normal = sign * toEigen(p.m_normalWorldOnB);
@@ -141,10 +141,11 @@ TickImpulse impulseOf(const btManifoldPoint& p, double sign) {
   return {size * normal + friction, size * normal, size};
 }
 
-/// The report's contact of this point with that object in about that direction, or nullptr.
+/// Finds the report's contact of a point with an object that has about this normal. Returns nullptr if there
+/// is none.
 SoftContact* findContact(ContactReport& report, std::uint32_t point, const btCollisionObject* other,
                          const btVector3& normal) {
-  const auto begin = report.contacts.begin(), pairs = begin + static_cast<std::ptrdiff_t>(report.rows);
+  const auto begin = report.contacts.begin(), pairs = begin + static_cast<std::ptrdiff_t>(report.planeCount);
   const auto isThis = [&](const SoftContact& c) {
     return c.side.points[0] == point && c.other == other && c.normal.dot(normal) > btScalar(kSameSurface);
   };
@@ -152,17 +153,18 @@ SoftContact* findContact(ContactReport& report, std::uint32_t point, const btCol
                               [](const SoftContact& c, std::uint32_t i) { return c.side.points[0] < i; });
   for (; row != pairs && row->side.points[0] == point; ++row)
     if (isThis(*row)) return &*row;
-  const auto end = begin + static_cast<std::ptrdiff_t>(report.known);
+  const auto end = begin + static_cast<std::ptrdiff_t>(report.ownCount);
   const auto pair = std::find_if(pairs, end, isThis);
   return pair != end ? &*pair : nullptr;
 }
 
-void addBulletsPart(SoftContact* known, SoftBodyData& body, const PointMass& point,
-                    const btCollisionObject& other, const btManifoldPoint& p, bool isFirst) {
+/// Adds the impulse of Bullet's contact to the reported contact, or reports a new one if that is nullptr.
+void addBulletImpulse(SoftContact* reported, SoftBodyData& body, const PointMass& point,
+                      const btCollisionObject& other, const btManifoldPoint& p, bool isFirst) {
   const TickImpulse impulse = impulseOf(p, isFirst ? 1.0 : -1.0);
-  if (known) return addImpulse(*known, impulse);
+  if (reported) return addImpulse(*reported, impulse);
   const double radius = double(body.masses.shape->getRadius()), distance = double(p.getDistance());
-  if (!tells(impulse.sum, distance, radius)) return;
+  if (!isReported(impulse.sum, distance, radius)) return;
   SoftContact c;
   c.body = body.handle;
   c.other = &other;
@@ -178,7 +180,8 @@ void addBulletsPart(SoftContact* known, SoftBodyData& body, const PointMass& poi
   add(body, c, handleOf(other));
 }
 
-/// A manifold of two soft bodies is seen from both, and gets what their points have borne.
+/// Adds a manifold to the reports of its soft bodies. A manifold of two points also gets the impulse of
+/// their contact.
 void addManifold(btPersistentManifold& manifold) {
   const SoftContact* ofPoints = nullptr;
   for (int side = 0; side < 2; ++side) {
@@ -190,9 +193,9 @@ void addManifold(btPersistentManifold& manifold) {
     for (int p = 0; p < manifold.getNumContacts(); ++p) {
       btManifoldPoint& contact = manifold.getContactPoint(p);
       const btVector3 normal = side == 0 ? contact.m_normalWorldOnB : -contact.m_normalWorldOnB;
-      SoftContact* known = findContact(body->report, point->index(), other, normal);
-      addBulletsPart(known, *body, *point, *other, contact, side == 0);
-      if (known && PointMass::from(other)) ofPoints = known;
+      SoftContact* reported = findContact(body->report, point->index(), other, normal);
+      addBulletImpulse(reported, *body, *point, *other, contact, side == 0);
+      if (reported && PointMass::from(other)) ofPoints = reported;
     }
   }
   // two spheres have one contact
@@ -211,14 +214,14 @@ void reportContacts(const std::vector<SoftBodyData*>& bodies, const TickContacts
     body->report.partners.clear();
     body->report.hasTriangles = false;
     addRows(*body, world, tick);
-    body->report.rows = body->report.contacts.size();
+    body->report.planeCount = body->report.contacts.size();
     anyInBullet = anyInBullet || !isSurfaceBody(*body);
   }
   for (std::size_t i = 0; i < pairs.contacts.size(); ++i)
     if (pairs.sources[i].body && isValid(world, pairs.sources[i].partner))
       addPair(pairs.contacts[i], pairs.sources[i]);
   if (!anyInBullet) return;
-  for (SoftBodyData* body : bodies) body->report.known = body->report.contacts.size();
+  for (SoftBodyData* body : bodies) body->report.ownCount = body->report.contacts.size();
   auto& dispatcher = const_cast<btDispatcher&>(*world.getDispatcher());
   for (int m = 0; m < dispatcher.getNumManifolds(); ++m)
     addManifold(*dispatcher.getManifoldByIndexInternal(m));
@@ -232,32 +235,33 @@ bool hasCorner(const Triangle& triangle, std::uint32_t point) {
   return triangle[0] == point || triangle[1] == point || triangle[2] == point;
 }
 
-/// How much a triangle of the body faces that way, -1 to 1; two-sided ones face both ways.
-double facing(const SoftBodyData& body, std::uint32_t triangle, const Eigen::Vector3d& displacement) {
+/// Returns the cosine of the angle between a triangle's normal and a direction; of two-sided triangles, its
+/// absolute value.
+double facing(const SoftBodyData& body, std::uint32_t triangle, const Eigen::Vector3d& direction) {
   const Triangle& t = body.surface.topology->triangles[triangle];
   const Points& x = body.state.position;
   const Eigen::Vector3d a = x.col(t[0]), normal = (x.col(t[1]) - a).cross(x.col(t[2]) - a).stableNormalized();
-  const double along = normal.dot(displacement);
+  const double along = normal.dot(direction);
   return body.surface.topology->oneSided[triangle] ? along : std::abs(along);
 }
 
-/// The triangle that has all points of the side and faces that way most; of equals, the first.
+/// Returns the triangle that has all points of the side and faces the direction best; of equals, the first.
 std::uint32_t triangleOf(const SoftBodyData& body, const ContactSide& side,
-                         const Eigen::Vector3d& displacement) {
+                         const Eigen::Vector3d& direction) {
   const IndexLists& around = body.surface.topology->trianglesAround;
   std::uint32_t best = ContactSide::kNone;
-  double most = -2.0;
+  double bestFacing = -2.0;
   for (const std::uint32_t* t = around.begin(side.points[0]); t != around.end(side.points[0]); ++t) {
     const Triangle& corners = body.surface.topology->triangles[*t];
     if (!hasCorner(corners, side.points[1]) || !hasCorner(corners, side.points[2])) continue;
-    const double much = facing(body, *t, displacement);
-    if (much > most) most = much, best = *t;
+    const double value = facing(body, *t, direction);
+    if (value > bestFacing) bestFacing = value, best = *t;
   }
   return best;
 }
 
-/// Gives the weights to the triangle's corners.
-void spread(ContactSide& side, std::uint32_t triangle, const Triangle& corners) {
+/// Sets the side to the triangle and assigns the weights to its corners.
+void setTriangle(ContactSide& side, std::uint32_t triangle, const Triangle& corners) {
   Eigen::Vector3d weights = Eigen::Vector3d::Zero();
   for (int i = 0; i < 3; ++i)
     for (int j = 0; j < 3; ++j)
@@ -268,10 +272,10 @@ void spread(ContactSide& side, std::uint32_t triangle, const Triangle& corners) 
   side = {triangle, {corners[0], corners[1], corners[2]}, weights};
 }
 
-void findTriangle(const SoftBodyData& body, ContactSide& side, const Eigen::Vector3d& displacement) {
+void findTriangle(const SoftBodyData& body, ContactSide& side, const Eigen::Vector3d& direction) {
   if (!body.surface.topology || side.triangle != ContactSide::kNone || side.weights.isZero(0.0)) return;
-  const std::uint32_t triangle = triangleOf(body, side, displacement);
-  if (triangle != ContactSide::kNone) spread(side, triangle, body.network->surface[triangle]);
+  const std::uint32_t triangle = triangleOf(body, side, direction);
+  if (triangle != ContactSide::kNone) setTriangle(side, triangle, body.network->surface[triangle]);
 }
 
 }  // namespace
@@ -282,21 +286,21 @@ void findTriangles(SoftContact& contact) {
   if (contact.otherBody) findTriangle(dataOf(*contact.otherBody), contact.otherSide, normal);
 }
 
-void dropGone(SoftBodyData& body) {
+void dropInvalidContacts(SoftBodyData& body) {
   ContactReport& r = body.report;
-  std::size_t kept = 0;
-  const bool here = !r.contacts.empty() && anyInWorld(body);
-  for (std::size_t i = 0; here && i < r.contacts.size(); ++i) {
+  std::size_t count = 0;
+  const bool inWorld = !r.contacts.empty() && anyInWorld(body);
+  for (std::size_t i = 0; inWorld && i < r.contacts.size(); ++i) {
     if (!isValid(*body.world, r.partners[i])) continue;
-    if (kept != i) r.contacts[kept] = r.contacts[i], r.partners[kept] = r.partners[i];
-    ++kept;
+    if (count != i) r.contacts[count] = r.contacts[i], r.partners[count] = r.partners[i];
+    ++count;
   }
-  r.contacts.resize(kept);
-  r.partners.resize(kept);
+  r.contacts.resize(count);
+  r.partners.resize(count);
 }
 
 const std::vector<SoftContact>& readReport(SoftBodyData& body) {
-  dropGone(body);
+  dropInvalidContacts(body);
   ContactReport& report = body.report;
   if (!report.hasTriangles)
     for (SoftContact& contact : report.contacts) findTriangles(contact);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 
-// Users learn of contacts from three things: the report of each body, the calls of a listener, and manifolds
-// in Bullet's dispatcher.
+// This header declares the three ways to report contacts to users: the report of each body, the calls of a
+// listener, and manifolds in Bullet's dispatcher.
 
 #pragma once
 
@@ -23,23 +23,23 @@ struct TickContacts;
 
 // --- the report --------------------------------------------------------------------------------------------
 
-/// After a tick of that length (s), before reportContactImpulses(): fills the reports of all bodies of a
-/// system that are awake. `bodies`: those in its groups, which `pairs` names by their index.
+/// Fills the reports of all bodies that are awake, after a tick of length `tick` (s). Call it before
+/// reportContactImpulses(). `bodies`: the bodies in the groups, to which the indices in `pairs` refer.
 void reportContacts(const std::vector<SoftBodyData*>& bodies, const TickContacts& pairs,
                     const btDiscreteDynamicsWorld& world, double tick);
 
-/// Forgets contacts with what has left the world since, or all if the body itself has.
-void dropGone(SoftBodyData& body);
+/// Removes contacts with objects that have left the world, or all if the body itself has left it.
+void dropInvalidContacts(SoftBodyData& body);
 
-/// The contacts with their triangles.
+/// Returns the contacts with their triangles.
 const std::vector<SoftContact>& readReport(SoftBodyData& body);
 
-/// Finds the triangle of a contact's sides.
+/// Finds the triangles of both sides of a contact.
 void findTriangles(SoftContact& contact);
 
 // --- events ------------------------------------------------------------------------------------------------
 
-/// A call that a listener is to get.
+/// A pending call of the listener.
 struct ContactEvent {
   void (ContactListener::*call)(const ContactPair&) = nullptr;
   SoftBodyData* body = nullptr;
@@ -47,33 +47,33 @@ struct ContactEvent {
   ContactPair pair;
 };
 
-/// Compares what touches now with what touched when the listener was last told.
+/// Compares the present contacts with those at the last calls of the listener.
 class ContactEvents {
  public:
   void setListener(ContactListener* listener, const std::vector<std::unique_ptr<SoftBody>>& bodies);
   bool listening() const { return listener_ != nullptr; }
-  /// Whether calls are under way: bodies must then stay where they are.
+  /// Returns whether the listener is being called. Bodies must not be destroyed then.
   bool calling() const { return calling_; }
 
-  /// After reportContacts(): adds what the listener is to be told of a body.
+  /// Adds the calls for a body's contacts, after reportContacts().
   void collect(SoftBodyData& body);
-  /// Ends all pairs of a body, which is about to go.
+  /// Adds the ends of all pairs of a body that is about to be destroyed.
   void collectEnds(SoftBodyData& body);
-  /// Ends a body's pairs with another body, which is about to go.
+  /// Adds the ends of a body's pairs with another body that is about to be destroyed.
   void collectEnds(SoftBodyData& body, const SoftBody* other);
-  /// Makes the calls. `world`: nullptr if it may be gone.
+  /// Makes the calls. `world`: nullptr if it may no longer exist.
   void call(const btCollisionWorld* world);
 
  private:
-  void sumUp(SoftBodyData& body);
-  void add(void (ContactListener::*told)(const ContactPair&), SoftBodyData& body, const ContactPair& pair,
+  void sumByPartner(SoftBodyData& body);
+  void add(void (ContactListener::*callback)(const ContactPair&), SoftBodyData& body, const ContactPair& pair,
            const ObjectHandle& other);
   void addEnd(SoftBodyData& body, const TouchingPair& ended);
 
   ContactListener* listener_ = nullptr;
   bool calling_ = false;
   std::vector<ContactEvent> events_;
-  // Scratch of one body: what touches now, by id.
+  // Scratch of one body: its present pairs, sorted by id.
   std::vector<TouchingPair> now_;
   std::vector<ContactPair> pairs_;  // #now_
 };
@@ -87,10 +87,11 @@ struct StrongestContacts {
   std::array<const SoftContact*, MANIFOLD_CACHE_SIZE> contacts;  ///< by normal impulse, the largest first
 };
 
-/// After a tick: shows what the body's report tells, of each partner the four that bear most.
+/// Adds manifolds with the body's reported contacts, after a tick: for each partner the four contacts with
+/// the largest impulses.
 void reportManifold(SoftBodyData& body, std::vector<StrongestContacts>& scratch);
 
-/// Before a tick.
+/// Removes these manifolds, before a tick.
 void removeReportedManifolds(SoftBodyData& body);
 
 }  // namespace LIMBER_BULLET_PRECISION

@@ -17,18 +17,18 @@ namespace limber {
 inline namespace LIMBER_BULLET_PRECISION {
 namespace {
 
-/// Strain that has the full colour.
-constexpr double kFullStrain = 0.1;
+/// Strain at which the colour saturates.
+constexpr double kMaxStrain = 0.1;
 
-/// Of the points' radius.
+/// Size of a pin's cross, in radii of the points.
 constexpr double kCrossSize = 2.0;
 
-/// Blue where it is pressed together, red where it is stretched, grey at rest.
+/// Returns blue for compression, red for extension and grey at rest.
 btVector3 colourOf(double strain) {
   const btVector3 rest(btScalar(0.75), btScalar(0.75), btScalar(0.75));
   const btVector3 pressed(btScalar(0.12), btScalar(0.35), btScalar(0.8));
   const btVector3 stretched(btScalar(0.85), btScalar(0.15), btScalar(0.1));
-  const double share = std::min(std::abs(strain) / kFullStrain, 1.0);
+  const double share = std::min(std::abs(strain) / kMaxStrain, 1.0);
   return lerp(rest, strain < 0.0 ? pressed : stretched, static_cast<btScalar>(share));
 }
 
@@ -79,24 +79,24 @@ void drawAnchors(const SoftBodyData& body, btIDebugDraw& drawer) {
                     btVector3(1, 1, 0));
 }
 
-bool asks(const btIDebugDraw& drawer, int what) { return (drawer.getDebugMode() & what) != 0; }
+bool hasMode(const btIDebugDraw& drawer, int mode) { return (drawer.getDebugMode() & mode) != 0; }
 
-/// What the drawer's mode asks for of a body: springs coloured by strain and pinned points (wireframe), its
-/// box (AABB), what it touches (contact points), its anchors (constraints).
+/// Draws the parts of a body that the drawer's modes select: springs coloured by strain and pinned points
+/// (wireframe), the bounding box (AABB), contacts (contact points), anchors (constraints).
 void debugDraw(SoftBodyData& body, btIDebugDraw& drawer) {
   if (!body.alive) return;
-  if (asks(drawer, btIDebugDraw::DBG_DrawWireframe)) {
+  if (hasMode(drawer, btIDebugDraw::DBG_DrawWireframe)) {
     drawSprings(body, drawer);
     drawPins(body, drawer);
   }
-  if (asks(drawer, btIDebugDraw::DBG_DrawAabb)) drawBox(body, drawer);
-  if (asks(drawer, btIDebugDraw::DBG_DrawContactPoints)) drawContacts(body, drawer);
-  if (asks(drawer, btIDebugDraw::DBG_DrawConstraints)) drawAnchors(body, drawer);
+  if (hasMode(drawer, btIDebugDraw::DBG_DrawAabb)) drawBox(body, drawer);
+  if (hasMode(drawer, btIDebugDraw::DBG_DrawContactPoints)) drawContacts(body, drawer);
+  if (hasMode(drawer, btIDebugDraw::DBG_DrawConstraints)) drawAnchors(body, drawer);
 }
 
-/// Springs that were added one by one (constraints).
+/// Draws the springs that were added one by one, in the mode for constraints.
 void debugDraw(const SpringList& springs, btIDebugDraw& drawer) {
-  if (!asks(drawer, btIDebugDraw::DBG_DrawConstraints)) return;
+  if (!hasMode(drawer, btIDebugDraw::DBG_DrawConstraints)) return;
   for (const auto& spring : springs) {
     const double strain = strainOf(double(spring->length()), spring->settings().restLength);
     drawer.drawLine(SpringConstraint::worldPivot(spring->endA()),

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
 
-// This file chooses how each group is stepped, steps those that are in no cluster, bodies of one network side
+// This file chooses how each group is stepped, steps those that are in no island, bodies of one network side
 // by side, and takes out energy that a step has made.
 
 #include "bullet/linked_group.h"
@@ -81,7 +81,7 @@ constexpr double kRateMemory = 0.25;
 /// What Verlet keeps for ever is not the energy but something that differs from it by some (omega dt)^2: each
 /// change of the substep makes or takes as much. In an undamped body that oscillates, such changes come at
 /// the same moments of each oscillation and add up, so its substeps follow the largest rates of a while.
-MotionRates lasting(SoftBodyData& body, const MotionRates& rates, double tick) {
+MotionRates largestRecentRates(SoftBodyData& body, const MotionRates& rates, double tick) {
   if (body.springs.damped) return rates;
   RateHistory& kept = body.rateHistory;
   kept.age += tick;
@@ -94,7 +94,8 @@ MotionRates lasting(SoftBodyData& body, const MotionRates& rates, double tick) {
 /// most the sum of theirs.
 MotionRates ratesOf(LinkedGroup& group, double tick) {
   MotionRates rates;
-  for (SoftBodyData* body : group.bodies) rates = larger(rates, lasting(*body, ratesOf(*body, tick), tick));
+  for (SoftBodyData* body : group.bodies)
+    rates = larger(rates, largestRecentRates(*body, ratesOf(*body, tick), tick));
   const double links = linkFrequencyBoundSquared(group.step.links);
   rates.boundSquared += links;
   rates.fastestSquared += links;
@@ -167,7 +168,7 @@ double energyOf(SolverBody& body) {
 }
 
 /// Whether Verlet's substep does not resolve the push against the change of volume where the body is now.
-bool holdsBack(LinkedGroup& group, double tick) {
+bool isForceScaled(LinkedGroup& group, double tick) {
   if (group.stepper != Stepper::Verlet) return false;
   SoftBodyData& body = *group.bodies[0];
   const double dt = tick / group.substeps;
@@ -189,10 +190,10 @@ bool isFolded(const SoftBodyData& body) { return body.volumes.farFromRest || bod
 
 /// `lasting`: the bound is that of the first of these ticks, changes from outside apart; `once`: of this one.
 void guard(LinkedGroup& group, bool lasting, bool once) {
-  const bool lasted = group.guarded && group.lasting;
-  group.lasting = lasting;
-  group.guarded = lasting || once;
-  if (!group.guarded) return;
+  const bool lasted = group.energyLimited && group.limitPersists;
+  group.limitPersists = lasting;
+  group.energyLimited = lasting || once;
+  if (!group.energyLimited) return;
   const double energy = energyOf(group.step.bodies[0]);
   group.energyBound = lasting && lasted ? group.energyBound + energy - group.energyAtEnd : energy;
 }
@@ -203,14 +204,14 @@ void guard(LinkedGroup& group, bool lasting, bool once) {
 /// exact where substeps only just resolve the oscillations between bounces. Bodies whose budget is cut:
 /// springs that turn round within a substep, as crushed ones do, give or take energy at random. The bound of
 /// both is the energy with which that began, for the same reason.
-void startGuard(LinkedGroup& group, double tick) {
-  if (group.inIsland) return;  // see guardIsland()
+void startEnergyLimit(LinkedGroup& group, double tick) {
+  if (group.inIsland) return;  // see limitIslandEnergy()
   const bool free = isFreeBody(group) && isPlain(group.step);
   const bool cut = group.cut && group.stepper == Stepper::Verlet;
   const bool lasting =
-      free && standsOnStill(group.bodies[0]->contacts) && (cut || bounces(group.bodies[0]->contacts));
+      free && areSurfacesAtRest(group.bodies[0]->contacts) && (cut || bounces(group.bodies[0]->contacts));
   guard(group, lasting, free && group.bodies[0]->contacts.empty() && isFolded(*group.bodies[0]));
-  if (group.guarded && !lasting) group.heldBack = holdsBack(group, tick);
+  if (group.energyLimited && !lasting) group.forceScaled = isForceScaled(group, tick);
 }
 
 /// Takes so many J out of all motion; returns what was not there.
@@ -221,8 +222,9 @@ double slowDown(PointState& points, double energy) {
 }
 
 /// Takes what the energy has risen by, less the work of the constant accelerations, out of the motion.
-void endGuard(LinkedGroup& group, double tick) {
-  if (!group.guarded || !(group.lasting || group.heldBack || holdsBack(group, tick))) return;
+void endEnergyLimit(LinkedGroup& group, double tick) {
+  if (!group.energyLimited || !(group.limitPersists || group.forceScaled || isForceScaled(group, tick)))
+    return;
   const SoftBodyData& body = *group.bodies[0];
   double& allowed = group.energyBound;
   for (Eigen::Index i = 0; i < body.state.position.cols(); ++i)
@@ -256,7 +258,7 @@ void stepLinkedGroup(LinkedGroup& group, double tick, SharedFactors& factors) {
   }
 }
 
-/// After the step of a group that is in no cluster: steps it again with watches on (point_contacts.h) where
+/// After the step of a group that is in no island: steps it again with watches on (point_contacts.h) where
 /// a point got farther than contacts were looked for, and something is there.
 void repeatIfMissed(LinkedGroup& group, double tick, SharedFactors& factors) {
   bool missed = false;
@@ -268,7 +270,7 @@ void repeatIfMissed(LinkedGroup& group, double tick, SharedFactors& factors) {
 
 }  // namespace
 
-bool standsOnStill(const std::vector<PlaneContact>& rows) {
+bool areSurfacesAtRest(const std::vector<PlaneContact>& rows) {
   const auto isStill = [](const PlaneContact& row) { return row.surfaceVelocity.isZero(0.0); };
   return std::all_of(rows.begin(), rows.end(), isStill);
 }
@@ -282,7 +284,7 @@ void chooseStepping(LinkedGroup& group, double tick) {
     problem.implicitPossible = false;
     setChoice(group, limber::chooseStepping(problem, group.stepping));
   }
-  startGuard(group, tick);
+  startEnergyLimit(group, tick);
   // what else moves the body may throw it farther than was foreseen for it alone
   const bool together = group.inIsland || !isPlain(group.step);
   for (SoftBodyData* body : group.bodies) {
@@ -291,7 +293,7 @@ void chooseStepping(LinkedGroup& group, double tick) {
   }
 }
 
-void guardIsland(LinkedGroup& group, bool alone) {
+void limitIslandEnergy(LinkedGroup& group, bool alone) {
   guard(group, alone && group.stepping.maxSubsteps > 0 && isFreeBody(group), false);
 }
 
@@ -301,11 +303,11 @@ namespace {
 
 /// A block of more springs than this would not stay in the cache next to the processor (about 0.5 kB a spring
 /// with eight lanes); such bodies are stepped one by one.
-constexpr std::size_t kLargestInLanes = 1000;
+constexpr std::size_t kMaxSpringsInLanes = 1000;
 
-bool fitsLanes(const LinkedGroup& group) {
+bool canUseLanes(const LinkedGroup& group) {
   return !hasTolerance(group) && group.stepper == Stepper::Verlet && isPlain(group.step) &&
-         group.bodies[0]->springs.size() <= kLargestInLanes && group.bodies[0]->springs.size() > 0;
+         group.bodies[0]->springs.size() <= kMaxSpringsInLanes && group.bodies[0]->springs.size() > 0;
 }
 
 /// Bodies side by side go through the same triangles and tetrahedra.
@@ -343,7 +345,7 @@ void StepPlan::stepOrCollect(std::vector<LinkedGroup>& groups, double tick) {
   candidates_.clear();
   for (std::size_t i = 0; i < groups.size(); ++i) {
     if (groups[i].asleep || groups[i].inIsland) continue;
-    if (fitsLanes(groups[i]))
+    if (canUseLanes(groups[i]))
       candidates_.push_back({networkOf_[i], groups[i].substeps, groups[i].bodies[0]->springs.damped,
                              volumeKind(*groups[i].bodies[0]), i});
     else
@@ -403,7 +405,7 @@ constexpr double kErrorMemory = 0.25;
 
 void reportStepping(LinkedGroup& group, double tick) {
   for (SoftBodyData* body : group.bodies) body->watch->merge();
-  endGuard(group, tick);
+  endEnergyLimit(group, tick);
   for (std::size_t i = 0; i < group.bodies.size(); ++i) {
     SoftBodyData& body = *group.bodies[i];
     const double square = std::pow(tick / group.substeps, 2);

@@ -21,7 +21,7 @@ using Eigen::Vector3d;
 using Kind = HeldPiece::Kind;
 
 /// Hulls of fewer faces are taken as a whole.
-constexpr std::size_t kManyFaces = 64;
+constexpr std::size_t kMinFacesForCulling = 64;
 
 Eigen::Matrix3d axesOf(const btTransform& pose) {
   Eigen::Matrix3d axes;
@@ -30,7 +30,7 @@ Eigen::Matrix3d axesOf(const btTransform& pose) {
 }
 
 /// In double, so that what is flat remains so.
-Vector3d placeOf(const btTransform& pose, const Vector3d& own) {
+Vector3d worldPoint(const btTransform& pose, const Vector3d& own) {
   Eigen::Matrix3d basis;
   for (int i = 0; i < 3; ++i) basis.col(i) = toEigen(pose.getBasis().getColumn(i));
   return basis * own + toEigen(pose.getOrigin());
@@ -127,7 +127,7 @@ class PieceCollector {
     btVector3 from, to;
     shape.getVertex(0, from);
     shape.getVertex(count - 1, to);
-    const Vector3d a = placeOf(pose, toEigen(from)), b = placeOf(pose, toEigen(to));
+    const Vector3d a = worldPoint(pose, toEigen(from)), b = worldPoint(pose, toEigen(to));
     HeldPiece& piece = pushSolid(Kind::Capsule, pose, double(shape.getMargin()));
     piece.center = 0.5 * (a + b);
     piece.size = {0.0, 0.5 * (b - a).norm(), 0.0};
@@ -138,12 +138,12 @@ class PieceCollector {
 
   /// Whether the hull has no inside.
   static bool isFlatHull(const SurfaceTopology& t) {
-    constexpr double kFlat = 1e-6;  // of its size
+    constexpr double kFlatTolerance = 1e-6;  // of its size
     const Triangle& first = t.triangles.front();
     const Vector3d a = t.rest.col(first[0]);
     const Vector3d normal = (t.rest.col(first[1]) - a).cross(t.rest.col(first[2]) - a).normalized();
     const double size = (t.rest.colwise() - a).colwise().norm().maxCoeff();
-    return (normal.transpose() * (t.rest.colwise() - a)).cwiseAbs().maxCoeff() <= kFlat * size;
+    return (normal.transpose() * (t.rest.colwise() - a)).cwiseAbs().maxCoeff() <= kFlatTolerance * size;
   }
 
   /// Left out if it has no area.
@@ -161,7 +161,7 @@ class PieceCollector {
     const LocalBox own = localBoxOf(pose, box_.min(), box_.max());
     const Vector3d low = toEigen(own.low).array() - surface.radius;
     const Vector3d high = toEigen(own.high).array() + surface.radius;
-    const bool all = t.triangles.size() < kManyFaces;
+    const bool all = t.triangles.size() < kMinFacesForCulling;
     const Kind kind = isFlatHull(t) ? Kind::Sheet : Kind::Face;
     const std::size_t before = pieces_.size();
     for (const Triangle& corners : t.triangles) {
@@ -170,7 +170,7 @@ class PieceCollector {
       if (!all && ((x[0].cwiseMax(x[1]).cwiseMax(x[2]).array() < low.array()).any() ||
                    (x[0].cwiseMin(x[1]).cwiseMin(x[2]).array() > high.array()).any()))
         continue;
-      for (Vector3d& corner : x) corner = placeOf(pose, corner);
+      for (Vector3d& corner : x) corner = worldPoint(pose, corner);
       addTriangle(kind, x, surface.radius);
     }
     if (pieces_.size() > before) ++owner_;
@@ -210,7 +210,7 @@ class PieceCollector {
         // height fields and others give whole cells
         if (!TestTriangleAgainstAabb2(triangle, own.low, own.high)) return;
         Vector3d corners[3];
-        for (int i = 0; i < 3; ++i) corners[i] = placeOf(*pose, toEigen(triangle[i]));
+        for (int i = 0; i < 3; ++i) corners[i] = worldPoint(*pose, toEigen(triangle[i]));
         self->addTriangle(Kind::Sheet, corners, margin);
       }
     } visit;
@@ -258,14 +258,14 @@ bool hasEdge(const HeldPiece& t, const Vector3d& from, const Vector3d& to) {
 
 /// Whether the triangles lie in one plane and leave no gap around the place below x.
 bool areFlatTriangles(const HeldPiece* begin, const HeldPiece* end, const Vector3d& x, double searchRegion) {
-  constexpr double kFlat = 1e-7;  // m, and 1 - cosine
+  constexpr double kFlatTolerance = 1e-7;  // m, and 1 - cosine
   const Vector3d normal = begin->center, foot = x - normal.dot(x - begin->axes.col(0)) * normal;
   bool isAbove = false;
   for (const HeldPiece* t = begin; t != end; ++t) {
     const double turned = 1.0 - std::abs(t->center.dot(normal)), apart = t->center.dot(foot - t->axes.col(0));
-    if (turned > kFlat || std::abs(apart) > kFlat) return false;
+    if (turned > kFlatTolerance || std::abs(apart) > kFlatTolerance) return false;
     const Vector3d weights = nearestBarycentric({t->axes.col(0), t->axes.col(1), t->axes.col(2)}, foot);
-    isAbove = isAbove || (t->axes * weights - foot).squaredNorm() < kFlat * kFlat;
+    isAbove = isAbove || (t->axes * weights - foot).squaredNorm() < kFlatTolerance * kFlatTolerance;
     for (int edge = 0; edge < 3; ++edge) {
       if (!isNearEdge(*t, edge, foot, searchRegion)) continue;
       const Vector3d from = t->axes.col(edge), to = t->axes.col((edge + 1) % 3);

@@ -21,7 +21,7 @@ std::uint32_t root(Islands& islands, std::uint32_t i) {
   return i;
 }
 
-/// The lower number becomes the root, so that clusters come in the order of their first member.
+/// The lower number becomes the root, so that islands come in the order of their first member.
 void join(Islands& islands, std::uint32_t a, std::uint32_t b) {
   if (a == kNoPartner || b == kNoPartner) return;
   a = root(islands, a), b = root(islands, b);
@@ -65,7 +65,7 @@ void joinNodes(const std::vector<LinkedGroup>& groups, const TickContacts& found
   for (const JointConstraint& j : found.joints) join(islands, nodes.ofRigid(j.a), nodes.ofRigid(j.b));
 }
 
-// --- filling the clusters ----------------------------------------------------------------------------------
+// --- filling the islands ----------------------------------------------------------------------------------
 
 void clear(Island& island) {
   island.groups.clear();
@@ -85,7 +85,7 @@ void clear(Island& island) {
   island.step.links.anchors.clear();
 }
 
-/// The cluster of a node, a new one if its set has none yet.
+/// The island of a node, a new one if its set has none yet.
 Island& islandOf(Islands& islands, std::uint32_t node) {
   std::uint32_t& number = islands.island[root(islands, node)];
   if (number == kNoPartner) {
@@ -152,7 +152,7 @@ void appendRigids(TickContacts& found, const IslandNodes& nodes, btScalar tick, 
   }
 }
 
-/// Contacts name bodies by their number in the system; rows of a cluster by their place in it.
+/// Contacts name bodies by their number in the system; rows of an island by their place in it.
 void renumber(ContactPoint& place, const IslandNodes& nodes, const Islands& islands) {
   if (place.kind == ContactPoint::Kind::World) return;
   const bool soft = place.kind == ContactPoint::Kind::Soft;
@@ -182,21 +182,21 @@ void appendContacts(const TickContacts& found, const IslandNodes& nodes, Islands
 }
 
 /// What holds an anchored point must be solved with what it touches.
-bool hasAnchorsAndRows(const LinkedGroup& group) {
+bool hasAnchorsAndContacts(const LinkedGroup& group) {
   const auto touches = [](const SoftBodyData* body) { return !body->contacts.empty(); };
   return !group.asleep && !group.step.links.anchors.empty() &&
          std::any_of(group.bodies.begin(), group.bodies.end(), touches);
 }
 
-void appendMeetings(const TickContacts& found, const IslandNodes& nodes, Islands& islands) {
-  const auto placeOf = [&](const SoftBodyData& body) {
+void appendCandidates(const TickContacts& found, const IslandNodes& nodes, Islands& islands) {
+  const auto solverIndexOf = [&](const SoftBodyData& body) {
     return islands.first[nodes.groupOf[body.index]] + islands.indexInGroup[body.index];
   };
   for (const SurfaceCandidate& m : found.candidates) {
-    IslandPair candidate{&m, placeOf(*m.body)};
+    IslandPair candidate{&m, solverIndexOf(*m.body)};
     candidate.displacement = displacementOf(m);
     if (m.other)
-      candidate.b = placeOf(*m.other);
+      candidate.b = solverIndexOf(*m.other);
     else if (!m.held)
       candidate.b = islands.first[nodes.ofRigid(found.find(*m.partner))];
     islandOf(islands, nodes.groupOf[m.body->index]).candidates.push_back(candidate);
@@ -224,7 +224,7 @@ void markCoupledPoints(Island& island) {
   for (SoftBodyData* body : island.softBodies) body->coupled.assign(body->masses.bodies.size(), 0);
   for (const IslandPair& m : island.candidates)
     for (SoftBodyData* body : {m.surfaces->body, m.surfaces->other})
-      if (m.moves() && !m.surfaces->held && body) body->coupled.assign(body->coupled.size(), 1);
+      if (m.needsNewSearch() && !m.surfaces->held && body) body->coupled.assign(body->coupled.size(), 1);
   for (const Contact& c : island.step.pairs.contacts)
     for (const ContactPoint* place : {&c.a, &c.b})
       if (place->kind == ContactPoint::Kind::Soft)
@@ -251,9 +251,9 @@ Contact pairOf(const PlaneContact& row, const SoftBodyData& body, std::uint32_t 
 }
 
 /// Moves the contacts with static and kinematic surfaces of those points that something free touches or
-/// holds, from their bodies' rows to the cluster's pairs: what is squeezed between the two must be solved
+/// holds, from their bodies' rows to the island's pairs: what is squeezed between the two must be solved
 /// with both.
-void appendRows(Island& island) {
+void appendPlaneContacts(Island& island) {
   markCoupledPoints(island);
   for (std::uint32_t place = 0; place < island.softBodies.size(); ++place) {
     SoftBodyData& body = *island.softBodies[place];
@@ -279,7 +279,7 @@ void makeIslands(std::vector<LinkedGroup>& groups, TickContacts& found, btScalar
   bool anchored = false;
   for (LinkedGroup& group : groups) {
     group.inIsland = false;
-    anchored = anchored || hasAnchorsAndRows(group);
+    anchored = anchored || hasAnchorsAndContacts(group);
   }
   if (found.contacts.empty() && found.joints.empty() && found.candidates.empty() && !anchored) return;
   numberBodies(groups, islands);
@@ -291,12 +291,12 @@ void makeIslands(std::vector<LinkedGroup>& groups, TickContacts& found, btScalar
   for (const JointConstraint& j : found.joints) islandOf(islands, nodes.of(j));
   for (const SurfaceCandidate& m : found.candidates) islandOf(islands, nodes.of(*m.body));
   for (std::uint32_t g = 0; g < groups.size(); ++g)
-    if (hasAnchorsAndRows(groups[g])) islandOf(islands, g);
+    if (hasAnchorsAndContacts(groups[g])) islandOf(islands, g);
   appendGroups(groups, found, nodes, islands);
   appendRigids(found, nodes, tick, islands);
   appendContacts(found, nodes, islands);
-  appendMeetings(found, nodes, islands);
-  for (Island& island : islands) appendRows(island);
+  appendCandidates(found, nodes, islands);
+  for (Island& island : islands) appendPlaneContacts(island);
 }
 
 }  // namespace LIMBER_BULLET_PRECISION

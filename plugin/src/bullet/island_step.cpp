@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
 
-// This file steps a cluster, searches for contacts within its step, limits what joints add to its energy, and
+// This file steps an island, searches for contacts within its step, limits what joints add to its energy, and
 // writes the result to Bullet.
 
 #include "bullet/linked_group.h"
@@ -15,7 +15,7 @@ inline namespace LIMBER_BULLET_PRECISION {
 namespace {
 
 /// Guesses are sums over the last tick, in each of whose substeps a contact is solved twice.
-void spreadGuesses(IslandConstraints& pairs, int substeps) {
+void scaleWarmStart(IslandConstraints& pairs, int substeps) {
   for (Contact& c : pairs.contacts) {
     const double share = 0.5 / substeps;
     c.positionImpulse *= share;
@@ -33,7 +33,7 @@ constexpr double kOverlapPerTick = 0.2;
 constexpr double kMinRecovery = 0.04;
 
 /// Rigid bodies among themselves part as by Bullet's solver.
-void recoverAsBullet(IslandConstraints& pairs, double tick) {
+void limitRecoverySpeed(IslandConstraints& pairs, double tick) {
   for (Contact& c : pairs.contacts)
     c.recoverySpeed =
         std::clamp(-kOverlapPerTick * c.gap / tick, kMinRecovery * c.recoverySpeed, c.recoverySpeed);
@@ -52,12 +52,12 @@ double speedTolerance(const SolverIsland& step, double tick) {
   return 6e-4 * std::sqrt(squared);
 }
 
-/// The index of the first of the cluster's rigid bodies that are in no group.
+/// The index of the first of the island's rigid bodies that are in no group.
 std::size_t firstOwnRigid(const Island& island) {
   return island.step.links.rigids.size() - island.rigids.size();
 }
 
-void giveBack(Island& island) {
+void copyToGroups(Island& island) {
   const SolverIsland& step = island.step;
   std::size_t body = 0, rigid = 0, spring = 0, anchor = 0;
   for (LinkedGroup* group : island.groups) {
@@ -189,26 +189,26 @@ struct SearchContext {
 };
 
 /// Takes a contact for one that has ended until it is found again.
-void collectKnown(Island& island, std::uint32_t number, const TickContacts& found) {
+void collectOldContacts(Island& island, std::uint32_t number, const TickContacts& found) {
   const SurfaceCandidate& m = *island.candidates[number].surfaces;
-  island.known.clear();
+  island.oldContacts.clear();
   const auto begin = island.contacts.begin();
   for (auto it = std::lower_bound(begin, island.contacts.end(), m.first);
        it != island.contacts.end() && *it < m.end; ++it)
-    island.known.emplace_back(found.sources[*it].key, static_cast<std::uint32_t>(it - begin));
+    island.oldContacts.emplace_back(found.sources[*it].key, static_cast<std::uint32_t>(it - begin));
   const std::size_t first = island.contacts.size() + island.rows.size();
   for (std::size_t i = 0; i < island.late.size(); ++i)
     if (island.late[i].candidate == number)
-      island.known.emplace_back(island.late[i].source.key, static_cast<std::uint32_t>(first + i));
-  std::sort(island.known.begin(), island.known.end());
-  for (const auto& [key, i] : island.known) island.step.pairs.contacts[i].ended = true;
+      island.oldContacts.emplace_back(island.late[i].source.key, static_cast<std::uint32_t>(first + i));
+  std::sort(island.oldContacts.begin(), island.oldContacts.end());
+  for (const auto& [key, i] : island.oldContacts) island.step.pairs.contacts[i].ended = true;
 }
 
-void putContact(Island& island, std::uint32_t candidate, const Contact& contact,
-                const ContactSource& source) {
-  const auto it =
-      std::lower_bound(island.known.begin(), island.known.end(), std::pair(source.key, std::uint32_t{0}));
-  if (it == island.known.end() || it->first != source.key) {
+void storeContact(Island& island, std::uint32_t candidate, const Contact& contact,
+                  const ContactSource& source) {
+  const auto it = std::lower_bound(island.oldContacts.begin(), island.oldContacts.end(),
+                                   std::pair(source.key, std::uint32_t{0}));
+  if (it == island.oldContacts.end() || it->first != source.key) {
     island.late.push_back({candidate, source});
     island.step.pairs.contacts.push_back(contact);
     return;
@@ -220,35 +220,35 @@ void putContact(Island& island, std::uint32_t candidate, const Contact& contact,
   known.positionImpulse = positionImpulse, known.velocityImpulse = velocityImpulse, known.impulse = impulse;
 }
 
-void searchWithin(void* context, SolverIsland& group, double since, double ahead) {
+void searchInStep(void* context, SolverIsland& group, double since, double ahead) {
   auto& [island, found, search] = *static_cast<SearchContext*>(context);
   for (std::uint32_t number = 0; number < island->candidates.size(); ++number) {
     const IslandPair& m = island->candidates[number];
-    if (!m.moves()) continue;
-    SidesWithin sides{&group.views[m.a], nullptr, nullptr, since / found->tick};
+    if (!m.needsNewSearch()) continue;
+    SidePositions sides{&group.views[m.a], nullptr, nullptr, since / found->tick};
     if (m.surfaces->other)
       sides.b = &group.views[m.b];
     else if (!m.surfaces->held)
       sides.rigid = &group.links.rigids[m.b];
-    findWithin(*m.surfaces, sides, ahead, found->tick, *search);
-    collectKnown(*island, number, *found);
+    findContactsInStep(*m.surfaces, sides, ahead, found->tick, *search);
+    collectOldContacts(*island, number, *found);
     for (std::size_t i = 0; i < search->pairs.size(); ++i) {
       Contact& contact = search->pairs[i];
       contact.a.body = m.a;
       contact.b.body = m.b;
-      putContact(*island, number, contact, search->sources[i]);
+      storeContact(*island, number, contact, search->sources[i]);
     }
   }
 }
 
 /// The longest ways, in sizes of features.
-struct LongestDisplacements {
+struct MaxDisplacements {
   double all = 0.0;
   double ofContacts = 0.0;  ///< where contacts are foreseen: what is only near must not change the substeps
 };
 
-LongestDisplacements longestDisplacements(const Island& island) {
-  LongestDisplacements most;
+MaxDisplacements maxDisplacements(const Island& island) {
+  MaxDisplacements most;
   for (const IslandPair& m : island.candidates) {
     most.all = std::max(most.all, m.displacement);
     if (m.surfaces->end > m.surfaces->first) most.ofContacts = std::max(most.ofContacts, m.displacement);
@@ -278,7 +278,7 @@ void reportLateContacts(Island& island, TickContacts& found) {
 }
 
 /// After the step: gives the rows of points what they bore.
-void reportRows(Island& island) {
+void storePlaneImpulses(Island& island) {
   for (std::size_t i = 0; i < island.rows.size(); ++i)
     island.rows[i]->impulse = island.step.pairs.contacts[island.contacts.size() + i].impulse;
 }
@@ -297,29 +297,29 @@ bool isAlone(const Island& island) {
     return false;
   const auto isStill = [](const Contact& c) { return c.b.velocity.isZero(0.0); };
   return std::all_of(step.pairs.contacts.begin(), step.pairs.contacts.end(), isStill) &&
-         standsOnStill(*step.bodies[0].contacts);
+         areSurfacesAtRest(*step.bodies[0].contacts);
 }
 
 }  // namespace
 
 void stepIsland(Island& island, const TickContacts& found, double tick, SurfaceSearch& search) {
-  for (LinkedGroup* group : island.groups) guardIsland(*group, isAlone(island));
+  for (LinkedGroup* group : island.groups) limitIslandEnergy(*group, isAlone(island));
   int substeps = 1;
   for (const LinkedGroup* group : island.groups) substeps = std::max(substeps, group->substeps);
   SearchContext context{&island, &found, &search};
   island.step.again = PairSearch();
-  if (const LongestDisplacements displacement = longestDisplacements(island);
+  if (const MaxDisplacements displacement = maxDisplacements(island);
       displacement.all > kMaxBetweenSearches) {
     if (displacement.ofContacts > kMaxBetweenSearches)
       substeps = std::max(substeps, substepsFor(island, displacement.ofContacts));
     const double searches = std::min(displacement.all / kMaxBetweenSearches,
                                      std::max(kManySearches, displacement.all / kMaxInSubstep));
-    island.step.again = {std::max(1, static_cast<int>(substeps / searches)), &context, searchWithin};
+    island.step.again = {std::max(1, static_cast<int>(substeps / searches)), &context, searchInStep};
   }
   for (LinkedGroup* group : island.groups) group->substeps = substeps;
-  spreadGuesses(island.step.pairs, substeps);
+  scaleWarmStart(island.step.pairs, substeps);
   island.step.pairs.tolerance = speedTolerance(island.step, tick);
-  if (island.softBodies.empty()) recoverAsBullet(island.step.pairs, tick);
+  if (island.softBodies.empty()) limitRecoverySpeed(island.step.pairs, tick);
   const bool joined = !island.joints.empty();
   island.start.clear();
   if (joined) island.start = island.step.links.rigids;
@@ -335,8 +335,8 @@ void writeIslandToBullet(Island& island, TickContacts& found, btScalar tick) {
   reportLateContacts(island, found);
   for (std::size_t i = 0; i < island.joints.size(); ++i)
     found.joints[island.joints[i]].impulse = pairs.joints[i].impulse;
-  reportRows(island);
-  giveBack(island);
+  storePlaneImpulses(island);
+  copyToGroups(island);
   const std::size_t first = firstOwnRigid(island);
   for (std::size_t i = 0; i < island.rigids.size(); ++i)
     writeRigidToBullet(found.rigids[island.rigids[i]], island.step.links.rigids[first + i], tick);
@@ -346,7 +346,7 @@ void readIslandFromBullet(const Island& island, TickContacts& found, const btCol
                           btScalar tick) {
   const std::size_t first = firstOwnRigid(island);
   for (std::size_t i = 0; i < island.rigids.size(); ++i)
-    if (RigidPartner& rigid = found.rigids[island.rigids[i]]; isValid(world, rigid.mark))
+    if (RigidPartner& rigid = found.rigids[island.rigids[i]]; isValid(world, rigid.handle))
       readRigidFromBullet(rigid, island.step.links.rigids[first + i], tick);
 }
 

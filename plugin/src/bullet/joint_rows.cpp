@@ -321,16 +321,16 @@ void addJointRows(btDiscreteDynamicsWorld& world, btScalar tick, TickContacts& f
   }
 }
 
-void switchOffDrives(const TickContacts& found, std::vector<SwitchedOff>& off) {
+void disableDrives(const TickContacts& found, std::vector<DisabledDrives>& off) {
   for (const JointSource& source : found.jointSources) {
     if (!source.drives || (!off.empty() && off.back().joint == source.constraint)) continue;
     off.push_back({source.constraint, switchOff(*source.constraint)});
   }
 }
 
-void switchOnDrives(btDynamicsWorld& world, std::vector<SwitchedOff>& off) {
+void enableDrives(btDynamicsWorld& world, std::vector<DisabledDrives>& off) {
   int place = 0;
-  for (const SwitchedOff& o : off)
+  for (const DisabledDrives& o : off)
     if (isValid(world, o.joint, place)) switchOn(*o.joint, o.drives);
   off.clear();
 }

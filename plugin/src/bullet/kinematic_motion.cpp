@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 
-// This file follows what moves as told through the ticks of a step. It also collects what comes near soft
-// bodies: what Bullet's broadphase has paired with them, and what moves towards them.
+// This file computes the motion of kinematic objects in the ticks of a step. It also collects the objects
+// near soft bodies: those that Bullet's broadphase has paired with them, and those that move towards them.
 
 #include "bullet/kinematic_motion.h"
 
@@ -16,46 +16,47 @@ namespace limber {
 inline namespace LIMBER_BULLET_PRECISION {
 namespace {
 
-/// More ticks than this in a stepSimulation() are not believed.
+/// Maximum of the estimated number of ticks in a stepSimulation().
 constexpr double kMaxTicks = 100.0;
 
-/// The share of the way from one pose to another.
+/// Interpolates between two poses.
 btTransform between(const btTransform& from, const btTransform& to, btScalar share) {
   return btTransform(from.getRotation().slerp(to.getRotation(), share),
                      from.getOrigin().lerp(to.getOrigin(), share));
 }
 
-/// In how many ticks Bullet's velocity leads from the start to where the object has been told to be. Bullet
-/// worked the velocity out for just that, unless the object has been moved since.
+/// Returns the number of ticks in which Bullet's velocity leads from the start to the target. Bullet computed
+/// the velocity for this motion, unless the object has been moved since.
 int ticksOf(const KinematicMotion& m, btScalar tick) {
-  if (!(m.object->getInterpolationWorldTransform() == m.told)) return 1;
+  if (!(m.object->getInterpolationWorldTransform() == m.target)) return 1;
   const double speed = double(m.object->getInterpolationLinearVelocity().length());
   const double spin = double(m.object->getInterpolationAngularVelocity().length());
-  const double displacement = double((m.told.getOrigin() - m.start.getOrigin()).length());
-  const double turn = double(m.start.getRotation().angleShortestPath(m.told.getRotation()));
+  const double displacement = double((m.target.getOrigin() - m.start.getOrigin()).length());
+  const double rotation = double(m.start.getRotation().angleShortestPath(m.target.getRotation()));
   double ticks = 1.0;
-  if (displacement * spin >= turn * speed && speed > 0.0)
+  if (displacement * spin >= rotation * speed && speed > 0.0)
     ticks = displacement / (speed * double(tick));
   else if (spin > 0.0)
-    ticks = turn / (spin * double(tick));
+    ticks = rotation / (spin * double(tick));
   return static_cast<int>(std::lround(std::min(std::max(ticks, 1.0), kMaxTicks)));
 }
 
-/// Of an object that is new in the world. Bullet's velocity tells how it has moved since it was made, but
-/// also that it was made elsewhere: what has come farther than half its size in a tick was put there.
+/// Returns the start pose of an object that is new in the world. Bullet's velocity contains its motion since
+/// its creation, but also a first placement. A displacement of more than half its size in a tick is taken for
+/// a placement.
 btTransform startOfNew(const btCollisionObject& object, btScalar tick) {
-  const btTransform& told = object.getWorldTransform();
+  const btTransform& target = object.getWorldTransform();
   btTransform start;
-  btTransformUtil::integrateTransform(told, -object.getInterpolationLinearVelocity(),
+  btTransformUtil::integrateTransform(target, -object.getInterpolationLinearVelocity(),
                                       -object.getInterpolationAngularVelocity(), tick, start);
   btVector3 center;
   btScalar radius;
   object.getCollisionShape()->getBoundingSphere(center, radius);
-  return (start(center) - told(center)).length2() < btScalar(0.25) * radius * radius ? start : told;
+  return (start(center) - target(center)).length2() < btScalar(0.25) * radius * radius ? start : target;
 }
 
-/// Whether Bullet knows of no motion that has led it where it is: its user has put it there.
-bool isPutThere(const btCollisionObject& object) {
+/// Returns whether the user has placed the object: its Bullet velocity is zero.
+bool isPlaced(const btCollisionObject& object) {
   return object.getInterpolationLinearVelocity().isZero() &&
          object.getInterpolationAngularVelocity().isZero();
 }
@@ -64,7 +65,7 @@ KinematicMotion newMotion(btCollisionObject& object) {
   KinematicMotion motion;
   motion.object = &object;
   motion.id = object.getBroadphaseHandle()->m_uniqueId;
-  motion.told = motion.end = object.getWorldTransform();
+  motion.target = motion.end = object.getWorldTransform();
   return motion;
 }
 
@@ -75,15 +76,16 @@ bool isFollowed(const btCollisionObject& object) {
 void advance(KinematicMotion& m, btScalar tick) {
   const btTransform& pose = m.object->getWorldTransform();
   m.start = m.end;
-  if (!(pose == m.told) || m.ticksLeft < 1) {
-    m.told = pose;
+  if (!(pose == m.target) || m.ticksLeft < 1) {
+    m.target = pose;
     m.ticksLeft = m.start == pose ? 0 : ticksOf(m, tick);
   }
-  m.end = m.ticksLeft > 1 ? between(m.start, m.told, btScalar(1) / btScalar(m.ticksLeft)) : m.told;
+  m.end = m.ticksLeft > 1 ? between(m.start, m.target, btScalar(1) / btScalar(m.ticksLeft)) : m.target;
   m.ticksLeft = std::max(m.ticksLeft - 1, 0);
 }
 
-/// Also around what a turn sweeps between its ends: at most this part of the angle's chord off it.
+/// Computes the box of the motion. A rotation also sweeps the region between the end poses, which extends at
+/// most radius * (1 - cos(angle / 2)) beyond them.
 void fitBox(KinematicMotion& m) {
   const btCollisionShape& shape = *m.object->getCollisionShape();
   btVector3 low, high;
@@ -91,15 +93,15 @@ void fitBox(KinematicMotion& m) {
   if (!m.moves()) return;
   shape.getAabb(m.end, low, high);
   m.low.setMin(low), m.high.setMax(high);
-  const btScalar turn = m.start.getRotation().angleShortestPath(m.end.getRotation());
-  if (!(turn > 0)) return;
-  const btScalar bulge = shape.getAngularMotionDisc() * (btScalar(1) - btCos(turn / 2));
+  const btScalar rotation = m.start.getRotation().angleShortestPath(m.end.getRotation());
+  if (!(rotation > 0)) return;
+  const btScalar bulge = shape.getAngularMotionDisc() * (btScalar(1) - btCos(rotation / 2));
   m.low -= btVector3(bulge, bulge, bulge), m.high += btVector3(bulge, bulge, bulge);
 }
 
 }  // namespace
 
-const KinematicMotion* KinematicMotions::known(const btCollisionObject& object) const {
+const KinematicMotion* KinematicMotions::lastMotion(const btCollisionObject& object) const {
   const int id = object.getBroadphaseHandle()->m_uniqueId;
   const auto isThis = [&](const KinematicMotion& m) { return m.object == &object && m.id == id; };
   // the list's order changes only when an object leaves the world
@@ -115,7 +117,7 @@ void KinematicMotions::start(const btCollisionWorld& world) {
   for (int i = 0; i < objects.size(); ++i) {
     if (!isFollowed(*objects[i])) continue;
     motions_.push_back(newMotion(*objects[i]));
-    motions_.back().seenBetweenSteps = true;
+    motions_.back().recordedBetweenSteps = true;
   }
 }
 
@@ -126,13 +128,13 @@ void KinematicMotions::follow(const btCollisionWorld& world, btScalar tick) {
   for (int i = 0; i < objects.size(); ++i) {
     btCollisionObject& object = *objects[i];
     if (!isFollowed(object)) continue;
-    const KinematicMotion* before = known(object);
+    const KinematicMotion* before = lastMotion(object);
     KinematicMotion motion = before ? *before : newMotion(object);
     if (!before)
       motion.end = startOfNew(object, tick);
-    else if (motion.seenBetweenSteps && isPutThere(object))
+    else if (motion.recordedBetweenSteps && isPlaced(object))
       motion.end = object.getWorldTransform();
-    motion.seenBetweenSteps = false;
+    motion.recordedBetweenSteps = false;
     advance(motion, tick);
     fitBox(motion);
     motions_.push_back(motion);
@@ -149,27 +151,28 @@ KinematicMotions::Rewound::Rewound(const KinematicMotions& motions) : motions_(&
 
 KinematicMotions::Rewound::~Rewound() {
   for (const KinematicMotion& m : motions_->motions_) {
-    m.object->setWorldTransform(m.told);
+    m.object->setWorldTransform(m.target);
     m.object->setInterpolationWorldTransform(m.interpolated);
   }
 }
 
-// --- what the broadphase has found -------------------------------------------------------------------------
+// --- objects that the broadphase has found -----------------------------------------------------------------
 
 namespace {
 
-bool olderProxy(const btCollisionObject* a, const btCollisionObject* b) {
+bool hasSmallerId(const btCollisionObject* a, const btCollisionObject* b) {
   return a->getBroadphaseHandle()->m_uniqueId < b->getBroadphaseHandle()->m_uniqueId;
 }
 
-/// Keeps the order of the ids, not that of Bullet's hash table.
+/// Adds a partner, sorted by id, because the order of Bullet's hash table is arbitrary.
 void addPartner(SoftBodyData& body, btCollisionObject* partner) {
   auto& partners = body.surface.partners;
-  const auto place = std::lower_bound(partners.begin(), partners.end(), partner, olderProxy);
-  if (place == partners.end() || *place != partner) partners.insert(place, partner);
+  const auto it = std::lower_bound(partners.begin(), partners.end(), partner, hasSmallerId);
+  if (it == partners.end() || *it != partner) partners.insert(it, partner);
 }
 
-/// Whether contacts with this partner, which Bullet's broadphase pairs with it, wake a surface or point.
+/// Returns whether contacts with this partner, which Bullet's broadphase pairs with `own`, wake `own`, a
+/// surface or point.
 bool mayWake(const btRigidBody& own, const btCollisionObject& partner) {
   const SurfaceObject* surface = SurfaceObject::from(&own);
   const bool excluded = surface ? !surface->mayTouch(partner)
@@ -177,16 +180,16 @@ bool mayWake(const btRigidBody& own, const btCollisionObject& partner) {
   return !excluded && own.hasContactResponse() && partner.hasContactResponse();
 }
 
-/// Adds a partner of the coming tick, met by the body's surface or point `own`. A body that sleeps is woken
-/// by kinematic objects that are awake, as Bullet's islands do.
-void collidePartner(SoftBodyData& body, btRigidBody& own, btCollisionObject& partner) {
+/// Adds a partner of the coming tick that is near the body's surface or point `own`. Kinematic objects that
+/// are awake wake a sleeping body, as in Bullet's islands.
+void addOrWake(SoftBodyData& body, btRigidBody& own, btCollisionObject& partner) {
   if (!body.asleep || own.isActive())
     addPartner(body, &partner);
   else if (isKinematic(partner) && partner.isActive() && mayWake(own, partner))
     own.activate(true);
 }
 
-/// The surface of a living body of `system`, or nullptr.
+/// Returns the surface of a living body of `system`, or nullptr.
 SurfaceObject* livingSurface(const btBroadphaseProxy* proxy, const void* system) {
   SurfaceObject* surface = SurfaceObject::from(static_cast<btCollisionObject*>(proxy->m_clientObject));
   const SoftBodyData* body = surface ? surface->owner() : nullptr;
@@ -201,27 +204,26 @@ void collectPartners(btDiscreteDynamicsWorld& world, const void* system) {
     const btBroadphaseProxy *a = pairs[i].m_pProxy0, *b = pairs[i].m_pProxy1;
     for (int side = 0; side < 2; ++side, std::swap(a, b)) {
       auto* partner = static_cast<btCollisionObject*>(b->m_clientObject);
-      if (SurfaceObject* surface = livingSurface(a, system))
-        collidePartner(*surface->owner(), *surface, *partner);
+      if (SurfaceObject* surface = livingSurface(a, system)) addOrWake(*surface->owner(), *surface, *partner);
     }
   }
 }
 
 bool partnersCover(const SoftBodyData& body, const Eigen::AlignedBox3d& box) {
   const SurfaceShape& shape = *body.surface.shape;
-  // the box went through rounding, the broadphase adds gContactBreakingThreshold on all sides
+  // the box was rounded, but the broadphase enlarges it by gContactBreakingThreshold on all sides
   const double slack = 0.5 * double(gContactBreakingThreshold);
   return body.surface.sweptBounds.tick > 0.0 &&
          (box.min().array() >= toEigen(shape.low()).array() - slack).all() &&
          (box.max().array() <= toEigen(shape.high()).array() + slack).all();
 }
 
-// --- what moves towards soft bodies ------------------------------------------------------------------------
+// --- objects that move towards soft bodies -----------------------------------------------------------------
 
 namespace {
 
-/// m: Bullet's broadphase keeps boxes by so much larger than they are; slower motion it has foreseen.
-constexpr btScalar kForeseen = btScalar(0.01);
+/// m, margin of the boxes in Bullet's broadphase. They contain all smaller displacements.
+constexpr btScalar kBoxMargin = btScalar(0.01);
 
 /// btDiscreteDynamicsWorld has no getter for its list of bodies; a derived class may name the protected
 /// member.
@@ -231,21 +233,22 @@ struct BodyReader : btDiscreteDynamicsWorld {
   }
 };
 
-/// m, the motion of the centre and a bound of what turning adds to it.
+/// m, displacement of the centre and a bound of the additional displacement by rotation.
 struct Motion {
   btVector3 displacement;
-  btScalar turn;
+  btScalar rotation;
 };
 
 Motion motionOf(const btRigidBody& body, btScalar tick) {
   const btScalar spin = body.getAngularVelocity().length();
   const btVector3 fall = body.getTotalForce() * (body.getInvMass() * tick * tick);
-  const btScalar turn =
+  const btScalar rotation =
       spin > 0 ? tick * spin * body.getCollisionShape()->getAngularMotionDisc() : btScalar(0);
-  return {tick * body.getLinearVelocity() + fall, turn};
+  return {tick * body.getLinearVelocity() + fall, rotation};
 }
 
-/// Meets all bodies whose surface or, if the mover is kinematic, points its box overlaps.
+/// Adds the mover to all bodies whose surface overlaps its box. A kinematic mover is also added to bodies
+/// whose points overlap it.
 struct BodiesInBox final : btBroadphaseAabbCallback {
   BodiesInBox(btDiscreteDynamicsWorld& w, btCollisionObject& m, const void* s)
       : world(&w), mover(&m), system(s) {}
@@ -255,52 +258,52 @@ struct BodiesInBox final : btBroadphaseAabbCallback {
 
   bool process(const btBroadphaseProxy* proxy) override {
     if (SurfaceObject* surface = livingSurface(proxy, system)) {
-      meet(*surface->owner(), *surface);
+      addMover(*surface->owner(), *surface);
     } else if (isKinematic(*mover)) {
       PointMass* point = PointMass::from(static_cast<btCollisionObject*>(proxy->m_clientObject));
       if (point && point->owner() && point->owner()->system == system && point->owner()->alive)
-        meet(*point->owner(), *point);
+        addMover(*point->owner(), *point);
     }
     return true;
   }
 
-  void meet(SoftBodyData& body, btRigidBody& part) const {
+  void addMover(SoftBodyData& body, btRigidBody& part) const {
     btBroadphaseProxy *a = part.getBroadphaseHandle(), *b = mover->getBroadphaseHandle();
     if (!mayWake(part, *mover) || !world->getPairCache()->needsBroadphaseCollision(a, b)) return;
     if (!part.isActive()) part.activate(true);
-    collidePartner(body, part, *mover);
+    addOrWake(body, part, *mover);
   }
 };
 
-void meetInBox(btDiscreteDynamicsWorld& world, btCollisionObject& mover, const btVector3& low,
-               const btVector3& high, btScalar margin, const void* system) {
+void addToBodiesInBox(btDiscreteDynamicsWorld& world, btCollisionObject& mover, const btVector3& low,
+                      const btVector3& high, btScalar margin, const void* system) {
   BodiesInBox bodies(world, mover, system);
   const btVector3 more(margin, margin, margin);
   world.getBroadphase()->aabbTest(low - more, high + more, bodies);
 }
 
-void meetInTheWay(btDiscreteDynamicsWorld& world, btRigidBody& body, btScalar tick, const void* system) {
+void addMovingBody(btDiscreteDynamicsWorld& world, btRigidBody& body, btScalar tick, const void* system) {
   const Motion motion = motionOf(body, tick);
-  if (motion.displacement.length() + motion.turn <= kForeseen) return;
+  if (motion.displacement.length() + motion.rotation <= kBoxMargin) return;
   btVector3 low, high;
   body.getCollisionShape()->getAabb(body.getWorldTransform(), low, high);
   btVector3 from = low, to = high;
   from.setMin(low + motion.displacement), to.setMax(high + motion.displacement);
-  meetInBox(world, body, from, to, motion.turn + kForeseen, system);
+  addToBodiesInBox(world, body, from, to, motion.rotation + kBoxMargin, system);
 }
 
-/// A link of a multibody: its box goes on as it has since the broadphase saw it, at the start of the last
-/// tick.
-void meetOnwards(btDiscreteDynamicsWorld& world, btCollisionObject& link, const void* system) {
+/// Adds a link of a multibody. Extrapolates its box from that in the broadphase, which is from the start of
+/// the last tick.
+void addMovingLink(btDiscreteDynamicsWorld& world, btCollisionObject& link, const void* system) {
   const btBroadphaseProxy* proxy = link.getBroadphaseHandle();
   btVector3 low, high;
   link.getCollisionShape()->getAabb(link.getWorldTransform(), low, high);
   const btVector3 margin(gContactBreakingThreshold, gContactBreakingThreshold, gContactBreakingThreshold);
   const btVector3 down = low - (proxy->m_aabbMin + margin), up = high - (proxy->m_aabbMax - margin);
-  if (btMax(down.length(), up.length()) <= kForeseen) return;
+  if (btMax(down.length(), up.length()) <= kBoxMargin) return;
   btVector3 from = low, to = high;
   from.setMin(low + down), to.setMax(high + up);
-  meetInBox(world, link, from, to, kForeseen, system);
+  addToBodiesInBox(world, link, from, to, kBoxMargin, system);
 }
 
 }  // namespace
@@ -309,17 +312,17 @@ void collectMovers(btDiscreteDynamicsWorld& world, const KinematicMotions& kinem
                    btScalar tick) {
   for (const KinematicMotion& motion : kinematic.all())
     if (motion.moves() && motion.object->hasContactResponse())
-      meetInBox(world, *motion.object, motion.low, motion.high, kForeseen, system);
+      addToBodiesInBox(world, *motion.object, motion.low, motion.high, kBoxMargin, system);
   const btCollisionObjectArray& objects = world.getCollisionObjectArray();
   for (int i = 0; i < objects.size(); ++i)
     if (objects[i]->getInternalType() == btCollisionObject::CO_FEATHERSTONE_LINK && objects[i]->isActive() &&
         objects[i]->getBroadphaseHandle() && objects[i]->hasContactResponse())
-      meetOnwards(world, *objects[i], system);
+      addMovingLink(world, *objects[i], system);
   const btAlignedObjectArray<btRigidBody*>& bodies = BodyReader::read(world);
   for (int i = 0; i < bodies.size(); ++i) {
     btRigidBody& body = *bodies[i];
     if (isKinematic(body) || !body.isActive() || PointMass::from(&body)) continue;
-    if (body.getBroadphaseHandle() && body.hasContactResponse()) meetInTheWay(world, body, tick, system);
+    if (body.getBroadphaseHandle() && body.hasContactResponse()) addMovingBody(world, body, tick, system);
   }
 }
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 
-// Springs and anchors join bodies into groups; contacts in a tick join groups and rigid bodies into clusters.
-// This header declares how both are made, stepped, put to sleep and woken.
+// Springs and anchors join bodies into linked groups. Contacts in a tick join groups and rigid bodies into
+// islands. This header declares how groups and islands are made, stepped, put to sleep and woken.
 
 #pragma once
 
@@ -22,44 +22,45 @@ inline namespace LIMBER_BULLET_PRECISION {
 
 // --- groups ------------------------------------------------------------------------------------------------
 
-/// Soft and rigid bodies that springs and anchors join: stepped, put to sleep and woken together. A soft body
-/// that nothing is joined to is a group of its own.
+/// Soft and rigid bodies that are joined by springs and anchors. They are stepped, put to sleep and woken
+/// together. A soft body without springs or anchors to other bodies is a group of its own.
 struct LinkedGroup {
   SolverIsland step;
   std::vector<SoftBodyData*> bodies;       ///< step.bodies[i] is bodies[i]
   std::vector<RigidPartner> rigids;        ///< step.links.rigids[i] is rigids[i]
   std::vector<SpringConstraint*> springs;  ///< step.links.springs[i] is springs[i]
-  double calmTime = 0.0;  ///< s for which nothing in it has moved faster than it may in sleep
+  double calmTime = 0.0;  ///< s, time for which all motion has been below the sleeping thresholds
   bool asleep = false;
-  bool inIsland = false;  ///< in this tick it is stepped together with what it touches
-  Stepping stepping;      ///< the strictest of its bodies' choices
+  bool inIsland = false;  ///< in this tick it is stepped together with the bodies that it touches
+  Stepping stepping;      ///< the strictest settings of its bodies
   int substeps = 0;
-  bool cut = false;  ///< the budget allows fewer than it needs
+  bool cut = false;  ///< maxSubsteps allows fewer substeps than it needs
   Stepper stepper = Stepper::Verlet;
-  bool guarded = false;      ///< its energy must not rise in this tick if a push is held back in it
-  bool heldBack = false;     ///< that is so at the start of the tick
-  bool lasting = false;      ///< nor beyond what it was in the first of such ticks
-  double energyBound = 0.0;  ///< J, if it is guarded
-  double energyAtEnd = 0.0;  ///< J, of the last tick, if it is guarded
+  bool energyLimited = false;  ///< its energy must not rise in this tick, see startEnergyLimit()
+  bool forceScaled = false;    ///< the volume force was scaled down at the start of the tick
+  bool limitPersists = false;  ///< the energy must not exceed that of the first tick with this flag either
+  double energyBound = 0.0;    ///< J, if energyLimited
+  double energyAtEnd = 0.0;    ///< J, at the end of the last tick, if energyLimited
 };
 
 using SpringList = std::vector<std::unique_ptr<SpringConstraint>>;
 
-/// The groups of these bodies and springs, in the order of their first bodies, then of their first springs.
-/// A group is asleep if all its bodies are.
+/// Returns the groups of these bodies and springs, in the order of their first bodies, then of their first
+/// springs. A group is asleep if all its bodies are asleep.
 std::vector<LinkedGroup> makeLinkedGroups(const std::vector<SoftBodyData*>& bodies,
                                           const std::vector<SpringConstraint*>& springs);
 
-/// False once a point mass of the group has left the world: the groups must be made anew.
+/// Returns false if a point mass of the group has left the world. The groups must then be made anew.
 bool isWhole(const LinkedGroup& group);
 
-/// Looks up which springs and anchors have both ends in the world, and which of these ends are static.
-/// Returns whether this is not what `links` says, which is then brought up to date: the groups must be made
-/// anew.
+/// Finds which springs and anchors have both ends in the world, and which of these ends are static. Writes
+/// the result to `links` and returns whether `links` has changed. The groups must then be made anew.
 bool updateUsableLinks(const std::vector<SoftBodyData*>& bodies,
                        const std::vector<SpringConstraint*>& springs, std::vector<unsigned char>& links);
 
-/// The stages of a tick, see body_in_world.h. What a body may touch depends on where all of them are.
+// The stages of a tick, see body_in_world.h. gatherBodies() comes first for all groups, because the contacts
+// of a body depend on the positions of all bodies.
+
 void gatherBodies(LinkedGroup& group, btScalar tick);
 void gatherGroup(LinkedGroup& group, btScalar tick);
 void writeGroupToBullet(LinkedGroup& group, btScalar tick);
@@ -70,46 +71,45 @@ void readGroupFromBullet(LinkedGroup& group, btScalar tick);
 /// Puts whole groups to sleep and wakes them, by Bullet's own rules (gDeactivationTime, gDisableDeactivation,
 /// each body's sleeping threshold, DISABLE_DEACTIVATION).
 ///
-/// Bullet sees no link between the points of a body: left alone it would freeze them one by one. So awake
-/// points have their deactivation timer held at 0, and a group goes to sleep in one tick, when all its
-/// members have been calm for gDeactivationTime and nothing awake is in contact with any of them.
-/// `bulletIslands` is scratch.
+/// Bullet has no link between the points of a body and would put them to sleep one by one. So the
+/// deactivation timer of awake points stays at 0. A group goes to sleep in one tick, when all its members
+/// have been calm for gDeactivationTime and no awake body touches any of them. `bulletIslands` is scratch.
 void updateSleep(std::vector<LinkedGroup>& groups, btDiscreteDynamicsWorld& world, btScalar tick,
                  std::vector<unsigned char>& bulletIslands);
 
 // --- stepping ----------------------------------------------------------------------------------------------
 
-/// Before the step: sets the group's stepper and substeps for this tick.
+/// Sets the group's stepper and substeps for this tick, before the step.
 void chooseStepping(LinkedGroup& group, double tick);
 
-/// Before the step of a cluster that is this group and nothing else that moves by itself or as told, with a
-/// budget that leaves its oscillations next to unresolved: its energy must not rise while it is so. With
-/// false: of any other cluster.
-void guardIsland(LinkedGroup& group, bool alone);
+/// Starts the energy limit of a group in an island, before the step. `alone`: nothing but one soft body moves
+/// in the island, neither dynamic nor kinematic. If it also has a maximum of substeps, which may leave its
+/// oscillations hardly resolved, its energy must not rise as long as that is so.
+void limitIslandEnergy(LinkedGroup& group, bool alone);
 
-/// Whether what bears points by these rows does not move.
-bool standsOnStill(const std::vector<PlaneContact>& rows);
+/// Returns whether the surfaces of all these contacts are at rest.
+bool areSurfacesAtRest(const std::vector<PlaneContact>& rows);
 
-/// After the step: what the bodies tell of it.
+/// Updates the stepping results of the bodies, after the step.
 void reportStepping(LinkedGroup& group, double tick);
 
-/// Which bodies are stepped side by side: those of one network that take equally many substeps of Verlet.
-/// Kept from tick to tick, so that a lane whose body stays the same need not copy its springs again.
+/// The batches of bodies that are stepped together in SIMD lanes: bodies of one network with the same number
+/// of Verlet substeps. It is kept from tick to tick, so that a lane with the same body as before need not
+/// copy the springs again.
 class StepPlan {
  public:
-  /// Steps all groups that are awake and in no cluster. Order and result do not depend on how they are put
-  /// together.
+  /// Steps all groups that are awake and in no island. The results do not depend on the batches.
   void step(std::vector<LinkedGroup>& groups, double tick);
 
-  /// Forgets the bodies: the groups have been made anew.
+  /// Forgets the bodies. Call it when the groups have been made anew.
   void clear();
 
  private:
   struct Candidate {
-    std::size_t network;  ///< number of the body's network in order of first appearance
+    std::size_t network;  ///< index of the body's network in order of first appearance
     int substeps;
     bool damped;
-    int volumes;  ///< 0: no volume term, -1: of a body whose scale mirrors it, else 1
+    int volumes;  ///< 0: no volume term, -1: the body's scale mirrors it, else 1
     std::size_t group;
     bool fitsWith(const Candidate& other) const;
     bool operator<(const Candidate& other) const;
@@ -130,74 +130,75 @@ class StepPlan {
   std::size_t blocksUsed_ = 0;
 };
 
-// --- clusters ----------------------------------------------------------------------------------------------
+// --- islands -----------------------------------------------------------------------------------------------
 
-/// A meeting of members of a cluster.
+/// A pair of members of an island whose surfaces touch or may touch.
 struct IslandPair {
   const SurfaceCandidate* surfaces = nullptr;
-  std::uint32_t a = 0, b = 0;  ///< in step.bodies; b, if it is rigid, in step.links.rigids
+  std::uint32_t a = 0, b = 0;  ///< indices in step.bodies; for a rigid b, in step.links.rigids
   double displacement = 0.0;   ///< see displacementOf()
 
-  /// Too far in the tick for its contacts to stay what they are.
-  bool moves() const { return displacement > kMaxBetweenSearches; }
+  /// Whether the surfaces move too far in the tick for their contacts to remain valid.
+  bool needsNewSearch() const { return displacement > kMaxBetweenSearches; }
 };
 
-/// A contact found within the tick.
+/// A contact found during the step.
 struct LateContact {
   std::uint32_t candidate = 0;
   ContactSource source;
 };
 
-/// Groups and rigid bodies that touch in a tick, stepped together in it.
+/// Groups and rigid bodies that touch in a tick. They are stepped together in it.
 struct Island {
   SolverIsland step;  ///< bodies and links of its groups, one group after the other
   std::vector<LinkedGroup*> groups;
   std::vector<SoftBodyData*> softBodies;  ///< step.bodies[i] is softBodies[i]
-  std::vector<std::uint32_t> rigids;      ///< numbers in TickContacts of those that are in no group; they are
-                                          ///< the last of step.links.rigids
-  std::vector<std::uint32_t> contacts;    ///< numbers in TickContacts, of the first step.pairs.contacts
-  std::vector<PlaneContact*> rows;        ///< of the other step.pairs.contacts
-  std::vector<std::uint32_t> joints;      ///< numbers in TickContacts, of step.pairs.joints
-  std::vector<RigidState> start;          ///< of step.links.rigids before the step, if there are joints
+  std::vector<std::uint32_t> rigids;    ///< indices in TickContacts of the rigid bodies that are in no group;
+                                        ///< they are the last of step.links.rigids
+  std::vector<std::uint32_t> contacts;  ///< indices in TickContacts of the first step.pairs.contacts
+  std::vector<PlaneContact*> rows;      ///< of the next step.pairs.contacts
+  std::vector<std::uint32_t> joints;    ///< indices in TickContacts of step.pairs.joints
+  std::vector<RigidState> start;        ///< step.links.rigids before the step, if there are joints
   std::vector<IslandPair> candidates;
-  std::vector<LateContact> late;                               ///< the last of step.pairs.contacts
-  std::vector<std::pair<std::uint64_t, std::uint32_t>> known;  ///< scratch: contacts of a meeting, by key
+  std::vector<LateContact> late;                                     ///< of the last step.pairs.contacts
+  std::vector<std::pair<std::uint64_t, std::uint32_t>> oldContacts;  ///< scratch: of one pair, sorted by key
 };
 
-/// The clusters of a tick. Kept from tick to tick for its memory.
+/// The islands of a tick. The object is kept from tick to tick to reuse its memory.
 struct Islands {
   std::vector<Island> all;
-  std::size_t count = 0;  ///< of `all`, those of the present tick
+  std::size_t count = 0;  ///< number of islands of the present tick, the first of `all`
 
   Island* begin() { return all.data(); }
   Island* end() { return all.data() + count; }
 
-  // Scratch, by SoftBodyData::index.
+  // Scratch, indexed by SoftBodyData::index.
   std::vector<std::uint32_t> groupOf, indexInGroup;
-  // Scratch by node: groups, then rigid bodies.
+  // Scratch, indexed by node: first the groups, then the rigid bodies.
   std::vector<std::uint32_t> parent;
-  std::vector<std::uint32_t> island;  ///< of a root, the cluster
-  std::vector<std::uint32_t> first;   ///< of a group, its first body in the cluster; of a rigid body, its own
+  std::vector<std::uint32_t> island;  ///< index of the island of a root
+  std::vector<std::uint32_t> first;   ///< index in the island of a group's first body, or of the rigid body
 };
 
-/// Adds the rigid bodies that links join to awake groups to `found`, so that what they touch is looked for,
-/// too. Call it before gatherRigidContacts().
+/// Adds the rigid bodies that links join to awake groups to `found`, so that their contacts are found, too.
+/// Call it before gatherRigidContacts().
 void addLinkedRigids(const std::vector<LinkedGroup>& groups, TickContacts& found);
 
-/// Puts together what contacts and joints couple, and tells groups that they are in a cluster
-/// (LinkedGroup::clustered). Groups that nothing else moves with are in none.
+/// Makes the islands of groups and rigid bodies that contacts and joints couple, and sets
+/// LinkedGroup::inIsland. A group that is coupled to no other moving body is in no island.
 void makeIslands(std::vector<LinkedGroup>& groups, TickContacts& found, btScalar tick, Islands& islands);
 
-/// Steps a cluster by velocity Verlet, as finely as its most demanding group asks for. Contacts of surfaces
-/// that move far against each other in the tick are searched for again within it. Joints that take errors
-/// back against what pulls at them may not raise its energy by that.
+/// Steps an island by velocity Verlet with the largest number of substeps that one of its groups needs.
+/// Contacts of surfaces with a large relative displacement are searched for again during the tick. The error
+/// correction of joints must not raise the island's energy.
 void stepIsland(Island& island, const TickContacts& found, double tick, SurfaceSearch& search);
 
-/// After the step: gives the groups their bodies' states back, and `found` the impulses of its contacts;
-/// writes the rigid bodies that are in no group to Bullet.
+/// Copies the states of the bodies to their groups and the impulses of the contacts to `found`, after the
+/// step. Writes the rigid bodies that are in no group to Bullet.
 void writeIslandToBullet(Island& island, TickContacts& found, btScalar tick);
 
-/// After Bullet's part of the tick, see readRigidFromBullet(); of rigid bodies that are still in the world.
+/// Reads the rigid bodies that are in no group and still in the world, after Bullet's part of the tick. See
+/// readRigidFromBullet().
 void readIslandFromBullet(const Island& island, TickContacts& found, const btCollisionWorld& world,
                           btScalar tick);
 

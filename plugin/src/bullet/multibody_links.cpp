@@ -21,7 +21,7 @@ int linkMark;  // see pointMassMark
 /// Ticks for which a body is kept that no soft body is near any more.
 constexpr int kKeptTicks = 120;
 
-btVector3 placeOf(const btMultiBody& m, int link) {
+btVector3 linkOrigin(const btMultiBody& m, int link) {
   return link < 0 ? m.getBasePos() : m.localPosToWorld(link, btVector3(0, 0, 0));
 }
 
@@ -34,7 +34,7 @@ btMatrix3x3 basisOf(const btMultiBody& m, int link) {
 void placeLink(LinkBody& body, const btVector3& velocity, const btVector3& spin) {
   const btMultiBody& m = *body.multiBody;
   const bool isBase = body.link < 0;
-  const btTransform pose(basisOf(m, body.link), placeOf(m, body.link));
+  const btTransform pose(basisOf(m, body.link), linkOrigin(m, body.link));
   body.setMassProps(isBase ? m.getBaseMass() : m.getLinkMass(body.link),
                     isBase ? m.getBaseInertia() : m.getLinkInertia(body.link));
   body.setWorldTransform(pose);
@@ -198,8 +198,9 @@ void MultiBodyLinks::apply(btMultiBody& multiBody) {
     if (body->multiBody != &multiBody || !body->present) continue;
     if (body->impulse.isZero() && body->angularImpulse.isZero()) continue;
     any = true;
-    multiBody.fillConstraintJacobianMultiDof(body->link, placeOf(multiBody, body->link), body->angularImpulse,
-                                             body->impulse, &jacobian_[0], numbers_, vectors_, matrices_);
+    multiBody.fillConstraintJacobianMultiDof(body->link, linkOrigin(multiBody, body->link),
+                                             body->angularImpulse, body->impulse, &jacobian_[0], numbers_,
+                                             vectors_, matrices_);
     for (int i = 0; i < size; ++i) force_[i] += jacobian_[i];
   }
   if (!any) return;

@@ -39,7 +39,7 @@ class PairsOfPoint final : public btCollisionWorld::ContactResultCallback {
     c.a.kind = ContactPoint::Kind::Soft;
     c.a.body = body_->index;
     c.a.point[0] = point_;
-    c.b = placeOn(*found_, *partner_, toBullet(surface));
+    c.b = rigidContactPoint(*found_, *partner_, toBullet(surface));
     c.normal = normal;
     const double radius = double(body_->masses.shape->getRadius());
     c.gap = normal.dot(body_->state.position.col(point_) - surface) - radius;
@@ -121,7 +121,7 @@ Eigen::Vector3d accelerationOf(const PointMass& point) {
   return point.owner()->state.acceleration.col(point.index());
 }
 
-ContactPoint placeOf(const PointMass& point) {
+ContactPoint contactPointOf(const PointMass& point) {
   ContactPoint place;
   place.kind = point.owner()->asleep ? ContactPoint::Kind::World : ContactPoint::Kind::Soft;
   place.body = point.owner()->index;
@@ -164,8 +164,8 @@ class PairsOfPoints final : public btBroadphaseAabbCallback {
            double searchRegion) {
     SoftBodyData &body = *point_->owner(), &theirs = *other.owner();
     Contact c;
-    c.a = placeOf(*point_);
-    c.b = placeOf(other);
+    c.a = contactPointOf(*point_);
+    c.b = contactPointOf(other);
     c.normal = normal;
     c.gap = normal.dot(offset) - searchRegion;
     c.spheres = theirs.asleep ? 0.0 : searchRegion;

@@ -68,7 +68,7 @@ void addOnce(std::vector<T>& list, T entry) {
   if (std::find(list.begin(), list.end(), entry) == list.end()) list.push_back(entry);
 }
 
-/// Sorts them by what they are. Point masses that meet those of other bodies are in pair_gather.cpp.
+/// Sorts them by what they are. Point masses that meet those of other bodies are in pair_contacts.cpp.
 void addPartner(SoftBodyData& body, btCollisionObject& object) {
   if (PointMass::from(&object)) return;
   if (SurfaceObject* surface = SurfaceObject::from(&object)) {
@@ -136,19 +136,19 @@ bool nothingIsNear(SoftBodyData& body, double tick) {
   return true;
 }
 
-void askForPartners(SoftBodyData& body, const Eigen::AlignedBox3d& box) {
+void queryPartners(SoftBodyData& body, const Eigen::AlignedBox3d& box) {
   PartnersInBox partners(body);
   body.world->getBroadphase()->aabbTest(toBullet(Eigen::Vector3d(box.min())),
                                         toBullet(Eigen::Vector3d(box.max())), partners);
 }
 
 /// For the present tick Bullet's solver leaves alone what the points touch, what it has not found yet, too;
-/// see leaveToRows(). Points in the world have their threshold back when the tick ends.
-void leavePointsToRows(SoftBodyData& body) {
+/// see disableBulletResponse(). Points in the world have their threshold back when the tick ends.
+void disablePointResponse(SoftBodyData& body) {
   for (PointMass* point : body.masses.bodies) point->setContactProcessingThreshold(-BT_LARGE_FLOAT);
 }
 
-void notePartner(SoftBodyData& body, const btCollisionObject& partner) {
+void rememberPartner(SoftBodyData& body, const btCollisionObject& partner) {
   body.partnerHandles.push_back(handleOf(partner));
   body.partnerStamps.push_back(stampOf(partner));
   body.partnerBoxes.push_back(boxOf(partner));
@@ -166,7 +166,7 @@ struct HeldInBox final : btBroadphaseAabbCallback {
     any = true;
     if (std::find(body->partners.begin(), body->partners.end(), object) != body->partners.end()) return true;
     body->partners.push_back(object);
-    notePartner(*body, *object);
+    rememberPartner(*body, *object);
     return true;
   }
 };
@@ -288,10 +288,10 @@ void gatherContacts(SoftBodyData& body, btScalar tick) {
   takePartners(body);
   if (surface && nothingIsNear(body, double(tick))) return;
   const Eigen::AlignedBox3d box = reachBox(body, double(tick));
-  if (!surface || !partnersCover(body, box)) askForPartners(body, box);
-  if (!surface) leavePointsToRows(body);
+  if (!surface || !partnersCover(body, box)) queryPartners(body, box);
+  if (!surface) disablePointResponse(body);
   if (surface && body.partners.empty()) return;
-  for (const btCollisionObject* partner : body.partners) notePartner(body, *partner);
+  for (const btCollisionObject* partner : body.partners) rememberPartner(body, *partner);
   body.watch->on = body.settings.continuousCollision && !body.partners.empty();
   for (std::uint32_t i = 0; i < body.masses.bodies.size(); ++i) {
     if (body.masses.held[i]) continue;

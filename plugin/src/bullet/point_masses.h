@@ -164,7 +164,7 @@ void readManifolds(btDispatcher& dispatcher);
 /// After gathering: Bullet's solver leaves contacts that have rows alone, until reportContactImpulses(). It
 /// would see them once a tick, at its start: where shapes are rounded, or meet edges beside each other, it
 /// brakes what slides past these.
-void leaveToRows(btDispatcher& dispatcher);
+void disableBulletResponse(btDispatcher& dispatcher);
 
 /// After the tick: what the rows have borne is written to Bullet's manifolds, where users read contact forces
 /// (btManifoldPoint::m_appliedImpulse).

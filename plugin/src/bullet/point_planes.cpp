@@ -46,7 +46,7 @@ void keepContact(CachedContact& cached, std::uint64_t stamp, const btCollisionOb
   cached.partner = stamp;
   cached.surface = pose.invXform(surface);
   cached.normal = normal * pose.getBasis();
-  cached.place = pose.invXform(place);
+  cached.position = pose.invXform(place);
 }
 
 /// Whether the remembered contact is one with this partner and still good.
@@ -54,7 +54,7 @@ bool isKept(const CachedContact& cached, std::uint64_t stamp, const btCollisionO
             const btVector3& place, btScalar radius) {
   if (stamp == 0 || cached.partner != stamp) return false;
   const btScalar displacement = kStillThere * radius;
-  return (partner.getWorldTransform().invXform(place) - cached.place).length2() <=
+  return (partner.getWorldTransform().invXform(place) - cached.position).length2() <=
          displacement * displacement;
 }
 

@@ -23,7 +23,7 @@ namespace {
 /// As many as two faces of boxes have.
 constexpr std::size_t kMaxPoints = 8;
 
-bool isBefore(const KeptPoint& x, const KeptPoint& y) {
+bool isBefore(const StoredManifoldPoint& x, const StoredManifoldPoint& y) {
   if (x.manifold != y.manifold) return std::less<const void*>()(x.manifold, y.manifold);
   return x.order < y.order;
 }
@@ -44,18 +44,19 @@ bool holds(const btPersistentManifold& manifold, const btManifoldPoint& point) {
   return gap <= most && (apart - gap * point.m_normalWorldOnB).length2() <= most * most;
 }
 
-void keep(const btPersistentManifold& manifold, const btManifoldPoint& point, std::vector<KeptPoint>& now) {
+void keep(const btPersistentManifold& manifold, const btManifoldPoint& point,
+          std::vector<StoredManifoldPoint>& now) {
   now.push_back(
       {&manifold, manifold.getBody0(), manifold.getBody1(), static_cast<std::uint32_t>(now.size()), point});
 }
 
 /// Keeps the points of `manifold`, then those of it in kept.last that it has no more and that still hold.
 /// Returns where the latter begin in kept.now; they go to its end.
-std::size_t keepPoints(const btPersistentManifold& manifold, KeptPoints& kept) {
+std::size_t keepPoints(const btPersistentManifold& manifold, ManifoldPointHistory& kept) {
   const std::size_t first = kept.now.size();
   for (int p = 0; p < manifold.getNumContacts(); ++p) keep(manifold, manifold.getContactPoint(p), kept.now);
   const std::size_t extra = kept.now.size();
-  const auto isEarlier = [](const KeptPoint& k, const btPersistentManifold* m) {
+  const auto isEarlier = [](const StoredManifoldPoint& k, const btPersistentManifold* m) {
     return std::less<const void*>()(k.manifold, m);
   };
   auto k = std::lower_bound(kept.last.begin(), kept.last.end(), &manifold, isEarlier);
@@ -68,7 +69,7 @@ std::size_t keepPoints(const btPersistentManifold& manifold, KeptPoints& kept) {
 }
 
 /// Ends a tick: what was kept becomes what is known.
-void turnOver(KeptPoints& kept) {
+void turnOver(ManifoldPointHistory& kept) {
   kept.last.swap(kept.now);
   kept.now.clear();
   std::sort(kept.last.begin(), kept.last.end(), isBefore);
@@ -123,8 +124,8 @@ void addContact(TickContacts& found, const btPersistentManifold& manifold, const
   const btVector3 onA = a.getWorldTransform() * point.m_localPointA;
   const btVector3 onB = b.getWorldTransform() * point.m_localPointB;
   Contact c;
-  c.a = placeOn(found, a, onA);
-  c.b = placeOn(found, b, onB);
+  c.a = rigidContactPoint(found, a, onA);
+  c.b = rigidContactPoint(found, b, onB);
   c.normal = toEigen(point.m_normalWorldOnB).normalized();
   c.gap = c.normal.dot(toEigen(onA) - toEigen(onB));
   c.friction = double(point.m_combinedFriction);
@@ -162,7 +163,7 @@ btManifoldPoint* nearest(btPersistentManifold& manifold, const btManifoldPoint& 
 }
 
 /// Also with points that Bullet has given up. What these bear is reported at those next to them.
-void addStoredContacts(TickContacts& found, btPersistentManifold& manifold, KeptPoints& kept) {
+void addStoredContacts(TickContacts& found, btPersistentManifold& manifold, ManifoldPointHistory& kept) {
   const std::size_t extra = keepPoints(manifold, kept);
   for (int p = 0; p < manifold.getNumContacts(); ++p) {
     btManifoldPoint& point = manifold.getContactPoint(p);
@@ -200,7 +201,8 @@ void refreshManifold(btDiscreteDynamicsWorld& world, const btPersistentManifold&
   pair->m_algorithm->processCollision(&wrapA, &wrapB, world.getDispatchInfo(), &result);
 }
 
-void addContacts(TickContacts& found, btPersistentManifold& manifold, btScalar tick, KeptPoints& kept) {
+void addContacts(TickContacts& found, btPersistentManifold& manifold, btScalar tick,
+                 ManifoldPointHistory& kept) {
   const bool knownOnly = motionOf(manifold, tick) < manifold.getContactBreakingThreshold();
   if (knownOnly) {
     addStoredContacts(found, manifold, kept);
@@ -230,7 +232,7 @@ void gatherContactsOf(btDiscreteDynamicsWorld& world, std::uint32_t number, Rigi
   const btRigidBody* body = found.rigids[number].body;
   // what else a multibody touches is left to Bullet's solver
   if (LinkBody::from(body)) return;
-  const auto place = static_cast<std::size_t>(found.rigids[number].mark.place);
+  const auto place = static_cast<std::size_t>(found.rigids[number].handle.index);
   for (int i = index.begin[place]; i < index.begin[place + 1]; ++i) {
     btPersistentManifold& manifold = *index.manifolds[static_cast<std::size_t>(i)];
     const btCollisionObject* other = manifold.getBody0() == body ? manifold.getBody1() : manifold.getBody0();
@@ -239,7 +241,7 @@ void gatherContactsOf(btDiscreteDynamicsWorld& world, std::uint32_t number, Rigi
     if (theirs != TickContacts::kNone && theirs <= number) continue;
     refreshManifold(world, manifold);
     const std::size_t first = found.contacts.size();
-    addContacts(found, manifold, tick, index.kept);
+    addContacts(found, manifold, tick, index.history);
     setSpeeds(found, first, world, manifold, tick);
   }
 }
@@ -248,7 +250,7 @@ void gatherContactsOf(btDiscreteDynamicsWorld& world, std::uint32_t number, Rigi
 
 void gatherRigidContacts(btDiscreteDynamicsWorld& world, btScalar tick, RigidManifolds& index,
                          TickContacts& found) {
-  turnOver(index.kept);
+  turnOver(index.history);
   if (found.rigids.empty()) return;
   fill(index, world);
   std::uint32_t next = 0;

@@ -31,7 +31,7 @@ using Corners = std::vector<Vector3d>;
 constexpr int kAround = 64;
 
 /// Edges between triangles whose normals are closer than this (cosine) are flat.
-constexpr double kFlat = 0.9999;
+constexpr double kFlatTolerance = 0.9999;
 
 Points pointsOf(const Corners& corners) {
   Points points(3, static_cast<Eigen::Index>(corners.size()));
@@ -48,7 +48,7 @@ Vector3d normalOf(const SurfaceTopology& topology, std::uint32_t triangle) {
 bool isFlat(const SurfaceTopology& topology, std::uint32_t edge) {
   const auto& sides = topology.edgeTriangles[edge];
   if (sides[0] == kNoFeature || sides[1] == kNoFeature) return false;
-  return normalOf(topology, sides[0]).dot(normalOf(topology, sides[1])) > kFlat;
+  return normalOf(topology, sides[0]).dot(normalOf(topology, sides[1])) > kFlatTolerance;
 }
 
 /// An empty surface if the shape is degenerate.

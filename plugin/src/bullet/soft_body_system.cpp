@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 
 // This file has what users call of a system: it brings bodies into the world and out of it, adds springs and
-// anchors, and sets listeners of contacts. The ticks are in system_tick.cpp.
+// anchors, and sets listeners of contacts. The ticks are in tick.cpp.
 
 #include <limber/soft_body_system.h>
 
@@ -20,11 +20,11 @@ inline namespace LIMBER_BULLET_PRECISION {
 namespace {
 
 /// m. Farther from its body, a pivot takes more substeps than anyone waits for.
-constexpr double kFarthestPivot = 1e6;
+constexpr double kMaxPivotDistance = 1e6;
 
-bool isPivot(const btVector3& place) {
+bool isValidPivot(const btVector3& place) {
   const Eigen::Vector3d p = toEigen(place);
-  return p.allFinite() && p.cwiseAbs().maxCoeff() <= kFarthestPivot;
+  return p.allFinite() && p.cwiseAbs().maxCoeff() <= kMaxPivotDistance;
 }
 
 /// Why a link of the systems with this step cannot hold on to a body; empty if it can.
@@ -58,7 +58,7 @@ void SoftBodySystem::Impl::hookUp() {
 /// Stays in place while it is not known whether the world still exists: its next tick will tell.
 void SoftBodySystem::Impl::unhookIfIdle(bool alive) {
   if (!hook || !alive || !bodies.empty() || !springs.empty()) return;
-  step->leaveToBullet();
+  step->restoreBulletState();
   hook->leave(*this, true);
   hook = nullptr;
 }
@@ -68,7 +68,7 @@ void SoftBodySystem::Impl::unhookIfIdle(bool alive) {
 bool SoftBodySystem::Impl::worldAlive() const {
   const auto isIn = [](const auto& body) { return anyInWorld(*body->data_); };
   return std::any_of(step->systems.begin(), step->systems.end(), [&](const Impl* system) {
-    return (system->sentinel && system->sentinel->isInWorld()) ||
+    return (system->stepBoundary && system->stepBoundary->isInWorld()) ||
            std::any_of(system->bodies.begin(), system->bodies.end(), isIn);
   });
 }
@@ -89,10 +89,10 @@ SoftBodySystem::SoftBodySystem(btDiscreteDynamicsWorld& world, Hook hook)
 
 SoftBodySystem::~SoftBodySystem() {
   const bool alive = impl_->worldAlive();
-  impl_->sentinel.reset();
+  impl_->stepBoundary.reset();
   impl_->dropSpringsOfOthers();
   for (auto& body : impl_->bodies) removeFromWorld(*body->data_);
-  if (alive) impl_->step->leaveToBullet();
+  if (alive) impl_->step->restoreBulletState();
   if (impl_->hook) impl_->hook->leave(*impl_, alive);
 }
 
@@ -100,7 +100,7 @@ void SoftBodySystem::removeAll() {
   impl_->step->forgetGroups();
   impl_->springs.clear();
   if (impl_->step->callsListeners()) {
-    for (auto& body : impl_->bodies) impl_->doomed.push_back(body.get());
+    for (auto& body : impl_->bodies) impl_->pendingDestruction.push_back(body.get());
     return;
   }
   const bool alive = impl_->worldAlive();
@@ -146,16 +146,16 @@ Result<SoftBody*> SoftBodySystem::createBody(SharedNetwork network, const SoftBo
 }
 
 void SoftBodySystem::destroyBody(SoftBody* body) {
-  impl_->doomed.push_back(body);
+  impl_->pendingDestruction.push_back(body);
   if (impl_->step->callsListeners()) return;
   const bool alive = impl_->worldAlive();
-  impl_->destroyDoomed();
+  impl_->destroyPending();
   impl_->unhookIfIdle(alive);
 }
 
-void SoftBodySystem::Impl::destroyDoomed() {
-  for (std::size_t i = 0; i < doomed.size(); ++i) destroyNow(doomed[i]);
-  doomed.clear();
+void SoftBodySystem::Impl::destroyPending() {
+  for (std::size_t i = 0; i < pendingDestruction.size(); ++i) destroyNow(pendingDestruction[i]);
+  pendingDestruction.clear();
 }
 
 void SoftBodySystem::Impl::destroyNow(SoftBody* body) {
@@ -171,7 +171,7 @@ void SoftBodySystem::Impl::destroyNow(SoftBody* body) {
   const auto isPushed = [](const auto& other) {
     return isSurfaceBody(*other->data_) && (other->data_->masses.exposed || other->data_->surface.pushed);
   };
-  if (std::none_of(bodies.begin(), bodies.end(), isPushed)) sentinel.reset();
+  if (std::none_of(bodies.begin(), bodies.end(), isPushed)) stepBoundary.reset();
 }
 
 std::size_t SoftBodySystem::bodyCount() const { return impl_->bodies.size(); }
@@ -185,7 +185,7 @@ Result<SpringConstraint*> SoftBodySystem::addSpring(const SpringEnd& a, const Sp
   if (!a.body && !b.body) return Error{"a spring needs a body at one of its ends"};
   for (const SpringEnd& end : {a, b}) {
     if (std::string reason = whyNotHeld(end.body, impl_->step.get()); !reason.empty()) return Error{reason};
-    if (!isPivot(end.pivot)) return Error{"a pivot of the spring is not finite, or farther than 1e6"};
+    if (!isValidPivot(end.pivot)) return Error{"a pivot of the spring is not finite, or farther than 1e6"};
   }
   if (a.body == b.body && (PointMass::from(a.body) || (a.pivot - b.pivot).length2() == btScalar(0)))
     return Error{"both ends of the spring are the same place of one body"};
@@ -275,7 +275,7 @@ Result<bool> SoftBodySystem::attach(SoftBody* softBody, std::uint32_t i, btRigid
   if (PointMass::from(&body) || SurfaceObject::from(&body))
     return Error{
         "a point can be attached to a rigid body only, not to a soft one: join two points by a spring"};
-  if (!isPivot(pivot)) return Error{"the pivot is not finite, or farther than 1e6"};
+  if (!isValidPivot(pivot)) return Error{"the pivot is not finite, or farther than 1e6"};
   point->attachedTo = &body;
   softBody->data_->anchors.push_back({i, &body, pivot});
   softBody->wake();
@@ -321,14 +321,14 @@ void SoftBodySystem::Impl::forget(const btRigidBody& body) {
 
 // --- contacts ----------------------------------------------------------------------------------------------
 
-void SoftBodySystem::Impl::tellOfContacts() {
+void SoftBodySystem::Impl::notifyListener() {
   if (showsManifolds)
     for (auto& body : bodies) reportManifold(*body->data_, strongest);
   if (!events.listening()) return;
   for (auto& body : bodies) events.collect(*body->data_);
   events.call(world);
   // not the hook: it is on the way here
-  for (Impl* system : step->systems) system->destroyDoomed();
+  for (Impl* system : step->systems) system->destroyPending();
 }
 
 void SoftBodySystem::Impl::hideManifolds() {

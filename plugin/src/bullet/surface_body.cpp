@@ -258,7 +258,7 @@ void collectForces(SoftBodyData& body) {
 
 void gatherSurface(SoftBodyData& body, btScalar tick) {
   SurfaceData& s = body.surface;
-  s.foreseen = s.fitted = false;
+  s.motionValid = s.boxesValid = false;
   s.object->keepCollisionFilter();
   readObject(body);
   const bool held = isOutOfSimulation(body);

@@ -32,20 +32,20 @@ double impactOf(const SoftBodyData& body, double tick) {
 
 const MovingSurface& movingSurface(SoftBodyData& body, double tick) {
   SurfaceData& s = body.surface;
-  if (!s.foreseen) {
+  if (!s.motionValid) {
     s.motion = tick * body.state.velocity + tick * tick * body.state.acceleration;
     s.moving = {s.topology.get(), &body.state.position, &s.motion, double(body.masses.shape->getRadius()),
                 &s.boxes};
     s.impact = impactOf(body, tick);
-    s.foreseen = true;
+    s.motionValid = true;
   }
   return s.moving;
 }
 
 const MovingSurface& boxedSurface(SoftBodyData& body, double tick) {
   const MovingSurface& moving = movingSurface(body, tick);
-  if (!body.surface.fitted) fitBoxes(moving, body.surface.boxes);
-  body.surface.fitted = true;
+  if (!body.surface.boxesValid) fitBoxes(moving, body.surface.boxes);
+  body.surface.boxesValid = true;
   return moving;
 }
 
@@ -78,10 +78,10 @@ ContactCache& searchWith(SoftBodyData& body, const btCollisionObject& partner, s
     it->partner = &partner;
     it->id = id;
     it->part = part;
-    it->kept.topologyA = nullptr;
+    it->cache.topologyA = nullptr;
   }
   it->used = true;
-  return it->kept;
+  return it->cache;
 }
 
 template <class List>
@@ -246,7 +246,7 @@ void addFree(SoftBodyData& body, btRigidBody& partner, RigidPart& part, double t
   for (const SurfaceContact& c : kept.contacts) {
     if (isAttached(body, partner, c.a)) continue;
     Contact pair = contactOf(candidate, c);
-    pair.b = placeOn(found, partner, commonPlace(soft, part.moving, c));
+    pair.b = rigidContactPoint(found, partner, commonPlace(soft, part.moving, c));
     found.add(pair, sourceOf(candidate, c));
   }
   if (isFree(partner)) endCandidate(candidate, tick, s, found);
@@ -276,8 +276,8 @@ bool isHeldContact(const SoftBodyData& body, const btCollisionObject& partner, c
                    const SurfaceContact& c, SurfaceSearch& s) {
   const MovingSurface& soft = body.surface.moving;
   if (c.a.kind == FeatureKind::OnVertex || isAttached(body, partner, c.a)) return false;
-  if (cornersBear(body, c, kMargin * soft.radius)) return false;
-  return isMoved(partner) || !isNoEdge(body, soft, part, c, s);
+  if (cornersCarryContact(body, c, kMargin * soft.radius)) return false;
+  return isMoved(partner) || !isInternalEdge(body, soft, part, c, s);
 }
 
 /// rad/s, of what moves as told.
@@ -312,9 +312,9 @@ void addHeld(SoftBodyData& body, const btCollisionObject& partner, RigidPart& pa
              double tick, SurfaceSearch& s, TickContacts& found) {
   const MovingSurface& soft = movingSurface(body, tick);
   const double margin = kMargin * soft.radius;
-  if (bendsGently(soft, part) || !hasSharpNear(box, part)) return;
+  if (staysCloseToRound(soft, part) || !hasSharpFeatureNear(box, part)) return;
   boxedSurface(body, tick);
-  if (!areNear(soft, part.moving, margin) || !hasSharpNear(soft.boxes->nodes[0], part)) return;
+  if (!areNear(soft, part.moving, margin) || !hasSharpFeatureNear(soft.boxes->nodes[0], part)) return;
   findSurfaceContacts(soft, part.moving, margin, s.search, s.contacts);
   SurfaceCandidate candidate;
   candidate.body = &body, candidate.held = &partner, candidate.part = &part;
@@ -392,12 +392,12 @@ void gatherSelf(SoftBodyData& body, double tick, SurfaceSearch& s, TickContacts&
 /// Where the body is now, and its motion of the coming `ahead` seconds.
 const MovingSurface& surfaceWithin(SoftBodyData& body, const PointView& points, double ahead) {
   SurfaceData& s = body.surface;
-  s.within.resize(3, s.motion.cols());
+  s.positionInStep.resize(3, s.motion.cols());
   for (std::uint32_t i = 0; i < body.masses.bodies.size(); ++i) {
-    s.within.col(i) = points.positionOf(i);
+    s.positionInStep.col(i) = points.positionOf(i);
     s.motion.col(i) = ahead * points.velocityOf(i);
   }
-  s.moving.position = &s.within;
+  s.moving.position = &s.positionInStep;
   fitBoxes(s.moving, s.boxes);
   return s.moving;
 }
@@ -419,8 +419,8 @@ Vector3d positionOf(const MovingSurface& surface, const SurfacePoint& place) {
   return x;
 }
 
-void findWithin(const SurfaceCandidate& m, const SidesWithin& sides, double ahead, double tick,
-                SurfaceSearch& s) {
+void findContactsInStep(const SurfaceCandidate& m, const SidePositions& sides, double ahead, double tick,
+                        SurfaceSearch& s) {
   s.pairs.clear();
   s.sources.clear();
   s.contacts.clear();

@@ -22,7 +22,7 @@ struct SurfaceSearch {
   ContactSearch search;
   std::vector<SurfaceContact> contacts;
   std::vector<HeldPiece> pieces;
-  std::vector<Contact> pairs;  ///< of findWithin()
+  std::vector<Contact> pairs;  ///< of findContactsInStep()
   std::vector<ContactSource> sources;
 };
 
@@ -45,7 +45,7 @@ constexpr double kMaxBetweenSearches = 0.05;
 double displacementOf(const SurfaceCandidate& candidate);
 
 /// Where the sides of a meeting are within a step.
-struct SidesWithin {
+struct SidePositions {
   const PointView *a = nullptr, *b = nullptr;
   const RigidState* rigid = nullptr;  ///< side b, if it is rigid and moves by itself
   double share = 0.0;                 ///< of the tick that is over
@@ -54,8 +54,8 @@ struct SidesWithin {
 /// Writes the contacts of a meeting as they are now, and will be in the coming `ahead` seconds, to
 /// search.pairs and search.sources, sorted by key. Their places have no bodies yet. The tick is that long
 /// (s).
-void findWithin(const SurfaceCandidate& candidate, const SidesWithin& sides, double ahead, double tick,
-                SurfaceSearch& search);
+void findContactsInStep(const SurfaceCandidate& candidate, const SidePositions& sides, double ahead,
+                        double tick, SurfaceSearch& search);
 
 /// m, of a place on a surface.
 Eigen::Vector3d positionOf(const MovingSurface& surface, const SurfacePoint& place);
@@ -67,19 +67,19 @@ Eigen::Vector3d positionOf(const MovingSurface& surface, const SurfacePoint& pla
 RigidPart* patchAround(SoftBodyData& body, const btCollisionObject& partner, const MovingSurface& soft);
 
 /// Whether something of the part that is neither flat nor a plane's end is near: else the points are enough.
-bool hasSharpNear(const SweptBox& box, const RigidPart& part);
+bool hasSharpFeatureNear(const SweptBox& box, const RigidPart& part);
 
 /// Whether edges and triangles sink into a sphere or capsule by little where their corners rest on it.
-bool bendsGently(const MovingSurface& soft, const RigidPart& part);
+bool staysCloseToRound(const MovingSurface& soft, const RigidPart& part);
 
 /// Whether the points at the corners of what touches bear for it: those that are no more than `margin` (m)
 /// farther from what they touch.
-bool cornersBear(const SoftBodyData& body, const SurfaceContact& c, double margin);
+bool cornersCarryContact(const SoftBodyData& body, const SurfaceContact& c, double margin);
 
 /// Whether other objects make the edge or corner of the part that is touched none: they are nearer to what
 /// touches it, or flush with it.
-bool isNoEdge(const SoftBodyData& body, const MovingSurface& soft, const RigidPart& part,
-              const SurfaceContact& c, SurfaceSearch& s);
+bool isInternalEdge(const SoftBodyData& body, const MovingSurface& soft, const RigidPart& part,
+                    const SurfaceContact& c, SurfaceSearch& s);
 
 }  // namespace LIMBER_BULLET_PRECISION
 }  // namespace limber

@@ -173,7 +173,7 @@ class HeldAround {
 
 /// The same of the edge or triangle that touches a cylinder's side. The polyhedron that stands for it has
 /// edges, which brake.
-bool bendsGently(const MovingSurface& soft, const SurfaceContact& c, double radius) {
+bool staysCloseToRound(const MovingSurface& soft, const SurfaceContact& c, double radius) {
   double longest = 0.0;
   for (std::size_t i = 0; i < 3; ++i)
     longest = std::max(
@@ -184,7 +184,7 @@ bool bendsGently(const MovingSurface& soft, const SurfaceContact& c, double radi
 
 }  // namespace
 
-bool hasSharpNear(const SweptBox& box, const RigidPart& part) {
+bool hasSharpFeatureNear(const SweptBox& box, const RigidPart& part) {
   const SurfaceTopology& t = part.surface->topology;
   if (t.edges.empty()) return true;
   for (const std::uint32_t e : part.surface->sharpEdges) {
@@ -195,7 +195,7 @@ bool hasSharpNear(const SweptBox& box, const RigidPart& part) {
   return false;
 }
 
-bool bendsGently(const MovingSurface& soft, const RigidPart& part) {
+bool staysCloseToRound(const MovingSurface& soft, const RigidPart& part) {
   if (!part.surface->topology.triangles.empty()) return false;
   const double most = longestSquared(soft, part.surface->radius);
   const auto& edges = soft.topology->edges;
@@ -204,7 +204,7 @@ bool bendsGently(const MovingSurface& soft, const RigidPart& part) {
   });
 }
 
-bool cornersBear(const SoftBodyData& body, const SurfaceContact& c, double margin) {
+bool cornersCarryContact(const SoftBodyData& body, const SurfaceContact& c, double margin) {
   const double radius = double(body.masses.shape->getRadius());
   if (c.gap < -kSagging * radius) return false;
   for (const std::uint32_t point : c.a.points)
@@ -212,12 +212,13 @@ bool cornersBear(const SoftBodyData& body, const SurfaceContact& c, double margi
   return true;
 }
 
-bool isNoEdge(const SoftBodyData& body, const MovingSurface& soft, const RigidPart& part,
-              const SurfaceContact& c, SurfaceSearch& s) {
+bool isInternalEdge(const SoftBodyData& body, const MovingSurface& soft, const RigidPart& part,
+                    const SurfaceContact& c, SurfaceSearch& s) {
   const Vector3d place = positionOf(part.moving, c.b) + part.moving.radius * c.normal;
   const HeldAround around(body, place, soft.radius, s.pieces);
   if (around.covers(c.normal)) return true;
-  if (const double rounded = around.radiusAround(c.normal); rounded > 0.0 && bendsGently(soft, c, rounded))
+  if (const double rounded = around.radiusAround(c.normal);
+      rounded > 0.0 && staysCloseToRound(soft, c, rounded))
     return true;
   const Vector3d u = c.normal.unitOrthogonal(), v = c.normal.cross(u);
   if (c.b.kind != FeatureKind::OnEdge) return around.isFlat(c.normal, u) && around.isFlat(c.normal, v);

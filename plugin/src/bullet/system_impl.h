@@ -25,7 +25,7 @@ inline namespace LIMBER_BULLET_PRECISION {
 /// Where SoftBodySystem's warnings go unless the user wants them elsewhere.
 void warnOnStandardError(const std::string& text);
 
-/// What a SoftBodySystem is made of; soft_body_system.cpp has what users call, system_tick.cpp the
+/// What a SoftBodySystem is made of; soft_body_system.cpp has what users call, tick.cpp the
 /// tick.
 struct SoftBodySystem::Impl final : TickListener, StepListener {
   struct WorldStep;
@@ -37,7 +37,7 @@ struct SoftBodySystem::Impl final : TickListener, StepListener {
   void afterTick(btScalar tick) override;
   void tickMissed() override;
   void debugDraw(btIDebugDraw& drawer) override;
-  void motionStatesAsked() override;
+  void motionStatesRequested() override;
 
   void hookUp();
   void unhookIfIdle(bool alive);
@@ -47,12 +47,12 @@ struct SoftBodySystem::Impl final : TickListener, StepListener {
   void dropSpringsOfOthers();  ///< on points of this system
   bool worldAlive() const;
   void watchSteps();
-  void beginStepOfForces();
-  void warnOfRestored();
-  void tellOfContacts();
+  void clearForcesOnNewStep();
+  void warnAboutRestored();
+  void notifyListener();
   void hideManifolds();
   void destroyNow(SoftBody* body);
-  void destroyDoomed();
+  void destroyPending();
   void endPairsOf(SoftBody* body);
 
   btDiscreteDynamicsWorld* world;
@@ -65,11 +65,11 @@ struct SoftBodySystem::Impl final : TickListener, StepListener {
   std::vector<std::unique_ptr<SoftBody>> bodies;
   SpringList springs;
   SharedTopologies topologies;
-  std::unique_ptr<StepBoundary> sentinel;  // while point masses outside the world are in the user's hands
+  std::unique_ptr<StepBoundary> stepBoundary;  // while point masses outside the world are in the user's hands
   ContactEvents events;
   bool showsManifolds = false;
-  std::vector<StrongestContacts> strongest;  // scratch of reportManifold
-  std::vector<SoftBody*> doomed;             // to be destroyed once the listener has been told
+  std::vector<StrongestContacts> strongest;   // scratch of reportManifold
+  std::vector<SoftBody*> pendingDestruction;  // to be destroyed once the listener has been told
 };
 
 /// The step of all systems of one world: their bodies touch each other, and Bullet's contacts are read and
@@ -92,7 +92,7 @@ struct SoftBodySystem::Impl::WorldStep {
   void writeGroupsToBullet(btScalar tick);
   void updateLiving();
   /// Manifolds, motors and springs that Bullet's solver was to leave alone in a tick.
-  void leaveToBullet();
+  void restoreBulletState();
 
   btDiscreteDynamicsWorld* world = nullptr;
   std::vector<Impl*> systems;     // in the order of their creation
@@ -104,7 +104,7 @@ struct SoftBodySystem::Impl::WorldStep {
   TickContacts pairs;  // contacts in which more than one body moves
   Islands islands;     // what they couple
   RigidManifolds manifolds;
-  std::vector<SwitchedOff> drivesOff;
+  std::vector<DisabledDrives> disabledDrives;
   ShapeCache shapes;
   RigidSurfaces rigidSurfaces{shapes};
   SurfaceSearch search;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 
-// This file has a tick in order: what all systems of a world do before Bullet's part of it and after, and
-// what each system does.
+// This file runs the stages of a tick in order, before and after Bullet's own part of it: first the stages
+// that all systems of a world share, then those of each system.
 
 #include "bullet/body_in_world.h"
 #include "bullet/kinematic_motion.h"
@@ -21,7 +21,7 @@ namespace limber {
 inline namespace LIMBER_BULLET_PRECISION {
 namespace {
 
-/// Adds the milliseconds of its life to `sum`.
+/// Adds its lifetime in milliseconds to `sum`.
 class StopWatch {
  public:
   explicit StopWatch(double& sum) : sum_(sum), start_(std::chrono::steady_clock::now()) {}
@@ -36,7 +36,8 @@ class StopWatch {
   std::chrono::steady_clock::time_point start_;
 };
 
-/// Worlds that have systems. Never deleted: a system of static lifetime may outlive what is.
+/// The shared steps of all worlds that have systems. The list is never deleted, because a system of static
+/// lifetime may be destroyed after other static objects.
 struct StepList {
   std::mutex mutex;  // worlds may be stepped by several threads
   std::vector<std::pair<const btDynamicsWorld*, std::weak_ptr<void>>> steps;
@@ -49,7 +50,7 @@ StepList& stepList() {
 
 }  // namespace
 
-// --- of all systems of a world -----------------------------------------------------------------------------
+// --- all systems of a world --------------------------------------------------------------------------------
 
 std::shared_ptr<SoftBodySystem::Impl::WorldStep> SoftBodySystem::Impl::WorldStep::of(
     btDiscreteDynamicsWorld& world) {
@@ -58,9 +59,9 @@ std::shared_ptr<SoftBodySystem::Impl::WorldStep> SoftBodySystem::Impl::WorldStep
   auto& steps = list.steps;
   const auto isGone = [](const auto& entry) { return entry.second.expired(); };
   steps.erase(std::remove_if(steps.begin(), steps.end(), isGone), steps.end());
-  for (const auto& [key, known] : steps)
+  for (const auto& [key, entry] : steps)
     if (key == &world)
-      if (auto step = std::static_pointer_cast<WorldStep>(known.lock())) return step;
+      if (auto step = std::static_pointer_cast<WorldStep>(entry.lock())) return step;
   auto step = std::make_shared<WorldStep>();
   step->world = &world;
   steps.emplace_back(&world, step);
@@ -128,7 +129,7 @@ void SoftBodySystem::Impl::WorldStep::gatherIslands(btScalar tick) {
 
 void SoftBodySystem::Impl::WorldStep::stepGroups(btScalar tick) {
   const StopWatch watch(profile.stepMs);
-  // points that are thrown look for more contacts
+  // points with unexpectedly large displacements search for more contacts during the step
   const KinematicMotions::Rewound rewound(kinematic);
   plan.step(groups, double(tick));
   for (Island& island : islands) stepIsland(island, pairs, double(tick), search);
@@ -150,18 +151,18 @@ void SoftBodySystem::Impl::WorldStep::writeGroupsToBullet(btScalar tick) {
       profile.springSubsteps += body->springs.size() * static_cast<std::size_t>(group.substeps);
     }
   }
-  switchOffDrives(pairs, drivesOff);
+  disableDrives(pairs, disabledDrives);
 }
 
 void SoftBodySystem::Impl::WorldStep::beforeTick(btScalar tick) {
   profile = TickProfile();
   for (Impl* system : systems) system->hideManifolds();
-  // of a tick whose end nobody told
-  switchOnDrives(*world, drivesOff);
-  // a tick without length moves nothing and would divide by zero
+  // drives are still disabled if afterTick() was not called for the last tick
+  enableDrives(*world, disabledDrives);
+  // a tick of length zero moves nothing and would cause a division by zero
   if (!(tick > btScalar(0))) return;
   rebuildGroupsIfNeeded();
-  for (Impl* system : systems) system->beginStepOfForces();
+  for (Impl* system : systems) system->clearForcesOnNewStep();
   collectPartners(*world, this);
   kinematic.follow(*world, tick);
   links.begin(*world);
@@ -172,18 +173,18 @@ void SoftBodySystem::Impl::WorldStep::beforeTick(btScalar tick) {
   rigidSurfaces.clear();
   readManifolds(*world->getDispatcher());
   gatherGroups(tick);
-  leaveToRows(*world->getDispatcher());
+  disableBulletResponse(*world->getDispatcher());
   stepGroups(tick);
   writeGroupsToBullet(tick);
 }
 
-void SoftBodySystem::Impl::WorldStep::leaveToBullet() {
+void SoftBodySystem::Impl::WorldStep::restoreBulletState() {
   restoreBreakingThresholds(*world->getDispatcher());
-  switchOnDrives(*world, drivesOff);
+  enableDrives(*world, disabledDrives);
 }
 
 void SoftBodySystem::Impl::WorldStep::afterTick(btScalar tick) {
-  leaveToBullet();
+  restoreBulletState();
   if (!(tick > btScalar(0))) return;
   const StopWatch watch(profile.takeBackMs);
   for (LinkedGroup& group : groups) {
@@ -198,10 +199,10 @@ void SoftBodySystem::Impl::WorldStep::afterTick(btScalar tick) {
   reportContactImpulses(*world->getDispatcher());
 }
 
-// --- of one system -----------------------------------------------------------------------------------------
+// --- one system --------------------------------------------------------------------------------------------
 
 void SoftBodySystem::Impl::beforeTick(btScalar tick) {
-  // left in place when it was not known whether the world still exists
+  // the hook may have been kept because nothing proved that the world still existed
   unhookIfIdle(true);
   if (!hook || (step->stepped && step->stepped != this)) return;
   step->stepped = this;
@@ -211,32 +212,31 @@ void SoftBodySystem::Impl::beforeTick(btScalar tick) {
 void SoftBodySystem::Impl::afterTick(btScalar tick) {
   if (step->stepped) step->afterTick(tick);
   step->stepped = nullptr;
-  warnOfRestored();
-  if (tick > btScalar(0)) tellOfContacts();
+  warnAboutRestored();
+  if (tick > btScalar(0)) notifyListener();
 }
 
-void SoftBodySystem::Impl::warnOfRestored() {
+void SoftBodySystem::Impl::warnAboutRestored() {
   for (std::size_t i = 0; i < bodies.size(); ++i) {
     SoftBodyData& body = *bodies[i]->data_;
     if (!std::exchange(body.restored, false) || body.restorations++ > 0) continue;
     warn("soft body " + std::to_string(i) +
          " was given a position, velocity or force that is not finite, or got one: it was put back to where "
-         "it "
-         "was before, see SoftBody::restorations()");
+         "it was before, see SoftBody::restorations()");
   }
 }
 
-// Forces on point masses outside the world last, as Bullet's do, for all ticks of one stepSimulation().
+// Forces on point masses outside the world act in all ticks of one stepSimulation(), like Bullet's forces.
 
 void SoftBodySystem::Impl::watchSteps() {
-  if (sentinel) return;
-  sentinel = std::make_unique<StepBoundary>(*world, *this);
-  // it may begin to watch within a step, of which this is not a new one
-  sentinel->stepHasEnded();
+  if (stepBoundary) return;
+  stepBoundary = std::make_unique<StepBoundary>(*world, *this);
+  // the boundary may be created inside a step, which must not count as a new one
+  stepBoundary->stepHasEnded();
 }
 
-void SoftBodySystem::Impl::beginStepOfForces() {
-  if (sentinel && !sentinel->stepHasEnded()) return;
+void SoftBodySystem::Impl::clearForcesOnNewStep() {
+  if (stepBoundary && !stepBoundary->stepHasEnded()) return;
   for (auto& body : bodies) {
     SurfaceData& surface = body->data_->surface;
     surface.force.setZero();
@@ -245,10 +245,10 @@ void SoftBodySystem::Impl::beginStepOfForces() {
   }
 }
 
-/// What has been applied until here is lost if this step ends without a further tick, as with Bullet's
-/// bodies; not if the user has called synchronizeMotionStates() before a step.
-void SoftBodySystem::Impl::motionStatesAsked() {
-  beginStepOfForces();
+/// Collects the forces applied so far. If this step ends without a further tick, they are lost, as for
+/// Bullet's bodies. They are not lost if the user called synchronizeMotionStates() before a step.
+void SoftBodySystem::Impl::motionStatesRequested() {
+  clearForcesOnNewStep();
   for (auto& body : bodies)
     if (isSurfaceBody(*body->data_) && body->data_->masses.exposed) collectForces(*body->data_);
 }

@@ -78,7 +78,7 @@ double keptShare(btScalar damping, btScalar tick) { return std::pow(1.0 - double
 RigidPartner makePartner(btRigidBody& body) {
   RigidPartner partner;
   partner.body = &body;
-  partner.mark = handleOf(body);
+  partner.handle = handleOf(body);
   partner.lastPose = body.getWorldTransform();
   return partner;
 }
@@ -143,7 +143,7 @@ void TickContacts::add(const Contact& contact, const ContactSource& source) {
 
 void TickContacts::clear(double comingTick) {
   tick = comingTick;
-  for (const RigidPartner& rigid : rigids) numbers_[static_cast<std::size_t>(rigid.mark.place)] = kNone;
+  for (const RigidPartner& rigid : rigids) numbers_[static_cast<std::size_t>(rigid.handle.index)] = kNone;
   rigids.clear();
   contacts.clear();
   sources.clear();
@@ -159,7 +159,8 @@ Eigen::Vector3d velocityOf(const btCollisionObject& object, const btVector3& pla
   return toEigen(rigid->getVelocityInLocalPoint(place - rigid->getWorldTransform().getOrigin()));
 }
 
-ContactPoint placeOn(TickContacts& contacts, const btCollisionObject& object, const btVector3& place) {
+ContactPoint rigidContactPoint(TickContacts& contacts, const btCollisionObject& object,
+                               const btVector3& place) {
   ContactPoint found;
   btRigidBody* rigid = btRigidBody::upcast(const_cast<btCollisionObject*>(&object));
   if (rigid && isFree(*rigid)) {

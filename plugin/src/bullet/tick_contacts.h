@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 
 // This header declares the contacts of a tick in which more than one body moves, and the rigid bodies in
-// them: what these touch in their turn, their joints, and the links of multibodies.
+// them: their own contacts and joints, and the links of multibodies. "Held" means static or kinematic.
 
 #pragma once
 
@@ -26,45 +26,46 @@ struct SoftBodyData;
 
 // --- rigid bodies that take part ---------------------------------------------------------------------------
 
-/// A rigid body of the user's that springs or anchors hold on to: it takes part in the substeps and, like a
-/// point mass, is handed its mean velocity of the tick.
+/// A rigid body of the user in a link or contact with soft bodies. It is stepped in the substeps. Like a
+/// point mass, it then gets its mean velocity in the tick.
 struct RigidPartner {
   btRigidBody* body = nullptr;
-  bool held = false;           ///< static, kinematic or out of the simulation: it moves as told
-  ObjectHandle mark;           ///< of the body
+  bool held = false;           ///< static, kinematic or out of the simulation
+  ObjectHandle handle;         ///< of the body
   btTransform lastPose;        ///< of a held body at the end of the last tick
   RigidState start;            ///< at the start of the tick
   btVector3 expectedVelocity;  ///< after the tick if nothing else acts
   btVector3 expectedAngularVelocity;
 };
 
-/// The body must be in the world.
+/// Makes the partner of a body, which must be in the world.
 RigidPartner makePartner(btRigidBody& body);
 
-/// Fills `state` from Bullet's body. A held body moves evenly from its last pose to its present one.
+/// Fills `state` from Bullet's body. A held body moves at constant velocity from its last pose to its present
+/// one.
 void gatherRigid(RigidPartner& partner, RigidState& state, btScalar tick);
 
-/// As writeVelocitiesToBullet() and finishWorldPoints() for point masses. Bullet's damping acts on both the
-/// velocity handed over, where it is made up for, and the one at the end.
+/// Like writeVelocitiesToBullet() and finishWorldPoints() for point masses. Bullet's damping acts on the
+/// written velocity, where it is compensated, and on the velocity at the end.
 void writeRigidToBullet(RigidPartner& partner, const RigidState& end, btScalar tick);
 void readRigidFromBullet(RigidPartner& partner, const RigidState& end, btScalar tick);
 
 // --- the contacts of a tick --------------------------------------------------------------------------------
 
-/// Where a contact was found.
+/// The origin of a contact.
 struct ContactSource {
   btManifoldPoint* point = nullptr;  ///< Bullet's, between rigid bodies
-  SoftBodyData* body = nullptr;      ///< the soft body on side a, of all others
+  SoftBodyData* body = nullptr;      ///< the soft body on side a, of all other contacts
   SoftBodyData* other = nullptr;     ///< the soft body on side b, if it is one
   ObjectHandle partner;              ///< on side b
-  std::uint64_t key = 0;             ///< of the features that touch, the same from tick to tick
+  std::uint64_t key = 0;             ///< of the features in contact, the same in every tick
 };
 
-/// Where a row of a joint comes from.
+/// The origin of a constraint row of a joint.
 struct JointSource {
   btTypedConstraint* constraint = nullptr;  ///< nullptr: rolling friction of a contact
-  double recovery = 0.0;                    ///< m/s or rad/s, the speed that corrects errors
-  bool drives = false;                      ///< a motor or a spring: its impulse has limits on both sides
+  double recovery = 0.0;                    ///< m/s or rad/s, the speed of error correction
+  bool drives = false;                      ///< a motor or a spring: its impulse has both limits
 };
 
 struct RigidPart;
@@ -73,15 +74,15 @@ struct RigidPart;
 struct SurfaceCandidate {
   SoftBodyData* body = nullptr;             ///< on side a
   SoftBodyData* other = nullptr;            ///< on side b, if it is soft
-  btRigidBody* partner = nullptr;           ///< on side b, if it is rigid and moves by itself
-  const btCollisionObject* held = nullptr;  ///< on side b, if it is at rest or moves as told
-  RigidPart* part = nullptr;                ///< of one of these
-  std::uint32_t first = 0, end = 0;         ///< of its contacts
+  btRigidBody* partner = nullptr;           ///< on side b, if it is rigid and dynamic
+  const btCollisionObject* held = nullptr;  ///< on side b, if it is static or kinematic
+  RigidPart* part = nullptr;                ///< of `partner` or `held`
+  std::uint32_t first = 0, end = 0;         ///< range of its contacts
 };
 
-/// The contacts of one tick in which something other than a single soft body moves, the joints of the rigid
-/// bodies in them, and these rigid bodies. Places and rows name soft bodies by SoftBodyData::index and rigid
-/// bodies by their number here.
+/// The contacts of one tick in which more than a single soft body moves, the rigid bodies in them and the
+/// joints of these. Contact points and constraint rows refer to soft bodies by SoftBodyData::index and to
+/// rigid bodies by their index in `rigids`.
 struct TickContacts {
   std::vector<RigidPartner> rigids;
   std::vector<Contact> contacts;
@@ -93,149 +94,152 @@ struct TickContacts {
 
   static constexpr std::uint32_t kNone = static_cast<std::uint32_t>(-1);
 
-  /// The number of a rigid body in the world, or kNone.
+  /// Returns the index of a rigid body in the world, or kNone.
   std::uint32_t find(const btRigidBody& body) const;
-  /// The number it has or now gets.
+  /// Returns the index of a rigid body. Adds the body on first use.
   std::uint32_t add(btRigidBody& body);
   void add(const Contact& contact, const ContactSource& source);
-  /// Forgets everything but the memory it takes. The coming tick takes so many seconds.
+  /// Removes all contents but keeps the memory. `comingTick`: length of the next tick, s.
   void clear(double comingTick = 0.0);
 
  private:
-  std::vector<std::uint32_t> numbers_;  ///< by place in the world's list of objects
+  std::vector<std::uint32_t> numbers_;  ///< in `rigids`, by index in the world's list of objects
 };
 
-/// m/s, of a place on a body that moves by itself, at present, or as told, over the tick (s); 0 for one that
-/// is static or asleep.
-Eigen::Vector3d velocityOf(const btCollisionObject& object, const btVector3& place, double tick);
+/// Returns the velocity (m/s) of a position on an object: the present one of a dynamic body, the mean one in
+/// the tick (s) of a kinematic object, 0 of one that is static or asleep.
+Eigen::Vector3d velocityOf(const btCollisionObject& object, const btVector3& position, double tick);
 
-/// The place on a rigid body: of kind Rigid if it is free, which gives it a number, else of kind World.
-ContactPoint placeOn(TickContacts& contacts, const btCollisionObject& object, const btVector3& place);
+/// Returns a contact point on a rigid body: of kind Rigid if the body is free, which adds it to `rigids`,
+/// else of kind World.
+ContactPoint rigidContactPoint(TickContacts& contacts, const btCollisionObject& object,
+                               const btVector3& position);
 
-/// Starts the contacts of soft bodies from what those of the same features bore in the last tick.
+/// Starts the contacts of soft bodies from the impulses of the same features in the last tick.
 void warmStart(TickContacts& contacts);
 
-/// After the step: remembers what they bore. `bodies`: all of the system.
+/// Stores the impulses of these contacts, after the step. `bodies`: all bodies of the world's systems.
 void storeImpulses(const std::vector<SoftBodyData*>& bodies, const TickContacts& contacts);
 
 // --- contacts of rigid bodies ------------------------------------------------------------------------------
 
-/// A point of a manifold as it was found.
-struct KeptPoint {
+/// A copy of a manifold's contact point.
+struct StoredManifoldPoint {
   const btPersistentManifold* manifold;
   const btCollisionObject *a, *b;
-  std::uint32_t order;  ///< in which it was kept
+  std::uint32_t order;  ///< index in order of storing
   btManifoldPoint point;
 };
 
-/// The contact points of the last tick. Bullet has four points at most in a manifold, of eight that boxes
-/// upon each other may have, and from tick to tick others: now and then four on one side, from which the
-/// upper box falls for a tick. With those of the ticks before that are still near, it does not.
-struct KeptPoints {
-  std::vector<KeptPoint> last;  ///< by manifold
-  std::vector<KeptPoint> now;
+/// The contact points of the last tick. Stacked boxes may have eight contact points, but a manifold holds at
+/// most four of them, which change from tick to tick. Sometimes all four are on one side, and the upper box
+/// tips over for a tick. Earlier points that are still valid prevent this.
+struct ManifoldPointHistory {
+  std::vector<StoredManifoldPoint> last;  ///< sorted by manifold
+  std::vector<StoredManifoldPoint> now;
 };
 
-/// Bullet's contact manifolds by the objects they are of, those of one object in the order of the dispatcher.
+/// Bullet's contact manifolds by object, those of one object in the order of the dispatcher.
 struct RigidManifolds {
   std::vector<int> begin;                        ///< #objects + 1, into `manifolds`
   std::vector<btPersistentManifold*> manifolds;  ///< each twice
-  KeptPoints kept;
+  ManifoldPointHistory history;
 };
 
-/// What rigid bodies that soft ones push have in their turn to push against: all contacts and joints of
-/// found.rigids with what is held, and with further rigid bodies, which join them, until none is left out
-/// (a limit to this would make piles collapse). Contacts are those of Bullet's manifolds, which its
-/// narrowphase is asked to find anew where the bodies are now, with the impulses of the last tick as a guess.
-/// Point masses and surface objects are not looked at.
+/// Adds the contacts and joints of the rigid bodies that a soft body pushes: those of found.rigids with held
+/// objects and with further rigid bodies. These are added to found.rigids and handled in the same way, until
+/// no more bodies are found (a limit would make piles collapse). Contacts come from Bullet's manifolds, which
+/// Bullet's narrowphase updates for the present poses. They are warm started with the impulses of the last
+/// tick. Point masses and surface objects are skipped.
 ///
-/// Bullet's solver is told to leave those alone whose points it knows already (btPersistentManifold::
-/// setContactProcessingThreshold); where faster motion may bring new points into a manifold in this tick, it
-/// keeps its say. restoreBreakingThresholds() takes that back once the tick is over.
+/// Bullet's solver then ignores the manifolds whose points it already has (btPersistentManifold::
+/// setContactProcessingThreshold). It still solves a manifold that may get new points in this tick because of
+/// fast motion. restoreBreakingThresholds() undoes this after the tick.
 void gatherRigidContacts(btDiscreteDynamicsWorld& world, btScalar tick, RigidManifolds& index,
                          TickContacts& found);
 
-/// Lets Bullet's solver treat all manifolds again that gatherRigidContacts() told it to leave alone, those of
-/// other systems in the world too.
+/// Makes Bullet's solver handle all manifolds again that gatherRigidContacts() excluded, also for other
+/// systems in the world.
 void restoreBreakingThresholds(btDispatcher& dispatcher);
 
-/// After the step: what the contacts and joints have borne, for users who read it from Bullet
-/// (btManifoldPoint::m_appliedImpulse, btTypedConstraint::getAppliedImpulse).
+/// Writes the impulses of the contacts to Bullet's manifolds, after the step, where users read them
+/// (btManifoldPoint::m_appliedImpulse).
 void reportRigidContacts(TickContacts& contacts);
 
 // --- their joints ------------------------------------------------------------------------------------------
 
-/// Numbers the free bodies that joints (Bullet's enabled constraints) join to numbered ones. False if there
-/// are no more.
+/// Adds the free bodies that joints (Bullet's enabled constraints) join to bodies in found.rigids. Returns
+/// whether any body was added.
 bool addJoinedBodies(btDiscreteDynamicsWorld& world, TickContacts& found);
 
-/// The rows of all joints of numbered bodies, as Bullet's solver would make them for a tick; limits of
-/// impulses are those of the whole tick.
+/// Adds the constraint rows of all joints of found.rigids, as Bullet's solver would make them for a tick. The
+/// impulse limits are those of the whole tick.
 void addJointRows(btDiscreteDynamicsWorld& world, btScalar tick, TickContacts& found);
 
-/// Rolling and spinning friction of the contact between rigid bodies that was added last.
+/// Adds rolling and spinning friction to the last added contact, which is between rigid bodies.
 void addRollingRows(const btPersistentManifold& manifold, const btManifoldPoint& point, TickContacts& found);
 
-/// A joint whose motors and springs are switched off.
-struct SwitchedOff {
+/// A joint whose motors and springs are disabled.
+struct DisabledDrives {
   btTypedConstraint* joint;
-  std::uint32_t drives;  ///< a bit for each that was on
+  std::uint32_t drives;  ///< one bit for each motor or spring that was enabled
 };
 
-/// Bullet's solver would let motors and springs push a second time, whatever velocities it is given: those
-/// whose rows are in `found` are off until it has run.
-void switchOffDrives(const TickContacts& found, std::vector<SwitchedOff>& off);
-void switchOnDrives(btDynamicsWorld& world, std::vector<SwitchedOff>& off);
+/// Disables the motors and springs whose rows are in `found` until Bullet's solver has run. Otherwise the
+/// solver would apply them a second time.
+void disableDrives(const TickContacts& found, std::vector<DisabledDrives>& off);
+void enableDrives(btDynamicsWorld& world, std::vector<DisabledDrives>& off);
 
-/// After the tick: Bullet says of the joints what they have borne (as it does, the applied impulse is that of
-/// the last row; feedback is the sum of all), and those that bore as much as they may break. Joints that are
-/// no longer in the world are left out.
+/// Writes the impulses of the joints to Bullet, after the tick, and disables joints that exceed their
+/// breaking threshold. As in Bullet, the applied impulse is that of the last row, and feedback is the sum of
+/// all rows. Joints that are no longer in the world are skipped.
 void reportJoints(btDynamicsWorld& world, const TickContacts& contacts, btScalar tick);
 
 // --- multibodies -------------------------------------------------------------------------------------------
 
-/// A link (or the base) of a btMultiBody as a rigid body, for the present tick. It is in no world.
+/// A rigid body that represents a link (or the base) of a btMultiBody in the present tick. It is in no world.
 class LinkBody final : public btRigidBody {
  public:
   BT_DECLARE_ALIGNED_ALLOCATOR();
 
   LinkBody(btMultiBody& m, int l);
 
-  /// The link an object is, or nullptr.
+  /// Returns the object as a link, or nullptr.
   static LinkBody* from(btCollisionObject* object);
   static const LinkBody* from(const btCollisionObject* object);
 
   btMultiBody* multiBody;
   int link;  ///< -1: the base
   const btMultiBodyLinkCollider* collider = nullptr;
-  int unused = 0;  ///< ticks since it was last asked for
+  int unused = 0;  ///< ticks since its last use
   bool present = false;
   btVector3 impulse = btVector3(0, 0, 0), angularImpulse = btVector3(0, 0, 0);  ///< N s, N m s
 };
 
-/// What stands in the world for an object that a contact is with.
+/// Returns the object in the world that represents a contact's partner: of a link, its collider.
 inline const btCollisionObject& objectInWorld(const btCollisionObject& object) {
   const LinkBody* link = LinkBody::from(&object);
   return link && link->collider ? *link->collider : object;
 }
 
-/// Whether nothing moves a link: it and all joints down to a fixed base have no freedom.
+/// Returns whether a link cannot move: neither its joint nor those between it and a fixed base have a degree
+/// of freedom.
 bool isHeldLink(const btMultiBodyLinkCollider& collider);
 
-/// The links of multibodies that soft bodies touch. While contacts are solved each is a rigid body that
-/// joints hold to the others; what it has borne goes into the joints of the multibody, exactly.
+/// The links of multibodies that soft bodies touch. During the step each is a rigid body, joined to the other
+/// links by joint constraints. Its contact impulses are then applied exactly to the multibody's joints.
 class MultiBodyLinks {
  public:
-  /// At the start of a tick.
+  /// Starts a tick.
   void begin(const btCollisionWorld& world);
 
-  /// The body of a link as it is now.
+  /// Returns the rigid body of a link in its present state.
   LinkBody& bodyOf(const btMultiBodyLinkCollider& collider);
 
   /// Adds all links of the multibodies that are in `found`, and their joints.
   void addJoints(TickContacts& found);
 
-  /// After the step: gives the multibodies what their links have borne.
+  /// Applies the impulses of the links to their multibodies, after the step.
   void applyImpulses(const TickContacts& found);
 
  private:

@@ -63,7 +63,7 @@ TickHook& TickHook::listen(btDynamicsWorld& world, TickListener& listener, bool 
     list.hooks.emplace_back(&world, std::unique_ptr<TickHook>(new TickHook(world)));
     hook = list.hooks.back().second.get();
   }
-  if (!hook->listened()) {
+  if (!hook->hasListeners()) {
     // a hook that was left may already be among the world's actions, or stem from a world that is gone
     world.removeAction(hook);
     world.addAction(hook);
@@ -75,7 +75,7 @@ TickHook& TickHook::listen(btDynamicsWorld& world, TickListener& listener, bool 
   return *hook;
 }
 
-bool TickHook::listened() const { return hasAny(actionListeners_); }
+bool TickHook::hasListeners() const { return hasAny(actionListeners_); }
 
 void TickHook::leave(TickListener& listener, bool worldAlive) {
   const std::lock_guard<std::mutex> lock(hookList().mutex);
@@ -88,14 +88,14 @@ void TickHook::leave(TickListener& listener, bool worldAlive) {
 void TickHook::detachIfUnused() {
   eraseGone(actionListeners_);
   eraseGone(pretickListeners_);
-  if (!listened()) detach();
+  if (!hasListeners()) detach();
 }
 
 void TickHook::detach() {
   world_->removeAction(this);
   // a callback that was set after ours may call ours: then ours stays, and calls the one before it
   if (!inPlace() && previous_) return;
-  giveSlotBack();
+  releaseSlot();
   auto& hooks = hookList().hooks;
   const auto self = [&](const auto& entry) { return entry.second.get() == this; };
   hooks.erase(std::find_if(hooks.begin(), hooks.end(), self));
@@ -109,7 +109,7 @@ void TickHook::takeSlot() {
   world_->setInternalTickCallback(&TickHook::preTick, world_->getWorldUserInfo(), true);
 }
 
-void TickHook::giveSlotBack() {
+void TickHook::releaseSlot() {
   if (inPlace()) world_->setInternalTickCallback(previous_, world_->getWorldUserInfo(), true);
 }
 
@@ -182,7 +182,7 @@ class StepBoundary::State final : public btMotionState {
   void disown() { owner_ = nullptr; }
   void getWorldTransform(btTransform& pose) const override { pose.setIdentity(); }
   void setWorldTransform(const btTransform&) override {
-    if (owner_) owner_->listener_->motionStatesAsked();
+    if (owner_) owner_->listener_->motionStatesRequested();
   }
 
  private:

@@ -58,8 +58,8 @@ class TickHook final : public btActionInterface {
   explicit TickHook(btDynamicsWorld& world) : world_(&world) {}
   static void preTick(btDynamicsWorld* world, btScalar tick);
   void beforeTick(btScalar tick);
-  void giveSlotBack();
-  bool listened() const;
+  void releaseSlot();
+  bool hasListeners() const;
   void detach();
   void detachIfUnused();
   template <class Call>
@@ -83,7 +83,7 @@ class StepListener {
   virtual ~StepListener() = default;
   /// Motion states are brought up to date: after each tick, user callbacks included; in a stepSimulation()
   /// that passes without any tick; or because the user asks for it between steps.
-  virtual void motionStatesAsked() = 0;
+  virtual void motionStatesRequested() = 0;
 };
 
 /// Tells one stepSimulation() from the next. Bullet calls nobody at its begin or end, but it clears the

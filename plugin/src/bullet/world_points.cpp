@@ -251,7 +251,7 @@ void readManifolds(btDispatcher& dispatcher) {
       });
 }
 
-void leaveToRows(btDispatcher& dispatcher) {
+void disableBulletResponse(btDispatcher& dispatcher) {
   forEachContact(dispatcher,
                  [](btPersistentManifold& manifold, PointMass& point, const btCollisionObject* partner) {
                    if (isOfAwakePoints(point, partner))
