@@ -136,7 +136,7 @@ struct ContactConstraint {
   Couple couple;
   double gap, target;         ///< m; m/s, along it at least
   double pinned;              ///< m, what pinned points have of an overlap, which is not in the gap
-  double rebound;             ///< m/s, if it bounces, see Bounce (contact_rows.h)
+  double rebound;             ///< m/s, if it bounces, see Bounce (plane_contacts.h)
   double settled;             ///< m/s along it, when the last substep ended
   double softness;            ///< see kSoftness
   double mass, mobility;      ///< kg along it, and its inverse; both 0: neither side can be moved
