@@ -56,7 +56,7 @@ TEST(SurfaceMassRatio, aHeavyBoxComesToRestOnAClothOnTheFloor) {
     }
     EXPECT_FALSE(box->isActive()) << mass;
     EXPECT_FALSE(cloth->surfaceObject()->isActive()) << mass;
-    // contacts at rest give way by a share of their impulse, see pair_solve.cpp
+    // contacts at rest give way by a share of their impulse, see contact_solver.cpp
     EXPECT_NEAR(double(box->getWorldTransform().getOrigin().y()), kHalfHeight + 2 * kClothRadius, 2e-4)
         << mass;
     // 0.46 of it: the sweeps end before a mass ratio of 20 000 : 1 has quite come through

@@ -14,7 +14,7 @@
 namespace limber {
 namespace {
 
-/// As kSoftness in pair_solve.cpp, of friction.
+/// As kSoftness in contact_solver.cpp, of friction.
 constexpr double kFrictionSoftness = 0.05;
 
 using Eigen::Matrix3d;
