@@ -1,17 +1,43 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
+#include "gpu_shape.h"
+#include "gpu_textures.h"
+#include "limber/render/renderer.h"
+#include "mat4.h"
+#include "overlay_lines.h"
+#include "program_set.h"
+
+#include <array>
 #include <cstdint>
 #include <vector>
 
-#include "gpu_shape.h"
-#include "legend_layout.h"
-#include "limber/render/renderer.h"
-#include "overlay_lines.h"
-#include "program_set.h"
-#include "shadow_map.h"
-
 namespace limber::render {
+
+/// The uniform block of frame.glsl, in its memory layout.
+struct FrameUniforms {
+  using Vec4 = std::array<float, 4>;
+
+  Mat4 viewProjection;
+  Mat4 worldToShadow;
+  Vec4 eye{};
+  Vec4 towardsLight{};
+  Vec4 sun{};
+  Vec4 sky{};
+  Vec4 ground{};
+  Vec4 backgroundTop{};
+  Vec4 backgroundBottom{};
+  Vec4 viewport{};
+};
+
+struct PictureSize {
+  int width = 0;
+  int height = 0;
+  int shadowMapSize = 0;
+};
+
+FrameUniforms makeFrameUniforms(const Camera& camera, const Light& light, const DrawOptions& options,
+                                const PictureSize& size);
 
 /// Where the points of some instances lie: three floats each, packed, in a range of a buffer.
 struct PointRange {

@@ -1,11 +1,15 @@
 // SPDX-License-Identifier: Zlib
 #include "limber/render/gl_functions.h"
 
+#include "limber/render/gl_context.h"
+#include "limber/render/gl_debug_messages.h"
+#include "limber/render/gl_objects.h"
+
+#include <algorithm>
 #include <array>
 #include <stdexcept>
+#include <string>
 #include <string_view>
-
-#include "limber/render/gl_context.h"
 
 namespace limber::render {
 namespace {
@@ -96,6 +100,63 @@ void checkGlErrors(const Gl& gl, const char* where) {
   if (!errors.empty()) {
     throw std::runtime_error(std::string(where) + ":" + errors);
   }
+}
+
+GlBuffer makeBuffer(const Gl& gl, std::size_t bytes, const void* data, GLbitfield flags) {
+  GLuint name = 0;
+  gl.CreateBuffers(1, &name);
+  const std::size_t size = std::max<std::size_t>(bytes, 1);
+  GlBuffer buffer(gl, name, size);
+  // Errors left by others must not be taken for ours.
+  while (gl.GetError() != GL_NO_ERROR) {
+  }
+  gl.NamedBufferStorage(name, static_cast<GLsizeiptr>(size), data, flags);
+  if (gl.GetError() != GL_NO_ERROR) {
+    throw std::runtime_error("the driver refused a buffer of " + std::to_string(size) + " bytes");
+  }
+  return buffer;
+}
+
+GlVertexArray makeVertexArray(const Gl& gl) {
+  GLuint name = 0;
+  gl.CreateVertexArrays(1, &name);
+  return {gl, name};
+}
+
+GlFramebuffer makeFramebuffer(const Gl& gl) {
+  GLuint name = 0;
+  gl.CreateFramebuffers(1, &name);
+  return {gl, name};
+}
+
+DebugMessages::DebugMessages(const Gl& gl) : gl_(gl) {
+  gl_.Enable(GL_DEBUG_OUTPUT);
+  // Synchronous, so that counts are complete when a call returns and no other thread writes them.
+  gl_.Enable(GL_DEBUG_OUTPUT_SYNCHRONOUS);
+  gl_.DebugMessageCallback(&DebugMessages::receive, this);
+}
+
+DebugMessages::~DebugMessages() { gl_.DebugMessageCallback(nullptr, nullptr); }
+
+void APIENTRY DebugMessages::receive(GLenum, GLenum, GLuint, GLenum severity, GLsizei length,
+                                     const GLchar* text, const void* self) {
+  // The C interface hands our own pointer back as const.
+  auto& messages = *static_cast<DebugMessages*>(const_cast<void*>(self));
+  switch (severity) {
+    case GL_DEBUG_SEVERITY_HIGH:
+      ++messages.counts_.high;
+      break;
+    case GL_DEBUG_SEVERITY_MEDIUM:
+      ++messages.counts_.medium;
+      break;
+    case GL_DEBUG_SEVERITY_LOW:
+      ++messages.counts_.low;
+      return;
+    default:
+      ++messages.counts_.notification;
+      return;
+  }
+  messages.lastComplaint_ = length < 0 ? text : std::string(text, static_cast<std::size_t>(length));
 }
 
 }  // namespace limber::render

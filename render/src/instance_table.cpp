@@ -5,7 +5,7 @@
 #include <stdexcept>
 #include <string>
 
-#include "srgb.h"
+#include "pixels.h"
 
 namespace limber::render {
 namespace {

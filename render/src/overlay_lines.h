@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
+#include "limber/render/gl_objects.h"
+#include "limber/render/legend.h"
+#include "limber/render/overlay.h"
+
 #include <array>
 #include <cstddef>
+#include <string_view>
 #include <vector>
-
-#include "limber/render/gl_objects.h"
-#include "limber/render/overlay.h"
 
 namespace limber::render {
 
@@ -29,5 +31,24 @@ class OverlayLines {
   std::vector<Packed> staging_;
   GLsizei count_ = 0;
 };
+
+/// Pixels that a text takes from left to right.
+float textWidth(std::string_view text, float height);
+
+/// Appends the strokes of a text, in pixels from the picture's upper left corner; `x` and `y` are the text's
+/// own, `height` that of a digit.
+void addText(Overlay& strokes, std::string_view text, float x, float y, float height, Vec3 colour,
+             float width);
+
+/// Pixels from the upper left corner of the picture.
+struct BarPlace {
+  float left, top, width, height;
+};
+
+/// Where legend number `row`, counted from the bottom, has its bar.
+BarPlace barPlace(std::size_t row, int pictureWidth, int pictureHeight);
+
+/// Appends the strokes of its numbers: a light rim, then dark on top of it, to be read on any ground.
+void addNumbers(Overlay& strokes, const Legend& legend, const BarPlace& bar);
 
 }  // namespace limber::render

@@ -1,13 +1,53 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
+#include "limber/render/gl_objects.h"
+#include "limber/render/legend.h"
+
 #include <array>
 #include <cstddef>
-
-#include "limber/render/legend.h"
-#include "shader_program.h"
+#include <string>
+#include <string_view>
+#include <vector>
 
 namespace limber::render {
+
+/// Text of a file of the shaders folder, compiled into the library.
+const char* shaderSource(std::string_view name);
+
+/// What changes from one draw or dispatch to the next.
+enum class DrawUniform {
+  FirstPoint,
+  FirstInstance,
+  PointCount,
+  FirstNormal,
+  FirstPlace,
+  PlaceCount,
+  Invocations,
+  ShapeRadius,
+  Opacity,
+  Place,
+  Count
+};
+
+/// A linked program and where its uniforms are.
+struct ShaderProgram {
+  GlProgram program;
+  /// -1 where the program does not use the uniform; OpenGL ignores writes to that.
+  std::array<GLint, static_cast<std::size_t>(DrawUniform::Count)> locations{};
+
+  GLuint name() const { return program.name(); }
+  GLint location(DrawUniform uniform) const { return locations[static_cast<std::size_t>(uniform)]; }
+};
+
+struct StageSource {
+  GLenum stage = 0;
+  std::vector<std::string_view> files;  ///< Joined in this order, after the #version and #defines.
+};
+
+/// Throws std::runtime_error with the compiler's log and the names of the files.
+ShaderProgram buildProgram(const Gl& gl, const std::vector<StageSource>& stages,
+                           const std::vector<std::string>& defines);
 
 /// Where a surface's vertices come from.
 enum class VertexSource {

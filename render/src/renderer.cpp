@@ -5,7 +5,6 @@
 #include <utility>
 
 #include "renderer_parts.h"
-#include "stopwatch.h"
 
 namespace limber::render {
 

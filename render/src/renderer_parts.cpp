@@ -5,9 +5,8 @@
 #include <stdexcept>
 #include <string>
 
-#include "frame_uniforms.h"
+#include "frame_passes.h"
 #include "limber/render/gl_context.h"
-#include "stopwatch.h"
 
 namespace limber::render {
 namespace {

@@ -1,25 +1,38 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
+#include "baseline_streams.h"
+#include "frame_passes.h"
+#include "gl_state.h"
+#include "gpu_shape.h"
+#include "gpu_textures.h"
+#include "instance_table.h"
+#include "limber/render/gl_debug_messages.h"
+#include "limber/render/renderer.h"
+#include "limber/render/stream_buffer.h"
+#include "overlay_lines.h"
+
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <vector>
 
-#include "frame_passes.h"
-#include "gl_state.h"
-#include "instance_table.h"
-#include "limber/render/gl_debug_messages.h"
-#include "limber/render/renderer.h"
-#include "limber/render/stream_buffer.h"
-#include "naive_stream.h"
-#include "overlay_lines.h"
-#include "render_target.h"
-#include "shape_table.h"
-#include "texture_array.h"
-#include "unshared_stream.h"
-
 namespace limber::render {
+
+/// Milliseconds since construction or since the last call of lap().
+class Stopwatch {
+ public:
+  double lap() {
+    const auto now = std::chrono::steady_clock::now();
+    const double ms = std::chrono::duration<double, std::milli>(now - last_).count();
+    last_ = now;
+    return ms;
+  }
+
+ private:
+  std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
+};
 
 struct OpenFrame {
   bool open = false;

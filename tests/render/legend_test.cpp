@@ -5,8 +5,7 @@
 #include <cmath>
 #include <string>
 
-#include "legend_layout.h"
-#include "stroke_text.h"
+#include "overlay_lines.h"
 #include "test_scene.h"
 
 namespace limber::render::test {
