@@ -53,13 +53,13 @@ Camera frameBox(Vec3 min, Vec3 max, Vec3 direction, float aspect) {
 
 // The box that is as wide as the circle it turns in is seen from all sides at the distance at which it is
 // seen from one.
-Camera orbitBox(Vec3 min, Vec3 max, Vec3 direction, float aspect, float turn) {
+Camera orbitBox(Vec3 min, Vec3 max, Vec3 direction, float aspect, float angle) {
   const Vec3 centre = 0.5f * (min + max);
   const float reach = 0.5f * std::hypot(max.x - min.x, max.z - min.z);
   Camera camera = frameBox({centre.x - reach, min.y, centre.z - reach},
                            {centre.x + reach, max.y, centre.z + reach}, direction, aspect);
   const Vec3 arm = camera.eye - centre;
-  const float c = std::cos(turn), s = std::sin(turn);
+  const float c = std::cos(angle), s = std::sin(angle);
   camera.eye = centre + Vec3{c * arm.x + s * arm.z, arm.y, c * arm.z - s * arm.x};
   return camera;
 }

@@ -408,7 +408,7 @@ void ApngWriter::add(const Image& image) {
 // How many frames there are turns out at the end.
 void ApngWriter::writeHead(const std::vector<std::uint8_t>& head) {
   file_->write(head);
-  animationControlAt_ = file_->size();
+  animationControlOffset_ = file_->size();
   file_->write(animationControl(0));
 }
 
@@ -417,7 +417,7 @@ void ApngWriter::finish() {
     throw std::runtime_error("cannot write " + desc_.path + ": it has no picture");
   }
   file_->write(imageEnd());
-  file_->overwrite(animationControlAt_, animationControl(frames_));
+  file_->overwrite(animationControlOffset_, animationControl(frames_));
   file_->commit();
 }
 

@@ -185,7 +185,7 @@ void VideoPipe::finish() {
   closeInput();
   const int status = waitForExit();
   if (!WIFEXITED(status) || WEXITSTATUS(status) != 0) {
-    throw std::runtime_error("ffmpeg failed to write " + desc_.path + complaint());
+    throw std::runtime_error("ffmpeg failed to write " + desc_.path + ffmpegMessages());
   }
 }
 
@@ -193,7 +193,7 @@ void VideoPipe::failWrite(int error) {
   closeInput();
   waitForExit();
   throw std::runtime_error("ffmpeg stopped while writing " + desc_.path + " (" + std::strerror(error) + ")" +
-                           complaint());
+                           ffmpegMessages());
 }
 
 void VideoPipe::closeInput() noexcept {
@@ -215,7 +215,7 @@ int VideoPipe::waitForExit() noexcept {
   return status;
 }
 
-std::string VideoPipe::complaint() const {
+std::string VideoPipe::ffmpegMessages() const {
   std::array<char, 1024> text{};
   std::rewind(messages_.get());
   const std::size_t length = std::fread(text.data(), 1, text.size() - 1, messages_.get());

@@ -17,24 +17,24 @@
 
 namespace limber::view {
 
-/// Takes what is `gone` out of the map and calls `hide` for it, in the order of the instances: that of
-/// addresses differs from run to run, and with it would the places that new instances get.
+/// Removes the entries for which `gone` is true from the map and calls `hide` for them, in the order of their
+/// instances. The order of addresses would differ from run to run, and so would the ids of new instances.
 template <class Key, class Shown, class Gone, class Hide>
-void leaveInOrder(std::unordered_map<Key, Shown>& shown, Gone gone, Hide hide) {
-  std::vector<Shown> leaving;
+void removeInOrder(std::unordered_map<Key, Shown>& shown, Gone gone, Hide hide) {
+  std::vector<Shown> removed;
   for (auto it = shown.begin(); it != shown.end();) {
-    if (gone(it->second)) leaving.push_back(it->second);
+    if (gone(it->second)) removed.push_back(it->second);
     it = gone(it->second) ? shown.erase(it) : std::next(it);
   }
-  std::sort(leaving.begin(), leaving.end(),
+  std::sort(removed.begin(), removed.end(),
             [](const Shown& a, const Shown& b) { return a.instance.index < b.instance.index; });
-  for (const Shown& one : leaving) hide(one);
+  for (const Shown& one : removed) hide(one);
 }
 
 inline namespace LIMBER_BULLET_PRECISION {
 namespace {
 
-constexpr render::Vec3 kStands{0.78f, 0.79f, 0.82f}, kMoves{0.76f, 0.62f, 0.45f};
+constexpr render::Vec3 kStaticColour{0.78f, 0.79f, 0.82f}, kDynamicColour{0.76f, 0.62f, 0.45f};
 
 bool isShown(const btCollisionObject& object) {
   const int hidden =
@@ -42,7 +42,7 @@ bool isShown(const btCollisionObject& object) {
   return (object.getCollisionFlags() & hidden) == 0;
 }
 
-/// Boxes and spheres are shown by one of each of size 1, stretched.
+/// All boxes share one box of half extent 1, all spheres one sphere of radius 1; their frames are scaled.
 bool isBox(const btCollisionShape& shape) { return shape.getShapeType() == BOX_SHAPE_PROXYTYPE; }
 bool isSphere(const btCollisionShape& shape) { return shape.getShapeType() == SPHERE_SHAPE_PROXYTYPE; }
 
@@ -59,35 +59,36 @@ render::Scenery unitMeshOf(const btCollisionShape& shape) {
   return meshOf(shape);
 }
 
-/// As Bullet's motion states: from where it is after the tick along its velocity.
-btTransform placeAt(const btCollisionObject& object, double secondsLater) {
+/// Returns the transform that a motion state would get from Bullet: extrapolated from the end of the tick
+/// along the velocity.
+btTransform transformAt(const btCollisionObject& object, double secondsLater) {
   const btRigidBody* body = btRigidBody::upcast(&object);
   if (!body || body->isStaticOrKinematicObject() || secondsLater == 0.0) return object.getWorldTransform();
-  btTransform place;
-  btTransformUtil::integrateTransform(body->getInterpolationWorldTransform(),
-                                      body->getInterpolationLinearVelocity(),
-                                      body->getInterpolationAngularVelocity(), btScalar(secondsLater), place);
-  return place;
+  btTransform transform;
+  btTransformUtil::integrateTransform(
+      body->getInterpolationWorldTransform(), body->getInterpolationLinearVelocity(),
+      body->getInterpolationAngularVelocity(), btScalar(secondsLater), transform);
+  return transform;
 }
 
 render::InstanceLook defaultLook(const btCollisionObject& object) {
   render::InstanceLook look;
-  look.colour = object.isStaticOrKinematicObject() ? kStands : kMoves;
+  look.colour = object.isStaticOrKinematicObject() ? kStaticColour : kDynamicColour;
   return look;
 }
 
 }  // namespace
 
-bool RigidView::Kind::operator==(const Kind& other) const {
+bool RigidView::ShapeKey::operator==(const ShapeKey& other) const {
   return shape == other.shape && type == other.type && low == other.low && high == other.high;
 }
 
-RigidView::Kind RigidView::kindOf(const btCollisionShape& shape) {
-  Kind kind{nullptr, shape.getShapeType(), btVector3(0, 0, 0), btVector3(0, 0, 0)};
-  if (isBox(shape) || isSphere(shape)) return kind;
-  kind.shape = &shape;
-  shape.getAabb(btTransform::getIdentity(), kind.low, kind.high);
-  return kind;
+RigidView::ShapeKey RigidView::keyOf(const btCollisionShape& shape) {
+  ShapeKey key{nullptr, shape.getShapeType(), btVector3(0, 0, 0), btVector3(0, 0, 0)};
+  if (isBox(shape) || isSphere(shape)) return key;
+  key.shape = &shape;
+  shape.getAabb(btTransform::getIdentity(), key.low, key.high);
+  return key;
 }
 
 RigidView::RigidView(render::Renderer& renderer, const btDiscreteDynamicsWorld& world, Look look)
@@ -96,7 +97,7 @@ RigidView::RigidView(render::Renderer& renderer, const btDiscreteDynamicsWorld& 
 }
 
 RigidView::~RigidView() {
-  leaveInOrder(
+  removeInOrder(
       shown_, [](const Shown&) { return true; }, [this](const Shown& shown) { hide(shown); });
 }
 
@@ -107,16 +108,15 @@ void RigidView::update() {
     const btCollisionObject& object = *objects[i];
     if (!isShown(object)) continue;
     const auto found = shown_.find(&object);
-    if (found != shown_.end() &&
-        surfaces_[found->second.surface].kind == kindOf(*object.getCollisionShape())) {
+    if (found != shown_.end() && surfaces_[found->second.surface].key == keyOf(*object.getCollisionShape())) {
       found->second.present = true;
       continue;
     }
-    Shown fresh;
+    Shown added;
     if (found != shown_.end()) hide(found->second), shown_.erase(found);
-    if (show(object, fresh)) shown_.emplace(&object, fresh);
+    if (show(object, added)) shown_.emplace(&object, added);
   }
-  leaveInOrder(
+  removeInOrder(
       shown_, [](const Shown& shown) { return !shown.present; }, [this](const Shown& shown) { hide(shown); });
 }
 
@@ -125,10 +125,10 @@ void RigidView::write(const render::FrameWriter& frame, double tickFraction, dou
   for (int i = 0; i < objects.size(); ++i) {
     const auto found = shown_.find(objects[i]);
     if (found == shown_.end()) continue;
-    const btTransform place = placeAt(*objects[i], (tickFraction - 1.0) * tick);
+    const btTransform transform = transformAt(*objects[i], (tickFraction - 1.0) * tick);
     const Shown& shown = found->second;
     render::writeFrame(surfaces_[shown.surface].reach,
-                       toFrame(place, sizeOf(*objects[i]->getCollisionShape())),
+                       toFrame(transform, sizeOf(*objects[i]->getCollisionShape())),
                        frame.points(shown.instance));
   }
 }
@@ -142,10 +142,10 @@ bool RigidView::show(const btCollisionObject& object, Shown& shown) {
 }
 
 std::optional<std::size_t> RigidView::surfaceFor(const btCollisionShape& shape) {
-  const Kind kind = kindOf(shape);
+  const ShapeKey key = keyOf(shape);
   std::size_t unused = surfaces_.size();
   for (std::size_t s = 0; s < surfaces_.size(); ++s) {
-    if (surfaces_[s].users > 0 && surfaces_[s].kind == kind) return s;
+    if (surfaces_[s].users > 0 && surfaces_[s].key == key) return s;
     if (surfaces_[s].users == 0) unused = s;
   }
   const render::Scenery mesh = unitMeshOf(shape);
@@ -153,7 +153,7 @@ std::optional<std::size_t> RigidView::surfaceFor(const btCollisionShape& shape) 
   const render::RigidShape rigid = render::makeRigid(mesh);
   const render::ShapeId id = renderer_.addShape(rigid.shape);
   if (unused == surfaces_.size()) surfaces_.emplace_back();
-  surfaces_[unused] = {kind, id, rigid.reach, 0};
+  surfaces_[unused] = {key, id, rigid.reach, 0};
   return unused;
 }
 
@@ -171,7 +171,7 @@ namespace {
 void addSurface(render::ShapeDesc& shape, const RenderSurface& surface) {
   shape.skin = {surface.skin.firstWeight, surface.skin.points, surface.skin.weights};
   shape.vertexToPoint = surface.vertexToPoint;
-  // a vertex no triangle uses rides on no point; the renderer wants one all the same
+  // a vertex without triangles has no point, but the renderer needs a valid index
   for (std::uint32_t& point : shape.vertexToPoint) {
     if (point == kNoPoint) point = 0;
   }
@@ -181,15 +181,15 @@ void addSurface(render::ShapeDesc& shape, const RenderSurface& surface) {
   }
 }
 
-/// Bending springs lie over the others and would only hide them.
+/// Bending springs are left out: they lie over the others and hide them.
 void addSprings(render::ShapeDesc& shape, const SoftBody& body) {
   const SpringNetwork& network = body.network();
   const Eigen::Vector3d& scale = body.settings().scale;
   for (const NetworkSpring& spring : network.springs) {
     if (spring.kind == SpringKind::Bending) continue;
-    const Eigen::Vector3d way = network.restPoints[spring.b] - network.restPoints[spring.a];
+    const Eigen::Vector3d displacement = network.restPoints[spring.b] - network.restPoints[spring.a];
     shape.lines.insert(shape.lines.end(), {spring.a, spring.b});
-    shape.lineRestLengths.push_back(static_cast<float>(way.cwiseProduct(scale).norm()));
+    shape.lineRestLengths.push_back(static_cast<float>(displacement.cwiseProduct(scale).norm()));
   }
 }
 
@@ -225,7 +225,7 @@ SoftView::SoftView(render::Renderer& renderer, const SoftBodySystem& system, Loo
 }
 
 SoftView::~SoftView() {
-  leaveInOrder(
+  removeInOrder(
       shown_, [](const Shown&) { return true; }, [this](const Shown& shown) { hide(shown); });
 }
 
@@ -235,15 +235,15 @@ void SoftView::update() {
     const SoftBody& body = *system_.body(b);
     if (!visible(body)) continue;
     const auto found = shown_.find(&body);
-    if (found != shown_.end() && isStill(found->second, body)) {
+    if (found != shown_.end() && hasShapeOf(found->second, body)) {
       found->second.present = true;
       continue;
     }
-    // a new body may lie where an old one lay in memory
+    // a new body may have the address of an old one
     if (found != shown_.end()) hide(found->second);
     shown_[&body] = show(body);
   }
-  leaveInOrder(
+  removeInOrder(
       shown_, [](const Shown& shown) { return !shown.present; }, [this](const Shown& shown) { hide(shown); });
 }
 
@@ -284,7 +284,7 @@ std::size_t SoftView::shapeFor(const SoftBody& body, render::Shading shading) {
   return unused;
 }
 
-bool SoftView::isStill(const Shown& shown, const SoftBody& body) const {
+bool SoftView::hasShapeOf(const Shown& shown, const SoftBody& body) const {
   const Shape& shape = shapes_[shown.shape];
   return shape.network == body.sharedNetwork() && shape.scale == body.settings().scale;
 }
