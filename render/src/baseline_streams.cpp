@@ -55,7 +55,7 @@ std::size_t NaiveStream::bytes() const {
 
 namespace {
 
-constexpr Vec3 kAnyNormal{0.0f, 1.0f, 0.0f};  // Where a triangle has no area, as in the shader.
+constexpr Vec3 kAnyNormal{0.0f, 1.0f, 0.0f};  // For triangles without area, as in the shader.
 
 template <typename T>
 std::vector<T> readBuffer(const Gl& gl, const GlBuffer& buffer) {
@@ -70,7 +70,7 @@ Vec3 pointAt(const float* points, std::uint32_t index) {
   return {p[0], p[1], p[2]};
 }
 
-/// The normal, as long as twice the triangle's area.
+/// Returns the normal with the length of twice the triangle's area.
 Vec3 doubleArea(const UnsharedMesh::Corner* triangle, const float* points) {
   const Vec3 a = pointAt(points, triangle[0].point);
   return cross(pointAt(points, triangle[1].point) - a, pointAt(points, triangle[2].point) - a);
@@ -154,11 +154,11 @@ const UnsharedMesh& UnsharedStream::meshOf(std::uint32_t shape, const ShapeTable
   if (meshes_.size() <= shape) {
     meshes_.resize(shape + std::size_t{1});
   }
-  ShapeMesh& known = meshes_[shape];
-  if (!known.read || known.generation != shapes.generation(shape)) {
-    known = {true, shapes.generation(shape), readUnsharedMesh(gl_, shapes[shape])};
+  ShapeMesh& entry = meshes_[shape];
+  if (!entry.read || entry.generation != shapes.generation(shape)) {
+    entry = {true, shapes.generation(shape), readUnsharedMesh(gl_, shapes[shape])};
   }
-  return known.mesh;
+  return entry.mesh;
 }
 
 GLuint UnsharedStream::uploadBody(std::size_t instance, const std::vector<UnsharedVertex>& vertices) {

@@ -12,16 +12,15 @@
 
 namespace limber::render {
 
-/// The obvious way to draw many bodies, kept to measure and to check the real one against: positions
-/// are written to plain memory, then each instance is uploaded into a buffer of its own and drawn by
-/// itself.
+/// The simplest way to draw many bodies, as a reference for tests and benches: positions are written to plain
+/// memory, then each instance is uploaded into its own buffer and has its own draw call.
 class NaiveStream {
  public:
   explicit NaiveStream(const Gl& gl) : gl_(gl) {}
 
-  /// Where the points of the layout's instances are to be written.
+  /// Returns the memory for the points of the layout's instances.
   float* begin(const FrameLayout& layout);
-  /// Uploads them and fills `items`, one for each instance; `places` is where skins are computed.
+  /// Uploads the points and fills `items`, one for each instance; `places` has the computed skins.
   void upload(const FrameLayout& layout, const ShapeTable& shapes, const GlBuffer& places,
               std::vector<DrawItem>& items);
   std::size_t bytes() const;
@@ -34,7 +33,7 @@ class NaiveStream {
   std::vector<GlBuffer> buffers_;
 };
 
-/// A vertex as Bullet's example browser uploads it.
+/// A vertex in the format of Bullet's example browser.
 struct UnsharedVertex {
   Vec3 position;
   float w = 1.0f;
@@ -43,7 +42,7 @@ struct UnsharedVertex {
 };
 static_assert(sizeof(UnsharedVertex) == 36, "uploaded as it lies");
 
-/// The triangles of a shape in plain memory, each with three corners of its own.
+/// The triangles of a shape in plain memory, with three separate corners each.
 struct UnsharedMesh {
   struct Corner {
     std::uint32_t point = 0;
@@ -55,13 +54,13 @@ struct UnsharedMesh {
   bool smooth = false;
 };
 
-/// Read back from the GPU, so that a renderer that never needs it keeps no copy. Not for tubes.
+/// Reads the mesh back from the GPU, so that no copy is kept for other stream paths. Not for tubes.
 UnsharedMesh readUnsharedMesh(const Gl& gl, const GpuShape& shape);
 
-/// Makes vertices from points on the CPU; keeps its memory between calls.
+/// Computes vertices from points on the CPU; reuses its memory.
 class UnsharedVertices {
  public:
-  /// `points`: 3 floats for each point of the mesh. The result lasts until the next call.
+  /// `points`: 3 floats for each point of the mesh. The result is valid until the next call.
   const std::vector<UnsharedVertex>& make(const UnsharedMesh& mesh, const float* points);
 
  private:
@@ -71,18 +70,18 @@ class UnsharedVertices {
   std::vector<UnsharedVertex> vertices_;
 };
 
-/// Bodies drawn as Bullet's example browser draws its soft bodies, kept to measure the real path against:
-/// every frame three vertices per triangle are made on the CPU, normals and all, and each body has
-/// vertices, indices and a vertex array of its own, one upload, and one draw per pass. Kinder than that
-/// browser, which sets seven attributes and some uniforms anew for each draw; its bodies share one buffer.
+/// Draws bodies as Bullet's example browser draws its soft bodies, as a reference for benches. In every frame
+/// the CPU computes three vertices with normals per triangle. Each body has its own vertices, indices and
+/// vertex array, one upload, and one draw call per pass. It does less work than that browser, which sets
+/// seven attributes and some uniforms for each draw and puts its bodies into one buffer.
 class UnsharedStream {
  public:
   explicit UnsharedStream(const Gl& gl) : gl_(gl) {}
 
-  /// Where the points of the layout's instances are to be written. Throws std::runtime_error if one of
-  /// them is a tube or has a skin.
+  /// Returns the memory for the points of the layout's instances. Throws std::runtime_error if one of them is
+  /// a tube or has a skin.
   float* begin(const FrameLayout& layout, const ShapeTable& shapes);
-  /// Uploads their vertices and fills `items`, one for each instance.
+  /// Uploads the vertices and fills `items`, one for each instance.
   void upload(const FrameLayout& layout, const ShapeTable& shapes, std::vector<DrawItem>& items);
   std::size_t uploadedBytes() const { return uploadedBytes_; }  ///< By the last upload().
   std::size_t bytes() const;

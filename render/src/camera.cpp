@@ -14,10 +14,10 @@ namespace limber::render {
 namespace {
 
 constexpr float kMargin = 1.06f;
-constexpr float kSmallestRadius = 1e-3f;
+constexpr float kMinRadius = 1e-3f;
 
-// How far from the centre the eye must be so that a corner (relative to the centre, in view axes)
-// lies inside a view frustum with these tangents.
+// Returns the distance of the eye from the centre at which a corner (relative to the centre, in view axes) is
+// inside a view frustum with these tangents of half angles.
 float distanceFor(Vec3 corner, float tanX, float tanY) {
   return corner.z + std::max(std::abs(corner.x) / tanX, std::abs(corner.y) / tanY);
 }
@@ -42,7 +42,7 @@ Camera frameBox(Vec3 min, Vec3 max, Vec3 direction, float aspect) {
     const Vec3 inView{dot(corner, right), dot(corner, up), dot(corner, back)};
     distance = std::max(distance, distanceFor(inView, tanY * aspect, tanY));
   }
-  const float radius = std::max(length(half), kSmallestRadius);
+  const float radius = std::max(length(half), kMinRadius);
   distance = std::max(distance, 1.01f * radius);
   camera.target = centre;
   camera.eye = centre + distance * back;
@@ -51,16 +51,15 @@ Camera frameBox(Vec3 min, Vec3 max, Vec3 direction, float aspect) {
   return camera;
 }
 
-// The box that is as wide as the circle it turns in is seen from all sides at the distance at which it is
-// seen from one.
+// Frames a square box around the circle in which the box rotates: its distance suits all sides.
 Camera orbitBox(Vec3 min, Vec3 max, Vec3 direction, float aspect, float angle) {
   const Vec3 centre = 0.5f * (min + max);
-  const float reach = 0.5f * std::hypot(max.x - min.x, max.z - min.z);
-  Camera camera = frameBox({centre.x - reach, min.y, centre.z - reach},
-                           {centre.x + reach, max.y, centre.z + reach}, direction, aspect);
-  const Vec3 arm = camera.eye - centre;
+  const float radius = 0.5f * std::hypot(max.x - min.x, max.z - min.z);
+  Camera camera = frameBox({centre.x - radius, min.y, centre.z - radius},
+                           {centre.x + radius, max.y, centre.z + radius}, direction, aspect);
+  const Vec3 offset = camera.eye - centre;
   const float c = std::cos(angle), s = std::sin(angle);
-  camera.eye = centre + Vec3{c * arm.x + s * arm.z, arm.y, c * arm.z - s * arm.x};
+  camera.eye = centre + Vec3{c * offset.x + s * offset.z, offset.y, c * offset.z - s * offset.x};
   return camera;
 }
 
@@ -72,16 +71,16 @@ Light lightBox(Vec3 min, Vec3 max, Light light) {
 
 namespace {
 
-// How far the shadow filter reaches, in texels.
+// Radius of the shadow filter, texels.
 constexpr float kShadowFilterReach = 1.8f;
-// Depth covered by the shadow map, in shadow radii.
+// Depth of the shadow map's volume, in shadow radii.
 constexpr float kShadowDepth = 4.0f;
 
 FrameUniforms::Vec4 vec4(Vec3 v, float w = 0.0f) { return {v.x, v.y, v.z, w}; }
 
 Vec3 linear(Vec3 srgb) { return {srgbToLinear(srgb.x), srgbToLinear(srgb.y), srgbToLinear(srgb.z)}; }
 
-// To [0, 1] in all three axes inside the shadow sphere, y down as the map's rows are.
+// Returns the matrix that maps the shadow sphere to [0, 1] in x and y, with y down like the rows of the map.
 Mat4 worldToShadow(const Light& light, Vec3 towards) {
   const float radius = std::max(light.shadowRadius, 1e-6f);
   const Vec3 eye = light.shadowCentre + (0.5f * kShadowDepth * radius) * towards;
@@ -110,7 +109,7 @@ FrameUniforms makeFrameUniforms(const Camera& camera, const Light& light, const 
       lookAlong(camera.eye, forward, camera.up);
   uniforms.worldToShadow = worldToShadow(light, towards);
   uniforms.eye = vec4(camera.eye);
-  // A texel is 2 radii / size wide; measured in the map's depth that is 2 / (kShadowDepth * size).
+  // A texel is 2 radii / size wide; in units of the map's depth that is 2 / (kShadowDepth * size).
   uniforms.towardsLight =
       vec4(towards, kShadowFilterReach * 2.0f / (kShadowDepth * static_cast<float>(size.shadowMapSize)));
   uniforms.sun = vec4(light.sun);

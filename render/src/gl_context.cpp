@@ -17,17 +17,17 @@
 
 namespace limber::render {
 
-/// Each makes a context that is not yet current, or throws std::runtime_error with the reason.
+/// Each returns a new context, or throws std::runtime_error with the reason.
 std::unique_ptr<GlContext> createOsmesaContext();
 std::unique_ptr<GlContext> createEglContext(const ContextDesc& desc);
-/// Only on devices that are no software rasterisers.
+/// Uses only devices that are not software rasterisers.
 std::unique_ptr<GlContext> createEglGpuContext(const ContextDesc& desc);
 
-/// A library opened at run time. It is never closed again: the drivers behind it register exit
-/// handlers and threads that do not survive unloading.
+/// A library opened at run time. It is never closed: the drivers register exit handlers and threads that
+/// would fail after unloading.
 class SharedLibrary {
  public:
-  /// Opens the first of `names` that can be opened. Throws std::runtime_error with every reason.
+  /// Opens the first of `names` that can be opened. Throws std::runtime_error with all reasons.
   explicit SharedLibrary(const std::vector<std::string>& names);
 
   /// Throws std::runtime_error if there is no such symbol.
@@ -66,8 +66,7 @@ void* SharedLibrary::address(const char* symbol) const {
 
 namespace {
 
-// OSMesa's header exists only where its development package does, so what we need of its stable
-// ABI is written down here.
+// OSMesa's header needs its development package, so the needed part of its stable ABI is declared here.
 using OsmesaContext = void*;
 using OsmesaCreate = OsmesaContext (*)(const int*, OsmesaContext);
 using OsmesaDestroy = void (*)(OsmesaContext);
@@ -117,7 +116,7 @@ class OsmesaGlContext final : public GlContext {
   OsmesaGetProc getProc_;
   OsmesaContext context_ = nullptr;
   std::string name_ = "osmesa";
-  // OSMesa insists on a default framebuffer; nothing is ever drawn into it.
+  // OSMesa requires a default framebuffer; nothing is drawn into it.
   std::array<unsigned char, 4 * kSurfaceSize * kSurfaceSize> surface_{};
 };
 
@@ -143,7 +142,7 @@ struct Egl {
   LIMBER_EGL_FUNCTIONS(LIMBER_EGL_MEMBER)
 #undef LIMBER_EGL_MEMBER
 
-  /// Null if the extension is absent.
+  /// Returns null if the extension is absent.
   template <typename Function>
   Function extension(const char* name) const {
     return reinterpret_cast<Function>(getProc(name));
@@ -162,14 +161,14 @@ struct Platform {
   bool software;
 };
 
-// Drivers that do not say are hardware's: Mesa marks its own rasterisers.
+// Mesa marks its software rasterisers; a device without that mark counts as hardware.
 bool isSoftware(const Egl& egl, EGLDeviceEXT device) {
   const auto query = egl.extension<PFNEGLQUERYDEVICESTRINGEXTPROC>("eglQueryDeviceStringEXT");
   const char* extensions = query == nullptr ? nullptr : query(device, EGL_EXTENSIONS);
   return extensions != nullptr && std::strstr(extensions, "EGL_MESA_device_software") != nullptr;
 }
 
-// Devices come first: they reach the GPU of drivers that lack Mesa's surfaceless platform.
+// Devices work with drivers that do not have Mesa's surfaceless platform.
 std::vector<Platform> listDevices(const Egl& egl, int wantedDevice) {
   std::vector<Platform> platforms;
   std::array<EGLDeviceEXT, 32> devices{};
@@ -224,7 +223,7 @@ class EglGlContext final : public GlContext {
     require(context_ != EGL_NO_CONTEXT, "eglCreateContext");
   }
 
-  // The display stays initialised: it is shared by everything in the process that uses EGL.
+  // The display stays initialised, because all users of EGL in this process share it.
   ~EglGlContext() override {
     release();
     egl_.destroyContext(display_, context_);
@@ -257,7 +256,7 @@ class EglGlContext final : public GlContext {
   EGLContext context_ = EGL_NO_CONTEXT;
 };
 
-// A GPU's device whose driver is not there may end in a rasteriser all the same.
+// Throws if a software rasteriser draws: that happens for a GPU without a driver.
 void requireHardware(const GlContext& context, bool wanted) {
   if (!wanted) {
     return;
@@ -325,17 +324,17 @@ std::unique_ptr<GlContext> adoptContext(std::function<void*(const char*)> getPro
 
 namespace {
 
-struct Try {
+struct Attempt {
   const char* name;
   std::unique_ptr<GlContext> (*create)(const ContextDesc& desc);
 };
 
-// Hardware first. Where there is none OSMesa comes before EGL: both then draw with the same rasteriser,
-// and EGL needs some more libraries.
-std::vector<Try> triesFor(Backend backend) {
-  const Try gpu{"EGL on a GPU", createEglGpuContext};
-  const Try osmesa{"OSMesa", [](const ContextDesc&) { return createOsmesaContext(); }};
-  const Try egl{"EGL", createEglContext};
+// Hardware comes first. Without it OSMesa comes before EGL: both draw with the same rasteriser, and EGL needs
+// more libraries.
+std::vector<Attempt> attemptsFor(Backend backend) {
+  const Attempt gpu{"EGL on a GPU", createEglGpuContext};
+  const Attempt osmesa{"OSMesa", [](const ContextDesc&) { return createOsmesaContext(); }};
+  const Attempt egl{"EGL", createEglContext};
   switch (backend) {
     case Backend::OSMesa:
       return {osmesa};
@@ -352,7 +351,7 @@ std::vector<Try> triesFor(Backend backend) {
 
 std::unique_ptr<GlContext> createContext(const ContextDesc& desc) {
   std::string reasons;
-  for (const Try& attempt : triesFor(desc.backend)) {
+  for (const Attempt& attempt : attemptsFor(desc.backend)) {
     try {
       auto context = attempt.create(desc);
       context->makeCurrent();

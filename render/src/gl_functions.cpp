@@ -34,7 +34,7 @@ void requireVersion(const Gl& gl) {
   }
 }
 
-// 4.5 allows a driver to offer no storage buffers at all in the vertex stage.
+// OpenGL 4.5 allows drivers without storage buffers in the vertex stage.
 void requireVertexStorageBuffers(const Gl& gl) {
   constexpr GLint kNeeded = 4;
   const GLint blocks = integer(gl, GL_MAX_VERTEX_SHADER_STORAGE_BLOCKS);
@@ -72,7 +72,7 @@ Gl loadGl(const GlContext& context) {
   if (gl.name == nullptr) missing += " gl" #name;
   LIMBER_GL_FUNCTIONS(LIMBER_GL_LOAD)
 #undef LIMBER_GL_LOAD
-  // The version explains missing functions better than their names do.
+  // An old version is a better explanation than the names of missing functions.
   if (gl.GetString != nullptr && gl.GetIntegerv != nullptr) {
     requireVersion(gl);
   }
@@ -89,7 +89,7 @@ std::string describeDriver(const Gl& gl) {
 
 void checkGlErrors(const Gl& gl, const char* where) {
   std::string errors;
-  // Bounded, because a lost context reports an error forever.
+  // The loop is bounded, because a lost context returns errors for ever.
   for (int i = 0; i < 8; ++i) {
     const GLenum error = gl.GetError();
     if (error == GL_NO_ERROR) {
@@ -107,7 +107,7 @@ GlBuffer makeBuffer(const Gl& gl, std::size_t bytes, const void* data, GLbitfiel
   gl.CreateBuffers(1, &name);
   const std::size_t size = std::max<std::size_t>(bytes, 1);
   GlBuffer buffer(gl, name, size);
-  // Errors left by others must not be taken for ours.
+  // Clear older errors, so that they are not attributed to this call.
   while (gl.GetError() != GL_NO_ERROR) {
   }
   gl.NamedBufferStorage(name, static_cast<GLsizeiptr>(size), data, flags);
@@ -131,7 +131,7 @@ GlFramebuffer makeFramebuffer(const Gl& gl) {
 
 DebugMessages::DebugMessages(const Gl& gl) : gl_(gl) {
   gl_.Enable(GL_DEBUG_OUTPUT);
-  // Synchronous, so that counts are complete when a call returns and no other thread writes them.
+  // Synchronous: the counts are complete when a call returns, and no other thread changes them.
   gl_.Enable(GL_DEBUG_OUTPUT_SYNCHRONOUS);
   gl_.DebugMessageCallback(&DebugMessages::receive, this);
 }
@@ -140,7 +140,7 @@ DebugMessages::~DebugMessages() { gl_.DebugMessageCallback(nullptr, nullptr); }
 
 void APIENTRY DebugMessages::receive(GLenum, GLenum, GLuint, GLenum severity, GLsizei length,
                                      const GLchar* text, const void* self) {
-  // The C interface hands our own pointer back as const.
+  // The C interface passes our pointer as const.
   auto& messages = *static_cast<DebugMessages*>(const_cast<void*>(self));
   switch (severity) {
     case GL_DEBUG_SEVERITY_HIGH:

@@ -98,13 +98,13 @@ void uploadSurface(const Gl& gl, const ShapeDesc& desc, GpuShape& shape) {
   }
 }
 
-// A block of storage that is larger than the driver can bind would be cut off in silence.
+// A storage block larger than the driver's limit would be truncated without an error.
 void requireBindable(const Gl& gl, const std::string& name, std::size_t bytes) {
-  GLint64 most = 0;
-  gl.GetInteger64v(GL_MAX_SHADER_STORAGE_BLOCK_SIZE, &most);
-  if (bytes > static_cast<std::size_t>(most)) {
+  GLint64 maxBytes = 0;
+  gl.GetInteger64v(GL_MAX_SHADER_STORAGE_BLOCK_SIZE, &maxBytes);
+  if (bytes > static_cast<std::size_t>(maxBytes)) {
     throw std::runtime_error("shape \"" + name + "\": the skin's weights take " + std::to_string(bytes) +
-                             " bytes, but this driver can bind " + std::to_string(most));
+                             " bytes, but this driver can bind " + std::to_string(maxBytes));
   }
 }
 

@@ -15,18 +15,18 @@ constexpr GLenum kColourFormat = GL_SRGB8_ALPHA8;
 constexpr GLenum kDepthFormat = GL_DEPTH_COMPONENT32F;
 
 void requireSize(const Gl& gl, int width, int height, int samples) {
-  GLint largest = 0;
-  GLint mostSamples = 0;
-  gl.GetIntegerv(GL_MAX_TEXTURE_SIZE, &largest);
-  gl.GetIntegerv(GL_MAX_SAMPLES, &mostSamples);
-  if (width < 1 || height < 1 || width > largest || height > largest) {
+  GLint maxSize = 0;
+  GLint maxSamples = 0;
+  gl.GetIntegerv(GL_MAX_TEXTURE_SIZE, &maxSize);
+  gl.GetIntegerv(GL_MAX_SAMPLES, &maxSamples);
+  if (width < 1 || height < 1 || width > maxSize || height > maxSize) {
     throw std::runtime_error("a picture of " + std::to_string(width) + " x " + std::to_string(height) +
-                             " pixels is not possible; each side must be 1 to " + std::to_string(largest));
+                             " pixels is not possible; each side must be 1 to " + std::to_string(maxSize));
   }
-  if (samples < 1 || samples > mostSamples) {
+  if (samples < 1 || samples > maxSamples) {
     throw std::runtime_error(std::to_string(samples) +
                              " samples per pixel are not possible; this driver has 1 to " +
-                             std::to_string(mostSamples));
+                             std::to_string(maxSamples));
   }
 }
 
@@ -96,7 +96,7 @@ void RenderTarget::read(Image& image) const {
 }
 
 void RenderTarget::blitTo(GLuint framebuffer, int x, int y, int width, int height) const {
-  // Bytes are copied as they are: the colours are encoded already, whatever the other calls its format.
+  // Copy the bytes unchanged: the colours are already encoded, whatever the format of the target is.
   gl_.Disable(GL_FRAMEBUFFER_SRGB);
   const bool sameSize = width == width_ && height == height_;
   gl_.BlitNamedFramebuffer(readable(), framebuffer, 0, 0, width_, height_, x, y + height, x + width, y,
@@ -107,21 +107,21 @@ void RenderTarget::blitTo(GLuint framebuffer, int x, int y, int width, int heigh
 namespace {
 
 GlTexture makeDepth(const Gl& gl, int size) {
-  GLint largest = 0;
-  gl.GetIntegerv(GL_MAX_TEXTURE_SIZE, &largest);
-  if (size < 1 || size > largest) {
+  GLint maxSize = 0;
+  gl.GetIntegerv(GL_MAX_TEXTURE_SIZE, &maxSize);
+  if (size < 1 || size > maxSize) {
     throw std::runtime_error("a shadow map of " + std::to_string(size) + " texels per side is not possible");
   }
   GLuint name = 0;
   gl.CreateTextures(GL_TEXTURE_2D, 1, &name);
   GlTexture depth(gl, name, 4 * static_cast<std::size_t>(size) * static_cast<std::size_t>(size));
-  // Fixed point, because OpenGL then clamps what is compared: beyond the map's far end all is lit.
+  // Fixed point, because OpenGL then clamps the compared depth: everything beyond the far end is lit.
   gl.TextureStorage2D(name, 1, GL_DEPTH_COMPONENT24, size, size);
   gl.TextureParameteri(name, GL_TEXTURE_MIN_FILTER, GL_LINEAR);
   gl.TextureParameteri(name, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
   gl.TextureParameteri(name, GL_TEXTURE_COMPARE_MODE, GL_COMPARE_REF_TO_TEXTURE);
   gl.TextureParameteri(name, GL_TEXTURE_COMPARE_FUNC, GL_LEQUAL);
-  // What lies beside the map is lit, too.
+  // Everything beside the map is lit, too.
   const std::array<GLfloat, 4> border{1.0f, 1.0f, 1.0f, 1.0f};
   gl.TextureParameteri(name, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_BORDER);
   gl.TextureParameteri(name, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_BORDER);

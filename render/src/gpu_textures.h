@@ -9,21 +9,21 @@
 
 namespace limber::render {
 
-/// The picture that is drawn into: sRGB colour and depth, optionally multisampled.
+/// The picture that the renderer draws: sRGB colour and depth, optionally multisampled.
 class RenderTarget {
  public:
-  /// Throws std::runtime_error if the driver cannot make a target like this.
+  /// Throws std::runtime_error if the driver does not support this target.
   RenderTarget(const Gl& gl, int width, int height, int samples);
 
   int width() const { return width_; }
   int height() const { return height_; }
   std::size_t bytes() const;
 
-  /// Makes it the target of what follows and clears the depth. The colour is left as it is.
+  /// Binds it as the target of the next draws and clears the depth, not the colour.
   void begin() const;
-  /// Averages the samples; call after the last draw.
+  /// Averages the samples; call it after the last draw.
   void resolve() const;
-  /// Copies the resolved picture, waiting for it.
+  /// Waits for the resolved picture and copies it.
   void read(Image& image) const;
   /// See Renderer::blitTo().
   void blitTo(GLuint framebuffer, int x, int y, int width, int height) const;
@@ -53,7 +53,7 @@ class ShadowMap {
   int size() const { return size_; }
   std::size_t bytes() const { return depth_.bytes(); }
   GLuint texture() const { return depth_.name(); }
-  /// Makes it the target of what follows and clears it.
+  /// Binds it as the target of the next draws and clears it.
   void begin() const;
 
  private:
@@ -63,13 +63,13 @@ class ShadowMap {
   GlFramebuffer framebuffer_;
 };
 
-/// All textures as layers of one array, so that instances of one draw call may differ in theirs.
+/// All textures, as layers of one array, so that instances of one draw call can have different textures.
 class TextureArray {
  public:
   /// `size` texels per side of every layer.
   TextureArray(const Gl& gl, int size);
 
-  /// Returns the layer. Throws std::runtime_error for an empty picture or if there is no room.
+  /// Adds a texture and returns its layer. Throws std::runtime_error if it is empty or there are too many.
   std::uint32_t add(int width, int height, const std::uint8_t* rgba);
   std::uint32_t count() const { return count_; }
   std::size_t bytes() const { return texture_.bytes(); }

@@ -28,13 +28,13 @@ void addArrow(Overlay& overlay, Vec3 from, Vec3 to, Vec3 colour, Vec3 eye, float
 }
 
 void addCross(Overlay& overlay, Vec3 at, float size, Vec3 colour, float width) {
-  for (const Vec3 arm : {Vec3{size, 0.0f, 0.0f}, Vec3{0.0f, size, 0.0f}, Vec3{0.0f, 0.0f, size}}) {
-    overlay.push_back({at - arm, at + arm, colour, width});
+  for (const Vec3 halfLine : {Vec3{size, 0.0f, 0.0f}, Vec3{0.0f, size, 0.0f}, Vec3{0.0f, 0.0f, size}}) {
+    overlay.push_back({at - halfLine, at + halfLine, colour, width});
   }
 }
 
-// In Oklab (Ottosson 2020, "A perceptual color space for image processing") the lightness rises in equal
-// steps from 0.33 to 0.92 while the hue turns at an even chroma.
+// In Oklab (Ottosson 2020, "A perceptual color space for image processing") the lightness rises linearly from
+// 0.33 to 0.92, and the hue changes at constant chroma.
 Vec3 shareColour(float share) {
   const float t = std::clamp(share, 0.0f, 1.0f);
   const float lightness = 0.33f + 0.59f * t;
@@ -58,8 +58,8 @@ float colourBits(Vec3 colour) {
   const auto byte = [](float share) {
     return static_cast<std::uint32_t>(std::lround(255.0f * std::clamp(share, 0.0f, 1.0f)));
   };
-  // The highest byte stays below 255: with all its bits set the word would be a NaN, which may not survive
-  // being moved as a float.
+  // The highest byte stays 0: with all bits set the word could be a NaN, and moving it as a float might
+  // change it.
   const std::uint32_t word = byte(colour.x) | byte(colour.y) << 8u | byte(colour.z) << 16u;
   float bits = 0.0f;
   std::memcpy(&bits, &word, sizeof bits);
@@ -87,7 +87,7 @@ void OverlayLines::upload(const Overlay& overlay) {
 
 namespace {
 
-// A glyph is a list of strokes; each is a run of points "xy" on a grid 4 wide and 6 high with y down.
+// A glyph is a list of strokes. A stroke is a polyline of points "xy" on a grid 4 wide and 6 high, y down.
 struct Glyph {
   char character;
   std::string_view strokes;
@@ -155,30 +155,32 @@ Legend strainLegend(float range) {
 
 namespace {
 
-// Of the picture's height, with the least pixels at which a digit can be read.
-constexpr float kTextShare = 0.022f, kMinText = 7.0f;
-constexpr float kBarShare = 0.018f, kMinBar = 6.0f;
-constexpr float kMarginShare = 0.03f;
-constexpr float kBarWidthShare = 0.22f;  // of its width
+// Fractions of the picture's height, and the smallest readable sizes in pixels.
+constexpr float kTextFraction = 0.022f, kMinText = 7.0f;
+constexpr float kBarFraction = 0.018f, kMinBar = 6.0f;
+constexpr float kMarginFraction = 0.03f;
+constexpr float kBarWidthFraction = 0.22f;  // of the picture's width
 
 constexpr Vec3 kRim{0.97f, 0.97f, 0.97f}, kInk{0.1f, 0.1f, 0.12f};
 
-float textHeight(const BarPlace& bar) { return std::max(bar.height * kTextShare / kBarShare, kMinText); }
+float textHeight(const BarRectangle& bar) {
+  return std::max(bar.height * kTextFraction / kBarFraction, kMinText);
+}
 
 }  // namespace
 
-BarPlace barPlace(std::size_t row, int pictureWidth, int pictureHeight) {
+BarRectangle barRectangle(std::size_t row, int pictureWidth, int pictureHeight) {
   const auto width = static_cast<float>(pictureWidth);
   const auto height = static_cast<float>(pictureHeight);
-  BarPlace bar{0.0f, 0.0f, kBarWidthShare * width, std::max(kMinBar, kBarShare * height)};
-  const float margin = kMarginShare * height;
+  BarRectangle bar{0.0f, 0.0f, kBarWidthFraction * width, std::max(kMinBar, kBarFraction * height)};
+  const float margin = kMarginFraction * height;
   const float rowHeight = bar.height + 2.5f * textHeight(bar);
   bar.left = width - margin - bar.width;
   bar.top = height - margin - bar.height - rowHeight * static_cast<float>(row);
   return bar;
 }
 
-void addNumbers(Overlay& strokes, const Legend& legend, const BarPlace& bar) {
+void addNumbers(Overlay& strokes, const Legend& legend, const BarRectangle& bar) {
   const float size = textHeight(bar);
   const float y = bar.top - 1.5f * size;
   const auto write = [&](const std::string& text, float anchor) {

@@ -23,7 +23,7 @@ class OverlayLines {
   std::size_t bytes() const { return buffer_.bytes(); }
 
  private:
-  /// As overlay.vert reads it.
+  /// The format that overlay.vert reads.
   using Packed = std::array<float, 8>;
 
   const Gl& gl_;
@@ -32,23 +32,23 @@ class OverlayLines {
   GLsizei count_ = 0;
 };
 
-/// Pixels that a text takes from left to right.
+/// Returns the width of a text, pixels.
 float textWidth(std::string_view text, float height);
 
-/// Appends the strokes of a text, in pixels from the picture's upper left corner; `x` and `y` are the text's
-/// own, `height` that of a digit.
+/// Appends the strokes of a text, in pixels from the picture's upper left corner. `x` and `y` are the text's
+/// upper left corner, `height` is that of a digit.
 void addText(Overlay& strokes, std::string_view text, float x, float y, float height, Vec3 colour,
              float width);
 
 /// Pixels from the upper left corner of the picture.
-struct BarPlace {
+struct BarRectangle {
   float left, top, width, height;
 };
 
-/// Where legend number `row`, counted from the bottom, has its bar.
-BarPlace barPlace(std::size_t row, int pictureWidth, int pictureHeight);
+/// Returns the bar of legend number `row`, counted from the bottom.
+BarRectangle barRectangle(std::size_t row, int pictureWidth, int pictureHeight);
 
-/// Appends the strokes of its numbers: a light rim, then dark on top of it, to be read on any ground.
-void addNumbers(Overlay& strokes, const Legend& legend, const BarPlace& bar);
+/// Appends the strokes of the legend's numbers: dark on a light rim, readable on any background.
+void addNumbers(Overlay& strokes, const Legend& legend, const BarRectangle& bar);
 
 }  // namespace limber::render

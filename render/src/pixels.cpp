@@ -13,15 +13,15 @@
 
 namespace limber::render {
 
-/// Fills an area of `target` with the whole of `source`: each pixel is the mean of those under it, in
-/// linear light, or the nearest where there is none. Opaque.
+/// Fills an area of `target` with the whole `source`, opaque. Each pixel is the mean of the source pixels
+/// that it covers, in linear light, or the nearest one if it covers none.
 void drawScaled(const Image& source, Image& target, const PixelArea& area);
 
 namespace {
 
-constexpr std::size_t kLinearWhite = 65535;  // Fine enough to tell the darkest two levels of sRGB by 20.
+constexpr std::size_t kLinearWhite = 65535;  // Fine enough: the two darkest levels of sRGB differ by 20.
 
-// sRGB to linear light and back, in whole numbers: fast, and the same on every machine.
+// Conversion of sRGB to linear light and back in integers: fast, and equal on every machine.
 struct LightTables {
   std::array<std::uint16_t, 256> linear;
   std::array<std::uint8_t, kLinearWhite + 1> srgb;
@@ -65,7 +65,7 @@ struct Range {
   int count;
 };
 
-// Source pixels under pixel i of `count`; at least one.
+// Returns the source pixels that pixel i of `count` covers; at least one.
 Range sourceRange(int i, int count, int sourceCount) {
   const int first = static_cast<int>(static_cast<long long>(i) * sourceCount / count);
   const int last = static_cast<int>((static_cast<long long>(i) + 1) * sourceCount / count);
@@ -138,15 +138,15 @@ struct Tap {
 
 std::size_t wrap(int i, int count) { return static_cast<std::size_t>(((i % count) + count) % count); }
 
-// A tent as wide as one texel of the coarser of both pictures: bilinear when enlarging.
+// A tent filter. Its radius is one texel of the coarser picture, so it is bilinear when it enlarges.
 std::vector<Tap> tapsFor(int target, int targetCount, int sourceCount) {
   const float scale = static_cast<float>(sourceCount) / static_cast<float>(targetCount);
-  const float reach = std::max(scale, 1.0f);
+  const float radius = std::max(scale, 1.0f);
   const float centre = (static_cast<float>(target) + 0.5f) * scale - 0.5f;
   std::vector<Tap> taps;
   float sum = 0.0f;
-  for (int i = static_cast<int>(std::ceil(centre - reach)); static_cast<float>(i) <= centre + reach; ++i) {
-    const float weight = 1.0f - std::abs(static_cast<float>(i) - centre) / reach;
+  for (int i = static_cast<int>(std::ceil(centre - radius)); static_cast<float>(i) <= centre + radius; ++i) {
+    const float weight = 1.0f - std::abs(static_cast<float>(i) - centre) / radius;
     if (weight > 0.0f) {
       taps.push_back({wrap(i, sourceCount), weight});
       sum += weight;
@@ -158,7 +158,7 @@ std::vector<Tap> tapsFor(int target, int targetCount, int sourceCount) {
   return taps;
 }
 
-// Resamples rows to `newWidth` and transposes, so that doing it twice does both directions.
+// Resamples rows to `newWidth` and transposes the picture. Two calls resample both directions.
 std::vector<Pixel> resampleTransposed(const std::vector<Pixel>& in, int width, int height, int newWidth) {
   const auto rows = static_cast<std::size_t>(height);
   std::vector<Pixel> out(static_cast<std::size_t>(newWidth) * rows, Pixel{});

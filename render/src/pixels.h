@@ -7,7 +7,7 @@
 
 namespace limber::render {
 
-/// IEC 61966-2-1, both ways; 0 to 1.
+/// sRGB and linear light, 0 to 1, by IEC 61966-2-1.
 inline float srgbToLinear(float s) {
   return s <= 0.04045f ? s / 12.92f : std::pow((s + 0.055f) / 1.055f, 2.4f);
 }
@@ -23,8 +23,8 @@ struct PixelArea {
   int height = 0;
 };
 
-/// An sRGB RGBA picture, `width` x `height`, filtered in linear light to a square of `size`. Edges
-/// wrap around, as the texture will when it repeats. A picture of that size already is only copied.
+/// Resamples an sRGB RGBA picture of `width` x `height` pixels in linear light to a square of `size`. Edges
+/// wrap around, because the texture repeats. A picture of that size is only copied.
 std::vector<std::uint8_t> resampleToSquare(int width, int height, const std::uint8_t* rgba, int size);
 
 }  // namespace limber::render

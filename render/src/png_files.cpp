@@ -25,9 +25,9 @@
 
 namespace limber::render {
 
-/// A file that is seen whole or not at all: written under a temporary name beside `path`, renamed by
-/// commit(), removed if it does not come to that. Errors are std::runtime_error naming the path and
-/// the reason; after one, only the destructor is of use.
+/// A file that is complete or absent: it is written under a temporary name next to `path` and renamed by
+/// commit(), or removed without it. Throws std::runtime_error with the path and the reason; after an error,
+/// only the destructor may be called.
 class AtomicFile {
  public:
   explicit AtomicFile(std::string path);
@@ -35,13 +35,13 @@ class AtomicFile {
   AtomicFile(const AtomicFile&) = delete;
   AtomicFile& operator=(const AtomicFile&) = delete;
 
-  /// Appends.
+  /// Appends bytes.
   void write(const std::vector<std::uint8_t>& bytes);
-  /// Bytes written so far.
+  /// Returns the number of bytes written so far.
   long size() const;
-  /// Replaces bytes from an offset on; nothing can be appended afterwards.
+  /// Overwrites bytes from an offset on; nothing can be appended after that.
   void overwrite(long offset, const std::vector<std::uint8_t>& bytes);
-  /// Ends the file and gives it its name.
+  /// Ends the file and renames it to `path`.
   void commit();
 
  private:
@@ -81,7 +81,7 @@ void AtomicFile::write(const std::vector<std::uint8_t>& bytes) {
 long AtomicFile::size() const { return std::ftell(file_.get()); }
 
 void AtomicFile::overwrite(long offset, const std::vector<std::uint8_t>& bytes) {
-  // Seeking writes what is still buffered, and that can fail as well.
+  // Seeking writes the buffered bytes, and that can fail, too.
   if (std::fseek(file_.get(), offset, SEEK_SET) != 0) {
     fail(errno);
   }
@@ -89,7 +89,7 @@ void AtomicFile::overwrite(long offset, const std::vector<std::uint8_t>& bytes) 
 }
 
 void AtomicFile::commit() {
-  // So does closing.
+  // Closing also writes the buffered bytes.
   if (std::fclose(file_.release()) != 0 || std::rename(temporary_.c_str(), path_.c_str()) != 0) {
     fail(errno);
   }
@@ -105,8 +105,7 @@ struct PngStyle {
   int filters;  ///< PNG_FILTER_NONE or more.
 };
 
-/// The bytes of a PNG file, RGBA in sRGB. Throws std::runtime_error with the path they are for and libpng's
-/// reason.
+/// Returns the bytes of a PNG file, RGBA in sRGB. Throws std::runtime_error with `path` and libpng's reason.
 std::vector<std::uint8_t> encodePng(const std::string& path, const Image& image, const PngStyle& style);
 
 namespace {
@@ -116,8 +115,8 @@ using ErrorText = std::array<char, 256>;
 
 constexpr std::size_t kBufferBytes = 1 << 16;
 
-// libpng reports errors by leaving through longjmp, so no object with a destructor may live in the
-// functions that call it, and no exception may pass through it.
+// libpng reports errors with longjmp. So the functions that call it must not have objects with destructors,
+// and no exception may pass through it.
 void onError(png_structp png, png_const_charp text) {
   auto& out = *static_cast<ErrorText*>(png_get_error_ptr(png));
   std::snprintf(out.data(), out.size(), "%s", text);
@@ -184,7 +183,7 @@ std::vector<std::uint8_t> encodePng(const std::string& path, const Image& image,
 
 namespace {
 
-// Three times as fast as the default for a tenth more bytes on rendered pictures.
+// Three times as fast as the default; rendered pictures take a tenth more bytes.
 constexpr PngStyle kFast{1, PNG_FILTER_NONE};
 
 [[noreturn]] void failRead(const std::string& path, const char* reason) {
@@ -220,28 +219,28 @@ Image readPng(const std::string& path) {
 // The chunks of an animated PNG (PNG Specification, Third Edition, 5.3 and 11.3.4), each whole: length,
 // type, data and CRC.
 
-/// All chunks of a PNG file before its pixels, with the signature, and its pixels as one zlib stream.
+/// The signature and all chunks of a PNG file before its pixels, and its pixels as one zlib stream.
 struct PngParts {
   std::vector<std::uint8_t> head;
   std::vector<std::uint8_t> pixels;
 };
 PngParts splitPng(const std::vector<std::uint8_t>& png);
 
-/// acTL: an endless loop.
+/// Returns acTL: the number of frames, in an endless loop.
 std::vector<std::uint8_t> animationControl(std::uint32_t frames);
 
-/// fcTL: the frame that follows is laid over an area of the one before, and stays. Shown for numerator /
-/// denominator s.
+/// Returns fcTL: the next frame is drawn over an area of the frame before, stays, and is shown for numerator
+/// / denominator s.
 std::vector<std::uint8_t> frameControl(std::uint32_t sequence, const PixelArea& area,
                                        std::uint16_t delayNumerator, std::uint16_t delayDenominator);
 
-/// IDAT, the first frame's pixels.
+/// Returns IDAT, the first frame's pixels.
 std::vector<std::uint8_t> firstFrame(const std::vector<std::uint8_t>& pixels);
 
-/// fdAT, a later frame's pixels.
+/// Returns fdAT, a later frame's pixels.
 std::vector<std::uint8_t> laterFrame(std::uint32_t sequence, const std::vector<std::uint8_t>& pixels);
 
-/// IEND.
+/// Returns IEND.
 std::vector<std::uint8_t> imageEnd();
 
 namespace {
@@ -252,8 +251,8 @@ constexpr std::size_t kSignatureBytes = 8;
 constexpr std::size_t kTypeBytes = 4;
 constexpr std::size_t kChunkFrame = 12;  // Length, type and CRC.
 constexpr std::uint32_t kForEver = 0;
-constexpr std::uint8_t kKeep = 0;  // dispose_op: the frame stays under the next one.
-constexpr std::uint8_t kOver = 1;  // blend_op: what is transparent shows the frame before.
+constexpr std::uint8_t kKeep = 0;  // dispose_op: the frame stays below the next one.
+constexpr std::uint8_t kOver = 1;  // blend_op: transparent pixels show the frame before.
 
 void put16(Bytes& bytes, std::uint32_t value) {
   bytes.push_back(static_cast<std::uint8_t>(value >> 8 & 255));
@@ -337,14 +336,15 @@ std::vector<std::uint8_t> imageEnd() { return chunk("IEND", {}); }
 
 namespace {
 
-// Filters are for smooth pictures; among transparent pixels they do harm.
+// Without filters: they help smooth pictures, but enlarge pictures with many transparent pixels.
 constexpr PngStyle kSmall{6, PNG_FILTER_NONE};
 
 bool differ(const Image& a, const Image& b, int x, int y) {
   return std::memcmp(a.pixel(x, y), b.pixel(x, y), 4) != 0;
 }
 
-// Around all pixels that differ; one pixel if none does, for a frame cannot be empty.
+// Returns the smallest area with all pixels that differ. If there are none it is one pixel, because a frame
+// cannot be empty.
 PixelArea changedArea(const Image& before, const Image& after) {
   int x0 = after.width, y0 = after.height, x1 = -1, y1 = -1;
   for (int y = 0; y < after.height; ++y) {
@@ -360,7 +360,7 @@ PixelArea changedArea(const Image& before, const Image& after) {
   return y1 < 0 ? PixelArea{0, 0, 1, 1} : PixelArea{x0, y0, x1 - x0 + 1, y1 - y0 + 1};
 }
 
-// An area of a frame, transparent where it is as before.
+// Returns an area of a frame; pixels that have not changed are transparent.
 Image changes(const Image& before, const Image& after, const PixelArea& area) {
   Image out;
   out.resize(area.width, area.height);
@@ -405,7 +405,7 @@ void ApngWriter::add(const Image& image) {
   ++frames_;
 }
 
-// How many frames there are turns out at the end.
+// The number of frames is not known yet: finish() overwrites it.
 void ApngWriter::writeHead(const std::vector<std::uint8_t>& head) {
   file_->write(head);
   animationControlOffset_ = file_->size();

@@ -8,7 +8,7 @@ namespace {
 
 constexpr std::array<const char*, static_cast<std::size_t>(DrawUniform::Count)> kUniformNames{
     "firstPoint", "firstInstance", "pointCount",  "firstNormal", "firstPlace",
-    "placeCount", "invocations",   "shapeRadius", "opacity",     "place"};
+    "placeCount", "invocations",   "shapeRadius", "opacity",     "rectangle"};
 
 class Shader {
  public:
@@ -38,7 +38,7 @@ void compile(const Gl& gl, GLuint shader, const StageSource& source,
     text += "#define " + define + "\n";
   }
   for (std::size_t i = 0; i < source.files.size(); ++i) {
-    // The compiler then says "file:line", counting files from 1.
+    // The compiler then reports "file:line", with files counted from 1.
     text += "#line 1 " + std::to_string(i + 1) + "\n" + shaderSource(source.files[i]);
   }
   const char* start = text.c_str();
@@ -107,7 +107,7 @@ const char* nameOf(VertexSource source) {
 }
 
 std::vector<std::string_view> surfaceVertexFiles() {
-  return {"frame.glsl", "points.glsl", "normals.glsl", "tube.glsl", "surface.vert"};
+  return {"frame.glsl", "points.glsl", "tube.glsl", "surface.vert"};
 }
 
 }  // namespace
@@ -150,9 +150,8 @@ const ShaderProgram& ProgramSet::normals(bool tube) {
   ShaderProgram& program = normals_[tube ? 1 : 0];
   if (program.name() == 0) {
     const char* main = tube ? "tube_frames.comp" : "mesh_normals.comp";
-    program = buildProgram(
-        gl_, {{GL_COMPUTE_SHADER, {"frame.glsl", "points.glsl", "normals.glsl", "tube.glsl", main}}},
-        {"NORMALS_ACCESS writeonly"});
+    program = buildProgram(gl_, {{GL_COMPUTE_SHADER, {"frame.glsl", "points.glsl", "tube.glsl", main}}},
+                           {"NORMALS_ACCESS writeonly"});
   }
   return program;
 }
@@ -170,7 +169,7 @@ const ShaderProgram& ProgramSet::lines() {
   if (lines_.name() == 0) {
     lines_ = buildProgram(gl_,
                           {{GL_VERTEX_SHADER, {"frame.glsl", "points.glsl", "wide_line.glsl", "lines.vert"}},
-                           {GL_FRAGMENT_SHADER, {"oklab.glsl", "strain_colour.glsl", "lines.frag"}}},
+                           {GL_FRAGMENT_SHADER, {"colours.glsl", "lines.frag"}}},
                           {});
   }
   return lines_;
@@ -200,11 +199,10 @@ const ShaderProgram& ProgramSet::backdrop() {
 const ShaderProgram& ProgramSet::legend(ColourMap map) {
   ShaderProgram& program = legends_[map == ColourMap::Strain ? 1 : 0];
   if (program.name() == 0) {
-    program = buildProgram(
-        gl_,
-        {{GL_VERTEX_SHADER, {"frame.glsl", "legend.vert"}},
-         {GL_FRAGMENT_SHADER, {"oklab.glsl", "strain_colour.glsl", "share_colour.glsl", "legend.frag"}}},
-        {map == ColourMap::Strain ? "STRAIN" : "SHARE"});
+    program = buildProgram(gl_,
+                           {{GL_VERTEX_SHADER, {"frame.glsl", "legend.vert"}},
+                            {GL_FRAGMENT_SHADER, {"colours.glsl", "legend.frag"}}},
+                           {map == ColourMap::Strain ? "STRAIN" : "SHARE"});
   }
   return program;
 }

@@ -79,7 +79,7 @@ void Renderer::draw(FrameWriter& frame, const Camera& camera, const Light& light
   try {
     parts_->submit(camera, light, options, overlay);
   } catch (...) {
-    // Some commands may already read the region, so it needs its fence all the same.
+    // Some commands may already read the region, so it needs its fence.
     parts_->closeFrame();
     throw;
   }

@@ -42,7 +42,7 @@ struct OpenFrame {
   GLintptr byteOffset = 0;
 };
 
-// Order matters: what is destroyed last comes first.
+// The order matters: members are destroyed from the last to the first.
 struct Renderer::Parts {
   Parts(GlContext& context, const RendererDesc& rendererDesc);
 
@@ -66,7 +66,7 @@ struct Renderer::Parts {
   std::unique_ptr<DebugMessages> messages;  // Null in a shared context.
   ProgramSet programs;
   std::unique_ptr<RenderTarget> target;
-  std::unique_ptr<ShadowMap> shadowMap;  // Made when the first shadow is cast.
+  std::unique_ptr<ShadowMap> shadowMap;  // Created with the first shadow.
   TextureArray textures;
   GlVertexArray emptyLayout;
   GlBuffer uniforms;
@@ -82,12 +82,12 @@ struct Renderer::Parts {
   UnsharedStream unshared;
   OverlayLines overlayLines;
   OverlayLines numbers;  // Of legends.
-  Overlay strokes;       // Scratch for them.
+  Overlay strokes;       // Memory for their strokes.
   std::vector<DrawItem> items;
   OpenFrame frame;
   FrameStats stats;
-  RingStats pastRings;  // Of stream buffers that were outgrown.
-  std::size_t mostPoints = 0;
+  RingStats pastRings;  // Of stream buffers that were replaced by larger ones.
+  std::size_t maxPoints = 0;
 };
 
 }  // namespace limber::render

@@ -11,7 +11,7 @@
 namespace limber::render {
 namespace {
 
-constexpr float kTurn = 6.28318530718f;
+constexpr float kTwoPi = 6.28318530718f;
 
 // Corner i of a cube has bit 0 for x, bit 1 for y, bit 2 for z; faces counter-clockwise from outside.
 constexpr std::array<std::array<std::uint32_t, 4>, 6> kBoxFaces{
@@ -55,9 +55,9 @@ Scenery makeUvSphere(Vec3 centre, float radius, std::uint32_t rings, std::uint32
   const std::uint32_t south = shape.pointCount - 1;
   addPoint(sphere.points, centre.x, centre.y + radius, centre.z);
   for (std::uint32_t r = 1; r < rings; ++r) {
-    const float polar = 0.5f * kTurn * static_cast<float>(r) / static_cast<float>(rings);
+    const float polar = 0.5f * kTwoPi * static_cast<float>(r) / static_cast<float>(rings);
     for (std::uint32_t s = 0; s < segments; ++s) {
-      const float around = kTurn * static_cast<float>(s) / static_cast<float>(segments);
+      const float around = kTwoPi * static_cast<float>(s) / static_cast<float>(segments);
       addPoint(sphere.points, centre.x + radius * std::sin(polar) * std::cos(around),
                centre.y + radius * std::cos(polar), centre.z - radius * std::sin(polar) * std::sin(around));
     }
@@ -117,10 +117,10 @@ float largestCoordinate(const std::vector<float>& points) {
 
 }  // namespace
 
-// With p0 the origin and p1 to p3 at `reach` along the axes, a place (x, y, z) of the scenery is
+// With p0 the origin and p1 to p3 at `reach` along the axes, a point (x, y, z) of the scenery is at
 //   p0 + (x / reach) (p1 - p0) + (y / reach) (p2 - p0) + (z / reach) (p3 - p0).
-// Measured by its own size a surface has weights of at most 4, so that little is lost far from the
-// world's origin.
+// Because `reach` is the size of the surface, weights are at most 4, and rounding errors stay small far from
+// the world's origin.
 RigidShape makeRigid(const Scenery& scenery) {
   RigidShape rigid{scenery.shape, largestCoordinate(scenery.points)};
   rigid.shape.pointCount = 4;

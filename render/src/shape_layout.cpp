@@ -10,15 +10,15 @@ namespace {
 
 constexpr std::uint32_t kRingsPerSpan = 3;
 constexpr std::uint32_t kRingsPerEnd = 4;
-constexpr float kQuarterTurn = 1.57079632679f;
+constexpr float kHalfPi = 1.57079632679f;
 
 using Ring = SurfaceVertex;
 
-// From the pole to just before the equator, which belongs to the body of the tube.
+// Adds the rings from the pole to the one before the equator, which belongs to the body of the tube.
 void addEnd(std::vector<Ring>& rings, std::uint32_t point, bool first) {
   for (std::uint32_t i = 0; i < kRingsPerEnd; ++i) {
     const std::uint32_t step = first ? i : kRingsPerEnd - 1 - i;
-    const float angle = kQuarterTurn * static_cast<float>(step) / static_cast<float>(kRingsPerEnd);
+    const float angle = kHalfPi * static_cast<float>(step) / static_cast<float>(kRingsPerEnd);
     Ring ring;
     ring.point = point;
     ring.v = first ? 0.0f : 1.0f;

@@ -8,13 +8,13 @@
 
 namespace limber::render {
 
-/// A vertex as the shaders read it. The last three only serve tubes.
+/// A vertex as the shaders read it. The last three members are for tubes only.
 struct SurfaceVertex {
   std::uint32_t point = 0;
   float u = 0.0f, v = 0.0f;
-  float fraction = 0.0f;  ///< Of the way from `point` to the next point.
-  float out = 0.0f;       ///< Profile: radii away from the middle line,
-  float along = 0.0f;     ///< and radii along it (the round ends).
+  float fraction = 0.0f;  ///< Of the distance from `point` to the next point.
+  float out = 0.0f;       ///< Profile: distance from the centre line in radii,
+  float along = 0.0f;     ///< and along it in radii (round ends).
 };
 
 struct SurfaceMesh {
@@ -22,26 +22,26 @@ struct SurfaceMesh {
   std::vector<std::uint32_t> indices;
 };
 
-/// The surface of a tube through `pointCount` points (at least 2): rings of `segments` quads,
-/// several between two points, closed by half spheres. u runs around and v along, both 0 to 1.
+/// Returns the surface of a tube through `pointCount` points (at least 2): rings of `segments` quads, several
+/// rings between two points, and half spheres as ends. u runs around and v along the tube, both 0 to 1.
 SurfaceMesh makeTubeMesh(std::uint32_t pointCount, std::uint32_t segments);
 
-/// Whether a full matrix takes less memory: 4 bytes for each place and point against 8 for each weight.
+/// Returns true if a full matrix takes less memory: 4 bytes per place and point, against 8 per weight.
 bool isDense(const Skin& skin, std::uint32_t pointCount);
 
-/// #points x #places: the weight of point k on place p at k * #places + p.
+/// Returns #points x #places floats: the weight of point k on place p is at k * #places + p.
 std::vector<float> denseWeights(const Skin& skin, std::uint32_t pointCount);
 
-/// 2 x #weights: point and the weight's bits, in the order of the skin.
+/// Returns 2 x #weights integers: point and the weight's bits, in the order of the skin.
 std::vector<std::uint32_t> sparseWeights(const Skin& skin);
 
-/// The triangles at every point (place, if there is a skin), as the other two of each in turn.
+/// For every point (with a skin: place) its triangles, each as its two other points.
 struct PointAdjacency {
   std::vector<std::uint32_t> offsets;  ///< #points + 1, into corners counted in pairs.
   std::vector<std::uint32_t> corners;  ///< 2 per corner: the next and the previous point.
 };
 
-/// `desc` must be valid. Vertices that share a point share its list, so seams stay smooth.
+/// `desc` must be valid. Vertices at the same point share its list, so seams are smooth.
 PointAdjacency makePointAdjacency(const ShapeDesc& desc);
 
 }  // namespace limber::render

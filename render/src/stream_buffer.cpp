@@ -83,7 +83,7 @@ StreamRing::Region& StreamRing::openRegion(const char* caller) {
   return regions_[current_];
 }
 
-/// OpenGL's sync objects as the ring's fences.
+/// The ring's fences as OpenGL sync objects.
 class GlFences final : public FenceSource {
  public:
   explicit GlFences(const Gl& gl) : gl_(gl) {}
@@ -105,7 +105,7 @@ FenceSource::Fence GlFences::insert() {
 }
 
 bool GlFences::wait(Fence fence, std::chrono::nanoseconds timeout) {
-  // Without the flush the fence could sit in an unsent command buffer and never pass.
+  // Without the flush, the fence could stay in an unsent command buffer for ever.
   const GLenum result = gl_.ClientWaitSync(static_cast<GLsync>(fence), GL_SYNC_FLUSH_COMMANDS_BIT,
                                            static_cast<GLuint64>(timeout.count()));
   if (result == GL_WAIT_FAILED) {
@@ -118,7 +118,7 @@ void GlFences::destroy(Fence fence) noexcept { gl_.DeleteSync(static_cast<GLsync
 
 namespace {
 
-// The largest offset alignment that OpenGL lets a driver ask for storage buffers.
+// The largest offset alignment of storage buffers that a driver may require.
 constexpr std::size_t kRegionAlignment = 256;
 constexpr GLbitfield kMapFlags = GL_MAP_WRITE_BIT | GL_MAP_PERSISTENT_BIT | GL_MAP_COHERENT_BIT;
 
