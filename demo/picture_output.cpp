@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "picture_output.h"
 
-#include "folders.h"
+#include "output_files.h"
 
 #include <limber/render/png_file.h>
 

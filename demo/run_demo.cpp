@@ -1,16 +1,14 @@
 // SPDX-License-Identifier: Zlib
 #include "run_demo.h"
 
-#include "folders.h"
 #include "output_files.h"
 #include "picture_output.h"
 #include "progress.h"
-#include "run_figures.h"
 #include "run_report.h"
 #include "scene_renderer.h"
+#include "scenes/end_checks.h"
+#include "scenes/scene.h"
 #include "scenes/scene_list.h"
-#include "scenes/shape_error.h"
-#include "scenes/timeline.h"
 
 #include <algorithm>
 #include <chrono>

@@ -1,11 +1,116 @@
 // SPDX-License-Identifier: Zlib
 #include "scene_renderer.h"
 
-#include "scene_camera.h"
-#include "scene_looks.h"
-#include "scenes/timeline.h"
+#include "scenes/scene.h"
+
+#include <limber/view/velocity_arrows.h>
+
+#include <unordered_map>
 
 namespace limber::demo {
+namespace {
+
+constexpr double kFullTurn = 6.283185307179586;
+
+}  // namespace
+
+render::Camera cameraAt(const scenes::View& view, const DemoOptions& options, double share) {
+  const float aspect = static_cast<float>(options.width) / static_cast<float>(options.height);
+  const render::Vec3 low = toVec3(view.box.min()), high = toVec3(view.box.max());
+  const render::Vec3 direction = toVec3(view.direction);
+  if (options.camera.path == CameraPath::Orbit)
+    return render::orbitBox(low, high, direction, aspect, static_cast<float>(kFullTurn * share));
+  render::Camera camera = render::frameBox(low, high, direction, aspect);
+  if (options.camera.path == CameraPath::Fixed) {
+    camera.eye = toVec3(options.camera.eye);
+    camera.target = toVec3(options.camera.target);
+  }
+  return camera;
+}
+
+render::Light lightOf(const scenes::View& view) {
+  render::Light light;
+  light.towards = {-0.35f, 0.85f, 0.45f};
+  return render::lightBox(toVec3(view.box.min()), toVec3(view.box.max()), light);
+}
+
+view::SoftView::Look softLooks(const scenes::Scene& scene, render::TextureId checker) {
+  std::unordered_map<const SoftBody*, view::SoftLook> looks;
+  for (std::size_t b = 0; b < scene.looks.size(); ++b) {
+    const scenes::BodyLook& look = scene.looks[b];
+    view::SoftLook& shown = looks[scene.soft->body(b)];
+    shown.shading = look.smooth ? render::Shading::Smooth : render::Shading::Flat;
+    shown.instance = {toVec3(look.colour), look.checkered ? checker : render::TextureId{}};
+  }
+  return [looks = std::move(looks)](const SoftBody& body) { return looks.at(&body); };
+}
+
+view::RigidView::Look rigidLooks(const scenes::Scene& scene) {
+  std::unordered_map<const btCollisionObject*, render::InstanceLook> looks;
+  for (const scenes::RigidLook& look : scene.rigidLooks) looks[look.body] = {toVec3(look.colour), {}};
+  return [looks = std::move(looks)](const btCollisionObject& object) { return looks.at(&object); };
+}
+
+render::Image checkerTexture() {
+  constexpr int kSquares = 8, kSquarePixels = 32;
+  constexpr std::uint8_t kLight = 255, kDark = 168;
+  render::Image image;
+  image.resize(kSquares * kSquarePixels, kSquares * kSquarePixels);
+  for (int y = 0; y < image.height; ++y) {
+    for (int x = 0; x < image.width; ++x) {
+      const bool light = (x / kSquarePixels + y / kSquarePixels) % 2 == 0;
+      std::uint8_t* pixel = image.pixel(x, y);
+      pixel[0] = pixel[1] = pixel[2] = light ? kLight : kDark;
+      pixel[3] = 255;
+    }
+  }
+  return image;
+}
+
+namespace {
+
+/// Half of what the scene shows is this far, m: marks are drawn in proportion.
+double viewRadius(const scenes::View& view) { return 0.5 * view.box.diagonal().norm(); }
+
+constexpr double kContactSize = 0.04;  // of the reach
+
+int modeOf(const OverlayChoice& choice) {
+  int mode = btIDebugDraw::DBG_NoDebug;
+  if (choice.contacts) mode |= btIDebugDraw::DBG_DrawContactPoints;
+  if (choice.constraints) mode |= btIDebugDraw::DBG_DrawConstraints | btIDebugDraw::DBG_DrawConstraintLimits;
+  if (choice.boxes) mode |= btIDebugDraw::DBG_DrawAabb;
+  return mode;
+}
+
+/// Bullet asks its actions, among them the soft bodies, to draw themselves in these modes only.
+constexpr int kAsksActions =
+    btIDebugDraw::DBG_DrawWireframe | btIDebugDraw::DBG_DrawAabb | btIDebugDraw::DBG_DrawNormals;
+
+}  // namespace
+
+SceneOverlay::SceneOverlay(const scenes::Scene& scene, const OverlayChoice& choice)
+    : scene_(scene), choice_(choice) {
+  drawer_.setDebugMode(modeOf(choice));
+  drawer_.contactSize = static_cast<float>(kContactSize * viewRadius(scene.view));
+}
+
+const render::Overlay& SceneOverlay::draw(render::Vec3 eye) {
+  drawer_.overlay.clear();
+  const int mode = drawer_.getDebugMode();
+  if (mode != btIDebugDraw::DBG_NoDebug) {
+    btDiscreteDynamicsWorld& world = scene_.world->dynamics;
+    world.setDebugDrawer(&drawer_);
+    world.debugDrawWorld();
+    world.setDebugDrawer(nullptr);
+    if ((mode & kAsksActions) == 0) scene_.soft->debugDraw(drawer_);
+  }
+  if (choice_.velocities) {
+    for (std::size_t b = 0; b < scene_.soft->bodyCount(); ++b)
+      view::addVelocities(drawer_.overlay, *scene_.soft->body(b), kVelocityArrows, eye);
+  }
+  return drawer_.overlay;
+}
+
 namespace {
 
 const render::Vec3 kFloorColour{0.78f, 0.79f, 0.82f};

@@ -2,18 +2,58 @@
 #pragma once
 
 #include "demo_options.h"
-#include "scene_overlay.h"
+#include "scenes/scene.h"
 
+#include <limber/render/camera.h>
 #include <limber/render/gl_context.h>
 #include <limber/render/gl_functions.h>
+#include <limber/render/image.h>
+#include <limber/render/light.h>
+#include <limber/render/overlay.h>
 #include <limber/render/renderer.h>
 #include <limber/render/rigid_shape.h>
+#include <limber/view/debug_drawer.h>
 #include <limber/view/rigid_view.h>
 #include <limber/view/soft_view.h>
+#include <limber/view/velocity_arrows.h>
 
 #include <memory>
 
 namespace limber::demo {
+
+/// The camera at a share (0 to 1) of the run: as the options ask, or one that frames what the scene is about.
+render::Camera cameraAt(const scenes::View& view, const DemoOptions& options, double share);
+
+render::Light lightOf(const scenes::View& view);
+
+inline render::Vec3 toVec3(const Eigen::Vector3d& v) {
+  const Eigen::Vector3f f = v.cast<float>();
+  return {f.x(), f.y(), f.z()};
+}
+inline render::Vec3 toVec3(const Eigen::Vector3f& v) { return {v.x(), v.y(), v.z()}; }
+
+/// What the scene says of its bodies' looks; `checker` is for those that want one. The scene must outlive it.
+view::SoftView::Look softLooks(const scenes::Scene& scene, render::TextureId checker);
+view::RigidView::Look rigidLooks(const scenes::Scene& scene);
+
+/// White and grey squares, to be multiplied with a body's colour.
+render::Image checkerTexture();
+
+inline const view::VelocityArrows kVelocityArrows;
+
+/// The lines that the options ask for. What Bullet draws is at the end of the last tick.
+class SceneOverlay {
+ public:
+  SceneOverlay(const scenes::Scene& scene, const OverlayChoice& choice);
+
+  /// For a picture taken from `eye`; valid until the next call.
+  const render::Overlay& draw(render::Vec3 eye);
+
+ private:
+  const scenes::Scene& scene_;
+  OverlayChoice choice_;
+  view::DebugDrawer drawer_;
+};
 
 /// Which picture of a run.
 struct Moment {

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: Zlib
 #include "cook/cook_options.h"
 
-#include "cook/cook_names.h"
 #include "number_checks.h"
-#include "scenes/read_network.h"
+#include "scenes/networks.h"
 
 #include <CLI/CLI.hpp>
 

@@ -1,21 +1,194 @@
 // SPDX-License-Identifier: Zlib
 #include "cook/network_picture.h"
 
-#include "cook/cook_names.h"
+#include "cook/cook_options.h"
 #include "cook/cook_report.h"
-#include "cook/network_scenery.h"
-#include "cook/picture_legend.h"
-#include "scene_looks.h"
+#include "scene_renderer.h"
 
 #include <limber/render/gl_context.h>
 #include <limber/render/renderer.h>
 
 #include <algorithm>
 #include <array>
+#include <cmath>
+#include <cstdint>
 #include <utility>
 #include <vector>
 
 namespace limber::demo {
+namespace {
+
+constexpr std::uint32_t kSides = 6;
+constexpr double kTurn = 6.283185307179586;
+
+void addPoint(std::vector<float>& points, const Eigen::Vector3d& p) {
+  for (int axis = 0; axis < 3; ++axis) points.push_back(static_cast<float>(p[axis]));
+}
+
+/// Six points around each end and two triangles for each side.
+void addRod(render::Scenery& rods, const Eigen::Vector3d& a, const Eigen::Vector3d& b, double radius) {
+  const Eigen::Vector3d along = (b - a).normalized();
+  const Eigen::Vector3d across = along.unitOrthogonal(), third = along.cross(across);
+  const std::uint32_t first = rods.shape.pointCount;
+  for (std::uint32_t side = 0; side < kSides; ++side) {
+    const double angle = kTurn * side / kSides;
+    const Eigen::Vector3d out = radius * (std::cos(angle) * across + std::sin(angle) * third);
+    addPoint(rods.points, a + out);
+    addPoint(rods.points, b + out);
+    const std::uint32_t here = first + 2 * side, next = first + 2 * ((side + 1) % kSides);
+    for (const std::uint32_t corner : {here, next, next + 1, here, next + 1, here + 1})
+      rods.shape.triangles.push_back(corner);
+  }
+  rods.shape.pointCount += 2 * kSides;
+}
+
+std::vector<Eigen::Vector3d> pointNormals(const SpringNetwork& network) {
+  std::vector<Eigen::Vector3d> normals(network.restPoints.size(), Eigen::Vector3d::Zero());
+  for (const Triangle& t : network.surface) {
+    const Eigen::Vector3d& a = network.restPoints[t[0]];
+    const Eigen::Vector3d twiceArea = (network.restPoints[t[1]] - a).cross(network.restPoints[t[2]] - a);
+    for (const std::uint32_t corner : t) normals[corner] += twiceArea;
+  }
+  for (Eigen::Vector3d& normal : normals) normal.normalize();
+  return normals;
+}
+
+}  // namespace
+
+Eigen::AlignedBox3d boundsOf(const SpringNetwork& network) {
+  Eigen::AlignedBox3d box;
+  for (const Eigen::Vector3d& p : network.restPoints) box.extend(p);
+  return box;
+}
+
+render::Scenery springLines(const SpringNetwork& network, SpringKind kind) {
+  render::Scenery lines;
+  lines.shape.name = "spring lines";
+  for (const NetworkSpring& spring : network.springs) {
+    if (spring.kind == kind) lines.shape.lines.insert(lines.shape.lines.end(), {spring.a, spring.b});
+  }
+  if (lines.shape.lines.empty()) return lines;
+  lines.shape.pointCount = static_cast<std::uint32_t>(network.restPoints.size());
+  for (const Eigen::Vector3d& p : network.restPoints) addPoint(lines.points, p);
+  return lines;
+}
+
+render::Scenery springRods(const SpringNetwork& network, SpringKind kind, double radius) {
+  render::Scenery rods;
+  rods.shape.name = "spring rods";
+  rods.shape.shading = render::Shading::Smooth;
+  for (const NetworkSpring& spring : network.springs) {
+    if (spring.kind == kind) addRod(rods, network.restPoints[spring.a], network.restPoints[spring.b], radius);
+  }
+  return rods;
+}
+
+render::Scenery farWalls(const SpringNetwork& network, double distance) {
+  render::Scenery walls;
+  walls.shape.name = "far walls";
+  if (network.surface.empty()) return walls;
+  walls.shape.pointCount = static_cast<std::uint32_t>(network.restPoints.size());
+  const std::vector<Eigen::Vector3d> normals = pointNormals(network);
+  for (std::size_t i = 0; i < normals.size(); ++i)
+    addPoint(walls.points, network.restPoints[i] + distance * normals[i]);
+  for (const Triangle& t : network.surface)
+    for (const std::uint32_t corner : {t[0], t[2], t[1]}) walls.shape.triangles.push_back(corner);
+  return walls;
+}
+
+namespace {
+
+constexpr int kGlyphWidth = 5, kGlyphHeight = 7;  // dots
+constexpr int kLineDots = 10, kStepDots = 6;      // from line to line, from letter to letter
+constexpr render::Vec3 kInk{0.15f, 0.15f, 0.17f};
+
+// 0 to 9 and a to z: seven rows from the top, five dots each, the leftmost in the highest bit
+constexpr std::array<std::array<std::uint8_t, kGlyphHeight>, 36> kGlyphs{{
+    {0x0e, 0x11, 0x13, 0x15, 0x19, 0x11, 0x0e},  // 0
+    {0x04, 0x0c, 0x04, 0x04, 0x04, 0x04, 0x0e},  // 1
+    {0x0e, 0x11, 0x01, 0x06, 0x08, 0x10, 0x1f},  // 2
+    {0x1e, 0x01, 0x01, 0x0e, 0x01, 0x01, 0x1e},  // 3
+    {0x02, 0x06, 0x0a, 0x12, 0x1f, 0x02, 0x02},  // 4
+    {0x1f, 0x10, 0x1e, 0x01, 0x01, 0x11, 0x0e},  // 5
+    {0x06, 0x08, 0x10, 0x1e, 0x11, 0x11, 0x0e},  // 6
+    {0x1f, 0x01, 0x02, 0x04, 0x08, 0x08, 0x08},  // 7
+    {0x0e, 0x11, 0x11, 0x0e, 0x11, 0x11, 0x0e},  // 8
+    {0x0e, 0x11, 0x11, 0x0f, 0x01, 0x02, 0x0c},  // 9
+    {0x00, 0x00, 0x0e, 0x01, 0x0f, 0x11, 0x0f},  // a
+    {0x10, 0x10, 0x1e, 0x11, 0x11, 0x11, 0x1e},  // b
+    {0x00, 0x00, 0x0e, 0x11, 0x10, 0x11, 0x0e},  // c
+    {0x01, 0x01, 0x0f, 0x11, 0x11, 0x11, 0x0f},  // d
+    {0x00, 0x00, 0x0e, 0x11, 0x1f, 0x10, 0x0e},  // e
+    {0x06, 0x09, 0x08, 0x1c, 0x08, 0x08, 0x08},  // f
+    {0x00, 0x0f, 0x11, 0x11, 0x0f, 0x01, 0x0e},  // g
+    {0x10, 0x10, 0x16, 0x19, 0x11, 0x11, 0x11},  // h
+    {0x04, 0x00, 0x0c, 0x04, 0x04, 0x04, 0x0e},  // i
+    {0x02, 0x00, 0x06, 0x02, 0x02, 0x12, 0x0c},  // j
+    {0x10, 0x10, 0x12, 0x14, 0x18, 0x14, 0x12},  // k
+    {0x0c, 0x04, 0x04, 0x04, 0x04, 0x04, 0x0e},  // l
+    {0x00, 0x00, 0x1a, 0x15, 0x15, 0x15, 0x15},  // m
+    {0x00, 0x00, 0x16, 0x19, 0x11, 0x11, 0x11},  // n
+    {0x00, 0x00, 0x0e, 0x11, 0x11, 0x11, 0x0e},  // o
+    {0x00, 0x00, 0x1e, 0x11, 0x1e, 0x10, 0x10},  // p
+    {0x00, 0x00, 0x0f, 0x11, 0x0f, 0x01, 0x01},  // q
+    {0x00, 0x00, 0x16, 0x19, 0x10, 0x10, 0x10},  // r
+    {0x00, 0x00, 0x0f, 0x10, 0x0e, 0x01, 0x1e},  // s
+    {0x08, 0x08, 0x1c, 0x08, 0x08, 0x09, 0x06},  // t
+    {0x00, 0x00, 0x11, 0x11, 0x11, 0x13, 0x0d},  // u
+    {0x00, 0x00, 0x11, 0x11, 0x11, 0x0a, 0x04},  // v
+    {0x00, 0x00, 0x11, 0x11, 0x15, 0x15, 0x0a},  // w
+    {0x00, 0x00, 0x11, 0x0a, 0x04, 0x0a, 0x11},  // x
+    {0x00, 0x11, 0x11, 0x11, 0x0f, 0x01, 0x0e},  // y
+    {0x00, 0x00, 0x1f, 0x02, 0x04, 0x08, 0x1f},  // z
+}};
+
+const std::array<std::uint8_t, kGlyphHeight>* glyphOf(char letter) {
+  if (letter >= '0' && letter <= '9') return &kGlyphs[static_cast<std::size_t>(letter - '0')];
+  if (letter >= 'a' && letter <= 'z') return &kGlyphs[static_cast<std::size_t>(letter - 'a' + 10)];
+  return nullptr;
+}
+
+std::uint8_t byteOf(float share) { return static_cast<std::uint8_t>(std::lround(255.0f * share)); }
+
+/// A filled square, cut off at the picture's edges.
+void fill(render::Image& image, int left, int top, int side, const render::Vec3& colour) {
+  for (int y = std::max(top, 0); y < std::min(top + side, image.height); ++y) {
+    for (int x = std::max(left, 0); x < std::min(left + side, image.width); ++x) {
+      std::uint8_t* pixel = image.pixel(x, y);
+      pixel[0] = byteOf(colour.x);
+      pixel[1] = byteOf(colour.y);
+      pixel[2] = byteOf(colour.z);
+    }
+  }
+}
+
+void drawGlyph(render::Image& image, int left, int top, int dot,
+               const std::array<std::uint8_t, kGlyphHeight>& rows) {
+  for (int row = 0; row < kGlyphHeight; ++row) {
+    for (int column = 0; column < kGlyphWidth; ++column) {
+      const bool inked = rows[static_cast<std::size_t>(row)] >> (kGlyphWidth - 1 - column) & 1;
+      if (inked) fill(image, left + column * dot, top + row * dot, dot, kInk);
+    }
+  }
+}
+
+}  // namespace
+
+void drawLegend(render::Image& image, const std::vector<LegendEntry>& entries) {
+  const int dot = std::max(1, image.height / (48 * kGlyphHeight));  // pixels
+  int top = kLineDots * dot;
+  for (const LegendEntry& entry : entries) {
+    int left = kLineDots * dot;
+    fill(image, left, top, kGlyphHeight * dot, entry.colour);
+    left += (kGlyphHeight + kStepDots) * dot;
+    for (const char letter : entry.text) {
+      if (const auto* glyph = glyphOf(letter)) drawGlyph(image, left, top, dot, *glyph);
+      left += kStepDots * dot;
+    }
+    top += kLineDots * dot;
+  }
+}
+
 namespace {
 
 constexpr render::Vec3 kWallColour{0.86f, 0.89f, 0.93f};

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Zlib
-#include "scenes/drop_grid.h"
+#include "scenes/arrangement.h"
 #include "scenes/end_checks.h"
 #include "scenes/scene_list.h"
-#include "scenes/shape_error.h"
 
 #include <cstdio>
 

@@ -1,11 +1,8 @@
 // SPDX-License-Identifier: Zlib
-#include "scenes/drop_grid.h"
+#include "scenes/arrangement.h"
 #include "scenes/end_checks.h"
-#include "scenes/palette.h"
-#include "scenes/read_network.h"
+#include "scenes/networks.h"
 #include "scenes/scene_list.h"
-#include "scenes/shape_error.h"
-#include "scenes/surface_bend.h"
 
 #include <algorithm>
 #include <cstdio>

@@ -3,7 +3,32 @@
 
 #include "scenes/scene.h"
 
+#include <limber/soft_body.h>
+
+#include <Eigen/Core>
+
+#include <vector>
+
 namespace limber::scenes {
+
+/// How a deformed shape differs from its shape at rest, wherever it lies and however it is turned.
+struct ShapeError {
+  double relativeRms =
+      0.0;                ///< RMS distance of the points after the best rigid motion, per size of the shape
+  bool mirrored = false;  ///< a reflection would fit better than any rotation: the body is inside out
+};
+
+/// Largest extent of the points along an axis, m.
+double sizeOf(const std::vector<Eigen::Vector3d>& points);
+
+/// Best proper rigid motion from `rest` to `now` by the singular values of their correlation (Kabsch 1976).
+/// Both have #points entries, one or more.
+ShapeError shapeError(const std::vector<Eigen::Vector3d>& rest, const std::vector<Eigen::Vector3d>& now);
+
+/// The rest points of a body at its own scale.
+std::vector<Eigen::Vector3d> restShape(const SoftBody& body);
+
+ShapeError shapeError(const SoftBody& body);
 
 /// Every coordinate is a finite number.
 std::string checkFinite(const Scene& scene);
@@ -29,5 +54,21 @@ Check checkStretch(double relative);
 
 /// No point is inside the ball by more than `metres`.
 Check checkOutsideBall(const Eigen::Vector3d& centre, double radius, double metres);
+
+/// No two closed soft bodies are in one another by more than `metres`.
+Check checkSoftApart(double metres);
+
+/// No soft body and no rigid one, static or not, are in one another by more than `metres`.
+Check checkRigidApart(double metres);
+
+/// Watches what moves from now on, tick by tick: no such body and no soft one may ever be in one another by
+/// more than `metres`, nor a ball by more than 0.3 of its radius. It takes the scene's afterTick.
+void watchMovablesApart(Scene& scene, double metres);
+
+/// No dynamic body moves faster than so many m/s.
+Check checkMovablesCalm(double speed);
+
+/// m, mean of a body's points.
+Eigen::Vector3d middleOf(const SoftBody& body);
 
 }  // namespace limber::scenes

@@ -1,10 +1,8 @@
 // SPDX-License-Identifier: Zlib
-#include "scenes/contact_checks.h"
+#include "scenes/arrangement.h"
 #include "scenes/end_checks.h"
+#include "scenes/networks.h"
 #include "scenes/overlap.h"
-#include "scenes/palette.h"
-#include "scenes/random.h"
-#include "scenes/read_network.h"
 #include "scenes/scene_list.h"
 
 #include <cstdio>

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Zlib
+#include "scenes/arrangement.h"
 #include "scenes/end_checks.h"
-#include "scenes/palette.h"
-#include "scenes/random.h"
 #include "scenes/scene_list.h"
 
 namespace limber::scenes {

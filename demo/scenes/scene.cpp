@@ -1,12 +1,112 @@
 // SPDX-License-Identifier: Zlib
 #include "scenes/scene.h"
 
-#include "scenes/timeline.h"
-
+#include <algorithm>
 #include <chrono>
+#include <cmath>
+#include <limits>
 #include <utility>
 
 namespace limber::scenes {
+
+btRigidBody& addStatic(SceneWorld& world, std::unique_ptr<btCollisionShape> shape,
+                       const Eigen::Vector3d& centre, double friction) {
+  auto body = std::make_unique<btRigidBody>(btScalar(0), nullptr, shape.get());
+  body->getWorldTransform().setOrigin(toBullet(centre));
+  body->setFriction(btScalar(friction));
+  world.dynamics.addRigidBody(body.get());
+  world.shapes.push_back(std::move(shape));
+  world.statics.push_back(std::move(body));
+  return *world.statics.back();
+}
+
+btRigidBody& addMovable(SceneWorld& world, std::unique_ptr<btCollisionShape> shape, double mass,
+                        const Eigen::Vector3d& centre, double friction) {
+  btVector3 inertia(0, 0, 0);
+  if (mass > 0.0) shape->calculateLocalInertia(btScalar(mass), inertia);
+  auto body = std::make_unique<btRigidBody>(btScalar(mass), nullptr, shape.get(), inertia);
+  body->getWorldTransform().setOrigin(toBullet(centre));
+  body->setInterpolationWorldTransform(body->getWorldTransform());
+  body->setFriction(btScalar(friction));
+  if (mass == 0.0) {
+    body->setCollisionFlags(btCollisionObject::CF_KINEMATIC_OBJECT);
+    body->setActivationState(DISABLE_DEACTIVATION);
+  }
+  world.dynamics.addRigidBody(body.get());
+  world.shapes.push_back(std::move(shape));
+  world.movables.push_back(std::move(body));
+  return *world.movables.back();
+}
+
+void moveTo(btRigidBody& body, const Eigen::Vector3d& centre) {
+  btTransform transform = body.getWorldTransform();
+  transform.setOrigin(toBullet(centre));
+  body.setWorldTransform(transform);
+}
+
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+// not a number counts as infinitely far
+double diagonal(const Eigen::AlignedBox3d& box) {
+  if (box.isEmpty()) return 0.0;
+  const double length = box.diagonal().norm();
+  return std::isfinite(length) ? length : kInfinity;
+}
+
+}  // namespace
+
+void RestWatch::look(const SoftBodySystem& soft) {
+  if (ticks_++ % kWindowTicks == 0) {
+    before_ = std::move(present_);
+    present_.clear();
+  }
+  firstPoint_.assign(1, 0);
+  for (std::size_t b = 0; b < soft.bodyCount(); ++b) {
+    firstPoint_.push_back(firstPoint_.back() + soft.body(b)->pointCount());
+  }
+  present_.resize(firstPoint_.back());
+  for (std::size_t b = 0; b < soft.bodyCount(); ++b) {
+    for (std::uint32_t i = 0; i < soft.body(b)->pointCount(); ++i) {
+      present_[firstPoint_[b] + i].extend(soft.body(b)->position(i));
+    }
+  }
+}
+
+double RestWatch::largestMotion(std::size_t body) const {
+  if (before_.size() != present_.size() || body + 1 >= firstPoint_.size()) return kInfinity;
+  double largest = 0.0;
+  for (std::size_t i = firstPoint_[body]; i < firstPoint_[body + 1]; ++i) {
+    largest = std::max({largest, diagonal(present_[i]), diagonal(before_[i])});
+  }
+  return largest;
+}
+
+double RestWatch::largestMotion() const {
+  if (firstPoint_.size() < 2) return kInfinity;
+  double largest = 0.0;
+  for (std::size_t b = 0; b + 1 < firstPoint_.size(); ++b) largest = std::max(largest, largestMotion(b));
+  return largest;
+}
+
+std::int64_t Timeline::ticksFor(std::int64_t frame) const {
+  return (frame * kTicksPerSecond + framesPerSecond - 1) / framesPerSecond;
+}
+
+double Timeline::tickFraction(std::int64_t frame) const {
+  const std::int64_t over = ticksFor(frame) * framesPerSecond - frame * kTicksPerSecond;
+  return 1.0 - static_cast<double>(over) / static_cast<double>(framesPerSecond);
+}
+
+std::int64_t Timeline::frameCount() const { return ticks * framesPerSecond / kTicksPerSecond + 1; }
+
+Timeline timelineOf(double seconds, int framesPerSecond) {
+  // 0.1 s is a hair over 6 ticks in binary: that hair must not become a seventh
+  constexpr double kHair = 1e-9;
+  const double ticks = std::ceil(seconds * static_cast<double>(kTicksPerSecond) - kHair);
+  return {static_cast<std::int64_t>(ticks), framesPerSecond};
+}
 
 void add(TickProfile& sum, const TickProfile& step) {
   sum.gatherMs += step.gatherMs;

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
-#include "scenes/rest_watch.h"
-#include "scenes/scene_world.h"
-
 #include <limber/limber.h>
+#include <limber/soft_body_system.h>
+
+#include <btBulletDynamicsCommon.h>
+#include <Eigen/Core>
+#include <Eigen/Geometry>
 
 #include <cstdint>
 #include <functional>
@@ -14,6 +16,87 @@
 #include <vector>
 
 namespace limber::scenes {
+
+inline btVector3 toBullet(const Eigen::Vector3d& v) {
+  return btVector3(btScalar(v.x()), btScalar(v.y()), btScalar(v.z()));
+}
+
+inline Eigen::Vector3d fromBullet(const btVector3& v) {
+  return {double(v.x()), double(v.y()), double(v.z())};
+}
+
+/// A plain Bullet world under earth's gravity with the rigid bodies in it.
+struct SceneWorld {
+  // the world comes last, so that it goes first, while what is in it still exists
+  std::vector<std::unique_ptr<btCollisionShape>> shapes;
+  std::vector<std::unique_ptr<btRigidBody>> statics;
+  std::vector<std::unique_ptr<btRigidBody>> movables;  ///< dynamic and kinematic ones
+  btDefaultCollisionConfiguration configuration;
+  btCollisionDispatcher dispatcher{&configuration};
+  btDbvtBroadphase broadphase;
+  btSequentialImpulseConstraintSolver solver;
+  btDiscreteDynamicsWorld dynamics{&dispatcher, &broadphase, &solver, &configuration};
+
+  SceneWorld() { dynamics.setGravity(btVector3(0, btScalar(-9.81), 0)); }
+  SceneWorld(const SceneWorld&) = delete;
+  SceneWorld& operator=(const SceneWorld&) = delete;
+};
+
+/// Adds an immovable body of the given shape and friction.
+btRigidBody& addStatic(SceneWorld& world, std::unique_ptr<btCollisionShape> shape,
+                       const Eigen::Vector3d& centre, double friction);
+
+/// Adds a body of that mass in kg, or, with mass 0, a kinematic one, which the scene moves.
+btRigidBody& addMovable(SceneWorld& world, std::unique_ptr<btCollisionShape> shape, double mass,
+                        const Eigen::Vector3d& centre, double friction);
+
+/// Moves a kinematic body; it gets there during the next tick.
+void moveTo(btRigidBody& body, const Eigen::Vector3d& centre);
+
+/// How far points have moved of late. Positions tell whether a body is calm; velocities do not: those of a
+/// body that rests on a floor carry the phase of its substeps.
+///
+/// Keeps the box each point has stayed in, for the present half second and for the one before it.
+class RestWatch {
+ public:
+  static constexpr std::int64_t kWindowTicks = 30;
+
+  /// Call once after every tick.
+  void look(const SoftBodySystem& soft);
+
+  /// m, the largest diagonal of a point's box in the last half to whole second; infinite before the first
+  /// half second is over, and for points that are not finite.
+  double largestMotion() const;
+  /// The same for the points of one body.
+  double largestMotion(std::size_t body) const;
+
+ private:
+  using Boxes = std::vector<Eigen::AlignedBox3d>;
+
+  std::vector<std::size_t> firstPoint_;  // #bodies + 1
+  Boxes present_, before_;               // #points of all bodies
+  std::int64_t ticks_ = 0;
+};
+
+constexpr std::int64_t kTicksPerSecond = 60;
+
+/// When pictures are taken of a run of whole ticks. Frame k shows time k / fps: the world after the first
+/// tick that does not end before it, or, if that ends later, between this tick and the one before. Integers
+/// only, so that no rounding ever adds or drops a tick.
+struct Timeline {
+  std::int64_t ticks = 0;            ///< of the whole run
+  std::int64_t framesPerSecond = 1;  ///< at least 1
+
+  /// Ticks to do before frame k is drawn.
+  std::int64_t ticksFor(std::int64_t frame) const;
+  /// Where in the last of them frame k lies: above 0, and 1 at its end.
+  double tickFraction(std::int64_t frame) const;
+  /// Frames from time 0 to the end of the run, both included.
+  std::int64_t frameCount() const;
+};
+
+/// The timeline of at least `seconds`.
+Timeline timelineOf(double seconds, int framesPerSecond);
 
 /// What a user may choose. What is left out is the scene's own choice.
 struct SceneOptions {

@@ -1,11 +1,9 @@
 // SPDX-License-Identifier: Zlib
-#include "scenes/contact_checks.h"
+#include "scenes/arrangement.h"
 #include "scenes/end_checks.h"
-#include "scenes/palette.h"
-#include "scenes/random.h"
-#include "scenes/read_network.h"
+#include "scenes/networks.h"
+#include "scenes/scene.h"
 #include "scenes/scene_list.h"
-#include "scenes/timeline.h"
 
 #include <cmath>
 

@@ -4,8 +4,8 @@ vec3 backgroundColour() {
   return mix(frame.backgroundTop.rgb, frame.backgroundBottom.rgb, smoothstep(0.0, 1.0, down));
 }
 
-// Eight bits are too few for gradients this gentle: they would show as bands. Half a level up or down, by a noise
-// without visible pattern (Jimenez 2014, "Next generation post processing in Call of Duty", slide 123), hides them.
+// Adds noise of half a level up or down: such a gentle gradient would show bands in 8 bits. The noise has no visible
+// pattern (Jimenez 2014, "Next generation post processing in Call of Duty", slide 123).
 // A level of sRGB is about 2.2 sqrt(c) / 255 of linear light at c.
 vec3 dithered(vec3 colour) {
   float noise = fract(52.9829189 * fract(dot(floor(gl_FragCoord.xy), vec2(0.06711056, 0.00583715))));

@@ -1,4 +1,4 @@
-// What every stage may know of the frame and of the draw call; mirrored by FrameUniforms in C++.
+// Data of the frame and of the draw call for all stages; equal to FrameUniforms in C++.
 layout(std140, binding = 0) uniform Frame {
   mat4 viewProjection;
   mat4 worldToShadow;    // To shadow map coordinates in x and y, depth in z.
@@ -12,10 +12,10 @@ layout(std140, binding = 0) uniform Frame {
   vec4 viewport;         // Width, height; line width in pixels; one over the strain range.
 } frame;
 
-// Points are what is bound there: where a shape has a skin, its places, except to those who draw lines
+// "Points" is the bound buffer. For a shape with a skin these are its places, except in the shaders that draw lines
 // or compute the skin.
 uniform uint firstPoint;     // Of the first instance, in Points.
 uniform uint firstInstance;  // In Instances.
 uniform uint pointCount;     // Per instance.
 uniform uint firstNormal;    // Of the first instance, in Normals.
-uniform float shapeRadius;   // Of the tube, or where the grid has faded away.
+uniform float shapeRadius;   // Of the tube, or at which the grid has faded out.

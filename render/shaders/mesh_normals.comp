@@ -1,9 +1,9 @@
-// The normal of a point is the sum of the cross products of its triangles (twice their area), which
-// weights them by area. One invocation per point, so nothing is added up by several threads.
+// The normal of a point is the normalised sum of the cross products of its triangles. Their length is twice the area,
+// so the triangles are weighted by area. One invocation per point, so that no two threads add to the same sum.
 layout(local_size_x = 64) in;
 
 layout(std430, binding = 4) readonly buffer Offsets { uint offsets[]; };  // Into Corners, by point.
-layout(std430, binding = 5) readonly buffer Corners { uvec2 corners[]; };  // The triangle's next two.
+layout(std430, binding = 5) readonly buffer Corners { uvec2 corners[]; };  // The two other points of a triangle.
 
 uniform uint invocations;
 

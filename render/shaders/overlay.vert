@@ -1,10 +1,10 @@
-// Two entries a line: an end and the bits of the colour; the other end and the width in pixels.
+// Two entries per line: one end and the bits of the colour; the other end and the width in pixels.
 layout(std430, binding = 3) readonly buffer Lines { vec4 ends[]; };
 
 flat out vec3 colour;
 
 #ifdef ON_SCREEN
-// Ends in pixels from the upper left; longer than the line by its width, to close the corners of a run.
+// Ends in pixels from the upper left. The stroke is longer than the line by its width, to close corners of polylines.
 vec4 strokeCorner(vec2 from, vec2 to, uint corner, float width) {
   vec2 along = 0.5 * width * normalize(to - from);
   bool atEnd = corner == 1u || corner == 2u || corner == 4u;
@@ -24,7 +24,7 @@ void main() {
   gl_Position = strokeCorner(from.xy, to.xy, uint(gl_VertexID) % 6u, width);
 #else
   gl_Position = wideLineCorner(from.xyz, to.xyz, uint(gl_VertexID) % 6u, width);
-  // What lies on a surface is to be seen: this brings it nearer by 1 cm at 5 m (with the usual near plane).
+  // Lines on a surface must be visible: this moves them nearer by 1 cm at 5 m (with the usual near plane).
   gl_Position.z -= 2e-5 * gl_Position.w;
 #endif
 }

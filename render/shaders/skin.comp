@@ -1,11 +1,11 @@
-// A place of a skin is the weighted sum of the points it follows. One invocation per place.
+// A place of a skin is the weighted sum of its points. One invocation per place.
 layout(local_size_x = 64) in;
 
 #ifdef DENSE
 layout(std430, binding = 5) readonly buffer Weights { float weights[]; };  // By point, then by place.
 #else
 layout(std430, binding = 4) readonly buffer First { uint first[]; };      // Into Weights, by place.
-layout(std430, binding = 5) readonly buffer Weights { uvec2 weights[]; };  // A point, and its weight's bits.
+layout(std430, binding = 5) readonly buffer Weights { uvec2 weights[]; };  // A point and the bits of its weight.
 #endif
 layout(std430, binding = 6) writeonly buffer Places { float places[]; };
 

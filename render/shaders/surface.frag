@@ -11,16 +11,16 @@ layout(binding = 1) uniform sampler2DShadow shadowMap;
 
 layout(location = 0) out vec4 result;
 
-// The triangle's own normal, towards the viewer. Derivatives of toEye rather than of the position,
-// because the numbers stay small far from the origin.
+// The triangle's normal, towards the viewer. It uses derivatives of toEye, not of the position, because its values
+// stay small far from the origin.
 vec3 faceNormal() {
   vec3 normal = cross(dFdx(toEye), dFdy(toEye));
   return normalize(dot(normal, toEye) < 0.0 ? -normal : normal);
 }
 
 #ifdef SHADOWS
-// The bias is the depth that a plane of this slope gains across the filter's width: enough against
-// acne at every angle, and nearly nothing where the light falls straight on, so contacts stay dark.
+// The bias is the change of depth of a plane with this slope across the filter's width. It prevents acne at every
+// angle and is small where the light is perpendicular, so that contacts stay dark.
 float sunlight(float facing) {
   float tangent = min(sqrt(max(1.0 - facing * facing, 0.0)) / max(facing, 0.05), 12.0);
   vec3 coord = vec3(shadowCoord.xy, shadowCoord.z - frame.towardsLight.w * (0.5 + tangent));
@@ -37,7 +37,7 @@ float sunlight(float facing) {
 #endif
 
 #ifdef GRID
-// How much of a pixel-wide window around x is covered by lines of a width at every whole number.
+// Fraction of a window of one pixel around x that is covered by lines of a width at every integer.
 float lineCoverage(float x, float width, float pixel) {
   float window = max(pixel, 1e-6);
   float low = x - 0.5 * window + 0.5 * width;
@@ -62,14 +62,14 @@ vec3 surfaceColour() {
   colour = gridColour(colour);
 #endif
 #ifdef TEXTURED
-  // Instances without a texture have a layer below 0.
+  // The layer is below 0 for instances without a texture.
   vec3 texel = texture(textures, vec3(uv, look.a)).rgb;
   colour *= look.a >= 0.0 ? texel : vec3(1.0);
 #endif
   return colour;
 }
 
-// cos^48 by multiplication: a power costs several times as much on a software rasteriser.
+// cos^48 by multiplication: pow() costs several times as much on a software rasteriser.
 float highlight(float cosine) {
   float c2 = cosine * cosine;
   float c4 = c2 * c2;
@@ -95,7 +95,7 @@ void main() {
   vec3 light = frame.towardsLight.xyz;
   float facing = dot(normal, light);
 #ifdef TWO_SIDED
-  // Thin cloth lets some light through to the side turned away from the sun.
+  // Thin cloth transmits some light to the side that faces away from the sun.
   float lit = facing > 0.0 ? facing : -0.3 * facing;
   float sun = 1.0;
 #else
@@ -108,8 +108,8 @@ void main() {
   }
 #endif
 #if defined(SMOOTH) && !defined(TWO_SIDED)
-  // A facet turned away from the light shadows itself, though its smooth normal still sees the
-  // light. Fading the sun out before that happens hides the facet's edge.
+  // A triangle that faces away from the light is in its own shadow, even if its smooth normal faces the light. The sun
+  // fades out before that, which hides the triangle's edge.
   sun *= smoothstep(0.0, 0.25, facing);
 #endif
   vec3 middle = normalize(light + normalize(toEye));

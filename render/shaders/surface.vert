@@ -5,14 +5,14 @@ layout(location = 2) in vec3 vertexNormal;
 layout(location = 0) in uint vertexPoint;
 #endif
 #ifdef WELDED
-// The indices are points themselves, each shaded once however many seams it lies on.
+// The indices are points, so that a point on several seams is processed only once.
 #define vertexPoint uint(gl_VertexID)
 #define vertexUv vec2(0.0)
 #else
 layout(location = 1) in vec2 vertexUv;
 #endif
 #ifdef TUBE
-layout(location = 2) in vec3 vertexRing;  // Fraction of the way to the next point; profile out, along.
+layout(location = 2) in vec3 vertexRing;  // Fraction of the distance to the next point; profile out, along.
 #endif
 
 layout(std430, binding = 2) readonly buffer Instances { vec4 instances[]; };  // Colour, texture layer.
@@ -34,7 +34,7 @@ vec3 normalAt(uint index) {
 #endif
 
 #ifdef TUBE
-// Position and normal; `base` and `frameBase` are the first point and first side vector of the rope.
+// Computes position and normal; `base` and `frameBase` are the first point and first side vector of the rope.
 void tubeVertex(uint base, uint frameBase, out vec3 position, out vec3 normal) {
   int k = int(vertexPoint);
   float t = vertexRing.x;

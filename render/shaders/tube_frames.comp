@@ -1,5 +1,5 @@
-// For each point of a rope a side vector across it, turned along from the first point so that it
-// never twists. Each depends on the one before, so one invocation walks a whole rope.
+// Computes a side vector, perpendicular to the rope, for each point. It is carried along from the first point without
+// twist. Each depends on the one before, so one invocation computes a whole rope.
 layout(local_size_x = 64) in;
 
 uniform uint invocations;

@@ -1,9 +1,9 @@
-// A line as a rectangle of some pixels' width: wide lines proper are optional in OpenGL. `corner` is 0 to 5,
-// of two triangles.
+// A corner of a line drawn as a rectangle with a width in pixels: wide lines are optional in OpenGL. `corner` is 0 to 5,
+// in two triangles.
 vec4 wideLineCorner(vec3 p, vec3 q, uint corner, float width) {
   vec4 a = frame.viewProjection * vec4(p, 1.0);
   vec4 b = frame.viewProjection * vec4(q, 1.0);
-  // A point behind the eye has no place on the screen: cut the line at the near plane (z = 0).
+  // A point behind the eye cannot be projected: cut the line at the near plane (z = 0).
   if (a.z < 0.0 && b.z > 0.0) {
     a = mix(a, b, a.z / (a.z - b.z));
   } else if (b.z < 0.0 && a.z > 0.0) {

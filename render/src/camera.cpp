@@ -1,20 +1,23 @@
 // SPDX-License-Identifier: Zlib
 #include "limber/render/camera.h"
 
+#include "frame_passes.h"
+#include "limber/render/light.h"
+#include "mat4.h"
+#include "pixels.h"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
-
-#include "mat4.h"
 
 namespace limber::render {
 namespace {
 
 constexpr float kMargin = 1.06f;
-constexpr float kSmallestRadius = 1e-3f;
+constexpr float kMinRadius = 1e-3f;
 
-// How far from the centre the eye must be so that a corner (relative to the centre, in view axes)
-// lies inside a view frustum with these tangents.
+// Returns the distance of the eye from the centre at which a corner (relative to the centre, in view axes) is
+// inside a view frustum with these tangents of half angles.
 float distanceFor(Vec3 corner, float tanX, float tanY) {
   return corner.z + std::max(std::abs(corner.x) / tanX, std::abs(corner.y) / tanY);
 }
@@ -39,7 +42,7 @@ Camera frameBox(Vec3 min, Vec3 max, Vec3 direction, float aspect) {
     const Vec3 inView{dot(corner, right), dot(corner, up), dot(corner, back)};
     distance = std::max(distance, distanceFor(inView, tanY * aspect, tanY));
   }
-  const float radius = std::max(length(half), kSmallestRadius);
+  const float radius = std::max(length(half), kMinRadius);
   distance = std::max(distance, 1.01f * radius);
   camera.target = centre;
   camera.eye = centre + distance * back;
@@ -48,17 +51,74 @@ Camera frameBox(Vec3 min, Vec3 max, Vec3 direction, float aspect) {
   return camera;
 }
 
-// The box that is as wide as the circle it turns in is seen from all sides at the distance at which it is
-// seen from one.
-Camera orbitBox(Vec3 min, Vec3 max, Vec3 direction, float aspect, float turn) {
+// Frames a square box around the circle in which the box rotates: its distance suits all sides.
+Camera orbitBox(Vec3 min, Vec3 max, Vec3 direction, float aspect, float angle) {
   const Vec3 centre = 0.5f * (min + max);
-  const float reach = 0.5f * std::hypot(max.x - min.x, max.z - min.z);
-  Camera camera = frameBox({centre.x - reach, min.y, centre.z - reach},
-                           {centre.x + reach, max.y, centre.z + reach}, direction, aspect);
-  const Vec3 arm = camera.eye - centre;
-  const float c = std::cos(turn), s = std::sin(turn);
-  camera.eye = centre + Vec3{c * arm.x + s * arm.z, arm.y, c * arm.z - s * arm.x};
+  const float radius = 0.5f * std::hypot(max.x - min.x, max.z - min.z);
+  Camera camera = frameBox({centre.x - radius, min.y, centre.z - radius},
+                           {centre.x + radius, max.y, centre.z + radius}, direction, aspect);
+  const Vec3 offset = camera.eye - centre;
+  const float c = std::cos(angle), s = std::sin(angle);
+  camera.eye = centre + Vec3{c * offset.x + s * offset.z, offset.y, c * offset.z - s * offset.x};
   return camera;
+}
+
+Light lightBox(Vec3 min, Vec3 max, Light light) {
+  light.shadowCentre = 0.5f * (min + max);
+  light.shadowRadius = std::max(1.02f * 0.5f * length(max - min), 1e-3f);
+  return light;
+}
+
+namespace {
+
+// Radius of the shadow filter, texels.
+constexpr float kShadowFilterReach = 1.8f;
+// Depth of the shadow map's volume, in shadow radii.
+constexpr float kShadowDepth = 4.0f;
+
+FrameUniforms::Vec4 vec4(Vec3 v, float w = 0.0f) { return {v.x, v.y, v.z, w}; }
+
+Vec3 linear(Vec3 srgb) { return {srgbToLinear(srgb.x), srgbToLinear(srgb.y), srgbToLinear(srgb.z)}; }
+
+// Returns the matrix that maps the shadow sphere to [0, 1] in x and y, with y down like the rows of the map.
+Mat4 worldToShadow(const Light& light, Vec3 towards) {
+  const float radius = std::max(light.shadowRadius, 1e-6f);
+  const Vec3 eye = light.shadowCentre + (0.5f * kShadowDepth * radius) * towards;
+  const Mat4 view = lookAlong(eye, -1.0f * towards, {0.0f, 1.0f, 0.0f});
+  Mat4 scale;
+  scale.at(0, 0) = 0.5f / radius;
+  scale.at(1, 1) = -0.5f / radius;
+  scale.at(2, 2) = -1.0f / (kShadowDepth * radius);
+  scale.at(0, 3) = 0.5f;
+  scale.at(1, 3) = 0.5f;
+  scale.at(3, 3) = 1.0f;
+  return scale * view;
+}
+
+}  // namespace
+
+FrameUniforms makeFrameUniforms(const Camera& camera, const Light& light, const DrawOptions& options,
+                                const PictureSize& size) {
+  const auto width = static_cast<float>(size.width);
+  const auto height = static_cast<float>(size.height);
+  const Vec3 towards = unitOr(light.towards, {0.0f, 1.0f, 0.0f});
+  const Vec3 forward = unitOr(camera.target - camera.eye, {0.0f, 0.0f, -1.0f});
+  FrameUniforms uniforms;
+  uniforms.viewProjection =
+      perspective(camera.verticalFieldOfView, width / height, camera.nearPlane, camera.farPlane) *
+      lookAlong(camera.eye, forward, camera.up);
+  uniforms.worldToShadow = worldToShadow(light, towards);
+  uniforms.eye = vec4(camera.eye);
+  // A texel is 2 radii / size wide; in units of the map's depth that is 2 / (kShadowDepth * size).
+  uniforms.towardsLight =
+      vec4(towards, kShadowFilterReach * 2.0f / (kShadowDepth * static_cast<float>(size.shadowMapSize)));
+  uniforms.sun = vec4(light.sun);
+  uniforms.sky = vec4(light.sky);
+  uniforms.ground = vec4(light.ground);
+  uniforms.backgroundTop = vec4(linear(options.backgroundTop));
+  uniforms.backgroundBottom = vec4(linear(options.backgroundBottom));
+  uniforms.viewport = {width, height, options.lineWidth, 1.0f / std::max(options.strainRange, 1e-6f)};
+  return uniforms;
 }
 
 }  // namespace limber::render

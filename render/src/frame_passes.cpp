@@ -7,7 +7,7 @@ namespace limber::render {
 namespace {
 
 constexpr std::uint32_t kGroupSize = 64;
-constexpr std::uint32_t kMaxGroupsPerRow = 65535;  // The least that OpenGL allows.
+constexpr std::uint32_t kMaxGroupsPerRow = 65535;  // The limit that every OpenGL driver supports.
 
 void setUniforms(const PassContext& pass, const ShaderProgram& program, const DrawItem& item,
                  std::uint32_t first, std::uint32_t count) {
@@ -82,7 +82,7 @@ void setCulling(const Gl& gl, bool on) {
 }  // namespace
 
 void computePlaces(const PassContext& pass) {
-  // The passes of the frame before may still be reading what is now overwritten.
+  // The passes of the previous frame may still read the buffer that is now overwritten.
   pass.gl.MemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
   for (const DrawItem& item : pass.items) {
     const GpuShape& shape = *item.shape;
@@ -128,7 +128,7 @@ void castShadows(const PassContext& pass, const ShadowMap& map) {
   map.begin();
   pass.gl.Enable(GL_DEPTH_TEST);
   pass.gl.DepthFunc(GL_LESS);
-  // Casters nearer to the light than the map reaches are flattened onto its near end, not lost.
+  // Casters in front of the map's near plane are clamped to it, not lost.
   pass.gl.Enable(GL_DEPTH_CLAMP);
   setCulling(pass.gl, false);
   for (const DrawItem& item : pass.items) {
@@ -212,13 +212,13 @@ void drawOverlay(const PassContext& pass, const OverlayLines& lines, float hidde
   gl.DepthMask(GL_TRUE);
 }
 
-void drawLegend(const PassContext& pass, ColourMap map, const BarPlace& bar) {
+void drawLegend(const PassContext& pass, ColourMap map, const BarRectangle& bar) {
   const ShaderProgram& program = pass.programs.legend(map);
   pass.gl.Disable(GL_DEPTH_TEST);
   setCulling(pass.gl, false);
   pass.gl.UseProgram(program.name());
-  pass.gl.ProgramUniform4f(program.name(), program.location(DrawUniform::Place), bar.left, bar.top, bar.width,
-                           bar.height);
+  pass.gl.ProgramUniform4f(program.name(), program.location(DrawUniform::Rectangle), bar.left, bar.top,
+                           bar.width, bar.height);
   pass.gl.BindVertexArray(pass.emptyLayout);
   pass.gl.DrawArraysInstanced(GL_TRIANGLE_STRIP, 0, 4, 1);
   ++pass.stats.drawCalls;

@@ -1,11 +1,15 @@
 // SPDX-License-Identifier: Zlib
 #include "limber/render/gl_functions.h"
 
+#include "limber/render/gl_context.h"
+#include "limber/render/gl_debug_messages.h"
+#include "limber/render/gl_objects.h"
+
+#include <algorithm>
 #include <array>
 #include <stdexcept>
+#include <string>
 #include <string_view>
-
-#include "limber/render/gl_context.h"
 
 namespace limber::render {
 namespace {
@@ -30,7 +34,7 @@ void requireVersion(const Gl& gl) {
   }
 }
 
-// 4.5 allows a driver to offer no storage buffers at all in the vertex stage.
+// OpenGL 4.5 allows drivers without storage buffers in the vertex stage.
 void requireVertexStorageBuffers(const Gl& gl) {
   constexpr GLint kNeeded = 4;
   const GLint blocks = integer(gl, GL_MAX_VERTEX_SHADER_STORAGE_BLOCKS);
@@ -68,7 +72,7 @@ Gl loadGl(const GlContext& context) {
   if (gl.name == nullptr) missing += " gl" #name;
   LIMBER_GL_FUNCTIONS(LIMBER_GL_LOAD)
 #undef LIMBER_GL_LOAD
-  // The version explains missing functions better than their names do.
+  // An old version is a better explanation than the names of missing functions.
   if (gl.GetString != nullptr && gl.GetIntegerv != nullptr) {
     requireVersion(gl);
   }
@@ -85,7 +89,7 @@ std::string describeDriver(const Gl& gl) {
 
 void checkGlErrors(const Gl& gl, const char* where) {
   std::string errors;
-  // Bounded, because a lost context reports an error forever.
+  // The loop is bounded, because a lost context returns errors for ever.
   for (int i = 0; i < 8; ++i) {
     const GLenum error = gl.GetError();
     if (error == GL_NO_ERROR) {
@@ -96,6 +100,63 @@ void checkGlErrors(const Gl& gl, const char* where) {
   if (!errors.empty()) {
     throw std::runtime_error(std::string(where) + ":" + errors);
   }
+}
+
+GlBuffer makeBuffer(const Gl& gl, std::size_t bytes, const void* data, GLbitfield flags) {
+  GLuint name = 0;
+  gl.CreateBuffers(1, &name);
+  const std::size_t size = std::max<std::size_t>(bytes, 1);
+  GlBuffer buffer(gl, name, size);
+  // Clear older errors, so that they are not attributed to this call.
+  while (gl.GetError() != GL_NO_ERROR) {
+  }
+  gl.NamedBufferStorage(name, static_cast<GLsizeiptr>(size), data, flags);
+  if (gl.GetError() != GL_NO_ERROR) {
+    throw std::runtime_error("the driver refused a buffer of " + std::to_string(size) + " bytes");
+  }
+  return buffer;
+}
+
+GlVertexArray makeVertexArray(const Gl& gl) {
+  GLuint name = 0;
+  gl.CreateVertexArrays(1, &name);
+  return {gl, name};
+}
+
+GlFramebuffer makeFramebuffer(const Gl& gl) {
+  GLuint name = 0;
+  gl.CreateFramebuffers(1, &name);
+  return {gl, name};
+}
+
+DebugMessages::DebugMessages(const Gl& gl) : gl_(gl) {
+  gl_.Enable(GL_DEBUG_OUTPUT);
+  // Synchronous: the counts are complete when a call returns, and no other thread changes them.
+  gl_.Enable(GL_DEBUG_OUTPUT_SYNCHRONOUS);
+  gl_.DebugMessageCallback(&DebugMessages::receive, this);
+}
+
+DebugMessages::~DebugMessages() { gl_.DebugMessageCallback(nullptr, nullptr); }
+
+void APIENTRY DebugMessages::receive(GLenum, GLenum, GLuint, GLenum severity, GLsizei length,
+                                     const GLchar* text, const void* self) {
+  // The C interface passes our pointer as const.
+  auto& messages = *static_cast<DebugMessages*>(const_cast<void*>(self));
+  switch (severity) {
+    case GL_DEBUG_SEVERITY_HIGH:
+      ++messages.counts_.high;
+      break;
+    case GL_DEBUG_SEVERITY_MEDIUM:
+      ++messages.counts_.medium;
+      break;
+    case GL_DEBUG_SEVERITY_LOW:
+      ++messages.counts_.low;
+      return;
+    default:
+      ++messages.counts_.notification;
+      return;
+  }
+  messages.lastComplaint_ = length < 0 ? text : std::string(text, static_cast<std::size_t>(length));
 }
 
 }  // namespace limber::render

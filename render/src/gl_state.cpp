@@ -95,7 +95,7 @@ GlState::BufferRange readRange(const Gl& gl, const RangeNames& names, GLuint ind
   return range;
 }
 
-// A size of 0 says that the whole buffer is bound, or none.
+// A size of 0 means that the whole buffer is bound, or none.
 void writeRange(const Gl& gl, const RangeNames& names, GLuint index, const GlState::BufferRange& range) {
   if (range.size == 0) {
     gl.BindBufferBase(names.target, index, toName(range.buffer));
@@ -105,7 +105,7 @@ void writeRange(const Gl& gl, const RangeNames& names, GLuint index, const GlSta
   }
 }
 
-// By way of the active unit: binding 0 to a unit as such would unbind textures of all kinds.
+// Uses the active unit: glBindTextureUnit() with 0 would unbind the textures of all targets.
 template <typename Action>
 void forEachUnit(const Gl& gl, Action action) {
   GLint active = 0;
@@ -122,7 +122,7 @@ void writeBindings(const Gl& gl, const GlState& state) {
   for (GLuint i = 0; i < state.storage.size(); ++i) {
     writeRange(gl, kStorageRange, i, state.storage[i]);
   }
-  // The generic binding points change with the indexed ones, so they come after them.
+  // Setting an indexed binding point changes the generic one, so the generic ones come after.
   gl.BindBuffer(GL_UNIFORM_BUFFER, toName(state.values[kUniformBuffer]));
   gl.BindBuffer(GL_SHADER_STORAGE_BUFFER, toName(state.values[kStorageBuffer]));
   gl.BindBuffer(GL_PIXEL_PACK_BUFFER, toName(state.values[kPackBuffer]));
@@ -204,7 +204,7 @@ void setRendererState(const Gl& gl) {
   v[kCullMode] = GL_BACK;
   v[kBlendSrcRgb] = v[kBlendSrcAlpha] = GL_ONE;
   v[kBlendEquationRgb] = v[kBlendEquationAlpha] = GL_FUNC_ADD;
-  // Rows then come top down, as PNG and video want them.
+  // Rows are then ordered from the top down, as in PNG and video.
   v[kClipOrigin] = GL_UPPER_LEFT;
   v[kClipDepth] = GL_ZERO_TO_ONE;
   for (std::size_t i = kFirstPixelStore; i < kUniformBuffer; ++i) {
@@ -219,14 +219,14 @@ void setRendererState(const Gl& gl) {
 
 GlStateGuard::GlStateGuard(const Gl& gl, bool shared) : gl_(gl) {
   if (shared) {
-    theirs_ = std::make_unique<GlState>(readState(gl));
+    callerState_ = std::make_unique<GlState>(readState(gl));
     setRendererState(gl);
   }
 }
 
 GlStateGuard::~GlStateGuard() {
-  if (theirs_ != nullptr) {
-    writeState(gl_, *theirs_);
+  if (callerState_ != nullptr) {
+    writeState(gl_, *callerState_);
   }
 }
 

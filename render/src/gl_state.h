@@ -9,11 +9,11 @@
 
 namespace limber::render {
 
-/// Everything in a context's state that the renderer changes or that would change its pictures.
+/// The state of a context that the renderer changes or that could change its pictures.
 struct GlState {
   static constexpr std::size_t kCaps = 15;
   static constexpr std::size_t kValues = 28;
-  static constexpr std::size_t kStorageBindings = 7;  ///< One more than the highest of StorageBinding.
+  static constexpr std::size_t kStorageBindings = 7;  ///< The highest StorageBinding plus one.
   static constexpr std::size_t kTextureUnits = 2;
 
   struct BufferRange {
@@ -37,10 +37,11 @@ struct GlState {
 GlState readState(const Gl& gl);
 void writeState(const Gl& gl, const GlState& state);
 
-/// What the renderer's passes take for granted.
+/// Sets the state that the renderer's passes rely on.
 void setRendererState(const Gl& gl);
 
-/// In a context that is shared with others: the renderer's state while it lives, then theirs again.
+/// In a shared context: sets the renderer's state in the constructor, restores the caller's in the
+/// destructor.
 class GlStateGuard {
  public:
   GlStateGuard(const Gl& gl, bool shared);
@@ -50,7 +51,7 @@ class GlStateGuard {
 
  private:
   const Gl& gl_;
-  std::unique_ptr<GlState> theirs_;  // Null if the context is the renderer's own.
+  std::unique_ptr<GlState> callerState_;  // Null if the context is not shared.
 };
 
 }  // namespace limber::render

@@ -1,15 +1,14 @@
 // SPDX-License-Identifier: Zlib
 #include "gpu_shape.h"
 
+#include "shape_layout.h"
+
 #include <cstddef>
 #include <cstring>
 #include <stdexcept>
+#include <string>
+#include <utility>
 #include <vector>
-
-#include "point_adjacency.h"
-#include "skin_layout.h"
-#include "surface_mesh.h"
-#include "tube_mesh.h"
 
 namespace limber::render {
 namespace {
@@ -50,12 +49,6 @@ std::vector<std::uint32_t> packLines(const ShapeDesc& desc) {
   return packed;
 }
 
-void addAttribute(const Gl& gl, GLuint layout, GLuint attribute, GLint floats, std::size_t offset) {
-  gl.EnableVertexArrayAttrib(layout, attribute);
-  gl.VertexArrayAttribBinding(layout, attribute, 0);
-  gl.VertexArrayAttribFormat(layout, attribute, floats, GL_FLOAT, GL_FALSE, static_cast<GLuint>(offset));
-}
-
 GlVertexArray makeLayout(const Gl& gl, const GpuShape& shape) {
   GlVertexArray layout = makeVertexArray(gl);
   const GLuint name = layout.name();
@@ -64,9 +57,9 @@ GlVertexArray makeLayout(const Gl& gl, const GpuShape& shape) {
   gl.EnableVertexArrayAttrib(name, 0);
   gl.VertexArrayAttribBinding(name, 0, 0);
   gl.VertexArrayAttribIFormat(name, 0, 1, GL_UNSIGNED_INT, offsetof(SurfaceVertex, point));
-  addAttribute(gl, name, 1, 2, offsetof(SurfaceVertex, u));
+  addFloatAttribute(gl, name, 1, 2, offsetof(SurfaceVertex, u));
   if (shape.tube) {
-    addAttribute(gl, name, 2, 3, offsetof(SurfaceVertex, fraction));
+    addFloatAttribute(gl, name, 2, 3, offsetof(SurfaceVertex, fraction));
   }
   return layout;
 }
@@ -105,13 +98,13 @@ void uploadSurface(const Gl& gl, const ShapeDesc& desc, GpuShape& shape) {
   }
 }
 
-// A block of storage that is larger than the driver can bind would be cut off in silence.
+// A storage block larger than the driver's limit would be truncated without an error.
 void requireBindable(const Gl& gl, const std::string& name, std::size_t bytes) {
-  GLint64 most = 0;
-  gl.GetInteger64v(GL_MAX_SHADER_STORAGE_BLOCK_SIZE, &most);
-  if (bytes > static_cast<std::size_t>(most)) {
+  GLint64 maxBytes = 0;
+  gl.GetInteger64v(GL_MAX_SHADER_STORAGE_BLOCK_SIZE, &maxBytes);
+  if (bytes > static_cast<std::size_t>(maxBytes)) {
     throw std::runtime_error("shape \"" + name + "\": the skin's weights take " + std::to_string(bytes) +
-                             " bytes, but this driver can bind " + std::to_string(most));
+                             " bytes, but this driver can bind " + std::to_string(maxBytes));
   }
 }
 
@@ -127,6 +120,12 @@ void uploadSkin(const Gl& gl, const ShapeDesc& desc, GpuSkin& skin) {
 }
 
 }  // namespace
+
+void addFloatAttribute(const Gl& gl, GLuint layout, GLuint attribute, GLint floats, std::size_t offset) {
+  gl.EnableVertexArrayAttrib(layout, attribute);
+  gl.VertexArrayAttribBinding(layout, attribute, 0);
+  gl.VertexArrayAttribFormat(layout, attribute, floats, GL_FLOAT, GL_FALSE, static_cast<GLuint>(offset));
+}
 
 std::size_t GpuShape::bytes() const {
   return skin.bytes() + vertices.bytes() + indices.bytes() + weldedIndices.bytes() + lines.bytes() +
@@ -156,6 +155,42 @@ GpuShape makeGpuShape(const Gl& gl, const ShapeDesc& desc) {
     shape.lines = upload(gl, packLines(desc));
   }
   return shape;
+}
+
+ShapeId ShapeTable::add(GpuShape shape) {
+  if (free_.empty()) {
+    free_.push_back(static_cast<std::uint32_t>(shapes_.size()));
+    shapes_.emplace_back();
+    extents_.emplace_back();
+    generations_.push_back(0);
+  }
+  const std::uint32_t index = free_.back();
+  free_.pop_back();
+  extents_[index] = {shape.pointCount, shape.placeCount, shape.skinned(), shape.needsNormals()};
+  shapes_[index] = std::move(shape);
+  return {index, generations_[index]};
+}
+
+void ShapeTable::remove(ShapeId id) {
+  shapes_[id.index] = {};
+  extents_[id.index] = {};
+  ++generations_[id.index];
+  free_.push_back(id.index);
+}
+
+void ShapeTable::require(ShapeId id, const char* caller) const {
+  if (id.index >= shapes_.size() || generations_[id.index] != id.generation ||
+      shapes_[id.index].pointCount == 0) {
+    throw std::runtime_error(std::string(caller) + ": there is no shape with this id");
+  }
+}
+
+std::size_t ShapeTable::bytes() const {
+  std::size_t sum = 0;
+  for (const GpuShape& shape : shapes_) {
+    sum += shape.bytes();
+  }
+  return sum;
 }
 
 }  // namespace limber::render

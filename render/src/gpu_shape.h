@@ -1,17 +1,20 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
-#include <cstdint>
-#include <string>
-
+#include "instance_table.h"
 #include "limber/render/gl_objects.h"
 #include "limber/render/shape_desc.h"
 
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <vector>
+
 namespace limber::render {
 
-/// The weights of a skin, in one of two layouts. Dense: weight of (place, point) at
-/// point * placeCount + place, so that neighbouring invocations read neighbouring floats. Sparse: by
-/// place, a point and its weight each.
+/// The weights of a skin, in one of two layouts. Dense: the weight of (place, point) is at point * placeCount
+/// + place, so that neighbouring invocations read neighbouring floats. Sparse: pairs of a point and its
+/// weight, place by place.
 struct GpuSkin {
   bool dense = false;
   GlBuffer first;  ///< Sparse only: placeCount + 1.
@@ -20,13 +23,13 @@ struct GpuSkin {
   std::size_t bytes() const { return first.bytes() + weights.bytes(); }
 };
 
-/// The shared data of one shape on the GPU. Nothing in it changes after construction.
+/// The shared data of one shape on the GPU. It does not change after construction.
 struct GpuShape {
   std::string name;
   std::uint32_t pointCount = 0;
   std::uint32_t placeCount = 0;  ///< Equals pointCount without a skin.
   bool tube = false;
-  bool smooth = false;  ///< Always for tubes, if only because their frames are computed the same way.
+  bool smooth = false;  ///< Always true for tubes: their side vectors are computed like normals.
   bool twoSided = false;
   bool castsShadow = true;
   bool grid = false;
@@ -41,16 +44,43 @@ struct GpuShape {
   GlBuffer adjacencyOffsets;  ///< Smooth meshes only, as are the corners.
   GlBuffer adjacencyCorners;
   GlVertexArray layout;
-  GlBuffer weldedIndices;      ///< Points instead of vertices; empty where they are the same, and of tubes.
-  GlVertexArray weldedLayout;  ///< For them; no attributes. Of meshes only.
+  GlBuffer weldedIndices;      ///< Points instead of vertices; empty if these are equal, and for tubes.
+  GlVertexArray weldedLayout;  ///< For weldedIndices, without attributes; meshes only.
 
   std::size_t bytes() const;
   bool skinned() const { return skin.weights.name() != 0; }
-  /// Three floats per place are computed for it before anything is drawn.
+  /// True if a compute pass writes three floats per place before drawing.
   bool needsNormals() const { return smooth && (tube || indexCount > 0); }
 };
 
+/// Adds a vertex attribute of `floats` floats at `offset` bytes of a vertex, from vertex buffer 0 of the
+/// layout.
+void addFloatAttribute(const Gl& gl, GLuint layout, GLuint attribute, GLint floats, std::size_t offset);
+
 /// Throws std::runtime_error with the shape's name if the description is not valid.
 GpuShape makeGpuShape(const Gl& gl, const ShapeDesc& desc);
+
+/// The existing shapes. Ids of removed shapes are rejected, although their slots are reused.
+class ShapeTable {
+ public:
+  ShapeId add(GpuShape shape);
+  /// Removes a shape. The id must be valid, and the shape without instances.
+  void remove(ShapeId id);
+  /// Throws std::runtime_error with `caller` if there is no shape with this id.
+  void require(ShapeId id, const char* caller) const;
+
+  const GpuShape& operator[](std::uint32_t index) const { return shapes_[index]; }
+  /// Changes when another shape gets this index.
+  std::uint32_t generation(std::uint32_t index) const { return generations_[index]; }
+  /// Extents by index; with 0 points where there is no shape.
+  const std::vector<ShapeExtent>& extents() const { return extents_; }
+  std::size_t bytes() const;
+
+ private:
+  std::vector<GpuShape> shapes_;
+  std::vector<ShapeExtent> extents_;
+  std::vector<std::uint32_t> generations_;
+  std::vector<std::uint32_t> free_;
+};
 
 }  // namespace limber::render

@@ -5,12 +5,12 @@
 #include <stdexcept>
 #include <string>
 
-#include "srgb.h"
+#include "pixels.h"
 
 namespace limber::render {
 namespace {
 
-// 2^32 floats is what the shaders' indices can reach.
+// The indices in the shaders are limited to 2^32 floats.
 constexpr std::size_t kMaxPoints = UINT32_MAX / 3;
 
 void requireCountable(const FrameLayout& layout) {
@@ -87,7 +87,7 @@ void InstanceTable::layOut(const std::vector<ShapeExtent>& shapes, FrameLayout& 
   layout.records.clear();
   layout.slices.assign(slots_.size(), {});
   layout.pointCount = layout.placeCount = layout.normalCount = 0;
-  // Shapes are few, so one pass over the slots for each is cheaper than keeping lists.
+  // There are few shapes, so one pass over the slots for each is cheaper than lists of instances.
   for (std::uint32_t shape = 0; shape < shapes.size(); ++shape) {
     const InstanceGroup group = layOutShape(shape, shapes[shape], layout);
     if (group.instanceCount > 0) {

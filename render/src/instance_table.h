@@ -9,24 +9,24 @@
 
 namespace limber::render {
 
-/// What the shaders read about an instance.
+/// The data of an instance that the shaders read.
 struct InstanceRecord {
   float red = 0.0f, green = 0.0f, blue = 0.0f;  ///< Linear.
   float layer = -1.0f;                          ///< Of the texture array; below 0: no texture.
 };
 
-/// The instances of one shape in one frame; they lie one after the other everywhere.
+/// The instances of one shape in one frame; their data is contiguous in all buffers.
 struct InstanceGroup {
   std::uint32_t shape = 0;
   std::uint32_t firstInstance = 0;
   std::uint32_t instanceCount = 0;
   std::uint32_t firstPoint = 0;
-  std::uint32_t firstPlace = 0;  ///< Of skinned ones.
+  std::uint32_t firstPlace = 0;  ///< For skinned shapes.
   std::uint32_t firstNormal = 0;
-  bool textured = false;  ///< Any of them.
+  bool textured = false;  ///< True if any instance has a texture.
 };
 
-/// Per shape, what the layout has to know.
+/// The sizes of a shape that the layout needs.
 struct ShapeExtent {
   std::uint32_t pointCount = 0;
   std::uint32_t placeCount = 0;  ///< Equals pointCount without a skin.
@@ -34,8 +34,8 @@ struct ShapeExtent {
   bool needsNormals = false;
 };
 
-/// Where every instance of one frame lies. Made from the table, then independent of it, so that
-/// instances may come and go while a frame is open.
+/// The indices of all instances of one frame. It is independent of the table, so that instances can be added
+/// and removed while a frame is open.
 struct FrameLayout {
   struct Slice {
     std::uint32_t generation = 0;
@@ -51,26 +51,26 @@ struct FrameLayout {
   std::size_t placeCount = 0;           ///< Of skinned instances.
   std::size_t normalCount = 0;
 
-  /// Null if the instance is not part of the frame.
+  /// Returns null if the instance is not part of the frame.
   const Slice* find(InstanceId id) const;
 };
 
-/// The living instances. Ids of removed ones are refused for ever, though their slots are reused.
+/// The existing instances. Ids of removed instances are rejected, although their slots are reused.
 class InstanceTable {
  public:
   InstanceId add(ShapeId shape, const InstanceLook& look);
   void setLook(InstanceId id, const InstanceLook& look);
   void remove(InstanceId id);
   std::size_t size() const { return slots_.size() - free_.size(); }
-  /// Whether a living instance has this shape.
+  /// Returns true if an existing instance has this shape.
   bool uses(std::uint32_t shape) const;
-  /// The shape of a living instance. All functions taking an id throw std::runtime_error for
-  /// others.
+  /// Returns the shape of an existing instance. All functions with an id throw std::runtime_error for other
+  /// ids.
   std::uint32_t shapeOf(InstanceId id) const;
 
-  /// True if layOut() would give something else than the last time.
+  /// Returns true if the result of layOut() would differ from the last one.
   bool changed() const { return changed_; }
-  /// Throws std::runtime_error, leaving `layout` unusable, if there are too many points to count.
+  /// Computes the layout. Throws std::runtime_error if there are too many points; `layout` is then invalid.
   void layOut(const std::vector<ShapeExtent>& shapes, FrameLayout& layout);
 
  private:

@@ -18,13 +18,13 @@ inline Vec3 cross(Vec3 a, Vec3 b) {
 }
 inline float length(Vec3 v) { return std::sqrt(dot(v, v)); }
 
-/// `fallback` (a unit vector) if `v` has no direction.
+/// Returns the unit vector along `v`, or `fallback` (a unit vector) if `v` has no direction.
 inline Vec3 unitOr(Vec3 v, Vec3 fallback) {
   const float size = length(v);
   return size > 1e-12f && std::isfinite(size) ? (1.0f / size) * v : fallback;
 }
 
-/// 4 x 4, columns one after the other as OpenGL wants them.
+/// 4 x 4, column by column, as OpenGL requires.
 struct Mat4 {
   std::array<float, 16> m{};
 
@@ -44,9 +44,9 @@ inline Mat4 operator*(const Mat4& a, const Mat4& b) {
   return product;
 }
 
-/// World to view: the eye at the origin, looking along -z, with x to the right and y up.
+/// Returns world to view: the eye is at the origin and looks along -z, x is right and y is up.
 inline Mat4 lookAlong(Vec3 eye, Vec3 forward, Vec3 up) {
-  // Any side will do if `up` has no direction across the view.
+  // Any side vector is allowed if `up` is parallel to `forward`.
   const Vec3 fallback = unitOr(cross(forward, {0.3f, 0.5f, 0.8f}), {1.0f, 0.0f, 0.0f});
   const Vec3 right = unitOr(cross(forward, up), fallback);
   const std::array<Vec3, 3> axes{right, cross(right, forward), -1.0f * forward};
@@ -61,7 +61,7 @@ inline Mat4 lookAlong(Vec3 eye, Vec3 forward, Vec3 up) {
   return view;
 }
 
-/// View to clip space with depth from 0 (near) to 1 (far).
+/// Returns view to clip space with depth from 0 (near) to 1 (far).
 inline Mat4 perspective(float verticalFieldOfView, float aspect, float near, float far) {
   const float scale = 1.0f / std::tan(0.5f * verticalFieldOfView);
   Mat4 clip;

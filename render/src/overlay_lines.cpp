@@ -1,20 +1,65 @@
 // SPDX-License-Identifier: Zlib
 #include "overlay_lines.h"
 
+#include "limber/render/legend.h"
+#include "limber/render/overlay.h"
+#include "mat4.h"
+#include "pixels.h"
+
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
+#include <cstdio>
 #include <cstring>
 
 namespace limber::render {
+
+void addArrow(Overlay& overlay, Vec3 from, Vec3 to, Vec3 colour, Vec3 eye, float width) {
+  overlay.push_back({from, to, colour, width});
+  const Vec3 along = to - from;
+  const Vec3 across = unitOr(cross(along, eye - to), {1.0f, 0.0f, 0.0f});
+  const float head = 0.2f * length(along);
+  const Vec3 neck = to - 0.2f * along;
+  for (const float side : {-0.5f, 0.5f}) {
+    overlay.push_back({to, neck + (side * head) * across, colour, width});
+  }
+}
+
+void addCross(Overlay& overlay, Vec3 at, float size, Vec3 colour, float width) {
+  for (const Vec3 halfLine : {Vec3{size, 0.0f, 0.0f}, Vec3{0.0f, size, 0.0f}, Vec3{0.0f, 0.0f, size}}) {
+    overlay.push_back({at - halfLine, at + halfLine, colour, width});
+  }
+}
+
+// In Oklab (Ottosson 2020, "A perceptual color space for image processing") the lightness rises linearly from
+// 0.33 to 0.92, and the hue changes at constant chroma.
+Vec3 shareColour(float share) {
+  const float t = std::clamp(share, 0.0f, 1.0f);
+  const float lightness = 0.33f + 0.59f * t;
+  const float hue = 4.9f - 3.0f * t;
+  const float a = 0.13f * std::cos(hue), b = 0.13f * std::sin(hue);
+  const std::array<float, 3> root{lightness + 0.3963377774f * a + 0.2158037573f * b,
+                                  lightness - 0.1055613458f * a - 0.0638541728f * b,
+                                  lightness - 0.0894841775f * a - 1.2914855480f * b};
+  const float l = root[0] * root[0] * root[0];
+  const float m = root[1] * root[1] * root[1];
+  const float s = root[2] * root[2] * root[2];
+  const auto encode = [](float linear) { return linearToSrgb(std::clamp(linear, 0.0f, 1.0f)); };
+  return {encode(4.0767416621f * l - 3.3077115913f * m + 0.2309699292f * s),
+          encode(-1.2684380046f * l + 2.6097574011f * m - 0.3413193965f * s),
+          encode(-0.0041960863f * l - 0.7034186147f * m + 1.7076147010f * s)};
+}
+
 namespace {
 
 float colourBits(Vec3 colour) {
   const auto byte = [](float share) {
     return static_cast<std::uint32_t>(std::lround(255.0f * std::clamp(share, 0.0f, 1.0f)));
   };
-  // The highest byte stays below 255: with all its bits set the word would be a NaN, which may not survive
-  // being moved as a float.
+  // The highest byte stays 0: with all bits set the word could be a NaN, and moving it as a float might
+  // change it.
   const std::uint32_t word = byte(colour.x) | byte(colour.y) << 8u | byte(colour.z) << 16u;
   float bits = 0.0f;
   std::memcpy(&bits, &word, sizeof bits);
@@ -38,6 +83,114 @@ void OverlayLines::upload(const Overlay& overlay) {
     buffer_ = makeBuffer(gl_, bytes + bytes / 2, nullptr, GL_DYNAMIC_STORAGE_BIT);
   }
   gl_.NamedBufferSubData(buffer_.name(), 0, static_cast<GLsizeiptr>(bytes), staging_.data());
+}
+
+namespace {
+
+// A glyph is a list of strokes. A stroke is a polyline of points "xy" on a grid 4 wide and 6 high, y down.
+struct Glyph {
+  char character;
+  std::string_view strokes;
+};
+
+constexpr std::array<Glyph, 18> kGlyphs{{{'0', "10 30 41 45 36 16 05 01 10"},
+                                         {'1', "11 20 26;16 36"},
+                                         {'2', "01 10 30 41 42 06 46"},
+                                         {'3', "01 10 30 41 42 33 13;33 44 45 36 16 05"},
+                                         {'4', "36 30 04 44"},
+                                         {'5', "40 00 03 33 44 45 36 06"},
+                                         {'6', "40 20 02 05 16 36 45 44 33 03"},
+                                         {'7', "00 40 16"},
+                                         {'8', "10 30 41 42 33 13 02 01 10;13 04 05 16 36 45 44 33"},
+                                         {'9', "06 26 44 41 30 10 01 02 13 43"},
+                                         {'-', "13 43"},
+                                         {'+', "13 43;21 25"},
+                                         {'.', "16 25"},
+                                         {'%', "06 40;00 10 11 01 00;35 45 46 36 35"},
+                                         {'/', "06 40"},
+                                         {'m', "06 02;03 12 23 26;23 32 43 46"},
+                                         {'s', "42 12 03 14 34 45 36 06"},
+                                         {' ', ""}}};
+
+constexpr float kHeight = 6.0f;   // of the grid
+constexpr float kAdvance = 6.0f;  // from one character to the next
+
+std::string_view strokesOf(char character) {
+  for (const Glyph& glyph : kGlyphs) {
+    if (glyph.character == character) {
+      return glyph.strokes;
+    }
+  }
+  return {};
+}
+
+}  // namespace
+
+float textWidth(std::string_view text, float height) {
+  return text.empty() ? 0.0f : (static_cast<float>(text.size()) * kAdvance - 2.0f) * height / kHeight;
+}
+
+void addText(Overlay& strokes, std::string_view text, float x, float y, float height, Vec3 colour,
+             float width) {
+  const float unit = height / kHeight;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const std::string_view points = strokesOf(text[i]);
+    const auto at = [&](std::size_t p) {
+      return Vec3{x + unit * (kAdvance * static_cast<float>(i) + static_cast<float>(points[p] - '0')),
+                  y + unit * static_cast<float>(points[p + 1] - '0'), 0.0f};
+    };
+    for (std::size_t p = 0; p + 4 < points.size(); p += 3) {
+      if (points[p + 2] == ' ') {
+        strokes.push_back({at(p), at(p + 3), colour, width});
+      }
+    }
+  }
+}
+
+Legend strainLegend(float range) {
+  std::array<char, 32> text{};
+  std::snprintf(text.data(), text.size(), "%.3g%%", 100.0 * double{range});
+  return {ColourMap::Strain, std::string("-") + text.data(), "0", std::string("+") + text.data()};
+}
+
+namespace {
+
+// Fractions of the picture's height, and the smallest readable sizes in pixels.
+constexpr float kTextFraction = 0.022f, kMinText = 7.0f;
+constexpr float kBarFraction = 0.018f, kMinBar = 6.0f;
+constexpr float kMarginFraction = 0.03f;
+constexpr float kBarWidthFraction = 0.22f;  // of the picture's width
+
+constexpr Vec3 kRim{0.97f, 0.97f, 0.97f}, kInk{0.1f, 0.1f, 0.12f};
+
+float textHeight(const BarRectangle& bar) {
+  return std::max(bar.height * kTextFraction / kBarFraction, kMinText);
+}
+
+}  // namespace
+
+BarRectangle barRectangle(std::size_t row, int pictureWidth, int pictureHeight) {
+  const auto width = static_cast<float>(pictureWidth);
+  const auto height = static_cast<float>(pictureHeight);
+  BarRectangle bar{0.0f, 0.0f, kBarWidthFraction * width, std::max(kMinBar, kBarFraction * height)};
+  const float margin = kMarginFraction * height;
+  const float rowHeight = bar.height + 2.5f * textHeight(bar);
+  bar.left = width - margin - bar.width;
+  bar.top = height - margin - bar.height - rowHeight * static_cast<float>(row);
+  return bar;
+}
+
+void addNumbers(Overlay& strokes, const Legend& legend, const BarRectangle& bar) {
+  const float size = textHeight(bar);
+  const float y = bar.top - 1.5f * size;
+  const auto write = [&](const std::string& text, float anchor) {
+    const float x = bar.left + anchor * (bar.width - textWidth(text, size));
+    addText(strokes, text, x, y, size, kRim, 0.45f * size);
+    addText(strokes, text, x, y, size, kInk, 0.13f * size);
+  };
+  write(legend.low, 0.0f);
+  write(legend.middle, 0.5f);
+  write(legend.high, 1.0f);
 }
 
 }  // namespace limber::render

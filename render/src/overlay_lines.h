@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
+#include "limber/render/gl_objects.h"
+#include "limber/render/legend.h"
+#include "limber/render/overlay.h"
+
 #include <array>
 #include <cstddef>
+#include <string_view>
 #include <vector>
-
-#include "limber/render/gl_objects.h"
-#include "limber/render/overlay.h"
 
 namespace limber::render {
 
@@ -21,7 +23,7 @@ class OverlayLines {
   std::size_t bytes() const { return buffer_.bytes(); }
 
  private:
-  /// As overlay.vert reads it.
+  /// The format that overlay.vert reads.
   using Packed = std::array<float, 8>;
 
   const Gl& gl_;
@@ -29,5 +31,24 @@ class OverlayLines {
   std::vector<Packed> staging_;
   GLsizei count_ = 0;
 };
+
+/// Returns the width of a text, pixels.
+float textWidth(std::string_view text, float height);
+
+/// Appends the strokes of a text, in pixels from the picture's upper left corner. `x` and `y` are the text's
+/// upper left corner, `height` is that of a digit.
+void addText(Overlay& strokes, std::string_view text, float x, float y, float height, Vec3 colour,
+             float width);
+
+/// Pixels from the upper left corner of the picture.
+struct BarRectangle {
+  float left, top, width, height;
+};
+
+/// Returns the bar of legend number `row`, counted from the bottom.
+BarRectangle barRectangle(std::size_t row, int pictureWidth, int pictureHeight);
+
+/// Appends the strokes of the legend's numbers: dark on a light rim, readable on any background.
+void addNumbers(Overlay& strokes, const Legend& legend, const BarRectangle& bar);
 
 }  // namespace limber::render

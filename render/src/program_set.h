@@ -1,25 +1,66 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
+#include "limber/render/gl_objects.h"
+#include "limber/render/legend.h"
+
 #include <array>
 #include <cstddef>
-
-#include "limber/render/legend.h"
-#include "shader_program.h"
+#include <string>
+#include <string_view>
+#include <vector>
 
 namespace limber::render {
 
-/// Where a surface's vertices come from.
+/// Returns the text of a file of the folder `shaders`, which is compiled into the library.
+const char* shaderSource(std::string_view name);
+
+/// Uniforms that change with each draw or dispatch.
+enum class DrawUniform {
+  FirstPoint,
+  FirstInstance,
+  PointCount,
+  FirstNormal,
+  FirstPlace,
+  PlaceCount,
+  Invocations,
+  ShapeRadius,
+  Opacity,
+  Rectangle,
+  Count
+};
+
+/// A linked program and the locations of its uniforms.
+struct ShaderProgram {
+  GlProgram program;
+  /// -1 if the program does not use the uniform; OpenGL ignores writes to -1.
+  std::array<GLint, static_cast<std::size_t>(DrawUniform::Count)> locations{};
+
+  GLuint name() const { return program.name(); }
+  GLint location(DrawUniform uniform) const { return locations[static_cast<std::size_t>(uniform)]; }
+};
+
+struct StageSource {
+  GLenum stage = 0;
+  std::vector<std::string_view> files;  ///< Concatenated in this order, after #version and #defines.
+};
+
+/// Compiles and links a program. Throws std::runtime_error with the compiler's log and the names of the
+/// files.
+ShaderProgram buildProgram(const Gl& gl, const std::vector<StageSource>& stages,
+                           const std::vector<std::string>& defines);
+
+/// Source of a surface's vertices.
 enum class VertexSource {
-  Mesh,     ///< Vertices with texture coordinates that ride on points.
-  Welded,   ///< The points themselves: where nothing asks for texture coordinates.
-  Tube,     ///< Made along a polyline.
-  Unshared  ///< Whole, of StreamPath::Unshared.
+  Mesh,     ///< Vertices with texture coordinates, at points.
+  Welded,   ///< The points themselves, for programs without texture coordinates.
+  Tube,     ///< Computed along a polyline.
+  Unshared  ///< Complete vertices of StreamPath::Unshared.
 };
 constexpr std::size_t kVertexSources = 4;
 
-/// What a surface program is specialised for; a software rasteriser runs both sides
-/// of every branch.
+/// Compile-time options of a surface program. They are no branches in the shader, because a software
+/// rasteriser runs both sides of a branch.
 struct SurfaceVariant {
   VertexSource source = VertexSource::Mesh;
   bool smooth = false;
@@ -29,8 +70,8 @@ struct SurfaceVariant {
   bool textured = false;
 };
 
-/// All programs, each compiled when it is first asked for. Every function throws
-/// std::runtime_error if the driver rejects a shader.
+/// All programs, each compiled on first use. Every function throws std::runtime_error if the driver rejects a
+/// shader.
 class ProgramSet {
  public:
   ProgramSet(const Gl& gl, int shadowTaps) : gl_(gl), shadowTaps_(shadowTaps) {}

@@ -5,7 +5,6 @@
 #include <utility>
 
 #include "renderer_parts.h"
-#include "stopwatch.h"
 
 namespace limber::render {
 
@@ -80,7 +79,7 @@ void Renderer::draw(FrameWriter& frame, const Camera& camera, const Light& light
   try {
     parts_->submit(camera, light, options, overlay);
   } catch (...) {
-    // Some commands may already read the region, so it needs its fence all the same.
+    // Some commands may already read the region, so it needs its fence.
     parts_->closeFrame();
     throw;
   }

@@ -5,9 +5,8 @@
 #include <stdexcept>
 #include <string>
 
-#include "frame_uniforms.h"
+#include "frame_passes.h"
 #include "limber/render/gl_context.h"
-#include "stopwatch.h"
 
 namespace limber::render {
 namespace {
@@ -48,7 +47,7 @@ Renderer::Parts::Parts(GlContext& context, const RendererDesc& rendererDesc)
       unshared(gl),
       overlayLines(gl),
       numbers(gl),
-      mostPoints(pointsPerBlock(gl)) {
+      maxPoints(pointsPerBlock(gl)) {
   requireTaps(desc.shadowTaps);
   if (!sharedContext) {
     setRendererState(gl);
@@ -83,19 +82,19 @@ void Renderer::Parts::reservePoints(StreamPath path) {
   if (path == StreamPath::Unshared) {
     return;
   }
-  if (layout.pointCount > mostPoints) {
+  if (layout.pointCount > maxPoints) {
     throw std::runtime_error("one frame has " + std::to_string(layout.pointCount) +
-                             " points, but this driver can bind " + std::to_string(mostPoints));
+                             " points, but this driver can bind " + std::to_string(maxPoints));
   }
   reserveComputed(places, layout.placeCount);
   reserveComputed(normals, layout.normalCount);
   if (path != StreamPath::Ring || stream->floatsPerFrame() >= 3 * layout.pointCount) {
     return;
   }
-  // The old buffer may still be read, so it must not go before its fences have passed.
+  // The GPU may still read the old buffer, so wait for its fences first.
   stream->drain();
   auto larger =
-      makeStream(gl, std::min(layout.pointCount + layout.pointCount / 2, mostPoints), desc.fenceTimeout);
+      makeStream(gl, std::min(layout.pointCount + layout.pointCount / 2, maxPoints), desc.fenceTimeout);
   pastRings.waits += stream->counters().waits;
   pastRings.stalls += stream->counters().stalls;
   ++pastRings.growths;
@@ -103,13 +102,13 @@ void Renderer::Parts::reservePoints(StreamPath path) {
 }
 
 void Renderer::Parts::reserveComputed(GlBuffer& buffer, std::size_t count) {
-  if (count > mostPoints) {
+  if (count > maxPoints) {
     throw std::runtime_error("one frame computes " + std::to_string(count) +
-                             " places or normals, but this driver can bind " + std::to_string(mostPoints));
+                             " places or normals, but this driver can bind " + std::to_string(maxPoints));
   }
   const std::size_t bytes = 3 * sizeof(float) * count;
   if (buffer.bytes() < bytes) {
-    buffer = makeBuffer(gl, std::min(bytes + bytes / 2, 3 * sizeof(float) * mostPoints), nullptr);
+    buffer = makeBuffer(gl, std::min(bytes + bytes / 2, 3 * sizeof(float) * maxPoints), nullptr);
   }
 }
 
@@ -191,7 +190,7 @@ void Renderer::Parts::drawLegends(const PassContext& pass, const DrawOptions& op
   std::size_t row = 0;
   strokes.clear();
   const auto add = [&](const Legend& legend) {
-    const BarPlace bar = barPlace(row++, target->width(), target->height());
+    const BarRectangle bar = barRectangle(row++, target->width(), target->height());
     drawLegend(pass, legend.map, bar);
     addNumbers(strokes, legend, bar);
   };

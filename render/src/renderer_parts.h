@@ -1,25 +1,38 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
+#include "baseline_streams.h"
+#include "frame_passes.h"
+#include "gl_state.h"
+#include "gpu_shape.h"
+#include "gpu_textures.h"
+#include "instance_table.h"
+#include "limber/render/gl_debug_messages.h"
+#include "limber/render/renderer.h"
+#include "limber/render/stream_buffer.h"
+#include "overlay_lines.h"
+
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <vector>
 
-#include "frame_passes.h"
-#include "gl_state.h"
-#include "instance_table.h"
-#include "limber/render/gl_debug_messages.h"
-#include "limber/render/renderer.h"
-#include "limber/render/stream_buffer.h"
-#include "naive_stream.h"
-#include "overlay_lines.h"
-#include "render_target.h"
-#include "shape_table.h"
-#include "texture_array.h"
-#include "unshared_stream.h"
-
 namespace limber::render {
+
+/// Milliseconds since construction or since the last call of lap().
+class Stopwatch {
+ public:
+  double lap() {
+    const auto now = std::chrono::steady_clock::now();
+    const double ms = std::chrono::duration<double, std::milli>(now - last_).count();
+    last_ = now;
+    return ms;
+  }
+
+ private:
+  std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
+};
 
 struct OpenFrame {
   bool open = false;
@@ -29,7 +42,7 @@ struct OpenFrame {
   GLintptr byteOffset = 0;
 };
 
-// Order matters: what is destroyed last comes first.
+// The order matters: members are destroyed from the last to the first.
 struct Renderer::Parts {
   Parts(GlContext& context, const RendererDesc& rendererDesc);
 
@@ -53,7 +66,7 @@ struct Renderer::Parts {
   std::unique_ptr<DebugMessages> messages;  // Null in a shared context.
   ProgramSet programs;
   std::unique_ptr<RenderTarget> target;
-  std::unique_ptr<ShadowMap> shadowMap;  // Made when the first shadow is cast.
+  std::unique_ptr<ShadowMap> shadowMap;  // Created with the first shadow.
   TextureArray textures;
   GlVertexArray emptyLayout;
   GlBuffer uniforms;
@@ -69,12 +82,12 @@ struct Renderer::Parts {
   UnsharedStream unshared;
   OverlayLines overlayLines;
   OverlayLines numbers;  // Of legends.
-  Overlay strokes;       // Scratch for them.
+  Overlay strokes;       // Memory for their strokes.
   std::vector<DrawItem> items;
   OpenFrame frame;
   FrameStats stats;
-  RingStats pastRings;  // Of stream buffers that were outgrown.
-  std::size_t mostPoints = 0;
+  RingStats pastRings;  // Of stream buffers that were replaced by larger ones.
+  std::size_t maxPoints = 0;
 };
 
 }  // namespace limber::render

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Zlib
 #include "limber/render/scenery.h"
 
+#include "limber/render/rigid_shape.h"
+
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstddef>
@@ -8,7 +11,7 @@
 namespace limber::render {
 namespace {
 
-constexpr float kTurn = 6.28318530718f;
+constexpr float kTwoPi = 6.28318530718f;
 
 // Corner i of a cube has bit 0 for x, bit 1 for y, bit 2 for z; faces counter-clockwise from outside.
 constexpr std::array<std::array<std::uint32_t, 4>, 6> kBoxFaces{
@@ -52,9 +55,9 @@ Scenery makeUvSphere(Vec3 centre, float radius, std::uint32_t rings, std::uint32
   const std::uint32_t south = shape.pointCount - 1;
   addPoint(sphere.points, centre.x, centre.y + radius, centre.z);
   for (std::uint32_t r = 1; r < rings; ++r) {
-    const float polar = 0.5f * kTurn * static_cast<float>(r) / static_cast<float>(rings);
+    const float polar = 0.5f * kTwoPi * static_cast<float>(r) / static_cast<float>(rings);
     for (std::uint32_t s = 0; s < segments; ++s) {
-      const float around = kTurn * static_cast<float>(s) / static_cast<float>(segments);
+      const float around = kTwoPi * static_cast<float>(s) / static_cast<float>(segments);
       addPoint(sphere.points, centre.x + radius * std::sin(polar) * std::cos(around),
                centre.y + radius * std::cos(polar), centre.z - radius * std::sin(polar) * std::sin(around));
     }
@@ -100,6 +103,47 @@ Scenery makeFloor(Vec3 centre, float halfSize) {
   }
   addQuad(floor.shape.triangles, 0, 1, 2, 3);
   return floor;
+}
+
+namespace {
+
+float largestCoordinate(const std::vector<float>& points) {
+  float largest = 0.0f;
+  for (const float x : points) {
+    largest = std::max(largest, std::abs(x));
+  }
+  return largest > 0.0f ? largest : 1.0f;
+}
+
+}  // namespace
+
+// With p0 the origin and p1 to p3 at `reach` along the axes, a point (x, y, z) of the scenery is at
+//   p0 + (x / reach) (p1 - p0) + (y / reach) (p2 - p0) + (z / reach) (p3 - p0).
+// Because `reach` is the size of the surface, weights are at most 4, and rounding errors stay small far from
+// the world's origin.
+RigidShape makeRigid(const Scenery& scenery) {
+  RigidShape rigid{scenery.shape, largestCoordinate(scenery.points)};
+  rigid.shape.pointCount = 4;
+  Skin& skin = rigid.shape.skin;
+  skin.first = {0};
+  for (std::size_t i = 0; i + 2 < scenery.points.size(); i += 3) {
+    const float x = scenery.points[i] / rigid.reach;
+    const float y = scenery.points[i + 1] / rigid.reach;
+    const float z = scenery.points[i + 2] / rigid.reach;
+    skin.points.insert(skin.points.end(), {0, 1, 2, 3});
+    skin.weights.insert(skin.weights.end(), {1.0f - x - y - z, x, y, z});
+    skin.first.push_back(static_cast<std::uint32_t>(skin.weights.size()));
+  }
+  return rigid;
+}
+
+void writeFrame(float reach, const Frame& frame, float* xyz) {
+  const Vec3 o = frame.origin;
+  for (const Vec3 axis : {Vec3{}, frame.x, frame.y, frame.z}) {
+    *xyz++ = o.x + reach * axis.x;
+    *xyz++ = o.y + reach * axis.y;
+    *xyz++ = o.z + reach * axis.z;
+  }
 }
 
 }  // namespace limber::render

@@ -43,7 +43,7 @@ std::string findOnPath(const std::string& program) {
 
 std::vector<std::string> ffmpegArguments(const VideoDesc& desc) {
   const std::string size = std::to_string(desc.width) + "x" + std::to_string(desc.height);
-  // The picture format that players understand needs even sizes, hence the padding.
+  // Players need a pixel format with even sizes, so the picture is padded.
   return {"ffmpeg",    "-y",
           "-loglevel", "error",
           "-f",        "rawvideo",
@@ -60,7 +60,7 @@ std::vector<std::string> ffmpegArguments(const VideoDesc& desc) {
           desc.path};
 }
 
-// Keeps SIGPIPE away from this thread and swallows the one that a failed write leaves pending.
+// Blocks SIGPIPE on this thread and removes the pending one that a failed write leaves.
 class PipeSignalGuard {
  public:
   PipeSignalGuard() {
@@ -130,13 +130,13 @@ VideoPipe::VideoPipe(const VideoDesc& desc) : desc_(desc), messages_(std::tmpfil
                              ": there is no ffmpeg on PATH; install it or write PNG files instead");
   }
   std::array<int, 2> ends{-1, -1};
-  // Closed on exec, so that other children of this program cannot keep the pipe open.
+  // Closed on exec, so that other child processes cannot keep the pipe open.
   if (messages_ == nullptr || pipe2(ends.data(), O_CLOEXEC) != 0) {
     throw std::runtime_error("cannot write " + desc.path + ": " + std::strerror(errno));
   }
   input_ = ends[1];
 #ifdef F_SETPIPE_SZ
-  // A frame then takes a few large writes instead of many small ones; it works without, too.
+  // A larger pipe needs fewer writes per frame; its failure does no harm.
   fcntl(input_, F_SETPIPE_SZ, kPipeBytes);
 #endif
   try {
@@ -185,7 +185,7 @@ void VideoPipe::finish() {
   closeInput();
   const int status = waitForExit();
   if (!WIFEXITED(status) || WEXITSTATUS(status) != 0) {
-    throw std::runtime_error("ffmpeg failed to write " + desc_.path + complaint());
+    throw std::runtime_error("ffmpeg failed to write " + desc_.path + ffmpegMessages());
   }
 }
 
@@ -193,7 +193,7 @@ void VideoPipe::failWrite(int error) {
   closeInput();
   waitForExit();
   throw std::runtime_error("ffmpeg stopped while writing " + desc_.path + " (" + std::strerror(error) + ")" +
-                           complaint());
+                           ffmpegMessages());
 }
 
 void VideoPipe::closeInput() noexcept {
@@ -215,7 +215,7 @@ int VideoPipe::waitForExit() noexcept {
   return status;
 }
 
-std::string VideoPipe::complaint() const {
+std::string VideoPipe::ffmpegMessages() const {
   std::array<char, 1024> text{};
   std::rewind(messages_.get());
   const std::size_t length = std::fread(text.data(), 1, text.size() - 1, messages_.get());

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Zlib
 // Each check of what touches is shown a scene that has been tampered with: a check that cannot fail proves
 // nothing. What has just been set up passes those that ask for places alone.
-#include "scenes/contact_checks.h"
+#include "scenes/end_checks.h"
 #include "created_scene.h"
-#include "scenes/timeline.h"
+#include "scenes/scene.h"
 
 #include <gtest/gtest.h>
 

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Zlib
-#include "cook/cook_body.h"
-
 #include "cook/run_cook.h"
+
 #include "import/temporary_folder.h"
 
 #include <limber/mesh_import.h>

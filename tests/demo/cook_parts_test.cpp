@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: Zlib
 #include "cook/cook_options.h"
 #include "cook/cook_report.h"
-#include "cook/network_scenery.h"
-#include "cook/picture_legend.h"
-#include "cook/stage_progress.h"
+#include "cook/network_picture.h"
+#include "progress.h"
 #include "import/temporary_folder.h"
 #include "output_files.h"
-#include "scenes/read_network.h"
+#include "scenes/networks.h"
 
 #include <limber/network_builder.h>
 #include <limber/network_file.h>

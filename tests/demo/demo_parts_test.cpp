@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
-#include "folders.h"
+#include "output_files.h"
 #include "number_checks.h"
-#include "picture_choices.h"
+#include "demo_options.h"
 #include "picture_output.h"
 #include "progress.h"
 

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: Zlib
 // Depths of bodies in one another, where they are known.
 #include "scenes/overlap.h"
-#include "scenes/read_network.h"
-#include "scenes/rigid_overlap.h"
-#include "scenes/scene_world.h"
+#include "scenes/networks.h"
+#include "scenes/scene.h"
 
 #include <gtest/gtest.h>
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "picture_output.h"
 
-#include "folders.h"
+#include "output_files.h"
 #include "import/temporary_folder.h"
 #include "render/apng_reader.h"
 #include "run_report.h"

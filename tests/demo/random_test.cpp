@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-#include "scenes/random.h"
+#include "scenes/arrangement.h"
 
 #include <gtest/gtest.h>
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
-#include "scenes/drop_grid.h"
+#include "scenes/arrangement.h"
 #include "scenes/scene_list.h"
-#include "scenes/surface_bend.h"
+#include "scenes/networks.h"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-#include "scenes/shape_error.h"
-#include "scenes/random.h"
+#include "scenes/end_checks.h"
+#include "scenes/arrangement.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-#include "scenes/timeline.h"
+#include "scenes/scene.h"
 
 #include <gtest/gtest.h>
 

@@ -5,8 +5,7 @@
 #include <cmath>
 #include <string>
 
-#include "legend_layout.h"
-#include "stroke_text.h"
+#include "overlay_lines.h"
 #include "test_scene.h"
 
 namespace limber::render::test {
@@ -34,7 +33,7 @@ TEST(Legend, HasTheColoursOfTheMapFromEndToEnd) {
   DrawOptions options;
   options.legends = {{ColourMap::Share, "0", "", "5 m/s"}};
   const Image image = stage.picture(options);
-  const BarPlace bar = barPlace(0, 640, 360);
+  const BarRectangle bar = barRectangle(0, 640, 360);
   const int y = static_cast<int>(bar.top + 0.3f * bar.height);
   for (const float share : {0.02f, 0.33f, 0.6f, 0.98f}) {
     const float x = std::floor(bar.left + share * bar.width);
@@ -50,7 +49,7 @@ TEST(Legend, NumbersStandAboveItsEnds) {
   Stage stage(Backend::Auto, legible());
   DrawOptions options;
   options.legends = {{ColourMap::Share, "1", "", ""}};
-  const BarPlace bar = barPlace(0, 640, 360);
+  const BarRectangle bar = barRectangle(0, 640, 360);
   const int left = static_cast<int>(bar.left), right = static_cast<int>(bar.left + bar.width);
   const int top = static_cast<int>(bar.top);
   const Image low = stage.picture(options);
@@ -63,7 +62,7 @@ TEST(Legend, NumbersStandAboveItsEnds) {
 }
 
 TEST(Legend, SeveralStandOneAboveTheOther) {
-  const BarPlace first = barPlace(0, 640, 360), second = barPlace(1, 640, 360);
+  const BarRectangle first = barRectangle(0, 640, 360), second = barRectangle(1, 640, 360);
   EXPECT_LT(second.top + second.height, first.top - 10.0f) << "with room for numbers";
   EXPECT_EQ(first.left, second.left);
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
 // Places of a skin, computed on the GPU, against sums in double precision, and what is drawn from them.
-#include "skin_layout.h"
+#include "shape_layout.h"
 
 #include <array>
 #include <cmath>

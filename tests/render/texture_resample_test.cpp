@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-#include "texture_resample.h"
+#include "pixels.h"
 
 #include <gtest/gtest.h>
 

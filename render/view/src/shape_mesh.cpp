@@ -14,26 +14,26 @@ namespace {
 
 using render::Scenery;
 
-/// Half the side of the piece of a plane that is shown, and of the space in which a mesh is asked for its
-/// triangles, m.
+/// Half the side of the shown piece of a plane, and of the box in which the triangles of a mesh are
+/// collected, m.
 constexpr float kPlaneHalfSize = 50.0f;
 constexpr double kFar = 1e6;
 
-/// A capsule's rings are few enough to see and many enough to look round; odd, so that none is at the
-/// equator.
+/// Of a capsule. The number of rings is odd, so that none lies at the equator.
 constexpr std::uint32_t kRings = 17, kSegments = 32;
 
-void append(Scenery& mesh, const Scenery& part, const btTransform& place) {
+void append(Scenery& mesh, const Scenery& part, const btTransform& transform) {
   const std::uint32_t first = mesh.shape.pointCount;
   for (std::size_t i = 0; i < part.points.size(); i += 3) {
-    const render::Vec3 p = toVec3(place * btVector3(btScalar(part.points[i]), btScalar(part.points[i + 1]),
-                                                    btScalar(part.points[i + 2])));
+    const render::Vec3 p =
+        toVec3(transform * btVector3(btScalar(part.points[i]), btScalar(part.points[i + 1]),
+                                     btScalar(part.points[i + 2])));
     mesh.points.insert(mesh.points.end(), {p.x, p.y, p.z});
   }
   mesh.shape.pointCount += part.shape.pointCount;
   for (const std::uint32_t vertex : part.shape.triangles) {
-    const bool own = part.shape.vertexToPoint.empty();
-    mesh.shape.triangles.push_back(first + (own ? vertex : part.shape.vertexToPoint[vertex]));
+    const bool isPoint = part.shape.vertexToPoint.empty();
+    mesh.shape.triangles.push_back(first + (isPoint ? vertex : part.shape.vertexToPoint[vertex]));
   }
 }
 
@@ -43,7 +43,7 @@ Scenery capsuleMesh(const btCapsuleShape& capsule) {
   for (std::size_t i = 0; i < mesh.points.size(); i += 3) {
     float* p = mesh.points.data() + i;
     p[1] += (p[1] > 0.0f ? 1.0f : -1.0f) * float(capsule.getHalfHeight());
-    // a turn, not a swap: a mirrored mesh would show its inside
+    // rotate the axes, do not swap two of them: a mirrored mesh would show its inside
     const std::array<float, 3> y{p[0], p[1], p[2]};
     if (up == 0) p[0] = y[1], p[1] = y[2], p[2] = y[0];
     if (up == 2) p[0] = y[2], p[1] = y[0], p[2] = y[1];
@@ -88,13 +88,13 @@ Scenery concaveMesh(const btConcaveShape& concave) {
 Scenery planeMesh(const btStaticPlaneShape& plane) {
   Scenery floor = render::makeFloor({}, kPlaneHalfSize);
   const btVector3 up = plane.getPlaneNormal();
-  const btTransform place(shortestArcQuat(btVector3(0, 1, 0), up), plane.getPlaneConstant() * up);
-  Scenery turned = floor;
-  turned.points.clear();
-  turned.shape.pointCount = 0;
-  turned.shape.triangles.clear();
-  append(turned, floor, place);
-  return turned;
+  const btTransform transform(shortestArcQuat(btVector3(0, 1, 0), up), plane.getPlaneConstant() * up);
+  Scenery rotated = floor;
+  rotated.points.clear();
+  rotated.shape.pointCount = 0;
+  rotated.shape.triangles.clear();
+  append(rotated, floor, transform);
+  return rotated;
 }
 
 Scenery compoundMesh(const btCompoundShape& compound) {

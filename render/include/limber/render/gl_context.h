@@ -7,15 +7,15 @@
 
 namespace limber::render {
 
-/// Which library makes the OpenGL context. Auto tries a GPU through EGL (a device that does not call
-/// itself software), then OSMesa (a software rasteriser in this process), then EGL in software. Egl tries
-/// the devices in their order, GPUs first, then Mesa's platform without any surface; EglSurfaceless that
-/// alone.
+/// The library that makes the OpenGL context. Auto tries a GPU through EGL (a device that is not marked as
+/// software), then OSMesa (a software rasteriser in this process), then EGL with a software rasteriser. Egl
+/// tries the devices in their order, GPUs first, and then Mesa's surfaceless platform. EglSurfaceless tries
+/// only that platform.
 enum class Backend { Auto, OSMesa, Egl, EglSurfaceless };
 
 struct ContextDesc {
   Backend backend = Backend::Auto;
-  bool debug = false;  ///< Ask the driver for a debug context (more messages, slower).
+  bool debug = false;  ///< Requests a debug context (more messages, slower).
   int eglDevice = -1;  ///< Index among the EGL devices; -1 takes the first that works.
 };
 
@@ -35,15 +35,15 @@ class GlContext {
   virtual void makeCurrent() = 0;
   virtual void release() noexcept = 0;
 
-  /// Address of an OpenGL function. OSMesa answers non-null for unknown names too, so the
-  /// version must be checked before anything is concluded from this (see Gl).
+  /// Returns the address of an OpenGL function. OSMesa returns non-null for unknown names, too, so the OpenGL
+  /// version must be checked first (see loadGl()).
   virtual void* getProcAddress(const char* name) const = 0;
 
-  /// "osmesa", "egl (...)", or what an adopted context was called.
+  /// Returns "osmesa", "egl (...)" or the name of an adopted context.
   virtual const std::string& name() const = 0;
 
-  /// Whether others draw in it as well: the renderer then leaves all state as it found it, and the debug
-  /// messages to them.
+  /// Returns true if other code draws in this context, too. The renderer then restores all OpenGL state after
+  /// use and does not receive debug messages.
   virtual bool shared() const { return false; }
 
  protected:
@@ -51,12 +51,13 @@ class GlContext {
 };
 
 /// Makes a context and makes it current on the calling thread.
-/// Throws std::runtime_error naming everything that was tried and why each try failed.
+/// Throws std::runtime_error with all attempts and the reason why each of them failed.
 std::unique_ptr<GlContext> createContext(const ContextDesc& desc = {});
 
-/// A context that the program has made by itself (GLFW, SDL, Qt, an engine), OpenGL 4.5 core or later, for
-/// a renderer to share: it is the program that makes it current before it calls the renderer.
-/// `getProcAddress` finds OpenGL's functions, as glfwGetProcAddress does; `name` is for messages.
+/// Wraps a context that the program has created itself (with GLFW, SDL, Qt, an engine), OpenGL 4.5 core or
+/// later, so that a renderer can share it. The program makes it current before it calls the renderer.
+/// `getProcAddress` returns the addresses of OpenGL's functions, as glfwGetProcAddress does; `name` is for
+/// messages.
 std::unique_ptr<GlContext> adoptContext(std::function<void*(const char*)> getProcAddress,
                                         std::string name = "the program's own");
 

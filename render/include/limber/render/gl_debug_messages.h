@@ -8,7 +8,7 @@
 
 namespace limber::render {
 
-/// Counts what the driver has to say about our calls, by severity.
+/// Number of the driver's debug messages, by severity.
 struct DebugMessageCounts {
   std::size_t high = 0;
   std::size_t medium = 0;
@@ -16,9 +16,9 @@ struct DebugMessageCounts {
   std::size_t notification = 0;
 };
 
-/// Listens to the driver's messages from construction on. It must outlive all use of the
-/// context or be destroyed while the context is current; it neither moves nor copies because
-/// the driver holds its address. One listener per context.
+/// Receives the driver's debug messages from construction on. It must outlive all use of the context, or be
+/// destroyed while the context is current. It cannot be moved or copied, because the driver keeps its
+/// address. At most one per context.
 class DebugMessages {
  public:
   explicit DebugMessages(const Gl& gl);
@@ -27,7 +27,7 @@ class DebugMessages {
   DebugMessages& operator=(const DebugMessages&) = delete;
 
   const DebugMessageCounts& counts() const { return counts_; }
-  /// Messages of medium or high severity: a healthy program has none.
+  /// Number of messages of medium or high severity; 0 in a correct program.
   std::size_t complaints() const { return counts_.medium + counts_.high; }
   /// Text of the last message of medium or high severity, else empty.
   const std::string& lastComplaint() const { return lastComplaint_; }

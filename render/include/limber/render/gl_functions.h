@@ -9,7 +9,7 @@ namespace limber::render {
 
 class GlContext;
 
-/// Every OpenGL function this library calls: X(name without gl, NAME of its type).
+/// All OpenGL functions that this library calls: X(name without "gl", name in the function's type).
 #define LIMBER_GL_FUNCTIONS(X)                                \
   X(ActiveTexture, ACTIVETEXTURE)                             \
   X(AttachShader, ATTACHSHADER)                               \
@@ -104,8 +104,8 @@ class GlContext;
   X(VertexArrayVertexBuffer, VERTEXARRAYVERTEXBUFFER)         \
   X(Viewport, VIEWPORT)
 
-/// The functions of one context. They live in a struct, not at global scope, because global
-/// symbols named like OpenGL's could interpose those inside the driver.
+/// The functions of one context. They are members, not globals: global symbols with OpenGL's names could
+/// replace those inside the driver.
 struct Gl {
 #define LIMBER_GL_MEMBER(name, TYPE) PFNGL##TYPE##PROC name = nullptr;
   LIMBER_GL_FUNCTIONS(LIMBER_GL_MEMBER)
@@ -113,14 +113,14 @@ struct Gl {
 };
 
 /// Loads all functions through a context that is current on this thread.
-/// Throws std::runtime_error if a function is missing, if the version is below 4.5, or if a
-/// limit or extension the library needs is absent; the text names what is missing and the driver.
+/// Throws std::runtime_error if a function is missing, if the version is below 4.5, or if the driver lacks a
+/// limit or an extension that the library needs. The text names the driver and the missing item.
 Gl loadGl(const GlContext& context);
 
 /// "vendor / renderer / version" of the current context, for messages.
 std::string describeDriver(const Gl& gl);
 
-/// Throws std::runtime_error naming `where` if any OpenGL error is pending.
+/// Throws std::runtime_error with `where` if any OpenGL error is pending.
 void checkGlErrors(const Gl& gl, const char* where);
 
 }  // namespace limber::render

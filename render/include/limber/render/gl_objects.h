@@ -8,8 +8,8 @@
 
 namespace limber::render {
 
-/// Owns one OpenGL object name; move-only. `bytes` is what the object was created with, for
-/// the memory report. Destroy it while its context is current.
+/// Owns one OpenGL object; move-only. `bytes` is the size of its storage, for the memory report. Destroy it
+/// while its context is current.
 template <PFNGLDELETEBUFFERSPROC Gl::*Delete>
 class GlObject {
  public:

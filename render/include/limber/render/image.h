@@ -28,13 +28,14 @@ struct Image {
   }
 };
 
-/// An image scaled down to `width` pixels (at least 1), its aspect kept: each pixel is the mean of those
-/// under it, in linear light. Opaque. Throws std::runtime_error if the image is empty.
+/// Returns an opaque image, scaled down to `width` pixels (at least 1) with the same aspect ratio. Each pixel
+/// is the mean of the source pixels that it covers, in linear light. Throws std::runtime_error if the image
+/// is empty.
 Image scaledDown(const Image& image, int width);
 
-/// Pictures side by side in rows of `columns` (at least 1), each scaled down to `tileWidth`
-/// pixels wide with a thin gap between; the last row may be short. Tiles take the aspect of the
-/// first image. Throws std::runtime_error if there is no image or one is empty.
+/// Returns pictures side by side in rows of `columns` (at least 1). Each is scaled down to a width of
+/// `tileWidth` pixels. There is a thin gap between them, and the last row may be shorter. All have the aspect
+/// ratio of the first image. Throws std::runtime_error if there is no image or one is empty.
 Image contactSheet(const std::vector<Image>& images, int columns, int tileWidth = 320);
 
 }  // namespace limber::render

@@ -7,17 +7,17 @@ namespace limber::render {
 
 enum class ColourMap {
   Strain,  ///< Blue over grey to red, as springs are drawn in wireframe mode.
-  Share    ///< As shareColour().
+  Share    ///< The colours of shareColour().
 };
 
 /// A bar of colours at the lower right of the picture with numbers above it. The texts may have digits, + - .
-/// % / m s and spaces; anything else is left blank.
+/// % / m s and spaces; other characters are left blank.
 struct Legend {
   ColourMap map = ColourMap::Share;
   std::string low, middle, high;
 };
 
-/// Of springs that are drawn in full colour at a strain of `range`: per cent.
+/// Returns the legend, in per cent, of springs that have full colour at a strain of `range`.
 Legend strainLegend(float range);
 
 }  // namespace limber::render

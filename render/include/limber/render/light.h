@@ -19,7 +19,7 @@ struct Light {
   float shadowRadius = 8.0f;
 };
 
-/// `light` with its shadow sphere set around a bounding box.
+/// Returns `light` with its shadow sphere around a bounding box.
 Light lightBox(Vec3 min, Vec3 max, Light light = {});
 
 }  // namespace limber::render

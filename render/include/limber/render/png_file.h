@@ -7,12 +7,12 @@
 
 namespace limber::render {
 
-/// Writes to a temporary name beside `path` and renames, so that no half file is ever seen.
-/// Fast rather than small (zlib level 1, no filter). Throws std::runtime_error naming the path
-/// and the reason (no such folder, no permission, disk full, ...).
+/// Writes a temporary file next to `path` and renames it, so that `path` is never an incomplete file. Fast
+/// rather than small (zlib level 1, no filter). Throws std::runtime_error with the path and the reason (no
+/// such folder, no permission, disk full, ...).
 void writePng(const std::string& path, const Image& image);
 
-/// Reads any PNG as RGBA. Throws std::runtime_error naming the path and the reason.
+/// Reads any PNG as RGBA. Throws std::runtime_error with the path and the reason.
 Image readPng(const std::string& path);
 
 }  // namespace limber::render

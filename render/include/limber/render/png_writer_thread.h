@@ -14,15 +14,15 @@
 
 namespace limber::render {
 
-/// Writes PNG files, or does other work on images, on a thread of its own and in order, so that
-/// compressing overlaps with the next frame.
-/// One thread at a time may call it.
+/// Writes PNG files, or does other work on images, on a thread of its own and in order. So the compression of
+/// one frame overlaps with drawing the next one. Only one thread at a time may call it.
 class PngWriterThread {
  public:
   static constexpr std::size_t kQueueLimit = 3;
 
   PngWriterThread();
-  /// Writes what is queued, then joins. Errors not yet fetched by submit() or finish() are lost.
+  /// Writes the queued images, then joins the thread. Errors that submit() or finish() have not thrown are
+  /// lost.
   ~PngWriterThread();
   PngWriterThread(const PngWriterThread&) = delete;
   PngWriterThread& operator=(const PngWriterThread&) = delete;
@@ -30,9 +30,9 @@ class PngWriterThread {
   /// Queues an image, waiting while kQueueLimit images are queued. Throws the first error of an
   /// earlier image (std::runtime_error); this image is then not queued.
   void submit(std::string path, Image image);
-  /// The same with any work on an image; what it throws is its error.
+  /// Queues any other work on an image. Its error is the exception that `work` throws.
   void submit(Image image, std::function<void(const Image&)> work);
-  /// An image whose memory was used before, to be filled and submitted; empty if there is none.
+  /// Returns an image that was used before, so that its memory can be filled again; empty if there is none.
   Image takeSpare();
   /// Waits until everything is written. Throws the first error.
   void finish();

@@ -23,17 +23,17 @@ struct Gl;
 
 struct ShapeId {
   std::uint32_t index = UINT32_MAX;
-  std::uint32_t generation = 0;  ///< As in InstanceId.
+  std::uint32_t generation = 0;  ///< See InstanceId.
 };
 struct TextureId {
   std::uint32_t index = UINT32_MAX;  ///< The default is "no texture".
 };
 struct InstanceId {
   std::uint32_t index = UINT32_MAX;
-  std::uint32_t generation = 0;  ///< So that the id of a removed instance is never valid again.
+  std::uint32_t generation = 0;  ///< Makes the id of a removed instance invalid for ever.
 };
 
-/// How one instance differs from others of its shape.
+/// Colour and texture of one instance of a shape.
 struct InstanceLook {
   Vec3 colour{0.85f, 0.47f, 0.32f};  ///< sRGB, 0 to 1; multiplies the texture if there is one.
   TextureId texture;
@@ -46,13 +46,13 @@ struct RendererDesc {
   int shadowMapSize = 2048;          ///< Texels per side.
   int shadowTaps = 4;                ///< 1 or 4 filtered look-ups per pixel.
   int textureSize = 512;             ///< Every texture is resampled to a square of this many texels.
-  std::size_t initialPoints = 4096;  ///< Points per frame that fit before the first growth.
+  std::size_t initialPoints = 4096;  ///< Capacity in points per frame before the buffer first grows.
   std::chrono::nanoseconds fenceTimeout = std::chrono::seconds(5);
 };
 
 enum class DrawMode {
   Shaded,
-  Wireframe  ///< Shapes with lines as lines coloured by strain; shapes without stay shaded.
+  Wireframe  ///< Shapes with lines are drawn as lines, coloured by strain; others stay shaded.
 };
 
 struct DrawOptions {
@@ -61,27 +61,29 @@ struct DrawOptions {
   float lineWidth = 1.6f;                   ///< Pixels.
   float hiddenOverlay = 0.25f;              ///< Opacity of overlay lines behind surfaces; 0: not drawn.
   bool legend = true;                       ///< A bar of the strain colours, in wireframe mode only.
-  std::vector<Legend> legends;              ///< Of other colours, above that.
+  std::vector<Legend> legends;              ///< Further legends, above that one.
   Vec3 backgroundTop{0.87f, 0.90f, 0.93f};  ///< sRGB.
   Vec3 backgroundBottom{0.97f, 0.96f, 0.94f};  ///< sRGB.
 };
 
-/// How positions travel to the GPU. The last two are baselines for tests and benches.
+/// How positions get to the GPU. Naive and Unshared are baselines for tests and benches.
 enum class StreamPath {
   Ring,     ///< Written in place into one mapped buffer; one draw per shape and pass.
-  Naive,    ///< One buffer, one upload and one draw per instance. The picture is Ring's, byte for byte.
-  Unshared  ///< As Bullet's example browser: per instance and frame, three vertices of 36 bytes per triangle
-            ///< with normals from the CPU, in one buffer, drawn by itself. The picture is Ring's but for
-            ///< rounding. Neither tubes (an error in beginFrame()) nor wireframe (an error in draw()).
+  Naive,    ///< One buffer, one upload and one draw per instance. The picture equals that of Ring, byte for
+            ///< byte.
+  Unshared  ///< As in Bullet's example browser: every frame each instance uploads three vertices of 36 bytes
+            ///< per triangle into a buffer of its own, with normals from the CPU, and has its own draw. The
+            ///< picture equals that of Ring except for rounding. Tubes and skins are an error in
+            ///< beginFrame(), wireframe is an error in draw().
 };
 
 /// Figures of the last frame; times are milliseconds of this thread.
 struct FrameStats {
-  std::size_t bytesStreamed = 0;   ///< Positions; if Unshared, its vertices.
+  std::size_t bytesStreamed = 0;   ///< Positions, or the vertices of Unshared.
   std::size_t shapeDrawCalls = 0;  ///< Draws of shapes, all passes together.
-  std::size_t drawCalls = 0;       ///< As above, with background and legend.
+  std::size_t drawCalls = 0;       ///< The same with background, overlay and legends.
   std::size_t dispatches = 0;      ///< Compute dispatches (skins, normals, tube frames).
-  double waitMs = 0.0;             ///< In beginFrame, for the GPU to let go of the region.
+  double waitMs = 0.0;             ///< In beginFrame: waiting until the GPU has finished with the region.
   double uploadMs = 0.0;           ///< In draw: instance table, and positions if not Ring.
   double submitMs = 0.0;           ///< In draw: the rest.
   double finishMs = 0.0;           ///< In readPixels: waiting for the picture.
@@ -115,10 +117,10 @@ class FrameWriter {
   FrameWriter& operator=(FrameWriter&&) = delete;
   ~FrameWriter();
 
-  /// Where to write the points of an instance: 3 x pointCount floats (x y z, metres), packed.
-  /// Write-only, GPU-visible memory holding nothing useful before: write all of it, every frame,
-  /// before draw(); several threads may write different instances. Throws std::runtime_error for
-  /// an id that was removed, or added after beginFrame().
+  /// Returns the memory for the points of an instance: 3 x pointCount floats (x y z, metres), packed. The GPU
+  /// reads this memory, and its old content is undefined: write all of it in every frame before draw(), and
+  /// do not read it. Several threads may write different instances. Throws std::runtime_error for an instance
+  /// that was removed, or added after beginFrame().
   float* points(InstanceId instance) const;
 
  private:
@@ -135,8 +137,8 @@ class FrameWriter {
 /// std::logic_error for calls in a wrong order (two open frames, ...). After an exception the
 /// renderer is as it was before the call.
 ///
-/// The context may be the program's own, see adoptContext(): the renderer then leaves all state of OpenGL as
-/// it found it. It always draws into a picture of its own, which blitTo() copies to where it is wanted.
+/// The context may belong to the program, see adoptContext(): the renderer then restores all OpenGL state
+/// after use. blitTo() copies the picture into a framebuffer of the program.
 ///
 /// Threads: all calls on the thread on which the context is current. The context must outlive the
 /// renderer and be current when it is destroyed.
@@ -156,8 +158,8 @@ class Renderer {
   ShapeId addShape(const ShapeDesc& desc);
   /// Frees a shape; it must have no instances. Not while a frame is open.
   void removeShape(ShapeId shape);
-  /// `rgba`: 4 x width x height bytes, sRGB, top row first. Repeats, has mipmaps, lives as long
-  /// as the renderer.
+  /// `rgba`: 4 x width x height bytes, sRGB, top row first. The texture repeats, has mipmaps and exists as
+  /// long as the renderer.
   TextureId addTexture(int width, int height, const std::uint8_t* rgba);
 
   /// These three take effect at the next beginFrame(), also while a frame is open or in flight.
@@ -174,21 +176,22 @@ class Renderer {
   void draw(FrameWriter& frame, const Camera& camera, const Light& light, const DrawOptions& options = {},
             const Overlay& overlay = {});
 
-  /// The last picture drawn. Waits for it. The second form reuses the image's memory.
+  /// Waits for the last picture and returns it. The second form reuses the image's memory.
   Image readPixels();
   void readPixels(Image& image);
 
-  /// Copies the last picture into a framebuffer of the same context (0 is the window's), upright where
-  /// y counts from the bottom, scaled to `width` x `height` pixels. Does not wait.
+  /// Copies the last picture into a framebuffer of the same context (0 is the window's), upright where y
+  /// counts from the bottom, and scales it to `width` x `height` pixels. Does not wait.
   void blitTo(unsigned framebuffer, int x, int y, int width, int height);
   /// The last picture as an OpenGL texture (GL_TEXTURE_2D, sRGB, top row first), until the next resize().
   unsigned texture() const;
 
-  /// Normals (or, for tubes, frame directions) of an instance as the GPU computed them in the
-  /// last frame: 3 floats per point, or per place if it has a skin. For tests: slow. Throws
-  /// std::runtime_error for flat shapes.
+  /// Returns the normals (for tubes: the side vectors) of an instance that the GPU computed in the last
+  /// frame: 3 floats per point, or per place if it has a skin. For tests: slow. Throws std::runtime_error for
+  /// flat shapes.
   std::vector<float> readNormals(InstanceId instance);
-  /// The places of an instance's skin in the last frame: 3 floats each. As above; throws without a skin.
+  /// Returns the places of an instance's skin in the last frame: 3 floats each. For tests: slow. Throws
+  /// std::runtime_error without a skin.
   std::vector<float> readPlaces(InstanceId instance);
 
   const FrameStats& lastFrame() const;
@@ -197,7 +200,7 @@ class Renderer {
   /// All buffers, without textures and render targets.
   std::size_t gpuBufferBytes() const { return gpuMemory().buffers(); }
 
-  /// Null in a context that is shared with others: its messages are theirs.
+  /// Null in a shared context: its owner receives the messages.
   const DebugMessages* debugMessages() const;
   const Gl& gl() const;
 

@@ -7,16 +7,16 @@
 
 namespace limber::render {
 
-/// A surface that moves only as a whole, as a skin on four points: an instance streams 48 bytes a frame
-/// however detailed it is, and may be moved, turned, stretched and sheared.
+/// A surface that moves only as a whole. It is a skin on four points: an instance streams 48 bytes a frame,
+/// however detailed it is. It can be moved, rotated, stretched and sheared.
 struct RigidShape {
-  ShapeDesc shape;     ///< 4 points; its places are the points of the scenery it was made of.
-  float reach = 1.0f;  ///< Metres from the first point to the others.
+  ShapeDesc shape;     ///< 4 points; the places of its skin are the points of the scenery.
+  float reach = 1.0f;  ///< Distance from the first point to each other point, m.
 };
 
 RigidShape makeRigid(const Scenery& scenery);
 
-/// Where the origin comes to, and the three unit vectors.
+/// Position of a shape's origin and directions of its axes.
 struct Frame {
   Vec3 origin{0.0f, 0.0f, 0.0f};
   Vec3 x{1.0f, 0.0f, 0.0f};
@@ -24,7 +24,8 @@ struct Frame {
   Vec3 z{0.0f, 0.0f, 1.0f};
 };
 
-/// Writes the points of an instance with `reach`, moved by `frame`: 4 x 3 floats; only writes, in order.
+/// Writes the 4 points (12 floats) of an instance with this RigidShape::reach, moved by `frame`. Writes in
+/// order and does not read the memory.
 void writeFrame(float reach, const Frame& frame, float* xyz);
 
 }  // namespace limber::render

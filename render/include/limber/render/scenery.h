@@ -9,8 +9,8 @@
 
 namespace limber::render {
 
-/// A shape with the points it has at rest; y is up. For things that do not move, write the same
-/// points every frame.
+/// A shape and its points at rest; y is up. For a shape that does not move, write these points in every
+/// frame.
 struct Scenery {
   ShapeDesc shape;
   std::vector<float> points;  ///< 3 x shape.pointCount, metres.

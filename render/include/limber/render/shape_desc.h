@@ -15,13 +15,13 @@ enum class Shading {
 
 enum class Pattern {
   Plain,
-  Grid  ///< Lines every metre of uv over a checker, fading out at uv length `patternRadius`.
+  Grid  ///< A line at every metre of uv, over a checkerboard; fades out at uv length `patternRadius`.
 };
 
-/// Places that follow the points: place p is the sum of weights[k] times point points[k] over k from
-/// first[p] up to first[p + 1], computed on the GPU every frame. With it a detailed mesh costs no more
-/// to stream than the few points that move it. The weights of a place should add up to 1, or it will
-/// not move along with its body.
+/// Places are positions that follow the points: place p is the sum of weights[k] times point points[k], for
+/// first[p] <= k < first[p + 1]. The GPU computes them in every frame. So a detailed mesh costs no more to
+/// stream than the few points that move it. The weights of a place should add up to 1, or it does not follow
+/// translations of its body.
 struct Skin {
   std::vector<std::uint32_t> first;   ///< #places + 1, rising from 0; empty: no skin.
   std::vector<std::uint32_t> points;  ///< One per weight.
@@ -30,42 +30,42 @@ struct Skin {
   std::size_t placeCount() const { return first.empty() ? 0 : first.size() - 1; }
 };
 
-/// What all instances of one body type share: topology and looks that never change. Points are
-/// what moves (three floats each, streamed every frame); a vertex is a point, or with a skin a place,
-/// with a texture coordinate, so that seams need no second point.
+/// The data that all instances of a shape share and that never change: topology and appearance. The points
+/// move (three floats each, streamed in every frame). A vertex is a point, or with a skin a place, with a
+/// texture coordinate, so that seams need no second point.
 ///
-/// A mesh has triangles; a tube (rope) has `tubeRadius` > 0 and no triangles: its points are the
-/// polyline, its surface is made on the GPU. Either may have lines, and lines alone are a shape
-/// too (it is then invisible except in wireframe mode).
+/// A mesh has triangles; a tube (rope) has `tubeRadius` > 0 and no triangles: its points form a polyline, and
+/// the GPU makes its surface. Both may have lines. A shape may also have only lines; it is then visible in
+/// wireframe mode only.
 struct ShapeDesc {
   std::string name;  ///< Only used in error messages.
 
   std::uint32_t pointCount = 0;  ///< At least 1; a tube needs at least 2.
-  Skin skin;                     ///< Empty: vertices ride on the points themselves.
+  Skin skin;                     ///< Empty: vertices lie on the points themselves.
   std::vector<std::uint32_t>
-      vertexToPoint;                     ///< One per vertex, of a place if there is a skin; empty: i to i.
-  std::vector<float> uvs;                ///< 2 per vertex, or empty.
+      vertexToPoint;       ///< Point (with a skin: place) of each vertex; empty: vertex i is at point i.
+  std::vector<float> uvs;  ///< 2 per vertex, or empty.
   std::vector<std::uint32_t> triangles;  ///< 3 vertex indices each, counter-clockwise outside.
   std::vector<std::uint32_t> lines;      ///< 2 point indices each.
   std::vector<float> lineRestLengths;    ///< Metres, > 0, one per line; empty: not coloured.
 
   Shading shading = Shading::Flat;
   bool twoSided = false;    ///< Draw and light both sides (cloth).
-  bool castsShadow = true;  ///< Off saves much for a floor, which has nothing below it.
+  bool castsShadow = true;  ///< Turning it off saves much time for a floor, which has nothing below it.
 
   float tubeRadius = 0.0f;          ///< Metres; above 0 makes this a tube.
   std::uint32_t tubeSegments = 12;  ///< Around the tube; at least 3.
 
   Pattern pattern = Pattern::Plain;
-  float patternRadius = 0.0f;  ///< Metres of uv at which a Grid has faded away.
+  float patternRadius = 0.0f;  ///< Metres of uv at which a Grid has faded out.
 };
 
-/// What vertexToPoint counts: the places of the skin, without one the points.
+/// Returns the number of places of the skin, or of points without a skin. vertexToPoint is below it.
 inline std::size_t placeCount(const ShapeDesc& desc) {
   return desc.skin.first.empty() ? desc.pointCount : desc.skin.placeCount();
 }
 
-/// Why the description cannot be drawn (naming the array and the index), or empty if it can.
+/// Returns the reason why the description cannot be drawn (with array and index), or an empty string.
 std::string validate(const ShapeDesc& desc);
 
 }  // namespace limber::render

@@ -14,7 +14,7 @@ namespace limber::render {
 struct StreamFrame {
   float* data = nullptr;       ///< Write-only and best written in order: reading it is slow.
   std::size_t floatCount = 0;  ///< Floats that fit.
-  GLintptr byteOffset = 0;     ///< Where `data` begins inside the buffer; a multiple of 256.
+  GLintptr byteOffset = 0;     ///< Of `data` from the start of the buffer; a multiple of 256.
 };
 
 struct StreamBufferDesc {
@@ -23,7 +23,7 @@ struct StreamBufferDesc {
 #ifdef NDEBUG
   bool poison = false;
 #else
-  bool poison = true;  ///< Fill each region with NaN before it is handed out.
+  bool poison = true;  ///< Fills each region with NaN when it is opened.
 #endif
 };
 
@@ -41,12 +41,12 @@ class StreamBuffer {
 
   /// Opens the next region, waiting for the GPU if all are busy. Errors as StreamRing::begin.
   StreamFrame beginFrame();
-  /// Fences the open region: call after the last command that reads it. `bytesWritten` only
-  /// goes into the statistics.
+  /// Fences the open region: call after the last command that reads it. `bytesWritten` is for the statistics
+  /// only.
   void endFrame(std::size_t bytesWritten);
-  /// Gives the open region back unused.
+  /// Closes the open region unused.
   void cancelFrame() { ring_.cancel(); }
-  /// Waits until the GPU reads no region any more.
+  /// Waits until the GPU has finished with all regions.
   void drain() { ring_.drain(); }
 
   GLuint name() const { return buffer_.name(); }

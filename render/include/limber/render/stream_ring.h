@@ -8,22 +8,22 @@
 
 namespace limber::render {
 
-/// Makes and waits for fences. Behind an interface so that the ring can be tested without a GPU.
+/// Creates fences and waits for them. An interface, so that the ring can be tested without a GPU.
 class FenceSource {
  public:
   using Fence = void*;  ///< Never null for a live fence.
 
   virtual ~FenceSource() = default;
-  /// A fence that is signalled once everything submitted before it is done.
+  /// Returns a fence that is signalled when all commands submitted before it are done.
   virtual Fence insert() = 0;
-  /// True if signalled within the timeout; a timeout of zero only asks.
+  /// Returns true if the fence is signalled within the timeout. A timeout of zero does not wait.
   virtual bool wait(Fence fence, std::chrono::nanoseconds timeout) = 0;
   virtual void destroy(Fence fence) noexcept = 0;
 };
 
-/// Which of three regions of a buffer may be written now. A region goes
-/// free -> writing (begin) -> in flight (submit) -> free (its fence passed). The ring knows
-/// nothing of memory; it only refuses wrong orders and waits for fences.
+/// Chooses which of three regions of a buffer may be written now. The states of a region are: free -> writing
+/// (begin) -> in flight (submit) -> free (its fence passed). The ring does not touch memory; it only rejects
+/// calls in a wrong order and waits for fences.
 ///
 /// The checks throw std::logic_error in every build, because a software rasteriser hides a
 /// missing fence that a GPU would punish.

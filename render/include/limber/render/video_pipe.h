@@ -19,9 +19,9 @@ struct VideoDesc {
   int quality = 18;                 ///< Of libx264 (crf): smaller is better.
 };
 
-/// Sends frames to an ffmpeg process, started without a shell. A dying ffmpeg is reported as an
-/// error and never ends this program with SIGPIPE; what it leaves when it fails, which no program can play,
-/// is removed. Not safe for several threads at once.
+/// Sends frames to an ffmpeg process, started without a shell. If ffmpeg ends too early, that is an error; it
+/// never ends this program with SIGPIPE. If ffmpeg fails, its incomplete file, which no program can play, is
+/// removed. Not safe for several threads at once.
 class VideoPipe {
  public:
   /// True if there is an executable ffmpeg on PATH.
@@ -29,13 +29,13 @@ class VideoPipe {
 
   /// Throws std::runtime_error if ffmpeg is missing or cannot be started.
   explicit VideoPipe(const VideoDesc& desc);
-  /// Closes the pipe and waits for ffmpeg; errors are lost (call finish() to have them).
+  /// Closes the pipe and waits for ffmpeg; errors are lost (call finish() to get them).
   ~VideoPipe();
   VideoPipe(const VideoPipe&) = delete;
   VideoPipe& operator=(const VideoPipe&) = delete;
 
   /// Throws std::runtime_error if the size differs from the description or if ffmpeg has
-  /// stopped reading; the text holds what ffmpeg said.
+  /// stopped reading; the text contains ffmpeg's messages.
   void write(const Image& image);
   /// Ends the video. Throws std::runtime_error if ffmpeg failed. Later calls do nothing.
   void finish();
@@ -47,7 +47,7 @@ class VideoPipe {
 
   void closeInput() noexcept;
   int waitForExit() noexcept;
-  std::string complaint() const;
+  std::string ffmpegMessages() const;
   [[noreturn]] void failWrite(int error);
 
   VideoDesc desc_;

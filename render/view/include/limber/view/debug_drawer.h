@@ -20,15 +20,15 @@ inline namespace LIMBER_BULLET_PRECISION {
 ///     drawer.overlay.clear();  world.debugDrawWorld();                  // each frame
 ///     renderer.draw(frame, camera, light, options, drawer.overlay);
 ///
-/// Whatever draws itself through Bullet's interface is shown: rigid bodies, constraints, contacts, and the
-/// soft bodies of a SoftBodySystem. Text is not drawn. Contacts are a cross and their normal.
+/// It shows all that Bullet draws through its debug interface: rigid bodies, constraints, contacts, and the
+/// soft bodies of a SoftBodySystem. Text is not drawn. A contact is a cross and a line along its normal.
 class DebugDrawer final : public btIDebugDraw {
  public:
-  render::Overlay overlay;    ///< What has been drawn since it was last cleared.
-  float contactSize = 0.05f;  ///< Metres, the length of a contact's normal.
+  render::Overlay overlay;    ///< The lines drawn since the last clear().
+  float contactSize = 0.05f;  ///< Length of a contact's normal, m.
   float contactWidth = 2.5f;  ///< Pixels.
 
-  /// Bullet's complaints go to `handler`. Default: a line on standard error.
+  /// Receives Bullet's warnings. Default: a line on standard error.
   std::function<void(const std::string&)> onWarning;
 
   void drawLine(const btVector3& from, const btVector3& to, const btVector3& colour) override;

@@ -15,39 +15,42 @@ namespace limber::view {
 inline namespace LIMBER_BULLET_PRECISION {
 
 /// Shows the rigid bodies and other collision objects of a world as shaded surfaces (shape_mesh.h), 48 bytes
-/// each a frame. Left out: objects without contact response (ghosts), those flagged
-/// CF_DISABLE_VISUALIZE_OBJECT, and what soft bodies are made of. Boxes share a shape, and so do spheres;
-/// others share theirs if they share their btCollisionShape, whose dimensions must not change but by scaling
-/// before the next update(). Renderer and world must outlive it. Thread rule: that of SoftView.
+/// each a frame. It leaves out objects without contact response (ghosts), objects with the flag
+/// CF_DISABLE_VISUALIZE_OBJECT, and the points and surfaces of soft bodies. All boxes share one shape, and so
+/// do all spheres. Other objects share a shape if they share their btCollisionShape; its dimensions may
+/// change only by scaling, before the next update(). Renderer and world must outlive it. Thread rule: that of
+/// SoftView.
 class RigidView {
  public:
   using Look = std::function<render::InstanceLook(const btCollisionObject&)>;
 
-  /// `look` is asked once for each object. Default: light grey for what stands, wood for what moves.
+  /// `look` is called once for each object. Default: light grey for static and kinematic objects, the colour
+  /// of wood for dynamic ones.
   RigidView(render::Renderer& renderer, const btDiscreteDynamicsWorld& world, Look look = {});
-  /// Takes its instances and shapes out of the renderer.
+  /// Removes its instances and shapes from the renderer.
   ~RigidView();
   RigidView(const RigidView&) = delete;
   RigidView& operator=(const RigidView&) = delete;
 
-  /// Takes in objects that have come and drops those that have gone: before Renderer::beginFrame().
+  /// Adds new objects and drops removed ones. Call it before Renderer::beginFrame().
   void update();
-  /// Writes where all are at a time between the last two ticks, see SoftBodySystem::tickFraction(). `tick` is
-  /// the length of a tick in seconds.
+  /// Writes the transforms of all objects at a time between the last two ticks, see
+  /// SoftBodySystem::tickFraction(). `tick` is the length of a tick, s.
   void write(const render::FrameWriter& frame, double tickFraction = 1.0, double tick = 1.0 / 60.0) const;
 
   std::size_t objectCount() const { return shown_.size(); }
 
  private:
-  /// What tells that a shape is another, though it lies where an old one lay in memory.
-  struct Kind {
+  /// Identifies a collision shape. The address alone is not enough: a new shape may have the address of an
+  /// old one.
+  struct ShapeKey {
     const btCollisionShape* shape;
     int type;
     btVector3 low, high;
-    bool operator==(const Kind& other) const;
+    bool operator==(const ShapeKey& other) const;
   };
   struct Surface {
-    Kind kind;
+    ShapeKey key;
     render::ShapeId id;
     float reach;
     std::size_t users;
@@ -58,7 +61,7 @@ class RigidView {
     bool present;
   };
 
-  static Kind kindOf(const btCollisionShape& shape);
+  static ShapeKey keyOf(const btCollisionShape& shape);
   std::optional<std::size_t> surfaceFor(const btCollisionShape& shape);
   bool show(const btCollisionObject& object, Shown& shown);
   void hide(const Shown& shown);

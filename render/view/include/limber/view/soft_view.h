@@ -2,6 +2,8 @@
 #pragma once
 
 #include <limber/render/renderer.h>
+#include <limber/render/shape_desc.h>
+#include <limber/soft_body.h>
 #include <limber/soft_body_system.h>
 
 #include <functional>
@@ -9,6 +11,18 @@
 #include <vector>
 
 namespace limber::view {
+
+inline namespace LIMBER_BULLET_PRECISION {
+
+/// Returns the shape of a soft body for the renderer: its surface (with the skin if it has one), or a tube
+/// for a rope. All springs but the bending ones are lines with their rest lengths. The points are the point
+/// masses in their order, as SoftBody::writePositions() writes them. Bodies with the same network, scale and
+/// point radius may share a shape. Surfaces are two-sided, because the inside of an open surface is visible,
+/// and that of a body that is turned inside out, too.
+render::ShapeDesc shapeOf(const SoftBody& body, render::Shading shading);
+
+}  // namespace LIMBER_BULLET_PRECISION
+
 inline namespace LIMBER_BULLET_PRECISION {
 
 struct SoftLook {
@@ -17,30 +31,30 @@ struct SoftLook {
 };
 
 /// Shows the soft bodies of a system. Bodies of one network, scale and point radius share a shape and are
-/// drawn together. Renderer and system must outlive it. Thread rule: the thread of the renderer, and no step
-/// of the world meanwhile.
+/// drawn together. Renderer and system must outlive it. Thread rule: use it on the renderer's thread, and not
+/// while the world is stepped.
 class SoftView {
  public:
   using Look = std::function<SoftLook(const SoftBody&)>;
 
-  /// `look` is asked once for each body.
+  /// `look` is called once for each body.
   SoftView(render::Renderer& renderer, const SoftBodySystem& system, Look look = {});
-  /// Takes its instances and shapes out of the renderer.
+  /// Removes its instances and shapes from the renderer.
   ~SoftView();
   SoftView(const SoftView&) = delete;
   SoftView& operator=(const SoftView&) = delete;
 
-  /// Takes in bodies that have come and drops those that have gone: before Renderer::beginFrame().
+  /// Adds new bodies and drops removed ones. Call it before Renderer::beginFrame().
   void update();
-  /// Writes all points, see SoftBody::writePositions(): straight into the memory that the GPU reads.
+  /// Writes all points straight into the memory that the GPU reads, see SoftBody::writePositions().
   void write(const render::FrameWriter& frame, double tickFraction = 1.0) const;
 
-  /// Points streamed in a frame.
+  /// Number of points streamed in a frame.
   std::size_t pointCount() const;
 
  private:
   struct Shape {
-    SharedNetwork network;  // held, so that its address means it for as long as the shape lives
+    SharedNetwork network;  // keeps the network alive, so that its address stays unique
     Eigen::Vector3d scale;
     double radius;
     render::Shading shading;
@@ -55,7 +69,7 @@ class SoftView {
 
   Shown show(const SoftBody& body);
   std::size_t shapeFor(const SoftBody& body, render::Shading shading);
-  bool isStill(const Shown& shown, const SoftBody& body) const;
+  bool hasShapeOf(const Shown& shown, const SoftBody& body) const;
   void hide(const Shown& shown);
 
   render::Renderer& renderer_;
@@ -66,4 +80,5 @@ class SoftView {
 };
 
 }  // namespace LIMBER_BULLET_PRECISION
+
 }  // namespace limber::view

@@ -9,15 +9,15 @@ namespace limber::view {
 inline namespace LIMBER_BULLET_PRECISION {
 
 struct VelocityArrows {
-  double seconds = 0.05;     ///< An arrow is as long as the point goes in this time.
-  double fullSpeed = 5.0;    ///< m/s that has the last colour of render::shareColour().
-  double leastSpeed = 0.05;  ///< m/s; slower points have no arrow.
+  double seconds = 0.05;     ///< An arrow is as long as the path of the point in this time, s.
+  double fullSpeed = 5.0;    ///< Speed with the last colour of render::shareColour(), m/s.
+  double leastSpeed = 0.05;  ///< Slower points have no arrow, m/s.
 };
 
-/// What the arrows' colours mean.
+/// Returns the legend of the arrows' colours.
 render::Legend speedLegend(const VelocityArrows& arrows);
 
-/// An arrow for each point mass, from where it is now, coloured by its speed.
+/// Adds an arrow for each point mass: it starts at its position and is coloured by its speed.
 void addVelocities(render::Overlay& overlay, const SoftBody& body, const VelocityArrows& arrows,
                    render::Vec3 eye);
 

@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: Zlib
+#include "scenes/networks.h"
+
+#include <limber/mesh_import.h>
+#include <limber/network_builder.h>
+#include <limber/network_file.h>
+#include <limber/skin.h>
+
+#include <Eigen/Geometry>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <utility>
+
+namespace limber::scenes {
+
+bool isLimberFile(const std::string& file) {
+  const std::string ending = ".limber";
+  return file.size() > ending.size() && file.compare(file.size() - ending.size(), ending.size(), ending) == 0;
+}
+
+Result<SharedNetwork> readNetwork(const std::string& file) {
+  if (isLimberFile(file)) return loadNetwork(file);
+  const Result<TriangleMesh> mesh = importMesh(file);
+  if (!mesh) return Error{mesh.error()};
+  Result<SharedNetwork> network = buildNetwork(*mesh);
+  if (!network) return Error{file + ": " + network.error()};
+  return network;
+}
+
+namespace {
+
+using Edge = std::pair<std::uint32_t, std::uint32_t>;
+
+using Positions = std::vector<Eigen::Vector3f>;
+
+Eigen::Vector3f normalOf(const Positions& x, const Triangle& t) {
+  return (x[t[1]] - x[t[0]]).cross(x[t[2]] - x[t[0]]).normalized();
+}
+
+Positions restPoints(const SpringNetwork& network) {
+  Positions points;
+  for (const Eigen::Vector3d& p : network.restPoints) points.push_back(p.cast<float>());
+  return points;
+}
+
+/// Where the vertices of the drawn surface ride: on the places of the skin, or on the points.
+Positions restPlaces(const SpringNetwork& network) {
+  const Positions points = restPoints(network);
+  const Skin& skin = network.render.skin;
+  if (skin.size() == 0) return points;
+  Positions places(skin.size());
+  applySkin(skin, points.front().data(), places.front().data());
+  return places;
+}
+
+double angle(const Eigen::Vector3f& a, const Eigen::Vector3f& b) {
+  return std::acos(std::clamp(double(a.dot(b)), -1.0, 1.0));
+}
+
+}  // namespace
+
+double sharpestBend(const SpringNetwork& network) {
+  const Positions places = restPlaces(network);
+  const auto& place = network.render.vertexToPoint;
+  std::map<Edge, Eigen::Vector3f> normals;  // of the first triangle met at each edge
+  double sharpest = 0.0;
+  for (const Triangle& drawn : network.render.triangles) {
+    const Triangle t = {place[drawn[0]], place[drawn[1]], place[drawn[2]]};
+    const Eigen::Vector3f normal = normalOf(places, t);
+    for (std::size_t corner = 0; corner < 3; ++corner) {
+      const Edge edge = std::minmax({t[corner], t[(corner + 1) % 3]});
+      const auto [entry, isNew] = normals.try_emplace(edge, normal);
+      if (!isNew) sharpest = std::max(sharpest, angle(entry->second, normal));
+    }
+  }
+  return sharpest;
+}
+
+}  // namespace limber::scenes

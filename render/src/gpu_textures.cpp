@@ -1,0 +1,216 @@
+// SPDX-License-Identifier: Zlib
+#include "gpu_textures.h"
+
+#include "pixels.h"
+
+#include <algorithm>
+#include <array>
+#include <stdexcept>
+#include <string>
+
+namespace limber::render {
+namespace {
+
+constexpr GLenum kColourFormat = GL_SRGB8_ALPHA8;
+constexpr GLenum kDepthFormat = GL_DEPTH_COMPONENT32F;
+
+void requireSize(const Gl& gl, int width, int height, int samples) {
+  GLint maxSize = 0;
+  GLint maxSamples = 0;
+  gl.GetIntegerv(GL_MAX_TEXTURE_SIZE, &maxSize);
+  gl.GetIntegerv(GL_MAX_SAMPLES, &maxSamples);
+  if (width < 1 || height < 1 || width > maxSize || height > maxSize) {
+    throw std::runtime_error("a picture of " + std::to_string(width) + " x " + std::to_string(height) +
+                             " pixels is not possible; each side must be 1 to " + std::to_string(maxSize));
+  }
+  if (samples < 1 || samples > maxSamples) {
+    throw std::runtime_error(std::to_string(samples) +
+                             " samples per pixel are not possible; this driver has 1 to " +
+                             std::to_string(maxSamples));
+  }
+}
+
+void requireComplete(const Gl& gl, const GlFramebuffer& framebuffer) {
+  const GLenum status = gl.CheckNamedFramebufferStatus(framebuffer.name(), GL_FRAMEBUFFER);
+  if (status != GL_FRAMEBUFFER_COMPLETE) {
+    throw std::runtime_error("the driver refused the render target (framebuffer status " +
+                             std::to_string(status) + ")");
+  }
+}
+
+}  // namespace
+
+RenderTarget::RenderTarget(const Gl& gl, int width, int height, int samples)
+    : gl_(gl), width_(width), height_(height), samples_(samples) {
+  requireSize(gl, width, height, samples);
+  colour_ = makeAttachment(kColourFormat, samples, 4);
+  depth_ = makeAttachment(kDepthFormat, samples, 4);
+  drawn_ = makeFramebuffer(gl);
+  gl.NamedFramebufferTexture(drawn_.name(), GL_COLOR_ATTACHMENT0, colour_.name(), 0);
+  gl.NamedFramebufferTexture(drawn_.name(), GL_DEPTH_ATTACHMENT, depth_.name(), 0);
+  requireComplete(gl, drawn_);
+  if (samples > 1) {
+    resolved_ = makeAttachment(kColourFormat, 1, 4);
+    readable_ = makeFramebuffer(gl);
+    gl.NamedFramebufferTexture(readable_.name(), GL_COLOR_ATTACHMENT0, resolved_.name(), 0);
+    requireComplete(gl, readable_);
+  }
+}
+
+GlTexture RenderTarget::makeAttachment(GLenum format, int samples, std::size_t bytesPerSample) const {
+  const std::size_t bytes = bytesPerSample * static_cast<std::size_t>(samples) *
+                            static_cast<std::size_t>(width_) * static_cast<std::size_t>(height_);
+  GLuint name = 0;
+  gl_.CreateTextures(samples > 1 ? GL_TEXTURE_2D_MULTISAMPLE : GL_TEXTURE_2D, 1, &name);
+  GlTexture texture(gl_, name, bytes);
+  if (samples > 1) {
+    gl_.TextureStorage2DMultisample(name, samples, format, width_, height_, GL_TRUE);
+  } else {
+    gl_.TextureStorage2D(name, 1, format, width_, height_);
+  }
+  return texture;
+}
+
+std::size_t RenderTarget::bytes() const { return colour_.bytes() + depth_.bytes() + resolved_.bytes(); }
+
+void RenderTarget::begin() const {
+  const GLfloat farthest = 1.0f;
+  gl_.BindFramebuffer(GL_DRAW_FRAMEBUFFER, drawn_.name());
+  gl_.Viewport(0, 0, width_, height_);
+  gl_.DepthMask(GL_TRUE);
+  gl_.ClearNamedFramebufferfv(drawn_.name(), GL_DEPTH, 0, &farthest);
+}
+
+void RenderTarget::resolve() const {
+  if (samples_ > 1) {
+    gl_.BlitNamedFramebuffer(drawn_.name(), readable_.name(), 0, 0, width_, height_, 0, 0, width_, height_,
+                             GL_COLOR_BUFFER_BIT, GL_NEAREST);
+  }
+}
+
+void RenderTarget::read(Image& image) const {
+  image.resize(width_, height_);
+  gl_.BindFramebuffer(GL_READ_FRAMEBUFFER, readable());
+  gl_.PixelStorei(GL_PACK_ALIGNMENT, 1);
+  gl_.ReadPixels(0, 0, width_, height_, GL_RGBA, GL_UNSIGNED_BYTE, image.rgba.data());
+}
+
+void RenderTarget::blitTo(GLuint framebuffer, int x, int y, int width, int height) const {
+  // Copy the bytes unchanged: the colours are already encoded, whatever the format of the target is.
+  gl_.Disable(GL_FRAMEBUFFER_SRGB);
+  const bool sameSize = width == width_ && height == height_;
+  gl_.BlitNamedFramebuffer(readable(), framebuffer, 0, 0, width_, height_, x, y + height, x + width, y,
+                           GL_COLOR_BUFFER_BIT, sameSize ? GL_NEAREST : GL_LINEAR);
+  gl_.Enable(GL_FRAMEBUFFER_SRGB);
+}
+
+namespace {
+
+GlTexture makeDepth(const Gl& gl, int size) {
+  GLint maxSize = 0;
+  gl.GetIntegerv(GL_MAX_TEXTURE_SIZE, &maxSize);
+  if (size < 1 || size > maxSize) {
+    throw std::runtime_error("a shadow map of " + std::to_string(size) + " texels per side is not possible");
+  }
+  GLuint name = 0;
+  gl.CreateTextures(GL_TEXTURE_2D, 1, &name);
+  GlTexture depth(gl, name, 4 * static_cast<std::size_t>(size) * static_cast<std::size_t>(size));
+  // Fixed point, because OpenGL then clamps the compared depth: everything beyond the far end is lit.
+  gl.TextureStorage2D(name, 1, GL_DEPTH_COMPONENT24, size, size);
+  gl.TextureParameteri(name, GL_TEXTURE_MIN_FILTER, GL_LINEAR);
+  gl.TextureParameteri(name, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
+  gl.TextureParameteri(name, GL_TEXTURE_COMPARE_MODE, GL_COMPARE_REF_TO_TEXTURE);
+  gl.TextureParameteri(name, GL_TEXTURE_COMPARE_FUNC, GL_LEQUAL);
+  // Everything beside the map is lit, too.
+  const std::array<GLfloat, 4> border{1.0f, 1.0f, 1.0f, 1.0f};
+  gl.TextureParameteri(name, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_BORDER);
+  gl.TextureParameteri(name, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_BORDER);
+  gl.TextureParameterfv(name, GL_TEXTURE_BORDER_COLOR, border.data());
+  return depth;
+}
+
+}  // namespace
+
+ShadowMap::ShadowMap(const Gl& gl, int size)
+    : gl_(gl), size_(size), depth_(makeDepth(gl, size)), framebuffer_(makeFramebuffer(gl)) {
+  gl.NamedFramebufferTexture(framebuffer_.name(), GL_DEPTH_ATTACHMENT, depth_.name(), 0);
+  gl.NamedFramebufferDrawBuffer(framebuffer_.name(), GL_NONE);
+  gl.NamedFramebufferReadBuffer(framebuffer_.name(), GL_NONE);
+  if (gl.CheckNamedFramebufferStatus(framebuffer_.name(), GL_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE) {
+    throw std::runtime_error("the driver refused the shadow map");
+  }
+}
+
+void ShadowMap::begin() const {
+  const GLfloat farthest = 1.0f;
+  gl_.BindFramebuffer(GL_DRAW_FRAMEBUFFER, framebuffer_.name());
+  gl_.Viewport(0, 0, size_, size_);
+  gl_.DepthMask(GL_TRUE);
+  gl_.ClearNamedFramebufferfv(framebuffer_.name(), GL_DEPTH, 0, &farthest);
+}
+
+namespace {
+
+GLsizei levelsFor(int size) {
+  GLsizei levels = 1;
+  while ((size >> levels) > 0) {
+    ++levels;
+  }
+  return levels;
+}
+
+}  // namespace
+
+TextureArray::TextureArray(const Gl& gl, int size)
+    : gl_(gl), size_(size), levels_(levelsFor(size)), texture_(make(1)) {}
+
+GlTexture TextureArray::make(std::uint32_t layers) const {
+  std::size_t bytes = 0;
+  for (GLsizei level = 0; level < levels_; ++level) {
+    const auto side = static_cast<std::size_t>(size_ >> level);
+    bytes += 4 * side * side * layers;
+  }
+  GLuint name = 0;
+  gl_.CreateTextures(GL_TEXTURE_2D_ARRAY, 1, &name);
+  GlTexture texture(gl_, name, bytes);
+  gl_.TextureStorage3D(name, levels_, GL_SRGB8_ALPHA8, size_, size_, static_cast<GLsizei>(layers));
+  gl_.TextureParameteri(name, GL_TEXTURE_MIN_FILTER, GL_LINEAR_MIPMAP_LINEAR);
+  gl_.TextureParameteri(name, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
+  gl_.TextureParameteri(name, GL_TEXTURE_WRAP_S, GL_REPEAT);
+  gl_.TextureParameteri(name, GL_TEXTURE_WRAP_T, GL_REPEAT);
+  return texture;
+}
+
+void TextureArray::grow() {
+  GLint limit = 0;
+  gl_.GetIntegerv(GL_MAX_ARRAY_TEXTURE_LAYERS, &limit);
+  if (capacity_ >= static_cast<std::uint32_t>(limit)) {
+    throw std::runtime_error("this driver holds no more than " + std::to_string(limit) + " textures");
+  }
+  const std::uint32_t capacity = std::min(2 * capacity_, static_cast<std::uint32_t>(limit));
+  GlTexture larger = make(capacity);
+  for (GLint level = 0; level < levels_; ++level) {
+    const GLsizei side = size_ >> level;
+    gl_.CopyImageSubData(texture_.name(), GL_TEXTURE_2D_ARRAY, level, 0, 0, 0, larger.name(),
+                         GL_TEXTURE_2D_ARRAY, level, 0, 0, 0, side, side, static_cast<GLsizei>(count_));
+  }
+  texture_ = std::move(larger);
+  capacity_ = capacity;
+}
+
+std::uint32_t TextureArray::add(int width, int height, const std::uint8_t* rgba) {
+  if (width < 1 || height < 1 || rgba == nullptr) {
+    throw std::runtime_error("a texture needs at least one pixel, not " + std::to_string(width) + " x " +
+                             std::to_string(height));
+  }
+  if (count_ == capacity_) {
+    grow();
+  }
+  const std::vector<std::uint8_t> square = resampleToSquare(width, height, rgba, size_);
+  gl_.TextureSubImage3D(texture_.name(), 0, 0, 0, static_cast<GLint>(count_), size_, size_, 1, GL_RGBA,
+                        GL_UNSIGNED_BYTE, square.data());
+  gl_.GenerateTextureMipmap(texture_.name());
+  return count_++;
+}
+
+}  // namespace limber::render

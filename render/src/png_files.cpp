@@ -1,0 +1,424 @@
+// SPDX-License-Identifier: Zlib
+#include "limber/render/apng_file.h"
+#include "limber/render/image.h"
+#include "limber/render/png_file.h"
+#include "pixels.h"
+
+#include <png.h>
+#include <unistd.h>
+#include <zlib.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <csetjmp>
+#include <cstddef>
+#include <cstdint>
+#include <cstdio>
+#include <cstring>
+#include <memory>
+#include <new>
+#include <stdexcept>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace limber::render {
+
+/// A file that is complete or absent: it is written under a temporary name next to `path` and renamed by
+/// commit(), or removed without it. Throws std::runtime_error with the path and the reason; after an error,
+/// only the destructor may be called.
+class AtomicFile {
+ public:
+  explicit AtomicFile(std::string path);
+  ~AtomicFile();
+  AtomicFile(const AtomicFile&) = delete;
+  AtomicFile& operator=(const AtomicFile&) = delete;
+
+  /// Appends bytes.
+  void write(const std::vector<std::uint8_t>& bytes);
+  /// Returns the number of bytes written so far.
+  long size() const;
+  /// Overwrites bytes from an offset on; nothing can be appended after that.
+  void overwrite(long offset, const std::vector<std::uint8_t>& bytes);
+  /// Ends the file and renames it to `path`.
+  void commit();
+
+ private:
+  struct CloseFile {
+    void operator()(std::FILE* file) const { std::fclose(file); }
+  };
+  [[noreturn]] void fail(int error) const;
+
+  std::string path_;
+  std::string temporary_;
+  std::unique_ptr<std::FILE, CloseFile> file_;
+  bool named_ = false;
+};
+
+AtomicFile::AtomicFile(std::string path)
+    : path_(std::move(path)),
+      temporary_(path_ + ".part" + std::to_string(getpid())),
+      file_(std::fopen(temporary_.c_str(), "wb")) {
+  if (file_ == nullptr) {
+    fail(errno);
+  }
+}
+
+AtomicFile::~AtomicFile() {
+  if (!named_) {
+    file_.reset();
+    std::remove(temporary_.c_str());
+  }
+}
+
+void AtomicFile::write(const std::vector<std::uint8_t>& bytes) {
+  if (std::fwrite(bytes.data(), 1, bytes.size(), file_.get()) != bytes.size()) {
+    fail(errno);
+  }
+}
+
+long AtomicFile::size() const { return std::ftell(file_.get()); }
+
+void AtomicFile::overwrite(long offset, const std::vector<std::uint8_t>& bytes) {
+  // Seeking writes the buffered bytes, and that can fail, too.
+  if (std::fseek(file_.get(), offset, SEEK_SET) != 0) {
+    fail(errno);
+  }
+  write(bytes);
+}
+
+void AtomicFile::commit() {
+  // Closing also writes the buffered bytes.
+  if (std::fclose(file_.release()) != 0 || std::rename(temporary_.c_str(), path_.c_str()) != 0) {
+    fail(errno);
+  }
+  named_ = true;
+}
+
+void AtomicFile::fail(int error) const {
+  throw std::runtime_error("cannot write " + path_ + ": " + std::strerror(error));
+}
+
+struct PngStyle {
+  int level;    ///< Of zlib, 1 to 9.
+  int filters;  ///< PNG_FILTER_NONE or more.
+};
+
+/// Returns the bytes of a PNG file, RGBA in sRGB. Throws std::runtime_error with `path` and libpng's reason.
+std::vector<std::uint8_t> encodePng(const std::string& path, const Image& image, const PngStyle& style);
+
+namespace {
+
+using Bytes = std::vector<std::uint8_t>;
+using ErrorText = std::array<char, 256>;
+
+constexpr std::size_t kBufferBytes = 1 << 16;
+
+// libpng reports errors with longjmp. So the functions that call it must not have objects with destructors,
+// and no exception may pass through it.
+void onError(png_structp png, png_const_charp text) {
+  auto& out = *static_cast<ErrorText*>(png_get_error_ptr(png));
+  std::snprintf(out.data(), out.size(), "%s", text);
+  png_longjmp(png, 1);
+}
+
+void onWarning(png_structp, png_const_charp) {}
+
+bool append(Bytes& bytes, const std::uint8_t* data, std::size_t size) noexcept {
+  try {
+    bytes.insert(bytes.end(), data, data + size);
+    return true;
+  } catch (const std::bad_alloc&) {
+    return false;
+  }
+}
+
+void onWrite(png_structp png, png_bytep data, std::size_t size) {
+  if (!append(*static_cast<Bytes*>(png_get_io_ptr(png)), data, size)) {
+    png_error(png, "out of memory");
+  }
+}
+
+void onFlush(png_structp) {}
+
+void writeHeader(png_structp png, png_infop info, const Image& image, const PngStyle& style) {
+  png_set_compression_level(png, style.level);
+  png_set_compression_buffer_size(png, kBufferBytes);
+  png_set_filter(png, PNG_FILTER_TYPE_BASE, style.filters);
+  png_set_IHDR(png, info, static_cast<png_uint_32>(image.width), static_cast<png_uint_32>(image.height), 8,
+               PNG_COLOR_TYPE_RGBA, PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT,
+               PNG_FILTER_TYPE_DEFAULT);
+  png_set_sRGB(png, info, PNG_sRGB_INTENT_PERCEPTUAL);
+  png_write_info(png, info);
+}
+
+bool encode(Bytes& bytes, const Image& image, const PngStyle& style, ErrorText& error) {
+  png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, &error, onError, onWarning);
+  png_infop info = png == nullptr ? nullptr : png_create_info_struct(png);
+  if (info == nullptr || setjmp(png_jmpbuf(png)) != 0) {
+    png_destroy_write_struct(&png, &info);
+    return false;
+  }
+  png_set_write_fn(png, &bytes, onWrite, onFlush);
+  writeHeader(png, info, image, style);
+  for (int y = 0; y < image.height; ++y) {
+    png_write_row(png, image.pixel(0, y));
+  }
+  png_write_end(png, info);
+  png_destroy_write_struct(&png, &info);
+  return true;
+}
+
+}  // namespace
+
+std::vector<std::uint8_t> encodePng(const std::string& path, const Image& image, const PngStyle& style) {
+  Bytes bytes;
+  ErrorText error{"out of memory"};
+  if (!encode(bytes, image, style, error)) {
+    throw std::runtime_error("cannot write " + path + ": " + error.data());
+  }
+  return bytes;
+}
+
+namespace {
+
+// Three times as fast as the default; rendered pictures take a tenth more bytes.
+constexpr PngStyle kFast{1, PNG_FILTER_NONE};
+
+[[noreturn]] void failRead(const std::string& path, const char* reason) {
+  throw std::runtime_error("cannot read " + path + ": " + reason);
+}
+
+}  // namespace
+
+void writePng(const std::string& path, const Image& image) {
+  if (image.width < 1 || image.height < 1) {
+    throw std::runtime_error("cannot write " + path + ": the image is empty");
+  }
+  AtomicFile file(path);
+  file.write(encodePng(path, image, kFast));
+  file.commit();
+}
+
+Image readPng(const std::string& path) {
+  png_image header{};
+  header.version = PNG_IMAGE_VERSION;
+  if (png_image_begin_read_from_file(&header, path.c_str()) == 0) {
+    failRead(path, header.message);
+  }
+  header.format = PNG_FORMAT_RGBA;
+  Image image;
+  image.resize(static_cast<int>(header.width), static_cast<int>(header.height));
+  if (png_image_finish_read(&header, nullptr, image.rgba.data(), 0, nullptr) == 0) {
+    failRead(path, header.message);
+  }
+  return image;
+}
+
+// The chunks of an animated PNG (PNG Specification, Third Edition, 5.3 and 11.3.4), each whole: length,
+// type, data and CRC.
+
+/// The signature and all chunks of a PNG file before its pixels, and its pixels as one zlib stream.
+struct PngParts {
+  std::vector<std::uint8_t> head;
+  std::vector<std::uint8_t> pixels;
+};
+PngParts splitPng(const std::vector<std::uint8_t>& png);
+
+/// Returns acTL: the number of frames, in an endless loop.
+std::vector<std::uint8_t> animationControl(std::uint32_t frames);
+
+/// Returns fcTL: the next frame is drawn over an area of the frame before, stays, and is shown for numerator
+/// / denominator s.
+std::vector<std::uint8_t> frameControl(std::uint32_t sequence, const PixelArea& area,
+                                       std::uint16_t delayNumerator, std::uint16_t delayDenominator);
+
+/// Returns IDAT, the first frame's pixels.
+std::vector<std::uint8_t> firstFrame(const std::vector<std::uint8_t>& pixels);
+
+/// Returns fdAT, a later frame's pixels.
+std::vector<std::uint8_t> laterFrame(std::uint32_t sequence, const std::vector<std::uint8_t>& pixels);
+
+/// Returns IEND.
+std::vector<std::uint8_t> imageEnd();
+
+namespace {
+
+using Bytes = std::vector<std::uint8_t>;
+
+constexpr std::size_t kSignatureBytes = 8;
+constexpr std::size_t kTypeBytes = 4;
+constexpr std::size_t kChunkFrame = 12;  // Length, type and CRC.
+constexpr std::uint32_t kForEver = 0;
+constexpr std::uint8_t kKeep = 0;  // dispose_op: the frame stays below the next one.
+constexpr std::uint8_t kOver = 1;  // blend_op: transparent pixels show the frame before.
+
+void put16(Bytes& bytes, std::uint32_t value) {
+  bytes.push_back(static_cast<std::uint8_t>(value >> 8 & 255));
+  bytes.push_back(static_cast<std::uint8_t>(value & 255));
+}
+
+void put32(Bytes& bytes, std::uint32_t value) {
+  put16(bytes, value >> 16);
+  put16(bytes, value & 65535);
+}
+
+std::uint32_t get32(const std::uint8_t* bytes) {
+  return std::uint32_t{bytes[0]} << 24 | std::uint32_t{bytes[1]} << 16 | std::uint32_t{bytes[2]} << 8 |
+         std::uint32_t{bytes[3]};
+}
+
+Bytes chunk(const char* type, const Bytes& data) {
+  Bytes bytes;
+  bytes.reserve(data.size() + kChunkFrame);
+  put32(bytes, static_cast<std::uint32_t>(data.size()));
+  bytes.insert(bytes.end(), type, type + kTypeBytes);
+  bytes.insert(bytes.end(), data.begin(), data.end());
+  // The CRC covers the type and the data.
+  const uLong crc = crc32(0, &bytes[4], static_cast<uInt>(bytes.size() - 4));
+  put32(bytes, static_cast<std::uint32_t>(crc));
+  return bytes;
+}
+
+}  // namespace
+
+PngParts splitPng(const std::vector<std::uint8_t>& png) {
+  PngParts parts;
+  parts.head.assign(png.begin(), png.begin() + kSignatureBytes);
+  std::size_t size = 0;
+  for (std::size_t at = kSignatureBytes; at < png.size(); at += size) {
+    const std::uint8_t* begin = &png[at];
+    size = get32(begin) + kChunkFrame;
+    if (std::memcmp(begin + 4, "IDAT", kTypeBytes) == 0) {
+      parts.pixels.insert(parts.pixels.end(), begin + 8, begin + size - 4);
+    } else if (std::memcmp(begin + 4, "IEND", kTypeBytes) != 0) {
+      parts.head.insert(parts.head.end(), begin, begin + size);
+    }
+  }
+  return parts;
+}
+
+std::vector<std::uint8_t> animationControl(std::uint32_t frames) {
+  Bytes data;
+  put32(data, frames);
+  put32(data, kForEver);
+  return chunk("acTL", data);
+}
+
+std::vector<std::uint8_t> frameControl(std::uint32_t sequence, const PixelArea& area,
+                                       std::uint16_t delayNumerator, std::uint16_t delayDenominator) {
+  Bytes data;
+  put32(data, sequence);
+  for (const int value : {area.width, area.height, area.x, area.y}) {
+    put32(data, static_cast<std::uint32_t>(value));
+  }
+  put16(data, delayNumerator);
+  put16(data, delayDenominator);
+  data.push_back(kKeep);
+  data.push_back(kOver);
+  return chunk("fcTL", data);
+}
+
+std::vector<std::uint8_t> firstFrame(const std::vector<std::uint8_t>& pixels) {
+  return chunk("IDAT", pixels);
+}
+
+std::vector<std::uint8_t> laterFrame(std::uint32_t sequence, const std::vector<std::uint8_t>& pixels) {
+  Bytes data;
+  data.reserve(4 + pixels.size());
+  put32(data, sequence);
+  data.insert(data.end(), pixels.begin(), pixels.end());
+  return chunk("fdAT", data);
+}
+
+std::vector<std::uint8_t> imageEnd() { return chunk("IEND", {}); }
+
+namespace {
+
+// Without filters: they help smooth pictures, but enlarge pictures with many transparent pixels.
+constexpr PngStyle kSmall{6, PNG_FILTER_NONE};
+
+bool differ(const Image& a, const Image& b, int x, int y) {
+  return std::memcmp(a.pixel(x, y), b.pixel(x, y), 4) != 0;
+}
+
+// Returns the smallest area with all pixels that differ. If there are none it is one pixel, because a frame
+// cannot be empty.
+PixelArea changedArea(const Image& before, const Image& after) {
+  int x0 = after.width, y0 = after.height, x1 = -1, y1 = -1;
+  for (int y = 0; y < after.height; ++y) {
+    for (int x = 0; x < after.width; ++x) {
+      if (differ(before, after, x, y)) {
+        x0 = std::min(x0, x);
+        y0 = std::min(y0, y);
+        x1 = std::max(x1, x);
+        y1 = y;
+      }
+    }
+  }
+  return y1 < 0 ? PixelArea{0, 0, 1, 1} : PixelArea{x0, y0, x1 - x0 + 1, y1 - y0 + 1};
+}
+
+// Returns an area of a frame; pixels that have not changed are transparent.
+Image changes(const Image& before, const Image& after, const PixelArea& area) {
+  Image out;
+  out.resize(area.width, area.height);
+  for (int y = 0; y < area.height; ++y) {
+    for (int x = 0; x < area.width; ++x) {
+      if (differ(before, after, area.x + x, area.y + y)) {
+        std::memcpy(out.pixel(x, y), after.pixel(area.x + x, area.y + y), 4);
+      }
+    }
+  }
+  return out;
+}
+
+Image opaque(Image image) {
+  for (std::size_t i = 3; i < image.rgba.size(); i += 4) {
+    image.rgba[i] = 255;
+  }
+  return image;
+}
+
+}  // namespace
+
+ApngWriter::ApngWriter(const ApngDesc& desc) : desc_(desc), file_(std::make_unique<AtomicFile>(desc.path)) {}
+
+ApngWriter::~ApngWriter() = default;
+
+void ApngWriter::add(const Image& image) {
+  const bool first = frames_ == 0;
+  if (!first && (image.width != previous_.width || image.height != previous_.height)) {
+    throw std::runtime_error("cannot write " + desc_.path + ": its pictures differ in size");
+  }
+  Image frame = opaque(image);
+  const PixelArea area = first ? PixelArea{0, 0, frame.width, frame.height} : changedArea(previous_, frame);
+  const Image part = first ? frame : changes(previous_, frame, area);
+  const PngParts png = splitPng(encodePng(desc_.path, part, kSmall));
+  if (first) {
+    writeHead(png.head);
+  }
+  file_->write(frameControl(sequence_++, area, desc_.delayNumerator, desc_.delayDenominator));
+  file_->write(first ? firstFrame(png.pixels) : laterFrame(sequence_++, png.pixels));
+  previous_ = std::move(frame);
+  ++frames_;
+}
+
+// The number of frames is not known yet: finish() overwrites it.
+void ApngWriter::writeHead(const std::vector<std::uint8_t>& head) {
+  file_->write(head);
+  animationControlOffset_ = file_->size();
+  file_->write(animationControl(0));
+}
+
+void ApngWriter::finish() {
+  if (frames_ == 0) {
+    throw std::runtime_error("cannot write " + desc_.path + ": it has no picture");
+  }
+  file_->write(imageEnd());
+  file_->overwrite(animationControlOffset_, animationControl(frames_));
+  file_->commit();
+}
+
+}  // namespace limber::render

@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: Zlib
+#pragma once
+
+#include "limber/render/shape_desc.h"
+
+#include <cstdint>
+#include <vector>
+
+namespace limber::render {
+
+/// A vertex as the shaders read it. The last three members are for tubes only.
+struct SurfaceVertex {
+  std::uint32_t point = 0;
+  float u = 0.0f, v = 0.0f;
+  float fraction = 0.0f;  ///< Of the distance from `point` to the next point.
+  float out = 0.0f;       ///< Profile: distance from the centre line in radii,
+  float along = 0.0f;     ///< and along it in radii (round ends).
+};
+
+struct SurfaceMesh {
+  std::vector<SurfaceVertex> vertices;
+  std::vector<std::uint32_t> indices;
+};
+
+/// Returns the surface of a tube through `pointCount` points (at least 2): rings of `segments` quads, several
+/// rings between two points, and half spheres as ends. u runs around and v along the tube, both 0 to 1.
+SurfaceMesh makeTubeMesh(std::uint32_t pointCount, std::uint32_t segments);
+
+/// Returns true if a full matrix takes less memory: 4 bytes per place and point, against 8 per weight.
+bool isDense(const Skin& skin, std::uint32_t pointCount);
+
+/// Returns #points x #places floats: the weight of point k on place p is at k * #places + p.
+std::vector<float> denseWeights(const Skin& skin, std::uint32_t pointCount);
+
+/// Returns 2 x #weights integers: point and the weight's bits, in the order of the skin.
+std::vector<std::uint32_t> sparseWeights(const Skin& skin);
+
+/// For every point (with a skin: place) its triangles, each as its two other points.
+struct PointAdjacency {
+  std::vector<std::uint32_t> offsets;  ///< #points + 1, into corners counted in pairs.
+  std::vector<std::uint32_t> corners;  ///< 2 per corner: the next and the previous point.
+};
+
+/// `desc` must be valid. Vertices at the same point share its list, so seams are smooth.
+PointAdjacency makePointAdjacency(const ShapeDesc& desc);
+
+}  // namespace limber::render

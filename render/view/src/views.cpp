@@ -1,0 +1,302 @@
+// SPDX-License-Identifier: Zlib
+#include "limber/view/rigid_view.h"
+
+#include "limber/view/convert.h"
+#include "limber/view/shape_mesh.h"
+#include "limber/view/soft_view.h"
+
+#include <limber/soft_body.h>
+
+#include <LinearMath/btTransformUtil.h>
+
+#include <algorithm>
+#include <iterator>
+#include <unordered_map>
+#include <utility>
+#include <vector>
+
+namespace limber::view {
+
+/// Removes the entries for which `gone` is true from the map and calls `hide` for them, in the order of their
+/// instances. The order of addresses would differ from run to run, and so would the ids of new instances.
+template <class Key, class Shown, class Gone, class Hide>
+void removeInOrder(std::unordered_map<Key, Shown>& shown, Gone gone, Hide hide) {
+  std::vector<Shown> removed;
+  for (auto it = shown.begin(); it != shown.end();) {
+    if (gone(it->second)) removed.push_back(it->second);
+    it = gone(it->second) ? shown.erase(it) : std::next(it);
+  }
+  std::sort(removed.begin(), removed.end(),
+            [](const Shown& a, const Shown& b) { return a.instance.index < b.instance.index; });
+  for (const Shown& one : removed) hide(one);
+}
+
+inline namespace LIMBER_BULLET_PRECISION {
+namespace {
+
+constexpr render::Vec3 kStaticColour{0.78f, 0.79f, 0.82f}, kDynamicColour{0.76f, 0.62f, 0.45f};
+
+bool isShown(const btCollisionObject& object) {
+  const int hidden =
+      btCollisionObject::CF_DISABLE_VISUALIZE_OBJECT | btCollisionObject::CF_NO_CONTACT_RESPONSE;
+  return (object.getCollisionFlags() & hidden) == 0;
+}
+
+/// All boxes share one box of half extent 1, all spheres one sphere of radius 1; their frames are scaled.
+bool isBox(const btCollisionShape& shape) { return shape.getShapeType() == BOX_SHAPE_PROXYTYPE; }
+bool isSphere(const btCollisionShape& shape) { return shape.getShapeType() == SPHERE_SHAPE_PROXYTYPE; }
+
+btVector3 sizeOf(const btCollisionShape& shape) {
+  if (isBox(shape)) return static_cast<const btBoxShape&>(shape).getHalfExtentsWithMargin();
+  if (!isSphere(shape)) return btVector3(1, 1, 1);
+  const btScalar radius = static_cast<const btSphereShape&>(shape).getRadius();
+  return btVector3(radius, radius, radius);
+}
+
+render::Scenery unitMeshOf(const btCollisionShape& shape) {
+  if (isBox(shape)) return render::makeBox({}, {1.0f, 1.0f, 1.0f});
+  if (isSphere(shape)) return render::makeUvSphere({}, 1.0f);
+  return meshOf(shape);
+}
+
+/// Returns the transform that a motion state would get from Bullet: extrapolated from the end of the tick
+/// along the velocity.
+btTransform transformAt(const btCollisionObject& object, double secondsLater) {
+  const btRigidBody* body = btRigidBody::upcast(&object);
+  if (!body || body->isStaticOrKinematicObject() || secondsLater == 0.0) return object.getWorldTransform();
+  btTransform transform;
+  btTransformUtil::integrateTransform(
+      body->getInterpolationWorldTransform(), body->getInterpolationLinearVelocity(),
+      body->getInterpolationAngularVelocity(), btScalar(secondsLater), transform);
+  return transform;
+}
+
+render::InstanceLook defaultLook(const btCollisionObject& object) {
+  render::InstanceLook look;
+  look.colour = object.isStaticOrKinematicObject() ? kStaticColour : kDynamicColour;
+  return look;
+}
+
+}  // namespace
+
+bool RigidView::ShapeKey::operator==(const ShapeKey& other) const {
+  return shape == other.shape && type == other.type && low == other.low && high == other.high;
+}
+
+RigidView::ShapeKey RigidView::keyOf(const btCollisionShape& shape) {
+  ShapeKey key{nullptr, shape.getShapeType(), btVector3(0, 0, 0), btVector3(0, 0, 0)};
+  if (isBox(shape) || isSphere(shape)) return key;
+  key.shape = &shape;
+  shape.getAabb(btTransform::getIdentity(), key.low, key.high);
+  return key;
+}
+
+RigidView::RigidView(render::Renderer& renderer, const btDiscreteDynamicsWorld& world, Look look)
+    : renderer_(renderer), world_(world), look_(look ? std::move(look) : Look(defaultLook)) {
+  update();
+}
+
+RigidView::~RigidView() {
+  removeInOrder(
+      shown_, [](const Shown&) { return true; }, [this](const Shown& shown) { hide(shown); });
+}
+
+void RigidView::update() {
+  for (auto& [object, shown] : shown_) shown.present = false;
+  const btCollisionObjectArray& objects = world_.getCollisionObjectArray();
+  for (int i = 0; i < objects.size(); ++i) {
+    const btCollisionObject& object = *objects[i];
+    if (!isShown(object)) continue;
+    const auto found = shown_.find(&object);
+    if (found != shown_.end() && surfaces_[found->second.surface].key == keyOf(*object.getCollisionShape())) {
+      found->second.present = true;
+      continue;
+    }
+    Shown added;
+    if (found != shown_.end()) hide(found->second), shown_.erase(found);
+    if (show(object, added)) shown_.emplace(&object, added);
+  }
+  removeInOrder(
+      shown_, [](const Shown& shown) { return !shown.present; }, [this](const Shown& shown) { hide(shown); });
+}
+
+void RigidView::write(const render::FrameWriter& frame, double tickFraction, double tick) const {
+  const btCollisionObjectArray& objects = world_.getCollisionObjectArray();
+  for (int i = 0; i < objects.size(); ++i) {
+    const auto found = shown_.find(objects[i]);
+    if (found == shown_.end()) continue;
+    const btTransform transform = transformAt(*objects[i], (tickFraction - 1.0) * tick);
+    const Shown& shown = found->second;
+    render::writeFrame(surfaces_[shown.surface].reach,
+                       toFrame(transform, sizeOf(*objects[i]->getCollisionShape())),
+                       frame.points(shown.instance));
+  }
+}
+
+bool RigidView::show(const btCollisionObject& object, Shown& shown) {
+  const std::optional<std::size_t> surface = surfaceFor(*object.getCollisionShape());
+  if (!surface) return false;
+  ++surfaces_[*surface].users;
+  shown = {renderer_.addInstance(surfaces_[*surface].id, look_(object)), *surface, true};
+  return true;
+}
+
+std::optional<std::size_t> RigidView::surfaceFor(const btCollisionShape& shape) {
+  const ShapeKey key = keyOf(shape);
+  std::size_t unused = surfaces_.size();
+  for (std::size_t s = 0; s < surfaces_.size(); ++s) {
+    if (surfaces_[s].users > 0 && surfaces_[s].key == key) return s;
+    if (surfaces_[s].users == 0) unused = s;
+  }
+  const render::Scenery mesh = unitMeshOf(shape);
+  if (mesh.shape.triangles.empty()) return std::nullopt;
+  const render::RigidShape rigid = render::makeRigid(mesh);
+  const render::ShapeId id = renderer_.addShape(rigid.shape);
+  if (unused == surfaces_.size()) surfaces_.emplace_back();
+  surfaces_[unused] = {key, id, rigid.reach, 0};
+  return unused;
+}
+
+void RigidView::hide(const Shown& shown) {
+  renderer_.removeInstance(shown.instance);
+  Surface& surface = surfaces_[shown.surface];
+  if (--surface.users == 0) renderer_.removeShape(surface.id);
+}
+
+}  // namespace LIMBER_BULLET_PRECISION
+
+inline namespace LIMBER_BULLET_PRECISION {
+namespace {
+
+void addSurface(render::ShapeDesc& shape, const RenderSurface& surface) {
+  shape.skin = {surface.skin.firstWeight, surface.skin.points, surface.skin.weights};
+  shape.vertexToPoint = surface.vertexToPoint;
+  // a vertex without triangles has no point, but the renderer needs a valid index
+  for (std::uint32_t& point : shape.vertexToPoint) {
+    if (point == kNoPoint) point = 0;
+  }
+  for (const Eigen::Vector2f& uv : surface.uvs) shape.uvs.insert(shape.uvs.end(), {uv.x(), uv.y()});
+  for (const Triangle& t : surface.triangles) {
+    shape.triangles.insert(shape.triangles.end(), t.begin(), t.end());
+  }
+}
+
+/// Bending springs are left out: they lie over the others and hide them.
+void addSprings(render::ShapeDesc& shape, const SoftBody& body) {
+  const SpringNetwork& network = body.network();
+  const Eigen::Vector3d& scale = body.settings().scale;
+  for (const NetworkSpring& spring : network.springs) {
+    if (spring.kind == SpringKind::Bending) continue;
+    const Eigen::Vector3d displacement = network.restPoints[spring.b] - network.restPoints[spring.a];
+    shape.lines.insert(shape.lines.end(), {spring.a, spring.b});
+    shape.lineRestLengths.push_back(static_cast<float>(displacement.cwiseProduct(scale).norm()));
+  }
+}
+
+}  // namespace
+
+render::ShapeDesc shapeOf(const SoftBody& body, render::Shading shading) {
+  const SpringNetwork& network = body.network();
+  render::ShapeDesc shape;
+  shape.name = "soft body";
+  shape.pointCount = body.pointCount();
+  shape.shading = shading;
+  shape.twoSided = true;
+  if (network.kind == NetworkKind::Rope)
+    shape.tubeRadius = static_cast<float>(pointRadius(network, body.settings()));
+  else
+    addSurface(shape, network.render);
+  addSprings(shape, body);
+  return shape;
+}
+
+}  // namespace LIMBER_BULLET_PRECISION
+
+inline namespace LIMBER_BULLET_PRECISION {
+namespace {
+
+bool visible(const SoftBody& body) { return body.alive() && body.pointCount() > 0; }
+
+}  // namespace
+
+SoftView::SoftView(render::Renderer& renderer, const SoftBodySystem& system, Look look)
+    : renderer_(renderer), system_(system), look_(std::move(look)) {
+  update();
+}
+
+SoftView::~SoftView() {
+  removeInOrder(
+      shown_, [](const Shown&) { return true; }, [this](const Shown& shown) { hide(shown); });
+}
+
+void SoftView::update() {
+  for (auto& [body, shown] : shown_) shown.present = false;
+  for (std::size_t b = 0; b < system_.bodyCount(); ++b) {
+    const SoftBody& body = *system_.body(b);
+    if (!visible(body)) continue;
+    const auto found = shown_.find(&body);
+    if (found != shown_.end() && hasShapeOf(found->second, body)) {
+      found->second.present = true;
+      continue;
+    }
+    // a new body may have the address of an old one
+    if (found != shown_.end()) hide(found->second);
+    shown_[&body] = show(body);
+  }
+  removeInOrder(
+      shown_, [](const Shown& shown) { return !shown.present; }, [this](const Shown& shown) { hide(shown); });
+}
+
+void SoftView::write(const render::FrameWriter& frame, double tickFraction) const {
+  for (std::size_t b = 0; b < system_.bodyCount(); ++b) {
+    const SoftBody* body = system_.body(b);
+    const auto found = shown_.find(body);
+    if (found != shown_.end()) body->writePositions(frame.points(found->second.instance), tickFraction);
+  }
+}
+
+std::size_t SoftView::pointCount() const {
+  std::size_t sum = 0;
+  for (const auto& [body, shown] : shown_) sum += shapes_[shown.shape].network->restPoints.size();
+  return sum;
+}
+
+SoftView::Shown SoftView::show(const SoftBody& body) {
+  const SoftLook look = look_ ? look_(body) : SoftLook{};
+  const std::size_t shape = shapeFor(body, look.shading);
+  ++shapes_[shape].users;
+  return {renderer_.addInstance(shapes_[shape].id, look.instance), shape, true};
+}
+
+std::size_t SoftView::shapeFor(const SoftBody& body, render::Shading shading) {
+  const double radius = pointRadius(body.network(), body.settings());
+  std::size_t unused = shapes_.size();
+  for (std::size_t s = 0; s < shapes_.size(); ++s) {
+    const Shape& shape = shapes_[s];
+    if (shape.users == 0) unused = s;
+    if (shape.users > 0 && shape.network == body.sharedNetwork() && shape.scale == body.settings().scale &&
+        shape.radius == radius && shape.shading == shading)
+      return s;
+  }
+  const render::ShapeId id = renderer_.addShape(shapeOf(body, shading));
+  if (unused == shapes_.size()) shapes_.emplace_back();
+  shapes_[unused] = {body.sharedNetwork(), body.settings().scale, radius, shading, id, 0};
+  return unused;
+}
+
+bool SoftView::hasShapeOf(const Shown& shown, const SoftBody& body) const {
+  const Shape& shape = shapes_[shown.shape];
+  return shape.network == body.sharedNetwork() && shape.scale == body.settings().scale;
+}
+
+void SoftView::hide(const Shown& shown) {
+  renderer_.removeInstance(shown.instance);
+  Shape& shape = shapes_[shown.shape];
+  if (--shape.users > 0) return;
+  renderer_.removeShape(shape.id);
+  shape.network.reset();
+}
+
+}  // namespace LIMBER_BULLET_PRECISION
+
+}  // namespace limber::view
