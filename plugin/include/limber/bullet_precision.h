@@ -3,8 +3,9 @@
 
 #include <LinearMath/btScalar.h>
 
-/// Everything that touches Bullet's types lives in an inline namespace named after their precision, so that
-/// mixing a float program with a double plugin fails at link time with a telling name, not at run time.
+/// All declarations with Bullet types are in an inline namespace that is named after Bullet's precision. A
+/// float program that is linked with a double plugin then fails at link time with a clear symbol name, not at
+/// run time.
 #ifdef BT_USE_DOUBLE_PRECISION
 #define LIMBER_BULLET_PRECISION bullet_double
 #else

@@ -8,11 +8,12 @@
 namespace limber {
 inline namespace LIMBER_BULLET_PRECISION {
 
-/// Lets the dispatcher treat spheres on boxes by Bullet's closed form (btSphereBoxCollisionAlgorithm) instead
-/// of its general convex algorithm, from its next new pair on: faster, and more exact: in single precision
-/// the general one now and then finds a sphere that rests on a box centimetres above it. It concerns loose
-/// spheres and the point masses of bodies with Collision::Points; contacts with spheres and triangles have
-/// closed forms anyhow.
+/// Makes the dispatcher compute contacts between spheres and boxes with Bullet's closed form
+/// (btSphereBoxCollisionAlgorithm) instead of its general convex algorithm. This holds for pairs that are
+/// created later. The closed form is faster and more exact: in single precision the general algorithm
+/// sometimes reports a sphere that rests on a box as centimetres above it. Single spheres and the point
+/// masses of bodies with Collision::Points are affected. Contacts of spheres with spheres or triangles
+/// already have closed forms.
 void useFastSphereAlgorithms(btCollisionDispatcher& dispatcher);
 
 }  // namespace LIMBER_BULLET_PRECISION

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
-// Everything, in the order of the data's way: mesh -> points and springs -> a body in the world.
+// All public headers, in the order of the data flow: mesh -> points and springs -> a body in the world.
 #include <limber/contact_listener.h>
 #include <limber/fast_spheres.h>
 #include <limber/material_network.h>

@@ -11,20 +11,22 @@
 
 namespace limber {
 
-/// A network as the bytes of a `.limber` file: magic number, version, size, hash, then the members' arrays,
-/// little-endian whatever the machine. Equal networks give equal bytes.
+/// Returns a network as the bytes of a `.limber` file: magic number, version, size, hash, then the arrays of
+/// the members, little-endian on every machine. Equal networks give equal bytes.
 std::vector<std::uint8_t> toBytes(const SpringNetwork& network);
 
-/// The network back, bit for bit. Errors, each naming what is wrong: not a .limber file, a version that this
-/// library does not know, truncated or longer than it says, a wrong hash, arrays that do not fit, and all
-/// that validate(SpringNetwork) finds. Never reads past `size`, never allocates more than about `size`.
+/// Returns the network that toBytes() wrote, bit for bit. Errors, each with its cause: not a .limber file; a
+/// version that this library does not support; a file shorter or longer than its header states; a wrong hash;
+/// arrays of inconsistent sizes; and everything that validate(SpringNetwork) reports. Never reads past
+/// `size`, never allocates more than about `size`.
 Result<SharedNetwork> fromBytes(const std::uint8_t* bytes, std::size_t size);
 
-/// Writes the file anew under a temporary name and renames it, so that there is never half a file. Empty when
-/// written, else the reason with the file's name; what validate(SpringNetwork) refuses is not written.
+/// Writes the file under a temporary name and renames it, so that an incomplete file never exists under the
+/// final name. Returns an empty string on success, else the reason with the file's name. Networks that
+/// validate(SpringNetwork) rejects are not written.
 std::string saveNetwork(const SpringNetwork& network, const std::string& file);
 
-/// fromBytes of a file; errors have the file's name in them.
+/// Reads a file with fromBytes(). Errors contain the file's name.
 Result<SharedNetwork> loadNetwork(const std::string& file);
 
 }  // namespace limber

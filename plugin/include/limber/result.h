@@ -7,13 +7,13 @@
 
 namespace limber {
 
-/// What went wrong, in one sentence that names the file, field or index.
+/// A failure, described in one sentence that names the file, field or index.
 struct Error {
   std::string reason;
 };
 
-/// Either a value or the reason why there is none. Limber throws no exceptions of its own, so that it can be
-/// used in programs built without them.
+/// Either a value or the reason why there is none. Limber itself throws no exceptions, so programs that are
+/// built without exceptions can use it.
 ///
 ///     Result<TriangleMesh> mesh = importMesh("cube.obj");
 ///     if (!mesh) { puts(mesh.error().c_str()); return; }
@@ -26,13 +26,13 @@ class Result {
 
   explicit operator bool() const { return content_.index() == 0; }
 
-  /// The value; only when the result is true.
+  /// Returns the value. The result must be true.
   T& operator*() { return *std::get_if<0>(&content_); }
   const T& operator*() const { return *std::get_if<0>(&content_); }
   T* operator->() { return std::get_if<0>(&content_); }
   const T* operator->() const { return std::get_if<0>(&content_); }
 
-  /// The reason; empty when the result is true.
+  /// Returns the reason; empty when the result is true.
   std::string error() const { return *this ? std::string() : std::get_if<1>(&content_)->reason; }
 
  private:

@@ -8,11 +8,11 @@
 
 namespace limber {
 
-/// A coarser mesh of about `points` points (never fewer; more where the mesh's topology does not allow it),
-/// for the physics of a detailed one: edges are collapsed in the order of their quadric error (Garland,
-/// Heckbert 1997) as long as the surface stays manifold and no triangle turns over. Closed meshes stay
-/// closed, components stay apart. Normals and texture coordinates are dropped. Errors: those of weld(); fewer
-/// than 4 points asked.
+/// Returns a coarser mesh of about `points` points, for the physics of a detailed mesh. It never has fewer
+/// points, and has more where the topology of the mesh requires it. Edges are collapsed in the order of their
+/// quadric error (Garland, Heckbert 1997) as long as the surface stays manifold and no triangle flips. Closed
+/// meshes stay closed; components stay separate. Normals and texture coordinates are dropped. Errors: those
+/// of weld(); `points` below 4.
 Result<TriangleMesh> simplify(const TriangleMesh& mesh, std::uint32_t points);
 
 }  // namespace limber

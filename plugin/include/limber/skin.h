@@ -5,31 +5,32 @@
 
 namespace limber {
 
-/// How the vertices of a detailed mesh ride on the points of a coarse network.
+/// Method by which the vertices of a detailed mesh follow the points of a coarse network.
 enum class SkinKind : std::uint8_t {
-  Dense,       ///< radial basis functions over all points: the smoothest
-  Sparse,      ///< the same over the nearest points that are seen through the body: cheaper, local
-  Barycentric  ///< the corners of the tetrahedron around or next to the vertex (material mode), or those of
-               ///< the nearest triangle and a point across the body from it: cheapest, piecewise linear
+  Dense,       ///< radial basis functions over all points: smoothest
+  Sparse,      ///< the same over the nearest points, distances measured through the body: cheaper, local
+  Barycentric  ///< over the corners of the tetrahedron that contains the vertex or is next to it (material
+               ///< mode), or those of the nearest triangle and a point on the opposite side of the body:
+               ///< cheapest, piecewise linear
 };
 
 struct SkinSettings {
   SkinKind kind = SkinKind::Dense;
-  std::uint32_t neighbours = 32;  ///< Sparse: weights per vertex at most, 4 or more
+  std::uint32_t neighbours = 32;  ///< Sparse: maximum number of weights per vertex, 4 or more
   double weldTolerance = 0.0;     ///< m, see weld()
 };
 
-/// The network with `mesh` as its render surface, in the place where it lies relative to the rest points.
-/// Closed parts of it that face inward are turned.
-/// Exact for affine motions to the precision of the weights. Points to which the way through the inside of
-/// the body is much longer than the straight line count little or nothing, so that parts that only nearly
-/// touch do not drag each other along. Errors: those of weld(); a network without a surface, or whose points
-/// lie in a plane; fewer than 4 neighbours; a dense skin of more than 20 million weights.
+/// Returns the network with `mesh` as its render surface. The mesh keeps its position relative to the rest
+/// points. Closed components whose normals point inward are flipped. Affine motions are reproduced exactly,
+/// to the precision of the weights. A point has little or no influence if the path to it through the inside
+/// of the body is much longer than the straight line, so that parts that almost touch do not drag each other.
+/// Errors: those of weld(); a network without a surface, or whose points lie in a plane; fewer than 4
+/// neighbours; a dense skin of more than 20 million weights.
 Result<SharedNetwork> withSkin(const SpringNetwork& network, const TriangleMesh& mesh,
                                const SkinSettings& settings = {});
 
-/// Positions of all places of `skin` (xyz, #places x 3) for these positions of the points (xyz, #points x 3).
-/// Only writes, in order.
+/// Computes the positions of all places of `skin` (xyz, #places x 3) from the positions of the points (xyz,
+/// #points x 3). `places` is written in order and never read.
 void applySkin(const Skin& skin, const float* points, float* places);
 
 }  // namespace limber

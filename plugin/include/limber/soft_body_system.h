@@ -18,59 +18,61 @@ inline namespace LIMBER_BULLET_PRECISION {
 
 class ContactListener;
 
-/// Whether an object of the world is a system's own and not the user's: a point mass (findPoint()), a surface
-/// object (findSurface()), or the one without shape and mass by which systems with bodies of
-/// Collision::Surface tell one stepSimulation() from the next, once SoftBody::point() has been called.
+/// Returns whether an object of the world was created by a system and not by the user: a point mass
+/// (findPoint()), a surface object (findSurface()), or the step boundary. The step boundary has no shape and
+/// no mass. Systems with bodies of Collision::Surface add it after SoftBody::point() has been called, to
+/// distinguish one stepSimulation() call from the next.
 bool isSystemObject(const btCollisionObject* object);
 
-/// Whether the springs are stepped when the world is.
+/// State of the connection between the world's steps and the springs.
 enum class HookState : std::uint8_t {
   Idle,        ///< nothing to step: no soft body, no spring
-  Attached,    ///< in the world's pre-tick callback
-  Overwritten  ///< the application has since set another pre-tick callback: call SoftBodySystem::rehook()
+  Attached,    ///< registered as the world's pre-tick callback
+  Overwritten  ///< the application has set another pre-tick callback since: call SoftBodySystem::rehook()
 };
 
-/// Time and work of the last tick, for the user's own eyes.
+/// Time and work of the last tick, for display.
 struct TickProfile {
-  double gatherMs = 0.0;    ///< reading Bullet's bodies
-  double stepMs = 0.0;      ///< the springs
-  double handOverMs = 0.0;  ///< writing velocities
-  double takeBackMs = 0.0;  ///< after Bullet's contacts
+  double gatherMs = 0.0;    ///< reading from Bullet's bodies
+  double stepMs = 0.0;      ///< stepping the springs
+  double handOverMs = 0.0;  ///< writing velocities to Bullet
+  double takeBackMs = 0.0;  ///< reading from Bullet after its contacts
   std::size_t pointsStepped = 0;
   std::size_t springSubsteps = 0;  ///< sum over bodies of springs x substeps
-  std::size_t rigidParts = 0;      ///< convex parts of rigid objects that surfaces were held against
+  std::size_t rigidParts = 0;      ///< convex parts of rigid objects that were tested against surfaces
   double totalMs() const { return gatherMs + stepMs + handOverMs + takeBackMs; }
 };
 
-/// Gives an existing btDiscreteDynamicsWorld soft bodies.
+/// Adds soft bodies to an existing btDiscreteDynamicsWorld.
 ///
 ///     limber::SoftBodySystem soft(world);
-///     auto body = soft.createBody(network, settings);   // then step the world as ever
+///     auto body = soft.createBody(network, settings);   // then step the world as usual
 ///
-/// It lives in the world's pre-tick callback: an existing one is called first, the world's user info is left
-/// alone. The callback is given back with the last body and spring; where no soft body was in the world, as
-/// with springs between rigid bodies alone, only at the world's next tick, for until then the world may be
-/// gone. Several systems may share a world. The world, its bodies and the system may go in any order, with
-/// one exception: if the broadphase is freed before the world, call removeAll() first. Rigid bodies that
-/// springs or anchors hold on to must outlive them, as with Bullet's own constraints; forget(body) removes
-/// all that hold on to one. Springs on a point mass that the application deletes go with it. Thread rule: the
-/// thread that steps the world, between steps, or within one in callbacks and actions of the world.
+/// It uses the world's pre-tick callback. An existing callback is called first; the world's user info is not
+/// changed. The previous callback is restored with the removal of the last body and spring. If no soft body
+/// was in the world (springs between rigid bodies only), it is restored at the world's next tick, because the
+/// world may have been deleted by then. Several systems may share a world. The world, its bodies and the
+/// system may be deleted in any order, with one exception: if the broadphase is deleted before the world,
+/// call removeAll() first. Rigid bodies with springs or anchors must outlive them, as with Bullet's own
+/// constraints; forget(body) removes all springs and anchors of one body. Springs on a point mass that the
+/// application deletes are removed with it. Thread rule: the thread that steps the world, between steps, or
+/// within a step in callbacks and actions of the world.
 class SoftBodySystem {
  public:
-  /// How the springs are stepped.
+  /// The caller that steps the springs.
   enum class Hook : std::uint8_t {
-    PreTick,  ///< by the world, through its pre-tick callback
-    Manual    ///< by the user, who owns that callback and calls beforeTick(h) first thing in it
+    PreTick,  ///< the world, through its pre-tick callback
+    Manual    ///< the user, who owns that callback and calls beforeTick(h) first in it
   };
 
   explicit SoftBodySystem(btDiscreteDynamicsWorld& world, Hook hook = Hook::PreTick);
-  /// Removes all its bodies and springs, and itself from the world if that still exists.
+  /// Removes all its bodies and springs, and itself from the world if the world still exists.
   ~SoftBodySystem();
   SoftBodySystem(const SoftBodySystem&) = delete;
   SoftBodySystem& operator=(const SoftBodySystem&) = delete;
 
-  /// A body of the network's shape. The world must exist. Errors, with nothing created: no or invalid
-  /// network, invalid settings, a scale that brings all points of a spring together.
+  /// Creates a body of the network's shape. The world must exist. Errors, with nothing created: no or invalid
+  /// network, invalid settings, a scale that moves the points of a spring to one position.
   Result<SoftBody*> createBody(SharedNetwork network, const SoftBodySettings& settings = {});
 
   /// Removes the body, its anchors and every spring on it. The pointer is invalid afterwards.
@@ -79,63 +81,66 @@ class SoftBodySystem {
   std::size_t bodyCount() const;
   SoftBody* body(std::size_t i) const;  ///< in order of creation
 
-  /// Errors: invalid settings, both ends without a body, both ends the same place of one body, a pivot that
-  /// is not finite or farther than 1e6 m, a surface object, a point mass of a soft body in another world.
+  /// Adds a spring. Errors: invalid settings, both ends without a body, both ends at the same point of one
+  /// body, a pivot that is not finite or farther than 1e6 m, a surface object, a point mass of a soft body in
+  /// another world.
   Result<SpringConstraint*> addSpring(const SpringEnd& a, const SpringEnd& b,
                                       const SpringSettings& settings = {});
-  /// New settings for a spring; a negative rest length keeps the present one. Errors: invalid settings, a
-  /// spring that is not, or no longer, one of this system.
+  /// Sets new settings of a spring; a negative rest length keeps the current one. Errors: invalid settings, a
+  /// spring that does not, or no longer, belong to this system.
   Result<SpringConstraint*> changeSpring(SpringConstraint* spring, const SpringSettings& settings);
   void removeSpring(SpringConstraint* spring);
   std::size_t springCount() const;
 
-  /// Makes point i move with `body`, at a pivot (m) in the body's local coordinates (the overload without
-  /// pivot: where the point is now). Both feel each other; they do not collide. Errors: no soft body, no such
-  /// point, a point that is already attached or pinned, a body that is a point mass or a surface object, a
-  /// pivot that is not finite or farther than 1e6 m, a soft body in another world.
+  /// Attaches point i to `body` at a pivot (m) in the body's local coordinates (the overload without pivot:
+  /// at the current position of the point). Forces act in both directions; point and body do not collide.
+  /// Errors: no soft body, no such point, a point that is already attached or pinned, a body that is a point
+  /// mass or a surface object, a pivot that is not finite or farther than 1e6 m, a soft body in another
+  /// world.
   Result<bool> attach(SoftBody* softBody, std::uint32_t i, btRigidBody& body, const btVector3& pivot);
   Result<bool> attach(SoftBody* softBody, std::uint32_t i, btRigidBody& body);
-  /// Lets go of an attached point; false if it was not attached.
+  /// Detaches an attached point; returns false if it was not attached.
   bool detach(SoftBody* softBody, std::uint32_t i);
 
-  /// Removes every spring and anchor on a rigid body. Call it before deleting one that has any.
+  /// Removes all springs and anchors on a rigid body. Call it before deleting a body that has any.
   void forget(const btRigidBody& body);
 
-  /// Removes all bodies and springs and leaves the world as it was found.
+  /// Removes all bodies and springs and restores the world's original state.
   void removeAll();
 
-  /// Who is told of contacts that begin, persist and end (contact_listener.h), nullptr for nobody. It must
-  /// outlive the system or be taken back. What touches already begins after the next tick.
+  /// Sets the listener for contacts that begin, persist and end (contact_listener.h); nullptr for none. It
+  /// must outlive the system or be replaced before. Contacts that exist already begin after the next tick.
   void setContactListener(ContactListener* listener);
 
-  /// Whether contacts of bodies with Collision::Surface are shown in Bullet's dispatcher, for those who read
-  /// contacts there: between ticks a manifold for each surface object and each of its partners, with the four
-  /// contacts that bear most; m_index0 and m_index1 are triangles of network().surface or -1. Bullet does not
-  /// act on them, and calls none of its contact callbacks for them. Off by default: it costs time.
+  /// Sets whether contacts of bodies with Collision::Surface appear as manifolds in Bullet's dispatcher, for
+  /// programs that read contacts there. Between ticks there is then one manifold for each pair of a surface
+  /// object and an object that it touches, with the four contacts of the largest impulses; m_index0 and
+  /// m_index1 are triangles of network().surface or -1. Bullet does not act on these manifolds and calls none
+  /// of its contact callbacks for them. Off by default, because it costs time.
   void reportManifolds(bool report);
 
   HookState hookState() const;
-  /// Takes the pre-tick callback again; the one that replaced ours is called first from then on.
+  /// Registers the pre-tick callback again; the callback that had replaced it is called first from then on.
   void rehook();
-  /// Called once when the hook is found overwritten, and when a body is first put back because its motion was
-  /// not finite (SoftBody::restorations()). Default: a line on standard error.
+  /// Sets the handler of warnings. It is called once when the hook is found overwritten, and when a body is
+  /// restored for the first time because its motion was not finite (SoftBody::restorations()). Default: a
+  /// line on standard error.
   void onWarning(std::function<void(const std::string&)> handler);
 
-  /// For Hook::Manual: call it in the pre-tick callback with the tick's length in seconds.
+  /// Steps the springs. For Hook::Manual: call it in the pre-tick callback with the tick's length in seconds.
   void beforeTick(btScalar tick);
 
   const TickProfile& profile() const;
 
-  /// Where the world's clock stands between its last two ticks: 0 at the one before the last, 1 at the last,
-  /// beyond 1 if the world extrapolates (setLatencyMotionStateInterpolation(false)). It is the time at which
-  /// Bullet gives motion states their transforms; for SoftBody::writePositions(xyz, fraction).
+  /// Returns the position of the world's clock between its last two ticks: 0 at the one before the last, 1 at
+  /// the last, above 1 if the world extrapolates (setLatencyMotionStateInterpolation(false)). Bullet computes
+  /// the transforms of motion states for this time. For SoftBody::writePositions(xyz, fraction).
   double tickFraction() const;
 
-  /// Draws the soft bodies as the drawer's mode asks: DBG_DrawWireframe: springs, blue where they are pressed
-  /// together by a tenth, red where they are stretched by as much, and crosses at pinned points;
-  /// DBG_DrawAabb: a box around each body; DBG_DrawContactPoints: contacts; DBG_DrawConstraints: anchors and
-  /// single springs. The world's debugDrawWorld() calls it by itself when the mode has wireframe, AABBs or
-  /// normals.
+  /// Draws the soft bodies according to the drawer's mode. DBG_DrawWireframe: springs, blue at a compression
+  /// of a tenth, red at an extension of a tenth, and crosses at pinned points. DBG_DrawAabb: a box around
+  /// each body. DBG_DrawContactPoints: contacts. DBG_DrawConstraints: anchors and single springs. The world's
+  /// debugDrawWorld() calls it automatically if the mode has wireframe, AABBs or normals.
   void debugDraw(btIDebugDraw& drawer) const;
 
  private:

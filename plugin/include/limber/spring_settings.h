@@ -6,14 +6,14 @@
 
 namespace limber {
 
-/// When a spring pulls or pushes.
+/// The deformations in which a spring exerts a force.
 enum class SpringAction : std::uint8_t {
   Both,
-  ExtensionOnly,   ///< a bungee: slack while shorter than its rest length
-  CompressionOnly  ///< a bumper: loose while longer than its rest length
+  ExtensionOnly,   ///< a bungee: no force while shorter than its rest length
+  CompressionOnly  ///< a bumper: no force while longer than its rest length
 };
 
-/// A single spring with a damper beside it.
+/// A single spring with a parallel damper.
 struct SpringSettings {
   double restLength = -1.0;   ///< m, 0 or more; negative: the distance of the ends when the spring is added
   double stiffness = 1000.0;  ///< N/m, 0 or more
@@ -21,7 +21,7 @@ struct SpringSettings {
   SpringAction action = SpringAction::Both;
 };
 
-/// The first setting that cannot be used and why, or an empty string.
+/// Returns the first invalid setting and the reason, or an empty string.
 std::string validate(const SpringSettings& settings);
 
 }  // namespace limber
