@@ -12,7 +12,7 @@ std::string prepareOutput(const std::string& folder, const std::string& fileName
   std::error_code error;
   std::filesystem::create_directories(folder, error);
   if (error) return "cannot use the folder " + folder + ": " + error.message();
-  return demo::checkPlace(folder + "/" + fileName);
+  return demo::checkWritable(folder + "/" + fileName);
 }
 
 }  // namespace limber::bench

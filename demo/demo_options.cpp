@@ -29,7 +29,7 @@ void printList() {
     std::printf("%-8s  %s\n", entry.name, entry.about);
 }
 
-/// What CLI11 fills in; some of it only makes sense together.
+/// The values that CLI11 sets; some need others.
 struct CommandLine {
   DemoOptions options;
   bool list = false;
@@ -42,7 +42,7 @@ struct CommandLine {
   CLI::Option* out = nullptr;
 };
 
-/// Accepts what `parse` does, which leaves its result in `value`.
+/// Accepts the texts that `parse` accepts, and stores its result in `value`.
 template <class Value>
 CLI::Validator choice(std::string (*parse)(const std::string&, Value&), Value& value, const char* name) {
   return CLI::Validator([parse, &value](std::string& text) { return parse(text, value); }, name);
@@ -89,7 +89,7 @@ void addRunOptions(CLI::App& app, CommandLine& line) {
   app.add_flag("--list", line.list, "list the scenes");
 }
 
-/// Why options that are each fine do not go together, or an empty string.
+/// Returns the reason why valid options do not fit together, or an empty string.
 std::string conflict(const CommandLine& line) {
   const DemoOptions& o = line.options;
   const bool meshScene = o.scene == "mesh";
@@ -103,7 +103,7 @@ std::string conflict(const CommandLine& line) {
   return {};
 }
 
-/// Fills in what follows from other options.
+/// Sets the values that depend on other options.
 void complete(CommandLine& line) {
   DemoOptions& o = line.options;
   const std::map<std::string, PictureMode> modes = {

@@ -13,9 +13,9 @@ namespace limber::demo {
 enum class PictureMode { Shaded, Wireframe, None };
 
 enum class CameraPath {
-  Auto,   ///< stands still and frames what the scene is about
-  Orbit,  ///< goes round it once
-  Fixed   ///< stands at `eye` and looks at `target`
+  Auto,   ///< fixed, frames View::box of the scene
+  Orbit,  ///< orbits View::box once
+  Fixed   ///< is at `eye` and looks at `target`
 };
 
 struct CameraChoice {
@@ -28,11 +28,11 @@ struct OverlayChoice {
   bool contacts = false, velocities = false, boxes = false, constraints = false;
 };
 
-/// What to run and what to leave behind.
+/// The scene of a run, and its output.
 struct DemoOptions {
   std::string scene = "cubes";
   scenes::SceneOptions sceneOptions;
-  double seconds = 0.0;  ///< chosen by the scene unless the user does
+  double seconds = 0.0;  ///< of simulated time; the default is that of the scene
   int framesPerSecond = 30;
   int width = 960;
   int height = 540;
@@ -42,21 +42,20 @@ struct DemoOptions {
   render::ContextDesc context;
   std::string outFolder;  ///< of pictures
   std::string statsFile;  ///< empty: none
-  bool video = true;      ///< if there is an ffmpeg
+  bool video = true;      ///< if ffmpeg is installed
   bool preview = true;
 };
 
 /// 1: the input cannot be used or something failed; 2: the command line is wrong; 3: the end check failed.
 enum ExitCode : int { kSuccess = 0, kFailure = 1, kUsage = 2, kWrongEnd = 3 };
 
-/// Options, or the exit code of a run that is already over (--help, --list, or an error, which has been
-/// printed).
+/// The options, or an exit code after --help, --list, or an error that has been printed.
 using ParsedOptions = std::variant<DemoOptions, ExitCode>;
 ParsedOptions parseOptions(int argc, char** argv);
 
-/// These parse what follows an option and return why it cannot be used, or an empty string.
+/// These parse the value of an option. They return the reason why it is invalid, or an empty string.
 
-/// auto, orbit, or six numbers with commas: where the eye is and where it looks.
+/// auto, orbit, or six numbers with commas: position of the eye and of its target.
 std::string parseCamera(const std::string& text, CameraChoice& choice);
 
 /// none, or some of contacts, velocities, boxes and constraints with commas.

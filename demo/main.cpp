@@ -9,7 +9,7 @@
 
 namespace {
 
-/// Once: whoever cannot wait asks again.
+/// Only the first signal stops the run in an orderly way; a second one ends the program.
 void stopAt(int signal) {
   limber::demo::stopSignal = signal;
   std::signal(signal, SIG_DFL);
@@ -20,14 +20,14 @@ void stopAt(int signal) {
 int main(int argc, char** argv) {
   using namespace limber::demo;
   for (const int signal : {SIGINT, SIGTERM}) std::signal(signal, stopAt);
-  std::signal(SIGXFSZ, SIG_IGN);  // a file that gets too large is then an error like a full disk
+  std::signal(SIGXFSZ, SIG_IGN);  // a file over the size limit is then an error, like a full disk
   try {
     const ParsedOptions parsed = parseOptions(argc, argv);
-    if (const ExitCode* over = std::get_if<ExitCode>(&parsed)) return *over;
+    if (const ExitCode* exitCode = std::get_if<ExitCode>(&parsed)) return *exitCode;
     return runDemo(std::get<DemoOptions>(parsed));
   } catch (const Stopped&) {
     std::fprintf(stderr, "limber-demo: stopped\n");
-    return 128 + stopSignal;  // as a shell tells it
+    return 128 + stopSignal;  // the usual exit code of shells
   } catch (const std::exception& error) {
     std::fprintf(stderr, "limber-demo: %s\n", error.what());
     return kFailure;

@@ -9,8 +9,8 @@
 namespace limber::demo {
 namespace {
 
-constexpr int kSmallestPicture = 16;
-constexpr int kLargestPicture = 8192;
+constexpr int kMinPicture = 16;
+constexpr int kMaxPicture = 8192;
 
 bool allDigits(const std::string& text) {
   return !text.empty() && text.find_first_not_of("0123456789") == std::string::npos;
@@ -33,9 +33,9 @@ std::string checkSize(const std::string& text) {
   int width = 0, height = 0;
   if (!parseSize(text, width, height)) return text + " is not of the form WIDTHxHEIGHT, as in 960x540";
   const auto [smaller, larger] = std::minmax(width, height);
-  return smaller >= kSmallestPicture && larger <= kLargestPicture
+  return smaller >= kMinPicture && larger <= kMaxPicture
              ? std::string()
-             : rangeError(text, kSmallestPicture, kLargestPicture) + " pixels";
+             : rangeError(text, kMinPicture, kMaxPicture) + " pixels";
 }
 
 }  // namespace

@@ -7,7 +7,7 @@
 
 namespace limber::demo {
 
-/// Accepts finite numbers from `low` to `high`. (CLI::Range lets "nan" through.)
+/// Accepts finite numbers from `low` to `high`. (CLI::Range accepts "nan".)
 CLI::Validator number(double low, double high);
 
 /// Accepts digits only, from `low` to `high`.

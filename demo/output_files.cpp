@@ -18,14 +18,14 @@ std::string cannotWrite(const std::string& file, const std::string& reason) {
   return "cannot write " + file + ": " + reason;
 }
 
-/// A terminal, a pipe or the like: written into, not replaced.
+/// True for a terminal, a pipe and similar: these are written to, not replaced.
 bool isSpecial(const std::string& file) {
   std::error_code error;
   const fs::file_status status = fs::status(file, error);
   return fs::exists(status) && !fs::is_regular_file(status);
 }
 
-/// 0 or the error's number.
+/// Returns 0 or the error number.
 int writeAll(const std::string& file, const std::string& text) {
   std::FILE* stream = std::fopen(file.c_str(), "wb");
   if (!stream) return errno;
@@ -37,7 +37,7 @@ int writeAll(const std::string& file, const std::string& text) {
 
 }  // namespace
 
-std::string checkPlace(const std::string& file) {
+std::string checkWritable(const std::string& file) {
   std::error_code error;
   if (fs::is_directory(file, error)) return cannotWrite(file, "it is a folder");
   if (isSpecial(file))
@@ -100,8 +100,8 @@ std::string prepareFolder(const std::string& folder) {
   fs::create_directories(folder, error);
   if (!error) error = removeOldPictures(folder);
   if (error) return "cannot use the folder " + folder + ": " + error.message();
-  std::string reason = checkPlace(folder + "/" + kContactSheetName);
-  if (reason.empty()) reason = checkPlace(folder + "/" + kPreviewName);
+  std::string reason = checkWritable(folder + "/" + kContactSheetName);
+  if (reason.empty()) reason = checkWritable(folder + "/" + kPreviewName);
   return reason;
 }
 

@@ -14,7 +14,8 @@ namespace limber::demo {
 namespace {
 
 constexpr std::int64_t kTiles = 12;
-constexpr double kTileCrowding = 1.5;  // most happens at the start: tile t of n is taken at (t / n)^1.5
+constexpr double kTileExponent =
+    1.5;  // more happens at the start: tile t of n is taken at (t / n)^1.5 of the run
 constexpr int kTileColumns = 4;
 constexpr int kTileWidth = 400;  // pixels
 constexpr int kPreviewWidth = 480;
@@ -96,8 +97,8 @@ int previewStride(int framesPerSecond) { return (framesPerSecond + kPreviewRate 
 bool isTile(std::int64_t i, std::int64_t count, std::int64_t tiles) {
   if (count <= tiles) return true;
   for (std::int64_t t = 0; t < tiles; ++t) {
-    const double share = static_cast<double>(t) / static_cast<double>(tiles - 1);
-    if (i == static_cast<std::int64_t>(std::pow(share, kTileCrowding) * static_cast<double>(count - 1)))
+    const double fraction = static_cast<double>(t) / static_cast<double>(tiles - 1);
+    if (i == static_cast<std::int64_t>(std::pow(fraction, kTileExponent) * static_cast<double>(count - 1)))
       return true;
   }
   return false;

@@ -16,28 +16,28 @@
 
 namespace limber::demo {
 
-/// Where a run's pictures go: numbered PNG files, a video when there is an ffmpeg, a small animated preview,
-/// and a contact sheet of a dozen of them. Errors are std::runtime_error with the reason; the frames written
-/// by then stay.
+/// The pictures of a run: numbered PNG files, a video if ffmpeg is installed, a small animated preview, and a
+/// contact sheet of a dozen frames. Throws std::runtime_error with the reason; frames that are already
+/// written stay.
 class PictureOutput {
  public:
   /// The folder must exist, see prepareFolder().
   PictureOutput(const DemoOptions& options, std::int64_t frameCount);
 
-  /// An image to draw the next picture into; its memory may have been used before.
+  /// Returns an image for the next picture; its memory may be reused.
   render::Image blank() { return writer_.takeSpare(); }
-  /// Frames come in order, from 0.
+  /// Adds the next frame; the first is number 0.
   void add(render::Image image);
   /// Waits for the files, ends video and preview, and writes the contact sheet.
   void finish();
 
-  /// What went wrong with the video, which is no reason to lose the rest; or empty.
+  /// Returns the error of the video, or an empty string. It does not stop the other output.
   const std::string& videoProblem() const { return videoProblem_; }
-  /// One line for people: what is in the folder.
+  /// Returns one line that describes the content of the folder.
   std::string describe() const;
 
  private:
-  void writeFrame(std::int64_t i, const render::Image& frame);  // on the thread of writer_
+  void writeFrame(std::int64_t i, const render::Image& frame);  // called on the thread of writer_
   void addTile(const render::Image& image);
   void tryVideo(const std::function<void()>& work);
 
@@ -46,17 +46,18 @@ class PictureOutput {
   std::int64_t next_ = 0;
   std::int64_t previewStride_;
   std::vector<render::Image> tiles_;
-  std::unique_ptr<render::ApngWriter> preview_;  // used by the thread of writer_, which must end before it
+  std::unique_ptr<render::ApngWriter>
+      preview_;  // used by the thread of writer_, so it must be destroyed after writer_
   render::PngWriterThread writer_;
   std::unique_ptr<render::VideoPipe> video_;
   std::string videoProblem_;
 };
 
-/// Every how many frames one goes into the preview, so that it shows at most 15 a second.
+/// Returns n, so that every n-th frame goes into the preview and it has at most 15 frames per second.
 int previewStride(int framesPerSecond);
 
-/// True if frame `i` of `count` is one of at most `tiles` (2 or more) on the contact sheet: the first, the
-/// last, and some between, closer together at the start.
+/// Returns true if frame `i` of `count` is on the contact sheet of at most `tiles` (2 or more): the first,
+/// the last and some between, denser at the start.
 bool isTile(std::int64_t i, std::int64_t count, std::int64_t tiles);
 
 }  // namespace limber::demo

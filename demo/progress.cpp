@@ -38,7 +38,7 @@ void Progress::showBar(double share) {
   if (percent == shown_) return;
   shown_ = percent;
   const std::string left = percent > 0 && percent < 100 ? durationText(secondsLeft(share)) + " left" : "";
-  // the blanks wipe what a longer line has left
+  // the padding overwrites the rest of a longer line
   std::fprintf(stream_, "\r%s%s %3d %%  %-20s", label_.c_str(), barText(share, 30).c_str(), percent,
                left.c_str());
   if (share >= 1.0) std::fputc('\n', stream_);
@@ -78,7 +78,7 @@ std::string barText(double share, int width) {
 namespace {
 
 constexpr long long kSteps = 1000;
-constexpr std::size_t kLabelWidth = 22;  // so that the bars stand below each other
+constexpr std::size_t kLabelWidth = 22;  // so that the bars are aligned
 
 std::string padded(const std::string& label) {
   return label + std::string(kLabelWidth - std::min(kLabelWidth, label.size()), ' ');

@@ -8,17 +8,17 @@
 
 namespace limber::demo {
 
-/// How far a run has come: a bar with the time left on a terminal, a plain line every 10 % elsewhere.
+/// Shows the progress of a run: a bar with the remaining time on a terminal, else a line every 10 %.
 class Progress {
  public:
-  /// `label` says what is under way, or is empty.
+  /// `label` names the work, or is empty.
   Progress(std::FILE* stream, bool terminal, std::string label = {});
-  /// Ends the line of a bar that has not filled up, so that the reason can be printed below it.
+  /// Ends the line of an incomplete bar, so that an error can be printed below it.
   ~Progress();
   Progress(const Progress&) = delete;
   Progress& operator=(const Progress&) = delete;
 
-  /// `done` of `total` steps are over.
+  /// Shows that `done` of `total` steps are finished.
   void show(long long done, long long total);
 
  private:
@@ -28,9 +28,9 @@ class Progress {
 
   std::FILE* stream_;
   bool terminal_;
-  std::string label_;  // with a blank behind it, or empty
+  std::string label_;  // followed by a blank, or empty
   std::chrono::steady_clock::time_point start_;
-  int shown_ = -1;  // what the reader sees: percent on a bar, tens of percent in lines
+  int shown_ = -1;  // last value shown: percent on a bar, tens of percent in lines
 };
 
 /// True if the stream is a terminal that can redraw a line.
@@ -42,16 +42,16 @@ std::string durationText(double seconds);
 /// "[#####---------------]".
 std::string barText(double share, int width);
 
-/// A bar for each thing that is done, one below the other.
+/// Progress of several stages: one bar for each, one below the other.
 class StageProgress {
  public:
-  /// What is over within `patience` seconds gets no bar.
+  /// Stages that end within `patience` seconds get no bar.
   StageProgress(std::FILE* stream, bool terminal, double patience)
       : stream_(stream), terminal_(terminal), patience_(patience) {}
 
-  /// `done`: 0 to 1 of the stage. Another name, or less than before, ends the stage before.
+  /// `done`: 0 to 1 of the stage. A new name, or a smaller value than before, starts a new stage.
   void show(const std::string& stage, double done);
-  /// Fills the last bar up, so that what is printed next has a line of its own.
+  /// Completes the last bar, so that the next output starts on a new line.
   void finish();
 
  private:
@@ -64,7 +64,7 @@ class StageProgress {
   std::string stage_;
   std::chrono::steady_clock::time_point start_;
   long long steps_ = 0;
-  bool open_ = false;  // a bar is on the screen and not yet full
+  bool open_ = false;  // a bar is shown and not yet full
 };
 
 }  // namespace limber::demo

@@ -29,7 +29,7 @@ double secondsSince(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
 }
 
-/// The renderer and where its pictures go.
+/// The renderer and the output of its pictures.
 struct Pictures {
   Pictures(const scenes::Scene& scene, const DemoOptions& options, std::int64_t frameCount)
       : renderer(scene, options), output(options, frameCount) {}
@@ -61,7 +61,7 @@ Moment momentOf(const scenes::Timeline& timeline, std::int64_t frame) {
   return {timeline.tickFraction(frame), static_cast<double>(frame) / static_cast<double>(last)};
 }
 
-/// Simulation and pictures take turns on this thread; compressing has its own.
+/// Simulation and drawing alternate on this thread; compression has a thread of its own.
 void play(scenes::Scene& scene, const scenes::Timeline& timeline, Pictures* pictures, RunFigures& figures) {
   Progress progress(stderr, isTerminal(stderr));
   std::int64_t done = 0;
@@ -133,10 +133,10 @@ ExitCode fail(const std::string& reason) {
 
 ExitCode runDemo(const DemoOptions& options) {
   if (!options.statsFile.empty())
-    if (const std::string reason = checkPlace(options.statsFile); !reason.empty()) return fail(reason);
+    if (const std::string reason = checkWritable(options.statsFile); !reason.empty()) return fail(reason);
   const scenes::SceneResult scene = scenes::findScene(options.scene)->create(options.sceneOptions);
   if (!scene) return fail(scene.error());
-  // not before: without a scene nothing is made, and no old picture removed
+  // after the creation of the scene: if that fails, no folder is made and no old picture removed
   if (options.mode != PictureMode::None)
     if (const std::string reason = prepareFolder(options.outFolder); !reason.empty()) return fail(reason);
   for (const std::string& note : (*scene)->notes) std::fprintf(stderr, "%s\n", note.c_str());

@@ -7,14 +7,14 @@
 
 namespace limber::demo {
 
-/// The signal that asks the run to stop, or 0. Set by a signal handler.
+/// The signal that stops the run, or 0. A signal handler sets it.
 extern volatile std::sig_atomic_t stopSignal;
 
-/// Thrown by a run that was asked to stop, so that nothing is left half written.
+/// Thrown after a stop signal, so that no file stays incomplete.
 struct Stopped {};
 
-/// Runs a scene to its end and reports. Exceptions: Stopped; std::runtime_error from the renderer and its
-/// files.
+/// Runs a scene to its end and writes the report. Throws Stopped, and std::runtime_error from the renderer
+/// and its files.
 ExitCode runDemo(const DemoOptions& options);
 
 }  // namespace limber::demo

@@ -118,7 +118,7 @@ Json runJson(const DemoOptions& options, const RunFigures& f) {
 
 }  // namespace
 
-// a body counts as kept below this error: what gravity alone does to a soft one stays well under it
+// the largest error of a kept shape; gravity alone deforms soft bodies much less
 bool ShapeFigures::kept() const { return insideOut == 0 && worst < 0.05; }
 
 void printTable(const DemoOptions& options, const RunFigures& f) {
@@ -144,7 +144,7 @@ void printTable(const DemoOptions& options, const RunFigures& f) {
 }
 
 std::string writeJson(const DemoOptions& options, const RunFigures& figures) {
-  // a mesh's name may hold bytes that are no UTF-8: these are replaced, not refused
+  // the name of a mesh may contain bytes that are not UTF-8: these are replaced
   const std::string text = runJson(options, figures).dump(2, ' ', false, Json::error_handler_t::replace);
   return writeText(options.statsFile, text + "\n");
 }

@@ -12,7 +12,7 @@
 
 namespace limber::demo {
 
-/// Mean and largest of many milliseconds.
+/// Mean and maximum of many durations, ms.
 struct Milliseconds {
   double sum = 0.0;
   double max = 0.0;
@@ -26,25 +26,25 @@ struct Milliseconds {
   double mean() const { return count ? sum / static_cast<double>(count) : 0.0; }
 };
 
-/// How well the solid bodies have kept their shape, per size of the body.
+/// Errors of the solid bodies' shapes, relative to the size of the body.
 struct ShapeFigures {
-  std::size_t solids = 0;  ///< bodies that have a shape to keep: no ropes, no cloths
+  std::size_t solids = 0;  ///< number of solid bodies, without ropes and cloths
   double mean = 0.0;
   double worst = 0.0;
   std::size_t insideOut = 0;
   bool kept() const;
 };
 
-/// All that is reported of a run.
+/// All results of a run.
 struct RunFigures {
-  Milliseconds tick;    ///< a step of the whole world by 1/60 s
-  TickProfile soft;     ///< the plugin's part of the ticks, summed
+  Milliseconds tick;    ///< one step of the whole world, 1/60 s
+  TickProfile soft;     ///< sum of the plugin's part of the ticks
   Milliseconds render;  ///< from positions to pixels in memory
-  Milliseconds output;  ///< handing the picture on to the writer
+  Milliseconds output;  ///< passing the picture to the writer
   std::size_t gpuBufferBytes = 0;
   std::size_t bytesPerFrame = 0;  ///< of positions, streamed for the last picture
-  std::uint64_t ringWaits = 0;    ///< frames that found their region of the ring in flight
-  std::uint64_t ringStalls = 0;   ///< of these, those that had to wait for the GPU
+  std::uint64_t ringWaits = 0;    ///< frames whose region of the ring was in flight
+  std::uint64_t ringStalls = 0;   ///< of these, frames that waited for the GPU
   std::string driver;             ///< empty without pictures
   double simulatedSeconds = 0.0;
   double wallSeconds = 0.0;
@@ -54,13 +54,13 @@ struct RunFigures {
   std::size_t bodies = 0, points = 0, springs = 0;
   ShapeFigures shape;
   std::uint64_t stateHash = 0;
-  std::string endProblem;  ///< empty: the scene ended as it should
+  std::string endProblem;  ///< empty: the end checks passed
 };
 
-/// Prints the figures of a run for people, on standard output.
+/// Prints the figures of a run as text on standard output.
 void printTable(const DemoOptions& options, const RunFigures& figures);
 
-/// Writes them to options.statsFile. Returns the reason when that fails, or an empty string.
+/// Writes the figures as JSON to options.statsFile. Returns the reason of a failure, or an empty string.
 std::string writeJson(const DemoOptions& options, const RunFigures& figures);
 
 }  // namespace limber::demo

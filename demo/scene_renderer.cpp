@@ -10,7 +10,7 @@
 namespace limber::demo {
 namespace {
 
-constexpr double kFullTurn = 6.283185307179586;
+constexpr double kTwoPi = 6.283185307179586;
 
 }  // namespace
 
@@ -19,7 +19,7 @@ render::Camera cameraAt(const scenes::View& view, const DemoOptions& options, do
   const render::Vec3 low = toVec3(view.box.min()), high = toVec3(view.box.max());
   const render::Vec3 direction = toVec3(view.direction);
   if (options.camera.path == CameraPath::Orbit)
-    return render::orbitBox(low, high, direction, aspect, static_cast<float>(kFullTurn * share));
+    return render::orbitBox(low, high, direction, aspect, static_cast<float>(kTwoPi * share));
   render::Camera camera = render::frameBox(low, high, direction, aspect);
   if (options.camera.path == CameraPath::Fixed) {
     camera.eye = toVec3(options.camera.eye);
@@ -69,10 +69,10 @@ render::Image checkerTexture() {
 
 namespace {
 
-/// Half of what the scene shows is this far, m: marks are drawn in proportion.
+/// Half the diagonal of the shown box, m; the size of marks is proportional to it.
 double viewRadius(const scenes::View& view) { return 0.5 * view.box.diagonal().norm(); }
 
-constexpr double kContactSize = 0.04;  // of the reach
+constexpr double kContactSize = 0.04;  // of viewRadius()
 
 int modeOf(const OverlayChoice& choice) {
   int mode = btIDebugDraw::DBG_NoDebug;
@@ -82,8 +82,8 @@ int modeOf(const OverlayChoice& choice) {
   return mode;
 }
 
-/// Bullet asks its actions, among them the soft bodies, to draw themselves in these modes only.
-constexpr int kAsksActions =
+/// Bullet calls debugDraw() of its actions, which draw the soft bodies, in these modes only.
+constexpr int kActionModes =
     btIDebugDraw::DBG_DrawWireframe | btIDebugDraw::DBG_DrawAabb | btIDebugDraw::DBG_DrawNormals;
 
 }  // namespace
@@ -102,7 +102,7 @@ const render::Overlay& SceneOverlay::draw(render::Vec3 eye) {
     world.setDebugDrawer(&drawer_);
     world.debugDrawWorld();
     world.setDebugDrawer(nullptr);
-    if ((mode & kAsksActions) == 0) scene_.soft->debugDraw(drawer_);
+    if ((mode & kActionModes) == 0) scene_.soft->debugDraw(drawer_);
   }
   if (choice_.velocities) {
     for (std::size_t b = 0; b < scene_.soft->bodyCount(); ++b)
@@ -120,7 +120,7 @@ render::RendererDesc rendererDesc(const scenes::Scene& scene, const DemoOptions&
   desc.width = options.width;
   desc.height = options.height;
   desc.samples = 4;
-  desc.initialPoints = scenes::pointCount(scene) + 1024;  // and the rigid bodies
+  desc.initialPoints = scenes::pointCount(scene) + 1024;  // for the rigid bodies
   return desc;
 }
 
@@ -128,7 +128,7 @@ render::TextureId addTexture(render::Renderer& renderer, const render::Image& im
   return renderer.addTexture(image.width, image.height, image.rgba.data());
 }
 
-/// What hangs or rests in these scenes is strained by some per cent.
+/// Hanging and resting bodies of the scenes have strains of a few per cent.
 constexpr float kStrainRange = 0.03f;
 
 render::DrawOptions drawOptions(const DemoOptions& options) {
@@ -156,7 +156,7 @@ render::InstanceId SceneRenderer::addFloor() {
   const render::Vec3 middle{0.0f, static_cast<float>(scene_.floor.height), 0.0f};
   const float halfSize = static_cast<float>(scene_.floor.halfSize);
   const render::RigidShape floor = render::makeRigid(render::makeFloor(middle, halfSize));
-  floorReach_ = floor.reach;
+  floorScale_ = floor.reach;
   return renderer_.addInstance(renderer_.addShape(floor.shape), {kFloorColour, {}});
 }
 
@@ -164,7 +164,7 @@ void SceneRenderer::draw(const Moment& moment, render::Image& image) {
   softBodies_.update();
   rigidBodies_.update();
   render::FrameWriter frame = renderer_.beginFrame();
-  render::writeFrame(floorReach_, {}, frame.points(floor_));
+  render::writeFrame(floorScale_, {}, frame.points(floor_));
   softBodies_.write(frame, moment.tickFraction);
   rigidBodies_.write(frame, moment.tickFraction, 1.0 / static_cast<double>(scenes::kTicksPerSecond));
   const render::Camera camera = cameraAt(scene_.view, options_, moment.share);

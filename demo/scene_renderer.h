@@ -21,7 +21,8 @@
 
 namespace limber::demo {
 
-/// The camera at a share (0 to 1) of the run: as the options ask, or one that frames what the scene is about.
+/// Returns the camera at a fraction (0 to 1) of the run: the one of the options, or one that frames
+/// View::box.
 render::Camera cameraAt(const scenes::View& view, const DemoOptions& options, double share);
 
 render::Light lightOf(const scenes::View& view);
@@ -32,21 +33,22 @@ inline render::Vec3 toVec3(const Eigen::Vector3d& v) {
 }
 inline render::Vec3 toVec3(const Eigen::Vector3f& v) { return {v.x(), v.y(), v.z()}; }
 
-/// What the scene says of its bodies' looks; `checker` is for those that want one. The scene must outlive it.
+/// Return the looks of the scene's bodies; `checker` is the texture of checkered ones. The scene must outlive
+/// the result.
 view::SoftView::Look softLooks(const scenes::Scene& scene, render::TextureId checker);
 view::RigidView::Look rigidLooks(const scenes::Scene& scene);
 
-/// White and grey squares, to be multiplied with a body's colour.
+/// Returns white and grey squares, which the colour of a body multiplies.
 render::Image checkerTexture();
 
 inline const view::VelocityArrows kVelocityArrows;
 
-/// The lines that the options ask for. What Bullet draws is at the end of the last tick.
+/// The lines chosen by the options. Bullet's lines show the end of the last tick.
 class SceneOverlay {
  public:
   SceneOverlay(const scenes::Scene& scene, const OverlayChoice& choice);
 
-  /// For a picture taken from `eye`; valid until the next call.
+  /// Returns the lines for a picture from `eye`; valid until the next call.
   const render::Overlay& draw(render::Vec3 eye);
 
  private:
@@ -55,19 +57,19 @@ class SceneOverlay {
   view::DebugDrawer drawer_;
 };
 
-/// Which picture of a run.
+/// The time of a picture.
 struct Moment {
   double tickFraction = 1.0;  ///< of the last tick
   double share = 0.0;         ///< of the run, 0 to 1
 };
 
-/// Draws a scene, which must outlive it. All members throw std::runtime_error with the reason when the driver
+/// Draws a scene, which must outlive it. All members throw std::runtime_error with the reason if the driver
 /// fails.
 class SceneRenderer {
  public:
   SceneRenderer(const scenes::Scene& scene, const DemoOptions& options);
 
-  /// Positions are written straight into memory that the GPU reads.
+  /// Draws a picture; positions are written straight into memory that the GPU reads.
   void draw(const Moment& moment, render::Image& image);
 
   std::size_t gpuBufferBytes() const { return renderer_.gpuBufferBytes(); }
@@ -85,7 +87,7 @@ class SceneRenderer {
   render::TextureId checker_;
   view::SoftView softBodies_;
   view::RigidView rigidBodies_;
-  float floorReach_ = 1.0f;
+  float floorScale_ = 1.0f;
   render::InstanceId floor_;
   SceneOverlay overlay_;
 };

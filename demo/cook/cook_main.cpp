@@ -10,7 +10,7 @@ int main(int argc, char** argv) {
   using namespace limber::demo;
   try {
     const ParsedCookOptions parsed = parseCookOptions(argc, argv);
-    if (const ExitCode* over = std::get_if<ExitCode>(&parsed)) return *over;
+    if (const ExitCode* exitCode = std::get_if<ExitCode>(&parsed)) return *exitCode;
     return runCook(std::get<CookOptions>(parsed));
   } catch (const std::exception& error) {
     std::fprintf(stderr, "limber-cook: %s\n", error.what());

@@ -15,7 +15,7 @@ namespace {
 
 constexpr double kMaxPoints = 1e6;
 
-/// What CLI11 fills in; some of it only makes sense together.
+/// The values that CLI11 sets; some need others.
 struct CommandLine {
   CookOptions options;
   std::string report;
@@ -95,14 +95,14 @@ void addAnalysis(CLI::App& app, CommandLine& line) {
 
 bool given(const CLI::App& app, const char* option) { return app.count(option) > 0; }
 
-/// The first of the options that is given, or an empty string.
+/// Returns the first of the options that is given, or an empty string.
 std::string firstGiven(const CLI::App& app, std::initializer_list<const char*> options) {
   for (const char* option : options)
     if (given(app, option)) return option;
   return {};
 }
 
-/// Why files that are each fine do not go together, or an empty string.
+/// Returns the reason why valid files do not fit together, or an empty string.
 std::string fileConflict(const CLI::App& app) {
   if (given(app, "--report")) {
     const std::string other = firstGiven(
@@ -114,7 +114,7 @@ std::string fileConflict(const CLI::App& app) {
   return given(app, "--out") ? std::string() : "-o BODY.limber is missing";
 }
 
-/// Why other options do not go together, or an empty string.
+/// Returns the reason why other options do not fit together, or an empty string.
 std::string conflict(const CLI::App& app, const CommandLine& line) {
   if (line.options.material) {
     const std::string other =
@@ -134,7 +134,7 @@ std::string conflict(const CLI::App& app, const CommandLine& line) {
   return {};
 }
 
-/// Fills in what follows from other options.
+/// Sets the values that depend on other options.
 void complete(const CLI::App& app, CommandLine& line) {
   CookOptions& o = line.options;
   o.fewerRunsIfLarge = !given(app, "--runs");

@@ -15,7 +15,7 @@
 #include <variant>
 #include <vector>
 
-// What the command line and the reports call the values of the library's enumerations, in their order.
+// Names of the values of the library's enumerations, in their order, for the command line and the reports.
 
 namespace limber::demo {
 
@@ -40,7 +40,7 @@ std::vector<std::string> namesOf(const Names<Enum, count>& names) {
   return {names.names.begin(), names.names.end()};
 }
 
-/// The value of that name; there must be one.
+/// Returns the value with this name, which must exist.
 template <class Enum, std::size_t count>
 Enum valueOf(const Names<Enum, count>& names, const std::string& name) {
   std::size_t i = 0;
@@ -48,17 +48,17 @@ Enum valueOf(const Names<Enum, count>& names, const std::string& name) {
   return static_cast<Enum>(i);
 }
 
-/// What to cook, and what to say about it.
+/// The input and output of limber-cook.
 struct CookOptions {
-  std::string meshFile;  ///< empty: `bodyFile` is there already and only analysed
+  std::string meshFile;  ///< empty: `bodyFile` exists already and is only analysed
   std::string bodyFile;
   bool material = false;  ///< tetrahedra instead of braces
   NetworkSettings network;
   MaterialMesh materialMesh;
   std::uint32_t points = 0;          ///< about as many point masses; 0: those of the mesh
-  std::optional<SkinSettings> skin;  ///< asked for, or empty
+  std::optional<SkinSettings> skin;  ///< empty: the default
   AnalysisSettings analysis;
-  bool fewerRunsIfLarge = false;  ///< than analysis.runs, see runsFor()
+  bool fewerRunsIfLarge = false;  ///< large bodies get fewer than analysis.runs, see runsFor()
   std::string jsonFile;           ///< empty: none
   std::string pictureFile;        ///< empty: none
   int width = 960;
@@ -66,12 +66,12 @@ struct CookOptions {
   bool quiet = false;
 };
 
-/// Options, or the exit code of a run that is already over (--help or an error, which has been printed).
+/// The options, or an exit code after --help or an error that has been printed.
 using ParsedCookOptions = std::variant<CookOptions, ExitCode>;
 ParsedCookOptions parseCookOptions(int argc, char** argv);
 
-/// Large deformations of each kind that a body of so many points is tried with: the time of a run grows with
-/// points^1.5 and more.
+/// Returns the number of large deformations of each kind for a body of so many points. The time of one grows
+/// with points^1.5 or faster.
 std::uint32_t runsFor(const CookOptions& options, std::size_t points);
 
 }  // namespace limber::demo

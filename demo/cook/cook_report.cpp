@@ -13,7 +13,7 @@
 namespace limber::demo {
 namespace {
 
-/// Of numbers and short words: at most 240 bytes.
+/// Like printf, for texts of at most 239 bytes.
 [[gnu::format(printf, 1, 2)]] std::string format(const char* pattern, ...) {
   char line[240];
   va_list values;
@@ -65,7 +65,7 @@ std::string drawnText(const RenderSurface& render) {
 }  // namespace
 
 std::string reportText(const CookReport& r) {
-  // names as wide as those of describe()
+  // the column of names is as wide as that of describe()
   const auto row = [](const char* name, const std::string& value) {
     return format("%-19s ", name) + value + "\n";
   };

@@ -10,9 +10,9 @@
 
 namespace limber::demo {
 
-/// All that the reports say.
+/// The content of the reports.
 struct CookReport {
-  std::string meshFile;  ///< empty: the body was there already
+  std::string meshFile;  ///< empty: the body was loaded, not cooked
   std::string bodyFile;
   SharedNetwork network;
   AnalysisSettings settings;
@@ -21,13 +21,14 @@ struct CookReport {
   double analysisSeconds = 0.0;
 };
 
-/// For people: some twenty lines, the last of which are describe()'s.
+/// Returns the report as text of some twenty lines; the last ones come from describe().
 std::string reportText(const CookReport& report);
 
-/// For programs. Bytes of file names that are no UTF-8 are replaced, numbers that are not finite are null.
+/// Returns the report as JSON. Bytes of file names that are not UTF-8 are replaced; numbers that are not
+/// finite are null.
 std::string reportJson(const CookReport& report);
 
-/// Springs by kind.
+/// Returns the number of springs of each kind.
 std::array<std::size_t, 4> springCounts(const SpringNetwork& network);
 
 double bracesPerPoint(const NetworkAnalysis& analysis);

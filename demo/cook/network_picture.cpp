@@ -19,24 +19,24 @@ namespace limber::demo {
 namespace {
 
 constexpr std::uint32_t kSides = 6;
-constexpr double kTurn = 6.283185307179586;
+constexpr double kTwoPi = 6.283185307179586;
 
 void addPoint(std::vector<float>& points, const Eigen::Vector3d& p) {
   for (int axis = 0; axis < 3; ++axis) points.push_back(static_cast<float>(p[axis]));
 }
 
-/// Six points around each end and two triangles for each side.
+/// Adds six points around each end and two triangles for each side.
 void addRod(render::Scenery& rods, const Eigen::Vector3d& a, const Eigen::Vector3d& b, double radius) {
   const Eigen::Vector3d along = (b - a).normalized();
   const Eigen::Vector3d across = along.unitOrthogonal(), third = along.cross(across);
   const std::uint32_t first = rods.shape.pointCount;
   for (std::uint32_t side = 0; side < kSides; ++side) {
-    const double angle = kTurn * side / kSides;
+    const double angle = kTwoPi * side / kSides;
     const Eigen::Vector3d out = radius * (std::cos(angle) * across + std::sin(angle) * third);
     addPoint(rods.points, a + out);
     addPoint(rods.points, b + out);
-    const std::uint32_t here = first + 2 * side, next = first + 2 * ((side + 1) % kSides);
-    for (const std::uint32_t corner : {here, next, next + 1, here, next + 1, here + 1})
+    const std::uint32_t current = first + 2 * side, next = first + 2 * ((side + 1) % kSides);
+    for (const std::uint32_t corner : {current, next, next + 1, current, next + 1, current + 1})
       rods.shape.triangles.push_back(corner);
   }
   rods.shape.pointCount += 2 * kSides;
@@ -150,7 +150,7 @@ const std::array<std::uint8_t, kGlyphHeight>* glyphOf(char letter) {
 
 std::uint8_t byteOf(float share) { return static_cast<std::uint8_t>(std::lround(255.0f * share)); }
 
-/// A filled square, cut off at the picture's edges.
+/// Fills a square, clipped at the picture's edges.
 void fill(render::Image& image, int left, int top, int side, const render::Vec3& colour) {
   for (int y = std::max(top, 0); y < std::min(top + side, image.height); ++y) {
     for (int x = std::max(left, 0); x < std::min(left + side, image.width); ++x) {
@@ -192,13 +192,13 @@ void drawLegend(render::Image& image, const std::vector<LegendEntry>& entries) {
 namespace {
 
 constexpr render::Vec3 kWallColour{0.86f, 0.89f, 0.93f};
-constexpr render::Vec3 kLineColour{0.60f, 0.60f, 0.61f};  // what the renderer draws uncoloured lines in
-// Okabe and Ito's colours, which colour-blind people tell apart as well
+constexpr render::Vec3 kLineColour{0.60f, 0.60f, 0.61f};  // the renderer's colour of lines without strain
+// colours by Okabe and Ito, which colour-blind people can distinguish
 constexpr std::array<render::Vec3, 4> kKindColours{
     {kLineColour, {0.0f, 0.62f, 0.45f}, {0.0f, 0.45f, 0.70f}, {0.84f, 0.37f, 0.0f}}};
 constexpr std::array<SpringKind, 3> kRodKinds{SpringKind::Shear, SpringKind::Bending, SpringKind::Brace};
 
-/// A rod is as thick as it can be without hiding others: the more there are, the thinner.
+/// Returns the radius of rods; it is smaller for shorter springs, so that rods do not hide each other.
 double rodRadius(const SpringNetwork& network, double size) {
   double length = 0.0;
   for (const NetworkSpring& spring : network.springs)
@@ -207,23 +207,23 @@ double rodRadius(const SpringNetwork& network, double size) {
   return std::min(0.03 * mean, 0.006 * size);
 }
 
-/// Things that do not move, and their instances.
-class StillLife {
+/// Shapes that do not move, and their instances.
+class StaticShapes {
  public:
-  explicit StillLife(render::Renderer& renderer) : renderer_(renderer) {}
+  explicit StaticShapes(render::Renderer& renderer) : renderer_(renderer) {}
 
   void add(render::Scenery scenery, const render::Vec3& colour) {
     if (scenery.points.empty()) return;
     render::InstanceLook look;
     look.colour = colour;
     const render::ShapeId shape = renderer_.addShape(scenery.shape);
-    things_.push_back({renderer_.addInstance(shape, look), std::move(scenery.points)});
+    instances_.push_back({renderer_.addInstance(shape, look), std::move(scenery.points)});
   }
 
   render::Image draw(const render::Camera& camera, const render::Light& light,
                      const render::DrawOptions& options) {
     render::FrameWriter frame = renderer_.beginFrame();
-    for (const auto& [instance, points] : things_)
+    for (const auto& [instance, points] : instances_)
       std::copy(points.begin(), points.end(), frame.points(instance));
     renderer_.draw(frame, camera, light, options);
     return renderer_.readPixels();
@@ -231,7 +231,7 @@ class StillLife {
 
  private:
   render::Renderer& renderer_;
-  std::vector<std::pair<render::InstanceId, std::vector<float>>> things_;
+  std::vector<std::pair<render::InstanceId, std::vector<float>>> instances_;
 };
 
 render::Camera cameraFor(const Eigen::AlignedBox3d& box, int width, int height) {
@@ -242,10 +242,10 @@ render::Camera cameraFor(const Eigen::AlignedBox3d& box, int width, int height) 
 render::Light plainLight() {
   render::Light light;
   light.towards = {-0.2f, 0.75f, 0.65f};
-  light.sun = {0.35f, 0.35f, 0.35f};  // little against the sky: walls differ, but none is dark
+  light.sun = {0.35f, 0.35f, 0.35f};  // weak against the sky: walls differ in brightness, but none is dark
   light.sky = {0.75f, 0.75f, 0.75f};
   light.ground = {0.55f, 0.55f, 0.55f};
-  light.shadows = false;  // rods would cast them on each other, and there are enough lines without
+  light.shadows = false;  // shadows of rods on rods would look like more lines
   return light;
 }
 
@@ -253,7 +253,7 @@ render::DrawOptions drawOptions(int height) {
   render::DrawOptions options;
   options.mode = render::DrawMode::Wireframe;
   options.lineWidth = std::max(1.0f, static_cast<float>(height) / 720.0f);
-  options.legend = false;  // that of strain
+  options.legend = false;  // the legend of strain
   options.backgroundTop = options.backgroundBottom = {1.0f, 1.0f, 1.0f};
   return options;
 }
@@ -280,12 +280,12 @@ render::Image drawNetwork(const SpringNetwork& network, int width, int height) {
   desc.height = height;
   desc.samples = 4;
   render::Renderer renderer(*context, desc);
-  StillLife things(renderer);
-  things.add(farWalls(network, 0.004 * size), kWallColour);
-  things.add(springLines(network, SpringKind::Structural), kLineColour);
+  StaticShapes shapes(renderer);
+  shapes.add(farWalls(network, 0.004 * size), kWallColour);
+  shapes.add(springLines(network, SpringKind::Structural), kLineColour);
   for (const SpringKind kind : kRodKinds)
-    things.add(springRods(network, kind, radius), kKindColours[static_cast<std::size_t>(kind)]);
-  render::Image image = things.draw(cameraFor(box, width, height), plainLight(), drawOptions(height));
+    shapes.add(springRods(network, kind, radius), kKindColours[static_cast<std::size_t>(kind)]);
+  render::Image image = shapes.draw(cameraFor(box, width, height), plainLight(), drawOptions(height));
   drawLegend(image, legendOf(network));
   return image;
 }

@@ -13,29 +13,30 @@
 
 namespace limber::demo {
 
-/// The smallest box around the rest points.
+/// Returns the smallest box around the rest points.
 Eigen::AlignedBox3d boundsOf(const SpringNetwork& network);
 
-/// The springs of that kind as lines, or as rods with six sides. No points if there are none.
+/// Return the springs of that kind as lines, or as rods with six sides. Without such springs the result has
+/// no points.
 render::Scenery springLines(const SpringNetwork& network, SpringKind kind);
 render::Scenery springRods(const SpringNetwork& network, SpringKind kind, double radius);
 
-/// The surface turned inside out, so that only the walls are drawn whose outside faces away from the viewer,
-/// moved outward by `distance` (m), so that it does not cover the springs that lie in it.
+/// Returns the surface turned inside out, so that only walls are drawn whose outside faces away from the
+/// viewer. It is moved outward by `distance` (m), so that it does not hide the springs in it.
 render::Scenery farWalls(const SpringNetwork& network, double distance);
 
 struct LegendEntry {
-  std::string text;     ///< small letters, digits and blanks; others are left blank
+  std::string text;     ///< lower-case letters, digits and blanks; other characters are left blank
   render::Vec3 colour;  ///< sRGB
 };
 
-/// Writes the entries below each other into the upper left corner, each behind a square of its colour, in
-/// letters of 1/48 of the picture's height or 7 pixels, whichever is larger.
+/// Writes the entries below each other into the upper left corner, each after a square of its colour. The
+/// height of letters is 1/48 of the picture's height, at least 7 pixels.
 void drawLegend(render::Image& image, const std::vector<LegendEntry>& entries);
 
-/// The network seen from the front and above, opened towards the viewer: of the surface its far walls, the
-/// structural springs as thin lines, all others as rods coloured by kind, and a legend. Throws
-/// std::runtime_error with the driver's reason.
+/// Draws the network from the front and above: the far walls of its surface, the structural springs as thin
+/// lines, all other springs as rods coloured by kind, and a legend. Throws std::runtime_error with the
+/// driver's reason.
 render::Image drawNetwork(const SpringNetwork& network, int width, int height);
 
 }  // namespace limber::demo

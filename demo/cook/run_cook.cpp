@@ -25,7 +25,7 @@ TriangleMesh meshOf(WeldedMesh welded) {
   return mesh;
 }
 
-/// The network drawn as `mesh`, which must not be the one it was made of.
+/// Adds a skin to the network: it is drawn as `mesh`, which differs from the mesh of the network.
 Result<SharedNetwork> skinned(Result<SharedNetwork> network, const TriangleMesh& mesh,
                               const SkinSettings& settings) {
   return network ? withSkin(**network, mesh, settings) : network;
@@ -56,7 +56,7 @@ Result<SharedNetwork> cookMesh(const TriangleMesh& mesh, const CookOptions& opti
   if (options.points == 0) return buildNetwork(mesh, options.network);
   Result<WeldedMesh> welded = weld(mesh, options.network.weldTolerance);
   if (!welded) return Error{welded.error()};
-  // coarse enough as it is: its vertices then ride on the points themselves
+  // coarse enough: the vertices then lie on the points themselves
   if (welded->points.size() <= options.points) return buildNetwork(mesh, options.network);
   return cookSimplified(mesh, std::move(*welded), options);
 }
@@ -85,12 +85,12 @@ ExitCode fail(const std::string& reason) {
   return kFailure;
 }
 
-/// Before the work, not after it. Writes nothing.
-std::string checkPlaces(const CookOptions& options) {
+/// Checks the output files before the work. Writes nothing.
+std::string checkOutputFiles(const CookOptions& options) {
   const std::string none;
   const std::string& body = options.meshFile.empty() ? none : options.bodyFile;
   for (const std::string* file : {&body, &options.jsonFile, &options.pictureFile}) {
-    const std::string reason = file->empty() ? std::string() : checkPlace(*file);
+    const std::string reason = file->empty() ? std::string() : checkWritable(*file);
     if (!reason.empty()) return reason;
   }
   return {};
@@ -112,7 +112,7 @@ void analyseBody(CookReport& report) {
   report.analysisSeconds = secondsSince(start);
 }
 
-std::string tell(const CookOptions& options, const CookReport& report) {
+std::string writeOutput(const CookOptions& options, const CookReport& report) {
   if (!options.quiet) std::fputs(reportText(report).c_str(), stdout);
   if (!options.pictureFile.empty()) {
     render::writePng(options.pictureFile, drawNetwork(*report.network, options.width, options.height));
@@ -120,7 +120,7 @@ std::string tell(const CookOptions& options, const CookReport& report) {
   return options.jsonFile.empty() ? std::string() : writeText(options.jsonFile, reportJson(report));
 }
 
-/// The options with their progress shown on `bars`, if at all.
+/// Returns the options with progress shown on `bars`, unless they are quiet.
 CookOptions withProgress(CookOptions options, StageProgress& bars) {
   if (options.quiet) return options;
   const limber::Progress progress = [&bars](const char* what, double done) {
@@ -133,11 +133,11 @@ CookOptions withProgress(CookOptions options, StageProgress& bars) {
 
 }  // namespace
 
-ExitCode runCook(const CookOptions& asked) {
-  std::string reason = checkPlaces(asked);
+ExitCode runCook(const CookOptions& request) {
+  std::string reason = checkOutputFiles(request);
   if (!reason.empty()) return fail(reason);
   StageProgress bars(stderr, isTerminal(stderr), kPatience);
-  const CookOptions options = withProgress(asked, bars);
+  const CookOptions options = withProgress(request, bars);
   CookReport report;
   report.meshFile = options.meshFile;
   report.bodyFile = options.bodyFile;
@@ -148,7 +148,7 @@ ExitCode runCook(const CookOptions& asked) {
   report.settings.runs = runsFor(options, report.network->restPoints.size());
   if (!options.quiet || !options.jsonFile.empty()) analyseBody(report);
   bars.finish();
-  reason = tell(options, report);
+  reason = writeOutput(options, report);
   return reason.empty() ? kSuccess : fail(reason);
 }
 

@@ -8,11 +8,11 @@
 
 namespace limber::demo {
 
-/// The body that the options ask for. Errors begin with the mesh file's name.
+/// Makes the body that the options describe. Errors begin with the mesh file's name.
 Result<SharedNetwork> cookBody(const CookOptions& options);
 
-/// Cooks or loads the body, then writes, draws and prints what the options ask for. Reasons of failure go to
-/// the standard error stream. Whatever fails: every file is written whole or stays as it was.
+/// Cooks or loads the body, then writes, draws and prints the output chosen by the options. Errors go to the
+/// standard error stream. After any failure, each file is either complete or unchanged.
 ExitCode runCook(const CookOptions& options);
 
 }  // namespace limber::demo

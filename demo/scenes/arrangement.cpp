@@ -44,16 +44,16 @@ std::uint32_t gridColumns(std::uint32_t count) {
 std::vector<Placement> dropGrid(const DropGridSettings& settings, Random& random) {
   const std::uint32_t columns = gridColumns(settings.count);
   const std::uint32_t rows = (settings.count + columns - 1) / columns;
-  std::vector<Placement> places;
-  places.reserve(settings.count);
+  std::vector<Placement> placements;
+  placements.reserve(settings.count);
   for (std::uint32_t i = 0; i < settings.count; ++i) {
     const double column = double(i % columns) - 0.5 * double(columns - 1);
     const double row = double(i / columns) - 0.5 * double(rows - 1);
     const double height = random.between(settings.lowest, settings.highest);
     const Eigen::Vector3d centre(column * settings.spacing, height, row * settings.spacing);
-    places.push_back({centre, random.rotation()});
+    placements.push_back({centre, random.rotation()});
   }
-  return places;
+  return placements;
 }
 
 }  // namespace limber::scenes

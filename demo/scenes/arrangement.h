@@ -11,8 +11,8 @@
 
 namespace limber::scenes {
 
-/// Numbers that depend on the seed alone. The standard fixes the engine's output but not that of its
-/// distributions, so the mapping to numbers is our own.
+/// Random numbers that depend on the seed only. The C++ standard defines the output of the engine but not
+/// that of its distributions, so the conversion is done here.
 class Random {
  public:
   explicit Random(std::uint64_t seed) : engine_(seed) {}
@@ -21,17 +21,17 @@ class Random {
   double unit() { return static_cast<double>(engine_() >> 11) * 0x1p-53; }
   /// Uniform in [low, high).
   double between(double low, double high) { return low + (high - low) * unit(); }
-  /// Uniform over all rotations (Shoemake 1992).
+  /// Returns a uniformly distributed rotation (Shoemake 1992).
   Eigen::Quaterniond rotation();
 
  private:
   std::mt19937_64 engine_;
 };
 
-/// The i-th of a few colours that go well together, sRGB, 0 to 1; repeats.
+/// Returns colour i of a small palette, sRGB, 0 to 1; the palette repeats.
 Eigen::Vector3f paletteColour(std::size_t i);
 
-/// The same, a little lighter or darker.
+/// Returns the same colour, a little lighter or darker.
 Eigen::Vector3f variedColour(std::size_t i, Random& random);
 
 struct Placement {
@@ -46,11 +46,11 @@ struct DropGridSettings {
   double highest = 2.0;  ///< m
 };
 
-/// Columns of the square that holds `count` bodies.
+/// Returns the number of columns of a square grid for `count` bodies.
 std::uint32_t gridColumns(std::uint32_t count);
 
-/// Places over a square in x and z around the origin, at random heights, turned at random. No two are above
-/// one another.
+/// Returns placements on a square grid in x and z around the origin, with random heights and rotations. No
+/// two are above each other.
 std::vector<Placement> dropGrid(const DropGridSettings& settings, Random& random);
 
 }  // namespace limber::scenes

@@ -37,7 +37,7 @@ std::array<std::uint32_t, 4> cornersOf() {
   return {0, kCells, kCells * kRow, kCells * kRow + kCells};
 }
 
-/// It lies on top of its ball and its corners hang below the ball's middle.
+/// Checks that the cloth lies on its ball and its corners hang below the ball's centre.
 std::string drapes(const SoftBody& cloth, const Eigen::Vector3d& ball) {
   double top = cloth.position(0).y();
   for (std::uint32_t i = 0; i < cloth.pointCount(); ++i) top = std::max(top, cloth.position(i).y());
@@ -65,7 +65,7 @@ Result<SharedNetwork> clothNetwork() {
   return buildCloth(shape);
 }
 
-/// A ball on the floor and a cloth above it, turned a little.
+/// Adds a ball on the floor and a cloth above it, with a small random rotation.
 std::string addPair(Scene& scene, const SharedNetwork& network, SoftBodySettings settings,
                     const Eigen::Vector3d& at, Random& random) {
   const Eigen::Vector3d ball = at + Eigen::Vector3d(0.0, kBallRadius, 0.0);
@@ -98,9 +98,9 @@ SceneResult createCloth(const SceneOptions& options) {
     if (!reason.empty()) return Error{reason};
   }
   addAirDrag(*scene, 0.5);
-  const double reach = half + 0.36 * kClothWidth;
-  scene->view.box =
-      Eigen::AlignedBox3d(Eigen::Vector3d(-reach, 0.0, -reach), Eigen::Vector3d(reach, 1.7, reach));
+  const double halfView = half + 0.36 * kClothWidth;
+  scene->view.box = Eigen::AlignedBox3d(Eigen::Vector3d(-halfView, 0.0, -halfView),
+                                        Eigen::Vector3d(halfView, 1.7, halfView));
   scene->endChecks.push_back(checkCalm(0.05));
   scene->endChecks.push_back(checkStretch(0.05));
   scene->endChecks.push_back(checkDrapes);

@@ -11,9 +11,9 @@ namespace {
 const Eigen::Vector3f kBareColour(0.86f, 0.33f, 0.27f);
 const Eigen::Vector3f kBracedColour(0.16f, 0.58f, 0.55f);
 
-/// RMS error of shape, of the size: k = 20 N/m let a cube of a kilogram sag by 0.06. A folded one is off by
-/// 0.2 or more.
-constexpr double kSag = 0.1;
+/// Largest RMS error of shape, relative to the size. With k = 20 N/m a cube of 1 kg sags by 0.06; a folded
+/// one has an error of 0.2 or more.
+constexpr double kMaxShapeError = 0.1;
 
 Result<SharedNetwork> cube(BraceRule braces) {
   const Result<TriangleMesh> mesh = importMesh(LIMBER_MESH_DIR "/cube.obj");
@@ -23,11 +23,11 @@ Result<SharedNetwork> cube(BraceRule braces) {
   return buildNetwork(*mesh, settings);
 }
 
-/// Every second body is braced.
+/// Checks the braced bodies: every second one.
 std::string checkBraced(const Scene& scene) {
   for (std::size_t b = 1; b < scene.soft->bodyCount(); b += 2) {
     const ShapeError error = shapeError(*scene.soft->body(b));
-    if (error.relativeRms <= kSag && !error.mirrored) continue;
+    if (error.relativeRms <= kMaxShapeError && !error.mirrored) continue;
     char line[120];
     std::snprintf(line, sizeof line, "braced body %zu: shape off by %.3g of its size%s", b, error.relativeRms,
                   error.mirrored ? ", inside out" : "");
@@ -36,7 +36,7 @@ std::string checkBraced(const Scene& scene) {
   return {};
 }
 
-/// Bare on the left, braced on the right.
+/// Adds a cube: bare ones on the left, braced ones on the right.
 std::string addCube(Scene& scene, const SharedNetwork& network, SoftBodySettings settings, bool braced,
                     double sideways) {
   if (!braced) settings.volumeModulus = 0.0;
@@ -48,8 +48,8 @@ std::string addCube(Scene& scene, const SharedNetwork& network, SoftBodySettings
 
 void addFloorAndView(Scene& scene, double half, double radius) {
   addFloor(scene, 1.5 * half + 8.0, radius);
-  const Eigen::Vector3d reach(2.0 * half, 0.0, half);
-  scene.view.box = Eigen::AlignedBox3d(-reach, reach + Eigen::Vector3d(0.0, 0.5, 0.0));
+  const Eigen::Vector3d halfView(2.0 * half, 0.0, half);
+  scene.view.box = Eigen::AlignedBox3d(-halfView, halfView + Eigen::Vector3d(0.0, 0.5, 0.0));
   scene.view.direction = {0.0, 0.4, 1.0};
 }
 
@@ -70,11 +70,11 @@ SceneResult createCollapse(const SceneOptions& options) {
   grid.highest = 2.5;
   const double half = 0.5 * grid.spacing * gridColumns(grid.count);
   addFloorAndView(*scene, half, pointRadius(**bare, settings));
-  const std::vector<Placement> places = dropGrid(grid, random);
+  const std::vector<Placement> placements = dropGrid(grid, random);
   for (std::uint32_t i = 0; i < count; ++i) {
     const bool isBraced = i % 2 == 1;
-    settings.position = places[i / 2].centre;
-    settings.rotation = places[i / 2].rotation;
+    settings.position = placements[i / 2].centre;
+    settings.rotation = placements[i / 2].rotation;
     std::string reason = addCube(*scene, isBraced ? *braced : *bare, settings, isBraced, half + 0.5);
     if (!reason.empty()) return Error{reason};
   }

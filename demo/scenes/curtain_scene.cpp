@@ -17,31 +17,31 @@ constexpr double kRadius = 0.015;                   // m, of each point
 constexpr double kSpacing = 2.6;                    // m from curtain to curtain
 constexpr double kBall = 0.2, kBallMass = 0.2;      // m, kg
 constexpr double kBallSpeed = 2.0;                  // m/s
-// between four points there is room for two of it; its way in a tick is about its radius, so that a watch
-// that looks once a tick sees it pass
+// two of it fit between four points; its displacement in a tick is about its radius, so that a check once per
+// tick sees it pass
 constexpr double kMarble = 0.015, kMarbleMass = 0.01;    // m, kg
 constexpr double kMarbleFrom = 0.5, kMarbleSpeed = 1.0;  // m, m/s
 constexpr double kBallFrom = 1.2;                        // m before the curtain
 constexpr double kBoxHalf = 0.2;                         // m
-constexpr double kBoxAway = 0.8, kBoxThrough = -0.3;     // m, where the pushing box turns round
-constexpr double kPushSeconds = 4.0;                     // from away through the curtain's plane and back
-constexpr double kDent = 0.05;                           // m that a rigid body may be in the cloth
+constexpr double kBoxAway = 0.8, kBoxThrough = -0.3;     // m, positions where the pushing box reverses
+constexpr double kPushSeconds = 4.0;                     // time of the pushing motion, forth and back
+constexpr double kDent = 0.05;                           // m, allowed depth of a rigid body in the cloth
 const Eigen::Vector3f kBallColour(0.92f, 0.92f, 0.92f), kBoxColour(0.45f, 0.47f, 0.52f);
 
-/// Boxes and middles are those of the soft body of the same number, which has two of the balls.
+/// Boxes and middles have the index of their curtain; each curtain has two balls.
 struct Curtains {
   std::vector<btRigidBody*> boxes, balls;
   std::vector<double> middles;  ///< m, x of each curtain
 };
 
-/// m, along z: a smooth swing and back, then away from it.
-double boxPlace(double seconds) {
+/// Returns z of the pushing box, m: a smooth motion through the curtain's plane and back, then at rest.
+double boxPosition(double seconds) {
   constexpr double kPi = 3.141592653589793;
   const double phase = std::min(seconds / kPushSeconds, 1.0);
   return kBoxAway + (kBoxThrough - kBoxAway) * 0.5 * (1.0 - std::cos(2.0 * kPi * phase));
 }
 
-Eigen::Vector3d boxCentre(double x, double seconds) { return {x, 1.1, boxPlace(seconds)}; }
+Eigen::Vector3d boxCentre(double x, double seconds) { return {x, 1.1, boxPosition(seconds)}; }
 
 btRigidBody* throwBall(Scene& scene, const Eigen::Vector3d& from, double speed, double radius, double mass,
                        const Eigen::Vector3f& colour) {
@@ -53,7 +53,7 @@ btRigidBody* throwBall(Scene& scene, const Eigen::Vector3d& from, double speed, 
 }
 
 /// A box, two balls, and a marble that only faces can stop. The marble may end behind the curtain, whose hem
-/// swings over it; that it has not gone through is watched.
+/// swings over it; watchMovablesApart() checks that it does not pass through.
 void addPushers(Scene& scene, Curtains& curtains, double x, Random& random) {
   curtains.middles.push_back(x);
   curtains.boxes.push_back(
@@ -82,7 +82,7 @@ std::string addCurtain(Scene& scene, const SharedNetwork& network, SoftBodySetti
   return {};
 }
 
-/// It hangs from its pins, and the balls are on the side they came from.
+/// Checks that the curtains hang from their pins and the balls are on their initial side.
 Check checkCurtains(const Curtains& curtains) {
   return [curtains](const Scene& scene) {
     for (std::size_t c = 0; c < scene.soft->bodyCount(); ++c) {
@@ -141,8 +141,9 @@ SceneResult createCurtain(const SceneOptions& options) {
     for (std::size_t i = 0; i < curtains.boxes.size(); ++i)
       moveTo(*curtains.boxes[i], boxCentre(curtains.middles[i], seconds));
   };
-  const double reach = half + 0.6 * kWidth;
-  scene->view.box = Eigen::AlignedBox3d(Eigen::Vector3d(-reach, 0, -0.6), Eigen::Vector3d(reach, kTop, 1.2));
+  const double halfView = half + 0.6 * kWidth;
+  scene->view.box =
+      Eigen::AlignedBox3d(Eigen::Vector3d(-halfView, 0, -0.6), Eigen::Vector3d(halfView, kTop, 1.2));
   scene->view.direction = {0.8, 0.4, 1.0};
   scene->endChecks = {checkFinite, checkAboveFloor, checkCurtains(curtains)};
   watchMovablesApart(*scene, kDent);

@@ -11,7 +11,7 @@
 namespace limber::scenes {
 namespace {
 
-/// The shape that is dropped, at the size at which it is dropped.
+/// The dropped shape at its scale.
 struct DroppedShape {
   SharedNetwork network;
   double scale = 1.0;
@@ -37,8 +37,8 @@ void addFloorAndView(Scene& scene, const DroppedShape& shape, const DropGridSett
                      double drawnHeight) {
   const double half = 0.5 * grid.spacing * double(gridColumns(grid.count) - 1) + shape.radius;
   addFloor(scene, 1.5 * half + 8.0 * shape.size, drawnHeight);
-  const Eigen::Vector3d reach(half, 0.0, half);
-  scene.view.box = Eigen::AlignedBox3d(-reach, reach + Eigen::Vector3d(0.0, 1.5 * shape.size, 0.0));
+  const Eigen::Vector3d halfView(half, 0.0, half);
+  scene.view.box = Eigen::AlignedBox3d(-halfView, halfView + Eigen::Vector3d(0.0, 1.5 * shape.size, 0.0));
   scene.view.direction = {0.4, 0.55, 1.0};
 }
 
@@ -48,7 +48,7 @@ std::string dropBodies(Scene& scene, const DroppedShape& shape, const SceneOptio
   Random random(options.seed);
   DropGridSettings grid;
   grid.count = options.count.value_or(defaultCount);
-  // turned in any way, neighbours never touch: only their vertices would collide
+  // neighbours do not touch, whatever their rotation
   grid.spacing = 2.5 * shape.radius;
   grid.lowest = 1.5 * shape.radius;
   grid.highest = 1.5 * shape.radius + 2.0 * shape.size;
@@ -60,9 +60,9 @@ std::string dropBodies(Scene& scene, const DroppedShape& shape, const SceneOptio
   addFloorAndView(scene, shape, grid, pointRadius(*shape.network, settings));
 
   std::size_t index = 0;
-  for (const Placement& place : dropGrid(grid, random)) {
-    settings.position = place.centre - place.rotation * shape.middle;
-    settings.rotation = place.rotation;
+  for (const Placement& placement : dropGrid(grid, random)) {
+    settings.position = placement.centre - placement.rotation * shape.middle;
+    settings.rotation = placement.rotation;
     look.colour = variedColour(index + index / gridColumns(grid.count) * 3, random);
     std::string reason = addBody(scene, shape.network, settings, look);
     if (!reason.empty()) return reason;
@@ -100,14 +100,13 @@ SceneResult createMeshDrop(const SceneOptions& options) {
   if (!network) return Error{network.error()};
   const DroppedShape shape = measure(*network, options.scale);
   SoftBodySettings settings;
-  settings.damping =
-      5.0;  // about critical for a hundred points, so that a body that slumps does not go on swinging
+  settings.damping = 5.0;  // about critical for a hundred points, so that a sagging body does not oscillate
   auto scene = std::make_unique<Scene>();
   std::string reason = dropBodies(*scene, shape, options, 9, settings);
   if (!reason.empty()) return Error{options.meshFile + ": " + reason};
   scene->notes.push_back(options.meshFile + ": " + describe(shape.network->report));
   noteOddSize(*scene, shape.size);
-  // no check of the shape: springs along the surface alone do not hold every mesh up
+  // no check of the shape: springs along the surface alone do not support every mesh
   scene->endChecks = {checkFinite, checkAboveFloor, checkCalmOrRolling(0.25 * shape.size)};
   return scene;
 }

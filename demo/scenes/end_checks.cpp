@@ -87,7 +87,7 @@ std::string pointName(std::size_t body, std::uint32_t point) {
 
 std::string bodyName(std::size_t body) { return "body " + std::to_string(body); }
 
-/// The first reason that `reason(body, point)` gives, with the point's name before it.
+/// Returns the first non-empty result of `reason(body, point)`, after the name of the point.
 template <class Reason>
 std::string anyPoint(const Scene& scene, Reason reason) {
   for (std::size_t b = 0; b < scene.soft->bodyCount(); ++b) {
@@ -100,7 +100,7 @@ std::string anyPoint(const Scene& scene, Reason reason) {
   return {};
 }
 
-/// The first reason that `reason(b, body)` gives, with the body's name before it.
+/// Returns the first non-empty result of `reason(b, body)`, after the name of the body.
 template <class Reason>
 std::string anyBody(const Scene& scene, Reason reason) {
   for (std::size_t b = 0; b < scene.soft->bodyCount(); ++b) {
@@ -116,11 +116,11 @@ std::string whyNotCalm(double motion, double metres) {
   return text(" is not calm: a point moved %.4g m of late, allowed is %.4g m", motion, metres);
 }
 
-/// s, that RestWatch looks back at least.
+/// Shortest time that RestWatch covers, s.
 constexpr double kWatched = double(RestWatch::kWindowTicks) / double(kTicksPerSecond);
 
-/// m/s, root mean square: what is left of the points' velocities once the rigid motion is taken off that has
-/// the body's momentum and angular momentum.
+/// Returns the root mean square of the points' velocities, m/s, without the rigid motion that has the body's
+/// momentum and angular momentum.
 double deformationSpeed(const SoftBody& body) {
   const Eigen::Vector3d center = body.centerOfMass(), momentum = body.linearMomentum();
   const double mass = body.totalMass();
@@ -244,14 +244,15 @@ std::string tooDeep(const RigidOverlap& overlap, const char* what, std::int64_t 
   return text;
 }
 
-/// What was too deep by the most so far.
+/// The largest excess over the allowed depth so far.
 struct Excess {
   RigidOverlap overlap;
   double allowed = 0.0;  // m
   std::int64_t tick = 0;
 };
 
-/// A small ball could go through a sheet between two ticks without ever being deep in it.
+/// Returns the allowed depth. It is smaller for a small ball: that could pass through a sheet between two
+/// ticks without a large depth.
 double allowedFor(const btRigidBody& rigid, double metres) {
   constexpr double kShare = 0.3;  // of a ball's radius
   const btCollisionShape& shape = *rigid.getCollisionShape();

@@ -11,64 +11,63 @@
 
 namespace limber::scenes {
 
-/// How a deformed shape differs from its shape at rest, wherever it lies and however it is turned.
+/// Difference of a deformed shape from its shape at rest, independent of position and rotation.
 struct ShapeError {
-  double relativeRms =
-      0.0;                ///< RMS distance of the points after the best rigid motion, per size of the shape
-  bool mirrored = false;  ///< a reflection would fit better than any rotation: the body is inside out
+  double relativeRms = 0.0;  ///< RMS distance of the points after the best rigid motion, relative to the size
+  bool mirrored = false;     ///< a reflection fits better than any rotation: the body is inside out
 };
 
-/// Largest extent of the points along an axis, m.
+/// Returns the largest extent of the points along an axis, m.
 double sizeOf(const std::vector<Eigen::Vector3d>& points);
 
-/// Best proper rigid motion from `rest` to `now` by the singular values of their correlation (Kabsch 1976).
-/// Both have #points entries, one or more.
+/// Returns the error after the best proper rigid motion from `rest` to `now`, by the singular values of their
+/// correlation (Kabsch 1976). Both have #points entries, at least one.
 ShapeError shapeError(const std::vector<Eigen::Vector3d>& rest, const std::vector<Eigen::Vector3d>& now);
 
-/// The rest points of a body at its own scale.
+/// Returns the rest points of a body at its scale.
 std::vector<Eigen::Vector3d> restShape(const SoftBody& body);
 
 ShapeError shapeError(const SoftBody& body);
 
-/// Every coordinate is a finite number.
+/// Checks that all coordinates are finite.
 std::string checkFinite(const Scene& scene);
 
-/// No point is more than its radius below the floor's top at y = 0.
+/// Checks that no point is more than its radius below the top of the floor at y = 0.
 std::string checkAboveFloor(const Scene& scene);
 
-/// No point has moved more than `metres` of late, see RestWatch.
+/// Checks that no point has recently moved more than `metres`, see RestWatch.
 Check checkCalm(double metres);
 
-/// The same, but a body may roll or slide away as a whole, neither falling nor changing its shape.
+/// The same, but a body may roll or slide as a whole if it neither falls nor changes its shape.
 Check checkCalmOrRolling(double metres);
 
-/// Every body sleeps.
+/// Checks that all bodies sleep.
 std::string checkAsleep(const Scene& scene);
 
-/// Every body has its shape up to an RMS error of `relative` of its size, and is not inside out.
+/// Checks that the RMS error of each body's shape is at most `relative` of its size, and that it is not
+/// inside out.
 Check checkShapes(double relative);
 
-/// No spring of the mesh or grid (braces, shear and bending aside) is more than `relative` longer than at
-/// rest.
+/// Checks that no structural spring is longer than its rest length by more than the fraction `relative`.
 Check checkStretch(double relative);
 
-/// No point is inside the ball by more than `metres`.
+/// Checks that no point is deeper than `metres` inside the ball.
 Check checkOutsideBall(const Eigen::Vector3d& centre, double radius, double metres);
 
-/// No two closed soft bodies are in one another by more than `metres`.
+/// Checks that no two closed soft bodies penetrate each other by more than `metres`.
 Check checkSoftApart(double metres);
 
-/// No soft body and no rigid one, static or not, are in one another by more than `metres`.
+/// Checks that no soft and rigid body (static or not) penetrate each other by more than `metres`.
 Check checkRigidApart(double metres);
 
-/// Watches what moves from now on, tick by tick: no such body and no soft one may ever be in one another by
-/// more than `metres`, nor a ball by more than 0.3 of its radius. It takes the scene's afterTick.
+/// Adds a check of every tick from now on: no movable rigid body and soft body may penetrate each other by
+/// more than `metres`, and no ball by more than 0.3 of its radius. It sets the scene's afterTick.
 void watchMovablesApart(Scene& scene, double metres);
 
-/// No dynamic body moves faster than so many m/s.
+/// Checks that no dynamic rigid body is faster than `speed`, m/s.
 Check checkMovablesCalm(double speed);
 
-/// m, mean of a body's points.
+/// Returns the mean of a body's points, m.
 Eigen::Vector3d middleOf(const SoftBody& body);
 
 }  // namespace limber::scenes

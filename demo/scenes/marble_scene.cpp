@@ -17,15 +17,15 @@ constexpr double kMass = 0.05;      // kg, of a marble
 constexpr double kDrop = 0.6;       // m above the cube
 constexpr double kShotSpeed = 8.0;  // m/s
 constexpr double kSpacing = 2.4;    // m from cube to cube
-constexpr double kAside = 0.2;      // m, at most, from a face's middle
-constexpr double kDent = 0.02;      // m that a marble may be in a face while it hits
+constexpr double kMaxOffset = 0.2;  // m, at most, from a face's middle
+constexpr double kDent = 0.02;      // m, allowed depth of a marble in a face during the hit
 constexpr double kRestDent = 2e-3;  // m, at rest
 const Eigen::Vector3f kMarbleColour(0.20f, 0.22f, 0.28f);
 
 bool isShotAt(std::size_t cube) { return cube % 2 == 1; }
 
 void addMarble(Scene& scene, std::size_t cube, const Eigen::Vector3d& centre, Random& random) {
-  const double u = random.between(-kAside, kAside), v = random.between(-kAside, kAside);
+  const double u = random.between(-kMaxOffset, kMaxOffset), v = random.between(-kMaxOffset, kMaxOffset);
   const bool shot = isShotAt(cube);
   const Eigen::Vector3d from = shot ? Eigen::Vector3d(u, v, 2.0 * kEdge)
                                     : Eigen::Vector3d(u, 0.5 * kEdge + kRadius + kMarble + kDrop, v);
@@ -35,24 +35,24 @@ void addMarble(Scene& scene, std::size_t cube, const Eigen::Vector3d& centre, Ra
   if (shot) marble.setLinearVelocity(btVector3(0, 0, btScalar(-kShotSpeed)));
 }
 
-std::string complaint(std::size_t marble, const char* what) {
+std::string failure(std::size_t marble, const char* what) {
   return "marble " + std::to_string(marble) + " " + what;
 }
 
-/// A marble that was dropped lies on its cube; one that was shot lies in front of it.
+/// Checks that each dropped marble lies on its cube, and each shot one in front of its cube.
 std::string checkMarbles(const Scene& scene) {
   for (std::size_t i = 0; i < scene.soft->bodyCount(); ++i) {
     const SoftBody& cube = *scene.soft->body(i);
     const PosedSurface surface = posed(cube);
     const Eigen::Vector3d marble = fromBullet(scene.world->movables[i]->getWorldTransform().getOrigin());
     const double gap = signedDistance(surface, marble) - kMarble;
-    if (gap < -kMarble) return complaint(i, "is inside its cube");
+    if (gap < -kMarble) return failure(i, "is inside its cube");
     if (isShotAt(i)) {
-      if (marble.z() < middleOf(cube).z()) return complaint(i, "has passed its cube");
+      if (marble.z() < middleOf(cube).z()) return failure(i, "has passed its cube");
       continue;
     }
-    if (marble.y() < middleOf(cube).y()) return complaint(i, "does not lie on top of its cube");
-    if (gap < -kRestDent || gap > 3.0 * kRadius) return complaint(i, "does not rest on a face");
+    if (marble.y() < middleOf(cube).y()) return failure(i, "does not lie on top of its cube");
+    if (gap < -kRestDent || gap > 3.0 * kRadius) return failure(i, "does not rest on a face");
   }
   return {};
 }
@@ -91,8 +91,9 @@ SceneResult createMarble(const SceneOptions& options) {
     const std::string reason = addCube(*scene, *cube, cubeSettings(options), kSpacing * i - half, random);
     if (!reason.empty()) return Error{reason};
   }
-  const double reach = half + 0.8 * kEdge;
-  scene->view.box = Eigen::AlignedBox3d(Eigen::Vector3d(-reach, 0, -0.6), Eigen::Vector3d(reach, 1.7, 2.0));
+  const double halfView = half + 0.8 * kEdge;
+  scene->view.box =
+      Eigen::AlignedBox3d(Eigen::Vector3d(-halfView, 0, -0.6), Eigen::Vector3d(halfView, 1.7, 2.0));
   scene->view.direction = {0.5, 0.5, 1.0};
   scene->endChecks = {checkFinite, checkAboveFloor, checkMarbles};
   watchMovablesApart(*scene, kDent);

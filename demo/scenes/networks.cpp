@@ -45,8 +45,8 @@ Positions restPoints(const SpringNetwork& network) {
   return points;
 }
 
-/// Where the vertices of the drawn surface ride: on the places of the skin, or on the points.
-Positions restPlaces(const SpringNetwork& network) {
+/// Returns the positions of the drawn vertices at rest: the places of the skin, or the points.
+Positions restVertexPositions(const SpringNetwork& network) {
   const Positions points = restPoints(network);
   const Skin& skin = network.render.skin;
   if (skin.size() == 0) return points;
@@ -62,12 +62,12 @@ double angle(const Eigen::Vector3f& a, const Eigen::Vector3f& b) {
 }  // namespace
 
 double sharpestBend(const SpringNetwork& network) {
-  const Positions places = restPlaces(network);
-  const auto& place = network.render.vertexToPoint;
-  std::map<Edge, Eigen::Vector3f> normals;  // of the first triangle met at each edge
+  const Positions places = restVertexPositions(network);
+  const auto& placeOf = network.render.vertexToPoint;
+  std::map<Edge, Eigen::Vector3f> normals;  // of the first triangle at each edge
   double sharpest = 0.0;
   for (const Triangle& drawn : network.render.triangles) {
-    const Triangle t = {place[drawn[0]], place[drawn[1]], place[drawn[2]]};
+    const Triangle t = {placeOf[drawn[0]], placeOf[drawn[1]], placeOf[drawn[2]]};
     const Eigen::Vector3f normal = normalOf(places, t);
     for (std::size_t corner = 0; corner < 3; ++corner) {
       const Edge edge = std::minmax({t[corner], t[(corner + 1) % 3]});

@@ -8,16 +8,16 @@
 
 namespace limber::scenes {
 
-/// True if the file's name ends in ".limber": a body that has been cooked.
+/// Returns true if the file's name ends in ".limber": a cooked body.
 bool isLimberFile(const std::string& file);
 
-/// A cooked body as it is, or the network of a mesh with the library's own settings. Errors name the file.
+/// Reads a cooked body, or builds the network of a mesh with the default settings. Errors name the file.
 Result<SharedNetwork> readNetwork(const std::string& file);
 
-/// Surfaces that bend less than this at every edge look best shaded as smooth ones: 60 degrees.
+/// Surfaces with smaller angles at all edges look best with smooth shading: 60 degrees in radians.
 constexpr double kSmoothBend = 1.0472;
 
-/// Radians: the largest angle between the normals of two triangles with a common edge, at rest.
+/// Returns the largest angle at rest between the normals of two triangles with a common edge, radians.
 double sharpestBend(const SpringNetwork& network);
 
 }  // namespace limber::scenes

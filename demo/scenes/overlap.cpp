@@ -20,7 +20,8 @@ Corners cornersOf(const PosedSurface& surface, const Triangle& t) {
   return {surface.points.col(t[0]), surface.points.col(t[1]), surface.points.col(t[2])};
 }
 
-/// Signed, seen from `p` (A. van Oosterom, J. Strackee, "The solid angle of a plane triangle", 1983).
+/// Returns the signed solid angle of a triangle seen from `p` (A. van Oosterom, J. Strackee, "The solid angle
+/// of a plane triangle", 1983).
 double solidAngle(const Corners& t, const Vector3d& p) {
   const Vector3d a = t[0] - p, b = t[1] - p, c = t[2] - p;
   const double la = a.norm(), lb = b.norm(), lc = c.norm();
@@ -36,7 +37,7 @@ double distanceToSegment(const Vector3d& a, const Vector3d& b, const Vector3d& p
   return (p - a - share * along).norm();
 }
 
-/// To the plane where the foot of the perpendicular is in the triangle, else to the nearest edge.
+/// Returns the distance to the plane if the projection of `p` is in the triangle, else to the nearest edge.
 double distanceToTriangle(const Corners& t, const Vector3d& p) {
   const Vector3d normal = (t[1] - t[0]).cross(t[2] - t[0]);
   bool above = normal.squaredNorm() > 0.0;
@@ -49,12 +50,12 @@ double distanceToTriangle(const Corners& t, const Vector3d& p) {
   return above ? std::abs(normal.normalized().dot(p - t[0])) : nearest;
 }
 
-/// m, 0 outside.
-double depthInside(const PosedSurface& surface, const Vector3d& place) {
-  return surface.box.contains(place) ? std::max(0.0, -signedDistance(surface, place)) : 0.0;
+/// Returns the depth of a point inside a surface, m; 0 outside.
+double depthInside(const PosedSurface& surface, const Vector3d& point) {
+  return surface.box.contains(point) ? std::max(0.0, -signedDistance(surface, point)) : 0.0;
 }
 
-/// The deepest of one triangle's corners, midpoints of edges and middle.
+/// Returns the largest depth of a triangle's corners, midpoints of edges and centre.
 double depthOfTriangle(const Corners& t, const PosedSurface& outer) {
   double deepest = depthInside(outer, (t[0] + t[1] + t[2]) / 3.0);
   for (std::size_t k = 0; k < 3; ++k) {
@@ -81,12 +82,12 @@ PosedSurface posed(const SoftBody& body) {
   return surface;
 }
 
-double signedDistance(const PosedSurface& surface, const Vector3d& place) {
+double signedDistance(const PosedSurface& surface, const Vector3d& point) {
   double angle = 0.0, nearest = std::numeric_limits<double>::infinity();
   for (const Triangle& t : *surface.triangles) {
     const Corners corners = cornersOf(surface, t);
-    if (surface.encloses) angle += solidAngle(corners, place);
-    nearest = std::min(nearest, distanceToTriangle(corners, place));
+    if (surface.encloses) angle += solidAngle(corners, point);
+    nearest = std::min(nearest, distanceToTriangle(corners, point));
   }
   return std::abs(angle) > 0.5 * kFullAngle ? -nearest : nearest;
 }
@@ -120,27 +121,28 @@ const btSphereShape* asBall(const btRigidBody& rigid) {
              : nullptr;
 }
 
-/// Corners, middles of edges and faces, and the middle.
+/// Returns the largest depth of a box's corners, midpoints of edges, centres of faces, and centre.
 double depthOfBox(const PosedSurface& surface, const btRigidBody& rigid, const btBoxShape& box) {
   if (!surface.encloses) return 0.0;
   const btVector3 half = box.getHalfExtentsWithMargin();
   double deepest = 0.0;
   for (int sample = 0; sample < 27; ++sample) {
     const btVector3 at(btScalar(sample % 3 - 1), btScalar(sample / 3 % 3 - 1), btScalar(sample / 9 - 1));
-    const Vector3d place = fromBullet(rigid.getWorldTransform() * (at * half));
-    if (surface.box.contains(place)) deepest = std::max(deepest, -signedDistance(surface, place));
+    const Vector3d point = fromBullet(rigid.getWorldTransform() * (at * half));
+    if (surface.box.contains(point)) deepest = std::max(deepest, -signedDistance(surface, point));
   }
   return deepest;
 }
 
-/// How deep a soft body's corners, and middles of edges and triangles, are inside a rigid one.
+/// Returns the largest depth of a soft body's corners, midpoints of edges and centres of triangles in a rigid
+/// body.
 double depthOfSurface(const PosedSurface& soft, const btRigidBody& rigid) {
   double deepest = 0.0;
   for (const Triangle& t : *soft.triangles) {
     const Vector3d a = soft.points.col(t[0]), b = soft.points.col(t[1]), c = soft.points.col(t[2]);
-    for (const Vector3d& place : {a, b, c, Vector3d(0.5 * (a + b)), Vector3d(0.5 * (b + c)),
+    for (const Vector3d& point : {a, b, c, Vector3d(0.5 * (a + b)), Vector3d(0.5 * (b + c)),
                                   Vector3d(0.5 * (c + a)), Vector3d((a + b + c) / 3.0)})
-      deepest = std::max(deepest, depthIn(rigid, place));
+      deepest = std::max(deepest, depthIn(rigid, point));
   }
   return deepest;
 }
@@ -153,8 +155,8 @@ bool areApart(const PosedSurface& soft, const btRigidBody& rigid) {
 
 }  // namespace
 
-double depthIn(const btRigidBody& rigid, const Vector3d& place) {
-  const btVector3 local = rigid.getWorldTransform().inverse() * toBullet(place);
+double depthIn(const btRigidBody& rigid, const Vector3d& point) {
+  const btVector3 local = rigid.getWorldTransform().inverse() * toBullet(point);
   if (const btSphereShape* ball = asBall(rigid))
     return std::max(0.0, double(ball->getRadius() - local.length()));
   if (const btBoxShape* box = asBox(rigid)) {

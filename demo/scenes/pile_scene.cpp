@@ -9,14 +9,14 @@
 namespace limber::scenes {
 namespace {
 
-constexpr double kSize = 0.5;                        // m, of a body
-constexpr double kRadius = 0.01;                     // m, of its points
-constexpr std::uint32_t kColumns = 3;                // along x and z
-constexpr double kSpacing = 0.9;                     // m: turned in any way, neighbours do not touch at first
+constexpr double kSize = 0.5;          // m, of a body
+constexpr double kRadius = 0.01;       // m, of its points
+constexpr std::uint32_t kColumns = 3;  // along x and z
+constexpr double kSpacing = 0.9;       // m: neighbours do not touch at first, whatever their rotation
 constexpr double kHalf = 0.5 * kColumns * kSpacing;  // m, of the bin's inside
 constexpr double kWall = 0.1;                        // m, half thickness
 constexpr double kHeight = 1.8;                      // m, of the walls
-constexpr double kDeepest = 0.05;                    // of a body's size, that they may be in one another
+constexpr double kMaxDepth = 0.05;                   // allowed penetration, relative to a body's size
 const Eigen::Vector3f kWallColour(0.80f, 0.81f, 0.83f);
 
 struct Kind {
@@ -24,7 +24,7 @@ struct Kind {
   bool smooth = false;
 };
 
-/// About 1 m large, of so many points.
+/// Returns a network about 1 m large with about `points` points.
 Result<SharedNetwork> networkOf(const char* file, std::uint32_t points) {
   const Result<TriangleMesh> mesh = importMesh(std::string(LIMBER_MESH_DIR "/") + file);
   if (!mesh) return Error{mesh.error()};
@@ -68,7 +68,7 @@ SoftBodySettings settingsOf(const SceneOptions& options) {
   return settings;
 }
 
-/// Layer upon layer above the floor.
+/// Returns the start of body i; layers above the floor.
 Eigen::Vector3d startOf(std::uint32_t i) {
   const Eigen::Vector3d cell(i % kColumns, i / (kColumns * kColumns), i / kColumns % kColumns);
   return kSpacing * (cell + Eigen::Vector3d::Constant(0.5)) - Eigen::Vector3d(kHalf, 0, kHalf);
@@ -103,15 +103,15 @@ SceneResult createPile(const SceneOptions& options) {
     const std::string reason = addBody(*scene, kind.network, settings, look);
     if (!reason.empty()) return Error{reason};
   }
-  const double reach = kHalf + 2.0 * kWall;
-  scene->view.box =
-      Eigen::AlignedBox3d(Eigen::Vector3d(-reach, 0, -reach), Eigen::Vector3d(reach, kHeight, reach));
+  const double halfView = kHalf + 2.0 * kWall;
+  scene->view.box = Eigen::AlignedBox3d(Eigen::Vector3d(-halfView, 0, -halfView),
+                                        Eigen::Vector3d(halfView, kHeight, halfView));
   scene->view.direction = {0.35, 1.2, 1.0};
   scene->endChecks = {checkFinite,
                       checkAboveFloor,
                       checkInBin,
-                      checkSoftApart(kDeepest * kSize),
-                      checkRigidApart(kDeepest * kSize),
+                      checkSoftApart(kMaxDepth * kSize),
+                      checkRigidApart(kMaxDepth * kSize),
                       checkCalm(0.04 * kSize),
                       checkShapes(0.15)};
   return scene;

@@ -10,7 +10,7 @@ constexpr double kRopeLength = 2.6;          // m
 constexpr std::uint32_t kRopeSegments = 48;  // of 54 mm: the centre line stays outside the box's edges
 constexpr double kRopeRadius = 0.025;        // m
 constexpr double kRopeSpacing = 0.24;        // m between neighbours along z
-// a rope under tension bends round an edge: with one step per tick, contacts would come too late for its
+
 const Eigen::Vector3f kBoxColour(0.80f, 0.81f, 0.83f);
 
 Eigen::Vector3d boxHalfExtents(std::uint32_t ropes) {
@@ -23,8 +23,8 @@ void addBox(Scene& scene, const Eigen::Vector3d& half) {
   scene.rigidLooks.push_back({&addStatic(*scene.world, std::move(box), centre, 1.0), kBoxColour});
 }
 
-/// Fills in where a rope starts: level, across the box, a little off its middle.
-void place(SoftBodySettings& settings, double z, Random& random) {
+/// Sets the start of a rope: level, across the box, a little off its centre.
+void setStart(SoftBodySettings& settings, double z, Random& random) {
   const double yaw = random.between(-0.05, 0.05);
   const double shift = random.between(-0.12, 0.12);
   const double height = 1.4 + random.between(0.0, 0.6);
@@ -45,7 +45,7 @@ SoftBodySettings ropeSettings(const SceneOptions& options) {
   return settings;
 }
 
-/// Both ends hang beside the box, below its top, with something lying on top.
+/// Checks that both ends hang beside the box, below its top, and the middle lies on it.
 Check checkHangsOver(const Eigen::Vector3d& half) {
   return [half](const Scene& scene) {
     const double top = 2.0 * half.y();
@@ -80,7 +80,7 @@ SceneResult createRope(const SceneOptions& options) {
   Random random(options.seed);
   SoftBodySettings settings = ropeSettings(options);
   for (std::uint32_t i = 0; i < count; ++i) {
-    place(settings, kRopeSpacing * (double(i) - 0.5 * double(count - 1)), random);
+    setStart(settings, kRopeSpacing * (double(i) - 0.5 * double(count - 1)), random);
     BodyLook look;
     look.colour = paletteColour(i);
     const std::string reason = addBody(*scene, *network, settings, look);

@@ -48,7 +48,7 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-// not a number counts as infinitely far
+// a box that is not finite counts as infinite
 double diagonal(const Eigen::AlignedBox3d& box) {
   if (box.isEmpty()) return 0.0;
   const double length = box.diagonal().norm();
@@ -102,7 +102,7 @@ double Timeline::tickFraction(std::int64_t frame) const {
 std::int64_t Timeline::frameCount() const { return ticks * framesPerSecond / kTicksPerSecond + 1; }
 
 Timeline timelineOf(double seconds, int framesPerSecond) {
-  // 0.1 s is a hair over 6 ticks in binary: that hair must not become a seventh
+  // 0.1 s is slightly more than 6 ticks in binary; that must not become a 7th tick
   constexpr double kHair = 1e-9;
   const double ticks = std::ceil(seconds * static_cast<double>(kTicksPerSecond) - kHair);
   return {static_cast<std::int64_t>(ticks), framesPerSecond};

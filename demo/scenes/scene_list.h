@@ -10,14 +10,14 @@ namespace limber::scenes {
 struct SceneEntry {
   const char* name;
   const char* about;  ///< one line
-  double seconds;     ///< by which all has come to rest with the scene's own choices
+  double seconds;     ///< time after which all is at rest with the scene's defaults
   bool takesScale;    ///< SceneOptions::scale has a meaning here
   SceneResult (*create)(const SceneOptions&);
 };
 
 const std::vector<SceneEntry>& sceneList();
 
-/// nullptr when there is none of that name.
+/// Returns nullptr if there is no scene of that name.
 const SceneEntry* findScene(const std::string& name);
 
 SceneResult createCubes(const SceneOptions& options);

@@ -9,23 +9,23 @@
 namespace limber::scenes {
 namespace {
 
-constexpr double kEdge = 1.0;      // m
-constexpr double kRadius = 0.02;   // m, of each point
-constexpr double kGap = 2e-3;      // m, at first
-constexpr double kOff = 0.02;      // m, at most, beside the axis at first
-constexpr double kLeast = 0.85;    // m from middle to middle: the lowest carries nine others
-constexpr double kMaxOff = 0.3;    // m beside the lowest one, at the end
-constexpr double kDeepest = 5e-3;  // m, that cubes may be in one another
+constexpr double kEdge = 1.0;          // m
+constexpr double kRadius = 0.02;       // m, of each point
+constexpr double kGap = 2e-3;          // m, at first
+constexpr double kStartOffset = 0.02;  // m, largest initial offset from the axis
+constexpr double kMinDistance = 0.85;  // m between the centres of two cubes: the lowest carries nine others
+constexpr double kMaxOffset = 0.3;     // m, largest final offset from the lowest one
+constexpr double kMaxDepth = 5e-3;     // m, allowed penetration of cubes
 
-/// Each is above the one below it, and over the lowest.
+/// Checks that each cube is above the next lower one and over the lowest.
 std::string checkStands(const Scene& scene) {
   const Eigen::Vector3d lowest = middleOf(*scene.soft->body(0));
   Eigen::Vector3d below = lowest;
   for (std::size_t b = 1; b < scene.soft->bodyCount(); ++b) {
     const Eigen::Vector3d middle = middleOf(*scene.soft->body(b));
     const std::string name = "cube " + std::to_string(b);
-    if (middle.y() - below.y() < kLeast * kEdge) return name + " does not stand on the one below";
-    if (std::hypot(middle.x() - lowest.x(), middle.z() - lowest.z()) > kMaxOff)
+    if (middle.y() - below.y() < kMinDistance * kEdge) return name + " does not stand on the one below";
+    if (std::hypot(middle.x() - lowest.x(), middle.z() - lowest.z()) > kMaxOffset)
       return name + " has slipped aside";
     below = middle;
   }
@@ -34,7 +34,8 @@ std::string checkStands(const Scene& scene) {
 
 SoftBodySettings cubeSettings(const SceneOptions& options) {
   SoftBodySettings settings;
-  // far from the load under which a column of ten buckles: near it, it would sway for minutes
+  // stiff enough that the load is far below that at which a column of ten buckles: near it, the column would
+  // sway for minutes
   settings.extensionStiffness = settings.compressionStiffness = 5000.0;
   settings.damping = 20.0;
   settings.pointRadius = kRadius;
@@ -55,7 +56,8 @@ SceneResult createStack(const SceneOptions& options) {
   SoftBodySettings settings = cubeSettings(options);
   for (std::uint32_t i = 0; i < count; ++i) {
     const double height = kRadius + 0.5 * kEdge + (kEdge + 2.0 * kRadius + kGap) * i;
-    settings.position = {random.between(-kOff, kOff), height, random.between(-kOff, kOff)};
+    settings.position = {random.between(-kStartOffset, kStartOffset), height,
+                         random.between(-kStartOffset, kStartOffset)};
     settings.rotation = Eigen::AngleAxisd(random.between(-0.1, 0.1), Eigen::Vector3d::UnitY());
     BodyLook look;
     look.colour = paletteColour(i);
@@ -64,7 +66,7 @@ SceneResult createStack(const SceneOptions& options) {
   }
   scene->view.box =
       Eigen::AlignedBox3d(Eigen::Vector3d(-1, 0, -1), Eigen::Vector3d(1, 1.05 * kEdge * count, 1));
-  scene->endChecks = {checkFinite,     checkAboveFloor,  checkStands, checkSoftApart(kDeepest),
+  scene->endChecks = {checkFinite,     checkAboveFloor,  checkStands, checkSoftApart(kMaxDepth),
                       checkCalm(0.02), checkShapes(0.05)};
   return scene;
 }

@@ -17,24 +17,25 @@ constexpr double kPlateMass = 0.8;                      // kg
 constexpr double kGap = 2e-3;                           // m, at first
 constexpr double kFloorHeight = kBlock + 2.0 * kPlateThick + 2.0 * (kRadius + kGap);  // m, of a storey
 constexpr std::int64_t kNudgeTick = 4 * kTicksPerSecond;
-constexpr double kNudge = 0.4;     // N s, at the topmost plate
-constexpr double kMaxOff = 0.2;    // m beside the lowest block at the end
-constexpr double kSag = 0.75;      // of a storey's height that must be left
-constexpr double kLevel = 0.98;    // cosine of a plate's tilt, at least: 11 degrees
-constexpr double kDeepest = 5e-3;  // m, that blocks and plates may be in one another
+constexpr double kNudge = 0.4;               // N s, at the topmost plate
+constexpr double kMaxOffset = 0.2;           // m, largest final offset from the lowest block
+constexpr double kMinHeightFraction = 0.75;  // smallest fraction of a storey's height at the end
+constexpr double kMinTiltCosine = 0.98;      // smallest cosine of a plate's tilt: 11 degrees
+constexpr double kMaxDepth = 5e-3;           // m, allowed penetration of blocks and plates
 const Eigen::Vector3f kPlateColour(0.45f, 0.47f, 0.52f);
 
-/// Blocks and plates alternate from the floor up; each is where it has been built, but for sagging.
+/// Checks that blocks and plates still alternate from the floor up, at their initial positions except for
+/// sagging.
 std::string checkTower(const Scene& scene) {
   const Eigen::Vector3d lowest = middleOf(*scene.soft->body(0));
   for (std::size_t i = 0; i < scene.soft->bodyCount(); ++i) {
     const btTransform& plate = scene.world->movables[i]->getWorldTransform();
     const Eigen::Vector3d at = fromBullet(plate.getOrigin()), block = middleOf(*scene.soft->body(i));
     const std::string name = "storey " + std::to_string(i);
-    if (at.y() < block.y() || block.y() < kSag * (kFloorHeight * double(i) + 0.5 * kBlock))
+    if (at.y() < block.y() || block.y() < kMinHeightFraction * (kFloorHeight * double(i) + 0.5 * kBlock))
       return name + " has come down";
-    if (double(plate.getBasis()[1][1]) < kLevel) return name + " is not level";
-    if (std::hypot(at.x() - lowest.x(), at.z() - lowest.z()) > kMaxOff) return name + " has slipped aside";
+    if (double(plate.getBasis()[1][1]) < kMinTiltCosine) return name + " is not level";
+    if (std::hypot(at.x() - lowest.x(), at.z() - lowest.z()) > kMaxOffset) return name + " has slipped aside";
   }
   return {};
 }
@@ -51,7 +52,7 @@ SoftBodySettings blockSettings(const SceneOptions& options) {
   return settings;
 }
 
-/// Once, when all stands still.
+/// Nudges the topmost plate once, when everything is at rest.
 void nudgeTop(Scene& scene) {
   if (scene.ticks != kNudgeTick) return;
   btRigidBody& top = *scene.world->movables.back();
@@ -83,7 +84,7 @@ SceneResult createTower(const SceneOptions& options) {
   scene->beforeTick = nudgeTop;
   scene->view.box =
       Eigen::AlignedBox3d(Eigen::Vector3d(-0.8, 0, -0.8), Eigen::Vector3d(0.8, kFloorHeight * count, 0.8));
-  scene->endChecks = {checkFinite,     checkAboveFloor,         checkTower,       checkRigidApart(kDeepest),
+  scene->endChecks = {checkFinite,     checkAboveFloor,         checkTower,       checkRigidApart(kMaxDepth),
                       checkCalm(0.02), checkMovablesCalm(0.02), checkShapes(0.05)};
   return scene;
 }

@@ -200,11 +200,11 @@ TEST(PictureLegend, staysInsideASmallPicture) {
 
 TEST(OutputFiles, placesAreCheckedWithoutATrace) {
   const TemporaryFolder folder;
-  EXPECT_EQ(checkPlace(folder.path() + "/new.json"), "");
-  EXPECT_EQ(checkPlace("new.json"), "");
-  EXPECT_EQ(checkPlace(folder.path()), "cannot write " + folder.path() + ": it is a folder");
+  EXPECT_EQ(checkWritable(folder.path() + "/new.json"), "");
+  EXPECT_EQ(checkWritable("new.json"), "");
+  EXPECT_EQ(checkWritable(folder.path()), "cannot write " + folder.path() + ": it is a folder");
   const std::string nowhere = folder.path() + "/none/new.json";
-  EXPECT_EQ(checkPlace(nowhere),
+  EXPECT_EQ(checkWritable(nowhere),
             "cannot write " + nowhere + ": there is no folder " + folder.path() + "/none");
   EXPECT_TRUE(fs::is_empty(folder.path()));
 }
