@@ -105,11 +105,11 @@ TEST(ContactSearch, keepsItsArrays) {
   std::vector<SurfaceContact> found;
   findSurfaceContacts(a.surface(), b.surface(), 0.006, search, found);
   const void* before[] = {search.near.data(),   search.waiting.data(), search.candidates.data(),
-                          search.behind.data(), found.data(),          a.boxes.nodes.data()};
+                          search.penetrating.data(), found.data(),          a.boxes.nodes.data()};
   a.move(Eigen::Affine3d(Eigen::Translation3d(0.001, 0.001, 0)));
   findSurfaceContacts(a.surface(), b.surface(), 0.006, search, found);
   const void* after[] = {search.near.data(),   search.waiting.data(), search.candidates.data(),
-                         search.behind.data(), found.data(),          a.boxes.nodes.data()};
+                         search.penetrating.data(), found.data(),          a.boxes.nodes.data()};
   EXPECT_TRUE(std::equal(before, before + 6, after));
   EXPECT_FALSE(found.empty());
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// Contacts of single features: vertices on triangles, vertices that have come inside, and edges and vertices
-// where surfaces touch at edges and corners.
+// Contacts of single features: vertices with triangles, vertices inside a surface, and edges and vertices
+// with each other.
 #include "collide/feature_contacts.h"
 
 #include "solver/closest_points.h"
@@ -14,57 +14,59 @@ namespace {
 
 using Eigen::Vector3d;
 
-// --- when features meet ------------------------------------------------------------------------------------
+// --- time of impact ----------------------------------------------------------------------------------------
 
-/// m over the tick: how much the distance of the features along the unit `direction` from b to a can shrink.
+/// Returns an upper bound of the decrease of the distance along the unit `direction` from b to a during the
+/// tick, m.
 template <int N, int M>
 double approachAlong(const Eigen::Vector3d& direction, const MovingFeature<N>& a, const MovingFeature<M>& b) {
   return (direction.transpose() * b.motion).maxCoeff() - (direction.transpose() * a.motion).minCoeff();
 }
 
-/// Steps to a meeting; features that turn past each other need most.
-constexpr int kMaxAdvances = 32;
-/// Share of the margin within which features have met.
-constexpr double kMetShare = 0.01;
-/// Later than the tick.
+/// Limit of iterations; features that rotate past each other need most of them.
+constexpr int kMaxIterations = 32;
+/// Fraction of the margin: features with a smaller gap touch.
+constexpr double kTouchTolerance = 0.01;
+/// The time of an impact that does not happen during the tick.
 constexpr double kNever = std::numeric_limits<double>::infinity();
 
-/// When the features come within `radiusSum` (m) of each other: conservative advancement (Mirtich 1996), each
-/// step along the direction between the nearest places, which bounds the approach of all others. A direct
-/// hit takes one step.
-/// @returns where they meet; or, if they do not within the tick but start within `margin` more, where they
-/// are nearest at its start; else a time of kNever.
+/// Finds when the features come within `radiusSum` (m) of each other, by conservative advancement (Mirtich
+/// 1996). Each step uses the direction between the nearest points, along which no two points of the features
+/// are nearer. A head-on impact takes one step.
+/// @returns the nearest points at the time of impact. Without an impact: the nearest points at the start of
+/// the tick if the gap is at most `margin` (m) then, else a time of kNever.
 template <int N, int M>
 NearestPoints<N, M> findFeatureContact(const MovingFeature<N>& a, const MovingFeature<M>& b, double radiusSum,
                                        double margin) {
   const NearestPoints<N, M> start = nearestPoints(a, b, 0.0);
-  NearestPoints<N, M> places = start;
-  for (int i = 0; i < kMaxAdvances; ++i) {
-    const double gap = places.distance - radiusSum;
-    if (gap <= kMetShare * margin) return places;
-    const double approach = approachAlong(places.away / places.distance, a, b);
-    const double time = approach > 0.0 ? places.time + gap / approach : kNever;
+  NearestPoints<N, M> nearest = start;  // at the present time
+  for (int i = 0; i < kMaxIterations; ++i) {
+    const double gap = nearest.distance - radiusSum;
+    if (gap <= kTouchTolerance * margin) return nearest;
+    const double approach = approachAlong(nearest.offset / nearest.distance, a, b);
+    const double time = approach > 0.0 ? nearest.time + gap / approach : kNever;
     if (time > 1.0) break;
-    places = nearestPoints(a, b, time);
+    nearest = nearestPoints(a, b, time);
   }
-  places = start;
-  if (start.distance - radiusSum > margin) places.time = kNever;
-  return places;
+  nearest = start;
+  if (start.distance - radiusSum > margin) nearest.time = kNever;
+  return nearest;
 }
 
 // --- normal cones ------------------------------------------------------------------------------------------
 
-// Two surfaces are locally nearest to each other where the direction between them is in the normal cones of
-// both, at the given time of the tick. `outward` is a unit vector away from the surface.
+// Two points are locally the nearest of two surfaces if the direction between them is in the normal cones of
+// both surfaces, at the given time of the tick. `outward` is a unit vector away from the surface.
 
-/// About rad: an edge that is folded by less is flat.
+/// About rad: an edge with a smaller fold angle is flat.
 constexpr double kFlatFold = 0.02;
-/// Sine beyond a vertex's cone that rounding, and a body's slight sag, may come to.
+/// Sine: tolerance of a vertex's cone for rounding and for slight deformation of a body.
 constexpr double kConeTolerance = 0.01;
-/// Cosine from which a triangle shows its outside: those beside a flat face do not.
+/// Cosine between `outward` and the normal above which a triangle faces outward. Triangles perpendicular to a
+/// flat face do not.
 constexpr double kFacing = 0.02;
 
-/// Unit, from the edge into the triangle, perpendicular to the edge.
+/// Returns the unit vector perpendicular to the edge that points into the triangle.
 Vector3d inwardFrom(const MovingSurface& surface, double time, std::uint32_t edge, std::uint32_t triangle) {
   const Edge& ends = surface.topology->edges[edge];
   const Vector3d from = surface.at(ends[0], time), along = (surface.at(ends[1], time) - from).normalized();
@@ -79,8 +81,8 @@ Vector3d normalAt(const MovingSurface& surface, double time, std::uint32_t trian
   return normalOf<3>(featureOf<3>(surface, surface.topology->triangles[triangle]).at(time));
 }
 
-/// Whether the edge is a ridge and `outward` is between the normals of its triangles (its Gauss arc). That of
-/// a boundary is half a circle, that of a loose segment a full one (`outward` is perpendicular to it).
+/// Whether the edge is convex and `outward` is between the normals of its triangles (its Gauss arc). The arc
+/// of a boundary edge is half a circle, that of a segment a full one (`outward` is perpendicular to it).
 bool isInNormalCone(const MovingSurface& surface, double time, std::uint32_t edge, const Vector3d& outward,
                     double tolerance) {
   const auto [first, second] = surface.topology->edgeTriangles[edge];
@@ -90,13 +92,13 @@ bool isInNormalCone(const MovingSurface& surface, double time, std::uint32_t edg
   const Vector3d in1 = inwardFrom(surface, time, edge, second);
   const double fold = (in0 + in1).norm();
   if (fold < kFlatFold || outward.dot(in0 + in1) >= 0.0) return false;
-  const double most = std::min(tolerance, 0.25 * fold);
-  if (outward.dot(in0) > most || outward.dot(in1) > most) return false;
+  const double maxSine = std::min(tolerance, 0.25 * fold);
+  if (outward.dot(in0) > maxSine || outward.dot(in1) > maxSine) return false;
   if (!surface.topology->oneSided[first] || !surface.topology->oneSided[second]) return true;
   return outward.dot(normalAt(surface, time, first) + normalAt(surface, time, second)) > 0.0;
 }
 
-/// Whether a triangle around the vertex, if there are any, shows its outside to where `outward` points.
+/// Whether the vertex has no triangles, or the outer side of at least one of them faces `outward`.
 bool facesOutward(const MovingSurface& surface, double time, std::uint32_t vertex, const Vector3d& outward) {
   const SurfaceTopology& t = *surface.topology;
   const std::uint32_t *begin = t.trianglesAround.begin(vertex), *end = t.trianglesAround.end(vertex);
@@ -105,7 +107,7 @@ bool facesOutward(const MovingSurface& surface, double time, std::uint32_t verte
          });
 }
 
-/// Whether all edges around the vertex lead away from `outward`.
+/// Whether no edge around the vertex points to the side of `outward`, and a triangle faces `outward`.
 bool isInVertexCone(const MovingSurface& surface, double time, std::uint32_t vertex,
                     const Vector3d& outward) {
   const SurfaceTopology& t = *surface.topology;
@@ -120,14 +122,15 @@ bool isInVertexCone(const MovingSurface& surface, double time, std::uint32_t ver
 
 // --- vertices and triangles --------------------------------------------------------------------------------
 
-/// Barycentric: a foot this far beside a triangle is in it.
-constexpr double kBeside = 1e-4;
+/// Barycentric: a foot outside the triangle by this much counts as inside.
+constexpr double kFootTolerance = 1e-4;
 
-/// Of a vertex behind a triangle but not beneath it: cosine of the slope at which it may be.
-constexpr double kSteepFoot = 0.5;
+/// For a vertex behind a triangle whose foot is outside it: the least ratio of its depth below the plane to
+/// its distance from the triangle.
+constexpr double kMinSlopeCosine = 0.5;
 
-/// Barycentric coordinates of the foot of `p` in the triangle's plane.
-Vector3d footIn(const MovingFeature<3>::Corners& triangle, const Vector3d& p) {
+/// Returns the barycentric coordinates of the projection of `p` onto the plane of the triangle.
+Vector3d footPoint(const MovingFeature<3>::Corners& triangle, const Vector3d& p) {
   const Vector3d u = triangle.col(1) - triangle.col(0), v = triangle.col(2) - triangle.col(0);
   const Vector3d normal = u.cross(v), to = p - triangle.col(0);
   const double squared = normal.squaredNorm();
@@ -139,8 +142,8 @@ struct VertexTriangle {
   const SurfacePair& pair;
   MovingFeature<1> vertex;
   MovingFeature<3> triangle;
-  PenetratingVertex at;
-  double side = 1.0;  ///< -1: seen from behind
+  PenetratingVertex record;  ///< depth and isFootInside are set only behind a one-sided triangle
+  double side = 1.0;         ///< -1: the vertex is behind a triangle that is not one-sided
 
   Vector3d normal(double time) const { return side * normalOf<3>(triangle.at(time)); }
   double height(double time) const {
@@ -148,64 +151,65 @@ struct VertexTriangle {
   }
 };
 
-/// The candidate of a vertex that the triangle pushes along its unit `normal`.
-void addVertexOnTriangle(const SurfacePair& pair, const PenetratingVertex& at, const Vector3d& normal,
+/// Adds the candidate of a vertex that the triangle pushes along the unit `normal`.
+void addVertexOnTriangle(const SurfacePair& pair, const PenetratingVertex& vertex, const Vector3d& normal,
                          double time, ContactSearch& search) {
-  const SurfaceTopology& t = *(at.ofB ? pair.a : pair.b).topology;
+  const SurfaceTopology& t = *(vertex.ofB ? pair.a : pair.b).topology;
   ContactCandidate candidate;
   SurfaceContact& c = candidate.contact;
-  c.a = atVertex(at.vertex);
-  c.b = onTriangle(t, at.triangle, at.barycentric);
-  if (at.ofB) std::swap(c.a, c.b);
-  c.normal = at.ofB ? Vector3d(-normal) : normal;
+  c.a = atVertex(vertex.vertex);
+  c.b = onTriangle(t, vertex.triangle, vertex.barycentric);
+  if (vertex.ofB) std::swap(c.a, c.b);
+  c.normal = vertex.ofB ? Vector3d(-normal) : normal;
   c.time = time;
-  candidate.rank = at.ofB ? kTriangleVertex : kVertexTriangle;
-  candidate.scale = t.depthLimit[at.triangle];
-  candidate.vertex = contactVertex(pair, at.vertex, at.ofB);
+  candidate.rank = vertex.ofB ? kTriangleVertex : kVertexTriangle;
+  candidate.featureSize = t.depthLimit[vertex.triangle];
+  candidate.vertex = contactVertex(pair, vertex.vertex, vertex.ofB);
   addCandidate(pair, candidate, search);
 }
 
-void addAt(VertexTriangle& meeting, double time, ContactSearch& search) {
-  meeting.at.barycentric = footIn(meeting.triangle.at(time), meeting.vertex.at(time));
-  if (!moveInto(meeting.at.barycentric)) return;
-  const Vector3d normal = meeting.normal(time);
-  const MovingSurface& mine = meeting.at.ofB ? meeting.pair.b : meeting.pair.a;
-  if (!facesOutward(mine, time, meeting.at.vertex, -normal)) return;
-  addVertexOnTriangle(meeting.pair, meeting.at, normal, time, search);
+void addVertexInFront(VertexTriangle& features, double time, ContactSearch& search) {
+  features.record.barycentric = footPoint(features.triangle.at(time), features.vertex.at(time));
+  if (!clampToTriangle(features.record.barycentric)) return;
+  const Vector3d normal = features.normal(time);
+  const MovingSurface& own = features.record.ofB ? features.pair.b : features.pair.a;
+  if (!facesOutward(own, time, features.record.vertex, -normal)) return;
+  addVertexOnTriangle(features.pair, features.record, normal, time, search);
 }
 
-void addBehind(VertexTriangle& meeting, double depth, double limit, ContactSearch& search) {
-  if (meeting.pair.self || depth > limit) return;
-  const MovingFeature<3>::Corners& t = meeting.triangle.start;
-  PenetratingVertex& at = meeting.at;
-  at.barycentric = footIn(t, meeting.vertex.start);
-  at.beneath = moveInto(at.barycentric);
-  if (!at.beneath) at.barycentric = nearestBarycentric({t.col(0), t.col(1), t.col(2)}, meeting.vertex.start);
-  at.depth = (t * at.barycentric - meeting.vertex.start).norm();
-  if (!at.beneath && (at.depth > limit || depth < kSteepFoot * at.depth)) return;
-  search.behind.push_back(at);
+void addPenetrating(VertexTriangle& features, double depth, double limit, ContactSearch& search) {
+  if (features.pair.self || depth > limit) return;
+  const MovingFeature<3>::Corners& t = features.triangle.start;
+  PenetratingVertex& vertex = features.record;
+  vertex.barycentric = footPoint(t, features.vertex.start);
+  vertex.isFootInside = clampToTriangle(vertex.barycentric);
+  if (!vertex.isFootInside)
+    vertex.barycentric = nearestBarycentric({t.col(0), t.col(1), t.col(2)}, features.vertex.start);
+  vertex.depth = (t * vertex.barycentric - features.vertex.start).norm();
+  if (!vertex.isFootInside && (vertex.depth > limit || depth < kMinSlopeCosine * vertex.depth)) return;
+  search.penetrating.push_back(vertex);
 }
 
-/// When a vertex in front of the triangle's plane comes within reach of it, by conservative advancement as in
-/// findFeatureContact(); kNever if it does not, or not within the tick.
-double timeOfLanding(const VertexTriangle& meeting, double height) {
-  const double radiusSum = meeting.pair.radiusSum(), met = kMetShare * meeting.pair.margin;
+/// Returns when a vertex in front of the triangle's plane comes within the radius sum of it, by conservative
+/// advancement as in findFeatureContact(); kNever if it does not within the tick.
+double timeOfImpact(const VertexTriangle& features, double height) {
+  const double radiusSum = features.pair.radiusSum(), tolerance = kTouchTolerance * features.pair.margin;
   double time = 0.0;
-  Vector3d normal = meeting.normal(0.0);
-  for (int i = 0; i < kMaxAdvances && height - radiusSum > met; ++i) {
-    const double approach = approachAlong(normal, meeting.vertex, meeting.triangle);
+  Vector3d normal = features.normal(0.0);
+  for (int i = 0; i < kMaxIterations && height - radiusSum > tolerance; ++i) {
+    const double approach = approachAlong(normal, features.vertex, features.triangle);
     if (approach <= 0.0 || time + (height - radiusSum) / approach > 1.0) return kNever;
     time += (height - radiusSum) / approach;
-    normal = meeting.normal(time);
-    height = meeting.height(time);
+    normal = features.normal(time);
+    height = features.height(time);
   }
-  return height - radiusSum > met ? kNever : time;
+  return height - radiusSum > tolerance ? kNever : time;
 }
 
 }  // namespace
 
-bool moveInto(Vector3d& barycentric) {
-  if (!(barycentric.minCoeff() >= -kBeside)) return false;
+bool clampToTriangle(Vector3d& barycentric) {
+  if (!(barycentric.minCoeff() >= -kFootTolerance)) return false;
   barycentric = barycentric.cwiseMax(0.0);
   barycentric /= barycentric.sum();
   return true;
@@ -213,132 +217,139 @@ bool moveInto(Vector3d& barycentric) {
 
 void collideVertexTriangle(const SurfacePair& pair, bool ofB, std::uint32_t v, std::uint32_t triangle,
                            ContactSearch& search) {
-  const MovingSurface &mine = ofB ? pair.b : pair.a, &other = ofB ? pair.a : pair.b;
-  VertexTriangle meeting{pair,
-                         featureOf<1>(mine, std::array<std::uint32_t, 1>{v}),
-                         featureOf<3>(other, other.topology->triangles[triangle]),
-                         {},
-                         1.0};
-  meeting.at.ofB = ofB;
-  meeting.at.vertex = v;
-  meeting.at.triangle = triangle;
-  Vector3d normal = meeting.normal(0.0);
+  const MovingSurface &own = ofB ? pair.b : pair.a, &other = ofB ? pair.a : pair.b;
+  VertexTriangle features{pair,
+                          featureOf<1>(own, std::array<std::uint32_t, 1>{v}),
+                          featureOf<3>(other, other.topology->triangles[triangle]),
+                          {},
+                          1.0};
+  features.record.ofB = ofB;
+  features.record.vertex = v;
+  features.record.triangle = triangle;
+  Vector3d normal = features.normal(0.0);
   if (normal.squaredNorm() == 0.0) return;
-  double height = normal.dot(meeting.vertex.start - meeting.triangle.start.col(0));
+  double height = normal.dot(features.vertex.start - features.triangle.start.col(0));
   if (height < 0.0) {
     if (other.topology->oneSided[triangle])
-      return addBehind(meeting, -height, other.topology->depthLimit[triangle], search);
-    meeting.side = -1.0;
+      return addPenetrating(features, -height, other.topology->depthLimit[triangle], search);
+    features.side = -1.0;
     normal = -normal;
     height = -height;
   }
   const double gap = height - pair.radiusSum();
-  if (gap > pair.margin && approachAlong(normal, meeting.vertex, meeting.triangle) < gap) return;
-  const double time = gap > 0.0 ? timeOfLanding(meeting, height) : 0.0;
+  if (gap > pair.margin && approachAlong(normal, features.vertex, features.triangle) < gap) return;
+  const double time = gap > 0.0 ? timeOfImpact(features, height) : 0.0;
   if (time != kNever)
-    addAt(meeting, time, search);
+    addVertexInFront(features, time, search);
   else if (gap <= pair.margin)
-    addAt(meeting, 0.0, search);
+    addVertexInFront(features, 0.0, search);
 }
 
 // --- vertices inside ---------------------------------------------------------------------------------------
 
 namespace {
 
-using Behind = std::vector<PenetratingVertex>::const_iterator;
+using PenetratingIterator = std::vector<PenetratingVertex>::const_iterator;
 
 Vector3d normalAt(const MovingSurface& surface, std::uint32_t triangle) {
   return normalOf<3>(featureOf<3>(surface, surface.topology->triangles[triangle]).start);
 }
 
-/// What is nearest to a vertex inside is something it is behind of. One triangle is as near as `depth`.
-bool isBehindNearest(const MovingSurface& surface, const Vector3d& position, double depth) {
+/// Whether the position is inside the surface: behind its nearest point. A triangle is at the distance
+/// `depth` (m).
+bool isInsideAt(const MovingSurface& surface, const Vector3d& position, double depth) {
   constexpr double kSlightlyMore = 1.001;
   return nearestOnSurface(surface, position, kSlightlyMore * depth).behind;
 }
 
-/// `begin` to `end` are one vertex, the nearest triangle first.
-void addInside(const SurfacePair& pair, Behind begin, Behind end, ContactSearch& search) {
-  const MovingSurface &mine = begin->ofB ? pair.b : pair.a, &other = begin->ofB ? pair.a : pair.b;
+/// Adds a candidate if the vertex is inside. `begin` to `end` are entries of one vertex, in the order of
+/// addInsideVertices().
+void addInside(const SurfacePair& pair, PenetratingIterator begin, PenetratingIterator end,
+               ContactSearch& search) {
+  const MovingSurface &own = begin->ofB ? pair.b : pair.a, &other = begin->ofB ? pair.a : pair.b;
   const auto less = [](const PenetratingVertex& x, const PenetratingVertex& y) { return x.depth < y.depth; };
   const double depth = std::min_element(begin, end, less)->depth;
-  if (!isBehindNearest(other, mine.position->col(begin->vertex), depth)) return;
-  const auto facing = std::find_if(begin, end, [&](const PenetratingVertex& at) {
-    return facesOutward(mine, 0.0, at.vertex, -normalAt(other, at.triangle));
+  if (!isInsideAt(other, own.position->col(begin->vertex), depth)) return;
+  const auto facing = std::find_if(begin, end, [&](const PenetratingVertex& vertex) {
+    return facesOutward(own, 0.0, vertex.vertex, -normalAt(other, vertex.triangle));
   });
-  const PenetratingVertex& at = facing != end ? *facing : *begin;
-  addVertexOnTriangle(pair, at, normalAt(other, at.triangle), 0.0, search);
+  const PenetratingVertex& vertex = facing != end ? *facing : *begin;
+  addVertexOnTriangle(pair, vertex, normalAt(other, vertex.triangle), 0.0, search);
 }
 
 }  // namespace
 
 void addInsideVertices(const SurfacePair& pair, ContactSearch& search) {
-  const auto order = [](const PenetratingVertex& at) {
-    return std::make_tuple(at.ofB, at.vertex, !at.beneath, at.depth, at.triangle);
+  const auto order = [](const PenetratingVertex& vertex) {
+    return std::make_tuple(vertex.ofB, vertex.vertex, !vertex.isFootInside, vertex.depth, vertex.triangle);
   };
-  std::sort(search.behind.begin(), search.behind.end(),
+  std::sort(search.penetrating.begin(), search.penetrating.end(),
             [&](const PenetratingVertex& x, const PenetratingVertex& y) { return order(x) < order(y); });
-  for (Behind begin = search.behind.begin(), end = begin; begin != search.behind.end(); begin = end) {
-    while (end != search.behind.end() && end->ofB == begin->ofB && end->vertex == begin->vertex) ++end;
+  for (PenetratingIterator begin = search.penetrating.begin(), end = begin; begin != search.penetrating.end();
+       begin = end) {
+    while (end != search.penetrating.end() && end->ofB == begin->ofB && end->vertex == begin->vertex) ++end;
     addInside(pair, begin, end, search);
   }
 }
 
-// --- edges and corners -------------------------------------------------------------------------------------
+// --- edges and vertices ------------------------------------------------------------------------------------
 
 namespace {
 
-/// Sines beyond normal cones. Where edges cross, the normal is theirs, so that a cone may be generous.
+/// Sines: tolerances of normal cones. That of crossing edges may be large because the contact normal is
+/// computed from the edges, not from the cone.
 constexpr double kVertexTolerance = 0.01, kCrossingTolerance = 0.1;
 
-/// Unit, from b to a; where they coincide, against their relative motion.
+/// Returns the unit vector from b to a, or, if the points coincide, the direction of the motion of b relative
+/// to a.
 template <int N, int M>
-Vector3d directionBetween(const NearestPoints<N, M>& places, const MovingFeature<N>& a,
+Vector3d directionBetween(const NearestPoints<N, M>& nearest, const MovingFeature<N>& a,
                           const MovingFeature<M>& b) {
   constexpr double kCoincident = 1e-12;
-  if (places.distance > kCoincident) return places.away / places.distance;
-  const Vector3d motion = b.motion * places.b - a.motion * places.a;
+  if (nearest.distance > kCoincident) return nearest.offset / nearest.distance;
+  const Vector3d motion = b.motion * nearest.b - a.motion * nearest.a;
   return motion.squaredNorm() > 0.0 ? motion.normalized() : Vector3d::UnitY();
 }
 
-/// A vertex that comes near a place on another surface.
-struct Arrival {
+/// A vertex that approaches a point on another surface.
+struct ApproachingVertex {
   std::uint32_t vertex;
-  Vector3d outward;  ///< unit, from the vertex to the place
-  Vector3d motion;   ///< m over the tick, of the vertex relative to the place
-  double time, gap;  ///< when they are nearest, and the gap then
+  Vector3d outward;  ///< unit, from the vertex to the point
+  Vector3d motion;   ///< m during the tick, of the vertex relative to the point
+  double time, gap;  ///< time of impact (fraction of the tick), and the gap (m) then
 };
 
-/// Whether the vertex touches a round surface as it would a face: it has neighbours within the radius, so
-/// that faces between them do not keep the round away, and it does not just pass along it.
-bool meetsRound(const SurfacePair& pair, const MovingSurface& mine, const MovingSurface& other,
-                const Arrival& at) {
-  constexpr double kTouchingShare = 0.1;  // share of the margin
+/// Whether the vertex touches a round surface as it would touch a face. Its edges are at most as long as the
+/// radius: between longer ones faces keep the round surface away. And it does not slide along the surface.
+bool touchesRound(const SurfacePair& pair, const MovingSurface& own, const MovingSurface& other,
+                  const ApproachingVertex& vertex) {
+  constexpr double kTouchingShare = 0.1;  // fraction of the margin
   constexpr double kHeadOn = 0.5;         // cosine
-  if (!isRound(other, mine)) return false;
-  const SurfaceTopology& t = *mine.topology;
+  if (!isRound(other, own)) return false;
+  const SurfaceTopology& t = *own.topology;
   const auto isLong = [&](std::uint32_t e) {
-    return (mine.position->col(t.edges[e][0]) - mine.position->col(t.edges[e][1])).norm() > other.radius;
+    return (own.position->col(t.edges[e][0]) - own.position->col(t.edges[e][1])).norm() > other.radius;
   };
-  if (std::any_of(t.edgesAround.begin(at.vertex), t.edgesAround.end(at.vertex), isLong)) return false;
-  const bool touches = at.time == 0.0 && at.gap <= kTouchingShare * pair.margin;
-  return (touches || at.outward.dot(at.motion) >= kHeadOn * at.motion.norm()) &&
-         facesOutward(mine, at.time, at.vertex, at.outward);
+  if (std::any_of(t.edgesAround.begin(vertex.vertex), t.edgesAround.end(vertex.vertex), isLong)) return false;
+  const bool touches = vertex.time == 0.0 && vertex.gap <= kTouchingShare * pair.margin;
+  return (touches || vertex.outward.dot(vertex.motion) >= kHeadOn * vertex.motion.norm()) &&
+         facesOutward(own, vertex.time, vertex.vertex, vertex.outward);
 }
 
-bool vertexTouches(const SurfacePair& pair, bool ofB, const Arrival& at) {
-  const MovingSurface &mine = ofB ? pair.b : pair.a, &other = ofB ? pair.a : pair.b;
-  if (pair.self && mine.topology->triangles.empty())
-    return true;  // a fold is nearest to itself where it bends
-  return isInVertexCone(mine, at.time, at.vertex, at.outward) || meetsRound(pair, mine, other, at);
+bool vertexTouches(const SurfacePair& pair, bool ofB, const ApproachingVertex& vertex) {
+  const MovingSurface &own = ofB ? pair.b : pair.a, &other = ofB ? pair.a : pair.b;
+  if (pair.self && own.topology->triangles.empty())
+    return true;  // a folded surface is nearest to itself at its bend
+  return isInVertexCone(own, vertex.time, vertex.vertex, vertex.outward) ||
+         touchesRound(pair, own, other, vertex);
 }
 
-Vector3d alongOf(const MovingFeature<2>& edge, double time) {
+Vector3d edgeVector(const MovingFeature<2>& edge, double time) {
   const auto ends = edge.at(time);
   return ends.col(1) - ends.col(0);
 }
 
-/// The contacts of parallel edges are those of their ends.
+/// Whether the edges are parallel: then only their end points are in contact.
 bool areParallel(const Vector3d& a, const Vector3d& b) {
   constexpr double kSine = 0.01;
   return a.cross(b).squaredNorm() <= kSine * kSine * a.squaredNorm() * b.squaredNorm();
@@ -351,48 +362,50 @@ double depthLimit(const SurfaceTopology& t, std::uint32_t edge) {
   return limit;
 }
 
-/// Of a place that is `depth` behind an edge, and so, straight below one, on a surface beside it.
-bool isInside(const MovingSurface& surface, const Vector3d& place, double depth) {
+/// Whether a point at the distance `depth` (m) behind an edge is inside the surface or on it. Perpendicular
+/// to a face the point is on the face beside the edge.
+bool isInside(const MovingSurface& surface, const Vector3d& point, double depth) {
   constexpr double kSlightlyMore = 1.001;
-  const NearestOnSurface nearest = nearestOnSurface(surface, place, kSlightlyMore * depth);
+  const NearestOnSurface nearest = nearestOnSurface(surface, point, kSlightlyMore * depth);
   if (nearest.triangle == kNoFeature || !surface.topology->oneSided[nearest.triangle]) return false;
   return nearest.behind || nearest.distance <= kCrossingTolerance * depth;
 }
 
-/// Whether the edge is one of a sheet, which has no inside: whatever it does not cross is in front of it.
-bool isOfSheet(const SurfaceTopology& t, std::uint32_t edge) {
+/// Whether the edge belongs to a sheet. A sheet has no inside, so that both its sides count as front.
+bool isSheetEdge(const SurfaceTopology& t, std::uint32_t edge) {
   const auto [first, second] = t.edgeTriangles[edge];
   const auto hasInside = [&](std::uint32_t i) { return i != kNoFeature && t.oneSided[i]; };
   return !hasInside(first) && !hasInside(second);
 }
 
-/// Whether the crossing edges, of which `normal` is the direction from b to a, are apart from each other
-/// where they may touch. Two ridges may.
+/// Whether the crossing edges can touch from outside. `normal` is the direction from b to a. They can if both
+/// are convex, or if one is convex and the other is any edge of a sheet.
 ///
-/// So may a ridge and any fold of a sheet. A sheet that a ridge pushes back at one of its folds bends there,
-/// so that the next fold becomes what is nearest, within the tick: if only ridges counted, the two would fall
-/// and be pushed back in turn. Folds are no nearer than the ridges beside them, and bear nothing until they
-/// must. Nor are flat ones left out where a triangle beside the ridge bears the sheet: that is how one comes
-/// to rest there.
-bool areApart(const SurfacePair& pair, std::uint32_t ea, std::uint32_t eb, double time,
-              const Vector3d& normal) {
-  const bool isRidgeOfA = isInNormalCone(pair.a, time, ea, -normal, kCrossingTolerance);
-  const bool isRidgeOfB = isInNormalCone(pair.b, time, eb, normal, kCrossingTolerance);
-  return isRidgeOfA ? isRidgeOfB || isOfSheet(*pair.b.topology, eb)
-                    : isRidgeOfB && isOfSheet(*pair.a.topology, ea);
+/// Reason for the second case: if a convex edge pushes a sheet back at one edge, the sheet bends there, so
+/// that the next edge of the sheet becomes the nearest one during the same tick. If only convex edges of the
+/// sheet counted, the two edges would fall and be pushed back in turn. Other edges of the sheet are not
+/// nearer than the convex ones beside them, and have no impulse until they touch. Flat edges count too where
+/// a triangle beside the convex edge supports the sheet: otherwise the sheet would not come to rest there.
+bool areInFront(const SurfacePair& pair, std::uint32_t ea, std::uint32_t eb, double time,
+                const Vector3d& normal) {
+  const bool isConvexA = isInNormalCone(pair.a, time, ea, -normal, kCrossingTolerance);
+  const bool isConvexB = isInNormalCone(pair.b, time, eb, normal, kCrossingTolerance);
+  return isConvexA ? isConvexB || isSheetEdge(*pair.b.topology, eb)
+                   : isConvexB && isSheetEdge(*pair.a.topology, ea);
 }
 
 /// Whether the crossing edges have passed through each other.
-bool havePassed(const SurfacePair& pair, std::uint32_t ea, std::uint32_t eb,
-                const NearestPoints<2, 2>& places, const Vector3d& normal) {
-  if (pair.self || places.time > 0.0) return false;
-  if (places.distance > std::min(depthLimit(*pair.a.topology, ea), depthLimit(*pair.b.topology, eb)))
+bool havePassedThrough(const SurfacePair& pair, std::uint32_t ea, std::uint32_t eb,
+                       const NearestPoints<2, 2>& nearest, const Vector3d& normal) {
+  if (pair.self || nearest.time > 0.0) return false;
+  if (nearest.distance > std::min(depthLimit(*pair.a.topology, ea), depthLimit(*pair.b.topology, eb)))
     return false;
   if (!isInNormalCone(pair.a, 0.0, ea, normal, kCrossingTolerance)) return false;
   if (!isInNormalCone(pair.b, 0.0, eb, -normal, kCrossingTolerance)) return false;
-  return isInside(pair.b, featureOf<2>(pair.a, pair.a.topology->edges[ea]).start * places.a,
-                  places.distance) ||
-         isInside(pair.a, featureOf<2>(pair.b, pair.b.topology->edges[eb]).start * places.b, places.distance);
+  return isInside(pair.b, featureOf<2>(pair.a, pair.a.topology->edges[ea]).start * nearest.a,
+                  nearest.distance) ||
+         isInside(pair.a, featureOf<2>(pair.b, pair.b.topology->edges[eb]).start * nearest.b,
+                  nearest.distance);
 }
 
 }  // namespace
@@ -400,21 +413,21 @@ bool havePassed(const SurfacePair& pair, std::uint32_t ea, std::uint32_t eb,
 void collideVertices(const SurfacePair& pair, std::uint32_t va, std::uint32_t vb, ContactSearch& search) {
   const auto a = featureOf<1>(pair.a, std::array<std::uint32_t, 1>{va});
   const auto b = featureOf<1>(pair.b, std::array<std::uint32_t, 1>{vb});
-  const auto places = findFeatureContact(a, b, pair.radiusSum(), pair.margin);
-  if (places.time == kNever) return;
+  const auto nearest = findFeatureContact(a, b, pair.radiusSum(), pair.margin);
+  if (nearest.time == kNever) return;
   ContactCandidate candidate;
   SurfaceContact& c = candidate.contact;
-  c.normal = directionBetween(places, a, b);
-  c.time = places.time;
+  c.normal = directionBetween(nearest, a, b);
+  c.time = nearest.time;
   const Vector3d motion = a.motion - b.motion;
-  const double gap = places.distance - pair.radiusSum();
+  const double gap = nearest.distance - pair.radiusSum();
   if (!vertexTouches(pair, false, {va, -c.normal, motion, c.time, gap})) return;
   if (!vertexTouches(pair, true, {vb, c.normal, -motion, c.time, gap})) return;
   c.a = atVertex(va);
   c.b = atVertex(vb);
   candidate.rank = kVertexVertex;
-  candidate.scale = pair.radiusSum();
-  // each of many vertices around a ball has a contact; the nearest one is the ball's
+  candidate.featureSize = pair.radiusSum();
+  // vertices near a ball have one contact each; the contact of the ball's own vertex is the nearest one
   candidate.vertex = kNoVertex;
   if (isRound(pair.a, pair.b) && !isInVertexCone(pair.b, c.time, vb, c.normal))
     candidate.vertex = contactVertex(pair, vb, true);
@@ -425,25 +438,25 @@ void collideVertices(const SurfacePair& pair, std::uint32_t va, std::uint32_t vb
 
 void collideVertexEdge(const SurfacePair& pair, bool ofB, std::uint32_t v, std::uint32_t edge,
                        ContactSearch& search) {
-  const MovingSurface &mine = ofB ? pair.b : pair.a, &other = ofB ? pair.a : pair.b;
-  const auto vertex = featureOf<1>(mine, std::array<std::uint32_t, 1>{v});
+  const MovingSurface &own = ofB ? pair.b : pair.a, &other = ofB ? pair.a : pair.b;
+  const auto vertex = featureOf<1>(own, std::array<std::uint32_t, 1>{v});
   const auto segment = featureOf<2>(other, other.topology->edges[edge]);
-  const auto places = findFeatureContact(vertex, segment, pair.radiusSum(), pair.margin);
-  if (places.time == kNever || places.b.minCoeff() <= 0.0) return;
-  const Vector3d outward = directionBetween(places, vertex, segment);
-  if (!isInNormalCone(other, places.time, edge, outward, kVertexTolerance)) return;
-  const Vector3d motion = vertex.motion - segment.motion * places.b;
-  const double gap = places.distance - pair.radiusSum();
-  if (!vertexTouches(pair, ofB, {v, -outward, motion, places.time, gap})) return;
+  const auto nearest = findFeatureContact(vertex, segment, pair.radiusSum(), pair.margin);
+  if (nearest.time == kNever || nearest.b.minCoeff() <= 0.0) return;
+  const Vector3d outward = directionBetween(nearest, vertex, segment);
+  if (!isInNormalCone(other, nearest.time, edge, outward, kVertexTolerance)) return;
+  const Vector3d motion = vertex.motion - segment.motion * nearest.b;
+  const double gap = nearest.distance - pair.radiusSum();
+  if (!vertexTouches(pair, ofB, {v, -outward, motion, nearest.time, gap})) return;
   ContactCandidate candidate;
   SurfaceContact& c = candidate.contact;
   c.a = atVertex(v);
-  c.b = onEdge(*other.topology, edge, places.b);
+  c.b = onEdge(*other.topology, edge, nearest.b);
   if (ofB) std::swap(c.a, c.b);
   c.normal = ofB ? Vector3d(-outward) : outward;
-  c.time = places.time;
+  c.time = nearest.time;
   candidate.rank = ofB ? kEdgeVertex : kVertexEdge;
-  candidate.scale = (segment.start.col(1) - segment.start.col(0)).norm();
+  candidate.featureSize = (segment.start.col(1) - segment.start.col(0)).norm();
   candidate.vertex = contactVertex(pair, v, ofB);
   addCandidate(pair, candidate, search);
 }
@@ -451,23 +464,23 @@ void collideVertexEdge(const SurfacePair& pair, bool ofB, std::uint32_t v, std::
 void collideEdges(const SurfacePair& pair, std::uint32_t ea, std::uint32_t eb, ContactSearch& search) {
   const auto a = featureOf<2>(pair.a, pair.a.topology->edges[ea]);
   const auto b = featureOf<2>(pair.b, pair.b.topology->edges[eb]);
-  if (areParallel(alongOf(a, 0.0), alongOf(b, 0.0))) return;
-  const auto places = findFeatureContact(a, b, pair.radiusSum(), pair.margin);
-  if (places.time == kNever || places.a.minCoeff() <= 0.0 || places.b.minCoeff() <= 0.0) return;
-  const Vector3d alongA = alongOf(a, places.time), alongB = alongOf(b, places.time);
+  if (areParallel(edgeVector(a, 0.0), edgeVector(b, 0.0))) return;
+  const auto nearest = findFeatureContact(a, b, pair.radiusSum(), pair.margin);
+  if (nearest.time == kNever || nearest.a.minCoeff() <= 0.0 || nearest.b.minCoeff() <= 0.0) return;
+  const Vector3d alongA = edgeVector(a, nearest.time), alongB = edgeVector(b, nearest.time);
   if (areParallel(alongA, alongB)) return;
   Vector3d normal = alongA.cross(alongB).normalized();
-  if (normal.dot(directionBetween(places, a, b)) < 0.0) normal = -normal;
-  const bool apart = areApart(pair, ea, eb, places.time, normal);
-  if (!apart && !havePassed(pair, ea, eb, places, normal)) return;
+  if (normal.dot(directionBetween(nearest, a, b)) < 0.0) normal = -normal;
+  const bool apart = areInFront(pair, ea, eb, nearest.time, normal);
+  if (!apart && !havePassedThrough(pair, ea, eb, nearest, normal)) return;
   ContactCandidate candidate;
   SurfaceContact& c = candidate.contact;
-  c.a = onEdge(*pair.a.topology, ea, places.a);
-  c.b = onEdge(*pair.b.topology, eb, places.b);
+  c.a = onEdge(*pair.a.topology, ea, nearest.a);
+  c.b = onEdge(*pair.b.topology, eb, nearest.b);
   c.normal = apart ? normal : Vector3d(-normal);
-  c.time = places.time;
+  c.time = nearest.time;
   candidate.rank = kEdgeEdge;
-  candidate.scale = std::min(alongA.norm(), alongB.norm());
+  candidate.featureSize = std::min(alongA.norm(), alongB.norm());
   candidate.vertex = kNoVertex;
   addCandidate(pair, candidate, search);
 }

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
-// What two surfaces' vertices, edges and triangles that are near each other have to do with each other: the
-// candidates that surface_contacts.cpp reduces to contacts.
+// Tests pairs of vertices, edges and triangles of two surfaces for contact. The results are candidates, which
+// surface_contacts.cpp reduces to contacts.
 
 #include "collide/surface_contacts.h"
 #include "solver/closest_points.h"
@@ -11,17 +11,17 @@ namespace limber {
 
 // --- candidates --------------------------------------------------------------------------------------------
 
-/// Two surfaces whose contacts are looked for.
+/// Two surfaces that are tested for contact.
 struct SurfacePair {
   const MovingSurface &a, &b;
-  double margin;   ///< m
-  bool self;       ///< both are the same
-  double farther;  ///< m, by which the margin is larger than the one that tells what is close at rest
+  double margin;       ///< m, contacts have at most this gap or close it during the tick
+  bool self;           ///< a and b are the same surface
+  double extraMargin;  ///< m, part of `margin` that does not count in the test for closeness at rest
 
   double radiusSum() const { return a.radius + b.radius; }
 };
 
-/// Of what touches: on a, then on b. Contacts of a lower rank are kept before those of a higher one.
+/// The kinds of the two features: on a, then on b. Of equivalent contacts the one of lowest rank is kept.
 enum ContactRank : std::uint8_t {
   kVertexTriangle,
   kTriangleVertex,
@@ -31,92 +31,93 @@ enum ContactRank : std::uint8_t {
   kVertexVertex
 };
 
-/// Much thicker than the other and without triangles: a ball or a capsule.
+/// Whether `surface` has no triangles and is much thicker than the other, as a ball or a capsule.
 bool isRound(const MovingSurface& surface, const MovingSurface& other);
 
 SurfacePoint atVertex(std::uint32_t v);
 SurfacePoint onEdge(const SurfaceTopology& t, std::uint32_t edge, const Eigen::Vector2d& weights);
 SurfacePoint onTriangle(const SurfaceTopology& t, std::uint32_t triangle, const Eigen::Vector3d& weights);
 
-/// ContactCandidate::vertex
+/// Returns ContactCandidate::vertex for vertex `v` of a, or of b.
 std::uint64_t contactVertex(const SurfacePair& pair, std::uint32_t v, bool ofB);
 
-/// Completes a candidate that has places, normal, time, rank, scale and vertex; leaves it out if a surface
-/// touches itself where it always does.
+/// Computes gap, key and point of a candidate and adds it to `search`. Its other members must be set. A
+/// contact of a surface with itself is left out if the features share a vertex or are close at rest.
 void addCandidate(const SurfacePair& pair, ContactCandidate& candidate, ContactSearch& search);
 
-// --- nearest places on two features ------------------------------------------------------------------------
+// --- nearest points of two features ------------------------------------------------------------------------
 
-/// Nearest places on two features at one time.
+/// The nearest points of two features at one time.
 template <int N, int M>
 struct NearestPoints {
   Eigen::Matrix<double, N, 1> a;  ///< weights of the corners
   Eigen::Matrix<double, M, 1> b;
-  Eigen::Vector3d away = Eigen::Vector3d::Zero();  ///< m, from b to a
-  double distance = 0.0;                           ///< m
-  double time = 0.0;                               ///< share of the tick
+  Eigen::Vector3d offset = Eigen::Vector3d::Zero();  ///< m, from b to a
+  double distance = 0.0;                             ///< m
+  double time = 0.0;                                 ///< as a fraction of the tick
 };
 
 inline void nearestWeights(const MovingFeature<1>::Corners&, const MovingFeature<1>::Corners&,
-                           NearestPoints<1, 1>& places) {
-  places.a[0] = places.b[0] = 1.0;
+                           NearestPoints<1, 1>& nearest) {
+  nearest.a[0] = nearest.b[0] = 1.0;
 }
 
 inline void nearestWeights(const MovingFeature<1>::Corners& a, const MovingFeature<2>::Corners& b,
-                           NearestPoints<1, 2>& places) {
+                           NearestPoints<1, 2>& nearest) {
   const double along = nearestOnSegment(b.col(0), b.col(1), a.col(0));
-  places.a[0] = 1.0;
-  places.b << 1.0 - along, along;
+  nearest.a[0] = 1.0;
+  nearest.b << 1.0 - along, along;
 }
 
 inline void nearestWeights(const MovingFeature<2>::Corners& a, const MovingFeature<2>::Corners& b,
-                           NearestPoints<2, 2>& places) {
+                           NearestPoints<2, 2>& nearest) {
   const SegmentPair along = nearestOnSegments(a.col(0), a.col(1), b.col(0), b.col(1));
-  places.a << 1.0 - along.a, along.a;
-  places.b << 1.0 - along.b, along.b;
+  nearest.a << 1.0 - along.a, along.a;
+  nearest.b << 1.0 - along.b, along.b;
 }
 
 template <int N, int M>
 NearestPoints<N, M> nearestPoints(const MovingFeature<N>& a, const MovingFeature<M>& b, double time) {
   const auto atA = a.at(time);
   const auto atB = b.at(time);
-  NearestPoints<N, M> places;
-  nearestWeights(atA, atB, places);
-  places.away = atA * places.a - atB * places.b;
-  places.distance = places.away.norm();
-  places.time = time;
-  return places;
+  NearestPoints<N, M> nearest;
+  nearestWeights(atA, atB, nearest);
+  nearest.offset = atA * nearest.a - atB * nearest.b;
+  nearest.distance = nearest.offset.norm();
+  nearest.time = time;
+  return nearest;
 }
 
 // --- triangles ---------------------------------------------------------------------------------------------
 
-/// A vertex of a and a triangle of b, or (`ofB`) a vertex of b and a triangle of a. In front of it: a
-/// candidate where it is above the triangle, now or when it lands. Behind one that is one-sided: goes to
-/// `search.behind`.
+/// Tests a vertex of a with a triangle of b, or (`ofB`) a vertex of b with a triangle of a. A vertex in front
+/// becomes a candidate if its foot is in the triangle, now or at the time of impact. A vertex behind a
+/// one-sided triangle is added to `search.penetrating`.
 void collideVertexTriangle(const SurfacePair& pair, bool ofB, std::uint32_t v, std::uint32_t triangle,
                            ContactSearch& search);
 
-/// Finds out which vertices of `search.behind` are inside the other surface, and adds a contact for each:
-/// with the nearest triangle that the vertex faces.
+/// Adds a candidate for each vertex of `search.penetrating` that is inside the other surface: with the
+/// nearest triangle that the vertex faces. Sorts `search.penetrating`.
 void addInsideVertices(const SurfacePair& pair, ContactSearch& search);
 
-/// Moves a foot that is slightly beside its triangle into it.
-bool moveInto(Eigen::Vector3d& barycentric);
+/// Moves a foot that is outside its triangle by rounding onto the triangle. Returns false, and changes
+/// nothing, if it is farther outside.
+bool clampToTriangle(Eigen::Vector3d& barycentric);
 
-// --- edges and corners -------------------------------------------------------------------------------------
+// --- edges and vertices ------------------------------------------------------------------------------------
 
-// Features of a and b that touch at edges and corners: a candidate is added where they are locally nearest,
-// now or when they meet.
+// Each function tests one pair of features. It adds a candidate if the surfaces are locally nearest to each
+// other at the nearest points of the features, now or at the time of impact.
 
-/// Vertices of a and b.
+/// Tests a vertex of a with a vertex of b.
 void collideVertices(const SurfacePair& pair, std::uint32_t va, std::uint32_t vb, ContactSearch& search);
 
-/// A vertex of a and an edge of b, or (`ofB`) a vertex of b and an edge of a.
+/// Tests a vertex of a with an edge of b, or (`ofB`) a vertex of b with an edge of a.
 void collideVertexEdge(const SurfacePair& pair, bool ofB, std::uint32_t v, std::uint32_t edge,
                        ContactSearch& search);
 
-/// Edges of a and b that cross. Those of solid bodies may have passed through each other by less than the
-/// depth limit of their triangles.
+/// Tests an edge of a with an edge of b that crosses it. Edges of solid bodies may have passed through each
+/// other by less than the depth limit of their triangles.
 void collideEdges(const SurfacePair& pair, std::uint32_t ea, std::uint32_t eb, ContactSearch& search);
 
 }  // namespace limber

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
-// A triangle surface: what stays the same while it moves, where it is during one tick, and the tree of boxes
-// that finds what is near it.
+// A triangle surface: its topology, its motion during one tick, and the tree of bounding boxes for searches.
 
 #include "mesh/edges.h"
 #include "solver/point_state.h"
@@ -20,26 +19,26 @@
 
 namespace limber {
 
-// --- what stays the same -----------------------------------------------------------------------------------
+// --- topology ----------------------------------------------------------------------------------------------
 
 constexpr std::uint32_t kNoFeature = 0xffffffffu;
 
-/// What a surface is made of.
+/// The features from which a surface is built. Numbers are indices of points.
 struct SurfaceFeatures {
-  std::vector<Triangle> triangles;      ///< outward where they close a body
-  std::vector<Edge> segments;           ///< beside the triangles' own edges, as those of a rope
-  std::vector<std::uint32_t> vertices;  ///< beside the corners of all these, as the centre of a sphere
+  std::vector<Triangle> triangles;      ///< counterclockwise from outside if they close a body
+  std::vector<Edge> segments;           ///< besides the edges of the triangles, for example of a rope
+  std::vector<std::uint32_t> vertices;  ///< besides the corners of both, for example the centre of a sphere
   bool outward = false;                 ///< open surfaces, too, are solid behind their triangles
-  bool rigid = false;                   ///< edges that are flat or concave remain so
+  bool rigid = false;                   ///< the shape is constant: flat and concave edges stay so
 };
 
-/// A triangle, a segment or a lone vertex, with those of its edges and corners that no element before it has:
-/// each feature belongs to one element.
+/// A triangle, a segment or a single vertex. Each vertex and edge is owned by one element: the first that
+/// contains it.
 struct SurfaceElement {
-  std::array<std::uint32_t, 3> corners;  ///< the last repeated
+  std::array<std::uint32_t, 3> corners;  ///< the last one is repeated if there are fewer than three
   std::uint32_t triangle = kNoFeature;
-  std::array<std::uint32_t, 3> vertices = {kNoFeature, kNoFeature, kNoFeature};  ///< that belong to it
-  std::array<std::uint32_t, 3> edges = {kNoFeature, kNoFeature, kNoFeature};     ///< that belong to it
+  std::array<std::uint32_t, 3> vertices = {kNoFeature, kNoFeature, kNoFeature};  ///< owned by the element
+  std::array<std::uint32_t, 3> edges = {kNoFeature, kNoFeature, kNoFeature};     ///< owned by the element
 };
 
 /// Lists of different lengths, one after the other: list i is items[first[i]] to items[first[i + 1]].
@@ -50,35 +49,36 @@ struct IndexLists {
   const std::uint32_t* end(std::uint32_t i) const { return items.data() + first[i + 1]; }
 };
 
-/// A binary tree over the elements. Children stand behind their parents, so that boxes are fitted from the
-/// last node to the first.
+/// A node of the binary tree of elements. Children come after their parent in the array, so that boxes are
+/// fitted from the last node to the first.
 struct SurfaceNode {
-  std::uint32_t child = 0;             ///< the first of two that follow each other
-  std::uint32_t element = kNoFeature;  ///< of a leaf
+  std::uint32_t child = 0;             ///< the first child; the second one follows it in the array
+  std::uint32_t element = kNoFeature;  ///< kNoFeature: not a leaf
 };
 
-/// What stays the same while a surface moves and deforms. Built once for a network at its scale, or a shape.
+/// The constant data of a surface that moves and deforms. Built once for each network and scale, or shape.
 struct SurfaceTopology {
   std::vector<Triangle> triangles;
   std::vector<std::uint8_t> oneSided;  ///< #triangles: solid behind it
   std::vector<double> depthLimit;      ///< #triangles, m: vertices farther behind it do not touch it
   std::vector<Edge> edges;             ///< of triangles, then segments
-  std::vector<std::array<std::uint32_t, 2>> edgeTriangles;  ///< #edges, kNoFeature where there is none
+  std::vector<std::array<std::uint32_t, 2>> edgeTriangles;  ///< #edges, kNoFeature: none
   IndexLists edgesAround, trianglesAround;                  ///< #points lists
   std::vector<std::uint32_t> vertices;                      ///< points that are on the surface, each once
   std::vector<SurfaceElement> elements;
-  std::vector<SurfaceNode> nodes;  ///< none without elements
-  Points rest;                     ///< m, 3 x #points, as built
-  double featureSize = 0.0;        ///< m, of its edges at rest on average; 0: it has none
+  std::vector<SurfaceNode> nodes;  ///< empty without elements
+  Points rest;                     ///< m, 3 x #points, positions at rest
+  double featureSize = 0.0;        ///< m, mean length of the edges at rest; 0 without edges
 };
 
-/// The error names the first index that is out of range, the first triangle or segment whose corners are not
-/// different, or the first position that is not finite.
+/// Builds the topology. The error names the first index that is out of range, the first triangle or segment
+/// with two equal corners, or the first position that is not finite.
 Result<SurfaceTopology> makeSurfaceTopology(const Points& rest, const SurfaceFeatures& features);
 
-// --- where it is in a tick ---------------------------------------------------------------------------------
+// --- motion during a tick ----------------------------------------------------------------------------------
 
-/// Where something is at any time of the tick (m). The fourth coordinate is 0: whole registers.
+/// A box that contains something at all times of the tick (m). The fourth coordinate is 0 and fills a SIMD
+/// register.
 struct SweptBox {
   Eigen::Array4d low = {kEmpty, kEmpty, kEmpty, 0.0};
   Eigen::Array4d high = {-kEmpty, -kEmpty, -kEmpty, 0.0};
@@ -90,12 +90,12 @@ inline SweptBox merged(const SweptBox& a, const SweptBox& b) {
   return {a.low.min(b.low), a.high.max(b.high)};
 }
 
-/// m: no two points of the boxes are nearer to each other; 0 if they overlap.
+/// Returns a lower bound of the distance between points of the two boxes, m; 0 if they overlap.
 inline double separation(const SweptBox& a, const SweptBox& b) {
   return (a.low - b.high).max(b.low - a.high).maxCoeff();
 }
 
-/// The boxes of a surface, its radius included.
+/// The boxes of a surface, enlarged by its radius.
 struct SurfaceBoxes {
   std::vector<SweptBox> points;  ///< #points
   std::vector<SweptBox> nodes;   ///< #nodes of its tree
@@ -105,9 +105,9 @@ struct SurfaceBoxes {
 struct MovingSurface {
   const SurfaceTopology* topology = nullptr;
   const Points* position = nullptr;     ///< m, at the start of the tick
-  const Points* motion = nullptr;       ///< m, expected over the tick
-  double radius = 0.0;                  ///< m, of everything about its points, edges and triangles
-  const SurfaceBoxes* boxes = nullptr;  ///< as fitBoxes() made them for this tick
+  const Points* motion = nullptr;       ///< m, expected displacement during the tick
+  double radius = 0.0;                  ///< m, thickness around the points, edges and triangles
+  const SurfaceBoxes* boxes = nullptr;  ///< made by fitBoxes() for this tick
 
   Eigen::Vector3d at(std::uint32_t point, double time) const {
     return position->col(point) + time * motion->col(point);
@@ -138,43 +138,43 @@ Eigen::Vector3d normalOf(const Eigen::Matrix<double, 3, N>& triangle) {
   return (triangle.col(1) - triangle.col(0)).cross(triangle.col(2) - triangle.col(0)).normalized();
 }
 
-// --- what is near it ---------------------------------------------------------------------------------------
+// --- searches ----------------------------------------------------------------------------------------------
 
-/// Halves the elements at the median of their centres along the longest side of their box, down to leaves of
-/// one element.
+/// Builds the tree: halves the elements at the median of their centres along the longest side of their box,
+/// down to leaves of one element.
 std::vector<SurfaceNode> makeSurfaceTree(const Points& rest, const std::vector<SurfaceElement>& elements);
 
-/// Around all vertices of the surface: cheap, and enough to see that nothing is near.
+/// Returns the box around all vertices of the surface: a cheap first test for nearness.
 SweptBox sweptBounds(const MovingSurface& surface);
 
-/// The boxes of one-sided triangles reach as far behind them as vertices are
-/// pushed out again.
+/// Computes the boxes. Those of one-sided triangles extend behind them by the depth limit.
 void fitBoxes(const MovingSurface& surface, SurfaceBoxes& boxes);
 
-/// Pairs of leaves of trees.
+/// Pairs of leaves, by node.
 using LeafPairs = std::vector<std::pair<std::uint32_t, std::uint32_t>>;
 
-/// Those whose boxes are within `margin` of each other, in an order that depends on the trees and boxes
-/// alone. `waiting` is scratch.
+/// Writes to `near` the pairs of leaves whose boxes are within `margin` (m) of each other. The order depends
+/// only on the trees and boxes. `waiting` is scratch: the pairs of nodes that are not yet visited.
 void findNearLeaves(const MovingSurface& a, const MovingSurface& b, double margin, LeafPairs& waiting,
                     LeafPairs& near);
 
-/// Pairs of different leaves of one tree, each once, the smaller first.
+/// Writes to `near` pairs of different leaves of one tree, each once, the smaller index first.
 void findNearLeaves(const MovingSurface& surface, double margin, LeafPairs& waiting, LeafPairs& near);
 
-/// The triangles whose boxes overlap `box`.
+/// Writes to `found` the triangles whose boxes overlap `box`.
 void findTriangles(const MovingSurface& surface, const Eigen::AlignedBox3d& box,
                    std::vector<std::uint32_t>& found);
 
-/// The point of the triangles that is nearest to `place` at the start of the tick.
+/// The nearest point on the triangles of a surface.
 struct NearestOnSurface {
-  std::uint32_t triangle = kNoFeature;  ///< none within the distance asked for
+  std::uint32_t triangle = kNoFeature;  ///< kNoFeature: none within the search distance
   double distance = 0.0;                ///< m
   Eigen::Vector3d barycentric = Eigen::Vector3d::Zero();
-  bool behind = false;  ///< the triangles there face away from the place
+  bool behind = false;  ///< the query point is behind the surface there
 };
 
-/// Of equally near triangles the one with the lowest index.
-NearestOnSurface nearestOnSurface(const MovingSurface& surface, const Eigen::Vector3d& place, double within);
+/// Finds the nearest point at the start of the tick. Of equally near triangles it takes the lowest index.
+NearestOnSurface nearestOnSurface(const MovingSurface& surface, const Eigen::Vector3d& point,
+                                  double searchDistance);
 
 }  // namespace limber

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// Finds the contacts of surfaces among the features that are near each other, keeps one of those that say the
-// same, and refreshes those of an earlier search.
+// Finds the contacts of surfaces: tests features that are near each other, removes duplicates, and refreshes
+// the contacts of an earlier search.
 #include "collide/surface_contacts.h"
 
 #include "collide/feature_contacts.h"
@@ -17,7 +17,7 @@ using Eigen::Vector3d;
 
 // --- features that are near --------------------------------------------------------------------------------
 
-/// An element with the boxes of the features that belong to it.
+/// An element with the boxes of the features that it owns.
 struct BoxedElement {
   const SurfaceElement* element = nullptr;
   SweptBox whole;
@@ -41,12 +41,12 @@ BoxedElement boxed(const MovingSurface& surface, std::uint32_t leaf) {
   return boxed;
 }
 
-/// The vertices in the care of `mine` against all that is in the care of `other`; `ofB` tells whose they are.
-void collideVerticesOf(const SurfacePair& pair, bool ofB, const BoxedElement& mine, const BoxedElement& other,
+/// Tests the vertices that `own` owns with all features of `other`. `ofB`: `own` is an element of surface b.
+void collideVerticesOf(const SurfacePair& pair, bool ofB, const BoxedElement& own, const BoxedElement& other,
                        ContactSearch& search) {
-  for (const std::uint32_t v : mine.element->vertices) {
-    if (v == kNoFeature || separation(mine.vertexBox(v), other.whole) > pair.margin) continue;
-    const SweptBox& box = mine.vertexBox(v);
+  for (const std::uint32_t v : own.element->vertices) {
+    if (v == kNoFeature || separation(own.vertexBox(v), other.whole) > pair.margin) continue;
+    const SweptBox& box = own.vertexBox(v);
     if (other.element->triangle != kNoFeature)
       collideVertexTriangle(pair, ofB, v, other.element->triangle, search);
     for (std::size_t i = 0; i < 3; ++i)
@@ -68,8 +68,8 @@ void collideEdgesOf(const SurfacePair& pair, const BoxedElement& a, const BoxedE
   }
 }
 
-/// What the features in the care of the elements of `search.near` have to do with each other; adds to
-/// `search.candidates` and `search.behind`.
+/// Tests the features that the elements of `search.near` own; adds to `search.candidates` and
+/// `search.penetrating`.
 void collideNearFeatures(const SurfacePair& pair, ContactSearch& search) {
   std::uint32_t leafA = kNoFeature, leafB = kNoFeature;
   BoxedElement a, b;
@@ -84,24 +84,24 @@ void collideNearFeatures(const SurfacePair& pair, ContactSearch& search) {
 
 // --- candidates --------------------------------------------------------------------------------------------
 
-/// A round surface is this many times thicker than the other.
-constexpr double kRound = 2.0;
+/// A round surface is at least this many times thicker than the other.
+constexpr double kRoundRatio = 2.0;
 
 template <std::size_t N>
-SurfacePoint placeOn(std::uint32_t feature, const std::array<std::uint32_t, N>& corners,
+SurfacePoint pointOn(std::uint32_t feature, const std::array<std::uint32_t, N>& corners,
                      const Vector3d& weights) {
-  SurfacePoint place;
-  place.kind = static_cast<FeatureKind>(N - 1);
-  place.feature = feature;
-  for (std::size_t i = 0; i < 3; ++i) place.points[i] = corners[std::min(i, N - 1)];
-  place.weights = weights;
-  return place;
+  SurfacePoint point;
+  point.kind = static_cast<FeatureKind>(N - 1);
+  point.feature = feature;
+  for (std::size_t i = 0; i < 3; ++i) point.points[i] = corners[std::min(i, N - 1)];
+  point.weights = weights;
+  return point;
 }
 
-Vector3d positionOf(const MovingSurface& surface, const SurfacePoint& place, double time) {
+Vector3d positionOf(const MovingSurface& surface, const SurfacePoint& point, double time) {
   Vector3d position = Vector3d::Zero();
   for (std::size_t i = 0; i < 3; ++i)
-    position += place.weights[static_cast<Eigen::Index>(i)] * surface.at(place.points[i], time);
+    position += point.weights[static_cast<Eigen::Index>(i)] * surface.at(point.points[i], time);
   return position;
 }
 
@@ -111,11 +111,11 @@ bool shareVertex(const SurfacePoint& a, const SurfacePoint& b) {
   });
 }
 
-/// m, of a vertex or edge from a vertex, an edge or, of a vertex, a triangle.
+/// Returns the distance at rest of two vertices or edges, or of a vertex and a triangle, m.
 double distanceAtRest(const Points& rest, const SurfacePoint& a, const SurfacePoint& b) {
   if (a.kind == FeatureKind::OnTriangle) return distanceAtRest(rest, b, a);
-  const auto corner = [&](const SurfacePoint& place, std::size_t i) {
-    return Vector3d(rest.col(place.points[i]));
+  const auto corner = [&](const SurfacePoint& point, std::size_t i) {
+    return Vector3d(rest.col(point.points[i]));
   };
   if (b.kind == FeatureKind::OnTriangle) {
     const Vector3d weights = nearestBarycentric({corner(b, 0), corner(b, 1), corner(b, 2)}, corner(a, 0));
@@ -129,27 +129,28 @@ double distanceAtRest(const Points& rest, const SurfacePoint& a, const SurfacePo
       .norm();
 }
 
-/// Wherever on them: braces that cross at rest lie in each other for ever, also where they are sheared.
+/// Whether the whole features, not only the contact points, are close at rest. Braces that cross at rest
+/// always overlap, also after shear.
 bool areCloseAtRest(const SurfacePair& pair, const SurfacePoint& a, const SurfacePoint& b) {
-  return distanceAtRest(pair.a.topology->rest, a, b) <= pair.radiusSum() + pair.margin - pair.farther;
+  return distanceAtRest(pair.a.topology->rest, a, b) <= pair.radiusSum() + pair.margin - pair.extraMargin;
 }
 
 }  // namespace
 
 bool isRound(const MovingSurface& surface, const MovingSurface& other) {
-  return surface.topology->triangles.empty() && surface.radius > kRound * other.radius;
+  return surface.topology->triangles.empty() && surface.radius > kRoundRatio * other.radius;
 }
 
 SurfacePoint atVertex(std::uint32_t v) {
-  return placeOn(v, std::array<std::uint32_t, 1>{v}, Vector3d::UnitX());
+  return pointOn(v, std::array<std::uint32_t, 1>{v}, Vector3d::UnitX());
 }
 
 SurfacePoint onEdge(const SurfaceTopology& t, std::uint32_t edge, const Eigen::Vector2d& weights) {
-  return placeOn(edge, t.edges[edge], {weights[0], weights[1], 0.0});
+  return pointOn(edge, t.edges[edge], {weights[0], weights[1], 0.0});
 }
 
 SurfacePoint onTriangle(const SurfaceTopology& t, std::uint32_t triangle, const Vector3d& weights) {
-  return placeOn(triangle, t.triangles[triangle], weights);
+  return pointOn(triangle, t.triangles[triangle], weights);
 }
 
 std::uint64_t contactVertex(const SurfacePair& pair, std::uint32_t v, bool ofB) {
@@ -161,18 +162,18 @@ void addCandidate(const SurfacePair& pair, ContactCandidate& candidate, ContactS
   if (pair.self && (shareVertex(c.a, c.b) || areCloseAtRest(pair, c.a, c.b))) return;
   c.gap = c.normal.dot(positionOf(pair.a, c.a, 0.0) - positionOf(pair.b, c.b, 0.0)) - pair.radiusSum();
   c.key = std::uint64_t{candidate.rank} << 60 | std::uint64_t{c.a.feature} << 30 | c.b.feature;
-  candidate.place = 0.5 * (positionOf(pair.a, c.a, c.time) + positionOf(pair.b, c.b, c.time));
+  candidate.point = 0.5 * (positionOf(pair.a, c.a, c.time) + positionOf(pair.b, c.b, c.time));
   search.candidates.push_back(candidate);
 }
 
-// --- contacts that say the same ----------------------------------------------------------------------------
+// --- duplicate contacts ------------------------------------------------------------------------------------
 
 namespace {
 
-/// Cosine of the angle between directions that are the same.
+/// Cosine of the largest angle between equal directions.
 constexpr double kSameDirection = 0.995;
-/// Share of the features' size within which places are the same.
-constexpr double kOneSpot = 1e-3;
+/// Fraction of the feature size within which contact points are the same.
+constexpr double kSamePointTolerance = 1e-3;
 
 using Candidates = std::vector<ContactCandidate>;
 
@@ -191,8 +192,8 @@ void eraseDropped(Candidates& candidates) {
   candidates.erase(std::remove_if(candidates.begin(), candidates.end(), dropped), candidates.end());
 }
 
-/// Two vertices are each other's contact only where neither has another in that direction.
-void reduceVertexPairs(Candidates& candidates) {
+/// Drops contacts of two vertices if one of the vertices has another contact in the same direction.
+void removeDuplicateVertexPairs(Candidates& candidates) {
   for (ContactCandidate& x : candidates) {
     if (x.vertex != kNoVertex || x.rank != kVertexVertex) continue;
     const std::uint64_t a = std::uint64_t{x.contact.a.feature} * 2,
@@ -203,8 +204,8 @@ void reduceVertexPairs(Candidates& candidates) {
   }
 }
 
-/// Of each vertex and direction only the contact that comes first stays.
-void reduceVertices(Candidates& candidates) {
+/// Keeps the earliest contact of each vertex and direction.
+void removeDuplicateDirections(Candidates& candidates) {
   sortBy(candidates, [](const ContactCandidate& x) {
     return std::make_tuple(x.vertex, x.contact.time, x.contact.gap, x.contact.key);
   });
@@ -214,35 +215,34 @@ void reduceVertices(Candidates& candidates) {
     for (std::size_t j = first; j < i && !candidates[i].dropped; ++j)
       candidates[i].dropped = !candidates[j].dropped && haveSameDirection(candidates[i], candidates[j]);
   }
-  reduceVertexPairs(candidates);
+  removeDuplicateVertexPairs(candidates);
   eraseDropped(candidates);
 }
 
-bool haveSamePlace(const ContactCandidate& x, const ContactCandidate& y) {
-  const double near = kOneSpot * std::min(x.scale, y.scale);
-  return (x.place - y.place).squaredNorm() <= near * near;
+bool haveSamePoint(const ContactCandidate& x, const ContactCandidate& y) {
+  const double tolerance = kSamePointTolerance * std::min(x.featureSize, y.featureSize);
+  return (x.point - y.point).squaredNorm() <= tolerance * tolerance;
 }
 
-/// Sweeps along x.
-void reducePlaces(Candidates& candidates) {
-  sortBy(candidates, [](const ContactCandidate& x) { return std::make_tuple(x.place.x(), x.contact.key); });
+/// Keeps one of the contacts with the same point and direction. Sweeps along the x axis.
+void removeDuplicatePoints(Candidates& candidates) {
+  sortBy(candidates, [](const ContactCandidate& x) { return std::make_tuple(x.point.x(), x.contact.key); });
   for (std::size_t i = 0; i < candidates.size(); ++i) {
     ContactCandidate& x = candidates[i];
-    const double end = x.place.x() + kOneSpot * x.scale;
-    for (std::size_t j = i + 1; j < candidates.size() && candidates[j].place.x() <= end; ++j) {
+    const double end = x.point.x() + kSamePointTolerance * x.featureSize;
+    for (std::size_t j = i + 1; j < candidates.size() && candidates[j].point.x() <= end; ++j) {
       ContactCandidate& y = candidates[j];
-      if (x.dropped || y.dropped || !haveSamePlace(x, y) || !haveSameDirection(x, y)) continue;
+      if (x.dropped || y.dropped || !haveSamePoint(x, y) || !haveSameDirection(x, y)) continue;
       (x.contact.key <= y.contact.key ? y : x).dropped = true;
     }
   }
   eraseDropped(candidates);
 }
 
-/// Keeps one of the candidates that push a vertex in the same direction, the one that comes first, and one of
-/// those that push in the same direction at the same place. Sorted by key. Reorders the candidates.
-void reduceContacts(Candidates& candidates, std::vector<SurfaceContact>& found) {
-  reduceVertices(candidates);
-  reducePlaces(candidates);
+/// Writes to `found` the candidates without duplicates, sorted by key. Reorders the candidates.
+void removeDuplicates(Candidates& candidates, std::vector<SurfaceContact>& found) {
+  removeDuplicateDirections(candidates);
+  removeDuplicatePoints(candidates);
   sortBy(candidates, [](const ContactCandidate& x) { return x.contact.key; });
   found.clear();
   for (const ContactCandidate& x : candidates) found.push_back(x.contact);
@@ -252,10 +252,10 @@ void reduceContacts(Candidates& candidates, std::vector<SurfaceContact>& found) 
 
 void searchNear(const SurfacePair& pair, ContactSearch& search, std::vector<SurfaceContact>& found) {
   search.candidates.clear();
-  search.behind.clear();
+  search.penetrating.clear();
   collideNearFeatures(pair, search);
   addInsideVertices(pair, search);
-  reduceContacts(search.candidates, found);
+  removeDuplicates(search.candidates, found);
 }
 
 }  // namespace
@@ -267,43 +267,43 @@ void findSurfaceContacts(const MovingSurface& a, const MovingSurface& b, double 
 }
 
 void findSelfContacts(const MovingSurface& surface, double margin, ContactSearch& search,
-                      std::vector<SurfaceContact>& found, double farther) {
-  findNearLeaves(surface, margin + farther, search.waiting, search.near);
-  searchNear({surface, surface, margin + farther, true, farther}, search, found);
+                      std::vector<SurfaceContact>& found, double extraMargin) {
+  findNearLeaves(surface, margin + extraMargin, search.waiting, search.near);
+  searchNear({surface, surface, margin + extraMargin, true, extraMargin}, search, found);
 }
 
-// --- contacts that are kept --------------------------------------------------------------------------------
+// --- contact cache -----------------------------------------------------------------------------------------
 
 namespace {
 
-/// Shares of the margin: by how much the surfaces may have moved against each other since the search, where
-/// features begin and end to be nearest; and that and the coming motion together, within which nothing that
-/// was not near meets.
+/// Fractions of the margin. kMaxMoved limits the relative motion since the search, because other features
+/// become the nearest. kMaxWithMotion limits that plus the expected motion, so that features that were not
+/// near at the search cannot touch.
 constexpr double kMaxMoved = 0.2, kMaxWithMotion = 0.9;
 
-/// Cosine by which a normal may have turned since.
+/// Cosine of the largest rotation of a normal since the search.
 constexpr double kSameNormal = 0.999;
 
-/// m: the longest of the points' ways from `from` to `to`, after `common` is taken off.
+/// Returns the largest displacement of a point from `from` to `to`, relative to `common`, m.
 double longestDisplacement(const Points& from, const Points& to, const Vector3d& common) {
-  double most = 0.0;
+  double max = 0.0;
   for (Eigen::Index i = 0; i < to.cols(); ++i) {
     const double x = to(0, i) - from(0, i) - common[0], y = to(1, i) - from(1, i) - common[1],
                  z = to(2, i) - from(2, i) - common[2];
-    most = std::max(most, x * x + y * y + z * z);
+    max = std::max(max, x * x + y * y + z * z);
   }
-  return std::sqrt(most);
+  return std::sqrt(max);
 }
 
 double longestMotion(const Points& motion, const Vector3d& common) {
-  double most = 0.0;
+  double max = 0.0;
   for (Eigen::Index i = 0; i < motion.cols(); ++i)
-    most = std::max(most, (Vector3d(motion.col(i)) - common).squaredNorm());
-  return std::sqrt(most);
+    max = std::max(max, (Vector3d(motion.col(i)) - common).squaredNorm());
+  return std::sqrt(max);
 }
 
-bool haveHardlyMoved(const MovingSurface& a, const MovingSurface& b, double margin,
-                     const ContactCache& cache) {
+bool areNearlyUnmoved(const MovingSurface& a, const MovingSurface& b, double margin,
+                      const ContactCache& cache) {
   const Vector3d displacement = a.position->col(0) - cache.a.col(0), motion = a.motion->col(0);
   const double moved = longestDisplacement(cache.a, *a.position, displacement) +
                        longestDisplacement(cache.b, *b.position, displacement);
@@ -312,70 +312,71 @@ bool haveHardlyMoved(const MovingSurface& a, const MovingSurface& b, double marg
          kMaxWithMotion * margin;
 }
 
-/// Whether the place is on the vertex, within the edge or in the triangle that it was on; the weights are its
-/// new ones there.
+/// Sets the weights of the point. Returns false if it is no longer in the interior of its feature.
 template <class Weights>
-bool moveTo(SurfacePoint& place, const Weights& weights) {
+bool setWeights(SurfacePoint& point, const Weights& weights) {
   for (Eigen::Index i = 0; i < weights.size(); ++i) {
     if (!(weights[i] > 0.0)) return false;
-    place.weights[i] = weights[i];
+    point.weights[i] = weights[i];
   }
   return true;
 }
 
-Vector3d positionOf(const MovingSurface& surface, const SurfacePoint& place) {
+Vector3d positionOf(const MovingSurface& surface, const SurfacePoint& point) {
   Vector3d x = Vector3d::Zero();
   for (std::size_t i = 0; i < 3; ++i)
-    x += place.weights[static_cast<Eigen::Index>(i)] * surface.position->col(place.points[i]);
+    x += point.weights[static_cast<Eigen::Index>(i)] * surface.position->col(point.points[i]);
   return x;
 }
 
-/// False where the two features no longer meet as they did; `normal` is not yet unit, nor of the right sign.
-bool moveVertexTriangle(const MovingSurface& mine, SurfacePoint& vertex, const MovingSurface& other,
-                        SurfacePoint& triangle, Vector3d& normal) {
+// The functions below move the two points of a contact to the nearest points of their features, and compute
+// its normal without length and sign. They return false if a nearest point has left its feature.
+
+bool updateVertexTriangle(const MovingSurface& own, SurfacePoint& vertex, const MovingSurface& other,
+                          SurfacePoint& triangle, Vector3d& normal) {
   const Vector3d a = other.position->col(triangle.points[0]);
   const Vector3d u = other.position->col(triangle.points[1]) - a;
   const Vector3d v = other.position->col(triangle.points[2]) - a;
-  const Vector3d to = mine.position->col(vertex.points[0]) - a;
+  const Vector3d to = own.position->col(vertex.points[0]) - a;
   normal = u.cross(v);
   const double squared = normal.squaredNorm();
   if (!(squared > 0.0)) return false;
   const double second = normal.dot(to.cross(v)) / squared, third = normal.dot(u.cross(to)) / squared;
   Vector3d weights(1.0 - second - third, second, third);
-  if (!moveInto(weights)) return false;
+  if (!clampToTriangle(weights)) return false;
   triangle.weights = weights;
   return true;
 }
 
-bool moveEdges(const MovingSurface& a, const MovingSurface& b, SurfaceContact& c, Vector3d& normal) {
+bool updateEdges(const MovingSurface& a, const MovingSurface& b, SurfaceContact& c, Vector3d& normal) {
   const auto ea = featureOf<2>(a, c.a.points), eb = featureOf<2>(b, c.b.points);
-  const auto places = nearestPoints(ea, eb, 0.0);
+  const auto nearest = nearestPoints(ea, eb, 0.0);
   normal = (ea.start.col(1) - ea.start.col(0)).cross(eb.start.col(1) - eb.start.col(0));
-  return moveTo(c.a, places.a) && moveTo(c.b, places.b);
+  return setWeights(c.a, nearest.a) && setWeights(c.b, nearest.b);
 }
 
-bool moveVertexEdge(const MovingSurface& mine, const SurfacePoint& vertex, const MovingSurface& other,
-                    SurfacePoint& edge, Vector3d& normal) {
-  const auto v = featureOf<1>(mine, vertex.points);
-  const auto places = nearestPoints(v, featureOf<2>(other, edge.points), 0.0);
-  normal = places.away;
-  return moveTo(edge, places.b);
+bool updateVertexEdge(const MovingSurface& own, const SurfacePoint& vertex, const MovingSurface& other,
+                      SurfacePoint& edge, Vector3d& normal) {
+  const auto v = featureOf<1>(own, vertex.points);
+  const auto nearest = nearestPoints(v, featureOf<2>(other, edge.points), 0.0);
+  normal = nearest.offset;
+  return setWeights(edge, nearest.b);
 }
 
-bool movePlaces(const MovingSurface& a, const MovingSurface& b, SurfaceContact& c, Vector3d& normal) {
+bool updatePoints(const MovingSurface& a, const MovingSurface& b, SurfaceContact& c, Vector3d& normal) {
   const FeatureKind onA = c.a.kind, onB = c.b.kind;
-  if (onB == FeatureKind::OnTriangle) return moveVertexTriangle(a, c.a, b, c.b, normal);
-  if (onA == FeatureKind::OnTriangle) return moveVertexTriangle(b, c.b, a, c.a, normal);
-  if (onA == FeatureKind::OnEdge && onB == FeatureKind::OnEdge) return moveEdges(a, b, c, normal);
-  if (onB == FeatureKind::OnEdge) return moveVertexEdge(a, c.a, b, c.b, normal);
-  if (onA == FeatureKind::OnEdge) return moveVertexEdge(b, c.b, a, c.a, normal);
+  if (onB == FeatureKind::OnTriangle) return updateVertexTriangle(a, c.a, b, c.b, normal);
+  if (onA == FeatureKind::OnTriangle) return updateVertexTriangle(b, c.b, a, c.a, normal);
+  if (onA == FeatureKind::OnEdge && onB == FeatureKind::OnEdge) return updateEdges(a, b, c, normal);
+  if (onB == FeatureKind::OnEdge) return updateVertexEdge(a, c.a, b, c.b, normal);
+  if (onA == FeatureKind::OnEdge) return updateVertexEdge(b, c.b, a, c.a, normal);
   normal = a.position->col(c.a.points[0]) - b.position->col(c.b.points[0]);
   return true;
 }
 
 bool refresh(const MovingSurface& a, const MovingSurface& b, SurfaceContact& c) {
   Vector3d normal;
-  if (!movePlaces(a, b, c, normal)) return false;
+  if (!updatePoints(a, b, c, normal)) return false;
   const double length = normal.norm();
   if (!(length > 0.0)) return false;
   normal *= (normal.dot(c.normal) < 0.0 ? -1.0 : 1.0) / length;
@@ -391,7 +392,7 @@ bool refresh(const MovingSurface& a, const MovingSurface& b, SurfaceContact& c) 
 bool refreshContacts(const MovingSurface& a, const MovingSurface& b, double margin, ContactCache& cache) {
   if (cache.topologyA != a.topology || cache.topologyB != b.topology) return false;
   if (cache.a.cols() != a.position->cols() || cache.b.cols() != b.position->cols()) return false;
-  if (!haveHardlyMoved(a, b, margin, cache)) return false;
+  if (!areNearlyUnmoved(a, b, margin, cache)) return false;
   for (SurfaceContact& c : cache.contacts)
     if (!refresh(a, b, c)) return false;
   return true;

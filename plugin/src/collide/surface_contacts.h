@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
-// Contacts of two surfaces, or of one with itself: places that touch or will touch in a tick; and those of
-// the last search, as long as they hold.
+// Contacts of two surfaces, or of one with itself, that exist or will arise during a tick; and a cache of the
+// contacts of the last search.
 
 #include "collide/surface.h"
 
@@ -14,86 +14,88 @@ namespace limber {
 
 enum class FeatureKind : std::uint8_t { OnVertex, OnEdge, OnTriangle };
 
-/// A place on a surface that moves with it.
+/// A point that is fixed on a surface and moves with it.
 struct SurfacePoint {
   FeatureKind kind = FeatureKind::OnVertex;
-  std::uint32_t feature = 0;                          ///< point, edge or triangle
-  std::array<std::uint32_t, 3> points = {};           ///< the feature's corners, the last repeated
-  Eigen::Vector3d weights = Eigen::Vector3d::Zero();  ///< of the points, 0 or more, sum 1
+  std::uint32_t feature = 0;                 ///< index of the point, edge or triangle
+  std::array<std::uint32_t, 3> points = {};  ///< the corners of the feature; the last one is repeated
+  Eigen::Vector3d weights = Eigen::Vector3d::Zero();  ///< of the corners, 0 or more, sum 1
 };
 
-/// Two surfaces must not come nearer to each other here:
-///     gap(t) = normal . (place on a - place on b) - both radii >= 0
+/// A contact of two surfaces. It must satisfy
+///     gap(t) = normal . (point on a - point on b) - both radii >= 0
 struct SurfaceContact {
   SurfacePoint a, b;
   Eigen::Vector3d normal = Eigen::Vector3d::Zero();  ///< unit, from b to a
-  double gap = 0.0;       ///< m, at the start of the tick; below 0 where they overlap
-  double time = 0.0;      ///< share of the tick after which they are expected to touch; 0: near already
-  std::uint64_t key = 0;  ///< of the two features; no two contacts of two surfaces share one
+  double gap = 0.0;                                  ///< m, at the start of the tick; below 0 if they overlap
+  double time = 0.0;      ///< expected time of impact as a fraction of the tick; 0: near already
+  std::uint64_t key = 0;  ///< of the two features; unique among the contacts of two surfaces
 };
 
 constexpr std::uint64_t kNoVertex = 0xffffffffffffffffu;
 
-/// A contact before those that say the same are removed.
+/// A contact before duplicates are removed.
 struct ContactCandidate {
   SurfaceContact contact;
-  Eigen::Vector3d place = Eigen::Vector3d::Zero();  ///< m, when they touch
-  double scale = 0.0;                               ///< m, of the features
-  std::uint64_t vertex = kNoVertex;                 ///< that meets a surface: its point and side
-  std::uint8_t rank = 0;                            ///< kinds of the features; the lower one stays
+  Eigen::Vector3d point = Eigen::Vector3d::Zero();  ///< m, contact point at the time of impact
+  double featureSize = 0.0;                         ///< m
+  std::uint64_t vertex = kNoVertex;                 ///< identifies the touching vertex and its side
+  std::uint8_t rank = 0;                            ///< ContactRank
   bool dropped = false;
 };
 
 /// A vertex of one surface that may be inside the other, behind this triangle.
 struct PenetratingVertex {
-  bool ofB = false;  ///< the vertex
+  bool ofB = false;  ///< the vertex is of surface b
   std::uint32_t vertex = 0, triangle = 0;
-  double depth = 0.0;                                     ///< m, to the triangle
-  bool beneath = false;                                   ///< its foot is in the triangle
-  Eigen::Vector3d barycentric = Eigen::Vector3d::Zero();  ///< of the triangle's nearest place
+  double depth = 0.0;                                     ///< m, distance to the triangle
+  bool isFootInside = false;                              ///< its foot in the plane is in the triangle
+  Eigen::Vector3d barycentric = Eigen::Vector3d::Zero();  ///< of the nearest point of the triangle
 };
 
-/// Scratch of a search, kept for its capacity.
+/// Scratch of a search. It is reused so that its memory is not allocated again.
 struct ContactSearch {
-  LeafPairs waiting, near;
+  LeafPairs waiting, near;  ///< see findNearLeaves()
   std::vector<ContactCandidate> candidates;
-  std::vector<PenetratingVertex> behind;
+  std::vector<PenetratingVertex> penetrating;
 };
 
-/// All places where the two surfaces touch, are within `margin` (m) of it, or will touch if they move on as
-/// expected: vertices against triangles, edges crossing edges, and vertices against edges and vertices where
-/// these are nearest. Boxes of both must be fitted. Sorted by key.
+/// Finds all contacts of two surfaces: where they touch, are within `margin` (m) of it, or will touch after
+/// their expected motion. Tests vertices with triangles, edges with crossing edges, and vertices with edges
+/// and vertices where these are nearest. Boxes of both must be fitted. The contacts are sorted by key.
 ///
-/// One-sided triangles push outward whatever is behind them by less than their depth limit and inside. Others
-/// push to the side where things are at the start of the tick. A vertex has one contact for each direction it
-/// is pushed in (within 6 degrees), and places that coincide have one.
+/// One-sided triangles push outward the features that are inside and behind them by less than the depth
+/// limit. Other triangles push to the side on which the other feature is at the start of the tick. A vertex
+/// has one contact for each direction of its contact normals (within 6 degrees). Contacts at the same point
+/// with the same direction are merged into one.
 ///
-/// A surface without triangles that is more than twice as thick as the other is round: a ball or a capsule
-/// meets all vertices that come to it, not only the nearest, where these are closer together than its radius.
+/// A surface without triangles that is more than twice as thick as the other is round: a ball or a capsule.
+/// Where vertices are closer together than its radius, it collides with all of them that approach it, not
+/// only with the nearest.
 void findSurfaceContacts(const MovingSurface& a, const MovingSurface& b, double margin, ContactSearch& search,
                          std::vector<SurfaceContact>& found);
 
-/// Contacts of a surface with itself, but not between features that share a vertex or are no farther than
-/// both radii and the margin from each other at rest; and what is apart by up to `farther` (m) more.
+/// Finds the contacts of a surface with itself up to a gap of `margin + extraMargin` (m). Leaves out features
+/// that share a vertex, and features whose distance at rest is at most both radii and `margin`.
 void findSelfContacts(const MovingSurface& surface, double margin, ContactSearch& search,
-                      std::vector<SurfaceContact>& found, double farther = 0.0);
+                      std::vector<SurfaceContact>& found, double extraMargin = 0.0);
 
-// --- contacts that are kept --------------------------------------------------------------------------------
+// --- contact cache -----------------------------------------------------------------------------------------
 
-/// The contacts of two surfaces as a search has found them, and where the surfaces were then.
+/// The contacts of two surfaces from the last search, and the positions at that time.
 struct ContactCache {
   std::vector<SurfaceContact> contacts;
   Points a, b;                                                       ///< m, positions at the search
-  const SurfaceTopology *topologyA = nullptr, *topologyB = nullptr;  ///< nullptr: nothing is kept
+  const SurfaceTopology *topologyA = nullptr, *topologyB = nullptr;  ///< nullptr: the cache is empty
 };
 
-/// Whether a search with the same margin would find the same places again: no point has moved by more than a
-/// small share of the margin since, and what was farther apart than the margin does not meet in this tick,
-/// common motion apart. Then their weights, normals and gaps are made those of now; else the contacts are to
-/// be searched for. Boxes need not be fitted.
+/// Updates weights, normals and gaps of the cached contacts to the present positions. Returns false if a new
+/// search is needed. None is needed if it would find the same contacts: relative to the common motion, no
+/// point has moved by more than a small share of the margin since the search, and features that were farther
+/// apart than the margin cannot touch during this tick. Boxes need not be fitted.
 bool refreshContacts(const MovingSurface& a, const MovingSurface& b, double margin, ContactCache& cache);
 
-/// Keeps what a search has just found.
+/// Stores the contacts of a search in the cache.
 void storeContacts(const MovingSurface& a, const MovingSurface& b, const std::vector<SurfaceContact>& found,
                    ContactCache& cache);
 
