@@ -189,7 +189,7 @@ std::string parseOverlay(const std::string& text, OverlayChoice& choice) {
     else if (part == "constraints")
       choice.constraints = true;
     else
-      return "\"" + part + "\" is none of contacts, velocities, boxes, constraints";
+      return "\"" + part + "\" is not one of contacts, velocities, boxes, constraints";
   }
   return text.empty() ? "nothing is asked for: say none" : std::string();
 }
@@ -204,7 +204,7 @@ std::string parseContext(const std::string& text, render::ContextDesc& desc) {
   const bool digits =
       text.size() > 4 && text.size() < 7 && text.find_first_not_of("0123456789", 4) == std::string::npos;
   if (text.rfind("egl:", 0) != 0 || !digits)
-    return text + " is none of auto, osmesa, egl, egl:N, surfaceless";
+    return text + " is not one of auto, osmesa, egl, egl:N, surfaceless";
   desc.eglDevice = std::atoi(text.c_str() + 4);
   return {};
 }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
-#include "output_files.h"
-#include "number_checks.h"
 #include "demo_options.h"
+#include "number_checks.h"
+#include "output_files.h"
 #include "picture_output.h"
 #include "progress.h"
 
@@ -106,7 +106,7 @@ TEST(PictureChoices, overlaysAreReadOrRefused) {
   EXPECT_EQ(parseOverlay("none", choice), "");
   EXPECT_FALSE(choice.contacts || choice.velocities);
   EXPECT_EQ(parseOverlay("contacts,speeds", choice),
-            "\"speeds\" is none of contacts, velocities, boxes, constraints");
+            "\"speeds\" is not one of contacts, velocities, boxes, constraints");
   EXPECT_NE(parseOverlay("", choice), "");
 }
 

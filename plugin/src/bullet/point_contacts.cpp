@@ -37,9 +37,8 @@ bool reachesPlane(const Eigen::AlignedBox3d& box, const btStaticPlaneShape& plan
   return lowest <= offset + double(plane.getMargin());
 }
 
-/// Whether a partner that does not move may get into the box (m). Boxes in Bullet's broadphase are larger
-/// than what is in them, by lengths that are the same however large the scene is, and longer after motion:
-/// what is near to it only by these must not decide how the body is stepped.
+/// Returns whether the shape of a partner that does not move overlaps the box (m). The broadphase boxes are
+/// not used: their margins do not scale with the scene, and they must not decide how a body is stepped.
 bool isIn(const Eigen::AlignedBox3d& box, const btCollisionObject& partner) {
   const btCollisionShape& shape = *partner.getCollisionShape();
   if (shape.getShapeType() == STATIC_PLANE_PROXYTYPE)
@@ -47,7 +46,7 @@ bool isIn(const Eigen::AlignedBox3d& box, const btCollisionObject& partner) {
   return box.intersects(boxOf(partner));
 }
 
-/// The box of another soft body in the tick: the one it was foreseen to stay in, else that of the broadphase.
+/// Returns the swept bounds of another soft body in this tick, or its broadphase box if they are unknown.
 Eigen::AlignedBox3d boxOf(const SoftBodyData& other, double tick) {
   const SurfaceData& s = other.surface;
   if (!other.masses.exposed && s.sweptBounds.tick == tick) return s.sweptBounds.box;
@@ -124,8 +123,8 @@ void takePartners(SoftBodyData& body) {
   body.surface.partners.clear();
 }
 
-/// Whether Bullet's broadphase knows that nothing is in the way of a body that flies as was foreseen: then
-/// nothing pushes its points aside either.
+/// Returns whether no object can come into the swept bounds of a body in this tick. Nothing then pushes its
+/// points away from their free motion.
 bool nothingIsNear(SoftBodyData& body, double tick) {
   const bool foreseen = !body.masses.exposed && body.surface.sweptBounds.tick == tick;
   const SweptBounds sweptBounds = foreseen ? body.surface.sweptBounds : sweptBoundsOf(body, tick);

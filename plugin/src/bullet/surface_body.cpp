@@ -127,14 +127,15 @@ bool SurfaceObject::mayTouch(const btCollisionObject& other) const {
 
 namespace {
 
-/// Ticks for which a box in the broadphase is to do: Bullet does nothing for an object whose box stays the
-/// same, and searches its whole tree for each that does not.
+/// Number of ticks for which a broadphase box has room. Bullet does nothing for an object whose box stays the
+/// same, and searches its whole tree for an object whose box changes.
 constexpr double kBoxTicks = 4.0;
 
-/// Of the size of the box: no more room than that, or bodies that fly side by side would seem to meet.
+/// Maximum room, as a fraction of the box. With more, the boxes of bodies side by side would overlap.
 constexpr double kMaxBoxRoom = 0.25;
 
-/// Of the size of the box: more unused room than twice the wanted one and this makes the box anew.
+/// Tolerance, as a fraction of the box: with more unused room than twice the wanted room and this, the box is
+/// made anew.
 constexpr double kNoRoom = 1e-3;
 
 /// Sets the box for the broadphase: around the last tick's motion and the coming one, with room for the next

@@ -94,7 +94,7 @@ RigidFit fitRigid(const PointState& s, const Points& position, VelocityOf veloci
   return fit;
 }
 
-/// As the body is and moves now.
+/// At the present positions and velocities.
 RigidFit fitRigid(const PointState& s) {
   return fitRigid(s, s.position, [&](Eigen::Index i) -> Vector3d { return s.velocity.col(i); });
 }
@@ -123,7 +123,7 @@ Eigen::Quaterniond follow(const SoftBodyData& body, const Vector3d& center, Eige
     turn /= std::abs(along) + 1e-9 * size;
     const double angle = turn.norm();
     if (!(angle > 1e-9) || !std::isfinite(angle)) break;
-    // (1, turn / 2) is that rotation to second order: the next step brings the rest
+    // (1, turn / 2) is this rotation to second order; the next step corrects the remainder
     q = (Eigen::Quaterniond(1.0, 0.5 * turn.x(), 0.5 * turn.y(), 0.5 * turn.z()) * q).normalized();
   }
   return q;

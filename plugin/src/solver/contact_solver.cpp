@@ -188,8 +188,8 @@ void joinPlaces(IslandConstraints& rows, std::size_t contact) {
 
 // --- sweeps ------------------------------------------------------------------------------------------------
 
-/// Few solves need more than a tenth of it, but to end those early costs more: the error that is left is in
-/// the way of all substeps that follow.
+/// Few solves need more than a tenth of it. Ending those early costs more: the remaining error slows down the
+/// solves of all following substeps.
 constexpr int kMaxSweeps = 50;
 
 /// Which of a row's two impulses a solve is about.
@@ -258,8 +258,9 @@ inline void solveContact(IslandConstraints& rows, ContactConstraint& row, Contac
   total = sum;
 }
 
-/// m/s, at which an overlap is taken back at most. Where anchors hold bodies together a contact may push
-/// against what cannot give way: in a tick it does no more work than gives what it moves that speed.
+/// Returns the maximum speed (m/s) at which an overlap is removed. Where anchors hold bodies together, a
+/// contact may push against a body that cannot move away. Its work in a tick is limited to the kinetic energy
+/// that the moved mass has at this speed.
 double partingSpeed(const Contact& c, const ContactConstraint& row, const LinkedBodies& bodies, double dt,
                     double tick) {
   if (bodies.anchors.empty()) return c.recoverySpeed;

@@ -118,9 +118,9 @@ double linkFrequencyBoundSquared(LinkedBodies& bodies);
 /// Makes the anchors' masses those of the present rotation of the rigid bodies.
 void updateAnchorMasses(LinkedBodies& bodies);
 
-/// Sets what is to be left of the anchors' errors after a drift of `dt` in a tick of that length (s). They
-/// are taken back slowly: the way that Bullet has moved a body by in a tick would, taken back in a substep,
-/// become a speed as many times higher as there are substeps in a tick.
+/// Sets the target error of each anchor after a drift of `dt` in a tick of length `tick` (s). Errors are
+/// removed slowly: Bullet moves a body once a tick, and removing that displacement in one substep would
+/// multiply the speed by the number of substeps.
 void aimAnchors(LinkedBodies& bodies, double dt, double tick);
 
 /// m/s of the point relative to the pivot, less what it may be: so that after drifting for `dt` they are

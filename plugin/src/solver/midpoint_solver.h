@@ -111,7 +111,7 @@ struct VolumeUpdate {
 struct MidpointSolver {
   enum class Kind : std::uint8_t {
     Shared,  ///< one constant matrix, see SharedFactor: cheap iterations that converge slowly
-    Newton   ///< the matrix at the present positions, banded: dear ones that converge fast
+    Newton   ///< the matrix at the present positions, banded: expensive iterations that converge fast
   } kind = Kind::Shared;
 
   double substep = 0.0;   ///< s, the h it is prepared for

@@ -112,8 +112,8 @@ double keptVolumeBoundSquared(VolumeArrays& volumes, const PointState& state, do
 ///
 /// Along its gradient g a tetrahedron oscillates with at most  omega^2 = (K + G)/V0 w sum |g|^2, w the
 /// largest of its corners' inverse masses, which has no bound while the body is torn apart. Beyond omega^2
-/// dt^2 = kLargestCornerPhaseSquared the push is divided by what it is too large: `stabilityScale` is (K + G)
-/// w dt^2 / (36 V0 kLargestCornerPhaseSquared), for 36 |g|^2.
+/// dt^2 = kLargestCornerPhaseSquared the force is scaled down to the largest stable one: `stabilityScale` is
+/// (K + G) w dt^2 / (36 V0 kLargestCornerPhaseSquared), for 36 |g|^2.
 struct TetrahedronVolumes {
   std::vector<Tetrahedron> tetrahedra;  ///< oriented as at the body's scale
   std::vector<double> restVolume;       ///< #tetrahedra, m^3, above 0
