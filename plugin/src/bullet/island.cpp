@@ -221,7 +221,7 @@ void numberBodies(const std::vector<LinkedGroup>& groups, Islands& islands) {
 /// Points that something else than what is held touches, or may touch within the tick: solved apart from it
 /// their rows would give way.
 void markCoupledPoints(Island& island) {
-  for (SoftBodyData* body : island.softBodies) body->coupled.assign(body->masses.bodies.size(), 0);
+  for (SoftBodyData* body : island.softBodies) body->coupled.assign(pointCount(*body), 0);
   for (const IslandPair& m : island.candidates)
     for (SoftBodyData* body : {m.surfaces->body, m.surfaces->other})
       if (m.needsNewSearch() && !m.surfaces->held && body) body->coupled.assign(body->coupled.size(), 1);

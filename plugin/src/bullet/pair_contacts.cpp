@@ -27,7 +27,7 @@ class PairsOfPoint final : public btCollisionWorld::ContactResultCallback {
   btScalar addSingleResult(btManifoldPoint& contact, const btCollisionObjectWrapper* first, int, int,
                            const btCollisionObjectWrapper*, int, int) override {
     if (contact.getDistance() > m_closestDistanceThreshold) return 0;
-    const bool pointIsFirst = first->getCollisionObject() == body_->masses.bodies[point_];
+    const bool pointIsFirst = first->getCollisionObject() != partner_;
     const btVector3 normal = pointIsFirst ? contact.m_normalWorldOnB : -contact.m_normalWorldOnB;
     add(toEigen(normal).normalized(),
         toEigen(pointIsFirst ? contact.m_positionWorldOnB : contact.m_positionWorldOnA));
@@ -90,13 +90,11 @@ void addPairs(SoftBodyData& body, std::uint32_t i, btRigidBody& partner, double 
   const double motion = kSearchPerMotion * displacementInTick(partner, tick);
   const SearchRegion searchRegion = searchRegionOf(body, i, tick, motion);
   if (!overlaps(searchRegion, partner)) return;
-  PointMass& point = *body.masses.bodies[i];
-  if (!canHit(body, point, partner)) return;
+  if (!canHit(body, i, partner)) return;
   PairsOfPoint pairs(body, i, partner, searchRegion.distance, found);
   if (partner.getCollisionShape()->getShapeType() == BOX_SHAPE_PROXYTYPE)
     return addBoxPair(pairs, body, i, partner, searchRegion.distance);
-  if (!body.masses.exposed) writePoint(body, i);
-  body.world->contactPairTest(&point, &partner, pairs);
+  body.world->contactPairTest(&probeAt(body, i), &partner, pairs);
 }
 
 void wake(btRigidBody& partner) {
@@ -141,7 +139,7 @@ class PairsOfPoints final : public btBroadphaseAabbCallback {
     if (!theirs || theirs == &body || !theirs->alive) return true;
     // the other body adds it
     if (!theirs->asleep && theirs->index < body.index) return true;
-    if (canHit(body, *proxy) && canHit(body, *point_, *other)) addIfNear(*other);
+    if (canHit(body, *proxy) && canHit(body, point_->index(), *other)) addIfNear(*other);
     return true;
   }
 

@@ -104,7 +104,7 @@ ContactSpeeds contactSpeeds(const SoftBodyData& body, double tick) {
 /// The box around all reaches; keeps how far contacts are looked for.
 Eigen::AlignedBox3d reachBox(SoftBodyData& body, double tick) {
   Eigen::AlignedBox3d box;
-  body.searchDistance.resize(body.masses.bodies.size());
+  body.searchDistance.resize(pointCount(body));
   for (Eigen::Index i = 0; i < body.state.position.cols(); ++i) {
     const SearchRegion searchRegion = searchRegionOf(body, i, tick);
     body.searchDistance[static_cast<std::size_t>(i)] = searchRegion.distance;
@@ -131,7 +131,7 @@ bool nothingIsNear(SoftBodyData& body, double tick) {
   if (hasPartnersIn(sweptBounds.box, body, tick) || (!foreseen && !partnersCover(body, sweptBounds.box)))
     return false;
   forgetPartners(body);
-  body.searchDistance.assign(body.masses.bodies.size(), sweptBounds.maxDisplacement);
+  body.searchDistance.assign(pointCount(body), sweptBounds.maxDisplacement);
   return true;
 }
 
@@ -185,7 +185,7 @@ class Watch final : public SearchWatch {
 
   void look(const PointView& points, double time, double dt) override {
     bool found = false;
-    for (std::uint32_t i = 0; i < body_->masses.bodies.size(); ++i) {
+    for (std::uint32_t i = 0; i < pointCount(*body_); ++i) {
       const Eigen::Vector3d x = points.positionOf(i), v = points.velocityOf(i);
       const double searchRegion = body_->searchDistance[i];
       const bool leaves =
@@ -214,8 +214,6 @@ class Watch final : public SearchWatch {
 
   /// From x, for the rest of the tick.
   void search(std::uint32_t i, const Eigen::Vector3d& x, const Eigen::Vector3d& v, double time) {
-    btVector3& origin = body_->masses.bodies[i]->getWorldTransform().getOrigin();
-    const btVector3 left = origin;
     const double rest = double(tick_) - time;
     body_->state.position.col(i) = x;
     const SearchRegion searchRegion = searchRegionFrom(*body_, i, v, rest);
@@ -230,12 +228,10 @@ class Watch final : public SearchWatch {
       const btCollisionObject& partner = *body_->partners[p];
       const Eigen::Vector3d beside = x - time / double(tick_) * kinematicDisplacement(partner, x);
       body_->state.position.col(i) = beside;
-      origin = toBullet(beside);
       addRows(*body_, i, partner, body_->partnerStamps[p], v, rest, tick_);
     }
     swapRows(found_, foundPartners_);
     body_->state.position.col(i) = x;
-    origin = left;
     take(i);
     const double reached = (x - body_->masses.startPosition.col(i)).norm() + searchRegion.distance;
     body_->searchDistance[i] = std::max(body_->searchDistance[i], reached);
@@ -292,7 +288,7 @@ void gatherContacts(SoftBodyData& body, btScalar tick) {
   if (surface && body.partners.empty()) return;
   for (const btCollisionObject* partner : body.partners) rememberPartner(body, *partner);
   body.watch->on = body.settings.continuousCollision && !body.partners.empty();
-  for (std::uint32_t i = 0; i < body.masses.bodies.size(); ++i) {
+  for (std::uint32_t i = 0; i < pointCount(body); ++i) {
     if (body.masses.held[i]) continue;
     addStaticRows(body, i, searchRegionOf(body, i, double(tick)), tick);
     for (std::size_t p = 0; p < body.partners.size(); ++p)

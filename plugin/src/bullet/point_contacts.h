@@ -128,8 +128,10 @@ inline bool canHit(const SoftBodyData& body, const btBroadphaseProxy& proxy) {
                      [&](const PointMass* p) { return p && arePaired(body, *p, object); });
 }
 
-/// Whether a point may collide with an object that canHit() of its body has let pass.
-inline bool canHit(const SoftBodyData& body, const PointMass& point, const btCollisionObject& object) {
+/// Whether point i may collide with an object that canHit() of its body has let pass.
+inline bool canHit(const SoftBodyData& body, std::uint32_t i, const btCollisionObject& object) {
+  if (body.masses.bodies.empty()) return !isAttached(body, i, object);
+  const PointMass& point = *body.masses.bodies[i];
   return (body.surface.object || arePaired(body, point, object)) && point.checkCollideWith(&object) &&
          object.checkCollideWith(&point);
 }

@@ -50,7 +50,7 @@ const PointMass* PointMass::from(const btCollisionObject* object) {
 }
 
 bool PointMass::checkCollideWithOverride(const btCollisionObject* other) const {
-  if (other == attachedTo) return false;
+  if (owner_ && isAttached(*owner_, index_, *other)) return false;
   const PointMass* point = from(other);
   if (point && point->owner_ == owner_ && owner_) return false;
   return btRigidBody::checkCollideWithOverride(other);
@@ -73,8 +73,12 @@ btVector3 inertiaOf(const SoftBodyData& body, btScalar mass) {
   return btVector3(inertia, inertia, inertia);
 }
 
+btScalar settingsMassOf(const SoftBodyData& body, std::uint32_t i) {
+  return static_cast<btScalar>(body.settings.totalMass * body.network->massFractions[i]);
+}
+
 PointMass* makeBody(SoftBodyData& body, std::uint32_t i) {
-  const btScalar mass = static_cast<btScalar>(body.settings.totalMass * body.network->massFractions[i]);
+  const btScalar mass = settingsMassOf(body, i);
   btRigidBody::btRigidBodyConstructionInfo info(mass, nullptr, body.masses.shape.get(),
                                                 inertiaOf(body, mass));
   info.m_startWorldTransform.setIdentity();
@@ -159,23 +163,38 @@ void writePoint(SoftBodyData& body, std::uint32_t i) {
   point.setInterpolationLinearVelocity(velocity);
 }
 
-void makePointMasses(SoftBodyData& body) {
-  const std::size_t count = body.network->restPoints.size();
+void initializePointMasses(SoftBodyData& body) {
   PointMasses& m = body.masses;
   m.shape = std::make_unique<PointSphere>(static_cast<btScalar>(pointRadius(*body.network, body.settings)));
-  m.bodies.assign(count, nullptr);
-  m.leftPosition.assign(count, btVector3(0, 0, 0));
-  m.leftVelocity = m.expectedVelocity = m.leftPosition;
-  m.held.assign(count, 0);
+  m.held.assign(pointCount(body), 0);
   m.startPosition = body.state.position;
-  for (std::uint32_t i = 0; i < count; ++i) {
+  for (std::uint32_t i = 0; i < pointCount(body); ++i) {
+    const double w = double(btScalar(1) / settingsMassOf(body, i));
+    body.state.inverseMass.col(i).setConstant(std::isfinite(w) ? w : 0.0);
+  }
+}
+
+void makePointMasses(SoftBodyData& body) {
+  PointMasses& m = body.masses;
+  m.bodies.assign(pointCount(body), nullptr);
+  m.leftPosition.assign(pointCount(body), btVector3(0, 0, 0));
+  m.leftVelocity = m.expectedVelocity = m.leftPosition;
+  for (std::uint32_t i = 0; i < pointCount(body); ++i) {
     m.bodies[i] = makeBody(body, i);
-    body.state.inverseMass.col(i) = inverseMass(*m.bodies[i], false);
     remember(m, i);
   }
 }
 
+PointMass& probeAt(SoftBodyData& body, std::uint32_t i) {
+  std::unique_ptr<PointMass>& probe = body.masses.probe;
+  if (!probe) probe.reset(makeBody(body, i));
+  probe->getWorldTransform().setOrigin(toBullet(Eigen::Vector3d(body.state.position.col(i))));
+  return *probe;
+}
+
 void deletePointMasses(SoftBodyData& body) {
+  if (body.masses.probe) body.masses.probe->setOwner(nullptr);
+  body.masses.probe.reset();
   for (PointMass*& point : body.masses.bodies) {
     if (point) point->setOwner(nullptr);
     delete point;
@@ -263,8 +282,8 @@ bool anyPointMoves(const SoftBodyData& body, btScalar tick) {
 }
 
 Eigen::Vector3d currentPosition(const SoftBodyData& body, std::uint32_t i) {
-  const PointMass* point = body.masses.bodies[i];
-  if (!point || !body.masses.exposed) return body.state.position.col(i);
+  const PointMass* point = body.masses.exposed ? body.masses.bodies[i] : nullptr;
+  if (!point) return body.state.position.col(i);
   return body.state.position.col(i) +
          difference(point->getWorldTransform().getOrigin(), body.masses.leftPosition[i]);
 }
@@ -278,8 +297,8 @@ Eigen::Vector3d positionAt(const SoftBodyData& body, std::uint32_t i, double tic
 }
 
 Eigen::Vector3d currentVelocity(const SoftBodyData& body, std::uint32_t i) {
-  const PointMass* point = body.masses.bodies[i];
-  if (!point || !body.masses.exposed || body.masses.held[i]) return body.state.velocity.col(i);
+  const PointMass* point = body.masses.exposed ? body.masses.bodies[i] : nullptr;
+  if (!point || body.masses.held[i]) return body.state.velocity.col(i);
   return body.state.velocity.col(i) + difference(point->getLinearVelocity(), body.masses.leftVelocity[i]);
 }
 
@@ -287,7 +306,7 @@ void setPinned(SoftBodyData& body, std::uint32_t i, bool pinned) {
   PointMass* point = body.masses.bodies[i];
   if (!point) return;
   const int kinematic = btCollisionObject::CF_KINEMATIC_OBJECT;
-  const btScalar mass = static_cast<btScalar>(body.settings.totalMass * body.network->massFractions[i]);
+  const btScalar mass = settingsMassOf(body, i);
   // setMassProps(0) marks the body static; as a kinematic one it may also be moved
   point->setMassProps(pinned ? btScalar(0) : mass, btVector3(0, 0, 0));
   const int flags = point->getCollisionFlags() & ~(kinematic | btCollisionObject::CF_STATIC_OBJECT);

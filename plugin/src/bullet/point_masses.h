@@ -45,8 +45,6 @@ class PointMass final : public btRigidBody {
   SoftBodyData* owner() const { return owner_; }
   std::uint32_t index() const { return index_; }
 
-  const btRigidBody* attachedTo = nullptr;
-
   /// The manifold of its one contact with a static or kinematic convex body, as of the last tick; nullptr but
   /// between readManifolds() and gatherContacts() of a tick.
   const btPersistentManifold* cachedContact = nullptr;
@@ -72,20 +70,28 @@ struct PointSphere final : btSphereShape {
 /// The spring step has the state in double; Bullet has a rounded copy. What we last left in a body is
 /// remembered, so that anything the user changes between ticks is seen, to the bit, and taken over.
 struct PointMasses {
-  std::unique_ptr<PointSphere> shape;   ///< shared by all points
-  std::vector<PointMass*> bodies;       ///< #points; nullptr where the application has deleted one
-  std::vector<btVector3> leftPosition;  ///< #points, as last written to or read from the body
-  std::vector<btVector3> leftVelocity;  ///< #points
-  std::vector<btVector3>
-      expectedVelocity;             ///< #points, after the tick if nothing is touched; in a world only
-  std::vector<unsigned char> held;  ///< #points, 1: pinned, or held by the user
-  bool changed = false;  ///< the user has changed a point since the last tick, and the state knows already
-  bool exposed = true;   ///< false: nobody outside has seen the bodies yet; they are neither read nor written
+  std::unique_ptr<PointSphere> shape;       ///< shared by all points
+  std::vector<PointMass*> bodies;           ///< #points, nullptr where the application has deleted one; empty
+                                            ///< until exposed
+  std::vector<btVector3> leftPosition;      ///< #bodies, as last written to or read from the body
+  std::vector<btVector3> leftVelocity;      ///< #bodies
+  std::vector<btVector3> expectedVelocity;  ///< #bodies, after the tick without contacts; in a world only
+  std::vector<unsigned char> held;          ///< #points, 1: pinned, or held by the user
+  bool changed = false;  ///< the user has changed a point since the last tick, and the state has the change
+  bool exposed = false;  ///< the application may have changed the bodies; false: they are not read or written
   Points startPosition;  ///< 3 x #points, m, at the start of the tick
+  std::unique_ptr<PointMass> probe;  ///< in queries of Bullet's narrowphase it replaces any of the points;
+                                     ///< created on first use
 };
+
+/// Prepares the shape and the inverse masses, without bodies.
+void initializePointMasses(SoftBodyData& body);
 
 /// Makes the bodies at the state's positions and velocities; they are in no world yet.
 void makePointMasses(SoftBodyData& body);
+
+/// Returns the probe at the present position of point i.
+PointMass& probeAt(SoftBodyData& body, std::uint32_t i);
 
 /// Deletes those that the application has not deleted; they are in no world any more.
 void deletePointMasses(SoftBodyData& body);

@@ -91,7 +91,7 @@ class RowsOfPair final : public btCollisionWorld::ContactResultCallback {
 
   btScalar addSingleResult(btManifoldPoint& contact, const btCollisionObjectWrapper* first, int, int,
                            const btCollisionObjectWrapper* second, int, int) override {
-    const bool pointIsFirst = first->getCollisionObject() == body_->masses.bodies[point_];
+    const bool pointIsFirst = first->getCollisionObject() != partner_;
     const btCollisionObjectWrapper& theirs = pointIsFirst ? *second : *first;
     if (isSurfaceBody(*body_) && theirs.getCollisionShape()->getShapeType() == BOX_SHAPE_PROXYTYPE) {
       addOnBox(*static_cast<const btBoxShape*>(theirs.getCollisionShape()), theirs.getWorldTransform());
@@ -225,8 +225,7 @@ bool addKeptRow(RowsOfPair& rows, const SoftBodyData& body, std::uint32_t i, con
 /// Asks Bullet's narrowphase.
 void addFoundRows(RowsOfPair& rows, SoftBodyData& body, std::uint32_t i, const btCollisionObject& partner,
                   std::uint64_t stamp) {
-  if (!body.masses.exposed) writePoint(body, i);
-  body.world->contactPairTest(body.masses.bodies[i], const_cast<btCollisionObject*>(&partner), rows);
+  body.world->contactPairTest(&probeAt(body, i), const_cast<btCollisionObject*>(&partner), rows);
   if (isSurfaceBody(body)) rows.keepContact(body.surface.contacts[i], stamp);
 }
 
@@ -349,7 +348,7 @@ void addStaticRows(SoftBodyData& body, std::uint32_t i, const SearchRegion& sear
   for (std::size_t p = 0; p < body.partners.size(); ++p) {
     const btCollisionObject* partner = body.partners[p];
     if (isMoved(*partner) || !box.intersects(body.partnerBoxes[p])) continue;
-    if (mayBeExcluded(body) && !canHit(body, *body.masses.bodies[i], *partner)) continue;
+    if (mayBeExcluded(body) && !canHit(body, i, *partner)) continue;
     owners = addPieces(*partner, box, *body.shapes, owners, body.held.pieces);
     body.staticPartners.emplace_back(partner, owners);
   }
@@ -371,7 +370,7 @@ void addRows(SoftBodyData& body, std::uint32_t i, const btCollisionObject& partn
   const double travel = kinematicDisplacement(partner, body.state.position.col(i)).norm();
   const SearchRegion searchRegion = searchRegionFrom(body, i, velocity, time, kSearchPerMotion * travel);
   if (!overlaps(searchRegion, partner)) return;
-  if (mayBeExcluded(body) && !canHit(body, *body.masses.bodies[i], partner)) return;
+  if (mayBeExcluded(body) && !canHit(body, i, partner)) return;
   const double distance = searchRegion.distance;
   // it may be carried along, and need not be searched for there
   body.searchDistance[i] = std::max(body.searchDistance[i], distance);

@@ -108,7 +108,7 @@ void SoftBody::unpin(std::uint32_t i) {
 }
 
 bool SoftBody::pinned(std::uint32_t i) const {
-  const PointMass* point = i < pointCount() ? data_->masses.bodies[i] : nullptr;
+  const PointMass* point = i < data_->masses.bodies.size() ? data_->masses.bodies[i] : nullptr;
   return point && point->isKinematicObject();
 }
 

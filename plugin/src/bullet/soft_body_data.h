@@ -24,6 +24,7 @@
 
 #include <Eigen/Geometry>
 
+#include <algorithm>
 #include <deque>
 #include <functional>
 #include <memory>
@@ -231,6 +232,16 @@ struct SoftBodyData {
 
 /// Returns the data of a public body object.
 SoftBodyData& dataOf(const SoftBody& body);
+
+inline std::uint32_t pointCount(const SoftBodyData& body) {
+  return static_cast<std::uint32_t>(body.state.position.cols());
+}
+
+/// Returns whether point i is attached to the object.
+inline bool isAttached(const SoftBodyData& body, std::uint32_t i, const btCollisionObject& object) {
+  return std::any_of(body.anchors.begin(), body.anchors.end(),
+                     [&](const Anchor& anchor) { return anchor.point == i && anchor.body == &object; });
+}
 
 inline bool isSurfaceBody(const SoftBodyData& body) { return body.settings.collision == Collision::Surface; }
 

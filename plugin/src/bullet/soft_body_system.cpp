@@ -268,16 +268,18 @@ Result<bool> SoftBodySystem::attach(SoftBody* softBody, std::uint32_t i, btRigid
                                     const btVector3& pivot) {
   if (!softBody) return Error{"there is no soft body to attach"};
   if (softBody->data_->system != impl_->step.get()) return Error{"the soft body is in another world"};
-  PointMass* point = i < softBody->pointCount() ? softBody->data_->masses.bodies[i] : nullptr;
-  if (!point) return Error{"there is no point " + std::to_string(i)};
-  if (point->attachedTo) return Error{"point " + std::to_string(i) + " is already attached"};
+  SoftBodyData& data = *softBody->data_;
+  const bool deleted = i < data.masses.bodies.size() && !data.masses.bodies[i];
+  if (i >= softBody->pointCount() || deleted) return Error{"there is no point " + std::to_string(i)};
+  const auto isPoint = [&](const Anchor& anchor) { return anchor.point == i; };
+  if (std::any_of(data.anchors.begin(), data.anchors.end(), isPoint))
+    return Error{"point " + std::to_string(i) + " is already attached"};
   if (softBody->pinned(i)) return Error{"point " + std::to_string(i) + " is pinned"};
   if (PointMass::from(&body) || SurfaceObject::from(&body))
     return Error{
         "a point can be attached to a rigid body only, not to a soft one: join two points by a spring"};
   if (!isValidPivot(pivot)) return Error{"the pivot is not finite, or farther than 1e6"};
-  point->attachedTo = &body;
-  softBody->data_->anchors.push_back({i, &body, pivot});
+  data.anchors.push_back({i, &body, pivot});
   softBody->wake();
   impl_->step->groupsStale = true;
   return true;
@@ -300,7 +302,6 @@ bool SoftBodySystem::Impl::detach(SoftBody* softBody, std::uint32_t i) {
   const auto it = std::find_if(anchors.begin(), anchors.end(), isPoint);
   if (it == anchors.end()) return false;
   anchors.erase(it);
-  if (PointMass* point = softBody->data_->masses.bodies[i]) point->attachedTo = nullptr;
   softBody->wake();
   step->forgetGroups();
   return true;

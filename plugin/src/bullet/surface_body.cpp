@@ -196,10 +196,9 @@ void dampPoints(SoftBodyData& body, double tick) {
 }  // namespace
 
 void addSurface(SoftBodyData& body) {
-  makePointMasses(body);
-  body.masses.exposed = false;
+  initializePointMasses(body);
   SurfaceData& s = body.surface;
-  s.contacts.assign(body.masses.bodies.size(), CachedContact());
+  s.contacts.assign(pointCount(body), CachedContact());
   s.object = new SurfaceObject(&body);
   s.shape = std::make_unique<SurfaceShape>(*body.network, body.settings.scale.prod() < 0.0,
                                            body.state.position, body.masses.shape->getRadius());
@@ -230,6 +229,7 @@ void removeSurface(SoftBodyData& body) {
 }
 
 void exposePoints(SoftBodyData& body) {
+  if (body.masses.bodies.empty()) makePointMasses(body);
   if (body.masses.exposed || !body.alive) return;
   body.masses.exposed = true;
   body.surface.force.setZero(3, body.state.position.cols());

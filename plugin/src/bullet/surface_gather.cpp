@@ -134,10 +134,9 @@ ContactSource sourceOf(SoftBodyData& body, const btCollisionObject& partner, std
 }
 
 /// Points that are attached to a body do not collide with it, nor do the edges and triangles they end.
-bool isAttached(const SoftBodyData& body, const btCollisionObject& partner, const SurfacePoint& place) {
-  if (body.anchors.empty()) return false;
+bool isAttached(const SoftBodyData& body, const SurfacePoint& place, const btCollisionObject& partner) {
   return std::any_of(place.points.begin(), place.points.end(),
-                     [&](std::uint32_t point) { return body.masses.bodies[point]->attachedTo == &partner; });
+                     [&](std::uint32_t point) { return isAttached(body, point, partner); });
 }
 
 // --- rigid bodies that move --------------------------------------------------------------------------------
@@ -244,7 +243,7 @@ void addFree(SoftBodyData& body, btRigidBody& partner, RigidPart& part, double t
   SurfaceCandidate candidate{&body, nullptr, &partner, nullptr, &part};
   candidate.first = static_cast<std::uint32_t>(found.contacts.size());
   for (const SurfaceContact& c : kept.contacts) {
-    if (isAttached(body, partner, c.a)) continue;
+    if (isAttached(body, c.a, partner)) continue;
     Contact pair = contactOf(candidate, c);
     pair.b = rigidContactPoint(found, partner, commonPlace(soft, part.moving, c));
     found.add(pair, sourceOf(candidate, c));
@@ -275,7 +274,7 @@ HeldCorners cornersOf(const MovingSurface& soft, const RigidPart& part, const Su
 bool isHeldContact(const SoftBodyData& body, const btCollisionObject& partner, const RigidPart& part,
                    const SurfaceContact& c, SurfaceSearch& s) {
   const MovingSurface& soft = body.surface.moving;
-  if (c.a.kind == FeatureKind::OnVertex || isAttached(body, partner, c.a)) return false;
+  if (c.a.kind == FeatureKind::OnVertex || isAttached(body, c.a, partner)) return false;
   if (cornersCarryContact(body, c, kMargin * soft.radius)) return false;
   return isMoved(partner) || !isInternalEdge(body, soft, part, c, s);
 }
@@ -393,7 +392,7 @@ void gatherSelf(SoftBodyData& body, double tick, SurfaceSearch& s, TickContacts&
 const MovingSurface& surfaceWithin(SoftBodyData& body, const PointView& points, double ahead) {
   SurfaceData& s = body.surface;
   s.positionInStep.resize(3, s.motion.cols());
-  for (std::uint32_t i = 0; i < body.masses.bodies.size(); ++i) {
+  for (std::uint32_t i = 0; i < pointCount(body); ++i) {
     s.positionInStep.col(i) = points.positionOf(i);
     s.motion.col(i) = ahead * points.velocityOf(i);
   }
@@ -443,7 +442,7 @@ void findContactsInStep(const SurfaceCandidate& m, const SidePositions& sides, d
       s.sources.push_back(sourceOf(*m.body, *m.held, keyOf(c, *m.part)));
       continue;
     }
-    if (!m.other && isAttached(*m.body, *m.partner, c.a)) continue;
+    if (!m.other && isAttached(*m.body, c.a, *m.partner)) continue;
     Contact pair = contactOf(m, c);
     if (m.other) {
       pair.b = softPlace(*m.other, c.b);

@@ -176,6 +176,7 @@ void undo(SoftBodyData& body) {
 }
 
 bool isPinned(const SoftBodyData& body, Eigen::Index i) {
+  if (body.masses.bodies.empty()) return false;
   const PointMass* point = body.masses.bodies[static_cast<std::size_t>(i)];
   return !point || point->isKinematicObject();
 }

@@ -56,7 +56,9 @@ void readFreePoint(SoftBodyData& body, std::uint32_t i, btScalar tick) {
 }  // namespace
 
 void addPointMasses(SoftBodyData& body) {
+  initializePointMasses(body);
   makePointMasses(body);
+  body.masses.exposed = true;
   for (PointMass* point : body.masses.bodies)
     body.world->addRigidBody(point, body.settings.collisionGroup, body.settings.collisionMask);
 }
@@ -145,7 +147,7 @@ struct FirstHit final : btCollisionWorld::ClosestConvexResultCallback {
 
   bool needsCollision(btBroadphaseProxy* proxy) const override {
     const auto* object = static_cast<const btCollisionObject*>(proxy->m_clientObject);
-    return !isAhead(*object) && canHit(*body, *proxy) && canHit(*body, *point, *object);
+    return !isAhead(*object) && canHit(*body, *proxy) && canHit(*body, point->index(), *object);
   }
 };
 
