@@ -85,21 +85,22 @@ FloatLanes makeFloats(int lanes, double damping) {
     PointState& state = cubes[l].state;
     SpringArrays& springs = cubes[l].springs;
     prepareDampers(springs, state.inverseMass, kSubstep);
+    springs.direction.setZero(3, static_cast<Eigen::Index>(springs.size()));
     toLane(flat(state.position), floats.position, l, count);
     toLane(flat(state.velocity), floats.velocity, l, count);
     toLane(flat(state.force), floats.force, l, count);
     toLane(flat(state.earlierForce), floats.earlierForce, l, count);
     toLane(flat(state.acceleration), floats.acceleration, l, count);
     toLane(flat(state.inverseMass), floats.inverseMass, l, count);
-    toLane(flat(springs.restLength), floats.restLength, l, count);
-    toLane(flat(springs.extensionStiffness), floats.stiffness, l, count);
+    toLane(flat(springs->restLength), floats.restLength, l, count);
+    toLane(flat(springs->extensionStiffness), floats.stiffness, l, count);
     toLane(flat(springs.dampHalf), floats.dampHalf, l, count);
     toLane(flat(springs.dampFull), floats.dampFull, l, count);
     toLane(flat(springs.direction), floats.direction, l, count);
   }
   floats.points = 8;
-  floats.a.assign(cubes[0].springs.a.begin(), cubes[0].springs.a.end());
-  floats.b.assign(cubes[0].springs.b.begin(), cubes[0].springs.b.end());
+  floats.a.assign(cubes[0].springs->a.begin(), cubes[0].springs->a.end());
+  floats.b.assign(cubes[0].springs->b.begin(), cubes[0].springs->b.end());
   floats.springs = static_cast<unsigned>(floats.a.size());
   floats.damped = damping > 0.0;
   return floats;

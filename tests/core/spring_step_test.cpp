@@ -141,9 +141,9 @@ double denseEigenvalue(const Body& body) {
   const Eigen::Index n = body.state.position.size();
   Eigen::MatrixXd k = Eigen::MatrixXd::Zero(n, n);
   for (std::size_t s = 0; s < body.springs.size(); ++s) {
-    const Eigen::Index a = body.springs.a[s], b = body.springs.b[s];
+    const Eigen::Index a = body.springs->a[s], b = body.springs->b[s];
     const Eigen::Vector3d d = (body.state.position.col(b) - body.state.position.col(a)).normalized();
-    const Eigen::Matrix3d block = body.springs.extensionStiffness[s] * d * d.transpose();
+    const Eigen::Matrix3d block = body.springs->extensionStiffness[s] * d * d.transpose();
     k.block<3, 3>(3 * a, 3 * a) += block;
     k.block<3, 3>(3 * b, 3 * b) += block;
     k.block<3, 3>(3 * a, 3 * b) -= block;
@@ -206,7 +206,7 @@ TEST(CoincidentPoints, arePutApartAroundTheirCentre) {
   EXPECT_TRUE(body.state.position.col(3).isZero(0.0)) << "held";
   for (std::size_t s = 0; s < body.springs.size(); ++s)
     EXPECT_GT(
-        (body.state.position.col(body.springs.b[s]) - body.state.position.col(body.springs.a[s])).norm(),
+        (body.state.position.col(body.springs->b[s]) - body.state.position.col(body.springs->a[s])).norm(),
         0.0);
   Body pair(test::pairNetwork(), 100.0, 0.0);
   pair.state.position.setOnes();

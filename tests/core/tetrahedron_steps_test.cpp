@@ -53,7 +53,7 @@ class TetrahedronSteps : public testing::TestWithParam<TetrahedronStepper> {
 ///     omega^2 = (k sum L^2 + 9 K V0) / sum m |x|^2.
 TEST_P(TetrahedronSteps, breatheWithTheRightPeriod) {
   SteppedTestBody body(test::tetrahedronNetwork(), 100.0, 0.0);
-  const double push = 9.0 * body.tetrahedra.modulus * body.tetrahedra.restVolume[0];
+  const double push = 9.0 * body.tetrahedra->modulus * body.tetrahedra->restVolume[0];
   ASSERT_GT(push, 100.0 * 6.0) << "the volume matters";
   const double radius = body.state.position.col(0).norm();
   const double omega = std::sqrt((100.0 * 6.0 + push) / (radius * radius));
@@ -125,8 +125,8 @@ TEST(TetrahedronVolumes, areNotHeldBackNearRest) {
     const double squared = frequencyBoundSquared(body.springs, body.state.inverseMass, sums) +
                            tetrahedronFrequencyBoundSquared(v, body.state);
     prepareTetrahedra(v, body.state.inverseMass, 1.0 / std::sqrt(squared));  // half of Verlet's limit
-    for (std::size_t t = 0; t < v.tetrahedra.size(); ++t)
-      EXPECT_LT(36.0 * v.stabilityScale[t] * v.restGradientSquares.col(static_cast<Eigen::Index>(t)).sum(),
+    for (std::size_t t = 0; t < v->tetrahedra.size(); ++t)
+      EXPECT_LT(36.0 * v.stabilityScale[t] * v->restGradientSquares.col(static_cast<Eigen::Index>(t)).sum(),
                 1.0);
   }
 }

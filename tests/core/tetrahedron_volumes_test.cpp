@@ -44,7 +44,7 @@ TEST(TetrahedronVolumes, areAtRestAtRestAndWhenMirroredByTheScale) {
   const SpringNetwork network = pair();
   for (const Eigen::Vector3d& scale : {Eigen::Vector3d(1, 1, 1), Eigen::Vector3d(-2, 1, 3)}) {
     const TetrahedronVolumes v = tetrahedraOf(network, 100.0, scale);
-    EXPECT_NEAR(v.restVolume[0], std::abs(scale.prod()) / 6.0, 1e-15);
+    EXPECT_NEAR(v->restVolume[0], std::abs(scale.prod()) / 6.0, 1e-15);
     PointState state = pairState(network);
     state.position = scale.asDiagonal() * state.position;
     addTetrahedronForces(v, state);
@@ -96,8 +96,8 @@ TEST(TetrahedronVolumes, pushBackWhatIsTurnedOverEvenWithoutAModulus) {
 
 TEST(TetrahedronVolumes, takeTheModulusOfTheSpringsByDefault) {
   const TetrahedronVolumes v = tetrahedraOf(pair(), -1.0);
-  EXPECT_GT(v.modulus, 0.0);
-  EXPECT_EQ(v.modulus, v.crushModulus);
+  EXPECT_GT(v->modulus, 0.0);
+  EXPECT_EQ(v->modulus, v->crushModulus);
   EXPECT_TRUE(tetrahedraOf(SpringNetwork{}, 5.0).empty());
 }
 

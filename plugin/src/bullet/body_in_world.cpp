@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
 
-// This file makes bodies and the surface topologies that equal bodies share. It also calls the functions for
+// This file makes bodies and the models that equal bodies share. It also calls the functions for
 // points or for surfaces at each stage of a body's life in the world.
 
 #include "bullet/body_in_world.h"
@@ -16,6 +16,111 @@
 namespace limber {
 inline namespace LIMBER_BULLET_PRECISION {
 
+// --- the model of equal bodies -----------------------------------------------------------------------------
+
+namespace {
+
+/// Returns the surface features of a network. A scale that mirrors the network reverses the orientation of
+/// its triangles, so it is reversed again here.
+SurfaceFeatures featuresOf(const SpringNetwork& network, const SoftBodySettings& settings) {
+  SurfaceFeatures features;
+  features.triangles = network.surface;
+  if (settings.scale.prod() < 0.0)
+    for (Triangle& t : features.triangles) std::swap(t[1], t[2]);
+  if (!features.triangles.empty()) return features;
+  for (const NetworkSpring& spring : network.springs)
+    if (spring.kind == SpringKind::Structural) features.segments.push_back({spring.a, spring.b});
+  if (features.segments.empty())
+    for (std::uint32_t i = 0; i < network.restPoints.size(); ++i) features.vertices.push_back(i);
+  return features;
+}
+
+/// Relative residual of the eigenvalue. The error of the resulting period is about 1e-3.
+constexpr double kResidual = 0.03;
+
+/// Returns the fastest oscillation with the masses of the settings and no held points. It uses the unrotated
+/// rest shape at the origin: otherwise the remaining residual, and sometimes the number of substeps, would
+/// depend on the body's initial pose.
+double fastestAtRest(const BodyModel& model, const Points& rest, double totalMass) {
+  PointState state;
+  state.resize(rest.cols());
+  state.position = rest;
+  for (Eigen::Index i = 0; i < rest.cols(); ++i)
+    state.inverseMass.col(i).setConstant(
+        1.0 / (totalMass * model.network->massFractions[static_cast<std::size_t>(i)]));
+  return fastestOscillationSquared(model.springs, model.volumes, model.tetrahedra, state, kResidual);
+}
+
+/// Maximum width of a narrow matrix band: the index distance of two points that a spring joins. A rope has 1,
+/// a rope with bending springs 2.
+constexpr std::size_t kNarrowBand = 3;
+
+/// Maximum number of operations of a cheap banded factorisation, about 3 #points (3 width)^2. This takes some
+/// 20 us. A cube takes 10 000 operations.
+constexpr std::size_t kCheapOperations = 50000;
+
+void measureBand(BodyModel& model) {
+  const std::size_t points = model.network->restPoints.size();
+  const std::size_t width = bandWidth(model.springs, bandOrder(model.springs, points));
+  model.narrow = width <= kNarrowBand;
+  model.cheapNewton = 27 * points * width * width <= kCheapOperations;
+}
+
+BodyModel makeModel(const SharedNetwork& network, const SoftBodySettings& settings) {
+  BodyModel model;
+  model.network = network;
+  model.springs = makeSprings(*network, settings);
+  model.volumes = makeVolumes(*network, settings);
+  model.tetrahedra = makeTetrahedronVolumes(*network, settings);
+  const Points rest = scaledRest(*network, settings.scale);
+  if (settings.collision == Collision::Surface)
+    if (auto topology = makeSurfaceTopology(rest, featuresOf(*network, settings)))
+      model.topology = std::move(*topology);
+  model.weightedRest = rest;
+  for (Eigen::Index i = 0; i < rest.cols(); ++i) {
+    model.weightedRest.col(i) *= network->massFractions[static_cast<std::size_t>(i)];
+    model.weightedSquares += model.weightedRest.col(i).dot(rest.col(i));
+  }
+  model.fastestAtRest = fastestAtRest(model, rest, settings.totalMass);
+  measureBand(model);
+  return model;
+}
+
+std::array<double, 15> modelKey(const SoftBodySettings& s) {
+  const ElasticLimit& limit = s.elasticLimit;
+  return {s.scale.x(),
+          s.scale.y(),
+          s.scale.z(),
+          s.totalMass,
+          s.extensionStiffness,
+          s.compressionStiffness,
+          s.damping,
+          s.volumeModulus,
+          s.pressure,
+          limit.stiffenStrain,
+          limit.stiffenFactor,
+          limit.yieldStrain,
+          limit.yieldMaximum,
+          limit.breakStrain,
+          static_cast<double>(s.collision)};
+}
+
+}  // namespace
+
+Result<std::shared_ptr<const BodyModel>> SharedModels::of(const SharedNetwork& network,
+                                                          const SoftBodySettings& settings) {
+  const Key key{network.get(), modelKey(settings)};
+  if (const auto it = models_.find(key); it != models_.end())
+    if (std::shared_ptr<const BodyModel> model = it->second.lock()) return model;
+  if (std::string reason = validate(*network); !reason.empty()) return Error{"network: " + reason};
+  if (std::string reason = checkVolume(*network, settings); !reason.empty()) return Error{reason};
+  for (auto it = models_.begin(); it != models_.end();)
+    it = it->second.expired() ? models_.erase(it) : std::next(it);
+  auto model = std::make_shared<const BodyModel>(makeModel(network, settings));
+  models_[key] = model;
+  return std::shared_ptr<const BodyModel>(std::move(model));
+}
+
 // --- a new body --------------------------------------------------------------------------------------------
 
 namespace {
@@ -26,14 +131,6 @@ Eigen::Vector3d centerOfMass(const SpringNetwork& network, const Points& positio
     center += network.massFractions[i] * position.col(static_cast<Eigen::Index>(i));
   return center;
 }
-
-/// Maximum width of a narrow matrix band: the index distance of two points that a spring joins. A rope has 1,
-/// a rope with bending springs 2.
-constexpr std::size_t kNarrowBand = 3;
-
-/// Maximum number of operations of a cheap banded factorisation, about 3 #points (3 width)^2. This takes some
-/// 20 us. A cube takes 10 000 operations.
-constexpr std::size_t kCheapOperations = 50000;
 
 void initializePoints(SoftBodyData& body) {
   const SoftBodySettings& s = body.settings;
@@ -60,90 +157,26 @@ std::string checkCoordinates(const PointState& state) {
   return {};
 }
 
-/// Relative residual of the eigenvalue. The error of the resulting period is about 1e-3.
-constexpr double kResidual = 0.03;
-
-/// Returns the fastest oscillation with the masses of the settings and no held points. It uses the unrotated
-/// rest shape at the origin: otherwise the remaining residual, and sometimes the number of substeps, would
-/// depend on the body's initial pose.
-double fastestAtRest(const SoftBodyData& body) {
-  PointState rest = body.state;
-  for (Eigen::Index i = 0; i < rest.position.cols(); ++i)
-    rest.position.col(i) =
-        body.network->restPoints[static_cast<std::size_t>(i)].cwiseProduct(body.settings.scale);
-  for (Eigen::Index i = 0; i < rest.inverseMass.cols(); ++i)
-    rest.inverseMass.col(i).setConstant(
-        1.0 / (body.settings.totalMass * body.network->massFractions[static_cast<std::size_t>(i)]));
-  return fastestOscillationSquared(body.springs, body.volumes, body.tetrahedra, rest, kResidual);
-}
-
 }  // namespace
 
-Result<std::unique_ptr<SoftBodyData>> makeBodyData(SharedNetwork network, const SoftBodySettings& settings) {
+Result<std::unique_ptr<SoftBodyData>> makeBodyData(SharedNetwork network, const SoftBodySettings& settings,
+                                                   SharedModels& models) {
   if (!network) return Error{"there is no network"};
-  if (std::string reason = validate(*network); !reason.empty()) return Error{"network: " + reason};
   if (std::string reason = validate(settings); !reason.empty()) return Error{"settings: " + reason};
-  if (std::string reason = checkVolume(*network, settings); !reason.empty()) return Error{reason};
+  auto model = models.of(network, settings);
+  if (!model) return Error{model.error()};
   auto body = std::make_unique<SoftBodyData>();
+  body->model = *model;
   body->network = std::move(network);
   body->settings = settings;
-  body->springs = makeSprings(*body->network, settings);
-  body->volumes = makeVolumes(*body->network, settings);
-  body->tetrahedra = makeTetrahedronVolumes(*body->network, settings);
+  body->springs = body->model->springs;
+  body->volumes = body->model->volumes;
+  body->tetrahedra = body->model->tetrahedra;
   initializePoints(*body);
   if (std::string reason = checkCoordinates(body->state); !reason.empty()) return Error{reason};
-  body->fastestAtRest = fastestAtRest(*body);
   const Points& x = body->state.position;
   body->size = (x.rowwise().maxCoeff() - x.rowwise().minCoeff()).norm();
-  const auto order = bandOrder(body->springs, body->network->restPoints.size());
-  const std::size_t width = bandWidth(body->springs, order), points = body->network->restPoints.size();
-  body->narrow = width <= kNarrowBand;
-  body->cheapNewton = 27 * points * width * width <= kCheapOperations;
   return body;
-}
-
-// --- surfaces that equal bodies share ----------------------------------------------------------------------
-
-namespace {
-
-/// Returns the surface features of a network. A scale that mirrors the network reverses the orientation of
-/// its triangles, so it is reversed again here.
-SurfaceFeatures featuresOf(const SpringNetwork& network, const SoftBodySettings& settings) {
-  SurfaceFeatures features;
-  features.triangles = network.surface;
-  if (settings.scale.prod() < 0.0)
-    for (Triangle& t : features.triangles) std::swap(t[1], t[2]);
-  if (!features.triangles.empty()) return features;
-  for (const NetworkSpring& spring : network.springs)
-    if (spring.kind == SpringKind::Structural) features.segments.push_back({spring.a, spring.b});
-  if (features.segments.empty())
-    for (std::uint32_t i = 0; i < network.restPoints.size(); ++i) features.vertices.push_back(i);
-  return features;
-}
-
-std::shared_ptr<const SurfaceTopology> makeTopology(const SpringNetwork& network,
-                                                    const SoftBodySettings& settings) {
-  Points rest(3, static_cast<Eigen::Index>(network.restPoints.size()));
-  for (Eigen::Index i = 0; i < rest.cols(); ++i)
-    rest.col(i) = network.restPoints[static_cast<std::size_t>(i)].cwiseProduct(settings.scale);
-  Result<SurfaceTopology> topology = makeSurfaceTopology(rest, featuresOf(network, settings));
-  return topology ? std::make_shared<const SurfaceTopology>(std::move(*topology)) : nullptr;
-}
-
-}  // namespace
-
-std::shared_ptr<const SurfaceTopology> SharedTopologies::of(const SharedNetwork& network,
-                                                            const SoftBodySettings& settings) {
-  const Key key{network.get(), {settings.scale.x(), settings.scale.y(), settings.scale.z()}};
-  Entry& entry = entries_[key];
-  std::shared_ptr<const SurfaceTopology> topology = entry.topology.lock();
-  if (topology) return topology;
-  topology = makeTopology(*network, settings);
-  entry.network = network;
-  entry.topology = topology;
-  for (auto it = entries_.begin(); it != entries_.end();)
-    it = it->second.topology.expired() ? entries_.erase(it) : std::next(it);
-  return topology;
 }
 
 // --- in the world ------------------------------------------------------------------------------------------

@@ -22,25 +22,22 @@ inline namespace LIMBER_BULLET_PRECISION {
 
 // --- a new body --------------------------------------------------------------------------------------------
 
-/// Makes a body at its starting position, which is not yet in a world. Has the errors of
-/// SoftBodySystem::createBody.
-Result<std::unique_ptr<SoftBodyData>> makeBodyData(SharedNetwork network, const SoftBodySettings& settings);
-
-/// Surface topologies by network and scale. Equal bodies share one. Unused topologies are deleted.
-class SharedTopologies {
+/// The models of the living bodies, by network and settings. Equal bodies share one.
+class SharedModels {
  public:
-  /// Returns the surface topology of a network. Its vertices are the network's points. If the network has no
-  /// triangles, the structural springs are the edges.
-  std::shared_ptr<const SurfaceTopology> of(const SharedNetwork& network, const SoftBodySettings& settings);
+  /// Returns the model for a network and settings, which must be valid. An error names the setting that does
+  /// not suit the network.
+  Result<std::shared_ptr<const BodyModel>> of(const SharedNetwork& network, const SoftBodySettings& settings);
 
  private:
-  using Key = std::pair<const SpringNetwork*, std::array<double, 3>>;
-  struct Entry {
-    SharedNetwork network;  ///< keeps its address from being used by another network
-    std::weak_ptr<const SurfaceTopology> topology;
-  };
-  std::map<Key, Entry> entries_;
+  using Key = std::pair<const SpringNetwork*, std::array<double, 15>>;
+  std::map<Key, std::weak_ptr<const BodyModel>> models_;  // a living model keeps its network's address
 };
+
+/// Makes a body at its starting position, which is not yet in a world. Has the errors of
+/// SoftBodySystem::createBody.
+Result<std::unique_ptr<SoftBodyData>> makeBodyData(SharedNetwork network, const SoftBodySettings& settings,
+                                                   SharedModels& models);
 
 // --- in the world ------------------------------------------------------------------------------------------
 

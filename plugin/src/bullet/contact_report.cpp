@@ -238,21 +238,21 @@ bool hasCorner(const Triangle& triangle, std::uint32_t point) {
 /// Returns the cosine of the angle between a triangle's normal and a direction; of two-sided triangles, its
 /// absolute value.
 double facing(const SoftBodyData& body, std::uint32_t triangle, const Eigen::Vector3d& direction) {
-  const Triangle& t = body.surface.topology->triangles[triangle];
+  const Triangle& t = body.model->topology.triangles[triangle];
   const Points& x = body.state.position;
   const Eigen::Vector3d a = x.col(t[0]), normal = (x.col(t[1]) - a).cross(x.col(t[2]) - a).stableNormalized();
   const double along = normal.dot(direction);
-  return body.surface.topology->oneSided[triangle] ? along : std::abs(along);
+  return body.model->topology.oneSided[triangle] ? along : std::abs(along);
 }
 
 /// Returns the triangle that has all points of the side and faces the direction best; of equals, the first.
 std::uint32_t triangleOf(const SoftBodyData& body, const ContactSide& side,
                          const Eigen::Vector3d& direction) {
-  const IndexLists& around = body.surface.topology->trianglesAround;
+  const IndexLists& around = body.model->topology.trianglesAround;
   std::uint32_t best = ContactSide::kNone;
   double bestFacing = -2.0;
   for (const std::uint32_t* t = around.begin(side.points[0]); t != around.end(side.points[0]); ++t) {
-    const Triangle& corners = body.surface.topology->triangles[*t];
+    const Triangle& corners = body.model->topology.triangles[*t];
     if (!hasCorner(corners, side.points[1]) || !hasCorner(corners, side.points[2])) continue;
     const double value = facing(body, *t, direction);
     if (value > bestFacing) bestFacing = value, best = *t;
@@ -273,7 +273,7 @@ void setTriangle(ContactSide& side, std::uint32_t triangle, const Triangle& corn
 }
 
 void findTriangle(const SoftBodyData& body, ContactSide& side, const Eigen::Vector3d& direction) {
-  if (!body.surface.topology || side.triangle != ContactSide::kNone || side.weights.isZero(0.0)) return;
+  if (!hasSurface(body) || side.triangle != ContactSide::kNone || side.weights.isZero(0.0)) return;
   const std::uint32_t triangle = triangleOf(body, side, direction);
   if (triangle != ContactSide::kNone) setTriangle(side, triangle, body.network->surface[triangle]);
 }

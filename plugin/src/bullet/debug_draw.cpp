@@ -40,9 +40,9 @@ void drawSprings(const SoftBodyData& body, btIDebugDraw& drawer) {
   const Points& x = body.state.position;
   const SpringArrays& s = body.springs;
   for (std::size_t i = 0; i < s.size(); ++i) {
-    if (s.extensionStiffness[i] == 0.0 && s.compressionStiffness[i] == 0.0) continue;
-    const Eigen::Vector3d a = x.col(s.a[i]), b = x.col(s.b[i]);
-    drawer.drawLine(toBullet(a), toBullet(b), colourOf(strainOf((b - a).norm(), s.restLength[i])));
+    if (s->extensionStiffness[i] == 0.0 && s->compressionStiffness[i] == 0.0) continue;
+    const Eigen::Vector3d a = x.col(s->a[i]), b = x.col(s->b[i]);
+    drawer.drawLine(toBullet(a), toBullet(b), colourOf(strainOf((b - a).norm(), s->restLength[i])));
   }
 }
 

@@ -49,7 +49,7 @@ double lightest(const SoftBodyData& body) {
 void updateBounds(SoftBodyData& body) {
   const Points& w = body.state.inverseMass;
   body.frequencySquared = limber::frequencyBoundSquared(body.springs, w, body.stiffnessSums);
-  body.fastestSquared = body.fastestAtRest * lightest(body);
+  body.fastestSquared = body.model->fastestAtRest * lightest(body);
   body.dampingRate = dampingRateBound(body.springs, w);
   body.volumes.kept.value = 0.0;
   body.rateHistory = RateHistory();
@@ -82,7 +82,7 @@ constexpr double kRateMemory = 0.25;
 /// change of the substep makes or takes as much. In an undamped body that oscillates, such changes come at
 /// the same moments of each oscillation and add up, so its substeps follow the largest rates of a while.
 MotionRates largestRecentRates(SoftBodyData& body, const MotionRates& rates, double tick) {
-  if (body.springs.damped) return rates;
+  if (body.springs->damped) return rates;
   RateHistory& kept = body.rateHistory;
   kept.age += tick;
   if (kept.age > kRateMemory) kept = {MotionRates(), kept.now, 0.0};
@@ -113,8 +113,8 @@ SteppingProblem problemOf(LinkedGroup& group, double tick) {
     p.errorCoefficient = std::max(p.errorCoefficient, body->errorCoefficient);
     p.size = p.size > 0.0 ? std::min(p.size, body->size) : body->size;
     p.touching = p.touching || !body->contacts.empty();
-    p.narrow = body->narrow;
-    p.cheapNewton = body->cheapNewton;
+    p.narrow = body->model->narrow;
+    p.cheapNewton = body->model->cheapNewton;
   }
   p.implicitPossible = isPlain(group.step) && canStepImplicitly(group.step.bodies[0]);
   p.held = p.implicitPossible && (group.step.bodies[0].points->inverseMass.array() == 0.0).any();
@@ -346,7 +346,7 @@ void StepPlan::stepOrCollect(std::vector<LinkedGroup>& groups, double tick) {
   for (std::size_t i = 0; i < groups.size(); ++i) {
     if (groups[i].asleep || groups[i].inIsland) continue;
     if (canUseLanes(groups[i]))
-      candidates_.push_back({networkOf_[i], groups[i].substeps, groups[i].bodies[0]->springs.damped,
+      candidates_.push_back({networkOf_[i], groups[i].substeps, groups[i].bodies[0]->springs->damped,
                              volumeKind(*groups[i].bodies[0]), i});
     else
       stepLinkedGroup(groups[i], tick, factors_);

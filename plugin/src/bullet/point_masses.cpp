@@ -143,6 +143,7 @@ void updateInverseMass(SoftBodyData& body, std::uint32_t i) {
   if (w == body.state.inverseMass.col(i)) return;
   body.frequencyStale = true;
   body.springs.damperTime = 0.0;
+  ++body.springs.revision;
   body.state.inverseMass.col(i) = w;
 }
 
@@ -252,10 +253,11 @@ void restoreIfUnsound(SoftBodyData& body) {
   if (s.position.cwiseAbs().sum() + s.velocity.cwiseAbs().sum() < kUnsound) return;
   s.position = body.masses.startPosition;
   s.velocity.setZero();
-  SpringArrays& springs = body.springs;
-  for (std::size_t i = 0; i < springs.originalLength.size(); ++i)
-    if (!std::isfinite(springs.restLength[i])) springs.restLength[i] = springs.originalLength[i];
-  ++springs.revision;
+  if (SpringConstants* yielded = body.springs.yielded.get())
+    for (std::size_t i = 0; i < yielded->restLength.size(); ++i)
+      if (!std::isfinite(yielded->restLength[i]))
+        yielded->restLength[i] = body.springs.original->restLength[i];
+  ++body.springs.revision;
   for (PlaneContact& row : body.contacts) row.impulse = TickImpulse();
   body.storedImpulses.clear();
   body.implicit = ImplicitState();

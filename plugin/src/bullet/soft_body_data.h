@@ -132,9 +132,8 @@ struct SurfaceData {
   SweptBounds sweptBounds;              ///< predicted for the coming tick; Bullet's broadphase has its box
   std::vector<btCollisionObject*> partners;  ///< of the coming tick, see collectPartners()
 
-  std::shared_ptr<const SurfaceTopology> topology;  ///< of the points and triangles; springs of ropes
-  Points motion;                                    ///< 3 x #points, m, predicted displacement in the tick
-  Points positionInStep;                            ///< 3 x #points, m, current positions during a step
+  Points motion;          ///< 3 x #points, m, predicted displacement in the tick
+  Points positionInStep;  ///< 3 x #points, m, current positions during a step
   SurfaceBoxes boxes;
   MovingSurface moving;                ///< a view of the above
   double impact = 0.0;                 ///< m in the tick, into static and kinematic objects that stop it
@@ -145,6 +144,20 @@ struct SurfaceData {
 };
 
 // --- a body ------------------------------------------------------------------------------------------------
+
+/// The constants that all bodies of one network with the same scale and material share. Immutable.
+struct BodyModel {
+  SharedNetwork network;
+  SpringArrays springs;  ///< a body starts with copies of the three, which share their constants
+  VolumeArrays volumes;
+  TetrahedronVolumes tetrahedra;
+  SurfaceTopology topology;      ///< of the points and triangles; springs of ropes; empty: Collision::Points
+  Points weightedRest;           ///< 3 x #points, m, scaled rest positions times the mass fractions
+  double weightedSquares = 0.0;  ///< m^2, mean square of the scaled rest positions
+  double fastestAtRest = 0.0;    ///< rad^2/s^2, fastestOscillationSquared for the masses of the settings
+  bool narrow = false;           ///< see SteppingProblem
+  bool cheapNewton = false;      ///< see SteppingProblem
+};
 
 /// Rates of a body's internal motion.
 struct MotionRates {
@@ -160,6 +173,7 @@ struct RateHistory {
 
 /// The data of a SoftBody.
 struct SoftBodyData {
+  std::shared_ptr<const BodyModel> model;
   SharedNetwork network;
   SoftBodySettings settings;
   SoftBody* handle = nullptr;
@@ -207,7 +221,6 @@ struct SoftBodyData {
   bool frequencyStale = true;      ///< inverse masses have changed since frequencySquared was computed
   double frequencySquared = 0.0;   ///< rad^2/s^2, bound of its own springs
   double fastestSquared = 0.0;     ///< rad^2/s^2, bound of fastestOscillationSquared for the present masses
-  double fastestAtRest = 0.0;      ///< fastestOscillationSquared for the masses of its settings
   RateHistory rateHistory;
   int substeps = 0;                   ///< in the last tick
   Stepper stepper = Stepper::Verlet;  ///< in the last tick
@@ -217,8 +230,6 @@ struct SoftBodyData {
   Points startVelocity;             ///< 3 x #points, m/s, at the start of the tick
   double dampingRate = 0.0;         ///< 1/s, dampingRateBound; frequencyStale applies to it, too
   double size = 0.0;                ///< m, diagonal of its initial bounding box
-  bool narrow = false;              ///< see SteppingProblem
-  bool cheapNewton = false;         ///< see SteppingProblem
   bool prefersImplicit = false;     ///< chosen in the last tick for the body without its island
   SpringBatchArrays springBatches;  ///< empty unless it is stepped in batches
   ImplicitState implicit;           ///< empty unless it is stepped implicitly
@@ -244,6 +255,9 @@ inline bool isAttached(const SoftBodyData& body, std::uint32_t i, const btCollis
 }
 
 inline bool isSurfaceBody(const SoftBodyData& body) { return body.settings.collision == Collision::Surface; }
+
+/// Returns whether the body has triangles, edges or vertices that collide.
+inline bool hasSurface(const SoftBodyData& body) { return !body.model->topology.elements.empty(); }
 
 /// Returns whether an object is a point or the surface of a soft body.
 inline bool isSoft(const btCollisionObject* object) {

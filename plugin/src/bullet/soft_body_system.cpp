@@ -127,7 +127,7 @@ void SoftBodySystem::onWarning(std::function<void(const std::string&)> handler) 
 // --- bodies ------------------------------------------------------------------------------------------------
 
 Result<SoftBody*> SoftBodySystem::createBody(SharedNetwork network, const SoftBodySettings& settings) {
-  Result<std::unique_ptr<SoftBodyData>> data = makeBodyData(std::move(network), settings);
+  Result<std::unique_ptr<SoftBodyData>> data = makeBodyData(std::move(network), settings, impl_->models);
   if (!data) return Error{data.error()};
   impl_->hookUp();
   (*data)->world = impl_->world;
@@ -138,8 +138,6 @@ Result<SoftBody*> SoftBodySystem::createBody(SharedNetwork network, const SoftBo
   (*data)->onPointDeleted = [impl = impl_.get()](const btRigidBody& point) { impl->dropSprings(point); };
   impl_->bodies.push_back(std::make_unique<SoftBody>(std::move(*data)));
   SoftBody* body = impl_->bodies.back().get();
-  if (isSurfaceBody(*body->data_))
-    body->data_->surface.topology = impl_->topologies.of(body->data_->network, settings);
   addToWorld(*body->data_);
   impl_->step->groupsStale = true;
   return body;

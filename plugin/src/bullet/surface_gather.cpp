@@ -34,7 +34,7 @@ const MovingSurface& movingSurface(SoftBodyData& body, double tick) {
   SurfaceData& s = body.surface;
   if (!s.motionValid) {
     s.motion = tick * body.state.velocity + tick * tick * body.state.acceleration;
-    s.moving = {s.topology.get(), &body.state.position, &s.motion, double(body.masses.shape->getRadius()),
+    s.moving = {&body.model->topology, &body.state.position, &s.motion, double(body.masses.shape->getRadius()),
                 &s.boxes};
     s.impact = impactOf(body, tick);
     s.motionValid = true;
@@ -350,7 +350,7 @@ ContactPoint foreignPoint(const SoftBodyData& body, const SurfacePoint& place) {
 }
 
 void gatherSoft(SoftBodyData& body, SoftBodyData& other, double tick, SurfaceSearch& s, TickContacts& found) {
-  if (!other.alive || !other.surface.topology) return;
+  if (!other.alive || !hasSurface(other)) return;
   const bool together = !other.asleep;
   if (together && other.index < body.index) return;
   const MovingSurface &a = movingSurface(body, tick), &b = movingSurface(other, tick);
@@ -469,7 +469,7 @@ void shareSoftPartners(const std::vector<LinkedGroup>& groups) {
 
 void gatherSurfacePairs(SoftBodyData& body, btScalar tick, RigidSurfaces& rigids, SurfaceSearch& search,
                         TickContacts& found) {
-  if (!body.surface.topology) return;
+  if (!hasSurface(body)) return;
   const double h = double(tick);
   for (btRigidBody* partner : body.freePartners) gatherFree(body, *partner, h, rigids, search, found);
   for (const btCollisionObject* partner : body.partners) gatherHeld(body, *partner, h, rigids, search, found);

@@ -104,14 +104,8 @@ RigidFit fitRigid(const PointState& s) {
 /// deformations, 2016). It is also defined for ropes and cloths.
 Eigen::Quaterniond follow(const SoftBodyData& body, const Vector3d& center, Eigen::Quaterniond q) {
   Matrix3d moments = Matrix3d::Zero();
-  double size = 0.0;
-  for (Eigen::Index i = 0; i < body.state.position.cols(); ++i) {
-    const auto place = static_cast<std::size_t>(i);
-    const Vector3d rest = body.network->restPoints[place].cwiseProduct(body.settings.scale);
-    const Vector3d weighted = body.network->massFractions[place] * rest;
-    moments += (body.state.position.col(i) - center) * weighted.transpose();
-    size += weighted.dot(rest);
-  }
+  for (Eigen::Index i = 0; i < body.state.position.cols(); ++i)
+    moments += (body.state.position.col(i) - center) * body.model->weightedRest.col(i).transpose();
   for (int step = 0; step < kRotationSteps; ++step) {
     const Matrix3d r = q.toRotationMatrix();
     Vector3d turn = Vector3d::Zero();
@@ -120,7 +114,7 @@ Eigen::Quaterniond follow(const SoftBodyData& body, const Vector3d& center, Eige
       turn += r.col(axis).cross(moments.col(axis));
       along += r.col(axis).dot(moments.col(axis));
     }
-    turn /= std::abs(along) + 1e-9 * size;
+    turn /= std::abs(along) + 1e-9 * body.model->weightedSquares;
     const double angle = turn.norm();
     if (!(angle > 1e-9) || !std::isfinite(angle)) break;
     // (1, turn / 2) is this rotation to second order; the next step corrects the remainder

@@ -64,7 +64,7 @@ struct SoftBodySystem::Impl final : TickListener, StepListener {
   std::shared_ptr<WorldStep> step;
   std::vector<std::unique_ptr<SoftBody>> bodies;
   SpringList springs;
-  SharedTopologies topologies;
+  SharedModels models;
   std::unique_ptr<StepBoundary> stepBoundary;  // while point masses outside the world are in the user's hands
   ContactEvents events;
   bool showsManifolds = false;

@@ -220,7 +220,7 @@ constexpr std::size_t kMaxDescent = 3000;
 
 double meanLength(const SpringArrays& springs) {
   double sum = 0.0;
-  for (const double length : springs.restLength) sum += length;
+  for (const double length : springs->restLength) sum += length;
   return springs.size() > 0 ? sum / static_cast<double>(springs.size()) : 1.0;
 }
 

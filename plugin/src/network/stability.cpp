@@ -319,7 +319,7 @@ std::optional<double> leastStiffnessOfPiece(const SpringNetwork& network, const 
 /// Of the body as a whole: its pieces are of one material.
 double volumeModulusOf(const SpringNetwork& network, const SoftBodySettings& settings) {
   const BodyTerms terms(network, settings);
-  return std::max(0.0, terms.tetrahedra.empty() ? terms.volumes.modulus : terms.tetrahedra.modulus);
+  return std::max(0.0, terms.tetrahedra.empty() ? terms.volumes->modulus : terms.tetrahedra->modulus);
 }
 
 double massOfPoints(const SpringNetwork& network, const std::vector<Eigen::Index>& points) {

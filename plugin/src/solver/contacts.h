@@ -52,7 +52,8 @@ struct HeldCorners {
 
 /// Two places that must not get nearer to each other along a normal than they are allowed to, with Coulomb
 /// friction across it. Impulses are equal and opposite at the two places, so linear momentum is kept to
-/// rounding; angular momentum, too, where one side can bear the couple (see joinPlaces() of contact_solver.cpp).
+/// rounding; angular momentum, too, where one side can bear the couple (see joinPlaces() of
+/// contact_solver.cpp).
 struct Contact {
   ContactPoint a, b;
   Eigen::Vector3d normal = Eigen::Vector3d::UnitY();  ///< unit, from b to a

@@ -39,7 +39,7 @@ Eigen::Vector3d inertialMidpoint(const Substep& s, Eigen::Index i) {
 /// 0 to 1, see lookAhead(); backward Euler takes the mean velocity.
 double damperLookAhead(const Substep& s, std::size_t i) {
   if (s.euler) return 0.0;
-  return lookAhead(s.springs().damping[i], inverseMassesOf(s.springs(), s.points().inverseMass, i), s.h);
+  return lookAhead(s.springs()->damping[i], inverseMassesOf(s.springs(), s.points().inverseMass, i), s.h);
 }
 
 /// m: by how much farther apart the ends of spring i are, along its damper, than where the damper would pull
@@ -47,7 +47,7 @@ double damperLookAhead(const Substep& s, std::size_t i) {
 /// is where   (1 + beta) (x - x0) = beta h/2 v0.
 double damperStretch(const Substep& s, std::size_t i, const Points& x) {
   const ImplicitState& state = s.implicit;
-  const auto a = s.springs().a[i], b = s.springs().b[i];
+  const auto a = s.springs()->a[i], b = s.springs()->b[i];
   const double beta = damperLookAhead(s, i), old = 0.5 * s.h * beta / (1.0 + beta);
   const auto displacement = [&](std::uint32_t j) -> Eigen::Vector3d {
     return x.col(j) - state.start.col(j) - old * state.startVelocity.col(j);
@@ -57,19 +57,19 @@ double damperStretch(const Substep& s, std::size_t i, const Points& x) {
 
 /// kg: h/2 c (1 + beta).
 double damperWeight(const Substep& s, std::size_t i) {
-  return 0.5 * s.h * s.springs().damping[i] * (1.0 + damperLookAhead(s, i));
+  return 0.5 * s.h * s.springs()->damping[i] * (1.0 + damperLookAhead(s, i));
 }
 
 /// Adds the dampers' forces for the velocities that the present midpoint positions mean.
 void addDampingForces(const Substep& s) {
   const SpringArrays& springs = s.springs();
-  if (!springs.damped) return;
+  if (!springs->damped) return;
   Points& force = s.points().force;
   for (std::size_t i = 0; i < springs.size(); ++i) {
     const double pull = 4.0 / (s.h * s.h) * damperWeight(s, i) * damperStretch(s, i, s.points().position);
     const Eigen::Vector3d f = pull * s.implicit.damperDirection.col(static_cast<Eigen::Index>(i));
-    force.col(springs.a[i]) += f;
-    force.col(springs.b[i]) -= f;
+    force.col(springs->a[i]) += f;
+    force.col(springs->b[i]) -= f;
   }
 }
 
@@ -103,7 +103,7 @@ double objective(const Substep& s, const Points& position) {
   for (Eigen::Index i = 0; i < position.cols(); ++i)
     if (!isHeld(p.inverseMass, i))
       sum += 0.5 * massOf(p.inverseMass, i) * (position.col(i) - inertialMidpoint(s, i)).squaredNorm();
-  for (std::size_t i = 0; s.springs().damped && i < s.springs().size(); ++i)
+  for (std::size_t i = 0; s.springs()->damped && i < s.springs().size(); ++i)
     sum += 0.5 * damperWeight(s, i) * std::pow(damperStretch(s, i, position), 2);
   return sum;
 }
@@ -151,7 +151,7 @@ void guess(const Substep& s) {
 
 double longest(const SpringArrays& springs) {
   double length = 0.0;
-  for (const double l : springs.restLength) length = std::max(length, l);
+  for (const double l : springs->restLength) length = std::max(length, l);
   return length;
 }
 
@@ -393,8 +393,8 @@ std::size_t countPoints(const std::vector<PlaneContact>& rows) {
 
 bool canStepImplicitly(const SolverBody& body) {
   if (body.springs->size() == 0) return false;
-  if (body.springs->limited || (body.tetrahedra && !body.tetrahedra->edgesAreSprings)) return false;
-  if (body.volumes && body.volumes->restVolume.size() > kMaxSolvedVolumes) return false;
+  if ((*body.springs)->limited || (body.tetrahedra && !(*body.tetrahedra)->edgesAreSprings)) return false;
+  if (body.volumes && (*body.volumes)->restVolume.size() > kMaxSolvedVolumes) return false;
   const Points& w = body.points->inverseMass;
   if (w.row(0) != w.row(1) || w.row(0) != w.row(2)) return false;
   if (!body.contacts) return true;

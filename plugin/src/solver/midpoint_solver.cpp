@@ -43,8 +43,8 @@ using Neighbours = std::vector<std::vector<std::uint32_t>>;
 Neighbours neighboursOf(const SpringArrays& springs, std::size_t points) {
   Neighbours neighbours(points);
   for (std::size_t s = 0; s < springs.size(); ++s) {
-    neighbours[springs.a[s]].push_back(springs.b[s]);
-    neighbours[springs.b[s]].push_back(springs.a[s]);
+    neighbours[springs->a[s]].push_back(springs->b[s]);
+    neighbours[springs->b[s]].push_back(springs->a[s]);
   }
   const auto fewer = [&](std::uint32_t a, std::uint32_t b) {
     return neighbours[a].size() != neighbours[b].size() ? neighbours[a].size() < neighbours[b].size() : a < b;
@@ -95,7 +95,7 @@ std::vector<std::uint32_t> bandOrder(const SpringArrays& springs, std::size_t po
 std::size_t bandWidth(const SpringArrays& springs, const std::vector<std::uint32_t>& place) {
   std::size_t width = 0;
   for (std::size_t s = 0; s < springs.size(); ++s) {
-    const auto a = place[springs.a[s]], b = place[springs.b[s]];
+    const auto a = place[springs->a[s]], b = place[springs->b[s]];
     width = std::max<std::size_t>(width, a > b ? a - b : b - a);
   }
   return width;
@@ -107,7 +107,7 @@ namespace {
 
 /// kg: what the damper of spring s adds to the matrix of the midpoint rule, h/2 c (1 + beta).
 double dampingWeight(const SpringArrays& springs, const Points& inverseMass, std::size_t s, double h) {
-  const double c = springs.damping[s];
+  const double c = springs->damping[s];
   return 0.5 * h * c * (1.0 + lookAhead(c, inverseMassesOf(springs, inverseMass, s), h));
 }
 
@@ -141,12 +141,12 @@ void join(std::uint32_t a, std::uint32_t b, double weight, const Points& inverse
 }
 
 void joinCorners(const TetrahedronVolumes& v, const Points& inverseMass, double h, Entries& entries) {
-  for (std::size_t t = 0; t < v.tetrahedra.size(); ++t) {
-    const Eigen::Array4d squares = v.restGradientSquares.col(static_cast<Eigen::Index>(t));
-    const double factor = 0.25 * h * h * v.modulus / v.restVolume[t];
+  for (std::size_t t = 0; t < v->tetrahedra.size(); ++t) {
+    const Eigen::Array4d squares = v->restGradientSquares.col(static_cast<Eigen::Index>(t));
+    const double factor = 0.25 * h * h * v->modulus / v->restVolume[t];
     for (Eigen::Index i = 0; i < 4; ++i)
       for (Eigen::Index j = 0; j < i; ++j)
-        join(v.tetrahedra[t][static_cast<std::size_t>(i)], v.tetrahedra[t][static_cast<std::size_t>(j)],
+        join(v->tetrahedra[t][static_cast<std::size_t>(i)], v->tetrahedra[t][static_cast<std::size_t>(j)],
              0.25 * factor * (2.0 * squares.sum() - squares[i] - squares[j]), inverseMass, entries);
   }
 }
@@ -158,9 +158,9 @@ Sparse midpointMatrix(const ElasticParts& parts, const Points& inverseMass, doub
   for (std::uint32_t i = 0; i < inverseMass.cols(); ++i)
     entries.emplace_back(i, i, isHeld(inverseMass, i) ? 1.0 : massOf(inverseMass, i));
   for (std::size_t s = 0; s < springs.size(); ++s) {
-    const double k = std::max(springs.extensionStiffness[s], springs.compressionStiffness[s]);
+    const double k = std::max(springs->extensionStiffness[s], springs->compressionStiffness[s]);
     const double weight = 0.25 * h * h * k + dampingWeight(springs, inverseMass, s, h);
-    join(springs.a[s], springs.b[s], weight, inverseMass, entries);
+    join(springs->a[s], springs->b[s], weight, inverseMass, entries);
   }
   if (parts.tetrahedra) joinCorners(*parts.tetrahedra, inverseMass, h, entries);
   Sparse matrix(inverseMass.cols(), inverseMass.cols());
@@ -205,9 +205,9 @@ Eigen::Matrix3d springBlock(const MidpointSolver& solver, const SpringArrays& sp
                             const Points& damperDirection, const Points& position) {
   const Eigen::Vector3d m = damperDirection.col(static_cast<Eigen::Index>(s));
   const Eigen::Vector3d n = springs.direction.col(static_cast<Eigen::Index>(s));
-  const double length = (position.col(springs.b[s]) - position.col(springs.a[s])).norm();
-  const double stretch = length - springs.restLength[s];
-  const double k = stretch > 0.0 ? springs.extensionStiffness[s] : springs.compressionStiffness[s];
+  const double length = (position.col(springs->b[s]) - position.col(springs->a[s])).norm();
+  const double stretch = length - springs->restLength[s];
+  const double k = stretch > 0.0 ? springs->extensionStiffness[s] : springs->compressionStiffness[s];
   const double stiffness = 0.25 * solver.substep * solver.substep * k;
   const double sideways = length > 0.0 ? stiffness * std::max(0.0, stretch / length) : 0.0;
   const Eigen::Matrix3d along = n * n.transpose();
@@ -244,11 +244,11 @@ void addMasses(MidpointSolver& solver) {
 }
 
 void addTetrahedra(MidpointSolver& solver, const TetrahedronVolumes& tetrahedra, const Points& position) {
-  for (std::size_t t = 0; t < tetrahedra.tetrahedra.size(); ++t) {
+  for (std::size_t t = 0; t < tetrahedra->tetrahedra.size(); ++t) {
     const TetrahedronSlope slope = tetrahedronSlope(tetrahedra, t, position);
     const double stiffness = 0.25 * solver.substep * solver.substep * slope.stiffness;
     if (stiffness == 0.0) continue;
-    const Tetrahedron& corner = tetrahedra.tetrahedra[t];
+    const Tetrahedron& corner = tetrahedra->tetrahedra[t];
     for (Eigen::Index i = 0; i < 4; ++i)
       for (Eigen::Index j = 0; j <= i; ++j)
         addFree(solver, corner[static_cast<std::size_t>(i)], corner[static_cast<std::size_t>(j)],
@@ -296,7 +296,7 @@ void update(MidpointSolver& solver, const ElasticParts& parts, const Points& dam
   matrix.band.setZero();
   addMasses(solver);
   for (std::size_t s = 0; s < springs.size(); ++s) {
-    const auto a = springs.a[s], b = springs.b[s];
+    const auto a = springs->a[s], b = springs->b[s];
     const Eigen::Matrix3d block = springBlock(solver, springs, s, damperDirection, position);
     addFree(solver, a, a, block);
     addFree(solver, b, b, block);
@@ -308,7 +308,7 @@ void update(MidpointSolver& solver, const ElasticParts& parts, const Points& dam
 
 void updateVolumes(MidpointSolver& solver, const VolumeArrays& volumes, const PointState& state) {
   VolumeUpdate& u = solver.volumes;
-  const std::size_t count = volumes.restVolume.size();
+  const std::size_t count = volumes->restVolume.size();
   u.gradient.resize(count);
   u.response.resize(count);
   u.inner.resize(static_cast<Eigen::Index>(count), static_cast<Eigen::Index>(count));

@@ -45,7 +45,7 @@ struct PlaneContact {
   double restitution = 0.0;
   double bounceThreshold = 0.0;     ///< m/s, slower approaches do not bounce, or nothing would come to rest
   double recoverySpeed = HUGE_VAL;  ///< m/s, at which a point that is below the surface is lifted at most
-  bool coupled = false;  ///< it is solved elsewhere, with contacts between bodies (contacts.h)
+  bool coupled = false;             ///< it is solved elsewhere, with contacts between bodies (contacts.h)
 
   HeldNeighbourhood* around = nullptr;  ///< what the plane follows, of a surface at rest; nullptr: it stays
   std::uint32_t owner = 0;              ///< its pieces in there

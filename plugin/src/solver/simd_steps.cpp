@@ -70,7 +70,7 @@ kernel::TetrahedronBody tetrahedronBody(const TetrahedronVolumes& volumes) {
 }
 
 void reserveVolumes(LaneBlock& b, LaneScratch& scratch, const VolumeArrays& volumes, std::size_t lanes) {
-  reserveNumbers(b.restVolume, volumes.restVolume.size() * lanes);
+  reserveNumbers(b.restVolume, volumes->restVolume.size() * lanes);
   reserveNumbers(b.modulus, lanes);
   reserveNumbers(b.pressure, lanes);
   reserveNumbers(scratch.gradient, static_cast<std::size_t>(volumes.gradient.size()) * lanes);
@@ -79,7 +79,7 @@ void reserveVolumes(LaneBlock& b, LaneScratch& scratch, const VolumeArrays& volu
 
 void reserveTetrahedra(LaneBlock& b, LaneScratch& scratch, const TetrahedronVolumes& tetrahedra,
                        std::size_t lanes) {
-  reserveNumbers(b.inverseRest, tetrahedra.inverseRest.size() * lanes);
+  reserveNumbers(b.inverseRest, tetrahedra->inverseRest.size() * lanes);
   reserveNumbers(scratch.stabilityScale, tetrahedra.stabilityScale.size() * lanes);
   reserveNumbers(b.tetrahedronModulus, lanes);
   reserveNumbers(b.crushModulus, lanes);
@@ -122,24 +122,32 @@ void loadState(LaneScratch& scratch, const PointState& state, std::size_t lane, 
 
 void loadSprings(LaneBlock& block, const SpringArrays& springs, std::size_t lane, std::size_t lanes) {
   const std::size_t count = springs.size();
-  toLane(springs.restLength.data(), count, block.restLength, lane, lanes);
-  toLane(springs.extensionStiffness.data(), count, block.extensionStiffness, lane, lanes);
-  toLane(springs.compressionStiffness.data(), count, block.compressionStiffness, lane, lanes);
-  toLane(springs.dampHalf.data(), count, block.dampHalf, lane, lanes);
-  toLane(springs.dampFull.data(), count, block.dampFull, lane, lanes);
+  toLane(springs->restLength.data(), count, block.restLength, lane, lanes);
+  toLane(springs->extensionStiffness.data(), count, block.extensionStiffness, lane, lanes);
+  toLane(springs->compressionStiffness.data(), count, block.compressionStiffness, lane, lanes);
+}
+
+void loadDampers(LaneBlock& block, const SolverBody& body, double dt, std::size_t lane, std::size_t lanes) {
+  const SpringArrays& springs = *body.springs;
+  if (!springs->damped) return;
+  for (std::size_t i = 0; i < springs.size(); ++i) {
+    const DampingImpulses impulses = dampingImpulses(springs, body.points->inverseMass, i, dt);
+    numbers(block.dampHalf)[i * lanes + lane] = impulses.half;
+    numbers(block.dampFull)[i * lanes + lane] = impulses.full;
+  }
 }
 
 void loadVolumes(LaneBlock& block, const VolumeArrays& volumes, std::size_t lane, std::size_t lanes) {
-  toLane(volumes.restVolume.data(), volumes.restVolume.size(), block.restVolume, lane, lanes);
-  toLane(&volumes.modulus, 1, block.modulus, lane, lanes);
-  toLane(&volumes.pressure, 1, block.pressure, lane, lanes);
+  toLane(volumes->restVolume.data(), volumes->restVolume.size(), block.restVolume, lane, lanes);
+  toLane(&volumes->modulus, 1, block.modulus, lane, lanes);
+  toLane(&volumes->pressure, 1, block.pressure, lane, lanes);
 }
 
 void loadTetrahedra(LaneBlock& block, const TetrahedronVolumes& tetrahedra, std::size_t lane,
                     std::size_t lanes) {
-  toLane(tetrahedra.inverseRest.data(), tetrahedra.inverseRest.size(), block.inverseRest, lane, lanes);
-  toLane(&tetrahedra.modulus, 1, block.tetrahedronModulus, lane, lanes);
-  toLane(&tetrahedra.crushModulus, 1, block.crushModulus, lane, lanes);
+  toLane(tetrahedra->inverseRest.data(), tetrahedra->inverseRest.size(), block.inverseRest, lane, lanes);
+  toLane(&tetrahedra->modulus, 1, block.tetrahedronModulus, lane, lanes);
+  toLane(&tetrahedra->crushModulus, 1, block.crushModulus, lane, lanes);
 }
 
 /// A lane without a body holds points that coincide and rest: nothing pulls or moves them.
@@ -147,11 +155,11 @@ void clearState(LaneBlock& block, LaneScratch& s, std::size_t count, std::size_t
   for (auto* array : {&s.position, &s.velocity, &s.acceleration, &s.inverseMass})
     for (std::size_t i = 0; i < count; ++i) numbers(*array)[i * lanes + lane] = 0.0;
   const VolumeArrays* volumes = block.lanes[0].body.volumes;
-  for (std::size_t c = 0; volumes && c < volumes->restVolume.size(); ++c)
+  for (std::size_t c = 0; volumes && c < (*volumes)->restVolume.size(); ++c)
     numbers(block.restVolume)[c * lanes + lane] = 1.0;
 }
 
-void load(LaneBlock& block, LaneScratch& scratch, std::size_t lanes) {
+void load(LaneBlock& block, LaneScratch& scratch, double dt, std::size_t lanes) {
   for (std::size_t lane = 0; lane < block.lanes.size(); ++lane) {
     LaneBlock::Lane& source = block.lanes[lane];
     loadState(scratch, *source.body.points, lane, lanes);
@@ -159,11 +167,13 @@ void load(LaneBlock& block, LaneScratch& scratch, std::size_t lanes) {
     if (tetrahedra)
       toLane(tetrahedra->stabilityScale.data(), tetrahedra->stabilityScale.size(), scratch.stabilityScale,
              lane, lanes);
-    if (source.revision == source.body.springs->revision) continue;
+    if (source.revision == source.body.springs->revision && source.substep == dt) continue;
     loadSprings(block, *source.body.springs, lane, lanes);
+    loadDampers(block, source.body, dt, lane, lanes);
     if (source.body.volumes) loadVolumes(block, *source.body.volumes, lane, lanes);
     if (tetrahedra) loadTetrahedra(block, *tetrahedra, lane, lanes);
     source.revision = source.body.springs->revision;
+    source.substep = dt;
   }
   const auto count = static_cast<std::size_t>(block.lanes[0].body.points->position.size());
   for (std::size_t lane = block.lanes.size(); lane < lanes; ++lane)
@@ -228,7 +238,7 @@ kernel::LaneBody laneBody(LaneBlock& b, LaneScratch& s, const kernel::ContactCal
   kernel::LaneBody body;
   body.points = static_cast<unsigned>(b.lanes[0].body.points->position.cols());
   body.springs = static_cast<unsigned>(springs.size());
-  body.a = springs.a.data(), body.b = springs.b.data();
+  body.a = springs->a.data(), body.b = springs->b.data();
   body.position = numbers(s.position), body.velocity = numbers(s.velocity);
   body.force = numbers(s.force), body.earlierForce = numbers(s.earlierForce);
   body.acceleration = numbers(s.acceleration), body.inverseMass = numbers(s.inverseMass);
@@ -239,7 +249,7 @@ kernel::LaneBody laneBody(LaneBlock& b, LaneScratch& s, const kernel::ContactCal
   body.dampHalf = numbers(b.dampHalf), body.dampFull = numbers(b.dampFull);
   body.volumes = laneVolumes(b, s);
   body.tetrahedra = laneTetrahedra(b, s);
-  body.damped = springs.damped;
+  body.damped = springs->damped;
   body.contacts = &contacts;
   body.change = change;
   return body;
@@ -277,12 +287,9 @@ void unload(LaneBlock& block, const LaneScratch& scratch, std::size_t lanes, con
 
 void stepLanes(LaneBlock& block, LaneScratch& scratch, double tick, int substeps, InstructionSet set) {
   const auto lanes = static_cast<std::size_t>(laneCount(set));
-  for (LaneBlock::Lane& lane : block.lanes) {
-    prepareDampers(*lane.body.springs, lane.body.points->inverseMass, tick / substeps);
-    prepareVolumes(lane.body, tick / substeps);
-  }
+  for (LaneBlock::Lane& lane : block.lanes) prepareVolumes(lane.body, tick / substeps);
   reserve(block, scratch, lanes);
-  load(block, scratch, lanes);
+  load(block, scratch, tick / substeps, lanes);
   LaneContacts contacts{block, scratch, laneCount(set)};
   const kernel::ContactCalls calls{prepareContacts(block, contacts) ? &contacts : nullptr,
                                    &LaneContacts::stop, &LaneContacts::settle};
@@ -316,8 +323,8 @@ bool shareNoPoint(const unsigned* a, const unsigned* b) {
 }
 
 void loadTopology(SpringBatchArrays& q, const SpringArrays& springs, unsigned points) {
-  std::copy(springs.a.begin(), springs.a.end(), q.a.begin());
-  std::copy(springs.b.begin(), springs.b.end(), q.b.begin());
+  std::copy(springs->a.begin(), springs->a.end(), q.a.begin());
+  std::copy(springs->b.begin(), springs->b.end(), q.b.begin());
   std::fill(q.a.begin() + static_cast<std::ptrdiff_t>(springs.size()), q.a.end(), points);
   std::fill(q.b.begin() + static_cast<std::ptrdiff_t>(springs.size()), q.b.end(), points + 1);
   numbers(q.position)[4 * (points + 1)] = 1.0;
@@ -328,12 +335,12 @@ void loadSprings(SpringBatchArrays& q, const SpringArrays& springs) {
   const auto copy = [](const std::vector<double>& from, AlignedNumbers& to) {
     std::copy(from.begin(), from.end(), numbers(to));
   };
-  copy(springs.restLength, q.restLength);
-  copy(springs.extensionStiffness, q.extensionStiffness);
-  copy(springs.compressionStiffness, q.compressionStiffness);
+  copy(springs->restLength, q.restLength);
+  copy(springs->extensionStiffness, q.extensionStiffness);
+  copy(springs->compressionStiffness, q.compressionStiffness);
   copy(springs.dampHalf, q.dampHalf);
   copy(springs.dampFull, q.dampFull);
-  q.sameStiffness = springs.extensionStiffness == springs.compressionStiffness;
+  q.sameStiffness = springs->extensionStiffness == springs->compressionStiffness;
   q.revision = springs.revision;
 }
 
@@ -365,7 +372,7 @@ void load(SpringBatchArrays& q, const PointState& state, const SpringArrays& spr
 kernel::VolumeBody batchVolumes(SpringBatchArrays& q, VolumeArrays* volumes) {
   if (!volumes) return {};
   reserveNumbers(q.gradient, q.position.size() * 8);
-  reserveNumbers(q.sums, 8 * volumes->restVolume.size());
+  reserveNumbers(q.sums, 8 * (*volumes)->restVolume.size());
   kernel::VolumeBody body = volumeBody(*volumes);
   body.gradient = numbers(q.gradient), body.sums = numbers(q.sums);
   return body;
@@ -373,14 +380,14 @@ kernel::VolumeBody batchVolumes(SpringBatchArrays& q, VolumeArrays* volumes) {
 
 kernel::TetrahedronBody batchTetrahedra(SpringBatchArrays& q, const TetrahedronVolumes* tetrahedra) {
   if (!tetrahedra) return {};
-  const std::size_t count = filledUp(tetrahedra->tetrahedra.size());
+  const std::size_t count = filledUp((*tetrahedra)->tetrahedra.size());
   if (q.corners.size() != 4 * count) {
     reserveNumbers(q.inverseRest, count);
     reserveNumbers(q.stabilityScale, count);
     q.corners.assign(4 * count, static_cast<unsigned>(q.position.size() * 2 - 2));
-    const unsigned* corners = tetrahedra->tetrahedra.front().data();
-    std::copy(corners, corners + 4 * tetrahedra->tetrahedra.size(), q.corners.begin());
-    std::copy(tetrahedra->inverseRest.begin(), tetrahedra->inverseRest.end(), numbers(q.inverseRest));
+    const unsigned* corners = (*tetrahedra)->tetrahedra.front().data();
+    std::copy(corners, corners + 4 * (*tetrahedra)->tetrahedra.size(), q.corners.begin());
+    std::copy((*tetrahedra)->inverseRest.begin(), (*tetrahedra)->inverseRest.end(), numbers(q.inverseRest));
   }
   std::copy(tetrahedra->stabilityScale.begin(), tetrahedra->stabilityScale.end(), numbers(q.stabilityScale));
   kernel::TetrahedronBody body = tetrahedronBody(*tetrahedra);
@@ -407,7 +414,7 @@ kernel::SpringBatchBody springBatchBody(SolverBody& stepped, const kernel::Conta
   body.dampHalf = numbers(q.dampHalf), body.dampFull = numbers(q.dampFull);
   body.volumes = batchVolumes(q, stepped.volumes);
   body.tetrahedra = batchTetrahedra(q, stepped.tetrahedra);
-  body.damped = stepped.springs->damped;
+  body.damped = (*stepped.springs)->damped;
   body.contacts = contacts;
   return body;
 }

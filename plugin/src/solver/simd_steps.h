@@ -36,7 +36,8 @@ const char* nameOf(InstructionSet set);
 struct LaneBlock {
   struct Lane {
     SolverBody body;
-    unsigned revision = 0;  ///< of its springs when their constants were copied; 0: not yet
+    unsigned revision = 0;  ///< of its springs when constants and dampers were copied; 0: not yet
+    double substep = 0.0;   ///< s, of the dampers
   };
   std::vector<Lane> lanes;  ///< 1 to laneCount(instructionSet) bodies
 

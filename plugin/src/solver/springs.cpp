@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <utility>
 
 namespace limber {
 namespace {
@@ -50,7 +51,7 @@ std::vector<std::uint32_t> orderApart(const SpringNetwork& network) {
 }
 
 SpringArrays makeSprings(const SpringNetwork& network, const SoftBodySettings& settings) {
-  SpringArrays s;
+  SpringConstants s;
   for (const std::uint32_t i : orderApart(network)) {
     const NetworkSpring& spring = network.springs[i];
     const Eigen::Vector3d d = network.restPoints[spring.b] - network.restPoints[spring.a];
@@ -66,12 +67,10 @@ SpringArrays makeSprings(const SpringNetwork& network, const SoftBodySettings& s
   const ElasticLimit& limit = settings.elasticLimit;
   s.limit = limit;
   s.limited = limit.stiffenStrain > 0.0 || limit.yieldStrain > 0.0 || limit.breakStrain > 0.0;
-  if (s.limited) s.originalLength = s.restLength;
   s.damped = settings.damping > 0.0;
-  s.direction.setZero(3, static_cast<Eigen::Index>(s.size()));
-  s.dampHalf.assign(s.size(), 0.0);
-  s.dampFull.assign(s.size(), 0.0);
-  return s;
+  SpringArrays springs;
+  springs.original = SharedConstants<SpringConstants>(std::move(s));
+  return springs;
 }
 
 // --- coincident ends ---------------------------------------------------------------------------------------
@@ -95,8 +94,8 @@ Eigen::Vector3d directionOf(std::uint32_t a, std::uint32_t b) {
 
 void separateCoincident(const SpringArrays& springs, PointState& state) {
   for (std::size_t s = 0; s < springs.size(); ++s) {
-    const auto a = springs.a[s], b = springs.b[s];
-    const double length = springs.restLength[s];
+    const auto a = springs->a[s], b = springs->b[s];
+    const double length = springs->restLength[s];
     if ((state.position.col(b) - state.position.col(a)).norm() >= kSamePlace * length) continue;
     const Eigen::Vector3d wa = state.inverseMass.col(a), wb = state.inverseMass.col(b);
     const double sum = (wa + wb).maxCoeff();
@@ -112,32 +111,33 @@ void separateCoincident(const SpringArrays& springs, PointState& state) {
 namespace {
 
 void breakSpring(SpringArrays& springs, std::size_t i) {
-  springs.extensionStiffness[i] = springs.compressionStiffness[i] = springs.damping[i] = 0.0;
-  springs.dampHalf[i] = springs.dampFull[i] = 0.0;
+  SpringConstants& s = *springs.yielded;
+  s.extensionStiffness[i] = s.compressionStiffness[i] = s.damping[i] = 0.0;
+  if (!springs.dampHalf.empty()) springs.dampHalf[i] = springs.dampFull[i] = 0.0;
   ++springs.broken;
 }
 
 bool isBroken(const SpringArrays& springs, std::size_t i) {
-  return springs.extensionStiffness[i] == 0.0 && springs.compressionStiffness[i] == 0.0;
+  return springs->extensionStiffness[i] == 0.0 && springs->compressionStiffness[i] == 0.0;
 }
 
 /// The new rest length once the elongation at `length` is beyond the yield strain.
 double yieldedLength(const SpringArrays& springs, std::size_t i, double length) {
-  const double original = springs.originalLength[i], rest = springs.restLength[i];
-  const double largest = springs.limit.yieldStrain * original, elongation = length - rest;
+  const double original = springs.original->restLength[i], rest = springs->restLength[i];
+  const double largest = springs->limit.yieldStrain * original, elongation = length - rest;
   if (std::abs(elongation) <= largest) return rest;
   const double wanted = length - std::copysign(largest, elongation);
-  const double change = springs.limit.yieldMaximum * original;
+  const double change = springs->limit.yieldMaximum * original;
   return std::clamp(wanted, original - change, original + change);
 }
 
 void updateLimits(SpringArrays& springs, std::size_t i, double length) {
-  const ElasticLimit& limit = springs.limit;
+  const ElasticLimit& limit = springs->limit;
   if (isBroken(springs, i)) return;
-  if (limit.breakStrain > 0.0 && length > (1.0 + limit.breakStrain) * springs.originalLength[i])
+  if (limit.breakStrain > 0.0 && length > (1.0 + limit.breakStrain) * springs.original->restLength[i])
     breakSpring(springs, i);
   else if (limit.yieldStrain > 0.0)
-    springs.restLength[i] = yieldedLength(springs, i, length);
+    springs.yielded->restLength[i] = yieldedLength(springs, i, length);
 }
 
 /// J at elongation e (m) of a spring of stiffness k that stiffens beyond |e| = s by the factor.
@@ -154,21 +154,23 @@ double stiffenedEnergy(double k, double e, double s, double factor) {
 ///               rate-independent, so the result does not depend on the substep
 ///     stiffens  F = k e up to |e| = s = stiffenStrain L0, then k (s + stiffenFactor (|e| - s)), signed
 void addLimitedForces(SpringArrays& springs, PointState& state) {
-  const ElasticLimit& limit = springs.limit;
+  const ElasticLimit& limit = springs->limit;
+  if (!springs.yielded) springs.yielded = std::make_shared<SpringConstants>(*springs.original);
+  springs.direction.resize(3, static_cast<Eigen::Index>(springs.size()));
   for (std::size_t i = 0; i < springs.size(); ++i) {
-    const Eigen::Vector3d d = state.position.col(springs.b[i]) - state.position.col(springs.a[i]);
-    if (springs.originalLength[i] > 0.0) updateLimits(springs, i, d.norm());
-    SpringPull pull =
-        springPull(d, springs.restLength[i], springs.extensionStiffness[i], springs.compressionStiffness[i]);
+    const Eigen::Vector3d d = state.position.col(springs->b[i]) - state.position.col(springs->a[i]);
+    if (springs.original->restLength[i] > 0.0) updateLimits(springs, i, d.norm());
+    SpringPull pull = springPull(d, springs->restLength[i], springs->extensionStiffness[i],
+                                 springs->compressionStiffness[i]);
     if (limit.stiffenStrain > 0.0 && pull.force != 0.0) {
-      const double e = d.norm() - springs.restLength[i];
-      const double beyond = std::abs(e) - limit.stiffenStrain * springs.originalLength[i];
+      const double e = d.norm() - springs->restLength[i];
+      const double beyond = std::abs(e) - limit.stiffenStrain * springs.original->restLength[i];
       if (beyond > 0.0) pull.force += pull.force / e * std::copysign((limit.stiffenFactor - 1.0) * beyond, e);
     }
     springs.direction.col(static_cast<Eigen::Index>(i)) = pull.direction;
     const Eigen::Vector3d force = pull.force * pull.direction;
-    state.force.col(springs.a[i]) += force;
-    state.force.col(springs.b[i]) -= force;
+    state.force.col(springs->a[i]) += force;
+    state.force.col(springs->b[i]) -= force;
   }
 }
 
@@ -177,7 +179,7 @@ void addLimitedForces(SpringArrays& springs, PointState& state) {
 // --- forces ------------------------------------------------------------------------------------------------
 
 void computeSpringForces(SpringArrays& springs, PointState& state) {
-  if (springs.limited) {
+  if (springs->limited) {
     state.force.setZero();
     addLimitedForces(springs, state);
   } else {
@@ -188,14 +190,15 @@ void computeSpringForces(SpringArrays& springs, PointState& state) {
 double elasticEnergy(const SpringArrays& springs, const Points& position) {
   double energy = 0.0;
   for (std::size_t i = 0; i < springs.size(); ++i) {
-    const double length = (position.col(springs.b[i]) - position.col(springs.a[i])).norm();
-    const double stretch = length - springs.restLength[i];
-    const double stiffness = stretch > 0.0 ? springs.extensionStiffness[i] : springs.compressionStiffness[i];
-    energy +=
-        springs.limit.stiffenStrain > 0.0
-            ? stiffenedEnergy(stiffness, stretch, springs.limit.stiffenStrain * springs.originalLength[i],
-                              springs.limit.stiffenFactor)
-            : 0.5 * stiffness * stretch * stretch;
+    const double length = (position.col(springs->b[i]) - position.col(springs->a[i])).norm();
+    const double stretch = length - springs->restLength[i];
+    const double stiffness =
+        stretch > 0.0 ? springs->extensionStiffness[i] : springs->compressionStiffness[i];
+    energy += springs->limit.stiffenStrain > 0.0
+                  ? stiffenedEnergy(stiffness, stretch,
+                                    springs->limit.stiffenStrain * springs.original->restLength[i],
+                                    springs->limit.stiffenFactor)
+                  : 0.5 * stiffness * stretch * stretch;
   }
   return energy;
 }
@@ -203,19 +206,21 @@ double elasticEnergy(const SpringArrays& springs, const Points& position) {
 // --- dampers -----------------------------------------------------------------------------------------------
 
 void prepareDampers(SpringArrays& springs, const Points& inverseMass, double dt) {
-  if (!springs.damped || springs.damperTime == dt) return;
+  if (!springs->damped || springs.damperTime == dt) return;
   springs.damperTime = dt;
   ++springs.revision;
+  springs.dampHalf.resize(springs.size());
+  springs.dampFull.resize(springs.size());
   for (std::size_t i = 0; i < springs.size(); ++i) {
-    const double w = inverseMassesOf(springs, inverseMass, i);
-    springs.dampHalf[i] = dampingImpulse(springs.damping[i], w, 0.5 * dt);
-    springs.dampFull[i] = dampingImpulse(springs.damping[i], w, dt);
+    const DampingImpulses impulses = dampingImpulses(springs, inverseMass, i, dt);
+    springs.dampHalf[i] = impulses.half;
+    springs.dampFull[i] = impulses.full;
   }
 }
 
 void dampSprings(SpringArrays& springs, const std::vector<double>& impulse, SweepOrder order,
                  PointState& state) {
-  if (!springs.damped) return;
+  if (!springs->damped) return;
   kernel::dampAll(kernelSprings(springs), impulse.data(), order == SweepOrder::Forward, kernelPoints(state));
 }
 

@@ -4,18 +4,20 @@
 // The springs of a body: their constants and order, their forces, with elastic limits, and their dampers.
 
 #include "solver/point_state.h"
+#include "solver/shared_constants.h"
 #include "solver/verlet_kernel.h"
 
 #include <limber/soft_body_settings.h>
 #include <limber/spring_network.h>
 
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 namespace limber {
 
-/// The springs of one body, one entry per spring of its network, in the order of orderApart().
-struct SpringArrays {
+/// The constants of springs, one entry per spring of a network, in the order of orderApart().
+struct SpringConstants {
   std::vector<std::uint32_t> a, b;           ///< point indices
   std::vector<double> restLength;            ///< m
   std::vector<double> extensionStiffness;    ///< N/m while longer than restLength
@@ -26,18 +28,25 @@ struct SpringArrays {
   double shortest = 0.0;  ///< m, the smallest rest length above 0
 
   ElasticLimit limit;
-  bool limited = false;                ///< whether any part of `limit` is on
-  std::vector<double> originalLength;  ///< m, the rest length before any yielding; empty if not limited
-  std::size_t broken = 0;              ///< springs that have broken so far
+  bool limited = false;  ///< whether any part of `limit` is on
+};
 
-  // Written by the step.
+/// The springs of one body. `->` leads to their present constants.
+struct SpringArrays {
+  SharedConstants<SpringConstants> original;  ///< of all bodies with this network, scale and material
+  std::shared_ptr<SpringConstants> yielded;   ///< the body's own ones, from the first tick of a body with an
+                                              ///< elastic limit on
+  std::size_t broken = 0;                     ///< springs that have broken so far
+
+  // Written by the step; empty until used.
   Points direction;              ///< 3 x #springs, unit vector from a to b, 0 while the spring is slack
   std::vector<double> dampHalf;  ///< kg, impulse per closing speed over half a substep
   std::vector<double> dampFull;  ///< the same over a whole one
   double damperTime = 0.0;       ///< s, the substep they hold for; 0 when an inverse mass has changed since
-  unsigned revision = 1;         ///< counts the changes of everything but `direction`
+  unsigned revision = 1;         ///< counts the changes of constants, dampers and inverse masses
 
-  std::size_t size() const { return a.size(); }
+  const SpringConstants* operator->() const { return yielded ? yielded.get() : &*original; }
+  std::size_t size() const { return original->a.size(); }
 };
 
 /// The springs of a body with these settings. Rest lengths are those of the rest points times the scale.
@@ -56,12 +65,13 @@ void separateCoincident(const SpringArrays& springs, PointState& state);
 
 /// The arrays of one body.
 inline kernel::Springs<double> kernelSprings(SpringArrays& s) {
+  if (s.direction.cols() == 0) s.direction.setZero(3, static_cast<Eigen::Index>(s.size()));
   return {static_cast<kernel::Index>(s.size()),
-          s.a.data(),
-          s.b.data(),
-          s.restLength.data(),
-          s.extensionStiffness.data(),
-          s.compressionStiffness.data(),
+          s->a.data(),
+          s->b.data(),
+          s->restLength.data(),
+          s->extensionStiffness.data(),
+          s->compressionStiffness.data(),
           s.direction.data()};
 }
 
@@ -118,12 +128,23 @@ inline double dampingImpulse(double damping, double inverseMasses, double dt) {
 /// 1/kg: how easily the ends of spring s are moved against each other. Where a point moves along some axes
 /// only, its largest inverse mass is taken.
 inline double inverseMassesOf(const SpringArrays& springs, const Points& inverseMass, std::size_t s) {
-  return inverseMass.col(springs.a[s]).maxCoeff() + inverseMass.col(springs.b[s]).maxCoeff();
+  return inverseMass.col(springs->a[s]).maxCoeff() + inverseMass.col(springs->b[s]).maxCoeff();
 }
 
-/// Fills dampHalf and dampFull for substeps of `dt` seconds, unless they hold for it already. Where a point
-/// moves along some axes only, its largest inverse mass is taken: the damper then brakes a little less, never
-/// too much.
+/// kg: what a damper's impulse is per closing speed over half a substep and a whole one.
+struct DampingImpulses {
+  double half, full;
+};
+
+/// Of spring s, for substeps of dt seconds. Where a point moves along some axes only, the damper brakes a
+/// little less, never too much.
+inline DampingImpulses dampingImpulses(const SpringArrays& springs, const Points& inverseMass, std::size_t s,
+                                       double dt) {
+  const double w = inverseMassesOf(springs, inverseMass, s), damping = springs->damping[s];
+  return {dampingImpulse(damping, w, 0.5 * dt), dampingImpulse(damping, w, dt)};
+}
+
+/// Fills dampHalf and dampFull for substeps of `dt` seconds, unless they hold for it already.
 void prepareDampers(SpringArrays& springs, const Points& inverseMass, double dt);
 
 enum class SweepOrder { Forward, Backward };

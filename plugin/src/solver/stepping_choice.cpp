@@ -29,14 +29,14 @@ SpringSlopes slopesOf(const SpringArrays& springs, const Points& x) {
   const std::size_t count = springs.size();
   SpringSlopes s{Points(3, static_cast<Index>(count)), std::vector<double>(count),
                  std::vector<double>(count)};
-  const double stiffened = springs.limit.stiffenStrain > 0.0 ? springs.limit.stiffenFactor : 1.0;
+  const double stiffened = springs->limit.stiffenStrain > 0.0 ? springs->limit.stiffenFactor : 1.0;
   for (std::size_t i = 0; i < count; ++i) {
-    const Vector3d d = x.col(springs.b[i]) - x.col(springs.a[i]);
+    const Vector3d d = x.col(springs->b[i]) - x.col(springs->a[i]);
     const double length = d.norm();
     s.direction.col(static_cast<Index>(i)) = d.stableNormalized();
-    s.along[i] = stiffened * std::max(springs.extensionStiffness[i], springs.compressionStiffness[i]);
-    if (length > springs.restLength[i])
-      s.across[i] = springs.extensionStiffness[i] * (length - springs.restLength[i]) / length;
+    s.along[i] = stiffened * std::max(springs->extensionStiffness[i], springs->compressionStiffness[i]);
+    if (length > springs->restLength[i])
+      s.across[i] = springs->extensionStiffness[i] * (length - springs->restLength[i]) / length;
   }
   return s;
 }
@@ -44,10 +44,10 @@ SpringSlopes slopesOf(const SpringArrays& springs, const Points& x) {
 void addSpringForces(const SpringArrays& springs, const SpringSlopes& s, const Points& u, Points& force) {
   for (std::size_t i = 0; i < springs.size(); ++i) {
     const Vector3d n = s.direction.col(static_cast<Index>(i));
-    const Vector3d displacement = u.col(springs.b[i]) - u.col(springs.a[i]);
+    const Vector3d displacement = u.col(springs->b[i]) - u.col(springs->a[i]);
     const Vector3d f = s.across[i] * displacement + ((s.along[i] - s.across[i]) * n.dot(displacement)) * n;
-    force.col(springs.a[i]) -= f;
-    force.col(springs.b[i]) += f;
+    force.col(springs->a[i]) -= f;
+    force.col(springs->b[i]) += f;
   }
 }
 
@@ -56,7 +56,7 @@ void addSpringForces(const SpringArrays& springs, const SpringSlopes& s, const P
 std::vector<Points> volumeGradients(const VolumeArrays& volumes, const PointState& state) {
   std::vector<Points> gradients;
   Points gradient = Points::Zero(3, state.position.cols());
-  for (std::size_t c = 0; c < volumes.restVolume.size(); ++c) {
+  for (std::size_t c = 0; c < volumes->restVolume.size(); ++c) {
     const VolumeSlope slope = volumeSlope(volumes, c, state, gradient);
     gradients.push_back(std::sqrt(slope.stiffness) * gradient);
   }
@@ -65,7 +65,7 @@ std::vector<Points> volumeGradients(const VolumeArrays& volumes, const PointStat
 
 std::vector<TetrahedronSlope> tetrahedronSlopes(const TetrahedronVolumes& volumes, const Points& x) {
   std::vector<TetrahedronSlope> slopes;
-  for (std::size_t i = 0; i < volumes.tetrahedra.size(); ++i)
+  for (std::size_t i = 0; i < volumes->tetrahedra.size(); ++i)
     slopes.push_back(tetrahedronSlope(volumes, i, x));
   return slopes;
 }
@@ -75,9 +75,9 @@ void addTetrahedronForces(const TetrahedronVolumes& volumes, const std::vector<T
   for (std::size_t i = 0; i < slopes.size(); ++i) {
     double change = 0.0;
     for (Index k = 0; k < 4; ++k)
-      change += slopes[i].gradient.col(k).dot(u.col(volumes.tetrahedra[i][static_cast<std::size_t>(k)]));
+      change += slopes[i].gradient.col(k).dot(u.col(volumes->tetrahedra[i][static_cast<std::size_t>(k)]));
     for (Index k = 0; k < 4; ++k)
-      force.col(volumes.tetrahedra[i][static_cast<std::size_t>(k)]) +=
+      force.col(volumes->tetrahedra[i][static_cast<std::size_t>(k)]) +=
           slopes[i].stiffness * change * slopes[i].gradient.col(k);
   }
 }
@@ -192,18 +192,18 @@ int implicitNeed(const Stepping& s) {
 double frequencyBoundSquared(const SpringArrays& springs, const Points& inverseMass,
                              std::vector<double>& stiffnessSums) {
   stiffnessSums.assign(static_cast<std::size_t>(inverseMass.cols()), 0.0);
-  const double stiffened = springs.limit.stiffenStrain > 0.0 ? springs.limit.stiffenFactor : 1.0;
+  const double stiffened = springs->limit.stiffenStrain > 0.0 ? springs->limit.stiffenFactor : 1.0;
   const auto stiffness = [&](std::size_t s) {
-    return stiffened * std::max(springs.extensionStiffness[s], springs.compressionStiffness[s]);
+    return stiffened * std::max(springs->extensionStiffness[s], springs->compressionStiffness[s]);
   };
   for (std::size_t s = 0; s < springs.size(); ++s) {
-    stiffnessSums[springs.a[s]] += stiffness(s);
-    stiffnessSums[springs.b[s]] += stiffness(s);
+    stiffnessSums[springs->a[s]] += stiffness(s);
+    stiffnessSums[springs->b[s]] += stiffness(s);
   }
   double bound = 0.0;
   for (std::size_t s = 0; s < springs.size(); ++s) {
     const auto rowPart = [&](std::uint32_t i) { return inverseMass.col(i).maxCoeff() * stiffnessSums[i]; };
-    bound = std::max(bound, rowPart(springs.a[s]) + rowPart(springs.b[s]));
+    bound = std::max(bound, rowPart(springs->a[s]) + rowPart(springs->b[s]));
   }
   return bound;
 }
@@ -218,7 +218,7 @@ int substepCount(const Frequencies& frequencies, double tick, const Stepping& se
 double dampingRateBound(const SpringArrays& springs, const Points& inverseMass) {
   double rate = 0.0;
   for (std::size_t i = 0; i < springs.size(); ++i)
-    rate = std::max(rate, springs.damping[i] * inverseMassesOf(springs, inverseMass, i));
+    rate = std::max(rate, springs->damping[i] * inverseMassesOf(springs, inverseMass, i));
   return rate;
 }
 
@@ -226,15 +226,15 @@ double fastestTurn(const SpringArrays& springs, const PointState& state, double 
   // two ends differ by at most twice the largest difference from point 0
   const double largest =
       2.0 * std::sqrt((state.velocity.colwise() - state.velocity.col(0)).colwise().squaredNorm().maxCoeff());
-  if (largest <= negligible * springs.shortest) return 0.0;
+  if (largest <= negligible * springs->shortest) return 0.0;
   double fastest = 0.0;
   for (std::size_t i = 0; i < springs.size(); ++i) {
     // a spring without length at rest pulls in proportion to its length, however it turns
-    if (springs.restLength[i] == 0.0) continue;
-    const Eigen::Vector3d d = state.position.col(springs.b[i]) - state.position.col(springs.a[i]);
-    const Eigen::Vector3d u = state.velocity.col(springs.b[i]) - state.velocity.col(springs.a[i]);
+    if (springs->restLength[i] == 0.0) continue;
+    const Eigen::Vector3d d = state.position.col(springs->b[i]) - state.position.col(springs->a[i]);
+    const Eigen::Vector3d u = state.velocity.col(springs->b[i]) - state.velocity.col(springs->a[i]);
     // a spring that is nearly folded up turns as fast as it likes without mattering
-    const double squared = std::max(d.squaredNorm(), springs.restLength[i] * springs.restLength[i]);
+    const double squared = std::max(d.squaredNorm(), springs->restLength[i] * springs->restLength[i]);
     if (squared > 0.0) fastest = std::max(fastest, (u - u.dot(d) / squared * d).squaredNorm() / squared);
   }
   return std::sqrt(fastest);

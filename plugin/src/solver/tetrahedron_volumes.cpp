@@ -33,7 +33,7 @@ Shape shapeOf(const Tetrahedron& t, const Points& position) {
 /// Pa: the most by which the push changes with the relative volume nearby.
 double stiffnessNear(const TetrahedronVolumes& v, double relativeVolume) {
   const bool nearlyCrushed = relativeVolume < kernel::kCrushed + 0.2;
-  return v.modulus + (nearlyCrushed ? v.crushModulus : 0.0);
+  return v->modulus + (nearlyCrushed ? v->crushModulus : 0.0);
 }
 
 /// The integral of the change c of a volume, limited, from `from` on.
@@ -75,9 +75,9 @@ bool springsRunAlongEdges(const SpringNetwork& network) {
 }  // namespace
 
 TetrahedronVolumes makeTetrahedronVolumes(const SpringNetwork& network, const SoftBodySettings& settings) {
-  TetrahedronVolumes v;
+  if (network.tetrahedra.empty()) return {};
+  TetrahedronConstants v;
   v.tetrahedra = network.tetrahedra;
-  if (v.empty()) return v;
   const Points rest = scaledRest(network, settings.scale);
   double sum = 0.0;
   v.restGradientSquares.resize(4, static_cast<Eigen::Index>(v.tetrahedra.size()));
@@ -92,30 +92,32 @@ TetrahedronVolumes makeTetrahedronVolumes(const SpringNetwork& network, const So
           shape.gradient[corner].squaredNorm();
   }
   v.valence = crowdOf(v.tetrahedra, network.restPoints.size());
-  v.stabilityScale.assign(v.tetrahedra.size(), 0.0);
-  v.rowSums.assign(network.restPoints.size(), 0.0);
   v.edgesAreSprings = springsRunAlongEdges(network);
   const double stiffness = std::max(settings.extensionStiffness, settings.compressionStiffness);
   v.crushModulus = networkModulus(network, settings.scale, stiffness, sum);
   v.modulus = settings.volumeModulus >= 0.0 ? settings.volumeModulus : v.crushModulus;
-  return v;
+  TetrahedronVolumes volumes;
+  volumes.stabilityScale.assign(v.tetrahedra.size(), 0.0);
+  volumes.rowSums.assign(network.restPoints.size(), 0.0);
+  volumes.constants = SharedConstants<TetrahedronConstants>(std::move(v));
+  return volumes;
 }
 
 void prepareTetrahedra(TetrahedronVolumes& v, const Points& inverseMass, double dt) {
-  const double factor = (v.modulus + v.crushModulus) * dt * dt / (36.0 * kLargestCornerPhaseSquared);
-  for (std::size_t i = 0; i < v.tetrahedra.size(); ++i) {
+  const double factor = (v->modulus + v->crushModulus) * dt * dt / (36.0 * kLargestCornerPhaseSquared);
+  for (std::size_t i = 0; i < v->tetrahedra.size(); ++i) {
     double largest = 0.0;
-    for (const std::uint32_t corner : v.tetrahedra[i])
+    for (const std::uint32_t corner : v->tetrahedra[i])
       largest = std::max(largest, inverseMass.col(corner).maxCoeff());
-    v.stabilityScale[i] = factor * largest * v.valence[i] / v.restVolume[i];
+    v.stabilityScale[i] = factor * largest * v->valence[i] / v->restVolume[i];
   }
 }
 
 bool isHeldBack(TetrahedronVolumes& v, const PointState& state, double dt) {
   prepareTetrahedra(v, state.inverseMass, dt);
-  for (std::size_t i = 0; i < v.tetrahedra.size(); ++i) {
+  for (std::size_t i = 0; i < v->tetrahedra.size(); ++i) {
     double squares = 0.0;
-    for (const Vector3d& gradient : shapeOf(v.tetrahedra[i], state.position).gradient)
+    for (const Vector3d& gradient : shapeOf(v->tetrahedra[i], state.position).gradient)
       squares += 36.0 * gradient.squaredNorm();
     if (v.stabilityScale[i] * squares > 1.0) return true;
   }
@@ -124,12 +126,12 @@ bool isHeldBack(TetrahedronVolumes& v, const PointState& state, double dt) {
 
 kernel::Tetrahedra<double> kernelTetrahedra(const TetrahedronVolumes& v) {
   if (v.empty()) return {};
-  return {static_cast<kernel::Index>(v.tetrahedra.size()),
-          v.tetrahedra.front().data(),
-          v.inverseRest.data(),
+  return {static_cast<kernel::Index>(v->tetrahedra.size()),
+          v->tetrahedra.front().data(),
+          v->inverseRest.data(),
           v.stabilityScale.data(),
-          &v.modulus,
-          &v.crushModulus};
+          &v->modulus,
+          &v->crushModulus};
 }
 
 void addTetrahedronForces(const TetrahedronVolumes& v, PointState& state) {
@@ -138,42 +140,42 @@ void addTetrahedronForces(const TetrahedronVolumes& v, PointState& state) {
 
 double tetrahedronEnergy(const TetrahedronVolumes& v, const Points& position) {
   double energy = 0.0;
-  for (std::size_t i = 0; i < v.tetrahedra.size(); ++i) {
-    const double change = shapeOf(v.tetrahedra[i], position).volume / v.restVolume[i] - 1.0;
+  for (std::size_t i = 0; i < v->tetrahedra.size(); ++i) {
+    const double change = shapeOf(v->tetrahedra[i], position).volume / v->restVolume[i] - 1.0;
     const double crushed = std::min(change, kernel::kCrushed - 1.0);
-    energy += v.restVolume[i] * (v.modulus * energyOfChange(change, 0.0) +
-                                 v.crushModulus * energyOfChange(crushed, kernel::kCrushed - 1.0));
+    energy += v->restVolume[i] * (v->modulus * energyOfChange(change, 0.0) +
+                                  v->crushModulus * energyOfChange(crushed, kernel::kCrushed - 1.0));
   }
   return energy;
 }
 
 TetrahedronSlope tetrahedronSlope(const TetrahedronVolumes& v, std::size_t i, const Points& position) {
-  const Shape shape = shapeOf(v.tetrahedra[i], position);
+  const Shape shape = shapeOf(v->tetrahedra[i], position);
   TetrahedronSlope slope;
   for (Eigen::Index corner = 0; corner < 4; ++corner)
     slope.gradient.col(corner) = shape.gradient[static_cast<std::size_t>(corner)];
-  const double change = shape.volume / v.restVolume[i] - 1.0;
+  const double change = shape.volume / v->restVolume[i] - 1.0;
   const bool limited = change < kernel::kLargestShrinking || change > kernel::kLargestSwelling;
-  const double crush = change < kernel::kCrushed - 1.0 ? v.crushModulus : 0.0;
-  slope.stiffness = limited ? 0.0 : (v.modulus + crush) / v.restVolume[i];
+  const double crush = change < kernel::kCrushed - 1.0 ? v->crushModulus : 0.0;
+  slope.stiffness = limited ? 0.0 : (v->modulus + crush) / v->restVolume[i];
   return slope;
 }
 
 double tetrahedronFrequencyBoundSquared(TetrahedronVolumes& v, const PointState& state, double tick) {
   std::fill(v.rowSums.begin(), v.rowSums.end(), 0.0);
   v.farFromRest = false;
-  for (std::size_t i = 0; i < v.tetrahedra.size(); ++i) {
-    const Tetrahedron& t = v.tetrahedra[i];
+  for (std::size_t i = 0; i < v->tetrahedra.size(); ++i) {
+    const Tetrahedron& t = v->tetrahedra[i];
     const Shape shape = shapeOf(t, state.position);
-    const double relative = shape.volume / v.restVolume[i];
-    const double stiffness = stiffnessNear(v, relative) / v.restVolume[i];
-    const double push = std::abs(kernel::tetrahedronPush(relative, v.modulus, v.crushModulus));
+    const double relative = shape.volume / v->restVolume[i];
+    const double stiffness = stiffnessNear(v, relative) / v->restVolume[i];
+    const double push = std::abs(kernel::tetrahedronPush(relative, v->modulus, v->crushModulus));
     double norms = 0.0, rate = 0.0;
     for (std::size_t corner = 0; corner < 4; ++corner) {
       norms += shape.gradient[corner].norm();
       rate += shape.gradient[corner].dot(state.velocity.col(t[corner]));
     }
-    const double foreseen = std::abs(tick * rate / v.restVolume[i]);
+    const double foreseen = std::abs(tick * rate / v->restVolume[i]);
     v.farFromRest = v.farFromRest || std::abs(relative - 1.0) > kFar || foreseen > kFar;
     for (std::size_t corner = 0; corner < 4; ++corner)
       v.rowSums[t[corner]] += stiffness * shape.gradient[corner].norm() * norms +

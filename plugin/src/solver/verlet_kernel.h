@@ -447,8 +447,8 @@ inline V computeForcesAndChange(const Body<V>& body) {
 }
 
 /// stepVerlet of verlet_step.h for bodies without links. `Stepped` is a Body<V> or something else that has
-/// its functions (spring_kernel_avx2.cpp). Returns the larger computeForcesAndChange of a substep in the middle
-/// and the last.
+/// its functions (spring_kernel_avx2.cpp). Returns the larger computeForcesAndChange of a substep in the
+/// middle and the last.
 template <class V, class Stepped>
 inline V stepAlone(const Stepped& body, double tick, int substeps) {
   const ContactCalls& contacts = body.contacts();

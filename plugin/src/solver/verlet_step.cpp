@@ -45,8 +45,9 @@ void stepSingle(SolverBody& body, double tick, int substeps) {
       kernel::Body<double>{
           kernelSprings(springs), kernelPoints(state),
           body.volumes ? kernelVolumes(*body.volumes) : kernel::Volumes<double>{},
-          body.tetrahedra ? kernelTetrahedra(*body.tetrahedra) : kernel::Tetrahedra<double>{}, springs.damped,
-          springs.dampHalf.data(), springs.dampFull.data(), &calls, state.earlierForce.data()},
+          body.tetrahedra ? kernelTetrahedra(*body.tetrahedra) : kernel::Tetrahedra<double>{},
+          springs->damped, springs.dampHalf.data(), springs.dampFull.data(), &calls,
+          state.earlierForce.data()},
       tick, substeps);
   body.errorRate = verletErrorRate(change, state.position.cols(), tick / substeps);
 }
@@ -100,7 +101,7 @@ void load(SolverIsland& group) {
   group.views.resize(group.bodies.size());
   for (std::size_t i = 0; i < group.bodies.size(); ++i) {
     SolverBody& body = group.bodies[i];
-    group.inStep[i] = {&body, body.springBatches && !body.springs->limited, {}};
+    group.inStep[i] = {&body, body.springBatches && !(*body.springs)->limited, {}};
   }
   markLinked(group);
   for (std::size_t i = 0; i < group.bodies.size(); ++i) {
@@ -215,7 +216,7 @@ void stepLinked(SolverIsland& group, double tick, int substeps) {
 bool isPlain(const SolverIsland& group) {
   const LinkedBodies& links = group.links;
   return group.bodies.size() == 1 && group.pairs.empty() && links.springs.empty() && links.anchors.empty() &&
-         links.rigids.empty() && !group.bodies[0].springs->limited;
+         links.rigids.empty() && !(*group.bodies[0].springs)->limited;
 }
 
 void stepVerlet(SolverIsland& group, double tick, int substeps) {

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace limber {
 namespace {
@@ -35,14 +36,14 @@ std::string whyNoVolume(const SpringNetwork& network) {
 
 /// Calls visit(a, b - a, c - a) for the corners of each triangle of a component.
 template <class Visit>
-void forEachTriangle(const VolumeArrays& v, std::size_t component, const Points& x, Visit visit) {
+void forEachTriangle(const VolumeConstants& v, std::size_t component, const Points& x, Visit visit) {
   for (std::size_t i = v.firstTriangle[component]; i < v.firstTriangle[component + 1]; ++i) {
     const Triangle& t = v.triangles[i];
     visit(t, Eigen::Vector3d(x.col(t[1]) - x.col(t[0])), Eigen::Vector3d(x.col(t[2]) - x.col(t[0])));
   }
 }
 
-double componentVolume(const VolumeArrays& v, std::size_t component, const Points& x) {
+double componentVolume(const VolumeConstants& v, std::size_t component, const Points& x) {
   const Eigen::Vector3d origin = x.col(v.triangles[v.firstTriangle[component]][0]);
   double six = 0.0;
   forEachTriangle(v, component, x,
@@ -94,7 +95,7 @@ std::vector<std::vector<Triangle>> trianglesByComponent(const SpringNetwork& net
 }
 
 /// Adds a component with its outside outside, whichever way the mesh, the scale or a hollow had turned it.
-void addComponent(VolumeArrays& v, const std::vector<Triangle>& component, const Points& rest) {
+void addComponent(VolumeConstants& v, const std::vector<Triangle>& component, const Points& rest) {
   const std::size_t first = v.triangles.size();
   v.triangles.insert(v.triangles.end(), component.begin(), component.end());
   v.firstTriangle.push_back(static_cast<std::uint32_t>(v.triangles.size()));
@@ -141,10 +142,10 @@ EdgeSquares longestEdge(const Triangle& t, const PointState& state, double tick,
 /// Sums up the longest edges around each point into rowSums; returns the square of the largest growth of one.
 double sumEdges(VolumeArrays& v, std::size_t c, const PointState& state, double tick, double slack) {
   double growth = 1.0;
-  for (std::size_t i = v.firstTriangle[c]; i < v.firstTriangle[c + 1]; ++i) {
-    const EdgeSquares edge = longestEdge(v.triangles[i], state, tick, slack);
+  for (std::size_t i = v->firstTriangle[c]; i < v->firstTriangle[c + 1]; ++i) {
+    const EdgeSquares edge = longestEdge(v->triangles[i], state, tick, slack);
     if (edge.now > 0.0) growth = std::max(growth, edge.later / edge.now);
-    for (const std::uint32_t corner : v.triangles[i]) v.rowSums[corner] += std::sqrt(edge.later) / 3.0;
+    for (const std::uint32_t corner : v->triangles[i]) v.rowSums[corner] += std::sqrt(edge.later) / 3.0;
   }
   return growth;
 }
@@ -164,15 +165,15 @@ double gradientSum(const VolumeArrays& v, const double* sums, const PointState& 
 /// Of one component, see volumeFrequencyBoundSquared; after sumUp().
 double componentBound(VolumeArrays& v, std::size_t c, const PointState& state, double tick, double slack) {
   const double* sums = &v.sums[4 * c];
-  const kernel::Push<double> now = kernel::pushOf(sums[0] / 6.0, v.restVolume[c], v.modulus, v.pressure);
+  const kernel::Push<double> now = kernel::pushOf(sums[0] / 6.0, v->restVolume[c], v->modulus, v->pressure);
   const double edges = sumEdges(v, c, state, tick, slack);
   const double growth = edges * std::sqrt(edges) - 1.0;
-  const double push = std::abs(now.push) + v.modulus * std::min(growth, -kernel::kLargestShrinking);
-  const double change = sums[0] / (6.0 * v.restVolume[c]) - 1.0;
+  const double push = std::abs(now.push) + v->modulus * std::min(growth, -kernel::kLargestShrinking);
+  const double change = sums[0] / (6.0 * v->restVolume[c]) - 1.0;
   v.farFromRest = v.farFromRest || std::abs(change) > kFarFromRest || growth > kFarFromRest;
   double across = 0.0;
-  for (std::size_t i = v.firstTriangle[c]; i < v.firstTriangle[c + 1]; ++i)
-    for (const std::uint32_t corner : v.triangles[i])
+  for (std::size_t i = v->firstTriangle[c]; i < v->firstTriangle[c + 1]; ++i)
+    for (const std::uint32_t corner : v->triangles[i])
       across = std::max(across, state.inverseMass.col(corner).maxCoeff() * v.rowSums[corner]);
   return now.stiffness * gradientSum(v, sums, state, slack) + push * across;
 }
@@ -208,7 +209,7 @@ std::string checkVolume(const SpringNetwork& network, const SoftBodySettings& se
 VolumeArrays makeVolumes(const SpringNetwork& network, const SoftBodySettings& settings) {
   if (!mayHaveVolume(network) || (settings.volumeModulus == 0.0 && settings.pressure == 0.0)) return {};
   const Points rest = scaledRest(network, settings.scale);
-  VolumeArrays v;
+  VolumeConstants v;
   v.firstTriangle = {0};
   v.componentOf.assign(network.restPoints.size(), 0);
   for (const std::vector<Triangle>& component : trianglesByComponent(network))
@@ -216,28 +217,30 @@ VolumeArrays makeVolumes(const SpringNetwork& network, const SoftBodySettings& s
   double volume = 0.0;
   for (const double one : v.restVolume) volume += one;
   const double stiffness = std::max(settings.extensionStiffness, settings.compressionStiffness);
-  v.modulus = settings.volumeModulus >= 0.0 || v.empty()
+  v.modulus = settings.volumeModulus >= 0.0 || v.restVolume.empty()
                   ? settings.volumeModulus
                   : networkModulus(network, settings.scale, stiffness, volume);
   v.pressure = settings.pressure;
   v.shortestEdge = shortestEdge(v.triangles, rest);
-  v.gradient.setZero(3, rest.cols());
-  v.sums.assign(4 * v.restVolume.size(), 0.0);
-  v.rowSums.assign(network.restPoints.size(), 0.0);
-  return v;
+  VolumeArrays volumes;
+  volumes.gradient.setZero(3, rest.cols());
+  volumes.sums.assign(4 * v.restVolume.size(), 0.0);
+  volumes.rowSums.assign(network.restPoints.size(), 0.0);
+  volumes.constants = SharedConstants<VolumeConstants>(std::move(v));
+  return volumes;
 }
 
 kernel::Volumes<double> kernelVolumes(VolumeArrays& v) {
   kernel::Volumes<double> k;
   if (v.empty()) return k;
-  k.components = static_cast<kernel::Index>(v.restVolume.size());
-  k.points = static_cast<kernel::Index>(v.componentOf.size());
-  k.firstTriangle = v.firstTriangle.data();
-  k.corners = v.triangles.front().data();
-  k.componentOf = v.componentOf.data();
-  k.restVolume = v.restVolume.data();
-  k.modulus = &v.modulus;
-  k.pressure = &v.pressure;
+  k.components = static_cast<kernel::Index>(v->restVolume.size());
+  k.points = static_cast<kernel::Index>(v->componentOf.size());
+  k.firstTriangle = v->firstTriangle.data();
+  k.corners = v->triangles.front().data();
+  k.componentOf = v->componentOf.data();
+  k.restVolume = v->restVolume.data();
+  k.modulus = &v->modulus;
+  k.pressure = &v->pressure;
   k.gradient = v.gradient.data();
   k.sums = v.sums.data();
   k.timeStep = v.timeStep;
@@ -252,11 +255,11 @@ void addVolumeForces(VolumeArrays& volumes, PointState& state) {
 bool isHeldBack(VolumeArrays& v, const PointState& state, double dt) {
   if (v.empty()) return false;
   kernel::sumUp(kernelVolumes(v), state.position.data(), state.inverseMass.data());
-  for (std::size_t c = 0; c < v.restVolume.size(); ++c) {
+  for (std::size_t c = 0; c < v->restVolume.size(); ++c) {
     const double* sums = &v.sums[4 * c];
     const auto push = [&](double timeStep) {
-      return kernel::stablePush(sums[0], sums[1] + (sums[2] + sums[3]), v.restVolume[c], v.modulus,
-                                v.pressure, timeStep);
+      return kernel::stablePush(sums[0], sums[1] + (sums[2] + sums[3]), v->restVolume[c], v->modulus,
+                                v->pressure, timeStep);
     };
     if (push(dt) != push(0.0)) return true;
   }
@@ -265,17 +268,17 @@ bool isHeldBack(VolumeArrays& v, const PointState& state, double dt) {
 
 double volumeEnergy(const VolumeArrays& v, const Points& position) {
   double energy = 0.0;
-  for (std::size_t c = 0; c < v.restVolume.size(); ++c) {
-    const double relative = componentVolume(v, c, position) / v.restVolume[c];
+  for (std::size_t c = 0; c < v->restVolume.size(); ++c) {
+    const double relative = componentVolume(*v.constants, c, position) / v->restVolume[c];
     energy +=
-        v.restVolume[c] * (v.modulus * swellingEnergy(relative - 1.0) + v.pressure * gasEnergy(relative));
+        v->restVolume[c] * (v->modulus * swellingEnergy(relative - 1.0) + v->pressure * gasEnergy(relative));
   }
   return energy;
 }
 
 double enclosedVolume(const VolumeArrays& v, const Points& position) {
   double sum = 0.0;
-  for (std::size_t c = 0; c < v.restVolume.size(); ++c) sum += componentVolume(v, c, position);
+  for (std::size_t c = 0; c < v->restVolume.size(); ++c) sum += componentVolume(*v.constants, c, position);
   return sum;
 }
 
@@ -285,7 +288,7 @@ double volumeFrequencyBoundSquared(VolumeArrays& v, const PointState& state, dou
   std::fill(v.rowSums.begin(), v.rowSums.end(), 0.0);
   v.farFromRest = false;
   double largest = 0.0;
-  for (std::size_t c = 0; c < v.restVolume.size(); ++c)
+  for (std::size_t c = 0; c < v->restVolume.size(); ++c)
     largest = std::max(largest, componentBound(v, c, state, tick, slack));
   return largest;
 }
@@ -293,21 +296,23 @@ double volumeFrequencyBoundSquared(VolumeArrays& v, const PointState& state, dou
 VolumeSlope volumeSlope(const VolumeArrays& v, std::size_t component, const PointState& state,
                         Points& gradient) {
   gradient.setZero(3, state.position.cols());
-  forEachTriangle(v, component, state.position,
+  forEachTriangle(*v.constants, component, state.position,
                   [&](const Triangle& t, const Eigen::Vector3d& b, const Eigen::Vector3d& c) {
                     for (const std::uint32_t corner : t)
                       if (!isHeld(state.inverseMass, corner)) gradient.col(corner) += b.cross(c) / 6.0;
                   });
-  const double volume = componentVolume(v, component, state.position), rest = v.restVolume[component];
+  const double volume = componentVolume(*v.constants, component, state.position),
+               rest = v->restVolume[component];
   const double change = (volume - rest) / rest;
   const bool limited = change > kernel::kLargestSwelling || change < kernel::kLargestShrinking;
-  const double gas = volume > kernel::kMinGasVolume * rest ? v.pressure * rest / (volume * volume) : 0.0;
-  return {volume, (limited ? 0.0 : v.modulus / rest) + gas};
+  const double gas = volume > kernel::kMinGasVolume * rest ? v->pressure * rest / (volume * volume) : 0.0;
+  return {volume, (limited ? 0.0 : v->modulus / rest) + gas};
 }
 
 bool isFarFromRest(const VolumeArrays& v, const Points& position) {
-  for (std::size_t c = 0; c < v.restVolume.size(); ++c)
-    if (std::abs(componentVolume(v, c, position) / v.restVolume[c] - 1.0) > kFarFromRest) return true;
+  for (std::size_t c = 0; c < v->restVolume.size(); ++c)
+    if (std::abs(componentVolume(*v.constants, c, position) / v->restVolume[c] - 1.0) > kFarFromRest)
+      return true;
   return false;
 }
 
@@ -337,7 +342,7 @@ double shapeChange(const Points& kept, const PointState& state, double tick) {
 
 double keptVolumeBoundSquared(VolumeArrays& v, const PointState& state, double tick) {
   if (v.empty()) return 0.0;
-  const double slack = kSlack * v.shortestEdge;
+  const double slack = kSlack * v->shortestEdge;
   if (v.kept.value > 0.0 && shapeChange(v.kept.shape, state, tick) <= slack) return v.kept.value;
   const double bound = volumeFrequencyBoundSquared(v, state, tick, slack);
   v.kept.shape = state.position;

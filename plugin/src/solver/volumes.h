@@ -4,6 +4,7 @@
 // The volume terms of a body: of its closed surfaces, and of its tetrahedra.
 
 #include "solver/point_state.h"
+#include "solver/shared_constants.h"
 #include "solver/verlet_kernel.h"
 
 #include <limber/soft_body_settings.h>
@@ -25,25 +26,30 @@ struct KeptVolumeBound {
   double value = 0.0;  ///< rad^2/s^2; 0: nothing is kept
 };
 
-/// The closed surfaces of one body, each with the energy  K/2 (V - V0)^2 / V0  of its signed volume, which
-/// also tells a body from its mirror image, and the pressure of the gas in it. Empty: no volume term.
-struct VolumeArrays {
+/// The constants of closed surfaces, each with the energy  K/2 (V - V0)^2 / V0  of its signed volume, which
+/// also tells a body from its mirror image, and the pressure of the gas in it.
+struct VolumeConstants {
   std::vector<Triangle> triangles;           ///< of all components, one component after the other
   std::vector<std::uint32_t> firstTriangle;  ///< #components + 1
   std::vector<std::uint32_t> componentOf;    ///< #points; 0 for points of none
   std::vector<double> restVolume;            ///< #components, m^3, above 0
   double modulus = 0.0;                      ///< Pa, K
   double pressure = 0.0;                     ///< Pa above the outside at rest; P V0 / V at volume V
-  double timeStep = 0.0;                     ///< s, of Verlet's substep; 0: of an implicit stepper
   double shortestEdge = 0.0;                 ///< m, at rest
+};
 
+/// The closed surfaces of one body. `->` leads to their constants. Empty: no volume term.
+struct VolumeArrays {
+  SharedConstants<VolumeConstants> constants;
+  double timeStep = 0.0;        ///< s, of Verlet's substep; 0: of an implicit stepper
   bool farFromRest = false;     ///< in this tick some volume is, or may come, far from that at rest
   Points gradient;              ///< 3 x #points, scratch
   std::vector<double> sums;     ///< 4 x #components, scratch
   std::vector<double> rowSums;  ///< #points, scratch
   KeptVolumeBound kept;
 
-  bool empty() const { return restVolume.empty(); }
+  const VolumeConstants* operator->() const { return &*constants; }
+  bool empty() const { return constants->restVolume.empty(); }
 };
 
 /// Pa: the Young's modulus of a network of springs with the constant `stiffness` (N/m) that fills `volume`
@@ -104,31 +110,36 @@ double keptVolumeBoundSquared(VolumeArrays& volumes, const PointState& state, do
 
 // --- tetrahedra --------------------------------------------------------------------------------------------
 
-/// The volume term of a body of tetrahedra. Each has the energy  K/2 (V - V0)^2 / V0  of its signed volume V,
-/// which adds K to the first Lame constant of the material and nothing to its shear modulus, and, when it is
-/// crushed to less than kCrushed of its volume or turned over,  G/2 (kCrushed V0 - V)^2 / V0  besides:
-/// springs alone are at rest in a tetrahedron that is inside out. The changes that push are limited as in
-/// verlet_kernel.h.
+/// The constants of the volume term of a body of tetrahedra. Each has the energy  K/2 (V - V0)^2 / V0  of its
+/// signed volume V, which adds K to the first Lame constant of the material and nothing to its shear modulus,
+/// and, when it is crushed to less than kCrushed of its volume or turned over,  G/2 (kCrushed V0 - V)^2 / V0
+/// besides: springs alone are at rest in a tetrahedron that is inside out. The changes that push are limited
+/// as in verlet_kernel.h.
 ///
 /// Along its gradient g a tetrahedron oscillates with at most  omega^2 = (K + G)/V0 w sum |g|^2, w the
 /// largest of its corners' inverse masses, which has no bound while the body is torn apart. Beyond omega^2
 /// dt^2 = kLargestCornerPhaseSquared the force is scaled down to the largest stable one: `stabilityScale` is
 /// (K + G) w dt^2 / (36 V0 kLargestCornerPhaseSquared), for 36 |g|^2.
-struct TetrahedronVolumes {
+struct TetrahedronConstants {
   std::vector<Tetrahedron> tetrahedra;  ///< oriented as at the body's scale
   std::vector<double> restVolume;       ///< #tetrahedra, m^3, above 0
   std::vector<double> inverseRest;      ///< #tetrahedra, 1/m^3: 1 / (6 restVolume)
   Eigen::Array4Xd restGradientSquares;  ///< 4 x #tetrahedra, m^4, of the volume by the corners
   std::vector<double> valence;          ///< #tetrahedra, n: most tetrahedra around one of its corners
-  std::vector<double> stabilityScale;   ///< #tetrahedra, 1/m^4, set by prepareTetrahedra
   double modulus = 0.0;                 ///< Pa, K
   double crushModulus = 0.0;            ///< Pa, G: Young's modulus of the springs together
   bool edgesAreSprings = false;         ///< all of them
-  bool farFromRest = false;             ///< far from rest, as of tetrahedronFrequencyBoundSquared
+};
 
-  std::vector<double> rowSums;  ///< #points, scratch
+/// The tetrahedra of one body. `->` leads to their constants. Empty: no volume term.
+struct TetrahedronVolumes {
+  SharedConstants<TetrahedronConstants> constants;
+  std::vector<double> stabilityScale;  ///< #tetrahedra, 1/m^4, set by prepareTetrahedra
+  bool farFromRest = false;            ///< far from rest, as of tetrahedronFrequencyBoundSquared
+  std::vector<double> rowSums;         ///< #points, scratch
 
-  bool empty() const { return tetrahedra.empty(); }
+  const TetrahedronConstants* operator->() const { return &*constants; }
+  bool empty() const { return constants->tetrahedra.empty(); }
 };
 
 /// Below Verlet's limit of 4, and above what bodies in their shape come to even at half that limit.
