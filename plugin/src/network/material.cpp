@@ -116,8 +116,8 @@ Edges collectEdges(const SpringNetwork& network) {
 }
 
 /// Changes x = k L^2, one edge after the other, towards the minimum of
-///     sum over points |sum over its edges x T / 2 - f V C|^2 / V  +  kStayWeight sum over edges (x - x0)^2 /
-///     x0
+///     sum over points |sum over its edges x T / 2 - f V C|^2 / V
+///     + kStayWeight sum over edges (x - x0)^2 / x0
 /// with T the powers, V and f the points' volumes and factors, C the elasticity and x0 Van Gelder's values.
 void fitElasticity(const Edges& edges, const FourthDegree& elasticity, std::vector<double>& x) {
   std::vector<FourthDegree> misfit;
