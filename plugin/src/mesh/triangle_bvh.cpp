@@ -23,8 +23,8 @@ constexpr std::size_t kBvhStack = 40;
 /// A node is far at a distance of this many radii. The error of winding numbers is then some hundredths
 /// (Barill et al. 2018 use 2).
 constexpr double kFarRadii = 2.5;
-/// Barycentric margin within which a line past an edge intersects both triangles, so that no line passes
-/// between them.
+/// Barycentric margin within which a line through an edge intersects both triangles, so that no line
+/// passes between them.
 constexpr double kEdgeMargin = 1e-9;
 /// The same where crossings only cut a segment into pieces, which are then tested one by one. An additional
 /// crossing does no harm, a missed one does.

@@ -215,10 +215,9 @@ constexpr std::array<const char*, kDeformations> kDeformationNames{"squash", "tw
 
 using Remarks = std::vector<std::string>;
 
-constexpr double kGoodReturn = 0.99;  // below it a remark names the kinds that fail
-constexpr double kUnevenMasses =
-    20.0;  // limit for the ratio of the heaviest and the lightest point; the lightest sets the time step
-constexpr double kShortSpring = 1e-3;  // of the mean length
+constexpr double kGoodReturn = 0.99;    // below it a remark names the kinds that fail
+constexpr double kUnevenMasses = 20.0;  // heaviest over lightest; the lightest point sets the time step
+constexpr double kShortSpring = 1e-3;   // of the mean length
 constexpr char kTooFast[] = "its stiffest springs, or lightest points, take time steps too short for that";
 
 void remarkOnMesh(const MeshReport& mesh, Remarks& remarks) {

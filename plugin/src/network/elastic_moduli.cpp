@@ -242,8 +242,8 @@ double openingStiffness(const ElasticBody& body, const Vector3d& positionA, cons
 namespace {
 
 /// Adds the tractions s_aa along axis `along`, growing along axis `across`, integrated against linear shape
-/// functions. The force of a corner is area / 12 times (the sum of the stresses at all corners + the stress
-/// at this corner).
+/// functions. The force of a corner is area / 12 times the sum of the stresses at all corners, where its own
+/// stress counts twice.
 void addTractions(const MatrixXd& points, const Triangle& t, const Vector3d& centre, Index along,
                   Index across, Eigen::Ref<Eigen::VectorXd> forces) {
   const Vector3d u = points.col(t[1]) - points.col(t[0]), v = points.col(t[2]) - points.col(t[0]);

@@ -260,8 +260,7 @@ using HeaderCheck = std::string (*)(const std::uint8_t* header, std::uint64_t fi
 
 namespace fs = std::filesystem;
 
-constexpr int kMaxNames =
-    1000;  // of temporary files that other writers use at the same time, or left after a crash
+constexpr int kMaxNames = 1000;  // of temporary files that other writers use, or that were left over
 
 struct Close {
   void operator()(std::FILE* stream) const { std::fclose(stream); }

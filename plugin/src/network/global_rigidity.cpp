@@ -217,8 +217,8 @@ std::vector<Element> forces(const Framework& f, const std::vector<Element>& w) {
   return result;
 }
 
-/// Returns the remainder of random tensions g after the points have moved into equilibrium:  g - D R x,  K x
-/// = R^T g.
+/// Returns the remainder of random tensions g after the points have moved into equilibrium:
+/// g - D R x,  with K x = R^T g.
 std::vector<Element> equilibriumStress(const Framework& f, const std::vector<Element>& constants,
                                        std::vector<Element> g, const std::vector<Element>& x) {
   using namespace prime_field;

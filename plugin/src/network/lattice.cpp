@@ -120,8 +120,8 @@ constexpr double kOnSurface = 1e-6;
 void findSides(CutLattice& cut, const TriangleBvh& surface) {
   const double spacing = cut.lattice.spacing[0];
   const auto row = 2 * static_cast<std::uint32_t>(cut.lattice.cells[0]);
-  std::array<double, 2>
-      clearance{};  // m, lower bound of the distance of the last corner and the last centre from the surface
+  // m, lower bound of the distance of the last corner and the last centre from the surface
+  std::array<double, 2> clearance{};
   for (std::uint32_t site = 0; site < cut.lattice.size(); ++site) {
     double& c = clearance[site % 2];
     if (site % row >= 2 && c > spacing) {
@@ -257,8 +257,8 @@ bool isShorter(const Filling& f, std::uint32_t a, std::uint32_t b, std::uint32_t
   return (f.position(a) - f.position(b)).squaredNorm() < (f.position(c) - f.position(d)).squaredNorm();
 }
 
-/// For a face with a and b inside and m outside, cut at a' and b': returns whether its quadrilateral a b b'
-/// a' is split from a to b' rather than from b to a'. The result depends on the face alone, so both
+/// For a face with a and b inside and m outside, cut at a' and b': returns whether its quadrilateral
+/// a b b' a' is split from a to b' rather than from b to a'. The result depends on the face alone, so both
 /// tetrahedra at the face agree. The diagonal ends at the cut of the long edge. If both cuts are on short
 /// edges, the shorter diagonal is used. Then no three faces of a tetrahedron can have diagonals that form a
 /// cycle, which could not be filled.
@@ -270,10 +270,10 @@ bool splitsFromFirst(const Filling& f, std::uint32_t a, std::uint32_t b, std::ui
   return isShorter(f, a, f.cutBetween(b, m), b, f.cutBetween(a, m)) != swapped;
 }
 
-/// Adds a prism from the triangle p to the triangle q on its positive side. diagonal[i]: its side from i to i
-/// + 1 is split from p_i to q_(i+1) rather than from p_(i+1) to q_i; not all three may be equal. Then one p_i
-/// has two diagonals, one q_j has two as well, and the third tetrahedron has the other corners k of both
-/// triangles.
+/// Adds a prism from the triangle p to the triangle q on its positive side. diagonal[i]: its side from
+/// i to i + 1 is split from p_i to q_(i+1) rather than from p_(i+1) to q_i; not all three may be equal. Then
+/// one p_i has two diagonals, one q_j has two as well, and the third tetrahedron has the other corners k of
+/// both triangles.
 void addPrism(Filling& f, const std::array<std::uint32_t, 3>& p, const std::array<std::uint32_t, 3>& q,
               const std::array<bool, 3>& diagonal) {
   std::size_t i = 0, j = 0;

@@ -158,10 +158,12 @@ double provenMisfit(const Programme& p, const MomentVector& y, const MomentVecto
   return proven;
 }
 
-/// Computes shares of sum 1 between `minShare` (below 1 / #points) and maxShares[i] whose moments  sum
-/// share_i momentsOfPoint_i  are `target`. Of all such shares, returns those nearest to `desired` by  sum
-/// (share - desired)^2 / desired.  If there are none, returns those with the smallest error of the moments;
-/// the first moments count far more than the second. All moments should be of the order of 1.
+/// Computes shares of sum 1 between `minShare` (below 1 / #points) and maxShares[i] whose moments
+///     sum share_i momentsOfPoint_i
+/// are `target`. Of all such shares, returns those with the smallest
+///     sum (share_i - desired_i)^2 / desired_i.
+/// If there are none, returns those with the smallest error of the moments; the first moments count far more
+/// than the second. All moments should be of the order of 1.
 MomentMatch matchMoments(const std::vector<MomentVector>& momentsOfPoint, const MomentVector& target,
                          const std::vector<double>& desired, double minShare,
                          const std::vector<double>& maxShares) {

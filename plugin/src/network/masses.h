@@ -33,9 +33,8 @@ struct MassFractions {
   /// For MassRule::Moments: a proven lower bound of the distance of the moments of any shares from the
   /// solid's. They are the mass and the first and second moments about the solid's centre, in units of its
   /// radius of gyration. Above 0 there is no solution.
-  double leastMisfit = 0.0;  ///< with shares within the bounds
-  double leastMisfitAnyMass =
-      0.0;  ///< with any shares of 0 or more; above 0 if the points, not the bounds, are the cause
+  double leastMisfit = 0.0;         ///< with shares within the bounds
+  double leastMisfitAnyMass = 0.0;  ///< with any shares of 0 or more: caused by the points, not by the bounds
 };
 
 /// Computes the shares by `rule`. Area limits them to the range from a fifth to ten times the mean share.

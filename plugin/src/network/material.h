@@ -16,9 +16,8 @@ namespace limber {
 /// Springs and volume term of a body.
 struct ElasticBody {
   const SpringNetwork& network;
-  double stiffness = 1.0;  ///< N/m of a spring of stiffnessScale 1
-  double volumeModulus =
-      0.0;  ///< Pa, of each tetrahedron; without tetrahedra, of the whole inside of the surface
+  double stiffness = 1.0;      ///< N/m of a spring of stiffnessScale 1
+  double volumeModulus = 0.0;  ///< Pa, of each tetrahedron or, without tetrahedra, of the whole inside
   Eigen::Vector3d scale = Eigen::Vector3d::Ones();
 };
 
@@ -41,32 +40,34 @@ struct ElasticModuli {
 /// moduli near 0. Takes seconds for 5 000 points.
 ElasticModuli measureModuli(const ElasticBody& body);
 
-/// Returns the stiffness (N/m) of an L or a horseshoe against opening: the force between two parts of the
-/// surface over the change of their distance. The parts are the points within `radius` (m) of the two
-/// positions. The force is spread evenly over the area of each part, along the line between their centres. 0
-/// if either part is empty.
+/// Returns the stiffness (N/m) against opening, for example of an L or a horseshoe: the force between two
+/// parts of the surface over the change of their distance. The parts are the points within `radius` (m) of
+/// the two positions. The force is spread evenly over the area of each part, along the line between their
+/// centres. 0 if either part is empty.
 double openingStiffness(const ElasticBody& body, const Eigen::Vector3d& positionA,
                         const Eigen::Vector3d& positionB, double radius);
 
-/// Returns the Young's moduli (Pa) of a body in bending, for the six stresses  s_aa = x_b - centre_b  of 1
-/// Pa/m along each axis a, varying along each other axis b. Such a stress is in equilibrium without forces
-/// inside. On a homogeneous isotropic solid of any shape it does the work  1/E integral of (x_b -
-/// centre_b)^2,  so all six equal its Young's modulus. Networks are calibrated by uniform stresses; their
+/// Returns the Young's moduli (Pa) of a body in bending, for six stresses of 1 Pa/m:
+///     s_aa = x_b - centre_b
+/// along each axis a, varying along each other axis b. Such a stress is in equilibrium without forces inside.
+/// On a homogeneous isotropic solid of any shape it does the work
+///     1/E integral of (x_b - centre_b)^2,
+/// so all six moduli equal its Young's modulus. Networks are calibrated by uniform stresses; their
 /// deviation here is the error of discretisation. The order of ab is xy xz yz yx zx zy. The network must have
 /// a closed surface.
 std::array<double, 6> measureBendingModuli(const ElasticBody& body);
 
-/// A totally symmetric tensor of fourth degree, such as the elasticity of springs (Cauchy-Born: C = sum k L^2
-/// n n n n / V). Holds the 15 entries xxxx yyyy zzzz xxxy xxxz yyyx yyyz zzzx zzzy xxyy yyzz zzxx xxyz yyzx
-/// zzxy, each times the square root of its number of occurrences. The dot product of two such vectors is then
-/// the product of the tensors.
+/// A totally symmetric tensor of fourth degree, such as the elasticity of springs
+/// (Cauchy-Born: C = sum k L^2 n n n n / V). Holds the 15 entries xxxx yyyy zzzz xxxy xxxz yyyx yyyz zzzx
+/// zzzy xxyy yyzz zzxx xxyz yyzx zzxy, each times the square root of its number of occurrences. The dot
+/// product of two such vectors is then the product of the tensors.
 using FourthDegree = Eigen::Matrix<double, 15, 1>;
 
 /// Returns n n n n, of length 1 for a unit vector.
 FourthDegree fourthPower(const Eigen::Vector3d& n);
 
-/// Returns the elasticity of the isotropic solid of springs with E = 1 and Poisson ratio 1/4: lambda = mu =
-/// 2/5, C_xxxx = 6/5, C_xxyy = 2/5.
+/// Returns the elasticity of the isotropic solid of springs with E = 1 and Poisson ratio 1/4:
+/// lambda = mu = 2/5, C_xxxx = 6/5, C_xxyy = 2/5.
 FourthDegree isotropicElasticity();
 
 /// Returns the totally symmetric part of an elasticity in Voigt's notation (xx yy zz yz zx xy, shear strains

@@ -199,8 +199,7 @@ void descend(SolverBody& body, double minForce, std::size_t iterations,
 constexpr double kRelaxationDrag = 0.05;  // 1/s, at unit mass and spring constant
 constexpr double kStepFraction = 0.75;    // fraction of the stable step at rest
 constexpr double kMaxTime = 600.0;        // s; by then drag alone has reduced the energy by 13 powers of ten
-constexpr double kMinTime =
-    10.0;  // s; earlier a body does not count as at rest, because it starts without velocity
+constexpr double kMinTime = 10.0;         // s; earlier a slow body does not count as at rest
 
 // Substeps between two checks of a run, which choose its step. There are few while the run is wild: while its
 // step must be much smaller than at rest, or its points move far (relative to the size, root mean square)

@@ -104,8 +104,8 @@ TimeSteps timeSteps(const SpringNetwork& network, const SoftBodySettings& settin
 /// and returns to its shape afterwards. The error is about 4 %. Infinite for bodies that collapse at any
 /// stiffness, 0 without gravity or springs.
 ///
-/// In units of the size L, the mean mass m of a point and the stiffness k, a body depends only on the load m
-/// g / (k L). The function searches the smallest load that is too large. It uses the settings that define
+/// In units of the size L, the mean mass m of a point and the stiffness k, a body depends only on the load
+/// m g / (k L). The function searches the smallest load that is too large. It uses the settings that define
 /// these units (total mass, scale, stiffness) and the volume modulus, whose ratio to the stiffness is kept.
 /// `gravity` is in m/s^2.
 ///

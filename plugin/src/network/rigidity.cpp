@@ -171,8 +171,8 @@ bool isSound(const SparseFactor& factor, const SparseMatrix& matrix, double size
   return (matrix * x - b).norm() <= kMaxFactorResidual * (size * x.norm() + b.norm());
 }
 
-/// Counts by Sylvester's law: K - s  has as many negative pivots as K has eigenvalues below s. The largest
-/// eigenvalue of its inverse belongs to the first eigenvalue above. Without pivoting, a factor can be
+/// Counts eigenvalues by Sylvester's law: K - s has as many negative pivots as K has eigenvalues below s. The
+/// largest eigenvalue of its inverse belongs to the first eigenvalue above. Without pivoting, a factor can be
 /// inaccurate if s is near an eigenvalue of a leading block; then a somewhat larger s is used.
 SoftEnd sparseSoftEnd(const SparseMatrix& stiffness, double bound, double stiffest) {
   SparseFactor factor;
@@ -225,8 +225,7 @@ constexpr int kBlocksBetweenChecks = 3;
 constexpr double kModeTolerance = 1e-5;  // largest residual, relative to the eigenvalue of the inverse
 constexpr double kConfirmed = 1e-4;      // relative change of an eigenvalue below which no mode was missed
 constexpr double kDependent = 1e-13;     // norm of the rest of a unit vector that counts as round-off
-constexpr double kRelativeShift =
-    1e-9;  // fraction of the largest eigenvalue, added so that the inverse exists
+constexpr double kRelativeShift = 1e-9;  // of the largest eigenvalue, added so that the inverse exists
 
 using Block = Eigen::Matrix<double, Eigen::Dynamic, kBlock>;
 using RowBlock = Eigen::Matrix<double, Eigen::Dynamic, kBlock, Eigen::RowMajor>;

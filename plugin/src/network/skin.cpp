@@ -34,8 +34,9 @@ constexpr std::size_t kMaxNeighbours = 200;
 constexpr double kGapTolerance = 1e-3;
 /// Paths longer than this times the distance of the farthest of the nearest points are cut off.
 constexpr double kMaxPathRatio = 3.0;
-/// The variance begins where the square of the path is this many times that of the straight line. (Paths bend
-/// only at points, so they are somewhat too long.) The variance grows faster than the kernel by this factor.
+/// kFreeDetour: the variance begins where the square of the path is this many times that of the straight
+/// line. (Paths bend only at points, so they are somewhat too long.) kVariance: factor by which the variance
+/// grows faster than the kernel.
 constexpr double kFreeDetour = 1.5, kVariance = 30.0;
 /// Largest number of rounds of averaging over the detailed mesh, and the size of entries that are dropped
 /// between them.
@@ -170,8 +171,8 @@ SparseRows gapVariances(const SpringNetwork& network, const TriangleBvh& surface
   return result;
 }
 
-/// Returns how much the vertices of a detailed mesh belong to the points of the coarse surface, #vertices x
-/// #points, from 0 to 1. The result is smooth over the detailed mesh, so that it ignores parts that are only
+/// Returns how much the vertices of a detailed mesh belong to the points of the coarse surface, from 0 to 1,
+/// #vertices x #points. The result is smooth over the detailed mesh, so that it ignores parts that are only
 /// near.
 ///
 /// The function begins with the barycentric coordinates of the nearest place on the coarse surface that faces

@@ -169,8 +169,7 @@ namespace {
 
 // The search, in loads m g / (k L).
 constexpr double kMinLoad = 1e-6, kFirstLoad = 1e-3, kMaxLoad = 20.0;
-constexpr double kLoadFactor =
-    1.6;  // a body can return by chance from a load that is too large, so the steps are small
+constexpr double kLoadFactor = 1.6;  // small: a body can return by chance from a much larger load
 constexpr double kPrecision = 1.04;
 
 // The motion, in units of the size, the mean mass of a point and the stiffness.
@@ -178,11 +177,10 @@ constexpr double kMaxDrag = 0.1;  // limit, besides sqrt(load): a larger drag wo
 constexpr double kFriction = 0.5;
 constexpr double kSafeStepFraction = 0.5;  // fraction of the safe step
 constexpr double kSettlingTime = 300.0;    // limit: drag reduces the energy by 13 powers of ten
-constexpr double kFallTimes =
-    20.0;  // limit in units of 1/sqrt(load), if longer: perturbations grow by e in 1.6 of them
+constexpr double kFallTimes = 20.0;  // limit, in 1/sqrt(load), if longer: perturbations grow by e in 1.6
 constexpr double kCalmSpeed = 1e-3;  // root mean square, relative to the load: at rest, if it lasts
 constexpr int kCalmSteps = 20;
-constexpr double kStartPerturbation = 1e-3;  // of the start: no body stays in an unstable equilibrium
+constexpr double kStartPerturbation = 1e-3;  // of the start, so that no body stays in an unstable equilibrium
 
 // Common bodies take some hundred thousand steps for all loads together.
 constexpr std::size_t kMaxStandingSteps = 4'000'000;

@@ -81,8 +81,8 @@ TetrahedralMesh fillLattice(const BccLattice& lattice, const TriangleBvh& surfac
 /// Drops points that no tetrahedron uses any more, and sets the surface.
 void makeManifold(TetrahedralMesh& mesh, double minVolume);
 
-/// Returns for each tetrahedron the number of its piece. Faces join tetrahedra to pieces, in the order of
-/// their first tetrahedron.
+/// Returns for each tetrahedron the number of its piece. Tetrahedra that share a face are of one piece. The
+/// pieces are numbered in the order of their first tetrahedra.
 std::vector<std::uint32_t> findPieces(const std::vector<Tetrahedron>& tetrahedra);
 
 }  // namespace limber
