@@ -180,7 +180,7 @@ double setMaterialSprings(SpringNetwork& network, const std::function<bool(doubl
     if (moduli.isotropy > kSufficientIsotropy || (goOn && !goOn(static_cast<double>(i) / kMaxCorrections)))
       break;
     target += isotropic - symmetricPart(moduli.elasticity) / moduli.youngsModulus;
-    target *= isotropic.squaredNorm() / isotropic.dot(target);  // only its shape matters
+    target *= isotropic.squaredNorm() / isotropic.dot(target);  // only its shape: E is calibrated
   }
   setSprings(network, edges, best);
   normalise(network, bestModuli.youngsModulus);
@@ -242,8 +242,9 @@ struct UnitMaterial {
 };
 
 /// Springs alone have lambda = mu = 2/5 E; a volume term of modulus K adds K to lambda. With
-/// nu = lambda / (2 (lambda + mu)) that is  nu = (mu + K) / (2 (2 mu + K)),  so K = mu (4 nu - 1) / (1 - 2
-/// nu). A network is a little softer than this estimate, so the target nu is corrected by the measured nu.
+/// nu = lambda / (2 (lambda + mu)) that is  nu = (mu + K) / (2 (2 mu + K)),  so
+/// K = mu (4 nu - 1) / (1 - 2 nu). A network is a little softer than this estimate, so the target nu is
+/// corrected by the measured nu.
 UnitMaterial findUnitMaterial(const SpringNetwork& network, double poissonRatio,
                               const Eigen::Vector3d& scale) {
   const double mu = 0.4;
