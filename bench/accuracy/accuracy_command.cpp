@@ -42,7 +42,7 @@ std::vector<Scene> scenesOf(const Options& options) {
   return scenes;
 }
 
-/// One line about a scene that has been played: the first error at the usual tick.
+/// Returns one line about a played scene: the first error at the usual tick.
 std::string describe(const Scene& scene, const Rows& rows) {
   const auto bestOf = [&](const std::string& engine) {
     const auto row = best(select(rows, [&](const AccuracyRow& r) {
@@ -59,10 +59,10 @@ void measureAll(const Options& options, const std::vector<Scene>& scenes, std::v
   CsvTable csv(options.out + "/" + kCsvName, accuracyColumns());
   RowProgress progress;
   for (const Scene& scene : scenes) {
-    const std::vector<AccuracyRow> found = measureScene(scene, ticksOf(options), progress);
-    for (const AccuracyRow& row : found) csv.add(accuracyCells(row));
-    rows.insert(rows.end(), found.begin(), found.end());
-    progress.finish(describe(scene, found));
+    const std::vector<AccuracyRow> sceneRows = measureScene(scene, ticksOf(options), progress);
+    for (const AccuracyRow& row : sceneRows) csv.add(accuracyCells(row));
+    rows.insert(rows.end(), sceneRows.begin(), sceneRows.end());
+    progress.finish(describe(scene, sceneRows));
   }
 }
 

@@ -5,8 +5,8 @@
 
 namespace limber::bench {
 
-/// Scenes whose outcome is known, played by Limber, btSoftBody and btDeformable: how far each is off, and
-/// what a tick of it costs.
+/// Plays scenes with a known outcome in Limber, btSoftBody and btDeformable, and reports the error of each
+/// engine and the time of its ticks.
 ExitCode runAccuracy(int argc, char** argv);
 
 }  // namespace limber::bench

@@ -5,18 +5,18 @@
 
 namespace limber::bench {
 
-/// One error of one engine in one scene at one tick.
+/// One error of one engine in one scene, with one length of the ticks.
 struct AccuracyRow {
   std::string scene, engine, setting;
   double dt = 0.0;                ///< s
-  double error = 0.0;             ///< infinite: it has flown apart
-  double tickMicroseconds = 0.0;  ///< the whole world's, median
-  double stepMicroseconds = 0.0;  ///< the springs', median; of other engines the whole tick
+  double error = 0.0;             ///< infinite: the points are lost
+  double tickMicroseconds = 0.0;  ///< median, for the whole world
+  double stepMicroseconds = 0.0;  ///< median, for the springs; in other engines for the whole tick
   std::uint64_t hash = 0;         ///< of the final state
-  double noise = 0.0;             ///< us, half the ticks are nearer to the median than this
+  double noise = 0.0;             ///< us; half of the ticks deviate less than this from the median
   Kind kind = Kind::Free;
-  std::string measure;   ///< what the error is of
-  int substeps = 1;      ///< times the stable number, where Limber is asked for finer ones
+  std::string measure;   ///< name of the error
+  int substeps = 1;      ///< multiple of the stable number of substeps, in Limber's finer runs
   bool ordered = false;  ///< errors should shrink with the step
 };
 

@@ -14,9 +14,9 @@ Rows ofEngine(const Rows& rows, const std::string& engine) {
   return select(rows, [&](const AccuracyRow& row) { return row.engine == engine; });
 }
 
-std::string ratio(const std::optional<AccuracyRow>& other, const AccuracyRow& own) {
+std::string ratio(const std::optional<AccuracyRow>& other, const AccuracyRow& limberRow) {
   if (!other) return format(" %9s", "");
-  return format(" %9.3g", other->error / std::max(own.error, 1e-16));
+  return format(" %9.3g", other->error / std::max(limberRow.error, 1e-16));
 }
 
 std::string cells(const std::optional<AccuracyRow>& row) {
@@ -27,11 +27,11 @@ std::string cells(const std::optional<AccuracyRow>& row) {
 std::string lineOf(const Rows& rows) {
   const Rows limber = select(rows, [](const AccuracyRow& row) { return isLimber(row, "auto"); });
   if (limber.empty()) return {};
-  const AccuracyRow& own = limber[0];
+  const AccuracyRow& limberRow = limber[0];
   const auto soft = best(ofEngine(rows, "btSoftBody")), deformable = best(ofEngine(rows, "btDeformable"));
-  return format("%-29s %-12s %9.2e %8.1f %8.1f", own.scene.c_str(), own.measure.c_str(), own.error,
-                own.stepMicroseconds, own.tickMicroseconds) +
-         cells(soft) + ratio(soft, own) + cells(deformable) + ratio(deformable, own) + "\n";
+  return format("%-29s %-12s %9.2e %8.1f %8.1f", limberRow.scene.c_str(), limberRow.measure.c_str(),
+                limberRow.error, limberRow.stepMicroseconds, limberRow.tickMicroseconds) +
+         cells(soft) + ratio(soft, limberRow) + cells(deformable) + ratio(deformable, limberRow) + "\n";
 }
 
 std::string table(const Rows& rows, Kind kind) {

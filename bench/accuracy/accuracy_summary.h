@@ -5,7 +5,8 @@
 
 namespace limber::bench {
 
-/// For people: the best of each engine in each scene, orders of convergence, targets with hit or MISS.
+/// Returns a report for people: the best result of each engine in each scene, orders of convergence, and
+/// targets with hit or MISS.
 std::string summariseAccuracy(const std::vector<Scene>& scenes, const std::vector<AccuracyRow>& rows);
 
 }  // namespace limber::bench

@@ -8,24 +8,24 @@ namespace limber::bench {
 namespace {
 
 constexpr int kLinks = 16;
-constexpr double kDisturbance = 0.01;  // share of the sag by which the chain starts too long
+constexpr double kDisturbance = 0.01;  // fraction of the sag by which the chain starts too long
 
-/// Where the points of a hanging chain rest: link i carries all masses below it.
-Eigen::Matrix3Xd hanging(const SpringNetwork& network, double mass, double stiffness) {
+/// Returns the rest positions of a hanging chain: link i carries all masses below it.
+Eigen::Matrix3Xd restPositions(const SpringNetwork& network, double mass, double stiffness) {
   const auto count = static_cast<Eigen::Index>(network.restPoints.size());
   Eigen::Matrix3Xd points = Eigen::Matrix3Xd::Zero(3, count);
-  double below = mass;
+  double massBelow = mass;
   for (Eigen::Index i = 1; i < count; ++i) {
     const auto n = static_cast<std::size_t>(i);
-    below -= mass * network.massFractions[n - 1];
+    massBelow -= mass * network.massFractions[n - 1];
     const double rest = (network.restPoints[n] - network.restPoints[n - 1]).norm();
-    points(1, i) = points(1, i - 1) - rest - below * kGravity / stiffness;
+    points(1, i) = points(1, i - 1) - rest - massBelow * kGravity / stiffness;
   }
   return points;
 }
 
-/// It starts 1 % of its sag too long and swings `slowest` rad/s, damped by `ratio` of critical; an engine
-/// without dampers along springs gets as much drag.
+/// A hanging chain that starts 1 % of its sag too long. It swings with `slowest` rad/s, damped by `ratio` of
+/// critical damping. An engine without dampers along springs uses drag of the same strength.
 Scene hangingChain(const std::string& name, const SharedNetwork& network, double mass, double stiffness,
                    double slowest, double ratio, double seconds) {
   Scene scene;
@@ -35,7 +35,7 @@ Scene hangingChain(const std::string& name, const SharedNetwork& network, double
   BodySetup body = bodyOf(network, mass, stiffness, 2 * ratio * stiffness / slowest);
   body.pins = {0};
   body.drag = std::min(2 * ratio * slowest, 2.0);
-  const Eigen::Matrix3Xd rest = hanging(*network, mass, stiffness);
+  const Eigen::Matrix3Xd rest = restPositions(*network, mass, stiffness);
   const double sag = -rest(1, kLinks) - 1.0;
   body.positions = rest;
   for (Eigen::Index i = 0; i <= kLinks; ++i)
@@ -48,7 +48,7 @@ Scene hangingChain(const std::string& name, const SharedNetwork& network, double
   return scene;
 }
 
-/// 17 points of 0.1 kg, the first pinned:  sag = (m g / k) M (M + 1) / 2.
+/// A chain of 17 points of 0.1 kg, the first pinned:  sag = (m g / k) M (M + 1) / 2.
 Scene evenChain(int exponent) {
   const double mass = 0.1, stiffness = std::pow(10.0, exponent);
   const double slowest = 2 * std::sqrt(stiffness / mass) * std::sin(M_PI / (2 * (2 * kLinks + 1)));

@@ -11,11 +11,12 @@ namespace {
 
 constexpr double kRounding = sizeof(btScalar) == sizeof(float) ? 2e-8 : 1e-11;
 
-/// The rows of a scene's first measure.
+/// Returns the rows of a scene's first measure.
 Rows mainRows(const Rows& rows, const std::string& scene) {
-  Rows own = select(rows, [&](const AccuracyRow& row) { return row.scene == scene; });
-  if (own.empty()) return own;
-  return select(own, [first = own[0].measure](const AccuracyRow& row) { return row.measure == first; });
+  Rows sceneRows = select(rows, [&](const AccuracyRow& row) { return row.scene == scene; });
+  if (sceneRows.empty()) return sceneRows;
+  return select(sceneRows,
+                [first = sceneRows[0].measure](const AccuracyRow& row) { return row.measure == first; });
 }
 
 std::vector<std::string> orderedScenes(const Rows& rows) {
@@ -26,7 +27,7 @@ std::vector<std::string> orderedScenes(const Rows& rows) {
   return names;
 }
 
-/// Of the rows of one engine and setting.
+/// Returns the order of the errors of one engine and setting.
 double tickOrder(const Rows& rows) {
   std::vector<double> steps, errors;
   for (const AccuracyRow& row : rows) {
@@ -42,7 +43,7 @@ std::string tickCell(const Rows& scene, const std::string& engine, const std::st
   return std::isfinite(slope) ? format(" %12.2f", slope) : format(" %12s", "-");
 }
 
-/// The setting of btSoftBody with the smallest error at the finest tick.
+/// Returns the setting of btSoftBody with the smallest error at the finest tick.
 std::string bestSoftBody(const Rows& scene) {
   double finest = 1e9;
   for (const AccuracyRow& row : scene) finest = std::min(finest, row.dt);
@@ -77,16 +78,16 @@ std::string substepTable(const std::vector<SubstepOrder>& orders, Kind kind) {
   return text;
 }
 
-/// Coarse steps may be beyond all order, and rounding hides the smallest errors: the finest three above it
-/// tell.
+/// Returns the order of the finest three steps with errors above rounding. Coarse steps may be too large to
+/// show the order, and rounding hides the smallest errors.
 double finestOrder(const std::vector<double>& steps, const std::vector<double>& errors) {
-  std::vector<double> someSteps, someErrors;
-  for (std::size_t i = steps.size(); i-- > 0 && someSteps.size() < 3;) {
+  std::vector<double> lastSteps, lastErrors;
+  for (std::size_t i = steps.size(); i-- > 0 && lastSteps.size() < 3;) {
     if (errors[i] < kRounding) continue;
-    someSteps.push_back(steps[i]);
-    someErrors.push_back(errors[i]);
+    lastSteps.push_back(steps[i]);
+    lastErrors.push_back(errors[i]);
   }
-  return order(someSteps, someErrors);
+  return order(lastSteps, lastErrors);
 }
 
 }  // namespace
@@ -94,17 +95,17 @@ double finestOrder(const std::vector<double>& steps, const std::vector<double>& 
 std::vector<SubstepOrder> substepOrders(const Rows& rows) {
   std::vector<SubstepOrder> orders;
   for (const std::string& name : orderedScenes(rows)) {
-    SubstepOrder found{name, Kind::Free, {}, 0.0};
+    SubstepOrder entry{name, Kind::Free, {}, 0.0};
     std::vector<double> steps;
     for (const AccuracyRow& row : mainRows(rows, name)) {
       if (!isUsual(row) || row.engine != "limber" || !startsWith(row.setting, "verlet")) continue;
-      found.kind = row.kind;
-      found.errors.push_back(row.error);
+      entry.kind = row.kind;
+      entry.errors.push_back(row.error);
       steps.push_back(1.0 / row.substeps);
     }
     if (steps.size() < 2) continue;
-    found.slope = finestOrder(steps, found.errors);
-    orders.push_back(found);
+    entry.slope = finestOrder(steps, entry.errors);
+    orders.push_back(entry);
   }
   return orders;
 }

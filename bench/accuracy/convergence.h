@@ -5,12 +5,12 @@
 
 namespace limber::bench {
 
-/// How fast the first error of each ordered scene shrinks, as the slope in log-log: with the tick, and for
-/// Limber with the substep. Free motion and contacts apart.
+/// Returns tables of the convergence of the first error of each ordered scene, as slope in log-log: over the
+/// tick, and for Limber over the substep. Free motion and contacts have separate tables.
 std::string convergenceTables(const Rows& rows);
 
-/// A scene's slope of Limber's error over the substep: Verlet, 60 ticks a second, 1, 2, 4, 8 ... times the
-/// stable number of substeps; the slope is that of the finest three.
+/// The order of Limber's error over the substep in a scene: Verlet, 60 ticks a second, 1, 2, 4, 8 ... times
+/// the stable number of substeps. The slope is that of the finest three.
 struct SubstepOrder {
   std::string scene;
   Kind kind = Kind::Free;

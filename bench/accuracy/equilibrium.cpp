@@ -21,8 +21,8 @@ double energy(const SpringSystem& system, const Eigen::Matrix3Xd& x) {
   return sum;
 }
 
-/// Held coordinates get a unit row and no force.
-void hold(const SpringSystem& system, SpringDerivatives& d) {
+/// Replaces the equations of held coordinates by unit rows without force.
+void fixHeldCoordinates(const SpringSystem& system, SpringDerivatives& d) {
   const auto free = system.free.reshaped();
   for (Eigen::Index i = 0; i < free.size(); ++i) {
     if (free[i] != 0.0) continue;
@@ -33,19 +33,19 @@ void hold(const SpringSystem& system, SpringDerivatives& d) {
   }
 }
 
-/// Newton's step where the matrix, made a little stiffer, is positive definite and the energy does fall.
+/// Makes a Newton step. Stiffens the matrix until it is positive definite and the energy falls.
 bool improve(const SpringSystem& system, SpringDerivatives& d, double& stiffening, Eigen::Matrix3Xd& x) {
-  const double before = energy(system, x);
+  const double oldEnergy = energy(system, x);
   for (int attempt = 0; attempt < 60; ++attempt, stiffening *= 4.0) {
     Eigen::MatrixXd matrix = d.hessian;
     matrix.diagonal().array() += stiffening;
     const Eigen::LLT<Eigen::MatrixXd> factor(matrix);
     if (factor.info() != Eigen::Success) continue;
     const Eigen::VectorXd step = -factor.solve(d.gradient);
-    const Eigen::Matrix3Xd moved = x + step.reshaped(3, x.cols());
-    // a gain smaller than the rounding of the sum is a gain
-    if (energy(system, moved) > before + 1e-14 * std::abs(before)) continue;
-    x = moved;
+    const Eigen::Matrix3Xd next = x + step.reshaped(3, x.cols());
+    // changes within the rounding of the sum are accepted
+    if (energy(system, next) > oldEnergy + 1e-14 * std::abs(oldEnergy)) continue;
+    x = next;
     stiffening = std::max(stiffening / 16.0, 1e-12 * system.start.stiffnesses.maxCoeff());
     return true;
   }
@@ -57,14 +57,14 @@ bool improve(const SpringSystem& system, SpringDerivatives& d, double& stiffenin
 Eigen::Matrix3Xd equilibrium(const SpringSystem& system) {
   Eigen::Matrix3Xd x = system.start.positions;
   double stiffening = 1e-3 * system.start.stiffnesses.maxCoeff();
-  // springs know their lengths to rounding, and so their forces
+  // the forces have the rounding of the springs' lengths
   const double rounding = 1e-14 * system.start.stiffnesses.maxCoeff() * x.norm();
-  const double enough = 1e-9 * system.load.norm() + rounding;
+  const double tolerance = 1e-9 * system.load.norm() + rounding;
   for (int i = 0; i < 500; ++i) {
     SpringDerivatives d = springDerivatives(system.springs, system.start, x);
     d.gradient -= system.load.reshaped();
-    hold(system, d);
-    if (d.gradient.norm() <= enough) return x;
+    fixHeldCoordinates(system, d);
+    if (d.gradient.norm() <= tolerance) return x;
     if (!improve(system, d, stiffening, x)) break;
   }
   throw std::runtime_error("accuracy: no equilibrium found");

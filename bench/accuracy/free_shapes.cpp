@@ -10,16 +10,16 @@
 namespace limber::bench {
 namespace {
 
-/// Root mean square distance of the points from where they should be, over the body's size.
+/// Returns the root mean square distance of the points from their exact positions, over the body's size.
 double shapeError(const Eigen::Matrix3Xd& points, const Eigen::Matrix3Xd& exact, double size) {
   return (points - exact).norm() / std::sqrt(static_cast<double>(points.cols())) / size;
 }
 
-/// Bullet's ticks are rounded: how much later than `seconds` they end together.
+/// Returns the delay of the end of the ticks after `seconds`, because Bullet rounds the length of a tick.
 double delay(double seconds, double dt) { return seconds * (double(static_cast<btScalar>(dt)) / dt - 1.0); }
 
-/// Errors at the scene's end against a Runge-Kutta solution of the same equations, found when first asked
-/// for.
+/// Measures the errors at the scene's end against a Runge-Kutta solution of the same equations, which is
+/// computed on first use.
 void judgeByReference(Scene& scene, double size) {
   scene.ordered = true;
   scene.keepSeconds = 0.0;
@@ -33,8 +33,8 @@ void judgeByReference(Scene& scene, double size) {
   };
 }
 
-/// Thrown with a spin and a little too large, so that it breathes while it turns: 3 % at 1e3 N/m, and with as
-/// much energy when stiffer. Eight of them, as in a game.
+/// Eight cubes, as in a game. They are thrown with a spin and start slightly too large, so that their size
+/// oscillates while they rotate: by 3 % at 1e3 N/m, and with the same energy when stiffer.
 Scene spinningCubes(const std::string& name, double stiffness) {
   Scene scene;
   scene.name = name;
@@ -48,11 +48,11 @@ Scene spinningCubes(const std::string& name, double stiffness) {
   scene.bodies = {body};
   judgeByReference(scene, 1.0);
   scene.copies = 8;
-  scene.finest = 64;  // it breathes 45 times in the second, 450 when stiff
+  scene.finest = 64;  // the size oscillates 45 times in the second, 450 times when stiff
   return scene;
 }
 
-/// A chain pinned at one end and let go when level.
+/// A chain pinned at one end and released from the horizontal.
 Scene fallingChain(const std::string& name, double stiffness) {
   Scene scene;
   scene.name = name;
@@ -73,52 +73,54 @@ BodySetup block(double stiffness, double damping) {
   return body;
 }
 
-/// A block of 10 x 4 x 4 points held at one end and let go when level.
+/// A block of 10 x 4 x 4 points held at one end and released from the horizontal.
 Scene cantilever(const std::string& name, double stiffness) {
   Scene scene;
   scene.name = name;
   scene.bodies = {block(stiffness, 0.0)};
   judgeByReference(scene, 9 * kSpacing);
-  scene.finest = stiffness > 1e4 ? 64 : 8;  // what rings in the stiff one is far faster than what sags
+  scene.finest = stiffness > 1e4 ? 64 : 8;  // the stiff block oscillates far faster than it sags
   return scene;
 }
 
 double tip(const Eigen::Matrix3Xd& points) { return points.row(1).rightCols(16).mean(); }
 
-/// Euler and Bernoulli:  tip = w L^4 / (8 E I).  Springs k along the edges and diagonals of cells of size a
-/// make C11 = 4.33 k / a and C12 = 2.33 k / a, so E = C11 - 2 C12^2 / (C11 + C12) = 2.7 k / a. The lattice is
-/// stiffer than a beam of three cells and softer than one of four: its outer springs belong to it whole.
+/// Returns the sag of the tip of a beam (Euler and Bernoulli):  tip = w L^4 / (8 E I).  Springs k along the
+/// edges and diagonals of cells of size a give C11 = 4.33 k / a and C12 = 2.33 k / a, so
+/// E = C11 - 2 C12^2 / (C11 + C12) = 2.7 k / a. The lattice is stiffer than a beam of three cells and softer
+/// than one of four, because its outer springs belong fully to it.
 std::string beamFormula(double stiffness, double sag) {
   const double length = 9 * kSpacing, weight = 0.02 * 160 * kGravity / length;
-  const auto bend = [&](int cells) {
+  const auto beamSag = [&](int cells) {
     const double inertia = std::pow(cells * kSpacing, 4) / 12;
     return weight * std::pow(length, 4) / (8 * 2.7 * stiffness / kSpacing * inertia);
   };
-  return format("tip %.4f m by statics of the lattice; Euler-Bernoulli %.4f to %.4f m", sag, bend(4),
-                bend(3));
+  return format("tip %.4f m by statics of the lattice; Euler-Bernoulli %.4f to %.4f m", sag, beamSag(4),
+                beamSag(3));
 }
 
-/// The same with dampers, until it hangs still.
+/// The same block with dampers, until it is at rest.
 Scene settledBlock() {
   const double stiffness = 1e4;
   Scene scene;
   scene.name = "settled cantilever";
   BodySetup body = block(stiffness, 40.0);
   body.drag = 4.0;
-  const double level = tip(startOf(body).positions);
+  const double startHeight = tip(startOf(body).positions);
   const Eigen::Matrix3Xd rest = equilibrium(systemOf(body, scene.gravity));
   scene.seconds = 6.0;
   scene.keepSeconds = 0.0;
   scene.bodies = {body};
   scene.measures = {"tip"};
   scene.judge = [=](const Trace& trace) {
-    return std::vector<double>{relativeError(level - tip(trace.last().positions[0]), level - tip(rest))};
+    return std::vector<double>{
+        relativeError(startHeight - tip(trace.last().positions[0]), startHeight - tip(rest))};
   };
-  scene.remark = beamFormula(stiffness, level - tip(rest));
+  scene.remark = beamFormula(stiffness, startHeight - tip(rest));
   return scene;
 }
 
-/// 24 x 24 points, let go level and hung by two corners.
+/// A cloth of 24 x 24 points, released from the horizontal and held at two corners.
 Scene cloth() {
   Scene scene;
   scene.name = "cloth";

@@ -11,51 +11,50 @@
 namespace limber::bench {
 namespace {
 
-// --- a bar of springs against a wall
-// -------------------------------------------------------------------------
+// --- a bar of springs against a wall ---
 
 constexpr double kSpeed = 0.5, kRadius = 0.0125, kGap = 0.02, kPointMass = 0.01;
 
-/// What the speed of the mass centre tells of an impact.
+/// Properties of an impact, computed from the speed of the mass centre.
 struct Impact {
   double rebound = 0.0;      ///< m/s, at the end
   double contactTime = 0.0;  ///< s
-  double force = 0.0;        ///< N, in the middle
+  double force = 0.0;        ///< N, in the middle of the contact
 };
 
-/// The speed goes from -v to v in a straight line while there is contact, longest in its middle: the slope
-/// there is the force, and twice the time between -v/2 and v/2 that of the contact.
+/// During the contact the speed changes from -v to v on a nearly straight line, most exactly in its middle.
+/// The slope there gives the force, and twice the time between -v/2 and v/2 is the contact time.
 Impact impactOf(const Signal& speed, double mass) {
-  const auto passes = [&](double share) { return firstReaches(speed, share * kSpeed); };
-  return {speed.samples.back(), 2 * (passes(0.5) - passes(-0.5)),
-          mass * 0.5 * kSpeed / (passes(0.25) - passes(-0.25))};
+  const auto timeAt = [&](double fraction) { return firstReaches(speed, fraction * kSpeed); };
+  return {speed.samples.back(), 2 * (timeAt(0.5) - timeAt(-0.5)),
+          mass * 0.5 * kSpeed / (timeAt(0.25) - timeAt(-0.25))};
 }
 
-/// Mean speeds between samples: what of the positions is known in every engine.
-Signal speedOf(const Signal& place) {
-  Signal speed{place.dt, {}};
-  for (std::size_t i = 1; i < place.samples.size(); ++i)
-    speed.samples.push_back((place.samples[i] - place.samples[i - 1]) / place.dt);
+/// Returns the mean speeds between samples. They can be computed from the positions of every engine.
+Signal speedOf(const Signal& position) {
+  Signal speed{position.dt, {}};
+  for (std::size_t i = 1; i < position.samples.size(); ++i)
+    speed.samples.push_back((position.samples[i] - position.samples[i - 1]) / position.dt);
   return speed;
 }
 
-/// Of the mass centre, every millisecond.
-Signal exactPlace(const BodySetup& body, double seconds) {
+/// Returns the exact position of the mass centre at every millisecond.
+Signal exactPosition(const BodySetup& body, double seconds) {
   const Wall wall{Eigen::Vector3d::UnitX(), kRadius};
   const double h = 5e-6;
-  Signal place{200 * h, {startOf(body).positions.row(0).mean()}};
+  Signal position{200 * h, {startOf(body).positions.row(0).mean()}};
   long step = 0;
   integrateAgainst(systemOf(body, Eigen::Vector3d::Zero()), wall, seconds, h, [&](double, const State& s) {
-    if (++step % 200 == 0) place.samples.push_back(s.x.row(0).mean());
+    if (++step % 200 == 0) position.samples.push_back(s.x.row(0).mean());
   });
-  return place;
+  return position;
 }
 
-/// As seen by somebody who looks once per tick.
+/// Returns the signal sampled once per tick.
 Signal resampled(const Signal& signal, double dt, std::size_t count) {
-  Signal seen{dt, {}};
-  for (std::size_t i = 0; i < count; ++i) seen.samples.push_back(signal.at(dt * static_cast<double>(i)));
-  return seen;
+  Signal result{dt, {}};
+  for (std::size_t i = 0; i < count; ++i) result.samples.push_back(signal.at(dt * static_cast<double>(i)));
+  return result;
 }
 
 std::string impactRemark(const Impact& exact) {
@@ -63,7 +62,7 @@ std::string impactRemark(const Impact& exact) {
                 exact.rebound);
 }
 
-/// Flies against a wall at right angles, without gravity or friction.
+/// A body that flies against a wall at right angles, without gravity or friction.
 Scene againstWall(const std::string& name, const SharedNetwork& network, double stiffness) {
   Scene scene;
   scene.name = name;
@@ -80,22 +79,22 @@ Scene againstWall(const std::string& name, const SharedNetwork& network, double 
   scene.addRigidBodies = [](RigidBodies& rigid, btDiscreteDynamicsWorld& world) {
     addBox(rigid, world, {1, 2, 2}, 0, {-1, 0, 0}, 0);
   };
-  const Signal exactly = exactPlace(body, scene.seconds);
+  const Signal exactSignal = exactPosition(body, scene.seconds);
   scene.measures = {"rebound", "contact time", "force"};
-  scene.judge = [exactly, mass = body.settings.totalMass](const Trace& trace) {
-    Signal place{trace.dt, {}};
-    for (const Frame& frame : trace.frames) place.samples.push_back(frame.positions[0].row(0).mean());
-    const Impact found = impactOf(speedOf(place), mass);
-    const Impact exact = impactOf(speedOf(resampled(exactly, trace.dt, place.samples.size())), mass);
-    return std::vector<double>{relativeError(found.rebound, exact.rebound),
-                               relativeError(found.contactTime, exact.contactTime),
-                               relativeError(found.force, exact.force)};
+  scene.judge = [exactSignal, mass = body.settings.totalMass](const Trace& trace) {
+    Signal position{trace.dt, {}};
+    for (const Frame& frame : trace.frames) position.samples.push_back(frame.positions[0].row(0).mean());
+    const Impact measured = impactOf(speedOf(position), mass);
+    const Impact exact = impactOf(speedOf(resampled(exactSignal, trace.dt, position.samples.size())), mass);
+    return std::vector<double>{relativeError(measured.rebound, exact.rebound),
+                               relativeError(measured.contactTime, exact.contactTime),
+                               relativeError(measured.force, exact.force)};
   };
-  scene.remark = impactRemark(impactOf(speedOf(exactly), body.settings.totalMass));
+  scene.remark = impactRemark(impactOf(speedOf(exactSignal), body.settings.totalMass));
   return scene;
 }
 
-/// A line of springs, as in one dimension. The least push sideways buckles it.
+/// A line of springs, as in one dimension. The smallest sideways force buckles it.
 Scene lineAgainstWall() {
   const int links = 32;
   const double stiffness = 1024.0, waves = std::sqrt(kPointMass / stiffness);  // s a link
@@ -105,16 +104,15 @@ Scene lineAgainstWall() {
   return scene;
 }
 
-/// One that holds itself straight.
+/// A bar that its braces keep straight.
 Scene latticeAgainstWall() {
   return againstWall("braced bar against a wall", latticeNetwork(17, 2, 2, 1.0 / 16), 200.0);
 }
 
-// --- a cube dropped onto the floor
-// ---------------------------------------------------------------------------
+// --- a cube dropped onto the floor ---
 
-/// The height over `rest` that a signal of heights reaches after its first low: the top of the parabola
-/// through the highest sample and its neighbours, which is exact in free flight.
+/// Returns the height over `rest` that a signal of heights reaches after its first minimum: the top of the
+/// parabola through the highest sample and its neighbours, which is exact in free flight.
 double reboundOf(const Signal& height, double rest) {
   const auto& y = height.samples;
   std::size_t low = 1;
@@ -122,8 +120,8 @@ double reboundOf(const Signal& height, double rest) {
   std::size_t top = low;
   while (top + 1 < y.size() && y[top + 1] > y[top]) ++top;
   if (top == low || top + 1 >= y.size()) return y[top] - rest;
-  const double bend = y[top - 1] - 2 * y[top] + y[top + 1], slope = y[top + 1] - y[top - 1];
-  return y[top] - slope * slope / (8 * bend) - rest;
+  const double curvature = y[top - 1] - 2 * y[top] + y[top + 1], slope = y[top + 1] - y[top - 1];
+  return y[top] - slope * slope / (8 * curvature) - rest;
 }
 
 Scene droppedCube(int exponent) {
@@ -151,9 +149,9 @@ Scene droppedCube(int exponent) {
   const double exact = reboundOf(height, rest);
   scene.measures = {"rebound"};
   scene.judge = [=](const Trace& trace) {
-    Signal seen{trace.dt, {}};
-    for (const Frame& frame : trace.frames) seen.samples.push_back(frame.positions[0].row(1).mean());
-    return std::vector<double>{relativeError(reboundOf(seen, rest), exact)};
+    Signal heights{trace.dt, {}};
+    for (const Frame& frame : trace.frames) heights.samples.push_back(frame.positions[0].row(1).mean());
+    return std::vector<double>{relativeError(reboundOf(heights, rest), exact)};
   };
   scene.remark = format("rebound %.5f m from 0.5 m, by steps of 1 us", exact);
   return scene;

@@ -15,16 +15,16 @@
 namespace limber::bench {
 namespace {
 
-constexpr int kTurn = 8;  // ticks
+constexpr int kTicksPerTurn = 8;  // ticks that each engine plays in turn
 
 struct Run {
   EngineChoice choice;
   int substeps = 1;
-  std::unique_ptr<Stage> stage;  // nullptr: this engine cannot have the scene
+  std::unique_ptr<Stage> stage;  // nullptr: this engine does not support the scene
 };
 
-/// Verlet with `factor` times the substeps that the scene's first body needs.
-EngineChoice finer(const Scene& scene, double dt, int factor) {
+/// Returns Limber with Verlet and `factor` times the substeps that the scene's first body needs.
+EngineChoice withSubsteps(const Scene& scene, double dt, int factor) {
   const int count = factor * stableSubsteps(scene.bodies[0], dt);
   const auto tune = [count](SoftBodySettings& s) {
     s.stepping.stepper = Stepper::Verlet;
@@ -33,7 +33,7 @@ EngineChoice finer(const Scene& scene, double dt, int factor) {
   return {"limber", "verlet x" + std::to_string(factor), [tune](double) { return makeLimberEngine(tune); }};
 }
 
-EngineChoice tolerant(double periodTolerance) {
+EngineChoice withTolerance(double periodTolerance) {
   const auto tune = [periodTolerance](SoftBodySettings& s) { s.stepping.periodTolerance = periodTolerance; };
   return {"limber", format("auto %.0e", periodTolerance), [tune](double) { return makeLimberEngine(tune); }};
 }
@@ -42,14 +42,14 @@ std::vector<Run> runsOf(const Scene& scene, double dt) {
   std::vector<Run> runs;
   for (EngineChoice& choice : allEngines())
     if (!scene.limberOnly || choice.engine == "limber") runs.push_back({choice, 1, nullptr});
-  if (scene.periodTolerance > 0.0) runs.push_back({tolerant(scene.periodTolerance), 1, nullptr});
+  if (scene.periodTolerance > 0.0) runs.push_back({withTolerance(scene.periodTolerance), 1, nullptr});
   const int finest = std::abs(dt - kUsualTick) < 1e-9 ? scene.finest : std::min(scene.finest, 8);
   for (int factor = 2; scene.ordered && factor <= finest; factor *= 2)
-    runs.push_back({finer(scene, dt, factor), factor, nullptr});
+    runs.push_back({withSubsteps(scene, dt, factor), factor, nullptr});
   return runs;
 }
 
-void open(Run& run, const Scene& scene, double dt) {
+void makeStage(Run& run, const Scene& scene, double dt) {
   try {
     run.stage = std::make_unique<Stage>(scene, run.choice, dt);
   } catch (const std::runtime_error& error) {
@@ -61,18 +61,18 @@ void open(Run& run, const Scene& scene, double dt) {
 void playAll(std::vector<Run>& runs, const Scene& scene, double dt, RowProgress& progress) {
   const double ticks = scene.seconds / dt;
   bool playing = true;
-  for (double done = 0; playing; done += kTurn) {
+  for (double done = 0; playing; done += kTicksPerTurn) {
     playing = false;
     for (Run& run : runs) {
       if (!run.stage || run.stage->over()) continue;
-      run.stage->advance(kTurn);
+      run.stage->advance(kTicksPerTurn);
       playing = true;
     }
     progress.show(scene.name, std::min(1.0, done / ticks));
   }
 }
 
-/// Half of the samples are nearer to the middle one.
+/// Returns the distance from the median below which half of the samples lie.
 double spread(std::vector<double> samples) {
   const double middle = median(samples);
   for (double& sample : samples) sample = std::abs(sample - middle);
@@ -92,12 +92,12 @@ std::vector<AccuracyRow> rowsOf(const Run& run, const Scene& scene, double dt) {
   row.hash = stage.hash();
   std::vector<double> errors(scene.measures.size(), kLost);
   if (stage.lost())
-    errors.resize(1);  // there is nothing to tell apart
+    errors.resize(1);  // one row is enough: all measures are lost
   else
     errors = scene.judge(stage.trace());
   std::vector<AccuracyRow> rows;
   for (std::size_t i = 0; i < errors.size(); ++i) {
-    if (std::isnan(errors[i])) continue;  // this engine has no such thing
+    if (std::isnan(errors[i])) continue;  // this engine has no such measure
     row.measure = scene.measures[i];
     row.error = errors[i];
     rows.push_back(row);
@@ -112,7 +112,7 @@ std::vector<AccuracyRow> measureScene(const Scene& scene, const std::vector<doub
   std::vector<AccuracyRow> rows;
   for (const double dt : ticks) {
     std::vector<Run> runs = runsOf(scene, dt);
-    for (Run& run : runs) open(run, scene, dt);
+    for (Run& run : runs) makeStage(run, scene, dt);
     playAll(runs, scene, dt, progress);
     for (const Run& run : runs)
       if (run.stage)

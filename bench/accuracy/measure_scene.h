@@ -6,9 +6,9 @@
 
 namespace limber::bench {
 
-/// Plays the scene with all engines that can have it, at each tick. They take turns, a few ticks each, so
-/// that all see the same machine. Where errors should shrink with the step, Limber is also given 2, 4 and 8
-/// times the substeps that it needs to be stable.
+/// Plays the scene with all engines that support it, at each length of ticks. The engines take turns of a few
+/// ticks, so that the load of the machine is the same for all. In ordered scenes Limber is also run with 2, 4
+/// and 8 times the substeps that it needs to be stable.
 std::vector<AccuracyRow> measureScene(const Scene& scene, const std::vector<double>& ticks,
                                       RowProgress& progress);
 

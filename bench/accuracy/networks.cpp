@@ -25,12 +25,12 @@ std::shared_ptr<SpringNetwork> line(int links, const Eigen::Vector3d& direction)
   return network;
 }
 
-/// Springs between all points nearer than `reach`.
-void connect(SpringNetwork& network, double reach) {
+/// Adds springs between all points nearer than `maxLength`.
+void connect(SpringNetwork& network, double maxLength) {
   const auto count = static_cast<std::uint32_t>(network.restPoints.size());
   for (std::uint32_t a = 0; a < count; ++a)
     for (std::uint32_t b = a + 1; b < count; ++b)
-      if ((network.restPoints[a] - network.restPoints[b]).norm() < reach)
+      if ((network.restPoints[a] - network.restPoints[b]).norm() < maxLength)
         network.springs.push_back({a, b, SpringKind::Structural, 1.0});
 }
 
@@ -60,7 +60,7 @@ SharedNetwork cubeNetwork() { return cube(); }
 
 SharedNetwork closedCubeNetwork() {
   auto network = cube();
-  // seen from outside, two triangles a face
+  // two triangles per face, oriented outward
   network->surface = {{0, 2, 1}, {1, 2, 3}, {4, 5, 6}, {5, 7, 6}, {0, 1, 4}, {1, 5, 4},
                       {2, 6, 3}, {3, 6, 7}, {0, 4, 2}, {2, 4, 6}, {1, 3, 5}, {3, 7, 5}};
   return network;

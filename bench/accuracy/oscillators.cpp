@@ -10,7 +10,7 @@
 namespace limber::bench {
 namespace {
 
-constexpr double kElongation = 0.1;  // m at the start
+constexpr double kElongation = 0.1;  // m, at the start
 
 Signal coordinate(const Trace& trace, Eigen::Index row, Eigen::Index point, double zero) {
   Signal signal{trace.dt, {}};
@@ -18,7 +18,7 @@ Signal coordinate(const Trace& trace, Eigen::Index row, Eigen::Index point, doub
   return signal;
 }
 
-/// A mass on a pinned spring:  T = 2 pi sqrt(m / k).  What does not swing errs by all of both.
+/// A mass on a pinned spring:  T = 2 pi sqrt(m / k).  Without oscillation both errors are 1.
 Scene oscillator() {
   const double mass = 0.1, stiffness = 16.0, exact = 2 * M_PI * std::sqrt(mass / stiffness);
   Scene scene;
@@ -35,15 +35,16 @@ Scene oscillator() {
   scene.periodTolerance = 1e-4;
   scene.judge = [exact](const Trace& trace) {
     const Signal x = coordinate(trace, 0, 1, 1.0);
-    const double left = amplitude(x, 9.4 * exact, 10.4 * exact) / kElongation;
-    const double found = period(x);
-    return std::vector<double>{std::isfinite(found) ? std::abs(found / exact - 1) : 1.0, std::abs(left - 1)};
+    const double remaining = amplitude(x, 9.4 * exact, 10.4 * exact) / kElongation;
+    const double measured = period(x);
+    return std::vector<double>{std::isfinite(measured) ? std::abs(measured / exact - 1) : 1.0,
+                               std::abs(remaining - 1)};
   };
   return scene;
 }
 
-/// Of a pendulum of length l let go at the angle a:  T = 4 sqrt(l / g) K(sin(a / 2)), and K(k) is
-/// pi / (2 agm(1, sqrt(1 - k^2))).
+/// Returns the period of a pendulum of length l released at the angle a:  T = 4 sqrt(l / g) K(sin(a / 2)).
+/// K(k) is pi / (2 agm(1, sqrt(1 - k^2))).
 double pendulumPeriod(double length, double angle) {
   double a = 1.0, b = std::cos(angle / 2);
   for (int i = 0; i < 30; ++i) {
@@ -56,7 +57,7 @@ double pendulumPeriod(double length, double angle) {
 
 Eigen::Vector3d rodOf(const Eigen::Matrix3Xd& points) { return points.col(1) - points.col(0); }
 
-/// The rod's period by the equations of mass and spring, finely integrated.
+/// Returns the rod's period, by fine integration of the equations of mass and spring.
 double springPendulumPeriod(const BodySetup& body, const Scene& scene) {
   SpringSystem system = systemOf(body, scene.gravity);
   Signal x{1.0 / 120, {}};
@@ -69,8 +70,8 @@ double springPendulumPeriod(const BodySetup& body, const Scene& scene) {
   return period(x);
 }
 
-/// How far the rod is from  l + (m g / k)(3 cos phi - 2 cos a),  which carries weight and centripetal force;
-/// the largest, over the largest stretch.
+/// Returns the largest deviation of the rod's length from  l + (m g / k)(3 cos phi - 2 cos a),  which
+/// supports weight and centripetal force, over the largest stretch.
 double stretchError(const Trace& trace, double sag, double angle) {
   double worst = 0.0;
   for (const Frame& frame : trace.frames) {
@@ -81,7 +82,7 @@ double stretchError(const Trace& trace, double sag, double angle) {
   return worst / (sag * (3 - 2 * std::cos(angle)));
 }
 
-/// It starts with the stretch that its weight gives it, so that the rod itself hardly rings.
+/// A pendulum that starts with the stretch of its weight, so that the rod's length hardly oscillates.
 Scene pendulum() {
   const double mass = 1.0, stiffness = 1e6, angle = M_PI / 3, sag = mass * kGravity / stiffness;
   Scene scene;
@@ -96,8 +97,8 @@ Scene pendulum() {
   scene.bodies = {body};
   scene.measures = {"period", "stretch"};
   scene.judge = [=](const Trace& trace) {
-    const double found = period(coordinate(trace, 0, 1, 0.0));
-    return std::vector<double>{std::isfinite(found) ? std::abs(found / exact - 1) : 1.0,
+    const double measured = period(coordinate(trace, 0, 1, 0.0));
+    return std::vector<double>{std::isfinite(measured) ? std::abs(measured / exact - 1) : 1.0,
                                stretchError(trace, sag, angle)};
   };
   scene.remark = format("period %.7f s; of a rigid rod, by the elliptic integral, %.7f s", exact,

@@ -10,7 +10,8 @@
 namespace limber::bench {
 namespace {
 
-/// Mean of what contacts bear over the frames, over the weight; NaN of an engine that does not tell.
+/// Returns the error of the mean contact force over the frames, relative to the weight; NaN for an engine
+/// that does not report it.
 double forceError(const Trace& trace, double weight) {
   double impulse = 0.0;
   for (const Frame& frame : trace.frames) impulse += frame.contactImpulse;
@@ -40,9 +41,10 @@ Scene restOn(Floor floor, const std::string& name, int exponent) {
   return scene;
 }
 
-/// An incline of tan = share mu, as gravity that leans. After a second to settle, another is looked at.
-Scene incline(double share) {
-  const double mu = 0.5, angle = std::atan(share * mu);
+/// A cube on an incline of tan = fraction mu, simulated by inclined gravity. It settles for one second and is
+/// measured for another.
+Scene incline(double fraction) {
+  const double mu = 0.5, angle = std::atan(fraction * mu);
   Scene scene;
   scene.kind = Kind::Contact;
   scene.seconds = 2.0;
@@ -54,16 +56,16 @@ Scene incline(double share) {
   scene.addRigidBodies = [](RigidBodies& rigid, btDiscreteDynamicsWorld& world) {
     addFloor(rigid, world, Floor::Box, 1.0);
   };
-  const auto at = [](const Trace& trace, double part) {
-    const auto frame = std::lround(part * static_cast<double>(trace.frames.size() - 1));
+  const auto at = [](const Trace& trace, double timeFraction) {
+    const auto frame = std::lround(timeFraction * static_cast<double>(trace.frames.size() - 1));
     return trace.frames[static_cast<std::size_t>(frame)].positions[0].row(0).mean();
   };
-  if (share < 1) {
+  if (fraction < 1) {
     scene.name = "incline 0.97 mu";
     scene.measures = {"creep"};
     scene.judge = [at](const Trace& t) { return std::vector<double>{std::abs(at(t, 1.0) - at(t, 0.0))}; };
   } else {
-    // x'' = g (sin - mu cos), from three places half a second apart
+    // x'' = g (sin - mu cos), from three positions half a second apart
     const double exact = kGravity * (std::sin(angle) - mu * std::cos(angle));
     scene.name = "incline 1.03 mu";
     scene.measures = {"acceleration"};

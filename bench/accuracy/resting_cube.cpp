@@ -11,7 +11,7 @@
 namespace limber::bench {
 namespace {
 
-bool isUpper(Eigen::Index point) { return (point & 2) != 0; }  // as cubeNetwork() counts
+bool isUpper(Eigen::Index point) { return (point & 2) != 0; }  // in the order of cubeNetwork()
 
 }  // namespace
 

@@ -32,7 +32,7 @@ std::unique_ptr<btCollisionShape> hull() {
 
 std::unique_ptr<btCollisionShape> triangles(RigidBodies& rigid) {
   const int cells = 20;
-  const double size = 0.37;  // so that the cube's points stand on different triangles
+  const double size = 0.37;  // m; the cube's points stand on different triangles
   auto mesh = std::make_unique<btTriangleMesh>();
   const auto corner = [&](int i, int j) {
     return toBullet({(i - cells / 2) * size, 0, (j - cells / 2) * size});

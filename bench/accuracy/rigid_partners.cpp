@@ -21,7 +21,7 @@ Scene settling(const std::string& name) {
   return scene;
 }
 
-/// Height of the cube's top.
+/// A cube on a free box; measures the height of the cube's top.
 Scene cubeOnBox(double mass) {
   Scene scene = settling("cube on a free box of " + std::to_string(std::lround(mass)) + " kg");
   BodySetup body = restingCube(kStiffness);
@@ -38,7 +38,7 @@ Scene cubeOnBox(double mass) {
   return scene;
 }
 
-/// Height of the box's centre.
+/// A free box on a cube; measures the height of the box's centre.
 Scene boxOnCube(double mass) {
   Scene scene = settling("free box of " + std::to_string(std::lround(mass)) + " kg on a cube");
   const BodySetup body = restingCube(kStiffness);
@@ -54,7 +54,7 @@ Scene boxOnCube(double mass) {
   return scene;
 }
 
-/// Corner upon corner; height of the topmost cube's top.
+/// Cubes stacked corner on corner; measures the height of the topmost cube's top.
 Scene stack(int count) {
   Scene scene = settling("stack of " + std::to_string(count) + " cubes");
   const BodySetup lowest = restingCube(kStiffness);

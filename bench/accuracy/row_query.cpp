@@ -28,12 +28,12 @@ std::optional<AccuracyRow> worst(const Rows& rows) {
 }
 
 std::vector<std::pair<std::string, std::string>> subjects(const Rows& rows) {
-  std::vector<std::pair<std::string, std::string>> found;
+  std::vector<std::pair<std::string, std::string>> pairs;
   for (const AccuracyRow& row : rows) {
     const std::pair<std::string, std::string> subject(row.scene, row.measure);
-    if (std::find(found.begin(), found.end(), subject) == found.end()) found.push_back(subject);
+    if (std::find(pairs.begin(), pairs.end(), subject) == pairs.end()) pairs.push_back(subject);
   }
-  return found;
+  return pairs;
 }
 
 bool isUsual(const AccuracyRow& row) { return std::abs(row.dt - kUsualTick) < 1e-9; }

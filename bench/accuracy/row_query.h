@@ -15,12 +15,12 @@ using Condition = std::function<bool(const AccuracyRow&)>;
 
 Rows select(const Rows& rows, const Condition& condition);
 
-/// The row with the smallest error, if there is one.
+/// Returns the row with the smallest error, if there is one.
 std::optional<AccuracyRow> best(const Rows& rows);
-/// The row with the largest error, if there is one.
+/// Returns the row with the largest error, if there is one.
 std::optional<AccuracyRow> worst(const Rows& rows);
 
-/// What is measured: pairs of scene and measure, in the order of the rows.
+/// Returns all pairs of scene and measure, in the order of the rows.
 std::vector<std::pair<std::string, std::string>> subjects(const Rows& rows);
 
 bool isUsual(const AccuracyRow& row);  ///< 60 ticks a second

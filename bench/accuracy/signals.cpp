@@ -11,8 +11,8 @@ namespace {
 constexpr double kNever = std::numeric_limits<double>::infinity();
 constexpr long kStencil = 6;
 
-/// Bisects a change of sign of signal - level.
-double passes(const Signal& signal, double level, double low, double high) {
+/// Returns the time between `low` and `high` at which the signal crosses the level, by bisection.
+double crossingTime(const Signal& signal, double level, double low, double high) {
   const bool below = signal.at(low) < level;
   for (int i = 0; i < 60; ++i) {
     const double middle = 0.5 * (low + high);
@@ -41,8 +41,8 @@ std::vector<double> fallsThroughZero(const Signal& signal) {
   std::vector<double> falls;
   for (std::size_t i = 1; i < signal.samples.size(); ++i)
     if (signal.samples[i - 1] > 0 && signal.samples[i] <= 0)
-      falls.push_back(
-          passes(signal, 0.0, signal.dt * static_cast<double>(i - 1), signal.dt * static_cast<double>(i)));
+      falls.push_back(crossingTime(signal, 0.0, signal.dt * static_cast<double>(i - 1),
+                                   signal.dt * static_cast<double>(i)));
   return falls;
 }
 
@@ -64,8 +64,8 @@ double firstReaches(const Signal& signal, double level, double from) {
   const auto first = static_cast<std::size_t>(std::ceil(from / signal.dt));
   for (std::size_t i = first + 1; i < signal.samples.size(); ++i)
     if ((signal.samples[i - 1] < level) != (signal.samples[i] < level))
-      return passes(signal, level, signal.dt * static_cast<double>(i - 1),
-                    signal.dt * static_cast<double>(i));
+      return crossingTime(signal, level, signal.dt * static_cast<double>(i - 1),
+                          signal.dt * static_cast<double>(i));
   return kNever;
 }
 

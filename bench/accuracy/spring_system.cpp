@@ -7,7 +7,7 @@
 namespace limber::bench {
 namespace {
 
-/// Forces of springs, dampers and load.
+/// Computes the forces of springs, dampers and load.
 void addForces(const SpringSystem& system, const State& state, Eigen::Matrix3Xd& force) {
   force = system.load;
   const BodyStart& s = system.start;
@@ -17,21 +17,22 @@ void addForces(const SpringSystem& system, const State& state, Eigen::Matrix3Xd&
     const Eigen::Vector3d d = state.x.col(b) - state.x.col(a);
     const double length = d.norm();
     const Eigen::Vector3d u = d / length;
-    const double closing = u.dot(state.v.col(b) - state.v.col(a));
-    const Eigen::Vector3d f = (s.stiffnesses[n] * (length - s.restLengths[n]) + s.dampings[n] * closing) * u;
+    const double stretchRate = u.dot(state.v.col(b) - state.v.col(a));
+    const Eigen::Vector3d f =
+        (s.stiffnesses[n] * (length - s.restLengths[n]) + s.dampings[n] * stretchRate) * u;
     force.col(a) += f;
     force.col(b) -= f;
   }
 }
 
-/// Weights of a free coordinate: 1 / m, else 0.
+/// Returns 1 / m for free coordinates, else 0.
 Eigen::Matrix3Xd inverseMasses(const SpringSystem& system) {
   return system.free.array().rowwise() / system.start.masses.transpose().array();
 }
 
-/// A body of Bullet's keeps 1 / m and from that its weight, each rounded; what follows from the rounding is
-/// no error of a scheme.
-void weigh(const Eigen::Vector3d& gravity, SpringSystem& system) {
+/// Sets the masses and weights with Bullet's rounding: a body stores 1 / m and computes its weight from it.
+/// The effects of this rounding are not errors of a scheme.
+void setRoundedWeights(const Eigen::Vector3d& gravity, SpringSystem& system) {
   system.load.resize(3, system.start.masses.size());
   for (Eigen::Index i = 0; i < system.start.masses.size(); ++i) {
     const btScalar inverse = btScalar(1) / static_cast<btScalar>(system.start.masses[i]);
@@ -48,7 +49,7 @@ SpringSystem systemOf(const BodySetup& setup, const Eigen::Vector3d& gravity) {
   system.start = startOf(setup);
   system.free.setOnes(3, system.start.positions.cols());
   for (const std::uint32_t pin : setup.pins) system.free.col(pin).setZero();
-  weigh(gravity, system);
+  setRoundedWeights(gravity, system);
   return system;
 }
 
@@ -58,10 +59,10 @@ double frequencyBound(const SpringSystem& system) {
     sums[system.springs[i].a] += system.start.stiffnesses[static_cast<Eigen::Index>(i)];
     sums[system.springs[i].b] += system.start.stiffnesses[static_cast<Eigen::Index>(i)];
   }
-  const Eigen::VectorXd shares = sums.cwiseQuotient(system.start.masses);
+  const Eigen::VectorXd ratios = sums.cwiseQuotient(system.start.masses);
   double bound = 0.0;
   for (const NetworkSpring& spring : system.springs)
-    bound = std::max(bound, shares[spring.a] + shares[spring.b]);
+    bound = std::max(bound, ratios[spring.a] + ratios[spring.b]);
   return std::sqrt(bound);
 }
 
@@ -90,7 +91,7 @@ State integrate(const SpringSystem& system, double seconds, double stepsPerRadia
 }
 
 void integrateAgainst(const SpringSystem& system, const Wall& wall, double seconds, double h,
-                      const std::function<void(double, const State&)>& see) {
+                      const std::function<void(double, const State&)>& onStep) {
   const Eigen::Matrix3Xd weight = inverseMasses(system);
   State s{system.start.positions, system.start.velocities};
   Eigen::Matrix3Xd force;
@@ -100,11 +101,11 @@ void integrateAgainst(const SpringSystem& system, const Wall& wall, double secon
     s.v += h * force.cwiseProduct(weight);
     for (Eigen::Index i = 0; i < s.x.cols(); ++i) {
       const double gap = wall.normal.dot(s.x.col(i)) - wall.offset;
-      const double passing = -gap / h - wall.normal.dot(s.v.col(i));
-      if (passing > 0) s.v.col(i) += passing * wall.normal;
+      const double correction = -gap / h - wall.normal.dot(s.v.col(i));
+      if (correction > 0) s.v.col(i) += correction * wall.normal;
     }
     s.x += h * s.v;
-    see(static_cast<double>(step) * h, s);
+    onStep(static_cast<double>(step) * h, s);
   }
 }
 

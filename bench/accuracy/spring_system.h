@@ -5,8 +5,8 @@
 
 namespace limber::bench {
 
-/// A set-up's points and springs as plain equations, in double: what every engine should solve. Written
-/// without a line of Limber's, so that a common mistake cannot hide.
+/// The points and springs of a set-up as plain equations, in double precision, which every engine should
+/// solve. It uses none of Limber's computations, so that a common error cannot stay hidden.
 struct SpringSystem {
   std::vector<NetworkSpring> springs;
   BodyStart start;
@@ -16,19 +16,19 @@ struct SpringSystem {
 
 SpringSystem systemOf(const BodySetup& setup, const Eigen::Vector3d& gravity);
 
-/// rad/s, above the fastest oscillation (Gershgorin's bound of the springs' matrix).
+/// Returns an upper bound of the fastest oscillation (rad/s; Gershgorin's bound of the springs' matrix).
 double frequencyBound(const SpringSystem& system);
 
 struct State {
   Eigen::Matrix3Xd x, v;
 };
 
-/// The state after `seconds`, by the classical Runge-Kutta method of order 4, `stepsPerRadian` of the fastest
-/// oscillation.
+/// Returns the state after `seconds`, by the classical Runge-Kutta method of order 4 with `stepsPerRadian`
+/// steps per radian of the fastest oscillation.
 State integrate(const SpringSystem& system, double seconds, double stepsPerRadian = 20.0);
 
-/// Where the points rest: a minimum of the energy, by Newton's method with a step-size control, from the
-/// start's positions. Throws std::runtime_error when it finds none.
+/// Returns the rest positions of the points: a minimum of the energy, by Newton's method with step-size
+/// control from the start's positions. Throws std::runtime_error if it finds none.
 Eigen::Matrix3Xd equilibrium(const SpringSystem& system);
 
 /// A surface that points may not pass and do not stick to: normal . x >= offset.
@@ -37,9 +37,9 @@ struct Wall {
   double offset = 0.0;
 };
 
-/// Calls see(t, state) after each step of h seconds: Moreau's scheme, in which a point that would pass the
-/// wall gets the speed that brings it there. Order 1: for steps so small that this is enough.
+/// Calls onStep(t, state) after each step of h seconds. Uses Moreau's scheme: a point that would pass the
+/// wall gets the speed that brings it to the wall. The order is 1, so steps must be small.
 void integrateAgainst(const SpringSystem& system, const Wall& wall, double seconds, double h,
-                      const std::function<void(double, const State&)>& see);
+                      const std::function<void(double, const State&)>& onStep);
 
 }  // namespace limber::bench

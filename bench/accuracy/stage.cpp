@@ -9,9 +9,9 @@
 namespace limber::bench {
 namespace {
 
-using Clock = std::chrono::steady_clock;  // a tick can take a microsecond: nothing dearer
+using Clock = std::chrono::steady_clock;  // a tick can take a microsecond, so the clock must be fast
 
-constexpr double kTooFar = 1e4;  // m: no scene is so large
+constexpr double kMaxDistance = 1e4;  // m, larger than any scene
 
 void addToHash(std::uint64_t& hash, const Eigen::Matrix3Xd& values) {
   for (Eigen::Index i = 0; i < values.size(); ++i) {
@@ -22,15 +22,15 @@ void addToHash(std::uint64_t& hash, const Eigen::Matrix3Xd& values) {
 }
 
 BodySetup shifted(BodySetup body, int copy) {
-  const Eigen::Vector3d way(0, 0, 20.0 * copy);
-  body.settings.position += way;
-  if (body.positions.size()) body.positions.colwise() += way;
+  const Eigen::Vector3d offset(0, 0, 20.0 * copy);
+  body.settings.position += offset;
+  if (body.positions.size()) body.positions.colwise() += offset;
   return body;
 }
 
 bool isLost(const Frame& frame) {
   for (const Eigen::Matrix3Xd& points : frame.positions)
-    if (!points.allFinite() || points.cwiseAbs().maxCoeff() > kTooFar) return true;
+    if (!points.allFinite() || points.cwiseAbs().maxCoeff() > kMaxDistance) return true;
   return false;
 }
 
@@ -74,7 +74,7 @@ void Stage::advance(int ticks) {
   }
 }
 
-Frame Stage::look() const {
+Frame Stage::currentFrame() const {
   Frame frame;
   for (std::size_t i = 0; i < scene_.bodies.size(); ++i) {
     frame.positions.push_back(engine_->positions(i));
@@ -87,10 +87,10 @@ Frame Stage::look() const {
 }
 
 void Stage::record() {
-  Frame frame = look();
+  Frame frame = currentFrame();
   lost_ = isLost(frame);
-  const double before = (ticks_ - tick_ + 1) * dt_;  // the end, when the last frame was taken
-  if (before > scene_.keepSeconds + 0.5 * dt_) trace_.frames.clear();
+  const double remaining = (ticks_ - tick_ + 1) * dt_;  // s, from the previous frame to the scene's end
+  if (remaining > scene_.keepSeconds + 0.5 * dt_) trace_.frames.clear();
   trace_.frames.push_back(std::move(frame));
 }
 

@@ -11,10 +11,10 @@ namespace {
 
 std::string verdict(bool hit) { return hit ? "hit " : "MISS"; }
 
-/// The largest error among Limber's rows of some scenes must not exceed a bound.
+/// A bound for the largest error among Limber's rows of some scenes.
 struct ErrorTarget {
-  const char* what;
-  const char* scenes;  ///< start of their names
+  const char* title;
+  const char* scenes;  ///< prefix of their names
   const char* measure;
   const char* setting;
   bool usualTickOnly;
@@ -37,18 +37,18 @@ const ErrorTarget kErrorTargets[] = {
 };
 
 std::string lineOf(const ErrorTarget& target, const Rows& rows) {
-  const auto found = worst(select(rows, [&](const AccuracyRow& row) {
+  const auto largest = worst(select(rows, [&](const AccuracyRow& row) {
     return isLimber(row, target.setting) && startsWith(row.scene, target.scenes) &&
            row.measure == target.measure && (!target.usualTickOnly || isUsual(row));
   }));
-  if (!found) return {};
+  if (!largest) return {};
   return format("  %s  %-50s <= %7.1e: %9.2e  (%s, 1/%.0f s)\n",
-                verdict(found->error <= target.bound).c_str(), target.what, target.bound, found->error,
-                found->scene.c_str(), 1 / found->dt);
+                verdict(largest->error <= target.bound).c_str(), target.title, target.bound, largest->error,
+                largest->scene.c_str(), 1 / largest->dt);
 }
 
-/// An error that many times smaller than the best of btSoftBody's, in no more time: Limber's springs against
-/// btSoftBody's whole tick, with Limber's whole tick beside it.
+/// Limber's error must be smaller than the best of btSoftBody by this ratio, in no more time. The time of
+/// Limber's springs is compared with btSoftBody's whole tick; Limber's whole tick is also printed.
 struct RatioTarget {
   const char* scenes;
   double ratio;
@@ -58,25 +58,28 @@ const RatioTarget kRatioTargets[] = {{"spinning cube", 100},     {"falling chain
                                      {"falling chain", 1000},    {"block cantilever", 100},
                                      {"block cantilever", 1000}, {"cloth", 100}};
 
-std::string ratioText(const AccuracyRow& own, const AccuracyRow& soft, double ratio) {
-  const bool hit = own.error * ratio <= soft.error && own.stepMicroseconds <= soft.tickMicroseconds;
+std::string ratioText(const AccuracyRow& limberRow, const AccuracyRow& soft, double ratio) {
+  const bool hit =
+      limberRow.error * ratio <= soft.error && limberRow.stepMicroseconds <= soft.tickMicroseconds;
   return verdict(hit) +
          format("  %-20s 1/%-4.0f of %-17s: 1/%-8.3g with limber %-9s us %.1f of %.1f (whole tick %.1f)\n",
-                own.scene.c_str(), ratio, soft.setting.c_str(), soft.error / own.error, own.setting.c_str(),
-                own.stepMicroseconds, soft.tickMicroseconds, own.tickMicroseconds);
+                limberRow.scene.c_str(), ratio, soft.setting.c_str(), soft.error / limberRow.error,
+                limberRow.setting.c_str(), limberRow.stepMicroseconds, soft.tickMicroseconds,
+                limberRow.tickMicroseconds);
 }
 
-/// Limber by default, and where that misses the best it can do in the time.
+/// Returns the result of Limber's default setting. If that misses the target, adds its best result in the
+/// same time.
 std::string ratioLines(const Rows& scene, double ratio) {
   const auto soft = best(select(scene, [](const AccuracyRow& row) { return row.engine == "btSoftBody"; }));
   const Rows limber = select(scene, [](const AccuracyRow& row) { return isLimber(row, "auto"); });
   if (!soft || limber.empty()) return {};
   std::string text = "  " + ratioText(limber[0], *soft, ratio);
-  const auto other = best(select(scene, [&](const AccuracyRow& row) {
+  const auto inTime = best(select(scene, [&](const AccuracyRow& row) {
     return row.engine == "limber" && row.stepMicroseconds <= soft->tickMicroseconds;
   }));
-  if (text.find("MISS") != std::string::npos && other && other->error < limber[0].error)
-    text += "     in time: " + ratioText(*other, *soft, ratio);
+  if (text.find("MISS") != std::string::npos && inTime && inTime->error < limber[0].error)
+    text += "     in time: " + ratioText(*inTime, *soft, ratio);
   return text;
 }
 

@@ -5,7 +5,7 @@
 
 namespace limber::bench {
 
-/// What Limber is to reach, what it does reach, and "hit" or "MISS". Targets without rows are left out.
+/// Returns Limber's targets and results, with "hit" or "MISS". Targets without rows are left out.
 std::string targetTable(const Rows& rows);
 
 }  // namespace limber::bench

@@ -5,8 +5,8 @@
 
 #include <algorithm>
 
-// Along a straight line of springs that nothing pushes sideways the forces are linear in the displacements,
-// so every motion is a sum of modes with known shapes and frequencies.
+// The forces along a straight line of springs without sideways forces are linear in the displacements. So
+// every motion is a sum of modes with known shapes and frequencies.
 
 namespace limber::bench {
 namespace {
@@ -31,10 +31,10 @@ Modes modesOf(int links, double stiffness, double mass, bool lastHeld) {
   return modes;
 }
 
-/// Displacements along x after t seconds from rest.
-Eigen::VectorXd displaced(const Modes& modes, const Eigen::VectorXd& start, double t) {
-  const Eigen::VectorXd shares = modes.shapes.transpose() * start;
-  return modes.shapes * (shares.array() * (modes.frequencies * t).array().cos()).matrix();
+/// Returns the displacements along x after t seconds, starting at rest.
+Eigen::VectorXd exactDisplacement(const Modes& modes, const Eigen::VectorXd& start, double t) {
+  const Eigen::VectorXd amplitudes = modes.shapes.transpose() * start;
+  return modes.shapes * (amplitudes.array() * (modes.frequencies * t).array().cos()).matrix();
 }
 
 Eigen::VectorXd displacement(const Frame& frame, int links) {
@@ -55,7 +55,7 @@ Scene bar(const std::string& name, int links, double mass, double stiffness, con
   return scene;
 }
 
-Signal share(const Trace& trace, const Eigen::VectorXd& shape) {
+Signal modeSignal(const Trace& trace, const Eigen::VectorXd& shape) {
   Signal signal{trace.dt, {}};
   for (const Frame& frame : trace.frames)
     signal.samples.push_back(shape.dot(displacement(frame, static_cast<int>(shape.size()) - 1)));
@@ -63,11 +63,11 @@ Signal share(const Trace& trace, const Eigen::VectorXd& shape) {
 }
 
 double periodError(const Trace& trace, const Modes& modes, int mode) {
-  const double found = period(share(trace, modes.shapes.col(mode)));
-  return std::isfinite(found) ? std::abs(found * modes.frequencies[mode] / (2 * M_PI) - 1) : 1.0;
+  const double measured = period(modeSignal(trace, modes.shapes.col(mode)));
+  return std::isfinite(measured) ? std::abs(measured * modes.frequencies[mode] / (2 * M_PI) - 1) : 1.0;
 }
 
-/// The first three modes at once: they do not disturb each other.
+/// The first three modes at once. They do not affect each other.
 Scene chainModes(bool quick) {
   const int links = 16;
   const double mass = 0.1, stiffness = quick ? 400.0 : 100.0;
@@ -84,9 +84,9 @@ Scene chainModes(bool quick) {
   return scene;
 }
 
-/// A hump lets go two waves; one of them runs to the far end. Errors: the displacements when it is there,
-/// over the hump's height; when it passes half its height at three quarters of the bar; and the frequency of
-/// a standing wave of eight links (in a run of its own: waveOfEight).
+/// A hump splits into two waves, and one of them runs to the far end. Errors: the displacements at that time,
+/// over the hump's height, and the time at which half the height of the wave passes three quarters of the
+/// bar. A run of its own (waveOfEight) measures the frequency of a standing wave of eight links.
 Scene travellingWave() {
   const int links = 64;
   const double mass = 0.01, stiffness = 10.0, height = 0.004;
@@ -102,16 +102,17 @@ Scene travellingWave() {
     Signal probe{trace.dt, {}}, exact{trace.dt / 8, {}};
     for (const Frame& frame : trace.frames) probe.samples.push_back(displacement(frame, links)[48]);
     for (std::size_t i = 0; i <= 8 * (trace.frames.size() - 1); ++i)
-      exact.samples.push_back(displaced(modes, start, exact.dt * static_cast<double>(i))[48]);
-    const Eigen::VectorXd wrong = displacement(trace.last(), links) - displaced(modes, start, probe.end());
-    const double rms = wrong.norm() / std::sqrt(links + 1.0);
+      exact.samples.push_back(exactDisplacement(modes, start, exact.dt * static_cast<double>(i))[48]);
+    const Eigen::VectorXd error =
+        displacement(trace.last(), links) - exactDisplacement(modes, start, probe.end());
+    const double rms = error.norm() / std::sqrt(links + 1.0);
     return std::vector<double>{rms / height, relativeError(arrival(probe), arrival(exact))};
   };
   return scene;
 }
 
-/// Dispersion: a wave of eight links swings at 2 sqrt(k / m) sin(q a / 2) with q a = pi / 4, 2.6 % less than
-/// the speed of long waves says.
+/// Measures dispersion: a wave of eight links oscillates with 2 sqrt(k / m) sin(q a / 2), where q a = pi / 4.
+/// This is 2.6 % less than the speed of long waves gives.
 Scene waveOfEight() {
   const int links = 64;
   const double mass = 0.01, stiffness = 10.0;

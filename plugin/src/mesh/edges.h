@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// Declares the edges of triangle meshes, the components that share points and the defects of edges, and puts
-// counts and numbers into words.
+// Declares the edges of triangle meshes, their connected components and the defects of edges, and formats
+// counts and numbers as text.
 #pragma once
 
 #include <limber/mesh_weld.h>
@@ -22,10 +22,10 @@ using Edge = std::array<std::uint32_t, 2>;
 
 inline Edge edgeBetween(std::uint32_t a, std::uint32_t b) { return {std::min(a, b), std::max(a, b)}; }
 
-/// The edges of the triangles, sorted, each once. Corners of a triangle must differ.
+/// Returns the edges of the triangles, sorted, each once. Corners of a triangle must differ.
 std::vector<Edge> uniqueEdges(const std::vector<Triangle>& triangles);
 
-/// The edges that a closed, oriented surface does not have; see MeshReport.
+/// Numbers of edges that a closed, oriented surface does not have; see MeshReport.
 struct EdgeDefects {
   std::size_t open = 0;
   std::size_t nonManifold = 0;
@@ -39,7 +39,7 @@ EdgeDefects findEdgeDefects(const std::vector<Triangle>& triangles);
 /// Sets the numbers of defective edges in the report of a mesh with these triangles.
 void setEdgeDefects(MeshReport& report, const std::vector<Triangle>& triangles);
 
-/// Sets of indices that grow together; each is known by its smallest member, its root.
+/// Sets of indices that can be joined. The smallest member of a set, its root, identifies it.
 class DisjointSets {
  public:
   explicit DisjointSets(std::size_t count) : parent_(count) {
@@ -59,7 +59,7 @@ class DisjointSets {
   std::vector<std::uint32_t> parent_;
 };
 
-/// Which pieces of a surface share no point.
+/// Connected components of a surface. They share no point.
 struct SurfaceComponents {
   std::size_t count = 0;
   std::vector<std::uint32_t> ofTriangle;  ///< #triangles, numbered in the order of their first triangles
@@ -67,14 +67,14 @@ struct SurfaceComponents {
 
 SurfaceComponents findComponents(std::size_t points, const std::vector<Triangle>& triangles);
 
-// --- counts and numbers in words ---
+// --- counts and numbers as text ---
 
-/// "1 vertex", "2 vertices"
+/// Returns "1 vertex", "2 vertices".
 inline std::string counted(std::size_t count, const char* one, const char* many) {
   return std::to_string(count) + " " + (count == 1 ? one : many);
 }
 
-/// "0.0123", "1.23e+06"
+/// Returns "0.0123", "1.23e+06".
 inline std::string inThreeDigits(double value) {
   char text[32];
   std::snprintf(text, sizeof text, "%.3g", value);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// Reads mesh files through assimp. The file is checked before assimp reads it, its scene is checked before it
-// is followed, and its polygons are split into triangles here.
+// Reads mesh files through assimp. Checks the file before assimp reads it, checks the scene before using its
+// indices, and splits polygons into triangles.
 
 #include <limber/mesh_import.h>
 
@@ -37,7 +37,7 @@ bool isPly(const std::string& firstLine) {
   return magic == "ply" || magic == "PLY";
 }
 
-/// The first word of a line; empty for a line without words.
+/// Returns the first word of a line; empty for a line without words.
 std::string firstWord(const std::string& line) {
   std::istringstream words(line);
   std::string word;
@@ -45,7 +45,7 @@ std::string firstWord(const std::string& line) {
   return word;
 }
 
-/// "element vertex 812": each element takes a byte at least.
+/// Checks a line such as "element vertex 812": each element takes at least one byte.
 std::string checkElement(const std::string& line, std::uintmax_t fileSize) {
   std::istringstream words(line);
   std::string keyword, element;
@@ -57,8 +57,9 @@ std::string checkElement(const std::string& line, std::uintmax_t fileSize) {
          std::to_string(fileSize) + " bytes";
 }
 
-/// What would keep assimp busy for ever (seen in 5.2): a PLY header without an end, or with counts of
-/// elements that the file cannot hold. Empty for sound headers and for files that are no PLY.
+/// Finds errors that keep assimp busy for ever (seen in 5.2): a PLY header without an end, or with counts of
+/// elements that the file cannot hold. Returns an empty string for valid headers and for files that are not
+/// PLY.
 std::string checkPlyHeader(const std::string& path) {
   std::ifstream file(path, std::ios::binary);
   std::string line;
@@ -86,13 +87,13 @@ std::string checkFile(const std::string& path) {
   return checkPlyHeader(path);
 }
 
-using Ring = std::vector<std::uint32_t>;  ///< corners not yet clipped off, counter-clockwise
+using Ring = std::vector<std::uint32_t>;  ///< remaining corners, counter-clockwise
 
-/// Clipping takes up to the third power of the number of corners; above this, polygons are taken for convex.
+/// Clipping takes up to the third power of the number of corners. Larger polygons are treated as convex.
 constexpr std::size_t kMaxCornersToClip = 1000;
 
-/// The sum of the corner fans' area vectors, twice the area (Newell's method); also right for concave
-/// polygons.
+/// Returns the sum of the area vectors of the fan's triangles, twice the area (Newell's method). It is also
+/// correct for concave polygons.
 Vector3d areaVector(const std::vector<Vector3d>& corners) {
   Vector3d sum = Vector3d::Zero();
   for (std::size_t i = 1; i + 1 < corners.size(); ++i) {
@@ -101,7 +102,8 @@ Vector3d areaVector(const std::vector<Vector3d>& corners) {
   return sum;
 }
 
-/// The polygon seen along the axis nearest to its normal, from the side where it is counter-clockwise.
+/// Projects the polygon along the axis nearest to its normal, seen from the side where it is
+/// counter-clockwise.
 std::vector<Vector2d> project(const std::vector<Vector3d>& corners) {
   const Vector3d normal = areaVector(corners);
   Eigen::Index axis = 0;
@@ -114,25 +116,25 @@ std::vector<Vector2d> project(const std::vector<Vector3d>& corners) {
   return points;
 }
 
-/// Above 0 when c lies to the left of the line from a to b.
+/// Returns a positive value if c lies to the left of the line from a to b.
 double side(const Vector2d& a, const Vector2d& b, const Vector2d& c) {
   const Vector2d ab = b - a, ac = c - a;
   return ab.x() * ac.y() - ab.y() * ac.x();
 }
 
-/// Whether p lies in the triangle or on its border, but not in a corner.
+/// Returns whether p lies in the triangle or on its border, but not in a corner.
 bool blocks(const Vector2d& p, const Vector2d& a, const Vector2d& b, const Vector2d& c) {
   if (p == a || p == b || p == c) return false;
   return side(a, b, p) >= 0.0 && side(b, c, p) >= 0.0 && side(c, a, p) >= 0.0;
 }
 
-Triangle cornerAt(const Ring& ring, std::size_t place) {
-  return {ring[(place + ring.size() - 1) % ring.size()], ring[place], ring[(place + 1) % ring.size()]};
+Triangle cornerAt(const Ring& ring, std::size_t index) {
+  return {ring[(index + ring.size() - 1) % ring.size()], ring[index], ring[(index + 1) % ring.size()]};
 }
 
-/// An ear is a corner that points outward and whose triangle holds no other corner.
-bool isEar(const Ring& ring, std::size_t place, const std::vector<Vector2d>& points) {
-  const Triangle t = cornerAt(ring, place);
+/// Returns whether a corner is an ear: it points outward, and its triangle contains no other corner.
+bool isEar(const Ring& ring, std::size_t index, const std::vector<Vector2d>& points) {
+  const Triangle t = cornerAt(ring, index);
   const Vector2d &a = points[t[0]], &b = points[t[1]], &c = points[t[2]];
   if (!(side(a, b, c) > 0.0)) return false;
   for (const std::uint32_t other : ring) {
@@ -141,8 +143,8 @@ bool isEar(const Ring& ring, std::size_t place, const std::vector<Vector2d>& poi
   return true;
 }
 
-/// Place 1 comes first, so that a convex polygon becomes a fan around corner 0. Simple polygons always have
-/// an ear (G. Meisters 1975); others lose that corner anyway.
+/// Returns an ear, or index 1. Index 1 is tested first, so that a convex polygon becomes a fan around corner
+/// 0. Simple polygons always have an ear (G. Meisters 1975); of other polygons corner 1 is clipped.
 std::size_t findEar(const Ring& ring, const std::vector<Vector2d>& points) {
   for (std::size_t i = 1; i <= ring.size(); ++i) {
     if (isEar(ring, i % ring.size(), points)) return i % ring.size();
@@ -150,9 +152,9 @@ std::size_t findEar(const Ring& ring, const std::vector<Vector2d>& points) {
   return 1;
 }
 
-/// Splits a polygon of n >= 3 corners into n - 2 triangles of its corners, with its orientation; concave
-/// polygons by clipping ears. Convex ones become a fan around corner 0. Drops nothing: polygons that are no
-/// plane simple loop give triangles too, good or bad.
+/// Splits a polygon of n >= 3 corners into n - 2 triangles of its corners, with its orientation. Concave
+/// polygons are split by clipping ears; convex ones become a fan around corner 0. Nothing is dropped:
+/// polygons that are not a simple plane loop also give triangles, good or bad.
 std::vector<Triangle> splitPolygon(const std::vector<Vector3d>& corners) {
   const std::vector<Vector2d> points = project(corners);
   Ring ring(corners.size());
@@ -171,7 +173,7 @@ std::vector<Triangle> splitPolygon(const std::vector<Vector3d>& corners) {
   return triangles;
 }
 
-/// A mesh at a node; a mesh that two nodes refer to has two placements.
+/// A mesh at a node. A mesh that two nodes refer to has two placements.
 struct Placement {
   const aiMesh* mesh;
   Eigen::Matrix3d linear;
@@ -196,7 +198,7 @@ bool hasPolygons(const aiMesh& mesh) {
   return false;
 }
 
-/// Those that are there: assimp's RAW reader leaves some out.
+/// Returns the existing children: assimp's RAW reader leaves some out.
 std::vector<const aiNode*> childrenOf(const aiNode& node) {
   std::vector<const aiNode*> children;
   for (unsigned i = 0; node.mChildren != nullptr && i < node.mNumChildren; ++i) {
@@ -230,9 +232,9 @@ void addPositions(const Placement& placement, std::vector<Eigen::Vector3d>& posi
   }
 }
 
-/// Normals go with the inverse transpose of the linear part, which is its cofactor matrix / determinant. The
-/// cofactors (cross products of the columns) exist even when the determinant is 0; of it only the sign
-/// matters.
+/// Transforms normals by the inverse transpose of the linear part, which is its cofactor matrix /
+/// determinant. The cofactors (cross products of the columns) exist even if the determinant is 0. Only the
+/// sign of the determinant matters.
 void addNormals(const Placement& placement, std::vector<Eigen::Vector3f>& normals) {
   const Eigen::Matrix3d& m = placement.linear;
   Eigen::Matrix3d cofactors;
@@ -258,7 +260,7 @@ std::vector<Triangle> splitFace(const aiMesh& mesh, const aiFace& face) {
   return splitPolygon(corners);
 }
 
-/// A mirror turns the order of the corners around.
+/// A mirrored placement reverses the order of the corners.
 void addTriangles(const Placement& placement, std::uint32_t firstVertex, std::vector<Triangle>& triangles) {
   const bool mirrored = placement.linear.determinant() < 0.0;
   for (unsigned i = 0; i < placement.mesh->mNumFaces; ++i) {
@@ -296,7 +298,7 @@ std::string checkNode(const aiScene& scene, const aiNode& node) {
   return {};
 }
 
-/// The first mesh or index in the scene that must not be followed, or an empty string.
+/// Describes the first invalid mesh or index in the scene; empty if there is none.
 std::string checkScene(const aiScene& scene) {
   if (scene.mRootNode == nullptr) return "the file has no scene";
   std::string reason = checkNode(scene, *scene.mRootNode);
@@ -304,8 +306,8 @@ std::string checkScene(const aiScene& scene) {
   return reason;
 }
 
-/// The faces of all meshes at all nodes as triangles, in the coordinates of the root; points and lines are
-/// left out. The scene must have passed checkScene().
+/// Returns the faces of all meshes at all nodes as triangles, in the coordinates of the root, without points
+/// and lines. The scene must have passed checkScene().
 TriangleMesh joinMeshes(const aiScene& scene) {
   std::vector<Placement> placements;
   collectPlacements(scene, *scene.mRootNode, Eigen::Matrix4d::Identity(), placements);
@@ -335,7 +337,7 @@ std::vector<VertexBits> vertexBits(const TriangleMesh& mesh) {
   return bits;
 }
 
-/// For each vertex the first one that is identical to it.
+/// Returns for each vertex the first one that is identical to it.
 std::vector<std::uint32_t> firstIdentical(const std::vector<VertexBits>& bits) {
   std::vector<std::uint32_t> order(bits.size()), first(bits.size());
   std::iota(order.begin(), order.end(), 0u);
@@ -355,9 +357,9 @@ void keepOnly(const std::vector<std::uint32_t>& kept, std::vector<T>& values) {
   values.resize(kept.size());
 }
 
-/// Stores vertices once that are equal bit for bit in position, normal and texture coordinates: many file
-/// readers give every corner a vertex of its own, and each of them would be moved and uploaded in every
-/// frame. Keeps the order of first occurrence. The mesh must be valid.
+/// Merges vertices whose positions, normals and texture coordinates are equal bit for bit. Many file readers
+/// give every corner its own vertex, and each of them would be moved and uploaded in every frame. Keeps the
+/// order of first occurrence. The mesh must be valid.
 void joinIdenticalVertices(TriangleMesh& mesh) {
   const std::vector<std::uint32_t> first = firstIdentical(vertexBits(mesh));
   std::vector<std::uint32_t> kept, newIndex(first.size());
@@ -371,9 +373,9 @@ void joinIdenticalVertices(TriangleMesh& mesh) {
   for (Triangle& t : mesh.triangles) t = {newIndex[t[0]], newIndex[t[1]], newIndex[t[2]]};
 }
 
-/// Reads without any of assimp's repairs, so that our own checks see what the file holds. Not even its
-/// splitting of polygons: it follows indices unchecked, drops small triangles and aborts the program at a
-/// face without corners.
+/// Reads without any of assimp's repairs, so that our own checks see the contents of the file. It does not
+/// even use assimp's splitting of polygons, which uses indices unchecked, drops small triangles and aborts
+/// the program at a face without corners.
 Result<TriangleMesh> readMesh(const std::string& path) {
   Assimp::Importer importer;
   const aiScene* scene = importer.ReadFile(path, 0);
@@ -387,7 +389,8 @@ Result<TriangleMesh> readMesh(const std::string& path) {
   return mesh;
 }
 
-/// assimp lets through what its format readers or the standard library throw on damaged files.
+/// Catches exceptions: on damaged files, assimp passes on those of its format readers and the standard
+/// library.
 Result<TriangleMesh> readWithoutThrowing(const std::string& path) {
   try {
     if (std::string reason = checkFile(path); !reason.empty()) return Error{std::move(reason)};

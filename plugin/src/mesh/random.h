@@ -7,8 +7,8 @@
 
 namespace limber {
 
-/// SplitMix64 (Steele, Lea, Flood 2014): the same numbers everywhere, which the distributions of the standard
-/// library do not promise.
+/// SplitMix64 (Steele, Lea, Flood 2014). It gives the same numbers on all platforms; the distributions of the
+/// standard library do not guarantee this.
 class Random {
  public:
   explicit Random(std::uint64_t seed) : state_(seed) {}
@@ -21,13 +21,13 @@ class Random {
     return z ^ (z >> 31);
   }
 
-  /// 0 to 1, without 1.
+  /// Returns a number from 0 to 1, without 1.
   double uniform() { return static_cast<double>(next() >> 11) * 0x1p-53; }
 
-  /// 0 to count - 1; the bias of the remainder is below 1e-10 for anything that fits in memory.
+  /// Returns 0 to count - 1. The bias of the remainder is below 1e-10 for all counts that fit in memory.
   std::uint32_t below(std::size_t count) { return static_cast<std::uint32_t>(next() % count); }
 
-  /// Evenly in the unit ball.
+  /// Returns a point with uniform distribution in the unit ball.
   Eigen::Vector3d inBall() {
     for (;;) {
       const double x = uniform(), y = uniform(), z = uniform();
@@ -36,7 +36,7 @@ class Random {
     }
   }
 
-  /// Evenly on the unit sphere.
+  /// Returns a point with uniform distribution on the unit sphere.
   Eigen::Vector3d direction() {
     for (;;) {
       const Eigen::Vector3d v = inBall();

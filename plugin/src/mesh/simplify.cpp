@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// Simplifies a mesh to a given number of points. It collapses edges in the order of their quadric error, and
+// Simplifies a mesh to a given number of points. Collapses edges in the order of their quadric error, and
 // keeps the topology of the surface and the shape of its triangles.
 
 #include <limber/simplify_mesh.h>
@@ -43,7 +43,8 @@ struct Quadric {
   }
   double at(const Eigen::Vector3d& x) const { return x.dot(a * x) - 2.0 * b.dot(x) + c; }
 
-  /// Where it is least; some point must be in it, for planes alone may leave a line or more.
+  /// Returns the position of the minimum. At least one point must be in the quadric, because with planes
+  /// alone the minimum may be a line or more.
   Eigen::Vector3d minimum() const {
     Eigen::Vector3d x = b;
     solveSmall(a, x);
@@ -61,7 +62,8 @@ Quadric pointQuadric(const Eigen::Vector3d& point, double weight) {
   return {weight * Eigen::Matrix3d::Identity(), weight * point, weight * point.squaredNorm()};
 }
 
-/// A surface whose edges can be collapsed. Dead points have no triangles; dead triangles are in no list.
+/// A surface whose edges can be collapsed. Removed points have no triangles; removed triangles are in no
+/// list.
 struct CollapsibleSurface {
   std::vector<Eigen::Vector3d> points;
   std::vector<Triangle> triangles;
@@ -71,14 +73,16 @@ struct CollapsibleSurface {
   std::vector<char> fixed;  ///< #points, where the surface is not manifold: never moved
 };
 
-/// Points of a patch pull at its new point with this part of the weight of its planes: enough to spread
-/// points evenly where the surface is flat, too little to pull them below it where it is curved.
+/// Weight of the points of a patch in the quadric of its new point, relative to its planes. It is large
+/// enough to spread points evenly where the surface is flat, and too small to pull them below it where it is
+/// curved.
 constexpr double kPointWeight = 1e-3;
-/// Borders are held by planes through them across the surface, of this weight times their squared length.
+/// Planes through the borders, normal to the surface, keep them in place. Their weight is this times the
+/// border's squared length.
 constexpr double kBorderWeight = 10.0;
-/// Cosine of the largest turn of a triangle in one collapse.
-constexpr double kLargestFaceTurn = 0.3;
-/// The least quality of a new triangle,  4 sqrt(3) area / sum of squared sides  (1: equilateral), unless the
+/// Cosine of the largest rotation of a triangle's normal in one collapse.
+constexpr double kMinRotationCosine = 0.3;
+/// Smallest quality of a new triangle,  4 sqrt(3) area / sum of squared sides  (1: equilateral), unless the
 /// old one was worse.
 constexpr double kMinQuality = 0.15;
 
@@ -104,7 +108,7 @@ std::vector<std::uint32_t> sharedTriangles(const CollapsibleSurface& surface, st
   return shared;
 }
 
-/// Ascending, without `point`.
+/// Returns the neighbours of a point, ascending, without `point`.
 std::vector<std::uint32_t> neighboursOf(const CollapsibleSurface& surface, std::uint32_t point) {
   std::vector<std::uint32_t> neighbours;
   for (const std::uint32_t i : surface.trianglesOf[point]) {
@@ -136,7 +140,7 @@ void addBorderQuadric(CollapsibleSurface& surface, std::uint32_t a, std::uint32_
   surface.quadrics[b] += plane;
 }
 
-/// Marks borders and points whose triangles are not one fan, and holds the borders in place.
+/// Marks borders and points whose triangles are not one fan, and adds the quadrics of the borders.
 void inspectEdges(CollapsibleSurface& surface, std::uint32_t a) {
   std::size_t borders = 0;
   for (const std::uint32_t b : neighboursOf(surface, a)) {
@@ -150,8 +154,8 @@ void inspectEdges(CollapsibleSurface& surface, std::uint32_t a) {
   if (borders > 2) surface.fixed[a] = 1;
 }
 
-/// The neighbours that both have must be the third corners of the triangles between them, and these must keep
-/// enough triangles: three within the surface, one on its border.
+/// Checks the link condition: the common neighbours must be the third corners of the triangles at the edge,
+/// and these must keep enough triangles: three within the surface, one on its border.
 bool linkAllows(const CollapsibleSurface& surface, std::uint32_t a, std::uint32_t b) {
   const std::vector<std::uint32_t> shared = sharedTriangles(surface, a, b);
   if (shared.empty() || shared.size() > 2) return false;
@@ -165,22 +169,22 @@ bool linkAllows(const CollapsibleSurface& surface, std::uint32_t a, std::uint32_
   });
 }
 
-/// For the triangles of `moved` that stay.
+/// Checks the remaining triangles of `moved`.
 bool shapeAllows(const CollapsibleSurface& surface, std::uint32_t moved, std::uint32_t other,
-                 const Vector3d& place) {
+                 const Vector3d& position) {
   for (const std::uint32_t i : surface.trianglesOf[moved]) {
     const Triangle& t = surface.triangles[i];
     if (contains(t, other)) continue;
     std::array<Vector3d, 3> before, after;
     for (std::size_t c = 0; c < 3; ++c) {
       before[c] = surface.points[t[c]];
-      after[c] = t[c] == moved ? place : before[c];
+      after[c] = t[c] == moved ? position : before[c];
     }
-    const Vector3d was = areaVector(before[0], before[1], before[2]);
-    const Vector3d is = areaVector(after[0], after[1], after[2]);
-    if (was.dot(is) <= kLargestFaceTurn * was.norm() * is.norm()) return false;
-    const double least = std::min(kMinQuality, quality(before[0], before[1], before[2]));
-    if (quality(after[0], after[1], after[2]) < least) return false;
+    const Vector3d oldArea = areaVector(before[0], before[1], before[2]);
+    const Vector3d newArea = areaVector(after[0], after[1], after[2]);
+    if (oldArea.dot(newArea) <= kMinRotationCosine * oldArea.norm() * newArea.norm()) return false;
+    const double minQuality = std::min(kMinQuality, quality(before[0], before[1], before[2]));
+    if (quality(after[0], after[1], after[2]) < minQuality) return false;
   }
   return true;
 }
@@ -202,15 +206,16 @@ CollapsibleSurface makeCollapsible(std::vector<Vector3d> points, std::vector<Tri
   return surface;
 }
 
-/// Whether joining a and b at `place` leaves a surface of the same topology (the link condition: Dey,
-/// Edelsbrunner, Guha, Nekhayev 1999), and no triangle turned over or made a sliver.
-bool mayCollapse(const CollapsibleSurface& surface, std::uint32_t a, std::uint32_t b, const Vector3d& place) {
+/// Returns whether joining a and b at `position` keeps the topology of the surface (the link condition: Dey,
+/// Edelsbrunner, Guha, Nekhayev 1999) and does not flip a triangle or make a sliver.
+bool mayCollapse(const CollapsibleSurface& surface, std::uint32_t a, std::uint32_t b,
+                 const Vector3d& position) {
   return !surface.fixed[a] && !surface.fixed[b] && linkAllows(surface, a, b) &&
-         shapeAllows(surface, a, b, place) && shapeAllows(surface, b, a, place);
+         shapeAllows(surface, a, b, position) && shapeAllows(surface, b, a, position);
 }
 
-/// Moves a to `place` and lets b die.
-void collapse(CollapsibleSurface& surface, std::uint32_t a, std::uint32_t b, const Vector3d& place) {
+/// Moves a to `position` and removes b.
+void collapse(CollapsibleSurface& surface, std::uint32_t a, std::uint32_t b, const Vector3d& position) {
   for (const std::uint32_t i : sharedTriangles(surface, a, b)) {
     for (const std::uint32_t corner : surface.triangles[i]) {
       std::vector<std::uint32_t>& list = surface.trianglesOf[corner];
@@ -225,26 +230,26 @@ void collapse(CollapsibleSurface& surface, std::uint32_t a, std::uint32_t b, con
              surface.trianglesOf[b].end(), std::back_inserter(joined));
   surface.trianglesOf[a] = std::move(joined);
   surface.trianglesOf[b].clear();
-  surface.points[a] = place;
+  surface.points[a] = position;
   surface.quadrics[a] += surface.quadrics[b];
   surface.onBorder[a] = surface.onBorder[a] || surface.onBorder[b];
 }
 
-/// An edge to collapse, valid as long as neither end has changed since.
+/// An edge to collapse, valid while neither end has changed.
 struct Candidate {
   double cost;
   std::uint32_t a, b;                ///< a < b
-  std::uint32_t changesA, changesB;  ///< of the ends when the cost was found
+  std::uint32_t changesA, changesB;  ///< of the ends when the cost was computed
 };
 
-/// For a heap with the cheapest on top; equally cheap ones in the order of their points.
-struct IsDearer {
+/// Orders a heap with the smallest cost on top; candidates of equal cost are in the order of their points.
+struct IsCostlier {
   bool operator()(const Candidate& s, const Candidate& t) const {
     return std::tie(s.cost, s.a, s.b) > std::tie(t.cost, t.a, t.b);
   }
 };
 
-using Heap = std::priority_queue<Candidate, std::vector<Candidate>, IsDearer>;
+using Heap = std::priority_queue<Candidate, std::vector<Candidate>, IsCostlier>;
 
 struct Simplifier {
   CollapsibleSurface surface;
@@ -252,66 +257,68 @@ struct Simplifier {
   Heap heap;
 };
 
-Quadric joint(const CollapsibleSurface& surface, std::uint32_t a, std::uint32_t b) {
+Quadric summedQuadric(const CollapsibleSurface& surface, std::uint32_t a, std::uint32_t b) {
   Quadric sum = surface.quadrics[a];
   return sum += surface.quadrics[b];
 }
 
-void offer(Simplifier& work, std::uint32_t a, std::uint32_t b) {
+void pushCandidate(Simplifier& work, std::uint32_t a, std::uint32_t b) {
   if (a > b) std::swap(a, b);
-  const Quadric sum = joint(work.surface, a, b);
+  const Quadric sum = summedQuadric(work.surface, a, b);
   work.heap.push({sum.at(sum.minimum()), a, b, work.changes[a], work.changes[b]});
 }
 
-void offerAll(Simplifier& work) {
+void pushAllCandidates(Simplifier& work) {
   for (std::uint32_t a = 0; a < work.surface.points.size(); ++a) {
     for (const std::uint32_t b : neighboursOf(work.surface, a)) {
-      if (a < b) offer(work, a, b);
+      if (a < b) pushCandidate(work, a, b);
     }
   }
 }
 
-/// Collapses what it can of the edges on offer until `excess` points are gone; how many are.
+/// Collapses edges of the heap where possible, until `excess` points are removed. Returns the number of
+/// removed points.
 std::size_t collapseCheapest(Simplifier& work, std::size_t excess) {
-  std::size_t gone = 0;
-  while (gone < excess && !work.heap.empty()) {
+  std::size_t removed = 0;
+  while (removed < excess && !work.heap.empty()) {
     const Candidate edge = work.heap.top();
     work.heap.pop();
     if (work.changes[edge.a] != edge.changesA || work.changes[edge.b] != edge.changesB) continue;
-    const Vector3d place = joint(work.surface, edge.a, edge.b).minimum();
-    if (!mayCollapse(work.surface, edge.a, edge.b, place)) continue;
-    collapse(work.surface, edge.a, edge.b, place);
+    const Vector3d position = summedQuadric(work.surface, edge.a, edge.b).minimum();
+    if (!mayCollapse(work.surface, edge.a, edge.b, position)) continue;
+    collapse(work.surface, edge.a, edge.b, position);
     ++work.changes[edge.a];
     ++work.changes[edge.b];
-    ++gone;
-    for (const std::uint32_t neighbour : neighboursOf(work.surface, edge.a)) offer(work, edge.a, neighbour);
+    ++removed;
+    for (const std::uint32_t neighbour : neighboursOf(work.surface, edge.a))
+      pushCandidate(work, edge.a, neighbour);
   }
-  return gone;
+  return removed;
 }
 
-/// Edges that were refused may be allowed once their surroundings have changed: rounds until none is.
+/// Repeats rounds until no edge can be collapsed: rejected edges may be allowed after changes around them.
 void collapseTo(Simplifier& work, std::size_t points) {
   std::size_t excess = work.surface.points.size() - points;
-  for (std::size_t gone = 1; gone > 0 && excess > 0; excess -= gone) {
+  for (std::size_t removed = 1; removed > 0 && excess > 0; excess -= removed) {
     work.heap = Heap();
-    offerAll(work);
-    gone = collapseCheapest(work, excess);
+    pushAllCandidates(work);
+    removed = collapseCheapest(work, excess);
   }
 }
 
 TriangleMesh compacted(const CollapsibleSurface& surface) {
   TriangleMesh mesh;
-  std::vector<std::uint32_t> number(surface.points.size(), kNoPoint);
+  std::vector<std::uint32_t> newIndex(surface.points.size(), kNoPoint);
   for (std::uint32_t point = 0; point < surface.points.size(); ++point) {
     if (surface.trianglesOf[point].empty()) continue;
-    number[point] = static_cast<std::uint32_t>(mesh.positions.size());
+    newIndex[point] = static_cast<std::uint32_t>(mesh.positions.size());
     mesh.positions.push_back(surface.points[point]);
   }
   for (std::uint32_t i = 0; i < surface.triangles.size(); ++i) {
     const Triangle& t = surface.triangles[i];
     const std::vector<std::uint32_t>& list = surface.trianglesOf[t[0]];
     if (!std::binary_search(list.begin(), list.end(), i)) continue;
-    mesh.triangles.push_back({number[t[0]], number[t[1]], number[t[2]]});
+    mesh.triangles.push_back({newIndex[t[0]], newIndex[t[1]], newIndex[t[2]]});
   }
   return mesh;
 }
@@ -328,7 +335,7 @@ Result<TriangleMesh> simplify(const TriangleMesh& mesh, std::uint32_t points) {
   for (const Vector3d& p : welded->points) box.extend(p);
   const Vector3d centre = box.center();
   const double size = box.sizes().maxCoeff();
-  // quadrics of coordinates far from the origin would cancel
+  // quadrics of coordinates far from the origin would suffer from cancellation
   std::vector<Vector3d> unit;
   for (const Vector3d& p : welded->points) unit.emplace_back((p - centre) / size);
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// The edges, the components and the geometry of surfaces, and how closed surfaces are turned to face outward.
+// Computes the edges, the components and the geometry of surfaces, and flips closed surfaces to face outward.
 
 #include "mesh/surface.h"
 
@@ -14,7 +14,8 @@ namespace {
 
 using Eigen::Vector3d;
 
-/// One side of a triangle: the edge, and whether the triangle runs through it from the smaller index up.
+/// One side of a triangle: its edge, and whether the triangle runs through it from the smaller to the larger
+/// index.
 struct HalfEdge {
   Edge edge;
   bool upward;
@@ -90,7 +91,7 @@ std::optional<LineHit> intersectLine(const TriangleCorners& t, const Vector3d& o
   if (determinant == 0.0) return std::nullopt;
   const Vector3d s = origin - t[0], q = s.cross(e1);
   const double v = s.dot(h) / determinant, w = direction.dot(q) / determinant;
-  // the negation also refuses what is not a number
+  // the negation also rejects NaN
   if (!(v >= -margin && w >= -margin && v + w <= 1.0 + margin)) return std::nullopt;
   return LineHit{e2.dot(q) / determinant, Vector3d(1.0 - v - w, v, w)};
 }
@@ -156,13 +157,14 @@ std::vector<Component> split(const std::vector<Vector3d>& points, const std::vec
   return parts;
 }
 
-/// Whether one of its corners is; components that pass through each other are not within each other.
+/// Returns whether a corner of `inner` is inside `outer`. Components that pass through each other are not
+/// within each other.
 bool isWithin(const std::vector<Vector3d>& points, const Component& inner, const Component& outer) {
   if (!outer.box.contains(inner.box)) return false;
-  const Vector3d& place = points[inner.triangles.front().front()];
+  const Vector3d& corner = points[inner.triangles.front().front()];
   double angle = 0.0;
   for (const Triangle& t : outer.triangles)
-    angle += solidAngle({points[t[0]], points[t[1]], points[t[2]]}, place);
+    angle += solidAngle({points[t[0]], points[t[1]], points[t[2]]}, corner);
   return std::abs(angle) > 2.0 * kPi;
 }
 
@@ -182,11 +184,11 @@ std::vector<bool> facingInward(const std::vector<Vector3d>& points, const std::v
   const std::vector<Component> parts = split(points, triangles, components);
   if (std::none_of(parts.begin(), parts.end(), [](const Component& c) { return c.volume < 0.0; }))
     return std::vector<bool>(triangles.size(), false);
-  std::vector<bool> turned;
+  std::vector<bool> flipped;
   for (const Component& part : parts)
-    turned.push_back(part.volume != 0.0 && outermostAround(points, part, parts).volume < 0.0);
+    flipped.push_back(part.volume != 0.0 && outermostAround(points, part, parts).volume < 0.0);
   std::vector<bool> marked;
-  for (const std::uint32_t component : components.ofTriangle) marked.push_back(turned[component]);
+  for (const std::uint32_t component : components.ofTriangle) marked.push_back(flipped[component]);
   return marked;
 }
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// Builds the tree of boxes over the triangles of a surface and answers questions about rays, distances and
-// insides with it.
+// Builds the tree of boxes over the triangles of a surface and uses it for queries about rays, distances and
+// insides.
 
 #include "mesh/triangle_bvh.h"
 
@@ -18,28 +18,29 @@ using Eigen::AlignedBox3d;
 using Eigen::Vector3d;
 
 constexpr std::uint32_t kLeafTriangles = 4;
-/// Nodes wait here while one of their kin is visited: one per level, and halving makes at most 32 levels.
+/// Size of the stack of nodes to visit: one waits per level, and halving makes at most 32 levels.
 constexpr std::size_t kBvhStack = 40;
-/// A node is far when it is this many radii away; winding numbers then err by some hundredths (Barill et al.
-/// 2018 take 2).
+/// A node is far at a distance of this many radii. The error of winding numbers is then some hundredths
+/// (Barill et al. 2018 use 2).
 constexpr double kFarRadii = 2.5;
-/// Barycentric margin within which a line that passes an edge meets both triangles: none slips through.
+/// Barycentric margin within which a line through an edge intersects both triangles, so that no line
+/// passes between them.
 constexpr double kEdgeMargin = 1e-9;
-/// The same where crossings only cut a segment into pieces, each then tested on its own: one too many does no
-/// harm, one too few does.
+/// The same where crossings only cut a segment into pieces, which are then tested one by one. An additional
+/// crossing does no harm, a missed one does.
 constexpr double kCutMargin = 1e-6;
-/// Barycentric, and of a segment: what lies deeper than this passes through and does not merely touch.
-constexpr double kInsidePart = 1e-6;
-/// The part of a chord at each end that staysInside() does not look at.
-constexpr double kEndPart = 0.01;
-/// The most samples of a piece that runs along the surface.
+/// Barycentric coordinates, and fractions of a segment, beyond this pass through; below it they only touch.
+constexpr double kInsideMargin = 1e-6;
+/// Fraction of a chord at each end that staysInside() ignores.
+constexpr double kEndFraction = 0.01;
+/// Largest number of samples of a piece that runs along the surface.
 constexpr int kMaxSamples = 16;
 
 struct Span {
   double from, to;
 };
 
-/// Whether the line is in the box somewhere between `span.from` and `span.to`, both in lengths of
+/// Returns whether the line is inside the box somewhere between `span.from` and `span.to`, both in lengths of
 /// `direction`.
 bool overlapsBox(const AlignedBox3d& box, const Vector3d& origin, const Vector3d& direction, Span span) {
   for (int axis = 0; axis < 3; ++axis) {
@@ -78,7 +79,7 @@ AlignedBox3d TriangleBvh::boxOf(std::uint32_t first, std::uint32_t count) const 
   return AlignedBox3d(box.min().array() - margin_, box.max().array() + margin_);
 }
 
-/// About the centre of area, where the quadrupole of a flat patch is smallest.
+/// Computes the dipole about the centre of area, where the quadrupole of a flat patch is smallest.
 void TriangleBvh::setDipole(Node& node, std::uint32_t first, std::uint32_t count) const {
   double area = 0.0;
   Vector3d moment = Vector3d::Zero();
@@ -104,7 +105,7 @@ void TriangleBvh::build(std::uint32_t node, std::uint32_t first, std::uint32_t c
   if (count <= kLeafTriangles) {
     nodes_[node].first = first;
     nodes_[node].count = count;
-    std::sort(begin, begin + count);  // the same sums whatever nth_element made of the order
+    std::sort(begin, begin + count);  // makes sums independent of the order that nth_element leaves
     return;
   }
   Eigen::Index axis = 0;
@@ -127,22 +128,23 @@ TriangleHit TriangleBvh::firstHit(const Vector3d& origin, const Vector3d& direct
   TriangleHit hit;
   hit.distance = to;
   std::array<std::uint32_t, kBvhStack> stack{};
-  std::size_t waiting = nodes_.empty() ? 0 : 1;
-  while (waiting > 0) {
-    const Node& node = nodes_[stack[--waiting]];
+  std::size_t stackSize = nodes_.empty() ? 0 : 1;
+  while (stackSize > 0) {
+    const Node& node = nodes_[stack[--stackSize]];
     if (!overlapsBox(node.box, origin, direction, {from, hit.distance})) continue;
     if (node.count == 0) {
       const bool ahead = direction.dot(nodes_[node.first + 1].centre - nodes_[node.first].centre) >= 0.0;
-      stack[waiting++] = ahead ? node.first + 1 : node.first;
-      stack[waiting++] = ahead ? node.first : node.first + 1;
+      stack[stackSize++] = ahead ? node.first + 1 : node.first;
+      stack[stackSize++] = ahead ? node.first : node.first + 1;
       continue;
     }
     for (std::uint32_t i = node.first; i < node.first + node.count; ++i) {
       const std::uint32_t triangle = order_[i];
-      const auto met = intersectLine(corners_[triangle], origin, direction, kEdgeMargin);
-      if (!met || met->along < from || met->along > hit.distance) continue;
-      if (met->along == hit.distance && triangle > hit.triangle) continue;
-      hit = {triangle, met->along, origin + met->along * direction, met->barycentric};
+      const auto intersection = intersectLine(corners_[triangle], origin, direction, kEdgeMargin);
+      if (!intersection || intersection->along < from || intersection->along > hit.distance) continue;
+      if (intersection->along == hit.distance && triangle > hit.triangle) continue;
+      hit = {triangle, intersection->along, origin + intersection->along * direction,
+             intersection->barycentric};
     }
   }
   if (!hit) hit.distance = 0.0;
@@ -150,21 +152,22 @@ TriangleHit TriangleBvh::firstHit(const Vector3d& origin, const Vector3d& direct
 }
 
 bool TriangleBvh::isPierced(const Vector3d& a, const Vector3d& b,
-                            const std::function<bool(std::uint32_t)>& counts) const {
+                            const std::function<bool(std::uint32_t)>& accepts) const {
   std::array<std::uint32_t, kBvhStack> stack{};
-  std::size_t waiting = nodes_.empty() ? 0 : 1;
-  while (waiting > 0) {
-    const Node& node = nodes_[stack[--waiting]];
+  std::size_t stackSize = nodes_.empty() ? 0 : 1;
+  while (stackSize > 0) {
+    const Node& node = nodes_[stack[--stackSize]];
     if (!overlapsBox(node.box, a, b - a, {0.0, 1.0})) continue;
     if (node.count == 0) {
-      stack[waiting++] = node.first + 1;
-      stack[waiting++] = node.first;
+      stack[stackSize++] = node.first + 1;
+      stack[stackSize++] = node.first;
       continue;
     }
     for (std::uint32_t i = node.first; i < node.first + node.count; ++i) {
-      if (!counts(order_[i])) continue;
-      const auto met = intersectLine(corners_[order_[i]], a, b - a, -kInsidePart);
-      if (met && met->along > kInsidePart && met->along < 1.0 - kInsidePart) return true;
+      if (!accepts(order_[i])) continue;
+      const auto intersection = intersectLine(corners_[order_[i]], a, b - a, -kInsideMargin);
+      if (intersection && intersection->along > kInsideMargin && intersection->along < 1.0 - kInsideMargin)
+        return true;
     }
   }
   return false;
@@ -175,15 +178,15 @@ TriangleHit TriangleBvh::nearestWithin(const Vector3d& position, double distance
   TriangleHit hit;
   double best = distance * distance;
   std::array<std::uint32_t, kBvhStack> stack{};
-  std::size_t waiting = nodes_.empty() ? 0 : 1;
-  while (waiting > 0) {
-    const Node& node = nodes_[stack[--waiting]];
+  std::size_t stackSize = nodes_.empty() ? 0 : 1;
+  while (stackSize > 0) {
+    const Node& node = nodes_[stack[--stackSize]];
     if (node.box.squaredExteriorDistance(position) > best) continue;
     if (node.count == 0) {
       const bool firstIsNearer = nodes_[node.first].box.squaredExteriorDistance(position) <=
                                  nodes_[node.first + 1].box.squaredExteriorDistance(position);
-      stack[waiting++] = firstIsNearer ? node.first + 1 : node.first;
-      stack[waiting++] = firstIsNearer ? node.first : node.first + 1;
+      stack[stackSize++] = firstIsNearer ? node.first + 1 : node.first;
+      stack[stackSize++] = firstIsNearer ? node.first : node.first + 1;
       continue;
     }
     for (std::uint32_t i = node.first; i < node.first + node.count; ++i) {
@@ -212,16 +215,16 @@ TriangleHit TriangleBvh::nearestFacing(const Vector3d& position, const Vector3d&
 double TriangleBvh::windingNumber(const Vector3d& position) const {
   double angle = 0.0;
   std::array<std::uint32_t, kBvhStack> stack{};
-  std::size_t waiting = nodes_.empty() ? 0 : 1;
-  while (waiting > 0) {
-    const Node& node = nodes_[stack[--waiting]];
-    const Vector3d away = node.centre - position;
-    const double distance = away.norm();
+  std::size_t stackSize = nodes_.empty() ? 0 : 1;
+  while (stackSize > 0) {
+    const Node& node = nodes_[stack[--stackSize]];
+    const Vector3d offset = node.centre - position;
+    const double distance = offset.norm();
     if (distance > kFarRadii * node.radius) {
-      angle += away.dot(node.areaNormal) / (distance * distance * distance);
+      angle += offset.dot(node.areaNormal) / (distance * distance * distance);
     } else if (node.count == 0) {
-      stack[waiting++] = node.first + 1;
-      stack[waiting++] = node.first;
+      stack[stackSize++] = node.first + 1;
+      stack[stackSize++] = node.first;
     } else {
       for (std::uint32_t i = node.first; i < node.first + node.count; ++i)
         angle += solidAngle(corners_[order_[i]], position);
@@ -239,49 +242,50 @@ bool TriangleBvh::isInsideOrNear(const Vector3d& position, double tolerance) con
   return nearestWithin(position, tolerance) || inside(position);
 }
 
-/// Where the segment from a (0) to b (1) meets triangles, ascending.
+/// Returns the positions where the segment from a (0) to b (1) intersects triangles, ascending.
 std::vector<double> TriangleBvh::crossings(const Vector3d& a, const Vector3d& b) const {
-  std::vector<double> found;
+  std::vector<double> fractions;
   const Vector3d direction = b - a;
   std::array<std::uint32_t, kBvhStack> stack{};
-  std::size_t waiting = nodes_.empty() ? 0 : 1;
-  while (waiting > 0) {
-    const Node& node = nodes_[stack[--waiting]];
+  std::size_t stackSize = nodes_.empty() ? 0 : 1;
+  while (stackSize > 0) {
+    const Node& node = nodes_[stack[--stackSize]];
     if (!overlapsBox(node.box, a, direction, {0.0, 1.0})) continue;
     if (node.count == 0) {
-      stack[waiting++] = node.first + 1;
-      stack[waiting++] = node.first;
+      stack[stackSize++] = node.first + 1;
+      stack[stackSize++] = node.first;
       continue;
     }
     for (std::uint32_t i = node.first; i < node.first + node.count; ++i) {
-      const auto met = intersectLine(corners_[order_[i]], a, direction, kCutMargin);
-      if (met && met->along > 0.0 && met->along < 1.0) found.push_back(met->along);
+      const auto intersection = intersectLine(corners_[order_[i]], a, direction, kCutMargin);
+      if (intersection && intersection->along > 0.0 && intersection->along < 1.0)
+        fractions.push_back(intersection->along);
     }
   }
-  std::sort(found.begin(), found.end());
-  return found;
+  std::sort(fractions.begin(), fractions.end());
+  return fractions;
 }
 
-/// The crossings cut the segment into pieces that a closed surface has wholly on one side, so one sample of a
-/// piece would do. Three find a way out through a hole; more are taken where the piece runs along the
-/// surface, in a flat face, where crossings are left to chance.
+/// The crossings cut the segment into pieces. A closed surface has each piece wholly on one side, so one
+/// sample per piece would be enough. Three samples also detect most paths through a hole. More are used where
+/// the piece runs along the surface, in a flat face, where rounding decides which crossings are found.
 bool TriangleBvh::staysInside(const Vector3d& a, const Vector3d& b, double tolerance) const {
-  const Vector3d from = a + kEndPart * (b - a), to = b + kEndPart * (a - b);
-  const double length = (to - from).norm(), near = std::max(tolerance, margin_);
+  const Vector3d from = a + kEndFraction * (b - a), to = b + kEndFraction * (a - b);
+  const double length = (to - from).norm(), nearDistance = std::max(tolerance, margin_);
   std::vector<double> cuts = crossings(from, to);
   cuts.push_back(1.0);
   double begin = 0.0;
   for (const double end : cuts) {
     const double pieceLength = (end - begin) * length;
-    if (pieceLength > near) {
-      const auto at = [&](double part) -> Vector3d {
-        return from + (begin + part * (end - begin)) * (to - from);
+    if (pieceLength > nearDistance) {
+      const auto at = [&](double fraction) -> Vector3d {
+        return from + (begin + fraction * (end - begin)) * (to - from);
       };
-      const bool alongSurface = bool(nearestWithin(at(0.5), near));
-      const int wanted = static_cast<int>(std::min(pieceLength / near, double(kMaxSamples)));
-      const int samples = alongSurface ? std::max(wanted, 3) : 3;
+      const bool alongSurface = bool(nearestWithin(at(0.5), nearDistance));
+      const int samplesByLength = static_cast<int>(std::min(pieceLength / nearDistance, double(kMaxSamples)));
+      const int samples = alongSurface ? std::max(samplesByLength, 3) : 3;
       for (int i = 0; i < samples; ++i) {
-        if (!isInsideOrNear(at((i + 0.5) / samples), near)) return false;
+        if (!isInsideOrNear(at((i + 0.5) / samples), nearDistance)) return false;
       }
     }
     begin = end;
@@ -294,11 +298,11 @@ std::size_t countPiercingEdges(const std::vector<Eigen::Vector3d>& points,
   const TriangleBvh surface(points, triangles);
   const std::vector<Edge> edges = uniqueEdges(triangles);
   const auto pierces = [&](const Edge& edge) {
-    const auto apart = [&](std::uint32_t triangle) {
+    const auto sharesNoPoint = [&](std::uint32_t triangle) {
       const Triangle& t = triangles[triangle];
       return std::none_of(t.begin(), t.end(), [&](std::uint32_t i) { return i == edge[0] || i == edge[1]; });
     };
-    return surface.isPierced(points[edge[0]], points[edge[1]], apart);
+    return surface.isPierced(points[edge[0]], points[edge[1]], sharesNoPoint);
   };
   return static_cast<std::size_t>(std::count_if(edges.begin(), edges.end(), pierces));
 }

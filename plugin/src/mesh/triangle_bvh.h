@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// A tree of boxes over the triangles of a surface, which answers questions about rays, distances and insides.
+// Declares a tree of boxes over the triangles of a surface, for queries about rays, distances and insides.
 #pragma once
 
 #include "mesh/surface.h"
@@ -16,7 +16,7 @@
 
 namespace limber {
 
-/// Where a ray or a nearest-point query met the surface.
+/// Result of a ray or a nearest-point query.
 struct TriangleHit {
   std::uint32_t triangle = 0xffffffffu;  ///< none: 0xffffffff
   double distance = 0.0;                 ///< m; along the ray, or to the nearest point
@@ -26,36 +26,36 @@ struct TriangleHit {
   explicit operator bool() const { return triangle != 0xffffffffu; }
 };
 
-/// Triangles in a tree of boxes, for the questions that cooking asks of a surface. Immutable, any thread.
-/// Deterministic: of equally near triangles the one with the lowest index.
+/// Triangles in a tree of boxes, for the queries of network building. Immutable, for any thread.
+/// Deterministic: of equally near triangles it returns the one with the lowest index.
 class TriangleBvh {
  public:
   TriangleBvh(const std::vector<Eigen::Vector3d>& points, const std::vector<Triangle>& triangles);
 
-  /// The first triangle that the ray meets between `from` and `to` along the unit `direction` (m); triangles
-  /// seen from either side.
+  /// Returns the first triangle that the ray hits, from either side, between `from` and `to` along the unit
+  /// `direction` (m).
   TriangleHit firstHit(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction, double from,
                        double to) const;
-  /// Whether the segment passes through the inside of a triangle that `counts` accepts, by more than a
-  /// millionth of its length on either side.
+  /// Returns whether the segment passes through the inside of a triangle that `accepts` returns true for, by
+  /// more than a millionth of its length on either side.
   bool isPierced(const Eigen::Vector3d& a, const Eigen::Vector3d& b,
-                 const std::function<bool(std::uint32_t)>& counts) const;
+                 const std::function<bool(std::uint32_t)>& accepts) const;
   TriangleHit nearest(const Eigen::Vector3d& position) const;
 
-  /// Among the triangles whose normal does not point against `normal`, if there are any.
+  /// Returns the nearest of the triangles whose normal does not point against `normal`, if there are any.
   TriangleHit nearestFacing(const Eigen::Vector3d& position, const Eigen::Vector3d& normal) const;
 
-  /// Generalized winding number (Jacobson, Kavan, Sorkine 2013; far triangles by their dipole, Barill et al.
-  /// 2018): 1 inside a closed surface, 0 outside, in between near holes.
+  /// Returns the generalized winding number (Jacobson, Kavan, Sorkine 2013; far triangles by their dipole,
+  /// Barill et al. 2018): 1 inside a closed surface, 0 outside, between them near holes.
   double windingNumber(const Eigen::Vector3d& position) const;
   bool inside(const Eigen::Vector3d& position) const { return windingNumber(position) > 0.5; }
 
-  /// m, below 0 inside.
+  /// Returns the distance from the surface (m), negative inside.
   double signedDistance(const Eigen::Vector3d& position) const;
 
-  /// Whether the segment between two points of the surface stays inside it; chords that lie in the surface
-  /// (in a flat face) do. Its ends are drawn in by a hundredth of its length, and `tolerance` (m) is how far
-  /// it may leave the surface.
+  /// Returns whether the segment between two points of the surface stays inside it. Chords in the surface (in
+  /// a flat face) do. A hundredth of the length at each end is ignored. `tolerance` (m) is the largest
+  /// distance by which the segment may leave the surface.
   bool staysInside(const Eigen::Vector3d& a, const Eigen::Vector3d& b, double tolerance) const;
 
  private:
@@ -63,7 +63,7 @@ class TriangleBvh {
     Eigen::AlignedBox3d box;
     std::uint32_t first = 0, count = 0;  ///< count 0: inner node whose children are first and first + 1
     Eigen::Vector3d centre = Eigen::Vector3d::Zero(), areaNormal = Eigen::Vector3d::Zero();  ///< dipole
-    double radius = 0.0;  ///< of the ball about `centre` that holds all triangles
+    double radius = 0.0;  ///< of the ball about `centre` that contains all triangles
   };
   Eigen::AlignedBox3d boxOf(std::uint32_t first, std::uint32_t count) const;
   void setDipole(Node& node, std::uint32_t first, std::uint32_t count) const;
@@ -79,8 +79,9 @@ class TriangleBvh {
   double margin_ = 0.0;  ///< m, by which boxes are larger than their triangles
 };
 
-/// Edges of a surface that pass through the inside of one of its triangles. Where two triangles cross, an
-/// edge of one does. Sheets that lie in each other or touch, and edges that meet edges, do not count.
+/// Counts the edges of a surface that pass through the inside of one of its triangles. If two triangles
+/// cross, an edge of one of them does. Coincident or touching sheets, and edges that intersect edges, do not
+/// count.
 std::size_t countPiercingEdges(const std::vector<Eigen::Vector3d>& points,
                                const std::vector<Triangle>& triangles);
 

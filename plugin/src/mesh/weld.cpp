@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// Checks a triangle mesh and welds its vertices into points. Triangles without area and triangles that are
-// there twice are dropped, and a report says what the mesh is like.
+// Checks a triangle mesh and welds its vertices into points. Drops triangles without area and duplicate
+// triangles, and reports the properties of the mesh.
 
 #include <limber/mesh_weld.h>
 
@@ -69,14 +69,15 @@ using Cell = std::array<std::int64_t, 3>;
 
 constexpr std::uint32_t kEndOfChain = 0xffffffffu;
 
-/// Cells this many tolerances wide: a position then has to look into 3 or 4 cells on average.
+/// Width of cells in tolerances. With 4, the search of a position visits 3 or 4 cells on average.
 constexpr double kTolerancesPerCell = 4.0;
 
-/// Cells narrower than this part of the largest coordinate would have numbers that a double cannot count.
-constexpr double kFinestCell = 0x1p-40;
+/// Smallest width of cells, relative to the largest coordinate. The numbers of narrower cells would exceed
+/// the integers that a double represents.
+constexpr double kMinCellWidth = 0x1p-40;
 
-/// How much further than the tolerance we look: more than rounding can shift a border.
-constexpr double kReachMargin = 1.001;
+/// Search distance in tolerances: the excess is more than rounding can shift a border.
+constexpr double kSearchMargin = 1.001;
 
 struct CellHash {
   std::size_t operator()(const Cell& cell) const {
@@ -89,10 +90,10 @@ struct CellHash {
   }
 };
 
-/// The positions kept so far, by the cell they lie in. A cell holds few of them, since they lie apart by more
-/// than the tolerance. Only looked up, never iterated: the order of the hash table does not show.
-struct KeptPositions {
-  double largest;  ///< no coordinate of any position is further from 0
+/// The accepted positions, by their cell. A cell holds few of them, because their distances are larger than
+/// the tolerance. The hash table is never iterated, so its order has no effect.
+struct PositionGrid {
+  double largest;  ///< no coordinate of any position is farther from 0
   double cellWidth;
   std::unordered_map<Cell, std::uint32_t, CellHash> lastInCell;
   std::vector<std::uint32_t> previousInCell;  ///< #positions; kEndOfChain ends the chain
@@ -104,17 +105,17 @@ double largestCoordinate(const std::vector<Eigen::Vector3d>& positions) {
   return largest;
 }
 
-Cell cellOf(const Eigen::Vector3d& position, const KeptPositions& kept) {
-  const Eigen::Vector3d inside = position.cwiseMax(-kept.largest).cwiseMin(kept.largest);
-  const Eigen::Vector3d cell = (inside / kept.cellWidth).array().floor();
+Cell cellOf(const Eigen::Vector3d& position, const PositionGrid& grid) {
+  const Eigen::Vector3d inside = position.cwiseMax(-grid.largest).cwiseMin(grid.largest);
+  const Eigen::Vector3d cell = (inside / grid.cellWidth).array().floor();
   return {static_cast<std::int64_t>(cell.x()), static_cast<std::int64_t>(cell.y()),
           static_cast<std::int64_t>(cell.z())};
 }
 
-void keep(KeptPositions& kept, const Cell& cell, std::uint32_t index) {
-  const auto [entry, isNew] = kept.lastInCell.try_emplace(cell, index);
+void addPosition(PositionGrid& grid, const Cell& cell, std::uint32_t index) {
+  const auto [entry, isNew] = grid.lastInCell.try_emplace(cell, index);
   if (isNew) return;
-  kept.previousInCell[index] = entry->second;
+  grid.previousInCell[index] = entry->second;
   entry->second = index;
 }
 
@@ -123,34 +124,35 @@ struct Nearest {
   double distance = std::numeric_limits<double>::infinity();
 };
 
-void lookInCell(const KeptPositions& kept, const std::vector<Eigen::Vector3d>& positions, const Cell& cell,
+void searchCell(const PositionGrid& grid, const std::vector<Eigen::Vector3d>& positions, const Cell& cell,
                 const Eigen::Vector3d& position, Nearest& nearest) {
-  const auto entry = kept.lastInCell.find(cell);
-  if (entry == kept.lastInCell.end()) return;
-  for (std::uint32_t other = entry->second; other != kEndOfChain; other = kept.previousInCell[other]) {
+  const auto entry = grid.lastInCell.find(cell);
+  if (entry == grid.lastInCell.end()) return;
+  for (std::uint32_t other = entry->second; other != kEndOfChain; other = grid.previousInCell[other]) {
     const double distance = (positions[other] - position).stableNorm();
-    const bool earlierAndAsNear = distance == nearest.distance && other < nearest.index;
-    if (distance < nearest.distance || earlierAndAsNear) nearest = {other, distance};
+    const bool isEarlierTie = distance == nearest.distance && other < nearest.index;
+    if (distance < nearest.distance || isEarlierTie) nearest = {other, distance};
   }
 }
 
-/// The nearest kept position, if one lies within the tolerance; further ones may be missed.
-Nearest findNearest(const KeptPositions& kept, const std::vector<Eigen::Vector3d>& positions,
+/// Returns the nearest accepted position if one lies within the tolerance; farther ones may be missed.
+Nearest findNearest(const PositionGrid& grid, const std::vector<Eigen::Vector3d>& positions,
                     const Eigen::Vector3d& position, double tolerance) {
-  const Eigen::Vector3d reach = Eigen::Vector3d::Constant(tolerance * kReachMargin);
-  const Cell low = cellOf(position - reach, kept), high = cellOf(position + reach, kept);
+  const Eigen::Vector3d searchDistance = Eigen::Vector3d::Constant(tolerance * kSearchMargin);
+  const Cell low = cellOf(position - searchDistance, grid), high = cellOf(position + searchDistance, grid);
   Nearest nearest;
   for (std::int64_t x = low[0]; x <= high[0]; ++x) {
     for (std::int64_t y = low[1]; y <= high[1]; ++y) {
       for (std::int64_t z = low[2]; z <= high[2]; ++z)
-        lookInCell(kept, positions, {x, y, z}, position, nearest);
+        searchCell(grid, positions, {x, y, z}, position, nearest);
     }
   }
   return nearest;
 }
 
-// mergeEqual() and mergeNearby() return for each position the index of the position it joins, never a later
-// one; a position that joins none keeps its own index. #positions entries. Both expect finite positions.
+// mergeEqual() and mergeNearby() return for each position the index of the position that it joins, never a
+// later one. A position that joins none keeps its own index. The result has #positions entries. Both need
+// finite positions.
 
 /// Joins equal positions (-0 equals 0) to the first of them.
 std::vector<std::uint32_t> mergeEqual(const std::vector<Eigen::Vector3d>& positions) {
@@ -173,27 +175,27 @@ std::vector<std::uint32_t> mergeEqual(const std::vector<Eigen::Vector3d>& positi
   return joined;
 }
 
-/// Goes through the positions in order: each joins the nearest one kept so far within `tolerance` (the first
-/// of equally near ones), or is kept itself. The tolerance must be above 0.
+/// Visits the positions in order. Each one joins the nearest accepted one within `tolerance` (the first of
+/// equally near ones), or is accepted itself. The tolerance must be above 0.
 std::vector<std::uint32_t> mergeNearby(const std::vector<Eigen::Vector3d>& positions, double tolerance) {
   const double largest = largestCoordinate(positions);
-  const double cellWidth = std::max(tolerance * kTolerancesPerCell, largest * kFinestCell);
-  KeptPositions kept{largest, cellWidth, {}, std::vector<std::uint32_t>(positions.size(), kEndOfChain)};
+  const double cellWidth = std::max(tolerance * kTolerancesPerCell, largest * kMinCellWidth);
+  PositionGrid grid{largest, cellWidth, {}, std::vector<std::uint32_t>(positions.size(), kEndOfChain)};
   std::vector<std::uint32_t> joined(positions.size());
   for (std::uint32_t i = 0; i < joined.size(); ++i) {
-    const Nearest nearest = findNearest(kept, positions, positions[i], tolerance);
+    const Nearest nearest = findNearest(grid, positions, positions[i], tolerance);
     const bool joins = nearest.distance <= tolerance;
     joined[i] = joins ? nearest.index : i;
-    if (!joins) keep(kept, cellOf(positions[i], kept), i);
+    if (!joins) addPosition(grid, cellOf(positions[i], grid), i);
   }
   return joined;
 }
 
-/// A triangle whose height is below this part of its longest side has no area: mesh files hold floats, and
-/// these cannot tell such corners from points of one line.
-constexpr double kFlattestTriangle = 1e-7;
+/// A triangle with a smaller height, relative to its longest side, has no area. Mesh files hold floats, whose
+/// precision cannot distinguish its corners from points on a line.
+constexpr double kMinHeight = 1e-7;
 
-/// Vertices that some triangle uses, in ascending order.
+/// Returns the vertices that some triangle uses, in ascending order.
 std::vector<std::uint32_t> usedVertices(std::size_t vertices, const std::vector<Triangle>& triangles) {
   std::vector<char> isUsed(vertices, 0);
   for (const Triangle& t : triangles) {
@@ -206,7 +208,7 @@ std::vector<std::uint32_t> usedVertices(std::size_t vertices, const std::vector<
   return used;
 }
 
-/// For each vertex in use the vertex whose position it takes; kNoPoint for the others.
+/// Returns for each used vertex the vertex whose position it gets; kNoPoint for the others.
 std::vector<std::uint32_t> joinVertices(const TriangleMesh& mesh, double tolerance) {
   const std::vector<std::uint32_t> used = usedVertices(mesh.positions.size(), mesh.triangles);
   std::vector<Eigen::Vector3d> positions;
@@ -220,13 +222,13 @@ std::vector<std::uint32_t> joinVertices(const TriangleMesh& mesh, double toleran
   return joinedVertex;
 }
 
-/// Twice the area is |e1 x e2|, the height over the longest side L is |e1 x e2| / L. Divided by the largest
-/// coordinate first, so that tiny and huge triangles neither underflow nor overflow.
+/// Twice the area is |e1 x e2|; the height over the longest side L is |e1 x e2| / L. The sides are divided by
+/// their largest coordinate first, so that tiny and huge triangles neither underflow nor overflow.
 bool hasArea(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eigen::Vector3d& c) {
   const double size = std::max((b - a).cwiseAbs().maxCoeff(), (c - a).cwiseAbs().maxCoeff());
   const Eigen::Vector3d e1 = (b - a) / size, e2 = (c - a) / size;
   const double longest = std::sqrt(std::max({e1.squaredNorm(), e2.squaredNorm(), (e2 - e1).squaredNorm()}));
-  return e1.cross(e2).norm() > kFlattestTriangle * longest * longest;
+  return e1.cross(e2).norm() > kMinHeight * longest * longest;
 }
 
 bool isDegenerate(const Triangle& t, const std::vector<Eigen::Vector3d>& positions) {
@@ -234,7 +236,7 @@ bool isDegenerate(const Triangle& t, const std::vector<Eigen::Vector3d>& positio
   return !hasArea(positions[t[0]], positions[t[1]], positions[t[2]]);
 }
 
-/// Which triangles have the same three corners as an earlier one, whatever their order.
+/// Returns which triangles have the same three corners as an earlier one, in any order.
 std::vector<char> findDuplicates(const std::vector<Triangle>& triangles) {
   std::vector<std::pair<Triangle, std::size_t>> sorted;
   sorted.reserve(triangles.size());
@@ -252,9 +254,9 @@ std::vector<char> findDuplicates(const std::vector<Triangle>& triangles) {
   return isDuplicate;
 }
 
-/// Fills triangles (still with the indices of joined vertices), keptTriangles and the counts of those
-/// dropped.
-void keepSoundTriangles(const TriangleMesh& mesh, const std::vector<std::uint32_t>& joined,
+/// Fills triangles (still with the indices of joined vertices), keptTriangles and the counts of the dropped
+/// triangles.
+void keepValidTriangles(const TriangleMesh& mesh, const std::vector<std::uint32_t>& joined,
                         WeldedMesh& welded) {
   std::vector<Triangle> triangles;
   triangles.reserve(mesh.triangles.size());
@@ -273,15 +275,15 @@ void keepSoundTriangles(const TriangleMesh& mesh, const std::vector<std::uint32_
   }
 }
 
-/// Numbers the points in the order of the first vertex that uses them, and puts their numbers into the
+/// Numbers the points in the order of the first vertex that uses them, and sets their numbers in the
 /// triangles.
 void numberPoints(const TriangleMesh& mesh, const std::vector<std::uint32_t>& joined, WeldedMesh& welded) {
-  std::vector<Triangle> kept;
-  for (const std::uint32_t i : welded.keptTriangles) kept.push_back(mesh.triangles[i]);
+  std::vector<Triangle> triangles;
+  for (const std::uint32_t i : welded.keptTriangles) triangles.push_back(mesh.triangles[i]);
 
   std::vector<std::uint32_t> pointOf(mesh.positions.size(), kNoPoint);  // by joined vertex
   welded.vertexToPoint.assign(mesh.positions.size(), kNoPoint);
-  for (const std::uint32_t vertex : usedVertices(mesh.positions.size(), kept)) {
+  for (const std::uint32_t vertex : usedVertices(mesh.positions.size(), triangles)) {
     std::uint32_t& point = pointOf[joined[vertex]];
     if (point == kNoPoint) {
       point = static_cast<std::uint32_t>(welded.points.size());
@@ -330,7 +332,7 @@ Result<WeldedMesh> weld(const TriangleMesh& mesh, double tolerance) {
   }
   WeldedMesh welded;
   const std::vector<std::uint32_t> joined = joinVertices(mesh, tolerance);
-  keepSoundTriangles(mesh, joined, welded);
+  keepValidTriangles(mesh, joined, welded);
   if (welded.triangles.empty()) {
     return Error{"none of the " + std::to_string(mesh.triangles.size()) + " triangles has an area"};
   }

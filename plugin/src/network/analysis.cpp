@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// Analyses a network before it is used: it collects what the other chapters measure, remarks on what is
-// unusual and describes all of it in words.
+// Analyses a network before it is used: collects the measurements of the other files of this folder, adds
+// remarks on unusual results and describes all of it in text.
 
 #include <limber/network_analysis.h>
 
@@ -27,49 +27,50 @@ namespace {
 
 constexpr double kThinSpread = 1e-4;
 
-/// The points about their centre in units of their size, and their principal axes, the thinnest first.
+/// Offsets of the points from their centre in units of their size, and their principal axes, the thinnest
+/// first.
 struct Spread {
   double size = 0.0;
-  Eigen::Matrix3Xd arms;
+  Eigen::Matrix3Xd offsets;
   Eigen::Matrix3d axes;
 };
 
 Spread principalSpread(const std::vector<Eigen::Vector3d>& points) {
   const auto count = static_cast<Eigen::Index>(points.size());
-  Eigen::Matrix3Xd arms(3, count);
-  for (Eigen::Index i = 0; i < count; ++i) arms.col(i) = points[static_cast<std::size_t>(i)];
-  arms.colwise() -= arms.rowwise().mean().eval();
-  const double size = arms.cwiseAbs().maxCoeff();
-  if (size > 0.0) arms /= size;
-  const Eigen::Matrix3d scatter = arms * arms.transpose();
-  return {size, arms, symmetricParts3(scatter).vectors};
+  Eigen::Matrix3Xd offsets(3, count);
+  for (Eigen::Index i = 0; i < count; ++i) offsets.col(i) = points[static_cast<std::size_t>(i)];
+  offsets.colwise() -= offsets.rowwise().mean().eval();
+  const double size = offsets.cwiseAbs().maxCoeff();
+  if (size > 0.0) offsets /= size;
+  const Eigen::Matrix3d scatter = offsets * offsets.transpose();
+  return {size, offsets, symmetricParts3(scatter).vectors};
 }
 
-/// Rope for points on a line, Cloth for points in a plane, else Solid; to within a ten-thousandth of their
+/// Returns Rope for points on a line, Cloth for points in a plane, else Solid. The tolerance is 1e-4 of their
 /// largest distance from the centre.
-NetworkKind spreadOf(const std::vector<Eigen::Vector3d>& points) {
+NetworkKind kindOf(const std::vector<Eigen::Vector3d>& points) {
   if (points.size() < 3) return NetworkKind::Rope;
   const Spread s = principalSpread(points);
-  const Eigen::Vector3d reach = (s.axes.transpose() * s.arms).cwiseAbs().rowwise().maxCoeff();
-  const double thin = kThinSpread * s.arms.colwise().norm().maxCoeff();
-  if (reach[1] <= thin) return NetworkKind::Rope;
-  return reach[0] <= thin ? NetworkKind::Cloth : NetworkKind::Solid;
+  const Eigen::Vector3d extents = (s.axes.transpose() * s.offsets).cwiseAbs().rowwise().maxCoeff();
+  const double maxThickness = kThinSpread * s.offsets.colwise().norm().maxCoeff();
+  if (extents[1] <= maxThickness) return NetworkKind::Rope;
+  return extents[0] <= maxThickness ? NetworkKind::Cloth : NetworkKind::Solid;
 }
 
-/// The points moved into their plane (Cloth) or onto their line (Rope): what lies out of it by less than
-/// spreadOf() sees would, by the square of that, resist bending as though it were a body's own stiffness.
+/// Returns the points moved into their plane (Cloth) or onto their line (Rope). Otherwise distances below the
+/// tolerance of kindOf() would resist bending, by their square, like a stiffness of the body.
 std::vector<Eigen::Vector3d> flattened(std::vector<Eigen::Vector3d> points, NetworkKind kind) {
   if (points.empty() || kind == NetworkKind::Solid) return points;
   const Spread s = principalSpread(points);
   const Eigen::Index thinAxes = kind == NetworkKind::Rope ? 2 : 1;
   for (std::size_t i = 0; i < points.size(); ++i) {
-    const Eigen::Vector3d arm = s.size * s.arms.col(static_cast<Eigen::Index>(i));
-    for (Eigen::Index k = 0; k < thinAxes; ++k) points[i] -= s.axes.col(k).dot(arm) * s.axes.col(k);
+    const Eigen::Vector3d offset = s.size * s.offsets.col(static_cast<Eigen::Index>(i));
+    for (Eigen::Index k = 0; k < thinAxes; ++k) points[i] -= s.axes.col(k).dot(offset) * s.axes.col(k);
   }
   return points;
 }
 
-/// Of the size: how far a spring may leave the body and still be inside, the round-off of its surface.
+/// Fraction of the size by which a spring inside the body may leave it: the round-off of its surface.
 constexpr double kMaxOutside = 1e-6;
 
 SoftBodySettings bodySettings(const AnalysisSettings& settings) {
@@ -80,7 +81,7 @@ SoftBodySettings bodySettings(const AnalysisSettings& settings) {
   return body;
 }
 
-/// What welding found, or, for surfaces that no welding has made, what can be seen of them.
+/// Returns the report of welding. For surfaces that were not welded, counts what the surface itself shows.
 MeshReport meshReport(const SpringNetwork& network) {
   MeshReport report = network.report;
   if (report.triangles > 0 || network.surface.empty()) return report;
@@ -95,7 +96,8 @@ bool isClosed(const SpringNetwork& network) {
   return !network.surface.empty() && findEdgeDefects(network.surface).none();
 }
 
-/// As the volume term sees the surface, whichever way it faces.
+/// Measures the inside with the orientation that the volume term uses, whether the surface faces inward or
+/// outward.
 void analyseInside(const SpringNetwork& network, NetworkAnalysis& a) {
   const std::vector<Triangle> outward = turnedOutward(network.restPoints, network.surface);
   a.volume = signedVolume(network.restPoints, outward);
@@ -109,26 +111,26 @@ void analyseInside(const SpringNetwork& network, NetworkAnalysis& a) {
       }));
 }
 
-/// Rigid motions of points within the plane or along the line in which they are judged.
-std::size_t ownMotions(const std::vector<Eigen::Vector3d>& points, NetworkKind kind) {
+/// Counts the rigid motions of points within their plane or along their line.
+std::size_t rigidMotionCount(const std::vector<Eigen::Vector3d>& points, NetworkKind kind) {
   if (kind == NetworkKind::Rope) return 1;
   if (kind == NetworkKind::Cloth) return points.size() == 1 ? 2 : 3;
   return static_cast<std::size_t>(rigidMotions(points).cols());
 }
 
-/// Motions of the pieces against each other, which are no mechanisms of any of them.
+/// Counts the motions of the pieces against each other. They are not mechanisms of any piece.
 std::size_t motionsBetween(const SpringNetwork& network, NetworkKind kind) {
   std::size_t motions = 0;
   for (const std::vector<Eigen::Index>& piece : findPieces(network)) {
     std::vector<Eigen::Vector3d> points;
     for (const Eigen::Index i : piece) points.push_back(network.restPoints[static_cast<std::size_t>(i)]);
-    motions += ownMotions(points, kind);
+    motions += rigidMotionCount(points, kind);
   }
-  return motions - std::min(motions, ownMotions(network.restPoints, kind));
+  return motions - std::min(motions, rigidMotionCount(network.restPoints, kind));
 }
 
-/// Mechanisms that every body in a plane (#points - 3 out of it) or on a line (2 #points - 4 across it) has,
-/// however many springs join it: to first order nothing resists bending. 0 for solids.
+/// Counts the mechanisms that every body in a plane (#points - 3 out of it) or on a line (2 #points - 4
+/// across it) has with any number of springs: to first order nothing resists bending. 0 for solids.
 std::size_t bendingMechanisms(NetworkKind kind, std::size_t points) {
   if (points < 3 || kind == NetworkKind::Solid) return 0;
   return kind == NetworkKind::Rope ? 2 * points - 4 : points - 3;
@@ -148,17 +150,17 @@ void analyseSmallDeformations(SpringNetwork network, NetworkAnalysis& a) {
   a.selfStresses = small.selfStresses;
   a.softestEigenvalue = small.softest;
   a.stiffestEigenvalue = small.stiffest;
-  const std::size_t own = a.mechanisms - std::min(a.mechanisms, bendingMechanisms(a.kind, a.points));
-  a.modeRatio = own == 0 && small.stiffest > 0.0 ? small.softest / small.stiffest : 0.0;
-  a.rigidity = grade(own, a.modeRatio);
+  const std::size_t nonBending = a.mechanisms - std::min(a.mechanisms, bendingMechanisms(a.kind, a.points));
+  a.modeRatio = nonBending == 0 && small.stiffest > 0.0 ? small.softest / small.stiffest : 0.0;
+  a.rigidity = grade(nonBending, a.modeRatio);
 }
 
 void analyseGlobalRigidity(const SpringNetwork& network, const Progress& goOn, NetworkAnalysis& a) {
   if (a.points > kMaxForGlobalRigidity) return;
-  const auto ask = [&](double done) { return goOn("global rigidity", done); };
+  const auto keepGoing = [&](double done) { return goOn("global rigidity", done); };
   bool rigid = true;
   for (const std::vector<Eigen::Index>& piece : findPieces(network))
-    rigid = rigid && isGloballyRigid(pieceOf(network, piece), 1, ask);
+    rigid = rigid && isGloballyRigid(pieceOf(network, piece), 1, keepGoing);
   a.globallyRigidKnown = !a.endedEarly;
   a.globallyRigid = a.globallyRigidKnown && rigid;
 }
@@ -172,23 +174,24 @@ void analyseTimeSteps(const SpringNetwork& network, const AnalysisSettings& sett
 void analyseLargeDeformations(const SpringNetwork& network, const AnalysisSettings& settings,
                               const Progress& goOn, NetworkAnalysis& a) {
   for (std::size_t kind = 0; kind < kDeformations && settings.runs > 0 && !a.endedEarly; ++kind) {
-    const Progress ofAll = [&](const char* what, double done) {
+    const Progress overallProgress = [&](const char* what, double done) {
       return goOn(what, (static_cast<double>(kind) + done) / kDeformations);
     };
-    a.returns[kind] =
-        measureReturns(network, static_cast<Deformation>(kind), settings.runs, settings.seed, ofAll);
+    a.returns[kind] = measureReturns(network, static_cast<Deformation>(kind), settings.runs, settings.seed,
+                                     overallProgress);
   }
 }
 
 void analyseSelfWeight(const SpringNetwork& network, const AnalysisSettings& settings, const Progress& goOn,
                        NetworkAnalysis& a) {
-  const std::optional<double> least = leastStiffness(network, bodySettings(settings), settings.gravity, goOn);
-  a.leastStiffnessKnown = least.has_value();
-  a.leastStiffness = least && std::isfinite(*least) ? *least : 0.0;
+  const std::optional<double> minStiffness =
+      leastStiffness(network, bodySettings(settings), settings.gravity, goOn);
+  a.leastStiffnessKnown = minStiffness.has_value();
+  a.leastStiffness = minStiffness && std::isfinite(*minStiffness) ? *minStiffness : 0.0;
 }
 
-/// Asks the settings' progress whether to go on; once not, never again.
-Progress asking(const AnalysisSettings& settings, bool& ended) {
+/// Returns the settings' progress function. Once it has returned false, it always returns false.
+Progress stickyProgress(const AnalysisSettings& settings, bool& ended) {
   return [&](const char* what, double done) {
     ended = ended || (settings.progress && !settings.progress(what, done));
     return !ended;
@@ -196,7 +199,7 @@ Progress asking(const AnalysisSettings& settings, bool& ended) {
 }
 
 void analyseStages(const SpringNetwork& network, const AnalysisSettings& settings, NetworkAnalysis& a) {
-  const Progress goOn = asking(settings, a.endedEarly);
+  const Progress goOn = stickyProgress(settings, a.endedEarly);
   const bool solid = a.kind == NetworkKind::Solid;
   if (goOn("small deformations", 0.0)) analyseSmallDeformations(network, a);
   if (goOn("global rigidity", 0.0)) analyseGlobalRigidity(network, goOn, a);
@@ -213,7 +216,7 @@ constexpr std::array<const char*, kDeformations> kDeformationNames{"squash", "tw
 using Remarks = std::vector<std::string>;
 
 constexpr double kGoodReturn = 0.99;    // below it a remark names the kinds that fail
-constexpr double kUnevenMasses = 20.0;  // the lightest point's share over the mean sets the time step
+constexpr double kUnevenMasses = 20.0;  // heaviest over lightest; the lightest point sets the time step
 constexpr double kShortSpring = 1e-3;   // of the mean length
 constexpr char kTooFast[] = "its stiffest springs, or lightest points, take time steps too short for that";
 
@@ -251,9 +254,10 @@ void remarkOnSprings(const SpringNetwork& network, Remarks& remarks) {
   if (!network.springs.empty() && shortest * static_cast<double>(network.springs.size()) < kShortSpring * sum)
     remarks.push_back("some springs are shorter than a thousandth of the mean: weld with a tolerance");
   if (network.massFractions.empty()) return;
-  const auto [least, most] = std::minmax_element(network.massFractions.begin(), network.massFractions.end());
-  if (*most > kUnevenMasses * *least)
-    remarks.push_back("the heaviest point has " + inThreeDigits(*most / *least) +
+  const auto [lightest, heaviest] =
+      std::minmax_element(network.massFractions.begin(), network.massFractions.end());
+  if (*heaviest > kUnevenMasses * *lightest)
+    remarks.push_back("the heaviest point has " + inThreeDigits(*heaviest / *lightest) +
                       " times the mass of the lightest: that makes time steps short");
 }
 
@@ -311,7 +315,7 @@ void remarkOnWeight(const AnalysisSettings& settings, const NetworkAnalysis& a, 
                       inThreeDigits(a.leastStiffness) + " N/m");
 }
 
-/// What people should know of a network with this analysis: what is unusual, what should be mended and how.
+/// Returns remarks on unusual properties of the network and how to repair them.
 std::vector<std::string> remarksOn(const SpringNetwork& network, const AnalysisSettings& settings,
                                    const NetworkAnalysis& analysis) {
   Remarks remarks;
@@ -355,7 +359,7 @@ ReturnRate NetworkAnalysis::allReturns() const {
 
 NetworkAnalysis analyse(const SpringNetwork& network, const AnalysisSettings& settings) {
   NetworkAnalysis a;
-  a.kind = spreadOf(network.restPoints);
+  a.kind = kindOf(network.restPoints);
   a.points = network.restPoints.size();
   a.springs = network.springs.size();
   a.braces = static_cast<std::size_t>(
@@ -371,7 +375,7 @@ NetworkAnalysis analyse(const SpringNetwork& network, const AnalysisSettings& se
 
 namespace {
 
-/// As printf, of numbers and short words.
+/// Formats numbers and short words like printf.
 #if defined(__GNUC__)
 __attribute__((format(printf, 1, 2)))
 #endif

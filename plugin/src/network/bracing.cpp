@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// Braces a piece of a body: chords through its inside first, then braces for its soft modes, then braces for
-// the wrong shapes that counterexamples.cpp finds.
+// Braces a piece of a body: first with chords through its inside, then with braces for its soft modes, then
+// with braces for the wrong shapes that counterexamples.cpp finds.
 
 #include "network/bracing.h"
 
@@ -34,7 +34,8 @@ std::vector<Edge> findTwoRingPairs(std::size_t points, const std::vector<Edge>& 
 
 namespace {
 
-/// Share of the size by which a chord may leave the surface: rounding of coordinates in single precision.
+/// Fraction of the size by which a chord may leave the surface: the rounding of coordinates in single
+/// precision.
 constexpr double kTolerance = 1e-6;
 
 std::uint64_t keyOf(std::uint32_t a, std::uint32_t b) {
@@ -50,17 +51,17 @@ InsideChords::InsideChords(const std::vector<Eigen::Vector3d>& points, const std
 }
 
 bool InsideChords::joined(std::uint32_t a, std::uint32_t b) const {
-  const std::vector<std::uint32_t>& of = neighbours_[a];
-  return a == b || std::find(of.begin(), of.end(), b) != of.end();
+  const std::vector<std::uint32_t>& ofA = neighbours_[a];
+  return a == b || std::find(ofA.begin(), ofA.end(), b) != ofA.end();
 }
 
 bool InsideChords::allowed(std::uint32_t a, std::uint32_t b) {
   if (joined(a, b)) return false;
-  const auto [known, isNew] = inside_.try_emplace(keyOf(a, b), false);
+  const auto [entry, isNew] = inside_.try_emplace(keyOf(a, b), false);
   if (isNew)
-    known->second =
+    entry->second =
         surface_.staysInside(points_[std::min(a, b)], points_[std::max(a, b)], kTolerance * size_);
-  return known->second;
+  return entry->second;
 }
 
 void InsideChords::join(std::uint32_t a, std::uint32_t b) {
@@ -70,7 +71,7 @@ void InsideChords::join(std::uint32_t a, std::uint32_t b) {
 
 namespace {
 
-/// Springs between the ends of a near pair.
+/// Limits for the number of springs between the ends of a near pair.
 constexpr std::uint32_t kShortestWalk = 2, kLongestWalk = 16;
 
 std::vector<Edge> allPairs(std::uint32_t points) {
@@ -80,7 +81,7 @@ std::vector<Edge> allPairs(std::uint32_t points) {
   return pairs;
 }
 
-std::uint32_t walk(const InsideChords& chords, std::uint32_t from, Random& random) {
+std::uint32_t randomWalk(const InsideChords& chords, std::uint32_t from, Random& random) {
   for (std::uint32_t steps = kShortestWalk + random.below(kLongestWalk - kShortestWalk + 1); steps > 0;
        --steps)
     if (!chords.neighbours(from).empty())
@@ -88,14 +89,14 @@ std::uint32_t walk(const InsideChords& chords, std::uint32_t from, Random& rando
   return from;
 }
 
-/// The pair must be allowed and the piece not full.
+/// Adds a brace. The pair must be allowed and the piece not full.
 void addBrace(BracedPiece& piece, const Edge& pair) {
   const NetworkSpring brace{pair[0], pair[1], SpringKind::Brace, piece.weight};
   std::vector<NetworkSpring>& springs = piece.network.springs;
-  const auto place = std::upper_bound(
+  const auto position = std::upper_bound(
       springs.begin(), springs.end(), brace,
       [](const NetworkSpring& s, const NetworkSpring& t) { return s.a != t.a ? s.a < t.a : s.b < t.b; });
-  springs.insert(place, brace);
+  springs.insert(position, brace);
   piece.chords.join(pair[0], pair[1]);
   piece.braces.push_back(pair);
 }
@@ -130,14 +131,14 @@ Eigen::VectorXf addBest(BracedPiece& piece, BraceChoice& choice, const Eigen::Ve
   return {};
 }
 
-std::vector<Edge> candidatePairs(const BracedPiece& piece, std::size_t most, std::uint64_t seed) {
+std::vector<Edge> candidatePairs(const BracedPiece& piece, std::size_t maxPairs, std::uint64_t seed) {
   const std::size_t n = piece.network.restPoints.size();
-  if (n * (n - 1) / 2 <= most) return allPairs(static_cast<std::uint32_t>(n));
+  if (n * (n - 1) / 2 <= maxPairs) return allPairs(static_cast<std::uint32_t>(n));
   Random random(seed);
   std::vector<Edge> pairs;
-  for (std::size_t i = 0; i < most; ++i) {
+  for (std::size_t i = 0; i < maxPairs; ++i) {
     const std::uint32_t a = random.below(n);
-    const std::uint32_t b = i % 2 == 0 ? random.below(n) : walk(piece.chords, a, random);
+    const std::uint32_t b = i % 2 == 0 ? random.below(n) : randomWalk(piece.chords, a, random);
     if (a != b) pairs.push_back(edgeBetween(a, b));
   }
   std::sort(pairs.begin(), pairs.end());
@@ -148,7 +149,7 @@ std::vector<Edge> candidatePairs(const BracedPiece& piece, std::size_t most, std
 namespace {
 
 constexpr double kMinRatio = 1e-3;
-/// The ratio of icospheres of n points without braces is 1.2/n (their edges alone are rigid).
+/// The ratio of icospheres of n points without braces is 1.2/n. (Their edges alone make them rigid.)
 constexpr double kMinRatioTimesPoints = 0.6;
 
 }  // namespace
@@ -159,15 +160,15 @@ double leastModeRatio(std::size_t points) {
 
 namespace {
 
-/// Share of the size from which on a ray counts as having left its own surface.
-constexpr double kAway = 1e-4;
+/// Fraction of the size; nearer hits of a ray are at its own start.
+constexpr double kMinRayDistance = 1e-4;
 
-/// Of the size: longer than any ray within the body.
-constexpr double kFarAway = 2.0;
+/// Fraction of the size; longer than any ray within the body.
+constexpr double kMaxRayDistance = 2.0;
 
 using Positions = std::vector<Eigen::Vector3d>;
 
-/// The corners of the triangle that was hit, the nearest first.
+/// Returns the corners of the triangle that was hit, the nearest first.
 Triangle byDistance(const Positions& points, Triangle t, const Eigen::Vector3d& hit) {
   std::stable_sort(t.begin(), t.end(), [&](std::uint32_t a, std::uint32_t b) {
     return (points[a] - hit).squaredNorm() < (points[b] - hit).squaredNorm();
@@ -175,40 +176,40 @@ Triangle byDistance(const Positions& points, Triangle t, const Eigen::Vector3d& 
   return t;
 }
 
-/// Chords through the body: from each point that no such chord ends in yet, along its inward normal to where
-/// that meets the surface again, to the nearest corner there whose chord stays inside. They keep opposite
-/// walls apart, which no spring within the surface does.
+/// Adds chords through the body. Each point without such a chord casts a ray along its inward normal. Its
+/// chord ends at the corner nearest to the hit whose chord stays inside. These chords keep opposite walls
+/// apart; no spring within the surface does.
 void addAntipodalBraces(BracedPiece& piece) {
   const Positions& points = piece.network.restPoints;
   const std::vector<Triangle>& triangles = piece.network.surface;
   const Positions normals = vertexNormals(points, triangles);
   const double size = piece.chords.size();
-  std::vector<bool> reached(points.size(), false);
+  std::vector<bool> hasChord(points.size(), false);
   for (std::uint32_t i = 0; i < points.size() && !piece.full(); ++i) {
-    if (reached[i]) continue;
-    const TriangleHit hit =
-        piece.chords.surface().firstHit(points[i], -normals[i], kAway * size, kFarAway * size);
+    if (hasChord[i]) continue;
+    const TriangleHit hit = piece.chords.surface().firstHit(points[i], -normals[i], kMinRayDistance * size,
+                                                            kMaxRayDistance * size);
     if (!hit) continue;
     for (const std::uint32_t j : byDistance(points, triangles[hit.triangle], hit.position)) {
       if (!piece.chords.allowed(i, j)) continue;
       addBrace(piece, edgeBetween(i, j));
-      reached[i] = reached[j] = true;
+      hasChord[i] = hasChord[j] = true;
       break;
     }
   }
 }
 
 constexpr int kMaxBraceRounds = 40;
-constexpr std::size_t kMinModes = 30, kMaxModes = 150;  // looked at together
-/// Of more points than this so many rough modes are looked at: fewer rounds, each in less time.
-constexpr std::size_t kMany = 1000, kRoughModes = 300;
+constexpr std::size_t kMinModes = 30, kMaxModes = 150;  // computed at once
+/// Larger bodies use this many rough modes: fewer rounds, and each takes less time.
+constexpr std::size_t kLargeBody = 1000, kRoughModes = 300;
 constexpr std::size_t kMaxSoftCandidates = 100000;
 
-/// Modes are braced somewhat beyond the goal: the estimate of their new stiffness leaves out that they give
-/// way sideways. Rough ones stand for several.
-constexpr double kBeyondGoal = 3.0, kRoughBeyond = 8.0;
+/// Modes are braced beyond the goal by these factors, because the estimate of their new stiffness ignores
+/// that they can move sideways. A rough mode stands for several modes.
+constexpr double kGoalFactor = 3.0, kRoughGoalFactor = 8.0;
 
-/// By how much a unit of each mode stretches each pair, squared.
+/// Computes the squared stretch of each pair per unit of each mode.
 BraceChoice stretches(const BracedPiece& piece, const Modes& modes, std::uint64_t seed) {
   const std::vector<Eigen::Vector3d>& points = piece.network.restPoints;
   BraceChoice choice(static_cast<std::size_t>(modes.shapes.cols()),
@@ -223,15 +224,15 @@ BraceChoice stretches(const BracedPiece& piece, const Modes& modes, std::uint64_
   return choice;
 }
 
-/// Adds braces until the eigenvalue of each mode that is softer than `least` has, to first order, reached the
-/// goal: a brace of stiffness w that a unit of the mode stretches by c adds  w c^2.  Softer modes weigh more,
-/// by the square. The others are the body's own large motions, such as the opening of the arms of an L, which
-/// braces are not to tie.
-bool braceModes(BracedPiece& piece, const Modes& modes, double least, double goal, std::size_t cap,
+/// Adds braces until each mode with an eigenvalue below `minEigenvalue` has reached the goal to first order.
+/// A brace of stiffness w that is stretched by c per unit of the mode adds  w c^2.  Softer modes weigh more,
+/// by the inverse square of the eigenvalue. The other modes are large motions of the body, such as the
+/// opening of the arms of an L; braces should not restrict them.
+bool braceModes(BracedPiece& piece, const Modes& modes, double minEigenvalue, double goal, std::size_t cap,
                 std::uint64_t seed) {
   BraceChoice choice = stretches(piece, modes, seed);
   Eigen::VectorXf eigenvalues = modes.eigenvalues.cast<float>().cwiseMax(static_cast<float>(1e-3 * goal));
-  const Eigen::VectorXf tooSoft = (modes.eigenvalues.array() < least).cast<float>();
+  const Eigen::VectorXf tooSoft = (modes.eigenvalues.array() < minEigenvalue).cast<float>();
   bool added = false;
   while (piece.braces.size() < cap) {
     const Eigen::VectorXf weights =
@@ -247,42 +248,42 @@ bool braceModes(BracedPiece& piece, const Modes& modes, double least, double goa
   return added;
 }
 
-bool isLarge(const SpringNetwork& network) { return network.restPoints.size() > kMany; }
+bool isLarge(const SpringNetwork& network) { return network.restPoints.size() > kLargeBody; }
 
 Modes modesToBrace(const SpringNetwork& network) {
   if (isLarge(network)) return roughModes(network, kRoughModes);
   return softestModes(network, std::clamp(network.restPoints.size() / 8, kMinModes, kMaxModes));
 }
 
-/// Braces mechanisms and soft oscillations, each time the pairs that the softest ones stretch most, until
-/// leastModeRatio() is reached, the piece is full, or nothing inside the body helps.
-/// `most`: braces that the piece then has at most, of those that it may get.
-void addSoftModeBraces(BracedPiece& piece, std::size_t most, std::uint64_t seed, const GoOn& goOn) {
-  const std::size_t cap = std::min(most, piece.maxBracesPerPoint);
+/// Braces mechanisms and soft oscillations: in each round the pairs that the softest modes stretch most. Ends
+/// when leastModeRatio() is reached, when the piece is full, or when no brace inside the body helps.
+/// `maxBraces`: limit for the number of braces of the piece, in addition to its own limit.
+void addSoftModeBraces(BracedPiece& piece, std::size_t maxBraces, std::uint64_t seed, const GoOn& goOn) {
+  const std::size_t cap = std::min(maxBraces, piece.maxBracesPerPoint);
   for (int round = 0; round < kMaxBraceRounds && piece.braces.size() < cap; ++round) {
     if (!goOn(static_cast<double>(round) / kMaxBraceRounds)) return;
     const Modes modes = modesToBrace(piece.network);
     if (modes.eigenvalues.size() == 0) return;
     const double stiffest = stiffestEigenvalue(stiffnessMatrix(rigidityMatrix(piece.network)));
-    const double least = leastModeRatio(piece.network.restPoints.size()) * stiffest;
-    if (modes.eigenvalues[0] >= least) return;
-    const double goal = (isLarge(piece.network) ? kRoughBeyond : kBeyondGoal) * least;
-    if (!braceModes(piece, modes, least, goal, cap, seed + static_cast<std::uint64_t>(round))) return;
+    const double minEigenvalue = leastModeRatio(piece.network.restPoints.size()) * stiffest;
+    if (modes.eigenvalues[0] >= minEigenvalue) return;
+    const double goal = (isLarge(piece.network) ? kRoughGoalFactor : kGoalFactor) * minEigenvalue;
+    if (!braceModes(piece, modes, minEigenvalue, goal, cap, seed + static_cast<std::uint64_t>(round))) return;
   }
 }
 
-/// Thickness over size below which a piece counts as flat.
+/// Ratio of thickness and size below which a piece counts as flat.
 constexpr double kFlatPiece = 1e-3;
 
-/// Chords per point below which an open piece counts as without an inside.
+/// Chords per point below which an open piece counts as a piece without an inside.
 constexpr double kMinChords = 0.125;
 
-/// Of the braces that a piece may get: what soft modes may take of them. Thin rods stay soft whatever they
-/// get, and would have none left for what large deformations do to them.
+/// Fraction of a piece's braces that soft modes may use. Thin rods stay soft with any number of braces;
+/// without this limit, no braces would be left for large deformations.
 constexpr double kShareForModes = 0.75;
 constexpr double kRounding = 1e-6;  // 0.7 x 90 springs are 63, not 62
 
-/// Root mean square distance from the best plane over that from the centre.
+/// Returns the ratio of the root mean square distances from the best plane and from the centre.
 double thickness(const std::vector<Eigen::Vector3d>& points) {
   Eigen::Vector3d centre = Eigen::Vector3d::Zero();
   for (const Eigen::Vector3d& p : points) centre += p / static_cast<double>(points.size());
@@ -292,7 +293,7 @@ double thickness(const std::vector<Eigen::Vector3d>& points) {
   return trace > 0.0 ? std::sqrt(std::max(0.0, symmetricParts3(covariance).values[0]) / trace) : 0.0;
 }
 
-/// A piece that bounds a hollow comes facing into it.
+/// Returns a network of the edges, with the surface facing outwards also for a piece that bounds a hollow.
 SpringNetwork bareNetwork(const PieceToBrace& piece) {
   SpringNetwork network;
   network.restPoints = piece.points;
@@ -303,8 +304,8 @@ SpringNetwork bareNetwork(const PieceToBrace& piece) {
   return network;
 }
 
-GoOn during(const char* what, const Progress& goOn) {
-  return [&goOn, what](double done) { return goOn(what, done); };
+GoOn stageProgress(const char* stage, const Progress& goOn) {
+  return [&goOn, stage](double done) { return goOn(stage, done); };
 }
 
 }  // namespace
@@ -317,15 +318,16 @@ std::vector<Edge> bracePiece(const PieceToBrace& piece, const BracingSettings& s
   SpringNetwork network = bareNetwork(piece);
   InsideChords chords(network.restPoints, network.surface, piece.edges);
   const double pairs = 0.5 * static_cast<double>(points) * static_cast<double>(points - 1);
-  const double most = std::min(settings.maxBracesPerPoint * static_cast<double>(points) + kRounding, pairs);
+  const double maxBraces =
+      std::min(settings.maxBracesPerPoint * static_cast<double>(points) + kRounding, pairs);
   BracedPiece braced{
-      std::move(network), std::move(chords), settings.weight, static_cast<std::size_t>(most), {}};
+      std::move(network), std::move(chords), settings.weight, static_cast<std::size_t>(maxBraces), {}};
   addAntipodalBraces(braced);
-  const bool hollow = static_cast<double>(braced.braces.size()) < kMinChords * static_cast<double>(points);
-  if (hollow && !piece.closed) return findTwoRingPairs(points, piece.edges);
-  const auto forModes = static_cast<std::size_t>(kShareForModes * most);
-  addSoftModeBraces(braced, forModes, settings.seed, during("bracing: soft modes", goOn));
-  addCounterexampleBraces(braced, settings.seed, during("bracing: wrong shapes", goOn));
+  const bool fewChords = static_cast<double>(braced.braces.size()) < kMinChords * static_cast<double>(points);
+  if (fewChords && !piece.closed) return findTwoRingPairs(points, piece.edges);
+  const auto modeBraces = static_cast<std::size_t>(kShareForModes * maxBraces);
+  addSoftModeBraces(braced, modeBraces, settings.seed, stageProgress("bracing: soft modes", goOn));
+  addCounterexampleBraces(braced, settings.seed, stageProgress("bracing: wrong shapes", goOn));
   std::sort(braced.braces.begin(), braced.braces.end());
   return braced.braces;
 }

@@ -23,7 +23,7 @@
 namespace limber {
 namespace {
 
-/// What takes gigabytes is a mistake.
+/// A larger rope takes gigabytes and is probably a mistake.
 constexpr std::uint32_t kMaxRopePoints = 10'000'000;
 
 bool isSize(double value) { return std::isfinite(value) && value > 0.0; }
@@ -44,7 +44,7 @@ std::vector<Eigen::Vector3d> ropePoints(double length, std::uint32_t segments) {
   return points;
 }
 
-/// Visits the points in order and joins each to those after it, so that the springs come out sorted.
+/// Joins each point, in order, to the points after it, so that the springs are sorted.
 ///
 ///     o---o---o---o   structural
 ///     o-------o       bending: skips one point
@@ -72,7 +72,7 @@ Result<SharedNetwork> buildRope(const RopeSettings& settings) {
 
 namespace {
 
-/// Cells along x and z, and the index of the point in column i, row j.
+/// Numbers of cells along x and z, and the index of the point in column i, row j.
 struct Grid {
   std::uint32_t columns;
   std::uint32_t rows;
@@ -104,7 +104,7 @@ std::vector<Eigen::Vector3d> clothPoints(const Grid& grid, double width, double 
   return points;
 }
 
-/// The springs from point (i, j) to points after it, in ascending order of their index:
+/// Adds the springs from point (i, j) to points after it, in ascending order of their index:
 ///
 ///     (i, j)    (i+1, j)  (i+2, j)       structural, bending
 ///     (i-1, j+1)  (i, j+1)  (i+1, j+1)   shear, structural, shear
@@ -131,8 +131,7 @@ std::vector<NetworkSpring> clothSprings(const Grid& grid, const ClothSettings& s
   return springs;
 }
 
-/// The diagonals alternate like the fields of a chess board: with parallel ones folds would prefer a
-/// direction.
+/// The diagonals alternate as on a chess board. With parallel diagonals folds would prefer one direction.
 std::vector<Triangle> clothTriangles(const Grid& grid) {
   std::vector<Triangle> triangles;
   for (std::uint32_t j = 0; j < grid.rows; ++j) {
@@ -147,7 +146,7 @@ std::vector<Triangle> clothTriangles(const Grid& grid) {
   return triangles;
 }
 
-/// u along +x, v along -z: the picture is upright for someone who looks down at it, with +x to the right.
+/// u is along +x, v along -z: the image is upright seen from above with +x to the right.
 std::vector<Eigen::Vector2f> clothUvs(const Grid& grid) {
   std::vector<Eigen::Vector2f> uvs;
   uvs.reserve(grid.points());
@@ -180,8 +179,8 @@ Result<SharedNetwork> buildCloth(const ClothSettings& settings) {
 
 namespace {
 
-/// Lengths that differ by less than this part are equal: far above the rounding of the floats that mesh files
-/// hold, far below the differences that a modeller makes on purpose.
+/// Lengths with a smaller relative difference are equal. It is far above the rounding of the floats in mesh
+/// files and far below the differences that a modeller makes on purpose.
 constexpr double kEqualLength = 1e-5;
 
 struct Interval {
@@ -189,7 +188,7 @@ struct Interval {
   double high;
 };
 
-/// The squared distances that equal the length of some edge, as disjoint ascending intervals.
+/// Returns the squared distances that equal the length of some edge, as disjoint ascending intervals.
 std::vector<Interval> squaredLengths(const std::vector<Eigen::Vector3d>& points,
                                      const std::vector<Edge>& edges) {
   std::vector<double> lengths;
@@ -215,8 +214,8 @@ bool contains(const std::vector<Interval>& intervals, double value) {
   return next != intervals.end() && next->low <= value;
 }
 
-/// The points sorted along the axis in which the body is longest: there a window of the longest edge is
-/// shortest.
+/// Returns the points sorted along the longest axis of the body, where a window of the length of the longest
+/// edge contains the fewest points.
 std::vector<std::uint32_t> sortAlongLongestAxis(const std::vector<Eigen::Vector3d>& points,
                                                 Eigen::Index& axis) {
   Eigen::Vector3d low = points.front(), high = points.front();
@@ -233,20 +232,20 @@ std::vector<std::uint32_t> sortAlongLongestAxis(const std::vector<Eigen::Vector3
   return order;
 }
 
-/// All pairs of points that are no edge but as far apart as the ends of some edge, sorted. `edges` must be
-/// sorted and unique.
+/// Returns all pairs of points without an edge whose distance equals the length of some edge, sorted. `edges`
+/// must be sorted and unique.
 std::vector<Edge> findEqualLengthPairs(const std::vector<Eigen::Vector3d>& points,
                                        const std::vector<Edge>& edges) {
   std::vector<Edge> pairs;
   if (edges.empty()) return pairs;
   const std::vector<Interval> lengths = squaredLengths(points, edges);
-  const double reach = std::sqrt(lengths.back().high);
+  const double maxLength = std::sqrt(lengths.back().high);
   Eigen::Index axis = 0;
   const std::vector<std::uint32_t> order = sortAlongLongestAxis(points, axis);
 
   for (std::size_t i = 0; i < order.size(); ++i) {
     const Eigen::Vector3d& p = points[order[i]];
-    for (std::size_t j = i + 1; j < order.size() && points[order[j]][axis] - p[axis] <= reach; ++j) {
+    for (std::size_t j = i + 1; j < order.size() && points[order[j]][axis] - p[axis] <= maxLength; ++j) {
       if (!contains(lengths, (points[order[j]] - p).squaredNorm())) continue;
       const Edge pair = edgeBetween(order[i], order[j]);
       if (!std::binary_search(edges.begin(), edges.end(), pair)) pairs.push_back(pair);
@@ -276,7 +275,7 @@ double weightOf(const NetworkSettings& settings) {
   return settings.braces == BraceRule::Pipeline ? kPipelineWeight : 1.0;
 }
 
-/// A component, and which point of the mesh each of its points is, ascending.
+/// A component, and for each of its points the index in the mesh, ascending.
 struct Piece {
   PieceToBrace shape;
   std::vector<std::uint32_t> points;
@@ -308,8 +307,8 @@ void describeEdges(PieceToBrace& shape) {
   shape.closed = findEdgeDefects(shape.triangles).none();
 }
 
-/// Asks progress and clock whether to go on; once not, never again.
-Progress impatient(const NetworkSettings& settings) {
+/// Returns a progress function with the time limit. Once it has returned false, it always returns false.
+Progress progressWithTimeLimit(const NetworkSettings& settings) {
   using Clock = std::chrono::steady_clock;
   return [&settings, begin = Clock::now(), going = true](const char* what, double done) mutable {
     const double seconds = std::chrono::duration<double>(Clock::now() - begin).count();
@@ -340,10 +339,10 @@ void addSprings(const Piece& piece, const std::vector<Edge>& pairs, SpringKind k
     springs.push_back({piece.points[pair[0]], piece.points[pair[1]], kind, stiffnessScale});
 }
 
-/// The edges and, within each component, braces.
+/// Returns the edges and, within each component, the braces.
 std::vector<NetworkSpring> connect(const WeldedMesh& welded, const NetworkSettings& settings) {
   std::vector<NetworkSpring> springs;
-  const Progress goOn = impatient(settings);
+  const Progress goOn = progressWithTimeLimit(settings);
   for (Piece& piece : splitIntoPieces(welded)) {
     describeEdges(piece.shape);
     addSprings(piece, piece.shape.edges, SpringKind::Structural, 1.0, springs);

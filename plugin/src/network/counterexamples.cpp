@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// Lets a piece of a body go from large random deformations and braces the wrong shapes that it comes to rest
-// in.
+// Releases a piece of a body from large random deformations and braces the wrong shapes in which it comes to
+// rest.
 
 #include "network/bracing.h"
 
@@ -16,23 +16,24 @@ namespace {
 
 constexpr int kCleanRounds = 12, kMaxRounds = 60;
 
-/// Of all runs together, in runs of a body of one point: a run takes about points^1.5, since the steps grow
-/// with the way across the body. 5 000 points get 56 runs, 1 000 get 630.
+/// Limit for all runs together, in runs of a body of one point. A run takes about points^1.5, because the
+/// number of steps grows with the distance across the body. 5 000 points get 56 runs, 1 000 get 630.
 constexpr double kMaxWork = 2.0e7;
 
-/// Runs of a round: each kind of deformation so often, and further ones of kinds that have failed before.
+/// Runs per round: kRunsOfEach of each kind of deformation, and further ones, preferably of kinds that failed
+/// before.
 constexpr std::size_t kRunsOfEach = 2, kFurtherRuns = 10;
 constexpr std::size_t kRuns = kRunsOfEach * kDeformations + kFurtherRuns;
 
-/// Times that a wrong shape gets further braces before it is given up for new ones.
+/// Rounds of further braces for a wrong shape before it is dropped for new ones.
 constexpr int kMaxTries = 6;
-constexpr double kBracesPerExample = 0.5;  // of a try
+constexpr double kBracesPerExample = 0.5;  // per round
 constexpr std::size_t kMaxCandidates = 100000;
 
-/// How fast a wrong shape's say fades with what braces do for it already.
-constexpr float kCovered = 0.5f;
+/// A brace of this relative benefit for a wrong shape halves the weight of that shape.
+constexpr float kHalvingBenefit = 0.5f;
 
-/// A shape that a run ended in.
+/// A shape in which a run ended.
 struct Example {
   Deformation kind;
   Points x;
@@ -60,14 +61,14 @@ std::vector<Deformation> kindsOfRound(const Trials& trials, Random& random) {
   return kinds;
 }
 
-/// Not the mirror image: all its distances are right, no brace can tell.
+/// The mirror image does not count as wrong: all its distances are correct, so no brace can resist it.
 bool isWrong(const RelaxedBody& body, const Points& x) {
   return x.allFinite() && distanceToRest(body, x) >= kReturned && distanceToRest(body, -x) >= kReturned;
 }
 
-/// The wrong ones of the shapes that the starts relax to.
-Examples findWrong(RelaxedBody& body, const Examples& starts, Trials& trials,
-                   const std::function<bool()>& goOn) {
+/// Relaxes the starts and returns the wrong shapes among the results.
+Examples findWrongShapes(RelaxedBody& body, const Examples& starts, Trials& trials,
+                         const std::function<bool()>& goOn) {
   trials.runsLeft -= std::min(trials.runsLeft, starts.size());
   Examples ends(starts.size());
   relax(
@@ -89,7 +90,7 @@ Examples startsOfRound(const RelaxedBody& body, const Trials& trials, std::uint6
   return starts;
 }
 
-/// The squares of the errors of length, over the largest allowed one of each example.
+/// Computes the squared errors of length, divided by the largest one of an allowed pair in each example.
 BraceChoice errorsOf(BracedPiece& piece, const RelaxedBody& body, const Examples& examples,
                      std::uint64_t seed) {
   BraceChoice choice(examples.size(), candidatePairs(piece, kMaxCandidates, seed));
@@ -111,25 +112,25 @@ BraceChoice errorsOf(BracedPiece& piece, const RelaxedBody& body, const Examples
 
 bool braceWorst(BracedPiece& piece, const RelaxedBody& body, const Examples& examples, std::uint64_t seed) {
   BraceChoice choice = errorsOf(piece, body, examples, seed);
-  Eigen::VectorXf say = Eigen::VectorXf::Ones(choice.benefit.rows());
-  const double wanted = std::ceil(kBracesPerExample * static_cast<double>(examples.size()));
-  for (int added = 0; added < static_cast<int>(wanted) && !piece.full(); ++added) {
-    const Eigen::VectorXf benefits = addBest(piece, choice, say);
+  Eigen::VectorXf weights = Eigen::VectorXf::Ones(choice.benefit.rows());
+  const double maxAdded = std::ceil(kBracesPerExample * static_cast<double>(examples.size()));
+  for (int added = 0; added < static_cast<int>(maxAdded) && !piece.full(); ++added) {
+    const Eigen::VectorXf benefits = addBest(piece, choice, weights);
     if (benefits.size() == 0) return added > 0;
-    say.array() /= 1.0f + benefits.array() / kCovered;
+    weights.array() /= 1.0f + benefits.array() / kHalvingBenefit;
   }
   return true;
 }
 
-/// Braces the wrong shapes and lets the piece go on from them, until it gets out of all.
-void mend(BracedPiece& piece, Examples wrong, std::uint64_t seed, Trials& trials,
-          const std::function<bool()>& goOn) {
+/// Braces the wrong shapes and relaxes the piece from them, until it leaves all of them.
+void braceExamples(BracedPiece& piece, Examples wrong, std::uint64_t seed, Trials& trials,
+                   const std::function<bool()>& goOn) {
   for (int tries = 0; tries < kMaxTries && !wrong.empty() && !piece.full() && goOn(); ++tries) {
     if (!braceWorst(piece, RelaxedBody(piece.network), wrong, seed + static_cast<std::uint64_t>(tries)))
       return;
     RelaxedBody braced(piece.network);
     if (trials.runsLeft == 0) return;
-    wrong = findWrong(braced, wrong, trials, goOn);
+    wrong = findWrongShapes(braced, wrong, trials, goOn);
   }
 }
 
@@ -138,20 +139,21 @@ void mend(BracedPiece& piece, Examples wrong, std::uint64_t seed, Trials& trials
 void addCounterexampleBraces(BracedPiece& piece, std::uint64_t seed, const GoOn& goOn) {
   Trials trials{seed, maxRuns(piece.network.restPoints.size())};
   int clean = 0;
-  double done = 0.0;  // a round that is not clean takes none of it back
+  double done = 0.0;  // never decreases, even after a round that is not clean
   for (int round = 0; round < kMaxRounds && clean < kCleanRounds && !piece.full() && trials.runsLeft > 0;
        ++round) {
     done =
         std::max({done, static_cast<double>(clean) / kCleanRounds, static_cast<double>(round) / kMaxRounds});
     bool going = true;
-    const std::function<bool()> ask = [&] { return going = going && goOn(done); };
+    const std::function<bool()> keepGoing = [&] { return going = going && goOn(done); };
     RelaxedBody body(piece.network);
-    Examples wrong =
-        findWrong(body, startsOfRound(body, trials, static_cast<std::uint64_t>(round)), trials, ask);
+    Examples wrong = findWrongShapes(body, startsOfRound(body, trials, static_cast<std::uint64_t>(round)),
+                                     trials, keepGoing);
     if (!going) return;
     clean = wrong.empty() ? clean + 1 : 0;
     for (const Example& e : wrong) ++trials.failures[static_cast<std::size_t>(e.kind)];
-    mend(piece, std::move(wrong), seed + (static_cast<std::uint64_t>(round) << 16), trials, ask);
+    braceExamples(piece, std::move(wrong), seed + (static_cast<std::uint64_t>(round) << 16), trials,
+                  keepGoing);
   }
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// Measures the moduli of a body of springs: it solves for the small displacements under uniform and bending
+// Measures the moduli of a body of springs: solves for its small displacements under uniform and bending
 // stresses.
 
 #include "network/material.h"
@@ -22,13 +22,14 @@ using Eigen::Matrix3d;
 using Eigen::MatrixXd;
 using Eigen::Vector3d;
 
-/// Small displacements of a body under forces, about its rest shape.
+/// Computes small displacements of a body under forces, about its rest shape.
 class LinearResponse {
  public:
   explicit LinearResponse(const ElasticBody& body);
 
-  /// 3 #points x #loads, m, for forces (N) in the same order: x, y, z of each point. The forces of each load
-  /// must have neither sum nor torque on any part of the body.
+  /// Returns the displacements, 3 #points x #loads, m, for forces (N) in the same order: x, y, z of each
+  /// point. For each load, the sum and the torque of the forces on every connected part of the body must be
+  /// zero.
   Eigen::MatrixXd displacements(const Eigen::MatrixXd& forces) const;
 
   const Eigen::MatrixXd& points() const { return points_; }  ///< 3 x #points, m, at the body's scale
@@ -37,13 +38,14 @@ class LinearResponse {
   Eigen::MatrixXd points_;
   SparseFactor factor_;
   Eigen::MatrixXd volumeGradient_;  ///< 3 #points x 1, m^2, times the root of modulus over volume; or empty
-  Eigen::MatrixXd volumeAnswer_;    ///< the displacements that it alone causes
+  Eigen::MatrixXd volumeResponse_;  ///< displacements under volumeGradient_ as force, without the volume term
 };
 
 using Triplets = std::vector<Eigen::Triplet<double>>;
 
-/// Of the largest diagonal entry, added to the diagonal: rigid motions, which the forces do not excite, would
-/// make the matrix singular. The softest modes of solids have 1e-5 of it and more.
+/// Fraction of the largest diagonal entry, which is added to the diagonal: without it, rigid motions would
+/// make the matrix singular. The forces do not excite them. The softest modes of solids have 1e-5 of the
+/// largest entry and more.
 constexpr double kShift = 1e-10;
 
 MatrixXd scaledPoints(const ElasticBody& body) {
@@ -53,14 +55,14 @@ MatrixXd scaledPoints(const ElasticBody& body) {
   return points;
 }
 
-/// The lower half of the block of points i and j, or all of it below the diagonal.
+/// Adds the block of points i and j: its lower half on the diagonal, all of it below.
 void addBlock(Triplets& triplets, Index i, Index j, const Matrix3d& block) {
   for (Index r = 0; r < 3; ++r)
     for (Index c = 0; c < 3; ++c)
       if (3 * i + r >= 3 * j + c) triplets.emplace_back(3 * i + r, 3 * j + c, block(r, c));
 }
 
-/// Springs without tension: k n n^T along their directions n.
+/// Adds springs without tension: k n n^T along their directions n.
 void addSprings(const ElasticBody& body, const MatrixXd& points, Triplets& triplets) {
   for (const NetworkSpring& s : body.network.springs) {
     const Index a = s.a, b = s.b;
@@ -72,8 +74,8 @@ void addSprings(const ElasticBody& body, const MatrixXd& points, Triplets& tripl
   }
 }
 
-/// At rest the volume term K/2 (V - V0)^2 / V0 of a tetrahedron has the Hessian K/V0 g g^T, g the gradient
-/// of its volume: a third of the opposite face's area vector for each corner, pointing at it.
+/// At rest the volume term K/2 (V - V0)^2 / V0 of a tetrahedron has the Hessian K/V0 g g^T. g is the gradient
+/// of the volume: for each corner a third of the area vector of the opposite face, pointing to the corner.
 void addTetrahedra(const ElasticBody& body, const MatrixXd& points, Triplets& triplets) {
   for (const Tetrahedron& t : body.network.tetrahedra) {
     const Vector3d a = points.col(t[0]), b = points.col(t[1]) - a, c = points.col(t[2]) - a,
@@ -87,7 +89,7 @@ void addTetrahedra(const ElasticBody& body, const MatrixXd& points, Triplets& tr
   }
 }
 
-/// The same for the whole inside of the surface.
+/// Returns sqrt(K/V0) g for the volume term of the whole inside of the surface.
 MatrixXd surfaceGradient(const ElasticBody& body, const MatrixXd& points) {
   MatrixXd gradient = MatrixXd::Zero(points.size(), 1);
   for (const Triangle& t : body.network.surface) {
@@ -110,27 +112,28 @@ LinearResponse::LinearResponse(const ElasticBody& body) : points_(scaledPoints(b
   factor_ = factorise(stiffness);
   if (body.volumeModulus <= 0.0 || !body.network.tetrahedra.empty()) return;
   volumeGradient_ = surfaceGradient(body, points_);
-  volumeAnswer_ = solve(factor_, volumeGradient_);
+  volumeResponse_ = solve(factor_, volumeGradient_);
 }
 
-/// With a term of rank one by the formula of Sherman and Morrison, which keeps the matrix sparse.
+/// Includes the volume term, of rank one, by the formula of Sherman and Morrison. This keeps the matrix
+/// sparse.
 MatrixXd LinearResponse::displacements(const MatrixXd& forces) const {
   MatrixXd u = solve(factor_, forces);
   if (volumeGradient_.size() == 0) return u;
-  const double own = volumeGradient_.col(0).dot(volumeAnswer_.col(0));
-  return u - product(volumeAnswer_, transposedProduct(volumeGradient_, u)) / (1.0 + own);
+  const double gradientDotResponse = volumeGradient_.col(0).dot(volumeResponse_.col(0));
+  return u - product(volumeResponse_, transposedProduct(volumeGradient_, u)) / (1.0 + gradientDotResponse);
 }
 
 constexpr int kDirections = 40;
 
-/// Evenly over a half sphere, by the golden angle.
+/// Returns one of kDirections directions, spread evenly over a half sphere by the golden angle.
 Vector3d direction(int i) {
   const double z = (i + 0.5) / kDirections, radius = std::sqrt(1.0 - z * z);
   const double angle = i * kPi * (3.0 - std::sqrt(5.0));
   return {radius * std::cos(angle), radius * std::sin(angle), z};
 }
 
-/// The uniform stresses xx, yy, zz, yz, xz, xy of 1 Pa.
+/// Returns one of the uniform stresses xx, yy, zz, yz, xz, xy of 1 Pa.
 Matrix3d unitStress(int i) {
   Matrix3d stress = Matrix3d::Zero();
   const int a = i < 3 ? i : (i - 2) % 3, b = i < 3 ? i : (i - 1) % 3;
@@ -138,18 +141,17 @@ Matrix3d unitStress(int i) {
   return stress;
 }
 
-/// What of each unit stress the stress d d^T has.
+/// Returns the coefficients of the unit stresses in the stress d d^T.
 std::array<double, 6> uniaxial(const Vector3d& d) {
   return {d[0] * d[0], d[1] * d[1], d[2] * d[2], d[1] * d[2], d[2] * d[0], d[0] * d[1]};
 }
 
-/// Twice the area vector.
 Vector3d twiceAreaVector(const MatrixXd& points, const Triangle& t) {
   const Vector3d a = points.col(t[0]), b = points.col(t[1]), c = points.col(t[2]);
   return (b - a).cross(c - a);
 }
 
-/// The mean strain under each unit stress.
+/// Returns the mean strain under each unit stress.
 std::array<Matrix3d, 6> meanStrains(const ElasticBody& body) {
   const LinearResponse response(body);
   const MatrixXd& points = response.points();
@@ -183,18 +185,19 @@ Eigen::Matrix<double, 6, 6> elasticityOf(const std::array<Matrix3d, 6>& strains)
   return LuFactor(compliance).inverse();
 }
 
-/// The surface within reach of a place: each point's share of its area, and its middle.
+/// The part of the surface within a distance from a position: each point's fraction of its area, and the
+/// area-weighted mean of the points.
 struct Patch {
   Eigen::VectorXd share;
   Vector3d middle = Vector3d::Zero();
 };
 
-Patch findPatch(const std::vector<Triangle>& surface, const MatrixXd& points, const Vector3d& place,
-                double reach) {
+Patch findPatch(const std::vector<Triangle>& surface, const MatrixXd& points, const Vector3d& position,
+                double radius) {
   Patch patch{Eigen::VectorXd::Zero(points.cols())};
   for (const Triangle& t : surface)
     for (const std::uint32_t corner : t)
-      if ((points.col(corner) - place).norm() <= reach)
+      if ((points.col(corner) - position).norm() <= radius)
         patch.share[corner] += twiceAreaVector(points, t).norm();
   if (patch.share.sum() > 0.0) patch.share /= patch.share.sum();
   patch.middle = points * patch.share;
@@ -217,18 +220,19 @@ ElasticModuli measureModuli(const ElasticBody& body) {
     moduli.youngsModulus += 1.0 / (along * kDirections);
     moduli.poissonRatio += 0.5 * (along - strain.trace()) / (along * kDirections);
   }
-  const auto [least, most] = std::minmax_element(moduli.youngsModuli.begin(), moduli.youngsModuli.end());
-  moduli.isotropy = *least / *most;
+  const auto [smallest, largest] =
+      std::minmax_element(moduli.youngsModuli.begin(), moduli.youngsModuli.end());
+  moduli.isotropy = *smallest / *largest;
   moduli.bulkModulus = 1.0 / (strains[0] + strains[1] + strains[2]).trace();
   moduli.elasticity = elasticityOf(strains);
   return moduli;
 }
 
-double openingStiffness(const ElasticBody& body, const Vector3d& placeA, const Vector3d& placeB,
-                        double reach) {
+double openingStiffness(const ElasticBody& body, const Vector3d& positionA, const Vector3d& positionB,
+                        double radius) {
   const LinearResponse response(body);
-  const Patch a = findPatch(body.network.surface, response.points(), placeA, reach);
-  const Patch b = findPatch(body.network.surface, response.points(), placeB, reach);
+  const Patch a = findPatch(body.network.surface, response.points(), positionA, radius);
+  const Patch b = findPatch(body.network.surface, response.points(), positionB, radius);
   const Vector3d apart = (b.middle - a.middle).normalized();
   if (a.share.sum() == 0.0 || b.share.sum() == 0.0 || apart.norm() == 0.0) return 0.0;
   const MatrixXd force = (apart * (b.share - a.share).transpose()).reshaped();
@@ -237,8 +241,9 @@ double openingStiffness(const ElasticBody& body, const Vector3d& placeA, const V
 
 namespace {
 
-/// The tractions s_aa along axis `along`, growing along axis `across`, integrated against linear shape
-/// functions: for a corner, area / 12 times the sum of the corners' stresses and its own once more.
+/// Adds the tractions s_aa along axis `along`, growing along axis `across`, integrated against linear shape
+/// functions. The force of a corner is area / 12 times the sum of the stresses at all corners, where its own
+/// stress counts twice.
 void addTractions(const MatrixXd& points, const Triangle& t, const Vector3d& centre, Index along,
                   Index across, Eigen::Ref<Eigen::VectorXd> forces) {
   const Vector3d u = points.col(t[1]) - points.col(t[0]), v = points.col(t[2]) - points.col(t[0]);

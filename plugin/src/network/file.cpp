@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// Writes networks to .limber files and reads them back. Every number is little-endian, a hash finds damage,
-// and nothing that is read is believed before it is checked.
+// Writes networks to .limber files and reads them. All numbers are little-endian, a hash detects damage, and
+// the reader checks every value before use.
 
 #include <limber/network_file.h>
 
@@ -29,11 +29,11 @@
 namespace limber {
 namespace {
 
-// What a `.limber` file of version 1 holds after its header, said once for the writer and the reader: a
-// Stream has value() for a number, count() for a std::size_t (8 bytes everywhere) and array() for a count and
-// that many elements. A changed layout is a new version.
+// The contents of a `.limber` file of version 1 after its header, declared once for the writer and the
+// reader. A Stream has value() for a number, count() for a std::size_t (always 8 bytes) and array() for a
+// count and that many elements. A change of the layout needs a new version.
 
-/// Calls scalar(x) for every number of an array's element, in the order of the file.
+/// Calls scalar(x) for every number in an element of an array, in the order of the file.
 template <class Element, class F>
 void forEachScalar(Element& element, F scalar) {
   using T = std::remove_const_t<Element>;
@@ -81,7 +81,7 @@ void transferNetwork(Stream& stream, Network& network) {
   stream.array("render triangles", network.render.triangles);
 }
 
-// Numbers as a `.limber` file has them: little-endian, enumerations in one byte.
+// Numbers in a `.limber` file are little-endian; enumerations take one byte.
 
 template <std::size_t bytes>
 struct UnsignedOf;
@@ -116,7 +116,7 @@ T fromBits(Bits<T> bits) {
   return value;
 }
 
-/// Bytes of one element of an array, in the file.
+/// Returns the size of one element of an array in the file, in bytes.
 template <class Element>
 std::size_t bytesInFile() {
   std::size_t bytes = 0;
@@ -125,7 +125,7 @@ std::size_t bytesInFile() {
   return bytes;
 }
 
-/// The highest value of an enumeration.
+/// Returns the highest value of an enumeration.
 constexpr NetworkKind lastOf(NetworkKind) { return NetworkKind::Solid; }
 constexpr SpringKind lastOf(SpringKind) { return SpringKind::Brace; }
 
@@ -133,22 +133,22 @@ constexpr SpringKind lastOf(SpringKind) { return SpringKind::Brace; }
 /// nothing more.
 class NetworkReader {
  public:
-  NetworkReader(const std::uint8_t* bytes, std::size_t size) : at_(bytes), left_(size) {}
+  NetworkReader(const std::uint8_t* bytes, std::size_t size) : next_(bytes), left_(size) {}
 
-  /// What is wrong, or empty.
+  /// Describes the first problem; empty if there is none.
   const std::string& problem() const { return problem_; }
   std::size_t bytesLeft() const { return left_; }
 
   template <class T>
   void value(const char* name, T& value) {
-    if (!has(name, 1, sizeof(T))) return;
-    if (!take(value)) problem_ = "the " + std::string(name) + outOfRange(value);
+    if (!hasBytes(name, 1, sizeof(T))) return;
+    if (!readNumber(value)) problem_ = "the " + std::string(name) + outOfRange(value);
   }
 
   void count(const char* name, std::size_t& count) {
-    if (!has(name, 1, 8)) return;
+    if (!hasBytes(name, 1, 8)) return;
     std::uint64_t number = 0;
-    take(number);
+    readNumber(number);
     if (number > std::numeric_limits<std::size_t>::max())
       problem_ = "more " + std::string(name) + " than fit this machine";
     else
@@ -159,29 +159,30 @@ class NetworkReader {
   void array(const char* name, std::vector<T>& elements) {
     std::size_t size = 0;
     count(name, size);
-    if (!has(name, size, bytesInFile<T>())) return;
+    if (!hasBytes(name, size, bytesInFile<T>())) return;
     elements.resize(size);
     for (std::size_t i = 0; i < size && problem_.empty(); ++i) {
       forEachScalar(elements[i], [&](auto& scalar) {
-        if (!take(scalar)) problem_ = "element " + std::to_string(i) + " of the " + name + outOfRange(scalar);
+        if (!readNumber(scalar))
+          problem_ = "element " + std::to_string(i) + " of the " + name + outOfRange(scalar);
       });
     }
   }
 
  private:
-  /// Before anything is allocated: no count can be higher than what the bytes still hold.
-  bool has(const char* name, std::size_t count, std::size_t bytesEach) {
+  /// Checks, before memory is allocated, that the remaining bytes can hold `count` elements.
+  bool hasBytes(const char* name, std::size_t count, std::size_t bytesEach) {
     if (!problem_.empty()) return false;
     if (count <= left_ / bytesEach) return true;
     problem_ = "the bytes end before its " + std::to_string(count) + " " + name;
     return false;
   }
 
-  /// False if the value is none of its enumeration.
+  /// Returns false if the value is not in its enumeration.
   template <class T>
-  bool take(T& value) {
-    value = fromBits<T>(readLittleEndian<Bits<T>>(at_));
-    at_ += sizeof(T);
+  bool readNumber(T& value) {
+    value = fromBits<T>(readLittleEndian<Bits<T>>(next_));
+    next_ += sizeof(T);
     left_ -= sizeof(T);
     if constexpr (std::is_enum_v<T>) return value <= lastOf(T{});
     return true;
@@ -192,7 +193,7 @@ class NetworkReader {
     return " has the unknown kind " + std::to_string(+toBits(value));
   }
 
-  const std::uint8_t* at_;
+  const std::uint8_t* next_;
   std::size_t left_;
   std::string problem_;
 };
@@ -234,7 +235,7 @@ class NetworkWriter {
 constexpr std::uint64_t kBasis = 0xcbf29ce484222325u;
 constexpr std::uint64_t kFactor = 0xbf58476d1ce4e5b9u;
 
-// FNV-1a over words instead of bytes, eight times as fast. Both steps can be undone (the factor is odd), so
+// FNV-1a over words instead of bytes, eight times as fast. Both steps are invertible (the factor is odd). So
 // different words lead from one state to different states, and different states stay different.
 std::uint64_t mix(std::uint64_t hash, std::uint64_t word) {
   hash = (hash ^ word) * kFactor;
@@ -254,19 +255,19 @@ std::uint64_t hashPayload(const std::uint8_t* bytes, std::size_t size) {
 
 namespace {
 
-/// What is wrong with a file of `fileSize` bytes, from its first ones, or empty.
+/// Describes the problem of a file of `fileSize` bytes, from its first bytes; empty if there is none.
 using HeaderCheck = std::string (*)(const std::uint8_t* header, std::uint64_t fileSize);
 
 namespace fs = std::filesystem;
 
-constexpr int kMaxNames = 1000;  // of temporary files that others write at the same time, or have left
+constexpr int kMaxNames = 1000;  // of temporary files that other writers use, or that were left over
 
 struct Close {
   void operator()(std::FILE* stream) const { std::fclose(stream); }
 };
 using Stream = std::unique_ptr<std::FILE, Close>;
 
-std::string because(const char* what, const std::string& file, const std::string& reason) {
+std::string errorMessage(const char* what, const std::string& file, const std::string& reason) {
   return std::string(what) + " " + file + ": " + reason;
 }
 
@@ -276,8 +277,8 @@ bool readMore(std::FILE* stream, std::vector<std::uint8_t>& bytes, std::size_t c
   return std::fread(bytes.data() + before, 1, count, stream) == count;
 }
 
-/// A new file `<file>.<number>.part`; "x": only if there is none of this name.
-Stream openBeside(const std::string& file, std::string& name) {
+/// Creates a file `<file>.<number>.part`. Mode "x": fails if the name exists.
+Stream createPartFile(const std::string& file, std::string& name) {
   for (int i = 0; i < kMaxNames; ++i) {
     name = file + "." + std::to_string(i) + ".part";
     Stream stream(std::fopen(name.c_str(), "wbx"));
@@ -291,39 +292,41 @@ bool writeAndClose(Stream stream, const std::vector<std::uint8_t>& bytes) {
   return std::fclose(stream.release()) == 0 && written;
 }
 
-/// All bytes of a file; the rest of them only after its first `headerBytes` (or all, if there are fewer) have
-/// passed the check, so that no large foreign file is read. Errors name the file: it cannot be read, is no
-/// regular file, or what the check finds.
+/// Reads all bytes of a file. The first `headerBytes` (or all, if there are fewer) must pass the check before
+/// the rest is read, so that no large foreign file is read. Errors name the file: it cannot be read, is no
+/// regular file, or the problem that the check found.
 Result<std::vector<std::uint8_t>> readWholeFile(const std::string& file, std::size_t headerBytes,
                                                 HeaderCheck check) {
   std::error_code error;
   const std::uint64_t size = fs::file_size(file, error);
-  if (error) return Error{because("cannot read", file, error.message())};
+  if (error) return Error{errorMessage("cannot read", file, error.message())};
   const Stream stream(std::fopen(file.c_str(), "rb"));
-  if (!stream) return Error{because("cannot read", file, std::strerror(errno))};
+  if (!stream) return Error{errorMessage("cannot read", file, std::strerror(errno))};
   const std::size_t first = static_cast<std::size_t>(std::min<std::uint64_t>(size, headerBytes));
   std::vector<std::uint8_t> bytes;
-  if (!readMore(stream.get(), bytes, first)) return Error{because("cannot read", file, std::strerror(errno))};
+  if (!readMore(stream.get(), bytes, first))
+    return Error{errorMessage("cannot read", file, std::strerror(errno))};
   const std::string reason = check(bytes.data(), size);
   if (!reason.empty()) return Error{file + ": " + reason};
   if (!readMore(stream.get(), bytes, static_cast<std::size_t>(size) - first)) {
-    return Error{because("cannot read", file, "it ended while it was read")};
+    return Error{errorMessage("cannot read", file, "it ended while it was read")};
   }
   return bytes;
 }
 
-/// Writes a file beside `file` and renames it to that, so that there is always the old or the new one whole.
-/// Empty when written, else the reason with the file's name; nothing is left behind then.
+/// Writes a temporary file in the same folder and renames it to `file`, so that always either the old or the
+/// new file is complete. Returns an empty string, or the reason with the file's name; the temporary file is
+/// removed then.
 std::string writeWholeFile(const std::string& file, const std::vector<std::uint8_t>& bytes) {
   std::error_code error;
   const fs::file_status status = fs::status(file, error);
-  // renaming would put a plain file in the place of a device
+  // renaming would replace a device by a plain file
   if (fs::exists(status) && !fs::is_regular_file(status)) {
-    return because("cannot write", file, "it is no regular file");
+    return errorMessage("cannot write", file, "it is no regular file");
   }
   std::string part;
-  Stream stream = openBeside(file, part);
-  if (!stream) return because("cannot write", file, std::strerror(errno));
+  Stream stream = createPartFile(file, part);
+  if (!stream) return errorMessage("cannot write", file, std::strerror(errno));
   errno = 0;
   if (!writeAndClose(std::move(stream), bytes)) {
     error = std::error_code(errno != 0 ? errno : EIO, std::generic_category());
@@ -334,23 +337,24 @@ std::string writeWholeFile(const std::string& file, const std::vector<std::uint8
   if (!error) return {};
   std::error_code ignored;
   fs::remove(part, ignored);
-  return because("cannot write", file, error.message());
+  return errorMessage("cannot write", file, error.message());
 }
 
-// The header: 8 bytes that begin every .limber file (as PNG's: no text, and spoilt by a transfer as text),
-// the version (4 bytes), then size and hash of the rest (8 bytes each).
+// The header: 8 bytes that begin every .limber file (like PNG's: not text, and damaged by a transfer as
+// text), the version (4 bytes), then the size and the hash of the rest (8 bytes each).
 constexpr std::array<std::uint8_t, 8> kMagic = {0x89, 'L', 'I', 'M', 'B', 'R', '\r', '\n'};
 constexpr std::uint32_t kVersion = 1;
 constexpr std::size_t kVersionAt = 8, kSizeAt = 12, kHashAt = 20, kHeaderBytes = 28;
 
-std::string checkSize(std::uint64_t promised, std::uint64_t present) {
-  if (promised == present) return {};
-  const std::string contents = std::to_string(promised) + " bytes after its header";
-  if (promised > present) return "cut short: of " + contents + " there are " + std::to_string(present);
-  return "longer than it says: " + std::to_string(present - promised) + " bytes follow the " + contents;
+std::string checkSize(std::uint64_t expected, std::uint64_t actual) {
+  if (expected == actual) return {};
+  const std::string contents = std::to_string(expected) + " bytes after its header";
+  if (expected > actual) return "cut short: of " + contents + " there are " + std::to_string(actual);
+  return "longer than it says: " + std::to_string(actual - expected) + " bytes follow the " + contents;
 }
 
-/// Everything but the hash. `header` holds the first bytes of `fileSize`, kHeaderBytes if there are as many.
+/// Checks all except the hash. `header` holds the first kHeaderBytes of `fileSize` bytes, or all if there are
+/// fewer.
 std::string checkHeader(const std::uint8_t* header, std::uint64_t fileSize) {
   const auto size = static_cast<std::size_t>(std::min<std::uint64_t>(fileSize, kHeaderBytes));
   const std::size_t start = std::min(size, kMagic.size());
@@ -366,9 +370,9 @@ std::string checkHeader(const std::uint8_t* header, std::uint64_t fileSize) {
 }
 
 std::string checkHash(const std::uint8_t* bytes, std::size_t size) {
-  const auto promised = readLittleEndian<std::uint64_t>(bytes + kHashAt);
-  const std::uint64_t present = hashPayload(bytes + kHeaderBytes, size - kHeaderBytes);
-  return promised == present ? std::string() : "damaged: its hash is not that of its contents";
+  const auto expected = readLittleEndian<std::uint64_t>(bytes + kHashAt);
+  const std::uint64_t actual = hashPayload(bytes + kHeaderBytes, size - kHeaderBytes);
+  return expected == actual ? std::string() : "damaged: its hash is not that of its contents";
 }
 
 std::string readContents(const std::uint8_t* bytes, std::size_t size, SpringNetwork& network) {

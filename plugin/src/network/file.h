@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// Declares the numbers and the hash of network files, which tests of damaged files need, too.
+// Declares the number format and the hash of network files. Tests of damaged files use them too.
 #pragma once
 
 #include <cstddef>
@@ -7,8 +7,8 @@
 
 namespace limber {
 
-/// An unsigned number from its bytes, lowest first, whatever the machine's own order. (Compilers make this
-/// one load where the orders agree.)
+/// Reads an unsigned number from its bytes, the lowest first, on machines of any byte order. (Where the
+/// orders agree, compilers make it one load.)
 template <class Unsigned>
 Unsigned readLittleEndian(const std::uint8_t* bytes) {
   Unsigned value = 0;
@@ -23,8 +23,9 @@ void writeLittleEndian(Unsigned value, std::uint8_t* bytes) {
   for (std::size_t i = 0; i < sizeof(Unsigned); ++i) bytes[i] = static_cast<std::uint8_t>(value >> 8 * i);
 }
 
-/// A 64-bit hash against accidental damage, not against malice. Any change within one of the 8-byte words
-/// that it reads is found for certain, any other but for one in 2^64. The same on every machine.
+/// Computes a 64-bit hash against accidental damage, not against malice. It detects every change within one
+/// of the 8-byte words that it reads, and any other change except for one in 2^64. It is the same on every
+/// machine.
 std::uint64_t hashPayload(const std::uint8_t* bytes, std::size_t size);
 
 }  // namespace limber

@@ -33,7 +33,7 @@ Element difference(Element a, Element b) {
 Element product(Element a, Element b) { return static_cast<Element>(std::uint64_t(a) * b % kPrime); }
 Element random(Random& source) { return static_cast<Element>(source.next() % kPrime); }
 
-/// Of a != 0.
+/// Returns the inverse of a, which must not be 0.
 Element inverse(Element a) {
   // a^(p - 2), Fermat
   Element result = 1, power = a;
@@ -53,10 +53,10 @@ struct Matrix {
   Element operator()(std::size_t r, std::size_t c) const { return entries[r * columns + c]; }
 };
 
-/// Asked with the share done, 0 to 1, whether to go on; once not, the result means nothing.
+/// Is called with the progress, 0 to 1. After it has returned false, the result is invalid.
 using GoOn = std::function<bool(double)>;
 
-/// The columns behind `from` in which the row is not zero.
+/// Returns the columns from `from` on in which the row is not zero.
 std::vector<std::size_t> nonzeros(const Matrix& m, std::size_t row, std::size_t from) {
   std::vector<std::size_t> columns;
   for (std::size_t c = from; c < m.columns; ++c)
@@ -64,7 +64,7 @@ std::vector<std::size_t> nonzeros(const Matrix& m, std::size_t row, std::size_t 
   return columns;
 }
 
-/// row -= factor * other, in the columns listed from `first` to `last`.
+/// Computes row -= factor * other, in the columns listed from `first` to `last`.
 void subtract(Matrix& m, std::size_t row, Element factor, std::size_t other, const std::size_t* first,
               const std::size_t* last) {
   const std::uint64_t minus = kPrime - factor;
@@ -74,34 +74,35 @@ void subtract(Matrix& m, std::size_t row, Element factor, std::size_t other, con
     to[*first] = static_cast<Element>((to[*first] + minus * from[*first]) % kPrime);
 }
 
-bool mayGoOn(const GoOn& goOn, std::size_t row, std::size_t rows) {
+bool mayContinue(const GoOn& goOn, std::size_t row, std::size_t rows) {
   return !goOn || goOn(static_cast<double>(row) / static_cast<double>(rows));
 }
 
 std::size_t rank(Matrix m, const GoOn& goOn) {
-  std::size_t found = 0;
-  for (std::size_t c = 0; c < m.columns && found < m.rows && mayGoOn(goOn, c, m.columns); ++c) {
-    std::size_t pivot = found;
+  std::size_t rankSoFar = 0;
+  for (std::size_t c = 0; c < m.columns && rankSoFar < m.rows && mayContinue(goOn, c, m.columns); ++c) {
+    std::size_t pivot = rankSoFar;
     while (pivot < m.rows && m(pivot, c) == 0) ++pivot;
     if (pivot == m.rows) continue;
-    if (pivot != found)
+    if (pivot != rankSoFar)
       std::swap_ranges(&m.entries[pivot * m.columns], &m.entries[pivot * m.columns] + m.columns,
-                       &m.entries[found * m.columns]);
-    const std::vector<std::size_t> columns = nonzeros(m, found, c);
-    const Element scale = inverse(m(found, c));
-    for (std::size_t r = found + 1; r < m.rows; ++r)
+                       &m.entries[rankSoFar * m.columns]);
+    const std::vector<std::size_t> columns = nonzeros(m, rankSoFar, c);
+    const Element scale = inverse(m(rankSoFar, c));
+    for (std::size_t r = rankSoFar + 1; r < m.rows; ++r)
       if (m(r, c) != 0)
-        subtract(m, r, product(scale, m(r, c)), found, columns.data(), columns.data() + columns.size());
-    ++found;
+        subtract(m, r, product(scale, m(r, c)), rankSoFar, columns.data(), columns.data() + columns.size());
+    ++rankSoFar;
   }
-  return found;
+  return rankSoFar;
 }
 
-/// Solves A x = b in place, free unknowns at 0, for a symmetric A whose leading blocks have the ranks of
-/// their rows and a b in its range; returns the rank of A. Skips what is zero.
+/// Solves A x = b in place, with free unknowns at 0, and returns the rank of A. A must be symmetric, the rank
+/// of each of its leading blocks must be that of the block's rows, and b must be in its range. Skips zero
+/// entries.
 std::size_t solveSymmetric(Matrix a, std::vector<Element>& b, const GoOn& goOn) {
   std::vector<std::size_t> pivots;
-  for (std::size_t p = 0; p < a.rows && mayGoOn(goOn, p, a.rows); ++p) {
+  for (std::size_t p = 0; p < a.rows && mayContinue(goOn, p, a.rows); ++p) {
     if (a(p, p) == 0) continue;
     pivots.push_back(p);
     const std::vector<std::size_t> columns = nonzeros(a, p, p + 1);
@@ -110,7 +111,7 @@ std::size_t solveSymmetric(Matrix a, std::vector<Element>& b, const GoOn& goOn) 
     for (const std::size_t* at = columns.data(); at != end; ++at) {
       const std::size_t r = *at;
       const Element factor = product(scale, a(p, r));
-      subtract(a, r, factor, p, at, end);  // all that is read of a row later is what follows its diagonal
+      subtract(a, r, factor, p, at, end);  // later only the entries right of a row's diagonal are read
       b[r] = difference(b[r], product(factor, b[p]));
     }
   }
@@ -130,7 +131,7 @@ std::size_t solveSymmetric(Matrix a, std::vector<Element>& b, const GoOn& goOn) 
 
 using prime_field::Element;
 
-/// Rows of the rigidity matrix without division by lengths: b - a at b, a - b at a. A stress s of it is in
+/// Rows of the rigidity matrix without division by lengths: b - a at b, a - b at a. Its stress is in
 /// equilibrium when  sum_s stress_s row_s = 0.
 struct Framework {
   std::size_t points = 0;
@@ -138,7 +139,8 @@ struct Framework {
   std::vector<std::array<Element, 3>> differences;  ///< #springs, b - a
 };
 
-/// Point numbers that keep the elimination of a matrix with an entry for each spring sparse.
+/// Returns new indices of the points that keep the elimination of a matrix with an entry for each spring
+/// sparse.
 std::vector<std::uint32_t> eliminationOrder(const SpringNetwork& network) {
   const auto count = static_cast<int>(network.restPoints.size());
   std::vector<Eigen::Triplet<double>> entries;
@@ -151,16 +153,16 @@ std::vector<std::uint32_t> eliminationOrder(const SpringNetwork& network) {
   graph.setFromTriplets(entries.begin(), entries.end());
   Eigen::PermutationMatrix<Eigen::Dynamic> order;
   Eigen::AMDOrdering<int>()(graph, order);
-  std::vector<std::uint32_t> place(network.restPoints.size());
+  std::vector<std::uint32_t> newIndex(network.restPoints.size());
   for (int i = 0; i < count; ++i)
-    place[static_cast<std::size_t>(order.indices()[i])] = static_cast<std::uint32_t>(i);
-  return place;
+    newIndex[static_cast<std::size_t>(order.indices()[i])] = static_cast<std::uint32_t>(i);
+  return newIndex;
 }
 
 Framework randomPlacement(const SpringNetwork& network, Random& random) {
-  std::vector<std::array<Element, 3>> places(network.restPoints.size());
-  for (auto& place : places)
-    for (Element& x : place) x = prime_field::random(random);
+  std::vector<std::array<Element, 3>> positions(network.restPoints.size());
+  for (auto& position : positions)
+    for (Element& x : position) x = prime_field::random(random);
   const std::vector<std::uint32_t> order = eliminationOrder(network);
   Framework framework;
   framework.points = network.restPoints.size();
@@ -168,7 +170,7 @@ Framework randomPlacement(const SpringNetwork& network, Random& random) {
     framework.ends.push_back({order[s.a], order[s.b]});
     std::array<Element, 3> d{};
     for (std::size_t axis = 0; axis < 3; ++axis)
-      d[axis] = prime_field::difference(places[s.b][axis], places[s.a][axis]);
+      d[axis] = prime_field::difference(positions[s.b][axis], positions[s.a][axis]);
     framework.differences.push_back(d);
   }
   return framework;
@@ -180,8 +182,8 @@ std::vector<Element> randomVector(std::size_t size, Random& random) {
   return v;
 }
 
-/// K = R^T D R with the spring constants D, all of whose ranks of leading blocks are, for random constants,
-/// those of the columns of R.
+/// Returns K = R^T D R with the spring constants D. For random constants, the rank of each leading block
+/// equals that of the corresponding columns of R.
 prime_field::Matrix stiffness(const Framework& f, const std::vector<Element>& constants) {
   using namespace prime_field;
   Matrix k(3 * f.points, 3 * f.points);
@@ -200,7 +202,7 @@ prime_field::Matrix stiffness(const Framework& f, const std::vector<Element>& co
   return k;
 }
 
-/// R^T w
+/// Returns R^T w.
 std::vector<Element> forces(const Framework& f, const std::vector<Element>& w) {
   using namespace prime_field;
   std::vector<Element> result(3 * f.points, 0);
@@ -215,7 +217,8 @@ std::vector<Element> forces(const Framework& f, const std::vector<Element>& w) {
   return result;
 }
 
-/// What is left of random tensions g once the points have moved into equilibrium:  g - D R x,  K x = R^T g.
+/// Returns the remainder of random tensions g after the points have moved into equilibrium:
+/// g - D R x,  with K x = R^T g.
 std::vector<Element> equilibriumStress(const Framework& f, const std::vector<Element>& constants,
                                        std::vector<Element> g, const std::vector<Element>& x) {
   using namespace prime_field;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// Fills a surface by isosurface stuffing: a body-centred cubic lattice is cut by the surface, drawn onto it
-// where it is near, and the parts inside become tetrahedra.
+// Fills a surface by isosurface stuffing: the surface cuts a body-centred cubic lattice, near sites move onto
+// the surface, and the parts inside become tetrahedra.
 
 #include "network/tetrahedra.h"
 
@@ -21,14 +21,14 @@ namespace {
 using Eigen::Vector3d;
 using Eigen::Vector3i;
 
-/// Marks a place outside the lattice, or an edge without a cut.
+/// Marks a position outside the lattice, or an edge without a cut.
 constexpr std::uint32_t kNoSite = 0xffffffffu;
 
 /// Edges of a site: three long ones, of the spacing, and four short ones, of sqrt(3)/2 spacings, then the
-/// seven opposite to these.
+/// seven in the opposite directions.
 constexpr std::uint32_t kLongEdges = 3, kEdgesPerSite = 7, kNeighbours = 14;
 
-/// In half spacings.
+/// Returns the directions to the neighbours, in half spacings.
 const std::array<Vector3i, kNeighbours>& directions() {
   static const std::array<Vector3i, kNeighbours> all = [] {
     std::array<Vector3i, kNeighbours> d;
@@ -57,20 +57,21 @@ Eigen::Vector3d sitePosition(const BccLattice& lattice, std::uint32_t site) {
   return lattice.origin + 0.5 * lattice.spacing.cwiseProduct(coordinates(lattice, site).cast<double>());
 }
 
-/// The other end of an edge, or kNoSite outside the lattice.
+/// Returns the other end of an edge, or kNoSite outside the lattice.
 std::uint32_t neighbour(const BccLattice& lattice, std::uint32_t site, std::uint32_t direction) {
   return siteAt(lattice, coordinates(lattice, site) + directions()[direction]);
 }
 
-/// The number of the edge from a site in a direction, the same from both ends: kEdgesPerSite times the end it
-/// is one of the first seven of, plus its direction there. The edge must be in the lattice.
+/// Returns the number of the edge from a site in a direction, the same from both ends: kEdgesPerSite times
+/// the end at which it is one of the first seven edges, plus its direction there. The edge must be in the
+/// lattice.
 std::uint32_t edgeNumber(const BccLattice& lattice, std::uint32_t site, std::uint32_t direction) {
   return direction < kEdgesPerSite
              ? kEdgesPerSite * site + direction
              : kEdgesPerSite * neighbour(lattice, site, direction) + direction - kEdgesPerSite;
 }
 
-/// The direction from a site to one of its neighbours.
+/// Returns the direction from a site to one of its neighbours.
 std::uint32_t directionTo(const BccLattice& lattice, std::uint32_t from, std::uint32_t to) {
   const Vector3i d = coordinates(lattice, to) - coordinates(lattice, from);
   std::uint32_t direction = 0;
@@ -78,10 +79,10 @@ std::uint32_t directionTo(const BccLattice& lattice, std::uint32_t from, std::ui
   return direction;
 }
 
-/// The tetrahedra of the lattice, all congruent: two long edges, one of corners and one of centres, at right
-/// angles, and four short ones. `site` is a corner, and the lower end of the long edge along `axis`, around
-/// which four tetrahedra lie. Sites 0 and 1, and 2 and 3, are joined by the long edges; the orientation is
-/// positive. The first is kNoSite where the lattice ends.
+/// Returns a tetrahedron of the lattice. All are congruent: two long edges at right angles, one between
+/// corners and one between centres, and four short ones. `site` is a corner and the lower end of the long
+/// edge along `axis`; four tetrahedra lie around this edge. The long edges join sites 0 and 1, and 2 and 3.
+/// The orientation is positive. The first site is kNoSite if a site is outside the lattice.
 std::array<std::uint32_t, 4> latticeTetrahedron(const BccLattice& lattice, std::uint32_t site, int axis,
                                                 int quarter) {
   // around the edge the centres lie at (1, 1), (-1, 1), (-1, -1), (1, -1) in the plane of the other axes
@@ -98,29 +99,31 @@ std::array<std::uint32_t, 4> latticeTetrahedron(const BccLattice& lattice, std::
   return complete ? sites : std::array<std::uint32_t, 4>{kNoSite, kNoSite, kNoSite, kNoSite};
 }
 
-/// A lattice that knows where a closed surface cuts it, drawn onto the surface where that is near.
+/// A lattice with its cuts by a closed surface. Sites near the surface are moved onto it.
 struct CutLattice {
   BccLattice lattice;
   std::vector<std::int8_t> side;           ///< #sites, 1 inside, -1 outside, 0 on the surface
   std::vector<Eigen::Vector3d> positions;  ///< #sites, m
   std::vector<std::uint32_t> cutOfEdge;    ///< kEdgesPerSite x #sites, index of a cut, or kNoSite
-  std::vector<Eigen::Vector3d> cuts;       ///< #cuts, m, where an edge leaves the inside
+  std::vector<Eigen::Vector3d> cuts;       ///< #cuts, m, where an edge crosses the surface
 };
 
-/// Shares of a long and of a short edge within which a cut draws its site near: the paper's "safe" values,
-/// for which it proves the angles of all tetrahedra bounded.
+/// Fractions of a long and of a short edge within which a cut attracts its site: the paper's "safe" values,
+/// for which it proves that the angles of all tetrahedra are bounded.
 constexpr double kWarpLong = 0.24999, kWarpShort = 0.41189;
 
-/// A site this near to the surface, in spacings, is on it.
+/// A site within this distance from the surface, in spacings, is on it.
 constexpr double kOnSurface = 1e-6;
 
-/// Along a row the distance to the surface changes by no more than the spacing, so most sites need no query.
+/// From site to site of a row the distance to the surface changes by the spacing at most, so most sites need
+/// no query.
 void findSides(CutLattice& cut, const TriangleBvh& surface) {
   const double spacing = cut.lattice.spacing[0];
   const auto row = 2 * static_cast<std::uint32_t>(cut.lattice.cells[0]);
-  std::array<double, 2> clear{};  // m from the surface at least, of the last corner and the last centre
+  // m, lower bound of the distance of the last corner and the last centre from the surface
+  std::array<double, 2> clearance{};
   for (std::uint32_t site = 0; site < cut.lattice.size(); ++site) {
-    double& c = clear[site % 2];
+    double& c = clearance[site % 2];
     if (site % row >= 2 && c > spacing) {
       c -= spacing;
       cut.side[site] = cut.side[site - 2];
@@ -132,7 +135,7 @@ void findSides(CutLattice& cut, const TriangleBvh& surface) {
   }
 }
 
-/// Where the segment leaves the inside, with one end inside and one outside.
+/// Returns the position where the segment, with one end inside and one outside, crosses the surface.
 Vector3d bisect(Vector3d in, Vector3d out, const TriangleBvh& surface) {
   for (int i = 0; i < 30; ++i) {
     const Vector3d middle = 0.5 * (in + out);
@@ -141,7 +144,8 @@ Vector3d bisect(Vector3d in, Vector3d out, const TriangleBvh& surface) {
   return 0.5 * (in + out);
 }
 
-/// The first triangle that a ray from inside meets is where it leaves, unless surfaces lie within each other.
+/// The segment leaves the body at the first triangle that the ray from inside hits, unless surfaces lie
+/// within each other.
 Vector3d findCut(const Vector3d& in, const Vector3d& out, const TriangleBvh& surface) {
   const double length = (out - in).norm(), step = 1e-3 * length;
   const Vector3d direction = (out - in) / length;
@@ -162,19 +166,21 @@ void cutEdges(CutLattice& cut, const TriangleBvh& surface) {
     }
 }
 
-/// The cut that is too near to the site by the least share of its edge, or kNoSite.
+/// Returns the cut that is too near to the site, that with the smallest fraction of its edge if there are
+/// several, or kNoSite.
 std::uint32_t nearCut(const CutLattice& cut, std::uint32_t site) {
   std::uint32_t nearest = kNoSite;
-  double least = 1.0;
+  double minFraction = 1.0;
   for (std::uint32_t d = 0; d < kNeighbours; ++d) {
     const std::uint32_t other = neighbour(cut.lattice, site, d);
     const std::uint32_t c = other == kNoSite ? kNoSite : cut.cutOfEdge[edgeNumber(cut.lattice, site, d)];
     if (c == kNoSite) continue;
     const double length = (sitePosition(cut.lattice, other) - cut.positions[site]).norm();
-    const double share = (cut.cuts[c] - cut.positions[site]).norm() / length;
-    if (share >= (d % kEdgesPerSite < kLongEdges ? kWarpLong : kWarpShort) || share >= least) continue;
+    const double fraction = (cut.cuts[c] - cut.positions[site]).norm() / length;
+    if (fraction >= (d % kEdgesPerSite < kLongEdges ? kWarpLong : kWarpShort) || fraction >= minFraction)
+      continue;
     nearest = c;
-    least = share;
+    minFraction = fraction;
   }
   return nearest;
 }
@@ -191,9 +197,9 @@ void warp(CutLattice& cut) {
   }
 }
 
-/// The first three steps of isosurface stuffing: on which side of the surface each site lies, where edges
-/// between the sides meet it, and the warp: a site one of whose cuts is nearer than a share of the edge moves
-/// there, which the other cuts of its edges make way for.
+/// The first three steps of isosurface stuffing: the side of the surface on which each site lies, the cuts of
+/// edges with ends on both sides, and the warp. In the warp, a site with a cut nearer than a fraction of the
+/// edge moves to this cut, and the other cuts of its edges are removed.
 CutLattice cutLattice(const BccLattice& lattice, const TriangleBvh& surface) {
   CutLattice cut;
   cut.lattice = lattice;
@@ -209,10 +215,10 @@ CutLattice cutLattice(const BccLattice& lattice, const TriangleBvh& surface) {
 
 using Sites = std::array<std::uint32_t, 4>;
 
-// The last step of isosurface stuffing: the part of each lattice tetrahedron that is inside, as one to three
-// tetrahedra, which agree with their neighbours' about the diagonals of the faces between them.
+// The last step of isosurface stuffing: the inside part of each lattice tetrahedron is split into one to
+// three tetrahedra. Neighbours use the same diagonals of the faces between them.
 
-/// Corners of the tetrahedra being made are sites, or cuts: their index plus the number of sites.
+/// Corners of the new tetrahedra are sites, or cuts: the index of the cut plus the number of sites.
 struct Filling {
   const CutLattice& cut;
   std::vector<Tetrahedron> tetrahedra;
@@ -228,7 +234,7 @@ struct Filling {
   bool joinedByLongEdge(std::uint32_t a, std::uint32_t b) const { return (a ^ b) % 2 == 0; }
 };
 
-/// The sites in the order inside, on the surface, outside, with the orientation kept.
+/// Returns the sites in the order inside, on the surface, outside, with the same orientation.
 Sites sortBySide(Sites sites, const std::vector<std::int8_t>& side) {
   bool odd = false;
   for (std::size_t pass = 0; pass < 3; ++pass)
@@ -238,7 +244,7 @@ Sites sortBySide(Sites sites, const std::vector<std::int8_t>& side) {
         odd = !odd;
       }
   if (!odd) return sites;
-  // two of the four are on the same side: exchanging them restores the orientation
+  // two of the four are on the same side: swapping them restores the orientation
   for (std::size_t i = 0; i + 1 < 4; ++i)
     if (side[sites[i]] == side[sites[i + 1]]) {
       std::swap(sites[i], sites[i + 1]);
@@ -251,22 +257,23 @@ bool isShorter(const Filling& f, std::uint32_t a, std::uint32_t b, std::uint32_t
   return (f.position(a) - f.position(b)).squaredNorm() < (f.position(c) - f.position(d)).squaredNorm();
 }
 
-/// Of a face with a and b inside and m outside, cut at a' and b': whether its quadrilateral a b b' a' is
-/// split from a to b' rather than from b to a'. It depends on the face alone, so both tetrahedra at the face
-/// agree. The diagonal ends at the cut of the long edge; with both cuts on short edges the shorter one is
-/// taken. No three faces of a tetrahedron can then have diagonals that run in a circle, which could not be
-/// filled.
+/// For a face with a and b inside and m outside, cut at a' and b': returns whether its quadrilateral
+/// a b b' a' is split from a to b' rather than from b to a'. The result depends on the face alone, so both
+/// tetrahedra at the face agree. The diagonal ends at the cut of the long edge. If both cuts are on short
+/// edges, the shorter diagonal is used. Then no three faces of a tetrahedron can have diagonals that form a
+/// cycle, which could not be filled.
 bool splitsFromFirst(const Filling& f, std::uint32_t a, std::uint32_t b, std::uint32_t m) {
   if (f.joinedByLongEdge(a, m)) return false;
   if (f.joinedByLongEdge(b, m)) return true;
-  const bool swapped = b < a;  // equal lengths: the same choice from both sides
+  const bool swapped = b < a;  // makes the choice for equal lengths the same from both sides
   if (swapped) std::swap(a, b);
   return isShorter(f, a, f.cutBetween(b, m), b, f.cutBetween(a, m)) != swapped;
 }
 
-/// A prism from the triangle p to the triangle q, which lies on its positive side. diagonal[i]: its side from
-/// i to i + 1 is split from p_i to q_(i+1) rather than from p_(i+1) to q_i; not all three alike. Then one p_i
-/// has two diagonals, one q_j too, and the third tetrahedron has the other corners k of both triangles.
+/// Adds a prism from the triangle p to the triangle q on its positive side. diagonal[i]: its side from
+/// i to i + 1 is split from p_i to q_(i+1) rather than from p_(i+1) to q_i; not all three may be equal. Then
+/// one p_i has two diagonals, one q_j has two as well, and the third tetrahedron has the other corners k of
+/// both triangles.
 void addPrism(Filling& f, const std::array<std::uint32_t, 3>& p, const std::array<std::uint32_t, 3>& q,
               const std::array<bool, 3>& diagonal) {
   std::size_t i = 0, j = 0;
@@ -281,7 +288,7 @@ void addPrism(Filling& f, const std::array<std::uint32_t, 3>& p, const std::arra
     f.tetrahedra.push_back({p[i], p[k], q[j], q[k]});
 }
 
-/// One site inside, the others on the surface or outside.
+/// Adds the inside part of a tetrahedron with one site inside, the others on the surface or outside.
 void addTip(Filling& f, const Sites& s) {
   Tetrahedron t{s[0], s[1], s[2], s[3]};
   for (std::size_t i = 1; i < 4; ++i)
@@ -289,7 +296,7 @@ void addTip(Filling& f, const Sites& s) {
   f.tetrahedra.push_back(t);
 }
 
-/// Two inside, one on the surface, one outside: a pyramid.
+/// Adds the inside part with two sites inside, one on the surface, one outside: a pyramid.
 void addPyramid(Filling& f, const Sites& s) {
   const std::uint32_t a = s[0], b = s[1], top = s[2];
   const std::uint32_t aCut = f.cutBetween(a, s[3]), bCut = f.cutBetween(b, s[3]);
@@ -302,7 +309,8 @@ void addPyramid(Filling& f, const Sites& s) {
   }
 }
 
-/// Two inside, two outside. The side of the prism in the surface belongs to this tetrahedron alone.
+/// Adds the inside part with two sites inside, two outside. The side of the prism that lies in the surface
+/// belongs to this tetrahedron alone.
 void addWedge(Filling& f, const Sites& s) {
   const std::array<std::uint32_t, 3> p{s[0], f.cutBetween(s[0], s[2]), f.cutBetween(s[0], s[3])};
   const std::array<std::uint32_t, 3> q{s[1], f.cutBetween(s[1], s[2]), f.cutBetween(s[1], s[3])};
@@ -311,7 +319,7 @@ void addWedge(Filling& f, const Sites& s) {
   addPrism(f, p, q, {first, middle, last});
 }
 
-/// Three inside, one outside: a tetrahedron without its tip.
+/// Adds the inside part with three sites inside, one outside: a tetrahedron without its tip.
 void addTrunk(Filling& f, const Sites& s) {
   const std::array<std::uint32_t, 3> p{s[0], s[1], s[2]};
   std::array<std::uint32_t, 3> q{};
@@ -340,7 +348,7 @@ void addInside(Filling& f, const Sites& sites) {
     addWedge(f, s);
 }
 
-TetrahedralMesh numbered(const Filling& f) {
+TetrahedralMesh numberPoints(const Filling& f) {
   TetrahedralMesh mesh;
   std::vector<std::uint32_t> pointOf(f.cut.lattice.size() + f.cut.cuts.size(), kNoSite);
   for (const Tetrahedron& t : f.tetrahedra) {
@@ -368,7 +376,7 @@ TetrahedralMesh fillLattice(const BccLattice& lattice, const TriangleBvh& surfac
         const Sites sites = latticeTetrahedron(cut.lattice, site, axis, quarter);
         if (sites[0] != kNoSite) addInside(filling, sites);
       }
-  return numbered(filling);
+  return numberPoints(filling);
 }
 
 }  // namespace limber

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// Shares the mass of a body among its points: equally, by area, or so that the moments of the solid are
+// Distributes the mass of a body over its points: equally, by area, or so that the moments of the solid are
 // matched.
 
 #include "network/masses.h"
@@ -26,8 +26,8 @@ using Eigen::Vector3d;
 
 }  // namespace
 
-// Of the tetrahedra from the points' middle, where rounding is least, to each triangle. One with corners v_i
-// has the second moments V/20 (sum v_i v_i^T + (sum v_i) (sum v_i)^T).
+// Sums over the tetrahedra from the mean of the points, where rounding is smallest, to each triangle. One
+// with corners v_i has the second moments V/20 (sum v_i v_i^T + (sum v_i) (sum v_i)^T).
 SolidMoments solidMoments(const Eigen::Ref<const Eigen::Matrix3Xd>& points,
                           const std::vector<Triangle>& surface) {
   Eigen::Vector3d origin = Eigen::Vector3d::Zero(), first = Eigen::Vector3d::Zero();
@@ -56,8 +56,8 @@ using MomentVector = Eigen::Matrix<double, 10, 1>;
 
 struct MomentMatch {
   std::vector<double> shares;  ///< #points, sum 1
-  /// Proven: no shares within the bounds come nearer to the target than this (Euclidean distance of the
-  /// moments, mass included). Above 0 the problem has no solution.
+  /// Proven lower bound of the distance of any shares within the bounds from the target (Euclidean distance
+  /// of the moments, including the mass). Above 0 the problem has no solution.
   double leastMisfit = 0.0;
 };
 
@@ -66,10 +66,10 @@ struct MomentMatch {
 // has the solution  x_i = clamp(w_i (1 + A_i . y), l, m_i)  for the multipliers y that minimise the convex,
 // piecewise quadratic dual
 //     sum g_i(A_i . y) - t . y,   g_i'(s) = clamp(w_i (1 + s), l, m_i),
-// whatever the number of points in ten unknowns. It is minimised by the proximal point method (R.
+// which has ten unknowns for any number of points. It is minimised by the proximal point method (R.
 // Rockafellar, "Augmented Lagrangians and applications of the proximal point algorithm", 1976): each round
-// adds 1/2 sum r (y - y_before)^2 and takes Newton steps. Where no x has the moments t, the multipliers grow
-// without end while x tends to the least misfit, each moment's square weighted by 1 / r.
+// adds 1/2 sum r (y - y_before)^2 and takes Newton steps. If no x has the moments t, the multipliers grow
+// without limit while x converges to the smallest misfit, with the square of each moment weighted by 1 / r.
 
 using Hessian = Eigen::Matrix<double, 10, 10>;
 
@@ -80,26 +80,26 @@ constexpr double kExact = 1e-10;
 struct Programme {
   const std::vector<MomentVector>& rows;
   const MomentVector& target;
-  const std::vector<double>& wanted;
-  double least;
-  const std::vector<double>& most;
+  const std::vector<double>& desired;
+  double minShare;
+  const std::vector<double>& maxShares;
   MomentVector regularisation;
 };
 
-/// A_i . y, no lower or higher than where the share reaches its bounds.
-double freePart(const Programme& p, std::size_t i, double s) {
-  return std::clamp(s, p.least / p.wanted[i] - 1.0, p.most[i] / p.wanted[i] - 1.0);
+/// Clamps s = A_i . y to the range in which the share is within its bounds.
+double clampedMultiplier(const Programme& p, std::size_t i, double s) {
+  return std::clamp(s, p.minShare / p.desired[i] - 1.0, p.maxShares[i] / p.desired[i] - 1.0);
 }
 
 double share(const Programme& p, std::size_t i, const MomentVector& y) {
-  return p.wanted[i] * (1.0 + freePart(p, i, p.rows[i].dot(y)));
+  return p.desired[i] * (1.0 + clampedMultiplier(p, i, p.rows[i].dot(y)));
 }
 
 double dual(const Programme& p, const MomentVector& y, const MomentVector& before) {
   double sum = -p.target.dot(y) + 0.5 * (y - before).cwiseAbs2().dot(p.regularisation);
   for (std::size_t i = 0; i < p.rows.size(); ++i) {
-    const double s = p.rows[i].dot(y), free = freePart(p, i, s), w = p.wanted[i];
-    sum += w * free + 0.5 * w * free * free + w * (1.0 + free) * (s - free);
+    const double s = p.rows[i].dot(y), clamped = clampedMultiplier(p, i, s), w = p.desired[i];
+    sum += w * clamped + 0.5 * w * clamped * clamped + w * (1.0 + clamped) * (s - clamped);
   }
   return sum;
 }
@@ -114,12 +114,12 @@ Hessian hessian(const Programme& p, const MomentVector& y) {
   Hessian h = p.regularisation.asDiagonal();
   for (std::size_t i = 0; i < p.rows.size(); ++i) {
     const double s = p.rows[i].dot(y);
-    if (freePart(p, i, s) == s) h += p.wanted[i] * p.rows[i] * p.rows[i].transpose();
+    if (clampedMultiplier(p, i, s) == s) h += p.desired[i] * p.rows[i] * p.rows[i].transpose();
   }
   return h;
 }
 
-/// One round of the proximal point method, with Newton steps halved until the dual falls.
+/// Performs one round of the proximal point method. Newton steps are halved until the dual falls.
 MomentVector proximalStep(const Programme& p, const MomentVector& before) {
   MomentVector y = before;
   for (int i = 0; i < kMaxNewtonSteps; ++i) {
@@ -127,28 +127,29 @@ MomentVector proximalStep(const Programme& p, const MomentVector& before) {
     if (gradient.cwiseAbs().maxCoeff() < 0.01 * kExact) break;
     MomentVector step = -gradient;
     solveSmall(hessian(p, y), step);
-    const double slope = gradient.dot(step), now = dual(p, y, before);
+    const double slope = gradient.dot(step), current = dual(p, y, before);
     double length = 1.0;
-    while (length > 1e-6 && dual(p, y + length * step, before) > now + 1e-4 * length * slope) length /= 2.0;
+    while (length > 1e-6 && dual(p, y + length * step, before) > current + 1e-4 * length * slope)
+      length /= 2.0;
     y += length * step;
   }
   return y;
 }
 
-/// How far, along a direction, the moments of all shares within the bounds stay beyond the target's. They
-/// fill a convex body, so that a plane with the body on one side and the target on the other is a certificate
-/// (Farkas' lemma) that no shares have the target's moments; checking it takes one sum.
+/// Returns the smallest distance, along a direction, by which the moments of all shares within the bounds lie
+/// beyond the target's. These moments fill a convex body. A plane with the body on one side and the target on
+/// the other proves (Farkas' lemma) that no shares have the target's moments. The check needs one sum.
 double separation(const Programme& p, const MomentVector& direction) {
-  double least = -p.target.dot(direction);
+  double distance = -p.target.dot(direction);
   for (std::size_t i = 0; i < p.rows.size(); ++i) {
     const double along = p.rows[i].dot(direction);
-    least += along * (along > 0.0 ? p.least : p.most[i]);
+    distance += along * (along > 0.0 ? p.minShare : p.maxShares[i]);
   }
-  return least / direction.norm();
+  return distance / direction.norm();
 }
 
-/// The multipliers of a problem without solution grow along such a direction, and the weighted misfit that is
-/// left points along one.
+/// Returns a proven misfit. The multipliers of a problem without solution grow along a separating direction,
+/// and the remaining weighted misfit points along one too.
 double provenMisfit(const Programme& p, const MomentVector& y, const MomentVector& error) {
   const MomentVector weighted = error.cwiseQuotient(p.regularisation);
   double proven = 0.0;
@@ -157,13 +158,16 @@ double provenMisfit(const Programme& p, const MomentVector& y, const MomentVecto
   return proven;
 }
 
-/// Shares of sum 1 between `least` (below 1 / #points) and most[i], nearest to those `wanted` by
-/// sum (share - wanted)^2 / wanted,  whose moments  sum share_i momentsOfPoint_i  are `target`. Where there
-/// are none: those whose moments err least, the first ones counting far more than the second. All moments
-/// should be of the order of 1.
+/// Computes shares of sum 1 between `minShare` (below 1 / #points) and maxShares[i] whose moments
+///     sum share_i momentsOfPoint_i
+/// are `target`. Of all such shares, returns those with the smallest
+///     sum (share_i - desired_i)^2 / desired_i.
+/// If there are none, returns those with the smallest error of the moments; the first moments count far more
+/// than the second. All moments should be of the order of 1.
 MomentMatch matchMoments(const std::vector<MomentVector>& momentsOfPoint, const MomentVector& target,
-                         const std::vector<double>& wanted, double least, const std::vector<double>& most) {
-  Programme p{momentsOfPoint, target, wanted, least, most, MomentVector::Constant(1e-4)};
+                         const std::vector<double>& desired, double minShare,
+                         const std::vector<double>& maxShares) {
+  Programme p{momentsOfPoint, target, desired, minShare, maxShares, MomentVector::Constant(1e-4)};
   p.regularisation.head<4>().setConstant(1e-8);
   MomentVector y = MomentVector::Zero(), error = misfit(p, y);
   for (int round = 0; round < kMaxMatchRounds && error.cwiseAbs().maxCoeff() > kExact; ++round) {
@@ -178,16 +182,16 @@ MomentMatch matchMoments(const std::vector<MomentVector>& momentsOfPoint, const 
   return match;
 }
 
-/// The least share that Area and Moments give, of the mean: the lightest point limits the time step.
+/// Smallest share that Area and Moments give, relative to the mean: the lightest point limits the time step.
 constexpr double kMinMassShare = 0.2;
-/// The most that they give to a point of the surface, lest a few carry the body. Points inside get what
-/// Moments takes.
+/// Largest share that they give to a point of the surface, relative to the mean, so that a few points do not
+/// have most of the mass. Moments does not limit points inside.
 constexpr double kMaxMassShare = 10.0;
 
-/// Of the mass: too little to be told from nothing.
-constexpr double kNoShare = 1e-30;
+/// Share of the mass that counts as zero.
+constexpr double kZeroShare = 1e-30;
 
-/// Mass 1, centre, and second moments about it.
+/// Centre and second moments about it, of a mass of 1.
 struct Moments {
   Vector3d centre = Vector3d::Zero();
   Matrix3d second = Matrix3d::Zero();
@@ -203,26 +207,27 @@ Moments pointMoments(const std::vector<Vector3d>& points, const std::vector<doub
   return m;
 }
 
-/// Sum 1, in proportion to `shares` but for those that the bounds stand against.
-std::vector<double> bounded(const std::vector<double>& shares) {
+/// Returns shares of sum 1, in proportion to `shares` except where they are clamped to the bounds.
+std::vector<double> clampShares(const std::vector<double>& shares) {
   const double mean = 1.0 / static_cast<double>(shares.size());
-  const double least = kMinMassShare * mean, most = kMaxMassShare * mean;
-  const auto [low, high] = std::minmax_element(shares.begin(), shares.end());
-  if (*low >= least && *high <= most) return shares;
+  const double minShare = kMinMassShare * mean, maxShare = kMaxMassShare * mean;
+  const auto [smallest, largest] = std::minmax_element(shares.begin(), shares.end());
+  if (*smallest >= minShare && *largest <= maxShare) return shares;
   const auto sumOf = [&](double factor) {
     double sum = 0.0;
-    for (const double share : shares) sum += std::clamp(factor * share, least, most);
+    for (const double share : shares) sum += std::clamp(factor * share, minShare, maxShare);
     return sum;
   };
-  // the sum grows with the factor, from below 1 to above: even the least share comes to `most`
-  double below = 0.0, above = most / std::max(*low, kNoShare);
+  // the sum grows with the factor, from below 1 to above: at the largest factor even the smallest share is
+  // `maxShare`
+  double below = 0.0, above = maxShare / std::max(*smallest, kZeroShare);
   for (int halving = 0; halving < 200; ++halving) {
     const double factor = 0.5 * (below + above);
     (sumOf(factor) < 1.0 ? below : above) = factor;
   }
   std::vector<double> result;
   const double sum = sumOf(above);
-  for (const double share : shares) result.push_back(std::clamp(above * share, least, most) / sum);
+  for (const double share : shares) result.push_back(std::clamp(above * share, minShare, maxShare) / sum);
   return result;
 }
 
@@ -239,11 +244,11 @@ std::vector<double> areaShares(const std::vector<Vector3d>& points, const std::v
   for (double& share : shares) share = share > 0.0 ? share : mean;
   const double total = std::accumulate(shares.begin(), shares.end(), 0.0);
   for (double& share : shares) share /= total;
-  return bounded(shares);
+  return clampShares(shares);
 }
 
-/// In coordinates about the solid's centre in units of its radius of gyration, where all moments are of the
-/// order of 1: mass, first and second moments of a point of mass 1.
+/// Returns mass, first and second moments of a point of mass 1. The coordinates are about the solid's centre
+/// in units of its radius of gyration, so that all moments are of the order of 1.
 MomentVector momentsOf(const Vector3d& p) {
   MomentVector m;
   m << 1.0, p.x(), p.y(), p.z(), p.x() * p.x(), p.y() * p.y(), p.z() * p.z(), p.y() * p.z(), p.z() * p.x(),
@@ -251,7 +256,7 @@ MomentVector momentsOf(const Vector3d& p) {
   return m;
 }
 
-/// Sets the shares, from those wanted, and what is proven about them.
+/// Matches the moments: replaces the desired shares in `result` and sets the proven misfits.
 void matchSolid(MassFractions& result, const std::vector<Vector3d>& points,
                 const std::vector<Triangle>& surface, const SolidMoments& solid) {
   const double unit = std::sqrt(solid.second.trace());
@@ -262,16 +267,16 @@ void matchSolid(MassFractions& result, const std::vector<Vector3d>& points,
   rows.reserve(points.size());
   for (const Vector3d& p : points) rows.push_back(momentsOf((p - solid.centre) / unit));
   const double mean = 1.0 / static_cast<double>(points.size());
-  std::vector<double> most(points.size(), 1.0);
+  std::vector<double> maxShares(points.size(), 1.0);
   for (const Triangle& t : surface) {
-    for (const std::uint32_t corner : t) most[corner] = std::min(1.0, kMaxMassShare * mean);
+    for (const std::uint32_t corner : t) maxShares[corner] = std::min(1.0, kMaxMassShare * mean);
   }
-  const std::vector<double> wanted = std::move(result.shares);
-  MomentMatch match = matchMoments(rows, target, wanted, kMinMassShare * mean, most);
+  const std::vector<double> desired = std::move(result.shares);
+  MomentMatch match = matchMoments(rows, target, desired, kMinMassShare * mean, maxShares);
   result.leastMisfit = match.leastMisfit;
   if (match.leastMisfit > 0.0)
     result.leastMisfitAnyMass =
-        matchMoments(rows, target, wanted, 0.0, std::vector<double>(points.size(), 1.0)).leastMisfit;
+        matchMoments(rows, target, desired, 0.0, std::vector<double>(points.size(), 1.0)).leastMisfit;
   result.shares = std::move(match.shares);
 }
 
@@ -287,14 +292,15 @@ MassFractions shareMass(MassRule rule, const std::vector<Vector3d>& points,
   }
   result.centreError = result.inertiaError = std::numeric_limits<double>::quiet_NaN();
   if (surface.empty() || !findEdgeDefects(surface).none()) return result;
-  const Eigen::Map<const Eigen::Matrix3Xd> places(points.front().data(), 3, Eigen::Index(points.size()));
-  const SolidMoments solid = solidMoments(places, surface);
+  const Eigen::Map<const Eigen::Matrix3Xd> positions(points.front().data(), 3, Eigen::Index(points.size()));
+  const SolidMoments solid = solidMoments(positions, surface);
   if (!(std::abs(solid.volume) > 0.0) || !(solid.second.trace() > 0.0)) return result;
 
   if (rule == MassRule::Moments) matchSolid(result, points, surface, solid);
-  const Moments got = pointMoments(points, result.shares);
-  result.centreError = (got.centre - solid.centre).norm() / extent(points);
-  result.inertiaError = (inertia(got.second) - inertia(solid.second)).norm() / inertia(solid.second).norm();
+  const Moments actual = pointMoments(points, result.shares);
+  result.centreError = (actual.centre - solid.centre).norm() / extent(points);
+  result.inertiaError =
+      (inertia(actual.second) - inertia(solid.second)).norm() / inertia(solid.second).norm();
   return result;
 }
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// Builds networks of tetrahedra whose springs are a material: it chooses their constants, and the settings of
-// a body that has the asked elasticity.
+// Builds networks of tetrahedra with the elasticity of a material: chooses the spring constants, and the
+// settings of a body with the requested elasticity.
 
 #include <limber/material_network.h>
 
@@ -19,7 +19,7 @@
 namespace limber {
 namespace {
 
-/// The roots of how often the entries occur: 1, 4, 6 and 12 times.
+/// Returns the square roots of the numbers of occurrences of the entries: 1, 4, 6 and 12.
 FourthDegree rootsOfCounts() {
   FourthDegree roots;
   roots.head<3>().setOnes();
@@ -62,28 +62,28 @@ FourthDegree symmetricPart(const Eigen::Matrix<double, 6, 6>& c) {
 
 namespace {
 
-/// How much staying near Van Gelder's constants counts against the wanted elasticity.
-constexpr double kStay = 0.2;
+/// Weight of the distance from Van Gelder's constants, relative to the error of the elasticity.
+constexpr double kStayWeight = 0.2;
 
-/// Least share of Van Gelder's constant: a weaker spring would hold nothing.
-constexpr double kMinOfVanGelder = 0.2;
+/// Smallest fraction of Van Gelder's constant: a weaker spring would have no effect.
+constexpr double kMinVanGelderFraction = 0.2;
 
-/// By how much the springs around a point of the surface are to be stiffer than those inside: the value that
-/// makes the Young's modulus of the same body nearly the same on coarse and fine lattices. Without it a cube
-/// of 300 points has 0.82 and one of 1200 points 0.90 of what it has inside.
+/// Factor by which the springs around a point of the surface should be stiffer than those inside. With this
+/// value, the Young's modulus of one body is nearly the same on coarse and fine lattices. Without it, a cube
+/// of 300 points has 0.82 and one of 1200 points 0.90 of the modulus inside.
 constexpr double kSurfaceFactor = 1.6;
 
 constexpr int kSweeps = 60;
 
-/// Times at most that the elasticity asked for is corrected by the one that the body turns out to have, and
-/// the isotropy that is enough.
-constexpr int kCorrections = 10;
-constexpr double kEnoughIsotropy = 0.96;
+/// Largest number of corrections of the target elasticity by the measured one, and the isotropy that ends
+/// them.
+constexpr int kMaxCorrections = 10;
+constexpr double kSufficientIsotropy = 0.96;
 
 struct Edges {
   std::vector<Edge> ends;            ///< #edges, sorted
   std::vector<FourthDegree> powers;  ///< #edges, of their directions
-  std::vector<double> vanGelder;     ///< #edges, m^3, the sum of V: the constant for 1 Pa times L^2
+  std::vector<double> vanGelder;  ///< #edges, m^3, sum of the volumes around: the constant for 1 Pa times L^2
   std::vector<double> pointVolumes;  ///< #points, m^3, a quarter of the tetrahedra around
   std::vector<double> factors;       ///< #points, kSurfaceFactor at the surface, else 1
 };
@@ -115,8 +115,9 @@ Edges collectEdges(const SpringNetwork& network) {
   return edges;
 }
 
-/// Changes x = k L^2, one edge after the other, towards the least of
-///     sum over points |sum over its edges x T / 2 - f V C|^2 / V  +  stay sum over edges (x - x0)^2 / x0
+/// Changes x = k L^2, one edge after the other, towards the minimum of
+///     sum over points |sum over its edges x T / 2 - f V C|^2 / V
+///     + kStayWeight sum over edges (x - x0)^2 / x0
 /// with T the powers, V and f the points' volumes and factors, C the elasticity and x0 Van Gelder's values.
 void fitElasticity(const Edges& edges, const FourthDegree& elasticity, std::vector<double>& x) {
   std::vector<FourthDegree> misfit;
@@ -128,12 +129,13 @@ void fitElasticity(const Edges& edges, const FourthDegree& elasticity, std::vect
   for (std::size_t e = 0; e < x.size(); ++e) add(e, x[e]);
   for (int sweep = 0; sweep < kSweeps; ++sweep)
     for (std::size_t e = 0; e < x.size(); ++e) {
-      double slope = kStay * (x[e] / edges.vanGelder[e] - 1.0), curvature = kStay / edges.vanGelder[e];
+      double slope = kStayWeight * (x[e] / edges.vanGelder[e] - 1.0),
+             curvature = kStayWeight / edges.vanGelder[e];
       for (const std::uint32_t p : edges.ends[e]) {
         slope += 0.5 * edges.powers[e].dot(misfit[p]) / edges.pointVolumes[p];
         curvature += 0.25 / edges.pointVolumes[p];  // the powers have length 1
       }
-      const double next = std::max(x[e] - slope / curvature, kMinOfVanGelder * edges.vanGelder[e]);
+      const double next = std::max(x[e] - slope / curvature, kMinVanGelderFraction * edges.vanGelder[e]);
       add(e, next - x[e]);
       x[e] = next;
     }
@@ -150,7 +152,7 @@ void setSprings(SpringNetwork& network, const Edges& edges, const std::vector<do
   }
 }
 
-/// The springs have the constants (N/m) for an asked modulus of 1 Pa.
+/// Scales the springs, whose constants (N/m) are for a requested modulus of 1 Pa.
 void normalise(SpringNetwork& network, double measuredModulus) {
   double mean = 0.0;
   for (const NetworkSpring& s : network.springs)
@@ -164,20 +166,21 @@ void normalise(SpringNetwork& network, double measuredModulus) {
 double setMaterialSprings(SpringNetwork& network, const std::function<bool(double)>& goOn) {
   const Edges edges = collectEdges(network);
   const FourthDegree isotropic = isotropicElasticity();
-  FourthDegree wanted = isotropic;
+  FourthDegree target = isotropic;
   std::vector<double> x = edges.vanGelder, best;
   ElasticModuli bestModuli;
-  for (int i = 0; i <= kCorrections; ++i) {
-    fitElasticity(edges, wanted, x);
+  for (int i = 0; i <= kMaxCorrections; ++i) {
+    fitElasticity(edges, target, x);
     setSprings(network, edges, x);
     const ElasticModuli moduli = measureModuli({network});
     if (moduli.isotropy > bestModuli.isotropy) {
       best = x;
       bestModuli = moduli;
     }
-    if (moduli.isotropy > kEnoughIsotropy || (goOn && !goOn(static_cast<double>(i) / kCorrections))) break;
-    wanted += isotropic - symmetricPart(moduli.elasticity) / moduli.youngsModulus;
-    wanted *= isotropic.squaredNorm() / isotropic.dot(wanted);  // its shape alone: E is calibrated
+    if (moduli.isotropy > kSufficientIsotropy || (goOn && !goOn(static_cast<double>(i) / kMaxCorrections)))
+      break;
+    target += isotropic - symmetricPart(moduli.elasticity) / moduli.youngsModulus;
+    target *= isotropic.squaredNorm() / isotropic.dot(target);  // only its shape: E is calibrated
   }
   setSprings(network, edges, best);
   normalise(network, bestModuli.youngsModulus);
@@ -186,15 +189,15 @@ double setMaterialSprings(SpringNetwork& network, const std::function<bool(doubl
 
 namespace {
 
-/// The least mass of a point, of the mean: the lightest point limits the time step.
+/// Smallest mass of a point, relative to the mean: the lightest point limits the time step.
 constexpr double kMinCornerShare = 0.2;
 
-/// A material with half its springs is none, so there is no early result.
+/// There is no early result: half of its springs do not make a material.
 constexpr char kEnded[] = "ended early: progress returned false";
 
-/// How near Poisson's ratio comes to the one asked for, and after how many measurements at most.
+/// Tolerance of Poisson's ratio, and the largest number of measurements.
 constexpr double kPoissonError = 5e-4;
-constexpr int kMeasurements = 6;
+constexpr int kMaxMeasurements = 6;
 
 double volumeOfTetrahedra(const SpringNetwork& network) {
   double volume = 0.0;
@@ -202,7 +205,7 @@ double volumeOfTetrahedra(const SpringNetwork& network) {
   return volume;
 }
 
-/// A quarter of each tetrahedron for each of its corners.
+/// Gives a quarter of each tetrahedron's volume to each of its corners.
 std::vector<double> volumeShares(const SpringNetwork& network) {
   std::vector<double> shares(network.restPoints.size(), 0.0);
   const double volume = volumeOfTetrahedra(network);
@@ -232,7 +235,7 @@ std::string check(const Material& m) {
   return {};
 }
 
-/// What a body of this network needs for a Young's modulus of 1 Pa.
+/// Settings of a body of this network for a Young's modulus of 1 Pa.
 struct UnitMaterial {
   double stiffness = 0.0;      ///< m
   double volumeModulus = 0.0;  ///< per Pa
@@ -240,21 +243,21 @@ struct UnitMaterial {
 
 /// Springs alone have lambda = mu = 2/5 E; a volume term of modulus K adds K to lambda. With
 /// nu = lambda / (2 (lambda + mu)) that is  nu = (mu + K) / (2 (2 mu + K)),  so
-/// K = mu (4 nu - 1) / (1 - 2 nu). A network gives way a little more than that, and the nu to aim at is
-/// corrected by the nu found.
+/// K = mu (4 nu - 1) / (1 - 2 nu). A network is a little softer than this estimate, so the target nu is
+/// corrected by the measured nu.
 UnitMaterial findUnitMaterial(const SpringNetwork& network, double poissonRatio,
                               const Eigen::Vector3d& scale) {
   const double mu = 0.4;
-  double aim = poissonRatio;
+  double targetRatio = poissonRatio;
   UnitMaterial unit;
-  for (int i = 0; i < kMeasurements; ++i) {
-    // as though the springs were of 1 Pa; scaled below
-    const double modulus = mu * (4.0 * aim - 1.0) / (1.0 - 2.0 * aim);
-    const ElasticModuli found = measureModuli({network, network.stiffnessPerModulus, modulus, scale});
-    unit = {network.stiffnessPerModulus / found.youngsModulus, modulus / found.youngsModulus};
-    const double miss = poissonRatio - found.poissonRatio;
-    if (std::abs(miss) < kPoissonError || (aim <= 0.25 && miss < 0.0)) break;
-    aim = std::clamp(aim + miss, 0.25, 0.5 * (aim + 0.5));
+  for (int i = 0; i < kMaxMeasurements; ++i) {
+    // computed as if the springs were of 1 Pa; scaled below
+    const double modulus = mu * (4.0 * targetRatio - 1.0) / (1.0 - 2.0 * targetRatio);
+    const ElasticModuli moduli = measureModuli({network, network.stiffnessPerModulus, modulus, scale});
+    unit = {network.stiffnessPerModulus / moduli.youngsModulus, modulus / moduli.youngsModulus};
+    const double error = poissonRatio - moduli.poissonRatio;
+    if (std::abs(error) < kPoissonError || (targetRatio <= 0.25 && error < 0.0)) break;
+    targetRatio = std::clamp(targetRatio + error, 0.25, 0.5 * (targetRatio + 0.5));
   }
   return unit;
 }
@@ -262,20 +265,20 @@ UnitMaterial findUnitMaterial(const SpringNetwork& network, double poissonRatio,
 }  // namespace
 
 Result<SharedNetwork> buildMaterialNetwork(const TriangleMesh& mesh, const MaterialMesh& settings) {
-  bool going = true;  // once not, never again
-  const auto tell = [&](const char* what, double done) {
+  bool going = true;  // once false, it stays false
+  const auto reportProgress = [&](const char* what, double done) {
     return going = going && (!settings.progress || settings.progress(what, done));
   };
   if (!std::isfinite(settings.spacing) || settings.spacing < 0.0)
     return Error{outOfRange("spacing", settings.spacing, "0 or more")};
   const Result<WeldedMesh> welded = weld(mesh);
   if (!welded) return Error{welded.error()};
-  if (!tell("tetrahedra", 0.0)) return Error{kEnded};
-  const auto whileFilling = [&](double done) { return tell("tetrahedra", 0.4 * done); };
+  if (!reportProgress("tetrahedra", 0.0)) return Error{kEnded};
+  const auto fillingProgress = [&](double done) { return reportProgress("tetrahedra", 0.4 * done); };
   Result<TetrahedralMesh> filling = settings.spacing > 0.0
                                         ? fillWithTetrahedra(*welded, settings.spacing)
-                                        : fillWithPoints(*welded, settings.points, whileFilling);
-  if (!tell("tetrahedra", 0.4)) return Error{kEnded};
+                                        : fillWithPoints(*welded, settings.points, fillingProgress);
+  if (!reportProgress("tetrahedra", 0.4)) return Error{kEnded};
   if (!filling) return Error{filling.error()};
   SpringNetwork network;
   network.restPoints = std::move(filling->points);
@@ -283,10 +286,11 @@ Result<SharedNetwork> buildMaterialNetwork(const TriangleMesh& mesh, const Mater
   network.surface = std::move(filling->surface);
   network.report = welded->report;
   network.massFractions = volumeShares(network);
-  setMaterialSprings(network, [&](double done) { return tell("spring constants", 0.4 + 0.5 * done); });
-  if (!tell("skin", 0.9)) return Error{kEnded};
+  setMaterialSprings(network,
+                     [&](double done) { return reportProgress("spring constants", 0.4 + 0.5 * done); });
+  if (!reportProgress("skin", 0.9)) return Error{kEnded};
   Result<SharedNetwork> skinned = withSkin(network, mesh, {SkinKind::Barycentric, 32, 0.0});
-  if (!tell("skin", 1.0)) return Error{kEnded};
+  if (!reportProgress("skin", 1.0)) return Error{kEnded};
   return skinned;
 }
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// Declares the moduli of elasticity that a network shows, and the spring constants that make it a material.
+// Declares the measurement of a network's elastic moduli, and the spring constants that give it the
+// elasticity of a material.
 #pragma once
 
 #include <limber/spring_network.h>
@@ -12,16 +13,16 @@
 
 namespace limber {
 
-/// What the springs and the volume term of a body are made of.
+/// Springs and volume term of a body.
 struct ElasticBody {
   const SpringNetwork& network;
   double stiffness = 1.0;      ///< N/m of a spring of stiffnessScale 1
-  double volumeModulus = 0.0;  ///< Pa, of each tetrahedron, or without any of the whole inside of the surface
+  double volumeModulus = 0.0;  ///< Pa, of each tetrahedron or, without tetrahedra, of the whole inside
   Eigen::Vector3d scale = Eigen::Vector3d::Ones();
 };
 
-/// How a body answers to small uniform stresses, as a piece of material: for a homogeneous isotropic solid of
-/// any shape these are the material's own constants, in all directions.
+/// Response of a body to small uniform stresses. For a homogeneous isotropic solid of any shape these are the
+/// constants of its material, in all directions.
 struct ElasticModuli {
   std::vector<double> youngsModuli;  ///< Pa, for each of 40 directions
   double youngsModulus = 0.0;        ///< Pa, their mean
@@ -32,59 +33,63 @@ struct ElasticModuli {
   Eigen::Matrix<double, 6, 6> elasticity = Eigen::Matrix<double, 6, 6>::Zero();
 };
 
-/// Pulls at the surface as a uniform stress would, along and across the axes, and solves for the linear
-/// displacements about the rest shape. The mean strain is that of the surface,
-/// (1/V) sum over triangles of sym(u A^T), with the mean displacement u of its corners and its area vector A.
-/// A mirrored body has those of its mirror image. For networks with a closed surface; a body with mechanisms
-/// has moduli near 0. Takes seconds for 5 000 points.
+/// Applies uniform stresses to the surface, along and across the axes, and solves for the linear
+/// displacements about the rest shape. The mean strain is that of the surface, (1/V) sum over triangles of
+/// sym(u A^T), with the mean displacement u of a triangle's corners and its area vector A. A mirrored body
+/// has the moduli of its mirror image. The network must have a closed surface. A body with mechanisms has
+/// moduli near 0. Takes seconds for 5 000 points.
 ElasticModuli measureModuli(const ElasticBody& body);
 
-/// N/m: the force that draws apart two parts of the surface, those within `reach` (m) of two places, over
-/// the change of their distance: how stiff an L or a horseshoe is against being opened. The force is spread
-/// evenly over the surface there, along the line between the two parts' middles. 0 if either part is empty.
-double openingStiffness(const ElasticBody& body, const Eigen::Vector3d& placeA, const Eigen::Vector3d& placeB,
-                        double reach);
+/// Returns the stiffness (N/m) against opening, for example of an L or a horseshoe: the force between two
+/// parts of the surface over the change of their distance. The parts are the points within `radius` (m) of
+/// the two positions. The force is spread evenly over the area of each part, along the line between their
+/// centres. 0 if either part is empty.
+double openingStiffness(const ElasticBody& body, const Eigen::Vector3d& positionA,
+                        const Eigen::Vector3d& positionB, double radius);
 
-/// Pa: the Young's moduli that a body shows when bent, for the six stresses  s_aa = x_b - centre_b  of 1 Pa/m
-/// along each axis a, varying along each other axis b. Such a stress is in equilibrium without forces inside
-/// and does the work  1/E integral of (x_b - centre_b)^2  on a homogeneous isotropic solid of any shape, so
-/// that all six are its Young's modulus. Networks are calibrated by uniform stresses; how far their answers
-/// to these are off is what discretising leaves. The order is xy xz yz yx zx zy for ab. For networks with a
-/// closed surface.
+/// Returns the Young's moduli (Pa) of a body in bending, for six stresses of 1 Pa/m:
+///     s_aa = x_b - centre_b
+/// along each axis a, varying along each other axis b. Such a stress is in equilibrium without forces inside.
+/// On a homogeneous isotropic solid of any shape it does the work
+///     1/E integral of (x_b - centre_b)^2,
+/// so all six moduli equal its Young's modulus. Networks are calibrated by uniform stresses; their
+/// deviation here is the error of discretisation. The order of ab is xy xz yz yx zx zy. The network must have
+/// a closed surface.
 std::array<double, 6> measureBendingModuli(const ElasticBody& body);
 
-/// A totally symmetric tensor of fourth degree, as the elasticity of springs is (Cauchy-Born:
-/// C = sum k L^2 n n n n / V). Its 15 entries xxxx yyyy zzzz xxxy xxxz yyyx yyyz zzzx zzzy xxyy yyzz zzxx
-/// xxyz yyzx zzxy, each times the root of how often it occurs, so that the product of two such vectors is the
-/// tensors'.
+/// A totally symmetric tensor of fourth degree, such as the elasticity of springs
+/// (Cauchy-Born: C = sum k L^2 n n n n / V). Holds the 15 entries xxxx yyyy zzzz xxxy xxxz yyyx yyyz zzzx
+/// zzzy xxyy yyzz zzxx xxyz yyzx zzxy, each times the square root of its number of occurrences. The dot
+/// product of two such vectors is then the product of the tensors.
 using FourthDegree = Eigen::Matrix<double, 15, 1>;
 
-/// n n n n, of length 1 for a unit vector.
+/// Returns n n n n, of length 1 for a unit vector.
 FourthDegree fourthPower(const Eigen::Vector3d& n);
 
-/// Of the isotropic solid of springs with E = 1 and Poisson ratio 1/4: lambda = mu = 2/5, C_xxxx = 6/5,
-/// C_xxyy = 2/5.
+/// Returns the elasticity of the isotropic solid of springs with E = 1 and Poisson ratio 1/4:
+/// lambda = mu = 2/5, C_xxxx = 6/5, C_xxyy = 2/5.
 FourthDegree isotropicElasticity();
 
-/// The totally symmetric part of an elasticity in Voigt's notation (xx yy zz yz zx xy, shear strains
+/// Returns the totally symmetric part of an elasticity in Voigt's notation (xx yy zz yz zx xy, shear strains
 /// doubled).
 FourthDegree symmetricPart(const Eigen::Matrix<double, 6, 6>& elasticity);
 
-/// The edges of the tetrahedra as springs that together are a material, for a network that has its points,
-/// tetrahedra and surface: sets `springs`, with stiffness scales of mean 1, and `stiffnessPerModulus`, so
-/// that the measured Young's modulus (measureModuli()) is the one asked for. Edges of the surface are
-/// Structural, those inside Brace, since they hold it up from within.
+/// Makes springs of the edges of the tetrahedra, with constants that give the network the elasticity of a
+/// material. The network must have points, tetrahedra and surface. Sets `springs`, with stiffness scales of
+/// mean 1, and `stiffnessPerModulus`, so that the measured Young's modulus (measureModuli()) is the requested
+/// one. Edges of the surface are Structural. Those inside are Brace, because they support the surface from
+/// within.
 ///
 /// The constants stay near those of A. Van Gelder, "Approximate simulation of elastic membranes by
 /// triangulated spring meshes", 1998,  k = E sum V / L^2  over the tetrahedra around an edge. On a
-/// body-centred lattice those are stiffer along the space diagonals than along the axes by 1.27, and at the
-/// surface, where all springs of a point lie on one side, they give way. So they are changed, as little as
-/// will do, towards an elasticity around each point (Cauchy-Born) that makes the measured one of the whole
-/// body isotropic.
+/// body-centred lattice the body is then stiffer along the space diagonals than along the axes by 1.27. It is
+/// too soft at the surface, where all springs of a point lie on one side. So the constants are changed, as
+/// little as possible, towards an elasticity around each point (Cauchy-Born) that makes the measured
+/// elasticity of the whole body isotropic.
 ///
-/// Returns the calibration: the Young's modulus that the springs had, for 1 Pa asked, before all were divided
-/// by it. Near 1, and for one shape nearly the same on all lattices. Once `goOn`, asked with the share done,
-/// 0 to 1, says no, no further corrections are tried.
+/// Returns the calibration: the Young's modulus of the springs for a requested 1 Pa, before all constants
+/// were divided by it. It is near 1, and for one shape nearly the same on all lattices. `goOn` is called with
+/// the progress, 0 to 1; after it has returned false, no further corrections are tried.
 double setMaterialSprings(SpringNetwork& network, const std::function<bool(double)>& goOn = {});
 
 }  // namespace limber

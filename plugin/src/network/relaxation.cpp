@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// Lets bodies of a network come to rest: by lightly damped dynamics of many of them at once first, then by
-// descent to the minimum of the energy.
+// Relaxes bodies of a network: first lightly damped dynamics of many of them at once, then a descent to the
+// minimum of the energy.
 
 #include "network/relaxation.h"
 
@@ -25,8 +25,8 @@
 namespace limber {
 namespace {
 
-/// rad^2/s^2 that the volume terms can add to the square of the fastest oscillation in the next `time`
-/// seconds.
+/// Returns the largest increase (rad^2/s^2) of the square of the fastest frequency by the volume terms in the
+/// next `time` seconds.
 double volumeBoundSquared(BodyTerms& terms, const PointState& state, double time) {
   return volumeFrequencyBoundSquared(terms.volumes, state, time) +
          tetrahedronFrequencyBoundSquared(terms.tetrahedra, state);
@@ -80,7 +80,7 @@ Points restPointsOf(const SpringNetwork& network) {
   return rest;
 }
 
-/// The most that the trace of a rotation times C can be: the largest eigenvalue of a symmetric matrix whose
+/// Returns the largest trace of a rotation times C: the largest eigenvalue of a symmetric matrix whose
 /// eigenvector is the rotation's quaternion (B. Horn, "Closed-form solution of absolute orientation using
 /// unit quaternions", 1987).
 double largestTrace(const Eigen::Matrix3d& c) {
@@ -93,7 +93,7 @@ double largestTrace(const Eigen::Matrix3d& c) {
   return symmetricValues(m)[3];
 }
 
-/// Squared distances, summed, after the best rigid motion:  sum |x|^2 + |y|^2 - 2 x . R y.
+/// Returns the sum of the squared distances after the best rigid motion:  sum |x|^2 + |y|^2 - 2 x . R y.
 double squaredDistance(const Points& a, const Points& b) {
   const Points x = a.colwise() - a.rowwise().mean(), y = b.colwise() - b.rowwise().mean();
   const Eigen::Matrix3d covariance = x * y.transpose();
@@ -119,18 +119,18 @@ double distanceToRest(const RelaxedBody& body, const Points& x) {
 
 namespace {
 
-constexpr std::size_t kMemory = 8;       // pairs of steps and changes of the force
-constexpr std::size_t kArrivedEach = 8;  // iterations between two questions whether it has arrived
-constexpr double kSufficient = 1e-4;     // Armijo's share of the decrease that the slope promises
+constexpr std::size_t kMaxPairs = 8;         // pairs of steps and changes of the gradient
+constexpr std::size_t kArrivalInterval = 8;  // iterations between two calls of `arrived`
+constexpr double kArmijo = 1e-4;  // Armijo's constant, fraction of the decrease that the slope predicts
 constexpr int kMaxHalvings = 30;
 
-/// A step and by how much the gradient changed over it.
+/// A step and the change of the gradient over it.
 struct DescentPair {
   Points step, change;
   double curvature = 0.0;  ///< step . change, above 0
 };
 
-/// The two-loop recursion: minus the inverse Hessian that the pairs make, times the gradient.
+/// Performs the two-loop recursion: minus the inverse Hessian that the pairs approximate, times the gradient.
 Points direction(const std::vector<DescentPair>& pairs, const Points& gradient) {
   Points d = -gradient;
   std::vector<double> share(pairs.size());
@@ -144,10 +144,10 @@ Points direction(const std::vector<DescentPair>& pairs, const Points& gradient) 
   return d;
 }
 
-void remember(std::vector<DescentPair>& pairs, Points step, Points change) {
+void storePair(std::vector<DescentPair>& pairs, Points step, Points change) {
   const double curvature = dot(step, change);
   if (curvature <= 1e-12 * std::sqrt(step.squaredNorm() * change.squaredNorm())) return;
-  if (pairs.size() == kMemory) pairs.erase(pairs.begin());
+  if (pairs.size() == kMaxPairs) pairs.erase(pairs.begin());
   pairs.push_back({std::move(step), std::move(change), curvature});
 }
 
@@ -156,64 +156,64 @@ Points gradientAt(SolverBody& body) {
   return -body.points->force;
 }
 
-/// Halves the step until the energy falls enough; 0 if it never does.
-double search(SolverBody& body, const Points& from, const Points& d, double slope, double& energy) {
+/// Halves the step until the energy falls enough; returns 0 if it never does.
+double lineSearch(SolverBody& body, const Points& from, const Points& d, double slope, double& energy) {
   double step = 1.0;
   for (int i = 0; i < kMaxHalvings; ++i, step *= 0.5) {
     body.points->position = from + step * d;
-    const double there = elasticEnergy(body, body.points->position);
-    if (there > energy + kSufficient * step * slope) continue;
-    energy = there;
+    const double newEnergy = elasticEnergy(body, body.points->position);
+    if (newEnergy > energy + kArmijo * step * slope) continue;
+    energy = newEnergy;
     return step;
   }
   body.points->position = from;
   return 0.0;
 }
 
-/// Moves the points to the minimum of the elastic energy that lies downhill, by L-BFGS (Liu and Nocedal
-/// 1989), until the largest force on a point is below `leastForce` (N), `arrived` says so of the positions,
-/// or after `iterations`.
-void descend(SolverBody& body, double leastForce, std::size_t iterations,
+/// Moves the points downhill to a minimum of the elastic energy, by L-BFGS (Liu and Nocedal 1989). Ends when
+/// the largest force on a point is below `minForce` (N), when `arrived` returns true for the positions, or
+/// after `iterations`.
+void descend(SolverBody& body, double minForce, std::size_t iterations,
              const std::function<bool(const Points&)>& arrived) {
   std::vector<DescentPair> pairs;
   Points gradient = gradientAt(body);
   double energy = elasticEnergy(body, body.points->position);
   for (std::size_t i = 0; i < iterations; ++i) {
-    if (gradient.cwiseAbs().maxCoeff() < leastForce) return;
-    if (i % kArrivedEach == 0 && arrived(body.points->position)) return;
+    if (gradient.cwiseAbs().maxCoeff() < minForce) return;
+    if (i % kArrivalInterval == 0 && arrived(body.points->position)) return;
     Points d = direction(pairs, gradient);
     double slope = dot(d, gradient);
     if (slope >= 0.0) pairs.clear(), d = -gradient, slope = -gradient.squaredNorm();
     const Points from = body.points->position;
-    if (search(body, from, d, slope, energy) == 0.0) {
-      if (pairs.empty()) return;  // as low as rounding lets it
+    if (lineSearch(body, from, d, slope, energy) == 0.0) {
+      if (pairs.empty()) return;  // rounding prevents any further decrease
       pairs.clear();
       continue;
     }
     const Points earlier = gradient;
     gradient = gradientAt(body);
-    remember(pairs, body.points->position - from, gradient - earlier);
+    storePair(pairs, body.points->position - from, gradient - earlier);
   }
 }
 
 constexpr double kRelaxationDrag = 0.05;  // 1/s, at unit mass and spring constant
-constexpr double kStepShare = 0.75;       // of the stable step at rest
-constexpr double kMaxTime = 600.0;        // s; by then drag alone has taken 13 powers of ten of the energy
-constexpr double kMinTime = 10.0;         // s before a body counts as at rest: it starts without speed
+constexpr double kStepFraction = 0.75;    // fraction of the stable step at rest
+constexpr double kMaxTime = 600.0;        // s; by then drag alone has reduced the energy by 13 powers of ten
+constexpr double kMinTime = 10.0;         // s; earlier a slow body does not count as at rest
 
-// Substeps between two looks at a run, at which its step is chosen: few while it is wild, that is, while its
-// step must be much smaller than at rest or its points move far (of the size, root mean square) between two
-// looks at a calm one. A calm run's step is not chosen anew at each look.
+// Substeps between two checks of a run, which choose its step. There are few while the run is wild: while its
+// step must be much smaller than at rest, or its points move far (relative to the size, root mean square)
+// between two checks of a calm run. Most checks of a calm run keep its step.
 constexpr int kCalmSubsteps = 8, kWildSubsteps = 4;
-constexpr int kCalmLooks = 8;
-constexpr std::size_t kRunsPerLane = 4;  // at a time: those with the same step fill registers
-constexpr int kMaxLooks = 4000;          // then a run that is still wild goes on by descent
+constexpr int kCalmChecks = 8;
+constexpr std::size_t kRunsPerLane = 4;  // at a time; runs with the same step fill the registers
+constexpr int kMaxChecks = 4000;         // then a run that is still wild continues with the descent
 constexpr double kWildBound = 1.5;       // times the square of the frequency bound at rest
-constexpr double kFarMove = 0.5;
-constexpr double kCalmShare = 0.95, kWildShare = 0.6;  // of the stable step
-constexpr int kMaxStepHalvings = 12;                   // of the step at rest
+constexpr double kWildDisplacement = 0.5;
+constexpr double kCalmFraction = 0.95, kWildFraction = 0.6;  // fractions of the stable step
+constexpr int kMaxStepHalvings = 12;                         // of the step at rest
 
-/// J over the square of the mean spring length, kinetic: too little to flip a point through its neighbours.
+/// Kinetic energy, J per square of the mean spring length: too small to flip a point through its neighbours.
 constexpr double kRestEnergy = 1e-2;
 constexpr double kMinForce = 2e-6;  // N, of the descent
 constexpr std::size_t kMaxDescent = 3000;
@@ -224,17 +224,17 @@ double meanLength(const SpringArrays& springs) {
   return springs.size() > 0 ? sum / static_cast<double>(springs.size()) : 1.0;
 }
 
-/// One start on its way.
+/// A start that is being relaxed.
 struct Run {
   std::size_t index = 0;
   PointState state;
   double time = 0.0;  ///< s
-  int looks = 0;
+  int checks = 0;
   int halvings = 0;              ///< of the step at rest
-  int substeps = kWildSubsteps;  ///< until the next look
+  int substeps = kWildSubsteps;  ///< until the next check
 };
 
-/// What all runs of a body share.
+/// Data that all runs of a body share.
 struct Dynamics {
   RelaxedBody& body;
   double springBound;  ///< rad^2/s^2
@@ -251,7 +251,7 @@ struct Dynamics {
     std::vector<double> sums;
     springBound = frequencyBoundSquared(body.terms.springs, rest.inverseMass, sums);
     restBound = boundSquared(rest, 0.0);
-    step = restBound > 0.0 ? kStepShare * 2.0 / std::sqrt(restBound) : 1.0;
+    step = restBound > 0.0 ? kStepFraction * 2.0 / std::sqrt(restBound) : 1.0;
     const double length = meanLength(body.terms.springs);
     restEnergy = kRestEnergy * length * length;
   }
@@ -281,29 +281,30 @@ double timeOf(const Dynamics& dynamics, const Run& run) {
 bool isWild(const Dynamics& dynamics, const Run& run, double bound) {
   const double squaredSpeed =
       run.state.velocity.squaredNorm() / static_cast<double>(run.state.velocity.cols());
-  const double way = kCalmSubsteps * dynamics.step;
-  return bound > kWildBound * dynamics.restBound || squaredSpeed * way * way > kFarMove * kFarMove;
+  const double displacement = kCalmSubsteps * dynamics.step;
+  return bound > kWildBound * dynamics.restBound ||
+         squaredSpeed * displacement * displacement > kWildDisplacement * kWildDisplacement;
 }
 
-/// The volume terms are the stiffer the larger the triangles are. Steps are halves of halves so that many
-/// runs share theirs.
+/// The frequency bound of the volume terms grows with the triangles. Steps are halved repeatedly, so that
+/// many runs have the same step.
 void chooseStep(Dynamics& dynamics, Run& run) {
-  if (run.substeps == kCalmSubsteps && run.looks % kCalmLooks != 0) return;
+  if (run.substeps == kCalmSubsteps && run.checks % kCalmChecks != 0) return;
   const double bound = dynamics.boundSquared(run.state, dynamics.step);
   const bool wild = isWild(dynamics, run, bound);
-  const double stable = (wild ? kWildShare : kCalmShare) * 2.0 / std::sqrt(bound);
+  const double stable = (wild ? kWildFraction : kCalmFraction) * 2.0 / std::sqrt(bound);
   run.substeps = wild ? kWildSubsteps : kCalmSubsteps;
   run.halvings = 0;
   while (run.halvings < kMaxStepHalvings && std::ldexp(dynamics.step, -run.halvings) > stable) ++run.halvings;
 }
 
 void stepAlone(Dynamics& dynamics, Run& run) {
-  SolverIsland group;
-  group.bodies.push_back(dynamics.stepped(run.state));
-  stepVerlet(group, timeOf(dynamics, run), run.substeps);
+  SolverIsland island;
+  island.bodies.push_back(dynamics.stepped(run.state));
+  stepVerlet(island, timeOf(dynamics, run), run.substeps);
 }
 
-/// All with the same step. Lanes pay once three of them are filled.
+/// Steps runs that all have the same step. Lanes are faster if at least three are filled.
 void stepTogether(Dynamics& dynamics, Run* const* runs, std::size_t count) {
   if (count < 3 || laneCount(dynamics.set) < 3) {
     for (std::size_t i = 0; i < count; ++i) stepAlone(dynamics, *runs[i]);
@@ -318,32 +319,33 @@ void stepTogether(Dynamics& dynamics, Run* const* runs, std::size_t count) {
 void stepAll(Dynamics& dynamics, std::list<Run>& runs) {
   for (const int substeps : {kCalmSubsteps, kWildSubsteps})
     for (int halvings = 0; halvings <= kMaxStepHalvings; ++halvings) {
-      std::vector<Run*> same;
+      std::vector<Run*> group;
       for (Run& run : runs)
-        if (run.substeps == substeps && run.halvings == halvings) same.push_back(&run);
+        if (run.substeps == substeps && run.halvings == halvings) group.push_back(&run);
       const auto lanes = static_cast<std::size_t>(laneCount(dynamics.set));
-      for (std::size_t i = 0; i < same.size(); i += lanes)
-        stepTogether(dynamics, &same[i], std::min(lanes, same.size() - i));
+      for (std::size_t i = 0; i < group.size(); i += lanes)
+        stepTogether(dynamics, &group[i], std::min(lanes, group.size() - i));
     }
 }
 
-/// Also when its numbers are none any more.
+/// Also returns true for runs with NaN.
 bool hasCalmedDown(const Dynamics& dynamics, const Run& run) {
-  if (run.looks >= kMaxLooks || run.time >= kMaxTime) return true;
+  if (run.checks >= kMaxChecks || run.time >= kMaxTime) return true;
   return run.time >= kMinTime && !(0.5 * run.state.velocity.squaredNorm() >= dynamics.restEnergy);
 }
 
-/// Nothing is held back, as it is for the sake of a stable step: forces that are no gradient of the energy
-/// would lead the descent astray.
-void settle(Dynamics& dynamics, Run& run) {
+/// Does not limit the volume terms, as a stable step would require: forces that are not the gradient of the
+/// energy would misdirect the descent.
+void descendToMinimum(Dynamics& dynamics, Run& run) {
   SolverBody stepped = dynamics.stepped(run.state);
   prepareVolumes(stepped, 0.0);
-  const double near = 0.5 * kReturned;
+  const double maxDistance = 0.5 * kReturned;
   descend(stepped, kMinForce, kMaxDescent,
-          [&](const Points& x) { return distanceToRest(dynamics.body, x) < near; });
+          [&](const Points& x) { return distanceToRest(dynamics.body, x) < maxDistance; });
 }
 
-/// Steps all runs to their next looks and takes those out that are at rest; false once `finish` has said so.
+/// Steps all runs to their next checks and finishes those at rest; returns false once `finish` has returned
+/// false.
 bool advance(Dynamics& dynamics, std::list<Run>& runs,
              const std::function<bool(std::size_t, const Points&)>& finish) {
   for (Run& run : runs) chooseStep(dynamics, run);
@@ -351,13 +353,13 @@ bool advance(Dynamics& dynamics, std::list<Run>& runs,
   for (auto run = runs.begin(); run != runs.end();) {
     const double time = timeOf(dynamics, *run);
     run->time += time;
-    ++run->looks;
+    ++run->checks;
     run->state.velocity /= 1.0 + kRelaxationDrag * time;
     if (!hasCalmedDown(dynamics, *run)) {
       ++run;
       continue;
     }
-    settle(dynamics, *run);
+    descendToMinimum(dynamics, *run);
     if (!finish(run->index, run->state.position)) return false;
     run = runs.erase(run);
   }
@@ -366,15 +368,15 @@ bool advance(Dynamics& dynamics, std::list<Run>& runs,
 
 }  // namespace
 
-bool canRelax(RelaxedBody& body) { return kMaxLooks * kCalmSubsteps * Dynamics(body).step >= kMinTime; }
+bool canRelax(RelaxedBody& body) { return kMaxChecks * kCalmSubsteps * Dynamics(body).step >= kMinTime; }
 
 void relax(RelaxedBody& body, std::size_t count, const std::function<Points(std::size_t)>& start,
            const std::function<bool(std::size_t, const Points&)>& finish) {
   Dynamics dynamics(body);
-  const auto most = kRunsPerLane * static_cast<std::size_t>(laneCount(dynamics.set));
+  const auto maxRuns = kRunsPerLane * static_cast<std::size_t>(laneCount(dynamics.set));
   std::list<Run> runs;
   for (std::size_t next = 0; next < count || !runs.empty();) {
-    while (next < count && runs.size() < most) {
+    while (next < count && runs.size() < maxRuns) {
       Run run;
       run.index = next;
       run.state = Dynamics::stateAt(start(next++));

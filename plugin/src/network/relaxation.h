@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// Declares bodies of a network that move without a world: their terms of energy, how they come to rest after
-// large deformations, the time steps that they take and the weight that they carry.
+// Declares bodies of a network that move outside a world: their energy terms, their relaxation after large
+// deformations, their time steps and their stiffness against their own weight.
 #pragma once
 
 #include "solver/point_state.h"
@@ -18,7 +18,8 @@
 
 namespace limber {
 
-/// All that gives a body its shape back: springs, and the volume of its closed surfaces or its tetrahedra.
+/// The terms that restore the shape of a body: springs, and the volume of its closed surfaces or its
+/// tetrahedra.
 struct BodyTerms {
   SpringArrays springs;
   VolumeArrays volumes;           ///< may be empty
@@ -28,87 +29,89 @@ struct BodyTerms {
   BodyTerms(const SpringNetwork& network, const SoftBodySettings& settings);
 };
 
-/// With pointers to `terms` and `state`.
+/// Returns a body with pointers to `terms` and `state`.
 SolverBody solverBody(BodyTerms& terms, PointState& state);
 
-/// rad^2/s^2: no oscillation about these positions is faster.
+/// Returns an upper bound (rad^2/s^2) of the squared frequencies of all oscillations about these positions.
 double boundSquared(BodyTerms& terms, const PointState& state);
 
-/// The points of a body of the settings' scale and mass, at rest about the network's origin.
+/// Returns the points of a body of the settings' scale and mass, at rest about the network's origin.
 PointState restState(const SpringNetwork& network, const SoftBodySettings& settings);
 
-/// A body of a network as relaxations see it: of size 1, unit masses, each spring's constant its
-/// stiffnessScale, with the volume term that a body of it has by default.
+/// A body of a network for relaxations: of size 1, with unit masses. The constant of each spring is its
+/// stiffnessScale. The volume term is that of a body with default settings.
 struct RelaxedBody {
   Points rest;  ///< the rest points over the size
   BodyTerms terms;
-  std::vector<std::vector<Eigen::Index>> pieces;  ///< points that springs hold together
+  std::vector<std::vector<Eigen::Index>> pieces;  ///< points that springs connect
 
   explicit RelaxedBody(const SpringNetwork& network);
 };
 
-/// A run whose distanceToRest() is below this has returned.
+/// A run with a distanceToRest() below this has returned.
 constexpr double kReturned = 1e-3;
 
-/// Root mean square distance of the points to the rest points after the best rigid motion of each piece,
-/// without reflection (Kabsch 1976).
+/// Returns the root mean square distance of the points from the rest points after the best rigid motion of
+/// each piece, without reflection (Kabsch 1976).
 double distanceToRest(const RelaxedBody& body, const Points& x);
 
-/// Relaxes `count` starts. `start(i)` gives the positions that run i is let go from, at rest; `finish(i, x)`
-/// takes those it has come to rest at, in any order, and returns false to end early.
+/// Relaxes `count` starts. `start(i)` returns the positions from which run i is released without velocity.
+/// `finish(i, x)` is called with the positions at which it came to rest, in any order, and returns false to
+/// end early.
 ///
 /// Each run is lightly damped dynamics (drag of 0.05 per unit mass and second at unit spring constants) until
-/// nearly all kinetic energy is gone, then descent to the minimum of the energy. What run i ends in depends
-/// on its start alone.
+/// nearly all kinetic energy is gone, then a descent to the minimum of the energy. The result of run i
+/// depends on its start alone.
 void relax(RelaxedBody& body, std::size_t count, const std::function<Points(std::size_t)>& start,
            const std::function<bool(std::size_t, const Points&)>& finish);
 
-/// Whether the steps that the body's fastest oscillation allows lead anywhere in a time that is worth waiting
-/// for. If not, relax() ends, but where it ends in says nothing about the body.
+/// Returns whether relax() can reach results in acceptable time with the steps that the body's fastest
+/// oscillation allows. If not, relax() ends, but its results are meaningless.
 bool canRelax(RelaxedBody& body);
 
-/// The rest points after run `run` of this kind of deformation, in a direction, and with a point, that
-/// depend on (kind, seed, run) alone. Every point is moved by up to a further 1e-4 of the size, so that a
-/// body is never exactly in an unstable equilibrium.
+/// Returns the rest points after deformation `run` of this kind. Its direction and its point depend on (kind,
+/// seed, run) alone. Every point is moved by up to a further 1e-4 of the size, so that a body is never
+/// exactly in an unstable equilibrium.
 Points deform(const Points& rest, Deformation kind, std::uint64_t seed, std::uint64_t run);
 
-/// Never the seed itself: a network that was braced against the deformations of a seed must not be measured
-/// on the same ones.
+/// Returns a seed that differs from `seed`: a network that was braced against the deformations of one seed
+/// must not be measured with the same ones.
 std::uint64_t measuringSeed(std::uint64_t seed);
 
-/// Lets the network go from `runs` seeded deformations of this kind, lightly damped, with the volume term a
-/// body of it would have, and counts those that come back. Run i depends on (kind, seed, i) alone. `progress`
-/// may be empty; when it returns false the runs done so far are returned. No runs where they would say
-/// nothing, see canRelax().
-/// The seed of the deformations is measuringSeed(seed).
+/// Releases the network from `runs` seeded deformations of this kind, lightly damped, with the volume term of
+/// a body with default settings, and counts the runs that return. Run i depends on (kind, seed, i) alone.
+/// `progress` may be empty; when it returns false, the result covers the runs done so far. There are no runs
+/// if their results would be meaningless, see canRelax(). The seed of the deformations is
+/// measuringSeed(seed).
 ReturnRate measureReturns(const SpringNetwork& network, Deformation kind, std::uint32_t runs,
                           std::uint64_t seed, const Progress& progress = {});
 
-/// Substeps of velocity Verlet; dampers do not change them, see verlet_step.h.
+/// Substeps of velocity Verlet. Dampers do not change them, see verlet_step.h.
 struct TimeSteps {
   double critical =
-      0.0;            ///< s: 2 / omega of the stiffest oscillation about the rest shape. Longer ones blow up
-  double safe = 0.0;  ///< s: from Gershgorin's bound of omega, which holds at any deformation of the springs;
-                      ///< the volume terms' part is that at rest
+      0.0;  ///< s: 2 / omega of the stiffest oscillation about the rest shape. Longer ones are unstable
+  double safe = 0.0;  ///< s: from Gershgorin's bound of omega, which is valid at any deformation of the
+                      ///< springs; the volume terms count as at rest
 };
 
-/// Of a body with the settings' masses, stiffness, scale and volume modulus; infinite where nothing is stiff.
+/// Returns the time steps of a body with the settings' masses, stiffness, scale and volume modulus; infinite
+/// if nothing is stiff.
 TimeSteps timeSteps(const SpringNetwork& network, const SoftBodySettings& settings);
 
-/// The spring constant (N/m) below which a body collapses under its own weight. It is put down as it is
-/// modelled, with its lowest point on a rough floor, gravity along -y and without speed, sinks until it
-/// rests, and is then relieved of its weight. It carries itself if it stands half as high as it is and
-/// springs back to its shape afterwards. To about 4 %; infinite for bodies that collapse however stiff they
-/// are, 0 without gravity or springs.
+/// Returns the spring constant (N/m) below which a body collapses under its own weight. The body starts at
+/// rest in its modelled orientation, with its lowest point on a rough floor and gravity along -y. It sinks
+/// until it rests; then gravity is removed. It supports itself if it stands at least half as high as modelled
+/// and returns to its shape afterwards. The error is about 4 %. Infinite for bodies that collapse at any
+/// stiffness, 0 without gravity or springs.
 ///
-/// In units of the size L, the mean mass m of a point and the stiffness k a body has nothing but the load
-/// m g / (k L), and the smallest load that is too much is what is searched for. Of the settings counts what
-/// shapes these units (total mass, scale, stiffness) and the volume modulus, whose ratio to the stiffness is
-/// kept. `gravity` in m/s^2.
+/// In units of the size L, the mean mass m of a point and the stiffness k, a body depends only on the load
+/// m g / (k L). The function searches the smallest load that is too large. It uses the settings that define
+/// these units (total mass, scale, stiffness) and the volume modulus, whose ratio to the stiffness is kept.
+/// `gravity` is in m/s^2.
 ///
-/// Pieces that no spring joins are put down one by one, and the one that needs most counts. Nothing when
-/// `progress` (may be empty) asks for an early end, or when the body's fastest oscillation is so fast against
-/// its slow ones that following it to rest would take too many steps.
+/// Pieces that no spring joins are tested one by one; the largest constant is returned. Returns nothing if
+/// `progress` (may be empty) ends it early, or if the body's fastest oscillation is so fast compared to its
+/// slow ones that a simulation until rest would need too many steps.
 std::optional<double> leastStiffness(const SpringNetwork& network, const SoftBodySettings& settings,
                                      double gravity, const Progress& progress = {});
 

@@ -17,17 +17,19 @@
 namespace limber {
 namespace {
 
-constexpr std::uint32_t kNotHere = 0xffffffffu;
+constexpr std::uint32_t kNotInPiece = 0xffffffffu;
 
-/// Those of the triangles or tetrahedra that have all corners here, with the points' new numbers.
+/// Returns the triangles or tetrahedra that have all corners in the piece, with the new indices of the
+/// points.
 template <class Corners>
-std::vector<Corners> keep(const std::vector<Corners>& all, const std::vector<std::uint32_t>& number) {
-  std::vector<Corners> kept;
+std::vector<Corners> selectInPiece(const std::vector<Corners>& all,
+                                   const std::vector<std::uint32_t>& newIndex) {
+  std::vector<Corners> result;
   for (Corners corners : all) {
-    for (std::uint32_t& corner : corners) corner = number[corner];
-    if (std::find(corners.begin(), corners.end(), kNotHere) == corners.end()) kept.push_back(corners);
+    for (std::uint32_t& corner : corners) corner = newIndex[corner];
+    if (std::find(corners.begin(), corners.end(), kNotInPiece) == corners.end()) result.push_back(corners);
   }
-  return kept;
+  return result;
 }
 
 }  // namespace
@@ -50,29 +52,29 @@ SpringNetwork pieceOf(const SpringNetwork& network, const std::vector<Eigen::Ind
   SpringNetwork piece;
   piece.kind = network.kind;
   piece.stiffnessPerModulus = network.stiffnessPerModulus;
-  std::vector<std::uint32_t> number(network.restPoints.size(), kNotHere);
+  std::vector<std::uint32_t> newIndex(network.restPoints.size(), kNotInPiece);
   double mass = 0.0;
   for (const Eigen::Index point : points) {
     const auto i = static_cast<std::size_t>(point);
-    number[i] = static_cast<std::uint32_t>(piece.restPoints.size());
+    newIndex[i] = static_cast<std::uint32_t>(piece.restPoints.size());
     piece.restPoints.push_back(network.restPoints[i]);
     piece.massFractions.push_back(network.massFractions[i]);
     mass += network.massFractions[i];
   }
   for (double& share : piece.massFractions) share /= mass;
   for (const NetworkSpring& s : network.springs)
-    if (number[s.a] != kNotHere && number[s.b] != kNotHere)
-      piece.springs.push_back({number[s.a], number[s.b], s.kind, s.stiffnessScale});
-  piece.surface = keep(network.surface, number);
-  piece.tetrahedra = keep(network.tetrahedra, number);
+    if (newIndex[s.a] != kNotInPiece && newIndex[s.b] != kNotInPiece)
+      piece.springs.push_back({newIndex[s.a], newIndex[s.b], s.kind, s.stiffnessScale});
+  piece.surface = selectInPiece(network.surface, newIndex);
+  piece.tetrahedra = selectInPiece(network.tetrahedra, newIndex);
   setEdgeDefects(piece.report, piece.surface);
   return piece;
 }
 
 namespace {
 
-/// Relative to the largest distance from the centre; points nearer to a line than this are on it: meshes come
-/// in single precision.
+/// Relative to the largest distance from the centre. Points nearer to a line than this are on it, because
+/// meshes have single precision.
 constexpr double kOnLine = 1e-6;
 
 }  // namespace
@@ -106,28 +108,28 @@ Eigen::MatrixXd rigidMotions(const std::vector<Eigen::Vector3d>& points) {
   if (points.empty()) return Eigen::MatrixXd(0, 0);
   Eigen::Vector3d centre = Eigen::Vector3d::Zero();
   for (const Eigen::Vector3d& p : points) centre += p / static_cast<double>(count);
-  Eigen::Matrix3Xd arms(3, count);
-  for (Eigen::Index i = 0; i < count; ++i) arms.col(i) = points[static_cast<std::size_t>(i)] - centre;
-  const double size = arms.cwiseAbs().maxCoeff();
-  if (size > 0.0) arms /= size;
+  Eigen::Matrix3Xd offsets(3, count);
+  for (Eigen::Index i = 0; i < count; ++i) offsets.col(i) = points[static_cast<std::size_t>(i)] - centre;
+  const double size = offsets.cwiseAbs().maxCoeff();
+  if (size > 0.0) offsets /= size;
 
-  // About the principal axes of the points the rotations are orthogonal to each other, and that about the
-  // line of points on a line is the last one, and zero.
-  const Eigen::Matrix3d scatter = arms * arms.transpose();
+  // About the principal axes of the points the rotations are orthogonal to each other. For points on a line,
+  // the rotation about the line is the last one, and zero.
+  const Eigen::Matrix3d scatter = offsets * offsets.transpose();
   const Eigen::Matrix3d axes = symmetricParts3(scatter).vectors;
   Eigen::MatrixXd motions = Eigen::MatrixXd::Zero(3 * count, 6);
   Eigen::Index columns = 3;
   for (Eigen::Index i = 0; i < count; ++i)
     motions.block<3, 3>(3 * i, 0) = Eigen::Matrix3d::Identity() / std::sqrt(static_cast<double>(count));
   for (int axis = 0; axis < 3; ++axis) {
-    const Eigen::Vector3d about = axes.col(axis);
+    const Eigen::Vector3d direction = axes.col(axis);
     auto rotation = motions.col(columns);
-    double reach = 0.0;
+    double largest = 0.0;
     for (Eigen::Index i = 0; i < count; ++i) {
-      rotation.segment<3>(3 * i) = about.cross(Eigen::Vector3d(arms.col(i)));
-      reach = std::max(reach, rotation.segment<3>(3 * i).norm());
+      rotation.segment<3>(3 * i) = direction.cross(Eigen::Vector3d(offsets.col(i)));
+      largest = std::max(largest, rotation.segment<3>(3 * i).norm());
     }
-    if (reach < kOnLine) continue;
+    if (largest < kOnLine) continue;
     rotation.normalize();
     ++columns;
   }
@@ -136,16 +138,16 @@ Eigen::MatrixXd rigidMotions(const std::vector<Eigen::Vector3d>& points) {
 
 namespace {
 
-/// A mode whose eigenvalue is below this part of the stiffest one's is a mechanism. The points of a mesh come
-/// in single precision, which turns its springs by about 1e-6 and so moves the singular values of the
-/// rigidity matrix by 1e-6 of the largest (Weyl) and eigenvalues, their squares, by 1e-12. The round-off of
-/// double lies four powers of ten below.
+/// A mode with a smaller eigenvalue, relative to the stiffest one, is a mechanism. The points of a mesh have
+/// single precision. This rotates its springs by about 1e-6, and so changes the singular values of the
+/// rigidity matrix by 1e-6 of the largest (Weyl) and the eigenvalues, their squares, by 1e-12. The round-off
+/// of double precision is four powers of ten smaller.
 constexpr double kMechanism = 1e-12;
 
-/// Up to so many unknowns all eigenvalues, or all modes, are computed at once.
+/// Up to this number of unknowns, all eigenvalues or modes are computed at once.
 constexpr Eigen::Index kMaxDense = 450;
 
-/// Eigenvalues of the stiffness matrix on the mechanism's side of the bound, and the smallest on the other.
+/// The number of eigenvalues of the stiffness matrix below the bound of mechanisms, and the smallest above.
 struct SoftEnd {
   Eigen::Index below = 0;
   double softest = 0.0;
@@ -157,8 +159,8 @@ SoftEnd denseSoftEnd(const SparseMatrix& stiffness, double bound) {
   return {below, below < values.size() ? values[below] : 0.0};
 }
 
-/// Largest residual of solving with a factor, relative to the matrix, that speaks for its inertia.
-constexpr double kSoundFactor = 1e-10;
+/// Largest residual of a solution with a factor, relative to the matrix, for which its inertia is trusted.
+constexpr double kMaxFactorResidual = 1e-10;
 
 bool isSound(const SparseFactor& factor, const SparseMatrix& matrix, double size) {
   if (!factor.isComplete) return false;
@@ -166,12 +168,12 @@ bool isSound(const SparseFactor& factor, const SparseMatrix& matrix, double size
   Eigen::VectorXd b(matrix.rows());
   for (double& x : b) x = random.uniform() - 0.5;
   const Eigen::VectorXd x = solve(factor, b);
-  return (matrix * x - b).norm() <= kSoundFactor * (size * x.norm() + b.norm());
+  return (matrix * x - b).norm() <= kMaxFactorResidual * (size * x.norm() + b.norm());
 }
 
-/// Of  K - s  as many pivots are negative as K has eigenvalues below s (Sylvester), and the largest
-/// eigenvalue of its inverse belongs to the first one above. Without pivoting a factor can be unsound where s
-/// meets an eigenvalue of a leading block; then a somewhat larger s is taken.
+/// Counts eigenvalues by Sylvester's law: K - s has as many negative pivots as K has eigenvalues below s. The
+/// largest eigenvalue of its inverse belongs to the first eigenvalue above. Without pivoting, a factor can be
+/// inaccurate if s is near an eigenvalue of a leading block; then a somewhat larger s is used.
 SoftEnd sparseSoftEnd(const SparseMatrix& stiffness, double bound, double stiffest) {
   SparseFactor factor;
   double shift = 0.0;
@@ -217,18 +219,18 @@ SmallDeformations smallDeformations(const SpringNetwork& network) {
 
 namespace {
 
-constexpr Eigen::Index kBlock = 8;  // vectors that the space grows by
-constexpr int kMaxBlocks = 400;     // by then something is wrong with the matrix
+constexpr Eigen::Index kBlock = 8;  // vectors added to the space at once
+constexpr int kMaxBlocks = 400;     // more blocks mean an error in the matrix
 constexpr int kBlocksBetweenChecks = 3;
-constexpr double kModeTolerance = 1e-5;  // of a residual, relative to the eigenvalue of the inverse
-constexpr double kConfirmed = 1e-4;      // relative change of an eigenvalue that says that nothing was missed
-constexpr double kDependent = 1e-13;     // norm of what is left of a unit vector: round-off
-constexpr double kRelativeShift = 1e-9;  // of the largest eigenvalue, added so that there is an inverse
+constexpr double kModeTolerance = 1e-5;  // largest residual, relative to the eigenvalue of the inverse
+constexpr double kConfirmed = 1e-4;      // relative change of an eigenvalue below which no mode was missed
+constexpr double kDependent = 1e-13;     // norm of the rest of a unit vector that counts as round-off
+constexpr double kRelativeShift = 1e-9;  // of the largest eigenvalue, added so that the inverse exists
 
 using Block = Eigen::Matrix<double, Eigen::Dynamic, kBlock>;
 using RowBlock = Eigen::Matrix<double, Eigen::Dynamic, kBlock, Eigen::RowMajor>;
 
-/// Each eigenvalue lies within the sum of a row's magnitudes (Gershgorin).
+/// Returns an upper bound of the eigenvalues: the largest sum of a row's magnitudes (Gershgorin).
 double largestRowSum(const SparseMatrix& matrix) {
   Eigen::VectorXd sums = Eigen::VectorXd::Zero(matrix.rows());
   for (Eigen::Index j = 0; j < matrix.outerSize(); ++j)
@@ -237,22 +239,22 @@ double largestRowSum(const SparseMatrix& matrix) {
   return sums.size() ? sums.maxCoeff() : 0.0;
 }
 
-/// The modes within the space of `shapes` U (orthonormal): with  (R U)^T R U = B S B^T  they are U B. The
-/// round-off of S is that of the stiffest mode of the space, not of all.
+/// Returns the modes within the space of `shapes` U (orthonormal): with  (R U)^T R U = B S B^T  they are U B.
+/// The round-off of S is relative to the stiffest mode of the space, not of all modes.
 Modes modesWithin(const SparseMatrix& rigidity, const Eigen::MatrixXd& shapes) {
   const Eigen::MatrixXd stretches = rigidity * shapes;
   const SymmetricParts ritz = symmetricParts(transposedProduct(stretches, stretches));
   return {ritz.values.cwiseMax(0.0), product(shapes, ritz.vectors)};
 }
 
-/// With rigid motions made the stiffest of all.
+/// Makes the rigid motions the stiffest modes, so that they are not among the first `count`.
 Eigen::MatrixXd denseModes(const SparseMatrix& stiffness, const Eigen::MatrixXd& rigid, Eigen::Index count) {
   Eigen::MatrixXd matrix = stiffness;
   matrix += (2.0 * largestRowSum(stiffness) + 1.0) * product(rigid, rigid.transpose());
   return symmetricParts(matrix).vectors.leftCols(count);
 }
 
-/// (K + s)^-1 for several vectors at a time.
+/// Multiplies several vectors at a time by (K + s)^-1.
 class ShiftedInverse {
  public:
   ShiftedInverse(const SparseMatrix& stiffness, double shift) {
@@ -274,15 +276,15 @@ class ShiftedInverse {
   SparseFactor factor_;
 };
 
-/// The space that block Lanczos with thick restarts (Wu, Simon 2000) spans with the inverse, whose largest
-/// eigenvalues are the softest modes. All products are kept instead of the three-term recurrence: spaces are
-/// small, and then no round-off can bring false copies of modes.
+/// The space of block Lanczos with thick restarts (Wu, Simon 2000) for the inverse, whose largest eigenvalues
+/// are the softest modes. It stores all products instead of using the three-term recurrence: the spaces are
+/// small, and then round-off cannot create false copies of modes.
 struct SoftSpace {
   const ShiftedInverse& inverse;
   const Eigen::MatrixXd& rigid;
-  Eigen::MatrixXd basis{}, product{};  ///< orthonormal, and the inverse times it; `columns` of them
+  Eigen::MatrixXd basis{}, product{};  ///< orthonormal, and the inverse times it; `columns` columns are used
   Eigen::Index columns = 0;
-  Eigen::VectorXd values{};   ///< of the inverse within the space, descending
+  Eigen::VectorXd values{};   ///< eigenvalues of the inverse within the space, descending
   Eigen::MatrixXd vectors{};  ///< columns x columns, in terms of the basis
   Random random{1};
 };
@@ -299,8 +301,9 @@ void randomise(SoftSpace& space, Eigen::Ref<Eigen::MatrixXd> block) {
   block.colwise().normalize();
 }
 
-/// Orthonormal and orthogonal to the space and to rigid motions; random where nothing is left. Twice, since
-/// once leaves the round-off of what was taken away (Parlett 1998, section 6.9).
+/// Makes the block orthonormal and orthogonal to the space and to rigid motions. Columns without a remainder
+/// become random. Does so twice, because one pass leaves the round-off of the subtracted part (Parlett 1998,
+/// section 6.9).
 Block orthonormal(SoftSpace& space, Block block) {
   block.colwise().normalize();
   for (int pass = 0; pass < 2; ++pass) {
@@ -320,14 +323,14 @@ Block orthonormal(SoftSpace& space, Block block) {
   return block;
 }
 
-/// Adds the block to the space and returns what the inverse leads to from it.
+/// Adds the block to the space and returns the next block, which the inverse makes from it.
 Block extend(SoftSpace& space, const Block& block) {
-  Block answer = space.inverse * block;
-  answer -= product(space.rigid, transposedProduct(space.rigid, answer));
+  Block response = space.inverse * block;
+  response -= product(space.rigid, transposedProduct(space.rigid, response));
   space.basis.middleCols(space.columns, kBlock) = block;
-  space.product.middleCols(space.columns, kBlock) = answer;
+  space.product.middleCols(space.columns, kBlock) = response;
   space.columns += kBlock;
-  return orthonormal(space, answer);
+  return orthonormal(space, response);
 }
 
 void solveWithin(SoftSpace& space) {
@@ -348,8 +351,8 @@ bool isConverged(const SoftSpace& space, Eigen::Index count) {
       .all();
 }
 
-/// Shrinks the space to its softest `count` modes.
-void keep(SoftSpace& space, Eigen::Index count) {
+/// Reduces the space to its softest `count` modes.
+void shrink(SoftSpace& space, Eigen::Index count) {
   space.basis.leftCols(count) = product(space.basis.leftCols(space.columns), space.vectors.leftCols(count));
   space.product.leftCols(count) =
       product(space.product.leftCols(space.columns), space.vectors.leftCols(count));
@@ -364,10 +367,10 @@ Block randomBlock(SoftSpace& space) {
 
 /// Grows the space until it holds the `count` softest modes, or for kMaxBlocks blocks.
 ///
-/// Symmetric shapes have equal modes and tessellated boxes many mechanisms, of which a Krylov space holds no
-/// more than a block: what was found counts when fresh random vectors change nothing.
+/// Symmetric shapes have equal modes, and tessellated boxes many mechanisms. A Krylov space holds at most one
+/// block of equal modes, so a result is accepted only when new random vectors do not change it.
 void converge(SoftSpace& space, Eigen::Index count) {
-  Eigen::VectorXd found = Eigen::VectorXd::Zero(count);
+  Eigen::VectorXd previousValues = Eigen::VectorXd::Zero(count);
   Block next = randomBlock(space);
   for (int round = 1, sinceFresh = 1; round <= kMaxBlocks; ++round, ++sinceFresh) {
     next = extend(space, next);
@@ -376,16 +379,16 @@ void converge(SoftSpace& space, Eigen::Index count) {
     solveWithin(space);
     if (isConverged(space, count)) {
       const Eigen::VectorXd values = space.values.head(count);
-      if (((values - found).array().abs() <= kConfirmed * values.array()).all()) return;
-      found = values;
-      keep(space, count);
+      if (((values - previousValues).array().abs() <= kConfirmed * values.array()).all()) return;
+      previousValues = values;
+      shrink(space, count);
       next = randomBlock(space);
       sinceFresh = 0;
     } else if (isFull) {
-      keep(space, count + 2 * kBlock);
+      shrink(space, count + 2 * kBlock);
     }
   }
-  solveWithin(space);  // it has grown since it was solved last
+  solveWithin(space);  // the space has grown since the last solution
 }
 
 Eigen::MatrixXd sparseModes(const SparseMatrix& stiffness, const Eigen::MatrixXd& rigid, Eigen::Index count) {
@@ -400,7 +403,7 @@ Eigen::MatrixXd sparseModes(const SparseMatrix& stiffness, const Eigen::MatrixXd
 
 constexpr int kRoughPasses = 2;
 
-/// Inverse iteration of a random space (subspace iteration).
+/// Computes shapes by inverse iteration of a random space (subspace iteration).
 Eigen::MatrixXd roughShapes(const SparseMatrix& stiffness, const Eigen::MatrixXd& rigid, Eigen::Index count) {
   const double stiffest = largestRowSum(stiffness);
   const ShiftedInverse inverse(stiffness, stiffest > 0.0 ? kRelativeShift * stiffest : 1.0);
@@ -430,12 +433,12 @@ Modes roughModes(const SpringNetwork& network, std::size_t count) {
 Modes softestModes(const SpringNetwork& network, std::size_t count) {
   const SparseMatrix rigidity = rigidityMatrix(network), stiffness = stiffnessMatrix(rigidity);
   const Eigen::MatrixXd rigid = rigidMotions(network.restPoints);
-  const Eigen::Index unknowns = stiffness.rows(), there = unknowns - rigid.cols();
-  const auto wanted = static_cast<Eigen::Index>(std::min(count, static_cast<std::size_t>(there)));
-  if (wanted == 0) return {Eigen::VectorXd(0), Eigen::MatrixXd(unknowns, 0)};
-  const bool isDense = unknowns <= kMaxDense || 4 * wanted > unknowns;
-  return modesWithin(rigidity,
-                     isDense ? denseModes(stiffness, rigid, wanted) : sparseModes(stiffness, rigid, wanted));
+  const Eigen::Index unknowns = stiffness.rows(), available = unknowns - rigid.cols();
+  const auto modeCount = static_cast<Eigen::Index>(std::min(count, static_cast<std::size_t>(available)));
+  if (modeCount == 0) return {Eigen::VectorXd(0), Eigen::MatrixXd(unknowns, 0)};
+  const bool isDense = unknowns <= kMaxDense || 4 * modeCount > unknowns;
+  return modesWithin(
+      rigidity, isDense ? denseModes(stiffness, rigid, modeCount) : sparseModes(stiffness, rigid, modeCount));
 }
 
 }  // namespace limber

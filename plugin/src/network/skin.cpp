@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// Makes a detailed mesh ride on the points of a network. Points that are near only through the air are found
-// first, so that they count little.
+// Makes a detailed mesh follow the points of a network. Finds the points that are near only across a gap in
+// the body first, and gives them little weight.
 
 #include <limber/skin.h>
 
@@ -28,103 +28,108 @@ using Eigen::Vector3d;
 
 using SparseRows = Eigen::SparseMatrix<double, Eigen::RowMajor>;
 
-/// Points whose straight ways are looked at; those farther off hardly weigh in a skin.
-constexpr std::size_t kNearest = 200;
-/// How far straight ways may leave the surface, of the size of the body.
+/// Number of nearest points to which straight paths are tested; farther ones have little weight in a skin.
+constexpr std::size_t kMaxNeighbours = 200;
+/// Fraction of the size of the body by which straight paths may leave the surface.
 constexpr double kGapTolerance = 1e-3;
-/// Ways longer than this times the distance of the farthest of the nearest are cut.
-constexpr double kLongestWay = 3.0;
-/// The variance begins where the square of the way is this many times that of the straight line (ways bend at
-/// points only, so that they are somewhat too long), and grows this much faster than the kernel.
+/// Paths longer than this times the distance of the farthest of the nearest points are cut off.
+constexpr double kMaxPathRatio = 3.0;
+/// kFreeDetour: the variance begins where the square of the path is this many times that of the straight
+/// line. (Paths bend only at points, so they are somewhat too long.) kVariance: factor by which the variance
+/// grows faster than the kernel.
 constexpr double kFreeDetour = 1.5, kVariance = 30.0;
-/// Rounds of averaging over the detailed mesh at most, and what is dropped between them.
+/// Largest number of rounds of averaging over the detailed mesh, and the size of entries that are dropped
+/// between them.
 constexpr std::size_t kMaxGapRounds = 200;
 constexpr double kNegligible = 1e-3;
 
-struct Way {
+struct Link {
   std::uint32_t to;
   double length;
 };
 
-using Ways = std::vector<std::vector<Way>>;
+using Links = std::vector<std::vector<Link>>;
 
-/// Nearest first, without `point`.
-std::vector<Way> nearestPoints(const std::vector<Vector3d>& points, std::uint32_t point) {
-  std::vector<Way> all;
+/// Returns the nearest points, the nearest first, without `point`.
+std::vector<Link> nearestPoints(const std::vector<Vector3d>& points, std::uint32_t point) {
+  std::vector<Link> all;
   for (std::uint32_t i = 0; i < points.size(); ++i) {
     if (i != point) all.push_back({i, (points[i] - points[point]).norm()});
   }
-  const std::size_t count = std::min(kNearest, all.size());
+  const std::size_t count = std::min(kMaxNeighbours, all.size());
   std::partial_sort(
       all.begin(), all.begin() + static_cast<std::ptrdiff_t>(count), all.end(),
-      [](const Way& s, const Way& t) { return s.length != t.length ? s.length < t.length : s.to < t.to; });
+      [](const Link& s, const Link& t) { return s.length != t.length ? s.length < t.length : s.to < t.to; });
   all.resize(count);
   return all;
 }
 
-void connect(Ways& ways, const std::vector<Vector3d>& points, std::uint32_t a, std::uint32_t b) {
+void connect(Links& links, const std::vector<Vector3d>& points, std::uint32_t a, std::uint32_t b) {
   const double length = (points[a] - points[b]).norm();
-  ways[a].push_back({b, length});
-  ways[b].push_back({a, length});
+  links[a].push_back({b, length});
+  links[b].push_back({a, length});
 }
 
-/// Edges of triangles and tetrahedra.
-Ways edgeWays(const SpringNetwork& network) {
-  Ways ways(network.restPoints.size());
-  for (const Edge& edge : uniqueEdges(network.surface)) connect(ways, network.restPoints, edge[0], edge[1]);
+/// Returns the edges of triangles and tetrahedra.
+Links edgeLinks(const SpringNetwork& network) {
+  Links links(network.restPoints.size());
+  for (const Edge& edge : uniqueEdges(network.surface)) connect(links, network.restPoints, edge[0], edge[1]);
   for (const Tetrahedron& t : network.tetrahedra) {
     for (std::size_t i = 0; i < 4; ++i) {
-      for (std::size_t j = i + 1; j < 4; ++j) connect(ways, network.restPoints, t[i], t[j]);
+      for (std::size_t j = i + 1; j < 4; ++j) connect(links, network.restPoints, t[i], t[j]);
     }
   }
-  return ways;
+  return links;
 }
 
-/// Adds the straight ways that stay inside; which points have a near one that they do not see.
-std::vector<char> addStraightWays(Ways& ways, const std::vector<Vector3d>& points,
-                                  const std::vector<std::vector<Way>>& nearest, const TriangleBvh& surface) {
+/// Adds the straight links that stay inside. Returns for each point whether a straight path to a near point
+/// leaves the surface.
+std::vector<char> addStraightLinks(Links& links, const std::vector<Vector3d>& points,
+                                   const std::vector<std::vector<Link>>& nearest,
+                                   const TriangleBvh& surface) {
   const double tolerance = kGapTolerance * extent(points);
   std::vector<char> hidden(points.size(), 0);
   for (std::uint32_t i = 0; i < points.size(); ++i) {
-    for (const Way& way : nearest[i]) {
-      const bool otherLooksToo = std::any_of(nearest[way.to].begin(), nearest[way.to].end(),
-                                             [&](const Way& back) { return back.to == i; });
-      if (otherLooksToo && way.to < i) continue;
-      if (surface.staysInside(points[i], points[way.to], tolerance)) {
-        connect(ways, points, i, way.to);
+    for (const Link& link : nearest[i]) {
+      const bool isMutual = std::any_of(nearest[link.to].begin(), nearest[link.to].end(),
+                                        [&](const Link& back) { return back.to == i; });
+      if (isMutual && link.to < i) continue;
+      if (surface.staysInside(points[i], points[link.to], tolerance)) {
+        connect(links, points, i, link.to);
       } else {
-        hidden[i] = hidden[way.to] = 1;
+        hidden[i] = hidden[link.to] = 1;
       }
     }
   }
   return hidden;
 }
 
-/// Lengths of the shortest ways from `from` (E. Dijkstra, 1959), `longest` where there is no shorter one.
-void shortestWays(const Ways& ways, std::uint32_t from, double longest, std::vector<double>& length) {
+/// Computes the lengths of the shortest paths from `from` (E. Dijkstra, 1959), `maxLength` if there is no
+/// shorter one.
+void shortestPaths(const Links& links, std::uint32_t from, double maxLength, std::vector<double>& length) {
   using Arrival = std::pair<double, std::uint32_t>;
   std::priority_queue<Arrival, std::vector<Arrival>, std::greater<>> front;
-  std::fill(length.begin(), length.end(), longest);
+  std::fill(length.begin(), length.end(), maxLength);
   length[from] = 0.0;
   front.push({0.0, from});
   while (!front.empty()) {
-    const auto [here, point] = front.top();
+    const auto [distance, point] = front.top();
     front.pop();
-    if (here > length[point]) continue;
-    for (const Way& way : ways[point]) {
-      if (here + way.length >= length[way.to]) continue;
-      length[way.to] = here + way.length;
-      front.push({length[way.to], way.to});
+    if (distance > length[point]) continue;
+    for (const Link& link : links[point]) {
+      if (distance + link.length >= length[link.to]) continue;
+      length[link.to] = distance + link.length;
+      front.push({length[link.to], link.to});
     }
   }
 }
 
-double variance(double way, double straight) {
-  const double excess = way * way - kFreeDetour * straight * straight;
+double variance(double path, double straight) {
+  const double excess = path * path - kFreeDetour * straight * straight;
   return excess > 0.0 ? kVariance * std::pow(excess, 1.5) : 0.0;
 }
 
-/// Each row the mean of a vertex and its neighbours.
+/// Returns a matrix that averages: each row is the mean of a vertex and its neighbours.
 SparseRows averaging(const WeldedMesh& mesh) {
   std::vector<Eigen::Triplet<double>> entries;
   const auto count = static_cast<Index>(mesh.points.size());
@@ -139,26 +144,26 @@ SparseRows averaging(const WeldedMesh& mesh) {
   return sums.cwiseInverse().asDiagonal() * matrix;
 }
 
-/// How little a point tells about another that is near it through the air only, #points x #points, m^3: a
-/// variance to set against that of |r|^3 interpolation, where the expected square of the difference between
-/// two positions grows with the cube of their distance. It rises from 0 as the shortest way through the body
-/// becomes longer than the straight line. Not stored: 0, and for points that are not among each other's
-/// nearest.
+/// Returns the uncertainty of a point's motion as a prediction of the motion of another point that is near it
+/// only across a gap, #points x #points, m^3. It is a variance comparable to that of |r|^3 interpolation,
+/// where the expected square of the difference between two positions grows with the cube of their distance.
+/// It grows from 0 as the shortest path through the body becomes longer than the straight line. Entries of 0,
+/// and of points that are not among each other's nearest, are not stored.
 SparseRows gapVariances(const SpringNetwork& network, const TriangleBvh& surface) {
   const std::vector<Vector3d>& points = network.restPoints;
-  std::vector<std::vector<Way>> nearest;
+  std::vector<std::vector<Link>> nearest;
   for (std::uint32_t i = 0; i < points.size(); ++i) nearest.push_back(nearestPoints(points, i));
-  Ways ways = edgeWays(network);
-  const std::vector<char> hidden = addStraightWays(ways, points, nearest, surface);
+  Links links = edgeLinks(network);
+  const std::vector<char> hidden = addStraightLinks(links, points, nearest, surface);
 
   std::vector<Eigen::Triplet<double>> entries;
   std::vector<double> length(points.size());
   for (std::uint32_t i = 0; i < points.size(); ++i) {
     if (!hidden[i]) continue;
-    shortestWays(ways, i, kLongestWay * nearest[i].back().length, length);
-    for (const Way& way : nearest[i]) {
-      const double v = variance(length[way.to], way.length);
-      if (v > 0.0) entries.emplace_back(i, way.to, v);
+    shortestPaths(links, i, kMaxPathRatio * nearest[i].back().length, length);
+    for (const Link& link : nearest[i]) {
+      const double v = variance(length[link.to], link.length);
+      if (v > 0.0) entries.emplace_back(i, link.to, v);
     }
   }
   SparseRows result(static_cast<Index>(points.size()), static_cast<Index>(points.size()));
@@ -166,12 +171,14 @@ SparseRows gapVariances(const SpringNetwork& network, const TriangleBvh& surface
   return result;
 }
 
-/// How far the vertices of a detailed mesh belong to the points of the coarse surface, #vertices x #points,
-/// from 0 to 1: smooth over the detailed mesh, so that it knows of no part that is only near.
+/// Returns how much the vertices of a detailed mesh belong to the points of the coarse surface, from 0 to 1,
+/// #vertices x #points. The result is smooth over the detailed mesh, so that it ignores parts that are only
+/// near.
 ///
-/// Begins with the barycentric coordinates of the nearest place on the coarse surface that faces the same
-/// way, and blurs them over about half a coarse edge: no kinks at the edges of the coarse surface.
-SparseRows belonging(const WeldedMesh& mesh, const SpringNetwork& network, const TriangleBvh& surface) {
+/// The function begins with the barycentric coordinates of the nearest place on the coarse surface that faces
+/// the same direction. It blurs them over about half a coarse edge, so that there are no kinks at the edges
+/// of the coarse surface.
+SparseRows membership(const WeldedMesh& mesh, const SpringNetwork& network, const TriangleBvh& surface) {
   std::vector<Eigen::Triplet<double>> entries;
   const std::vector<Vector3d> normals = vertexNormals(mesh.points, mesh.triangles);
   for (std::size_t i = 0; i < mesh.points.size(); ++i) {
@@ -193,18 +200,18 @@ SparseRows belonging(const WeldedMesh& mesh, const SpringNetwork& network, const
   return result;
 }
 
-/// 8 bytes each in the skin, 12 more while it is made.
+/// Each takes 8 bytes in the skin and 12 more during its construction.
 constexpr std::size_t kMaxWeights = 20'000'000;
 
 SkinProblem makeProblem(const SpringNetwork& network, const WeldedMesh& mesh, SkinKind kind) {
   SkinProblem problem{network.restPoints, mesh.points, vertexNormals(mesh.points, mesh.triangles), {}};
   if (kind == SkinKind::Barycentric) return problem;
   const TriangleBvh surface(network.restPoints, network.surface);
-  problem.variances = belonging(mesh, network, surface) * gapVariances(network, surface);
+  problem.variances = membership(mesh, network, surface) * gapVariances(network, surface);
   return problem;
 }
 
-std::string refuse(const SpringNetwork& network, const WeldedMesh& mesh, const SkinSettings& settings) {
+std::string checkInput(const SpringNetwork& network, const WeldedMesh& mesh, const SkinSettings& settings) {
   if (settings.neighbours < 4)
     return "a skin of " + std::to_string(settings.neighbours) +
            " neighbours was asked for, it takes 4 or more";
@@ -229,7 +236,8 @@ SkinWeights solve(const SpringNetwork& network, const SkinProblem& problem, cons
                                     : tetrahedronWeights(problem, network.tetrahedra);
 }
 
-/// Largest first, each with the rounding error of those before: what is left over is that of the smallest.
+/// Rounds the largest weight first. Each one also corrects the rounding errors of those before, so the
+/// remaining error is that of the smallest.
 void roundPlace(const SkinWeights& exact, std::uint32_t begin, std::uint32_t end,
                 std::vector<float>& weights) {
   std::vector<std::uint32_t> order(end - begin);
@@ -237,10 +245,10 @@ void roundPlace(const SkinWeights& exact, std::uint32_t begin, std::uint32_t end
   std::stable_sort(order.begin(), order.end(), [&](std::uint32_t i, std::uint32_t j) {
     return std::abs(exact.weights[i]) > std::abs(exact.weights[j]);
   });
-  double left = 0.0;
+  double error = 0.0;
   for (const std::uint32_t w : order) {
-    weights[w] = static_cast<float>(exact.weights[w] + left);
-    left += exact.weights[w] - static_cast<double>(weights[w]);
+    weights[w] = static_cast<float>(exact.weights[w] + error);
+    error += exact.weights[w] - static_cast<double>(weights[w]);
   }
 }
 
@@ -265,7 +273,8 @@ Skin rounded(const SkinWeights& exact) {
 
 Result<SkinWeights> skinWeights(const SpringNetwork& network, const WeldedMesh& mesh,
                                 const SkinSettings& settings) {
-  if (std::string reason = refuse(network, mesh, settings); !reason.empty()) return Error{std::move(reason)};
+  if (std::string reason = checkInput(network, mesh, settings); !reason.empty())
+    return Error{std::move(reason)};
   SkinWeights weights = solve(network, makeProblem(network, mesh, settings.kind), settings);
   const auto finite = [](double w) { return std::isfinite(w); };
   if (!std::all_of(weights.weights.begin(), weights.weights.end(), finite))
@@ -287,7 +296,7 @@ Result<SharedNetwork> withSkin(const SpringNetwork& network, const TriangleMesh&
   return SharedNetwork(std::move(skinned));
 }
 
-/// Relative to the first point of each place, so that nothing is lost far from the origin.
+/// Sums relative to the first point of each place, so that no precision is lost far from the origin.
 void applySkin(const Skin& skin, const float* points, float* places) {
   for (std::size_t i = 0; i < skin.size(); ++i) {
     const std::uint32_t begin = skin.firstWeight[i], end = skin.firstWeight[i + 1];

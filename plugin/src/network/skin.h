@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// Declares the weights with which the places of a skin ride on the points of a network.
+// Declares the weights of skins, whose places follow the points of a network.
 #pragma once
 
 #include "mesh/triangle_bvh.h"
@@ -25,39 +25,41 @@ struct SkinWeights {
   std::vector<double> weights;                ///< #weights
 };
 
-/// What rides on what.
+/// The places of a skin and the points that they follow.
 struct SkinProblem {
   std::vector<Eigen::Vector3d> points;   ///< #points
   std::vector<Eigen::Vector3d> places;   ///< #places
   std::vector<Eigen::Vector3d> normals;  ///< #places, outward
-  SparseRows
-      variances;  ///< #places x #points, m^3: how little a point tells about a place, see gapVariances()
+  SparseRows variances;  ///< #places x #points, m^3: the uncertainty of a point's motion as a prediction of a
+                         ///< place's motion, see gapVariances()
 };
 
-/// Whether the points lie in no plane, so that affine motions can be told from them.
+/// Returns whether the points do not lie in a plane, so that they determine affine motions.
 bool spansSpace(const std::vector<Eigen::Vector3d>& points);
 
-/// Interpolation by  sum l_i k(|x - x_i|) + c + a . x  over all points, k Matern's covariance. They must span
-/// space.
+/// Interpolates by  sum l_i k(|x - x_i|) + c + a . x  over all points, with Matern's covariance k. The points
+/// must span space.
 SkinWeights denseWeights(const SkinProblem& problem);
 
-/// The same with |x - x_i|^3 over the `neighbours` nearest points of each place, at most three exchanged for
-/// farther ones where the nearest lie in a plane.
+/// Interpolates with |x - x_i|^3 over the `neighbours` nearest points of each place. At most three of them
+/// are replaced by farther ones if the nearest lie in a plane.
 SkinWeights sparseWeights(const SkinProblem& problem, std::uint32_t neighbours);
 
-/// Barycentric coordinates in the tetrahedron in which the place lies, or next to which it lies.
+/// Returns barycentric coordinates in the tetrahedron that contains the place or is next to it.
 SkinWeights tetrahedronWeights(const SkinProblem& problem, const std::vector<Tetrahedron>& tetrahedra);
 
-/// Barycentric coordinates in the tetrahedron of the nearest triangle and a point across the body from it.
+/// Returns barycentric coordinates in the tetrahedron of the nearest triangle and a point on the opposite
+/// side of the body.
 SkinWeights triangleWeights(const SkinProblem& problem, const std::vector<Triangle>& surface);
 
-/// How a welded mesh is drawn: its vertices ride on the welded points, or on the places of a skin.
+/// Makes the render surface of a welded mesh. Its vertices follow the welded points or, with a skin, the
+/// places of the skin.
 RenderSurface makeRenderSurface(const TriangleMesh& mesh, const WeldedMesh& welded, Skin skin = {});
 
-/// Rounded so that the weights of each place sum to 1 as closely as floats allow.
+/// Rounds the weights so that those of each place sum to 1 as closely as floats allow.
 Skin rounded(const SkinWeights& exact);
 
-/// The weights of the welded mesh's points on those of the network. Errors: as withSkin().
+/// Computes the weights of the welded mesh's points on the points of the network. Errors: as in withSkin().
 Result<SkinWeights> skinWeights(const SpringNetwork& network, const WeldedMesh& mesh,
                                 const SkinSettings& settings);
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// Finds the weights of skins: barycentric ones in tetrahedra and triangles, and those of radial
+// Computes the weights of skins: barycentric ones in tetrahedra and triangles, and those of radial
 // interpolation.
 
 #include "network/skin.h"
@@ -43,7 +43,7 @@ void addPlace(SkinWeights& skin, const std::vector<Vector3d>& points, const Tetr
   skin.firstWeight.push_back(static_cast<std::uint32_t>(skin.points.size()));
 }
 
-/// The faces that only one tetrahedron has, and whose they are.
+/// The faces that belong to only one tetrahedron, and the indices of these tetrahedra.
 struct Border {
   std::vector<Triangle> faces;
   std::vector<std::uint32_t> owner;  ///< #faces
@@ -58,24 +58,24 @@ Border borderOf(const std::vector<Tetrahedron>& tetrahedra, const FaceNeighbours
   return border;
 }
 
-/// From tetrahedron to tetrahedron through the side that the place lies farthest beyond, until none is, or
-/// the border is reached, or as many steps are taken as there are tetrahedra.
-std::uint32_t walkTo(const Vector3d& place, std::uint32_t start, const std::vector<Vector3d>& points,
-                     const std::vector<Tetrahedron>& tetrahedra, const FaceNeighbours& neighbours) {
-  std::uint32_t here = start;
+/// Moves from tetrahedron to tetrahedron, through the face that the place lies farthest beyond. Stops in the
+/// tetrahedron that contains the place, at the border, or after as many steps as there are tetrahedra.
+std::uint32_t findTetrahedron(const Vector3d& place, std::uint32_t start, const std::vector<Vector3d>& points,
+                              const std::vector<Tetrahedron>& tetrahedra, const FaceNeighbours& neighbours) {
+  std::uint32_t current = start;
   for (std::size_t step = 0; step < tetrahedra.size(); ++step) {
     Eigen::Index corner = 0;
-    const double least = barycentric(points, tetrahedra[here], place).minCoeff(&corner);
-    const std::uint32_t next = neighbours[here][static_cast<std::size_t>(corner)];
-    if (least >= 0.0 || next == kOutside) return here;
-    here = next;
+    const double smallest = barycentric(points, tetrahedra[current], place).minCoeff(&corner);
+    const std::uint32_t next = neighbours[current][static_cast<std::size_t>(corner)];
+    if (smallest >= 0.0 || next == kOutside) return current;
+    current = next;
   }
-  return here;
+  return current;
 }
 
-/// The nearest triangle that faces as the place does: that of a part that only nearly touches faces the other
-/// way.
-std::uint32_t nearestOutside(const TriangleBvh& bvh, const SkinProblem& problem, std::size_t place) {
+/// Returns the nearest triangle that faces the same direction as the place. A part of the body that only
+/// nearly touches faces the opposite direction.
+std::uint32_t nearestFacingTriangle(const TriangleBvh& bvh, const SkinProblem& problem, std::size_t place) {
   const TriangleHit hit = bvh.nearestFacing(problem.places[place], problem.normals[place]);
   return hit ? hit.triangle : bvh.nearest(problem.places[place]).triangle;
 }
@@ -84,24 +84,24 @@ Vector3d unitNormal(const std::vector<Vector3d>& points, const Triangle& t) {
   return (points[t[1]] - points[t[0]]).cross(points[t[2]] - points[t[0]]).normalized();
 }
 
-/// Height over the plane of the triangle against the distance from its middle: how steep a fourth corner is.
+/// Returns the height of the point over the plane of the triangle divided by the distance from its centroid.
 double steepness(const std::vector<Vector3d>& points, const Triangle& t, std::uint32_t point) {
   const Vector3d away = points[point] - (points[t[0]] + points[t[1]] + points[t[2]]) / 3.0;
   const double distance = away.norm();
   return distance > 0.0 ? std::abs(away.dot(unitNormal(points, t))) / distance : 0.0;
 }
 
-/// Steep enough for a fourth corner; else the steepest of all points is taken.
-constexpr double kSteep = 0.3;
+/// Smallest steepness of a fourth corner; otherwise the steepest of all points is used.
+constexpr double kMinSteepness = 0.3;
 
-/// A point across the body from the triangle, with which it makes a tetrahedron.
+/// Returns a point on the opposite side of the body that makes a tetrahedron with the triangle.
 std::uint32_t fourthCorner(const std::vector<Vector3d>& points, const std::vector<Triangle>& surface,
                            const TriangleBvh& bvh, const Triangle& t) {
   const Vector3d middle = (points[t[0]] + points[t[1]] + points[t[2]]) / 3.0;
   const double size = (points[t[1]] - points[t[0]]).norm();
   const auto hit = bvh.firstHit(middle, -unitNormal(points, t), 1e-3 * size, HUGE_VAL);
   std::uint32_t best = kNoTriangle;
-  double steepest = kSteep;
+  double steepest = kMinSteepness;
   if (hit) {
     for (const std::uint32_t point : surface[hit.triangle]) {
       if (steepness(points, t, point) <= steepest) continue;
@@ -128,8 +128,8 @@ SkinWeights tetrahedronWeights(const SkinProblem& problem, const std::vector<Tet
   SkinWeights result;
   for (std::size_t p = 0; p < problem.places.size(); ++p) {
     const Vector3d& place = problem.places[p];
-    const std::uint32_t start = border.owner[nearestOutside(bvh, problem, p)];
-    const std::uint32_t found = walkTo(place, start, problem.points, tetrahedra, neighbours);
+    const std::uint32_t start = border.owner[nearestFacingTriangle(bvh, problem, p)];
+    const std::uint32_t found = findTetrahedron(place, start, problem.points, tetrahedra, neighbours);
     addPlace(result, problem.points, tetrahedra[found], place);
   }
   return result;
@@ -140,7 +140,7 @@ SkinWeights triangleWeights(const SkinProblem& problem, const std::vector<Triang
   std::vector<std::uint32_t> fourth(surface.size(), kNoTriangle);
   SkinWeights result;
   for (std::size_t p = 0; p < problem.places.size(); ++p) {
-    const std::uint32_t i = nearestOutside(bvh, problem, p);
+    const std::uint32_t i = nearestFacingTriangle(bvh, problem, p);
     const Triangle& t = surface[i];
     if (fourth[i] == kNoTriangle) fourth[i] = fourthCorner(problem.points, surface, bvh, t);
     addPlace(result, problem.points, {t[0], t[1], t[2], fourth[i]}, problem.places[p]);
@@ -153,25 +153,26 @@ namespace {
 // Interpolating f at points x_i by  s(x) = sum l_i k(|x - x_i|) + c + a . x  with  sum l_i = 0, sum l_i x_i =
 // 0  is linear in the values f_i: with the symmetric matrix M of these conditions,
 //     s(x) = b(x)^T M^-1 (f, 0),   b(x) = (k(|x - x_1|), ..., k(|x - x_n|), 1, x),
-// so that the weights of a place are the first n entries of M^-1 b(x).
+// so the weights of a place are the first n entries of M^-1 b(x).
 //
-// The same is the best prediction of a random field with the covariance k, about an affine one (kriging: G.
-// Matheron, "The intrinsic random functions and their applications", 1973). Dense skins take B. Matern's
-// covariance (1960) of fields that are twice differentiable and, over lengths well above the body's, smooth:
-// on boxes, whose points see each field on flat faces only, the cubic kernel |r|^3 (J. Duchon, 1977) of less
-// smooth fields errs three times as much. Sparse ones take |r|^3, which tells no lengths apart: its weights
-// change less when a neighbour is exchanged. In kriging a point can be
-// a measurement with an error of variance v_i: M gets v_i on its diagonal. So points across a gap in the body
-// fade out, without a jump, and the affine motions stay exact. M differs from place to place then; with
-// V the diagonal matrix of the v_i > 0 of a place, R the matrix that picks their rows, and w = M^-1 b
-// (Woodbury),
+// This is also the best prediction of a random field with the covariance k about an affine field (kriging: G.
+// Matheron, "The intrinsic random functions and their applications", 1973). Dense skins use B. Matern's
+// covariance (1960) of fields that are twice differentiable and smooth over lengths well above the body's. On
+// boxes, where the points sample each field on flat faces only, the cubic kernel |r|^3 (J. Duchon, 1977) of
+// less smooth fields has three times the error. Sparse skins use |r|^3, which has no length scale: its
+// weights change less when a neighbour is replaced.
+//
+// In kriging, a point can be a measurement with an error of variance v_i: v_i is added to the diagonal of M.
+// So points across a gap in the body lose weight continuously, and the affine motions stay exact. M is then
+// different for each place. With the diagonal matrix V of the v_i > 0 of a place, the matrix R that selects
+// their rows, and w = M^-1 b (Woodbury),
 //     (M + R^T V R)^-1 b = w - M^-1 R^T V^1/2 (1 + V^1/2 R M^-1 R^T V^1/2)^-1 V^1/2 R w.
 
-/// Places that are solved for together: enough for the matrix kernels, little memory.
+/// Places that are solved together: enough for fast matrix kernels, with little memory.
 constexpr Index kBatch = 256;
-/// Points span space if their spread along the least direction is this part of the largest one's.
+/// Points span space if their spread along the smallest direction is this fraction of the largest spread.
 constexpr double kMinSpread = 1e-4;
-/// The same for the neighbours of a place, which are to make good weights.
+/// The same for the neighbours of a place, which needs a larger value for good weights.
 constexpr double kMinLocalSpread = 0.1;
 
 MatrixXd asRows(const std::vector<Vector3d>& positions) {
@@ -180,13 +181,13 @@ MatrixXd asRows(const std::vector<Vector3d>& positions) {
   return rows;
 }
 
-/// About the middle of the points, in units of the farthest one's distance from it: the system's entries are
-/// of the order of 1, and nothing cancels far from the origin.
+/// Coordinates about the mean of the points, in units of the largest distance from it. The entries of the
+/// system are of the order of 1, and there is no cancellation far from the origin.
 struct Frame {
   RowVector3d origin;
   double unit;
 
-  MatrixXd of(const MatrixXd& rows) const { return (rows.rowwise() - origin) / unit; }
+  MatrixXd toFrame(const MatrixXd& rows) const { return (rows.rowwise() - origin) / unit; }
 };
 
 Frame frameOf(const MatrixXd& points) {
@@ -202,7 +203,7 @@ MatrixXd chosenRows(const MatrixXd& rows, const std::vector<Index>& chosen) {
 
 double cube(double r) { return r * r * r; }
 
-/// Covariance of a field at places r apart, and of a measurement whose variance is v for |r|^3.
+/// The covariance of a field at places r apart, and that of a measurement with the variance v for |r|^3.
 struct Kernel {
   double (*covariance)(double r);
   double (*variance)(double v);
@@ -210,22 +211,24 @@ struct Kernel {
 
 constexpr Kernel kCubic{&cube, [](double v) { return v; }};
 
-/// Matern's of smoothness 5/2, and so little of the cubic one that it rules over lengths well below a tenth
-/// of the body alone: it keeps weights small where places lie a little off all points. The first odd power of
-/// Matern's series, -(r/l)^5 / 45, is what makes its fields rough, as |r|^3 does in the cubic one: variances
-/// of lengths to the third become such to the fifth, of which a tenth already cuts off what is across a gap.
-constexpr double kCorrelation = 2.0;  // length, in radii of the body
-constexpr double kCubicShare = 1e-4, kGapShare = 0.1;
+/// Matern's covariance of smoothness 5/2, with a small part of the cubic one. The cubic part dominates only
+/// over lengths well below a tenth of the body; it keeps weights small where places lie slightly off all
+/// points. The first odd power of Matern's series, -(r/l)^5 / 45, makes its fields rough, as |r|^3 does in
+/// the cubic one. So variances of the order of lengths cubed become those of lengths to the fifth power. A
+/// tenth of them is enough to exclude points across a gap.
+constexpr double kCorrelationLength = 2.0;  // length, in radii of the body
+constexpr double kCubicFraction = 1e-4, kGapFraction = 0.1;
 constexpr Kernel kSmooth{[](double r) {
-                           const double s = r / kCorrelation;
-                           return (1.0 + s + s * s / 3.0) * std::exp(-s) + kCubicShare * cube(r);
+                           const double s = r / kCorrelationLength;
+                           return (1.0 + s + s * s / 3.0) * std::exp(-s) + kCubicFraction * cube(r);
                          },
                          [](double v) {
-                           const double rough = std::pow(v, 5.0 / 3.0) / std::pow(kCorrelation, 5.0) / 45.0;
-                           return kCubicShare * v + kGapShare * rough;
+                           const double rough =
+                               std::pow(v, 5.0 / 3.0) / std::pow(kCorrelationLength, 5.0) / 45.0;
+                           return kCubicFraction * v + kGapFraction * rough;
                          }};
 
-/// k(|x - x_i|) of all points for one place.
+/// Returns k(|x - x_i|) of all points for one place.
 VectorXd covariances(const Kernel& kernel, const MatrixXd& points, const RowVector3d& place) {
   return (points.rowwise() - place).rowwise().norm().unaryExpr(kernel.covariance);
 }
@@ -254,7 +257,8 @@ MatrixXd rightSides(const Kernel& kernel, const MatrixXd& points, const MatrixXd
   return sides;
 }
 
-/// The least change of the weights (columns) that makes  P^T w = (1, x)  hold, which rounding has loosened.
+/// Makes the smallest change of the weights (columns) that restores  P^T w = (1, x),  which rounding
+/// disturbs.
 void makeAffineExact(const MatrixXd& points, const MatrixXd& places, MatrixXd& weights) {
   const MatrixXd p = affinePart(points);
   MatrixXd misfit = transposedProduct(p, weights) - affinePart(places).transpose();
@@ -262,7 +266,8 @@ void makeAffineExact(const MatrixXd& points, const MatrixXd& places, MatrixXd& w
   weights -= product(p, misfit);
 }
 
-/// See above; `solution` is the whole of M^-1 b for one place, `inverse` M^-1, `unit` the variances' unit.
+/// Applies Woodbury's formula (see above). `solution` is the whole of M^-1 b for one place, `inverse` is
+/// M^-1, `unit` the unit of the variances.
 void fadeOut(const MatrixXd& inverse, const SparseRows& variances, Index place, double unit,
              VectorXd& solution) {
   std::vector<Index> faded;
@@ -282,21 +287,21 @@ void fadeOut(const MatrixXd& inverse, const SparseRows& variances, Index place, 
 
 struct RowSpread {
   RowVector3d middle;
-  Vector3d weakest;       ///< direction, unit vector
-  double least, largest;  ///< standard deviations
+  Vector3d weakest;          ///< direction, unit vector
+  double smallest, largest;  ///< standard deviations
 };
 
 RowSpread spreadOf(const MatrixXd& rows) {
   const RowVector3d middle = rows.colwise().mean();
-  const MatrixXd about = rows.rowwise() - middle;
-  const Eigen::Matrix3d covariance = transposedProduct(about, about) / static_cast<double>(rows.rows());
+  const MatrixXd centred = rows.rowwise() - middle;
+  const Eigen::Matrix3d covariance = transposedProduct(centred, centred) / static_cast<double>(rows.rows());
   const SymmetricParts3 parts = symmetricParts3(covariance);
   const Vector3d deviations = parts.values.cwiseMax(0.0).cwiseSqrt();
   return {middle, parts.vectors.col(0), deviations[0], deviations[2]};
 }
 
-/// The nearest point that is off the plane through the middle across the weakest direction by the
-/// neighbours' largest deviation, or else the one farthest off.
+/// Returns the nearest point at a distance of at least the neighbours' largest deviation from their plane:
+/// the plane through their mean, normal to the weakest direction. If there is none, returns the farthest one.
 Index nearestOffPlane(const MatrixXd& points, const VectorXd& distance, const RowSpread& spread) {
   const VectorXd height = ((points.rowwise() - spread.middle) * spread.weakest).cwiseAbs();
   Index best = 0;
@@ -308,7 +313,8 @@ Index nearestOffPlane(const MatrixXd& points, const VectorXd& distance, const Ro
   return best;
 }
 
-/// The nearest points, the last up to three exchanged where they do not span space well. Ascending.
+/// Returns the nearest points, ascending. Up to three of the farthest are replaced if they do not span space
+/// well.
 std::vector<Index> neighboursOf(const MatrixXd& points, const RowVector3d& place, const VectorXd& variances,
                                 Index count) {
   const VectorXd distance = covariances(kCubic, points, place) + variances;
@@ -321,7 +327,7 @@ std::vector<Index> neighboursOf(const MatrixXd& points, const RowVector3d& place
   chosen.erase(end, chosen.end());
   for (std::size_t last = chosen.size(); last-- > 1 && chosen.size() - last <= 3;) {
     const RowSpread spread = spreadOf(chosenRows(points, chosen));
-    if (spread.least >= kMinLocalSpread * spread.largest) break;
+    if (spread.smallest >= kMinLocalSpread * spread.largest) break;
     const Index other = nearestOffPlane(points, distance, spread);
     if (std::find(chosen.begin(), chosen.end(), other) == chosen.end()) chosen[last] = other;
   }
@@ -334,12 +340,13 @@ std::vector<Index> neighboursOf(const MatrixXd& points, const RowVector3d& place
 bool spansSpace(const std::vector<Vector3d>& points) {
   if (points.size() < 4) return false;
   const RowSpread spread = spreadOf(asRows(points));
-  return spread.least > kMinSpread * spread.largest;
+  return spread.smallest > kMinSpread * spread.largest;
 }
 
 SkinWeights denseWeights(const SkinProblem& problem) {
   const Frame frame = frameOf(asRows(problem.points));
-  const MatrixXd points = frame.of(asRows(problem.points)), places = frame.of(asRows(problem.places));
+  const MatrixXd points = frame.toFrame(asRows(problem.points)),
+                 places = frame.toFrame(asRows(problem.places));
   const Index n = points.rows();
   const LuFactor factors(interpolationMatrix(kSmooth, points));
   const MatrixXd inverse = problem.variances.nonZeros() > 0 ? factors.inverse() : MatrixXd();
@@ -371,13 +378,14 @@ SkinWeights sparseWeights(const SkinProblem& problem, std::uint32_t neighbours) 
   for (Index i = 0; i < places.rows(); ++i) {
     const VectorXd variances = problem.variances.row(i).transpose();
     const std::vector<Index> chosen = neighboursOf(points, places.row(i), variances, Index(neighbours));
-    const MatrixXd near = chosenRows(points, chosen);
-    const Frame frame = frameOf(near);
-    const MatrixXd scaled = frame.of(near), place = frame.of(places.row(i));
+    const MatrixXd neighbourPoints = chosenRows(points, chosen);
+    const Frame frame = frameOf(neighbourPoints);
+    const MatrixXd scaled = frame.toFrame(neighbourPoints), place = frame.toFrame(places.row(i));
     MatrixXd system = interpolationMatrix(kCubic, scaled);
     for (std::size_t j = 0; j < chosen.size(); ++j)
       system(Index(j), Index(j)) += variances[chosen[j]] / cube(frame.unit);
-    MatrixXd weights = LuFactor(system).solve(rightSides(kCubic, scaled, place)).topRows(near.rows());
+    MatrixXd weights =
+        LuFactor(system).solve(rightSides(kCubic, scaled, place)).topRows(neighbourPoints.rows());
     makeAffineExact(scaled, place, weights);
     result.weights.insert(result.weights.end(), weights.data(), weights.data() + weights.size());
     for (const Index point : chosen) result.points.push_back(static_cast<std::uint32_t>(point));

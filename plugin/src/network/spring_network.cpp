@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// Checks that a spring network keeps the promises of its members.
+// Checks that a spring network satisfies the conditions of its members.
 
 #include <limber/spring_network.h>
 
@@ -12,10 +12,10 @@
 namespace limber {
 namespace {
 
-/// How far the mass shares may be from 1 together: the rounding of a sum of millions.
+/// Tolerance of the sum of the mass fractions: the rounding of a sum of millions.
 constexpr double kShareRounding = 1e-9;
 
-/// How far the weights of a place may be from 1 together: the rounding of thousands of floats.
+/// Tolerance of the sum of the weights of a place: the rounding of thousands of floats.
 constexpr double kWeightRounding = 1e-4;
 
 using Pair = std::array<std::uint32_t, 2>;
@@ -76,7 +76,7 @@ std::string checkTriangles(const std::vector<Triangle>& triangles, std::size_t c
   return {};
 }
 
-/// Six times the volume.
+/// Returns six times the volume.
 double spannedVolume(const std::vector<Eigen::Vector3d>& points, const Tetrahedron& t) {
   const Eigen::Vector3d b = points[t[1]] - points[t[0]], c = points[t[2]] - points[t[0]];
   return b.dot(c.cross(points[t[3]] - points[t[0]]));
@@ -115,8 +115,8 @@ std::string checkTetrahedra(const std::vector<Tetrahedron>& tetrahedra,
 }
 
 std::string checkStiffnessPerModulus(double stiffness) {
-  const bool sound = std::isfinite(stiffness) && stiffness >= 0.0;
-  return sound ? std::string() : "the stiffness per modulus is not a finite number of 0 or more";
+  const bool valid = std::isfinite(stiffness) && stiffness >= 0.0;
+  return valid ? std::string() : "the stiffness per modulus is not a finite number of 0 or more";
 }
 
 std::string checkSkinSizes(const Skin& skin) {
@@ -152,18 +152,18 @@ std::string checkSkinPlace(const Skin& skin, std::size_t place, std::size_t poin
 std::string checkSkin(const Skin& skin, std::size_t points) {
   std::string reason = checkSkinSizes(skin);
   for (std::size_t i = 0; reason.empty() && i < skin.size(); ++i) {
-    const std::string ofPlace = checkSkinPlace(skin, i, points);
-    if (!ofPlace.empty()) reason = name("skin place", i) + ofPlace;
+    const std::string problem = checkSkinPlace(skin, i, points);
+    if (!problem.empty()) reason = name("skin place", i) + problem;
   }
   return reason;
 }
 
-/// `what` the vertices ride on: points, or places of the skin.
+/// `target`: what the vertices follow, points or places of the skin.
 std::string checkVertexToPoint(const std::vector<std::uint32_t>& vertexToPoint, std::size_t count,
-                               const char* what) {
+                               const char* target) {
   for (std::size_t i = 0; i < vertexToPoint.size(); ++i) {
     if (vertexToPoint[i] < count || vertexToPoint[i] == kNoPoint) continue;
-    return name("render vertex", i) + " rides on " + name(what, vertexToPoint[i]) + " of " +
+    return name("render vertex", i) + " rides on " + name(target, vertexToPoint[i]) + " of " +
            std::to_string(count);
   }
   return {};
@@ -185,11 +185,11 @@ std::string checkRender(const RenderSurface& render, std::size_t points) {
     return std::to_string(render.uvs.size()) + " texture coordinates for " + std::to_string(vertices) +
            " render vertices";
   }
-  const bool bare = render.skin.firstWeight.empty();
+  const bool noSkin = render.skin.firstWeight.empty();
   std::string reason = checkSkin(render.skin, points);
   if (reason.empty()) {
-    reason = checkVertexToPoint(render.vertexToPoint, bare ? points : render.skin.size(),
-                                bare ? "point" : "skin place");
+    reason = checkVertexToPoint(render.vertexToPoint, noSkin ? points : render.skin.size(),
+                                noSkin ? "point" : "skin place");
   }
   if (reason.empty()) reason = checkTriangles(render.triangles, vertices, "render triangle", "vertex");
   if (reason.empty()) reason = checkPointless(render);
@@ -198,10 +198,11 @@ std::string checkRender(const RenderSurface& render, std::size_t points) {
 
 std::string checkRopeHasNoSurface(const SpringNetwork& network) {
   const RenderSurface& render = network.render;
-  const bool bare = network.surface.empty() && render.triangles.empty() && render.vertexToPoint.empty() &&
-                    render.skin.firstWeight.empty() && network.tetrahedra.empty();
-  return network.kind != NetworkKind::Rope || bare ? std::string()
-                                                   : "a rope has no surface, skin or tetrahedra";
+  const bool noSurface = network.surface.empty() && render.triangles.empty() &&
+                         render.vertexToPoint.empty() && render.skin.firstWeight.empty() &&
+                         network.tetrahedra.empty();
+  return network.kind != NetworkKind::Rope || noSurface ? std::string()
+                                                        : "a rope has no surface, skin or tetrahedra";
 }
 
 }  // namespace

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// Measures how a body of a network stands up to large deformations and to its own weight, and which time
-// steps it takes.
+// Measures the stability of a body of a network against large deformations and its own weight, and its time
+// steps.
 
 #include "network/relaxation.h"
 
@@ -20,34 +20,34 @@
 namespace limber {
 namespace {
 
-// Lengths as shares of the size.
-constexpr double kSquashed = 0.1, kNoise = 0.5, kPushedBeyond = 0.2, kSlab = 0.3, kUnevenness = 1e-4;
+// Lengths as fractions of the size.
+constexpr double kSquashScale = 0.1, kNoise = 0.5, kPushDistance = 0.2, kSlab = 0.3, kPerturbation = 1e-4;
 
 using Direction = Eigen::Vector3d;
 
-/// How far the points reach along a direction (m).
-struct Reach {
+/// Range of the points' coordinates along a direction (m).
+struct Range {
   double low, high;
 };
 
-Reach reachAlong(const Points& x, const Direction& d) {
+Range rangeAlong(const Points& x, const Direction& d) {
   const Eigen::RowVectorXd along = d.transpose() * x;
   return {along.minCoeff(), along.maxCoeff()};
 }
 
-void squash(Points& x, const Direction& d, double share) {
+void squash(Points& x, const Direction& d, double scale) {
   const Eigen::Vector3d centre = x.rowwise().mean();
   for (Eigen::Index i = 0; i < x.cols(); ++i)
-    x.col(i) -= (1.0 - share) * d.dot(Eigen::Vector3d(x.col(i)) - centre) * d;
+    x.col(i) -= (1.0 - scale) * d.dot(Eigen::Vector3d(x.col(i)) - centre) * d;
 }
 
-/// Turns by the angle  2 atan(u), u from 0 at one end to 1 at the other:  from nothing to a quarter turn,
-/// nearly evenly, and without a sine, which differs in its last bits from one C library to the next.
+/// Rotates by the angle  2 atan(u), u from 0 at one end to 1 at the other:  from zero to a quarter turn,
+/// nearly evenly. It uses no sine, whose last bits differ between C libraries.
 void twist(Points& x, const Direction& axis) {
   const Eigen::Vector3d centre = x.rowwise().mean();
-  const Reach reach = reachAlong(x, axis);
+  const Range range = rangeAlong(x, axis);
   for (Eigen::Index i = 0; i < x.cols(); ++i) {
-    const double u = reach.high > reach.low ? (axis.dot(x.col(i)) - reach.low) / (reach.high - reach.low) : 0;
+    const double u = range.high > range.low ? (axis.dot(x.col(i)) - range.low) / (range.high - range.low) : 0;
     const double sine = 2.0 * u / (1.0 + u * u), cosine = (1.0 - u * u) / (1.0 + u * u);
     const Eigen::Vector3d r = Eigen::Vector3d(x.col(i)) - centre;
     const Eigen::Vector3d along = axis.dot(r) * axis, across = r - along;
@@ -59,15 +59,15 @@ void moveAll(Points& x, double distance, Random& random) {
   for (Eigen::Index i = 0; i < x.cols(); ++i) x.col(i) += distance * random.inBall();
 }
 
-/// The direction is turned to the side that the body lies on, seen from the point.
+/// Flips the direction if necessary, so that it points from the point to the body's centre.
 void push(Points& x, Eigen::Index point, Direction d, double size) {
   if (d.dot(Eigen::Vector3d(x.rowwise().mean()) - x.col(point)) < 0.0) d = -d;
-  x.col(point) += (reachAlong(x, d).high + kPushedBeyond * size - d.dot(x.col(point))) * d;
+  x.col(point) += (rangeAlong(x, d).high + kPushDistance * size - d.dot(x.col(point))) * d;
 }
 
 void mirrorSlab(Points& x, const Direction& d) {
-  const Reach reach = reachAlong(x, d);
-  const double cut = reach.high - kSlab * (reach.high - reach.low);
+  const Range range = rangeAlong(x, d);
+  const double cut = range.high - kSlab * (range.high - range.low);
   for (Eigen::Index i = 0; i < x.cols(); ++i) {
     const double beyond = d.dot(x.col(i)) - cut;
     if (beyond > 0.0) x.col(i) -= 2.0 * beyond * d;
@@ -94,7 +94,7 @@ Points deform(const Points& rest, Deformation kind, std::uint64_t seed, std::uin
   Points x = rest;
   switch (kind) {
     case Deformation::Squash:
-      squash(x, d, kSquashed);
+      squash(x, d, kSquashScale);
       break;
     case Deformation::Twist:
       twist(x, d);
@@ -115,7 +115,7 @@ Points deform(const Points& rest, Deformation kind, std::uint64_t seed, std::uin
       invert(x);
       break;
   }
-  moveAll(x, kUnevenness * size, random);
+  moveAll(x, kPerturbation * size, random);
   return x;
 }
 
@@ -149,7 +149,7 @@ ReturnRate measureReturns(const SpringNetwork& network, Deformation kind, std::u
 
 namespace {
 
-constexpr double kResidual = 1e-5;  // of the eigenvalue, whose own error is the square of that
+constexpr double kResidual = 1e-5;  // relative to the eigenvalue, whose own error is the square of that
 
 double stepOf(double frequencySquared) {
   return frequencySquared > 0.0 ? 2.0 / std::sqrt(frequencySquared) : HUGE_VAL;
@@ -168,29 +168,29 @@ TimeSteps timeSteps(const SpringNetwork& network, const SoftBodySettings& settin
 namespace {
 
 // The search, in loads m g / (k L).
-constexpr double kLightest = 1e-6, kFirst = 1e-3, kHeaviest = 20.0;
-constexpr double kStride = 1.6;  // beyond what is too much a body can come back by luck
+constexpr double kMinLoad = 1e-6, kFirstLoad = 1e-3, kMaxLoad = 20.0;
+constexpr double kLoadFactor = 1.6;  // small: a body can return by chance from a much larger load
 constexpr double kPrecision = 1.04;
 
 // The motion, in units of the size, the mean mass of a point and the stiffness.
-constexpr double kMaxDrag = 0.1;  // at most, and sqrt(load): more would hold up what topples
+constexpr double kMaxDrag = 0.1;  // limit, besides sqrt(load): a larger drag would support toppling bodies
 constexpr double kFriction = 0.5;
-constexpr double kSafeStepShare = 0.5;   // of the safe step
-constexpr double kSettlingTime = 300.0;  // at most: drag takes 13 powers of ten of the energy
-constexpr double kFallTimes = 20.0;      // or 1/sqrt(load) so often: unevenness grows by e in 1.6 of them
-constexpr double kCalmSpeed = 1e-3;      // root mean square over the load: at rest, when it lasts
+constexpr double kSafeStepFraction = 0.5;  // fraction of the safe step
+constexpr double kSettlingTime = 300.0;    // limit: drag reduces the energy by 13 powers of ten
+constexpr double kFallTimes = 20.0;  // limit, in 1/sqrt(load), if longer: perturbations grow by e in 1.6
+constexpr double kCalmSpeed = 1e-3;  // root mean square, relative to the load: at rest, if it lasts
 constexpr int kCalmSteps = 20;
-constexpr double kUnevenStart = 1e-3;  // of the start: no body stands in an unstable equilibrium
+constexpr double kStartPerturbation = 1e-3;  // of the start, so that no body stays in an unstable equilibrium
 
 // Common bodies take some hundred thousand steps for all loads together.
 constexpr std::size_t kMaxStandingSteps = 4'000'000;
-constexpr std::size_t kStepsBetweenQuestions = 256;
+constexpr std::size_t kStepsBetweenProgress = 256;
 
-// What counts as standing.
-constexpr double kMinHeight = 0.5;     // over the height at rest
-constexpr double kMaxDistance = 0.05;  // of the rest shape afterwards: dents are no collapse
+// Conditions for a body that stands.
+constexpr double kMinHeight = 0.5;     // relative to the height at rest
+constexpr double kMaxDistance = 0.05;  // from the rest shape afterwards: dents are allowed
 
-/// The body in units of 1, its lowest point on the floor y = 0.
+/// The body in unit size, its lowest point on the floor y = 0.
 struct StandingBody {
   RelaxedBody shape;
   PointState state;
@@ -199,7 +199,7 @@ struct StandingBody {
   double step = 0.0;
   std::function<bool()> goOn;
   std::size_t steps = 0;  ///< so far
-  bool givenUp = false;   ///< for want of steps, or because it was asked to end
+  bool aborted = false;   ///< too many steps, or ended by `goOn`
 };
 
 SoftBodySettings unitSettings(SoftBodySettings settings, double size, std::size_t points) {
@@ -217,45 +217,45 @@ StandingBody makeStanding(const SpringNetwork& network, const SoftBodySettings& 
   StandingBody body{RelaxedBody(network), restState(network, settings), {network, settings}, {}, 0.0, {}};
   body.state.position.row(1).array() -= body.state.position.row(1).minCoeff();
   body.rest = body.state.position;
-  body.step = kSafeStepShare * 2.0 / std::sqrt(boundSquared(body.terms, body.state));
-  body.givenUp = !(kSettlingTime / body.step <= static_cast<double>(kMaxStandingSteps));
+  body.step = kSafeStepFraction * 2.0 / std::sqrt(boundSquared(body.terms, body.state));
+  body.aborted = !(kSettlingTime / body.step <= static_cast<double>(kMaxStandingSteps));
   return body;
 }
 
-/// Counts a step; whether it may be made.
+/// Counts a step and returns whether it may be made.
 bool mayStep(StandingBody& body) {
-  const bool asks = body.goOn && body.steps % kStepsBetweenQuestions == 0;
-  body.givenUp = body.givenUp || ++body.steps > kMaxStandingSteps || (asks && !body.goOn());
-  return !body.givenUp;
+  const bool checksProgress = body.goOn && body.steps % kStepsBetweenProgress == 0;
+  body.aborted = body.aborted || ++body.steps > kMaxStandingSteps || (checksProgress && !body.goOn());
+  return !body.aborted;
 }
 
-/// A point that would pass the floor loses its speed into it, and along it what friction takes (Coulomb).
+/// Stops points that would pass the floor, and reduces their speed along it by friction (Coulomb).
 void touchFloor(PointState& state, double dt) {
   for (Eigen::Index i = 0; i < state.position.cols(); ++i) {
     auto v = state.velocity.col(i);
     const double stop = -state.position(1, i) / dt - v.y();
     if (stop <= 0.0) continue;
     const double along = std::hypot(v.x(), v.z());
-    const double kept = along > 0.0 ? std::max(0.0, 1.0 - kFriction * stop / along) : 0.0;
-    v.x() *= kept;
-    v.z() *= kept;
+    const double speedFactor = along > 0.0 ? std::max(0.0, 1.0 - kFriction * stop / along) : 0.0;
+    v.x() *= speedFactor;
+    v.z() *= speedFactor;
     v.y() += stop;
   }
 }
 
-/// Lets the body move until it rests.
-void settle(StandingBody& body, double gravity, double mostTime, double calmSpeed) {
+/// Moves the body until it rests.
+void moveUntilRest(StandingBody& body, double gravity, double maxTime, double calmSpeed) {
   SolverBody stepped = solverBody(body.terms, body.state);
   prepareVolumes(stepped, body.step);
   PointState& p = body.state;
   p.velocity.setZero();
   const double drag = gravity > 0.0 ? std::min(kMaxDrag, std::sqrt(gravity)) : kMaxDrag;
-  const double dt = body.step, kept = std::exp(-drag * dt);
+  const double dt = body.step, dragFactor = std::exp(-drag * dt);
   const double calm = calmSpeed * calmSpeed * static_cast<double>(p.position.cols());
   int calmSteps = 0;
-  for (double time = 0.0; time < mostTime && calmSteps < kCalmSteps && mayStep(body); time += dt) {
+  for (double time = 0.0; time < maxTime && calmSteps < kCalmSteps && mayStep(body); time += dt) {
     computeElasticForces(stepped);
-    p.velocity = kept * (p.velocity + dt * p.force.cwiseProduct(p.inverseMass));
+    p.velocity = dragFactor * (p.velocity + dt * p.force.cwiseProduct(p.inverseMass));
     p.velocity.row(1).array() -= dt * gravity;
     if (gravity > 0.0) touchFloor(p, dt);
     p.position += dt * p.velocity;
@@ -265,44 +265,45 @@ void settle(StandingBody& body, double gravity, double mostTime, double calmSpee
 
 double heightOf(const Points& position) { return position.row(1).maxCoeff() - position.row(1).minCoeff(); }
 
-/// The height divided by that of the rest shape, turned as the body is now: a body that has toppled and kept
-/// its shape has not collapsed.
+/// Returns the height divided by that of the rest shape in the body's present orientation. So a body that has
+/// toppled but kept its shape has not collapsed.
 double relativeHeight(const StandingBody& body) {
-  const Eigen::Matrix4d attitude = Eigen::umeyama(body.rest, body.state.position, false);
-  return heightOf(body.state.position) / heightOf(attitude.topLeftCorner<3, 3>() * body.rest);
+  const Eigen::Matrix4d transform = Eigen::umeyama(body.rest, body.state.position, false);
+  return heightOf(body.state.position) / heightOf(transform.topLeftCorner<3, 3>() * body.rest);
 }
 
-bool carries(StandingBody& body, double load) {
+bool supportsLoad(StandingBody& body, double load) {
   Random random(1);
   Points& position = body.state.position;
   position = body.rest;
-  for (double& x : position.reshaped()) x += kUnevenStart * (random.uniform() - 0.5);
+  for (double& x : position.reshaped()) x += kStartPerturbation * (random.uniform() - 0.5);
   position.row(1).array() -= position.row(1).minCoeff();
-  const double mostTime = std::max(kSettlingTime, kFallTimes / std::sqrt(load));
-  settle(body, load, mostTime, kCalmSpeed * load);
-  if (body.givenUp || !(relativeHeight(body) >= kMinHeight)) return false;
-  settle(body, 0.0, kSettlingTime, kCalmSpeed * load);
-  return !body.givenUp && distanceToRest(body.shape, position) < kMaxDistance;
+  const double maxTime = std::max(kSettlingTime, kFallTimes / std::sqrt(load));
+  moveUntilRest(body, load, maxTime, kCalmSpeed * load);
+  if (body.aborted || !(relativeHeight(body) >= kMinHeight)) return false;
+  moveUntilRest(body, 0.0, kSettlingTime, kCalmSpeed * load);
+  return !body.aborted && distanceToRest(body.shape, position) < kMaxDistance;
 }
 
-/// The largest load before the first that is too much; 0 if all are. Without meaning once given up.
+/// Returns the largest load below the first that is too large; 0 if all are too large. The result is
+/// meaningless if the body was aborted.
 double loadLimit(StandingBody& body) {
-  double carried = kFirst;
-  while (!carries(body, carried) && !body.givenUp)
-    if ((carried *= 0.5) < kLightest) return 0.0;
-  double tooMuch = kStride * carried;
-  while (tooMuch < kHeaviest && carries(body, tooMuch)) {
-    carried = tooMuch;
-    tooMuch *= kStride;
+  double supported = kFirstLoad;
+  while (!supportsLoad(body, supported) && !body.aborted)
+    if ((supported *= 0.5) < kMinLoad) return 0.0;
+  double failing = kLoadFactor * supported;
+  while (failing < kMaxLoad && supportsLoad(body, failing)) {
+    supported = failing;
+    failing *= kLoadFactor;
   }
-  while (tooMuch > kPrecision * carried && !body.givenUp) {
-    const double load = std::sqrt(carried * tooMuch);
-    (carries(body, load) ? carried : tooMuch) = load;
+  while (failing > kPrecision * supported && !body.aborted) {
+    const double load = std::sqrt(supported * failing);
+    (supportsLoad(body, load) ? supported : failing) = load;
   }
-  return carried;
+  return supported;
 }
 
-/// For a body of one piece, with its scale applied.
+/// Handles a body of one piece, with its scale applied.
 std::optional<double> leastStiffnessOfPiece(const SpringNetwork& network, const SoftBodySettings& settings,
                                             double gravity, const std::function<bool()>& goOn) {
   const std::size_t points = network.restPoints.size();
@@ -310,13 +311,13 @@ std::optional<double> leastStiffnessOfPiece(const SpringNetwork& network, const 
   if (network.springs.empty() || !(size > 0.0)) return 0.0;
   StandingBody body = makeStanding(network, unitSettings(settings, size, points));
   body.goOn = goOn;
-  const double load = body.givenUp ? 0.0 : loadLimit(body);
-  if (body.givenUp) return std::nullopt;
+  const double load = body.aborted ? 0.0 : loadLimit(body);
+  if (body.aborted) return std::nullopt;
   const double meanMass = settings.totalMass / static_cast<double>(points);
   return load > 0.0 ? meanMass * gravity / (load * size) : HUGE_VAL;
 }
 
-/// Of the body as a whole: its pieces are of one material.
+/// Returns the modulus of the whole body: its pieces are of one material.
 double volumeModulusOf(const SpringNetwork& network, const SoftBodySettings& settings) {
   const BodyTerms terms(network, settings);
   return std::max(0.0, terms.tetrahedra.empty() ? terms.volumes->modulus : terms.tetrahedra->modulus);
@@ -328,21 +329,22 @@ double massOfPoints(const SpringNetwork& network, const std::vector<Eigen::Index
   return mass;
 }
 
-/// The most that a piece needs.
+/// Returns the largest constant of the pieces.
 std::optional<double> leastStiffnessOfPieces(const SpringNetwork& network, SoftBodySettings settings,
                                              double gravity, const Progress& progress) {
-  double done = 0.0, most = 0.0;
+  double done = 0.0, largest = 0.0;
   settings.volumeModulus = volumeModulusOf(network, settings);
   for (const std::vector<Eigen::Index>& points : findPieces(network)) {
-    SoftBodySettings own = settings;
-    own.totalMass *= massOfPoints(network, points);
+    SoftBodySettings pieceSettings = settings;
+    pieceSettings.totalMass *= massOfPoints(network, points);
     const auto goOn = [&] { return !progress || progress("own weight", done); };
-    const std::optional<double> one = leastStiffnessOfPiece(pieceOf(network, points), own, gravity, goOn);
-    if (!one) return std::nullopt;
-    most = std::max(most, *one);
+    const std::optional<double> pieceStiffness =
+        leastStiffnessOfPiece(pieceOf(network, points), pieceSettings, gravity, goOn);
+    if (!pieceStiffness) return std::nullopt;
+    largest = std::max(largest, *pieceStiffness);
     done += static_cast<double>(points.size()) / static_cast<double>(network.restPoints.size());
   }
-  return most;
+  return largest;
 }
 
 }  // namespace

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// Fills the inside of a surface with tetrahedra: it searches a lattice that fits, has it filled and repaired,
-// and draws the points at the surface into its edges and corners.
+// Fills the inside of a surface with tetrahedra: searches a suitable lattice, has it filled and repaired, and
+// moves the points at the surface to its edges and corners.
 
 #include "network/tetrahedra.h"
 
@@ -25,7 +25,7 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-/// A closed surface, turned so that its inside is inside.
+/// A closed surface that faces outward.
 struct SolidSurface {
   std::vector<Triangle> triangles;
   std::vector<Eigen::Vector3d> centroids, normals;  ///< #triangles, m and unit vectors pointing outward
@@ -36,7 +36,7 @@ struct SolidSurface {
   double volume = 0.0;  ///< m^3
 };
 
-/// Why the mesh has no inside, or an empty string.
+/// Returns the reason why the mesh has no inside, or an empty string.
 std::string whyNotSolid(const MeshReport& report) {
   if (report.openEdges > 0)
     return "the mesh is not closed: it has " + std::to_string(report.openEdges) + " open edges";
@@ -62,49 +62,50 @@ SolidSurface makeSolidSurface(const WeldedMesh& mesh) {
   return s;
 }
 
-/// The smallest and the largest angle (degrees) that fitSurface() leaves, unless they were there before.
+/// The smallest and the largest angle (degrees) that fitSurface() may produce, unless they were worse before.
 constexpr double kSmallestAngle = 18.0, kLargestAngle = 145.0;
 
 /// Rounds over all points.
 constexpr int kRounds = 6;
 
-/// Weight of staying in place against the planes: it decides only along directions that no plane does.
-constexpr double kStayInPlace = 0.05;
+/// Weight of the distance from the present position, relative to the planes: it only has an effect along
+/// directions that no plane determines.
+constexpr double kStayWeight = 0.05;
 
 struct Fit {
   TetrahedralMesh& mesh;
   std::vector<std::vector<std::uint32_t>> tetrahedraAt, trianglesAt;  ///< of each point
 };
 
-/// How far the angles at a point are within their bounds, radians; negative outside, -10 for a tetrahedron
-/// that is turned over.
+/// Returns the smallest margin of the angles at a point to their bounds, radians: negative outside, -10 for
+/// an inverted tetrahedron.
 double slack(const Fit& fit, std::uint32_t point) {
-  double least = kPi;
+  double minSlack = kPi;
   for (const std::uint32_t i : fit.tetrahedraAt[point]) {
     const Tetrahedron& t = fit.mesh.tetrahedra[i];
     if (volumeOf(fit.mesh.points, t) <= 0.0) return -10.0;
     const DihedralAngles angles = dihedralAngles(fit.mesh.points, t);
-    least = std::min({least, angles.smallest - kSmallestAngle * kPi / 180.0,
-                      kLargestAngle * kPi / 180.0 - angles.largest});
+    minSlack = std::min({minSlack, angles.smallest - kSmallestAngle * kPi / 180.0,
+                         kLargestAngle * kPi / 180.0 - angles.largest});
   }
-  return least;
+  return minSlack;
 }
 
-/// Moves the point towards `target` as far as the angles stay within bounds, or no worse than they are.
+/// Moves the point towards `target` as far as the angles stay within bounds, or do not become worse.
 void moveTowards(Fit& fit, std::uint32_t point, const Vector3d& target) {
   const Vector3d from = fit.mesh.points[point];
-  const double least = std::min(0.0, slack(fit, point));
-  for (const double share : {1.0, 0.5, 0.25}) {
-    fit.mesh.points[point] = from + share * (target - from);
-    if (slack(fit, point) >= least) return;
+  const double minSlack = std::min(0.0, slack(fit, point));
+  for (const double fraction : {1.0, 0.5, 0.25}) {
+    fit.mesh.points[point] = from + fraction * (target - from);
+    if (slack(fit, point) >= minSlack) return;
   }
   fit.mesh.points[point] = from;
 }
 
-/// Where the planes of the surface next to the triangles around a point meet.
-Vector3d meetingOfPlanes(const Fit& fit, std::uint32_t point, const SolidSurface& surface) {
+/// Returns the intersection of the planes of the surface next to the triangles around a point.
+Vector3d intersectPlanes(const Fit& fit, std::uint32_t point, const SolidSurface& surface) {
   const std::vector<Vector3d>& points = fit.mesh.points;
-  const Vector3d& here = points[point];
+  const Vector3d& position = points[point];
   Matrix3d left = Matrix3d::Zero();
   Vector3d right = Vector3d::Zero();
   double area = 0.0;
@@ -116,13 +117,13 @@ Vector3d meetingOfPlanes(const Fit& fit, std::uint32_t point, const SolidSurface
       const TriangleHit hit = surface.bvh.nearest(sample);
       const Vector3d& normal = surface.normals[hit.triangle];
       left += weight * normal * normal.transpose();
-      right += weight * normal.dot(hit.position - here) * normal;
+      right += weight * normal.dot(hit.position - position) * normal;
     }
     area += weight;
   }
-  left += kStayInPlace * area * Matrix3d::Identity();
+  left += kStayWeight * area * Matrix3d::Identity();
   solveSmall(left, right);
-  return here + right;
+  return position + right;
 }
 
 Vector3d meanOfNeighbours(const Fit& fit, std::uint32_t point) {
@@ -137,10 +138,10 @@ Vector3d meanOfNeighbours(const Fit& fit, std::uint32_t point) {
   return sum / weight;
 }
 
-/// Draws the points of the surface to where the planes of the given surface around them meet (the least
-/// squares of M. Garland, P. Heckbert, "Surface simplification using quadric error metrics", SIGGRAPH 1997),
-/// so that sharp edges and corners, which the lattice cuts off, come back, and round bodies keep their
-/// volume; and evens out the points inside. Points move one after the other, as far as the angles allow.
+/// Moves the points of the surface to the intersections of the planes of the given surface around them (by
+/// the least squares of M. Garland, P. Heckbert, "Surface simplification using quadric error metrics",
+/// SIGGRAPH 1997). This restores sharp edges and corners, which the lattice cuts off, and the volume of round
+/// bodies. Spreads the points inside evenly. Points move one after the other, as far as the angles allow.
 void fitSurface(TetrahedralMesh& mesh, const SolidSurface& surface) {
   Fit fit{mesh, {}, {}};
   fit.tetrahedraAt.resize(mesh.points.size());
@@ -153,43 +154,43 @@ void fitSurface(TetrahedralMesh& mesh, const SolidSurface& surface) {
     for (std::uint32_t point = 0; point < mesh.points.size(); ++point)
       moveTowards(fit, point,
                   fit.trianglesAt[point].empty() ? meanOfNeighbours(fit, point)
-                                                 : meetingOfPlanes(fit, point, surface));
+                                                 : intersectPlanes(fit, point, surface));
 }
 
-/// Sites at most: their arrays take about 60 bytes each.
+/// Largest number of sites: their arrays take about 60 bytes each.
 constexpr double kMaxSites = 4e6;
 
-/// A part of the body with less than this share of a piece's volume is a crumb that may go.
-constexpr double kCrumb = 0.01;
+/// A part of the body with less than this fraction of a piece's volume may be removed.
+constexpr double kCrumbFraction = 0.01;
 
-/// The least and the most stretching of the lattice along an axis: flat lattices have sharp angles.
+/// Limits of the stretching of the lattice along an axis: flat lattices have sharp angles.
 constexpr double kMinStretch = 0.8, kMaxStretch = 1.25;
 
-/// Spacings that are tried for a number of points unless the body falls apart on the first ones.
+/// Number of spacings that are tried for a number of points, unless the body falls apart on the first ones.
 constexpr double kUsualTrials = 9.0;
 
-/// A surface that encloses less than this share of its box is flat.
+/// A surface that encloses less than this fraction of its box is flat.
 constexpr double kMinVolume = 1e-6;
 constexpr char kNoVolume[] = "the mesh encloses no volume";
 
-/// How much the volume that is missing before the fit counts beside the number of points that is missed, both
-/// as logarithms: a lattice that lies well in the body is worth some points. An L with arms of 2 x 2 cells on
-/// the lattice has, before calibration, 0.95 of the modulus of a fine one; a fifth more points askew in it
-/// have two thirds.
+/// Weight of the missing volume before the fit relative to the error of the number of points, both as
+/// logarithms. A lattice that is well aligned with the body is worth an error of some points. An L with arms
+/// of 2 x 2 cells on the lattice has, before calibration, 0.95 of the modulus of a fine one; with a fifth
+/// more points in a lattice that is not aligned it has two thirds.
 constexpr double kVolumeWeight = 8.0;
 
-/// Beyond this miss, a factor of 1.5, points count as much as volume.
-constexpr double kFarOff = 0.4;
+/// Beyond this logarithm of the error, a factor of 1.5, points count as much as volume.
+constexpr double kLargeDeviation = 0.4;
 
-/// Whole cells across the box wherever that stretches them little, so that flat sides of boxes lie in the
+/// Places whole cells across the box where this stretches them little, so that flat sides of boxes lie in the
 /// lattice.
 BccLattice placeLattice(const Eigen::AlignedBox3d& box, double spacing) {
   BccLattice lattice;
   for (int i = 0; i < 3; ++i) {
-    const double extent = box.sizes()[i], across = std::max(1.0, std::round(extent / spacing));
-    lattice.spacing[i] = std::clamp(extent / across, kMinStretch * spacing, kMaxStretch * spacing);
-    lattice.cells[i] = static_cast<int>(across) + 5;
-    lattice.origin[i] = box.center()[i] - (0.5 * across + 2.0) * lattice.spacing[i];
+    const double extent = box.sizes()[i], cells = std::max(1.0, std::round(extent / spacing));
+    lattice.spacing[i] = std::clamp(extent / cells, kMinStretch * spacing, kMaxStretch * spacing);
+    lattice.cells[i] = static_cast<int>(cells) + 5;
+    lattice.origin[i] = box.center()[i] - (0.5 * cells + 2.0) * lattice.spacing[i];
   }
   return lattice;
 }
@@ -198,15 +199,15 @@ double sitesNeeded(const Eigen::AlignedBox3d& box, double spacing) {
   return 2.0 * (box.sizes().array() / spacing + 6.0).prod();
 }
 
-TetrahedralMesh stuff(const SolidSurface& surface, double spacing) {
+TetrahedralMesh fillAndRepair(const SolidSurface& surface, double spacing) {
   TetrahedralMesh mesh = fillLattice(placeLattice(surface.box, spacing), surface.bvh);
-  makeManifold(mesh, kCrumb * surface.volume / static_cast<double>(surface.pieces));
+  makeManifold(mesh, kCrumbFraction * surface.volume / static_cast<double>(surface.pieces));
   return mesh;
 }
 
-/// How many points of the surface of each part of the body lie next to each piece of the given surface,
-/// #parts x #pieces.
-Eigen::MatrixXi countEncounters(const TetrahedralMesh& mesh, const SolidSurface& surface) {
+/// Counts, for each part of the body, the points of its surface that are next to each piece of the given
+/// surface, #parts x #pieces.
+Eigen::MatrixXi countNearPoints(const TetrahedralMesh& mesh, const SolidSurface& surface) {
   const std::vector<std::uint32_t> partOfTetrahedron = findPieces(mesh.tetrahedra);
   std::vector<std::uint32_t> partOfPoint(mesh.points.size());
   std::uint32_t parts = 0;
@@ -224,7 +225,7 @@ Eigen::MatrixXi countEncounters(const TetrahedralMesh& mesh, const SolidSurface&
   return count;
 }
 
-/// Whether the inside is on both sides of the piece, so that it is no part of the body's surface.
+/// Returns whether the inside is on both sides of the piece, so that it is not part of the body's surface.
 bool isBuried(const SolidSurface& surface, std::uint32_t piece) {
   const double step = 1e-4 * surface.box.diagonal().norm();
   for (std::size_t t = 0; t < surface.triangles.size(); ++t)
@@ -234,10 +235,10 @@ bool isBuried(const SolidSurface& surface, std::uint32_t piece) {
   return true;
 }
 
-/// What of the mesh the tetrahedra fail to stand for, or an empty string.
+/// Describes the part of the mesh that the tetrahedra do not represent; empty if there is none.
 std::string findLoss(const TetrahedralMesh& mesh, const SolidSurface& surface) {
   if (mesh.tetrahedra.empty()) return "the whole mesh is missed";
-  const Eigen::MatrixXi count = countEncounters(mesh, surface);
+  const Eigen::MatrixXi count = countNearPoints(mesh, surface);
   for (std::uint32_t piece = 0; piece < surface.pieces; ++piece)
     if (count.col(piece).maxCoeff() == 0 && !isBuried(surface, piece))
       return "piece " + std::to_string(piece) + " of the mesh is missed";
@@ -245,32 +246,32 @@ std::string findLoss(const TetrahedralMesh& mesh, const SolidSurface& surface) {
   for (Eigen::Index part = 0; part < count.rows(); ++part) {
     Eigen::Index piece = 0;
     count.row(part).maxCoeff(&piece);
-    Eigen::Index& known = mainPart[static_cast<std::size_t>(piece)];
-    if (known >= 0) return "piece " + std::to_string(piece) + " of the mesh falls apart";
-    known = part;
+    Eigen::Index& firstPart = mainPart[static_cast<std::size_t>(piece)];
+    if (firstPart >= 0) return "piece " + std::to_string(piece) + " of the mesh falls apart";
+    firstPart = part;
   }
   return {};
 }
 
-/// A filling that has yet to be fitted to the surface, and what is wrong with it.
+/// A filling that is not yet fitted to the surface, and its errors.
 struct Trial {
   TetrahedralMesh mesh;
   double spacing = 0.0;
   std::string loss;
-  double miss = 0.0;     ///< the number of points over the wanted one, as a logarithm
-  double penalty = 0.0;  ///< 0 would be best
+  double logRatio = 0.0;  ///< of the number of points over the requested one
+  double penalty = 0.0;   ///< 0 is the best
 };
 
 Trial fillAt(const SolidSurface& surface, double spacing, double points) {
   Trial trial;
-  trial.mesh = stuff(surface, spacing);
+  trial.mesh = fillAndRepair(surface, spacing);
   trial.spacing = spacing;
   trial.loss = findLoss(trial.mesh, surface);
   double volume = 0.0;
   for (const Tetrahedron& t : trial.mesh.tetrahedra) volume += volumeOf(trial.mesh.points, t);
-  trial.miss = std::log(static_cast<double>(std::max<std::size_t>(1, trial.mesh.points.size())) / points);
-  const double off = std::abs(trial.miss), farOff = std::max(0.0, off - kFarOff);
-  trial.penalty = off + kVolumeWeight * (farOff + std::abs(std::log(volume / surface.volume)));
+  trial.logRatio = std::log(static_cast<double>(std::max<std::size_t>(1, trial.mesh.points.size())) / points);
+  const double deviation = std::abs(trial.logRatio), excess = std::max(0.0, deviation - kLargeDeviation);
+  trial.penalty = deviation + kVolumeWeight * (excess + std::abs(std::log(volume / surface.volume)));
   return trial;
 }
 
@@ -280,24 +281,26 @@ void keepBetter(Trial& best, Trial trial) {
   if (isBetter || best.spacing == 0.0) best = std::move(trial);
 }
 
-/// The spacing for about this many points: two for each cube of the lattice, and those of the surface, so
-/// that the number goes with a power between 2 and 3. It changes in leaps where several rows come at once.
-Trial search(const SolidSurface& surface, double points, const std::function<bool(double)>& goOn) {
+/// Searches the spacing for about this many points. There are two points for each cube of the lattice, and
+/// those of the surface, so the number depends on the spacing with a power between 2 and 3. It jumps where
+/// several rows are added at once.
+Trial searchSpacing(const SolidSurface& surface, double points, const std::function<bool(double)>& goOn) {
   double spacing = std::cbrt(3.0 * surface.volume / points);
   Trial best;
   int tried = 0;
-  const auto attempt = [&](double at) {
+  const auto attempt = [&](double trialSpacing) {
     if (goOn && !goOn(std::min(1.0, tried++ / kUsualTrials))) return 0.0;
-    if (sitesNeeded(surface.box, at) > kMaxSites) return 0.0;
-    Trial trial = fillAt(surface, at, points);
-    const double miss = trial.miss;
+    if (sitesNeeded(surface.box, trialSpacing) > kMaxSites) return 0.0;
+    Trial trial = fillAt(surface, trialSpacing, points);
+    const double logRatio = trial.logRatio;
     keepBetter(best, std::move(trial));
-    return miss;
+    return logRatio;
   };
   for (int i = 0; i < 5; ++i) spacing *= std::exp(attempt(spacing) / 2.6);
-  const double near = best.spacing;
-  for (const double factor : {0.9, 0.95, 1.05, 1.1}) attempt(factor * near);
-  for (double finer = 0.85 * near; !best.loss.empty() && finer > 0.5 * near; finer *= 0.95) attempt(finer);
+  const double baseSpacing = best.spacing;
+  for (const double factor : {0.9, 0.95, 1.05, 1.1}) attempt(factor * baseSpacing);
+  for (double finer = 0.85 * baseSpacing; !best.loss.empty() && finer > 0.5 * baseSpacing; finer *= 0.95)
+    attempt(finer);
   return best;
 }
 
@@ -332,7 +335,7 @@ Result<TetrahedralMesh> fillWithPoints(const WeldedMesh& mesh, std::size_t point
   if (points < 8) return Error{std::to_string(points) + " points are too few, there must be 8 or more"};
   const SolidSurface surface = makeSolidSurface(mesh);
   if (isFlat(surface)) return Error{kNoVolume};
-  return finish(search(surface, static_cast<double>(points), goOn), surface);
+  return finish(searchSpacing(surface, static_cast<double>(points), goOn), surface);
 }
 
 }  // namespace limber

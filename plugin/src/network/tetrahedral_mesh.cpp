@@ -18,7 +18,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-/// The face opposite to a corner, counter-clockwise seen from outside.
+/// Returns the face opposite to a corner, counter-clockwise seen from outside.
 Triangle faceOf(const Tetrahedron& t, std::size_t corner) {
   switch (corner) {
     case 0:
@@ -32,7 +32,7 @@ Triangle faceOf(const Tetrahedron& t, std::size_t corner) {
   }
 }
 
-/// Times twice the area, pointing outward.
+/// Returns the outward normal of a face, twice its area long.
 Vector3d faceNormal(const std::vector<Vector3d>& points, const Tetrahedron& t, std::size_t corner) {
   const Triangle f = faceOf(t, corner);
   return (points[f[1]] - points[f[0]]).cross(points[f[2]] - points[f[0]]);
@@ -89,57 +89,57 @@ DihedralAngles dihedralAngles(const std::vector<Vector3d>& points, const Tetrahe
 
 namespace {
 
-using Numbers = std::vector<std::uint32_t>;
+using Indices = std::vector<std::uint32_t>;
 
-bool has(const Tetrahedron& t, std::uint32_t point) {
+bool hasPoint(const Tetrahedron& t, std::uint32_t point) {
   return std::find(t.begin(), t.end(), point) != t.end();
 }
 
-/// Groups of `some` tetrahedra (ascending) that are joined through faces all of which have the points `hub`:
-/// for each its group's first member, as an index into `some`.
-Numbers groupAround(const std::vector<Tetrahedron>& tetrahedra, const FaceNeighbours& neighbours,
-                    const Numbers& some, const Numbers& hub) {
-  Numbers group(some.size(), kOutside), open;
-  for (std::uint32_t first = 0; first < some.size(); ++first) {
+/// Groups the `subset` (ascending) of tetrahedra: faces that contain all points of `hub` join them. Returns
+/// for each one the first member of its group, as an index into `subset`.
+Indices groupAround(const std::vector<Tetrahedron>& tetrahedra, const FaceNeighbours& neighbours,
+                    const Indices& subset, const Indices& hub) {
+  Indices group(subset.size(), kOutside), pending;
+  for (std::uint32_t first = 0; first < subset.size(); ++first) {
     if (group[first] != kOutside) continue;
     group[first] = first;
-    open.push_back(first);
-    while (!open.empty()) {
-      const std::uint32_t t = some[open.back()];
-      open.pop_back();
+    pending.push_back(first);
+    while (!pending.empty()) {
+      const std::uint32_t t = subset[pending.back()];
+      pending.pop_back();
       for (std::size_t corner = 0; corner < 4; ++corner) {
         const std::uint32_t other = neighbours[t][corner];
-        const bool atHub = std::find(hub.begin(), hub.end(), tetrahedra[t][corner]) == hub.end();
-        const auto found = std::lower_bound(some.begin(), some.end(), other);
-        if (!atHub || found == some.end() || *found != other) continue;
-        const auto index = static_cast<std::uint32_t>(found - some.begin());
+        const bool containsHub = std::find(hub.begin(), hub.end(), tetrahedra[t][corner]) == hub.end();
+        const auto found = std::lower_bound(subset.begin(), subset.end(), other);
+        if (!containsHub || found == subset.end() || *found != other) continue;
+        const auto index = static_cast<std::uint32_t>(found - subset.begin());
         if (group[index] != kOutside) continue;
         group[index] = first;
-        open.push_back(index);
+        pending.push_back(index);
       }
     }
   }
   return group;
 }
 
-/// The tetrahedra at each point, ascending.
-std::vector<Numbers> tetrahedraOfPoints(const TetrahedralMesh& mesh) {
-  std::vector<Numbers> at(mesh.points.size());
+/// Returns the tetrahedra at each point, ascending.
+std::vector<Indices> tetrahedraOfPoints(const TetrahedralMesh& mesh) {
+  std::vector<Indices> at(mesh.points.size());
   for (std::uint32_t t = 0; t < mesh.tetrahedra.size(); ++t)
     for (const std::uint32_t point : mesh.tetrahedra[t]) at[point].push_back(t);
   return at;
 }
 
-/// Edges of more than two triangles of the surface.
-std::vector<Edge> crowdedEdges(const std::vector<Triangle>& surface) {
-  std::vector<Edge> edges, crowded;
+/// Returns the edges of more than two triangles of the surface.
+std::vector<Edge> nonManifoldEdges(const std::vector<Triangle>& surface) {
+  std::vector<Edge> edges, nonManifold;
   for (const Triangle& t : surface)
     for (std::size_t i = 0; i < 3; ++i) edges.push_back(edgeBetween(t[i], t[(i + 1) % 3]));
   std::sort(edges.begin(), edges.end());
   for (std::size_t i = 2; i < edges.size(); ++i)
-    if (edges[i] == edges[i - 2] && (crowded.empty() || crowded.back() != edges[i]))
-      crowded.push_back(edges[i]);
-  return crowded;
+    if (edges[i] == edges[i - 2] && (nonManifold.empty() || nonManifold.back() != edges[i]))
+      nonManifold.push_back(edges[i]);
+  return nonManifold;
 }
 
 void removeMarked(std::vector<Tetrahedron>& tetrahedra, const std::vector<char>& marked) {
@@ -149,29 +149,29 @@ void removeMarked(std::vector<Tetrahedron>& tetrahedra, const std::vector<char>&
   tetrahedra.resize(kept);
 }
 
-/// Marks all groups but the one of the largest volume.
-void markSmaller(const TetrahedralMesh& mesh, const Numbers& some, const Numbers& group,
+/// Marks all groups except the one of the largest volume.
+void markSmaller(const TetrahedralMesh& mesh, const Indices& subset, const Indices& group,
                  std::vector<char>& marked) {
-  std::vector<double> volume(some.size(), 0.0);
-  for (std::size_t i = 0; i < some.size(); ++i)
-    volume[group[i]] += volumeOf(mesh.points, mesh.tetrahedra[some[i]]);
+  std::vector<double> volume(subset.size(), 0.0);
+  for (std::size_t i = 0; i < subset.size(); ++i)
+    volume[group[i]] += volumeOf(mesh.points, mesh.tetrahedra[subset[i]]);
   const auto largest = std::max_element(volume.begin(), volume.end()) - volume.begin();
-  for (std::size_t i = 0; i < some.size(); ++i)
-    if (group[i] != largest) marked[some[i]] = 1;
+  for (std::size_t i = 0; i < subset.size(); ++i)
+    if (group[i] != largest) marked[subset[i]] = 1;
 }
 
-/// Whether there was nothing to take away.
-bool removeAtCrowdedEdges(TetrahedralMesh& mesh) {
+/// Returns true if there was nothing to remove.
+bool removeAtNonManifoldEdges(TetrahedralMesh& mesh) {
   const FaceNeighbours neighbours = findFaceNeighbours(mesh.tetrahedra);
-  const std::vector<Edge> crowded = crowdedEdges(surfaceOf(mesh.tetrahedra, neighbours));
-  if (crowded.empty()) return true;
-  const std::vector<Numbers> at = tetrahedraOfPoints(mesh);
+  const std::vector<Edge> nonManifold = nonManifoldEdges(surfaceOf(mesh.tetrahedra, neighbours));
+  if (nonManifold.empty()) return true;
+  const std::vector<Indices> at = tetrahedraOfPoints(mesh);
   std::vector<char> marked(mesh.tetrahedra.size(), 0);
-  for (const Edge& edge : crowded) {
-    Numbers some;
+  for (const Edge& edge : nonManifold) {
+    Indices subset;
     for (const std::uint32_t t : at[edge[0]])
-      if (has(mesh.tetrahedra[t], edge[1])) some.push_back(t);
-    markSmaller(mesh, some, groupAround(mesh.tetrahedra, neighbours, some, {edge[0], edge[1]}), marked);
+      if (hasPoint(mesh.tetrahedra[t], edge[1])) subset.push_back(t);
+    markSmaller(mesh, subset, groupAround(mesh.tetrahedra, neighbours, subset, {edge[0], edge[1]}), marked);
   }
   removeMarked(mesh.tetrahedra, marked);
   return false;
@@ -179,9 +179,9 @@ bool removeAtCrowdedEdges(TetrahedralMesh& mesh) {
 
 void splitPoints(TetrahedralMesh& mesh) {
   const FaceNeighbours neighbours = findFaceNeighbours(mesh.tetrahedra);
-  const std::vector<Numbers> at = tetrahedraOfPoints(mesh);
+  const std::vector<Indices> at = tetrahedraOfPoints(mesh);
   for (std::uint32_t point = 0; point < at.size(); ++point) {
-    const Numbers group = groupAround(mesh.tetrahedra, neighbours, at[point], {point});
+    const Indices group = groupAround(mesh.tetrahedra, neighbours, at[point], {point});
     for (std::uint32_t first = 1; first < group.size(); ++first) {
       if (group[first] != first) continue;
       for (std::size_t i = first; i < group.size(); ++i) {
@@ -194,18 +194,18 @@ void splitPoints(TetrahedralMesh& mesh) {
   }
 }
 
-void removeSmallPieces(TetrahedralMesh& mesh, double leastVolume) {
-  const Numbers piece = findPieces(mesh.tetrahedra);
+void removeSmallPieces(TetrahedralMesh& mesh, double minVolume) {
+  const Indices piece = findPieces(mesh.tetrahedra);
   std::vector<double> volume(piece.size(), 0.0);
   for (std::size_t t = 0; t < piece.size(); ++t)
     volume[piece[t]] += volumeOf(mesh.points, mesh.tetrahedra[t]);
   std::vector<char> marked(piece.size(), 0);
-  for (std::size_t t = 0; t < piece.size(); ++t) marked[t] = volume[piece[t]] < leastVolume;
+  for (std::size_t t = 0; t < piece.size(); ++t) marked[t] = volume[piece[t]] < minVolume;
   removeMarked(mesh.tetrahedra, marked);
 }
 
 void dropUnusedPoints(TetrahedralMesh& mesh) {
-  Numbers newIndex(mesh.points.size(), kOutside);
+  Indices newIndex(mesh.points.size(), kOutside);
   for (const Tetrahedron& t : mesh.tetrahedra)
     for (const std::uint32_t point : t) newIndex[point] = 0;
   std::uint32_t kept = 0;
@@ -222,19 +222,19 @@ void dropUnusedPoints(TetrahedralMesh& mesh) {
 }  // namespace
 
 std::vector<std::uint32_t> findPieces(const std::vector<Tetrahedron>& tetrahedra) {
-  Numbers all(tetrahedra.size());
+  Indices all(tetrahedra.size());
   std::iota(all.begin(), all.end(), 0u);
-  const Numbers group = groupAround(tetrahedra, findFaceNeighbours(tetrahedra), all, {});
-  Numbers number(group.size());
+  const Indices group = groupAround(tetrahedra, findFaceNeighbours(tetrahedra), all, {});
+  Indices number(group.size());
   std::uint32_t pieces = 0;
   for (std::size_t t = 0; t < group.size(); ++t) number[t] = group[t] == t ? pieces++ : number[group[t]];
   return number;
 }
 
-void makeManifold(TetrahedralMesh& mesh, double leastVolume) {
-  while (!removeAtCrowdedEdges(mesh)) {
+void makeManifold(TetrahedralMesh& mesh, double minVolume) {
+  while (!removeAtNonManifoldEdges(mesh)) {
   }
-  removeSmallPieces(mesh, leastVolume);
+  removeSmallPieces(mesh, minVolume);
   splitPoints(mesh);
   dropUnusedPoints(mesh);
   mesh.surface = surfaceOf(mesh.tetrahedra, findFaceNeighbours(mesh.tetrahedra));
