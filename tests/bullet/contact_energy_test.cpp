@@ -167,8 +167,7 @@ struct Fall {
   int substeps = 5;
 };
 
-/// Simulates a fall. Its height is 1 m, from the centre of mass to its height when a flat body lies on the
-/// plane.
+/// Simulates a fall of 1 m to the height of the centre of mass at which a flat body lies on the plane.
 Rebound fall(const Fall& f) {
   BulletWorld bullet(-kGravity);
   bullet.addPlaneFloor()->setRestitution(1);
@@ -197,7 +196,7 @@ Rebound fall(const Fall& f) {
   return rebound;
 }
 
-Eigen::Quaterniond rotationBy(double angle, const Vector3d& axis) {
+Eigen::Quaterniond rotationAbout(double angle, const Vector3d& axis) {
   return Eigen::Quaterniond(Eigen::AngleAxisd(angle, axis.normalized()));
 }
 
@@ -213,9 +212,9 @@ SharedNetwork bracedBall() {
 /// corner, and a ball. The substeps resolve the stiffest oscillation by more than a hundred steps. The
 /// tolerances are the remaining error, which falls with the square of the substep.
 TEST(Restitution, ofOneKeepsTheEnergyOfAnUndampedBody) {
-  const Eigen::Quaterniond upright = rotationBy(kPi / 2, Vector3d::UnitZ());
+  const Eigen::Quaterniond upright = rotationAbout(kPi / 2, Vector3d::UnitZ());
   for (const Fall& f : {Fall{test::pairNetwork(), upright}, Fall{test::fullCubeNetwork()},
-                        Fall{test::fullCubeNetwork(), rotationBy(0.7, {1, 2, 0.5})}, Fall{bracedBall()}}) {
+                        Fall{test::fullCubeNetwork(), rotationAbout(0.7, {1, 2, 0.5})}, Fall{bracedBall()}}) {
     Fall fine = f;
     fine.substeps = 150;
     const Rebound rebound = fall(fine);
@@ -231,7 +230,7 @@ TEST(Restitution, neverGivesEnergy) {
   for (const double stiffness : {2e3, 1e4})
     for (const double restitution : {1.0, 0.8, 0.5})
       for (const Fall& f :
-           {Fall{test::fullCubeNetwork()}, Fall{test::fullCubeNetwork(), rotationBy(0.7, {1, 2, 0.5})},
+           {Fall{test::fullCubeNetwork()}, Fall{test::fullCubeNetwork(), rotationAbout(0.7, {1, 2, 0.5})},
             Fall{bracedBall()}}) {
         Fall usual = f;
         usual.stiffness = stiffness;
@@ -246,8 +245,7 @@ TEST(Restitution, neverGivesEnergy) {
 
 // --- impulses ----------------------------------------------------------------------------------------------
 
-/// With each stepper: an undamped cloth flies into the wedge between two planes. They push it and never pull
-/// it.
+/// With each stepper: two planes push an undamped cloth that flies into their wedge, and never pull it.
 TEST(HeldContacts, neverPull) {
   for (const Stepper stepper : {Stepper::Verlet, Stepper::ImplicitMidpoint, Stepper::BandedNewton}) {
     BulletWorld bullet(-kGravity);
@@ -260,7 +258,7 @@ TEST(HeldContacts, neverPull) {
     s.totalMass = 0.3;
     s.position = {-0.5, 0.7, 0};
     s.linearVelocity = {8, 0, 0};
-    s.rotation = rotationBy(0.7, {1, 2, 0.5});
+    s.rotation = rotationAbout(0.7, {1, 2, 0.5});
     ClothSettings cloth;
     cloth.columns = cloth.rows = 3;
     const SoftBody* body = *system.createBody(*buildCloth(cloth), s);
@@ -356,9 +354,8 @@ std::vector<double> heightsIn(const Units& u, double height, double restitution,
   return heights;
 }
 
-/// m: rounding decides whether a tick of a fast impact has one search or substep more. This makes a
-/// difference of 2e-3 m until the bodies have bounced. An absolute constant in a bounce would make more than
-/// 0.01.
+/// m: rounding decides whether a tick of a fast impact has one search or substep more, which makes a
+/// difference of 2e-3 m until the bodies have bounced. An absolute constant in a bounce makes more than 0.01.
 constexpr double kUnitsTolerance = 4e-3;
 
 void expectSameInOtherUnits(double height, double restitution, double gravity) {

@@ -80,8 +80,7 @@ double restHeight(Floor floor, double stiffness, double dt) {
 }
 
 TEST_P(SoftCubeOn, restsAtTheSameHeightAtAnyTick) {
-  // A body that took the floor into account only once per tick would rest h^2 g M / M_touching = 5.45 mm too
-  // low at 60 Hz.
+  // a body that considers the floor only once per tick rests h^2 g M / M_touching = 5.45 mm too low at 60 Hz
   for (double stiffness : {1e3, 1e4}) {
     const double reference = restHeight(Floor::Plane, stiffness, 1.0 / 960);
     for (double dt : {1.0 / 30, 1.0 / 60, 1.0 / 120})
@@ -91,8 +90,7 @@ TEST_P(SoftCubeOn, restsAtTheSameHeightAtAnyTick) {
 }
 
 TEST_P(SoftCubeOn, stiffCubesRestOnTheirPointsToo) {
-  // The sag of a stiff cube is W / (stiffness of its side) to first order. It is compared with that of the
-  // soft one.
+  // the sag of a stiff cube is W / (stiffness of its side) to first order; compared with that of a soft one
   const double at1e4 = restHeight(Floor::Plane, 1e4, 1.0 / 240) - 1.02;
   EXPECT_NEAR(restHeight(GetParam(), 1e5, 1.0 / 60), 1.02 + at1e4 / 10, 1e-6);
   EXPECT_NEAR(restHeight(GetParam(), 1e6, 1.0 / 60), 1.02 + at1e4 / 100, 1e-6);
@@ -258,8 +256,7 @@ TEST(Contact, aBodyPlacedInsideTheFloorComesOutGently) {
 }
 
 TEST(Contact, fastPointsAreStoppedByAThinPlate) {
-  // 20 m/s is 33 cm per tick, and the plate is 2 cm thick: without continuous collision all points pass
-  // through.
+  // 20 m/s is 33 cm per tick: without continuous collision all points pass through a plate of 2 cm
   for (double speed : {1.0, 2.0, 3.0, 5.0, 20.0, 50.0}) {
     BulletWorld bullet(0.0);
     bullet.addBox(btVector3(5, btScalar(0.01), 5), 0, btVector3(0, 0, 0));

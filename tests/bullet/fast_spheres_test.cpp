@@ -17,8 +17,8 @@ namespace {
 using test::BulletWorld;
 using test::vec;
 
-/// Returns the distance (m) of a point from a box about the origin whose edges are rounded by `round`. The
-/// normal points out of the box.
+/// Returns the distance (m) of a point from a box about the origin with edges rounded by `round`. The normal
+/// points out of the box.
 double distanceToBox(const btVector3& half, double round, const btVector3& point, btVector3& normal) {
   const btVector3 core = half - vec(round, round, round);
   btVector3 nearest = point;

@@ -15,8 +15,7 @@ namespace {
 
 using test::BulletWorld;
 
-/// Bullet stores positions as btScalar, but the plugin's state is double: the errors below are those of the
-/// integration scheme.
+/// Bullet stores positions as btScalar, but the state is double: the errors below are those of the scheme.
 SoftBody* create(SoftBodySystem& system, const SharedNetwork& network, const SoftBodySettings& settings) {
   Result<SoftBody*> body = system.createBody(network, settings);
   EXPECT_TRUE(body) << body.error();
@@ -183,8 +182,7 @@ TEST(FreeFlight, undampedEnergyNeitherGrowsNorFalls) {
     lowest = std::min(lowest, energy());
     highest = std::max(highest, energy());
   }
-  // The energy of a symplectic scheme swings by (omega dt)^2/8 of the energy of the stiff oscillations,
-  // without drift.
+  // the scheme is symplectic: its energy swings by (omega dt)^2/8 of the stiff oscillations', without drift
   EXPECT_LT(highest, 1.02 * start);
   EXPECT_GT(lowest, 0.98 * start);
 }

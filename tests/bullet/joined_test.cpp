@@ -262,8 +262,7 @@ struct Driven {
   Joint joint;
 };
 
-/// Returns the smallest and the largest change (J) of the energy, springs included, during the last two
-/// swings.
+/// Returns the smallest and the largest change (J) of the energy, with springs, during the last two swings.
 std::pair<double, double> energyGained(const MakeJoint& make, double rate) {
   Driven d(make);
   const auto energy = [&] {

@@ -128,8 +128,7 @@ TEST_P(KinematicIdioms, aConveyingPlatformTakesACubeAlong) {
   EXPECT_NEAR(cube->linearMomentum().x(), speed, 0.05);
 }
 
-/// Also in the first stepSimulation(), with any number of ticks: Bullet then places the lift at its final
-/// pose.
+/// Also in the first stepSimulation() with any number of ticks, in which Bullet uses only the final pose.
 TEST_P(KinematicIdioms, aLiftThatRisesInTheFirstStepCarriesACube) {
   // Bullet computes no velocity for a sleeping body
   if (GetParam() == Idiom::Asleep) GTEST_SKIP() << "what sleeps is seen to move from its second step on";

@@ -74,8 +74,7 @@ TEST(Spring, twoRigidBodiesSwingWithTheReducedMass) {
 
 TEST(Spring, offCentrePivotsKeepLinearAndAngularMomentum) {
   BulletWorld bullet(0.0);
-  // Cubes: with equal moments of inertia the angular velocity of a free body is constant, as Bullet
-  // integrates it.
+  // cubes: with equal moments of inertia a free body has a constant angular velocity, as Bullet assumes
   btRigidBody* a = bullet.addBox(test::vec(0.3, 0.3, 0.3), 2.0, test::vec(0, 0, 0));
   btRigidBody* b = bullet.addBox(test::vec(0.2, 0.2, 0.2), 1.0, test::vec(2, 0.5, 0));
   for (btRigidBody* body : {a, b}) body->setActivationState(DISABLE_DEACTIVATION);
@@ -95,8 +94,7 @@ TEST(Spring, offCentrePivotsKeepLinearAndAngularMomentum) {
     worst = std::max(worst, (angularMomentumOf(*a) + angularMomentumOf(*b) - l).norm());
   }
   EXPECT_LT((momentumOf(*a) + momentumOf(*b) - p).norm(), 1e-4);
-  // Kicks and drifts keep it exactly. Bullet moves the bodies in floats: 1e-7 of 1 m times some kg m/s per
-  // tick.
+  // kicks and drifts keep it exactly; Bullet moves bodies in floats, 1e-7 of 1 m times some kg m/s per tick
   EXPECT_LT(worst, 1e-4 * scale);
 }
 
@@ -276,8 +274,7 @@ TEST(Attach, pointsFollowARigidBodyAndCarryIt) {
 }
 
 TEST(Attach, dampingDoesNotMoveTheEquilibrium) {
-  // Between the kick and the constraint, the velocities of an attached point and its body differ. Dampers
-  // must ignore this difference.
+  // between kick and constraint an attached point and its body differ in velocity, which dampers must ignore
   double first = 0;
   for (double damping : {10.0, 30.0, 100.0, 1000.0}) {
     BulletWorld bullet;

@@ -88,8 +88,7 @@ struct MirrorScene {
   }
 };
 
-/// Returns the largest distance (m) of a point of the one scene from the mirror image of the same point of
-/// the other.
+/// Returns the largest distance (m) of a point from the mirror image of the same point in the other scene.
 double asymmetry(const MirrorScene& scene, const MirrorScene& mirrored) {
   double largest = 0.0;
   for (std::size_t b = 0; b < scene.system.bodyCount(); ++b)
@@ -281,10 +280,9 @@ struct Order {
   double displacement = 0.0;  // m
 };
 
-/// Returns the centres of mass of the lower and the upper body, a second after the upper was thrown onto the
-/// lower.
-std::array<Vector3d, 2> centresAfterCollision(const Order& order, const SharedNetwork& upper,
-                                              SoftBodySettings settings) {
+/// Returns the centres of mass of both bodies, a second after the upper was thrown onto the lower.
+std::array<Vector3d, 2> finalCentres(const Order& order, const SharedNetwork& upper,
+                                     SoftBodySettings settings) {
   BulletWorld bullet(0.0);
   SoftBodySystem system(*bullet.world);
   // damping acts on one spring after the other: its error depends on their order
@@ -323,27 +321,23 @@ double distance(const std::array<Vector3d, 2>& x, const std::array<Vector3d, 2>&
   return std::max((x[0] - y[0]).norm(), (x[1] - y[1]).norm());
 }
 
-/// The tolerance is the effect of a displacement of 1e-6 m: rounding and the solver's tolerance have effects
-/// of this size.
+/// The tolerance is the effect of a displacement of 1e-6 m: rounding and the solver have similar effects.
 TEST(OrderOfBodies, whoWasCreatedFirstDoesNotMatter) {
   for (const Thrown& thrown : thrownBodies()) {
     SCOPED_TRACE(thrown.name);
-    const auto now = centresAfterCollision({}, thrown.network, thrown.settings);
-    const double nudged =
-        distance(now, centresAfterCollision({false, 0, 1e-6}, thrown.network, thrown.settings));
-    EXPECT_LT(distance(now, centresAfterCollision({true}, thrown.network, thrown.settings)), nudged);
+    const auto now = finalCentres({}, thrown.network, thrown.settings);
+    const double nudged = distance(now, finalCentres({false, 0, 1e-6}, thrown.network, thrown.settings));
+    EXPECT_LT(distance(now, finalCentres({true}, thrown.network, thrown.settings)), nudged);
   }
 }
 
 TEST(OrderOfBodies, theOrderOfPointsDoesNotMatter) {
   for (const Thrown& thrown : thrownBodies()) {
     SCOPED_TRACE(thrown.name);
-    const auto now = centresAfterCollision({}, thrown.network, thrown.settings);
-    const double nudged =
-        distance(now, centresAfterCollision({false, 0, 1e-6}, thrown.network, thrown.settings));
+    const auto now = finalCentres({}, thrown.network, thrown.settings);
+    const double nudged = distance(now, finalCentres({false, 0, 1e-6}, thrown.network, thrown.settings));
     for (const unsigned seed : {1u, 2u, 3u})
-      EXPECT_LT(distance(now, centresAfterCollision({false, seed}, thrown.network, thrown.settings)),
-                10.0 * nudged);
+      EXPECT_LT(distance(now, finalCentres({false, seed}, thrown.network, thrown.settings)), 10.0 * nudged);
   }
 }
 
@@ -443,8 +437,7 @@ TEST(FastPairs, whatIsThrownHitsInItsFirstTick) {
       }
 }
 
-/// Returns the energy (J) after a rigid ball has hit a soft one, 8.88 before, and the velocity of the rigid
-/// one.
+/// Returns the energy (J, 8.88 before) after a rigid ball has hit a soft one, and the rigid one's velocity.
 std::pair<double, Vector3d> leftAfterHit(double rate) {
   BulletWorld bullet(0.0);
   SoftBodySystem system(*bullet.world);

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// Contacts of soft bodies with links of multibodies, which react through their joints, and with the ghost
-// objects of characters.
+// Contacts of soft bodies with links of multibodies, which react through their joints, and with characters.
 #include "support/bullet_measures.h"
 #include "support/bullet_world.h"
 #include "support/constants.h"
@@ -209,8 +208,7 @@ TEST(MultiBodies, aChainInSpaceKeepsAllMomentaInAHit) {
       w.tick(1.0 / rate);
       double energy = cube->kineticEnergy() + cube->elasticEnergy();
       const Momenta m = momentaOf(*chain, energy);
-      // A tick of Bullet keeps the joint speeds, not the momenta of a rotating chain: an error of the tick's
-      // order.
+      // Bullet keeps the joint speeds, not the momenta of a rotating chain: an error of the tick's order
       ASSERT_LT((cube->linearMomentum() + m.linear - Vector3d(4, 0, 0)).norm(), 0.1 * 60 / rate)
           << "tick " << i;
       ASSERT_LT((cube->angularMomentum() + m.angular - angular).norm(), 0.2 * 60 / rate) << "tick " << i;

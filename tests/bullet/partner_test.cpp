@@ -22,9 +22,8 @@ using test::kRadius;
 using test::momentumOf;
 using test::vec;
 
-/// Returns settings of a cube of eight points with a total mass of 1 kg. Its damping brings objects on it to
-/// rest in a few seconds.
-SoftBodySettings stronglyDampedSettings(double stiffness, double height, double friction = 0.0) {
+/// Returns settings of a cube of 1 kg that brings objects on it to rest in a few seconds.
+SoftBodySettings dampedSettings(double stiffness, double height, double friction = 0.0) {
   SoftBodySettings s = test::testedSettings();
   s.position = {0, height, 0};
   s.extensionStiffness = s.compressionStiffness = stiffness;
@@ -34,10 +33,8 @@ SoftBodySettings stronglyDampedSettings(double stiffness, double height, double 
   return s;
 }
 
-SoftBody* addStronglyDampedCube(SoftBodySystem& system, double stiffness, double height,
-                                double friction = 0.0) {
-  SoftBody* body =
-      *system.createBody(test::fullCubeNetwork(), stronglyDampedSettings(stiffness, height, friction));
+SoftBody* addDampedCube(SoftBodySystem& system, double stiffness, double height, double friction = 0.0) {
+  SoftBody* body = *system.createBody(test::fullCubeNetwork(), dampedSettings(stiffness, height, friction));
   body->point(0)->setActivationState(DISABLE_DEACTIVATION);
   return body;
 }
@@ -86,12 +83,11 @@ TEST(Partners, aBoxRestsOnACubeAtTheHeightThatStaticsAsksFor) {
       BulletWorld bullet;
       bullet.addBoxFloor();
       SoftBodySystem system(*bullet.world);
-      addStronglyDampedCube(system, stiffness, 0.5 + kRadius);
+      addDampedCube(system, stiffness, 0.5 + kRadius);
       btRigidBody* box = addBox(bullet, mass, 1 + 2 * kRadius + 0.1);
       bullet.simulate(8.0);
       const double expected = cubeHeight(stiffness, mass * kGravity) + 2 * kRadius + 0.1;
-      // the requirement at mass ratio 1; exchanging states only once per tick gives an error of 13 mm at 1e4
-      // N/m
+      // the requirement at mass ratio 1; coupling only once per tick has an error of 13 mm at 1e4 N/m
       EXPECT_NEAR(height(*box), expected, 5e-5) << "k " << stiffness << " mass " << mass;
     }
 }
@@ -102,7 +98,7 @@ TEST(Partners, heavyBoxesRestOnStiffCubesToo) {
     bullet.addBoxFloor();
     SoftBodySystem system(*bullet.world);
     // friction keeps the box from slipping off; it also carries a small part of the load
-    SoftBodySettings s = stronglyDampedSettings(1e5, 0.5 + kRadius, 1.0);
+    SoftBodySettings s = dampedSettings(1e5, 0.5 + kRadius, 1.0);
     s.damping *= 20;
     (*system.createBody(test::fullCubeNetwork(), s))->point(0)->setActivationState(DISABLE_DEACTIVATION);
     btRigidBody* box = addBox(bullet, mass, 1 + 2 * kRadius + 0.1, 0.5);
@@ -120,7 +116,7 @@ TEST(Partners, aCubeRestsOnAFreeBoxAsOnTheFloor) {
       bullet.addBoxFloor();
       SoftBodySystem system(*bullet.world);
       btRigidBody* box = addBox(bullet, mass, 0.1, 0.5);
-      SoftBody* cube = addStronglyDampedCube(system, stiffness, 0.2 + 0.5 + kRadius);
+      SoftBody* cube = addDampedCube(system, stiffness, 0.2 + 0.5 + kRadius);
       bullet.simulate(8.0);
       // Contacts are slightly compliant, most of all between light bodies below and heavy ones above.
       // Required are 5e-5 m at mass ratio 1 and 1e-3 m at 1:100.
@@ -139,7 +135,7 @@ TEST(Partners, cubesAndPlatesStackUp) {
     std::vector<SoftBody*> cubes;
     double floor = 0, expected = 0;
     for (int i = 0; i < 3; ++i) {
-      cubes.push_back(addStronglyDampedCube(system, 1e4, floor + 0.5 + kRadius, 0.5));
+      cubes.push_back(addDampedCube(system, 1e4, floor + 0.5 + kRadius, 0.5));
       floor += 1 + 2 * kRadius;
       const double above = (2 - i) * (1.0 + mass) * kGravity;
       expected += cubeHeight(1e4, above) + 2 * kRadius;
@@ -168,7 +164,7 @@ TEST(Partners, pilesOfBoxesStandOnACubeAndDoNotSway) {
     BulletWorld bullet;
     bullet.addBoxFloor()->setFriction(1);
     SoftBodySystem system(*bullet.world);
-    addStronglyDampedCube(system, 1e4, 0.5 + kRadius, 0.5);
+    addDampedCube(system, 1e4, 0.5 + kRadius, 0.5);
     std::vector<btRigidBody*> boxes;
     for (int i = 0; i < count; ++i)
       boxes.push_back(addBox(bullet, 0.1, 1 + 2 * kRadius + 0.1 + 0.2 * i, 1.0));
@@ -189,13 +185,12 @@ TEST(Partners, pilesOfBoxesStandOnACubeAndDoNotSway) {
 // --- joints ------------------------------------------------------------------------------------------------
 
 TEST(Partners, aHingedLidLeansOnACube) {
-  // A lid of 10 kg has a hinge at one side and rests on a cube at the other, which carries half of its
-  // weight.
+  // A lid of 10 kg has a hinge at one side. A cube at the other carries half of its weight.
   const double stiffness = 1e4;
   BulletWorld bullet;
   bullet.addBoxFloor()->setFriction(1);
   SoftBodySystem system(*bullet.world);
-  SoftBodySettings s = stronglyDampedSettings(stiffness, 0.5 + kRadius, 0.5);
+  SoftBodySettings s = dampedSettings(stiffness, 0.5 + kRadius, 0.5);
   s.position.x() = -0.2;
   s.damping *= 10;
   (*system.createBody(test::fullCubeNetwork(), s))->point(0)->setActivationState(DISABLE_DEACTIVATION);
@@ -231,7 +226,7 @@ TEST(Partners, aPlateHungFromAnotherBelowACube) {
   inAnchor.setOrigin(vec(-2, -2, 0));
   btFixedConstraint joint(*anchor, *plate, inAnchor, inPlate);
   bullet.world->addConstraint(&joint);
-  SoftBody* cube = addStronglyDampedCube(system, 1e4, 1.1 + 0.5 + kRadius);
+  SoftBody* cube = addDampedCube(system, 1e4, 1.1 + 0.5 + kRadius);
   bullet.simulate(8.0);
   EXPECT_NEAR(height(*plate), 1.0, 2e-5);
   EXPECT_NEAR(top(*cube), height(*plate) + 0.1 + kRadius + cubeHeight(1e4, 0), 5e-5);
@@ -252,7 +247,7 @@ TEST(Partners, aHitInFreeSpaceKeepsMomentumAndGainsNoEnergy) {
     for (const double mass : {0.1, 1.0, 10.0}) {
       BulletWorld bullet(0.0);
       SoftBodySystem system(*bullet.world);
-      SoftBody* cube = addStronglyDampedCube(system, stiffness, 0.0, 0.5);
+      SoftBody* cube = addDampedCube(system, stiffness, 0.0, 0.5);
       btRigidBody* box = bullet.addBox(vec(0.3, 0.3, 0.7), mass, vec(-1.2, 0.3, 0.1));
       box->setActivationState(DISABLE_DEACTIVATION);
       box->setLinearVelocity(vec(3, 0, 0));
@@ -273,9 +268,9 @@ TEST(Partners, atRestForAMinuteNoEnergyIsGained) {
     BulletWorld bullet;
     bullet.addBoxFloor()->setFriction(1);
     SoftBodySystem system(*bullet.world);
-    SoftBody* lower = addStronglyDampedCube(system, 1e4, 0.5 + kRadius, 0.5);
+    SoftBody* lower = addDampedCube(system, 1e4, 0.5 + kRadius, 0.5);
     btRigidBody* plate = addBox(bullet, mass, 1 + 2 * kRadius + 0.1, 1.0);
-    SoftBody* upper = addStronglyDampedCube(system, 1e4, 1.2 + 2 * kRadius + 0.5 + kRadius, 0.5);
+    SoftBody* upper = addDampedCube(system, 1e4, 1.2 + 2 * kRadius + 0.5 + kRadius, 0.5);
     const auto energy = [&] {
       double sum = energyOf(*plate) + mass * kGravity * height(*plate);
       for (const SoftBody* cube : {lower, upper})
@@ -308,7 +303,7 @@ TEST(Partners, slidesOnATiltedPlateByCoulombsLaw) {
     btFixedConstraint joint(*plate, btTypedConstraint::getFixedBody(), btTransform::getIdentity(),
                             btTransform(btQuaternion::getIdentity(), vec(0, -0.1, 0)));
     bullet.world->addConstraint(&joint);
-    SoftBody* cube = addStronglyDampedCube(system, 1e4, 0.5 + kRadius, 0.5);
+    SoftBody* cube = addDampedCube(system, 1e4, 0.5 + kRadius, 0.5);
     bullet.simulate(1.0);
     const double before = cube->linearMomentum().x();
     bullet.simulate(2.0);
@@ -324,7 +319,7 @@ TEST(Partners, aSleepingBoxWakesWhenACubeFallsOnIt) {
   SoftBodySystem system(*bullet.world);
   btRigidBody* box = addBox(bullet, 1.0, 0.1, 0.5);
   box->forceActivationState(ISLAND_SLEEPING);
-  SoftBody* cube = addStronglyDampedCube(system, 1e4, 1.5, 0.5);
+  SoftBody* cube = addDampedCube(system, 1e4, 1.5, 0.5);
   bullet.simulate(0.2);
   EXPECT_FALSE(box->isActive());
   bullet.simulate(3.0);
@@ -337,7 +332,7 @@ TEST(Partners, bulletsManifoldsSayWhatRigidContactsBear) {
   bullet.addBoxFloor();
   SoftBodySystem system(*bullet.world);
   btRigidBody* box = addBox(bullet, 2.0, 0.1, 0.5);
-  addStronglyDampedCube(system, 1e4, 0.2 + 0.5 + kRadius, 0.5);
+  addDampedCube(system, 1e4, 0.2 + 0.5 + kRadius, 0.5);
   bullet.simulate(4.0);
   double impulse = 0;
   for (int m = 0; m < bullet.dispatcher.getNumManifolds(); ++m) {

@@ -141,8 +141,7 @@ TEST(RigidNeighbours, ofTwoLinksOneMayGoInTheTickInWhichTheOtherComes) {
 }
 
 TEST(RigidNeighbours, areJoinedByTheirLinksWhenTheyBecomeFree) {
-  // Two springs are attached to a body that is static at first. When it becomes dynamic, it connects the two
-  // others.
+  // two springs are attached to a body that is static at first; when it becomes dynamic, it connects them
   BulletWorld bullet(0.0);
   btRigidBody* middle = bullet.addBox(vec(0.1, 0.1, 0.1), 0, vec(0, 0, 0));
   btRigidBody* left = addAwakeBox(bullet, 0.1, 1.0, vec(-1, 0, 0));
@@ -177,8 +176,7 @@ void attachWeakSpring(SoftBodySystem& system, btRigidBody* body) {
   ASSERT_TRUE(system.addSpring({body}, {nullptr, vec(0, 3, 0)}, s));
 }
 
-/// Returns the speeds (m/s) of two balls of 1 kg after a central impact at `speed`; the first may hang on a
-/// spring.
+/// Returns the speeds (m/s) of two balls of 1 kg after a central impact. The first may hang on a spring.
 std::pair<double, double> speedsAfterAHit(double speed, bool onSpring) {
   BulletWorld bullet(0.0);
   const auto add = [&](double x) {
@@ -203,8 +201,7 @@ TEST(RigidNeighbours, onASpringOfNoForceHitEachOtherAsWithoutIt) {
   }
 }
 
-/// Returns the height (m) above the floor to which a box of 2 kg hops. It is dropped from 2 cm and then
-/// pushed.
+/// Returns the height (m) to which a box of 2 kg hops when it is dropped from 2 cm and then pushed.
 double hop(bool onSpring) {
   BulletWorld bullet;
   bullet.addBoxFloor();
@@ -293,8 +290,7 @@ TEST(RigidNeighbours, standAlikeInWorldsOfOneAndOfTwoSystems) {
   }
 }
 
-/// As BulletWorld, but only the first manifold is from a pool: sanitizers detect accesses to deleted
-/// manifolds.
+/// As BulletWorld, but with a pool of one manifold, so that sanitizers detect accesses to deleted ones.
 struct WorldWithoutPool {
   static btDefaultCollisionConstructionInfo info() {
     btDefaultCollisionConstructionInfo info;

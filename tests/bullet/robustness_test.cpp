@@ -74,8 +74,7 @@ TEST(WithoutSprings, pointsCarryARigidBody) {
 }
 
 TEST(RestLengthZero, asksForNoMoreThanItsSpringConstantDoes) {
-  // Two pairs of points, each with a rest length of 0. One pair is pulled apart and released: its points pass
-  // each other.
+  // two springs of length 0; the points of one are pulled apart and released, and pass each other
   auto network = std::make_shared<SpringNetwork>();
   network->restPoints = {{0, 0, 0}, {0, 0, 0}, {1, 0, 0}, {1, 0, 0}};
   network->massFractions.assign(4, 0.25);
@@ -104,7 +103,7 @@ struct RecoveryFixture : testing::Test {
     other = *system.createBody(test::closedCubeNetwork(), at(5.0));
     bullet.simulate(0.1);
   }
-  /// Expects a full recovery: one warning, the other body unchanged, and the body falls and comes to rest as
+  /// Expects a full recovery: one warning, no effect on the other body, and a body that comes to rest as
   /// usual.
   void expectRecovery() {
     const double height = body->centerOfMass().y();

@@ -19,8 +19,7 @@ using test::vec;
 
 constexpr double kBallRadius = 0.5;
 
-/// Adds a ball of 1 kg on a floor. Both have a friction of 1. Only the ball has rolling friction, as a length
-/// (m).
+/// Adds a ball of 1 kg on a floor, both with a friction of 1. Only the ball has rolling friction (m).
 btRigidBody* addBall(BulletWorld& bullet, double rolling, double spinning) {
   bullet.addBoxFloor()->setFriction(1);
   btRigidBody* ball =
@@ -33,7 +32,7 @@ btRigidBody* addBall(BulletWorld& bullet, double rolling, double spinning) {
 }
 
 /// Makes Limber step the ball and its contacts, by a spring without force.
-void attachSpringWithoutForce(SoftBodySystem& system, btRigidBody* ball) {
+void attachLooseSpring(SoftBodySystem& system, btRigidBody* ball) {
   SpringSettings loose;
   loose.stiffness = 0.0;
   ASSERT_TRUE(system.addSpring({ball}, {nullptr, vec(0, 5, 0)}, loose));
@@ -45,7 +44,7 @@ TEST(RollingFriction, slowsABallAsItsMomentDoes) {
       BulletWorld bullet;
       SoftBodySystem system(*bullet.world);
       btRigidBody* ball = addBall(bullet, rolling, 0.0);
-      attachSpringWithoutForce(system, ball);
+      attachLooseSpring(system, ball);
       ball->setLinearVelocity(vec(btScalar(speed), 0, 0));
       ball->setAngularVelocity(vec(0, 0, btScalar(-speed / kBallRadius)));
       bullet.simulate(0.5);
@@ -62,7 +61,7 @@ TEST(RollingFriction, ofASpinAboutTheNormalIsAnother) {
   BulletWorld bullet;
   SoftBodySystem system(*bullet.world);
   btRigidBody* ball = addBall(bullet, 0.01, 0.05);
-  attachSpringWithoutForce(system, ball);
+  attachLooseSpring(system, ball);
   ball->setAngularVelocity(vec(0, 10, 0));
   bullet.simulate(1.0);
   const double slower = 0.05 * kGravity / (0.4 * kBallRadius * kBallRadius);

@@ -208,8 +208,7 @@ struct Drape {
   }
 };
 
-/// Returns the smallest distance (m) of the cloth's points, and of points on its triangles, from the box of
-/// Drape; 0 inside.
+/// Returns the smallest distance (m) from the box of Drape of points on the cloth's triangles; 0 inside.
 double nearestToBox(const SoftBody& cloth) {
   const int steps = 8;
   double nearest = 1e9;
@@ -283,8 +282,8 @@ TEST(SurfaceOnItself, aClothComesToRestOverABoxesEdgesAndCorners) {
   }
 }
 
-/// Simulates two seconds in which a cloth falls and crumples on a floor at z = 0. Returns the smallest height
-/// (m) of the centre of a point.
+/// Returns the smallest height (m) of a point's centre during two seconds in which a cloth falls and crumples
+/// on a floor at z = 0.
 double lowestOfFallingCloth(test::FloorKind floor, double angle) {
   BulletWorld bullet;
   test::addTiledFloor(bullet, floor, 0.0);

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// Contacts of faces and edges: with objects smaller than a triangle, objects without a point above them, and
-// fast objects.
+// Contacts of faces and edges with small objects, with objects between their points, and with fast objects.
 #include "support/bullet_measures.h"
 #include "support/bullet_world.h"
 #include "support/constants.h"
@@ -360,8 +359,7 @@ TEST(SurfaceContact, fastCubesDoNotPassThroughEachOther) {
       s.linearVelocity = {-20.0 * side, 0, 0};
       cubes.push_back(addAwakeCube(system, s));
     }
-    // Two of the shots are deflected to both sides and then pass each other. In ticks of 1/1920 s they do the
-    // same.
+    // two of the shots are deflected sideways and then pass each other, as they do in ticks of 1/1920 s
     bool inside = false;
     for (int i = 0; i < 15; ++i) {
       const double before = cubes[1]->centerOfMass().x() - cubes[0]->centerOfMass().x();

@@ -40,8 +40,7 @@ double restHeightWith(AddFloor addFloor, Collision collision) {
 }
 
 TEST(SurfaceLife, restsAtTheHeightOfPoints) {
-  // The contacts on equal planes are equal. The rounding of the box's and the hull's planes in Bullet varies
-  // from tick to tick.
+  // equal contacts on equal planes; Bullet's rounding of the box's and the hull's planes varies between ticks
   const std::pair<AddFloor, double> floors[] = {{[](BulletWorld& b) { b.addPlaneFloor(); }, 1e-9},
                                                 {[](BulletWorld& b) { b.addBoxFloor(); }, 1e-7},
                                                 {[](BulletWorld& b) { b.addHullFloor(); }, 1e-7},

@@ -146,8 +146,7 @@ TEST(SurfaceObjects, forcesActForAllTicksOfAStep) {
     for (int i = 0; i < 3; ++i) t.tick();
     EXPECT_NEAR(t.soft->linearMomentum().x(), 60 * kTick, 1e-4) << ticks;
     EXPECT_LT((t.soft->linearMomentum() - momentumOf(*t.twin)).norm(), 1e-5) << ticks;
-    // The torque on the twin, and on the soft body, acts in its rotated state. The soft body is also slightly
-    // deformed.
+    // both torques act in the rotated state; the soft body is also slightly deformed
     const Vector3d spin = t.soft->angularMomentum() - t.soft->centerOfMass().cross(t.soft->linearMomentum());
     const Vector3d twinSpin =
         angularMomentumOf(*t.twin) - eigen(t.twin->getCenterOfMassPosition()).cross(momentumOf(*t.twin));
@@ -266,8 +265,7 @@ TEST(SurfaceObjects, bulletsPickingDragsASoftCubeAsARigidOne) {
   Twins t(0.0, {0, 2, 0});
   t.object->forceActivationState(ACTIVE_TAG);
   Picker soft(*t.world.world, vec(0.2, 2.3, 5), vec(0.2, 2.3, -5));
-  // The surface of the soft cube is one radius farther out than that of the rigid one, which is picked with
-  // the same ray.
+  // the same ray picks both, but the soft cube's surface is one radius farther out
   Picker rigid(*t.twinWorld.world, vec(0.2, 2.3, 5), vec(0.2, 2.3, -5));
   ASSERT_TRUE(soft.has());
   ASSERT_TRUE(rigid.has());

@@ -48,8 +48,7 @@ Eigen::Vector3d pointOf(const SurfaceHit& hit) {
   return point;
 }
 
-/// A closed cube that has moved, rotated and been deformed, so that its triangles are far from their initial
-/// positions.
+/// A closed cube after motion, rotation and deformation: its triangles are far from where they started.
 struct SurfaceQuery : testing::Test {
   SurfaceQuery() : bullet(0.0), system(*bullet.world) {
     SoftBodySettings s = test::testedSettings();

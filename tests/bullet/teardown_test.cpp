@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// World, bodies and system may be destroyed in any order. AddressSanitizer detects every invalid access in
-// these tests.
+// World, bodies and system may be destroyed in any order. AddressSanitizer detects every invalid access.
 #include "support/bullet_world.h"
 #include "support/networks.h"
 #include "support/tested_way.h"
@@ -25,7 +24,7 @@ SoftBody* addCube(SoftBodySystem& system) {
 }
 
 /// Returns an object that represents the body in the world: one of its points, or its surface.
-btRigidBody* objectInWorld(const SoftBody& body) {
+btRigidBody* worldObjectOf(const SoftBody& body) {
   return test::kSurface ? body.surfaceObject() : body.point(2);
 }
 
@@ -57,7 +56,7 @@ TEST(Teardown, worldFirstWithTheBodiesInIt) {
   SoftBody* body = addCube(system);
   bullet.tick();
   bullet.world.reset();
-  EXPECT_FALSE(objectInWorld(*body)->isInWorld());
+  EXPECT_FALSE(worldObjectOf(*body)->isInWorld());
 }
 
 TEST(Teardown, pointsMayBeAskedForWhenTheWorldHasGone) {
@@ -134,7 +133,7 @@ TEST(Teardown, removingOnePointEndsTheBodyButNotTheWorld) {
   SoftBody* first = addCube(system);
   SoftBody* second = addCube(system);
   bullet.tick();
-  bullet.world->removeRigidBody(objectInWorld(*first));
+  bullet.world->removeRigidBody(worldObjectOf(*first));
   bullet.simulate(0.2);
   EXPECT_FALSE(first->alive());
   EXPECT_TRUE(second->alive());
@@ -273,8 +272,7 @@ TEST(Teardown, aSurfaceThatTheUserHasRemovedEndsWithItsSentinel) {
   }
 }
 
-/// Creates a static system. It is destroyed after all static objects that creating the first body has
-/// created.
+/// Creates a static system, which is destroyed after all statics that its first body has created.
 void leaveASystemBehind() {
   static BulletWorld bullet;
   static SoftBodySystem system(*bullet.world);

@@ -26,8 +26,7 @@ using test::lowest;
 
 class TiledFloor : public testing::TestWithParam<FloorKind> {};
 
-/// Returns settings of a body on the floor. It is rotated with the floor and moves down along it at `speed`
-/// (m/s).
+/// Returns settings of a body that lies on the slope and moves down along it at `speed` (m/s).
 SoftBodySettings onFloor(double height, double slope, double speed) {
   SoftBodySettings s = test::testedSettings();
   const Eigen::AngleAxisd rotation(-slope, Vector3d::UnitZ());
@@ -68,8 +67,7 @@ TEST_P(TiledFloor, motionOnTilesIsThatOnOnePlane) {
       bullet.tick();
       highest = std::max(highest, gapToFloor(*cube, 0.0));
     }
-    // Single precision makes steps of 1e-7 m between neighbouring tiles. They may cost at most 1e-3 of the
-    // speed.
+    // single precision makes steps of 1e-7 m between tiles, which may cost at most 1e-3 of the speed
     EXPECT_NEAR(velocityOf(*cube).x(), 3.0, 3e-3);
     EXPECT_LT(highest, 1e-3) << "it does not hop";
   }

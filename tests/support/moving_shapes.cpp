@@ -18,8 +18,7 @@ Points columns(const std::vector<Vector3d>& points) {
   return result;
 }
 
-/// Returns all triples of points whose plane has all other points behind it. No four points may be in one
-/// plane.
+/// Returns all triples of points with all other points behind their plane. No four points share a plane.
 std::vector<Triangle> hullOf(const Points& points) {
   std::vector<Triangle> triangles;
   const auto count = static_cast<std::uint32_t>(points.cols());
