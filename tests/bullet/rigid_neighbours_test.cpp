@@ -260,7 +260,7 @@ struct StackBesideACube {
   SoftBody *carrier, *other;
   btRigidBody* box;
 
-  explicit StackBesideACube(bool apart) {
+  explicit StackBesideACube(bool twoSystems) {
     bullet.addBoxFloor();
     SoftBodySettings s = test::testedSettings();
     s.extensionStiffness = s.compressionStiffness = 1e4;
@@ -269,7 +269,7 @@ struct StackBesideACube {
     s.pointRadius = test::kRadius;
     carrier = *first.createBody(test::fullCubeNetwork(), s);
     s.position.x() = 5;
-    other = *(apart ? second : first).createBody(test::fullCubeNetwork(), s);
+    other = *(twoSystems ? second : first).createBody(test::fullCubeNetwork(), s);
     const double top = 1 + 2 * test::kRadius;
     bullet.addBox(vec(0.7, 0.1, 0.7), 1.0, vec(0, top + 0.1, 0))->setActivationState(DISABLE_DEACTIVATION);
     box = addAwakeBox(bullet, 0.4, 10.0, vec(0, top + 0.6, 0));

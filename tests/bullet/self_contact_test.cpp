@@ -21,8 +21,9 @@ using Eigen::Vector3d;
 using test::BulletWorld;
 using test::vec;
 
-/// Returns the smallest distance (m) between two segments of a rope whose indices differ by at least `apart`.
-double nearestSegments(const SoftBody& rope, std::uint32_t apart) {
+/// Returns the smallest distance (m) between two segments of a rope whose indices differ by at least
+/// `minIndexGap`.
+double nearestSegments(const SoftBody& rope, std::uint32_t minIndexGap) {
   double nearest = 1e9;
   const std::uint32_t steps = 8;  // points checked on each segment
   const auto pointOn = [&](std::uint32_t i, std::uint32_t step) {
@@ -30,7 +31,7 @@ double nearestSegments(const SoftBody& rope, std::uint32_t apart) {
     return Vector3d((1 - t) * rope.position(i) + t * rope.position(i + 1));
   };
   for (std::uint32_t i = 0; i + 1 < rope.pointCount(); ++i)
-    for (std::uint32_t j = i + apart; j + 1 < rope.pointCount(); ++j)
+    for (std::uint32_t j = i + minIndexGap; j + 1 < rope.pointCount(); ++j)
       for (std::uint32_t a = 0; a < steps; ++a)
         for (std::uint32_t b = 0; b < steps; ++b)
           nearest = std::min(nearest, (pointOn(i, a) - pointOn(j, b)).norm());

@@ -38,14 +38,14 @@ btTransform at(double x, double y, double z) {
 }
 
 /// Returns a compound of side x side boxes with their tops at y = 0, centred at the origin.
-std::unique_ptr<btCompoundShape> makeTiles(BulletWorld& bullet, int side, Boxes how) {
+std::unique_ptr<btCompoundShape> makeTiles(BulletWorld& bullet, int side, Boxes arrangement) {
   bullet.shapes.push_back(std::make_unique<btBoxShape>(vec(kTile / 2, 0.05, kTile / 2)));
   btCollisionShape* tile = bullet.shapes.back().get();
-  auto tiles = std::make_unique<btCompoundShape>(how != Boxes::InList);
+  auto tiles = std::make_unique<btCompoundShape>(arrangement != Boxes::InList);
   const double first = -0.5 * (side - 1) * kTile;
   for (int i = 0; i < side; ++i) {
     btCompoundShape* row = tiles.get();
-    if (how == Boxes::InRowsOfTrees) {
+    if (arrangement == Boxes::InRowsOfTrees) {
       bullet.shapes.push_back(std::make_unique<btCompoundShape>());
       row = static_cast<btCompoundShape*>(bullet.shapes.back().get());
     }
@@ -60,10 +60,10 @@ std::unique_ptr<btCompoundShape> makeTiles(BulletWorld& bullet, int side, Boxes 
 constexpr std::size_t kNear = 8 * 8;
 
 TEST(SurfaceWork, ofACompoundThePartsThatAreNearAreLookedAt) {
-  for (const Boxes how : {Boxes::InTree, Boxes::InList, Boxes::InRowsOfTrees}) {
-    SCOPED_TRACE(static_cast<int>(how));
+  for (const Boxes arrangement : {Boxes::InTree, Boxes::InList, Boxes::InRowsOfTrees}) {
+    SCOPED_TRACE(static_cast<int>(arrangement));
     BulletWorld bullet;
-    bullet.add(makeTiles(bullet, 100, how), 0, vec(0, 0, 0));
+    bullet.add(makeTiles(bullet, 100, arrangement), 0, vec(0, 0, 0));
     SoftBodySystem system(*bullet.world);
     SoftBody* cube = *system.createBody(test::closedCubeNetwork(), settingsAt(0.06, 0.5 + kRadius));
     for (int i = 0; i < 5; ++i) bullet.tick();
