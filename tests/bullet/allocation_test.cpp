@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// A tick allocates nothing once it has run for a while.
+// A tick allocates no memory after a warm-up.
 #include "support/allocation_counter.h"
 #include "support/bullet_world.h"
 #include "support/networks.h"
@@ -28,7 +28,7 @@ TEST(Allocation, aTickAllocatesNothingAfterWarmUp) {
   btRigidBody* box = bullet.addBox(test::vec(0.2, 0.2, 0.2), 1, test::vec(0, 3, 0));
   ASSERT_TRUE(system.addSpring({system.body(0)->point(0)}, {system.body(1)->point(0)}));
   ASSERT_TRUE(system.attach(system.body(2), 1, *box));
-  bullet.simulate(8.0);  // the box rolls for some seconds, and now and then touches more than before
+  bullet.simulate(8.0);  // the box rolls for some seconds; its largest number of contacts still grows
   const test::AllocationCounter counter;
   bullet.simulate(1.0);
   EXPECT_EQ(counter.allocations(), 0u);

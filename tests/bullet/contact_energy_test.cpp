@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// Contacts with what is held make no energy, and know no units.
+// Contacts with static bodies add no energy, and do not depend on the units.
 #include "support/bullet_world.h"
 #include "support/constants.h"
 #include "support/networks.h"
@@ -27,21 +27,21 @@ using test::kPi;
 using test::kTick;
 using test::vec;
 
-/// J: motion, springs and height.
+/// Returns the kinetic, elastic and potential energy, J.
 double energyWithHeight(const SoftBody& body, double gravity = kGravity) {
   return body.kineticEnergy() + body.elasticEnergy() + gravity * body.totalMass() * body.centerOfMass().y();
 }
 
 // --- tumbling drops ----------------------------------------------------------------------------------------
 
-/// Held by its volume alone, so that it folds.
+/// Returns a network without braces: only its volume keeps the shape, so that it folds.
 SharedNetwork networkOf(const TriangleMesh& mesh) {
   NetworkSettings settings;
   settings.braces = BraceRule::None;
   return *buildNetwork(mesh, settings);
 }
 
-/// 0.48 m in radius, rings of 8 points around 16.
+/// Returns a torus with an outer radius of 0.48 m: 16 rings of 8 points.
 TriangleMesh ringMesh() {
   TriangleMesh mesh;
   for (std::uint32_t i = 0; i < 16; ++i)
@@ -55,7 +55,7 @@ TriangleMesh ringMesh() {
   return mesh;
 }
 
-/// A ball of 42 points, every third farther out.
+/// Returns a ball of 42 points, some of which (about a third) are farther out.
 TriangleMesh spikyMesh() {
   TriangleMesh mesh = small_meshes::icosphere(1);
   for (Vector3d& p : mesh.positions) {
@@ -76,8 +76,8 @@ void addTwoTriangles(BulletWorld& bullet) {
 
 using FloorMaker = void (*)(BulletWorld&);
 
-/// The largest rise of energy over that of the start, as a share of it; stops when it is decided. Velocity,
-/// spin, attitude, stiffness and friction are drawn from the seed.
+/// Returns the largest rise of the energy above its initial value, as a fraction of it. Stops as soon as it
+/// exceeds `allowed`. The seed selects velocity, angular velocity, rotation, stiffness and friction.
 double riseInDrop(const SharedNetwork& network, FloorMaker addFloor, unsigned seed, double allowed) {
   std::mt19937 random(seed);
   std::uniform_real_distribution<double> draw(-1.0, 1.0);
@@ -102,8 +102,8 @@ double riseInDrop(const SharedNetwork& network, FloorMaker addFloor, unsigned se
   return rise;
 }
 
-/// The motion of a damped body on what stands still only loses energy; a hundredth is what substeps that
-/// resolve the stiffest oscillation by a few steps may be wrong by.
+/// A damped body on static objects can only lose energy. The tolerance of 0.01 is the error of substeps that
+/// resolve the stiffest oscillation by only a few steps.
 void expectDropsWithoutRise(FloorMaker addFloor) {
   const SharedNetwork ring = networkOf(ringMesh()), spiky = networkOf(spikyMesh());
   for (unsigned seed = 0; seed < 10; ++seed)
@@ -123,7 +123,7 @@ TEST(TumblingDrops, makeNoEnergyOnAHull) {
 }
 TEST(TumblingDrops, makeNoEnergyOnTwoTriangles) { expectDropsWithoutRise(addTwoTriangles); }
 
-/// A point that a spring throws within the tick, faster than anything moved at its start, meets the floor.
+/// Within a tick a spring accelerates a point that was at rest at its start. The point must hit the floor.
 TEST(TumblingDrops, pointsThrownBySpringsStayOutside) {
   for (const FloorMaker addFloor :
        {FloorMaker([](BulletWorld& b) { b.addBox(vec(5, 0.02, 5), 0, vec(0, -0.02, 0)); }),
@@ -138,7 +138,7 @@ TEST(TumblingDrops, pointsThrownBySpringsStayOutside) {
       s.rotation = Eigen::AngleAxisd(kPi / 2, Vector3d::UnitZ());
       s.damping = 0.0;
       SoftBody* body = *system.createBody(test::pairNetwork(), s);
-      // 1 m long at rest; 0.03 m long now, and nothing moves
+      // compressed from a rest length of 1 m to 0.03 m, at rest
       for (std::uint32_t i = 0; i < 2; ++i) {
         btTransform pose = body->point(i)->getWorldTransform();
         pose.getOrigin().setY(btScalar(height + 0.03 * i));
@@ -156,8 +156,8 @@ TEST(TumblingDrops, pointsThrownBySpringsStayOutside) {
 // --- restitution -------------------------------------------------------------------------------------------
 
 struct Rebound {
-  double least = 0.0, most = 0.0;  ///< of the energy of the start
-  double top = 0.0;                ///< m, of the centre of mass after the first touch
+  double minEnergy = 0.0, maxEnergy = 0.0;  ///< fractions of the initial energy
+  double top = 0.0;                         ///< m, highest centre of mass after the first contact
 };
 
 struct Fall {
@@ -167,7 +167,7 @@ struct Fall {
   int substeps = 5;
 };
 
-/// From 1 m between the centre of mass and where it is when a flat body lies on the plane.
+/// Simulates a fall of 1 m to the height of the centre of mass at which a flat body lies on the plane.
 Rebound fall(const Fall& f) {
   BulletWorld bullet(-kGravity);
   bullet.addPlaneFloor()->setRestitution(1);
@@ -188,15 +188,15 @@ Rebound fall(const Fall& f) {
   bool touched = false;
   for (int tick = 0; tick < 120; ++tick) {
     bullet.tick(kTick);
-    rebound.least = std::min(rebound.least, energyWithHeight(*body) / start);
-    rebound.most = std::max(rebound.most, energyWithHeight(*body) / start);
+    rebound.minEnergy = std::min(rebound.minEnergy, energyWithHeight(*body) / start);
+    rebound.maxEnergy = std::max(rebound.maxEnergy, energyWithHeight(*body) / start);
     touched = touched || !body->contacts().empty();
     if (touched) rebound.top = std::max(rebound.top, body->centerOfMass().y());
   }
   return rebound;
 }
 
-Eigen::Quaterniond turned(double angle, const Vector3d& axis) {
+Eigen::Quaterniond rotationAbout(double angle, const Vector3d& axis) {
   return Eigen::Quaterniond(Eigen::AngleAxisd(angle, axis.normalized()));
 }
 
@@ -208,35 +208,36 @@ SharedNetwork bracedBall() {
   return *buildNetwork(mesh, settings);
 }
 
-/// Bodies that nothing damps, e = 1: the points of a vertical pair and of a cube, flat and on a corner, and
-/// of a ball, bounce against each other for two seconds. Substeps resolve the stiffest oscillation by more
-/// than a hundred steps: the rest is their error, which falls with their square.
+/// Undamped bodies with e = 1 bounce for two seconds: a vertical pair of points, a cube that is flat or on a
+/// corner, and a ball. The substeps resolve the stiffest oscillation by more than a hundred steps. The
+/// tolerances are the remaining error, which falls with the square of the substep.
 TEST(Restitution, ofOneKeepsTheEnergyOfAnUndampedBody) {
-  const Eigen::Quaterniond upright = turned(kPi / 2, Vector3d::UnitZ());
+  const Eigen::Quaterniond upright = rotationAbout(kPi / 2, Vector3d::UnitZ());
   for (const Fall& f : {Fall{test::pairNetwork(), upright}, Fall{test::fullCubeNetwork()},
-                        Fall{test::fullCubeNetwork(), turned(0.7, {1, 2, 0.5})}, Fall{bracedBall()}}) {
+                        Fall{test::fullCubeNetwork(), rotationAbout(0.7, {1, 2, 0.5})}, Fall{bracedBall()}}) {
     Fall fine = f;
     fine.substeps = 150;
     const Rebound rebound = fall(fine);
     const std::size_t points = f.network->restPoints.size();
-    EXPECT_LE(rebound.most, 1.001) << points << " points";
-    EXPECT_GE(rebound.least, 0.995) << points << " points";
+    EXPECT_LE(rebound.maxEnergy, 1.001) << points << " points";
+    EXPECT_GE(rebound.minEnergy, 0.995) << points << " points";
   }
 }
 
-/// In the usual substeps (omega dt = 1) the energy of the stiffest oscillations swings by an eighth of what
-/// is in them. What bounces gains none on top of that, and rises no higher than a rigid body would.
+/// With the default substeps (omega dt = 1) the energy of the stiffest oscillations swings by an eighth. A
+/// bounce adds no further energy, and the body rises no higher than a rigid body.
 TEST(Restitution, neverGivesEnergy) {
   for (const double stiffness : {2e3, 1e4})
     for (const double restitution : {1.0, 0.8, 0.5})
-      for (const Fall& f : {Fall{test::fullCubeNetwork()},
-                            Fall{test::fullCubeNetwork(), turned(0.7, {1, 2, 0.5})}, Fall{bracedBall()}}) {
+      for (const Fall& f :
+           {Fall{test::fullCubeNetwork()}, Fall{test::fullCubeNetwork(), rotationAbout(0.7, {1, 2, 0.5})},
+            Fall{bracedBall()}}) {
         Fall usual = f;
         usual.stiffness = stiffness;
         usual.restitution = restitution;
         const Rebound rebound = fall(usual);
-        EXPECT_LE(rebound.most, 1.1) << f.network->restPoints.size() << ", " << stiffness << ", "
-                                     << restitution;
+        EXPECT_LE(rebound.maxEnergy, 1.1)
+            << f.network->restPoints.size() << ", " << stiffness << ", " << restitution;
         EXPECT_LE(rebound.top, 1.51) << f.network->restPoints.size() << ", " << stiffness << ", "
                                      << restitution;
       }
@@ -244,8 +245,7 @@ TEST(Restitution, neverGivesEnergy) {
 
 // --- impulses ----------------------------------------------------------------------------------------------
 
-/// Whichever stepper: an undamped cloth that is shot into the wedge between two planes is pushed by
-/// them, never pulled.
+/// With each stepper: two planes push an undamped cloth that flies into their wedge, and never pull it.
 TEST(HeldContacts, neverPull) {
   for (const Stepper stepper : {Stepper::Verlet, Stepper::ImplicitMidpoint, Stepper::BandedNewton}) {
     BulletWorld bullet(-kGravity);
@@ -258,7 +258,7 @@ TEST(HeldContacts, neverPull) {
     s.totalMass = 0.3;
     s.position = {-0.5, 0.7, 0};
     s.linearVelocity = {8, 0, 0};
-    s.rotation = turned(0.7, {1, 2, 0.5});
+    s.rotation = rotationAbout(0.7, {1, 2, 0.5});
     ClothSettings cloth;
     cloth.columns = cloth.rows = 3;
     const SoftBody* body = *system.createBody(*buildCloth(cloth), s);
@@ -266,7 +266,7 @@ TEST(HeldContacts, neverPull) {
     for (int tick = 0; tick < 80; ++tick) {
       bullet.tick(kTick);
       for (const SoftContact& c : body->contacts()) {
-        // N s: rounding of what a kilogram falls with
+        // N s: the rounding error of the momentum of a falling kilogram
         EXPECT_GE(c.normalImpulse, -1e-9) << int(stepper) << ", tick " << tick;
         pushes += c.normalImpulse > 0.0;
       }
@@ -278,9 +278,9 @@ TEST(HeldContacts, neverPull) {
 
 // --- budgets -----------------------------------------------------------------------------------------------
 
-/// A cloth that touches itself and a hull is stepped by Verlet, as coarsely as the budget asks for and
-/// stability allows. A corner that is put somewhere else stretches it by several times its length, which such
-/// substeps resolve no more: the energy there is with that is the most there may be.
+/// A cloth that touches itself and a hull is stepped by Verlet, with as few substeps as maxSubsteps and
+/// stability allow. A corner is moved, which stretches the cloth to several times its length; such substeps
+/// no longer resolve this motion. The energy after the move is the upper limit.
 TEST(TightBudget, ofAClothThatTouchesItselfMakesNoEnergy) {
   if (!test::kSurface) GTEST_SKIP() << "only surfaces touch themselves";
   for (unsigned seed = 0; seed < 16; ++seed) {
@@ -318,7 +318,7 @@ TEST(TightBudget, ofAClothThatTouchesItselfMakesNoEnergy) {
 
 // --- units -------------------------------------------------------------------------------------------------
 
-/// The scene in other units: lengths are L times as large and gravity is the same, so times are sqrt(L)
+/// Other units for the scene: lengths are L times as large and gravity is the same, so times are sqrt(L)
 /// times, masses L^3 times and stiffnesses L^2 times as large.
 struct Units {
   double length;
@@ -326,8 +326,8 @@ struct Units {
   double mass() const { return length * length * length; }
 };
 
-/// Heights of all points, in lengths of the scene, in every tick of a second: a cube of 1 m above (or below)
-/// a floor, and a second one that falls on it.
+/// Returns the heights of all points, in units of the scene's length, after each tick of a second: a cube of
+/// 1 m above (or inside) a floor, and a second one that falls on it.
 std::vector<double> heightsIn(const Units& u, double height, double restitution, double gravity) {
   BulletWorld bullet(-gravity);
   bullet.add(std::make_unique<btStaticPlaneShape>(btVector3(0, 1, 0), btScalar(0)), 0, vec(0, 0, 0))
@@ -354,16 +354,17 @@ std::vector<double> heightsIn(const Units& u, double height, double restitution,
   return heights;
 }
 
-/// m: rounding decides whether a tick of a fast hit has one search or substep more, which makes 2e-3 m of
-/// difference until the bodies have bounced. An absolute constant in a bounce makes more than a hundredth.
+/// m: rounding decides whether a tick of a fast impact has one search or substep more, which makes a
+/// difference of 2e-3 m until the bodies have bounced. An absolute constant in a bounce makes more than 0.01.
 constexpr double kUnitsTolerance = 4e-3;
 
 void expectSameInOtherUnits(double height, double restitution, double gravity) {
-  const std::vector<double> here = heightsIn({1.0}, height, restitution, gravity);
+  const std::vector<double> reference = heightsIn({1.0}, height, restitution, gravity);
   for (const double length : {0.01, 100.0}) {
-    const std::vector<double> there = heightsIn({length}, height, restitution, gravity);
+    const std::vector<double> scaled = heightsIn({length}, height, restitution, gravity);
     double largest = 0.0;
-    for (std::size_t i = 0; i < here.size(); ++i) largest = std::max(largest, std::abs(here[i] - there[i]));
+    for (std::size_t i = 0; i < reference.size(); ++i)
+      largest = std::max(largest, std::abs(reference[i] - scaled[i]));
     EXPECT_LE(largest, kUnitsTolerance) << "lengths x " << length;
   }
 }

@@ -21,7 +21,7 @@ using test::BulletWorld;
 using test::kRadius;
 using test::vec;
 
-/// Writes down b, p and e.
+/// Records the calls as letters: b(egins), p(ersists) and e(nds).
 struct CallRecorder : ContactListener {
   std::string calls;
   std::vector<ContactPair> pairs;
@@ -87,11 +87,11 @@ TEST(ContactListener, aPairSumsUpItsContacts) {
   bullet.simulate(0.5);
   const ContactPair& last = recorder.pairs.back();
   ASSERT_EQ(last.contacts, cube->contacts().size());
-  double sum = 0.0, most = 0.0;
+  double sum = 0.0, largest = 0.0;
   for (const SoftContact& c : cube->contacts())
-    sum += c.normalImpulse, most = std::max(most, c.normalImpulse);
+    sum += c.normalImpulse, largest = std::max(largest, c.normalImpulse);
   EXPECT_EQ(last.normalImpulse, sum);
-  EXPECT_EQ(last.strongest.normalImpulse, most);
+  EXPECT_EQ(last.strongest.normalImpulse, largest);
   if (test::kSurface) {
     EXPECT_LT(last.strongest.side.triangle, cube->network().surface.size());
   }
@@ -176,7 +176,7 @@ TEST(ContactListener, mayDestroyBodiesEvenTheLastAndRemovePartners) {
       if (floor->isInWorld()) bullet.world->removeRigidBody(floor);
     };
     bullet.simulate(0.5);
-    // the floor that the first call removed cannot begin to touch the second body
+    // The first call removed the floor, which therefore cannot begin a contact with the second body.
     EXPECT_EQ(recorder.calls, "be");
     EXPECT_EQ(system.bodyCount(), all ? 0u : 1u);
   }

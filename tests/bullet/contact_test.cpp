@@ -63,7 +63,7 @@ TEST_P(SoftCubeOn, bouncesAndComesToRest) {
   EXPECT_NEAR(lowest(*body), radius, 0.1 * radius) << "it rests on its points";
 }
 
-/// Height of the highest point of a cube, frictionless, after it has come to rest on the floor.
+/// Returns the height of the highest point of a frictionless cube at rest on the floor.
 double restHeight(Floor floor, double stiffness, double dt) {
   BulletWorld bullet;
   addFloor(bullet, floor);
@@ -80,8 +80,7 @@ double restHeight(Floor floor, double stiffness, double dt) {
 }
 
 TEST_P(SoftCubeOn, restsAtTheSameHeightAtAnyTick) {
-  // a body that knew of the floor only once per tick would rest h^2 g M / M_touching = 5.45 mm too low at 60
-  // Hz
+  // a body that considers the floor only once per tick rests h^2 g M / M_touching = 5.45 mm too low at 60 Hz
   for (double stiffness : {1e3, 1e4}) {
     const double reference = restHeight(Floor::Plane, stiffness, 1.0 / 960);
     for (double dt : {1.0 / 30, 1.0 / 60, 1.0 / 120})
@@ -91,7 +90,7 @@ TEST_P(SoftCubeOn, restsAtTheSameHeightAtAnyTick) {
 }
 
 TEST_P(SoftCubeOn, stiffCubesRestOnTheirPointsToo) {
-  // the sag of a stiff cube is W / (stiffness of its side) to first order; compare with that of the soft one
+  // the sag of a stiff cube is W / (stiffness of its side) to first order; compared with that of a soft one
   const double at1e4 = restHeight(Floor::Plane, 1e4, 1.0 / 240) - 1.02;
   EXPECT_NEAR(restHeight(GetParam(), 1e5, 1.0 / 60), 1.02 + at1e4 / 10, 1e-6);
   EXPECT_NEAR(restHeight(GetParam(), 1e6, 1.0 / 60), 1.02 + at1e4 / 100, 1e-6);
@@ -134,9 +133,9 @@ INSTANTIATE_TEST_SUITE_P(Floors, SoftCubeOn,
 
 TEST(Contact, holdsAndSlidesOnAnInclineAsCoulombSays) {
   const double mu = 0.5;
-  for (double share : {0.97, 1.03, 1.3}) {
+  for (double ratio : {0.97, 1.03, 1.3}) {
     BulletWorld bullet;
-    const double angle = std::atan(share * mu);
+    const double angle = std::atan(ratio * mu);
     bullet.world->setGravity(test::vec(9.81 * std::sin(angle), -9.81 * std::cos(angle), 0));
     bullet.addPlaneFloor()->setFriction(1);
     SoftBodySystem system(*bullet.world);
@@ -150,12 +149,12 @@ TEST(Contact, holdsAndSlidesOnAnInclineAsCoulombSays) {
     bullet.simulate(1.0);
     const double start = body->centerOfMass().x(), speed = body->linearMomentum().x();
     bullet.simulate(1.0);
-    const double way = body->centerOfMass().x() - start;
-    if (share < 1) {
-      EXPECT_LT(std::abs(way), 1e-5) << "held";
+    const double displacement = body->centerOfMass().x() - start;
+    if (ratio < 1) {
+      EXPECT_LT(std::abs(displacement), 1e-5) << "held";
     } else {
       const double acceleration = 9.81 * (std::sin(angle) - mu * std::cos(angle));
-      EXPECT_NEAR(body->linearMomentum().x() - speed, acceleration, 5e-3 * acceleration) << share;
+      EXPECT_NEAR(body->linearMomentum().x() - speed, acceleration, 5e-3 * acceleration) << ratio;
     }
   }
 }
@@ -204,7 +203,7 @@ TEST(Contact, aMovingPlatformCarriesItsLoad) {
   const double along = body->centerOfMass().x();
   for (int i = 0; i < 600; ++i) {
     phase += 1.0 / 60;
-    // up, down (gently enough not to fall faster than g) and sideways, from rest
+    // up, down (slower than a free fall) and sideways, from rest
     const double up = 0.3 * (1 - std::cos(2 * phase)), side = 0.2 * (1 - std::cos(1.5 * phase));
     btTransform pose(btQuaternion::getIdentity(), test::vec(side, up - 0.1, 0));
     platform->setWorldTransform(pose);
@@ -216,7 +215,7 @@ TEST(Contact, aMovingPlatformCarriesItsLoad) {
 }
 
 TEST(Contact, aCornerHoldsAgainstTwoWalls) {
-  // a point between a floor and a wall has two rows that must agree
+  // A point between a floor and a wall has two contact constraints, and must meet both.
   BulletWorld bullet;
   bullet.world->setGravity(test::vec(-6, -8, 0));
   bullet.addBoxFloor();
@@ -250,14 +249,14 @@ TEST(Contact, aBodyPlacedInsideTheFloorComesOutGently) {
       highestSpeed = std::max(highestSpeed, body->linearMomentum().y());
     }
     EXPECT_GT(lowest(*body), 0.0) << "depth " << depth;
-    // our rows lift at 0.5 m/s at most; Bullet, which runs after us, takes back erp2 = 20 % of a penetration
-    // per tick, at 12 times the depth per second
+    // The plugin's contacts lift the body at 0.5 m/s at most. Bullet's solver, which runs after them,
+    // corrects erp2 = 20 % of a penetration per tick, which is a speed of 12 times the depth per second.
     EXPECT_LT(highestSpeed, 0.6 + 1.1 * 12 * depth) << "depth " << depth;
   }
 }
 
 TEST(Contact, fastPointsAreStoppedByAThinPlate) {
-  // 20 m/s is 33 cm a tick against a plate of 2 cm: without Bullet's continuous collision all points pass
+  // 20 m/s is 33 cm per tick: without continuous collision all points pass through a plate of 2 cm
   for (double speed : {1.0, 2.0, 3.0, 5.0, 20.0, 50.0}) {
     BulletWorld bullet(0.0);
     bullet.addBox(btVector3(5, btScalar(0.01), 5), 0, btVector3(0, 0, 0));
@@ -273,7 +272,8 @@ TEST(Contact, fastPointsAreStoppedByAThinPlate) {
 }
 
 TEST(Contact, fastPointsAreStoppedByATriangleMesh) {
-  // a mesh has no inside: whoever is through stays through. Speeds on both sides of what Bullet's sweep sees.
+  // A mesh has no inside: a point that has passed through it is not pushed back. Some speeds are below and
+  // some above the threshold of Bullet's swept test.
   for (double speed : {0.5, 1.0, 1.5, 2.0, 2.5, 3.0, 4.0, 6.0, 10.0, 30.0, 60.0}) {
     BulletWorld bullet(0.0);
     bullet.addTriangleFloor();
@@ -309,7 +309,7 @@ TEST(Contact, pointsOfOneBodyPassThroughEachOther) {
   BulletWorld bullet(0.0);
   SoftBodySystem system(*bullet.world);
   SoftBodySettings s = test::testedSettings();
-  s.pointRadius = 0.4;  // neighbouring spheres overlap by far
+  s.pointRadius = 0.4;  // neighbouring spheres overlap deeply
   SoftBody* body = *system.createBody(test::cubeNetwork(), s);
   const std::uint64_t before = body->stateHash();
   bullet.simulate(0.5);
@@ -330,7 +330,7 @@ TEST(Contact, pointsOfDifferentBodiesCollide) {
   const double momentum = right->linearMomentum().x();
   bullet.simulate(2.0);
   EXPECT_LT(left->linearMomentum().x(), 0.5 * momentum) << "the left one was pushed";
-  // float velocities of 1 m/s, some hundred contacts
+  // velocities of 1 m/s in floats, some hundred contacts
   EXPECT_NEAR(left->linearMomentum().x() + right->linearMomentum().x(), momentum, 1e-5);
 }
 
@@ -338,7 +338,7 @@ TEST(Contact, pointsBounceByTheRestitutionOfBothMaterials) {
   for (const bool free : {false, true}) {
     SCOPED_TRACE(free ? "a heavy plate that flies along" : "a floor");
     BulletWorld bullet(0.0);
-    // a plate that nothing can turn; 1e6 times as heavy as what hits it, if it can be moved at all
+    // The plate cannot rotate. If it can move, it is 1e6 times as heavy as the body that hits it.
     btRigidBody* plate = bullet.addBox(test::vec(3, 1, 3), free ? 1e6 : 0.0, test::vec(0, -1, 0));
     plate->setAngularFactor(btScalar(0));
     plate->setRestitution(btScalar(0.75));
@@ -351,7 +351,7 @@ TEST(Contact, pointsBounceByTheRestitutionOfBothMaterials) {
     s.friction = 0.0;
     SoftBody* body = *system.createBody(test::pairNetwork(), s);  // both points hit at once
     bullet.simulate(0.5);
-    // each point parts with 0.6 of its speed, to what the floats of Bullet's narrowphase hold
+    // Each point rebounds with 0.6 of its speed, within the float rounding of Bullet's narrowphase.
     EXPECT_NEAR(body->velocity(0).y(), 0.6 * 3, 5e-5);
     EXPECT_NEAR(body->velocity(1).y(), 0.6 * 3, 5e-5);
     EXPECT_NEAR(body->linearMomentum().x(), 0.5, 2e-5);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// What bodies tell of their contacts against the laws of motion: weights, momenta, places.
+// Compares the contacts that bodies report with the laws of motion: weights, momenta, positions.
 #include "support/allocation_counter.h"
 #include "support/bullet_measures.h"
 #include "support/bullet_world.h"
@@ -43,7 +43,7 @@ SoftBody* addWeighedCube(SoftBodySystem& system, double height = 0.5 + kRadius) 
   return body;
 }
 
-/// The cube with a closed surface.
+/// Adds a cube with a closed surface.
 SoftBody* addClosedCube(SoftBodySystem& system, double height) {
   SoftBody* body = *system.createBody(test::closedCubeNetwork(), weighedSettings(height));
   body->point(0)->setActivationState(DISABLE_DEACTIVATION);
@@ -66,7 +66,7 @@ void add(Sums& sums, const SoftBody& body, const btCollisionObject* other = null
   }
 }
 
-/// N s per tick, mean over a minute that starts when all has come to rest.
+/// Returns the mean impulses, N s per tick, over a minute that starts when all bodies are at rest.
 Sums meanOfAMinute(BulletWorld& bullet, const SoftBody& body, const btCollisionObject* other = nullptr) {
   bullet.simulate(10.0);
   Sums sums;
@@ -79,7 +79,7 @@ Sums meanOfAMinute(BulletWorld& bullet, const SoftBody& body, const btCollisionO
   return sums;
 }
 
-// What is asked for; a body at rest has no momentum to hide an error in.
+// Relative. A body at rest has no momentum that could hide an error.
 constexpr double kTolerance = 1e-3;
 
 TEST(ContactTruth, aRestingCubeBearsItsWeightOnAPlane) {
@@ -120,7 +120,7 @@ TEST(ContactTruth, aFreeBoxOnACubeIsBorneByIt) {
   EXPECT_NEAR(onBox.impulse.y() / (-0.5 * kWeight * kTick), 1.0, kTolerance);
   Sums onFloor;
   add(onFloor, *cube, floor);
-  // of one tick, at rest
+  // only the last tick, at rest
   EXPECT_NEAR(onFloor.impulse.y() / (1.5 * kWeight * kTick), 1.0, kTolerance);
 }
 
@@ -140,7 +140,7 @@ TEST(ContactTruth, aCubeOnACubeIsBorneByItAsBothTell) {
     add(down, *lower, upper->surfaceObject());
   }
   EXPECT_NEAR(up.impulse.y() / (kWeight * kTick * ticks), 1.0, kTolerance);
-  // float vectors of up to 0.1 N s, rounded, 3600 times several
+  // float vectors of up to 0.1 N s: several rounding errors in each of 3600 ticks
   EXPECT_LT((up.impulse + down.impulse).norm(), 1e-5);
 }
 
@@ -162,7 +162,7 @@ TEST(ContactTruth, theImpulsesOfACollisionAreTheChangesOfMomentumInBothBodiesRep
     add(onB, *b);
   }
   ASSERT_GT(onB.impulse.y(), 0.5);
-  // points in the world change hands in floats once a tick
+  // Points in the world exchange their velocities with Bullet as floats, once per tick.
   EXPECT_LT((a->linearMomentum() - before - onA.impulse).norm(), test::kSurface ? 1e-5 : 1e-4);
   EXPECT_LT((onA.impulse + onB.impulse).norm(), 1e-5);
 }
@@ -171,7 +171,7 @@ TEST(ContactTruth, frictionHoldsACubeOnAnIncline) {
   const double angle = 0.3;
   for (const bool free : {false, true}) {
     BulletWorld bullet(0.0);
-    // the incline is level, gravity is not
+    // The incline is horizontal and gravity is tilted instead.
     bullet.world->setGravity(vec(kGravity * std::sin(angle), -kGravity * std::cos(angle), 0));
     btRigidBody* floor = bullet.addBoxFloor();
     floor->setFriction(1);
@@ -205,14 +205,14 @@ TEST(ContactTruth, aMarbleOnAFaceTellsTriangleAndPlace) {
     if (c.other != marble) continue;
     ++found;
     ASSERT_LT(c.side.triangle, cube->network().surface.size());
-    Eigen::Vector3d place = Eigen::Vector3d::Zero();
+    Eigen::Vector3d point = Eigen::Vector3d::Zero();
     for (std::size_t i = 0; i < 3; ++i) {
       EXPECT_EQ(c.side.points[i], cube->network().surface[c.side.triangle][i]);
-      place += c.side.weights[static_cast<int>(i)] * cube->position(c.side.points[i]);
+      point += c.side.weights[static_cast<int>(i)] * cube->position(c.side.points[i]);
     }
     EXPECT_NEAR(c.side.weights.sum(), 1.0, 1e-12);
-    // floats of up to 1 m
-    EXPECT_LT((eigen(c.position + btScalar(kRadius) * c.normal) - place).norm(), 1e-6);
+    // positions of up to 1 m in floats
+    EXPECT_LT((eigen(c.position + btScalar(kRadius) * c.normal) - point).norm(), 1e-6);
     EXPECT_LT((eigen(c.position - btScalar(c.distance + r) * c.normal) -
                eigen(marble->getWorldTransform().getOrigin()))
                   .norm(),
@@ -232,11 +232,11 @@ TEST(ContactTruth, pointsNameThemselvesAndTheFloor) {
   for (const SoftContact& c : cube->contacts()) {
     EXPECT_EQ(c.other, floor);
     EXPECT_EQ(c.otherBody, nullptr);
-    Eigen::Vector3d place = Eigen::Vector3d::Zero();
+    Eigen::Vector3d point = Eigen::Vector3d::Zero();
     for (std::size_t i = 0; i < 3; ++i)
-      place += c.side.weights[static_cast<int>(i)] * cube->position(c.side.points[i]);
-    // r above the floor, floats
-    EXPECT_NEAR(place.y(), kRadius, 1e-5);
+      point += c.side.weights[static_cast<int>(i)] * cube->position(c.side.points[i]);
+    // one radius above the floor, within float rounding
+    EXPECT_NEAR(point.y(), kRadius, 1e-5);
     EXPECT_NEAR(c.distance, 0.0, 1e-5);
     if (!test::kSurface) {
       EXPECT_EQ(c.side.triangle, ContactSide::kNone);
@@ -245,7 +245,7 @@ TEST(ContactTruth, pointsNameThemselvesAndTheFloor) {
     const Triangle& t = cube->network().surface[c.side.triangle];
     const Eigen::Vector3d a = cube->position(t[0]);
     const Eigen::Vector3d normal = (cube->position(t[1]) - a).cross(cube->position(t[2]) - a).normalized();
-    EXPECT_LT(normal.y(), -0.99);  // the face that lies on the floor
+    EXPECT_LT(normal.y(), -0.99);  // the bottom face
   }
 }
 
@@ -274,7 +274,7 @@ TEST(ContactTruth, contactsOfAWorldThatIsGoneAreGone) {
 
 TEST(ContactTruth, equalRunsTellTheSameBitForBit) {
   const auto run = [] {
-    std::vector<double> told;
+    std::vector<double> values;
     BulletWorld bullet;
     bullet.addBoxFloor();
     SoftBodySystem system(*bullet.world);
@@ -284,13 +284,13 @@ TEST(ContactTruth, equalRunsTellTheSameBitForBit) {
       bullet.tick(kTick);
       for (const SoftBody* body : bodies)
         for (const SoftContact& c : body->contacts()) {
-          told.push_back(c.normalImpulse);
-          told.push_back(c.distance);
-          told.push_back(double(c.position.x()));
-          told.push_back(c.side.triangle);
+          values.push_back(c.normalImpulse);
+          values.push_back(c.distance);
+          values.push_back(double(c.position.x()));
+          values.push_back(c.side.triangle);
         }
     }
-    return told;
+    return values;
   };
   const std::vector<double> first = run();
   EXPECT_GT(first.size(), 1000u);
@@ -308,7 +308,7 @@ TEST(ContactTruth, askingAllocatesNothingAfterWarmUp) {
   for (int i = 0; i < 4; ++i) bodies.push_back(addClosedCube(system, 0.5 + kRadius + i * (1 + 2 * kRadius)));
   btRigidBody* box = bullet.addBox(vec(0.2, 0.2, 0.2), 1, vec(0.1, 5, 0));
   box->setActivationState(DISABLE_DEACTIVATION);
-  // until everything lies where it stays
+  // until all bodies are at rest
   bullet.simulate(8.0);
   const test::AllocationCounter counter;
   std::size_t contacts = 0;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// What slides over a curved surface that is held follows it: nothing brakes it, whatever the tick.
+// Bodies that slide over a static curved surface follow it without losing speed, at any tick.
 #include "support/bullet_measures.h"
 #include "support/bullet_world.h"
 #include "support/constants.h"
@@ -23,13 +23,14 @@ using test::kGravity;
 using test::kRadius;
 using test::vec;
 
-/// A cylinder along z through the origin, without friction.
+/// Adds a static cylinder along z through the origin, without friction.
 void addCylinder(BulletWorld& bullet, double radius) {
   const auto r = static_cast<btScalar>(radius);
   bullet.add(std::make_unique<btCylinderShapeZ>(btVector3(r, r, 1)), 0, btVector3(0, 0, 0))->setFriction(0);
 }
 
-/// Over the top of a circle of that radius, hanging down on both sides; 0 is the top.
+/// Returns the point at the arc length `along` of a curve over the top of a circle, which hangs down on both
+/// sides. The top is at 0.
 Vector3d hangingPath(double radius, double along) {
   const double quarter = radius * M_PI / 2;
   const double angle = std::clamp(along, -quarter, quarter) / radius;
@@ -43,11 +44,11 @@ struct Hanging {
 };
 
 constexpr double kRopeMass = 0.02;  // kg
-constexpr double kStiffness = 2e4;  // N/m, of a segment of 5 cm: it is 2 % longer under 2 kg
+constexpr double kStiffness = 2e4;  // N/m, of a segment of 5 cm, which 2 kg extend by 2 %
 constexpr double kSegment = 0.05;   // m
-constexpr double kSide = 0.9;       // m, of what hangs down
+constexpr double kSide = 0.9;       // m, length of each hanging part
 
-/// A rope over the cylinder, as long as it is under the lighter load.
+/// Adds a rope over the cylinder, with the length that it has under the lighter load.
 SoftBody* addRope(SoftBodySystem& system, const Hanging& h) {
   const double around = h.radius + kRadius;
   const int half = static_cast<int>(std::ceil((around * M_PI / 2 + kSide) / kSegment));
@@ -74,15 +75,16 @@ SoftBody* addRope(SoftBodySystem& system, const Hanging& h) {
   for (std::uint32_t i = 0; i < count; ++i) {
     const double along = (static_cast<int>(i) - half) * stretched;
     const Vector3d x = hangingPath(around, along);
-    const Vector3d way = (hangingPath(around, along + 1e-6) - hangingPath(around, along - 1e-6)).normalized();
+    const Vector3d direction =
+        (hangingPath(around, along + 1e-6) - hangingPath(around, along - 1e-6)).normalized();
     btRigidBody* point = rope->point(i);
     point->setWorldTransform(btTransform(btQuaternion::getIdentity(), vec(x.x(), x.y(), x.z())));
-    point->setLinearVelocity(vec(h.speed * way.x(), h.speed * way.y(), h.speed * way.z()));
+    point->setLinearVelocity(vec(h.speed * direction.x(), h.speed * direction.y(), h.speed * direction.z()));
   }
   return rope;
 }
 
-/// m/s, of the ends towards the right; their common bouncing cancels.
+/// Returns the speed (m/s) of the ends towards the right. Bouncing of both in phase cancels.
 double speedOf(const SoftBody& rope) {
   return 0.5 * (rope.velocity(0).y() - rope.velocity(rope.pointCount() - 1).y());
 }
@@ -96,7 +98,7 @@ TEST(SurfaceCurves, aTautRopeRunsFreelyOverACylinder) {
       SoftBodySystem system(*bullet.world);
       SoftBody* rope = addRope(system, {radius, 2.0, 2.0, 1.0});
       bullet.simulate(0.5, 1.0 / rate);
-      // what of the rope has gone over to the other side pulls: +0.3 %
+      // the part of the rope that has moved to the other side accelerates it: +0.3 %
       EXPECT_NEAR(speedOf(*rope), 1.003, 0.01);
     }
 }
@@ -109,12 +111,12 @@ TEST(SurfaceCurves, anAtwoodMachineFallsAsItMust) {
     SoftBodySystem system(*bullet.world);
     SoftBody* rope = addRope(system, {0.1, 1.0, 2.0, 0.0});
     bullet.simulate(0.5, 1.0 / rate);
-    // the heavier side's stretch and the rope's own weight are within 1 %
+    // the heavier side's extension and the rope's own weight change it by less than 1 %
     EXPECT_NEAR(speedOf(*rope) / (kGravity / (3.0 + kRopeMass) * 0.5), 1.0, 0.015);
   }
 }
 
-/// Two points side by side on the top of something round, moving towards x.
+/// Adds two points side by side on the top of a round object, moving towards x.
 SoftBody* addBead(SoftBodySystem& system, double height, double speed) {
   auto network = std::make_shared<SpringNetwork>();
   network->kind = NetworkKind::Rope;
@@ -145,7 +147,7 @@ TEST(SurfaceCurves, aBeadThatSlidesOffGainsWhatItFalls) {
       while (bead->position(0).y() > top * std::cos(0.7)) {
         bullet.tick(1.0 / rate);
         ASSERT_LT(bead->position(0).x(), 2.0);
-        // it leaves the surface at 46 degrees, after this
+        // it leaves the surface only at 46 degrees, after this loop
         EXPECT_NEAR(bead->position(0).norm() / around, 1.0, 1e-3);
       }
       const double squared = 0.25 + 2.0 * kGravity * (top - bead->position(0).y());
@@ -154,8 +156,8 @@ TEST(SurfaceCurves, aBeadThatSlidesOffGainsWhatItFalls) {
 }
 
 double distance(const Vector3d& from, const Vector3d& to, const Vector3d& x) {
-  const double share = std::clamp((x - from).dot(to - from) / (to - from).squaredNorm(), 0.0, 1.0);
-  return (from + share * (to - from) - x).norm();
+  const double fraction = std::clamp((x - from).dot(to - from) / (to - from).squaredNorm(), 0.0, 1.0);
+  return (from + fraction * (to - from) - x).norm();
 }
 
 TEST(SurfaceCurves, theEdgeOfABoxDoesNotCutIntoARope) {
@@ -179,7 +181,7 @@ TEST(SurfaceCurves, theEdgeOfABoxDoesNotCutIntoARope) {
       nearest = std::min(nearest, distance(rope->position(p), rope->position(p + 1), {0, 0, z}));
     }
   }
-  // edges give way a little before they part; points of a rope alone do not see an edge between them
+  // Edge contacts are slightly soft. The points of a rope do not detect an edge between them.
   if (test::kSurface) {
     EXPECT_GT(nearest, 0.8 * kRadius);
   }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// What soft bodies draw through the user's btIDebugDraw.
+// The output of soft bodies to the user's btIDebugDraw.
 #include "support/bullet_world.h"
 #include "support/networks.h"
 #include "support/tested_way.h"
@@ -21,7 +21,7 @@ constexpr int kWireframe = btIDebugDraw::DBG_DrawWireframe, kAabb = btIDebugDraw
 constexpr int kContacts = btIDebugDraw::DBG_DrawContactPoints;
 constexpr int kConstraints = btIDebugDraw::DBG_DrawConstraints;
 
-/// Keeps what it is given.
+/// Records all lines and contact points.
 struct DrawRecorder final : btIDebugDraw {
   struct Line {
     btVector3 from, to, colour;

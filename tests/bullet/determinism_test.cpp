@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// Same build, same input: the same bits, every tick.
+// The same build and input give the same bits in every tick.
 #include "support/bullet_world.h"
 #include "support/networks.h"
 #include "support/tested_way.h"
@@ -52,9 +52,9 @@ TEST(Determinism, twoWorldsAgreeBitForBitEveryTick) {
 }
 
 TEST(Determinism, springsAloneGiveTheGoldenHash) {
-  // No contact, so nothing but our own arithmetic and Bullet's handing over of velocities: the bits are the
-  // same on every x86-64 machine and in every build type. A change here is a change of the physics: explain
-  // it.
+  // Without contacts only the plugin's arithmetic and Bullet's transfer of velocities take part. The bits are
+  // therefore the same on every x86-64 machine and in every build type. A change of the hash is a change of
+  // the physics and needs an explanation.
   BulletWorld bullet;
   SoftBodySystem system(*bullet.world);
   SoftBodySettings s = test::testedSettings();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// Spheres on boxes by the closed form against the distance of a point to a box.
+// Compares the closed form of sphere-box contacts with the distance of a point from a box.
 #include "support/bullet_world.h"
 #include "support/networks.h"
 
@@ -17,23 +17,24 @@ namespace {
 using test::BulletWorld;
 using test::vec;
 
-/// m, of a place to a box about the origin whose edges are rounded by `round`; the normal points out of it.
-double distanceToBox(const btVector3& half, double round, const btVector3& place, btVector3& normal) {
+/// Returns the distance (m) of a point from a box about the origin with edges rounded by `round`. The normal
+/// points out of the box.
+double distanceToBox(const btVector3& half, double round, const btVector3& point, btVector3& normal) {
   const btVector3 core = half - vec(round, round, round);
-  btVector3 nearest = place;
+  btVector3 nearest = point;
   nearest.setMax(-core);
   nearest.setMin(core);
-  const double outside = double((place - nearest).length());
+  const double outside = double((point - nearest).length());
   if (outside > 0.0) {
-    normal = (place - nearest) / btScalar(outside);
+    normal = (point - nearest) / btScalar(outside);
     return outside - round;
   }
   int axis = 0;
   for (int i = 1; i < 3; ++i)
-    if (half[i] - std::abs(place[i]) < half[axis] - std::abs(place[axis])) axis = i;
+    if (half[i] - std::abs(point[i]) < half[axis] - std::abs(point[axis])) axis = i;
   normal.setZero();
-  normal[axis] = place[axis] < 0 ? btScalar(-1) : btScalar(1);
-  return -double(half[axis] - std::abs(place[axis]));
+  normal[axis] = point[axis] < 0 ? btScalar(-1) : btScalar(1);
+  return -double(half[axis] - std::abs(point[axis]));
 }
 
 TEST(FastSpheres, contactsAreThoseOfTheClosedForm) {
@@ -52,9 +53,10 @@ TEST(FastSpheres, contactsAreThoseOfTheClosedForm) {
     btRigidBody* sphere = sphereFirst ? addSphere() : nullptr;
     btRigidBody* box = bullet.addBox(half, 1, vec(in(random), in(random), in(random)));
     if (!sphere) sphere = addSphere();
-    btQuaternion turn(btScalar(in(random)), btScalar(in(random)), btScalar(in(random)), btScalar(in(random)));
-    turn.normalize();
-    box->getWorldTransform().setRotation(turn);
+    btQuaternion rotation(btScalar(in(random)), btScalar(in(random)), btScalar(in(random)),
+                          btScalar(in(random)));
+    rotation.normalize();
+    box->getWorldTransform().setRotation(rotation);
     const btVector3 local = vec(0.62 * in(random), 0.42 * in(random), 0.82 * in(random));
     sphere->getWorldTransform().setOrigin(box->getWorldTransform() * local);
     bullet.world->performDiscreteCollisionDetection();
@@ -70,7 +72,7 @@ TEST(FastSpheres, contactsAreThoseOfTheClosedForm) {
     ASSERT_EQ(m.getNumContacts(), 1) << distance;
     const btManifoldPoint& p = m.getContactPoint(0);
     const double sign = m.getBody0() == sphere ? 1 : -1;
-    // floats of 1 m; a face that is as near as another may be either
+    // positions of 1 m in floats; with two nearest faces the normal may be that of either
     EXPECT_NEAR(double(p.getDistance()), distance, 2e-6);
     if (distance > -r) {
       EXPECT_GT(sign * double(p.m_normalWorldOnB.dot(box->getWorldTransform().getBasis() * normal)),
@@ -87,7 +89,7 @@ TEST(FastSpheres, aSphereRestsOnABoxAndTheFunctionsOutliveTheCall) {
   bullet.addBoxFloor();
   btRigidBody* sphere = bullet.add(std::make_unique<btSphereShape>(btScalar(0.1)), 1, vec(0.3, 0.5, 0.2));
   bullet.simulate(3.0);
-  // Bullet's rest height is off by its penetration slop, which is 0, and rounding
+  // the rest height has the error of Bullet's penetration slop, which is 0, and of rounding
   EXPECT_NEAR(double(sphere->getWorldTransform().getOrigin().y()), 0.1, 1e-4);
   EXPECT_NEAR(double(sphere->getWorldTransform().getOrigin().x()), 0.3, 1e-4);
 }
@@ -109,7 +111,7 @@ TEST(FastSpheres, aCubeOfPointsRestsOnAFreeBoxAsWithout) {
     bullet.simulate(5.0);
     height[fast] = cube->centerOfMass().y();
   }
-  // the general algorithm's contacts are good to about 1e-5 m
+  // the contacts of Bullet's general algorithm have errors of about 1e-5 m
   EXPECT_NEAR(height[0], height[1], 5e-5);
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// Motion without contact against closed forms, through a real Bullet world.
+// Compares motion without contact in a Bullet world with closed forms.
 #include "support/bullet_world.h"
 #include "support/networks.h"
 #include "support/tested_way.h"
@@ -15,7 +15,7 @@ namespace {
 
 using test::BulletWorld;
 
-/// Bullet keeps positions in btScalar, but the step's own state is double: errors below come from the scheme.
+/// Bullet stores positions as btScalar, but the state is double: the errors below are those of the scheme.
 SoftBody* create(SoftBodySystem& system, const SharedNetwork& network, const SoftBodySettings& settings) {
   Result<SoftBody*> body = system.createBody(network, settings);
   EXPECT_TRUE(body) << body.error();
@@ -27,8 +27,8 @@ struct Oscillation {
   double lastPeak = 0.0;  // largest elongation in the last period
 };
 
-/// Point 0 pinned, point 1 released 0.1 m beyond its rest distance; elongation read every tick, crossings of
-/// zero interpolated linearly.
+/// Simulates a pair: point 0 is pinned, point 1 is released 0.1 m beyond its rest distance. The elongation is
+/// read after every tick, and its zero crossings are interpolated linearly.
 Oscillation oscillate(SoftBodySettings settings, int periods, double expectedPeriod, double dt) {
   BulletWorld bullet(0.0);
   SoftBodySystem system(*bullet.world);
@@ -57,9 +57,9 @@ TEST(Oscillator, periodAndAmplitudeAt30TicksAPeriod) {
   s.stepping.periodTolerance = 1e-5;
   const double exact = 2 * M_PI * std::sqrt(0.1 / 16.0);
   const Oscillation o = oscillate(s, 10, exact, 1.0 / 60.0);
-  // (omega dt)^2/24 is asked to be 1e-5; the substep count rounds in favour
+  // (omega dt)^2/24 must be at most 1e-5; the number of substeps is rounded up
   EXPECT_NEAR(o.period, exact, 1.5e-5 * exact);
-  // between ticks the peak is missed by up to 1 - cos(pi / 30) = 0.55 %
+  // the largest sample may differ from the peak by 1 - cos(pi / 30) = 0.55 %
   EXPECT_NEAR(o.lastPeak, 0.1, 0.006 * 0.1);
 }
 
@@ -71,8 +71,8 @@ TEST(Oscillator, periodDoesNotDependOnTheTick) {
   s.stepping.periodTolerance = 1e-5;
   const double exact = 2 * M_PI * std::sqrt(0.1 / 16.0);
   for (double dt : {1.0 / 30, 1.0 / 60, 1.0 / 120, 1.0 / 240})
-    // at 1/30 a period has 15 ticks; interpolating its zero crossings linearly errs by a few 1e-4 of a period
-    // at either end of ten periods
+    // At 1/30 s a period has 15 ticks. The linear interpolation of zero crossings has an error of a few 1e-4
+    // of a period at both ends of ten periods.
     EXPECT_NEAR(oscillate(s, 10, exact, dt).period, exact, 1e-4 * exact) << "dt " << dt;
 }
 
@@ -101,7 +101,7 @@ TEST(Oscillator, dampedAmplitudeFollowsTheLogarithmicDecrement) {
   SoftBody* body = create(system, test::pairNetwork(), s);
   body->pin(0);
   body->point(1)->getWorldTransform().setOrigin(test::vec(1.1, 0, 0));
-  // the exact solution started from rest at 0.1 m, compared at every tick over five periods
+  // the exact solution for a start from rest at 0.1 m, compared after every tick of five periods
   const double damped = omega * std::sqrt(1 - zeta * zeta);
   for (int i = 1; i * (1.0 / 60) < 5 * period; ++i) {
     bullet.tick();
@@ -123,7 +123,7 @@ TEST(HangingChain, sagIsExactAtAnyTick) {
       SoftBodySettings s = test::testedSettings();
       s.totalMass = mass * (links + 1);
       s.extensionStiffness = s.compressionStiffness = k;
-      s.damping = std::sqrt(k * mass);  // its slowest oscillation then has a damping ratio of about 0.05
+      s.damping = std::sqrt(k * mass);  // the slowest oscillation then has a damping ratio of about 0.05
       SoftBody* body = create(system, test::chainNetwork(links), s);
       for (std::uint32_t i = 0; i <= static_cast<std::uint32_t>(links); ++i)
         body->point(i)->setActivationState(DISABLE_DEACTIVATION);
@@ -146,7 +146,7 @@ TEST(FreeFlight, centreOfMassFollowsTheExactParabola) {
     bullet.simulate(2.0, dt);
     const Eigen::Vector3d exact =
         2.0 * s.linearVelocity + Eigen::Vector3d(0, -0.5 * double(btScalar(9.81)) * 4.0, 0);
-    // Bullet's force m g is rounded to btScalar once per point and step: 1e-7 of 20 m
+    // Bullet rounds the force m g to btScalar once per point and step: a relative error of 1e-7 of 20 m
     EXPECT_LT((body->centerOfMass() - exact).norm(), 1e-5) << "dt " << dt;
   }
 }
@@ -162,7 +162,7 @@ TEST(FreeFlight, linearAndAngularMomentumAreKept) {
   body->point(0)->applyCentralImpulse(test::vec(0.2, 0.1, 0.3));
   const Eigen::Vector3d p = body->linearMomentum(), l = body->angularMomentum();
   bullet.simulate(10.0);
-  // the state is double and untouched by Bullet: rounding of 1e5 substeps
+  // the state is double and Bullet does not change it: the rounding of 1e5 substeps
   EXPECT_LT((body->linearMomentum() - p).norm(), 1e-12 * p.norm());
   EXPECT_LT((body->angularMomentum() - l).norm(), 1e-10 * l.norm());
 }
@@ -182,13 +182,13 @@ TEST(FreeFlight, undampedEnergyNeitherGrowsNorFalls) {
     lowest = std::min(lowest, energy());
     highest = std::max(highest, energy());
   }
-  // a symplectic scheme's energy swings by (omega dt)^2/8 of what is in the stiff oscillations, without drift
+  // the scheme is symplectic: its energy swings by (omega dt)^2/8 of the stiff oscillations', without drift
   EXPECT_LT(highest, 1.02 * start);
   EXPECT_GT(lowest, 0.98 * start);
 }
 
 TEST(StiffCube, movesLikeARigidCubeOfTheSameMass) {
-  // free flight and spin under a force at the centre, beside Bullet's own rigid body
+  // flight and rotation under a force at the centre, compared with a rigid body of Bullet
   BulletWorld bullet(-9.81);
   btRigidBody* rigid = bullet.addBox(btVector3(0.5, 0.5, 0.5), 1.0, btVector3(5, 0, 0));
   // eight corner masses of 1/8 kg at +-0.5 m have the inertia m (0.25 + 0.25)
@@ -206,7 +206,7 @@ TEST(StiffCube, movesLikeARigidCubeOfTheSameMass) {
     for (std::uint32_t k = 0; k < 8; ++k) soft->point(k)->applyCentralForce(btVector3(3, 0, 1) / 8);
     bullet.tick(dt);
   }
-  // Bullet's rigid body falls by symplectic Euler, g h t / 2 too far: the tolerance is that error
+  // Bullet's rigid body falls by symplectic Euler, g h t / 2 too far. The tolerance is this error.
   const double euler = 9.81 * dt * 1.0 / 2;
   const btVector3 r = rigid->getWorldTransform().getOrigin();
   EXPECT_NEAR(soft->centerOfMass().y(), double(r.y()), 1.05 * euler);

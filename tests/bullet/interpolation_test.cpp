@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// Positions between ticks, for pictures at any frame rate.
+// Positions between ticks, for rendering at any frame rate.
 #include "support/bullet_world.h"
 #include "support/networks.h"
 #include "support/tested_way.h"
@@ -17,7 +17,7 @@ namespace {
 using test::BulletWorld;
 using test::vec;
 
-/// Of float coordinates of a few metres.
+/// m: rounding of float coordinates of a few metres.
 constexpr double kRounding = 2e-6;
 
 struct InterpolationTest : ::testing::Test {
@@ -52,11 +52,13 @@ TEST_F(InterpolationTest, goesWithTheMotionStatesOfRigidBodies) {
     const Eigen::Vector3d start = body->position(0);
     for (int frame = 0; frame < 100; ++frame) {
       bullet.world->stepSimulation(btScalar(1.0 / 144.0), 5, btScalar(1.0 / 60.0));
-      const Eigen::Vector3d went = at(*body, 0, system.tickFraction()) - start;
-      const btVector3 rigidWent = motion.m_graphicsWorldTrans.getOrigin() - vec(0, 50, 0);
-      // 50 m up a float is good to 4e-6 m, and it is added to a hundred times
-      ASSERT_NEAR(went.x(), double(rigidWent.x()), 2e-4) << "frame " << frame << " latency " << latency;
-      ASSERT_NEAR(went.y(), double(rigidWent.y()), 2e-4) << "frame " << frame << " latency " << latency;
+      const Eigen::Vector3d displacement = at(*body, 0, system.tickFraction()) - start;
+      const btVector3 rigidDisplacement = motion.m_graphicsWorldTrans.getOrigin() - vec(0, 50, 0);
+      // at a height of 50 m a float has an error of 4e-6 m, and a hundred of them add up
+      ASSERT_NEAR(displacement.x(), double(rigidDisplacement.x()), 2e-4)
+          << "frame " << frame << " latency " << latency;
+      ASSERT_NEAR(displacement.y(), double(rigidDisplacement.y()), 2e-4)
+          << "frame " << frame << " latency " << latency;
     }
     system.destroyBody(body);
     bullet.world->removeRigidBody(rigid);
@@ -87,8 +89,8 @@ TEST_F(InterpolationTest, whatIsMovedByHandLeavesNoSmear) {
   bullet.tick();
   const Eigen::Vector3d before = at(*body, 0, 0.5);
   for (std::uint32_t i = 0; i < 2; ++i) {
-    btTransform& place = body->point(i)->getWorldTransform();
-    place.setOrigin(place.getOrigin() + vec(0, 8, 0));
+    btTransform& pose = body->point(i)->getWorldTransform();
+    pose.setOrigin(pose.getOrigin() + vec(0, 8, 0));
   }
   EXPECT_LT((at(*body, 0, 0.5) - before - Eigen::Vector3d(0, 8, 0)).norm(), kRounding);
   bullet.tick();

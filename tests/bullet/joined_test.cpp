@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// Soft bodies attached to rigid ones that touch something or hang on joints of Bullet's: energy does not
-// rise, momentum is kept, and what is attached stays where it is attached.
+// Soft bodies attached to rigid bodies that touch other objects or hang on joints of Bullet's. Energy does
+// not rise, momentum is kept, and attached points stay in place.
 #include "support/bullet_measures.h"
 #include "support/bullet_world.h"
 #include "support/constants.h"
@@ -50,10 +50,10 @@ SoftBodySettings lightlyDamped(double stiffness, double mass) {
 // --- attached, and in contact ------------------------------------------------------------------------------
 
 struct Glued {
-  btVector3 half, place;  ///< of the box
+  btVector3 half, position;  ///< of the box
 };
 
-/// A cube that one corner is glued by to a box falls on the floor with it.
+/// Lets a cube fall on the floor. One corner of it is attached to a box.
 void expectNoEnergyIsGained(const Glued& glued, double stiffness) {
   BulletWorld bullet;
   bullet.addBoxFloor();
@@ -61,21 +61,21 @@ void expectNoEnergyIsGained(const Glued& glued, double stiffness) {
   SoftBodySettings s = lightlyDamped(stiffness, 1.0);
   s.position = {0, 2.5, 0};
   SoftBody* cube = *system.createBody(test::fullCubeNetwork(), s);
-  btRigidBody* box = bullet.addBox(glued.half, 3.0, glued.place);
+  btRigidBody* box = bullet.addBox(glued.half, 3.0, glued.position);
   box->setActivationState(DISABLE_DEACTIVATION);
   ASSERT_TRUE(system.attach(cube, 1, *box));
   const btVector3 pivot = box->getWorldTransform().inverse() * vec(0.5, 2.0, -0.5);
   const double start = totalEnergyOf(*cube) + totalEnergyOf(*box);
-  double most = start, apart = 0;
+  double maxEnergy = start, separation = 0;
   for (int i = 0; i < 120; ++i) {
     bullet.tick();
-    most = std::max(most, totalEnergyOf(*cube) + totalEnergyOf(*box));
-    apart = std::max(apart, (cube->position(1) - eigen(box->getWorldTransform() * pivot)).norm());
+    maxEnergy = std::max(maxEnergy, totalEnergyOf(*cube) + totalEnergyOf(*box));
+    separation = std::max(separation, (cube->position(1) - eigen(box->getWorldTransform() * pivot)).norm());
   }
-  EXPECT_LT(most, 1.01 * start);
-  // a hit that Bullet sees first stops the box by itself for a tick, which at 7 m/s is 0.12 m; that is then
-  // taken back by a fifth in each tick
-  EXPECT_LT(apart, 0.12);
+  EXPECT_LT(maxEnergy, 1.01 * start);
+  // If Bullet finds a contact first, it stops the box alone for a tick, which at 7 m/s is 0.12 m. The
+  // attachment then reduces the gap by a fifth in each tick.
+  EXPECT_LT(separation, 0.12);
   EXPECT_LT((cube->position(1) - eigen(box->getWorldTransform() * pivot)).norm(), 0.02)
       << "they still tumble";
 }
@@ -112,10 +112,10 @@ TEST(Glued, keepsMomentumInAHit) {
   }
 }
 
-// --- attached to what hangs on joints ----------------------------------------------------------------------
+// --- attached to bodies on joints --------------------------------------------------------------------------
 
-/// A joint between `box` and the world or `base`, which is static, at `pivot` of the box about `axis`; the
-/// box is at the origin, unturned.
+/// A joint at `frame` between `box` and the world or the static `base`. The box is at the origin without
+/// rotation.
 using Joint = std::unique_ptr<btTypedConstraint>;
 using MakeJoint = std::function<Joint(btRigidBody& box, btRigidBody& base, const btTransform& frame)>;
 
@@ -131,7 +131,7 @@ btTransform onBase(const btRigidBody& base, const btTransform& frame) {
   return base.getWorldTransform().inverse() * frame;
 }
 
-/// Not cone twist and universal joints: with these a box gains energy by itself, without any soft body.
+/// Without cone twist and universal joints: with these a box gains energy even without any soft body.
 const std::pair<const char*, MakeJoint> kJoints[] = {
     {"point to point",
      [](btRigidBody& box, btRigidBody&, const btTransform& f) -> Joint {
@@ -173,7 +173,7 @@ class Dice {
   double decades(double low, double high) { return std::pow(10.0, between(low, high)); }
 
  private:
-  std::mt19937 numbers_;  // as the standard has it: the same everywhere
+  std::mt19937 numbers_;  // defined by the standard: the same numbers on all platforms
 };
 
 btTransform randomFrame(Dice& dice) {
@@ -182,32 +182,32 @@ btTransform randomFrame(Dice& dice) {
   return btTransform(btQuaternion(axis, static_cast<btScalar>(dice.between(0, 3))), pivot);
 }
 
-/// A cube attached by a corner to a box that hangs on the joint, touching nothing.
+/// Simulates a cube that is attached by a corner to a box on the joint. Nothing collides.
 void expectNoEnergyIsGained(const MakeJoint& make, unsigned seed, double rate) {
   Dice dice(seed);
   BulletWorld bullet;
   SoftBodySystem system(*bullet.world);
-  const double mass = dice.decades(-1, 1.5), soft = dice.decades(-1, 1);
+  const double mass = dice.decades(-1, 1.5), softMass = dice.decades(-1, 1);
   btRigidBody* box = bullet.addBox(vec(dice.between(.1, .5), dice.between(.1, .5), dice.between(.1, .5)),
                                    mass, vec(0, 0, 0));
   box->setActivationState(DISABLE_DEACTIVATION);
   btRigidBody* base = bullet.addBox(vec(.01, .01, .01), 0, vec(0, 0, 50));
   const Joint joint = make(*box, *base, randomFrame(dice));
   bullet.world->addConstraint(joint.get());
-  SoftBodySettings s = lightlyDamped(dice.decades(2.5, 5.5), soft);
+  SoftBodySettings s = lightlyDamped(dice.decades(2.5, 5.5), softMass);
   s.collisionMask = 0;
   s.position = {dice.between(-.6, .6), dice.between(-.6, .6), dice.between(-.6, .6)};
   SoftBody* cube = *system.createBody(test::fullCubeNetwork(), s);
   const auto corner = static_cast<std::uint32_t>(dice.between(0, 8));
   ASSERT_TRUE(system.attach(cube, corner, *box));
   const double start = totalEnergyOf(*cube) + totalEnergyOf(*box);
-  double most = start;
+  double maxEnergy = start;
   for (int i = 0; i < 2 * rate; ++i) {
     bullet.tick(1 / rate);
-    most = std::max(most, totalEnergyOf(*cube) + totalEnergyOf(*box));
+    maxEnergy = std::max(maxEnergy, totalEnergyOf(*cube) + totalEnergyOf(*box));
   }
-  // of what a metre's fall gives
-  EXPECT_LT(most - start, 0.01 * (mass + soft) * kGravity)
+  // relative to the energy of a fall of one metre
+  EXPECT_LT(maxEnergy - start, 0.01 * (mass + softMass) * kGravity)
       << "seed " << seed << ", " << rate << " ticks a second";
   bullet.world->removeConstraint(joint.get());
 }
@@ -224,7 +224,7 @@ TEST(Joined, aCubeOnABoxThatHangsOnAJointNeverGainsEnergy) {
 
 constexpr double kSpring = 40.0;  // N/m
 
-/// Bounces along y only.
+/// Makes the joint a spring along y that is rigid in all other directions.
 template <class SixDof>
 Joint springAlongY(std::unique_ptr<SixDof> joint) {
   joint->setLinearLowerLimit(vec(0, 1, 0));
@@ -237,7 +237,7 @@ Joint springAlongY(std::unique_ptr<SixDof> joint) {
   return joint;
 }
 
-/// A cube attached by its four upper corners below a box that hangs on a joint.
+/// A cube whose four upper corners are attached to a box above it, which hangs on a joint.
 struct Driven {
   explicit Driven(const MakeJoint& make) {
     box = bullet.addBox(vec(.5, .1, .5), 2.0, vec(0, 0, 0));
@@ -262,7 +262,7 @@ struct Driven {
   Joint joint;
 };
 
-/// J, least and most of what is on the spring in its last two swings, above the start.
+/// Returns the smallest and the largest change (J) of the energy, with springs, during the last two swings.
 std::pair<double, double> energyGained(const MakeJoint& make, double rate) {
   Driven d(make);
   const auto energy = [&] {
@@ -270,14 +270,14 @@ std::pair<double, double> energyGained(const MakeJoint& make, double rate) {
     return totalEnergyOf(*d.cube) + totalEnergyOf(*d.box) + 0.5 * kSpring * y * y;
   };
   const double start = energy();
-  double most = -HUGE_VAL, least = HUGE_VAL;
+  double maxGain = -HUGE_VAL, minGain = HUGE_VAL;
   for (int i = 0; i < 5 * rate; ++i) {
     d.bullet.tick(1 / rate);
     if (i < 3.3 * rate) continue;  // a swing is 1.7 s
-    most = std::max(most, energy() - start);
-    least = std::min(least, energy() - start);
+    maxGain = std::max(maxGain, energy() - start);
+    minGain = std::min(minGain, energy() - start);
   }
-  return {least, most};
+  return {minGain, maxGain};
 }
 
 TEST(Joined, whatBouncesOnASpringOfBulletsKeepsItsEnergy) {
@@ -292,13 +292,13 @@ TEST(Joined, whatBouncesOnASpringOfBulletsKeepsItsEnergy) {
          return springAlongY(std::make_unique<btGeneric6DofSpring2Constraint>(base, box, onBase(base, f), f));
        }},
   };
-  // velocity Verlet's is off by (omega h)^2 / 8 = 5e-4 of it, and the cube's damping takes its vibration
+  // the error of velocity Verlet is (omega h)^2 / 8 = 5e-4, and the cube's damping absorbs its vibration
   const double swing = 0.5 * std::pow(3.0 * kGravity, 2) / kSpring;
   for (const auto& [name, make] : joints)
     for (const double rate : {60.0, 240.0}) {
-      const auto [least, most] = energyGained(make, rate);
-      EXPECT_LT(most, 0.002 * swing) << name << ", " << rate << " ticks a second";
-      EXPECT_GT(least, -0.002 * swing) << name << ", " << rate << " ticks a second";
+      const auto [minGain, maxGain] = energyGained(make, rate);
+      EXPECT_LT(maxGain, 0.002 * swing) << name << ", " << rate << " ticks a second";
+      EXPECT_GT(minGain, -0.002 * swing) << name << ", " << rate << " ticks a second";
     }
 }
 
@@ -320,8 +320,8 @@ TEST(Joined, aMotorPushesWithItsForce) {
   }
 }
 
-/// A spring so stiff that a swing takes nine ticks: what Bullet's solver would add where it passes its rest
-/// is energy.
+/// The spring is so stiff that a swing takes nine ticks. Errors of Bullet's solver near the rest position
+/// would add energy.
 TEST(Joined, aStiffSpringOfBulletsSwingsAsFarAsItShould) {
   constexpr double kStiff = 4860.0, kSpeed = 1.0;  // N/m, m/s
   const auto joint = [](auto spring) -> Joint {
@@ -338,7 +338,7 @@ TEST(Joined, aStiffSpringOfBulletsSwingsAsFarAsItShould) {
       },
       [&](btRigidBody& box, btRigidBody& base, const btTransform& f) {
         auto spring = std::make_unique<btGeneric6DofSpring2Constraint>(base, box, onBase(base, f), f);
-        spring->setStiffness(0, btScalar(kStiff), false);  // as stiff as that, whatever the tick
+        spring->setStiffness(0, btScalar(kStiff), false);  // the same stiffness at every tick
         return joint(std::move(spring));
       }};
   for (const MakeJoint& make : joints) {
@@ -354,7 +354,7 @@ TEST(Joined, aStiffSpringOfBulletsSwingsAsFarAsItShould) {
       farthest = std::max(farthest, std::abs(double(d.box->getWorldTransform().getOrigin().x())));
       fastest = std::max(fastest, double(d.box->getLinearVelocity().length()));
     }
-    // seen at the ends of ticks, 40 degrees of a swing apart; the cube gives a little
+    // sampled at the ends of ticks, 40 degrees of a swing apart; the cube deforms a little
     const double swing = kSpeed / std::sqrt(kStiff / 3.0);
     EXPECT_LT(farthest, 1.05 * swing);
     EXPECT_GT(farthest, 0.85 * swing);
@@ -362,7 +362,7 @@ TEST(Joined, aStiffSpringOfBulletsSwingsAsFarAsItShould) {
   }
 }
 
-/// An arm of 2 kg and 1 m on an angular spring at its end, coupled to a soft body by next to nothing.
+/// An arm of 2 kg and 1 m on an angular spring at its end, coupled to a soft body by a very weak spring.
 TEST(Joined, anAngularSpringOfBulletsSwingsAsFarAsItShould) {
   BulletWorld bullet(0.0);
   SoftBodySystem system(*bullet.world);
@@ -385,15 +385,15 @@ TEST(Joined, anAngularSpringOfBulletsSwingsAsFarAsItShould) {
   constexpr double kSpin = 0.5;  // rad/s
   arm->setAngularVelocity(vec(0, 0, kSpin));
   arm->setLinearVelocity(vec(0, 0.5 * kSpin, 0));
-  double most = 0;
+  double maxAngle = 0;
   for (int i = 0; i < 720; ++i) {
     bullet.tick(1.0 / 240.0);
-    most = std::max(most, std::abs(double(arm->getWorldTransform().getRotation().getAngle())));
+    maxAngle = std::max(maxAngle, std::abs(double(arm->getWorldTransform().getRotation().getAngle())));
   }
   bullet.world->removeConstraint(&joint);
-  // of its inertia about the joint, 2 (1 + 0.01) / 12 + 2 / 4 kg m^2
+  // the inertia about the joint is 2 (1 + 0.01) / 12 + 2 / 4 kg m^2
   const double inertia = 2.0 * 1.01 / 12.0 + 0.5;
-  EXPECT_NEAR(most, kSpin / std::sqrt(200.0 / inertia), 5e-4);
+  EXPECT_NEAR(maxAngle, kSpin / std::sqrt(200.0 / inertia), 5e-4);
 }
 
 TEST(Joined, aJointBreaksAtItsThreshold) {
@@ -401,23 +401,23 @@ TEST(Joined, aJointBreaksAtItsThreshold) {
     return std::make_unique<btPoint2PointConstraint>(box, f.getOrigin());
   };
   for (const double rate : {15.0, 60.0, 240.0})
-    for (const double share : {0.2, 0.7, 0.9, 0.97, 1.03}) {
+    for (const double fraction : {0.2, 0.7, 0.9, 0.97, 1.03}) {
       Driven d(ball);
-      d.joint->setBreakingImpulseThreshold(btScalar(share * 3.0 * kGravity / rate));
+      d.joint->setBreakingImpulseThreshold(btScalar(fraction * 3.0 * kGravity / rate));
       for (int i = 0; i < 3; ++i) d.bullet.tick(1 / rate);
-      EXPECT_EQ(d.joint->isEnabled(), share > 1.0)
-          << share << " of the weight, " << rate << " ticks a second";
+      EXPECT_EQ(d.joint->isEnabled(), fraction > 1.0)
+          << fraction << " of the weight, " << rate << " ticks a second";
     }
 }
 
 TEST(Joined, whatHangsOnAMovingKinematicBodyGoesAsFast) {
   for (const double rate : {15.0, 60.0, 240.0}) {
     btRigidBody* base = nullptr;
-    const MakeJoint hinge = [&](btRigidBody& box, btRigidBody& its, const btTransform& f) -> Joint {
-      base = &its;
-      return std::make_unique<btFixedConstraint>(its, box, onBase(its, f), f);
+    const MakeJoint fixed = [&](btRigidBody& box, btRigidBody& fixedBase, const btTransform& f) -> Joint {
+      base = &fixedBase;
+      return std::make_unique<btFixedConstraint>(fixedBase, box, onBase(fixedBase, f), f);
     };
-    Driven d(hinge);
+    Driven d(fixed);
     base->setCollisionFlags(base->getCollisionFlags() | btCollisionObject::CF_KINEMATIC_OBJECT);
     base->setActivationState(DISABLE_DEACTIVATION);
     btTransform pose = base->getWorldTransform();
@@ -426,7 +426,7 @@ TEST(Joined, whatHangsOnAMovingKinematicBodyGoesAsFast) {
       base->setWorldTransform(pose);
       d.bullet.tick(1 / rate);
     }
-    // the cube still swings a little from the start
+    // the cube still swings slightly from the start
     EXPECT_NEAR(d.cube->linearMomentum().x(), 2.0, 5e-3) << rate << " ticks a second";
     EXPECT_NEAR(double(d.box->getLinearVelocity().x()), 2.0, 5e-3) << rate << " ticks a second";
   }

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// What is moved as told carries, pushes and hits soft bodies, however fast it is and whichever of Bullet's
-// ways it is set up in.
+// Kinematic bodies carry, push and hit soft bodies, at any speed and for every way to set them up in Bullet.
 #include "support/bullet_measures.h"
 #include "support/bullet_world.h"
 #include "support/constants.h"
@@ -23,15 +22,15 @@ using test::kRadius;
 using test::kTick;
 using test::vec;
 
-/// How a user may make a body kinematic and move it.
+/// The ways to make a body kinematic and to move it.
 enum class Idiom {
-  Placed,       ///< the flag is added to a massless body, which stays static, too; setWorldTransform()
-  MotionState,  ///< the same, moved by a motion state
-  Cleared,      ///< the flag alone
-  Asleep,       ///< as Placed, but never woken: Bullet keeps no velocity for it
+  Placed,       ///< a massless body, which is static, gets the flag in addition; moved by setWorldTransform()
+  MotionState,  ///< the same, but moved by a motion state
+  Cleared,      ///< the kinematic flag replaces the static one
+  Asleep,       ///< as Placed, but never woken: Bullet computes no velocity for it
 };
 
-struct ToldState final : btMotionState {
+struct PrescribedMotionState final : btMotionState {
   btTransform pose = btTransform::getIdentity();
   void getWorldTransform(btTransform& out) const override { out = pose; }
   void setWorldTransform(const btTransform&) override {}
@@ -63,11 +62,11 @@ class Mover {
 
  private:
   Idiom idiom_;
-  ToldState state_;
+  PrescribedMotionState state_;
   btRigidBody* body_;
 };
 
-/// Eight points of 1 kg together.
+/// Returns settings of a cube with a total mass of 1 kg.
 SoftBodySettings cubeAt(const Vector3d& position, double stiffness = 1e4) {
   SoftBodySettings s = test::testedSettings();
   s.position = position;
@@ -79,16 +78,16 @@ SoftBodySettings cubeAt(const Vector3d& position, double stiffness = 1e4) {
   return s;
 }
 
-btTransform at(const btVector3& place) { return btTransform(btQuaternion::getIdentity(), place); }
+btTransform at(const btVector3& position) { return btTransform(btQuaternion::getIdentity(), position); }
 
-// --- set up by Bullet's own idioms -------------------------------------------------------------------------
+// --- set up in every way of Bullet -------------------------------------------------------------------------
 
 class KinematicIdioms : public testing::TestWithParam<Idiom> {};
 
 TEST_P(KinematicIdioms, aLiftCarriesACube) {
   for (const double width : {0.6, 0.9, 2.0})
     for (const double speed : {1.0, 3.0}) {
-      // points alone do not feel a lift between them
+      // a lift between point masses does not touch them
       if (width < 1.0 && !test::kSurface) continue;
       BulletWorld bullet;
       SoftBodySystem system(*bullet.world);
@@ -100,11 +99,12 @@ TEST_P(KinematicIdioms, aLiftCarriesACube) {
         if (i >= 15) height += speed * kTick;
         lift.moveTo(at(vec(0, height - 0.5, 0)));
         bullet.tick();
-        // at 3 m/s all is pressed together within a tick, to the rounding of the places
+        // at 3 m/s the contact forms within one tick, within the rounding of positions
         ASSERT_GT(test::lowest(*cube), height + kRadius - 1e-3)
             << "width " << width << " speed " << speed << " tick " << i;
       }
-      // flung off upwards at first it is on it again, or still above it, and not faster than what is elastic
+      // The cube is thrown upwards at first. By now it is on the lift again or still above it, with no more
+      // speed than an elastic impact gives.
       EXPECT_NEAR(cube->centerOfMass().y(), height + 0.5 + kRadius, 0.35) << width << " " << speed;
       EXPECT_NEAR(cube->centerOfMass().x(), 0.0, 0.05) << width << " " << speed;
     }
@@ -115,22 +115,22 @@ TEST_P(KinematicIdioms, aConveyingPlatformTakesACubeAlong) {
   SoftBodySystem system(*bullet.world);
   Mover platform(bullet, std::make_unique<btBoxShape>(vec(1, 0.5, 1)), at(vec(0, -0.5, 0)), GetParam());
   SoftBody* cube = *system.createBody(test::closedCubeNetwork(), cubeAt({0, 0.5 + kRadius, 0}));
-  double way = 0, speed = 0;
+  double displacement = 0, speed = 0;
   for (int i = 0; i < 90; ++i) {
-    // 3 m/s^2 of the 9.81 that friction 1 gives
+    // 3 m/s^2, below the limit of 9.81 m/s^2 for a friction of 1
     if (i > 15) speed = std::min(speed + 3 * kTick, 1.5);
-    way += speed * kTick;
-    platform.moveTo(at(vec(way, -0.5, 0)));
+    displacement += speed * kTick;
+    platform.moveTo(at(vec(displacement, -0.5, 0)));
     bullet.tick();
   }
-  // it sways by what 3 m/s^2 shear it: some mm at 1e4 N/m
-  EXPECT_NEAR(cube->centerOfMass().x(), way, 0.01);
+  // it is sheared by some mm (3 m/s^2, 1e4 N/m)
+  EXPECT_NEAR(cube->centerOfMass().x(), displacement, 0.01);
   EXPECT_NEAR(cube->linearMomentum().x(), speed, 0.05);
 }
 
-/// In a first stepSimulation(), too, of however many ticks, in which Bullet puts the lift where it ends.
+/// Also in the first stepSimulation() with any number of ticks, in which Bullet uses only the final pose.
 TEST_P(KinematicIdioms, aLiftThatRisesInTheFirstStepCarriesACube) {
-  // Bullet keeps no velocity of what sleeps
+  // Bullet computes no velocity for a sleeping body
   if (GetParam() == Idiom::Asleep) GTEST_SKIP() << "what sleeps is seen to move from its second step on";
   for (const int ticks : {1, 2, 4})
     for (const bool mesh : {false, true}) {
@@ -153,7 +153,7 @@ TEST_P(KinematicIdioms, aLiftThatRisesInTheFirstStepCarriesACube) {
 }
 
 TEST_P(KinematicIdioms, severalTicksOfAStepAreOneMotion) {
-  // one asleep is there after the first tick: nobody knows how many will come
+  // A sleeping one is at its final pose after the first tick: the number of further ticks is unknown.
   for (const int ticks : {1, GetParam() == Idiom::Asleep ? 1 : 2, GetParam() == Idiom::Asleep ? 1 : 4}) {
     BulletWorld bullet(0);
     SoftBodySystem system(*bullet.world);
@@ -167,7 +167,7 @@ TEST_P(KinematicIdioms, severalTicksOfAStepAreOneMotion) {
       bullet.world->stepSimulation(btScalar(kTick) * btScalar(1.0001), ticks, tick);
       ASSERT_GT(test::lowest(*cube), height + 0.05 + kRadius - 2e-3) << ticks << " ticks, step " << i;
     }
-    // an elastic hit doubles the speed at most
+    // an elastic impact doubles the speed at most
     EXPECT_GT(cube->linearMomentum().y(), 2.9) << ticks;
     EXPECT_LT(cube->linearMomentum().y(), 6.1) << ticks;
   }
@@ -176,7 +176,7 @@ TEST_P(KinematicIdioms, severalTicksOfAStepAreOneMotion) {
 INSTANTIATE_TEST_SUITE_P(All, KinematicIdioms,
                          testing::Values(Idiom::Placed, Idiom::MotionState, Idiom::Cleared, Idiom::Asleep));
 
-// --- fast ones ---------------------------------------------------------------------------------------------
+// --- fast bodies -------------------------------------------------------------------------------------------
 
 enum class Kind { Box, Hull, Cylinder, Compound, Mesh, ScaledMesh };
 
@@ -187,7 +187,7 @@ const char* nameOf(Kind kind) {
 
 std::unique_ptr<btCollisionShape> hullOf(const btVector3& half) {
   auto hull = std::make_unique<btConvexHullShape>();
-  // the margin is around it
+  // Bullet adds the margin around the hull
   const btVector3 core = half - btVector3(hull->getMargin(), hull->getMargin(), hull->getMargin());
   for (int i = 0; i < 8; ++i)
     hull->addPoint(
@@ -217,7 +217,7 @@ std::unique_ptr<btCollisionShape> meshOf(BulletWorld& bullet, const btVector3& h
   return shape;
 }
 
-/// A slab about the origin, thin along y.
+/// Returns a slab about the origin, thin along y.
 std::unique_ptr<btCollisionShape> slabOf(Kind kind, BulletWorld& bullet, const btVector3& half) {
   if (kind == Kind::Box) return std::make_unique<btBoxShape>(half);
   if (kind == Kind::Hull) return hullOf(half);
@@ -243,23 +243,23 @@ TEST_P(KinematicSlabs, doNotPassABodyAtRest) {
     for (const double phase : {0.1, 0.6}) {
       BulletWorld bullet(0);
       SoftBodySystem system(*bullet.world);
-      const double half = shot.thickness / 2, way = shot.speed * kTick;
-      double height = -half - 0.5 - kRadius - (4 + phase) * way;
+      const double half = shot.thickness / 2, displacement = shot.speed * kTick;
+      double height = -half - 0.5 - kRadius - (4 + phase) * displacement;
       Mover slab(bullet, slabOf(GetParam(), bullet, vec(1.5, half, 1.5)), at(vec(0, height, 0)),
                  Idiom::Placed);
       SoftBodySettings s = cubeAt({0.1, 0, 0.05}, 1e4);
       SoftBody* cube = *system.createBody(test::closedCubeNetwork(), s);
       for (int i = 0; i < 20; ++i) {
-        height += way;
+        height += displacement;
         slab.moveTo(at(vec(0, height, 0)));
         bullet.tick();
-        // hulls and meshes meet points through Bullet's narrowphase, exact to some mm of their radius
+        // contacts of points with hulls and meshes come from Bullet's narrowphase, with errors of some mm
         ASSERT_GT(test::lowest(*cube), height + half)
             << nameOf(GetParam()) << " of " << shot.thickness << " m at " << shot.speed << " m/s, tick " << i;
       }
-      // Bullet lets triangles hold a mass in the world back from behind, in the tick in which they meet
+      // In Bullet a triangle also holds back a point mass behind it, in the tick of the impact.
       EXPECT_GT(cube->linearMomentum().y(), (test::kSurface ? 0.95 : 0.9) * shot.speed);
-      // an elastic hit doubles the speed at most
+      // an elastic impact doubles the speed at most
       EXPECT_LT(cube->linearMomentum().y(), 2.05 * shot.speed);
     }
 }
@@ -275,12 +275,12 @@ TEST_P(KinematicSlabs, turningOnesSweepABodyAway) {
       angle += spin * kTick;
       paddle.moveTo(btTransform(btQuaternion(vec(0, 0, 1), static_cast<btScalar>(angle)), vec(0, 0, 0)));
       bullet.tick();
-      // nothing gets deep into the paddle or to its other side; round its end it may
+      // no point gets deep into the paddle or to its other side, except around its end
       const Vector3d along(std::cos(angle), std::sin(angle), 0), across(-along.y(), along.x(), 0);
       for (std::uint32_t p = 0; p < 8; ++p) {
         const Vector3d x = cube->position(p);
         if (along.dot(x) < 1.4 && along.dot(x) > 0.1) {
-          // the plane that a point meets is that of the start of the tick: (spin tick)^2 of 1.4 m
+          // a point collides with the plane at the start of the tick, an error of (spin tick)^2 of 1.4 m
           ASSERT_GT(across.dot(x), 0.1 + kRadius - 0.01 - 1.4 * spin * spin * kTick * kTick)
               << nameOf(GetParam()) << " at " << spin << " rad/s, tick " << i << " point " << p;
         }
@@ -295,24 +295,25 @@ INSTANTIATE_TEST_SUITE_P(All, KinematicSlabs,
                          testing::Values(Kind::Box, Kind::Hull, Kind::Cylinder, Kind::Compound, Kind::Mesh,
                                          Kind::ScaledMesh));
 
-/// m, how deep the middle of a structural or shear spring, or a quarter of it, is in a box.
+/// Returns the largest depth (m) in a box of the ends, quarter points and middles of all springs except
+/// bending springs.
 double deepestSpring(const SoftBody& cloth, const btTransform& pose, double half) {
   double deepest = -HUGE_VAL;
   for (const NetworkSpring& spring : cloth.network().springs) {
     if (spring.kind == SpringKind::Bending) continue;
     const Vector3d a = cloth.position(spring.a), b = cloth.position(spring.b);
-    for (const double share : {0.0, 0.25, 0.5, 0.75}) {
-      const Vector3d x = a + share * (b - a);
-      const btVector3 at = pose.invXform(vec(x.x(), x.y(), x.z()));
-      deepest = std::max(deepest, half - double(at.absolute()[at.absolute().maxAxis()]));
+    for (const double fraction : {0.0, 0.25, 0.5, 0.75}) {
+      const Vector3d x = a + fraction * (b - a);
+      const btVector3 local = pose.invXform(vec(x.x(), x.y(), x.z()));
+      deepest = std::max(deepest, half - double(local.absolute()[local.absolute().maxAxis()]));
     }
   }
   return deepest;
 }
 
-/// A box flies with a corner or an edge ahead into a cloth that hangs in the air: its springs lie on the
-/// corner, and are not cut by it. They were by up to 3.8 cm when edges and triangles met what is moved as
-/// told once a tick.
+/// A kinematic box hits a floating cloth with a corner or an edge first. The springs lie on the corner, which
+/// must not cut into them. It did by up to 3.8 cm when edges and triangles collided with kinematic bodies
+/// only once per tick.
 TEST(KinematicBoxes, aCornerDoesNotCutIntoACloth) {
   if (!test::kSurface) GTEST_SKIP() << "springs of points do not collide";
   ClothSettings cells;
@@ -334,7 +335,7 @@ TEST(KinematicBoxes, aCornerDoesNotCutIntoACloth) {
         box.moveTo(pose);
         bullet.tick();
       }
-      // a share of 0.1 of a cell may pass between two searches, and a sixth of that is the radius
+      // the box may advance by 0.1 of a cell between two searches, and the radius is a sixth of that
       EXPECT_LT(deepestSpring(*cloth, pose, 0.2), 0.012) << speed << " m/s, attitude " << k;
     }
 }

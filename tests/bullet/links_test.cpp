@@ -34,7 +34,7 @@ TEST(Spring, hangsARigidBodyAtMgOverK) {
   s.restLength = 1.0;
   s.stiffness = 5e3;
   s.damping = 40;
-  // from the centre of the box to a place in the world one metre above
+  // from the centre of the box to a point of the world one metre above
   SpringConstraint* spring = *system.addSpring({box}, {nullptr, btVector3(0, 1, 0)}, s);
   bullet.simulate(5.0);
   const double sag = 2.0 * 9.81 / 5e3;
@@ -74,8 +74,7 @@ TEST(Spring, twoRigidBodiesSwingWithTheReducedMass) {
 
 TEST(Spring, offCentrePivotsKeepLinearAndAngularMomentum) {
   BulletWorld bullet(0.0);
-  // cubes: with equal moments of inertia a free body keeps its angular velocity, as Bullet's integration has
-  // it
+  // cubes: with equal moments of inertia a free body has a constant angular velocity, as Bullet assumes
   btRigidBody* a = bullet.addBox(test::vec(0.3, 0.3, 0.3), 2.0, test::vec(0, 0, 0));
   btRigidBody* b = bullet.addBox(test::vec(0.2, 0.2, 0.2), 1.0, test::vec(2, 0.5, 0));
   for (btRigidBody* body : {a, b}) body->setActivationState(DISABLE_DEACTIVATION);
@@ -95,7 +94,7 @@ TEST(Spring, offCentrePivotsKeepLinearAndAngularMomentum) {
     worst = std::max(worst, (angularMomentumOf(*a) + angularMomentumOf(*b) - l).norm());
   }
   EXPECT_LT((momentumOf(*a) + momentumOf(*b) - p).norm(), 1e-4);
-  // kicks and drifts keep it exactly; Bullet moves the bodies in float, 1e-7 of 1 m times some kg m/s a tick
+  // kicks and drifts keep it exactly; Bullet moves bodies in floats, 1e-7 of 1 m times some kg m/s per tick
   EXPECT_LT(worst, 1e-4 * scale);
 }
 
@@ -115,7 +114,7 @@ TEST(Spring, joinsTwoSoftBodiesAndGoesAgain) {
   EXPECT_NEAR(spring->settings().restLength, 1.0, 1e-6) << "the present distance";
   bullet.simulate(3.0);
   EXPECT_GT(a->linearMomentum().x(), 0.2) << "pulled along";
-  // two bodies in one group, state in double: exact to rounding
+  // both bodies are in one island with a state in double precision: exact to rounding
   EXPECT_NEAR(a->linearMomentum().x() + b->linearMomentum().x(), 1.0, 1e-6);
   system.removeSpring(spring);
   bullet.tick();
@@ -134,7 +133,8 @@ TEST(Spring, actsOnOneSideOnlyWhenTold) {
     s.restLength = 1.0;
     s.action = action;
     s.damping = 5;
-    ASSERT_TRUE(system.addSpring({box}, {nullptr, test::vec(0.5, 0, 0)}, s));  // compressed by half
+    ASSERT_TRUE(
+        system.addSpring({box}, {nullptr, test::vec(0.5, 0, 0)}, s));  // compressed to half its length
     bullet.simulate(0.1);
     const double speed = std::abs(double(box->getLinearVelocity().x()));
     if (action == SpringAction::ExtensionOnly)
@@ -157,7 +157,7 @@ TEST(Spring, stiffOnesStayStableAtAnyStiffnessAndDamping) {
       ASSERT_TRUE(system.addSpring({box, test::vec(0.1, 0.1, 0.1)}, {nullptr, btVector3(0, 0, 0)}, s));
       bullet.simulate(2.0);
       const Eigen::Vector3d x = eigen(box->getWorldTransform().getOrigin());
-      // it swings below the place it hangs from, and k = 100 stretches it by some centimetres at most
+      // the box swings below the fixed end, and k = 100 extends the spring by some centimetres at most
       EXPECT_LT(x.norm(), 1.6) << "k " << k << " c " << c;
     }
 }
@@ -203,9 +203,9 @@ TEST(Pin, holdsAPointAndLetsGo) {
   keepAwake(*body);
   body->pin(7);
   EXPECT_TRUE(body->pinned(7));
-  const Eigen::Vector3d place = body->position(7);
+  const Eigen::Vector3d start = body->position(7);
   bullet.simulate(1.0);
-  EXPECT_LT((body->position(7) - place).norm(), 1e-6);
+  EXPECT_LT((body->position(7) - start).norm(), 1e-6);
   EXPECT_GT(body->centerOfMass().y(), -1.5);
   body->unpin(7);
   bullet.simulate(1.0);
@@ -264,9 +264,9 @@ TEST(Attach, pointsFollowARigidBodyAndCarryIt) {
     const btVector3 pivot = box->getWorldTransform() * test::vec(0, 0.1, 0);
     worst = std::max(worst, (rope->position(8) - eigen(pivot)).norm());
   }
-  // exact in the substeps; Bullet's rounded transform of the box is what remains
+  // exact in the substeps; the remaining error is the rounding of the box's transform in Bullet
   EXPECT_LT(worst, 1e-5);
-  // each of the 8 springs carries the box, the end point and what of the rope is below it
+  // each of the 8 springs carries the box, the end point and the part of the rope below it
   const double m = 1.0 / 9, k = 1000;
   double sag = 0;
   for (int i = 1; i <= 8; ++i) sag += (2.0 + m * (9 - i)) * 9.81 / k;
@@ -274,7 +274,7 @@ TEST(Attach, pointsFollowARigidBodyAndCarryIt) {
 }
 
 TEST(Attach, dampingDoesNotMoveTheEquilibrium) {
-  // between kick and constraint an anchored point is kicked apart from its body; dampers must not see that
+  // between kick and constraint an attached point and its body differ in velocity, which dampers must ignore
   double first = 0;
   for (double damping : {10.0, 30.0, 100.0, 1000.0}) {
     BulletWorld bullet;
@@ -326,12 +326,13 @@ TEST(Attach, doesNotCollideWithItsRigidBody) {
   BulletWorld bullet(0.0);
   SoftBodySystem system(*bullet.world);
   SoftBody* body = *system.createBody(test::pairNetwork(), test::testedSettings());
-  btRigidBody* box = bullet.addBox(test::vec(0.2, 0.2, 0.2), 1.0, test::vec(0, 0, 0));  // point 0 is inside
+  btRigidBody* box =
+      bullet.addBox(test::vec(0.2, 0.2, 0.2), 1.0, test::vec(0, 0, 0));  // point 0 is inside the box
   ASSERT_TRUE(system.attach(body, 0, *box));
   bullet.simulate(1.0);
   EXPECT_LT(eigen(box->getLinearVelocity()).norm(), 1e-6);
   ASSERT_TRUE(system.detach(body, 0));
-  if (test::kSurface) return;  // only points in the world meet dynamic bodies
+  if (test::kSurface) return;  // only points in the world collide with dynamic bodies
   bullet.simulate(0.5);
   EXPECT_GT((body->position(0) - eigen(box->getWorldTransform().getOrigin())).norm(), 0.05)
       << "no longer attached, Bullet pushes it out";

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// Bodies between others that are far heavier.
+// Light bodies between far heavier ones.
 #include "support/bullet_world.h"
 
 #include <limber/network_builder.h>
@@ -17,7 +17,7 @@ using test::vec;
 
 constexpr double kClothRadius = 0.01, kHalfHeight = 0.2;
 
-/// 1.2 m, 0.2 kg, 1 cm above the floor.
+/// Adds a cloth of 1.2 m and 0.2 kg, 1 cm above the floor.
 SoftBody* addCloth(SoftBodySystem& system) {
   ClothSettings shape;
   shape.width = shape.depth = 1.2;
@@ -32,7 +32,7 @@ SoftBody* addCloth(SoftBodySystem& system) {
   return *system.createBody(*buildCloth(shape), s);
 }
 
-/// Falls on one of its edges.
+/// Adds a box that falls on one of its edges.
 btRigidBody* addTiltedBox(BulletWorld& bullet, double mass) {
   btRigidBody* box = bullet.addBox(vec(0.25, kHalfHeight, 0.3), mass, vec(0.03, 0.6, 0.02));
   box->getWorldTransform().setRotation(
@@ -42,7 +42,7 @@ btRigidBody* addTiltedBox(BulletWorld& bullet, double mass) {
 }
 
 TEST(SurfaceMassRatio, aHeavyBoxComesToRestOnAClothOnTheFloor) {
-  for (const double mass : {2.0, 20.0}) {  // points of the cloth: 1 g
+  for (const double mass : {2.0, 20.0}) {  // a point of the cloth has 1 g
     BulletWorld bullet;
     bullet.addBoxFloor()->setFriction(0.5);
     SoftBodySystem system(*bullet.world);
@@ -56,10 +56,10 @@ TEST(SurfaceMassRatio, aHeavyBoxComesToRestOnAClothOnTheFloor) {
     }
     EXPECT_FALSE(box->isActive()) << mass;
     EXPECT_FALSE(cloth->surfaceObject()->isActive()) << mass;
-    // contacts at rest give way by a share of their impulse, see contact_solver.cpp
+    // contacts at rest are compliant: their depth grows with their impulse, see contact_solver.cpp
     EXPECT_NEAR(double(box->getWorldTransform().getOrigin().y()), kHalfHeight + 2 * kClothRadius, 2e-4)
         << mass;
-    // 0.46 of it: the sweeps end before a mass ratio of 20 000 : 1 has quite come through
+    // The present value is 0.46: the sweeps end before they have converged for a mass ratio of 20 000 : 1.
     EXPECT_GT(lowest, 0.4 * kClothRadius) << "at the hit, " << mass;
   }
 }

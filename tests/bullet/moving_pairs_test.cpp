@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// Laws of contacts between bodies that both move: soft with rigid ones, soft with soft ones.
+// Physical laws of contacts between moving bodies: soft with rigid, soft with soft.
 #include "support/bullet_measures.h"
 #include "support/bullet_world.h"
 #include "support/networks.h"
@@ -41,7 +41,7 @@ SoftBodySettings pairBody(const Vector3d& position, const Vector3d& velocity, do
 
 SharedNetwork ballNetwork() { return *buildNetwork(small_meshes::icosphere(1)); }
 
-/// Of a body of 1 kg.
+/// Returns the momentum of a body of 1 kg.
 Vector3d momentumOf(const SoftBody& body) {
   Vector3d sum = Vector3d::Zero();
   for (std::uint32_t i = 0; i < body.pointCount(); ++i)
@@ -51,7 +51,7 @@ Vector3d momentumOf(const SoftBody& body) {
 
 // --- mirrored bodies ---------------------------------------------------------------------------------------
 
-/// The mirror images in the plane x = 0.
+/// Return the mirror images in the plane x = 0.
 Vector3d image(const Vector3d& v) { return {-v.x(), v.y(), v.z()}; }
 Quaterniond image(const Quaterniond& q) { return {q.w(), q.x(), -q.y(), -q.z()}; }
 SoftBodySettings image(SoftBodySettings s) {
@@ -88,14 +88,14 @@ struct MirrorScene {
   }
 };
 
-/// m, how far the points of the bodies are from the mirror images of the others'.
+/// Returns the largest distance (m) of a point from the mirror image of the same point in the other scene.
 double asymmetry(const MirrorScene& scene, const MirrorScene& mirrored) {
-  double most = 0.0;
+  double largest = 0.0;
   for (std::size_t b = 0; b < scene.system.bodyCount(); ++b)
     for (std::uint32_t i = 0; i < scene.system.body(b)->pointCount(); ++i)
-      most = std::max(
-          most, (scene.system.body(b)->position(i) - image(mirrored.system.body(b)->position(i))).norm());
-  return most;
+      largest = std::max(
+          largest, (scene.system.body(b)->position(i) - image(mirrored.system.body(b)->position(i))).norm());
+  return largest;
 }
 
 using Build = std::function<void(MirrorScene&)>;
@@ -119,8 +119,8 @@ std::unique_ptr<btCollisionShape> wedge() {
   return hull;
 }
 
-// Bullet keeps what is rigid in floats and the solver stops at 1e-6 m/s: a hit makes some 1e-5 m of it in
-// half a second. A surface that is inside out is 1 m off.
+// Bullet stores rigid bodies in floats and the solver stops at 1e-6 m/s: after an impact this makes some 1e-5
+// m in half a second. A surface that is inside out makes 1 m.
 constexpr double kMirrorTolerance = 1e-4;
 
 TEST(MirroredBodies, mirroredScenesAreMirrorImagesWithRigidBodiesOfEveryShape) {
@@ -173,7 +173,7 @@ TEST(MirroredBodies, oneMirroredAxisOrThreeStandAsTheUnmirroredBodyDoes) {
       EXPECT_GT(double(box->getWorldTransform().getOrigin().y()), 2.0);
       heights[mirrored] = top->centerOfMass().y();
     }
-    // what friction holds at the corners as they come to rest
+    // friction at the corners makes this difference as the bodies come to rest
     EXPECT_NEAR(heights[0], heights[1], 1e-3);
   }
 }
@@ -194,7 +194,7 @@ struct HeadOn {
       cubes.push_back(*system.createBody(test::closedCubeNetwork(), s));
     }
   }
-  double apart() const { return cubes[1]->centerOfMass().x() - cubes[0]->centerOfMass().x(); }
+  double centreDistance() const { return cubes[1]->centerOfMass().x() - cubes[0]->centerOfMass().x(); }
 };
 
 TEST(SystemsOfOneWorld, bodiesOfTwoMeetAsThoseOfOneDo) {
@@ -205,7 +205,7 @@ TEST(SystemsOfOneWorld, bodiesOfTwoMeetAsThoseOfOneDo) {
     for (std::size_t c : {0u, 1u}) ASSERT_EQ(one.cubes[c]->stateHash(), two.cubes[c]->stateHash()) << i;
   }
   // points alone pass between each other
-  EXPECT_EQ(two.apart() > 1.0, test::kSurface);
+  EXPECT_EQ(two.centreDistance() > 1.0, test::kSurface);
   EXPECT_LT((momentumOf(*two.cubes[0]) + momentumOf(*two.cubes[1])).norm(), 1e-12) << "doubles of 3 N s";
 }
 
@@ -247,25 +247,25 @@ TEST(SystemsOfOneWorld, aSystemThatGoesEndsItsContactsAndLeavesTheOthersStepping
   EXPECT_GT(upper->centerOfMass().y(), 0.3) << "it lies on the floor";
 }
 
-// --- whose turn it is --------------------------------------------------------------------------------------
+// --- order of bodies and points ----------------------------------------------------------------------------
 
-/// The same network with its points, triangles and, as far as they are free, springs in another order.
+/// Returns the same network with its points, triangles and, as far as possible, springs in another order.
 SharedNetwork shuffled(const SharedNetwork& network, unsigned seed) {
   if (seed == 0) return network;
   auto other = std::make_shared<SpringNetwork>(*network);
   std::mt19937 random(seed);
-  std::vector<std::uint32_t> to(network->restPoints.size());
-  std::iota(to.begin(), to.end(), 0u);
-  for (std::size_t i = to.size(); i-- > 1;) std::swap(to[i], to[random() % (i + 1)]);
-  for (std::size_t i = 0; i < to.size(); ++i) {
-    other->restPoints[to[i]] = network->restPoints[i];
-    other->massFractions[to[i]] = network->massFractions[i];
+  std::vector<std::uint32_t> newIndex(network->restPoints.size());
+  std::iota(newIndex.begin(), newIndex.end(), 0u);
+  for (std::size_t i = newIndex.size(); i-- > 1;) std::swap(newIndex[i], newIndex[random() % (i + 1)]);
+  for (std::size_t i = 0; i < newIndex.size(); ++i) {
+    other->restPoints[newIndex[i]] = network->restPoints[i];
+    other->massFractions[newIndex[i]] = network->massFractions[i];
   }
-  for (Triangle& t : other->surface) t = {to[t[0]], to[t[1]], to[t[2]]};
+  for (Triangle& t : other->surface) t = {newIndex[t[0]], newIndex[t[1]], newIndex[t[2]]};
   for (std::size_t i = other->surface.size(); i-- > 1;)
     std::swap(other->surface[i], other->surface[random() % (i + 1)]);
   for (NetworkSpring& s : other->springs) {
-    const auto [a, b] = std::minmax(to[s.a], to[s.b]);
+    const auto [a, b] = std::minmax(newIndex[s.a], newIndex[s.b]);
     s.a = a, s.b = b;
   }
   std::sort(other->springs.begin(), other->springs.end(), [](const NetworkSpring& x, const NetworkSpring& y) {
@@ -277,17 +277,18 @@ SharedNetwork shuffled(const SharedNetwork& network, unsigned seed) {
 struct Order {
   bool swapped = false;
   unsigned seed = 0;
-  double nudge = 0.0;  // m
+  double displacement = 0.0;  // m
 };
 
-/// Where the lower and the upper body are a second after the upper was thrown onto the lower.
-std::array<Vector3d, 2> meetIn(const Order& order, const SharedNetwork& upper, SoftBodySettings settings) {
+/// Returns the centres of mass of both bodies, a second after the upper was thrown onto the lower.
+std::array<Vector3d, 2> finalCentres(const Order& order, const SharedNetwork& upper,
+                                     SoftBodySettings settings) {
   BulletWorld bullet(0.0);
   SoftBodySystem system(*bullet.world);
-  // damping is split by springs, one after the other: its own error depends on their order
+  // damping acts on one spring after the other: its error depends on their order
   SoftBodySettings lower = pairBody({0, 0, 0}, {0, 0, 0});
   lower.damping = settings.damping = 0.0;
-  settings.position.x() += order.nudge;
+  settings.position.x() += order.displacement;
   SoftBody *a = nullptr, *b = nullptr;
   const auto addLower = [&] {
     a = *system.createBody(shuffled(test::closedCubeNetwork(), order.seed), lower);
@@ -320,36 +321,35 @@ double distance(const std::array<Vector3d, 2>& x, const std::array<Vector3d, 2>&
   return std::max((x[0] - y[0]).norm(), (x[1] - y[1]).norm());
 }
 
-/// What a nudge of 1e-6 m comes to is what rounding, and where a solve stops, may come to, too.
+/// The tolerance is the effect of a displacement of 1e-6 m: rounding and the solver have similar effects.
 TEST(OrderOfBodies, whoWasCreatedFirstDoesNotMatter) {
   for (const Thrown& thrown : thrownBodies()) {
     SCOPED_TRACE(thrown.name);
-    const auto now = meetIn({}, thrown.network, thrown.settings);
-    const double nudged = distance(now, meetIn({false, 0, 1e-6}, thrown.network, thrown.settings));
-    EXPECT_LT(distance(now, meetIn({true}, thrown.network, thrown.settings)), nudged);
+    const auto now = finalCentres({}, thrown.network, thrown.settings);
+    const double nudged = distance(now, finalCentres({false, 0, 1e-6}, thrown.network, thrown.settings));
+    EXPECT_LT(distance(now, finalCentres({true}, thrown.network, thrown.settings)), nudged);
   }
 }
 
 TEST(OrderOfBodies, theOrderOfPointsDoesNotMatter) {
   for (const Thrown& thrown : thrownBodies()) {
     SCOPED_TRACE(thrown.name);
-    const auto now = meetIn({}, thrown.network, thrown.settings);
-    const double nudged = distance(now, meetIn({false, 0, 1e-6}, thrown.network, thrown.settings));
+    const auto now = finalCentres({}, thrown.network, thrown.settings);
+    const double nudged = distance(now, finalCentres({false, 0, 1e-6}, thrown.network, thrown.settings));
     for (const unsigned seed : {1u, 2u, 3u})
-      EXPECT_LT(distance(now, meetIn({false, seed}, thrown.network, thrown.settings)), 10.0 * nudged);
+      EXPECT_LT(distance(now, finalCentres({false, seed}, thrown.network, thrown.settings)), 10.0 * nudged);
   }
 }
 
-// --- a cloth on a ball
-// --------------------------------------------------------------------------------------
+// --- a cloth on a ball -------------------------------------------------------------------------------------
 
-/// Where the points of a cloth are, in the order of the grid, so many seconds after it was dropped on a
+/// Returns the positions of a cloth's points, in the order of the grid, `seconds` after it was dropped on a
 /// static ball.
 std::vector<Vector3d> drapeOnBall(double seconds, const Order& order, double rate = 60.0) {
   BulletWorld bullet;
   bullet.add(std::make_unique<btSphereShape>(btScalar(0.4)), 0, vec(0, 0, 0));
   SoftBodySystem system(*bullet.world);
-  SoftBodySettings s = pairBody({0.05 + order.nudge, 0.5, 0.02}, {0, 0, 0}, 500.0);
+  SoftBodySettings s = pairBody({0.05 + order.displacement, 0.5, 0.02}, {0, 0, 0}, 500.0);
   s.damping = 0.0;
   const SharedNetwork cloth = *buildCloth(), made = shuffled(cloth, order.seed);
   SoftBody* body = *system.createBody(made, s);
@@ -362,29 +362,29 @@ std::vector<Vector3d> drapeOnBall(double seconds, const Order& order, double rat
   return x;
 }
 
-double most(const std::vector<Vector3d>& x, const std::vector<Vector3d>& y) {
+double maxDistance(const std::vector<Vector3d>& x, const std::vector<Vector3d>& y) {
   double d = 0.0;
   for (std::size_t i = 0; i < x.size(); ++i) d = std::max(d, (x[i] - y[i]).norm());
   return d;
 }
 
-/// The cloth wrinkles: where it starts 1e-6 m aside, its points are 5 cm elsewhere after 0.6 s. Which
-/// wrinkles come first is chance, so what is asked for is the size of such a difference.
+/// The wrinkles of the cloth are chaotic: if it starts with a displacement of 1e-6 m, its points differ by 5
+/// cm after 0.6 s. The test therefore compares the sizes of such differences.
 TEST(DrapeOnBall, neitherOrderNorTickMattersMoreThanANudge) {
-  constexpr double kChance = 4.0, kSeconds = 0.6;
+  constexpr double kChaosFactor = 4.0, kSeconds = 0.6;
   const auto now = drapeOnBall(kSeconds, {});
   const auto nudged = [&](double nudge) {
-    return std::max(most(now, drapeOnBall(kSeconds, {false, 0, nudge})),
-                    most(now, drapeOnBall(kSeconds, {false, 0, -nudge})));
+    return std::max(maxDistance(now, drapeOnBall(kSeconds, {false, 0, nudge})),
+                    maxDistance(now, drapeOnBall(kSeconds, {false, 0, -nudge})));
   };
-  EXPECT_LT(most(now, drapeOnBall(kSeconds, {false, 1})), kChance * nudged(1e-6));
-  // 0.9 mm is what it falls in a substep when it lands
-  EXPECT_LT(most(now, drapeOnBall(kSeconds, {}, 240.0)), kChance * nudged(9e-4));
+  EXPECT_LT(maxDistance(now, drapeOnBall(kSeconds, {false, 1})), kChaosFactor * nudged(1e-6));
+  // 0.9 mm is its fall during a substep when it lands
+  EXPECT_LT(maxDistance(now, drapeOnBall(kSeconds, {}, 240.0)), kChaosFactor * nudged(9e-4));
 }
 
-// --- fast --------------------------------------------------------------------------------------------------
+// --- fast bodies -------------------------------------------------------------------------------------------
 
-/// Whether two cubes that meet head-on, each at `speed`, pass through each other.
+/// Returns whether two cubes that collide head-on, each at `speed`, pass through each other.
 bool passThroughEachOther(double speed, unsigned pose) {
   BulletWorld bullet(0.0);
   SoftBodySystem system(*bullet.world);
@@ -410,34 +410,34 @@ TEST(FastPairs, cubesThatMeetHeadOnDoNotPassThroughEachOther) {
       EXPECT_FALSE(passThroughEachOther(speed, pose)) << speed << " m/s, pose " << pose;
 }
 
-/// Speeds that are new are in no box that Bullet's broadphase knows.
+/// The boxes of Bullet's broadphase do not include velocities that were set since the last tick.
 TEST(FastPairs, whatIsThrownHitsInItsFirstTick) {
   if (!test::kSurface) GTEST_SKIP() << "points alone pass between each other";
-  for (const double way : {1.7, 3.0, 30.0})
+  for (const double pathPerTick : {1.7, 3.0, 30.0})
     for (const bool thrownFirst : {true, false})
       for (const bool bothMove : {false, true}) {
         BulletWorld bullet(0.0);
         SoftBodySystem system(*bullet.world);
         const auto add = [&](bool thrown) {
           return *system.createBody(test::closedCubeNetwork(),
-                                    pairBody({0, 0, thrown ? 0.6 + 0.5 * way : 0.0}, {0, 0, 0}));
+                                    pairBody({0, 0, thrown ? 0.6 + 0.5 * pathPerTick : 0.0}, {0, 0, 0}));
         };
         SoftBody* first = add(thrownFirst);
         SoftBody* second = add(!thrownFirst);
         SoftBody *thrown = thrownFirst ? first : second, *other = thrownFirst ? second : first;
         bullet.simulate(0.1);
-        const double speed = way / kTick;
+        const double speed = pathPerTick / kTick;
         thrown->surfaceObject()->setLinearVelocity(vec(0, 0, -speed));
         if (bothMove) other->surfaceObject()->setLinearVelocity(vec(0, 0, 0.3 * speed));
         bullet.tick();
         bullet.tick();
-        // a soft one takes over a good part of what both have, however flat they are for the moment
+        // the other body must get a large part of the momentum, even if both are still flattened
         EXPECT_LT(momentumOf(*other).z(), -0.2 * speed)
-            << way << " m a tick, thrown first " << thrownFirst << ", both move " << bothMove;
+            << pathPerTick << " m a tick, thrown first " << thrownFirst << ", both move " << bothMove;
       }
 }
 
-/// J that are left of 8.88 after a rigid ball has hit a soft one, and the rigid one's speed.
+/// Returns the energy (J, 8.88 before) after a rigid ball has hit a soft one, and the rigid one's velocity.
 std::pair<double, Vector3d> leftAfterHit(double rate) {
   BulletWorld bullet(0.0);
   SoftBodySystem system(*bullet.world);
@@ -459,17 +459,17 @@ TEST(FastPairs, whatAHitLeavesDoesNotDependOnTheTick) {
   for (const double rate : {60.0, 120.0, 240.0, 480.0}) {
     SCOPED_TRACE(rate);
     const auto [left, after] = leftAfterHit(rate);
-    // it was 4 % and 0.22 m/s at 60 Hz, and more than there had been; what is left is Verlet's own error of
-    // some oscillations after the hit, and what is found up to a search later
+    // It was once 4 % (a gain) and 0.22 m/s at 60 Hz. The remaining error is that of Verlet in some
+    // oscillations after the impact, and of contacts that are found up to one search late.
     EXPECT_NEAR(left, energy, 0.01 * 8.88);
     EXPECT_LT((after - velocity).norm(), 0.02);
     EXPECT_LT(left, 8.88);
   }
 }
 
-// --- points that meet points -------------------------------------------------------------------------------
+// --- contacts between points -------------------------------------------------------------------------------
 
-/// Of frictionless points in the world, without any damping.
+/// Returns settings of point masses in the world without friction and damping.
 SoftBodySettings pointsBody(const Vector3d& position, const Vector3d& velocity, double radius) {
   SoftBodySettings s = pairBody(position, velocity, 1e4);
   s.collision = Collision::Points;
@@ -478,8 +478,8 @@ SoftBodySettings pointsBody(const Vector3d& position, const Vector3d& velocity, 
   return s;
 }
 
-/// kg m/s: a pair of points flies at `speed` (m/s) along z towards another pair, which is at rest and
-/// `offset` (m) higher. The momentum of both after one second.
+/// Lets a pair of points fly at `speed` (m/s) along z towards another pair, which is at rest and `offset` (m)
+/// higher. Returns the momenta (kg m/s) of both after one second.
 std::pair<Vector3d, Vector3d> momentaAfterOneSecond(double speed, double offset) {
   BulletWorld bullet(0.0);
   SoftBodySystem system(*bullet.world);
@@ -503,7 +503,7 @@ TEST(PointPairs, smoothPointsShareTheirSpeedAlongTheLineBetweenThem) {
   // the sine of the angle between velocity and normal is offset / (2 r); Newton's law at restitution 0
   const Vector3d normal(0, -0.5, -std::sqrt(0.75)), speed(0, 0, 1);
   const Vector3d change = -0.5 * normal.dot(speed) * normal;
-  // in the substep in which they meet they go on along the plane between them: 2 mm of 20 cm, four times
+  // in the substep of the impact they move on along the plane between them: 2 mm of 20 cm, four times
   EXPECT_LT((left - speed - change).norm(), 0.04);
   EXPECT_LT((right + change).norm(), 0.04);
   EXPECT_LT((left + right - speed).norm(), 1e-6);
@@ -511,38 +511,38 @@ TEST(PointPairs, smoothPointsShareTheirSpeedAlongTheLineBetweenThem) {
 
 double energyOf(const SoftBody& body) { return body.kineticEnergy() + body.elasticEnergy(); }
 
-/// Two stiff cubes that meet in some attitude: the most energy they have, of what they had, and J lost of
-/// momentum.
-std::pair<double, double> mostEnergyOfMeeting(double speed, unsigned attitude) {
+/// Lets two stiff cubes collide at random rotations. Returns their largest energy as a fraction of the
+/// initial one, and the change of momentum as a fraction of `speed`.
+std::pair<double, double> collideStiffCubes(double speed, unsigned attitude) {
   std::mt19937 random(attitude);
   std::normal_distribution<double> normal;
-  const auto some = [&] { return Vector3d(normal(random), normal(random), normal(random)); };
+  const auto randomVector = [&] { return Vector3d(normal(random), normal(random), normal(random)); };
   BulletWorld bullet(0.0);
   SoftBodySystem system(*bullet.world);
   SoftBodySettings s = pointsBody({0, 0, 0}, {speed, 0, 0}, 0.15);
-  s.rotation = Eigen::AngleAxisd(2.0, some().normalized());
-  s.angularVelocity = 3.0 * some();
+  s.rotation = Eigen::AngleAxisd(2.0, randomVector().normalized());
+  s.angularVelocity = 3.0 * randomVector();
   SoftBody* left = *system.createBody(test::closedCubeNetwork(), s);
-  s.position = 0.2 * some();
+  s.position = 0.2 * randomVector();
   s.position.x() = 2.0;
   s.linearVelocity = {-speed, 0, 0};
-  s.rotation = Eigen::AngleAxisd(2.0, some().normalized());
+  s.rotation = Eigen::AngleAxisd(2.0, randomVector().normalized());
   SoftBody* right = *system.createBody(test::closedCubeNetwork(), s);
   const double start = energyOf(*left) + energyOf(*right);
   const Vector3d momentum = momentumOf(*left) + momentumOf(*right);
-  double most = 0.0;
+  double largest = 0.0;
   for (int tick = 0; tick < 90; ++tick) {
     bullet.tick();
-    most = std::max(most, (energyOf(*left) + energyOf(*right)) / start);
+    largest = std::max(largest, (energyOf(*left) + energyOf(*right)) / start);
   }
-  return {most, (momentumOf(*left) + momentumOf(*right) - momentum).norm() / speed};
+  return {largest, (momentumOf(*left) + momentumOf(*right) - momentum).norm() / speed};
 }
 
 TEST(PointPairs, theirMeetingMakesNoEnergy) {
   for (const double speed : {1.0, 5.0, 20.0})
     for (unsigned attitude = 0; attitude < 8; ++attitude) {
       SCOPED_TRACE(testing::Message() << speed << " m/s, attitude " << attitude);
-      const auto [energy, momentum] = mostEnergyOfMeeting(speed, attitude);
+      const auto [energy, momentum] = collideStiffCubes(speed, attitude);
       EXPECT_LT(energy, 1.01) << "Verlet's energy swings by (omega dt)^2 / 8";
       EXPECT_LT(momentum, 1e-5) << "float positions of some metres";
     }
@@ -553,28 +553,28 @@ TEST(PointPairs, bothTellWhatTheyBear) {
   SoftBodySystem system(*bullet.world);
   SoftBody* left = *system.createBody(test::pairNetwork(), pointsBody({0, 0, -0.21}, {0, 0, 1}, 0.1));
   SoftBody* right = *system.createBody(test::pairNetwork(), pointsBody({0, 0, 0}, {0, 0, 0}, 0.1));
-  Vector3d ofLeft = Vector3d::Zero(), ofRight = Vector3d::Zero();
-  double inBullet = 0.0;
+  Vector3d impulseOnLeft = Vector3d::Zero(), impulseOnRight = Vector3d::Zero();
+  double impulseInBullet = 0.0;
   for (int tick = 0; tick < 10; ++tick) {
     bullet.tick();
     for (const SoftContact& c : left->contacts()) {
       EXPECT_EQ(c.otherBody, right);
-      ofLeft += eigen(c.impulse);
+      impulseOnLeft += eigen(c.impulse);
     }
     for (const SoftContact& c : right->contacts()) {
       EXPECT_EQ(c.otherBody, left);
-      ofRight += eigen(c.impulse);
+      impulseOnRight += eigen(c.impulse);
     }
     for (int m = 0; m < bullet.dispatcher.getNumManifolds(); ++m) {
       const btPersistentManifold& manifold = *bullet.dispatcher.getManifoldByIndexInternal(m);
       for (int p = 0; p < manifold.getNumContacts(); ++p)
-        inBullet += double(manifold.getContactPoint(p).m_appliedImpulse);
+        impulseInBullet += double(manifold.getContactPoint(p).m_appliedImpulse);
     }
   }
-  EXPECT_LT((ofLeft + ofRight).norm(), 1e-9);
-  EXPECT_NEAR(ofRight.z(), momentumOf(*right).z(), 1e-5) << "all that it has got it got there";
-  EXPECT_GT(ofRight.z(), 0.4);
-  EXPECT_LE(inBullet, ofRight.z() + 1e-5) << "where Bullet sees a contact, it has its impulse";
+  EXPECT_LT((impulseOnLeft + impulseOnRight).norm(), 1e-9);
+  EXPECT_NEAR(impulseOnRight.z(), momentumOf(*right).z(), 1e-5) << "all that it has got it got there";
+  EXPECT_GT(impulseOnRight.z(), 0.4);
+  EXPECT_LE(impulseInBullet, impulseOnRight.z() + 1e-5) << "where Bullet sees a contact, it has its impulse";
 }
 
 }  // namespace

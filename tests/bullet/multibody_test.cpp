@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// Soft bodies touch links of multibodies, which answer through their joints, and the ghosts of characters.
+// Contacts of soft bodies with links of multibodies, which react through their joints, and with characters.
 #include "support/bullet_measures.h"
 #include "support/bullet_world.h"
 #include "support/constants.h"
@@ -29,7 +29,7 @@ using test::kRadius;
 using test::kTick;
 using test::vec;
 
-/// A world for multibodies, with those that a test makes.
+/// A world with the multibodies that a test adds.
 struct MultiBodyWorld : BulletWorld {
   explicit MultiBodyWorld(double gravity) : BulletWorld(gravity) {
     auto made = std::make_unique<btMultiBodyDynamicsWorld>(&dispatcher, &broadphase, &links, &configuration);
@@ -42,21 +42,21 @@ struct MultiBodyWorld : BulletWorld {
     for (auto& collider : colliders) world->removeCollisionObject(collider.get());
   }
 
-  btMultiBody* addMultiBody(int linkCount, double baseMass, const btVector3& halfBase, const btVector3& place,
-                            bool fixed) {
+  btMultiBody* addMultiBody(int linkCount, double baseMass, const btVector3& halfBase,
+                            const btVector3& position, bool fixed) {
     const btBoxShape box(halfBase);
     btVector3 inertia(0, 0, 0);
     if (baseMass > 0) box.calculateLocalInertia(static_cast<btScalar>(baseMass), inertia);
     multiBodies.push_back(
         std::make_unique<btMultiBody>(linkCount, static_cast<btScalar>(baseMass), inertia, fixed, false));
     btMultiBody* body = multiBodies.back().get();
-    body->setBasePos(place);
+    body->setBasePos(position);
     body->setLinearDamping(0);
     body->setAngularDamping(0);
     return body;
   }
 
-  /// A box about the centre of a link, or of the base (-1).
+  /// Adds a box about the centre of a link, or of the base (-1).
   btMultiBodyLinkCollider* addCollider(btMultiBody* body, int link, const btVector3& half) {
     shapes.push_back(std::make_unique<btBoxShape>(half));
     colliders.push_back(std::make_unique<btMultiBodyLinkCollider>(body, link));
@@ -70,14 +70,14 @@ struct MultiBodyWorld : BulletWorld {
     return collider;
   }
 
-  /// Once all of its links and colliders are there.
+  /// Adds the body to the world. Call it after its links and colliders have been added.
   void enter(btMultiBody* body) {
     body->finalizeMultiDof();
     multiWorld->addMultiBody(body);
     btAlignedObjectArray<btQuaternion> rotations;
-    btAlignedObjectArray<btVector3> places;
-    body->forwardKinematics(rotations, places);
-    body->updateCollisionObjectWorldTransforms(rotations, places);
+    btAlignedObjectArray<btVector3> positions;
+    body->forwardKinematics(rotations, positions);
+    body->updateCollisionObjectWorldTransforms(rotations, positions);
     for (auto& collider : colliders)
       if (collider->m_multiBody == body && !collider->getBroadphaseHandle())
         world->addCollisionObject(collider.get());
@@ -110,7 +110,7 @@ struct Momenta {
   Vector3d linear = Vector3d::Zero(), angular = Vector3d::Zero();
 };
 
-/// Of all links and the base, about the origin; `energy` (J) is added to.
+/// Returns the sums over all links and the base, about the origin. Adds their energy (J) to `energy`.
 Momenta momentaOf(const btMultiBody& m, double& energy) {
   Momenta sum;
   const int count = m.getNumLinks() + 1;
@@ -121,14 +121,14 @@ Momenta momentaOf(const btMultiBody& m, double& energy) {
     if (link < 0 && m.hasFixedBase()) continue;
     const btMatrix3x3 basis = link < 0 ? btMatrix3x3(m.getWorldToBaseRot().inverse())
                                        : m.localFrameToWorld(link, btMatrix3x3::getIdentity());
-    const btVector3 place = link < 0 ? m.getBasePos() : m.localPosToWorld(link, btVector3(0, 0, 0));
+    const btVector3 position = link < 0 ? m.getBasePos() : m.localPosToWorld(link, btVector3(0, 0, 0));
     const btScalar mass = link < 0 ? m.getBaseMass() : m.getLinkMass(link);
     const btVector3 inertia = link < 0 ? m.getBaseInertia() : m.getLinkInertia(link);
-    const auto at = static_cast<std::size_t>(i);
-    const btVector3 p = mass * (basis * velocities[at]), turning = basis * (inertia * spins[at]);
+    const auto index = static_cast<std::size_t>(i);
+    const btVector3 p = mass * (basis * velocities[index]), spin = basis * (inertia * spins[index]);
     sum.linear += eigen(p);
-    sum.angular += eigen(place.cross(p) + turning);
-    energy += 0.5 * double(mass * velocities[at].length2() + spins[at].dot(inertia * spins[at]));
+    sum.angular += eigen(position.cross(p) + spin);
+    energy += 0.5 * double(mass * velocities[index].length2() + spins[index].dot(inertia * spins[index]));
   }
   return sum;
 }
@@ -141,7 +141,7 @@ TEST(MultiBodies, aFixedBaseCarriesACube) {
   SoftBodySystem system(*w.world);
   SoftBody* cube = *system.createBody(test::closedCubeNetwork(), cubeBesideLinksAt({0.2, 1.1, 0}));
   w.simulate(1.5);
-  // the sag of its own weight is below 1 mm at 1e4 N/m
+  // its sag under its weight is below 1 mm at 1e4 N/m
   EXPECT_NEAR(test::lowest(*cube), 0.5 + kRadius, 1e-4);
   EXPECT_NEAR(cube->centerOfMass().y(), 1.0 + kRadius, 2e-3);
   ASSERT_FALSE(cube->contacts().empty());
@@ -180,7 +180,7 @@ TEST(MultiBodies, aBaseWithoutLinksIsHitAsARigidBox) {
     }
     EXPECT_GT(end[multi], 1.5);
   }
-  // a tick's velocity goes into the multibody at its start, into the rigid body evenly
+  // a multibody gets the velocity change of a tick at its start, a rigid body evenly over the tick
   EXPECT_NEAR(end[1], end[0], 0.05 * end[0]);
 }
 
@@ -208,7 +208,7 @@ TEST(MultiBodies, aChainInSpaceKeepsAllMomentaInAHit) {
       w.tick(1.0 / rate);
       double energy = cube->kineticEnergy() + cube->elasticEnergy();
       const Momenta m = momentaOf(*chain, energy);
-      // a tick keeps Bullet's joint speeds, not the momenta of the chain that it turns: to the tick's order
+      // Bullet keeps the joint speeds, not the momenta of a rotating chain: an error of the tick's order
       ASSERT_LT((cube->linearMomentum() + m.linear - Vector3d(4, 0, 0)).norm(), 0.1 * 60 / rate)
           << "tick " << i;
       ASSERT_LT((cube->angularMomentum() + m.angular - angular).norm(), 0.2 * 60 / rate) << "tick " << i;
@@ -239,27 +239,28 @@ TEST(MultiBodies, aDoorSwingsOpenWhenItIsHit) {
     double energy = cube->kineticEnergy() + cube->elasticEnergy();
     momentaOf(*frame, energy);
     ASSERT_LT(energy, 4.5 * 1.02) << "tick " << i;
-    // the hinge bears forces, but no couple about itself: m v r of the cube
+    // the hinge transfers forces but no torque about its axis: the sum is m v r of the cube
     const double hinge = (cube->angularMomentum() - Vector3d(1, 0, -0.6).cross(cube->linearMomentum())).y();
     const double door = double(frame->getJointVel(0)) * (2.0 * (1.44 + 0.01) / 12.0 + 2.0 * 0.36);
-    // to a thousandth; masses in the world are touched by Bullet's own solver, too, to two hundredths
+    // to a thousandth; to two hundredths for masses in the world, on which Bullet's solver also acts
     ASSERT_NEAR(hinge + door, 3.0 * 0.8, test::kSurface ? 3e-3 : 0.05) << "tick " << i;
     // in the door's frame no point is on its other side
     const btTransform pose = w.colliders[0]->getWorldTransform();
     for (std::uint32_t p = 0; p < 8; ++p) {
-      const Vector3d at = cube->position(p), x = eigen(pose.inverse() * vec(at.x(), at.y(), at.z()));
+      const Vector3d point = cube->position(p),
+                     x = eigen(pose.inverse() * vec(point.x(), point.y(), point.z()));
       if (std::abs(x.z()) < 0.55) farthest = std::max(farthest, x.x());
     }
   }
   EXPECT_GT(double(frame->getJointVel(0)), 0.3);
-  // in the tick of the hit the door moves on by what Bullet gives it after the contact: some centimetre
+  // in the tick of the impact Bullet moves the door further after the contact: about a centimetre
   EXPECT_LT(farthest, -0.05 - kRadius + 0.03);
 }
 
 TEST(MultiBodies, whatACubeHitsWhenItReboundsWithinATickKeepsMomentum) {
   constexpr double kSpeed = 20.0;
   MultiBodyWorld w(0);
-  // the first is behind a cube that flies towards the second: nobody foresees that the two meet
+  // The first is behind a cube that flies towards the second: their contact is not predicted.
   for (const double x : {-0.75, 0.75}) {
     btMultiBody* box = w.addMultiBody(0, 4, vec(0.2, 0.6, 0.6), vec(x, 0, 0), false);
     w.addCollider(box, -1, vec(0.2, 0.6, 0.6));
@@ -277,7 +278,7 @@ TEST(MultiBodies, whatACubeHitsWhenItReboundsWithinATickKeepsMomentum) {
     double energy = cube->kineticEnergy() + cube->elasticEnergy();
     Vector3d momentum = cube->linearMomentum();
     for (const auto& body : w.multiBodies) momentum += momentaOf(*body, energy).linear;
-    // to Bullet's floats
+    // within the rounding of Bullet's floats
     ASSERT_NEAR(momentum.x(), kSpeed, 1e-4 * kSpeed) << "tick " << i;
     ASSERT_LT(energy, 0.5 * kSpeed * kSpeed * 1.02) << "tick " << i;
   }
@@ -311,20 +312,20 @@ TEST(MultiBodies, aMovingCharacterPushesACubeASensorDoesNot) {
       continue;
     }
     EXPECT_LT(cube->linearMomentum().x(), 4.1);
-    // the corners of the face let a capsule pass between them
+    // a capsule fits between the corners of the face
     if (!test::kSurface) continue;
     EXPECT_GT(cube->linearMomentum().x(), 1.9);
     EXPECT_GT(cube->centerOfMass().x(), x + 0.3 + 0.5 - 0.15);
   }
 }
 
-/// Bullet's character on a floor, as its demos set it up.
+/// Bullet's character on a floor, set up as in Bullet's demos.
 struct Character {
-  Character(BulletWorld& its, const btVector3& place) : bullet(its) {
+  Character(BulletWorld& bulletWorld, const btVector3& position) : bullet(bulletWorld) {
     bullet.world->getPairCache()->setInternalGhostPairCallback(&pairs);
     ghost.setCollisionShape(&capsule);
     ghost.setCollisionFlags(btCollisionObject::CF_CHARACTER_OBJECT);
-    ghost.setWorldTransform(btTransform(btQuaternion::getIdentity(), place));
+    ghost.setWorldTransform(btTransform(btQuaternion::getIdentity(), position));
     bullet.world->addCollisionObject(&ghost, btBroadphaseProxy::CharacterFilter,
                                      btBroadphaseProxy::AllFilter);
     bullet.world->addAction(&controller);
@@ -335,7 +336,7 @@ struct Character {
     bullet.world->removeCollisionObject(&ghost);
     bullet.world->getPairCache()->setInternalGhostPairCallback(nullptr);
   }
-  btVector3 place() const { return ghost.getWorldTransform().getOrigin(); }
+  btVector3 position() const { return ghost.getWorldTransform().getOrigin(); }
 
   BulletWorld& bullet;
   btGhostPairCallback pairs;
@@ -359,7 +360,7 @@ TEST(MultiBodies, bulletsCharacterWalksAgainstACubeAndPushesIt) {
   character.controller.setWalkDirection(vec(2 * kTick, 0, 0));
   bullet.simulate(3);
   EXPECT_GT(cube->centerOfMass().x(), 0.2);
-  EXPECT_LT(double(character.place().x()), cube->centerOfMass().x() - 0.5) << "it does not walk through";
+  EXPECT_LT(double(character.position().x()), cube->centerOfMass().x() - 0.5) << "it does not walk through";
   EXPECT_NEAR(cube->centerOfMass().y(), 0.5 + kRadius, 0.05);
 }
 

@@ -22,8 +22,8 @@ using test::kRadius;
 using test::momentumOf;
 using test::vec;
 
-/// A cube of eight points of 1 kg together, damped so that what stands on it is at rest in a few seconds.
-SoftBodySettings calmingSettings(double stiffness, double height, double friction = 0.0) {
+/// Returns settings of a cube of 1 kg that brings objects on it to rest in a few seconds.
+SoftBodySettings dampedSettings(double stiffness, double height, double friction = 0.0) {
   SoftBodySettings s = test::testedSettings();
   s.position = {0, height, 0};
   s.extensionStiffness = s.compressionStiffness = stiffness;
@@ -33,8 +33,8 @@ SoftBodySettings calmingSettings(double stiffness, double height, double frictio
   return s;
 }
 
-SoftBody* addCalmingCube(SoftBodySystem& system, double stiffness, double height, double friction = 0.0) {
-  SoftBody* body = *system.createBody(test::fullCubeNetwork(), calmingSettings(stiffness, height, friction));
+SoftBody* addDampedCube(SoftBodySystem& system, double stiffness, double height, double friction = 0.0) {
+  SoftBody* body = *system.createBody(test::fullCubeNetwork(), dampedSettings(stiffness, height, friction));
   body->point(0)->setActivationState(DISABLE_DEACTIVATION);
   return body;
 }
@@ -54,21 +54,21 @@ double top(const SoftBody& body) {
   return y;
 }
 
-/// m, between the lowest and highest points of the cube on a floor without friction, with `load` (N) spread
-/// over its upper points: relaxed by the spring maths alone.
+/// Returns the height (m) between the lowest and the highest points of the cube on a floor without friction,
+/// with `load` (N) spread over its upper points. The result is relaxed by the springs only, without Bullet.
 double cubeHeight(double stiffness, double load) {
   test::SteppedTestBody cube(test::fullCubeNetwork(), stiffness, std::sqrt(stiffness * 0.125));
-  std::vector<PlaneContact> rows;
+  std::vector<PlaneContact> contacts;
   for (std::uint32_t i = 0; i < 8; ++i) {
     const bool upper = cube.state.position(1, i) > 0;
     cube.state.acceleration(1, i) = -kGravity - (upper ? load / 4 * cube.state.inverseMass(1, i) : 0.0);
     if (upper) continue;
-    PlaneContact row;
-    row.point = i;
-    row.touch = {0, -0.5, 0};
-    rows.push_back(row);
+    PlaneContact contact;
+    contact.point = i;
+    contact.touch = {0, -0.5, 0};
+    contacts.push_back(contact);
   }
-  cube.contacts = &rows;
+  cube.contacts = &contacts;
   cube.stepped();
   const int substeps = static_cast<int>(std::sqrt(stiffness));
   for (int i = 0; i < 1800; ++i) stepVerlet(cube.group, 1.0 / 60, substeps);
@@ -83,11 +83,11 @@ TEST(Partners, aBoxRestsOnACubeAtTheHeightThatStaticsAsksFor) {
       BulletWorld bullet;
       bullet.addBoxFloor();
       SoftBodySystem system(*bullet.world);
-      addCalmingCube(system, stiffness, 0.5 + kRadius);
+      addDampedCube(system, stiffness, 0.5 + kRadius);
       btRigidBody* box = addBox(bullet, mass, 1 + 2 * kRadius + 0.1);
       bullet.simulate(8.0);
       const double expected = cubeHeight(stiffness, mass * kGravity) + 2 * kRadius + 0.1;
-      // what the issue allows at mass ratio 1; a hand-over once per tick misses it by 13 mm at 1e4 N/m
+      // the requirement at mass ratio 1; coupling only once per tick has an error of 13 mm at 1e4 N/m
       EXPECT_NEAR(height(*box), expected, 5e-5) << "k " << stiffness << " mass " << mass;
     }
 }
@@ -97,8 +97,8 @@ TEST(Partners, heavyBoxesRestOnStiffCubesToo) {
     BulletWorld bullet;
     bullet.addBoxFloor();
     SoftBodySystem system(*bullet.world);
-    // friction keeps the box from squeezing out; it also carries a little of the load's spreading
-    SoftBodySettings s = calmingSettings(1e5, 0.5 + kRadius, 1.0);
+    // friction keeps the box from slipping off; it also carries a small part of the load
+    SoftBodySettings s = dampedSettings(1e5, 0.5 + kRadius, 1.0);
     s.damping *= 20;
     (*system.createBody(test::fullCubeNetwork(), s))->point(0)->setActivationState(DISABLE_DEACTIVATION);
     btRigidBody* box = addBox(bullet, mass, 1 + 2 * kRadius + 0.1, 0.5);
@@ -116,10 +116,10 @@ TEST(Partners, aCubeRestsOnAFreeBoxAsOnTheFloor) {
       bullet.addBoxFloor();
       SoftBodySystem system(*bullet.world);
       btRigidBody* box = addBox(bullet, mass, 0.1, 0.5);
-      SoftBody* cube = addCalmingCube(system, stiffness, 0.2 + 0.5 + kRadius);
+      SoftBody* cube = addDampedCube(system, stiffness, 0.2 + 0.5 + kRadius);
       bullet.simulate(8.0);
-      // contacts give way a little, light bodies that carry heavy ones the most: 5e-5 m is asked for at mass
-      // ratio 1, 1e-3 m at 1:100
+      // Contacts are slightly compliant, most of all between light bodies below and heavy ones above.
+      // Required are 5e-5 m at mass ratio 1 and 1e-3 m at 1:100.
       const double allowed = mass < 1.0 ? 1e-3 : 5e-5;
       EXPECT_NEAR(top(*cube), 0.2 + kRadius + cubeHeight(stiffness, 0), allowed)
           << "k " << stiffness << " mass " << mass;
@@ -135,7 +135,7 @@ TEST(Partners, cubesAndPlatesStackUp) {
     std::vector<SoftBody*> cubes;
     double floor = 0, expected = 0;
     for (int i = 0; i < 3; ++i) {
-      cubes.push_back(addCalmingCube(system, 1e4, floor + 0.5 + kRadius, 0.5));
+      cubes.push_back(addDampedCube(system, 1e4, floor + 0.5 + kRadius, 0.5));
       floor += 1 + 2 * kRadius;
       const double above = (2 - i) * (1.0 + mass) * kGravity;
       expected += cubeHeight(1e4, above) + 2 * kRadius;
@@ -145,9 +145,9 @@ TEST(Partners, cubesAndPlatesStackUp) {
       expected += 0.2;
     }
     bullet.simulate(10.0);
-    // friction holds the lower faces where they first touched: up to 3e-5 of each cube's height
+    // friction holds the lower faces at the points of first contact: up to 3e-5 of each cube's height
     EXPECT_NEAR(top(*cubes[2]) + kRadius, expected, 3e-4) << mass;
-    // 0.6 mm/s: between light plates they swing by 0.3 to 0.56 mm/s for long
+    // 0.6 mm/s: between light plates they swing for a long time, with 0.3 to 0.56 mm/s
     for (const SoftBody* cube : cubes) EXPECT_LT(cube->kineticEnergy(), 1.8e-7) << mass;
   }
 }
@@ -164,7 +164,7 @@ TEST(Partners, pilesOfBoxesStandOnACubeAndDoNotSway) {
     BulletWorld bullet;
     bullet.addBoxFloor()->setFriction(1);
     SoftBodySystem system(*bullet.world);
-    addCalmingCube(system, 1e4, 0.5 + kRadius, 0.5);
+    addDampedCube(system, 1e4, 0.5 + kRadius, 0.5);
     std::vector<btRigidBody*> boxes;
     for (int i = 0; i < count; ++i)
       boxes.push_back(addBox(bullet, 0.1, 1 + 2 * kRadius + 0.1 + 0.2 * i, 1.0));
@@ -177,7 +177,7 @@ TEST(Partners, pilesOfBoxesStandOnACubeAndDoNotSway) {
       bullet.tick();
       fastest = std::max(fastest, fastestOf(boxes));
     }
-    // ten of the solver's tolerance of 1e-4 m/s, one upon the other
+    // the solver's tolerance of 1e-4 m/s, accumulated over ten boxes
     EXPECT_LT(fastest, 5e-3) << count;
   }
 }
@@ -185,12 +185,12 @@ TEST(Partners, pilesOfBoxesStandOnACubeAndDoNotSway) {
 // --- joints ------------------------------------------------------------------------------------------------
 
 TEST(Partners, aHingedLidLeansOnACube) {
-  // a lid of 10 kg hinged at one side, on a cube at its other: half of its weight is the cube's
+  // A lid of 10 kg has a hinge at one side. A cube at the other carries half of its weight.
   const double stiffness = 1e4;
   BulletWorld bullet;
   bullet.addBoxFloor()->setFriction(1);
   SoftBodySystem system(*bullet.world);
-  SoftBodySettings s = calmingSettings(stiffness, 0.5 + kRadius, 0.5);
+  SoftBodySettings s = dampedSettings(stiffness, 0.5 + kRadius, 0.5);
   s.position.x() = -0.2;
   s.damping *= 10;
   (*system.createBody(test::fullCubeNetwork(), s))->point(0)->setActivationState(DISABLE_DEACTIVATION);
@@ -201,9 +201,9 @@ TEST(Partners, aHingedLidLeansOnACube) {
   btHingeConstraint hinge(*lid, vec(-2.0, 0, 0), vec(0, 0, 1));
   bullet.world->addConstraint(&hinge);
   bullet.simulate(12.0);
-  // the lid turns a little and the cube's far side gives way 4/3 as much as its near one: the force has its
-  // arm to the middle of the cube, 3.3 m from the hinge, within 2 %. The cube is also sheared, and the
-  // floor's friction holds its lower face: together some per cent of its sag.
+  // The lid rotates a little, and the cube is compressed 4/3 as much at its far side as at its near side. The
+  // moment arm of the force therefore ends near the middle of the cube, 3.3 m from the hinge, within 2 %. The
+  // cube is also sheared, and the floor's friction holds its lower face: together some per cent of its sag.
   const double force = 10.0 * kGravity * 2.0 / 3.3;
   const double sag = 1.0 - cubeHeight(stiffness, force);
   const btTransform& pose = lid->getWorldTransform();
@@ -217,7 +217,7 @@ TEST(Partners, aHingedLidLeansOnACube) {
 }
 
 TEST(Partners, aPlateHungFromAnotherBelowACube) {
-  // cube on plate, plate fixed to a second one: what hangs on joints is carried, too
+  // The cube is on a plate that is fixed to a second one: bodies on joints also carry.
   BulletWorld bullet;
   SoftBodySystem system(*bullet.world);
   btRigidBody* anchor = bullet.addBox(vec(0.1, 0.1, 0.1), 0, vec(2, 3, 0));
@@ -226,7 +226,7 @@ TEST(Partners, aPlateHungFromAnotherBelowACube) {
   inAnchor.setOrigin(vec(-2, -2, 0));
   btFixedConstraint joint(*anchor, *plate, inAnchor, inPlate);
   bullet.world->addConstraint(&joint);
-  SoftBody* cube = addCalmingCube(system, 1e4, 1.1 + 0.5 + kRadius);
+  SoftBody* cube = addDampedCube(system, 1e4, 1.1 + 0.5 + kRadius);
   bullet.simulate(8.0);
   EXPECT_NEAR(height(*plate), 1.0, 2e-5);
   EXPECT_NEAR(top(*cube), height(*plate) + 0.1 + kRadius + cubeHeight(1e4, 0), 5e-5);
@@ -235,7 +235,7 @@ TEST(Partners, aPlateHungFromAnotherBelowACube) {
 
 // --- motion ------------------------------------------------------------------------------------------------
 
-/// J, of a body with a diagonal inertia.
+/// Returns the kinetic energy (J) of a body with a diagonal inertia.
 double energyOf(const btRigidBody& body) {
   const btVector3 w = body.getAngularVelocity();
   return 0.5 / double(body.getInvMass()) * double(body.getLinearVelocity().length2()) +
@@ -247,7 +247,7 @@ TEST(Partners, aHitInFreeSpaceKeepsMomentumAndGainsNoEnergy) {
     for (const double mass : {0.1, 1.0, 10.0}) {
       BulletWorld bullet(0.0);
       SoftBodySystem system(*bullet.world);
-      SoftBody* cube = addCalmingCube(system, stiffness, 0.0, 0.5);
+      SoftBody* cube = addDampedCube(system, stiffness, 0.0, 0.5);
       btRigidBody* box = bullet.addBox(vec(0.3, 0.3, 0.7), mass, vec(-1.2, 0.3, 0.1));
       box->setActivationState(DISABLE_DEACTIVATION);
       box->setLinearVelocity(vec(3, 0, 0));
@@ -255,7 +255,7 @@ TEST(Partners, aHitInFreeSpaceKeepsMomentumAndGainsNoEnergy) {
       const double energy = energyOf(*box);
       bullet.simulate(1.0);
       const Eigen::Vector3d after = momentumOf(*box) + cube->linearMomentum();
-      // Bullet keeps velocities as floats
+      // Bullet stores velocities as floats
       EXPECT_LT((after - before).norm(), 1e-6 * before.norm()) << "k " << stiffness << " mass " << mass;
       EXPECT_GT(cube->linearMomentum().x(), 0.2 * std::min(mass, 1.0)) << "they have met";
       EXPECT_LT(energyOf(*box) + cube->kineticEnergy() + cube->elasticEnergy(), energy * (1 + 1e-5))
@@ -268,9 +268,9 @@ TEST(Partners, atRestForAMinuteNoEnergyIsGained) {
     BulletWorld bullet;
     bullet.addBoxFloor()->setFriction(1);
     SoftBodySystem system(*bullet.world);
-    SoftBody* lower = addCalmingCube(system, 1e4, 0.5 + kRadius, 0.5);
+    SoftBody* lower = addDampedCube(system, 1e4, 0.5 + kRadius, 0.5);
     btRigidBody* plate = addBox(bullet, mass, 1 + 2 * kRadius + 0.1, 1.0);
-    SoftBody* upper = addCalmingCube(system, 1e4, 1.2 + 2 * kRadius + 0.5 + kRadius, 0.5);
+    SoftBody* upper = addDampedCube(system, 1e4, 1.2 + 2 * kRadius + 0.5 + kRadius, 0.5);
     const auto energy = [&] {
       double sum = energyOf(*plate) + mass * kGravity * height(*plate);
       for (const SoftBody* cube : {lower, upper})
@@ -279,23 +279,23 @@ TEST(Partners, atRestForAMinuteNoEnergyIsGained) {
     };
     bullet.simulate(4.0);
     const double start = energy();
-    double most = start;
+    double maxEnergy = start;
     for (int i = 0; i < 3600; ++i) {
       bullet.tick();
-      most = std::max(most, energy());
+      maxEnergy = std::max(maxEnergy, energy());
     }
-    // of 20 J; what the solver's tolerance of 1e-4 m/s leaves comes and goes
-    EXPECT_LT(most - start, 2e-4) << mass;
+    // of 20 J; the solver's tolerance of 1e-4 m/s makes it fluctuate
+    EXPECT_LT(maxEnergy - start, 2e-4) << mass;
     EXPECT_NEAR(energy(), start, 2e-4) << mass;
   }
 }
 
 TEST(Partners, slidesOnATiltedPlateByCoulombsLaw) {
-  for (const double share : {0.97, 1.03}) {
+  for (const double ratio : {0.97, 1.03}) {
     BulletWorld bullet;
     SoftBodySystem system(*bullet.world);
-    const double slope = std::atan(0.5 * share);
-    // gravity is tilted instead of the plate, which is heavy and held by a joint
+    const double slope = std::atan(0.5 * ratio);
+    // gravity is tilted instead of the plate, which is heavy and fixed by a joint
     bullet.world->setGravity(vec(kGravity * std::sin(slope), -kGravity * std::cos(slope), 0));
     btRigidBody* plate = bullet.addBox(vec(20, 0.1, 3), 100.0, vec(0, -0.1, 0));
     plate->setActivationState(DISABLE_DEACTIVATION);
@@ -303,12 +303,12 @@ TEST(Partners, slidesOnATiltedPlateByCoulombsLaw) {
     btFixedConstraint joint(*plate, btTypedConstraint::getFixedBody(), btTransform::getIdentity(),
                             btTransform(btQuaternion::getIdentity(), vec(0, -0.1, 0)));
     bullet.world->addConstraint(&joint);
-    SoftBody* cube = addCalmingCube(system, 1e4, 0.5 + kRadius, 0.5);
+    SoftBody* cube = addDampedCube(system, 1e4, 0.5 + kRadius, 0.5);
     bullet.simulate(1.0);
     const double before = cube->linearMomentum().x();
     bullet.simulate(2.0);
     const double expected = std::max(0.0, kGravity * (std::sin(slope) - 0.5 * std::cos(slope)));
-    EXPECT_NEAR((cube->linearMomentum().x() - before) / 2.0, expected, 2e-3) << share;
+    EXPECT_NEAR((cube->linearMomentum().x() - before) / 2.0, expected, 2e-3) << ratio;
     bullet.world->removeConstraint(&joint);
   }
 }
@@ -319,7 +319,7 @@ TEST(Partners, aSleepingBoxWakesWhenACubeFallsOnIt) {
   SoftBodySystem system(*bullet.world);
   btRigidBody* box = addBox(bullet, 1.0, 0.1, 0.5);
   box->forceActivationState(ISLAND_SLEEPING);
-  SoftBody* cube = addCalmingCube(system, 1e4, 1.5, 0.5);
+  SoftBody* cube = addDampedCube(system, 1e4, 1.5, 0.5);
   bullet.simulate(0.2);
   EXPECT_FALSE(box->isActive());
   bullet.simulate(3.0);
@@ -332,7 +332,7 @@ TEST(Partners, bulletsManifoldsSayWhatRigidContactsBear) {
   bullet.addBoxFloor();
   SoftBodySystem system(*bullet.world);
   btRigidBody* box = addBox(bullet, 2.0, 0.1, 0.5);
-  addCalmingCube(system, 1e4, 0.2 + 0.5 + kRadius, 0.5);
+  addDampedCube(system, 1e4, 0.2 + 0.5 + kRadius, 0.5);
   bullet.simulate(4.0);
   double impulse = 0;
   for (int m = 0; m < bullet.dispatcher.getNumManifolds(); ++m) {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// Contacts of surfaces as manifolds in Bullet's dispatcher: right, inert, and never of what is gone.
+// Contacts of surfaces as manifolds in Bullet's dispatcher: correct, without effect on the simulation, and
+// never with objects that have left the world.
 #include "support/bullet_world.h"
 #include "support/constants.h"
 #include "support/networks.h"
@@ -19,7 +20,7 @@ using test::kRadius;
 using test::kTick;
 using test::vec;
 
-SoftBody* addShownCube(SoftBodySystem& system, double height, double x = 0.0) {
+SoftBody* addReportedCube(SoftBodySystem& system, double height, double x = 0.0) {
   SoftBodySettings s = test::testedSettings();
   s.position = {x, height, 0};
   s.extensionStiffness = s.compressionStiffness = 2000;
@@ -41,7 +42,7 @@ TEST(ReportedManifolds, noneAreShownUnlessAskedFor) {
   BulletWorld bullet;
   bullet.addBoxFloor();
   SoftBodySystem system(*bullet.world);
-  SoftBody* cube = addShownCube(system, 0.5 + kRadius);
+  SoftBody* cube = addReportedCube(system, 0.5 + kRadius);
   bullet.simulate(0.5);
   EXPECT_FALSE(cube->contacts().empty());
   EXPECT_EQ(bullet.dispatcher.getNumManifolds(), 0);
@@ -57,7 +58,7 @@ TEST(ReportedManifolds, aManifoldBearsTheWeightAndLeadsBackToTheTriangle) {
   btRigidBody* floor = bullet.addBoxFloor();
   SoftBodySystem system(*bullet.world);
   system.reportManifolds(true);
-  SoftBody* cube = addShownCube(system, 0.5 + kRadius);
+  SoftBody* cube = addReportedCube(system, 0.5 + kRadius);
   cube->point(0)->setActivationState(DISABLE_DEACTIVATION);
   bullet.simulate(8.0);
   const auto manifolds = manifoldsOf(bullet, cube->surfaceObject());
@@ -71,12 +72,12 @@ TEST(ReportedManifolds, aManifoldBearsTheWeightAndLeadsBackToTheTriangle) {
     EXPECT_EQ(c.other, floor);
     sum += c.normalImpulse;
     ASSERT_LT(c.side.triangle, cube->network().surface.size());
-    Eigen::Vector3d place = Eigen::Vector3d::Zero();
+    Eigen::Vector3d point = Eigen::Vector3d::Zero();
     for (std::size_t k = 0; k < 3; ++k)
-      place += c.side.weights[static_cast<int>(k)] * cube->position(c.side.points[k]);
-    // a corner of the cube, r above the floor; floats of 1 m
+      point += c.side.weights[static_cast<int>(k)] * cube->position(c.side.points[k]);
+    // a corner of the cube, one radius above the floor; positions of 1 m in floats
     EXPECT_NEAR(c.side.weights.maxCoeff(), 1.0, 1e-5);
-    EXPECT_NEAR(place.y() - double(c.position.y()), kRadius, 1e-5);
+    EXPECT_NEAR(point.y() - double(c.position.y()), kRadius, 1e-5);
     EXPECT_NEAR(double(c.normal.y()), 1.0, 1e-6);
     EXPECT_NEAR(c.distance, 0.0, 1e-5);
     EXPECT_EQ(surfaceHit(cube->surfaceObject(), manifolds[0]->getContactPoint(i).m_index0, c.position).body,
@@ -85,13 +86,14 @@ TEST(ReportedManifolds, aManifoldBearsTheWeightAndLeadsBackToTheTriangle) {
   EXPECT_NEAR(sum, 9.81 * kTick, 1e-3 * 9.81 * kTick);
 }
 
-/// Something of everything, with rigid bodies that only Bullet's solver knows beside.
+/// Returns the states of a mixed scene. It includes rigid bodies that only Bullet's solver steps.
 std::vector<double> run(bool report, int ticks) {
   BulletWorld bullet;
   bullet.addBoxFloor();
   SoftBodySystem system(*bullet.world);
   system.reportManifolds(report);
-  SoftBody* cubes[] = {addShownCube(system, 0.6), addShownCube(system, 1.7), addShownCube(system, 0.7, 3.0)};
+  SoftBody* cubes[] = {addReportedCube(system, 0.6), addReportedCube(system, 1.7),
+                       addReportedCube(system, 0.7, 3.0)};
   std::vector<btRigidBody*> boxes;
   for (int i = 0; i < 6; ++i)
     boxes.push_back(
@@ -114,8 +116,8 @@ TEST(ReportedManifolds, twoSoftBodiesShareAManifold) {
   bullet.addBoxFloor();
   SoftBodySystem system(*bullet.world);
   system.reportManifolds(true);
-  SoftBody* lower = addShownCube(system, 0.5 + kRadius);
-  SoftBody* upper = addShownCube(system, 1.5 + 3 * kRadius);
+  SoftBody* lower = addReportedCube(system, 0.5 + kRadius);
+  SoftBody* upper = addReportedCube(system, 1.5 + 3 * kRadius);
   bullet.simulate(1.0);
   const auto manifolds = manifoldsOf(bullet, upper->surfaceObject());
   ASSERT_EQ(manifolds.size(), 1u);
@@ -134,7 +136,7 @@ TEST(ReportedManifolds, BulletsCallbacksAreNotCalled) {
   bullet.addBoxFloor();
   SoftBodySystem system(*bullet.world);
   system.reportManifolds(true);
-  addShownCube(system, 0.5 + kRadius);
+  addReportedCube(system, 0.5 + kRadius);
   contactsEnded = 0;
   gContactEndedCallback = countEnd;
   bullet.simulate(0.5);
@@ -148,8 +150,8 @@ TEST(ReportedManifolds, noManifoldNamesWhatHasLeftTheWorld) {
   btRigidBody* floor = bullet.addBoxFloor();
   SoftBodySystem system(*bullet.world);
   system.reportManifolds(true);
-  SoftBody* cube = addShownCube(system, 0.5 + kRadius);
-  SoftBody* second = addShownCube(system, 0.5 + kRadius, 3.0);
+  SoftBody* cube = addReportedCube(system, 0.5 + kRadius);
+  SoftBody* second = addReportedCube(system, 0.5 + kRadius, 3.0);
   bullet.simulate(0.5);
   EXPECT_EQ(bullet.dispatcher.getNumManifolds(), 2);
   system.destroyBody(second);
@@ -169,8 +171,8 @@ TEST(ReportedManifolds, worldSystemAndBodiesGoInAnyOrder) {
     bullet->addBoxFloor();
     auto system = std::make_unique<SoftBodySystem>(*bullet->world);
     system->reportManifolds(true);
-    SoftBody* cube = addShownCube(*system, 0.5 + kRadius);
-    addShownCube(*system, 1.5 + 3 * kRadius);
+    SoftBody* cube = addReportedCube(*system, 0.5 + kRadius);
+    addReportedCube(*system, 1.5 + 3 * kRadius);
     bullet->simulate(0.5);
     EXPECT_GE(bullet->dispatcher.getNumManifolds(), 2);
     if (order == 0) bullet.reset();

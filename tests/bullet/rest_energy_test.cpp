@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// A body that has come to rest stays at rest: for a minute, on every kind of floor, soft or stiff.
+// A body at rest stays at rest: for a minute, on every kind of floor, soft or stiff.
 #include "support/bullet_world.h"
 #include "support/constants.h"
 #include "support/networks.h"
@@ -33,7 +33,7 @@ void expectLastingRest(BulletWorld& bullet, double stiffness) {
   const double start = energy();
   for (int tick = 0; tick < 3600; ++tick) {
     bullet.tick();
-    // a sum of some fifty terms of a joule: rounding
+    // rounding of a sum of some fifty terms of a joule
     ASSERT_LE(energy(), start + 1e-13) << "k " << stiffness << ", tick " << tick;
     for (std::uint32_t i = 0; i < body->pointCount(); ++i)
       ASSERT_GT(body->position(i).y(), 0.99 * radius) << "k " << stiffness << ", point " << i;

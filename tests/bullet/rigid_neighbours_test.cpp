@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// Rigid bodies that touch, carry or hang on soft ones: Bullet has its part in them before, beside and after.
+// Rigid bodies that touch or carry soft bodies or hang on them. Bullet acts on them before, during and after
+// the plugin's part of a tick.
 #include "support/bullet_measures.h"
 #include "support/bullet_world.h"
 #include "support/constants.h"
@@ -26,33 +27,33 @@ using test::vec;
 
 double heightOf(const btRigidBody& body) { return double(body.getWorldTransform().getOrigin().y()); }
 
-btRigidBody* addAwakeBox(BulletWorld& bullet, double half, double mass, const btVector3& place) {
-  btRigidBody* box = bullet.addBox(vec(half, half, half), mass, place);
+btRigidBody* addAwakeBox(BulletWorld& bullet, double half, double mass, const btVector3& position) {
+  btRigidBody* box = bullet.addBox(vec(half, half, half), mass, position);
   box->setActivationState(DISABLE_DEACTIVATION);
   return box;
 }
 
-/// Something that acts after the solver and before the system, if it was added first.
-struct Deed final : btActionInterface {
-  std::function<void()> now;
+/// Calls a function once, after the solver and, if it was added first, before the system.
+struct OneTimeAction final : btActionInterface {
+  std::function<void()> callback;
   void updateAction(btCollisionWorld*, btScalar) override {
-    if (now) now();
-    now = nullptr;
+    if (callback) callback();
+    callback = nullptr;
   }
   void debugDraw(btIDebugDraw*) override {}
 };
 
-/// A soft cube beside a stack of two rigid boxes on the floor, of which it touches the lower one.
+/// A soft cube next to a stack of two rigid boxes on the floor. It touches the lower box.
 struct CubeAtAStack {
   BulletWorld bullet;
-  Deed deed;
+  OneTimeAction action;
   btRigidBody *lower, *upper;
   std::unique_ptr<SoftBodySystem> system;
   SoftBody* cube;
 
   CubeAtAStack() {
     bullet.addBoxFloor();
-    bullet.world->addAction(&deed);
+    bullet.world->addAction(&action);
     lower = addAwakeBox(bullet, 0.5, 1.0, vec(0, 0.5, 0));
     upper = addAwakeBox(bullet, 0.5, 1.0, vec(0, 1.5, 0));
     system = std::make_unique<SoftBodySystem>(*bullet.world);
@@ -71,7 +72,7 @@ struct CubeAtAStack {
   }
 };
 
-void takeSlot(btDynamicsWorld*, btScalar) {}
+void emptyTickCallback(btDynamicsWorld*, btScalar) {}
 
 TEST(RigidNeighbours, standWhenTheLastSoftBodyGoes) {
   CubeAtAStack scene;
@@ -81,7 +82,7 @@ TEST(RigidNeighbours, standWhenTheLastSoftBodyGoes) {
 
 TEST(RigidNeighbours, standWhenTheLastSoftBodyGoesInsideATick) {
   CubeAtAStack scene;
-  scene.deed.now = [&] { scene.system->destroyBody(scene.cube); };
+  scene.action.callback = [&] { scene.system->destroyBody(scene.cube); };
   scene.expectTheStackToStand();
 }
 
@@ -94,7 +95,7 @@ TEST(RigidNeighbours, standWhenTheSystemGoes) {
 TEST(RigidNeighbours, standWhenTheCallbackIsOverwritten) {
   CubeAtAStack scene;
   scene.system->onWarning([](const std::string&) {});
-  scene.bullet.world->setInternalTickCallback(takeSlot, nullptr, true);
+  scene.bullet.world->setInternalTickCallback(emptyTickCallback, nullptr, true);
   scene.expectTheStackToStand();
 }
 
@@ -102,7 +103,7 @@ TEST(RigidNeighbours, mayGoInATickBeforeTheSystemHearsOfItsEnd) {
   CubeAtAStack scene;
   auto* hinge = new btHingeConstraint(*scene.upper, vec(0, 0.4, 0), vec(0, 1, 0));
   scene.bullet.world->addConstraint(hinge);
-  scene.deed.now = [&] {
+  scene.action.callback = [&] {
     scene.bullet.world->removeConstraint(hinge);
     delete hinge;
     for (btRigidBody* box : {scene.lower, scene.upper}) {
@@ -140,7 +141,7 @@ TEST(RigidNeighbours, ofTwoLinksOneMayGoInTheTickInWhichTheOtherComes) {
 }
 
 TEST(RigidNeighbours, areJoinedByTheirLinksWhenTheyBecomeFree) {
-  // two springs on a body that is static at first: then it joins what hangs on them
+  // two springs are attached to a body that is static at first; when it becomes dynamic, it connects them
   BulletWorld bullet(0.0);
   btRigidBody* middle = bullet.addBox(vec(0.1, 0.1, 0.1), 0, vec(0, 0, 0));
   btRigidBody* left = addAwakeBox(bullet, 0.1, 1.0, vec(-1, 0, 0));
@@ -168,14 +169,14 @@ TEST(RigidNeighbours, areJoinedByTheirLinksWhenTheyBecomeFree) {
   EXPECT_GT(double(left->getLinearVelocity().x()), 0.5);
 }
 
-void hangOnASpringOfNoForce(SoftBodySystem& system, btRigidBody* body) {
+void attachWeakSpring(SoftBodySystem& system, btRigidBody* body) {
   SpringSettings s;
   s.restLength = 1.0;
   s.stiffness = 1e-6;
   ASSERT_TRUE(system.addSpring({body}, {nullptr, vec(0, 3, 0)}, s));
 }
 
-/// m/s, of two balls of 1 kg after a central hit at `speed`; the first may hang on a spring.
+/// Returns the speeds (m/s) of two balls of 1 kg after a central impact. The first may hang on a spring.
 std::pair<double, double> speedsAfterAHit(double speed, bool onSpring) {
   BulletWorld bullet(0.0);
   const auto add = [&](double x) {
@@ -186,7 +187,7 @@ std::pair<double, double> speedsAfterAHit(double speed, bool onSpring) {
   btRigidBody *first = add(-1.003), *second = add(0.0);
   first->setLinearVelocity(vec(speed, 0, 0));
   SoftBodySystem system(*bullet.world);
-  if (onSpring) hangOnASpringOfNoForce(system, first);
+  if (onSpring) attachWeakSpring(system, first);
   bullet.simulate(2.0 / speed + 0.5);
   return {double(first->getLinearVelocity().x()), double(second->getLinearVelocity().x())};
 }
@@ -194,35 +195,36 @@ std::pair<double, double> speedsAfterAHit(double speed, bool onSpring) {
 TEST(RigidNeighbours, onASpringOfNoForceHitEachOtherAsWithoutIt) {
   for (const double speed : {0.5, 1.0, 3.0}) {
     const auto with = speedsAfterAHit(speed, true), without = speedsAfterAHit(speed, false);
-    // ours settles in substeps what Bullet's solver does once a tick
+    // the plugin solves in substeps what Bullet's solver solves once per tick
     EXPECT_NEAR(with.first, without.first, 0.01 * speed) << speed;
     EXPECT_NEAR(with.second, without.second, 0.01 * speed) << speed;
   }
 }
 
-/// m above the floor, to which a box of 2 kg hops that is dropped from 2 cm and then pushed.
+/// Returns the height (m) to which a box of 2 kg hops when it is dropped from 2 cm and then pushed.
 double hop(bool onSpring) {
   BulletWorld bullet;
   bullet.addBoxFloor();
   btRigidBody* box = bullet.addBox(vec(0.2, 0.2, 0.2), 2.0, vec(0, 0.22, 0));
   box->setActivationState(DISABLE_DEACTIVATION);
   SoftBodySystem system(*bullet.world);
-  if (onSpring) hangOnASpringOfNoForce(system, box);
+  if (onSpring) attachWeakSpring(system, box);
   bullet.simulate(0.1);
   box->setLinearVelocity(box->getLinearVelocity() + vec(1, 0, 0));
-  double most = 0;
+  double highest = 0;
   for (int i = 0; i < 60; ++i) {
     bullet.tick();
-    most = std::max(most, heightOf(*box) - 0.2);
+    highest = std::max(highest, heightOf(*box) - 0.2);
   }
-  return most;
+  return highest;
 }
 
 TEST(RigidNeighbours, onASpringOfNoForceDoNotHopWhenPushed) { EXPECT_NEAR(hop(true), hop(false), 1e-3); }
 
 // --- contacts ----------------------------------------------------------------------------------------------
 
-/// m/s, of a point that has hit the floor with 2 m/s, beside a crumb that flies with it and touches nothing.
+/// Returns the speed (m/s) of a point after it has hit the floor at 2 m/s. Optionally a tiny box flies next
+/// to it and touches nothing.
 double rebound(bool withCrumb) {
   BulletWorld bullet(0.0);
   bullet.addBoxFloor()->setRestitution(1);
@@ -235,15 +237,15 @@ double rebound(bool withCrumb) {
   SoftBody* body = *system.createBody(test::pairNetwork(), s);
   if (withCrumb) {
     const double distance = double(body->point(0)->getCollisionShape()->getMargin()) + 0.006;
-    const btVector3 place = body->point(0)->getWorldTransform().getOrigin() + vec(0, distance + 0.1, 0);
-    addAwakeBox(bullet, 0.1, 1e-3, place)->setLinearVelocity(vec(0, -2, 0));
+    const btVector3 position = body->point(0)->getWorldTransform().getOrigin() + vec(0, distance + 0.1, 0);
+    addAwakeBox(bullet, 0.1, 1e-3, position)->setLinearVelocity(vec(0, -2, 0));
   }
-  double most = -2;
-  for (int i = 0; i < 10 && most < 0; ++i) {
+  double largest = -2;
+  for (int i = 0; i < 10 && largest < 0; ++i) {
     bullet.tick();
-    most = std::max(most, body->velocity(0).y());
+    largest = std::max(largest, body->velocity(0).y());
   }
-  return most;
+  return largest;
 }
 
 TEST(RigidNeighbours, doNotTakeRestitutionFromWhatHitsTheFloorBesideThem) {
@@ -251,15 +253,14 @@ TEST(RigidNeighbours, doNotTakeRestitutionFromWhatHitsTheFloorBesideThem) {
   EXPECT_NEAR(rebound(true), 2.0, 1e-2) << "the crumb of a thousandth of a body may be hit then";
 }
 
-/// A box of 10 kg on a plate on a cube, and another cube farther away, in the same system or in one of its
-/// own.
+/// A box of 10 kg on a plate on a cube. Another cube is farther away, in the same system or in a second one.
 struct StackBesideACube {
   BulletWorld bullet;
   SoftBodySystem first{*bullet.world}, second{*bullet.world};
   SoftBody *carrier, *other;
   btRigidBody* box;
 
-  explicit StackBesideACube(bool apart) {
+  explicit StackBesideACube(bool twoSystems) {
     bullet.addBoxFloor();
     SoftBodySettings s = test::testedSettings();
     s.extensionStiffness = s.compressionStiffness = 1e4;
@@ -268,7 +269,7 @@ struct StackBesideACube {
     s.pointRadius = test::kRadius;
     carrier = *first.createBody(test::fullCubeNetwork(), s);
     s.position.x() = 5;
-    other = *(apart ? second : first).createBody(test::fullCubeNetwork(), s);
+    other = *(twoSystems ? second : first).createBody(test::fullCubeNetwork(), s);
     const double top = 1 + 2 * test::kRadius;
     bullet.addBox(vec(0.7, 0.1, 0.7), 1.0, vec(0, top + 0.1, 0))->setActivationState(DISABLE_DEACTIVATION);
     box = addAwakeBox(bullet, 0.4, 10.0, vec(0, top + 0.6, 0));
@@ -289,8 +290,7 @@ TEST(RigidNeighbours, standAlikeInWorldsOfOneAndOfTwoSystems) {
   }
 }
 
-/// As BulletWorld, but manifolds, except for the first, are not from a pool: sanitizers see who reads one
-/// that is gone.
+/// As BulletWorld, but with a pool of one manifold, so that sanitizers detect accesses to deleted ones.
 struct WorldWithoutPool {
   static btDefaultCollisionConstructionInfo info() {
     btDefaultCollisionConstructionInfo info;
@@ -315,7 +315,7 @@ struct GImpactTetrahedron {
 };
 
 TEST(RigidNeighbours, ofGImpactShapesMayCarrySoftBodies) {
-  // its collision algorithm frees the manifold whenever it looks
+  // the collision algorithm of GImpact shapes frees the manifold at each of its calls
   WorldWithoutPool bullet;
   bullet.world.setGravity(vec(0, -9.81, 0));
   btGImpactCollisionAlgorithm::registerAlgorithm(&bullet.dispatcher);

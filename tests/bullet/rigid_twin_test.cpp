@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// A soft cube against every shape that Bullet has, beside a rigid cube of the same size and mass in the same
-// situation: what holds the one must hold the other.
+// A soft cube collides with every shape of Bullet. A rigid cube of the same size and mass in the same
+// situation must behave alike.
 #include "fuzz/bullet_shapes.h"
 #include "support/bullet_measures.h"
 #include "support/bullet_world.h"
@@ -20,56 +20,56 @@ using fuzz::OwnedShape;
 using test::BulletWorld;
 using test::vec;
 
-constexpr double kHalf = 0.15;        ///< m, of both cubes, the soft one's radius included
+constexpr double kHalf = 0.15;        ///< m, of both cubes; includes the radius of the soft one's points
 constexpr double kTwinRadius = 0.01;  ///< m, of the soft cube's points
 
 struct ShapeCase {
   const char* name;
   Vector3d size;      ///< m
-  Vector3d rotation;  ///< a flat or broad side up, on which a cube can lie
-  bool round;         ///< it touches a cube in one point, or along a line
+  Vector3d rotation;  ///< turns up a flat or broad side on which a cube can lie
+  bool round;         ///< touches a cube in one point or along a line
 };
 
-const Vector3d kNoTurn(0, 0, 0), kUpsideDown(3.14159265358979, 0, 0);
+const Vector3d kUpright(0, 0, 0), kUpsideDown(3.14159265358979, 0, 0);
 
 std::vector<ShapeCase> convexCases() {
   const Vector3d half(0.5, 0.3, 0.5), ball(0.5, 0.5, 0.5);
-  return {{"box", half, kNoTurn, false},
-          {"sphere", ball, kNoTurn, true},
-          {"capsule-x", ball, kNoTurn, true},
-          {"capsule-y", ball, kNoTurn, true},
-          {"capsule-z", ball, kNoTurn, true},
-          {"cylinder-x", ball, kNoTurn, true},
-          {"cylinder-y", half, kNoTurn, false},
-          {"cylinder-z", ball, kNoTurn, true},
+  return {{"box", half, kUpright, false},
+          {"sphere", ball, kUpright, true},
+          {"capsule-x", ball, kUpright, true},
+          {"capsule-y", ball, kUpright, true},
+          {"capsule-z", ball, kUpright, true},
+          {"cylinder-x", ball, kUpright, true},
+          {"cylinder-y", half, kUpright, false},
+          {"cylinder-z", ball, kUpright, true},
           {"cone-y", half, kUpsideDown, false},
-          {"multi-sphere", Vector3d(1, 1, 1), kNoTurn, true},
+          {"multi-sphere", Vector3d(1, 1, 1), kUpright, true},
           {"tetrahedron", half, kUpsideDown, false},
-          {"triangle-hull", half, kNoTurn, false},
-          {"scaled", half, kNoTurn, false},
-          {"gimpact", half, kNoTurn, false}};
+          {"triangle-hull", half, kUpright, false},
+          {"scaled", half, kUpright, false},
+          {"gimpact", half, kUpright, false}};
 }
 
 std::vector<ShapeCase> concaveCases() {
   const Vector3d flat(0.5, 0.3, 0.5);
-  return {{"plane", flat, kNoTurn, false},
-          {"mesh", flat, kNoTurn, false},
-          {"scaled-mesh", flat, kNoTurn, false},
-          {"height-field", flat, kNoTurn, false}};
+  return {{"plane", flat, kUpright, false},
+          {"mesh", flat, kUpright, false},
+          {"scaled-mesh", flat, kUpright, false},
+          {"height-field", flat, kUpright, false}};
 }
 
-/// A world with one object of a shape, and either cube above it.
+/// A world with one object of the shape, and a rigid or a soft cube above it.
 struct TwinWorld {
   explicit TwinWorld(double gravity) : bullet(gravity) {
     btGImpactCollisionAlgorithm::registerAlgorithm(&bullet.dispatcher);
   }
 
-  btRigidBody* addShape(const ShapeCase& shape, double mass, const btVector3& place) {
+  btRigidBody* addShape(const ShapeCase& shape, double mass, const btVector3& position) {
     owned = fuzz::makeShape(shape.name, shape.size, 0);
     btVector3 inertia(0, 0, 0);
     if (mass > 0) owned.shape->calculateLocalInertia(static_cast<btScalar>(mass), inertia);
     body = std::make_unique<btRigidBody>(static_cast<btScalar>(mass), nullptr, owned.shape.get(), inertia);
-    body->setWorldTransform(btTransform(fuzz::rotationOf(shape.rotation), place));
+    body->setWorldTransform(btTransform(fuzz::rotationOf(shape.rotation), position));
     bullet.world->addRigidBody(body.get());
     return body.get();
   }
@@ -78,19 +78,19 @@ struct TwinWorld {
     bullet.world->removeRigidBody(body.get());
   }
 
-  /// m, of what a ray from above meets.
+  /// Returns the height (m) at which a ray from above hits the object.
   double top() const {
     btCollisionWorld::ClosestRayResultCallback hit(vec(0.01, 5, 0.02), vec(0.01, -5, 0.02));
     bullet.world->rayTest(hit.m_rayFromWorld, hit.m_rayToWorld, hit);
     return double(hit.m_hitPointWorld.y());
   }
 
-  btRigidBody* addRigidCube(const Vector3d& place) {
-    return bullet.addBox(vec(kHalf, kHalf, kHalf), 1.0, fuzz::toBt(place));
+  btRigidBody* addRigidCube(const Vector3d& position) {
+    return bullet.addBox(vec(kHalf, kHalf, kHalf), 1.0, fuzz::toBt(position));
   }
-  SoftBody* addSoftCube(const Vector3d& place, double stiffness) {
+  SoftBody* addSoftCube(const Vector3d& position, double stiffness) {
     SoftBodySettings s;
-    s.position = place;
+    s.position = position;
     s.scale = Vector3d::Constant(2.0 * (kHalf - kTwinRadius));
     s.pointRadius = kTwinRadius;
     s.extensionStiffness = s.compressionStiffness = stiffness;
@@ -104,7 +104,7 @@ struct TwinWorld {
   SoftBodySystem system{*bullet.world};
 };
 
-/// m, of the middle of a cube after it has been let fall onto the shape from 2 cm above.
+/// Returns the height (m) of a cube's centre above the shape's top, after a fall from 2 cm above.
 double restOfRigidCube(const ShapeCase& shape) {
   TwinWorld twin(-9.81);
   twin.addShape(shape, 0, vec(0, 0, 0));
@@ -116,7 +116,7 @@ double restOfRigidCube(const ShapeCase& shape) {
 double restOfSoftCube(const ShapeCase& shape) {
   TwinWorld twin(-9.81);
   twin.addShape(shape, 0, vec(0, 0, 0));
-  // round shapes press into the middle of a face, which gives way until its springs are stretched
+  // round shapes press into the middle of a face, which yields until its springs are stretched
   const SoftBody* cube = twin.addSoftCube({0, twin.top() + kHalf + 0.02, 0}, shape.round ? 1e5 : 1e4);
   const double top = twin.top();
   twin.bullet.simulate(1.0);
@@ -164,11 +164,11 @@ HitResult hitSoftCube(const ShapeCase& shape) {
 
 TEST(SurfaceTwin, isHitByEveryDynamicShapeAsARigidCubeIs) {
   for (ShapeCase shape : convexCases()) {
-    // a side towards the cube that does not throw it aside
+    // these shapes would deflect the cube sideways
     if (std::string(shape.name) == "cone-y" || std::string(shape.name) == "tetrahedron") continue;
     const HitResult rigid = hitRigidCube(shape), soft = hitSoftCube(shape);
     EXPECT_NEAR(soft.cubeSpeed + 3.0 * soft.partnerSpeed, 9.0, 9e-3) << shape.name << ": momentum, floats";
-    // plastic 2.25 m/s, elastic 4.5; a hit off the middle turns the cube, too
+    // plastic 2.25 m/s, elastic 4.5 m/s; an off-centre impact also rotates the cube
     EXPECT_GT(soft.cubeSpeed, 0.7 * rigid.cubeSpeed) << shape.name;
     EXPECT_LT(soft.cubeSpeed, 4.5 + 1e-3) << shape.name << ": no more than elastic";
     EXPECT_GT(soft.distance, kHalf) << shape.name << ": it has passed through";

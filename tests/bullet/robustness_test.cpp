@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// Scenes at the edge of what is sensible: networks without springs, values that are not finite, links to the
-// wrong things, filters of all kinds, and shapes that change under a body at rest.
+// Unusual scenes: networks without springs, values that are not finite, invalid links, all kinds of filters,
+// and shapes that change under a body at rest.
 #include "support/bullet_world.h"
 #include "support/constants.h"
 #include "support/networks.h"
@@ -30,7 +30,7 @@ SoftBodySettings at(double height) {
 
 // --- networks ----------------------------------------------------------------------------------------------
 
-/// Points in a row along x, no springs.
+/// Returns points in a row along x, without springs.
 SharedNetwork loosePoints(int count) {
   auto network = std::make_shared<SpringNetwork>();
   network->kind = NetworkKind::Rope;
@@ -51,10 +51,10 @@ TEST(WithoutSprings, pointsFlyAndComeToRest) {
       const Result<SoftBody*> made = system.createBody(loosePoints(count), s);
       ASSERT_TRUE(made) << made.error();
       bullet.simulate(0.25);
-      // free fall, to Bullet's roundings
+      // free fall, within Bullet's rounding
       EXPECT_NEAR((*made)->centerOfMass().y(), 0.5 - 0.5 * 9.81 * 0.25 * 0.25, 0.03) << count;
       bullet.simulate(1.5);
-      // the share of the radius that contacts may be deep
+      // contacts may be as deep as this fraction of the radius
       EXPECT_NEAR((*made)->centerOfMass().y(), 0.05, 0.005) << count;
     }
 }
@@ -74,7 +74,7 @@ TEST(WithoutSprings, pointsCarryARigidBody) {
 }
 
 TEST(RestLengthZero, asksForNoMoreThanItsSpringConstantDoes) {
-  // two pairs of points, each pair in one place at rest, pulled apart and let go: they pass each other
+  // two springs of length 0; the points of one are pulled apart and released, and pass each other
   auto network = std::make_shared<SpringNetwork>();
   network->restPoints = {{0, 0, 0}, {0, 0, 0}, {1, 0, 0}, {1, 0, 0}};
   network->massFractions.assign(4, 0.25);
@@ -84,26 +84,27 @@ TEST(RestLengthZero, asksForNoMoreThanItsSpringConstantDoes) {
   const Result<SoftBody*> made = system.createBody(network, test::testedSettings());
   ASSERT_TRUE(made) << made.error();
   (*made)->point(1)->applyCentralImpulse(test::vec(1e-3, 1, 0));
-  int most = 0;
+  int largest = 0;
   for (int i = 0; i < 60; ++i) {
     bullet.tick();
-    most = std::max(most, (*made)->substeps());
+    largest = std::max(largest, (*made)->substeps());
   }
-  EXPECT_LE(most, 1000);
+  EXPECT_LE(largest, 1000);
   EXPECT_TRUE(std::isfinite((*made)->kineticEnergy()));
 }
 
 // --- values that are not finite ----------------------------------------------------------------------------
 
-struct Given : testing::Test {
-  Given() {
+struct RecoveryFixture : testing::Test {
+  RecoveryFixture() {
     bullet.addBoxFloor();
     system.onWarning([this](const std::string& text) { warnings.push_back(text); });
     body = *system.createBody(test::closedCubeNetwork(), at(2.0));
     other = *system.createBody(test::closedCubeNetwork(), at(5.0));
     bullet.simulate(0.1);
   }
-  /// All well again: said once, the other body untouched, and the body falls and rests as if nothing was.
+  /// Expects a full recovery: one warning, no effect on the other body, and a body that comes to rest as
+  /// usual.
   void expectRecovery() {
     const double height = body->centerOfMass().y();
     ASSERT_TRUE(std::isfinite(height));
@@ -123,7 +124,7 @@ struct Given : testing::Test {
   std::vector<std::string> warnings;
   SoftBody *body, *other;
 };
-using NotFinite = Given;
+using NotFinite = RecoveryFixture;
 
 TEST_F(NotFinite, anImpulse) {
   body->point(3)->applyCentralImpulse(test::vec(kNan, 0, 0));
@@ -183,11 +184,11 @@ TEST(WrongLinks, thatAreNoneAreRefused) {
   SoftBodySystem system(*bullet.world), other(*bullet.world);
   btRigidBody* box = bullet.addBox(btVector3(1, 1, 1), 1, btVector3(0, 5, 0));
   SpringConstraint* gone = *system.addSpring({box}, {nullptr});
-  SpringConstraint* strange = *other.addSpring({box}, {nullptr});
+  SpringConstraint* foreign = *other.addSpring({box}, {nullptr});
   system.removeSpring(gone);
-  for (SpringConstraint* spring : {gone, strange, static_cast<SpringConstraint*>(nullptr)})
+  for (SpringConstraint* spring : {gone, foreign, static_cast<SpringConstraint*>(nullptr)})
     EXPECT_FALSE(system.changeSpring(spring, SpringSettings()));
-  EXPECT_TRUE(other.changeSpring(strange, SpringSettings()));
+  EXPECT_TRUE(other.changeSpring(foreign, SpringSettings()));
   EXPECT_FALSE(system.attach(nullptr, 0, *box));
   EXPECT_FALSE(system.attach(nullptr, 0, *box, btVector3(0, 0, 0)));
   EXPECT_FALSE(system.detach(nullptr, 0));
@@ -221,7 +222,7 @@ TEST(WrongLinks, areRefused) {
 
 // --- filters -----------------------------------------------------------------------------------------------
 
-/// Keeps everything apart that has this object.
+/// Rejects all pairs that contain this object.
 struct Excluding final : btOverlapFilterCallback {
   const btCollisionObject* object = nullptr;
   bool needBroadphaseCollision(btBroadphaseProxy* a, btBroadphaseProxy* b) const override {
@@ -238,10 +239,10 @@ TEST(OverlapFilter, isAskedForWhatSoftBodiesTouch) {
   filter.object = bullet.addBoxFloor();
   SoftBodySystem system(*bullet.world);
   SoftBodySettings s = at(2.0);
-  s.linearVelocity = {0, -30, 0};  // past what the broadphase has foreseen
+  s.linearVelocity = {0, -30, 0};  // beyond the boxes that the broadphase has computed
   SoftBody* body = *system.createBody(test::closedCubeNetwork(), s);
   bullet.simulate(1.0);
-  // free fall to Bullet's roundings and its first half tick
+  // free fall, within Bullet's rounding and the first half tick
   EXPECT_NEAR(body->centerOfMass().y(), 2.0 - 30.0 - 0.5 * 9.81, 0.15);
 }
 
@@ -303,7 +304,7 @@ TEST(NoContactResponse, betweenSoftBodiesTheOrderOfCreationIsTheSame) {
 
 // --- shapes that change ------------------------------------------------------------------------------------
 
-/// A cube that lies on a hull.
+/// A cube at rest on a hull.
 struct RestingCube {
   BulletWorld bullet;
   btRigidBody* floor = bullet.addHullFloor();
@@ -334,7 +335,7 @@ TEST(ChangedShape, aHullThatGrowsLiftsWhatRestsOnIt) {
   bullet.simulate(3.0);
   const double raised = double(highAfter.y() - high.y());
   ASSERT_GT(raised, 0.004);
-  // a tenth of it: that is how far points may be deep in what pushes them out
+  // the tolerance is a tenth: contacts that push a point out may be this deep
   EXPECT_NEAR(body->centerOfMass().y() - before, raised, 0.1 * raised);
 }
 
@@ -345,7 +346,7 @@ TEST(ChangedShape, cornersMovedWithinTheBoundingBoxAreSeen) {
   btRigidBody* floor = scene.floor;
   SoftBody* body = scene.body;
   const double before = scene.before;
-  // the bounding box stays, the top under the cube sinks by 0.1 m
+  // the bounding box stays the same; the top under the cube sinks by 0.1 m
   auto& hull = *static_cast<btConvexHullShape*>(floor->getCollisionShape());
   btVector3 low, high;
   hull.getAabb(btTransform::getIdentity(), low, high);
@@ -392,7 +393,7 @@ TEST(ChangedShape, anIdThatTheBroadphaseUsesAgainIsAnotherObject) {
   world.removeRigidBody(floor.get());
 }
 
-// --- what the user sees between ticks ----------------------------------------------------------------------
+// --- state between ticks -----------------------------------------------------------------------------------
 
 TEST(BetweenTicks, synchronizingMotionStatesLosesNoForce) {
   BulletWorld bullet(0.0);
@@ -406,7 +407,7 @@ TEST(BetweenTicks, synchronizingMotionStatesLosesNoForce) {
     bullet.world->synchronizeMotionStates();
     bullet.tick();
     EXPECT_NEAR(body->linearMomentum().x() - before, 5 * kTick, 1e-6) << i;
-    // what a step without a tick has cleared is lost, as with Bullet's own bodies
+    // Forces that a step without a tick has cleared are lost, as with Bullet's own bodies.
     body->point(0)->applyCentralForce(btVector3(100, 0, 0));
     bullet.world->stepSimulation(0, 1);
   }
@@ -432,7 +433,7 @@ TEST(BetweenTicks, whatIsReadDoesNotDependOnWhatWasReadBefore) {
   BulletWorld bullet;
   SoftBodySystem system(*bullet.world);
   SoftBodySettings s = at(3);
-  s.collisionMask = 0;  // two in one place
+  s.collisionMask = 0;  // two bodies at the same position
   SoftBody* a = *system.createBody(test::cubeNetwork(), s);
   SoftBody* b = *system.createBody(test::cubeNetwork(), s);
   for (SoftBody* body : {a, b}) body->point(0)->setLinearVelocity(test::vec(0.5, 0, 0));

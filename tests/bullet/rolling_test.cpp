@@ -19,7 +19,7 @@ using test::vec;
 
 constexpr double kBallRadius = 0.5;
 
-/// 1 kg, on the floor, of friction 1 like it: rolling friction is the ball's alone, as a length (m).
+/// Adds a ball of 1 kg on a floor, both with a friction of 1. Only the ball has rolling friction (m).
 btRigidBody* addBall(BulletWorld& bullet, double rolling, double spinning) {
   bullet.addBoxFloor()->setFriction(1);
   btRigidBody* ball =
@@ -31,8 +31,8 @@ btRigidBody* addBall(BulletWorld& bullet, double rolling, double spinning) {
   return ball;
 }
 
-/// Makes it a body that Limber steps, with its contacts, without pulling at it.
-void tie(SoftBodySystem& system, btRigidBody* ball) {
+/// Makes Limber step the ball and its contacts, by a spring without force.
+void attachLooseSpring(SoftBodySystem& system, btRigidBody* ball) {
   SpringSettings loose;
   loose.stiffness = 0.0;
   ASSERT_TRUE(system.addSpring({ball}, {nullptr, vec(0, 5, 0)}, loose));
@@ -44,11 +44,11 @@ TEST(RollingFriction, slowsABallAsItsMomentDoes) {
       BulletWorld bullet;
       SoftBodySystem system(*bullet.world);
       btRigidBody* ball = addBall(bullet, rolling, 0.0);
-      tie(system, ball);
+      attachLooseSpring(system, ball);
       ball->setLinearVelocity(vec(btScalar(speed), 0, 0));
       ball->setAngularVelocity(vec(0, 0, btScalar(-speed / kBallRadius)));
       bullet.simulate(0.5);
-      // moment c m g on what rolls:  (2/5 m r^2 + m r^2) alpha = c m g,  a = alpha r
+      // a moment of c m g acts on the ball:  (2/5 m r^2 + m r^2) alpha = c m g,  a = alpha r
       const double slower = rolling * kGravity / (1.4 * kBallRadius);
       EXPECT_NEAR(double(ball->getLinearVelocity().x()), speed - 0.5 * slower, 1e-3)
           << speed << ' ' << rolling;
@@ -61,15 +61,15 @@ TEST(RollingFriction, ofASpinAboutTheNormalIsAnother) {
   BulletWorld bullet;
   SoftBodySystem system(*bullet.world);
   btRigidBody* ball = addBall(bullet, 0.01, 0.05);
-  tie(system, ball);
+  attachLooseSpring(system, ball);
   ball->setAngularVelocity(vec(0, 10, 0));
   bullet.simulate(1.0);
   const double slower = 0.05 * kGravity / (0.4 * kBallRadius * kBallRadius);
   EXPECT_NEAR(double(ball->getAngularVelocity().y()), 10.0 - slower, 1e-2);
 }
 
-/// Bullet's solver has the first tick of a contact between a point of the world and what was put there before
-/// it.
+/// Bullet's solver handles the first tick of a contact between a point in the world and an object that was
+/// placed there before the tick.
 TEST(RollingFriction, ofWhatIsPutIntoPointsTurnsNothing) {
   for (const bool massChanged : {false, true}) {
     BulletWorld bullet(0.0);

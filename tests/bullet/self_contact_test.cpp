@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// Ropes and cloths touch themselves.
+// Contacts of ropes and cloths with themselves.
 #include "support/bullet_measures.h"
 #include "support/bullet_world.h"
 #include "support/networks.h"
@@ -21,19 +21,20 @@ using Eigen::Vector3d;
 using test::BulletWorld;
 using test::vec;
 
-/// m, between the nearest two segments of a rope that are at least `apart` segments from each other.
-double nearestSegments(const SoftBody& rope, std::uint32_t apart) {
+/// Returns the smallest distance (m) between two segments of a rope whose indices differ by at least
+/// `minIndexGap`.
+double nearestSegments(const SoftBody& rope, std::uint32_t minIndexGap) {
   double nearest = 1e9;
-  const std::uint32_t steps = 8;  // places looked at on each segment
-  const auto place = [&](std::uint32_t i, std::uint32_t step) {
+  const std::uint32_t steps = 8;  // points checked on each segment
+  const auto pointOn = [&](std::uint32_t i, std::uint32_t step) {
     const double t = static_cast<double>(step) / steps;
     return Vector3d((1 - t) * rope.position(i) + t * rope.position(i + 1));
   };
   for (std::uint32_t i = 0; i + 1 < rope.pointCount(); ++i)
-    for (std::uint32_t j = i + apart; j + 1 < rope.pointCount(); ++j)
+    for (std::uint32_t j = i + minIndexGap; j + 1 < rope.pointCount(); ++j)
       for (std::uint32_t a = 0; a < steps; ++a)
         for (std::uint32_t b = 0; b < steps; ++b)
-          nearest = std::min(nearest, (place(i, a) - place(j, b)).norm());
+          nearest = std::min(nearest, (pointOn(i, a) - pointOn(j, b)).norm());
   return nearest;
 }
 
@@ -43,7 +44,7 @@ TEST(SurfaceOnItself, aRopeCoilsUpWhenAsked) {
     bullet.addBoxFloor()->setFriction(1);
     SoftBodySystem system(*bullet.world);
     SoftBodySettings s = test::testedSettings();
-    // hangs over one spot of the floor, a little crooked, and comes down on its end
+    // hangs over one point of the floor, slightly tilted, and lands on its end
     s.position = {0, 2.1, 0};
     s.rotation = Eigen::AngleAxisd(0.05, Vector3d(1, 0, 0.3).normalized());
     s.pointRadius = 0.008;
@@ -69,7 +70,7 @@ TEST(SurfaceOnItself, aRopeCoilsUpWhenAsked) {
   }
 }
 
-/// How many edges pierce triangles that they have no corner in common with.
+/// Returns the number of pairs of an edge and a triangle that intersect and have no common vertex.
 int piercings(const SoftBody& cloth) {
   int count = 0;
   const auto& surface = cloth.network().surface;
@@ -117,24 +118,24 @@ TEST(SurfaceOnItself, aClothFoldsWithoutPassingThrough) {
     bullet.addBoxFloor()->setFriction(1);
     SoftBodySystem system(*bullet.world);
     SoftBodySettings s = clothSettings(self);
-    // stands on an edge, leaning, and crumples
+    // stands on an edge, tilted, and crumples
     s.position = {0, 0.7, 0};
     s.rotation = Eigen::AngleAxisd(M_PI / 2 - 0.1, Vector3d(1, 0, 0.1).normalized());
     SoftBody* cloth = *system.createBody(clothNetwork(10, 1.0), s);
-    int most = 0;
+    int maxPiercings = 0;
     for (int i = 0; i < 180; ++i) {
       bullet.tick();
-      if (i % 6 == 0) most = std::max(most, piercings(*cloth));
+      if (i % 6 == 0) maxPiercings = std::max(maxPiercings, piercings(*cloth));
     }
     if (self)
-      EXPECT_EQ(most, 0);
+      EXPECT_EQ(maxPiercings, 0);
     else
-      EXPECT_GT(most, 0) << "else this test would prove nothing";
+      EXPECT_GT(maxPiercings, 0) << "else this test would prove nothing";
   }
 }
 
-/// In one substep a tick it is crushed by what falls on it; contacts that give way would let it sink by more
-/// than its radius.
+/// With one substep per tick it is crushed by the falling part above. With compliant contacts it would sink
+/// by more than its radius.
 TEST(SurfaceOnItself, aChainThatFallsOnItsEndDoesNotSinkIntoTheFloor) {
   BulletWorld bullet;
   bullet.addBoxFloor();
@@ -154,7 +155,7 @@ TEST(SurfaceOnItself, aChainThatFallsOnItsEndDoesNotSinkIntoTheFloor) {
   EXPECT_GT(lowest, 0.8 * double(chain->point(0)->getCollisionShape()->getMargin()));
 }
 
-/// Falls on its end and crumples: which of its segments touch changes many times in a tick.
+/// The chain falls on its end and crumples: its set of self-contacts changes many times per tick.
 TEST(SurfaceOnItself, aChainCrumplesAlikeInHalfTicks) {
   const double seconds = 31.0 / 60.0;
   const auto crumpled = [&](double tick) {
@@ -177,13 +178,13 @@ TEST(SurfaceOnItself, aChainCrumplesAlikeInHalfTicks) {
   EXPECT_LT((crumpled(1.0 / 60.0) - crumpled(1.0 / 120.0)).cwiseAbs().maxCoeff(), 1e-3);
 }
 
-/// A box of half size 0.3 that stands on the floor, and a cloth that falls over it.
+/// A static box of half size 0.3 on the floor, and a cloth that falls over it.
 struct Drape {
   btBoxShape part{vec(0.3, 0.3, 0.3)};
   BulletWorld bullet;
   SoftBodySystem system;
   SoftBody* cloth = nullptr;
-  int most = 0;  ///< piercings at once
+  int maxPiercings = 0;  ///< largest number of intersections at one time
 
   Drape(const SoftBodySettings& s, std::uint32_t cells, bool compound = false) : system(*bullet.world) {
     bullet.addBoxFloor()->setFriction(1);
@@ -199,16 +200,16 @@ struct Drape {
   }
   bool sleeps() const { return !cloth->surfaceObject()->isActive(); }
 
-  /// Until it sleeps.
+  /// Simulates until the cloth sleeps, at most `seconds`.
   void run(double seconds) {
     for (int i = 0; i < std::lround(seconds * 60) && !sleeps(); ++i) {
       bullet.tick();
-      if (i % 12 == 0) most = std::max(most, piercings(*cloth));
+      if (i % 12 == 0) maxPiercings = std::max(maxPiercings, piercings(*cloth));
     }
   }
 };
 
-/// m, from the cloth's points, and places on its triangles, to the box of Drape; 0 inside.
+/// Returns the smallest distance (m) from the box of Drape of points on the cloth's triangles; 0 inside.
 double nearestToBox(const SoftBody& cloth) {
   const int steps = 8;
   double nearest = 1e9;
@@ -224,11 +225,11 @@ double nearestToBox(const SoftBody& cloth) {
   return nearest;
 }
 
-/// Where two corners of an edge of the cloth bear on sides of a sharp edge that are up to acos 0.9 apart, the
-/// edge between them is left out, and comes as near as 0.9 radii.
+/// Two corners of a cloth's edge may touch two sides of a sharp edge whose normals differ by up to acos 0.9.
+/// The contact of the edge between them is then left out, and its distance can be as small as 0.9 radii.
 constexpr double kNearest = 0.9;
 
-/// It falls 5 radii a tick where it meets the box's corners.
+/// It falls by 5 radii per tick when it hits the box's corners.
 TEST(SurfaceOnItself, aClothDrapedOverABallFallsOverABoxesCorner) {
   for (int start = 0; start < 6; ++start) {
     SCOPED_TRACE(start);
@@ -243,7 +244,7 @@ TEST(SurfaceOnItself, aClothDrapedOverABallFallsOverABoxesCorner) {
     drape.cloth->wake();
     drape.run(15.0);
     EXPECT_TRUE(drape.sleeps());
-    EXPECT_EQ(drape.most, 0);
+    EXPECT_EQ(drape.maxPiercings, 0);
     EXPECT_GT(nearestToBox(*drape.cloth), kNearest * s.pointRadius);
     double high = 0.0;
     for (std::uint32_t i = 0; i < drape.cloth->pointCount(); ++i) {
@@ -254,26 +255,26 @@ TEST(SurfaceOnItself, aClothDrapedOverABallFallsOverABoxesCorner) {
   }
 }
 
-/// Relative to the box's centre.
-struct DrapedPlace {
-  double x, z, turn;
+/// The initial pose of a cloth, relative to the box's centre.
+struct DrapePose {
+  double x, z, angle;
   std::uint32_t cells;
   double radius;
-  bool compound;  ///< the box is a part of one
+  bool compound;  ///< the box is a child of a compound shape
 };
 
 TEST(SurfaceOnItself, aClothComesToRestOverABoxesEdgesAndCorners) {
-  for (const DrapedPlace& p : {DrapedPlace{0.3, 0.3, 0.4, 14, 0.01, false},
-                               {0.3, 0.0, 0.0, 10, 0.01, false},
-                               {0.0, 0.0, 0.0, 14, 0.01, false},
-                               {0.05, 0.3, 0.0, 12, 0.01, true},
-                               {0.3, 0.3, 0.2, 14, 0.02, false}}) {
-    SCOPED_TRACE(testing::Message() << p.x << ' ' << p.z << ' ' << p.turn << ' ' << p.cells << ' '
+  for (const DrapePose& p : {DrapePose{0.3, 0.3, 0.4, 14, 0.01, false},
+                             {0.3, 0.0, 0.0, 10, 0.01, false},
+                             {0.0, 0.0, 0.0, 14, 0.01, false},
+                             {0.05, 0.3, 0.0, 12, 0.01, true},
+                             {0.3, 0.3, 0.2, 14, 0.02, false}}) {
+    SCOPED_TRACE(testing::Message() << p.x << ' ' << p.z << ' ' << p.angle << ' ' << p.cells << ' '
                                     << p.radius);
     SoftBodySettings s = clothSettings(false);
     s.pointRadius = p.radius;
     s.position = {0.3 + p.x, 0.7, 0.3 + p.z};
-    s.rotation = Eigen::AngleAxisd(p.turn, Vector3d::UnitY());
+    s.rotation = Eigen::AngleAxisd(p.angle, Vector3d::UnitY());
     Drape drape(s, p.cells, p.compound);
     drape.run(16.0);
     EXPECT_TRUE(drape.sleeps()) << drape.cloth->kineticEnergy();
@@ -282,9 +283,9 @@ TEST(SurfaceOnItself, aClothComesToRestOverABoxesEdgesAndCorners) {
   }
 }
 
-/// m, the height of the lowest point's centre in two seconds in which a cloth falls and crumples on a floor
-/// at z = 0.
-double lowestOfFallingCloth(test::FloorKind floor, double turn) {
+/// Returns the smallest height (m) of a point's centre during two seconds in which a cloth falls and crumples
+/// on a floor at z = 0.
+double lowestOfFallingCloth(test::FloorKind floor, double angle) {
   BulletWorld bullet;
   test::addTiledFloor(bullet, floor, 0.0);
   SoftBodySystem system(*bullet.world);
@@ -293,7 +294,7 @@ double lowestOfFallingCloth(test::FloorKind floor, double turn) {
   cloth.rows = 7;
   SoftBodySettings s = test::testedSettings();
   s.position = {1, 2, 0};
-  s.rotation = Eigen::AngleAxisd(1.0, Vector3d(0.8, turn, 0.6).normalized());
+  s.rotation = Eigen::AngleAxisd(1.0, Vector3d(0.8, angle, 0.6).normalized());
   s.extensionStiffness = 86.3;
   s.compressionStiffness = 8.63;
   s.damping = 0.019;
@@ -312,9 +313,10 @@ double lowestOfFallingCloth(test::FloorKind floor, double turn) {
 
 TEST(SurfaceOnItself, whatTouchesWithinATickDoesNotPushIntoTheFloor) {
   for (const test::FloorKind floor : {test::FloorKind::Plane, test::FloorKind::CoarseMesh})
-    for (const double turn : {0.0, 0.1})
-      // a sweep's tolerance for speeds, 1e-4 m/s, over a tick
-      EXPECT_GT(lowestOfFallingCloth(floor, turn), 0.0022 - 1e-5) << nameOf(floor) << ", turned by " << turn;
+    for (const double angle : {0.0, 0.1})
+      // the solver's tolerance of velocities, 1e-4 m/s, over a tick
+      EXPECT_GT(lowestOfFallingCloth(floor, angle), 0.0022 - 1e-5)
+          << nameOf(floor) << ", turned by " << angle;
 }
 
 TEST(SurfaceOnItself, wantsASurface) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// A soft body sleeps and wakes as one.
+// All points of a soft body fall asleep and wake together.
 #include "support/bullet_world.h"
 #include "support/networks.h"
 #include "support/tested_way.h"

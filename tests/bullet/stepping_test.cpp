@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// The choice of stepper, tolerance, budget and elastic limit, as a user sees them in a Bullet world.
+// Stepper, tolerance, maxSubsteps and elastic limit in a Bullet world.
 #include "support/allocation_counter.h"
 #include "support/bullet_world.h"
 #include "support/constants.h"
@@ -78,9 +78,9 @@ TEST_P(SteppedBy, howeverStiffAFreeBodyTurnsAsFastAsItSpins) {
     const Eigen::Vector3d before = body->position(7) - body->position(0);
     bullet.simulate(1.0);
     const Eigen::Vector3d after = body->position(7) - body->position(0);
-    const Eigen::Vector3d turned = Eigen::AngleAxisd(1.0, Eigen::Vector3d::UnitZ()) * before;
-    // at 1e4 N/m it swells by m w^2 / k, and spins more slowly by twice that: some 1e-5
-    EXPECT_LT((after - turned).norm(), 1e-3);
+    const Eigen::Vector3d expected = Eigen::AngleAxisd(1.0, Eigen::Vector3d::UnitZ()) * before;
+    // rotation extends it by m w^2 / k at 1e4 N/m, which slows the rotation by twice that: some 1e-5
+    EXPECT_LT((after - expected).norm(), 1e-3);
     EXPECT_NEAR(body->kineticEnergy() + body->elasticEnergy(), 0.25, 1e-3);
   }
 }
@@ -101,7 +101,7 @@ TEST(Stepping, howeverStiffAPinnedBodySwingsAsItFalls) {
         bullet.tick(1.0 / rate);
         if (i > rate) highest = std::max(highest, body->centerOfMass().y());
       }
-      // it comes back to within what it moves in a tick of 1/15 s at the turn of its swing
+      // the tolerance is its motion during a tick of 1/15 s around the turning point
       EXPECT_NEAR(highest, height, 0.03);
     }
 }
@@ -143,8 +143,8 @@ INSTANTIATE_TEST_SUITE_P(Steppers, SteppedBy,
                                                                      : "ImplicitMidpoint";
                          });
 
-/// The points of a body after a second without gravity: a cube that spins and breathes, or a chain that is
-/// held at its top and was pushed aside.
+/// Returns the points of a body after a second without gravity: a rotating, vibrating cube, or a chain that
+/// is pinned at its top and was pushed sideways.
 Eigen::Matrix3Xd pointsAfterASecond(bool chain, const Stepping& stepping) {
   BulletWorld bullet(0.0);
   SoftBodySystem system(*bullet.world);
@@ -177,8 +177,8 @@ TEST(PeriodTolerance, askedToBeFinerAutoIsNeverFartherOff) {
       Stepping s;
       s.periodTolerance = tolerance;
       const double error = (pointsAfterASecond(chain, s) - exact).cwiseAbs().maxCoeff();
-      // after hundreds of periods the cube's fast modes are out of step at all but the finest: then both
-      // errors are as large as their amplitude, and one may be twice the other
+      // After hundreds of periods the phase of the cube's fast modes is wrong except at the finest tolerance.
+      // Both errors are then as large as the amplitude, and one may be twice the other.
       EXPECT_LT(error, 2.0 * before) << (chain ? "chain, " : "cube, ") << tolerance;
       before = error;
     }
@@ -187,8 +187,8 @@ TEST(PeriodTolerance, askedToBeFinerAutoIsNeverFartherOff) {
   }
 }
 
-/// A cube in free flight that breathes and turns, and its distance (m, root mean square) from the converged
-/// motion after a second.
+/// Result of the free flight of a vibrating, rotating cube. `error` is its distance (m, root mean square)
+/// from the converged motion after a second.
 struct FlightEnd {
   double error = 0.0, estimate = 0.0;
   int substeps = 0;
@@ -204,9 +204,9 @@ FlightEnd fly(const Stepping& stepping) {
     s.stepping = choice;
     SoftBody* body = *system.createBody(test::fullCubeNetwork(), s);
     for (std::uint32_t i = 0; i < 8; ++i) {
-      btTransform place = body->point(i)->getWorldTransform();
-      place.getOrigin() *= btScalar(1.02);
-      body->point(i)->setWorldTransform(place);
+      btTransform pose = body->point(i)->getWorldTransform();
+      pose.getOrigin() *= btScalar(1.02);
+      body->point(i)->setWorldTransform(pose);
     }
     for (int i = 0; i < 60; ++i) {
       bullet.tick();
@@ -243,10 +243,10 @@ TEST(Tolerance, asAShareOfTheBodysSizeIsTheSame) {
 }
 
 TEST(Budget, capsTheSubstepsAndReportsTheErrorThatFollows) {
-  Stepping wanted, capped;
-  wanted.tolerance = capped.tolerance = 1e-4;
+  Stepping accurate, capped;
+  accurate.tolerance = capped.tolerance = 1e-4;
   capped.maxSubsteps = 16;
-  const FlightEnd free = fly(wanted), limited = fly(capped);
+  const FlightEnd free = fly(accurate), limited = fly(capped);
   EXPECT_GT(free.substeps, 16);
   EXPECT_EQ(limited.substeps, 16);
   EXPECT_GT(limited.estimate, 1e-4) << "the tolerance is missed, and says so";
@@ -276,7 +276,7 @@ TEST(ElasticLimit, aRopeBreaksWhereTheLoadIsTooMuch) {
     bullet.simulate(2.0);
     return load->getCenterOfMassPosition().y() < -3.0;
   };
-  // a load let go stretches a spring of 1/4 m by twice m g / k: 0.2 of it is 50 mm, or 2.5 kg
+  // a released load extends a spring of 1/4 m by twice m g / k: 0.2 of it is 50 mm, or 2.5 kg
   EXPECT_FALSE(brokenUnder(1.0));
   EXPECT_TRUE(brokenUnder(10.0));
 }
@@ -297,7 +297,7 @@ TEST(ElasticLimit, aRopeThatYieldedStaysLonger) {
   bullet.simulate(2.0);
   rope->unpin(4);
   bullet.simulate(5.0);
-  // pulled to 1.3 it carries a strain of 0.05 of its first length elastically; the rest stays
+  // pulled to 1.3 it carries a strain of 0.05 of its first length elastically; the rest is permanent
   EXPECT_NEAR((rope->position(4) - rope->position(0)).norm(), 1.25, 0.01);
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// Bodies that are one object in the world move, rest and sleep as those whose points are in it.
+// Bodies that are one object in the world move, rest and sleep like those whose points are in the world.
 #include "support/allocation_counter.h"
 #include "support/bullet_world.h"
 #include "support/constants.h"
@@ -20,16 +20,16 @@ namespace {
 using test::BulletWorld;
 using test::kTick;
 
-// --- equal to points ---------------------------------------------------------------------------------------
+// --- comparison with points --------------------------------------------------------------------------------
 
 using AddFloor = void (*)(BulletWorld&);
 
-double restHeightOfWay(AddFloor addFloor, Collision way) {
+double restHeightWith(AddFloor addFloor, Collision collision) {
   BulletWorld bullet;
   addFloor(bullet);
   SoftBodySystem system(*bullet.world);
   SoftBodySettings s;
-  s.collision = way;
+  s.collision = collision;
   s.position = {0.1, 0.52, 0.05};
   s.friction = 0;
   s.damping = 0.2 * std::sqrt(1000 * 0.125);
@@ -40,18 +40,18 @@ double restHeightOfWay(AddFloor addFloor, Collision way) {
 }
 
 TEST(SurfaceLife, restsAtTheHeightOfPoints) {
-  // equal rows on equal planes; Bullet rounds the box's and the hull's planes differently from tick to tick
+  // equal contacts on equal planes; Bullet's rounding of the box's and the hull's planes varies between ticks
   const std::pair<AddFloor, double> floors[] = {{[](BulletWorld& b) { b.addPlaneFloor(); }, 1e-9},
                                                 {[](BulletWorld& b) { b.addBoxFloor(); }, 1e-7},
                                                 {[](BulletWorld& b) { b.addHullFloor(); }, 1e-7},
                                                 {[](BulletWorld& b) { b.addTriangleFloor(); }, 1e-7}};
   for (const auto& [addFloor, tolerance] : floors)
-    EXPECT_NEAR(restHeightOfWay(addFloor, Collision::Surface), restHeightOfWay(addFloor, Collision::Points),
+    EXPECT_NEAR(restHeightWith(addFloor, Collision::Surface), restHeightWith(addFloor, Collision::Points),
                 tolerance);
 }
 
 TEST(SurfaceLife, aTumbleIsTheSameWhetherTheUserHoldsThePointsOrNot) {
-  const auto hash = [](bool held) {
+  const auto hash = [](bool exposed) {
     BulletWorld bullet;
     bullet.addPlaneFloor();
     SoftBodySystem system(*bullet.world);
@@ -59,20 +59,20 @@ TEST(SurfaceLife, aTumbleIsTheSameWhetherTheUserHoldsThePointsOrNot) {
     s.position = {0, 1.5, 0};
     s.angularVelocity = {1, 2, 3};
     SoftBody* body = *system.createBody(test::fullCubeNetwork(), s);
-    if (held) (void)body->point(0);
+    if (exposed) (void)body->point(0);
     bullet.simulate(3.0);
     return body->stateHash();
   };
-  // masses of 1/8 kg: gravity by way of Bullet's float forces rounds nothing
+  // with masses of 1/8 kg, gravity in Bullet's float forces has no rounding error
   EXPECT_EQ(hash(false), hash(true));
 }
 
 // --- forces ------------------------------------------------------------------------------------------------
 
 struct Pushed {
-  explicit Pushed(Collision way) : system(*bullet.world) {
+  explicit Pushed(Collision collision) : system(*bullet.world) {
     SoftBodySettings s;
-    s.collision = way;
+    s.collision = collision;
     body = *system.createBody(test::cubeNetwork(), s);
   }
   void push(double newtons) {
@@ -93,7 +93,7 @@ TEST(SurfaceForces, actAsLongAsThoseOnBodiesOfTheWorld) {
   for (std::size_t i = 0; i < std::size(ticks); ++i) {
     for (Pushed* pushed : {&points, &surface}) {
       if (i % 3 != 1) pushed->push(1.0 + static_cast<double>(i));
-      // half a tick more than whole ones, which is taken back by the next
+      // 0.4 ticks more or less than a whole number; the next step uses the remainder
       const double length = (ticks[i] + (i % 2 ? -0.4 : 0.4)) * kTick;
       if (ticks[i] > 0)
         pushed->bullet.world->stepSimulation(static_cast<btScalar>(length), 10, btScalar(kTick));
@@ -101,7 +101,7 @@ TEST(SurfaceForces, actAsLongAsThoseOnBodiesOfTheWorld) {
         pushed->bullet.world->stepSimulation(btScalar(0), 10, btScalar(kTick));
     }
     time += ticks[i];
-    // the forces go through Bullet's floats in one of them
+    // in one of the two, the forces pass through Bullet's floats
     EXPECT_NEAR(surface.momentum(), points.momentum(), 1e-6) << "step " << i;
   }
   EXPECT_GT(surface.momentum(), 0.1);
@@ -222,7 +222,7 @@ TEST_F(SurfaceSleep, outOfTheSimulationItStaysWhereItIs) {
   bullet.world->removeRigidBody(floor);
   body->surfaceObject()->forceActivationState(DISABLE_SIMULATION);
   bullet.simulate(1.0);
-  // points that are held are where Bullet's floats have them
+  // the positions of points that do not move are rounded to Bullet's floats
   for (std::uint32_t i = 0; i < 8; ++i) EXPECT_LT(body->velocity(i).norm(), 1e-6);
   EXPECT_NEAR(body->position(0).y(), before.y() - 0.5, 1e-6);
   body->surfaceObject()->forceActivationState(ACTIVE_TAG);
@@ -230,7 +230,7 @@ TEST_F(SurfaceSleep, outOfTheSimulationItStaysWhereItIs) {
   EXPECT_NEAR(body->centerOfMass().y(), before.y() - 4.905, 1e-4);
 }
 
-// --- the rest ----------------------------------------------------------------------------------------------
+// --- other -------------------------------------------------------------------------------------------------
 
 TEST(SurfaceLife, aTickAllocatesNothingAlthoughBodiesFlyAndRest) {
   BulletWorld bullet;
@@ -305,7 +305,7 @@ TEST(SurfaceLife, userPointerIndexAndFiltersAreTheUsers) {
 }
 
 TEST(SurfaceLife, theApplicationMayDeleteTheSentinelToo) {
-  // HelloWorld's loop, motion states included, while the points are known outside
+  // HelloWorld's clean-up loop, including motion states, after the application has accessed a point
   BulletWorld bullet;
   SoftBodySystem system(*bullet.world);
   SoftBody* body = *system.createBody(test::cubeNetwork(), test::testedSettings());

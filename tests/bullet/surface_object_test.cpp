@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// What a user does to the object that rays find acts on the soft body as on a rigid body of its mass and
-// inertia: the twin beside it in a world of its own.
+// The application's changes to a surface object act on the soft body as on a rigid body of its mass and
+// inertia. The tests compare it with such a rigid twin in a second world.
 #include "support/bullet_measures.h"
 #include "support/bullet_world.h"
 #include "support/constants.h"
@@ -35,7 +35,7 @@ SoftBodySettings cubeSettings(const Vector3d& position, double stiffness = 1e4) 
   return s;
 }
 
-/// A soft cube and, in a world of its own, a rigid one with the inertia of eight points at its corners.
+/// A soft cube and, in a second world, a rigid one with the inertia of eight points at its corners.
 struct Twins {
   explicit Twins(double gravity = 0.0, const Vector3d& position = Vector3d(0.3, 2, -0.2))
       : world(gravity), twinWorld(gravity), system(*world.world) {
@@ -52,7 +52,7 @@ struct Twins {
     twinWorld.tick();
   }
 
-  /// To 1e-5 of what is of the order of one.
+  /// Tolerance: 1e-5, with momenta of about 1.
   void expectEqualMomenta(const char* when) const {
     EXPECT_LT((soft->linearMomentum() - momentumOf(*twin)).norm(), 1e-5) << when;
     EXPECT_LT((soft->angularMomentum() - angularMomentumOf(*twin)).norm(), 2e-5) << when;
@@ -90,7 +90,7 @@ TEST(SurfaceObjects, impulsesActAsOnARigidBody) {
   for (int i = 0; i < 30; ++i) t.tick();
   t.expectEqualMomenta("after half a second");
   EXPECT_LT((t.soft->centerOfMass() - eigen(t.twin->getCenterOfMassPosition())).norm(), 1e-5);
-  // the object tells the same
+  // the object has the same velocity
   EXPECT_LT((eigen(t.object->getLinearVelocity()) - eigen(t.twin->getLinearVelocity())).norm(), 1e-5);
 }
 
@@ -102,30 +102,30 @@ TEST(SurfaceObjects, impulsesActOnBodiesWhosePointsAreInUseToo) {
   t.twin->applyTorqueImpulse(vec(arm.x(), arm.y(), arm.z()).cross(vec(0.1, 0, 0)));
   for (btRigidBody* body : {t.object, t.twin}) body->applyImpulse(vec(0, 0.7, 0), vec(0.5, 0, 0.2));
   t.expectEqualMomenta("at once");
-  // single precision of the points
+  // the points have single precision
   EXPECT_LT((eigen(t.soft->point(5)->getLinearVelocity()) - t.soft->velocity(5)).norm(), 1e-6);
   for (int i = 0; i < 10; ++i) t.tick();
   t.expectEqualMomenta("ten ticks later");
 }
 
 TEST(SurfaceObjects, aTorqueAboutItsOwnLineDoesNothingToAStraightRope) {
-  for (const Vector3d& turn : {Vector3d(0, 0, 0), Vector3d(0.3, 1.1, -0.5)}) {
+  for (const Vector3d& rotation : {Vector3d(0, 0, 0), Vector3d(0.3, 1.1, -0.5)}) {
     BulletWorld world(0.0);
     SoftBodySystem system(*world.world);
     SoftBodySettings s = cubeSettings(Vector3d(0.3, 2, -0.2));
-    if (!turn.isZero()) s.rotation = Eigen::AngleAxisd(turn.norm(), turn.normalized());
+    if (!rotation.isZero()) s.rotation = Eigen::AngleAxisd(rotation.norm(), rotation.normalized());
     SoftBody& rope = **system.createBody(test::pairNetwork(), s);
     rope.surfaceObject()->setActivationState(DISABLE_DEACTIVATION);
-    const Vector3d line = (rope.position(1) - rope.position(0)).normalized(), across = line.unitOrthogonal();
+    const Vector3d axis = (rope.position(1) - rope.position(0)).normalized(), across = axis.unitOrthogonal();
     const auto spin = [&]() -> Vector3d {
       return rope.angularMomentum() - rope.centerOfMass().cross(rope.linearMomentum());
     };
-    rope.surfaceObject()->applyTorqueImpulse(vec(3 * line.x(), 3 * line.y(), 3 * line.z()));
-    // floats of the direction
+    rope.surfaceObject()->applyTorqueImpulse(vec(3 * axis.x(), 3 * axis.y(), 3 * axis.z()));
+    // the direction is in floats
     EXPECT_LT(rope.linearMomentum().norm() + spin().norm(), 1e-5);
     rope.surfaceObject()->applyTorqueImpulse(vec(across.x(), across.y(), across.z()));
     EXPECT_LT((spin() - across).norm(), 1e-5);
-    rope.surfaceObject()->applyTorque(vec(60 * line.x(), 60 * line.y(), 60 * line.z()));
+    rope.surfaceObject()->applyTorque(vec(60 * axis.x(), 60 * axis.y(), 60 * axis.z()));
     world.tick();
     EXPECT_LT(rope.linearMomentum().norm() + (spin() - across).norm(), 1e-4);
   }
@@ -146,7 +146,7 @@ TEST(SurfaceObjects, forcesActForAllTicksOfAStep) {
     for (int i = 0; i < 3; ++i) t.tick();
     EXPECT_NEAR(t.soft->linearMomentum().x(), 60 * kTick, 1e-4) << ticks;
     EXPECT_LT((t.soft->linearMomentum() - momentumOf(*t.twin)).norm(), 1e-5) << ticks;
-    // the twin's torque acts about where it is turned, the soft one's likewise, but it is also bent a little
+    // both torques act in the rotated state; the soft body is also slightly deformed
     const Vector3d spin = t.soft->angularMomentum() - t.soft->centerOfMass().cross(t.soft->linearMomentum());
     const Vector3d twinSpin =
         angularMomentumOf(*t.twin) - eigen(t.twin->getCenterOfMassPosition()).cross(momentumOf(*t.twin));
@@ -198,7 +198,7 @@ TEST(SurfaceObjects, aBodyIsPutWhereTheObjectIsPut) {
     EXPECT_NEAR(t.soft->elasticEnergy(), energy, 1e-6);
     t.world.tick();
     EXPECT_LT((t.soft->position(6) - expected).norm(), asleep ? 1e-5 : 0.05);
-    // rays find it there
+    // rays find it at the new pose
     btCollisionWorld::ClosestRayResultCallback ray(vec(7, 9, 1), vec(7, -9, 1));
     t.world.world->rayTest(ray.m_rayFromWorld, ray.m_rayToWorld, ray);
     EXPECT_EQ(ray.m_collisionObject, t.object);
@@ -210,7 +210,7 @@ TEST(SurfaceObjects, itTurnsWithTheBody) {
   for (btRigidBody* body : {t.object, t.twin}) body->setAngularVelocity(vec(0.5, 2, -1));
   for (int i = 0; i < 120; ++i) t.tick();
   const btQuaternion soft = t.object->getWorldTransform().getRotation();
-  // five radians; the spin makes the cube a little larger: m r w^2 / k, and so a little slower
+  // five radians; the rotation extends the cube slightly, m r w^2 / k, which makes it slower
   EXPECT_LT(double(soft.angleShortestPath(t.twin->getWorldTransform().getRotation())), 0.02);
 }
 
@@ -224,7 +224,7 @@ TEST(SurfaceObjects, nonsenseIsRefused) {
 
 // --- constraints -------------------------------------------------------------------------------------------
 
-/// Bullet's CommonRigidBodyBase::pickBody(), movePickedBody() and removePickingConstraint().
+/// Works like Bullet's CommonRigidBodyBase::pickBody(), movePickedBody() and removePickingConstraint().
 class Picker {
  public:
   Picker(btDiscreteDynamicsWorld& world, const btVector3& from, const btVector3& to) : world_(&world) {
@@ -240,7 +240,7 @@ class Picker {
     world.addConstraint(picked_.get(), true);
     picked_->m_setting.m_impulseClamp = btScalar(30);
     picked_->m_setting.m_tau = btScalar(0.001);
-    place = ray.m_hitPointWorld;
+    hitPoint = ray.m_hitPointWorld;
   }
   ~Picker() {
     if (!picked_) return;
@@ -253,7 +253,7 @@ class Picker {
 
   bool has() const { return picked_ != nullptr; }
   void moveTo(const btVector3& target) { picked_->setPivotB(target); }
-  btVector3 place = btVector3(0, 0, 0);
+  btVector3 hitPoint = btVector3(0, 0, 0);
 
  private:
   btDiscreteDynamicsWorld* world_;
@@ -265,19 +265,19 @@ TEST(SurfaceObjects, bulletsPickingDragsASoftCubeAsARigidOne) {
   Twins t(0.0, {0, 2, 0});
   t.object->forceActivationState(ACTIVE_TAG);
   Picker soft(*t.world.world, vec(0.2, 2.3, 5), vec(0.2, 2.3, -5));
-  // the soft cube has its skin a radius farther out: the rigid one is picked where the soft one is
+  // the same ray picks both, but the soft cube's surface is one radius farther out
   Picker rigid(*t.twinWorld.world, vec(0.2, 2.3, 5), vec(0.2, 2.3, -5));
   ASSERT_TRUE(soft.has());
   ASSERT_TRUE(rigid.has());
-  double way = 0;
+  double distance = 0;
   for (int i = 0; i < 90; ++i) {
-    way = std::min(way + 2 * kTick, 2.0);
-    soft.moveTo(soft.place + vec(way, 0.5 * way, 0));
-    rigid.moveTo(rigid.place + vec(way, 0.5 * way, 0));
+    distance = std::min(distance + 2 * kTick, 2.0);
+    soft.moveTo(soft.hitPoint + vec(distance, 0.5 * distance, 0));
+    rigid.moveTo(rigid.hitPoint + vec(distance, 0.5 * distance, 0));
     t.tick();
-    const Vector3d apart = t.soft->centerOfMass() - eigen(t.twin->getCenterOfMassPosition());
-    // a few per cent of the way; the skin's thickness is 4 % of the arm
-    ASSERT_LT(apart.norm(), 0.02 + 0.03 * way) << "tick " << i;
+    const Vector3d offset = t.soft->centerOfMass() - eigen(t.twin->getCenterOfMassPosition());
+    // a few per cent of the distance; the radius is 4 % of the moment arm
+    ASSERT_LT(offset.norm(), 0.02 + 0.03 * distance) << "tick " << i;
   }
   EXPECT_GT(t.soft->centerOfMass().x(), 0.5);
 }
@@ -293,14 +293,14 @@ TEST(SurfaceObjects, aPointToPointConstraintHoldsThemAsRigidBodies) {
   double energy = 0;
   for (int i = 0; i < 120; ++i) {
     t.tick();
-    const btVector3 held = t.object->getCenterOfMassTransform() * pivot;
-    const btVector3 twins = t.twin->getCenterOfMassTransform() * pivot;
-    // the twin swings at its own pivot to a centimetre
-    ASSERT_LT(double((held - vec(0.5, 2.5, 0.5)).length()), 0.02)
-        << "tick " << i << ", the twin: " << double((twins - vec(0.5, 2.5, 0.5)).length());
+    const btVector3 softPivot = t.object->getCenterOfMassTransform() * pivot;
+    const btVector3 twinPivot = t.twin->getCenterOfMassTransform() * pivot;
+    // the pivot of the twin itself moves by up to a centimetre
+    ASSERT_LT(double((softPivot - vec(0.5, 2.5, 0.5)).length()), 0.02)
+        << "tick " << i << ", the twin: " << double((twinPivot - vec(0.5, 2.5, 0.5)).length());
     energy =
         t.soft->kineticEnergy() + t.soft->elasticEnergy() + kMass * 9.81 * (t.soft->centerOfMass().y() - 2);
-    // nothing is gained; the rigid twin itself is exact to some per cent of the 17 J of its swing
+    // energy does not rise; the rigid twin itself has an error of some per cent of the 17 J of its swing
     ASSERT_LT(energy, 1.0) << "tick " << i;
     if (i < 60) {
       ASSERT_LT((t.soft->centerOfMass() - eigen(t.twin->getCenterOfMassPosition())).norm(), 0.05) << i;
@@ -318,7 +318,7 @@ TEST(SurfaceObjects, aHeldBodyOnAFloorStaysOnIt) {
   SoftBody* soft = *system.createBody(test::closedCubeNetwork(), cubeSettings({0, 0.52, 0}));
   btRigidBody* object = soft->surfaceObject();
   object->setActivationState(DISABLE_DEACTIVATION);
-  // pulled into the floor
+  // the constraint pulls it into the floor
   btPoint2PointConstraint joint(*object, vec(0, 0, 0));
   joint.setPivotB(vec(0.5, 0.3, 0));
   joint.m_setting.m_impulseClamp = btScalar(0.5);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// Rays, sweeps and contact tests find a soft body's surface, as it is deformed, and tell where on it.
+// Rays, sweeps and contact tests find the deformed surface of a soft body and return the point on it.
 #include "support/bullet_measures.h"
 #include "support/bullet_world.h"
 #include "support/networks.h"
@@ -16,7 +16,7 @@ namespace {
 using test::BulletWorld;
 using test::eigen;
 
-/// Keeps what Bullet tells of a ray's hit.
+/// Records the triangle that Bullet reports for a ray's hit.
 struct Ray final : btCollisionWorld::ClosestRayResultCallback {
   using ClosestRayResultCallback::ClosestRayResultCallback;
   int triangle = -1;
@@ -41,14 +41,14 @@ struct Contacts final : btCollisionWorld::ContactResultCallback {
   }
 };
 
-Eigen::Vector3d placeOf(const SurfaceHit& hit) {
-  Eigen::Vector3d place = Eigen::Vector3d::Zero();
+Eigen::Vector3d pointOf(const SurfaceHit& hit) {
+  Eigen::Vector3d point = Eigen::Vector3d::Zero();
   for (std::size_t i = 0; i < 3; ++i)
-    place += hit.weights[static_cast<Eigen::Index>(i)] * hit.body->position(hit.points[i]);
-  return place;
+    point += hit.weights[static_cast<Eigen::Index>(i)] * hit.body->position(hit.points[i]);
+  return point;
 }
 
-/// A closed cube that has been thrown, turned and dented: its triangles are where nobody expects them.
+/// A closed cube after motion, rotation and deformation: its triangles are far from where they started.
 struct SurfaceQuery : testing::Test {
   SurfaceQuery() : bullet(0.0), system(*bullet.world) {
     SoftBodySettings s = test::testedSettings();
@@ -73,7 +73,7 @@ TEST_F(SurfaceQuery, theObjectTellsOfTheBody) {
   EXPECT_EQ(findPoint(body->point(3)).index, 3u);
   EXPECT_TRUE(object->hasContactResponse());
   EXPECT_FALSE(object->isStaticOrKinematicObject());
-  // a float a few metres from the origin
+  // floats a few metres from the origin
   EXPECT_LT((eigen(object->getWorldTransform().getOrigin()) - body->centerOfMass()).norm(), 1e-6);
   EXPECT_LT((eigen(object->getLinearVelocity()) - body->linearMomentum() / body->totalMass()).norm(), 1e-6);
 }
@@ -94,10 +94,10 @@ TEST_F(SurfaceQuery, aRayHitsTheMiddleOfEveryTriangle) {
     const SurfaceHit hit = surfaceHit(ray.m_collisionObject, ray.triangle, ray.m_hitPointWorld);
     EXPECT_EQ(hit.body, body);
     EXPECT_EQ(hit.triangle, t);
-    // Bullet's floats: 1e-6 of a metre, and of edges of a metre
+    // Bullet's floats: 1e-6 of a metre; edges are about a metre long
     EXPECT_LT((hit.weights - weights).norm(), 1e-5);
     EXPECT_LT((hit.normal - normal).norm(), 1e-9);
-    EXPECT_LT((placeOf(hit) - target).norm(), 1e-5);
+    EXPECT_LT((pointOf(hit) - target).norm(), 1e-5);
   }
 }
 
@@ -116,14 +116,14 @@ TEST_F(SurfaceQuery, aPlaceBesideATriangleIsMovedToItsNearestSide) {
   const SurfaceHit hit = surfaceHit(body->surfaceObject(), 4, test::vec(beyond.x(), beyond.y(), beyond.z()));
   EXPECT_GE(hit.weights.minCoeff(), 0.0);
   EXPECT_NEAR(hit.weights.sum(), 1.0, 1e-12);
-  // brute force over the triangle
+  // the smallest distance over a grid on the triangle
   double nearest = 1e9;
   for (int i = 0; i <= 200; ++i)
     for (int j = 0; j + i <= 200; ++j) {
       const double v = i / 200.0, w = j / 200.0;
       nearest = std::min(nearest, ((1 - v - w) * a + v * b + w * c - beyond).norm());
     }
-  EXPECT_NEAR((placeOf(hit) - beyond).norm(), nearest, 1e-4) << "the grid of the brute force is 1 / 200";
+  EXPECT_NEAR((pointOf(hit) - beyond).norm(), nearest, 1e-4) << "the grid of the brute force is 1 / 200";
 }
 
 TEST_F(SurfaceQuery, sweepsAndContactTestsFindItToo) {

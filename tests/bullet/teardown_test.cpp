@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// World, bodies and system may go in any order. Run under AddressSanitizer these tests see every wrong
-// access.
+// World, bodies and system may be destroyed in any order. AddressSanitizer detects every invalid access.
 #include "support/bullet_world.h"
 #include "support/networks.h"
 #include "support/tested_way.h"
@@ -24,10 +23,12 @@ SoftBody* addCube(SoftBodySystem& system) {
   return *system.createBody(test::cubeNetwork(), s);
 }
 
-/// What of a body is in the world: one of its points, or its surface.
-btRigidBody* inWorld(const SoftBody& body) { return test::kSurface ? body.surfaceObject() : body.point(2); }
+/// Returns an object that represents the body in the world: one of its points, or its surface.
+btRigidBody* worldObjectOf(const SoftBody& body) {
+  return test::kSurface ? body.surfaceObject() : body.point(2);
+}
 
-/// The clean-up loop of Bullet's HelloWorld and of CommonRigidBodyBase: every collision object goes.
+/// The clean-up loop of Bullet's HelloWorld and of CommonRigidBodyBase. It deletes every collision object.
 void deleteAllObjects(btDiscreteDynamicsWorld& world) {
   for (int i = world.getNumCollisionObjects() - 1; i >= 0; --i) {
     btCollisionObject* object = world.getCollisionObjectArray()[i];
@@ -55,18 +56,19 @@ TEST(Teardown, worldFirstWithTheBodiesInIt) {
   SoftBody* body = addCube(system);
   bullet.tick();
   bullet.world.reset();
-  EXPECT_FALSE(inWorld(*body)->isInWorld());
+  EXPECT_FALSE(worldObjectOf(*body)->isInWorld());
 }
 
 TEST(Teardown, pointsMayBeAskedForWhenTheWorldHasGone) {
   auto bullet = std::make_unique<BulletWorld>();
   SoftBodySystem system(*bullet->world);
-  SoftBody* asked = addCube(system);
+  SoftBody* accessed = addCube(system);
   SoftBody* pinned = addCube(system);
   bullet->tick();
   bullet.reset();
-  ASSERT_NE(asked->point(0), nullptr);
-  EXPECT_NEAR(double(asked->point(0)->getWorldTransform().getOrigin().y()), asked->position(0).y(), 1e-6);
+  ASSERT_NE(accessed->point(0), nullptr);
+  EXPECT_NEAR(double(accessed->point(0)->getWorldTransform().getOrigin().y()), accessed->position(0).y(),
+              1e-6);
   pinned->pin(1);
   system.removeAll();
 }
@@ -131,7 +133,7 @@ TEST(Teardown, removingOnePointEndsTheBodyButNotTheWorld) {
   SoftBody* first = addCube(system);
   SoftBody* second = addCube(system);
   bullet.tick();
-  bullet.world->removeRigidBody(inWorld(*first));
+  bullet.world->removeRigidBody(worldObjectOf(*first));
   bullet.simulate(0.2);
   EXPECT_FALSE(first->alive());
   EXPECT_TRUE(second->alive());
@@ -270,7 +272,7 @@ TEST(Teardown, aSurfaceThatTheUserHasRemovedEndsWithItsSentinel) {
   }
 }
 
-/// In static memory, so that it ends after everything that the first body brought into being.
+/// Creates a static system, which is destroyed after all statics that its first body has created.
 void leaveASystemBehind() {
   static BulletWorld bullet;
   static SoftBodySystem system(*bullet.world);
@@ -280,7 +282,7 @@ void leaveASystemBehind() {
 }
 
 TEST(Teardown, aSystemMayOutliveTheProgram) {
-  // in a process of its own, where nothing of Limber has been used before
+  // in a separate process, in which Limber has not been used before
   GTEST_FLAG_SET(death_test_style, "threadsafe");
   EXPECT_EXIT(leaveASystemBehind(), testing::ExitedWithCode(0), "");
 }
@@ -322,8 +324,8 @@ TEST(Teardown, theSystemMayGoInTheUsersPreTick) {
   EXPECT_EQ(CallbackPeek::of(*bullet.world), &destroyAll);
 }
 
-/// What an application may do in its own action.
-struct Maker final : btActionInterface {
+/// An action of the application that creates a body.
+struct BodyCreator final : btActionInterface {
   SoftBodySystem* system = nullptr;
   void updateAction(btCollisionWorld*, btScalar) override {
     if (system->bodyCount() == 0) addCube(*system);
@@ -336,34 +338,34 @@ TEST(Teardown, aBodyMadeAfterTheBeginOfATickMissesNothing) {
   SoftBodySystem system(*bullet.world);
   int warnings = 0;
   system.onWarning([&](const std::string&) { ++warnings; });
-  Maker maker;
-  maker.system = &system;
-  bullet.world->addAction(&maker);
+  BodyCreator creator;
+  creator.system = &system;
+  bullet.world->addAction(&creator);
   bullet.tick();
   bullet.tick();
   EXPECT_EQ(warnings, 0);
   EXPECT_EQ(system.hookState(), HookState::Attached);
-  bullet.world->removeAction(&maker);
+  bullet.world->removeAction(&creator);
 }
 
 TEST(Teardown, systemsOfSpringsAloneLeaveTheWorldAsItWas) {
-  for (int way = 0; way < 4; ++way) {
+  for (int method = 0; method < 4; ++method) {
     BulletWorld bullet;
     btRigidBody* box = bullet.addBox(btVector3(1, 1, 1), 1, btVector3(0, 5, 0));
     auto system = std::make_unique<SoftBodySystem>(*bullet.world);
     SpringConstraint* spring = *system->addSpring({box}, {nullptr});
     bullet.tick();
     EXPECT_NE(CallbackPeek::of(*bullet.world), nullptr);
-    if (way == 0) system->removeSpring(spring);
-    if (way == 1) system->removeAll();
-    if (way == 2) system.reset();
-    if (way == 3) system->forget(*box);
+    if (method == 0) system->removeSpring(spring);
+    if (method == 1) system->removeAll();
+    if (method == 2) system.reset();
+    if (method == 3) system->forget(*box);
     if (system) {
       EXPECT_EQ(system->hookState(), HookState::Idle);
     }
-    // nothing of ours is in the world that would tell whether it still exists: its next tick does
+    // The plugin has no object in the world that could detect this. The next tick does.
     bullet.tick();
-    EXPECT_EQ(CallbackPeek::of(*bullet.world), nullptr) << way;
+    EXPECT_EQ(CallbackPeek::of(*bullet.world), nullptr) << method;
   }
 }
 

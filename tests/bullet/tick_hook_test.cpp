@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// Living in somebody else's pre-tick callback slot.
+// The plugin shares Bullet's only pre-tick callback with the application.
 #include "support/bullet_world.h"
 #include "support/networks.h"
 
@@ -15,7 +15,7 @@ using test::BulletWorld;
 int preTicks = 0, postTicks = 0;
 void countPreTick(btDynamicsWorld* world, btScalar) {
   ++preTicks;
-  // the cast that real programs make of their user info, blindly
+  // real programs also cast their user info without a check
   if (world->getWorldUserInfo()) ++*static_cast<int*>(world->getWorldUserInfo());
 }
 void countPostTick(btDynamicsWorld*, btScalar) { ++postTicks; }
@@ -26,7 +26,7 @@ struct TickHookTest : testing::Test {
   int info = 0;
 };
 
-/// A body one metre long held at one end; sags only if its spring is stepped.
+/// Adds a body one metre long that is pinned at one end. It extends only if its spring is stepped.
 SoftBody* hangingPair(SoftBodySystem& system) {
   SoftBodySettings s;
   s.collisionMask = 0;
@@ -49,7 +49,7 @@ TEST_F(TickHookTest, chainsAnExistingCallbackAndLeavesItsUserInfoAlone) {
 TEST_F(TickHookTest, leavesThePostTickSlotToTheUser) {
   SoftBodySystem system(*bullet.world);
   SoftBody* body = hangingPair(system);
-  // registering the other slot overwrites the shared user info, as Bullet has it
+  // setting the post-tick callback overwrites the user info, which both callbacks share in Bullet
   bullet.world->setInternalTickCallback(countPostTick, &info, false);
   bullet.simulate(0.5);
   EXPECT_EQ(postTicks, 30);
@@ -116,7 +116,7 @@ TEST_F(TickHookTest, twoSystemsShareAWorld) {
 }
 
 TEST_F(TickHookTest, attachedTwiceByOneProgramIsStillSteppedOnce) {
-  // the same network on two systems, or one system told twice: the slot is never chained to itself
+  // two systems, or rehook() called twice: the callback is never chained to itself
   SoftBodySystem system(*bullet.world);
   SoftBody* body = hangingPair(system);
   system.rehook();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// A flat floor is one plane, however it is cut into pieces.
+// A flat floor acts as one plane, no matter how it is cut into pieces.
 #include "bullet/soft_body_data.h"
 #include "support/bullet_measures.h"
 #include "support/bullet_world.h"
@@ -26,27 +26,27 @@ using test::lowest;
 
 class TiledFloor : public testing::TestWithParam<FloorKind> {};
 
-/// At rest on the floor, turned with it, moving down along it with `speed`.
+/// Returns settings of a body that lies on the slope and moves down along it at `speed` (m/s).
 SoftBodySettings onFloor(double height, double slope, double speed) {
   SoftBodySettings s = test::testedSettings();
-  const Eigen::AngleAxisd turn(-slope, Vector3d::UnitZ());
-  s.position = turn * Vector3d(0.013, height, 0.021);
-  s.rotation = turn;
-  s.linearVelocity = turn * Vector3d(speed, 0, 0);
+  const Eigen::AngleAxisd rotation(-slope, Vector3d::UnitZ());
+  s.position = rotation * Vector3d(0.013, height, 0.021);
+  s.rotation = rotation;
+  s.linearVelocity = rotation * Vector3d(speed, 0, 0);
   s.friction = 1.0;
   s.pointRadius = kRadius;
   return s;
 }
 
-/// m, of the point that is farthest from the floor or deepest in it.
-double highestBottom(const SoftBody& body, double slope) {
+/// Returns the distance (m) between the body and the floor; negative for a body that penetrates it.
+double gapToFloor(const SoftBody& body, double slope) {
   const Vector3d up(std::sin(slope), std::cos(slope), 0);
   double height = 1e9;
   for (std::uint32_t i = 0; i < body.pointCount(); ++i) height = std::min(height, up.dot(body.position(i)));
   return height - kRadius;
 }
 
-/// m/s, of the centre of mass (all masses are equal).
+/// Returns the velocity (m/s) of the centre of mass (all masses are equal).
 Vector3d velocityOf(const SoftBody& body) {
   Vector3d sum = Vector3d::Zero();
   for (std::uint32_t i = 0; i < body.pointCount(); ++i) sum += body.velocity(i);
@@ -65,16 +65,15 @@ TEST_P(TiledFloor, motionOnTilesIsThatOnOnePlane) {
     double highest = 0.0;
     for (int i = 0; i < 30; ++i) {
       bullet.tick();
-      highest = std::max(highest, highestBottom(*cube, 0.0));
+      highest = std::max(highest, gapToFloor(*cube, 0.0));
     }
-    // single precision rounds the height of one tile beside the next to 1e-7 m: no more than 1e-3 of the
-    // speed
+    // single precision makes steps of 1e-7 m between tiles, which may cost at most 1e-3 of the speed
     EXPECT_NEAR(velocityOf(*cube).x(), 3.0, 3e-3);
     EXPECT_LT(highest, 1e-3) << "it does not hop";
   }
 }
 
-/// What is put on terrain is rarely put just beside it, and a float of a metre is some 1e-7 m.
+/// Applications rarely place a body exactly on the terrain: a float of a metre is rounded to some 1e-7 m.
 TEST_P(TiledFloor, whatIsPutIntoItALittleIsPushedOut) {
   for (const double depth : {-1e-9, 0.0, 1e-9, 1e-4, 0.4 * kRadius}) {
     SCOPED_TRACE(depth);
@@ -92,13 +91,12 @@ TEST_P(TiledFloor, whatIsPutIntoItALittleIsPushedOut) {
   }
 }
 
-/// Bullet meets a tile for the first time when a point gets onto it, and would brake that at the rounded
-/// edge.
+/// Bullet finds a tile when a point comes onto it, and would slow the point down at the rounded edge.
 TEST_P(TiledFloor, pointsInTheWorldSlideOverItBesideOthers) {
   BulletWorld bullet;
   test::addTiledFloor(bullet, GetParam(), 0.0);
   SoftBodySystem system(*bullet.world);
-  // 0.1 m in a tick: it then has corners 13 mm past the edges of tiles, which are rounded by 40 mm
+  // 0.1 m per tick: then corners are 13 mm past the edges of tiles, which are rounded by 40 mm
   SoftBodySettings s = onFloor(0.5 + kRadius, 0.0, 1.5);
   s.collision = Collision::Points;
   SoftBody* cube = *system.createBody(test::closedCubeNetwork(), s);
@@ -110,7 +108,7 @@ TEST_P(TiledFloor, pointsInTheWorldSlideOverItBesideOthers) {
   EXPECT_NEAR(velocityOf(*cube).x(), 1.5, 1.5e-3);
 }
 
-/// What pushes them is solved together with what bears them.
+/// The contacts that push the points and those with the floor are solved together.
 TEST_P(TiledFloor, pointsInTheWorldAreNotPushedThroughIt) {
   BulletWorld bullet;
   test::addTiledFloor(bullet, GetParam(), 0.0);
@@ -123,7 +121,7 @@ TEST_P(TiledFloor, pointsInTheWorldAreNotPushedThroughIt) {
   ASSERT_TRUE(system.createBody(test::pairNetwork(), s));
   for (int i = 0; i < 10; ++i) {
     bullet.tick();
-    EXPECT_GT(highestBottom(*below, 0.0), -0.1 * kRadius) << i;
+    EXPECT_GT(gapToFloor(*below, 0.0), -0.1 * kRadius) << i;
   }
 }
 
@@ -136,7 +134,7 @@ TEST_P(TiledFloor, aCubeSlidesDownASlopeAgainstFriction) {
   bullet.simulate(1.0);
   const double expected = kGravity * (std::sin(slope) - friction * std::cos(slope));
   const double speed = velocityOf(*cube).dot(Vector3d(std::cos(slope), -std::sin(slope), 0));
-  // while it settles it rocks, and slips a little
+  // at first it rocks and slips a little
   EXPECT_NEAR(speed / expected, 1.0, 0.01);
 }
 
@@ -173,12 +171,12 @@ TEST_P(TiledFloor, mirroredAndVerySoftBodiesDoNotSinkIn) {
         bullet.tick();
         deepest = std::min(deepest, lowest(*cube));
       }
-      // what hits the floor at 2.4 m/s has got up to a tenth of the radius into it for a substep
+      // an impact at 2.4 m/s penetrates by up to a tenth of the radius for a substep
       EXPECT_GT(deepest, 0.9 * kRadius);
     }
 }
 
-/// The cube, over and over from one mesh to the next.
+/// A cube slides from each mesh to the next.
 TEST(SurfaceTiles, aBodyCrossesMeshesAndForgetsThem) {
   BulletWorld bullet;
   for (int i = 0; i < 12; ++i) {
@@ -194,7 +192,7 @@ TEST(SurfaceTiles, aBodyCrossesMeshesAndForgetsThem) {
   SoftBody* cube = *system.createBody(test::closedCubeNetwork(), onFloor(0.5 + kRadius, 0.0, 5.0));
   bullet.simulate(0.8);
   EXPECT_NEAR(velocityOf(*cube).x(), 5.0, 5e-3);
-  // of 12 that it has come near; it reaches four or five at a time
+  // of 12 meshes on its path; four or five are near at a time
   EXPECT_LE(dataOf(*cube).surface.patches.size(), 6u);
 }
 

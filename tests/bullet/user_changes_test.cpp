@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// Whatever a Bullet user does to bodies and world between ticks is taken over; substeps and time steps of the
-// world change nothing.
+// Changes of bodies and world by the application between ticks take effect. The world's substeps and time
+// steps do not change the results.
 #include "support/bullet_world.h"
 #include "support/constants.h"
 #include "support/networks.h"
@@ -196,8 +196,8 @@ TEST(UserChanges, pointsDoNotSpin) {
 
 TEST(UserChanges, aMousePickersConstraintComesAndGoes) {
   if (test::kSurface) GTEST_SKIP() << "Bullet's constraints hold bodies of the world only";
-  // the picker adds a point-to-point constraint that stops collisions with its anchor, keeps the point awake,
-  // and takes it all back; afterwards points of one body must still not collide
+  // The picker adds a point-to-point constraint, which disables collisions with its anchor and keeps the
+  // point awake. It later removes both. Afterwards points of one body must still not collide.
   SoftBodySettings s = test::testedSettings();
   s.pointRadius = 0.4;
   Sim sim(0.0, s);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// Closed bodies in a world keep their volume; pressure blows them up.
+// Closed bodies in a world keep their volume; pressure inflates them.
 #include "support/bullet_world.h"
 #include "support/networks.h"
 #include "support/small_meshes.h"
@@ -17,7 +17,7 @@ namespace {
 
 using test::BulletWorld;
 
-/// m^3, signed.
+/// Returns the signed volume, m^3.
 double volumeOf(const SoftBody& body) {
   double six = 0.0;
   for (const Triangle& t : body.network().surface)
@@ -55,7 +55,7 @@ TEST(Volume, bringsAnInvertedBodyBack) {
   }
 }
 
-/// The hash of bodies as they fall, turned and mirrored, all of one network or each of its own.
+/// Returns the hashes of falling bodies, rotated and mirrored, which share one network or have one each.
 std::vector<std::uint64_t> hashes(bool shared) {
   BulletWorld bullet;
   bullet.addBoxFloor();
@@ -80,8 +80,8 @@ std::vector<std::uint64_t> hashes(bool shared) {
 
 TEST(Volume, isTheSameToTheBitForBodiesSteppedTogether) { EXPECT_EQ(hashes(true), hashes(false)); }
 
-/// Undamped bodies in space, next to each other, whose points have been given random velocities up to
-/// `speed` (m/s).
+/// Undamped bodies in free space, next to each other, with random velocities of the points up to `speed`
+/// (m/s).
 struct UndampedFlight {
   UndampedFlight(const SharedNetwork& network, std::size_t count, double speed, int minSubsteps) {
     SoftBodySettings s = test::testedSettings();
@@ -108,29 +108,29 @@ struct UndampedFlight {
 
 TEST(Volume, undampedFlightKeepsItsEnergy) {
   for (const SharedNetwork& network : {test::closedCubeNetwork(), *buildNetwork(small_meshes::icosphere(1))})
-    for (const std::size_t bodies : {1u, 3u})  // by itself, and side by side in lanes
+    for (const std::size_t bodies : {1u, 3u})  // alone, and side by side in SIMD lanes
       for (const double speed : {0.8, 2.0, 8.0})
         for (const int minSubsteps : {5, 60}) {
           SCOPED_TRACE(testing::Message() << network->restPoints.size() << " points, " << bodies
                                           << " bodies, " << speed << " m/s, " << minSubsteps << " substeps");
           UndampedFlight flight(network, bodies, speed, minSubsteps);
           flight.bullet.tick();
-          std::vector<double> start, least, most;
+          std::vector<double> start, minEnergy, maxEnergy;
           for (std::size_t b = 0; b < bodies; ++b) start.push_back(flight.energy(b));
-          least = most = start;
+          minEnergy = maxEnergy = start;
           for (int i = 0; i < 600; ++i) {
             flight.bullet.tick();
             for (std::size_t b = 0; b < bodies; ++b) {
-              least[b] = std::min(least[b], flight.energy(b));
-              most[b] = std::max(most[b], flight.energy(b));
+              minEnergy[b] = std::min(minEnergy[b], flight.energy(b));
+              maxEnergy[b] = std::max(maxEnergy[b], flight.energy(b));
             }
           }
-          // a mode's energy swings by (omega dt)^2 / 4: up to a quarter for the stiffest at the usual
-          // tolerance, of which this many modes leave some hundredths
+          // A mode's energy swings by (omega dt)^2 / 4: up to a quarter for the stiffest at the default
+          // tolerance. The sum over this many modes swings by some hundredths.
           const double swing = minSubsteps == 5 ? 0.06 : 0.002;
           for (std::size_t b = 0; b < bodies; ++b) {
-            EXPECT_GT(least[b], (1.0 - swing) * start[b]);
-            EXPECT_LT(most[b], (1.0 + swing) * start[b]);
+            EXPECT_GT(minEnergy[b], (1.0 - swing) * start[b]);
+            EXPECT_LT(maxEnergy[b], (1.0 + swing) * start[b]);
           }
         }
 }
@@ -150,7 +150,7 @@ TEST(Volume, undampedFlightIsReversible) {
           point.setLinearVelocity(-point.getLinearVelocity());
         }
       flight.bullet.simulate(1.0);
-      // the velocities turned round are floats, 1e-7 m/s off; the motion is chaotic and makes more of it
+      // the reversed velocities are floats with errors of 1e-7 m/s, which the chaotic motion amplifies
       for (std::uint32_t i = 0; i < body.pointCount(); ++i)
         EXPECT_LT((body.position(i) - start[i]).norm(), 1e-5) << network->restPoints.size() << " points";
     }
@@ -180,7 +180,7 @@ TEST(Volume, isKeptByABallThatIsPressedFlat) {
   EXPECT_GT(heights[1], heights[0] + 0.2);
 }
 
-/// How many times as wide as at rest the body is, by all of its points that stand at about half its height.
+/// Returns the width of the body relative to its rest width, from all points near half its height.
 double width(const SoftBody& body) {
   double sum = 0.0, squares = 0.0;
   for (std::uint32_t i = 0; i < body.pointCount(); ++i) {
@@ -192,15 +192,15 @@ double width(const SoftBody& body) {
   return sum / squares;
 }
 
-/// A block of 1 x 1 x 1 m pressed to 0.98 of its height, its ends free to slide, gets wider by its Poisson
-/// ratio times 0.02.
+/// Presses a block of 1 x 1 x 1 m to 0.98 of its height; its ends can slide. Returns its relative increase in
+/// width divided by 0.02, which is its Poisson ratio.
 double swellingOf(SoftBody& body, BulletWorld& bullet) {
   for (std::uint32_t i = 0; i < body.pointCount(); ++i) {
     const Eigen::Vector3d& rest = body.network().restPoints[i];
     if (std::abs(rest.y()) < 0.499) continue;
     btRigidBody& point = *body.point(i);
-    const btVector3 at = point.getWorldTransform().getOrigin();
-    point.getWorldTransform().setOrigin(btVector3(at.x(), at.y() * btScalar(0.98), at.z()));
+    const btVector3 position = point.getWorldTransform().getOrigin();
+    point.getWorldTransform().setOrigin(btVector3(position.x(), position.y() * btScalar(0.98), position.z()));
     point.setLinearFactor(btVector3(1, 0, 1));
   }
   bullet.simulate(4.0);
@@ -219,7 +219,7 @@ TEST(Volume, givesABodyOfAMaterialItsPoissonRatio) {
     SoftBodySettings s = *withMaterial(*block, {1e5, ratios[i], 1000.0}, test::testedSettings());
     s.damping = 30.0;
     swelling[i] = swellingOf(**system.createBody(block, s), bullet);
-    // the ratio asked for is a mean over all directions of a lattice that is not quite isotropic
+    // the requested ratio is a mean over all directions of a lattice that is not quite isotropic
     EXPECT_NEAR(swelling[i], ratios[i], 0.06);
   }
   EXPECT_NEAR(swelling[1] - swelling[0], 0.1, 0.03);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// What a tick looks at is what is near, however much else there is. Work is counted, not timed.
+// The work of a tick depends on nearby objects, not on the size of the world. The tests count work; they do
+// not measure time.
 #include "support/bullet_measures.h"
 #include "support/bullet_world.h"
 #include "support/constants.h"
@@ -27,7 +28,7 @@ SoftBodySettings settingsAt(double x, double y) {
 
 constexpr double kTile = 0.25;  // m
 
-/// How the boxes of a floor are put together.
+/// The structure of the compound of a floor's boxes.
 enum class Boxes { InTree, InList, InRowsOfTrees };
 
 btTransform at(double x, double y, double z) {
@@ -36,15 +37,15 @@ btTransform at(double x, double y, double z) {
   return pose;
 }
 
-/// A compound of side x side boxes with their tops at y = 0; their middle is the origin.
-std::unique_ptr<btCompoundShape> makeTiles(BulletWorld& bullet, int side, Boxes how) {
+/// Returns a compound of side x side boxes with their tops at y = 0, centred at the origin.
+std::unique_ptr<btCompoundShape> makeTiles(BulletWorld& bullet, int side, Boxes arrangement) {
   bullet.shapes.push_back(std::make_unique<btBoxShape>(vec(kTile / 2, 0.05, kTile / 2)));
   btCollisionShape* tile = bullet.shapes.back().get();
-  auto tiles = std::make_unique<btCompoundShape>(how != Boxes::InList);
+  auto tiles = std::make_unique<btCompoundShape>(arrangement != Boxes::InList);
   const double first = -0.5 * (side - 1) * kTile;
   for (int i = 0; i < side; ++i) {
     btCompoundShape* row = tiles.get();
-    if (how == Boxes::InRowsOfTrees) {
+    if (arrangement == Boxes::InRowsOfTrees) {
       bullet.shapes.push_back(std::make_unique<btCompoundShape>());
       row = static_cast<btCompoundShape*>(bullet.shapes.back().get());
     }
@@ -54,15 +55,15 @@ std::unique_ptr<btCompoundShape> makeTiles(BulletWorld& bullet, int side, Boxes 
   return tiles;
 }
 
-/// The tiles that a cube of a metre can meet, with the quarter of a metre around it in which surfaces are
-/// looked for that are deep in each other.
+/// The number of tiles that a cube of a metre can touch, including a margin of a quarter of a metre, in which
+/// the search for deep penetrations takes place.
 constexpr std::size_t kNear = 8 * 8;
 
 TEST(SurfaceWork, ofACompoundThePartsThatAreNearAreLookedAt) {
-  for (const Boxes how : {Boxes::InTree, Boxes::InList, Boxes::InRowsOfTrees}) {
-    SCOPED_TRACE(static_cast<int>(how));
+  for (const Boxes arrangement : {Boxes::InTree, Boxes::InList, Boxes::InRowsOfTrees}) {
+    SCOPED_TRACE(static_cast<int>(arrangement));
     BulletWorld bullet;
-    bullet.add(makeTiles(bullet, 100, how), 0, vec(0, 0, 0));
+    bullet.add(makeTiles(bullet, 100, arrangement), 0, vec(0, 0, 0));
     SoftBodySystem system(*bullet.world);
     SoftBody* cube = *system.createBody(test::closedCubeNetwork(), settingsAt(0.06, 0.5 + kRadius));
     for (int i = 0; i < 5; ++i) bullet.tick();
@@ -98,7 +99,7 @@ TEST(SurfaceWork, ofACompoundThatMovesThePartsThatAreNearAreLookedAt) {
   EXPECT_GT(test::lowest(*cube), top) << "and pushes it";
 }
 
-/// Where a free cube is half a second after it was hit by a fast, spinning plate of this shape.
+/// Returns the position of a free cube half a second after a fast, rotating plate has hit it.
 Eigen::Vector3d afterBlowOf(bool compound) {
   BulletWorld bullet(0.0);
   auto box = std::make_unique<btBoxShape>(vec(1.0, 0.1, 0.3));
@@ -125,7 +126,7 @@ Eigen::Vector3d afterBlowOf(bool compound) {
 TEST(SurfaceWork, whatComesFastAndTurningIsNear) {
   const Eigen::Vector3d alone = afterBlowOf(false), inCompound = afterBlowOf(true);
   EXPECT_GT(alone.norm(), 0.5) << "it was hit";
-  // the same numbers up to the rounding of a product of two transforms
+  // the same values within the rounding of a product of two transforms
   EXPECT_LT((alone - inCompound).norm(), 1e-4);
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// Worlds other than the plain one.
+// Worlds other than btDiscreteDynamicsWorld.
 #include "support/bullet_world.h"
 #include "support/networks.h"
 #include "support/tested_way.h"
@@ -18,7 +18,7 @@ namespace {
 using test::BulletWorld;
 using test::vec;
 
-/// A soft cube on the floor with a box on it, and beside it a pile of boxes for Bullet's solver.
+/// A soft cube on the floor with a box on it, and next to it a pile of boxes that only Bullet's solver steps.
 struct Heap {
   SoftBody* cube;
   btRigidBody* box;
@@ -37,7 +37,7 @@ Heap addHeap(BulletWorld& bullet, SoftBodySystem& system) {
 }
 
 TEST(WorldKinds, aMultiThreadedWorldDoesAsAPlainOne) {
-  // the one that every build of Bullet has
+  // the task scheduler that every build of Bullet has
   btSetTaskScheduler(btGetSequentialTaskScheduler());
   BulletWorld plain, threaded;
   btCollisionDispatcherMt dispatcher(&threaded.configuration);
@@ -51,7 +51,7 @@ TEST(WorldKinds, aMultiThreadedWorldDoesAsAPlainOne) {
     const Heap expected = addHeap(plain, plainSystem), heap = addHeap(threaded, threadedSystem);
     plain.simulate(3.0);
     threaded.simulate(3.0);
-    // what bodies hold at rest does not depend on the solver's order of constraints
+    // the equilibrium does not depend on the solver's order of constraints
     EXPECT_NEAR(heap.cube->centerOfMass().y(), expected.cube->centerOfMass().y(), 1e-4);
     EXPECT_NEAR(heap.box->getCenterOfMassPosition().y(), expected.box->getCenterOfMassPosition().y(), 1e-4);
     EXPECT_GT(heap.box->getCenterOfMassPosition().y(), 1.0) << "the box lies on the cube";

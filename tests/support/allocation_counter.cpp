@@ -35,7 +35,7 @@ void operator delete(void* memory, std::size_t) noexcept { std::free(memory); }
 
 #else
 
-// glibc: a program's own malloc takes the place of the library's, for new and for all libraries too
+// With glibc, a malloc that the program defines replaces the library's, for new and for all libraries.
 extern "C" {
 void* __libc_malloc(std::size_t size);
 void* malloc(std::size_t size) {

@@ -5,8 +5,9 @@
 
 namespace limber::test {
 
-/// Counts what the whole program allocates during its life, through new, malloc (Eigen) and Bullet's
-/// allocator. Under a sanitizer, which owns malloc, new and Bullet's allocator alone are counted.
+/// Counts the allocations of the whole program during the counter's life: through new, malloc (Eigen) and
+/// Bullet's allocator. Under a sanitizer, which replaces malloc, counts only those of new and of Bullet's
+/// allocator.
 class AllocationCounter {
  public:
   AllocationCounter();

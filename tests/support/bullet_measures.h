@@ -15,20 +15,20 @@ inline Eigen::Vector3d momentumOf(const btRigidBody& body) {
   return eigen(body.getLinearVelocity()) / double(body.getInvMass());
 }
 
-/// About the origin.
+/// Returns the angular momentum about the origin.
 inline Eigen::Vector3d angularMomentumOf(const btRigidBody& body) {
   const btVector3 spin = body.getInvInertiaTensorWorld().inverse() * body.getAngularVelocity();
   return eigen(body.getCenterOfMassPosition()).cross(momentumOf(body)) + eigen(spin);
 }
 
-/// m, of the points of a body.
+/// Returns the smallest y (m) of the body's points.
 inline double lowest(const SoftBody& body) {
   double y = 1e9;
   for (std::uint32_t i = 0; i < body.pointCount(); ++i) y = std::min(y, body.position(i).y());
   return y;
 }
 
-/// m, a column for each point.
+/// Returns the positions (m) of the points, one column each.
 inline Eigen::Matrix3Xd placesOf(const SoftBody& body) {
   Eigen::Matrix3Xd places(3, body.pointCount());
   for (std::uint32_t i = 0; i < body.pointCount(); ++i) places.col(i) = body.position(i);

@@ -8,7 +8,7 @@
 
 namespace limber::test {
 
-/// A plain Bullet world as in HelloWorld, with the bodies a test adds to it.
+/// A Bullet world set up as in Bullet's HelloWorld. Owns the bodies that a test adds.
 struct BulletWorld {
   btDefaultCollisionConfiguration configuration;
   btCollisionDispatcher dispatcher{&configuration};
@@ -27,7 +27,7 @@ struct BulletWorld {
   BulletWorld(const BulletWorld&) = delete;
   BulletWorld& operator=(const BulletWorld&) = delete;
 
-  /// A body of the shape with its centre at `position`; mass 0 makes it static.
+  /// Adds a body of the shape with its centre at `position`; mass 0 makes it static.
   btRigidBody* add(std::unique_ptr<btCollisionShape> shape, double mass, const btVector3& position);
   btRigidBody* addBox(const btVector3& halfSize, double mass, const btVector3& position);
   btRigidBody* addPlaneFloor();     ///< a static plane y = 0
@@ -35,7 +35,7 @@ struct BulletWorld {
   btRigidBody* addHullFloor();      ///< a static convex hull with its top at y = 0, margin included
   btRigidBody* addTriangleFloor();  ///< a static triangle mesh at y = 0, cells of 0.37 m
 
-  /// Advances by one tick of dt, without Bullet's own accumulation.
+  /// Advances by one tick of dt. Bullet's accumulation of time is off.
   void tick(double dt = 1.0 / 60.0) { world->stepSimulation(static_cast<btScalar>(dt), 0); }
   void simulate(double seconds, double dt = 1.0 / 60.0);
 };

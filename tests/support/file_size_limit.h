@@ -7,8 +7,8 @@
 
 namespace limber::test {
 
-/// A full disk, as far as a program can tell without being root: during its life writing a file beyond so
-/// many bytes fails ("File too large").
+/// Simulates a full disk without root rights: during its life, writing beyond `bytes` bytes of a file fails
+/// ("File too large").
 class FileSizeLimit {
  public:
   explicit FileSizeLimit(rlim_t bytes) : handler_(std::signal(SIGXFSZ, SIG_IGN)) {

@@ -18,7 +18,7 @@ Points columns(const std::vector<Vector3d>& points) {
   return result;
 }
 
-/// Those triples of points that all others are behind: no four of the points are in one plane.
+/// Returns all triples of points with all other points behind their plane. No four points share a plane.
 std::vector<Triangle> hullOf(const Points& points) {
   std::vector<Triangle> triangles;
   const auto count = static_cast<std::uint32_t>(points.cols());
@@ -59,7 +59,7 @@ MovingShape boxShape(const Vector3d& sizes, double radius, bool rigid) {
   SurfaceFeatures features;
   features.rigid = rigid;
   const std::uint32_t quads[6][4] = {{0, 4, 6, 2}, {1, 3, 7, 5}, {0, 1, 5, 4},
-                                             {2, 6, 7, 3}, {0, 2, 3, 1}, {4, 5, 7, 6}};
+                                     {2, 6, 7, 3}, {0, 2, 3, 1}, {4, 5, 7, 6}};
   for (const auto& q : quads) {
     features.triangles.push_back({q[0], q[1], q[2]});
     features.triangles.push_back({q[0], q[2], q[3]});
@@ -98,11 +98,11 @@ MovingShape clothShape(int cells, double width, double radius) {
 }
 
 MovingShape hullShape(int points, double radius, std::mt19937& random) {
-  Points places(3, points);
-  for (int i = 0; i < points; ++i) places.col(i) = randomTurn(random) * Vector3d::UnitX();
+  Points positions(3, points);
+  for (int i = 0; i < points; ++i) positions.col(i) = randomTurn(random) * Vector3d::UnitX();
   SurfaceFeatures features;
-  features.triangles = hullOf(places);
-  return makeShape(places, features, radius);
+  features.triangles = hullOf(positions);
+  return makeShape(positions, features, radius);
 }
 
 MovingShape ballShape(int splits, double radius) {
@@ -120,11 +120,11 @@ std::vector<SurfaceContact> contactsOf(MovingShape& a, MovingShape& b, double ma
   return found;
 }
 
-Vector3d placeAt(const MovingShape& shape, const SurfacePoint& place, double time) {
+Vector3d placeAt(const MovingShape& shape, const SurfacePoint& point, double time) {
   Vector3d sum = Vector3d::Zero();
   for (std::size_t i = 0; i < 3; ++i)
-    sum += place.weights[static_cast<Eigen::Index>(i)] *
-           (shape.position.col(place.points[i]) + time * shape.motion.col(place.points[i]));
+    sum += point.weights[static_cast<Eigen::Index>(i)] *
+           (shape.position.col(point.points[i]) + time * shape.motion.col(point.points[i]));
   return sum;
 }
 

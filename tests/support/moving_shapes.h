@@ -8,11 +8,11 @@
 
 namespace limber::test {
 
-inline constexpr double kMargin = 0.007;  ///< m, how far apart contacts are searched for
-/// m: positions of about 1 m are rounded to 1e-16 of that, and products of a few follow.
+inline constexpr double kMargin = 0.007;  ///< m, search distance for contacts
+/// m: positions of about 1 m have a rounding error of 1e-16 m, which a few products multiply.
 inline constexpr double kRounding = 1e-12;
 
-/// A surface with its points: at rest until `motion` is set. Call surface() after each change.
+/// A surface and its points, at rest until `motion` is set. Call surface() after each change.
 struct MovingShape {
   SurfaceTopology topology;
   Points position, motion;  ///< m, m over the tick
@@ -29,25 +29,25 @@ struct MovingShape {
 
 MovingShape makeShape(const Points& points, const SurfaceFeatures& features, double radius);
 
-/// Around the origin, 8 points and 12 triangles.
+/// Returns a box around the origin, with 8 points and 12 triangles.
 MovingShape boxShape(const Eigen::Vector3d& sizes, double radius, bool rigid = false);
 MovingShape sphereShape(double radius);
 
-/// Along x from the origin, so many segments of that length.
+/// Returns a rope along x from the origin. `length` (m) is that of one segment.
 MovingShape ropeShape(int segments, double length, double radius);
 
-/// In the plane y = 0 around the origin, cells x cells squares of that width, facing up.
+/// Returns a cloth in the plane y = 0 around the origin: cells x cells squares of `width` (m), facing up.
 MovingShape clothShape(int cells, double width, double radius);
 
-/// The hull of points drawn from the unit sphere's surface.
+/// Returns the convex hull of random points on the unit sphere.
 MovingShape hullShape(int points, double radius, std::mt19937& random);
 
-/// The welded icosphere of small_meshes.
+/// Returns the welded icosphere of small_meshes.
 MovingShape ballShape(int splits, double radius);
 
 std::vector<SurfaceContact> contactsOf(MovingShape& a, MovingShape& b, double margin);
 
-Eigen::Vector3d placeAt(const MovingShape& shape, const SurfacePoint& place, double time);
+Eigen::Vector3d placeAt(const MovingShape& shape, const SurfacePoint& point, double time);
 
 Eigen::Vector3d randomVector(std::mt19937& random);  ///< coordinates from -1 to 1
 Eigen::Affine3d randomTurn(std::mt19937& random);

@@ -28,17 +28,17 @@ void addQuad(TriangleMesh& mesh, std::uint32_t a, std::uint32_t b, std::uint32_t
 
 using Cell = Eigen::Vector3i;
 
-/// The surface between full and empty cells of a lattice, two triangles for each face of a cell, scaled to a
-/// largest extent of 1. `turned` says of a cell and the axis of its face which diagonal the face gets.
+/// Returns the surface between full and empty cells of a lattice, two triangles for each face of a cell,
+/// scaled to a largest extent of 1. `flipsDiagonal` selects the diagonal of a face by its cell and axis.
 TriangleMesh cellSurface(const Cell& size, const std::function<bool(const Cell&)>& isFull,
-                         const std::function<bool(const Cell&, int)>& turned) {
+                         const std::function<bool(const Cell&, int)>& flipsDiagonal) {
   TriangleMesh mesh;
-  std::map<std::array<int, 3>, std::uint32_t> known;
-  const auto pointAt = [&](const Cell& place) {
+  std::map<std::array<int, 3>, std::uint32_t> indices;
+  const auto pointAt = [&](const Cell& node) {
     const auto [entry, isNew] =
-        known.try_emplace({place[0], place[1], place[2]}, static_cast<std::uint32_t>(mesh.positions.size()));
+        indices.try_emplace({node[0], node[1], node[2]}, static_cast<std::uint32_t>(mesh.positions.size()));
     if (isNew)
-      mesh.positions.emplace_back((place.cast<double>() - 0.5 * size.cast<double>()) / size.maxCoeff());
+      mesh.positions.emplace_back((node.cast<double>() - 0.5 * size.cast<double>()) / size.maxCoeff());
     return entry->second;
   };
   const auto covers = [&](const Cell& c) {
@@ -50,7 +50,7 @@ TriangleMesh cellSurface(const Cell& size, const std::function<bool(const Cell&)
     std::array<std::uint32_t, 4> c{pointAt(corner), pointAt(corner + u), pointAt(corner + u + w),
                                    pointAt(corner + w)};
     if (side == 0) std::swap(c[1], c[3]);
-    const std::size_t first = turned(cell, axis) ? 1 : 0;
+    const std::size_t first = flipsDiagonal(cell, axis) ? 1 : 0;
     addQuad(mesh, c[first], c[first + 1], c[first + 2], c[(first + 3) % 4]);
   };
   for (int x = 0; x < size.x(); ++x)
@@ -62,22 +62,22 @@ TriangleMesh cellSurface(const Cell& size, const std::function<bool(const Cell&)
   return mesh;
 }
 
-/// n x n cells on each face; neighbouring cells have different diagonals.
+/// Returns a cube with n x n cells on each face; neighbouring cells have different diagonals.
 TriangleMesh alternatingCube(int n) {
   return cellSurface(
       Cell::Constant(n), [](const Cell&) { return true; },
       [](const Cell& c, int axis) { return (c[(axis + 1) % 3] + c[(axis + 2) % 3]) % 2 != 0; });
 }
 
-/// Rings of `sides` points about the y axis from y = -length/2 to length/2, quads between them, no caps. Ring
-/// r has the points r * sides + s, counter-clockwise seen from +y.
+/// Returns rings of `sides` points about the y axis from y = -length/2 to length/2, joined by quads, without
+/// caps. Ring r has the points r * sides + s, counter-clockwise seen from +y.
 TriangleMesh openTube(std::uint32_t sides, std::uint32_t rings, double radius, double length) {
   TriangleMesh mesh;
   for (std::uint32_t r = 0; r < rings; ++r) {
     for (std::uint32_t s = 0; s < sides; ++s) {
-      const double turn = 2.0 * kPi * s / sides;
-      mesh.positions.emplace_back(radius * std::sin(turn), length * (double(r) / (rings - 1) - 0.5),
-                                  radius * std::cos(turn));
+      const double angle = 2.0 * kPi * s / sides;
+      mesh.positions.emplace_back(radius * std::sin(angle), length * (double(r) / (rings - 1) - 0.5),
+                                  radius * std::cos(angle));
     }
   }
   for (std::uint32_t r = 0; r + 1 < rings; ++r) {
@@ -89,7 +89,7 @@ TriangleMesh openTube(std::uint32_t sides, std::uint32_t rings, double radius, d
   return mesh;
 }
 
-/// Triangles of the first and the last ring's points, all from the ring's first point.
+/// Closes the first and the last ring with triangles that share the ring's first point.
 void closeWithFans(TriangleMesh& mesh, std::uint32_t sides) {
   const auto last = static_cast<std::uint32_t>(mesh.positions.size()) - sides;
   for (std::uint32_t s = 1; s + 1 < sides; ++s) {
@@ -108,7 +108,7 @@ void closeWithCentres(TriangleMesh& mesh, std::uint32_t sides) {
   }
 }
 
-/// Every plane through three points with all others behind it holds a triangle.
+/// Adds a triangle for every three points whose plane has all other points on one side.
 void addHull(TriangleMesh& mesh) {
   const auto count = static_cast<std::uint32_t>(mesh.positions.size());
   const std::vector<Vector3d>& p = mesh.positions;
@@ -171,9 +171,9 @@ TriangleMesh torus128() {
   TriangleMesh mesh;
   for (std::uint32_t i = 0; i < kSegments; ++i) {
     for (std::uint32_t j = 0; j < kSides; ++j) {
-      const double turn = 2.0 * kPi * i / kSegments, tilt = 2.0 * kPi * j / kSides;
+      const double angle = 2.0 * kPi * i / kSegments, tilt = 2.0 * kPi * j / kSides;
       const double radius = kRing + kTube * std::cos(tilt);
-      mesh.positions.emplace_back(radius * std::cos(turn), radius * std::sin(turn), kTube * std::sin(tilt));
+      mesh.positions.emplace_back(radius * std::cos(angle), radius * std::sin(angle), kTube * std::sin(tilt));
       const std::uint32_t segment = i * kSides, next = (i + 1) % kSegments * kSides, up = (j + 1) % kSides;
       addQuad(mesh, segment + j, next + j, next + up, segment + up);
     }

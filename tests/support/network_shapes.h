@@ -6,8 +6,8 @@
 
 #include <vector>
 
-/// The shapes that rigidity, bracing and the networks bench are measured on, about 1 m large; the number in a
-/// name is that of its points. All are closed and outward but the cloth and the rope.
+/// The shapes on which rigidity, bracing and the networks bench are measured, about 1 m large. The number in
+/// a name is the number of points. All except the cloth and the rope are closed and oriented outward.
 namespace network_shapes {
 
 using limber::TriangleMesh;
@@ -28,7 +28,7 @@ TriangleMesh star162();
 TriangleMesh noise162();  ///< smooth, irregular, concave
 TriangleMesh noise642();
 TriangleMesh rabbit302();        ///< with ears and feet
-TriangleMesh tube60();           ///< long and thin, of triangular section
+TriangleMesh tube60();           ///< long and thin, triangular cross-section
 TriangleMesh cloth100();         ///< flat, one diagonal in each cell
 limber::SharedNetwork rope20();  ///< without bending springs
 
@@ -37,10 +37,10 @@ struct NamedShape {
   TriangleMesh (*make)();
 };
 
-/// All closed ones.
+/// Returns all closed shapes.
 const std::vector<NamedShape>& solids();
 
-/// The edges of the mesh and nothing else.
+/// Returns a network of the edges of the mesh only.
 limber::SharedNetwork bare(const TriangleMesh& mesh);
 
 }  // namespace network_shapes

@@ -47,9 +47,9 @@ SharedNetwork fullCubeNetwork() { return cube(2.0); }
 
 namespace {
 
-/// Springs along all edges of the tetrahedra.
-SharedNetwork ofTetrahedra(const std::vector<Eigen::Vector3d>& points,
-                           const std::vector<Tetrahedron>& tetrahedra) {
+/// Returns a network with springs along all edges of the tetrahedra.
+SharedNetwork tetrahedralNetwork(const std::vector<Eigen::Vector3d>& points,
+                                 const std::vector<Tetrahedron>& tetrahedra) {
   auto network = std::make_shared<SpringNetwork>();
   network->restPoints = points;
   network->massFractions.assign(points.size(), 1.0 / static_cast<double>(points.size()));
@@ -66,15 +66,16 @@ SharedNetwork ofTetrahedra(const std::vector<Eigen::Vector3d>& points,
 
 SharedNetwork tetrahedronNetwork() {
   const double r = std::sqrt(0.125);
-  return ofTetrahedra({{r, r, r}, {r, -r, -r}, {-r, r, -r}, {-r, -r, r}}, {{0, 2, 1, 3}});
+  return tetrahedralNetwork({{r, r, r}, {r, -r, -r}, {-r, r, -r}, {-r, -r, r}}, {{0, 2, 1, 3}});
 }
 
 SharedNetwork tetrahedralCubeNetwork() {
   std::vector<Eigen::Vector3d> points;
   for (int i = 0; i < 8; ++i) points.emplace_back((i & 1) - 0.5, (i >> 1 & 1) - 0.5, (i >> 2) - 0.5);
-  // from corner 0 to corner 7 along the axes in all six orders; those of odd ones are turned over
-  return ofTetrahedra(points,
-                      {{0, 1, 3, 7}, {0, 2, 6, 7}, {0, 4, 5, 7}, {0, 3, 2, 7}, {0, 6, 4, 7}, {0, 5, 1, 7}});
+  // Each tetrahedron follows a path from corner 0 to corner 7 along the three axes, in one of their six
+  // orders. Those of odd order have two corners swapped, for a positive volume.
+  return tetrahedralNetwork(
+      points, {{0, 1, 3, 7}, {0, 2, 6, 7}, {0, 4, 5, 7}, {0, 3, 2, 7}, {0, 6, 4, 7}, {0, 5, 1, 7}});
 }
 
 SharedNetwork closedCubeNetwork() {

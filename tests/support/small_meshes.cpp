@@ -14,7 +14,7 @@ void addTriangle(TriangleMesh& mesh, const Vector3d& a, const Vector3d& b, const
   mesh.triangles.push_back({first, first + 1, first + 2});
 }
 
-/// One face of the cube; `axis` is its normal, u and v complete it to a right-handed frame.
+/// Adds one face of the cube; `axis` is its normal, u and v complete it to a right-handed frame.
 void addCubeFace(TriangleMesh& mesh, int n, int axis, int side) {
   const auto first = static_cast<std::uint32_t>(mesh.positions.size());
   const auto width = static_cast<std::uint32_t>(n + 1);

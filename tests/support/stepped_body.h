@@ -11,7 +11,7 @@
 
 namespace limber::test {
 
-/// A body at its rest shape, for the steppers alone.
+/// A body in its rest shape, to test the steppers without a world.
 struct SteppedTestBody {
   SteppedTestBody(const SharedNetwork& network, double stiffness, double damping, double totalMass = 1.0)
       : net(network) {

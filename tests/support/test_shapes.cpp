@@ -21,7 +21,7 @@ TriangleMesh fromSoup(const shapes::TriangleSoup& soup) {
   TriangleMesh mesh;
   for (const auto& triangle : soup) {
     const auto first = static_cast<std::uint32_t>(mesh.positions.size());
-    // rounded as in the mesh files, so that corners meant to be the same are
+    // rounded as in the mesh files, so that equal corners have equal coordinates
     for (const shapes::Corner& corner : triangle)
       mesh.positions.emplace_back((corner.position.array() * 1e9).round() / 1e9);
     mesh.triangles.push_back({first, first + 1, first + 2});
@@ -29,7 +29,7 @@ TriangleMesh fromSoup(const shapes::TriangleSoup& soup) {
   return mesh;
 }
 
-/// The surface of `field` within a box of 1.2 m around the origin.
+/// Returns the surface of `field` within a box of 1.2 m around the origin.
 TriangleMesh fromField(const shapes::Field& field, double cell) {
   const int cells = 2 * static_cast<int>(std::ceil(0.6 / cell));
   shapes::QuadMesh net = shapes::buildSurfaceNet(
@@ -44,7 +44,7 @@ TriangleMesh fromField(const shapes::Field& field, double cell) {
   return mesh;
 }
 
-/// About the distance from an ellipsoid.
+/// Returns an approximation of the distance from an ellipsoid.
 double ellipsoid(const Vector3d& p, const Vector3d& centre, const Vector3d& radii) {
   const Vector3d q = (p - centre).cwiseQuotient(radii);
   return (q.norm() - 1.0) * radii.minCoeff();
@@ -65,7 +65,7 @@ double rabbitField(const Vector3d& p) {
   return smoothMin(smoothMin(trunk, ear, 0.03), foot, 0.05);
 }
 
-/// A ring of mean radius 0.36 with a gap at the top, rounded ends.
+/// The field of a ring of mean radius 0.36 with a gap at the top and rounded ends.
 double horseshoeField(const Vector3d& p) {
   constexpr double kRing = 0.36, kRod = 0.11, kHalfGap = (0.025 + kRod) / kRing;
   const double angle = std::atan2(p.x(), p.y());  // 0 at the top
@@ -76,7 +76,7 @@ double horseshoeField(const Vector3d& p) {
 
 double torusField(const Vector3d& p) { return std::hypot(std::hypot(p.x(), p.y()) - 0.35, p.z()) - 0.13; }
 
-/// Smooth, about -1 to 1: waves in directions that have nothing to do with each other.
+/// A smooth function with values of about -1 to 1: waves in unrelated directions.
 double waves(const Vector3d& p) {
   return (std::sin(5.1 * p.x() + 1.3 * p.y() + 0.7) + std::sin(-2.3 * p.x() + 4.9 * p.z() + 1.9) +
           std::sin(4.3 * p.y() - 3.7 * p.z() + 0.2) + std::sin(3.1 * (p.x() + p.y() + p.z()) + kPi / 5.0)) /

@@ -8,15 +8,16 @@
 
 namespace limber::test {
 
-/// The tests of tests/bullet run twice: once for each way in which a body can live in a world, named by the
-/// environment variable LIMBER_TESTED_WAY: points, or surface as without it.
+/// The tests of tests/bullet run twice, once for each representation of a body in Bullet's world
+/// (limber::Collision). The environment variable LIMBER_TESTED_WAY selects it: points, or surface (the
+/// default).
 inline bool testsSurfaces() {
   const char* way = std::getenv("LIMBER_TESTED_WAY");
   return !way || std::string_view(way) != "points";
 }
 inline const bool kSurface = testsSurfaces();
 
-/// The defaults, for bodies that live in the way this program tests.
+/// Returns the default settings with the selected representation.
 inline SoftBodySettings testedSettings() {
   SoftBodySettings s;
   s.collision = kSurface ? Collision::Surface : Collision::Points;

@@ -15,12 +15,12 @@ class FloorMaker {
   FloorMaker(BulletWorld& bullet, double friction, double slope)
       : bullet_(bullet),
         friction_(friction),
-        turn_(btQuaternion(btVector3(0, 0, 1), static_cast<btScalar>(-slope)), btVector3(0, 0, 0)) {}
+        tilt_(btQuaternion(btVector3(0, 0, 1), static_cast<btScalar>(-slope)), btVector3(0, 0, 0)) {}
 
-  /// A static body of the shape at `place`, before the floor is tilted.
-  void add(std::unique_ptr<btCollisionShape> shape, const btVector3& place) {
+  /// Adds a static body of the shape, at `position` before the floor is tilted.
+  void add(std::unique_ptr<btCollisionShape> shape, const btVector3& position) {
     btRigidBody* body = bullet_.add(std::move(shape), 0, btVector3(0, 0, 0));
-    body->setWorldTransform(turn_ * btTransform(btQuaternion::getIdentity(), place));
+    body->setWorldTransform(tilt_ * btTransform(btQuaternion::getIdentity(), position));
     body->setFriction(static_cast<btScalar>(friction_));
     bullet_.world->updateSingleAabb(body);
   }
@@ -32,7 +32,7 @@ class FloorMaker {
       for (int j = -kHalfWidth; j < kHalfWidth; ++j) make(vec(i + 0.5, 0, j + 0.5));
   }
 
-  /// Two triangles for each cell, in the tile's coordinates.
+  /// Adds a mesh with two triangles for each cell, in the floor's coordinates before the tilt.
   void addMesh(double x0, double x1, double z0, double z1, double cell) {
     auto mesh = std::make_unique<btTriangleMesh>();
     const int nx = static_cast<int>(std::lround((x1 - x0) / cell));
@@ -66,7 +66,7 @@ class FloorMaker {
     add(std::move(compound), btVector3(0, 0, 0));
   }
 
-  /// Bullet adds the margin around a hull: the tops are flush, what is below them overlaps.
+  /// Bullet adds the margin around a hull: the tops are flush, the sides overlap.
   void addHulls() {
     forEachTile([&](const btVector3& top) {
       auto hull = std::make_unique<btConvexHullShape>();
@@ -85,7 +85,7 @@ class FloorMaker {
  private:
   BulletWorld& bullet_;
   double friction_;
-  btTransform turn_;
+  btTransform tilt_;
 };
 
 }  // namespace

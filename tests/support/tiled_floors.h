@@ -5,7 +5,7 @@
 
 namespace limber::test {
 
-/// Ways to make one flat floor of Bullet's shapes.
+/// The shapes that one flat floor can consist of.
 enum class FloorKind {
   Plane,
   Box,
@@ -25,8 +25,8 @@ inline constexpr FloorKind kFloorKinds[] = {
 
 const char* nameOf(FloorKind kind);
 
-/// A static floor, cut into pieces of 1 m (the fine mesh: 0.1 m), through the origin: from x = -2 m to 8 m
-/// and 2 m to both sides. It falls towards x by `slope` (rad).
+/// Adds a static floor, cut into pieces of 1 m (the fine mesh: 0.1 m). Before the tilt it is at y = 0, from x
+/// = -2 m to 8 m and from z = -2 m to 2 m. It falls towards x by `slope` (rad).
 void addTiledFloor(BulletWorld& bullet, FloorKind kind, double friction, double slope = 0.0);
 
 }  // namespace limber::test
