@@ -46,7 +46,7 @@ TEST(NetworkCloth, pointsRunAlongXThenZ) {
   EXPECT_EQ(cloth->restPoints[0], Eigen::Vector3d(-1.0, 0.0, -1.5));
   EXPECT_EQ(cloth->restPoints[2 * 5 + 3], Eigen::Vector3d(0.5, 0.0, -0.5));  // column 3, row 2
   EXPECT_EQ(cloth->restPoints[34], Eigen::Vector3d(1.0, 0.0, 1.5));
-  for (const double share : cloth->massFractions) EXPECT_DOUBLE_EQ(share, 1.0 / 35.0);
+  for (const double fraction : cloth->massFractions) EXPECT_DOUBLE_EQ(fraction, 1.0 / 35.0);
 }
 
 TEST(NetworkCloth, springCounts) {

@@ -60,7 +60,7 @@ void expectCounts(const TriangleMesh& mesh, const Counts& counts) {
   EXPECT_EQ(network->springs.size(), counts.edges + counts.braces);
 }
 
-/// The rule word by word: every pair that is no edge and as far apart as the ends of some edge.
+/// The brace rule, implemented directly: all pairs that are not edges and have the length of an edge.
 std::set<std::pair<std::uint32_t, std::uint32_t>> bracesBySearchOfAll(const SpringNetwork& bare) {
   std::set<std::pair<std::uint32_t, std::uint32_t>> edges, braces;
   for (const NetworkSpring& spring : bare.springs) edges.insert({spring.a, spring.b});
@@ -99,8 +99,8 @@ TEST(NetworkFromMesh, equalLengthBracesOfIcospheres) {
   expectCounts(small_meshes::icosphere(2), {162, 480, 0});
 }
 
-// A cube of n x n cells gets the second diagonal of each of 6 n^2 cells, and across each of its 12 edges a
-// diagonal between the n - 1 pairs of points next to that edge.
+// Braces of a cube of n x n cells per face: the second diagonal of each of the 6 n^2 cells, and across each
+// of the 12 edges a diagonal between the n - 1 pairs of points next to that edge.
 TEST(NetworkFromMesh, equalLengthBracesOfAFineCube) {
   constexpr std::size_t n = 29;
   expectCounts(small_meshes::cube(n), {6 * n * n + 2, 18 * n * n, 6 * n * n + 12 * (n - 1)});
@@ -109,7 +109,7 @@ TEST(NetworkFromMesh, equalLengthBracesOfAFineCube) {
 TEST(NetworkFromMesh, equalLengthAgreesWithSearchOfAll) {
   std::mt19937 random(3);
   TriangleMesh mesh = small_meshes::cube(3);
-  // changes lengths of 0.33 m by up to 6e-6 m, where 3e-6 m still counts as equal
+  // changes lengths of 0.33 m by up to 6e-6 m; differences up to 3e-6 m still count as equal
   for (Eigen::Vector3d& p : mesh.positions) p *= 1.0 + 1e-6 * static_cast<double>(random() % 8);
   NetworkSettings settings = equalLength();
   settings.weldTolerance = 1e-4;
@@ -172,7 +172,7 @@ TEST(NetworkFromMesh, equalMassShares) {
   const SharedNetwork network = soundNetwork(small_meshes::cube(12));
   const double sum = std::accumulate(network->massFractions.begin(), network->massFractions.end(), 0.0);
   EXPECT_NEAR(sum, 1.0, 1e-12);
-  for (const double share : network->massFractions) EXPECT_EQ(share, network->massFractions.front());
+  for (const double fraction : network->massFractions) EXPECT_EQ(fraction, network->massFractions.front());
 }
 
 TEST(NetworkFromMesh, weldErrorsPassThrough) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// The volume term by itself and in all steppers: closed forms and conservation laws.
+// The volume term alone and in all steppers, compared with closed forms and conservation laws.
 #include "solver/implicit_step.h"
 #include "solver/linear_algebra.h"
 #include "solver/point_state.h"
@@ -62,7 +62,8 @@ TEST(VolumeTerm, knowsTheVolumesOfTheCubeAndItsMirrorImage) {
 
 TEST(VolumeTerm, hasTheGradientOfItsEnergyAsForceAndNoNetForceOrTorque) {
   const SharedNetwork ball = bare(small_meshes::icosphere(1));
-  for (const double size : {1.0, 0.3, 1.6})  // free, gas at its limit, swelling at its limit
+  for (const double size :
+       {1.0, 0.3, 1.6})  // in the linear range, with the gas at its limit, with the swelling at its limit
     for (const double pressure : {0.0, 40.0}) {
       SCOPED_TRACE(testing::Message() << "size " << size << ", pressure " << pressure);
       VolumeArrays v = volumesOf(ball, 100.0, pressure);
