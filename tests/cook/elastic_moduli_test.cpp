@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// Measured elasticity against closed forms.
+// Measured elasticity, compared with closed forms.
 #include "network/material.h"
 #include "support/networks.h"
 #include "support/small_meshes.h"
@@ -28,7 +28,7 @@ const double kVolume = 5.0 / 12.0 * (3.0 + std::sqrt(5.0)) * kEdge * kEdge * kEd
 TEST(ElasticModuli, bulkModulusOfAnIcosahedronIsExact) {
   const SharedNetwork network = icosahedron();
   const double springs = 1000.0 * 30.0 * kEdge * kEdge / (9.0 * kVolume);
-  // 1e-6: the shift of the matrix
+  // 1e-6: effect of the shift of the matrix
   EXPECT_NEAR(measureModuli({*network, 1000.0}).bulkModulus / springs, 1.0, 1e-6);
   EXPECT_NEAR(measureModuli({*network, 1000.0, 500.0}).bulkModulus / (springs + 500.0), 1.0, 1e-6)
       << "the modulus of the volume inside adds to it";
@@ -59,7 +59,7 @@ TEST(ElasticModuli, ofABodyThatFallsApartAreNothing) {
 }
 
 TEST(ElasticModuli, openingTheCubeAcrossTwoFacesIsItsStretching) {
-  // four corners pulled along x by F/4 each: with diagonals in all faces more than the 4 edges' 4 k resist
+  // four corners are pulled along x by F/4 each: the diagonals of all faces add to the 4 k of the 4 edges
   const SharedNetwork cube = test::closedCubeNetwork();
   const double stiffness = openingStiffness({*cube, 1000.0}, {-0.5, 0, 0}, {0.5, 0, 0}, 0.75);
   EXPECT_GT(stiffness, 4000.0);
@@ -67,7 +67,8 @@ TEST(ElasticModuli, openingTheCubeAcrossTwoFacesIsItsStretching) {
   EXPECT_EQ(openingStiffness({*cube, 1000.0}, {-0.5, 0, 0}, {9, 0, 0}, 0.75), 0.0);
 }
 
-/// All twelve edges and two diagonals of each face: by symmetry the six are one, and scale as stresses do.
+/// A cube with all twelve edges and two diagonals of each face: by symmetry the six moduli are equal. They
+/// scale as stresses do.
 TEST(ElasticModuli, ofBendingAreTheSameAboutAllAxesOfACube) {
   const SharedNetwork cube = test::closedCubeNetwork();
   const std::array<double, 6> moduli = measureBendingModuli({*cube, 1000.0});
@@ -76,7 +77,7 @@ TEST(ElasticModuli, ofBendingAreTheSameAboutAllAxesOfACube) {
   EXPECT_NEAR(large[0] / moduli[0], 0.5, 1e-6) << "twice the force on four times the area";
 }
 
-/// A homogeneous solid shows its Young's modulus, whatever its shape and wherever it lies.
+/// The bending moduli of a homogeneous solid are its Young's modulus, for any shape and position.
 TEST(ElasticModuli, ofBendingComeNearYoungsModulusOnAFineLattice) {
   MaterialMesh settings;
   settings.points = 4000;
