@@ -9,7 +9,7 @@
 namespace limber::render::test {
 namespace {
 
-// Looking along -z from 5 m.
+// Looks along -z from 5 m.
 void lookAhead(Stage& stage) {
   stage.camera.eye = {0.0f, 0.0f, 5.0f};
   stage.camera.target = {};
@@ -70,13 +70,13 @@ TEST(Overlay, LiesOnTopOfTheSurfaceItTouches) {
 TEST(Overlay, ChangesNothingOnceItIsGone) {
   Stage stage;
   populate(stage);
-  const Image without = stage.picture();
+  const Image reference = stage.picture();
   Overlay arrows;
   addArrow(arrows, {}, {1.0f, 1.0f, 0.0f}, {1.0f, 0.0f, 0.0f}, stage.camera.eye);
   addCross(arrows, {0.5f, 0.5f, 0.5f}, 0.1f, {0.0f, 0.0f, 1.0f});
   EXPECT_EQ(arrows.size(), 6u);
-  EXPECT_NE(pictureWith(stage, arrows).rgba, without.rgba);
-  EXPECT_EQ(pictureWith(stage, {}).rgba, without.rgba);
+  EXPECT_NE(pictureWith(stage, arrows).rgba, reference.rgba);
+  EXPECT_EQ(pictureWith(stage, {}).rgba, reference.rgba);
 }
 
 TEST(ShareColour, RisesInLightnessFromEndToEnd) {
