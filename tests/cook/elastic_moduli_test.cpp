@@ -24,7 +24,7 @@ SharedNetwork icosahedron() {
 const double kEdge = 4.0 / std::sqrt(10.0 + 2.0 * std::sqrt(5.0));
 const double kVolume = 5.0 / 12.0 * (3.0 + std::sqrt(5.0)) * kEdge * kEdge * kEdge;
 
-/// Under uniform pressure all edges shrink alike by e: the energy is  e^2/2 k sum L^2 = 9 K V e^2/2.
+/// Under uniform pressure all edges shrink by the fraction e: the energy is  e^2/2 k sum L^2 = 9 K V e^2/2.
 TEST(ElasticModuli, bulkModulusOfAnIcosahedronIsExact) {
   const SharedNetwork network = icosahedron();
   const double springs = 1000.0 * 30.0 * kEdge * kEdge / (9.0 * kVolume);
@@ -44,11 +44,11 @@ TEST(ElasticModuli, ofAnIcosahedronAreTheSameInAllDirections) {
 
 TEST(ElasticModuli, scaleWithTheSpringsAndTheSize) {
   const SharedNetwork cube = test::closedCubeNetwork();
-  const ElasticModuli once = measureModuli({*cube, 1000.0}), twice = measureModuli({*cube, 2000.0});
-  EXPECT_NEAR(twice.youngsModulus / once.youngsModulus, 2.0, 1e-9);
-  EXPECT_NEAR(twice.poissonRatio, once.poissonRatio, 1e-9);
+  const ElasticModuli reference = measureModuli({*cube, 1000.0}), doubled = measureModuli({*cube, 2000.0});
+  EXPECT_NEAR(doubled.youngsModulus / reference.youngsModulus, 2.0, 1e-9);
+  EXPECT_NEAR(doubled.poissonRatio, reference.poissonRatio, 1e-9);
   const ElasticModuli large = measureModuli({*cube, 1000.0, 0.0, Eigen::Vector3d::Constant(2.0)});
-  EXPECT_NEAR(large.youngsModulus / once.youngsModulus, 0.5, 1e-6)
+  EXPECT_NEAR(large.youngsModulus / reference.youngsModulus, 0.5, 1e-6)
       << "twice the force on four times the area";
 }
 

@@ -24,7 +24,7 @@ using test_shapes::welded;
 namespace {
 
 /// Adds the points of a cubic lattice in the box of 2 x `half` that are inside the mesh by 0.3 spacings.
-WeldedMesh withInside(const TriangleMesh& mesh, double spacing, double half) {
+WeldedMesh withInnerPoints(const TriangleMesh& mesh, double spacing, double half) {
   WeldedMesh filled = welded(mesh);
   const limber::TriangleBvh bvh(filled.points, filled.triangles);
   const int cells = static_cast<int>(half / spacing);
@@ -43,7 +43,7 @@ MassFractions shares(MassRule rule, const WeldedMesh& mesh) {
   return shareMass(rule, mesh.points, mesh.triangles);
 }
 
-void expectSound(const MassFractions& result, std::size_t points) {
+void expectValid(const MassFractions& result, std::size_t points) {
   ASSERT_EQ(result.shares.size(), points);
   EXPECT_NEAR(std::accumulate(result.shares.begin(), result.shares.end(), 0.0), 1.0, 1e-12);
   EXPECT_GT(*std::min_element(result.shares.begin(), result.shares.end()), 0.19 / double(points));
@@ -108,18 +108,18 @@ TEST(MassFractions, momentsAreMatchedWhereThePointsAllowIt) {
     const char* name;
     WeldedMesh mesh;
   };
-  const Case cases[] = {{"cube", withInside(small_meshes::cube(4), 0.2, 0.5)},
-                        {"icosphere", withInside(small_meshes::icosphere(2), 0.4, 1.0)},
+  const Case cases[] = {{"cube", withInnerPoints(small_meshes::cube(4), 0.2, 0.5)},
+                        {"icosphere", withInnerPoints(small_meshes::icosphere(2), 0.4, 1.0)},
                         {"L", welded(test_shapes::lShape())},
-                        {"cylinder", withInside(test_shapes::cylinder(), 0.2, 0.5)},
+                        {"cylinder", withInnerPoints(test_shapes::cylinder(), 0.2, 0.5)},
                         {"torus", welded(test_shapes::torus())},
                         {"figure", welded(test_shapes::figure())},
-                        {"rabbit", withInside(test_shapes::rabbit(0.03), 0.1, 0.5)},
-                        {"noise sphere", withInside(test_shapes::noiseSphere(2), 0.2, 0.7)}};
+                        {"rabbit", withInnerPoints(test_shapes::rabbit(0.03), 0.1, 0.5)},
+                        {"noise sphere", withInnerPoints(test_shapes::noiseSphere(2), 0.2, 0.7)}};
   for (const Case& c : cases) {
     SCOPED_TRACE(c.name);
     const MassFractions result = shares(MassRule::Moments, c.mesh);
-    expectSound(result, c.mesh.points.size());
+    expectValid(result, c.mesh.points.size());
     EXPECT_LT(result.centreError, 1e-8);  // the solver stops at 1e-10, for moments of the order of 1
     EXPECT_LT(result.inertiaError, 1e-8);
   }
@@ -140,7 +140,7 @@ TEST(MassFractions, farFromTheOrigin) {
 /// ball's. Only mass and centre can be matched.
 TEST(MassFractions, momentsOfAHollowSphere) {
   const MassFractions result = shares(MassRule::Moments, welded(small_meshes::icosphere(2)));
-  expectSound(result, 162);
+  expectValid(result, 162);
   EXPECT_LT(result.centreError, 1e-8);
   EXPECT_NEAR(result.inertiaError, 5.0 / 3.0 - 1.0, 0.05);  // 0.05: the polyhedron is not exactly a ball
 }
@@ -155,7 +155,8 @@ TEST(MassFractions, provesThatThereIsNoSolution) {
   const MassFractions cube = shares(MassRule::Moments, welded(small_meshes::cube(4)));
   EXPECT_GT(cube.leastMisfit, 0.01);
   EXPECT_EQ(cube.leastMisfitAnyMass, 0.0) << "only the bounds on the shares stand against it";
-  const MassFractions filled = shares(MassRule::Moments, withInside(small_meshes::icosphere(2), 0.4, 1.0));
+  const MassFractions filled =
+      shares(MassRule::Moments, withInnerPoints(small_meshes::icosphere(2), 0.4, 1.0));
   EXPECT_EQ(filled.leastMisfit, 0.0);
   EXPECT_LT(filled.inertiaError, 1e-8) << "points inside make it solvable";
 }
@@ -166,7 +167,7 @@ TEST(MassFractions, momentsAreMatchedByTheBodiesOfMaterialMode) {
                                    test_shapes::noiseSphere(2)}) {
     const auto network = *limber::buildMaterialNetwork(mesh);
     const MassFractions result = limber::shareMass(MassRule::Moments, network->restPoints, network->surface);
-    expectSound(result, network->restPoints.size());
+    expectValid(result, network->restPoints.size());
     EXPECT_EQ(result.leastMisfit, 0.0);
     EXPECT_LT(result.centreError, 1e-8);
     EXPECT_LT(result.inertiaError, 1e-8);
@@ -177,7 +178,7 @@ TEST(MassFractions, heavyPointsOfTheSurfaceAreBounded) {
   for (const TriangleMesh& mesh : {small_meshes::cube(4), test_shapes::noiseSphere(3)}) {
     const WeldedMesh body = welded(mesh);
     const MassFractions equal = shares(MassRule::Equal, body), result = shares(MassRule::Moments, body);
-    expectSound(result, body.points.size());
+    expectValid(result, body.points.size());
     EXPECT_LE(*std::max_element(result.shares.begin(), result.shares.end()) * double(body.points.size()),
               10.01);
     EXPECT_LT(result.inertiaError, 0.4 * equal.inertiaError) << "better, if not exact";

@@ -132,9 +132,9 @@ TEST(Analyse, nearlyFlatIsFlat) {
   EXPECT_EQ(analyseQuickly(rope).mechanisms, 36u);
 }
 
-/// Returns the mesh with a scaled copy displaced by `away`, whose triangles are inverted.
-limber::TriangleMesh twice(const limber::TriangleMesh& mesh, const Eigen::Vector3d& displacement,
-                           double scale) {
+/// Returns the mesh with a scaled copy at `displacement`, whose triangles are inverted.
+limber::TriangleMesh withInvertedCopy(const limber::TriangleMesh& mesh, const Eigen::Vector3d& displacement,
+                                      double scale) {
   limber::TriangleMesh both = mesh;
   const auto first = static_cast<std::uint32_t>(mesh.positions.size());
   for (const Eigen::Vector3d& p : mesh.positions) both.positions.push_back(scale * p + displacement);
@@ -145,7 +145,8 @@ limber::TriangleMesh twice(const limber::TriangleMesh& mesh, const Eigen::Vector
 
 TEST(Analyse, piecesAreJudgedEachByItself) {
   const NetworkAnalysis one = analyseQuickly(*bare(network_shapes::cube8()));
-  const NetworkAnalysis two = analyseQuickly(*bare(twice(network_shapes::cube8(), {0, 3, 0}, 1.0)));
+  const NetworkAnalysis two =
+      analyseQuickly(*bare(withInvertedCopy(network_shapes::cube8(), {0, 3, 0}, 1.0)));
   EXPECT_EQ(two.pieces, 2u);
   EXPECT_TRUE(hasRemark(two, "2 pieces"));
   EXPECT_EQ(two.rank, 2 * one.rank);
@@ -179,12 +180,13 @@ TEST(Analyse, surfacesThatFaceInwardAreTurned) {
 }
 
 TEST(Analyse, hollowsFaceIntoThemselves) {
-  const limber::TriangleMesh shell = twice(network_shapes::cube8(), {0, 0, 0}, 0.5);
+  const limber::TriangleMesh shell = withInvertedCopy(network_shapes::cube8(), {0, 0, 0}, 0.5);
   const SharedNetwork hollow = bare(shell);
   EXPECT_EQ(hollow->render.triangles, shell.triangles);
   EXPECT_NEAR(analyseQuickly(*hollow).volume, 1.0 - 0.125, 1e-12);
   EXPECT_EQ(bare(flipped(shell))->surface, hollow->surface);
-  EXPECT_NEAR(analyseQuickly(*bare(twice(network_shapes::cube8(), {2, 0, 0}, 0.5))).volume, 1.125, 1e-12);
+  EXPECT_NEAR(analyseQuickly(*bare(withInvertedCopy(network_shapes::cube8(), {2, 0, 0}, 0.5))).volume, 1.125,
+              1e-12);
 }
 
 TEST(Analyse, extremeFilesEnd) {

@@ -20,7 +20,7 @@ using Bytes = std::vector<std::uint8_t>;
 using Random = std::mt19937_64;  // its numbers are the same everywhere
 
 /// Returns whether the network was accepted.
-bool expectRefusedOrSound(const Bytes& bytes) {
+bool expectRefusedOrValid(const Bytes& bytes) {
   const Result<SharedNetwork> network = fromBytes(bytes.data(), bytes.size());
   if (!network) {
     EXPECT_NE(network.error(), "");
@@ -33,7 +33,7 @@ bool expectRefusedOrSound(const Bytes& bytes) {
 
 std::size_t below(Random& random, std::size_t bound) { return static_cast<std::size_t>(random() % bound); }
 
-std::uint64_t oddCount(Random& random, std::size_t size) {
+std::uint64_t unusualCount(Random& random, std::size_t size) {
   const std::uint64_t counts[] = {0, 1, size, size / 24, 0x7fffffff, 0xffffffff, 1ull << 61, ~0ull};
   return counts[below(random, std::size(counts))];
 }
@@ -51,7 +51,7 @@ void damage(Bytes& bytes, Random& random) {
       bytes[index] = static_cast<std::uint8_t>(random());
       break;
     case 2:
-      if (length >= 8) writeLittleEndian(oddCount(random, bytes.size()), bytes.data() + index);
+      if (length >= 8) writeLittleEndian(unusualCount(random, bytes.size()), bytes.data() + index);
       break;
     case 3:
       if (bytes.size() > test::kHeaderBytes + 32) bytes.erase(position, position + length);
@@ -65,13 +65,13 @@ void damage(Bytes& bytes, Random& random) {
 
 /// Returns how many of `count` damaged files gave a valid network.
 int fuzz(const SpringNetwork& network, int count, std::uint64_t seed) {
-  const Bytes sound = toBytes(network);
+  const Bytes validBytes = toBytes(network);
   Random random(seed);
   int accepted = 0;
   for (int i = 0; i < count; ++i) {
-    Bytes bytes = sound;
+    Bytes bytes = validBytes;
     for (std::size_t changes = 1 + below(random, 4); changes > 0; --changes) damage(bytes, random);
-    accepted += expectRefusedOrSound(test::forged(std::move(bytes)));
+    accepted += expectRefusedOrValid(test::forged(std::move(bytes)));
   }
   return accepted;
 }
@@ -82,7 +82,7 @@ TEST(NetworkFileFuzz, everyChangedByteWithTheRightHash) {
     for (unsigned change = 1; change < 256; ++change) {
       Bytes damaged = bytes;
       damaged[at] = static_cast<std::uint8_t>(damaged[at] ^ change);
-      expectRefusedOrSound(test::forged(std::move(damaged)));
+      expectRefusedOrValid(test::forged(std::move(damaged)));
     }
   }
 }
@@ -90,7 +90,7 @@ TEST(NetworkFileFuzz, everyChangedByteWithTheRightHash) {
 TEST(NetworkFileFuzz, everyTruncationWithTheRightHash) {
   const Bytes bytes = toBytes(test::everyMemberNetwork());
   for (std::size_t size = test::kHeaderBytes; size < bytes.size(); ++size) {
-    EXPECT_FALSE(expectRefusedOrSound(
+    EXPECT_FALSE(expectRefusedOrValid(
         test::forged(Bytes(bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(size)))));
   }
 }

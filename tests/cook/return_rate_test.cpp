@@ -16,14 +16,14 @@
 namespace limber {
 namespace {
 
-constexpr double kUneven = 1e-4;  // of the size, largest irregularity that deform() adds to each point
+constexpr double kIrregularity = 1e-4;  // of the size, largest irregularity that deform() adds to each point
 
 const std::vector<Deformation> kKinds{Deformation::Squash,   Deformation::Twist,  Deformation::Noise,
                                       Deformation::Push,     Deformation::Mirror, Deformation::Flatten,
                                       Deformation::Inversion};
 
 /// Returns the network with an open surface, so without a volume term.
-SpringNetwork opened(SpringNetwork network) {
+SpringNetwork withoutVolumeTerm(SpringNetwork network) {
   network.surface.pop_back();
   return network;
 }
@@ -51,15 +51,15 @@ TEST(Deformations, areWhatTheyAreCalled) {
   const Points rest = RelaxedBody(*network_shapes::bare(network_shapes::ico42())).rest;
   const double roundThickness = thickness(rest);
   for (std::uint64_t run = 0; run < 5; ++run) {
-    EXPECT_LT(thickness(deform(rest, Deformation::Flatten, 1, run)), kUneven);
-    EXPECT_NEAR(thickness(deform(rest, Deformation::Squash, 1, run)), 0.1 * roundThickness, kUneven);
-    EXPECT_LT(largestMove(deform(rest, Deformation::Inversion, 1, run), -rest), 1.01 * kUneven);
-    EXPECT_LE(largestMove(deform(rest, Deformation::Noise, 1, run), rest), 0.5 + kUneven);
+    EXPECT_LT(thickness(deform(rest, Deformation::Flatten, 1, run)), kIrregularity);
+    EXPECT_NEAR(thickness(deform(rest, Deformation::Squash, 1, run)), 0.1 * roundThickness, kIrregularity);
+    EXPECT_LT(largestMove(deform(rest, Deformation::Inversion, 1, run), -rest), 1.01 * kIrregularity);
+    EXPECT_LE(largestMove(deform(rest, Deformation::Noise, 1, run), rest), 0.5 + kIrregularity);
     const Points pushed = deform(rest, Deformation::Push, 1, run);
-    EXPECT_EQ(((pushed - rest).colwise().norm().array() > 1.01 * kUneven).count(), 1);
+    EXPECT_EQ(((pushed - rest).colwise().norm().array() > 1.01 * kIrregularity).count(), 1);
     EXPECT_GT(largestMove(pushed, rest), 0.2);
     const Points mirrored = deform(rest, Deformation::Mirror, 1, run);
-    const auto moved = ((mirrored - rest).colwise().norm().array() > 1.01 * kUneven).count();
+    const auto moved = ((mirrored - rest).colwise().norm().array() > 1.01 * kIrregularity).count();
     EXPECT_GT(moved, 0);
     EXPECT_LT(moved, rest.cols() / 2);
   }
@@ -119,10 +119,10 @@ TEST(ReturnRate, ofTheBareCubeIsPerfectWithAVolumeOnly) {
   const SpringNetwork cube = *network_shapes::bare(network_shapes::cube8());
   for (const Deformation kind : kKinds) EXPECT_EQ(measureReturns(cube, kind, 20, 1).rate(), 1.0);
   // springs cannot distinguish a body from its mirror image
-  const ReturnRate inverted = measureReturns(opened(cube), Deformation::Inversion, 20, 1);
+  const ReturnRate inverted = measureReturns(withoutVolumeTerm(cube), Deformation::Inversion, 20, 1);
   EXPECT_EQ(inverted.returned, 0u);
   EXPECT_EQ(inverted.mirrored, 20u);
-  EXPECT_LT(measureReturns(opened(cube), Deformation::Squash, 40, 1).rate(), 0.8) << "folds flat";
+  EXPECT_LT(measureReturns(withoutVolumeTerm(cube), Deformation::Squash, 40, 1).rate(), 0.8) << "folds flat";
 }
 
 TEST(ReturnRate, ofABareLIsNone) {

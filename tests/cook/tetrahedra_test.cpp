@@ -30,7 +30,7 @@ double volumeInside(const WeldedMesh& mesh) {
 }
 
 /// Expects positive volumes, bounded angles, and a closed manifold surface, at every edge and every point.
-void expectSound(const TetrahedralMesh& mesh) {
+void expectValid(const TetrahedralMesh& mesh) {
   for (const Tetrahedron& t : mesh.tetrahedra) {
     ASSERT_GT(volumeOf(mesh.points, t), 0.0);
     const DihedralAngles angles = dihedralAngles(mesh.points, t);
@@ -86,7 +86,7 @@ TEST(Tetrahedra, fillConcaveAndRoundBodiesSoundly) {
     const WeldedMesh mesh = *weld(c.mesh);
     const Result<TetrahedralMesh> filled = fillWithPoints(mesh, c.points);
     ASSERT_TRUE(filled) << filled.error();
-    expectSound(*filled);
+    expectValid(*filled);
     EXPECT_NEAR(volumeOfAll(*filled) / volumeInside(mesh), 1.0, c.volumeError);
     EXPECT_EQ(findComponents(filled->points.size(), filled->surface).count, mesh.report.components);
     // whole rows of the lattice appear or disappear at once
@@ -119,7 +119,7 @@ TEST(Tetrahedra, findTheCornersOfACubeThatLiesAskewInTheLattice) {
   const Eigen::AngleAxisd rotation(0.5, Eigen::Vector3d(1, 2, 3).normalized());
   for (Eigen::Vector3d& p : cube.positions) p = rotation * p;
   const TetrahedralMesh filled = *fillWithTetrahedra(*weld(cube), 0.15);
-  expectSound(filled);
+  expectValid(filled);
   EXPECT_NEAR(volumeOfAll(filled), 1.0, 0.015) << "cut off by the lattice it would miss 0.05";
 }
 
@@ -137,7 +137,7 @@ TEST(Tetrahedra, leaveHollowsHollow) {
     shell.triangles.push_back({t[0] + first, t[2] + first, t[1] + first});
   const WeldedMesh mesh = *weld(shell);
   const TetrahedralMesh filled = *fillWithTetrahedra(mesh, 0.2);
-  expectSound(filled);
+  expectValid(filled);
   EXPECT_EQ(findComponents(filled.points.size(), filled.surface).count, 2u);
   EXPECT_NEAR(volumeOfAll(filled) / volumeInside(mesh), 1.0, 0.03);
 }
@@ -150,7 +150,7 @@ TEST(Tetrahedra, joinPiecesThatLieWithinEachOther) {
   for (const Triangle& t : other.triangles)
     both.triangles.push_back({t[0] + first, t[1] + first, t[2] + first});
   const TetrahedralMesh filled = *fillWithTetrahedra(*weld(both), 0.125);
-  expectSound(filled);
+  expectValid(filled);
   EXPECT_NEAR(volumeOfAll(filled), 2.0 - 0.5 * 0.75, 0.02);
 }
 
@@ -200,7 +200,7 @@ TEST(Tetrahedra, comeApartWhereTheyMeetInAnEdgeOrAPoint) {
   makeManifold(mesh, 0.0);
   EXPECT_EQ(mesh.tetrahedra.size(), 2u) << "the smaller one at the edge goes";
   EXPECT_EQ(mesh.points.size(), 8u) << "the point in common is doubled";
-  expectSound(mesh);
+  expectValid(mesh);
 }
 
 }  // namespace

@@ -118,16 +118,18 @@ TEST(PairContacts, carryBoxesLightAndHeavyAndLieOnThem) {
     SCOPED_TRACE(mass);
     Scene scene;  // floor, box, cube, box
     const std::uint32_t cube = scene.addCube(1e5, std::max(5.0, 10.0 * mass), {0, 1.5, 0});
-    const std::uint32_t under = scene.addBox(mass, {0, 0.5, 0}), over = scene.addBox(mass, {0, 2.5, 0});
+    const std::uint32_t lowerBox = scene.addBox(mass, {0, 0.5, 0}),
+                        upperBox = scene.addBox(mass, {0, 2.5, 0});
     for (std::uint32_t i = 0; i < 8; ++i) {
       const Vector3d arm((i & 1) - 0.5, i & 2 ? 0.5 : -0.5, (i >> 2) - 0.5);
       if (i & 2)
-        scene.add(point(cube, i - 2), corner(under, arm), 0.0);
+        scene.add(point(cube, i - 2), corner(lowerBox, arm), 0.0);
       else
-        scene.add(corner(under, arm), ContactPoint(), 0.0);
+        scene.add(corner(lowerBox, arm), ContactPoint(), 0.0);
     }
     for (std::uint32_t i = 0; i < 8; ++i)
-      if (i & 2) scene.add(corner(over, Vector3d((i & 1) - 0.5, -0.5, (i >> 2) - 0.5)), point(cube, i), 0.0);
+      if (i & 2)
+        scene.add(corner(upperBox, Vector3d((i & 1) - 0.5, -0.5, (i >> 2) - 0.5)), point(cube, i), 0.0);
     scene.run(10.0, 60);
     const double below = scene.force(0, 2) + scene.force(4, 6),
                  middle = scene.force(2, 4) + scene.force(6, 8);

@@ -43,7 +43,7 @@ std::vector<std::uint32_t> pointsOfTips(const std::vector<double>& xs, double to
 
 /// The definition of weld(), implemented directly: each position joins the nearest point within the
 /// tolerance, or becomes a new point. Returns for each position the point that it joins.
-Points joinBySearchOfAll(const Points& positions, double tolerance) {
+Points joinByBruteForce(const Points& positions, double tolerance) {
   Points points, joined;
   for (const Eigen::Vector3d& p : positions) {
     std::size_t nearest = 0;
@@ -125,7 +125,7 @@ TEST(MeshWeldTolerance, agreesWithSearchOfAll) {
   for (const double tolerance : {1e-300, 0.01, 0.1, 0.2}) {
     Result<WeldedMesh> result = weld(mesh, tolerance);
     ASSERT_TRUE(result) << result.error();
-    const Points expected = joinBySearchOfAll(mesh.positions, tolerance);
+    const Points expected = joinByBruteForce(mesh.positions, tolerance);
     for (std::size_t i = 0; i < expected.size(); ++i) {
       const std::uint32_t point = result->vertexToPoint[i];
       if (point == kNoPoint) continue;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// Surfaces that lie on each other: the contacts found, and the loads that they can carry.
+// Surfaces that rest on each other: the contacts found, and the loads that they can carry.
 #include "support/moving_shapes.h"
 
 #include <gtest/gtest.h>
@@ -21,7 +21,7 @@ using test::MovingShape;
 MovingShape cube() { return test::boxShape(Vector3d::Ones(), kRadius); }
 Affine3d shift(double x, double y, double z) { return Affine3d(Translation3d(x, y, z)); }
 
-void expectSound(const std::vector<SurfaceContact>& found, const MovingShape& a, const MovingShape& b) {
+void expectValid(const std::vector<SurfaceContact>& found, const MovingShape& a, const MovingShape& b) {
   for (std::size_t i = 0; i < found.size(); ++i) {
     const SurfaceContact& c = found[i];
     if (i > 0) {
@@ -59,7 +59,7 @@ TEST(SurfaceContacts, boxLiesOnAFace) {
   MovingShape box = test::boxShape({0.2, 0.1, 0.3}, 0.0, true), soft = cube();
   box.move(shift(0.1, 0.57, 0.05));
   const auto found = test::contactsOf(box, soft, kMargin);
-  expectSound(found, box, soft);
+  expectValid(found, box, soft);
   expectSupports(found, box, 0.0, {0.1, 0, 0.05});
   EXPECT_EQ(found.size(), 4u);
 }
@@ -68,7 +68,7 @@ TEST(SurfaceContacts, softPointsUnderABoxTouchItsFace) {
   MovingShape cloth = test::clothShape(10, 0.1, kRadius), box = test::boxShape({0.35, 0.2, 0.35}, 0.0, true);
   box.move(shift(0, 0.12, 0));
   const auto found = test::contactsOf(box, cloth, kMargin);
-  expectSound(found, box, cloth);
+  expectValid(found, box, cloth);
   expectSupports(found, box, 0.0, {0, 0, 0});
   // 3 x 3 points of the cloth, 4 corners of the box, and the crossings of the box's edges with those of the
   // cloth: 3 lines and 3 diagonals each
@@ -92,7 +92,7 @@ TEST(SurfaceContacts, cubesLieFlush) {
     MovingShape upper = cube(), lower = cube();
     upper.move(Translation3d(pose.x, 1.04, pose.z) * Affine3d(AngleAxisd(pose.angle, Vector3d::UnitY())));
     const auto found = test::contactsOf(upper, lower, kMargin);
-    expectSound(found, upper, lower);
+    expectValid(found, upper, lower);
     expectSupports(found, upper, 0.0, {pose.x, 0, pose.z});
     EXPECT_LE(found.size(), 12u);
   }
@@ -136,7 +136,7 @@ TEST(SurfaceContacts, aSheetMeetsARidgeWithAllItsFolds) {
     for (Eigen::Index i = 0; i < cloth.position.cols(); i += 2)  // every second point of each line
       if (cloth.position(0, i) > 0.05) cloth.position(1, i) += lift;
     const auto found = test::contactsOf(cloth, ridge, kMargin);
-    expectSound(found, cloth, ridge);
+    expectValid(found, cloth, ridge);
     // 5 edges across the ridge, and the diagonals between them
     EXPECT_EQ(found.size(), 9u) << lift;
     for (const SurfaceContact& c : found) {
@@ -161,7 +161,7 @@ TEST(SurfaceContacts, ballTouchesWhatIsNearest) {
     ball.position.col(0) = expected.foot + (radiusSum + 0.001) * expected.normal;
     const auto found = test::contactsOf(ball, soft, kMargin);
     ASSERT_EQ(found.size(), 1u) << expected.foot.transpose();
-    expectSound(found, ball, soft);
+    expectValid(found, ball, soft);
     EXPECT_EQ(found[0].b.kind, expected.kind);
     EXPECT_LT((found[0].normal - expected.normal).norm(), kRounding);
     EXPECT_NEAR(found[0].gap, 0.001, kRounding);

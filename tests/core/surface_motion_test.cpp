@@ -81,11 +81,11 @@ TEST(SurfaceMotion, shotsMeetTheCubeWhereTheyEnter) {
     } else if (minimum < radiusSum) {
       ASSERT_EQ(found.size(), 1u);
       // contact is assumed a hundredth of the margin early, which for a glancing ball is earlier in time
-      const Vector3d at = shot.from + found[0].time * shot.motion;
-      EXPECT_NEAR(distanceToCube(at), radiusSum, 0.0101 * kMargin);
+      const Vector3d position = shot.from + found[0].time * shot.motion;
+      EXPECT_NEAR(distanceToCube(position), radiusSum, 0.0101 * kMargin);
       EXPECT_LE(found[0].time, shot.timeOfImpact(radiusSum) + 1e-9);
       // an edge counts as nearest up to 0.01 rad beyond its faces' normals
-      EXPECT_LT((found[0].normal - normalOfCube(at)).norm(), 0.0101);
+      EXPECT_LT((found[0].normal - normalOfCube(position)).norm(), 0.0101);
       EXPECT_LT(found[0].normal.dot(shot.motion), 0.0);
       ++hits;
     }
@@ -145,9 +145,10 @@ TEST(SurfaceMotion, passersByHaveNoContacts) {
     box.motion = second - first;
     double minimum = 1e300;
     for (int i = 0; i <= 400; ++i) {  // convex bodies: their distance is at least that along any direction
-      const Points at = first + i / 400.0 * box.motion;
-      minimum = std::min(minimum, std::max({at.row(0).minCoeff() - 0.1, -at.row(0).maxCoeff() - 0.1,
-                                            at.row(2).minCoeff() - 0.1, -at.row(2).maxCoeff() - 0.1}));
+      const Points position = first + i / 400.0 * box.motion;
+      minimum =
+          std::min(minimum, std::max({position.row(0).minCoeff() - 0.1, -position.row(0).maxCoeff() - 0.1,
+                                      position.row(2).minCoeff() - 0.1, -position.row(2).maxCoeff() - 0.1}));
     }
     if (minimum < 0.02 + kMargin + 0.005) continue;  // 0.005 m: half of the motion between samples
     EXPECT_TRUE(test::contactsOf(box, post, kMargin).empty()) << "trial " << trial << " " << minimum;

@@ -32,9 +32,9 @@ Eigen::AlignedBox3d boxOf(const MovingShape& shape, const Triangle& triangle) {
   Eigen::AlignedBox3d box;
   for (const std::uint32_t v : triangle)
     for (const double time : {0.0, 1.0}) {
-      const Vector3d at = shape.position.col(v) + time * shape.motion.col(v);
-      box.extend(at - Vector3d::Constant(shape.radius));
-      box.extend(at + Vector3d::Constant(shape.radius));
+      const Vector3d corner = shape.position.col(v) + time * shape.motion.col(v);
+      box.extend(corner - Vector3d::Constant(shape.radius));
+      box.extend(corner + Vector3d::Constant(shape.radius));
     }
   return box;
 }
@@ -67,15 +67,16 @@ TEST(SurfaceTree, findsThePairsThatAreNear) {
 TEST(SurfaceTree, findsThePairsOfItself) {
   std::mt19937 random(2);
   MovingShape a = randomSoup(80, random);
-  LeafPairs waiting, leaves, both;
+  LeafPairs waiting, leaves, allPairs;
   findNearLeaves(a.surface(), 0.02, waiting, leaves);
   MovingShape copy = a;
-  findNearLeaves(a.surface(), copy.surface(), 0.02, waiting, both);
-  both.erase(std::remove_if(both.begin(), both.end(), [](const auto& p) { return p.first >= p.second; }),
-             both.end());
+  findNearLeaves(a.surface(), copy.surface(), 0.02, waiting, allPairs);
+  allPairs.erase(
+      std::remove_if(allPairs.begin(), allPairs.end(), [](const auto& p) { return p.first >= p.second; }),
+      allPairs.end());
   std::sort(leaves.begin(), leaves.end());
-  std::sort(both.begin(), both.end());
-  EXPECT_EQ(leaves, both);
+  std::sort(allPairs.begin(), allPairs.end());
+  EXPECT_EQ(leaves, allPairs);
   EXPECT_GT(leaves.size(), 20u);
 }
 

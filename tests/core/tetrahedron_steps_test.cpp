@@ -50,7 +50,7 @@ class TetrahedronSteps : public testing::TestWithParam<TetrahedronStepper> {
   SharedFactors factors;
 };
 
-/// All points of a regular tetrahedron are alike, so blown up evenly it keeps its shape and oscillates:
+/// By symmetry, a regular tetrahedron that is enlarged uniformly keeps its shape and oscillates:
 ///     omega^2 = (k sum L^2 + 9 K V0) / sum m |x|^2.
 TEST_P(TetrahedronSteps, breatheWithTheRightPeriod) {
   SteppedTestBody body(test::tetrahedronNetwork(), 100.0, 0.0);

@@ -225,7 +225,7 @@ class VolumeSteps : public testing::TestWithParam<VolumeStepper> {
   SharedFactors factors;
 };
 
-/// All points of an icosahedron are alike, so blown up evenly it keeps its shape and oscillates:
+/// By symmetry, an icosahedron that is enlarged uniformly keeps its shape and oscillates:
 ///     omega^2 = (k sum L^2 + 9 K V0) / sum m |x|^2,   |x| = 1 m.
 TEST_P(VolumeSteps, breatheWithTheRightPeriod) {
   SteppedTestBody body(bare(small_meshes::icosphere(0)), 100.0, 0.0);
@@ -260,7 +260,7 @@ TEST_P(VolumeSteps, keepMomentumAndComeBackFromFlatAndInsideOut) {
   }
 }
 
-/// Gas at P blows the icosahedron up to s, where  k sum L^2 (s - 1) = 3 P V0 / s.
+/// Gas of pressure P enlarges the icosahedron to the radius s:  k sum L^2 (s - 1) = 3 P V0 / s.
 TEST_P(VolumeSteps, areBlownUpByGas) {
   SteppedTestBody body(bare(small_meshes::icosphere(0)), 100.0, 5.0);
   body.settings.volumeModulus = 0.0;

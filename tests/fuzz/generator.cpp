@@ -38,7 +38,7 @@ class Writer {
   void soft(int at = -1);
   void softMaterial(Step& step);
   void softStepping(Step& step);
-  void others();
+  void otherObjects();
   void joint(int at = -1);
   void user(int frames);
   void userStep(int at);
@@ -63,7 +63,7 @@ class Writer {
   Story story_;
   std::string promise_;
   int lastId_ = 0, systems_ = 1, frames_ = 60;
-  std::vector<int> rigids_, softs_, others_, springs_;
+  std::vector<int> rigids_, softs_, otherIds_, springs_;
   std::vector<Ball> occupied_;
 };
 
@@ -252,11 +252,11 @@ void Writer::joint(int at) {
   if (dice_.chance(0.2)) s.set("motor", dice_.number(-5, 5));
   if (dice_.chance(0.3)) s.set("low", dice_.number(-1, 0)).set("high", dice_.number(0, 1));
   if (dice_.chance(0.1)) s.set("break", dice_.number(0.1, 5));
-  others_.push_back(s.id);
+  otherIds_.push_back(s.id);
 }
 
 /// Adds the objects of a scene that are neither rigid nor soft bodies.
-void Writer::others() {
+void Writer::otherObjects() {
   if (dice_.chance(0.25)) {
     story_.steps[0].choose("kind", "multi-body").choose("solver", "sequential");
     Step& s = addObject(Kind::MultiBody);
@@ -269,13 +269,13 @@ void Writer::others() {
   if (dice_.chance(0.1)) {
     Step& s = addObject(Kind::Ghost);
     s.set("position", dice_.box({-1, 0, -1}, {1, 2, 1})).set("pairs", dice_.below(2));
-    others_.push_back(s.id);
+    otherIds_.push_back(s.id);
   }
   if (dice_.chance(0.12)) {
     Step& s = addObject(Kind::Character);
     s.set("position", freePosition(0.7, 0.75))
         .set("walk", Vector3d(dice_.number(-2, 2), 0, dice_.number(-2, 2)));
-    others_.push_back(s.id);
+    otherIds_.push_back(s.id);
   }
   if (dice_.chance(0.08)) {
     Step& s = addObject(Kind::Vehicle);
@@ -407,7 +407,7 @@ void Writer::userStep(int at) {
   else if (s.kind == Kind::Forget || s.kind == Kind::Enter)
     s.set("of", randomId(rigids_));
   else if (s.kind == Kind::Destroy || s.kind == Kind::Leave)
-    s.set("of", dice_.chance(0.8) || others_.empty() ? randomBody() : randomId(others_));
+    s.set("of", dice_.chance(0.8) || otherIds_.empty() ? randomBody() : randomId(otherIds_));
   if (s.kind == Kind::Destroy && dice_.chance(0.1) && !springs_.empty()) s.set("of", randomId(springs_));
   if (s.kind == Kind::Destroy) chooseAny(s, "how");
   if (s.kind == Kind::Leave && dice_.chance(0.2)) s.set("point", dice_.below(200));
@@ -444,7 +444,7 @@ Story Writer::write() {
   const bool gentle = promise_ == "gentle";
   for (int i = gentle ? 0 : dice_.below(6); i > 0; --i) rigid();
   for (int i = dice_.of({1, 1, 1, 2, 2, 3}); i > 0; --i) soft();
-  if (wild()) others();
+  if (wild()) otherObjects();
   if (wild()) user(frames_);
   return std::move(story_);
 }

@@ -318,13 +318,13 @@ std::optional<Failure> check(const Law& law, const Run& run, const std::vector<d
 
 /// Returns for each frame the largest distance (m) between the two runs so far.
 std::vector<double> growth(const Run& run, const Run& other) {
-  std::vector<double> grown;
+  std::vector<double> growthSoFar;
   for (std::size_t i = 0; i < run.frames.size(); ++i) {
     const double error =
         i < other.frames.size() ? distance(run.frames[i], other.frames[i], Motion()) : HUGE_VAL;
-    grown.push_back(std::max(error, grown.empty() ? 0.0 : grown.back()));
+    growthSoFar.push_back(std::max(error, growthSoFar.empty() ? 0.0 : growthSoFar.back()));
   }
-  return grown;
+  return growthSoFar;
 }
 
 /// Returns for each frame the distance (m) that round-off may cause.
@@ -333,8 +333,8 @@ std::vector<double> allowedByNudge(const Story& story, const Run& run) {
   options.nudge = kNudge;
   std::vector<double> allowed(run.frames.size(), 0.0);
   for (options.nudgeNumber = 0; options.nudgeNumber < kNudges; ++options.nudgeNumber) {
-    const std::vector<double> grown = growth(run, play(story, options));
-    for (std::size_t i = 0; i < allowed.size(); ++i) allowed[i] = std::max(allowed[i], grown[i]);
+    const std::vector<double> growthSoFar = growth(run, play(story, options));
+    for (std::size_t i = 0; i < allowed.size(); ++i) allowed[i] = std::max(allowed[i], growthSoFar[i]);
   }
   for (double& error : allowed) error = error < kVisible ? kNudgeFactor * (error + kNudge) : HUGE_VAL;
   return allowed;

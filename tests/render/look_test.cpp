@@ -80,8 +80,8 @@ TEST(Look, CounterClockwiseIsOutside) {
       Stage stage;
       lookDown(stage);
       stage.add(square(1.0f, 0.0f, facingUp, twoSided), {{0.5f, 0.1f, 0.1f}, {}});
-      const bool seen = std::abs(brightness(stage.picture(), kMiddleX, kMiddleY) - background) > 60;
-      EXPECT_EQ(seen, facingUp || twoSided) << facingUp << twoSided;
+      const bool visible = std::abs(brightness(stage.picture(), kMiddleX, kMiddleY) - background) > 60;
+      EXPECT_EQ(visible, facingUp || twoSided) << facingUp << twoSided;
     }
   }
 }
