@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Zlib
-"""Runs limber-bench small and looks at what it leaves: check_bench.py CHECK PROGRAM BENCH_FOLDER
+"""Makes small runs of limber-bench and checks their output: check_bench.py CHECK PROGRAM BENCH_FOLDER
 
-Counts, states, shares and errors are checked; times only for being positive and in order."""
+Checks counts, states, fractions and errors; times must only be positive and consistent."""
 
 import csv
 import pathlib
@@ -17,7 +17,7 @@ CONTACT_COLUMNS = ("scene,engine,bodies,points,tick_ms_median,tick_ms_worst,rati
                    "us_per_point,deepest_penetration_share,residual_speed").split(",")
 ACCURACY_COLUMNS = "scene,engine,setting,dt,error,us_per_tick,us_step,hash,us_noise,kind,measure".split(",")
 
-# part of scenes' names, their measure, the setting of Limber, the largest error at any tick
+# part of the names of scenes, the measure, the setting of Limber, the largest error for any tick length
 ACCURACY_BOUNDS = [
     ("oscillator", "period", "auto 1e-04", 1e-4),
     ("oscillator", "amplitude", "auto", 1e-3),
@@ -36,9 +36,9 @@ def run(*command):
     return subprocess.run([str(c) for c in command], capture_output=True, text=True, check=False)
 
 
-def expect(truth, what):
-    if not truth:
-        sys.exit(f"check_bench: {what}")
+def expect(condition, message):
+    if not condition:
+        sys.exit(f"check_bench: {message}")
 
 
 def small_run(program, folder, *options):
@@ -65,7 +65,7 @@ def check_row(row):
 
 
 def check_hashes(rows):
-    """A picture must not change what it shows."""
+    """Checks that drawing does not change the state of the scene."""
     for bodies in {row["bodies"] for row in rows}:
         hashes = {r["hash"] for r in rows if r["bodies"] == bodies and r["mode"] != "bare"}
         expect(len(hashes) == 1, f"{bodies} cubes end in different states: {hashes}")
@@ -105,7 +105,7 @@ def check_sleep(program, _):
 
 
 def check_networks(program, _):
-    """The pipeline brings a small body back where the edges alone do not, with springs that stay inside."""
+    """Checks that a small body returns to its shape with the pipeline's braces, which stay inside, but not without."""
     with tempfile.TemporaryDirectory() as folder:
         done = run(program, "networks", "--quick", "--mesh", "cube26", "--runs", "10", "--out", folder)
         expect(done.returncode == 0, f"exit status {done.returncode}: {done.stderr}")
@@ -163,7 +163,7 @@ def check_accuracy(program, _):
 
 
 def check_accuracy_repeats(program, _):
-    """The same run gives the same errors and states; all engines are there."""
+    """Checks that a repeated run gives the same errors and states, and that all engines take part."""
     with tempfile.TemporaryDirectory() as name:
         first, second = (accuracy_run(program, pathlib.Path(name), "oscillator") for _ in range(2))
         expect({r["engine"] for r in first} == {"limber", "btSoftBody", "btDeformable"}, "engines")
@@ -223,7 +223,7 @@ def check_contact_row(row, rows):
 
 
 def check_contact(program, _):
-    """Every engine takes part or tells why not; Limber takes part everywhere and rests where it should."""
+    """Checks that every engine runs or gives a reason, and that Limber runs in all scenes and does not sink in."""
     with tempfile.TemporaryDirectory() as name:
         rows, summary = contact_run(program, pathlib.Path(name))
         expect(list(rows[0])[: len(CONTACT_COLUMNS)] == CONTACT_COLUMNS, f"columns: {list(rows[0])}")
@@ -315,7 +315,7 @@ def stability_run(program, folder, *options):
 
 
 def check_survivor(row):
-    """What Limber promises of a body that nothing but its own springs moves."""
+    """Checks the guarantees of Limber for a body that only its own springs move."""
     expect(row["finite"] == "1", f"not finite: {row}")
     expect(0 < float(row["energy_ratio"]) <= 1.001 + float(row["rounding"]), f"energy: {row}")
     expect(float(row["rounding"]) < 1e-2, f"the allowance for rounding allows anything: {row}")
@@ -336,7 +336,7 @@ def check_stability(program, _):
 
 
 def check_stability_counts(program, _):
-    """The counts are those of the rows, for the other engines, too; what an engine cannot have is told."""
+    """Checks that the counts agree with the rows for all engines, and that unsupported cases have a reason."""
     with tempfile.TemporaryDirectory() as name:
         folder = pathlib.Path(name)
         rows, summary = stability_run(program, folder, "--case", "impact plane")

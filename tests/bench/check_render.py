@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Zlib
-"""Runs limber-bench render small and looks at what it leaves: check_render.py CHECK PROGRAM BENCH_FOLDER
+"""Makes small runs of limber-bench render and checks their output: check_render.py CHECK PROGRAM BENCH_FOLDER
 
-Bytes, memory and draw calls are checked; times only for being positive and in order."""
+Checks bytes, memory and draw calls; times must only be positive and consistent."""
 
 import csv
 import os
@@ -19,7 +19,7 @@ FLOOR_POINTS, FLOOR_TRIANGLES = 4, 2
 
 
 def render_run(program, folder, *options):
-    """The summary of a quick run that keeps to one turn of each path."""
+    """Returns the summary of a quick run with one block of each path."""
     done = run(program, "render", "--quick", "--blocks", "1", "--out", folder, *options)
     expect(done.returncode == 0, f"exit status {done.returncode}: {done.stderr}")
     expect((folder / "render.txt").read_text() == done.stdout, "render.txt is not what was printed")
@@ -39,12 +39,12 @@ def check_bytes(row):
     expect(sent == (36 * 3 * triangles if row["path"] == "naive" else 12 * points), f"bytes: {row}")
     expect(abs(float(row["mb_per_frame"]) - 1e-6 * sent) <= 1e-5 * 1e-6 * sent, f"megabytes: {row}")
     buffers = 1e6 * float(row["buffer_mb"])
-    least = {"limber": 3 * 12 * points, "naive_points": 12 * points, "naive": (36 + 4) * 3 * triangles}
-    expect(least[row["path"]] * 0.9999 <= buffers < 20 * least[row["path"]] + 4096, f"buffers: {row}")
+    smallest = {"limber": 3 * 12 * points, "naive_points": 12 * points, "naive": (36 + 4) * 3 * triangles}
+    expect(smallest[row["path"]] * 0.9999 <= buffers < 20 * smallest[row["path"]] + 4096, f"buffers: {row}")
 
 
 def check_draws(row):
-    """The floor casts no shadow; the background is one draw."""
+    """Checks the number of draw calls: the floor casts no shadow, and the background is one draw call."""
     shapes = 1 if row["path"] == "limber" else int(row["bodies"])
     expect(int(row["draw_calls"]) == shapes * (1 + int(row["shadows"])) + 2, f"draw calls: {row}")
 
@@ -73,7 +73,7 @@ def check_frames(program, _):
 
 
 def check_parts(program, _):
-    """Memory, skins and files: each path is measured, and no picture is left over."""
+    """Checks memory, skins and files: each path is measured, and no picture file remains."""
     with tempfile.TemporaryDirectory() as name:
         folder = pathlib.Path(name)
         render_run(program, folder, "--part", "memory", "--context", "osmesa")
@@ -82,8 +82,8 @@ def check_parts(program, _):
         expect(int(rows["limber"]["buffer_bytes"]) < int(rows["naive"]["buffer_bytes"]) / 4, f"buffers: {rows}")
         render_run(program, folder, "--part", "skins")
         rows = read_rows(folder / "render_skins.csv")
-        ways = [("dense", "gpu"), ("dense", "cpu"), ("sparse", "gpu"), ("sparse", "cpu")]
-        expect([(r["weights"], r["way"]) for r in rows] == ways, f"rows: {rows}")
+        methods = [("dense", "gpu"), ("dense", "cpu"), ("sparse", "gpu"), ("sparse", "cpu")]
+        expect([(r["weights"], r["way"]) for r in rows] == methods, f"rows: {rows}")
         for row in rows:
             streamed = int(row["points"] if row["way"] == "gpu" else row["vertices"])
             expect(int(row["bytes_per_frame"]) == 12 * (streamed + FLOOR_POINTS), f"bytes: {row}")

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// The measures of the contact bench against what is known without them.
+// The measurements of the contact bench, compared with known values.
 #include "accuracy/networks.h"
 #include "accuracy/scene_list.h"
 #include "contact/box_surface.h"
@@ -15,7 +15,7 @@
 namespace limber::bench {
 namespace {
 
-/// A cube of 1 m in the air, at rest at first; nothing else is there.
+/// Returns a scene with only a cube of 1 m in the air, at rest at the start.
 ContactScene fallingCube(int settle, int measured) {
   ContactScene scene;
   scene.name = "falling";
@@ -46,7 +46,7 @@ TEST(BoxSurface, isClosedOutwardAndOfTheBoxsVolume) {
       volume += p[t[0]].dot(p[t[1]].cross(p[t[2]])) / 6.0;
       for (std::size_t k = 0; k < 3; ++k) ++edges[{t[k], t[(k + 1) % 3]}];
     }
-    EXPECT_NEAR(volume, 1.0, 1e-12);  // below 0 if it faced inward
+    EXPECT_NEAR(volume, 1.0, 1e-12);  // negative if it faced inward
     EXPECT_EQ(surface.size(), 12u * static_cast<std::size_t>((side - 1) * (side - 1)));
     for (const auto& [edge, times] : edges) {
       EXPECT_EQ(times, 1);
@@ -63,7 +63,7 @@ TEST(ContactStage, knowsTheSpeedOfWhatFalls) {
     ASSERT_EQ(stage.error(), "") << engine.name;
     EXPECT_EQ(stage.points(), 8u);
     EXPECT_EQ(stage.ticks().size(), 20u);
-    // during the 30th tick; engines move by the mean speed of a tick or by that at its end
+    // during the 30th tick; engines move bodies by the mean velocity of a tick or by that at its end
     EXPECT_NEAR(stage.residualSpeed(), 29.75 * kContactTick * kGravity, 0.3 * kContactTick * kGravity)
         << engine.name;
     EXPECT_EQ(stage.deepestPenetration(), 0.0);
@@ -73,10 +73,11 @@ TEST(ContactStage, knowsTheSpeedOfWhatFalls) {
 
 TEST(ContactStage, seesWhatIsInTheFloor) {
   ContactScene scene = fallingCube(0, 1);
-  scene.bodies[0].settings.position.y() = 0.4;  // the lower corners are 0.1 m in what nothing holds them off
+  scene.bodies[0].settings.position.y() =
+      0.4;  // the lower corners are 0.1 m below the floor, which does not exist
   ContactStage stage(scene, engineOf("loose spheres"));
   stage.advance(1, 60.0);
-  // their spheres 0.02 m more, and a tick of falling
+  // 0.02 m more for their spheres, and the fall in a tick
   EXPECT_NEAR(stage.deepestPenetration(), 0.12, kGravity * kContactTick * kContactTick + 1e-6);
 }
 

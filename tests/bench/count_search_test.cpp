@@ -8,15 +8,15 @@
 namespace limber::bench {
 namespace {
 
-/// The counts asked for when those up to `limit` pass.
+/// Returns the counts that the search requests if those up to `limit` pass.
 std::vector<std::uint32_t> run(CountSearch& search, std::uint32_t limit) {
-  std::vector<std::uint32_t> asked;
+  std::vector<std::uint32_t> requested;
   while (const auto count = search.next()) {
-    asked.push_back(*count);
+    requested.push_back(*count);
     search.report(*count <= limit);
-    if (asked.size() > 100) break;  // it does not end
+    if (requested.size() > 100) break;  // endless search
   }
-  return asked;
+  return requested;
 }
 
 using Counts = std::vector<std::uint32_t>;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// All engines understand the same set-up.
+// All engines accept the same set-up.
 #include "engines/engine.h"
 
 #include "accuracy/networks.h"
@@ -17,13 +17,13 @@ namespace {
 
 constexpr double kTick = 1.0 / 240;
 
-struct Played {
+struct PlayedBody {
   std::unique_ptr<Engine> engine;
   Eigen::Matrix3Xd start;
 };
 
-Played play(const EngineChoice& choice, const BodySetup& body, double gravity, int ticks) {
-  Played played{choice.make(kTick), {}};
+PlayedBody play(const EngineChoice& choice, const BodySetup& body, double gravity, int ticks) {
+  PlayedBody played{choice.make(kTick), {}};
   played.engine->world().setGravity(btVector3(0, static_cast<btScalar>(-gravity), 0));
   played.engine->addBody(body);
   played.start = played.engine->positions(0);
@@ -39,7 +39,7 @@ TEST(Engines, allStartAsToldAndFallAlike) {
   body.settings.linearVelocity = {0.5, 1, 0};
   body.settings.angularVelocity = {0, 0, 2};
   for (const EngineChoice& choice : allEngines()) {
-    const Played played = play(choice, body, 9.81, 120);
+    const PlayedBody played = play(choice, body, 9.81, 120);
     EXPECT_TRUE(played.start.isApprox(startOf(body).positions, 1e-6)) << nameOf(choice);
     const Eigen::Vector3d centre = played.engine->positions(0).rowwise().mean();
     // symplectic Euler falls g h t / 2 = 1 cm too far
@@ -54,11 +54,11 @@ TEST(Engines, pinnedPointsStayUntilLetGo) {
   BodySetup body = bodyOf(barNetwork(4), 0.5, 200.0);
   body.pins = {0, 4};
   for (const EngineChoice& choice : allEngines()) {
-    const Played played = play(choice, body, 9.81, 60);
-    const Eigen::Matrix3Xd held = played.engine->positions(0);
-    EXPECT_TRUE(held.col(0).isApprox(played.start.col(0), 1e-9)) << nameOf(choice);
-    EXPECT_TRUE(held.col(4).isApprox(played.start.col(4), 1e-6)) << nameOf(choice);
-    EXPECT_LT(held(1, 2), -1e-3) << nameOf(choice);
+    const PlayedBody played = play(choice, body, 9.81, 60);
+    const Eigen::Matrix3Xd positions = played.engine->positions(0);
+    EXPECT_TRUE(positions.col(0).isApprox(played.start.col(0), 1e-9)) << nameOf(choice);
+    EXPECT_TRUE(positions.col(4).isApprox(played.start.col(4), 1e-6)) << nameOf(choice);
+    EXPECT_LT(positions(1, 2), -1e-3) << nameOf(choice);
     played.engine->setPinned(0, 4, false);
     for (int i = 0; i < 60; ++i) played.engine->tick(kTick);
     EXPECT_LT(played.engine->positions(0)(1, 4), -0.1) << nameOf(choice);

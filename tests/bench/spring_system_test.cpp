@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// The bench's own solutions, which engines are measured against, against closed forms.
+// The bench's own reference solutions, compared with closed forms.
 #include "accuracy/spring_system.h"
 
 #include "accuracy/networks.h"
@@ -59,10 +59,11 @@ TEST(SpringSystem, aMassThatMeetsAWallStaysThereOrLeaves) {
 }
 
 TEST(RestingCube, stiffCubesStandOnTheirPoints) {
-  const double whole = 1 + kCubeRadius;
-  EXPECT_NEAR(restHeight(restingCube(1e9), 0.0), whole, 1e-6);
-  const double soft = whole - restHeight(restingCube(1e5), 0.0);
-  EXPECT_NEAR(whole - restHeight(restingCube(1e6), 0.0), soft / 10, 1e-3 * soft) << "weight over stiffness";
+  const double unloaded = 1 + kCubeRadius;
+  EXPECT_NEAR(restHeight(restingCube(1e9), 0.0), unloaded, 1e-6);
+  const double soft = unloaded - restHeight(restingCube(1e5), 0.0);
+  EXPECT_NEAR(unloaded - restHeight(restingCube(1e6), 0.0), soft / 10, 1e-3 * soft)
+      << "weight over stiffness";
   EXPECT_GT(restHeight(restingCube(1e5), 0.0), restHeight(restingCube(1e5), 10.0));
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// The measures of the stability bench against what is known without them.
+// The measurements of the stability bench, compared with known values.
 #include "stability/case_parts.h"
 #include "stability/energy_balance.h"
 #include "stability/shape_check.h"
@@ -35,7 +35,7 @@ TEST(EnergyBalance, AddsMotionSpringsAndHeight) {
   EXPECT_NEAR(balance.energy(states, {}).value, 1.0 * 10.0 * 2.0, 1e-9);
   states.velocities[0].row(0).setConstant(3.0);
   EXPECT_NEAR(balance.energy(states, {}).value, 20.0 + 0.5 * 9.0, 1e-9);
-  // twice as large: 12 edges, 12 diagonals of faces and 4 of the cube are longer by their own lengths
+  // twice as large: 12 edges, 12 face diagonals and 4 space diagonals are longer by their own lengths
   states.positions[0] *= 2.0;
   EXPECT_NEAR(balance.energy(states, {}).value, 24.5 + 0.5 * 1e3 * (12.0 + 12.0 * 2.0 + 4.0 * 3.0), 1e-6);
   EXPECT_NEAR(balance.momentum(states).x(), 3.0, 1e-12);
@@ -55,8 +55,8 @@ TEST(EnergyBalance, KnowsItsRounding) {
 TEST(ShapeCheck, TurnedIsAtRest) {
   const HardCase hard = oneCube(1e3);
   BodyStates states = atRest(hard);
-  const Eigen::AngleAxisd turn(1.0, Eigen::Vector3d(1, 2, 3).normalized());
-  states.positions[0] = (turn.toRotationMatrix() * states.positions[0]).eval();
+  const Eigen::AngleAxisd rotation(1.0, Eigen::Vector3d(1, 2, 3).normalized());
+  states.positions[0] = (rotation.toRotationMatrix() * states.positions[0]).eval();
   EXPECT_EQ(shapeOf(hard, states).shape, Shape::Rest);
 }
 
@@ -73,7 +73,7 @@ TEST(ShapeCheck, AStretchedOneIsLost) {
   states.positions[0].row(0) *= 1.1;
   const ShapeCheck check = shapeOf(hard, states);
   EXPECT_EQ(check.shape, Shape::Lost);
-  EXPECT_NEAR(check.error, 0.1, 1e-12);  // of the edges along x, the diagonals less
+  EXPECT_NEAR(check.error, 0.1, 1e-12);  // of the edges along x; smaller for the diagonals
 }
 
 TEST(ShapeCheck, ASpinningOneIsHeld) {
@@ -98,19 +98,19 @@ TEST(StabilityRow, EachMissCounts) {
   StabilityRow row;
   row.energyRatio = 1.0;
   EXPECT_TRUE(passes(row));
-  const auto missed = [&](auto change) {
+  const auto fails = [&](auto change) {
     StabilityRow other = row;
     change(other);
     return !passes(other);
   };
-  EXPECT_TRUE(missed([](StabilityRow& r) { r.finite = false; }));
-  EXPECT_TRUE(missed([](StabilityRow& r) { r.energyRatio = 1.0011; }));
-  EXPECT_TRUE(missed([](StabilityRow& r) { r.energyRatio = std::nan(""); }));
-  EXPECT_TRUE(missed([](StabilityRow& r) { r.drift = 1.1e-6; }));
-  EXPECT_TRUE(missed([](StabilityRow& r) { r.spinDrift = 1.1e-3; }));
-  EXPECT_TRUE(missed([](StabilityRow& r) { r.shape = ShapeCheck{Shape::Lost, 0.1}; }));
-  EXPECT_TRUE(missed([](StabilityRow& r) { r.wrongSide = 1; }));
-  EXPECT_TRUE(missed([](StabilityRow& r) { r.reason = "no such thing"; }));
+  EXPECT_TRUE(fails([](StabilityRow& r) { r.finite = false; }));
+  EXPECT_TRUE(fails([](StabilityRow& r) { r.energyRatio = 1.0011; }));
+  EXPECT_TRUE(fails([](StabilityRow& r) { r.energyRatio = std::nan(""); }));
+  EXPECT_TRUE(fails([](StabilityRow& r) { r.drift = 1.1e-6; }));
+  EXPECT_TRUE(fails([](StabilityRow& r) { r.spinDrift = 1.1e-3; }));
+  EXPECT_TRUE(fails([](StabilityRow& r) { r.shape = ShapeCheck{Shape::Lost, 0.1}; }));
+  EXPECT_TRUE(fails([](StabilityRow& r) { r.wrongSide = 1; }));
+  EXPECT_TRUE(fails([](StabilityRow& r) { r.reason = "no such thing"; }));
 }
 
 TEST(HardCases, AreTheSameEachTime) {
@@ -123,7 +123,7 @@ TEST(HardCases, AreTheSameEachTime) {
     EXPECT_EQ(first[i].bodies[0].positions, second[i].bodies[0].positions);
     groups.insert(first[i].group);
   }
-  EXPECT_GE(groups.size(), 13u);  // --quick leaves none out
+  EXPECT_GE(groups.size(), 13u);  // --quick includes all groups
 }
 
 }  // namespace

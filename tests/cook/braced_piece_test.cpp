@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// How braces are chosen from many pairs.
+// The choice of braces among many pairs.
 #include "network/bracing.h"
 
 #include "mesh/random.h"
@@ -28,18 +28,18 @@ BraceChoice randomChoice(const BracedPiece& piece, std::size_t purposes) {
 
 Eigen::Index bestOfAll(BracedPiece& piece, const BraceChoice& choice, const Eigen::VectorXf& weights) {
   Eigen::Index best = -1;
-  float most = 0.0f;
+  float largest = 0.0f;
   for (Eigen::Index i = 0; i < choice.benefit.cols(); ++i) {
     const auto [a, b] = choice.pairs[static_cast<std::size_t>(i)];
     const float sum = choice.benefit.col(i).dot(weights);
-    if (sum <= most || !piece.chords.allowed(a, b)) continue;
+    if (sum <= largest || !piece.chords.allowed(a, b)) continue;
     best = i;
-    most = sum;
+    largest = sum;
   }
   return best;
 }
 
-/// As the weights fall, each at its own rate.
+/// While the weights fall at different rates.
 TEST(BraceChoice, givesTheBestOfAllEachTime) {
   BracedPiece piece = pieceOf(network_shapes::lshape90());
   BraceChoice choice = randomChoice(piece, 7);
@@ -59,7 +59,7 @@ TEST(BraceChoice, endsWhenNothingIsOfUse) {
   EXPECT_TRUE(piece.braces.empty());
 }
 
-/// Rough ones have at least the eigenvalues of modes, and the softest much the same.
+/// The eigenvalues of rough modes are not below those of the modes, and nearly equal for the softest.
 TEST(RoughModes, areSoft) {
   const SharedNetwork network = network_shapes::bare(network_shapes::noise642());
   const Modes modes = softestModes(*network, 60), rough = roughModes(*network, 60);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// BraceRule::Pipeline and TwoRing: what they promise, on small shapes and few runs; bench/run networks has
-// the large ones.
+// The properties of BraceRule::Pipeline and TwoRing, on small shapes and few runs; bench/run networks tests
+// large ones.
 #include "network/bracing.h"
 #include "mesh/triangle_bvh.h"
 #include "network/material.h"
@@ -52,7 +52,7 @@ TriangleMesh joined(TriangleMesh a, const TriangleMesh& b, const Eigen::Vector3d
 
 class Shapes : public testing::TestWithParam<network_shapes::NamedShape> {};
 
-/// Seeds of the runs are not those of the bracing (1).
+/// The runs use another seed than the bracing (1).
 TEST_P(Shapes, comeBackWithAtMostOneBracePerPoint) {
   const SharedNetwork network = build(GetParam().make());
   EXPECT_LE(bracesOf(*network).size(), network->restPoints.size());
@@ -73,8 +73,9 @@ TEST_P(Shapes, haveTheirBracesInside) {
   }
 }
 
-/// An L on the bench: the arms' ends drawn apart, relative to the bulk modulus, the volume term included. The
-/// same L of tetrahedra has 0.0090 m. Braces for modes that are stiff enough as they are would tie the arms.
+/// The ends of the arms of an L are pulled apart. The result is relative to the bulk modulus, with the volume
+/// term. The same L of tetrahedra has 0.0090 m. Braces for modes that are already stiff enough would connect
+/// the arms.
 TEST(Pipeline, leavesTheArmsOfAnLFreeToOpen) {
   const SharedNetwork network = build(network_shapes::lshape90());
   ElasticBody body{*network};
@@ -103,9 +104,9 @@ TEST(Bracing, isDeterministicAndSeeded) {
 
 TEST(Bracing, turnsMeshesThatAreInsideOut) {
   TriangleMesh mesh = network_shapes::ico42();
-  const std::vector<Edge> right = pairsOf(bracesOf(*build(mesh)));
+  const std::vector<Edge> expected = pairsOf(bracesOf(*build(mesh)));
   for (Triangle& t : mesh.triangles) std::swap(t[1], t[2]);
-  EXPECT_EQ(pairsOf(bracesOf(*build(mesh))).size(), right.size());
+  EXPECT_EQ(pairsOf(bracesOf(*build(mesh))).size(), expected.size());
 }
 
 TEST(Bracing, keepsToTheCapAndTheWeight) {
@@ -178,7 +179,8 @@ TEST(Bracing, copesWithHolesAndFlippedTriangles) {
 TEST(TwoRing, joinsAllThatShareANeighbour) {
   NetworkSettings settings;
   settings.braces = BraceRule::TwoRing;
-  // an icosahedron: each point has all but its opposite within two steps, 5 of them by an edge
+  // an icosahedron: from each point all others but the opposite one are within two edges, 5 of them within
+  // one
   EXPECT_EQ(bracesOf(*build(small_meshes::icosphere(0), settings)).size(), 12u * 5u / 2u);
   EXPECT_EQ(bracesOf(*build(small_meshes::tetrahedron(), settings)).size(), 0u);
   EXPECT_EQ(findTwoRingPairs(4, {{0, 1}, {1, 2}, {2, 3}}), (std::vector<Edge>{{0, 2}, {1, 3}}));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// Measured elasticity against closed forms.
+// Measured elasticity, compared with closed forms.
 #include "network/material.h"
 #include "support/networks.h"
 #include "support/small_meshes.h"
@@ -24,11 +24,11 @@ SharedNetwork icosahedron() {
 const double kEdge = 4.0 / std::sqrt(10.0 + 2.0 * std::sqrt(5.0));
 const double kVolume = 5.0 / 12.0 * (3.0 + std::sqrt(5.0)) * kEdge * kEdge * kEdge;
 
-/// Under uniform pressure all edges shrink alike by e: the energy is  e^2/2 k sum L^2 = 9 K V e^2/2.
+/// Under uniform pressure all edges shrink by the fraction e: the energy is  e^2/2 k sum L^2 = 9 K V e^2/2.
 TEST(ElasticModuli, bulkModulusOfAnIcosahedronIsExact) {
   const SharedNetwork network = icosahedron();
   const double springs = 1000.0 * 30.0 * kEdge * kEdge / (9.0 * kVolume);
-  // 1e-6: the shift of the matrix
+  // 1e-6: effect of the shift of the matrix
   EXPECT_NEAR(measureModuli({*network, 1000.0}).bulkModulus / springs, 1.0, 1e-6);
   EXPECT_NEAR(measureModuli({*network, 1000.0, 500.0}).bulkModulus / (springs + 500.0), 1.0, 1e-6)
       << "the modulus of the volume inside adds to it";
@@ -44,11 +44,11 @@ TEST(ElasticModuli, ofAnIcosahedronAreTheSameInAllDirections) {
 
 TEST(ElasticModuli, scaleWithTheSpringsAndTheSize) {
   const SharedNetwork cube = test::closedCubeNetwork();
-  const ElasticModuli once = measureModuli({*cube, 1000.0}), twice = measureModuli({*cube, 2000.0});
-  EXPECT_NEAR(twice.youngsModulus / once.youngsModulus, 2.0, 1e-9);
-  EXPECT_NEAR(twice.poissonRatio, once.poissonRatio, 1e-9);
+  const ElasticModuli reference = measureModuli({*cube, 1000.0}), doubled = measureModuli({*cube, 2000.0});
+  EXPECT_NEAR(doubled.youngsModulus / reference.youngsModulus, 2.0, 1e-9);
+  EXPECT_NEAR(doubled.poissonRatio, reference.poissonRatio, 1e-9);
   const ElasticModuli large = measureModuli({*cube, 1000.0, 0.0, Eigen::Vector3d::Constant(2.0)});
-  EXPECT_NEAR(large.youngsModulus / once.youngsModulus, 0.5, 1e-6)
+  EXPECT_NEAR(large.youngsModulus / reference.youngsModulus, 0.5, 1e-6)
       << "twice the force on four times the area";
 }
 
@@ -59,7 +59,7 @@ TEST(ElasticModuli, ofABodyThatFallsApartAreNothing) {
 }
 
 TEST(ElasticModuli, openingTheCubeAcrossTwoFacesIsItsStretching) {
-  // four corners pulled along x by F/4 each: with diagonals in all faces more than the 4 edges' 4 k resist
+  // four corners are pulled along x by F/4 each: the diagonals of all faces add to the 4 k of the 4 edges
   const SharedNetwork cube = test::closedCubeNetwork();
   const double stiffness = openingStiffness({*cube, 1000.0}, {-0.5, 0, 0}, {0.5, 0, 0}, 0.75);
   EXPECT_GT(stiffness, 4000.0);
@@ -67,7 +67,8 @@ TEST(ElasticModuli, openingTheCubeAcrossTwoFacesIsItsStretching) {
   EXPECT_EQ(openingStiffness({*cube, 1000.0}, {-0.5, 0, 0}, {9, 0, 0}, 0.75), 0.0);
 }
 
-/// All twelve edges and two diagonals of each face: by symmetry the six are one, and scale as stresses do.
+/// A cube with all twelve edges and two diagonals of each face: by symmetry the six moduli are equal. They
+/// scale as stresses do.
 TEST(ElasticModuli, ofBendingAreTheSameAboutAllAxesOfACube) {
   const SharedNetwork cube = test::closedCubeNetwork();
   const std::array<double, 6> moduli = measureBendingModuli({*cube, 1000.0});
@@ -76,7 +77,7 @@ TEST(ElasticModuli, ofBendingAreTheSameAboutAllAxesOfACube) {
   EXPECT_NEAR(large[0] / moduli[0], 0.5, 1e-6) << "twice the force on four times the area";
 }
 
-/// A homogeneous solid shows its Young's modulus, whatever its shape and wherever it lies.
+/// The bending moduli of a homogeneous solid are its Young's modulus, for any shape and position.
 TEST(ElasticModuli, ofBendingComeNearYoungsModulusOnAFineLattice) {
   MaterialMesh settings;
   settings.points = 4000;

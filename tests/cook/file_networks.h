@@ -8,14 +8,14 @@
 
 namespace limber::test {
 
-/// Five points, with something in every member and no number the machine's rounding could change: it must
-/// stay as it is, for tests/cook/golden/ holds its bytes.
+/// A network of five points with data in every member, and only numbers that rounding cannot change. It must
+/// not change, because tests/cook/golden/ contains its bytes.
 SpringNetwork everyMemberNetwork();
 
-/// `bytes` with the size and hash that its contents ask for; at least a header long.
+/// Returns `bytes` with the size and hash of the header corrected; at least a header long.
 std::vector<std::uint8_t> forged(std::vector<std::uint8_t> bytes);
 
-/// Of a .limber file.
+/// Size of the header of a .limber file.
 constexpr std::size_t kHeaderBytes = 28;
 
 }  // namespace limber::test

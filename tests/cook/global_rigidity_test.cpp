@@ -16,7 +16,7 @@ using network_shapes::bare;
 
 namespace {
 
-/// All pairs of `points`, without some.
+/// Returns a network of all pairs of `points` except those in `without`.
 SpringNetwork graph(std::uint32_t points,
                     const std::vector<std::pair<std::uint32_t, std::uint32_t>>& without) {
   SpringNetwork network;
@@ -53,15 +53,15 @@ TEST(GlobalRigidity, smallGraphs) {
   EXPECT_TRUE(isGloballyRigid(graph(4, {})));
   EXPECT_FALSE(isGloballyRigid(graph(4, {{0, 3}})));
   EXPECT_TRUE(isGloballyRigid(graph(5, {})));
-  // two tetrahedra on a common triangle: either can fold through it
+  // two tetrahedra with a common triangle: each can be mirrored at it
   EXPECT_FALSE(isGloballyRigid(graph(5, {{3, 4}})));
   EXPECT_TRUE(isGloballyRigid(graph(6, {{0, 1}, {2, 3}}))) << "globally rigid: 13 springs, 4-connected";
   EXPECT_FALSE(isGloballyRigid(graph(6, {{0, 1}, {0, 2}}))) << "point 0 has three neighbours";
 }
 
 TEST(GlobalRigidity, completeBipartiteGraphsAsConnellyFoundThem) {
-  // K(5,5) in space has the springs, the connectivity and the redundancy, and is not globally rigid (Connelly
-  // 1991); no count shows it.
+  // K(5,5) in space has enough springs, connectivity and redundancy, but is not globally rigid (Connelly
+  // 1991); no count shows this.
   std::vector<std::pair<std::uint32_t, std::uint32_t>> without;
   for (std::uint32_t side : {0u, 5u})
     for (std::uint32_t a = side; a < side + 5; ++a)
@@ -70,7 +70,7 @@ TEST(GlobalRigidity, completeBipartiteGraphsAsConnellyFoundThem) {
 }
 
 TEST(GlobalRigidity, triangulationsNeedOneBrace) {
-  // Jordan, Tanigawa 2019: never without, and with one when they are 4-connected
+  // Jordan, Tanigawa 2019: never without braces; with one brace if they are 4-connected
   for (const auto make : {network_shapes::ico42, network_shapes::noise162}) {
     const SpringNetwork network = *bare(make());
     EXPECT_FALSE(isGloballyRigid(network));

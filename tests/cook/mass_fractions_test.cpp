@@ -23,8 +23,8 @@ using test_shapes::welded;
 
 namespace {
 
-/// The points of a cubic lattice in the box of 2 x `half` that lie well inside.
-WeldedMesh withInside(const TriangleMesh& mesh, double spacing, double half) {
+/// Adds the points of a cubic lattice in the box of 2 x `half` that are inside the mesh by 0.3 spacings.
+WeldedMesh withInnerPoints(const TriangleMesh& mesh, double spacing, double half) {
   WeldedMesh filled = welded(mesh);
   const limber::TriangleBvh bvh(filled.points, filled.triangles);
   const int cells = static_cast<int>(half / spacing);
@@ -43,7 +43,7 @@ MassFractions shares(MassRule rule, const WeldedMesh& mesh) {
   return shareMass(rule, mesh.points, mesh.triangles);
 }
 
-void expectSound(const MassFractions& result, std::size_t points) {
+void expectValid(const MassFractions& result, std::size_t points) {
   ASSERT_EQ(result.shares.size(), points);
   EXPECT_NEAR(std::accumulate(result.shares.begin(), result.shares.end(), 0.0), 1.0, 1e-12);
   EXPECT_GT(*std::min_element(result.shares.begin(), result.shares.end()), 0.19 / double(points));
@@ -67,7 +67,7 @@ TEST(MassFractions, areaOfATetrahedron) {
     EXPECT_NEAR(result.shares[std::size_t(i)], (1.0 + slanted) / 3.0 / all, 1e-15);
 }
 
-/// A tetrahedron with 40 further points within a hair of its first corner, so that three points have all the
+/// A tetrahedron with 40 more points very near its first corner, so that three points have nearly the whole
 /// area.
 TEST(MassFractions, areaIsBounded) {
   TriangleMesh fringed = small_meshes::tetrahedron();
@@ -79,10 +79,10 @@ TEST(MassFractions, areaIsBounded) {
   const WeldedMesh body = welded(fringed);
   ASSERT_EQ(body.points.size(), 44u);
   const MassFractions result = shares(MassRule::Area, body);
-  const auto [least, most] = std::minmax_element(result.shares.begin(), result.shares.end());
+  const auto [smallest, largest] = std::minmax_element(result.shares.begin(), result.shares.end());
   EXPECT_NEAR(std::accumulate(result.shares.begin(), result.shares.end(), 0.0), 1.0, 1e-12);
-  EXPECT_NEAR(*least * 44.0, 0.2, 1e-9);
-  EXPECT_LT(*most * 44.0, 10.0);
+  EXPECT_NEAR(*smallest * 44.0, 0.2, 1e-9);
+  EXPECT_LT(*largest * 44.0, 10.0);
   const double rest = result.shares[0] + result.shares[1] + result.shares[2] + result.shares[3];
   EXPECT_NEAR(rest, 1.0 - 40.0 * 0.2 / 44.0, 1e-9);
 }
@@ -108,64 +108,66 @@ TEST(MassFractions, momentsAreMatchedWhereThePointsAllowIt) {
     const char* name;
     WeldedMesh mesh;
   };
-  const Case cases[] = {{"cube", withInside(small_meshes::cube(4), 0.2, 0.5)},
-                        {"icosphere", withInside(small_meshes::icosphere(2), 0.4, 1.0)},
+  const Case cases[] = {{"cube", withInnerPoints(small_meshes::cube(4), 0.2, 0.5)},
+                        {"icosphere", withInnerPoints(small_meshes::icosphere(2), 0.4, 1.0)},
                         {"L", welded(test_shapes::lShape())},
-                        {"cylinder", withInside(test_shapes::cylinder(), 0.2, 0.5)},
+                        {"cylinder", withInnerPoints(test_shapes::cylinder(), 0.2, 0.5)},
                         {"torus", welded(test_shapes::torus())},
                         {"figure", welded(test_shapes::figure())},
-                        {"rabbit", withInside(test_shapes::rabbit(0.03), 0.1, 0.5)},
-                        {"noise sphere", withInside(test_shapes::noiseSphere(2), 0.2, 0.7)}};
+                        {"rabbit", withInnerPoints(test_shapes::rabbit(0.03), 0.1, 0.5)},
+                        {"noise sphere", withInnerPoints(test_shapes::noiseSphere(2), 0.2, 0.7)}};
   for (const Case& c : cases) {
     SCOPED_TRACE(c.name);
     const MassFractions result = shares(MassRule::Moments, c.mesh);
-    expectSound(result, c.mesh.points.size());
-    EXPECT_LT(result.centreError, 1e-8);  // what the solver stops at, 1e-10, of moments of the order of 1
+    expectValid(result, c.mesh.points.size());
+    EXPECT_LT(result.centreError, 1e-8);  // the solver stops at 1e-10, for moments of the order of 1
     EXPECT_LT(result.inertiaError, 1e-8);
   }
 }
 
-/// Rotations and distances from the origin must not matter: moments are taken about the solid's centre.
+/// The distance from the origin must not matter: moments are about the centre of the solid.
 TEST(MassFractions, farFromTheOrigin) {
   WeldedMesh mesh = welded(test_shapes::lShape());
-  const MassFractions here = shares(MassRule::Moments, mesh);
+  const MassFractions reference = shares(MassRule::Moments, mesh);
   for (Vector3d& p : mesh.points) p += Vector3d(300, -200, 100);
-  const MassFractions there = shares(MassRule::Moments, mesh);
-  EXPECT_LT(there.inertiaError, 1e-8);
-  for (std::size_t i = 0; i < here.shares.size(); ++i) EXPECT_NEAR(there.shares[i], here.shares[i], 1e-8);
+  const MassFractions moved = shares(MassRule::Moments, mesh);
+  EXPECT_LT(moved.inertiaError, 1e-8);
+  for (std::size_t i = 0; i < reference.shares.size(); ++i)
+    EXPECT_NEAR(moved.shares[i], reference.shares[i], 1e-8);
 }
 
-/// All points are at the same distance from the centre, so that the trace of the second moments is fixed: 5/3
-/// of a ball's. What is left is to keep mass and centre.
+/// All points are at the same distance from the centre. So the trace of the second moments is fixed: 5/3 of a
+/// ball's. Only mass and centre can be matched.
 TEST(MassFractions, momentsOfAHollowSphere) {
   const MassFractions result = shares(MassRule::Moments, welded(small_meshes::icosphere(2)));
-  expectSound(result, 162);
+  expectValid(result, 162);
   EXPECT_LT(result.centreError, 1e-8);
-  EXPECT_NEAR(result.inertiaError, 5.0 / 3.0 - 1.0, 0.05);  // 0.05: the polyhedron is not quite a ball
+  EXPECT_NEAR(result.inertiaError, 5.0 / 3.0 - 1.0, 0.05);  // 0.05: the polyhedron is not exactly a ball
 }
 
-/// A certificate that no shares will do, and whether it is for the points or for the bounds.
+/// Proof that no mass fractions match, and whether the points or the bounds are the reason.
 TEST(MassFractions, provesThatThereIsNoSolution) {
   const MassFractions hollow = shares(MassRule::Moments, welded(small_meshes::icosphere(2)));
-  // the trace of the second moments is 1 for the ball and 5/3 for all shares, the polyhedron's corners
-  // lying a little farther out
+  // the trace of the second moments is 1 for the ball and 5/3 for all mass fractions; the corners of the
+  // polyhedron are a little farther from the centre
   EXPECT_GT(hollow.leastMisfit, 0.6 / std::sqrt(3.0) - 0.1);
   EXPECT_GT(hollow.leastMisfitAnyMass, 0.6 / std::sqrt(3.0) - 0.1) << "no lighter points would help";
   const MassFractions cube = shares(MassRule::Moments, welded(small_meshes::cube(4)));
   EXPECT_GT(cube.leastMisfit, 0.01);
   EXPECT_EQ(cube.leastMisfitAnyMass, 0.0) << "only the bounds on the shares stand against it";
-  const MassFractions filled = shares(MassRule::Moments, withInside(small_meshes::icosphere(2), 0.4, 1.0));
+  const MassFractions filled =
+      shares(MassRule::Moments, withInnerPoints(small_meshes::icosphere(2), 0.4, 1.0));
   EXPECT_EQ(filled.leastMisfit, 0.0);
   EXPECT_LT(filled.inertiaError, 1e-8) << "points inside make it solvable";
 }
 
-/// The body that material mode makes of a mesh has points inside.
+/// The bodies of material mode have points inside the mesh.
 TEST(MassFractions, momentsAreMatchedByTheBodiesOfMaterialMode) {
   for (const TriangleMesh& mesh : {small_meshes::cube(1), small_meshes::icosphere(2), test_shapes::cylinder(),
                                    test_shapes::noiseSphere(2)}) {
     const auto network = *limber::buildMaterialNetwork(mesh);
     const MassFractions result = limber::shareMass(MassRule::Moments, network->restPoints, network->surface);
-    expectSound(result, network->restPoints.size());
+    expectValid(result, network->restPoints.size());
     EXPECT_EQ(result.leastMisfit, 0.0);
     EXPECT_LT(result.centreError, 1e-8);
     EXPECT_LT(result.inertiaError, 1e-8);
@@ -176,7 +178,7 @@ TEST(MassFractions, heavyPointsOfTheSurfaceAreBounded) {
   for (const TriangleMesh& mesh : {small_meshes::cube(4), test_shapes::noiseSphere(3)}) {
     const WeldedMesh body = welded(mesh);
     const MassFractions equal = shares(MassRule::Equal, body), result = shares(MassRule::Moments, body);
-    expectSound(result, body.points.size());
+    expectValid(result, body.points.size());
     EXPECT_LE(*std::max_element(result.shares.begin(), result.shares.end()) * double(body.points.size()),
               10.01);
     EXPECT_LT(result.inertiaError, 0.4 * equal.inertiaError) << "better, if not exact";

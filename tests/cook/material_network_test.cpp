@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// Bodies of a material: what is asked is what is measured.
+// Bodies of a material: the measured properties must be the requested ones.
 #include <limber/material_network.h>
 
 #include "network/material.h"
@@ -35,7 +35,7 @@ double volumeOfAll(const SpringNetwork& network) {
   return volume;
 }
 
-/// The calibration of setMaterialSprings for a lattice of so many points.
+/// Returns the calibration of setMaterialSprings for a lattice of about `points` points.
 double calibration(const TriangleMesh& mesh, std::size_t points) {
   TetrahedralMesh filled = *fillWithPoints(*weld(mesh), points);
   SpringNetwork network;
@@ -83,7 +83,7 @@ TEST(MaterialNetwork, scalesWithItsBody) {
     settings.scale = scale;
     settings.friction = 0.7;
     const SoftBodySettings made = *withMaterial(*network, material, settings);
-    // stretched unevenly, the springs no longer are what was fitted to be alike in all directions
+    // after uneven scaling the springs, which were fitted to be isotropic, no longer are
     EXPECT_NEAR(measure(*network, made).youngsModulus / 1e5, 1.0, 0.02);
     EXPECT_NEAR(made.totalMass, 500.0 * volumeOfAll(*network) * std::abs(scale.prod()), 1e-9);
     EXPECT_EQ(made.friction, 0.7) << "all else stays";
@@ -92,18 +92,18 @@ TEST(MaterialNetwork, scalesWithItsBody) {
 
 TEST(MaterialNetwork, sharesTheMassByVolumeWithABoundedRatio) {
   const SharedNetwork network = make(test_shapes::star(), 300);
-  double sum = 0.0, least = 1.0;
+  double sum = 0.0, smallest = 1.0;
   Eigen::Vector3d centre = Eigen::Vector3d::Zero(), solid = Eigen::Vector3d::Zero();
   for (std::size_t i = 0; i < network->massFractions.size(); ++i) {
     sum += network->massFractions[i];
-    least = std::min(least, network->massFractions[i]);
+    smallest = std::min(smallest, network->massFractions[i]);
     centre += network->massFractions[i] * network->restPoints[i];
   }
   for (const Tetrahedron& t : network->tetrahedra)
     for (const std::uint32_t corner : t)
       solid += volumeOf(network->restPoints, t) / (4.0 * volumeOfAll(*network)) * network->restPoints[corner];
   EXPECT_NEAR(sum, 1.0, 1e-12);
-  EXPECT_GT(least * static_cast<double>(network->massFractions.size()), 0.15);
+  EXPECT_GT(smallest * static_cast<double>(network->massFractions.size()), 0.15);
   EXPECT_LT((centre - solid).norm(), 0.01) << "of a body 1 m large";
 }
 
@@ -119,31 +119,32 @@ TEST(MaterialNetwork, rendersTheMeshItCameFrom) {
   EXPECT_GT(inside, 0);
 }
 
-/// Wherever it is told to, and without being asked again.
+/// It ends at any call of progress(), and does not call it again.
 TEST(MaterialNetwork, endsWithAnErrorWhenProgressSaysSo) {
   MaterialMesh settings;
   settings.points = 60;
-  int all = 0;
+  int totalCalls = 0;
   double last = 0.0;
   settings.progress = [&](const char*, double done) {
     EXPECT_GE(done, last);
     last = done;
-    return ++all > 0;
+    return ++totalCalls > 0;
   };
   ASSERT_TRUE(buildMaterialNetwork(test_shapes::lShape(), settings));
   EXPECT_EQ(last, 1.0);
-  EXPECT_GT(all, 8) << "between the lattices tried and the corrections of the springs, too";
-  for (const int asked : {1, 2, all / 2, all}) {
+  EXPECT_GT(totalCalls, 8) << "between the lattices tried and the corrections of the springs, too";
+  for (const int lastCall : {1, 2, totalCalls / 2, totalCalls}) {
     int calls = 0;
-    settings.progress = [&](const char*, double) { return ++calls < asked; };
+    settings.progress = [&](const char*, double) { return ++calls < lastCall; };
     const Result<SharedNetwork> network = buildMaterialNetwork(test_shapes::lShape(), settings);
-    ASSERT_FALSE(network) << "ended at call " << asked << " of " << all;
+    ASSERT_FALSE(network) << "ended at call " << lastCall << " of " << totalCalls;
     EXPECT_EQ(network.error(), "ended early: progress returned false");
-    EXPECT_EQ(calls, asked);
+    EXPECT_EQ(calls, lastCall);
   }
 }
 
-/// The same material on four times the points answers alike to loads that it was not calibrated by.
+/// With four times the points, the same material must respond equally to loads that were not used in the
+/// calibration.
 TEST(MaterialNetwork, bendsAlikeOnAFinerLattice) {
   for (const TriangleMesh& mesh : {small_meshes::cube(1), network_shapes::lshape90()}) {
     std::array<double, 2> mean{};

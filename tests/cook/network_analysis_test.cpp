@@ -31,9 +31,9 @@ NetworkAnalysis analyseQuickly(const SpringNetwork& network) {
   return analyse(network, settings);
 }
 
-bool saysOf(const NetworkAnalysis& analysis, const std::string& words) {
+bool hasRemark(const NetworkAnalysis& analysis, const std::string& text) {
   return std::any_of(analysis.remarks.begin(), analysis.remarks.end(),
-                     [&](const std::string& r) { return r.find(words) != std::string::npos; });
+                     [&](const std::string& r) { return r.find(text) != std::string::npos; });
 }
 
 }  // namespace
@@ -59,7 +59,7 @@ TEST(Analyse, thePapersCube) {
   EXPECT_EQ(cube.mechanisms, 0u) << "its collapse is no mechanism";
   EXPECT_TRUE(cube.globallyRigidKnown);
   EXPECT_FALSE(cube.globallyRigid);
-  EXPECT_TRUE(saysOf(cube, "not globally rigid"));
+  EXPECT_TRUE(hasRemark(cube, "not globally rigid"));
   EXPECT_NEAR(cube.volume, 1.0, 1e-12);
   EXPECT_EQ(cube.springsOutside, 0u);
   EXPECT_TRUE(cube.mesh.watertight());
@@ -78,10 +78,10 @@ TEST(Analyse, tooSoftForItsWeight) {
               1e-9 * heavy.leastStiffness);
   settings.stiffness = 0.5 * heavy.leastStiffness;
   EXPECT_TRUE(
-      saysOf(analyse(*limber::test::closedCubeNetwork(), settings), "collapses under its own weight"));
+      hasRemark(analyse(*limber::test::closedCubeNetwork(), settings), "collapses under its own weight"));
   settings.stiffness = 2.0 * heavy.leastStiffness;
   EXPECT_FALSE(
-      saysOf(analyse(*limber::test::closedCubeNetwork(), settings), "collapses under its own weight"));
+      hasRemark(analyse(*limber::test::closedCubeNetwork(), settings), "collapses under its own weight"));
 }
 
 TEST(Analyse, flatBodiesAreJudgedInTheirPlane) {
@@ -91,16 +91,16 @@ TEST(Analyse, flatBodiesAreJudgedInTheirPlane) {
   EXPECT_EQ(cloth.rigidity, Rigidity::Rigid);
   EXPECT_NEAR(cloth.modeRatio, 0.073 / 6.6, 2e-4);
   EXPECT_EQ(cloth.leastStiffness, 0.0);
-  EXPECT_TRUE(saysOf(cloth, "it is limp"));
-  EXPECT_FALSE(saysOf(cloth, "besides bending"));
+  EXPECT_TRUE(hasRemark(cloth, "it is limp"));
+  EXPECT_FALSE(hasRemark(cloth, "besides bending"));
 
   limber::ClothSettings shearless;
   shearless.shearScale = 0.0;
   shearless.columns = shearless.rows = 4;
   const NetworkAnalysis net = analyseQuickly(**buildCloth(shearless));
   EXPECT_EQ(net.rigidity, Rigidity::Flexible);
-  EXPECT_TRUE(saysOf(net, "besides bending"));
-  EXPECT_TRUE(saysOf(net, "bending springs do once it is bent"));
+  EXPECT_TRUE(hasRemark(net, "besides bending"));
+  EXPECT_TRUE(hasRemark(net, "bending springs do once it is bent"));
 }
 
 TEST(Analyse, ropesAreJudgedAlongTheirLine) {
@@ -115,7 +115,7 @@ TEST(Analyse, ropesAreJudgedAlongTheirLine) {
   EXPECT_EQ(parts.rigidity, Rigidity::Rigid) << "each of them";
   EXPECT_EQ(parts.pieces, 2u);
   EXPECT_EQ(parts.mechanisms, 36u) << "not that along the line between them";
-  EXPECT_TRUE(saysOf(parts, "2 pieces that no spring joins"));
+  EXPECT_TRUE(hasRemark(parts, "2 pieces that no spring joins"));
 }
 
 TEST(Analyse, nearlyFlatIsFlat) {
@@ -132,11 +132,12 @@ TEST(Analyse, nearlyFlatIsFlat) {
   EXPECT_EQ(analyseQuickly(rope).mechanisms, 36u);
 }
 
-/// The mesh once more, `away` beside it; the second one with its faces turned.
-limber::TriangleMesh twice(const limber::TriangleMesh& mesh, const Eigen::Vector3d& away, double scale) {
+/// Returns the mesh with a scaled copy at `displacement`, whose triangles are inverted.
+limber::TriangleMesh withInvertedCopy(const limber::TriangleMesh& mesh, const Eigen::Vector3d& displacement,
+                                      double scale) {
   limber::TriangleMesh both = mesh;
   const auto first = static_cast<std::uint32_t>(mesh.positions.size());
-  for (const Eigen::Vector3d& p : mesh.positions) both.positions.push_back(scale * p + away);
+  for (const Eigen::Vector3d& p : mesh.positions) both.positions.push_back(scale * p + displacement);
   for (const limber::Triangle& t : mesh.triangles)
     both.triangles.push_back({t[0] + first, t[2] + first, t[1] + first});
   return both;
@@ -144,9 +145,10 @@ limber::TriangleMesh twice(const limber::TriangleMesh& mesh, const Eigen::Vector
 
 TEST(Analyse, piecesAreJudgedEachByItself) {
   const NetworkAnalysis one = analyseQuickly(*bare(network_shapes::cube8()));
-  const NetworkAnalysis two = analyseQuickly(*bare(twice(network_shapes::cube8(), {0, 3, 0}, 1.0)));
+  const NetworkAnalysis two =
+      analyseQuickly(*bare(withInvertedCopy(network_shapes::cube8(), {0, 3, 0}, 1.0)));
   EXPECT_EQ(two.pieces, 2u);
-  EXPECT_TRUE(saysOf(two, "2 pieces"));
+  EXPECT_TRUE(hasRemark(two, "2 pieces"));
   EXPECT_EQ(two.rank, 2 * one.rank);
   EXPECT_EQ(two.mechanisms, 0u);
   EXPECT_EQ(two.rigidity, one.rigidity);
@@ -154,8 +156,8 @@ TEST(Analyse, piecesAreJudgedEachByItself) {
   EXPECT_EQ(two.globallyRigid, one.globallyRigid);
   EXPECT_NEAR(two.volume, 2.0, 1e-12);
   EXPECT_NEAR(two.leastStiffness, 0.5 * one.leastStiffness, 1e-6 * one.leastStiffness);
-  EXPECT_FALSE(saysOf(two, "braces help"));
-  EXPECT_FALSE(saysOf(two, "collapses"));
+  EXPECT_FALSE(hasRemark(two, "braces help"));
+  EXPECT_FALSE(hasRemark(two, "collapses"));
 }
 
 limber::TriangleMesh flipped(limber::TriangleMesh mesh) {
@@ -178,12 +180,13 @@ TEST(Analyse, surfacesThatFaceInwardAreTurned) {
 }
 
 TEST(Analyse, hollowsFaceIntoThemselves) {
-  const limber::TriangleMesh shell = twice(network_shapes::cube8(), {0, 0, 0}, 0.5);
+  const limber::TriangleMesh shell = withInvertedCopy(network_shapes::cube8(), {0, 0, 0}, 0.5);
   const SharedNetwork hollow = bare(shell);
   EXPECT_EQ(hollow->render.triangles, shell.triangles);
   EXPECT_NEAR(analyseQuickly(*hollow).volume, 1.0 - 0.125, 1e-12);
   EXPECT_EQ(bare(flipped(shell))->surface, hollow->surface);
-  EXPECT_NEAR(analyseQuickly(*bare(twice(network_shapes::cube8(), {2, 0, 0}, 0.5))).volume, 1.125, 1e-12);
+  EXPECT_NEAR(analyseQuickly(*bare(withInvertedCopy(network_shapes::cube8(), {2, 0, 0}, 0.5))).volume, 1.125,
+              1e-12);
 }
 
 TEST(Analyse, extremeFilesEnd) {
@@ -192,12 +195,12 @@ TEST(Analyse, extremeFilesEnd) {
   EXPECT_FALSE(a.leastStiffnessKnown);
   EXPECT_EQ(a.allReturns().runs, 0u);
   EXPECT_GE(a.stiffestEigenvalue, 1e300);
-  EXPECT_TRUE(saysOf(a, "not known whether it carries its own weight"));
-  EXPECT_TRUE(saysOf(a, "not let go"));
-  EXPECT_FALSE(saysOf(a, "however stiff"));
+  EXPECT_TRUE(hasRemark(a, "not known whether it carries its own weight"));
+  EXPECT_TRUE(hasRemark(a, "not let go"));
+  EXPECT_FALSE(hasRemark(a, "however stiff"));
 }
 
-/// Once told to end, it asks no more, whatever it was doing.
+/// After progress() returned false it is not called again, at any stage.
 TEST(Analyse, endsWhenProgressSaysSo) {
   const SharedNetwork cube = limber::test::closedCubeNetwork();
   AnalysisSettings settings;
@@ -219,8 +222,8 @@ TEST(Analyse, endsWhenProgressSaysSo) {
     const NetworkAnalysis a = analyse(*cube, settings);
     EXPECT_TRUE(a.endedEarly);
     EXPECT_EQ(calls, last);
-    EXPECT_TRUE(saysOf(a, "ended early"));
-    EXPECT_FALSE(saysOf(a, "collapses"));
+    EXPECT_TRUE(hasRemark(a, "ended early"));
+    EXPECT_FALSE(hasRemark(a, "collapses"));
   }
   for (const char* stage : {"small deformations", "global rigidity", "return rate", "own weight"})
     EXPECT_NE(std::find(stages.begin(), stages.end(), stage), stages.end()) << stage;
@@ -229,31 +232,31 @@ TEST(Analyse, endsWhenProgressSaysSo) {
 TEST(Analyse, springsThatLeaveTheBody) {
   SpringNetwork l = *bare(network_shapes::lshape90());
   EXPECT_EQ(analyseQuickly(l).springsOutside, 0u);
-  const auto at = [&](double x, double y, double z) {
-    const Eigen::Vector3d place(x, y, z);
+  const auto pointAt = [&](double x, double y, double z) {
+    const Eigen::Vector3d position(x, y, z);
     for (std::uint32_t i = 0; i < l.restPoints.size(); ++i)
-      if ((l.restPoints[i] - place).norm() < 1e-9) return i;
+      if ((l.restPoints[i] - position).norm() < 1e-9) return i;
     return 0xffffffffu;
   };
-  // from the end of one arm to the end of the other, and through an arm
-  const std::uint32_t a = at(-0.5 + 1.0 / 6, 0.5, 0.0), b = at(0.5, -0.5 + 1.0 / 6, 0.0),
-                      c = at(-0.5, 0.0, 0.0), d = at(-0.5 + 1.0 / 3, 0.0, 0.0);
+  // one spring from the end of one arm to the end of the other, and one through an arm
+  const std::uint32_t a = pointAt(-0.5 + 1.0 / 6, 0.5, 0.0), b = pointAt(0.5, -0.5 + 1.0 / 6, 0.0),
+                      c = pointAt(-0.5, 0.0, 0.0), d = pointAt(-0.5 + 1.0 / 3, 0.0, 0.0);
   ASSERT_NE(std::max({a, b, c, d}), 0xffffffffu);
   l.springs.push_back({std::min(a, b), std::max(a, b), limber::SpringKind::Brace, 0.3});
   l.springs.push_back({std::min(c, d), std::max(c, d), limber::SpringKind::Brace, 0.3});
   const NetworkAnalysis analysis = analyseQuickly(l);
   EXPECT_EQ(analysis.springsOutside, 1u);
   EXPECT_EQ(analysis.braces, 2u);
-  EXPECT_TRUE(saysOf(analysis, "1 spring leaves"));
+  EXPECT_TRUE(hasRemark(analysis, "1 spring leaves"));
 }
 
 TEST(Analyse, badSurfacesAreReported) {
   const NetworkAnalysis fin = analyseQuickly(*bare(small_meshes::nonManifoldEdge()));
-  EXPECT_TRUE(saysOf(fin, "more than two triangles"));
-  EXPECT_TRUE(saysOf(fin, "the surface is open"));
+  EXPECT_TRUE(hasRemark(fin, "more than two triangles"));
+  EXPECT_TRUE(hasRemark(fin, "the surface is open"));
   EXPECT_EQ(fin.volume, 0.0);
-  EXPECT_TRUE(saysOf(analyseQuickly(*bare(small_meshes::flippedTriangle())), "face opposite ways"));
-  EXPECT_TRUE(saysOf(analyseQuickly(*bare(small_meshes::twoIslands())), "2 pieces"));
+  EXPECT_TRUE(hasRemark(analyseQuickly(*bare(small_meshes::flippedTriangle())), "face opposite ways"));
+  EXPECT_TRUE(hasRemark(analyseQuickly(*bare(small_meshes::twoIslands())), "2 pieces"));
 }
 
 TEST(Analyse, smallestNetworks) {

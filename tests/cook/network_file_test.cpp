@@ -100,7 +100,7 @@ TEST(NetworkFile, equalNetworksGiveEqualBytes) {
   EXPECT_EQ(toBytes(**buildNetwork(mesh, equalLength())), toBytes(**buildNetwork(mesh, equalLength())));
 }
 
-// the format's promise: what version 1 has written is read for ever, and written alike
+// the format is stable: files of version 1 are always readable, and written with the same bytes
 TEST(NetworkFile, goldenFileOfVersionOne) {
   const std::string file = LIMBER_GOLDEN_DIR "/version-1.limber";
   const Result<SharedNetwork> network = loadNetwork(file);
@@ -122,7 +122,7 @@ TEST(NetworkFile, savedFilesLoad) {
   const std::string file = folder.path() + "/body.limber";
   EXPECT_EQ(saveNetwork(test::everyMemberNetwork(), file), "");
   EXPECT_EQ(readBytes(file), toBytes(test::everyMemberNetwork()));
-  EXPECT_EQ(saveNetwork(**buildRope(), file), "");  // over the old one
+  EXPECT_EQ(saveNetwork(**buildRope(), file), "");  // replaces the old file
   const Result<SharedNetwork> network = loadNetwork(file);
   ASSERT_TRUE(network) << network.error();
   expectSame(**network, **buildRope());
@@ -142,7 +142,7 @@ TEST(NetworkFile, whatCannotBeWrittenLeavesNothingBehind) {
   EXPECT_EQ(std::distance(fs::directory_iterator(folder.path()), {}), 0);
 }
 
-// of several at once each has a name of its own, and none is disturbed
+// several writers at once use different temporary names and leave each other's files alone
 TEST(NetworkFile, othersPartsAreLeftAlone) {
   const TemporaryFolder folder;
   const std::string file = folder.path() + "/body.limber";
@@ -178,7 +178,7 @@ TEST(NetworkFile, otherVersionsAreRefused) {
 TEST(NetworkFile, everyTruncationIsRefused) {
   const Bytes bytes = toBytes(test::everyMemberNetwork());
   for (std::size_t size = 1; size < bytes.size(); ++size) {
-    // a copy of its own length, so that a sanitizer sees any read beyond it
+    // a copy of exactly this length, so that a sanitizer sees any read beyond it
     const std::string reason = parse(Bytes(bytes.begin(), bytes.begin() + std::ptrdiff_t(size))).error();
     EXPECT_EQ(reason.rfind("cut short: ", 0), 0u) << size << ": " << reason;
   }
@@ -216,7 +216,7 @@ TEST(NetworkFile, whatTheNetworkPromisesIsChecked) {
   EXPECT_EQ(parse(toBytes(network)).error(), "the network kind has the unknown kind 3");
 }
 
-// checked before anything is allocated: a vector of that length could not be had
+// checked before anything is allocated: a vector of that length could not be allocated
 TEST(NetworkFile, countsBeyondTheBytesAreRefused) {
   const Bytes bytes = toBytes(test::everyMemberNetwork());
   const std::size_t countAt = test::kHeaderBytes + 1 + 8 + 10 * 8;  // of the rest points

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// Large deformations, what bodies relax to from them, and how often that is the rest shape.
+// Large deformations, the shapes to which bodies relax from them, and how often that is the rest shape.
 #include "network/relaxation.h"
 
 #include "solver/springs.h"
@@ -16,21 +16,21 @@
 namespace limber {
 namespace {
 
-constexpr double kUneven = 1e-4;  // of the size, what deform() moves every point by at most
+constexpr double kIrregularity = 1e-4;  // of the size, largest irregularity that deform() adds to each point
 
 const std::vector<Deformation> kKinds{Deformation::Squash,   Deformation::Twist,  Deformation::Noise,
                                       Deformation::Push,     Deformation::Mirror, Deformation::Flatten,
                                       Deformation::Inversion};
 
-/// Without its volume term.
-SpringNetwork opened(SpringNetwork network) {
+/// Returns the network with an open surface, so without a volume term.
+SpringNetwork withoutVolumeTerm(SpringNetwork network) {
   network.surface.pop_back();
   return network;
 }
 
 double largestMove(const Points& a, const Points& b) { return (a - b).colwise().norm().maxCoeff(); }
 
-/// Root mean square distance from the best plane.
+/// Returns the root mean square distance from the best plane.
 double thickness(const Points& x) {
   const Points r = x.colwise() - x.rowwise().mean();
   return std::sqrt(Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(r * r.transpose()).eigenvalues()[0] /
@@ -49,17 +49,17 @@ TEST(Deformations, dependOnKindSeedAndRunAlone) {
 
 TEST(Deformations, areWhatTheyAreCalled) {
   const Points rest = RelaxedBody(*network_shapes::bare(network_shapes::ico42())).rest;
-  const double round = thickness(rest);
+  const double roundThickness = thickness(rest);
   for (std::uint64_t run = 0; run < 5; ++run) {
-    EXPECT_LT(thickness(deform(rest, Deformation::Flatten, 1, run)), kUneven);
-    EXPECT_NEAR(thickness(deform(rest, Deformation::Squash, 1, run)), 0.1 * round, kUneven);
-    EXPECT_LT(largestMove(deform(rest, Deformation::Inversion, 1, run), -rest), 1.01 * kUneven);
-    EXPECT_LE(largestMove(deform(rest, Deformation::Noise, 1, run), rest), 0.5 + kUneven);
+    EXPECT_LT(thickness(deform(rest, Deformation::Flatten, 1, run)), kIrregularity);
+    EXPECT_NEAR(thickness(deform(rest, Deformation::Squash, 1, run)), 0.1 * roundThickness, kIrregularity);
+    EXPECT_LT(largestMove(deform(rest, Deformation::Inversion, 1, run), -rest), 1.01 * kIrregularity);
+    EXPECT_LE(largestMove(deform(rest, Deformation::Noise, 1, run), rest), 0.5 + kIrregularity);
     const Points pushed = deform(rest, Deformation::Push, 1, run);
-    EXPECT_EQ(((pushed - rest).colwise().norm().array() > 1.01 * kUneven).count(), 1);
+    EXPECT_EQ(((pushed - rest).colwise().norm().array() > 1.01 * kIrregularity).count(), 1);
     EXPECT_GT(largestMove(pushed, rest), 0.2);
     const Points mirrored = deform(rest, Deformation::Mirror, 1, run);
-    const auto moved = ((mirrored - rest).colwise().norm().array() > 1.01 * kUneven).count();
+    const auto moved = ((mirrored - rest).colwise().norm().array() > 1.01 * kIrregularity).count();
     EXPECT_GT(moved, 0);
     EXPECT_LT(moved, rest.cols() / 2);
   }
@@ -68,10 +68,10 @@ TEST(Deformations, areWhatTheyAreCalled) {
 TEST(DistanceToRest, leavesOutRigidMotionsOfEachPieceButNotReflections) {
   const RelaxedBody body(*network_shapes::bare(small_meshes::twoIslands()));
   ASSERT_EQ(body.pieces.size(), 2u);
-  const Eigen::Matrix3d turn = Eigen::AngleAxisd(2.0, Eigen::Vector3d(1, 2, 3).normalized()).matrix();
-  Points x = turn * body.rest;
+  const Eigen::Matrix3d rotation = Eigen::AngleAxisd(2.0, Eigen::Vector3d(1, 2, 3).normalized()).matrix();
+  Points x = rotation * body.rest;
   for (const Eigen::Index i : body.pieces[1]) x.col(i) += Eigen::Vector3d(5, 1, 0);
-  // the root of the rounding of squares
+  // square root of the rounding of squares
   EXPECT_NEAR(distanceToRest(body, x), 0.0, 1e-7);
   EXPECT_GT(distanceToRest(body, -x), 0.05);
   x(0, 0) = std::nan("");
@@ -118,11 +118,11 @@ TEST(Relaxation, endsInAMinimumOfTheEnergy) {
 TEST(ReturnRate, ofTheBareCubeIsPerfectWithAVolumeOnly) {
   const SpringNetwork cube = *network_shapes::bare(network_shapes::cube8());
   for (const Deformation kind : kKinds) EXPECT_EQ(measureReturns(cube, kind, 20, 1).rate(), 1.0);
-  // springs have no part in telling a body from its mirror image
-  const ReturnRate inverted = measureReturns(opened(cube), Deformation::Inversion, 20, 1);
+  // springs cannot distinguish a body from its mirror image
+  const ReturnRate inverted = measureReturns(withoutVolumeTerm(cube), Deformation::Inversion, 20, 1);
   EXPECT_EQ(inverted.returned, 0u);
   EXPECT_EQ(inverted.mirrored, 20u);
-  EXPECT_LT(measureReturns(opened(cube), Deformation::Squash, 40, 1).rate(), 0.8) << "folds flat";
+  EXPECT_LT(measureReturns(withoutVolumeTerm(cube), Deformation::Squash, 40, 1).rate(), 0.8) << "folds flat";
 }
 
 TEST(ReturnRate, ofABareLIsNone) {
@@ -144,7 +144,7 @@ SharedNetwork coarseMaterialCube() {
   return *buildMaterialNetwork(network_shapes::cube8(), coarse);
 }
 
-/// Springs alone are at rest in a tetrahedron that is inside out.
+/// Without the volume term, springs are at rest in an inverted tetrahedron.
 TEST(ReturnRate, ofAMaterialIsPerfect) {
   const SpringNetwork body = *coarseMaterialCube();
   for (const Deformation kind : kKinds) EXPECT_EQ(measureReturns(body, kind, 6, 1).returned, 6u);
@@ -154,12 +154,12 @@ TEST(ReturnRate, ofAMaterialIsPerfect) {
   EXPECT_EQ(measureReturns(hollow, Deformation::Inversion, 6, 1).returned, 0u);
 }
 
-/// Also when a run before it was stepped so coarsely that its volumes were held back.
+/// Also after a run with so few substeps that the volume terms were limited.
 TEST(Relaxation, descendsTheWholeEnergy) {
   RelaxedBody body(*coarseMaterialCube());
   const auto start = [&](std::size_t i) { return deform(body.rest, Deformation::Squash, 1, i); };
   relax(body, 8, start, [&](std::size_t, const Points&) {
-    for (const double hold : body.terms.tetrahedra.stabilityScale) EXPECT_EQ(hold, 0.0);
+    for (const double scale : body.terms.tetrahedra.stabilityScale) EXPECT_EQ(scale, 0.0);
     return true;
   });
   RelaxedBody closed(*network_shapes::bare(network_shapes::ico42()));

@@ -29,7 +29,7 @@ struct Row {
   const char* name;
   SharedNetwork network;
   std::size_t rank, mechanisms, selfStresses;
-  double softest, stiffest;  ///< 0: the notes' mesh had other proportions
+  double softest, stiffest;  ///< 0: the mesh of the reference had other proportions
 };
 
 std::vector<Row> table() {
@@ -76,8 +76,8 @@ TEST(SmallDeformations, tableOfTheNotes) {
 }
 
 TEST(SmallDeformations, aChainIsAChain) {
-  // Along itself a free chain of n points has the eigenvalues 2 - 2 cos(pi i / n), i = 1 ... n - 1; across,
-  // none.
+  // Along its line a free chain of n points has the eigenvalues 2 - 2 cos(pi i / n), i = 1 ... n - 1; across
+  // it all are 0.
   for (const int links : {1, 5, 300}) {
     const SmallDeformations found = smallDeformations(*limber::test::chainNetwork(links));
     const auto count = static_cast<std::size_t>(links);
@@ -91,22 +91,22 @@ TEST(SmallDeformations, aChainIsAChain) {
 
 TEST(SmallDeformations, sizePlaceAndTurnDoNotMatter) {
   const SharedNetwork cube = bare(network_shapes::cube26());
-  const SmallDeformations at = smallDeformations(*cube);
+  const SmallDeformations reference = smallDeformations(*cube);
   for (const double size : {1e-6, 1.0, 1e6}) {
     SpringNetwork moved = *cube;
-    const Eigen::AngleAxisd turn(0.7, Eigen::Vector3d(1, 2, 3).normalized());
-    for (Eigen::Vector3d& p : moved.restPoints) p = size * (turn * p + Eigen::Vector3d(3, -5, 8));
+    const Eigen::AngleAxisd rotation(0.7, Eigen::Vector3d(1, 2, 3).normalized());
+    for (Eigen::Vector3d& p : moved.restPoints) p = size * (rotation * p + Eigen::Vector3d(3, -5, 8));
     const SmallDeformations found = smallDeformations(moved);
-    EXPECT_EQ(found.mechanisms, at.mechanisms);
-    EXPECT_NEAR(found.softest, at.softest, 1e-9);
-    EXPECT_NEAR(found.stiffest, at.stiffest, 1e-9);
+    EXPECT_EQ(found.mechanisms, reference.mechanisms);
+    EXPECT_NEAR(found.softest, reference.softest, 1e-9);
+    EXPECT_NEAR(found.stiffest, reference.stiffest, 1e-9);
   }
 }
 
 TEST(SmallDeformations, singlePrecisionDoesNotHideMechanisms) {
   SpringNetwork cube = *bare(network_shapes::cube98());
-  const Eigen::AngleAxisd turn(0.7, Eigen::Vector3d(1, 2, 3).normalized());
-  for (Eigen::Vector3d& p : cube.restPoints) p = (turn * p).cast<float>().cast<double>();
+  const Eigen::AngleAxisd rotation(0.7, Eigen::Vector3d(1, 2, 3).normalized());
+  for (Eigen::Vector3d& p : cube.restPoints) p = (rotation * p).cast<float>().cast<double>();
   EXPECT_EQ(smallDeformations(cube).mechanisms, 54u);
 }
 
@@ -144,7 +144,7 @@ TEST(SmallDeformations, nothingToDeform) {
 }
 
 TEST(SoftestModes, areTheEigenvectors) {
-  // dense, sparse, with equal modes, with more mechanisms than modes asked for, with very soft ones
+  // dense, sparse, with equal modes, with more mechanisms than requested modes, with very soft modes
   for (const SharedNetwork& network : {bare(network_shapes::cube98()), bare(network_shapes::ico162()),
                                        bare(network_shapes::lshape90()), bare(network_shapes::noise162()),
                                        bare(test_shapes::rabbit(0.066)), limber::test::chainNetwork(200)}) {
@@ -154,7 +154,7 @@ TEST(SoftestModes, areTheEigenvectors) {
     const Modes modes = softestModes(*network, 30);
     ASSERT_EQ(modes.eigenvalues.size(), 30);
     const double stiffest = all[all.size() - 1];
-    // residuals are to 1e-5 of eigenvalues of the inverse
+    // the residuals are 1e-5 of the eigenvalues of the inverse
     EXPECT_LT((modes.eigenvalues - all.head(30)).cwiseAbs().maxCoeff(), 1e-7 * stiffest);
     EXPECT_LT((modes.shapes.transpose() * modes.shapes - Eigen::MatrixXd::Identity(30, 30)).norm(), 1e-9);
     EXPECT_LT((rigid.transpose() * modes.shapes).norm(), 1e-8);
@@ -164,13 +164,13 @@ TEST(SoftestModes, areTheEigenvectors) {
 }
 
 TEST(SoftestModes, allEqualOnesAreFound) {
-  // 600 mechanisms of which a Krylov space sees a few at a time
+  // 600 mechanisms, of which a Krylov space contains only a few at a time
   const SharedNetwork chain = limber::test::chainNetwork(300);
   const Modes modes = softestModes(*chain, 40);
   EXPECT_LT(modes.eigenvalues.maxCoeff(), 1e-12);
 }
 
-/// Constants of all orders of magnitude: it never converges, and gives the best it has.
+/// With stiffnesses of very different magnitude the iteration never converges and returns its best result.
 TEST(SoftestModes, areModesEvenWhereTheyAreNotExact) {
   SpringNetwork uneven = *bare(network_shapes::ico162());
   limber::Random random(1);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// Surfaces that pass through themselves are told so, and still make bodies.
+// Surfaces that intersect themselves are reported, and still give bodies.
 #include "mesh/triangle_bvh.h"
 #include "support/network_shapes.h"
 #include "support/small_meshes.h"
@@ -13,8 +13,8 @@
 namespace limber {
 namespace {
 
-/// Two balls of radius 1, `apart` metres from each other along x, and a little along y and z: mirror images
-/// of each other would meet edge to edge.
+/// Two balls of radius 1, `apart` metres from each other along x, and a little displaced along y and z: exact
+/// mirror images would touch edge to edge.
 TriangleMesh twoBalls(double apart) {
   TriangleMesh mesh = small_meshes::icosphere(2);
   const TriangleMesh ball = mesh;
@@ -26,18 +26,20 @@ TriangleMesh twoBalls(double apart) {
   return mesh;
 }
 
-std::size_t piercing(const TriangleMesh& mesh) { return countPiercingEdges(mesh.positions, mesh.triangles); }
+std::size_t piercingEdges(const TriangleMesh& mesh) {
+  return countPiercingEdges(mesh.positions, mesh.triangles);
+}
 
 TEST(SelfIntersections, areNoneInSoundShapes) {
   for (const auto& mesh : {network_shapes::cube98(), network_shapes::lshape90(), network_shapes::torus128(),
                            network_shapes::rabbit302(), network_shapes::cloth100(), twoBalls(2.1)})
-    EXPECT_EQ(piercing(mesh), 0u);
+    EXPECT_EQ(piercingEdges(mesh), 0u);
   EXPECT_EQ(countPiercingEdges({}, {}), 0u);
 }
 
 TEST(SelfIntersections, areFoundWhereABallIsInAnother) {
-  EXPECT_GT(piercing(twoBalls(1.0)), 20u);
-  // a spike through a triangle: its two edges to the tip
+  EXPECT_GT(piercingEdges(twoBalls(1.0)), 20u);
+  // a spike through a triangle: its two edges at the tip pierce it
   TriangleMesh spike = small_meshes::singleTriangle();
   const Eigen::Vector3d middle = (spike.positions[0] + spike.positions[1] + spike.positions[2]) / 3.0;
   const Eigen::Vector3d normal =
@@ -46,7 +48,7 @@ TEST(SelfIntersections, areFoundWhereABallIsInAnother) {
                                    Eigen::Vector3d(middle + normal + 0.01 * normal.unitOrthogonal())})
     spike.positions.push_back(p);
   spike.triangles.push_back({3, 4, 5});
-  EXPECT_EQ(piercing(spike), 2u);
+  EXPECT_EQ(piercingEdges(spike), 2u);
 }
 
 TEST(SelfIntersections, areReportedAndTheBodyMadeAllTheSame) {

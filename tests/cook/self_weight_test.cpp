@@ -17,7 +17,7 @@ using network_shapes::bare;
 
 namespace {
 
-/// The greatest  m g / (k L)  that the network carries.
+/// Returns the largest m g / (k L) that the network carries.
 double loadLimit(const SpringNetwork& network, double volumeModulus) {
   SoftBodySettings settings;
   settings.totalMass = static_cast<double>(network.restPoints.size());
@@ -28,8 +28,8 @@ double loadLimit(const SpringNetwork& network, double volumeModulus) {
 }  // namespace
 
 TEST(LeastStiffness, loadLimitsOfTheNotes) {
-  // Measured there with other friction and damping on a coarse grid of masses; here they move the limits by
-  // 15 %.
+  // The reference values were measured with other friction and damping on a coarse grid of masses; these
+  // change the limits by 15 %.
   const struct {
     double found, notes;
   } rows[] = {{loadLimit(*bare(network_shapes::cube8()), 0.0), 0.050},
@@ -47,13 +47,13 @@ TEST(LeastStiffness, volumeCarries) {
 }
 
 TEST(LeastStiffness, tellsBodiesApart) {
-  // a column of tetrahedra carries on its edges; a box whose faces have points within sags at once
+  // a column of tetrahedra is carried by its edges; a box with points inside its faces collapses at once
   EXPECT_GT(loadLimit(*bare(network_shapes::cube8Tetrahedral()), -1.0),
             100.0 * loadLimit(*bare(network_shapes::cube26()), -1.0));
 }
 
 TEST(LeastStiffness, aBodyThatTopplesHasNotCollapsed) {
-  // leaning so far that its centre of mass is beside its foot: no load is too light to topple it
+  // it leans so far that its centre of mass is not above its base: it falls over under any load
   SpringNetwork leaning = *limber::test::fullCubeNetwork();
   for (Eigen::Vector3d& p : leaning.restPoints) p = {0.3 * p.x() + 1.5 * p.y(), 2.0 * p.y(), 0.6 * p.z()};
   EXPECT_TRUE(std::isfinite(leastStiffness(leaning, SoftBodySettings(), 9.81).value()));
@@ -62,14 +62,14 @@ TEST(LeastStiffness, aBodyThatTopplesHasNotCollapsed) {
 TEST(LeastStiffness, isProportionalToWeightOverSize) {
   const SpringNetwork cube = *limber::test::fullCubeNetwork();
   SoftBodySettings settings;
-  const double at = leastStiffness(cube, settings, 9.81).value();
+  const double reference = leastStiffness(cube, settings, 9.81).value();
   settings.totalMass *= 3.0;
-  EXPECT_NEAR(leastStiffness(cube, settings, 9.81).value(), 3.0 * at, 1e-9 * at);
+  EXPECT_NEAR(leastStiffness(cube, settings, 9.81).value(), 3.0 * reference, 1e-9 * reference);
   settings.scale *= 2.0;
-  EXPECT_NEAR(leastStiffness(cube, settings, 9.81).value(), 1.5 * at, 1e-9 * at);
-  EXPECT_NEAR(leastStiffness(cube, settings, 1.0).value(), 1.5 / 9.81 * at, 1e-9 * at);
+  EXPECT_NEAR(leastStiffness(cube, settings, 9.81).value(), 1.5 * reference, 1e-9 * reference);
+  EXPECT_NEAR(leastStiffness(cube, settings, 1.0).value(), 1.5 / 9.81 * reference, 1e-9 * reference);
   settings.extensionStiffness = settings.compressionStiffness = 7.0;
-  EXPECT_NEAR(leastStiffness(cube, settings, 1.0).value(), 1.5 / 9.81 * at, 1e-9 * at);
+  EXPECT_NEAR(leastStiffness(cube, settings, 1.0).value(), 1.5 / 9.81 * reference, 1e-9 * reference);
 }
 
 limber::TriangleMesh twoCubes(const limber::TriangleMesh& upper) {
@@ -81,18 +81,19 @@ limber::TriangleMesh twoCubes(const limber::TriangleMesh& upper) {
   return both;
 }
 
-/// Each piece is put down: one in the air does not fall and is not small for being far from the other.
+/// Each piece stands on the ground: a piece in the air does not fall, and its size is not measured relative
+/// to the distance to the other piece.
 TEST(LeastStiffness, ofPiecesIsThatOfTheWorst) {
   SoftBodySettings settings;
-  const auto least = [&](const limber::TriangleMesh& mesh, double mass) {
+  const auto leastOf = [&](const limber::TriangleMesh& mesh, double mass) {
     settings.totalMass = mass;
     return leastStiffness(*bare(mesh), settings, 9.81).value();
   };
-  const double one = least(network_shapes::cube8(), 1.0);
-  EXPECT_NEAR(least(twoCubes(network_shapes::cube8()), 2.0), one, 1e-6 * one);
-  const double weak = least(network_shapes::cube26(), 26.0);
-  ASSERT_GT(weak, 2.0 * least(network_shapes::cube8(), 8.0));
-  EXPECT_GT(least(twoCubes(network_shapes::cube26()), 34.0), 0.5 * weak);
+  const double one = leastOf(network_shapes::cube8(), 1.0);
+  EXPECT_NEAR(leastOf(twoCubes(network_shapes::cube8()), 2.0), one, 1e-6 * one);
+  const double weak = leastOf(network_shapes::cube26(), 26.0);
+  ASSERT_GT(weak, 2.0 * leastOf(network_shapes::cube8(), 8.0));
+  EXPECT_GT(leastOf(twoCubes(network_shapes::cube26()), 34.0), 0.5 * weak);
 }
 
 TEST(LeastStiffness, ofAMaterialKeepsItsTetrahedra) {
@@ -107,8 +108,8 @@ TEST(LeastStiffness, ofAMaterialKeepsItsTetrahedra) {
 
 TEST(LeastStiffness, endsWhenAskedOrWhenStepsAreTooShort) {
   int calls = 0;
-  const auto thrice = [&](const char*, double) { return ++calls < 3; };
-  EXPECT_FALSE(leastStiffness(*limber::test::cubeNetwork(), {}, 9.81, thrice).has_value());
+  const auto endAtThird = [&](const char*, double) { return ++calls < 3; };
+  EXPECT_FALSE(leastStiffness(*limber::test::cubeNetwork(), {}, 9.81, endAtThird).has_value());
   EXPECT_EQ(calls, 3);
   for (const double scale : {1e12, 1e300}) {
     SpringNetwork cube = *limber::test::cubeNetwork();
@@ -118,7 +119,7 @@ TEST(LeastStiffness, endsWhenAskedOrWhenStepsAreTooShort) {
 }
 
 TEST(LeastStiffness, limpBodiesCannotStand) {
-  // links hanging upwards, and nothing at all
+  // a chain that stands upright, and a network without points
   EXPECT_EQ(leastStiffness(*limber::test::chainNetwork(4), {}, 9.81), HUGE_VAL);
   EXPECT_EQ(leastStiffness(*limber::test::cubeNetwork(), {}, 0.0), 0.0);
   EXPECT_EQ(leastStiffness(SpringNetwork{}, {}, 9.81), 0.0);

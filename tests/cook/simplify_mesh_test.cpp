@@ -29,12 +29,12 @@ double volume(const WeldedMesh& mesh) {
   return sum;
 }
 
-/// Of a closed surface, where each triangle has half of its three edges.
+/// Returns the Euler characteristic of a closed surface, with half of three edges per triangle.
 long eulerNumber(const WeldedMesh& mesh) {
   return static_cast<long>(mesh.points.size()) - static_cast<long>(mesh.triangles.size()) / 2;
 }
 
-/// The larger of the two one-sided distances, of points from surfaces.
+/// Returns the larger of the two one-sided distances from the points of one surface to the other surface.
 double hausdorff(const WeldedMesh& a, const WeldedMesh& b) {
   const TriangleBvh onA(a.points, a.triangles), onB(b.points, b.triangles);
   double largest = 0.0;
@@ -68,7 +68,7 @@ TEST(Simplify, keepsShapeAndTopology) {
     std::uint32_t points;
     double volumeError;  // a polyhedron with corners near the surface is smaller than a round body: by 2/n of
                          // its area times its radius of curvature
-    double distance;     // of the size
+    double distance;     // as a fraction of the size
   };
   const Case cases[] = {{"rabbit", test_shapes::rabbit(0.025), 150, 0.04, 0.03},
                         {"horseshoe", test_shapes::horseshoe(0.025), 150, 0.04, 0.03},
@@ -93,7 +93,7 @@ TEST(Simplify, keepsShapeAndTopology) {
 TEST(Simplify, theCornersOfACube) {
   const WeldedMesh result = coarse(small_meshes::cube(10), 8);
   ASSERT_EQ(result.points.size(), 8u);
-  // the points' own pull moves corners by a part of a thousandth of the size
+  // the error terms of the points move corners by less than a thousandth of the size
   for (const auto& p : result.points) EXPECT_LT((p.cwiseAbs().array() - 0.5).abs().maxCoeff(), 0.01);
 }
 
@@ -119,10 +119,10 @@ TEST(Simplify, borderOfASheetStays) {
 
 TEST(Simplify, componentsStayApart) {
   TriangleMesh mesh = small_meshes::icosphere(3);
-  const TriangleMesh other = mesh;
+  const TriangleMesh copy = mesh;
   const auto first = static_cast<std::uint32_t>(mesh.positions.size());
-  for (const auto& p : other.positions) mesh.positions.emplace_back(0.3 * p + Eigen::Vector3d(1.31, 0, 0));
-  for (const auto& t : other.triangles) mesh.triangles.push_back({t[0] + first, t[1] + first, t[2] + first});
+  for (const auto& p : copy.positions) mesh.positions.emplace_back(0.3 * p + Eigen::Vector3d(1.31, 0, 0));
+  for (const auto& t : copy.triangles) mesh.triangles.push_back({t[0] + first, t[1] + first, t[2] + first});
   const WeldedMesh result = coarse(mesh, 60);
   EXPECT_EQ(result.points.size(), 60u);
   EXPECT_EQ(result.report.components, 2u);

@@ -33,23 +33,23 @@ Vector3d affine(const Vector3d& p) {
   return a * p + Vector3d(3, -2, 1);
 }
 
-/// By 1 rad per metre of height.
+/// Bends by 1 rad per metre of height.
 Vector3d bend(const Vector3d& p) {
   return {(1.0 + p.x()) * std::cos(p.y()) - 1.0, (1.0 + p.x()) * std::sin(p.y()), p.z()};
 }
 
-/// By a quarter turn per metre of height.
+/// Twists by a quarter turn per metre of height.
 Vector3d twist(const Vector3d& p) {
   const double angle = 1.57 * p.y(), c = std::cos(angle), s = std::sin(angle);
   return {c * p.x() - s * p.z(), p.y(), s * p.x() + c * p.z()};
 }
 
 Vector3d squash(const Vector3d& p) {
-  const double wide = 1.0 / std::sqrt(0.7 + 0.3 * p.y() * p.y());
-  return {wide * p.x(), 0.7 * p.y() + 0.1 * p.y() * p.y(), wide * p.z()};
+  const double width = 1.0 / std::sqrt(0.7 + 0.3 * p.y() * p.y());
+  return {width * p.x(), 0.7 * p.y() + 0.1 * p.y() * p.y(), width * p.z()};
 }
 
-/// Waves of about the length of the body and a twentieth of it high.
+/// Adds waves with a length of about the body's size and an amplitude of a twentieth of it.
 Vector3d wobble(const Vector3d& p) {
   return p + 0.05 * Vector3d(std::sin(6 * p.y() + 1), std::sin(6 * p.z()), std::sin(6 * p.x() + 2));
 }
@@ -71,13 +71,13 @@ Points moved(Points points, Motion motion) {
   return points;
 }
 
-Points ride(const SkinWeights& skin, const Points& points) {
-  Points places(skin.firstWeight.size() - 1, Vector3d::Zero());
-  for (std::size_t i = 0; i < places.size(); ++i) {
+Points applyWeights(const SkinWeights& skin, const Points& points) {
+  Points vertices(skin.firstWeight.size() - 1, Vector3d::Zero());
+  for (std::size_t i = 0; i < vertices.size(); ++i) {
     for (std::uint32_t w = skin.firstWeight[i]; w < skin.firstWeight[i + 1]; ++w)
-      places[i] += skin.weights[w] * points[skin.points[w]];
+      vertices[i] += skin.weights[w] * points[skin.points[w]];
   }
-  return places;
+  return vertices;
 }
 
 double largestError(const Points& a, const Points& b) {
@@ -116,7 +116,8 @@ TEST(Skin, affineMotionsAreExact) {
     for (const SkinKind kind : kKinds) {
       const auto weights = skinWeights(network, welded, settingsOf(kind));
       ASSERT_TRUE(weights) << weights.error();
-      EXPECT_LT(largestError(ride(*weights, moved(network.restPoints, affine)), moved(welded.points, affine)),
+      EXPECT_LT(largestError(applyWeights(*weights, moved(network.restPoints, affine)),
+                             moved(welded.points, affine)),
                 1e-10);
     }
   }
@@ -126,47 +127,49 @@ TEST(Skin, affineMotionsAreExact) {
 TEST(Skin, smoothDeformations) {
   const WeldedMesh mesh = *weld(test_shapes::rabbit(0.0142));
   const SpringNetwork network = coarseNetwork(test_shapes::rabbit(0.0142), 100);
-  struct Bar {
+  struct Limit {
     SkinKind kind;
     double position, normal;  // m, rad
   };
-  // the bar of 1e-3 of the size for radial weights; barycentric ones are piecewise linear
-  for (const Bar& bar : {Bar{SkinKind::Dense, 1e-3, 0.01}, Bar{SkinKind::Sparse, 1e-3, 0.01},
-                         Bar{SkinKind::Barycentric, 5e-3, 0.1}}) {
-    const auto weights = skinWeights(network, mesh, settingsOf(bar.kind));
+  // limit of 1e-3 of the size for radial weights; barycentric ones are piecewise linear
+  for (const Limit& limit : {Limit{SkinKind::Dense, 1e-3, 0.01}, Limit{SkinKind::Sparse, 1e-3, 0.01},
+                             Limit{SkinKind::Barycentric, 5e-3, 0.1}}) {
+    const auto weights = skinWeights(network, mesh, settingsOf(limit.kind));
     ASSERT_TRUE(weights) << weights.error();
     for (const Motion motion : {bend, twist, squash, wobble}) {
-      const Points got = ride(*weights, moved(network.restPoints, motion));
-      const Points wanted = moved(mesh.points, motion);
-      EXPECT_LT(rmsError(got, wanted), bar.position);
-      EXPECT_LT(meanNormalError(mesh, got, wanted), bar.normal);
+      const Points found = applyWeights(*weights, moved(network.restPoints, motion));
+      const Points expected = moved(mesh.points, motion);
+      EXPECT_LT(rmsError(found, expected), limit.position);
+      EXPECT_LT(meanNormalError(mesh, found, expected), limit.normal);
     }
   }
 }
 
-/// Whose points see a motion on flat faces only.
+/// The points of the cube sample the motion on flat faces only.
 TEST(Skin, smoothDeformationsOfACube) {
   const WeldedMesh mesh = *weld(small_meshes::cube(20));
   const SpringNetwork network = coarseNetwork(small_meshes::cube(20), 100);
   const SkinWeights skin = *skinWeights(network, mesh, settingsOf(SkinKind::Dense));
   for (const Motion motion : {bend, twist, squash})
-    EXPECT_LT(rmsError(ride(skin, moved(network.restPoints, motion)), moved(mesh.points, motion)), 1e-3);
+    EXPECT_LT(rmsError(applyWeights(skin, moved(network.restPoints, motion)), moved(mesh.points, motion)),
+              1e-3);
 }
 
 namespace {
 
-/// Mean motion of the places at x > 0 in the region, over that of the points at x < 0 in it.
+/// Returns the mean displacement of the vertices at x > 0 in the region, divided by that of the points at x <
+/// 0 in it.
 double bleeding(const SkinWeights& skin, const SpringNetwork& network, const WeldedMesh& mesh,
                 bool (*inRegion)(const Vector3d&)) {
   Points points = network.restPoints;
   for (Vector3d& p : points) {
     if (inRegion(p) && p.x() < 0.0) p.x() -= 0.1;
   }
-  const Points places = ride(skin, points);
+  const Points vertices = applyWeights(skin, points);
   double sum = 0.0, count = 0.0;
-  for (std::size_t i = 0; i < places.size(); ++i) {
+  for (std::size_t i = 0; i < vertices.size(); ++i) {
     if (!inRegion(mesh.points[i]) || mesh.points[i].x() < 0.0) continue;
-    sum += (places[i] - mesh.points[i]).norm();
+    sum += (vertices[i] - mesh.points[i]).norm();
     count += 1.0;
   }
   return sum / count / 0.1;
@@ -181,7 +184,8 @@ TEST(Skin, partsThatNearlyTouchDoNotDragEachOther) {
   struct Case {
     TriangleMesh mesh;
     bool (*inRegion)(const Vector3d&);
-    double unaware;  // what is dragged along if gaps are not known: it shows that the test can fail
+    double
+        withoutGaps;  // the motion of the other part if gaps are ignored, which shows that the test can fail
   };
   const Case cases[] = {{test_shapes::horseshoe(0.025), isHorseshoeEnd, 0.05},
                         {test_shapes::rabbit(0.025), isEar, 0.02}};
@@ -195,7 +199,7 @@ TEST(Skin, partsThatNearlyTouchDoNotDragEachOther) {
     }
     limber::SkinProblem problem{network.restPoints, mesh.points, {}, {}};
     problem.variances.resize(Eigen::Index(mesh.points.size()), Eigen::Index(network.restPoints.size()));
-    EXPECT_GT(bleeding(denseWeights(problem), network, mesh, c.inRegion), c.unaware);
+    EXPECT_GT(bleeding(denseWeights(problem), network, mesh, c.inRegion), c.withoutGaps);
   }
 }
 
@@ -214,10 +218,10 @@ TEST(Skin, bodiesApartDoNotDragEachOther) {
   Points points = network.restPoints;
   for (Vector3d& p : points) p.y() += p.x() > 1.05 ? 0.1 : 0.0;
   for (const SkinKind kind : kKinds) {
-    const Points places = ride(*skinWeights(network, welded, settingsOf(kind)), points);
-    for (std::size_t i = 0; i < places.size(); ++i) {
-      const double wanted = welded.points[i].x() > 1.05 ? 0.1 : 0.0;
-      EXPECT_NEAR(places[i].y() - welded.points[i].y(), wanted, 0.001) << i;
+    const Points vertices = applyWeights(*skinWeights(network, welded, settingsOf(kind)), points);
+    for (std::size_t i = 0; i < vertices.size(); ++i) {
+      const double expected = welded.points[i].x() > 1.05 ? 0.1 : 0.0;
+      EXPECT_NEAR(vertices[i].y() - welded.points[i].y(), expected, 0.001) << i;
     }
   }
 }
@@ -227,12 +231,12 @@ TEST(Skin, placesInPointsMoveWithThem) {
   const SpringNetwork network = networkOf(mesh);
   for (const SkinKind kind : kKinds) {
     const SkinWeights skin = *skinWeights(network, mesh, settingsOf(kind));
-    EXPECT_LT(largestError(ride(skin, moved(mesh.points, wobble)), moved(mesh.points, wobble)), 1e-9);
+    EXPECT_LT(largestError(applyWeights(skin, moved(mesh.points, wobble)), moved(mesh.points, wobble)), 1e-9);
   }
 }
 
 TEST(Skin, sparseKeepsToItsNeighbours) {
-  const TriangleMesh box = small_meshes::cube(16);  // whose nearest neighbours lie in a plane
+  const TriangleMesh box = small_meshes::cube(16);  // whose nearest neighbours are in a plane
   const WeldedMesh mesh = *weld(box);
   const SpringNetwork network = coarseNetwork(box, 200);
   for (const std::uint32_t neighbours : {4u, 32u}) {
@@ -244,7 +248,8 @@ TEST(Skin, sparseKeepsToItsNeighbours) {
     EXPECT_LT(largest, 3.0) << "of weights that sum to 1: no far extrapolation";
     for (std::size_t i = 0; i < mesh.points.size(); ++i)
       EXPECT_EQ(skin.firstWeight[i + 1] - skin.firstWeight[i], neighbours);
-    EXPECT_LT(largestError(ride(skin, moved(network.restPoints, affine)), moved(mesh.points, affine)), 1e-10);
+    EXPECT_LT(largestError(applyWeights(skin, moved(network.restPoints, affine)), moved(mesh.points, affine)),
+              1e-10);
   }
 }
 
@@ -276,15 +281,15 @@ TEST(Skin, networkWithSkin) {
     EXPECT_EQ(render.uvs, mesh.uvs);
     EXPECT_EQ(render.vertexToPoint.back(), limber::kNoPoint);
 
-    std::vector<float> points, places(3 * render.skin.size());
+    std::vector<float> points, vertices(3 * render.skin.size());
     for (const Vector3d& p : network.restPoints) {
       for (int axis = 0; axis < 3; ++axis) points.push_back(static_cast<float>(affine(p)[axis]) + 1000.0f);
     }
-    applySkin(render.skin, points.data(), places.data());
+    applySkin(render.skin, points.data(), vertices.data());
     for (std::size_t i = 0; i + 1 < mesh.positions.size(); ++i) {
       for (int axis = 0; axis < 3; ++axis) {
-        // floats of 1000 are 6e-5 apart, and magnitudes of weights sum to ten and more
-        EXPECT_NEAR(double(places[3 * render.vertexToPoint[i] + std::size_t(axis)]),
+        // floats near 1000 are 6e-5 apart, and the absolute weights sum to ten and more
+        EXPECT_NEAR(double(vertices[3 * render.vertexToPoint[i] + std::size_t(axis)]),
                     affine(mesh.positions[i])[axis] + 1000.0, 4e-4);
       }
     }
@@ -298,7 +303,7 @@ TEST(Skin, roundedWeightsSumToOne) {
     double sum = 0.0;
     for (std::uint32_t w = skin.firstWeight[i]; w < skin.firstWeight[i + 1]; ++w)
       sum += double(skin.weights[w]);
-    // half the distance of floats of about 1 / 100, as the smallest are at most
+    // half the distance between floats of about 1 / 100, the magnitude of the smallest weights at most
     EXPECT_NEAR(sum, 1.0, 5e-10);
   }
 }

@@ -29,8 +29,8 @@ double volumeInside(const WeldedMesh& mesh) {
   return std::abs(sum);
 }
 
-/// Positive volumes, bounded angles, and a closed manifold around them, at every edge and every point.
-void expectSound(const TetrahedralMesh& mesh) {
+/// Expects positive volumes, bounded angles, and a closed manifold surface, at every edge and every point.
+void expectValid(const TetrahedralMesh& mesh) {
   for (const Tetrahedron& t : mesh.tetrahedra) {
     ASSERT_GT(volumeOf(mesh.points, t), 0.0);
     const DihedralAngles angles = dihedralAngles(mesh.points, t);
@@ -39,12 +39,12 @@ void expectSound(const TetrahedralMesh& mesh) {
   }
   const EdgeDefects defects = findEdgeDefects(mesh.surface);
   EXPECT_EQ(defects.open + defects.nonManifold + defects.inconsistent, 0u);
-  // one fan around each point: the edges across from it hang together
+  // one fan around each point: the edges opposite to it are connected
   std::vector<std::vector<Triangle>> fans(mesh.points.size());
   for (const Triangle& t : mesh.surface)
     for (const std::uint32_t point : t) fans[point].push_back(t);
   for (std::uint32_t point = 0; point < fans.size(); ++point) {
-    std::vector<Triangle> opposite;  // edges across from the point, as triangles without it
+    std::vector<Triangle> opposite;  // edges opposite to the point, as triangles without it
     for (const Triangle& t : fans[point]) {
       Triangle edge = t;
       std::replace(edge.begin(), edge.end(), point, t[0] == point ? t[1] : t[0]);
@@ -60,7 +60,7 @@ struct Case {
   const char* name;
   TriangleMesh mesh;
   std::size_t points;
-  double volumeError;  ///< what a lattice of so many points leaves
+  double volumeError;  ///< error of a lattice with this number of points
 };
 
 std::vector<Case> cases() {
@@ -86,10 +86,10 @@ TEST(Tetrahedra, fillConcaveAndRoundBodiesSoundly) {
     const WeldedMesh mesh = *weld(c.mesh);
     const Result<TetrahedralMesh> filled = fillWithPoints(mesh, c.points);
     ASSERT_TRUE(filled) << filled.error();
-    expectSound(*filled);
+    expectValid(*filled);
     EXPECT_NEAR(volumeOfAll(*filled) / volumeInside(mesh), 1.0, c.volumeError);
     EXPECT_EQ(findComponents(filled->points.size(), filled->surface).count, mesh.report.components);
-    // whole rows of the lattice come and go at once
+    // whole rows of the lattice appear or disappear at once
     EXPECT_NEAR(std::log(static_cast<double>(filled->points.size()) / static_cast<double>(c.points)), 0.0,
                 0.5);
   }
@@ -100,25 +100,26 @@ TEST(Tetrahedra, keepTheirSurfaceWithinHalfASpacing) {
   for (const TriangleMesh& shape : {test_shapes::lShape(), test_shapes::torus(), test_shapes::rabbit(0.04)}) {
     const WeldedMesh mesh = *weld(shape);
     const TetrahedralMesh filled = *fillWithTetrahedra(mesh, spacing);
-    const TriangleBvh given(mesh.points, mesh.triangles), found(filled.points, filled.surface);
+    const TriangleBvh meshBvh(mesh.points, mesh.triangles), filledBvh(filled.points, filled.surface);
     for (const Triangle& t : filled.surface)
       for (const std::uint32_t point : t)
-        EXPECT_LT(given.nearest(filled.points[point]).distance, 0.5 * spacing);
-    // what is thinner than the lattice, like the tips of ears, is cut off
-    std::vector<double> missed;
-    for (const Eigen::Vector3d& point : mesh.points) missed.push_back(found.nearest(point).distance);
-    std::nth_element(missed.begin(), missed.begin() + static_cast<std::ptrdiff_t>(missed.size() * 9 / 10),
-                     missed.end());
-    EXPECT_LT(missed[missed.size() * 9 / 10], 0.7 * spacing);
+        EXPECT_LT(meshBvh.nearest(filled.points[point]).distance, 0.5 * spacing);
+    // parts thinner than the lattice, such as the tips of ears, are cut off
+    std::vector<double> distances;
+    for (const Eigen::Vector3d& point : mesh.points) distances.push_back(filledBvh.nearest(point).distance);
+    std::nth_element(distances.begin(),
+                     distances.begin() + static_cast<std::ptrdiff_t>(distances.size() * 9 / 10),
+                     distances.end());
+    EXPECT_LT(distances[distances.size() * 9 / 10], 0.7 * spacing);
   }
 }
 
 TEST(Tetrahedra, findTheCornersOfACubeThatLiesAskewInTheLattice) {
   TriangleMesh cube = small_meshes::cube(1);
-  const Eigen::AngleAxisd turn(0.5, Eigen::Vector3d(1, 2, 3).normalized());
-  for (Eigen::Vector3d& p : cube.positions) p = turn * p;
+  const Eigen::AngleAxisd rotation(0.5, Eigen::Vector3d(1, 2, 3).normalized());
+  for (Eigen::Vector3d& p : cube.positions) p = rotation * p;
   const TetrahedralMesh filled = *fillWithTetrahedra(*weld(cube), 0.15);
-  expectSound(filled);
+  expectValid(filled);
   EXPECT_NEAR(volumeOfAll(filled), 1.0, 0.015) << "cut off by the lattice it would miss 0.05";
 }
 
@@ -136,7 +137,7 @@ TEST(Tetrahedra, leaveHollowsHollow) {
     shell.triangles.push_back({t[0] + first, t[2] + first, t[1] + first});
   const WeldedMesh mesh = *weld(shell);
   const TetrahedralMesh filled = *fillWithTetrahedra(mesh, 0.2);
-  expectSound(filled);
+  expectValid(filled);
   EXPECT_EQ(findComponents(filled.points.size(), filled.surface).count, 2u);
   EXPECT_NEAR(volumeOfAll(filled) / volumeInside(mesh), 1.0, 0.03);
 }
@@ -149,7 +150,7 @@ TEST(Tetrahedra, joinPiecesThatLieWithinEachOther) {
   for (const Triangle& t : other.triangles)
     both.triangles.push_back({t[0] + first, t[1] + first, t[2] + first});
   const TetrahedralMesh filled = *fillWithTetrahedra(*weld(both), 0.125);
-  expectSound(filled);
+  expectValid(filled);
   EXPECT_NEAR(volumeOfAll(filled), 2.0 - 0.5 * 0.75, 0.02);
 }
 
@@ -189,7 +190,7 @@ TEST(Tetrahedra, sayWhichPieceIsTooThin) {
 }
 
 TEST(Tetrahedra, comeApartWhereTheyMeetInAnEdgeOrAPoint) {
-  // two pairs of tetrahedra: one pair shares the edge 0 1 alone, the others the point 0
+  // two tetrahedra share only the edge 0 1; the third shares only the point 0 with them
   TetrahedralMesh mesh;
   mesh.points = {{0, 0, 0},  {0, 0, 1},   {1, 0, 0},   {0, 1, 0},    {-1, 0, 0},
                  {0, -2, 0}, {0, -1, -1}, {1, -1, -1}, {0, -0.5, -2}};
@@ -199,7 +200,7 @@ TEST(Tetrahedra, comeApartWhereTheyMeetInAnEdgeOrAPoint) {
   makeManifold(mesh, 0.0);
   EXPECT_EQ(mesh.tetrahedra.size(), 2u) << "the smaller one at the edge goes";
   EXPECT_EQ(mesh.points.size(), 8u) << "the point in common is doubled";
-  expectSound(mesh);
+  expectValid(mesh);
 }
 
 }  // namespace

@@ -33,25 +33,25 @@ void disturb(limber::PointState& state) {
   for (double& x : state.position.reshaped()) x += 1e-9 * (random.uniform() - 0.5);
 }
 
-/// Whether 400 substeps of `dt` make a billionth of the size grow a thousandfold. A step that is too long by
-/// a part e multiplies the stiffest oscillation by exp(2 sqrt(2 e)) each time.
+/// Whether a disturbance of a billionth of the size grows by a factor of 1000 in 400 substeps of `dt`. A step
+/// that is too long by a fraction e multiplies the stiffest oscillation by exp(2 sqrt(2 e)) each time.
 bool blowsUp(const SharedNetwork& network, const SoftBodySettings& settings, double dt) {
   limber::PointState state = restState(*network, settings);
   const limber::Points rest = state.position;
   disturb(state);
   limber::SpringArrays springs = makeSprings(*network, settings);
   limber::VolumeArrays volumes = makeVolumes(*network, settings);
-  limber::SolverIsland group;
-  group.bodies.push_back({&state, &springs, nullptr});
-  if (!volumes.empty()) group.bodies[0].volumes = &volumes;
-  group.links.points.push_back(&state);
-  stepVerlet(group, 400 * dt, 400);
+  limber::SolverIsland island;
+  island.bodies.push_back({&state, &springs, nullptr});
+  if (!volumes.empty()) island.bodies[0].volumes = &volumes;
+  island.links.points.push_back(&state);
+  stepVerlet(island, 400 * dt, 400);
   return !((state.position - rest).cwiseAbs().maxCoeff() < 1e-6);
 }
 
-/// The same without the hold on volume terms that keeps steps stable which are too long for them. Euler's
-/// symplectic steps have Verlet's limit.
-bool blowsUpFreely(const SharedNetwork& network, const SoftBodySettings& settings, double dt) {
+/// The same without the limit on volume terms that stabilises steps that are too long for them. The
+/// symplectic Euler method has the same stability limit as Verlet's.
+bool blowsUpUnlimited(const SharedNetwork& network, const SoftBodySettings& settings, double dt) {
   limber::PointState state = restState(*network, settings);
   const limber::Points rest = state.position;
   disturb(state);
@@ -81,7 +81,7 @@ double simulatedBlowUp(const SharedNetwork& network, const SoftBodySettings& set
 }  // namespace
 
 TEST(TimeSteps, valuesOfTheNotes) {
-  // the paper's cubes without their volume: 0.125 kg at each point, 20 N/m
+  // the paper's cubes without volume term: 0.125 kg at each point, 20 N/m
   SoftBodySettings settings = settingsOf(20.0, 1.0);
   settings.volumeModulus = 0.0;
   EXPECT_NEAR(timeSteps(*bare(network_shapes::cube8()), settings).critical, 0.07403, 1e-5);
@@ -99,7 +99,7 @@ TEST(TimeSteps, twoPercentOfTheBlowUp) {
       const TimeSteps steps = timeSteps(*network, settings);
       const double blowUp = simulatedBlowUp(network, settings, steps.critical) / steps.critical;
       EXPECT_GE(blowUp, 0.98);
-      // too long a step holds the push against a change of volume back, and so becomes stable again
+      // a step that is too long weakens the volume term, and so becomes stable again
       if (volumeModulus == 0.0) {
         EXPECT_LE(blowUp, 1.02);
       }
@@ -120,7 +120,7 @@ TEST(TimeSteps, twoPercentOfTheBlowUpOfMaterials) {
       SoftBodySettings settings = *withMaterial(*network, material, {});
       settings.damping = 0.0;
       const TimeSteps steps = timeSteps(*network, settings);
-      EXPECT_NEAR(simulatedBlowUp(network, settings, steps.critical, blowsUpFreely) / steps.critical, 1.0,
+      EXPECT_NEAR(simulatedBlowUp(network, settings, steps.critical, blowsUpUnlimited) / steps.critical, 1.0,
                   0.02)
           << poissonRatio;
       EXPECT_LE(steps.safe, steps.critical);
@@ -134,8 +134,8 @@ TEST(TimeSteps, unevenMassesScalesAndSprings) {
   limber::SpringNetwork uneven = *bare(network_shapes::hull60());
   limber::Random random(1);
   double sum = 0.0;
-  for (double& share : uneven.massFractions) sum += share = 0.2 + random.uniform();
-  for (double& share : uneven.massFractions) share /= sum;
+  for (double& fraction : uneven.massFractions) sum += fraction = 0.2 + random.uniform();
+  for (double& fraction : uneven.massFractions) fraction /= sum;
   for (auto& s : uneven.springs) s.stiffnessScale = 0.3 + random.uniform();
   SoftBodySettings settings = settingsOf(50.0, 0.5);
   settings.scale = {2.0, 0.5, 1.0};

@@ -31,11 +31,12 @@ TriangleCorners corners(const WeldedMesh& mesh, std::size_t triangle) {
   return {mesh.points[t[0]], mesh.points[t[1]], mesh.points[t[2]]};
 }
 
-/// The i-th of points spread evenly over the box of 2 x `half` (R2 sequence of M. Roberts).
-Vector3d spread(int i, double half) {
-  const auto part = [&](double step) { return std::fmod(0.5 + step * (i + 1), 1.0); };
-  return half *
-         (2.0 * Vector3d(part(0.8191725134), part(0.6710436067), part(0.5497004779)) - Vector3d::Ones());
+/// Returns the i-th of a sequence of evenly distributed points in the box of 2 x `half` (R2 sequence of M.
+/// Roberts).
+Vector3d evenPoint(int i, double half) {
+  const auto fraction = [&](double step) { return std::fmod(0.5 + step * (i + 1), 1.0); };
+  return half * (2.0 * Vector3d(fraction(0.8191725134), fraction(0.6710436067), fraction(0.5497004779)) -
+                 Vector3d::Ones());
 }
 
 double bruteDistance(const WeldedMesh& mesh, const Vector3d& p) {
@@ -57,7 +58,7 @@ TEST(TriangleBvh, nearestIsTheNearestOfAll) {
   const WeldedMesh mesh = welded(test_shapes::figure());
   const TriangleBvh bvh = bvhOf(mesh);
   for (int i = 0; i < 300; ++i) {
-    const Vector3d p = spread(i, 0.7);
+    const Vector3d p = evenPoint(i, 0.7);
     const TriangleHit hit = bvh.nearest(p);
     ASSERT_TRUE(hit);
     EXPECT_NEAR(hit.distance, bruteDistance(mesh, p), 1e-14);
@@ -93,7 +94,7 @@ TEST(TriangleBvh, raysMeetTheFirstTriangle) {
   const WeldedMesh cube = welded(small_meshes::cube(4));
   const TriangleBvh bvh = bvhOf(cube);
   const Vector3d x = Vector3d::UnitX();
-  // y = 0 and z = 0.1 run through edges of the grid: none may let the ray through
+  // y = 0 and z = 0.1 pass through edges of the grid, which must not let the ray through
   for (const Vector3d& origin : {Vector3d(-2, 0, 0), Vector3d(-2, 0.1, 0.2), Vector3d(-2, 0.25, 0.1)}) {
     EXPECT_NEAR(bvh.firstHit(origin, x, 0.0, 10.0).distance, 1.5, 1e-14);
     EXPECT_NEAR(bvh.firstHit(origin, x, 1.6, 10.0).distance, 2.5, 1e-14) << "from within, the far side";
@@ -106,7 +107,7 @@ TEST(TriangleBvh, raysMeetTheFirstTriangle) {
 TEST(TriangleBvh, raysFromWithinAlwaysMeetAClosedSurface) {
   const TriangleBvh bvh = bvhOf(welded(small_meshes::icosphere(3)));
   for (int i = 0; i < 2000; ++i) {
-    const TriangleHit hit = bvh.firstHit(Vector3d(0.1, 0.2, 0.3), spread(i, 1.0).normalized(), 0.0, 10.0);
+    const TriangleHit hit = bvh.firstHit(Vector3d(0.1, 0.2, 0.3), evenPoint(i, 1.0).normalized(), 0.0, 10.0);
     ASSERT_TRUE(hit) << i;
     EXPECT_NEAR(hit.position.norm(), 1.0, 0.01);
   }
@@ -116,8 +117,8 @@ TEST(TriangleBvh, windingNumber) {
   const WeldedMesh mesh = welded(test_shapes::figure());
   const TriangleBvh bvh = bvhOf(mesh);
   for (int i = 0; i < 500; ++i) {
-    const Vector3d p = spread(i, 0.5);
-    // far nodes are dipoles, whose errors of some hundredths mostly cancel
+    const Vector3d p = evenPoint(i, 0.5);
+    // far nodes are approximated by dipoles; their errors of some hundredths mostly cancel
     EXPECT_NEAR(bvh.windingNumber(p), bruteWinding(mesh, p), 0.05);
     EXPECT_EQ(bvh.inside(p), bruteWinding(mesh, p) > 0.5);
   }
@@ -125,9 +126,9 @@ TEST(TriangleBvh, windingNumber) {
 
 TEST(TriangleBvh, signedDistanceOfASphere) {
   const TriangleBvh bvh = bvhOf(welded(small_meshes::icosphere(4)));
-  // 2 562 points: the triangles lie up to 1.3e-3 below the sphere
+  // 2 562 points: the triangles are up to 1.3e-3 below the sphere
   for (int i = 0; i < 300; ++i) {
-    const Vector3d p = spread(i, 1.2);
+    const Vector3d p = evenPoint(i, 1.2);
     EXPECT_NEAR(bvh.signedDistance(p), p.norm() - 1.0, 2e-3);
   }
 }
@@ -183,6 +184,6 @@ TEST(StaysInside, smallHolesDoNotMatter) {
     for (std::size_t b = a + 1; b < mesh.points.size(); b += 5)
       outside += bvh.staysInside(mesh.points[a], mesh.points[b], 1e-3) ? 0 : 1;
   }
-  // those of 11 600 chords whose ends are corners of the same hole
+  // of 11 600 chords, those whose ends are corners of the same hole
   EXPECT_LT(outside, 20);
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// Contacts that are kept from a search are those that a new search finds.
+// Contacts from the cache must equal those of a new search.
 #include "collide/surface_contacts.h"
 
 #include "support/moving_shapes.h"
@@ -18,34 +18,34 @@ using test::kRadius;
 using test::kRounding;
 using test::MovingShape;
 
-/// A cube on another, turned and beside the middle: vertices on faces and edges that cross.
+/// A cube on another, rotated and off-centre: with contacts of vertices with faces and of crossing edges.
 struct Pile {
   MovingShape upper = test::boxShape(Vector3d::Ones(), kRadius);
   MovingShape lower = test::boxShape(Vector3d::Ones(), kRadius);
-  ContactCache kept;
+  ContactCache cache;
 
   Pile() {
     upper.move(Translation3d(0.3, 1.0 + 2.0 * kRadius + 0.001, 0.2) * AngleAxisd(0.4, Vector3d::UnitY()));
-    storeContacts(upper.surface(), lower.surface(), test::contactsOf(upper, lower, kMargin), kept);
+    storeContacts(upper.surface(), lower.surface(), test::contactsOf(upper, lower, kMargin), cache);
   }
-  bool refresh() { return refreshContacts(upper.surface(), lower.surface(), kMargin, kept); }
+  bool refresh() { return refreshContacts(upper.surface(), lower.surface(), kMargin, cache); }
 };
 
 TEST(ContactCache, areThoseOfANewSearch) {
   Pile pile;
-  ASSERT_GE(pile.kept.contacts.size(), 4u);
-  // 0.3 mm along and 0.2 mm down, 0.1 mrad about all axes: within a fifth of the margin
+  ASSERT_GE(pile.cache.contacts.size(), 4u);
+  // 0.3 mm sideways and 0.2 mm down, 0.1 mrad about all axes: within a fifth of the margin
   pile.upper.move(Translation3d(3e-4, -2e-4, 0.0) * AngleAxisd(1e-4, Vector3d::Ones().normalized()));
   ASSERT_TRUE(pile.refresh());
   const std::vector<SurfaceContact> found = test::contactsOf(pile.upper, pile.lower, kMargin);
-  ASSERT_EQ(found.size(), pile.kept.contacts.size());
+  ASSERT_EQ(found.size(), pile.cache.contacts.size());
   for (std::size_t i = 0; i < found.size(); ++i) {
-    const SurfaceContact& kept = pile.kept.contacts[i];
-    EXPECT_EQ(kept.key, found[i].key);
-    EXPECT_NEAR(kept.gap, found[i].gap, kRounding);
-    EXPECT_NEAR((kept.normal - found[i].normal).norm(), 0.0, kRounding);
-    EXPECT_NEAR((kept.a.weights - found[i].a.weights).norm(), 0.0, kRounding);
-    EXPECT_NEAR((kept.b.weights - found[i].b.weights).norm(), 0.0, kRounding);
+    const SurfaceContact& cached = pile.cache.contacts[i];
+    EXPECT_EQ(cached.key, found[i].key);
+    EXPECT_NEAR(cached.gap, found[i].gap, kRounding);
+    EXPECT_NEAR((cached.normal - found[i].normal).norm(), 0.0, kRounding);
+    EXPECT_NEAR((cached.a.weights - found[i].a.weights).norm(), 0.0, kRounding);
+    EXPECT_NEAR((cached.b.weights - found[i].b.weights).norm(), 0.0, kRounding);
   }
 }
 
@@ -73,13 +73,13 @@ TEST(ContactCache, areNotTrustedIfSomethingElseMayMeetWithinTheTick) {
 TEST(ContactCache, areNotTrustedOnceAPlaceLeavesItsFeature) {
   MovingShape upper = test::boxShape(Vector3d::Ones(), kRadius);
   MovingShape lower = test::boxShape(Vector3d::Ones(), kRadius);
-  // two upper corners are 0.1 mm within the lower cube's face
+  // two corners of the upper cube are 0.1 mm inside the rim of the lower cube's face
   upper.move(Affine3d(Translation3d(1.0 - 1e-4, 1.0 + 2.0 * kRadius, 0.3)));
-  ContactCache kept;
-  storeContacts(upper.surface(), lower.surface(), test::contactsOf(upper, lower, kMargin), kept);
-  ASSERT_FALSE(kept.contacts.empty());
+  ContactCache cache;
+  storeContacts(upper.surface(), lower.surface(), test::contactsOf(upper, lower, kMargin), cache);
+  ASSERT_FALSE(cache.contacts.empty());
   upper.move(Affine3d(Translation3d(9e-4, 0.0, 0.0)));
-  EXPECT_FALSE(refreshContacts(upper.surface(), lower.surface(), kMargin, kept));
+  EXPECT_FALSE(refreshContacts(upper.surface(), lower.surface(), kMargin, cache));
 }
 
 }  // namespace

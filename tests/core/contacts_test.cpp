@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// Contacts of soft bodies with each other and with rigid ones that move, in the substeps: forces at rest
-// against weights, conservation laws, and Coulomb's law.
+// Contacts between soft bodies and with moving rigid bodies, in the substeps: forces at rest compared with
+// weights, conservation laws, and Coulomb's law.
 #include "solver/contacts.h"
 #include "solver/point_state.h"
 #include "solver/verlet_step.h"
@@ -22,68 +22,69 @@ constexpr double kTick = 1.0 / 60.0;
 constexpr double kGravity = 9.81;
 
 ContactPoint point(std::uint32_t body, std::uint32_t i) {
-  ContactPoint place;
-  place.kind = ContactPoint::Kind::Soft;
-  place.body = body;
-  place.point = {i, 0, 0};
-  return place;
+  ContactPoint contact;
+  contact.kind = ContactPoint::Kind::Soft;
+  contact.body = body;
+  contact.point = {i, 0, 0};
+  return contact;
 }
 
 ContactPoint corner(std::uint32_t rigid, const Vector3d& arm) {
-  ContactPoint place;
-  place.kind = ContactPoint::Kind::Rigid;
-  place.body = rigid;
-  place.arm = arm;
-  return place;
+  ContactPoint contact;
+  contact.kind = ContactPoint::Kind::Rigid;
+  contact.body = rigid;
+  contact.arm = arm;
+  return contact;
 }
 
-/// A group made by hand.
+/// An island that is built directly.
 struct Scene {
-  SolverIsland group;
+  SolverIsland island;
   std::deque<SteppedTestBody> soft;
 
-  std::uint32_t addCube(double stiffness, double damping, const Vector3d& place) {
+  std::uint32_t addCube(double stiffness, double damping, const Vector3d& position) {
     soft.emplace_back(test::fullCubeNetwork(), stiffness, damping);
     SteppedTestBody& cube = soft.back();
-    cube.state.position.colwise() += place;
+    cube.state.position.colwise() += position;
     cube.state.acceleration.row(1).setConstant(-kGravity);
-    group.bodies.push_back(cube.stepped());
-    group.links.points.push_back(&cube.state);
+    island.bodies.push_back(cube.stepped());
+    island.links.points.push_back(&cube.state);
     return static_cast<std::uint32_t>(soft.size() - 1);
   }
 
-  std::uint32_t addBox(double mass, const Vector3d& place) {
+  std::uint32_t addBox(double mass, const Vector3d& position) {
     RigidState box;
-    box.position = place;
+    box.position = position;
     box.acceleration.y() = -kGravity;
     box.inverseMass.setConstant(1.0 / mass);
     box.inverseInertiaLocal.setConstant(6.0 / mass);  // of a cube of 1 m
-    group.links.rigids.push_back(box);
-    return static_cast<std::uint32_t>(group.links.rigids.size() - 1);
+    island.links.rigids.push_back(box);
+    return static_cast<std::uint32_t>(island.links.rigids.size() - 1);
   }
 
   void add(const ContactPoint& a, const ContactPoint& b, double gap,
            const Vector3d& normal = Vector3d::UnitY()) {
     Contact c;
     c.a = a, c.b = b, c.gap = gap, c.normal = normal, c.friction = 0.5;
-    group.pairs.contacts.push_back(c);
+    island.pairs.contacts.push_back(c);
   }
 
-  /// The four lower corners of a cube on something; i & 2 of corner i is up.
-  template <class Place>
-  void stand(std::uint32_t cube, Place place) {
+  /// Adds contacts for the four lower corners of a cube; `support(i)` is the other side. The upper corners
+  /// are those with i & 2.
+  template <class Support>
+  void addSupport(std::uint32_t cube, Support support) {
     for (std::uint32_t i = 0; i < 8; ++i)
-      if (!(i & 2)) add(point(cube, i), place(i), 0.0);
+      if (!(i & 2)) add(point(cube, i), support(i), 0.0);
   }
 
   void run(double time, int substeps) {
-    for (double t = 0.0; t < time - 0.5 * kTick; t += kTick) stepVerlet(group, kTick, substeps);
+    for (double t = 0.0; t < time - 0.5 * kTick; t += kTick) stepVerlet(island, kTick, substeps);
   }
 
-  /// N: what the contacts from first to last bear upwards.
+  /// Returns the upward force (N) of the contacts from `first` to before `last`.
   double force(std::size_t first, std::size_t last) const {
     double sum = 0.0;
-    for (std::size_t i = first; i < last; ++i) sum += group.pairs.contacts[i].impulse.sum.y() / kTick;
+    for (std::size_t i = first; i < last; ++i) sum += island.pairs.contacts[i].impulse.sum.y() / kTick;
     return sum;
   }
 };
@@ -98,17 +99,17 @@ TEST(PairContacts, carryATowerOfCubes) {
     for (std::uint32_t c = 0; c < count; ++c) {
       scene.addCube(stiffness, 2.0, {0, 0.5 + c, 0});
       if (c == 0)
-        scene.stand(c, kFloor);
+        scene.addSupport(c, kFloor);
       else
-        scene.stand(c, [&](std::uint32_t i) { return point(c - 1, i | 2); });
+        scene.addSupport(c, [&](std::uint32_t i) { return point(c - 1, i | 2); });
     }
     scene.run(20.0, 40);
     for (std::size_t c = 0; c < count; ++c)
       EXPECT_NEAR(scene.force(4 * c, 4 * c + 4) / (kGravity * static_cast<double>(count - c)), 1.0, 1e-5)
           << c;
-    // contacts give way by 0.4 % of what a point alone would: with four cubes on it, of 16 g dt
+    // a contact yields by 0.4 % of the motion of a free point: with four cubes above, 0.4 % of 16 g dt
     for (const SteppedTestBody& cube : scene.soft) EXPECT_LT(cube.state.velocity.cwiseAbs().maxCoeff(), 3e-4);
-    for (const Contact& c : scene.group.pairs.contacts) EXPECT_NEAR(c.gap, 0.0, 1e-6);
+    for (const Contact& c : scene.island.pairs.contacts) EXPECT_NEAR(c.gap, 0.0, 1e-6);
   }
 }
 
@@ -117,25 +118,27 @@ TEST(PairContacts, carryBoxesLightAndHeavyAndLieOnThem) {
     SCOPED_TRACE(mass);
     Scene scene;  // floor, box, cube, box
     const std::uint32_t cube = scene.addCube(1e5, std::max(5.0, 10.0 * mass), {0, 1.5, 0});
-    const std::uint32_t under = scene.addBox(mass, {0, 0.5, 0}), over = scene.addBox(mass, {0, 2.5, 0});
+    const std::uint32_t lowerBox = scene.addBox(mass, {0, 0.5, 0}),
+                        upperBox = scene.addBox(mass, {0, 2.5, 0});
     for (std::uint32_t i = 0; i < 8; ++i) {
       const Vector3d arm((i & 1) - 0.5, i & 2 ? 0.5 : -0.5, (i >> 2) - 0.5);
       if (i & 2)
-        scene.add(point(cube, i - 2), corner(under, arm), 0.0);
+        scene.add(point(cube, i - 2), corner(lowerBox, arm), 0.0);
       else
-        scene.add(corner(under, arm), ContactPoint(), 0.0);
+        scene.add(corner(lowerBox, arm), ContactPoint(), 0.0);
     }
     for (std::uint32_t i = 0; i < 8; ++i)
-      if (i & 2) scene.add(corner(over, Vector3d((i & 1) - 0.5, -0.5, (i >> 2) - 0.5)), point(cube, i), 0.0);
+      if (i & 2)
+        scene.add(corner(upperBox, Vector3d((i & 1) - 0.5, -0.5, (i >> 2) - 0.5)), point(cube, i), 0.0);
     scene.run(10.0, 60);
     const double below = scene.force(0, 2) + scene.force(4, 6),
                  middle = scene.force(2, 4) + scene.force(6, 8);
-    // speeds may be wrong by IslandConstraints::tolerance at each solve: for the light boxes between heavier
-    // points that is up to 4 % of what gravity adds in a substep
+    // each solve has an error of up to IslandConstraints::tolerance in the velocities: for the light boxes
+    // between heavier points up to 4 % of the velocity that gravity adds in a substep
     EXPECT_NEAR(middle / (kGravity * (1.0 + mass)), 1.0, 1e-2);
     EXPECT_NEAR(below / (kGravity * (1.0 + 2.0 * mass)), 1.0, 1e-2);
     EXPECT_NEAR(scene.force(8, 12) / (kGravity * mass), 1.0, 1e-2);
-    for (const Contact& c : scene.group.pairs.contacts) EXPECT_NEAR(c.gap, 0.0, 2e-6);
+    for (const Contact& c : scene.island.pairs.contacts) EXPECT_NEAR(c.gap, 0.0, 2e-6);
   }
 }
 
@@ -145,12 +148,13 @@ TEST(PairContacts, keepMomentumAndLoseEnergyInFreeFlight) {
                       right = scene.addCube(1e4, 0.1, {1.01, 0.1, 0.2});
   for (SteppedTestBody& cube : scene.soft) cube.state.acceleration.setZero();
   scene.soft[0].state.velocity.row(0).setConstant(3.0);
-  // a corner of the right cube between three corners of the left one's side
+  // a corner of the right cube touches the triangle of three corners of the left one's side
   ContactPoint side = point(left, 1);
   side.count = 3;
   side.point = {1, 3, 5};
-  const Vector3d at = scene.soft[right].state.position.col(0);
-  side.weight = {1.0 - (at.y() + 0.5) - (at.z() + 0.5), at.y() + 0.5, at.z() + 0.5};
+  const Vector3d cornerPosition = scene.soft[right].state.position.col(0);
+  side.weight = {1.0 - (cornerPosition.y() + 0.5) - (cornerPosition.z() + 0.5), cornerPosition.y() + 0.5,
+                 cornerPosition.z() + 0.5};
   scene.add(side, point(right, 0), 0.01, -Vector3d::UnitX());
   const auto linear = [&]() -> Vector3d {
     return linearMomentum(scene.soft[0].state) + linearMomentum(scene.soft[1].state);
@@ -158,34 +162,34 @@ TEST(PairContacts, keepMomentumAndLoseEnergyInFreeFlight) {
   const auto angular = [&]() -> Vector3d {
     return angularMomentum(scene.soft[0].state) + angularMomentum(scene.soft[1].state);
   };
-  const Vector3d before = linear(), spin = angular();
+  const Vector3d momentum = linear(), spin = angular();
   const double energy = scene.soft[0].energy() + scene.soft[1].energy();
   scene.run(0.1, 30);
-  EXPECT_LT((linear() - before).norm(), 1e-13);
+  EXPECT_LT((linear() - momentum).norm(), 1e-13);
   EXPECT_GT(linearMomentum(scene.soft[1].state).x(), 0.5) << "they have met";
   EXPECT_LT(scene.soft[0].energy() + scene.soft[1].energy(), energy);
-  EXPECT_LT((angular() - spin).norm(), 1e-12 * before.norm());
+  EXPECT_LT((angular() - spin).norm(), 1e-12 * momentum.norm());
 }
 
 TEST(PairContacts, slideByCoulombsLaw) {
-  for (const double share : {0.97, 1.03}) {
+  for (const double ratio : {0.97, 1.03}) {
     Scene scene;
-    const double slope = std::atan(0.5 * share);
+    const double angle = std::atan(0.5 * ratio);
     scene.addBox(3.0, {0, 0.5, 0});
-    // the slope is level and gravity tilted
-    scene.group.links.rigids[0].acceleration = kGravity * Vector3d(std::sin(slope), -std::cos(slope), 0);
+    // the floor is level, and gravity is tilted instead
+    scene.island.links.rigids[0].acceleration = kGravity * Vector3d(std::sin(angle), -std::cos(angle), 0);
     for (const double x : {-0.5, 0.5})
       for (const double z : {-0.5, 0.5}) scene.add(corner(0, {x, -0.5, z}), ContactPoint(), 0.0);
     scene.run(1.0, 10);
-    const double expected = std::max(0.0, kGravity * (std::sin(slope) - 0.5 * std::cos(slope)));
-    EXPECT_NEAR(scene.group.links.rigids[0].velocity.x(), expected, 1e-4 + 1e-3 * expected) << share;
+    const double expected = std::max(0.0, kGravity * (std::sin(angle) - 0.5 * std::cos(angle)));
+    EXPECT_NEAR(scene.island.links.rigids[0].velocity.x(), expected, 1e-4 + 1e-3 * expected) << ratio;
   }
 }
 
 TEST(PairContacts, leaveAPointThatIsCarriedToItsAnchor) {
   Scene scene;
   const std::uint32_t cube = scene.addCube(1e3, 2.0, {0, 0.5, 0});
-  LinkedBodies& links = scene.group.links;
+  LinkedBodies& links = scene.island.links;
   RigidState holder;
   holder.position = scene.soft[0].state.position.col(0);
   holder.velocity = {0, -1, 0};
@@ -201,14 +205,14 @@ TEST(PairContacts, leaveAPointThatIsCarriedToItsAnchor) {
 TEST(PairContacts, drawApartGentlyWhatOverlaps) {
   Scene scene;
   scene.addCube(1e4, 1.0, {0, 0.5, 0});
-  scene.stand(0, kFloor);
-  for (Contact& c : scene.group.pairs.contacts) c.gap = -0.05, c.friction = 0.0, c.recoverySpeed = 0.5;
+  scene.addSupport(0, kFloor);
+  for (Contact& c : scene.island.pairs.contacts) c.gap = -0.05, c.friction = 0.0, c.recoverySpeed = 0.5;
   double fastest = 0.0;
   for (int i = 0; i < 60; ++i) {
-    stepVerlet(scene.group, kTick, 10);
+    stepVerlet(scene.island, kTick, 10);
     fastest = std::max(fastest, scene.soft[0].state.velocity.row(1).maxCoeff());
   }
-  EXPECT_NEAR(scene.group.pairs.contacts[0].gap, 0.0, 1e-3);
+  EXPECT_NEAR(scene.island.pairs.contacts[0].gap, 0.0, 1e-3);
   EXPECT_LT(fastest, 1.0);
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// Springs beyond their elastic limit against the law written in solver/springs.cpp.
+// Springs beyond their elastic limit, compared with the law in solver/springs.cpp.
 #include "solver/springs.h"
 #include "solver/stepping_choice.h"
 #include "support/networks.h"
@@ -20,7 +20,7 @@ struct LimitedPair : SteppedTestBody {
     settings.elasticLimit = limit;
     springs = makeSprings(*net, settings);
   }
-  /// N on point 0 towards point 1, with the points `length` apart.
+  /// Returns the force (N) on point 0 towards point 1, with the points `length` apart.
   double forceAt(double length) {
     state.position.col(0).setZero();
     state.position.col(1) = Eigen::Vector3d(length, 0.0, 0.0);
@@ -101,7 +101,7 @@ TEST(ElasticLimit, yieldsNoFartherThanItsMaximum) {
 }
 
 TEST(ElasticLimit, yieldingDoesNotDependOnTheSubsteps) {
-  // pulled apart at 2 m/s each and let go: the greatest length decides the permanent strain
+  // the points start with 2 m/s each; the largest length determines the permanent strain
   const auto restLengthAfter = [](int substeps) {
     ElasticLimit limit;
     limit.yieldStrain = 0.05;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// What a point that moves may touch of what is held around it.
+// Contacts of a moving point with the static surfaces around it.
 #include "solver/held_surface.h"
 
 #include <gtest/gtest.h>
@@ -12,7 +12,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-/// Two triangles of a sheet, at right angles, and a point of 0.1 m around which they are.
+/// Two triangles of a sheet at right angles around a point of radius 0.1 m.
 struct Corner {
   Corner() {
     for (const Vector3d& up : {Vector3d(0, 1, 0), Vector3d(1, 0, 0)}) {
@@ -32,33 +32,33 @@ struct Corner {
   HeldNeighbourhood around;
 };
 
-/// m, a way that swings through the corner and comes back.
-Vector3d placeAt(double t) { return {1.5 * std::cos(t), 1.2 * std::cos(1.7 * t), 0.3 * std::sin(t)}; }
+/// Returns the position (m) at time t on a path through the corner and back.
+Vector3d positionAt(double t) { return {1.5 * std::cos(t), 1.2 * std::cos(1.7 * t), 0.3 * std::sin(t)}; }
 
 TEST(HeldSurface, aPointTouchesTheSameWhetherItIsFollowedOrMetAnew) {
-  Corner followed, alwaysLookedAt;
+  Corner cached, uncached;
   int found = 0;
   for (double t = 0.0; t < 20.0; t += 1e-3) {
-    const Vector3d x = placeAt(t), way = placeAt(t + 1e-3) - x;
-    alwaysLookedAt.around.clear = 0.0;
-    findContacts(followed.around, x, way, 0.03);
-    findContacts(alwaysLookedAt.around, x, way, 0.03);
-    ASSERT_EQ(followed.all.contacts.size(), alwaysLookedAt.all.contacts.size()) << t;
-    for (std::size_t i = 0; i < followed.all.contacts.size(); ++i, ++found)
-      ASSERT_EQ(followed.all.contacts[i].normal, alwaysLookedAt.all.contacts[i].normal) << t;
+    const Vector3d x = positionAt(t), displacement = positionAt(t + 1e-3) - x;
+    uncached.around.clear = 0.0;
+    findContacts(cached.around, x, displacement, 0.03);
+    findContacts(uncached.around, x, displacement, 0.03);
+    ASSERT_EQ(cached.all.contacts.size(), uncached.all.contacts.size()) << t;
+    for (std::size_t i = 0; i < cached.all.contacts.size(); ++i, ++found)
+      ASSERT_EQ(cached.all.contacts[i].normal, uncached.all.contacts[i].normal) << t;
   }
   EXPECT_GT(found, 100);
 }
 
 TEST(HeldSurface, whatIsFarIsLookedAtAsItIsApproachedOnly) {
   Corner corner;
-  int looks = 0;
+  int searches = 0;
   for (double height = 1.0; height > 0.2; height -= 1e-3) {
     const Vector3d before = corner.around.clearAt;
     findContacts(corner.around, {0.5, height, 0.0}, {0.0, -1e-3, 0.0}, 0.03);
-    if (corner.around.clearAt != before) ++looks;
+    if (corner.around.clearAt != before) ++searches;
   }
-  EXPECT_LT(looks, 20) << "of 800";
+  EXPECT_LT(searches, 20) << "of 800";
 }
 
 }  // namespace

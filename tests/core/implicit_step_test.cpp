@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// The implicit steppers by themselves: no Bullet, closed forms, conservation laws, and Verlet as the
-// reference.
+// The implicit steppers without Bullet, compared with closed forms, conservation laws, and Verlet.
 #include "solver/implicit_step.h"
 #include "solver/midpoint_solver.h"
 #include "solver/point_state.h"
@@ -85,7 +84,8 @@ TEST_P(ImplicitStep, keepsMomentum) {
   body.state.velocity += Points::Random(3, 8);
   const Eigen::Vector3d p = linearMomentum(body.state), l = angularMomentum(body.state);
   advance(body, 10.0, 2400);
-  // exact at every iteration; rounding positions to 1e-16 m makes 1e-16 / h of speed, 2400 times over
+  // exact at every iteration; rounding positions to 1e-16 m gives an error of 1e-16 / h in the velocity, 2400
+  // times
   EXPECT_LT((linearMomentum(body.state) - p).norm(), 1e-10);
   EXPECT_LT((angularMomentum(body.state) - l).norm(), 1e-10 * l.norm());
 }
@@ -97,19 +97,20 @@ TEST_P(ImplicitStep, neverGainsEnergyHoweverStiff) {
       forget();
       body.spin({1.0, -2.0, 0.5});
       body.state.position += 0.3 * Points::Random(3, 8);
-      double least = body.energy();
-      const double start = least;
+      double minimum = body.energy();
+      const double start = minimum;
       for (int i = 0; i < 300; ++i) {
         advance(body, 1.0 / 30, 1);
-        // the swing that implicit_step.cpp allows, in motion and in what cannot be taken out of it
-        ASSERT_LT(body.energy(), least + 5e-4 * start) << "k " << stiffness << " damping " << ratio;
-        least = std::min(least, body.energy());
+        // the fluctuation that implicit_step.cpp allows: in the motion, and in energy that cannot be removed
+        // from it
+        ASSERT_LT(body.energy(), minimum + 5e-4 * start) << "k " << stiffness << " damping " << ratio;
+        minimum = std::min(minimum, body.energy());
       }
     }
 }
 
 TEST_P(ImplicitStep, creepsAtTheRightRateHoweverStronglyDamped) {
-  // one spring to a held point, inertia negligible: x(t) = x0 exp(-k t / c)
+  // one spring to a static point, inertia negligible: x(t) = x0 exp(-k t / c)
   for (const double ratio : {10.0, 1e3, 1e5}) {
     const double k = 1000.0, mass = 0.5, c = ratio * 2.0 * std::sqrt(k * mass), time = c / k;
     SteppedTestBody body(test::pairNetwork(), k, c);
@@ -117,16 +118,16 @@ TEST_P(ImplicitStep, creepsAtTheRightRateHoweverStronglyDamped) {
     body.state.inverseMass.col(0).setZero();
     body.state.position(0, 1) += 0.1;
     advance(body, time, 200);
-    const double left = body.state.position.col(1).x() - body.state.position.col(0).x() - 1.0;
-    // inertia slows it by m k / c^2 = 1 / (4 ratio^2); the start, where the look-ahead is of first order,
-    // costs about a substep
-    EXPECT_NEAR(left, 0.1 * std::exp(-1.0), 0.1 * (0.01 + 1.0 / (ratio * ratio))) << ratio;
+    const double remaining = body.state.position.col(1).x() - body.state.position.col(0).x() - 1.0;
+    // inertia slows it by m k / c^2 = 1 / (4 ratio^2); the first substep, extrapolated to first order only,
+    // has an error of about a substep
+    EXPECT_NEAR(remaining, 0.1 * std::exp(-1.0), 0.1 * (0.01 + 1.0 / (ratio * ratio))) << ratio;
   }
 }
 
-/// Of the points of a cube of 1 m that are next to the plane at this depth (m) below its middle.
-std::vector<PlaneContact> rowsOnPlane(const PointState& state, const Eigen::Vector3d& normal, double depth,
-                                      double friction) {
+/// Returns contacts of the lower points of a cube of 1 m with a plane at this depth (m) below its centre.
+std::vector<PlaneContact> contactsOnPlane(const PointState& state, const Eigen::Vector3d& normal,
+                                          double depth, double friction) {
   std::vector<PlaneContact> rows;
   for (std::uint32_t i = 0; i < 8; ++i)
     if (normal.dot(state.position.col(i)) < 0.0) {
@@ -144,7 +145,7 @@ TEST_P(ImplicitStep, restsOnAPlaneWithTheRightForce) {
     SteppedTestBody body(test::fullCubeNetwork(), stiffness, 0.1 * 2 * std::sqrt(stiffness * 0.125));
     forget();
     body.state.acceleration.row(1).setConstant(-9.81);
-    std::vector<PlaneContact> rows = rowsOnPlane(body.state, Eigen::Vector3d::UnitY(), 0.52, 0.0);
+    std::vector<PlaneContact> rows = contactsOnPlane(body.state, Eigen::Vector3d::UnitY(), 0.52, 0.0);
     ASSERT_EQ(rows.size(), 4u);
     body.contacts = &rows;
     double weight = 0.0;
@@ -160,14 +161,14 @@ TEST_P(ImplicitStep, restsOnAPlaneWithTheRightForce) {
     computeSpringForces(body.springs, body.state);
     for (std::uint32_t i = 0; i < 8; ++i) {
       if (body.state.position(1, i) < 0.0) continue;
-      // local/global iterations approach the stiffest equilibrium slowly
-      const double close = GetParam() == Kind::Shared ? 1e-3 : 1e-4;
-      EXPECT_NEAR(body.state.force(1, i), 9.81 / 8, close * 9.81) << "each upper point is carried";
+      // local/global iterations converge slowly to the stiffest equilibrium
+      const double tolerance = GetParam() == Kind::Shared ? 1e-3 : 1e-4;
+      EXPECT_NEAR(body.state.force(1, i), 9.81 / 8, tolerance * 9.81) << "each upper point is carried";
     }
   }
 }
 
-/// Points that slide, each on the edge of its cone of friction. Rounding must not tell whether they stick.
+/// Sliding points are all on the boundary of the friction cone. Rounding must not decide whether they stick.
 TEST_P(ImplicitStep, slidesAlikeEverywhere) {
   const auto slide = [&](double x) {
     SteppedTestBody body(test::fullCubeNetwork(), 1e3, 1.0);
@@ -175,14 +176,15 @@ TEST_P(ImplicitStep, slidesAlikeEverywhere) {
     body.state.position.row(0).array() += x;
     body.state.velocity.row(0).setConstant(3.0);
     body.state.acceleration.row(1).setConstant(-9.81);
-    std::vector<PlaneContact> rows = rowsOnPlane(body.state, Eigen::Vector3d::UnitY(), 0.52, 0.25);
+    std::vector<PlaneContact> rows = contactsOnPlane(body.state, Eigen::Vector3d::UnitY(), 0.52, 0.25);
     body.contacts = &rows;
     for (int tick = 0; tick < 30; ++tick) advance(body, 1.0 / 60, 5);
     body.state.position.row(0).array() -= x;
     return body.state.position;
   };
-  const Points here = slide(0.0);
-  for (const double x : {1.0 / 3, 3.1, 7.7}) EXPECT_LT((slide(x) - here).cwiseAbs().maxCoeff(), 1e-8) << x;
+  const Points reference = slide(0.0);
+  for (const double x : {1.0 / 3, 3.1, 7.7})
+    EXPECT_LT((slide(x) - reference).cwiseAbs().maxCoeff(), 1e-8) << x;
 }
 
 TEST_P(ImplicitStep, whatIsOnlyNearChangesNothing) {
@@ -190,7 +192,7 @@ TEST_P(ImplicitStep, whatIsOnlyNearChangesNothing) {
     SteppedTestBody body(test::fullCubeNetwork(), 1e4, 1.0);
     forget();
     body.state.velocity.row(0) = 5.0 * body.state.position.row(1);
-    std::vector<PlaneContact> rows = rowsOnPlane(body.state, Eigen::Vector3d::UnitY(), 2.0, 0.5);
+    std::vector<PlaneContact> rows = contactsOnPlane(body.state, Eigen::Vector3d::UnitY(), 2.0, 0.5);
     if (near) body.contacts = &rows;
     for (int tick = 0; tick < 30; ++tick) advance(body, 1.0 / 60, 1);
     return body.state.position;
@@ -200,7 +202,7 @@ TEST_P(ImplicitStep, whatIsOnlyNearChangesNothing) {
 
 TEST_P(ImplicitStep, whatIsOnlyNearIsNotSolvedFor) {
   SteppedTestBody body(test::fullCubeNetwork(), 1e4, 1.0);
-  std::vector<PlaneContact> rows = rowsOnPlane(body.state, Eigen::Vector3d::UnitY(), 2.0, 0.5);
+  std::vector<PlaneContact> rows = contactsOnPlane(body.state, Eigen::Vector3d::UnitY(), 2.0, 0.5);
   body.contacts = &rows;
   advance(body, 1.0 / 60, 1);
   const std::vector<char>& responds = states[&body].contacts.responds;
@@ -228,7 +230,7 @@ TEST_P(ImplicitStep, contactsAreTheSameInOtherUnits) {
     body.settings.scale.setConstant(length);
     body.springs = makeSprings(*body.net, body.settings);
     const Eigen::Vector3d normal = Eigen::Vector3d(0.1, 1.0, 0.05).normalized();
-    std::vector<PlaneContact> rows = rowsOnPlane(body.state, normal, 0.5, 0.5);
+    std::vector<PlaneContact> rows = contactsOnPlane(body.state, normal, 0.5, 0.5);
     for (PlaneContact& row : rows) row.touch *= length;
     body.state.position *= length;
     body.state.velocity.colwise() = length * Eigen::Vector3d(2.0, -0.5, 1.0);
@@ -257,8 +259,9 @@ TEST(SharedFactors, bodiesOfOneNetworkHaveOne) {
   EXPECT_NE(states[0].solver.shared, states[2].solver.shared);
 }
 
-/// Fill is what the first tick of a body and the solves of all others cost. Eliminated in an order of least
-/// degree, a planar mesh of n points has some n log n entries in its factor; a band would have n^(3/2).
+/// The number of entries in the factor determines the cost of a body's first tick and of all later solves.
+/// With a minimum degree ordering it is about n log n for a planar mesh of n points; a band would have
+/// n^(3/2).
 TEST(SharedFactors, ofAClothHaveFewEntries) {
   for (const std::uint32_t cells : {15u, 31u, 63u}) {
     ClothSettings settings;

@@ -22,7 +22,7 @@ TEST(Rotation, betweenUndoesBy) {
   }
 }
 
-/// Two points and a rigid cube with equal moments of inertia, in space.
+/// Two free points and a rigid cube with equal moments of inertia.
 struct Linked {
   Linked() {
     points.resize(2);
@@ -34,8 +34,8 @@ struct Linked {
     rigid.inverseInertiaLocal.setConstant(3.0);
     rigid.angularVelocity = {0.5, 1.0, -2.0};
     rigid.velocity = {0.1, 0.2, 0.3};
-    group.links.points.push_back(&points);
-    group.links.rigids.push_back(rigid);
+    island.links.points.push_back(&points);
+    island.links.rigids.push_back(rigid);
   }
   Linked(const Linked&) = delete;
   Linked& operator=(const Linked&) = delete;
@@ -51,29 +51,29 @@ struct Linked {
     s.extensionStiffness = 40;
     s.compressionStiffness = 25;
     s.damping = damping;
-    group.links.springs.push_back(s);
+    island.links.springs.push_back(s);
   }
 
-  /// The springs here are links; the two points have none of their own, so they are drifted by an empty body.
+  /// Runs the island. Its springs are links; the points belong to a body without springs.
   void run(double time, int substeps) {
-    group.bodies = {{&points, &none, nullptr}};
-    stepVerlet(group, time, substeps);
+    island.bodies = {{&points, &noSprings, nullptr}};
+    stepVerlet(island, time, substeps);
   }
 
-  const RigidState& rigid() const { return group.links.rigids[0]; }
+  const RigidState& rigid() const { return island.links.rigids[0]; }
   Vector3d momentum() const { return linearMomentum(points) + rigid().velocity / 0.5; }
   Vector3d angular() const {
     return angularMomentum(points) + rigid().position.cross(rigid().velocity) / 0.5 +
            rigid().angularVelocity / 3.0;
   }
   double energy() const {
-    return kineticEnergy(points) + elasticEnergy(group.links) + rigid().velocity.squaredNorm() +
+    return kineticEnergy(points) + elasticEnergy(island.links) + rigid().velocity.squaredNorm() +
            rigid().angularVelocity.squaredNorm() / 6.0;
   }
 
   PointState points;
-  SpringArrays none;
-  SolverIsland group;
+  SpringArrays noSprings;
+  SolverIsland island;
 };
 
 TEST(Links, keepMomentumAndEnergy) {
@@ -109,25 +109,27 @@ TEST(Anchors, holdPointsAtTheirPivotsAndKeepMomentum) {
   const Vector3d first = Vector3d(0.5, 0, 0), second = Vector3d(0.5, 0.4, 0.1);
   linked.points.position.col(0) = linked.rigid().position + first;
   linked.points.position.col(1) = linked.rigid().position + second;
-  linked.group.links.anchors.push_back({linked.point(0), linked.pivot(first)});
-  linked.group.links.anchors.push_back({linked.point(1), linked.pivot(second)});
+  linked.island.links.anchors.push_back({linked.point(0), linked.pivot(first)});
+  linked.island.links.anchors.push_back({linked.point(1), linked.pivot(second)});
   const Vector3d p = linked.momentum(), l = linked.angular();
   linked.run(2.0, 1000);
-  for (const LinkAnchor& anchor : linked.group.links.anchors)
-    EXPECT_LT((endPosition(linked.group.links, anchor.point) - endPosition(linked.group.links, anchor.pivot))
-                  .norm(),
-              1e-10);
+  for (const LinkAnchor& anchor : linked.island.links.anchors)
+    EXPECT_LT(
+        (endPosition(linked.island.links, anchor.point) - endPosition(linked.island.links, anchor.pivot))
+            .norm(),
+        1e-10);
   EXPECT_LT((linked.momentum() - p).norm(), 1e-11);
-  // impulses act at the pivots at the start of a drift, the points at its end: second order in the substep
+  // impulses act at the pivots at the start of a substep and at the points at its end: the error is of second
+  // order
   EXPECT_LT((linked.angular() - l).norm(), 1e-3 * l.norm());
 }
 
 TEST(Anchors, aHeldPointOnAHeldBodyIsLeftAlone) {
   Linked linked;
   linked.points.inverseMass.setZero();
-  linked.group.links.rigids[0].inverseMass.setZero();
-  linked.group.links.rigids[0].inverseInertiaLocal.setZero();
-  linked.group.links.anchors.push_back({linked.point(0), linked.pivot({1, 0, 0})});
+  linked.island.links.rigids[0].inverseMass.setZero();
+  linked.island.links.rigids[0].inverseInertiaLocal.setZero();
+  linked.island.links.anchors.push_back({linked.point(0), linked.pivot({1, 0, 0})});
   linked.run(0.1, 5);
   EXPECT_TRUE(linked.points.position.allFinite());
   EXPECT_TRUE(linked.rigid().position.allFinite());
@@ -135,13 +137,13 @@ TEST(Anchors, aHeldPointOnAHeldBodyIsLeftAlone) {
 
 TEST(LinkFrequency, boundsTheReducedMassOscillator) {
   Linked linked;
-  linked.group.links.rigids[0].inverseInertiaLocal.setZero();
+  linked.island.links.rigids[0].inverseInertiaLocal.setZero();
   linked.addSpring(linked.point(0), linked.pivot({0.2, 0.1, 0}), 0.0);
-  EXPECT_DOUBLE_EQ(linkFrequencyBoundSquared(linked.group.links), 40 * (4.0 + 0.5));
+  EXPECT_DOUBLE_EQ(linkFrequencyBoundSquared(linked.island.links), 40 * (4.0 + 0.5));
 }
 
 TEST(LinkFrequency, boundsAChainWhoseEndsShareNodes) {
-  // w = 4 at both points, 0.5 + 3 |r|^2 at the pivots: row sums of sqrt(w_i w_j) k over ends on one node
+  // w = 4 at both points, 0.5 + 3 |r|^2 at the pivots: row sums of sqrt(w_i w_j) k over the ends at one node
   Linked linked;
   linked.addSpring(linked.pivot({0.5, 0, 0}), linked.point(0), 0.0);
   linked.addSpring(linked.point(0), linked.point(1), 0.0);
@@ -150,7 +152,7 @@ TEST(LinkFrequency, boundsAChainWhoseEndsShareNodes) {
   const double near = std::sqrt(0.5 + 0.75), far = std::sqrt(0.5 + 3.0);
   const double rows[] = {near * (near + far) + 4.0 * 2, 4.0 * 2 + 4.0 * 3, 4.0 * 3 + far * (near + far),
                          4.0 * 3};
-  EXPECT_NEAR(linkFrequencyBoundSquared(linked.group.links), 40 * *std::max_element(rows, rows + 4), 1e-9);
+  EXPECT_NEAR(linkFrequencyBoundSquared(linked.island.links), 40 * *std::max_element(rows, rows + 4), 1e-9);
 }
 
 TEST(LinkFrequency, isLinearInTheNumberOfLinks) {
@@ -160,7 +162,7 @@ TEST(LinkFrequency, isLinearInTheNumberOfLinks) {
   linked.points.resize(count);
   linked.points.inverseMass.setConstant(4.0);
   for (std::uint32_t i = 1; i < count; ++i) linked.addSpring(linked.point(i - 1), linked.point(i), 0.0);
-  EXPECT_DOUBLE_EQ(linkFrequencyBoundSquared(linked.group.links), 40 * 4.0 * 4);
+  EXPECT_DOUBLE_EQ(linkFrequencyBoundSquared(linked.island.links), 40 * 4.0 * 4);
 }
 
 }  // namespace

@@ -19,8 +19,7 @@ namespace {
 
 using Points = std::vector<Eigen::Vector3d>;
 
-/// Vertices on the x axis, each the tip of its own triangle; the other two corners lie 100 m away from all
-/// else.
+/// Returns triangles with one vertex each on the x axis; their other corners are 100 m from all others.
 TriangleMesh tipsAt(const std::vector<double>& xs) {
   TriangleMesh mesh;
   for (const double x : xs) mesh.positions.emplace_back(x, 0, 0);
@@ -33,7 +32,7 @@ TriangleMesh tipsAt(const std::vector<double>& xs) {
   return mesh;
 }
 
-/// The points that the vertices on the x axis join.
+/// Returns the points to which the vertices on the x axis are welded.
 std::vector<std::uint32_t> pointsOfTips(const std::vector<double>& xs, double tolerance) {
   Result<WeldedMesh> result = weld(tipsAt(xs), tolerance);
   EXPECT_TRUE(result) << result.error();
@@ -42,20 +41,20 @@ std::vector<std::uint32_t> pointsOfTips(const std::vector<double>& xs, double to
   return points;
 }
 
-/// The contract of weld() word by word: join the nearest point within the tolerance, or become one. For each
-/// position the one it joins.
-Points joinBySearchOfAll(const Points& positions, double tolerance) {
-  Points kept, joined;
+/// The definition of weld(), implemented directly: each position joins the nearest point within the
+/// tolerance, or becomes a new point. Returns for each position the point that it joins.
+Points joinByBruteForce(const Points& positions, double tolerance) {
+  Points points, joined;
   for (const Eigen::Vector3d& p : positions) {
     std::size_t nearest = 0;
-    for (std::size_t k = 1; k < kept.size(); ++k) {
-      if ((kept[k] - p).norm() < (kept[nearest] - p).norm()) nearest = k;
+    for (std::size_t k = 1; k < points.size(); ++k) {
+      if ((points[k] - p).norm() < (points[nearest] - p).norm()) nearest = k;
     }
-    if (kept.empty() || (kept[nearest] - p).norm() > tolerance) {
-      nearest = kept.size();
-      kept.push_back(p);
+    if (points.empty() || (points[nearest] - p).norm() > tolerance) {
+      nearest = points.size();
+      points.push_back(p);
     }
-    joined.push_back(kept[nearest]);
+    joined.push_back(points[nearest]);
   }
   return joined;
 }
@@ -126,7 +125,7 @@ TEST(MeshWeldTolerance, agreesWithSearchOfAll) {
   for (const double tolerance : {1e-300, 0.01, 0.1, 0.2}) {
     Result<WeldedMesh> result = weld(mesh, tolerance);
     ASSERT_TRUE(result) << result.error();
-    const Points expected = joinBySearchOfAll(mesh.positions, tolerance);
+    const Points expected = joinByBruteForce(mesh.positions, tolerance);
     for (std::size_t i = 0; i < expected.size(); ++i) {
       const std::uint32_t point = result->vertexToPoint[i];
       if (point == kNoPoint) continue;

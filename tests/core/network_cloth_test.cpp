@@ -25,7 +25,7 @@ ClothSettings squareCells() {
   return settings;
 }
 
-SharedNetwork soundCloth(const ClothSettings& settings) {
+SharedNetwork validCloth(const ClothSettings& settings) {
   const SharedNetwork network = *buildCloth(settings);
   EXPECT_EQ(validate(*network), "");
   return network;
@@ -40,13 +40,13 @@ std::map<SpringKind, std::size_t> countKinds(const limber::SpringNetwork& networ
 }  // namespace
 
 TEST(NetworkCloth, pointsRunAlongXThenZ) {
-  const SharedNetwork cloth = soundCloth(squareCells());
+  const SharedNetwork cloth = validCloth(squareCells());
   EXPECT_EQ(cloth->kind, limber::NetworkKind::Cloth);
   ASSERT_EQ(cloth->restPoints.size(), 35u);
   EXPECT_EQ(cloth->restPoints[0], Eigen::Vector3d(-1.0, 0.0, -1.5));
   EXPECT_EQ(cloth->restPoints[2 * 5 + 3], Eigen::Vector3d(0.5, 0.0, -0.5));  // column 3, row 2
   EXPECT_EQ(cloth->restPoints[34], Eigen::Vector3d(1.0, 0.0, 1.5));
-  for (const double share : cloth->massFractions) EXPECT_DOUBLE_EQ(share, 1.0 / 35.0);
+  for (const double fraction : cloth->massFractions) EXPECT_DOUBLE_EQ(fraction, 1.0 / 35.0);
 }
 
 TEST(NetworkCloth, springCounts) {
@@ -55,7 +55,7 @@ TEST(NetworkCloth, springCounts) {
       ClothSettings settings;
       settings.columns = columns;
       settings.rows = rows;
-      auto counts = countKinds(*soundCloth(settings));
+      auto counts = countKinds(*validCloth(settings));
       EXPECT_EQ(counts[SpringKind::Structural], columns * (rows + 1) + rows * (columns + 1));
       EXPECT_EQ(counts[SpringKind::Shear], 2 * columns * rows);
       EXPECT_EQ(counts[SpringKind::Bending], (columns - 1) * (rows + 1) + (rows - 1) * (columns + 1));
@@ -67,7 +67,7 @@ TEST(NetworkCloth, springLengthsAndScales) {
   ClothSettings settings = squareCells();
   settings.shearScale = 0.3;
   settings.bendingScale = 0.2;
-  const SharedNetwork cloth = soundCloth(settings);
+  const SharedNetwork cloth = validCloth(settings);
   const std::map<SpringKind, std::pair<double, double>> expected{{SpringKind::Structural, {0.5, 1.0}},
                                                                  {SpringKind::Shear, {std::sqrt(0.5), 0.3}},
                                                                  {SpringKind::Bending, {1.0, 0.2}}};
@@ -82,11 +82,11 @@ TEST(NetworkCloth, scalesOfZeroLeaveSpringsOut) {
   ClothSettings settings = squareCells();
   settings.shearScale = 0.0;
   settings.bendingScale = 0.0;
-  EXPECT_EQ(countKinds(*soundCloth(settings)).size(), 1u);
+  EXPECT_EQ(countKinds(*validCloth(settings)).size(), 1u);
 }
 
 TEST(NetworkCloth, surfaceCoversTheSheetAndFacesUp) {
-  const SharedNetwork cloth = soundCloth(squareCells());
+  const SharedNetwork cloth = validCloth(squareCells());
   double area = 0.0;
   for (const limber::Triangle& t : cloth->surface) {
     const Eigen::Vector3d& a = cloth->restPoints[t[0]];
@@ -102,7 +102,7 @@ TEST(NetworkCloth, surfaceCoversTheSheetAndFacesUp) {
 }
 
 TEST(NetworkCloth, diagonalsAlternate) {
-  const SharedNetwork cloth = soundCloth(squareCells());
+  const SharedNetwork cloth = validCloth(squareCells());
   const auto usesCorner = [&](std::size_t triangle, std::uint32_t point) {
     const limber::Triangle& t = cloth->surface[triangle];
     return t[0] == point || t[1] == point || t[2] == point;
@@ -112,7 +112,7 @@ TEST(NetworkCloth, diagonalsAlternate) {
 }
 
 TEST(NetworkCloth, pictureIsUprightSeenFromAbove) {
-  const SharedNetwork cloth = soundCloth(squareCells());
+  const SharedNetwork cloth = validCloth(squareCells());
   ASSERT_EQ(cloth->render.uvs.size(), 35u);
   EXPECT_EQ(cloth->render.uvs[0], Eigen::Vector2f(0, 1));
   EXPECT_EQ(cloth->render.uvs[4], Eigen::Vector2f(1, 1));

@@ -28,7 +28,7 @@ NetworkSettings equalLength() {
   return settings;
 }
 
-SharedNetwork soundNetwork(const TriangleMesh& mesh, const NetworkSettings& settings = equalLength()) {
+SharedNetwork validNetwork(const TriangleMesh& mesh, const NetworkSettings& settings = equalLength()) {
   Result<SharedNetwork> network = buildNetwork(mesh, settings);
   if (!network) {
     ADD_FAILURE() << network.error();
@@ -53,15 +53,15 @@ struct Counts {
 };
 
 void expectCounts(const TriangleMesh& mesh, const Counts& counts) {
-  const SharedNetwork network = soundNetwork(mesh);
+  const SharedNetwork network = validNetwork(mesh);
   EXPECT_EQ(network->restPoints.size(), counts.points);
   EXPECT_EQ(countOf(*network, SpringKind::Structural), counts.edges);
   EXPECT_EQ(countOf(*network, SpringKind::Brace), counts.braces);
   EXPECT_EQ(network->springs.size(), counts.edges + counts.braces);
 }
 
-/// The rule word by word: every pair that is no edge and as far apart as the ends of some edge.
-std::set<std::pair<std::uint32_t, std::uint32_t>> bracesBySearchOfAll(const SpringNetwork& bare) {
+/// The brace rule, implemented directly: all pairs that are not edges and have the length of an edge.
+std::set<std::pair<std::uint32_t, std::uint32_t>> bracesByBruteForce(const SpringNetwork& bare) {
   std::set<std::pair<std::uint32_t, std::uint32_t>> edges, braces;
   for (const NetworkSpring& spring : bare.springs) edges.insert({spring.a, spring.b});
   for (std::uint32_t a = 0; a < bare.restPoints.size(); ++a) {
@@ -79,7 +79,7 @@ std::set<std::pair<std::uint32_t, std::uint32_t>> bracesBySearchOfAll(const Spri
 }  // namespace
 
 TEST(NetworkFromMesh, singleTriangle) {
-  const SharedNetwork network = soundNetwork(small_meshes::singleTriangle());
+  const SharedNetwork network = validNetwork(small_meshes::singleTriangle());
   ASSERT_EQ(network->springs.size(), 3u);
   EXPECT_EQ(network->kind, limber::NetworkKind::Solid);
   EXPECT_EQ(network->springs[1].a, 0u);
@@ -99,8 +99,8 @@ TEST(NetworkFromMesh, equalLengthBracesOfIcospheres) {
   expectCounts(small_meshes::icosphere(2), {162, 480, 0});
 }
 
-// A cube of n x n cells gets the second diagonal of each of 6 n^2 cells, and across each of its 12 edges a
-// diagonal between the n - 1 pairs of points next to that edge.
+// Braces of a cube of n x n cells per face: the second diagonal of each of the 6 n^2 cells, and across each
+// of the 12 edges a diagonal between the n - 1 pairs of points next to that edge.
 TEST(NetworkFromMesh, equalLengthBracesOfAFineCube) {
   constexpr std::size_t n = 29;
   expectCounts(small_meshes::cube(n), {6 * n * n + 2, 18 * n * n, 6 * n * n + 12 * (n - 1)});
@@ -109,13 +109,13 @@ TEST(NetworkFromMesh, equalLengthBracesOfAFineCube) {
 TEST(NetworkFromMesh, equalLengthAgreesWithSearchOfAll) {
   std::mt19937 random(3);
   TriangleMesh mesh = small_meshes::cube(3);
-  // changes lengths of 0.33 m by up to 6e-6 m, where 3e-6 m still counts as equal
+  // changes lengths of 0.33 m by up to 6e-6 m; differences up to 3e-6 m still count as equal
   for (Eigen::Vector3d& p : mesh.positions) p *= 1.0 + 1e-6 * static_cast<double>(random() % 8);
   NetworkSettings settings = equalLength();
   settings.weldTolerance = 1e-4;
-  const SharedNetwork braced = soundNetwork(mesh, settings);
+  const SharedNetwork braced = validNetwork(mesh, settings);
   settings.braces = BraceRule::None;
-  const auto expected = bracesBySearchOfAll(*soundNetwork(mesh, settings));
+  const auto expected = bracesByBruteForce(*validNetwork(mesh, settings));
   EXPECT_GT(expected.size(), 54u);
   std::set<std::pair<std::uint32_t, std::uint32_t>> found;
   for (const NetworkSpring& spring : braced->springs) {
@@ -125,7 +125,7 @@ TEST(NetworkFromMesh, equalLengthAgreesWithSearchOfAll) {
 }
 
 TEST(NetworkFromMesh, bracesAreAsLongAsTheFaceDiagonalsOfTheCube) {
-  const SharedNetwork cube = soundNetwork(small_meshes::cube());
+  const SharedNetwork cube = validNetwork(small_meshes::cube());
   for (const NetworkSpring& spring : cube->springs) {
     if (spring.kind != SpringKind::Brace) continue;
     EXPECT_NEAR(lengthOf(*cube, spring.a, spring.b), std::sqrt(2.0), 1e-12);
@@ -136,7 +136,7 @@ TEST(NetworkFromMesh, braceWeight) {
   NetworkSettings settings = equalLength();
   for (const double weight : {0.25, 0.0}) {
     settings.braceWeight = weight;
-    const SharedNetwork cube = soundNetwork(small_meshes::cube(), settings);
+    const SharedNetwork cube = validNetwork(small_meshes::cube(), settings);
     for (const NetworkSpring& spring : cube->springs) {
       const bool light = spring.kind == SpringKind::Brace && weight > 0.0;
       EXPECT_EQ(spring.stiffnessScale, light ? weight : 1.0);
@@ -165,14 +165,14 @@ TEST(NetworkFromMesh, settingsOutOfRangeAreNamed) {
 TEST(NetworkFromMesh, noBraces) {
   NetworkSettings settings;
   settings.braces = BraceRule::None;
-  EXPECT_EQ(soundNetwork(small_meshes::cube(), settings)->springs.size(), 18u);
+  EXPECT_EQ(validNetwork(small_meshes::cube(), settings)->springs.size(), 18u);
 }
 
 TEST(NetworkFromMesh, equalMassShares) {
-  const SharedNetwork network = soundNetwork(small_meshes::cube(12));
+  const SharedNetwork network = validNetwork(small_meshes::cube(12));
   const double sum = std::accumulate(network->massFractions.begin(), network->massFractions.end(), 0.0);
   EXPECT_NEAR(sum, 1.0, 1e-12);
-  for (const double share : network->massFractions) EXPECT_EQ(share, network->massFractions.front());
+  for (const double fraction : network->massFractions) EXPECT_EQ(fraction, network->massFractions.front());
 }
 
 TEST(NetworkFromMesh, weldErrorsPassThrough) {
@@ -185,7 +185,7 @@ TEST(NetworkFromMesh, weldErrorsPassThrough) {
 }
 
 TEST(NetworkFromMesh, isolatedVertexBecomesNoPoint) {
-  const SharedNetwork network = soundNetwork(small_meshes::isolatedVertex());
+  const SharedNetwork network = validNetwork(small_meshes::isolatedVertex());
   EXPECT_EQ(network->restPoints.size(), 3u);
   EXPECT_EQ(network->render.vertexToPoint[0], limber::kNoPoint);
   EXPECT_EQ(network->render.triangles, (std::vector<limber::Triangle>{{1, 2, 3}}));
@@ -197,7 +197,7 @@ TEST(NetworkFromMesh, renderSurfaceKeepsTheSeams) {
   TriangleMesh mesh = small_meshes::cube(2);
   for (const Eigen::Vector3d& p : mesh.positions) mesh.uvs.emplace_back(p.cast<float>().head<2>());
   mesh.triangles.insert(mesh.triangles.begin(), {0, 0, 1});
-  const limber::RenderSurface render = soundNetwork(mesh)->render;
+  const limber::RenderSurface render = validNetwork(mesh)->render;
   EXPECT_EQ(render.vertexToPoint.size(), mesh.positions.size());
   EXPECT_EQ(render.uvs, mesh.uvs);
   mesh.triangles.erase(mesh.triangles.begin());
@@ -205,7 +205,7 @@ TEST(NetworkFromMesh, renderSurfaceKeepsTheSeams) {
 }
 
 TEST(NetworkFromMesh, surfaceAndRenderTrianglesCoincide) {
-  const SharedNetwork network = soundNetwork(small_meshes::cube(3));
+  const SharedNetwork network = validNetwork(small_meshes::cube(3));
   ASSERT_EQ(network->surface.size(), network->render.triangles.size());
   for (std::size_t i = 0; i < network->surface.size(); ++i) {
     for (std::size_t corner = 0; corner < 3; ++corner) {

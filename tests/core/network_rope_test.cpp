@@ -29,7 +29,7 @@ TEST(NetworkRope, pointsLieOnTheXAxis) {
   ASSERT_EQ(network->restPoints.size(), 5u);
   for (std::size_t i = 0; i < 5; ++i)
     EXPECT_EQ(network->restPoints[i], Eigen::Vector3d(0.75 * double(i), 0, 0));
-  for (const double share : network->massFractions) EXPECT_DOUBLE_EQ(share, 0.2);
+  for (const double fraction : network->massFractions) EXPECT_DOUBLE_EQ(fraction, 0.2);
 }
 
 TEST(NetworkRope, bendingSpringsSkipOnePoint) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// Points on surfaces that nothing moves.
+// Contacts of points with static surfaces.
 #include "solver/plane_contacts.h"
 
 #include <gtest/gtest.h>
@@ -7,7 +7,7 @@
 namespace limber {
 namespace {
 
-/// What presses on it gives it a high speed within the substep, from none: rounding must not make that an
+/// A force gives a resting point a high approach speed within a substep. Rounding must not turn this into an
 /// impact.
 TEST(Bounce, whatIsPressedOnFromRestRests) {
   const double approach = 3.5, restitution = 0.5, slow = 0.02, dt = 2e-3;  // m/s, s

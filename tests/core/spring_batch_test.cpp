@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// A body four springs at a time against the same body spring by spring: the same bits.
+// A body stepped with four springs at a time must equal the same body stepped with single springs, bit for
+// bit.
 #include "solver/simd_steps.h"
 #include "solver/springs.h"
 #include "support/networks.h"
@@ -26,9 +27,9 @@ std::vector<SharedNetwork> networks() {
           test::closedCubeNetwork(), test::tetrahedronNetwork(), test::tetrahedralCubeNetwork()};
 }
 
-/// A deformed, moving body on a slope.
-struct Tossed : SteppedTestBody {
-  Tossed(const SharedNetwork& network, double damping) : SteppedTestBody(network, 300.0, damping) {
+/// A deformed, moving body with one static point and one plane contact.
+struct DeformedBody : SteppedTestBody {
+  DeformedBody(const SharedNetwork& network, double damping) : SteppedTestBody(network, 300.0, damping) {
     for (Eigen::Index i = 0; i < state.position.cols(); ++i) {
       const double t = static_cast<double>(i);
       state.position.col(i) *= 1.1;
@@ -52,7 +53,7 @@ TEST(Quads, giveTheBitsOfSpringBySpring) {
   for (const SharedNetwork& network : networks())
     for (const double damping : {0.0, 0.2}) {
       SCOPED_TRACE(testing::Message() << network->springs.size() << " springs, damping " << damping);
-      Tossed single(network, damping), four(network, damping);
+      DeformedBody single(network, damping), four(network, damping);
       SpringBatchArrays springBatches;
       four.stepped().springBatches = &springBatches;
       for (int tick = 0; tick < 20; ++tick) {
@@ -71,19 +72,20 @@ TEST(Quads, giveTheBitsOfSpringBySpring) {
 TEST(SpringOrder, hasEverySpringOnceAndMostFoursApart) {
   for (const SharedNetwork& network : networks()) {
     std::vector<std::uint32_t> order = orderApart(*network);
-    const auto share = [&](std::uint32_t i, std::uint32_t j) {
+    const auto sharePoint = [&](std::uint32_t i, std::uint32_t j) {
       const NetworkSpring &s = network->springs[i], &t = network->springs[j];
       return s.a == t.a || s.a == t.b || s.b == t.a || s.b == t.b;
     };
-    std::size_t apart = 0, fours = order.size() / 4;
+    std::size_t disjoint = 0, fours = order.size() / 4;
     for (std::size_t g = 0; g < fours; ++g) {
-      bool all = true;
+      bool allDisjoint = true;
       for (std::size_t i = 0; i < 4; ++i)
-        for (std::size_t j = 0; j < i; ++j) all = all && !share(order[4 * g + i], order[4 * g + j]);
-      apart += all;
+        for (std::size_t j = 0; j < i; ++j)
+          allDisjoint = allDisjoint && !sharePoint(order[4 * g + i], order[4 * g + j]);
+      disjoint += allDisjoint;
     }
     if (order.size() > 30) {
-      EXPECT_GE(apart, fours * 9 / 10) << order.size();
+      EXPECT_GE(disjoint, fours * 9 / 10) << order.size();
     }
     std::sort(order.begin(), order.end());
     for (std::uint32_t i = 0; i < order.size(); ++i) ASSERT_EQ(order[i], i);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// Bodies side by side in lanes against the same bodies one by one: the same bits, with every instruction set.
+// Bodies stepped side by side in lanes must equal the same bodies stepped one by one, bit for bit, with every
+// instruction set.
 #include "solver/simd_steps.h"
 #include "solver/verlet_step.h"
 #include "support/networks.h"
@@ -18,7 +19,7 @@ struct LaneBody {
   VolumeArrays volumes;
   TetrahedronVolumes tetrahedra;
   std::vector<PlaneContact> contacts;
-  SolverIsland group;
+  SolverIsland island;
 
   SolverBody stepped() {
     return {&state, &springs, &contacts, volumes.empty() ? nullptr : &volumes,
@@ -26,26 +27,27 @@ struct LaneBody {
   }
 };
 
-/// Cubes that differ in stiffness, damping, place, speed, contacts, pressure and in what is held.
-void fill(LaneBody& body, const SharedNetwork& network, int which, double damping) {
+/// Fills in a cube. Cubes of different `index` differ in stiffness, damping, position, velocity, contacts,
+/// pressure and static points.
+void fill(LaneBody& body, const SharedNetwork& network, int index, double damping) {
   SoftBodySettings settings;
-  settings.extensionStiffness = 500.0 + 100.0 * which;
-  settings.compressionStiffness = which == 2 ? 0.0 : 700.0;
-  settings.damping = damping * (1 + which);
-  settings.pressure = network->surface.empty() ? 0.0 : 10.0 * which;
+  settings.extensionStiffness = 500.0 + 100.0 * index;
+  settings.compressionStiffness = index == 2 ? 0.0 : 700.0;
+  settings.damping = damping * (1 + index);
+  settings.pressure = network->surface.empty() ? 0.0 : 10.0 * index;
   body.springs = makeSprings(*network, settings);
   body.volumes = makeVolumes(*network, settings);
   body.tetrahedra = makeTetrahedronVolumes(*network, settings);
   body.state.resize(8);
   for (std::uint32_t i = 0; i < 8; ++i) {
     const Eigen::Vector3d x = network->restPoints[i];
-    body.state.position.col(i) = (1.0 + 0.05 * which) * x + Eigen::Vector3d(3.0 * which, 0.02 * i, 0.0);
-    body.state.velocity.col(i) = Eigen::Vector3d(which, -1.0, 0.5).cross(x);
+    body.state.position.col(i) = (1.0 + 0.05 * index) * x + Eigen::Vector3d(3.0 * index, 0.02 * i, 0.0);
+    body.state.velocity.col(i) = Eigen::Vector3d(index, -1.0, 0.5).cross(x);
     body.state.acceleration.col(i) = Eigen::Vector3d(0.0, -9.81, 0.0);
-    body.state.inverseMass.col(i).setConstant(which == 4 && i == 0 ? 0.0 : 8.0);
+    body.state.inverseMass.col(i).setConstant(index == 4 && i == 0 ? 0.0 : 8.0);
   }
-  if (which == 5) body.state.position.col(1) = body.state.position.col(0);  // coincident ends
-  for (std::uint32_t i = 0; i < 8 && which % 2 == 1; i += 3) {
+  if (index == 5) body.state.position.col(1) = body.state.position.col(0);  // coincident ends
+  for (std::uint32_t i = 0; i < 8 && index % 2 == 1; i += 3) {
     PlaneContact row;
     row.point = i;
     row.friction = 0.4;
@@ -53,8 +55,8 @@ void fill(LaneBody& body, const SharedNetwork& network, int which, double dampin
     row.surfaceVelocity = Eigen::Vector3d(0.1, 0.3, 0.0);
     body.contacts.push_back(row);
   }
-  body.group.bodies.push_back(body.stepped());
-  body.group.links.points.push_back(&body.state);
+  body.island.bodies.push_back(body.stepped());
+  body.island.links.points.push_back(&body.state);
 }
 
 std::deque<LaneBody> makeBodies(const SharedNetwork& network, int count, double damping) {
@@ -85,14 +87,14 @@ TEST_P(Lanes, giveTheBitsOfSingleBodies) {
         block.lanes.back().body = body.stepped();
       }
       for (int tick = 0; tick < 20; ++tick) {
-        for (LaneBody& body : single) stepVerlet(body.group, 1.0 / 60.0, 7);
+        for (LaneBody& body : single) stepVerlet(body.island, 1.0 / 60.0, 7);
         stepLanes(block, scratch, 1.0 / 60.0, 7, set);
       }
       for (std::size_t i = 0; i < single.size(); ++i) {
         SCOPED_TRACE(testing::Message() << "damping " << damping << ", body " << i << " of " << count);
         EXPECT_TRUE(sameBits(single[i].state.position, laned[i].state.position));
         EXPECT_TRUE(sameBits(single[i].state.velocity, laned[i].state.velocity));
-        EXPECT_EQ(single[i].group.bodies[0].errorRate, block.lanes[i].body.errorRate);
+        EXPECT_EQ(single[i].island.bodies[0].errorRate, block.lanes[i].body.errorRate);
         EXPECT_TRUE(single[i].state.position.allFinite());
         for (std::size_t c = 0; c < single[i].contacts.size(); ++c)
           EXPECT_EQ(single[i].contacts[c].impulse.sum, laned[i].contacts[c].impulse.sum);
@@ -117,8 +119,8 @@ TEST(Lanes, takeUpNewSpringsWhenTheyChange) {
     block.lanes.emplace_back();
     block.lanes.back().body = body.stepped();
   }
-  for (const int substeps : {4, 9, 4}) {  // other substeps, other dampers
-    for (LaneBody& body : single) stepVerlet(body.group, 1.0 / 60.0, substeps);
+  for (const int substeps : {4, 9, 4}) {  // the damping factors depend on the number of substeps
+    for (LaneBody& body : single) stepVerlet(body.island, 1.0 / 60.0, substeps);
     stepLanes(block, scratch, 1.0 / 60.0, substeps, set);
     for (std::size_t i = 0; i < 2; ++i)
       EXPECT_TRUE(sameBits(single[i].state.velocity, laned[i].state.velocity)) << substeps;

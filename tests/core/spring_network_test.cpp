@@ -14,7 +14,7 @@ using limber::SpringNetwork;
 
 namespace {
 
-/// What validate() says about a cube with textures after `change`.
+/// Returns the result of validate() for a textured cube after `change`.
 template <class Change>
 std::string validateChanged(Change change) {
   limber::TriangleMesh mesh = small_meshes::cube();
@@ -95,12 +95,12 @@ TEST(SpringNetwork, ropeWithASurface) {
 
 namespace {
 
-/// The same with vertices that ride on two places of a skin: the first point, and the middle of the next two.
+/// The same for vertices on two points of a skin: the first network point, and the middle of the next two.
 template <class Change>
 std::string validateSkinned(Change change) {
   return validateChanged([&](SpringNetwork& n) {
     n.render.skin = {{0, 1, 3}, {0, 1, 2}, {1.0f, 0.5f, 0.5f}};
-    for (std::uint32_t& place : n.render.vertexToPoint) place %= 2;
+    for (std::uint32_t& skinPoint : n.render.vertexToPoint) skinPoint %= 2;
     change(n);
   });
 }
@@ -136,7 +136,7 @@ TEST(SpringNetwork, skinPlaces) {
 
 namespace {
 
-/// What validate() says about a network whose points 0 to 3 are the origin and the unit vectors.
+/// Returns the result of validate() for a network whose points 0 to 3 are the origin and the unit vectors.
 std::string validateTetrahedron(const limber::Tetrahedron& t) {
   return validateChanged([&](SpringNetwork& n) {
     n.restPoints[0].setZero();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// The step by itself: no Bullet, closed forms and conservation laws.
+// The Verlet step without Bullet, compared with closed forms and conservation laws.
 #include "solver/linear_algebra.h"
 #include "solver/point_state.h"
 #include "solver/springs.h"
@@ -85,15 +85,15 @@ TEST(VelocityVerlet, reversesInTimeWithoutDamping) {
 }
 
 TEST(Damping, decayIsBoundedFallingAndCloseToTheExponential) {
-  double before = 1.0;
+  double previous = 1.0;
   for (double z = 0.01; z < 1e6; z *= 1.3) {
     const double d = decay(z);
     EXPECT_GT(d, 0.0);
-    EXPECT_LT(d, before);
+    EXPECT_LT(d, previous);
     if (z < 1.0) {
       EXPECT_NEAR(d, std::exp(-z), std::pow(z, 5) / 120 + 1e-15);
     }
-    before = d;
+    previous = d;
   }
   EXPECT_EQ(decay(0.0), 1.0);
 }
@@ -116,8 +116,8 @@ TEST(Damping, neverLimitsTheStepFromNoneToAThousandTimesCritical) {
       stepVerlet(body.group, tick, n);
       highest = std::max(highest, body.energy());
     }
-    // close to the stability limit the energy of the stiffest oscillations itself swings by up to
-    // 1 / (1 - (omega dt)^2 / 4) of theirs; what counts is that it stays bounded, and falls when damped
+    // close to the stability limit the energy of the stiffest oscillations fluctuates by a factor of up to 1
+    // / (1 - (omega dt)^2 / 4); the test is that it stays bounded, and falls with damping
     EXPECT_LT(highest, 1.6 * start) << "ratio " << ratio;
     if (ratio >= 0.1) {
       EXPECT_LT(body.energy(), start) << "ratio " << ratio;
@@ -126,7 +126,7 @@ TEST(Damping, neverLimitsTheStepFromNoneToAThousandTimesCritical) {
 }
 
 TEST(Damping, relativeSpeedDecaysExponentially) {
-  // a damper alone, masses 1/2 kg each: u(t) = u0 exp(-c (2 + 2) t), whatever the substeps
+  // only a damper, masses 1/2 kg each: u(t) = u0 exp(-c (2 + 2) t) for any number of substeps
   for (int substeps : {1, 3, 50}) {
     Body body(test::pairNetwork(), 1e-9, 0.25);
     body.state.velocity(0, 1) = 0.01;
@@ -136,7 +136,7 @@ TEST(Damping, relativeSpeedDecaysExponentially) {
   }
 }
 
-/// omega^2 of the fastest mode of M^-1 K at rest, from the dense matrix.
+/// Returns omega^2 of the fastest mode of M^-1 K at rest, from the dense matrix.
 double denseEigenvalue(const Body& body) {
   const Eigen::Index n = body.state.position.size();
   Eigen::MatrixXd k = Eigen::MatrixXd::Zero(n, n);
@@ -175,13 +175,13 @@ TEST(FastestOscillation, isTheLargestEigenvalue) {
     body.state.inverseMass.col(0).setConstant(0.3);
     const double exact = denseEigenvalue(body);
     EXPECT_NEAR(fastestOscillationSquared(body.springs, {}, {}, body.state, 1e-6), exact, 1e-9 * exact);
-    // of a residual r, the error is r^2 over the distance to the next eigenvalue
+    // for a residual r, the error is r^2 over the distance to the next eigenvalue
     EXPECT_NEAR(fastestOscillationSquared(body.springs, {}, {}, body.state, 0.03), exact, 0.01 * exact);
   }
 }
 
 TEST(FastestOscillation, ofAStretchedSpringIsAcrossIt) {
-  // at twice its rest length: k (wa + wb) along it, and its force over its length, k / 2, across
+  // at twice its rest length: k (wa + wb) along the spring, and force / length = k / 2 instead of k across it
   Body body(test::pairNetwork(), 1000.0, 0.0);
   const double along = fastestOscillationSquared(body.springs, {}, {}, body.state, 1e-6);
   body.state.position.col(1) = 2.0 * body.state.position.col(1) - body.state.position.col(0);

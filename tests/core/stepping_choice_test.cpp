@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// Which stepper a body gets, and in how many substeps.
+// The choice of a body's stepper and number of substeps.
 #include "solver/stepping_choice.h"
 #include "support/networks.h"
 #include "support/stepped_body.h"
@@ -26,7 +26,7 @@ TEST(SubstepCount, followsStabilityToleranceAndTheUser) {
   choice.minSubsteps = 1;
   choice.periodTolerance = 1.0;
   EXPECT_EQ(substepCount({}, 1.0 / 60, choice), 1);
-  const Frequencies fast{1e6, 0.25e6};  // 1000 rad/s at most, 500 about the rest shape
+  const Frequencies fast{1e6, 0.25e6};  // largest 1000 rad/s, 500 near the rest shape
   EXPECT_EQ(substepCount(fast, 1.0 / 60, choice), static_cast<int>(std::ceil(1000.0 / 60 / 1.8)));
   choice.periodTolerance = 1e-4;
   EXPECT_EQ(substepCount(fast, 1.0 / 60, choice), static_cast<int>(std::ceil(500.0 / 60 / std::sqrt(24e-4))));
@@ -66,8 +66,7 @@ TEST(SteppingChoice, goesImplicitOnlyWhereThatIsCheaper) {
   Stepping s;
   s.tolerance = 1.0;
   EXPECT_EQ(chooseStepping(stiff, s).stepper, Stepper::ImplicitMidpoint);
-  stiff.errorCoefficient =
-      0.7 * std::pow(60 * 200, 2);  // the tolerance asks for 200 substeps, stability for 926
+  stiff.errorCoefficient = 0.7 * std::pow(60 * 200, 2);  // the tolerance requires 200 substeps, stability 926
   EXPECT_EQ(chooseStepping(stiff, s).stepper, Stepper::Verlet);
   stiff.errorCoefficient = 0.0;
   stiff.turnRate = 60.0 * 50;  // 0.25 rad in each of 200 substeps
@@ -118,7 +117,8 @@ TEST(SteppingChoice, canBeForcedButNotWhereItCannotWork) {
 
 TEST(SteppingChoice, toleranceRaisesTheSubstepsByTheSquareRoot) {
   SteppingProblem p = freeBody(10.0);
-  p.errorCoefficient = 0.7 * 60.0 * 60.0;  // 1 m/s in one substep, 0.7 of the tolerance is aimed at
+  p.errorCoefficient =
+      0.7 * 60.0 * 60.0;  // error of 1 m/s with one substep; the target is 0.7 of the tolerance
   Stepping s;
   s.tolerance = 0.01;
   EXPECT_EQ(chooseStepping(p, s).substeps, 10);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// Surfaces that lie on each other: which contacts there are, and what they can bear.
+// Surfaces that rest on each other: the contacts found, and the loads that they can carry.
 #include "support/moving_shapes.h"
 
 #include <gtest/gtest.h>
@@ -21,26 +21,26 @@ using test::MovingShape;
 MovingShape cube() { return test::boxShape(Vector3d::Ones(), kRadius); }
 Affine3d shift(double x, double y, double z) { return Affine3d(Translation3d(x, y, z)); }
 
-void expectSound(const std::vector<SurfaceContact>& found, const MovingShape& a, const MovingShape& b) {
+void expectValid(const std::vector<SurfaceContact>& found, const MovingShape& a, const MovingShape& b) {
   for (std::size_t i = 0; i < found.size(); ++i) {
     const SurfaceContact& c = found[i];
     if (i > 0) {
       EXPECT_LT(found[i - 1].key, c.key);
     }
     EXPECT_NEAR(c.normal.norm(), 1.0, 1e-14);
-    for (const SurfacePoint* place : {&c.a, &c.b}) {
-      EXPECT_NEAR(place->weights.sum(), 1.0, 1e-14);
-      EXPECT_GE(place->weights.minCoeff(), 0.0);
+    for (const SurfacePoint* point : {&c.a, &c.b}) {
+      EXPECT_NEAR(point->weights.sum(), 1.0, 1e-14);
+      EXPECT_GE(point->weights.minCoeff(), 0.0);
     }
-    const Vector3d away = test::placeAt(a, c.a, 0.0) - test::placeAt(b, c.b, 0.0);
-    EXPECT_NEAR(c.gap, c.normal.dot(away) - a.radius - b.radius, kRounding);
+    const Vector3d difference = test::placeAt(a, c.a, 0.0) - test::placeAt(b, c.b, 0.0);
+    EXPECT_NEAR(c.gap, c.normal.dot(difference) - a.radius - b.radius, kRounding);
   }
 }
 
-/// All push straight up with the gap expected, and the place `weight` is within what they can bear: it is a
-/// convex combination of their places, seen from above.
-void expectBears(const std::vector<SurfaceContact>& found, const MovingShape& a, double gap,
-                 const Vector3d& weight) {
+/// Expects upward normals and the given gap, and that the contacts can carry a load at `weight`: seen from
+/// above it is a convex combination of the contact points.
+void expectSupports(const std::vector<SurfaceContact>& found, const MovingShape& a, double gap,
+                    const Vector3d& weight) {
   ASSERT_GE(found.size(), 3u);
   for (const SurfaceContact& c : found) {
     EXPECT_LT((c.normal - Vector3d::UnitY()).norm(), 1e-9) << c.normal.transpose();
@@ -48,10 +48,10 @@ void expectBears(const std::vector<SurfaceContact>& found, const MovingShape& a,
   }
   for (int i = 0; i < 64; ++i) {  // no line through the weight has all contacts on one side
     const Vector3d side(std::cos(0.1 * i), 0.0, std::sin(0.1 * i));
-    double most = -1.0;
+    double maxSide = -1.0;
     for (const SurfaceContact& c : found)
-      most = std::max(most, side.dot(test::placeAt(a, c.a, 0.0) - weight));
-    EXPECT_GT(most, 0.01) << "falls over towards " << side.transpose();
+      maxSide = std::max(maxSide, side.dot(test::placeAt(a, c.a, 0.0) - weight));
+    EXPECT_GT(maxSide, 0.01) << "falls over towards " << side.transpose();
   }
 }
 
@@ -59,8 +59,8 @@ TEST(SurfaceContacts, boxLiesOnAFace) {
   MovingShape box = test::boxShape({0.2, 0.1, 0.3}, 0.0, true), soft = cube();
   box.move(shift(0.1, 0.57, 0.05));
   const auto found = test::contactsOf(box, soft, kMargin);
-  expectSound(found, box, soft);
-  expectBears(found, box, 0.0, {0.1, 0, 0.05});
+  expectValid(found, box, soft);
+  expectSupports(found, box, 0.0, {0.1, 0, 0.05});
   EXPECT_EQ(found.size(), 4u);
 }
 
@@ -68,10 +68,10 @@ TEST(SurfaceContacts, softPointsUnderABoxTouchItsFace) {
   MovingShape cloth = test::clothShape(10, 0.1, kRadius), box = test::boxShape({0.35, 0.2, 0.35}, 0.0, true);
   box.move(shift(0, 0.12, 0));
   const auto found = test::contactsOf(box, cloth, kMargin);
-  expectSound(found, box, cloth);
-  expectBears(found, box, 0.0, {0, 0, 0});
-  // 3 x 3 points of the cloth, 4 corners of the box, and where the box's edges cross those of the cloth: each
-  // 3 lines and 3 diagonals
+  expectValid(found, box, cloth);
+  expectSupports(found, box, 0.0, {0, 0, 0});
+  // 3 x 3 points of the cloth, 4 corners of the box, and the crossings of the box's edges with those of the
+  // cloth: 3 lines and 3 diagonals each
   const auto points = std::count_if(
       found.begin(), found.end(), [](const SurfaceContact& c) { return c.b.kind == FeatureKind::OnVertex; });
   const auto crossings = std::count_if(
@@ -92,18 +92,18 @@ TEST(SurfaceContacts, cubesLieFlush) {
     MovingShape upper = cube(), lower = cube();
     upper.move(Translation3d(pose.x, 1.04, pose.z) * Affine3d(AngleAxisd(pose.angle, Vector3d::UnitY())));
     const auto found = test::contactsOf(upper, lower, kMargin);
-    expectSound(found, upper, lower);
-    expectBears(found, upper, 0.0, {pose.x, 0, pose.z});
+    expectValid(found, upper, lower);
+    expectSupports(found, upper, 0.0, {pose.x, 0, pose.z});
     EXPECT_LE(found.size(), 12u);
   }
 }
 
-/// Cubes whose cores overlap slightly, as after a hard landing.
+/// The cubes overlap slightly, as after a hard landing.
 TEST(SurfaceContacts, cubesInEachOtherPartUpward) {
   for (const double angle : {0.0, 0.4}) {
     MovingShape upper = cube(), lower = cube();
     upper.move(Translation3d(0.1, 0.99, 0.05) * Affine3d(AngleAxisd(angle, Vector3d::UnitY())));
-    expectBears(test::contactsOf(upper, lower, kMargin), upper, -0.05, {0.1, 0, 0.05});
+    expectSupports(test::contactsOf(upper, lower, kMargin), upper, -0.05, {0.1, 0, 0.05});
   }
 }
 
@@ -122,21 +122,22 @@ TEST(SurfaceContacts, railsCarryACube) {
     }
     all.insert(all.end(), found.begin(), found.end());
   }
-  expectBears(all, upper, 0.0, {0, 0, 0});
+  expectSupports(all, upper, 0.0, {0, 0, 0});
 }
 
-/// Whatever bends, one of its folds is nearest to the ridge: the contacts are there before it bends.
+/// Each fold of the sheet is nearest to the ridge if the sheet bends there. So all of them have contacts
+/// before it bends.
 TEST(SurfaceContacts, aSheetMeetsARidgeWithAllItsFolds) {
   MovingShape ridge = test::boxShape({0.2, 0.2, 3}, 0.0, true);
   ridge.move(Translation3d(0.03, -kRadius - 0.2 * std::sqrt(0.5), 0) *
              Affine3d(AngleAxisd(M_PI / 4, Vector3d::UnitZ())));
   for (const double lift : {0.0, 0.003, -0.003}) {
     MovingShape cloth = test::clothShape(4, 0.1, kRadius);
-    for (Eigen::Index i = 0; i < cloth.position.cols(); i += 2)  // every other point of each line
+    for (Eigen::Index i = 0; i < cloth.position.cols(); i += 2)  // every second point of each line
       if (cloth.position(0, i) > 0.05) cloth.position(1, i) += lift;
     const auto found = test::contactsOf(cloth, ridge, kMargin);
-    expectSound(found, cloth, ridge);
-    // 5 edges across it, and the diagonals between them
+    expectValid(found, cloth, ridge);
+    // 5 edges across the ridge, and the diagonals between them
     EXPECT_EQ(found.size(), 9u) << lift;
     for (const SurfaceContact& c : found) {
       EXPECT_EQ(c.a.kind, FeatureKind::OnEdge);
@@ -145,29 +146,29 @@ TEST(SurfaceContacts, aSheetMeetsARidgeWithAllItsFolds) {
   }
 }
 
-/// A ball above the ridge between two faces, a corner, and beside them.
+/// A ball above the edge between two faces, above a corner, and above faces.
 TEST(SurfaceContacts, ballTouchesWhatIsNearest) {
-  const double r = 0.05, reach = r + kRadius;
+  const double r = 0.05, radiusSum = r + kRadius;
   struct Case {
     Vector3d foot, normal;
     FeatureKind kind;
   };
-  for (const Case& at : {Case{{0.5, 0.5, 0.2}, Vector3d(1, 2, 0).normalized(), FeatureKind::OnEdge},
-                         Case{{0.5, -0.5, 0.5}, Vector3d(1, -1, 2).normalized(), FeatureKind::OnVertex},
-                         Case{{0.5, 0.2, 0.3}, Vector3d(1, 0, 0), FeatureKind::OnTriangle},
-                         Case{{0.5, 0.2, 0.2}, Vector3d(1, 0, 0), FeatureKind::OnTriangle}}) {
+  for (const Case& expected : {Case{{0.5, 0.5, 0.2}, Vector3d(1, 2, 0).normalized(), FeatureKind::OnEdge},
+                               Case{{0.5, -0.5, 0.5}, Vector3d(1, -1, 2).normalized(), FeatureKind::OnVertex},
+                               Case{{0.5, 0.2, 0.3}, Vector3d(1, 0, 0), FeatureKind::OnTriangle},
+                               Case{{0.5, 0.2, 0.2}, Vector3d(1, 0, 0), FeatureKind::OnTriangle}}) {
     MovingShape ball = test::sphereShape(r), soft = cube();
-    ball.position.col(0) = at.foot + (reach + 0.001) * at.normal;
+    ball.position.col(0) = expected.foot + (radiusSum + 0.001) * expected.normal;
     const auto found = test::contactsOf(ball, soft, kMargin);
-    ASSERT_EQ(found.size(), 1u) << at.foot.transpose();
-    expectSound(found, ball, soft);
-    EXPECT_EQ(found[0].b.kind, at.kind);
-    EXPECT_LT((found[0].normal - at.normal).norm(), kRounding);
+    ASSERT_EQ(found.size(), 1u) << expected.foot.transpose();
+    expectValid(found, ball, soft);
+    EXPECT_EQ(found[0].b.kind, expected.kind);
+    EXPECT_LT((found[0].normal - expected.normal).norm(), kRounding);
     EXPECT_NEAR(found[0].gap, 0.001, kRounding);
-    EXPECT_LT((test::placeAt(soft, found[0].b, 0) - at.foot).norm(), kRounding);
+    EXPECT_LT((test::placeAt(soft, found[0].b, 0) - expected.foot).norm(), kRounding);
     const auto reverse = test::contactsOf(soft, ball, kMargin);
     ASSERT_EQ(reverse.size(), 1u);
-    EXPECT_LT((reverse[0].normal + at.normal).norm(), kRounding);
+    EXPECT_LT((reverse[0].normal + expected.normal).norm(), kRounding);
   }
 }
 
@@ -191,18 +192,19 @@ TEST(SurfaceContacts, ropesTouchAcrossAndEndToEnd) {
   EXPECT_NEAR(found[0].gap, 0.002, kRounding);
 }
 
-/// On which side either is of the other, rounding alone tells where they are. Their motion tells it.
+/// Only rounding decides on which side of the other rope each one is, so the normal must follow from their
+/// motion.
 TEST(SurfaceContacts, ropesThatCrossInOnePlacePartAgainstTheirMotion) {
-  for (const double off : {-1e-16, 0.0, 1e-16}) {
+  for (const double offset : {-1e-16, 0.0, 1e-16}) {
     MovingShape a = test::ropeShape(1, 1.0, 0.02), b = test::ropeShape(1, 1.0, 0.02);
-    a.position.colwise() -= Vector3d(0.5, -off, 0);
+    a.position.colwise() -= Vector3d(0.5, -offset, 0);
     b.position.col(0) = Vector3d(0.1, 0, -0.5);
     b.position.col(1) = Vector3d(0.1, 0, 0.5);
-    for (const double up : {-1e-3, 1e-3}) {
-      a.setMotion(Vector3d(0, up, 0));
+    for (const double velocity : {-1e-3, 1e-3}) {
+      a.setMotion(Vector3d(0, velocity, 0));
       const auto found = test::contactsOf(a, b, test::kMargin);
       ASSERT_EQ(found.size(), 1u);
-      EXPECT_NEAR(found[0].normal.y(), up > 0.0 ? -1.0 : 1.0, 1e-9) << off << ", " << up;
+      EXPECT_NEAR(found[0].normal.y(), velocity > 0.0 ? -1.0 : 1.0, 1e-9) << offset << ", " << velocity;
     }
   }
 }
@@ -218,12 +220,12 @@ TEST(SurfaceContacts, ropeHangsOverTheEdgeOfABox) {
   EXPECT_NEAR(found[0].gap, 0.0, kRounding);
 }
 
-/// A thick body without triangles meets every point of a cloth that lies on it.
+/// Every point of a cloth on a thick body without triangles has a contact.
 TEST(SurfaceContacts, clothLiesOnABall) {
   MovingShape cloth = test::clothShape(8, 0.05, 0.01), ball = test::sphereShape(0.5);
-  const double reach = 0.51;
+  const double radiusSum = 0.51;
   for (Eigen::Index i = 0; i < cloth.position.cols(); ++i)
-    cloth.position.col(i) = reach * (cloth.position.col(i) + Vector3d(0, 0.5, 0)).normalized();
+    cloth.position.col(i) = radiusSum * (cloth.position.col(i) + Vector3d(0, 0.5, 0)).normalized();
   const auto found = test::contactsOf(cloth, ball, 0.002);
   std::vector<int> uses(static_cast<std::size_t>(cloth.position.cols()));
   for (const SurfaceContact& c : found) {
@@ -233,7 +235,7 @@ TEST(SurfaceContacts, clothLiesOnABall) {
   for (std::size_t i = 0; i < uses.size(); ++i) EXPECT_EQ(uses[i], 1) << "point " << i;
 }
 
-/// Cloth pushes to the side where things are; closed surfaces always outward.
+/// A cloth pushes objects to the side on which they are, a closed surface always outward.
 TEST(SurfaceContacts, sidesOfCloth) {
   for (const double y : {0.04, -0.04}) {
     MovingShape cloth = test::clothShape(4, 0.3, 0.01), ball = test::sphereShape(0.03);
@@ -249,19 +251,19 @@ TEST(SurfaceContacts, insideIsPushedOutOfTheNearestFace) {
   std::mt19937 random(7);
   for (int trial = 0; trial < 200; ++trial) {
     MovingShape ball = test::sphereShape(0.03), soft = cube();
-    const Vector3d at = 0.49 * test::randomVector(random);
-    ball.position.col(0) = at;
+    const Vector3d centre = 0.49 * test::randomVector(random);
+    ball.position.col(0) = centre;
     Eigen::Index axis = 0;
-    const double depth = 0.5 - at.cwiseAbs().maxCoeff(&axis);
+    const double depth = 0.5 - centre.cwiseAbs().maxCoeff(&axis);
     const auto found = test::contactsOf(ball, soft, kMargin);
     ASSERT_EQ(found.size(), depth <= 0.25 ? 1u : 0u);  // a quarter of the edge
     if (found.empty()) continue;
     EXPECT_NEAR(found[0].gap, -depth - 0.05, kRounding);
-    EXPECT_LT((found[0].normal - (at[axis] > 0 ? 1.0 : -1.0) * Vector3d::Unit(axis)).norm(), kRounding);
+    EXPECT_LT((found[0].normal - (centre[axis] > 0 ? 1.0 : -1.0) * Vector3d::Unit(axis)).norm(), kRounding);
   }
 }
 
-/// In front of one face of a plate, and so behind its other one, is not inside.
+/// A point in front of one face of a plate is behind the other face, but not inside.
 TEST(SurfaceContacts, aboveAPlateIsNotInside) {
   for (double height = 0.0; height < 0.3; height += 0.01) {
     MovingShape ball = test::sphereShape(0.01), plate = test::boxShape({1, 0.05, 1}, 0.0);
@@ -272,7 +274,8 @@ TEST(SurfaceContacts, aboveAPlateIsNotInside) {
   }
 }
 
-/// Inside the solid along a valley, where the nearest place is on the edge and no triangle is above.
+/// The point is inside the solid under a concave edge: the nearest point is on the edge, and no triangle is
+/// above it.
 TEST(SurfaceContacts, insideBelowAValleyIsPushedOut) {
   Points points(3, 8);
   points << -1, 0, 1, -1, 0, 1, 0, 0,  //
@@ -291,7 +294,7 @@ TEST(SurfaceContacts, insideBelowAValleyIsPushedOut) {
 
 TEST(SurfaceContacts, ballInACornerHasOneContactForEachDirection) {
   MovingShape ball = test::sphereShape(0.05), floor = test::boxShape({4, 1, 4}, 0.0), ground;
-  Points points(3, 6);  // a floor and a wall that meet in the z axis
+  Points points(3, 6);  // a floor and a wall with the z axis as common edge
   points << 0, 0, 2, 2, 0, 0, 0, 0, 0, 0, 2, 2, -2, 2, -2, 2, -2, 2;
   SurfaceFeatures f;
   f.triangles = {{0, 1, 2}, {2, 1, 3}, {0, 4, 1}, {4, 5, 1}};

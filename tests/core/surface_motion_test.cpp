@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// Surfaces that move fast: what meets, where and when, and what passes by.
+// Fast surfaces: features, points and times of impact, and surfaces that miss each other.
 #include "support/moving_shapes.h"
 
 #include <gtest/gtest.h>
@@ -14,7 +14,7 @@ using Eigen::Vector3d;
 using test::kMargin;
 using test::MovingShape;
 
-/// m, from the surface of a cube of 1 m around the origin; below 0 inside.
+/// Returns the distance (m) from the surface of a cube of 1 m around the origin, negative inside.
 double distanceToCube(const Vector3d& p) {
   const Vector3d q = p.cwiseAbs() - Vector3d::Constant(0.5);
   return q.cwiseMax(0.0).norm() + std::min(q.maxCoeff(), 0.0);
@@ -22,8 +22,8 @@ double distanceToCube(const Vector3d& p) {
 
 Vector3d normalOfCube(const Vector3d& p) { return (p - p.cwiseMin(0.5).cwiseMax(-0.5)).normalized(); }
 
-/// A ball's way past or into the cube: the distance is a convex function of the way outside a convex body, so
-/// its least value along the way comes by thirds, and the first time within reach by halves.
+/// The path of a ball past or into the cube. Outside a convex body the distance is a convex function of the
+/// path: its minimum is found by ternary search, the time of impact by bisection.
 struct Shot {
   Vector3d from, motion;
 
@@ -36,26 +36,26 @@ struct Shot {
     }
     return low;
   }
-  double firstWithin(double reach) const {
+  double timeOfImpact(double radiusSum) const {
     double low = 0.0, high = nearestTime();
     for (int i = 0; i < 100; ++i) {
       const double middle = 0.5 * (low + high);
-      (distance(middle) > reach ? low : high) = middle;
+      (distance(middle) > radiusSum ? low : high) = middle;
     }
     return high;
   }
 };
 
-/// At a place on a face, an edge or a corner, give or take a few centimetres; from 0.1 to 1 m away.
+/// Returns a shot at a random face, edge or corner, displaced by up to 6 cm per axis, from 0.1 to 1 m away.
 Shot randomShot(std::mt19937& random, double speed) {
   std::uniform_int_distribution<int> features(0, 2);
-  std::uniform_real_distribution<double> share(0.0, 1.0);
+  std::uniform_real_distribution<double> fraction(0.0, 1.0);
   Vector3d target = 0.5 * test::randomVector(random);
   for (int i = features(random); i >= 0; --i) target[i] = target[i] < 0.0 ? -0.5 : 0.5;
   target += 0.06 * test::randomVector(random);
   Shot shot;
   const Vector3d direction = (test::randomTurn(random) * Vector3d::UnitX());
-  shot.from = target - (0.1 + 0.9 * share(random)) * direction;
+  shot.from = target - (0.1 + 0.9 * fraction(random)) * direction;
   shot.motion = speed / 60.0 * direction;
   return shot;
 }
@@ -68,24 +68,24 @@ TEST(SurfaceMotion, shotsMeetTheCubeWhereTheyEnter) {
     const Shot shot = randomShot(random, speed);
     MovingShape ball = test::sphereShape(trial % 2 == 0 ? 0.02 : 0.05);
     MovingShape cube = test::boxShape(Vector3d::Ones(), 0.02);
-    const double reach = ball.radius + cube.radius;
-    if (shot.distance(0.0) < reach + 2.0 * kMargin) continue;
+    const double radiusSum = ball.radius + cube.radius;
+    if (shot.distance(0.0) < radiusSum + 2.0 * kMargin) continue;
     ball.position.col(0) = shot.from;
     ball.setMotion(shot.motion);
     const auto found = test::contactsOf(ball, cube, kMargin);
-    const double least = shot.distance(shot.nearestTime());
-    SCOPED_TRACE(testing::Message() << "trial " << trial << ", least " << least - reach);
-    if (least > reach + 0.01 * kMargin) {  // what counts as met
+    const double minimum = shot.distance(shot.nearestTime());
+    SCOPED_TRACE(testing::Message() << "trial " << trial << ", least " << minimum - radiusSum);
+    if (minimum > radiusSum + 0.01 * kMargin) {  // within this distance a contact may be found
       EXPECT_TRUE(found.empty());
       ++misses;
-    } else if (least < reach) {
+    } else if (minimum < radiusSum) {
       ASSERT_EQ(found.size(), 1u);
-      // the ball is taken to touch a hundredth of the margin early; a glancing one, sooner
-      const Vector3d at = shot.from + found[0].time * shot.motion;
-      EXPECT_NEAR(distanceToCube(at), reach, 0.0101 * kMargin);
-      EXPECT_LE(found[0].time, shot.firstWithin(reach) + 1e-9);
+      // contact is assumed a hundredth of the margin early, which for a glancing ball is earlier in time
+      const Vector3d position = shot.from + found[0].time * shot.motion;
+      EXPECT_NEAR(distanceToCube(position), radiusSum, 0.0101 * kMargin);
+      EXPECT_LE(found[0].time, shot.timeOfImpact(radiusSum) + 1e-9);
       // an edge counts as nearest up to 0.01 rad beyond its faces' normals
-      EXPECT_LT((found[0].normal - normalOfCube(at)).norm(), 0.0101);
+      EXPECT_LT((found[0].normal - normalOfCube(position)).norm(), 0.0101);
       EXPECT_LT(found[0].normal.dot(shot.motion), 0.0);
       ++hits;
     }
@@ -100,14 +100,14 @@ TEST(SurfaceMotion, weightsAreThoseOfThePlaceOfImpact) {
   ball.setMotion({0.6, -1.2, 0.3});  // through the cube and out below
   const auto found = test::contactsOf(ball, cube, kMargin);
   ASSERT_EQ(found.size(), 1u);
-  // lands 0.05 m above the face, after 0.35 m of 1.2 m; or a hundredth of the margin before
+  // the ball touches the face after 0.35 m of 1.2 m, or a hundredth of the margin before
   EXPECT_NEAR(found[0].time, 0.35 / 1.2, 0.01 * kMargin / 1.2 + 1e-12);
-  const Vector3d place = Vector3d(-0.5, 0.5, 0.05) + 0.35 / 1.2 * Vector3d(0.6, 0, 0.3);
-  EXPECT_LT((test::placeAt(cube, found[0].b, found[0].time) - place).norm(), 0.01 * kMargin);
+  const Vector3d impactPoint = Vector3d(-0.5, 0.5, 0.05) + 0.35 / 1.2 * Vector3d(0.6, 0, 0.3);
+  EXPECT_LT((test::placeAt(cube, found[0].b, found[0].time) - impactPoint).norm(), 0.01 * kMargin);
   EXPECT_LT((found[0].normal - Vector3d::UnitY()).norm(), 1e-12);
 }
 
-/// Only the relative motion counts, and who is called a does not.
+/// Only the relative motion matters, and the order of the two surfaces does not.
 TEST(SurfaceMotion, movingTogetherChangesNothing) {
   std::mt19937 random(9);
   int hits = 0;
@@ -116,22 +116,22 @@ TEST(SurfaceMotion, movingTogetherChangesNothing) {
     MovingShape ball = test::sphereShape(0.04), cube = test::boxShape(Vector3d::Ones(), 0.02);
     ball.position.col(0) = shot.from;
     ball.setMotion(shot.motion);
-    const auto alone = test::contactsOf(ball, cube, kMargin);
-    const Vector3d both = 2.0 * test::randomVector(random);
-    ball.setMotion(shot.motion + both);
-    cube.setMotion(both);
+    const auto reference = test::contactsOf(ball, cube, kMargin);
+    const Vector3d commonMotion = 2.0 * test::randomVector(random);
+    ball.setMotion(shot.motion + commonMotion);
+    cube.setMotion(commonMotion);
     const auto found = test::contactsOf(cube, ball, kMargin);
-    ASSERT_EQ(found.size(), alone.size()) << "trial " << trial;
+    ASSERT_EQ(found.size(), reference.size()) << "trial " << trial;
     for (std::size_t i = 0; i < found.size(); ++i, ++hits) {
-      EXPECT_NEAR(found[i].time, alone[i].time, 1e-9);
-      EXPECT_LT((found[i].normal + alone[i].normal).norm(), 1e-6);
+      EXPECT_NEAR(found[i].time, reference[i].time, 1e-9);
+      EXPECT_LT((found[i].normal + reference[i].normal).norm(), 1e-6);
     }
   }
   EXPECT_GT(hits, 100);
 }
 
-/// A spinning box of 1 m that flies past a post: contacts only where features come within reach. What comes
-/// within reach is sampled at 400 times of the tick.
+/// A box that flies past a post has no contacts unless features come near enough, which is sampled at 400
+/// times of the tick.
 TEST(SurfaceMotion, passersByHaveNoContacts) {
   std::mt19937 random(10);
   int passed = 0;
@@ -143,20 +143,21 @@ TEST(SurfaceMotion, passersByHaveNoContacts) {
     const Points first = start * box.position, second = end * box.position;
     box.position = first;
     box.motion = second - first;
-    double least = 1e300;
-    for (int i = 0; i <= 400; ++i) {  // convex bodies: no nearer than along any one direction
-      const Points at = first + i / 400.0 * box.motion;
-      least = std::min(least, std::max({at.row(0).minCoeff() - 0.1, -at.row(0).maxCoeff() - 0.1,
-                                        at.row(2).minCoeff() - 0.1, -at.row(2).maxCoeff() - 0.1}));
+    double minimum = 1e300;
+    for (int i = 0; i <= 400; ++i) {  // convex bodies: their distance is at least that along any direction
+      const Points position = first + i / 400.0 * box.motion;
+      minimum =
+          std::min(minimum, std::max({position.row(0).minCoeff() - 0.1, -position.row(0).maxCoeff() - 0.1,
+                                      position.row(2).minCoeff() - 0.1, -position.row(2).maxCoeff() - 0.1}));
     }
-    if (least < 0.02 + kMargin + 0.005) continue;  // 0.005 m: half of what it moves between samples
-    EXPECT_TRUE(test::contactsOf(box, post, kMargin).empty()) << "trial " << trial << " " << least;
+    if (minimum < 0.02 + kMargin + 0.005) continue;  // 0.005 m: half of the motion between samples
+    EXPECT_TRUE(test::contactsOf(box, post, kMargin).empty()) << "trial " << trial << " " << minimum;
     ++passed;
   }
   EXPECT_GT(passed, 100);
 }
 
-/// A falling cube that turns meets a floor with each corner that comes down to it.
+/// A falling, rotated cube has a contact for each corner that reaches the floor.
 TEST(SurfaceMotion, everyCornerThatLandsHasAContact) {
   std::mt19937 random(11);
   for (int trial = 0; trial < 100; ++trial) {
@@ -167,14 +168,14 @@ TEST(SurfaceMotion, everyCornerThatLandsHasAContact) {
     for (std::uint32_t i = 0; i < 8; ++i) {
       const double end = cube.position(1, i) + cube.motion(1, i) - 1.0 - 0.02;
       if (end > -1e-3 && end < 1e-3) continue;
-      // corners that look up would land after all others, on their way through the cube
-      bool looksDown = false;
+      // corners that face up would reach the floor after all others, through the cube
+      bool facesDown = false;
       for (const Triangle& t : cube.topology.triangles) {
         const Vector3d u = cube.position.col(t[1]) - cube.position.col(t[0]);
         const Vector3d n = u.cross(Vector3d(cube.position.col(t[2]) - cube.position.col(t[0])));
-        if (t[0] == i || t[1] == i || t[2] == i) looksDown = looksDown || n.normalized().y() < -0.05;
+        if (t[0] == i || t[1] == i || t[2] == i) facesDown = facesDown || n.normalized().y() < -0.05;
       }
-      if (end < 0.0 && !looksDown) continue;
+      if (end < 0.0 && !facesDown) continue;
       const auto touches = std::count_if(found.begin(), found.end(), [&](const SurfaceContact& c) {
         return c.a.kind == FeatureKind::OnVertex && c.a.feature == i;
       });
@@ -183,7 +184,7 @@ TEST(SurfaceMotion, everyCornerThatLandsHasAContact) {
   }
 }
 
-/// Two edges crossing at speed: the time and the places have a closed form.
+/// Two edges cross at high speed: the time and the points of impact have a closed form.
 TEST(SurfaceMotion, crossingEdgesMeet) {
   MovingShape a = test::ropeShape(1, 1.0, 0.02), b = test::ropeShape(1, 1.0, 0.01);
   a.move(Eigen::Affine3d(Eigen::Translation3d(-0.3, 0.53, 0.0)));
@@ -199,7 +200,7 @@ TEST(SurfaceMotion, crossingEdgesMeet) {
   EXPECT_TRUE(test::contactsOf(a, b, 0.001).empty());
 }
 
-/// Fast things stop at either side of a cloth.
+/// A cloth stops fast balls from either side.
 TEST(SurfaceMotion, clothStopsShots) {
   std::mt19937 random(12);
   for (int trial = 0; trial < 200; ++trial) {

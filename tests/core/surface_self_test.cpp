@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// A surface that touches itself; and what every search promises: order, and no allocations once warm.
+// Contacts of a surface with itself; order and memory use of every search.
 #include "support/moving_shapes.h"
 
 #include <gtest/gtest.h>
@@ -24,12 +24,12 @@ TEST(SelfContacts, noneAtRest) {
   MovingShape cloth = test::clothShape(10, 0.05, 0.01), rope = test::ropeShape(20, 0.05, 0.02);
   EXPECT_TRUE(selfContacts(cloth, 0.003).empty());
   EXPECT_TRUE(selfContacts(rope, 0.006).empty());
-  // segments shorter than the rope is thick
+  // segments shorter than the rope's thickness
   MovingShape thick = test::ropeShape(40, 0.01, 0.03);
   EXPECT_TRUE(selfContacts(thick, 0.001).empty());
 }
 
-/// The diagonals of a square, also where its corners have moved so that they cross elsewhere.
+/// The diagonals of a square, also with a corner moved so that they cross at another point.
 TEST(SelfContacts, springsThatCrossAtRestDoNotTouch) {
   Points square(3, 4);
   square << 0, 1, 1, 0, 0, 0, 0, 0, 0, 0, 1, 1;
@@ -53,11 +53,11 @@ TEST(SelfContacts, foldedClothLiesOnItself) {
   for (const SurfaceContact& c : found) {
     EXPECT_NEAR(std::abs(c.normal.y()), 1.0, 1e-9);
     EXPECT_NEAR(c.gap, 0.0, 1e-12);
-    for (const SurfacePoint* place : {&c.a, &c.b})
-      if (place->kind == FeatureKind::OnVertex && cloth.position(1, place->feature) > 0.01)
-        upper.insert(place->feature);
+    for (const SurfacePoint* point : {&c.a, &c.b})
+      if (point->kind == FeatureKind::OnVertex && cloth.position(1, point->feature) > 0.01)
+        upper.insert(point->feature);
   }
-  // rows 6 to 10 are up; those next to the fold are joined to what is below by one edge
+  // rows 6 to 10 are above; those next to the fold are connected to the lower half by one edge
   for (std::uint32_t row = 8; row <= 10; ++row)
     for (std::uint32_t k = 0; k <= 10; ++k) EXPECT_TRUE(upper.count(row * 11 + k)) << row << " " << k;
 }
@@ -97,18 +97,18 @@ TEST(ContactSearch, isReproducible) {
   }
 }
 
-/// Arrays that are large enough stay where they are.
+/// Arrays that are large enough are not reallocated.
 TEST(ContactSearch, keepsItsArrays) {
   MovingShape a = test::boxShape(Vector3d::Ones(), 0.02), b = test::boxShape(Vector3d::Ones(), 0.02);
   a.move(Eigen::Affine3d(Eigen::Translation3d(0.2, 1.0, 0.1)));
   ContactSearch search;
   std::vector<SurfaceContact> found;
   findSurfaceContacts(a.surface(), b.surface(), 0.006, search, found);
-  const void* before[] = {search.near.data(),   search.waiting.data(), search.candidates.data(),
+  const void* before[] = {search.near.data(),        search.waiting.data(), search.candidates.data(),
                           search.penetrating.data(), found.data(),          a.boxes.nodes.data()};
   a.move(Eigen::Affine3d(Eigen::Translation3d(0.001, 0.001, 0)));
   findSurfaceContacts(a.surface(), b.surface(), 0.006, search, found);
-  const void* after[] = {search.near.data(),   search.waiting.data(), search.candidates.data(),
+  const void* after[] = {search.near.data(),        search.waiting.data(), search.candidates.data(),
                          search.penetrating.data(), found.data(),          a.boxes.nodes.data()};
   EXPECT_TRUE(std::equal(before, before + 6, after));
   EXPECT_FALSE(found.empty());

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// Surfaces as built: errors, edges, sides, and the care of features.
+// Construction of surfaces: errors, edges, sides, and owners of features.
 #include "support/moving_shapes.h"
 #include "support/small_meshes.h"
 
@@ -48,7 +48,7 @@ TEST(SurfaceTopology, closedPiecesAreOneSided) {
   for (const std::uint8_t oneSided : topology->oneSided) EXPECT_TRUE(oneSided);
 }
 
-/// Each vertex and edge is in the care of one element.
+/// Expects that each vertex and edge is owned by one element.
 void expectEachOnce(const SurfaceTopology& t, std::size_t vertices, std::size_t edges) {
   std::vector<int> vertexUses(static_cast<std::size_t>(t.rest.cols())), edgeUses(t.edges.size());
   std::size_t vertexSum = 0, edgeSum = 0;
@@ -75,7 +75,7 @@ TEST(SurfaceTopology, eachFeatureIsInOneElementsCare) {
   expectEachOnce(test::sphereShape(0.1).topology, 1, 0);
 }
 
-/// The six diagonals of a rigid box can touch nothing.
+/// The six diagonals on the flat faces of a rigid box have no contacts.
 TEST(SurfaceTopology, rigidShapesLeaveFlatEdgesOut) {
   expectEachOnce(test::boxShape(Vector3d::Ones(), 0.0, true).topology, 8, 12);
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// Trees of boxes against all pairs, and the sides of a surface against a ball's.
+// Bounding box trees compared with tests of all pairs, and the inside test of a box.
 #include "solver/closest_points.h"
 #include "support/moving_shapes.h"
 
@@ -13,7 +13,7 @@ namespace {
 using Eigen::Vector3d;
 using test::MovingShape;
 
-/// Triangles here and there, moving each its own way.
+/// Returns randomly placed triangles with random motions.
 MovingShape randomSoup(int triangles, std::mt19937& random) {
   Points points(3, 3 * triangles);
   SurfaceFeatures features;
@@ -32,9 +32,9 @@ Eigen::AlignedBox3d boxOf(const MovingShape& shape, const Triangle& triangle) {
   Eigen::AlignedBox3d box;
   for (const std::uint32_t v : triangle)
     for (const double time : {0.0, 1.0}) {
-      const Vector3d at = shape.position.col(v) + time * shape.motion.col(v);
-      box.extend(at - Vector3d::Constant(shape.radius));
-      box.extend(at + Vector3d::Constant(shape.radius));
+      const Vector3d corner = shape.position.col(v) + time * shape.motion.col(v);
+      box.extend(corner - Vector3d::Constant(shape.radius));
+      box.extend(corner + Vector3d::Constant(shape.radius));
     }
   return box;
 }
@@ -54,8 +54,8 @@ TEST(SurfaceTree, findsThePairsThatAreNear) {
     LeafPairs near = elementsOf(leaves, a.topology, b.topology);
     for (std::uint32_t i = 0; i < a.topology.triangles.size(); ++i)
       for (std::uint32_t j = 0; j < b.topology.triangles.size(); ++j) {
-        const auto apart = boxOf(a, a.topology.triangles[i]), other = boxOf(b, b.topology.triangles[j]);
-        const Vector3d gap = (apart.min() - other.max()).cwiseMax(other.min() - apart.max());
+        const auto boxA = boxOf(a, a.topology.triangles[i]), boxB = boxOf(b, b.topology.triangles[j]);
+        const Vector3d gap = (boxA.min() - boxB.max()).cwiseMax(boxB.min() - boxA.max());
         if (gap.maxCoeff() <= 0.05) expected.emplace_back(i, j);
       }
     std::sort(near.begin(), near.end());
@@ -67,15 +67,16 @@ TEST(SurfaceTree, findsThePairsThatAreNear) {
 TEST(SurfaceTree, findsThePairsOfItself) {
   std::mt19937 random(2);
   MovingShape a = randomSoup(80, random);
-  LeafPairs waiting, leaves, both;
+  LeafPairs waiting, leaves, allPairs;
   findNearLeaves(a.surface(), 0.02, waiting, leaves);
   MovingShape copy = a;
-  findNearLeaves(a.surface(), copy.surface(), 0.02, waiting, both);
-  both.erase(std::remove_if(both.begin(), both.end(), [](const auto& p) { return p.first >= p.second; }),
-             both.end());
+  findNearLeaves(a.surface(), copy.surface(), 0.02, waiting, allPairs);
+  allPairs.erase(
+      std::remove_if(allPairs.begin(), allPairs.end(), [](const auto& p) { return p.first >= p.second; }),
+      allPairs.end());
   std::sort(leaves.begin(), leaves.end());
-  std::sort(both.begin(), both.end());
-  EXPECT_EQ(leaves, both);
+  std::sort(allPairs.begin(), allPairs.end());
+  EXPECT_EQ(leaves, allPairs);
   EXPECT_GT(leaves.size(), 20u);
 }
 
@@ -84,11 +85,11 @@ TEST(SurfaceTree, findsTrianglesInABox) {
   MovingShape shape = randomSoup(200, random);
   for (int trial = 0; trial < 50; ++trial) {
     const Vector3d centre = test::randomVector(random);
-    const Eigen::AlignedBox3d asked(centre - Vector3d::Constant(0.2), centre + Vector3d::Constant(0.1));
+    const Eigen::AlignedBox3d box(centre - Vector3d::Constant(0.2), centre + Vector3d::Constant(0.1));
     std::vector<std::uint32_t> found, expected;
-    findTriangles(shape.surface(), asked, found);
+    findTriangles(shape.surface(), box, found);
     for (std::uint32_t i = 0; i < shape.topology.triangles.size(); ++i)
-      if (asked.intersects(boxOf(shape, shape.topology.triangles[i]))) expected.push_back(i);
+      if (box.intersects(boxOf(shape, shape.topology.triangles[i]))) expected.push_back(i);
     std::sort(found.begin(), found.end());
     EXPECT_EQ(found, expected) << "trial " << trial;
   }
@@ -98,22 +99,22 @@ TEST(SurfaceTree, nearestPlaceIsThatOfAllTriangles) {
   std::mt19937 random(4);
   MovingShape shape = randomSoup(200, random);
   for (int trial = 0; trial < 200; ++trial) {
-    const Vector3d place = 1.5 * test::randomVector(random);
-    const NearestOnSurface nearest = nearestOnSurface(shape.surface(), place, 10.0);
+    const Vector3d point = 1.5 * test::randomVector(random);
+    const NearestOnSurface nearest = nearestOnSurface(shape.surface(), point, 10.0);
     double expected = 10.0;
     for (const Triangle& t : shape.topology.triangles) {
       const TriangleCorners corners{shape.position.col(t[0]), shape.position.col(t[1]),
                                     shape.position.col(t[2])};
-      const Vector3d w = nearestBarycentric(corners, place);
+      const Vector3d w = nearestBarycentric(corners, point);
       expected =
-          std::min(expected, (w[0] * corners[0] + w[1] * corners[1] + w[2] * corners[2] - place).norm());
+          std::min(expected, (w[0] * corners[0] + w[1] * corners[1] + w[2] * corners[2] - point).norm());
     }
     EXPECT_NEAR(nearest.distance, expected, 1e-14);
-    EXPECT_EQ(nearestOnSurface(shape.surface(), place, 0.99 * expected).triangle, kNoFeature);
+    EXPECT_EQ(nearestOnSurface(shape.surface(), point, 0.99 * expected).triangle, kNoFeature);
   }
 }
 
-/// A box turned at random: what is behind is inside, also nearest to an edge or a corner.
+/// A randomly rotated box: `behind` means inside, also nearest to an edge or a corner.
 TEST(SurfaceTree, behindIsInside) {
   std::mt19937 random(5);
   int inside = 0;
@@ -137,7 +138,7 @@ TEST(SurfaceTree, boundsHoldAllTimes) {
   EXPECT_LT((bounds.high - Eigen::Array4d(1.6, 0.6, 0.6, 0)).abs().maxCoeff(), 1e-15);
 }
 
-/// Closed form: the sum over segments of random pairs cannot be shortened by moving along either.
+/// The nearest points of two random segments: moving either along its segment must not reduce the distance.
 TEST(ClosestPoints, segmentsComeNearestWhereNeitherSideCanGetNearer) {
   std::mt19937 random(6);
   for (int trial = 0; trial < 1000; ++trial) {
@@ -145,8 +146,8 @@ TEST(ClosestPoints, segmentsComeNearestWhereNeitherSideCanGetNearer) {
     for (Vector3d& x : p) x = test::randomVector(random);
     if (trial % 4 == 0) p[3] = p[2] + 0.7 * (p[1] - p[0]);  // parallel
     const SegmentPair pair = nearestOnSegments(p[0], p[1], p[2], p[3]);
-    const Vector3d away = p[0] + pair.a * (p[1] - p[0]) - p[2] - pair.b * (p[3] - p[2]);
-    const double slopeA = away.dot(p[1] - p[0]), slopeB = -away.dot(p[3] - p[2]);
+    const Vector3d difference = p[0] + pair.a * (p[1] - p[0]) - p[2] - pair.b * (p[3] - p[2]);
+    const double slopeA = difference.dot(p[1] - p[0]), slopeB = -difference.dot(p[3] - p[2]);
     // the distance is convex: these are the conditions of its minimum, to rounding
     EXPECT_TRUE(pair.a >= 1.0   ? slopeA <= 1e-12
                 : pair.a <= 0.0 ? slopeA >= -1e-12

@@ -33,12 +33,13 @@ class TetrahedronSteps : public testing::TestWithParam<TetrahedronStepper> {
       return stepImplicit(body.stepped(), implicit, kind, time, substeps, factors);
     }
     body.stepped().springBatches = GetParam() == TetrahedronStepper::Quads ? &springBatches : nullptr;
-    // a rigid body that nothing is linked to makes a group of what is a body of its own
+    // an unlinked rigid body selects the code for islands
     if (GetParam() == TetrahedronStepper::Linked) body.group.links.rigids.resize(1);
     stepVerlet(body.group, time, substeps);
   }
 
-  /// The product of inverse and true momentum: what a stepper may lose by rounding.
+  /// Returns the momentum error by rounding: larger for the implicit steppers, which solve factorised
+  /// systems.
   double rounding() const {
     return GetParam() == TetrahedronStepper::Shared || GetParam() == TetrahedronStepper::Newton ? 1e-9
                                                                                                 : 1e-11;
@@ -49,7 +50,7 @@ class TetrahedronSteps : public testing::TestWithParam<TetrahedronStepper> {
   SharedFactors factors;
 };
 
-/// All points of a regular tetrahedron are alike, so blown up evenly it keeps its shape and oscillates:
+/// By symmetry, a regular tetrahedron that is enlarged uniformly keeps its shape and oscillates:
 ///     omega^2 = (k sum L^2 + 9 K V0) / sum m |x|^2.
 TEST_P(TetrahedronSteps, breatheWithTheRightPeriod) {
   SteppedTestBody body(test::tetrahedronNetwork(), 100.0, 0.0);
@@ -85,8 +86,8 @@ TEST_P(TetrahedronSteps, keepMomentumAndComeBackFromFlatAndInsideOut) {
   }
 }
 
-/// Points anywhere in a ball twice the body's size, in substeps that resolve nothing of that: what Verlet's
-/// volume term does not resolve it holds back.
+/// Points are scattered at random over twice the body's size, with substeps too long for such forces. Verlet
+/// must limit the volume term to what it can resolve.
 TEST_P(TetrahedronSteps, areStableWhenScattered) {
   std::mt19937 random(3);
   std::uniform_real_distribution<double> coordinate(-2.0, 2.0);
@@ -116,7 +117,8 @@ INSTANTIATE_TEST_SUITE_P(Steppers, TetrahedronSteps,
                                          TetrahedronStepper::Newton),
                          nameOfTetrahedronStepper);
 
-/// The share of the limit that bodies in their shape come to, in substeps as the default choice takes them.
+/// Near the rest shape, at the default number of substeps, the volume term must stay below its stability
+/// limit.
 TEST(TetrahedronVolumes, areNotHeldBackNearRest) {
   for (const SharedNetwork& network : {test::tetrahedronNetwork(), test::tetrahedralCubeNetwork()}) {
     SteppedTestBody body(network, 1000.0, 0.0);

@@ -56,7 +56,7 @@ TEST(TetrahedronVolumes, areAtRestAtRestAndWhenMirroredByTheScale) {
 TEST(TetrahedronVolumes, haveTheGradientOfTheirEnergyAsForceAndNoNetForceOrTorque) {
   const SpringNetwork network = pair();
   const TetrahedronVolumes v = tetrahedraOf(network, 100.0);
-  // free, crushed, turned over, swollen and turned over beyond the limits
+  // in the linear range, crushed, inverted, swollen, and inverted beyond the limits
   for (const double stretch : {1.1, 0.2, -0.7, 2.5, -1.5}) {
     SCOPED_TRACE(stretch);
     PointState state = pairState(network);
@@ -128,7 +128,7 @@ TEST(TetrahedronVolumes, boundTheFrequencyTheyAdd) {
   }
 }
 
-/// As when one point of a body that falls is pinned.
+/// For example, one point of a falling body is pinned.
 TEST(TetrahedronVolumes, areRestlessWhereTheyComeFarFromRestInTheTick) {
   const SpringNetwork network = pair();
   TetrahedronVolumes v = tetrahedraOf(network, 100.0);

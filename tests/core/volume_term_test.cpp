@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// The volume term by itself and in all steppers: closed forms and conservation laws.
+// The volume term alone and in all steppers, compared with closed forms and conservation laws.
 #include "solver/implicit_step.h"
 #include "solver/linear_algebra.h"
 #include "solver/point_state.h"
@@ -62,7 +62,8 @@ TEST(VolumeTerm, knowsTheVolumesOfTheCubeAndItsMirrorImage) {
 
 TEST(VolumeTerm, hasTheGradientOfItsEnergyAsForceAndNoNetForceOrTorque) {
   const SharedNetwork ball = bare(small_meshes::icosphere(1));
-  for (const double size : {1.0, 0.3, 1.6})  // free, gas at its limit, swelling at its limit
+  for (const double size :
+       {1.0, 0.3, 1.6})  // in the linear range, with the gas at its limit, with the swelling at its limit
     for (const double pressure : {0.0, 40.0}) {
       SCOPED_TRACE(testing::Message() << "size " << size << ", pressure " << pressure);
       VolumeArrays v = volumesOf(ball, 100.0, pressure);
@@ -224,7 +225,7 @@ class VolumeSteps : public testing::TestWithParam<VolumeStepper> {
   SharedFactors factors;
 };
 
-/// All points of an icosahedron are alike, so blown up evenly it keeps its shape and oscillates:
+/// By symmetry, an icosahedron that is enlarged uniformly keeps its shape and oscillates:
 ///     omega^2 = (k sum L^2 + 9 K V0) / sum m |x|^2,   |x| = 1 m.
 TEST_P(VolumeSteps, breatheWithTheRightPeriod) {
   SteppedTestBody body(bare(small_meshes::icosphere(0)), 100.0, 0.0);
@@ -259,7 +260,7 @@ TEST_P(VolumeSteps, keepMomentumAndComeBackFromFlatAndInsideOut) {
   }
 }
 
-/// Gas at P blows the icosahedron up to s, where  k sum L^2 (s - 1) = 3 P V0 / s.
+/// Gas of pressure P enlarges the icosahedron to the radius s:  k sum L^2 (s - 1) = 3 P V0 / s.
 TEST_P(VolumeSteps, areBlownUpByGas) {
   SteppedTestBody body(bare(small_meshes::icosphere(0)), 100.0, 5.0);
   body.settings.volumeModulus = 0.0;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// Each check of what touches is shown a scene that has been tampered with: a check that cannot fail proves
-// nothing. What has just been set up passes those that ask for places alone.
+// Each contact check must fail in a scene with errors. The checks of positions alone must pass in a new
+// scene.
 #include "scenes/end_checks.h"
 #include "created_scene.h"
 #include "scenes/scene.h"
@@ -17,8 +17,8 @@ void shift(SoftBody& body, const Eigen::Vector3d& by) {
   }
 }
 
-/// What any of the scene's own checks says that has `part` in it, else an empty string.
-std::string said(const Scene& scene, const char* part) {
+/// Returns the first message of the scene's own checks that contains `part`, or an empty string.
+std::string messageWith(const Scene& scene, const char* part) {
   for (const Check& check : scene.endChecks) {
     const std::string text = check(scene);
     if (text.find(part) != std::string::npos) return text;
@@ -53,10 +53,10 @@ TEST(ContactChecks, whatHasBeenTooDeepIsRemembered) {
   const Check& remembered = scene->endChecks.back();
   scene->afterTick(*scene);
   EXPECT_EQ(remembered(*scene), "");
-  const Eigen::Vector3d away = fromBullet(scene->world->movables[0]->getWorldTransform().getOrigin());
+  const Eigen::Vector3d oldPosition = fromBullet(scene->world->movables[0]->getWorldTransform().getOrigin());
   moveTo(*scene->world->movables[0], {0, 0.9, 0});
   scene->afterTick(*scene);
-  moveTo(*scene->world->movables[0], away);
+  moveTo(*scene->world->movables[0], oldPosition);
   scene->afterTick(*scene);
   EXPECT_NE(remembered(*scene).find("in one another"), std::string::npos);
 }
@@ -70,42 +70,42 @@ TEST(ContactChecks, movingBodiesAreNotCalm) {
 
 TEST(MarbleScene, tellsWhereMarblesAre) {
   const auto scene = created("marble", 2);
-  btRigidBody &dropped = *scene->world->movables[0], &shot = *scene->world->movables[1];
-  EXPECT_NE(said(*scene, "does not rest on a face"), "");  // still in the air
+  btRigidBody &droppedMarble = *scene->world->movables[0], &shotMarble = *scene->world->movables[1];
+  EXPECT_NE(messageWith(*scene, "does not rest on a face"), "");  // still in the air
   const Eigen::Vector3d cube = middleOf(*scene->soft->body(0)), target = middleOf(*scene->soft->body(1));
-  moveTo(dropped, cube + Eigen::Vector3d(0.2, 0.57, 0.1));
-  EXPECT_EQ(said(*scene, "marble"), "");
-  moveTo(dropped, cube + Eigen::Vector3d(0.7, -0.4, 0));
-  EXPECT_NE(said(*scene, "does not lie on top"), "");
-  moveTo(dropped, cube);
-  EXPECT_NE(said(*scene, "marble 0 is inside its cube"), "");
-  moveTo(dropped, cube + Eigen::Vector3d(0.2, 0.57, 0.1));
-  moveTo(shot, target + Eigen::Vector3d(0, 0, -0.8));
-  EXPECT_NE(said(*scene, "marble 1 has passed its cube"), "");
+  moveTo(droppedMarble, cube + Eigen::Vector3d(0.2, 0.57, 0.1));
+  EXPECT_EQ(messageWith(*scene, "marble"), "");
+  moveTo(droppedMarble, cube + Eigen::Vector3d(0.7, -0.4, 0));
+  EXPECT_NE(messageWith(*scene, "does not lie on top"), "");
+  moveTo(droppedMarble, cube);
+  EXPECT_NE(messageWith(*scene, "marble 0 is inside its cube"), "");
+  moveTo(droppedMarble, cube + Eigen::Vector3d(0.2, 0.57, 0.1));
+  moveTo(shotMarble, target + Eigen::Vector3d(0, 0, -0.8));
+  EXPECT_NE(messageWith(*scene, "marble 1 has passed its cube"), "");
 }
 
 TEST(StackScene, tellsWhatHasFallen) {
   const auto scene = created("stack", 4);
-  EXPECT_EQ(said(*scene, "cube"), "");
+  EXPECT_EQ(messageWith(*scene, "cube"), "");
   shift(*scene->soft->body(2), {0.5, 0, 0});
-  EXPECT_NE(said(*scene, "cube 2 has slipped aside"), "");
+  EXPECT_NE(messageWith(*scene, "cube 2 has slipped aside"), "");
   shift(*scene->soft->body(2), {0, -1, 0});
-  EXPECT_NE(said(*scene, "cube 2 does not stand"), "");
+  EXPECT_NE(messageWith(*scene, "cube 2 does not stand"), "");
 }
 
 TEST(TowerScene, tellsWhatHasFallen) {
   const auto scene = created("tower-of-jelly", 3);
-  EXPECT_EQ(said(*scene, "storey"), "");
+  EXPECT_EQ(messageWith(*scene, "storey"), "");
   btRigidBody& plate = *scene->world->movables[1];
   const btTransform built = plate.getWorldTransform();
   plate.getWorldTransform().setRotation(btQuaternion(btVector3(1, 0, 0), btScalar(0.5)));
-  EXPECT_NE(said(*scene, "storey 1 is not level"), "");
+  EXPECT_NE(messageWith(*scene, "storey 1 is not level"), "");
   plate.setWorldTransform(built);
   moveTo(plate, fromBullet(built.getOrigin()) + Eigen::Vector3d(0.4, 0, 0));
-  EXPECT_NE(said(*scene, "storey 1 has slipped aside"), "");
+  EXPECT_NE(messageWith(*scene, "storey 1 has slipped aside"), "");
   plate.setWorldTransform(built);
   shift(*scene->soft->body(2), {0, -0.5, 0});
-  EXPECT_NE(said(*scene, "storey 2 has come down"), "");
+  EXPECT_NE(messageWith(*scene, "storey 2 has come down"), "");
 }
 
 TEST(TowerScene, isNudgedOnce) {
@@ -120,12 +120,12 @@ TEST(TowerScene, isNudgedOnce) {
 
 TEST(CurtainScene, tellsWhatHasPassedOrComeOff) {
   const auto scene = created("curtain", 1);
-  EXPECT_EQ(said(*scene, "curtain 0"), "");
-  EXPECT_EQ(said(*scene, "passed"), "");
+  EXPECT_EQ(messageWith(*scene, "curtain 0"), "");
+  EXPECT_EQ(messageWith(*scene, "passed"), "");
   moveTo(*scene->world->movables[2], {0.5, 0.2, -0.5});
-  EXPECT_NE(said(*scene, "ball 1 has passed through"), "");
+  EXPECT_NE(messageWith(*scene, "ball 1 has passed through"), "");
   shift(*scene->soft->body(0), {0, -0.1, 0});
-  EXPECT_NE(said(*scene, "does not hang from its pins"), "");
+  EXPECT_NE(messageWith(*scene, "does not hang from its pins"), "");
 }
 
 TEST(CurtainScene, theBoxPushesAndGoesBack) {
@@ -144,12 +144,12 @@ TEST(CurtainScene, theBoxPushesAndGoesBack) {
 
 TEST(PileScene, tellsWhatIsNotInTheBin) {
   const auto scene = created("pile", 5);
-  EXPECT_EQ(said(*scene, "bin"), "");
-  EXPECT_EQ(said(*scene, "deep in"), "");
+  EXPECT_EQ(messageWith(*scene, "bin"), "");
+  EXPECT_EQ(messageWith(*scene, "deep in"), "");
   shift(*scene->soft->body(3), {4, 0, 0});
-  EXPECT_NE(said(*scene, "body 3 is not in the bin"), "");
+  EXPECT_NE(messageWith(*scene, "body 3 is not in the bin"), "");
   shift(*scene->soft->body(4), middleOf(*scene->soft->body(0)) - middleOf(*scene->soft->body(4)));
-  EXPECT_NE(said(*scene, "deep in"), "");
+  EXPECT_NE(messageWith(*scene, "deep in"), "");
 }
 
 }  // namespace

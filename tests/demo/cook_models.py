@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Zlib
 """Cooks every file of Debian's assimp-testmodels: python3 cook_models.py limber-cook
 
-Each must become a body that loads, or be refused with a reason that names it; none may crash, hang or take more
-memory than the limit. Prints the counts. Exit code 77 where the models are not installed.
+Each must give a body that can be loaded, or be refused with a reason that names the file; none may crash, hang or
+use more memory than the limit. Prints the counts. The exit code is 77 if the models are not installed.
 """
 import collections
 import concurrent.futures
@@ -16,7 +16,7 @@ import tempfile
 MODELS = pathlib.Path("/usr/share/assimp/models")
 MEMORY = 2 << 30  # bytes
 SECONDS = 60  # for one file, on a busy machine
-# coarse and quickly braced: the question is what gets through, not how well it stands
+# coarse networks and short bracing: only crashes and errors matter here, not the quality
 CHOICES = "--points 60 --skin barycentric --seconds 0.2 --runs 0".split()
 
 
@@ -34,15 +34,15 @@ def run(command):
 
 
 def cook(tool, model, folder):
-    """Outcome ("cooked", "refused" or what is wrong) and the reason."""
+    """Returns the outcome ("cooked", "refused" or the fault) and the reason."""
     body = pathlib.Path(folder) / "body.limber"
-    code, said = run([tool, str(model), "-o", str(body), "--quiet", *CHOICES])
-    if code == 1 and str(model) in said and not body.exists():
-        return "refused", said
+    code, message = run([tool, str(model), "-o", str(body), "--quiet", *CHOICES])
+    if code == 1 and str(model) in message and not body.exists():
+        return "refused", message
     if code != 0:
-        return f"exit {code}", said
-    code, said = run([tool, "--report", str(body), "--quiet", "--runs", "0"])
-    return ("cooked", "") if code == 0 else (f"does not load: exit {code}", said)
+        return f"exit {code}", message
+    code, message = run([tool, "--report", str(body), "--quiet", "--runs", "0"])
+    return ("cooked", "") if code == 0 else (f"does not load: exit {code}", message)
 
 
 def outcome(tool, model):
@@ -57,12 +57,12 @@ def main(tool):
     models = sorted(path for path in MODELS.rglob("*") if path.is_file())
     with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
         outcomes = list(pool.map(lambda model: outcome(tool, model), models))
-    counts = collections.Counter(what for _, what, _ in outcomes)
-    print(", ".join(f"{count} {what}" for what, count in counts.most_common()), f"of {len(models)} files")
+    counts = collections.Counter(result for _, result, _ in outcomes)
+    print(", ".join(f"{count} {result}" for result, count in counts.most_common()), f"of {len(models)} files")
     wrong = [o for o in outcomes if o[1] not in ("cooked", "refused")]
-    for model, what, said in wrong:
-        print(f"{model}: {what}: {said[-300:]}")
-    # so that a tool that refuses everything does not pass
+    for model, result, message in wrong:
+        print(f"{model}: {result}: {message[-300:]}")
+    # a tool that refuses everything must not pass
     return 1 if wrong or counts["cooked"] < 200 else 0
 
 

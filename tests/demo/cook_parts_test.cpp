@@ -32,7 +32,7 @@ ParsedCookOptions parse(std::vector<std::string> words) {
 
 CookOptions parsed(const std::vector<std::string>& words) {
   const ParsedCookOptions options = parse(words);
-  if (const auto* taken = std::get_if<CookOptions>(&options)) return *taken;
+  if (const auto* accepted = std::get_if<CookOptions>(&options)) return *accepted;
   ADD_FAILURE() << "refused";
   return {};
 }
@@ -221,7 +221,7 @@ TEST(OutputFiles, textsAreWrittenWholeOrNotAtAll) {
   EXPECT_EQ(std::distance(fs::directory_iterator(folder.path()), {}), 1);
 }
 
-std::string shown(const std::vector<std::pair<const char*, double>>& calls, double patience = 0.0) {
+std::string progressText(const std::vector<std::pair<const char*, double>>& calls, double patience = 0.0) {
   std::FILE* file = std::tmpfile();
   StageProgress bars(file, true, patience);
   for (const auto& [stage, done] : calls) bars.show(stage, done);
@@ -235,21 +235,21 @@ std::string shown(const std::vector<std::pair<const char*, double>>& calls, doub
 }
 
 TEST(StageProgress, everyStageHasALineOfItsOwnThatFillsUp) {
-  const std::string text = shown({{"first", 0.0}, {"first", 0.5}, {"second", 0.2}, {"second", 1.0}});
+  const std::string text = progressText({{"first", 0.0}, {"first", 0.5}, {"second", 0.2}, {"second", 1.0}});
   EXPECT_EQ(std::count(text.begin(), text.end(), '\n'), 2);
   EXPECT_EQ(text.back(), '\n');
   EXPECT_NE(text.find("first "), std::string::npos);
   EXPECT_NE(text.find("second "), std::string::npos);
-  EXPECT_EQ(shown({}), "");
+  EXPECT_EQ(progressText({}), "");
 }
 
 TEST(StageProgress, aStageThatBeginsAnewHasANewLine) {
-  const std::string text = shown({{"first", 0.8}, {"first", 0.1}, {"first", 1.0}});
+  const std::string text = progressText({{"first", 0.8}, {"first", 0.1}, {"first", 1.0}});
   EXPECT_EQ(std::count(text.begin(), text.end(), '\n'), 2);
 }
 
 TEST(StageProgress, whatIsOverAtOnceIsNotShown) {
-  EXPECT_EQ(shown({{"first", 0.0}, {"first", 0.5}, {"first", 1.0}, {"second", 0.5}}, 1000.0), "");
+  EXPECT_EQ(progressText({{"first", 0.0}, {"first", 0.5}, {"first", 1.0}, {"second", 0.5}}, 1000.0), "");
 }
 
 TEST(ReadNetwork, cookedBodiesAreLoadedAsTheyAre) {

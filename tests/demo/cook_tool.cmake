@@ -1,4 +1,4 @@
-# The tool limber-cook: its parts, what it makes, and every way to be refused.
+# Tests of the tool limber-cook: its parts, its results, and every kind of invalid call.
 set(cooked ${CMAKE_CURRENT_BINARY_DIR}/cooked)
 file(MAKE_DIRECTORY ${cooked})
 set(meshes ${PROJECT_SOURCE_DIR}/meshes)
@@ -7,18 +7,18 @@ set(meshes ${PROJECT_SOURCE_DIR}/meshes)
 function(cook_run name label code text)
   add_test(NAME cook.${name} COMMAND ${CMAKE_COMMAND} -DCODE=${code} "-DTEXT=${text}"
     -P ${CMAKE_CURRENT_SOURCE_DIR}/expect_exit.cmake -- $<TARGET_FILE:limber-cook> ${ARGN})
-  # the leaks inside OSMesa are not ours
+  # suppresses leaks inside OSMesa
   set_tests_properties(cook.${name} PROPERTIES LABELS ${label} TIMEOUT 600
     ENVIRONMENT_MODIFICATION "LSAN_OPTIONS=set:suppressions=${PROJECT_SOURCE_DIR}/tests/lsan.supp")
 endfunction()
 
-# a body, and the demo on it
+# a body, and the demo with this body
 cook_run(pipeline scene 0 "12 triangles" ${meshes}/cube.obj -o ${cooked}/cube.limber --runs 2
   --json ${cooked}/cube.json)
 demo_run(cooked_body scene 0 "end check   passed" --mode none --mesh ${cooked}/cube.limber --count 2)
 set_tests_properties(demo.cooked_body PROPERTIES DEPENDS cook.pipeline)
 
-# cooking itself knows nothing of Bullet's precision
+# the precision of Bullet has no effect on cooking
 if(LIMBER_DOUBLE)
   return()
 endif()
@@ -29,7 +29,7 @@ target_link_libraries(limber_cook_tool_tests PRIVATE limber_cook_tool GTest::gte
 target_compile_definitions(limber_cook_tool_tests PRIVATE LIMBER_MESH_DIR="${PROJECT_SOURCE_DIR}/meshes")
 limber_gtest(limber_cook_tool_tests unit LONG CookBody.theFileHolds*)
 
-# a body by each other rule, its report and picture
+# a body with each other rule, its report and picture
 cook_run(equal_length scene 0 "6 brace" ${meshes}/cube.obj -o ${cooked}/equal.limber --braces equal-length --runs 0)
 cook_run(two_ring scene 0 "10 brace" ${meshes}/cube.obj -o ${cooked}/two_ring.limber --braces two-ring --runs 0)
 cook_run(bare scene 0 "18 structural" ${meshes}/cube.obj -o ${cooked}/bare.limber --braces none --runs 0)
@@ -46,7 +46,7 @@ set_tests_properties(cook.extreme_report PROPERTIES TIMEOUT 60)
 cook_run(quiet unit 0 "" ${meshes}/cube.obj -o ${cooked}/quiet.limber --braces none --quiet)
 set_tests_properties(cook.report PROPERTIES DEPENDS cook.bare)
 
-# refused, with the reason
+# invalid calls, which must be refused with the reason
 cook_run(nothing unit 2 "a MESH to cook is missing")
 cook_run(no_output unit 2 "-o BODY.limber is missing" ${meshes}/cube.obj)
 cook_run(other_ending unit 2 "cube.obj does not end in .limber" ${meshes}/cube.obj -o cube.obj)
@@ -80,8 +80,9 @@ cook_run(unwritable_json unit 1 "cannot write /dev/null/a.json" ${meshes}/cube.o
 cook_run(unwritable_picture unit 1 "cannot write /dev/null/a.png" ${meshes}/cube.obj -o ${cooked}/a.limber
   --picture /dev/null/a.png)
 
-# every model that assimp's own tests have: cooked or refused with a reason, none crashes, hangs or fills the memory.
-# Left out with sanitizers, which need more address space than the limit and ten times as long.
+# All models of assimp's own tests are cooked or refused with a reason; none may crash, hang or exceed the
+# memory limit.
+# Not with sanitizers, which need more address space than the limit and ten times as long.
 find_package(Python3 COMPONENTS Interpreter)
 if(Python3_FOUND AND LIMBER_LONG_TESTS AND NOT LIMBER_SANITIZE)
   add_test(NAME cook.assimp_models COMMAND ${Python3_EXECUTABLE} ${CMAKE_CURRENT_SOURCE_DIR}/cook_models.py

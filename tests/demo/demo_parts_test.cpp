@@ -40,7 +40,7 @@ TEST(Progress, durationsAreReadable) {
   EXPECT_EQ(durationText(65.0), "1 min 05 s");
 }
 
-std::string shown(bool terminal, int steps, int done) {
+std::string progressText(bool terminal, int steps, int done) {
   std::FILE* file = std::tmpfile();
   {
     Progress progress(file, terminal);
@@ -54,23 +54,23 @@ std::string shown(bool terminal, int steps, int done) {
 }
 
 TEST(Progress, plainLinesHaveNoControlCharacters) {
-  const std::string text = shown(false, 1000, 1000);
+  const std::string text = progressText(false, 1000, 1000);
   EXPECT_EQ(std::count(text.begin(), text.end(), '\n'), 10);
   EXPECT_EQ(text.find('\r'), std::string::npos);
 }
 
 TEST(Progress, barStaysOnOneLine) {
-  const std::string text = shown(true, 1000, 1000);
+  const std::string text = progressText(true, 1000, 1000);
   EXPECT_EQ(std::count(text.begin(), text.end(), '\n'), 1);
   EXPECT_NE(text.find(" left"), std::string::npos);
   EXPECT_EQ(text.back(), '\n');
 }
 
 TEST(Progress, barThatIsCutShortEndsItsLine) {
-  const std::string text = shown(true, 1000, 300);
+  const std::string text = progressText(true, 1000, 300);
   EXPECT_EQ(std::count(text.begin(), text.end(), '\n'), 1);
   EXPECT_EQ(text.back(), '\n');
-  EXPECT_EQ(shown(true, 1000, -1), "") << "nothing to end";
+  EXPECT_EQ(progressText(true, 1000, -1), "") << "nothing to end";
 }
 
 TEST(PictureSize, isReadOrRefused) {

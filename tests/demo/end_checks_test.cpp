@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// Each end check is shown a scene that has been tampered with: a check that cannot fail proves nothing.
+// Each end check must fail in a scene with errors.
 #include "scenes/end_checks.h"
 #include "created_scene.h"
 
@@ -10,7 +10,7 @@
 namespace limber::scenes {
 namespace {
 
-constexpr int kEnough = 600;  // ticks until four cubes sleep
+constexpr int kTicksToSleep = 600;  // ticks, more than four cubes need to fall asleep
 
 void run(Scene& scene, int ticks) {
   for (int i = 0; i < ticks; ++i) tick(scene);
@@ -21,27 +21,27 @@ void movePoint(SoftBody& body, std::uint32_t i, const btVector3& to) {
   body.point(i)->getInterpolationWorldTransform().setOrigin(to);
 }
 
-void contains(const std::string& text, const char* part) {
+void expectContains(const std::string& text, const char* part) {
   EXPECT_NE(text.find(part), std::string::npos) << "\"" << text << "\" does not say: " << part;
 }
 
 TEST(EndChecks, fourCubesPass) {
   const auto scene = created("cubes", 4);
-  run(*scene, kEnough);
+  run(*scene, kTicksToSleep);
   EXPECT_EQ(checkEnd(*scene), "");
 }
 
 TEST(EndChecks, cubesInTheAirAreNotCalm) {
   const auto scene = created("cubes", 4);
   run(*scene, 20);
-  contains(checkEnd(*scene), "is not calm");
+  expectContains(checkEnd(*scene), "is not calm");
 }
 
-TEST(EndChecks, runOfNoTicksIsNotCalm) { contains(checkEnd(*created("cubes", 1)), "is not calm"); }
+TEST(EndChecks, runOfNoTicksIsNotCalm) { expectContains(checkEnd(*created("cubes", 1)), "is not calm"); }
 
 TEST(EndChecks, aBodyThatRollsAwayIsFineAndOneThatWobblesIsNot) {
   const auto scene = created("cubes", 1);
-  run(*scene, kEnough);
+  run(*scene, kTicksToSleep);
   SoftBody& cube = *scene->soft->body(0);
   const auto setVelocities = [&](auto velocityAt) {
     cube.wake();
@@ -51,28 +51,28 @@ TEST(EndChecks, aBodyThatRollsAwayIsFineAndOneThatWobblesIsNot) {
     }
   };
   setVelocities([](const Eigen::Vector3d&) { return Eigen::Vector3d(5, 0, 0); });
-  run(*scene, 2);  // a window of the watch may begin with the first
-  contains(checkCalm(0.02)(*scene), "is not calm");
+  run(*scene, 2);  // the first tick may begin a new measurement window
+  expectContains(checkCalm(0.02)(*scene), "is not calm");
   setVelocities([](const Eigen::Vector3d& r) {
     return Eigen::Vector3d(Eigen::Vector3d(2, 0, 0) + Eigen::Vector3d(0, 0, -4).cross(r));
   });
   EXPECT_EQ(checkCalmOrRolling(0.02)(*scene), "");
   setVelocities([](const Eigen::Vector3d& r) { return Eigen::Vector3d(2.0 * r.x(), 0, 0); });
-  contains(checkCalmOrRolling(0.02)(*scene), "is not calm");
+  expectContains(checkCalmOrRolling(0.02)(*scene), "is not calm");
   setVelocities([](const Eigen::Vector3d&) { return Eigen::Vector3d(0, -3, 0); });
-  contains(checkCalmOrRolling(0.02)(*scene), "is not calm");
+  expectContains(checkCalmOrRolling(0.02)(*scene), "is not calm");
 }
 
 TEST(EndChecks, pointBelowTheFloorIsFound) {
   const auto scene = created("cubes", 2);
   movePoint(*scene->soft->body(1), 3, btVector3(0, btScalar(-0.5), 0));
-  contains(checkAboveFloor(*scene), "point 3 of body 1 is 0.5 m below the floor");
+  expectContains(checkAboveFloor(*scene), "point 3 of body 1 is 0.5 m below the floor");
 }
 
 TEST(EndChecks, pointThatIsNowhereIsFound) {
   const auto scene = created("cubes", 2);
   movePoint(*scene->soft->body(0), 7, btVector3(0, btScalar(NAN), 0));
-  contains(checkFinite(*scene), "point 7 of body 0 is nowhere");
+  expectContains(checkFinite(*scene), "point 7 of body 0 is nowhere");
 }
 
 TEST(EndChecks, squashedCubeHasLostItsShape) {
@@ -82,7 +82,7 @@ TEST(EndChecks, squashedCubeHasLostItsShape) {
     const Eigen::Vector3d p = cube.position(i);
     movePoint(cube, i, btVector3(btScalar(p.x()), btScalar(0.8 * p.y()), btScalar(p.z())));
   }
-  contains(checkShapes(0.03)(*scene), "body 0 has lost its shape");
+  expectContains(checkShapes(0.03)(*scene), "body 0 has lost its shape");
 }
 
 TEST(EndChecks, mirroredCubeIsInsideOut) {
@@ -92,15 +92,15 @@ TEST(EndChecks, mirroredCubeIsInsideOut) {
     const Eigen::Vector3d p = cube.position(i);
     movePoint(cube, i, btVector3(btScalar(-p.x()), btScalar(p.y()), btScalar(p.z())));
   }
-  contains(checkShapes(10.0)(*scene), "is inside out");
+  expectContains(checkShapes(10.0)(*scene), "is inside out");
 }
 
 TEST(EndChecks, awakeBodyIsFound) {
   const auto scene = created("cubes", 1);
-  run(*scene, kEnough);
+  run(*scene, kTicksToSleep);
   EXPECT_EQ(checkAsleep(*scene), "");
   scene->soft->body(0)->wake();
-  contains(checkAsleep(*scene), "is still awake");
+  expectContains(checkAsleep(*scene), "is still awake");
 }
 
 TEST(EndChecks, stretchedRopeIsFound) {
@@ -109,21 +109,21 @@ TEST(EndChecks, stretchedRopeIsFound) {
   EXPECT_EQ(checkStretch(0.01)(*scene), "");
   const Eigen::Vector3d end = rope.position(0);
   movePoint(rope, 0, btVector3(btScalar(end.x() - 0.1), btScalar(end.y()), btScalar(end.z())));
-  contains(checkStretch(0.01)(*scene), "body 0 is stretched by");
+  expectContains(checkStretch(0.01)(*scene), "body 0 is stretched by");
 }
 
 TEST(EndChecks, ropeWithoutItsBoxDoesNotHang) {
   const auto scene = created("rope", 1);
   scene->world->dynamics.removeRigidBody(scene->world->statics[1].get());
   run(*scene, 240);
-  contains(scene->endChecks.back()(*scene), "rope 0 does not lie on the box");
+  expectContains(scene->endChecks.back()(*scene), "rope 0 does not lie on the box");
 }
 
 TEST(EndChecks, clothWithoutItsSphereDoesNotDrape) {
   const auto scene = created("cloth", 1);
   scene->world->dynamics.removeRigidBody(scene->world->statics[1].get());
   run(*scene, 90);
-  contains(scene->endChecks.back()(*scene), "cloth 0 does not lie on the sphere");
+  expectContains(scene->endChecks.back()(*scene), "cloth 0 does not lie on the sphere");
 }
 
 TEST(EndChecks, pointInsideTheSphereIsFound) {
@@ -131,7 +131,7 @@ TEST(EndChecks, pointInsideTheSphereIsFound) {
   const Check check = checkOutsideBall({0.0, 0.75, 0.0}, 0.75, 0.01);
   EXPECT_EQ(check(*scene), "");
   movePoint(*scene->soft->body(0), 500, btVector3(0, btScalar(0.75), 0));
-  contains(check(*scene), "point 500 of body 0 is 0.75 m inside the sphere");
+  expectContains(check(*scene), "point 500 of body 0 is 0.75 m inside the sphere");
 }
 
 }  // namespace

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// Depths of bodies in one another, where they are known.
+// Depths of overlaps, compared with known values.
 #include "scenes/overlap.h"
 #include "scenes/networks.h"
 #include "scenes/scene.h"
@@ -13,22 +13,23 @@ namespace {
 
 using Eigen::Vector3d;
 
-/// Edges of 1 m.
+/// Returns a cube with edges of 1 m.
 const SpringNetwork& cube() {
   static const SharedNetwork network = *readNetwork(LIMBER_MESH_DIR "/cube.obj");
   return *network;
 }
 
-PosedSurface cubeAt(const Vector3d& centre, const Eigen::Quaterniond& turn = Eigen::Quaterniond::Identity()) {
+PosedSurface cubeAt(const Vector3d& centre,
+                    const Eigen::Quaterniond& rotation = Eigen::Quaterniond::Identity()) {
   Eigen::Matrix3Xd points(3, static_cast<Eigen::Index>(cube().restPoints.size()));
   for (Eigen::Index i = 0; i < points.cols(); ++i)
-    points.col(i) = centre + turn * cube().restPoints[static_cast<std::size_t>(i)];
+    points.col(i) = centre + rotation * cube().restPoints[static_cast<std::size_t>(i)];
   return posed(points, cube().surface);
 }
 
 TEST(SignedDistance, OfACubeIsThatOfABox) {
   const PosedSurface surface = cubeAt({0, 0, 0});
-  // nearest: a face, an edge, a corner; inside always a face
+  // nearest to a face, an edge and a corner; inside always to a face
   EXPECT_NEAR(signedDistance(surface, {0.1, 0.2, 0.9}), 0.4, 1e-12);
   EXPECT_NEAR(signedDistance(surface, {0.8, 0.9, 0.1}), 0.5, 1e-12);
   EXPECT_NEAR(signedDistance(surface, {0.6, 0.7, 0.7}), 0.3, 1e-12);
@@ -44,8 +45,9 @@ TEST(SignedDistance, HasNoInsideWhereNothingIsEnclosed) {
 
 TEST(SignedDistance, MovesWithTheSurface) {
   const Vector3d centre(3, -2, 1);
-  const Eigen::Quaterniond turn(Eigen::AngleAxisd(0.7, Vector3d(1, 2, 3).normalized()));
-  EXPECT_NEAR(signedDistance(cubeAt(centre, turn), centre + turn * Vector3d(0.45, 0.1, 0.0)), -0.05, 1e-12);
+  const Eigen::Quaterniond rotation(Eigen::AngleAxisd(0.7, Vector3d(1, 2, 3).normalized()));
+  EXPECT_NEAR(signedDistance(cubeAt(centre, rotation), centre + rotation * Vector3d(0.45, 0.1, 0.0)), -0.05,
+              1e-12);
 }
 
 TEST(DeepestOverlap, IsThatOfAFace) {
@@ -55,12 +57,14 @@ TEST(DeepestOverlap, IsThatOfAFace) {
 }
 
 TEST(DeepestOverlap, SeesEdgesThatCross) {
-  // two cubes stand on their edges, which cross at right angles: no corner of either is inside the other
-  const double up = std::sqrt(0.5), lap = 0.06;
+  // two cubes on their edges, which cross at right angles: no corner of either is inside the other
+  const double halfDiagonal = std::sqrt(0.5), height = 0.06;
   const Eigen::Quaterniond x(Eigen::AngleAxisd(std::atan(1.0), Vector3d::UnitX())),
       z(Eigen::AngleAxisd(std::atan(1.0), Vector3d::UnitZ()));
-  const Overlap overlap = deepestOverlap({cubeAt({0, 0, 0}, x), cubeAt({0, 2 * up - lap, 0}, z)});
-  EXPECT_NEAR(overlap.depth, lap * up, 1e-12);  // from the other's edge to its faces, 45 degrees away
+  const Overlap overlap =
+      deepestOverlap({cubeAt({0, 0, 0}, x), cubeAt({0, 2 * halfDiagonal - height, 0}, z)});
+  EXPECT_NEAR(overlap.depth, height * halfDiagonal,
+              1e-12);  // from the edge of one cube to the faces of the other, at 45 degrees
 }
 
 TEST(DeepestOverlap, IsNothingApart) {

@@ -24,9 +24,9 @@ namespace {
 namespace fs = std::filesystem;
 using test::FileSizeLimit;
 
-constexpr int kWidth = 64, kHeight = 36;  // as noise about 9 kB a frame, as one colour about 0.1 kB
+constexpr int kWidth = 64, kHeight = 36;  // a frame has about 9 kB as noise, about 0.1 kB in one colour
 
-render::Image flat(std::uint8_t level, int width = kWidth, int height = kHeight) {
+render::Image uniform(std::uint8_t level, int width = kWidth, int height = kHeight) {
   render::Image image;
   image.resize(width, height);
   for (std::size_t i = 0; i < image.rgba.size(); ++i) image.rgba[i] = i % 4 == 3 ? 255 : level;
@@ -34,7 +34,7 @@ render::Image flat(std::uint8_t level, int width = kWidth, int height = kHeight)
 }
 
 render::Image noise(std::uint32_t seed, int width = kWidth, int height = kHeight) {
-  render::Image image = flat(0, width, height);
+  render::Image image = uniform(0, width, height);
   std::uint32_t state = seed;
   for (std::size_t i = 0; i < image.rgba.size(); ++i) {
     state = state * 1664525u + 1013904223u;
@@ -51,7 +51,7 @@ class Pictures : public ::testing::Test {
     options.height = kHeight;
     options.video = false;
   }
-  /// The error, or an empty string.
+  /// Returns the error, or an empty string.
   std::string write(const std::vector<render::Image>& frames) {
     try {
       PictureOutput output(options, static_cast<std::int64_t>(frames.size()));
@@ -86,7 +86,7 @@ class Pictures : public ::testing::Test {
   std::string videoProblem, description;
 };
 
-std::vector<render::Image> noises(std::uint32_t count) {
+std::vector<render::Image> noiseImages(std::uint32_t count) {
   std::vector<render::Image> images;
   for (std::uint32_t i = 0; i < count; ++i) images.push_back(noise(i));
   return images;
@@ -108,7 +108,7 @@ TEST_F(Pictures, previewShowsEverySecondOfThirtyFramesASecond) {
 
 TEST_F(Pictures, smallOnesAreNotScaledUp) {
   options.framesPerSecond = 10;
-  const std::vector<render::Image> frames = noises(3);
+  const std::vector<render::Image> frames = noiseImages(3);
   EXPECT_EQ(write(frames), "");
   const render::Apng preview = render::readApng(path(kPreviewName));
   ASSERT_EQ(preview.frames.size(), 3u);
@@ -119,7 +119,7 @@ TEST_F(Pictures, smallOnesAreNotScaledUp) {
 
 TEST_F(Pictures, previewCanBeLeftOut) {
   options.preview = false;
-  EXPECT_EQ(write(noises(2)), "");
+  EXPECT_EQ(write(noiseImages(2)), "");
   EXPECT_EQ(files(), (std::set<std::string>{"frame-0000.png", "frame-0001.png", kContactSheetName}));
   EXPECT_EQ(description.find(kPreviewName), std::string::npos);
 }
@@ -133,19 +133,20 @@ TEST(Preview, showsAtMostFifteenPicturesASecond) {
 }
 
 TEST_F(Pictures, areTheSameBytesEachTime) {
-  EXPECT_EQ(write(noises(20)), "");
+  EXPECT_EQ(write(noiseImages(20)), "");
   std::vector<std::string> before;
   for (const std::string& name : files()) before.push_back(bytes(name));
   EXPECT_EQ(before.size(), 22u);
   EXPECT_EQ(prepareFolder(options.outFolder), "");
   EXPECT_TRUE(files().empty()) << "all are known as ours";
-  EXPECT_EQ(write(noises(20)), "");
+  EXPECT_EQ(write(noiseImages(20)), "");
   std::size_t i = 0;
   for (const std::string& name : files()) EXPECT_TRUE(bytes(name) == before[i++]) << name;
 }
 
 TEST_F(Pictures, framesWrittenBeforeTheDiskIsFullStay) {
-  const std::vector<render::Image> frames{flat(1), flat(2), flat(3), noise(4), noise(5), noise(6), noise(7)};
+  const std::vector<render::Image> frames{uniform(1), uniform(2), uniform(3), noise(4),
+                                          noise(5),   noise(6),   noise(7)};
   const FileSizeLimit limit(5000);
   EXPECT_EQ(write(frames), "cannot write " + path("frame-0003.png") + ": File too large");
   EXPECT_EQ(files(), (std::set<std::string>{"frame-0000.png", "frame-0001.png", "frame-0002.png"}));
@@ -153,7 +154,7 @@ TEST_F(Pictures, framesWrittenBeforeTheDiskIsFullStay) {
 }
 
 TEST_F(Pictures, framesStayWhenThePreviewFindsTheDiskFull) {
-  const std::vector<render::Image> frames = noises(20);
+  const std::vector<render::Image> frames = noiseImages(20);
   const FileSizeLimit limit(30000);
   EXPECT_EQ(write(frames), "cannot write " + path(kPreviewName) + ": File too large");
   EXPECT_FALSE(fs::exists(path(kPreviewName)));
@@ -162,7 +163,7 @@ TEST_F(Pictures, framesStayWhenThePreviewFindsTheDiskFull) {
 }
 
 TEST_F(Pictures, framesStayWhenTheContactSheetFindsTheDiskFull) {
-  const std::vector<render::Image> frames = noises(12);
+  const std::vector<render::Image> frames = noiseImages(12);
   options.preview = false;
   const FileSizeLimit limit(30000);
   EXPECT_EQ(write(frames), "cannot write " + path(kContactSheetName) + ": File too large");
@@ -170,16 +171,16 @@ TEST_F(Pictures, framesStayWhenTheContactSheetFindsTheDiskFull) {
   expectFrames(frames, 12);
 }
 
-/// A folder that is not there any more: the same as a disk taken away.
+/// The folder no longer exists, as after removal of a disk.
 TEST_F(Pictures, lostFolderIsAnErrorWithTheName) {
   options.outFolder = folder.path() + "/lost";
   const std::string first = options.outFolder + "/preview.png";
-  EXPECT_EQ(write(noises(2)), "cannot write " + first + ": No such file or directory");
+  EXPECT_EQ(write(noiseImages(2)), "cannot write " + first + ": No such file or directory");
   options.preview = false;
-  EXPECT_EQ(write(noises(2)), "cannot write " + path("frame-0000.png") + ": No such file or directory");
+  EXPECT_EQ(write(noiseImages(2)), "cannot write " + path("frame-0000.png") + ": No such file or directory");
 }
 
-/// Runs with an ffmpeg of the test's choice.
+/// Runs with an ffmpeg that the test provides.
 class Video : public Pictures {
  protected:
   Video() {
@@ -206,7 +207,7 @@ class Video : public Pictures {
 TEST_F(Video, failureLosesNothingElse) {
   installFfmpeg(
       "#!/bin/sh\nfor v; do :; done\nhead -c 9 >\"$v\"\necho 'No space left on device' >&2\nexit 1\n");
-  const std::vector<render::Image> frames = noises(9);
+  const std::vector<render::Image> frames = noiseImages(9);
   EXPECT_EQ(write(frames), "");
   EXPECT_NE(videoProblem.find(path(kVideoName)), std::string::npos) << videoProblem;
   EXPECT_NE(videoProblem.find("No space left on device"), std::string::npos) << videoProblem;
@@ -215,7 +216,7 @@ TEST_F(Video, failureLosesNothingElse) {
 
 TEST_F(Video, programThatCannotBeStartedLosesNothingElse) {
   installFfmpeg("no program");
-  const std::vector<render::Image> frames = noises(3);
+  const std::vector<render::Image> frames = noiseImages(3);
   EXPECT_EQ(write(frames), "");
   EXPECT_NE(videoProblem.find("Exec format error"), std::string::npos) << videoProblem;
   expectAllButTheVideo(frames);
@@ -223,7 +224,7 @@ TEST_F(Video, programThatCannotBeStartedLosesNothingElse) {
 
 TEST_F(Video, isThereWhenAllIsWell) {
   installFfmpeg("#!/bin/sh\nfor v; do :; done\nexec cat >\"$v\"\n");
-  EXPECT_EQ(write(noises(3)), "");
+  EXPECT_EQ(write(noiseImages(3)), "");
   EXPECT_EQ(videoProblem, "");
   EXPECT_EQ(bytes(kVideoName).size(), 3u * 4u * kWidth * kHeight);
   EXPECT_NE(description.find(kVideoName), std::string::npos);

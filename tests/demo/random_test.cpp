@@ -13,7 +13,7 @@ TEST(Random, sameSeedSameNumbers) {
 
 TEST(Random, otherSeedOtherNumbers) { EXPECT_NE(Random(1).unit(), Random(2).unit()); }
 
-// The standard fixes the 10000th output of this engine, and so the number we make of it.
+// The C++ standard defines the 10000th output of this engine, and so the number computed from it.
 TEST(Random, isTheSameOnEveryMachine) {
   Random random(5489);
   double last = 0.0;

@@ -8,7 +8,7 @@
 namespace limber::scenes {
 namespace {
 
-SceneOptions few(std::uint64_t seed) {
+SceneOptions optionsFor(std::uint64_t seed) {
   SceneOptions options;
   options.count = 3;
   options.seed = seed;
@@ -17,7 +17,7 @@ SceneOptions few(std::uint64_t seed) {
 }
 
 std::uint64_t hashAfter(const SceneEntry& entry, std::uint64_t seed, int ticks) {
-  const SceneResult scene = entry.create(few(seed));
+  const SceneResult scene = entry.create(optionsFor(seed));
   EXPECT_TRUE(scene) << scene.error();
   for (int i = 0; i < ticks; ++i) tick(**scene);
   return stateHash(**scene);
@@ -35,7 +35,7 @@ TEST(Scenes, otherSeedOtherBits) {
 
 TEST(Scenes, haveALookForEveryBody) {
   for (const SceneEntry& entry : sceneList()) {
-    const SceneResult scene = entry.create(few(1));
+    const SceneResult scene = entry.create(optionsFor(1));
     ASSERT_TRUE(scene) << scene.error();
     EXPECT_EQ((*scene)->soft->bodyCount(), 3u);
     EXPECT_EQ((*scene)->looks.size(), 3u);
@@ -45,7 +45,7 @@ TEST(Scenes, haveALookForEveryBody) {
 }
 
 TEST(Scenes, takeTheUsersChoices) {
-  SceneOptions options = few(1);
+  SceneOptions options = optionsFor(1);
   options.stiffness = 123.0;
   options.damping = 0.5;
   options.mass = 2.0;
@@ -65,7 +65,7 @@ TEST(Scenes, takeTheUsersChoices) {
 }
 
 TEST(Scenes, meshIsMadeOneMetreLargeUnlessScaled) {
-  SceneOptions options = few(1);
+  SceneOptions options = optionsFor(1);
   options.meshFile = LIMBER_MESH_DIR "/torus.obj";
   const SceneResult fitted = createMeshDrop(options);
   options.scale = 3.0;
@@ -89,14 +89,14 @@ TEST(Scenes, missingMeshIsNamed) {
 TEST(DropGrid, keepsBodiesApart) {
   for (const std::uint32_t count : {1u, 2u, 5u, 64u, 65u}) {
     Random random(1);
-    const std::vector<Placement> places = dropGrid({count, 2.0, 1.0, 3.0}, random);
-    ASSERT_EQ(places.size(), count);
+    const std::vector<Placement> placements = dropGrid({count, 2.0, 1.0, 3.0}, random);
+    ASSERT_EQ(placements.size(), count);
     for (std::size_t a = 0; a < count; ++a) {
-      EXPECT_GE(places[a].centre.y(), 1.0);
-      EXPECT_LE(places[a].centre.y(), 3.0);
+      EXPECT_GE(placements[a].centre.y(), 1.0);
+      EXPECT_LE(placements[a].centre.y(), 3.0);
       for (std::size_t b = 0; b < a; ++b) {
-        const Eigen::Vector3d apart = places[a].centre - places[b].centre;
-        EXPECT_GE(std::hypot(apart.x(), apart.z()), 2.0 - 1e-9);
+        const Eigen::Vector3d offset = placements[a].centre - placements[b].centre;
+        EXPECT_GE(std::hypot(offset.x(), offset.z()), 2.0 - 1e-9);
       }
     }
   }

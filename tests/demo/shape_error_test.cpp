@@ -39,7 +39,7 @@ TEST(ShapeError, mirrorImageIsNoRigidMotion) {
   EXPECT_GT(error.relativeRms, 0.3);
 }
 
-// stretched by s in x, each point of the cube is off by s / 2
+// a stretch by s in x moves each point of the cube by s / 2
 TEST(ShapeError, stretchIsMeasured) {
   const Eigen::Affine3d stretch(Eigen::Scaling(1.2, 1.0, 1.0));
   EXPECT_NEAR(shapeError(unitCube(), map(unitCube(), stretch)).relativeRms, 0.1, 1e-12);

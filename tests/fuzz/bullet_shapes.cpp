@@ -21,7 +21,7 @@ void addQuad(btTriangleMesh& mesh, const btVector3& a, const btVector3& b, const
   mesh.addTriangle(a, c, d);
 }
 
-/// A grid over -extent..extent whose heights `height(x, z)` gives, facing up.
+/// Returns a grid over -extent..extent with the heights `height(x, z)`, facing up.
 template <class Height>
 std::unique_ptr<btTriangleMesh> gridMesh(double extentX, double extentZ, int cells, Height height) {
   auto mesh = std::make_unique<btTriangleMesh>();
@@ -92,10 +92,10 @@ void makeConvex(OwnedShape& made, const std::string& name, const Vector3d& s, in
     else
       made.shape = std::make_unique<btConeShapeZ>(toBt(round), toBt(2 * s.y()));
   } else if (name == "multi-sphere") {
-    const btVector3 places[3] = {btVector3(0, 0, 0), toBt(Vector3d(s.x() * 0.5, 0, 0)),
-                                 toBt(Vector3d(0, s.y() * 0.4, s.z() * 0.3))};
+    const btVector3 centres[3] = {btVector3(0, 0, 0), toBt(Vector3d(s.x() * 0.5, 0, 0)),
+                                  toBt(Vector3d(0, s.y() * 0.4, s.z() * 0.3))};
     const btScalar radii[3] = {toBt(s.x() * 0.5), toBt(s.x() * 0.4), toBt(s.x() * 0.3)};
-    made.shape = std::make_unique<btMultiSphereShape>(places, radii, 1 + variant % 3);
+    made.shape = std::make_unique<btMultiSphereShape>(centres, radii, 1 + variant % 3);
   } else if (name == "tetrahedron") {
     auto simplex = std::make_unique<btBU_Simplex1to4>();
     for (const Vector3d& p : {Vector3d(-s.x(), -s.y(), -s.z()), Vector3d(s.x(), -s.y(), -s.z()),
@@ -112,7 +112,7 @@ void makeConvex(OwnedShape& made, const std::string& name, const Vector3d& s, in
   }
 }
 
-/// Two or more children; of a nested one the first is a compound itself.
+/// Returns a compound of two or more shapes; if `nested`, of a compound as well.
 std::unique_ptr<btCompoundShape> compound(OwnedShape& owner, const Vector3d& s, int variant, bool nested) {
   auto made = std::make_unique<btCompoundShape>(variant % 4 != 3);
   const char* const kinds[] = {"box", "sphere", "capsule-y", "hull"};
@@ -205,7 +205,7 @@ OwnedShape makeShape(const std::string& name, const Vector3d& size, int variant)
 
 namespace {
 
-/// m, half of it, of what is made of boxes.
+/// m, half the thickness of floors made of boxes.
 double thickness(double extent) { return extent / 6.0; }
 
 FloorPiece onePiece(OwnedShape shape, double y = 0.0) {
@@ -249,7 +249,7 @@ std::vector<FloorPiece> tiledFloor(bool hulls, double extent, int cells) {
   const Vector3d half(extent / cells, thickness(extent), extent / cells);
   forSquares(extent, cells, [&](double x, double z) {
     FloorPiece piece = onePiece(hulls ? hullBox(half) : makeShape("box", half, 0), -thickness(extent));
-    // a hull's margin lies outside of it
+    // the margin of a hull is outside of it
     if (hulls) piece.shape.shape->setMargin(0);
     piece.position += Vector3d(x, 0, z);
     pieces.push_back(std::move(piece));

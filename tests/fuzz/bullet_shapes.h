@@ -18,17 +18,18 @@ inline btVector3 toBt(const Eigen::Vector3d& v) {
 inline Eigen::Vector3d fromBt(const btVector3& v) { return {double(v.x()), double(v.y()), double(v.z())}; }
 btQuaternion rotationOf(const Eigen::Vector3d& axial);
 
-/// A Bullet shape with all that it refers to.
+/// A Bullet shape with all the objects that it refers to.
 struct OwnedShape {
   std::unique_ptr<btCollisionShape> shape;
   std::vector<std::unique_ptr<btCollisionShape>> parts;
   std::vector<std::unique_ptr<btStridingMeshInterface>> meshes;
   std::unique_ptr<std::vector<btScalar>> heights;
-  bool fixed = false;   ///< it can only be static or kinematic
-  double radius = 0.5;  ///< m, of a sphere around its origin, to place it
+  bool fixed = false;   ///< only for static and kinematic bodies
+  double radius = 0.5;  ///< m, of a bounding sphere around its origin
 };
 
-/// `size`: half sizes (m) of the box around it, about; `variant` picks one of many of its kind.
+/// Returns a shape. `size`: approximate half sizes (m) of its bounding box; `variant` selects one of many
+/// versions.
 OwnedShape makeShape(const std::string& name, const Eigen::Vector3d& size, int variant);
 
 /// One of the objects that make a flat floor, its top at y = 0.
@@ -37,7 +38,7 @@ struct FloorPiece {
   Eigen::Vector3d position = Eigen::Vector3d::Zero();
 };
 
-/// A floor of `extent` (m, half) in pieces of about `cell` (m).
+/// Returns a floor of half size `extent` (m) in pieces of about `cell` (m).
 std::vector<FloorPiece> makeFloor(const std::string& kind, double extent, double cell);
 
 }  // namespace limber::fuzz

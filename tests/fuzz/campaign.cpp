@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// Stories in processes of their own: one that crashes or hangs ends nothing but itself.
+// Plays stories in child processes, so that a crash or an endless loop ends only one story.
 #include "fuzz/campaign.h"
 
 #include <fcntl.h>
@@ -23,25 +23,25 @@ using Clock = std::chrono::steady_clock;
 
 struct Child {
   pid_t process = -1;
-  int pipe = -1;  ///< what it says on standard error and its verdict, which ends it
+  int pipe = -1;  ///< standard output and error, and at the end the verdict
   std::size_t story = 0;
-  std::string said;
+  std::string output;
   Clock::time_point start;
 };
 
-/// A busy machine gives a story a small share of a processor: only its own time counts, and this many times
-/// as long on the clock for one that waits for ever.
-const double kPatience = 30.0;
+/// On a busy machine a story gets a small share of a processor, so the limit is on processor time. This many
+/// times the limit on the clock stops a story that waits for ever.
+const double kWallClockFactor = 30.0;
 
 void limitProcessorTime(double seconds) {
-  const auto whole = static_cast<rlim_t>(seconds + 1.0);
-  const rlimit limit{whole, whole + 1};
+  const auto wholeSeconds = static_cast<rlim_t>(seconds + 1.0);
+  const rlimit limit{wholeSeconds, wholeSeconds + 1};
   setrlimit(RLIMIT_CPU, &limit);
 }
 
 const char* const kVerdictMark = "\n=verdict=";
 
-/// Whether anything is lost, of which the sanitizer then tells; false where there is none.
+/// Whether memory has leaked, which the sanitizer then reports; false without a sanitizer.
 bool leaks() {
 #if defined(__SANITIZE_ADDRESS__)
   return __lsan_do_recoverable_leak_check() != 0;
@@ -59,7 +59,7 @@ bool leaks() {
   std::string text = kVerdictMark;
   if (failure) text += failure->law + "\n" + failure->detail;
   if (write(pipe, text.data(), text.size()) < 0) std::abort();
-  // without the destructors of statics, whose networks are the parent's
+  // without the destructors of static objects, because the parent owns their networks
   _exit(0);
 }
 
@@ -83,47 +83,47 @@ Child start(const Story& story, std::size_t index, const Effort& effort) {
   return child;
 }
 
-/// False once the child has closed its end.
-bool listen(Child& child) {
+/// Reads the child's output. Returns false once the child has closed its end.
+bool readOutput(Child& child) {
   char text[4096];
   for (;;) {
     const ssize_t count = read(child.pipe, text, sizeof text);
     if (count == 0) return false;
     if (count < 0) return true;
-    child.said.append(text, static_cast<std::size_t>(count));
-    // a report of a sanitizer has its cause first
-    if (child.said.size() > 200000) child.said.resize(100000);
+    child.output.append(text, static_cast<std::size_t>(count));
+    // the start is kept: sanitizers report the cause first
+    if (child.output.size() > 200000) child.output.resize(100000);
   }
 }
 
-Verdict verdictOf(const Child& child, int status, bool late) {
-  if (late || (WIFSIGNALED(status) && (WTERMSIG(status) == SIGXCPU || WTERMSIG(status) == SIGKILL)))
+Verdict verdictOf(const Child& child, int status, bool timedOut) {
+  if (timedOut || (WIFSIGNALED(status) && (WTERMSIG(status) == SIGXCPU || WTERMSIG(status) == SIGKILL)))
     return {"time", "it takes too long"};
-  const std::size_t mark = child.said.rfind(kVerdictMark);
+  const std::size_t mark = child.output.rfind(kVerdictMark);
   if (WIFEXITED(status) && WEXITSTATUS(status) == 0 && mark != std::string::npos) {
-    const std::string text = child.said.substr(mark + std::string(kVerdictMark).size());
+    const std::string text = child.output.substr(mark + std::string(kVerdictMark).size());
     const std::size_t line = text.find('\n');
     if (line == std::string::npos) return {};
     return {text.substr(0, line), text.substr(line + 1)};
   }
   std::string how = WIFSIGNALED(status) ? "signal " + std::to_string(WTERMSIG(status))
                                         : "exit " + std::to_string(WEXITSTATUS(status));
-  return {"crash", how + "\n" + child.said.substr(0, 4000)};
+  return {"crash", how + "\n" + child.output.substr(0, 4000)};
 }
 
-Verdict end(Child& child, bool late) {
-  if (late) kill(child.process, SIGKILL);
+Verdict end(Child& child, bool timedOut) {
+  if (timedOut) kill(child.process, SIGKILL);
   int status = 0;
   waitpid(child.process, &status, 0);
-  if (!late) listen(child);
+  if (!timedOut) readOutput(child);
   close(child.pipe);
-  return verdictOf(child, status, late);
+  return verdictOf(child, status, timedOut);
 }
 
 }  // namespace
 
 void judge(const std::vector<Story>& stories, const Effort& effort,
-           const std::function<void(std::size_t, const Verdict&)>& told) {
+           const std::function<void(std::size_t, const Verdict&)>& report) {
   std::vector<Child> children;
   std::size_t next = 0;
   while (next < stories.size() || !children.empty()) {
@@ -135,20 +135,21 @@ void judge(const std::vector<Story>& stories, const Effort& effort,
     for (const Child& child : children) waits.push_back({child.pipe, POLLIN, 0});
     poll(waits.data(), waits.size(), 200);
     for (std::size_t i = children.size(); i-- > 0;) {
-      const std::chrono::duration<double> past = Clock::now() - children[i].start;
-      const bool late = past.count() > kPatience * effort.seconds;
-      if (listen(children[i]) && !late) continue;
+      const std::chrono::duration<double> elapsed = Clock::now() - children[i].start;
+      const bool timedOut = elapsed.count() > kWallClockFactor * effort.seconds;
+      if (readOutput(children[i]) && !timedOut) continue;
       const std::size_t story = children[i].story;
-      const Verdict verdict = end(children[i], late);
+      const Verdict verdict = end(children[i], timedOut);
       children.erase(children.begin() + static_cast<std::ptrdiff_t>(i));
-      told(story, verdict);
+      report(story, verdict);
     }
   }
 }
 
 Verdict judge(const Story& story, const Effort& effort) {
   Verdict verdict;
-  judge({story}, {1, effort.seconds, effort.laws}, [&](std::size_t, const Verdict& told) { verdict = told; });
+  judge({story}, {1, effort.seconds, effort.laws},
+        [&](std::size_t, const Verdict& result) { verdict = result; });
   return verdict;
 }
 

@@ -11,18 +11,17 @@
 
 namespace limber::fuzz {
 
-/// Random numbers of three digits, so that stories are short to print.
+/// Random numbers with three digits, so that printed stories are short.
 class Dice {
  public:
-  /// The seed is mixed: SplitMix64 counts its state up, and of near seeds the one would say what the other
-  /// said.
+  /// Mixes the seed: SplitMix64 counts its state up, so near seeds would give shifted copies of one sequence.
   explicit Dice(std::uint64_t seed) : random_(Random(seed).next()) {}
 
   int below(int count) { return static_cast<int>(random_.below(static_cast<std::size_t>(count))); }
   int between(int low, int high) { return low + below(high - low + 1); }
-  bool chance(double share) { return random_.uniform() < share; }
+  bool chance(double probability) { return random_.uniform() < probability; }
   double number(double low, double high) { return rounded(low + (high - low) * random_.uniform()); }
-  /// As likely in each decade.
+  /// Uniform in the logarithm: each decade is equally likely.
   double decades(double low, double high) { return rounded(low * std::pow(high / low, random_.uniform())); }
   Eigen::Vector3d ball(double radius) { return rounded(radius * random_.inBall()); }
   Eigen::Vector3d box(const Eigen::Vector3d& low, const Eigen::Vector3d& high) {

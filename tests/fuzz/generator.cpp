@@ -12,7 +12,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-/// Writes the story of one seed.
+/// Generates the story of one seed.
 class Writer {
  public:
   explicit Writer(std::uint64_t seed) : dice_(seed) { story_.seed = seed; }
@@ -38,7 +38,7 @@ class Writer {
   void soft(int at = -1);
   void softMaterial(Step& step);
   void softStepping(Step& step);
-  void others();
+  void otherObjects();
   void joint(int at = -1);
   void user(int frames);
   void userStep(int at);
@@ -47,12 +47,12 @@ class Writer {
   void userOnRigid(Step& step);
   Kind userKind();
   void spring(int at);
-  Vector3d freePlace(double radius, double lowest);
-  Vector3d turn() { return dice_.chance(0.5) ? Vector3d(0, 0, 0) : dice_.ball(2.0); }
-  int any(const std::vector<int>& ids) {
+  Vector3d freePosition(double radius, double lowest);
+  Vector3d randomRotation() { return dice_.chance(0.5) ? Vector3d(0, 0, 0) : dice_.ball(2.0); }
+  int randomId(const std::vector<int>& ids) {
     return ids.empty() ? 0 : ids[static_cast<std::size_t>(dice_.below(static_cast<int>(ids.size())))];
   }
-  int anything() { return dice_.chance(0.6) ? any(softs_) : any(rigids_); }
+  int randomBody() { return dice_.chance(0.6) ? randomId(softs_) : randomId(rigids_); }
 
   struct Ball {
     Vector3d centre;
@@ -63,8 +63,8 @@ class Writer {
   Story story_;
   std::string promise_;
   int lastId_ = 0, systems_ = 1, frames_ = 60;
-  std::vector<int> rigids_, softs_, others_, springs_;
-  std::vector<Ball> taken_;
+  std::vector<int> rigids_, softs_, otherIds_, springs_;
+  std::vector<Ball> occupied_;
 };
 
 void Writer::chooseAny(Step& step, const char* field) {
@@ -72,20 +72,20 @@ void Writer::chooseAny(Step& step, const char* field) {
     if (f.name == field) step.set(field, dice_.below(static_cast<int>(f.choices.size())));
 }
 
-/// Clear of what is already there, if there is such a place within some tries.
-Vector3d Writer::freePlace(double radius, double lowest) {
-  Vector3d place;
+/// Returns a position that is apart from all others so far, if one is found within 50 tries.
+Vector3d Writer::freePosition(double radius, double lowest) {
+  Vector3d position;
   const bool anywhere = wild() && dice_.chance(0.1);
-  for (int tries = 0; tries < 50; ++tries) {
-    const double reach = 1.0 + 0.05 * tries;
-    place = dice_.box({-reach, lowest, -reach}, {reach, lowest + 2.0 * reach, reach});
-    const bool clear = std::all_of(taken_.begin(), taken_.end(), [&](const Ball& other) {
-      return (other.centre - place).norm() > other.radius + radius;
+  for (int attempt = 0; attempt < 50; ++attempt) {
+    const double halfWidth = 1.0 + 0.05 * attempt;
+    position = dice_.box({-halfWidth, lowest, -halfWidth}, {halfWidth, lowest + 2.0 * halfWidth, halfWidth});
+    const bool clear = std::all_of(occupied_.begin(), occupied_.end(), [&](const Ball& other) {
+      return (other.centre - position).norm() > other.radius + radius;
     });
     if (anywhere || clear) break;
   }
-  taken_.push_back({place, radius});
-  return place;
+  occupied_.push_back({position, radius});
+  return position;
 }
 
 void Writer::world() {
@@ -115,7 +115,7 @@ void Writer::time() {
   Step& s = add(Kind::Time);
   frames_ = dice_.between(15, 70);
   const double dt = dice_.of({0.0166667, 0.0166667, 0.0166667, 0.0333333, 0.0666667, 0.00833333, 0.00416667});
-  // shorter ticks, more of them, as long a time
+  // more of the shorter ticks, for the same time
   if (dt < 0.01) frames_ *= 2;
   s.set("frames", frames_).set("dt", dt).set("fixed", dt);
   if (!wild()) return;
@@ -152,12 +152,12 @@ void Writer::rigid(int at) {
   s.choose("motion", motion);
   const OwnedShape shape = makeShape(s.choice("shape"), size, s.whole("variant"));
   s.set("mass", dice_.decades(0.1, wild() ? 100 : 10));
-  s.set("position", freePlace(std::min(shape.radius, 2.0), std::min(shape.radius, 2.0) + 0.05));
+  s.set("position", freePosition(std::min(shape.radius, 2.0), std::min(shape.radius, 2.0) + 0.05));
   if (!wild() && shape.fixed) s.set("position", Vector3d(0, -0.6, 0));
-  s.set("rotation", turn());
+  s.set("rotation", randomRotation());
   if (motion != "static") s.set("velocity", dice_.ball(motion == "dynamic" ? 5 : 3));
   if (motion != "static" && dice_.chance(0.4)) s.set("spin", dice_.ball(5));
-  // what lies on a plane that turns flies ever faster, as it should
+  // objects on a rotating plane are accelerated without limit, which is correct
   if (s.choice("shape") == "plane") s.set("spin", Vector3d(0, 0, 0));
   s.set("friction", dice_.of({0.5, 0.0, 1.0}));
   if (dice_.chance(0.2)) s.set("restitution", dice_.number(0, 1));
@@ -171,7 +171,7 @@ void Writer::rigid(int at) {
   if (dice_.chance(0.1)) s.set("group", dice_.of({1, 2, 4, 64})).set("mask", dice_.of({-1, 1, 3, 66}));
 }
 
-/// m, of a sphere around the origin.
+/// Returns the radius (m) of a bounding sphere around the origin.
 double networkRadius(const SpringNetwork& network, const Vector3d& scale) {
   double radius = 0.0;
   for (const Vector3d& p : network.restPoints) radius = std::max(radius, p.cwiseProduct(scale).norm());
@@ -193,8 +193,8 @@ void Writer::soft(int at) {
   if (dice_.chance(0.15)) scale[dice_.below(3)] *= -1;
   s.set("scale", scale);
   const double radius = networkRadius(*networkNamed(s.choice("network")), scale) + 0.05;
-  s.set("position", freePlace(radius, radius));
-  s.set("rotation", turn());
+  s.set("position", freePosition(radius, radius));
+  s.set("rotation", randomRotation());
   if (dice_.chance(0.7)) s.set("velocity", dice_.ball(dice_.of({1.0, 5.0, 10.0})));
   if (dice_.chance(0.3)) s.set("spin", dice_.ball(6));
   if (systems_ == 2) s.set("system", dice_.below(2));
@@ -230,8 +230,8 @@ void Writer::softMaterial(Step& s) {
 
 void Writer::softStepping(Step& s) {
   if (dice_.chance(0.2)) chooseAny(s, "stepper");
-  // who asks for Verlet at any stiffness, or for springs that only it can step, waits for it, and so does
-  // this
+  // Verlet at any stiffness, or with stiffening springs, which only it can step, is slow: the stiffness is
+  // limited
   if (s.choice("stepper") == "verlet" || s["stiffen"] > 0)
     for (const char* stiffness : {"extension", "compression"}) s.set(stiffness, std::min(s[stiffness], 2e4));
   if (dice_.chance(0.15)) s.set("at-least", dice_.of({1, 2, 10, 20}));
@@ -245,40 +245,42 @@ void Writer::joint(int at) {
   if (rigids_.size() < 2) return;
   Step& s = addObject(Kind::Joint, at);
   chooseAny(s, "kind");
-  s.set("a", any(rigids_)).set("b", dice_.chance(0.3) ? 0 : any(rigids_)).set("pivot-a", dice_.ball(0.5));
+  s.set("a", randomId(rigids_))
+      .set("b", dice_.chance(0.3) ? 0 : randomId(rigids_))
+      .set("pivot-a", dice_.ball(0.5));
   if (dice_.chance(0.2)) s.set("collide", 1);
   if (dice_.chance(0.2)) s.set("motor", dice_.number(-5, 5));
   if (dice_.chance(0.3)) s.set("low", dice_.number(-1, 0)).set("high", dice_.number(0, 1));
   if (dice_.chance(0.1)) s.set("break", dice_.number(0.1, 5));
-  others_.push_back(s.id);
+  otherIds_.push_back(s.id);
 }
 
-/// What a scene has besides rigid and soft bodies.
-void Writer::others() {
+/// Adds the objects of a scene that are neither rigid nor soft bodies.
+void Writer::otherObjects() {
   if (dice_.chance(0.25)) {
     story_.steps[0].choose("kind", "multi-body").choose("solver", "sequential");
     Step& s = addObject(Kind::MultiBody);
     chooseAny(s, "joint");
     s.set("links", dice_.between(1, 3))
         .set("fixed-base", dice_.below(2))
-        .set("position", freePlace(0.8, 0.8));
-    s.set("rotation", turn()).set("mass", dice_.decades(0.1, 10));
+        .set("position", freePosition(0.8, 0.8));
+    s.set("rotation", randomRotation()).set("mass", dice_.decades(0.1, 10));
   }
   if (dice_.chance(0.1)) {
     Step& s = addObject(Kind::Ghost);
     s.set("position", dice_.box({-1, 0, -1}, {1, 2, 1})).set("pairs", dice_.below(2));
-    others_.push_back(s.id);
+    otherIds_.push_back(s.id);
   }
   if (dice_.chance(0.12)) {
     Step& s = addObject(Kind::Character);
-    s.set("position", freePlace(0.7, 0.75))
+    s.set("position", freePosition(0.7, 0.75))
         .set("walk", Vector3d(dice_.number(-2, 2), 0, dice_.number(-2, 2)));
-    others_.push_back(s.id);
+    otherIds_.push_back(s.id);
   }
   if (dice_.chance(0.08)) {
     Step& s = addObject(Kind::Vehicle);
     s.set("size", Vector3d(0.4, 0.2, 0.7))
-        .set("position", freePlace(0.9, 0.9))
+        .set("position", freePosition(0.9, 0.9))
         .set("engine", dice_.number(-20, 20));
     s.set("velocity", Vector3d(0, 0, dice_.number(-5, 5)));
     rigids_.push_back(s.id);
@@ -290,7 +292,7 @@ void Writer::others() {
 
 void Writer::spring(int at) {
   Step& s = addObject(Kind::Spring, at);
-  s.set("a", anything()).set("b", dice_.chance(0.2) ? 0 : anything());
+  s.set("a", randomBody()).set("b", dice_.chance(0.2) ? 0 : randomBody());
   s.set("point-a", dice_.below(200)).set("point-b", dice_.below(200));
   s.set("pivot-a", dice_.ball(0.3)).set("pivot-b", dice_.chance(0.5) ? dice_.ball(0.3) : Vector3d(0, 2, 0));
   s.set("stiffness", dice_.decades(1e-3, 1e5))
@@ -302,7 +304,7 @@ void Writer::spring(int at) {
 }
 
 Kind Writer::userKind() {
-  // the likelier ones are named more often
+  // kinds that are listed more often are more likely
   return dice_.of({Kind::ChangeSpring, Kind::Attach,        Kind::Attach,   Kind::Attach,   Kind::Detach,
                    Kind::Forget,       Kind::Pin,           Kind::Pin,      Kind::MovePin,  Kind::MovePin,
                    Kind::Unpin,        Kind::Push,          Kind::Push,     Kind::Push,     Kind::Velocity,
@@ -315,14 +317,14 @@ Kind Writer::userKind() {
                    Kind::Clock,        Kind::System});
 }
 
-/// A point that is attached to a pivot on a held body is there at once, and its springs stretched by metres.
-/// The energy that this gives to a stiff light body is that of an explosion: a speed of that way times sqrt(k
-/// / m), and some times as much of its light points.
+/// Whether a point of the body may be attached to a pivot. The point jumps to the pivot on a static body at
+/// once, which stretches its springs by metres. A stiff and light body then explodes: its speed is that
+/// distance times sqrt(k / m), and its light points are several times faster.
 bool Writer::mayBePulled(int soft) const {
-  constexpr double kMost = 2.5e5;  // 1/s^2: over 4 m, 2 km/s
+  constexpr double kMaxStiffnessPerMass = 2.5e5;  // 1/s^2: 2 km/s after a stretch of 4 m
   for (const Step& s : story_.steps)
     if (s.kind == Kind::Soft && s.id == soft)
-      return std::max(s["extension"], s["compression"]) < kMost * s["mass"];
+      return std::max(s["extension"], s["compression"]) < kMaxStiffnessPerMass * s["mass"];
   return true;
 }
 
@@ -330,28 +332,30 @@ void Writer::userOnPoints(Step& s) {
   const int point = dice_.below(200);
   switch (s.kind) {
     case Kind::Attach:
-      s.set("of", any(softs_)).set("to", any(rigids_)).set("point", point);
+      s.set("of", randomId(softs_)).set("to", randomId(rigids_)).set("point", point);
       if (dice_.chance(0.2)) s.set("pivoted", mayBePulled(s.whole("of"))).set("pivot", dice_.ball(0.3));
       break;
     case Kind::Detach:
     case Kind::Pin:
     case Kind::Unpin:
-      s.set("of", any(softs_)).set("point", point);
+      s.set("of", randomId(softs_)).set("point", point);
       break;
     case Kind::MovePin:
-      s.set("of", any(softs_)).set("point", point).set("by", dice_.ball(0.3));
+      s.set("of", randomId(softs_)).set("point", point).set("by", dice_.ball(0.3));
       break;
     case Kind::Push:
-      s.set("of", anything()).set("push", dice_.ball(5)).set("off", dice_.ball(0.3));
+      s.set("of", randomBody()).set("push", dice_.ball(5)).set("off", dice_.ball(0.3));
       chooseAny(s, "kind");
       if (dice_.chance(0.6)) s.set("point", point);
       break;
     case Kind::Velocity:
-      s.set("of", anything()).set("velocity", dice_.ball(8)).set("spin", dice_.ball(5));
+      s.set("of", randomBody()).set("velocity", dice_.ball(8)).set("spin", dice_.ball(5));
       if (dice_.chance(0.5)) s.set("point", point);
       break;
     default:
-      s.set("of", anything()).set("by", dice_.ball(dice_.of({0.1, 1.0, 3.0}))).set("rotation", turn());
+      s.set("of", randomBody())
+          .set("by", dice_.ball(dice_.of({0.1, 1.0, 3.0})))
+          .set("rotation", randomRotation());
       if (dice_.chance(0.2)) s.set("point", point);
       chooseAny(s, "how");
   }
@@ -361,25 +365,25 @@ void Writer::userOnRigid(Step& s) {
   switch (s.kind) {
     case Kind::Flags:
       chooseAny(s, "flag");
-      s.set("of", anything()).set("on", dice_.chance(0.7));
+      s.set("of", randomBody()).set("on", dice_.chance(0.7));
       break;
     case Kind::Mass:
-      s.set("of", any(rigids_)).set("mass", dice_.decades(0.1, 100));
+      s.set("of", randomId(rigids_)).set("mass", dice_.decades(0.1, 100));
       break;
     case Kind::Material:
-      s.set("of", anything()).set("friction", dice_.number(0, 1)).set("restitution", dice_.number(0, 1));
+      s.set("of", randomBody()).set("friction", dice_.number(0, 1)).set("restitution", dice_.number(0, 1));
       break;
     case Kind::Filter:
-      s.set("of", anything()).set("group", dice_.of({1, 2, 64})).set("mask", dice_.of({-1, 0, 1, 66}));
+      s.set("of", randomBody()).set("group", dice_.of({1, 2, 64})).set("mask", dice_.of({-1, 0, 1, 66}));
       s.set("in-place", dice_.below(2));
       break;
     case Kind::Shape:
       chooseAny(s, "shape");
-      s.set("of", any(rigids_)).set("size", dice_.box({0.1, 0.1, 0.1}, {0.6, 0.6, 0.6}));
+      s.set("of", randomId(rigids_)).set("size", dice_.box({0.1, 0.1, 0.1}, {0.6, 0.6, 0.6}));
       s.set("variant", dice_.below(60));
       break;
     case Kind::Scaling:
-      s.set("of", any(rigids_))
+      s.set("of", randomId(rigids_))
           .set("scale", dice_.chance(0.5) ? Vector3d(Vector3d::Constant(dice_.number(0.5, 1.5)))
                                           : dice_.box({0.5, 0.5, 0.5}, {1.5, 1.5, 1.5}));
       break;
@@ -399,23 +403,23 @@ void Writer::userStep(int at) {
   else if (s.kind >= Kind::Flags && s.kind <= Kind::Scaling)
     userOnRigid(s);
   else if (s.kind == Kind::ChangeSpring)
-    s.set("of", any(springs_)).set("stiffness", dice_.decades(1, 1e5));
+    s.set("of", randomId(springs_)).set("stiffness", dice_.decades(1, 1e5));
   else if (s.kind == Kind::Forget || s.kind == Kind::Enter)
-    s.set("of", any(rigids_));
+    s.set("of", randomId(rigids_));
   else if (s.kind == Kind::Destroy || s.kind == Kind::Leave)
-    s.set("of", dice_.chance(0.8) || others_.empty() ? anything() : any(others_));
-  if (s.kind == Kind::Destroy && dice_.chance(0.1) && !springs_.empty()) s.set("of", any(springs_));
+    s.set("of", dice_.chance(0.8) || otherIds_.empty() ? randomBody() : randomId(otherIds_));
+  if (s.kind == Kind::Destroy && dice_.chance(0.1) && !springs_.empty()) s.set("of", randomId(springs_));
   if (s.kind == Kind::Destroy) chooseAny(s, "how");
   if (s.kind == Kind::Leave && dice_.chance(0.2)) s.set("point", dice_.below(200));
   if (s.kind == Kind::OverlapFilter) s.set("on", dice_.chance(0.8)).set("parity", dice_.chance(0.4));
   if (s.kind == Kind::Gravity)
-    s.set("gravity", dice_.ball(12)).set("of", dice_.chance(0.3) ? any(rigids_) : 0);
+    s.set("gravity", dice_.ball(12)).set("of", dice_.chance(0.3) ? randomId(rigids_) : 0);
   if (s.kind == Kind::Listener || s.kind == Kind::Report) s.set("on", dice_.below(2));
   if (s.kind == Kind::Look || s.kind == Kind::Ray || s.kind == Kind::Sync || s.kind == Kind::Hook)
     chooseAny(s, "what");
-  if (s.kind == Kind::Look) s.set("of", any(softs_)).set("fraction", dice_.of({0.0, 0.5, 1.0, 1.4}));
-  if (s.kind == Kind::Ray) s.set("of", anything()).set("from", dice_.ball(4)).set("to", dice_.ball(2));
-  if (s.kind == Kind::Sleep) s.set("of", anything()), chooseAny(s, "state");
+  if (s.kind == Kind::Look) s.set("of", randomId(softs_)).set("fraction", dice_.of({0.0, 0.5, 1.0, 1.4}));
+  if (s.kind == Kind::Ray) s.set("of", randomBody()).set("from", dice_.ball(4)).set("to", dice_.ball(2));
+  if (s.kind == Kind::Sleep) s.set("of", randomBody()), chooseAny(s, "state");
   if (s.kind == Kind::System) s.set("system", dice_.below(2)), chooseAny(s, "what");
   if (s.kind == Kind::Clock)
     s.set("dt", dice_.of({0.0166667, 0.0333333, 0.00416667, 0.001})).set("sub-steps", dice_.of({0, 1, 5}));
@@ -440,7 +444,7 @@ Story Writer::write() {
   const bool gentle = promise_ == "gentle";
   for (int i = gentle ? 0 : dice_.below(6); i > 0; --i) rigid();
   for (int i = dice_.of({1, 1, 1, 2, 2, 3}); i > 0; --i) soft();
-  if (wild()) others();
+  if (wild()) otherObjects();
   if (wild()) user(frames_);
   return std::move(story_);
 }

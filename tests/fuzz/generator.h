@@ -5,9 +5,9 @@
 
 namespace limber::fuzz {
 
-/// The story of a seed. Its world's promise says which laws it has to keep:
-/// wild: anything goes, but nothing breaks; closed: no source of energy; gentle: soft bodies on a floor,
-/// without a user.
+/// Returns the story of a seed. The promise of its world says which laws it must satisfy. wild: any actions,
+/// but no crash and no explosion; closed: no source of energy; gentle: soft bodies on a floor, without a
+/// user.
 Story makeStory(std::uint64_t seed);
 
 }  // namespace limber::fuzz

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// The same scene seen otherwise: moved, rotated, mirrored, in other units, on a floor cut into pieces, ...
+// Variants of a scene that must give the same result: moved, rotated, mirrored, in other units, on a floor in
+// pieces, ...
 #include "fuzz/bullet_shapes.h"
 #include "fuzz/laws.h"
 
@@ -19,24 +20,24 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-/// x' = turn x + shift, `turn` orthogonal.
+/// x' = length * rotation x + shift; `rotation` is orthogonal and may mirror.
 struct Motion {
-  Matrix3d turn = Matrix3d::Identity();
+  Matrix3d rotation = Matrix3d::Identity();
   Vector3d shift = Vector3d::Zero();
   double length = 1.0;  ///< factor of units
 
-  Vector3d operator()(const Vector3d& x) const { return length * (turn * x) + shift; }
+  Vector3d operator()(const Vector3d& x) const { return length * (rotation * x) + shift; }
 };
 
-/// A story told otherwise, and where its points then are.
+/// A variant of a story, and the motion of its points relative to the original.
 struct Law {
   std::string name;
   Story story;
   Motion motion;
   int framesPerFrame = 1;
-  double allowance = 0.0;  ///< m besides what round-off grows to; why is told where it is set
+  double allowance = 0.0;  ///< m, in addition to the growth of round-off; explained where it is set
   double allowancePerFrame = 0.0;
-  double extent = HUGE_VAL;  ///< m, half the side of the floor beyond which the two differ
+  double extent = HUGE_VAL;  ///< m, half the side of the floor; beyond it the results may differ
 };
 
 Matrix3d rotationMatrix(const Vector3d& axial) {
@@ -50,14 +51,14 @@ Vector3d movedField(const Field& field, const Vector3d& v, const Motion& by) {
     case Role::Place:
       return by(v);
     case Role::Vector:
-      return by.turn * v;
+      return by.rotation * v;
     case Role::Axial:
-      return by.turn.determinant() * (by.turn * v);
+      return by.rotation.determinant() * (by.rotation * v);
     case Role::Rotation: {
-      Matrix3d turned = by.turn * rotationMatrix(v);
-      // a mirrored body is one of mirrored scale
-      if (by.turn.determinant() < 0.0) turned = turned * Vector3d(-1, 1, 1).asDiagonal();
-      const Eigen::AngleAxisd angle(turned);
+      Matrix3d rotated = by.rotation * rotationMatrix(v);
+      // a mirrored body has a mirrored scale
+      if (by.rotation.determinant() < 0.0) rotated = rotated * Vector3d(-1, 1, 1).asDiagonal();
+      const Eigen::AngleAxisd angle(rotated);
       return angle.angle() * angle.axis();
     }
     default:
@@ -72,13 +73,14 @@ Story moved(Story story, const Motion& by) {
       const Vector3d v = Vector3d::Map(s.values.data() + field.offset);
       s.set(field.name.c_str(), movedField(field, v, by));
     }
-    if (by.turn.determinant() < 0.0 && s.kind == Kind::Soft)
+    if (by.rotation.determinant() < 0.0 && s.kind == Kind::Soft)
       s.set("scale", Vector3d(-s.vec("scale").x(), s.vec("scale").y(), s.vec("scale").z()));
   }
   return story;
 }
 
-/// Other units: so many of them in a kilogram, a metre, a second.
+/// Converts to other units: `kg` units of mass in a kilogram, `m` of length in a metre, `s` of time in a
+/// second.
 Story rescaled(Story story, double kg, double m, double s) {
   for (Step& step : story.steps) {
     for (const Field& field : fieldsOf(step.kind)) {
@@ -86,7 +88,7 @@ Story rescaled(Story story, double kg, double m, double s) {
           std::pow(kg, field.unit.kg) * std::pow(m, field.unit.m) * std::pow(s, field.unit.s);
       for (std::size_t i = 0; i < field.size(); ++i) {
         double& value = step.values[field.offset + i];
-        // a volume modulus below 0 means: choose one
+        // a negative volume modulus means "automatic"
         if (field.role != Role::Choice && value >= 0.0)
           value *= factor;
         else if (field.role >= Role::Place)
@@ -117,7 +119,7 @@ Story inOtherOrder(Story story) {
   return story;
 }
 
-Story besideFarOthers(Story story) {
+Story withFarObjects(Story story) {
   Step soft(Kind::Soft);
   soft.id = 901;
   soft.set("position", Vector3d(70, 40, 0));
@@ -129,7 +131,7 @@ Story besideFarOthers(Story story) {
   return story;
 }
 
-Story lookedAt(Story story) {
+Story withQueries(Story story) {
   const int frames = story.first(Kind::Time).whole("frames");
   std::vector<int> softs;
   for (const Step& s : story.steps)
@@ -158,15 +160,16 @@ void addMotions(const Story& story, std::vector<Law>& laws) {
   Motion shift;
   shift.shift = Vector3d(3, 0, -5);
   laws.push_back({"moved", moved(story, shift), shift});
-  Motion turn;
-  turn.turn = rotationMatrix(Vector3d(0, 0.5 * 3.14159265358979323846, 0)).array().round().matrix();
-  laws.push_back({"rotated", moved(story, turn), turn});
+  Motion rotation;
+  rotation.rotation = rotationMatrix(Vector3d(0, 0.5 * 3.14159265358979323846, 0)).array().round().matrix();
+  laws.push_back({"rotated", moved(story, rotation), rotation});
   Motion mirror;
-  mirror.turn = Vector3d(-1, 1, 1).asDiagonal();
+  mirror.rotation = Vector3d(-1, 1, 1).asDiagonal();
   laws.push_back({"mirrored", moved(story, mirror), mirror});
   Motion units;
   units.length = 2.0;
-  // powers of two: no other bits. Bullet's own margins are absolute: a box's is inside of it
+  // powers of two change no mantissa; Bullet's absolute margins have no effect here, as a box's margin is
+  // inside it
   laws.push_back({"units", rescaled(story, 4.0, 2.0, 1.0), units});
 }
 
@@ -175,20 +178,20 @@ void addFloors(const Story& story, std::vector<Law>& laws) {
   const char* const kinds[] = {"plane", "box",      "mesh",  "height-field",
                                "boxes", "compound", "hulls", "scaled-mesh"};
   const auto seed = static_cast<std::size_t>(story.seed);
-  // two of them each time; all take turns over the seeds
+  // two kinds for each seed; over the seeds all kinds are used
   for (const std::size_t i : {seed % 8, (seed / 8 + 3) % 8}) {
     if (kinds[i] == kind) continue;
     const Story other = changed(story, [&](Step& s) {
       if (s.kind == Kind::Floor) s.choose("kind", kinds[i]);
     });
-    // m: convex margins and the narrowphase's floats
+    // m: convex margins and the float precision of the narrowphase
     Law law{std::string("floor-of-") + kinds[i], other, Motion(), 1, 1e-3};
     law.extent = story.first(Kind::Floor)["extent"];
     laws.push_back(law);
   }
 }
 
-/// m, the largest distance of a point from where it should be.
+/// Returns the largest distance (m) of a point from its expected position.
 double distance(const Frame& frame, const Frame& other, const Motion& motion) {
   double worst = 0.0;
   for (const auto& [id, points] : frame.soft) {
@@ -200,18 +203,18 @@ double distance(const Frame& frame, const Frame& other, const Motion& motion) {
   return worst;
 }
 
-/// m/s, of any point.
+/// Returns the highest speed (m/s) of any point.
 double highestSpeed(const Run& run, double dt) {
-  double way = 0.0;
+  double maxDistance = 0.0;
   for (std::size_t i = 1; i < run.frames.size(); ++i)
-    way = std::max(way, distance(run.frames[i], run.frames[i - 1], Motion()));
-  return way / dt;
+    maxDistance = std::max(maxDistance, distance(run.frames[i], run.frames[i - 1], Motion()));
+  return maxDistance / dt;
 }
 
-/// In substeps of which the stiffest oscillation needs thirty and more: what is asked of tolerances differs
-/// from tick to tick by as much as they allow. With continuous collision: without, what nobody foresees at
-/// the start of a tick is found at the next one's.
-Story finely(Story story, double periodTolerance) {
+/// Returns the story with 30 or more substeps per period of the stiffest oscillation, because the errors that
+/// tolerances allow differ from tick to tick. Continuous collision is on: without it, a contact that was not
+/// predicted at the start of a tick is found only at the start of the next one.
+Story withFineSubsteps(Story story, double periodTolerance) {
   return changed(std::move(story), [=](Step& s) {
     if (s.kind != Kind::Soft) return;
     s.set("period", periodTolerance).set("tolerance", 0).set("relative", 0).set("budget", 0).set("ccd", 1);
@@ -225,7 +228,7 @@ Story inHalfTicks(Story story) {
   });
 }
 
-/// With the steps that laws change, where it makes do with their standard values.
+/// Adds the steps that laws change, with standard values, if the story lacks them.
 Story complete(Story story) {
   for (const Kind kind : {Kind::Time, Kind::World})
     if (std::none_of(story.steps.begin(), story.steps.end(), [&](const Step& s) { return s.kind == kind; }))
@@ -238,7 +241,7 @@ std::vector<Law> lawsFor(const Story& story) {
   addMotions(story, laws);
   if (story.first(Kind::Floor).id) {
     addFloors(story, laws);
-    // m: what touches it never sleeps, as awake below
+    // m: objects that touch it never sleep, as in "awake" below
     laws.push_back({"kinematic-floor",
                     changed(story,
                             [](Step& s) {
@@ -259,8 +262,8 @@ std::vector<Law> lawsFor(const Story& story) {
                             }),
                     Motion()});
   }
-  laws.push_back({"far-others", besideFarOthers(story), Motion()});
-  laws.push_back({"looked-at", lookedAt(story), Motion()});
+  laws.push_back({"far-others", withFarObjects(story), Motion()});
+  laws.push_back({"looked-at", withQueries(story), Motion()});
   laws.push_back({"awake",
                   changed(story,
                           [](Step& s) {
@@ -270,25 +273,27 @@ std::vector<Law> lawsFor(const Story& story) {
   return laws;
 }
 
-/// Whether all points are over a floor around the origin.
+/// Whether all points are over a floor around `middle`.
 bool isOver(const Frame& frame, const Eigen::Vector3d& middle, double extent) {
-  // m, what a point at the edge may touch of it
-  const double reach = 0.2;
+  // m, the width of the rim where the floor's edge may be touched
+  const double margin = 0.2;
   for (const auto& [id, points] : frame.soft)
     for (Eigen::Index i = 0; i < points.cols(); ++i) {
-      const Vector3d off = (points.col(i) - middle).cwiseAbs();
-      if (std::max(off.x(), off.z()) > extent - reach) return false;
+      const Vector3d offset = (points.col(i) - middle).cwiseAbs();
+      if (std::max(offset.x(), offset.z()) > extent - margin) return false;
     }
   return true;
 }
 
-/// m, by which every body starts elsewhere to see how differences grow in this story.
+/// m, displacement of every body at the start, which shows how differences grow in this story.
 const double kNudge = 1e-6;
-/// Nudges in other directions: one alone may miss the one that the story is sensitive to.
+/// Number of nudges, each in other directions: a single one may miss the direction to which the story is
+/// sensitive.
 const int kNudges = 3;
-/// Floats and the order of sums differ by less than the nudge, but at other places: what a nudge grows to is
-/// a sample. Where it has become visible there is nothing to compare any more.
-const double kSample = 100.0, kSampleOfSteps = 10.0, kVisible = 1e-4;
+/// Round-off and the order of sums cause smaller differences than the nudge, but at other points. So the
+/// growth of a nudge is only a sample, and is multiplied by a factor. Above kVisible results are not compared
+/// any more.
+const double kNudgeFactor = 100.0, kSubstepFactor = 10.0, kVisible = 1e-4;
 
 std::optional<Failure> compare(const Law& law, const Run& run, const Run& other,
                                const std::vector<double>& allowed) {
@@ -298,10 +303,11 @@ std::optional<Failure> compare(const Law& law, const Run& run, const Run& other,
   const Vector3d middle = law.story.first(Kind::Floor).vec("position");
   for (std::size_t i = 0; i < run.frames.size() && i * step < other.frames.size(); ++i) {
     if (!isOver(run.frames[i], middle, law.extent)) return {};
-    const double off = distance(run.frames[i], other.frames[i * step], law.motion);
-    if (off > law.allowance + double(i) * law.allowancePerFrame + allowed[i])
-      return Failure{name, "frame " + std::to_string(static_cast<long>(i) - 1) + ": " + std::to_string(off) +
-                               " m off, round-off may make " + std::to_string(1e6 * allowed[i]) + "e-6"};
+    const double error = distance(run.frames[i], other.frames[i * step], law.motion);
+    if (error > law.allowance + double(i) * law.allowancePerFrame + allowed[i])
+      return Failure{name, "frame " + std::to_string(static_cast<long>(i) - 1) + ": " +
+                               std::to_string(error) + " m off, round-off may make " +
+                               std::to_string(1e6 * allowed[i]) + "e-6"};
   }
   return {};
 }
@@ -310,35 +316,36 @@ std::optional<Failure> check(const Law& law, const Run& run, const std::vector<d
   return compare(law, run, play(law.story), allowed);
 }
 
-/// Of each frame, m: the largest distance between the two until then.
+/// Returns for each frame the largest distance (m) between the two runs so far.
 std::vector<double> growth(const Run& run, const Run& other) {
-  std::vector<double> grown;
+  std::vector<double> growthSoFar;
   for (std::size_t i = 0; i < run.frames.size(); ++i) {
-    const double off =
+    const double error =
         i < other.frames.size() ? distance(run.frames[i], other.frames[i], Motion()) : HUGE_VAL;
-    grown.push_back(std::max(off, grown.empty() ? 0.0 : grown.back()));
+    growthSoFar.push_back(std::max(error, growthSoFar.empty() ? 0.0 : growthSoFar.back()));
   }
-  return grown;
+  return growthSoFar;
 }
 
-/// Of each frame, m: what round-off may make.
+/// Returns for each frame the distance (m) that round-off may cause.
 std::vector<double> allowedByNudge(const Story& story, const Run& run) {
   PlayOptions options;
   options.nudge = kNudge;
   std::vector<double> allowed(run.frames.size(), 0.0);
   for (options.nudgeNumber = 0; options.nudgeNumber < kNudges; ++options.nudgeNumber) {
-    const std::vector<double> grown = growth(run, play(story, options));
-    for (std::size_t i = 0; i < allowed.size(); ++i) allowed[i] = std::max(allowed[i], grown[i]);
+    const std::vector<double> growthSoFar = growth(run, play(story, options));
+    for (std::size_t i = 0; i < allowed.size(); ++i) allowed[i] = std::max(allowed[i], growthSoFar[i]);
   }
-  for (double& off : allowed) off = off < kVisible ? kSample * (off + kNudge) : HUGE_VAL;
+  for (double& error : allowed) error = error < kVisible ? kNudgeFactor * (error + kNudge) : HUGE_VAL;
   return allowed;
 }
 
-/// What the tick decides is when impacts are seen, by a substep at most, and so what speed they leave: to one
-/// in a hundred; and what shorter substeps change shows how much such errors grow in this story.
+/// Checks that half the tick gives the same result. The tick determines when impacts are seen, with an error
+/// of up to a substep, and so the speed after them, to 1 %. The change with shorter substeps shows how much
+/// such errors grow in this story.
 std::optional<Failure> checkHalfTicks(const Story& story) {
-  const Story fine = finely(story, 2e-3);
-  const Run run = play(fine), finer = play(finely(story, 5e-4));
+  const Story fine = withFineSubsteps(story, 2e-3);
+  const Run run = play(fine), finer = play(withFineSubsteps(story, 5e-4));
   for (const Run* r : {&run, &finer})
     if (r->failure) return Failure{"law-finely", r->failure->law + ", " + r->failure->detail};
   const double dt = story.first(Kind::Time)["dt"];
@@ -346,12 +353,12 @@ std::optional<Failure> checkHalfTicks(const Story& story) {
   law.allowance = 0.1 * dt * highestSpeed(run, dt);
   law.allowancePerFrame = 0.1 * law.allowance;
   std::vector<double> allowed = growth(run, finer);
-  for (double& off : allowed) off *= kSampleOfSteps;
+  for (double& error : allowed) error *= kSubstepFactor;
   return check(law, run, allowed);
 }
 
-/// By another program, in a file.
-Run playedBy(const std::string& program, const Story& story) {
+/// Plays the story with another program, through files.
+Run playWith(const std::string& program, const Story& story) {
   const std::string name =
       std::filesystem::temp_directory_path() / ("limber_fuzz_" + std::to_string(getpid()));
   std::ofstream(name + ".story") << toText(story);
@@ -366,9 +373,9 @@ Run playedBy(const std::string& program, const Story& story) {
 
 std::optional<Failure> checkPrecisions(const Story& story, const Run& run, const std::string& beside,
                                        const std::vector<double>& allowed) {
-  // m: floats in Bullet's shapes and narrowphase
+  // m: float precision of Bullet's shapes and narrowphase
   const Law law{"precision", story, Motion(), 1, 1e-4};
-  const Run other = playedBy(beside, story);
+  const Run other = playWith(beside, story);
   if (other.frames.size() != run.frames.size())
     return Failure{"law-precision",
                    "the other build stops after " + std::to_string(other.frames.size()) + " frames"};

@@ -8,7 +8,7 @@ namespace {
 
 std::string frameText(std::size_t i) { return "frame " + std::to_string(static_cast<long>(i) - 1) + ": "; }
 
-/// The same story again: other addresses, the same bits.
+/// Plays the story again: the addresses differ, all bits of the state must be the same.
 std::optional<Failure> checkRepeats(const Story& story, const Run& first) {
   const Run again = play(story);
   for (std::size_t i = 0; i < std::min(first.frames.size(), again.frames.size()); ++i)
@@ -18,7 +18,7 @@ std::optional<Failure> checkRepeats(const Story& story, const Run& first) {
   return {};
 }
 
-/// Joints and springs between soft and rigid bodies act from afar.
+/// Whether soft bodies act on rigid ones without contact: through springs, anchors, filters or callbacks.
 bool actsFromAfar(const Story& story) {
   for (const Step& s : story.steps)
     if (s.kind == Kind::Spring || s.kind == Kind::Attach || s.kind == Kind::Vehicle ||
@@ -27,60 +27,63 @@ bool actsFromAfar(const Story& story) {
   return false;
 }
 
-/// Rigid bodies move as they would without soft ones, until one of these comes near any. Where several pairs
-/// touch, Bullet solves them in an order that other objects change, and ten iterations end elsewhere.
+/// Checks that rigid bodies move as in the world without soft bodies, until a soft body comes near one. The
+/// check ends when several rigid pairs touch: other objects change the order in which Bullet solves them, and
+/// ten iterations then give another result.
 std::optional<Failure> checkTwin(const Run& run, const Run& twin) {
   for (std::size_t i = 0; i < std::min(run.frames.size(), twin.frames.size()); ++i) {
     if (twin.frames[i].rigidPairs > 1) break;
     for (const auto& [id, pose] : twin.frames[i].rigid) {
       const auto it = run.frames[i].rigid.find(id);
       if (it == run.frames[i].rigid.end() || !pose.dynamic) continue;
-      const double off = (it->second.position - pose.position).norm();
-      // floats, of metres
-      if (off > 1e-5)
+      const double distance = (it->second.position - pose.position).norm();
+      // m, float precision in Bullet
+      if (distance > 1e-5)
         return Failure{"twin", frameText(i) + "rigid body " + std::to_string(id) + " is " +
-                                   std::to_string(off) + " m from its twin before a soft body came near any"};
+                                   std::to_string(distance) +
+                                   " m from its twin before a soft body came near any"};
     }
     if (run.frames[i].near) break;
   }
   return {};
 }
 
-/// J, what remains of the energy at a frame over the next tenth of a second. Velocities lag by half a substep
-/// of contact forces, which shows as energy that comes and goes while bodies hit one another.
+/// Returns the lowest energy (J) of the frames `frame` to `frame + frames`, a tenth of a second or more.
+/// Contact forces change the velocities half a substep late, so the energy fluctuates during impacts.
 double lastingEnergy(const Run& run, std::size_t frame, std::size_t frames) {
-  double least = run.frames[frame].energy;
-  for (std::size_t i = frame; i <= frame + frames; ++i) least = std::min(least, run.frames[i].energy);
-  return least;
+  double minimum = run.frames[frame].energy;
+  for (std::size_t i = frame; i <= frame + frames; ++i) minimum = std::min(minimum, run.frames[i].energy);
+  return minimum;
 }
 
-/// A joule that comes from nowhere. What is allowed: `part` of the energy of the start; what the rigid bodies
-/// gain without soft ones; and a millijoule for bodies at rest.
-std::optional<Failure> checkEnergy(const Story& story, const Run& run, const Run& twin, double part) {
+/// Checks that no energy is created. Allowed are `fraction` of the initial energy, the gain of the rigid
+/// bodies in a world without soft ones, and 1 mJ for bodies at rest.
+std::optional<Failure> checkEnergy(const Story& story, const Run& run, const Run& twin, double fraction) {
   const double start = run.frames.front().energy, dt = story.first(Kind::Time)["dt"];
-  const auto lasting = static_cast<std::size_t>(std::max(3.0, std::ceil(0.1 / dt)));
-  double allowance = part * std::abs(start) + 1e-3;
-  for (std::size_t i = 0; i + lasting < std::min(run.frames.size(), twin.frames.size()); ++i) {
+  const auto window = static_cast<std::size_t>(std::max(3.0, std::ceil(0.1 / dt)));
+  double allowance = fraction * std::abs(start) + 1e-3;
+  for (std::size_t i = 0; i + window < std::min(run.frames.size(), twin.frames.size()); ++i) {
     allowance = std::max(
-        allowance, part * std::abs(start) + 1e-3 + 2.0 * (twin.frames[i].energy - twin.frames[0].energy));
-    const double energy = lastingEnergy(run, i, lasting);
+        allowance, fraction * std::abs(start) + 1e-3 + 2.0 * (twin.frames[i].energy - twin.frames[0].energy));
+    const double energy = lastingEnergy(run, i, window);
     if (energy - start > allowance)
       return Failure{"energy", frameText(i) + std::to_string(energy) + " J of " + std::to_string(start)};
   }
   return {};
 }
 
-/// In substeps a quarter as long, at least.
+/// Returns the story with substeps at most a quarter as long.
 Story inShorterSubsteps(Story story) {
   for (Step& s : story.steps)
     if (s.kind == Kind::Soft) s.set("period", s["period"] / 16.0).set("budget", 0);
   return story;
 }
 
-/// Verlet keeps not this energy but one that differs by up to (omega dt)^2 / 4 of an oscillation's, which at
-/// a period error (omega dt)^2 / 24 of 4 % is a quarter, and on the average half of that. So a hit that turns
-/// most of what was fall into the fastest oscillations shows energy that is none. It falls with dt^2; what is
-/// made stays.
+/// Verlet conserves an energy that differs from this one by up to (omega dt)^2 / 4 of an oscillation's
+/// energy, on the average by half of that. At a period error (omega dt)^2 / 24 of 4 % this is a quarter. So
+/// an impact that converts most of the fall energy into the fastest oscillations shows a gain that is not
+/// real. This error falls with dt^2; energy that is really created does not. So the check is repeated with
+/// shorter substeps.
 std::optional<Failure> checkEnergy(const Story& story, const Run& run, const Run& twin) {
   auto failure = checkEnergy(story, run, twin, 0.02);
   if (!failure || checkEnergy(story, run, twin, 0.12)) return failure;
@@ -89,27 +92,28 @@ std::optional<Failure> checkEnergy(const Story& story, const Run& run, const Run
   return again.failure ? again.failure : checkEnergy(shorter, again, twin, 0.02);
 }
 
-/// m: the floor's own margins, and what the edge of a box may cut into a segment whose ends lie on it.
-const double kCut = 0.03;
+/// m, depth allowed below the floor: the floor's own margins, and the penetration of a box edge into a
+/// segment whose ends lie on the box.
+const double kFloorTolerance = 0.03;
 
-/// No point of a soft body that starts above the floor is below it, as long as the body is over it. Bodies
-/// without continuous collision are left out.
+/// Checks that no point of a soft body that starts above the floor gets below it while the body is over it.
+/// Bodies without continuous collision are exempt.
 std::optional<Failure> checkFloor(const Story& story, const Run& run) {
   const Step floor = story.first(Kind::Floor);
   if (floor.id == 0) return {};
   const double extent = floor["extent"] - 0.2;
-  std::map<int, bool> away;
+  std::map<int, bool> exempt;
   for (const Step& s : story.steps)
-    if (s.kind == Kind::Soft) away[s.id] = s["ccd"] == 0.0;
+    if (s.kind == Kind::Soft) exempt[s.id] = s["ccd"] == 0.0;
   for (std::size_t i = 0; i < run.frames.size(); ++i)
     for (const auto& [id, points] : run.frames[i].soft) {
       if (points.size() == 0) continue;
       const Eigen::Matrix3Xd local = points.colwise() - floor.vec("position");
-      away[id] = away[id] || local.row(0).cwiseAbs().maxCoeff() > extent ||
-                 local.row(2).cwiseAbs().maxCoeff() > extent;
+      exempt[id] = exempt[id] || local.row(0).cwiseAbs().maxCoeff() > extent ||
+                   local.row(2).cwiseAbs().maxCoeff() > extent;
       const double lowest = local.row(1).minCoeff();
-      if (i == 0 && lowest < 0.0) away[id] = true;
-      if (!away[id] && lowest < -kCut)
+      if (i == 0 && lowest < 0.0) exempt[id] = true;
+      if (!exempt[id] && lowest < -kFloorTolerance)
         return Failure{"floor", frameText(i) + "soft body " + std::to_string(id) + " is " +
                                     std::to_string(-lowest) + " m below the floor"};
     }
@@ -120,11 +124,11 @@ Eigen::AlignedBox3d boxOf(const Eigen::Matrix3Xd& points) {
   return {points.rowwise().minCoeff(), points.rowwise().maxCoeff()};
 }
 
-/// Whether all soft bodies start above the floor and clear of each other: what overlaps has to be parted, and
-/// how is nobody's law.
+/// Whether all soft bodies start above the floor and apart from each other. No law says how overlapping
+/// bodies separate.
 bool startsClear(const Story& story, const Frame& start) {
   const bool floor = story.first(Kind::Floor).id != 0;
-  // m, more than any point's radius
+  // m, larger than the radius of any point
   const double margin = 0.08;
   std::vector<Eigen::AlignedBox3d> boxes;
   for (const auto& [id, points] : start.soft) {
@@ -140,7 +144,7 @@ bool startsClear(const Story& story, const Frame& start) {
   return !start.near;
 }
 
-/// Closed and gentle stories have no source of energy.
+/// Checks the laws of closed and gentle stories, which have no source of energy.
 std::optional<Failure> checkClosed(const Story& story, const Run& run, const Run& twin, const Lawbook& laws) {
   if (!startsClear(story, run.frames.front())) return {};
   if (auto failure = checkFloor(story, run)) return failure;
@@ -161,7 +165,7 @@ std::optional<Failure> checkStory(const Story& story, const Lawbook& laws) {
   PlayOptions withoutSoft;
   withoutSoft.softBodies = false;
   if (run.failure) {
-    // where Bullet alone does the same nothing is learned
+    // if Bullet alone fails in the same manner, the failure is not Limber's
     const Run twin = play(story, withoutSoft);
     if (twin.failure && twin.failure->law == run.failure->law) return {};
     return run.failure;

@@ -7,23 +7,25 @@
 
 namespace limber::fuzz {
 
-/// Which laws a story is held to.
+/// The laws that are checked for a story.
 struct Lawbook {
-  bool once = false;   ///< it is played once: the laws that compare runs are left out
-  std::string beside;  ///< a limber_fuzz of another build, which must play gentle stories alike; empty: none
+  bool once = false;   ///< the story is played once, without the laws that compare runs
+  std::string beside;  ///< path of a limber_fuzz of another build, whose results for gentle stories must
+                       ///< agree; empty: none
 };
 
-/// Plays a story in all the ways its promise asks for and tells the first law that does not hold.
+/// Plays a story, with all variants that its promise requires, and returns the first broken law.
 std::optional<Failure> checkStory(const Story& story, const Lawbook& laws);
 
-/// The laws of invariance, for gentle stories: what must not change the answer. `run` is the story as it is.
+/// Checks the laws of invariance, for gentle stories: changes of the story that must not change the result.
+/// `run` is the unchanged story's.
 std::optional<Failure> checkInvariance(const Story& story, const Run& run, const Lawbook& laws);
 
-/// The frames' points in a file, and from there; a run without frames if they cannot be read.
+/// Write and read the points of all frames. A file that cannot be read gives a run without frames.
 void writeFrames(const Run& run, const std::string& path);
 Run readFrames(const std::string& path);
 
-/// Makes what the story needs and what takes long, once for all children of this process.
+/// Builds the networks of the story, which takes long, once for all child processes of this process.
 void prepare(const Story& story);
 
 }  // namespace limber::fuzz

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// limber_fuzz: random worlds, each with soft bodies in them and a user who does what users do.
+// limber_fuzz plays random worlds with soft bodies and random actions of a user.
 #include "fuzz/campaign.h"
 #include "fuzz/generator.h"
 
@@ -18,7 +18,7 @@ namespace {
 
 using namespace limber::fuzz;
 
-/// What every test run plays; the last ones broke laws that no test of their own holds.
+/// The seeds of every test run. The last ones broke laws that no other test checks.
 const char* const kTestedSeeds = "1..48,878,2337,6211,7072";
 
 struct Options {
@@ -27,7 +27,7 @@ struct Options {
   Effort effort;
 };
 
-/// A..B, or one, and more of them behind commas.
+/// Reads seeds: "A..B" or "A", or several of these separated by commas.
 std::vector<std::uint64_t> seedsOf(const std::string& text) {
   std::vector<std::uint64_t> seeds;
   std::istringstream ranges(text);
@@ -40,7 +40,7 @@ std::vector<std::uint64_t> seedsOf(const std::string& text) {
   return seeds;
 }
 
-/// Why `text` names no seeds; empty if it does.
+/// Returns why `text` is not a list of seeds, or an empty string if it is one.
 std::string wrongSeeds(const std::string& text) {
   try {
     if (!seedsOf(text).empty()) return {};
@@ -64,7 +64,7 @@ void report(const Options& options, const Story& story, const Verdict& verdict) 
 
 int runSeeds(const Options& options, const std::vector<std::uint64_t>& seeds) {
   std::size_t failures = 0;
-  // some at a time: a story takes memory
+  // in batches, because stories take memory
   for (std::size_t begin = 0; begin < seeds.size(); begin += 64) {
     std::vector<Story> stories;
     for (std::size_t i = begin; i < std::min(seeds.size(), begin + 64); ++i)

@@ -42,7 +42,7 @@ SharedNetwork material() {
   return *buildMaterialNetwork(small_meshes::cube(2), settings);
 }
 
-/// Loose points: a body without springs.
+/// Returns four points without springs.
 SharedNetwork points() {
   auto made = std::make_shared<SpringNetwork>();
   for (int i = 0; i < 4; ++i) made->restPoints.emplace_back(0.3 * i, 0.2 * (i % 2), 0.1 * i);

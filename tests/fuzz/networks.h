@@ -7,7 +7,7 @@
 
 namespace limber::fuzz {
 
-/// The network of that name, cooked when it is first asked for.
+/// Returns the network of that name, built at the first call.
 SharedNetwork networkNamed(const std::string& name);
 
 }  // namespace limber::fuzz

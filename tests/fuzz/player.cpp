@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// Plays a story frame by frame and looks at the world after each.
+// Plays a story frame by frame and checks the world after each.
 #include "fuzz/player.h"
 
 #include "fuzz/networks.h"
@@ -16,8 +16,8 @@ namespace {
 
 using Eigen::Vector3d;
 
-/// Nothing in a story is thrown at more than some 50 m/s, nor falls for more than some seconds. Light points
-/// between heavy things get faster than these, but not a hundred times.
+/// Above this speed a body has exploded. The fastest velocities in stories are about 50 m/s, and falls last a
+/// few seconds. Light points between heavy objects get faster, but not by a factor of 100.
 const double kExplosion = 1e4;  ///< m/s
 
 /// Adds the bytes of numbers to a hash (FNV-1a).
@@ -33,7 +33,7 @@ struct Hash {
   void add(const Vector3d& v) { add(v.data(), 3); }
 };
 
-std::string at(const Vector3d& v) {
+std::string vectorText(const Vector3d& v) {
   char text[120];
   std::snprintf(text, sizeof text, "(%.6g, %.6g, %.6g)", v.x(), v.y(), v.z());
   return text;
@@ -51,10 +51,10 @@ double kineticEnergy(const btRigidBody& body) {
 }
 
 double elasticEnergy(const SpringConstraint& spring) {
-  const double longer = double(spring.length()) - spring.settings().restLength;
-  if (longer < 0 && spring.settings().action == SpringAction::ExtensionOnly) return 0.0;
-  if (longer > 0 && spring.settings().action == SpringAction::CompressionOnly) return 0.0;
-  return 0.5 * spring.settings().stiffness * longer * longer;
+  const double elongation = double(spring.length()) - spring.settings().restLength;
+  if (elongation < 0 && spring.settings().action == SpringAction::ExtensionOnly) return 0.0;
+  if (elongation > 0 && spring.settings().action == SpringAction::CompressionOnly) return 0.0;
+  return 0.5 * spring.settings().stiffness * elongation * elongation;
 }
 
 bool isFinite(const btRigidBody& body) {
@@ -80,7 +80,7 @@ WorldPlayer::WorldPlayer(const Story& story, const PlayOptions& options)
 }
 
 WorldPlayer::~WorldPlayer() {
-  // after a failure nothing is left to be told
+  // after a failure no checks are needed
   softs_.clear();
   systems_.clear();
   if (world_) removeRest();
@@ -104,14 +104,14 @@ void WorldPlayer::step(int frame) {
   double dt = clock_["dt"];
   if (jitter > 0) dt *= 1.0 + jitter * (2.0 * Random(static_cast<std::uint64_t>(frame)).uniform() - 1.0);
   moveKinematics(dt);
-  // what the user has just put there
+  // the user's steps may have moved a body near another
   result_.frames.back().near = result_.frames.back().near || softIsNearRigid();
   rigidPairs_ = 0;
   world_->stepSimulation(toBt(dt), clock_.whole("sub-steps"), toBt(clock_["fixed"]));
   observe();
 }
 
-/// Kinematic bodies go where their velocity and spin bring them, set by hand or through their motion state.
+/// Moves kinematic bodies by their velocity and spin, directly or through their motion state.
 void WorldPlayer::moveKinematics(double seconds) {
   for (auto& [id, object] : rigids_) {
     if (!object.moves || !object.body->isKinematicObject()) continue;
@@ -139,7 +139,7 @@ void WorldPlayer::observe() {
   Frame frame;
   Hash hash;
   for (const auto& [id, object] : softs_) {
-    // the listener's doomed ones go when all calls are over
+    // bodies that a listener has destroyed still exist until all its calls are over
     observeSoft(id, *object.body, frame);
     const Eigen::Matrix3Xd& points = frame.soft[id];
     hash.add(points.data(), static_cast<std::size_t>(points.size()));
@@ -175,10 +175,10 @@ void WorldPlayer::observeSoft(int id, const SoftBody& body, Frame& frame) {
     const Vector3d velocity = body.velocity(i);
     if (!points.col(i).allFinite() || !velocity.allFinite())
       return fail("finite", "point " + std::to_string(i) + " of soft body " + std::to_string(id) + " at " +
-                                at(points.col(i)) + ", " + at(velocity) + " m/s");
+                                vectorText(points.col(i)) + ", " + vectorText(velocity) + " m/s");
     if (velocity.norm() > kExplosion)
       fail("explodes", "point " + std::to_string(i) + " of soft body " + std::to_string(id) + " with " +
-                           at(velocity) + " m/s");
+                           vectorText(velocity) + " m/s");
   }
   if (!std::isfinite(body.errorPerSecond())) fail("finite", "the error of soft body " + std::to_string(id));
   if (const btRigidBody* object = body.surfaceObject()) {
@@ -193,19 +193,21 @@ void WorldPlayer::observeSoft(int id, const SoftBody& body, Frame& frame) {
 void WorldPlayer::observeContacts(int id, SoftBody& body) {
   const std::string name = "a contact of soft body " + std::to_string(id);
   for (const SoftContact& contact : body.contacts()) {
-    const Vector3d place = fromBt(contact.position), normal = fromBt(contact.normal),
+    const Vector3d position = fromBt(contact.position), normal = fromBt(contact.normal),
                    impulse = fromBt(contact.impulse);
-    if (!place.allFinite() || !normal.allFinite() || !impulse.allFinite() || !std::isfinite(contact.distance))
+    if (!position.allFinite() || !normal.allFinite() || !impulse.allFinite() ||
+        !std::isfinite(contact.distance))
       return fail("contacts", name + " is not finite");
-    // floats, of a unit
-    if (std::abs(normal.norm() - 1.0) > 1e-3) return fail("contacts", name + " has the normal " + at(normal));
+    // float precision of a unit vector
+    if (std::abs(normal.norm() - 1.0) > 1e-3)
+      return fail("contacts", name + " has the normal " + vectorText(normal));
     if (contact.normalImpulse < -1e-4 * (1e-3 + impulse.norm()))
       return fail("contacts", name + " pulls with " + std::to_string(contact.normalImpulse) + " N s");
     for (const ContactSide* side : {&contact.side, &contact.otherSide}) {
       const double sum = side->weights.sum();
       const bool none = sum == 0.0 && side == &contact.otherSide && !contact.otherBody;
       if (!none && (side->weights.minCoeff() < -1e-6 || std::abs(sum - 1.0) > 1e-6))
-        return fail("contacts", name + " has the weights " + at(side->weights));
+        return fail("contacts", name + " has the weights " + vectorText(side->weights));
     }
   }
 }
@@ -228,7 +230,7 @@ double WorldPlayer::energy() const {
   return sum;
 }
 
-/// Near enough for a soft body to count with a rigid one in the next frame.
+/// Whether a soft body is so near a rigid one that they may touch in the next frame.
 bool WorldPlayer::softIsNearRigid() const {
   const double dt = clock_["dt"];
   for (const auto& [softId, object] : softs_) {
@@ -244,10 +246,10 @@ bool WorldPlayer::softIsNearRigid() const {
       if (body.isStaticOrKinematicObject() || !body.isInWorld()) continue;
       btVector3 low, high;
       body.getAabb(low, high);
-      const double faster = speed + double(body.getLinearVelocity().length());
-      // as far as both move, and Bullet's margins of broadphase boxes
+      const double relativeSpeed = speed + double(body.getLinearVelocity().length());
+      // the distance that both may move, and Bullet's margins of broadphase boxes
       if (box.squaredExteriorDistance(Eigen::AlignedBox3d(fromBt(low), fromBt(high))) <
-          std::pow(0.25 + 2.0 * dt * (faster + 10.0 * dt), 2))
+          std::pow(0.25 + 2.0 * dt * (relativeSpeed + 10.0 * dt), 2))
         return true;
     }
   }

@@ -12,7 +12,7 @@
 
 namespace limber::fuzz {
 
-/// A law that does not hold, and how.
+/// A law that does not hold, and the reason.
 struct Failure {
   std::string law;
   std::string detail;
@@ -28,10 +28,10 @@ struct RigidPose {
 struct Frame {
   std::map<int, Eigen::Matrix3Xd> soft;  ///< m, points of the soft bodies by id
   std::map<int, RigidPose> rigid;
-  double energy = 0.0;     ///< J, of all that is not held; heights count from y = 0
+  double energy = 0.0;     ///< J, of all dynamic bodies; heights are measured from y = 0
   bool near = false;       ///< a soft body is near a dynamic rigid one
-  int rigidPairs = 0;      ///< how many pairs of rigid objects touched, at most, in its ticks
-  std::uint64_t hash = 0;  ///< of all state, bit for bit
+  int rigidPairs = 0;      ///< largest number of touching pairs of rigid objects in its ticks
+  std::uint64_t hash = 0;  ///< of the whole state, all bits
 };
 
 struct Run {
@@ -40,9 +40,9 @@ struct Run {
 };
 
 struct PlayOptions {
-  bool softBodies = true;  ///< without them it is the rigid twin
-  double nudge = 0.0;      ///< m, how far each soft body and each of its points starts from where it should
-  int nudgeNumber = 0;     ///< other directions
+  bool softBodies = true;  ///< false: only the rigid objects, as "rigid twin" of the scene
+  double nudge = 0.0;      ///< m, displacement of each soft body and of each of its points at the start
+  int nudgeNumber = 0;     ///< selects the directions
 };
 
 Run play(const Story& story, const PlayOptions& options = {});

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// What a story's scene is made of.
+// Builds the scene of a story.
 #include "fuzz/networks.h"
 #include "fuzz/world_player.h"
 
@@ -46,7 +46,7 @@ std::unique_ptr<btBroadphaseInterface> makeBroadphase(const std::string& kind) {
   return std::make_unique<btDbvtBroadphase>();
 }
 
-/// A body that goes round its centre, for Bullet's own idiom of moving kinematic bodies.
+/// A motion state for kinematic bodies that are moved through it.
 struct MovingState : btMotionState {
   btTransform now;
   void getWorldTransform(btTransform& transform) const override { transform = now; }
@@ -129,7 +129,7 @@ void WorldPlayer::addSystem() {
 }
 
 void WorldPlayer::preTick(btScalar tick) {
-  // of the last tick's
+  // pairs of the previous tick
   rigidPairs_ = std::max(rigidPairs_, touchingRigidPairs());
   perform(Phase::PreTick);
   if (!settings_.is("manual")) return;
@@ -141,7 +141,7 @@ void WorldPlayer::preTick(btScalar tick) {
 
 void WorldPlayer::addFloor(const Step& s) {
   std::vector<FloorPiece> pieces = makeFloor(s.choice("kind"), s["extent"], s["cell"]);
-  const btMatrix3x3 turn(rotationOf(s.vec("rotation")));
+  const btMatrix3x3 rotation(rotationOf(s.vec("rotation")));
   int id = s.id;
   Step rigid(Kind::Rigid);
   rigid.choose("motion", s.choice("motion"))
@@ -149,7 +149,7 @@ void WorldPlayer::addFloor(const Step& s) {
       .set("restitution", s["restitution"]);
   rigid.set("rotation", s.vec("rotation"));
   for (FloorPiece& piece : pieces) {
-    const Vector3d position = s.vec("position") + fromBt(turn * toBt(piece.position));
+    const Vector3d position = s.vec("position") + fromBt(rotation * toBt(piece.position));
     addRigidObject(id, std::move(piece.shape), rigid, position);
     id = id == s.id ? s.id * 1000 : id + 1;
   }
@@ -209,9 +209,10 @@ namespace {
 SoftBodySettings softSettings(const Step& s) {
   SoftBodySettings made;
   made.position = s.vec("position");
-  const btQuaternion turn = rotationOf(s.vec("rotation"));
-  made.rotation =
-      Eigen::Quaterniond(double(turn.w()), double(turn.x()), double(turn.y()), double(turn.z())).normalized();
+  const btQuaternion rotation = rotationOf(s.vec("rotation"));
+  made.rotation = Eigen::Quaterniond(double(rotation.w()), double(rotation.x()), double(rotation.y()),
+                                     double(rotation.z()))
+                      .normalized();
   made.scale = s.vec("scale");
   made.linearVelocity = s.vec("velocity");
   made.angularVelocity = s.vec("spin");
@@ -240,7 +241,7 @@ SoftBodySettings softSettings(const Step& s) {
   return made;
 }
 
-/// The same with every point a little elsewhere: what is about to buckle does so.
+/// Returns the network with each point displaced by `by`, so that unstable shapes buckle.
 SharedNetwork nudged(SpringNetwork network, double by, Random& random) {
   for (Vector3d& point : network.restPoints) point += by * random.direction();
   return std::make_shared<const SpringNetwork>(std::move(network));
@@ -260,13 +261,13 @@ void WorldPlayer::addSoft(const Step& s) {
     network = nudged(*network, options_.nudge, random);
   }
   Result<SoftBody*> body = system->createBody(network, settings);
-  // what is refused is not there; the laws are about what has been accepted
+  // a body with invalid settings is not created; the laws are about valid ones
   if (!body) return;
   softs_[s.id] = {*body, index};
   if (s.is("shared")) (*body)->point(0);
 }
 
-// --- joints, and what Bullet calls by other names ----------------------------------------------------------
+// --- joints and other kinds of objects ---------------------------------------------------------------------
 
 namespace {
 
@@ -349,9 +350,9 @@ void WorldPlayer::addMultiBody(const Step& s) {
   }
   body.finalizeMultiDof();
   world->addMultiBody(&body);
-  btAlignedObjectArray<btQuaternion> turns;
-  btAlignedObjectArray<btVector3> places;
-  body.forwardKinematics(turns, places);
+  btAlignedObjectArray<btQuaternion> rotations;
+  btAlignedObjectArray<btVector3> positions;
+  body.forwardKinematics(rotations, positions);
   for (int i = -1; i < links; ++i) {
     auto collider = std::make_unique<btMultiBodyLinkCollider>(&body, i);
     collider->setCollisionShape(made.shapes[static_cast<std::size_t>(i + 1)].shape.get());
@@ -363,7 +364,7 @@ void WorldPlayer::addMultiBody(const Step& s) {
       body.getLink(i).m_collider = collider.get();
     made.colliders.push_back(std::move(collider));
   }
-  body.updateCollisionObjectWorldTransforms(turns, places);
+  body.updateCollisionObjectWorldTransforms(rotations, positions);
 }
 
 void WorldPlayer::addGhost(const Step& s) {
@@ -414,9 +415,9 @@ void WorldPlayer::addVehicle(const Step& s) {
   made.vehicle = std::make_unique<btRaycastVehicle>(tuning, rigids_[s.id].body.get(), made.raycaster.get());
   made.vehicle->setCoordinateSystem(0, 1, 2);
   for (int i = 0; i < 4; ++i) {
-    const Vector3d place((i & 1 ? 1 : -1) * size.x(), 0, (i & 2 ? 1 : -1) * size.z());
-    made.vehicle->addWheel(toBt(place), btVector3(0, -1, 0), btVector3(-1, 0, 0), toBt(0.4 * size.y() + 0.2),
-                           toBt(0.3 * size.y() + 0.1), tuning, (i & 2) != 0);
+    const Vector3d position((i & 1 ? 1 : -1) * size.x(), 0, (i & 2 ? 1 : -1) * size.z());
+    made.vehicle->addWheel(toBt(position), btVector3(0, -1, 0), btVector3(-1, 0, 0),
+                           toBt(0.4 * size.y() + 0.2), toBt(0.3 * size.y() + 0.1), tuning, (i & 2) != 0);
     made.vehicle->applyEngineForce(toBt(s["engine"]), i);
   }
   made.vehicle->setSteeringValue(toBt(s["steering"]), 2);

@@ -7,7 +7,7 @@
 namespace limber::fuzz {
 namespace {
 
-/// What a sanitizer calls the crash, so that a story is not shrunk into another bug.
+/// Returns the sanitizer's name of the crash, so that shrinking does not end at another bug.
 std::string crashKind(const Verdict& verdict) {
   if (verdict.law != "crash") return {};
   const std::size_t at = verdict.detail.find("AddressSanitizer: ");
@@ -22,7 +22,7 @@ class Shrinker {
       : story_(story), law_(verdict.law), crash_(crashKind(verdict)), effort_(effort) {}
 
   Story run() {
-    // until no single change is left; each round is some hundred short plays
+    // until no single change succeeds; each round takes some hundred short plays
     for (int round = 0; round < 6; ++round) {
       const std::string before = toText(story_);
       dropChunks();
@@ -34,16 +34,16 @@ class Shrinker {
   }
 
  private:
-  /// Takes the first of these stories that fails alike.
+  /// Replaces the story by the first of `tries` that fails in the same manner, if there is one.
   bool takeFirst(const std::vector<Story>& tries) {
     std::size_t best = tries.size();
-    // no more at a time than are played at once: the first that fails ends it
+    // as many at a time as processes; the search ends at the first failing batch
     for (std::size_t i = 0; i < tries.size() && best == tries.size();
          i += static_cast<std::size_t>(effort_.jobs)) {
       const std::size_t last = std::min(tries.size(), i + static_cast<std::size_t>(effort_.jobs));
-      const std::vector<Story> few(tries.begin() + static_cast<std::ptrdiff_t>(i),
-                                   tries.begin() + static_cast<std::ptrdiff_t>(last));
-      judge(few, effort_, [&](std::size_t index, const Verdict& verdict) {
+      const std::vector<Story> batch(tries.begin() + static_cast<std::ptrdiff_t>(i),
+                                     tries.begin() + static_cast<std::ptrdiff_t>(last));
+      judge(batch, effort_, [&](std::size_t index, const Verdict& verdict) {
         if (verdict.law == law_ && crashKind(verdict) == crash_) best = std::min(best, i + index);
       });
     }
@@ -52,33 +52,33 @@ class Shrinker {
     return true;
   }
 
-  /// Delta debugging: halves, quarters, ... single steps.
+  /// Removes halves, then quarters, ..., then single steps (delta debugging).
   void dropChunks() {
     for (std::size_t size = std::max<std::size_t>(1, story_.steps.size() / 2);; size /= 2) {
       for (std::size_t end = story_.steps.size(); end > 0;) {
         const std::size_t begin = end > size ? end - size : 0;
-        Story less = story_;
-        less.steps.erase(less.steps.begin() + static_cast<std::ptrdiff_t>(begin),
-                         less.steps.begin() + static_cast<std::ptrdiff_t>(end));
-        takeFirst({less});
+        Story reduced = story_;
+        reduced.steps.erase(reduced.steps.begin() + static_cast<std::ptrdiff_t>(begin),
+                            reduced.steps.begin() + static_cast<std::ptrdiff_t>(end));
+        takeFirst({reduced});
         end = std::min(begin, story_.steps.size());
       }
       if (size <= 1) return;
     }
   }
 
-  /// Fewer frames, all that happens earlier.
+  /// Tries fewer frames, and all steps earlier.
   void cutFrames() {
     const auto time = std::find_if(story_.steps.begin(), story_.steps.end(),
                                    [](const Step& s) { return s.kind == Kind::Time; });
     if (time == story_.steps.end()) return;
     const auto index = static_cast<std::size_t>(time - story_.steps.begin());
-    for (double share : {0.25, 0.5, 0.75, 0.9, 0.97}) {
+    for (double fraction : {0.25, 0.5, 0.75, 0.9, 0.97}) {
       const int frames = story_.steps[index].whole("frames");
       Story shorter = story_;
-      shorter.steps[index].set("frames", std::floor(frames * share));
+      shorter.steps[index].set("frames", std::floor(frames * fraction));
       while (takeFirst({shorter}))
-        shorter.steps[index].set("frames", std::floor(story_.steps[index].whole("frames") * share));
+        shorter.steps[index].set("frames", std::floor(story_.steps[index].whole("frames") * fraction));
     }
     Story earlier = story_;
     for (Step& s : earlier.steps)
@@ -86,7 +86,7 @@ class Shrinker {
     takeFirst({earlier});
   }
 
-  /// Standard values, then none, then shorter numbers.
+  /// Tries standard values for whole fields, then for single components, then shorter numbers.
   void simplify() {
     for (std::size_t i = 0; i < story_.steps.size(); ++i) {
       trySet(i, [](Step& s) { s.phase = Phase::Between; });

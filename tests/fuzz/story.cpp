@@ -247,7 +247,7 @@ Step Story::first(Kind kind) const {
 
 namespace {
 
-/// The shortest text that reads back as the same number.
+/// Returns the shortest text that is read back as the same number.
 std::string shortest(double value) {
   char text[40];
   for (int digits = 1; digits <= 17; ++digits) {

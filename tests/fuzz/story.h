@@ -11,7 +11,7 @@
 
 namespace limber::fuzz {
 
-/// What a step of a story does. The first group builds the scene, the second is the user at work.
+/// Kinds of steps. The first group builds the scene, the second is the user's actions.
 enum class Kind : std::uint8_t {
   World,
   Time,
@@ -57,7 +57,7 @@ enum class Kind : std::uint8_t {
 };
 inline constexpr std::size_t kKinds = static_cast<std::size_t>(Kind::System) + 1;
 
-/// When a user's step happens: between two calls of stepSimulation(), or from within Bullet or Limber.
+/// Time of a user's step: between two calls of stepSimulation(), or in a callback of Bullet or Limber.
 enum class Phase : std::uint8_t { Between, PreTick, Tick, Listener, Action };
 inline constexpr std::size_t kPhases = 5;
 
@@ -66,7 +66,7 @@ struct Unit {
   int kg = 0, m = 0, s = 0;
 };
 
-/// How a field follows when the scene is moved, rotated or mirrored.
+/// How a field changes when the scene is moved, rotated or mirrored.
 enum class Role : std::uint8_t {
   Number,
   Choice,     ///< index of one of `choices`
@@ -82,7 +82,7 @@ struct Field {
   std::string name;
   Role role = Role::Number;
   Unit unit;
-  std::array<double, 3> standard{};  ///< the value that is not printed
+  std::array<double, 3> standard{};  ///< default; toText() leaves it out
   std::vector<std::string> choices;
   std::size_t offset = 0;  ///< of its first number in Step::values
 
@@ -93,12 +93,12 @@ const std::string& nameOf(Kind kind);
 const std::string& nameOf(Phase phase);
 const std::vector<Field>& fieldsOf(Kind kind);
 
-/// One step: plain numbers, which the fields of its kind name. A step that refers to something that does not
-/// exist does nothing, so any step may be left out of a story.
+/// One step: numbers, one or three for each field of its kind. A step that refers to an object that does not
+/// exist does nothing, so any step may be removed from a story.
 struct Step {
   Kind kind = Kind::World;
-  int id = 0;   ///< of what it creates, 0: nothing
-  int at = -1;  ///< the frame it happens in; -1: before the first
+  int id = 0;   ///< of the object that it creates, 0: none
+  int at = -1;  ///< frame in which it is done; -1: before the first
   Phase phase = Phase::Between;
   std::vector<double> values;
 
@@ -113,17 +113,17 @@ struct Step {
   Step& choose(const char* field, const std::string& choice);
 };
 
-/// A scene and what happens in it, in order.
+/// A scene and the user's actions in it, in order.
 struct Story {
   std::uint64_t seed = 0;
   std::vector<Step> steps;
 
-  /// The first step of a kind, or one with the standard values.
+  /// Returns the first step of a kind, or one with the standard values if there is none.
   Step first(Kind kind) const;
 };
 
 std::string toText(const Story& story);
-/// Reads what toText() writes. Throws std::runtime_error with the line that it does not understand.
+/// Reads the text of toText(). Throws std::runtime_error with the first invalid line.
 Story fromText(const std::string& text);
 
 }  // namespace limber::fuzz

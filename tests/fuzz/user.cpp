@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// What the user of a story does to the world, but for taking things away (user_removes.cpp).
+// The actions of the user of a story, except removals (user_removes.cpp).
 #include "fuzz/world_player.h"
 
 #include <limber/surface_hit.h>
@@ -13,7 +13,7 @@ std::uint32_t pointOf(const SoftBody& body, int point) {
   return static_cast<std::uint32_t>(std::abs(point)) % body.pointCount();
 }
 
-/// Draws nowhere, but reads all.
+/// Draws nothing, but reads all lines.
 struct CountingDrawer : btIDebugDraw {
   void drawLine(const btVector3& a, const btVector3& b, const btVector3&) override {
     sum += double(a.x() + b.y());
@@ -28,7 +28,7 @@ struct CountingDrawer : btIDebugDraw {
   double sum = 0.0;
 };
 
-/// Lets through what Bullet's masks do, but for objects whose unique ids differ in their parity.
+/// Bullet's masks, and optionally no pair of objects whose unique ids differ in parity.
 struct ParityFilter : btOverlapFilterCallback {
   explicit ParityFilter(bool byParity) : byParity_(byParity) {}
   bool needBroadphaseCollision(btBroadphaseProxy* a, btBroadphaseProxy* b) const override {
@@ -41,7 +41,7 @@ struct ParityFilter : btOverlapFilterCallback {
 
 bool isScene(Kind kind) { return kind <= Kind::Vehicle; }
 
-/// What a contact listener is allowed to do.
+/// Actions that a contact listener may perform.
 bool allowedInListener(Kind kind) {
   switch (kind) {
     case Kind::Push:
@@ -150,7 +150,7 @@ void WorldPlayer::build(const Step& s) {
   }
 }
 
-/// A rigid body, a point of a soft one, or with a point below 0 its surface object.
+/// Returns a rigid body, or point `point` of a soft one; for a negative `point` its surface object.
 btRigidBody* WorldPlayer::bodyOf(int id, int point) {
   if (RigidObject* object = rigid(id)) return object->body.get();
   SoftBody* body = livingSoft(id);
@@ -181,7 +181,7 @@ void WorldPlayer::touchSprings(const Step& s) {
       if (const SoftBody* body = livingSoft(made.ends[i]))
         made.points[i] = pointOf(*body, s.whole(names[i][1]));
       ends[i] = {bodyOf(made.ends[i], static_cast<int>(made.points[i])), toBt(s.vec(names[i][2]))};
-      // a point has no inside
+      // a point mass has no extent, so its pivot is 0
       if (livingSoft(made.ends[i])) ends[i].pivot.setZero();
       if (made.ends[i] && !ends[i].body) return;
     }
@@ -239,7 +239,7 @@ void WorldPlayer::push(const Step& s) {
   const std::string& kind = s.choice("kind");
   body->activate();
   if (kind == "impulse") body->applyImpulse(push, off);
-  // for a sixtieth of a second as much as the impulse
+  // a force that gives the same impulse in 1/60 s
   else if (kind == "force")
     body->applyForce(push * btScalar(60), off);
   else if (kind == "torque")
@@ -303,7 +303,7 @@ void WorldPlayer::changeRigid(const Step& s) {
     body->updateInertiaTensor();
     return;
   }
-  // Bullet keeps what it found out about the old shape in the pairs: out of the world and back in
+  // Bullet caches data of the old shape in the pairs, so the body is removed and added again
   if (!object || phase_ == Phase::Listener || vehicles_.count(s.whole("of"))) return;
   const bool inWorld = body->isInWorld();
   if (s.kind == Kind::Scaling && object->shape.shape) {
@@ -345,7 +345,7 @@ void WorldPlayer::changeFlags(const Step& s) {
   RigidObject* object = rigid(s.whole("of"));
   if (!body) return;
   const std::string& name = s.choice("flag");
-  // what Bullet's objects become between ticks, with a vehicle or a joint on them, is the user's own trouble
+  // changing these flags of a body with a vehicle or a joint is the user's error
   if (name != "no-response" && (!object || vehicles_.count(s.whole("of")))) return;
   int flag = btCollisionObject::CF_NO_CONTACT_RESPONSE;
   if (name == "static") flag = btCollisionObject::CF_STATIC_OBJECT;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// How the user of a story takes things out of the world, and how the world ends.
+// Removal of objects by the user of a story, and destruction of the world.
 #include "fuzz/world_player.h"
 
 namespace limber::fuzz {
@@ -18,7 +18,7 @@ void WorldPlayer::forgetEverywhere(btRigidBody& body) {
     if (system) system->forget(body);
 }
 
-/// The springs whose end has gone: Limber has deleted them.
+/// Forgets springs of a removed body; Limber has deleted them.
 void WorldPlayer::forgetSpringsOn(int id) {
   for (auto it = springs_.begin(); it != springs_.end();)
     if (it->second.ends[0] == id || it->second.ends[1] == id)
@@ -45,7 +45,7 @@ void WorldPlayer::removeVehicle(int id) {
   vehicles_.erase(it);
 }
 
-// --- one thing ---------------------------------------------------------------------------------------------
+// --- single objects ----------------------------------------------------------------------------------------
 
 void WorldPlayer::destroy(const Step& s) {
   const int id = s.whole("of");
@@ -59,7 +59,7 @@ void WorldPlayer::destroy(const Step& s) {
     systemOf(spring->second.system)->removeSpring(spring->second.spring);
     springs_.erase(spring);
   }
-  // characters are actions, and Bullet walks its actions
+  // characters are actions, and Bullet is iterating over its actions in the other phases
   if (phase_ != Phase::Between) return;
   if (const auto ghost = ghosts_.find(id); ghost != ghosts_.end()) {
     if (ghost->second.character) world_->removeAction(ghost->second.character.get());
@@ -76,14 +76,14 @@ void WorldPlayer::destroySoft(int id, const std::string& how, std::uint32_t poin
     forgetSpringsOn(id);
     return;
   }
-  // a listener may remove rigid bodies and destroy soft ones, no more
+  // a listener may only remove rigid bodies and destroy soft ones
   if (phase_ == Phase::Listener) return;
-  btRigidBody* gone = how == "delete-object" ? object.body->surfaceObject() : nullptr;
-  if (!gone) gone = object.body->point(point);
-  if (!gone) return;
-  const bool isPoint = gone != object.body->surfaceObject();
-  if (gone->isInWorld()) world_->removeRigidBody(gone);
-  delete gone;
+  btRigidBody* removed = how == "delete-object" ? object.body->surfaceObject() : nullptr;
+  if (!removed) removed = object.body->point(point);
+  if (!removed) return;
+  const bool isPoint = removed != object.body->surfaceObject();
+  if (removed->isInWorld()) world_->removeRigidBody(removed);
+  delete removed;
   for (auto it = springs_.begin(); isPoint && it != springs_.end();) {
     const SpringObject& spring = it->second;
     const bool onPoint = (spring.ends[0] == id && spring.points[0] == point) ||
@@ -128,7 +128,7 @@ void WorldPlayer::enter(const Step& s) {
     world_->addRigidBody(object->body.get());
 }
 
-/// Steps for the systems themselves, their listener, their hook.
+/// Performs steps on the systems, their listener or their callback.
 void WorldPlayer::changeSystem(const Step& s) {
   if (s.kind == Kind::Hook) {
     if (s.choice("what") == "overwrite") {
@@ -158,24 +158,24 @@ void WorldPlayer::changeSystem(const Step& s) {
     systems_[index].reset();
   else
     system->removeAll();
-  const auto isGone = [&](const auto& entry) { return entry.second.system == index; };
-  std::vector<int> gone;
+  const auto isRemoved = [&](const auto& entry) { return entry.second.system == index; };
+  std::vector<int> removed;
   for (const auto& entry : softs_)
-    if (isGone(entry)) gone.push_back(entry.first);
-  for (const int id : gone) softs_.erase(id);
-  // with them those of other systems that they hung on
+    if (isRemoved(entry)) removed.push_back(entry.first);
+  for (const int id : removed) softs_.erase(id);
+  // springs of other systems that were attached to the removed bodies
   for (auto it = springs_.begin(); it != springs_.end();) {
     const auto& ends = it->second.ends;
-    const bool hung =
-        std::find_first_of(std::begin(ends), std::end(ends), gone.begin(), gone.end()) != std::end(ends);
-    it = isGone(*it) || hung ? springs_.erase(it) : std::next(it);
+    const bool wasAttached = std::find_first_of(std::begin(ends), std::end(ends), removed.begin(),
+                                                removed.end()) != std::end(ends);
+    it = isRemoved(*it) || wasAttached ? springs_.erase(it) : std::next(it);
   }
 }
 
 // --- everything --------------------------------------------------------------------------------------------
 
 void WorldPlayer::tearDown() {
-  // steps of ticks that have not come
+  // steps that are not performed yet are dropped
   done_.assign(done_.size(), 1);
   const std::string& order = settings_.choice("teardown");
   if (order == "hello-world" || order == "hello-system") {
@@ -226,7 +226,8 @@ void WorldPlayer::tearDown() {
   world_.reset();
 }
 
-/// The clean-up loop of Bullet's HelloWorld and of CommonRigidBodyBase: every collision object goes.
+/// Runs the clean-up loop of Bullet's HelloWorld and CommonRigidBodyBase, which deletes every collision
+/// object.
 void WorldPlayer::helloWorldLoop() {
   for (auto& [id, joint] : joints_) world_->removeConstraint(joint.joint.get());
   joints_.clear();
@@ -234,7 +235,7 @@ void WorldPlayer::helloWorldLoop() {
   vehicles_.clear();
   for (auto& [id, ghost] : ghosts_)
     if (ghost.character) world_->removeAction(ghost.character.get());
-  // what springs hold on to must outlive them
+  // springs must be removed before the bodies at their ends
   for (auto& [id, object] : rigids_) forgetEverywhere(*object.body);
   if (auto* world = dynamic_cast<btMultiBodyDynamicsWorld*>(world_.get()))
     for (auto& [id, object] : multiBodies_) world->removeMultiBody(object.body.get());
@@ -273,7 +274,7 @@ void WorldPlayer::removeRest() {
     fail("emptied", std::to_string(world_->getNumCollisionObjects()) + " objects are left in the world");
 }
 
-/// Without soft bodies and springs the world is as Limber found it.
+/// Checks that the world without soft bodies and springs is as before Limber.
 void WorldPlayer::checkEmptied() {
   int objects = static_cast<int>(ghosts_.size());
   for (auto& [id, object] : rigids_) objects += object.body->isInWorld();
@@ -285,7 +286,7 @@ void WorldPlayer::checkEmptied() {
   for (auto& system : systems_)
     if (system && system->hookState() != HookState::Idle)
       fail("callbacks", "an empty system is still hooked");
-  // without a soft body in the world nobody can tell whether it still exists, until it ticks
+  // in a world without soft bodies the system notices only at a tick that it is not needed
   if (preTickSlot(*world_) != slot_) world_->stepSimulation(btScalar(1.0 / 60), 0);
   if (preTickSlot(*world_) != slot_)
     fail("callbacks", "the user's pre-tick callback is not back after a tick");

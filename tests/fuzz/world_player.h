@@ -15,12 +15,12 @@
 
 namespace limber::fuzz {
 
-/// Members go in the reverse of their order: the body before its shape.
+/// Members are destroyed in reverse order: the body before its shape.
 struct RigidObject {
   OwnedShape shape;
   std::unique_ptr<btMotionState> state;
   std::unique_ptr<btRigidBody> body;
-  bool moves = false;  ///< kinematic: by velocity and spin
+  bool moves = false;  ///< kinematic, moved with `velocity` and `spin`
   Eigen::Vector3d velocity = Eigen::Vector3d::Zero(), spin = Eigen::Vector3d::Zero();
   int group = 0, mask = -1;
 };
@@ -59,13 +59,13 @@ struct VehicleObject {
   std::unique_ptr<btRaycastVehicle> vehicle;
 };
 
-/// Bodies of the motion kinematic-state are moved through it, Bullet's own idiom.
+/// Moves a body of the motion "kinematic-state" through its motion state, as Bullet recommends.
 void moveState(btMotionState& state, const btTransform& to);
 
-/// Bullet has no getter for it.
+/// Returns the world's pre-tick callback, for which Bullet has no getter.
 btInternalTickCallback preTickSlot(const btDynamicsWorld& world);
 
-/// A world in which a story is played, and the user who does what it says.
+/// A world that plays a story, and the user who performs its steps.
 class WorldPlayer {
  public:
   WorldPlayer(const Story& story, const PlayOptions& options);
@@ -75,7 +75,7 @@ class WorldPlayer {
 
   Run run();
 
-  /// Does those steps of the story that are due in a phase of the present frame.
+  /// Performs the steps of the story for a phase of the current frame.
   void perform(Phase phase);
   void preTick(btScalar tick);
 
@@ -120,7 +120,7 @@ class WorldPlayer {
   void removeJointsOn(int id);
   void removeVehicle(int id);
 
-  // looking after each frame, observe.cpp
+  // checks after each frame, player.cpp
   void observe();
   void observeSoft(int id, const SoftBody& body, Frame& frame);
   void observeContacts(int id, SoftBody& body);
@@ -129,7 +129,7 @@ class WorldPlayer {
   bool softIsNearRigid() const;
   int touchingRigidPairs() const;
 
-  // the end, teardown.cpp
+  // the end, user_removes.cpp
   void tearDown();
   void helloWorldLoop();
   void removeRest();
@@ -149,9 +149,9 @@ class WorldPlayer {
   Step settings_, clock_;
   Run result_;
   int frame_ = -1;
-  int rigidPairs_ = 0;  ///< the most that have touched in a tick of the present frame but the last
+  int rigidPairs_ = 0;  ///< largest number in the ticks of this frame so far, without the last
   Phase phase_ = Phase::Between;
-  std::vector<char> done_;                 ///< for each step of the story
+  std::vector<char> done_;                 ///< for each step of the story, whether it has been performed
   btInternalTickCallback slot_ = nullptr;  ///< the user's own pre-tick callback
 
   std::unique_ptr<btGhostPairCallback> ghostPairs_;

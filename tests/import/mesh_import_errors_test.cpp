@@ -33,7 +33,7 @@ std::string binaryPly(const std::vector<float>& coordinates, const std::vector<i
   return bytes;
 }
 
-/// Imports `content` as a file of that name and expects an error that holds the path and `reason`.
+/// Imports `content` as a file named `name` and expects an error that contains the path and `reason`.
 void expectError(const std::string& name, const std::string& content, const std::string& reason) {
   const TemporaryFolder folder;
   const std::string path = folder.write(name, content);
@@ -124,7 +124,7 @@ TEST(MeshImportErrors, infinitePosition) {
   const std::string reason = "the position of vertex 1 is not finite";
   expectError("a.obj", "v 0 0 0\nv inf 0 0\nv 0 1 0\nf 1 2 3\n", reason);
   expectError("a.obj", "v 0 0 0\nv 1e300 0 0\nv 0 1 0\nf 1 2 3\n",
-              reason);  // beyond what assimp's floats hold
+              reason);  // too large for assimp's floats
   expectError("a.ply", plyHeader("ascii", 3, 1) + "0 0 0\n-inf 0 0\n0 1 0\n3 0 1 2\n", reason);
 }
 

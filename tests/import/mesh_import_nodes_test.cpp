@@ -25,7 +25,7 @@ std::string floats(const std::string& id, const std::string& axes, const std::st
          "</accessor></technique_common></source>";
 }
 
-/// A right-angled triangle in the plane z = 0 with normals (1, 0, 1) / sqrt(2), with or without uvs.
+/// Returns a right-angled triangle in the plane z = 0 with normals (1, 0, 1) / sqrt(2), with or without uvs.
 std::string geometry(const std::string& id, bool withUvs) {
   const std::string uvs = withUvs ? floats(id + "-t", "ST", "0 0 1 0 0 1", 3) : "";
   const std::string uvInput =
@@ -39,7 +39,7 @@ std::string geometry(const std::string& id, bool withUvs) {
          "<p>0 1 2</p></triangles></mesh></geometry>";
 }
 
-/// A COLLADA file with the geometries "plain" and "textured" and the given nodes.
+/// Returns a COLLADA file with the geometries "plain" and "textured" and the given nodes.
 std::string collada(const std::string& nodes) {
   return "<?xml version=\"1.0\"?><COLLADA xmlns=\"http://www.collada.org/2005/11/COLLADASchema\" "
          "version=\"1.4.1\">"
@@ -144,6 +144,6 @@ TEST(MeshImportNodes, missingChildrenAreNoChildren) {
   const std::string groups = "one\n0 0 0 1 0 0 0 1 0\ntwo\n0 0 1 1 0 1 0 1 1\n";
   const Result<TriangleMesh> mesh = limber::importMesh(folder.write("groups.raw", groups));
   ASSERT_TRUE(mesh) << mesh.error();
-  // assimp's reader may lose a group on the way: what it names is there
+  // assimp's reader may lose a group before this code
   EXPECT_GE(mesh->triangles.size(), 1u);
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// How faces of more than three corners become triangles.
+// Triangulation of faces with more than three corners.
 #include <limber/mesh_import.h>
 #include <limber/mesh_weld.h>
 
@@ -20,7 +20,7 @@ using limber::test::kPi;
 
 namespace {
 
-/// A file of one face with these corners.
+/// Imports a file of one face with these corners.
 TriangleMesh importPolygon(const std::vector<Vector3d>& corners) {
   std::ostringstream obj;
   obj.precision(9);
@@ -38,8 +38,8 @@ Vector3d areaVector(const TriangleMesh& mesh, const Triangle& t) {
   return (mesh.positions[t[1]] - a).cross(mesh.positions[t[2]] - a) / 2.0;
 }
 
-/// n - 2 triangles that all face along `normal` and have the area of the polygon together: then they cover
-/// it, and none lies outside.
+/// Expects n - 2 triangles that all face along `normal` and together have the polygon's area. So they cover
+/// it, and none is outside.
 void expectCovers(const std::vector<Vector3d>& corners, const Vector3d& normal, double area) {
   const TriangleMesh mesh = importPolygon(corners);
   EXPECT_EQ(mesh.triangles.size(), corners.size() - 2);
@@ -73,18 +73,18 @@ TEST(MeshImportPolygons, convexPolygonIsAFan) {
 TEST(MeshImportPolygons, concaveQuad) {
   const std::vector<Vector3d> arrow{{0, 0, 0}, {2, 0, 0}, {2, 2, 0}, {1.5, 0.5, 0}};
   for (std::size_t first = 0; first < 4; ++first) {
-    std::vector<Vector3d> turned = arrow;
-    std::rotate(turned.begin(), turned.begin() + static_cast<std::ptrdiff_t>(first), turned.end());
-    expectCovers(turned, {0, 0, 1}, 1.0);
+    std::vector<Vector3d> rotated = arrow;
+    std::rotate(rotated.begin(), rotated.begin() + static_cast<std::ptrdiff_t>(first), rotated.end());
+    expectCovers(rotated, {0, 0, 1}, 1.0);
   }
 }
 
 TEST(MeshImportPolygons, starsInAnyPlane) {
   for (const Vector3d& normal :
        {Vector3d(0, 0, 1), Vector3d(0, 0, -1), Vector3d(1, 0, 0), Vector3d(0, -1, 0), Vector3d(-1, 2, 0.5)}) {
-    const Eigen::Quaterniond turn = Eigen::Quaterniond::FromTwoVectors(Vector3d::UnitZ(), normal);
+    const Eigen::Quaterniond rotation = Eigen::Quaterniond::FromTwoVectors(Vector3d::UnitZ(), normal);
     std::vector<Vector3d> corners = starPolygon(7);
-    for (Vector3d& corner : corners) corner = turn * corner + Vector3d(3, 4, 5);
+    for (Vector3d& corner : corners) corner = rotation * corner + Vector3d(3, 4, 5);
     expectCovers(corners, normal, starArea(7));
   }
 }

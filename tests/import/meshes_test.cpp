@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// The committed meshes: sound, of the promised shape and count, and exactly what their generator writes.
+// The committed meshes must be valid, have the documented shapes and counts, and equal the generator's
+// output.
 #include <limber/mesh_import.h>
 #include <limber/network_builder.h>
 
@@ -26,13 +27,12 @@ struct Expected {
   const char* name;
   std::size_t points, triangles, springs, braces;
   int eulerCharacteristic;
-  double
-      volume;  ///< cubic metres; that of the polyhedron or, where the tolerance is large, of the smooth shape
-  double tolerance;  ///< part of the volume
-  Vector3d size;     ///< metres
+  double volume;     ///< m^3, of the polyhedron or, if the tolerance is large, of the smooth shape
+  double tolerance;  ///< as a fraction of the volume
+  Vector3d size;     ///< m
 };
 
-/// A prism over a regular polygon: height * n / 2 * r^2 * sin(2 pi / n).
+/// Returns the volume of a prism over a regular polygon: height * n / 2 * r^2 * sin(2 pi / n).
 double cylinderVolume() { return 6.0 * 0.35 * 0.35 * std::sin(kPi / 6.0); }
 
 void PrintTo(const Expected& expected, std::ostream* out) { *out << expected.name; }
@@ -47,7 +47,8 @@ std::string readFile(const std::string& path) {
   return content.str();
 }
 
-/// Divergence theorem: the sum of the signed volumes of the tetrahedra between the triangles and the origin.
+/// Returns the volume by the divergence theorem: the sum of the signed volumes of the tetrahedra between the
+/// triangles and the origin.
 double signedVolume(const SpringNetwork& network) {
   double volume = 0.0;
   for (const limber::Triangle& t : network.surface) {

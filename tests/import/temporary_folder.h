@@ -3,7 +3,7 @@
 
 #include <string>
 
-/// A folder of its own for each test, gone when the test ends.
+/// A new folder for one test, removed by the destructor.
 class TemporaryFolder {
  public:
   TemporaryFolder();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// The renderer as a guest in a program's own context.
+// The renderer in a context that belongs to another program.
 #include "gl_state.h"
 
 #include <array>
@@ -14,7 +14,7 @@
 namespace limber::render::test {
 namespace {
 
-// A program with a context, a framebuffer and habits of its own.
+// A program with its own context and framebuffer, which can set unusual OpenGL state.
 struct Program {
   std::unique_ptr<GlContext> context = createContext();
   Gl gl = loadGl(*context);
@@ -36,8 +36,8 @@ struct Program {
     gl.NamedFramebufferTexture(framebuffer.name(), GL_COLOR_ATTACHMENT0, colour.name(), 0);
   }
 
-  // Everything that could spoil somebody else's picture.
-  void setHabits() {
+  // Sets all state that could change the renderer's picture.
+  void setUnusualState() {
     for (const GLenum cap : std::initializer_list<GLenum>{
              GL_SCISSOR_TEST, GL_STENCIL_TEST, GL_BLEND, GL_CULL_FACE, GL_POLYGON_OFFSET_FILL,
              GL_PRIMITIVE_RESTART, GL_RASTERIZER_DISCARD, GL_COLOR_LOGIC_OP}) {
@@ -69,7 +69,7 @@ struct Program {
     gl.ActiveTexture(GL_TEXTURE5);
   }
 
-  std::unique_ptr<GlContext> lend() const {
+  std::unique_ptr<GlContext> adopted() const {
     return adoptContext([this](const char* name) { return context->getProcAddress(name); });
   }
 };
@@ -108,16 +108,16 @@ TEST(AdoptedContext, PicturesAreTheSameAndTheProgramsStateStays) {
   const Image expected = stage.renderer().readPixels();
 
   Program program;
-  const auto context = program.lend();
-  program.setHabits();
+  const auto context = program.adopted();
+  program.setUnusualState();
   const GlState before = readState(program.gl);
   Renderer renderer(*context, smallDesc());
   EXPECT_TRUE(equal(readState(program.gl), before)) << "made";
   const std::array<std::uint8_t, 4> white{255, 255, 255, 255};
   renderer.addTexture(1, 1, white.data());
   EXPECT_TRUE(equal(readState(program.gl), before)) << "texture added";
-  const InstanceId guest = renderer.addInstance(renderer.addShape(ball().shape));
-  drawBall(renderer, guest, stage);
+  const InstanceId adoptedId = renderer.addInstance(renderer.addShape(ball().shape));
+  drawBall(renderer, adoptedId, stage);
   EXPECT_TRUE(equal(readState(program.gl), before)) << "drawn";
   EXPECT_EQ(renderer.readPixels().rgba, expected.rgba);
   EXPECT_TRUE(equal(readState(program.gl), before)) << "read";
@@ -130,7 +130,7 @@ TEST(AdoptedContext, PicturesAreTheSameAndTheProgramsStateStays) {
 TEST(AdoptedContext, ThePictureComesUprightIntoTheProgramsFramebuffer) {
   Stage stage;
   Program program;
-  const auto context = program.lend();
+  const auto context = program.adopted();
   Renderer renderer(*context, smallDesc());
   const InstanceId id = renderer.addInstance(renderer.addShape(ball().shape));
   drawBall(renderer, id, stage);
@@ -138,11 +138,11 @@ TEST(AdoptedContext, ThePictureComesUprightIntoTheProgramsFramebuffer) {
   program.gl.Enable(GL_SCISSOR_TEST);
   renderer.blitTo(program.framebuffer.name(), 0, 0, kWidth, kHeight);
   program.gl.BindFramebuffer(GL_READ_FRAMEBUFFER, program.framebuffer.name());
-  Image theirs;
-  theirs.resize(kWidth, kHeight);
-  program.gl.ReadPixels(0, 0, kWidth, kHeight, GL_RGBA, GL_UNSIGNED_BYTE, theirs.rgba.data());
+  Image copied;
+  copied.resize(kWidth, kHeight);
+  program.gl.ReadPixels(0, 0, kWidth, kHeight, GL_RGBA, GL_UNSIGNED_BYTE, copied.rgba.data());
   for (int y = 0; y < kHeight; ++y) {
-    ASSERT_EQ(std::memcmp(theirs.pixel(0, y), picture.pixel(0, kHeight - 1 - y), 4 * kWidth), 0)
+    ASSERT_EQ(std::memcmp(copied.pixel(0, y), picture.pixel(0, kHeight - 1 - y), 4 * kWidth), 0)
         << "row " << y;
   }
   EXPECT_NE(renderer.texture(), 0u);

@@ -5,7 +5,7 @@
 
 namespace limber::render::test {
 
-/// How often operator new was called in this process so far.
+/// Returns the number of calls of operator new in this process so far.
 std::size_t allocationCount();
 
 }  // namespace limber::render::test

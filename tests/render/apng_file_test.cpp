@@ -114,11 +114,11 @@ TEST_F(ApngFile, OtherProgramsSeeTheFirstFrame) {
 }
 
 TEST_F(ApngFile, AlphaIsIgnored) {
-  Image glass = noise(1);
-  glass.pixel(4, 5)[3] = 0;
-  Image glassAgain = noise(2);
-  glassAgain.pixel(4, 5)[3] = 7;
-  write({glass, glassAgain});
+  Image transparent = noise(1);
+  transparent.pixel(4, 5)[3] = 0;
+  Image secondTransparent = noise(2);
+  secondTransparent.pixel(4, 5)[3] = 7;
+  write({transparent, secondTransparent});
   const Apng apng = readApng(path);
   EXPECT_EQ(apng.frames[0].shown.rgba, noise(1).rgba);
   EXPECT_EQ(apng.frames[1].shown.rgba, noise(2).rgba);
@@ -174,7 +174,7 @@ TEST_F(ApngFile, FullDiskIsAnErrorAndLeavesNoHalfFile) {
               expected);
     EXPECT_EQ(fileCount(), 0u);
   }
-  const FileSizeLimit limit(1000);  // Less than the buffer: this shows at the end alone.
+  const FileSizeLimit limit(1000);  // smaller than the buffer: the error occurs only at the end
   EXPECT_EQ(errorOf([&] { write({noise(1)}); }), expected);
   EXPECT_EQ(fileCount(), 0u);
 }

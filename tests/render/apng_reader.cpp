@@ -65,14 +65,14 @@ void appendChunk(Bytes& png, const Chunk& chunk) {
   append(png, crcOf(chunk));
 }
 
-// By libpng, as a picture of its own.
+// Decodes pixels with libpng, as a separate picture.
 Image decode(const Chunk& header, std::uint32_t width, std::uint32_t height, const Bytes& pixels) {
-  Chunk ownHeader{"IHDR", {}};
-  append(ownHeader.data, width);
-  append(ownHeader.data, height);
-  ownHeader.data.insert(ownHeader.data.end(), header.data.begin() + 8, header.data.end());
+  Chunk newHeader{"IHDR", {}};
+  append(newHeader.data, width);
+  append(newHeader.data, height);
+  newHeader.data.insert(newHeader.data.end(), header.data.begin() + 8, header.data.end());
   Bytes png = kSignature;
-  for (const Chunk& chunk : {ownHeader, Chunk{"IDAT", pixels}, Chunk{"IEND", {}}}) appendChunk(png, chunk);
+  for (const Chunk& chunk : {newHeader, Chunk{"IDAT", pixels}, Chunk{"IEND", {}}}) appendChunk(png, chunk);
   png_image reader{};
   reader.version = PNG_IMAGE_VERSION;
   require(png_image_begin_read_from_memory(&reader, png.data(), png.size()) != 0, reader.message);

@@ -10,9 +10,9 @@
 namespace limber::render {
 
 struct ApngFrame {
-  std::uint32_t width, height, x, y;  // of the part that is new
+  std::uint32_t width, height, x, y;  // of the part that changes
   std::uint16_t delayNumerator, delayDenominator;
-  Image shown;  // all of it, over what was there before
+  Image shown;  // the whole picture after this frame
 };
 
 struct Apng {
@@ -20,8 +20,8 @@ struct Apng {
   std::vector<ApngFrame> frames;
 };
 
-/// A reader of its own, for tests. Throws std::runtime_error with what breaks the format: a CRC, an order, a
-/// sequence number, a count, an area outside the picture.
+/// Reads an animated PNG independently of the library, for tests. Throws std::runtime_error with the error in
+/// the format: a CRC, an order, a sequence number, a count, an area outside the picture.
 Apng readApng(const std::string& path);
 
 }  // namespace limber::render

@@ -12,8 +12,8 @@
 namespace limber::render {
 namespace {
 
-// Largest absolute value of x and y in normalised device coordinates over the corners of a box.
-float reach(const Camera& camera, Vec3 min, Vec3 max, float aspect) {
+// Returns the largest absolute value of x and y in normalised device coordinates over the corners of a box.
+float largestCoordinate(const Camera& camera, Vec3 min, Vec3 max, float aspect) {
   const Mat4 matrix = perspective(camera.verticalFieldOfView, aspect, camera.nearPlane, camera.farPlane) *
                       lookAlong(camera.eye, unitOr(camera.target - camera.eye, {}), camera.up);
   float largest = 0.0f;
@@ -40,9 +40,9 @@ TEST(Camera, FrameBoxShowsTheWholeBoxWithoutMuchRoom) {
   for (const Vec3 direction :
        {Vec3{0.0f, 0.0f, 1.0f}, Vec3{1.0f, 0.7f, 0.3f}, Vec3{0.0f, 1.0f, 0.0f}, Vec3{0.0f, -3.0f, 0.0f}}) {
     for (const float aspect : {0.5f, 1.0f, 1.78f}) {
-      const float r = reach(frameBox(min, max, direction, aspect), min, max, aspect);
-      EXPECT_LE(r, 1.0f);
-      EXPECT_GE(r, 0.8f);
+      const float extent = largestCoordinate(frameBox(min, max, direction, aspect), min, max, aspect);
+      EXPECT_LE(extent, 1.0f);
+      EXPECT_GE(extent, 0.8f);
     }
   }
 }
@@ -53,7 +53,7 @@ TEST(Camera, AnOrbitSeesAllOfTheBoxFromEverySideAtOneDistance) {
       length(orbitBox(low, high, {1.0f, 0.5f, 0.2f}, 1.7f, 0.0f).eye - 0.5f * (low + high));
   for (int i = 0; i < 12; ++i) {
     const Camera camera = orbitBox(low, high, {1.0f, 0.5f, 0.2f}, 1.7f, 0.5236f * static_cast<float>(i));
-    EXPECT_LE(reach(camera, low, high, 1.7f), 1.0f) << i;
+    EXPECT_LE(largestCoordinate(camera, low, high, 1.7f), 1.0f) << i;
     EXPECT_NEAR(length(camera.eye - 0.5f * (low + high)), distance, 1e-4f);
   }
 }

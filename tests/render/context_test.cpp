@@ -36,7 +36,7 @@ TEST(Context, OsmesaAndEglDrawTheSameBytes) {
   }
   const Image osmesa = sceneOn(Backend::OSMesa);
   EXPECT_EQ(sceneOn(Backend::EglSurfaceless).rgba, osmesa.rgba);
-  // A GPU rounds in its own way, so it is a software device that is asked for.
+  // A GPU rounds differently, so only a software device is compared.
   ContextDesc desc;
   desc.backend = Backend::Egl;
   if (describeDriver(loadGl(*createContext(desc))).find("llvmpipe") != std::string::npos) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// Software rasterisers run vertex stages at once and fragment stages late. Only a shader that reads the
-// ring in its fragment stage can therefore show here what a missing fence does.
+// Software rasterisers run vertex stages at once and fragment stages later. So only a shader that reads the
+// ring in its fragment stage can show the effect of a missing fence here.
 #include <gtest/gtest.h>
 
 #include <array>
@@ -63,7 +63,7 @@ class FragmentFetch : public ::testing::Test {
       region.data[i] = static_cast<float>(valueOf(frame, i));
     }
   }
-  // One row of the picture per frame, so that all frames can be checked after the last.
+  // Draws one row of the picture per frame, so that all frames can be checked after the last.
   void drawRow(const StreamBuffer& buffer, const StreamFrame& region, int row) {
     gl.BindBufferRange(GL_SHADER_STORAGE_BUFFER, 0, buffer.name(), region.byteOffset,
                        kValues * static_cast<GLsizeiptr>(sizeof(float)));

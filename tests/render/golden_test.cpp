@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Zlib
-// Pictures against pictures that somebody has looked at. Software rasterisers of one version agree to the
-// last bit on one kind of processor; between kinds (reciprocals, fused multiplication) a few channels move by
-// some levels, and at an edge a pixel may go to the other side: a tolerance of 3, and a thousandth of the
-// pixels.
+// Pictures are compared with reference pictures that were checked by eye. Software rasterisers of one version
+// agree bit for bit on one kind of processor. Between kinds (reciprocals, fused multiplication) a few
+// channels differ by some levels, and a pixel at an edge may change sides: a tolerance of 3, and a thousandth
+// of the pixels.
 //
 // To renew them after a change of looks: LIMBER_RENEW_GOLDENS=1 limber_render_tests
-// --gtest_filter='*Golden*', then look at tests/render/goldens/*.png.
+// --gtest_filter='*Golden*', then check tests/render/goldens/*.png by eye.
 #include <cstdlib>
 #include <filesystem>
 #include <ostream>
@@ -54,14 +54,14 @@ Image draw(const GoldenCase& value) {
   return stage.picture(options);
 }
 
-double outlierShare(const Image& a, const Image& b) {
+double outlierFraction(const Image& a, const Image& b) {
   std::size_t outliers = 0;
   for (std::size_t i = 0; i < a.rgba.size(); i += 4) {
-    bool far = false;
+    bool isOutlier = false;
     for (std::size_t c = 0; c < 4; ++c) {
-      far = far || std::abs(int{a.rgba[i + c]} - int{b.rgba[i + c]}) > kTolerance;
+      isOutlier = isOutlier || std::abs(int{a.rgba[i + c]} - int{b.rgba[i + c]}) > kTolerance;
     }
-    outliers += far ? 1u : 0u;
+    outliers += isOutlier ? 1u : 0u;
   }
   return 4.0 * static_cast<double>(outliers) / static_cast<double>(a.rgba.size());
 }
@@ -78,12 +78,12 @@ TEST_P(Golden, LooksAsItDid) {
   const Image golden = readPng(path);
   ASSERT_EQ(golden.width, image.width);
   ASSERT_EQ(golden.height, image.height);
-  const double share = outlierShare(golden, image);
-  if (share > kOutliers) {
-    const std::string seen = std::filesystem::absolute(std::string(GetParam().name) + "-seen.png").string();
-    writePng(seen, image);
-    ADD_FAILURE() << 100.0 * share << " % of the pixels differ by more than " << kTolerance << " levels from "
-                  << path << "; what was drawn is in " << seen;
+  const double fraction = outlierFraction(golden, image);
+  if (fraction > kOutliers) {
+    const std::string file = std::filesystem::absolute(std::string(GetParam().name) + "-seen.png").string();
+    writePng(file, image);
+    ADD_FAILURE() << 100.0 * fraction << " % of the pixels differ by more than " << kTolerance
+                  << " levels from " << path << "; what was drawn is in " << file;
   }
 }
 

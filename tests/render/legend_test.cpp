@@ -11,7 +11,7 @@
 namespace limber::render::test {
 namespace {
 
-RendererDesc legible() {
+RendererDesc largeDesc() {
   RendererDesc desc = smallDesc();
   desc.width = 640;
   desc.height = 360;
@@ -29,24 +29,24 @@ int darkPixels(const Image& image, int x0, int y0, int x1, int y1) {
 }
 
 TEST(Legend, HasTheColoursOfTheMapFromEndToEnd) {
-  Stage stage(Backend::Auto, legible());
+  Stage stage(Backend::Auto, largeDesc());
   DrawOptions options;
   options.legends = {{ColourMap::Share, "0", "", "5 m/s"}};
   const Image image = stage.picture(options);
   const BarRectangle bar = barRectangle(0, 640, 360);
   const int y = static_cast<int>(bar.top + 0.3f * bar.height);
-  for (const float share : {0.02f, 0.33f, 0.6f, 0.98f}) {
-    const float x = std::floor(bar.left + share * bar.width);
+  for (const float fraction : {0.02f, 0.33f, 0.6f, 0.98f}) {
+    const float x = std::floor(bar.left + fraction * bar.width);
     const Vec3 colour = shareColour((x + 0.5f - bar.left) / bar.width);
     const std::uint8_t* pixel = image.pixel(static_cast<int>(x), y);
-    EXPECT_NEAR(pixel[0], 255.0f * colour.x, 2.0f) << share;
-    EXPECT_NEAR(pixel[1], 255.0f * colour.y, 2.0f) << share;
-    EXPECT_NEAR(pixel[2], 255.0f * colour.z, 2.0f) << share;
+    EXPECT_NEAR(pixel[0], 255.0f * colour.x, 2.0f) << fraction;
+    EXPECT_NEAR(pixel[1], 255.0f * colour.y, 2.0f) << fraction;
+    EXPECT_NEAR(pixel[2], 255.0f * colour.z, 2.0f) << fraction;
   }
 }
 
 TEST(Legend, NumbersStandAboveItsEnds) {
-  Stage stage(Backend::Auto, legible());
+  Stage stage(Backend::Auto, largeDesc());
   DrawOptions options;
   options.legends = {{ColourMap::Share, "1", "", ""}};
   const BarRectangle bar = barRectangle(0, 640, 360);

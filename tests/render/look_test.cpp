@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// What a picture has to show, tested by a few pixels far from any edge.
+// The contents of pictures, tested by a few pixels far from any edge.
 #include <array>
 #include <cmath>
 #include <cstdint>
@@ -15,7 +15,7 @@ void lookDown(Stage& stage) {
   stage.camera.up = {0.0f, 0.0f, -1.0f};
 }
 
-// A single-sided square facing up at height y; with its corners the other way round it faces down.
+// Returns a square facing up at height y; with its corners in reverse order it faces down.
 Scenery square(float halfSize, float y, bool facingUp, bool twoSided) {
   Scenery quad = makeFloor({0.0f, y, 0.0f}, halfSize);
   quad.shape.pattern = Pattern::Plain;
@@ -41,7 +41,7 @@ TEST(Look, BackgroundIsTheColourAskedForTopDown) {
 }
 
 TEST(Look, LightAddsUpLinearly) {
-  // Grey 0.5 in linear light is 188 in sRGB; a facing square with half the light must show that.
+  // 0.5 in linear light is 188 in sRGB; a square that receives half the light must have this value.
   Stage stage;
   lookDown(stage);
   stage.light = {};
@@ -80,14 +80,14 @@ TEST(Look, CounterClockwiseIsOutside) {
       Stage stage;
       lookDown(stage);
       stage.add(square(1.0f, 0.0f, facingUp, twoSided), {{0.5f, 0.1f, 0.1f}, {}});
-      const bool seen = std::abs(brightness(stage.picture(), kMiddleX, kMiddleY) - background) > 60;
-      EXPECT_EQ(seen, facingUp || twoSided) << facingUp << twoSided;
+      const bool visible = std::abs(brightness(stage.picture(), kMiddleX, kMiddleY) - background) > 60;
+      EXPECT_EQ(visible, facingUp || twoSided) << facingUp << twoSided;
     }
   }
 }
 
 TEST(Look, BothSidesOfClothAreLitAlike) {
-  // Seen from above with the sun above, a sheet looks the same whichever way it was wound.
+  // Seen from above with the sun above, a sheet looks the same for both orders of its corners.
   std::array<Image, 2> images;
   for (const bool facingUp : {true, false}) {
     for (const Shading shading : {Shading::Flat, Shading::Smooth}) {
@@ -114,7 +114,7 @@ TEST(Look, APointInShadowIsDarker) {
   stage.add(makeFloor({}, 4.0f), {{0.9f, 0.9f, 0.9f}, {}});
   stage.add(makeBox({1.0f, 1.0f, 0.0f}, {0.3f, 0.3f, 0.3f}));
   const Image lit = stage.picture();
-  // The box hangs at (1, 1, 0), so with the light at 45 degrees its shadow lies on the origin.
+  // The box is at (1, 1, 0), so with the light at 45 degrees its shadow is at the origin.
   EXPECT_LT(brightness(lit, kMiddleX, kMiddleY), brightness(lit, kMiddleX - 30, kMiddleY) - 100);
   stage.light.shadows = false;
   const Image unshadowed = stage.picture();
@@ -123,13 +123,13 @@ TEST(Look, APointInShadowIsDarker) {
 }
 
 TEST(Look, SlantedSurfacesHaveNoShadowAcne) {
-  // A lone convex body in grazing light: shadows may darken nothing that faces the sun clearly.
+  // A single convex body in grazing light: shadows must not darken surfaces that clearly face the sun.
   Stage stage;
   stage.light.towards = {1.0f, 0.15f, 0.2f};
   stage.add(makeBox({0.0f, 0.5f, 0.0f}, {0.8f, 0.5f, 0.8f}));
-  const Image with = stage.picture();
+  const Image shadowed = stage.picture();
   stage.light.shadows = false;
-  EXPECT_LE(largestDifference(with, stage.picture()), 1);
+  EXPECT_LE(largestDifference(shadowed, stage.picture()), 1);
 }
 
 TEST(Look, TextureColoursTheSurface) {
@@ -141,7 +141,7 @@ TEST(Look, TextureColoursTheSurface) {
   quad.shape.uvs = {0.0f, 1.0f, 1.0f, 1.0f, 1.0f, 0.0f, 0.0f, 0.0f};
   stage.add(quad, {{1.0f, 1.0f, 1.0f}, texture});
   const Image image = stage.picture();
-  // The first texture row has v = 0, which lies at the far edge, at the top of the picture.
+  // The first texture row has v = 0, which is at the far edge, at the top of the picture.
   const std::uint8_t* top = image.pixel(kMiddleX, kMiddleY - 7);
   const std::uint8_t* bottom = image.pixel(kMiddleX, kMiddleY + 7);
   EXPECT_GT(top[0], top[2] + 80);

@@ -15,7 +15,7 @@ Double3 pointAt(const std::vector<float>& points, std::uint32_t i) {
   return {points[3 * i], points[3 * i + 1], points[3 * i + 2]};
 }
 
-// Area-weighted, in double precision, with vertices welded to their points.
+// Returns area-weighted normals in double precision, with vertices welded to their points.
 std::vector<Double3> referenceNormals(const Scenery& scenery) {
   std::vector<Double3> sums(scenery.shape.pointCount, Double3{});
   const auto& map = scenery.shape.vertexToPoint;

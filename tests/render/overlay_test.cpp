@@ -9,7 +9,7 @@
 namespace limber::render::test {
 namespace {
 
-// Looking along -z from 5 m.
+// Looks along -z from 5 m.
 void lookAhead(Stage& stage) {
   stage.camera.eye = {0.0f, 0.0f, 5.0f};
   stage.camera.target = {};
@@ -21,12 +21,12 @@ Image pictureWith(Stage& stage, const Overlay& overlay, const DrawOptions& optio
   return stage.picture(options);
 }
 
-OverlayLine across(float z, Vec3 colour) { return {{-3.0f, 0.0f, z}, {3.0f, 0.0f, z}, colour, 4.0f}; }
+OverlayLine horizontalLine(float z, Vec3 colour) { return {{-3.0f, 0.0f, z}, {3.0f, 0.0f, z}, colour, 4.0f}; }
 
 TEST(Overlay, LinesHaveTheirOwnColourAndWidth) {
   Stage stage;
   lookAhead(stage);
-  const Image image = pictureWith(stage, {across(0.0f, {1.0f, 0.5f, 0.0f})});
+  const Image image = pictureWith(stage, {horizontalLine(0.0f, {1.0f, 0.5f, 0.0f})});
   const std::uint8_t* pixel = image.pixel(kMiddleX, kMiddleY);
   EXPECT_NEAR(pixel[0], 255, 1);
   EXPECT_NEAR(pixel[1], 128, 1);
@@ -44,11 +44,11 @@ TEST(Overlay, WhatIsHiddenIsFaint) {
   lookAhead(stage);
   stage.add(makeBox({}, {0.5f, 0.5f, 0.5f}), {{1.0f, 1.0f, 1.0f}, {}});
   const Image box = stage.picture();
-  const Image before = pictureWith(stage, {across(1.0f, {1.0f, 0.0f, 0.0f})});
-  const Image behind = pictureWith(stage, {across(-1.0f, {1.0f, 0.0f, 0.0f})});
+  const Image before = pictureWith(stage, {horizontalLine(1.0f, {1.0f, 0.0f, 0.0f})});
+  const Image behind = pictureWith(stage, {horizontalLine(-1.0f, {1.0f, 0.0f, 0.0f})});
   DrawOptions visibleOnly;
   visibleOnly.hiddenOverlay = 0.0f;
-  const Image hidden = pictureWith(stage, {across(-1.0f, {1.0f, 0.0f, 0.0f})}, visibleOnly);
+  const Image hidden = pictureWith(stage, {horizontalLine(-1.0f, {1.0f, 0.0f, 0.0f})}, visibleOnly);
   const int white = box.pixel(kMiddleX, kMiddleY)[1];
   EXPECT_EQ(before.pixel(kMiddleX, kMiddleY)[1], 0);
   EXPECT_GT(behind.pixel(kMiddleX, kMiddleY)[1], white / 2);
@@ -61,7 +61,7 @@ TEST(Overlay, LiesOnTopOfTheSurfaceItTouches) {
   Stage stage;
   lookAhead(stage);
   stage.add(makeBox({}, {0.5f, 0.5f, 0.5f}));
-  const Image image = pictureWith(stage, {across(0.5f, {0.0f, 0.0f, 1.0f})});
+  const Image image = pictureWith(stage, {horizontalLine(0.5f, {0.0f, 0.0f, 1.0f})});
   for (int x = kMiddleX - 10; x <= kMiddleX + 10; ++x) {
     EXPECT_EQ(image.pixel(x, kMiddleY)[0], 0) << x;
   }
@@ -70,13 +70,13 @@ TEST(Overlay, LiesOnTopOfTheSurfaceItTouches) {
 TEST(Overlay, ChangesNothingOnceItIsGone) {
   Stage stage;
   populate(stage);
-  const Image without = stage.picture();
+  const Image reference = stage.picture();
   Overlay arrows;
   addArrow(arrows, {}, {1.0f, 1.0f, 0.0f}, {1.0f, 0.0f, 0.0f}, stage.camera.eye);
   addCross(arrows, {0.5f, 0.5f, 0.5f}, 0.1f, {0.0f, 0.0f, 1.0f});
   EXPECT_EQ(arrows.size(), 6u);
-  EXPECT_NE(pictureWith(stage, arrows).rgba, without.rgba);
-  EXPECT_EQ(pictureWith(stage, {}).rgba, without.rgba);
+  EXPECT_NE(pictureWith(stage, arrows).rgba, reference.rgba);
+  EXPECT_EQ(pictureWith(stage, {}).rgba, reference.rgba);
 }
 
 TEST(ShareColour, RisesInLightnessFromEndToEnd) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// The batched path has to give the very picture of one buffer, one upload and one draw per body.
+// The batched path must give the same picture as one buffer, one upload and one draw call per body.
 #include <ostream>
 #include <string>
 

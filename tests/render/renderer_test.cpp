@@ -86,10 +86,10 @@ TEST(Renderer, InstancesComeAndGoWhileFramesAreInFlight) {
   const Image expected = steady.picture();
   changing.add(boxShape, box.points);
   for (int i = 0; i < 12; ++i) {
-    const InstanceId brief = changing.add(boxShape, moved(box.points, 1.0f, 0.0f, 0.0f));
+    const InstanceId briefId = changing.add(boxShape, moved(box.points, 1.0f, 0.0f, 0.0f));
     const InstanceId ballId = changing.add(ballShape, ball.points);
     changing.draw();
-    changing.remove(brief);
+    changing.remove(briefId);
     changing.draw();
     if (i < 11) {
       changing.remove(ballId);
@@ -123,14 +123,14 @@ TEST(Renderer, ChangesDuringAnOpenFrameWaitForTheNext) {
   const ShapeId shape = stage.renderer().addShape(box.shape);
   const InstanceId first = stage.add(shape, box.points);
   FrameWriter frame = stage.renderer().beginFrame();
-  const InstanceId late = stage.renderer().addInstance(shape);
+  const InstanceId lateId = stage.renderer().addInstance(shape);
   stage.renderer().removeInstance(first);
   EXPECT_NO_THROW(std::copy(box.points.begin(), box.points.end(), frame.points(first)));
-  EXPECT_NE(errorOf([&] { frame.points(late); }).find("added after"), std::string::npos);
+  EXPECT_NE(errorOf([&] { frame.points(lateId); }).find("added after"), std::string::npos);
   stage.renderer().draw(frame, stage.camera, stage.light);
   FrameWriter next = stage.renderer().beginFrame();
   EXPECT_THROW(next.points(first), std::runtime_error);
-  EXPECT_NO_THROW(std::copy(box.points.begin(), box.points.end(), next.points(late)));
+  EXPECT_NO_THROW(std::copy(box.points.begin(), box.points.end(), next.points(lateId)));
 }
 
 TEST(Renderer, WrongOrdersAreRefused) {
@@ -178,13 +178,13 @@ TEST(Renderer, RemovedShapesAreFreedAndTheirIdsRefused) {
   EXPECT_EQ(renderer.gpuMemory().shapes, before);
   EXPECT_THROW(renderer.removeShape(shape), std::runtime_error);
   EXPECT_THROW(renderer.addInstance(shape), std::runtime_error);
-  const ShapeId again = renderer.addShape(ball.shape);
-  EXPECT_EQ(again.index, shape.index);
+  const ShapeId newShape = renderer.addShape(ball.shape);
+  EXPECT_EQ(newShape.index, shape.index);
   EXPECT_THROW(renderer.addInstance(shape), std::runtime_error) << "the slot has another shape now";
-  stage.add(again, ball.points);
+  stage.add(newShape, ball.points);
   EXPECT_EQ(stage.picture().rgba, picture.rgba);
   FrameWriter frame = renderer.beginFrame();
-  EXPECT_THROW(renderer.removeShape(again), std::logic_error);
+  EXPECT_THROW(renderer.removeShape(newShape), std::logic_error);
 }
 
 TEST(Renderer, MemoryReportCoversWhatWasAdded) {

@@ -39,8 +39,8 @@ TEST(RigidShape, LooksAsTheSceneryDoes) {
   Stage stage, other;
   stage.add(stage.renderer().addShape(rigid.shape), points);
   other.add(box);
-  // The last bit of a coordinate may move an edge by one of the 256 steps in a pixel: no level is lost
-  // inside, and at the edge a pixel may change its side.
+  // The last bit of a coordinate may move an edge by one of the 256 steps in a pixel. Inside no level
+  // changes; at the edge a pixel may change sides.
   const Image a = stage.picture(), b = other.picture();
   std::size_t different = 0;
   for (std::size_t i = 0; i < a.rgba.size(); i += 4) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// Places of a skin, computed on the GPU, against sums in double precision, and what is drawn from them.
+// Vertices of a skin computed on the GPU, compared with sums in double precision, and pictures of them.
 #include "shape_layout.h"
 
 #include <array>
@@ -13,13 +13,13 @@
 namespace limber::render::test {
 namespace {
 
-std::vector<float> twisted(std::vector<float> points, float turn) {
+std::vector<float> twisted(std::vector<float> points, float rotation) {
   for (std::size_t i = 0; i < points.size(); i += 3) {
-    const float angle = turn * points[i + 1];
+    const float angle = rotation * points[i + 1];
     const float x = points[i], z = points[i + 2];
     points[i] = std::cos(angle) * x + std::sin(angle) * z;
     points[i + 2] = std::cos(angle) * z - std::sin(angle) * x;
-    points[i + 1] *= 1.0f + 0.3f * turn;
+    points[i + 1] *= 1.0f + 0.3f * rotation;
   }
   return points;
 }
@@ -42,11 +42,11 @@ TEST_P(SkinOnGpu, PlacesAreTheWeightedSums) {
   const Scenery ball = skinnedBall(GetParam());
   ASSERT_EQ(isDense(ball.shape.skin, ball.shape.pointCount), GetParam() == 1);
   Stage stage;
-  stage.add(makeUvSphere({}, 0.1f));  // so that nothing begins at 0
+  stage.add(makeUvSphere({}, 0.1f));  // so that no offset is 0
   const ShapeId shape = stage.renderer().addShape(ball.shape);
   std::vector<std::pair<InstanceId, std::vector<float>>> bodies;
-  for (const float turn : {0.0f, 0.9f, -1.7f}) {
-    const std::vector<float> points = twisted(ball.points, turn);
+  for (const float rotation : {0.0f, 0.9f, -1.7f}) {
+    const std::vector<float> points = twisted(ball.points, rotation);
     bodies.emplace_back(stage.add(shape, points), points);
   }
   stage.draw();
@@ -117,7 +117,7 @@ TEST(Skin, ShapesWithoutOneHaveNoPlacesToRead) {
 }
 
 TEST(SkinLayout, DenseTakesOverWhereItIsSmaller) {
-  // Two places on four points: at two weights each both layouts take as much.
+  // Two skin vertices on four points: with two weights each both layouts have the same size.
   Skin skin{{0, 2, 4}, {0, 1, 2, 3}, {0.5f, 0.5f, 0.25f, 0.75f}};
   EXPECT_TRUE(isDense(skin, 4));
   EXPECT_FALSE(isDense(skin, 5));

@@ -12,7 +12,7 @@ namespace {
 
 using std::chrono::nanoseconds;
 
-// Fences are numbers; those in `passed` are signalled, the rest pass only if `patient` is set.
+// Fences are numbers. Those in `passed` are signalled; the others pass only if `patient` is set.
 class FakeFences final : public FenceSource {
  public:
   Fence insert() override { return reinterpret_cast<Fence>(++last); }

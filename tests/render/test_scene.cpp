@@ -161,11 +161,11 @@ Scenery skinnedBall(std::uint32_t cells) {
   skin.first = {0};
   for (std::size_t p = 0; p < ball.points.size(); p += 3) {
     std::array<std::uint32_t, 3> low{};
-    std::array<float, 3> share{};
+    std::array<float, 3> fraction{};
     for (std::size_t c = 0; c < 3; ++c) {
-      const float at = 0.5f * cell * (ball.points[p + c] / kRadius + 1.0f);
-      low[c] = std::min(static_cast<std::uint32_t>(std::max(at, 0.0f)), cells - 1);
-      share[c] = at - static_cast<float>(low[c]);
+      const float coordinate = 0.5f * cell * (ball.points[p + c] / kRadius + 1.0f);
+      low[c] = std::min(static_cast<std::uint32_t>(std::max(coordinate, 0.0f)), cells - 1);
+      fraction[c] = coordinate - static_cast<float>(low[c]);
     }
     for (std::uint32_t corner = 0; corner < 8; ++corner) {
       float weight = 1.0f;
@@ -173,7 +173,7 @@ Scenery skinnedBall(std::uint32_t cells) {
       std::uint32_t stride = 1;
       for (std::size_t c = 0; c < 3; ++c, stride *= side) {
         const std::uint32_t bit = corner >> c & 1u;
-        weight *= bit != 0 ? share[c] : 1.0f - share[c];
+        weight *= bit != 0 ? fraction[c] : 1.0f - fraction[c];
         index += stride * (low[c] + bit);
       }
       skin.points.push_back(index);

@@ -18,16 +18,15 @@ constexpr int kHeight = 120;
 constexpr int kMiddleX = kWidth / 2;
 constexpr int kMiddleY = kHeight / 2;
 
-/// Small pictures, so that tests are fast.
+/// Settings for small pictures, which make tests fast.
 RendererDesc smallDesc();
 
-/// A renderer on a context of its own. Every test that uses it ends with the demand that OpenGL had
-/// nothing to complain about.
+/// A renderer with its own context. Every test with it fails at the end if OpenGL has reported an error.
 class Stage {
  public:
   explicit Stage(Backend backend = Backend::Auto, const RendererDesc& desc = smallDesc());
   ~Stage();
-  /// Several stages may live at once: each call makes the stage's own context current.
+  /// Makes the stage's own context current, so that several stages can exist at once.
   Renderer& renderer();
 
   /// Adds an instance whose points are `points` in every frame until changed.
@@ -55,26 +54,26 @@ class Stage {
 
 std::vector<float> moved(std::vector<float> points, float x, float y, float z);
 
-/// A cube with its edges as springs, somewhat squeezed by the caller if wanted.
+/// Returns a cube with springs between all its points.
 Scenery springBox(float halfExtent);
-/// A two-sided smooth sheet of n x n points with springs and texture coordinates.
+/// Returns a two-sided smooth sheet of n x n points with springs and texture coordinates.
 Scenery cloth(std::uint32_t n);
-/// A tube through `points` points along a wave.
+/// Returns a tube through `points` points along a wave.
 Scenery rope(std::uint32_t points);
 
-/// A smooth ball of radius 0.4 whose vertices follow the (cells + 1)^3 corners of a grid of cells over
-/// [-0.4, 0.4]^3, trilinearly: each has eight weights, which make a dense skin of one cell and a sparse
-/// one of more.
+/// Returns a smooth ball of radius 0.4 whose vertices follow the (cells + 1)^3 corners of a grid of cells
+/// over [-0.4, 0.4]^3, trilinearly. Each vertex has eight weights, which give a dense skin for one cell and a
+/// sparse one for more.
 Scenery skinnedBall(std::uint32_t cells);
 
-/// Floor, cubes, textured and plain spheres, and cloth.
+/// Adds a floor, cubes, textured and plain spheres, and cloth.
 void populateMeshes(Stage& stage);
-/// These, ropes and skinned balls: a little of everything.
+/// Adds the same, ropes and skinned balls.
 void populate(Stage& stage);
 
-/// Brightness of a pixel, 0 to 765.
+/// Returns the brightness of a pixel, 0 to 765.
 int brightness(const Image& image, int x, int y);
-/// Largest difference of any channel.
+/// Returns the largest difference of any channel.
 int largestDifference(const Image& a, const Image& b);
 
 }  // namespace limber::render::test

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// The way of Bullet's example browser has to give our picture, or what the bench compares with it means
-// nothing.
+// The method of Bullet's example browser must give the same picture; otherwise the bench's comparison is not
+// valid.
 #include <cstdlib>
 #include <stdexcept>
 
@@ -9,12 +9,11 @@
 namespace limber::render::test {
 namespace {
 
-// Both shade with the same normals up to float rounding (1e-5 for flat ones, which come from differences
-// between pixels), which moves a colour by far less than a level. What that may do is round a channel the
-// other way.
+// Both shade with the same normals up to float rounding (1e-5 for flat ones, which are differences between
+// pixels). This changes a colour by far less than a level, but may change the rounding of a channel.
 constexpr int kRounding = 1;
-// In a shadow's edge it may also flip a comparison of depths, a sixteenth of the sunlight.
-constexpr double kFlippedShare = 1e-3;
+// At the edge of a shadow it may also change a depth comparison, worth a sixteenth of the sunlight.
+constexpr double kFlippedFraction = 1e-3;
 
 struct PathPictures {
   Image ring, unshared;
@@ -28,8 +27,8 @@ PathPictures drawBoth(bool shadows) {
   return {ring, stage.picture({}, StreamPath::Unshared)};
 }
 
-/// Share of channels that differ by more than rounding.
-double differingShare(const PathPictures& pictures) {
+/// Returns the fraction of channels that differ by more than rounding.
+double differingFraction(const PathPictures& pictures) {
   std::size_t count = 0;
   for (std::size_t i = 0; i < pictures.ring.rgba.size(); ++i) {
     count += std::abs(int{pictures.ring.rgba[i]} - int{pictures.unshared.rgba[i]}) > kRounding ? 1u : 0u;
@@ -43,7 +42,7 @@ TEST(UnsharedPath, PictureIsThatOfTheRing) {
 }
 
 TEST(UnsharedPath, PictureIsThatOfTheRingWithShadows) {
-  EXPECT_LE(differingShare(drawBoth(true)), kFlippedShare);
+  EXPECT_LE(differingFraction(drawBoth(true)), kFlippedFraction);
 }
 
 TEST(UnsharedPath, FollowsWhatMoves) {

@@ -17,7 +17,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Puts a folder of its own first on PATH, into which a test may write an ffmpeg of its choice.
+// Puts a new folder first on PATH, in which a test may create its own ffmpeg.
 class VideoPipeTest : public ::testing::Test {
  protected:
   void SetUp() override {

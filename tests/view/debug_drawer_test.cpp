@@ -28,17 +28,17 @@ TEST(DebugDrawer, RigidAndSoftBodiesConstraintsAndContactsBecomeLines) {
 
   DebugDrawer drawer;
   bullet.world->setDebugDrawer(&drawer);
-  const auto drawn = [&](int mode) {
+  const auto lineCount = [&](int mode) {
     drawer.setDebugMode(mode);
     drawer.overlay.clear();
     bullet.world->debugDrawWorld();
     return drawer.overlay.size();
   };
-  EXPECT_EQ(drawn(btIDebugDraw::DBG_NoDebug), 0u);
-  EXPECT_GE(drawn(btIDebugDraw::DBG_DrawWireframe), 24u + 2u * 12u) << "springs, and the boxes' edges";
-  EXPECT_GT(drawn(btIDebugDraw::DBG_DrawConstraints), 0u);
-  EXPECT_GT(drawn(btIDebugDraw::DBG_DrawContactPoints), 0u);
-  EXPECT_GE(drawn(btIDebugDraw::DBG_DrawAabb), 3u * 12u);
+  EXPECT_EQ(lineCount(btIDebugDraw::DBG_NoDebug), 0u);
+  EXPECT_GE(lineCount(btIDebugDraw::DBG_DrawWireframe), 24u + 2u * 12u) << "springs, and the boxes' edges";
+  EXPECT_GT(lineCount(btIDebugDraw::DBG_DrawConstraints), 0u);
+  EXPECT_GT(lineCount(btIDebugDraw::DBG_DrawContactPoints), 0u);
+  EXPECT_GE(lineCount(btIDebugDraw::DBG_DrawAabb), 3u * 12u);
   bullet.world->setDebugDrawer(nullptr);
   bullet.world->removeConstraint(&hook);
 }
@@ -53,10 +53,10 @@ TEST(DebugDrawer, ContactsAreACrossAndTheirNormal) {
 
 TEST(DebugDrawer, WarningsGoToTheHandler) {
   DebugDrawer drawer;
-  std::string heard;
-  drawer.onWarning = [&](const std::string& text) { heard = text; };
+  std::string warning;
+  drawer.onWarning = [&](const std::string& text) { warning = text; };
   drawer.reportErrorWarning("oh");
-  EXPECT_EQ(heard, "oh");
+  EXPECT_EQ(warning, "oh");
 }
 
 }  // namespace

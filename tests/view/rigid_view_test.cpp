@@ -55,16 +55,16 @@ TEST_F(RigidViewTest, LooksLikeTheBodyInItsPlace) {
   const auto red = [](const btCollisionObject&) { return render::InstanceLook{{0.9f, 0.2f, 0.2f}, {}}; };
   const RigidView view(stage.renderer(), *bullet.world, red);
   draw(view);
-  const render::Image seen = stage.renderer().readPixels();
+  const render::Image actual = stage.renderer().readPixels();
 
   render::test::Stage other;
   other.light.shadows = false;
   other.add(render::makeBox({0.4f, 0.6f, -0.2f}, {0.1f, 0.2f, 0.3f}), {{0.9f, 0.2f, 0.2f}, {}});
   const render::Image expected = other.picture();
-  // edges may fall to the other side of a pixel's centre by rounding
+  // rounding may put an edge on the other side of a pixel's centre
   std::size_t different = 0;
-  for (std::size_t i = 0; i < seen.rgba.size(); i += 4)
-    different += std::abs(seen.rgba[i] - expected.rgba[i]) > 2;
+  for (std::size_t i = 0; i < actual.rgba.size(); i += 4)
+    different += std::abs(actual.rgba[i] - expected.rgba[i]) > 2;
   EXPECT_LE(different, 6u);
 }
 
@@ -108,9 +108,9 @@ TEST_F(RigidViewTest, GhostsEmptyShapesAndPartsOfSoftBodiesAreLeftOut) {
   ghost->setCollisionFlags(ghost->getCollisionFlags() | btCollisionObject::CF_NO_CONTACT_RESPONSE);
   bullet.add(std::make_unique<btEmptyShape>(), 0.0, vec(0, 0, 0));
   SoftBodySystem system(*bullet.world);
-  for (const Collision way : {Collision::Points, Collision::Surface}) {
+  for (const Collision representation : {Collision::Points, Collision::Surface}) {
     SoftBodySettings s;
-    s.collision = way;
+    s.collision = representation;
     ASSERT_TRUE(system.createBody(test::closedCubeNetwork(), s));
   }
   bullet.tick();

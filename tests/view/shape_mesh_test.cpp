@@ -26,21 +26,21 @@ Eigen::Vector3d corner(const render::Scenery& mesh, std::size_t i) {
   return Eigen::Map<const Eigen::Vector3f>(mesh.points.data() + std::size_t{3} * point).cast<double>();
 }
 
-/// By the divergence theorem: positive if triangles are counter-clockwise from outside.
+/// Returns the volume by the divergence theorem; positive if triangles are counter-clockwise from outside.
 double volumeOf(const render::Scenery& mesh) {
-  double six = 0.0;
+  double sixfold = 0.0;
   for (std::size_t i = 0; i < mesh.shape.triangles.size(); i += 3)
-    six += corner(mesh, i).dot(corner(mesh, i + 1).cross(corner(mesh, i + 2)));
-  return six / 6.0;
+    sixfold += corner(mesh, i).dot(corner(mesh, i + 1).cross(corner(mesh, i + 2)));
+  return sixfold / 6.0;
 }
 
 double areaOf(const render::Scenery& mesh) {
-  double twice = 0.0;
+  double twofold = 0.0;
   for (std::size_t i = 0; i < mesh.shape.triangles.size(); i += 3) {
     const Eigen::Vector3d a = corner(mesh, i);
-    twice += (corner(mesh, i + 1) - a).cross(corner(mesh, i + 2) - a).norm();
+    twofold += (corner(mesh, i + 1) - a).cross(corner(mesh, i + 2) - a).norm();
   }
-  return twice / 2.0;
+  return twofold / 2.0;
 }
 
 render::Scenery validMesh(const btCollisionShape& shape) {
@@ -55,11 +55,11 @@ TEST(ShapeMesh, BoxesAreExact) {
 }
 
 TEST(ShapeMesh, RoundShapesComeClose) {
-  // inscribed polyhedra lose a few per cent
+  // inscribed polyhedra are smaller by a few per cent
   const auto expectNear = [](const btCollisionShape& shape, double volume) {
-    const double share = volumeOf(validMesh(shape)) / volume;
-    EXPECT_GT(share, 0.93) << shape.getName();
-    EXPECT_LT(share, 1.05) << shape.getName();
+    const double ratio = volumeOf(validMesh(shape)) / volume;
+    EXPECT_GT(ratio, 0.93) << shape.getName();
+    EXPECT_LT(ratio, 1.05) << shape.getName();
   };
   expectNear(btSphereShape(btScalar(0.7)), 4.0 / 3.0 * kPi * 0.343);
   const double capsule = kPi * 0.09 * 1.2 + 4.0 / 3.0 * kPi * 0.027;
@@ -68,7 +68,7 @@ TEST(ShapeMesh, RoundShapesComeClose) {
   expectNear(btCapsuleShapeZ(btScalar(0.3), btScalar(1.2)), capsule);
   expectNear(btCylinderShape(btVector3(0.5, 1.0, 0.5)), kPi * 0.25 * 2.0);
   btConeShape cone(0.5, 1.5);
-  cone.setMargin(0);  // it lies around the cone
+  cone.setMargin(0);  // it would be added around the cone
   expectNear(cone, kPi * 0.25 * 0.5);
 }
 

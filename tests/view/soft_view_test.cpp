@@ -64,7 +64,7 @@ TEST_F(SoftViewTest, BodiesComeAndGo) {
 }
 
 TEST_F(SoftViewTest, ABodyInTheMemoryOfAnOldOneIsANewOne) {
-  // whether the allocator gives the same address is its own affair: the picture must be right either way
+  // the allocator may return the same address again or not; the view must be correct in both cases
   SoftView view(stage.renderer(), system);
   for (int i = 0; i < 20; ++i) {
     SoftBody* body = add(i % 2 == 0 ? cube : test::tetrahedronNetwork(), 0.0);
@@ -77,14 +77,14 @@ TEST_F(SoftViewTest, ABodyInTheMemoryOfAnOldOneIsANewOne) {
 
 TEST_F(SoftViewTest, TheLookIsAskedOnceForEachBody) {
   add(cube, 0.0);
-  int asked = 0;
+  int calls = 0;
   SoftView view(stage.renderer(), system, [&](const SoftBody&) {
-    ++asked;
+    ++calls;
     return SoftLook{};
   });
   view.update();
   view.update();
-  EXPECT_EQ(asked, 1);
+  EXPECT_EQ(calls, 1);
 }
 
 }  // namespace
