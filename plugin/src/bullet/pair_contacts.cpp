@@ -15,10 +15,10 @@ inline namespace LIMBER_BULLET_PRECISION {
 namespace {
 
 /// Makes the contacts of one point with one rigid body.
-class PairsOfPoint final : public btCollisionWorld::ContactResultCallback {
+class RigidContactCollector final : public btCollisionWorld::ContactResultCallback {
  public:
-  PairsOfPoint(SoftBodyData& body, std::uint32_t point, const btRigidBody& partner, double searchRegion,
-               TickContacts& found)
+  RigidContactCollector(SoftBodyData& body, std::uint32_t point, const btRigidBody& partner,
+                        double searchRegion, TickContacts& found)
       : body_(&body), point_(point), partner_(&partner), found_(&found), first_(found.contacts.size()) {
     m_closestDistanceThreshold = static_cast<btScalar>(searchRegion);
   }
@@ -75,8 +75,8 @@ double displacementInTick(const btRigidBody& partner, double tick) {
   return tick * (speed + tick * double(partner.getTotalForce().length() * partner.getInvMass()));
 }
 
-void addBoxPair(PairsOfPoint& pairs, const SoftBodyData& body, std::uint32_t i, const btRigidBody& partner,
-                double searchRegion) {
+void addBoxPair(RigidContactCollector& pairs, const SoftBodyData& body, std::uint32_t i,
+                const btRigidBody& partner, double searchRegion) {
   const Eigen::Vector3d x = body.state.position.col(i);
   const auto& box = *static_cast<const btBoxShape*>(partner.getCollisionShape());
   const NearestOnBox nearest = nearestOnBox(box, partner.getWorldTransform(), x);
@@ -91,7 +91,7 @@ void addPairs(SoftBodyData& body, std::uint32_t i, btRigidBody& partner, double 
   if (!overlaps(searchRegion, partner)) return;
   PointMass& point = *body.masses.bodies[i];
   if (!canHit(body, point, partner)) return;
-  PairsOfPoint pairs(body, i, partner, searchRegion.distance, found);
+  RigidContactCollector pairs(body, i, partner, searchRegion.distance, found);
   if (partner.getCollisionShape()->getShapeType() == BOX_SHAPE_PROXYTYPE)
     return addBoxPair(pairs, body, i, partner, searchRegion.distance);
   if (!body.masses.exposed) writePoint(body, i);
@@ -129,9 +129,9 @@ ContactPoint contactPointOf(const PointMass& point) {
 }
 
 /// Makes the contacts of a point with points of other bodies.
-class PairsOfPoints final : public btBroadphaseAabbCallback {
+class PointContactCollector final : public btBroadphaseAabbCallback {
  public:
-  PairsOfPoints(PointMass& point, double tick, TickContacts& found)
+  PointContactCollector(PointMass& point, double tick, TickContacts& found)
       : point_(&point), tick_(tick), found_(&found) {}
 
   bool process(const btBroadphaseProxy* proxy) override {
@@ -185,8 +185,8 @@ class PairsOfPoints final : public btBroadphaseAabbCallback {
   TickContacts* found_;
 };
 
-struct FindsOthersPoints final : btBroadphaseAabbCallback {
-  explicit FindsOthersPoints(const SoftBodyData& b) : body(&b) {}
+struct OtherPointsQuery final : btBroadphaseAabbCallback {
+  explicit OtherPointsQuery(const SoftBodyData& b) : body(&b) {}
   const SoftBodyData* body;
   bool any = false;
 
@@ -208,12 +208,12 @@ void addPointPairs(SoftBodyData& body, double tick, double farthest, TickContact
     const SearchRegion searchRegion = searchRegionOf(body, i, tick, farthest);
     box.extend(searchRegion.low).extend(searchRegion.high);
   }
-  FindsOthersPoints others(body);
+  OtherPointsQuery others(body);
   findAround(body, box.min(), box.max(), others);
   if (!others.any) return;
   for (std::uint32_t i = 0; i < body.masses.bodies.size(); ++i) {
     const SearchRegion searchRegion = searchRegionOf(body, i, tick, farthest);
-    PairsOfPoints pairs(*body.masses.bodies[i], tick, found);
+    PointContactCollector pairs(*body.masses.bodies[i], tick, found);
     findAround(body, searchRegion.low, searchRegion.high, pairs);
   }
 }

@@ -157,8 +157,8 @@ void storePartner(SoftBodyData& body, const btCollisionObject& partner) {
 }
 
 /// Adds static and kinematic partners of a body in a box.
-struct HeldInBox final : btBroadphaseAabbCallback {
-  explicit HeldInBox(SoftBodyData& b) : body(&b) {}
+struct StaticPartnersInBox final : btBroadphaseAabbCallback {
+  explicit StaticPartnersInBox(SoftBodyData& b) : body(&b) {}
   SoftBodyData* body;
   bool any = false;
 
@@ -222,7 +222,7 @@ class Watch final : public SearchWatch {
     const double remaining = double(tick_) - time;
     body_->state.position.col(i) = x;
     const SearchRegion searchRegion = searchRegionFrom(*body_, i, v, remaining);
-    HeldInBox held(*body_);
+    StaticPartnersInBox held(*body_);
     body_->world->getBroadphase()->aabbTest(toBullet(searchRegion.low), toBullet(searchRegion.high), held);
     found_.clear();
     foundPartners_.clear();
@@ -316,7 +316,7 @@ bool mayHaveMissedContacts(SoftBodyData& body) {
   }
   if (box.isEmpty()) return false;
   const double margin = double(body.masses.shape->getRadius());
-  HeldInBox held(body);
+  StaticPartnersInBox held(body);
   body.world->getBroadphase()->aabbTest(toBullet(Eigen::Vector3d(box.min().array() - margin)),
                                         toBullet(Eigen::Vector3d(box.max().array() + margin)), held);
   body.watch->on = held.any;

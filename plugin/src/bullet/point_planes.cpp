@@ -76,10 +76,10 @@ btScalar roundingOf(const btCollisionShape& shape) {
 
 /// Makes the contacts of one point with one partner. Points of surfaces collide with the exact box
 /// (nearestOnBox()), point masses in the world with Bullet's rounded one.
-class RowsOfPair final : public btCollisionWorld::ContactResultCallback {
+class PlaneContactCollector final : public btCollisionWorld::ContactResultCallback {
  public:
-  RowsOfPair(SoftBodyData& body, std::uint32_t point, const btCollisionObject& partner, double searchRegion,
-             btScalar tick)
+  PlaneContactCollector(SoftBodyData& body, std::uint32_t point, const btCollisionObject& partner,
+                        double searchRegion, btScalar tick)
       : body_(&body),
         point_(point),
         partner_(&partner),
@@ -181,7 +181,7 @@ class RowsOfPair final : public btCollisionWorld::ContactResultCallback {
   btVector3 surface_, normal_;  // of the last contact found
 };
 
-void addPlaneRow(RowsOfPair& rows, const SoftBodyData& body, std::uint32_t i,
+void addPlaneRow(PlaneContactCollector& rows, const SoftBodyData& body, std::uint32_t i,
                  const btCollisionObject& partner, double searchRegion) {
   const auto& plane = *static_cast<const btStaticPlaneShape*>(partner.getCollisionShape());
   const btTransform& pose = partner.getWorldTransform();
@@ -195,7 +195,7 @@ void addPlaneRow(RowsOfPair& rows, const SoftBodyData& body, std::uint32_t i,
 
 /// Adds the contact that Bullet found in the last tick. On a flat face it is still valid, because a slow
 /// point has not left the face. Returns false if there is none or the point is too fast.
-bool addCachedRow(RowsOfPair& rows, const SoftBodyData& body, std::uint32_t i,
+bool addCachedRow(PlaneContactCollector& rows, const SoftBodyData& body, std::uint32_t i,
                   const btCollisionObject& partner, double searchRegion) {
   const PointMass& point = *body.masses.bodies[i];
   const btPersistentManifold* manifold = point.cachedContact;
@@ -211,7 +211,7 @@ bool addCachedRow(RowsOfPair& rows, const SoftBodyData& body, std::uint32_t i,
 }
 
 /// Does the same for a point outside the world, for which Bullet has no manifold.
-bool addStoredRow(RowsOfPair& rows, const SoftBodyData& body, std::uint32_t i,
+bool addStoredRow(PlaneContactCollector& rows, const SoftBodyData& body, std::uint32_t i,
                   const btCollisionObject& partner, std::uint64_t stamp, double searchRegion) {
   const CachedContact& cached = body.surface.contacts[i];
   const double radius = double(body.masses.shape->getRadius());
@@ -225,8 +225,8 @@ bool addStoredRow(RowsOfPair& rows, const SoftBodyData& body, std::uint32_t i,
 }
 
 /// Adds the contacts that Bullet's narrowphase finds.
-void addFoundRows(RowsOfPair& rows, SoftBodyData& body, std::uint32_t i, const btCollisionObject& partner,
-                  std::uint64_t stamp) {
+void addFoundRows(PlaneContactCollector& rows, SoftBodyData& body, std::uint32_t i,
+                  const btCollisionObject& partner, std::uint64_t stamp) {
   if (!body.masses.exposed) writePoint(body, i);
   body.world->contactPairTest(body.masses.bodies[i], const_cast<btCollisionObject*>(&partner), rows);
   if (isSurfaceBody(body)) rows.storeContact(body.surface.contacts[i], stamp);
@@ -302,7 +302,7 @@ void addFlatRows(SoftBodyData& body, std::uint32_t i, const SearchRegion& search
   const HeldPiece* end = all.pieces.data() + all.pieces.size();
   const HeldPiece* first = all.pieces.data() + body.staticPieces;
   for (const auto& [partner, endOfOwners] : body.staticPartners) {
-    RowsOfPair rows(body, i, *partner, searchRegion.distance, tick);
+    PlaneContactCollector rows(body, i, *partner, searchRegion.distance, tick);
     for (const HeldPiece* next = first; first != end && first->owner < endOfOwners; first = next) {
       const HeldPoint nearest = nearestOnFlat(first, end, x, next);
       if (nearest.height - double(body.masses.shape->getRadius()) <= searchRegion.distance)
@@ -319,7 +319,7 @@ void addFollowingRows(SoftBodyData& body, std::uint32_t i, const SearchRegion& s
   findContacts(around, body.state.position.col(i), Eigen::Vector3d::Zero(), searchRegion.distance);
   std::uint32_t owner = 0;
   for (const auto& [partner, endOfOwners] : body.staticPartners) {
-    RowsOfPair rows(body, i, *partner, searchRegion.distance, tick);
+    PlaneContactCollector rows(body, i, *partner, searchRegion.distance, tick);
     for (; owner < endOfOwners; ++owner) {
       bool any = false;
       for (const HeldContact& c : body.held.contacts) {
@@ -379,7 +379,7 @@ void addRows(SoftBodyData& body, std::uint32_t i, const btCollisionObject& partn
   const double distance = searchRegion.distance;
   // the object may carry the point along, without a new search
   body.searchDistance[i] = std::max(body.searchDistance[i], distance);
-  RowsOfPair rows(body, i, partner, distance, tick);
+  PlaneContactCollector rows(body, i, partner, distance, tick);
   const int shape = partner.getCollisionShape()->getShapeType();
   if (shape == STATIC_PLANE_PROXYTYPE)
     addPlaneRow(rows, body, i, partner, distance);
