@@ -28,7 +28,7 @@ void join(Islands& islands, std::uint32_t a, std::uint32_t b) {
   islands.parent[std::max(a, b)] = std::min(a, b);
 }
 
-/// Returns the nodes of contact points and constraint rows.
+/// Maps contact points and constraint rows to nodes.
 struct IslandNodes {
   std::uint32_t groups;
   const std::vector<std::uint32_t>& groupOf;  ///< of a soft body, by SoftBodyData::index

@@ -252,8 +252,7 @@ void searchInStep(void* context, SolverIsland& group, double since, double ahead
 /// The largest relative displacements, as multiples of the size of features.
 struct MaxDisplacements {
   double all = 0.0;
-  double ofContacts =
-      0.0;  ///< of candidates that have contacts; those that are only near must not change the substeps
+  double ofContacts = 0.0;  ///< of candidates with contacts: the others do not affect the substeps
 };
 
 MaxDisplacements maxDisplacements(const Island& island) {

@@ -50,7 +50,8 @@ btTypedConstraint::btConstraintInfo2 infoOn(RowBuffer& buffer, const btContactSo
   return info;
 }
 
-/// Returns the number of a side's body. Adds the motion of a kinematic body to the row's speed.
+/// Returns the number of a side's body. The contribution of a kinematic body's motion goes to the other side
+/// of the row's equation: it is subtracted from `speed`.
 std::uint32_t sideOf(const btRigidBody& body, const Vector3d& linear, const Vector3d& angular,
                      const TickContacts& found, double& speed) {
   if (isFree(body)) return found.find(body);
@@ -116,9 +117,9 @@ int readRows(btTypedConstraint& joint, const btContactSolverInfo& solver, btScal
   return size.m_numConstraintRows;
 }
 
-/// Moves both bodies of a joint, during its lifetime, to the poses that define the joint's error: a kinematic
-/// body to the end of the tick, where Bullet's solver sees it; a dynamic one along its velocity for `time`
-/// (s).
+/// Moves both bodies of a joint, while this object exists, to the poses that define the joint's error: a
+/// kinematic body to the end of the tick, where Bullet's solver sees it; a dynamic one along its velocity for
+/// `time` (s).
 class PredictedPoses {
  public:
   PredictedPoses(btTypedConstraint& joint, btScalar time)
@@ -181,8 +182,7 @@ void addRows(btTypedConstraint& joint, const btContactSolverInfo& solver, btScal
   }
 }
 
-// --- motors and springs during Bullet's solver
-// --------------------------------------------------------------
+// --- motors and springs during Bullet's solver -------------------------------------------------------------
 
 /// Calls visit(flag) for all flags of a joint that enable a motor or a spring.
 template <class Visit>

@@ -19,7 +19,7 @@ namespace {
 /// Maximum of the estimated number of ticks in a stepSimulation().
 constexpr double kMaxTicks = 100.0;
 
-/// Interpolates interpolate two poses.
+/// Interpolates between two poses.
 btTransform interpolate(const btTransform& from, const btTransform& to, btScalar share) {
   return btTransform(from.getRotation().slerp(to.getRotation(), share),
                      from.getOrigin().lerp(to.getOrigin(), share));
@@ -84,8 +84,8 @@ void advance(KinematicMotion& m, btScalar tick) {
   m.ticksLeft = std::max(m.ticksLeft - 1, 0);
 }
 
-/// Computes the box of the motion. A rotation also sweeps the region interpolate the end poses, which extends
-/// at most radius * (1 - cos(angle / 2)) beyond them.
+/// Computes the box of the motion. A rotation also sweeps the region between the end poses, which extends at
+/// most radius * (1 - cos(angle / 2)) beyond them.
 void fitBox(KinematicMotion& m) {
   const btCollisionShape& shape = *m.object->getCollisionShape();
   btVector3 low, high;

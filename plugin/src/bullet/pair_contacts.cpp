@@ -109,7 +109,8 @@ void wake(btRigidBody& partner) {
 
 double radiusOf(const PointMass& point) { return double(point.owner()->masses.shape->getRadius()); }
 
-/// Returns m/s and m/s^2; sleeping bodies are not stepped.
+/// Return the velocity (m/s) and acceleration (m/s^2) of a point; 0 for a sleeping body, which is not
+/// stepped.
 Eigen::Vector3d pointVelocity(const PointMass& point) {
   if (point.owner()->asleep) return Eigen::Vector3d::Zero();
   return point.owner()->state.velocity.col(point.index());

@@ -229,7 +229,8 @@ class Watch final : public SearchWatch {
     swapRows(found_, foundPartners_);
     addStaticRows(*body_, i, searchRegion, tick_);
     for (std::size_t p = 0; p < body_->partners.size(); ++p) {
-      // kinematic objects are at their pose of the start of the tick: move the point by the same motion
+      // kinematic objects are at their pose of the start of the tick: shift the point to the same position
+      // relative to them
       const btCollisionObject& partner = *body_->partners[p];
       const Eigen::Vector3d shifted = x - time / double(tick_) * kinematicDisplacement(partner, x);
       body_->state.position.col(i) = shifted;

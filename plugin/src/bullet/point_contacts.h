@@ -28,8 +28,8 @@ struct LinkedGroup;
 /// Safety factor: a point can become faster within the tick than it was at its start.
 constexpr double kSearchPerMotion = 1.5;
 
-/// Cosine. Of two contacts of a point whose normals differ by less, only the nearer one counts: neighbouring
-/// triangles of a flat surface are one surface.
+/// Cosine of an angle. Of two contacts of a point with a smaller angle between their normals, only the nearer
+/// one counts: neighbouring triangles of a flat surface are one surface.
 constexpr double kSameSurface = 0.995;
 
 /// Returns the largest speed (m/s) at which objects that overlap by about `size` (m) are separated, so that
@@ -139,7 +139,7 @@ inline bool canHit(const SoftBodyData& body, const PointMass& point, const btCol
 
 /// Fills body.contacts with a contact for every static or kinematic surface that a point may touch in the
 /// coming tick. Bullet's broadphase finds the partners. Static ones are split into pieces (held_pieces.cpp):
-/// where all pieces near a point are flat it gets plane contacts, else contacts that follow the surface
+/// a point gets plane contacts where all pieces near it are flat, else contacts that follow the surface
 /// within the tick. On kinematic objects that move, Bullet's narrowphase finds planes; slow points keep that
 /// of the last tick (PointMass::cachedContact). gatherPairs() handles dynamic objects. Call after
 /// gatherPoints().

@@ -69,7 +69,7 @@ std::size_t storePoints(const btPersistentManifold& manifold, ManifoldPointHisto
   return extra;
 }
 
-/// Makes the points of the present tick those of the last one.
+/// Starts a tick: the points stored in the last one become history.last, sorted.
 void startTick(ManifoldPointHistory& history) {
   history.last.swap(history.now);
   history.now.clear();

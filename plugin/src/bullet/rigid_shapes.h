@@ -131,9 +131,8 @@ class RigidSurfaces {
   ShapeCache* shapes_;
   std::deque<RigidPart> parts_;  // of any tick: their memory is reused
   std::size_t used_ = 0;
-  std::vector<std::vector<NumberedPart>>
-      partsOfObject_;                     // of this tick, sorted, by the object's index in the world
-  std::vector<std::size_t> usedIndices_;  // of partsOfObject_
+  std::vector<std::vector<NumberedPart>> partsOfObject_;  // by world index of the object; sorted
+  std::vector<std::size_t> usedIndices_;                  // of partsOfObject_
   std::vector<RigidPart*> near_;
   std::vector<int> children_;  // scratch of partsNear
   btAlignedObjectArray<const btDbvtNode*> stack_;

@@ -30,7 +30,7 @@ using Corners = std::vector<Vector3d>;
 /// Corners around a round shape. The polyhedron's faces are inside it by at most 0.12 % of its radius.
 constexpr int kCornersAround = 64;
 
-/// Edges between triangles whose normals differ by less than this (cosine) are flat.
+/// Cosine of an angle. Edges between triangles with a smaller angle between their normals are flat.
 constexpr double kFlatTolerance = 0.9999;
 
 Points pointsOf(const Corners& corners) {
@@ -304,9 +304,9 @@ Eigen::Vector3d motionOf(const btCollisionObject& object, const Eigen::Vector3d&
   return motion;
 }
 
-/// Returns `box` enlarged by the object's motion. A point of the object that enters `box` within the tick is
-/// in it at the start. The motion is linear in the position, so no point moves farther than the farthest
-/// corner of the object's bounds.
+/// Returns `box` enlarged by the object's motion. It contains, at the time of the object's pose, all points
+/// of the object that enter `box` within the tick. The motion is linear in the position, so no point moves
+/// farther than the farthest corner of the object's bounds.
 SweptBox enlargedByMotion(const btCollisionObject& object, SweptBox box, double tick) {
   btVector3 bounds[2];
   object.getCollisionShape()->getAabb(object.getWorldTransform(), bounds[0], bounds[1]);

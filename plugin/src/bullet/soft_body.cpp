@@ -146,8 +146,7 @@ double SoftBody::elasticEnergy() const {
 }
 std::uint64_t SoftBody::stateHash() const { return limber::stateHash(current(*data_)); }
 
-// --- results of Bullet's queries
-// ----------------------------------------------------------------------------
+// --- results of Bullet's queries ---------------------------------------------------------------------------
 
 PointReference findPoint(const btCollisionObject* object) {
   const PointMass* point = PointMass::from(object);

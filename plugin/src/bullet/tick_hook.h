@@ -34,7 +34,8 @@ class TickListener {
 ///
 /// Nothing reports the end of a world. A hook whose world may be gone is not removed: it stays in the list
 /// without listeners. If the world still exists, its next tick calls the hook, which then removes itself. A
-/// hook that loses its last listener during their calls also removes itself at the start of the next tick.
+/// hook that loses its last listener while it calls listeners also removes itself at the start of the next
+/// tick.
 class TickHook final : public btActionInterface {
  public:
   /// Adds a listener to the world's hook, which is installed if necessary. If `pretick` is false the slot is
@@ -67,7 +68,7 @@ class TickHook final : public btActionInterface {
 
   btDynamicsWorld* world_;
   btInternalTickCallback previous_ = nullptr;
-  // nullptr: was removed during their calls
+  // nullptr: a listener that was removed during the calls
   std::vector<TickListener*> pretickListeners_;
   std::vector<TickListener*> actionListeners_;
   int calls_ = 0;  // active ones: during them, listeners and callbacks may be added and removed, and destroy
