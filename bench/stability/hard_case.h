@@ -30,8 +30,7 @@ struct HardCase {
   bool recovers = false;         ///< the body has the time and damping to return to its rest shape
   bool startsInBalance = false;  ///< some points coincide: in the exact motion they stay together
   bool sees = true;              ///< false: the obstacle is a plane, with which btSoftBody does not collide
-  std::function<bool(const Eigen::Vector3d&)>
-      allowed;  ///< whether a point may end at a position; empty: anywhere
+  std::function<bool(const Eigen::Vector3d&)> allowed;  ///< permitted final positions; empty: all
 };
 
 /// Returns all cases; `quick`: a smaller selection.

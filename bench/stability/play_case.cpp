@@ -23,7 +23,8 @@ class CaseRun {
   void startBalance();
   void measure(StabilityRow& row);
   void measureSpin(StabilityRow& row);
-  /// Returns the spin about the centre of mass of the first body; only used in cases with one body.
+  /// Returns the spin about the centre of mass of the first body. Its change is only measured in cases with
+  /// one body.
   Spin spinNow() const {
     return spinOf(balance_.start(0).masses, states_.positions[0], states_.velocities[0]);
   }
