@@ -13,23 +13,23 @@
 namespace limber::bench {
 namespace {
 
-constexpr double kMaxDrag = 2.0;                    // 1/s, so that what is slowed down as a whole still falls
-constexpr double kDragOfFalling = 2.0;              // 1/s: what is slowed down as a whole must still fall
+constexpr double kMaxDrag = 2.0;                    // 1/s, so that a body with drag still falls
+constexpr double kDragOfFalling = 2.0;              // 1/s: a body with drag must still fall
 constexpr double kShortest = 2.0, kLongest = 60.0;  // s
 
 }  // namespace
 
-double Dice::within(double reach) { return reach * (2.0 * (double(engine_()) / 4294967296.0) - 1.0); }
+double Dice::within(double limit) { return limit * (2.0 * (double(engine_()) / 4294967296.0) - 1.0); }
 
-Eigen::Vector3d Dice::vector(double reach) {
+Eigen::Vector3d Dice::vector(double limit) {
   Eigen::Vector3d v;
-  for (int i = 0; i < 3; ++i) v[i] = within(reach);
+  for (int i = 0; i < 3; ++i) v[i] = within(limit);
   return v;
 }
 
-Eigen::Matrix3Xd Dice::vectors(Eigen::Index count, double reach) {
+Eigen::Matrix3Xd Dice::vectors(Eigen::Index count, double limit) {
   Eigen::Matrix3Xd all(3, count);
-  for (Eigen::Index i = 0; i < count; ++i) all.col(i) = vector(reach);
+  for (Eigen::Index i = 0; i < count; ++i) all.col(i) = vector(limit);
   return all;
 }
 
@@ -61,8 +61,8 @@ Eigen::Matrix3Xd restPositions(const BodySetup& body) {
 }
 
 double settleTime(const BodySetup& cube) {
-  const auto& shares = cube.network->massFractions;
-  const double heaviest = cube.settings.totalMass * *std::max_element(shares.begin(), shares.end());
+  const auto& fractions = cube.network->massFractions;
+  const double heaviest = cube.settings.totalMass * *std::max_element(fractions.begin(), fractions.end());
   const double k = cube.settings.extensionStiffness, c = cube.settings.damping;
   const double slowest = std::sqrt(k / heaviest);
   return 10.0 / std::min(0.5 * c / k * slowest * slowest, k / c);

@@ -7,13 +7,13 @@
 
 namespace limber::bench {
 
-/// Numbers that are the same with every standard library.
+/// Random numbers that are the same with every standard library.
 class Dice {
  public:
   explicit Dice(unsigned seed) : engine_(seed) {}
-  double within(double reach);  ///< -reach to reach
-  Eigen::Vector3d vector(double reach);
-  Eigen::Matrix3Xd vectors(Eigen::Index count, double reach);
+  double within(double limit);  ///< -limit to limit
+  Eigen::Vector3d vector(double limit);
+  Eigen::Matrix3Xd vectors(Eigen::Index count, double limit);
   Eigen::Quaterniond rotation();
   Eigen::Vector3d direction();
 
@@ -21,31 +21,31 @@ class Dice {
   std::mt19937 engine_;
 };
 
-/// The fully connected cube of 28 springs with edges of `size`; `damping` as a share of the critical damping
-/// of a single spring between two of its points, 2 sqrt(k m / 2).
+/// Returns a fully connected cube of 28 springs with edges of `size`. `damping` is a fraction of the critical
+/// damping of a single spring between two of its points, 2 sqrt(k m / 2).
 BodySetup hardCube(double stiffness, double damping, double size = 1.0, double mass = 1.0);
 
-/// Rest positions where the settings put them.
+/// Returns the rest positions after scale, rotation and translation by the settings.
 Eigen::Matrix3Xd restPositions(const BodySetup& body);
 
-/// s in which the cube's slowest oscillation fades to some 1e-4 or less.
+/// Returns the time (s) in which the cube's slowest oscillation decays to about 1e-4 or less.
 ///
-/// With springs of k and dampers of c in the same places, a mode of frequency w fades at the rate
-/// c w^2 / (2 k) if that is below w, else as slowly as k / c. The slowest w of the cube is not below
-/// sqrt(k / m) of a single spring and point; ten of the longer time constant.
+/// With springs of stiffness k and parallel dampers of c, a mode of frequency w decays at the rate c w^2 / (2
+/// k) if that is below w, else at k / c. The slowest w of the cube is at least sqrt(k / m) of a single spring
+/// and point. The result is ten times the longer time constant.
 double settleTime(const BodySetup& cube);
 
-/// A case with this one cube.
+/// Returns a case with this cube only.
 HardCase caseOf(const std::string& group, const std::string& name, unsigned seed, const BodySetup& cube);
 
-/// Sets the case free: a slow flight, a tenth of a size per second, through nothing.
+/// Sets free flight without contacts, at a slow speed of a tenth of the size per second.
 void setFree(HardCase& hard, Dice& dice);
 
-/// Asks for the rest shape, and gives the time for it; engines without dampers along the springs get a drag
-/// that fades e^-20 in that time.
+/// Requires a return to the rest shape, and sets the duration for it. Engines without dampers along the
+/// springs get a drag that decays by e^-20 in that time.
 void letSettle(HardCase& hard);
 
-/// With gravity, for so many seconds, and no more drag than falling bears.
+/// Sets gravity and the duration (s), and limits the drag so that bodies still fall.
 void letFall(HardCase& hard, double seconds);
 
 std::string exponentName(const char* what, double value);  ///< "k 1e+04"

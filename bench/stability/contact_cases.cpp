@@ -7,8 +7,8 @@ namespace {
 
 constexpr Obstacle kObstacles[] = {Obstacle::Plane, Obstacle::BoxEdge, Obstacle::TriangleMesh};
 
-/// Turned anyhow, with 100 m/s downwards and a little aside, from so high that the moment of the hit falls
-/// anywhere in a tick.
+/// A cube with a random rotation falls at 100 m/s with a small sideways velocity. The height is random, so
+/// that the hit is at any time within a tick.
 HardCase impact(Obstacle obstacle, double k, unsigned seed) {
   Dice dice(seed);
   BodySetup cube = hardCube(k, 1.0);
@@ -29,7 +29,7 @@ void addImpacts(std::vector<HardCase>& cases, bool quick) {
         if (!quick || k == 1e4) cases.push_back(impact(obstacle, k, seed));
 }
 
-/// By a press that leaves no more between its plate and the floor than the points are thick.
+/// A press squeezes the cube to about the thickness of its points.
 HardCase crushed(double k, double damping, unsigned seed) {
   Dice dice(seed);
   BodySetup cube = hardCube(k, damping);
@@ -54,8 +54,8 @@ void addCrushes(std::vector<HardCase>& cases, bool quick) {
         if (!quick || k == 1e4) cases.push_back(crushed(k, damping, seed));
 }
 
-/// A box 100 times as heavy as the cube falls on it from a metre above. Only the stiffest does not feel the
-/// load at rest.
+/// A box 100 times as heavy as the cube falls on it from 1 m above it. Only the stiffest cube is not deformed
+/// by the load at rest.
 HardCase loaded(double k, unsigned seed) {
   Dice dice(seed);
   BodySetup cube = hardCube(k, 0.3);

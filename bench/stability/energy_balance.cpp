@@ -10,9 +10,9 @@ constexpr double kUnit = 0.5 * double(std::numeric_limits<btScalar>::epsilon());
 
 void addSpring(double stiffness, double restLength, const Eigen::Vector3d& a, const Eigen::Vector3d& b,
                Energy& sum) {
-  const double elongation = (b - a).norm() - restLength, known = kUnit * (a.norm() + b.norm());
+  const double elongation = (b - a).norm() - restLength, error = kUnit * (a.norm() + b.norm());
   sum.value += 0.5 * stiffness * elongation * elongation;
-  sum.rounding += stiffness * (std::abs(elongation) * known + 0.5 * known * known);
+  sum.rounding += stiffness * (std::abs(elongation) * error + 0.5 * error * error);
 }
 
 void addKinetic(double energy, Energy& sum) {

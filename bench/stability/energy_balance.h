@@ -6,29 +6,31 @@
 
 namespace limber::bench {
 
-/// The bodies' positions and velocities at one moment.
+/// The bodies' positions and velocities at one time.
 struct BodyStates {
   std::vector<Eigen::Matrix3Xd> positions, velocities;  ///< #bodies
 };
 
-/// J, with what the rounding of the numbers it is read from may have made of it.
+/// An energy (J) and a bound of its rounding error.
 struct Energy {
   double value = 0.0, rounding = 0.0;
 };
 
-/// Energy and momentum of a case, by the same formulas for every engine, from positions and velocities alone.
+/// Computes energy and momentum of a case, by the same formulas for every engine, from positions and
+/// velocities only.
 ///
 ///   E = sum m v^2 / 2                      points; movable rigid bodies: m v^2 / 2 + w I w / 2
 ///     + sum k (|xb - xa| - L)^2 / 2        springs
 ///     + sum m g (height above `lowest`)    points and movable rigid bodies
 ///
-/// Work from outside: what is static does none. Kinematic bodies do, while they press; the balance is opened
-/// when they start to leave (HardCase::energyFrom), and from then on their work is negative, since they can
-/// only push and move away: it counts as 0. So E may never exceed what it was at the opening.
+/// Work of other objects: static ones do no work. Kinematic bodies do while they press. So the balance starts
+/// when they begin to leave (HardCase::energyFrom). From then on they can only push and move away: their work
+/// is negative, and counts as 0. So E must never exceed its value at the start of the balance.
 ///
-/// Bullet's positions and velocities are numbers with a relative rounding of u (2^-24 in single precision).
-/// A point at x is so known to u |x|, the length of a spring to d = u (|xa| + |xb|), and with an elongation
-/// of e its energy to k (|e| d + d^2 / 2); kinetic energies are known to 2 u and heights to u |x|.
+/// Bullet's positions and velocities have a relative rounding error of u (2^-24 in single precision). So the
+/// error of a point at x is u |x|, that of a spring's length is d = u (|xa| + |xb|), and that of its energy,
+/// for an elongation of e, is k (|e| d + d^2 / 2). The relative error of kinetic energies is 2 u; the error
+/// of heights is u |x|.
 class EnergyBalance {
  public:
   explicit EnergyBalance(const HardCase& hard);

@@ -6,16 +6,16 @@
 namespace limber::bench {
 namespace {
 
-/// Points off their places by up to `reach` sizes.
-void shake(BodySetup& body, Dice& dice, double reach) {
+/// Displaces the points by up to `limit` times the size.
+void shake(BodySetup& body, Dice& dice, double limit) {
   const Eigen::Matrix3Xd rest = restPositions(body);
-  body.positions = rest + dice.vectors(rest.cols(), reach * body.settings.scale.x());
+  body.positions = rest + dice.vectors(rest.cols(), limit * body.settings.scale.x());
 }
 
-/// Speeds that would carry the springs about as far again.
-void stir(BodySetup& body, Dice& dice, double reach) {
+/// Sets velocities that would displace the points by about the same distance again.
+void stir(BodySetup& body, Dice& dice, double limit) {
   const double omega = std::sqrt(8.0 * body.settings.extensionStiffness / body.settings.totalMass);
-  body.velocities = dice.vectors(body.positions.cols(), reach * omega * body.settings.scale.x());
+  body.velocities = dice.vectors(body.positions.cols(), limit * omega * body.settings.scale.x());
 }
 
 HardCase shaken(const std::string& group, const std::string& name, unsigned seed, BodySetup cube) {
@@ -40,15 +40,15 @@ void addStiffnesses(std::vector<HardCase>& cases, bool quick) {
       }
 }
 
-/// The chosen points are `ratio` times as heavy as the others.
-void loadPoints(BodySetup& cube, double ratio, const std::vector<std::size_t>& heavy) {
+/// Makes the chosen points `ratio` times as heavy as the others.
+void setMassRatio(BodySetup& cube, double ratio, const std::vector<std::size_t>& heavy) {
   auto network = std::make_shared<SpringNetwork>(*cube.network);
-  auto& shares = network->massFractions;
-  shares.assign(shares.size(), 1.0);
-  for (const std::size_t i : heavy) shares[i] = ratio;
+  auto& fractions = network->massFractions;
+  fractions.assign(fractions.size(), 1.0);
+  for (const std::size_t i : heavy) fractions[i] = ratio;
   double sum = 0.0;
-  for (const double share : shares) sum += share;
-  for (double& share : shares) share /= sum;
+  for (const double fraction : fractions) sum += fraction;
+  for (double& fraction : fractions) fraction /= sum;
   cube.network = network;
 }
 
@@ -60,7 +60,7 @@ void addMassRatios(std::vector<HardCase>& cases, bool quick) {
       for (const auto& [name, heavy] : loads)
         for (const bool damped : {false, true}) {
           BodySetup cube = hardCube(k, damped ? 1.0 : 0.0);
-          loadPoints(cube, std::pow(10.0, exponent), heavy);
+          setMassRatio(cube, std::pow(10.0, exponent), heavy);
           const std::string full = exponentName("ratio", std::pow(10.0, exponent)) + " " + name + " " +
                                    exponentName("k", k) + (damped ? " damped" : " undamped");
           cases.push_back(shaken("mass ratio", full, 1, cube));
@@ -80,7 +80,7 @@ void addDampings(std::vector<HardCase>& cases, bool quick) {
       }
 }
 
-/// About any axis through the mass centre, from the rest shape.
+/// Adds cubes that rotate about a random axis through the centre of mass, from the rest shape.
 void addSpins(std::vector<HardCase>& cases, bool quick) {
   for (const double speed : {100.0, 1000.0})
     for (const double k : {1e4, 1e6, 1e8})

@@ -11,11 +11,11 @@
 namespace limber::bench {
 namespace {
 
-constexpr double kFriction = 1.0, kBoxReach = 10.0, kMeshReach = 6.0, kEdgeReach = 100.0;
-constexpr double kDepths = 2.0;  // radii that a point may end inside
+constexpr double kFriction = 1.0, kBoxExtent = 10.0, kMeshExtent = 6.0, kEdgeExtent = 100.0;
+constexpr double kMaxDepth = 2.0;  // radii: largest depth at which a point may end
 
 void addEdge(RigidBodies& rigid, btDiscreteDynamicsWorld& world) {
-  addBox(rigid, world, Eigen::Vector3d::Constant(kEdgeReach), 0, {0, -kEdgeReach * std::sqrt(2.0), 0},
+  addBox(rigid, world, Eigen::Vector3d::Constant(kEdgeExtent), 0, {0, -kEdgeExtent * std::sqrt(2.0), 0},
          kFriction);
   btRigidBody& box = *rigid.bodies.back();
   const btVector3 centre = box.getWorldTransform().getOrigin();
@@ -24,14 +24,14 @@ void addEdge(RigidBodies& rigid, btDiscreteDynamicsWorld& world) {
   world.updateSingleAabb(&box);
 }
 
-/// Triangles of half a metre, so that a cube meets several; many more, and btSoftBody forgets them too
-/// slowly.
+/// Adds triangles of half a metre, so that a cube touches several. With many more, btSoftBody takes too long
+/// to remove them from its cache.
 void addMesh(RigidBodies& rigid, btDiscreteDynamicsWorld& world) {
   const int cells = 24;
-  const double edge = 2.0 * kMeshReach / cells;
+  const double edge = 2.0 * kMeshExtent / cells;
   auto mesh = std::make_unique<btTriangleMesh>();
   const auto corner = [&](int i, int j) {
-    return toBullet({i * edge - kMeshReach + 0.1, 0, j * edge - kMeshReach + 0.07});
+    return toBullet({i * edge - kMeshExtent + 0.1, 0, j * edge - kMeshExtent + 0.07});
   };
   for (int i = 0; i < cells; ++i)
     for (int j = 0; j < cells; ++j) {
@@ -52,7 +52,7 @@ void add(RigidBodies& rigid, btDiscreteDynamicsWorld& world, Obstacle obstacle, 
     case Obstacle::Plane:
       return addFloor(rigid, world, Floor::Plane, kFriction);
     case Obstacle::Box:
-      return addBox(rigid, world, scale * Eigen::Vector3d(kBoxReach, 1, kBoxReach), 0, {0, -scale, 0},
+      return addBox(rigid, world, scale * Eigen::Vector3d(kBoxExtent, 1, kBoxExtent), 0, {0, -scale, 0},
                     kFriction);
     case Obstacle::BoxEdge:
       return addEdge(rigid, world);
@@ -61,23 +61,24 @@ void add(RigidBodies& rigid, btDiscreteDynamicsWorld& world, Obstacle obstacle, 
   }
 }
 
-/// m, how far outside the obstacle a place is; below 0: inside, or where only what has gone through can be.
+/// Returns the distance (m) of a position from the obstacle. It is below 0 inside, and where only a body that
+/// passed through the obstacle can be.
 double outside(Obstacle obstacle, double scale, const Eigen::Vector3d& x) {
-  const double aside = std::max(std::abs(x.x()), std::abs(x.z()));
+  const double sideways = std::max(std::abs(x.x()), std::abs(x.z()));
   switch (obstacle) {
     case Obstacle::Plane:
       return x.y();
     case Obstacle::Box:
-      return std::max(x.y(), aside - scale * kBoxReach);
+      return std::max(x.y(), sideways - scale * kBoxExtent);
     case Obstacle::BoxEdge:
-      return std::max((x.y() + std::abs(x.z())) / std::sqrt(2.0), std::abs(x.x()) - kEdgeReach);
+      return std::max((x.y() + std::abs(x.z())) / std::sqrt(2.0), std::abs(x.x()) - kEdgeExtent);
     case Obstacle::TriangleMesh:
-      return std::max(x.y(), aside - kMeshReach);
+      return std::max(x.y(), sideways - kMeshExtent);
   }
   return 0.0;
 }
 
-void place(btRigidBody& body, const Eigen::Vector3d& centre) {
+void setCentre(btRigidBody& body, const Eigen::Vector3d& centre) {
   btTransform transform = btTransform::getIdentity();
   transform.setOrigin(toBullet(centre));
   body.setWorldTransform(transform);
@@ -92,17 +93,17 @@ const char* nameOf(Obstacle obstacle) {
 
 void setObstacle(HardCase& hard, Obstacle obstacle, double scale) {
   hard.sees = obstacle != Obstacle::Plane;
-  hard.lowest = obstacle == Obstacle::BoxEdge ? -kEdgeReach : 0.0;
+  hard.lowest = obstacle == Obstacle::BoxEdge ? -kEdgeExtent : 0.0;
   hard.addRigidBodies = [=](RigidBodies& rigid, btDiscreteDynamicsWorld& world) {
     add(rigid, world, obstacle, scale);
   };
-  const double deepest = kDepths * pointRadius(*hard.bodies[0].network, hard.bodies[0].settings);
-  hard.allowed = [=](const Eigen::Vector3d& x) { return outside(obstacle, scale, x) >= -deepest; };
+  const double maxDepth = kMaxDepth * pointRadius(*hard.bodies[0].network, hard.bodies[0].settings);
+  hard.allowed = [=](const Eigen::Vector3d& x) { return outside(obstacle, scale, x) >= -maxDepth; };
 }
 
 double Press::heightAt(double time) const {
-  const double lowered = std::max(gap, top - down * time);
-  return lowered + up * std::max(0.0, time - leaves());
+  const double downHeight = std::max(gap, top - down * time);
+  return downHeight + up * std::max(0.0, time - leaves());
 }
 
 void addPress(HardCase& hard, const Press& press) {
@@ -111,14 +112,16 @@ void addPress(HardCase& hard, const Press& press) {
   const auto addFirst = hard.addRigidBodies;
   hard.addRigidBodies = [=](RigidBodies& rigid, btDiscreteDynamicsWorld& world) {
     addFirst(rigid, world);
-    addBox(rigid, world, {kBoxReach, half, kBoxReach}, 0, centreAt(0.0), kFriction);
+    addBox(rigid, world, {kBoxExtent, half, kBoxExtent}, 0, centreAt(0.0), kFriction);
     btRigidBody& plate = *rigid.bodies.back();
     world.removeRigidBody(&plate);
     plate.setCollisionFlags(btCollisionObject::CF_KINEMATIC_OBJECT);
     plate.setActivationState(DISABLE_DEACTIVATION);
     world.addRigidBody(&plate);
   };
-  hard.drive = [=](const RigidBodies& rigid, double time) { place(*rigid.bodies.back(), centreAt(time)); };
+  hard.drive = [=](const RigidBodies& rigid, double time) {
+    setCentre(*rigid.bodies.back(), centreAt(time));
+  };
   hard.energyFrom = press.leaves();
 }
 

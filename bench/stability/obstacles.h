@@ -5,20 +5,20 @@
 
 namespace limber::bench {
 
-/// What bodies hit in these cases: static, with the top at y = 0.
+/// Static obstacles with their top at y = 0.
 enum class Obstacle : std::uint8_t { Plane, Box, BoxEdge, TriangleMesh };
 
 const char* nameOf(Obstacle obstacle);
 
-/// Puts it under the case, and asks the points to end on its outside, or no deeper in it than twice their
-/// radius. Boxes reach 10 `scale`s to all sides, the mesh 15. The edge of the box runs along x, its faces
-/// fall off at 45 degrees to both sides.
+/// Adds the obstacle to the case. The points must end outside it, or at most twice their radius deep in it.
+/// Boxes extend by 10 times `scale` to all sides, the mesh by 15. The edge of the box is along x; its faces
+/// slope down at 45 degrees on both sides.
 void setObstacle(HardCase& hard, Obstacle obstacle, double scale = 1.0);
 
-/// A kinematic plate above the floor. It comes down, stays, and leaves upwards faster than it came.
+/// A kinematic plate above the floor. It moves down, stops, and moves up faster than it came down.
 struct Press {
-  double top = 1.3;             ///< m, height of its lower face at first
-  double gap = 0.1;             ///< m, what it leaves above the floor
+  double top = 1.3;             ///< m, initial height of its lower face
+  double gap = 0.1;             ///< m, smallest distance from the floor
   double down = 1.0, up = 4.0;  ///< m/s
   double stay = 0.5;            ///< s
 
@@ -26,10 +26,10 @@ struct Press {
   double heightAt(double time) const;                          ///< m, of its lower face
 };
 
-/// Adds the press to a case that has no other rigid body yet but its obstacle.
+/// Adds the press to a case whose only rigid body is its obstacle.
 void addPress(HardCase& hard, const Press& press);
 
-/// A box of that mass that falls onto the case's body, its lower face at that height at first.
+/// Adds a box of this mass that falls onto the case's body. `height` is the initial height of its lower face.
 void addFallingBox(HardCase& hard, double mass, double height);
 
 }  // namespace limber::bench

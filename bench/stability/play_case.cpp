@@ -9,21 +9,22 @@
 namespace limber::bench {
 namespace {
 
-constexpr double kTooFar = 1e6;  // sizes
+constexpr double kMaxDistance = 1e6;  // multiple of the size
 
-class CasePlay {
+class CaseRun {
  public:
-  /// Throws std::runtime_error when the engine cannot have the case.
-  CasePlay(const HardCase& hard, const EngineChoice& choice, double dt);
+  /// Throws std::runtime_error if the engine does not support the case.
+  CaseRun(const HardCase& hard, const EngineChoice& choice, double dt);
 
   void play(StabilityRow& row, std::FILE* trace);
 
  private:
-  BodyStates look() const;
-  void open();
+  BodyStates readStates() const;
+  void startBalance();
   void measure(StabilityRow& row);
   void measureSpin(StabilityRow& row);
-  /// About the mass centre of the first body: only asked for where there is one.
+  /// Returns the spin about the centre of mass of the first body. Its change is only measured in cases with
+  /// one body.
   Spin spinNow() const {
     return spinOf(balance_.start(0).masses, states_.positions[0], states_.velocities[0]);
   }
@@ -36,30 +37,30 @@ class CasePlay {
   RigidBodies rigid_;  // before the engine: its world refers to them
   std::unique_ptr<Engine> engine_;
   BodyStates states_;
-  bool opened_ = false, lost_ = false;
-  Energy energy_, first_;                      // J, now and when the balance was opened
-  double mostOver_ = -1e300;                   // J, energy beyond that, rounding taken off
+  bool balanceStarted_ = false, lost_ = false;
+  Energy energy_, startEnergy_;                // J, now and when the balance started
+  double largestExcess_ = -1e300;              // J, excess over the limit, minus rounding
   Eigen::Vector3d momentum_;                   // kg m/s, at the start
   double momentumScale_ = 0.0, change_ = 0.0;  // kg m/s
   Eigen::Vector3d spin_;                       // kg m^2/s, at the start
   double spinScale_ = 0.0, spinChange_ = 0.0;  // kg m^2/s
 };
 
-CasePlay::CasePlay(const HardCase& hard, const EngineChoice& choice, double dt)
+CaseRun::CaseRun(const HardCase& hard, const EngineChoice& choice, double dt)
     : hard_(hard), dt_(dt), balance_(hard), engine_(choice.make(dt)) {
   if (!hard.sees && choice.engine == "btSoftBody") throw std::runtime_error("btSoftBody does not see planes");
   engine_->world().setGravity(toBullet(hard.gravity));
   if (hard.addRigidBodies) hard.addRigidBodies(rigid_, engine_->world());
   for (const BodySetup& body : hard.bodies) engine_->addBody(body);
   for (const ExtraSpring& spring : hard.springs) engine_->addSpring(spring.a, spring.b, spring.settings);
-  states_ = look();
+  states_ = readStates();
   momentum_ = balance_.momentum(states_);
   momentumScale_ = balance_.momentumScale(states_);
   spin_ = spinNow().momentum;
-  if (hard.energyFrom <= 0.0) open();
+  if (hard.energyFrom <= 0.0) startBalance();
 }
 
-BodyStates CasePlay::look() const {
+BodyStates CaseRun::readStates() const {
   BodyStates states;
   for (std::size_t i = 0; i < hard_.bodies.size(); ++i) {
     states.positions.push_back(engine_->positions(i));
@@ -68,27 +69,28 @@ BodyStates CasePlay::look() const {
   return states;
 }
 
-void CasePlay::open() {
-  opened_ = true;
-  first_ = energy_ = balance_.energy(states_, rigid_);
+void CaseRun::startBalance() {
+  balanceStarted_ = true;
+  startEnergy_ = energy_ = balance_.energy(states_, rigid_);
 }
 
 bool isLost(const BodyStates& states, double size) {
   for (std::size_t i = 0; i < states.positions.size(); ++i) {
     const Eigen::Matrix3Xd& x = states.positions[i];
     if (!x.allFinite() || !states.velocities[i].allFinite()) return true;
-    if (x.cwiseAbs().maxCoeff() > kTooFar * size) return true;
+    if (x.cwiseAbs().maxCoeff() > kMaxDistance * size) return true;
   }
   return false;
 }
 
-void CasePlay::measure(StabilityRow& row) {
+void CaseRun::measure(StabilityRow& row) {
   energy_ = balance_.energy(states_, rigid_);
-  const double over = energy_.value - energy_.rounding - kEnergyTarget * (first_.value + first_.rounding);
-  if (opened_ && over > mostOver_) {
-    mostOver_ = over;
-    row.energyRatio = energy_.value / first_.value;
-    row.rounding = (energy_.rounding + kEnergyTarget * first_.rounding) / first_.value;
+  const double excess =
+      energy_.value - energy_.rounding - kEnergyTarget * (startEnergy_.value + startEnergy_.rounding);
+  if (balanceStarted_ && excess > largestExcess_) {
+    largestExcess_ = excess;
+    row.energyRatio = energy_.value / startEnergy_.value;
+    row.rounding = (energy_.rounding + kEnergyTarget * startEnergy_.rounding) / startEnergy_.value;
   }
   momentumScale_ = std::max(momentumScale_, balance_.momentumScale(states_));
   change_ = std::max(change_, (balance_.momentum(states_) - momentum_).norm());
@@ -96,19 +98,19 @@ void CasePlay::measure(StabilityRow& row) {
   measureSpin(row);
 }
 
-/// Relative to what the points could have together at one size from the centre with all the energy of the
-/// start, size * sqrt(2 m E), or to what they are seen to have: stiff damped bodies come to rest between two
-/// looks.
-void CasePlay::measureSpin(StabilityRow& row) {
+/// Measures the change of spin. It is relative to the largest spin that the points could have at a distance
+/// of one size from the centre with all the energy of the start, size * sqrt(2 m E), or to the observed one
+/// if that is larger: stiff damped bodies come to rest between two ticks.
+void CaseRun::measureSpin(StabilityRow& row) {
   if (!row.spinDrift) return;
   const Spin spin = spinNow();
-  const double possible = hard_.size * std::sqrt(2.0 * balance_.start(0).masses.sum() * first_.value);
+  const double possible = hard_.size * std::sqrt(2.0 * balance_.start(0).masses.sum() * startEnergy_.value);
   spinScale_ = std::max({spinScale_, spin.scale, possible});
   spinChange_ = std::max(spinChange_, (spin.momentum - spin_).norm());
   row.spinDrift = spinScale_ > 0.0 ? spinChange_ / spinScale_ : 0.0;
 }
 
-/// What it has not come to see counts as missed.
+/// Checks that were not reached count as failures.
 void setLost(const HardCase& hard, StabilityRow& row) {
   row.finite = false;
   row.energyRatio = kLost;
@@ -118,7 +120,7 @@ void setLost(const HardCase& hard, StabilityRow& row) {
   if (hard.allowed) row.wrongSide = hard.bodies[0].network->restPoints.size();
 }
 
-/// The shape that is farthest from what it should be.
+/// Returns the check with the largest error.
 ShapeCheck worstShape(const HardCase& hard, const EnergyBalance& balance, const BodyStates& states) {
   const bool alone = hard.gravity.isZero() && hard.springs.empty();
   ShapeCheck worst{Shape::Rest, -1.0};
@@ -130,7 +132,7 @@ ShapeCheck worstShape(const HardCase& hard, const EnergyBalance& balance, const 
   return worst;
 }
 
-/// Whether two points are in one place.
+/// Returns whether two points are at the same position.
 bool coincide(const Eigen::Matrix3Xd& x, double size) {
   for (Eigen::Index i = 0; i < x.cols(); ++i)
     for (Eigen::Index j = i + 1; j < x.cols(); ++j)
@@ -138,9 +140,9 @@ bool coincide(const Eigen::Matrix3Xd& x, double size) {
   return false;
 }
 
-void CasePlay::judgeEnd(StabilityRow& row) const {
+void CaseRun::judgeEnd(StabilityRow& row) const {
   if (hard_.recovers) row.shape = worstShape(hard_, balance_, states_);
-  // free bodies do not start to spin
+  // free bodies must not start to spin
   const bool spun = row.shape && row.shape->shape == Shape::Spinning && hard_.freeFlight;
   const bool leftSaddle = row.shape && row.shape->shape == Shape::Saddle && !hard_.startsInBalance;
   if (spun || leftSaddle) row.shape->shape = Shape::Lost;
@@ -154,26 +156,26 @@ void CasePlay::judgeEnd(StabilityRow& row) const {
   row.wrongSide = wrong;
 }
 
-void CasePlay::print(std::FILE* trace) const {
+void CaseRun::print(std::FILE* trace) const {
   double fastest = 0.0, low = kLost;
   for (const Eigen::Matrix3Xd& v : states_.velocities)
     fastest = std::max(fastest, v.colwise().norm().maxCoeff());
   for (const Eigen::Matrix3Xd& x : states_.positions) low = std::min(low, x.row(1).minCoeff());
   std::fprintf(trace, "%.5f %.9g %.3e %.6g %.6g\n", time_,
-               opened_ ? energy_.value / first_.value : energy_.value, change_ / momentumScale_, fastest,
-               low);
+               balanceStarted_ ? energy_.value / startEnergy_.value : energy_.value, change_ / momentumScale_,
+               fastest, low);
 }
 
-void CasePlay::play(StabilityRow& row, std::FILE* trace) {
+void CaseRun::play(StabilityRow& row, std::FILE* trace) {
   const long ticks = std::lround(hard_.seconds / dt_);
   for (long i = 1; i <= ticks && !lost_; ++i) {
     time_ = static_cast<double>(i) * dt_;
     if (hard_.drive) hard_.drive(rigid_, time_);
     engine_->tick(dt_);
-    states_ = look();
+    states_ = readStates();
     lost_ = isLost(states_, hard_.size);
     if (lost_) break;
-    if (!opened_ && time_ >= hard_.energyFrom) open();
+    if (!balanceStarted_ && time_ >= hard_.energyFrom) startBalance();
     measure(row);
     if (trace) print(trace);
   }
@@ -190,7 +192,7 @@ StabilityRow playCase(const HardCase& hard, const EngineChoice& choice, double d
   if (hard.freeFlight && !slowed) row.drift = 0.0;
   if (row.drift && hard.bodies.size() == 1) row.spinDrift = 0.0;
   try {
-    CasePlay(hard, choice, dt).play(row, trace);
+    CaseRun(hard, choice, dt).play(row, trace);
   } catch (const std::runtime_error& error) {
     row.reason = error.what();
   }

@@ -8,8 +8,8 @@
 
 namespace limber::bench {
 
-/// Plays the case with an engine at ticks of dt. With a `trace`, a line for each tick goes there: time,
-/// energy over that at the start, drift of momentum, largest speed, height of the lowest point.
+/// Runs the case with an engine in ticks of dt. Writes a line per tick to `trace`, if given: time, energy
+/// divided by that at the start, drift of momentum, largest speed, height of the lowest point.
 StabilityRow playCase(const HardCase& hard, const EngineChoice& choice, double dt,
                       std::FILE* trace = nullptr);
 

@@ -5,9 +5,10 @@
 namespace limber::bench {
 namespace {
 
-/// Weight over stiffness below which a cube at rest keeps its shape well within the 1e-3 of its size that are
-/// asked for: it sinks by about m g / (6 k), and by less than m g / k whatever it stands on.
-bool bearsItself(const HardCase& hard, double mass) {
+/// Returns whether the weight is so small compared to the stiffness that a cube at rest keeps its shape well
+/// within the required 1e-3 of its size. It sinks by about m g / (6 k), and by less than m g / k in any
+/// orientation.
+bool carriesItself(const HardCase& hard, double mass) {
   return mass * kGravity / hard.stiffness < 1e-3 * hard.size;
 }
 
@@ -40,7 +41,7 @@ HardCase dropped(const Size& size, double k, unsigned seed) {
   HardCase hard = caseOf("size", std::string(size.name) + " dropped " + exponentName("k", k), seed, cube);
   setObstacle(hard, Obstacle::Box, size.edge);
   letSettle(hard);
-  hard.recovers = bearsItself(hard, size.mass);
+  hard.recovers = carriesItself(hard, size.mass);
   letFall(hard, size.edge > 1.0 ? 60.0 : 4.0);  // a kilometre falls for 15 s
   return hard;
 }
@@ -57,7 +58,7 @@ void addSizes(std::vector<HardCase>& cases, bool quick) {
 
 constexpr int kStackHeight = 10;
 
-/// Corner upon corner, not quite straight.
+/// A stack of cubes, corner on corner, with small horizontal offsets.
 HardCase stack(double k, unsigned seed) {
   Dice dice(seed);
   BodySetup cube = hardCube(k, 1.0);
@@ -71,12 +72,12 @@ HardCase stack(double k, unsigned seed) {
     hard.bodies.push_back(cube);
   }
   setObstacle(hard, Obstacle::Box);
-  hard.recovers = bearsItself(hard, kStackHeight);
+  hard.recovers = carriesItself(hard, kStackHeight);
   letFall(hard, 5.0);
   return hard;
 }
 
-/// For an hour, awake all the time.
+/// A cube at rest for an hour, always awake.
 HardCase rest(Obstacle obstacle, double k, double seconds) {
   BodySetup cube = hardCube(k, 0.3);
   cube.settings.position = {0.1, 0.5 + pointRadius(*cube.network, cube.settings), 0.05};

@@ -8,16 +8,16 @@ namespace {
 
 constexpr double kDamping = 0.3;
 
-/// A way to start in another shape than that of rest.
+/// An initial shape that is not the rest shape.
 struct Start {
   const char* name;
   Eigen::Matrix3Xd (*make)(const Eigen::Matrix3Xd& rest, Dice& dice);
-  bool inBalance = false;  ///< two points are in one place, equally held: no force parts them
+  bool inBalance = false;  ///< two points coincide with equal forces: no force separates them
 };
 
 Eigen::Matrix3Xd noise(const Eigen::Matrix3Xd& rest, Dice& dice) { return dice.vectors(rest.cols(), 1e-3); }
 
-/// All in one plane, on the spot where their shadows are; some of them coincide, too.
+/// Projects all points onto a plane; some of them then coincide.
 Eigen::Matrix3Xd flattened(const Eigen::Matrix3Xd& rest, Dice&) {
   Eigen::Matrix3Xd x = rest;
   x.row(1).setZero();
@@ -28,21 +28,21 @@ Eigen::Matrix3Xd nearlyFlat(const Eigen::Matrix3Xd& rest, Dice& dice) {
   return flattened(rest, dice) + noise(rest, dice);
 }
 
-/// Inside out along one axis, and twice as long.
+/// Inverts the body along one axis and doubles its length.
 Eigen::Matrix3Xd inverted(const Eigen::Matrix3Xd& rest, Dice& dice) {
   Eigen::Matrix3Xd x = rest;
   x.row(0) *= -2.0;
   return x + noise(rest, dice);
 }
 
-/// One corner pushed through the body and out beyond the corner opposite.
+/// Moves one corner through the body and beyond the opposite corner.
 Eigen::Matrix3Xd cornerThrough(const Eigen::Matrix3Xd& rest, Dice& dice) {
   Eigen::Matrix3Xd x = rest + noise(rest, dice);
   x.col(0) = 1.5 * rest.col(7);
   return x;
 }
 
-/// The lower four points above the upper four.
+/// Moves the lower four points above the upper four.
 Eigen::Matrix3Xd halfThrough(const Eigen::Matrix3Xd& rest, Dice& dice) {
   Eigen::Matrix3Xd x = rest + noise(rest, dice);
   for (Eigen::Index i = 0; i < x.cols(); ++i)
@@ -110,8 +110,8 @@ void addStarts(std::vector<HardCase>& cases, const std::string& group, const Sta
         if (!quick || k == 1e4) cases.push_back(startedAs(group, start, k, seed));
 }
 
-/// A ninth point in the place of the first, held by a spring that is at rest without length, and by the six
-/// farther points as the first one is.
+/// Adds a ninth point at the position of the first one. A spring with rest length 0 connects the two, and the
+/// ninth point has the same springs to the other points as the first one.
 SharedNetwork doubledPointNetwork(const SpringNetwork& cube) {
   auto network = std::make_shared<SpringNetwork>(cube);
   network->restPoints.push_back(cube.restPoints[0]);
@@ -131,15 +131,15 @@ HardCase doubledPoint(double k, unsigned seed) {
   if (seed > 1)
     cube.positions += dice.vectors(9, 0.1);
   else
-    cube.positions.col(4) *= 1.2;  // the doubled ones start in one place
+    cube.positions.col(4) *= 1.2;  // the two points with the same rest position start at the same position
   HardCase hard = caseOf("zero length", "in the network " + exponentName("k", k), seed, cube);
   setFree(hard, dice);
   letSettle(hard);
   return hard;
 }
 
-/// Draws two corners of a cube, or of two cubes, together.
-HardCase drawnTogether(double k, bool twoBodies, bool damped) {
+/// A spring pulls two corners of a cube, or of two cubes, together.
+HardCase pulledTogether(double k, bool twoBodies, bool damped) {
   Dice dice(1);
   BodySetup cube = hardCube(k, damped ? kDamping : 0.0);
   HardCase hard = caseOf("zero length",
@@ -164,7 +164,7 @@ void addZeroLengths(std::vector<HardCase>& cases, bool quick) {
     if (quick && k != 1e4) continue;
     for (unsigned seed = 1; seed <= 2; ++seed) cases.push_back(doubledPoint(k, seed));
     for (const bool two : {false, true})
-      for (const bool damped : {false, true}) cases.push_back(drawnTogether(k, two, damped));
+      for (const bool damped : {false, true}) cases.push_back(pulledTogether(k, two, damped));
   }
 }
 

@@ -12,10 +12,10 @@
 namespace limber::bench {
 namespace {
 
-/// Of k times the size: the largest force on a point that still counts as a balance.
-constexpr double kBalance = 1e-3;
-/// Of k: a curvature further below 0 than this is no rounding.
-constexpr double kFlat = 1e-3;
+/// Fraction of k times the size: the largest force on a point in equilibrium.
+constexpr double kMaxBalanceForce = 1e-3;
+/// Fraction of k: a curvature below minus this value is not a rounding error.
+constexpr double kMinCurvature = 1e-3;
 
 double largestChange(const Eigen::Matrix3Xd& x, const Eigen::Matrix3Xd& rest) {
   double largest = 0.0;
@@ -26,7 +26,7 @@ double largestChange(const Eigen::Matrix3Xd& x, const Eigen::Matrix3Xd& rest) {
   return largest;
 }
 
-/// Volume, with its sign, of the edges at the cube's first corner.
+/// Returns the signed volume of the edges at the cube's first corner.
 double handedness(const Eigen::Matrix3Xd& x) {
   const Eigen::Vector3d a = x.col(1) - x.col(0), b = x.col(2) - x.col(0), c = x.col(4) - x.col(0);
   return a.dot(b.cross(c));
@@ -35,13 +35,14 @@ double handedness(const Eigen::Matrix3Xd& x) {
 Shape balancedShape(const ShapeQuestion& q) {
   const SpringDerivatives energy = springDerivatives(q.setup.network->springs, q.start, q.positions);
   const double k = q.start.stiffnesses.maxCoeff();
-  if (energy.gradient.cwiseAbs().maxCoeff() > kBalance * k * q.size) return Shape::Lost;
-  return limber::symmetricValues(energy.hessian)[0] < -kFlat * k ? Shape::Saddle : Shape::Other;
+  if (energy.gradient.cwiseAbs().maxCoeff() > kMaxBalanceForce * k * q.size) return Shape::Lost;
+  return limber::symmetricValues(energy.hessian)[0] < -kMinCurvature * k ? Shape::Saddle : Shape::Other;
 }
 
-/// The spring that carries m w^2 r of a point alone becomes longer by m w^2 r / k. Where that is beyond the
-/// tolerance, w being the speed of a rigid body with the same angular momentum, the rest shape cannot be had.
-bool spinsApart(const ShapeQuestion& q) {
+/// Returns whether the rotation prevents the rest shape. A spring that provides the force m w^2 r for a point
+/// alone is longer by m w^2 r / k. The rest shape is impossible if this exceeds the tolerance, where w is the
+/// angular speed of a rigid body with the same angular momentum.
+bool spinsTooFast(const ShapeQuestion& q) {
   const Eigen::VectorXd& m = q.start.masses;
   const Eigen::Vector3d centre = q.positions * m / m.sum();
   Eigen::Matrix3d inertia = Eigen::Matrix3d::Zero();
@@ -79,7 +80,7 @@ ShapeCheck checkShape(const ShapeQuestion& q) {
   check.error = largestChange(q.positions, rest) / q.size;
   if (check.error <= kShapeTolerance)
     check.shape = handedness(q.positions) * handedness(rest) > 0.0 ? Shape::Rest : Shape::Mirrored;
-  else if (spinsApart(q))
+  else if (spinsTooFast(q))
     check.shape = Shape::Spinning;
   else if (q.alone)
     check.shape = balancedShape(q);

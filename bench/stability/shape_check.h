@@ -5,13 +5,13 @@
 
 namespace limber::bench {
 
-/// What has become of a body's shape.
+/// The final shape of a body.
 enum class Shape : std::uint8_t {
-  Rest,      ///< its own, moved and turned anyhow
-  Mirrored,  ///< its mirror image: the springs cannot tell the difference
-  Other,     ///< another one in which its springs hold each other in a stable balance
-  Saddle,    ///< one in an unstable balance: the exact motion can stay there only if it starts there
-  Spinning,  ///< it turns so fast that the springs must be longer
+  Rest,      ///< the rest shape, moved and rotated
+  Mirrored,  ///< its mirror image, which is equivalent for the springs
+  Other,     ///< another shape in stable equilibrium
+  Saddle,    ///< a shape in unstable equilibrium: the exact motion stays there only if it starts there
+  Spinning,  ///< it rotates so fast that the springs must be longer
   Lost       ///< none of these
 };
 
@@ -19,25 +19,25 @@ const char* nameOf(Shape shape);
 
 struct ShapeCheck {
   Shape shape = Shape::Lost;
-  double error = 0.0;  ///< largest change of the distance of two points, as a share of `size`
+  double error = 0.0;  ///< largest change of the distance of two points, as a fraction of `size`
 };
 
 constexpr double kShapeTolerance = 1e-3;
 
-/// What checkShape looks at.
+/// Input of checkShape.
 struct ShapeQuestion {
   const BodySetup& setup;
   const BodyStart& start;
   const Eigen::Matrix3Xd &positions, &velocities;
   double size;  ///< m
-  bool alone;   ///< no forces but those of its own springs act
+  bool alone;   ///< no forces except those of its own springs
 };
 
-/// Compares all distances between two points with those of the rest shape; of what is not in its shape, what
-/// holds it in another.
+/// Compares all distances between two points with those of the rest shape. If they differ, finds the reason
+/// for the other shape.
 ShapeCheck checkShape(const ShapeQuestion& question);
 
-/// kg m^2/s about the mass centre, and the sum of m |r| |v| relative to the centre.
+/// Angular momentum (kg m^2/s) about the centre of mass, and the sum of m |r| |v| relative to the centre.
 struct Spin {
   Eigen::Vector3d momentum = Eigen::Vector3d::Zero();
   double scale = 0.0;

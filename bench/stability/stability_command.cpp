@@ -21,9 +21,9 @@ constexpr const char* kCsvName = "stability.csv";
 struct Options {
   std::string out = "out/bench";
   bool quick = false, trace = false, list = false;
-  std::string name, engine;  ///< parts of what is to be played; empty: all
+  std::string name, engine;  ///< substrings of the names to be run; empty: all
   unsigned seed = 0;         ///< 0: all
-  double rate = 0.0;         ///< ticks a second, 0: both
+  double rate = 0.0;         ///< ticks per second, 0: both
 };
 
 void addOptions(CLI::App& app, Options& options) {
@@ -39,17 +39,20 @@ void addOptions(CLI::App& app, Options& options) {
   app.add_flag("--cases", options.list, "list the cases, play none");
 }
 
-bool has(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
+bool contains(const std::string& text, const std::string& part) {
+  return text.find(part) != std::string::npos;
+}
 
 std::vector<HardCase> casesOf(const Options& options) {
   std::vector<HardCase> cases;
   for (HardCase& hard : allHardCases(options.quick))
-    if (has(hard.name, options.name) && (options.seed == 0 || hard.seed == options.seed))
+    if (contains(hard.name, options.name) && (options.seed == 0 || hard.seed == options.seed))
       cases.push_back(std::move(hard));
   return cases;
 }
 
-/// Limber with each stepper; of the others those settings that come nearest to the springs and survive best.
+/// Returns Limber with each stepper, and those settings of other engines that are most similar to the springs
+/// and most stable.
 std::vector<EngineChoice> enginesOf(const Options& options) {
   const char* const others[] = {"btSoftBody 4 it kLST from k", "btSoftBody 10 it kLST 1",
                                 "btDeformable implicit"};
@@ -58,7 +61,7 @@ std::vector<EngineChoice> enginesOf(const Options& options) {
     const std::string full = choice.engine + " " + choice.setting;
     const bool wanted = choice.engine == "limber" ||
                         std::find(std::begin(others), std::end(others), full) != std::end(others);
-    if (wanted && has(full, options.engine)) engines.push_back(std::move(choice));
+    if (wanted && contains(full, options.engine)) engines.push_back(std::move(choice));
   }
   return engines;
 }
@@ -68,9 +71,9 @@ std::vector<double> ticksOf(const Options& options) {
   return {1.0 / 30, 1.0 / 60};
 }
 
-std::string wholeName(const HardCase& hard) { return hard.name + " seed " + std::to_string(hard.seed); }
+std::string fullName(const HardCase& hard) { return hard.name + " seed " + std::to_string(hard.seed); }
 
-std::vector<StabilityRow> playAll(const Options& options) {
+std::vector<StabilityRow> runAll(const Options& options) {
   CsvTable csv(options.out + "/" + kCsvName, stabilityColumns());
   RowProgress progress;
   std::vector<StabilityRow> rows;
@@ -78,11 +81,11 @@ std::vector<StabilityRow> playAll(const Options& options) {
   for (std::size_t i = 0; i < cases.size(); ++i) {
     for (const double dt : ticksOf(options))
       for (const EngineChoice& engine : enginesOf(options)) {
-        progress.show(wholeName(cases[i]), static_cast<double>(i) / static_cast<double>(cases.size()));
+        progress.show(fullName(cases[i]), static_cast<double>(i) / static_cast<double>(cases.size()));
         rows.push_back(playCase(cases[i], engine, dt, options.trace ? stdout : nullptr));
         csv.add(stabilityCells(rows.back()));
       }
-    progress.finish(wholeName(cases[i]));
+    progress.finish(fullName(cases[i]));
   }
   return rows;
 }
@@ -95,11 +98,11 @@ ExitCode runStability(int argc, char** argv) {
   addOptions(app, options);
   if (const auto end = parse(app, argc, argv)) return *end;
   if (options.list) {
-    for (const HardCase& hard : casesOf(options)) std::printf("%s\n", wholeName(hard).c_str());
+    for (const HardCase& hard : casesOf(options)) std::printf("%s\n", fullName(hard).c_str());
     return kSuccess;
   }
   if (!canWrite(options.out, kCsvName)) return kFailure;
-  const std::string summary = summariseStability(playAll(options));
+  const std::string summary = summariseStability(runAll(options));
   publish(summary, options.out + "/stability.txt");
   return kSuccess;
 }

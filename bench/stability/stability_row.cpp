@@ -8,7 +8,7 @@
 namespace limber::bench {
 namespace {
 
-const char* const kNone = "n/a";
+const char* const kNotAvailable = "n/a";
 
 std::string noCommas(std::string text) {
   std::replace(text.begin(), text.end(), ',', ';');
@@ -55,19 +55,19 @@ std::vector<std::string> stabilityCells(const StabilityRow& row) {
   return {row.name,
           row.engine,
           row.setting,
-          ran ? (row.finite ? "1" : "0") : kNone,
-          ran ? numberCell(row.energyRatio) : kNone,
-          ran && row.drift ? numberCell(*row.drift) : kNone,
-          shape ? nameOf(row.shape->shape) : kNone,
+          ran ? (row.finite ? "1" : "0") : kNotAvailable,
+          ran ? numberCell(row.energyRatio) : kNotAvailable,
+          ran && row.drift ? numberCell(*row.drift) : kNotAvailable,
+          shape ? nameOf(row.shape->shape) : kNotAvailable,
           numberCell(row.dt),
           countCell(row.seed),
           numberCell(row.stiffness),
           row.group,
-          ran && row.wrongSide ? countCell(*row.wrongSide) : kNone,
-          shape ? numberCell(row.shape->error) : kNone,
-          ran ? numberCell(row.rounding) : kNone,
-          ran && row.spinDrift ? numberCell(*row.spinDrift) : kNone,
-          ran ? (passes(row) ? "1" : "0") : kNone,
+          ran && row.wrongSide ? countCell(*row.wrongSide) : kNotAvailable,
+          shape ? numberCell(row.shape->error) : kNotAvailable,
+          ran ? numberCell(row.rounding) : kNotAvailable,
+          ran && row.spinDrift ? numberCell(*row.spinDrift) : kNotAvailable,
+          ran ? (passes(row) ? "1" : "0") : kNotAvailable,
           noCommas(row.reason)};
 }
 

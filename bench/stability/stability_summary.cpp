@@ -42,9 +42,9 @@ bool isShape(const StabilityRow& row, Shape shape) {
   return row.ran() && row.shape && row.shape->shape == shape;
 }
 
-/// "3/40": so many of those that were asked.
-std::string share(const Rows& rows, const Condition& missed, const Condition& asked) {
-  const long all = count(rows, asked);
+/// Returns "3/40": the number of misses, and of rows that were tested.
+std::string missRatio(const Rows& rows, const Condition& missed, const Condition& isTested) {
+  const long all = count(rows, isTested);
   return all ? format("%ld/%ld", count(rows, missed), all) : std::string("-");
 }
 
@@ -59,10 +59,10 @@ std::string lineOf(const std::string& group, const EngineName& engine, const Row
   return format(
       "%-14s %-12s %-17s %6ld %4ld %10s %9s %9s %9s %9s %9s %8ld %6ld %7.1f%%\n", group.c_str(),
       engine.first.c_str(), engine.second.c_str(), count(rows, ran),
-      static_cast<long>(rows.size()) - count(rows, ran), share(rows, lost, ran).c_str(),
-      share(rows, gainsEnergy, ran).c_str(), share(rows, drifts, hasDrift).c_str(),
-      share(rows, losesSpin, hasSpin).c_str(), share(rows, staysMisshapen, hasShape).c_str(),
-      share(rows, endsWrong, hasSide).c_str(),
+      static_cast<long>(rows.size()) - count(rows, ran), missRatio(rows, lost, ran).c_str(),
+      missRatio(rows, gainsEnergy, ran).c_str(), missRatio(rows, drifts, hasDrift).c_str(),
+      missRatio(rows, losesSpin, hasSpin).c_str(), missRatio(rows, staysMisshapen, hasShape).c_str(),
+      missRatio(rows, endsWrong, hasSide).c_str(),
       count(rows, [](const StabilityRow& r) { return isShape(r, Shape::Mirrored); }),
       count(rows, isHeldElsewhere),
       100.0 * static_cast<double>(count(rows, passes)) / static_cast<double>(std::max(1L, count(rows, ran))));
@@ -91,7 +91,7 @@ std::string table(const Rows& rows) {
 
 struct Target {
   const char* name;
-  Condition missed, asked;
+  Condition missed, isTested;
 };
 
 std::vector<Target> targets() {
@@ -114,10 +114,10 @@ std::string targetLines(const Rows& rows) {
       if (engine.first != "limber") continue;
       const Rows own = select(
           rows, [&](const StabilityRow& r) { return r.engine == "limber" && r.setting == engine.second; });
-      if (count(own, target.asked) == 0) continue;
+      if (count(own, target.isTested) == 0) continue;
       const long missed = count(own, target.missed);
       text += format("  %-4s  %-45s limber %-9s %s\n", missed ? "MISS" : "hit", target.name,
-                     engine.second.c_str(), share(own, target.missed, target.asked).c_str());
+                     engine.second.c_str(), missRatio(own, target.missed, target.isTested).c_str());
     }
   return text;
 }

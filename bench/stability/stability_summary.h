@@ -5,7 +5,7 @@
 
 namespace limber::bench {
 
-/// What is printed: counts of each group and engine, and which targets are hit.
+/// Returns the printed summary: counts of each group and engine, and the targets that are met.
 std::string summariseStability(const std::vector<StabilityRow>& rows);
 
 }  // namespace limber::bench

@@ -22,11 +22,11 @@ namespace {
 
 using Eigen::Vector3d;
 
-/// In radii: surfaces nearer than this are reported as contacts even without an impulse.
-constexpr double kTouching = 0.05;
+/// Multiple of the radius. Surfaces nearer than this are reported as contacts even without an impulse.
+constexpr double kMaxReportedDistance = 0.05;
 
 bool isReported(const Vector3d& impulse, double distance, double radius) {
-  return distance < kTouching * radius || !impulse.isZero(0.0);
+  return distance < kMaxReportedDistance * radius || !impulse.isZero(0.0);
 }
 
 void addImpulse(SoftContact& c, const TickImpulse& impulse) {
@@ -137,8 +137,8 @@ TickImpulse impulseOf(const btManifoldPoint& p, double sign) {
   const Vector3d normal = sign * toEigen(p.m_normalWorldOnB);
   const Vector3d friction = sign * toEigen(p.m_appliedImpulseLateral1 * p.m_lateralFrictionDir1 +
                                            p.m_appliedImpulseLateral2 * p.m_lateralFrictionDir2);
-  const double size = double(p.m_appliedImpulse);
-  return {size * normal + friction, size * normal, size};
+  const double magnitude = double(p.m_appliedImpulse);
+  return {magnitude * normal + friction, magnitude * normal, magnitude};
 }
 
 /// Finds the report's contact of a point with an object that has about this normal. Returns nullptr if there
@@ -183,7 +183,7 @@ void addBulletImpulse(SoftContact* reported, SoftBodyData& body, const PointMass
 /// Adds a manifold to the reports of its soft bodies. A manifold of two points also gets the impulse of
 /// their contact.
 void addManifold(btPersistentManifold& manifold) {
-  const SoftContact* ofPoints = nullptr;
+  const SoftContact* pointContact = nullptr;
   for (int side = 0; side < 2; ++side) {
     const btCollisionObject* object = side == 0 ? manifold.getBody0() : manifold.getBody1();
     const btCollisionObject* other = side == 0 ? manifold.getBody1() : manifold.getBody0();
@@ -195,11 +195,12 @@ void addManifold(btPersistentManifold& manifold) {
       const btVector3 normal = side == 0 ? contact.m_normalWorldOnB : -contact.m_normalWorldOnB;
       SoftContact* reported = findContact(body->report, point->index(), other, normal);
       addBulletImpulse(reported, *body, *point, *other, contact, side == 0);
-      if (reported && PointMass::from(other)) ofPoints = reported;
+      if (reported && PointMass::from(other)) pointContact = reported;
     }
   }
   // two spheres have one contact
-  if (ofPoints) manifold.getContactPoint(0).m_appliedImpulse = static_cast<btScalar>(ofPoints->normalImpulse);
+  if (pointContact)
+    manifold.getContactPoint(0).m_appliedImpulse = static_cast<btScalar>(pointContact->normalImpulse);
 }
 
 }  // namespace

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 
-// This file takes static and kinematic objects apart into the pieces on which points rest, and tells where
-// they are flat.
+// This file splits static and kinematic objects into pieces that points can touch, and finds where they are
+// flat.
 
 #include "bullet/bullet_objects.h"
 #include "bullet/rigid_shapes.h"
@@ -20,7 +20,7 @@ namespace {
 using Eigen::Vector3d;
 using Kind = HeldPiece::Kind;
 
-/// Hulls of fewer faces are taken as a whole.
+/// Hulls of fewer faces are not culled.
 constexpr std::size_t kMinFacesForCulling = 64;
 
 Eigen::Matrix3d axesOf(const btTransform& pose) {
@@ -29,14 +29,14 @@ Eigen::Matrix3d axesOf(const btTransform& pose) {
   return axes;
 }
 
-/// In double, so that what is flat remains so.
+/// Transforms a point to world coordinates in double precision, so that flat surfaces stay flat.
 Vector3d worldPoint(const btTransform& pose, const Vector3d& own) {
   Eigen::Matrix3d basis;
   for (int i = 0; i < 3; ++i) basis.col(i) = toEigen(pose.getBasis().getColumn(i));
   return basis * own + toEigen(pose.getOrigin());
 }
 
-/// Collects what one object has in a box.
+/// Collects the pieces of one object in a box.
 class PieceCollector {
  public:
   PieceCollector(const Eigen::AlignedBox3d& box, ShapeCache& shapes, std::uint32_t owner,
@@ -76,7 +76,7 @@ class PieceCollector {
     piece.center = toEigen(pose * (plane.getPlaneNormal() * plane.getPlaneConstant()));
   }
 
-  /// Around the shape's own axis `axis`, of half that height.
+  /// Adds a shape that is round about its own axis `axis`; `half` is half its height.
   void addRound(Kind kind, const btTransform& pose, double margin, int axis, double radius, double half) {
     HeldPiece& piece = pushSolid(kind, pose, margin);
     const Eigen::Matrix3d axes = piece.axes;
@@ -120,7 +120,7 @@ class PieceCollector {
     if (shape.isPolyhedral()) addSegment(static_cast<const btPolyhedralConvexShape&>(shape), pose);
   }
 
-  /// A hull of one or two points.
+  /// Adds a hull of one or two points.
   void addSegment(const btPolyhedralConvexShape& shape, const btTransform& pose) {
     const int count = shape.getNumVertices();
     if (count == 0) return;
@@ -136,9 +136,9 @@ class PieceCollector {
     piece.axes.col(1) = (b - a).normalized();
   }
 
-  /// Whether the hull has no inside.
+  /// Returns whether the hull has no volume.
   static bool isFlatHull(const SurfaceTopology& t) {
-    constexpr double kFlatTolerance = 1e-6;  // of its size
+    constexpr double kFlatTolerance = 1e-6;  // fraction of its size
     const Triangle& first = t.triangles.front();
     const Vector3d a = t.rest.col(first[0]);
     const Vector3d normal = (t.rest.col(first[1]) - a).cross(t.rest.col(first[2]) - a).normalized();
@@ -146,7 +146,7 @@ class PieceCollector {
     return (normal.transpose() * (t.rest.colwise() - a)).cwiseAbs().maxCoeff() <= kFlatTolerance * size;
   }
 
-  /// Left out if it has no area.
+  /// Adds a triangle, unless it has no area.
   void addTriangle(Kind kind, const Vector3d (&corners)[3], double margin) {
     const Vector3d normal = (corners[1] - corners[0]).cross(corners[2] - corners[0]);
     if (!(normal.squaredNorm() > 0.0)) return;
@@ -207,7 +207,7 @@ class PieceCollector {
       LocalBox own;
       double margin;
       void processTriangle(btVector3* triangle, int, int) override {
-        // height fields and others give whole cells
+        // height fields and some other shapes report whole cells
         if (!TestTriangleAgainstAabb2(triangle, own.low, own.high)) return;
         Vector3d corners[3];
         for (int i = 0; i < 3; ++i) corners[i] = worldPoint(*pose, toEigen(triangle[i]));
@@ -227,16 +227,16 @@ class PieceCollector {
   std::vector<HeldPiece>& pieces_;
 };
 
-// --- what is flat ------------------------------------------------------------------------------------------
+// --- flat pieces -------------------------------------------------------------------------------------------
 
-/// Of a solid whose nearest place is on a flat face.
+/// Returns whether the point of a solid that is nearest to x is on a flat face.
 bool isFlatSolid(const HeldPiece& piece, const Vector3d& x, double searchRegion) {
   const Vector3d local = piece.axes.transpose() * (x - piece.center);
   if (piece.kind == Kind::Plane) return true;
   if (piece.kind == Kind::Box) {
-    int beyond = 0;
-    for (int i = 0; i < 3; ++i) beyond += std::abs(local[i]) + searchRegion > piece.size[i];
-    return beyond == 1 && piece.margin == 0.0;
+    int axesOutside = 0;
+    for (int i = 0; i < 3; ++i) axesOutside += std::abs(local[i]) + searchRegion > piece.size[i];
+    return axesOutside == 1 && piece.margin == 0.0;
   }
   if (piece.kind != Kind::Cylinder) return false;
   return std::abs(local[1]) > piece.size[1] && std::hypot(local[0], local[2]) + searchRegion < piece.size[0];
@@ -256,14 +256,15 @@ bool hasEdge(const HeldPiece& t, const Vector3d& from, const Vector3d& to) {
   return false;
 }
 
-/// Whether the triangles lie in one plane and leave no gap around the place below x.
+/// Returns whether the triangles lie in one plane and leave no gap around the foot of x.
 bool areFlatTriangles(const HeldPiece* begin, const HeldPiece* end, const Vector3d& x, double searchRegion) {
   constexpr double kFlatTolerance = 1e-7;  // m, and 1 - cosine
   const Vector3d normal = begin->center, foot = x - normal.dot(x - begin->axes.col(0)) * normal;
   bool isAbove = false;
   for (const HeldPiece* t = begin; t != end; ++t) {
-    const double turned = 1.0 - std::abs(t->center.dot(normal)), apart = t->center.dot(foot - t->axes.col(0));
-    if (turned > kFlatTolerance || std::abs(apart) > kFlatTolerance) return false;
+    const double oneMinusCosine = 1.0 - std::abs(t->center.dot(normal)),
+                 distance = t->center.dot(foot - t->axes.col(0));
+    if (oneMinusCosine > kFlatTolerance || std::abs(distance) > kFlatTolerance) return false;
     const Vector3d weights = nearestBarycentric({t->axes.col(0), t->axes.col(1), t->axes.col(2)}, foot);
     isAbove = isAbove || (t->axes * weights - foot).squaredNorm() < kFlatTolerance * kFlatTolerance;
     for (int edge = 0; edge < 3; ++edge) {

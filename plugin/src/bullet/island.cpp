@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
 
-// This file finds what contacts and joints couple in a tick, and puts each such set together for one step.
+// This file finds the bodies that contacts and joints couple in a tick, and makes an island of each such set.
 
 #include "bullet/linked_group.h"
 
@@ -11,9 +11,9 @@ namespace limber {
 inline namespace LIMBER_BULLET_PRECISION {
 namespace {
 
-constexpr std::uint32_t kNoPartner = TickContacts::kNone;
+constexpr std::uint32_t kNone = TickContacts::kNone;
 
-// --- which node is coupled to which ------------------------------------------------------------------------
+// --- coupled nodes -----------------------------------------------------------------------------------------
 
 std::uint32_t root(Islands& islands, std::uint32_t i) {
   std::vector<std::uint32_t>& parent = islands.parent;
@@ -21,33 +21,33 @@ std::uint32_t root(Islands& islands, std::uint32_t i) {
   return i;
 }
 
-/// The lower number becomes the root, so that islands come in the order of their first member.
+/// Joins two sets. The lower number becomes the root, so that islands are in the order of their first member.
 void join(Islands& islands, std::uint32_t a, std::uint32_t b) {
-  if (a == kNoPartner || b == kNoPartner) return;
+  if (a == kNone || b == kNone) return;
   a = root(islands, a), b = root(islands, b);
   islands.parent[std::max(a, b)] = std::min(a, b);
 }
 
-/// The nodes that places and rows are on.
+/// Maps contact points and constraint rows to nodes.
 struct IslandNodes {
   std::uint32_t groups;
   const std::vector<std::uint32_t>& groupOf;  ///< of a soft body, by SoftBodyData::index
 
-  std::uint32_t of(const ContactPoint& place) const {
-    if (place.kind == ContactPoint::Kind::Soft) return groupOf[place.body];
-    return place.kind == ContactPoint::Kind::Rigid ? groups + place.body : kNoPartner;
+  std::uint32_t of(const ContactPoint& point) const {
+    if (point.kind == ContactPoint::Kind::Soft) return groupOf[point.body];
+    return point.kind == ContactPoint::Kind::Rigid ? groups + point.body : kNone;
   }
   std::uint32_t ofRigid(std::uint32_t number) const {
-    return number == JointConstraint::kHeld ? kNoPartner : groups + number;
+    return number == JointConstraint::kHeld ? kNone : groups + number;
   }
   std::uint32_t of(const SoftBodyData& body) const { return groupOf[body.index]; }
   std::uint32_t ofOther(const SurfaceCandidate& m, const TickContacts& found) const {
     if (m.other) return of(*m.other);
-    return m.partner ? ofRigid(found.find(*m.partner)) : kNoPartner;
+    return m.partner ? ofRigid(found.find(*m.partner)) : kNone;
   }
-  std::uint32_t of(const Contact& c) const { return of(c.a) != kNoPartner ? of(c.a) : of(c.b); }
+  std::uint32_t of(const Contact& c) const { return of(c.a) != kNone ? of(c.a) : of(c.b); }
   std::uint32_t of(const JointConstraint& j) const {
-    return ofRigid(j.a) != kNoPartner ? ofRigid(j.a) : ofRigid(j.b);
+    return ofRigid(j.a) != kNone ? ofRigid(j.a) : ofRigid(j.b);
   }
 };
 
@@ -57,7 +57,7 @@ void joinNodes(const std::vector<LinkedGroup>& groups, const TickContacts& found
   std::iota(islands.parent.begin(), islands.parent.end(), std::uint32_t{0});
   for (std::uint32_t g = 0; g < groups.size(); ++g)
     for (const RigidPartner& rigid : groups[g].rigids)
-      if (!groups[g].asleep && !rigid.held && found.find(*rigid.body) != kNoPartner)
+      if (!groups[g].asleep && !rigid.held && found.find(*rigid.body) != kNone)
         join(islands, g, nodes.ofRigid(found.find(*rigid.body)));
   for (const Contact& c : found.contacts) join(islands, nodes.of(c.a), nodes.of(c.b));
   for (const SurfaceCandidate& m : found.candidates)
@@ -85,10 +85,10 @@ void clear(Island& island) {
   island.step.links.anchors.clear();
 }
 
-/// The island of a node, a new one if its set has none yet.
+/// Returns the island of a node, or a new one if its set has none yet.
 Island& islandOf(Islands& islands, std::uint32_t node) {
   std::uint32_t& number = islands.island[root(islands, node)];
-  if (number == kNoPartner) {
+  if (number == kNone) {
     number = static_cast<std::uint32_t>(islands.count++);
     if (islands.all.size() < islands.count) islands.all.emplace_back();
     clear(islands.all[number]);
@@ -96,7 +96,7 @@ Island& islandOf(Islands& islands, std::uint32_t node) {
   return islands.all[number];
 }
 
-LinkEnd moved(LinkEnd end, std::uint32_t firstBody, std::uint32_t firstRigid) {
+LinkEnd withOffset(LinkEnd end, std::uint32_t firstBody, std::uint32_t firstRigid) {
   if (end.kind != LinkEnd::Kind::World) end.body += end.kind == LinkEnd::Kind::Rigid ? firstRigid : firstBody;
   return end;
 }
@@ -112,13 +112,13 @@ void append(Island& island, LinkedGroup& group) {
   step.links.points.insert(step.links.points.end(), links.points.begin(), links.points.end());
   step.links.rigids.insert(step.links.rigids.end(), links.rigids.begin(), links.rigids.end());
   for (LinkSpring spring : links.springs) {
-    spring.a = moved(spring.a, firstBody, firstRigid);
-    spring.b = moved(spring.b, firstBody, firstRigid);
+    spring.a = withOffset(spring.a, firstBody, firstRigid);
+    spring.b = withOffset(spring.b, firstBody, firstRigid);
     step.links.springs.push_back(spring);
   }
   for (LinkAnchor anchor : links.anchors) {
-    anchor.point = moved(anchor.point, firstBody, firstRigid);
-    anchor.pivot = moved(anchor.pivot, firstBody, firstRigid);
+    anchor.point = withOffset(anchor.point, firstBody, firstRigid);
+    anchor.pivot = withOffset(anchor.pivot, firstBody, firstRigid);
     step.links.anchors.push_back(anchor);
   }
 }
@@ -127,14 +127,14 @@ void appendGroups(std::vector<LinkedGroup>& groups, const TickContacts& found, c
                   Islands& islands) {
   for (std::uint32_t g = 0; g < groups.size(); ++g) {
     LinkedGroup& group = groups[g];
-    group.inIsland = islands.island[root(islands, g)] != kNoPartner;
+    group.inIsland = islands.island[root(islands, g)] != kNone;
     if (!group.inIsland) continue;
     Island& island = islandOf(islands, g);
     islands.first[g] = static_cast<std::uint32_t>(island.step.bodies.size());
     const auto firstRigid = static_cast<std::uint32_t>(island.step.links.rigids.size());
     for (std::uint32_t i = 0; i < group.rigids.size(); ++i)
       if (const std::uint32_t number = found.find(*group.rigids[i].body);
-          number != kNoPartner && !group.rigids[i].held)
+          number != kNone && !group.rigids[i].held)
         islands.first[nodes.ofRigid(number)] = firstRigid + i;
     append(island, group);
   }
@@ -143,7 +143,7 @@ void appendGroups(std::vector<LinkedGroup>& groups, const TickContacts& found, c
 void appendRigids(TickContacts& found, const IslandNodes& nodes, btScalar tick, Islands& islands) {
   for (std::uint32_t number = 0; number < found.rigids.size(); ++number) {
     const std::uint32_t node = nodes.ofRigid(number);
-    if (islands.first[node] != kNoPartner || islands.island[root(islands, node)] == kNoPartner) continue;
+    if (islands.first[node] != kNone || islands.island[root(islands, node)] == kNone) continue;
     Island& island = islandOf(islands, node);
     islands.first[node] = static_cast<std::uint32_t>(island.step.links.rigids.size());
     island.rigids.push_back(number);
@@ -152,11 +152,11 @@ void appendRigids(TickContacts& found, const IslandNodes& nodes, btScalar tick, 
   }
 }
 
-/// Contacts name bodies by their number in the system; rows of an island by their place in it.
-void renumber(ContactPoint& place, const IslandNodes& nodes, const Islands& islands) {
-  if (place.kind == ContactPoint::Kind::World) return;
-  const bool soft = place.kind == ContactPoint::Kind::Soft;
-  place.body = islands.first[nodes.of(place)] + (soft ? islands.indexInGroup[place.body] : 0);
+/// Replaces the index of a body in the system by that in its island.
+void renumber(ContactPoint& point, const IslandNodes& nodes, const Islands& islands) {
+  if (point.kind == ContactPoint::Kind::World) return;
+  const bool isSoft = point.kind == ContactPoint::Kind::Soft;
+  point.body = islands.first[nodes.of(point)] + (isSoft ? islands.indexInGroup[point.body] : 0);
 }
 
 void appendContacts(const TickContacts& found, const IslandNodes& nodes, Islands& islands) {
@@ -176,16 +176,16 @@ void appendContacts(const TickContacts& found, const IslandNodes& nodes, Islands
     for (std::uint32_t* side : {&j.a, &j.b})
       if (*side != JointConstraint::kHeld) *side = islands.first[nodes.ofRigid(*side)];
     if (j.contact == JointConstraint::kHeld) continue;
-    const auto place = std::lower_bound(island.contacts.begin(), island.contacts.end(), j.contact);
-    j.contact = static_cast<std::uint32_t>(place - island.contacts.begin());
+    const auto it = std::lower_bound(island.contacts.begin(), island.contacts.end(), j.contact);
+    j.contact = static_cast<std::uint32_t>(it - island.contacts.begin());
   }
 }
 
-/// What holds an anchored point must be solved with what it touches.
+/// Returns whether an anchored point of the group has contacts: its anchor must be solved with them.
 bool hasAnchorsAndContacts(const LinkedGroup& group) {
-  const auto touches = [](const SoftBodyData* body) { return !body->contacts.empty(); };
+  const auto hasContacts = [](const SoftBodyData* body) { return !body->contacts.empty(); };
   return !group.asleep && !group.step.links.anchors.empty() &&
-         std::any_of(group.bodies.begin(), group.bodies.end(), touches);
+         std::any_of(group.bodies.begin(), group.bodies.end(), hasContacts);
 }
 
 void appendCandidates(const TickContacts& found, const IslandNodes& nodes, Islands& islands) {
@@ -216,28 +216,28 @@ void numberBodies(const std::vector<LinkedGroup>& groups, Islands& islands) {
     }
 }
 
-// --- contacts of points with what is held ------------------------------------------------------------------
+// --- contacts of points with static and kinematic surfaces -------------------------------------------------
 
-/// Points that something else than what is held touches, or may touch within the tick: solved apart from it
-/// their rows would give way.
+/// Marks the points that dynamic bodies touch, or may touch within the tick. Their plane contacts would give
+/// way if they were solved separately.
 void markCoupledPoints(Island& island) {
   for (SoftBodyData* body : island.softBodies) body->coupled.assign(pointCount(*body), 0);
   for (const IslandPair& m : island.candidates)
     for (SoftBodyData* body : {m.surfaces->body, m.surfaces->other})
       if (m.needsNewSearch() && !m.surfaces->held && body) body->coupled.assign(body->coupled.size(), 1);
   for (const Contact& c : island.step.pairs.contacts)
-    for (const ContactPoint* place : {&c.a, &c.b})
-      if (place->kind == ContactPoint::Kind::Soft)
-        for (std::uint32_t i = 0; i < place->count; ++i)
-          island.softBodies[place->body]->coupled[place->point[i]] = 1;
+    for (const ContactPoint* point : {&c.a, &c.b})
+      if (point->kind == ContactPoint::Kind::Soft)
+        for (std::uint32_t i = 0; i < point->count; ++i)
+          island.softBodies[point->body]->coupled[point->point[i]] = 1;
   for (const LinkAnchor& anchor : island.step.links.anchors)
     island.softBodies[anchor.point.body]->coupled[anchor.point.point] = 1;
 }
 
-Contact pairOf(const PlaneContact& row, const SoftBodyData& body, std::uint32_t place) {
+Contact contactOf(const PlaneContact& row, const SoftBodyData& body, std::uint32_t bodyIndex) {
   Contact c;
   c.a.kind = ContactPoint::Kind::Soft;
-  c.a.body = place;
+  c.a.body = bodyIndex;
   c.a.point[0] = row.point;
   c.b.velocity = row.surfaceVelocity;
   c.normal = row.normal;
@@ -250,18 +250,17 @@ Contact pairOf(const PlaneContact& row, const SoftBodyData& body, std::uint32_t 
   return c;
 }
 
-/// Moves the contacts with static and kinematic surfaces of those points that something free touches or
-/// holds, from their bodies' rows to the island's pairs: what is squeezed between the two must be solved
-/// with both.
+/// Moves the plane contacts of coupled points from their bodies to the island's contacts. A point that is
+/// pressed between a static surface and a dynamic body must be solved with both.
 void appendPlaneContacts(Island& island) {
   markCoupledPoints(island);
-  for (std::uint32_t place = 0; place < island.softBodies.size(); ++place) {
-    SoftBodyData& body = *island.softBodies[place];
+  for (std::uint32_t bodyIndex = 0; bodyIndex < island.softBodies.size(); ++bodyIndex) {
+    SoftBodyData& body = *island.softBodies[bodyIndex];
     for (PlaneContact& row : body.contacts) {
       row.coupled = body.coupled[row.point] != 0;
       if (!row.coupled) continue;
       island.rows.push_back(&row);
-      island.step.pairs.contacts.push_back(pairOf(row, body, place));
+      island.step.pairs.contacts.push_back(contactOf(row, body, bodyIndex));
     }
   }
 }
@@ -285,8 +284,8 @@ void makeIslands(std::vector<LinkedGroup>& groups, TickContacts& found, btScalar
   numberBodies(groups, islands);
   const IslandNodes nodes{static_cast<std::uint32_t>(groups.size()), islands.groupOf};
   joinNodes(groups, found, nodes, islands);
-  islands.island.assign(islands.parent.size(), kNoPartner);
-  islands.first.assign(islands.parent.size(), kNoPartner);
+  islands.island.assign(islands.parent.size(), kNone);
+  islands.first.assign(islands.parent.size(), kNone);
   for (const Contact& c : found.contacts) islandOf(islands, nodes.of(c));
   for (const JointConstraint& j : found.joints) islandOf(islands, nodes.of(j));
   for (const SurfaceCandidate& m : found.candidates) islandOf(islands, nodes.of(*m.body));

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
 
-// This file steps an island, searches for contacts within its step, limits what joints add to its energy, and
+// This file steps an island, searches for contacts within its step, limits the energy that joints add, and
 // writes the result to Bullet.
 
 #include "bullet/linked_group.h"
@@ -14,7 +14,8 @@ namespace limber {
 inline namespace LIMBER_BULLET_PRECISION {
 namespace {
 
-/// Guesses are sums over the last tick, in each of whose substeps a contact is solved twice.
+/// Scales the first guesses of impulses: they are sums over the last tick, and each of its substeps solves a
+/// contact twice.
 void scaleWarmStart(IslandConstraints& pairs, int substeps) {
   for (Contact& c : pairs.contacts) {
     const double share = 0.5 / substeps;
@@ -24,22 +25,24 @@ void scaleWarmStart(IslandConstraints& pairs, int substeps) {
   for (JointConstraint& j : pairs.joints) j.lower /= 2.0 * substeps, j.upper /= 2.0 * substeps;
 }
 
-/// Of an overlap per tick, as Bullet's solver takes it back, which leaves the bodies that speed
-/// (btContactSolverInfo::m_erp2): any more would be a kick that a hit without us does not give.
+/// Fraction of an overlap that is corrected per tick. Bullet's solver corrects as much, and leaves this speed
+/// to the bodies (btContactSolverInfo::m_erp2). A higher speed would be a kick that Bullet alone does not
+/// give.
 constexpr double kOverlapPerTick = 0.2;
 
-/// Share of the recovery speed at which an overlap may always be corrected. Every solve leaves small
-/// overlaps; this makes hops of about 2e-5 m.
+/// Fraction of the recovery speed at which an overlap may always be corrected. Every solve leaves small
+/// overlaps; this causes hops of about 2e-5 m.
 constexpr double kMinRecovery = 0.04;
 
-/// Rigid bodies among themselves part as by Bullet's solver.
+/// Limits the recovery speed of contacts between rigid bodies to that of Bullet's solver.
 void limitRecoverySpeed(IslandConstraints& pairs, double tick) {
   for (Contact& c : pairs.contacts)
     c.recoverySpeed =
         std::clamp(-kOverlapPerTick * c.gap / tick, kMinRecovery * c.recoverySpeed, c.recoverySpeed);
 }
 
-/// m/s: a small share of what gravity and forces give in a tick, or of how fast anything is.
+/// Returns a speed (m/s): a small fraction of the largest speed, or of the largest change by gravity and
+/// forces in a tick.
 double speedTolerance(const SolverIsland& step, double tick) {
   double squared = 0.0;
   const auto add = [&](const auto& acceleration, const auto& velocity) {
@@ -52,7 +55,7 @@ double speedTolerance(const SolverIsland& step, double tick) {
   return 6e-4 * std::sqrt(squared);
 }
 
-/// The index of the first of the island's rigid bodies that are in no group.
+/// Returns the index of the first of the island's rigid bodies that are in no group.
 std::size_t firstOwnRigid(const Island& island) {
   return island.step.links.rigids.size() - island.rigids.size();
 }
@@ -73,7 +76,8 @@ void copyToGroups(Island& island) {
 
 // --- energy ------------------------------------------------------------------------------------------------
 
-/// The sum over the axes of x_i y_i / w_i; what has no inverse mass does not move by itself.
+/// Returns the sum over the axes of x_i y_i / w_i, where w is `inverse`. Axes without inverse mass are
+/// skipped: they do not move freely.
 double weighted(const Eigen::Vector3d& x, const Eigen::Vector3d& y, const Eigen::Vector3d& inverse) {
   double sum = 0.0;
   for (int k = 0; k < 3; ++k) sum += inverse[k] > 0.0 ? x[k] * y[k] / inverse[k] : 0.0;
@@ -99,7 +103,7 @@ double energyOf(SolverIsland& step) {
   return sum;
 }
 
-/// J, what the constant accelerations have done in the tick.
+/// Returns the work (J) of the constant accelerations in the tick.
 double workOfAccelerations(const Island& island) {
   double work = 0.0;
   for (const SoftBodyData* body : island.softBodies) {
@@ -110,15 +114,15 @@ double workOfAccelerations(const Island& island) {
   }
   for (std::size_t i = 0; i < island.start.size(); ++i) {
     const RigidState &start = island.start[i], &end = island.step.links.rigids[i];
-    const Eigen::Quaterniond inside = start.rotation.conjugate();
+    const Eigen::Quaterniond toLocal = start.rotation.conjugate();
     work += weighted(start.acceleration, end.position - start.position, start.inverseMass);
-    work += weighted(inside * start.angularAcceleration,
-                     inside * rotationBetween(start.rotation, end.rotation), start.inverseInertiaLocal);
+    work += weighted(toLocal * start.angularAcceleration,
+                     toLocal * rotationBetween(start.rotation, end.rotation), start.inverseInertiaLocal);
   }
   return work;
 }
 
-/// J, what joints have done by taking back errors.
+/// Returns the work (J) of the joints' error correction.
 double workOfRecoveries(const Island& island, const TickContacts& found) {
   double work = 0.0;
   for (std::size_t i = 0; i < island.joints.size(); ++i)
@@ -126,7 +130,8 @@ double workOfRecoveries(const Island& island, const TickContacts& found) {
   return work;
 }
 
-/// kg and m/s, of all that moves; of no mass where something is joined to what is held.
+/// Mass (kg) and mean velocity (m/s) of all moving bodies. The mass is 0 if one is joined to a static or
+/// kinematic body.
 struct CommonMotion {
   double mass = 0.0;
   Eigen::Vector3d mean = Eigen::Vector3d::Zero();
@@ -151,7 +156,7 @@ CommonMotion commonMotion(const SolverIsland& step) {
   return all;
 }
 
-/// Scales all motion relative to `mean`.
+/// Scales all velocities relative to `mean`.
 void slowDown(SolverIsland& step, const Eigen::Vector3d& mean, double factor) {
   for (SolverBody& body : step.bodies)
     for (Eigen::Index i = 0; i < body.points->velocity.cols(); ++i)
@@ -164,22 +169,24 @@ void slowDown(SolverIsland& step, const Eigen::Vector3d& mean, double factor) {
     }
 }
 
-/// Takes out of the motion what the energy has risen by in the tick, as far as joints have raised it.
-void limitEnergy(Island& island, const TickContacts& found, double before) {
-  const double risen = energyOf(island.step) - before - workOfAccelerations(island);
-  const double excess = std::min(risen, workOfRecoveries(island, found));
+/// Removes the increase of the energy in the tick from the motion, as far as joints have caused it.
+void limitEnergy(Island& island, const TickContacts& found, double energyBefore) {
+  const double increase = energyOf(island.step) - energyBefore - workOfAccelerations(island);
+  const double excess = std::min(increase, workOfRecoveries(island, found));
   if (!(excess > 0.0)) return;
   const CommonMotion motion = commonMotion(island.step);
-  const double free = kineticEnergy(island.step) - 0.5 * motion.mass * motion.mean.squaredNorm();
-  if (free > excess) slowDown(island.step, motion.mean, std::sqrt(1.0 - excess / free));
+  const double relative = kineticEnergy(island.step) - 0.5 * motion.mass * motion.mean.squaredNorm();
+  if (relative > excess) slowDown(island.step, motion.mean, std::sqrt(1.0 - excess / relative));
 }
 
-// --- contacts that are searched for within the tick --------------------------------------------------------
+// --- searches for contacts within the tick -----------------------------------------------------------------
 
-/// Of the size of a surface's features: how far surfaces move against each other in one substep.
+/// Fraction of the size of a surface's features: the largest relative displacement of surfaces in one
+/// substep.
 constexpr double kMaxInSubstep = 0.1;
 
-/// Searches and substeps that fine meshes may cost even where their features are passed quickly.
+/// Numbers of searches and substeps that fine meshes may need even if their features move past each other
+/// quickly.
 constexpr double kManySearches = 16.0, kManySubsteps = 64.0;
 
 struct SearchContext {
@@ -188,7 +195,7 @@ struct SearchContext {
   SurfaceSearch* search;
 };
 
-/// Takes a contact for one that has ended until it is found again.
+/// Collects the contacts of a candidate and marks them as ended until the search finds them again.
 void collectOldContacts(Island& island, std::uint32_t number, const TickContacts& found) {
   const SurfaceCandidate& m = *island.candidates[number].surfaces;
   island.oldContacts.clear();
@@ -213,11 +220,12 @@ void storeContact(Island& island, std::uint32_t candidate, const Contact& contac
     island.step.pairs.contacts.push_back(contact);
     return;
   }
-  Contact& known = island.step.pairs.contacts[it->second];
-  const ContactImpulse positionImpulse = known.positionImpulse, velocityImpulse = known.velocityImpulse;
-  const TickImpulse impulse = known.impulse;
-  known = contact;
-  known.positionImpulse = positionImpulse, known.velocityImpulse = velocityImpulse, known.impulse = impulse;
+  Contact& stored = island.step.pairs.contacts[it->second];
+  const ContactImpulse positionImpulse = stored.positionImpulse, velocityImpulse = stored.velocityImpulse;
+  const TickImpulse impulse = stored.impulse;
+  stored = contact;
+  stored.positionImpulse = positionImpulse, stored.velocityImpulse = velocityImpulse,
+  stored.impulse = impulse;
 }
 
 void searchInStep(void* context, SolverIsland& group, double since, double ahead) {
@@ -241,30 +249,31 @@ void searchInStep(void* context, SolverIsland& group, double since, double ahead
   }
 }
 
-/// The longest ways, in sizes of features.
+/// The largest relative displacements, as multiples of the size of features.
 struct MaxDisplacements {
   double all = 0.0;
-  double ofContacts = 0.0;  ///< where contacts are foreseen: what is only near must not change the substeps
+  double ofContacts = 0.0;  ///< of candidates with contacts: the others do not affect the substeps
 };
 
 MaxDisplacements maxDisplacements(const Island& island) {
-  MaxDisplacements most;
+  MaxDisplacements largest;
   for (const IslandPair& m : island.candidates) {
-    most.all = std::max(most.all, m.displacement);
-    if (m.surfaces->end > m.surfaces->first) most.ofContacts = std::max(most.ofContacts, m.displacement);
+    largest.all = std::max(largest.all, m.displacement);
+    if (m.surfaces->end > m.surfaces->first)
+      largest.ofContacts = std::max(largest.ofContacts, m.displacement);
   }
-  return most;
+  return largest;
 }
 
-/// No more than any group's budget.
+/// Returns at most the maximum of any group.
 int substepsFor(const Island& island, double displacement) {
-  int most = static_cast<int>(std::ceil(std::min(displacement / kMaxInSubstep, kManySubsteps)));
+  int substeps = static_cast<int>(std::ceil(std::min(displacement / kMaxInSubstep, kManySubsteps)));
   for (const LinkedGroup* group : island.groups)
-    if (group->stepping.maxSubsteps > 0) most = std::min(most, group->stepping.maxSubsteps);
-  return most;
+    if (group->stepping.maxSubsteps > 0) substeps = std::min(substeps, group->stepping.maxSubsteps);
+  return substeps;
 }
 
-/// Contacts found within the tick, too, are reported and remembered.
+/// Adds contacts found within the tick to `found`, so that they are reported and stored.
 void reportLateContacts(Island& island, TickContacts& found) {
   const std::size_t first = island.contacts.size() + island.rows.size();
   for (std::size_t i = 0; i < island.late.size(); ++i) {
@@ -277,19 +286,19 @@ void reportLateContacts(Island& island, TickContacts& found) {
   }
 }
 
-/// After the step: gives the rows of points what they bore.
+/// Writes the impulses of the step to the plane contacts of points.
 void storePlaneImpulses(Island& island) {
   for (std::size_t i = 0; i < island.rows.size(); ++i)
     island.rows[i]->impulse = island.step.pairs.contacts[island.contacts.size() + i].impulse;
 }
 
-void handOver(const Contact& contact, Contact& found) {
+void copyContact(const Contact& contact, Contact& found) {
   const std::uint32_t a = found.a.body, b = found.b.body;
   found = contact;
   found.a.body = a, found.b.body = b;
 }
 
-/// Whether nothing but one soft body moves: it touches itself, or what is still.
+/// Returns whether a single soft body moves, and touches only itself or surfaces at rest.
 bool isAlone(const Island& island) {
   const SolverIsland& step = island.step;
   const LinkedBodies& links = step.links;
@@ -331,7 +340,7 @@ void stepIsland(Island& island, const TickContacts& found, double tick, SurfaceS
 void writeIslandToBullet(Island& island, TickContacts& found, btScalar tick) {
   const IslandConstraints& pairs = island.step.pairs;
   for (std::size_t i = 0; i < island.contacts.size(); ++i)
-    handOver(pairs.contacts[i], found.contacts[island.contacts[i]]);
+    copyContact(pairs.contacts[i], found.contacts[island.contacts[i]]);
   reportLateContacts(island, found);
   for (std::size_t i = 0; i < island.joints.size(); ++i)
     found.joints[island.joints[i]].impulse = pairs.joints[i].impulse;

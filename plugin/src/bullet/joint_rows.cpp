@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 
-// This file makes rows of Bullet's constraints and of rolling friction, and tells Bullet what they have
-// borne.
+// This file makes constraint rows from Bullet's joints and from rolling friction, and reports their impulses
+// to Bullet.
 
 #include "bullet/bullet_objects.h"
 #include "bullet/surface_body.h"
@@ -15,10 +15,10 @@ namespace {
 
 using Eigen::Vector3d;
 
-/// Bullet's largest kind of constraint has six rows and a spring or motor for each.
+/// Bullet's largest constraint has six rows and a spring or motor for each.
 constexpr int kMaxRows = 16;
 
-/// Where Bullet's constraints write their rows.
+/// The memory to which Bullet's constraints write their rows.
 struct RowBuffer {
   btScalar linearA[4 * kMaxRows] = {}, angularA[4 * kMaxRows] = {};
   btScalar linearB[4 * kMaxRows] = {}, angularB[4 * kMaxRows] = {};
@@ -50,20 +50,21 @@ btTypedConstraint::btConstraintInfo2 infoOn(RowBuffer& buffer, const btContactSo
   return info;
 }
 
-/// The number of a side's body. What a held one's motion adds to the row's speed moves to its other side.
+/// Returns the number of a side's body. The contribution of a kinematic body's motion goes to the other side
+/// of the row's equation: it is subtracted from `speed`.
 std::uint32_t sideOf(const btRigidBody& body, const Vector3d& linear, const Vector3d& angular,
                      const TickContacts& found, double& speed) {
   if (isFree(body)) return found.find(body);
   if (isKinematic(body)) {
     const btTransform &start = body.getWorldTransform(), &end = body.getInterpolationWorldTransform();
     const Vector3d moved = toEigen(btVector3(end.getOrigin() - start.getOrigin()));
-    const Vector3d turned = rotationBetween(toEigen(start.getRotation()), toEigen(end.getRotation()));
-    speed -= (linear.dot(moved) + angular.dot(turned)) / found.tick;
+    const Vector3d rotation = rotationBetween(toEigen(start.getRotation()), toEigen(end.getRotation()));
+    speed -= (linear.dot(moved) + angular.dot(rotation)) / found.tick;
   }
   return JointConstraint::kHeld;
 }
 
-bool drives(const RowBuffer& buffer, int row) {
+bool isDriven(const RowBuffer& buffer, int row) {
   return buffer.lower[4 * row] > -SIMD_INFINITY && buffer.upper[4 * row] < SIMD_INFINITY;
 }
 
@@ -81,9 +82,10 @@ void addRow(const btTypedConstraint& joint, const RowBuffer& buffer, int row, bt
   found.joints.push_back(j);
 }
 
-/// Against turning of the sides of the last contact against each other, by `rolling` (m) times what it bears.
-void addTurnRow(const btPersistentManifold& manifold, const Vector3d& axis, double rolling,
-                TickContacts& found) {
+/// Adds a row against rotation of the two bodies of the last contact about `axis`. Its limit is `rolling` (m)
+/// times the contact's impulse.
+void addRotationRow(const btPersistentManifold& manifold, const Vector3d& axis, double rolling,
+                    TickContacts& found) {
   JointConstraint j;
   j.contact = static_cast<std::uint32_t>(found.contacts.size() - 1);
   j.rolling = rolling;
@@ -103,7 +105,8 @@ bool isNumbered(const TickContacts& found, const btRigidBody& body) {
   return isFree(body) && found.find(body) != TickContacts::kNone;
 }
 
-/// Fills the buffer as Bullet's solver does. The number of rows; 0 too if there are too many.
+/// Fills the buffer in the same way as Bullet's solver. Returns the number of rows, or 0 if there are too
+/// many.
 int readRows(btTypedConstraint& joint, const btContactSolverInfo& solver, btScalar tick, RowBuffer& buffer) {
   joint.buildJacobian();
   btTypedConstraint::btConstraintInfo1 size;
@@ -114,28 +117,28 @@ int readRows(btTypedConstraint& joint, const btContactSolverInfo& solver, btScal
   return size.m_numConstraintRows;
 }
 
-/// Puts both bodies of a joint, while it lives, to where its errors count: what moves as told to the end of
-/// the tick, where Bullet's solver sees it; what moves by itself to where its velocity takes it in some time
-/// (s).
-class Ahead {
+/// Moves both bodies of a joint, while this object exists, to the poses that define the joint's error: a
+/// kinematic body to the end of the tick, where Bullet's solver sees it; a dynamic one along its velocity for
+/// `time` (s).
+class PredictedPoses {
  public:
-  Ahead(btTypedConstraint& joint, btScalar time)
+  PredictedPoses(btTypedConstraint& joint, btScalar time)
       : bodies_{&joint.getRigidBodyA(), &joint.getRigidBodyB()},
         poses_{bodies_[0]->getWorldTransform(), bodies_[1]->getWorldTransform()} {
     for (btRigidBody* body : bodies_) {
-      btTransform ahead = body->getWorldTransform();
+      btTransform pose = body->getWorldTransform();
       if (isKinematic(*body))
-        ahead = body->getInterpolationWorldTransform();
+        pose = body->getInterpolationWorldTransform();
       else if (isFree(*body) && time > btScalar(0))
-        body->predictIntegratedTransform(time, ahead);
-      body->setWorldTransform(ahead);
+        body->predictIntegratedTransform(time, pose);
+      body->setWorldTransform(pose);
     }
   }
-  ~Ahead() {
+  ~PredictedPoses() {
     for (int i : {0, 1}) bodies_[i]->setWorldTransform(poses_[i]);
   }
-  Ahead(const Ahead&) = delete;
-  Ahead& operator=(const Ahead&) = delete;
+  PredictedPoses(const PredictedPoses&) = delete;
+  PredictedPoses& operator=(const PredictedPoses&) = delete;
 
  private:
   btRigidBody* bodies_[2];
@@ -147,12 +150,12 @@ bool hasSprings(const btTypedConstraint& joint) {
   return type == D6_SPRING_CONSTRAINT_TYPE || type == D6_SPRING_2_CONSTRAINT_TYPE;
 }
 
-/// Springs push with the force of half a tick later. Theirs is constant in the tick of length h: at the
-/// start's distance x it changes (x, v) by a matrix whose determinant is 1 + (omega h)^2 / 2, and swings
-/// grow; at that of the middle, x + h v / 2, by one of determinant 1.
-void takeSprings(const RowBuffer& middle, int rows, RowBuffer& buffer) {
+/// Replaces the force of springs by that of half a tick later. The force is constant in the tick of length h.
+/// If it is that of the distance x at the start, (x, v) is multiplied by a matrix of determinant 1 + (omega
+/// h)^2 / 2, and oscillations grow. With the distance in the middle, x + h v / 2, the determinant is 1.
+void copySprings(const RowBuffer& middle, int rows, RowBuffer& buffer) {
   for (int row = 0; row < rows; ++row) {
-    if (!drives(buffer, row) || !drives(middle, row)) continue;
+    if (!isDriven(buffer, row) || !isDriven(middle, row)) continue;
     buffer.error[4 * row] = middle.error[4 * row];
     buffer.lower[4 * row] = middle.lower[4 * row];
     buffer.upper[4 * row] = middle.upper[4 * row];
@@ -162,26 +165,26 @@ void takeSprings(const RowBuffer& middle, int rows, RowBuffer& buffer) {
 void addRows(btTypedConstraint& joint, const btContactSolverInfo& solver, btScalar tick,
              TickContacts& found) {
   RowBuffer buffer, middle;
-  int rows = 0, inTheMiddle = 0;
+  int rows = 0, middleRows = 0;
   if (hasSprings(joint)) {
-    const Ahead ahead(joint, tick / 2);
-    inTheMiddle = readRows(joint, solver, tick, middle);
+    const PredictedPoses poses(joint, tick / 2);
+    middleRows = readRows(joint, solver, tick, middle);
   }
   {
-    const Ahead ahead(joint, 0);
+    const PredictedPoses poses(joint, 0);
     rows = readRows(joint, solver, tick, buffer);
   }
-  if (inTheMiddle == rows) takeSprings(middle, rows, buffer);
+  if (middleRows == rows) copySprings(middle, rows, buffer);
   for (int row = 0; row < rows; ++row) {
-    const bool is = drives(buffer, row);
-    found.jointSources.push_back({&joint, is ? 0.0 : double(buffer.error[4 * row]), is});
+    const bool isDrive = isDriven(buffer, row);
+    found.jointSources.push_back({&joint, isDrive ? 0.0 : double(buffer.error[4 * row]), isDrive});
     addRow(joint, buffer, row, tick, found);
   }
 }
 
-// --- motors and springs while Bullet's solver runs ---------------------------------------------------------
+// --- motors and springs during Bullet's solver -------------------------------------------------------------
 
-/// Calls visit(flag) for all flags of a kind of joint that let a motor or a spring push.
+/// Calls visit(flag) for all flags of a joint that enable a motor or a spring.
 template <class Visit>
 void forEachDrive(btGeneric6DofConstraint& joint, Visit visit) {
   for (int i = 0; i < 3; ++i) {
@@ -201,10 +204,11 @@ void forEachDrive(btGeneric6DofSpring2Constraint& joint, Visit visit) {
   }
 }
 
-/// Those of Bullet's own kinds, by getters and setters where there are no flags to be had.
+/// Visits the motors and springs of Bullet's own joint types, by getters and setters where there are no
+/// flags.
 template <class Visit>
 void visitDrives(btTypedConstraint& joint, Visit visit) {
-  const auto through = [&](bool value, auto set) {
+  const auto visitProperty = [&](bool value, auto set) {
     const bool before = value;
     visit(value);
     if (value != before) set(value);
@@ -212,22 +216,22 @@ void visitDrives(btTypedConstraint& joint, Visit visit) {
   switch (joint.getConstraintType()) {
     case HINGE_CONSTRAINT_TYPE: {
       auto& hinge = static_cast<btHingeConstraint&>(joint);
-      return through(hinge.getEnableAngularMotor(), [&](bool on) { hinge.enableMotor(on); });
+      return visitProperty(hinge.getEnableAngularMotor(), [&](bool on) { hinge.enableMotor(on); });
     }
     case CONETWIST_CONSTRAINT_TYPE: {
       auto& cone = static_cast<btConeTwistConstraint&>(joint);
-      return through(cone.isMotorEnabled(), [&](bool on) { cone.enableMotor(on); });
+      return visitProperty(cone.isMotorEnabled(), [&](bool on) { cone.enableMotor(on); });
     }
     case SLIDER_CONSTRAINT_TYPE: {
       auto& slider = static_cast<btSliderConstraint&>(joint);
-      through(slider.getPoweredLinMotor(), [&](bool on) { slider.setPoweredLinMotor(on); });
-      return through(slider.getPoweredAngMotor(), [&](bool on) { slider.setPoweredAngMotor(on); });
+      visitProperty(slider.getPoweredLinMotor(), [&](bool on) { slider.setPoweredLinMotor(on); });
+      return visitProperty(slider.getPoweredAngMotor(), [&](bool on) { slider.setPoweredAngMotor(on); });
     }
     case D6_SPRING_CONSTRAINT_TYPE: {
       auto& spring = static_cast<btGeneric6DofSpringConstraint&>(joint);
-      // a spring pushes through the motor of its axis, which goes on and off with it
+      // a spring acts through the motor of its axis, which is enabled with it
       for (int i = 0; i < 6; ++i)
-        through(spring.isSpringEnabled(i), [&](bool on) { spring.enableSpring(i, on); });
+        visitProperty(spring.isSpringEnabled(i), [&](bool on) { spring.enableSpring(i, on); });
       return forEachDrive(spring, visit);
     }
     case D6_CONSTRAINT_TYPE:
@@ -239,7 +243,7 @@ void visitDrives(btTypedConstraint& joint, Visit visit) {
   }
 }
 
-/// Which ones were on, a bit each.
+/// Disables all drives. Returns one bit for each: whether it was enabled.
 std::uint32_t switchOff(btTypedConstraint& joint) {
   std::uint32_t on = 0, bit = 1;
   visitDrives(joint, [&](bool& flag) {
@@ -257,31 +261,31 @@ void switchOn(btTypedConstraint& joint, std::uint32_t on) {
   });
 }
 
-/// Whether the joint is in the world. Looks from `place` in the world's list on, and leaves there where it
-/// is: rows come in the order of their joints.
-bool isValid(btDynamicsWorld& world, const btTypedConstraint* joint, int& place) {
+/// Returns whether the joint is in the world. Searches from `index` in the world's list on, and sets `index`
+/// to its index: rows are in the order of their joints.
+bool isValid(btDynamicsWorld& world, const btTypedConstraint* joint, int& index) {
   const int count = world.getNumConstraints();
   for (int i = 0; i < count; ++i) {
-    const int here = (place + i) % count;
-    if (world.getConstraint(here) != joint) continue;
-    place = here;
+    const int candidate = (index + i) % count;
+    if (world.getConstraint(candidate) != joint) continue;
+    index = candidate;
     return true;
   }
   return false;
 }
 
 void addFeedback(btJointFeedback& feedback, const JointConstraint& j, btScalar tick) {
-  const auto push = [&](btVector3& sum, const Vector3d& along) {
+  const auto add = [&](btVector3& sum, const Vector3d& along) {
     sum += toBullet(Vector3d(along * (j.impulse / double(tick))));
   };
-  push(feedback.m_appliedForceBodyA, j.linearA);
-  push(feedback.m_appliedForceBodyB, j.linearB);
-  push(feedback.m_appliedTorqueBodyA, j.angularA);
-  push(feedback.m_appliedTorqueBodyB, j.angularB);
+  add(feedback.m_appliedForceBodyA, j.linearA);
+  add(feedback.m_appliedForceBodyB, j.linearB);
+  add(feedback.m_appliedTorqueBodyA, j.angularA);
+  add(feedback.m_appliedTorqueBodyB, j.angularB);
 }
 
-/// Soft bodies' objects are left to Bullet's solver, see surface_rigid.cpp.
-bool holdsSoft(const btTypedConstraint& joint) {
+/// Returns whether a soft body is part of the joint. Bullet's solver handles these, see surface_rigid.cpp.
+bool hasSoftBody(const btTypedConstraint& joint) {
   return SurfaceObject::from(&joint.getRigidBodyA()) || SurfaceObject::from(&joint.getRigidBodyB());
 }
 
@@ -293,17 +297,17 @@ void addRollingRows(const btPersistentManifold& manifold, const btManifoldPoint&
   if (!(rolling > 0.0) && !(spinning > 0.0)) return;
   const Vector3d normal = toEigen(point.m_normalWorldOnB).normalized();
   const Vector3d across = normal.unitOrthogonal();
-  if (spinning > 0.0) addTurnRow(manifold, normal, spinning, found);
+  if (spinning > 0.0) addRotationRow(manifold, normal, spinning, found);
   if (!(rolling > 0.0)) return;
-  addTurnRow(manifold, across, rolling, found);
-  addTurnRow(manifold, normal.cross(across), rolling, found);
+  addRotationRow(manifold, across, rolling, found);
+  addRotationRow(manifold, normal.cross(across), rolling, found);
 }
 
 bool addJoinedBodies(btDiscreteDynamicsWorld& world, TickContacts& found) {
   const std::size_t before = found.rigids.size();
   for (int i = 0; i < world.getNumConstraints(); ++i) {
     btTypedConstraint& joint = *world.getConstraint(i);
-    if (!joint.isEnabled() || holdsSoft(joint)) continue;
+    if (!joint.isEnabled() || hasSoftBody(joint)) continue;
     btRigidBody &a = joint.getRigidBodyA(), &b = joint.getRigidBodyB();
     if (!isNumbered(found, a) && !isNumbered(found, b)) continue;
     for (btRigidBody* body : {&a, &b})
@@ -315,7 +319,7 @@ bool addJoinedBodies(btDiscreteDynamicsWorld& world, TickContacts& found) {
 void addJointRows(btDiscreteDynamicsWorld& world, btScalar tick, TickContacts& found) {
   for (int i = 0; i < world.getNumConstraints(); ++i) {
     btTypedConstraint& joint = *world.getConstraint(i);
-    if (joint.isEnabled() && !holdsSoft(joint) &&
+    if (joint.isEnabled() && !hasSoftBody(joint) &&
         (isNumbered(found, joint.getRigidBodyA()) || isNumbered(found, joint.getRigidBodyB())))
       addRows(joint, world.getSolverInfo(), tick, found);
   }
@@ -329,17 +333,17 @@ void disableDrives(const TickContacts& found, std::vector<DisabledDrives>& off) 
 }
 
 void enableDrives(btDynamicsWorld& world, std::vector<DisabledDrives>& off) {
-  int place = 0;
+  int index = 0;
   for (const DisabledDrives& o : off)
-    if (isValid(world, o.joint, place)) switchOn(*o.joint, o.drives);
+    if (isValid(world, o.joint, index)) switchOn(*o.joint, o.drives);
   off.clear();
 }
 
 void reportJoints(btDynamicsWorld& world, const TickContacts& contacts, btScalar tick) {
-  int place = 0;
+  int index = 0;
   for (std::size_t i = 0; i < contacts.joints.size(); ++i) {
     btTypedConstraint* constraint = contacts.jointSources[i].constraint;
-    if (!constraint || !isValid(world, constraint, place)) continue;
+    if (!constraint || !isValid(world, constraint, index)) continue;
     btTypedConstraint& joint = *constraint;
     const JointConstraint& row = contacts.joints[i];
     joint.internalSetAppliedImpulse(static_cast<btScalar>(row.impulse));

@@ -20,7 +20,7 @@ namespace {
 constexpr double kMaxTicks = 100.0;
 
 /// Interpolates between two poses.
-btTransform between(const btTransform& from, const btTransform& to, btScalar share) {
+btTransform interpolate(const btTransform& from, const btTransform& to, btScalar share) {
   return btTransform(from.getRotation().slerp(to.getRotation(), share),
                      from.getOrigin().lerp(to.getOrigin(), share));
 }
@@ -80,7 +80,7 @@ void advance(KinematicMotion& m, btScalar tick) {
     m.target = pose;
     m.ticksLeft = m.start == pose ? 0 : ticksOf(m, tick);
   }
-  m.end = m.ticksLeft > 1 ? between(m.start, m.target, btScalar(1) / btScalar(m.ticksLeft)) : m.target;
+  m.end = m.ticksLeft > 1 ? interpolate(m.start, m.target, btScalar(1) / btScalar(m.ticksLeft)) : m.target;
   m.ticksLeft = std::max(m.ticksLeft - 1, 0);
 }
 
@@ -180,8 +180,8 @@ bool mayWake(const btRigidBody& own, const btCollisionObject& partner) {
   return !excluded && own.hasContactResponse() && partner.hasContactResponse();
 }
 
-/// Adds a partner of the coming tick that is near the body's surface or point `own`. Kinematic objects that
-/// are awake wake a sleeping body, as in Bullet's islands.
+/// Adds a partner of the coming tick that is near the body's surface or point `own`. Awake kinematic objects
+/// wake a sleeping body, as in Bullet's islands.
 void addOrWake(SoftBodyData& body, btRigidBody& own, btCollisionObject& partner) {
   if (!body.asleep || own.isActive())
     addPartner(body, &partner);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 
-// This file makes rigid bodies and joints of the links of multibodies for a tick, and gives the multibodies
-// what these bore.
+// This file makes rigid bodies and joints from the links of multibodies for a tick, and applies the resulting
+// impulses to the multibodies.
 
 #include "bullet/bullet_objects.h"
 #include "bullet/tick_contacts.h"
@@ -18,8 +18,8 @@ using Vector6d = Eigen::Matrix<double, 6, 1>;
 
 int linkMark;  // see pointMassMark
 
-/// Ticks for which a body is kept that no soft body is near any more.
-constexpr int kKeptTicks = 120;
+/// Number of ticks after which a body that has no soft body near it is removed.
+constexpr int kMaxUnusedTicks = 120;
 
 btVector3 linkOrigin(const btMultiBody& m, int link) {
   return link < 0 ? m.getBasePos() : m.localPosToWorld(link, btVector3(0, 0, 0));
@@ -30,7 +30,8 @@ btMatrix3x3 basisOf(const btMultiBody& m, int link) {
   return m.localFrameToWorld(link, btMatrix3x3::getIdentity());
 }
 
-/// Where and how a link moves, by the multibody's own state: its collider is placed after each tick only.
+/// Sets the pose and velocity of a link from the multibody's own state, because its collider is updated only
+/// after each tick.
 void placeLink(LinkBody& body, const btVector3& velocity, const btVector3& spin) {
   const btMultiBody& m = *body.multiBody;
   const bool isBase = body.link < 0;
@@ -43,14 +44,14 @@ void placeLink(LinkBody& body, const btVector3& velocity, const btVector3& spin)
   body.setLinearVelocity(pose.getBasis() * velocity);
   body.setAngularVelocity(pose.getBasis() * spin);
   body.clearForces();
-  // gravity is among them
+  // the force includes gravity
   body.applyCentralForce(isBase ? m.getBaseForce() : m.getLinkForce(body.link));
   body.applyTorque(isBase ? m.getBaseTorque() : m.getLinkTorque(body.link));
   body.impulse = body.angularImpulse = btVector3(0, 0, 0);
 }
 
-/// The directions in which a joint lets its link move, as spin and, below, velocity of the link's centre of
-/// mass, in the link's frame.
+/// Returns the directions in which a joint lets its link move: its angular velocity and, below, the velocity
+/// of the link's centre of mass, in the link's frame.
 Eigen::MatrixXd freedomOf(const btMultibodyLink& link) {
   Eigen::MatrixXd freedom(6, link.m_dofCount);
   for (int d = 0; d < link.m_dofCount; ++d) {
@@ -86,7 +87,7 @@ bool isHeldLink(const btMultiBodyLinkCollider& collider) {
 void MultiBodyLinks::begin(const btCollisionWorld& world) {
   objects_ = world.getNumCollisionObjects();
   touched_.clear();
-  const auto isOld = [](const auto& body) { return ++body->unused > kKeptTicks; };
+  const auto isOld = [](const auto& body) { return ++body->unused > kMaxUnusedTicks; };
   bodies_.erase(std::remove_if(bodies_.begin(), bodies_.end(), isOld), bodies_.end());
   for (auto& body : bodies_) body->present = false;
 }
@@ -102,7 +103,7 @@ LinkBody& MultiBodyLinks::bodyOf(btMultiBody& multiBody, int link) {
   body.present = true;
   body.collider = nullptr;
   body.setCollisionShape(&none_);
-  // behind all that are in the world
+  // after all objects of the world
   body.setWorldArrayIndex(objects_ + static_cast<int>(it - bodies_.begin()));
   spins_.resize(multiBody.getNumLinks() + 1);
   velocities_.resize(multiBody.getNumLinks() + 1);
@@ -137,15 +138,15 @@ void MultiBodyLinks::addJoint(btMultiBody& multiBody, int link, TickContacts& fo
   const btMatrix3x3& basis = child.getWorldTransform().getBasis();
   const std::uint32_t a = numberOf(child), b = numberOf(parent);
   if (a == JointConstraint::kHeld && b == JointConstraint::kHeld) return;
-  // all directions beside the joint's own
+  // all directions except those of the joint's freedom
   const Eigen::MatrixXd freedom = freedomOf(joint);
   const Eigen::Matrix<double, 6, 6> directions = orthogonalColumns(freedom, 6);
   for (Eigen::Index d = freedom.cols(); d < 6; ++d) {
-    const Vector6d held = directions.col(d);
+    const Vector6d fixedDirection = directions.col(d);
     JointConstraint row;
     row.a = a, row.b = b;
-    row.angularA = toEigen(basis * toBullet(Vector3d(held.head<3>())));
-    row.linearA = toEigen(basis * toBullet(Vector3d(held.tail<3>())));
+    row.angularA = toEigen(basis * toBullet(Vector3d(fixedDirection.head<3>())));
+    row.linearA = toEigen(basis * toBullet(Vector3d(fixedDirection.tail<3>())));
     row.linearB = -row.linearA;
     row.angularB = -row.angularA - arm.cross(row.linearA);
     found.joints.push_back(row);
@@ -178,13 +179,13 @@ void MultiBodyLinks::addJoints(TickContacts& found) {
 void MultiBodyLinks::applyImpulses(const TickContacts& found) {
   if (touched_.empty()) return;
   for (const Contact& c : found.contacts)
-    for (const ContactPoint* place : {&c.a, &c.b}) {
-      if (place->kind != ContactPoint::Kind::Rigid) continue;
-      LinkBody* body = LinkBody::from(found.rigids[place->body].body);
+    for (const ContactPoint* point : {&c.a, &c.b}) {
+      if (point->kind != ContactPoint::Kind::Rigid) continue;
+      LinkBody* body = LinkBody::from(found.rigids[point->body].body);
       if (!body) continue;
-      const Vector3d impulse = place == &c.a ? c.impulse.sum : Vector3d(-c.impulse.sum);
+      const Vector3d impulse = point == &c.a ? c.impulse.sum : Vector3d(-c.impulse.sum);
       body->impulse += toBullet(impulse);
-      body->angularImpulse += toBullet(Vector3d(place->arm.cross(impulse)));
+      body->angularImpulse += toBullet(Vector3d(point->arm.cross(impulse)));
     }
   for (btMultiBody* multiBody : touched_) apply(*multiBody);
 }
@@ -204,7 +205,7 @@ void MultiBodyLinks::apply(btMultiBody& multiBody) {
     for (int i = 0; i < size; ++i) force_[i] += jacobian_[i];
   }
   if (!any) return;
-  // for a time of 0: it leaves the velocities alone, and what follows the inertias it needs
+  // with a time step of 0 this keeps the velocities, and computes the inertias for the next call
   multiBody.computeAccelerationsArticulatedBodyAlgorithmMultiDof(btScalar(0), numbers_, vectors_, matrices_,
                                                                  false, false, false);
   multiBody.calcAccelerationDeltasMultiDof(&force_[0], &change_[0], numbers_, vectors_);

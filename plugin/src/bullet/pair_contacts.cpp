@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Zlib
 
-// This file finds the contacts of points with rigid bodies that move by themselves, and with points of other
-// bodies.
+// This file finds the contacts of points with dynamic rigid bodies, and with points of other bodies.
 
 #include "bullet/bullet_objects.h"
 #include "bullet/linked_group.h"
@@ -15,11 +14,11 @@ namespace limber {
 inline namespace LIMBER_BULLET_PRECISION {
 namespace {
 
-/// The contacts that one point and one rigid body make.
-class PairsOfPoint final : public btCollisionWorld::ContactResultCallback {
+/// Makes the contacts of one point with one rigid body.
+class RigidContactCollector final : public btCollisionWorld::ContactResultCallback {
  public:
-  PairsOfPoint(SoftBodyData& body, std::uint32_t point, const btRigidBody& partner, double searchRegion,
-               TickContacts& found)
+  RigidContactCollector(SoftBodyData& body, std::uint32_t point, const btRigidBody& partner,
+                        double searchRegion, TickContacts& found)
       : body_(&body), point_(point), partner_(&partner), found_(&found), first_(found.contacts.size()) {
     m_closestDistanceThreshold = static_cast<btScalar>(searchRegion);
   }
@@ -68,16 +67,16 @@ class PairsOfPoint final : public btCollisionWorld::ContactResultCallback {
   std::size_t first_;
 };
 
-/// m, how far the partner's surface may move in the tick.
+/// Returns a bound (m) on the motion of the partner's surface in the tick.
 double displacementInTick(const btRigidBody& partner, double tick) {
-  const btScalar turn = partner.getAngularVelocity().length();
+  const btScalar angularSpeed = partner.getAngularVelocity().length();
   double speed = double(partner.getLinearVelocity().length());
-  if (turn > 0) speed += double(turn * partner.getCollisionShape()->getAngularMotionDisc());
+  if (angularSpeed > 0) speed += double(angularSpeed * partner.getCollisionShape()->getAngularMotionDisc());
   return tick * (speed + tick * double(partner.getTotalForce().length() * partner.getInvMass()));
 }
 
-void addBoxPair(PairsOfPoint& pairs, const SoftBodyData& body, std::uint32_t i, const btRigidBody& partner,
-                double searchRegion) {
+void addBoxPair(RigidContactCollector& pairs, const SoftBodyData& body, std::uint32_t i,
+                const btRigidBody& partner, double searchRegion) {
   const Eigen::Vector3d x = body.state.position.col(i);
   const auto& box = *static_cast<const btBoxShape*>(partner.getCollisionShape());
   const NearestOnBox nearest = nearestOnBox(box, partner.getWorldTransform(), x);
@@ -91,7 +90,7 @@ void addPairs(SoftBodyData& body, std::uint32_t i, btRigidBody& partner, double 
   const SearchRegion searchRegion = searchRegionOf(body, i, tick, motion);
   if (!overlaps(searchRegion, partner)) return;
   if (!canHit(body, i, partner)) return;
-  PairsOfPoint pairs(body, i, partner, searchRegion.distance, found);
+  RigidContactCollector pairs(body, i, partner, searchRegion.distance, found);
   if (partner.getCollisionShape()->getShapeType() == BOX_SHAPE_PROXYTYPE)
     return addBoxPair(pairs, body, i, partner, searchRegion.distance);
   body.world->contactPairTest(&probeAt(body, i), &partner, pairs);
@@ -100,7 +99,7 @@ void addPairs(SoftBodyData& body, std::uint32_t i, btRigidBody& partner, double 
 void wake(btRigidBody& partner) {
   if (partner.isActive() || partner.getActivationState() == DISABLE_SIMULATION) return;
   partner.activate(true);
-  // the world has already given gravity to those that were awake at the start of the step
+  // the world has already applied gravity to the bodies that were awake at the start of the step
   partner.applyGravity();
 }
 
@@ -108,7 +107,8 @@ void wake(btRigidBody& partner) {
 
 double radiusOf(const PointMass& point) { return double(point.owner()->masses.shape->getRadius()); }
 
-/// m/s and m/s^2; what is asleep is not stepped.
+/// Return the velocity (m/s) and acceleration (m/s^2) of a point; 0 for a sleeping body, which is not
+/// stepped.
 Eigen::Vector3d pointVelocity(const PointMass& point) {
   if (point.owner()->asleep) return Eigen::Vector3d::Zero();
   return point.owner()->state.velocity.col(point.index());
@@ -120,24 +120,24 @@ Eigen::Vector3d accelerationOf(const PointMass& point) {
 }
 
 ContactPoint contactPointOf(const PointMass& point) {
-  ContactPoint place;
-  place.kind = point.owner()->asleep ? ContactPoint::Kind::World : ContactPoint::Kind::Soft;
-  place.body = point.owner()->index;
-  place.point[0] = point.index();
-  return place;
+  ContactPoint result;
+  result.kind = point.owner()->asleep ? ContactPoint::Kind::World : ContactPoint::Kind::Soft;
+  result.body = point.owner()->index;
+  result.point[0] = point.index();
+  return result;
 }
 
-/// The contacts that a point makes with points of other bodies.
-class PairsOfPoints final : public btBroadphaseAabbCallback {
+/// Makes the contacts of a point with points of other bodies.
+class PointContactCollector final : public btBroadphaseAabbCallback {
  public:
-  PairsOfPoints(PointMass& point, double tick, TickContacts& found)
+  PointContactCollector(PointMass& point, double tick, TickContacts& found)
       : point_(&point), tick_(tick), found_(&found) {}
 
   bool process(const btBroadphaseProxy* proxy) override {
     const PointMass* other = PointMass::from(static_cast<btCollisionObject*>(proxy->m_clientObject));
     const SoftBodyData &body = *point_->owner(), *theirs = other ? other->owner() : nullptr;
     if (!theirs || theirs == &body || !theirs->alive) return true;
-    // the other body adds it
+    // the other body adds the contact
     if (!theirs->asleep && theirs->index < body.index) return true;
     if (canHit(body, *proxy) && canHit(body, point_->index(), *other)) addIfNear(*other);
     return true;
@@ -150,23 +150,22 @@ class PairsOfPoints final : public btBroadphaseAabbCallback {
         point_->owner()->state.position.col(point_->index()) - theirs.state.position.col(other.index());
     const Eigen::Vector3d velocity = pointVelocity(*point_) - pointVelocity(other);
     const double change = tick_ * tick_ * (accelerationOf(*point_) - accelerationOf(other)).norm();
-    const double searchRegion = radiusOf(*point_) + radiusOf(other);
-    if (offset.norm() - searchRegion >
-        kSearchPerMotion * (tick_ * velocity.norm() + change) + searchRegion / 3.0)
+    const double radiusSum = radiusOf(*point_) + radiusOf(other);
+    if (offset.norm() - radiusSum > kSearchPerMotion * (tick_ * velocity.norm() + change) + radiusSum / 3.0)
       return;
-    const Eigen::Vector3d nearest = offsetWhenNearest(offset, velocity, tick_, searchRegion);
-    if (nearest.norm() > 0.0) add(other, nearest.normalized(), offset, searchRegion);
+    const Eigen::Vector3d nearest = offsetWhenNearest(offset, velocity, tick_, radiusSum);
+    if (nearest.norm() > 0.0) add(other, nearest.normalized(), offset, radiusSum);
   }
 
   void add(const PointMass& other, const Eigen::Vector3d& normal, const Eigen::Vector3d& offset,
-           double searchRegion) {
+           double radiusSum) {
     SoftBodyData &body = *point_->owner(), &theirs = *other.owner();
     Contact c;
     c.a = contactPointOf(*point_);
     c.b = contactPointOf(other);
     c.normal = normal;
-    c.gap = normal.dot(offset) - searchRegion;
-    c.spheres = theirs.asleep ? 0.0 : searchRegion;
+    c.gap = normal.dot(offset) - radiusSum;
+    c.spheres = theirs.asleep ? 0.0 : radiusSum;
     c.friction = double(gCalculateCombinedFrictionCallback(point_, &other));
     c.restitution = double(gCalculateCombinedRestitutionCallback(point_, &other));
     c.bounceThreshold = body.speeds.bounce;
@@ -185,8 +184,8 @@ class PairsOfPoints final : public btBroadphaseAabbCallback {
   TickContacts* found_;
 };
 
-struct FindsOthersPoints final : btBroadphaseAabbCallback {
-  explicit FindsOthersPoints(const SoftBodyData& b) : body(&b) {}
+struct OtherPointsQuery final : btBroadphaseAabbCallback {
+  explicit OtherPointsQuery(const SoftBodyData& b) : body(&b) {}
   const SoftBodyData* body;
   bool any = false;
 
@@ -208,12 +207,12 @@ void addPointPairs(SoftBodyData& body, double tick, double farthest, TickContact
     const SearchRegion searchRegion = searchRegionOf(body, i, tick, farthest);
     box.extend(searchRegion.low).extend(searchRegion.high);
   }
-  FindsOthersPoints others(body);
+  OtherPointsQuery others(body);
   findAround(body, box.min(), box.max(), others);
   if (!others.any) return;
   for (std::uint32_t i = 0; i < body.masses.bodies.size(); ++i) {
     const SearchRegion searchRegion = searchRegionOf(body, i, tick, farthest);
-    PairsOfPoints pairs(*body.masses.bodies[i], tick, found);
+    PointContactCollector pairs(*body.masses.bodies[i], tick, found);
     findAround(body, searchRegion.low, searchRegion.high, pairs);
   }
 }
@@ -228,7 +227,7 @@ void gatherPairs(SoftBodyData& body, btRigidBody& partner, btScalar tick, TickCo
 
 void gatherPointPairs(const std::vector<LinkedGroup>& groups, btScalar tick, TickContacts& found) {
   int bodies = 0;
-  // whatever comes towards a point comes no farther
+  // no point moves farther than this towards another one
   double farthest = 0.0;
   for (const LinkedGroup& group : groups)
     for (const SoftBodyData* body : group.bodies) {

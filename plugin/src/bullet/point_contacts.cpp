@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Zlib
 
-// This file finds what points may touch of static and kinematic objects in a tick: first the objects near a
-// body, then rows for each point, and within the tick rows for points that get farther than was foreseen.
+// This file finds the contacts of points with static and kinematic objects in a tick: first the objects near
+// a body, then contacts for each point, and within the tick contacts for points that leave their search
+// region.
 
 #include "bullet/point_contacts.h"
 #include "bullet/bullet_objects.h"
@@ -29,7 +30,8 @@ Eigen::AlignedBox3d boxOf(const btCollisionObject& object) {
   return {toEigen(low), toEigen(high)};
 }
 
-/// Whether the box reaches below a plane's surface, or nearly so. A plane's own box is infinite.
+/// Returns whether part of the box is below a plane's surface or within its margin. A plane's own box is
+/// infinite.
 bool reachesPlane(const Eigen::AlignedBox3d& box, const btStaticPlaneShape& plane, const btTransform& pose) {
   const Eigen::Vector3d normal = toEigen(pose.getBasis() * plane.getPlaneNormal());
   const double offset = double(plane.getPlaneConstant()) + normal.dot(toEigen(pose.getOrigin()));
@@ -37,8 +39,8 @@ bool reachesPlane(const Eigen::AlignedBox3d& box, const btStaticPlaneShape& plan
   return lowest <= offset + double(plane.getMargin());
 }
 
-/// Returns whether the shape of a partner that does not move overlaps the box (m). The broadphase boxes are
-/// not used: their margins do not scale with the scene, and they must not decide how a body is stepped.
+/// Returns whether the shape of a partner at rest overlaps the box (m). The broadphase boxes are not used:
+/// their margins do not scale with the scene, and must not affect how a body is stepped.
 bool isIn(const Eigen::AlignedBox3d& box, const btCollisionObject& partner) {
   const btCollisionShape& shape = *partner.getCollisionShape();
   if (shape.getShapeType() == STATIC_PLANE_PROXYTYPE)
@@ -53,7 +55,7 @@ Eigen::AlignedBox3d boxOf(const SoftBodyData& other, double tick) {
   return {toEigen(s.shape->low()), toEigen(s.shape->high())};
 }
 
-/// Whether something may get into the box (m) in the tick.
+/// Returns whether an object may enter the box (m) in the tick.
 bool hasPartnersIn(const Eigen::AlignedBox3d& box, const SoftBodyData& body, double tick) {
   const auto held = [&](const btCollisionObject* p) { return isMoved(*p) || isIn(box, *p); };
   const auto soft = [&](const SoftBodyData* other) { return box.intersects(boxOf(*other, tick)); };
@@ -67,7 +69,8 @@ void addOnce(std::vector<T>& list, T entry) {
   if (std::find(list.begin(), list.end(), entry) == list.end()) list.push_back(entry);
 }
 
-/// Sorts them by what they are. Point masses that meet those of other bodies are in pair_contacts.cpp.
+/// Adds the object to the list of its kind. Contacts between point masses of different bodies are in
+/// pair_contacts.cpp.
 void addPartner(SoftBodyData& body, btCollisionObject& object) {
   if (PointMass::from(&object)) return;
   if (SurfaceObject* surface = SurfaceObject::from(&object)) {
@@ -97,12 +100,12 @@ struct PartnersInBox final : btBroadphaseAabbCallback {
 
 ContactSpeeds contactSpeeds(const SoftBodyData& body, double tick) {
   const double gravity = toEigen(body.world->getGravity()).norm();
-  // what gravity gives in a tenth of a tick is no bounce
+  // a speed that gravity gives in a tenth of a tick is no bounce
   return {recoverySpeed(double(body.masses.shape->getRadius()), gravity, tick), 0.1 * gravity * tick};
 }
 
-/// The box around all reaches; keeps how far contacts are looked for.
-Eigen::AlignedBox3d reachBox(SoftBodyData& body, double tick) {
+/// Returns the box around the search regions of all points, and stores their search distances.
+Eigen::AlignedBox3d searchBox(SoftBodyData& body, double tick) {
   Eigen::AlignedBox3d box;
   body.searchDistance.resize(pointCount(body));
   for (Eigen::Index i = 0; i < body.state.position.cols(); ++i) {
@@ -113,7 +116,8 @@ Eigen::AlignedBox3d reachBox(SoftBodyData& body, double tick) {
   return box;
 }
 
-/// Takes over what Bullet's broadphase has found around a surface body, and what moves towards any body.
+/// Moves the objects that Bullet's broadphase found around a surface body, and those that approach any body,
+/// to the lists of partners.
 void takePartners(SoftBodyData& body) {
   const SurfaceObject* own = body.surface.object;
   for (btCollisionObject* partner : body.surface.partners)
@@ -123,12 +127,11 @@ void takePartners(SoftBodyData& body) {
   body.surface.partners.clear();
 }
 
-/// Returns whether no object can come into the swept bounds of a body in this tick. Nothing then pushes its
-/// points away from their free motion.
+/// Returns whether no object can enter the swept bounds of a body in this tick. Then its points move freely.
 bool nothingIsNear(SoftBodyData& body, double tick) {
-  const bool foreseen = !body.masses.exposed && body.surface.sweptBounds.tick == tick;
-  const SweptBounds sweptBounds = foreseen ? body.surface.sweptBounds : sweptBoundsOf(body, tick);
-  if (hasPartnersIn(sweptBounds.box, body, tick) || (!foreseen && !partnersCover(body, sweptBounds.box)))
+  const bool hasBounds = !body.masses.exposed && body.surface.sweptBounds.tick == tick;
+  const SweptBounds sweptBounds = hasBounds ? body.surface.sweptBounds : sweptBoundsOf(body, tick);
+  if (hasPartnersIn(sweptBounds.box, body, tick) || (!hasBounds && !partnersCover(body, sweptBounds.box)))
     return false;
   forgetPartners(body);
   body.searchDistance.assign(pointCount(body), sweptBounds.maxDisplacement);
@@ -141,21 +144,21 @@ void queryPartners(SoftBodyData& body, const Eigen::AlignedBox3d& box) {
                                         toBullet(Eigen::Vector3d(box.max())), partners);
 }
 
-/// For the present tick Bullet's solver leaves alone what the points touch, what it has not found yet, too;
-/// see disableBulletResponse(). Points in the world have their threshold back when the tick ends.
+/// Excludes contacts of the points from Bullet's solver in this tick, including those not found yet; see
+/// disableBulletResponse(). Points in the world get their threshold back when the tick ends.
 void disablePointResponse(SoftBodyData& body) {
   for (PointMass* point : body.masses.bodies) point->setContactProcessingThreshold(-BT_LARGE_FLOAT);
 }
 
-void rememberPartner(SoftBodyData& body, const btCollisionObject& partner) {
+void storePartner(SoftBodyData& body, const btCollisionObject& partner) {
   body.partnerHandles.push_back(handleOf(partner));
   body.partnerStamps.push_back(stampOf(partner));
   body.partnerBoxes.push_back(boxOf(partner));
 }
 
 /// Adds static and kinematic partners of a body in a box.
-struct HeldInBox final : btBroadphaseAabbCallback {
-  explicit HeldInBox(SoftBodyData& b) : body(&b) {}
+struct StaticPartnersInBox final : btBroadphaseAabbCallback {
+  explicit StaticPartnersInBox(SoftBodyData& b) : body(&b) {}
   SoftBodyData* body;
   bool any = false;
 
@@ -165,13 +168,13 @@ struct HeldInBox final : btBroadphaseAabbCallback {
     any = true;
     if (std::find(body->partners.begin(), body->partners.end(), object) != body->partners.end()) return true;
     body->partners.push_back(object);
-    rememberPartner(*body, *object);
+    storePartner(*body, *object);
     return true;
   }
 };
 
-/// Looks for contacts of points that are about to leave their reach, from where they are. The rows are apart
-/// from the body's until the tick ends: contacts between bodies point to those.
+/// Finds contacts of points that are about to leave their search region, from their present positions. These
+/// contacts are separate from the body's until the tick ends, because contacts between bodies point to those.
 class Watch final : public SearchWatch {
  public:
   explicit Watch(SoftBodyData& body) : body_(&body) {}
@@ -201,9 +204,9 @@ class Watch final : public SearchWatch {
     auto& own = body_->contacts;
     auto& ownPartners = body_->contactPartners;
     for (std::size_t r = 0; r < rows.size(); ++r) {
-      const auto place = std::upper_bound(own.begin(), own.end(), rows[r].point, isBefore) - own.begin();
-      own.insert(own.begin() + place, rows[r]);
-      ownPartners.insert(ownPartners.begin() + place, partners_[r]);
+      const auto index = std::upper_bound(own.begin(), own.end(), rows[r].point, isBefore) - own.begin();
+      own.insert(own.begin() + index, rows[r]);
+      ownPartners.insert(ownPartners.begin() + index, partners_[r]);
     }
     rows.clear();
     partners_.clear();
@@ -212,39 +215,40 @@ class Watch final : public SearchWatch {
  private:
   static bool isBefore(std::uint32_t point, const PlaneContact& row) { return point < row.point; }
 
-  /// From x, for the rest of the tick.
+  /// Searches from x, for the rest of the tick.
   void search(std::uint32_t i, const Eigen::Vector3d& x, const Eigen::Vector3d& v, double time) {
-    const double rest = double(tick_) - time;
+    const double remaining = double(tick_) - time;
     body_->state.position.col(i) = x;
-    const SearchRegion searchRegion = searchRegionFrom(*body_, i, v, rest);
-    HeldInBox held(*body_);
+    const SearchRegion searchRegion = searchRegionFrom(*body_, i, v, remaining);
+    StaticPartnersInBox held(*body_);
     body_->world->getBroadphase()->aabbTest(toBullet(searchRegion.low), toBullet(searchRegion.high), held);
     found_.clear();
     foundPartners_.clear();
     swapRows(found_, foundPartners_);
     addStaticRows(*body_, i, searchRegion, tick_);
     for (std::size_t p = 0; p < body_->partners.size(); ++p) {
-      // what moves is where it starts in the tick: the point beside it there as it is now
+      // kinematic objects are at their pose of the start of the tick: shift the point to the same position
+      // relative to them
       const btCollisionObject& partner = *body_->partners[p];
-      const Eigen::Vector3d beside = x - time / double(tick_) * kinematicDisplacement(partner, x);
-      body_->state.position.col(i) = beside;
-      addRows(*body_, i, partner, body_->partnerStamps[p], v, rest, tick_);
+      const Eigen::Vector3d shifted = x - time / double(tick_) * kinematicDisplacement(partner, x);
+      body_->state.position.col(i) = shifted;
+      addRows(*body_, i, partner, body_->partnerStamps[p], v, remaining, tick_);
     }
     swapRows(found_, foundPartners_);
     body_->state.position.col(i) = x;
-    take(i);
-    const double reached = (x - body_->masses.startPosition.col(i)).norm() + searchRegion.distance;
-    body_->searchDistance[i] = std::max(body_->searchDistance[i], reached);
+    replaceRows(i);
+    const double covered = (x - body_->masses.startPosition.col(i)).norm() + searchRegion.distance;
+    body_->searchDistance[i] = std::max(body_->searchDistance[i], covered);
   }
 
-  /// What is gathered goes to the body's rows.
+  /// Makes the gather functions add to `r` and `p`.
   void swapRows(std::vector<PlaneContact>& r, std::vector<const btCollisionObject*>& p) {
     std::swap(body_->contacts, r);
     std::swap(body_->contactPartners, p);
   }
 
-  /// In place of what was found of the point before, whose impulses what is found now has.
-  void take(std::uint32_t i) {
+  /// Replaces the point's earlier contacts by the new ones, which get their impulses.
+  void replaceRows(std::uint32_t i) {
     const ContactRange old = contactsOfPoint(rows, i);
     for (std::size_t r = old.begin; r < old.end; ++r)
       for (std::size_t n = 0; n < found_.size(); ++n)
@@ -282,11 +286,11 @@ void gatherContacts(SoftBodyData& body, btScalar tick) {
   const bool surface = isSurfaceBody(body);
   takePartners(body);
   if (surface && nothingIsNear(body, double(tick))) return;
-  const Eigen::AlignedBox3d box = reachBox(body, double(tick));
+  const Eigen::AlignedBox3d box = searchBox(body, double(tick));
   if (!surface || !partnersCover(body, box)) queryPartners(body, box);
   if (!surface) disablePointResponse(body);
   if (surface && body.partners.empty()) return;
-  for (const btCollisionObject* partner : body.partners) rememberPartner(body, *partner);
+  for (const btCollisionObject* partner : body.partners) storePartner(body, *partner);
   body.watch->on = body.settings.continuousCollision && !body.partners.empty();
   for (std::uint32_t i = 0; i < pointCount(body); ++i) {
     if (body.masses.held[i]) continue;
@@ -309,7 +313,7 @@ bool mayHaveMissedContacts(SoftBodyData& body) {
   }
   if (box.isEmpty()) return false;
   const double margin = double(body.masses.shape->getRadius());
-  HeldInBox held(body);
+  StaticPartnersInBox held(body);
   body.world->getBroadphase()->aabbTest(toBullet(Eigen::Vector3d(box.min().array() - margin)),
                                         toBullet(Eigen::Vector3d(box.max().array() + margin)), held);
   body.watch->on = held.any;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 
-// This header tells how far a point may get in a tick and what it may touch, and declares what finds its
-// contacts.
+// This header computes how far a point may move in a tick and what it may touch, and declares the search for
+// its contacts.
 
 #pragma once
 
@@ -23,29 +23,30 @@ inline namespace LIMBER_BULLET_PRECISION {
 struct TickContacts;
 struct LinkedGroup;
 
-// --- what a point may reach --------------------------------------------------------------------------------
+// --- search region of a point ------------------------------------------------------------------------------
 
-/// A point can be pushed faster within the tick than it was at its start.
+/// Safety factor: a point can become faster within the tick than it was at its start.
 constexpr double kSearchPerMotion = 1.5;
 
-/// Of two contacts of a point whose normals are closer than this (cosine), only the nearer counts:
-/// neighbouring triangles of a flat surface are one surface.
+/// Cosine of an angle. Of two contacts of a point with a smaller angle between their normals, only the nearer
+/// one counts: neighbouring triangles of a flat surface are one surface.
 constexpr double kSameSurface = 0.995;
 
-/// m/s at which things that have got `size` (m) large into each other are drawn apart at most: they must not
-/// fly. A fall through 0.65 of the size is as fast, 0.5 m/s for points of 2 cm. Without gravity it is a tenth
-/// of the size in a tick.
+/// Returns the largest speed (m/s) at which objects that overlap by about `size` (m) are separated, so that
+/// they are not thrown apart. A fall through 0.65 of the size gives this speed, 0.5 m/s for points of 2 cm.
+/// Without gravity it is a tenth of the size per tick.
 inline double recoverySpeed(double size, double gravity, double tick) {
   return std::max(std::sqrt(1.3 * gravity * size), 0.1 * size / tick);
 }
 
-/// Where a point may get in a tick.
+/// The region that a point may enter in a tick.
 struct SearchRegion {
   Eigen::Vector3d low, high;
   double distance;  ///< m, beyond the radius
 };
 
-/// Of a point with a velocity in `time` s; `partnerMotion` (m) is what comes towards it.
+/// Returns the region of a point with a velocity in `time` s. `partnerMotion` (m) is the motion of the
+/// partner towards it.
 inline SearchRegion searchRegionFrom(const SoftBodyData& body, Eigen::Index i,
                                      const Eigen::Vector3d& velocity, double time,
                                      double partnerMotion = 0.0) {
@@ -62,14 +63,14 @@ inline SearchRegion searchRegionOf(const SoftBodyData& body, Eigen::Index i, dou
   return searchRegionFrom(body, i, body.state.velocity.col(i), tick, partnerMotion);
 }
 
-/// Whether the box of what is reached meets that of an object in the broadphase.
+/// Returns whether the region overlaps the broadphase box of an object.
 inline bool overlaps(const SearchRegion& searchRegion, const btCollisionObject& partner) {
   const btBroadphaseProxy& proxy = *partner.getBroadphaseHandle();
   return (toEigen(proxy.m_aabbMin).array() <= searchRegion.high.array()).all() &&
          (toEigen(proxy.m_aabbMax).array() >= searchRegion.low.array()).all();
 }
 
-/// The mean of a quantity per point, by mass.
+/// Returns the mean of a quantity of the points, weighted by mass.
 inline Eigen::Vector3d meanOf(const SpringNetwork& network, const Points& quantity) {
   Eigen::Vector3d mean = Eigen::Vector3d::Zero();
   for (Eigen::Index i = 0; i < quantity.cols(); ++i)
@@ -77,9 +78,9 @@ inline Eigen::Vector3d meanOf(const SpringNetwork& network, const Points& quanti
   return mean;
 }
 
-/// Where the points of a body may get in a tick if nothing is in their way: the body flies on, and its points
-/// move relative to that as each may (searchRegionOf). Smaller than the box around all reaches, which also
-/// hold what a hit may push aside.
+/// Returns bounds of a body's points in a tick without contacts: the body moves with its mean velocity, and
+/// each point moves relative to it as in searchRegionOf(). They are smaller than the box around all search
+/// regions, because those allow for points that a hit pushes aside.
 inline SweptBounds sweptBoundsOf(const SoftBodyData& body, double tick) {
   const PointState& s = body.state;
   const Eigen::Vector3d mean = meanOf(*body.network, s.velocity);
@@ -101,11 +102,11 @@ inline SweptBounds sweptBoundsOf(const SoftBodyData& body, double tick) {
           displacement};
 }
 
-// --- what it may touch -------------------------------------------------------------------------------------
+// --- filters -----------------------------------------------------------------------------------------------
 
-/// Whether contacts of `own`, the surface object or a point in the world, with another object count: both
-/// answer them, and Bullet's broadphase pairs the two, by groups and masks or as the user's
-/// btOverlapFilterCallback says.
+/// Returns whether contacts of `own`, the surface object or a point in the world, with another object count:
+/// both have a contact response, and Bullet's broadphase pairs the two, by groups and masks or by the user's
+/// btOverlapFilterCallback.
 inline bool arePaired(const SoftBodyData& body, const btCollisionObject& own,
                       const btCollisionObject& other) {
   auto* first = const_cast<btBroadphaseProxy*>(own.getBroadphaseHandle());
@@ -114,8 +115,8 @@ inline bool arePaired(const SoftBodyData& body, const btCollisionObject& own,
          body.world->getPairCache()->needsBroadphaseCollision(first, second);
 }
 
-/// Whether any of the body's points, or its surface, may collide with what has this proxy. The body's own
-/// points and surface never do.
+/// Returns whether any of the body's points, or its surface, may collide with the object of this proxy. The
+/// body's own points and surface never do.
 inline bool canHit(const SoftBodyData& body, const btBroadphaseProxy& proxy) {
   const auto& object = *static_cast<const btCollisionObject*>(proxy.m_clientObject);
   const PointMass* point = PointMass::from(&object);
@@ -128,7 +129,7 @@ inline bool canHit(const SoftBodyData& body, const btBroadphaseProxy& proxy) {
                      [&](const PointMass* p) { return p && arePaired(body, *p, object); });
 }
 
-/// Whether point i may collide with an object that canHit() of its body has let pass.
+/// Returns whether point i may collide with an object that passed canHit() of its body.
 inline bool canHit(const SoftBodyData& body, std::uint32_t i, const btCollisionObject& object) {
   if (body.masses.bodies.empty()) return !isAttached(body, i, object);
   const PointMass& point = *body.masses.bodies[i];
@@ -136,59 +137,59 @@ inline bool canHit(const SoftBodyData& body, std::uint32_t i, const btCollisionO
          object.checkCollideWith(&point);
 }
 
-// --- contacts with what is held ----------------------------------------------------------------------------
+// --- contacts with static and kinematic objects ------------------------------------------------------------
 
-/// Fills body.contacts with a row for every static or kinematic surface that a point may reach in the coming
-/// tick, before it touches. Bullet's broadphase names the partners. Static ones are taken apart
-/// (held_pieces.cpp): where all that a point may reach is flat it has rows of planes, else rows that follow
-/// the surface within the tick. On kinematic ones that move, Bullet's narrowphase finds planes; slow points
-/// keep that of the last tick (PointMass::cachedContact). What moves by itself is in gatherPairs(). Call
-/// after gatherPoints().
+/// Fills body.contacts with a contact for every static or kinematic surface that a point may touch in the
+/// coming tick. Bullet's broadphase finds the partners. Static ones are split into pieces (held_pieces.cpp):
+/// a point gets plane contacts where all pieces near it are flat, else contacts that follow the surface
+/// within the tick. On kinematic objects that move, Bullet's narrowphase finds planes; slow points keep that
+/// of the last tick (PointMass::cachedContact). gatherPairs() handles dynamic objects. Call after
+/// gatherPoints().
 void gatherContacts(SoftBodyData& body, btScalar tick);
 
-/// Makes body.watch, which finds what a point meets that gets farther within a tick than gatherContacts() has
-/// looked for: springs and neighbours may throw it. It is on while something is near.
+/// Creates body.watch. It finds contacts of points that move farther within a tick than gatherContacts() has
+/// searched, thrown by springs or neighbours. It is on while an object is near.
 void addContactWatch(SoftBodyData& body);
 
-/// After a step without the watch: whether a point that got out of its reach may have met something. Then the
-/// body must be stepped again, with the watch.
+/// Returns whether, after a step without the watch, a point that left its search region may have missed a
+/// contact. Then the body must be stepped again, with the watch.
 bool mayHaveMissedContacts(SoftBodyData& body);
 
-/// Rows of one point on the static partners of its body, as far as it may reach in the tick (s).
+/// Adds contacts of one point with the static partners of its body, within its search region in the tick (s).
 void addStaticRows(SoftBodyData& body, std::uint32_t i, const SearchRegion& searchRegion, btScalar tick);
 
-/// Rows on a partner that moves as told; of a point that starts with a velocity and moves for `time` s of the
-/// tick. `stamp`: stampOf() the partner.
+/// Adds contacts with a kinematic partner for a point that starts with a velocity and moves for `time` s of
+/// the tick. `stamp`: stampOf() the partner.
 void addRows(SoftBodyData& body, std::uint32_t i, const btCollisionObject& partner, std::uint64_t stamp,
              const Eigen::Vector3d& velocity, double time, btScalar tick);
 
-/// Tells a convex partner as it is now from any other, and from itself with another shape: objects and shapes
-/// may be changed, or deleted and others made in their place, and some broadphases use their ids again. 0:
-/// not convex.
+/// Returns a number that differs between convex partners, and changes with the partner's shape. Objects and
+/// shapes may be changed, or deleted and replaced at the same address, and some broadphases reuse their ids.
+/// 0: not convex.
 std::uint64_t stampOf(const btCollisionObject& partner);
 
-// --- contacts with what moves by itself --------------------------------------------------------------------
+// --- contacts with dynamic objects -------------------------------------------------------------------------
 
-/// Adds to `found` a contact for every surface of a rigid body that moves by itself and that a point of the
-/// body may reach in the coming tick, before it touches: Bullet's narrowphase finds it. A partner that is
-/// asleep is woken.
+/// Adds to `found` a contact for every surface of a dynamic rigid body that a point of the body may touch in
+/// the coming tick. Bullet's narrowphase finds it. Wakes a sleeping partner.
 void gatherPairs(SoftBodyData& body, btRigidBody& partner, btScalar tick, TickContacts& found);
 
-/// Adds a contact for every two point masses in the world, of different bodies, that may meet in the coming
-/// tick. Call it when all awake groups have been gathered.
+/// Adds a contact for every two point masses in the world, of different bodies, that may touch in the coming
+/// tick. Call it after all awake groups have been gathered.
 void gatherPointPairs(const std::vector<LinkedGroup>& groups, btScalar tick, TickContacts& found);
 
 // --- boxes -------------------------------------------------------------------------------------------------
 
-/// The place on a box that is nearest to a point (m, in the world), and the unit normal there, from the box
-/// to the point, or outward where the point is inside.
+/// The point of a box that is nearest to a point (m, in the world), and the unit normal, from the box to the
+/// point, or outward if the point is inside.
 struct NearestOnBox {
   Eigen::Vector3d surface, normal;
 };
 
-/// In closed form. Bullet's general narrowphase rounds the box's edges with the shape's margin, usually 4 cm:
-/// a point could be centimetres inside what is drawn, and what the edges and triangles of a surface meet. In
-/// single precision it also now and then finds a point that rests on a box centimetres above it.
+/// Computes it in closed form. Bullet's general narrowphase rounds the box's edges with the shape's margin,
+/// usually 4 cm: a point could be centimetres inside the visible box, which the edges and triangles of a
+/// surface do collide with. In single precision it also sometimes puts a point that rests on a box
+/// centimetres above it.
 inline NearestOnBox nearestOnBox(const btBoxShape& box, const btTransform& pose,
                                  const Eigen::Vector3d& point) {
   const Eigen::Vector3d half = toEigen(box.getHalfExtentsWithMargin());

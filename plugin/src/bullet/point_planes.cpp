@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 
-// This file makes the rows of a point on a static or kinematic object: planes where the object is flat or
-// moves, else rows that follow its surface within the tick.
+// This file makes the contacts of a point with a static or kinematic object. They are planes where the object
+// is flat or moves. Elsewhere they follow its surface within the tick.
 
 #include "bullet/bullet_objects.h"
 #include "bullet/kinematic_motion.h"
@@ -17,51 +17,52 @@ namespace limber {
 inline namespace LIMBER_BULLET_PRECISION {
 namespace {
 
-/// Of the radius: a point that reaches no farther, the third of it that is always looked at included, is
-/// slow.
-constexpr double kSlowReach = 0.6;
+/// Fraction of the radius. A point whose search distance is not longer is slow. The search distance includes
+/// a constant third of the radius.
+constexpr double kSlowSearchDistance = 0.6;
 
-/// Of the radius: a point that is no farther from a triangle's plane may be on its wrong side. What touches
-/// is pressed in by far less.
-constexpr double kDeepest = 0.5;
+/// Fraction of the radius. A point that is nearer to a triangle's plane may be on the wrong side of it. The
+/// depth of a resting contact is much smaller.
+constexpr double kMaxDepth = 0.5;
 
-/// Of a spring's length: what is no farther beside a triangle is on it.
-constexpr double kOnIt = 1e-9;
+/// Fraction of a spring's length. A point that is nearer to a triangle is on it.
+constexpr double kOnTriangleTolerance = 1e-9;
 
-// --- contacts that are known -------------------------------------------------------------------------------
+// --- cached contacts ---------------------------------------------------------------------------------------
 
-// A point at rest on a flat face need not ask Bullet's narrowphase again in every tick.
+// A point at rest on a flat face does not need Bullet's narrowphase in every tick.
 
-/// Share of the radius that a point may have moved relative to the partner since its contact was found: on a
-/// face nothing changes, round an edge or on a ball of 1 m the surface departs from the plane by (0.1 r)^2
-/// / 2.
-constexpr btScalar kStillThere = btScalar(0.1);
+/// Fraction of the radius: the largest displacement of a point relative to the partner for which its contact
+/// stays valid. On a face nothing changes. At an edge or on a ball of 1 m the surface departs from the plane
+/// by (0.1 r)^2 / 2.
+constexpr btScalar kMaxCachedDisplacement = btScalar(0.1);
 
-/// Remembers a contact (world coordinates, the point's centre at `place`) with a convex partner; forgets what
-/// was there before.
-void keepContact(CachedContact& cached, std::uint64_t stamp, const btCollisionObject& partner,
-                 const btVector3& surface, const btVector3& normal, const btVector3& place) {
+/// Stores a contact with a convex partner, and replaces the previous one. In world coordinates; `position` is
+/// the point's centre.
+void storeContact(CachedContact& cached, std::uint64_t stamp, const btCollisionObject& partner,
+                  const btVector3& surface, const btVector3& normal, const btVector3& position) {
   if (stamp == 0) return;
   const btTransform& pose = partner.getWorldTransform();
   cached.partner = stamp;
   cached.surface = pose.invXform(surface);
   cached.normal = normal * pose.getBasis();
-  cached.position = pose.invXform(place);
+  cached.position = pose.invXform(position);
 }
 
-/// Whether the remembered contact is one with this partner and still good.
-bool isKept(const CachedContact& cached, std::uint64_t stamp, const btCollisionObject& partner,
-            const btVector3& place, btScalar radius) {
+/// Returns whether the stored contact is one with this partner and still valid.
+bool isCacheValid(const CachedContact& cached, std::uint64_t stamp, const btCollisionObject& partner,
+                  const btVector3& position, btScalar radius) {
   if (stamp == 0 || cached.partner != stamp) return false;
-  const btScalar displacement = kStillThere * radius;
-  return (partner.getWorldTransform().invXform(place) - cached.position).length2() <=
+  const btScalar displacement = kMaxCachedDisplacement * radius;
+  return (partner.getWorldTransform().invXform(position) - cached.position).length2() <=
          displacement * displacement;
 }
 
-// --- the rows of a pair ------------------------------------------------------------------------------------
+// --- contacts of one pair ----------------------------------------------------------------------------------
 
-/// m: how much farther than it is a box that is a part of the shape may be for Bullet's narrowphase. The core
-/// that it sweeps a ball of the margin m around has its corners sqrt(3) m within the box's: sqrt(3) m - m.
+/// Returns the largest distance (m) by which a box in the shape appears too far away to Bullet's narrowphase.
+/// It sweeps a ball with the radius of the margin m around a smaller box, whose corners are sqrt(3) m inside
+/// the corners of the box: sqrt(3) m - m.
 btScalar roundingOf(const btCollisionShape& shape) {
   constexpr double kCorner = 0.7320508075688772;
   if (shape.getShapeType() == BOX_SHAPE_PROXYTYPE) return btScalar(kCorner) * shape.getMargin();
@@ -73,16 +74,16 @@ btScalar roundingOf(const btCollisionShape& shape) {
   return rounding;
 }
 
-/// The rows that one point and one partner make. Points of surfaces meet boxes as they are (nearestOnBox());
-/// masses in the world meet what Bullet makes of them.
-class RowsOfPair final : public btCollisionWorld::ContactResultCallback {
+/// Makes the contacts of one point with one partner. Points of surfaces collide with the exact box
+/// (nearestOnBox()), point masses in the world with Bullet's rounded one.
+class PlaneContactCollector final : public btCollisionWorld::ContactResultCallback {
  public:
-  RowsOfPair(SoftBodyData& body, std::uint32_t point, const btCollisionObject& partner, double searchRegion,
-             btScalar tick)
+  PlaneContactCollector(SoftBodyData& body, std::uint32_t point, const btCollisionObject& partner,
+                        double searchRegion, btScalar tick)
       : body_(&body),
         point_(point),
         partner_(&partner),
-        reach_(searchRegion),
+        searchDistance_(searchRegion),
         tick_(tick),
         first_(body.contacts.size()) {
     const btScalar rounding = isSurfaceBody(body) ? roundingOf(*partner.getCollisionShape()) : 0;
@@ -97,7 +98,7 @@ class RowsOfPair final : public btCollisionWorld::ContactResultCallback {
       addOnBox(*static_cast<const btBoxShape*>(theirs.getCollisionShape()), theirs.getWorldTransform());
       return 0;
     }
-    if (contact.getDistance() > static_cast<btScalar>(reach_)) return 0;
+    if (contact.getDistance() > static_cast<btScalar>(searchDistance_)) return 0;
     const btVector3 normal = pointIsFirst ? contact.m_normalWorldOnB : -contact.m_normalWorldOnB;
     surface_ = pointIsFirst ? contact.m_positionWorldOnB : contact.m_positionWorldOnA;
     normal_ = normal;
@@ -110,17 +111,18 @@ class RowsOfPair final : public btCollisionWorld::ContactResultCallback {
     const Eigen::Vector3d x = body_->state.position.col(point_);
     const NearestOnBox nearest = nearestOnBox(box, pose, x);
     const double height = nearest.normal.dot(x - nearest.surface);
-    if (height - double(body_->masses.shape->getRadius()) <= reach_)
+    if (height - double(body_->masses.shape->getRadius()) <= searchDistance_)
       add(nearest.normal, toBullet(nearest.surface));
   }
 
-  /// Keeps the one contact that was found for coming ticks.
-  void keepContact(CachedContact& cached, std::uint64_t stamp) const {
-    const btVector3 place = toBullet(Eigen::Vector3d(body_->state.position.col(point_)));
-    if (found_ == 1) limber::keepContact(cached, stamp, *partner_, surface_, normal_, place);
+  /// Stores the contact for later ticks if it is the only one.
+  void storeContact(CachedContact& cached, std::uint64_t stamp) const {
+    const btVector3 position = toBullet(Eigen::Vector3d(body_->state.position.col(point_)));
+    if (found_ == 1) limber::storeContact(cached, stamp, *partner_, surface_, normal_, position);
   }
 
-  /// A row that the step makes follow what `around` has of this owner; up to then, it is on this plane.
+  /// Adds a contact whose plane follows the pieces of `owner` in `around` within the step. `contact` is its
+  /// first plane; nullptr: the point cannot touch them yet.
   void addFollowing(HeldNeighbourhood& around, std::uint32_t owner, const HeldContact* contact) {
     PlaneContact row = makeRow();
     row.around = &around;
@@ -163,7 +165,7 @@ class RowsOfPair final : public btCollisionWorld::ContactResultCallback {
     return row.normal.dot(body_->state.position.col(point_) - row.touch);
   }
 
-  /// What the user may have given a friction of its own.
+  /// Returns the object whose friction and restitution apply; the user may have changed them.
   const btRigidBody& own() const {
     if (!body_->masses.exposed) return *body_->surface.object;
     return *body_->masses.bodies[point_];
@@ -172,14 +174,14 @@ class RowsOfPair final : public btCollisionWorld::ContactResultCallback {
   SoftBodyData* body_;
   std::uint32_t point_;
   const btCollisionObject* partner_;
-  double reach_;  ///< m, beyond the radius
+  double searchDistance_;  ///< m, beyond the radius
   btScalar tick_;
   std::size_t first_;
   int found_ = 0;
-  btVector3 surface_, normal_;  // of the last one found
+  btVector3 surface_, normal_;  // of the last contact found
 };
 
-void addPlaneRow(RowsOfPair& rows, const SoftBodyData& body, std::uint32_t i,
+void addPlaneRow(PlaneContactCollector& rows, const SoftBodyData& body, std::uint32_t i,
                  const btCollisionObject& partner, double searchRegion) {
   const auto& plane = *static_cast<const btStaticPlaneShape*>(partner.getCollisionShape());
   const btTransform& pose = partner.getWorldTransform();
@@ -191,14 +193,14 @@ void addPlaneRow(RowsOfPair& rows, const SoftBodyData& body, std::uint32_t i,
   rows.add(normal, toBullet(Eigen::Vector3d(x - height * normal)));
 }
 
-/// Uses the contact that Bullet found a tick ago. On a flat face it is as good as new; a slow point has not
-/// left that face. False if there is none or the point is too fast for it.
-bool addCachedRow(RowsOfPair& rows, const SoftBodyData& body, std::uint32_t i,
+/// Adds the contact that Bullet found in the last tick. On a flat face it is still valid, because a slow
+/// point has not left the face. Returns false if there is none or the point is too fast.
+bool addCachedRow(PlaneContactCollector& rows, const SoftBodyData& body, std::uint32_t i,
                   const btCollisionObject& partner, double searchRegion) {
   const PointMass& point = *body.masses.bodies[i];
   const btPersistentManifold* manifold = point.cachedContact;
   const double radius = double(body.masses.shape->getRadius());
-  if (!manifold || searchRegion > kSlowReach * radius) return false;
+  if (!manifold || searchRegion > kSlowSearchDistance * radius) return false;
   const bool pointIsFirst = manifold->getBody0() == &point;
   if ((pointIsFirst ? manifold->getBody1() : manifold->getBody0()) != &partner) return false;
   const btManifoldPoint& contact = manifold->getContactPoint(0);
@@ -208,75 +210,77 @@ bool addCachedRow(RowsOfPair& rows, const SoftBodyData& body, std::uint32_t i,
   return true;
 }
 
-/// The same for a point outside the world, for which Bullet keeps none.
-bool addKeptRow(RowsOfPair& rows, const SoftBodyData& body, std::uint32_t i, const btCollisionObject& partner,
-                std::uint64_t stamp, double searchRegion) {
+/// Does the same for a point outside the world, for which Bullet has no manifold.
+bool addStoredRow(PlaneContactCollector& rows, const SoftBodyData& body, std::uint32_t i,
+                  const btCollisionObject& partner, std::uint64_t stamp, double searchRegion) {
   const CachedContact& cached = body.surface.contacts[i];
   const double radius = double(body.masses.shape->getRadius());
-  const btVector3 place = toBullet(Eigen::Vector3d(body.state.position.col(i)));
-  if (searchRegion > kSlowReach * radius ||
-      !isKept(cached, stamp, partner, place, body.masses.shape->getRadius()))
+  const btVector3 position = toBullet(Eigen::Vector3d(body.state.position.col(i)));
+  if (searchRegion > kSlowSearchDistance * radius ||
+      !isCacheValid(cached, stamp, partner, position, body.masses.shape->getRadius()))
     return false;
   const btTransform& pose = partner.getWorldTransform();
   rows.add(toEigen(pose.getBasis() * cached.normal), pose * cached.surface);
   return true;
 }
 
-/// Asks Bullet's narrowphase.
-void addFoundRows(RowsOfPair& rows, SoftBodyData& body, std::uint32_t i, const btCollisionObject& partner,
-                  std::uint64_t stamp) {
+/// Adds the contacts that Bullet's narrowphase finds.
+void addFoundRows(PlaneContactCollector& rows, SoftBodyData& body, std::uint32_t i,
+                  const btCollisionObject& partner, std::uint64_t stamp) {
   body.world->contactPairTest(&probeAt(body, i), const_cast<btCollisionObject*>(&partner), rows);
-  if (isSurfaceBody(body)) rows.keepContact(body.surface.contacts[i], stamp);
+  if (isSurfaceBody(body)) rows.storeContact(body.surface.contacts[i], stamp);
 }
 
-/// Nobody can have excluded a pair with a point that nobody outside knows.
+/// Returns whether the user may have excluded pairs with points of the body: not if the points are hidden.
 bool mayBeExcluded(const SoftBodyData& body) { return body.masses.exposed || !body.anchors.empty(); }
 
 double heightAbove(const HeldPiece& sheet, const Eigen::Vector3d& x) {
   return sheet.center.dot(x - sheet.axes.col(0));
 }
 
-/// m
+/// Returns the distance (m) of x from the triangle.
 double distanceTo(const HeldPiece& sheet, const Eigen::Vector3d& x) {
   const Eigen::Vector3d weights =
       nearestBarycentric({sheet.axes.col(0), sheet.axes.col(1), sheet.axes.col(2)}, x);
   return (sheet.axes * weights - x).norm();
 }
 
-/// Whether the straight line from x to y goes through a triangle.
-bool goesThrough(const HeldPiece& sheet, const Eigen::Vector3d& x, const Eigen::Vector3d& y) {
+/// Returns whether the segment from x to y crosses the triangle.
+bool crosses(const HeldPiece& sheet, const Eigen::Vector3d& x, const Eigen::Vector3d& y) {
   const double from = heightAbove(sheet, x), to = heightAbove(sheet, y);
   if (from == to || (from > 0.0) == (to > 0.0)) return false;
-  return distanceTo(sheet, x + from / (from - to) * (y - x)) <= kOnIt * (y - x).norm();
+  return distanceTo(sheet, x + from / (from - to) * (y - x)) <= kOnTriangleTolerance * (y - x).norm();
 }
 
-/// Whether a spring of point i goes through a triangle.
-bool isHungThrough(const SoftBodyData& body, std::uint32_t i, const HeldPiece& sheet) {
+/// Returns whether a spring of point i crosses the triangle.
+bool hasSpringThrough(const SoftBodyData& body, std::uint32_t i, const HeldPiece& sheet) {
   const auto& x = body.state.position;
   const auto goes = [&](const NetworkSpring& s) {
-    return (s.a == i && goesThrough(sheet, x.col(i), x.col(s.b))) ||
-           (s.b == i && goesThrough(sheet, x.col(i), x.col(s.a)));
+    return (s.a == i && crosses(sheet, x.col(i), x.col(s.b))) ||
+           (s.b == i && crosses(sheet, x.col(i), x.col(s.a)));
   };
   return std::any_of(body.network->springs.begin(), body.network->springs.end(), goes);
 }
 
-/// What is put on terrain to within round-off, or a little too deep, has points that lie in its triangles:
-/// what touches is a radius away. These belong where their body is, if springs of theirs go through.
+/// Sets the side of triangles for points that lie in them. This happens when a body is put on terrain
+/// exactly, or a little too deep: the centre of a touching point is a radius away. If a spring of the point
+/// crosses the triangle, the point belongs on the side of the body's centre of mass.
 void chooseSides(const SoftBodyData& body, std::uint32_t i, HeldPiece* begin, HeldPiece* end) {
   const double radius = double(body.masses.shape->getRadius());
   const Eigen::Vector3d x = body.state.position.col(i);
   for (HeldPiece* piece = begin; piece != end; ++piece) {
     if (piece->kind != HeldPiece::Kind::Sheet) continue;
-    if (!(std::abs(heightAbove(*piece, x)) < piece->margin + kDeepest * radius)) continue;
-    // most planes that pass by are those of triangles farther away; to look at all springs costs more
+    if (!(std::abs(heightAbove(*piece, x)) < piece->margin + kMaxDepth * radius)) continue;
+    // most of these planes belong to triangles farther away; the test of all springs costs more
     if (distanceTo(*piece, x) > piece->margin + radius) continue;
-    if (!isHungThrough(body, i, *piece)) continue;
+    if (!hasSpringThrough(body, i, *piece)) continue;
     piece->metAbove = true;
     piece->side = heightAbove(*piece, centerOfMass(body.state)) < 0.0 ? -1 : 1;
   }
 }
 
-/// On a plane, of a sheet on all of it; `next` becomes the piece after these.
+/// Returns the nearest point on flat pieces. A sheet counts as one infinite plane. Sets `next` to the piece
+/// after them.
 HeldPoint nearestOnFlat(const HeldPiece* first, const HeldPiece* end, const Eigen::Vector3d& x,
                         const HeldPiece*& next) {
   next = endOfSolid(first, end);
@@ -290,23 +294,23 @@ HeldPoint nearestOnFlat(const HeldPiece* first, const HeldPiece* end, const Eige
   return {side * below->center, side * height - below->margin, true};
 }
 
-/// Rows that need not follow anything: all that is near is flat.
+/// Adds plane contacts: all surfaces nearby are flat.
 void addFlatRows(SoftBodyData& body, std::uint32_t i, const SearchRegion& searchRegion, btScalar tick) {
   const HeldSurroundings& all = body.held;
   const Eigen::Vector3d x = body.state.position.col(i);
   const HeldPiece* end = all.pieces.data() + all.pieces.size();
   const HeldPiece* first = all.pieces.data() + body.staticPieces;
   for (const auto& [partner, endOfOwners] : body.staticPartners) {
-    RowsOfPair rows(body, i, *partner, searchRegion.distance, tick);
+    PlaneContactCollector rows(body, i, *partner, searchRegion.distance, tick);
     for (const HeldPiece* next = first; first != end && first->owner < endOfOwners; first = next) {
-      const HeldPoint place = nearestOnFlat(first, end, x, next);
-      if (place.height - double(body.masses.shape->getRadius()) <= searchRegion.distance)
-        rows.add(place.normal, toBullet(Eigen::Vector3d(x - place.height * place.normal)));
+      const HeldPoint nearest = nearestOnFlat(first, end, x, next);
+      if (nearest.height - double(body.masses.shape->getRadius()) <= searchRegion.distance)
+        rows.add(nearest.normal, toBullet(Eigen::Vector3d(x - nearest.height * nearest.normal)));
     }
   }
 }
 
-/// Rows that follow what is near: for each owner as many as there are directions in which it is.
+/// Adds contacts that follow the surfaces nearby: for each owner one per direction in which it is near.
 void addFollowingRows(SoftBodyData& body, std::uint32_t i, const SearchRegion& searchRegion, btScalar tick) {
   if (body.neighbourhoodCount == body.neighbourhoods.size()) body.neighbourhoods.emplace_back();
   HeldNeighbourhood& around = body.neighbourhoods[body.neighbourhoodCount++];
@@ -314,7 +318,7 @@ void addFollowingRows(SoftBodyData& body, std::uint32_t i, const SearchRegion& s
   findContacts(around, body.state.position.col(i), Eigen::Vector3d::Zero(), searchRegion.distance);
   std::uint32_t owner = 0;
   for (const auto& [partner, endOfOwners] : body.staticPartners) {
-    RowsOfPair rows(body, i, *partner, searchRegion.distance, tick);
+    PlaneContactCollector rows(body, i, *partner, searchRegion.distance, tick);
     for (; owner < endOfOwners; ++owner) {
       bool any = false;
       for (const HeldContact& c : body.held.contacts) {
@@ -372,15 +376,15 @@ void addRows(SoftBodyData& body, std::uint32_t i, const btCollisionObject& partn
   if (!overlaps(searchRegion, partner)) return;
   if (mayBeExcluded(body) && !canHit(body, i, partner)) return;
   const double distance = searchRegion.distance;
-  // it may be carried along, and need not be searched for there
+  // the object may carry the point along, without a new search
   body.searchDistance[i] = std::max(body.searchDistance[i], distance);
-  RowsOfPair rows(body, i, partner, distance, tick);
+  PlaneContactCollector rows(body, i, partner, distance, tick);
   const int shape = partner.getCollisionShape()->getShapeType();
   if (shape == STATIC_PLANE_PROXYTYPE)
     addPlaneRow(rows, body, i, partner, distance);
   else if (shape == BOX_SHAPE_PROXYTYPE && isSurfaceBody(body))
     rows.addOnBox(*static_cast<const btBoxShape*>(partner.getCollisionShape()), partner.getWorldTransform());
-  else if (!(isSurfaceBody(body) ? addKeptRow(rows, body, i, partner, stamp, distance)
+  else if (!(isSurfaceBody(body) ? addStoredRow(rows, body, i, partner, stamp, distance)
                                  : addCachedRow(rows, body, i, partner, distance)))
     addFoundRows(rows, body, i, partner, stamp);
 }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 
-// This file finds what rigid bodies that soft ones push touch in their turn. It reads Bullet's manifolds,
-// adds points that Bullet has given up, and reports what the contacts bore.
+// This file finds the contacts of rigid bodies that soft bodies push. It reads Bullet's manifolds, adds
+// points that Bullet has dropped, and reports the contact impulses to Bullet.
 
 #include "bullet/bullet_objects.h"
 #include "bullet/point_contacts.h"
@@ -20,7 +20,7 @@ inline namespace LIMBER_BULLET_PRECISION {
 
 namespace {
 
-/// As many as two faces of boxes have.
+/// Largest number of points of a manifold: two faces of boxes have 8 corners.
 constexpr std::size_t kMaxPoints = 8;
 
 bool isBefore(const StoredManifoldPoint& x, const StoredManifoldPoint& y) {
@@ -28,51 +28,52 @@ bool isBefore(const StoredManifoldPoint& x, const StoredManifoldPoint& y) {
   return x.order < y.order;
 }
 
-bool has(const btPersistentManifold& manifold, const btManifoldPoint& point) {
+bool contains(const btPersistentManifold& manifold, const btManifoldPoint& point) {
   const btScalar same = manifold.getContactBreakingThreshold();
   for (int p = 0; p < manifold.getNumContacts(); ++p)
     if (manifold.getContactPoint(p).m_localPointA.distance2(point.m_localPointA) < same * same) return true;
   return false;
 }
 
-/// As btPersistentManifold::refreshContactPoints has it.
-bool holds(const btPersistentManifold& manifold, const btManifoldPoint& point) {
-  const btScalar most = manifold.getContactBreakingThreshold();
-  const btVector3 apart = manifold.getBody0()->getWorldTransform() * point.m_localPointA -
-                          manifold.getBody1()->getWorldTransform() * point.m_localPointB;
-  const btScalar gap = apart.dot(point.m_normalWorldOnB);
-  return gap <= most && (apart - gap * point.m_normalWorldOnB).length2() <= most * most;
+/// Returns whether a point is still valid, by the rule of btPersistentManifold::refreshContactPoints.
+bool isStillValid(const btPersistentManifold& manifold, const btManifoldPoint& point) {
+  const btScalar threshold = manifold.getContactBreakingThreshold();
+  const btVector3 offset = manifold.getBody0()->getWorldTransform() * point.m_localPointA -
+                           manifold.getBody1()->getWorldTransform() * point.m_localPointB;
+  const btScalar gap = offset.dot(point.m_normalWorldOnB);
+  return gap <= threshold && (offset - gap * point.m_normalWorldOnB).length2() <= threshold * threshold;
 }
 
-void keep(const btPersistentManifold& manifold, const btManifoldPoint& point,
-          std::vector<StoredManifoldPoint>& now) {
+void store(const btPersistentManifold& manifold, const btManifoldPoint& point,
+           std::vector<StoredManifoldPoint>& now) {
   now.push_back(
       {&manifold, manifold.getBody0(), manifold.getBody1(), static_cast<std::uint32_t>(now.size()), point});
 }
 
-/// Keeps the points of `manifold`, then those of it in kept.last that it has no more and that still hold.
-/// Returns where the latter begin in kept.now; they go to its end.
-std::size_t keepPoints(const btPersistentManifold& manifold, ManifoldPointHistory& kept) {
-  const std::size_t first = kept.now.size();
-  for (int p = 0; p < manifold.getNumContacts(); ++p) keep(manifold, manifold.getContactPoint(p), kept.now);
-  const std::size_t extra = kept.now.size();
+/// Stores the points of `manifold`, then those of history.last that the manifold no longer has but that are
+/// still valid. They go to the end of history.now. Returns the index of the first of the latter.
+std::size_t storePoints(const btPersistentManifold& manifold, ManifoldPointHistory& history) {
+  const std::size_t first = history.now.size();
+  for (int p = 0; p < manifold.getNumContacts(); ++p)
+    store(manifold, manifold.getContactPoint(p), history.now);
+  const std::size_t extra = history.now.size();
   const auto isEarlier = [](const StoredManifoldPoint& k, const btPersistentManifold* m) {
     return std::less<const void*>()(k.manifold, m);
   };
-  auto k = std::lower_bound(kept.last.begin(), kept.last.end(), &manifold, isEarlier);
-  for (; k != kept.last.end() && k->manifold == &manifold; ++k) {
+  auto k = std::lower_bound(history.last.begin(), history.last.end(), &manifold, isEarlier);
+  for (; k != history.last.end() && k->manifold == &manifold; ++k) {
     if (k->a != manifold.getBody0() || k->b != manifold.getBody1()) continue;
-    if (has(manifold, k->point) || !holds(manifold, k->point)) continue;
-    if (kept.now.size() - first < kMaxPoints) keep(manifold, k->point, kept.now);
+    if (contains(manifold, k->point) || !isStillValid(manifold, k->point)) continue;
+    if (history.now.size() - first < kMaxPoints) store(manifold, k->point, history.now);
   }
   return extra;
 }
 
-/// Ends a tick: what was kept becomes what is known.
-void turnOver(ManifoldPointHistory& kept) {
-  kept.last.swap(kept.now);
-  kept.now.clear();
-  std::sort(kept.last.begin(), kept.last.end(), isBefore);
+/// Starts a tick: the points stored in the last one become history.last, sorted.
+void startTick(ManifoldPointHistory& history) {
+  history.last.swap(history.now);
+  history.now.clear();
+  std::sort(history.last.begin(), history.last.end(), isBefore);
 }
 
 }  // namespace
@@ -81,9 +82,10 @@ void turnOver(ManifoldPointHistory& kept) {
 
 namespace {
 
-constexpr btScalar kLeftAlone = -BT_LARGE_FLOAT;
+constexpr btScalar kIgnoredByBullet = -BT_LARGE_FLOAT;
 
-/// Calls visit(place in the world's list, manifold) for both objects of all manifolds that matter.
+/// Calls visit(index in the world's list, manifold) for both objects of all manifolds with a contact
+/// response.
 template <class Visit>
 void forEachSide(btDispatcher& dispatcher, Visit visit) {
   for (int m = 0; m < dispatcher.getNumManifolds(); ++m) {
@@ -109,7 +111,8 @@ void fill(RigidManifolds& index, btDiscreteDynamicsWorld& world) {
   });
 }
 
-/// What the last tick bore, spread over its solves: two in each substep. Their number is not known yet.
+/// Returns the impulse of the last tick as a first guess. It is spread over the solves later: there are two
+/// per substep, and their number is not known yet.
 ContactImpulse guess(const btManifoldPoint& point) {
   btVector3 t, u;
   btPlaneSpace1(point.m_normalWorldOnB, t, u);
@@ -117,7 +120,7 @@ ContactImpulse guess(const btManifoldPoint& point) {
           toEigen(t * point.m_appliedImpulseLateral1 + u * point.m_appliedImpulseLateral2)};
 }
 
-/// `reported`: what the contact bears is added to; may be null.
+/// The contact's impulse is added to `reported`, which may be null.
 void addContact(TickContacts& found, const btPersistentManifold& manifold, const btManifoldPoint& point,
                 const ContactImpulse& guess, btManifoldPoint* reported) {
   const btCollisionObject &a = *manifold.getBody0(), &b = *manifold.getBody1();
@@ -137,15 +140,15 @@ void addContact(TickContacts& found, const btPersistentManifold& manifold, const
   addRollingRows(manifold, point, found);
 }
 
-/// m, a bound of how far the surfaces move against each other in a tick.
+/// Returns an upper bound (m) of the relative motion of the surfaces in a tick.
 btScalar motionOf(const btPersistentManifold& manifold, btScalar tick) {
   btScalar motion = 0;
   for (const btCollisionObject* object : {manifold.getBody0(), manifold.getBody1()}) {
     const btRigidBody* body = btRigidBody::upcast(object);
     if (!body || isStatic(*body)) continue;
-    const btScalar turn = body->getAngularVelocity().length();
+    const btScalar angularSpeed = body->getAngularVelocity().length();
     motion += tick * body->getLinearVelocity().length();
-    if (turn > 0) motion += tick * turn * object->getCollisionShape()->getAngularMotionDisc();
+    if (angularSpeed > 0) motion += tick * angularSpeed * object->getCollisionShape()->getAngularMotionDisc();
   }
   return motion;
 }
@@ -162,27 +165,29 @@ btManifoldPoint* nearest(btPersistentManifold& manifold, const btManifoldPoint& 
   return best;
 }
 
-/// Also with points that Bullet has given up. What these bear is reported at those next to them.
-void addStoredContacts(TickContacts& found, btPersistentManifold& manifold, ManifoldPointHistory& kept) {
-  const std::size_t extra = keepPoints(manifold, kept);
+/// Adds the manifold's points and those that Bullet has dropped. The impulses of the latter are reported at
+/// the nearest point.
+void addStoredContacts(TickContacts& found, btPersistentManifold& manifold, ManifoldPointHistory& history) {
+  const std::size_t extra = storePoints(manifold, history);
   for (int p = 0; p < manifold.getNumContacts(); ++p) {
     btManifoldPoint& point = manifold.getContactPoint(p);
     addContact(found, manifold, point, guess(point), &point);
   }
-  for (std::size_t i = extra; i < kept.now.size(); ++i) {
-    const btManifoldPoint& point = kept.now[i].point;
+  for (std::size_t i = extra; i < history.now.size(); ++i) {
+    const btManifoldPoint& point = history.now[i].point;
     addContact(found, manifold, point, ContactImpulse(), nearest(manifold, point));
   }
 }
 
-/// Compounds may give manifolds of their parts back while they look for contacts, a GImpact mesh does always.
+/// Returns whether the object's manifolds stay during a search for contacts. Compounds may free manifolds of
+/// their children, and a GImpact mesh always does.
 bool keepsManifolds(const btCollisionObject& object) {
   const btCollisionShape& shape = *object.getCollisionShape();
   return !shape.isCompound() && shape.getShapeType() != GIMPACT_SHAPE_PROXYTYPE;
 }
 
-/// Where the bodies touch now. What the last tick left was found before they moved: a ball that rolls on it
-/// would be pushed from behind. Only where the manifold stays.
+/// Runs Bullet's narrowphase again for two bodies, if their manifold stays. The points of the last tick were
+/// found before the bodies moved: they would push a rolling ball from behind.
 void refreshManifold(btDiscreteDynamicsWorld& world, const btPersistentManifold& manifold) {
   const btCollisionObject &a = *manifold.getBody0(), &b = *manifold.getBody1();
   if (!keepsManifolds(a) || !keepsManifolds(b)) return;
@@ -190,7 +195,7 @@ void refreshManifold(btDiscreteDynamicsWorld& world, const btPersistentManifold&
   auto* proxyB = const_cast<btBroadphaseProxy*>(b.getBroadphaseHandle());
   btBroadphasePair* pair = world.getPairCache()->findPair(proxyA, proxyB);
   if (!pair || !pair->m_algorithm) return;
-  // as btCollisionDispatcher::defaultNearCallback does it, whatever the dispatcher is
+  // as in btCollisionDispatcher::defaultNearCallback, for any dispatcher
   const btCollisionObject* first = static_cast<btCollisionObject*>(pair->m_pProxy0->m_clientObject);
   const btCollisionObject* second = static_cast<btCollisionObject*>(pair->m_pProxy1->m_clientObject);
   const btCollisionObjectWrapper wrapA(nullptr, first->getCollisionShape(), first, first->getWorldTransform(),
@@ -202,20 +207,20 @@ void refreshManifold(btDiscreteDynamicsWorld& world, const btPersistentManifold&
 }
 
 void addContacts(TickContacts& found, btPersistentManifold& manifold, btScalar tick,
-                 ManifoldPointHistory& kept) {
-  const bool knownOnly = motionOf(manifold, tick) < manifold.getContactBreakingThreshold();
-  if (knownOnly) {
-    addStoredContacts(found, manifold, kept);
-    manifold.setContactProcessingThreshold(kLeftAlone);
+                 ManifoldPointHistory& history) {
+  const bool isSlow = motionOf(manifold, tick) < manifold.getContactBreakingThreshold();
+  if (isSlow) {
+    addStoredContacts(found, manifold, history);
+    manifold.setContactProcessingThreshold(kIgnoredByBullet);
   }
   for (int p = 0; p < manifold.getNumContacts(); ++p) {
     btManifoldPoint& point = manifold.getContactPoint(p);
-    if (!knownOnly) addContact(found, manifold, point, ContactImpulse(), nullptr);
+    if (!isSlow) addContact(found, manifold, point, ContactImpulse(), nullptr);
     point.m_appliedImpulse = point.m_appliedImpulseLateral1 = point.m_appliedImpulseLateral2 = 0;
   }
 }
 
-/// Bullet's own least speed that bounces; bodies are drawn apart as its breaking threshold tells their size.
+/// Sets Bullet's own bounce threshold, and a recovery speed for the size that its breaking threshold gives.
 void setSpeeds(TickContacts& found, std::size_t first, const btDiscreteDynamicsWorld& world,
                const btPersistentManifold& manifold, btScalar tick) {
   const auto& info = const_cast<btDiscreteDynamicsWorld&>(world).getSolverInfo();
@@ -226,14 +231,14 @@ void setSpeeds(TickContacts& found, std::size_t first, const btDiscreteDynamicsW
   }
 }
 
-/// The contacts of rigid body `number` with others that have not had their turn.
+/// Adds the contacts of rigid body `number` with others, except those that earlier bodies have added.
 void gatherContactsOf(btDiscreteDynamicsWorld& world, std::uint32_t number, RigidManifolds& index,
                       btScalar tick, TickContacts& found) {
   const btRigidBody* body = found.rigids[number].body;
-  // what else a multibody touches is left to Bullet's solver
+  // Bullet's solver handles the other contacts of a multibody
   if (LinkBody::from(body)) return;
-  const auto place = static_cast<std::size_t>(found.rigids[number].handle.index);
-  for (int i = index.begin[place]; i < index.begin[place + 1]; ++i) {
+  const auto objectIndex = static_cast<std::size_t>(found.rigids[number].handle.index);
+  for (int i = index.begin[objectIndex]; i < index.begin[objectIndex + 1]; ++i) {
     btPersistentManifold& manifold = *index.manifolds[static_cast<std::size_t>(i)];
     const btCollisionObject* other = manifold.getBody0() == body ? manifold.getBody1() : manifold.getBody0();
     const btRigidBody* rigid = btRigidBody::upcast(other);
@@ -250,7 +255,7 @@ void gatherContactsOf(btDiscreteDynamicsWorld& world, std::uint32_t number, Rigi
 
 void gatherRigidContacts(btDiscreteDynamicsWorld& world, btScalar tick, RigidManifolds& index,
                          TickContacts& found) {
-  turnOver(index.history);
+  startTick(index.history);
   if (found.rigids.empty()) return;
   fill(index, world);
   std::uint32_t next = 0;
@@ -263,7 +268,7 @@ void gatherRigidContacts(btDiscreteDynamicsWorld& world, btScalar tick, RigidMan
 void restoreBreakingThresholds(btDispatcher& dispatcher) {
   for (int m = 0; m < dispatcher.getNumManifolds(); ++m) {
     btPersistentManifold& manifold = *dispatcher.getManifoldByIndexInternal(m);
-    if (manifold.getContactProcessingThreshold() > kLeftAlone || isSoft(manifold.getBody0()) ||
+    if (manifold.getContactProcessingThreshold() > kIgnoredByBullet || isSoft(manifold.getBody0()) ||
         isSoft(manifold.getBody1()))
       continue;
     const btScalar own = btMin(manifold.getBody0()->getContactProcessingThreshold(),

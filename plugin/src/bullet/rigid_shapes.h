@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 
-// Soft bodies touch Bullet's shapes by these: surfaces of shapes, which are kept from tick to tick, surfaces
-// of rigid objects in a tick, and pieces of static and kinematic objects.
+// This header declares the geometry of rigid objects for contacts with soft bodies: surfaces of shapes, which
+// are cached across ticks; surfaces of rigid objects in a tick; pieces of static and kinematic objects.
 
 #pragma once
 
@@ -26,25 +26,25 @@ inline namespace LIMBER_BULLET_PRECISION {
 
 // --- surfaces of shapes ------------------------------------------------------------------------------------
 
-/// The surface of a convex shape of Bullet's as vertices, edges and triangles with a radius around them, in
-/// the shape's own coordinates: a sphere is one vertex, a capsule one edge, boxes and hulls are polyhedra,
-/// and what is round otherwise (cylinders, cones, ...) is a polyhedron close to it.
+/// The surface of a convex Bullet shape as vertices, edges and triangles with a radius around them, in the
+/// shape's coordinates. A sphere is one vertex, a capsule one edge. Boxes and hulls are polyhedra. Other
+/// round shapes (cylinders, cones, ...) are approximated by polyhedra.
 struct ShapeSurface {
   SurfaceTopology topology;
   double radius = 0.0;                    ///< m
   std::vector<std::uint32_t> sharpEdges;  ///< those that are not flat
 };
 
-/// The triangles of a concave shape that overlap a box in the shape's own coordinates, two-sided; corners in
-/// the same place are one vertex.
+/// Returns the triangles of a concave shape that overlap a box in the shape's coordinates. They are
+/// two-sided; corners at the same position are one vertex.
 ShapeSurface makePatchSurface(const btConcaveShape& shape, const btVector3& low, const btVector3& high);
 
-/// A box in a shape's own coordinates.
+/// A box in a shape's coordinates.
 struct LocalBox {
   btVector3 low, high;
 };
 
-/// The one that holds a box of the world; `low` and `high` (m) are that box's corners.
+/// Returns the smallest such box around a box in the world with the corners `low` and `high` (m).
 LocalBox localBoxOf(const btTransform& pose, const Eigen::Vector3d& low, const Eigen::Vector3d& high);
 
 inline void addToHash(std::uint64_t& hash, std::uint64_t value) {
@@ -52,16 +52,17 @@ inline void addToHash(std::uint64_t& hash, std::uint64_t value) {
   hash ^= hash >> 29;
 }
 
-/// Of everything that makes a convex shape what it is now: type, margin, and corners, scaling included.
+/// Returns a hash of all that defines a convex shape: type, margin and corners, with scaling.
 std::uint64_t hashOfShape(const btCollisionShape& shape);
 
-/// The surfaces of convex shapes that soft bodies have come near, until nobody asks for them any more. A
-/// shape that has been changed, or deleted and another one made in its place, is seen by its hash.
+/// Caches the surfaces of convex shapes near soft bodies until they have not been used for a long time. A
+/// hash detects a shape that was changed, or deleted and replaced at the same address.
 class ShapeCache {
  public:
   const ShapeSurface& surfaceOf(const btCollisionShape& shape);
 
-  /// Before a tick, when nobody holds a surface: forgets those that nobody has asked for in a long time.
+  /// Removes the surfaces that have not been used for a long time. Call it before a tick, when no surface is
+  /// in use.
   void forgetOld();
 
  private:
@@ -79,43 +80,44 @@ class ShapeCache {
 
 /// A convex part of a rigid object in the present tick.
 struct RigidPart {
-  std::uint64_t number = 0;  ///< which part of the object it is, the same in every tick
+  std::uint64_t number = 0;  ///< index of the part in the object, the same in every tick
   const ShapeSurface* surface = nullptr;
   Points position, motion;  ///< m, 3 x #points
-  Points start, whole;      ///< m, 3 x #points, position and motion as the tick began; see movePart()
-  bool moved = false;       ///< since then
+  Points start, whole;      ///< m, 3 x #points, position and motion at the start of the tick; see movePart()
+  bool moved = false;       ///< since the start of the tick
   SurfaceBoxes boxes;
   MovingSurface moving;  ///< a view of the above
 };
 
-/// Within a step: the part of a body that has come from `from` to `to`, and its motion of the coming `ahead`
-/// seconds.
+/// Moves the part of a body within a step: the body moved from `from` to `to`. Sets its motion to that of the
+/// coming `ahead` seconds.
 void movePart(RigidPart& part, const btTransform& from, const RigidState& to, double ahead);
-/// Of an object that moves as told: at `share` of the tick, and its motion of the coming `ahead` shares.
+/// Moves the part of a kinematic object to the fraction `share` of the tick. Sets its motion to that of the
+/// coming fraction `ahead`.
 void movePart(RigidPart& part, double share, double ahead);
 
 /// The surfaces of the rigid objects near soft bodies in a tick. A convex object has one part, a compound one
-/// for each convex child; planes and concave shapes have none. A part is made when something comes near it,
-/// and once a tick.
+/// per convex child; planes and concave shapes have none. A part is made when a body comes near it, once per
+/// tick.
 class RigidSurfaces {
  public:
   explicit RigidSurfaces(ShapeCache& shapes) : shapes_(&shapes) {}
 
-  /// Whether the shape has any parts at all.
+  /// Returns whether the shape has any parts.
   bool hasParts(const btCollisionShape& shape);
 
-  /// The only part of a convex object; of a compound those that can meet the box in this tick, by the order
-  /// of its children. Valid until the next call.
+  /// Returns the part of a convex object, or those parts of a compound that can touch the box in this tick,
+  /// in the order of its children. Valid until the next call.
   const std::vector<RigidPart*>& partsNear(const btCollisionObject& object, const SweptBox& box, double tick);
 
-  /// How many parts were made in this tick.
+  /// Returns the number of parts made in this tick.
   std::size_t size() const { return used_; }
 
-  /// Before a tick: forgets the objects, not the memory.
+  /// Removes the objects but keeps the memory. Call it before a tick.
   void clear();
 
  private:
-  struct Known {
+  struct NumberedPart {
     std::uint64_t number;
     RigidPart* part;
   };
@@ -127,10 +129,10 @@ class RigidSurfaces {
                       double tick);
 
   ShapeCache* shapes_;
-  std::deque<RigidPart> parts_;  // of any tick: their memory is kept
+  std::deque<RigidPart> parts_;  // of any tick: their memory is reused
   std::size_t used_ = 0;
-  std::vector<std::vector<Known>> known_;  // of this tick, sorted, by place in the world's list of objects
-  std::vector<std::size_t> asked_;         // places
+  std::vector<std::vector<NumberedPart>> partsOfObject_;  // by world index of the object; sorted
+  std::vector<std::size_t> usedIndices_;                  // of partsOfObject_
   std::vector<RigidPart*> near_;
   std::vector<int> children_;  // scratch of partsNear
   btAlignedObjectArray<const btDbvtNode*> stack_;
@@ -138,29 +140,29 @@ class RigidSurfaces {
 
 // --- concave objects ---------------------------------------------------------------------------------------
 
-/// The part of a concave static object that is around a body. It is kept while the body stays within it.
+/// The part of a concave static object around a body. It is kept while the body stays in it.
 struct ConcavePatch {
   int partner = 0;      ///< unique id in the broadphase; 0: none
   bool used = false;    ///< in the present tick
   btTransform pose;     ///< of the partner when it was made
-  btVector3 low, high;  ///< m, of the partner's coordinates: all triangles in there
+  btVector3 low, high;  ///< m, in the partner's coordinates: the patch has all triangles in this box
   ShapeSurface surface;
-  std::unique_ptr<RigidPart> part;  ///< a view of it
+  std::unique_ptr<RigidPart> part;  ///< a view of `surface`
 };
 
 // --- static and kinematic objects --------------------------------------------------------------------------
 
-/// Whether a static or kinematic object moves in this tick; while kinematic ones are Rewound.
+/// Returns whether a static or kinematic object moves in this tick. Call it while kinematic ones are Rewound.
 bool isMoved(const btCollisionObject& object);
 
-/// Adds what an object's shape has in a box (m, in the world): convex solids as a whole, hulls of many faces
-/// and sheets by triangles. Each solid is an owner of its own, numbered from `owner` on, and so is each
-/// sheet. Returns the next number.
+/// Adds the pieces of an object's shape in a box (m, in the world): convex solids whole, hulls of many faces
+/// and sheets as triangles. Each solid and each sheet is one owner, numbered from `owner` on. Returns the
+/// next number.
 std::uint32_t addPieces(const btCollisionObject& object, const Eigen::AlignedBox3d& box, ShapeCache& shapes,
                         std::uint32_t owner, std::vector<HeldPiece>& pieces);
 
-/// Whether the pieces are flat within `searchRegion` of the place on each that is nearest to `x`, or farther
-/// away than that; `radius` is that of the point at x.
+/// Returns whether the pieces are flat within `searchRegion` of their points nearest to `x`, or farther away
+/// than that. `radius` is that of the point at x.
 bool areFlatAround(const HeldPiece* begin, const HeldPiece* end, const Eigen::Vector3d& x, double radius,
                    double searchRegion);
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 
-// This file makes the surfaces of Bullet's shapes, keeps them while they are asked for, and places those of
-// the rigid objects near soft bodies in a tick.
+// This file makes and caches the surfaces of Bullet's shapes, and moves those of the rigid objects near soft
+// bodies to their positions in a tick.
 
 #include "bullet/bullet_objects.h"
 #include "bullet/rigid_shapes.h"
@@ -27,10 +27,10 @@ namespace {
 using Eigen::Vector3d;
 using Corners = std::vector<Vector3d>;
 
-/// Of a round shape: the polyhedron's faces are at most 0.12 % of its radius within it.
-constexpr int kAround = 64;
+/// Corners around a round shape. The polyhedron's faces are inside it by at most 0.12 % of its radius.
+constexpr int kCornersAround = 64;
 
-/// Edges between triangles whose normals are closer than this (cosine) are flat.
+/// Cosine of an angle. Edges between triangles with a smaller angle between their normals are flat.
 constexpr double kFlatTolerance = 0.9999;
 
 Points pointsOf(const Corners& corners) {
@@ -51,7 +51,7 @@ bool isFlat(const SurfaceTopology& topology, std::uint32_t edge) {
   return normalOf(topology, sides[0]).dot(normalOf(topology, sides[1])) > kFlatTolerance;
 }
 
-/// An empty surface if the shape is degenerate.
+/// Returns an empty surface if the shape is degenerate.
 ShapeSurface surfaceOf(const Corners& corners, const SurfaceFeatures& features, double radius) {
   ShapeSurface surface;
   Result<SurfaceTopology> topology = makeSurfaceTopology(pointsOf(corners), features);
@@ -69,7 +69,7 @@ SurfaceFeatures rigidFeatures() {
   return features;
 }
 
-/// The corners of a face of a hull, in order, as a fan of triangles.
+/// Adds a face of a hull as a fan of triangles.
 void addFace(const btConvexHullComputer& hull, int face, SurfaceFeatures& features) {
   const btConvexHullComputer::Edge* first = &hull.edges[face];
   const auto corner = [](const btConvexHullComputer::Edge* edge) {
@@ -125,12 +125,14 @@ ShapeSurface polyhedronSurface(const btPolyhedralConvexShape& shape) {
   return hullOf(corners, double(shape.getMargin()));
 }
 
-/// Directions on circles around an axis: every one of a round shape's rims is met kAround times.
+/// Takes the shape's supporting vertices in directions on circles around the axis. Every rim of a round shape
+/// gets kCornersAround of them.
 ShapeSurface roundSurface(const btConvexShape& shape, int axis) {
   std::vector<btVector3> corners;
   for (int ring = -8; ring <= 8; ++ring)
-    for (int i = 0; i < kAround; ++i) {
-      const double height = ring * double(SIMD_HALF_PI) / 8.5, angle = 2.0 * double(SIMD_PI) * i / kAround;
+    for (int i = 0; i < kCornersAround; ++i) {
+      const double height = ring * double(SIMD_HALF_PI) / 8.5,
+                   angle = 2.0 * double(SIMD_PI) * i / kCornersAround;
       btVector3 direction(0, 0, 0);
       direction[axis] = static_cast<btScalar>(std::sin(height));
       direction[(axis + 1) % 3] = static_cast<btScalar>(std::cos(height) * std::cos(angle));
@@ -148,7 +150,7 @@ int axisOf(const btConvexShape& shape) {
   return 1;
 }
 
-/// Collects triangles; corners in exactly the same place are one.
+/// Collects triangles. Corners at exactly the same position are one.
 struct TriangleList final : btInternalTriangleIndexCallback, btTriangleCallback {
   struct Less {
     bool operator()(const Vector3d& a, const Vector3d& b) const {
@@ -174,17 +176,17 @@ struct TriangleList final : btInternalTriangleIndexCallback, btTriangleCallback 
   }
 };
 
-/// Bullet tells no vertices of these.
+/// Makes the hull from the mesh, because Bullet does not return the vertices of such a shape.
 ShapeSurface triangleMeshHull(const btConvexTriangleMeshShape& shape) {
   TriangleList list;
-  const btVector3 most(BT_LARGE_FLOAT, BT_LARGE_FLOAT, BT_LARGE_FLOAT);
-  shape.getMeshInterface()->InternalProcessAllTriangles(&list, -most, most);
+  const btVector3 largest(BT_LARGE_FLOAT, BT_LARGE_FLOAT, BT_LARGE_FLOAT);
+  shape.getMeshInterface()->InternalProcessAllTriangles(&list, -largest, largest);
   std::vector<btVector3> corners;
   for (const Vector3d& corner : list.corners) corners.push_back(toBullet(corner));
   return corners.empty() ? ShapeSurface() : hullOf(corners, double(shape.getMargin()));
 }
 
-/// Nothing for shapes that have neither edges nor vertices (planes), are concave or are compounds.
+/// Returns an empty surface for shapes without edges and vertices (planes), concave shapes and compounds.
 ShapeSurface makeShapeSurface(const btCollisionShape& shape) {
   switch (shape.getShapeType()) {
     case SPHERE_SHAPE_PROXYTYPE:
@@ -199,7 +201,7 @@ ShapeSurface makeShapeSurface(const btCollisionShape& shape) {
       break;
   }
   if (!shape.isConvex()) return {};
-  // of a mesh that Bullet treats as convex it does not know the corners
+  // Bullet does not return the corners of a mesh that it treats as convex
   if (shape.isPolyhedral() && static_cast<const btPolyhedralConvexShape&>(shape).getNumVertices() > 0)
     return polyhedronSurface(static_cast<const btPolyhedralConvexShape&>(shape));
   const auto& convex = static_cast<const btConvexShape&>(shape);
@@ -222,7 +224,7 @@ LocalBox localBoxOf(const btTransform& pose, const Eigen::Vector3d& low, const E
   return box;
 }
 
-// --- shapes that are known ---------------------------------------------------------------------------------
+// --- cached shapes -----------------------------------------------------------------------------------------
 
 namespace {
 
@@ -235,7 +237,8 @@ void addVector(std::uint64_t& hash, const btVector3& v) {
   }
 }
 
-/// Tells round shapes with one bounding box from each other, as cylinders along different axes.
+/// Adds supporting vertices, which distinguish round shapes with the same bounding box, as cylinders along
+/// different axes.
 void addSupports(std::uint64_t& hash, const btConvexShape& shape) {
   for (int i = 0; i < 8; ++i)
     addVector(hash, shape.localGetSupportingVertex(btVector3(i & 1 ? btScalar(1) : btScalar(-1),
@@ -259,11 +262,11 @@ std::uint64_t hashOfShape(const btCollisionShape& shape) {
   shape.getAabb(btTransform::getIdentity(), low, high);
   for (const btVector3& v : {low, high, btVector3(shape.getMargin(), 0, 0)}) addVector(hash, v);
   const int type = shape.getShapeType();
-  // all is in the bounding box
+  // the bounding box defines the shape
   if (type == BOX_SHAPE_PROXYTYPE || type == SPHERE_SHAPE_PROXYTYPE || !shape.isConvex()) return hash;
-  const bool cornersKnown =
+  const bool hasCorners =
       shape.isPolyhedral() && static_cast<const btPolyhedralConvexShape&>(shape).getNumVertices() > 0;
-  if (cornersKnown)
+  if (hasCorners)
     addCorners(hash, static_cast<const btPolyhedralConvexShape&>(shape));
   else
     addSupports(hash, static_cast<const btConvexShape&>(shape));
@@ -292,28 +295,28 @@ void ShapeCache::forgetOld() {
 
 namespace {
 
-/// m, how far a place on the object gets in a tick.
-Eigen::Vector3d motionOf(const btCollisionObject& object, const Eigen::Vector3d& place, double tick) {
+/// Returns the displacement (m) of a point of the object in a tick.
+Eigen::Vector3d motionOf(const btCollisionObject& object, const Eigen::Vector3d& position, double tick) {
   const btRigidBody* rigid = btRigidBody::upcast(&object);
-  Eigen::Vector3d motion = tick * velocityOf(object, toBullet(place), tick);
+  Eigen::Vector3d motion = tick * velocityOf(object, toBullet(position), tick);
   if (rigid && isFree(*rigid))
     motion += tick * tick * double(rigid->getInvMass()) * toEigen(rigid->getTotalForce());
   return motion;
 }
 
-/// The box in which something of the object is at the moment of its pose if it comes into `box` within the
-/// tick. Motion is linear in the place, so no part of it moves farther than the farthest corner of its
-/// bounds.
-SweptBox grownByMotion(const btCollisionObject& object, SweptBox box, double tick) {
+/// Returns `box` enlarged by the object's motion. It contains, at the time of the object's pose, all points
+/// of the object that enter `box` within the tick. The motion is linear in the position, so no point moves
+/// farther than the farthest corner of the object's bounds.
+SweptBox enlargedByMotion(const btCollisionObject& object, SweptBox box, double tick) {
   btVector3 bounds[2];
   object.getCollisionShape()->getAabb(object.getWorldTransform(), bounds[0], bounds[1]);
-  Eigen::Vector3d most = Eigen::Vector3d::Zero();
+  Eigen::Vector3d largest = Eigen::Vector3d::Zero();
   for (int corner = 0; corner < 8; ++corner) {
-    const btVector3 place(bounds[corner & 1].x(), bounds[corner >> 1 & 1].y(), bounds[corner >> 2].z());
-    most = most.cwiseMax(motionOf(object, toEigen(place), tick).cwiseAbs());
+    const btVector3 position(bounds[corner & 1].x(), bounds[corner >> 1 & 1].y(), bounds[corner >> 2].z());
+    largest = largest.cwiseMax(motionOf(object, toEigen(position), tick).cwiseAbs());
   }
-  box.low.head<3>() -= most.array();
-  box.high.head<3>() += most.array();
+  box.low.head<3>() -= largest.array();
+  box.high.head<3>() += largest.array();
   return box;
 }
 
@@ -323,7 +326,7 @@ struct ChildCollector final : btDbvt::ICollide {
   void Process(const btDbvtNode* leaf) override { children->push_back(leaf->dataAsInt); }
 };
 
-/// Adds the children whose boxes meet `box`, in their order.
+/// Adds the children whose boxes overlap `box`, in their order.
 void findChildren(const btCompoundShape& compound, const LocalBox& box,
                   btAlignedObjectArray<const btDbvtNode*>& stack, std::vector<int>& children) {
   const auto first = static_cast<std::ptrdiff_t>(children.size());
@@ -341,12 +344,12 @@ void findChildren(const btCompoundShape& compound, const LocalBox& box,
   }
 }
 
-/// Of a child of a part's parent.
+/// Returns the number of a child of the part `parent`.
 std::uint64_t childNumber(std::uint64_t parent, int child) {
   return parent * 0x100000001b3u + static_cast<std::uint64_t>(child) + 1;
 }
 
-void keepStart(RigidPart& part) {
+void storeStart(RigidPart& part) {
   if (part.moved) return;
   part.start = part.position;
   part.whole = part.motion;
@@ -356,18 +359,18 @@ void keepStart(RigidPart& part) {
 }  // namespace
 
 void movePart(RigidPart& part, double share, double ahead) {
-  keepStart(part);
+  storeStart(part);
   part.position = part.start + share * part.whole;
   part.motion = ahead * part.whole;
   fitBoxes(part.moving, part.boxes);
 }
 
 void movePart(RigidPart& part, const btTransform& from, const RigidState& to, double ahead) {
-  keepStart(part);
-  const Eigen::Matrix3d turn = (to.rotation * toEigen(from.getRotation()).conjugate()).toRotationMatrix();
+  storeStart(part);
+  const Eigen::Matrix3d rotation = (to.rotation * toEigen(from.getRotation()).conjugate()).toRotationMatrix();
   const Eigen::Vector3d origin = toEigen(from.getOrigin());
   for (Eigen::Index i = 0; i < part.start.cols(); ++i) {
-    const Eigen::Vector3d arm = turn * (part.start.col(i) - origin);
+    const Eigen::Vector3d arm = rotation * (part.start.col(i) - origin);
     part.position.col(i) = to.position + arm;
     part.motion.col(i) = ahead * to.velocityAt(arm);
   }
@@ -375,8 +378,8 @@ void movePart(RigidPart& part, const btTransform& from, const RigidState& to, do
 }
 
 void RigidSurfaces::clear() {
-  for (const std::size_t place : asked_) known_[place].clear();
-  asked_.clear();
+  for (const std::size_t index : usedIndices_) partsOfObject_[index].clear();
+  usedIndices_.clear();
   used_ = 0;
   shapes_->forgetOld();
 }
@@ -394,8 +397,8 @@ const std::vector<RigidPart*>& RigidSurfaces::partsNear(const btCollisionObject&
                                                         double tick) {
   near_.clear();
   const btCollisionShape& shape = *object.getCollisionShape();
-  const SweptBox grown = shape.isCompound() ? grownByMotion(object, box, tick) : box;
-  addNear(object, shape, object.getWorldTransform(), 0, grown, tick);
+  const SweptBox enlarged = shape.isCompound() ? enlargedByMotion(object, box, tick) : box;
+  addNear(object, shape, object.getWorldTransform(), 0, enlarged, tick);
   return near_;
 }
 
@@ -416,16 +419,16 @@ void RigidSurfaces::addNear(const btCollisionObject& object, const btCollisionSh
 
 void RigidSurfaces::addPart(const btCollisionObject& object, const btCollisionShape& shape,
                             const btTransform& pose, std::uint64_t number, double tick) {
-  const auto place = static_cast<std::size_t>(object.getWorldArrayIndex());
-  if (place >= known_.size()) known_.resize(place + 1);
-  std::vector<Known>& known = known_[place];
-  const auto isBefore = [](const Known& k, std::uint64_t n) { return k.number < n; };
-  auto it = std::lower_bound(known.begin(), known.end(), number, isBefore);
-  if (it == known.end() || it->number != number) {
+  const auto index = static_cast<std::size_t>(object.getWorldArrayIndex());
+  if (index >= partsOfObject_.size()) partsOfObject_.resize(index + 1);
+  std::vector<NumberedPart>& parts = partsOfObject_[index];
+  const auto isBefore = [](const NumberedPart& k, std::uint64_t n) { return k.number < n; };
+  auto it = std::lower_bound(parts.begin(), parts.end(), number, isBefore);
+  if (it == parts.end() || it->number != number) {
     const ShapeSurface& surface = shapes_->surfaceOf(shape);
     if (surface.topology.elements.empty()) return;
-    if (known.empty()) asked_.push_back(place);
-    it = known.insert(it, {number, &makePart(object, surface, pose, tick)});
+    if (parts.empty()) usedIndices_.push_back(index);
+    it = parts.insert(it, {number, &makePart(object, surface, pose, tick)});
     it->part->number = number;
   }
   near_.push_back(it->part);
@@ -441,9 +444,9 @@ RigidPart& RigidSurfaces::makePart(const btCollisionObject& object, const ShapeS
   part.position.resize(3, rest.cols());
   part.motion.resize(3, rest.cols());
   for (Eigen::Index i = 0; i < rest.cols(); ++i) {
-    const Eigen::Vector3d place = toEigen(pose * toBullet(Eigen::Vector3d(rest.col(i))));
-    part.motion.col(i) = motionOf(object, place, tick);
-    part.position.col(i) = place;
+    const Eigen::Vector3d position = toEigen(pose * toBullet(Eigen::Vector3d(rest.col(i))));
+    part.motion.col(i) = motionOf(object, position, tick);
+    part.position.col(i) = position;
   }
   part.moving = {&surface.topology, &part.position, &part.motion, surface.radius, &part.boxes};
   fitBoxes(part.moving, part.boxes);

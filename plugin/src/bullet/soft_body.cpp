@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
 
-// This file answers what users ask of a soft body, and reads Bullet's queries and manifolds for them.
+// This file implements the user's interface of a soft body, and reads Bullet's queries and manifolds.
 
 #include <limber/soft_body.h>
 
@@ -125,7 +125,7 @@ const std::vector<SoftContact>& SoftBody::contacts() const { return readReport(*
 
 namespace {
 
-/// The state with what the user has changed since the last tick.
+/// Returns the state, with the user's changes since the last tick.
 const PointState& current(SoftBodyData& data) {
   readObject(data);
   absorbOutsideChanges(data);
@@ -146,7 +146,7 @@ double SoftBody::elasticEnergy() const {
 }
 std::uint64_t SoftBody::stateHash() const { return limber::stateHash(current(*data_)); }
 
-// --- what Bullet's queries hit -----------------------------------------------------------------------------
+// --- results of Bullet's queries ---------------------------------------------------------------------------
 
 PointReference findPoint(const btCollisionObject* object) {
   const PointMass* point = PointMass::from(object);
@@ -158,13 +158,13 @@ namespace {
 
 using CornerColumns = Eigen::Matrix3d;
 
-/// Weights of a and b of the place on the segment that is nearest to p.
+/// Returns the weights of a and b of the point of the segment that is nearest to p.
 Eigen::Vector2d segmentWeights(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eigen::Vector3d& p) {
   const double t = nearestOnSegment(a, b, p);
   return {1.0 - t, t};
 }
 
-/// The nearest place on the triangle's three sides.
+/// Returns the weights of the nearest point on the triangle's three sides.
 Eigen::Vector3d sideWeights(const CornerColumns& x, const Eigen::Vector3d& p) {
   Eigen::Vector3d best = Eigen::Vector3d::UnitX();
   for (int i = 0; i < 3; ++i) {
@@ -193,29 +193,29 @@ CornerColumns cornersOf(const SoftBodyData& body, const SurfaceHit& hit) {
   return x;
 }
 
-SurfaceHit hitOnTriangle(const SoftBodyData& body, std::size_t triangle, const Eigen::Vector3d& place) {
+SurfaceHit hitOnTriangle(const SoftBodyData& body, std::size_t triangle, const Eigen::Vector3d& point) {
   SurfaceHit hit;
   hit.body = body.handle;
   hit.triangle = static_cast<std::uint32_t>(triangle);
   const Triangle& corners = body.network->surface[triangle];
   hit.points = {corners[0], corners[1], corners[2]};
   const CornerColumns x = cornersOf(body, hit);
-  hit.weights = nearestWeights(x, place);
+  hit.weights = nearestWeights(x, point);
   hit.normal = (x.col(1) - x.col(0)).cross(x.col(2) - x.col(0)).stableNormalized();
   if (body.settings.scale.prod() < 0.0) hit.normal = -hit.normal;
   return hit;
 }
 
-SurfaceHit hitOnSpring(const SoftBodyData& body, std::uint32_t index, const Eigen::Vector3d& place) {
+SurfaceHit hitOnSpring(const SoftBodyData& body, std::uint32_t index, const Eigen::Vector3d& point) {
   SurfaceHit hit;
   hit.body = body.handle;
   hit.triangle = index;
   const NetworkSpring& spring = body.network->springs[index];
   hit.points = {spring.a, spring.b, spring.b};
   const CornerColumns x = cornersOf(body, hit);
-  const Eigen::Vector2d w = segmentWeights(x.col(0), x.col(1), place);
+  const Eigen::Vector2d w = segmentWeights(x.col(0), x.col(1), point);
   hit.weights = {w[0], w[1], 0.0};
-  hit.normal = (place - x * hit.weights).stableNormalized();
+  hit.normal = (point - x * hit.weights).stableNormalized();
   return hit;
 }
 
@@ -238,18 +238,19 @@ SurfaceHit surfaceHit(const btCollisionObject* object, int triangleIndex, const 
   return {};
 }
 
-// --- what Bullet's manifolds tell --------------------------------------------------------------------------
+// --- Bullet's manifolds ------------------------------------------------------------------------------------
 
 namespace {
 
-/// The soft body an object is or is a part of, and where on it a contact is.
-SoftBody* readSide(const btCollisionObject* object, int index, const btVector3& place, ContactSide& side) {
+/// Returns the soft body that has the object as its surface or a point, and sets `side` to the contact's
+/// point on it.
+SoftBody* readSide(const btCollisionObject* object, int index, const btVector3& position, ContactSide& side) {
   if (const PointReference point = findPoint(object); point.body) {
     side.points = {point.index, point.index, point.index};
     side.weights = Eigen::Vector3d::UnitX();
     return point.body;
   }
-  const SurfaceHit hit = surfaceHit(object, index, place);
+  const SurfaceHit hit = surfaceHit(object, index, position);
   if (hit.body) {
     side.points = hit.points;
     side.weights = hit.weights;
@@ -258,8 +259,8 @@ SoftBody* readSide(const btCollisionObject* object, int index, const btVector3& 
   return findSurface(object).body;
 }
 
-/// The manifold's contact as its second object sees it.
-void turnRound(SoftContact& c) {
+/// Reverses the contact, for a soft body that is the manifold's second object.
+void reverse(SoftContact& c) {
   std::swap(c.side, c.otherSide);
   c.normal = -c.normal;
   c.impulse = -c.impulse;
@@ -285,7 +286,7 @@ SoftContact readContact(const btPersistentManifold& manifold, int point) {
   c.frictionImpulse = p.m_appliedImpulseLateral1 * p.m_lateralFrictionDir1 +
                       p.m_appliedImpulseLateral2 * p.m_lateralFrictionDir2;
   c.impulse = p.m_appliedImpulse * p.m_normalWorldOnB + c.frictionImpulse;
-  if (!a) turnRound(c);
+  if (!a) reverse(c);
   return c;
 }
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
 
-// This file finds where surfaces touch, or may touch in a tick: rigid bodies that move, static and kinematic
+// This file finds the contacts of surfaces in a tick: with dynamic rigid bodies, static and kinematic
 // objects, other soft bodies and themselves.
 
 #include "bullet/surface_gather.h"
@@ -19,15 +19,16 @@ namespace {
 
 using Eigen::Vector3d;
 
-/// Of the radius: surfaces nearer than this are contacts even if they do not approach.
+/// Fraction of the radius. Surfaces nearer than this are in contact even if they do not approach.
 constexpr double kMargin = 1.0 / 3.0;
 
-/// m, the most that a point moves in the tick towards what its rows are of.
+/// Returns the largest motion (m) of a point in the tick towards a surface that it may touch.
 double impactOf(const SoftBodyData& body, double tick) {
-  double most = 0.0;
+  double largest = 0.0;
   for (const PlaneContact& row : body.contacts)
-    most = std::max(most, -tick * row.normal.dot(body.state.velocity.col(row.point) - row.surfaceVelocity));
-  return most;
+    largest =
+        std::max(largest, -tick * row.normal.dot(body.state.velocity.col(row.point) - row.surfaceVelocity));
+  return largest;
 }
 
 const MovingSurface& movingSurface(SoftBodyData& body, double tick) {
@@ -49,7 +50,7 @@ const MovingSurface& boxedSurface(SoftBodyData& body, double tick) {
   return moving;
 }
 
-/// Holds the box of the whole surface, without fitting all of them, and what is near that.
+/// Returns a box around the moving surface, with a margin for contacts. Does not fit the whole tree of boxes.
 SweptBox searchBox(const MovingSurface& soft) {
   SweptBox box = sweptBounds(soft);
   double depth = 0.0;
@@ -64,7 +65,8 @@ bool areNear(const MovingSurface& a, const MovingSurface& b, double margin) {
   return separation(a.boxes->nodes[0], b.boxes->nodes[0]) <= margin;
 }
 
-/// The last search with a part of a partner; a new one if there was none in the last tick.
+/// Returns the cache of the last search with a part of a partner, or an empty one if there was no search in
+/// the last tick.
 ContactCache& searchWith(SoftBodyData& body, const btCollisionObject& partner, std::uint64_t part) {
   std::vector<CachedSearch>& searches = body.surface.searches;
   const int id = partner.getBroadphaseHandle()->m_uniqueId;
@@ -92,30 +94,30 @@ void forgetUnused(List& list) {
   }
 }
 
-/// What is no longer near gives its memory to what comes near.
+/// Releases the entries of partners that are no longer near; new partners reuse their memory.
 void forgetOldSearches(SoftBodyData& body) {
   forgetUnused(body.surface.searches);
   forgetUnused(body.surface.patches);
 }
 
-ContactPoint softPlace(const SoftBodyData& body, const SurfacePoint& place) {
+ContactPoint softContactPoint(const SoftBodyData& body, const SurfacePoint& surfacePoint) {
   ContactPoint p;
   p.kind = ContactPoint::Kind::Soft;
   p.body = body.index;
-  p.count = place.kind == FeatureKind::OnVertex ? 1 : place.kind == FeatureKind::OnEdge ? 2 : 3;
+  p.count = surfacePoint.kind == FeatureKind::OnVertex ? 1 : surfacePoint.kind == FeatureKind::OnEdge ? 2 : 3;
   for (std::uint32_t i = 0; i < p.count; ++i) {
-    p.point[i] = place.points[i];
-    p.weight[i] = place.weights[i];
+    p.point[i] = surfacePoint.points[i];
+    p.weight[i] = surfacePoint.weights[i];
   }
   return p;
 }
 
 const btCollisionObject& frictionObject(const SoftBodyData& body) { return *body.surface.object; }
 
-/// What the two have in common whatever they touch with.
+/// Makes a contact without the point on side b.
 Contact contactOf(const SoftBodyData& body, const btCollisionObject& partner, const SurfaceContact& c) {
   Contact pair;
-  pair.a = softPlace(body, c.a);
+  pair.a = softContactPoint(body, c.a);
   pair.normal = c.normal;
   pair.gap = c.gap;
   pair.friction = double(gCalculateCombinedFrictionCallback(&frictionObject(body), &partner));
@@ -133,29 +135,31 @@ ContactSource sourceOf(SoftBodyData& body, const btCollisionObject& partner, std
   return source;
 }
 
-/// Points that are attached to a body do not collide with it, nor do the edges and triangles they end.
-bool isAttached(const SoftBodyData& body, const SurfacePoint& place, const btCollisionObject& partner) {
-  return std::any_of(place.points.begin(), place.points.end(),
+/// Returns whether a point of the feature is attached to the partner. Such points, and the edges and
+/// triangles that end in them, do not collide with it.
+bool isAttached(const SoftBodyData& body, const SurfacePoint& surfacePoint,
+                const btCollisionObject& partner) {
+  return std::any_of(surfacePoint.points.begin(), surfacePoint.points.end(),
                      [&](std::uint32_t point) { return isAttached(body, point, partner); });
 }
 
-// --- rigid bodies that move --------------------------------------------------------------------------------
+// --- dynamic rigid bodies ----------------------------------------------------------------------------------
 
-/// Both sides get their impulses at one place, where the soft one's points, edges and triangles are when they
-/// touch: no couple is left over.
-btVector3 commonPlace(const MovingSurface& soft, const MovingSurface& rigid, const SurfaceContact& c) {
+/// Returns the common point of both impulses: the position of the soft side's points when they touch. With
+/// two different points a couple would remain.
+btVector3 commonPoint(const MovingSurface& soft, const MovingSurface& rigid, const SurfaceContact& c) {
   return toBullet(Vector3d(positionOf(rigid, c.b) + (rigid.radius + soft.radius) * c.normal));
 }
 
-/// The same contact of the same part has the same key in every tick.
+/// Returns a key that is the same for the same contact of the same part in every tick.
 std::uint64_t keyOf(const SurfaceContact& c, const RigidPart& part) {
   return c.key ^ (part.number * 0x9e3779b97f4a7c15u);
 }
 
-/// A contact of a meeting but for the places on its sides.
+/// Makes a contact of a candidate without the contact point on side b.
 Contact contactOf(const SurfaceCandidate& m, const SurfaceContact& c) {
   Contact pair = contactOf(*m.body, m.other ? frictionObject(*m.other) : *m.partner, c);
-  // the smaller one's; a body that has slept from the start has none
+  // the smaller one of the two; a body that has slept from the start has none
   if (m.other && m.other->speeds.recovery > 0.0)
     pair.recoverySpeed = std::min(pair.recoverySpeed, m.other->speeds.recovery);
   return pair;
@@ -173,13 +177,13 @@ double featureSize(const MovingSurface& surface) {
   return size > 0.0 ? size : surface.radius;
 }
 
-/// The surface on side b.
+/// Returns the surface on side b.
 const MovingSurface& surfaceB(const SurfaceCandidate& m) {
   if (m.other) return m.other->surface.moving;
   return m.part->moving;
 }
 
-/// m: surfaces of a meeting that are nearer than this are contacts even if they do not approach.
+/// Returns the gap (m) below which surfaces of a candidate are in contact even if they do not approach.
 double margin(const SurfaceCandidate& m) {
   const double radius = m.body->surface.moving.radius;
   return kMargin * (m.other ? std::min(radius, m.other->surface.moving.radius) : radius);
@@ -195,35 +199,36 @@ double longestDisplacement(const Points& motion, const Vector3d& common) {
 
 bool isSelf(const SurfaceCandidate& m) { return m.other == m.body; }
 
-/// What steps together with others has neither implicit steppers nor a tick that is done again where its
-/// error is too large: what asks for one of these must not lose it to what is only near.
-bool isSearchedIn(const SoftBodyData& body) {
+/// Returns whether new contacts of the body are searched for within a tick. Bodies that are stepped together
+/// have no implicit steppers, and cannot repeat a tick whose error is too large. A body that needs one of
+/// these must keep it when another body is only near.
+bool isSearchedWithinTick(const SoftBodyData& body) {
   const Stepping& s = body.settings.stepping;
-  const bool asksForError = s.tolerance > 0.0 || s.relativeTolerance > 0.0;
-  return body.settings.continuousCollision && !body.prefersImplicit && !asksForError;
+  const bool hasErrorLimit = s.tolerance > 0.0 || s.relativeTolerance > 0.0;
+  return body.settings.continuousCollision && !body.prefersImplicit && !hasErrorLimit;
 }
 
-/// Whether hits and springs may bring together in the tick what nobody foresees to touch, and that is to be
-/// found.
-bool mayMeet(const SurfaceCandidate& m, double tick, SurfaceSearch& s) {
-  if (!isSearchedIn(*m.body) || (m.other && !isSearchedIn(*m.other))) return false;
+/// Returns whether hits and springs may cause contacts within the tick that were not predicted, and whether
+/// these are to be found.
+bool mayTouch(const SurfaceCandidate& m, double tick, SurfaceSearch& s) {
+  if (!isSearchedWithinTick(*m.body) || (m.other && !isSearchedWithinTick(*m.other))) return false;
   const double displacement = displacementOf(m);
   if (!(displacement > kMaxBetweenSearches)) return false;
   const MovingSurface& a = boxedSurface(*m.body, tick);
   if (m.other) boxedSurface(*m.other, tick);
-  const double farther = displacement * smallerFeatures(m);
+  const double extraMargin = displacement * smallerFeatures(m);
   if (isSelf(m)) {
-    findSelfContacts(a, margin(m), s.search, s.contacts, farther);
+    findSelfContacts(a, margin(m), s.search, s.contacts, extraMargin);
     return !s.contacts.empty();
   }
-  findNearLeaves(a, surfaceB(m), margin(m) + farther, s.search.waiting, s.search.near);
+  findNearLeaves(a, surfaceB(m), margin(m) + extraMargin, s.search.waiting, s.search.near);
   return !s.search.near.empty();
 }
 
-/// Ends what was added to `found` since its meetings had a first contact.
+/// Completes the candidate whose contacts have been added to `found` from m.first on.
 void endCandidate(SurfaceCandidate& m, double tick, SurfaceSearch& s, TickContacts& found) {
   m.end = static_cast<std::uint32_t>(found.contacts.size());
-  if (m.end == m.first && !mayMeet(m, tick, s)) return;
+  if (m.end == m.first && !mayTouch(m, tick, s)) return;
   if (m.partner) found.add(*m.partner);
   found.candidates.push_back(m);
 }
@@ -232,20 +237,20 @@ void addFree(SoftBodyData& body, btRigidBody& partner, RigidPart& part, double t
              TickContacts& found) {
   const MovingSurface& soft = movingSurface(body, tick);
   const double margin = kMargin * soft.radius;
-  ContactCache& kept = searchWith(body, partner, part.number);
-  if (!refreshContacts(soft, part.moving, margin, kept)) {
+  ContactCache& cache = searchWith(body, partner, part.number);
+  if (!refreshContacts(soft, part.moving, margin, cache)) {
     boxedSurface(body, tick);
     s.contacts.clear();
     if (areNear(soft, part.moving, margin))
       findSurfaceContacts(soft, part.moving, margin, s.search, s.contacts);
-    storeContacts(soft, part.moving, s.contacts, kept);
+    storeContacts(soft, part.moving, s.contacts, cache);
   }
   SurfaceCandidate candidate{&body, nullptr, &partner, nullptr, &part};
   candidate.first = static_cast<std::uint32_t>(found.contacts.size());
-  for (const SurfaceContact& c : kept.contacts) {
+  for (const SurfaceContact& c : cache.contacts) {
     if (isAttached(body, c.a, partner)) continue;
     Contact pair = contactOf(candidate, c);
-    pair.b = rigidContactPoint(found, partner, commonPlace(soft, part.moving, c));
+    pair.b = rigidContactPoint(found, partner, commonPoint(soft, part.moving, c));
     found.add(pair, sourceOf(candidate, c));
   }
   if (isFree(partner)) endCandidate(candidate, tick, s, found);
@@ -261,16 +266,17 @@ void gatherFree(SoftBodyData& body, btRigidBody& partner, double tick, RigidSurf
 
 // --- static and kinematic objects --------------------------------------------------------------------------
 
-HeldCorners cornersOf(const MovingSurface& soft, const RigidPart& part, const SurfacePoint& place) {
+HeldCorners cornersOf(const MovingSurface& soft, const RigidPart& part, const SurfacePoint& surfacePoint) {
   HeldCorners corners;
-  if (place.kind == FeatureKind::OnTriangle) return corners;
-  corners.count = place.kind == FeatureKind::OnEdge ? 2 : 1;
-  for (std::size_t i = 0; i < 2; ++i) corners.at[i] = part.moving.position->col(place.points[i]);
+  if (surfacePoint.kind == FeatureKind::OnTriangle) return corners;
+  corners.count = surfacePoint.kind == FeatureKind::OnEdge ? 2 : 1;
+  for (std::size_t i = 0; i < 2; ++i) corners.at[i] = part.moving.position->col(surfacePoint.points[i]);
   corners.radiusSum = soft.radius + part.moving.radius;
   return corners;
 }
 
-/// A contact of an edge or triangle that its corners do not bear for.
+/// Returns whether a contact of an edge or triangle counts. It does not if contacts of the corners replace
+/// it.
 bool isHeldContact(const SoftBodyData& body, const btCollisionObject& partner, const RigidPart& part,
                    const SurfaceContact& c, SurfaceSearch& s) {
   const MovingSurface& soft = body.surface.moving;
@@ -279,7 +285,7 @@ bool isHeldContact(const SoftBodyData& body, const btCollisionObject& partner, c
   return isMoved(partner) || !isInternalEdge(body, soft, part, c, s);
 }
 
-/// rad/s, of what moves as told.
+/// Returns the angular velocity (rad/s) of a kinematic object; 0 for a static one.
 Vector3d spinOf(const btCollisionObject& object, double tick) {
   if (!isKinematic(object)) return Vector3d::Zero();
   return rotationBetween(toEigen(object.getWorldTransform().getRotation()),
@@ -287,16 +293,16 @@ Vector3d spinOf(const btCollisionObject& object, double tick) {
          tick;
 }
 
-/// Of the place of a part that is touched; its motion is that of `seconds`.
+/// Returns the velocity (m/s) of the touched point of a part whose `motion` is that of `seconds`.
 Vector3d velocityAt(const btCollisionObject& partner, const RigidPart& part, const MovingSurface& soft,
                     const SurfaceContact& c, double seconds, double tick) {
-  Vector3d moved = Vector3d::Zero();
+  Vector3d displacement = Vector3d::Zero();
   for (int i = 0; i < 3; ++i)
-    moved += c.b.weights[i] * part.motion.col(c.b.points[static_cast<std::size_t>(i)]);
-  return moved / seconds + spinOf(partner, tick).cross((part.moving.radius + soft.radius) * c.normal);
+    displacement += c.b.weights[i] * part.motion.col(c.b.points[static_cast<std::size_t>(i)]);
+  return displacement / seconds + spinOf(partner, tick).cross((part.moving.radius + soft.radius) * c.normal);
 }
 
-/// With what is at rest, or moves as told: its motion is that of `seconds`.
+/// Makes a contact with a static or kinematic part whose `motion` is that of `seconds`.
 Contact heldContact(const SoftBodyData& body, const btCollisionObject& partner, const RigidPart& part,
                     const SurfaceContact& c, double seconds, double tick) {
   Contact pair = contactOf(body, partner, c);
@@ -339,13 +345,14 @@ void gatherHeld(SoftBodyData& body, const btCollisionObject& partner, double tic
 
 // --- soft bodies -------------------------------------------------------------------------------------------
 
-/// A place on a body that is not stepped in this tick; its points are told to users only.
-ContactPoint foreignPoint(const SoftBodyData& body, const SurfacePoint& place) {
-  ContactPoint p = softPlace(body, place);
+/// Returns a point on a body that is not stepped in this tick. Its indices are only reported to users.
+ContactPoint foreignPoint(const SoftBodyData& body, const SurfacePoint& surfacePoint) {
+  ContactPoint p = softContactPoint(body, surfacePoint);
   p.kind = ContactPoint::Kind::World;
   if (body.asleep) return p;
   for (int i = 0; i < 3; ++i)
-    p.velocity += place.weights[i] * body.state.velocity.col(place.points[static_cast<std::size_t>(i)]);
+    p.velocity +=
+        surfacePoint.weights[i] * body.state.velocity.col(surfacePoint.points[static_cast<std::size_t>(i)]);
   return p;
 }
 
@@ -355,19 +362,19 @@ void gatherSoft(SoftBodyData& body, SoftBodyData& other, double tick, SurfaceSea
   if (together && other.index < body.index) return;
   const MovingSurface &a = movingSurface(body, tick), &b = movingSurface(other, tick);
   const double margin = kMargin * std::min(a.radius, b.radius);
-  ContactCache& kept = searchWith(body, frictionObject(other), 0);
-  if (!refreshContacts(a, b, margin, kept)) {
+  ContactCache& cache = searchWith(body, frictionObject(other), 0);
+  if (!refreshContacts(a, b, margin, cache)) {
     boxedSurface(body, tick);
     boxedSurface(other, tick);
     s.contacts.clear();
     if (areNear(a, b, margin)) findSurfaceContacts(a, b, margin, s.search, s.contacts);
-    storeContacts(a, b, s.contacts, kept);
+    storeContacts(a, b, s.contacts, cache);
   }
   SurfaceCandidate candidate{&body, &other};
   candidate.first = static_cast<std::uint32_t>(found.contacts.size());
-  for (const SurfaceContact& c : kept.contacts) {
+  for (const SurfaceContact& c : cache.contacts) {
     Contact pair = contactOf(candidate, c);
-    pair.b = together ? softPlace(other, c.b) : foreignPoint(other, c.b);
+    pair.b = together ? softContactPoint(other, c.b) : foreignPoint(other, c.b);
     found.add(pair, sourceOf(candidate, c));
   }
   if (together) endCandidate(candidate, tick, s, found);
@@ -380,7 +387,7 @@ void gatherSelf(SoftBodyData& body, double tick, SurfaceSearch& s, TickContacts&
   findSelfContacts(surface, margin(candidate), s.search, s.contacts);
   for (const SurfaceContact& c : s.contacts) {
     Contact pair = contactOf(candidate, c);
-    pair.b = softPlace(body, c.b);
+    pair.b = softContactPoint(body, c.b);
     found.add(pair, sourceOf(candidate, c));
   }
   endCandidate(candidate, tick, s, found);
@@ -388,7 +395,7 @@ void gatherSelf(SoftBodyData& body, double tick, SurfaceSearch& s, TickContacts&
 
 // --- within a step -----------------------------------------------------------------------------------------
 
-/// Where the body is now, and its motion of the coming `ahead` seconds.
+/// Sets the surface to the present positions of the body and its motion of the coming `ahead` seconds.
 const MovingSurface& surfaceWithin(SoftBodyData& body, const PointView& points, double ahead) {
   SurfaceData& s = body.surface;
   s.positionInStep.resize(3, s.motion.cols());
@@ -411,10 +418,10 @@ double displacementOf(const SurfaceCandidate& m) {
          smallerFeatures(m);
 }
 
-Vector3d positionOf(const MovingSurface& surface, const SurfacePoint& place) {
+Vector3d positionOf(const MovingSurface& surface, const SurfacePoint& surfacePoint) {
   Vector3d x = Vector3d::Zero();
   for (int i = 0; i < 3; ++i)
-    x += place.weights[i] * surface.position->col(place.points[static_cast<std::size_t>(i)]);
+    x += surfacePoint.weights[i] * surface.position->col(surfacePoint.points[static_cast<std::size_t>(i)]);
   return x;
 }
 
@@ -445,7 +452,7 @@ void findContactsInStep(const SurfaceCandidate& m, const SidePositions& sides, d
     if (!m.other && isAttached(*m.body, c.a, *m.partner)) continue;
     Contact pair = contactOf(m, c);
     if (m.other) {
-      pair.b = softPlace(*m.other, c.b);
+      pair.b = softContactPoint(*m.other, c.b);
     } else {
       pair.b.kind = ContactPoint::Kind::Rigid;
       pair.b.arm = positionOf(b, c.b) + (b.radius + a.radius) * c.normal - sides.rigid->position;

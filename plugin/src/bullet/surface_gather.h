@@ -17,7 +17,7 @@ inline namespace LIMBER_BULLET_PRECISION {
 
 struct LinkedGroup;
 
-/// Scratch of gatherSurfacePairs, kept for its capacity.
+/// Scratch memory of gatherSurfacePairs, kept between calls.
 struct SurfaceSearch {
   ContactSearch search;
   std::vector<SurfaceContact> contacts;
@@ -26,58 +26,60 @@ struct SurfaceSearch {
   std::vector<ContactSource> sources;
 };
 
-/// Makes those that have found another soft body known to it, too: one that has just been thrown is far
-/// outside what the other one looks at. Call it after gatherContacts() of all bodies.
+/// Adds each body to the partners of its soft partners. Only one of two bodies may have found the other: one
+/// that has just been thrown can be far outside the other's search region. Call it after gatherContacts() of
+/// all bodies.
 void shareSoftPartners(const std::vector<LinkedGroup>& groups);
 
-/// Adds to `found` where the surface of a body with Collision::Surface touches, or may touch in the coming
-/// tick: vertices, edges and triangles of rigid bodies that move by themselves, and of other soft bodies;
-/// edges and triangles of its own on static and kinematic objects, on which its points are
-/// gatherContacts()'s. Call it after gatherContacts() of all bodies; pairs of soft bodies are found once.
+/// Adds to `found` the contacts of the surface of a body with Collision::Surface, now or in the coming tick:
+/// with vertices, edges and triangles of dynamic rigid bodies and of other soft bodies; of its own edges and
+/// triangles with static and kinematic objects. gatherContacts() finds those of its points with the latter.
+/// Call it after gatherContacts() of all bodies. Pairs of soft bodies are found once.
 void gatherSurfacePairs(SoftBodyData& body, btScalar tick, RigidSurfaces& rigids, SurfaceSearch& search,
                         TickContacts& found);
 
-/// Of the size of a surface's features: how far surfaces move against each other from one search to the next.
+/// Fraction of the size of a surface's features: the largest relative displacement of surfaces between two
+/// searches.
 constexpr double kMaxBetweenSearches = 0.05;
 
-/// How far the surfaces may move against each other in the tick, in sizes of their features: as was foreseen,
-/// and by what hits on static and kinematic objects stop.
+/// Returns the largest relative displacement of the surfaces in the tick, as a multiple of the size of their
+/// features. It includes the predicted motion and the motion that hits on static and kinematic objects stop.
 double displacementOf(const SurfaceCandidate& candidate);
 
-/// Where the sides of a meeting are within a step.
+/// Positions of the two sides of a candidate within a step.
 struct SidePositions {
   const PointView *a = nullptr, *b = nullptr;
-  const RigidState* rigid = nullptr;  ///< side b, if it is rigid and moves by itself
-  double share = 0.0;                 ///< of the tick that is over
+  const RigidState* rigid = nullptr;  ///< side b, if it is rigid and dynamic
+  double share = 0.0;                 ///< elapsed fraction of the tick
 };
 
-/// Writes the contacts of a meeting as they are now, and will be in the coming `ahead` seconds, to
-/// search.pairs and search.sources, sorted by key. Their places have no bodies yet. The tick is that long
-/// (s).
+/// Writes the contacts of a candidate, now and in the coming `ahead` seconds, to search.pairs and
+/// search.sources, sorted by key. Their contact points have no bodies yet. `tick` is the tick's length (s).
 void findContactsInStep(const SurfaceCandidate& candidate, const SidePositions& sides, double ahead,
                         double tick, SurfaceSearch& search);
 
-/// m, of a place on a surface.
-Eigen::Vector3d positionOf(const MovingSurface& surface, const SurfacePoint& place);
+/// Returns the position (m) of a point on a surface.
+Eigen::Vector3d positionOf(const MovingSurface& surface, const SurfacePoint& surfacePoint);
 
-// --- on what is held ---------------------------------------------------------------------------------------
+// --- contacts with static and kinematic objects ------------------------------------------------------------
 
-/// The triangles of a static object with a concave shape that are around the body in this tick, or nullptr if
-/// there are none. Made anew when the body or the object has moved away.
+/// Returns the triangles of a static object with a concave shape around the body in this tick, or nullptr if
+/// there are none. Makes them again when the body or the object has moved away.
 RigidPart* patchAround(SoftBodyData& body, const btCollisionObject& partner, const MovingSurface& soft);
 
-/// Whether something of the part that is neither flat nor a plane's end is near: else the points are enough.
+/// Returns whether a sharp edge of the part is near the box, or the part has no edges. Otherwise the contacts
+/// of the points are enough.
 bool hasSharpFeatureNear(const SweptBox& box, const RigidPart& part);
 
-/// Whether edges and triangles sink into a sphere or capsule by little where their corners rest on it.
+/// Returns whether edges and triangles sink little into a sphere or capsule if their corners rest on it.
 bool staysCloseToRound(const MovingSurface& soft, const RigidPart& part);
 
-/// Whether the points at the corners of what touches bear for it: those that are no more than `margin` (m)
-/// farther from what they touch.
+/// Returns whether contacts of the corners replace the contact `c` of an edge or triangle. Their gaps must be
+/// at most `margin` (m) larger than that of `c`.
 bool cornersCarryContact(const SoftBodyData& body, const SurfaceContact& c, double margin);
 
-/// Whether other objects make the edge or corner of the part that is touched none: they are nearer to what
-/// touches it, or flush with it.
+/// Returns whether other objects cover the touched edge or corner of the part: they are nearer to the soft
+/// body, or flush with the edge or corner.
 bool isInternalEdge(const SoftBodyData& body, const MovingSurface& soft, const RigidPart& part,
                     const SurfaceContact& c, SurfaceSearch& s);
 

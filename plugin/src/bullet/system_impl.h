@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
 
-// This header declares what a system is made of, and the step that all systems of a world share.
+// This header declares the data of a system, and the step that all systems of a world share.
 
 #pragma once
 
@@ -22,11 +22,11 @@
 namespace limber {
 inline namespace LIMBER_BULLET_PRECISION {
 
-/// Where SoftBodySystem's warnings go unless the user wants them elsewhere.
+/// Default output of SoftBodySystem's warnings.
 void warnOnStandardError(const std::string& text);
 
-/// What a SoftBodySystem is made of; soft_body_system.cpp has what users call, tick.cpp the
-/// tick.
+/// The implementation of SoftBodySystem. The user's functions are in soft_body_system.cpp, the tick is in
+/// tick.cpp.
 struct SoftBodySystem::Impl final : TickListener, StepListener {
   struct WorldStep;
 
@@ -44,7 +44,7 @@ struct SoftBodySystem::Impl final : TickListener, StepListener {
   bool detach(SoftBody* softBody, std::uint32_t i);
   void forget(const btRigidBody& body);
   void dropSprings(const btRigidBody& body);
-  void dropSpringsOfOthers();  ///< on points of this system
+  void dropSpringsOfOthers();  ///< springs on points of this system
   bool worldAlive() const;
   void watchSteps();
   void clearForcesOnNewStep();
@@ -65,24 +65,24 @@ struct SoftBodySystem::Impl final : TickListener, StepListener {
   std::vector<std::unique_ptr<SoftBody>> bodies;
   SpringList springs;
   SharedModels models;
-  std::unique_ptr<StepBoundary> stepBoundary;  // while point masses outside the world are in the user's hands
+  std::unique_ptr<StepBoundary> stepBoundary;  // exists while users access point masses outside the world
   ContactEvents events;
   bool showsManifolds = false;
   std::vector<StrongestContacts> strongest;   // scratch of reportManifold
-  std::vector<SoftBody*> pendingDestruction;  // to be destroyed once the listener has been told
+  std::vector<SoftBody*> pendingDestruction;  // destroyed after the listener's call
 };
 
-/// The step of all systems of one world: their bodies touch each other, and Bullet's contacts are read and
-/// reported once. The first system whose tick begins steps all.
+/// The step of all systems of one world. Their bodies touch each other, and Bullet's contacts are read and
+/// reported once. The first system whose tick begins steps all of them.
 struct SoftBodySystem::Impl::WorldStep {
-  /// The one that the world's systems share.
+  /// Returns the step that the world's systems share.
   static std::shared_ptr<WorldStep> of(btDiscreteDynamicsWorld& world);
 
   void beforeTick(btScalar tick);
   void afterTick(btScalar tick);
-  /// Groups hold pointers to bodies and springs: whoever removes one calls this first.
+  /// Removes the groups. They point to bodies and springs, so call this before one of those is removed.
   void forgetGroups();
-  /// Whether a system's listener is being called: bodies of all must then stay where they are.
+  /// Returns whether a system's listener is being called: no body of any system may then be destroyed.
   bool callsListeners() const;
   void rebuildGroupsIfNeeded();
   void gatherGroups(btScalar tick);
@@ -91,7 +91,7 @@ struct SoftBodySystem::Impl::WorldStep {
   void stepGroups(btScalar tick);
   void writeGroupsToBullet(btScalar tick);
   void updateLiving();
-  /// Manifolds, motors and springs that Bullet's solver was to leave alone in a tick.
+  /// Restores the manifolds, motors and springs that were hidden from Bullet's solver in a tick.
   void restoreBulletState();
 
   btDiscreteDynamicsWorld* world = nullptr;
@@ -102,7 +102,7 @@ struct SoftBodySystem::Impl::WorldStep {
   KinematicMotions kinematic;
   MultiBodyLinks links;
   TickContacts pairs;  // contacts in which more than one body moves
-  Islands islands;     // what they couple
+  Islands islands;     // sets of bodies that `pairs` couple
   RigidManifolds manifolds;
   std::vector<DisabledDrives> disabledDrives;
   ShapeCache shapes;

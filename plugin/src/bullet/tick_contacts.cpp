@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 
-// This file takes rigid bodies through the stages of a tick, numbers those in the contacts of a tick, and
-// remembers what contacts bore.
+// This file updates rigid bodies before and after Bullet's solver, numbers those in the contacts of a tick,
+// and stores the contact impulses.
 
 #include "bullet/tick_contacts.h"
 
@@ -16,7 +16,7 @@
 namespace limber {
 inline namespace LIMBER_BULLET_PRECISION {
 
-// --- rigid bodies that take part ---------------------------------------------------------------------------
+// --- rigid bodies in contacts ------------------------------------------------------------------------------
 
 namespace {
 
@@ -32,7 +32,8 @@ void gatherHeldRigid(RigidPartner& partner, RigidState& state, btScalar tick) {
   partner.lastPose = pose;
 }
 
-/// rad/s, by what Bullet's solver changes the body's angular velocity for its unequal moments of inertia.
+/// Returns the change (rad/s) of the angular velocity that Bullet's solver makes for unequal moments of
+/// inertia.
 Eigen::Vector3d gyroscopicChange(const btRigidBody& body, btScalar tick) {
   if (body.getFlags() & BT_ENABLE_GYROSCOPIC_FORCE_IMPLICIT_WORLD)
     return toEigen(body.computeGyroscopicImpulseImplicit_World(tick));
@@ -41,19 +42,19 @@ Eigen::Vector3d gyroscopicChange(const btRigidBody& body, btScalar tick) {
   return Eigen::Vector3d::Zero();
 }
 
-Eigen::Vector3d turnByTorque(const btRigidBody& body) {
+Eigen::Vector3d torqueAcceleration(const btRigidBody& body) {
   return toEigen(body.getInvInertiaTensorWorld() * body.getTotalTorque());
 }
 
-/// Sets the angular velocity (rad/s) with which the solver begins so that it will be `wanted` before
+/// Sets the angular velocity (rad/s) at the start of the solver such that it becomes `target` before
 /// impulses.
-void setTurnBeforeSolver(btRigidBody& body, const Eigen::Vector3d& wanted, btScalar tick) {
-  Eigen::Vector3d handed = wanted;
+void setInitialAngularVelocity(btRigidBody& body, const Eigen::Vector3d& target, btScalar tick) {
+  Eigen::Vector3d initial = target;
   for (int i = 0; i < 3; ++i) {
-    body.setAngularVelocity(toBullet(handed));
-    handed = wanted - gyroscopicChange(body, tick);
+    body.setAngularVelocity(toBullet(initial));
+    initial = target - gyroscopicChange(body, tick);
   }
-  body.setAngularVelocity(toBullet(handed));
+  body.setAngularVelocity(toBullet(initial));
 }
 
 void gatherFreeRigid(RigidPartner& partner, RigidState& state, btScalar tick) {
@@ -63,15 +64,17 @@ void gatherFreeRigid(RigidPartner& partner, RigidState& state, btScalar tick) {
   state.velocity = toEigen(body.getLinearVelocity());
   state.angularVelocity = toEigen(body.getAngularVelocity());
   state.acceleration = toEigen(body.getTotalForce()) * double(body.getInvMass());
-  state.angularAcceleration = turnByTorque(body) + gyroscopicChange(body, tick) / double(tick);
+  state.angularAcceleration = torqueAcceleration(body) + gyroscopicChange(body, tick) / double(tick);
   state.inverseMass = toEigen(body.getLinearFactor()) * double(body.getInvMass());
   state.inverseInertiaLocal = toEigen(body.getInvInertiaDiagLocal());
   state.angularFactor = toEigen(body.getAngularFactor());
 }
 
-/// What Bullet multiplies velocities by in the tick, before its solver; it is 0 only where all motion is
-/// lost.
-double keptShare(btScalar damping, btScalar tick) { return std::pow(1.0 - double(damping), double(tick)); }
+/// Returns the factor by which Bullet multiplies velocities in the tick, before its solver. It is 0 only if
+/// damping removes all motion.
+double dampingFactor(btScalar damping, btScalar tick) {
+  return std::pow(1.0 - double(damping), double(tick));
+}
 
 }  // namespace
 
@@ -99,11 +102,11 @@ void writeRigidToBullet(RigidPartner& partner, const RigidState& end, btScalar t
   const double h = double(tick);
   const Eigen::Vector3d mean = (end.position - partner.start.position) / h;
   const Eigen::Vector3d meanAngular = rotationBetween(partner.start.rotation, end.rotation) / h;
-  const double linear = keptShare(body.getLinearDamping(), tick);
-  const double angular = keptShare(body.getAngularDamping(), tick);
-  const Eigen::Vector3d handed = mean - h * partner.start.acceleration;
-  setTurnBeforeSolver(body, meanAngular - h * turnByTorque(body), tick);
-  if (linear > 0.0) body.setLinearVelocity(toBullet(Eigen::Vector3d(handed / linear)));
+  const double linear = dampingFactor(body.getLinearDamping(), tick);
+  const double angular = dampingFactor(body.getAngularDamping(), tick);
+  const Eigen::Vector3d initial = mean - h * partner.start.acceleration;
+  setInitialAngularVelocity(body, meanAngular - h * torqueAcceleration(body), tick);
+  if (linear > 0.0) body.setLinearVelocity(toBullet(Eigen::Vector3d(initial / linear)));
   if (angular > 0.0) body.setAngularVelocity(body.getAngularVelocity() / static_cast<btScalar>(angular));
   partner.expectedVelocity = toBullet(mean);
   partner.expectedAngularVelocity = toBullet(meanAngular);
@@ -112,8 +115,8 @@ void writeRigidToBullet(RigidPartner& partner, const RigidState& end, btScalar t
 void readRigidFromBullet(RigidPartner& partner, const RigidState& end, btScalar tick) {
   if (partner.held || !partner.body->isActive()) return;
   btRigidBody& body = *partner.body;
-  const Eigen::Vector3d velocity = keptShare(body.getLinearDamping(), tick) * end.velocity;
-  const Eigen::Vector3d spin = keptShare(body.getAngularDamping(), tick) * end.angularVelocity;
+  const Eigen::Vector3d velocity = dampingFactor(body.getLinearDamping(), tick) * end.velocity;
+  const Eigen::Vector3d spin = dampingFactor(body.getAngularDamping(), tick) * end.angularVelocity;
   body.setLinearVelocity(body.getLinearVelocity() - partner.expectedVelocity + toBullet(velocity));
   body.setAngularVelocity(body.getAngularVelocity() - partner.expectedAngularVelocity + toBullet(spin));
   body.setInterpolationLinearVelocity(body.getLinearVelocity());
@@ -123,17 +126,17 @@ void readRigidFromBullet(RigidPartner& partner, const RigidState& end, btScalar 
 // --- the contacts of a tick --------------------------------------------------------------------------------
 
 std::uint32_t TickContacts::find(const btRigidBody& body) const {
-  const auto place = static_cast<std::size_t>(body.getWorldArrayIndex());
-  return place < numbers_.size() ? numbers_[place] : kNone;
+  const auto index = static_cast<std::size_t>(body.getWorldArrayIndex());
+  return index < numbers_.size() ? numbers_[index] : kNone;
 }
 
 std::uint32_t TickContacts::add(btRigidBody& body) {
   if (const std::uint32_t number = find(body); number != kNone) return number;
-  const auto place = static_cast<std::size_t>(body.getWorldArrayIndex());
-  if (place >= numbers_.size()) numbers_.resize(place + 1, kNone);
-  numbers_[place] = static_cast<std::uint32_t>(rigids.size());
+  const auto index = static_cast<std::size_t>(body.getWorldArrayIndex());
+  if (index >= numbers_.size()) numbers_.resize(index + 1, kNone);
+  numbers_[index] = static_cast<std::uint32_t>(rigids.size());
   rigids.push_back(makePartner(body));
-  return numbers_[place];
+  return numbers_[index];
 }
 
 void TickContacts::add(const Contact& contact, const ContactSource& source) {
@@ -152,34 +155,34 @@ void TickContacts::clear(double comingTick) {
   jointSources.clear();
 }
 
-Eigen::Vector3d velocityOf(const btCollisionObject& object, const btVector3& place, double tick) {
-  if (isKinematic(object)) return kinematicDisplacement(object, toEigen(place)) / tick;
+Eigen::Vector3d velocityOf(const btCollisionObject& object, const btVector3& position, double tick) {
+  if (isKinematic(object)) return kinematicDisplacement(object, toEigen(position)) / tick;
   const btRigidBody* rigid = btRigidBody::upcast(&object);
   if (!rigid || rigid->isStaticObject() || !rigid->isActive()) return Eigen::Vector3d::Zero();
-  return toEigen(rigid->getVelocityInLocalPoint(place - rigid->getWorldTransform().getOrigin()));
+  return toEigen(rigid->getVelocityInLocalPoint(position - rigid->getWorldTransform().getOrigin()));
 }
 
 ContactPoint rigidContactPoint(TickContacts& contacts, const btCollisionObject& object,
-                               const btVector3& place) {
+                               const btVector3& position) {
   ContactPoint found;
   btRigidBody* rigid = btRigidBody::upcast(const_cast<btCollisionObject*>(&object));
   if (rigid && isFree(*rigid)) {
     found.kind = ContactPoint::Kind::Rigid;
     found.body = contacts.add(*rigid);
-    found.arm = toEigen(place) - toEigen(rigid->getWorldTransform().getOrigin());
+    found.arm = toEigen(position) - toEigen(rigid->getWorldTransform().getOrigin());
   } else {
-    found.velocity = velocityOf(object, place, contacts.tick);
+    found.velocity = velocityOf(object, position, contacts.tick);
   }
   return found;
 }
 
-// --- what contacts bore in the last tick -------------------------------------------------------------------
+// --- impulses of the last tick -----------------------------------------------------------------------------
 
 namespace {
 
 using Id = std::pair<int, std::uint64_t>;
 
-Id idOf(const StoredImpulse& known) { return {known.partner, known.key}; }
+Id idOf(const StoredImpulse& stored) { return {stored.partner, stored.key}; }
 
 Id idOf(const ContactSource& source) { return {source.partner.id, source.key}; }
 
@@ -190,10 +193,10 @@ void warmStart(TickContacts& contacts) {
     const ContactSource& source = contacts.sources[i];
     if (!source.body) continue;
     const Id id = idOf(source);
-    const std::vector<StoredImpulse>& known = source.body->storedImpulses;
-    const auto it = std::lower_bound(known.begin(), known.end(), id,
+    const std::vector<StoredImpulse>& stored = source.body->storedImpulses;
+    const auto it = std::lower_bound(stored.begin(), stored.end(), id,
                                      [](const StoredImpulse& k, const Id& other) { return idOf(k) < other; });
-    if (it != known.end() && idOf(*it) == id && it->object == source.partner.object)
+    if (it != stored.end() && idOf(*it) == id && it->object == source.partner.object)
       contacts.contacts[i].positionImpulse = it->impulse;
   }
 }
@@ -204,8 +207,8 @@ void storeImpulses(const std::vector<SoftBodyData*>& bodies, const TickContacts&
     const ContactSource& source = contacts.sources[i];
     if (!source.body) continue;
     const Contact& c = contacts.contacts[i];
-    // with the normal that it began with, as the next tick's search finds it: what it bore may have turned
-    // away
+    // relative to the normal at the start of the tick, as the next tick's search finds it: the direction of
+    // the impulse may have changed
     const double along = c.normal.dot(c.impulse.sum);
     const Id id = idOf(source);
     source.body->storedImpulses.push_back(

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
 
-// This file takes the world's pre-tick callback, keeps a body in the world that shows when a step has ended,
+// This file installs the world's pre-tick callback, keeps a body in the world that detects the end of a step,
 // and reads the clock.
 
 #include "bullet/tick_hook.h"
@@ -16,7 +16,8 @@ inline namespace LIMBER_BULLET_PRECISION {
 
 namespace {
 
-/// btDynamicsWorld has no getter for its callback; a derived class may name the protected member.
+/// Reads the world's callback. btDynamicsWorld has no getter for it, but a derived class may access the
+/// protected member.
 struct CallbackReader : btDynamicsWorld {
   static btInternalTickCallback read(const btDynamicsWorld& world) {
     return world.*(&CallbackReader::m_internalPreTickCallback);
@@ -28,8 +29,9 @@ struct HookList {
   std::vector<std::pair<btDynamicsWorld*, std::unique_ptr<TickHook>>> hooks;
 };
 
-/// The callback gets the world and nothing else, so the way from a world to its hook is process-wide. Never
-/// deleted: systems and worlds of static lifetime may need it when the program ends.
+/// Returns the hooks of all worlds. The list is process-wide because the callback gets only the world, and
+/// must find its hook. It is never deleted: systems and worlds of static lifetime may need it when the
+/// program ends.
 HookList& hookList() {
   static HookList& list = *new HookList;
   return list;
@@ -41,7 +43,7 @@ TickHook* findHook(HookList& list, btDynamicsWorld* world) {
   return nullptr;
 }
 
-bool has(const std::vector<TickListener*>& listeners, const TickListener* listener) {
+bool contains(const std::vector<TickListener*>& listeners, const TickListener* listener) {
   return std::find(listeners.begin(), listeners.end(), listener) != listeners.end();
 }
 
@@ -49,7 +51,7 @@ bool hasAny(const std::vector<TickListener*>& listeners) {
   return std::any_of(listeners.begin(), listeners.end(), [](const TickListener* l) { return l; });
 }
 
-void eraseGone(std::vector<TickListener*>& listeners) {
+void eraseRemoved(std::vector<TickListener*>& listeners) {
   listeners.erase(std::remove(listeners.begin(), listeners.end(), nullptr), listeners.end());
 }
 
@@ -64,7 +66,7 @@ TickHook& TickHook::listen(btDynamicsWorld& world, TickListener& listener, bool 
     hook = list.hooks.back().second.get();
   }
   if (!hook->hasListeners()) {
-    // a hook that was left may already be among the world's actions, or stem from a world that is gone
+    // an unused hook may still be one of the world's actions, or belong to a world that was deleted
     world.removeAction(hook);
     world.addAction(hook);
   }
@@ -84,16 +86,16 @@ void TickHook::leave(TickListener& listener, bool worldAlive) {
   if (calls_ == 0 && worldAlive) detachIfUnused();
 }
 
-/// The list must be locked; `this` may be gone afterwards.
+/// The list must be locked. May delete `this`.
 void TickHook::detachIfUnused() {
-  eraseGone(actionListeners_);
-  eraseGone(pretickListeners_);
+  eraseRemoved(actionListeners_);
+  eraseRemoved(pretickListeners_);
   if (!hasListeners()) detach();
 }
 
 void TickHook::detach() {
   world_->removeAction(this);
-  // a callback that was set after ours may call ours: then ours stays, and calls the one before it
+  // a callback that was set after ours may call it: then the hook stays, and calls the previous callback
   if (!inPlace() && previous_) return;
   releaseSlot();
   auto& hooks = hookList().hooks;
@@ -120,14 +122,14 @@ void TickHook::preTick(btDynamicsWorld* world, btScalar tick) {
     const std::lock_guard<std::mutex> lock(list.mutex);
     hook = findHook(list, world);
   }
-  // a callback that took our slot and was then made our predecessor may call us again
+  // a callback that replaced ours and then became our previous one may call us again
   if (!hook || hook->inTick_) return;
   hook->beforeTick(tick);
   const std::lock_guard<std::mutex> lock(list.mutex);
   if (hook->calls_ == 0) hook->detachIfUnused();
 }
 
-/// Also those that join in the meantime.
+/// Also calls listeners that are added during the calls.
 template <class Call>
 void TickHook::callEach(const std::vector<TickListener*>& listeners, Call call) {
   ++calls_;
@@ -150,11 +152,11 @@ void TickHook::updateAction(btCollisionWorld*, btScalar tick) {
   const bool sawTick = sawTick_;
   sawTick_ = false;
   callEach(actionListeners_, [&](TickListener& listener) {
-    if (sawTick || !has(pretickListeners_, &listener))
+    if (sawTick || !contains(pretickListeners_, &listener))
       listener.afterTick(tick);
     else if (!inPlace())
       listener.tickMissed();
-    // else it began to listen after the begin of this tick
+    // otherwise it was added after the start of this tick
   });
 }
 
@@ -166,10 +168,10 @@ void TickHook::debugDraw(btIDebugDraw* drawer) {
 
 namespace {
 
-/// N; anything but 0.
-const btVector3 kMark(1, 0, 0);
+/// N; any value except 0.
+const btVector3 kMarkForce(1, 0, 0);
 
-int sentinelMark;  // see pointMassMark
+int boundaryMark;  // see pointMassMark
 
 }  // namespace
 
@@ -193,8 +195,8 @@ class StepBoundary::Body final : public btRigidBody {
  public:
   Body(StepBoundary* owner, State* state, btCollisionShape* shape)
       : btRigidBody(btRigidBodyConstructionInfo(0, state, shape)), owner_(owner) {
-    internalSetExtensionPointer(&sentinelMark);
-    // dynamic to Bullet, or it would neither be in the list whose forces are cleared nor be asked
+    internalSetExtensionPointer(&boundaryMark);
+    // dynamic for Bullet: else it would not clear its forces or update its motion state
     setCollisionFlags(CF_NO_CONTACT_RESPONSE | CF_DISABLE_VISUALIZE_OBJECT);
     forceActivationState(DISABLE_DEACTIVATION);
   }
@@ -228,14 +230,14 @@ StepBoundary::~StepBoundary() {
 
 bool StepBoundary::stepHasEnded() {
   if (!isInWorld()) return true;
-  const bool ended = body_->getTotalForce() != kMark;
+  const bool ended = body_->getTotalForce() != kMarkForce;
   body_->clearForces();
-  body_->applyCentralForce(kMark);
+  body_->applyCentralForce(kMarkForce);
   return ended;
 }
 
 bool StepBoundary::isOne(const btCollisionObject* object) {
-  return object && object->internalGetExtensionPointer() == &sentinelMark;
+  return object && object->internalGetExtensionPointer() == &boundaryMark;
 }
 
 bool StepBoundary::isInWorld() const { return body_ && body_->isInWorld(); }
@@ -244,7 +246,8 @@ bool StepBoundary::isInWorld() const { return body_ && body_->isInWorld(); }
 
 namespace {
 
-/// btDiscreteDynamicsWorld has no getters for its clock; a derived class may name the protected members.
+/// Reads the world's clock. btDiscreteDynamicsWorld has no getters for it, but a derived class may access the
+/// protected members.
 struct ClockReader : btDiscreteDynamicsWorld {
   static btScalar timeSinceTick(const btDiscreteDynamicsWorld& world) {
     return world.*(&ClockReader::m_localTime);
@@ -252,21 +255,21 @@ struct ClockReader : btDiscreteDynamicsWorld {
   static btScalar fixedTick(const btDiscreteDynamicsWorld& world) {
     return world.*(&ClockReader::m_fixedTimeStep);
   }
-  static bool showsThePast(const btDiscreteDynamicsWorld& world) {
+  static bool hasLatency(const btDiscreteDynamicsWorld& world) {
     return world.*(&ClockReader::m_latencyMotionStateInterpolation);
   }
 };
 
 }  // namespace
 
-// As btDiscreteDynamicsWorld::synchronizeSingleMotionState: from the state after the last tick it goes
-// m_localTime - m_fixedTimeStep with latency and m_localTime without. With ticks of variable length the world
-// sets m_fixedTimeStep to 0 and always shows the last tick.
+// As in btDiscreteDynamicsWorld::synchronizeSingleMotionState: the shown state is later than the last tick by
+// m_localTime - m_fixedTimeStep with latency and by m_localTime without. With ticks of variable length the
+// world sets m_fixedTimeStep to 0 and always shows the last tick.
 double tickFraction(const btDiscreteDynamicsWorld& world) {
   const double tick = double(ClockReader::fixedTick(world));
   if (!(tick > 0.0)) return 1.0;
   const double share = double(ClockReader::timeSinceTick(world)) / tick;
-  return ClockReader::showsThePast(world) ? share : 1.0 + share;
+  return ClockReader::hasLatency(world) ? share : 1.0 + share;
 }
 
 }  // namespace LIMBER_BULLET_PRECISION

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
 
-// These classes tell a system of the world's time: its ticks, the ends of its stepSimulation() calls, and its
+// These classes inform a system of the ticks of a world, the end of its stepSimulation() calls, and its
 // clock.
 
 #pragma once
@@ -16,39 +16,40 @@ inline namespace LIMBER_BULLET_PRECISION {
 
 // --- ticks -------------------------------------------------------------------------------------------------
 
-/// Somebody who wants to know of a world's ticks.
+/// A listener for a world's ticks.
 class TickListener {
  public:
   virtual ~TickListener() = default;
   virtual void beforeTick(btScalar tick) = 0;  ///< before Bullet predicts, collides and solves
   virtual void afterTick(btScalar tick) = 0;   ///< after Bullet has moved its bodies
-  virtual void tickMissed() = 0;  ///< a tick has passed without beforeTick: the hook was overwritten
+  virtual void tickMissed() = 0;               ///< a tick passed without beforeTick: the hook was overwritten
   virtual void debugDraw(btIDebugDraw& drawer) = 0;  ///< the world draws itself
 };
 
-/// The only class that touches a world's pre-tick callback.
+/// The only class that uses a world's pre-tick callback.
 ///
-/// A world has one slot for it and one user info pointer for both its callbacks. We take the slot, call
-/// whoever was there first, and leave the user info alone, so we find our way from the world by a list of
-/// hooks. As an action (of which a world may have many) the hook also learns of the end of each tick.
+/// A world has one slot for it, and one user info pointer for both its callbacks. The hook takes the slot,
+/// calls the previous callback, and does not change the user info. A list of all hooks maps a world to its
+/// hook. The hook is also an action, of which a world may have many, to be called at the end of each tick.
 ///
-/// When a world is gone nobody tells us, so a hook whose world may be gone is not removed: it stays in the
-/// list without listeners. If the world does live, its next tick calls the hook, which then leaves. A hook
-/// that loses its last listener while it calls them leaves at the next tick's begin, too.
+/// Nothing reports the end of a world. A hook whose world may be gone is not removed: it stays in the list
+/// without listeners. If the world still exists, its next tick calls the hook, which then removes itself. A
+/// hook that loses its last listener while it calls listeners also removes itself at the start of the next
+/// tick.
 class TickHook final : public btActionInterface {
  public:
-  /// Adds a listener to the world's hook, which is put in place if need be. `pretick` false leaves the slot
-  /// alone: the listener learns of the ends of ticks only.
+  /// Adds a listener to the world's hook, which is installed if necessary. If `pretick` is false the slot is
+  /// not used: the listener is called only at the end of ticks.
   static TickHook& listen(btDynamicsWorld& world, TickListener& listener, bool pretick);
 
-  /// Stops telling a listener. With the last one the world is left as it was found; `worldAlive` says whether
-  /// it can be touched at all.
+  /// Removes a listener. Removal of the last one restores the world. `worldAlive` is whether the world may be
+  /// accessed.
   void leave(TickListener& listener, bool worldAlive);
 
-  /// Whether the world's slot is still ours.
+  /// Returns whether the world's slot still contains this hook.
   bool inPlace() const;
 
-  /// Takes the slot (again), calling first whoever holds it now.
+  /// Takes the slot (again), and calls its previous callback first in each tick.
   void takeSlot();
 
   void updateAction(btCollisionWorld* world, btScalar tick) override;
@@ -67,31 +68,32 @@ class TickHook final : public btActionInterface {
 
   btDynamicsWorld* world_;
   btInternalTickCallback previous_ = nullptr;
-  // nullptr: has left while they were being called
+  // nullptr: a listener that was removed during the calls
   std::vector<TickListener*> pretickListeners_;
   std::vector<TickListener*> actionListeners_;
-  int calls_ = 0;  // that go on: listeners and callbacks may come, leave, and destroy each other meanwhile
+  int calls_ = 0;  // active ones: during them, listeners and callbacks may be added and removed, and destroy
+                   // each other
   bool inTick_ = false;
   bool sawTick_ = false;
 };
 
 // --- steps -------------------------------------------------------------------------------------------------
 
-/// Somebody who keeps forces of bodies that are outside the world as Bullet keeps those inside.
+/// A listener that treats forces on bodies outside the world as Bullet treats those inside.
 class StepListener {
  public:
   virtual ~StepListener() = default;
-  /// Motion states are brought up to date: after each tick, user callbacks included; in a stepSimulation()
-  /// that passes without any tick; or because the user asks for it between steps.
+  /// Called when motion states are updated: after each tick, with user callbacks; in a stepSimulation()
+  /// without any tick; or when the user synchronises them between steps.
   virtual void motionStatesRequested() = 0;
 };
 
-/// Tells one stepSimulation() from the next. Bullet calls nobody at its begin or end, but it clears the
-/// forces on all bodies at the end, and asks the motion states of those that are awake after every tick (and
-/// once if there is none). So a body without shape or mass, which meets nothing, stays awake in the world
-/// with a force on it: once that is gone, a step has ended.
+/// Detects the end of a stepSimulation(). Bullet has no callback at its start or end. It clears the forces on
+/// all bodies at the end, and updates the motion states of those that are awake after every tick (or once if
+/// there is none). So a body without shape, mass or collisions stays awake in the world with a force on it:
+/// when the force is gone, a step has ended.
 ///
-/// The application may delete body and motion state as any other's; every tick then counts as a new step.
+/// The application may delete the body and its motion state; every tick then counts as a new step.
 class StepBoundary {
  public:
   StepBoundary(btDiscreteDynamicsWorld& world, StepListener& listener);
@@ -99,14 +101,14 @@ class StepBoundary {
   StepBoundary(const StepBoundary&) = delete;
   StepBoundary& operator=(const StepBoundary&) = delete;
 
-  /// Whether an object is the body of one.
+  /// Returns whether an object is the body of a StepBoundary.
   static bool isOne(const btCollisionObject* object);
 
-  /// Whether a stepSimulation() has ended since the last call.
+  /// Returns whether a stepSimulation() has ended since the last call.
   bool stepHasEnded();
 
-  /// Whether it is in the world, which therefore still exists: a world that is deleted takes the broadphase
-  /// handle of every body in it.
+  /// Returns whether the body is in the world, which therefore still exists: the destructor of a world
+  /// removes the broadphase handle of every body.
   bool isInWorld() const;
 
  private:

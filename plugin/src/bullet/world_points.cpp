@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 
 // This file writes the motion of points in the world to Bullet's bodies and reads the impulses of Bullet's
-// solver from them. It stops fast points at what they would pass through, and shares contacts with Bullet's
+// solver from them. It stops fast points at the first object in their path, and reads and writes Bullet's
 // manifolds.
 
 #include "bullet/bullet_objects.h"
@@ -21,20 +21,20 @@ namespace limber {
 inline namespace LIMBER_BULLET_PRECISION {
 namespace {
 
-/// Roundings Bullet makes between what is written to its bodies and what is read from them; differences up to
+/// Number of rounding errors that Bullet makes between a write to its bodies and a read. Differences up to
 /// this many units in the last place are not an impulse.
-constexpr double kRoundings = 4.0;
+constexpr double kMaxRoundings = 4.0;
 constexpr double kEpsilon = std::numeric_limits<btScalar>::epsilon();
 
-/// The velocity Bullet's solver leaves when nothing touches the body, in its own arithmetic:
+/// Returns the velocity that Bullet's solver leaves without contacts, in its own arithmetic:
 /// btSequentialImpulseConstraintSolver adds (force * inverse mass) * time step.
-btVector3 untouchedVelocity(const PointMass& point, const btVector3& handed, btScalar tick) {
-  return handed + point.getTotalForce() * point.getInvMass() * tick;
+btVector3 untouchedVelocity(const PointMass& point, const btVector3& written, btScalar tick) {
+  return written + point.getTotalForce() * point.getInvMass() * tick;
 }
 
-/// Zero where `v` is no larger than the rounding of quantities as large as `scale`.
+/// Returns zero if `v` is not larger than the rounding error of quantities of the size `scale`.
 Eigen::Vector3d withoutRounding(const Eigen::Vector3d& v, double scale) {
-  const double noise = kRoundings * kEpsilon * scale;
+  const double noise = kMaxRoundings * kEpsilon * scale;
   return v.cwiseAbs().maxCoeff() <= noise ? Eigen::Vector3d::Zero() : v;
 }
 
@@ -64,10 +64,11 @@ void addPointMasses(SoftBodyData& body) {
 }
 
 void removePointMasses(SoftBodyData& body) {
-  // from the back: Bullet finds a body in its list of dynamic ones by a linear search and swaps in the last
+  // from the back: Bullet finds a body in its list of dynamic bodies by a linear search and replaces it by
+  // the last
   for (std::size_t i = body.masses.bodies.size(); i-- > 0;) {
     PointMass* point = body.masses.bodies[i];
-    // the broadphase handle goes with the world: a body without one must not touch it
+    // the world's destructor removes the broadphase handle: a body without one must not access the world
     if (point && point->isInWorld()) body.world->removeRigidBody(point);
   }
   deletePointMasses(body);
@@ -93,9 +94,9 @@ void writeVelocitiesToBullet(SoftBodyData& body, btScalar tick) {
     if (m.held[i]) continue;
     PointMass& point = *m.bodies[i];
     const Eigen::Vector3d mean = (body.state.position.col(i) - m.startPosition.col(i)) / double(tick);
-    const btVector3 handed = toBullet(Eigen::Vector3d(mean - double(tick) * body.state.acceleration.col(i)));
-    point.setLinearVelocity(handed);
-    m.expectedVelocity[i] = untouchedVelocity(point, handed, tick);
+    const btVector3 written = toBullet(Eigen::Vector3d(mean - double(tick) * body.state.acceleration.col(i)));
+    point.setLinearVelocity(written);
+    m.expectedVelocity[i] = untouchedVelocity(point, written, tick);
   }
 }
 
@@ -103,7 +104,7 @@ void wakeWorldPoints(SoftBodyData& body, bool insideTick) {
   for (PointMass* point : body.masses.bodies) {
     if (!point || point->isActive()) continue;
     point->activate(true);
-    // the world has already given gravity to those that were awake at the start of the step
+    // the world has already applied gravity to the points that were awake at the start of the step
     if (insideTick) point->applyGravity();
   }
 }
@@ -112,24 +113,24 @@ void wakeWorldPoints(SoftBodyData& body, bool insideTick) {
 
 namespace {
 
-/// Whether Bullet has a kinematic object already where it gets in the tick, while all else is where it
-/// starts: what it carries is inside it.
-bool isAhead(const btCollisionObject& object) {
+/// Returns whether Bullet has a kinematic object already at its pose at the end of the tick. All other
+/// objects are at their start, so those that it carries are inside it.
+bool isAtEndPose(const btCollisionObject& object) {
   return isKinematic(object) && !(object.getWorldTransform() == object.getInterpolationWorldTransform() &&
                                   object.getInterpolationLinearVelocity().isZero() &&
                                   object.getInterpolationAngularVelocity().isZero());
 }
 
-/// Share of the radius that a point may move in a tick without more: its centre then stays on the right side
-/// of whatever it has not touched yet.
-constexpr double kCarelessMotion = 0.25;
+/// Fraction of the radius that a point may move in a tick without a sweep. Its centre then stays on the
+/// correct side of surfaces that it has not touched yet.
+constexpr double kMaxUnsweptMotion = 0.25;
 
-/// Share of the radius that is swept, so that a point at rest does not hit what it lies on.
+/// Fraction of the radius that is swept, so that a point at rest does not hit its support.
 constexpr double kSweptRadius = 0.9;
 
-/// Whether there is something that a body might have passed through in a tick.
-struct InTheWay final : btBroadphaseAabbCallback {
-  explicit InTheWay(const SoftBodyData& b) : body(&b) {}
+/// Finds out whether a body may have passed through an object in a tick.
+struct ObstacleQuery final : btBroadphaseAabbCallback {
+  explicit ObstacleQuery(const SoftBodyData& b) : body(&b) {}
   const SoftBodyData* body;
   bool any = false;
 
@@ -147,7 +148,7 @@ struct FirstHit final : btCollisionWorld::ClosestConvexResultCallback {
 
   bool needsCollision(btBroadphaseProxy* proxy) const override {
     const auto* object = static_cast<const btCollisionObject*>(proxy->m_clientObject);
-    return !isAhead(*object) && canHit(*body, *proxy) && canHit(*body, point->index(), *object);
+    return !isAtEndPose(*object) && canHit(*body, *proxy) && canHit(*body, point->index(), *object);
   }
 };
 
@@ -155,12 +156,12 @@ double motion(const SoftBodyData& body, Eigen::Index i) {
   return (body.state.position.col(i) - body.masses.startPosition.col(i)).norm();
 }
 
-bool isAnythingInTheWay(const SoftBodyData& body, double longest) {
+bool hasObstacle(const SoftBodyData& body, double longest) {
   const Points& from = body.masses.startPosition;
   const double margin = double(body.masses.shape->getRadius()) + longest;
   const Eigen::Vector3d low = from.rowwise().minCoeff().array() - margin;
   const Eigen::Vector3d high = from.rowwise().maxCoeff().array() + margin;
-  InTheWay found(body);
+  ObstacleQuery found(body);
   body.world->getBroadphase()->aabbTest(toBullet(low), toBullet(high), found);
   return found.any;
 }
@@ -177,25 +178,26 @@ void sweepPoint(SoftBodyData& body, Eigen::Index i) {
   body.state.position.col(i) = start + double(hit.m_closestHitFraction) * (end - start);
 }
 
-/// Stops point masses in the world that have got farther in this tick than contacts were looked for where
-/// they first touched something. Their velocity stays: the next tick finds the contact. Call after Bullet's
-/// contacts have been read, when start and end positions are known, and before the bodies are written.
+/// Moves point masses in the world that have moved farther in this tick than contacts were searched for to
+/// their first contact. Their velocity does not change: the next tick finds the contact. Call it after
+/// Bullet's contacts have been read, when start and end positions are known, and before the bodies are
+/// written.
 ///
-/// Only points that move far enough to miss a contact are swept, and only if anything is in the box the body
-/// sweeps (one query of the broadphase for a whole body). Bullet's own continuous collision is not used,
-/// because it sweeps twice, without such a query, and on triangle meshes ignores all motions into the surface
-/// that are shorter than the world's m_allowedCcdPenetration (4 cm), twice a point mass.
+/// Only points that move far enough to miss a contact are swept, and only if an object is in the box of the
+/// body's motion (one broadphase query per body). Bullet's own continuous collision is not used. It sweeps
+/// twice, without such a query, and on triangle meshes it ignores all motions into the surface that are
+/// shorter than the world's m_allowedCcdPenetration (4 cm), twice the size of a point mass.
 void stopAtFirstContact(SoftBodyData& body) {
   if (!body.settings.continuousCollision) return;
-  const double careless = kCarelessMotion * double(body.masses.shape->getRadius());
+  const double unswept = kMaxUnsweptMotion * double(body.masses.shape->getRadius());
   const auto isUnexpected = [&](Eigen::Index i) {
     const auto at = static_cast<std::size_t>(i);
-    return !body.masses.held[at] && motion(body, i) > std::max(careless, body.searchDistance[at]);
+    return !body.masses.held[at] && motion(body, i) > std::max(unswept, body.searchDistance[at]);
   };
   double longest = 0.0;
   for (Eigen::Index i = 0; i < body.state.position.cols(); ++i)
     if (isUnexpected(i)) longest = std::max(longest, motion(body, i));
-  if (!(longest > 0.0) || !isAnythingInTheWay(body, longest)) return;
+  if (!(longest > 0.0) || !hasObstacle(body, longest)) return;
   for (Eigen::Index i = 0; i < body.state.position.cols(); ++i)
     if (isUnexpected(i)) sweepPoint(body, i);
 }
@@ -228,8 +230,9 @@ void forEachContact(btDispatcher& dispatcher, Visit visit) {
   }
 }
 
-/// Of two bodies, one of them awake: gatherPointPairs() has a row for it.
-bool isOfAwakePoints(const PointMass& point, const btCollisionObject* partner) {
+/// Returns whether both objects are points of soft bodies, at least one of them awake: gatherPointPairs()
+/// adds their contacts.
+bool isBetweenAwakePoints(const PointMass& point, const btCollisionObject* partner) {
   const PointMass* other = PointMass::from(partner);
   return other && other->owner() && !(point.owner()->asleep && other->owner()->asleep);
 }
@@ -239,13 +242,14 @@ bool isOfAwakePoints(const PointMass& point, const btCollisionObject* partner) {
 void readManifolds(btDispatcher& dispatcher) {
   forEachContact(
       dispatcher, [](btPersistentManifold& manifold, PointMass& point, const btCollisionObject* partner) {
-        const bool ofPoints = isOfAwakePoints(point, partner);
-        if (!ofPoints && (point.owner()->asleep || !isStaticOrKinematic(*partner))) return;
+        const bool betweenPoints = isBetweenAwakePoints(point, partner);
+        if (!betweenPoints && (point.owner()->asleep || !isStaticOrKinematic(*partner))) return;
         const btCollisionShape& shape = *partner->getCollisionShape();
-        const bool simple = manifold.getNumContacts() == 1 && !shape.isConcave() && !shape.isCompound();
-        if (simple && !ofPoints) point.cachedContact = &manifold;
-        // its rows are enough: Bullet would push the point out of where the partner will be
-        if (isAhead(*partner)) manifold.setContactProcessingThreshold(-BT_LARGE_FLOAT);
+        const bool isSimple = manifold.getNumContacts() == 1 && !shape.isConcave() && !shape.isCompound();
+        if (isSimple && !betweenPoints) point.cachedContact = &manifold;
+        // the plane contacts are enough: Bullet would push the point out of the partner's pose at the end of
+        // the tick
+        if (isAtEndPose(*partner)) manifold.setContactProcessingThreshold(-BT_LARGE_FLOAT);
         for (int p = 0; p < manifold.getNumContacts(); ++p) {
           btManifoldPoint& contact = manifold.getContactPoint(p);
           contact.m_appliedImpulse = contact.m_appliedImpulseLateral1 = contact.m_appliedImpulseLateral2 = 0;
@@ -256,7 +260,7 @@ void readManifolds(btDispatcher& dispatcher) {
 void disableBulletResponse(btDispatcher& dispatcher) {
   forEachContact(dispatcher,
                  [](btPersistentManifold& manifold, PointMass& point, const btCollisionObject* partner) {
-                   if (isOfAwakePoints(point, partner))
+                   if (isBetweenAwakePoints(point, partner))
                      manifold.setContactProcessingThreshold(-BT_LARGE_FLOAT);
                    const SoftBodyData& body = *point.owner();
                    const ContactRange rows = contactsOfPoint(body.contacts, point.index());
@@ -291,7 +295,7 @@ void reportContactImpulses(btDispatcher& dispatcher) {
 
 namespace {
 
-/// Which of the two objects is the sphere.
+/// `swapped`: the second of the two objects is the sphere.
 btSphereBoxCollisionAlgorithm::CreateFunc makeCreateFunction(bool swapped) {
   btSphereBoxCollisionAlgorithm::CreateFunc create;
   create.m_swapped = swapped;
@@ -301,7 +305,7 @@ btSphereBoxCollisionAlgorithm::CreateFunc makeCreateFunction(bool swapped) {
 }  // namespace
 
 void useFastSphereAlgorithms(btCollisionDispatcher& dispatcher) {
-  // a dispatcher keeps pointers only, and may live as long as the program; they are never changed
+  // a dispatcher stores only pointers, and may exist until the program ends; these objects never change
   static btSphereBoxCollisionAlgorithm::CreateFunc sphereBox = makeCreateFunction(false),
                                                    boxSphere = makeCreateFunction(true);
   dispatcher.registerCollisionCreateFunc(SPHERE_SHAPE_PROXYTYPE, BOX_SHAPE_PROXYTYPE, &sphereBox);
