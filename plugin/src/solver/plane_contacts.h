@@ -47,10 +47,9 @@ struct PlaneContact {
   double recoverySpeed = HUGE_VAL;  ///< m/s, largest speed at which a point below the surface is lifted
   bool coupled = false;             ///< solved together with the contacts between bodies (contacts.h)
 
-  HeldNeighbourhood* around =
-      nullptr;  ///< pieces that the plane follows, of a surface at rest; nullptr: the plane is fixed
-  std::uint32_t owner = 0;  ///< of its pieces in `around`
-  bool away = false;        ///< the point cannot touch these pieces in the next substep
+  HeldNeighbourhood* around = nullptr;  ///< followed pieces of a surface at rest; nullptr: the plane is fixed
+  std::uint32_t owner = 0;              ///< of its pieces in `around`
+  bool away = false;                    ///< the point cannot touch these pieces in the next substep
 
   // Written by the step.
   double mass = 0.0;                                  ///< kg along the normal; 0: cannot be moved
@@ -99,13 +98,11 @@ void followSurfaces(std::vector<PlaneContact>& rows, const PointView& points, do
 void prepareContacts(std::vector<PlaneContact>& rows, const PointView& points);
 
 /// Changes velocities before a drift of `dt` from `time` (s since the start of the tick): no point ends below
-/// a surface, and friction reduces the sliding as far as it can. A point that is already below is lifted
-/// slowly. Rows of one point alternate until they agree; rows of different points are independent, so this is
-/// exact.
+/// a surface, and friction reduces sliding as far as it can. A point already below is lifted slowly. Rows of
+/// one point alternate until they agree; rows of different points are independent, so this is exact.
 void solvePositions(std::vector<PlaneContact>& rows, const PointView& points, double time, double dt);
 
-/// Finds contacts that were not predicted at the start of the tick. Called for each drift before
-/// solvePositions().
+/// Finds contacts that were not predicted at the tick's start. Called before solvePositions() of each drift.
 struct ContactWatch {
   bool on = false;
   std::vector<PlaneContact> rows;  ///< found in this tick
@@ -115,7 +112,7 @@ struct ContactWatch {
   virtual void merge() = 0;
 };
 
-/// Changes velocities after the second kick of a substep: points that touch do not approach. This completes
+/// Changes velocities after the second kick of a substep: points that touch do not approach. Completes
 /// solvePositions as RATTLE completes SHAKE: velocities are those of bodies at rest, not of a step in free
 /// fall.
 void solveVelocities(std::vector<PlaneContact>& rows, const PointView& points);
