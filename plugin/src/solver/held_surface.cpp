@@ -19,8 +19,8 @@ using Kind = HeldPiece::Kind;
 /// impact.
 constexpr double kTouching = 0.05;
 
-/// Share of the radius: radius of the ball that must fit in where a point touches. It fits beside a step of
-/// any height beside which the point itself fits.
+/// Share of the radius: radius of a ball that must fit at the contact point without an overlap. It fits
+/// beside a step of any height where the point itself fits.
 constexpr double kBallRadius = 0.5;
 
 /// Share of that ball's radius by which other pieces may overlap it: tiles flush to 1e-5 m count as flat.

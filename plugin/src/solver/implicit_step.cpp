@@ -253,8 +253,8 @@ double energy(const Substep& s) {
   return kineticEnergy(s.points()) + elasticEnergy(s.body, s.points().position);
 }
 
-/// J: work on the points since the start by the constant accelerations, by what holds points, and by
-/// contacts.
+/// J: work on the points since the start by the constant accelerations, by the constraints of held points,
+/// and by contacts.
 double work(const Substep& s) {
   const PointState& p = s.points();
   double sum = 0.0;

@@ -87,7 +87,7 @@ struct ImplicitState {
   double energyAtEnd = 0.0;     ///< J, at the end of the last tick
   Points meanAcceleration;      ///< 3 x #points, m/s^2, of the last substep
   double remainder = 0.0;       ///< m, estimated movement of further iterations
-  double meanOver = 0.0;        ///< s, length of that substep; 0: none, or the body was moved otherwise since
+  double meanOver = 0.0;        ///< s, substep of meanAcceleration; 0: none, or the body was moved otherwise
 };
 
 /// Whether stepImplicit can step the body: points held along all axes or none, no elastic limit, not more

@@ -151,7 +151,7 @@ void addTetrahedronPairs(const TetrahedronVolumes& v, const Points& inverseMass,
   }
 }
 
-/// A for substeps of h seconds.
+/// Returns A for substeps of h seconds.
 Sparse midpointMatrix(const ElasticParts& parts, const Points& inverseMass, double h) {
   Entries entries;
   const SpringArrays& springs = parts.springs;
@@ -200,7 +200,7 @@ void prepareBanded(MidpointSolver& solver, const SpringArrays& springs) {
   }
 }
 
-/// h^2/4 times the stiffness of spring s plus its damping weight, 3 x 3.
+/// Returns h^2/4 times the stiffness of spring s plus its damping weight, 3 x 3.
 Eigen::Matrix3d springBlock(const MidpointSolver& solver, const SpringArrays& springs, std::size_t s,
                             const Points& damperDirection, const Points& position) {
   const Eigen::Vector3d m = damperDirection.col(static_cast<Eigen::Index>(s));

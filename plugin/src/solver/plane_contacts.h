@@ -71,8 +71,8 @@ ContactRange contactsOfPoint(const std::vector<PlaneContact>& rows, std::uint32_
 /// `mean` is the speed of the drift, and `rebound` is added after the second kick.
 ///
 /// The point hits the surface at the position and time of motion under a constant force, and continues from
-/// there. With the drift's own speed, which is that of another time, points pressed onto a surface would
-/// sometimes gain and sometimes lose energy, and gain it on average.
+/// there. The drift's own speed belongs to another time: with it, points pressed onto a surface would gain
+/// energy at some times and lose it at others, and would gain on average.
 struct Bounce {
   bool rests = true;  ///< no bounce: the point is slow, or would bounce too often within the substep
   double mean = 0.0, rebound = 0.0;
