@@ -30,7 +30,7 @@ constexpr double kOverlap = 0.002;
 constexpr double kSameContact = 0.995;
 
 /// Cosine between the normals of a round shape and of a polyhedron that approximates it.
-constexpr double kSameNormal = 0.98;
+constexpr double kRoundNormalCosine = 0.98;
 
 constexpr int kMaxPointAdvances = 12;
 
@@ -122,12 +122,12 @@ struct OnTriangle {
 double heightAbove(const HeldPiece& t, const Vector3d& x) { return t.center.dot(x - t.axes.col(0)); }
 
 OnTriangle nearestOnTriangle(const HeldPiece& t, const Vector3d& x) {
-  constexpr double kTolerance = 1e-9;  // m
+  constexpr double kOnTriangle = 1e-9;  // m
   const Vector3d weights = nearestBarycentric({t.axes.col(0), t.axes.col(1), t.axes.col(2)}, x);
   const Vector3d away = x - t.axes * weights;
   const double height = heightAbove(t, x);
   const bool inside = weights.minCoeff() > 0.0;
-  return {away, height, inside, inside || (away - height * t.center).norm() < kTolerance};
+  return {away, height, inside, inside || (away - height * t.center).norm() < kOnTriangle};
 }
 
 HeldPoint nearestOnSheet(const HeldPiece& sheet, const Vector3d& x) {
@@ -205,11 +205,11 @@ double advanceToImpact(const Approach& m, HeldContact& c) {
 
 /// Whether the triangle is between the point `x` and `target`.
 bool isHidden(const HeldPiece& sheet, const Vector3d& x, const Vector3d& target) {
-  constexpr double kTolerance = 1e-7;  // m
+  constexpr double kOnTriangle = 1e-7;  // m
   const double from = heightAbove(sheet, x), to = heightAbove(sheet, target);
-  if (from * to >= 0.0 || std::abs(to) < kTolerance) return false;
+  if (from * to >= 0.0 || std::abs(to) < kOnTriangle) return false;
   const Vector3d crossing = x + from / (from - to) * (target - x);
-  return nearestOnTriangle(sheet, crossing).away.norm() < kTolerance;
+  return nearestOnTriangle(sheet, crossing).away.norm() < kOnTriangle;
 }
 
 bool isSameSolid(const Approach& m, const HeldPiece* other) { return other == m.first; }
@@ -346,7 +346,7 @@ bool isCovered(const HeldPiece* begin, const HeldPiece* end, const Vector3d& poi
     next = endOfSolid(other, end);
     const HeldPoint nearest = nearestOn(other, next, center);
     // the touched piece may be a polyhedron slightly inside a round one
-    const bool isItself = isOfRevolution(other->kind) && nearest.normal.dot(normal) > kSameNormal;
+    const bool isItself = isOfRevolution(other->kind) && nearest.normal.dot(normal) > kRoundNormalCosine;
     if (!isItself && nearest.height < (1.0 - kOverlap) * ball) return true;
   }
   return false;

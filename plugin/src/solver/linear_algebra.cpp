@@ -16,7 +16,7 @@
 namespace limber {
 namespace {
 
-constexpr double kNegligible = 1e-14;
+constexpr double kNegligibleEigenvalue = 1e-14;
 
 using DenseSolver = Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>;
 
@@ -69,7 +69,7 @@ SymmetricParts tridiagonalParts(const Eigen::VectorXd& diagonal, const Eigen::Ve
 
 Eigen::Matrix3d pseudoInverse(const Eigen::Matrix3d& matrix) {
   const SymmetricParts3 parts = symmetricParts3(matrix);
-  const double limit = kNegligible * parts.values.cwiseAbs().maxCoeff();
+  const double limit = kNegligibleEigenvalue * parts.values.cwiseAbs().maxCoeff();
   Eigen::Matrix3d inverse = Eigen::Matrix3d::Zero();
   for (int k = 0; k < 3; ++k)
     if (std::abs(parts.values[k]) > limit)

@@ -10,8 +10,7 @@ namespace {
 
 constexpr int kMaxLoadSweeps = 50;
 
-/// Share of the radius: a substep is solved again if a point penetrates an unfollowed surface by more than
-/// this.
+/// Share of the radius: points that penetrate an unfollowed surface by more repeat the substep.
 constexpr double kMinPenetration = 0.01;
 
 /// m: the gap that the row's point may have at the end, at most 0.
@@ -63,7 +62,7 @@ double solveRow(MidpointContacts& c, MidpointSolver& solver, std::size_t r, cons
 }
 
 /// Loads this close to the friction cone slide: rounding must not make them stick.
-constexpr double kConeTolerance = 1e-9;
+constexpr double kConeMargin = 1e-9;
 
 bool leadsThrough(const PlaneContact& row, const Eigen::Vector3d& start, const Eigen::Vector3d& end,
                   const ContactSpan& span) {
@@ -172,7 +171,7 @@ void settle(MidpointContacts& c, PointState& state, const ContactSpan& span) {
     const double mobility = state.inverseMass.col(row.point).maxCoeff(), speed = row.normal.dot(relative);
     // at most the impulse of the surface, which does not pull
     const double removedSpeed = std::min(speed, mobility * impulsePerLoad * normal);
-    const bool sticks = (load - normal * row.normal).norm() < (1.0 - kConeTolerance) * row.friction * normal;
+    const bool sticks = (load - normal * row.normal).norm() < (1.0 - kConeMargin) * row.friction * normal;
     const Eigen::Vector3d alongNormal = removedSpeed * row.normal;
     const Eigen::Vector3d removed =
         sticks ? Eigen::Vector3d(relative - speed * row.normal + alongNormal) : alongNormal;

@@ -131,7 +131,7 @@ std::shared_ptr<const SharedFactor> makeFactor(Sparse matrix) {
 using Entries = std::vector<Eigen::Triplet<double>>;
 
 /// Adds  weight (e_a - e_b)(e_a - e_b)^T  without the rows and columns of held points.
-void addPair(std::uint32_t a, std::uint32_t b, double weight, const Points& inverseMass, Entries& entries) {
+void addTerm(std::uint32_t a, std::uint32_t b, double weight, const Points& inverseMass, Entries& entries) {
   const bool heldA = isHeld(inverseMass, a), heldB = isHeld(inverseMass, b);
   if (!heldA) entries.emplace_back(a, a, weight);
   if (!heldB) entries.emplace_back(b, b, weight);
@@ -140,13 +140,13 @@ void addPair(std::uint32_t a, std::uint32_t b, double weight, const Points& inve
   entries.emplace_back(b, a, -weight);
 }
 
-void addTetrahedronPairs(const TetrahedronVolumes& v, const Points& inverseMass, double h, Entries& entries) {
+void addTetrahedronTerms(const TetrahedronVolumes& v, const Points& inverseMass, double h, Entries& entries) {
   for (std::size_t t = 0; t < v.tetrahedra.size(); ++t) {
     const Eigen::Array4d squares = v.restGradientSquares.col(static_cast<Eigen::Index>(t));
     const double factor = 0.25 * h * h * v.modulus / v.restVolume[t];
     for (Eigen::Index i = 0; i < 4; ++i)
       for (Eigen::Index j = 0; j < i; ++j)
-        addPair(v.tetrahedra[t][static_cast<std::size_t>(i)], v.tetrahedra[t][static_cast<std::size_t>(j)],
+        addTerm(v.tetrahedra[t][static_cast<std::size_t>(i)], v.tetrahedra[t][static_cast<std::size_t>(j)],
                 0.25 * factor * (2.0 * squares.sum() - squares[i] - squares[j]), inverseMass, entries);
   }
 }
@@ -160,9 +160,9 @@ Sparse midpointMatrix(const ElasticParts& parts, const Points& inverseMass, doub
   for (std::size_t s = 0; s < springs.size(); ++s) {
     const double k = std::max(springs.extensionStiffness[s], springs.compressionStiffness[s]);
     const double weight = 0.25 * h * h * k + dampingWeight(springs, inverseMass, s, h);
-    addPair(springs.a[s], springs.b[s], weight, inverseMass, entries);
+    addTerm(springs.a[s], springs.b[s], weight, inverseMass, entries);
   }
-  if (parts.tetrahedra) addTetrahedronPairs(*parts.tetrahedra, inverseMass, h, entries);
+  if (parts.tetrahedra) addTetrahedronTerms(*parts.tetrahedra, inverseMass, h, entries);
   Sparse matrix(inverseMass.cols(), inverseMass.cols());
   matrix.setFromTriplets(entries.begin(), entries.end());
   return matrix;
