@@ -7,12 +7,12 @@
 namespace limber::bench {
 namespace {
 
-/// Axis 0 is x, whose neighbours are the farthest apart in the order of points.
+/// Returns the index of a point. Neighbours along x, axis 0, have the largest difference of indices.
 std::uint32_t indexOf(const std::array<int, 3>& cell, int side) {
   return static_cast<std::uint32_t>((cell[0] * side + cell[1]) * side + cell[2]);
 }
 
-/// The quad of the layer `at` of an axis whose lowest corner is (i, j) along the other two, right-handed.
+/// Returns the right-handed quad in layer `at` of an axis. Its lowest corner is (i, j) along the other two.
 std::array<std::uint32_t, 4> quadOf(std::size_t axis, int at, int i, int j, int side) {
   const std::size_t u = (axis + 1) % 3, v = (axis + 2) % 3;
   std::array<std::uint32_t, 4> quad{};

@@ -7,7 +7,7 @@
 
 namespace limber::bench {
 
-/// The outer triangles of side x side x side points in the order of latticeNetwork(), facing outward.
+/// Returns the outer triangles of side x side x side points in the order of latticeNetwork(), facing outward.
 /// `side` is at least 2.
 std::vector<Triangle> boxSurface(int side);
 

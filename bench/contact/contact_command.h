@@ -5,8 +5,8 @@
 
 namespace limber::bench {
 
-/// What bodies cost that fly, land, rest, sleep, drape and lie in a heap, beside btSoftBody, btDeformable and
-/// as many loose spheres.
+/// Measures the cost of bodies that fly, land, rest, sleep, drape and pile up, compared to btSoftBody,
+/// btDeformable and as many separate spheres.
 ExitCode runContact(int argc, char** argv);
 
 }  // namespace limber::bench

@@ -14,13 +14,13 @@ struct LimberSetting {
   TuneSettings tune;
 };
 
-/// A kind of collision that Limber offers is one more line here.
+/// Limber's kinds of collision. A new kind is one more line here.
 std::vector<LimberSetting> limberSettings() {
   return {{"limber points", [](SoftBodySettings& s) { s.collision = Collision::Points; }},
           {"limber surface", [](SoftBodySettings& s) { s.collision = Collision::Surface; }}};
 }
 
-/// As users get it: with the volume that a closed body keeps by default, which other benches leave out.
+/// Returns Limber as users have it: with the default volume term of closed bodies, which other benches omit.
 ContactEngine limber(const LimberSetting& setting) {
   const auto tune = [own = setting.tune](SoftBodySettings& settings) {
     settings.volumeModulus = SoftBodySettings().volumeModulus;
@@ -35,11 +35,11 @@ ContactEngine limber(const LimberSetting& setting) {
 
 using ContactsOf = SoftContacts (*)(const ContactScene&);
 
-SoftContacts cheapest(const ContactScene& scene) {
+SoftContacts cheapestContacts(const ContactScene& scene) {
   return scene.role == Role::Pile ? SoftContacts::PointsAndFaces : SoftContacts::Points;
 }
 
-/// Links as stiff as the springs. It does not fall asleep in btSoftRigidDynamicsWorld.
+/// Returns btSoftBody with links as stiff as the springs. It does not sleep in btSoftRigidDynamicsWorld.
 ContactEngine softBody(const std::string& name, int iterations, ContactsOf contacts) {
   ContactEngine engine;
   engine.name = name;
@@ -77,7 +77,8 @@ std::vector<ContactEngine> contactEngines() {
   std::vector<ContactEngine> engines;
   for (const LimberSetting& setting : limberSettings()) engines.push_back(limber(setting));
   for (const int iterations : {1, 4, 10}) {
-    engines.push_back(softBody("btSoftBody " + std::to_string(iterations) + " it", iterations, cheapest));
+    engines.push_back(
+        softBody("btSoftBody " + std::to_string(iterations) + " it", iterations, cheapestContacts));
     engines.back().isReference = iterations == 4;
   }
   engines.push_back(deformable());

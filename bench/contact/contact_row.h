@@ -7,7 +7,7 @@
 
 namespace limber::bench {
 
-/// What one engine's run of a scene took. Empty where the engine could not.
+/// The results of one engine's run of a scene. Empty if the engine failed.
 struct ContactRow {
   std::string scene, engine;
   Role role = Role::Rest;
@@ -16,14 +16,14 @@ struct ContactRow {
   int repeats = 0;
   double tickMedian = 0.0, tickWorst = 0.0;  ///< ms of the thread
   double wallMedian = 0.0;                   ///< ms
-  std::optional<double> toSoftBody;          ///< of btSoftBody's median with 4 iterations in the same repeat
-  std::optional<double> toSpheres;           ///< of the loose spheres'
-  double penetration = 0.0;                  ///< of the body's size
-  double residualSpeed = 0.0;                ///< m/s
-  double asleep = 0.0;                       ///< share of what can move
-  double stretch = 0.0;                      ///< root mean square strain of the springs along edges
+  std::optional<double> toSoftBody;  ///< relative to btSoftBody's median with 4 iterations in the same repeat
+  std::optional<double> toSpheres;   ///< relative to the loose spheres' median
+  double penetration = 0.0;          ///< as a share of the body's size
+  double residualSpeed = 0.0;        ///< m/s
+  double asleep = 0.0;               ///< share of the movable objects
+  double stretch = 0.0;              ///< root mean square strain of the springs along edges
   bool hasSprings = true;
-  std::string error;  ///< why there is nothing, or empty
+  std::string error;  ///< reason for missing results, or empty
 
   bool ran() const { return error.empty(); }
   double microsecondsPerPoint() const { return 1e3 * tickMedian / static_cast<double>(points); }

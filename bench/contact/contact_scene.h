@@ -5,10 +5,10 @@
 
 namespace limber::bench {
 
-/// What bodies do in a scene.
+/// The behaviour of bodies in a scene.
 enum class Role : std::uint8_t { Airborne, Landing, Rest, Asleep, Cloth, Pile, Dense };
 
-/// Of the scenes with cubes. Quick runs have fewer of each.
+/// Number of bodies of the scenes with cubes. Quick runs have fewer of each.
 enum class Crowd : std::uint8_t {
   Small,    ///< 64, and the stiff cloth
   Middle,   ///< 512, and the soft cloth
@@ -24,15 +24,15 @@ struct ContactScene {
   std::vector<BodySetup> bodies;
   std::function<void(RigidBodies&, btDiscreteDynamicsWorld&)> addRigidBodies;
   std::function<double(const Eigen::Vector3d&)>
-      distance;          ///< m, of a place from what is rigid; below 0: inside
+      distance;          ///< m, of a point from the rigid bodies; negative inside
   double size = 1.0;     ///< m, of a body
-  int settleTicks = 10;  ///< before the first that is measured
+  int settleTicks = 10;  ///< ticks before the first measured one
   int measuredTicks = 60;
-  int turn = 20;           ///< ticks that an engine does before the next has its turn
+  int turn = 20;           ///< ticks of an engine before the next engine runs
   bool withOthers = true;  ///< false: Limber and loose spheres only
 
   bool sleeps() const { return role == Role::Asleep; }
-  /// All is at rest where it is measured.
+  /// Whether all bodies are at rest during the measurement.
   bool rests() const { return role != Role::Airborne && role != Role::Landing; }
 };
 
@@ -40,7 +40,7 @@ constexpr double kContactTick = 1.0 / 60;  // s
 
 const char* nameOf(Role role);
 
-/// Each adds its scenes.
+/// Each function adds its scenes.
 void addCubeScenes(std::vector<ContactScene>& scenes, bool quick);   // cube_scenes.cpp: on a floor or above
 void addPile(std::vector<ContactScene>& scenes, bool quick);         // pile_scene.cpp: in a bin
 void addLargeBodies(std::vector<ContactScene>& scenes, bool quick);  // large_bodies.cpp: a cloth, a lattice

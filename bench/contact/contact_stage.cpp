@@ -13,8 +13,8 @@ namespace {
 
 constexpr double kFar = 1e3;  // m, from the origin
 
-/// s of the thread for a tick after the first, which sets things up: a hundred times too slow is hopeless.
-constexpr double kHopeless = 2.0;
+/// s of the thread per tick after the first, which initialises. Engines a hundred times too slow are stopped.
+constexpr double kTooSlow = 2.0;
 
 std::vector<Eigen::Matrix3Xd> allPositions(const Engine& engine, std::size_t count) {
   std::vector<Eigen::Matrix3Xd> all;
@@ -51,7 +51,7 @@ void ContactStage::tick() {
   wallTicks_.push_back(time.wallMs);
 }
 
-/// Times of bodies that are not in the scene any more say nothing.
+/// Fails a scene whose bodies have left it: their times are meaningless.
 void ContactStage::checkPlaces() {
   for (std::size_t b = 0; b < scene_.bodies.size(); ++b) {
     const Eigen::Matrix3Xd x = engine_->positions(b);
@@ -64,8 +64,8 @@ void ContactStage::checkPlaces() {
 void ContactStage::advance(int ticks, double timeLimit) {
   for (int i = 0; i < ticks && !over(); ++i) {
     tick();
-    const bool hopeless = laterSeconds_ > kHopeless * std::max(1, done_ - 1);
-    if ((hopeless || seconds_ > timeLimit) && !over())
+    const bool tooSlow = laterSeconds_ > kTooSlow * std::max(1, done_ - 1);
+    if ((tooSlow || seconds_ > timeLimit) && !over())
       error_ = format("given up after %d ticks: %.0f ms each", done_, 1e3 * seconds_ / done_);
   }
   if (error_.empty()) checkPlaces();

@@ -5,27 +5,27 @@
 
 namespace limber::bench {
 
-/// A scene in one engine. Times are the thread's own: what others take of the machine is not in them.
+/// A scene in one engine. Times are those of the thread, without those of other processes.
 class ContactStage {
  public:
-  /// Throws std::runtime_error with the reason when the engine cannot have the scene.
+  /// Throws std::runtime_error with the reason if the engine does not support the scene.
   ContactStage(const ContactScene& scene, const ContactEngine& engine);
   ~ContactStage();
   ContactStage(const ContactStage&) = delete;
   ContactStage& operator=(const ContactStage&) = delete;
 
-  /// So many ticks, or fewer where the scene ends; gives up where they take longer than `timeLimit` in all
-  /// or than two seconds each.
+  /// Runs `ticks` ticks, or fewer at the end of the scene. Gives up if all ticks take longer than `timeLimit`
+  /// (s) or more than two seconds each.
   void advance(int ticks, double timeLimit);
   bool over() const { return !error_.empty() || done_ >= scene_.settleTicks + scene_.measuredTicks; }
-  /// Why it did not come to its end, or empty.
+  /// Returns the reason why the scene did not finish, or an empty string.
   const std::string& error() const { return error_; }
 
   std::size_t points() const { return points_; }
-  const std::vector<double>& ticks() const { return ticks_; }          ///< ms, those measured
-  const std::vector<double>& wallTicks() const { return wallTicks_; }  ///< ms by the clock on the wall
-  double asleep() const { return asleepShare(engine_->world()); }      ///< share of what can move
-  double deepestPenetration() const;  ///< m, of points' spheres in rigid bodies, or of bodies in one another
+  const std::vector<double>& ticks() const { return ticks_; }          ///< ms, measured ticks only
+  const std::vector<double>& wallTicks() const { return wallTicks_; }  ///< ms, wall-clock time
+  double asleep() const { return asleepShare(engine_->world()); }      ///< share of the movable objects
+  double deepestPenetration() const;  ///< m, of points' spheres in rigid bodies, or of bodies in each other
   double stretch() const;             ///< root mean square strain of the springs along edges
   double residualSpeed() const;       ///< m/s over the last tick, root mean square over the points
 

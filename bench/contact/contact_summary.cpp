@@ -37,7 +37,7 @@ std::string headingOf(const ContactRow& r) {
                 "worst ms", "us/point", "btSoftBody", "spheres", "deepest", "speed m/s", "strain", "asleep");
 }
 
-/// Where others took the machine: times of the thread are not free of that either, caches are shared.
+/// Returns a warning if other processes were busy: through shared caches they affect the thread's times too.
 std::string busyWarning(const std::vector<ContactRow>& rows) {
   constexpr double kBusy = 1.1;
   double wall = 0.0, own = 0.0;

@@ -5,7 +5,7 @@
 
 namespace limber::bench {
 
-/// All that was measured, as a table for people.
+/// Returns all results as a table for human readers.
 std::string summariseContact(const std::vector<ContactRow>& rows);
 
 }  // namespace limber::bench

@@ -13,28 +13,28 @@ using Rows = std::vector<ContactRow>;
 
 constexpr double kRealTime = 1e3 * kContactTick;  // ms
 
-/// nullptr where there is none, or it has not run.
+/// Returns nullptr if there is no such row, or it has an error.
 const ContactRow* find(const Rows& rows, const std::string& engine, Role role, Crowd crowd = Crowd::Small) {
   for (const ContactRow& row : rows)
     if (row.engine == engine && row.role == role && row.crowd == crowd && row.ran()) return &row;
   return nullptr;
 }
 
-std::string line(const std::string& what, const std::optional<double>& value, double most,
+std::string line(const std::string& what, const std::optional<double>& value, double limit,
                  const char* unit = "") {
   if (!value) return format("  -     %-62s not measured\n", what.c_str());
-  return format("  %-4s  %-62s %.3g%s\n", *value <= most ? "hit" : "MISS", what.c_str(), *value, unit);
+  return format("  %-4s  %-62s %.3g%s\n", *value <= limit ? "hit" : "MISS", what.c_str(), *value, unit);
 }
 
 std::optional<double> softRatio(const ContactRow* row) { return row ? row->toSoftBody : std::nullopt; }
 
-/// Quick runs have fewer bodies than a target is meant for.
-std::string sceneName(const ContactRow* row, const char* meant) { return row ? row->scene : meant; }
+/// Returns the name of the scene: quick runs have fewer bodies than the target's.
+std::string sceneName(const ContactRow* row, const char* fullName) { return row ? row->scene : fullName; }
 
 std::string softBodyLines(const Rows& rows, const std::string& name) {
-  const auto ratio = [&](Role role, Crowd crowd, double most, const char* meant, const char* text) {
+  const auto ratio = [&](Role role, Crowd crowd, double limit, const char* fullName, const char* text) {
     const ContactRow* row = find(rows, name, role, crowd);
-    return line(sceneName(row, meant) + text, softRatio(row), most);
+    return line(sceneName(row, fullName) + text, softRatio(row), limit);
   };
   return ratio(Role::Rest, Crowd::Middle, 0.7, "512 cubes rest", ": at most 0.7 of btSoftBody 4 it") +
          ratio(Role::Rest, Crowd::Middle, 0.5, "512 cubes rest", ": at most 0.5 (stretch)") +
@@ -66,7 +66,7 @@ std::string sleepLines(const Rows& rows, const std::string& name) {
   return text;
 }
 
-/// Only the worst scene is named.
+/// Names only the worst scene.
 std::string sphereLine(const Rows& rows, const std::string& name) {
   const ContactRow* worst = nullptr;
   for (const ContactRow& row : rows) {

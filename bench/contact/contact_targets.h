@@ -5,7 +5,7 @@
 
 namespace limber::bench {
 
-/// A line for each target and each of Limber's settings: hit, MISS, or "-" where it was not measured.
+/// Returns a line for each target and each of Limber's settings: hit, MISS, or "-" if not measured.
 std::string contactTargets(const std::vector<ContactRow>& rows);
 
 }  // namespace limber::bench

@@ -15,8 +15,8 @@ constexpr double kMass = 0.8;          // kg
 constexpr double kRadius = 0.02;       // m
 constexpr double kCubeSpacing = 2.0;   // m from cube to cube, of 1 m
 constexpr double kDrop = 0.5;          // m
-constexpr double kClearance = 1e-3;    // m between a cube that is to rest and the floor
-constexpr double kHigh = 100.0;        // m: nothing comes near the floor while it is measured
+constexpr double kClearance = 1e-3;    // m between a resting cube and the floor at first
+constexpr double kHigh = 100.0;        // m: no body comes near the floor during the measurement
 
 std::uint32_t countOf(Crowd crowd, bool quick) {
   const std::uint32_t full[] = {64, 512, 4096, 2560}, few[] = {2, 4, 8, 6};
@@ -28,7 +28,7 @@ double heightOf(Role role) {
   return role == Role::Landing ? kDrop : kClearance;
 }
 
-/// On a square grid, each turned about its upright axis: all land flat, and in the same tick.
+/// Returns cubes on a square grid, each rotated about its vertical axis: all land flat, and in the same tick.
 std::vector<BodySetup> cubes(Role role, std::uint32_t count) {
   Dice dice(1);
   const auto columns = static_cast<std::uint32_t>(std::ceil(std::sqrt(double(count))));
@@ -50,11 +50,11 @@ std::vector<BodySetup> cubes(Role role, std::uint32_t count) {
 void setTimes(ContactScene& scene, bool quick) {
   if (scene.role == Role::Landing) {
     scene.settleTicks = 0;
-    scene.turn = scene.measuredTicks;  // in one go: the worst tick shall not be one with cold caches
+    scene.turn = scene.measuredTicks;  // no change of engine: the worst tick must not be one with cold caches
   }
-  // loose spheres have come down by then, and damped cubes have stopped
+  // loose spheres have landed by then, and damped cubes have stopped
   if (scene.role == Role::Rest) scene.settleTicks = 60;
-  // Bullet waits for two seconds of rest
+  // Bullet requires two seconds of rest
   if (scene.role == Role::Asleep) scene.settleTicks = 240;
   if (quick && scene.role == Role::Airborne) scene.measuredTicks = 20;
 }
@@ -66,9 +66,9 @@ ContactScene cubeScene(Role role, Crowd crowd, bool quick) {
   scene.role = role;
   scene.crowd = crowd;
   scene.bodies = cubes(role, count);
-  const double reach = 0.5 * kCubeSpacing * std::ceil(std::sqrt(double(count))) + 5.0;
-  scene.addRigidBodies = [reach](RigidBodies& rigid, btDiscreteDynamicsWorld& world) {
-    addBox(rigid, world, {reach, 1, reach}, 0, {0, -1, 0}, 0.5);
+  const double halfWidth = 0.5 * kCubeSpacing * std::ceil(std::sqrt(double(count))) + 5.0;
+  scene.addRigidBodies = [halfWidth](RigidBodies& rigid, btDiscreteDynamicsWorld& world) {
+    addBox(rigid, world, {halfWidth, 1, halfWidth}, 0, {0, -1, 0}, 0.5);
   };
   scene.distance = [](const Eigen::Vector3d& x) { return x.y(); };
   scene.withOthers = crowd != Crowd::RealTime;

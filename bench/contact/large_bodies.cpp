@@ -13,7 +13,7 @@ namespace {
 constexpr double kClothWidth = 2.4, kClothRadius = 0.01, kBallRadius = 0.75;  // m
 constexpr double kGround = -2.0;                                              // m
 
-/// A ball about the origin, and a floor for what falls off.
+/// Adds a ball at the origin, and a floor below for bodies that fall off.
 void addBallAndFloor(RigidBodies& rigid, btDiscreteDynamicsWorld& world) {
   addBox(rigid, world, {10, 1, 10}, 0, {0, kGround - 1, 0}, 0.5);
   auto shape = std::make_unique<btSphereShape>(static_cast<btScalar>(kBallRadius));
@@ -24,8 +24,8 @@ void addBallAndFloor(RigidBodies& rigid, btDiscreteDynamicsWorld& world) {
   rigid.shapes.push_back(std::move(shape));
 }
 
-/// It falls onto a ball and hangs down from it, clear of the floor. Dampers of the same ratio to critical
-/// ones whatever the stiffness (N/m).
+/// Returns a cloth that falls onto a ball and hangs down from it, above the floor. The ratio of the dampers
+/// to critical damping does not depend on the stiffness (N/m).
 ContactScene clothScene(bool quick, const char* name, double stiffness, Crowd crowd) {
   const int side = quick ? 12 : 64;
   BodySetup cloth = bodyOf(clothNetwork(side), 0.6, stiffness, 0.5 * std::sqrt(stiffness / 500.0));
@@ -46,7 +46,7 @@ ContactScene clothScene(bool quick, const char* name, double stiffness, Crowd cr
   return scene;
 }
 
-/// A cube of 1 m with springs between all neighbours, full of points.
+/// Returns a cube of 1 m with many points and springs between all neighbours.
 ContactScene denseScene(bool quick) {
   const int side = quick ? 4 : 17;  // 4913 points
   const double spacing = 1.0 / (side - 1);

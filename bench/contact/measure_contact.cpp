@@ -9,15 +9,15 @@
 namespace limber::bench {
 namespace {
 
-/// What one repeat of one engine gave.
+/// The results of one repeat of one engine.
 struct Sample {
   double median = 0.0, worst = 0.0, wall = 0.0, penetration = 0.0, speed = 0.0, asleep = 0.0, stretch = 0.0;
 };
 
 struct Run {
   const ContactEngine* engine = nullptr;
-  std::unique_ptr<ContactStage> stage;  // of the present repeat
-  std::vector<Sample> samples;          // #repeats; fewer where it was given up
+  std::unique_ptr<ContactStage> stage;  // of the current repeat
+  std::vector<Sample> samples;          // #repeats; fewer if it was given up
   std::string error;
 };
 
@@ -46,8 +46,8 @@ void open(Run& run, const ContactScene& scene) {
   }
 }
 
-void playAll(std::vector<Run>& runs, const ContactScene& scene, const ContactLimits& limits, int repeat,
-             RowProgress& progress) {
+void runAll(std::vector<Run>& runs, const ContactScene& scene, const ContactLimits& limits, int repeat,
+            RowProgress& progress) {
   const int turns = (scene.settleTicks + scene.measuredTicks + scene.turn - 1) / scene.turn;
   for (int turn = 0; turn < turns; ++turn) {
     for (std::size_t i = 0; i < runs.size(); ++i) {
@@ -58,7 +58,7 @@ void playAll(std::vector<Run>& runs, const ContactScene& scene, const ContactLim
   }
 }
 
-void keep(Run& run) {
+void storeSample(Run& run) {
   if (!run.stage) return;
   const ContactStage& stage = *run.stage;
   run.error = stage.error();
@@ -75,7 +75,7 @@ double medianOf(const Run& run, double Sample::*value) {
   return median(all);
 }
 
-/// Of the medians in the same repeats; empty where the other did not run.
+/// Returns the ratio of medians in the same repeats; empty if the other engine did not run.
 std::optional<double> ratioOf(const Run& run, const std::vector<Run>& runs, bool ContactEngine::*mark) {
   for (const Run& reference : runs) {
     if (!(reference.engine->*mark) || !reference.error.empty() || !run.error.empty()) continue;
@@ -120,8 +120,8 @@ std::vector<ContactRow> measureContact(const ContactScene& scene, const std::vec
   std::vector<Run> runs = runsOf(scene, engines);
   for (int repeat = 0; repeat < limits.repeats; ++repeat) {
     for (Run& run : runs) open(run, scene);
-    playAll(runs, scene, limits, repeat, progress);
-    for (Run& run : runs) keep(run);
+    runAll(runs, scene, limits, repeat, progress);
+    for (Run& run : runs) storeSample(run);
   }
   std::vector<ContactRow> rows;
   for (const Run& run : runs) rows.push_back(rowOf(run, runs, scene));

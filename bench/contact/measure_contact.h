@@ -9,11 +9,11 @@ namespace limber::bench {
 
 struct ContactLimits {
   int repeats = 3;
-  double timeLimit = 120.0;  ///< of the thread, of an engine in one repeat of a scene, then it is given up
+  double timeLimit = 120.0;  ///< s of the thread for one engine and repeat; slower engines are given up
 };
 
-/// A row for each engine, in their order. All of them are open at once and take turns, in an order that
-/// rotates with each turn and each repeat; the medians of the repeats count.
+/// Returns a row for each engine, in their order. All engines are open at once and take turns in an order
+/// that rotates with each turn and each repeat. The medians of the repeats are reported.
 std::vector<ContactRow> measureContact(const ContactScene& scene, const std::vector<ContactEngine>& engines,
                                        const ContactLimits& limits, RowProgress& progress);
 

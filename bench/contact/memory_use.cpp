@@ -17,7 +17,7 @@
 namespace limber::bench {
 namespace {
 
-/// What the program holds of the heap.
+/// Returns the bytes of heap that the program uses.
 std::optional<double> heapBytes() {
 #if defined(__GLIBC__) && __GLIBC_PREREQ(2, 33)
   const auto info = mallinfo2();
@@ -30,7 +30,7 @@ std::optional<double> heapBytes() {
 constexpr double kLatticeSpacing = 1.0;                   // m: the broadphase sees no pairs
 constexpr double kBondReach = 1.1, kDiagonalReach = 1.5;  // spacings: 6 or 18 neighbours
 
-/// side^3 points, with springs to the neighbours within so many spacings.
+/// Returns side^3 points, with springs to the neighbours within `reach` spacings.
 SharedNetwork lattice(int side, double reach) {
   auto network = std::make_shared<SpringNetwork>(*latticeNetwork(side, side, side, kLatticeSpacing));
   std::vector<NetworkSpring> springs;
@@ -41,7 +41,7 @@ SharedNetwork lattice(int side, double reach) {
   return network;
 }
 
-/// Bytes of each of `count` bodies of a network.
+/// Returns the bytes of each of `count` bodies of a network.
 double bytesOfBody(const SharedNetwork& network, int count) {
   const auto engine = makeLimberEngine();
   BodySetup body = bodyOf(network, 1.0, 100.0, 1.0);

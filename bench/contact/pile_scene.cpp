@@ -15,13 +15,13 @@ namespace limber::bench {
 namespace {
 
 constexpr double kSize = 0.5;         // m, of a body; boxes are half as high
-constexpr double kPileSpacing = 0.9;  // m: turned in any way, neighbours do not touch at first
+constexpr double kPileSpacing = 0.9;  // m: at any rotation, neighbours do not touch at first
 constexpr int kColumns = 5;           // along x and z
 constexpr double kHalf = 0.5 * kColumns * kPileSpacing;  // m, inside of the bin
 constexpr double kThick = 0.5;                           // m, half thickness of its walls
-constexpr double kTall = 8.0;                            // m, half height: nothing can leap out
+constexpr double kTall = 8.0;                            // m, half height: no body can jump out
 
-/// All springs are equally stiff: btDeformable knows no others.
+/// Returns a network whose springs are equally stiff, which btDeformable requires.
 SharedNetwork braced(const TriangleMesh& mesh, double scale) {
   TriangleMesh sized = mesh;
   for (auto& p : sized.positions) p *= scale;
@@ -32,7 +32,7 @@ SharedNetwork braced(const TriangleMesh& mesh, double scale) {
   return *network;
 }
 
-/// Cubes, flat boxes, and balls of 12 and of 42 points.
+/// Returns cubes, flat boxes, and balls of 12 and of 42 points.
 std::vector<BodySetup> kinds() {
   std::vector<BodySetup> kinds;
   const auto add = [&](SharedNetwork network, double mass, const Eigen::Vector3d& scale) {
@@ -50,9 +50,9 @@ std::vector<BodySetup> kinds() {
 
 std::vector<BodySetup> bodiesOf(int count) {
   Dice dice(7);
-  std::vector<BodySetup> sorts = kinds(), bodies;
+  std::vector<BodySetup> allKinds = kinds(), bodies;
   for (int i = 0; i < count; ++i) {
-    BodySetup body = sorts[static_cast<std::size_t>(i) % sorts.size()];
+    BodySetup body = allKinds[static_cast<std::size_t>(i) % allKinds.size()];
     const Eigen::Vector3d cell(i % kColumns, i / (kColumns * kColumns), i / kColumns % kColumns);
     body.settings.position =
         kPileSpacing * (cell + Eigen::Vector3d::Constant(0.5)) - Eigen::Vector3d(kHalf, 0, kHalf);
@@ -71,7 +71,7 @@ void addBin(RigidBodies& rigid, btDiscreteDynamicsWorld& world) {
   }
 }
 
-/// From floor and walls, for what is in the bin or has gone a little into them.
+/// Returns the distance from floor and walls (m), for points in the bin or slightly inside the walls.
 double distance(const Eigen::Vector3d& x) {
   return std::min({x.y(), kHalf - std::abs(x.x()), kHalf - std::abs(x.z())});
 }

@@ -18,8 +18,8 @@ void addSteppers(std::vector<EngineChoice>& choices) {
 void addSoftBodies(std::vector<EngineChoice>& choices) {
   for (const int iterations : {1, 4, 10})
     for (const LinkStiffness stiffness : {LinkStiffness::Full, LinkStiffness::Calibrated}) {
-      const char* how = stiffness == LinkStiffness::Full ? "kLST 1" : "kLST from k";
-      choices.push_back({"btSoftBody", std::to_string(iterations) + " it " + how,
+      const char* setting = stiffness == LinkStiffness::Full ? "kLST 1" : "kLST from k";
+      choices.push_back({"btSoftBody", std::to_string(iterations) + " it " + setting,
                          [=](double dt) { return makeSoftBodyEngine(dt, iterations, stiffness); }});
     }
 }
@@ -30,7 +30,7 @@ double asleepShare(btDiscreteDynamicsWorld& world) {
   const btCollisionObjectArray& objects = world.getCollisionObjectArray();
   int movable = 0, asleep = 0;
   for (int i = 0; i < objects.size(); ++i) {
-    // Limber's watch of the steps is awake and touches nothing
+    // Limber's object that marks the step boundary is awake and has no contacts
     if (objects[i]->isStaticObject() || !objects[i]->hasContactResponse()) continue;
     ++movable;
     asleep += !objects[i]->isActive();

@@ -23,7 +23,7 @@ class BareEngine final : public Engine {
  private:
   btSphereShape& shapeOf(double radius);
 
-  // the world comes last, so that it goes first, while what is in it still exists
+  // the world is the last member, so it is destroyed first, while its objects still exist
   std::map<double, std::unique_ptr<btSphereShape>> shapes_;
   std::vector<Spheres> bodies_;
   btDefaultCollisionConfiguration configuration_;

@@ -6,7 +6,7 @@
 namespace limber::bench {
 namespace {
 
-Eigen::Matrix3Xd placed(const SpringNetwork& network, const SoftBodySettings& s) {
+Eigen::Matrix3Xd initialPositions(const SpringNetwork& network, const SoftBodySettings& s) {
   Eigen::Matrix3Xd points(3, static_cast<Eigen::Index>(network.restPoints.size()));
   for (Eigen::Index i = 0; i < points.cols(); ++i)
     points.col(i) =
@@ -14,9 +14,9 @@ Eigen::Matrix3Xd placed(const SpringNetwork& network, const SoftBodySettings& s)
   return points;
 }
 
-/// Bodies spin about their centre of mass.
-Eigen::Matrix3Xd moving(const Eigen::Matrix3Xd& points, const Eigen::VectorXd& masses,
-                        const SoftBodySettings& s) {
+/// Returns the velocities of the points. Bodies rotate about their centre of mass.
+Eigen::Matrix3Xd initialVelocities(const Eigen::Matrix3Xd& points, const Eigen::VectorXd& masses,
+                                   const SoftBodySettings& s) {
   const Eigen::Vector3d centre = points * masses / masses.sum();
   Eigen::Matrix3Xd velocities(3, points.cols());
   for (Eigen::Index i = 0; i < points.cols(); ++i)
@@ -24,7 +24,7 @@ Eigen::Matrix3Xd moving(const Eigen::Matrix3Xd& points, const Eigen::VectorXd& m
   return velocities;
 }
 
-/// To Bullet's numbers, through which given positions reach every engine.
+/// Rounds to Bullet's numbers, in which every engine receives given positions.
 Eigen::Matrix3Xd rounded(const Eigen::Matrix3Xd& points) { return points.cast<btScalar>().cast<double>(); }
 
 void fillSprings(const BodySetup& setup, const Eigen::Matrix3Xd& rest, BodyStart& start) {
@@ -51,9 +51,9 @@ BodyStart startOf(const BodySetup& setup) {
   const auto shares = Eigen::Map<const Eigen::VectorXd>(
       setup.network->massFractions.data(), static_cast<Eigen::Index>(setup.network->massFractions.size()));
   start.masses = s.totalMass * shares;
-  const Eigen::Matrix3Xd rest = placed(*setup.network, s);
+  const Eigen::Matrix3Xd rest = initialPositions(*setup.network, s);
   fillSprings(setup, rest, start);
-  start.velocities = setup.velocities.cols() ? setup.velocities : moving(rest, start.masses, s);
+  start.velocities = setup.velocities.cols() ? setup.velocities : initialVelocities(rest, start.masses, s);
   start.positions = setup.positions.cols() ? rounded(setup.positions) : rest;
   return start;
 }

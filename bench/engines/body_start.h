@@ -7,16 +7,17 @@
 
 namespace limber::bench {
 
-/// The state a body starts in and the constants of its springs: what Limber makes of a set-up, for others.
+/// The initial state of a body and the constants of its springs, computed from a set-up as Limber does, for
+/// other engines.
 struct BodyStart {
   Eigen::Matrix3Xd positions, velocities;  ///< 3 x #points
-  Eigen::VectorXd masses;                  ///< #points, kg; pinned points have one, too
+  Eigen::VectorXd masses;                  ///< #points, kg, also for pinned points
   Eigen::VectorXd restLengths;             ///< #springs, m
   Eigen::VectorXd stiffnesses;             ///< #springs, N/m
   Eigen::VectorXd dampings;                ///< #springs, N s/m
 };
 
-/// For springs that push as they pull: throws std::runtime_error where the two spring constants differ.
+/// Computes the initial state. Throws std::runtime_error if the two spring constants differ.
 BodyStart startOf(const BodySetup& setup);
 
 inline btVector3 toBullet(const Eigen::Vector3d& v) {

@@ -6,7 +6,7 @@
 namespace limber::bench {
 namespace {
 
-/// Pinned points last: btDeformable hands its explicit forces to the wrong nodes behind a pinned one.
+/// Orders pinned points last: btDeformable applies its explicit forces to the wrong nodes after a pinned one.
 std::vector<std::uint32_t> pinnedLast(const BodySetup& setup, std::size_t count) {
   std::vector<std::uint32_t> order(count);
   for (std::size_t i = 0; i < count; ++i) order[i] = static_cast<std::uint32_t>(i);
@@ -30,7 +30,7 @@ void addLinksAndFaces(const BodySetup& setup, const BodyStart& start, BulletSoft
     link.m_rl = static_cast<btScalar>(start.restLengths[s]);
     link.m_c1 = link.m_rl * link.m_rl;
   }
-  // else the first tick would take the present lengths for rest lengths
+  // otherwise the first tick would use the present lengths as rest lengths
   soft.body->m_bUpdateRtCst = false;
   if (!setup.network->surface.empty()) soft.body->initializeFaceTree();
 }
@@ -38,7 +38,7 @@ void addLinksAndFaces(const BodySetup& setup, const BodyStart& start, BulletSoft
 void setVelocities(const BodyStart& start, BulletSoftBody& soft) {
   for (std::uint32_t i = 0; i < soft.nodeOfPoint.size(); ++i) {
     soft.node(i).m_v = toBullet(start.velocities.col(i));
-    soft.node(i).m_vn = soft.node(i).m_v;  // btDeformable starts from this one
+    soft.node(i).m_vn = soft.node(i).m_v;  // btDeformable starts with this one
   }
 }
 

@@ -10,7 +10,7 @@
 
 namespace limber::bench {
 
-/// A btSoftBody and which of its nodes is which point.
+/// A btSoftBody and the node of each point.
 struct BulletSoftBody {
   std::unique_ptr<btSoftBody> body;
   std::vector<int> nodeOfPoint;  ///< #points
@@ -19,8 +19,8 @@ struct BulletSoftBody {
   btSoftBody::Node& node(std::uint32_t point) const { return body->m_nodes[nodeOfPoint[point]]; }
 };
 
-/// The set-up's points and springs, links in the order of the springs, with rest lengths as given; contacts
-/// at the nodes with the same radius and friction as Limber's points have.
+/// Creates a btSoftBody with the set-up's points and springs: links in the order of the springs, rest lengths
+/// as given, and contacts at the nodes with the same radius and friction as Limber's points.
 BulletSoftBody makeBulletSoftBody(const BodySetup& setup, const BodyStart& start, btSoftBodyWorldInfo& info);
 
 Eigen::Matrix3Xd nodePositions(const BulletSoftBody& soft);

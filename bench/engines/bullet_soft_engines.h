@@ -5,27 +5,27 @@
 
 namespace limber::bench {
 
-/// How btSoftBody's links are as stiff as the springs they stand for.
+/// The stiffness of btSoftBody's links.
 enum class LinkStiffness : std::uint8_t {
-  Full,       ///< kLST = 1, Bullet's default: as stiff as the iterations make it
-  Calibrated  ///< kLST such that the iterations of a tick do what implicit Euler does to a single spring
+  Full,       ///< kLST = 1, Bullet's default: the stiffness depends on the iterations
+  Calibrated  ///< kLST for which the iterations of a tick act like implicit Euler on a single spring
 };
 
-/// What btSoftBody collides: its points with rigid bodies through their distance fields, and with the faces
-/// of other soft bodies; or convex clusters of points, with either.
+/// The colliding parts of a btSoftBody: its points with rigid bodies through their distance fields and with
+/// the faces of other soft bodies, or convex clusters of points with either.
 enum class SoftContacts : std::uint8_t {
   Points,             ///< SDF_RS
   PointsAndFaces,     ///< SDF_RS | VF_SS
-  PointsAndClusters,  ///< SDF_RS | CL_SS, 8 clusters at most
-  Clusters            ///< CL_RS | CL_SS, 8 clusters at most
+  PointsAndClusters,  ///< SDF_RS | CL_SS, at most 8 clusters
+  Clusters            ///< CL_RS | CL_SS, at most 8 clusters
 };
 
-/// Bullet's position-based soft body. Bodies without faces collide as their points.
+/// Creates Bullet's position-based soft body. Bodies without faces collide with their points.
 std::unique_ptr<Engine> makeSoftBodyEngine(double dt, int iterations, LinkStiffness stiffness,
                                            SoftContacts contacts = SoftContacts::PointsAndFaces);
 
-/// Bullet's deformable body with btDeformableMassSpringForce. It knows two spring constants: that of the
-/// body, and that of its bending springs.
+/// Creates Bullet's deformable body with btDeformableMassSpringForce. It supports two spring constants: that
+/// of the body, and that of its bending springs.
 std::unique_ptr<Engine> makeDeformableEngine(bool implicit);
 
 }  // namespace limber::bench

@@ -46,9 +46,9 @@ class DeformableEngine final : public Engine {
 DeformableEngine::DeformableEngine(bool implicit) {
   solver_.setDeformableSolver(&bodySolver_);
   world_.setImplicit(implicit);
-  world_.setUseProjection(implicit);  // its implicit step is written for projected constraints alone
+  world_.setUseProjection(implicit);  // its implicit step supports projected constraints only
   bodySolver_.setImplicit(implicit);
-  world_.getSolverInfo().m_splitImpulse = 0;  // with it, what rests on a floor is thrown through it
+  world_.getSolverInfo().m_splitImpulse = 0;  // with it, bodies resting on a floor are thrown through it
 }
 
 DeformableEngine::~DeformableEngine() {
@@ -60,7 +60,7 @@ void DeformableEngine::addForce(btSoftBody& body, std::unique_ptr<btDeformableLa
   forces_.push_back(std::move(force));
 }
 
-/// The spring constant of the springs of the given sort, all of which must have the same.
+/// Returns the spring constant of the bending springs or of all others. They must all have the same.
 double commonStiffness(const BodySetup& setup, const BodyStart& start, bool bending) {
   double common = -1.0;
   for (Eigen::Index s = 0; s < start.stiffnesses.size(); ++s) {

@@ -18,15 +18,15 @@
 
 namespace limber::bench {
 
-/// A body of point masses and springs, told in a way that every engine understands.
+/// A body of point masses and springs, described for all engines.
 struct BodySetup {
   SharedNetwork network;
-  SoftBodySettings settings;        ///< stiffness, mass, damping and place; stepping is each engine's own
-  std::vector<std::uint32_t> pins;  ///< points that are held where they start
-  Eigen::Matrix3Xd positions;       ///< 3 x #points, m, or empty: where the settings put the network
+  SoftBodySettings settings;  ///< stiffness, mass, damping and position; each engine has its own stepping
+  std::vector<std::uint32_t> pins;  ///< points that are held at their initial positions
+  Eigen::Matrix3Xd positions;       ///< 3 x #points, m, or empty: from the settings
   Eigen::Matrix3Xd velocities;      ///< 3 x #points, m/s, or empty: from the settings
-  double drag = 0.0;      ///< 1/s by which an engine without dampers along its springs slows everything down
-  bool maySleep = false;  ///< as far as the engine knows how; else it is kept awake
+  double drag = 0.0;                ///< 1/s, slows all motion in engines without dampers along springs
+  bool maySleep = false;            ///< if the engine supports it; otherwise the body is kept awake
 };
 
 /// A point of one of the bodies.
@@ -35,44 +35,44 @@ struct BodyPoint {
   std::uint32_t point = 0;
 };
 
-/// A physics engine with soft bodies in a world of Bullet's.
+/// A physics engine with soft bodies in a Bullet world.
 class Engine {
  public:
   virtual ~Engine() = default;
 
-  /// For rigid bodies, which must outlive the engine, and for gravity, to be set before addBody().
+  /// Returns the world, for rigid bodies, which must outlive the engine, and to set gravity before addBody().
   virtual btDiscreteDynamicsWorld& world() = 0;
-  /// Returns its index. Throws std::runtime_error with the reason when the engine cannot have such a body.
+  /// Returns its index. Throws std::runtime_error with the reason if the engine does not support the body.
   virtual std::size_t addBody(const BodySetup& setup) = 0;
   /// Advances the world by one tick of dt seconds.
   virtual void tick(double dt) = 0;
-  /// The springs' part of the last tick; below 0: not told apart, so the whole tick.
+  /// Returns the springs' part of the last tick; negative: not measured separately, the whole tick counts.
   virtual double stepMicroseconds() const = 0;
 
-  /// N s that soft bodies' contacts have borne in the last tick without Bullet's manifolds telling.
+  /// Returns the contact impulses (N s) of soft bodies in the last tick that Bullet's manifolds do not
+  /// contain.
   virtual double untoldImpulse() const { return 0.0; }
   virtual Eigen::Matrix3Xd positions(std::size_t body) const = 0;   ///< 3 x #points, m
   virtual Eigen::Matrix3Xd velocities(std::size_t body) const = 0;  ///< 3 x #points, m/s
-  /// Holds a point where it is, or lets go of it.
+  /// Holds a point at its position, or releases it.
   virtual void setPinned(std::size_t body, std::uint32_t point, bool pinned) = 0;
-  /// A spring beside those of the bodies. Throws std::runtime_error with the reason when there is no such
-  /// thing.
+  /// Adds a separate spring. Throws std::runtime_error with the reason if this is not supported.
   virtual void addSpring(BodyPoint, BodyPoint, const SpringSettings&) {
     throw std::runtime_error("single springs are Limber's alone");
   }
 };
 
-/// One way to simulate a scene. No commas in the names: they become cells of a CSV file.
+/// An engine with a setting. The names become cells of a CSV file and must not contain commas.
 struct EngineChoice {
   std::string engine, setting;
-  /// A new engine for ticks of dt seconds: some are tuned to it.
+  /// Creates an engine for ticks of dt seconds: some are tuned to it.
   std::function<std::unique_ptr<Engine>(double dt)> make;
 };
 
-/// Share of what can move in a world that sleeps.
+/// Returns the share of a world's movable objects that sleep.
 double asleepShare(btDiscreteDynamicsWorld& world);
 
-/// Limber with each of its steppers, btSoftBody and btDeformable with each setting worth trying.
+/// Returns Limber with each of its steppers, and btSoftBody and btDeformable with all useful settings.
 std::vector<EngineChoice> allEngines();
 
 }  // namespace limber::bench

@@ -39,8 +39,9 @@ class LimberEngine final : public Engine {
   SoftBodySystem soft_{world_};
 };
 
-/// Without asking for points where nothing is to be done to them: those that nobody knows cost less.
-void place(SoftBody& body, const BodySetup& setup) {
+/// Sets given positions and velocities. Requests points only if these are given: points cost less while they
+/// are not exposed.
+void setInitialState(SoftBody& body, const BodySetup& setup) {
   if (!setup.positions.cols() && !setup.velocities.cols()) return;
   for (std::uint32_t i = 0; i < body.pointCount(); ++i) {
     btRigidBody& point = *body.point(i);
@@ -58,11 +59,11 @@ void keepAwake(SoftBody& body) {
 
 std::size_t LimberEngine::addBody(const BodySetup& setup) {
   SoftBodySettings settings = setup.settings;
-  settings.volumeModulus = 0.0;  // scenes and their truths are springs alone, which is all the others have
+  settings.volumeModulus = 0.0;  // scenes and reference solutions have springs only, as all other engines
   if (tune_) tune_(settings);
   Result<SoftBody*> body = soft_.createBody(setup.network, settings);
   if (!body) throw std::runtime_error(body.error());
-  place(**body, setup);
+  setInitialState(**body, setup);
   if (!setup.maySleep) keepAwake(**body);
   for (const std::uint32_t pin : setup.pins) (*body)->pin(pin);
   return soft_.bodyCount() - 1;

@@ -5,7 +5,7 @@
 
 namespace limber::bench {
 
-/// Changes what a scene asks for before Limber's body is made, as to force a stepper.
+/// Changes a scene's settings before Limber's body is made, for example to force a stepper.
 using TuneSettings = std::function<void(SoftBodySettings&)>;
 
 std::unique_ptr<Engine> makeLimberEngine(TuneSettings tune = {});
@@ -13,7 +13,7 @@ std::unique_ptr<Engine> makeLimberEngine(TuneSettings tune = {});
 /// Forces a stepper.
 std::unique_ptr<Engine> makeLimberEngine(Stepper stepper);
 
-/// How many of Verlet's substeps the body takes in a tick of dt when it is not asked for more.
+/// Returns the number of Verlet substeps that the body takes in a tick of dt seconds with its own settings.
 int stableSubsteps(const BodySetup& setup, double dt);
 
 }  // namespace limber::bench

@@ -47,13 +47,13 @@ SoftBodyEngine::~SoftBodyEngine() {
   for (const BulletSoftBody& soft : bodies_) world_.removeSoftBody(soft.body.get());
 }
 
-/// The share each iteration must take of a link's error so that all of them take `springShare` of it.
+/// Returns the share of a link's error that each iteration must remove so that all remove `springShare`.
 double SoftBodyEngine::shareOf(double springShare) const {
   return 1.0 - std::pow(1.0 - springShare, 1.0 / iterations_);
 }
 
-/// Implicit Euler's step of h of a spring k between two points of inverse masses w takes
-///   k h^2 (wa + wb) / (1 + k h^2 (wa + wb))  of its error; kLST is that share for one iteration.
+/// A step h of implicit Euler with a spring k between two points of inverse masses w removes
+///   k h^2 (wa + wb) / (1 + k h^2 (wa + wb))  of its error; kLST is the corresponding share of one iteration.
 void SoftBodyEngine::calibrate(const BodySetup& setup, const BodyStart& start, BulletSoftBody& soft) {
   std::map<btScalar, btSoftBody::Material*> materials;
   for (int s = 0; s < soft.body->m_links.size(); ++s) {
@@ -72,14 +72,15 @@ void SoftBodyEngine::calibrate(const BodySetup& setup, const BodyStart& start, B
 void setContacts(btSoftBody& body, SoftContacts contacts) {
   using Flags = btSoftBody::fCollision;
   constexpr int kClusters = 8;
-  if (contacts != SoftContacts::PointsAndFaces) body.m_fdbvt.clear();  // else it is kept up in every tick
+  if (contacts != SoftContacts::PointsAndFaces) body.m_fdbvt.clear();  // else updated in every tick
   if (contacts == SoftContacts::Points || body.m_faces.size() == 0) {
     body.m_cfg.collisions = Flags::SDF_RS;
   } else if (contacts == SoftContacts::PointsAndFaces) {
     body.m_cfg.collisions = Flags::SDF_RS | Flags::VF_SS;
   } else {
     body.generateClusters(kClusters);
-    body.m_cfg.collisions = (contacts == SoftContacts::Clusters ? Flags::CL_RS : Flags::SDF_RS) | Flags::CL_SS;
+    body.m_cfg.collisions =
+        (contacts == SoftContacts::Clusters ? Flags::CL_RS : Flags::SDF_RS) | Flags::CL_SS;
   }
 }
 

@@ -4,7 +4,7 @@
 namespace limber::bench {
 namespace {
 
-/// m, below which the ends of a spring coincide.
+/// m; the ends of a shorter spring coincide.
 constexpr double kCoincident = 1e-9;
 
 }  // namespace

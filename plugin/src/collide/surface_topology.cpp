@@ -13,9 +13,9 @@ namespace {
 
 using Eigen::Vector3d;
 
-/// Share of a triangle's shortest side that a vertex may be behind it.
+/// Share of a triangle's shortest side by which a vertex may be behind it.
 constexpr double kDepthShare = 0.25;
-/// About rad: an edge of a rigid shape that is folded by less is flat.
+/// Edges of a rigid shape with a smaller fold (about rad) are flat.
 constexpr double kFlatRigidFold = 0.02;
 
 template <std::size_t N>
@@ -46,7 +46,7 @@ std::string check(const Points& rest, const SurfaceFeatures& features) {
 
 Edge sorted(std::uint32_t a, std::uint32_t b) { return {std::min(a, b), std::max(a, b)}; }
 
-/// Triangles' edges, sorted, then the segments that are none of them.
+/// Returns the sorted edges of the triangles, then the segments that are not among them.
 std::vector<Edge> allEdges(const SurfaceFeatures& features) {
   std::vector<Edge> edges = uniqueEdges(features.triangles), loose;
   for (const Edge& s : features.segments) {
@@ -78,21 +78,22 @@ IndexLists listsAround(Eigen::Index points, const Items& items) {
   return lists;
 }
 
-/// A piece is closed if each of its edges has two triangles that run through it in opposite directions.
+/// Returns for each triangle whether it is one-sided. A piece is closed if each of its edges belongs to two
+/// triangles that run along it in opposite directions.
 std::vector<std::uint8_t> findOneSided(const SurfaceTopology& t, std::size_t triangleEdges, bool outward) {
   const SurfaceComponents pieces = findComponents(static_cast<std::size_t>(t.rest.cols()), t.triangles);
-  std::vector<int> uses(triangleEdges, 0), turns(triangleEdges, 0);
-  const auto visit = [&](auto&& see) {
+  std::vector<int> uses(triangleEdges, 0), balance(triangleEdges, 0);
+  const auto visit = [&](auto&& callback) {
     for (std::size_t i = 0; i < t.triangles.size(); ++i)
       for (std::size_t k = 0; k < 3; ++k) {
         const std::uint32_t from = t.triangles[i][k], to = t.triangles[i][(k + 1) % 3];
-        see(i, edgeIndex(t.edges, triangleEdges, sorted(from, to)), from < to ? 1 : -1);
+        callback(i, edgeIndex(t.edges, triangleEdges, sorted(from, to)), from < to ? 1 : -1);
       }
   };
-  visit([&](std::size_t, std::uint32_t edge, int turn) { ++uses[edge], turns[edge] += turn; });
+  visit([&](std::size_t, std::uint32_t edge, int direction) { ++uses[edge], balance[edge] += direction; });
   std::vector<std::uint8_t> closed(pieces.count, 1), oneSided;
   visit([&](std::size_t i, std::uint32_t edge, int) {
-    if (uses[edge] != 2 || turns[edge] != 0) closed[pieces.ofTriangle[i]] = 0;
+    if (uses[edge] != 2 || balance[edge] != 0) closed[pieces.ofTriangle[i]] = 0;
   });
   for (const std::uint32_t piece : pieces.ofTriangle) oneSided.push_back(outward || closed[piece]);
   return oneSided;
@@ -124,8 +125,8 @@ double shortestSide(const SurfaceTopology& t, const Triangle& corners) {
       {length(corners[0], corners[1]), length(corners[1], corners[2]), length(corners[2], corners[0])});
 }
 
-/// Whether nothing can ever touch the edge from outside.
-bool isIdle(const SurfaceTopology& t, std::uint32_t edge) {
+/// Whether no object can touch the edge from outside.
+bool isUnreachable(const SurfaceTopology& t, std::uint32_t edge) {
   const auto [first, second] = t.edgeTriangles[edge];
   if (second == kNoFeature) return false;
   const Vector3d n0 = restNormal(t, first), n1 = restNormal(t, second);
@@ -137,15 +138,15 @@ bool isIdle(const SurfaceTopology& t, std::uint32_t edge) {
   return n0.dot(t.rest.col(opposite) - t.rest.col(t.edges[edge][0])) > 0.0;
 }
 
-/// Gives each vertex and edge into the care of the first element that has it.
+/// Makes the first element with a vertex or an edge its owner.
 class FeatureOwners {
  public:
   FeatureOwners(SurfaceTopology& t, std::size_t triangleEdges, bool rigid)
       : t_(t),
         triangleEdges_(triangleEdges),
-        vertexTaken_(static_cast<std::size_t>(t.rest.cols())),
-        edgeTaken_(t.edges.size()) {
-    for (std::uint32_t e = 0; rigid && e < triangleEdges; ++e) edgeTaken_[e] = isIdle(t, e);
+        vertexOwned_(static_cast<std::size_t>(t.rest.cols())),
+        edgeOwned_(t.edges.size()) {
+    for (std::uint32_t e = 0; rigid && e < triangleEdges; ++e) edgeOwned_[e] = isUnreachable(t, e);
   }
 
   void addTriangle(std::uint32_t i) {
@@ -154,8 +155,8 @@ class FeatureOwners {
     element.triangle = i;
     for (std::size_t k = 0; k < 3; ++k) {
       const Edge edge = sorted(element.corners[k], element.corners[(k + 1) % 3]);
-      takeEdge(element, k, edgeIndex(t_.edges, triangleEdges_, edge));
-      takeVertex(element, k, element.corners[k]);
+      assignEdge(element, k, edgeIndex(t_.edges, triangleEdges_, edge));
+      assignVertex(element, k, element.corners[k]);
     }
     t_.elements.push_back(element);
   }
@@ -163,34 +164,34 @@ class FeatureOwners {
     SurfaceElement element;
     const auto [a, b] = t_.edges[edge];
     element.corners = {a, b, b};
-    takeEdge(element, 0, edge);
-    takeVertex(element, 0, a);
-    takeVertex(element, 1, b);
+    assignEdge(element, 0, edge);
+    assignVertex(element, 0, a);
+    assignVertex(element, 1, b);
     t_.elements.push_back(element);
   }
   void addVertex(std::uint32_t v) {
-    if (vertexTaken_[v]) return;
+    if (vertexOwned_[v]) return;
     SurfaceElement element;
     element.corners = {v, v, v};
-    takeVertex(element, 0, v);
+    assignVertex(element, 0, v);
     t_.elements.push_back(element);
   }
 
  private:
-  void takeEdge(SurfaceElement& element, std::size_t slot, std::uint32_t edge) {
-    if (!edgeTaken_[edge]) element.edges[slot] = edge;
-    edgeTaken_[edge] = true;
+  void assignEdge(SurfaceElement& element, std::size_t slot, std::uint32_t edge) {
+    if (!edgeOwned_[edge]) element.edges[slot] = edge;
+    edgeOwned_[edge] = true;
   }
-  void takeVertex(SurfaceElement& element, std::size_t slot, std::uint32_t v) {
-    if (vertexTaken_[v]) return;
+  void assignVertex(SurfaceElement& element, std::size_t slot, std::uint32_t v) {
+    if (vertexOwned_[v]) return;
     element.vertices[slot] = v;
     t_.vertices.push_back(v);
-    vertexTaken_[v] = true;
+    vertexOwned_[v] = true;
   }
 
   SurfaceTopology& t_;
   std::size_t triangleEdges_;
-  std::vector<bool> vertexTaken_, edgeTaken_;
+  std::vector<bool> vertexOwned_, edgeOwned_;
 };
 
 }  // namespace
@@ -210,10 +211,11 @@ Result<SurfaceTopology> makeSurfaceTopology(const Points& rest, const SurfaceFea
     t.featureSize += (rest.col(e[0]) - rest.col(e[1])).norm() / double(t.edges.size());
   t.edgesAround = listsAround(rest.cols(), t.edges);
   t.trianglesAround = listsAround(rest.cols(), t.triangles);
-  FeatureOwners care(t, triangleEdges, features.rigid);
-  for (std::uint32_t i = 0; i < t.triangles.size(); ++i) care.addTriangle(i);
-  for (std::size_t e = triangleEdges; e < t.edges.size(); ++e) care.addSegment(static_cast<std::uint32_t>(e));
-  for (const std::uint32_t v : features.vertices) care.addVertex(v);
+  FeatureOwners owners(t, triangleEdges, features.rigid);
+  for (std::uint32_t i = 0; i < t.triangles.size(); ++i) owners.addTriangle(i);
+  for (std::size_t e = triangleEdges; e < t.edges.size(); ++e)
+    owners.addSegment(static_cast<std::uint32_t>(e));
+  for (const std::uint32_t v : features.vertices) owners.addVertex(v);
   t.nodes = makeSurfaceTree(rest, t.elements);
   return t;
 }

@@ -13,7 +13,8 @@ namespace {
 
 using Eigen::Vector3d;
 
-/// Nodes wait while one of their kin is visited: one per level, and halving makes at most 32 levels.
+/// Size of the stack of nodes. One sibling per level waits while the other is visited, and halving makes at
+/// most 32 levels.
 constexpr std::size_t kStack = 40;
 
 class TreeBuilder {
@@ -43,7 +44,7 @@ class TreeBuilder {
     std::for_each(begin, end, [&](std::uint32_t i) { box.extend(centres_[i]); });
     Eigen::Index axis = 0;
     box.sizes().maxCoeff(&axis);
-    // sorted, not halved: the same tree whatever the library's nth_element does
+    // sorted, not partitioned by nth_element: the tree does not depend on the standard library
     std::sort(begin, end, [&](std::uint32_t i, std::uint32_t j) {
       const double x = centres_[i][axis], y = centres_[j][axis];
       return x != y ? x < y : i < j;
@@ -90,11 +91,11 @@ bool isLeaf(const SurfaceNode& node) { return node.element != kNoFeature; }
 double sizeOf(const SweptBox& box) { return (box.high - box.low).maxCoeff(); }
 
 /// m^2
-double squaredDistance(const SweptBox& box, const Eigen::Array4d& place) {
-  return (box.low - place).max(place - box.high).max(0.0).matrix().squaredNorm();
+double squaredDistance(const SweptBox& box, const Eigen::Array4d& point) {
+  return (box.low - point).max(point - box.high).max(0.0).matrix().squaredNorm();
 }
 
-/// Replaces a pair of nodes by those with the children of the larger one.
+/// Replaces a pair of nodes by the pairs with the children of the larger node.
 void descend(const MovingSurface& a, const MovingSurface& b, std::uint32_t i, std::uint32_t j,
              LeafPairs& waiting) {
   const SurfaceNode &na = a.topology->nodes[i], &nb = b.topology->nodes[j];
@@ -107,23 +108,24 @@ void descend(const MovingSurface& a, const MovingSurface& b, std::uint32_t i, st
   }
 }
 
-/// Sum of the normals around a vertex or an edge or of a triangle (where no weight is 0), each by its angle
-/// there: the sign of the distance does not depend on the triangle asked (Baerentzen, Aanaes 2005).
+/// Returns the sum of the normals around a vertex or an edge or of a triangle (where no weight is 0), each
+/// weighted with its angle there. With it the sign of the distance is the same for all triangles that share
+/// the nearest point (Baerentzen, Aanaes 2005).
 Vector3d pseudonormal(const MovingSurface& surface, std::uint32_t triangle, const Vector3d& barycentric) {
   const SurfaceTopology& t = *surface.topology;
   const Triangle& corners = t.triangles[triangle];
   Eigen::Index largest = 0;
   barycentric.maxCoeff(&largest);
   const std::uint32_t anchor = corners[static_cast<std::size_t>(largest)];
-  const auto holds = [](const Triangle& other, std::uint32_t v) {
+  const auto hasCorner = [](const Triangle& other, std::uint32_t v) {
     return other[0] == v || other[1] == v || other[2] == v;
   };
   Vector3d sum = Vector3d::Zero();
   for (const std::uint32_t* i = t.trianglesAround.begin(anchor); i != t.trianglesAround.end(anchor); ++i) {
     bool around = true;
     for (std::size_t k = 0; k < 3; ++k)
-      around =
-          around && (barycentric[static_cast<Eigen::Index>(k)] <= 0.0 || holds(t.triangles[*i], corners[k]));
+      around = around &&
+               (barycentric[static_cast<Eigen::Index>(k)] <= 0.0 || hasCorner(t.triangles[*i], corners[k]));
     if (!around) continue;
     const auto feature = featureOf<3>(surface, t.triangles[*i]);
     const bool atVertex = (barycentric.array() > 0.0).count() == 1;
@@ -208,15 +210,15 @@ void findNearLeaves(const MovingSurface& surface, double margin, LeafPairs& wait
 void findTriangles(const MovingSurface& surface, const Eigen::AlignedBox3d& box,
                    std::vector<std::uint32_t>& found) {
   const SurfaceTopology& t = *surface.topology;
-  SweptBox asked;
-  asked.low.head<3>() = box.min();
-  asked.high.head<3>() = box.max();
+  SweptBox query;
+  query.low.head<3>() = box.min();
+  query.high.head<3>() = box.max();
   found.clear();
   std::array<std::uint32_t, kStack> stack{};
   std::size_t waiting = t.nodes.empty() ? 0 : 1;
   while (waiting > 0) {
     const std::uint32_t i = stack[--waiting];
-    if (separation(surface.boxes->nodes[i], asked) > 0.0) continue;
+    if (separation(surface.boxes->nodes[i], query) > 0.0) continue;
     const SurfaceNode& node = t.nodes[i];
     if (!isLeaf(node)) {
       stack[waiting++] = node.child + 1;
@@ -227,22 +229,22 @@ void findTriangles(const MovingSurface& surface, const Eigen::AlignedBox3d& box,
   }
 }
 
-NearestOnSurface nearestOnSurface(const MovingSurface& surface, const Vector3d& place, double within) {
+NearestOnSurface nearestOnSurface(const MovingSurface& surface, const Vector3d& point, double within) {
   const SurfaceTopology& t = *surface.topology;
   const std::vector<SweptBox>& boxes = surface.boxes->nodes;
-  Eigen::Array4d at;
-  at << place, 0.0;
+  Eigen::Array4d point4;
+  point4 << point, 0.0;
   NearestOnSurface nearest;
   double best = within * within;
   std::array<std::uint32_t, kStack> stack{};
   std::size_t waiting = boxes.empty() ? 0 : 1;
   while (waiting > 0) {
     const std::uint32_t i = stack[--waiting];
-    if (squaredDistance(boxes[i], at) > best) continue;
+    if (squaredDistance(boxes[i], point4) > best) continue;
     const SurfaceNode& node = t.nodes[i];
     if (node.element == kNoFeature) {
       const bool firstIsNearer =
-          squaredDistance(boxes[node.child], at) <= squaredDistance(boxes[node.child + 1], at);
+          squaredDistance(boxes[node.child], point4) <= squaredDistance(boxes[node.child + 1], point4);
       stack[waiting++] = firstIsNearer ? node.child + 1 : node.child;
       stack[waiting++] = firstIsNearer ? node.child : node.child + 1;
       continue;
@@ -250,8 +252,8 @@ NearestOnSurface nearestOnSurface(const MovingSurface& surface, const Vector3d& 
     const std::uint32_t triangle = t.elements[node.element].triangle;
     if (triangle == kNoFeature) continue;
     const auto corners = featureOf<3>(surface, t.triangles[triangle]).start;
-    const Vector3d weights = nearestBarycentric({corners.col(0), corners.col(1), corners.col(2)}, place);
-    const double squared = (corners * weights - place).squaredNorm();
+    const Vector3d weights = nearestBarycentric({corners.col(0), corners.col(1), corners.col(2)}, point);
+    const double squared = (corners * weights - point).squaredNorm();
     if (squared > best || (squared == best && triangle > nearest.triangle)) continue;
     best = squared;
     nearest.triangle = triangle;
@@ -259,7 +261,7 @@ NearestOnSurface nearestOnSurface(const MovingSurface& surface, const Vector3d& 
   }
   if (nearest.triangle == kNoFeature) return nearest;
   const auto corners = featureOf<3>(surface, t.triangles[nearest.triangle]).start;
-  const Vector3d away = place - corners * nearest.barycentric;
+  const Vector3d away = point - corners * nearest.barycentric;
   nearest.distance = std::sqrt(best);
   nearest.behind = away.dot(pseudonormal(surface, nearest.triangle, nearest.barycentric)) < 0.0;
   return nearest;

@@ -10,8 +10,8 @@ namespace {
 
 using Eigen::Vector3d;
 
-/// From 0 at the first to 1 at the second corner; `numerator` and `rest` are the distances from them along
-/// the edge, both times its length.
+/// Returns a position on an edge, from 0 at the first to 1 at the second corner. `numerator` and `rest` are
+/// the distances from the corners along the edge, times the edge's length.
 double edgeFraction(double numerator, double rest) {
   const double sum = numerator + rest;
   return sum > 0.0 ? numerator / sum : 0.0;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
-// What the sweeps do over and over with one row.
+// Basic operations of the sweeps on one row.
 
 #include "solver/contacts.h"
 
@@ -11,7 +11,7 @@ struct Motion {
   double x = 0.0, y = 0.0, z = 0.0;
 };
 
-/// m/s, of side a relative to b without the turning of rigid bodies.
+/// m/s, of side a relative to b without the rotation of rigid bodies.
 inline Motion motionOf(const IslandConstraints& rows, const ContactConstraint& row) {
   Motion m;
   for (std::uint32_t i = row.firstPoint; i < row.endPoint; ++i) {
@@ -27,12 +27,12 @@ inline double along(const double* axis, const Motion& m) {
   return axis[0] * m.x + axis[1] * m.y + axis[2] * m.z;
 }
 
-inline Motion turnOf(const ConstraintRotation& turn) {
-  const Eigen::Vector3d& w = turn.body->angularVelocity;
+inline Motion angularVelocityOf(const ConstraintRotation& rotation) {
+  const Eigen::Vector3d& w = rotation.body->angularVelocity;
   return {w.x(), w.y(), w.z()};
 }
 
-/// m/s across, of what the points' speeds along the normal add at their levers.
+/// Returns the tangential speeds (m/s) that the points' normal speeds add at their moment arms.
 inline ContactVector momentArmSpeeds(const IslandConstraints& rows, const ContactConstraint& row) {
   ContactVector speeds;
   for (std::uint32_t i = row.firstPoint; i < row.endPoint; ++i) {
@@ -52,14 +52,14 @@ inline void applyAtMomentArms(IslandConstraints& rows, const ContactConstraint& 
   }
 }
 
-/// m/s of side a relative to b.
+/// m/s, of side a relative to b.
 inline ContactVector speedsOf(const IslandConstraints& rows, const ContactConstraint& row) {
   const Motion m = motionOf(rows, row);
   ContactVector speeds{row.carried.n + along(row.axes[0], m), row.carried.u + along(row.axes[1], m),
                        row.carried.v + along(row.axes[2], m)};
   for (std::uint32_t i = row.firstRotation; i < row.endRotation; ++i) {
     const ConstraintRotation& t = rows.rotations[i];
-    const Motion w = turnOf(t);
+    const Motion w = angularVelocityOf(t);
     speeds += {along(t.speeds[0], w), along(t.speeds[1], w), along(t.speeds[2], w)};
   }
   if (row.couple == Couple::Soft) speeds += momentArmSpeeds(rows, row);
@@ -70,11 +70,11 @@ inline ContactVector speedsOf(const IslandConstraints& rows, const ContactConstr
 inline double speedAlong(const IslandConstraints& rows, const ContactConstraint& row) {
   double speed = row.carried.n + along(row.axes[0], motionOf(rows, row));
   for (std::uint32_t i = row.firstRotation; i < row.endRotation; ++i)
-    speed += along(rows.rotations[i].speeds[0], turnOf(rows.rotations[i]));
+    speed += along(rows.rotations[i].speeds[0], angularVelocityOf(rows.rotations[i]));
   return speed;
 }
 
-/// Gives both sides an impulse.
+/// Applies an impulse to both sides.
 inline void applyImpulse(IslandConstraints& rows, ContactConstraint& row, const ContactVector& j) {
   const double(&a)[3][3] = row.axes;
   const double x = a[0][0] * j.n + a[1][0] * j.u + a[2][0] * j.v;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// Solves contacts, joints and anchors of a group together, by sweeps over their rows.
+// Solves the contacts, joints and anchors of an island together, by sweeps over their rows.
 #include "solver/contacts.h"
 
 #include "solver/contact_constraint.h"
@@ -21,49 +21,50 @@ using Eigen::Vector2d;
 using Eigen::Vector3d;
 using ConstMap = Eigen::Map<const Vector3d>;
 
-/// A triangle's share may leave it by so much before its place stays put until the next tick.
+/// Largest share of a point. A contact point that needs a larger one stays in place until the next tick.
 constexpr double kMaxShare = 1.25;
 
-/// Of the arm of a rigid body's place: what stops it from farther away acts as if it had come nearer.
-constexpr double kMaxReach = 0.3;
+/// Largest displacement of a rigid body's contact point, as a share of its moment arm. Contacts over a larger
+/// distance act at a point displaced by this much.
+constexpr double kMaxArmChange = 0.3;
 
-/// Points across a normal that are this much thinner one way than the other, squared, are in a line.
+/// Collinear points: largest ratio of the squares of their extents in the two directions across the normal.
 constexpr double kThin = 1e-6;
 
 constexpr std::size_t kMaxRowPoints = 6;
 
-/// The points of a row as its axes show them.
-struct Places {
+/// The soft points of a row, in the axes of the row.
+struct RowPoints {
   std::size_t count = 0;
   std::array<Vector3d, kMaxRowPoints>
-      displacement;                   ///< m, from the middle of the side: along the normal, then across
-  Vector3d apart = Vector3d::Zero();  ///< m, from place b to a, likewise
-  Matrix2d inverse;                   ///< 1/m^2, of M
+      offset;                              ///< m, from the middle of the side: along the normal, then across
+  Vector3d separation = Vector3d::Zero();  ///< m, from contact point b to a, likewise
+  Matrix2d inverse;                        ///< 1/m^2, of M (see alignContactPoints)
 
-  Vector2d momentArm(std::size_t i) const { return displacement[i].tail<2>(); }
+  Vector2d momentArm(std::size_t i) const { return offset[i].tail<2>(); }
 };
 
 Vector3d vectorInAxes(const ContactConstraint& row, const Vector3d& x) {
   return {ConstMap(row.axes[0]).dot(x), ConstMap(row.axes[1]).dot(x), ConstMap(row.axes[2]).dot(x)};
 }
 
-/// The soft points from `first` to `end`.
+/// Adds the soft points from `first` to `end`.
 void addSide(const IslandConstraints& rows, const ContactConstraint& row, std::uint32_t first,
-             std::uint32_t end, const Vector3d& origin, Places& places) {
-  const std::size_t start = places.count;
+             std::uint32_t end, const Vector3d& origin, RowPoints& points) {
+  const std::size_t start = points.count;
   Vector3d middle = Vector3d::Zero();
   for (std::uint32_t i = first; i < end; ++i) {
     const Vector3d x = vectorInAxes(row, ConstMap(rows.momentArms[i].position) - origin);
-    places.apart += rows.points[i].share * x;
-    places.displacement[places.count++] = x;
+    points.separation += rows.points[i].share * x;
+    points.offset[points.count++] = x;
     middle += x / double(end - first);
   }
-  for (std::size_t i = start; i < places.count; ++i) places.displacement[i] -= middle;
+  for (std::size_t i = start; i < points.count; ++i) points.offset[i] -= middle;
 }
 
-/// The inverse of m with eigenvalues below `least` at 1 / (least^2 / value): any function f of a symmetric
-/// matrix of two rows is the straight line through f at its eigenvalues, middle -+ half.
-Matrix2d cautiousInverse(const Matrix2d& m, double least) {
+/// Returns the inverse of m, in which an eigenvalue v below `least` gives v / least^2 instead of 1 / v. Any
+/// function f of a symmetric 2 x 2 matrix is the straight line through f at its eigenvalues, middle -+ half.
+Matrix2d boundedInverse(const Matrix2d& m, double least) {
   const auto inverted = [&](double value) {
     return value > 0.0 ? std::min(1.0 / value, value / (least * least)) : 0.0;
   };
@@ -73,15 +74,15 @@ Matrix2d cautiousInverse(const Matrix2d& m, double least) {
   return 0.5 * (low + high) * Matrix2d::Identity() + slope * (m - middle * Matrix2d::Identity());
 }
 
-/// The inverse of M; where levers are shorter than `apart` (m), less: they would have to bear more than the
-/// contact.
-void invert(Places& places, double apart) {
+/// Computes the inverse of M, or less where moment arms are shorter than `distance` (m): their impulses would
+/// exceed that of the contact.
+void invert(RowPoints& points, double distance) {
   Matrix2d m = Matrix2d::Zero();
-  for (std::size_t i = 0; i < places.count; ++i) m += places.momentArm(i) * places.momentArm(i).transpose();
-  const double least = std::max(apart * apart, kThin * m.trace());
+  for (std::size_t i = 0; i < points.count; ++i) m += points.momentArm(i) * points.momentArm(i).transpose();
+  const double least = std::max(distance * distance, kThin * m.trace());
   const double middle = 0.5 * m.trace(), determinant = m.determinant();
   const double smallest = middle - std::sqrt(std::max(0.0, middle * middle - determinant));
-  places.inverse = smallest > least ? Matrix2d(m.inverse()) : cautiousInverse(m, least);
+  points.inverse = smallest > least ? Matrix2d(m.inverse()) : boundedInverse(m, least);
 }
 
 void setShare(IslandConstraints& rows, std::uint32_t i, double share) {
@@ -90,17 +91,17 @@ void setShare(IslandConstraints& rows, std::uint32_t i, double share) {
   for (int k = 0; k < 3; ++k) point.response[k] = share * rows.momentArms[i].inverseMass[k];
 }
 
-/// Makes the places meet across the normal, as far as the soft ones can be moved. `first`: the row's point
-/// that places begins with.
-void moveShares(IslandConstraints& rows, std::uint32_t first, Places& places) {
-  const Vector2d more = places.inverse * places.apart.tail<2>();
+/// Moves the soft contact points together across the normal, as far as kMaxShare allows. `first` is the row's
+/// point with which `points` begins.
+void moveShares(IslandConstraints& rows, std::uint32_t first, RowPoints& points) {
+  const Vector2d correction = points.inverse * points.separation.tail<2>();
   std::array<double, kMaxRowPoints> shares;
-  for (std::size_t i = 0; i < places.count; ++i) {
-    shares[i] = rows.points[first + i].share - places.momentArm(i).dot(more);
+  for (std::size_t i = 0; i < points.count; ++i) {
+    shares[i] = rows.points[first + i].share - points.momentArm(i).dot(correction);
     if (!(std::abs(shares[i]) <= kMaxShare)) return;
   }
-  for (std::size_t i = 0; i < places.count; ++i) {
-    places.apart -= places.momentArm(i).dot(more) * places.displacement[i];
+  for (std::size_t i = 0; i < points.count; ++i) {
+    points.separation -= points.momentArm(i).dot(correction) * points.offset[i];
     setShare(rows, first + static_cast<std::uint32_t>(i), shares[i]);
   }
 }
@@ -110,42 +111,42 @@ void setMomentArm(const ContactConstraint& row, const Vector2d& across, MomentAr
   for (int k = 0; k < 3; ++k) momentArm.response[k] = momentArm.inverseMass[k] * row.axes[0][k];
 }
 
-void joinSoft(IslandConstraints& rows, const ContactConstraint& row) {
+void alignSoft(IslandConstraints& rows, const ContactConstraint& row) {
   const Vector3d origin = ConstMap(rows.momentArms[row.firstPoint].position);
-  Places places;
-  addSide(rows, row, row.firstPoint, row.firstOfB, origin, places);
-  addSide(rows, row, row.firstOfB, row.endPoint, origin, places);
-  invert(places, places.apart[0]);
-  moveShares(rows, row.firstPoint, places);
-  for (std::size_t i = 0; i < places.count; ++i)
-    setMomentArm(row, places.apart[0] * (places.inverse * places.momentArm(i)),
+  RowPoints points;
+  addSide(rows, row, row.firstPoint, row.firstOfB, origin, points);
+  addSide(rows, row, row.firstOfB, row.endPoint, origin, points);
+  invert(points, points.separation[0]);
+  moveShares(rows, row.firstPoint, points);
+  for (std::size_t i = 0; i < points.count; ++i)
+    setMomentArm(row, points.separation[0] * (points.inverse * points.momentArm(i)),
                  rows.momentArms[row.firstPoint + i]);
 }
 
-void joinRigid(IslandConstraints& rows, const ContactConstraint& row, const Contact& c) {
+void alignRigid(IslandConstraints& rows, const ContactConstraint& row, const Contact& c) {
   const bool softIsA = c.a.kind == ContactPoint::Kind::Soft;
-  ConstraintRotation& turn = rows.rotations[row.firstRotation];
+  ConstraintRotation& rotation = rows.rotations[row.firstRotation];
   Vector3d arm = softIsA ? c.b.arm : c.a.arm;
-  const Vector3d origin = turn.body->position + arm;
-  Places places;
+  const Vector3d origin = rotation.body->position + arm;
+  RowPoints points;
   if (softIsA)
-    addSide(rows, row, row.firstPoint, row.firstOfB, origin, places);
+    addSide(rows, row, row.firstPoint, row.firstOfB, origin, points);
   else
-    addSide(rows, row, row.firstOfB, row.endPoint, origin, places);
-  invert(places, 0.0);
-  moveShares(rows, softIsA ? row.firstPoint : row.firstOfB, places);
+    addSide(rows, row, row.firstOfB, row.endPoint, origin, points);
+  invert(points, 0.0);
+  moveShares(rows, softIsA ? row.firstPoint : row.firstOfB, points);
   const double sign = softIsA ? -1.0 : 1.0;
-  const double most = kMaxReach * arm.norm(), distance = places.apart.norm();
-  if (distance > most) places.apart *= most / distance;
-  for (int k = 0; k < 3; ++k) arm -= sign * places.apart[k] * ConstMap(row.axes[k]);
+  const double maxDistance = kMaxArmChange * arm.norm(), distance = points.separation.norm();
+  if (distance > maxDistance) points.separation *= maxDistance / distance;
+  for (int k = 0; k < 3; ++k) arm -= sign * points.separation[k] * ConstMap(row.axes[k]);
   for (int k = 0; k < 3; ++k) {
     const Vector3d speeds = sign * arm.cross(ConstMap(row.axes[k]));
-    Eigen::Map<Vector3d>(turn.speeds[k]) = speeds;
-    Eigen::Map<Vector3d>(turn.response[k]) = turn.body->inverseInertia * speeds;
+    Eigen::Map<Vector3d>(rotation.speeds[k]) = speeds;
+    Eigen::Map<Vector3d>(rotation.response[k]) = rotation.body->inverseInertia * speeds;
   }
 }
 
-/// 1/kg: speeds along, across and across both, of one impulse in each of these directions.
+/// 1/kg: speeds along the normal and both tangents per impulse in each of these directions.
 Matrix3d momentArmMobility(const IslandConstraints& rows, const ContactConstraint& row) {
   const Eigen::Map<const Matrix3d> axes(row.axes[0]);  // its columns
   Matrix3d mobility = Matrix3d::Zero();
@@ -163,96 +164,97 @@ Matrix3d momentArmMobility(const IslandConstraints& rows, const ContactConstrain
   return mobility;
 }
 
-/// Makes the impulses of a contact between bodies that move act along one line, as the bodies lie now, so
-/// that they change no angular momentum. For contacts that are about to bear something: where others will
-/// touch is not yet seen.
+/// Adjusts a contact between moving bodies so that its impulses act along one line at the present positions
+/// and change no angular momentum. Used for contacts that are about to have an impulse: the contact points of
+/// others are not known yet.
 ///
-/// Let D = sum s_i x_i be the way from place b to place a, s_i the points' shares (below 0 on b). Impulses J
-/// at the two places are a couple D x J. With y_i the points' ways across the normal n from the middle of
-/// their side, M = sum y_i y_i^T, and D = d n + T,
-///     s_i -= y_i . M^-1 T          moves the places until T is 0, and
+/// Let D = sum s_i x_i be the offset from contact point b to a, with the points' shares s_i (negative on b).
+/// Opposite impulses J at both contact points are a couple D x J. With the points' offsets y_i across the
+/// normal n from the middle of their side, M = sum y_i y_i^T, and D = d n + T,
+///     s_i -= y_i . M^-1 T          moves the contact points until T is 0, and
 ///     J_i = s_i J + n (l_i . J),   l_i = d M^-1 y_i,
-/// lets the levers of edges and triangles bear what is left, d n x J; neither changes the sum of a side. That
-/// is the least change that does. The places' relative speed across grows by sum l_i (n . v_i): the surfaces
-/// touch in the middle, and turn. A rigid body's place moves by what no soft one's can.
-void joinPlaces(IslandConstraints& rows, std::size_t contact) {
+/// balances the remaining couple d n x J with the moment arms of edges and triangles. Neither changes the sum
+/// over a side, and both changes are the smallest possible. The relative tangential speed grows by
+/// sum l_i (n . v_i): the surfaces touch halfway, and rotate. A rigid body's contact point moves by the rest
+/// that soft points cannot correct.
+void alignContactPoints(IslandConstraints& rows, std::size_t contact) {
   ContactConstraint& row = rows.rows[contact];
   if (row.couple == Couple::Nobody) return;
   if (row.couple == Couple::Soft)
-    joinSoft(rows, row);
+    alignSoft(rows, row);
   else
-    joinRigid(rows, row, rows.contacts[contact]);
-  // a sweep that takes a row for heavier than it is diverges
+    alignRigid(rows, row, rows.contacts[contact]);
+  // with masses that are too large the sweeps would diverge
   setMobility(row, momentArmMobility(rows, row));
 }
 
 // --- sweeps ------------------------------------------------------------------------------------------------
 
-/// Few solves need more than a tenth of it. Ending those early costs more: the remaining error slows down the
-/// solves of all following substeps.
+/// Few solves need more than a tenth of this number. A lower limit costs more: the remaining error slows down
+/// the solves of all following substeps.
 constexpr int kMaxSweeps = 50;
 
-/// Which of a row's two impulses a solve is about.
+/// The one of a row's two impulses that a solve changes.
 enum class Stage { Positions, Velocities };
 
-/// Contacts give way by this share of what one alone would give way to the change of its impulse since the
-/// last substep (a proximal term), and normals to a fifth of the impulse itself. What contacts of rigid
-/// bodies bear against each other, of which nothing else tells how it is shared out, then settles instead of
-/// wandering, and piles come to rest. On a pile of ten boxes this costs 3e-5 m of height. A single point on
-/// a static or kinematic object needs none of this: its springs tell what it bears.
+/// Softness of contacts (a proximal term): a contact yields to the change of its impulse since the last
+/// substep by this share of the yield without other contacts, and along the normal also to 1 - kKept of the
+/// impulse itself. Contact impulses of rigid bodies against each other are not unique; with this term they
+/// converge instead of drifting, and piles come to rest. In a pile of ten boxes it costs 3e-5 m of height. A
+/// single point on a static or kinematic object needs no softness: its springs determine its impulse.
 constexpr double kSoftness = 0.02;
 constexpr double kKept = 0.8;
 
-/// Of the friction of a contact that slides: by so much at least a sweep turns it against the sliding.
-/// Contacts of one body may bear friction against each other that does nothing but use up their cones;
-/// without this a slow slide would take long to get it out.
-constexpr double kMinTurn = 0.1;
+/// Least change of the friction of a sliding contact in a sweep, as a share of its limit, towards the
+/// direction against the sliding. The frictions of several contacts of one body may cancel each other and
+/// only use up their cones. Without this minimum, slow sliding would remove them slowly.
+constexpr double kMinFrictionChange = 0.1;
 
-/// m/s, as IslandConstraints::tolerance where there are anchors only: they keep the bodies together to
-/// rounding.
+/// m/s, replaces IslandConstraints::tolerance if there are only anchors, which hold to rounding.
 constexpr double kTightTolerance = 1e-10;
 
-/// Sweeps in which cones of friction follow the normals and friction is turned by kMinTurn. With both,
-/// sweeps may go round in circles for ever; without, they descend to the least of a convex energy. But cones
-/// that stop too early are those of an unfinished solve, which depends on the order of the contacts.
+/// Number of sweeps in which friction cones follow the normal impulses and friction changes by
+/// kMinFrictionChange. With both, the sweeps may cycle for ever. Without, they converge to the minimum of a
+/// convex energy. But cones that are fixed too early belong to an unfinished solve, which depends on the
+/// order of contacts.
 constexpr int kFreeSweeps = 15;
 
-/// Friction that stops the sliding (u, v) (m/s) altogether, or as much as there is, against the sliding:
-/// nearer to the least energy of the row alone, or a step of projected gradient towards it.
-inline void addFriction(const ContactConstraint& row, double u, double v, double leastTurn,
+/// Changes the friction to the one that stops the sliding (u, v) (m/s). If that is outside the cone, makes a
+/// projected gradient step towards the least energy of the row alone, of at least `minChange` of the limit.
+inline void addFriction(const ContactConstraint& row, double u, double v, double minChange,
                         ContactVector& sum) {
   const double* m = row.acrossMass;
-  const double most = row.maxFriction;
+  const double limit = row.maxFriction;
   u += row.acrossSoftness * (sum.u - row.before.u);
   v += row.acrossSoftness * (sum.v - row.before.v);
   const double stopU = sum.u - (m[0] * u + m[1] * v);
   const double stopV = sum.v - (m[1] * u + m[2] * v);
-  if (stopU * stopU + stopV * stopV <= most * most) {
+  if (stopU * stopU + stopV * stopV <= limit * limit) {
     sum.u = stopU, sum.v = stopV;
     return;
   }
   const double speed = std::sqrt(u * u + v * v);
-  const double turn = speed > 0.0 ? std::max(row.turnMass, leastTurn * most / speed) : 0.0;
-  sum.u -= turn * u, sum.v -= turn * v;
+  const double mass = speed > 0.0 ? std::max(row.turnMass, minChange * limit / speed) : 0.0;
+  sum.u -= mass * u, sum.v -= mass * v;
   const double squared = sum.u * sum.u + sum.v * sum.v;
-  if (squared <= most * most) return;
-  const double scale = most / std::sqrt(squared);
+  if (squared <= limit * limit) return;
+  const double scale = limit / std::sqrt(squared);
   sum.u *= scale, sum.v *= scale;
 }
 
-/// Brings the speed along the normal up to `target` (m/s), with the impulse `total` 0 or more along it and
-/// friction within its cone, which is `free` to follow; row.change is what this has changed.
+/// Brings the speed along the normal to `target` (m/s) with the impulse `total`, which is 0 or more along the
+/// normal, with friction within its cone. `free`: the cone follows the normal impulse. Sets row.change.
 inline void solveContact(IslandConstraints& rows, ContactConstraint& row, ContactVector& total, double target,
                          bool free) {
   const ContactVector speeds = speedsOf(rows, row), earlier = total;
   ContactVector sum = earlier;
-  const double strain = row.softness * (sum.n - kKept * row.before.n);
-  sum.n = std::max(0.0, sum.n + ((target - speeds.n) * row.mass - strain) / (1.0 + row.softness));
-  const double more = sum.n - earlier.n;
+  const double yielding = row.softness * (sum.n - kKept * row.before.n);
+  sum.n = std::max(0.0, sum.n + ((target - speeds.n) * row.mass - yielding) / (1.0 + row.softness));
+  const double normalChange = sum.n - earlier.n;
   if (free) row.maxFriction = row.friction * sum.n;
-  addFriction(row, speeds.u + more * row.acrossAlong[0], speeds.v + more * row.acrossAlong[1],
-              free ? kMinTurn : 0.0, sum);
-  const ContactVector change{more, sum.u - earlier.u, sum.v - earlier.v};
+  addFriction(row, speeds.u + normalChange * row.acrossAlong[0], speeds.v + normalChange * row.acrossAlong[1],
+              free ? kMinFrictionChange : 0.0, sum);
+  const ContactVector change{normalChange, sum.u - earlier.u, sum.v - earlier.v};
   applyImpulse(rows, row, change);
   row.change = change;
   total = sum;
@@ -264,10 +266,10 @@ inline void solveContact(IslandConstraints& rows, ContactConstraint& row, Contac
 double partingSpeed(const Contact& c, const ContactConstraint& row, const LinkedBodies& bodies, double dt,
                     double tick) {
   if (bodies.anchors.empty()) return c.recoverySpeed;
-  const double borne =
+  const double tickImpulse =
       std::max(row.positionImpulse.n / dt * tick, c.impulse.along + row.impulse.n);  // N s in the tick
-  const double free = row.mass * c.recoverySpeed;
-  return borne > free ? c.recoverySpeed * free / borne : c.recoverySpeed;
+  const double limit = row.mass * c.recoverySpeed;
+  return tickImpulse > limit ? c.recoverySpeed * limit / tickImpulse : c.recoverySpeed;
 }
 
 /// Whether side a is a single point mass and side b a static or kinematic object.
@@ -275,16 +277,17 @@ bool isOfPoint(const Contact& c) {
   return c.a.kind == ContactPoint::Kind::Soft && c.a.count == 1 && c.b.kind == ContactPoint::Kind::World;
 }
 
-/// What the contact needs before a drift of dt seconds. What would meet in it parts by Newton's law of
-/// restitution, and does not give way.
-void aim(const IslandConstraints& rows, const Contact& c, ContactConstraint& row, double dt, double parting) {
+/// Sets the target speed of the contact before a drift of dt seconds. A contact that would close in the drift
+/// bounces by Newton's law of restitution, without softness.
+void setTarget(const IslandConstraints& rows, const Contact& c, ContactConstraint& row, double dt,
+               double maxSpeed) {
   row.softness = isOfPoint(c) ? 0.0 : kSoftness;
-  row.target = row.gap >= 0.0 ? -row.gap / dt : std::min(-kRecovery * row.gap / dt, parting);
+  row.target = row.gap >= 0.0 ? -row.gap / dt : std::min(-kRecovery * row.gap / dt, maxSpeed);
   row.bounces = false;
   if (!(c.restitution > 0.0)) return;
   const double approach = -speedAlong(rows, row);
   if (!(row.gap < approach * dt)) return;
-  // where the surface is followed its normal is another one now
+  // `settled` belongs to an earlier normal where the surface is followed
   const double before = c.held || c.corners.count > 0 || c.spheres > 0.0 ? approach : -row.settled;
   const Bounce bounce = bounceOf(row.gap, approach, before, c.restitution, c.bounceThreshold, dt);
   if (bounce.rests) return;
@@ -294,7 +297,7 @@ void aim(const IslandConstraints& rows, const Contact& c, ContactConstraint& row
   row.rebound = bounce.rebound;
 }
 
-/// What a sweep has changed: the largest change of a velocity, squared, and the sum of all as an energy.
+/// The changes of a sweep: the largest squared change of a velocity, and the sum of all as an energy.
 struct Change {
   double largest = 0.0, energy = 0.0;
   void add(double squaredImpulse, double mobility) {
@@ -309,13 +312,13 @@ struct Change {
   bool within(double tolerance) const { return largest <= tolerance * tolerance; }
 };
 
-/// One stage of all rows of a group. Contacts that bear nothing and are not crossed either are left out of
-/// the sweeps, and looked at again when these have ended.
+/// One stage of all rows of an island. Contacts without an impulse that are not violated either are left out
+/// of the sweeps, and tested again after these.
 struct Solve {
   IslandConstraints& rows;
   LinkedBodies& bodies;
   Stage stage;
-  double dt = 0.0;  ///< s, of the drift that anchors are to end together after; 0 when settling
+  double dt = 0.0;  ///< s, of the drift after which anchors coincide; 0 for velocities
 
   ContactVector& impulse(ContactConstraint& row) const {
     return stage == Stage::Positions ? row.positionImpulse : row.velocityImpulse;
@@ -328,7 +331,7 @@ struct Solve {
   }
 
   void activate(std::uint32_t i) {
-    joinPlaces(rows, i);
+    alignContactPoints(rows, i);
     ContactConstraint& row = rows.rows[i];
     row.active = true;
     row.maxFriction = 0.0;
@@ -337,7 +340,7 @@ struct Solve {
     rows.active.push_back(i);
   }
 
-  /// What the last substep bore is about what this one will.
+  /// Applies the impulses of the last substep as a warm start.
   void start() {
     for (JointConstraint& j : rows.joints) {
       applyImpulse(bodies, j, impulse(j));
@@ -358,11 +361,11 @@ struct Solve {
       if (sum.n > 0.0 || (takesPart && stage == Stage::Velocities)) activate(i);
       if (sum.n > 0.0) applyImpulse(rows, row, sum);
     }
-    if (stage == Stage::Positions) activateCrossed();
+    if (stage == Stage::Positions) activateViolated();
   }
 
-  /// Takes in the contacts that would be crossed in the coming drift. Returns whether there are any.
-  bool activateCrossed() {
+  /// Activates the contacts that the coming drift would violate. Returns whether there are any.
+  bool activateViolated() {
     const std::size_t count = rows.active.size();
     for (std::uint32_t i = 0; i < rows.rows.size(); ++i) {
       const ContactConstraint& row = rows.rows[i];
@@ -373,7 +376,7 @@ struct Solve {
     return true;
   }
 
-  /// As cones of friction, see kFreeSweeps.
+  /// The limits follow the contact like friction cones, see kFreeSweeps.
   void limitRolling(JointConstraint& j) const {
     j.upper = j.rolling * impulse(rows.rows[j.contact]).n;
     j.lower = -j.upper;
@@ -402,8 +405,9 @@ struct Solve {
     return change;
   }
 
-  /// On along `beta` times the last direction; the new one is that and what the sweep has changed.
-  void stepOn(double beta) {
+  /// Makes a conjugate gradient step of `beta` times the last direction. The new direction is this step plus
+  /// the changes of the sweep.
+  void stepAlongDirections(double beta) {
     for (JointConstraint& j : rows.joints) {
       j.direction *= beta;
       applyImpulse(bodies, j, j.direction);
@@ -436,11 +440,11 @@ struct Solve {
       const Change change = sweep(count <= lastFree);
       if (count == kMaxSweeps) return count;
       const bool ends = change.within(tolerance);
-      if (ends && (stage == Stage::Velocities || !activateCrossed())) return count;
+      if (ends && (stage == Stage::Velocities || !activateViolated())) return count;
       if (ends) lastFree = count + kFreeSweeps;
-      // where the last sweep has changed more than the one before, its direction leads astray
+      // restart the directions where the last sweep has changed more than the one before
       const double beta = before > 0.0 ? change.energy / before : 0.0;
-      stepOn(beta <= 1.0 ? beta : 0.0);
+      stepAlongDirections(beta <= 1.0 ? beta : 0.0);
       before = change.energy;
     }
     return 0;
@@ -456,7 +460,7 @@ int solvePositions(IslandConstraints& rows, LinkedBodies& bodies, double dt, dou
   aimAnchors(bodies, dt, tick);
   for (std::size_t i = 0; i < rows.rows.size(); ++i) {
     const Contact& c = rows.contacts[i];
-    aim(rows, c, rows.rows[i], dt, partingSpeed(c, rows.rows[i], bodies, dt, tick));
+    setTarget(rows, c, rows.rows[i], dt, partingSpeed(c, rows.rows[i], bodies, dt, tick));
   }
   return Solve{rows, bodies, Stage::Positions, dt}.run();
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// Prepares the rows of contacts and joints, and lets them follow the bodies through the substeps.
+// Prepares the rows of contacts and joints, and updates them to the motion of the bodies in the substeps.
 #include "solver/contacts.h"
 
 #include "solver/closest_points.h"
@@ -14,7 +14,7 @@
 namespace limber {
 namespace {
 
-/// As kSoftness in contact_solver.cpp, of friction.
+/// The same as kSoftness in contact_solver.cpp, for friction.
 constexpr double kFrictionSoftness = 0.05;
 
 using Eigen::Matrix3d;
@@ -40,16 +40,17 @@ void addPoint(IslandConstraints& rows, const PointView& view, std::uint32_t poin
   rows.momentArms.back().inverseMass = inverseMass;
 }
 
-void addTurn(IslandConstraints& rows, const ContactConstraint& row, RigidState& rigid, const Vector3d& arm) {
-  ConstraintRotation turn{&rigid, {}, {}};
-  for (int k = 0; k < 3; ++k) Map(turn.speeds[k]) = arm.cross(ConstMap(row.axes[k]));
-  rows.rotations.push_back(turn);
+void addRotation(IslandConstraints& rows, const ContactConstraint& row, RigidState& rigid,
+                 const Vector3d& arm) {
+  ConstraintRotation rotation{&rigid, {}, {}};
+  for (int k = 0; k < 3; ++k) Map(rotation.speeds[k]) = arm.cross(ConstMap(row.axes[k]));
+  rows.rotations.push_back(rotation);
 }
 
 constexpr double kNoInverseMass[3] = {0.0, 0.0, 0.0};
 
-/// A point that is attached to something held goes where that goes: a contact that pushed it would only make
-/// the anchor push back as much, in each sweep anew.
+/// Finds the points that are anchored to immovable bodies. Contacts must not push them: the anchor would
+/// cancel each push in the next sweep.
 void findCarried(IslandConstraints& rows, const LinkedBodies& bodies) {
   rows.carried.clear();
   for (const LinkAnchor& anchor : bodies.anchors) {
@@ -67,20 +68,20 @@ const double* inverseMassOf(const IslandConstraints& rows, const PointView& view
   return carried ? kNoInverseMass : view.inverseMassOf(point).data();
 }
 
-/// One side of a contact; `sign` is 1 for a and -1 for b.
-void addPlace(IslandConstraints& rows, ContactConstraint& row, LinkedBodies& bodies,
-              const std::vector<PointView>& views, const ContactPoint& place, double sign) {
-  if (place.kind == ContactPoint::Kind::World) {
-    row.carried += inAxes(row, sign * place.velocity);
-  } else if (place.kind == ContactPoint::Kind::Soft) {
-    const PointView& view = views[place.body];
-    for (std::uint32_t i = 0; i < place.count; ++i)
-      addPoint(rows, view, place.point[i], inverseMassOf(rows, view, place.body, place.point[i]),
-               sign * place.weight[i]);
+/// Adds one side of a contact; `sign` is 1 for a and -1 for b.
+void addContactPoint(IslandConstraints& rows, ContactConstraint& row, LinkedBodies& bodies,
+                     const std::vector<PointView>& views, const ContactPoint& side, double sign) {
+  if (side.kind == ContactPoint::Kind::World) {
+    row.carried += inAxes(row, sign * side.velocity);
+  } else if (side.kind == ContactPoint::Kind::Soft) {
+    const PointView& view = views[side.body];
+    for (std::uint32_t i = 0; i < side.count; ++i)
+      addPoint(rows, view, side.point[i], inverseMassOf(rows, view, side.body, side.point[i]),
+               sign * side.weight[i]);
   } else {
-    RigidState& rigid = bodies.rigids[place.body];
+    RigidState& rigid = bodies.rigids[side.body];
     addPoint(rows, rigid.velocity.data(), rigid.inverseMass, sign);
-    addTurn(rows, row, rigid, sign * place.arm);
+    addRotation(rows, row, rigid, sign * side.arm);
   }
 }
 
@@ -94,10 +95,10 @@ ContactImpulse impulseOfVector(const ContactConstraint& row, const ContactVector
 }
 
 Couple coupleOf(const Contact& c) {
-  using PlaceKind = ContactPoint::Kind;
-  if (c.a.kind == PlaceKind::Soft && c.b.kind == PlaceKind::Soft)
+  using Kind = ContactPoint::Kind;
+  if (c.a.kind == Kind::Soft && c.b.kind == Kind::Soft)
     return c.a.count + c.b.count > 2 ? Couple::Soft : Couple::Nobody;
-  const bool both = c.a.kind != PlaceKind::World && c.b.kind != PlaceKind::World;
+  const bool both = c.a.kind != Kind::World && c.b.kind != Kind::World;
   return both && c.a.kind != c.b.kind ? Couple::Rigid : Couple::Nobody;
 }
 
@@ -108,28 +109,28 @@ void setAxes(ContactConstraint& row, const Vector3d& normal) {
   for (int k = 0; k < 3; ++k) Map(row.axes[k]) = axes.col(k);
 }
 
-/// 1/kg, 3 x 3: the velocity change of a contact's two places against each other per impulse there.
+/// 1/kg, 3 x 3: the change of the relative velocity of a contact's two points per impulse there.
 Matrix3d mobilityOf(const IslandConstraints& rows, const ContactConstraint& row, const Contact& c,
                     const LinkedBodies& bodies) {
   Matrix3d m = Matrix3d::Zero();
-  for (const ContactPoint* place : {&c.a, &c.b})
-    if (place->kind == ContactPoint::Kind::Rigid) m += bodies.rigids[place->body].mobilityAt(place->arm);
+  for (const ContactPoint* side : {&c.a, &c.b})
+    if (side->kind == ContactPoint::Kind::Rigid) m += bodies.rigids[side->body].mobilityAt(side->arm);
   for (std::uint32_t i = row.firstPoint; i < row.endPoint; ++i)
     if (const double* inverseMass = rows.momentArms[i].inverseMass)
       m.diagonal() += rows.points[i].share * rows.points[i].share * ConstMap(inverseMass);
   return m;
 }
 
-void setAway(ContactConstraint& row) { row.mass = row.mobility = 0.0; }
+void disable(ContactConstraint& row) { row.mass = row.mobility = 0.0; }
 
-/// Of the weights of an edge's or triangle's corners, the least that free ones must have.
-constexpr double kMinFree = 0.02;
+/// Least sum of the weights of the free corners of an edge or triangle.
+constexpr double kMinFreeWeight = 0.02;
 
-/// What a pinned corner is in, nothing takes it out of: on the way from it to a free corner the overlap goes
-/// from d to nothing, and to end it at the free corner's share e would move that by d / e, however small e
-/// is. So each free corner has only its own overlap to end. Where nothing but pinned corners is there is no
-/// contact.
-void leaveOutPinned(IslandConstraints& rows, ContactConstraint& row) {
+/// Excludes the overlap of pinned corners from the gap, because no impulse can remove it. The overlap falls
+/// linearly from d at a pinned corner to 0 at a free one. To remove it at a point where the free corner has a
+/// small weight e, that corner would have to move by d / e. So each free corner removes only its own overlap.
+/// A contact with less than kMinFreeWeight on free corners is disabled.
+void excludePinned(IslandConstraints& rows, ContactConstraint& row) {
   row.pinned = 0.0;
   const bool bMoves = row.firstOfB != row.endPoint || row.firstRotation != row.endRotation;
   if (bMoves || row.firstOfB - row.firstPoint < 2) return;
@@ -140,7 +141,7 @@ void leaveOutPinned(IslandConstraints& rows, ContactConstraint& row) {
     height += rows.points[i].share * normal.dot(ConstMap(rows.momentArms[i].position));
     if (!isPinned(i)) free += rows.points[i].share;
   }
-  if (free < kMinFree) return setAway(row);
+  if (free < kMinFreeWeight) return disable(row);
   for (std::uint32_t i = row.firstPoint; i < row.firstOfB; ++i) {
     if (!isPinned(i)) continue;
     const double gap = row.gap + normal.dot(ConstMap(rows.momentArms[i].position)) - height;
@@ -156,16 +157,16 @@ void prepareRow(IslandConstraints& rows, ContactConstraint& row, const Contact& 
   row.carried = ContactVector();
   row.firstPoint = static_cast<std::uint32_t>(rows.points.size());
   row.firstRotation = static_cast<std::uint32_t>(rows.rotations.size());
-  addPlace(rows, row, bodies, views, c.a, 1.0);
+  addContactPoint(rows, row, bodies, views, c.a, 1.0);
   row.firstOfB = static_cast<std::uint32_t>(rows.points.size());
-  addPlace(rows, row, bodies, views, c.b, -1.0);
+  addContactPoint(rows, row, bodies, views, c.b, -1.0);
   row.endPoint = static_cast<std::uint32_t>(rows.points.size());
   row.endRotation = static_cast<std::uint32_t>(rows.rotations.size());
   setMobility(row, axes.transpose() * mobilityOf(rows, row, c, bodies) * axes);
   if (c.ended) row.mass = row.mobility = 0.0;
   row.couple = coupleOf(c);
   row.gap = c.gap;
-  leaveOutPinned(rows, row);
+  excludePinned(rows, row);
   row.friction = c.friction;
   row.positionImpulse = inAxes(row, c.positionImpulse);
   row.velocityImpulse = inAxes(row, c.velocityImpulse);
@@ -173,27 +174,27 @@ void prepareRow(IslandConstraints& rows, ContactConstraint& row, const Contact& 
   row.bounces = false;
 }
 
-/// What the row has borne with its present normal is added to what the contact did.
-void addBorne(Contact& c, ContactConstraint& row) {
+/// Adds the row's impulse since the last change of its normal to the impulse of the contact.
+void flushImpulse(Contact& c, ContactConstraint& row) {
   const Vector3d normal = ConstMap(row.axes[0]);
   c.impulse.add(row.impulse.n * normal + impulseOfVector(row, row.impulse).across, normal, row.impulse.n);
   row.impulse = ContactVector();
 }
 
-/// What it bore is a guess for the new normal as long as that is about the old one.
-void turnTo(Contact& c, ContactConstraint& row, const Vector3d& normal) {
-  constexpr double kSameSurface = 0.9;
-  addBorne(c, row);
-  if (normal.dot(ConstMap(row.axes[0])) < kSameSurface)
+/// Sets a new normal. The impulses remain as warm start if the new normal is close to the old one.
+void setNormal(Contact& c, ContactConstraint& row, const Vector3d& normal) {
+  constexpr double kSameSurfaceCosine = 0.9;
+  flushImpulse(c, row);
+  if (normal.dot(ConstMap(row.axes[0])) < kSameSurfaceCosine)
     row.positionImpulse = row.velocityImpulse = ContactVector();
   setAxes(row, normal);
 }
 
-/// The contact is on this plane now, its points' shares being `weights`.
-void moveRowTo(IslandConstraints& rows, std::size_t number, const Vector3d& normal, double gap,
-               const double* weights) {
-  ContactConstraint& row = rows.rows[number];
-  turnTo(rows.contacts[number], row, normal);
+/// Moves the contact to another plane, with `weights` as the shares of its points.
+void moveRow(IslandConstraints& rows, std::size_t index, const Vector3d& normal, double gap,
+             const double* weights) {
+  ContactConstraint& row = rows.rows[index];
+  setNormal(rows.contacts[index], row, normal);
   row.gap = gap;
   Vector3d mobility = Vector3d::Zero();
   for (std::uint32_t i = row.firstPoint; i < row.endPoint; ++i) {
@@ -206,24 +207,24 @@ void moveRowTo(IslandConstraints& rows, std::size_t number, const Vector3d& norm
   }
   const Eigen::Map<const Matrix3d> axes(row.axes[0]);  // its columns
   setMobility(row, axes.transpose() * mobility.asDiagonal() * axes);
-  leaveOutPinned(rows, row);
+  excludePinned(rows, row);
 }
 
-void followRow(IslandConstraints& rows, std::size_t number) {
-  const ContactConstraint& row = rows.rows[number];
-  const PlaneContact& held = *rows.contacts[number].held;
-  if (held.away) return setAway(rows.rows[number]);
-  const double whole = 1.0;
+void followPlane(IslandConstraints& rows, std::size_t index) {
+  const ContactConstraint& row = rows.rows[index];
+  const PlaneContact& held = *rows.contacts[index].held;
+  if (held.away) return disable(rows.rows[index]);
+  const double fullWeight = 1.0;
   const ConstMap x(rows.momentArms[row.firstPoint].position);
-  moveRowTo(rows, number, held.normal, held.normal.dot(x - held.touch), &whole);
+  moveRow(rows, index, held.normal, held.normal.dot(x - held.touch), &fullWeight);
 }
 
-/// Where a soft feature is nearest to held corners; `away` leads there from these, `normal` along the
-/// contact.
+/// The point of a soft feature that is nearest to held corners. `offset` leads there from the corners;
+/// `normal` has the direction of the contact.
 struct NearestFeature {
   std::array<double, 3> weights{};
-  Vector3d away, normal;
-  bool inside = false;  ///< of both features, not at their ends
+  Vector3d offset, normal;
+  bool inside = false;  ///< the nearest points are inside both features, not at their ends
 };
 
 NearestFeature nearestEdge(const Vector3d& a, const Vector3d& b, const HeldCorners& held) {
@@ -232,9 +233,9 @@ NearestFeature nearestEdge(const Vector3d& a, const Vector3d& b, const HeldCorne
   if (held.count == 2) along = nearestOnSegments(a, b, held.at[0], held.at[1]);
   f.weights = {1.0 - along.a, along.a, 0.0};
   f.inside = along.a > 0.0 && along.a < 1.0 && along.b > 0.0 && along.b < 1.0;
-  f.away = a + along.a * (b - a) - held.at[0];
-  if (held.count == 2) f.away -= along.b * (held.at[1] - held.at[0]);
-  f.normal = held.count == 2 ? Vector3d((b - a).cross(held.at[1] - held.at[0])) : f.away;
+  f.offset = a + along.a * (b - a) - held.at[0];
+  if (held.count == 2) f.offset -= along.b * (held.at[1] - held.at[0]);
+  f.normal = held.count == 2 ? Vector3d((b - a).cross(held.at[1] - held.at[0])) : f.offset;
   return f;
 }
 
@@ -244,39 +245,40 @@ NearestFeature nearestTriangle(const Vector3d& a, const Vector3d& b, const Vecto
   const Vector3d weights = nearestBarycentric({a, b, c}, held.at[0]);
   f.weights = {weights[0], weights[1], weights[2]};
   f.inside = weights.minCoeff() > 0.0;
-  f.away = weights[0] * a + weights[1] * b + weights[2] * c - held.at[0];
+  f.offset = weights[0] * a + weights[1] * b + weights[2] * c - held.at[0];
   f.normal = (b - a).cross(c - a);
   return f;
 }
 
-void followCorners(IslandConstraints& rows, std::size_t number) {
-  ContactConstraint& row = rows.rows[number];
-  const HeldCorners& held = rows.contacts[number].corners;
+void followCorners(IslandConstraints& rows, std::size_t index) {
+  ContactConstraint& row = rows.rows[index];
+  const HeldCorners& held = rows.contacts[index].corners;
   std::array<Vector3d, 3> x;
   const std::uint32_t count = row.endPoint - row.firstPoint;
   for (std::uint32_t i = 0; i < count; ++i) x[i] = ConstMap(rows.momentArms[row.firstPoint + i].position);
   const NearestFeature f =
       count == 3 ? nearestTriangle(x[0], x[1], x[2], held) : nearestEdge(x[0], x[1], held);
   const double length = f.normal.norm();
-  if (!f.inside || !(length > 0.0)) return setAway(row);
+  if (!f.inside || !(length > 0.0)) return disable(row);
   const double side = f.normal.dot(ConstMap(row.axes[0])) < 0.0 ? -1.0 : 1.0;
   const Vector3d normal = side / length * f.normal;
-  moveRowTo(rows, number, normal, normal.dot(f.away) - held.radiusSum, f.weights.data());
+  moveRow(rows, index, normal, normal.dot(f.offset) - held.radiusSum, f.weights.data());
 }
 
-/// Points that pass each other must not be held back by the plane between where they are now.
-void followSpheres(IslandConstraints& rows, std::size_t number, double dt) {
-  ContactConstraint& row = rows.rows[number];
-  const double radiusSum = rows.contacts[number].spheres;
+/// Uses the plane at the time when the spheres are nearest. The plane between their present positions would
+/// stop points that pass each other.
+void followSpheres(IslandConstraints& rows, std::size_t index, double dt) {
+  ContactConstraint& row = rows.rows[index];
+  const double radiusSum = rows.contacts[index].spheres;
   const std::uint32_t a = row.firstPoint, b = row.firstOfB;
   const Vector3d offset = ConstMap(rows.momentArms[a].position) - ConstMap(rows.momentArms[b].position);
   const Vector3d velocity = ConstMap(rows.points[a].velocity) - ConstMap(rows.points[b].velocity);
   const Vector3d nearest = offsetWhenNearest(offset, velocity, dt, radiusSum);
   const double length = nearest.norm();
-  if (!(length > 0.0)) return setAway(row);
+  if (!(length > 0.0)) return disable(row);
   const Vector3d normal = nearest / length;
   const double weights[] = {1.0, -1.0};
-  moveRowTo(rows, number, normal, normal.dot(offset) - radiusSum, weights);
+  moveRow(rows, index, normal, normal.dot(offset) - radiusSum, weights);
 }
 
 void prepareJoint(JointConstraint& j, const LinkedBodies& bodies) {
@@ -289,8 +291,8 @@ void prepareJoint(JointConstraint& j, const LinkedBodies& bodies) {
   j.mass = mobility > 0.0 ? 1.0 / (mobility + j.softness) : 0.0;
 }
 
-/// Of the symmetric mobility (1/kg) between the tangents: its inverse, and that of its larger eigenvalue.
-void setAcross(ContactConstraint& row, double uu, double uv, double vv) {
+/// Sets the inverse of the symmetric mobility (1/kg) between the tangents, and that of its larger eigenvalue.
+void setTangentialMasses(ContactConstraint& row, double uu, double uv, double vv) {
   const double determinant = uu * vv - uv * uv;
   const double scale = determinant > 0.0 ? 1.0 / determinant : 0.0;
   row.acrossMass[0] = scale * vv, row.acrossMass[1] = -scale * uv, row.acrossMass[2] = scale * uu;
@@ -316,7 +318,7 @@ void setMobility(ContactConstraint& row, const Matrix3d& mobility) {
   row.acrossAlong[1] = mobility(2, 0);
   const double uu = mobility(1, 1), uv = mobility(1, 2), vv = mobility(2, 2);
   row.acrossSoftness = kFrictionSoftness * 0.5 * (uu + vv);
-  setAcross(row, uu + row.acrossSoftness, uv, vv + row.acrossSoftness);
+  setTangentialMasses(row, uu + row.acrossSoftness, uv, vv + row.acrossSoftness);
 }
 
 void prepareConstraints(IslandConstraints& rows, LinkedBodies& bodies, const std::vector<PointView>& views) {
@@ -334,7 +336,7 @@ void prepareConstraints(IslandConstraints& rows, LinkedBodies& bodies, const std
 
 Eigen::Vector3d offsetWhenNearest(const Vector3d& offset, const Vector3d& velocity, double dt,
                                   double radiusSum) {
-  // |offset + t velocity| = reach, or its least
+  // time of |offset + t velocity| = radiusSum, or of the minimum
   const double a = velocity.squaredNorm(), b = offset.dot(velocity),
                c = offset.squaredNorm() - radiusSum * radiusSum;
   if (c <= 0.0 || b >= 0.0) return offset;
@@ -348,7 +350,7 @@ void followContacts(IslandConstraints& rows, double dt) {
     if (rows.contacts[i].ended)
       continue;
     else if (rows.contacts[i].held)
-      followRow(rows, i);
+      followPlane(rows, i);
     else if (rows.contacts[i].corners.count > 0)
       followCorners(rows, i);
     else if (rows.contacts[i].spheres > 0.0)
@@ -364,15 +366,16 @@ void finishConstraints(IslandConstraints& rows) {
     Contact& c = rows.contacts[i];
     ContactConstraint& row = rows.rows[i];
     c.gap = row.gap + row.pinned;
-    addBorne(c, row);
+    flushImpulse(c, row);
     c.positionImpulse = impulseOfVector(row, row.positionImpulse);
     c.velocityImpulse = impulseOfVector(row, row.velocityImpulse);
   }
 }
 
 void rotateResponses(IslandConstraints& rows) {
-  for (ConstraintRotation& turn : rows.rotations)
-    for (int k = 0; k < 3; ++k) Map(turn.response[k]) = turn.body->inverseInertia * ConstMap(turn.speeds[k]);
+  for (ConstraintRotation& rotation : rows.rotations)
+    for (int k = 0; k < 3; ++k)
+      Map(rotation.response[k]) = rotation.body->inverseInertia * ConstMap(rotation.speeds[k]);
 }
 
 void applyImpulse(LinkedBodies& bodies, JointConstraint& j, double change) {
@@ -388,8 +391,8 @@ void applyImpulse(LinkedBodies& bodies, JointConstraint& j, double change) {
 }
 
 void solveJoint(LinkedBodies& bodies, JointConstraint& j, double& sum) {
-  const double wanted = sum + (j.speed - speedOf(bodies, j) - j.softness * sum) * j.mass;
-  const double impulse = std::clamp(wanted, j.lower, j.upper);
+  const double target = sum + (j.speed - speedOf(bodies, j) - j.softness * sum) * j.mass;
+  const double impulse = std::clamp(target, j.lower, j.upper);
   j.change = impulse - sum;
   sum = impulse;
   applyImpulse(bodies, j, j.change);

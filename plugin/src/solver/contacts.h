@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
-// Contacts and joints between bodies that are stepped together, and the solve of all of them in a substep.
+// Contacts and joints between bodies that are stepped together, and the solver for all of them in a substep.
 
 #include "solver/links.h"
 #include "solver/plane_contacts.h"
@@ -14,10 +14,10 @@
 
 namespace limber {
 
-/// What a contact bears, or a change of it.
+/// The impulse of a contact, or a change of it.
 struct ContactImpulse {
-  double along = 0.0;                                ///< N s, 0 or more
-  Eigen::Vector3d across = Eigen::Vector3d::Zero();  ///< N s, friction
+  double along = 0.0;                                ///< N s, along the normal, 0 or more
+  Eigen::Vector3d across = Eigen::Vector3d::Zero();  ///< N s, friction, across the normal
 
   ContactImpulse& operator*=(double factor) {
     along *= factor;
@@ -31,61 +31,62 @@ struct ContactImpulse {
   }
 };
 
-/// A place on the surface of a body: on a soft one a point mass or a place between two or three, on a rigid
-/// one a place off its centre of mass, or one that nothing moves but as told.
+/// A point on the surface of a body. Soft: a point mass, or a point of an edge or a triangle. Rigid: a point
+/// with a moment arm from the centre of mass. World: a point of a static or kinematic object, which no
+/// impulse moves.
 struct ContactPoint {
   enum class Kind : std::uint8_t { Soft, Rigid, World } kind = Kind::World;
-  std::uint32_t body = 0;                              ///< index into the group's points or rigids
-  std::uint32_t count = 1;                             ///< of a Soft: how many points, 1 to 3
-  std::array<std::uint32_t, 3> point{};                ///< of a Soft
-  std::array<double, 3> weight{1.0};                   ///< of a Soft, sum 1
-  Eigen::Vector3d arm = Eigen::Vector3d::Zero();       ///< of a Rigid: m, from its centre, world axes
-  Eigen::Vector3d velocity = Eigen::Vector3d::Zero();  ///< of the World: m/s, constant over the tick
+  std::uint32_t body = 0;                              ///< index into LinkedBodies::points or rigids
+  std::uint32_t count = 1;                             ///< Soft: number of points, 1 to 3
+  std::array<std::uint32_t, 3> point{};                ///< Soft
+  std::array<double, 3> weight{1.0};                   ///< Soft, sum 1
+  Eigen::Vector3d arm = Eigen::Vector3d::Zero();       ///< Rigid: m, from the centre of mass, world axes
+  Eigen::Vector3d velocity = Eigen::Vector3d::Zero();  ///< World: m/s, constant over the tick
 };
 
-/// A corner, or an edge's ends, of something at rest that an edge or a triangle of a soft body touches.
+/// A corner, or both ends of an edge, of an object at rest that touches an edge or triangle of a soft body.
 struct HeldCorners {
   int count = 0;  ///< 0: none
   std::array<Eigen::Vector3d, 2> at{Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero()};
-  double radiusSum = 0.0;  ///< m, both radii
+  double radiusSum = 0.0;  ///< m
 };
 
-/// Two places that must not get nearer to each other along a normal than they are allowed to, with Coulomb
-/// friction across it. Impulses are equal and opposite at the two places, so linear momentum is kept to
-/// rounding; angular momentum, too, where one side can bear the couple (see joinPlaces() of
-/// contact_solver.cpp).
+/// Two contact points whose gap along a normal must not become smaller than allowed, with Coulomb friction
+/// across the normal. The impulses at the two points are equal and opposite, so linear momentum is conserved
+/// to rounding. Angular momentum is also conserved where one side can balance the couple (see
+/// alignContactPoints() of contact_solver.cpp).
 struct Contact {
   ContactPoint a, b;
   Eigen::Vector3d normal = Eigen::Vector3d::UnitY();  ///< unit, from b to a
-  double gap = 0.0;                                   ///< m between the surfaces; moves on with the substeps
+  double gap = 0.0;                                   ///< m between the surfaces; updated in each substep
   double friction = 0.0;
   double restitution = 0.0;
-  double bounceThreshold = 0.0;     ///< m/s, slower approaches do not bounce
-  double recoverySpeed = HUGE_VAL;  ///< m/s, at which surfaces that overlap are drawn apart at most
-  ContactImpulse positionImpulse, velocityImpulse;  ///< of the present substep; to begin with, a guess
-  const PlaneContact* held = nullptr;  ///< of a point on a surface at rest: the row that follows it
-  HeldCorners corners;                 ///< of an edge or triangle: what it slides over
-  double spheres = 0.0;                ///< m, of two point masses: both radii; the contact follows them
-  bool ended = false;                  ///< no longer there, but what it bore in this tick still is
+  double bounceThreshold = 0.0;                     ///< m/s, slower approaches do not bounce
+  double recoverySpeed = HUGE_VAL;                  ///< m/s, largest speed at which an overlap is removed
+  ContactImpulse positionImpulse, velocityImpulse;  ///< of the present substep; initially the warm start
+  const PlaneContact* held = nullptr;  ///< for a point on a surface at rest: the plane that follows it
+  HeldCorners corners;                 ///< for an edge or triangle: the corners over which it slides
+  double spheres = 0.0;  ///< m, for two point masses: sum of the radii; the contact follows the points
+  bool ended = false;    ///< the contact has ended in this tick; its impulse still counts
 
   // Written by the step.
-  TickImpulse impulse;  ///< on a; while rows are prepared, without what they bore since their normal turned
+  TickImpulse impulse;  ///< on a; until finishConstraints() without ContactConstraint::impulse
 };
 
-/// One row of a joint between rigid bodies, as Bullet's constraints describe theirs:
+/// One row of a joint between rigid bodies, in the form of Bullet's constraints:
 ///     linearA . va + angularA . wa + linearB . vb + angularB . wb = speed,
-/// kept by an impulse between lower and upper that acts along those same vectors.
+/// enforced by an impulse between lower and upper along the same vectors.
 struct JointConstraint {
   static constexpr std::uint32_t kHeld = static_cast<std::uint32_t>(-1);
-  std::uint32_t a = kHeld, b = kHeld;  ///< indices into the group's rigids; kHeld: nothing moves it
+  std::uint32_t a = kHeld, b = kHeld;  ///< indices into LinkedBodies::rigids; kHeld: an immovable side
   Eigen::Vector3d linearA, angularA, linearB, angularB;
   double speed = 0.0;                          ///< m/s or rad/s
-  double lower = -HUGE_VAL, upper = HUGE_VAL;  ///< N s or N m s, of a substep
-  double softness = 0.0;                       ///< of the speed, per impulse (Bullet's cfm / time step)
-  std::uint32_t contact = kHeld;               ///< rolling friction: of which contact; else kHeld
-  double rolling = 0.0;                        ///< m, its limits are so many times what the contact bears
+  double lower = -HUGE_VAL, upper = HUGE_VAL;  ///< N s or N m s, per substep
+  double softness = 0.0;                       ///< change of the speed per impulse (Bullet's cfm / time step)
+  std::uint32_t contact = kHeld;               ///< for rolling friction: index of its contact; else kHeld
+  double rolling = 0.0;  ///< m, ratio of the limits to the normal impulse of the contact
   double positionImpulse = 0.0,
-         velocityImpulse = 0.0;  ///< impulse of the present substep; to begin with, a guess
+         velocityImpulse = 0.0;  ///< of the present substep; initially the warm start
 
   // Written by the step.
   double impulse = 0.0;                  ///< sum over the tick
@@ -93,31 +94,30 @@ struct JointConstraint {
   double change = 0.0, direction = 0.0;  ///< scratch of the solver
 };
 
-/// A velocity that a contact depends on and changes: of a point mass, or of a rigid body's centre.
+/// A velocity on which a contact depends and which it changes: of a point mass, or of a rigid body's centre.
 struct ConstraintPoint {
   double* velocity;    ///< m/s, 3
-  double share;        ///< of it in the contact's speed; below 0 on side b
-  double response[3];  ///< 1/kg per axis: its change per impulse on side a
+  double share;        ///< weight in the contact's relative velocity; negative on side b
+  double response[3];  ///< 1/kg per axis: velocity change per impulse on side a
 };
 
-/// What makes a ConstraintPoint's share follow the place where two bodies touch, see joinPlaces() of
-/// contact_solver.cpp.
+/// Data to adjust the share of a ConstraintPoint, see alignContactPoints() of contact_solver.cpp.
 struct MomentArm {
-  const double* position;     ///< m, 3; none of a rigid body
+  const double* position;     ///< m, 3; nullptr for a rigid body
   const double* inverseMass;  ///< 1/kg per axis
-  double across[2];           ///< of the point's speed along the normal, in the contact's two across it
-  double response[3];         ///< 1/kg: its change per impulse across and `across`
+  double across[2];           ///< weights of the point's normal speed in the contact's two tangential speeds
+  double response[3];         ///< 1/kg: velocity change per tangential impulse and `across`
 };
 
-/// An angular velocity that a contact depends on and changes.
+/// An angular velocity on which a contact depends and which it changes.
 struct ConstraintRotation {
   RigidState* body;
-  double speeds[3][3];    ///< m/s per rad/s: along, across and across both
-  double response[3][3];  ///< rad/s per N s along, across and across both, as the body is turned now
+  double speeds[3][3];    ///< m/s per rad/s: along the normal and both tangents
+  double response[3][3];  ///< rad/s per N s along the same axes, at the body's present rotation
 };
 
-/// Along a contact's normal, across it and across both. Plain numbers: Eigen would store them one by one and
-/// load them in pairs, for which the processor waits.
+/// Components along a contact's normal and its two tangents. Plain numbers: Eigen would store them one by one
+/// and load them in pairs, which stalls the processor.
 struct ContactVector {
   double n = 0.0, u = 0.0, v = 0.0;
 
@@ -126,34 +126,34 @@ struct ContactVector {
   double squaredNorm() const { return n * n + u * u + v * v; }
 };
 
-/// Who bears the couple of what is across a contact, whose two places are apart along its normal.
+/// The side that balances the couple of tangential impulses at two points that are apart along the normal.
 enum class Couple : std::uint8_t { Nobody, Soft, Rigid };
 
-/// A contact as the sweeps want it.
+/// A contact in the form that the sweeps use.
 struct ContactConstraint {
   double axes[3][3];      ///< the normal and two tangents
-  ContactVector carried;  ///< m/s, of what is moved as told
+  ContactVector carried;  ///< m/s, part of the relative velocity due to kinematic objects
   std::uint32_t firstPoint, firstOfB, endPoint, firstRotation, endRotation;
   Couple couple;
-  double gap, target;         ///< m; m/s, along it at least
-  double pinned;              ///< m, what pinned points have of an overlap, which is not in the gap
-  double rebound;             ///< m/s, if it bounces, see Bounce (plane_contacts.h)
-  double settled;             ///< m/s along it, when the last substep ended
-  double softness;            ///< see kSoftness
-  double mass, mobility;      ///< kg along it, and its inverse; both 0: neither side can be moved
+  double gap, target;         ///< m; m/s, least speed along the normal
+  double pinned;              ///< m, part of an overlap due to pinned points, not included in the gap
+  double rebound;             ///< m/s, used if the contact bounces, see Bounce (plane_contacts.h)
+  double settled;             ///< m/s along the normal, at the end of the last substep
+  double softness;            ///< see kSoftness (contact_solver.cpp)
+  double mass, mobility;      ///< kg along the normal, and its inverse; both 0: neither side can be moved
   double acrossSoftness;      ///< 1/kg, speed per change of friction since the last substep
   double acrossMass[3];       ///< kg between the tangents, softness included: uu, uv, vv
-  double acrossAlong[2];      ///< 1/kg, speeds across per impulse along
-  double turnMass, friction;  ///< kg, the least of acrossMass; coefficient
-  double maxFriction;         ///< N s, the radius of its cone
+  double acrossAlong[2];      ///< 1/kg, tangential speeds per normal impulse
+  double turnMass, friction;  ///< kg, smallest eigenvalue of acrossMass; coefficient
+  double maxFriction;         ///< N s, radius of the friction cone
   bool bounces;               ///< in this substep
-  bool active;                ///< it bears something, or would be crossed
+  bool active;                ///< takes part in the sweeps: has an impulse, or would be violated without one
   ContactVector positionImpulse, velocityImpulse,
-      impulse;                              ///< N s, see Contact; the last since the normal turned
+      impulse;  ///< N s, see Contact; `impulse` counts since the last change of the normal
   ContactVector before, change, direction;  ///< N s, scratch of the solver
 };
 
-/// What couples the bodies of a group besides springs.
+/// The contacts and joints of an island, which couple its bodies in addition to springs.
 struct IslandConstraints {
   std::vector<Contact> contacts;
   std::vector<JointConstraint> joints;
@@ -164,53 +164,55 @@ struct IslandConstraints {
   std::vector<ConstraintPoint> points;
   std::vector<MomentArm> momentArms;  ///< #points
   std::vector<ConstraintRotation> rotations;
-  std::vector<std::uint32_t> active;  ///< rows of the present stage
+  std::vector<std::uint32_t> active;  ///< rows in the sweeps of the present stage
   std::vector<std::pair<std::uint32_t, std::uint32_t>>
-      carried;              ///< body and point, sorted: attached to what is held
-  double tolerance = 1e-4;  ///< m/s, no row may be wrong by more when a solve ends, if it has sweeps left
+      carried;              ///< body and point, sorted: points attached to immovable bodies
+  double tolerance = 1e-4;  ///< m/s; a solve ends when all row errors are smaller, or after kMaxSweeps
 };
 
-/// Before the first substep of a tick, and when contacts have changed within it (see finishConstraints):
-/// rows, masses. The state of bodies.points[i] is at views[i].
+/// Computes the rows and their masses. Call it before the first substep of a tick, and when contacts have
+/// changed within the tick (see finishConstraints). The state of bodies.points[i] is at views[i].
 void prepareConstraints(IslandConstraints& rows, LinkedBodies& bodies, const std::vector<PointView>& views);
 
-/// Makes the row's masses those that belong to speeds per impulse (1/kg), along, across and across both.
+/// Sets the row's masses from the speeds per impulse (1/kg) along the normal and both tangents.
 void setMobility(ContactConstraint& row, const Eigen::Matrix3d& mobility);
 
-/// Where one sphere is relative to another when they touch on a straight way of dt seconds, or else when they
-/// are nearest; m and m/s, `radiusSum` is the sum of their radii. Now, if they overlap.
+/// Returns the offset (m) of one sphere from another at their first touch within dt seconds, or else when
+/// they are nearest in that time. Returns the present offset if they overlap. `radiusSum` is in m.
 Eigen::Vector3d offsetWhenNearest(const Eigen::Vector3d& offset, const Eigen::Vector3d& velocity, double dt,
                                   double radiusSum);
 
-/// Makes contacts on what is at rest, and those of point masses with each other, those of where the soft
-/// bodies are now, before a drift of dt seconds.
+/// Updates contacts with surfaces at rest, and contacts between point masses, to the present positions of the
+/// soft bodies. Call it before a drift of dt seconds.
 void followContacts(IslandConstraints& rows, double dt);
 
-/// After a drift of dt seconds: the gaps as they are now.
+/// Updates the gaps after a drift of dt seconds.
 void updateGaps(IslandConstraints& rows, double dt);
 
-/// After the last substep, or before contacts are changed: their gaps and what they bore.
+/// Writes gaps and impulses back to the contacts. Call it after the last substep, or before contacts are
+/// changed.
 void finishConstraints(IslandConstraints& rows);
 
-/// Makes the responses of rigid bodies those of their present rotation.
+/// Updates the responses of rigid bodies to their present rotation.
 void rotateResponses(IslandConstraints& rows);
 
 void applyImpulse(LinkedBodies& bodies, JointConstraint& j, double change);
 
-/// Brings the joint to its speed, with the impulse `sum` within its limits; j.change likewise.
+/// Changes the impulse `sum` within its limits so that the joint has its speed. Sets j.change to the change.
 void solveJoint(LinkedBodies& bodies, JointConstraint& j, double& sum);
 
 // --- the solve ---------------------------------------------------------------------------------------------
 
-/// Before a drift of dt seconds in a tick of that length: impulses with which no pair ends nearer than it
-/// may, those that overlap draw apart gently, friction stops as much sliding as it can, and joints and
-/// anchors hold. From the impulses of the last substep on, by projected Gauss-Seidel sweeps with a nonsmooth
-/// nonlinear conjugate gradient step between them (Silcowitz, Niebe, Erleben 2010, algorithm 2). Returns the
-/// number of sweeps.
+/// Computes impulses before a drift of dt seconds in a tick of length `tick` (s). After the drift no gap is
+/// smaller than allowed, overlaps are smaller by a limited amount, friction has stopped as much sliding as it
+/// can, and joints and anchors hold. Starts from the impulses of the last substep and uses projected
+/// Gauss-Seidel sweeps with a nonsmooth nonlinear conjugate gradient step between them (Silcowitz, Niebe,
+/// Erleben 2010, algorithm 2). Returns the number of sweeps.
 int solvePositions(IslandConstraints& rows, LinkedBodies& bodies, double dt, double tick);
 
-/// After the second kick of a substep: pairs that bore something do not approach, as solveVelocities, and the
-/// velocities of anchored points are those of their pivots.
+/// Computes impulses after the second kick of a substep. Contacts that had a position impulse do not approach
+/// (as in solveVelocities of plane_contacts.h), and anchored points have the velocities of their pivots.
+/// Returns the number of sweeps.
 int solveVelocities(IslandConstraints& rows, LinkedBodies& bodies);
 
 }  // namespace limber

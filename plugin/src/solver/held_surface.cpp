@@ -15,21 +15,22 @@ using Eigen::Vector2d;
 using Eigen::Vector3d;
 using Kind = HeldPiece::Kind;
 
-/// Of the radius: contacts nearer than this are looked at where the point is, not where it will meet them.
+/// Share of the radius: contacts nearer than this are evaluated at the point's present position, not at
+/// impact.
 constexpr double kTouching = 0.05;
 
-/// Of the radius: the size of the ball that must find room where a point touches. It does so beside a step of
-/// any height that the point itself could stand beside.
-constexpr double kBall = 0.5;
+/// Share of the radius: radius of a ball that must fit at the contact point without an overlap. It fits
+/// beside a step of any height where the point itself fits.
+constexpr double kBallRadius = 0.5;
 
-/// Share of that ball's radius by which others may reach into it: tiles that are flush to 1e-5 m are flat.
+/// Share of that ball's radius by which other pieces may overlap it: tiles flush to 1e-5 m count as flat.
 constexpr double kOverlap = 0.002;
 
-/// Cosine: of two contacts whose normals are closer, only the nearer counts.
+/// Cosine: if the normals of two contacts are closer, only the nearer contact counts.
 constexpr double kSameContact = 0.995;
 
-/// Cosine between the normals of something round and of a polyhedron that stands for it.
-constexpr double kAboutSame = 0.98;
+/// Cosine between the normals of a round shape and of a polyhedron that approximates it.
+constexpr double kRoundNormalCosine = 0.98;
 
 constexpr int kMaxPointAdvances = 12;
 
@@ -37,9 +38,9 @@ bool isOfRevolution(Kind kind) {
   return kind == Kind::Capsule || kind == Kind::Cylinder || kind == Kind::Cone;
 }
 
-// --- nearest places on the pieces --------------------------------------------------------------------------
+// --- nearest points on the pieces --------------------------------------------------------------------------
 
-/// `away` leads from the nearest place to the point, which is outside.
+/// Returns the nearest point for a point outside. `away` leads from the nearest point to that point.
 HeldPoint outside(const Vector3d& away, const HeldPiece& piece, bool onFace) {
   const double distance = away.norm();
   return {away / distance, distance - piece.margin, onFace};
@@ -66,7 +67,7 @@ HeldPoint nearestOnCapsule(const HeldPiece& capsule, const Vector3d& x) {
   return outside(away, capsule, false);
 }
 
-/// A place in the half plane of a solid of revolution: distance from the axis, height along it.
+/// A point in the half plane of a solid of revolution: distance from the axis, height along it.
 struct HalfPlane {
   Vector3d axis, radial;
   Vector2d at;
@@ -112,21 +113,21 @@ HeldPoint nearestOnCone(const HeldPiece& cone, const Vector3d& x) {
 }
 
 struct OnTriangle {
-  Vector3d away;        ///< m, from the nearest place to the point
+  Vector3d away;        ///< m, from the nearest point of the triangle
   double height = 0.0;  ///< m, above its plane
   bool inside = false;  ///< the foot is in the triangle, not on its edges
-  bool above = false;   ///< the foot is in it or, to rounding, on its edges
+  bool above = false;   ///< the foot is in it or, within rounding, on its edges
 };
 
 double heightAbove(const HeldPiece& t, const Vector3d& x) { return t.center.dot(x - t.axes.col(0)); }
 
 OnTriangle nearestOnTriangle(const HeldPiece& t, const Vector3d& x) {
-  constexpr double kOnIt = 1e-9;  // m
+  constexpr double kOnTriangle = 1e-9;  // m
   const Vector3d weights = nearestBarycentric({t.axes.col(0), t.axes.col(1), t.axes.col(2)}, x);
   const Vector3d away = x - t.axes * weights;
   const double height = heightAbove(t, x);
   const bool inside = weights.minCoeff() > 0.0;
-  return {away, height, inside, inside || (away - height * t.center).norm() < kOnIt};
+  return {away, height, inside, inside || (away - height * t.center).norm() < kOnTriangle};
 }
 
 HeldPoint nearestOnSheet(const HeldPiece& sheet, const Vector3d& x) {
@@ -138,10 +139,10 @@ HeldPoint nearestOnSheet(const HeldPiece& sheet, const Vector3d& x) {
 
 HeldPoint nearestOnHull(const HeldPiece* first, const HeldPiece* end, const Vector3d& x) {
   const HeldPiece* shallowest = first;
-  double most = -HUGE_VAL;
+  double maxHeight = -HUGE_VAL;
   for (const HeldPiece* t = first; t != end; ++t)
-    if (const double height = heightAbove(*t, x); height > most) most = height, shallowest = t;
-  if (most <= 0.0) return {shallowest->center, most - first->margin, true};
+    if (const double height = heightAbove(*t, x); height > maxHeight) maxHeight = height, shallowest = t;
+  if (maxHeight <= 0.0) return {shallowest->center, maxHeight - first->margin, true};
   OnTriangle nearest{Vector3d::Constant(HUGE_VAL), false};
   const HeldPiece* face = first;
   for (const HeldPiece* t = first; t != end; ++t) {
@@ -149,7 +150,7 @@ HeldPoint nearestOnHull(const HeldPiece* first, const HeldPiece* end, const Vect
     const OnTriangle on = nearestOnTriangle(*t, x);
     if (on.away.squaredNorm() < nearest.away.squaredNorm()) nearest = on, face = t;
   }
-  // exact where the face is far from the world's origin, or flat against its neighbour
+  // also exact for a face far from the world's origin, or coplanar with its neighbour
   const double height = heightAbove(*face, x);
   if (height * height >= nearest.away.squaredNorm() * (1.0 - 1e-12))
     return {face->center, height - first->margin, true};
@@ -158,7 +159,7 @@ HeldPoint nearestOnHull(const HeldPiece* first, const HeldPiece* end, const Vect
 
 // --- contacts of a point -----------------------------------------------------------------------------------
 
-/// Where the point goes: from + t way, for t from `start` to 1.
+/// The path of the point: from + t displacement, for t from `start` to 1.
 struct Path {
   Vector3d from, displacement;
   double start = 0.0;
@@ -166,63 +167,63 @@ struct Path {
   Vector3d at(double t) const { return from + t * displacement; }
 };
 
-struct Meeting {
+struct Approach {
   const HeldPiece *first, *end;
   const Vector3d& x;
   const Path& path;
   double radius;
 };
 
-HeldContact contactAt(const Meeting& m, const HeldPoint& place, const Vector3d& at) {
+HeldContact contactAt(const Approach& m, const HeldPoint& nearest, const Vector3d& at) {
   HeldContact c;
   c.owner = m.first->owner;
-  c.onFace = place.onFace;
-  c.normal = place.normal;
-  c.touch = at + (m.radius - place.height) * place.normal;
+  c.onFace = nearest.onFace;
+  c.normal = nearest.normal;
+  c.touch = at + (m.radius - nearest.height) * nearest.normal;
   c.gap = c.normal.dot(m.x - c.touch);
   return c;
 }
 
-constexpr double kNoMeeting = 2.0;
+constexpr double kNoImpact = 2.0;
 
-/// Follows the point until it meets the solid, by conservative advancement; returns when, kNoMeeting if it
-/// does not.
-double advance(const Meeting& m, HeldContact& c) {
+/// Follows the point by conservative advancement until it hits the solid. Returns the time of impact on the
+/// path, or kNoImpact.
+double advanceToImpact(const Approach& m, HeldContact& c) {
   double time = m.path.start;
-  HeldPoint place = nearestOn(m.first, m.end, m.path.at(time));
+  HeldPoint nearest = nearestOn(m.first, m.end, m.path.at(time));
   for (int i = 0; i < kMaxPointAdvances; ++i) {
-    const double gap = place.height - m.radius;
+    const double gap = nearest.height - m.radius;
     if (gap <= 0.01 * kTouching * m.radius) break;
-    const double approach = -place.normal.dot(m.path.displacement);
-    if (!(approach > 0.0) || time + gap / approach > 1.0) return kNoMeeting;
+    const double approach = -nearest.normal.dot(m.path.displacement);
+    if (!(approach > 0.0) || time + gap / approach > 1.0) return kNoImpact;
     time += gap / approach;
-    place = nearestOn(m.first, m.end, m.path.at(time));
+    nearest = nearestOn(m.first, m.end, m.path.at(time));
   }
-  c = contactAt(m, place, m.path.at(time));
+  c = contactAt(m, nearest, m.path.at(time));
   return time;
 }
 
-/// Whether another triangle of a sheet is between the point and the place.
-bool isHidden(const HeldPiece& sheet, const Vector3d& x, const Vector3d& place) {
-  constexpr double kOnIt = 1e-7;  // m
-  const double from = heightAbove(sheet, x), to = heightAbove(sheet, place);
-  if (from * to >= 0.0 || std::abs(to) < kOnIt) return false;
-  const Vector3d crossing = x + from / (from - to) * (place - x);
-  return nearestOnTriangle(sheet, crossing).away.norm() < kOnIt;
+/// Whether the triangle is between the point `x` and `target`.
+bool isHidden(const HeldPiece& sheet, const Vector3d& x, const Vector3d& target) {
+  constexpr double kOnTriangle = 1e-7;  // m
+  const double from = heightAbove(sheet, x), to = heightAbove(sheet, target);
+  if (from * to >= 0.0 || std::abs(to) < kOnTriangle) return false;
+  const Vector3d crossing = x + from / (from - to) * (target - x);
+  return nearestOnTriangle(sheet, crossing).away.norm() < kOnTriangle;
 }
 
-bool isOurs(const Meeting& m, const HeldPiece* other) { return other == m.first; }
+bool isSameSolid(const Approach& m, const HeldPiece* other) { return other == m.first; }
 
-/// Whether the contact is not one with what is nearest there.
-bool isBlocked(const HeldNeighbourhood& around, const Meeting& m, const HeldContact& c) {
+/// Whether other pieces hide or cover the contact.
+bool isBlocked(const HeldNeighbourhood& around, const Approach& m, const HeldContact& c) {
   const HeldPiece* begin = around.all->pieces.data() + around.begin;
   const HeldPiece* end = around.all->pieces.data() + around.end;
-  const double ball = kBall * m.radius;
-  const Vector3d place = c.touch - m.radius * c.normal, center = place + ball * c.normal;
+  const double ball = kBallRadius * m.radius;
+  const Vector3d point = c.touch - m.radius * c.normal, center = point + ball * c.normal;
   for (const HeldPiece *other = begin, *next = begin; other != end; other = next) {
     next = endOfSolid(other, end);
-    if (isOurs(m, other)) continue;
-    if (other->kind == Kind::Sheet && m.first->kind == Kind::Sheet && isHidden(*other, m.x, place))
+    if (isSameSolid(m, other)) continue;
+    if (other->kind == Kind::Sheet && m.first->kind == Kind::Sheet && isHidden(*other, m.x, point))
       return true;
     if (c.onFace) continue;
     if (nearestOn(other, next, center).height < (1.0 - kOverlap) * ball) return true;
@@ -230,14 +231,14 @@ bool isBlocked(const HeldNeighbourhood& around, const Meeting& m, const HeldCont
   return false;
 }
 
-/// Whether x is to be kept, of two contacts that say about the same. An edge that is flush with a face is
-/// none: it must stand out from it. Gaps would not tell, where the point is still far and the normals are not
-/// quite equal.
+/// Whether x is kept, of two contacts with about the same normal. An edge that is flush with a face is no
+/// contact: it must stand out from the face. Gaps cannot decide this while the point is far away and the
+/// normals differ slightly.
 bool isBetter(const HeldContact& x, const HeldContact& y, double radius) {
-  const double least = 0.02 * kTouching * radius;
+  const double minHeight = 0.02 * kTouching * radius;
   if (x.onFace == y.onFace) return x.gap <= y.gap;
   const HeldContact &face = x.onFace ? x : y, &edge = x.onFace ? y : x;
-  return x.onFace == (face.normal.dot(edge.touch - face.touch) < least);
+  return x.onFace == (face.normal.dot(edge.touch - face.touch) < minHeight);
 }
 
 void addContact(std::vector<HeldContact>& contacts, const HeldContact& c, double radius) {
@@ -249,37 +250,37 @@ void addContact(std::vector<HeldContact>& contacts, const HeldContact& c, double
   contacts.push_back(c);
 }
 
-/// Whose side of a sheet the point is on stays as it was as long as it is above it: what has got into it is
-/// pushed out again.
-void keepSide(HeldPiece& sheet, const Vector3d& x) {
+/// Updates the side of a sheet on which the point is. The side stays the same while the point is above or
+/// below the triangle: a point that has penetrated it is pushed back.
+void updateSide(HeldPiece& sheet, const Vector3d& x) {
   const OnTriangle nearest = nearestOnTriangle(sheet, x);
   if (!nearest.above || !sheet.metAbove) sheet.side = nearest.height < 0.0 ? -1 : 1;
   sheet.metAbove = nearest.above;
 }
 
-/// The path of a point that slides on the face that it meets first. What is met on the straight way beyond it
-/// may be buried, as the sides of flush tiles are.
-Path pathAlong(const HeldPiece* begin, const HeldPiece* end, const Vector3d& x, const Vector3d& displacement,
-               double radius) {
+/// Returns the path of a point that slides on the face that it hits first. Pieces on the straight path beyond
+/// that face may be buried, as the sides of flush tiles.
+Path slidingPath(const HeldPiece* begin, const HeldPiece* end, const Vector3d& x,
+                 const Vector3d& displacement, double radius) {
   const Path straight{x, displacement};
   if (begin == end || endOfSolid(begin, end) == end) return straight;
   Vector3d normal = Vector3d::Zero();
-  double time = kNoMeeting;
+  double time = kNoImpact;
   for (const HeldPiece *first = begin, *next = begin; first != end; first = next) {
     next = endOfSolid(first, end);
     HeldContact c;
-    const double met = advance({first, next, x, straight, radius}, c);
-    if (met < time && c.onFace && c.normal.dot(displacement) < 0.0) time = met, normal = c.normal;
+    const double impact = advanceToImpact({first, next, x, straight, radius}, c);
+    if (impact < time && c.onFace && c.normal.dot(displacement) < 0.0) time = impact, normal = c.normal;
   }
-  if (time == kNoMeeting) return straight;
+  if (time == kNoImpact) return straight;
   const Vector3d into = normal.dot(displacement) * normal;
   return {x + time * into, displacement - into, time};
 }
 
-/// Whether the point has come nowhere near since it was last looked at. It cannot have changed sides of a
+/// Whether the point has stayed clear of all pieces since the last search. Then it has not changed sides of a
 /// sheet either.
-bool isClear(const HeldNeighbourhood& around, const Vector3d& x, double most) {
-  return around.clear > most && (x - around.clearAt).norm() < around.clear - most;
+bool isClear(const HeldNeighbourhood& around, const Vector3d& x, double maxDistance) {
+  return around.clear > maxDistance && (x - around.clearAt).norm() < around.clear - maxDistance;
 }
 
 }  // namespace
@@ -316,36 +317,36 @@ void findContacts(HeldNeighbourhood& around, const Vector3d& x, const Vector3d& 
   contacts.clear();
   HeldPiece* begin = around.all->pieces.data() + around.begin;
   const HeldPiece* end = around.all->pieces.data() + around.end;
-  const double most = within + displacement.norm();
-  if (isClear(around, x, most)) return;
-  double least = HUGE_VAL;
-  const Path path = pathAlong(begin, end, x, displacement, around.radius);
+  const double maxDistance = within + displacement.norm();
+  if (isClear(around, x, maxDistance)) return;
+  double minGap = HUGE_VAL;
+  const Path path = slidingPath(begin, end, x, displacement, around.radius);
   for (HeldPiece *first = begin, *next = begin; first != end; first = next) {
     next = const_cast<HeldPiece*>(endOfSolid(first, end));
-    if (first->kind == Kind::Sheet) keepSide(*first, x);
-    const HeldPoint place = nearestOn(first, next, x);
-    const double gap = place.height - around.radius;
-    least = std::min(least, gap);
-    if (gap > most) continue;
-    const Meeting meeting{first, next, x, path, around.radius};
-    HeldContact c = contactAt(meeting, place, x);
-    const bool meetsLater = gap > kTouching * around.radius && gap + place.normal.dot(displacement) < 0.0;
-    if (meetsLater && advance(meeting, c) == kNoMeeting) continue;
-    if (!isBlocked(around, meeting, c)) addContact(contacts, c, around.radius);
+    if (first->kind == Kind::Sheet) updateSide(*first, x);
+    const HeldPoint nearest = nearestOn(first, next, x);
+    const double gap = nearest.height - around.radius;
+    minGap = std::min(minGap, gap);
+    if (gap > maxDistance) continue;
+    const Approach approach{first, next, x, path, around.radius};
+    HeldContact c = contactAt(approach, nearest, x);
+    const bool hitsLater = gap > kTouching * around.radius && gap + nearest.normal.dot(displacement) < 0.0;
+    if (hitsLater && advanceToImpact(approach, c) == kNoImpact) continue;
+    if (!isBlocked(around, approach, c)) addContact(contacts, c, around.radius);
   }
   around.clearAt = x;
-  around.clear = std::max(least, 0.0);
+  around.clear = std::max(minGap, 0.0);
 }
 
-bool isCovered(const HeldPiece* begin, const HeldPiece* end, const Vector3d& place, const Vector3d& normal,
+bool isCovered(const HeldPiece* begin, const HeldPiece* end, const Vector3d& point, const Vector3d& normal,
                double radius) {
-  const double ball = kBall * radius;
-  const Vector3d center = place + ball * normal;
+  const double ball = kBallRadius * radius;
+  const Vector3d center = point + ball * normal;
   for (const HeldPiece *other = begin, *next = begin; other != end; other = next) {
     next = endOfSolid(other, end);
     const HeldPoint nearest = nearestOn(other, next, center);
-    // what is touched may be a polyhedron slightly within something round
-    const bool isItself = isOfRevolution(other->kind) && nearest.normal.dot(normal) > kAboutSame;
+    // the touched piece may be a polyhedron slightly inside a round one
+    const bool isItself = isOfRevolution(other->kind) && nearest.normal.dot(normal) > kRoundNormalCosine;
     if (!isItself && nearest.height < (1.0 - kOverlap) * ball) return true;
   }
   return false;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// Steps a soft body by the implicit midpoint rule: its equation, the iterations, and the guard of its energy.
+// Steps a soft body by the implicit midpoint rule: its equation, the iterations, and the limit of its energy.
 #include "solver/implicit_step.h"
 
 #include "solver/point_state.h"
@@ -13,38 +13,38 @@ namespace {
 
 // --- the equation ------------------------------------------------------------------------------------------
 
-/// A substep of the implicit midpoint rule as it is being solved: body.points->position is the midpoint x
-/// that the iterations work on.
+/// A substep of the implicit midpoint rule during its solution. body.points->position is the midpoint x of
+/// the iterations.
 struct Substep {
   SolverBody& body;
   ImplicitState& implicit;
   double time;            ///< s since the start of the tick
   double h;               ///< s, of the whole substep
   bool euler = false;     ///< only its first half, by backward Euler
-  bool downhill = false;  ///< from x0 instead of from where the motion leads
+  bool downhill = false;  ///< the iterations start from x0 instead of x0 + h/2 v0
 
   PointState& points() const { return *body.points; }
   SpringArrays& springs() const { return *body.springs; }
   ContactSpan whole() const { return {time, h, 2.0}; }
   ContactSpan firstHalf() const { return {time, 0.5 * h, 1.0}; }
-  bool touches() const { return implicit.contacts.count > 0; }
+  bool hasContacts() const { return implicit.contacts.count > 0; }
 };
 
-/// y of implicit_step.h; held points go with their velocity.
+/// y of implicit_step.h; held points move with their velocity.
 Eigen::Vector3d inertialMidpoint(const Substep& s, Eigen::Index i) {
   return s.implicit.start.col(i) + 0.5 * s.h * s.implicit.startVelocity.col(i) +
          0.25 * s.h * s.h * s.points().acceleration.col(i);
 }
 
-/// 0 to 1, see lookAhead(); backward Euler takes the mean velocity.
+/// 0 to 1, see lookAhead(); 0 for backward Euler, which uses the mean velocity.
 double damperLookAhead(const Substep& s, std::size_t i) {
   if (s.euler) return 0.0;
   return lookAhead(s.springs()->damping[i], inverseMassesOf(s.springs(), s.points().inverseMass, i), s.h);
 }
 
-/// m: by how much farther apart the ends of spring i are, along its damper, than where the damper would pull
-/// with no force. With the velocity v_m + beta (v_m - v0) of lookAhead() and v_m = 2/h (x - x0) that
-/// is where   (1 + beta) (x - x0) = beta h/2 v0.
+/// m: extension of the damper of spring i beyond its length without force. With the velocity
+/// v_m + beta (v_m - v0) of lookAhead() and v_m = 2/h (x - x0), it has no force where
+/// (1 + beta) (x - x0) = beta h/2 v0.
 double damperStretch(const Substep& s, std::size_t i, const Points& x) {
   const ImplicitState& state = s.implicit;
   const auto a = s.springs()->a[i], b = s.springs()->b[i];
@@ -60,7 +60,7 @@ double damperWeight(const Substep& s, std::size_t i) {
   return 0.5 * s.h * s.springs()->damping[i] * (1.0 + damperLookAhead(s, i));
 }
 
-/// Adds the dampers' forces for the velocities that the present midpoint positions mean.
+/// Adds the dampers' forces for the velocities given by the present midpoint positions.
 void addDampingForces(const Substep& s) {
   const SpringArrays& springs = s.springs();
   if (!springs->damped) return;
@@ -73,12 +73,12 @@ void addDampingForces(const Substep& s) {
   }
 }
 
-/// Sets the points' forces to those of springs and dampers at x. The dampers turn with their springs if they
-/// are told to: in the first iterations only, since under strong damping changing directions would not
-/// converge.
-void computeForces(const Substep& s, bool turnDampers) {
+/// Sets the points' forces to those of springs and dampers at x. `rotateDampers` gives the dampers the
+/// directions of their springs, in the first iterations only: under strong damping changing directions would
+/// not converge.
+void computeForces(const Substep& s, bool rotateDampers) {
   computeElasticForces(s.body);
-  if (turnDampers) s.implicit.damperDirection = s.springs().direction;
+  if (rotateDampers) s.implicit.damperDirection = s.springs().direction;
   addDampingForces(s);
 }
 
@@ -93,10 +93,11 @@ void computeResidual(const Substep& s) {
       r.col(i) = massOf(p.inverseMass, i) * (inertialMidpoint(s, i) - p.position.col(i)) +
                  0.25 * s.h * s.h * p.force.col(i);
   }
-  if (s.touches()) addLoads(s.implicit.contacts, s.implicit.contacts.load, r);
+  if (s.hasContacts()) addLoads(s.implicit.contacts, s.implicit.contacts.load, r);
 }
 
-/// What the iterations descend on when nothing touches: |x - y|_M^2 / 2 + h^2/4 E(x) and the dampers' part.
+/// The function that the iterations minimise without contacts: |x - y|_M^2 / 2 + h^2/4 E(x) and the dampers'
+/// part.
 double objective(const Substep& s, const Points& position) {
   const PointState& p = s.points();
   double sum = 0.25 * s.h * s.h * elasticEnergy(s.body, position);
@@ -113,34 +114,32 @@ double objective(const Substep& s, const Points& position) {
 /// Iterations end when no point moves by more than this share of the longest spring.
 constexpr double kConverged = 1e-11;
 
-/// The same of the sweeps over the contacts in an iteration.
+/// The same for the sweeps over the contacts in an iteration.
 constexpr double kContactsConverged = 1e-12;
 constexpr int kMaxSharedIterations = 20;
 
-/// Iterations that end with a larger movement, as a share of the longest spring, have not found a midpoint
-/// that could be extrapolated from.
+/// Largest last movement, as a share of the longest spring, of a midpoint that may be extrapolated.
 constexpr double kNearlyConverged = 0.05;
 constexpr int kMaxNewtonIterations = 12;
 
-/// Share by which the energy may rise above the least it has been, work and changes from outside apart: the
-/// midpoint rule does not keep it to the last digit, it swings about its value.
+/// Share by which the energy may exceed its lowest value, apart from work and external changes: the midpoint
+/// rule does not conserve it exactly but lets it oscillate about a value.
 constexpr double kEnergySwing = 1e-4;
 
-/// Of the energy: of a body that has been at rest, what the work and the motion of its fall differ by.
+/// Share of the energy: rounding difference between work and kinetic energy of a body that falls from rest.
 constexpr double kEnergyRounding = 1e-10;
 
-/// Iterations in which the dampers turn with their springs.
-constexpr int kDamperTurns = 3;
+/// Iterations in which the dampers rotate with their springs.
+constexpr int kDamperRotations = 3;
 
-/// Of a substep that leads through surfaces.
-constexpr int kMaxWaysFollowed = 3;
+/// Repetitions of a substep that leads through surfaces.
+constexpr int kMaxRepeats = 3;
 
-/// Halvings of a Newton step that would go uphill.
+/// Halvings of a Newton step that would increase the objective.
 constexpr int kMaxImplicitHalvings = 6;
 
-/// What the iterations start from: x0 + h/2 v0, where they keep what turns or falls as a whole however stiff
-/// it is; or x0, from which the springs never get more energy than there was, but of such motion little comes
-/// about.
+/// Sets the start of the iterations. x0 + h/2 v0 preserves the rotation and fall of the whole body, however
+/// stiff it is. With x0 the springs never get more energy than there was, but little of such motion remains.
 void guess(const Substep& s) {
   PointState& p = s.points();
   p.position = s.implicit.start;
@@ -158,14 +157,14 @@ double longest(const SpringArrays& springs) {
 void start(const Substep& s) {
   s.implicit.start = s.points().position;
   s.implicit.startVelocity = s.points().velocity;
-  const double enough = kContactsConverged * longest(s.springs());
-  startSubstep(s.implicit.contacts, s.body.contacts, s.points().position.cols(), enough);
+  const double tolerance = kContactsConverged * longest(s.springs());
+  startSubstep(s.implicit.contacts, s.body.contacts, s.points().position.cols(), tolerance);
   guess(s);
 }
 
-/// Newton's method may overshoot where springs are strongly compressed, and either method where the volume is
-/// far from the rest volume, or tetrahedra are: the matrix has their gradients, of which the constant one has
-/// those at rest, not their second derivatives.
+/// Newton's method may overshoot where springs are strongly compressed. Either method may overshoot with
+/// tetrahedra, or where a volume is far from its rest volume: the matrix contains the gradients of volumes
+/// (the constant matrix those at rest), not the second derivatives.
 bool mayOvershoot(const Substep& s) {
   if (s.implicit.solver.kind == MidpointSolver::Kind::Newton || s.body.tetrahedra) return true;
   return s.body.volumes && isFarFromRest(*s.body.volumes, s.points().position);
@@ -183,7 +182,7 @@ void shortenStep(const Substep& s) {
   }
 }
 
-/// The loads that this iteration's step asks for, and what they do to the step.
+/// Computes the loads for this iteration's step, and adds their effect to the step.
 void solveContacts(const Substep& s, const ContactSpan& span) {
   ImplicitState& state = s.implicit;
   MidpointContacts& contacts = state.contacts;
@@ -196,65 +195,66 @@ void solveContacts(const Substep& s, const ContactSpan& span) {
   state.residual += state.trial;
 }
 
-/// One iteration; returns the largest movement of a point (m). The step is found in place of the residual.
+/// Makes one iteration; returns the largest movement of a point (m). The step replaces the residual.
 double iterate(const Substep& s, const ContactSpan& span, int iteration) {
   ImplicitState& state = s.implicit;
-  computeForces(s, iteration < (s.euler ? 1 : kDamperTurns));
+  computeForces(s, iteration < (s.euler ? 1 : kDamperRotations));
   update(state.solver, {s.springs(), s.body.tetrahedra}, state.damperDirection, s.points().position);
   if (s.body.volumes) updateVolumes(state.solver, *s.body.volumes, s.points());
-  if (s.touches() && (iteration == 0 || state.solver.kind == MidpointSolver::Kind::Newton))
+  if (s.hasContacts() && (iteration == 0 || state.solver.kind == MidpointSolver::Kind::Newton))
     forgetResponse(state.contacts);
   computeResidual(s);
   solve(state.solver, state.residual);
-  if (s.touches()) solveContacts(s, span);
+  if (s.hasContacts()) solveContacts(s, span);
   if (!bears(s.implicit.contacts)) shortenStep(s);
   s.points().position += state.residual;
   return state.residual.cwiseAbs().maxCoeff();
 }
 
-/// m, what iterations would still move whose movement falls by the same factor each time. Those of a factor
-/// that all share come near what turns a stiff body about a pin very slowly: their last movement is no
-/// measure.
+/// m: movement of all further iterations, if it falls by the same factor each time. Iterations with the
+/// shared matrix approach the rotation of a stiff body about a pin very slowly: their last movement is no
+/// measure of the error.
 double remainder(double moved, double before) {
   constexpr double kSlowest = 0.999;
   const double factor = before > 0.0 ? std::min(moved / before, kSlowest) : 0.0;
   return moved * factor / (1.0 - factor);
 }
 
-/// Iterates to the end; returns the last movement (m).
+/// Iterates to convergence or the limit; returns the last movement (m).
 double solveMidpoint(const Substep& s, const ContactSpan& span) {
   const bool shared = s.implicit.solver.kind == MidpointSolver::Kind::Shared;
-  const int most = shared ? kMaxSharedIterations : kMaxNewtonIterations;
-  const double enough = kConverged * longest(s.springs());
+  const int maxIterations = shared ? kMaxSharedIterations : kMaxNewtonIterations;
+  const double tolerance = kConverged * longest(s.springs());
   double moved = 0.0;
-  for (int i = 0; i < most; ++i) {
+  for (int i = 0; i < maxIterations; ++i) {
     const double before = moved;
     moved = iterate(s, span, i);
     s.implicit.remainder = remainder(moved, before);
-    if (moved <= enough) break;
+    if (moved <= tolerance) break;
   }
   return moved;
 }
 
-/// The same, and again while what was found leads through surfaces that the rows did not follow.
+/// Does the same, and repeats it while the result leads through surfaces that the rows did not follow.
 double solveFollowing(const Substep& s, const ContactSpan& span) {
   PointView atStart = viewOf(s.points());
   atStart.position = s.implicit.start.data();
-  for (int again = kMaxWaysFollowed;; --again) {
-    const double left = solveMidpoint(s, span);
-    if (again == 0 || !s.touches() ||
+  for (int repeats = kMaxRepeats;; --repeats) {
+    const double lastMovement = solveMidpoint(s, span);
+    if (repeats == 0 || !s.hasContacts() ||
         !followDisplacement(s.implicit.contacts, s.points().position, atStart, span))
-      return left;
+      return lastMovement;
     guess(s);
   }
 }
 
-/// J of motion and springs.
+/// J, kinetic and elastic.
 double energy(const Substep& s) {
   return kineticEnergy(s.points()) + elasticEnergy(s.body, s.points().position);
 }
 
-/// J done on the points since the start by the constant accelerations, by what holds points, and by contacts.
+/// J: work on the points since the start by the constant accelerations, by the constraints of held points,
+/// and by contacts.
 double work(const Substep& s) {
   const PointState& p = s.points();
   double sum = 0.0;
@@ -271,20 +271,20 @@ double work(const Substep& s) {
   return sum;
 }
 
-/// Takes out the energy by which the substep has left the swing allowed to it; false if it cannot be taken
-/// out of the motion. Otherwise the floor is kept.
+/// Removes energy above the allowed swing from the motion, and updates the energy floor. Returns false, and
+/// keeps the floor, if the motion has too little.
 bool guardEnergy(const Substep& s) {
   ImplicitState& state = s.implicit;
   const double after = energy(s), floor = state.energyFloor + work(s);
   const double allowed = kEnergySwing * std::abs(state.energyFloor) + kEnergyRounding * std::abs(after);
   const double excess = after - floor - allowed;
-  const double left = excess > 0.0 ? removeKineticEnergy(s.points(), excess) : 0.0;
-  if (left > allowed) return false;
-  state.energyFloor = std::min(floor, after - std::max(0.0, excess - left));
+  const double rest = excess > 0.0 ? removeKineticEnergy(s.points(), excess) : 0.0;
+  if (rest > allowed) return false;
+  state.energyFloor = std::min(floor, after - std::max(0.0, excess - rest));
   return true;
 }
 
-/// The velocities that have brought the free points to where they are, times `reach` less the rest of v0.
+/// Sets the velocities of the free points to  2/h (x - x0) - (reach - 1) v0.
 void setVelocities(const Substep& s, double reach) {
   PointState& p = s.points();
   for (Eigen::Index i = 0; i < p.position.cols(); ++i)
@@ -293,8 +293,9 @@ void setVelocities(const Substep& s, double reach) {
                           (reach - 1.0) * s.implicit.startVelocity.col(i);
 }
 
-/// Unfinished iterations keep linear but not angular momentum. A free body's changes by the torque of the
-/// constant accelerations alone: `before` is its spin at the start, `duration` ends now.
+/// Restores the angular momentum of a free body, which unfinished iterations do not conserve (unlike linear
+/// momentum). It changes only by the torque of the constant accelerations, from `before` at the start of
+/// `duration`, which ends now.
 void keepSpin(const Substep& s, const Eigen::Vector3d& before, double duration) {
   PointState& p = s.points();
   if (bears(s.implicit.contacts) || (p.inverseMass.array() == 0.0).any()) return;
@@ -312,23 +313,23 @@ void keepSpin(const Substep& s, const Eigen::Vector3d& before, double duration) 
   setSpin(p, spin);
 }
 
-/// From the midpoint to the end of the substep.
+/// Moves from the midpoint to the end of the substep.
 void finish(const Substep& s) {
   s.points().position = 2.0 * s.points().position - s.implicit.start;
   setVelocities(s, 2.0);
-  if (s.touches()) settle(s.implicit.contacts, s.points(), s.whole());
+  if (s.hasContacts()) settle(s.implicit.contacts, s.points(), s.whole());
 }
 
-/// Half a substep of backward Euler, which the equation for the midpoint is: x = x0 + h/2 v,
-/// v = v0 + h/2 (a + M^-1 f(x)). False if it makes energy.
+/// Makes half a substep of backward Euler, which has the equation of the midpoint: x = x0 + h/2 v,
+/// v = v0 + h/2 (a + M^-1 f(x)). Returns false if this adds energy.
 bool stepHalfByEuler(const Substep& s, const Eigen::Vector3d& spin) {
   PointState& p = s.points();
   guess(s);
   solveFollowing(s, s.firstHalf());
   computeForces(s, false);
   setVelocities(s, 1.0);
-  if (s.touches()) settle(s.implicit.contacts, p, s.firstHalf());
-  // giving back the spin that the dampers of a straight step have braked may cost more energy than there is
+  if (s.hasContacts()) settle(s.implicit.contacts, p, s.firstHalf());
+  // restoring the spin that dampers reduce in a straight step may need more energy than there is
   s.implicit.trial = p.velocity;
   keepSpin(s, spin, 0.5 * s.h);
   if (guardEnergy(s)) return true;
@@ -349,8 +350,8 @@ void advanceHalfByEuler(const Substep& s) {
   if (!stepHalfByEuler(downhill, spin)) s.implicit.energyFloor = energy(s);
 }
 
-/// m/s, root mean square: the midpoint rule is wrong by (omega h)^2 / 12 of the phase (compare
-/// verletErrorRate), and what the iterations left.
+/// m/s, root mean square: the midpoint rule's phase error (omega h)^2 / 12 (compare verletErrorRate), and the
+/// remainder of the iterations.
 double errorRate(const Substep& s) {
   const PointState& p = s.points();
   Points& mean = s.implicit.meanAcceleration;
@@ -364,11 +365,11 @@ double errorRate(const Substep& s) {
 void advance(const Substep& s) {
   const Eigen::Vector3d spin = spinOf(s.points());
   start(s);
-  const double left = solveFollowing(s, s.whole());
+  const double lastMovement = solveFollowing(s, s.whole());
   computeForces(s, false);
   s.body.errorRate = std::max(s.body.errorRate, errorRate(s));
-  const bool settled = left <= kNearlyConverged * longest(s.springs());
-  if (settled) {
+  const bool converged = lastMovement <= kNearlyConverged * longest(s.springs());
+  if (converged) {
     finish(s);
     keepSpin(s, spin, s.h);
     if (guardEnergy(s)) return;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// Compiles the decompositions of Eigen that are used; finds the largest eigenvalue by Lanczos iteration.
+// Compiles the decompositions of Eigen that are used; computes the largest eigenvalue by Lanczos iteration.
 #include "solver/linear_algebra.h"
 
 #include "mesh/random.h"
@@ -16,18 +16,18 @@
 namespace limber {
 namespace {
 
-constexpr double kNothing = 1e-14;
+constexpr double kNegligibleEigenvalue = 1e-14;
 
 using DenseSolver = Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>;
 
-/// x -> x - scale (normal . x) normal, of the last rows of x (A. Householder, 1958).
+/// x -> x - scale (normal . x) normal, for the last rows of x (A. Householder, 1958).
 struct Reflection {
   Eigen::VectorXd normal;
   double scale;
 };
 
-/// Turns the column, from row `first` on, into the direction of that row's axis. Eigen's own takes five
-/// seconds to compile, most of them for blocks of columns.
+/// Returns the reflection that maps the column, from row `first` on, to the direction of that row's axis.
+/// Eigen's own version takes five seconds to compile, most of them for blocks of columns.
 Reflection reflectionOntoAxis(const Eigen::Ref<const Eigen::VectorXd>& column, Eigen::Index first) {
   Reflection r{column.tail(column.size() - first), 0.0};
   r.normal[0] += std::copysign(r.normal.norm(), r.normal[0]);
@@ -69,10 +69,10 @@ SymmetricParts tridiagonalParts(const Eigen::VectorXd& diagonal, const Eigen::Ve
 
 Eigen::Matrix3d pseudoInverse(const Eigen::Matrix3d& matrix) {
   const SymmetricParts3 parts = symmetricParts3(matrix);
-  const double least = kNothing * parts.values.cwiseAbs().maxCoeff();
+  const double limit = kNegligibleEigenvalue * parts.values.cwiseAbs().maxCoeff();
   Eigen::Matrix3d inverse = Eigen::Matrix3d::Zero();
   for (int k = 0; k < 3; ++k)
-    if (std::abs(parts.values[k]) > least)
+    if (std::abs(parts.values[k]) > limit)
       inverse += parts.vectors.col(k) * parts.vectors.col(k).transpose() / parts.values[k];
   return inverse;
 }
@@ -99,11 +99,11 @@ Eigen::MatrixXd LuFactor::inverse() const {
 }
 
 Eigen::MatrixXd orthogonalColumns(const Eigen::MatrixXd& columns, Eigen::Index count) {
-  Eigen::MatrixXd left = columns, result = Eigen::MatrixXd::Identity(columns.rows(), count);
+  Eigen::MatrixXd reduced = columns, result = Eigen::MatrixXd::Identity(columns.rows(), count);
   std::vector<Reflection> reflections;
   for (Eigen::Index k = 0; k < columns.cols(); ++k) {
-    reflections.push_back(reflectionOntoAxis(left.col(k), k));
-    for (Eigen::Index j = k + 1; j < left.cols(); ++j) reflect(reflections.back(), left.col(j));
+    reflections.push_back(reflectionOntoAxis(reduced.col(k), k));
+    for (Eigen::Index j = k + 1; j < reduced.cols(); ++j) reflect(reflections.back(), reduced.col(j));
   }
   for (auto r = reflections.rbegin(); r != reflections.rend(); ++r)
     for (Eigen::Index j = 0; j < count; ++j) reflect(*r, result.col(j));
@@ -148,10 +148,10 @@ namespace {
 constexpr Eigen::Index kMaxSteps = 400;
 constexpr Eigen::Index kStepsBetweenChecks = 8;
 
-/// Below this part of the largest entry so far the space is used up: what remains is round-off.
-constexpr double kUsedUp = 1e-14;
+/// If an entry is below this share of the largest one so far, the space is exhausted: the rest is round-off.
+constexpr double kExhausted = 1e-14;
 
-/// Entries beyond this have squares that are no numbers; files may have such.
+/// Larger entries are scaled, since their squares may overflow; files may contain such numbers.
 constexpr double kHuge = 1e100;
 
 double lengthOf(const Eigen::VectorXd& v) {
@@ -159,9 +159,9 @@ double lengthOf(const Eigen::VectorXd& v) {
   return std::isfinite(norm) ? norm : v.stableNorm();
 }
 
-/// Of the tridiagonal matrix whose entries are `scale` at most.
+/// The result for the tridiagonal matrix whose entries are `scale` at most.
 struct Ritz {
-  double largest, lastEntry;  ///< its largest eigenvalue, and the last entry of the vector that belongs to it
+  double largest, lastEntry;  ///< its largest eigenvalue, and the last entry of the eigenvector
 };
 
 Ritz solve(const Eigen::VectorXd& diagonal, const Eigen::VectorXd& coupling, double scale) {
@@ -189,12 +189,12 @@ double largestEigenvalue(const SymmetricOperator& multiply, Eigen::Index size, d
       v -= basis.leftCols(k + 1) * (basis.leftCols(k + 1).transpose() * v).eval();
     coupling[k] = lengthOf(v);
     scale = std::max({scale, std::abs(diagonal[k]), coupling[k]});
-    const bool usedUp = coupling[k] <= kUsedUp * scale;
-    if (!usedUp && k + 1 < steps && (k + 1) % kStepsBetweenChecks != 0) continue;
+    const bool exhausted = coupling[k] <= kExhausted * scale;
+    if (!exhausted && k + 1 < steps && (k + 1) % kStepsBetweenChecks != 0) continue;
     const Ritz ritz = solve(diagonal.head(k + 1), coupling.head(k), scale);
     largest = ritz.largest;
     const double residual = coupling[k] * std::abs(ritz.lastEntry);
-    if (usedUp || residual <= tolerance * std::abs(largest)) break;
+    if (exhausted || residual <= tolerance * std::abs(largest)) break;
   }
   return largest;
 }

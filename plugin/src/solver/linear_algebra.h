@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
-// Small dense matrices, factors of sparse ones, and the largest eigenvalue of what multiplies a vector.
+// Small dense matrices, factors of sparse ones, and the largest eigenvalue of a linear operator.
 
 #include <Eigen/Core>
 #include <Eigen/SparseCore>
@@ -11,9 +11,9 @@
 
 namespace limber {
 
-// Eigen's decompositions and large products, compiled once: each instance of them takes seconds.
+// Eigen's decompositions and large products, compiled once: each instantiation takes seconds to compile.
 
-/// A matrix, or a block of one, which is not copied.
+/// A matrix, or a block of one, without a copy.
 using MatrixView = Eigen::Ref<const Eigen::MatrixXd>;
 
 /// a b
@@ -24,7 +24,7 @@ Eigen::MatrixXd transposedProduct(const MatrixView& a, const MatrixView& b);
 
 // --- symmetric matrices, of which only the lower triangle is read ------------------------------------------
 
-/// Eigenvalues in ascending order, and unit eigenvectors in the columns that belong to them.
+/// Eigenvalues in ascending order, and their unit eigenvectors as columns.
 struct SymmetricParts {
   Eigen::VectorXd values;
   Eigen::MatrixXd vectors;
@@ -37,27 +37,27 @@ struct SymmetricParts3 {
 SymmetricParts symmetricParts(const Eigen::MatrixXd& matrix);
 SymmetricParts3 symmetricParts3(const Eigen::Matrix3d& matrix);
 
-/// The eigenvalues alone, in ascending order.
+/// Returns only the eigenvalues, in ascending order.
 Eigen::VectorXd symmetricValues(const Eigen::MatrixXd& matrix);
 
-/// Of the tridiagonal matrix with `diagonal` (n) and `coupling` (n - 1) beside it.
+/// Decomposes the tridiagonal matrix with `diagonal` (n) and `coupling` (n - 1) next to it.
 SymmetricParts tridiagonalParts(const Eigen::VectorXd& diagonal, const Eigen::VectorXd& coupling);
 
-/// Times a vector b it is the x of least length that minimises |matrix x - b|: parts below 1e-14 of the
-/// largest are left out.
+/// Returns the matrix whose product with a vector b is the shortest x that minimises |matrix x - b|.
+/// Eigenvalues below 1e-14 of the largest count as 0.
 Eigen::Matrix3d pseudoInverse(const Eigen::Matrix3d& matrix);
 
-/// Up to 10 x 10 and 10, without an allocation.
+/// Matrices up to 10 x 10 and vectors up to 10 entries, without an allocation.
 constexpr int kMaxSmall = 10;
 using SmallMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kMaxSmall, kMaxSmall>;
 using SmallVector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kMaxSmall, 1>;
 
-/// Of a small symmetric system, for each column of the right sides in place.
+/// Solves a small symmetric system in place for each column of right sides.
 void solveSmall(const SmallMatrix& matrix, Eigen::Ref<Eigen::MatrixXd> columns);
 
 // --- any matrices ------------------------------------------------------------------------------------------
 
-/// The factors of a square matrix, with exchanges of rows.
+/// The LU factors of a square matrix, with row exchanges.
 class LuFactor {
  public:
   explicit LuFactor(const Eigen::MatrixXd& matrix);
@@ -72,28 +72,28 @@ class LuFactor {
   std::unique_ptr<Eigen::PartialPivLU<Eigen::MatrixXd>> factors_;
 };
 
-/// The first `count` columns of an orthogonal matrix whose first ones span the same as those of the given
-/// one, which is no wider than high.
+/// Returns the first `count` columns of an orthogonal matrix whose first columns span the same space as
+/// `columns`, which is not wider than high.
 Eigen::MatrixXd orthogonalColumns(const Eigen::MatrixXd& columns, Eigen::Index count);
 
 // --- sparse matrices ---------------------------------------------------------------------------------------
 
-/// P A P^T = L D L^T of a symmetric matrix A, with an order P that leaves few entries. There is no pivoting.
+/// P A P^T = L D L^T of a symmetric matrix A, with a permutation P that keeps L sparse. There is no pivoting.
 struct SparseFactor {
   Eigen::SparseMatrix<double> lower;  ///< L without its diagonal, which is 1
   Eigen::VectorXd diagonal;           ///< D
-  Eigen::VectorXi place;              ///< which row of L belongs to a row of A
+  Eigen::VectorXi place;              ///< the row of L for each row of A
   bool isComplete = false;            ///< false: a pivot was 0, and no solution is finite
 };
 
-/// Only the lower triangle of the matrix is read.
+/// Reads only the lower triangle of the matrix.
 SparseFactor factorise(const Eigen::SparseMatrix<double>& matrix);
 
-/// A^-1 b, for one vector or for columns of them.
+/// Returns A^-1 b, for one vector or for each column.
 Eigen::VectorXd solve(const SparseFactor& factor, const Eigen::VectorXd& b);
 Eigen::MatrixXd solve(const SparseFactor& factor, const Eigen::MatrixXd& b);
 
-/// Solves  L D L^T x = b  in place, with several vectors side by side: rows are in the order of L.
+/// Solves  L D L^T x = b  in place for several vectors as columns. Rows are in the order of L.
 template <class Rows>
 void solveOrdered(const SparseFactor& factor, Rows&& x) {
   using Entry = Eigen::SparseMatrix<double>::InnerIterator;
@@ -107,12 +107,12 @@ void solveOrdered(const SparseFactor& factor, Rows&& x) {
 
 // --- the largest eigenvalue --------------------------------------------------------------------------------
 
-/// A symmetric matrix as what it does to a vector.
+/// A symmetric matrix, given by its product with a vector.
 using SymmetricOperator = std::function<Eigen::VectorXd(const Eigen::VectorXd&)>;
 
-/// The largest eigenvalue (algebraically) of a symmetric matrix of `size` rows, by Lanczos iteration with
-/// full orthogonalisation from a seeded start, to a residual of `tolerance` times the eigenvalue; its error
-/// is about the square of that (Parlett 1998, chapter 11). 0 for no rows.
+/// Returns the largest eigenvalue (algebraically) of a symmetric matrix of `size` rows, or 0 for no rows.
+/// Uses Lanczos iteration with full orthogonalisation from a seeded start, to a residual of `tolerance` times
+/// the eigenvalue; the eigenvalue's error is about the square of that (Parlett 1998, chapter 11).
 double largestEigenvalue(const SymmetricOperator& multiply, Eigen::Index size, double tolerance = 1e-5);
 
 }  // namespace limber

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// Moves rigid bodies, and computes what springs and anchors do to the bodies that they join.
+// Moves rigid bodies, and computes the forces and impulses of springs and anchors between bodies.
 #include "solver/links.h"
 
 #include "solver/linear_algebra.h"
@@ -53,8 +53,8 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-/// Anchors on one rigid body disturb each other; Gauss-Seidel over them ends when no velocity is wrong by
-/// more than this (m/s), or after the cap.
+/// Anchors on one rigid body disturb each other. Gauss-Seidel sweeps over them end when no velocity error
+/// exceeds this (m/s), or after the largest number of sweeps.
 constexpr double kAnchorTolerance = 1e-10;
 constexpr int kAnchorSweeps = 50;
 
@@ -93,7 +93,7 @@ void addForce(LinkedBodies& bodies, const LinkEnd& end, const Vector3d& force) {
   }
 }
 
-/// The velocity change at the end per impulse there, 3 x 3.
+/// 3 x 3: the velocity change at the end per impulse there.
 Matrix3d mobility(const LinkedBodies& bodies, const LinkEnd& end) {
   if (end.kind == LinkEnd::Kind::World) return Matrix3d::Zero();
   if (end.kind == LinkEnd::Kind::Point)
@@ -101,7 +101,7 @@ Matrix3d mobility(const LinkedBodies& bodies, const LinkEnd& end) {
   return bodies.rigids[end.body].mobilityAt(arm(bodies, end));
 }
 
-/// An upper bound of the mobility in any direction and at any rotation.
+/// Returns an upper bound of the mobility in any direction and at any rotation.
 double mobilityBound(const LinkedBodies& bodies, const LinkEnd& end) {
   if (end.kind == LinkEnd::Kind::World) return 0.0;
   if (end.kind == LinkEnd::Kind::Point) return bodies.points[end.body]->inverseMass.col(end.point).maxCoeff();
@@ -111,13 +111,13 @@ double mobilityBound(const LinkedBodies& bodies, const LinkEnd& end) {
 
 double stiffest(const LinkSpring& s) { return std::max(s.extensionStiffness, s.compressionStiffness); }
 
-/// Where the node that an end is on has its sum.
+/// Returns the stiffness sum at an end.
 double& sumOf(LinkedBodies& bodies, const LinkEnd& end) {
   const bool rigid = end.kind == LinkEnd::Kind::Rigid;
   return bodies.stiffnessSums[rigid ? end.body : bodies.firstOfPoints[end.body] + end.point];
 }
 
-/// All sums 0.
+/// Sets all stiffness sums to 0.
 void clearSums(LinkedBodies& bodies) {
   std::size_t count = bodies.rigids.size();
   bodies.firstOfPoints.clear();
@@ -137,30 +137,30 @@ void dampLink(LinkedBodies& bodies, const LinkSpring& s, double dt) {
   applyImpulse(bodies, s.b, -impulse);
 }
 
-/// Where the end will be after drifting for dt, as drift() does it.
+/// Returns the position of the end after a drift of dt, as computed by drift().
 Vector3d driftedPosition(const LinkedBodies& bodies, const LinkEnd& end, double dt) {
   if (end.kind != LinkEnd::Kind::Rigid) return endPosition(bodies, end) + dt * endVelocity(bodies, end);
   const RigidState& rigid = bodies.rigids[end.body];
   return rigid.position + dt * rigid.velocity + rotationBy(dt * rigid.angularVelocity) * arm(bodies, end);
 }
 
-/// Of the cube of a mobility's trace: with such a determinant its cofactors lose few digits.
-constexpr double kPlain = 1e-6;
+/// Share of the cube of a mobility's trace: with a larger determinant its cofactors lose few digits.
+constexpr double kMinDeterminant = 1e-6;
 
-/// The inverse of a mobility; where both sides are held along an axis nothing can be done there.
-Matrix3d massAgainst(const Matrix3d& mobility) {
+/// Returns the inverse of a mobility, with 0 along an axis along which both sides are held.
+Matrix3d inverseMobility(const Matrix3d& mobility) {
   const double size = mobility.trace();
-  const bool isPlain = mobility.determinant() > kPlain * size * size * size;
-  return isPlain ? Matrix3d(mobility.inverse()) : pseudoInverse(mobility);
+  const bool isRegular = mobility.determinant() > kMinDeterminant * size * size * size;
+  return isRegular ? Matrix3d(mobility.inverse()) : pseudoInverse(mobility);
 }
 
-/// Of an error, per tick: as Bullet's joints (btContactSolverInfo::m_erp).
+/// Share of an error that is removed per tick, as in Bullet's joints (btContactSolverInfo::m_erp).
 constexpr double kRecoveryPerTick = 0.2;
 
-/// Of an error, per substep at most.
+/// Largest share of an error that is removed per substep.
 constexpr double kRecoveryPerSubstep = 0.2;
 
-/// m/s; slower errors are those of solves and rounding, which may be taken back at once.
+/// m/s; slower errors come from solves and rounding, and may be removed at once.
 constexpr double kSlowRecovery = 1e-3;
 
 }  // namespace
@@ -202,7 +202,7 @@ double linkFrequencyBoundSquared(LinkedBodies& bodies) {
   if (bodies.springs.empty()) return 0.0;
   clearSums(bodies);
   const auto share = [&](const LinkEnd& end) { return std::sqrt(mobilityBound(bodies, end)); };
-  // places in the world do not move: springs there have nothing to do with each other
+  // points in the world do not move: springs that end there are independent of each other
   const auto moves = [](const LinkEnd& end) { return end.kind != LinkEnd::Kind::World; };
   for (const LinkSpring& s : bodies.springs)
     for (const LinkEnd* end : {&s.a, &s.b})
@@ -219,15 +219,15 @@ double linkFrequencyBoundSquared(LinkedBodies& bodies) {
 
 void updateAnchorMasses(LinkedBodies& bodies) {
   for (LinkAnchor& anchor : bodies.anchors)
-    anchor.mass = massAgainst(mobility(bodies, anchor.point) + mobility(bodies, anchor.pivot));
+    anchor.mass = inverseMobility(mobility(bodies, anchor.point) + mobility(bodies, anchor.pivot));
 }
 
 void aimAnchors(LinkedBodies& bodies, double dt, double tick) {
   for (LinkAnchor& anchor : bodies.anchors) {
     const Vector3d error = endPosition(bodies, anchor.point) - endPosition(bodies, anchor.pivot);
-    const double size = error.norm(), least = kSlowRecovery * dt;
-    const double share = std::max(kRecoveryPerTick * dt / tick, size > 0.0 ? least / size : 0.0);
-    // a held body goes where it is told to, and the point with it
+    const double size = error.norm(), minCorrection = kSlowRecovery * dt;
+    const double share = std::max(kRecoveryPerTick * dt / tick, size > 0.0 ? minCorrection / size : 0.0);
+    // a held body follows its prescribed motion, and the point follows the body
     const bool held = bodies.rigids[anchor.pivot.body].inverseMass.isZero(0.0);
     anchor.apart = (1.0 - (held ? 1.0 : std::min(share, kRecoveryPerSubstep))) * error;
   }

@@ -14,7 +14,7 @@ namespace limber {
 
 // --- rigid bodies ------------------------------------------------------------------------------------------
 
-/// A rigid body that springs or anchors join to soft ones, carried along in their substeps.
+/// A rigid body that springs or anchors join to soft bodies; it moves in their substeps.
 struct RigidState {
   Eigen::Vector3d position = Eigen::Vector3d::Zero();  ///< m, of the centre of mass
   Eigen::Quaterniond rotation = Eigen::Quaterniond::Identity();
@@ -29,7 +29,7 @@ struct RigidState {
   Eigen::Vector3d torque = Eigen::Vector3d::Zero();               ///< N m, from springs
   Eigen::Matrix3d inverseInertia = Eigen::Matrix3d::Zero();  ///< 1/(kg m^2), about world axes, see turn()
 
-  /// Makes inverseInertia that of the present rotation. Call it once the fields above are set; drift() does.
+  /// Updates inverseInertia to the present rotation. Call it once the fields above are set; drift() calls it.
   void turn();
 
   void kick(double dt);
@@ -55,28 +55,28 @@ struct RigidState {
   }
 };
 
-/// The rotation by |v| radians about v.
+/// Returns the rotation by |v| radians about v.
 Eigen::Quaterniond rotationBy(const Eigen::Vector3d& v);
 
-/// The vector of the rotation that leads from `from` to `to`, at most pi long.
+/// Returns the vector of the rotation from `from` to `to`, at most pi long.
 Eigen::Vector3d rotationBetween(const Eigen::Quaterniond& from, const Eigen::Quaterniond& to);
 
 // --- links -------------------------------------------------------------------------------------------------
 
-/// A place a link holds on to: a point mass of a soft body, a pivot on a rigid body, or a place in the world.
+/// An end of a link: a point mass of a soft body, a pivot on a rigid body, or a point in the world.
 struct LinkEnd {
   enum class Kind : std::uint8_t { Point, Rigid, World } kind = Kind::World;
-  std::uint32_t body = 0;                           ///< index into the group's points or rigids
-  std::uint32_t point = 0;                          ///< of a Point
+  std::uint32_t body = 0;                           ///< index into LinkedBodies::points or rigids
+  std::uint32_t point = 0;                          ///< for a Point
   Eigen::Vector3d pivot = Eigen::Vector3d::Zero();  ///< m; local to a Rigid, in world coordinates for World
 };
 
-/// A single spring between two ends, as SpringSettings describes it.
+/// A single spring between two ends, with the properties of SpringSettings.
 struct LinkSpring {
   LinkEnd a, b;
   double restLength = 0.0, extensionStiffness = 0.0, compressionStiffness = 0.0, damping = 0.0;
   Eigen::Vector3d direction = Eigen::Vector3d::Zero();  ///< from a to b, 0 while slack
-  double force = 0.0;                                   ///< N, above 0 pulls
+  double force = 0.0;                                   ///< N, positive: pulls
 };
 
 /// A point mass that moves with a pivot on a rigid body.
@@ -84,16 +84,17 @@ struct LinkAnchor {
   LinkEnd point;  ///< of kind Point
   LinkEnd pivot;  ///< of kind Rigid
   Eigen::Vector3d positionImpulse =
-      Eigen::Vector3d::Zero();  ///< N s on the point in the present substep, before its
-  Eigen::Vector3d velocityImpulse = Eigen::Vector3d::Zero();  ///< drift and after it; to begin with, a guess
+      Eigen::Vector3d::Zero();  ///< N s on the point in the present substep, before
+  Eigen::Vector3d velocityImpulse =
+      Eigen::Vector3d::Zero();  ///< its drift and after it; initially the warm start
 
   // Written by the step.
-  Eigen::Vector3d apart = Eigen::Vector3d::Zero();  ///< m, of the point from the pivot after the drift
+  Eigen::Vector3d apart = Eigen::Vector3d::Zero();  ///< m, target offset of the point from the pivot
   Eigen::Matrix3d mass = Eigen::Matrix3d::Zero();   ///< kg, impulse on the point per velocity
   Eigen::Vector3d direction = Eigen::Vector3d::Zero(), change = Eigen::Vector3d::Zero();  ///< scratch
 };
 
-/// Soft and rigid bodies that links join, stepped together.
+/// Soft and rigid bodies that links join and that are stepped together.
 struct LinkedBodies {
   std::vector<PointState*> points;
   std::vector<RigidState> rigids;
@@ -101,21 +102,21 @@ struct LinkedBodies {
   std::vector<LinkAnchor> anchors;
 
   // Scratch of linkFrequencyBoundSquared.
-  std::vector<double> stiffnessSums;       ///< #rigids, then #points of all
-  std::vector<std::size_t> firstOfPoints;  ///< #points, of each in there
+  std::vector<double> stiffnessSums;       ///< #rigids, then #points of all bodies
+  std::vector<std::size_t> firstOfPoints;  ///< #points, index of each body's first point in stiffnessSums
 };
 
-/// Adds the force of every link to both its ends and keeps its direction.
+/// Adds the force of every link to both its ends and stores its direction.
 void addLinkForces(LinkedBodies& bodies);
 
 /// Applies the link dampers for `dt` seconds, see dampingImpulse().
 void dampLinks(LinkedBodies& bodies, double dt, bool forward);
 
-/// rad^2/s^2: the links' share of the fastest oscillation (frequencyBoundSquared, with the inverse mass of a
-/// rigid body at a pivot, 1/m + |r|^2 / smallest inertia).
+/// Returns the links' addition (rad^2/s^2) to the bound of the fastest oscillation (frequencyBoundSquared,
+/// with the inverse mass of a rigid body at a pivot, 1/m + |r|^2 / smallest inertia).
 double linkFrequencyBoundSquared(LinkedBodies& bodies);
 
-/// Makes the anchors' masses those of the present rotation of the rigid bodies.
+/// Updates the anchors' masses to the present rotation of the rigid bodies.
 void updateAnchorMasses(LinkedBodies& bodies);
 
 /// Sets the target error of each anchor after a drift of `dt` in a tick of length `tick` (s). Errors are
@@ -123,20 +124,20 @@ void updateAnchorMasses(LinkedBodies& bodies);
 /// multiply the speed by the number of substeps.
 void aimAnchors(LinkedBodies& bodies, double dt, double tick);
 
-/// m/s of the point relative to the pivot, less what it may be: so that after drifting for `dt` they are
-/// `apart` (SHAKE); with dt = 0 so that their velocities agree (RATTLE; Andersen 1983).
+/// Returns the error (m/s) of the point's velocity relative to the pivot. Without error they are `apart`
+/// after a drift of `dt` (SHAKE), or for dt = 0 their velocities are equal (RATTLE; Andersen 1983).
 Eigen::Vector3d speedError(const LinkedBodies& bodies, const LinkAnchor& anchor, double dt);
 
-/// An impulse on the point and its opposite on the rigid body.
+/// Applies an impulse to the point and its opposite to the rigid body.
 void applyImpulse(LinkedBodies& bodies, const LinkAnchor& anchor, const Eigen::Vector3d& impulse);
 
-/// Makes the velocities of points and pivots agree, whatever else the bodies meet.
+/// Makes the velocities of points and pivots equal, without regard to contacts.
 void joinVelocities(LinkedBodies& bodies);
 
-/// World position (m) of an end.
+/// Returns the world position (m) of an end.
 Eigen::Vector3d endPosition(const LinkedBodies& bodies, const LinkEnd& end);
 
-/// J stored in the links.
+/// Returns the energy (J) stored in the links.
 double elasticEnergy(const LinkedBodies& bodies);
 
 }  // namespace limber

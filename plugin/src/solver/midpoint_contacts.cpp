@@ -10,72 +10,73 @@ namespace {
 
 constexpr int kMaxLoadSweeps = 50;
 
-/// Of the radius: how deep a way must lead into a surface that is not followed to be solved for again.
-constexpr double kThrough = 0.01;
+/// Share of the radius: points that penetrate an unfollowed surface by more repeat the substep.
+constexpr double kMinPenetration = 0.01;
 
-/// m: how far below its surface the row's point may end, at most 0.
+/// m: the gap that the row's point may have at the end, at most 0.
 double allowedGap(const PlaneContact& row, const Eigen::Vector3d& start, const ContactSpan& span) {
   const double gap = row.normal.dot(start - row.touch - span.time * row.surfaceVelocity);
   return gap >= 0.0 ? 0.0 : gap + std::min(-kRecovery * gap, row.recoverySpeed * span.duration);
 }
 
-/// The columns of W that belong to a touched point: each costs a solution for the whole body.
-void computeResponse(MidpointContacts& c, MidpointSolver& solver, Eigen::Index place) {
-  char& responds = c.responds[static_cast<std::size_t>(place)];
+/// Computes the columns of W of a touched point. Each needs a solution for the whole body.
+void computeResponse(MidpointContacts& c, MidpointSolver& solver, Eigen::Index index) {
+  char& responds = c.responds[static_cast<std::size_t>(index)];
   if (responds) return;
   responds = 1;
   const auto count = static_cast<Eigen::Index>(c.touched.size());
-  const std::uint32_t point = c.touched[static_cast<std::size_t>(place)];
+  const std::uint32_t point = c.touched[static_cast<std::size_t>(index)];
   for (Eigen::Index axis = 0; axis < 3; ++axis) {
     if (!(solver.inverseMass(axis, point) > 0.0)) continue;
     c.unit.setZero();
     c.unit(axis, point) = 1.0;
     solve(solver, c.unit);
     for (Eigen::Index r = 0; r < count; ++r)
-      c.response.block<3, 1>(3 * r, 3 * place + axis) = c.unit.col(c.touched[static_cast<std::size_t>(r)]);
+      c.response.block<3, 1>(3 * r, 3 * index + axis) = c.unit.col(c.touched[static_cast<std::size_t>(r)]);
   }
 }
 
-/// Corrects the load of row r, whose point goes from `start` to `end`; returns by how far (m) it was off.
+/// Corrects the load of row r, whose point moves from `start` to `end`; returns its error (m).
 double solveRow(MidpointContacts& c, MidpointSolver& solver, std::size_t r, const Eigen::Vector3d& start,
                 const Eigen::Vector3d& end, const ContactSpan& span) {
   const PlaneContact& row = (*c.rows)[r];
   const auto at = static_cast<Eigen::Index>(r);
-  const Eigen::Index place = 3 * c.place[r];
+  const Eigen::Index first = 3 * c.place[r];
   const Eigen::Vector3d before = c.load.col(at) + c.change.col(at);
   const Eigen::Vector3d surface = row.touch + (span.time + span.duration) * row.surfaceVelocity;
   const double gap = row.normal.dot(end - surface) - allowedGap(row, start, span);
   if (gap >= 0.0 && before.isZero(0.0)) return 0.0;
   computeResponse(c, solver, c.place[r]);
-  const double mobility = span.reach * row.normal.dot(c.response.block<3, 3>(place, place) * row.normal);
+  const double mobility = span.reach * row.normal.dot(c.response.block<3, 3>(first, first) * row.normal);
   if (!(mobility > 0.0)) return 0.0;
   const double normal = std::max(0.0, row.normal.dot(before) - gap / mobility);
   const Eigen::Vector3d slip = end - start - span.duration * row.surfaceVelocity;
   const Eigen::Vector3d sliding = slip - row.normal.dot(slip) * row.normal;
   Eigen::Vector3d tangential = before - row.normal.dot(before) * row.normal - sliding / mobility;
-  const double most = row.friction * normal, size = tangential.norm();
-  if (size > most) tangential *= most > 0.0 ? most / size : 0.0;
+  const double limit = row.friction * normal, size = tangential.norm();
+  if (size > limit) tangential *= limit > 0.0 ? limit / size : 0.0;
   const Eigen::Vector3d correction = normal * row.normal + tangential - before;
   c.change.col(at) += correction;
-  c.changeAt.segment<3>(place) += correction;
+  c.changeAt.segment<3>(first) += correction;
   return mobility * correction.norm();
 }
 
-/// Loads that slide are on their cone but for so much of it: rounding must not make them stick.
-constexpr double kOnCone = 1e-9;
+/// Loads this close to the friction cone slide: rounding must not make them stick.
+constexpr double kConeMargin = 1e-9;
 
 bool leadsThrough(const PlaneContact& row, const Eigen::Vector3d& start, const Eigen::Vector3d& end,
                   const ContactSpan& span) {
   if (!row.around || row.away) return false;
   const double gap = row.normal.dot(end - row.touch);
-  return gap < allowedGap(row, start, span) - kThrough * row.around->radius;
+  return gap < allowedGap(row, start, span) - kMinPenetration * row.around->radius;
 }
 
 }  // namespace
 
-void startSubstep(MidpointContacts& c, std::vector<PlaneContact>* rows, Eigen::Index points, double enough) {
+void startSubstep(MidpointContacts& c, std::vector<PlaneContact>* rows, Eigen::Index points,
+                  double tolerance) {
   constexpr Eigen::Index kStep = 8;
-  c.enough = enough;
+  c.enough = tolerance;
   c.rows = rows;
   c.count = static_cast<Eigen::Index>(rows ? rows->size() : 0);
   c.touched.clear();
@@ -85,16 +86,16 @@ void startSubstep(MidpointContacts& c, std::vector<PlaneContact>* rows, Eigen::I
     if (c.touched.empty() || c.touched.back() != point) c.touched.push_back(point);
     c.place.push_back(static_cast<Eigen::Index>(c.touched.size()) - 1);
   }
-  const auto roomFor = [](Eigen::Index n) { return (n + kStep - 1) / kStep * kStep; };
+  const auto capacityFor = [](Eigen::Index n) { return (n + kStep - 1) / kStep * kStep; };
   if (c.count > c.load.cols()) {
-    c.load.resize(3, roomFor(c.count));
-    c.change.resize(3, roomFor(c.count));
-    c.impulseBefore.resize(static_cast<std::size_t>(roomFor(c.count)));
+    c.load.resize(3, capacityFor(c.count));
+    c.change.resize(3, capacityFor(c.count));
+    c.impulseBefore.resize(static_cast<std::size_t>(capacityFor(c.count)));
   }
   if (const auto touched = static_cast<Eigen::Index>(c.touched.size()); 3 * touched > c.changeAt.size()) {
-    c.changeAt.resize(3 * roomFor(touched));
-    c.response.resize(3 * roomFor(touched), 3 * roomFor(touched));
-    c.responds.reserve(static_cast<std::size_t>(roomFor(touched)));
+    c.changeAt.resize(3 * capacityFor(touched));
+    c.response.resize(3 * capacityFor(touched), 3 * capacityFor(touched));
+    c.responds.reserve(static_cast<std::size_t>(capacityFor(touched)));
     c.unit.resize(3, points);
   }
   c.load.setZero();
@@ -156,7 +157,7 @@ void addLoads(const MidpointContacts& c, const Points& loads, Points& rightHandS
 }
 
 void settle(MidpointContacts& c, PointState& state, const ContactSpan& span) {
-  // F = 4 / h^2 l acts for the span, which is reach h/2 long
+  // the force F = 4 / h^2 l acts during the span, which is reach h/2 long
   const double impulsePerLoad = span.reach * span.reach / span.duration;
   for (std::size_t r = 0; r < c.rows->size(); ++r) {
     PlaneContact& row = (*c.rows)[r];
@@ -165,16 +166,17 @@ void settle(MidpointContacts& c, PointState& state, const ContactSpan& span) {
     row.touching = normal > 0.0;
     row.impulse.add(impulsePerLoad * load, row.normal, impulsePerLoad * normal);
     if (!row.touching) continue;
-    // the midpoint rule's end velocity 2 v_m - v0 of a point that was stopped would throw it back
+    // the midpoint rule's end velocity 2 v_m - v0 would throw back a point that was stopped
     const Eigen::Vector3d relative = state.velocity.col(row.point) - row.surfaceVelocity;
     const double mobility = state.inverseMass.col(row.point).maxCoeff(), speed = row.normal.dot(relative);
-    // not more than the surface has pushed: it does not pull
-    const double back = std::min(speed, mobility * impulsePerLoad * normal);
-    const bool sticks = (load - normal * row.normal).norm() < (1.0 - kOnCone) * row.friction * normal;
-    const Eigen::Vector3d along = back * row.normal;
-    const Eigen::Vector3d stopped = sticks ? Eigen::Vector3d(relative - speed * row.normal + along) : along;
-    row.impulse.add(-stopped / mobility, row.normal, -back / mobility);
-    state.velocity.col(row.point) -= stopped;
+    // at most the impulse of the surface, which does not pull
+    const double removedSpeed = std::min(speed, mobility * impulsePerLoad * normal);
+    const bool sticks = (load - normal * row.normal).norm() < (1.0 - kConeMargin) * row.friction * normal;
+    const Eigen::Vector3d alongNormal = removedSpeed * row.normal;
+    const Eigen::Vector3d removed =
+        sticks ? Eigen::Vector3d(relative - speed * row.normal + alongNormal) : alongNormal;
+    row.impulse.add(-removed / mobility, row.normal, -removedSpeed / mobility);
+    state.velocity.col(row.point) -= removed;
   }
 }
 

@@ -68,8 +68,8 @@ void visitFrom(std::uint32_t start, const Neighbours& neighbours, std::vector<un
       }
 }
 
-/// The point of a component from which the others are farthest, found by going to the far end twice.
-std::uint32_t farEnd(std::uint32_t start, const Neighbours& neighbours) {
+/// Returns a point at one end of the component, found by going to the farthest point twice.
+std::uint32_t findEnd(std::uint32_t start, const Neighbours& neighbours) {
   for (int pass = 0; pass < 2; ++pass) {
     std::vector<unsigned char> seen(neighbours.size(), 0);
     std::vector<std::uint32_t> order;
@@ -86,16 +86,16 @@ std::vector<std::uint32_t> bandOrder(const SpringArrays& springs, std::size_t po
   std::vector<unsigned char> seen(points, 0);
   std::vector<std::uint32_t> order;
   for (std::uint32_t i = 0; i < points; ++i)
-    if (!seen[i]) visitFrom(farEnd(i, neighbours), neighbours, seen, order);
-  std::vector<std::uint32_t> place(points);
-  for (std::uint32_t k = 0; k < points; ++k) place[order[k]] = static_cast<std::uint32_t>(points) - 1 - k;
-  return place;
+    if (!seen[i]) visitFrom(findEnd(i, neighbours), neighbours, seen, order);
+  std::vector<std::uint32_t> positions(points);
+  for (std::uint32_t k = 0; k < points; ++k) positions[order[k]] = static_cast<std::uint32_t>(points) - 1 - k;
+  return positions;
 }
 
-std::size_t bandWidth(const SpringArrays& springs, const std::vector<std::uint32_t>& place) {
+std::size_t bandWidth(const SpringArrays& springs, const std::vector<std::uint32_t>& positions) {
   std::size_t width = 0;
   for (std::size_t s = 0; s < springs.size(); ++s) {
-    const auto a = place[springs->a[s]], b = place[springs->b[s]];
+    const auto a = positions[springs.a[s]], b = positions[springs.b[s]];
     width = std::max<std::size_t>(width, a > b ? a - b : b - a);
   }
   return width;
@@ -105,7 +105,7 @@ std::size_t bandWidth(const SpringArrays& springs, const std::vector<std::uint32
 
 namespace {
 
-/// kg: what the damper of spring s adds to the matrix of the midpoint rule, h/2 c (1 + beta).
+/// kg: addition of the damper of spring s to the matrix of the midpoint rule, h/2 c (1 + beta).
 double dampingWeight(const SpringArrays& springs, const Points& inverseMass, std::size_t s, double h) {
   const double c = springs->damping[s];
   return 0.5 * h * c * (1.0 + lookAhead(c, inverseMassesOf(springs, inverseMass, s), h));
@@ -130,8 +130,8 @@ std::shared_ptr<const SharedFactor> makeFactor(Sparse matrix) {
 
 using Entries = std::vector<Eigen::Triplet<double>>;
 
-/// Adds  weight (e_a - e_b)(e_a - e_b)^T,  without what belongs to held points.
-void join(std::uint32_t a, std::uint32_t b, double weight, const Points& inverseMass, Entries& entries) {
+/// Adds  weight (e_a - e_b)(e_a - e_b)^T  without the rows and columns of held points.
+void addTerm(std::uint32_t a, std::uint32_t b, double weight, const Points& inverseMass, Entries& entries) {
   const bool heldA = isHeld(inverseMass, a), heldB = isHeld(inverseMass, b);
   if (!heldA) entries.emplace_back(a, a, weight);
   if (!heldB) entries.emplace_back(b, b, weight);
@@ -140,18 +140,18 @@ void join(std::uint32_t a, std::uint32_t b, double weight, const Points& inverse
   entries.emplace_back(b, a, -weight);
 }
 
-void joinCorners(const TetrahedronVolumes& v, const Points& inverseMass, double h, Entries& entries) {
-  for (std::size_t t = 0; t < v->tetrahedra.size(); ++t) {
-    const Eigen::Array4d squares = v->restGradientSquares.col(static_cast<Eigen::Index>(t));
-    const double factor = 0.25 * h * h * v->modulus / v->restVolume[t];
+void addTetrahedronTerms(const TetrahedronVolumes& v, const Points& inverseMass, double h, Entries& entries) {
+  for (std::size_t t = 0; t < v.tetrahedra.size(); ++t) {
+    const Eigen::Array4d squares = v.restGradientSquares.col(static_cast<Eigen::Index>(t));
+    const double factor = 0.25 * h * h * v.modulus / v.restVolume[t];
     for (Eigen::Index i = 0; i < 4; ++i)
       for (Eigen::Index j = 0; j < i; ++j)
-        join(v->tetrahedra[t][static_cast<std::size_t>(i)], v->tetrahedra[t][static_cast<std::size_t>(j)],
-             0.25 * factor * (2.0 * squares.sum() - squares[i] - squares[j]), inverseMass, entries);
+        addTerm(v.tetrahedra[t][static_cast<std::size_t>(i)], v.tetrahedra[t][static_cast<std::size_t>(j)],
+                0.25 * factor * (2.0 * squares.sum() - squares[i] - squares[j]), inverseMass, entries);
   }
 }
 
-/// A for substeps of h seconds.
+/// Returns A for substeps of h seconds.
 Sparse midpointMatrix(const ElasticParts& parts, const Points& inverseMass, double h) {
   Entries entries;
   const SpringArrays& springs = parts.springs;
@@ -160,9 +160,9 @@ Sparse midpointMatrix(const ElasticParts& parts, const Points& inverseMass, doub
   for (std::size_t s = 0; s < springs.size(); ++s) {
     const double k = std::max(springs->extensionStiffness[s], springs->compressionStiffness[s]);
     const double weight = 0.25 * h * h * k + dampingWeight(springs, inverseMass, s, h);
-    join(springs->a[s], springs->b[s], weight, inverseMass, entries);
+    addTerm(springs.a[s], springs.b[s], weight, inverseMass, entries);
   }
-  if (parts.tetrahedra) joinCorners(*parts.tetrahedra, inverseMass, h, entries);
+  if (parts.tetrahedra) addTetrahedronTerms(*parts.tetrahedra, inverseMass, h, entries);
   Sparse matrix(inverseMass.cols(), inverseMass.cols());
   matrix.setFromTriplets(entries.begin(), entries.end());
   return matrix;
@@ -200,7 +200,7 @@ void prepareBanded(MidpointSolver& solver, const SpringArrays& springs) {
   }
 }
 
-/// h^2/4 times the stiffness of spring s plus its damping weight, 3 x 3.
+/// Returns h^2/4 times the stiffness of spring s plus its damping weight, 3 x 3.
 Eigen::Matrix3d springBlock(const MidpointSolver& solver, const SpringArrays& springs, std::size_t s,
                             const Points& damperDirection, const Points& position) {
   const Eigen::Vector3d m = damperDirection.col(static_cast<Eigen::Index>(s));
@@ -215,15 +215,15 @@ Eigen::Matrix3d springBlock(const MidpointSolver& solver, const SpringArrays& sp
          sideways * (Eigen::Matrix3d::Identity() - along);
 }
 
-void addBlock(BandedMatrix& matrix, std::uint32_t rowPlace, std::uint32_t columnPlace,
+void addBlock(BandedMatrix& matrix, std::uint32_t rowPosition, std::uint32_t columnPosition,
               const Eigen::Matrix3d& block) {
-  const Eigen::Index row = 3 * Eigen::Index{rowPlace}, column = 3 * Eigen::Index{columnPlace};
+  const Eigen::Index row = 3 * Eigen::Index{rowPosition}, column = 3 * Eigen::Index{columnPosition};
   for (Eigen::Index i = 0; i < 3; ++i)
     for (Eigen::Index j = 0; j < 3; ++j)
       if (row + i >= column + j) matrix.at(row + i, column + j) += block(i, j);
 }
 
-/// Adds the block of a row of one point and the columns of another, above or below the diagonal; nothing if
+/// Adds the block in the row of one point and the column of another, above or below the diagonal; nothing if
 /// either is held.
 void addFree(MidpointSolver& solver, std::uint32_t rowPoint, std::uint32_t columnPoint,
              const Eigen::Matrix3d& block) {
@@ -256,8 +256,8 @@ void addTetrahedra(MidpointSolver& solver, const TetrahedronVolumes& tetrahedra,
   }
 }
 
-/// Without the volume term.
-void solvePlain(MidpointSolver& solver, Points& b) {
+/// Solves A x = b in place without the volume term.
+void solveWithoutVolumes(MidpointSolver& solver, Points& b) {
   if (solver.kind == MidpointSolver::Kind::Shared) return solver.shared->solve(b, solver.scratch);
   for (Eigen::Index i = 0; i < b.cols(); ++i)
     solver.ordered.segment<3>(3 * Eigen::Index{solver.place[static_cast<std::size_t>(i)]}) = b.col(i);
@@ -319,7 +319,7 @@ void updateVolumes(MidpointSolver& solver, const VolumeArrays& volumes, const Po
     if (d == 0.0) u.gradient[c].setZero();
     u.inner(static_cast<Eigen::Index>(c), static_cast<Eigen::Index>(c)) = d == 0.0 ? 1.0 : 1.0 / d;
     u.response[c] = u.gradient[c];
-    solvePlain(solver, u.response[c]);
+    solveWithoutVolumes(solver, u.response[c]);
   }
   for (std::size_t c = 0; c < count; ++c)
     for (std::size_t e = 0; e < count; ++e)
@@ -328,7 +328,7 @@ void updateVolumes(MidpointSolver& solver, const VolumeArrays& volumes, const Po
 }
 
 void solve(MidpointSolver& solver, Points& b) {
-  solvePlain(solver, b);
+  solveWithoutVolumes(solver, b);
   const VolumeUpdate& u = solver.volumes;
   if (u.gradient.empty()) return;
   SmallVector y(u.inner.rows());

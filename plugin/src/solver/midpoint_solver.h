@@ -31,19 +31,19 @@ struct BandedMatrix {
 };
 
 /// Replaces A by the factors of A = L D L^T (D on the diagonal, L unit lower triangular below it), in about
-/// size x width^2 operations (Golub, Van Loan 2013, section 4.3). A pivot that is not above 0, which rounding
-/// can bring about, becomes 1.
+/// size x width^2 operations (Golub, Van Loan 2013, section 4.3). A pivot of 0 or less, which rounding can
+/// cause, becomes 1.
 void factorise(BandedMatrix& matrix);
 
 /// Solves A x = b in place with the factors.
 void solve(const BandedMatrix& factors, Eigen::Ref<Eigen::VectorXd> b);
 
-/// place[i]: where point i stands in an order in which points that springs join stand close together
-/// (Cuthill, McKee 1969, reversed). For a rope it is the rope's own order, for a cloth row after row.
+/// Returns the position of each point in an order in which points joined by springs are close together
+/// (Cuthill, McKee 1969, reversed). For a rope this is the order along the rope, for a cloth row after row.
 std::vector<std::uint32_t> bandOrder(const SpringArrays& springs, std::size_t points);
 
-/// Largest distance of two joined points in that order.
-std::size_t bandWidth(const SpringArrays& springs, const std::vector<std::uint32_t>& place);
+/// Returns the largest distance of two joined points in that order.
+std::size_t bandWidth(const SpringArrays& springs, const std::vector<std::uint32_t>& positions);
 
 // --- the matrix that bodies share --------------------------------------------------------------------------
 
@@ -52,14 +52,15 @@ std::size_t bandWidth(const SpringArrays& springs, const std::vector<std::uint32
 ///
 ///     A = M + sum over springs (h^2/4 k + h/2 c (1 + beta)) (e_a - e_b)(e_a - e_b)^T,  #points x #points,
 ///
-/// and over the tetrahedra, whose volumes' change  sum g_i . u_i = sum g_i . (u_i - u_j)  has for any corner
-/// j a square of at most  sum_(i not j) |g_i|^2  times  sum_i |u_i - u_j|^2:  the mean over the four of
+/// and a sum over the tetrahedra. For any corner j, the square of a volume change
+/// sum g_i . u_i = sum g_i . (u_i - u_j)  is at most  sum_(i not j) |g_i|^2  times  sum_i |u_i - u_j|^2.
+/// Each tetrahedron adds the mean over its four corners j of
 ///
-///     h^2/4 K/V0 sum_(i not j) |g_i|^2  sum_i (e_i - e_j)(e_i - e_j)^T,   g at rest;
+///     h^2/4 K/V0 sum_(i not j) |g_i|^2  sum_i (e_i - e_j)(e_i - e_j)^T,   g at rest.
 ///
-/// an upper bound in all directions of the stiffness and damping, so that iterating with it converges. The
-/// same for x, y and z and whatever the deformation: all bodies of a network with equal springs and masses
-/// share it. Rows and columns of held points are those of the unit matrix.
+/// A is an upper bound of the stiffness and damping in all directions, so that iterating with it converges.
+/// It is the same for x, y and z and for any deformation: all bodies of a network with equal springs and
+/// masses share it. Rows and columns of held points are those of the unit matrix.
 struct SharedFactor {
   Eigen::SparseMatrix<double> matrix;  ///< A
   SparseFactor factor;
@@ -68,13 +69,13 @@ struct SharedFactor {
   void solve(Points& b, Points& scratch) const;
 };
 
-/// What a body's shape is kept by.
+/// The parts of a body that resist deformation.
 struct ElasticParts {
   const SpringArrays& springs;
   const TetrahedronVolumes* tetrahedra = nullptr;  ///< may be nullptr
 };
 
-/// Factors that bodies use, each made once. Allocates when a matrix is new.
+/// Factors that bodies share, each computed once. Allocates for a new matrix.
 class SharedFactors {
  public:
   std::shared_ptr<const SharedFactor> get(Eigen::SparseMatrix<double> matrix);
@@ -85,22 +86,23 @@ class SharedFactors {
 
 // --- the system of an iteration ----------------------------------------------------------------------------
 
-/// How far towards the end of a substep a damper looks, 0 to 1. The implicit midpoint rule would take the
-/// mean velocity v_m, which leaves overdamped motion ringing: with z = c (wa + wb) h it multiplies the
-/// closing speed by (1 - z/2) / (1 + z/2), close to -1. With v_m + beta (v_m - v0) instead it becomes
+/// Returns beta, 0 to 1: how far a damper extrapolates velocity towards the end of a substep. The implicit
+/// midpoint rule would use the mean velocity v_m. Then overdamped motion would oscillate: with z = c (wa +
+/// wb) h the closing speed is multiplied by (1 - z/2) / (1 + z/2), close to -1. With v_m + beta (v_m - v0)
+/// the factor is
 ///     (1 - z (1 - beta) / 2) / (1 + z (1 + beta) / 2),
-/// and beta = z / (2 + z) keeps second order for small z and lets the speed die out for large.
+/// and beta = z / (2 + z) keeps second order for small z and lets the speed decay for large z.
 inline double lookAhead(double damping, double inverseMasses, double h) {
   const double z = damping * inverseMasses * h;
   return z / (2.0 + z);
 }
 
-/// More closed surfaces in a body than this are stepped by Verlet.
+/// Bodies with more closed surfaces are stepped by Verlet.
 constexpr int kMaxSolvedVolumes = 8;
 static_assert(kMaxSolvedVolumes <= kMaxSmall);
 
-/// What the volume term adds to a matrix A: sum d g g^T over the components, g the gradient of the volume and
-/// d = h^2/4 K / V0. By Sherman, Morrison and Woodbury
+/// The volume term's addition to a matrix A: sum d g g^T over the components, with the gradient g of the
+/// volume and d = h^2/4 K / V0. By Sherman, Morrison and Woodbury
 ///     (A + G D G^T)^-1 b = x - Z (D^-1 + G^T Z)^-1 G^T x,   x = A^-1 b,   Z = A^-1 G.
 struct VolumeUpdate {
   std::vector<Points> gradient, response;  ///< #components: g and A^-1 g
@@ -114,33 +116,33 @@ struct MidpointSolver {
     Newton   ///< the matrix at the present positions, banded: expensive iterations that converge fast
   } kind = Kind::Shared;
 
-  double substep = 0.0;   ///< s, the h it is prepared for
-  unsigned revision = 0;  ///< of the springs it is prepared for
-  Points inverseMass;     ///< the one it is prepared for
+  double substep = 0.0;   ///< s, the h at preparation
+  unsigned revision = 0;  ///< of the springs at preparation
+  Points inverseMass;     ///< 1/kg at preparation
 
   std::shared_ptr<const SharedFactor> shared;
   std::vector<double> dampingWeights;  ///< #springs, kg
-  std::vector<std::uint32_t> place;    ///< #points, in the banded matrix
+  std::vector<std::uint32_t> place;    ///< #points, position in the banded matrix
   BandedMatrix banded;                 ///< factors, 3 #points rows
   Eigen::VectorXd ordered;             ///< 3 #points, scratch
   Points scratch;                      ///< 3 x #points
   VolumeUpdate volumes;
 };
 
-/// Makes the solver ready for bodies with these springs and masses and substeps of h seconds. Allocates and
-/// factorises only if something has changed.
+/// Prepares the solver for bodies with these springs and masses and substeps of h seconds. Allocates and
+/// factorises only after a change.
 void prepare(MidpointSolver& solver, const ElasticParts& parts, const Points& inverseMass, double h,
              SharedFactors& factors);
 
-/// For Newton: assembles and factorises the matrix at `position` with the springs' present directions n
-/// and the dampers' m (3 x #springs),
-///     M + sum (h^2/4 k (n n^T + max(0, 1 - L/l) (1 - n n^T)) + h/2 c (1 + beta) m m^T),
-/// whose clamp keeps it positive definite under compression (Choi, Ko 2002, section 4); and of each
-/// tetrahedron  h^2/4 s g g^T  with the stiffness s and gradient g of its volume.
+/// For Newton: assembles and factorises the matrix at `position` with the present directions n of the springs
+/// and m of the dampers (3 x #springs),
+///     M + sum (h^2/4 k (n n^T + max(0, 1 - L/l) (1 - n n^T)) + h/2 c (1 + beta) m m^T).
+/// Its clamp keeps it positive definite under compression (Choi, Ko 2002, section 4). Each tetrahedron adds
+/// h^2/4 s g g^T  with the stiffness s and gradient g of its volume.
 void update(MidpointSolver& solver, const ElasticParts& parts, const Points& damperDirection,
             const Points& position);
 
-/// Adds the volume term at the present positions to the matrix; after update().
+/// Adds the volume term at the present positions to the matrix. Call it after update().
 void updateVolumes(MidpointSolver& solver, const VolumeArrays& volumes, const PointState& state);
 
 /// Solves A x = b in place; b is 3 x #points.

@@ -10,10 +10,10 @@ namespace {
 /// Sweeps over the rows of a point between two or three surfaces.
 constexpr int kSweepsInCorners = 8;
 
-/// Within a substep.
-constexpr int kMaxFlights = 8;
+/// Bounces within a substep; a point with more of them rests.
+constexpr int kMaxBounces = 8;
 
-/// Brings the point's normal speed relative to the surface up to `target`; friction against sliding.
+/// Brings the point's normal speed relative to the surface up to `target`, with friction against sliding.
 inline void applyRow(PlaneContact& row, const PointView& points, double target) {
   auto velocity = points.velocityOf(row.point);
   const Eigen::Vector3d relative = velocity - row.surfaceVelocity;
@@ -23,11 +23,11 @@ inline void applyRow(PlaneContact& row, const PointView& points, double target) 
   const double normalImpulse = (target - speed) * row.mass;
   Eigen::Vector3d impulse = normalImpulse * row.normal;
   if (row.friction > 0.0) {
-    // what stops the sliding altogether, if friction can give so much; no root while it sticks
-    Eigen::Vector3d positionImpulse = (speed * row.normal - relative) * row.mass;
-    const double most = row.friction * normalImpulse, squared = positionImpulse.squaredNorm();
-    if (squared > most * most) positionImpulse *= most / std::sqrt(squared);
-    impulse += positionImpulse;
+    // stops the sliding, within the limit of friction; no square root while the point sticks
+    Eigen::Vector3d frictionImpulse = (speed * row.normal - relative) * row.mass;
+    const double limit = row.friction * normalImpulse, squared = frictionImpulse.squaredNorm();
+    if (squared > limit * limit) frictionImpulse *= limit / std::sqrt(squared);
+    impulse += frictionImpulse;
   }
   velocity += points.inverseMassOf(row.point).cwiseProduct(impulse);
   row.impulse.add(impulse, row.normal, normalImpulse);
@@ -37,9 +37,9 @@ inline double speedAlong(const PlaneContact& row, const PointView& points) {
   return row.normal.dot(points.velocityOf(row.point) - row.surfaceVelocity);
 }
 
-/// Sets what the point needs before a drift of dt from `time`. What would meet the surface in it parts by
-/// Newton's law of restitution.
-inline void aimRow(PlaneContact& row, const PointView& points, double time, double dt) {
+/// Sets the target speed of the point before a drift of dt from `time`. A point that would hit the surface in
+/// the drift bounces by Newton's law of restitution.
+inline void setTarget(PlaneContact& row, const PointView& points, double time, double dt) {
   const double gap = row.normal.dot(points.positionOf(row.point) - row.touch - time * row.surfaceVelocity);
   row.target = gap >= 0.0 ? -gap / dt : std::min(-kRecovery * gap / dt, row.recoverySpeed);
   row.bounces = false;
@@ -54,7 +54,7 @@ inline void aimRow(PlaneContact& row, const PointView& points, double time, doub
   row.rebound = bounce.rebound;
 }
 
-/// The second half of a bounce, which is an impulse along the normal or against it.
+/// Applies the second half of a bounce, an impulse along the normal or against it.
 inline void finishBounce(PlaneContact& row, const PointView& points) {
   if (row.rebound > 0.0) return applyRow(row, points, speedAlong(row, points) + row.rebound);
   const double size = row.rebound * row.mass;
@@ -63,9 +63,9 @@ inline void finishBounce(PlaneContact& row, const PointView& points) {
   row.impulse.add(impulse, row.normal, size);
 }
 
-/// Of the radius: how far beyond a point's way surfaces are followed, since other contacts push it there; and
-/// how near a surface is that bears the point at the end of a substep.
-constexpr double kFollowBeyond = 1.0 / 3.0, kBearing = 0.01;
+/// Shares of the radius. Surfaces are followed to the first distance beyond a point's displacement, since
+/// other contacts may push it there. Surfaces within the second support the point at the end of a substep.
+constexpr double kSearchBeyond = 1.0 / 3.0, kSupportDistance = 0.01;
 
 double massAlongNormal(const PlaneContact& row, const PointView& points) {
   const double mobility = row.normal.dot(points.inverseMassOf(row.point).cwiseProduct(row.normal));
@@ -78,8 +78,8 @@ HeldNeighbourhood* neighbourhoodOf(const PlaneContact* rows, std::size_t count) 
   return nullptr;
 }
 
-/// The row without a contact whose plane was most like this one's, or nullptr.
-PlaneContact* rowFor(const HeldContact& c, PlaneContact* rows, std::size_t count) {
+/// Returns the unused row of the contact's owner whose plane was most similar to the contact's, or nullptr.
+PlaneContact* unusedRowFor(const HeldContact& c, PlaneContact* rows, std::size_t count) {
   PlaneContact* best = nullptr;
   for (std::size_t i = 0; i < count; ++i)
     if (rows[i].around && rows[i].away && rows[i].owner == c.owner)
@@ -87,8 +87,8 @@ PlaneContact* rowFor(const HeldContact& c, PlaneContact* rows, std::size_t count
   return best;
 }
 
-/// Of most points: one plane that stays.
-bool isLonePlane(const PlaneContact* rows, std::size_t count) { return count == 1 && !rows->around; }
+/// The case of most points: one fixed plane.
+bool isSingleFixedPlane(const PlaneContact* rows, std::size_t count) { return count == 1 && !rows->around; }
 
 /// Calls visit(rows, count) for each point.
 template <class Visit>
@@ -106,14 +106,15 @@ void follow(PlaneContact* rows, std::size_t count, const PointView& points, doub
     followSurface(rows, count, points, dt * points.velocityOf(rows->point), beyond * around->radius);
 }
 
-void stopPoint(PlaneContact* rows, std::size_t count, const PointView& points, double time, double dt) {
-  follow(rows, count, points, dt, kFollowBeyond);
+void solvePointPosition(PlaneContact* rows, std::size_t count, const PointView& points, double time,
+                        double dt) {
+  follow(rows, count, points, dt, kSearchBeyond);
   bool changes = true;
   for (int sweep = 0; sweep < (count > 1 ? kSweepsInCorners : 1) && changes; ++sweep) {
     changes = false;
     for (std::size_t i = 0; i < count; ++i) {
       PlaneContact& row = rows[i];
-      if (sweep == 0) aimRow(row, points, time, dt);
+      if (sweep == 0) setTarget(row, points, time, dt);
       const bool before = sweep > 0 && row.touching;
       applyRow(row, points, row.target);
       changes = changes || row.touching;
@@ -122,25 +123,25 @@ void stopPoint(PlaneContact* rows, std::size_t count, const PointView& points, d
   }
 }
 
-/// Of the surfaces that have been followed to where the point is now.
-void touchWhatIsNear(PlaneContact* rows, std::size_t count, const PointView& points) {
+/// Sets `touching` for surfaces that have been followed to the present position of the point.
+void updateTouching(PlaneContact* rows, std::size_t count, const PointView& points) {
   for (std::size_t i = 0; i < count; ++i) {
     PlaneContact& row = rows[i];
     if (!row.around) continue;
     const double gap = row.normal.dot(points.positionOf(row.point) - row.touch);
-    row.touching = !row.away && (row.touching || gap <= kBearing * row.around->radius);
+    row.touching = !row.away && (row.touching || gap <= kSupportDistance * row.around->radius);
   }
 }
 
-void settlePoint(PlaneContact* rows, std::size_t count, const PointView& points) {
+void solvePointVelocity(PlaneContact* rows, std::size_t count, const PointView& points) {
   bool touches = false;
   for (std::size_t i = 0; i < count; ++i)
     touches = touches || rows[i].touching || (rows[i].coupled && rows[i].around);
   if (!touches) return;
   for (std::size_t i = 0; i < count; ++i)
     if (rows[i].touching && rows[i].bounces) finishBounce(rows[i], points);
-  follow(rows, count, points, 0.0, kBearing);
-  touchWhatIsNear(rows, count, points);
+  follow(rows, count, points, 0.0, kSupportDistance);
+  updateTouching(rows, count, points);
   for (std::size_t i = 0; i < count; ++i)
     if (rows[i].touching && !rows[i].bounces) applyRow(rows[i], points, 0.0);
 }
@@ -163,7 +164,7 @@ void followSurface(PlaneContact* rows, std::size_t count, const PointView& point
   for (std::size_t i = 0; i < count; ++i)
     if (rows[i].around) rows[i].away = true, rows[i].mass = 0.0;
   for (const HeldContact& c : around->all->contacts) {
-    PlaneContact* row = rowFor(c, rows, count);
+    PlaneContact* row = unusedRowFor(c, rows, count);
     if (!row) continue;
     row->away = false;
     row->normal = c.normal;
@@ -174,7 +175,7 @@ void followSurface(PlaneContact* rows, std::size_t count, const PointView& point
 
 void followSurfaces(std::vector<PlaneContact>& rows, const PointView& points, double dt) {
   forEachPoint(
-      rows, [&](PlaneContact* first, std::size_t count) { follow(first, count, points, dt, kFollowBeyond); });
+      rows, [&](PlaneContact* first, std::size_t count) { follow(first, count, points, dt, kSearchBeyond); });
 }
 
 void prepareContacts(std::vector<PlaneContact>& rows, const PointView& points) {
@@ -185,35 +186,34 @@ void prepareContacts(std::vector<PlaneContact>& rows, const PointView& points) {
 }
 
 Bounce bounceOf(double gap, double approach, double before, double restitution, double slow, double dt) {
-  const double displacement = std::max(gap, 0.0);
+  const double distance = std::max(gap, 0.0);
   const double kick = approach - before, pressing = 2.0 * kick / dt;
-  // below 0 by rounding alone: it gets there within the substep
-  const double impact = std::sqrt(std::max(0.0, before * before + 2.0 * pressing * displacement));
+  // the sum is negative by rounding only: the point hits the surface within the substep
+  const double impact = std::sqrt(std::max(0.0, before * before + 2.0 * pressing * distance));
   double speed = restitution * impact;
-  double rest =
-      dt - (displacement > 0.0 ? std::min(dt, 2.0 * displacement / (approach - kick + impact)) : 0.0);
+  double timeLeft = dt - (distance > 0.0 ? std::min(dt, 2.0 * distance / (approach - kick + impact)) : 0.0);
   if (!(impact > slow)) return {};
-  for (int flights = 0; pressing * rest > 2.0 * speed; ++flights) {
-    if (restitution < 1.0 && (flights == kMaxFlights || !(speed > slow))) return {};
-    const double flight = 2.0 * speed / pressing;
-    rest -= restitution < 1.0 ? flight : flight * std::floor(rest / flight);
+  for (int bounces = 0; pressing * timeLeft > 2.0 * speed; ++bounces) {
+    if (restitution < 1.0 && (bounces == kMaxBounces || !(speed > slow))) return {};
+    const double flightTime = 2.0 * speed / pressing;
+    timeLeft -= restitution < 1.0 ? flightTime : flightTime * std::floor(timeLeft / flightTime);
     speed *= restitution;
   }
-  const double mean = (speed * rest - 0.5 * pressing * rest * rest - displacement) / dt;
-  return {false, mean, speed - pressing * rest + kick - mean};
+  const double mean = (speed * timeLeft - 0.5 * pressing * timeLeft * timeLeft - distance) / dt;
+  return {false, mean, speed - pressing * timeLeft + kick - mean};
 }
 
 void solvePositions(std::vector<PlaneContact>& rows, const PointView& points, double time, double dt) {
   forEachPoint(rows, [&](PlaneContact* first, std::size_t count) {
-    if (!isLonePlane(first, count)) return stopPoint(first, count, points, time, dt);
-    aimRow(*first, points, time, dt);
+    if (!isSingleFixedPlane(first, count)) return solvePointPosition(first, count, points, time, dt);
+    setTarget(*first, points, time, dt);
     applyRow(*first, points, first->target);
   });
 }
 
 void solveVelocities(std::vector<PlaneContact>& rows, const PointView& points) {
   forEachPoint(rows, [&](PlaneContact* first, std::size_t count) {
-    if (!isLonePlane(first, count)) return settlePoint(first, count, points);
+    if (!isSingleFixedPlane(first, count)) return solvePointVelocity(first, count, points);
     if (!first->touching) return;
     if (first->bounces) return finishBounce(*first, points);
     applyRow(*first, points, 0.0);

@@ -10,7 +10,7 @@
 namespace limber {
 namespace {
 
-/// Share of the shortest spring: small against the body, large against Bullet's contact margins at 1 m.
+/// Share of the shortest spring: small compared to the body, large compared to Bullet's margins at 1 m.
 constexpr double kRadiusPerSpring = 0.02;
 
 std::string say(const char* name, double value, const char* rule) {
@@ -22,21 +22,21 @@ std::string say(const char* name, double value, const char* rule) {
 struct Check {
   const char* name;
   double value;
-  double low;      // smallest value allowed
-  bool lowItself;  // whether `low` is allowed too
+  double low;        // smallest value allowed
+  bool includesLow;  // whether `low` itself is allowed
   double high = std::numeric_limits<double>::max();
   const char* rule;
 };
 
-std::string firstBroken(const Check* begin, const Check* end) {
+std::string firstViolation(const Check* begin, const Check* end) {
   for (const Check* c = begin; c != end; ++c) {
-    const bool aboveLow = c->lowItself ? c->value >= c->low : c->value > c->low;
+    const bool aboveLow = c->includesLow ? c->value >= c->low : c->value > c->low;
     if (!std::isfinite(c->value) || !aboveLow || c->value > c->high) return say(c->name, c->value, c->rule);
   }
   return {};
 }
 
-/// m, m/s, rad/s: Bullet's floats hold the square of the square of it.
+/// m, m/s, rad/s: its fourth power fits in Bullet's floats.
 constexpr double kLargestVector = 1e9;
 
 std::string checkVector(const char* name, const Eigen::Vector3d& v) {
@@ -102,7 +102,7 @@ std::string validate(const SoftBodySettings& s) {
       {"elasticLimit.yieldMaximum", s.elasticLimit.yieldMaximum, 0, true, 0.999, "from 0 to 0.999"},
       {"elasticLimit.breakStrain", s.elasticLimit.breakStrain, 0, true, 1e6, "from 0 to 1e6"},
   };
-  return firstBroken(std::begin(checks), std::end(checks));
+  return firstViolation(std::begin(checks), std::end(checks));
 }
 
 std::string validate(const SpringSettings& s) {
@@ -113,7 +113,7 @@ std::string validate(const SpringSettings& s) {
       {"action", static_cast<double>(s.action), 0, true, double(SpringAction::CompressionOnly),
        "one of SpringAction's"},
   };
-  return firstBroken(std::begin(checks), std::end(checks));
+  return firstViolation(std::begin(checks), std::end(checks));
 }
 
 double pointRadius(const SpringNetwork& network, const SoftBodySettings& settings) {

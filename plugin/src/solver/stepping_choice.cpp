@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// Finds how fast a body oscillates, and chooses its stepper and number of substeps.
+// Computes the frequencies of a body's oscillations, and chooses its stepper and number of substeps.
 #include "solver/stepping_choice.h"
 
 #include "solver/linear_algebra.h"
@@ -24,7 +24,7 @@ struct SpringSlopes {
 };
 
 /// The force k (l - L) n of a spring changes by k n n^T along it, and by its force over its length across it.
-/// In compression that is negative and lowers frequencies: left out.
+/// In compression the second change is negative and lowers frequencies; it is left out.
 SpringSlopes slopesOf(const SpringArrays& springs, const Points& x) {
   const std::size_t count = springs.size();
   SpringSlopes s{Points(3, static_cast<Index>(count)), std::vector<double>(count),
@@ -51,8 +51,8 @@ void addSpringForces(const SpringArrays& springs, const SpringSlopes& s, const P
   }
 }
 
-/// sqrt(stiffness) times the gradient of each component's volume: the volume term's stiffness matrix is the
-/// sum of their squares g g^T, for at rest it has no force.
+/// Returns sqrt(stiffness) times the gradient of each component's volume. The volume term's stiffness matrix
+/// is the sum of their squares g g^T, since at rest it has no force.
 std::vector<Points> volumeGradients(const VolumeArrays& volumes, const PointState& state) {
   std::vector<Points> gradients;
   Points gradient = Points::Zero(3, state.position.cols());
@@ -108,37 +108,38 @@ double fastestOscillationSquared(const SpringArrays& springs, const VolumeArrays
 
 namespace {
 
-/// Of Verlet's stability limit omega dt = 2. The bound on omega is exact only for a single spring; there this
-/// share still keeps the discrete oscillation away from the limit, where its amplitude grows without bound.
+/// Largest omega dt: a share of Verlet's stability limit 2. The bound on omega is exact only for a single
+/// spring; even there this share keeps the discrete oscillation away from the limit, where its amplitude
+/// grows without bound.
 constexpr double kLargestPhaseStep = 0.9 * 2.0;
 
-/// Substeps of Verlet, as many as are stable, that cost what one of the implicit steppers does (bench/run
-/// accuracy: spinning cubes, block): the usual period tolerance takes up to twice as many. Implicit ones are
-/// much less accurate.
+/// Number of stable Verlet substeps that cost as much as one implicit substep (bench/run accuracy: spinning
+/// cubes, block). The default period tolerance requires up to twice as many. Implicit steppers are much less
+/// accurate.
 constexpr double kVerletPerImplicit = 60.0;
 constexpr int kImplicitSubsteps = 4;
 
-/// Who asks for less than this wants oscillations to be true. The midpoint rule's error of a period,
-/// (omega h)^2 / 12, is twice that of Verlet in as many substeps, each of which costs it a hundred times as
-/// much: it cannot give what is too dear for Verlet.
-constexpr double kUsualPeriodTolerance = Stepping{}.periodTolerance;
+/// With a smaller tolerance, accurate oscillations are required. The midpoint rule's error of a period,
+/// (omega h)^2 / 12, is twice that of Verlet with as many substeps, each of which costs it a hundred times as
+/// much: it cannot provide an accuracy that is too expensive for Verlet.
+constexpr double kDefaultPeriodTolerance = Stepping{}.periodTolerance;
 
-/// Dampers that take all speed away in less than a substep: the split-off damping then brakes more than the
-/// true one.
+/// Damping rate times substep, above which dampers would remove all speed within a substep. Damping steps
+/// split off from the motion then brake more than true dampers.
 constexpr double kStrongDamping = 1.0;
 
-/// rad that a spring may turn per substep. A step is a straight line: it makes a spring that turns by t
-/// longer by t^2 / 2 of its length.
-constexpr double kLargestTurn = 0.25;
+/// rad, largest rotation of a spring per substep. A step is a straight line: it lengthens a spring that
+/// rotates by t by t^2 / 2 of its length.
+constexpr double kMaxRotation = 0.25;
 
-/// Substeps per tick for the sake of turning. Faster turning, as of a spring whose ends pass each other, is
-/// over within a substep: there is nothing to be followed.
-constexpr double kMaxForTurning = 1000.0;
+/// Largest number of substeps per tick due to rotation. Faster rotation, as of a spring whose ends pass each
+/// other, ends within a substep and cannot be resolved.
+constexpr double kMaxForRotation = 1000.0;
 
-/// Share of a tolerance that is aimed at: the estimate is good to some ten per cent.
+/// Share of a tolerance that is used as target: the estimate of the error is accurate to about 10 %.
 constexpr double kSafety = 0.7;
 
-/// Substeps that the tolerance asks for, the error being proportional to the square of the substep.
+/// Returns the substeps that the tolerance requires. The error is proportional to the square of the substep.
 int neededSubsteps(const SteppingProblem& p, const Stepping& s) {
   double tolerance = s.tolerance > 0.0 ? s.tolerance : std::numeric_limits<double>::infinity();
   if (s.relativeTolerance > 0.0) tolerance = std::min(tolerance, s.relativeTolerance * p.size);
@@ -150,40 +151,41 @@ Stepper implicitFor(const SteppingProblem& p, bool strong) {
   return strong || p.narrow || p.cheapNewton ? Stepper::BandedNewton : Stepper::ImplicitMidpoint;
 }
 
-/// What Verlet needs: not to become unstable, with the usual settings, and with these.
+/// Substeps that Verlet needs: for stability, with the default period tolerance, and with the settings.
 struct VerletNeed {
-  int stable, usual, wanted;
+  int stable, atDefault, accurate;
 };
 
 VerletNeed verletNeed(const SteppingProblem& p, const Stepping& s) {
   const auto count = [&](int minSubsteps, double periodTolerance) {
-    Stepping asked;
-    asked.minSubsteps = minSubsteps;
-    asked.periodTolerance = periodTolerance;
-    return substepCount(p.frequencies, p.tick, asked);
+    Stepping stepping;
+    stepping.minSubsteps = minSubsteps;
+    stepping.periodTolerance = periodTolerance;
+    return substepCount(p.frequencies, p.tick, stepping);
   };
-  return {count(1, 1.0), count(s.minSubsteps, kUsualPeriodTolerance),
+  return {count(1, 1.0), count(s.minSubsteps, kDefaultPeriodTolerance),
           count(s.minSubsteps, s.periodTolerance)};
 }
 
 /// A free body that needs many substeps of Verlet is stepped implicitly. A pinned one is not: where substeps
-/// do not resolve the springs, the guard against a gain of energy also brakes what swings about the pin. A
-/// smaller tolerance only ever takes the choice from an implicit stepper to Verlet, which is more exact: one
-/// of the period below the usual rules out what cannot meet it, one of the error makes it dearer. So no error
-/// rises when a tolerance falls.
+/// do not resolve the springs, the limit on energy also brakes the swing about the pin. A smaller tolerance
+/// can only change the choice from an implicit stepper to Verlet, which is more accurate: a period tolerance
+/// below the default excludes steppers that cannot meet it, and an error tolerance makes them more expensive.
+/// So no error rises when a tolerance falls.
 Stepper choose(const SteppingProblem& p, const Stepping& s, const VerletNeed& verlet, int implicit) {
   if (!p.implicitPossible) return Stepper::Verlet;
   if (s.stepper != Stepper::Auto) return s.stepper;
-  const bool strong = p.cheapNewton && p.dampingRate * p.tick / verlet.usual > kStrongDamping;
-  const bool tooDear = s.maxSubsteps > 0 && verlet.stable > s.maxSubsteps;
+  const bool strong = p.cheapNewton && p.dampingRate * p.tick / verlet.atDefault > kStrongDamping;
+  const bool tooExpensive = s.maxSubsteps > 0 && verlet.stable > s.maxSubsteps;
   const bool many = verlet.stable > kVerletPerImplicit * implicit && !p.touching && !p.held &&
-                    s.periodTolerance >= kUsualPeriodTolerance;
-  return strong || tooDear || many ? implicitFor(p, strong) : Stepper::Verlet;
+                    s.periodTolerance >= kDefaultPeriodTolerance;
+  return strong || tooExpensive || many ? implicitFor(p, strong) : Stepper::Verlet;
 }
 
-/// Errors of the midpoint rule fall with the square of the substep, as Verlet's do.
+/// Errors of the midpoint rule are proportional to the square of the substep, as those of Verlet.
 int implicitNeed(const Stepping& s) {
-  const double finer = std::sqrt(kUsualPeriodTolerance / std::min(s.periodTolerance, kUsualPeriodTolerance));
+  const double finer =
+      std::sqrt(kDefaultPeriodTolerance / std::min(s.periodTolerance, kDefaultPeriodTolerance));
   return std::max(s.minSubsteps, static_cast<int>(std::min(std::ceil(kImplicitSubsteps * finer), 1e6)));
 }
 
@@ -229,31 +231,31 @@ double fastestTurn(const SpringArrays& springs, const PointState& state, double 
   if (largest <= negligible * springs->shortest) return 0.0;
   double fastest = 0.0;
   for (std::size_t i = 0; i < springs.size(); ++i) {
-    // a spring without length at rest pulls in proportion to its length, however it turns
-    if (springs->restLength[i] == 0.0) continue;
-    const Eigen::Vector3d d = state.position.col(springs->b[i]) - state.position.col(springs->a[i]);
-    const Eigen::Vector3d u = state.velocity.col(springs->b[i]) - state.velocity.col(springs->a[i]);
-    // a spring that is nearly folded up turns as fast as it likes without mattering
-    const double squared = std::max(d.squaredNorm(), springs->restLength[i] * springs->restLength[i]);
+    // a spring of rest length 0 pulls in proportion to its length, at any rotation
+    if (springs.restLength[i] == 0.0) continue;
+    const Eigen::Vector3d d = state.position.col(springs.b[i]) - state.position.col(springs.a[i]);
+    const Eigen::Vector3d u = state.velocity.col(springs.b[i]) - state.velocity.col(springs.a[i]);
+    // fast rotation of a spring that is nearly folded up does not matter
+    const double squared = std::max(d.squaredNorm(), springs.restLength[i] * springs.restLength[i]);
     if (squared > 0.0) fastest = std::max(fastest, (u - u.dot(d) / squared * d).squaredNorm() / squared);
   }
   return std::sqrt(fastest);
 }
 
 SteppingChoice chooseStepping(const SteppingProblem& p, const Stepping& s) {
-  const int turning =
-      static_cast<int>(std::min(std::ceil(p.turnRate * p.tick / kLargestTurn), kMaxForTurning));
-  const int followed = std::max(turning, neededSubsteps(p, s));
+  const int forRotation =
+      static_cast<int>(std::min(std::ceil(p.turnRate * p.tick / kMaxRotation), kMaxForRotation));
+  const int required = std::max(forRotation, neededSubsteps(p, s));
   const VerletNeed need = verletNeed(p, s);
-  const int implicit = std::max(implicitNeed(s), followed);
+  const int implicit = std::max(implicitNeed(s), required);
   SteppingChoice choice;
   choice.stepper = choose(p, s, need, implicit);
   const bool verlet = choice.stepper == Stepper::Verlet;
-  choice.substeps = verlet ? std::max(need.wanted, followed) : implicit;
+  choice.substeps = verlet ? std::max(need.accurate, required) : implicit;
   if (s.maxSubsteps <= 0) return choice;
-  const int most = std::max(s.maxSubsteps, verlet ? need.stable : 1);
-  choice.cut = choice.substeps > most;
-  choice.substeps = std::min(choice.substeps, most);
+  const int limit = std::max(s.maxSubsteps, verlet ? need.stable : 1);
+  choice.cut = choice.substeps > limit;
+  choice.substeps = std::min(choice.substeps, limit);
   return choice;
 }
 
