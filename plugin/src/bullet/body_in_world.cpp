@@ -88,21 +88,11 @@ BodyModel makeModel(const SharedNetwork& network, const SoftBodySettings& settin
 
 std::array<double, 15> modelKey(const SoftBodySettings& s) {
   const ElasticLimit& limit = s.elasticLimit;
-  return {s.scale.x(),
-          s.scale.y(),
-          s.scale.z(),
-          s.totalMass,
-          s.extensionStiffness,
-          s.compressionStiffness,
-          s.damping,
-          s.volumeModulus,
-          s.pressure,
-          limit.stiffenStrain,
-          limit.stiffenFactor,
-          limit.yieldStrain,
-          limit.yieldMaximum,
-          limit.breakStrain,
-          static_cast<double>(s.collision)};
+  return {s.scale.x(),         s.scale.y(),          s.scale.z(),
+          s.totalMass,         s.extensionStiffness, s.compressionStiffness,
+          s.damping,           s.volumeModulus,      s.pressure,
+          limit.stiffenStrain, limit.stiffenFactor,  limit.yieldStrain,
+          limit.yieldMaximum,  limit.breakStrain,    static_cast<double>(s.collision)};
 }
 
 }  // namespace

@@ -35,8 +35,8 @@ const MovingSurface& movingSurface(SoftBodyData& body, double tick) {
   SurfaceData& s = body.surface;
   if (!s.motionValid) {
     s.motion = tick * body.state.velocity + tick * tick * body.state.acceleration;
-    s.moving = {&body.model->topology, &body.state.position, &s.motion, double(body.masses.shape->getRadius()),
-                &s.boxes};
+    s.moving = {&body.model->topology, &body.state.position, &s.motion,
+                double(body.masses.shape->getRadius()), &s.boxes};
     s.impact = impactOf(body, tick);
     s.motionValid = true;
   }

@@ -187,8 +187,8 @@ constexpr std::size_t kMaxStandingSteps = 4'000'000;
 constexpr std::size_t kStepsBetweenProgress = 256;
 
 // Conditions for a body that stands.
-constexpr double kMinHeight = 0.5;     // relative to the height at rest
-constexpr double kMaxDistance = 0.05;  // from the rest shape afterwards: dents are allowed
+constexpr double kMinStandingHeight = 0.5;  // relative to the height at rest
+constexpr double kMaxDistance = 0.05;       // from the rest shape afterwards: dents are allowed
 
 /// The body in unit size, its lowest point on the floor y = 0.
 struct StandingBody {
@@ -280,7 +280,7 @@ bool supportsLoad(StandingBody& body, double load) {
   position.row(1).array() -= position.row(1).minCoeff();
   const double maxTime = std::max(kSettlingTime, kFallTimes / std::sqrt(load));
   moveUntilRest(body, load, maxTime, kCalmSpeed * load);
-  if (body.aborted || !(relativeHeight(body) >= kMinHeight)) return false;
+  if (body.aborted || !(relativeHeight(body) >= kMinStandingHeight)) return false;
   moveUntilRest(body, 0.0, kSettlingTime, kCalmSpeed * load);
   return !body.aborted && distanceToRest(body.shape, position) < kMaxDistance;
 }

@@ -70,7 +70,7 @@ constexpr int kRounds = 6;
 
 /// Weight of the distance from the present position, relative to the planes: it only has an effect along
 /// directions that no plane determines.
-constexpr double kStayWeight = 0.05;
+constexpr double kPositionWeight = 0.05;
 
 struct Fit {
   TetrahedralMesh& mesh;
@@ -121,7 +121,7 @@ Vector3d intersectPlanes(const Fit& fit, std::uint32_t point, const SolidSurface
     }
     area += weight;
   }
-  left += kStayWeight * area * Matrix3d::Identity();
+  left += kPositionWeight * area * Matrix3d::Identity();
   solveSmall(left, right);
   return position + right;
 }

@@ -95,7 +95,7 @@ std::vector<std::uint32_t> bandOrder(const SpringArrays& springs, std::size_t po
 std::size_t bandWidth(const SpringArrays& springs, const std::vector<std::uint32_t>& positions) {
   std::size_t width = 0;
   for (std::size_t s = 0; s < springs.size(); ++s) {
-    const auto a = positions[springs.a[s]], b = positions[springs.b[s]];
+    const auto a = positions[springs->a[s]], b = positions[springs->b[s]];
     width = std::max<std::size_t>(width, a > b ? a - b : b - a);
   }
   return width;
@@ -141,12 +141,12 @@ void addTerm(std::uint32_t a, std::uint32_t b, double weight, const Points& inve
 }
 
 void addTetrahedronTerms(const TetrahedronVolumes& v, const Points& inverseMass, double h, Entries& entries) {
-  for (std::size_t t = 0; t < v.tetrahedra.size(); ++t) {
-    const Eigen::Array4d squares = v.restGradientSquares.col(static_cast<Eigen::Index>(t));
-    const double factor = 0.25 * h * h * v.modulus / v.restVolume[t];
+  for (std::size_t t = 0; t < v->tetrahedra.size(); ++t) {
+    const Eigen::Array4d squares = v->restGradientSquares.col(static_cast<Eigen::Index>(t));
+    const double factor = 0.25 * h * h * v->modulus / v->restVolume[t];
     for (Eigen::Index i = 0; i < 4; ++i)
       for (Eigen::Index j = 0; j < i; ++j)
-        addTerm(v.tetrahedra[t][static_cast<std::size_t>(i)], v.tetrahedra[t][static_cast<std::size_t>(j)],
+        addTerm(v->tetrahedra[t][static_cast<std::size_t>(i)], v->tetrahedra[t][static_cast<std::size_t>(j)],
                 0.25 * factor * (2.0 * squares.sum() - squares[i] - squares[j]), inverseMass, entries);
   }
 }
@@ -160,7 +160,7 @@ Sparse midpointMatrix(const ElasticParts& parts, const Points& inverseMass, doub
   for (std::size_t s = 0; s < springs.size(); ++s) {
     const double k = std::max(springs->extensionStiffness[s], springs->compressionStiffness[s]);
     const double weight = 0.25 * h * h * k + dampingWeight(springs, inverseMass, s, h);
-    addTerm(springs.a[s], springs.b[s], weight, inverseMass, entries);
+    addTerm(springs->a[s], springs->b[s], weight, inverseMass, entries);
   }
   if (parts.tetrahedra) addTetrahedronTerms(*parts.tetrahedra, inverseMass, h, entries);
   Sparse matrix(inverseMass.cols(), inverseMass.cols());

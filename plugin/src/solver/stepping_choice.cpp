@@ -232,11 +232,11 @@ double fastestTurn(const SpringArrays& springs, const PointState& state, double 
   double fastest = 0.0;
   for (std::size_t i = 0; i < springs.size(); ++i) {
     // a spring of rest length 0 pulls in proportion to its length, at any rotation
-    if (springs.restLength[i] == 0.0) continue;
-    const Eigen::Vector3d d = state.position.col(springs.b[i]) - state.position.col(springs.a[i]);
-    const Eigen::Vector3d u = state.velocity.col(springs.b[i]) - state.velocity.col(springs.a[i]);
+    if (springs->restLength[i] == 0.0) continue;
+    const Eigen::Vector3d d = state.position.col(springs->b[i]) - state.position.col(springs->a[i]);
+    const Eigen::Vector3d u = state.velocity.col(springs->b[i]) - state.velocity.col(springs->a[i]);
     // fast rotation of a spring that is nearly folded up does not matter
-    const double squared = std::max(d.squaredNorm(), springs.restLength[i] * springs.restLength[i]);
+    const double squared = std::max(d.squaredNorm(), springs->restLength[i] * springs->restLength[i]);
     if (squared > 0.0) fastest = std::max(fastest, (u - u.dot(d) / squared * d).squaredNorm() / squared);
   }
   return std::sqrt(fastest);
