@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
-#include <limber/triangle_mesh.h>
+#include <limber/mesh.h>
 
 #include <vector>
 

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <limber/soft_body_settings.h>
-#include <limber/spring_settings.h>
 
 #include <btBulletDynamicsCommon.h>
 

@@ -4,7 +4,7 @@
 #include "engines/body_start.h"
 
 #include <limber/soft_body_system.h>
-#include <limber/soft_contact.h>
+#include <limber/contacts.h>
 
 #include <stdexcept>
 #include <utility>

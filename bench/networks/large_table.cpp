@@ -6,7 +6,7 @@
 #include "support/test_shapes.h"
 #include "text_format.h"
 
-#include <limber/simplify_mesh.h>
+#include <limber/mesh.h>
 
 #include <sys/resource.h>
 

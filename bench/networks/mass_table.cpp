@@ -5,7 +5,7 @@
 #include "support/network_shapes.h"
 #include "text_format.h"
 
-#include <limber/material_network.h>
+#include <limber/network_builder.h>
 
 #include <algorithm>
 

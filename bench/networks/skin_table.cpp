@@ -9,7 +9,7 @@
 #include "support/test_shapes.h"
 #include "text_format.h"
 
-#include <limber/simplify_mesh.h>
+#include <limber/mesh.h>
 
 #include <algorithm>
 #include <cmath>

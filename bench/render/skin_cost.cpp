@@ -6,7 +6,6 @@
 #include "sample_stats.h"
 
 #include <limber/network_builder.h>
-#include <limber/skin.h>
 
 #include <algorithm>
 #include <array>

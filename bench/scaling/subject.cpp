@@ -4,7 +4,7 @@
 #include "engines/engine.h"
 #include "scenes/scene_list.h"
 
-#include <limber/soft_contact.h>
+#include <limber/contacts.h>
 
 #include <algorithm>
 #include <stdexcept>

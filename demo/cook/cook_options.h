@@ -3,10 +3,8 @@
 
 #include "demo_options.h"
 
-#include <limber/material_network.h>
-#include <limber/network_analysis.h>
 #include <limber/network_builder.h>
-#include <limber/skin.h>
+#include <limber/network_analysis.h>
 
 #include <array>
 #include <cstdint>

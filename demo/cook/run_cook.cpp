@@ -6,10 +6,9 @@
 #include "output_files.h"
 #include "progress.h"
 
-#include <limber/mesh_import.h>
-#include <limber/network_file.h>
+#include <limber/mesh.h>
+#include <limber/spring_network.h>
 #include <limber/render/png_file.h>
-#include <limber/simplify_mesh.h>
 
 #include <chrono>
 #include <cstdio>

@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: Zlib
 #include "scenes/networks.h"
 
-#include <limber/mesh_import.h>
+#include <limber/mesh.h>
 #include <limber/network_builder.h>
-#include <limber/network_file.h>
-#include <limber/skin.h>
+#include <limber/spring_network.h>
 
 #include <Eigen/Geometry>
 

@@ -2,7 +2,7 @@
 #pragma once
 
 #include <limber/soft_body.h>
-#include <limber/triangle_mesh.h>
+#include <limber/mesh.h>
 
 #include <Eigen/Geometry>
 

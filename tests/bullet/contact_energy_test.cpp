@@ -8,7 +8,7 @@
 
 #include <limber/network_builder.h>
 #include <limber/soft_body_system.h>
-#include <limber/soft_contact.h>
+#include <limber/contacts.h>
 
 #include <gtest/gtest.h>
 

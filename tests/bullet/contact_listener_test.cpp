@@ -5,7 +5,7 @@
 #include "support/networks.h"
 #include "support/tested_way.h"
 
-#include <limber/contact_listener.h>
+#include <limber/contacts.h>
 #include <limber/soft_body_system.h>
 
 #include <gtest/gtest.h>

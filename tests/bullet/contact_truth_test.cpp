@@ -7,9 +7,8 @@
 #include "support/networks.h"
 #include "support/tested_way.h"
 
-#include <limber/contact_listener.h>
+#include <limber/contacts.h>
 #include <limber/soft_body_system.h>
-#include <limber/soft_contact.h>
 
 #include <gtest/gtest.h>
 

@@ -5,7 +5,7 @@
 #include "support/tested_way.h"
 
 #include <limber/soft_body_system.h>
-#include <limber/soft_contact.h>
+#include <limber/contacts.h>
 
 #include <gtest/gtest.h>
 

@@ -3,7 +3,6 @@
 #include "support/bullet_world.h"
 #include "support/networks.h"
 
-#include <limber/fast_spheres.h>
 #include <limber/soft_body_system.h>
 
 #include <gtest/gtest.h>

@@ -4,7 +4,7 @@
 #include "support/networks.h"
 #include "support/tested_way.h"
 
-#include <limber/skin.h>
+#include <limber/network_builder.h>
 #include <limber/soft_body_system.h>
 
 #include <gtest/gtest.h>

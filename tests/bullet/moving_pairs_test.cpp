@@ -6,7 +6,7 @@
 #include "support/small_meshes.h"
 #include "support/tested_way.h"
 
-#include <limber/contact_listener.h>
+#include <limber/contacts.h>
 #include <limber/soft_body_system.h>
 
 #include <gtest/gtest.h>

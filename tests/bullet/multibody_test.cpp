@@ -7,7 +7,7 @@
 #include "support/tested_way.h"
 
 #include <limber/soft_body_system.h>
-#include <limber/soft_contact.h>
+#include <limber/contacts.h>
 
 #include <BulletCollision/CollisionDispatch/btGhostObject.h>
 #include <BulletDynamics/Character/btKinematicCharacterController.h>

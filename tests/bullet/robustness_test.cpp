@@ -6,7 +6,7 @@
 #include "support/networks.h"
 #include "support/tested_way.h"
 
-#include <limber/network_file.h>
+#include <limber/spring_network.h>
 #include <limber/soft_body_system.h>
 
 #include <gtest/gtest.h>

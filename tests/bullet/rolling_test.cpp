@@ -6,7 +6,7 @@
 #include "support/networks.h"
 
 #include <limber/soft_body_system.h>
-#include <limber/soft_contact.h>
+#include <limber/contacts.h>
 
 #include <gtest/gtest.h>
 

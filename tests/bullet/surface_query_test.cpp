@@ -6,7 +6,7 @@
 #include "support/tested_way.h"
 
 #include <limber/soft_body_system.h>
-#include <limber/surface_hit.h>
+#include <limber/contacts.h>
 
 #include <gtest/gtest.h>
 

@@ -5,7 +5,7 @@
 #include "support/small_meshes.h"
 #include "support/tested_way.h"
 
-#include <limber/material_network.h>
+#include <limber/network_builder.h>
 #include <limber/soft_body_system.h>
 
 #include <gtest/gtest.h>

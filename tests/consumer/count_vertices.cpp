@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
 // Prints the number of vertices of a mesh file: a program that uses the import without Bullet.
-#include <limber/mesh_import.h>
+#include <limber/mesh.h>
 
 #include <cstdio>
 

@@ -4,7 +4,7 @@
 #include "support/networks.h"
 #include "support/small_meshes.h"
 
-#include <limber/material_network.h>
+#include <limber/network_builder.h>
 
 #include <gtest/gtest.h>
 

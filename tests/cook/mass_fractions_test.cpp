@@ -5,8 +5,8 @@
 #include "support/small_meshes.h"
 #include "support/test_shapes.h"
 
-#include <limber/material_network.h>
-#include <limber/mesh_weld.h>
+#include <limber/network_builder.h>
+#include <limber/mesh.h>
 
 #include <gtest/gtest.h>
 

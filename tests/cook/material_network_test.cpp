@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
 // Bodies of a material: the measured properties must be the requested ones.
-#include <limber/material_network.h>
+#include <limber/network_builder.h>
 
 #include "network/material.h"
 #include "network/tetrahedra.h"

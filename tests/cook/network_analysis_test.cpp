@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
 #include <limber/network_analysis.h>
-#include <limber/network_file.h>
+#include <limber/spring_network.h>
 
 #include "mesh/random.h"
 #include "support/network_shapes.h"

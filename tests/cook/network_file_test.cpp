@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
 #include <limber/network_builder.h>
-#include <limber/network_file.h>
+#include <limber/spring_network.h>
 
 #include "cook/file_networks.h"
 #include "import/temporary_folder.h"

@@ -4,7 +4,7 @@
 #include "support/network_shapes.h"
 #include "support/networks.h"
 
-#include <limber/material_network.h>
+#include <limber/network_builder.h>
 
 #include <gtest/gtest.h>
 

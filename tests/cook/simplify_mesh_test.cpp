@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: Zlib
-#include <limber/simplify_mesh.h>
+#include <limber/mesh.h>
 
 #include "mesh/triangle_bvh.h"
 #include "support/small_meshes.h"
 #include "support/test_shapes.h"
 
-#include <limber/mesh_weld.h>
 
 #include <gtest/gtest.h>
 

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Zlib
-#include <limber/skin.h>
+#include <limber/network_builder.h>
 
 #include "network/skin.h"
 #include "support/small_meshes.h"
 #include "support/test_shapes.h"
 
-#include <limber/simplify_mesh.h>
+#include <limber/mesh.h>
 
 #include <gtest/gtest.h>
 

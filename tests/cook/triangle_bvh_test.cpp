@@ -5,7 +5,7 @@
 #include "support/small_meshes.h"
 #include "support/test_shapes.h"
 
-#include <limber/mesh_weld.h>
+#include <limber/mesh.h>
 
 #include <gtest/gtest.h>
 

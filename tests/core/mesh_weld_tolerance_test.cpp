@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-#include <limber/mesh_weld.h>
+#include <limber/mesh.h>
 
 #include "support/small_meshes.h"
 

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Zlib
 #include <limber/soft_body_settings.h>
-#include <limber/spring_settings.h>
 
 #include "support/networks.h"
 

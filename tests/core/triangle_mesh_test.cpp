@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-#include <limber/triangle_mesh.h>
+#include <limber/mesh.h>
 
 #include "support/small_meshes.h"
 

@@ -3,8 +3,8 @@
 
 #include "import/temporary_folder.h"
 
-#include <limber/mesh_import.h>
-#include <limber/network_file.h>
+#include <limber/mesh.h>
+#include <limber/spring_network.h>
 
 #include <gtest/gtest.h>
 

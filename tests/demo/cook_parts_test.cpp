@@ -8,7 +8,7 @@
 #include "scenes/networks.h"
 
 #include <limber/network_builder.h>
-#include <limber/network_file.h>
+#include <limber/spring_network.h>
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>

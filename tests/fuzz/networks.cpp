@@ -5,7 +5,6 @@
 #include "support/small_meshes.h"
 #include "support/test_shapes.h"
 
-#include <limber/material_network.h>
 #include <limber/network_builder.h>
 
 #include <map>

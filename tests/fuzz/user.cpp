@@ -2,7 +2,7 @@
 // The actions of the user of a story, except removals (user_removes.cpp).
 #include "fuzz/world_player.h"
 
-#include <limber/surface_hit.h>
+#include <limber/contacts.h>
 
 namespace limber::fuzz {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-#include <limber/mesh_import.h>
+#include <limber/mesh.h>
 
 #include "import/temporary_folder.h"
 

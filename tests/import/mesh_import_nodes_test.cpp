@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Zlib
-#include <limber/mesh_import.h>
-#include <limber/mesh_weld.h>
+#include <limber/mesh.h>
 
 #include "import/temporary_folder.h"
 

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Zlib
 // Triangulation of faces with more than three corners.
-#include <limber/mesh_import.h>
-#include <limber/mesh_weld.h>
+#include <limber/mesh.h>
 
 #include "import/temporary_folder.h"
 #include "support/constants.h"

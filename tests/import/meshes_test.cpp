@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 // The committed meshes must be valid, have the documented shapes and counts, and equal the generator's
 // output.
-#include <limber/mesh_import.h>
+#include <limber/mesh.h>
 #include <limber/network_builder.h>
 
 #include "import/temporary_folder.h"

@@ -3,7 +3,7 @@
 
 #include "support/small_meshes.h"
 
-#include <limber/mesh_weld.h>
+#include <limber/mesh.h>
 
 #include <gtest/gtest.h>
 

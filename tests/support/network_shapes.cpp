@@ -7,7 +7,7 @@
 
 #include <Eigen/Geometry>
 
-#include <limber/simplify_mesh.h>
+#include <limber/mesh.h>
 
 #include <cmath>
 #include <functional>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
-#include <limber/triangle_mesh.h>
+#include <limber/mesh.h>
 
 /// Tiny meshes with one property each. Their names list all defects.
 namespace small_meshes {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
-#include <limber/mesh_weld.h>
+#include <limber/mesh.h>
 
 /// Closed meshes about 1 m large, oriented outward, for tests of cooking. Triangles share vertices unless
 /// stated otherwise.

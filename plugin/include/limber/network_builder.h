@@ -1,13 +1,19 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
+// Builds spring networks.
+
 #include <limber/result.h>
+#include <limber/soft_body_settings.h>
 #include <limber/spring_network.h>
 
 #include <cstdint>
 #include <functional>
+#include <optional>
 
 namespace limber {
+
+// --- networks from meshes, ropes and cloths ----------------------------------------------------------------
 
 /// Rule for the springs that are added to the edges of the mesh so that the body keeps its shape.
 enum class BraceRule : std::uint8_t {
@@ -35,7 +41,8 @@ using Progress = std::function<bool(const char* what, double done)>;
 struct NetworkSettings {
   double weldTolerance = 0.0;  ///< metres, see weld()
   BraceRule braces = BraceRule::Pipeline;
-  double braceWeight = 0.0;  ///< stiffnessScale of braces, above 0; 0: 0.5 for Pipeline, 1 for the others
+  std::optional<double> braceWeight;  ///< stiffnessScale of braces, above 0; default: 0.5 for Pipeline, 1
+                                      ///< for the others
   double maxBracesPerPoint = 1.5;  ///< mean over the points of a piece, above 0; only for Pipeline and pieces
                                    ///< that have an inside: flat and open ones get the complete two-ring
   double timeLimit = 0.0;  ///< s; Pipeline adds no more springs after this time; 0: no limit. If the limit is
@@ -78,5 +85,68 @@ struct ClothSettings {
 ///     | X | X |     shear:      both diagonals
 ///     o---o---o     bending:    o-------o  every second point along x and z
 Result<SharedNetwork> buildCloth(const ClothSettings& settings = {});
+
+// --- networks of a material --------------------------------------------------------------------------------
+
+struct MaterialMesh {
+  std::optional<double> spacing;  ///< m, above 0, of the lattice from which the tetrahedra are made; default:
+                                  ///< chosen from `points`
+  std::uint32_t points = 300;     ///< approximate number of point masses, 8 or more; used without a spacing
+  Progress progress;  ///< when it returns false, the build ends with an error (there is no partial result)
+};
+
+/// Builds the network of a body that behaves like a material. The inside of a closed mesh is filled with
+/// tetrahedra. Their edges become springs with constants near  k = E sum V / L^2,  the sum over the
+/// tetrahedra around the edge (Van Gelder 1998). The constants are fitted so that the body is equally stiff
+/// in all directions, and calibrated once so that the measured Young's modulus equals the requested one
+/// (stiffnessPerModulus). Mass fractions follow the volume of the tetrahedra, with a minimum of 0.2 of the
+/// mean. The render surface is the mesh with a skin. Concave surfaces are followed to about half a spacing.
+/// Errors: those of weld(); a mesh that is not closed (with the number of its open edges) or encloses no
+/// volume; a component that is too thin for the lattice; sizes out of range; progress that returned false.
+Result<SharedNetwork> buildMaterialNetwork(const TriangleMesh& mesh, const MaterialMesh& settings = {});
+
+struct Material {
+  double youngsModulus = 1e5;  ///< Pa, above 0
+  double poissonRatio = 0.25;  ///< from 0.25 (about the value of springs alone) to below 0.5 (by the volume
+                               ///< term)
+  double density = 1000.0;     ///< kg/m^3, above 0
+};
+
+/// Returns the settings of a body of this material: spring constants, volume modulus, and the total mass at
+/// the scale in `settings`. All other values are those of `settings`. Modulus and ratio hold for small
+/// deformations. They are measured on the network with a few linear solves, which take seconds for 5 000
+/// points. Errors: a network that was not made by buildMaterialNetwork; a value out of range.
+Result<SoftBodySettings> withMaterial(const SpringNetwork& network, const Material& material,
+                                      SoftBodySettings settings = {});
+
+// --- skins -------------------------------------------------------------------------------------------------
+
+/// Method by which the vertices of a detailed mesh follow the points of a coarse network.
+enum class SkinKind : std::uint8_t {
+  Dense,       ///< radial basis functions over all points: smoothest
+  Sparse,      ///< the same over the nearest points, distances measured through the body: cheaper, local
+  Barycentric  ///< over the corners of the tetrahedron that contains the vertex or is next to it (material
+               ///< mode), or those of the nearest triangle and a point on the opposite side of the body:
+               ///< cheapest, piecewise linear
+};
+
+struct SkinSettings {
+  SkinKind kind = SkinKind::Dense;
+  std::uint32_t neighbours = 32;  ///< Sparse: maximum number of weights per vertex, 4 or more
+  double weldTolerance = 0.0;     ///< m, see weld()
+};
+
+/// Returns the network with `mesh` as its render surface. The mesh keeps its position relative to the rest
+/// points. Closed components whose normals point inward are flipped. Affine motions are reproduced exactly,
+/// to the precision of the weights. A point has little or no influence if the path to it through the inside
+/// of the body is much longer than the straight line, so that parts that almost touch do not drag each other.
+/// Errors: those of weld(); a network without a surface, or whose points lie in a plane; fewer than 4
+/// neighbours; a dense skin of more than 20 million weights.
+Result<SharedNetwork> withSkin(const SpringNetwork& network, const TriangleMesh& mesh,
+                               const SkinSettings& settings = {});
+
+/// Computes the positions of all places of `skin` (xyz, #places x 3) from the positions of the points (xyz,
+/// #points x 3). `places` is written in order and never read.
+void applySkin(const Skin& skin, const float* points, float* places);
 
 }  // namespace limber

@@ -39,4 +39,23 @@ class Result {
   std::variant<T, Error> content_;
 };
 
+/// Success, or the reason of a failure, of a function that has nothing to return.
+///
+///     if (Result<void> done = saveNetwork(network, file); !done) puts(done.error().c_str());
+template <>
+class Result<void> {
+ public:
+  Result() = default;
+  Result(Error error) : error_(std::move(error.reason)), failed_(true) {}
+
+  explicit operator bool() const { return !failed_; }
+
+  /// Returns the reason; empty when the result is true.
+  const std::string& error() const { return error_; }
+
+ private:
+  std::string error_;
+  bool failed_ = false;
+};
+
 }  // namespace limber

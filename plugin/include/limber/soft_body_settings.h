@@ -1,14 +1,20 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
+// All settings of soft bodies and of single springs.
+
+#include <limber/result.h>
 #include <limber/spring_network.h>
 
 #include <Eigen/Geometry>
 
 #include <cstdint>
+#include <optional>
 #include <string>
 
 namespace limber {
+
+// --- soft bodies -------------------------------------------------------------------------------------------
 
 /// Integrator for the motion of a body within a Bullet tick.
 enum class Stepper : std::uint8_t {
@@ -77,24 +83,24 @@ struct SoftBodySettings {
   double damping = 1.0;                  ///< N s/m along each spring, 0 or more; does not limit the time step
   double totalMass = 1.0;                ///< kg, 1e-9 or more
 
-  double volumeModulus = -1.0;  ///< Pa, 0 or more, resists changes of the volume inside a closed surface;
-                                ///< negative: for each closed piece the combined stiffness of its springs, 0
-                                ///< for all others (ropes, cloths, open pieces)
-  double pressure = 0.0;        ///< Pa of gas above the outside pressure, at the rest volume; only for closed
-                                ///< bodies
+  std::optional<double> volumeModulus;  ///< Pa, 0 or more, resists changes of the volume inside a closed
+                                        ///< surface; default: for each closed piece the combined stiffness
+                                        ///< of its springs, 0 for all others (ropes, cloths, open pieces)
+  double pressure = 0.0;  ///< Pa of gas above the outside pressure, at the rest volume; only for closed
+                          ///< bodies
 
   Collision collision = Collision::Surface;
   bool selfCollision = false;  ///< triangles, or the segments of a rope, also collide with each other,
                                ///< except where they share a point or are nearer at rest than the sum of the
                                ///< radii; needs Surface
-  double pointRadius = 0.0;    ///< m, radius of each point mass as a sphere in Bullet; 0: 2 % of the shortest
-                               ///< spring
-  double friction = 0.5;       ///< Bullet multiplies it with the partner's
-  double restitution = 0.0;    ///< 0..1, Bullet multiplies it with the partner's
-  int collisionGroup = 1;      ///< Bullet's filter group; 1 = btBroadphaseProxy::DefaultFilter
-  int collisionMask = -1;      ///< Bullet's filter mask; -1 = btBroadphaseProxy::AllFilter
-  bool continuousCollision = true;  ///< also find contacts within a tick that were not predicted at its
-                                    ///< start, so that fast objects do not pass through
+  std::optional<double> pointRadius;  ///< m, above 0, radius of each point mass as a sphere in Bullet;
+                                      ///< default: 2 % of the shortest spring
+  double friction = 0.5;              ///< Bullet multiplies it with the partner's
+  double restitution = 0.0;           ///< 0..1, Bullet multiplies it with the partner's
+  int collisionGroup = 1;             ///< Bullet's filter group; 1 = btBroadphaseProxy::DefaultFilter
+  int collisionMask = -1;             ///< Bullet's filter mask; -1 = btBroadphaseProxy::AllFilter
+  bool continuousCollision = true;    ///< also find contacts within a tick that were not predicted at its
+                                      ///< start, so that fast objects do not pass through
   double sleepingSpeed = 0.1;  ///< m/s; a body falls asleep when all its points have been slower than this
                                ///< for gDeactivationTime
 
@@ -105,12 +111,33 @@ struct SoftBodySettings {
   static SoftBodySettings paper();
 };
 
-/// Returns the first invalid setting and the reason ("totalMass is -1, must be from 1e-9 to 1e12"), or an
-/// empty string.
-std::string validate(const SoftBodySettings& settings);
+/// Checks settings. The error is the first invalid one and the reason ("totalMass is -1, must be from 1e-9 to
+/// 1e12").
+Result<void> validate(const SoftBodySettings& settings);
 
 /// Returns the radius (m) of a body's point masses: the setting, or 2 % of the shortest spring at the body's
 /// scale.
 double pointRadius(const SpringNetwork& network, const SoftBodySettings& settings);
+
+// --- single springs ----------------------------------------------------------------------------------------
+
+/// The deformations in which a spring exerts a force.
+enum class SpringAction : std::uint8_t {
+  Both,
+  ExtensionOnly,   ///< a bungee: no force while shorter than its rest length
+  CompressionOnly  ///< a bumper: no force while longer than its rest length
+};
+
+/// A single spring with a parallel damper.
+struct SpringSettings {
+  std::optional<double> restLength;  ///< m, 0 or more; default: the distance of the ends when the spring is
+                                     ///< added; set in SpringConstraint::settings()
+  double stiffness = 1000.0;         ///< N/m, 0 or more
+  double damping = 0.0;              ///< N s/m along the spring, 0 or more, only while the spring acts
+  SpringAction action = SpringAction::Both;
+};
+
+/// Checks settings. The error is the first invalid one and the reason.
+Result<void> validate(const SpringSettings& settings);
 
 }  // namespace limber

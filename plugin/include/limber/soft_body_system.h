@@ -148,5 +148,13 @@ class SoftBodySystem {
   std::unique_ptr<Impl> impl_;
 };
 
+/// Makes the dispatcher compute contacts between spheres and boxes with Bullet's closed form
+/// (btSphereBoxCollisionAlgorithm) instead of its general convex algorithm. This holds for pairs that are
+/// created later. The closed form is faster and more exact: in single precision the general algorithm
+/// sometimes reports a sphere that rests on a box as centimetres above it. Single spheres and the point
+/// masses of bodies with Collision::Points are affected. Contacts of spheres with spheres or triangles
+/// already have closed forms.
+void useFastSphereAlgorithms(btCollisionDispatcher& dispatcher);
+
 }  // namespace LIMBER_BULLET_PRECISION
 }  // namespace limber

@@ -2,7 +2,7 @@
 #pragma once
 
 #include <limber/bullet_precision.h>
-#include <limber/spring_settings.h>
+#include <limber/soft_body_settings.h>
 
 #include <btBulletDynamicsCommon.h>
 

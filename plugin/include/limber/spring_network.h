@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
-#include <limber/mesh_weld.h>
-#include <limber/triangle_mesh.h>
+// Spring networks: the shapes of soft bodies, and their files.
+
+#include <limber/mesh.h>
+#include <limber/result.h>
 
 #include <Eigen/Core>
 
@@ -14,6 +16,8 @@
 #include <vector>
 
 namespace limber {
+
+// --- networks ----------------------------------------------------------------------------------------------
 
 /// The purpose of a spring.
 enum class SpringKind : std::uint8_t { Structural, Shear, Bending, Brace };
@@ -69,8 +73,27 @@ struct SpringNetwork {
 
 using SharedNetwork = std::shared_ptr<const SpringNetwork>;
 
-/// Returns the first violation of the conditions stated at SpringNetwork's members, with its index, or an
-/// empty string.
-std::string validate(const SpringNetwork& network);
+/// Checks a network. The error is the first violation of the conditions stated at SpringNetwork's members,
+/// with its index.
+Result<void> validate(const SpringNetwork& network);
+
+// --- files -------------------------------------------------------------------------------------------------
+
+/// Returns a network as the bytes of a `.limber` file: magic number, version, size, hash, then the arrays of
+/// the members, little-endian on every machine. Equal networks give equal bytes.
+std::vector<std::uint8_t> toBytes(const SpringNetwork& network);
+
+/// Returns the network that toBytes() wrote, bit for bit. Errors, each with its cause: not a .limber file; a
+/// version that this library does not support; a file shorter or longer than its header states; a wrong hash;
+/// arrays of inconsistent sizes; and everything that validate(SpringNetwork) reports. Never reads past
+/// `size`, never allocates more than about `size`.
+Result<SharedNetwork> fromBytes(const std::uint8_t* bytes, std::size_t size);
+
+/// Writes the file under a temporary name and renames it, so that an incomplete file never exists under the
+/// final name. Errors name the file; networks that validate(SpringNetwork) rejects are not written.
+Result<void> saveNetwork(const SpringNetwork& network, const std::string& file);
+
+/// Reads a file with fromBytes(). Errors contain the file's name.
+Result<SharedNetwork> loadNetwork(const std::string& file);
 
 }  // namespace limber

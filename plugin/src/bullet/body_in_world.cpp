@@ -88,11 +88,21 @@ BodyModel makeModel(const SharedNetwork& network, const SoftBodySettings& settin
 
 std::array<double, 15> modelKey(const SoftBodySettings& s) {
   const ElasticLimit& limit = s.elasticLimit;
-  return {s.scale.x(),         s.scale.y(),          s.scale.z(),
-          s.totalMass,         s.extensionStiffness, s.compressionStiffness,
-          s.damping,           s.volumeModulus,      s.pressure,
-          limit.stiffenStrain, limit.stiffenFactor,  limit.yieldStrain,
-          limit.yieldMaximum,  limit.breakStrain,    static_cast<double>(s.collision)};
+  return {s.scale.x(),
+          s.scale.y(),
+          s.scale.z(),
+          s.totalMass,
+          s.extensionStiffness,
+          s.compressionStiffness,
+          s.damping,
+          s.volumeModulus.value_or(-1.0),
+          s.pressure,
+          limit.stiffenStrain,
+          limit.stiffenFactor,
+          limit.yieldStrain,
+          limit.yieldMaximum,
+          limit.breakStrain,
+          static_cast<double>(s.collision)};
 }
 
 }  // namespace
@@ -102,7 +112,7 @@ Result<std::shared_ptr<const BodyModel>> SharedModels::of(const SharedNetwork& n
   const Key key{network.get(), modelKey(settings)};
   if (const auto it = models_.find(key); it != models_.end())
     if (std::shared_ptr<const BodyModel> model = it->second.lock()) return model;
-  if (std::string reason = validate(*network); !reason.empty()) return Error{"network: " + reason};
+  if (Result<void> valid = validate(*network); !valid) return Error{"network: " + valid.error()};
   if (std::string reason = checkVolume(*network, settings); !reason.empty()) return Error{reason};
   for (auto it = models_.begin(); it != models_.end();)
     it = it->second.expired() ? models_.erase(it) : std::next(it);
@@ -152,7 +162,7 @@ std::string checkCoordinates(const PointState& state) {
 Result<std::unique_ptr<SoftBodyData>> makeBodyData(SharedNetwork network, const SoftBodySettings& settings,
                                                    SharedModels& models) {
   if (!network) return Error{"there is no network"};
-  if (std::string reason = validate(settings); !reason.empty()) return Error{"settings: " + reason};
+  if (Result<void> valid = validate(settings); !valid) return Error{"settings: " + valid.error()};
   auto model = models.of(network, settings);
   if (!model) return Error{model.error()};
   auto body = std::make_unique<SoftBodyData>();

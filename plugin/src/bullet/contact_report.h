@@ -7,9 +7,8 @@
 
 #include "bullet/soft_body_data.h"
 
-#include <limber/contact_listener.h>
+#include <limber/contacts.h>
 #include <limber/soft_body_system.h>
-#include <limber/soft_contact.h>
 
 #include <array>
 #include <cstddef>

@@ -6,7 +6,7 @@
 #include "bullet/contact_report.h"
 #include "bullet/system_impl.h"
 
-#include <limber/soft_contact.h>
+#include <limber/contacts.h>
 #include <limber/spring_constraint.h>
 
 #include <LinearMath/btIDebugDraw.h>
@@ -98,7 +98,7 @@ void debugDraw(SoftBodyData& body, btIDebugDraw& drawer) {
 void debugDraw(const SpringList& springs, btIDebugDraw& drawer) {
   if (!hasMode(drawer, btIDebugDraw::DBG_DrawConstraints)) return;
   for (const auto& spring : springs) {
-    const double strain = strainOf(double(spring->length()), spring->settings().restLength);
+    const double strain = strainOf(double(spring->length()), *spring->settings().restLength);
     drawer.drawLine(SpringConstraint::worldPivot(spring->endA()),
                     SpringConstraint::worldPivot(spring->endB()), colourOf(strain));
   }

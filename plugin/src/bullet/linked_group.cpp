@@ -121,7 +121,7 @@ void addSpring(LinkedGroup& group, SpringConstraint* spring) {
   LinkSpring link;
   link.a = linkEnd(group, spring->endA());
   link.b = linkEnd(group, spring->endB());
-  link.restLength = s.restLength;
+  link.restLength = *s.restLength;
   link.extensionStiffness = s.action == SpringAction::CompressionOnly ? 0.0 : s.stiffness;
   link.compressionStiffness = s.action == SpringAction::ExtensionOnly ? 0.0 : s.stiffness;
   link.damping = s.damping;

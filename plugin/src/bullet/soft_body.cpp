@@ -14,9 +14,8 @@
 #include "solver/point_state.h"
 #include "solver/springs.h"
 
-#include <limber/skin.h>
-#include <limber/soft_contact.h>
-#include <limber/surface_hit.h>
+#include <limber/contacts.h>
+#include <limber/network_builder.h>
 
 #include <cmath>
 

@@ -20,7 +20,7 @@
 #include "solver/volumes.h"
 
 #include <limber/soft_body.h>
-#include <limber/soft_contact.h>
+#include <limber/contacts.h>
 
 #include <Eigen/Geometry>
 

@@ -179,7 +179,7 @@ SoftBody* SoftBodySystem::body(std::size_t i) const { return impl_->bodies[i].ge
 
 Result<SpringConstraint*> SoftBodySystem::addSpring(const SpringEnd& a, const SpringEnd& b,
                                                     const SpringSettings& settings) {
-  if (std::string reason = validate(settings); !reason.empty()) return Error{reason};
+  if (Result<void> valid = validate(settings); !valid) return Error{valid.error()};
   if (!a.body && !b.body) return Error{"a spring needs a body at one of its ends"};
   for (const SpringEnd& end : {a, b}) {
     if (std::string reason = whyNotHeld(end.body, impl_->step.get()); !reason.empty()) return Error{reason};
@@ -190,7 +190,7 @@ Result<SpringConstraint*> SoftBodySystem::addSpring(const SpringEnd& a, const Sp
   impl_->hookUp();
   impl_->springs.push_back(std::make_unique<SpringConstraint>(a, b, settings));
   SpringConstraint* spring = impl_->springs.back().get();
-  if (settings.restLength < 0.0) spring->settings_.restLength = double(spring->length());
+  if (!settings.restLength) spring->settings_.restLength = double(spring->length());
   for (btRigidBody* end : {a.body, b.body})
     if (end) end->activate();
   impl_->step->groupsStale = true;
@@ -202,8 +202,8 @@ Result<SpringConstraint*> SoftBodySystem::changeSpring(SpringConstraint* spring,
   const auto isSpring = [&](const auto& owned) { return owned.get() == spring; };
   if (std::none_of(impl_->springs.begin(), impl_->springs.end(), isSpring))
     return Error{"the spring is not, or no longer, one of this system"};
-  if (std::string reason = validate(settings); !reason.empty()) return Error{reason};
-  const double restLength = settings.restLength < 0.0 ? spring->settings_.restLength : settings.restLength;
+  if (Result<void> valid = validate(settings); !valid) return Error{valid.error()};
+  const double restLength = settings.restLength.value_or(*spring->settings_.restLength);
   spring->settings_ = settings;
   spring->settings_.restLength = restLength;
   impl_->step->groupsStale = true;

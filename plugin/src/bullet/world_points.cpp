@@ -9,7 +9,7 @@
 #include "bullet/point_masses.h"
 #include "bullet/soft_body_data.h"
 
-#include <limber/fast_spheres.h>
+#include <limber/soft_body_system.h>
 
 #include <BulletCollision/CollisionDispatch/btSphereBoxCollisionAlgorithm.h>
 

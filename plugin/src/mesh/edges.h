@@ -3,8 +3,7 @@
 // counts and numbers as text.
 #pragma once
 
-#include <limber/mesh_weld.h>
-#include <limber/triangle_mesh.h>
+#include <limber/mesh.h>
 
 #include <algorithm>
 #include <array>

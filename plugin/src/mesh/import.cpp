@@ -2,9 +2,7 @@
 // Reads mesh files through assimp. Checks the file before assimp reads it, checks the scene before using its
 // indices, and splits polygons into triangles.
 
-#include <limber/mesh_import.h>
-
-#include <limber/triangle_mesh.h>
+#include <limber/mesh.h>
 
 #include <assimp/scene.h>
 #include <assimp/Importer.hpp>
@@ -384,7 +382,7 @@ Result<TriangleMesh> readMesh(const std::string& path) {
 
   TriangleMesh mesh = joinMeshes(*scene);
   if (mesh.triangles.empty()) return Error{"the file has no triangles"};
-  if (std::string reason = validate(mesh); !reason.empty()) return Error{std::move(reason)};
+  if (Result<void> valid = validate(mesh); !valid) return Error{valid.error()};
   joinIdenticalVertices(mesh);
   return mesh;
 }

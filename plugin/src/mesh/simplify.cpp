@@ -2,13 +2,10 @@
 // Simplifies a mesh to a given number of points. Collapses edges in the order of their quadric error, and
 // keeps the topology of the surface and the shape of its triangles.
 
-#include <limber/simplify_mesh.h>
+#include <limber/mesh.h>
 
 #include "mesh/surface.h"
 #include "solver/linear_algebra.h"
-
-#include <limber/mesh_weld.h>
-#include <limber/triangle_mesh.h>
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>

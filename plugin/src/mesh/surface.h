@@ -5,7 +5,7 @@
 
 #include "solver/closest_points.h"
 
-#include <limber/triangle_mesh.h>
+#include <limber/mesh.h>
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>

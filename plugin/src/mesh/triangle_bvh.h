@@ -4,7 +4,7 @@
 
 #include "mesh/surface.h"
 
-#include <limber/triangle_mesh.h>
+#include <limber/mesh.h>
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>

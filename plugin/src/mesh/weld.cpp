@@ -2,11 +2,9 @@
 // Checks a triangle mesh and welds its vertices into points. Drops triangles without area and duplicate
 // triangles, and reports the properties of the mesh.
 
-#include <limber/mesh_weld.h>
+#include <limber/mesh.h>
 
 #include "mesh/edges.h"
-
-#include <limber/triangle_mesh.h>
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
@@ -53,14 +51,14 @@ std::string checkCount(const char* name, std::size_t count, std::size_t vertices
 
 }  // namespace
 
-std::string validate(const TriangleMesh& mesh) {
-  if (mesh.positions.empty()) return "the mesh has no vertices";
-  if (mesh.triangles.empty()) return "the mesh has no triangles";
+Result<void> validate(const TriangleMesh& mesh) {
+  if (mesh.positions.empty()) return Error{"the mesh has no vertices"};
+  if (mesh.triangles.empty()) return Error{"the mesh has no triangles"};
   std::string reason = checkCount("normals", mesh.normals.size(), mesh.positions.size());
   if (reason.empty()) reason = checkCount("texture coordinates", mesh.uvs.size(), mesh.positions.size());
   if (reason.empty()) reason = checkPositions(mesh);
   if (reason.empty()) reason = checkIndices(mesh);
-  return reason;
+  return reason.empty() ? Result<void>() : Error{std::move(reason)};
 }
 
 namespace {
@@ -326,7 +324,7 @@ std::string describe(const MeshReport& report) {
 }
 
 Result<WeldedMesh> weld(const TriangleMesh& mesh, double tolerance) {
-  if (std::string reason = validate(mesh); !reason.empty()) return Error{std::move(reason)};
+  if (Result<void> valid = validate(mesh); !valid) return Error{valid.error()};
   if (!std::isfinite(tolerance) || tolerance < 0.0) {
     return Error{"the weld tolerance is " + std::to_string(tolerance) + ", it must be a length of 0 or more"};
   }

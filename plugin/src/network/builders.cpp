@@ -259,8 +259,8 @@ constexpr std::uint32_t kInNoPiece = 0xffffffffu;
 
 std::string checkSettings(const NetworkSettings& s) {
   const auto finite = [](double value) { return std::isfinite(value); };
-  if (!finite(s.braceWeight) || s.braceWeight < 0.0)
-    return "braceWeight is " + std::to_string(s.braceWeight) + ", must be above 0, or 0 for the rule's own";
+  if (s.braceWeight && !(finite(*s.braceWeight) && *s.braceWeight > 0.0))
+    return "braceWeight is " + std::to_string(*s.braceWeight) + ", must be above 0";
   if (!finite(s.maxBracesPerPoint) || s.maxBracesPerPoint <= 0.0)
     return "maxBracesPerPoint is " + std::to_string(s.maxBracesPerPoint) + ", must be above 0";
   if (!finite(s.timeLimit) || s.timeLimit < 0.0)
@@ -271,7 +271,7 @@ std::string checkSettings(const NetworkSettings& s) {
 }
 
 double weightOf(const NetworkSettings& settings) {
-  if (settings.braceWeight > 0.0) return settings.braceWeight;
+  if (settings.braceWeight) return *settings.braceWeight;
   return settings.braces == BraceRule::Pipeline ? kPipelineWeight : 1.0;
 }
 

@@ -2,12 +2,11 @@
 // Writes networks to .limber files and reads them. All numbers are little-endian, a hash detects damage, and
 // the reader checks every value before use.
 
-#include <limber/network_file.h>
+#include <limber/spring_network.h>
 
 #include "network/file.h"
 
 #include <limber/result.h>
-#include <limber/spring_network.h>
 
 #include <algorithm>
 #include <array>
@@ -380,7 +379,7 @@ std::string readContents(const std::uint8_t* bytes, std::size_t size, SpringNetw
   transferNetwork(reader, network);
   if (!reader.problem().empty()) return reader.problem();
   if (reader.bytesLeft() > 0) return std::to_string(reader.bytesLeft()) + " bytes are left over at the end";
-  return validate(network);
+  return validate(network).error();
 }
 
 }  // namespace
@@ -406,9 +405,10 @@ Result<SharedNetwork> fromBytes(const std::uint8_t* bytes, std::size_t size) {
   return SharedNetwork(std::move(network));
 }
 
-std::string saveNetwork(const SpringNetwork& network, const std::string& file) {
-  if (std::string reason = validate(network); !reason.empty()) return file + ": " + reason;
-  return writeWholeFile(file, toBytes(network));
+Result<void> saveNetwork(const SpringNetwork& network, const std::string& file) {
+  if (Result<void> valid = validate(network); !valid) return Error{file + ": " + valid.error()};
+  std::string reason = writeWholeFile(file, toBytes(network));
+  return reason.empty() ? Result<void>() : Error{std::move(reason)};
 }
 
 Result<SharedNetwork> loadNetwork(const std::string& file) {

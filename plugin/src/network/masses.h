@@ -3,7 +3,7 @@
 #pragma once
 
 #include <limber/network_builder.h>
-#include <limber/triangle_mesh.h>
+#include <limber/mesh.h>
 
 #include <Eigen/Core>
 

@@ -2,13 +2,11 @@
 // Builds networks of tetrahedra with the elasticity of a material: chooses the spring constants, and the
 // settings of a body with the requested elasticity.
 
-#include <limber/material_network.h>
+#include <limber/network_builder.h>
 
 #include "mesh/edges.h"
 #include "network/material.h"
 #include "network/tetrahedra.h"
-
-#include <limber/skin.h>
 
 #include <algorithm>
 #include <cmath>
@@ -269,14 +267,14 @@ Result<SharedNetwork> buildMaterialNetwork(const TriangleMesh& mesh, const Mater
   const auto reportProgress = [&](const char* what, double done) {
     return going = going && (!settings.progress || settings.progress(what, done));
   };
-  if (!std::isfinite(settings.spacing) || settings.spacing < 0.0)
-    return Error{outOfRange("spacing", settings.spacing, "0 or more")};
+  if (settings.spacing && !(std::isfinite(*settings.spacing) && *settings.spacing > 0.0))
+    return Error{outOfRange("spacing", *settings.spacing, "above 0")};
   const Result<WeldedMesh> welded = weld(mesh);
   if (!welded) return Error{welded.error()};
   if (!reportProgress("tetrahedra", 0.0)) return Error{kEnded};
   const auto fillingProgress = [&](double done) { return reportProgress("tetrahedra", 0.4 * done); };
-  Result<TetrahedralMesh> filling = settings.spacing > 0.0
-                                        ? fillWithTetrahedra(*welded, settings.spacing)
+  Result<TetrahedralMesh> filling = settings.spacing
+                                        ? fillWithTetrahedra(*welded, *settings.spacing)
                                         : fillWithPoints(*welded, settings.points, fillingProgress);
   if (!reportProgress("tetrahedra", 0.4)) return Error{kEnded};
   if (!filling) return Error{filling.error()};
@@ -299,13 +297,13 @@ Result<SoftBodySettings> withMaterial(const SpringNetwork& network, const Materi
   if (network.tetrahedra.empty() || network.stiffnessPerModulus <= 0.0)
     return Error{"the network has no tetrahedra to be of a material: make it with buildMaterialNetwork"};
   if (std::string reason = check(material); !reason.empty()) return Error{std::move(reason)};
-  if (std::string reason = validate(settings); !reason.empty()) return Error{std::move(reason)};
+  if (Result<void> valid = validate(settings); !valid) return Error{valid.error()};
   const UnitMaterial unit = findUnitMaterial(network, material.poissonRatio, settings.scale.cwiseAbs());
   settings.extensionStiffness = settings.compressionStiffness = unit.stiffness * material.youngsModulus;
   settings.volumeModulus = unit.volumeModulus * material.youngsModulus;
   settings.totalMass = material.density * volumeOfTetrahedra(network) * std::abs(settings.scale.prod());
-  if (std::string reason = validate(settings); !reason.empty())
-    return Error{"a body of this material: " + std::move(reason)};
+  if (Result<void> valid = validate(settings); !valid)
+    return Error{"a body of this material: " + valid.error()};
   return settings;
 }
 

@@ -2,14 +2,14 @@
 // Makes a detailed mesh follow the points of a network. Finds the points that are near only across a gap in
 // the body first, and gives them little weight.
 
-#include <limber/skin.h>
+#include <limber/network_builder.h>
 
 #include "mesh/edges.h"
 #include "mesh/surface.h"
 #include "mesh/triangle_bvh.h"
 #include "network/skin.h"
 
-#include <limber/mesh_weld.h>
+#include <limber/mesh.h>
 #include <limber/spring_network.h>
 
 #include <Eigen/SparseCore>
@@ -215,7 +215,7 @@ std::string checkInput(const SpringNetwork& network, const WeldedMesh& mesh, con
   if (settings.neighbours < 4)
     return "a skin of " + std::to_string(settings.neighbours) +
            " neighbours was asked for, it takes 4 or more";
-  if (std::string reason = validate(network); !reason.empty()) return "network: " + reason;
+  if (Result<void> valid = validate(network); !valid) return "network: " + valid.error();
   if (network.surface.empty()) return "a network without a surface has no skin";
   if (!spansSpace(network.restPoints))
     return "the points of the network lie in a plane: no skin can ride on them";

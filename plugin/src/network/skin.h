@@ -4,8 +4,8 @@
 
 #include "mesh/triangle_bvh.h"
 
-#include <limber/mesh_weld.h>
-#include <limber/skin.h>
+#include <limber/mesh.h>
+#include <limber/network_builder.h>
 #include <limber/spring_network.h>
 
 #include <Eigen/Core>

@@ -207,7 +207,7 @@ std::string checkRopeHasNoSurface(const SpringNetwork& network) {
 
 }  // namespace
 
-std::string validate(const SpringNetwork& network) {
+Result<void> validate(const SpringNetwork& network) {
   const std::size_t points = network.restPoints.size();
   std::string reason = checkPoints(network.restPoints);
   if (reason.empty()) reason = checkMassShares(network.massFractions, points);
@@ -219,7 +219,7 @@ std::string validate(const SpringNetwork& network) {
   if (reason.empty()) reason = checkStiffnessPerModulus(network.stiffnessPerModulus);
   if (reason.empty()) reason = checkRender(network.render, points);
   if (reason.empty()) reason = checkRopeHasNoSurface(network);
-  return reason;
+  return reason.empty() ? Result<void>() : Error{std::move(reason)};
 }
 
 }  // namespace limber

@@ -209,7 +209,7 @@ SoftBodySettings unitSettings(SoftBodySettings settings, double size, std::size_
   settings.compressionStiffness /= stiffness;
   settings.extensionStiffness = 1.0;
   settings.damping = settings.pressure = 0.0;
-  if (settings.volumeModulus > 0.0) settings.volumeModulus *= size / stiffness;
+  if (settings.volumeModulus) *settings.volumeModulus *= size / stiffness;
   return settings;
 }
 

@@ -9,7 +9,7 @@
 #include "mesh/triangle_bvh.h"
 #include "solver/linear_algebra.h"
 
-#include <limber/mesh_weld.h>
+#include <limber/mesh.h>
 
 #include <Eigen/Geometry>
 

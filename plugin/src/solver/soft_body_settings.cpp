@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Zlib
 #include <limber/soft_body_settings.h>
-#include <limber/spring_settings.h>
 
 #include <algorithm>
 #include <cmath>
@@ -28,10 +27,11 @@ struct Check {
   const char* rule;
 };
 
-std::string firstViolation(const Check* begin, const Check* end) {
+Result<void> firstViolation(const Check* begin, const Check* end) {
   for (const Check* c = begin; c != end; ++c) {
     const bool aboveLow = c->includesLow ? c->value >= c->low : c->value > c->low;
-    if (!std::isfinite(c->value) || !aboveLow || c->value > c->high) return say(c->name, c->value, c->rule);
+    if (!std::isfinite(c->value) || !aboveLow || c->value > c->high)
+      return Error{say(c->name, c->value, c->rule)};
   }
   return {};
 }
@@ -72,10 +72,10 @@ SoftBodySettings SoftBodySettings::paper() {
   return s;
 }
 
-std::string validate(const SoftBodySettings& s) {
-  if (std::string reason = checkPlacement(s); !reason.empty()) return reason;
+Result<void> validate(const SoftBodySettings& s) {
+  if (std::string reason = checkPlacement(s); !reason.empty()) return Error{std::move(reason)};
   if (s.selfCollision && s.collision != Collision::Surface)
-    return "selfCollision needs collision to be Collision::Surface";
+    return Error{"selfCollision needs collision to be Collision::Surface"};
   const Check checks[] = {
       {"extensionStiffness", s.extensionStiffness, 0, true, 1e12, "from 0 to 1e12"},
       {"compressionStiffness", s.compressionStiffness, 0, true, 1e12, "from 0 to 1e12"},
@@ -83,9 +83,9 @@ std::string validate(const SoftBodySettings& s) {
       {"collision", static_cast<double>(s.collision), 0, true, double(Collision::Surface),
        "one of Collision's"},
       {"totalMass", s.totalMass, 1e-9, true, 1e12, "from 1e-9 to 1e12"},
-      {"volumeModulus", std::max(s.volumeModulus, 0.0), 0, true, 1e15, "at most 1e15"},
+      {"volumeModulus", s.volumeModulus.value_or(0.0), 0, true, 1e15, "from 0 to 1e15"},
       {"pressure", s.pressure, 0, true, 1e12, "from 0 to 1e12"},
-      {"pointRadius", s.pointRadius, 0, true, 1e6, "from 0 to 1e6"},
+      {"pointRadius", s.pointRadius.value_or(1.0), 0, false, 1e6, "above 0, at most 1e6"},
       {"friction", s.friction, 0, true, 1e6, "from 0 to 1e6"},
       {"restitution", s.restitution, 0, true, 1, "from 0 to 1"},
       {"sleepingSpeed", s.sleepingSpeed, 0, true, 1e6, "from 0 to 1e6"},
@@ -105,9 +105,9 @@ std::string validate(const SoftBodySettings& s) {
   return firstViolation(std::begin(checks), std::end(checks));
 }
 
-std::string validate(const SpringSettings& s) {
+Result<void> validate(const SpringSettings& s) {
   const Check checks[] = {
-      {"restLength", s.restLength, -std::numeric_limits<double>::max(), true, 1e12, "finite, at most 1e12"},
+      {"restLength", s.restLength.value_or(0.0), 0, true, 1e12, "from 0 to 1e12"},
       {"stiffness", s.stiffness, 0, true, 1e12, "from 0 to 1e12"},
       {"damping", s.damping, 0, true, 1e12, "from 0 to 1e12"},
       {"action", static_cast<double>(s.action), 0, true, double(SpringAction::CompressionOnly),
@@ -117,7 +117,7 @@ std::string validate(const SpringSettings& s) {
 }
 
 double pointRadius(const SpringNetwork& network, const SoftBodySettings& settings) {
-  if (settings.pointRadius > 0.0) return settings.pointRadius;
+  if (settings.pointRadius) return *settings.pointRadius;
   double shortest = std::numeric_limits<double>::max();
   for (const NetworkSpring& s : network.springs) {
     const Eigen::Vector3d d = network.restPoints[s.b] - network.restPoints[s.a];

@@ -95,7 +95,7 @@ TetrahedronVolumes makeTetrahedronVolumes(const SpringNetwork& network, const So
   v.edgesAreSprings = springsRunAlongEdges(network);
   const double stiffness = std::max(settings.extensionStiffness, settings.compressionStiffness);
   v.crushModulus = networkModulus(network, settings.scale, stiffness, sum);
-  v.modulus = settings.volumeModulus >= 0.0 ? settings.volumeModulus : v.crushModulus;
+  v.modulus = settings.volumeModulus.value_or(v.crushModulus);
   TetrahedronVolumes volumes;
   volumes.stabilityScale.assign(v.tetrahedra.size(), 0.0);
   volumes.rowSums.assign(network.restPoints.size(), 0.0);

@@ -199,7 +199,8 @@ double networkModulus(const SpringNetwork& network, const Eigen::Vector3d& scale
 
 std::string checkVolume(const SpringNetwork& network, const SoftBodySettings& settings) {
   const bool perTetrahedron = !network.tetrahedra.empty();  // see TetrahedronVolumes
-  const bool asked = (settings.volumeModulus > 0.0 && !perTetrahedron) || settings.pressure > 0.0;
+  const bool asked =
+      (settings.volumeModulus.value_or(0.0) > 0.0 && !perTetrahedron) || settings.pressure > 0.0;
   if (!asked) return {};
   const bool closed = mayHaveVolume(network) && isClosed(findEdgeDefects(network.surface));
   if (closed && !makeVolumes(network, settings).empty()) return {};
@@ -217,9 +218,10 @@ VolumeArrays makeVolumes(const SpringNetwork& network, const SoftBodySettings& s
   double volume = 0.0;
   for (const double one : v.restVolume) volume += one;
   const double stiffness = std::max(settings.extensionStiffness, settings.compressionStiffness);
-  v.modulus = settings.volumeModulus >= 0.0 || v.restVolume.empty()
-                  ? settings.volumeModulus
-                  : networkModulus(network, settings.scale, stiffness, volume);
+  v.modulus = 0.0;
+  if (!v.restVolume.empty())
+    v.modulus = settings.volumeModulus ? *settings.volumeModulus
+                                       : networkModulus(network, settings.scale, stiffness, volume);
   v.pressure = settings.pressure;
   v.shortestEdge = shortestEdge(v.triangles, rest);
   VolumeArrays volumes;

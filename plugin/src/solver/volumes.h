@@ -145,8 +145,8 @@ struct TetrahedronVolumes {
 /// Below Verlet's limit of 4, and above what bodies in their shape come to even at half that limit.
 constexpr double kLargestCornerPhaseSquared = 2.5;
 
-/// Of a body with these settings; empty if the network has no tetrahedra. A negative volumeModulus stands for
-/// that of the springs together, 0 for none beside the push against crushing.
+/// Of a body with these settings; empty if the network has no tetrahedra. Without a volumeModulus it is that
+/// of the springs together, 0 for none beside the push against crushing.
 TetrahedronVolumes makeTetrahedronVolumes(const SpringNetwork& network, const SoftBodySettings& settings);
 
 /// Sets `stabilityScale` for substeps of dt seconds that must be stable; for 0 nothing is held back.
