@@ -23,7 +23,7 @@ void printSoftRow(const RunFigures& f) {
   const double ticks = f.tick.count ? static_cast<double>(f.tick.count) : 1.0;
   std::printf("%-12s%9.3f ms   (gather %.3f, springs %.3f, hand over %.3f, take back %.3f)\n", "  Limber",
               f.soft.totalMs() / ticks, f.soft.gatherMs / ticks, f.soft.stepMs / ticks,
-              f.soft.handOverMs / ticks, f.soft.takeBackMs / ticks);
+              f.soft.writeMs / ticks, f.soft.readMs / ticks);
 }
 
 void printShape(const ShapeFigures& shape) {
@@ -66,8 +66,8 @@ Json softJson(const RunFigures& f) {
   const double ticks = f.tick.count ? static_cast<double>(f.tick.count) : 1.0;
   return {{"gather", f.soft.gatherMs / ticks},
           {"step", f.soft.stepMs / ticks},
-          {"handOver", f.soft.handOverMs / ticks},
-          {"takeBack", f.soft.takeBackMs / ticks},
+          {"handOver", f.soft.writeMs / ticks},
+          {"takeBack", f.soft.readMs / ticks},
           {"pointsStepped", static_cast<double>(f.soft.pointsStepped) / ticks},
           {"springSubsteps", static_cast<double>(f.soft.springSubsteps) / ticks}};
 }

@@ -54,7 +54,7 @@ ContactScene denseScene(bool quick) {
   network->surface = boxSurface(side);
   BodySetup body = bodyOf(network, 20.0, 500.0, 1.0);
   body.settings.pointRadius = 0.2 * spacing;
-  body.settings.position = {-0.5, body.settings.pointRadius + 1e-3, -0.5};
+  body.settings.position = {-0.5, *body.settings.pointRadius + 1e-3, -0.5};
   body.drag = 1.0;
   ContactScene scene;
   scene.role = Role::Dense;

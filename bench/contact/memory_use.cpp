@@ -76,7 +76,8 @@ std::optional<MemoryUse> measureMemory(bool quick) {
 std::string describe(const std::optional<MemoryUse>& use) {
   if (!use) return "memory: not known on this system\n";
   return format(
-      "memory of Limber: %.0f bytes a point (of those %zu Bullet's rigid body), %.0f a spring, "
+      "memory of Limber: %.0f bytes a point (and %zu for Bullet's rigid body, once SoftBody::point() is "
+      "called), %.0f a spring, "
       "%.0f a body;\nthe network that bodies of one shape share: %.0f a spring\n",
       use->perPoint, sizeof(btRigidBody), use->perSpring, use->perBody, use->networkPerSpring);
 }

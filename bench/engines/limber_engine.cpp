@@ -3,8 +3,8 @@
 
 #include "engines/body_start.h"
 
-#include <limber/soft_body_system.h>
 #include <limber/contacts.h>
+#include <limber/soft_body_system.h>
 
 #include <stdexcept>
 #include <utility>

@@ -54,7 +54,7 @@ std::string submissionLines(const Rows& rows, std::size_t bodies) {
   const auto line = [&](bool shadows, const char* what, const std::function<double(const FrameRow&)>& cost) {
     const auto chosen = [&](const FrameRow& r) { return r.bodies == bodies && r.shadows == shadows; };
     return atLeast(format("%zu cubes, %s of naive at least 10 times ours", bodies, what),
-                       leastRatio(rows, chosen, cost), 10.0);
+                   leastRatio(rows, chosen, cost), 10.0);
   };
   return line(false, "no shadows: upload + submit", uploadAndSubmit) +
          line(true, "shadows: upload + submit, own time,", ownOf);
@@ -66,8 +66,8 @@ std::string frameLines(const Rows& rows, bool shadows) {
   };
   const auto line = [&](const char* clock, const std::function<double(const FrameRow&)>& cost) {
     return atLeast(format("4096 cubes, 1920x1080, %s: frame of naive at least 2 times ours, %s",
-                              shadows ? "shadows" : "no shadows", clock),
-                       leastRatio(rows, chosen, cost), 2.0);
+                          shadows ? "shadows" : "no shadows", clock),
+                   leastRatio(rows, chosen, cost), 2.0);
   };
   return line("wall", frameOf) + line("all threads", processOf);
 }
@@ -76,7 +76,7 @@ std::string frameLines(const Rows& rows, bool shadows) {
 std::string ballLine(const Rows& rows) {
   const auto isBall = [](const FrameRow& r) { return r.scene == "ball"; };
   return atLeast("(no target) one large smooth body: frame of naive over ours at least 1, all threads",
-                     leastRatio(rows, isBall, processOf), 1.0);
+                 leastRatio(rows, isBall, processOf), 1.0);
 }
 
 std::string byteLines(const Rows& rows) {

@@ -69,7 +69,7 @@ FrameScene skinnedScene(const FrameScene& plain, const SpringNetwork& network) {
 FrameScene streamedScene(const FrameScene& skinned, const Skin& skin) {
   FrameScene scene = skinned;
   scene.shape.skin = {};
-  scene.shape.pointCount = static_cast<std::uint32_t>(skinned.shape.skin.placeCount());
+  scene.shape.pointCount = static_cast<std::uint32_t>(skinned.shape.skin.skinnedPointCount());
   scene.rest.resize(3, static_cast<Eigen::Index>(scene.shape.pointCount));
   applySkin(skin, skinned.rest.data(), scene.rest.data());
   return scene;
@@ -83,7 +83,7 @@ class SkinStage {
         drawn_(cpuSkin ? streamedScene(skinned, *cpuSkin) : skinned),
         cpuSkin_(cpuSkin),
         stage_({&drawn_, 1280, 720, false}, drawPaths()[0], context),
-        places_(3, static_cast<Eigen::Index>(skinned.shape.skin.placeCount())) {
+        places_(3, static_cast<Eigen::Index>(skinned.shape.skin.skinnedPointCount())) {
     stage_.addBodies(1);
   }
 

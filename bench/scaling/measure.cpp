@@ -69,7 +69,7 @@ Recording record(Subject& subject, double seconds, const RowLimits& limits, Show
 TickProfile meanOwn(const Recording& r) {
   const double count = static_cast<double>(r.ticks.size());
   TickProfile own = r.own;
-  for (double* ms : {&own.gatherMs, &own.stepMs, &own.handOverMs, &own.takeBackMs}) *ms /= count;
+  for (double* ms : {&own.gatherMs, &own.stepMs, &own.writeMs, &own.readMs}) *ms /= count;
   own.springSubsteps /= r.ticks.size();
   own.pointsStepped /= r.ticks.size();
   return own;

@@ -67,7 +67,7 @@ Energy EnergyBalance::energy(const BodyStates& states, const RigidBodies& rigid)
     addSprings(states, body, sum);
   }
   for (const ExtraSpring& spring : hard_.springs)
-    addSpring(spring.settings.stiffness, spring.settings.restLength,
+    addSpring(spring.settings.stiffness, spring.settings.restLength.value(),
               states.positions[spring.a.body].col(spring.a.point),
               states.positions[spring.b.body].col(spring.b.point), sum);
   for (const auto& body : rigid.bodies) addRigid(*body, sum);

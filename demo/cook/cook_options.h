@@ -3,8 +3,8 @@
 
 #include "demo_options.h"
 
-#include <limber/network_builder.h>
 #include <limber/network_analysis.h>
+#include <limber/network_builder.h>
 
 #include <array>
 #include <cstdint>

@@ -7,8 +7,8 @@
 #include "progress.h"
 
 #include <limber/mesh.h>
-#include <limber/spring_network.h>
 #include <limber/render/png_file.h>
+#include <limber/spring_network.h>
 
 #include <chrono>
 #include <cstdio>
@@ -102,7 +102,7 @@ std::string makeBody(const CookOptions& options, CookReport& report) {
   if (!network) return network.error();
   report.network = *network;
   report.cookSeconds = secondsSince(start);
-  return cook ? saveNetwork(*report.network, options.bodyFile) : std::string();
+  return cook ? saveNetwork(*report.network, options.bodyFile).error() : std::string();
 }
 
 void analyseBody(CookReport& report) {

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
-#include <limber/soft_body.h>
 #include <limber/mesh.h>
+#include <limber/soft_body.h>
 
 #include <Eigen/Geometry>
 

@@ -111,8 +111,8 @@ Timeline timelineOf(double seconds, int framesPerSecond) {
 void add(TickProfile& sum, const TickProfile& step) {
   sum.gatherMs += step.gatherMs;
   sum.stepMs += step.stepMs;
-  sum.handOverMs += step.handOverMs;
-  sum.takeBackMs += step.takeBackMs;
+  sum.writeMs += step.writeMs;
+  sum.readMs += step.readMs;
   sum.pointsStepped += step.pointsStepped;
   sum.springSubsteps += step.springSubsteps;
 }

@@ -11,20 +11,20 @@ layout(std430, binding = 6) writeonly buffer Places { float places[]; };
 
 uniform uint invocations;
 uniform uint firstPlace;
-uniform uint placeCount;  // Per instance.
+uniform uint skinnedPointCount;  // Per instance.
 
 void main() {
   uint index = gl_GlobalInvocationID.x + gl_GlobalInvocationID.y * gl_NumWorkGroups.x * 64u;
   if (index >= invocations) {
     return;
   }
-  uint instance = index / placeCount;
-  uint place = index - instance * placeCount;
+  uint instance = index / skinnedPointCount;
+  uint place = index - instance * skinnedPointCount;
   uint base = firstPoint + instance * pointCount;
   vec3 sum = vec3(0.0);
 #ifdef DENSE
   for (uint k = 0u; k < pointCount; ++k) {
-    sum += weights[k * placeCount + place] * pointAt(base + k);
+    sum += weights[k * skinnedPointCount + place] * pointAt(base + k);
   }
 #else
   for (uint i = first[place]; i < first[place + 1u]; ++i) {

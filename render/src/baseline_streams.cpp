@@ -38,8 +38,8 @@ void NaiveStream::upload(const FrameLayout& layout, const ShapeTable& shapes, co
                              staging_.data() + 3 * std::size_t{group.firstPoint + skipped});
       const PointRange points{buffer, 0, static_cast<GLsizeiptr>(bytes), 0};
       const PointRange skinned{places.name(), 0, static_cast<GLsizeiptr>(places.bytes()),
-                               group.firstPlace + i * shape.placeCount};
-      items.push_back({&shape, group.firstInstance + i, 1, group.firstNormal + i * shape.placeCount, points,
+                               group.firstPlace + i * shape.skinnedPointCount};
+      items.push_back({&shape, group.firstInstance + i, 1, group.firstNormal + i * shape.skinnedPointCount, points,
                        shape.skinned() ? skinned : points, group.textured});
     }
   }

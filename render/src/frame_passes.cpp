@@ -35,7 +35,7 @@ void useWithPoints(const PassContext& pass, const ShaderProgram& program, const 
 }
 
 void useWithPlaces(const PassContext& pass, const ShaderProgram& program, const DrawItem& item) {
-  use(pass, program, item, item.places, item.shape->placeCount);
+  use(pass, program, item, item.places, item.shape->skinnedPointCount);
 }
 
 VertexSource sourceOf(const DrawItem& item, bool needsUvs) {
@@ -95,11 +95,11 @@ void computePlaces(const PassContext& pass) {
       pass.gl.ProgramUniform1ui(program.name(), program.location(uniform), value);
     };
     set(DrawUniform::FirstPlace, item.places.first);
-    set(DrawUniform::PlaceCount, shape.placeCount);
+    set(DrawUniform::PlaceCount, shape.skinnedPointCount);
     pass.gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, kPlaces, item.places.buffer);
     pass.gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, kSkinFirst, shape.skin.first.name());
     pass.gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, kSkinWeights, shape.skin.weights.name());
-    dispatch(pass, program, item.instanceCount * shape.placeCount);
+    dispatch(pass, program, item.instanceCount * shape.skinnedPointCount);
   }
   pass.gl.MemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
 }
@@ -118,7 +118,7 @@ void computeNormals(const PassContext& pass) {
     } else {
       pass.gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, kOffsets, shape.adjacencyOffsets.name());
       pass.gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, kCorners, shape.adjacencyCorners.name());
-      dispatch(pass, program, item.instanceCount * shape.placeCount);
+      dispatch(pass, program, item.instanceCount * shape.skinnedPointCount);
     }
   }
   pass.gl.MemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);

@@ -24,7 +24,7 @@ SurfaceMesh makeSurface(const ShapeDesc& desc) {
   }
   SurfaceMesh mesh;
   mesh.indices = desc.triangles;
-  const std::size_t count = desc.vertexToPoint.empty() ? placeCount(desc) : desc.vertexToPoint.size();
+  const std::size_t count = desc.vertexToPoint.empty() ? skinnedPointCount(desc) : desc.vertexToPoint.size();
   mesh.vertices.resize(count);
   for (std::size_t i = 0; i < count; ++i) {
     SurfaceVertex& vertex = mesh.vertices[i];
@@ -139,7 +139,7 @@ GpuShape makeGpuShape(const Gl& gl, const ShapeDesc& desc) {
   GpuShape shape;
   shape.name = desc.name;
   shape.pointCount = desc.pointCount;
-  shape.placeCount = static_cast<std::uint32_t>(placeCount(desc));
+  shape.skinnedPointCount = static_cast<std::uint32_t>(skinnedPointCount(desc));
   shape.tube = desc.tubeRadius > 0.0f;
   shape.smooth = shape.tube || desc.shading == Shading::Smooth;
   shape.twoSided = desc.twoSided;
@@ -166,7 +166,7 @@ ShapeId ShapeTable::add(GpuShape shape) {
   }
   const std::uint32_t index = free_.back();
   free_.pop_back();
-  extents_[index] = {shape.pointCount, shape.placeCount, shape.skinned(), shape.needsNormals()};
+  extents_[index] = {shape.pointCount, shape.skinnedPointCount, shape.skinned(), shape.needsNormals()};
   shapes_[index] = std::move(shape);
   return {index, generations_[index]};
 }

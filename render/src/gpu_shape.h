@@ -12,12 +12,12 @@
 
 namespace limber::render {
 
-/// The weights of a skin, in one of two layouts. Dense: the weight of (place, point) is at point * placeCount
+/// The weights of a skin, in one of two layouts. Dense: the weight of (place, point) is at point * skinnedPointCount
 /// + place, so that neighbouring invocations read neighbouring floats. Sparse: pairs of a point and its
 /// weight, place by place.
 struct GpuSkin {
   bool dense = false;
-  GlBuffer first;  ///< Sparse only: placeCount + 1.
+  GlBuffer first;  ///< Sparse only: skinnedPointCount + 1.
   GlBuffer weights;
 
   std::size_t bytes() const { return first.bytes() + weights.bytes(); }
@@ -27,7 +27,7 @@ struct GpuSkin {
 struct GpuShape {
   std::string name;
   std::uint32_t pointCount = 0;
-  std::uint32_t placeCount = 0;  ///< Equals pointCount without a skin.
+  std::uint32_t skinnedPointCount = 0;  ///< Equals pointCount without a skin.
   bool tube = false;
   bool smooth = false;  ///< Always true for tubes: their side vectors are computed like normals.
   bool twoSided = false;

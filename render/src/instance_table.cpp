@@ -14,7 +14,7 @@ namespace {
 constexpr std::size_t kMaxPoints = UINT32_MAX / 3;
 
 void requireCountable(const FrameLayout& layout) {
-  if (std::max({layout.pointCount, layout.placeCount, layout.normalCount}) > kMaxPoints) {
+  if (std::max({layout.pointCount, layout.skinnedPointCount, layout.normalCount}) > kMaxPoints) {
     throw std::runtime_error("too many points for one frame: more than " + std::to_string(kMaxPoints));
   }
 }
@@ -86,7 +86,7 @@ void InstanceTable::layOut(const std::vector<ShapeExtent>& shapes, FrameLayout& 
   layout.groups.clear();
   layout.records.clear();
   layout.slices.assign(slots_.size(), {});
-  layout.pointCount = layout.placeCount = layout.normalCount = 0;
+  layout.pointCount = layout.skinnedPointCount = layout.normalCount = 0;
   // There are few shapes, so one pass over the slots for each is cheaper than lists of instances.
   for (std::uint32_t shape = 0; shape < shapes.size(); ++shape) {
     const InstanceGroup group = layOutShape(shape, shapes[shape], layout);
@@ -103,20 +103,20 @@ InstanceGroup InstanceTable::layOutShape(std::uint32_t shape, const ShapeExtent&
   group.shape = shape;
   group.firstInstance = static_cast<std::uint32_t>(layout.records.size());
   group.firstPoint = static_cast<std::uint32_t>(layout.pointCount);
-  group.firstPlace = static_cast<std::uint32_t>(layout.placeCount);
+  group.firstPlace = static_cast<std::uint32_t>(layout.skinnedPointCount);
   group.firstNormal = static_cast<std::uint32_t>(layout.normalCount);
   for (std::size_t i = 0; i < slots_.size(); ++i) {
     if (slots_[i].shape != shape) {
       continue;
     }
     layout.slices[i] = {slots_[i].generation, static_cast<std::uint32_t>(layout.pointCount),
-                        static_cast<std::uint32_t>(layout.placeCount),
+                        static_cast<std::uint32_t>(layout.skinnedPointCount),
                         static_cast<std::uint32_t>(layout.normalCount)};
     layout.records.push_back(recordOf(slots_[i].look));
     group.textured |= slots_[i].look.texture.index != UINT32_MAX;
     layout.pointCount += extent.pointCount;
-    layout.placeCount += extent.skinned ? extent.placeCount : 0;
-    layout.normalCount += extent.needsNormals ? extent.placeCount : 0;
+    layout.skinnedPointCount += extent.skinned ? extent.skinnedPointCount : 0;
+    layout.normalCount += extent.needsNormals ? extent.skinnedPointCount : 0;
     ++group.instanceCount;
     requireCountable(layout);
   }

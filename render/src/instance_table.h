@@ -29,7 +29,7 @@ struct InstanceGroup {
 /// The sizes of a shape that the layout needs.
 struct ShapeExtent {
   std::uint32_t pointCount = 0;
-  std::uint32_t placeCount = 0;  ///< Equals pointCount without a skin.
+  std::uint32_t skinnedPointCount = 0;  ///< Equals pointCount without a skin.
   bool skinned = false;
   bool needsNormals = false;
 };
@@ -48,7 +48,7 @@ struct FrameLayout {
   std::vector<InstanceRecord> records;  ///< One per instance.
   std::vector<Slice> slices;            ///< By InstanceId::index.
   std::size_t pointCount = 0;           ///< Streamed.
-  std::size_t placeCount = 0;           ///< Of skinned instances.
+  std::size_t skinnedPointCount = 0;           ///< Of skinned instances.
   std::size_t normalCount = 0;
 
   /// Returns null if the instance is not part of the frame.

@@ -8,7 +8,7 @@ namespace {
 
 constexpr std::array<const char*, static_cast<std::size_t>(DrawUniform::Count)> kUniformNames{
     "firstPoint", "firstInstance", "pointCount",  "firstNormal", "firstPlace",
-    "placeCount", "invocations",   "shapeRadius", "opacity",     "rectangle"};
+    "skinnedPointCount", "invocations",   "shapeRadius", "opacity",     "rectangle"};
 
 class Shader {
  public:

@@ -63,7 +63,7 @@ void Renderer::Parts::requireTexture(const InstanceLook& look) const {
 
 std::vector<float> Renderer::Parts::readComputed(const GlBuffer& buffer, std::uint32_t first,
                                                  InstanceId instance) const {
-  std::vector<float> values(std::size_t{3} * shapes[instances.shapeOf(instance)].placeCount);
+  std::vector<float> values(std::size_t{3} * shapes[instances.shapeOf(instance)].skinnedPointCount);
   gl.MemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
   gl.GetNamedBufferSubData(buffer.name(), static_cast<GLintptr>(3 * sizeof(float) * first),
                            static_cast<GLsizeiptr>(values.size() * sizeof(float)), values.data());
@@ -86,7 +86,7 @@ void Renderer::Parts::reservePoints(StreamPath path) {
     throw std::runtime_error("one frame has " + std::to_string(layout.pointCount) +
                              " points, but this driver can bind " + std::to_string(maxPoints));
   }
-  reserveComputed(places, layout.placeCount);
+  reserveComputed(places, layout.skinnedPointCount);
   reserveComputed(normals, layout.normalCount);
   if (path != StreamPath::Ring || stream->floatsPerFrame() >= 3 * layout.pointCount) {
     return;
@@ -210,7 +210,7 @@ void Renderer::Parts::drawPicture(const PassContext& pass, const DrawOptions& op
   gl.BindBufferBase(GL_UNIFORM_BUFFER, 0, uniforms.name());
   gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, kNormals, normals.name());
   gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, kInstances, records.name());
-  if (layout.placeCount > 0) {
+  if (layout.skinnedPointCount > 0) {
     computePlaces(pass);
   }
   if (layout.normalCount > 0) {

@@ -95,7 +95,7 @@ std::string checkMesh(const ShapeDesc& desc) {
   if (std::string reason = checkSkin(desc); !reason.empty()) {
     return reason;
   }
-  const std::size_t vertices = desc.vertexToPoint.empty() ? placeCount(desc) : desc.vertexToPoint.size();
+  const std::size_t vertices = desc.vertexToPoint.empty() ? skinnedPointCount(desc) : desc.vertexToPoint.size();
   if (!desc.uvs.empty() && desc.uvs.size() != 2 * vertices) {
     return "uvs has " + number(desc.uvs.size()) + " floats for " + number(vertices) + " vertices";
   }
@@ -105,7 +105,7 @@ std::string checkMesh(const ShapeDesc& desc) {
   if (desc.triangles.empty() && desc.lines.empty()) {
     return "there is nothing to draw: no triangles, no lines and no tubeRadius";
   }
-  std::string reason = checkIndices("vertexToPoint", desc.vertexToPoint, placeCount(desc),
+  std::string reason = checkIndices("vertexToPoint", desc.vertexToPoint, skinnedPointCount(desc),
                                     desc.skin.first.empty() ? "points" : "places of the skin");
   if (reason.empty()) {
     reason = checkIndices("triangles", desc.triangles, vertices, "vertices");

@@ -68,11 +68,11 @@ SurfaceMesh makeTubeMesh(std::uint32_t pointCount, std::uint32_t segments) {
 }
 
 bool isDense(const Skin& skin, std::uint32_t pointCount) {
-  return 2 * skin.weights.size() >= skin.placeCount() * pointCount;
+  return 2 * skin.weights.size() >= skin.skinnedPointCount() * pointCount;
 }
 
 std::vector<float> denseWeights(const Skin& skin, std::uint32_t pointCount) {
-  const std::size_t places = skin.placeCount();
+  const std::size_t places = skin.skinnedPointCount();
   std::vector<float> matrix(places * pointCount, 0.0f);
   for (std::size_t p = 0; p < places; ++p) {
     for (std::size_t k = skin.first[p]; k < skin.first[p + 1]; ++k) {
@@ -99,11 +99,11 @@ PointAdjacency makePointAdjacency(const ShapeDesc& desc) {
     return desc.vertexToPoint.empty() ? vertex : desc.vertexToPoint[vertex];
   };
   PointAdjacency adjacency;
-  adjacency.offsets.assign(placeCount(desc) + 1, 0);
+  adjacency.offsets.assign(skinnedPointCount(desc) + 1, 0);
   for (std::size_t i = 0; i < desc.triangles.size(); ++i) {
     ++adjacency.offsets[pointOf(i) + std::size_t{1}];
   }
-  for (std::size_t p = 0; p < placeCount(desc); ++p) {
+  for (std::size_t p = 0; p < skinnedPointCount(desc); ++p) {
     adjacency.offsets[p + 1] += adjacency.offsets[p];
   }
   adjacency.corners.resize(2 * desc.triangles.size());

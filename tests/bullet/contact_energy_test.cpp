@@ -6,9 +6,9 @@
 #include "support/small_meshes.h"
 #include "support/tested_way.h"
 
+#include <limber/contacts.h>
 #include <limber/network_builder.h>
 #include <limber/soft_body_system.h>
-#include <limber/contacts.h>
 
 #include <gtest/gtest.h>
 

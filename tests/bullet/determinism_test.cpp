@@ -32,7 +32,7 @@ struct Tumble {
     }
     btRigidBody* box = bullet.addBox(test::vec(0.3, 0.3, 0.3), 0.5, test::vec(2.6, 4, 0));
     (void)*system->addSpring({system->body(0)->point(1)}, {system->body(1)->point(2)});
-    (void)*system->attach(system->body(2), 3, *box);
+    (void)system->attach(system->body(2), 3, *box);
   }
 
   std::uint64_t hash() const {

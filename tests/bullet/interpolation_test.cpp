@@ -129,9 +129,9 @@ TEST_F(InterpolationTest, skinsFollow) {
   SoftBody* body = *system.createBody(*network, test::testedSettings());
   move(*body, vec(0, 6, 0));
   bullet.tick();
-  std::vector<float> half(std::size_t{3} * body->placeCount()), now = half;
-  body->writePlaces(half.data(), 0.5);
-  body->writePlaces(now.data());
+  std::vector<float> half(std::size_t{3} * body->skinnedPointCount()), now = half;
+  body->writeSkinnedPositions(half.data(), 0.5);
+  body->writeSkinnedPositions(now.data());
   for (std::size_t i = 0; i < now.size(); ++i)
     EXPECT_NEAR(now[i] - half[i], i % 3 == 1 ? 0.05 : 0.0, 1e-5) << "6 m/s is 5 cm in half a tick";
 }

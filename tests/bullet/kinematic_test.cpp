@@ -326,7 +326,7 @@ TEST(KinematicBoxes, aCornerDoesNotCutIntoACloth) {
       SoftBodySettings s = cubeAt({0.039 * k, 0, 0.021 * k}, 500);
       s.totalMass = 0.3;
       s.damping = 0.05;
-      s.pointRadius = 0.0;
+      s.pointRadius.reset();
       SoftBody* cloth = *system.createBody(network, s);
       btTransform pose(btQuaternion(vec(1, 0.3, 0.2).normalized(), btScalar(0.3 + 0.6 * k)), vec(0, -0.6, 0));
       Mover box(bullet, std::make_unique<btBoxShape>(vec(0.2, 0.2, 0.2)), pose, Idiom::Placed);

@@ -111,7 +111,7 @@ TEST(Spring, joinsTwoSoftBodiesAndGoesAgain) {
   SpringSettings link;
   link.stiffness = 200;
   SpringConstraint* spring = *system.addSpring({a->point(1)}, {b->point(0)}, link);
-  EXPECT_NEAR(spring->settings().restLength, 1.0, 1e-6) << "the present distance";
+  EXPECT_NEAR(*spring->settings().restLength, 1.0, 1e-6) << "the present distance";
   bullet.simulate(3.0);
   EXPECT_GT(a->linearMomentum().x(), 0.2) << "pulled along";
   // both bodies are in one island with a state in double precision: exact to rounding
@@ -173,10 +173,10 @@ TEST(Spring, settingsCanBeChangedWhileRunning) {
   s.damping = 30;
   SpringConstraint* spring = *system.addSpring({box}, {nullptr, btVector3(0, 1, 0)}, s);
   bullet.simulate(3.0);
-  s.restLength = -1;  // keep
+  s.restLength.reset();  // keep
   s.stiffness = 500;
   ASSERT_TRUE(system.changeSpring(spring, s));
-  EXPECT_DOUBLE_EQ(spring->settings().restLength, 1.0);
+  EXPECT_DOUBLE_EQ(*spring->settings().restLength, 1.0);
   bullet.simulate(4.0);
   EXPECT_NEAR(double(box->getWorldTransform().getOrigin().y()), -9.81 / 500, 1e-4);
 }

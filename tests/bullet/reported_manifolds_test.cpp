@@ -6,8 +6,8 @@
 #include "support/networks.h"
 #include "support/tested_way.h"
 
-#include <limber/soft_body_system.h>
 #include <limber/contacts.h>
+#include <limber/soft_body_system.h>
 
 #include <gtest/gtest.h>
 

@@ -7,8 +7,8 @@
 #include "support/networks.h"
 #include "support/tested_way.h"
 
-#include <limber/soft_body_system.h>
 #include <limber/contacts.h>
+#include <limber/soft_body_system.h>
 
 #include <BulletCollision/Gimpact/btGImpactCollisionAlgorithm.h>
 #include <BulletCollision/Gimpact/btGImpactShape.h>

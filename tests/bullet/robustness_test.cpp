@@ -6,8 +6,8 @@
 #include "support/networks.h"
 #include "support/tested_way.h"
 
-#include <limber/spring_network.h>
 #include <limber/soft_body_system.h>
+#include <limber/spring_network.h>
 
 #include <gtest/gtest.h>
 
@@ -203,7 +203,7 @@ TEST(WrongLinks, areRefused) {
   const std::string world = "the point mass belongs to a soft body in another world";
   EXPECT_EQ(system.addSpring({body->point(0)}, {theirs->point(0)}).error(), world);
   EXPECT_EQ(far.addSpring({body->point(0)}, {nullptr}).error(), world);
-  EXPECT_EQ(far.attach(body, 0, *box).error(), "the soft body is in another world");
+  EXPECT_EQ(far.attach(body, 0, *box).error(), "the soft body is not, or no longer, in this world");
   EXPECT_EQ(system.addSpring({body->point(0), test::vec(1, 0, 0)}, {body->point(0)}).error(),
             "both ends of the spring are the same place of one body");
   EXPECT_EQ(system.addSpring({box, test::vec(kNan, 0, 0)}, {nullptr}).error(),

@@ -5,8 +5,8 @@
 #include "support/constants.h"
 #include "support/networks.h"
 
-#include <limber/soft_body_system.h>
 #include <limber/contacts.h>
+#include <limber/soft_body_system.h>
 
 #include <gtest/gtest.h>
 

@@ -26,7 +26,7 @@ SharedNetwork build(const TriangleMesh& mesh, const NetworkSettings& settings = 
     ADD_FAILURE() << network.error();
     return std::make_shared<SpringNetwork>();
   }
-  EXPECT_EQ(validate(**network), "");
+  EXPECT_EQ(validate(**network).error(), "");
   return *network;
 }
 

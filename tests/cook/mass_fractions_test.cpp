@@ -5,8 +5,8 @@
 #include "support/small_meshes.h"
 #include "support/test_shapes.h"
 
-#include <limber/network_builder.h>
 #include <limber/mesh.h>
+#include <limber/network_builder.h>
 
 #include <gtest/gtest.h>
 

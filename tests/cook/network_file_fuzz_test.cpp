@@ -26,7 +26,7 @@ bool expectRefusedOrValid(const Bytes& bytes) {
     EXPECT_NE(network.error(), "");
     return false;
   }
-  EXPECT_EQ(validate(**network), "");
+  EXPECT_EQ(validate(**network).error(), "");
   EXPECT_EQ(toBytes(**network), bytes);
   return true;
 }

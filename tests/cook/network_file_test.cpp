@@ -120,9 +120,9 @@ TEST(NetworkFile, headerIsLittleEndian) {
 TEST(NetworkFile, savedFilesLoad) {
   const TemporaryFolder folder;
   const std::string file = folder.path() + "/body.limber";
-  EXPECT_EQ(saveNetwork(test::everyMemberNetwork(), file), "");
+  EXPECT_EQ(saveNetwork(test::everyMemberNetwork(), file).error(), "");
   EXPECT_EQ(readBytes(file), toBytes(test::everyMemberNetwork()));
-  EXPECT_EQ(saveNetwork(**buildRope(), file), "");  // replaces the old file
+  EXPECT_EQ(saveNetwork(**buildRope(), file).error(), "");  // replaces the old file
   const Result<SharedNetwork> network = loadNetwork(file);
   ASSERT_TRUE(network) << network.error();
   expectSame(**network, **buildRope());
@@ -135,10 +135,11 @@ TEST(NetworkFile, whatCannotBeWrittenLeavesNothingBehind) {
   const std::string nowhere = folder.path() + "/none/body.limber";
   SpringNetwork wrong = network;
   wrong.springs[0].b = 1000;
-  EXPECT_EQ(saveNetwork(wrong, nowhere), nowhere + ": " + validate(wrong));
-  EXPECT_EQ(saveNetwork(network, nowhere), "cannot write " + nowhere + ": No such file or directory");
-  EXPECT_EQ(saveNetwork(network, folder.path()), "cannot write " + folder.path() + ": it is no regular file");
-  EXPECT_EQ(saveNetwork(network, "/dev/null"), "cannot write /dev/null: it is no regular file");
+  EXPECT_EQ(saveNetwork(wrong, nowhere).error(), nowhere + ": " + validate(wrong).error());
+  EXPECT_EQ(saveNetwork(network, nowhere).error(), "cannot write " + nowhere + ": No such file or directory");
+  EXPECT_EQ(saveNetwork(network, folder.path()).error(),
+            "cannot write " + folder.path() + ": it is no regular file");
+  EXPECT_EQ(saveNetwork(network, "/dev/null").error(), "cannot write /dev/null: it is no regular file");
   EXPECT_EQ(std::distance(fs::directory_iterator(folder.path()), {}), 0);
 }
 
@@ -147,7 +148,7 @@ TEST(NetworkFile, othersPartsAreLeftAlone) {
   const TemporaryFolder folder;
   const std::string file = folder.path() + "/body.limber";
   const std::string other = folder.write("body.limber.0.part", "another's");
-  EXPECT_EQ(saveNetwork(test::everyMemberNetwork(), file), "");
+  EXPECT_EQ(saveNetwork(test::everyMemberNetwork(), file).error(), "");
   EXPECT_EQ(readBytes(other).size(), 9u);
   EXPECT_TRUE(loadNetwork(file));
 }

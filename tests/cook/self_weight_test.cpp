@@ -9,8 +9,9 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <optional>
 
-using limber::leastStiffness;
+using limber::minStiffness;
 using limber::SoftBodySettings;
 using limber::SpringNetwork;
 using network_shapes::bare;
@@ -18,11 +19,11 @@ using network_shapes::bare;
 namespace {
 
 /// Returns the largest m g / (k L) that the network carries.
-double loadLimit(const SpringNetwork& network, double volumeModulus) {
+double loadLimit(const SpringNetwork& network, std::optional<double> volumeModulus = {}) {
   SoftBodySettings settings;
   settings.totalMass = static_cast<double>(network.restPoints.size());
   settings.volumeModulus = volumeModulus;
-  return 1.0 / leastStiffness(network, settings, 1.0).value();
+  return 1.0 / minStiffness(network, settings, 1.0).value();
 }
 
 }  // namespace
@@ -43,33 +44,33 @@ TEST(LeastStiffness, loadLimitsOfTheNotes) {
 
 TEST(LeastStiffness, volumeCarries) {
   const SpringNetwork cube = *limber::test::closedCubeNetwork();
-  EXPECT_GT(loadLimit(cube, -1.0), 2.0 * loadLimit(cube, 0.0));
+  EXPECT_GT(loadLimit(cube), 2.0 * loadLimit(cube, 0.0));
 }
 
 TEST(LeastStiffness, tellsBodiesApart) {
   // a column of tetrahedra is carried by its edges; a box with points inside its faces collapses at once
-  EXPECT_GT(loadLimit(*bare(network_shapes::cube8Tetrahedral()), -1.0),
-            100.0 * loadLimit(*bare(network_shapes::cube26()), -1.0));
+  EXPECT_GT(loadLimit(*bare(network_shapes::cube8Tetrahedral())),
+            100.0 * loadLimit(*bare(network_shapes::cube26())));
 }
 
 TEST(LeastStiffness, aBodyThatTopplesHasNotCollapsed) {
   // it leans so far that its centre of mass is not above its base: it falls over under any load
   SpringNetwork leaning = *limber::test::fullCubeNetwork();
   for (Eigen::Vector3d& p : leaning.restPoints) p = {0.3 * p.x() + 1.5 * p.y(), 2.0 * p.y(), 0.6 * p.z()};
-  EXPECT_TRUE(std::isfinite(leastStiffness(leaning, SoftBodySettings(), 9.81).value()));
+  EXPECT_TRUE(std::isfinite(minStiffness(leaning, SoftBodySettings(), 9.81).value()));
 }
 
 TEST(LeastStiffness, isProportionalToWeightOverSize) {
   const SpringNetwork cube = *limber::test::fullCubeNetwork();
   SoftBodySettings settings;
-  const double reference = leastStiffness(cube, settings, 9.81).value();
+  const double reference = minStiffness(cube, settings, 9.81).value();
   settings.totalMass *= 3.0;
-  EXPECT_NEAR(leastStiffness(cube, settings, 9.81).value(), 3.0 * reference, 1e-9 * reference);
+  EXPECT_NEAR(minStiffness(cube, settings, 9.81).value(), 3.0 * reference, 1e-9 * reference);
   settings.scale *= 2.0;
-  EXPECT_NEAR(leastStiffness(cube, settings, 9.81).value(), 1.5 * reference, 1e-9 * reference);
-  EXPECT_NEAR(leastStiffness(cube, settings, 1.0).value(), 1.5 / 9.81 * reference, 1e-9 * reference);
+  EXPECT_NEAR(minStiffness(cube, settings, 9.81).value(), 1.5 * reference, 1e-9 * reference);
+  EXPECT_NEAR(minStiffness(cube, settings, 1.0).value(), 1.5 / 9.81 * reference, 1e-9 * reference);
   settings.extensionStiffness = settings.compressionStiffness = 7.0;
-  EXPECT_NEAR(leastStiffness(cube, settings, 1.0).value(), 1.5 / 9.81 * reference, 1e-9 * reference);
+  EXPECT_NEAR(minStiffness(cube, settings, 1.0).value(), 1.5 / 9.81 * reference, 1e-9 * reference);
 }
 
 limber::TriangleMesh twoCubes(const limber::TriangleMesh& upper) {
@@ -87,7 +88,7 @@ TEST(LeastStiffness, ofPiecesIsThatOfTheWorst) {
   SoftBodySettings settings;
   const auto leastOf = [&](const limber::TriangleMesh& mesh, double mass) {
     settings.totalMass = mass;
-    return leastStiffness(*bare(mesh), settings, 9.81).value();
+    return minStiffness(*bare(mesh), settings, 9.81).value();
   };
   const double one = leastOf(network_shapes::cube8(), 1.0);
   EXPECT_NEAR(leastOf(twoCubes(network_shapes::cube8()), 2.0), one, 1e-6 * one);
@@ -103,24 +104,24 @@ TEST(LeastStiffness, ofAMaterialKeepsItsTetrahedra) {
   SpringNetwork springs = cube;
   springs.tetrahedra.clear();
   springs.surface.clear();
-  EXPECT_GT(loadLimit(cube, -1.0), 1.2 * loadLimit(springs, -1.0));
+  EXPECT_GT(loadLimit(cube), 1.2 * loadLimit(springs));
 }
 
 TEST(LeastStiffness, endsWhenAskedOrWhenStepsAreTooShort) {
   int calls = 0;
   const auto endAtThird = [&](const char*, double) { return ++calls < 3; };
-  EXPECT_FALSE(leastStiffness(*limber::test::cubeNetwork(), {}, 9.81, endAtThird).has_value());
+  EXPECT_FALSE(minStiffness(*limber::test::cubeNetwork(), {}, 9.81, endAtThird).has_value());
   EXPECT_EQ(calls, 3);
   for (const double scale : {1e12, 1e300}) {
     SpringNetwork cube = *limber::test::cubeNetwork();
     cube.springs[3].stiffnessScale = scale;
-    EXPECT_FALSE(leastStiffness(cube, {}, 9.81).has_value());
+    EXPECT_FALSE(minStiffness(cube, {}, 9.81).has_value());
   }
 }
 
 TEST(LeastStiffness, limpBodiesCannotStand) {
   // a chain that stands upright, and a network without points
-  EXPECT_EQ(leastStiffness(*limber::test::chainNetwork(4), {}, 9.81), HUGE_VAL);
-  EXPECT_EQ(leastStiffness(*limber::test::cubeNetwork(), {}, 0.0), 0.0);
-  EXPECT_EQ(leastStiffness(SpringNetwork{}, {}, 9.81), 0.0);
+  EXPECT_EQ(minStiffness(*limber::test::chainNetwork(4), {}, 9.81), HUGE_VAL);
+  EXPECT_EQ(minStiffness(*limber::test::cubeNetwork(), {}, 0.0), 0.0);
+  EXPECT_EQ(minStiffness(SpringNetwork{}, {}, 9.81), 0.0);
 }

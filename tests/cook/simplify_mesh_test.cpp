@@ -5,7 +5,6 @@
 #include "support/small_meshes.h"
 #include "support/test_shapes.h"
 
-
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -258,7 +258,7 @@ TEST(Skin, tetrahedraCarryWhatIsInThem) {
   network.restPoints.emplace_back(0, 0, 0);
   network.massFractions.assign(9, 1.0 / 9.0);
   for (const limber::Triangle& t : network.surface) network.tetrahedra.push_back({8, t[0], t[1], t[2]});
-  ASSERT_EQ(validate(network), "");
+  ASSERT_EQ(validate(network).error(), "");
   TriangleMesh ball = small_meshes::icosphere(2);
   for (Vector3d& p : ball.positions) p = 0.4 * p;
   const SkinWeights skin = *skinWeights(network, *weld(ball), settingsOf(SkinKind::Barycentric));
@@ -275,7 +275,7 @@ TEST(Skin, networkWithSkin) {
     const auto skinned = withSkin(network, mesh, settingsOf(kind));
     ASSERT_TRUE(skinned) << skinned.error();
     const limber::RenderSurface& render = (*skinned)->render;
-    EXPECT_EQ(validate(**skinned), "");
+    EXPECT_EQ(validate(**skinned).error(), "");
     EXPECT_EQ((*skinned)->restPoints, network.restPoints);
     EXPECT_EQ(render.triangles, mesh.triangles);
     EXPECT_EQ(render.uvs, mesh.uvs);

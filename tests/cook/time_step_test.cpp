@@ -12,6 +12,8 @@
 
 #include <gtest/gtest.h>
 
+#include <optional>
+
 using limber::SharedNetwork;
 using limber::SoftBodySettings;
 using limber::TimeSteps;
@@ -92,7 +94,7 @@ TEST(TimeSteps, valuesOfTheNotes) {
 TEST(TimeSteps, twoPercentOfTheBlowUp) {
   for (const auto make : {network_shapes::cube8, network_shapes::ico42, network_shapes::lshape90,
                           network_shapes::torus128, network_shapes::noise162}) {
-    for (const double volumeModulus : {-1.0, 0.0}) {
+    for (const std::optional<double> volumeModulus : {std::optional<double>(), std::optional(0.0)}) {
       const SharedNetwork network = bare(make());
       SoftBodySettings settings = settingsOf(1000.0, 3.0);
       settings.volumeModulus = volumeModulus;

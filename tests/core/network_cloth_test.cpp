@@ -27,7 +27,7 @@ ClothSettings squareCells() {
 
 SharedNetwork validCloth(const ClothSettings& settings) {
   const SharedNetwork network = *buildCloth(settings);
-  EXPECT_EQ(validate(*network), "");
+  EXPECT_EQ(validate(*network).error(), "");
   return network;
 }
 

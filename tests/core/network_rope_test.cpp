@@ -24,7 +24,7 @@ RopeSettings rope(double length, std::uint32_t segments, double bendingScale) {
 
 TEST(NetworkRope, pointsLieOnTheXAxis) {
   const SharedNetwork network = *buildRope(rope(3.0, 4, 0.1));
-  EXPECT_EQ(validate(*network), "");
+  EXPECT_EQ(validate(*network).error(), "");
   EXPECT_EQ(network->kind, limber::NetworkKind::Rope);
   ASSERT_EQ(network->restPoints.size(), 5u);
   for (std::size_t i = 0; i < 5; ++i)
@@ -49,7 +49,7 @@ TEST(NetworkRope, withoutBending) { EXPECT_EQ((*buildRope(rope(1.0, 10, 0.0)))->
 
 TEST(NetworkRope, singleSegment) {
   const SharedNetwork network = *buildRope(rope(2.0, 1, 0.1));
-  EXPECT_EQ(validate(*network), "");
+  EXPECT_EQ(validate(*network).error(), "");
   ASSERT_EQ(network->springs.size(), 1u);
   EXPECT_EQ(network->restPoints[1].x(), 2.0);
 }

@@ -11,9 +11,9 @@ namespace limber {
 namespace {
 
 TEST(SoftBodySettings, defaultsAndThePapersAreValid) {
-  EXPECT_EQ(validate(SoftBodySettings()), "");
+  EXPECT_EQ(validate(SoftBodySettings()).error(), "");
   const SoftBodySettings paper = SoftBodySettings::paper();
-  EXPECT_EQ(validate(paper), "");
+  EXPECT_EQ(validate(paper).error(), "");
   EXPECT_EQ(paper.extensionStiffness, 20.0);
   EXPECT_EQ(paper.compressionStiffness, 20.0);
   EXPECT_EQ(paper.damping, 0.2);
@@ -23,7 +23,7 @@ template <class Change>
 std::string reasonAfter(Change change) {
   SoftBodySettings s;
   change(s);
-  return validate(s);
+  return validate(s).error();
 }
 
 TEST(SoftBodySettings, everyBadOneIsNamedWithItsValueAndRule) {
@@ -39,7 +39,8 @@ TEST(SoftBodySettings, everyBadOneIsNamedWithItsValueAndRule) {
             "compressionStiffness is nan, must be from 0 to 1e12");
   EXPECT_EQ(reasonAfter([](auto& s) { s.damping = -0.5; }), "damping is -0.5, must be from 0 to 1e12");
   EXPECT_EQ(reasonAfter([](auto& s) { s.totalMass = 0; }), "totalMass is 0, must be from 1e-9 to 1e12");
-  EXPECT_EQ(reasonAfter([](auto& s) { s.pointRadius = -1; }), "pointRadius is -1, must be from 0 to 1e6");
+  EXPECT_EQ(reasonAfter([](auto& s) { s.pointRadius = -1; }),
+            "pointRadius is -1, must be above 0, at most 1e6");
   EXPECT_EQ(reasonAfter([](auto& s) { s.restitution = 1.5; }), "restitution is 1.5, must be from 0 to 1");
   EXPECT_EQ(reasonAfter([](auto& s) { s.stepping.minSubsteps = 0; }),
             "stepping.minSubsteps is 0, must be from 1 to 1e6");
@@ -66,12 +67,12 @@ TEST(SoftBodySettings, pointRadiusFollowsTheShortestSpringAndTheScale) {
 
 TEST(SpringSettings, badOnesAreNamed) {
   SpringSettings s;
-  EXPECT_EQ(validate(s), "");
+  EXPECT_EQ(validate(s).error(), "");
   s.damping = -1;
-  EXPECT_EQ(validate(s), "damping is -1, must be from 0 to 1e12");
+  EXPECT_EQ(validate(s).error(), "damping is -1, must be from 0 to 1e12");
   s = SpringSettings();
   s.action = static_cast<SpringAction>(3);
-  EXPECT_EQ(validate(s), "action is 3, must be one of SpringAction's");
+  EXPECT_EQ(validate(s).error(), "action is 3, must be one of SpringAction's");
 }
 
 }  // namespace

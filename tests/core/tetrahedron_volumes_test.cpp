@@ -4,7 +4,9 @@
 #include "solver/volumes.h"
 
 #include <gtest/gtest.h>
+
 #include <Eigen/Geometry>
+#include <optional>
 
 #include <cmath>
 
@@ -32,7 +34,7 @@ PointState pairState(const SpringNetwork& network) {
   return state;
 }
 
-TetrahedronVolumes tetrahedraOf(const SpringNetwork& network, double modulus,
+TetrahedronVolumes tetrahedraOf(const SpringNetwork& network, std::optional<double> modulus,
                                 const Eigen::Vector3d& scale = Eigen::Vector3d::Ones()) {
   SoftBodySettings settings;
   settings.volumeModulus = modulus;
@@ -95,7 +97,7 @@ TEST(TetrahedronVolumes, pushBackWhatIsTurnedOverEvenWithoutAModulus) {
 }
 
 TEST(TetrahedronVolumes, takeTheModulusOfTheSpringsByDefault) {
-  const TetrahedronVolumes v = tetrahedraOf(pair(), -1.0);
+  const TetrahedronVolumes v = tetrahedraOf(pair(), {});
   EXPECT_GT(v->modulus, 0.0);
   EXPECT_EQ(v->modulus, v->crushModulus);
   EXPECT_TRUE(tetrahedraOf(SpringNetwork{}, 5.0).empty());

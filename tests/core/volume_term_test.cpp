@@ -232,7 +232,8 @@ TEST_P(VolumeSteps, breatheWithTheRightPeriod) {
   double squares = 0.0;
   for (const double length : body.springs->restLength) squares += length * length;
   const double stiffness = 100.0 * squares + 9.0 * body.volumes->modulus * body.volumes->restVolume[0];
-  ASSERT_GT(9.0 * body.volumes->modulus * body.volumes->restVolume[0], 100.0 * squares) << "the volume matters";
+  ASSERT_GT(9.0 * body.volumes->modulus * body.volumes->restVolume[0], 100.0 * squares)
+      << "the volume matters";
   body.state.position *= 1.0 + 1e-4;
   const double before = body.energy();
   advance(body, 2.0 * std::acos(-1.0) / std::sqrt(stiffness), 400);

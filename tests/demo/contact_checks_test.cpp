@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Zlib
 // Each contact check must fail in a scene with errors. The checks of positions alone must pass in a new
 // scene.
-#include "scenes/end_checks.h"
 #include "created_scene.h"
+#include "scenes/end_checks.h"
 #include "scenes/scene.h"
 
 #include <gtest/gtest.h>

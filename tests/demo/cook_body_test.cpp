@@ -31,7 +31,7 @@ SharedNetwork cook(const CookOptions& options) {
     ADD_FAILURE() << network.error();
     return std::make_shared<SpringNetwork>();
   }
-  EXPECT_EQ(validate(**network), "");
+  EXPECT_EQ(validate(**network).error(), "");
   return *network;
 }
 

@@ -2,9 +2,9 @@
 #include "cook/cook_options.h"
 #include "cook/cook_report.h"
 #include "cook/network_picture.h"
-#include "progress.h"
 #include "import/temporary_folder.h"
 #include "output_files.h"
+#include "progress.h"
 #include "scenes/networks.h"
 
 #include <limber/network_builder.h>
@@ -127,7 +127,7 @@ CookReport exampleReport() {
   a.rigidity = Rigidity::NearlyFlexible;
   a.returns[0] = {20, 19, 1};
   a.criticalTimeStep = 0.0032;
-  a.leastStiffness = 12.5;
+  a.minStiffness = 12.5;
   a.mesh.vertices = 9;
   a.mesh.points = 9;
   a.mesh.openEdges = 4;
@@ -256,7 +256,7 @@ TEST(ReadNetwork, cookedBodiesAreLoadedAsTheyAre) {
   const TemporaryFolder folder;
   const std::string file = folder.path() + "/cloth.limber";
   const SharedNetwork cloth = *buildCloth();
-  ASSERT_EQ(saveNetwork(*cloth, file), "");
+  ASSERT_EQ(saveNetwork(*cloth, file).error(), "");
   const Result<SharedNetwork> loaded = scenes::readNetwork(file);
   ASSERT_TRUE(loaded) << loaded.error();
   EXPECT_EQ(toBytes(**loaded), toBytes(*cloth));

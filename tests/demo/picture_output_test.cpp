@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Zlib
 #include "picture_output.h"
 
-#include "output_files.h"
 #include "import/temporary_folder.h"
+#include "output_files.h"
 #include "render/apng_reader.h"
 #include "run_report.h"
 #include "support/file_size_limit.h"

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "scenes/arrangement.h"
-#include "scenes/scene_list.h"
 #include "scenes/networks.h"
+#include "scenes/scene_list.h"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-#include "scenes/end_checks.h"
 #include "scenes/arrangement.h"
+#include "scenes/end_checks.h"
 
 #include <gtest/gtest.h>
 

@@ -51,7 +51,7 @@ double kineticEnergy(const btRigidBody& body) {
 }
 
 double elasticEnergy(const SpringConstraint& spring) {
-  const double elongation = double(spring.length()) - spring.settings().restLength;
+  const double elongation = double(spring.length()) - *spring.settings().restLength;
   if (elongation < 0 && spring.settings().action == SpringAction::ExtensionOnly) return 0.0;
   if (elongation > 0 && spring.settings().action == SpringAction::CompressionOnly) return 0.0;
   return 0.5 * spring.settings().stiffness * elongation * elongation;

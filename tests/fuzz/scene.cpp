@@ -220,11 +220,11 @@ SoftBodySettings softSettings(const Step& s) {
   made.compressionStiffness = s["compression"];
   made.damping = s["damping"];
   made.totalMass = s["mass"];
-  made.volumeModulus = s["volume"];
+  if (s["volume"] >= 0.0) made.volumeModulus = s["volume"];
   made.pressure = s["pressure"];
   made.collision = s.choice("collision") == "points" ? Collision::Points : Collision::Surface;
   made.selfCollision = s.is("self");
-  made.pointRadius = s["radius"];
+  if (s["radius"] > 0.0) made.pointRadius = s["radius"];
   made.friction = s["friction"];
   made.restitution = s["restitution"];
   made.collisionGroup = s.whole("group");

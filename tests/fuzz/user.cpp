@@ -164,7 +164,7 @@ btRigidBody* WorldPlayer::bodyOf(int id, int point) {
 void WorldPlayer::touchSprings(const Step& s) {
   SpringSettings settings;
   if (s.kind == Kind::Spring || s.kind == Kind::ChangeSpring) {
-    settings.restLength = s["rest"];
+    if (s["rest"] >= 0.0) settings.restLength = s["rest"];
     settings.stiffness = s["stiffness"];
     settings.damping = s["damping"];
     settings.action = static_cast<SpringAction>(s.whole("action"));
@@ -388,11 +388,11 @@ void WorldPlayer::look(const Step& s) {
 
 void WorldPlayer::lookAt(const SoftBody& body, const Step& s) {
   const std::string& what = s.choice("what");
-  std::vector<float> xyz(3 * std::max(body.pointCount(), body.placeCount()));
+  std::vector<float> xyz(3 * std::max(body.pointCount(), body.skinnedPointCount()));
   if (what == "positions")
     body.writePositions(xyz.data(), s["fraction"]);
   else if (what == "places")
-    body.writePlaces(xyz.data(), s["fraction"]);
+    body.writeSkinnedPositions(xyz.data(), s["fraction"]);
   else if (what == "contacts")
     (void)body.contacts();
   else

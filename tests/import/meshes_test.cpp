@@ -80,7 +80,7 @@ class Meshes : public testing::TestWithParam<Expected> {
 
 TEST_P(Meshes, isOneClosedSurfaceWithTheOutsideOut) {
   const SharedNetwork network = build(limber::BraceRule::None);
-  EXPECT_EQ(validate(*network), "");
+  EXPECT_EQ(validate(*network).error(), "");
   EXPECT_TRUE(network->report.watertight()) << describe(network->report);
   EXPECT_EQ(network->report.components, 1u);
   EXPECT_EQ(network->report.degenerateTriangles + network->report.duplicateTriangles, 0u);

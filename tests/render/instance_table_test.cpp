@@ -33,7 +33,7 @@ TEST(InstanceTable, ASkinsPlacesAndNormalsAreCountedApartFromItsPoints) {
   FrameLayout layout;
   table.layOut({{4, 1000, true, true}, {7, 7, false, true}}, layout);
   EXPECT_EQ(layout.pointCount, 2u * 4u + 7u);
-  EXPECT_EQ(layout.placeCount, 2000u);
+  EXPECT_EQ(layout.skinnedPointCount, 2000u);
   EXPECT_EQ(layout.normalCount, 2007u);
   EXPECT_EQ(layout.find(b)->firstPlace, 1000u);
   EXPECT_EQ(layout.find(c)->firstNormal, 2000u);

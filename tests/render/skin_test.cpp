@@ -25,8 +25,8 @@ std::vector<float> twisted(std::vector<float> points, float rotation) {
 }
 
 std::vector<double> placesOf(const Skin& skin, const std::vector<float>& points) {
-  std::vector<double> places(3 * skin.placeCount(), 0.0);
-  for (std::size_t p = 0; p < skin.placeCount(); ++p) {
+  std::vector<double> places(3 * skin.skinnedPointCount(), 0.0);
+  for (std::size_t p = 0; p < skin.skinnedPointCount(); ++p) {
     for (std::size_t k = skin.first[p]; k < skin.first[p + 1]; ++k) {
       for (std::size_t c = 0; c < 3; ++c) {
         places[3 * p + c] += double{skin.weights[k]} * double{points[3 * skin.points[k] + c]};
@@ -74,7 +74,7 @@ TEST_P(SkinOnGpu, ThePictureIsThatOfAMeshAtTheSamePlaces) {
 
     ShapeDesc plain = skinned;
     plain.skin = {};
-    plain.pointCount = static_cast<std::uint32_t>(ball.shape.skin.placeCount());
+    plain.pointCount = static_cast<std::uint32_t>(ball.shape.skin.skinnedPointCount());
     Stage other;
     other.add(other.renderer().addShape(plain), places);
     EXPECT_EQ(picture.rgba, other.picture().rgba);

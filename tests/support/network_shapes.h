@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
-#include <limber/network_builder.h>
 #include <limber/mesh.h>
+#include <limber/network_builder.h>
 
 #include <vector>
 

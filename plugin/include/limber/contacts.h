@@ -36,8 +36,8 @@ struct SurfaceHit {
 };
 
 /// Returns the hit for a `triangleIndex` as Bullet reports it (LocalShapeInfo::m_triangleIndex, or the index
-/// of contact tests) and a point `place` in world coordinates.
-SurfaceHit surfaceHit(const btCollisionObject* object, int triangleIndex, const btVector3& place);
+/// of contact tests) and a point in world coordinates.
+SurfaceHit surfaceHit(const btCollisionObject* object, int triangleIndex, const btVector3& point);
 
 // --- contacts ----------------------------------------------------------------------------------------------
 

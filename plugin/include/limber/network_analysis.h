@@ -6,6 +6,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -78,13 +79,12 @@ struct NetworkAnalysis {
   std::array<ReturnRate, kDeformations> returns;
   ReturnRate allReturns() const;  ///< sum of the first five kinds
 
-  double leastStiffness = 0.0;  ///< N/m: below it the body, or one of its pieces, collapses under its own
-                                ///< weight on the floor; 0: without gravity, and where no stiffness is
-                                ///< enough (remarks say so)
-  bool leastStiffnessKnown = false;  ///< false for ropes and cloths, and where oscillations are too fast to
-                                     ///< followed (remarks say so)
-  double criticalTimeStep = 0.0;     ///< s: velocity Verlet without damping is unstable above it
-  double safeTimeStep = 0.0;         ///< s: stable at any deformation (Gershgorin)
+  std::optional<double> minStiffness;  ///< N/m: below it the body, or one of its pieces, collapses under its
+                                       ///< own weight on the floor; 0 without gravity, infinite where no
+                                       ///< stiffness is enough; none for ropes and cloths, and where
+                                       ///< oscillations are too fast to be followed (remarks say so)
+  double criticalTimeStep = 0.0;       ///< s: velocity Verlet without damping is unstable above it
+  double safeTimeStep = 0.0;           ///< s: stable at any deformation (Gershgorin)
 
   std::size_t springsOutside = 0;  ///< springs that leave the closed surface
   std::size_t piercingEdges = 0;   ///< edges of the surface that pass through one of its triangles

@@ -145,8 +145,8 @@ struct SkinSettings {
 Result<SharedNetwork> withSkin(const SpringNetwork& network, const TriangleMesh& mesh,
                                const SkinSettings& settings = {});
 
-/// Computes the positions of all places of `skin` (xyz, #places x 3) from the positions of the points (xyz,
-/// #points x 3). `places` is written in order and never read.
-void applySkin(const Skin& skin, const float* points, float* places);
+/// Computes the positions of all skinned points of `skin` (xyz, #skinned points x 3) from the positions of
+/// the points (xyz, #points x 3). `skinned` is written in order and never read.
+void applySkin(const Skin& skin, const float* points, float* skinned);
 
 }  // namespace limber

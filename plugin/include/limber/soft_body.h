@@ -2,6 +2,8 @@
 #pragma once
 
 #include <limber/bullet_precision.h>
+#include <limber/handle.h>
+#include <limber/result.h>
 #include <limber/soft_body_settings.h>
 #include <limber/spring_network.h>
 
@@ -18,7 +20,7 @@ struct SoftBodyData;
 struct SoftContact;
 
 /// One soft body in a world. SoftBodySystem creates and owns it; the pointer is valid until destroyBody(),
-/// removeAll(), or the destruction of the system.
+/// removeAll(), or the destruction of the system. A handle() tells whether the body still exists.
 ///
 /// Every point mass is an ordinary btRigidBody sphere, which the user may use like any other: apply forces
 /// and impulses, move it, set its velocity, user pointer and index, and material. Changes between ticks take
@@ -29,10 +31,11 @@ struct SoftContact;
 /// pins can). Thread rule: the thread that steps the world, between steps.
 class SoftBody {
  public:
-  explicit SoftBody(std::unique_ptr<SoftBodyData> data);
   ~SoftBody();
   SoftBody(const SoftBody&) = delete;
   SoftBody& operator=(const SoftBody&) = delete;
+
+  Handle<SoftBody> handle();
 
   const SpringNetwork& network() const;
   const SharedNetwork& sharedNetwork() const;
@@ -43,7 +46,8 @@ class SoftBody {
   /// (as the clean-up loop of Bullet's HelloWorld does). The springs then no longer act.
   bool alive() const;
 
-  /// Returns the Bullet body of point i, nullptr if the application has deleted it. With Collision::Surface,
+  /// Returns the Bullet body of point i; nullptr if the application has deleted it, or if there is no such
+  /// point. With Collision::Surface,
   /// stepping is cheaper while this has not been called for any point of the body.
   btRigidBody* point(std::uint32_t i) const;
 
@@ -57,8 +61,9 @@ class SoftBody {
   /// the world disables the body (alive()). Returns nullptr with Collision::Points, or after it was deleted.
   btRigidBody* surfaceObject() const;
 
-  Eigen::Vector3d position(std::uint32_t i) const;  ///< m
-  Eigen::Vector3d velocity(std::uint32_t i) const;  ///< m/s
+  /// Return the position (m) and velocity (m/s) of point i; NaN if there is no such point.
+  Eigen::Vector3d position(std::uint32_t i) const;
+  Eigen::Vector3d velocity(std::uint32_t i) const;
 
   /// Writes all positions as pointCount() x 3 floats, x y z. The memory is never read, so it may be mapped
   /// GPU memory.
@@ -69,19 +74,26 @@ class SoftBody {
   /// written at their new positions.
   void writePositions(float* xyz, double tickFraction) const;
 
-  /// Returns the number of places: those of the skin (limber::Skin), without a skin the points themselves.
-  /// network().render.vertexToPoint holds indices of places.
-  std::uint32_t placeCount() const;
-  /// Writes the positions of the places as placeCount() x 3 floats, in order. The memory is never read.
-  void writePlaces(float* xyz) const;
-  void writePlaces(float* xyz, double tickFraction) const;
+  /// Returns the number of skinned points (limber::Skin); without a skin that of the points themselves.
+  /// network().render.vertexToPoint holds their indices.
+  std::uint32_t skinnedPointCount() const;
+  /// Writes the positions of the skinned points as skinnedPointCount() x 3 floats, in order. The memory is
+  /// never read.
+  void writeSkinnedPositions(float* xyz) const;
+  void writeSkinnedPositions(float* xyz, double tickFraction) const;
 
-  /// Fixes point i at its position: it becomes a kinematic body of Bullet until unpin().
-  void pin(std::uint32_t i);
-  /// Moves a pinned point to `target` over the next tick; the springs pull the other points along.
-  void movePin(std::uint32_t i, const btVector3& target);
-  /// Releases a pinned point. It keeps the velocity of its last movement.
-  void unpin(std::uint32_t i);
+  // Errors of the following: no such point, a point that the application has deleted.
+
+  /// Fixes point i at its position: it becomes a kinematic body of Bullet until unpin(). No change if it is
+  /// pinned already.
+  Result<void> pin(std::uint32_t i);
+  /// Moves a pinned point to `target` over the next tick; the springs pull the other points along. Further
+  /// errors: a point that is not pinned; a target that is not finite.
+  Result<void> movePin(std::uint32_t i, const btVector3& target);
+  /// Releases a pinned point. It keeps the velocity of its last movement. Further error: a point that is not
+  /// pinned.
+  Result<void> unpin(std::uint32_t i);
+  /// Returns whether point i exists and is pinned.
   bool pinned(std::uint32_t i) const;
 
   /// Returns the number of ticks in which a position, velocity or force of the body was not finite, or beyond
@@ -123,7 +135,10 @@ class SoftBody {
  private:
   friend class SoftBodySystem;
   friend SoftBodyData& dataOf(const SoftBody& body);
+  explicit SoftBody(std::unique_ptr<SoftBodyData> data);
+
   std::unique_ptr<SoftBodyData> data_;
+  std::shared_ptr<const void> life_;  // expires with the body; nullptr until there is a handle
 };
 
 /// The soft body and index of a point mass, found from any collision object that Bullet reports (contact,

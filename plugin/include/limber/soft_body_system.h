@@ -33,14 +33,14 @@ enum class HookState : std::uint8_t {
 
 /// Time and work of the last tick, for display.
 struct TickProfile {
-  double gatherMs = 0.0;    ///< reading from Bullet's bodies
-  double stepMs = 0.0;      ///< stepping the springs
-  double handOverMs = 0.0;  ///< writing velocities to Bullet
-  double takeBackMs = 0.0;  ///< reading from Bullet after its contacts
+  double gatherMs = 0.0;  ///< reading from Bullet's bodies
+  double stepMs = 0.0;    ///< stepping the springs
+  double writeMs = 0.0;   ///< writing velocities to Bullet
+  double readMs = 0.0;    ///< reading from Bullet after its contacts
   std::size_t pointsStepped = 0;
   std::size_t springSubsteps = 0;  ///< sum over bodies of springs x substeps
   std::size_t rigidParts = 0;      ///< convex parts of rigid objects that were tested against surfaces
-  double totalMs() const { return gatherMs + stepMs + handOverMs + takeBackMs; }
+  double totalMs() const { return gatherMs + stepMs + writeMs + readMs; }
 };
 
 /// Adds soft bodies to an existing btDiscreteDynamicsWorld.
@@ -75,32 +75,35 @@ class SoftBodySystem {
   /// network, invalid settings, a scale that moves the points of a spring to one position.
   Result<SoftBody*> createBody(SharedNetwork network, const SoftBodySettings& settings = {});
 
-  /// Removes the body, its anchors and every spring on it. The pointer is invalid afterwards.
-  void destroyBody(SoftBody* body);
+  /// Removes the body, its anchors and every spring on it. The pointer is invalid afterwards. Error: a body
+  /// that does not, or no longer, belong to this system.
+  Result<void> destroyBody(SoftBody* body);
 
   std::size_t bodyCount() const;
-  SoftBody* body(std::size_t i) const;  ///< in order of creation
+  /// Returns body i, in order of creation; nullptr if there is no such body.
+  SoftBody* body(std::size_t i) const;
 
   /// Adds a spring. Errors: invalid settings, both ends without a body, both ends at the same point of one
   /// body, a pivot that is not finite or farther than 1e6 m, a surface object, a point mass of a soft body in
   /// another world.
   Result<SpringConstraint*> addSpring(const SpringEnd& a, const SpringEnd& b,
                                       const SpringSettings& settings = {});
-  /// Sets new settings of a spring; a negative rest length keeps the current one. Errors: invalid settings, a
-  /// spring that does not, or no longer, belong to this system.
-  Result<SpringConstraint*> changeSpring(SpringConstraint* spring, const SpringSettings& settings);
-  void removeSpring(SpringConstraint* spring);
+  /// Sets new settings of a spring; without a rest length it keeps the current one. Errors: invalid settings,
+  /// a spring that does not, or no longer, belong to this system.
+  Result<void> changeSpring(SpringConstraint* spring, const SpringSettings& settings);
+  /// Removes a spring. Error: one that does not, or no longer, belong to this system.
+  Result<void> removeSpring(SpringConstraint* spring);
   std::size_t springCount() const;
 
   /// Attaches point i to `body` at a pivot (m) in the body's local coordinates (the overload without pivot:
   /// at the current position of the point). Forces act in both directions; point and body do not collide.
-  /// Errors: no soft body, no such point, a point that is already attached or pinned, a body that is a point
-  /// mass or a surface object, a pivot that is not finite or farther than 1e6 m, a soft body in another
-  /// world.
-  Result<bool> attach(SoftBody* softBody, std::uint32_t i, btRigidBody& body, const btVector3& pivot);
-  Result<bool> attach(SoftBody* softBody, std::uint32_t i, btRigidBody& body);
-  /// Detaches an attached point; returns false if it was not attached.
-  bool detach(SoftBody* softBody, std::uint32_t i);
+  /// Errors: a soft body that does not, or no longer, belong to a system of this world, no such point, a
+  /// point that is already attached or pinned, a body that is a point mass or a surface object, a pivot that
+  /// is not finite or farther than 1e6 m.
+  Result<void> attach(SoftBody* softBody, std::uint32_t i, btRigidBody& body, const btVector3& pivot);
+  Result<void> attach(SoftBody* softBody, std::uint32_t i, btRigidBody& body);
+  /// Detaches an attached point. Errors: no such soft body, a point that is not attached.
+  Result<void> detach(SoftBody* softBody, std::uint32_t i);
 
   /// Removes all springs and anchors on a rigid body. Call it before deleting a body that has any.
   void forget(const btRigidBody& body);

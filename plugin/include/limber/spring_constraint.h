@@ -2,9 +2,12 @@
 #pragma once
 
 #include <limber/bullet_precision.h>
+#include <limber/handle.h>
 #include <limber/soft_body_settings.h>
 
 #include <btBulletDynamicsCommon.h>
+
+#include <memory>
 
 namespace limber {
 inline namespace LIMBER_BULLET_PRECISION {
@@ -19,10 +22,13 @@ struct SpringEnd {
 
 /// A single spring between two ends, created by SoftBodySystem::addSpring(). It is stepped within the tick
 /// together with the bodies it is attached to, so its stiffness is in SI units and it is always stable.
+/// Thread rule: as for SoftBodySystem.
 class SpringConstraint {
  public:
-  SpringConstraint(const SpringEnd& a, const SpringEnd& b, const SpringSettings& settings)
-      : a_(a), b_(b), settings_(settings) {}
+  SpringConstraint(const SpringConstraint&) = delete;
+  SpringConstraint& operator=(const SpringConstraint&) = delete;
+
+  Handle<SpringConstraint> handle();
 
   const SpringEnd& endA() const { return a_; }
   const SpringEnd& endB() const { return b_; }
@@ -41,10 +47,13 @@ class SpringConstraint {
 
  private:
   friend class SoftBodySystem;
+  SpringConstraint(const SpringEnd& a, const SpringEnd& b, const SpringSettings& settings)
+      : a_(a), b_(b), settings_(settings) {}
 
   SpringEnd a_, b_;
   SpringSettings settings_;
   double force_ = 0.0;
+  std::shared_ptr<const void> life_;  // expires with the spring; nullptr until there is a handle
 };
 
 }  // namespace LIMBER_BULLET_PRECISION

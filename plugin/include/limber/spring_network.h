@@ -36,21 +36,22 @@ struct NetworkSpring {
 /// Four points of positive volume, (b - a) . ((c - a) x (d - a)) / 6 > 0.
 using Tetrahedron = std::array<std::uint32_t, 4>;
 
-/// Positions that follow the point masses, called places. Place i is the sum of weights[w] times the position
-/// of points[w] over w from firstWeight[i] to firstWeight[i + 1] - 1. The weights of a place sum to 1 and
-/// reproduce affine motions.
+/// Skinned points: positions that follow the point masses. Skinned point i is the sum of weights[w] times the
+/// position of points[w] over w from firstWeight[i] to firstWeight[i + 1] - 1. The weights of a skinned point
+/// sum to 1 and reproduce affine motions.
 struct Skin {
-  std::vector<std::uint32_t> firstWeight;  ///< #places + 1, or empty: no skin
+  std::vector<std::uint32_t> firstWeight;  ///< #skinned points + 1, or empty: no skin
   std::vector<std::uint32_t> points;       ///< #weights
   std::vector<float> weights;              ///< #weights
 
   std::size_t size() const { return firstWeight.empty() ? 0 : firstWeight.size() - 1; }
 };
 
-/// The surface that is drawn. Each vertex of a mesh follows one point or, with a skin, one place of the skin.
+/// The surface that is drawn. Each vertex of a mesh follows one point or, with a skin, one skinned
+/// point.
 struct RenderSurface {
   Skin skin;                                 ///< empty: the vertices follow the points themselves
-  std::vector<std::uint32_t> vertexToPoint;  ///< #vertices; index of a point, or of a place of the skin
+  std::vector<std::uint32_t> vertexToPoint;  ///< #vertices; index of a point, or of a skinned point
   std::vector<Eigen::Vector2f> uvs;          ///< #vertices, or empty
   std::vector<Triangle> triangles;           ///< #triangles, vertex indices
 };

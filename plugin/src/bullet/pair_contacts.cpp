@@ -42,9 +42,9 @@ class RigidContactCollector final : public btCollisionWorld::ContactResultCallba
     c.normal = normal;
     const double radius = double(body_->masses.shape->getRadius());
     c.gap = normal.dot(body_->state.position.col(point_) - surface) - radius;
-    const PointMass* point = body_->masses.bodies[point_];
-    c.friction = double(gCalculateCombinedFrictionCallback(point, partner_));
-    c.restitution = double(gCalculateCombinedRestitutionCallback(point, partner_));
+    const btRigidBody& own = materialOf(*body_, point_);
+    c.friction = double(gCalculateCombinedFrictionCallback(&own, partner_));
+    c.restitution = double(gCalculateCombinedRestitutionCallback(&own, partner_));
     c.bounceThreshold = body_->speeds.bounce;
     c.recoverySpeed = body_->speeds.recovery;
     for (std::size_t i = first_; i < found_->contacts.size(); ++i)
@@ -221,8 +221,7 @@ void addPointPairs(SoftBodyData& body, double tick, double farthest, TickContact
 
 void gatherPairs(SoftBodyData& body, btRigidBody& partner, btScalar tick, TickContacts& found) {
   wake(partner);
-  for (std::uint32_t i = 0; i < body.masses.bodies.size(); ++i)
-    addPairs(body, i, partner, double(tick), found);
+  for (std::uint32_t i = 0; i < pointCount(body); ++i) addPairs(body, i, partner, double(tick), found);
 }
 
 void gatherPointPairs(const std::vector<LinkedGroup>& groups, btScalar tick, TickContacts& found) {

@@ -149,8 +149,8 @@ class PlaneContactCollector final : public btCollisionWorld::ContactResultCallba
   PlaneContact makeRow() const {
     PlaneContact row;
     row.point = point_;
-    row.friction = double(gCalculateCombinedFrictionCallback(&own(), partner_));
-    row.restitution = double(gCalculateCombinedRestitutionCallback(&own(), partner_));
+    row.friction = double(gCalculateCombinedFrictionCallback(&materialOf(*body_, point_), partner_));
+    row.restitution = double(gCalculateCombinedRestitutionCallback(&materialOf(*body_, point_), partner_));
     row.bounceThreshold = body_->speeds.bounce;
     row.recoverySpeed = body_->speeds.recovery;
     return row;
@@ -163,12 +163,6 @@ class PlaneContactCollector final : public btCollisionWorld::ContactResultCallba
 
   double gap(const PlaneContact& row) const {
     return row.normal.dot(body_->state.position.col(point_) - row.touch);
-  }
-
-  /// Returns the object whose friction and restitution apply; the user may have changed them.
-  const btRigidBody& own() const {
-    if (!body_->masses.exposed) return *body_->surface.object;
-    return *body_->masses.bodies[point_];
   }
 
   SoftBodyData* body_;

@@ -18,6 +18,8 @@
 #include <limber/network_builder.h>
 
 #include <cmath>
+#include <limits>
+#include <string>
 
 namespace limber {
 inline namespace LIMBER_BULLET_PRECISION {
@@ -26,6 +28,11 @@ SoftBody::SoftBody(std::unique_ptr<SoftBodyData> data) : data_(std::move(data)) 
 SoftBody::~SoftBody() = default;
 
 SoftBodyData& dataOf(const SoftBody& body) { return *body.data_; }
+
+Handle<SoftBody> SoftBody::handle() {
+  if (!life_) life_ = std::make_shared<char>();
+  return {this, life_};
+}
 
 const SpringNetwork& SoftBody::network() const { return *data_->network; }
 const SharedNetwork& SoftBody::sharedNetwork() const { return data_->network; }
@@ -43,12 +50,20 @@ btRigidBody* SoftBody::point(std::uint32_t i) const {
 
 btRigidBody* SoftBody::surfaceObject() const { return data_->surface.object; }
 
+namespace {
+
+Eigen::Vector3d noVector() { return Eigen::Vector3d::Constant(std::numeric_limits<double>::quiet_NaN()); }
+
+}  // namespace
+
 Eigen::Vector3d SoftBody::position(std::uint32_t i) const {
+  if (i >= pointCount()) return noVector();
   readObject(*data_);
   return currentPosition(*data_, i);
 }
 
 Eigen::Vector3d SoftBody::velocity(std::uint32_t i) const {
+  if (i >= pointCount()) return noVector();
   readObject(*data_);
   return currentVelocity(*data_, i);
 }
@@ -69,12 +84,12 @@ void SoftBody::writePositions(float* xyz, double tickFraction) const {
   }
 }
 
-std::uint32_t SoftBody::placeCount() const {
+std::uint32_t SoftBody::skinnedPointCount() const {
   const Skin& skin = data_->network->render.skin;
   return skin.size() > 0 ? static_cast<std::uint32_t>(skin.size()) : pointCount();
 }
 
-void SoftBody::writePlaces(float* xyz) const {
+void SoftBody::writeSkinnedPositions(float* xyz) const {
   const Skin& skin = data_->network->render.skin;
   if (skin.size() == 0) return writePositions(xyz);
   data_->skinned.resize(std::size_t{3} * pointCount());
@@ -82,7 +97,7 @@ void SoftBody::writePlaces(float* xyz) const {
   applySkin(skin, data_->skinned.data(), xyz);
 }
 
-void SoftBody::writePlaces(float* xyz, double tickFraction) const {
+void SoftBody::writeSkinnedPositions(float* xyz, double tickFraction) const {
   const Skin& skin = data_->network->render.skin;
   if (skin.size() == 0) return writePositions(xyz, tickFraction);
   data_->skinned.resize(std::size_t{3} * pointCount());
@@ -90,20 +105,40 @@ void SoftBody::writePlaces(float* xyz, double tickFraction) const {
   applySkin(skin, data_->skinned.data(), xyz);
 }
 
-void SoftBody::pin(std::uint32_t i) {
-  if (point(i) && !pinned(i)) setPinned(*data_, i, true);
+namespace {
+
+Error noPoint(const SoftBody& body, std::uint32_t i) {
+  const std::string point = "point " + std::to_string(i);
+  if (i < body.pointCount()) return {point + " has been deleted"};
+  return {"there is no " + point + ": the body has " + std::to_string(body.pointCount()) + " points"};
 }
 
-void SoftBody::movePin(std::uint32_t i, const btVector3& target) {
-  if (!pinned(i)) return;
+Error notPinned(std::uint32_t i) { return {"point " + std::to_string(i) + " is not pinned"}; }
+
+}  // namespace
+
+Result<void> SoftBody::pin(std::uint32_t i) {
+  if (!point(i)) return noPoint(*this, i);
+  if (!pinned(i)) setPinned(*data_, i, true);
+  return {};
+}
+
+Result<void> SoftBody::movePin(std::uint32_t i, const btVector3& target) {
+  if (i >= pointCount()) return noPoint(*this, i);
+  if (!pinned(i)) return point(i) ? notPinned(i) : noPoint(*this, i);
+  if (!toEigen(target).allFinite())
+    return Error{"the target of point " + std::to_string(i) + " is not finite"};
   wake();
   data_->masses.bodies[i]->getWorldTransform().setOrigin(target);
+  return {};
 }
 
-void SoftBody::unpin(std::uint32_t i) {
-  if (!pinned(i)) return;
+Result<void> SoftBody::unpin(std::uint32_t i) {
+  if (i >= pointCount()) return noPoint(*this, i);
+  if (!pinned(i)) return notPinned(i);
   setPinned(*data_, i, false);
   wake();
+  return {};
 }
 
 bool SoftBody::pinned(std::uint32_t i) const {

@@ -19,8 +19,8 @@
 #include "solver/springs.h"
 #include "solver/volumes.h"
 
-#include <limber/soft_body.h>
 #include <limber/contacts.h>
+#include <limber/soft_body.h>
 
 #include <Eigen/Geometry>
 
@@ -255,6 +255,12 @@ inline bool isAttached(const SoftBodyData& body, std::uint32_t i, const btCollis
 }
 
 inline bool isSurfaceBody(const SoftBodyData& body) { return body.settings.collision == Collision::Surface; }
+
+/// Returns the object whose friction and restitution apply at point i; the user may have changed them.
+inline const btRigidBody& materialOf(const SoftBodyData& body, std::uint32_t i) {
+  if (!body.masses.exposed) return *body.surface.object;
+  return *body.masses.bodies[i];
+}
 
 /// Returns whether the body has triangles, edges or vertices that collide.
 inline bool hasSurface(const SoftBodyData& body) { return !body.model->topology.elements.empty(); }

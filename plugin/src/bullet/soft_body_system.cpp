@@ -136,19 +136,25 @@ Result<SoftBody*> SoftBodySystem::createBody(SharedNetwork network, const SoftBo
   (*data)->links = &impl_->step->links;
   (*data)->onPointsExposed = [impl = impl_.get()] { impl->watchSteps(); };
   (*data)->onPointDeleted = [impl = impl_.get()](const btRigidBody& point) { impl->dropSprings(point); };
-  impl_->bodies.push_back(std::make_unique<SoftBody>(std::move(*data)));
+  impl_->bodies.push_back(std::unique_ptr<SoftBody>(new SoftBody(std::move(*data))));
   SoftBody* body = impl_->bodies.back().get();
   addToWorld(*body->data_);
   impl_->step->groupsStale = true;
   return body;
 }
 
-void SoftBodySystem::destroyBody(SoftBody* body) {
+Result<void> SoftBodySystem::destroyBody(SoftBody* body) {
+  if (!impl_->owns(body)) return Error{"the soft body is not, or no longer, one of this system"};
   impl_->pendingDestruction.push_back(body);
-  if (impl_->step->callsListeners()) return;
+  if (impl_->step->callsListeners()) return {};
   const bool alive = impl_->worldAlive();
   impl_->destroyPending();
   impl_->unhookIfIdle(alive);
+  return {};
+}
+
+bool SoftBodySystem::Impl::owns(const SoftBody* body) const {
+  return std::any_of(bodies.begin(), bodies.end(), [&](const auto& owned) { return owned.get() == body; });
 }
 
 void SoftBodySystem::Impl::destroyPending() {
@@ -173,7 +179,9 @@ void SoftBodySystem::Impl::destroyNow(SoftBody* body) {
 }
 
 std::size_t SoftBodySystem::bodyCount() const { return impl_->bodies.size(); }
-SoftBody* SoftBodySystem::body(std::size_t i) const { return impl_->bodies[i].get(); }
+SoftBody* SoftBodySystem::body(std::size_t i) const {
+  return i < impl_->bodies.size() ? impl_->bodies[i].get() : nullptr;
+}
 
 // --- springs and anchors -----------------------------------------------------------------------------------
 
@@ -188,7 +196,7 @@ Result<SpringConstraint*> SoftBodySystem::addSpring(const SpringEnd& a, const Sp
   if (a.body == b.body && (PointMass::from(a.body) || (a.pivot - b.pivot).length2() == btScalar(0)))
     return Error{"both ends of the spring are the same place of one body"};
   impl_->hookUp();
-  impl_->springs.push_back(std::make_unique<SpringConstraint>(a, b, settings));
+  impl_->springs.push_back(std::unique_ptr<SpringConstraint>(new SpringConstraint(a, b, settings)));
   SpringConstraint* spring = impl_->springs.back().get();
   if (!settings.restLength) spring->settings_.restLength = double(spring->length());
   for (btRigidBody* end : {a.body, b.body})
@@ -197,25 +205,40 @@ Result<SpringConstraint*> SoftBodySystem::addSpring(const SpringEnd& a, const Sp
   return spring;
 }
 
-Result<SpringConstraint*> SoftBodySystem::changeSpring(SpringConstraint* spring,
-                                                       const SpringSettings& settings) {
-  const auto isSpring = [&](const auto& owned) { return owned.get() == spring; };
-  if (std::none_of(impl_->springs.begin(), impl_->springs.end(), isSpring))
-    return Error{"the spring is not, or no longer, one of this system"};
-  if (Result<void> valid = validate(settings); !valid) return Error{valid.error()};
+Handle<SpringConstraint> SpringConstraint::handle() {
+  if (!life_) life_ = std::make_shared<char>();
+  return {this, life_};
+}
+
+namespace {
+
+template <class Springs>
+auto find(Springs& springs, const SpringConstraint* spring) {
+  return std::find_if(springs.begin(), springs.end(),
+                      [&](const auto& owned) { return owned.get() == spring; });
+}
+
+Error foreignSpring() { return {"the spring is not, or no longer, one of this system"}; }
+
+}  // namespace
+
+Result<void> SoftBodySystem::changeSpring(SpringConstraint* spring, const SpringSettings& settings) {
+  if (find(impl_->springs, spring) == impl_->springs.end()) return foreignSpring();
+  if (Result<void> valid = validate(settings); !valid) return valid;
   const double restLength = settings.restLength.value_or(*spring->settings_.restLength);
   spring->settings_ = settings;
   spring->settings_.restLength = restLength;
   impl_->step->groupsStale = true;
-  return spring;
+  return {};
 }
 
-void SoftBodySystem::removeSpring(SpringConstraint* spring) {
-  const auto isSpring = [&](const auto& owned) { return owned.get() == spring; };
+Result<void> SoftBodySystem::removeSpring(SpringConstraint* spring) {
+  const auto found = find(impl_->springs, spring);
+  if (found == impl_->springs.end()) return foreignSpring();
   impl_->step->forgetGroups();
-  SpringList& springs = impl_->springs;
-  springs.erase(std::remove_if(springs.begin(), springs.end(), isSpring), springs.end());
+  impl_->springs.erase(found);
   impl_->unhookIfIdle(impl_->worldAlive());
+  return {};
 }
 
 /// Those of all systems: one may have springs on another's points.
@@ -262,10 +285,15 @@ void SoftBodySystem::Impl::WorldStep::forgetGroups() {
 
 std::size_t SoftBodySystem::springCount() const { return impl_->springs.size(); }
 
-Result<bool> SoftBodySystem::attach(SoftBody* softBody, std::uint32_t i, btRigidBody& body,
+namespace {
+
+Error foreignBody() { return {"the soft body is not, or no longer, in this world"}; }
+
+}  // namespace
+
+Result<void> SoftBodySystem::attach(SoftBody* softBody, std::uint32_t i, btRigidBody& body,
                                     const btVector3& pivot) {
-  if (!softBody) return Error{"there is no soft body to attach"};
-  if (softBody->data_->system != impl_->step.get()) return Error{"the soft body is in another world"};
+  if (!impl_->step->owns(softBody)) return foreignBody();
   SoftBodyData& data = *softBody->data_;
   const bool deleted = i < data.masses.bodies.size() && !data.masses.bodies[i];
   if (i >= softBody->pointCount() || deleted) return Error{"there is no point " + std::to_string(i)};
@@ -280,18 +308,24 @@ Result<bool> SoftBodySystem::attach(SoftBody* softBody, std::uint32_t i, btRigid
   data.anchors.push_back({i, &body, pivot});
   softBody->wake();
   impl_->step->groupsStale = true;
-  return true;
+  return {};
 }
 
-Result<bool> SoftBodySystem::attach(SoftBody* softBody, std::uint32_t i, btRigidBody& body) {
-  if (!softBody) return Error{"there is no soft body to attach"};
+Result<void> SoftBodySystem::attach(SoftBody* softBody, std::uint32_t i, btRigidBody& body) {
+  if (!impl_->step->owns(softBody)) return foreignBody();
   if (i >= softBody->pointCount()) return Error{"there is no point " + std::to_string(i)};
-  const btVector3 place = toBullet(softBody->position(i));
-  return attach(softBody, i, body, body.getWorldTransform().inverse() * place);
+  const btVector3 position = toBullet(softBody->position(i));
+  return attach(softBody, i, body, body.getWorldTransform().inverse() * position);
 }
 
-bool SoftBodySystem::detach(SoftBody* softBody, std::uint32_t i) {
-  return softBody && impl_->detach(softBody, i);
+Result<void> SoftBodySystem::detach(SoftBody* softBody, std::uint32_t i) {
+  if (!impl_->step->owns(softBody)) return foreignBody();
+  if (!impl_->detach(softBody, i)) return Error{"point " + std::to_string(i) + " is not attached"};
+  return {};
+}
+
+bool SoftBodySystem::Impl::WorldStep::owns(const SoftBody* body) const {
+  return std::any_of(systems.begin(), systems.end(), [&](const Impl* system) { return system->owns(body); });
 }
 
 bool SoftBodySystem::Impl::detach(SoftBody* softBody, std::uint32_t i) {

@@ -52,6 +52,7 @@ struct SoftBodySystem::Impl final : TickListener, StepListener {
   void notifyListener();
   void hideManifolds();
   void destroyNow(SoftBody* body);
+  bool owns(const SoftBody* body) const;
   void destroyPending();
   void endPairsOf(SoftBody* body);
 
@@ -84,6 +85,7 @@ struct SoftBodySystem::Impl::WorldStep {
   void forgetGroups();
   /// Returns whether a system's listener is being called: no body of any system may then be destroyed.
   bool callsListeners() const;
+  bool owns(const SoftBody* body) const;  ///< whether the body belongs to one of the systems
   void rebuildGroupsIfNeeded();
   void gatherGroups(btScalar tick);
   void gatherPartners(SoftBodyData& body, btScalar tick);

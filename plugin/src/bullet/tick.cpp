@@ -136,7 +136,7 @@ void SoftBodySystem::Impl::WorldStep::stepGroups(btScalar tick) {
 }
 
 void SoftBodySystem::Impl::WorldStep::writeGroupsToBullet(btScalar tick) {
-  const StopWatch watch(profile.handOverMs);
+  const StopWatch watch(profile.writeMs);
   for (Island& island : islands) writeIslandToBullet(island, pairs, tick);
   links.applyImpulses(pairs);
   reportRigidContacts(pairs);
@@ -186,7 +186,7 @@ void SoftBodySystem::Impl::WorldStep::restoreBulletState() {
 void SoftBodySystem::Impl::WorldStep::afterTick(btScalar tick) {
   restoreBulletState();
   if (!(tick > btScalar(0))) return;
-  const StopWatch watch(profile.takeBackMs);
+  const StopWatch watch(profile.readMs);
   for (LinkedGroup& group : groups) {
     if (group.asleep) continue;
     readGroupFromBullet(group, tick);

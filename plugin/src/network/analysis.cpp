@@ -184,10 +184,7 @@ void analyseLargeDeformations(const SpringNetwork& network, const AnalysisSettin
 
 void analyseSelfWeight(const SpringNetwork& network, const AnalysisSettings& settings, const Progress& goOn,
                        NetworkAnalysis& a) {
-  const std::optional<double> minStiffness =
-      leastStiffness(network, bodySettings(settings), settings.gravity, goOn);
-  a.leastStiffnessKnown = minStiffness.has_value();
-  a.leastStiffness = minStiffness && std::isfinite(*minStiffness) ? *minStiffness : 0.0;
+  a.minStiffness = minStiffness(network, bodySettings(settings), settings.gravity, goOn);
 }
 
 /// Returns the settings' progress function. Once it has returned false, it always returns false.
@@ -305,14 +302,14 @@ void remarkOnReturns(const AnalysisSettings& settings, const NetworkAnalysis& a,
 
 void remarkOnWeight(const AnalysisSettings& settings, const NetworkAnalysis& a, Remarks& remarks) {
   if (!(settings.gravity > 0.0)) return;
-  if (!a.leastStiffnessKnown)
+  if (!a.minStiffness)
     remarks.push_back(std::string("not known whether it carries its own weight: ") + kTooFast);
-  else if (a.leastStiffness == 0.0)
+  else if (std::isinf(*a.minStiffness))
     remarks.push_back("collapses under its own weight however stiff its springs are");
-  else if (a.leastStiffness > settings.stiffness)
+  else if (*a.minStiffness > settings.stiffness)
     remarks.push_back("collapses under its own weight of " + inThreeDigits(settings.totalMass) + " kg at " +
-                      inThreeDigits(settings.stiffness) + " N/m: it needs " +
-                      inThreeDigits(a.leastStiffness) + " N/m");
+                      inThreeDigits(settings.stiffness) + " N/m: it needs " + inThreeDigits(*a.minStiffness) +
+                      " N/m");
 }
 
 /// Returns remarks on unusual properties of the network and how to repair them.
@@ -435,8 +432,8 @@ std::string describe(const NetworkAnalysis& a) {
       line("softest : stiffest  %.3g : %.3g = %.2g", a.softestEigenvalue, a.stiffestEigenvalue, a.modeRatio);
   text += line("globally rigid      %s", globalRigidity(a));
   text += returnLines(a);
-  if (a.leastStiffness > 0.0)
-    text += line("own weight          carried by springs of %.3g N/m and more", a.leastStiffness);
+  if (a.minStiffness && *a.minStiffness > 0.0 && std::isfinite(*a.minStiffness))
+    text += line("own weight          carried by springs of %.3g N/m and more", *a.minStiffness);
   text += line("time step           %.3g s critical, %.3g s safe", a.criticalTimeStep, a.safeTimeStep);
   if (a.volume > 0.0) text += line("springs outside     %zu", a.springsOutside);
   for (const std::string& remark : a.remarks) text += "! " + remark + "\n";

@@ -259,7 +259,7 @@ Modes modesToBrace(const SpringNetwork& network) {
 /// when leastModeRatio() is reached, when the piece is full, or when no brace inside the body helps.
 /// `maxBraces`: limit for the number of braces of the piece, in addition to its own limit.
 void addSoftModeBraces(BracedPiece& piece, std::size_t maxBraces, std::uint64_t seed, const GoOn& goOn) {
-  const std::size_t cap = std::min(maxBraces, piece.maxBracesPerPoint);
+  const std::size_t cap = std::min(maxBraces, piece.maxBraces);
   for (int round = 0; round < kMaxBraceRounds && piece.braces.size() < cap; ++round) {
     if (!goOn(static_cast<double>(round) / kMaxBraceRounds)) return;
     const Modes modes = modesToBrace(piece.network);

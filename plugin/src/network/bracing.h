@@ -50,11 +50,11 @@ class InsideChords {
 struct BracedPiece {
   SpringNetwork network;  ///< points, springs and a surface that faces outwards; no masses, no render surface
   InsideChords chords;
-  double weight = 1.0;                ///< stiffnessScale of a brace
-  std::size_t maxBracesPerPoint = 0;  ///< limit for the whole piece
-  std::vector<Edge> braces;           ///< in the order they were added
+  double weight = 1.0;        ///< stiffnessScale of a brace
+  std::size_t maxBraces = 0;  ///< limit for the whole piece
+  std::vector<Edge> braces;   ///< in the order they were added
 
-  bool full() const { return braces.size() >= maxBracesPerPoint; }
+  bool full() const { return braces.size() >= maxBraces; }
 };
 
 /// Is called with the progress of the current stage, 0 to 1. Returns false to end early.

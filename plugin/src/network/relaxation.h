@@ -112,7 +112,7 @@ TimeSteps timeSteps(const SpringNetwork& network, const SoftBodySettings& settin
 /// Pieces that no spring joins are tested one by one; the largest constant is returned. Returns nothing if
 /// `progress` (may be empty) ends it early, or if the body's fastest oscillation is so fast compared to its
 /// slow ones that a simulation until rest would need too many steps.
-std::optional<double> leastStiffness(const SpringNetwork& network, const SoftBodySettings& settings,
-                                     double gravity, const Progress& progress = {});
+std::optional<double> minStiffness(const SpringNetwork& network, const SoftBodySettings& settings,
+                                   double gravity, const Progress& progress = {});
 
 }  // namespace limber

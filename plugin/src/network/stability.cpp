@@ -349,8 +349,8 @@ std::optional<double> leastStiffnessOfPieces(const SpringNetwork& network, SoftB
 
 }  // namespace
 
-std::optional<double> leastStiffness(const SpringNetwork& network, const SoftBodySettings& settings,
-                                     double gravity, const Progress& progress) {
+std::optional<double> minStiffness(const SpringNetwork& network, const SoftBodySettings& settings,
+                                   double gravity, const Progress& progress) {
   if (network.springs.empty() || !(gravity > 0.0)) return 0.0;
   if (!(settings.extensionStiffness > 0.0)) return HUGE_VAL;
   SpringNetwork scaled = network;

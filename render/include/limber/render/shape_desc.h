@@ -27,7 +27,7 @@ struct Skin {
   std::vector<std::uint32_t> points;  ///< One per weight.
   std::vector<float> weights;
 
-  std::size_t placeCount() const { return first.empty() ? 0 : first.size() - 1; }
+  std::size_t skinnedPointCount() const { return first.empty() ? 0 : first.size() - 1; }
 };
 
 /// The data that all instances of a shape share and that never change: topology and appearance. The points
@@ -61,8 +61,8 @@ struct ShapeDesc {
 };
 
 /// Returns the number of places of the skin, or of points without a skin. vertexToPoint is below it.
-inline std::size_t placeCount(const ShapeDesc& desc) {
-  return desc.skin.first.empty() ? desc.pointCount : desc.skin.placeCount();
+inline std::size_t skinnedPointCount(const ShapeDesc& desc) {
+  return desc.skin.first.empty() ? desc.pointCount : desc.skin.skinnedPointCount();
 }
 
 /// Returns the reason why the description cannot be drawn (with array and index), or an empty string.
