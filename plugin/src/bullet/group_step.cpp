@@ -138,7 +138,7 @@ void rewind(LinkedGroup& group) {
   for (SoftBodyData* body : group.bodies) {
     body->state.position = body->masses.startPosition;
     body->state.velocity = body->startVelocity;
-    body->implicit.meanOver = 0.0;
+    if (body->implicit) body->implicit->meanOver = 0.0;
     for (PlaneContact& row : body->contacts) row.impulse = TickImpulse();
     for (PlaneContact& row : body->watch->rows) row.impulse = TickImpulse();
   }
@@ -148,7 +148,9 @@ void stepOnce(LinkedGroup& group, double tick, SharedFactors& factors) {
   if (group.stepper == Stepper::Verlet) return stepVerlet(group.step, tick, group.substeps);
   const auto kind =
       group.stepper == Stepper::BandedNewton ? MidpointSolver::Kind::Newton : MidpointSolver::Kind::Shared;
-  stepImplicit(group.step.bodies[0], group.bodies[0]->implicit, kind, tick, group.substeps, factors);
+  std::unique_ptr<ImplicitState>& implicit = group.bodies[0]->implicit;
+  if (!implicit) implicit = std::make_unique<ImplicitState>();
+  stepImplicit(group.step.bodies[0], *implicit, kind, tick, group.substeps, factors);
 }
 
 /// The largest of the bodies' errors over the square of the substep, m/s^3.
@@ -414,7 +416,7 @@ void reportStepping(LinkedGroup& group, double tick) {
     body.errorPerSecond = body.errorCoefficient * square;
     body.substeps = group.substeps;
     body.stepper = group.stepper;
-    if (group.stepper == Stepper::Verlet) body.implicit.meanOver = 0.0;
+    if (group.stepper == Stepper::Verlet && body.implicit) body.implicit->meanOver = 0.0;
   }
 }
 

@@ -260,7 +260,7 @@ void restoreIfUnsound(SoftBodyData& body) {
   ++body.springs.revision;
   for (PlaneContact& row : body.contacts) row.impulse = TickImpulse();
   body.storedImpulses.clear();
-  body.implicit = ImplicitState();
+  body.implicit.reset();
   body.volumes.kept.value = 0.0;
   body.errorPerSecond = body.errorCoefficient = 0.0;
   body.restored = true;

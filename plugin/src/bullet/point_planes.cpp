@@ -306,8 +306,9 @@ void addFlatRows(SoftBodyData& body, std::uint32_t i, const SearchRegion& search
 
 /// Adds contacts that follow the surfaces nearby: for each owner one per direction in which it is near.
 void addFollowingRows(SoftBodyData& body, std::uint32_t i, const SearchRegion& searchRegion, btScalar tick) {
-  if (body.neighbourhoodCount == body.neighbourhoods.size()) body.neighbourhoods.emplace_back();
-  HeldNeighbourhood& around = body.neighbourhoods[body.neighbourhoodCount++];
+  if (body.neighbourhoodCount == body.neighbourhoods.size())
+    body.neighbourhoods.push_back(std::make_unique<HeldNeighbourhood>());
+  HeldNeighbourhood& around = *body.neighbourhoods[body.neighbourhoodCount++];
   around = {&body.held, body.staticPieces, body.held.pieces.size(), double(body.masses.shape->getRadius())};
   findContacts(around, body.state.position.col(i), Eigen::Vector3d::Zero(), searchRegion.distance);
   std::uint32_t owner = 0;

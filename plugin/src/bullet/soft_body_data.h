@@ -25,7 +25,6 @@
 #include <Eigen/Geometry>
 
 #include <algorithm>
-#include <deque>
 #include <functional>
 #include <memory>
 #include <vector>
@@ -140,7 +139,7 @@ struct SurfaceData {
   bool motionValid = false;            ///< `motion` and `impact` are those of this tick
   bool boxesValid = false;             ///< `boxes` are those of this tick
   std::vector<CachedSearch> searches;  ///< with the objects that were near in the last tick
-  std::deque<ConcavePatch> patches;    ///< of concave partners; a deque keeps views into a patch valid
+  std::vector<std::unique_ptr<ConcavePatch>> patches;  ///< of concave partners
 };
 
 // --- a body ------------------------------------------------------------------------------------------------
@@ -195,8 +194,9 @@ struct SoftBodyData {
   HeldSurroundings held;  ///< static pieces around the points that are not flat
   std::vector<std::pair<const btCollisionObject*, std::uint32_t>> staticPartners;  ///< scratch of one point:
                                                                                    ///< with its owners' end
-  std::size_t staticPieces = 0;                    ///< scratch of one point: first of its pieces in `held`
-  std::deque<HeldNeighbourhood> neighbourhoods;    ///< of points, in `held`; kept to reuse the memory
+  std::size_t staticPieces = 0;  ///< scratch of one point: first of its pieces in `held`
+  std::vector<std::unique_ptr<HeldNeighbourhood>> neighbourhoods;  ///< of points, in `held`; kept to reuse
+                                                                   ///< the memory
   std::size_t neighbourhoodCount = 0;              ///< of the present tick
   std::vector<std::uint64_t> partnerStamps;        ///< #partners, see stampOf()
   std::vector<Eigen::AlignedBox3d> partnerBoxes;   ///< #partners, m
@@ -227,13 +227,13 @@ struct SoftBodyData {
   double errorPerSecond = 0.0;        ///< m/s
   double errorCoefficient = 0.0;      ///< m/s^3, see SteppingProblem
   std::vector<double> stiffnessSums;
-  Points startVelocity;             ///< 3 x #points, m/s, at the start of the tick
-  double dampingRate = 0.0;         ///< 1/s, dampingRateBound; frequencyStale applies to it, too
-  double size = 0.0;                ///< m, diagonal of its initial bounding box
-  bool prefersImplicit = false;     ///< chosen in the last tick for the body without its island
-  SpringBatchArrays springBatches;  ///< empty unless it is stepped in batches
-  ImplicitState implicit;           ///< empty unless it is stepped implicitly
-  std::vector<float> skinned;       ///< 3 x #points, scratch of a body with a skin
+  Points startVelocity;                     ///< 3 x #points, m/s, at the start of the tick
+  double dampingRate = 0.0;                 ///< 1/s, dampingRateBound; frequencyStale applies to it, too
+  double size = 0.0;                        ///< m, diagonal of its initial bounding box
+  bool prefersImplicit = false;             ///< chosen in the last tick for the body without its island
+  SpringBatchArrays springBatches;          ///< empty unless it is stepped in batches
+  std::unique_ptr<ImplicitState> implicit;  ///< created when it is first stepped implicitly
+  std::vector<float> skinned;               ///< 3 x #points, scratch of a body with a skin
 
   /// Called when the application deletes one of the points.
   std::function<void(const btRigidBody&)> onPointDeleted;

@@ -86,18 +86,16 @@ ContactCache& searchWith(SoftBodyData& body, const btCollisionObject& partner, s
   return it->cache;
 }
 
-template <class List>
-void forgetUnused(List& list) {
-  for (auto& entry : list) {
-    if (!entry.used) entry.partner = {};
-    entry.used = false;
-  }
+template <class Entry>
+void forgetIfUnused(Entry& entry) {
+  if (!entry.used) entry.partner = {};
+  entry.used = false;
 }
 
 /// Releases the entries of partners that are no longer near; new partners reuse their memory.
 void forgetOldSearches(SoftBodyData& body) {
-  forgetUnused(body.surface.searches);
-  forgetUnused(body.surface.patches);
+  for (CachedSearch& search : body.surface.searches) forgetIfUnused(search);
+  for (const auto& patch : body.surface.patches) forgetIfUnused(*patch);
 }
 
 ContactPoint softContactPoint(const SoftBodyData& body, const SurfacePoint& surfacePoint) {

@@ -39,10 +39,10 @@ LocalBox enlarged(const LocalBox& box) {
 }
 
 ConcavePatch* findPatch(SoftBodyData& body, int partner) {
-  std::deque<ConcavePatch>& patches = body.surface.patches;
-  const auto isPartner = [&](const ConcavePatch& patch) { return patch.partner == partner; };
+  const auto& patches = body.surface.patches;
+  const auto isPartner = [&](const auto& patch) { return patch->partner == partner; };
   const auto it = std::find_if(patches.begin(), patches.end(), isPartner);
-  return it != patches.end() ? &*it : nullptr;
+  return it != patches.end() ? it->get() : nullptr;
 }
 
 /// Returns the patch of the last tick, or an empty one in the memory of one that is no longer near.
@@ -50,7 +50,7 @@ ConcavePatch& patchOf(SoftBodyData& body, int partner) {
   ConcavePatch* patch = findPatch(body, partner);
   if (!patch) {
     patch = findPatch(body, 0);
-    if (!patch) patch = &body.surface.patches.emplace_back();
+    if (!patch) patch = body.surface.patches.emplace_back(std::make_unique<ConcavePatch>()).get();
     patch->partner = partner;
     patch->surface.topology.elements.clear();
     patch->low = btVector3(1, 1, 1), patch->high = btVector3(0, 0, 0);
