@@ -2,7 +2,7 @@
 #include "stability/shape_check.h"
 
 #include "engines/spring_derivatives.h"
-#include "solver/linear_algebra.h"
+#include "mesh/linear_algebra.h"
 #include "stability/case_parts.h"
 
 #include <Eigen/Geometry>

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Zlib
 #include "network/rigidity.h"
 
+#include "mesh/linear_algebra.h"
 #include "mesh/random.h"
 #include "mesh/surface.h"
-#include "solver/linear_algebra.h"
 #include "support/network_shapes.h"
 #include "support/networks.h"
 #include "support/small_meshes.h"

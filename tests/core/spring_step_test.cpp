@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
 // The Verlet step without Bullet, compared with closed forms and conservation laws.
-#include "solver/linear_algebra.h"
+#include "mesh/linear_algebra.h"
 #include "solver/point_state.h"
 #include "solver/springs.h"
 #include "solver/stepping_choice.h"

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
 // The volume term of tetrahedra: gradient, conservation, orientation, frequency.
-#include "solver/linear_algebra.h"
+#include "mesh/linear_algebra.h"
 #include "solver/volumes.h"
 
 #include <gtest/gtest.h>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 // The volume term alone and in all steppers, compared with closed forms and conservation laws.
+#include "mesh/linear_algebra.h"
 #include "solver/implicit_step.h"
-#include "solver/linear_algebra.h"
 #include "solver/point_state.h"
 #include "solver/stepping_choice.h"
 #include "solver/volumes.h"

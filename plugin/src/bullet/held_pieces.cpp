@@ -5,7 +5,7 @@
 
 #include "bullet/bullet_objects.h"
 #include "bullet/rigid_shapes.h"
-#include "solver/closest_points.h"
+#include "mesh/closest_points.h"
 
 #include <BulletCollision/BroadphaseCollision/btDbvt.h>
 #include <LinearMath/btAabbUtil2.h>

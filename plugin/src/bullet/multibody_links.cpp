@@ -5,7 +5,7 @@
 
 #include "bullet/bullet_objects.h"
 #include "bullet/tick_contacts.h"
-#include "solver/linear_algebra.h"
+#include "mesh/linear_algebra.h"
 
 #include <algorithm>
 

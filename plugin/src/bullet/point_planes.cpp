@@ -8,7 +8,7 @@
 #include "bullet/point_contacts.h"
 #include "bullet/rigid_shapes.h"
 #include "bullet/soft_body_data.h"
-#include "solver/closest_points.h"
+#include "mesh/closest_points.h"
 #include "solver/point_state.h"
 
 #include <algorithm>

@@ -8,7 +8,7 @@
 #include "bullet/point_masses.h"
 #include "bullet/soft_body_data.h"
 #include "bullet/surface_body.h"
-#include "solver/linear_algebra.h"
+#include "mesh/linear_algebra.h"
 
 #include <Eigen/Cholesky>
 #include <Eigen/LU>

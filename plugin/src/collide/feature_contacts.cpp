@@ -3,7 +3,7 @@
 // with each other.
 #include "collide/feature_contacts.h"
 
-#include "solver/closest_points.h"
+#include "mesh/closest_points.h"
 
 #include <algorithm>
 #include <limits>

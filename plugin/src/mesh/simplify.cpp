@@ -4,8 +4,8 @@
 
 #include <limber/mesh.h>
 
+#include "mesh/linear_algebra.h"
 #include "mesh/surface.h"
-#include "solver/linear_algebra.h"
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>

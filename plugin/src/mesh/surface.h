@@ -3,7 +3,7 @@
 // outward orientation.
 #pragma once
 
-#include "solver/closest_points.h"
+#include "mesh/closest_points.h"
 
 #include <limber/mesh.h>
 

@@ -5,11 +5,11 @@
 #include <limber/network_analysis.h>
 
 #include "mesh/edges.h"
+#include "mesh/linear_algebra.h"
 #include "mesh/surface.h"
 #include "mesh/triangle_bvh.h"
 #include "network/relaxation.h"
 #include "network/rigidity.h"
-#include "solver/linear_algebra.h"
 
 #include <limber/spring_network.h>
 

@@ -4,10 +4,10 @@
 
 #include "network/bracing.h"
 
+#include "mesh/linear_algebra.h"
 #include "mesh/random.h"
 #include "mesh/surface.h"
 #include "network/rigidity.h"
-#include "solver/linear_algebra.h"
 
 #include <Eigen/Geometry>
 

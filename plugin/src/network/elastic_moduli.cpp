@@ -4,9 +4,9 @@
 
 #include "network/material.h"
 
+#include "mesh/linear_algebra.h"
 #include "mesh/surface.h"
 #include "network/masses.h"
-#include "solver/linear_algebra.h"
 
 #include <Eigen/Geometry>
 

@@ -5,8 +5,8 @@
 #include "network/masses.h"
 
 #include "mesh/edges.h"
+#include "mesh/linear_algebra.h"
 #include "mesh/surface.h"
-#include "solver/linear_algebra.h"
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>

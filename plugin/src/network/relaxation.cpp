@@ -4,9 +4,9 @@
 
 #include "network/relaxation.h"
 
+#include "mesh/linear_algebra.h"
 #include "mesh/surface.h"
 #include "network/rigidity.h"
-#include "solver/linear_algebra.h"
 #include "solver/point_state.h"
 #include "solver/simd_steps.h"
 #include "solver/springs.h"

@@ -5,8 +5,8 @@
 #include "network/rigidity.h"
 
 #include "mesh/edges.h"
+#include "mesh/linear_algebra.h"
 #include "mesh/random.h"
-#include "solver/linear_algebra.h"
 
 #include <Eigen/Geometry>
 

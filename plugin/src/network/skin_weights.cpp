@@ -4,9 +4,9 @@
 
 #include "network/skin.h"
 
+#include "mesh/linear_algebra.h"
 #include "mesh/triangle_bvh.h"
 #include "network/tetrahedra.h"
-#include "solver/linear_algebra.h"
 
 #include <Eigen/Geometry>
 

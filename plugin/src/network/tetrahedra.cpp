@@ -5,9 +5,9 @@
 #include "network/tetrahedra.h"
 
 #include "mesh/edges.h"
+#include "mesh/linear_algebra.h"
 #include "mesh/surface.h"
 #include "mesh/triangle_bvh.h"
-#include "solver/linear_algebra.h"
 
 #include <limber/mesh.h>
 

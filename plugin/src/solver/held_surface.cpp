@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "solver/held_surface.h"
 
-#include "solver/closest_points.h"
+#include "mesh/closest_points.h"
 
 #include <Eigen/Geometry>
 

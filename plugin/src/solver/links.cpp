@@ -2,7 +2,7 @@
 // Moves rigid bodies, and computes the forces and impulses of springs and anchors between bodies.
 #include "solver/links.h"
 
-#include "solver/linear_algebra.h"
+#include "mesh/linear_algebra.h"
 #include "solver/springs.h"
 
 #include <Eigen/LU>

@@ -4,7 +4,7 @@
 // The linear systems of the implicit midpoint rule: a constant matrix that bodies share, or a banded one of
 // Newton's method.
 
-#include "solver/linear_algebra.h"
+#include "mesh/linear_algebra.h"
 #include "solver/point_state.h"
 #include "solver/springs.h"
 #include "solver/volumes.h"

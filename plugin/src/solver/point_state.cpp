@@ -2,7 +2,7 @@
 // Sums over the point masses of a body, and changes of its motion as a whole.
 #include "solver/point_state.h"
 
-#include "solver/linear_algebra.h"
+#include "mesh/linear_algebra.h"
 
 #include <Eigen/Geometry>
 

@@ -2,7 +2,7 @@
 // Computes the frequencies of a body's oscillations, and chooses its stepper and number of substeps.
 #include "solver/stepping_choice.h"
 
-#include "solver/linear_algebra.h"
+#include "mesh/linear_algebra.h"
 
 #include <algorithm>
 #include <cmath>

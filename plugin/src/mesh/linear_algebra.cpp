@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
 // Compiles the decompositions of Eigen that are used; computes the largest eigenvalue by Lanczos iteration.
-#include "solver/linear_algebra.h"
+#include "mesh/linear_algebra.h"
 
 #include "mesh/random.h"
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-#include "solver/closest_points.h"
+#include "mesh/closest_points.h"
 
 #include <Eigen/Geometry>
 
