@@ -213,6 +213,23 @@ TEST(Pin, holdsAPointAndLetsGo) {
   EXPECT_NEAR(body->totalMass(), 1.0, 1e-6);
 }
 
+TEST(Pin, keepsTheMassThatTheUserHasGivenAPoint) {
+  BulletWorld bullet;
+  SoftBodySystem system(*bullet.world);
+  SoftBody* body = *system.createBody(test::cubeNetwork(), test::testedSettings());
+  body->point(0)->setMassProps(btScalar(2), btVector3(0, 0, 0));
+  EXPECT_TRUE(body->pin(0));
+  EXPECT_TRUE(body->unpin(0));
+  EXPECT_NEAR(body->totalMass(), 0.875 + 2.0, 1e-6) << "given before it was pinned";
+  EXPECT_TRUE(body->pin(0));
+  bullet.tick();
+  body->point(0)->setMassProps(btScalar(3), btVector3(0, 0, 0));
+  bullet.tick();
+  EXPECT_TRUE(body->unpin(0));
+  bullet.tick();
+  EXPECT_NEAR(body->totalMass(), 0.875 + 3.0, 1e-6) << "given while it was pinned";
+}
+
 TEST(Pin, moveAlongAPathDragsTheBody) {
   BulletWorld bullet(0.0);
   SoftBodySystem system(*bullet.world);

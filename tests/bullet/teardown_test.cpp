@@ -369,5 +369,20 @@ TEST(Teardown, systemsOfSpringsAloneLeaveTheWorldAsItWas) {
   }
 }
 
+TEST(Teardown, ofASurfaceObjectThatTheUserHasAddedAgain) {
+  BulletWorld bullet;
+  SoftBodySystem system(*bullet.world);
+  SoftBody* body = *system.createBody(test::cubeNetwork());
+  btRigidBody* object = body->surfaceObject();
+  if (!object) GTEST_SKIP() << "points alone have none";
+  bullet.tick();
+  bullet.world->removeRigidBody(object);
+  bullet.world->addRigidBody(object, 2, -1);
+  bullet.tick();
+  EXPECT_TRUE(system.destroyBody(body));
+  bullet.simulate(0.1);  // Bullet must not have it any more
+  EXPECT_EQ(bullet.world->getNumCollisionObjects(), 0);
+}
+
 }  // namespace
 }  // namespace limber

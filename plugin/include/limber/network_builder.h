@@ -21,8 +21,8 @@ enum class BraceRule : std::uint8_t {
   EqualLength,  ///< a spring between any two points whose distance equals the length of some edge (C. Hart's
                 ///< rule: on a cube it adds the second diagonal of each face; on a sphere it adds nothing)
   TwoRing,      ///< a spring between any two points that share a neighbour
-  Pipeline      ///< chords through the inside, then springs against soft modes, then springs against folding
-                ///< (bracing.h). Flat and wide open components have no inside and get the two-ring
+  Pipeline      ///< chords through the inside, then springs against soft modes, then springs against folding.
+                ///< Flat and wide open components have no inside and get the two-ring
 };
 
 /// Rule for the distribution of the body's mass among its points.

@@ -24,7 +24,8 @@ struct SoftContact;
 ///
 /// Every point mass is an ordinary btRigidBody sphere, which the user may use like any other: apply forces
 /// and impulses, move it, set its velocity, user pointer and index, and material. Changes between ticks take
-/// effect in the next tick. Indices run from 0 to pointCount() - 1 in the order of network().restPoints.
+/// effect in the next tick. With Collision::Points, sleeping points must be activated first, as any body of
+/// Bullet, or by wake(). Indices run from 0 to pointCount() - 1 in the order of network().restPoints.
 ///
 /// With Collision::Points these spheres are in the world. With Collision::Surface they are not, and the world
 /// has surfaceObject() instead. Bullet's own constraints then cannot act on the points (springs, anchors and
@@ -82,7 +83,8 @@ class SoftBody {
   void writeSkinnedPositions(float* xyz) const;
   void writeSkinnedPositions(float* xyz, double tickFraction) const;
 
-  // Errors of the following: no such point, a point that the application has deleted.
+  // Errors of the following: no such point, a point that the application has deleted, a body that is
+  // not alive().
 
   /// Fixes point i at its position: it becomes a kinematic body of Bullet until unpin(). No change if it is
   /// pinned already.
@@ -90,7 +92,7 @@ class SoftBody {
   /// Moves a pinned point to `target` over the next tick; the springs pull the other points along. Further
   /// errors: a point that is not pinned; a target that is not finite.
   Result<void> movePin(std::uint32_t i, const btVector3& target);
-  /// Releases a pinned point. It keeps the velocity of its last movement. Further error: a point that is not
+  /// Releases a pinned point. It has its mass again and keeps the velocity of its last movement. Further error: a point that is not
   /// pinned.
   Result<void> unpin(std::uint32_t i);
   /// Returns whether point i exists and is pinned.
@@ -117,7 +119,7 @@ class SoftBody {
   /// fastest oscillation about the rest shape.
   double frequencyBound() const;
 
-  /// Returns the contacts of the last tick with their impulses (soft_contact.h): all that had an impulse, and
+  /// Returns the contacts of the last tick with their impulses (contacts.h): all that had an impulse, and
   /// all with a distance below 5 % of the radius. For a sleeping body they are those of its last tick awake.
   /// Objects that have left the world since then are omitted. Valid until the next tick or call.
   const std::vector<SoftContact>& contacts() const;

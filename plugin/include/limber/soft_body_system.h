@@ -53,7 +53,8 @@ struct TickProfile {
 /// was in the world (springs between rigid bodies only), it is restored at the world's next tick, because the
 /// world may have been deleted by then. Several systems may share a world. The world, its bodies and the
 /// system may be deleted in any order, with one exception: if the broadphase is deleted before the world,
-/// call removeAll() first. Rigid bodies with springs or anchors must outlive them, as with Bullet's own
+/// call removeAll() first. Once the world has been deleted, only
+/// the destructor may be called. Rigid bodies with springs or anchors must outlive them, as with Bullet's own
 /// constraints; forget(body) removes all springs and anchors of one body. Springs on a point mass that the
 /// application deletes are removed with it. Thread rule: the thread that steps the world, between steps, or
 /// within a step in callbacks and actions of the world.
@@ -111,7 +112,7 @@ class SoftBodySystem {
   /// Removes all bodies and springs and restores the world's original state.
   void removeAll();
 
-  /// Sets the listener for contacts that begin, persist and end (contact_listener.h); nullptr for none. It
+  /// Sets the listener for contacts that begin, persist and end (contacts.h); nullptr for none. It
   /// must outlive the system or be replaced before. Contacts that exist already begin after the next tick.
   void setContactListener(ContactListener* listener);
 

@@ -67,7 +67,7 @@ struct SpringNetwork {
   std::vector<Triangle> surface;            ///< #triangles, point indices; empty for ropes
   std::vector<Tetrahedron> tetrahedra;      ///< #tetrahedra that fill the body in material mode, or empty
   double stiffnessPerModulus = 0.0;  ///< m; in material mode the required spring constant (N/m) per Pa of
-                                     ///< Young's modulus (material_network.h), else 0
+                                     ///< Young's modulus (network_builder.h), else 0
   RenderSurface render;              ///< empty for ropes
   MeshReport report;                 ///< from welding; zeros for ropes and cloths
 };

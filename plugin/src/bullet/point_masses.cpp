@@ -60,9 +60,6 @@ bool PointMass::checkCollideWithOverride(const btCollisionObject* other) const {
 
 namespace {
 
-/// m, m/s, N: the square of what is less does not overflow Bullet's floats.
-constexpr double kUnsound = 1e18;
-
 /// A point mass does not spin, and so slides with its full friction: its angular factor is 0. Without any
 /// inverse inertia Bullet's rolling friction on what is at rest would divide by zero, should Bullet ever
 /// solve a contact that nobody foresaw. So much more inertia than a sphere's is as good as none of the
@@ -246,11 +243,11 @@ void absorbOutsideChanges(SoftBodyData& body) {
   }
 }
 
-bool isSound(const btVector3& v) { return toEigen(v).cwiseAbs().sum() < kUnsound; }
+bool isSound(const btVector3& v) { return toEigen(v).cwiseAbs().sum() < kMaxSound; }
 
 void restoreIfUnsound(SoftBodyData& body) {
   PointState& s = body.state;
-  if (s.position.cwiseAbs().sum() + s.velocity.cwiseAbs().sum() < kUnsound) return;
+  if (s.position.cwiseAbs().sum() + s.velocity.cwiseAbs().sum() < kMaxSound) return;
   s.position = body.masses.startPosition;
   s.velocity.setZero();
   if (SpringConstants* yielded = body.springs.yielded.get())
@@ -308,7 +305,11 @@ void setPinned(SoftBodyData& body, std::uint32_t i, bool pinned) {
   PointMass* point = body.masses.bodies[i];
   if (!point) return;
   const int kinematic = btCollisionObject::CF_KINEMATIC_OBJECT;
-  const btScalar mass = settingsMassOf(body, i);
+  // a mass that the user has given, even while pinned, stays; that of the settings is exact
+  const btScalar original = settingsMassOf(body, i);
+  const btScalar present = point->getInvMass() == btScalar(1) / original ? original : point->getMass();
+  if (pinned) point->massBeforePin = present;
+  const btScalar mass = present > btScalar(0) ? present : point->massBeforePin;
   // setMassProps(0) marks the body static; as a kinematic one it may also be moved
   point->setMassProps(pinned ? btScalar(0) : mass, btVector3(0, 0, 0));
   const int flags = point->getCollisionFlags() & ~(kinematic | btCollisionObject::CF_STATIC_OBJECT);

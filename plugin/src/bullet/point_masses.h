@@ -45,6 +45,8 @@ class PointMass final : public btRigidBody {
   SoftBodyData* owner() const { return owner_; }
   std::uint32_t index() const { return index_; }
 
+  btScalar massBeforePin = 0;  ///< kg
+
   /// The manifold of its one contact with a static or kinematic convex body, as of the last tick; nullptr but
   /// between readManifolds() and gatherContacts() of a tick.
   const btPersistentManifold* cachedContact = nullptr;
@@ -122,6 +124,9 @@ bool isChangedOutside(const SoftBodyData& body, std::uint32_t i);
 
 /// Whether Bullet can reckon with it: neither NaN nor so large that its square overflows.
 bool isSound(const btVector3& v);
+
+/// m, m/s, m/s^2, N: limit of isSound().
+constexpr double kMaxSound = 1e18;
 
 /// Puts a body whose motion is not sound any more back to where it was at the start of the tick, at rest.
 /// Whatever is derived from the motion starts anew.

@@ -113,12 +113,15 @@ Error noPoint(const SoftBody& body, std::uint32_t i) {
   return {"there is no " + point + ": the body has " + std::to_string(body.pointCount()) + " points"};
 }
 
+Error notAlive() { return {"the soft body is disabled, see alive()"}; }
+
 Error notPinned(std::uint32_t i) { return {"point " + std::to_string(i) + " is not pinned"}; }
 
 }  // namespace
 
 Result<void> SoftBody::pin(std::uint32_t i) {
   if (!point(i)) return noPoint(*this, i);
+  if (!alive()) return notAlive();
   if (!pinned(i)) setPinned(*data_, i, true);
   return {};
 }
@@ -126,6 +129,7 @@ Result<void> SoftBody::pin(std::uint32_t i) {
 Result<void> SoftBody::movePin(std::uint32_t i, const btVector3& target) {
   if (i >= pointCount()) return noPoint(*this, i);
   if (!pinned(i)) return point(i) ? notPinned(i) : noPoint(*this, i);
+  if (!alive()) return notAlive();
   if (!toEigen(target).allFinite())
     return Error{"the target of point " + std::to_string(i) + " is not finite"};
   wake();

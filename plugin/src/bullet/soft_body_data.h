@@ -197,10 +197,10 @@ struct SoftBodyData {
   std::size_t staticPieces = 0;  ///< scratch of one point: first of its pieces in `held`
   std::vector<std::unique_ptr<HeldNeighbourhood>> neighbourhoods;  ///< of points, in `held`; kept to reuse
                                                                    ///< the memory
-  std::size_t neighbourhoodCount = 0;              ///< of the present tick
-  std::vector<std::uint64_t> partnerStamps;        ///< #partners, see stampOf()
-  std::vector<Eigen::AlignedBox3d> partnerBoxes;   ///< #partners, m
-  std::vector<double> searchDistance;              ///< #points, m, of the search for contacts
+  std::size_t neighbourhoodCount = 0;                              ///< of the present tick
+  std::vector<std::uint64_t> partnerStamps;                        ///< #partners, see stampOf()
+  std::vector<Eigen::AlignedBox3d> partnerBoxes;                   ///< #partners, m
+  std::vector<double> searchDistance;                              ///< #points, m, of the search for contacts
   std::unique_ptr<SearchWatch> watch;              ///< finds contacts beyond the search distance
   ContactSpeeds speeds;                            ///< of the present tick
   std::vector<const btCollisionObject*> partners;  ///< scratch of gatherContacts

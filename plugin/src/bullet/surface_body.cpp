@@ -168,6 +168,13 @@ void updateGravity(SoftBodyData& body) {
   body.surface.gravity = gravity;
 }
 
+/// Replaces accelerations that are not finite: they would spread to all points.
+void restoreAccelerations(SoftBodyData& body) {
+  if (body.state.acceleration.cwiseAbs().sum() < kMaxSound) return;
+  body.state.acceleration.setZero();
+  body.restored = true;
+}
+
 void accelerateShared(SoftBodyData& body) {
   updateGravity(body);
   collectForces(body);
@@ -221,7 +228,7 @@ void removeSurface(SoftBodyData& body) {
   if (SurfaceObject* object = body.surface.object) {
     object->setOwner(nullptr);
     // the broadphase handle goes with the world: an object without one must not touch it
-    if (object->isInWorld()) body.world->btCollisionWorld::removeCollisionObject(object);
+    if (object->isInWorld()) body.world->removeRigidBody(object);
     delete object;
     body.surface.object = nullptr;
   }
@@ -268,7 +275,8 @@ void gatherSurface(SoftBodyData& body, btScalar tick) {
   if (body.masses.exposed) {
     gatherPoints(body, tick, held);
     accelerateShared(body);
-    return accelerateByObject(body);
+    accelerateByObject(body);
+    return restoreAccelerations(body);
   }
   body.masses.startPosition = body.state.position;
   const btVector3 gravity = body.world->getGravity();
@@ -276,6 +284,7 @@ void gatherSurface(SoftBodyData& body, btScalar tick) {
   s.gravity = gravity;
   body.state.acceleration.colwise() = toEigen(gravity);
   accelerateByObject(body);
+  restoreAccelerations(body);
 }
 
 void updateBroadphaseBox(SoftBodyData& body, btScalar tick) {

@@ -268,6 +268,8 @@ void accelerateByObject(SoftBodyData& body) {
     if (isFinite(object.getTotalForce()) && isFinite(object.getTotalTorque())) {
       s.objectForce += toEigen(object.getTotalForce());
       s.objectTorque += toEigen(object.getTotalTorque());
+    } else {
+      body.restored = true;
     }
     object.clearForces();
     // the system has to learn when the step has ended
