@@ -175,5 +175,48 @@ TEST(SurfaceTwin, isHitByEveryDynamicShapeAsARigidCubeIs) {
   }
 }
 
+/// Returns the lowest height (m) in a second of an octahedron's centre that falls, a corner first, onto the
+/// middle of a face of a soft cube.
+double lowestOctahedron(bool gimpact) {
+  constexpr double kCornerDistance = 0.3;  // m
+  btTriangleMesh mesh;
+  btConvexHullShape hull;
+  for (int i = 0; i < 8; ++i) {
+    const btVector3 x = vec(i & 1 ? kCornerDistance : -kCornerDistance, 0, 0),
+                    y = vec(0, i & 2 ? kCornerDistance : -kCornerDistance, 0),
+                    z = vec(0, 0, i & 4 ? kCornerDistance : -kCornerDistance);
+    mesh.addTriangle(x, y, z);
+    for (const btVector3& corner : {x, y, z}) hull.addPoint(corner);
+  }
+  btGImpactMeshShape shell(&mesh);
+  shell.setMargin(btScalar(0.01));
+  shell.updateBound();
+  hull.setMargin(btScalar(0.01));
+  btCollisionShape& shape = gimpact ? static_cast<btCollisionShape&>(shell) : hull;
+  TwinWorld twin(-9.81);
+  twin.bullet.addBoxFloor();
+  SoftBodySettings s;
+  s.position = {0, 0.55, 0};
+  s.extensionStiffness = s.compressionStiffness = 5000.0;
+  twin.system.createBody(test::cubeNetwork(), s);
+  btVector3 inertia;
+  hull.calculateLocalInertia(btScalar(0.5), inertia);
+  twin.body = std::make_unique<btRigidBody>(btScalar(0.5), nullptr, &shape, inertia);
+  twin.body->setWorldTransform(btTransform(btQuaternion::getIdentity(), vec(0.1, 1.5, 0.05)));
+  twin.bullet.world->addRigidBody(twin.body.get());
+  double lowest = 1.5;
+  for (int tick = 0; tick < 60; ++tick) {
+    twin.bullet.tick();
+    lowest = std::min(lowest, double(twin.body->getWorldTransform().getOrigin().y()));
+  }
+  return lowest;
+}
+
+TEST(SurfaceTwin, aGImpactMeshDoesNotFallThroughAFace) {
+  const double hull = lowestOctahedron(false), mesh = lowestOctahedron(true);
+  EXPECT_GT(mesh, 1.1) << "a corner first, it stays on the cube of 1 m until it topples";
+  EXPECT_NEAR(mesh, hull, 0.05) << "a mesh is a sheet, a hull solid";
+}
+
 }  // namespace
 }  // namespace limber

@@ -28,7 +28,8 @@ inline namespace LIMBER_BULLET_PRECISION {
 
 /// The surface of a convex Bullet shape as vertices, edges and triangles with a radius around them, in the
 /// shape's coordinates. A sphere is one vertex, a capsule one edge. Boxes and hulls are polyhedra. Other
-/// round shapes (cylinders, cones, ...) are approximated by polyhedra.
+/// round shapes (cylinders, cones, ...) are approximated by polyhedra. A GImpact mesh is a sheet of
+/// triangles.
 struct ShapeSurface {
   SurfaceTopology topology;
   double radius = 0.0;                    ///< m
@@ -96,9 +97,9 @@ void movePart(RigidPart& part, const btTransform& from, const RigidState& to, do
 /// coming fraction `ahead`.
 void movePart(RigidPart& part, double share, double ahead);
 
-/// The surfaces of the rigid objects near soft bodies in a tick. A convex object has one part, a compound one
-/// per convex child; planes and concave shapes have none. A part is made when a body comes near it, once per
-/// tick.
+/// The surfaces of the rigid objects near soft bodies in a tick. Convex objects and GImpact meshes have one
+/// part, compounds one per such child; planes and static meshes have none. A part is made when a body comes
+/// near it, once per tick.
 class RigidSurfaces {
  public:
   explicit RigidSurfaces(ShapeCache& shapes) : shapes_(&shapes) {}

@@ -186,9 +186,15 @@ ShapeSurface triangleMeshHull(const btConvexTriangleMeshShape& shape) {
   return corners.empty() ? ShapeSurface() : hullOf(corners, double(shape.getMargin()));
 }
 
-/// Returns an empty surface for shapes without edges and vertices (planes), concave shapes and compounds.
+/// Returns whether the shape is a mesh that may also move freely.
+bool isDynamicMesh(const btCollisionShape& shape) { return shape.getShapeType() == GIMPACT_SHAPE_PROXYTYPE; }
+
+/// Returns an empty surface for shapes without edges and vertices (planes), static meshes and compounds.
 ShapeSurface makeShapeSurface(const btCollisionShape& shape) {
+  const btVector3 largest(BT_LARGE_FLOAT, BT_LARGE_FLOAT, BT_LARGE_FLOAT);
   switch (shape.getShapeType()) {
+    case GIMPACT_SHAPE_PROXYTYPE:
+      return makePatchSurface(static_cast<const btConcaveShape&>(shape), -largest, largest);
     case SPHERE_SHAPE_PROXYTYPE:
       return sphereSurface(static_cast<const btSphereShape&>(shape));
     case CAPSULE_SHAPE_PROXYTYPE:
@@ -385,7 +391,7 @@ void RigidSurfaces::clear() {
 }
 
 bool RigidSurfaces::hasParts(const btCollisionShape& shape) {
-  if (shape.isConvex()) return !shapes_->surfaceOf(shape).topology.elements.empty();
+  if (shape.isConvex() || isDynamicMesh(shape)) return !shapes_->surfaceOf(shape).topology.elements.empty();
   if (!shape.isCompound()) return false;
   const auto& compound = static_cast<const btCompoundShape&>(shape);
   for (int i = 0; i < compound.getNumChildShapes(); ++i)
@@ -404,7 +410,7 @@ const std::vector<RigidPart*>& RigidSurfaces::partsNear(const btCollisionObject&
 
 void RigidSurfaces::addNear(const btCollisionObject& object, const btCollisionShape& shape,
                             const btTransform& pose, std::uint64_t number, const SweptBox& box, double tick) {
-  if (shape.isConvex()) return addPart(object, shape, pose, number, tick);
+  if (shape.isConvex() || isDynamicMesh(shape)) return addPart(object, shape, pose, number, tick);
   if (!shape.isCompound()) return;
   const auto& compound = static_cast<const btCompoundShape&>(shape);
   const std::size_t first = children_.size();
