@@ -6,6 +6,10 @@
 // Meshes, networks and settings have Eigen's vectors in double precision, and so has everything that Limber
 // computes itself (positions, velocities, momenta). Where the user passes or gets values of Bullet's objects
 // (pivots, targets, contacts), vectors are Bullet's.
+//
+// Units are SI. Thread rules: functions of mesh.h, spring_network.h, network_builder.h, network_analysis.h
+// and soft_body_settings.h may be called from any thread, since calls are independent. Everything in a world
+// belongs to the thread that steps the world.
 #include <limber/contacts.h>
 #include <limber/mesh.h>
 #include <limber/network_analysis.h>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
-// Triangle meshes: the input of networks.
+// Triangle meshes: the input of networks. Thread rule: any thread; calls are independent.
 
 #include <limber/result.h>
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
-// Builds spring networks.
+// Builds spring networks. Thread rule: any thread; calls are independent.
 
 #include <limber/result.h>
 #include <limber/soft_body_settings.h>

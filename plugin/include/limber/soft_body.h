@@ -36,6 +36,7 @@ class SoftBody {
   SoftBody(const SoftBody&) = delete;
   SoftBody& operator=(const SoftBody&) = delete;
 
+  /// Returns a reference that becomes null when the body is destroyed.
   Handle<SoftBody> handle();
 
   const SpringNetwork& network() const;
@@ -92,8 +93,8 @@ class SoftBody {
   /// Moves a pinned point to `target` over the next tick; the springs pull the other points along. Further
   /// errors: a point that is not pinned; a target that is not finite.
   Result<void> movePin(std::uint32_t i, const btVector3& target);
-  /// Releases a pinned point. It has its mass again and keeps the velocity of its last movement. Further error: a point that is not
-  /// pinned.
+  /// Releases a pinned point. It has its mass again and keeps the velocity of its last movement. Further
+  /// error: a point that is not pinned.
   Result<void> unpin(std::uint32_t i);
   /// Returns whether point i exists and is pinned.
   bool pinned(std::uint32_t i) const;

@@ -28,6 +28,7 @@ class SpringConstraint {
   SpringConstraint(const SpringConstraint&) = delete;
   SpringConstraint& operator=(const SpringConstraint&) = delete;
 
+  /// Returns a reference that becomes null when the spring is removed.
   Handle<SpringConstraint> handle();
 
   const SpringEnd& endA() const { return a_; }

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
-// Spring networks: the shapes of soft bodies, and their files.
+// Spring networks: the shapes of soft bodies, and their files. Thread rule: any thread; calls are
+// independent.
 
 #include <limber/mesh.h>
 #include <limber/result.h>
