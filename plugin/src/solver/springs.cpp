@@ -14,7 +14,8 @@ namespace {
 
 // --- the order of springs ----------------------------------------------------------------------------------
 
-/// Springs that are looked at for one that fits: enough for any network, and linear in its size.
+/// Number of springs among which a suitable one is searched. Enough for any network. The limit keeps the time
+/// linear in the network's size.
 constexpr std::size_t kWindow = 256;
 
 bool shares(const NetworkSpring& s, const NetworkSpring& t) {
@@ -28,7 +29,7 @@ std::vector<std::uint32_t> orderApart(const SpringNetwork& network) {
   std::vector<std::uint32_t> left(springs.size()), order;
   for (std::uint32_t i = 0; i < left.size(); ++i) left[i] = i;
   order.reserve(springs.size());
-  std::size_t first = 0;  // left[0..first) are taken
+  std::size_t first = 0;  // left[0..first) are in `order`
   while (first < left.size()) {
     const std::size_t begin = order.size(), end = std::min(left.size(), first + kWindow);
     const auto fits = [&](std::uint32_t i) {
@@ -38,9 +39,9 @@ std::vector<std::uint32_t> orderApart(const SpringNetwork& network) {
     while (order.size() < begin + 4 && first < left.size()) {
       std::size_t k = first;
       while (k < end && !fits(left[k])) ++k;
-      if (k == end) k = first;  // none fits: the four will be taken in turn
+      if (k == end) k = first;  // none fits: the dampers of this batch are computed one by one
       order.push_back(left[k]);
-      // those passed over move up and keep their order
+      // moves the skipped springs up by one, in the same order
       std::rotate(left.begin() + static_cast<std::ptrdiff_t>(first),
                   left.begin() + static_cast<std::ptrdiff_t>(k),
                   left.begin() + static_cast<std::ptrdiff_t>(k) + 1);
@@ -77,11 +78,11 @@ SpringArrays makeSprings(const SpringNetwork& network, const SoftBodySettings& s
 
 namespace {
 
-/// Of the rest length: closer counts as one place, and farther apart they are put.
+/// Fractions of the rest length: ends nearer than the first coincide; the second is their new distance.
 constexpr double kSamePlace = 1e-9;
 constexpr double kApart = 1e-6;
 
-/// -1 to 1, the same for the same input on every machine.
+/// Returns a pseudorandom number from -1 to 1. The same seed gives the same number on every machine.
 double scatter(std::uint64_t seed) { return 2.0 * Random(seed * 0x9e3779b97f4a7c15u).uniform() - 1.0; }
 
 Eigen::Vector3d directionOf(std::uint32_t a, std::uint32_t b) {
@@ -121,7 +122,7 @@ bool isBroken(const SpringArrays& springs, std::size_t i) {
   return springs->extensionStiffness[i] == 0.0 && springs->compressionStiffness[i] == 0.0;
 }
 
-/// The new rest length once the elongation at `length` is beyond the yield strain.
+/// Returns the rest length of a spring of this length: a new one if the strain exceeds the yield strain.
 double yieldedLength(const SpringArrays& springs, std::size_t i, double length) {
   const double original = springs.original->restLength[i], rest = springs->restLength[i];
   const double largest = springs->limit.yieldStrain * original, elongation = length - rest;
@@ -140,18 +141,19 @@ void updateLimits(SpringArrays& springs, std::size_t i, double length) {
     springs.yielded->restLength[i] = yieldedLength(springs, i, length);
 }
 
-/// J at elongation e (m) of a spring of stiffness k that stiffens beyond |e| = s by the factor.
+/// Returns the energy (J) at elongation e (m) of a spring of stiffness k, which is `factor` times as stiff
+/// beyond |e| = s.
 double stiffenedEnergy(double k, double e, double s, double factor) {
   const double beyond = std::max(0.0, std::abs(e) - s), below = std::abs(e) - beyond;
   return 0.5 * k * below * below + beyond * (k * s + 0.5 * k * factor * beyond);
 }
 
-/// Adds the forces of springs with an elastic limit, which first lets them yield and break. With L0 the rest
-/// length the spring was made with, L the present one, l its length and e = l - L:
+/// Applies the elastic limits to the springs and adds their forces. L0 is the original rest length, L the
+/// present one, l the length and e = l - L. A spring
 ///
-///     breaks    when l - L0 > breakStrain L0: no force, no damping from then on
-///     yields    when |e| > yieldStrain L0: L moves until |e| is that, but not beyond L0 (1 +- yieldMaximum);
-///               rate-independent, so the result does not depend on the substep
+///     breaks    when l - L0 > breakStrain L0: it has no force and no damping from then on
+///     yields    when |e| > yieldStrain L0: L changes until |e| = yieldStrain L0, but not beyond
+///               L0 (1 +- yieldMaximum); rate-independent, so the result does not depend on the substep
 ///     stiffens  F = k e up to |e| = s = stiffenStrain L0, then k (s + stiffenFactor (|e| - s)), signed
 void addLimitedForces(SpringArrays& springs, PointState& state) {
   const ElasticLimit& limit = springs->limit;

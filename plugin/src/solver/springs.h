@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
-// The springs of a body: their constants and order, their forces, with elastic limits, and their dampers.
+// The springs of a body: constants, order, forces, elastic limits and dampers.
 
 #include "solver/point_state.h"
 #include "solver/shared_constants.h"
@@ -16,7 +16,7 @@
 
 namespace limber {
 
-/// The constants of springs, one entry per spring of a network, in the order of orderApart().
+/// The constants of the springs of a network: one entry per spring, in the order of orderApart().
 struct SpringConstants {
   std::vector<std::uint32_t> a, b;           ///< point indices
   std::vector<double> restLength;            ///< m
@@ -25,45 +25,46 @@ struct SpringConstants {
   std::vector<double> damping;               ///< N s/m
   bool damped = false;                       ///< whether any spring has damping
 
-  double shortest = 0.0;  ///< m, the smallest rest length above 0
+  double shortest = 0.0;  ///< m, smallest rest length above 0
 
   ElasticLimit limit;
-  bool limited = false;  ///< whether any part of `limit` is on
+  bool limited = false;  ///< whether any limit of `limit` is enabled
 };
 
-/// The springs of one body. `->` leads to their present constants.
+/// The springs of one body. `->` accesses their present constants.
 struct SpringArrays {
-  SharedConstants<SpringConstants> original;  ///< of all bodies with this network, scale and material
-  std::shared_ptr<SpringConstants> yielded;   ///< the body's own ones, from the first tick of a body with an
-                                              ///< elastic limit on
-  std::size_t broken = 0;                     ///< springs that have broken so far
+  SharedConstants<SpringConstants> original;  ///< shared by all bodies with this network, scale and material
+  std::shared_ptr<SpringConstants> yielded;   ///< this body's own constants; nullptr without elastic limits
+                                              ///< and before the first tick
+  std::size_t broken = 0;                     ///< number of broken springs
 
-  // Written by the step; empty until used.
+  // Written by the step; empty before the first use.
   Points direction;              ///< 3 x #springs, unit vector from a to b, 0 while the spring is slack
   std::vector<double> dampHalf;  ///< kg, impulse per closing speed over half a substep
-  std::vector<double> dampFull;  ///< the same over a whole one
-  double damperTime = 0.0;       ///< s, the substep they hold for; 0 when an inverse mass has changed since
+  std::vector<double> dampFull;  ///< the same over a whole substep
+  double damperTime = 0.0;       ///< s, substep of dampHalf and dampFull; 0: they must be computed again
   unsigned revision = 1;         ///< counts the changes of constants, dampers and inverse masses
 
   const SpringConstants* operator->() const { return yielded ? yielded.get() : &*original; }
   std::size_t size() const { return original->a.size(); }
 };
 
-/// The springs of a body with these settings. Rest lengths are those of the rest points times the scale.
+/// Makes the springs of a body with these settings. Rest lengths are distances of the scaled rest points.
 SpringArrays makeSprings(const SpringNetwork& network, const SoftBodySettings& settings);
 
-/// An order of the network's springs in which, as far as it can be, no two of each four in a row (0 to 3, 4
-/// to 7, ...) share a point: their dampers can then be computed at once. Neighbours stay near each other.
+/// Returns an order of the network's springs, as indices. Where possible, no two springs of a batch of four
+/// (0 to 3, 4 to 7, ...) share a point, so that the dampers of a batch can be computed at once. Springs that
+/// are near each other in the network's order stay near each other.
 std::vector<std::uint32_t> orderApart(const SpringNetwork& network);
 
-/// Moves the ends of springs that lie in one place, though the spring has a length, apart by a millionth of
-/// it, each pair in a direction of its own. Without that a spring has no direction to push in, and a body
-/// crushed to a point would never unfold. The centre of mass stays; held points do not move.
+/// Moves the coincident ends of each spring apart by a millionth of its rest length, each pair in a different
+/// direction. Coincident ends give a spring no direction for its force: a body crushed to a point would never
+/// unfold. Does nothing for springs of rest length 0. The centre of mass and held points do not move.
 void separateCoincident(const SpringArrays& springs, PointState& state);
 
-// --- as verlet_kernel.h takes them ------------------------------------------------------------------------
+// --- arguments of verlet_kernel.h --------------------------------------------------------------------------
 
-/// The arrays of one body.
+/// Returns the arrays of one body.
 inline kernel::Springs<double> kernelSprings(SpringArrays& s) {
   if (s.direction.cols() == 0) s.direction.setZero(3, static_cast<Eigen::Index>(s.size()));
   return {static_cast<kernel::Index>(s.size()),
@@ -86,71 +87,73 @@ inline kernel::Points<double> kernelPoints(PointState& p) {
 
 // --- forces ------------------------------------------------------------------------------------------------
 
-/// The force and direction of a spring whose ends are `d` apart (from a to b).
+/// The force of a spring and its direction.
 struct SpringPull {
   Eigen::Vector3d direction;  ///< unit vector, or 0 when the spring is slack or its ends coincide
-  double force;               ///< N, above 0 pulls the ends together
+  double force;               ///< N, positive: pulls the ends together
 };
 
-/// Hooke's law with a constant for either side:  F = kE (|d| - L) if |d| > L, else kC (|d| - L).
-/// A side without stiffness is slack. Coincident ends have no direction and so no force.
+/// Returns the force of a spring by Hooke's law, where `d` (m) is the offset from end a to end b:
+///     F = kE (|d| - L) if |d| > L, else kC (|d| - L).
+/// The spring is slack where its stiffness is 0. Coincident ends have no direction and so no force.
 inline SpringPull springPull(const Eigen::Vector3d& d, double restLength, double extension,
                              double compression) {
   const kernel::Pull<double> pull = kernel::pullOf(d.squaredNorm(), restLength, extension, compression);
   return {d * pull.scale, pull.scale > 0.0 ? pull.force : 0.0};
 }
 
-/// Sets `state.force` to the force of all springs and keeps their directions for the dampers.
+/// Sets `state.force` to the force of all springs and stores their directions for the dampers.
 void computeSpringForces(SpringArrays& springs, PointState& state);
 
-/// J, of all springs at the present positions.
+/// Returns the elastic energy (J) of all springs with the points at `position`.
 double elasticEnergy(const SpringArrays& springs, const Points& position);
 
 // --- dampers -----------------------------------------------------------------------------------------------
 
-/// exp(-z) for z >= 0 as the reciprocal of exp's Taylor polynomial of degree 4: in (0, 1], falling, error
-/// z^5/120. Not std::exp, whose last bits differ between machines.
+/// Approximates exp(-z) for z >= 0 by the reciprocal of exp's Taylor polynomial of degree 4. The result is in
+/// (0, 1], decreases with z and has an error of z^5/120. std::exp is not used: its last bits differ between
+/// machines.
 inline double decay(double z) {
   return 1.0 / (1.0 + z * (1.0 + z / 2.0 * (1.0 + z / 3.0 * (1.0 + z / 4.0))));
 }
 
-/// kg: what a damper's impulse is per closing speed over the time dt.
+/// Returns a damper's impulse per closing speed (kg) over the time dt.
 ///
 /// Along the spring the relative velocity u of two ends with inverse masses wa, wb obeys
-///     du/dt = -c (wa + wb) u,   so   u(dt) = u(0) exp(-c (wa + wb) dt),
-/// which the impulse J = u (1 - exp(...)) / (wa + wb) on either end brings about exactly.
-/// It only ever takes speed away, so damping cannot make the step unstable.
+///     du/dt = -c (wa + wb) u,   so   u(dt) = u(0) exp(-c (wa + wb) dt).
+/// The impulse J = u (1 - exp(...)) / (wa + wb) on both ends causes exactly this change.
+/// It only reduces the speed, so damping cannot make the step unstable.
 inline double dampingImpulse(double damping, double inverseMasses, double dt) {
   if (inverseMasses == 0.0) return 0.0;
   return (1.0 - decay(damping * inverseMasses * dt)) / inverseMasses;
 }
 
-/// 1/kg: how easily the ends of spring s are moved against each other. Where a point moves along some axes
-/// only, its largest inverse mass is taken.
+/// Returns the sum of the inverse masses (1/kg) of the ends of spring s. For a point that moves along some
+/// axes only, it uses the largest inverse mass.
 inline double inverseMassesOf(const SpringArrays& springs, const Points& inverseMass, std::size_t s) {
   return inverseMass.col(springs->a[s]).maxCoeff() + inverseMass.col(springs->b[s]).maxCoeff();
 }
 
-/// kg: what a damper's impulse is per closing speed over half a substep and a whole one.
+/// A damper's impulse per closing speed (kg) over half a substep and over a whole one.
 struct DampingImpulses {
   double half, full;
 };
 
-/// Of spring s, for substeps of dt seconds. Where a point moves along some axes only, the damper brakes a
-/// little less, never too much.
+/// Returns the impulses of spring s for substeps of dt seconds. If an end moves along some axes only, the
+/// impulse may be too small, but never too large.
 inline DampingImpulses dampingImpulses(const SpringArrays& springs, const Points& inverseMass, std::size_t s,
                                        double dt) {
   const double w = inverseMassesOf(springs, inverseMass, s), damping = springs->damping[s];
   return {dampingImpulse(damping, w, 0.5 * dt), dampingImpulse(damping, w, dt)};
 }
 
-/// Fills dampHalf and dampFull for substeps of `dt` seconds, unless they hold for it already.
+/// Computes dampHalf and dampFull for substeps of `dt` seconds, unless they are already valid for `dt`.
 void prepareDampers(SpringArrays& springs, const Points& inverseMass, double dt);
 
 enum class SweepOrder { Forward, Backward };
 
-/// Applies each damper's impulse in turn to `state.velocity`, with the given kg per closing speed (dampHalf
-/// or dampFull). Alternating the order makes the splitting symmetric, hence second order.
+/// Applies the dampers' impulses to `state.velocity`, one damper after the other. `impulse` is dampHalf or
+/// dampFull. Alternating the order makes the splitting symmetric and therefore of second order.
 void dampSprings(SpringArrays& springs, const std::vector<double>& impulse, SweepOrder order,
                  PointState& state);
 
