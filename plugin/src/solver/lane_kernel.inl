@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// The body of lane_kernel_*.cpp, each of which compiles it for another instruction set.
+// The code of lane_kernel_*.cpp. Each of these files compiles it for a different instruction set.
 
 #include "solver/verlet_kernel.h"
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
-// The kernels of verlet_kernel.h as compiled for each instruction set. x86-64 with GCC or Clang; elsewhere
-// every body is stepped by itself.
+// The kernels of verlet_kernel.h, compiled for each instruction set of x86-64 with GCC or Clang. On other
+// platforms every body is stepped alone.
 #if defined(__x86_64__) && (defined(__GNUC__) || defined(__clang__))
 #define LIMBER_HAS_LANES
 #endif
@@ -12,7 +12,7 @@
 
 namespace limber {
 
-/// 64 bytes, so that a register of any instruction set can be read from an array of these.
+/// 64 bytes: an array of these has the alignment of the registers of every instruction set.
 struct alignas(64) CacheLine {
   double value[8];
 };
@@ -21,7 +21,7 @@ using AlignedNumbers = std::vector<CacheLine>;
 
 inline double* numbers(AlignedNumbers& array) { return array.front().value; }
 
-/// Makes room for `count` numbers; never shrinks. What is new is 0.
+/// Makes room for `count` numbers; never shrinks. New numbers are 0.
 inline void reserveNumbers(AlignedNumbers& array, std::size_t count) {
   if (array.size() * 8 < count) array.resize((count + 7) / 8, CacheLine{});
 }
@@ -32,7 +32,8 @@ namespace limber::kernel {
 
 struct ContactCalls;
 
-/// Of both kinds of bodies below: kernel::Volumes with packs or quads for numbers, `components` 0 without.
+/// kernel::Volumes for both kinds of bodies below. The numbers are packs in a LaneBody; see there for a
+/// SpringBatchBody. `components` is 0 without a volume term.
 struct VolumeBody {
   unsigned components = 0, points = 0;
   const unsigned *firstTriangle = nullptr, *corners = nullptr, *componentOf = nullptr;
@@ -41,15 +42,15 @@ struct VolumeBody {
   double timeStep = 0.0;
 };
 
-/// Of both kinds of bodies below: kernel::Tetrahedra with packs for numbers; of a SpringBatchBody, with one
-/// number per tetrahedron, filled up to a multiple of four, and one modulus.
+/// kernel::Tetrahedra for both kinds of bodies below. In a LaneBody the numbers are packs. In a SpringBatchBody
+/// there is one number per tetrahedron, padded to a multiple of four, and one modulus.
 struct TetrahedronBody {
   unsigned count = 0;
   const unsigned* corners = nullptr;
   const double *inverseRest = nullptr, *stabilityScale = nullptr, *modulus = nullptr, *crushModulus = nullptr;
 };
 
-/// A kernel::Body whose numbers are packs of `laneCount` doubles.
+/// A kernel::Body whose numbers are packs of laneCount() doubles.
 struct LaneBody {
   unsigned points, springs;
   const unsigned *a, *b;
@@ -62,29 +63,29 @@ struct LaneBody {
   bool damped;
   const double *dampHalf, *dampFull;
   const ContactCalls* contacts;
-  double* change;  ///< written: one per lane, see computeForcesAndChange
+  double* change;  ///< output, one per lane, see computeForcesAndChange()
 };
 
-/// One body whose points are quads x, y, z, 0 of doubles; what is one number per spring comes as it is. The
-/// number of springs is a multiple of four.
+/// One body. Each point has four doubles: x, y, z, 0. Each spring has one number per array. The number of
+/// springs is a multiple of four.
 struct SpringBatchBody {
   unsigned points, springs;
   const unsigned *a, *b;
-  const unsigned char* apart;  ///< per four springs: whether they share no point
+  const unsigned char* apart;  ///< per batch of four springs: whether they share no point
   double *position, *velocity, *force, *earlierForce;
   const double *acceleration, *inverseMass;
   const double *restLength, *extensionStiffness, *compressionStiffness;
-  double* inverseLength;  ///< written: 1/m, 0 while slack
-  VolumeBody volumes;     ///< one number per component; gradients are quads, sums two quads per component
+  double* inverseLength;  ///< output: 1/m, 0 while slack
+  VolumeBody volumes;     ///< one number per component; 4 doubles per point in gradient, 8 per component in sums
   TetrahedronBody tetrahedra;
   bool damped;
   const double *dampHalf, *dampFull;
   const ContactCalls* contacts;
 };
 
-/// Needs AVX2. Returns computeForcesAndChange.
+/// Steps a body; see stepAlone() of verlet_kernel.h, also for the result. Needs AVX2.
 double stepSpringBatches(const SpringBatchBody& body, double tick, int substeps);
-/// The parts of such a step, for bodies that are stepped together with others. Need AVX2.
+/// The parts of this step, for bodies that are stepped together with others. They need AVX2.
 void computeBatchForces(const SpringBatchBody& body);
 double computeBatchForcesAndChange(const SpringBatchBody& body);
 void kickSpringBatches(const SpringBatchBody& body, double dt);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// Copies bodies to where the kernels of lane_kernels.h step them, and back.
+// Copies bodies into the arrays of the kernels of lane_kernels.h, steps them and copies them back.
 #include "solver/simd_steps.h"
 
 #include "solver/verlet_kernel.h"
@@ -54,7 +54,7 @@ const char* nameOf(InstructionSet set) {
   return kName[static_cast<int>(set)];
 }
 
-// --- bodies side by side -----------------------------------------------------------------------------------
+// --- several bodies at once --------------------------------------------------------------------------------
 
 namespace {
 
@@ -150,7 +150,7 @@ void loadTetrahedra(LaneBlock& block, const TetrahedronVolumes& tetrahedra, std:
   toLane(&tetrahedra->crushModulus, 1, block.crushModulus, lane, lanes);
 }
 
-/// A lane without a body holds points that coincide and rest: nothing pulls or moves them.
+/// Clears a lane without a body: its points coincide and rest, without forces or masses.
 void clearState(LaneBlock& block, LaneScratch& s, std::size_t count, std::size_t lane, std::size_t lanes) {
   for (auto* array : {&s.position, &s.velocity, &s.acceleration, &s.inverseMass})
     for (std::size_t i = 0; i < count; ++i) numbers(*array)[i * lanes + lane] = 0.0;
@@ -201,7 +201,7 @@ struct LaneContacts {
   }
 };
 
-/// Readies the contacts of all lanes; false if there are none.
+/// Prepares the contacts of all lanes. Returns false if no lane can have contacts.
 bool prepareContacts(LaneBlock& block, const LaneContacts& contacts) {
   bool any = false;
   for (std::size_t lane = 0; lane < block.lanes.size(); ++lane) {
@@ -408,7 +408,7 @@ kernel::SpringBatchBody springBatchBody(SolverBody& stepped, const kernel::Conta
   body.acceleration = numbers(q.acceleration), body.inverseMass = numbers(q.inverseMass);
   body.restLength = numbers(q.restLength);
   body.extensionStiffness = numbers(q.extensionStiffness);
-  // one array less to read
+  // if both are the same, the kernel reads one array less
   body.compressionStiffness = numbers(q.sameStiffness ? q.extensionStiffness : q.compressionStiffness);
   body.inverseLength = numbers(q.inverseLength);
   body.dampHalf = numbers(q.dampHalf), body.dampFull = numbers(q.dampFull);

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
-// Velocity Verlet in vector registers: bodies of one network side by side, or four springs of one body at a
-// time.
+// Velocity Verlet in vector registers: for several bodies of one network at once, or for four springs of one
+// body at once.
 
 #include "solver/lane_kernels.h"
 #include "solver/verlet_step.h"
@@ -14,30 +14,30 @@ namespace limber {
 
 // --- instruction sets --------------------------------------------------------------------------------------
 
-/// What the springs of several bodies are computed with at once. All give the same bits.
+/// Instruction set that computes several bodies at once. All sets give the same results, to the bit.
 enum class InstructionSet : std::uint8_t { Scalar, Sse2, Avx2, Avx512 };
 
-/// Bodies at once: 1, 2, 4 or 8.
+/// Returns the number of bodies at once: 1, 2, 4 or 8.
 int laneCount(InstructionSet set);
 
-/// Whether this machine and this build have it.
+/// Whether this machine and this build support `set`.
 bool isAvailable(InstructionSet set);
 
-/// The widest available.
+/// Returns the widest available set.
 InstructionSet bestInstructionSet();
 
 const char* nameOf(InstructionSet set);
 
-// --- bodies side by side -----------------------------------------------------------------------------------
+// --- several bodies at once --------------------------------------------------------------------------------
 
-/// Bodies of one network side by side, one per lane of a register: entry i of lane l is at [i * lanes + l].
-/// Bodies that are all stepped equally often, have no links and no elastic limit,
-/// and are all damped or all not, and have a volume term or all have not.
+/// Bodies of one network, one per lane of a register: entry i of lane l is at [i * lanes + l]. The bodies have
+/// the same number of substeps, no links and no elastic limit. Either all or none of them are damped, and
+/// either all or none have a volume term.
 struct LaneBlock {
   struct Lane {
     SolverBody body;
-    unsigned revision = 0;  ///< of its springs when constants and dampers were copied; 0: not yet
-    double substep = 0.0;   ///< s, of the dampers
+    unsigned revision = 0;  ///< springs.revision of the copied constants and dampers; 0: none copied
+    double substep = 0.0;   ///< s, substep of the copied dampers
   };
   std::vector<Lane> lanes;  ///< 1 to laneCount(instructionSet) bodies
 
@@ -48,8 +48,8 @@ struct LaneBlock {
   AlignedNumbers tetrahedronModulus, crushModulus;  // 1, 1
 };
 
-/// What changes in a step, in the order of a LaneBlock. Of no block in particular: that of thousands would
-/// not stay in the caches.
+/// The numbers that change in a step, in the order of a LaneBlock. All blocks share one LaneScratch: those of
+/// thousands of blocks would not fit into the caches.
 struct LaneScratch {
   AlignedNumbers position, velocity, acceleration, inverseMass, force, earlierForce;  // 3 x #points
   AlignedNumbers direction;                                                           // 3 x #springs
@@ -57,43 +57,44 @@ struct LaneScratch {
   AlignedNumbers stabilityScale;  // #tetrahedra
 };
 
-/// As stepVerlet for each of the bodies, to the bit, whatever the instruction set.
-/// Allocates only when block and scratch have not had as many points or springs before.
+/// Steps each body. The results equal those of stepVerlet() to the bit, with every instruction set.
+/// Allocates only if block or scratch had fewer points or springs before.
 void stepLanes(LaneBlock& block, LaneScratch& scratch, double tick, int substeps, InstructionSet set);
 
 // --- four springs of a body --------------------------------------------------------------------------------
 
-/// A body's numbers as the kernel that takes four springs at a time wants them (lane_kernels.h:
-/// SpringBatchBody). Two points without a body behind them come last: springs and tetrahedra that fill up the
-/// last four have these.
+/// A body's numbers in the layout of the kernel that computes four springs at a time (lane_kernels.h:
+/// SpringBatchBody). The last batch is padded with springs or tetrahedra that use two additional points, which
+/// are not part of the body and come last.
 struct SpringBatchArrays {
   AlignedNumbers position, velocity, acceleration, inverseMass, force, earlierForce;  // 4 x (#points + 2)
   AlignedNumbers restLength, extensionStiffness, compressionStiffness, inverseLength, dampHalf,
-      dampFull;                                // #springs, filled up
-  bool sameStiffness = false;                  // of all springs, extended and compressed
+      dampFull;                                // #springs, padded
+  bool sameStiffness = false;                  // extended and compressed, for all springs
   AlignedNumbers gradient, sums;               // of the volume: 4 x (#points + 2), 8 x #components
-  AlignedNumbers inverseRest, stabilityScale;  // #tetrahedra, filled up
-  std::vector<unsigned> corners;               // 4 x #tetrahedra, filled up
-  std::vector<unsigned> a, b;                  // #springs, filled up
+  AlignedNumbers inverseRest, stabilityScale;  // #tetrahedra, padded
+  std::vector<unsigned> corners;               // 4 x #tetrahedra, padded
+  std::vector<unsigned> a, b;                  // #springs, padded
   std::vector<unsigned char> apart;            // #springs / 4: whether the four share no point
-  unsigned revision = 0;                       // of the springs when their constants were copied; 0: not yet
+  unsigned revision = 0;                       // springs.revision of the copied constants; 0: none copied
 };
 
-/// Whether this machine can: AVX2.
+/// Whether this machine supports it: needs AVX2.
 bool canStepSpringBatches();
 
-/// Copies the body's state, and what else has changed, into body.quads, which must be set. Allocates at the
-/// first call only. `contacts` must outlive the result; nullptr for a body that is stepped part by part.
+/// Copies the body's state, and changed constants, into body.springBatches, which must be set. Allocates in the
+/// first call only. `contacts` must outlive the result; nullptr if the parts of the step are called one by
+/// one.
 kernel::SpringBatchBody loadSpringBatches(SolverBody& body, const kernel::ContactCalls* contacts);
 
-/// Copies positions and velocities back.
+/// Copies positions and velocities from body.springBatches to body.points.
 void unloadSpringBatches(SolverBody& body);
 
-/// The points as they are while they are stepped.
+/// Returns a view of the points during the step.
 PointView viewOf(SpringBatchArrays& springBatches);
 
-/// As stepVerlet for a body without links and elastic limit, to the bit. body.quads must be set. Allocates at
-/// the first call only.
+/// Steps a body without links and elastic limit. The results equal those of stepVerlet() to the bit.
+/// body.springBatches must be set. Allocates in the first call only.
 void stepSpringBatches(SolverBody& body, double tick, int substeps);
 
 }  // namespace limber

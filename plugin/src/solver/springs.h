@@ -42,7 +42,7 @@ struct SpringArrays {
   Points direction;              ///< 3 x #springs, unit vector from a to b, 0 while the spring is slack
   std::vector<double> dampHalf;  ///< kg, impulse per closing speed over half a substep
   std::vector<double> dampFull;  ///< the same over a whole substep
-  double damperTime = 0.0;       ///< s, substep of dampHalf and dampFull; 0: they must be computed again
+  double damperTime = 0.0;       ///< s, substep of dampHalf and dampFull; 0 after a change of an inverse mass
   unsigned revision = 1;         ///< counts the changes of constants, dampers and inverse masses
 
   const SpringConstants* operator->() const { return yielded ? yielded.get() : &*original; }

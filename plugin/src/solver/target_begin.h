@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Zlib
-// No #pragma once: a source that defines LIMBER_PACK_BITS includes this before its code and target_end.h
-// after it. What stands between is compiled for the instruction set with registers of that size, whatever the
-// project's flags, and without fusing multiplications and additions: all sets must give the same bits.
+// No #pragma once: a source file that defines LIMBER_PACK_BITS includes this header before its code and
+// target_end.h after it. The code between them is compiled for the instruction set with registers of that
+// size, independent of the project's flags. Multiplications and additions are not fused, because all
+// instruction sets must give the same results, to the bit.
 
 #if defined(__clang__)
 #if LIMBER_PACK_BITS == 512

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// Ends what target_begin.h began; GCC's pragmas last to the end of the source.
+// Ends the settings of target_begin.h. GCC's pragmas last until the end of the source file.
 
 #if defined(__clang__)
 #pragma clang attribute pop

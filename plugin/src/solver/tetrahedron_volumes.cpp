@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// The volume term of tetrahedra: its forces and energy, and a bound of how fast it lets a body oscillate.
+// The volume term of tetrahedra: forces, energy and an upper bound of the frequency of oscillation.
 #include "solver/volumes.h"
 
 #include "mesh/edges.h"
@@ -16,13 +16,13 @@ namespace {
 
 using Eigen::Vector3d;
 
-/// A tetrahedron as it is now.
+/// The present shape of a tetrahedron.
 struct Shape {
   double volume;                     ///< m^3, signed
-  std::array<Vector3d, 4> gradient;  ///< m^2, of the volume by its corners
+  std::array<Vector3d, 4> gradient;  ///< m^2, of the volume with respect to the corners
 };
 
-/// With edges b, c, d from the first corner: V = b . (c x d) / 6.
+/// Computes the shape with  V = b . (c x d) / 6,  where b, c, d are the edges from the first corner.
 Shape shapeOf(const Tetrahedron& t, const Points& position) {
   const Vector3d a = position.col(t[0]), b = position.col(t[1]) - a, c = position.col(t[2]) - a,
                  d = position.col(t[3]) - a;
@@ -30,20 +30,20 @@ Shape shapeOf(const Tetrahedron& t, const Points& position) {
   return {b.dot(gb), {-(gb + gc + gd), gb, gc, gd}};
 }
 
-/// Pa: the most by which the push changes with the relative volume nearby.
+/// Returns the largest change of the push per relative volume (Pa) near this relative volume.
 double stiffnessNear(const TetrahedronVolumes& v, double relativeVolume) {
   const bool nearlyCrushed = relativeVolume < kernel::kCrushed + 0.2;
   return v->modulus + (nearlyCrushed ? v->crushModulus : 0.0);
 }
 
-/// The integral of the change c of a volume, limited, from `from` on.
+/// Returns the integral of the limited relative volume change, minus `from`, from `from` to c.
 double energyOfChange(double c, double from) {
   const double change = std::clamp(c, kernel::kLargestShrinking, kernel::kLargestSwelling) - from;
-  // a push that no longer grows has a straight line for its integral
+  // where the push has reached its limit, the integral is linear
   return change * (c - from - 0.5 * change);
 }
 
-/// Of the rest volume: a change that is far.
+/// A volume change above this fraction of the rest volume is far from rest.
 constexpr double kFar = 0.5;
 
 double perimeter(const Tetrahedron& t, std::size_t without, const Points& x) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// The volume term of closed surfaces: its forces and energy, and bounds of how fast it lets a body oscillate.
+// The volume term of closed surfaces: forces, energy and upper bounds of the frequency of oscillation.
 #include "solver/volumes.h"
 
 #include "mesh/edges.h"
@@ -11,7 +11,7 @@
 namespace limber {
 namespace {
 
-/// What is asked is the surface itself: a report may have been made of another one, or by hand.
+/// The defects must be those of the surface itself: the network's report may belong to another surface.
 bool isClosed(const EdgeDefects& defects) {
   return defects.open + defects.nonManifold + defects.inconsistent == 0;
 }
@@ -34,7 +34,7 @@ std::string whyNoVolume(const SpringNetwork& network) {
   return "the surface is not closed: it has " + found.substr(0, found.size() - 2);
 }
 
-/// Calls visit(a, b - a, c - a) for the corners of each triangle of a component.
+/// Calls visit(triangle, b - a, c - a) for each triangle of a component, with its corners a, b, c.
 template <class Visit>
 void forEachTriangle(const VolumeConstants& v, std::size_t component, const Points& x, Visit visit) {
   for (std::size_t i = v.firstTriangle[component]; i < v.firstTriangle[component + 1]; ++i) {
@@ -53,23 +53,24 @@ double componentVolume(const VolumeConstants& v, std::size_t component, const Po
   return six / 6.0;
 }
 
-/// Of the change c of the volume relative to the rest volume: the integral of the limited c.
+/// Returns the integral of the limited c, the change of the volume relative to the rest volume.
 double swellingEnergy(double c) {
   const double limited = std::clamp(c, kernel::kLargestShrinking, kernel::kLargestSwelling);
   return limited * (c - 0.5 * limited);
 }
 
-/// The integral of -1 / v over the volume v relative to the rest volume, from 1 on.
+/// Returns the integral of -1 / v from 1 to v, the volume relative to the rest volume, with the lower limit
+/// of the gas volume.
 double gasEnergy(double v) {
   const double least = kernel::kMinGasVolume;
   return v > least ? -std::log(v) : -std::log(least) - (v - least) / least;
 }
 
-/// Surfaces that enclose less than this share of their box are flat, or not oriented: their pressure would be
-/// without bounds.
+/// A surface that encloses less than this fraction of its bounding box is flat or not oriented. Its pressure
+/// would have no bound.
 constexpr double kMinEnclosed = 1e-6;
 
-/// m; 0 of no triangles.
+/// Returns the length (m) of the shortest edge; 0 if there are no triangles.
 double shortestEdge(const std::vector<Triangle>& triangles, const Points& points) {
   double shortest = triangles.empty() ? 0.0 : HUGE_VAL;
   for (const Triangle& t : triangles)
@@ -78,7 +79,7 @@ double shortestEdge(const std::vector<Triangle>& triangles, const Points& points
   return shortest;
 }
 
-/// Of the box around triangles first to last.
+/// Returns the volume (m^3) of the bounding box of the triangles from `first` on.
 double boxVolume(const std::vector<Triangle>& triangles, std::size_t first, const Points& points) {
   Eigen::AlignedBox3d box;
   for (std::size_t t = first; t < triangles.size(); ++t)
@@ -94,7 +95,8 @@ std::vector<std::vector<Triangle>> trianglesByComponent(const SpringNetwork& net
   return triangles;
 }
 
-/// Adds a component with its outside outside, whichever way the mesh, the scale or a hollow had turned it.
+/// Adds a component, with its triangles oriented outwards. In the mesh they may be oriented inwards, because
+/// of the mesh, the scale or a hollow. Leaves the component out if it encloses almost nothing.
 void addComponent(VolumeConstants& v, const std::vector<Triangle>& component, const Points& rest) {
   const std::size_t first = v.triangles.size();
   v.triangles.insert(v.triangles.end(), component.begin(), component.end());
@@ -113,10 +115,11 @@ void addComponent(VolumeConstants& v, const std::vector<Triangle>& component, co
   v.restVolume.push_back(std::abs(volume));
 }
 
-/// Of the rest volume: a change that is far. The push then bends the energy about as much as the springs do.
+/// A change of the volume above this fraction of the rest volume is far from rest. The push then contributes
+/// about as much to the second derivatives of the energy as the springs do.
 constexpr double kFarFromRest = 0.2;
 
-/// The square of the longest edge now, and of the longest when its ends have flown on for a tick.
+/// The squares (m^2) of the longest edge now, and during a tick in which the ends keep their velocities.
 struct EdgeSquares {
   double now = 0.0, later = 0.0;
 };
@@ -139,7 +142,8 @@ EdgeSquares longestEdge(const Triangle& t, const PointState& state, double tick,
   return longest;
 }
 
-/// Sums up the longest edges around each point into rowSums; returns the square of the largest growth of one.
+/// Adds a third of the longest edge of each triangle to the rowSums of its corners. Returns the square of the
+/// largest factor by which a triangle's longest edge grows.
 double sumEdges(VolumeArrays& v, std::size_t c, const PointState& state, double tick, double slack) {
   double growth = 1.0;
   for (std::size_t i = v->firstTriangle[c]; i < v->firstTriangle[c + 1]; ++i) {
@@ -150,9 +154,10 @@ double sumEdges(VolumeArrays& v, std::size_t c, const PointState& state, double 
   return growth;
 }
 
-/// 1/m^2 and more: sum w |g|^2 of a component, g the gradient of its volume. A triangle gives a corner a
-/// sixth of the cross product of two edges, which changes by at most 2 slack (|e1| + |e2|) / 6: with the sums
-/// r of longest edges, that are thirds,  |change of g| <= 2 slack r.
+/// Returns an upper bound of  sum w |g|^2  (m^4/kg) of a component, with the gradient g of its volume. A
+/// triangle contributes to g at a corner a sixth of the cross product of two edges e1, e2. It changes by at
+/// most 2 slack (|e1| + |e2|) / 6. With the rowSums r, which contain thirds of the longest edges,
+/// |change of g| <= 2 slack r.
 double gradientSum(const VolumeArrays& v, const double* sums, const PointState& state, double slack) {
   const double now = (sums[1] + sums[2] + sums[3]) / 36.0;
   if (!(slack > 0.0)) return now;
@@ -162,7 +167,7 @@ double gradientSum(const VolumeArrays& v, const double* sums, const PointState& 
   return squareOfSum(now, 2.0 * slack * std::sqrt(change));
 }
 
-/// Of one component, see volumeFrequencyBoundSquared; after sumUp().
+/// Returns the bound for one component, see volumeFrequencyBoundSquared(). Call sumUp() before.
 double componentBound(VolumeArrays& v, std::size_t c, const PointState& state, double tick, double slack) {
   const double* sums = &v.sums[4 * c];
   const kernel::Push<double> now = kernel::pushOf(sums[0] / 6.0, v->restVolume[c], v->modulus, v->pressure);
@@ -318,17 +323,18 @@ bool isFarFromRest(const VolumeArrays& v, const Points& position) {
   return false;
 }
 
-// --- a bound that is kept while the shape is ---------------------------------------------------------------
+// --- a cached bound ----------------------------------------------------------------------------------------
 
 namespace {
 
 using Eigen::Vector3d;
 
-/// Of the shortest edge at rest: motion against each other that is no change of shape. It makes the bound
-/// of a cube half a per cent larger.
+/// Fraction of the shortest edge at rest. Smaller relative motions of points do not count as a change of
+/// shape. It makes the bound of a cube half a per cent larger.
 constexpr double kSlack = 2e-4;
 
-/// m, how far a point has moved against the others since the shape was kept, and may move in the tick.
+/// Returns the largest displacement (m) of a point relative to the mean of all points: since the shape was
+/// stored, plus during the tick.
 double shapeChange(const Points& kept, const PointState& state, double tick) {
   const Vector3d moved = (state.position - kept).rowwise().mean();
   const Vector3d velocity = state.velocity.rowwise().mean();
