@@ -32,8 +32,8 @@ namespace limber::kernel {
 
 struct ContactCalls;
 
-/// kernel::Volumes for both kinds of bodies below. The numbers are packs in a LaneBody; see there for a
-/// SpringBatchBody. `components` is 0 without a volume term.
+/// kernel::Volumes for both kinds of bodies below. The numbers are packs in a LaneBody; for the others
+/// see SpringBatchBody::volumes. `components` is 0 without a volume term.
 struct VolumeBody {
   unsigned components = 0, points = 0;
   const unsigned *firstTriangle = nullptr, *corners = nullptr, *componentOf = nullptr;
@@ -42,8 +42,8 @@ struct VolumeBody {
   double timeStep = 0.0;
 };
 
-/// kernel::Tetrahedra for both kinds of bodies below. In a LaneBody the numbers are packs. In a SpringBatchBody
-/// there is one number per tetrahedron, padded to a multiple of four, and one modulus.
+/// kernel::Tetrahedra for both kinds of bodies below. In a LaneBody the numbers are packs. In a
+/// SpringBatchBody there is one number per tetrahedron, padded to a multiple of four, and one modulus.
 struct TetrahedronBody {
   unsigned count = 0;
   const unsigned* corners = nullptr;
@@ -76,7 +76,7 @@ struct SpringBatchBody {
   const double *acceleration, *inverseMass;
   const double *restLength, *extensionStiffness, *compressionStiffness;
   double* inverseLength;  ///< output: 1/m, 0 while slack
-  VolumeBody volumes;     ///< one number per component; 4 doubles per point in gradient, 8 per component in sums
+  VolumeBody volumes;  ///< one number per component; 4 doubles per point in gradient, 8 per component in sums
   TetrahedronBody tetrahedra;
   bool damped;
   const double *dampHalf, *dampFull;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// Sums over the point masses of a body, and changes of its motion as a whole.
+// Computes sums over the point masses of a body and changes its motion as a whole.
 #include "solver/point_state.h"
 
 #include "mesh/linear_algebra.h"
@@ -73,7 +73,7 @@ std::uint64_t stateHash(const PointState& state) {
   return addBits(addBits(14695981039346656037ull, state.position), state.velocity);
 }
 
-// --- what the energy guard changes -------------------------------------------------------------------------
+// --- corrections of the motion -----------------------------------------------------------------------------
 
 namespace {
 
@@ -84,14 +84,15 @@ struct RigidMotion {
   Eigen::Vector3d at(const Eigen::Vector3d& x) const { return velocity + omega.cross(x - center); }
 };
 
-/// Mass, its centre and motion, and angular momentum and inertia about it.
+/// Mass, the centre of mass and its velocity, and the angular momentum and inertia about it.
 struct BodyMoments {
   double mass = 0.0;
   Eigen::Vector3d center = Eigen::Vector3d::Zero(), velocity = Eigen::Vector3d::Zero(),
                   spin = Eigen::Vector3d::Zero();
   Eigen::Matrix3d inertia = Eigen::Matrix3d::Zero();
 
-  /// All points on a line have no inertia about it, and no spin either.
+  /// Returns the angular velocity (rad/s). Uses the pseudoinverse: points on a line have neither inertia nor
+  /// angular momentum about that line.
   Eigen::Vector3d turnFor(const Eigen::Vector3d& angularMomentum) const {
     return pseudoInverse(inertia) * angularMomentum;
   }
@@ -116,7 +117,7 @@ BodyMoments momentsOf(const PointState& state) {
   return m;
 }
 
-/// The rigid motion with the same momenta; zero if anything is held.
+/// Returns the rigid motion with the same linear and angular momentum; zero if any point is held on any axis.
 RigidMotion rigidMotion(const PointState& state) {
   if ((state.inverseMass.array() == 0.0).any()) return RigidMotion();
   const BodyMoments m = momentsOf(state);

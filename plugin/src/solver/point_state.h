@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
-// The point masses of a body, in arrays; sums over them, and changes of the motion as a whole.
+// Arrays of the point masses of a body, sums over them, and changes of the body's motion as a whole.
 
 #include <Eigen/Core>
 
@@ -16,14 +16,14 @@ using Points = Eigen::Matrix3Xd;
 
 inline double dot(const Points& a, const Points& b) { return a.cwiseProduct(b).sum(); }
 
-/// The state of a body's point masses, in double so that it is not limited by the host's precision.
+/// The state of a body's point masses. It is in double, independent of the precision of Bullet's numbers.
 /// All arrays are 3 x #points.
 struct PointState {
   Points position;      ///< m
   Points velocity;      ///< m/s
-  Points acceleration;  ///< m/s^2 from everything but the springs, constant over a tick
-  Points inverseMass;   ///< 1/kg per axis; 0 where a point is held
-  Points force;         ///< N from the springs at `position`
+  Points acceleration;  ///< m/s^2, due to everything except springs, constant over a tick
+  Points inverseMass;   ///< 1/kg per axis; 0 along axes on which a point is held
+  Points force;         ///< N, of the springs at `position`
   Points earlierForce;  ///< N, scratch of the step
 
   void resize(Eigen::Index points) {
@@ -32,18 +32,18 @@ struct PointState {
   }
 };
 
-/// Whether point i is held; one that may move along some axes only is not.
+/// Whether point i is held along all axes.
 inline bool isHeld(const Points& inverseMass, Eigen::Index i) { return inverseMass.col(i).maxCoeff() == 0.0; }
 
-/// kg; 0 for a point that is held.
+/// Returns the mass (kg) of point i; 0 if it is held.
 inline double massOf(const Points& inverseMass, Eigen::Index i) {
   const double w = inverseMass.col(i).maxCoeff();
   return w > 0.0 ? 1.0 / w : 0.0;
 }
 
-// --- points that may be among others -----------------------------------------------------------------------
+// --- views of points ---------------------------------------------------------------------------------------
 
-/// The points of one body in an array of its own, or among others: coordinate c of point i is at
+/// The points of one body in its own array or in an array of several bodies: coordinate c of point i is at
 /// [i pointStride + c axisStride].
 struct PointView {
   using Column = Eigen::Map<Eigen::Vector3d, 0, Eigen::InnerStride<>>;
@@ -76,21 +76,21 @@ Eigen::Vector3d linearMomentum(const PointState& state);
 Eigen::Vector3d angularMomentum(const PointState& state);  ///< about the origin
 double kineticEnergy(const PointState& state);
 
-/// FNV-1a over the bits of positions and velocities.
+/// Returns the FNV-1a hash of the bits of positions and velocities.
 std::uint64_t stateHash(const PointState& state);
 
-// --- what the energy guard changes -------------------------------------------------------------------------
+// --- corrections of the motion -----------------------------------------------------------------------------
 
-/// Takes `excess` J out of the motion of a free body's points relative to its rigid motion, by scaling
-/// it, so that linear and angular momentum stay (the projection of Dinev, Liu, Li, Thomaszewski, Kavan 2018
-/// restricted to velocities). A body with held points has no rigid motion of its own: all of it is scaled.
-/// Returns what was not there to be taken, J.
+/// Removes the kinetic energy `excess` (J) from the motion of a free body's points relative to its rigid
+/// motion. Scales that relative motion, so that linear and angular momentum do not change (the projection of
+/// Dinev, Liu, Li, Thomaszewski, Kavan 2018, restricted to velocities). For a body with held points it scales
+/// the whole motion. Returns the energy (J) that could not be removed.
 double removeKineticEnergy(PointState& state, double excess);
 
-/// kg m^2/s: angular momentum about the centre of mass.
+/// Returns the angular momentum (kg m^2/s) about the centre of mass.
 Eigen::Vector3d spinOf(const PointState& state);
 
-/// Turns the whole body so much faster or slower that spinOf(state) becomes `spin`.
+/// Adds a rigid rotation about the centre of mass to the velocities, so that spinOf(state) becomes `spin`.
 void setSpin(PointState& state, const Eigen::Vector3d& spin);
 
 }  // namespace limber

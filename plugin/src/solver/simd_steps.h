@@ -30,9 +30,9 @@ const char* nameOf(InstructionSet set);
 
 // --- several bodies at once --------------------------------------------------------------------------------
 
-/// Bodies of one network, one per lane of a register: entry i of lane l is at [i * lanes + l]. The bodies have
-/// the same number of substeps, no links and no elastic limit. Either all or none of them are damped, and
-/// either all or none have a volume term.
+/// Bodies of one network, one per lane of a register: entry i of lane l is at [i * lanes + l]. The bodies
+/// have the same number of substeps, no links and no elastic limit. Either all or none of them are damped,
+/// and either all or none have a volume term.
 struct LaneBlock {
   struct Lane {
     SolverBody body;
@@ -48,7 +48,7 @@ struct LaneBlock {
   AlignedNumbers tetrahedronModulus, crushModulus;  // 1, 1
 };
 
-/// The numbers that change in a step, in the order of a LaneBlock. All blocks share one LaneScratch: those of
+/// The numbers that change in a step, in the order of a LaneBlock. Blocks share it, because the scratches of
 /// thousands of blocks would not fit into the caches.
 struct LaneScratch {
   AlignedNumbers position, velocity, acceleration, inverseMass, force, earlierForce;  // 3 x #points
@@ -64,8 +64,8 @@ void stepLanes(LaneBlock& block, LaneScratch& scratch, double tick, int substeps
 // --- four springs of a body --------------------------------------------------------------------------------
 
 /// A body's numbers in the layout of the kernel that computes four springs at a time (lane_kernels.h:
-/// SpringBatchBody). The last batch is padded with springs or tetrahedra that use two additional points, which
-/// are not part of the body and come last.
+/// SpringBatchBody). The last batch is padded with springs or tetrahedra that use two additional points,
+/// which are not part of the body and come last.
 struct SpringBatchArrays {
   AlignedNumbers position, velocity, acceleration, inverseMass, force, earlierForce;  // 4 x (#points + 2)
   AlignedNumbers restLength, extensionStiffness, compressionStiffness, inverseLength, dampHalf,
@@ -79,12 +79,12 @@ struct SpringBatchArrays {
   unsigned revision = 0;                       // springs.revision of the copied constants; 0: none copied
 };
 
-/// Whether this machine supports it: needs AVX2.
+/// Whether this machine supports stepSpringBatches(): it needs AVX2.
 bool canStepSpringBatches();
 
-/// Copies the body's state, and changed constants, into body.springBatches, which must be set. Allocates in the
-/// first call only. `contacts` must outlive the result; nullptr if the parts of the step are called one by
-/// one.
+/// Copies the body's state, and changed constants, into body.springBatches, which must be set. Allocates in
+/// the first call only. `contacts` must outlive the result; nullptr if the parts of the step are called one
+/// by one.
 kernel::SpringBatchBody loadSpringBatches(SolverBody& body, const kernel::ContactCalls* contacts);
 
 /// Copies positions and velocities from body.springBatches to body.points.

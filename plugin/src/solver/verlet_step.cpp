@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// Steps soft bodies by velocity Verlet: one by itself, or several together.
+// Steps a single soft body, or several together, by velocity Verlet.
 #include "solver/verlet_step.h"
 
 #include "solver/contacts.h"
@@ -31,7 +31,7 @@ double verletErrorRate(double change, Eigen::Index points, double dt) {
   return dt / 24.0 * std::sqrt(change / static_cast<double>(std::max<Eigen::Index>(points, 1)));
 }
 
-// --- a body by itself --------------------------------------------------------------------------------------
+// --- a single body -----------------------------------------------------------------------------------------
 
 namespace {
 
@@ -52,14 +52,14 @@ void stepSingle(SolverBody& body, double tick, int substeps) {
   body.errorRate = verletErrorRate(change, state.position.cols(), tick / substeps);
 }
 
-// --- one body among others, four springs at a time or one by one -------------------------------------------
+// --- a body of an island: four springs at a time, or one by one --------------------------------------------
 
 void computeForces(BatchedBody& body) {
   if (body.inBatches) return kernel::computeBatchForces(body.springBatches);
   computeElasticForces(*body.stepped);
 }
 
-/// See computeForcesAndChange() of verlet_kernel.h; without the forces of links.
+/// Does the same as computeForcesAndChange() of verlet_kernel.h, without the forces of links.
 double computeForcesAndChange(BatchedBody& body) {
   if (body.inBatches) return kernel::computeBatchForcesAndChange(body.springBatches);
   PointState& p = *body.stepped->points;
@@ -85,9 +85,9 @@ void damp(BatchedBody& body, bool whole, bool forward) {
               forward ? SweepOrder::Forward : SweepOrder::Backward, *body.stepped->points);
 }
 
-// --- bodies that are stepped together ----------------------------------------------------------------------
+// --- islands -----------------------------------------------------------------------------------------------
 
-/// Links read and push the points of their bodies where PointState has them.
+/// Sets the bodies with links to be stepped in their PointState, because links read and write points there.
 void markLinked(SolverIsland& group) {
   const auto mark = [&](const LinkEnd& end) {
     if (end.kind == LinkEnd::Kind::Point) group.inStep[end.body].inBatches = false;
@@ -169,7 +169,7 @@ void prepare(SolverIsland& group) {
   prepareConstraints(group.pairs, group.links, group.views);
 }
 
-/// Before a substep.
+/// Repeats the search for contacts if it is due. Call it before each substep.
 void searchAgain(SolverIsland& group, int substep, int substeps, double dt) {
   const PairSearch& again = group.again;
   if (again.every == 0 || substep == 0 || substep % again.every != 0) return;
@@ -178,8 +178,8 @@ void searchAgain(SolverIsland& group, int substep, int substeps, double dt) {
   prepareConstraints(group.pairs, group.links, group.views);
 }
 
-/// stepVerlet for bodies that links, contacts or joints couple. Their dampers and volume terms must be
-/// prepared. A body gives the same bits as by itself where nothing is between them.
+/// Implements stepVerlet() for bodies that links, contacts or joints couple. Their dampers and volume terms
+/// must be prepared. While no coupling acts on a body, its results equal those of a single body, to the bit.
 void stepLinked(SolverIsland& group, double tick, int substeps) {
   const double dt = tick / substeps;
   prepare(group);
@@ -197,11 +197,13 @@ void stepLinked(SolverIsland& group, double tick, int substeps) {
     drift(group, dt);
     computeForces(group, last || 2 * s == substeps, dt);
     kick(group, 0.5 * dt);
-    // first anchors and contacts: a damper must not see a point kicked away from what holds it
+    // anchors and contacts first: before that, the kick has given held points velocities that dampers must
+    // not use
     solveVelocities(group);
     followContacts(group.pairs, 0.0);
     solveVelocities(group.pairs, group.links);
-    // the half dampings of neighbouring substeps act at the same positions and merge into one
+    // the half dampings of two successive substeps act at the same positions, so one full damping replaces
+    // them
     damp(group, dt, !last, s % 2 == 0);
   }
   joinVelocities(group.links);

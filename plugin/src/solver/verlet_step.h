@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
-// Velocity Verlet for soft bodies: one by itself, or several with the rigid ones that are coupled with them.
+// Velocity Verlet for a single soft body, or for several together with the rigid bodies coupled to them.
 
 #include "solver/contacts.h"
 #include "solver/lane_kernels.h"
@@ -18,7 +18,7 @@ namespace limber {
 
 struct SpringBatchArrays;
 
-/// A soft body as the step sees it.
+/// The data of a soft body that a step uses.
 struct SolverBody {
   PointState* points;
   SpringArrays* springs;
@@ -27,82 +27,85 @@ struct SolverBody {
   TetrahedronVolumes* tetrahedra = nullptr;  ///< may be nullptr
 
   SpringBatchArrays* springBatches =
-      nullptr;  ///< for stepping it four springs at a time, see simd_steps.h; may be nullptr
+      nullptr;  ///< to step it four springs at a time, see simd_steps.h; may be nullptr
 
   ContactWatch* watch = nullptr;  ///< may be nullptr
 
-  double errorRate = 0.0;  ///< m/s, written by the step, see verletErrorRate
+  double errorRate = 0.0;  ///< m/s, written by the step, see verletErrorRate()
 };
 
-/// Sets the points' forces to those of springs and volume, and keeps the springs' directions for the dampers.
+/// Sets the points' forces to those of springs and volume terms. Stores the springs' directions for the
+/// dampers.
 void computeElasticForces(SolverBody& body);
 
-/// J in springs and volume, with the points at `position`.
+/// Returns the energy (J) of springs and volume terms with the points at `position`.
 double elasticEnergy(SolverBody& body, const Points& position);
 
-/// Makes the volume terms ready for substeps of dt seconds that must be stable; 0 for an implicit stepper.
+/// Prepares the volume terms for stable substeps of dt seconds; 0 for an implicit stepper.
 void prepareVolumes(SolverBody& body, double dt);
 
-/// m/s: how fast the positions of Verlet's solution depart from the exact one, root mean square over the
-/// points. In substeps of dt an oscillation of frequency omega is wrong by (omega dt)^2 / 24 of its phase
-/// (Hairer, Lubich, Wanner 2006, section I.5), so one of amplitude A departs by
+/// Returns the speed (m/s) at which the positions of Verlet's solution depart from the exact ones, as root
+/// mean square over the points. With substeps of dt the phase of an oscillation of frequency omega has a
+/// relative error of (omega dt)^2 / 24 (Hairer, Lubich, Wanner 2006, section I.5). With amplitude A it
+/// departs by
 ///     A omega (omega dt)^2 / 24 = |jerk| dt^2 / 24  per second,   jerk = change of acceleration / dt.
-/// `change` is the sum over the points of its square over one substep.
+/// `change` is the sum over the points of the squared change of acceleration in one substep.
 double verletErrorRate(double change, Eigen::Index points, double dt);
 
-/// A body while it is stepped together with others.
+/// A body during a step together with others.
 struct BatchedBody {
   SolverBody* stepped;
-  bool inBatches;  ///< its state is in the quads, else in the points
+  bool inBatches;  ///< its state is in `springBatches`, otherwise in stepped->points
   kernel::SpringBatchBody springBatches;
 };
 
 struct SolverIsland;
 
-/// Looks for contacts anew within a tick where surfaces move too far in it to be known at its start.
+/// Repeats the search for contacts within a tick, if surfaces move too far to predict all contacts at its
+/// start.
 struct PairSearch {
-  int every = 0;  ///< substeps from one search to the next; 0: none is needed
+  int every = 0;  ///< number of substeps between searches; 0: no search
   void* context = nullptr;
-  /// Replaces what it finds in group.pairs.contacts; s since the start of the tick and until the next search.
-  /// The state of bodies[i] is at views[i].
+  /// Updates group.pairs.contacts. `since` is the time (s) since the start of the tick, `ahead` the time
+  /// until the next search. The state of bodies[i] is at views[i].
   void (*search)(void* context, SolverIsland& group, double since, double ahead) = nullptr;
 };
 
-/// Bodies that links join or that touch; without links a group is one body.
+/// Bodies that links or contacts couple; without them an island is one body.
 struct SolverIsland {
   std::vector<SolverBody> bodies;
   LinkedBodies links;       ///< links.points[i] is bodies[i].points
-  IslandConstraints pairs;  ///< what else couples them, and the rigid ones with their own surroundings
+  IslandConstraints pairs;  ///< contacts and joints of these bodies and of the rigid bodies
   PairSearch again;
 
   // Scratch of the step, #bodies.
   std::vector<BatchedBody> inStep;
-  std::vector<PointView> views;  ///< where the bodies' points are meanwhile
+  std::vector<PointView> views;  ///< the bodies' points during the step
 };
 
-/// Whether the group is one body that nothing but its own springs, volumes and contacts acts on.
+/// Whether the island is one soft body without couplings to others and without elastic limits.
 bool isPlain(const SolverIsland& group);
 
-/// Advances all bodies of the group by `tick` seconds in `substeps` substeps of velocity Verlet with damping
-/// split off (Strang), per substep of dt:
+/// Advances all bodies of the island by `tick` seconds in `substeps` substeps of velocity Verlet with Strang
+/// splitting of the damping. Each substep of dt consists of
 ///
 ///     damp dt/2 | kick dt/2 | drift dt | new forces | kick dt/2 | damp dt/2
 ///
 /// with anchors and contacts solved before each drift (positions) and each damping (velocities).
-/// Second order, symplectic without damping; linear momentum is exact and angular momentum is kept, since all
-/// impulses run along the springs. Stable for omega dt < 2 whatever the damping: kick-drift-kick keeps
-/// v^2 + omega^2 (1 - (omega dt)^2/4) x^2, whose velocity part the dampers can only shrink.
-/// A body by itself and one in a lane (simd_steps.h) give the same bits.
-/// Held points (inverse mass 0) move on with their velocity. Allocates nothing.
+/// The method is of second order, and symplectic without damping. It conserves linear and angular momentum,
+/// since all impulses are along the springs. It is stable for omega dt < 2 with any damping: kick-drift-kick
+/// conserves  v^2 + omega^2 (1 - (omega dt)^2/4) x^2,  and the dampers can only reduce its velocity part.
+/// A single body and one in a lane (simd_steps.h) give the same results, to the bit.
+/// Held points (inverse mass 0) keep their velocity. Allocates nothing.
 void stepVerlet(SolverIsland& group, double tick, int substeps);
 
-// --- contacts of points, as steps call them ----------------------------------------------------------------
+// --- contacts of points ------------------------------------------------------------------------------------
 
 inline bool mayTouch(const SolverBody& body) {
   return (body.contacts && !body.contacts->empty()) || (body.watch && body.watch->on);
 }
 
-/// Before a drift: holds back what is on its way into something, foreseen or not.
+/// Solves the predicted and unpredicted contacts of points before a drift. Then no point enters a surface.
 inline void solvePositions(SolverBody& body, const PointView& points, double time, double dt) {
   if (body.contacts) solvePositions(*body.contacts, points, time, dt);
   if (!body.watch || !body.watch->on) return;
@@ -110,14 +113,14 @@ inline void solvePositions(SolverBody& body, const PointView& points, double tim
   if (!body.watch->rows.empty()) solvePositions(body.watch->rows, points, time, dt);
 }
 
-/// After the second kick.
+/// Solves the velocities at the same contacts after the second kick.
 inline void solveVelocities(SolverBody& body, const PointView& points) {
   if (body.contacts) solveVelocities(*body.contacts, points);
   if (body.watch && !body.watch->rows.empty()) solveVelocities(body.watch->rows, points);
 }
 
-/// A body's contacts as the kernels call them. `points` must hold the state of the start of the tick by the
-/// time calls() is called.
+/// A body's contacts in the form of the kernels' callbacks. When calls() is called, `points` must hold the
+/// state at the start of the tick.
 struct BodyContacts {
   SolverBody* body;
   PointView points;
