@@ -12,7 +12,7 @@ namespace {
 
 using Quad = Pack;
 
-/// One body; a point is the quad x, y, z, 0.
+/// One body in the form that stepAlone() takes. Each point is a Quad x, y, z, 0.
 struct SpringBatchPoints {
   const SpringBatchBody& b;
   bool damped() const { return b.damped; }
@@ -49,7 +49,7 @@ void pullTogether(const SpringBatchBody& b, Index spring, Quad pull, Quad direct
   fb = fb - force;
 }
 
-/// addForce of four springs from i on.
+/// Does the same as addForce() of verlet_kernel.h for four springs, from i on.
 void addForces(const SpringBatchBody& b, Index i) {
   const Quad* x = springBatches(b.position);
   const Quad d0 = x[b.b[i]] - x[b.a[i]], d1 = x[b.b[i + 1]] - x[b.a[i + 1]];
@@ -65,8 +65,8 @@ void addForces(const SpringBatchBody& b, Index i) {
   pullTogether(b, i + 3, spread<3>(p.force), d3 * spread<3>(p.scale));
 }
 
-/// The direction of one of four springs, as addForces has it: to keep its inverse length is a quarter of the
-/// memory, which large bodies wait for.
+/// Returns the direction of one of four springs, as addForces() computes it. Only the inverse length is
+/// stored, which needs a quarter of the memory: large bodies are limited by memory bandwidth.
 template <int i>
 Quad directionOf(const SpringBatchBody& b, Index first, Quad inverseLength) {
   const Quad* x = springBatches(b.position);
@@ -87,7 +87,7 @@ Quad closing(const SpringBatchBody& b, Index spring, Quad direction) {
   return direction * (v[b.b[spring]] - v[b.a[spring]]);
 }
 
-/// damp of four springs that share no point.
+/// Does the same as damp() of verlet_kernel.h for four springs that share no point.
 void dampTogether(const SpringBatchBody& b, Index i, Quad factor) {
   const Quad scale = springBatches(b.inverseLength)[i / 4];
   const Quad n0 = directionOf<0>(b, i, scale), n1 = directionOf<1>(b, i, scale);
@@ -101,7 +101,7 @@ void dampTogether(const SpringBatchBody& b, Index i, Quad factor) {
   push(b, i + 3, spread<3>(impulse), n3);
 }
 
-/// Springs that share points, one after the other.
+/// Applies one damper of a batch in which springs share points.
 template <int i>
 void dampOne(const SpringBatchBody& b, Index first, Quad factor) {
   const Quad n = directionOf<i>(b, first, springBatches(b.inverseLength)[first / 4]);
@@ -117,13 +117,13 @@ void dampInTurn(const SpringBatchBody& b, Index i, Quad factor, bool forward) {
   }
 }
 
-/// y z x 0
+/// Returns y, z, x, 0.
 Quad rolled(Quad v) { return _mm256_permute4x64_pd(v, 0xC9); }
 
-/// z x y 0
+/// Returns z, x, y, 0.
 Quad rolledBack(Quad v) { return _mm256_permute4x64_pd(v, 0xD2); }
 
-/// As sixVolumes, but by axis.
+/// Does the same as sixVolumes() of verlet_kernel.h, but returns one sum per axis.
 Quad sixBatchVolumes(const VolumeBody& v, Index component, const Quad* x) {
   Quad sum = all(Quad(), 0.0);
   const Quad o = x[v.corners[3 * v.firstTriangle[component]]];
@@ -139,7 +139,7 @@ Quad sixBatchVolumes(const VolumeBody& v, Index component, const Quad* x) {
   return sum;
 }
 
-/// As addVolumeForces of verlet_kernel.h, to the bit.
+/// Gives the same results as addVolumeForces() of verlet_kernel.h, to the bit.
 void addBatchVolumeForces(const VolumeBody& v, const Quad* x, const Quad* w, Quad* force) {
   if (v.components == 0) return;
   Quad *gradient = springBatches(v.gradient), *sums = springBatches(v.sums);
@@ -164,7 +164,7 @@ Vector<Quad> displacementFrom(const Quad* x, const Index* corners, Index to) {
   return {w.x, w.y, w.z};
 }
 
-/// Four vectors as quads x, y, z, 0.
+/// Four vectors, each as a Quad x, y, z, 0.
 struct Rows {
   Quad row[4];
 };
@@ -177,7 +177,7 @@ Rows rows(const Vector<Quad>& v) {
            _mm256_permute2f128_pd(xy02, z02, 0x31), _mm256_permute2f128_pd(xy13, z13, 0x31)}};
 }
 
-/// As addTetrahedronForces of verlet_kernel.h, to the bit.
+/// Gives the same results as addTetrahedronForces() of verlet_kernel.h, to the bit.
 void addBatchTetrahedronForces(const TetrahedronBody& t, const Quad* x, Quad* force) {
   for (Index i = 0; i < t.count; i += 4) {
     const Index* corners = t.corners + 4 * i;

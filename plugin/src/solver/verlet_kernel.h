@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
-// The arithmetic of a Verlet substep, written once for a number `V` that is a double or a pack of doubles of
-// several bodies. Every operation is one IEEE operation per lane, so all give the same bits.
-// Included by sources that are compiled for different instruction sets: nothing here but templates on V,
-// which the sets' own types keep apart, and no standard header.
+// The arithmetic of a Verlet substep for a number type `V`: a double, or a pack of doubles of several bodies.
+// Every operation is one IEEE operation per lane, so all types give the same results, to the bit.
+// Source files for different instruction sets include this header. Therefore it contains only templates on V,
+// whose instances differ because each set has its own type, and it includes no standard header.
 //
-// With LIMBER_PACK_BITS (128, 256 or 512) defined before it, `Pack` is the register of that size of the
-// instruction set that the including source is compiled for. A vector type itself and not a class around one,
-// which GCC would copy through memory. Its numbers are doubles unless LIMBER_PACK_NUMBER says otherwise: the
-// bench measures floats.
+// If LIMBER_PACK_BITS (128, 256 or 512) is defined before, `Pack` is a register of that size of the
+// instruction set for which the including file is compiled. It is a plain vector type, because GCC would copy
+// a class with such a member through memory. Its numbers are doubles or of type LIMBER_PACK_NUMBER: the
+// benchmark measures floats.
 
 #if defined(LIMBER_PACK_BITS)
 #include <immintrin.h>
@@ -32,7 +32,7 @@ typedef LIMBER_PACK_NUMBER Pack __attribute__((vector_size(LIMBER_PACK_BITS / 8)
 namespace {
 
 #if LIMBER_PACK_BITS == 512
-// masked: GCC 12 warns of its own header in the plain ones
+// masked, because GCC 12 warns about its own header for the unmasked functions
 inline __m512d squareRoot(__m512d x) { return _mm512_maskz_sqrt_pd(0xff, x); }
 inline __m512 squareRoot(__m512 x) { return _mm512_maskz_sqrt_ps(0xffff, x); }
 #elif LIMBER_PACK_BITS == 256
@@ -58,7 +58,7 @@ inline double squareRoot(double x) { return std::sqrt(x); }
 
 #endif
 
-namespace {  // of every source its own: each is compiled for another instruction set
+namespace {  // separate copies per source file: each is compiled for a different instruction set
 
 inline double all(double, double x) { return x; }
 inline double select(bool which, double yes, double no) { return which ? yes : no; }
@@ -73,28 +73,28 @@ using Index = unsigned int;
 template <class V>
 struct Volumes {
   Index components = 0;                  ///< 0: no volume term
-  Index points = 0;                      ///< of the body
+  Index points = 0;                      ///< number of points of the body
   const Index* firstTriangle = nullptr;  ///< #components + 1
   const Index* corners = nullptr;        ///< 3 x #triangles, point indices
-  const Index* componentOf = nullptr;    ///< #points; of points of none, any
+  const Index* componentOf = nullptr;    ///< #points; any value for points of no component
   const V* restVolume = nullptr;         ///< #components, m^3
-  const V* modulus = nullptr;            ///< Pa, one
-  const V* pressure = nullptr;           ///< Pa, one
+  const V* modulus = nullptr;            ///< Pa, one number
+  const V* pressure = nullptr;           ///< Pa, one number
   V* gradient = nullptr;                 ///< 3 x #points, scratch: six times the gradient of the volume
   V* sums = nullptr;                     ///< 4 x #components, scratch
-  double timeStep = 0.0;                 ///< s, of the substep that must be stable; 0: any
+  double timeStep = 0.0;                 ///< s, substep that must be stable; 0: no limit on the force
 };
 
-/// The relative change of volume beyond which the push against it no longer grows: a body blown up to twice
-/// its volume or turned inside out. More would ask for ever smaller substeps of bodies that are scattered
-/// anyhow.
+/// The relative changes of volume beyond which the push against them no longer increases: a body of twice its
+/// volume, or inverted. A larger push would require smaller and smaller substeps for bodies that are already
+/// torn apart.
 constexpr double kLargestSwelling = 1.0, kLargestShrinking = -2.0;
 
-/// Share of the rest volume below which gas is not compressed further.
+/// Fraction of the rest volume below which gas is not compressed further.
 constexpr double kMinGasVolume = 0.1;
 
-/// (omega dt)^2 from which on the push is held back. Far below Verlet's limit of 4, far above what the
-/// substeps of a body in its shape come to.
+/// The value of (omega dt)^2 above which the push is scaled down. It is far below Verlet's limit of 4, and
+/// far above the values of bodies near their rest shape.
 constexpr double kLargestPhaseSquared = 1.0;
 
 template <class V>
@@ -107,11 +107,11 @@ inline V smaller(V a, V b) {
   return select(a < b, a, b);
 }
 
-/// Of a closed surface at one volume.
+/// The push of a closed surface at one volume.
 template <class V>
 struct Push {
-  V push;       ///< Pa: by how much the inside pushes outwards,  P V0 / V - K (V - V0) / V0
-  V stiffness;  ///< Pa/m^3: how fast that falls with the volume, its limits apart
+  V push;       ///< Pa, outwards,  P V0 / V - K (V - V0) / V0
+  V stiffness;  ///< Pa/m^3, decrease of the push per increase of the volume, without its limits
 };
 
 template <class V>
@@ -122,9 +122,10 @@ inline Push<V> pushOf(V volume, V restVolume, V modulus, V pressure) {
   return {pressure * gas - modulus * limited, (modulus + pressure * gas * gas) / restVolume};
 }
 
-/// Six times the volume of a component, which a point of it is the origin of, so that far away from the
-/// world's nothing is lost:  6 V = sum (a - o) . n,   n = (b - a) x (c - a). Adds n to the gradient at the
-/// triangle's corners: a third of the area vectors around a point, n / 6 each.
+/// Returns six times the volume of a component:  6 V = sum (a - o) . n,   n = (b - a) x (c - a).  The origin
+/// o is a point of the component, so that no digits are lost far away from the world's origin. Adds n to
+/// v.gradient at the triangle's corners: each triangle contributes n / 6 to the gradient of V there, a third
+/// of its area vector.
 template <class V>
 inline V sixVolumes(const Volumes<V>& v, Index component, const V* position) {
   V sx = all(V(), 0.0), sy = sx, sz = sx;
@@ -144,7 +145,8 @@ inline V sixVolumes(const Volumes<V>& v, Index component, const V* position) {
   return sx + (sy + sz);
 }
 
-/// Six times the volume into sums[4 c], and sum w g^2 by axis, g six times the gradient, behind it.
+/// Writes six times the volume of component c to sums[4 c], and after it sum w g^2 for each axis, where g is
+/// six times the gradient.
 template <class V>
 inline void sumUp(const Volumes<V>& v, const V* position, const V* inverseMass) {
   for (Index i = 0; i < 3 * v.points; ++i) v.gradient[i] = all(V(), 0.0);
@@ -159,11 +161,11 @@ inline void sumUp(const Volumes<V>& v, const V* position, const V* inverseMass) 
   }
 }
 
-/// Pa/6: what a component pushes with, from six volumes and the sum of w g^2.
+/// Returns the push of a component (Pa/6) from six times its volume and the sum of w g^2.
 ///
 /// Along the gradient the volume oscillates with  omega^2 = stiffness sum w |gradient|^2, which has no bound
-/// while a body is torn apart. What the substep does not resolve is held back to what it does: still a push
-/// towards the rest volume, by no more than the substep can take.
+/// while a body is torn apart. If the substep is too long for it, the push is scaled down to the largest
+/// stable one. It still acts towards the rest volume.
 template <class V>
 inline V stablePush(V sixVolume, V squares, V restVolume, V modulus, V pressure, double timeStep) {
   const Push<V> p = pushOf(sixVolume * all(V(), 1.0 / 6.0), restVolume, modulus, pressure);
@@ -188,7 +190,8 @@ inline void addVolumeForces(const Volumes<V>& v, const V* position, const V* inv
 
 // --- the volume term of tetrahedra -------------------------------------------------------------------------
 
-/// Share of its volume below which a tetrahedron counts as crushed: no part of common deformations.
+/// Fraction of its rest volume below which a tetrahedron counts as crushed. Common deformations do not reach
+/// it.
 constexpr double kCrushed = 0.3;
 
 /// The tetrahedra of a body.
@@ -196,10 +199,10 @@ template <class V>
 struct Tetrahedra {
   Index count = 0;                    ///< 0: none
   const Index* corners = nullptr;     ///< 4 x count, point indices
-  const V* inverseRest = nullptr;     ///< count, 1/m^3, one over six rest volumes
+  const V* inverseRest = nullptr;     ///< count, 1/m^3, 1 / (6 rest volume)
   const V* stabilityScale = nullptr;  ///< count, 1/m^4, see TetrahedronVolumes
-  const V* modulus = nullptr;         ///< Pa, one
-  const V* crushModulus = nullptr;    ///< Pa, one
+  const V* modulus = nullptr;         ///< Pa, one number
+  const V* crushModulus = nullptr;    ///< Pa, one number
 };
 
 template <class V>
@@ -222,7 +225,7 @@ inline Vector<V> scaled(V factor, const Vector<V>& a) {
   return {factor * a.x, factor * a.y, factor * a.z};
 }
 
-/// Pa: by how much the tetrahedron pushes outwards at this share of its rest volume.
+/// Returns the outward push (Pa) of a tetrahedron with this volume relative to its rest volume.
 template <class V>
 inline V tetrahedronPush(V relativeVolume, V modulus, V crushModulus) {
   const V change = larger(smaller(relativeVolume - all(V(), 1.0), all(V(), kLargestSwelling)),
@@ -231,14 +234,14 @@ inline V tetrahedronPush(V relativeVolume, V modulus, V crushModulus) {
   return all(V(), 0.0) - (modulus * change + crushModulus * crush);
 }
 
-/// N: the forces on the last three corners; the first has minus their sum.
+/// The forces (N) on the last three corners. The force on the first is minus their sum.
 template <class V>
 struct CornerForces {
   Vector<V> b, c, d;
 };
 
-/// With edges b, c, d from the first corner to the others six volumes are  b . (c x d), and six gradients by
-/// the corners  c x d, d x b, b x c.
+/// Computes the forces from the edges b, c, d from the first corner to the others. Six times the volume is
+/// b . (c x d);  six times its gradients at these corners are  c x d, d x b, b x c.
 template <class V>
 inline CornerForces<V> tetrahedronForces(const Vector<V>& b, const Vector<V>& c, const Vector<V>& d,
                                          V inverseRest, V stabilityScale, V modulus, V crushModulus) {
@@ -281,7 +284,7 @@ inline void addTetrahedronForces(const Tetrahedra<V>& t, const V* position, V* f
 
 // --- springs and points ------------------------------------------------------------------------------------
 
-/// The springs: one entry each, but three of `direction`.
+/// The springs: one entry per spring in each array, three in `direction`.
 template <class V>
 struct Springs {
   Index count;
@@ -293,7 +296,7 @@ struct Springs {
   V* direction;
 };
 
-/// The points: three entries each.
+/// The points: three entries per point in each array.
 template <class V>
 struct Points {
   Index count;
@@ -304,11 +307,11 @@ struct Points {
   const V* inverseMass;
 };
 
-/// m^2: below it the ends of a spring coincide, 1/length would lose its digits.
+/// m^2. Below this squared length the ends of a spring coincide: 1/length would lose its digits.
 constexpr double kCoincidentSquared = 1e-200;
 
-/// What a spring does: its force (above 0 pulls) and one over its length, which makes the way between its
-/// ends its direction. Both 0 while it is slack or its ends coincide.
+/// The force of a spring (N, positive: pulls) and 1/length (1/m), which scales the offset of its ends to the
+/// direction. While the spring is slack or its ends coincide, `scale` is 0.
 template <class V>
 struct Pull {
   V force, scale;
@@ -325,7 +328,7 @@ inline Pull<V> pullOf(V squaredLength, V restLength, V extensionStiffness, V com
   return {stiffness * stretch, select(apart, inverse, all(V(), 0.0))};
 }
 
-/// Writes the direction from a to b and adds the force to both ends.
+/// Stores the direction from a to b and adds the forces to both ends.
 template <class V>
 inline void addForce(const Springs<V>& s, Index i, const Points<V>& p) {
   const V* xa = p.position + 3 * s.a[i];
@@ -348,7 +351,7 @@ inline void computeForces(const Springs<V>& s, const Points<V>& p) {
   for (Index i = 0; i < s.count; ++i) addForce(s, i, p);
 }
 
-/// Takes the impulse `factor` (kg) times closing speed from either end.
+/// Applies the damping impulse to both ends: `factor` (kg) times their relative speed along the spring.
 template <class V>
 inline void damp(const Springs<V>& s, Index i, const V& factor, const Points<V>& p) {
   const V* n = s.direction + 3 * i;
@@ -384,14 +387,14 @@ inline void drift(const Points<V>& p, double dt) {
   for (Index i = 0; i < 3 * p.count; ++i) p.position[i] = p.position[i] + time * p.velocity[i];
 }
 
-/// What happens to points at contacts; outside the kernel, since contacts differ from lane to lane.
+/// Callbacks for the contacts of points. They are outside the kernel, since contacts differ between lanes.
 struct ContactCalls {
-  void* context;  ///< nullptr: nothing touches
+  void* context;  ///< nullptr: no contacts
   void (*stop)(void* context, double time, double dt);
   void (*settle)(void* context);
 };
 
-/// A body, or one body per lane, stepped by itself.
+/// A single body, or one body per lane.
 template <class V>
 struct Body {
   Springs<V> springs;
@@ -430,8 +433,8 @@ inline void dampAll(const Body<V>& body, bool whole, bool forward) {
   dampAll(body.springs, whole ? body.dampFull : body.dampHalf, forward, body.points);
 }
 
-/// The sum over the points of the squared change of acceleration over a substep, at whose end it computes
-/// the forces.
+/// Computes the forces at the end of a substep. Returns the sum over the points of the squared change of
+/// acceleration in the substep.
 template <class V>
 inline V computeForcesAndChange(const Body<V>& body) {
   const Points<V>& p = body.points;
@@ -446,9 +449,9 @@ inline V computeForcesAndChange(const Body<V>& body) {
   return sum[0] + (sum[1] + sum[2]);
 }
 
-/// stepVerlet of verlet_step.h for bodies without links. `Stepped` is a Body<V> or something else that has
-/// its functions (spring_kernel_avx2.cpp). Returns the larger computeForcesAndChange of a substep in the
-/// middle and the last.
+/// Implements stepVerlet() of verlet_step.h for bodies without links. `Stepped` is Body<V> or another type
+/// with the same functions (spring_kernel_avx2.cpp). Returns the larger result of computeForcesAndChange() in
+/// the middle and the last substep (only the last if `substeps` is odd).
 template <class V, class Stepped>
 inline V stepAlone(const Stepped& body, double tick, int substeps) {
   const ContactCalls& contacts = body.contacts();

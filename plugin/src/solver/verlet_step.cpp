@@ -197,13 +197,12 @@ void stepLinked(SolverIsland& group, double tick, int substeps) {
     drift(group, dt);
     computeForces(group, last || 2 * s == substeps, dt);
     kick(group, 0.5 * dt);
-    // anchors and contacts first: before that, the kick has given held points velocities that dampers must
-    // not use
+    // anchors and contacts first: a damper must not use the velocity of a point that the kick moves away from
+    // its anchor or contact
     solveVelocities(group);
     followContacts(group.pairs, 0.0);
     solveVelocities(group.pairs, group.links);
-    // the half dampings of two successive substeps act at the same positions, so one full damping replaces
-    // them
+    // the half dampings of two successive substeps act at the same positions, so a full one replaces them
     damp(group, dt, !last, s % 2 == 0);
   }
   joinVelocities(group.links);

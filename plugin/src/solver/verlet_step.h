@@ -75,7 +75,7 @@ struct PairSearch {
 struct SolverIsland {
   std::vector<SolverBody> bodies;
   LinkedBodies links;       ///< links.points[i] is bodies[i].points
-  IslandConstraints pairs;  ///< contacts and joints of these bodies and of the rigid bodies
+  IslandConstraints pairs;  ///< contacts and joints of these, and of the rigid bodies with their surroundings
   PairSearch again;
 
   // Scratch of the step, #bodies.
@@ -92,11 +92,11 @@ bool isPlain(const SolverIsland& group);
 ///     damp dt/2 | kick dt/2 | drift dt | new forces | kick dt/2 | damp dt/2
 ///
 /// with anchors and contacts solved before each drift (positions) and each damping (velocities).
-/// The method is of second order, and symplectic without damping. It conserves linear and angular momentum,
-/// since all impulses are along the springs. It is stable for omega dt < 2 with any damping: kick-drift-kick
-/// conserves  v^2 + omega^2 (1 - (omega dt)^2/4) x^2,  and the dampers can only reduce its velocity part.
-/// A single body and one in a lane (simd_steps.h) give the same results, to the bit.
-/// Held points (inverse mass 0) keep their velocity. Allocates nothing.
+/// The method is of second order, and symplectic without damping. Linear momentum is exact and angular
+/// momentum is conserved, since all impulses are along the springs. It is stable for omega dt < 2 with any
+/// damping: kick-drift-kick conserves  v^2 + omega^2 (1 - (omega dt)^2/4) x^2,  and the dampers can only
+/// reduce its velocity part. A single body and one in a lane (simd_steps.h) give the same results, to the
+/// bit. Held points (inverse mass 0) keep their velocity. Allocates nothing.
 void stepVerlet(SolverIsland& group, double tick, int substeps);
 
 // --- contacts of points ------------------------------------------------------------------------------------
