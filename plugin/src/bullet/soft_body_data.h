@@ -179,7 +179,7 @@ struct SoftBodyData {
   btDiscreteDynamicsWorld* world = nullptr;
   MultiBodyLinks* links = nullptr;  ///< of the world
   const void* system = nullptr;     ///< identifies the shared step of all systems of the world
-  ShapeCache* shapes = nullptr;     ///< the system's
+  ShapeCache* shapes = nullptr;     ///< of the world
 
   PointState state;
   SpringArrays springs;
@@ -193,7 +193,8 @@ struct SoftBodyData {
   std::vector<ObjectHandle> partnerHandles;               ///< of those partners
   HeldSurroundings held;  ///< static pieces around the points that are not flat
   std::vector<std::pair<const btCollisionObject*, std::uint32_t>> staticPartners;  ///< scratch of one point:
-                                                                                   ///< with its owners' end
+                                                                                   ///< with the end of its
+                                                                                   ///< owners in `held`
   std::size_t staticPieces = 0;  ///< scratch of one point: first of its pieces in `held`
   std::vector<std::unique_ptr<HeldNeighbourhood>> neighbourhoods;  ///< of points, in `held`; kept to reuse
                                                                    ///< the memory
