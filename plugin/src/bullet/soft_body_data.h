@@ -231,7 +231,7 @@ struct SoftBodyData {
   Points startVelocity;                     ///< 3 x #points, m/s, at the start of the tick
   double dampingRate = 0.0;                 ///< 1/s, dampingRateBound; frequencyStale applies to it, too
   double size = 0.0;                        ///< m, diagonal of its initial bounding box
-  bool prefersImplicit = false;             ///< chosen in the last tick for the body without its island
+  bool prefersImplicit = false;             ///< in the last tick, if it were in no island
   SpringBatchArrays springBatches;          ///< empty unless it is stepped in batches
   std::unique_ptr<ImplicitState> implicit;  ///< created when it is first stepped implicitly
   std::vector<float> skinned;               ///< 3 x #points, scratch of a body with a skin

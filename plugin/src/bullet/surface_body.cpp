@@ -134,8 +134,8 @@ constexpr double kBoxTicks = 4.0;
 /// Maximum room, as a fraction of the box. With more, the boxes of bodies side by side would overlap.
 constexpr double kMaxBoxRoom = 0.25;
 
-/// Tolerance of the room, as a fraction of the box: the box is made again if its unused room is larger than
-/// twice the required room by more than this.
+/// Tolerance, as a fraction of the box: the box is made again if its room exceeds twice the required room by
+/// more than this.
 constexpr double kNoRoom = 1e-3;
 
 /// Sets the box for the broadphase. It contains the motion of the last and of the coming tick, with room for

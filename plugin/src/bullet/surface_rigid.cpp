@@ -23,8 +23,8 @@ using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
 /// Minimum inertia about an axis, as a fraction of the trace of the inertia tensor. About an axis with less,
-/// such as the line of a rope, a torque causes less and less rotation, and none if the inertia is 0. Bullet
-/// stores the rotation rates about all axes in one vector of floats. The rounding error of a very fast
+/// such as the line of a rope, a torque causes less rotation the smaller the inertia is, and none if it is 0.
+/// Bullet stores the rotation rates about all axes in one vector of floats. The rounding error of a very fast
 /// rotation would be an impulse about the other axes.
 constexpr double kMinInertia = 1e-5;
 
@@ -51,8 +51,8 @@ void forEachFree(const PointState& s, Visit visit) {
 /// principal inertias are then larger than 4 times this fraction of the trace.
 constexpr double kRoundBody = 1e-3;
 
-/// Sets the inverse inertia: x / (x^2 + least^2) for each principal inertia x. If no x is small, this is 1 /
-/// x with a relative error below 1e-5.
+/// Sets the inverse inertia: x / (x^2 + least^2) for each principal inertia x. If no x is small, this is the
+/// reciprocal of x with a relative error below 1e-5.
 void setInertia(RigidFit& fit, const Matrix3d& inertia) {
   const double trace = inertia.trace(), least = kMinInertia * trace;
   if (!(trace > 0.0)) return;
@@ -132,9 +132,8 @@ btMatrix3x3 matrixToBullet(const Matrix3d& m) {
                      at(2, 2));
 }
 
-/// Writes mass and inertia to the object. Bullet computes its inverse inertia tensor as basis . diagonal .
-/// basis^T. With a factor F of a tensor F F^T in place of the basis, and a diagonal of ones, it computes that
-/// tensor.
+/// Writes mass and inertia to the object. Bullet computes its inverse inertia tensor as B D B^T, with its
+/// basis B and a diagonal D. With the factor F in place of B, and D = 1, the result is the tensor F F^T.
 void writeInertia(btRigidBody& object, const RigidFit& fit, const btMatrix3x3& basis) {
   if (object.getMass() != static_cast<btScalar>(fit.mass)) {
     const int flags = object.getCollisionFlags();
