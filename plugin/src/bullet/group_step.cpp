@@ -170,8 +170,7 @@ double energyOf(SolverBody& body) {
   return kineticEnergy(*body.points) + elasticEnergy(body, body.points->position);
 }
 
-/// Returns whether the volume force is scaled down: Verlet's substep does not resolve it at the present
-/// positions.
+/// Returns whether Verlet's substep does not resolve the volume force now, which is then scaled down.
 bool isForceScaled(LinkedGroup& group, double tick) {
   if (group.stepper != Stepper::Verlet) return false;
   SoftBodyData& body = *group.bodies[0];
@@ -183,8 +182,7 @@ bool bounces(const std::vector<PlaneContact>& rows) {
   return std::any_of(rows.begin(), rows.end(), [](const PlaneContact& row) { return row.restitution > 0.0; });
 }
 
-/// Returns whether the group is one body whose held points, if any, do not move. Then the objects that hold
-/// them do no work.
+/// Returns whether the group is one body whose held points, if any, are at rest: their holders do no work.
 bool isFreeBody(const LinkedGroup& group) {
   if (group.bodies.size() != 1) return false;
   const PointState& s = group.bodies[0]->state;
@@ -204,14 +202,13 @@ void guard(LinkedGroup& group, bool lasting, bool once) {
   group.energyBound = lasting && lasted ? group.energyBound + energy - group.energyAtEnd : energy;
 }
 
-/// Starts the energy limit of a body in three cases.
-/// Torn or inverted bodies in free motion: substeps that do not resolve the volume force scale it down, which
-/// may add energy. If they resolve it, there is no limit: the energy oscillates with the motion, and a limit
-/// would remove energy in each oscillation.
-/// Bodies that bounce: a bounce is not exact if substeps hardly resolve the oscillations between bounces.
-/// Bodies with too few substeps (maxSubsteps): springs that reverse within a substep, as crushed ones do, add
-/// or remove energy at random.
-/// In the last two cases the bound is the energy in the first of these ticks, because the energy oscillates.
+/// Starts the energy limit of a body in three cases. Torn or inverted bodies in free motion: substeps that do
+/// not resolve the volume force scale it down, which may add energy. If they resolve it, there is no limit:
+/// the energy oscillates with the motion, and a limit would remove energy in each oscillation. Bodies that
+/// bounce: a bounce is not exact if substeps hardly resolve the oscillations between bounces. Bodies with too
+/// few substeps (maxSubsteps): springs that reverse within a substep, as crushed ones do, add or remove
+/// energy at random. In the last two cases the bound is the energy in the first of these ticks, because the
+/// energy oscillates.
 void startEnergyLimit(LinkedGroup& group, double tick) {
   if (group.inIsland) return;  // see limitIslandEnergy()
   const bool free = isFreeBody(group) && isPlain(group.step);
@@ -251,8 +248,7 @@ void endEnergyLimit(LinkedGroup& group, double tick) {
 
 // --- one group ---------------------------------------------------------------------------------------------
 
-/// Steps the group. With a tolerance, steps it again with more substeps if the error is larger than
-/// predicted.
+/// Steps the group, with a tolerance again with more substeps if the error is larger than predicted.
 void stepLinkedGroup(LinkedGroup& group, double tick, SharedFactors& factors) {
   stepOnce(group, tick, factors);
   if (!hasTolerance(group) || !group.step.links.rigids.empty()) return;

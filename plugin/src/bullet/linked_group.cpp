@@ -16,8 +16,7 @@ namespace limber {
 inline namespace LIMBER_BULLET_PRECISION {
 namespace {
 
-/// The bodies that links can join, numbered: first the soft bodies, then the rigid bodies in the order of
-/// their first use.
+/// The bodies that links can join, numbered: soft bodies, then rigid bodies in the order of first use.
 class LinkedNodes {
  public:
   explicit LinkedNodes(const std::vector<SoftBodyData*>& bodies) {
@@ -37,8 +36,7 @@ class LinkedNodes {
     return i;
   }
 
-  /// Joins two sets. The lower number becomes the root, so that groups are in the order of their first
-  /// members.
+  /// Joins two sets. The lower number becomes the root: groups are in the order of their first members.
   void join(std::size_t a, std::size_t b) {
     a = root(a);
     b = root(b);

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Zlib
 
-// This header declares the point masses, which are the Bullet bodies of a soft body's points, and their
-// functions in the world.
+// This header declares point masses, the Bullet bodies of a soft body's points, and their use in the world.
 
 #pragma once
 
@@ -68,12 +67,11 @@ struct PointSphere final : btSphereShape {
 };
 
 /// The Bullet bodies of the point masses of one soft body. The functions of this header make, read and write
-/// them. world_points.cpp has the functions for points in the world, surface_body.cpp those for points
-/// outside it.
+/// them, in the world (world_points.cpp) and outside it (surface_body.cpp).
 ///
-/// The spring step has the state in double precision, and Bullet has a rounded copy. The values last written
-/// to or read from each body are stored. So all changes by the user between ticks are detected, to the last
-/// bit, and copied to the state.
+/// The spring step has the state in double precision, Bullet a rounded copy. The values last written to or
+/// read from each body are stored. So all changes by the user are detected, to the last bit, and copied to
+/// the state.
 struct PointMasses {
   std::unique_ptr<PointSphere> shape;       ///< shared by all points
   std::vector<PointMass*> bodies;           ///< #points, nullptr where the application has deleted one; empty
@@ -117,9 +115,9 @@ void absorbOutsideChanges(SoftBodyData& body);
 /// Returns the present position (m), with the user's changes.
 Eigen::Vector3d currentPosition(const SoftBodyData& body, std::uint32_t i);
 
-/// Returns the position (m) of point i on the straight line of its motion in the last tick, from 0 at the
-/// start to 1 at the end. The user's changes since then shift the line. A new target of a pin does not: the
-/// pin moves to it in the next tick.
+/// Returns the position (m) of point i on the straight line of its motion in the last tick, 0 at the start, 1
+/// at the end. The user's changes since then shift the line. But a pin moves to a new target in the next
+/// tick.
 Eigen::Vector3d positionAt(const SoftBodyData& body, std::uint32_t i, double tickFraction);
 
 /// Returns the present velocity (m/s), with the user's changes.

@@ -64,9 +64,9 @@ void SoftBodySystem::Impl::unhookIfIdle(bool alive) {
   hook = nullptr;
 }
 
-/// Returns whether the world is known to exist. A deleted world leaves only one sign: its destructor has
-/// removed the broadphase handle of every body in it. Without a system's body in the world the answer is
-/// unknown, and the result is false.
+/// Returns whether the world is known to exist. Its destructor removes the broadphase handle of every body in
+/// it, which is the only sign. Returns false if no body of a system is in the world, because nothing is known
+/// then.
 bool SoftBodySystem::Impl::worldAlive() const {
   const auto isIn = [](const auto& body) { return anyInWorld(*body->data_); };
   return std::any_of(step->systems.begin(), step->systems.end(), [&](const Impl* system) {

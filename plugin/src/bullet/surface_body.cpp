@@ -138,9 +138,8 @@ constexpr double kMaxBoxRoom = 0.25;
 /// more than this.
 constexpr double kNoRoom = 1e-3;
 
-/// Sets the box for the broadphase. It contains the motion of the last and of the coming tick, with room for
-/// the next ticks in the direction of the motion. A present box that contains the motion and is not too large
-/// is kept.
+/// Sets the box for the broadphase: the motion of the last and of the coming tick, with room for the next
+/// ticks in the direction of the motion. A present box that contains the motion and is not too large is kept.
 void setBox(SoftBodyData& body) {
   const SurfaceShape& shape = *body.surface.shape;
   Eigen::AlignedBox3d box = body.surface.sweptBounds.box;
@@ -160,8 +159,7 @@ bool isOutOfSimulation(const SoftBodyData& body) {
   return body.surface.object->getActivationState() == DISABLE_SIMULATION;
 }
 
-/// Replaces the gravity of each point by the world's if that has changed, as the world does for its own
-/// bodies.
+/// Replaces the gravity of each point when the world's has changed, as the world does for its own bodies.
 void updateGravity(SoftBodyData& body) {
   const btVector3 gravity = body.world->getGravity();
   if (gravity == body.surface.gravity) return;

@@ -24,10 +24,9 @@ inline namespace LIMBER_BULLET_PRECISION {
 struct SoftBodyData;
 
 /// The object that represents a soft body in Bullet's world. For Bullet it is a dynamic body with the mass
-/// and inertia of the soft body: it joins islands with near objects, and constraints can act on it
-/// (surface_rigid.cpp). But it is not in the world's list of bodies to move, and it has no contacts in
-/// Bullet's narrowphase. Rays, sweeps and contact tests find it. The application may delete it, like a
-/// PointMass.
+/// and inertia of the soft body. It joins islands with near objects, and constraints act on it
+/// (surface_rigid.cpp). But the world does not move it, and it has no contacts in Bullet's narrowphase. Rays,
+/// sweeps and contact tests find it. The application may delete it, like a PointMass.
 class SurfaceObject final : public btRigidBody {
  public:
   BT_DECLARE_ALIGNED_ALLOCATOR();
