@@ -248,7 +248,7 @@ void endEnergyLimit(LinkedGroup& group, double tick) {
 
 // --- one group ---------------------------------------------------------------------------------------------
 
-/// Steps the group, with a tolerance again with more substeps if the error is larger than predicted.
+/// Steps the group. With a tolerance, adds substeps and repeats it if the error is larger than predicted.
 void stepLinkedGroup(LinkedGroup& group, double tick, SharedFactors& factors) {
   stepOnce(group, tick, factors);
   if (!hasTolerance(group) || !group.step.links.rigids.empty()) return;
