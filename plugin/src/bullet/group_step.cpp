@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 
-// This file chooses how each group is stepped, steps those that are in no island, bodies of one network side
-// by side, and takes out energy that a step has made.
+// This file chooses the stepper of each group and steps the groups that are in no island. Bodies of one
+// network are stepped together in SIMD lanes. It also removes energy that a step has added.
 
 #include "bullet/linked_group.h"
 #include "bullet/point_contacts.h"
@@ -19,8 +19,8 @@ namespace limber {
 inline namespace LIMBER_BULLET_PRECISION {
 namespace {
 
-/// The strictest of the bodies' choices; springs between rigid bodies alone have the defaults. Linked bodies
-/// are stepped by Verlet whatever they choose.
+/// Returns the strictest of the bodies' settings. A group without soft bodies has the defaults. Linked bodies
+/// are always stepped by Verlet.
 Stepping strictest(const LinkedGroup& group) {
   if (group.bodies.empty()) return Stepping();
   Stepping all = group.bodies[0]->settings.stepping;
@@ -36,8 +36,8 @@ Stepping strictest(const LinkedGroup& group) {
   return all;
 }
 
-/// The largest ratio of an inverse mass to that of the settings. The eigenvalues of M^-1/2 K M^-1/2 grow by
-/// that at most.
+/// Returns the largest ratio of an inverse mass to that of the settings. The eigenvalues of M^-1/2 K M^-1/2
+/// grow at most by this factor.
 double lightest(const SoftBodyData& body) {
   double most = 0.0;
   for (std::size_t i = 0; i < body.network->massFractions.size(); ++i)
@@ -56,7 +56,7 @@ void updateBounds(SoftBodyData& body) {
   body.frequencyStale = false;
 }
 
-/// rad per tick, which the usual number of substeps resolves anyhow.
+/// rad per tick, a rotation that the usual number of substeps resolves in any case.
 constexpr double kNegligibleTurn = 0.5;
 
 MotionRates ratesOf(SoftBodyData& body, double tick) {
@@ -75,12 +75,13 @@ MotionRates larger(const MotionRates& a, const MotionRates& b) {
           std::max(a.turnRate, b.turnRate)};
 }
 
-/// s, for which a body without dampers keeps the fastest rates it has had.
+/// s, the time for which an undamped body keeps its largest rates.
 constexpr double kRateMemory = 0.25;
 
-/// What Verlet keeps for ever is not the energy but something that differs from it by some (omega dt)^2: each
-/// change of the substep makes or takes as much. In an undamped body that oscillates, such changes come at
-/// the same moments of each oscillation and add up, so its substeps follow the largest rates of a while.
+/// Returns the largest recent rates of an undamped body, or `rates` of a damped one. Verlet does not conserve
+/// the energy but a quantity that differs from it by a part of the order (omega dt)^2. Each change of the
+/// substep adds or removes such a part. In an undamped oscillating body these changes happen at the same
+/// phase of each oscillation and add up. Substeps for the largest recent rates change less often.
 MotionRates largestRecentRates(SoftBodyData& body, const MotionRates& rates, double tick) {
   if (body.springs->damped) return rates;
   RateHistory& kept = body.rateHistory;
@@ -90,8 +91,8 @@ MotionRates largestRecentRates(SoftBodyData& body, const MotionRates& rates, dou
   return larger(kept.now, kept.before);
 }
 
-/// Own springs and links add up to a stiffness matrix K = K_own + K_links, whose largest eigenvalue is at
-/// most the sum of theirs.
+/// Returns bounds of the rates of a group. The bodies' own springs and the links add up to a stiffness matrix
+/// K = K_own + K_links, whose largest eigenvalue is at most the sum of theirs.
 MotionRates ratesOf(LinkedGroup& group, double tick) {
   MotionRates rates;
   for (SoftBodyData* body : group.bodies)
@@ -121,7 +122,7 @@ SteppingProblem problemOf(LinkedGroup& group, double tick) {
   return p;
 }
 
-/// Whether the group's bodies ask for an error tolerance, so that a tick may have to be stepped again.
+/// Returns whether a body of the group has an error tolerance. A tick may then be stepped again.
 bool hasTolerance(const LinkedGroup& group) {
   const Stepping& s = group.stepping;
   return s.tolerance > 0.0 || s.relativeTolerance > 0.0;
@@ -133,7 +134,7 @@ void setChoice(LinkedGroup& group, const SteppingChoice& choice) {
   group.cut = choice.cut;
 }
 
-/// Puts the points back to where the tick started from.
+/// Restores the state of the points at the start of the tick.
 void rewind(LinkedGroup& group) {
   for (SoftBodyData* body : group.bodies) {
     body->state.position = body->masses.startPosition;
@@ -153,14 +154,14 @@ void stepOnce(LinkedGroup& group, double tick, SharedFactors& factors) {
   stepImplicit(group.step.bodies[0], *implicit, kind, tick, group.substeps, factors);
 }
 
-/// The largest of the bodies' errors over the square of the substep, m/s^3.
+/// Returns the largest of the bodies' errors divided by the square of the substep, m/s^3.
 double errorCoefficient(const LinkedGroup& group, double tick) {
   double largest = 0.0;
   for (const SolverBody& body : group.step.bodies) largest = std::max(largest, body.errorRate);
   return largest / std::pow(tick / group.substeps, 2);
 }
 
-/// Times a tick is done again because its error was larger than foreseen.
+/// Maximum number of repetitions of a tick whose error is larger than predicted.
 constexpr int kMaxRetries = 3;
 
 // --- energy ------------------------------------------------------------------------------------------------
@@ -169,7 +170,7 @@ double energyOf(SolverBody& body) {
   return kineticEnergy(*body.points) + elasticEnergy(body, body.points->position);
 }
 
-/// Whether Verlet's substep does not resolve the push against the change of volume where the body is now.
+/// Returns whether Verlet's substep does not resolve the volume force now, which is then scaled down.
 bool isForceScaled(LinkedGroup& group, double tick) {
   if (group.stepper != Stepper::Verlet) return false;
   SoftBodyData& body = *group.bodies[0];
@@ -181,7 +182,7 @@ bool bounces(const std::vector<PlaneContact>& rows) {
   return std::any_of(rows.begin(), rows.end(), [](const PlaneContact& row) { return row.restitution > 0.0; });
 }
 
-/// Whether it is one body and what holds its points, if anything, stands still and so does no work.
+/// Returns whether the group is one body whose held points, if any, are at rest: their holders do no work.
 bool isFreeBody(const LinkedGroup& group) {
   if (group.bodies.size() != 1) return false;
   const PointState& s = group.bodies[0]->state;
@@ -190,7 +191,8 @@ bool isFreeBody(const LinkedGroup& group) {
 
 bool isFolded(const SoftBodyData& body) { return body.volumes.farFromRest || body.tetrahedra.farFromRest; }
 
-/// `lasting`: the bound is that of the first of these ticks, changes from outside apart; `once`: of this one.
+/// Starts or ends the energy limit. `lasting`: the bound is the energy in the first of consecutive ticks with
+/// this flag, plus changes from outside. `once`: the bound is the present energy, for this tick only.
 void guard(LinkedGroup& group, bool lasting, bool once) {
   const bool lasted = group.energyLimited && group.limitPersists;
   group.limitPersists = lasting;
@@ -200,12 +202,13 @@ void guard(LinkedGroup& group, bool lasting, bool once) {
   group.energyBound = lasting && lasted ? group.energyBound + energy - group.energyAtEnd : energy;
 }
 
-/// Bodies that are torn apart or turned inside out, in free motion: substeps that do not resolve the push
-/// against the change of volume hold it back, which may give energy. Where they resolve it there is nothing
-/// to guard: energy that swings with the motion would be cut at each swing. Bodies that bounce: no bounce is
-/// exact where substeps only just resolve the oscillations between bounces. Bodies whose budget is cut:
-/// springs that turn round within a substep, as crushed ones do, give or take energy at random. The bound of
-/// both is the energy with which that began, for the same reason.
+/// Starts the energy limit of a body in three cases. Torn or inverted bodies in free motion: substeps that do
+/// not resolve the volume force scale it down, which may add energy. If they resolve it, there is no limit:
+/// the energy oscillates with the motion, and a limit would remove energy in each oscillation. Bodies that
+/// bounce: a bounce is not exact if substeps hardly resolve the oscillations between bounces. Bodies with too
+/// few substeps (maxSubsteps): springs that reverse within a substep, as crushed ones do, add or remove
+/// energy at random. In the last two cases the bound is the energy in the first of these ticks, because the
+/// energy oscillates.
 void startEnergyLimit(LinkedGroup& group, double tick) {
   if (group.inIsland) return;  // see limitIslandEnergy()
   const bool free = isFreeBody(group) && isPlain(group.step);
@@ -216,14 +219,14 @@ void startEnergyLimit(LinkedGroup& group, double tick) {
   if (group.energyLimited && !lasting) group.forceScaled = isForceScaled(group, tick);
 }
 
-/// Takes so many J out of all motion; returns what was not there.
+/// Removes `energy` (J) from the whole motion. Returns the part that exceeds the kinetic energy.
 double slowDown(PointState& points, double energy) {
   const double there = kineticEnergy(points), taken = std::min(energy, there);
   if (taken > 0.0) points.velocity *= std::sqrt(1.0 - taken / there);
   return energy - taken;
 }
 
-/// Takes what the energy has risen by, less the work of the constant accelerations, out of the motion.
+/// Removes the rise of the energy, less the work of the constant accelerations, from the motion.
 void endEnergyLimit(LinkedGroup& group, double tick) {
   if (!group.energyLimited || !(group.limitPersists || group.forceScaled || isForceScaled(group, tick)))
     return;
@@ -238,14 +241,14 @@ void endEnergyLimit(LinkedGroup& group, double tick) {
   const double excess = group.energyAtEnd - allowed;
   if (!(excess > 0.0)) return;
   double left = removeKineticEnergy(*stepped.points, excess);
-  // what is left went into the motion as a whole, which only what it bounces off can have given
+  // the rest is in the rigid motion: only contacts can have added it
   if (!group.bodies[0]->contacts.empty()) left = slowDown(*stepped.points, left);
   group.energyAtEnd -= excess - left;
 }
 
 // --- one group ---------------------------------------------------------------------------------------------
 
-/// Steps the group; with a tolerance again, more finely, where the error turns out larger than foreseen.
+/// Steps the group. With a tolerance, adds substeps and repeats it if the error is larger than predicted.
 void stepLinkedGroup(LinkedGroup& group, double tick, SharedFactors& factors) {
   stepOnce(group, tick, factors);
   if (!hasTolerance(group) || !group.step.links.rigids.empty()) return;
@@ -260,8 +263,8 @@ void stepLinkedGroup(LinkedGroup& group, double tick, SharedFactors& factors) {
   }
 }
 
-/// After the step of a group that is in no island: steps it again with watches on (point_contacts.h) where
-/// a point got farther than contacts were looked for, and something is there.
+/// Steps a group that is in no island again, with its watches on (point_contacts.h), if a point has left its
+/// search region and may have missed a contact.
 void repeatIfMissed(LinkedGroup& group, double tick, SharedFactors& factors) {
   bool missed = false;
   for (SoftBodyData* body : group.bodies) missed = mayHaveMissedContacts(*body) || missed;
@@ -287,7 +290,7 @@ void chooseStepping(LinkedGroup& group, double tick) {
     setChoice(group, limber::chooseStepping(problem, group.stepping));
   }
   startEnergyLimit(group, tick);
-  // what else moves the body may throw it farther than was foreseen for it alone
+  // other bodies may move it farther than was predicted for the body alone
   const bool together = group.inIsland || !isPlain(group.step);
   for (SoftBodyData* body : group.bodies) {
     body->startVelocity = body->state.velocity;
@@ -299,12 +302,12 @@ void limitIslandEnergy(LinkedGroup& group, bool alone) {
   guard(group, alone && group.stepping.maxSubsteps > 0 && isFreeBody(group), false);
 }
 
-// --- groups side by side -----------------------------------------------------------------------------------
+// --- groups in SIMD lanes ----------------------------------------------------------------------------------
 
 namespace {
 
-/// A block of more springs than this would not stay in the cache next to the processor (about 0.5 kB a spring
-/// with eight lanes); such bodies are stepped one by one.
+/// Maximum number of springs of bodies in SIMD lanes. A block of larger ones would not fit into the cache
+/// nearest to the processor (about 0.5 kB per spring with eight lanes). They are stepped one by one.
 constexpr std::size_t kMaxSpringsInLanes = 1000;
 
 bool canUseLanes(const LinkedGroup& group) {
@@ -312,7 +315,7 @@ bool canUseLanes(const LinkedGroup& group) {
          group.bodies[0]->springs.size() <= kMaxSpringsInLanes && group.bodies[0]->springs.size() > 0;
 }
 
-/// Bodies side by side go through the same triangles and tetrahedra.
+/// Returns Candidate::volumes. Bodies in one block must have the same triangles and tetrahedra.
 int volumeKind(const SoftBodyData& body) {
   if (body.volumes.empty() && body.tetrahedra.empty()) return 0;
   return body.settings.scale.prod() < 0.0 ? -1 : 1;
@@ -371,7 +374,7 @@ void StepPlan::stepBlock(std::vector<LinkedGroup>& groups, std::size_t begin, st
     groups[candidates_[i].group].step.bodies[0].errorRate = block.lanes[i - begin].body.errorRate;
 }
 
-/// Bodies that are alone in their block have nothing to gain from it.
+/// Steps groups that fit together. A body that is alone in its block gains nothing from lanes.
 void StepPlan::stepRun(std::vector<LinkedGroup>& groups, std::size_t begin, std::size_t end, double tick) {
   const auto lanes = static_cast<std::size_t>(laneCount(set_));
   for (std::size_t i = begin; i < end; i += lanes) {
@@ -400,7 +403,7 @@ void StepPlan::step(std::vector<LinkedGroup>& groups, double tick) {
 
 namespace {
 
-/// s, for which a peak of the error is remembered.
+/// s, the time in which a peak of the error fades.
 constexpr double kErrorMemory = 0.25;
 
 }  // namespace

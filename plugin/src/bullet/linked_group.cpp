@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
 
-// This file puts groups together, takes them through the stages of a tick, puts them to sleep and wakes them.
+// This file makes groups, runs the stages of their ticks, puts them to sleep and wakes them.
 
 #include "bullet/linked_group.h"
 
@@ -16,7 +16,7 @@ namespace limber {
 inline namespace LIMBER_BULLET_PRECISION {
 namespace {
 
-/// Everything a link can join, numbered: soft bodies first, then rigid bodies in order of first mention.
+/// The bodies that links can join, numbered: soft bodies, then rigid bodies in the order of first use.
 class LinkedNodes {
  public:
   explicit LinkedNodes(const std::vector<SoftBodyData*>& bodies) {
@@ -36,7 +36,7 @@ class LinkedNodes {
     return i;
   }
 
-  /// The lower number becomes the root, so that groups come in the order of their first member.
+  /// Joins two sets. The lower number becomes the root: groups are in the order of their first members.
   void join(std::size_t a, std::size_t b) {
     a = root(a);
     b = root(b);
@@ -56,7 +56,7 @@ class LinkedNodes {
 
 constexpr std::size_t kNoNode = static_cast<std::size_t>(-1);
 
-/// The node of a spring's end. Static bodies and the world join nothing to each other.
+/// Returns the node of a spring's end, or kNoNode for the world and for static bodies: they join nothing.
 std::size_t nodeOf(const SpringEnd& end, LinkedNodes& nodes) {
   if (!end.body) return kNoNode;
   if (const PointMass* point = PointMass::from(end.body)) return nodes.soft(point->owner());
@@ -139,7 +139,7 @@ bool usable(const Anchor& anchor) { return anchor.body->isInWorld(); }
 
 bool usable(const SpringConstraint& spring) { return usable(spring.endA()) && usable(spring.endB()); }
 
-/// 0 if the link is not usable, else 1 and a bit for each end that joins nothing.
+/// Returns 0 if the link is not usable, otherwise 1 plus a bit for each end that is static.
 unsigned char stateOf(const Anchor& anchor) {
   return usable(anchor) ? static_cast<unsigned char>(1 + 2 * isStatic(*anchor.body)) : 0;
 }
@@ -307,7 +307,7 @@ void wakeGroup(LinkedGroup& group) {
   group.calmTime = 0.0;
 }
 
-/// All velocities go to zero: what was calm for seconds stands still.
+/// Puts the group to sleep. Sets all velocities to zero, because they have been small for seconds.
 void sleepGroup(LinkedGroup& group) {
   for (SoftBodyData* body : group.bodies) {
     body->state.velocity.setZero();
@@ -330,7 +330,7 @@ bool sleepIsOff() { return gDisableDeactivation || gDeactivationTime == btScalar
 
 /// Woken from outside (a contact, the user), or kept awake; otherwise its calm time goes on.
 void updateCalmTime(LinkedGroup& group, btScalar tick) {
-  // wake() on a body that is awake starts its calm time anew
+  // wake() resets the calm time of a body that is awake
   for (const SoftBodyData* body : group.bodies) group.calmTime = std::min(group.calmTime, body->calmTime);
   if (group.asleep && !anyMember(group, [](btRigidBody& body) { return body.isActive(); }) &&
       !isChanged(group))
@@ -366,7 +366,7 @@ bool inMarkedIsland(const btRigidBody& body, const std::vector<unsigned char>& b
          bulletIslands[static_cast<std::size_t>(tag)];
 }
 
-/// Whether the body is the surface of a soft body in one of these groups, which are all of one system.
+/// Returns whether the body is the surface of a soft body in the same system as all these groups.
 bool isOwnSurface(const std::vector<LinkedGroup>& groups, const btRigidBody* body) {
   const SurfaceObject* surface = SurfaceObject::from(body);
   if (!surface || !surface->owner()) return false;
@@ -375,7 +375,7 @@ bool isOwnSurface(const std::vector<LinkedGroup>& groups, const btRigidBody* bod
   return false;
 }
 
-/// Marks Bullet's islands of the last tick that hold something awake which is not a member of any group.
+/// Marks Bullet's islands of the last tick that contain an awake body which is in no group.
 void markOthersAwake(const std::vector<LinkedGroup>& groups, btDiscreteDynamicsWorld& world,
                      std::vector<unsigned char>& bulletIslands) {
   const auto isPartner = [&](const btRigidBody* body) {
@@ -395,7 +395,7 @@ void markOthersAwake(const std::vector<LinkedGroup>& groups, btDiscreteDynamicsW
   }
 }
 
-/// A group in contact with something awake stays awake, and then so do its own islands.
+/// Keeps groups awake that share an island with an awake body, and groups that share an island with these.
 void settleCandidates(std::vector<LinkedGroup>& groups, std::vector<unsigned char>& bulletIslands) {
   const auto markGroup = [&](LinkedGroup& group) {
     forEachMember(group, [&](btRigidBody& body) { markIsland(body, bulletIslands); });

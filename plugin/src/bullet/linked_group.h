@@ -50,11 +50,11 @@ using SpringList = std::vector<std::unique_ptr<SpringConstraint>>;
 std::vector<LinkedGroup> makeLinkedGroups(const std::vector<SoftBodyData*>& bodies,
                                           const std::vector<SpringConstraint*>& springs);
 
-/// Returns false if a point mass of the group has left the world. The groups must then be made anew.
+/// Returns false if a point mass of the group has left the world. The groups must then be made again.
 bool isWhole(const LinkedGroup& group);
 
 /// Finds which springs and anchors have both ends in the world, and which of these ends are static. Writes
-/// the result to `links` and returns whether `links` has changed. The groups must then be made anew.
+/// the result to `links` and returns whether `links` has changed. The groups must then be made again.
 bool updateUsableLinks(const std::vector<SoftBodyData*>& bodies,
                        const std::vector<SpringConstraint*>& springs, std::vector<unsigned char>& links);
 
@@ -101,7 +101,7 @@ class StepPlan {
   /// Steps all groups that are awake and in no island. The results do not depend on the batches.
   void step(std::vector<LinkedGroup>& groups, double tick);
 
-  /// Forgets the bodies. Call it when the groups have been made anew.
+  /// Forgets the bodies. Call it when the groups have been made again.
   void clear();
 
  private:

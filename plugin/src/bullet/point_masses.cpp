@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 
-// This file makes, reads and writes the Bullet bodies of points. What the user has changed in them goes into
-// the state; the state, rounded, goes into them.
+// This file makes, reads and writes the Bullet bodies of points. It copies the user's changes of the bodies
+// to the state, and the rounded state to the bodies.
 
 #include "bullet/point_masses.h"
 
@@ -15,11 +15,11 @@ namespace limber {
 inline namespace LIMBER_BULLET_PRECISION {
 namespace {
 
-/// Its address in the extension pointer marks our bodies: no RTTI needed, and the user pointer and index stay
-/// the user's.
+/// Its address in the extension pointer marks the plugin's bodies. This needs no RTTI, and the user pointer
+/// and index remain available to the user.
 int pointMassMark;
 
-/// When the application deletes one.
+/// Called when the application deletes a point.
 void forgetDeletedPoint(SoftBodyData& body, std::uint32_t index) {
   const PointMass* point = body.masses.bodies[index];
   body.masses.bodies[index] = nullptr;
@@ -60,10 +60,10 @@ bool PointMass::checkCollideWithOverride(const btCollisionObject* other) const {
 
 namespace {
 
-/// A point mass does not spin, and so slides with its full friction: its angular factor is 0. Without any
-/// inverse inertia Bullet's rolling friction on what is at rest would divide by zero, should Bullet ever
-/// solve a contact that nobody foresaw. So much more inertia than a sphere's is as good as none of the
-/// inverse, also to solvers that do not look at the angular factor.
+/// Returns a very large inertia, which prevents rotation also in solvers that ignore the angular factor. The
+/// angular factor of a point mass is 0: it does not rotate and slides with its full friction. An inverse
+/// inertia of 0 is not possible: if Bullet solved an unpredicted contact with an object at rest, its rolling
+/// friction would divide by zero.
 btVector3 inertiaOf(const SoftBodyData& body, btScalar mass) {
   constexpr btScalar kMuch = btScalar(1e4);
   const btScalar radius = body.masses.shape->getRadius(), inertia = kMuch * mass * radius * radius;
@@ -92,7 +92,7 @@ PointMass* makeBody(SoftBodyData& body, std::uint32_t i) {
   return point;
 }
 
-/// Records what is in the Bullet body now, so that later changes are seen.
+/// Stores the present values of the Bullet body, so that later changes are detected.
 void remember(PointMasses& masses, std::uint32_t i) {
   masses.leftPosition[i] = masses.bodies[i]->getWorldTransform().getOrigin();
   masses.leftVelocity[i] = masses.bodies[i]->getLinearVelocity();
@@ -108,7 +108,8 @@ void gatherHeld(SoftBodyData& body, std::uint32_t i, btScalar tick) {
   s.velocity.col(i) = (toEigen(target) - s.position.col(i)) / double(tick);
 }
 
-/// Neither does what is not sound get into the state, from where it would spread.
+/// Copies the user's changes of a point to the state. First restores values that are not sound, because they
+/// would spread to other points.
 void absorbChange(SoftBodyData& body, std::uint32_t i) {
   const PointMass& point = *body.masses.bodies[i];
   if (!isSound(point.getWorldTransform().getOrigin()) || !isSound(point.getLinearVelocity())) {
@@ -125,7 +126,7 @@ Eigen::Vector3d inverseMass(const PointMass& point, bool held) {
   return held || !w.allFinite() ? Eigen::Vector3d::Zero() : w;
 }
 
-/// Users who give it another mass give it no inertia.
+/// Restores the inertia of a point whose mass the user has changed: users set no inertia with it.
 void keepInertia(SoftBodyData& body, PointMass& point) {
   const btScalar inverseMass = point.getInvMass();
   if (!(inverseMass > btScalar(0)) || !point.getInvInertiaDiagLocal().isZero()) return;
@@ -144,7 +145,8 @@ void updateInverseMass(SoftBodyData& body, std::uint32_t i) {
   body.state.inverseMass.col(i) = w;
 }
 
-/// Held by pin(), by the user (static or kinematic), or taken out of the simulation by Bullet or the user.
+/// Returns whether a point is held by pin() or by the user (static or kinematic), or was taken out of the
+/// simulation by Bullet or the user.
 bool isHeld(const PointMass& point) {
   return point.isStaticOrKinematicObject() || point.getActivationState() == DISABLE_SIMULATION;
 }
@@ -217,7 +219,7 @@ void gatherPoints(SoftBodyData& body, btScalar tick, bool allHeld) {
     updateInverseMass(body, i);
     remember(m, i);
   }
-  // neither the steps themselves nor a pin that is moved about bring points to exactly one place
+  // steps and moved pins never bring two points to exactly the same position, but the user may
   if (moved) separateCoincident(body.springs, body.state);
   m.startPosition = body.state.position;
 }
@@ -237,7 +239,7 @@ void absorbOutsideChanges(SoftBodyData& body) {
     if (body.masses.held[i] || !isChangedOutside(body, i)) continue;
     const Eigen::Vector3d before = body.state.position.col(i);
     absorbChange(body, i);
-    // pictures of the last tick move along
+    // shifts the motion of the last tick, see positionAt()
     body.masses.startPosition.col(i) += body.state.position.col(i) - before;
     body.masses.changed = true;
   }
@@ -288,7 +290,7 @@ Eigen::Vector3d currentPosition(const SoftBodyData& body, std::uint32_t i) {
 }
 
 Eigen::Vector3d positionAt(const SoftBodyData& body, std::uint32_t i, double tickFraction) {
-  // a body that sleeps or is no longer stepped had its last tick long ago
+  // the last tick of a body that sleeps or is no longer stepped is long past
   if (body.asleep || !body.alive) return currentPosition(body, i);
   const Eigen::Vector3d now = body.state.position.col(i);
   const Eigen::Vector3d end = body.masses.held[i] ? now : currentPosition(body, i);
@@ -305,12 +307,12 @@ void setPinned(SoftBodyData& body, std::uint32_t i, bool pinned) {
   PointMass* point = body.masses.bodies[i];
   if (!point) return;
   const int kinematic = btCollisionObject::CF_KINEMATIC_OBJECT;
-  // a mass that the user has given, even while pinned, stays; that of the settings is exact
+  // keeps a mass that the user has set, even while pinned; restores the mass of the settings exactly
   const btScalar original = settingsMassOf(body, i);
   const btScalar present = point->getInvMass() == btScalar(1) / original ? original : point->getMass();
   if (pinned) point->massBeforePin = present;
   const btScalar mass = present > btScalar(0) ? present : point->massBeforePin;
-  // setMassProps(0) marks the body static; as a kinematic one it may also be moved
+  // setMassProps(0) makes the body static, but a kinematic body may also be moved
   point->setMassProps(pinned ? btScalar(0) : mass, btVector3(0, 0, 0));
   const int flags = point->getCollisionFlags() & ~(kinematic | btCollisionObject::CF_STATIC_OBJECT);
   point->setCollisionFlags(pinned ? flags | kinematic : flags);

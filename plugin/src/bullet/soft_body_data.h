@@ -179,7 +179,7 @@ struct SoftBodyData {
   btDiscreteDynamicsWorld* world = nullptr;
   MultiBodyLinks* links = nullptr;  ///< of the world
   const void* system = nullptr;     ///< identifies the shared step of all systems of the world
-  ShapeCache* shapes = nullptr;     ///< the system's
+  ShapeCache* shapes = nullptr;     ///< of the world
 
   PointState state;
   SpringArrays springs;
@@ -193,7 +193,8 @@ struct SoftBodyData {
   std::vector<ObjectHandle> partnerHandles;               ///< of those partners
   HeldSurroundings held;  ///< static pieces around the points that are not flat
   std::vector<std::pair<const btCollisionObject*, std::uint32_t>> staticPartners;  ///< scratch of one point:
-                                                                                   ///< with its owners' end
+                                                                                   ///< with the end of its
+                                                                                   ///< owners in `held`
   std::size_t staticPieces = 0;  ///< scratch of one point: first of its pieces in `held`
   std::vector<std::unique_ptr<HeldNeighbourhood>> neighbourhoods;  ///< of points, in `held`; kept to reuse
                                                                    ///< the memory
@@ -230,7 +231,7 @@ struct SoftBodyData {
   Points startVelocity;                     ///< 3 x #points, m/s, at the start of the tick
   double dampingRate = 0.0;                 ///< 1/s, dampingRateBound; frequencyStale applies to it, too
   double size = 0.0;                        ///< m, diagonal of its initial bounding box
-  bool prefersImplicit = false;             ///< chosen in the last tick for the body without its island
+  bool prefersImplicit = false;             ///< in the last tick, if it were in no island
   SpringBatchArrays springBatches;          ///< empty unless it is stepped in batches
   std::unique_ptr<ImplicitState> implicit;  ///< created when it is first stepped implicitly
   std::vector<float> skinned;               ///< 3 x #points, scratch of a body with a skin

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 
-// This file has what users call of a system: it brings bodies into the world and out of it, adds springs and
-// anchors, and sets listeners of contacts. The ticks are in tick.cpp.
+// This file implements the user's interface of a system: bodies, springs and anchors, and contact listeners.
+// The ticks are in tick.cpp.
 
 #include <limber/soft_body_system.h>
 
@@ -19,7 +19,7 @@ namespace limber {
 inline namespace LIMBER_BULLET_PRECISION {
 namespace {
 
-/// m. Farther from its body, a pivot takes more substeps than anyone waits for.
+/// m, maximum distance of a pivot from its body. A larger one would require far too many substeps.
 constexpr double kMaxPivotDistance = 1e6;
 
 bool isValidPivot(const btVector3& place) {
@@ -27,7 +27,7 @@ bool isValidPivot(const btVector3& place) {
   return p.allFinite() && p.cwiseAbs().maxCoeff() <= kMaxPivotDistance;
 }
 
-/// Why a link of the systems with this step cannot hold on to a body; empty if it can.
+/// Returns the reason why a link of the systems with this step cannot be attached to a body; empty if it can.
 std::string whyNotHeld(const btRigidBody* body, const void* step) {
   if (SurfaceObject::from(body))
     return "a surface object cannot be held: hold on to a point mass of that soft body, SoftBody::point(i)";
@@ -47,7 +47,7 @@ bool isSystemObject(const btCollisionObject* object) { return isSoft(object) || 
 
 void warnOnStandardError(const std::string& text) { std::fprintf(stderr, "limber: %s\n", text.c_str()); }
 
-// --- in and out of the world -------------------------------------------------------------------------------
+// --- the system in the world -------------------------------------------------------------------------------
 
 void SoftBodySystem::Impl::hookUp() {
   if (hook) return;
@@ -55,7 +55,8 @@ void SoftBodySystem::Impl::hookUp() {
   step->kinematic.start(*world);
 }
 
-/// Stays in place while it is not known whether the world still exists: its next tick will tell.
+/// Removes the hook of a system without bodies and springs, if the world is known to exist. Otherwise the
+/// hook stays until the next tick, which proves that the world exists.
 void SoftBodySystem::Impl::unhookIfIdle(bool alive) {
   if (!hook || !alive || !bodies.empty() || !springs.empty()) return;
   step->restoreBulletState();
@@ -63,8 +64,9 @@ void SoftBodySystem::Impl::unhookIfIdle(bool alive) {
   hook = nullptr;
 }
 
-/// A world that is deleted takes the broadphase handle of every body in it; nothing else tells of its end.
-/// False if no body of a system is in the world: then nothing tells whether it exists.
+/// Returns whether the world is known to exist. Its destructor removes the broadphase handle of every body in
+/// it, which is the only sign. Returns false if no body of a system is in the world, because nothing is known
+/// then.
 bool SoftBodySystem::Impl::worldAlive() const {
   const auto isIn = [](const auto& body) { return anyInWorld(*body->data_); };
   return std::any_of(step->systems.begin(), step->systems.end(), [&](const Impl* system) {
@@ -241,7 +243,7 @@ Result<void> SoftBodySystem::removeSpring(SpringConstraint* spring) {
   return {};
 }
 
-/// Those of all systems: one may have springs on another's points.
+/// Removes the springs on a body from all systems: a system may have springs on another's points.
 void SoftBodySystem::Impl::dropSprings(const btRigidBody& body) {
   const auto isOn = [&](const auto& spring) { return holdsOn(*spring, &body); };
   step->forgetGroups();
@@ -360,7 +362,7 @@ void SoftBodySystem::Impl::notifyListener() {
   if (!events.listening()) return;
   for (auto& body : bodies) events.collect(*body->data_);
   events.call(world);
-  // not the hook: it is on the way here
+  // keeps the hook, which is calling this function
   for (Impl* system : step->systems) system->destroyPending();
 }
 

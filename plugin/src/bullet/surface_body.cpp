@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 
-// This file makes the object and the shape that stand for a soft body in Bullet's world, and takes both and
-// the body's points through a tick.
+// This file makes the object and the shape that represent a soft body in Bullet's world. It updates both and
+// the body's points in each tick.
 
 #include "bullet/surface_body.h"
 
@@ -15,7 +15,7 @@
 namespace limber {
 inline namespace LIMBER_BULLET_PRECISION {
 
-// --- the surface, as Bullet queries it ---------------------------------------------------------------------
+// --- the surface in Bullet's queries -----------------------------------------------------------------------
 
 struct SurfaceShape::Query {
   btTriangleCallback* callback;
@@ -32,7 +32,7 @@ struct SurfaceShape::Query {
 SurfaceShape::SurfaceShape(const SpringNetwork& network, bool mirrored, const Points& positions,
                            btScalar radius)
     : network_(&network), mirrored_(mirrored), positions_(&positions) {
-  // not CUSTOM_CONCAVE_SHAPE_TYPE: Bullet takes that for a btSdfCollisionShape
+  // not CUSTOM_CONCAVE_SHAPE_TYPE: Bullet casts shapes of that type to btSdfCollisionShape
   m_shapeType = FAST_CONCAVE_MESH_PROXYTYPE;
   setMargin(radius);
   if (!network.surface.empty()) return;
@@ -46,7 +46,7 @@ void SurfaceShape::getAabb(const btTransform& t, btVector3& aabbMin, btVector3& 
     aabbMin = low_ + shift;
     aabbMax = high_ + shift;
   } else {
-    // of the box as it was, moved with the owner
+    // the bounds of the last box, transformed with the object
     btTransformAabb(low_, high_, btScalar(0), t * pose_.inverse(), aabbMin, aabbMax);
   }
 }
@@ -89,7 +89,7 @@ namespace {
 
 int surfaceMark;  // see pointMassMark
 
-/// When the application deletes it.
+/// Called when the application deletes the object.
 void forgetDeletedSurface(SoftBodyData& body) {
   body.surface.object = nullptr;
   body.alive = false;
@@ -101,7 +101,7 @@ SurfaceObject::SurfaceObject(SoftBodyData* owner)
     : btRigidBody(btRigidBodyConstructionInfo(0, nullptr, nullptr)), owner_(owner) {
   internalSetExtensionPointer(&surfaceMark);
   keepCollisionFilter();
-  // a body of mass 0 is static until told otherwise; soft bodies draw themselves, see debug_draw.cpp
+  // also clears the static flag, which Bullet sets for a mass of 0; debug_draw.cpp draws soft bodies
   setCollisionFlags(CF_DISABLE_VISUALIZE_OBJECT);
   setFlags(getFlags() & ~BT_ENABLE_GYROSCOPIC_FORCE_IMPLICIT_BODY);
 }
@@ -127,19 +127,19 @@ bool SurfaceObject::mayTouch(const btCollisionObject& other) const {
 
 namespace {
 
-/// Number of ticks for which a broadphase box has room. Bullet does nothing for an object whose box stays the
-/// same, and searches its whole tree for an object whose box changes.
+/// Number of ticks for which a broadphase box has room. An unchanged box costs Bullet nothing; for a changed
+/// box it searches its whole tree.
 constexpr double kBoxTicks = 4.0;
 
 /// Maximum room, as a fraction of the box. With more, the boxes of bodies side by side would overlap.
 constexpr double kMaxBoxRoom = 0.25;
 
-/// Tolerance, as a fraction of the box: with more unused room than twice the wanted room and this, the box is
-/// made anew.
+/// Tolerance, as a fraction of the box: the box is made again if its room exceeds twice the required room by
+/// more than this.
 constexpr double kNoRoom = 1e-3;
 
-/// Sets the box for the broadphase: around the last tick's motion and the coming one, with room for the next
-/// ticks in the direction of the motion. The present box stays while it holds what is needed.
+/// Sets the box for the broadphase: the motion of the last and of the coming tick, with room for the next
+/// ticks in the direction of the motion. A present box that contains the motion and is not too large is kept.
 void setBox(SoftBodyData& body) {
   const SurfaceShape& shape = *body.surface.shape;
   Eigen::AlignedBox3d box = body.surface.sweptBounds.box;
@@ -154,12 +154,12 @@ void setBox(SoftBodyData& body) {
   body.surface.shape->setBox(toBullet(Eigen::Vector3d(box.min())), toBullet(Eigen::Vector3d(box.max())));
 }
 
-/// A body that the user holds still, or that Bullet has found too large.
+/// Returns whether the user has disabled the body, or Bullet has because its box was too large.
 bool isOutOfSimulation(const SoftBodyData& body) {
   return body.surface.object->getActivationState() == DISABLE_SIMULATION;
 }
 
-/// As the world does with its own bodies: a new gravity of the world replaces that of each point.
+/// Replaces the gravity of each point when the world's has changed, as the world does for its own bodies.
 void updateGravity(SoftBodyData& body) {
   const btVector3 gravity = body.world->getGravity();
   if (gravity == body.surface.gravity) return;
@@ -168,7 +168,7 @@ void updateGravity(SoftBodyData& body) {
   body.surface.gravity = gravity;
 }
 
-/// Replaces accelerations that are not finite: they would spread to all points.
+/// Sets all accelerations to zero if they are not finite: they would spread to all points.
 void restoreAccelerations(SoftBodyData& body) {
   if (body.state.acceleration.cwiseAbs().sum() < kMaxSound) return;
   body.state.acceleration.setZero();
@@ -187,7 +187,8 @@ void accelerateShared(SoftBodyData& body) {
   }
 }
 
-/// Bullet multiplies a body's velocity by (1 - damping)^tick before it moves it.
+/// Applies the damping of the points as Bullet does: it multiplies a body's velocity by (1 - damping)^tick
+/// before it moves the body.
 void dampPoints(SoftBodyData& body, double tick) {
   for (std::uint32_t i = 0; i < body.masses.bodies.size(); ++i) {
     const double damping = double(body.masses.bodies[i]->getLinearDamping());
@@ -219,7 +220,7 @@ void addSurface(SoftBodyData& body) {
   s.sweptBounds = sweptBoundsOf(body, 0.0);
   s.gravity = body.world->getGravity();
   setBox(body);
-  // past btDiscreteDynamicsWorld, which would move it
+  // calls the base class, because btDiscreteDynamicsWorld would move the object
   body.world->btCollisionWorld::addCollisionObject(s.object, body.settings.collisionGroup,
                                                    body.settings.collisionMask);
 }
@@ -227,7 +228,7 @@ void addSurface(SoftBodyData& body) {
 void removeSurface(SoftBodyData& body) {
   if (SurfaceObject* object = body.surface.object) {
     object->setOwner(nullptr);
-    // the broadphase handle goes with the world: an object without one must not touch it
+    // the world's destructor removes the broadphase handle: an object without one must not access the world
     if (object->isInWorld()) body.world->removeRigidBody(object);
     delete object;
     body.surface.object = nullptr;
@@ -240,7 +241,7 @@ void exposePoints(SoftBodyData& body) {
   if (body.masses.exposed || !body.alive) return;
   body.masses.exposed = true;
   body.surface.force.setZero(3, body.state.position.cols());
-  // who is in no world cannot know that it still exists
+  // if the body is in no world, the world may no longer exist
   const bool inWorld = anyInWorld(body);
   if (inWorld) body.surface.gravity = body.world->getGravity();
   for (PointMass* point : body.masses.bodies) {
@@ -335,7 +336,7 @@ void wakeSurface(SoftBodyData& body) {
     if (object && object->getActivationState() != ACTIVE_TAG) object->activate(true);
   };
   wake(body.surface.object);
-  // what was foreseen is old, and partners were collected for those that were awake
+  // the prediction is out of date, and partners were collected only for awake bodies
   body.surface.sweptBounds.tick = 0.0;
   if (!body.masses.exposed) return;
   for (PointMass* point : body.masses.bodies) wake(point);

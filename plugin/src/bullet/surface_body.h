@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 
-// In surface mode one object stands in Bullet's world for the whole of a soft body, and its user moves it as
-// a rigid body.
+// In surface mode one object represents the whole soft body in Bullet's world. Users move it like a rigid
+// body.
 
 #pragma once
 
@@ -19,34 +19,34 @@
 namespace limber {
 inline namespace LIMBER_BULLET_PRECISION {
 
-// --- what Bullet has ---------------------------------------------------------------------------------------
+// --- Bullet's objects --------------------------------------------------------------------------------------
 
 struct SoftBodyData;
 
-/// What stands for a soft body in Bullet's world. To Bullet it is a dynamic body of the body's mass and
-/// inertia, which joins islands with what is near, and which constraints hold (surface_rigid.cpp); but it is
-/// not in the world's list of bodies to be moved, and makes no contacts in Bullet's narrowphase. Rays, sweeps
-/// and contact tests do find it. Like a PointMass it may be deleted by the application.
+/// The object that represents a soft body in Bullet's world. For Bullet it is a dynamic body with the mass
+/// and inertia of the soft body. It joins islands with near objects, and constraints act on it
+/// (surface_rigid.cpp). But the world does not move it, and it has no contacts in Bullet's narrowphase. Rays,
+/// sweeps and contact tests find it. The application may delete it, like a PointMass.
 class SurfaceObject final : public btRigidBody {
  public:
   BT_DECLARE_ALIGNED_ALLOCATOR();
 
-  /// Without a shape, which needs the object first.
+  /// Makes the object without a shape. The shape is made after the object.
   explicit SurfaceObject(SoftBodyData* owner);
   ~SurfaceObject() override;
 
-  /// The surface an object is, or nullptr.
+  /// Returns the object as a surface object, or nullptr if it is none.
   static SurfaceObject* from(btCollisionObject* object);
   static const SurfaceObject* from(const btCollisionObject* object);
 
-  /// Bullet's dispatcher makes no contacts with it. Reads only.
+  /// Returns false, so that Bullet's dispatcher makes no contacts with the object. Only reads.
   bool checkCollideWithOverride(const btCollisionObject*) const override { return false; }
 
-  /// Bullet asks checkCollideWithOverride only while this is on, see PointMass.
+  /// Enables checkCollideWithOverride(), see PointMass::keepCollisionFilter().
   void keepCollisionFilter() { m_checkCollideWith = 1; }
 
-  /// Whether the user has not excluded this pair (setIgnoreCollisionCheck(), from either side). `other` is no
-  /// SurfaceObject.
+  /// Returns false if the user has excluded this pair (setIgnoreCollisionCheck() of either object). `other`
+  /// must not be a SurfaceObject.
   bool mayTouch(const btCollisionObject& other) const;
 
   void setOwner(SoftBodyData* owner) { owner_ = owner; }
@@ -56,25 +56,25 @@ class SurfaceObject final : public btRigidBody {
   SoftBodyData* owner_;
 };
 
-/// The surface of a soft body as it is now, for Bullet's queries: its triangles, or, without any, two crossed
-/// strips along each structural spring, as wide as its points.
+/// The present surface of a soft body, for Bullet's queries: its triangles. A body without triangles has two
+/// crossed strips along each structural spring, as wide as its points.
 ///
-/// Triangle t of Bullet is triangle t of the surface; or strip triangle t % 4 of spring springs()[t / 4].
+/// Triangle t of Bullet is triangle t of the surface, or strip triangle t % 4 of spring springs()[t / 4].
 class SurfaceShape final : public btConcaveShape {
  public:
   BT_DECLARE_ALIGNED_ALLOCATOR();
 
-  /// `positions` (3 x #points, m) must outlive it. `radius` in metres. `mirrored`: the body's triangles are
-  /// its network's turned over.
+  /// `positions` (3 x #points, m) must outlive the shape. `radius` is in metres. `mirrored`: the body's
+  /// triangles have the opposite orientation of the network's.
   SurfaceShape(const SpringNetwork& network, bool mirrored, const Points& positions, btScalar radius);
 
-  /// The box (world coordinates, m) that the broadphase gets.
+  /// Sets the box for the broadphase (world coordinates, m).
   void setBox(const btVector3& low, const btVector3& high) { low_ = low, high_ = high; }
   const btVector3& low() const { return low_; }
   const btVector3& high() const { return high_; }
 
-  /// Where the owner is when the points are where `positions` says: once it has been moved, the points will
-  /// be.
+  /// Sets the object's pose for which the points are at `positions`. When the user has moved the object,
+  /// queries already see the surface at its new pose, and the points are moved later.
   void setPose(const btTransform& pose) { pose_ = pose; }
 
   const std::vector<std::uint32_t>& springs() const { return springs_; }
@@ -83,7 +83,7 @@ class SurfaceShape final : public btConcaveShape {
   void processAllTriangles(btTriangleCallback* callback, const btVector3& aabbMin,
                            const btVector3& aabbMax) const override;
 
-  void setLocalScaling(const btVector3&) override {}  ///< a soft body has its scale in its settings
+  void setLocalScaling(const btVector3&) override {}  ///< the scale of a soft body is in its settings
   const btVector3& getLocalScaling() const override { return scaling_; }
   void calculateLocalInertia(btScalar, btVector3& inertia) const override { inertia.setZero(); }
   const char* getName() const override { return "SoftSurface"; }
@@ -96,7 +96,7 @@ class SurfaceShape final : public btConcaveShape {
   const SpringNetwork* network_;
   bool mirrored_;
   const Points* positions_;
-  std::vector<std::uint32_t> springs_;  ///< those that are shown as strips
+  std::vector<std::uint32_t> springs_;  ///< the springs that are reported as strips
   btVector3 low_ = btVector3(0, 0, 0), high_ = btVector3(0, 0, 0);
   btTransform pose_ = btTransform::getIdentity();
   btVector3 scaling_ = btVector3(1, 1, 1);
@@ -104,74 +104,78 @@ class SurfaceShape final : public btConcaveShape {
 
 // --- in the world ------------------------------------------------------------------------------------------
 
-// How a body with Collision::Surface lives in the world: one object stands for it, the point masses are
-// outside, and nothing is handed to Bullet's solver or taken back from it.
+// Functions for a body with Collision::Surface in the world. One object represents the body. The point masses
+// are outside the world, and Bullet's solver neither reads nor changes them.
 
-/// Makes the point masses and the object, and adds the object to the world.
+/// Prepares the point masses, makes the object and adds it to the world.
 void addSurface(SoftBodyData& body);
 
-/// Deletes what the application has not deleted. A world that is gone is not touched.
+/// Deletes the objects that the application has not deleted. Does not access a world that no longer exists.
 void removeSurface(SoftBodyData& body);
 
-/// From now on the point masses are kept up to date and read: the application has one.
+/// Makes the point masses. From now on they are read and written in each tick, because the application has
+/// access to one.
 void exposePoints(SoftBodyData& body);
 
-/// Moves the forces that the user has applied to the points since the last call into surface.force.
+/// Adds the forces that the user has applied to the points since the last call to `surface.force`, and clears
+/// them.
 void collectForces(SoftBodyData& body);
 
-/// gatherPoints(), and the accelerations from gravity and forces.
+/// Reads the object and the exposed points, and sets the accelerations from gravity and forces.
 void gatherSurface(SoftBodyData& body, btScalar tick);
 
-/// At the start of a tick: where a body that has been thrown since the last one may get is told to Bullet's
-/// broadphase, in which others look for it.
+/// Updates the box in Bullet's broadphase at the start of a tick, if the body may leave it: the user may have
+/// changed the body's velocity since the last tick. Other bodies search for it in the broadphase.
 void updateBroadphaseBox(SoftBodyData& body, btScalar tick);
 
-/// After the step: gives the broadphase the box of this tick's motion and of what the points may reach in the
-/// next.
+/// Sets the box for the broadphase after the step: it contains the motion of this tick and all positions that
+/// the points may have in the next one. Calls writeObjectToBullet().
 void writeBoxToBullet(SoftBodyData& body, btScalar tick);
 
-/// After the tick: Bullet's linear damping of the points, continuous collision, and the result written to the
-/// point masses and the object.
+/// Applies Bullet's linear damping to the points, reads the object, and writes the result to the point masses
+/// and the object, after the tick.
 void finishSurface(SoftBodyData& body, btScalar tick);
 
-/// As anyPointMoves().
+/// Returns whether a point moves too fast for sleep, see anyPointMoves().
 bool anySurfacePointMoves(const SoftBodyData& body, btScalar tick);
 
-/// Whether the user has changed a point of a sleeping body.
+/// Returns whether the user has changed the object or a point of a sleeping body.
 bool isSurfaceChanged(const SoftBodyData& body);
 
-/// Wakes the object, and the point masses if they are shared.
+/// Wakes the object, and the point masses if they are exposed.
 void wakeSurface(SoftBodyData& body);
 
-// --- to its user a rigid body ------------------------------------------------------------------------------
+// --- the object as a rigid body ----------------------------------------------------------------------------
 
-// To its user the surface object is a rigid body with the mass, inertia and mean motion of the body's points
-// that are not held. Whatever differs from what was last left in it is the user's doing, or that of a
-// constraint in Bullet's solver, and moves all points as it would move a rigid body.
+// For its user the surface object is a rigid body with the mass, inertia and mean motion of the points that
+// are not held. A difference from the values last written to it comes from the user or from a constraint in
+// Bullet's solver. It moves all points as it would move a rigid body.
 
-/// Leaves in the object where and how the body is now. Its basis turns with the body.
+/// Writes the body's present pose and motion to the object. The object's basis rotates with the body.
 void writeObject(SoftBodyData& body);
 
-/// Whether the user has moved the object or changed its velocity.
+/// Returns whether the user has moved the object or changed its velocity.
 bool isObjectChanged(const SoftBodyData& body);
 
-/// Gives the points what differs in the object. `drift` (s): for so long they have moved with the change of
-/// velocity.
+/// Applies the changes of the object to the points. The points also move by the change of velocity times
+/// `drift` (s).
 void readObject(SoftBodyData& body, double drift = 0.0);
 
-/// At the start of a tick: adds the forces on the object, which act in all ticks of a stepSimulation(), to
-/// the points' accelerations. What acts on one that sleeps is lost, as with Bullet's bodies.
+/// Adds the forces on the object, which act in all ticks of a stepSimulation(), to the points' accelerations,
+/// at the start of a tick.
 void accelerateByObject(SoftBodyData& body);
+
+/// Discards the forces on the object of a sleeping body: they are lost, as for Bullet's bodies.
 void dropObjectForces(SoftBodyData& body);
 
-/// Marks the bodies that Bullet's constraints hold by their objects (SurfaceData::joined).
+/// Marks the bodies whose objects are in Bullet's constraints (SurfaceData::joined).
 void markJoined(const std::vector<SoftBodyData*>& bodies, btDiscreteDynamicsWorld& world);
 
-/// Before Bullet's solver: an object in a constraint has the mean velocity of the tick.
+/// Sets the velocity of an object in a constraint to the mean velocity of the tick, before Bullet's solver.
 void writeObjectToBullet(SoftBodyData& body, double tick);
 
-/// After it: what the constraint gave has acted from the start of the tick on. It pushes no point into what
-/// its contacts keep it out of.
+/// Applies the constraint's change of the object from the start of the tick, after Bullet's solver. It moves
+/// no point deeper into the surface of a contact.
 void readObjectFromBullet(SoftBodyData& body, double tick);
 
 }  // namespace LIMBER_BULLET_PRECISION

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 
-// This file makes the surface object the rigid body that its user sees. The object has the mass, inertia and
-// motion of the points, and whatever changes it moves them.
+// This file makes the surface object a rigid body for its user. The object has the mass, inertia and motion
+// of the points, and changes of the object move the points.
 
 #include "bullet/bullet_objects.h"
 #include "bullet/point_contacts.h"
@@ -22,20 +22,21 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-/// Of the trace: about an axis with less inertia, as a rope's own line, torques turn ever less, and nothing
-/// where there is none. Bullet's floats hold spins about all axes at once: what is lost of a very fast one
-/// would be a kick about the others.
+/// Minimum inertia about an axis, as a fraction of the trace of the inertia tensor. About an axis with less,
+/// such as the line of a rope, a torque causes less rotation the smaller the inertia is, and none if it is 0.
+/// Bullet stores the rotation rates about all axes in one vector of floats. The rounding error of a very fast
+/// rotation would be an impulse about the other axes.
 constexpr double kMinInertia = 1e-5;
 
-/// Steps towards the rotation of the body; in a tick it does not turn far.
+/// Number of iterations for the rotation of the body, which rotates little in a tick.
 constexpr int kRotationSteps = 4;
 
-/// The points that are not held as one rigid body, and its motion: momentum and angular momentum are theirs.
+/// The rigid body with the mass, inertia, momentum and angular momentum of the points that are not held.
 struct RigidFit {
   double mass = 0.0;                           ///< kg
   Vector3d center = Vector3d::Zero();          ///< m
   Matrix3d inverseInertia = Matrix3d::Zero();  ///< 1/(kg m^2), about world axes
-  Matrix3d factor = Matrix3d::Zero();          ///< times its transpose it is that
+  Matrix3d factor = Matrix3d::Zero();          ///< F with inverseInertia = F F^T
   Vector3d velocity = Vector3d::Zero();        ///< m/s
   Vector3d spin = Vector3d::Zero();            ///< rad/s
 };
@@ -46,11 +47,12 @@ void forEachFree(const PointState& s, Visit visit) {
     if (const double mass = massOf(s.inverseMass, i); mass > 0.0) visit(i, mass);
 }
 
-/// Of the cube of the trace: a tensor of that determinant has principal inertias of more than 4 times that
-/// share of the trace.
+/// Minimum determinant of the inertia tensor of a round body, as a fraction of the cube of the trace. Its
+/// principal inertias are then larger than 4 times this fraction of the trace.
 constexpr double kRoundBody = 1e-3;
 
-/// Makes each principal inertia x the inverse x / (x^2 + least^2); where no x is small, 1 / x to 1e-5 of it.
+/// Sets the inverse inertia: x / (x^2 + least^2) for each principal inertia x. If no x is small, this is the
+/// reciprocal of x with a relative error below 1e-5.
 void setInertia(RigidFit& fit, const Matrix3d& inertia) {
   const double trace = inertia.trace(), least = kMinInertia * trace;
   if (!(trace > 0.0)) return;
@@ -65,8 +67,9 @@ void setInertia(RigidFit& fit, const Matrix3d& inertia) {
   fit.inverseInertia = fit.factor * fit.factor.transpose();
 }
 
-/// In one pass, with d from a place near the centre: the sums of m, m d, m d d^T, m v and m d x v. About the
-/// centre c the second moments are less by M c c^T, and the angular momentum by c x (sum m v).
+/// Fits a rigid body to the points in one pass. With d, the offset from a point near the centre, it adds up
+/// m, m d, m d d^T, m v and m d x v. About the centre c, the second moments are smaller by M c c^T, and the
+/// angular momentum by c x (sum m v).
 template <class VelocityOf>
 RigidFit fitRigid(const PointState& s, const Points& position, VelocityOf velocityOf) {
   RigidFit fit;
@@ -94,14 +97,14 @@ RigidFit fitRigid(const PointState& s, const Points& position, VelocityOf veloci
   return fit;
 }
 
-/// At the present positions and velocities.
+/// Fits a rigid body to the present positions and velocities.
 RigidFit fitRigid(const PointState& s) {
   return fitRigid(s, s.position, [&](Eigen::Index i) -> Vector3d { return s.velocity.col(i); });
 }
 
-/// Turns the object's frame after the body: the rotation that brings the network's rest shape nearest to the
-/// points (Mueller, Bender, Chentanez, Macklin, A robust method to extract the rotational part of
-/// deformations, 2016). It is also defined for ropes and cloths.
+/// Rotates the object's frame with the body: returns the rotation that brings the network's rest shape
+/// nearest to the points (Mueller, Bender, Chentanez, Macklin, A robust method to extract the rotational part
+/// of deformations, 2016). It is also defined for ropes and cloths.
 Eigen::Quaterniond follow(const SoftBodyData& body, const Vector3d& center, Eigen::Quaterniond q) {
   Matrix3d moments = Matrix3d::Zero();
   for (Eigen::Index i = 0; i < body.state.position.cols(); ++i)
@@ -117,7 +120,7 @@ Eigen::Quaterniond follow(const SoftBodyData& body, const Vector3d& center, Eige
     turn /= std::abs(along) + 1e-9 * body.model->weightedSquares;
     const double angle = turn.norm();
     if (!(angle > 1e-9) || !std::isfinite(angle)) break;
-    // (1, turn / 2) is this rotation to second order; the next step corrects the remainder
+    // (1, turn / 2) is this rotation to second order; the next iteration corrects the rest
     q = (Eigen::Quaterniond(1.0, 0.5 * turn.x(), 0.5 * turn.y(), 0.5 * turn.z()) * q).normalized();
   }
   return q;
@@ -129,13 +132,13 @@ btMatrix3x3 matrixToBullet(const Matrix3d& m) {
                      at(2, 2));
 }
 
-/// Bullet makes its inertia tensor as basis . diagonal . basis^T: a factor of any tensor, in place of the
-/// basis, gives that tensor.
+/// Writes mass and inertia to the object. Bullet computes its inverse inertia tensor as B D B^T, with its
+/// basis B and a diagonal D. With the factor F in place of B, and D = 1, the result is the tensor F F^T.
 void writeInertia(btRigidBody& object, const RigidFit& fit, const btMatrix3x3& basis) {
   if (object.getMass() != static_cast<btScalar>(fit.mass)) {
     const int flags = object.getCollisionFlags();
     object.setMassProps(static_cast<btScalar>(fit.mass), btVector3(1, 1, 1));
-    // held by all its points it is still no static object
+    // if all points are held, the mass is 0, but the object must not become static
     object.setCollisionFlags(flags);
   }
   object.setInvInertiaDiagLocal(btVector3(1, 1, 1));
@@ -175,7 +178,7 @@ bool isPinned(const SoftBodyData& body, Eigen::Index i) {
   return !point || point->isKinematicObject();
 }
 
-/// Moves all points but those that are pinned; velocity and spin of the whole stay as they are.
+/// Moves all points that are not pinned. Velocity and angular velocity of the whole body do not change.
 void moveTo(SoftBodyData& body, const btTransform& pose) {
   PointState& s = body.state;
   const RigidFit fit = fitRigid(s);
@@ -205,7 +208,7 @@ void pushBy(SoftBodyData& body, const Vector3d& velocity, const Vector3d& spin, 
   });
 }
 
-/// Point masses that the user holds see the change, too.
+/// Writes the change to the exposed points that are not pinned, also to those that the user holds.
 void writeShared(SoftBodyData& body) {
   if (!body.masses.exposed) return;
   for (std::uint32_t i = 0; i < body.masses.bodies.size(); ++i) {
@@ -256,7 +259,7 @@ void readObject(SoftBodyData& body, double drift) {
          difference(object.getAngularVelocity(), left.spin), drift);
   leave(body);
   writeShared(body);
-  // what was foreseen is old
+  // the prediction is out of date
   body.surface.sweptBounds.tick = 0.0;
   if (body.asleep) object.activate(true);
 }
@@ -272,7 +275,7 @@ void accelerateByObject(SoftBodyData& body) {
       body.restored = true;
     }
     object.clearForces();
-    // the system has to learn when the step has ended
+    // the system must detect the end of the step
     if (!s.pushed && body.onPointsExposed) body.onPointsExposed();
     s.pushed = true;
   }
