@@ -4,8 +4,13 @@
 #include "accuracy/rigid_bodies.h"
 #include "accuracy/scene_list.h"
 
+#include "support/small_meshes.h"
+
+#include <limber/network_builder.h>
+
 #include <algorithm>
 #include <limits>
+#include <stdexcept>
 
 namespace limber::bench {
 namespace {
@@ -157,6 +162,38 @@ Scene slopeOf(const NamedFloor& floor) {
   return scene;
 }
 
+/// A ball that is thrown along the floor, slips and rolls, beside the same ball on one box. Measures how far
+/// the two are apart after a second, in radii.
+Scene rollOn(const NamedFloor& floor) {
+  constexpr double kBallRadius = 0.25;          // m
+  const Eigen::Vector3d toReference(0, 0, 16);  // m
+  TriangleMesh mesh = small_meshes::icosphere(1);
+  for (Eigen::Vector3d& p : mesh.positions) p *= kBallRadius;
+  const Result<SharedNetwork> network = buildNetwork(mesh);
+  if (!network) throw std::runtime_error(network.error());
+  Scene scene = sceneOn(floor, 1.0);
+  scene.limberOnly = true;
+  scene.name = "roll on " + floor.second;
+  BodySetup ball = bodyOf(*network, 1.0, 1e4, 10.0);
+  ball.settings.pointRadius = kCubeRadius;
+  ball.settings.position = {0.1, kBallRadius + kCubeRadius, 0.05};
+  ball.settings.linearVelocity = {4.0, 0, 0};
+  scene.bodies = {ball, ball};
+  scene.bodies[1].settings.position += toReference;
+  scene.addRigidBodies = [=](RigidBodies& rigid, btDiscreteDynamicsWorld& world) {
+    addFloor(rigid, world, floor.first, 1.0);
+    addBox(rigid, world, {20, 1, 2}, 0, toReference - Eigen::Vector3d(0, 1, 0), 1.0);
+  };
+  scene.measures = {"path"};
+  scene.judge = [=](const Trace& trace) {
+    const auto centre = [&](std::size_t body) -> Eigen::Vector3d {
+      return trace.last().positions[body].rowwise().mean();
+    };
+    return std::vector<double>{(centre(0) + toReference - centre(1)).norm() / kBallRadius};
+  };
+  return scene;
+}
+
 }  // namespace
 
 void addResting(std::vector<Scene>& scenes, bool quick) {
@@ -178,6 +215,7 @@ void addResting(std::vector<Scene>& scenes, bool quick) {
                                {Floor::Hulls, "hulls"}});
   for (const NamedFloor& floor : tiled) scenes.push_back(slideOn(floor));
   for (const NamedFloor& floor : tiled) scenes.push_back(slopeOf(floor));
+  for (const NamedFloor& floor : tiled) scenes.push_back(rollOn(floor));
 }
 
 }  // namespace limber::bench

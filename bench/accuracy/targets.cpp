@@ -36,6 +36,7 @@ const ErrorTarget kErrorTargets[] = {
     {"incline, 0.97 mu: way in a second (m)", "incline 0.97", "creep", "auto", true, 1e-5},
     {"speed kept on tiled floors, 0.1 to 20 m/s", "slide on", "speed", "auto", true, 1e-3},
     {"hops on tiled floors (m)", "slide on", "hop", "auto", true, 1e-3},
+    {"rolling on tiled floors beside one box (radii)", "roll on", "path", "auto", true, 1e-6},
     {"slope of 30 degrees, mu 0.2: acceleration", "slope of", "cube", "auto", true, 5e-3},
     {"frictionless cloth on that slope: acceleration", "slope of", "cloth", "auto", true, 5e-3},
 };
