@@ -1,14 +1,6 @@
 // SPDX-License-Identifier: Zlib
 #include "command_list.h"
 
-#include "accuracy/accuracy_command.h"
-#include "contact/contact_command.h"
-#include "networks/networks_command.h"
-#include "render/render_command.h"
-#include "scaling/scaling_command.h"
-#include "springs/springs_command.h"
-#include "stability/stability_command.h"
-
 #include <cstdio>
 #include <string>
 

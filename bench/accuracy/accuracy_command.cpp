@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Zlib
-#include "accuracy/accuracy_command.h"
+#include "command_list.h"
 
-#include "accuracy/accuracy_summary.h"
-#include "accuracy/measure_scene.h"
-#include "accuracy/row_query.h"
-#include "accuracy/scene_list.h"
+#include "accuracy/accuracy_report.h"
+#include "accuracy/accuracy_row.h"
+#include "accuracy/bodies.h"
+#include "accuracy/scene.h"
+#include "accuracy/stage.h"
 #include "command_line.h"
 #include "csv_table.h"
 #include "text_format.h"
@@ -33,6 +34,18 @@ void addOptions(CLI::App& app, Options& options) {
 std::vector<double> ticksOf(const Options& options) {
   if (options.quick) return {1.0 / 30, 1.0 / 60};
   return {1.0 / 30, 1.0 / 60, 1.0 / 120, 1.0 / 240};
+}
+
+std::vector<Scene> allScenes(bool quick) {
+  std::vector<Scene> scenes;
+  addOscillators(scenes, quick);
+  addChains(scenes, quick);
+  addWaves(scenes, quick);
+  addFreeShapes(scenes, quick);
+  addImpacts(scenes, quick);
+  addResting(scenes, quick);
+  addRigidPartners(scenes, quick);
+  return scenes;
 }
 
 std::vector<Scene> scenesOf(const Options& options) {

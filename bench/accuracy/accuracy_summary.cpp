@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: Zlib
-#include "accuracy/accuracy_summary.h"
+#include "accuracy/accuracy_report.h"
 
-#include "accuracy/convergence.h"
-#include "accuracy/row_query.h"
-#include "accuracy/targets.h"
+#include "accuracy/accuracy_row.h"
 #include "machine.h"
 #include "text_format.h"
 

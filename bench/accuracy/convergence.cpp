@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-#include "accuracy/convergence.h"
+#include "accuracy/accuracy_report.h"
 
 #include "accuracy/signals.h"
 #include "text_format.h"

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
-#include "accuracy/networks.h"
+#include "accuracy/bodies.h"
 #include "accuracy/rigid_bodies.h"
-#include "accuracy/scene_list.h"
+#include "accuracy/scene.h"
 #include "accuracy/signals.h"
 #include "accuracy/spring_system.h"
 #include "text_format.h"

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Zlib
-#include "accuracy/measure_scene.h"
-
-#include "accuracy/row_query.h"
 #include "accuracy/stage.h"
+
+#include "accuracy/accuracy_row.h"
 #include "engines/limber_engine.h"
 #include "sample_stats.h"
 #include "text_format.h"

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-#include "accuracy/networks.h"
-#include "accuracy/scene_list.h"
+#include "accuracy/bodies.h"
+#include "accuracy/scene.h"
 #include "accuracy/signals.h"
 #include "accuracy/spring_system.h"
 #include "text_format.h"

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Zlib
-#include "accuracy/networks.h"
-#include "accuracy/resting_cube.h"
+#include "accuracy/bodies.h"
 #include "accuracy/rigid_bodies.h"
-#include "accuracy/scene_list.h"
+#include "accuracy/scene.h"
 
 #include "support/small_meshes.h"
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
-#include "accuracy/resting_cube.h"
+#include "accuracy/bodies.h"
 #include "accuracy/rigid_bodies.h"
-#include "accuracy/scene_list.h"
+#include "accuracy/scene.h"
 
 #include <cmath>
 

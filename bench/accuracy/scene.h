@@ -63,4 +63,14 @@ inline double relativeError(double value, double exact) {
 /// Rounds to a whole number of 1/30 s, so that ticks of all lengths end there.
 inline double wholeTicks(double seconds) { return std::round(seconds * 30.0) / 30.0; }
 
+/// Each function adds its scenes. With `quick` they are few and short.
+void addOscillators(std::vector<Scene>& scenes, bool quick);  // oscillators.cpp: one spring
+void addChains(std::vector<Scene>& scenes, bool quick);       // chains.cpp: hanging chains
+void addWaves(std::vector<Scene>& scenes, bool quick);        // waves.cpp: waves along a bar
+void addFreeShapes(std::vector<Scene>& scenes, bool quick);   // free_shapes.cpp: cube, block, cloth
+void addImpacts(std::vector<Scene>& scenes, bool quick);      // impacts.cpp: bar against a wall, dropped cube
+void addResting(std::vector<Scene>& scenes, bool quick);      // resting.cpp: on floors and an incline
+void addRigidPartners(std::vector<Scene>& scenes,
+                      bool quick);  // rigid_partners.cpp: boxes, stack
+
 }  // namespace limber::bench

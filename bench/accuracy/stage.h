@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
-#include "accuracy/scene.h"
+#include "accuracy/accuracy_row.h"
+#include "row_progress.h"
 
 namespace limber::bench {
 
@@ -33,5 +34,11 @@ class Stage {
   Trace trace_;
   std::vector<double> tickMicroseconds_, stepMicroseconds_;
 };
+
+/// Plays the scene with all engines that support it, at each length of ticks. The engines take turns of a few
+/// ticks, so that the load of the machine is the same for all. In ordered scenes Limber is also run with 2, 4
+/// and 8 times the substeps that it needs to be stable.
+std::vector<AccuracyRow> measureScene(const Scene& scene, const std::vector<double>& ticks,
+                                      RowProgress& progress);
 
 }  // namespace limber::bench

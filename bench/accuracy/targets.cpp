@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Zlib
-#include "accuracy/targets.h"
+#include "accuracy/accuracy_report.h"
 
-#include "accuracy/convergence.h"
 #include "text_format.h"
 
 #include <algorithm>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-#include "contact/contact_command.h"
+#include "command_list.h"
 
 #include "command_line.h"
 #include "contact/contact_summary.h"

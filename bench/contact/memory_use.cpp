@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "contact/memory_use.h"
 
-#include "accuracy/networks.h"
-#include "accuracy/scene_list.h"
+#include "accuracy/bodies.h"
 #include "contact/contact_scene.h"
 #include "engines/limber_engine.h"
 #include "text_format.h"

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Zlib
-#include "accuracy/networks.h"
-#include "accuracy/scene_list.h"
+#include "accuracy/bodies.h"
 #include "contact/contact_scene.h"
 #include "stability/case_parts.h"
 #include "support/small_meshes.h"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-#include "render/render_command.h"
+#include "command_list.h"
 
 #include "command_line.h"
 #include "csv_table.h"

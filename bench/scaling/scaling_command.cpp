@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-#include "scaling/scaling_command.h"
+#include "command_list.h"
 
 #include "clocks.h"
 #include "command_line.h"

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "stability/case_parts.h"
 
-#include "accuracy/networks.h"
-#include "accuracy/scene_list.h"
+#include "accuracy/bodies.h"
 #include "text_format.h"
 
 #include <Eigen/Geometry>

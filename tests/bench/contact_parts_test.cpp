@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Zlib
 // The measurements of the contact bench, compared with known values.
-#include "accuracy/networks.h"
-#include "accuracy/scene_list.h"
+#include "accuracy/bodies.h"
 #include "contact/box_surface.h"
 #include "contact/contact_stage.h"
 #include "contact/memory_use.h"

@@ -2,8 +2,7 @@
 // All engines accept the same set-up.
 #include "engines/engine.h"
 
-#include "accuracy/networks.h"
-#include "accuracy/scene_list.h"
+#include "accuracy/bodies.h"
 #include "engines/body_start.h"
 #include "engines/bullet_soft_engines.h"
 #include "engines/limber_engine.h"

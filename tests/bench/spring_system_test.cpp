@@ -2,9 +2,7 @@
 // The bench's own reference solutions, compared with closed forms.
 #include "accuracy/spring_system.h"
 
-#include "accuracy/networks.h"
-#include "accuracy/resting_cube.h"
-#include "accuracy/scene_list.h"
+#include "accuracy/bodies.h"
 
 #include <gtest/gtest.h>
 

@@ -75,7 +75,7 @@ class SoftBodySystem {
   /// Creates a body of the network's shape. The world must exist. Errors, with nothing created: no or invalid
   /// network, invalid settings, a volume modulus or pressure that the network cannot have (a surface that is
   /// not closed), a point that would be, or move, beyond 1e9 m or m/s.
-  Result<SoftBody*> createBody(SharedNetwork network, const SoftBodySettings& settings = {});
+  Result<SoftBody*> createBody(const SharedNetwork& network, const SoftBodySettings& settings = {});
 
   /// Removes the body, its anchors and every spring on it. The pointer is invalid afterwards. Error: a body
   /// that does not, or no longer, belong to this system.

@@ -135,13 +135,13 @@ Eigen::Vector3d centerOfMass(const SpringNetwork& network, const Points& positio
 void initializePoints(SoftBodyData& body) {
   const SoftBodySettings& s = body.settings;
   PointState& state = body.state;
-  state.resize(static_cast<Eigen::Index>(body.network->restPoints.size()));
+  state.resize(static_cast<Eigen::Index>(body.model->network->restPoints.size()));
   const Eigen::Matrix3d rotation = s.rotation.toRotationMatrix();
   for (Eigen::Index i = 0; i < state.position.cols(); ++i) {
-    const Eigen::Vector3d rest = body.network->restPoints[static_cast<std::size_t>(i)];
+    const Eigen::Vector3d rest = body.model->network->restPoints[static_cast<std::size_t>(i)];
     state.position.col(i) = s.position + rotation * rest.cwiseProduct(s.scale);
   }
-  const Eigen::Vector3d center = centerOfMass(*body.network, state.position);
+  const Eigen::Vector3d center = centerOfMass(*body.model->network, state.position);
   for (Eigen::Index i = 0; i < state.position.cols(); ++i)
     state.velocity.col(i) = s.linearVelocity + s.angularVelocity.cross(state.position.col(i) - center);
 }
@@ -159,15 +159,14 @@ std::string checkCoordinates(const PointState& state) {
 
 }  // namespace
 
-Result<std::unique_ptr<SoftBodyData>> makeBodyData(SharedNetwork network, const SoftBodySettings& settings,
-                                                   SharedModels& models) {
+Result<std::unique_ptr<SoftBodyData>> makeBodyData(const SharedNetwork& network,
+                                                   const SoftBodySettings& settings, SharedModels& models) {
   if (!network) return Error{"there is no network"};
   if (Result<void> valid = validate(settings); !valid) return Error{"settings: " + valid.error()};
   auto model = models.of(network, settings);
   if (!model) return Error{model.error()};
   auto body = std::make_unique<SoftBodyData>();
   body->model = *model;
-  body->network = std::move(network);
   body->settings = settings;
   body->springs = body->model->springs;
   body->volumes = body->model->volumes;

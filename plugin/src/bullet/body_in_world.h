@@ -36,8 +36,8 @@ class SharedModels {
 
 /// Makes a body at its starting position, which is not yet in a world. Has the errors of
 /// SoftBodySystem::createBody.
-Result<std::unique_ptr<SoftBodyData>> makeBodyData(SharedNetwork network, const SoftBodySettings& settings,
-                                                   SharedModels& models);
+Result<std::unique_ptr<SoftBodyData>> makeBodyData(const SharedNetwork& network,
+                                                   const SoftBodySettings& settings, SharedModels& models);
 
 // --- in the world ------------------------------------------------------------------------------------------
 

@@ -276,7 +276,7 @@ void setTriangle(ContactSide& side, std::uint32_t triangle, const Triangle& corn
 void findTriangle(const SoftBodyData& body, ContactSide& side, const Eigen::Vector3d& direction) {
   if (!hasSurface(body) || side.triangle != ContactSide::kNone || side.weights.isZero(0.0)) return;
   const std::uint32_t triangle = triangleOf(body, side, direction);
-  if (triangle != ContactSide::kNone) setTriangle(side, triangle, body.network->surface[triangle]);
+  if (triangle != ContactSide::kNone) setTriangle(side, triangle, body.model->network->surface[triangle]);
 }
 
 }  // namespace

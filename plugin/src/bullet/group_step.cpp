@@ -40,9 +40,9 @@ Stepping strictest(const LinkedGroup& group) {
 /// grow at most by this factor.
 double lightest(const SoftBodyData& body) {
   double most = 0.0;
-  for (std::size_t i = 0; i < body.network->massFractions.size(); ++i)
+  for (std::size_t i = 0; i < body.model->network->massFractions.size(); ++i)
     most = std::max(most, body.state.inverseMass.col(static_cast<Eigen::Index>(i)).maxCoeff() *
-                              body.network->massFractions[i]);
+                              body.model->network->massFractions[i]);
   return most * body.settings.totalMass;
 }
 
@@ -341,7 +341,7 @@ void StepPlan::clear() {
 void StepPlan::number(const std::vector<LinkedGroup>& groups) {
   std::map<const SpringNetwork*, std::size_t> numbers;
   for (const LinkedGroup& group : groups) {
-    const SpringNetwork* network = group.bodies.empty() ? nullptr : group.bodies[0]->network.get();
+    const SpringNetwork* network = group.bodies.empty() ? nullptr : group.bodies[0]->model->network.get();
     networkOf_.push_back(numbers.try_emplace(network, numbers.size()).first->second);
   }
 }

@@ -83,7 +83,7 @@ inline Eigen::Vector3d meanOf(const SpringNetwork& network, const Points& quanti
 /// regions, because those allow for points that a hit pushes aside.
 inline SweptBounds sweptBoundsOf(const SoftBodyData& body, double tick) {
   const PointState& s = body.state;
-  const Eigen::Vector3d mean = meanOf(*body.network, s.velocity);
+  const Eigen::Vector3d mean = meanOf(*body.model->network, s.velocity);
   Eigen::AlignedBox3d box;
   double fastest = 0.0;
   for (Eigen::Index i = 0; i < s.position.cols(); ++i) {

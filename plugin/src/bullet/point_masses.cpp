@@ -71,7 +71,7 @@ btVector3 inertiaOf(const SoftBodyData& body, btScalar mass) {
 }
 
 btScalar settingsMassOf(const SoftBodyData& body, std::uint32_t i) {
-  return static_cast<btScalar>(body.settings.totalMass * body.network->massFractions[i]);
+  return static_cast<btScalar>(body.settings.totalMass * body.model->network->massFractions[i]);
 }
 
 PointMass* makeBody(SoftBodyData& body, std::uint32_t i) {
@@ -165,7 +165,8 @@ void writePoint(SoftBodyData& body, std::uint32_t i) {
 
 void initializePointMasses(SoftBodyData& body) {
   PointMasses& m = body.masses;
-  m.shape = std::make_unique<PointSphere>(static_cast<btScalar>(pointRadius(*body.network, body.settings)));
+  m.shape =
+      std::make_unique<PointSphere>(static_cast<btScalar>(pointRadius(*body.model->network, body.settings)));
   m.held.assign(pointCount(body), 0);
   m.startPosition = body.state.position;
   for (std::uint32_t i = 0; i < pointCount(body); ++i) {

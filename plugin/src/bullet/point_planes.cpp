@@ -253,7 +253,7 @@ bool hasSpringThrough(const SoftBodyData& body, std::uint32_t i, const HeldPiece
     return (s.a == i && crosses(sheet, x.col(i), x.col(s.b))) ||
            (s.b == i && crosses(sheet, x.col(i), x.col(s.a)));
   };
-  return std::any_of(body.network->springs.begin(), body.network->springs.end(), goes);
+  return std::any_of(body.model->network->springs.begin(), body.model->network->springs.end(), goes);
 }
 
 /// Sets the side of triangles for points that lie in them. This happens when a body is put on terrain

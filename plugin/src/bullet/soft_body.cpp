@@ -34,11 +34,11 @@ Handle<SoftBody> SoftBody::handle() {
   return {this, life_};
 }
 
-const SpringNetwork& SoftBody::network() const { return *data_->network; }
-const SharedNetwork& SoftBody::sharedNetwork() const { return data_->network; }
+const SpringNetwork& SoftBody::network() const { return *data_->model->network; }
+const SharedNetwork& SoftBody::sharedNetwork() const { return data_->model->network; }
 const SoftBodySettings& SoftBody::settings() const { return data_->settings; }
 std::uint32_t SoftBody::pointCount() const {
-  return static_cast<std::uint32_t>(data_->network->restPoints.size());
+  return static_cast<std::uint32_t>(data_->model->network->restPoints.size());
 }
 bool SoftBody::alive() const { return data_->alive; }
 
@@ -85,12 +85,12 @@ void SoftBody::writePositions(float* xyz, double tickFraction) const {
 }
 
 std::uint32_t SoftBody::skinnedPointCount() const {
-  const Skin& skin = data_->network->render.skin;
+  const Skin& skin = data_->model->network->render.skin;
   return skin.size() > 0 ? static_cast<std::uint32_t>(skin.size()) : pointCount();
 }
 
 void SoftBody::writeSkinnedPositions(float* xyz) const {
-  const Skin& skin = data_->network->render.skin;
+  const Skin& skin = data_->model->network->render.skin;
   if (skin.size() == 0) return writePositions(xyz);
   data_->skinned.resize(std::size_t{3} * pointCount());
   writePositions(data_->skinned.data());
@@ -98,7 +98,7 @@ void SoftBody::writeSkinnedPositions(float* xyz) const {
 }
 
 void SoftBody::writeSkinnedPositions(float* xyz, double tickFraction) const {
-  const Skin& skin = data_->network->render.skin;
+  const Skin& skin = data_->model->network->render.skin;
   if (skin.size() == 0) return writePositions(xyz, tickFraction);
   data_->skinned.resize(std::size_t{3} * pointCount());
   writePositions(data_->skinned.data(), tickFraction);
@@ -235,7 +235,7 @@ SurfaceHit hitOnTriangle(const SoftBodyData& body, std::size_t triangle, const E
   SurfaceHit hit;
   hit.body = body.handle;
   hit.triangle = static_cast<std::uint32_t>(triangle);
-  const Triangle& corners = body.network->surface[triangle];
+  const Triangle& corners = body.model->network->surface[triangle];
   hit.points = {corners[0], corners[1], corners[2]};
   const CornerColumns x = cornersOf(body, hit);
   hit.weights = nearestWeights(x, point);
@@ -248,7 +248,7 @@ SurfaceHit hitOnSpring(const SoftBodyData& body, std::uint32_t index, const Eige
   SurfaceHit hit;
   hit.body = body.handle;
   hit.triangle = index;
-  const NetworkSpring& spring = body.network->springs[index];
+  const NetworkSpring& spring = body.model->network->springs[index];
   hit.points = {spring.a, spring.b, spring.b};
   const CornerColumns x = cornersOf(body, hit);
   const Eigen::Vector2d w = segmentWeights(x.col(0), x.col(1), point);
@@ -270,7 +270,7 @@ SurfaceHit surfaceHit(const btCollisionObject* object, int triangleIndex, const 
   if (!surface || !surface->owner() || triangleIndex < 0) return {};
   const SoftBodyData& body = *surface->owner();
   const auto index = static_cast<std::size_t>(triangleIndex);
-  if (index < body.network->surface.size()) return hitOnTriangle(body, index, toEigen(place));
+  if (index < body.model->network->surface.size()) return hitOnTriangle(body, index, toEigen(place));
   const std::vector<std::uint32_t>& springs = body.surface.shape->springs();
   if (index / 4 < springs.size()) return hitOnSpring(body, springs[index / 4], toEigen(place));
   return {};

@@ -173,7 +173,6 @@ struct RateHistory {
 /// The data of a SoftBody.
 struct SoftBodyData {
   std::shared_ptr<const BodyModel> model;
-  SharedNetwork network;
   SoftBodySettings settings;
   SoftBody* handle = nullptr;
   btDiscreteDynamicsWorld* world = nullptr;

@@ -128,8 +128,8 @@ void SoftBodySystem::onWarning(std::function<void(const std::string&)> handler) 
 
 // --- bodies ------------------------------------------------------------------------------------------------
 
-Result<SoftBody*> SoftBodySystem::createBody(SharedNetwork network, const SoftBodySettings& settings) {
-  Result<std::unique_ptr<SoftBodyData>> data = makeBodyData(std::move(network), settings, impl_->models);
+Result<SoftBody*> SoftBodySystem::createBody(const SharedNetwork& network, const SoftBodySettings& settings) {
+  Result<std::unique_ptr<SoftBodyData>> data = makeBodyData(network, settings, impl_->models);
   if (!data) return Error{data.error()};
   impl_->hookUp();
   (*data)->world = impl_->world;

@@ -208,7 +208,7 @@ void addSurface(SoftBodyData& body) {
   SurfaceData& s = body.surface;
   s.contacts.assign(pointCount(body), CachedContact());
   s.object = new SurfaceObject(&body);
-  s.shape = std::make_unique<SurfaceShape>(*body.network, body.settings.scale.prod() < 0.0,
+  s.shape = std::make_unique<SurfaceShape>(*body.model->network, body.settings.scale.prod() < 0.0,
                                            body.state.position, body.masses.shape->getRadius());
   s.object->setCollisionShape(s.shape.get());
   s.object->setFriction(static_cast<btScalar>(body.settings.friction));
@@ -285,7 +285,8 @@ void gatherSurface(SoftBodyData& body, btScalar tick) {
   s.gravity = gravity;
   body.state.acceleration.colwise() = toEigen(gravity);
   accelerateByObject(body);
-  restoreAccelerations(body);
+  // without forces on the object all accelerations are gravity
+  if (s.pushed || !isSound(gravity)) restoreAccelerations(body);
 }
 
 void updateBroadphaseBox(SoftBodyData& body, btScalar tick) {

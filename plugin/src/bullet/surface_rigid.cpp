@@ -225,7 +225,7 @@ void writeObject(SoftBodyData& body) {
   SurfaceData& s = body.surface;
   btRigidBody& object = *s.object;
   const RigidFit fit = fitRigid(body.state);
-  s.frame = follow(body, meanOf(*body.network, body.state.position), s.frame);
+  s.frame = follow(body, meanOf(*body.model->network, body.state.position), s.frame);
   const btTransform pose(matrixToBullet(s.frame.toRotationMatrix()), toBullet(fit.center));
   object.setWorldTransform(pose);
   object.setInterpolationWorldTransform(pose);

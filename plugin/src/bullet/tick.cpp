@@ -147,7 +147,7 @@ void SoftBodySystem::Impl::WorldStep::writeGroupsToBullet(btScalar tick) {
     for (SoftBodyData* body : group.bodies) restoreIfUnsound(*body);
     writeGroupToBullet(group, tick);
     for (const SoftBodyData* body : group.bodies) {
-      profile.pointsStepped += body->network->restPoints.size();
+      profile.pointsStepped += body->model->network->restPoints.size();
       profile.springSubsteps += body->springs.size() * static_cast<std::size_t>(group.substeps);
     }
   }

@@ -1,8 +1,12 @@
 // SPDX-License-Identifier: Zlib
-#include "accuracy/networks.h"
+#include "accuracy/bodies.h"
+
+#include "accuracy/scene.h"
+#include "accuracy/spring_system.h"
 
 #include <limber/network_builder.h>
 
+#include <cmath>
 #include <utility>
 
 namespace limber::bench {
@@ -81,6 +85,51 @@ SharedNetwork clothNetwork(int side) {
   settings.columns = settings.rows = static_cast<std::uint32_t>(side - 1);
   settings.shearScale = settings.bendingScale = 1.0;
   return *buildCloth(settings);
+}
+
+BodySetup bodyOf(SharedNetwork network, double mass, double stiffness, double damping) {
+  BodySetup body;
+  body.network = std::move(network);
+  body.settings.totalMass = mass;
+  body.settings.extensionStiffness = body.settings.compressionStiffness = stiffness;
+  body.settings.damping = damping;
+  return body;
+}
+
+// --- a cube at rest --------------------------------------------------------------------------------
+
+namespace {
+
+bool isUpper(Eigen::Index point) { return (point & 2) != 0; }  // in the order of cubeNetwork()
+
+}  // namespace
+
+BodySetup restingCube(double stiffness) {
+  BodySetup body = bodyOf(closedCubeNetwork(), 1.0, stiffness, 0.2 * std::sqrt(stiffness / 8));
+  body.settings.pointRadius = kCubeRadius;
+  body.settings.position = {0.1, 0.5 + kCubeRadius, 0.05};
+  body.drag = 2.0;
+  return body;
+}
+
+double topOf(const Eigen::Matrix3Xd& cube) {
+  double sum = 0.0;
+  for (Eigen::Index i = 0; i < 8; ++i)
+    if (isUpper(i)) sum += cube(1, i);
+  return sum / 4;
+}
+
+double restHeight(const BodySetup& cube, double load) {
+  SpringSystem system = systemOf(cube, {0, -kGravity, 0});
+  for (Eigen::Index i = 0; i < 8; ++i) {
+    if (isUpper(i)) {
+      system.load(1, i) -= load / 4;
+    } else {
+      system.free(1, i) = 0.0;
+      system.start.positions(1, i) = kCubeRadius;
+    }
+  }
+  return topOf(equilibrium(system));
 }
 
 }  // namespace limber::bench

@@ -1,9 +1,15 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
-#include "accuracy/row_query.h"
+// The report on all rows, for people.
+
+#include "accuracy/accuracy_row.h"
 
 namespace limber::bench {
+
+/// Returns a report for people: the best result of each engine in each scene, orders of convergence, and
+/// targets with hit or MISS.
+std::string summariseAccuracy(const std::vector<Scene>& scenes, const std::vector<AccuracyRow>& rows);
 
 /// Returns tables of the convergence of the first error of each ordered scene, as slope in log-log: over the
 /// tick, and for Limber over the substep. Free motion and contacts have separate tables.
@@ -18,5 +24,8 @@ struct SubstepOrder {
   double slope = 0.0;
 };
 std::vector<SubstepOrder> substepOrders(const Rows& rows);
+
+/// Returns Limber's targets and results, with "hit" or "MISS". Targets without rows are left out.
+std::string targetTable(const Rows& rows);
 
 }  // namespace limber::bench
