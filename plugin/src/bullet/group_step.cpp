@@ -194,12 +194,15 @@ bool isFolded(const SoftBodyData& body) { return body.volumes.farFromRest || bod
 /// Starts or ends the energy limit. `lasting`: the bound is the energy in the first of consecutive ticks with
 /// this flag, plus changes from outside. `once`: the bound is the present energy, for this tick only.
 void guard(LinkedGroup& group, bool lasting, bool once) {
-  const bool lasted = group.energyLimited && group.limitPersists;
-  group.limitPersists = lasting;
-  group.energyLimited = lasting || once;
-  if (!group.energyLimited) return;
-  const double energy = energyOf(group.step.bodies[0]);
-  group.energyBound = lasting && lasted ? group.energyBound + energy - group.energyAtEnd : energy;
+  for (SoftBodyData* body : group.bodies) {
+    EnergyLimit& limit = body->energyLimit;
+    const bool lasted = limit.on && limit.persists;
+    limit.persists = lasting;
+    limit.on = lasting || once;
+    if (!limit.on) continue;
+    const double energy = energyOf(group.step.bodies[0]);
+    limit.bound = lasting && lasted ? limit.bound + energy - limit.atEnd : energy;
+  }
 }
 
 /// Starts the energy limit of a body in three cases. Torn or inverted bodies in free motion: substeps that do
@@ -216,7 +219,8 @@ void startEnergyLimit(LinkedGroup& group, double tick) {
   const bool lasting =
       free && areSurfacesAtRest(group.bodies[0]->contacts) && (cut || bounces(group.bodies[0]->contacts));
   guard(group, lasting, free && group.bodies[0]->contacts.empty() && isFolded(*group.bodies[0]));
-  if (group.energyLimited && !lasting) group.forceScaled = isForceScaled(group, tick);
+  for (SoftBodyData* body : group.bodies)
+    if (body->energyLimit.on && !lasting) body->energyLimit.forceScaled = isForceScaled(group, tick);
 }
 
 /// Removes `energy` (J) from the whole motion. Returns the part that exceeds the kinetic energy.
@@ -228,22 +232,22 @@ double slowDown(PointState& points, double energy) {
 
 /// Removes the rise of the energy, less the work of the constant accelerations, from the motion.
 void endEnergyLimit(LinkedGroup& group, double tick) {
-  if (!group.energyLimited || !(group.limitPersists || group.forceScaled || isForceScaled(group, tick)))
-    return;
-  const SoftBodyData& body = *group.bodies[0];
-  double& allowed = group.energyBound;
+  if (group.bodies.size() != 1) return;
+  SoftBodyData& body = *group.bodies[0];
+  EnergyLimit& limit = body.energyLimit;
+  if (!limit.on || !(limit.persists || limit.forceScaled || isForceScaled(group, tick))) return;
   for (Eigen::Index i = 0; i < body.state.position.cols(); ++i)
-    allowed +=
+    limit.bound +=
         massOf(body.state.inverseMass, i) *
         body.state.acceleration.col(i).dot(body.state.position.col(i) - body.masses.startPosition.col(i));
   SolverBody& stepped = group.step.bodies[0];
-  group.energyAtEnd = energyOf(stepped);
-  const double excess = group.energyAtEnd - allowed;
+  limit.atEnd = energyOf(stepped);
+  const double excess = limit.atEnd - limit.bound;
   if (!(excess > 0.0)) return;
   double left = removeKineticEnergy(*stepped.points, excess);
   // the rest is in the rigid motion: only contacts can have added it
-  if (!group.bodies[0]->contacts.empty()) left = slowDown(*stepped.points, left);
-  group.energyAtEnd -= excess - left;
+  if (!body.contacts.empty()) left = slowDown(*stepped.points, left);
+  limit.atEnd -= excess - left;
 }
 
 // --- one group ---------------------------------------------------------------------------------------------

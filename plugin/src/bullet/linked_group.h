@@ -36,11 +36,6 @@ struct LinkedGroup {
   int substeps = 0;
   bool cut = false;  ///< maxSubsteps allows fewer substeps than it needs
   Stepper stepper = Stepper::Verlet;
-  bool energyLimited = false;  ///< its energy must not rise in this tick, see startEnergyLimit()
-  bool forceScaled = false;    ///< the volume force was scaled down at the start of the tick
-  bool limitPersists = false;  ///< the energy must not exceed that of the first tick with this flag either
-  double energyBound = 0.0;    ///< J, if energyLimited
-  double energyAtEnd = 0.0;    ///< J, at the end of the last tick, if energyLimited
 };
 
 using SpringList = std::vector<std::unique_ptr<SpringConstraint>>;

@@ -170,6 +170,15 @@ struct RateHistory {
   double age = 0.0;  ///< s since the present span began
 };
 
+/// The limit of the energy of a body that is stepped alone, see startEnergyLimit() in group_step.cpp.
+struct EnergyLimit {
+  bool on = false;           ///< the energy must not rise in this tick
+  bool persists = false;     ///< the energy must not exceed that of the first tick with this flag either
+  bool forceScaled = false;  ///< the volume force was scaled down at the start of the tick
+  double bound = 0.0;        ///< J, if on
+  double atEnd = 0.0;        ///< J, at the end of the last tick, if on
+};
+
 /// The data of a SoftBody.
 struct SoftBodyData {
   std::shared_ptr<const BodyModel> model;
@@ -222,6 +231,7 @@ struct SoftBodyData {
   double frequencySquared = 0.0;   ///< rad^2/s^2, bound of its own springs
   double fastestSquared = 0.0;     ///< rad^2/s^2, bound of fastestOscillationSquared for the present masses
   RateHistory rateHistory;
+  EnergyLimit energyLimit;
   int substeps = 0;                   ///< in the last tick
   Stepper stepper = Stepper::Verlet;  ///< in the last tick
   double errorPerSecond = 0.0;        ///< m/s
