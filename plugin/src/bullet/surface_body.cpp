@@ -134,9 +134,8 @@ constexpr double kBoxTicks = 4.0;
 /// Maximum room, as a fraction of the box. With more, the boxes of bodies side by side would overlap.
 constexpr double kMaxBoxRoom = 0.25;
 
-/// Tolerance, as a fraction of the box: the box is made again if its room exceeds twice the required room by
-/// more than this.
-constexpr double kNoRoom = 1e-3;
+/// Room on every side, as a fraction of the box, for oscillations and for the rounding of Bullet's numbers.
+constexpr double kSideRoom = 0.01;
 
 /// Sets the box for the broadphase: the motion of the last and of the coming tick, with room for the next
 /// ticks in the direction of the motion. A present box that contains the motion and is not too large is kept.
@@ -149,8 +148,9 @@ void setBox(SoftBodyData& body) {
       (kBoxTicks * body.surface.sweptBounds.displacement).cwiseMin(largest).cwiseMax(-largest);
   const Eigen::AlignedBox3d present(toEigen(shape.low()), toEigen(shape.high()));
   const Eigen::Vector3d unused = present.sizes() - size - 2.0 * room.cwiseAbs();
-  if (present.contains(box) && (unused.array() <= kNoRoom * size.array()).all()) return;
-  box.extend(box.min() + room.cwiseMin(0.0)).extend(box.max() + room.cwiseMax(0.0));
+  if (present.contains(box) && (unused.array() <= 4.0 * kSideRoom * size.array()).all()) return;
+  box.extend(box.min() + room.cwiseMin(0.0) - kSideRoom * size);
+  box.extend(box.max() + room.cwiseMax(0.0) + kSideRoom * size);
   body.surface.shape->setBox(toBullet(Eigen::Vector3d(box.min())), toBullet(Eigen::Vector3d(box.max())));
 }
 
