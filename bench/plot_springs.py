@@ -20,15 +20,15 @@ def read_rows(path):
 
 
 def draw(axes, rows):
-    ways = list(dict.fromkeys((row["stepped"], row["numbers"]) for row in rows))
+    ways = list(dict.fromkeys(row["stepped"] for row in rows))
     for damped, shift in (("0", -0.2), ("1", 0.2)):
-        own = {(r["stepped"], r["numbers"]): r for r in rows if r["damped"] == damped}
+        own = {r["stepped"]: r for r in rows if r["damped"] == damped}
         places = [i + shift for i, way in enumerate(ways) if way in own]
         values = [float(own[way]["ns_per_spring_substep"]) for way in ways if way in own]
         noise = [float(own[way]["ns_noise"]) for way in ways if way in own]
         bars = axes.barh(places, values, 0.38, xerr=noise, color=COLOURS[damped], label=NAMES[damped])
         axes.bar_label(bars, fmt="%.1f", padding=6, fontsize=8)
-    axes.set_yticks(range(len(ways)), [f"{stepped}, {numbers}" for stepped, numbers in ways])
+    axes.set_yticks(range(len(ways)), ways)
     axes.invert_yaxis()
     axes.margins(x=0.12)
 

@@ -25,17 +25,16 @@ constexpr int kSubsteps = 20;
 
 /// One way of stepping cubes; `springs` are stepped by each run().
 struct Way {
-  std::string what, number;
+  std::string what;
   bool damped = false, resting = false;
   double springs = 0.0;
   std::function<void()> run;
   std::vector<double> ns;  ///< per spring and substep, one for each repeat
 };
 
-Way way(const char* what, const char* number, double damping, bool resting, int bodies) {
+Way way(const std::string& what, double damping, bool resting, int bodies) {
   Way w;
   w.what = what;
-  w.number = number;
   w.damped = damping > 0.0;
   w.resting = resting;
   w.springs = 28.0 * bodies;
@@ -47,7 +46,7 @@ void addSingles(double damping, bool resting, std::vector<Way>& ways) {
     if (four && !canStepSpringBatches()) continue;
     auto cubes = std::make_shared<std::deque<TestCube>>(makeCubes(1, damping, resting));
     if (four) cubes->front().group.bodies[0].springBatches = &cubes->front().springBatches;
-    ways.push_back(way(four ? "1 body AVX2" : "1 body scalar", "double", damping, resting, 1));
+    ways.push_back(way(four ? "1 body AVX2" : "1 body scalar", damping, resting, 1));
     ways.back().run = [cubes] { stepVerlet(cubes->front().group, kTick, kSubsteps); };
   }
 }
@@ -56,32 +55,14 @@ void addLanes(double damping, bool resting, std::vector<Way>& ways) {
   for (const InstructionSet set : {InstructionSet::Sse2, InstructionSet::Avx2, InstructionSet::Avx512}) {
     if (!isAvailable(set)) continue;
     auto cubes = std::make_shared<std::deque<TestCube>>(makeCubes(laneCount(set), damping, resting));
-    auto block = std::make_shared<LaneBlock>(makeBlock(*cubes));
     auto scratch = std::make_shared<LaneScratch>();
-    ways.push_back(
-        way((std::string("lanes ") + nameOf(set)).c_str(), "double", damping, resting, laneCount(set)));
-    ways.back().run = [cubes, block, scratch, set] { stepLanes(*block, *scratch, kTick, kSubsteps, set); };
+    ways.push_back(way(std::string("lanes ") + nameOf(set), damping, resting, laneCount(set)));
+    ways.back().run = [cubes, scratch, set] {
+      std::vector<SolverBody*> bodies;
+      for (TestCube& cube : *cubes) bodies.push_back(&cube.group.bodies[0]);
+      stepLanes(bodies.data(), bodies.size(), *scratch, kTick, kSubsteps, set);
+    };
   }
-}
-
-void addFloats(double damping, std::vector<Way>& ways) {
-#if defined(LIMBER_HAS_LANES)
-  struct Kernel {
-    InstructionSet set;
-    void (*step)(FloatLanes&, double, int);
-  };
-  for (const Kernel& kernel :
-       {Kernel{InstructionSet::Sse2, &stepFloatsSse2}, Kernel{InstructionSet::Avx2, &stepFloatsAvx2},
-        Kernel{InstructionSet::Avx512, &stepFloatsAvx512}}) {
-    if (!isAvailable(kernel.set)) continue;
-    const int lanes = 2 * laneCount(kernel.set);
-    auto floats = std::make_shared<FloatLanes>(makeFloats(lanes, damping));
-    ways.push_back(way((std::string("lanes ") + nameOf(kernel.set)).c_str(), "float", damping, false, lanes));
-    ways.back().run = [floats, step = kernel.step] { step(*floats, kTick, kSubsteps); };
-  }
-#else
-  static_cast<void>(damping), static_cast<void>(ways);
-#endif
 }
 
 std::vector<Way> allWays() {
@@ -90,7 +71,6 @@ std::vector<Way> allWays() {
     for (const double damping : {0.0, 1.0}) {
       addSingles(damping, resting, ways);
       addLanes(damping, resting, ways);
-      if (!resting) addFloats(damping, ways);
     }
   return ways;
 }
@@ -109,19 +89,18 @@ void measure(std::vector<Way>& ways, int repeats) {
 
 const Way* withoutContacts(const Way& resting, const std::vector<Way>& ways) {
   for (const Way& w : ways)
-    if (!w.resting && w.what == resting.what && w.number == resting.number && w.damped == resting.damped)
-      return &w;
+    if (!w.resting && w.what == resting.what && w.damped == resting.damped) return &w;
   return nullptr;
 }
 
 std::string summary(const std::vector<Way>& ways) {
   std::string text =
       "ns per spring and substep, cubes of 8 points and 28 springs (median, half the middle half)\n";
-  text += format("%-16s %-7s %-9s %8s %8s\n", "stepped", "numbers", "", "ns", "+-");
+  text += format("%-16s %-9s %8s %8s\n", "stepped", "", "ns", "+-");
   for (const Way& w : ways) {
     if (w.resting) continue;
-    text += format("%-16s %-7s %-9s %8.2f %8.2f\n", w.what.c_str(), w.number.c_str(),
-                   w.damped ? "damped" : "undamped", median(w.ns), halfMiddle(w.ns));
+    text += format("%-16s %-9s %8.2f %8.2f\n", w.what.c_str(), w.damped ? "damped" : "undamped", median(w.ns),
+                   halfMiddle(w.ns));
   }
   text += "\nfour contact rows with friction of a cube at rest, beside its springs\n";
   for (const Way& w : ways) {
@@ -134,9 +113,9 @@ std::string summary(const std::vector<Way>& ways) {
 }
 
 void writeCsv(const std::string& file, const std::vector<Way>& ways) {
-  CsvTable csv(file, {"stepped", "numbers", "damped", "contacts", "ns_per_spring_substep", "ns_noise"});
+  CsvTable csv(file, {"stepped", "damped", "contacts", "ns_per_spring_substep", "ns_noise"});
   for (const Way& w : ways)
-    csv.add({w.what, w.number, w.damped ? "1" : "0", w.resting ? "4" : "0", numberCell(median(w.ns)),
+    csv.add({w.what, w.damped ? "1" : "0", w.resting ? "4" : "0", numberCell(median(w.ns)),
              numberCell(halfMiddle(w.ns))});
 }
 

@@ -8,7 +8,7 @@
 namespace limber::bench {
 namespace {
 
-constexpr double kStiffness = 1000.0, kPointMass = 0.125, kSubstep = 1.0 / 1200;
+constexpr double kStiffness = 1000.0, kPointMass = 0.125;
 
 SpringNetwork cubeOfAllPairs() {
   SpringNetwork network;
@@ -36,7 +36,7 @@ void fill(TestCube& cube, const SpringNetwork& network, int which, double dampin
   SoftBodySettings settings;
   settings.extensionStiffness = settings.compressionStiffness = kStiffness;
   settings.damping = damping;
-  cube.springs = makeSprings(network, settings);
+  if (!cube.springs.size()) cube.springs = makeSprings(network, settings);
   cube.state.resize(8);
   for (std::uint32_t i = 0; i < 8; ++i) {
     const Eigen::Vector3d x = network.restPoints[i];
@@ -50,69 +50,17 @@ void fill(TestCube& cube, const SpringNetwork& network, int which, double dampin
   cube.group.links.points.push_back(&cube.state);
 }
 
-/// The number at [i * lanes + lane] of the floats in the array.
-void setFloat(AlignedNumbers& array, std::size_t at, double value) {
-  reinterpret_cast<float*>(array.data())[at] = static_cast<float>(value);
-}
-
-void toLane(const Eigen::Ref<const Eigen::VectorXd>& from, AlignedNumbers& to, std::size_t lane,
-            std::size_t lanes) {
-  reserveNumbers(to, static_cast<std::size_t>(from.size()) * lanes);
-  for (Eigen::Index i = 0; i < from.size(); ++i)
-    setFloat(to, static_cast<std::size_t>(i) * lanes + lane, from[i]);
-}
-
-Eigen::Map<const Eigen::VectorXd> flat(const Points& points) { return {points.data(), points.size()}; }
-
-Eigen::Map<const Eigen::VectorXd> flat(const std::vector<double>& values) {
-  return {values.data(), static_cast<Eigen::Index>(values.size())};
-}
-
 }  // namespace
 
 std::deque<TestCube> makeCubes(int count, double damping, bool resting) {
   const SpringNetwork network = cubeOfAllPairs();
   std::deque<TestCube> cubes(static_cast<std::size_t>(count));
-  for (int i = 0; i < count; ++i) fill(cubes[static_cast<std::size_t>(i)], network, i, damping, resting);
+  for (int i = 0; i < count; ++i) {
+    TestCube& cube = cubes[static_cast<std::size_t>(i)];
+    cube.springs = cubes[0].springs;  // equal bodies share their constants
+    fill(cube, network, i, damping, resting);
+  }
   return cubes;
-}
-
-FloatLanes makeFloats(int lanes, double damping) {
-  FloatLanes floats;
-  std::deque<TestCube> cubes = makeCubes(lanes, damping, false);
-  const auto count = static_cast<std::size_t>(lanes);
-  for (std::size_t l = 0; l < count; ++l) {
-    PointState& state = cubes[l].state;
-    SpringArrays& springs = cubes[l].springs;
-    prepareDampers(springs, state.inverseMass, kSubstep);
-    springs.direction.setZero(3, static_cast<Eigen::Index>(springs.size()));
-    toLane(flat(state.position), floats.position, l, count);
-    toLane(flat(state.velocity), floats.velocity, l, count);
-    toLane(flat(state.force), floats.force, l, count);
-    toLane(flat(state.earlierForce), floats.earlierForce, l, count);
-    toLane(flat(state.acceleration), floats.acceleration, l, count);
-    toLane(flat(state.inverseMass), floats.inverseMass, l, count);
-    toLane(flat(springs->restLength), floats.restLength, l, count);
-    toLane(flat(springs->extensionStiffness), floats.stiffness, l, count);
-    toLane(flat(springs.dampHalf), floats.dampHalf, l, count);
-    toLane(flat(springs.dampFull), floats.dampFull, l, count);
-    toLane(flat(springs.direction), floats.direction, l, count);
-  }
-  floats.points = 8;
-  floats.a.assign(cubes[0].springs->a.begin(), cubes[0].springs->a.end());
-  floats.b.assign(cubes[0].springs->b.begin(), cubes[0].springs->b.end());
-  floats.springs = static_cast<unsigned>(floats.a.size());
-  floats.damped = damping > 0.0;
-  return floats;
-}
-
-LaneBlock makeBlock(std::deque<TestCube>& cubes) {
-  LaneBlock block;
-  for (TestCube& cube : cubes) {
-    block.lanes.emplace_back();
-    block.lanes.back().body = cube.group.bodies[0];
-  }
-  return block;
 }
 
 }  // namespace limber::bench

@@ -2,7 +2,6 @@
 #pragma once
 
 #include "solver/simd_steps.h"
-#include "springs/float_lanes.h"
 
 #include <deque>
 #include <functional>
@@ -18,13 +17,8 @@ struct TestCube {
   SolverIsland group;
 };
 
-/// `count` cubes at their start; `resting` gives each the four contacts of one that lies on a floor.
+/// `count` cubes at their start, which may share lanes; `resting` gives each the four contacts of one that
+/// lies on a floor.
 std::deque<TestCube> makeCubes(int count, double damping, bool resting);
-
-/// As many as there are lanes, as floats.
-FloatLanes makeFloats(int lanes, double damping);
-
-/// Puts the cubes into the lanes of a block.
-LaneBlock makeBlock(std::deque<TestCube>& cubes);
 
 }  // namespace limber::bench

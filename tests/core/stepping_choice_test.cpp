@@ -154,10 +154,10 @@ TEST(SteppingChoice, resolvesFastTurning) {
 TEST(FastestTurn, isTheSpinOfARigidlyTurningBodyAndNotItsBreathing) {
   test::SteppedTestBody body(test::cubeNetwork(), 100.0, 0.0);
   body.spin({0.0, 50.0, 0.0});
-  EXPECT_NEAR(fastestTurn(body.springs, body.state, 1.0), 50.0, 1e-9);
-  EXPECT_EQ(fastestTurn(body.springs, body.state, 1e4), 0.0) << "surely below what is asked for";
+  EXPECT_NEAR(fastestTurn(body.springs, body.state, 1e3, 1.0), 50.0, 1e-9);
+  EXPECT_EQ(fastestTurn(body.springs, body.state, 1e3, 1e4), 0.0) << "surely below what is asked for";
   body.state.velocity = 30.0 * body.state.position;
-  EXPECT_NEAR(fastestTurn(body.springs, body.state, 1.0), 0.0, 1e-9);
+  EXPECT_NEAR(fastestTurn(body.springs, body.state, 1e3, 1.0), 0.0, 1e-9);
 }
 
 TEST(DampingRate, isTheFastestDampers) {

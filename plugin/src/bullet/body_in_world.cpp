@@ -76,10 +76,10 @@ BodyModel makeModel(const SharedNetwork& network, const SoftBodySettings& settin
   if (settings.collision == Collision::Surface)
     if (auto topology = makeSurfaceTopology(rest, featuresOf(*network, settings)))
       model.topology = std::move(*topology);
-  model.weightedRest = rest;
+  model.rest = {network->massFractions, rest, 0.0};
   for (Eigen::Index i = 0; i < rest.cols(); ++i) {
-    model.weightedRest.col(i) *= network->massFractions[static_cast<std::size_t>(i)];
-    model.weightedSquares += model.weightedRest.col(i).dot(rest.col(i));
+    model.rest.weighted.col(i) *= network->massFractions[static_cast<std::size_t>(i)];
+    model.rest.meanSquare += model.rest.weighted.col(i).dot(rest.col(i));
   }
   model.fastestAtRest = fastestAtRest(model, rest, settings.totalMass);
   measureBand(model);
@@ -212,11 +212,12 @@ void wakeBody(SoftBodyData& body, bool insideTick) {
   body.calmTime = 0.0;
 }
 
-bool movesTooFast(const SoftBodyData& body, btScalar tick) {
-  return (isSurfaceBody(body) ? anySurfacePointMoves : anyPointMoves)(body, tick);
+bool movesTooFast(SoftBodyData& body, btScalar tick) {
+  return isSurfaceBody(body) ? anySurfacePointMoves(body, tick) : anyPointMoves(body, tick);
 }
 
 void gatherBody(SoftBodyData& body, btScalar tick) {
+  body.sumsValid = body.sumsValid && isSurfaceBody(body) && !body.masses.exposed;
   (isSurfaceBody(body) ? gatherSurface : gatherWorldPoints)(body, tick);
 }
 

@@ -56,7 +56,7 @@ bool wholeInWorld(const SoftBodyData& body);
 void wakeBody(SoftBodyData& body, bool insideTick);
 
 /// Returns whether the body moves too fast to sleep, see anyPointMoves().
-bool movesTooFast(const SoftBodyData& body, btScalar tick);
+bool movesTooFast(SoftBodyData& body, btScalar tick);
 
 // The stages of a tick.
 void gatherBody(SoftBodyData& body, btScalar tick);

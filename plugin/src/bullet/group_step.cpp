@@ -51,6 +51,7 @@ void updateBounds(SoftBodyData& body) {
   body.frequencySquared = limber::frequencyBoundSquared(body.springs, w, body.stiffnessSums);
   body.fastestSquared = body.model->fastestAtRest * lightest(body);
   body.dampingRate = dampingRateBound(body.springs, w);
+  body.anyHeld = (w.array() == 0.0).any();
   body.volumes.kept.value = 0.0;
   body.rateHistory = RateHistory();
   body.frequencyStale = false;
@@ -66,7 +67,8 @@ MotionRates ratesOf(SoftBodyData& body, double tick) {
                        tetrahedronFrequencyBoundSquared(body.tetrahedra, body.state, tick);
   const bool nearRest = !body.volumes.farFromRest && !body.tetrahedra.farFromRest;
   rates.fastestSquared = nearRest ? std::min(rates.boundSquared, body.fastestSquared) : rates.boundSquared;
-  rates.turnRate = fastestTurn(body.springs, body.state, kNegligibleTurn / tick);
+  rates.turnRate =
+      fastestTurn(body.springs, body.state, std::sqrt(sumsOf(body).fastest), kNegligibleTurn / tick);
   return rates;
 }
 
@@ -118,7 +120,7 @@ SteppingProblem problemOf(LinkedGroup& group, double tick) {
     p.cheapNewton = body->model->cheapNewton;
   }
   p.implicitPossible = isPlain(group.step) && canStepImplicitly(group.step.bodies[0]);
-  p.held = p.implicitPossible && (group.step.bodies[0].points->inverseMass.array() == 0.0).any();
+  p.held = p.implicitPossible && group.bodies[0]->anyHeld;
   return p;
 }
 
@@ -139,6 +141,7 @@ void rewind(LinkedGroup& group) {
   for (SoftBodyData* body : group.bodies) {
     body->state.position = body->masses.startPosition;
     body->state.velocity = body->startVelocity;
+    body->sumsValid = false;
     if (body->implicit) body->implicit->meanOver = 0.0;
     for (PlaneContact& row : body->contacts) row.impulse = TickImpulse();
     for (PlaneContact& row : body->watch->rows) row.impulse = TickImpulse();
@@ -214,11 +217,13 @@ void guard(LinkedGroup& group, bool lasting, bool once) {
 /// energy oscillates.
 void startEnergyLimit(LinkedGroup& group, double tick) {
   if (group.inIsland) return;  // see limitIslandEnergy()
-  const bool free = isFreeBody(group) && isPlain(group.step);
+  if (!isPlain(group.step)) return guard(group, false, false);
+  const SoftBodyData& single = *group.bodies[0];
   const bool cut = group.cut && group.stepper == Stepper::Verlet;
-  const bool lasting =
-      free && areSurfacesAtRest(group.bodies[0]->contacts) && (cut || bounces(group.bodies[0]->contacts));
-  guard(group, lasting, free && group.bodies[0]->contacts.empty() && isFolded(*group.bodies[0]));
+  const bool lasting = (cut || bounces(single.contacts)) && areSurfacesAtRest(single.contacts);
+  const bool once = single.contacts.empty() && isFolded(single);
+  const bool free = (lasting || once) && isFreeBody(group);
+  guard(group, free && lasting, free && once);
   for (SoftBodyData* body : group.bodies)
     if (body->energyLimit.on && !lasting) body->energyLimit.forceScaled = isForceScaled(group, tick);
 }
@@ -244,6 +249,7 @@ void endEnergyLimit(LinkedGroup& group, double tick) {
   limit.atEnd = energyOf(stepped);
   const double excess = limit.atEnd - limit.bound;
   if (!(excess > 0.0)) return;
+  body.sumsValid = false;
   double left = removeKineticEnergy(*stepped.points, excess);
   // the rest is in the rigid motion: only contacts can have added it
   if (!body.contacts.empty()) left = slowDown(*stepped.points, left);
@@ -298,6 +304,7 @@ void chooseStepping(LinkedGroup& group, double tick) {
   const bool together = group.inIsland || !isPlain(group.step);
   for (SoftBodyData* body : group.bodies) {
     body->startVelocity = body->state.velocity;
+    body->sumsValid = false;
     body->watch->on = body->settings.continuousCollision && (body->watch->on || together);
   }
 }
@@ -319,34 +326,17 @@ bool canUseLanes(const LinkedGroup& group) {
          group.bodies[0]->springs.size() <= kMaxSpringsInLanes && group.bodies[0]->springs.size() > 0;
 }
 
-/// Returns Candidate::volumes. Bodies in one block must have the same triangles and tetrahedra.
-int volumeKind(const SoftBodyData& body) {
-  if (body.volumes.empty() && body.tetrahedra.empty()) return 0;
-  return body.settings.scale.prod() < 0.0 ? -1 : 1;
-}
-
 }  // namespace
 
-bool StepPlan::Candidate::fitsWith(const Candidate& other) const {
-  return std::tie(network, substeps, damped, volumes) ==
-         std::tie(other.network, other.substeps, other.damped, other.volumes);
-}
-
 bool StepPlan::Candidate::operator<(const Candidate& other) const {
-  return std::tie(network, substeps, damped, volumes, group) <
-         std::tie(other.network, other.substeps, other.damped, other.volumes, other.group);
-}
-
-void StepPlan::clear() {
-  blocks_.clear();
-  networkOf_.clear();
+  return std::tie(model, substeps, group) < std::tie(other.model, other.substeps, other.group);
 }
 
 void StepPlan::number(const std::vector<LinkedGroup>& groups) {
-  std::map<const SpringNetwork*, std::size_t> numbers;
+  std::map<const BodyModel*, std::size_t> numbers;
   for (const LinkedGroup& group : groups) {
-    const SpringNetwork* network = group.bodies.empty() ? nullptr : group.bodies[0]->model->network.get();
-    networkOf_.push_back(numbers.try_emplace(network, numbers.size()).first->second);
+    const BodyModel* model = group.bodies.empty() ? nullptr : group.bodies[0]->model.get();
+    modelOf_.push_back(numbers.try_emplace(model, numbers.size()).first->second);
   }
 }
 
@@ -355,50 +345,37 @@ void StepPlan::stepOrCollect(std::vector<LinkedGroup>& groups, double tick) {
   for (std::size_t i = 0; i < groups.size(); ++i) {
     if (groups[i].asleep || groups[i].inIsland) continue;
     if (canUseLanes(groups[i]))
-      candidates_.push_back({networkOf_[i], groups[i].substeps, groups[i].bodies[0]->springs->damped,
-                             volumeKind(*groups[i].bodies[0]), i});
+      candidates_.push_back({modelOf_[i], groups[i].substeps, i});
     else
       stepLinkedGroup(groups[i], tick, factors_);
   }
   std::sort(candidates_.begin(), candidates_.end());
 }
 
-void StepPlan::stepBlock(std::vector<LinkedGroup>& groups, std::size_t begin, std::size_t end, double tick) {
-  if (blocksUsed_ == blocks_.size()) blocks_.emplace_back();
-  LaneBlock& block = blocks_[blocksUsed_++];
-  block.lanes.resize(end - begin);
-  for (std::size_t i = begin; i < end; ++i) {
-    const SolverBody& body = groups[candidates_[i].group].step.bodies[0];
-    LaneBlock::Lane& lane = block.lanes[i - begin];
-    if (lane.body.points != body.points) lane.revision = 0;
-    lane.body = body;
+/// A body that is alone in its lanes gains nothing from them.
+std::size_t StepPlan::stepRun(std::vector<LinkedGroup>& groups, std::size_t begin, double tick) {
+  const auto bodyOf = [&](std::size_t i) { return &groups[candidates_[i].group].step.bodies[0]; };
+  const auto fits = [&](std::size_t i) {
+    return candidates_[i].substeps == candidates_[begin].substeps && canShareLanes(*lanes_[0], *bodyOf(i));
+  };
+  const std::size_t last = std::min(begin + static_cast<std::size_t>(laneCount(set_)), candidates_.size());
+  lanes_.assign(1, bodyOf(begin));
+  std::size_t end = begin + 1;
+  while (end < last && fits(end)) lanes_.push_back(bodyOf(end++));
+  if (lanes_.size() == 1) {
+    stepLinkedGroup(groups[candidates_[begin].group], tick, factors_);
+    return end;
   }
-  stepLanes(block, scratch_, tick, candidates_[begin].substeps, set_);
+  stepLanes(lanes_.data(), lanes_.size(), scratch_, tick, candidates_[begin].substeps, set_);
   for (std::size_t i = begin; i < end; ++i)
-    groups[candidates_[i].group].step.bodies[0].errorRate = block.lanes[i - begin].body.errorRate;
-}
-
-/// Steps groups that fit together. A body that is alone in its block gains nothing from lanes.
-void StepPlan::stepRun(std::vector<LinkedGroup>& groups, std::size_t begin, std::size_t end, double tick) {
-  const auto lanes = static_cast<std::size_t>(laneCount(set_));
-  for (std::size_t i = begin; i < end; i += lanes) {
-    const std::size_t stop = std::min(i + lanes, end);
-    if (stop - i > 1)
-      stepBlock(groups, i, stop, tick);
-    else
-      stepLinkedGroup(groups[candidates_[i].group], tick, factors_);
-  }
+    groups[candidates_[i].group].bodies[0]->sumsValid = bodyOf(i)->sums != nullptr;
+  return end;
 }
 
 void StepPlan::step(std::vector<LinkedGroup>& groups, double tick) {
-  if (networkOf_.size() != groups.size()) number(groups);
+  if (modelOf_.size() != groups.size()) number(groups);
   stepOrCollect(groups, tick);
-  blocksUsed_ = 0;
-  for (std::size_t begin = 0, end; begin < candidates_.size(); begin = end) {
-    end = begin + 1;
-    while (end < candidates_.size() && candidates_[end].fitsWith(candidates_[begin])) ++end;
-    stepRun(groups, begin, end, tick);
-  }
+  for (std::size_t begin = 0; begin < candidates_.size();) begin = stepRun(groups, begin, tick);
   for (LinkedGroup& group : groups)
     if (!group.asleep && !group.inIsland) repeatIfMissed(group, tick, factors_);
 }

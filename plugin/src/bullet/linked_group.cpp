@@ -113,6 +113,8 @@ void addBody(LinkedGroup& group, SoftBodyData* body) {
   if (!body->tetrahedra.empty()) group.step.bodies.back().tetrahedra = &body->tetrahedra;
   group.step.bodies.back().watch = body->watch.get();
   if (canStepSpringBatches()) group.step.bodies.back().springBatches = &body->springBatches;
+  group.step.bodies.back().rest = &body->model->rest;
+  if (isSurfaceBody(*body)) group.step.bodies.back().sums = &body->sums;
   group.step.links.points.push_back(&body->state);
 }
 
@@ -281,7 +283,7 @@ bool isFast(const btRigidBody& body) {
 }
 
 bool movesTooFast(LinkedGroup& group, btScalar tick) {
-  for (const SoftBodyData* body : group.bodies)
+  for (SoftBodyData* body : group.bodies)
     if (movesTooFast(*body, tick)) return true;
   for (const RigidPartner& partner : group.rigids)
     if (!isStatic(*partner.body) && isFast(*partner.body)) return true;
@@ -311,6 +313,7 @@ void wakeGroup(LinkedGroup& group) {
 void sleepGroup(LinkedGroup& group) {
   for (SoftBodyData* body : group.bodies) {
     body->state.velocity.setZero();
+    body->sumsValid = false;
     body->asleep = true;
     body->substeps = 0;
     body->surface.partners.clear();

@@ -88,41 +88,35 @@ bool areSurfacesAtRest(const std::vector<PlaneContact>& rows);
 /// Updates the stepping results of the bodies, after the step.
 void reportStepping(LinkedGroup& group, double tick);
 
-/// The batches of bodies that are stepped together in SIMD lanes: bodies of one network with the same number
-/// of Verlet substeps. It is kept from tick to tick, so that a lane with the same body as before need not
-/// copy the springs again.
+/// Steps bodies of one model, with the same number of Verlet substeps, together in SIMD lanes.
 class StepPlan {
  public:
-  /// Steps all groups that are awake and in no island. The results do not depend on the batches.
+  /// Steps all groups that are awake and in no island. The results do not depend on which bodies share lanes.
   void step(std::vector<LinkedGroup>& groups, double tick);
 
   /// Forgets the bodies. Call it when the groups have been made again.
-  void clear();
+  void clear() { modelOf_.clear(); }
 
  private:
   struct Candidate {
-    std::size_t network;  ///< index of the body's network in order of first appearance
+    std::size_t model;  ///< index of the body's model in order of first appearance
     int substeps;
-    bool damped;
-    int volumes;  ///< 0: no volume term, -1: the body's scale mirrors it, else 1
     std::size_t group;
-    bool fitsWith(const Candidate& other) const;
     bool operator<(const Candidate& other) const;
   };
 
   void number(const std::vector<LinkedGroup>& groups);
   /// Steps the groups that do not fit into lanes and sorts the others into candidates_.
   void stepOrCollect(std::vector<LinkedGroup>& groups, double tick);
-  void stepRun(std::vector<LinkedGroup>& groups, std::size_t begin, std::size_t end, double tick);
-  void stepBlock(std::vector<LinkedGroup>& groups, std::size_t begin, std::size_t end, double tick);
+  /// Steps the candidates from `begin` on that can share lanes. Returns the end of these.
+  std::size_t stepRun(std::vector<LinkedGroup>& groups, std::size_t begin, double tick);
 
   SharedFactors factors_;
   InstructionSet set_ = bestInstructionSet();
-  std::vector<std::size_t> networkOf_;  ///< #groups
+  std::vector<std::size_t> modelOf_;  ///< #groups
   std::vector<Candidate> candidates_;
-  std::vector<LaneBlock> blocks_;
+  std::vector<SolverBody*> lanes_;  ///< scratch
   LaneScratch scratch_;
-  std::size_t blocksUsed_ = 0;
 };
 
 // --- islands -----------------------------------------------------------------------------------------------

@@ -305,6 +305,9 @@ void gatherContacts(SoftBodyData& body, btScalar tick) {
 
 bool mayHaveMissedContacts(SoftBodyData& body) {
   if (body.watch->on || !body.settings.continuousCollision) return false;
+  const double farthest = std::sqrt(sumsOf(body).farthest);
+  const auto covers = [&](double distance) { return farthest <= distance; };
+  if (std::all_of(body.searchDistance.begin(), body.searchDistance.end(), covers)) return false;
   Eigen::AlignedBox3d box;
   for (Eigen::Index i = 0; i < body.state.position.cols(); ++i) {
     const Eigen::Vector3d start = body.masses.startPosition.col(i), end = body.state.position.col(i);

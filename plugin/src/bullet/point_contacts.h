@@ -70,32 +70,18 @@ inline bool overlaps(const SearchRegion& searchRegion, const btCollisionObject& 
          (toEigen(proxy.m_aabbMax).array() >= searchRegion.low.array()).all();
 }
 
-/// Returns the mean of a quantity of the points, weighted by mass.
-inline Eigen::Vector3d meanOf(const SpringNetwork& network, const Points& quantity) {
-  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
-  for (Eigen::Index i = 0; i < quantity.cols(); ++i)
-    mean += network.massFractions[static_cast<std::size_t>(i)] * quantity.col(i);
-  return mean;
-}
-
 /// Returns bounds of a body's points in a tick without contacts: the body moves with its mean velocity, and
 /// each point moves relative to it as in searchRegionOf(). They are smaller than the box around all search
 /// regions, because those allow for points that a hit pushes aside.
-inline SweptBounds sweptBoundsOf(const SoftBodyData& body, double tick) {
-  const PointState& s = body.state;
-  const Eigen::Vector3d mean = meanOf(*body.model->network, s.velocity);
-  Eigen::AlignedBox3d box;
-  double fastest = 0.0;
-  for (Eigen::Index i = 0; i < s.position.cols(); ++i) {
-    box.extend(s.position.col(i));
-    fastest = std::max(fastest, (s.velocity.col(i) - mean).squaredNorm());
-  }
+inline SweptBounds sweptBoundsOf(SoftBodyData& body, double tick) {
+  const MotionSums& s = sumsOf(body);
   const double radius = double(body.masses.shape->getRadius());
-  const double fall = tick * tick * s.acceleration.col(0).norm();
-  const double margin = radius + radius / 3.0 + kSearchPerMotion * (tick * std::sqrt(fastest) + fall);
-  const Eigen::Vector3d displacement = kSearchPerMotion * tick * mean;
-  const Eigen::Vector3d low = box.min() + displacement.cwiseMin(0.0),
-                        high = box.max() + displacement.cwiseMax(0.0);
+  const double fall = tick * tick * body.state.acceleration.col(0).norm();
+  const double margin = radius + radius / 3.0 + kSearchPerMotion * (tick * std::sqrt(s.fastest) + fall);
+  const Eigen::Vector3d displacement =
+      kSearchPerMotion * tick * Eigen::Map<const Eigen::Vector3d>(s.meanVelocity);
+  const Eigen::Vector3d low = Eigen::Map<const Eigen::Vector3d>(s.low) + displacement.cwiseMin(0.0),
+                        high = Eigen::Map<const Eigen::Vector3d>(s.high) + displacement.cwiseMax(0.0);
   return {{low.array() - margin, high.array() + margin},
           margin - radius + displacement.norm(),
           tick,

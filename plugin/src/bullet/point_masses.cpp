@@ -250,7 +250,10 @@ bool isSound(const btVector3& v) { return toEigen(v).cwiseAbs().sum() < kMaxSoun
 
 void restoreIfUnsound(SoftBodyData& body) {
   PointState& s = body.state;
-  if (s.position.cwiseAbs().sum() + s.velocity.cwiseAbs().sum() < kMaxSound) return;
+  const double magnitude =
+      body.sumsValid ? body.sums.magnitude : s.position.cwiseAbs().sum() + s.velocity.cwiseAbs().sum();
+  if (magnitude < kMaxSound) return;
+  body.sumsValid = false;
   s.position = body.masses.startPosition;
   s.velocity.setZero();
   if (SpringConstants* yielded = body.springs.yielded.get())

@@ -17,6 +17,7 @@
 #include "solver/point_state.h"
 #include "solver/simd_steps.h"
 #include "solver/springs.h"
+#include "solver/verlet_step.h"
 #include "solver/volumes.h"
 
 #include <limber/contacts.h>
@@ -124,6 +125,7 @@ struct SurfaceData {
   bool pushed = false;                  ///< the user has applied a force or torque to the object before
   bool joined = false;                  ///< the object is in a Bullet constraint
   std::vector<double> gaps;             ///< #contacts, scratch of readObjectFromBullet()
+  PointState meanState;                 ///< scratch of writeObjectToBullet()
   bool held = false;                    ///< taken out of the simulation by Bullet or the user
   btVector3 gravity;                    ///< m/s^2, gravity of the world that was last given to the points
   Points force;                         ///< 3 x #points, N, in this stepSimulation(); empty until exposed
@@ -150,12 +152,11 @@ struct BodyModel {
   SpringArrays springs;  ///< a body starts with copies of the three, which share their constants
   VolumeArrays volumes;
   TetrahedronVolumes tetrahedra;
-  SurfaceTopology topology;      ///< of the points and triangles; springs of ropes; empty: Collision::Points
-  Points weightedRest;           ///< 3 x #points, m, scaled rest positions times the mass fractions
-  double weightedSquares = 0.0;  ///< m^2, mean square of the scaled rest positions
-  double fastestAtRest = 0.0;    ///< rad^2/s^2, fastestOscillationSquared for the masses of the settings
-  bool narrow = false;           ///< see SteppingProblem
-  bool cheapNewton = false;      ///< see SteppingProblem
+  SurfaceTopology topology;  ///< of the points and triangles; springs of ropes; empty: Collision::Points
+  RestShape rest;
+  double fastestAtRest = 0.0;  ///< rad^2/s^2, fastestOscillationSquared for the masses of the settings
+  bool narrow = false;         ///< see SteppingProblem
+  bool cheapNewton = false;    ///< see SteppingProblem
 };
 
 /// Rates of a body's internal motion.
@@ -237,10 +238,13 @@ struct SoftBodyData {
   double errorPerSecond = 0.0;        ///< m/s
   double errorCoefficient = 0.0;      ///< m/s^3, see SteppingProblem
   std::vector<double> stiffnessSums;
-  Points startVelocity;                     ///< 3 x #points, m/s, at the start of the tick
-  double dampingRate = 0.0;                 ///< 1/s, dampingRateBound; frequencyStale applies to it, too
-  double size = 0.0;                        ///< m, diagonal of its initial bounding box
-  bool prefersImplicit = false;             ///< in the last tick, if it were in no island
+  bool anyHeld = false;          ///< some point has an inverse mass of 0; frequencyStale applies to it, too
+  MotionSums sums;               ///< see sumsOf()
+  bool sumsValid = false;        ///< points and `startPosition` are those of `sums`
+  Points startVelocity;          ///< 3 x #points, m/s, at the start of the tick
+  double dampingRate = 0.0;      ///< 1/s, dampingRateBound; frequencyStale applies to it, too
+  double size = 0.0;             ///< m, diagonal of its initial bounding box
+  bool prefersImplicit = false;  ///< in the last tick, if it were in no island
   SpringBatchArrays springBatches;          ///< empty unless it is stepped in batches
   std::unique_ptr<ImplicitState> implicit;  ///< created when it is first stepped implicitly
   std::vector<float> skinned;               ///< 3 x #points, scratch of a body with a skin
@@ -253,6 +257,13 @@ struct SoftBodyData {
 
 /// Returns the data of a public body object.
 SoftBodyData& dataOf(const SoftBody& body);
+
+/// Returns the sums over the present points. Bodies in SIMD lanes have them from the step.
+inline const MotionSums& sumsOf(SoftBodyData& body) {
+  if (!body.sumsValid) body.sums = motionSums(body.state, body.masses.startPosition, body.model->rest);
+  body.sumsValid = true;
+  return body.sums;
+}
 
 inline std::uint32_t pointCount(const SoftBodyData& body) {
   return static_cast<std::uint32_t>(body.state.position.cols());

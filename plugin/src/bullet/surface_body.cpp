@@ -141,8 +141,9 @@ constexpr double kSideRoom = 0.01;
 /// ticks in the direction of the motion. A present box that contains the motion and is not too large is kept.
 void setBox(SoftBodyData& body) {
   const SurfaceShape& shape = *body.surface.shape;
+  const MotionSums& sums = sumsOf(body);
   Eigen::AlignedBox3d box = body.surface.sweptBounds.box;
-  for (Eigen::Index i = 0; i < body.state.position.cols(); ++i) box.extend(body.masses.startPosition.col(i));
+  box.extend(Eigen::Vector3d(sums.startLow)).extend(Eigen::Vector3d(sums.startHigh));
   const Eigen::Vector3d size = box.sizes(), largest = kMaxBoxRoom * size;
   const Eigen::Vector3d room =
       (kBoxTicks * body.surface.sweptBounds.displacement).cwiseMin(largest).cwiseMax(-largest);
@@ -307,18 +308,20 @@ void writeBoxToBullet(SoftBodyData& body, btScalar tick) {
 }
 
 void finishSurface(SoftBodyData& body, btScalar tick) {
-  if (body.masses.exposed) dampPoints(body, double(tick));
+  if (body.masses.exposed) {
+    dampPoints(body, double(tick));
+    body.sumsValid = false;
+  }
   restoreIfUnsound(body);
   readObjectFromBullet(body, double(tick));
   if (body.masses.exposed) writePoints(body);
   writeObject(body);
 }
 
-bool anySurfacePointMoves(const SoftBodyData& body, btScalar tick) {
+bool anySurfacePointMoves(SoftBodyData& body, btScalar tick) {
   if (!body.masses.exposed) {
     const double still = double(body.surface.object->getLinearSleepingThreshold() * tick);
-    const Points& start = body.masses.startPosition;
-    return (body.state.position - start).colwise().squaredNorm().maxCoeff() > still * still;
+    return sumsOf(body).farthest > still * still;
   }
   return anyPointMoves(body, tick);
 }

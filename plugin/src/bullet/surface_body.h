@@ -137,7 +137,7 @@ void writeBoxToBullet(SoftBodyData& body, btScalar tick);
 void finishSurface(SoftBodyData& body, btScalar tick);
 
 /// Returns whether a point moves too fast for sleep, see anyPointMoves().
-bool anySurfacePointMoves(const SoftBodyData& body, btScalar tick);
+bool anySurfacePointMoves(SoftBodyData& body, btScalar tick);
 
 /// Returns whether the user has changed the object or a point of a sleeping body.
 bool isSurfaceChanged(const SoftBodyData& body);

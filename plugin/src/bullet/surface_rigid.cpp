@@ -67,48 +67,34 @@ void setInertia(RigidFit& fit, const Matrix3d& inertia) {
   fit.inverseInertia = fit.factor * fit.factor.transpose();
 }
 
-/// Fits a rigid body to the points in one pass. With d, the offset from a point near the centre, it adds up
-/// m, m d, m d d^T, m v and m d x v. About the centre c, the second moments are smaller by M c c^T, and the
-/// angular momentum by c x (sum m v).
-template <class VelocityOf>
-RigidFit fitRigid(const PointState& s, const Points& position, VelocityOf velocityOf) {
+/// Fits a rigid body to sums over offsets d from the point `from`. About the centre c, the second moments are
+/// smaller by M c c^T, and the angular momentum by c x (sum m v).
+RigidFit fitRigid(const MotionSums& s, const Vector3d& from) {
   RigidFit fit;
-  const Vector3d from = position.col(0);
-  Vector3d first = Vector3d::Zero(), momentum = Vector3d::Zero(), angular = Vector3d::Zero();
-  Matrix3d second = Matrix3d::Zero();
-  forEachFree(s, [&](Eigen::Index i, double mass) {
-    const Vector3d d = position.col(i) - from, moment = mass * d, v = velocityOf(i);
-    fit.mass += mass;
-    first += moment;
-    second += moment * d.transpose();
-    momentum += mass * v;
-    angular += moment.cross(v);
-  });
+  fit.mass = s.mass;
   if (!(fit.mass > 0.0)) {
-    fit.center = position.rowwise().mean();
+    fit.center = from + Vector3d(s.meanOffset);
     return fit;
   }
-  const Vector3d c = first / fit.mass;
-  fit.center = from + c;
-  second -= first * c.transpose();
+  const Vector3d moment(s.moment), momentum(s.momentum), c = moment / fit.mass;
+  const double* m = s.second;
+  Matrix3d second;
+  second << m[0], m[3], m[5], m[3], m[1], m[4], m[5], m[4], m[2];
+  second -= moment * c.transpose();
   setInertia(fit, second.trace() * Matrix3d::Identity() - second);
+  fit.center = from + c;
   fit.velocity = momentum / fit.mass;
-  fit.spin = fit.inverseInertia * (angular - c.cross(momentum));
+  fit.spin = fit.inverseInertia * (Vector3d(s.angular) - c.cross(momentum));
   return fit;
 }
 
 /// Fits a rigid body to the present positions and velocities.
-RigidFit fitRigid(const PointState& s) {
-  return fitRigid(s, s.position, [&](Eigen::Index i) -> Vector3d { return s.velocity.col(i); });
-}
+RigidFit fitRigid(SoftBodyData& body) { return fitRigid(sumsOf(body), body.state.position.col(0)); }
 
 /// Rotates the object's frame with the body: returns the rotation that brings the network's rest shape
-/// nearest to the points (Mueller, Bender, Chentanez, Macklin, A robust method to extract the rotational part
-/// of deformations, 2016). It is also defined for ropes and cloths.
-Eigen::Quaterniond follow(const SoftBodyData& body, const Vector3d& center, Eigen::Quaterniond q) {
-  Matrix3d moments = Matrix3d::Zero();
-  for (Eigen::Index i = 0; i < body.state.position.cols(); ++i)
-    moments += (body.state.position.col(i) - center) * body.model->weightedRest.col(i).transpose();
+/// nearest to the points, which have these moments (Mueller, Bender, Chentanez, Macklin, A robust method to
+/// extract the rotational part of deformations, 2016). It is also defined for ropes and cloths.
+Eigen::Quaterniond follow(const Matrix3d& moments, double meanSquare, Eigen::Quaterniond q) {
   for (int step = 0; step < kRotationSteps; ++step) {
     const Matrix3d r = q.toRotationMatrix();
     Vector3d turn = Vector3d::Zero();
@@ -117,7 +103,7 @@ Eigen::Quaterniond follow(const SoftBodyData& body, const Vector3d& center, Eige
       turn += r.col(axis).cross(moments.col(axis));
       along += r.col(axis).dot(moments.col(axis));
     }
-    turn /= std::abs(along) + 1e-9 * body.model->weightedSquares;
+    turn /= std::abs(along) + 1e-9 * meanSquare;
     const double angle = turn.norm();
     if (!(angle > 1e-9) || !std::isfinite(angle)) break;
     // (1, turn / 2) is this rotation to second order; the next iteration corrects the rest
@@ -181,7 +167,7 @@ bool isPinned(const SoftBodyData& body, Eigen::Index i) {
 /// Moves all points that are not pinned. Velocity and angular velocity of the whole body do not change.
 void moveTo(SoftBodyData& body, const btTransform& pose) {
   PointState& s = body.state;
-  const RigidFit fit = fitRigid(s);
+  const RigidFit fit = fitRigid(body);
   const btTransform& left = body.surface.left.pose;
   const Eigen::Quaterniond turn = toEigen(pose.getRotation()) * toEigen(left.getRotation()).conjugate();
   const Vector3d from = toEigen(left.getOrigin()), to = toEigen(pose.getOrigin());
@@ -224,8 +210,8 @@ void writeShared(SoftBodyData& body) {
 void writeObject(SoftBodyData& body) {
   SurfaceData& s = body.surface;
   btRigidBody& object = *s.object;
-  const RigidFit fit = fitRigid(body.state);
-  s.frame = follow(body, meanOf(*body.model->network, body.state.position), s.frame);
+  const RigidFit fit = fitRigid(body);
+  s.frame = follow(Matrix3d(body.sums.moments), body.model->rest.meanSquare, s.frame);
   const btTransform pose(matrixToBullet(s.frame.toRotationMatrix()), toBullet(fit.center));
   object.setWorldTransform(pose);
   object.setInterpolationWorldTransform(pose);
@@ -257,6 +243,7 @@ void readObject(SoftBodyData& body, double drift) {
   if (!(object.getWorldTransform() == left.pose)) moveTo(body, object.getWorldTransform());
   pushBy(body, difference(object.getLinearVelocity(), left.velocity),
          difference(object.getAngularVelocity(), left.spin), drift);
+  body.sumsValid = false;
   leave(body);
   writeShared(body);
   // the prediction is out of date
@@ -281,7 +268,7 @@ void accelerateByObject(SoftBodyData& body) {
   }
   if (s.objectForce.isZero(0.0) && s.objectTorque.isZero(0.0)) return;
   s.sweptBounds.tick = 0.0;
-  const RigidFit fit = fitRigid(body.state);
+  const RigidFit fit = fitRigid(body);
   if (!(fit.mass > 0.0)) return;
   const Vector3d linear = s.objectForce / fit.mass, angular = fit.inverseInertia * s.objectTorque;
   forEachFree(body.state, [&](Eigen::Index i, double) {
@@ -308,10 +295,11 @@ void markJoined(const std::vector<SoftBodyData*>& bodies, btDiscreteDynamicsWorl
 void writeObjectToBullet(SoftBodyData& body, double tick) {
   if (!body.surface.joined) return;
   const Points& start = body.masses.startPosition;
-  const auto meanVelocity = [&](Eigen::Index i) -> Vector3d {
-    return (body.state.position.col(i) - start.col(i)) / tick;
-  };
-  const RigidFit motion = fitRigid(body.state, start, meanVelocity);
+  PointState& mean = body.surface.meanState;
+  mean.position = start;
+  mean.velocity = (body.state.position - start) / tick;
+  mean.inverseMass = body.state.inverseMass;
+  const RigidFit motion = fitRigid(motionSums(mean, start, body.model->rest), start.col(0));
   body.surface.object->setLinearVelocity(toBullet(motion.velocity));
   body.surface.object->setAngularVelocity(toBullet(motion.spin));
   leave(body);
@@ -331,6 +319,7 @@ void readObjectFromBullet(SoftBodyData& body, double tick) {
     const double deeper = gaps[r] - gapOf(row);
     if (deeper > 0.0) body.state.position.col(row.point) += deeper * row.normal;
   }
+  body.sumsValid = false;
 }
 
 }  // namespace LIMBER_BULLET_PRECISION

@@ -242,7 +242,6 @@ struct Dynamics {
   double step;         ///< s, at rest
   double restEnergy;   ///< J
   InstructionSet set = bestInstructionSet();
-  LaneBlock block;
   LaneScratch scratch;
   SpringBatchArrays springBatches;
 
@@ -310,10 +309,12 @@ void stepTogether(Dynamics& dynamics, Run* const* runs, std::size_t count) {
     for (std::size_t i = 0; i < count; ++i) stepAlone(dynamics, *runs[i]);
     return;
   }
-  dynamics.block.lanes.resize(count);
-  for (std::size_t lane = 0; lane < count; ++lane)
-    dynamics.block.lanes[lane].body = dynamics.stepped(runs[lane]->state);
-  stepLanes(dynamics.block, dynamics.scratch, timeOf(dynamics, *runs[0]), runs[0]->substeps, dynamics.set);
+  std::vector<SolverBody> bodies;
+  for (std::size_t lane = 0; lane < count; ++lane) bodies.push_back(dynamics.stepped(runs[lane]->state));
+  std::vector<SolverBody*> lanes;
+  for (SolverBody& body : bodies) lanes.push_back(&body);
+  stepLanes(lanes.data(), count, dynamics.scratch, timeOf(dynamics, *runs[0]), runs[0]->substeps,
+            dynamics.set);
 }
 
 void stepAll(Dynamics& dynamics, std::list<Run>& runs) {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 // The code of lane_kernel_*.cpp. Each of these files compiles it for a different instruction set.
 
-#include "solver/verlet_kernel.h"
+#include "solver/motion_sums.h"
 
 namespace limber::kernel {
 namespace {
@@ -13,32 +13,25 @@ const Pack* packs(const double* numbers) { return reinterpret_cast<const Pack*>(
 
 void LIMBER_PACK_STEP(const LaneBody& b, double tick, int substeps) {
   Body<Pack> body;
-  body.springs = {b.springs,
-                  b.a,
-                  b.b,
-                  packs(b.restLength),
-                  packs(b.extensionStiffness),
-                  packs(b.compressionStiffness),
+  body.springs = {b.springs,         b.a, b.b, b.restLength, b.extensionStiffness, b.compressionStiffness,
                   packs(b.direction)};
   body.points = {b.points,       packs(b.position),     packs(b.velocity),
                  packs(b.force), packs(b.acceleration), packs(b.inverseMass)};
   const VolumeBody& v = b.volumes;
-  body.volumes = {v.components,        v.points,         v.firstTriangle,   v.corners,         v.componentOf,
-                  packs(v.restVolume), packs(v.modulus), packs(v.pressure), packs(v.gradient), packs(v.sums),
-                  v.timeStep};
+  body.volumes = {v.components, v.points,   v.firstTriangle,   v.corners,     v.componentOf, v.restVolume,
+                  v.modulus,    v.pressure, packs(v.gradient), packs(v.sums), v.timeStep};
   const TetrahedronBody& t = b.tetrahedra;
-  body.tetrahedra = {t.count,
-                     t.corners,
-                     packs(t.inverseRest),
-                     packs(t.stabilityScale),
-                     packs(t.modulus),
-                     packs(t.crushModulus)};
+  body.tetrahedra = {t.count, t.corners, t.inverseRest, t.stabilityScale, t.modulus, t.crushModulus};
   body.hasDampers = b.damped;
-  body.dampHalf = packs(b.dampHalf);
-  body.dampFull = packs(b.dampFull);
+  body.dampHalf = b.dampHalf;
+  body.dampFull = b.dampFull;
   body.contactCalls = b.contacts;
   body.earlierForce = packs(b.earlierForce);
   *packs(b.change) = stepAlone<Pack>(body, tick, substeps);
+  if (!b.sums) return;
+  sumUp(MovedPoints<Pack>{b.points, packs(b.position), packs(b.velocity), packs(b.inverseMass),
+                          packs(b.start), b.fractions, b.weightedRest},
+        *reinterpret_cast<MotionSums<Pack>*>(b.sums));
 }
 
 }  // namespace limber::kernel

@@ -32,7 +32,7 @@ namespace limber::kernel {
 
 struct ContactCalls;
 
-/// kernel::Volumes for both kinds of bodies below. The numbers are packs in a LaneBody; for the others
+/// kernel::Volumes for both kinds of bodies below. gradient and sums are packs in a LaneBody; for the others
 /// see SpringBatchBody::volumes. `components` is 0 without a volume term.
 struct VolumeBody {
   unsigned components = 0, points = 0;
@@ -42,15 +42,16 @@ struct VolumeBody {
   double timeStep = 0.0;
 };
 
-/// kernel::Tetrahedra for both kinds of bodies below. In a LaneBody the numbers are packs. In a
-/// SpringBatchBody there is one number per tetrahedron, padded to a multiple of four, and one modulus.
+/// kernel::Tetrahedra for both kinds of bodies below. In a SpringBatchBody the tetrahedra are padded to a
+/// multiple of four.
 struct TetrahedronBody {
   unsigned count = 0;
   const unsigned* corners = nullptr;
   const double *inverseRest = nullptr, *stabilityScale = nullptr, *modulus = nullptr, *crushModulus = nullptr;
 };
 
-/// A kernel::Body whose numbers are packs of laneCount() doubles.
+/// A kernel::Body for laneCount() bodies with equal springs, volume terms and inverse masses. The constants
+/// of these are plain numbers; those that differ between the bodies are packs of laneCount() doubles.
 struct LaneBody {
   unsigned points, springs;
   const unsigned *a, *b;
@@ -63,7 +64,10 @@ struct LaneBody {
   bool damped;
   const double *dampHalf, *dampFull;
   const ContactCalls* contacts;
-  double* change;  ///< output, one per lane, see computeForcesAndChange()
+  double* change;       ///< output, one per lane, see computeForcesAndChange()
+  const double* start;  ///< the other arguments of motionSums()
+  const double *fractions, *weightedRest;
+  double* sums;  ///< output, a MotionSums of packs; nullptr: not wanted
 };
 
 /// One body. Each point has four doubles: x, y, z, 0. Each spring has one number per array. The number of

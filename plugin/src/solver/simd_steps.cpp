@@ -69,41 +69,38 @@ kernel::TetrahedronBody tetrahedronBody(const TetrahedronVolumes& volumes) {
   return {t.count, t.corners, t.inverseRest, t.stabilityScale, t.modulus, t.crushModulus};
 }
 
-void reserveVolumes(LaneBlock& b, LaneScratch& scratch, const VolumeArrays& volumes, std::size_t lanes) {
-  reserveNumbers(b.restVolume, volumes->restVolume.size() * lanes);
-  reserveNumbers(b.modulus, lanes);
-  reserveNumbers(b.pressure, lanes);
-  reserveNumbers(scratch.gradient, static_cast<std::size_t>(volumes.gradient.size()) * lanes);
-  reserveNumbers(scratch.sums, volumes.sums.size() * lanes);
+/// Bodies in lanes. The first one provides the constants that all share.
+struct Lanes {
+  SolverBody* const* bodies;
+  std::size_t used;   ///< number of bodies
+  std::size_t count;  ///< number of lanes
+  LaneScratch& scratch;
+
+  SolverBody& first() const { return *bodies[0]; }
+  PointView points(std::size_t lane) const {
+    const int stride = static_cast<int>(count);
+    return {numbers(scratch.position) + lane, numbers(scratch.velocity) + lane,
+            numbers(scratch.inverseMass) + lane, stride, 3 * stride};
+  }
+};
+
+void reserve(const Lanes& lanes) {
+  LaneScratch& s = lanes.scratch;
+  const SolverBody& first = lanes.first();
+  const auto points = static_cast<std::size_t>(first.points->position.cols());
+  for (auto* array : {&s.position, &s.velocity, &s.acceleration, &s.inverseMass, &s.force, &s.earlierForce,
+                      &s.start, &s.gradient})
+    reserveNumbers(*array, 3 * points * lanes.count);
+  reserveNumbers(s.direction, 3 * first.springs->size() * lanes.count);
+  if (first.volumes) reserveNumbers(s.sums, first.volumes->sums.size() * lanes.count);
+  reserveNumbers(s.motion, sizeof(MotionSums) / sizeof(double) * lanes.count);
 }
 
-void reserveTetrahedra(LaneBlock& b, LaneScratch& scratch, const TetrahedronVolumes& tetrahedra,
-                       std::size_t lanes) {
-  reserveNumbers(b.inverseRest, tetrahedra->inverseRest.size() * lanes);
-  reserveNumbers(scratch.stabilityScale, tetrahedra.stabilityScale.size() * lanes);
-  reserveNumbers(b.tetrahedronModulus, lanes);
-  reserveNumbers(b.crushModulus, lanes);
-}
-
-void reserve(LaneScratch& s, std::size_t points, std::size_t springs, std::size_t lanes) {
-  for (auto* array : {&s.position, &s.velocity, &s.acceleration, &s.inverseMass, &s.force, &s.earlierForce})
-    reserveNumbers(*array, 3 * points * lanes);
-  reserveNumbers(s.direction, 3 * springs * lanes);
-}
-
-void reserve(LaneBlock& b, LaneScratch& scratch, std::size_t lanes) {
-  const SolverBody& first = b.lanes[0].body;
-  reserve(scratch, static_cast<std::size_t>(first.points->position.cols()), first.springs->size(), lanes);
-  for (auto* array :
-       {&b.restLength, &b.extensionStiffness, &b.compressionStiffness, &b.dampHalf, &b.dampFull})
-    reserveNumbers(*array, first.springs->size() * lanes);
-  if (first.volumes) reserveVolumes(b, scratch, *first.volumes, lanes);
-  if (first.tetrahedra) reserveTetrahedra(b, scratch, *first.tetrahedra, lanes);
-}
-
-void toLane(const double* from, std::size_t count, AlignedNumbers& to, std::size_t lane, std::size_t lanes) {
+void toLane(const Points& from, AlignedNumbers& to, std::size_t lane, std::size_t lanes) {
   double* target = numbers(to) + lane;
-  for (std::size_t i = 0; i < count; ++i) target[i * lanes] = from[i];
+  const double* source = from.data();
+  for (std::size_t i = 0, count = static_cast<std::size_t>(from.size()); i < count; ++i)
+    target[i * lanes] = source[i];
 }
 
 void fromLane(const AlignedNumbers& from, std::size_t lane, std::size_t lanes, std::size_t count,
@@ -112,146 +109,76 @@ void fromLane(const AlignedNumbers& from, std::size_t lane, std::size_t lanes, s
   for (std::size_t i = 0; i < count; ++i) to[i] = source[i * lanes];
 }
 
-void loadState(LaneScratch& scratch, const PointState& state, std::size_t lane, std::size_t lanes) {
-  const auto count = static_cast<std::size_t>(state.position.size());
-  toLane(state.position.data(), count, scratch.position, lane, lanes);
-  toLane(state.velocity.data(), count, scratch.velocity, lane, lanes);
-  toLane(state.acceleration.data(), count, scratch.acceleration, lane, lanes);
-  toLane(state.inverseMass.data(), count, scratch.inverseMass, lane, lanes);
-}
-
-void loadSprings(LaneBlock& block, const SpringArrays& springs, std::size_t lane, std::size_t lanes) {
-  const std::size_t count = springs.size();
-  toLane(springs->restLength.data(), count, block.restLength, lane, lanes);
-  toLane(springs->extensionStiffness.data(), count, block.extensionStiffness, lane, lanes);
-  toLane(springs->compressionStiffness.data(), count, block.compressionStiffness, lane, lanes);
-}
-
-void loadDampers(LaneBlock& block, const SolverBody& body, double dt, std::size_t lane, std::size_t lanes) {
-  const SpringArrays& springs = *body.springs;
-  if (!springs->damped) return;
-  for (std::size_t i = 0; i < springs.size(); ++i) {
-    const DampingImpulses impulses = dampingImpulses(springs, body.points->inverseMass, i, dt);
-    numbers(block.dampHalf)[i * lanes + lane] = impulses.half;
-    numbers(block.dampFull)[i * lanes + lane] = impulses.full;
+/// Copies the states of the bodies. A lane without a body gets that of the first one, without contacts.
+void load(const Lanes& lanes) {
+  LaneScratch& s = lanes.scratch;
+  for (std::size_t lane = 0; lane < lanes.count; ++lane) {
+    const PointState& state = *lanes.bodies[lane < lanes.used ? lane : 0]->points;
+    toLane(state.position, s.position, lane, lanes.count);
+    toLane(state.velocity, s.velocity, lane, lanes.count);
+    toLane(state.acceleration, s.acceleration, lane, lanes.count);
+    toLane(state.inverseMass, s.inverseMass, lane, lanes.count);
   }
+  const auto count = 3 * lanes.first().points->position.cols() * static_cast<Eigen::Index>(lanes.count);
+  if (lanes.first().sums) std::copy_n(numbers(s.position), count, numbers(s.start));
 }
 
-void loadVolumes(LaneBlock& block, const VolumeArrays& volumes, std::size_t lane, std::size_t lanes) {
-  toLane(volumes->restVolume.data(), volumes->restVolume.size(), block.restVolume, lane, lanes);
-  toLane(&volumes->modulus, 1, block.modulus, lane, lanes);
-  toLane(&volumes->pressure, 1, block.pressure, lane, lanes);
+void stopInLanes(void* context, double time, double dt) {
+  const auto& lanes = *static_cast<const Lanes*>(context);
+  for (std::size_t lane = 0; lane < lanes.used; ++lane)
+    solvePositions(*lanes.bodies[lane], lanes.points(lane), time, dt);
 }
 
-void loadTetrahedra(LaneBlock& block, const TetrahedronVolumes& tetrahedra, std::size_t lane,
-                    std::size_t lanes) {
-  toLane(tetrahedra->inverseRest.data(), tetrahedra->inverseRest.size(), block.inverseRest, lane, lanes);
-  toLane(&tetrahedra->modulus, 1, block.tetrahedronModulus, lane, lanes);
-  toLane(&tetrahedra->crushModulus, 1, block.crushModulus, lane, lanes);
+void settleInLanes(void* context) {
+  const auto& lanes = *static_cast<const Lanes*>(context);
+  for (std::size_t lane = 0; lane < lanes.used; ++lane)
+    solveVelocities(*lanes.bodies[lane], lanes.points(lane));
 }
-
-/// Clears a lane without a body: its points coincide and rest, without forces or masses.
-void clearState(LaneBlock& block, LaneScratch& s, std::size_t count, std::size_t lane, std::size_t lanes) {
-  for (auto* array : {&s.position, &s.velocity, &s.acceleration, &s.inverseMass})
-    for (std::size_t i = 0; i < count; ++i) numbers(*array)[i * lanes + lane] = 0.0;
-  const VolumeArrays* volumes = block.lanes[0].body.volumes;
-  for (std::size_t c = 0; volumes && c < (*volumes)->restVolume.size(); ++c)
-    numbers(block.restVolume)[c * lanes + lane] = 1.0;
-}
-
-void load(LaneBlock& block, LaneScratch& scratch, double dt, std::size_t lanes) {
-  for (std::size_t lane = 0; lane < block.lanes.size(); ++lane) {
-    LaneBlock::Lane& source = block.lanes[lane];
-    loadState(scratch, *source.body.points, lane, lanes);
-    const TetrahedronVolumes* tetrahedra = source.body.tetrahedra;
-    if (tetrahedra)
-      toLane(tetrahedra->stabilityScale.data(), tetrahedra->stabilityScale.size(), scratch.stabilityScale,
-             lane, lanes);
-    if (source.revision == source.body.springs->revision && source.substep == dt) continue;
-    loadSprings(block, *source.body.springs, lane, lanes);
-    loadDampers(block, source.body, dt, lane, lanes);
-    if (source.body.volumes) loadVolumes(block, *source.body.volumes, lane, lanes);
-    if (tetrahedra) loadTetrahedra(block, *tetrahedra, lane, lanes);
-    source.revision = source.body.springs->revision;
-    source.substep = dt;
-  }
-  const auto count = static_cast<std::size_t>(block.lanes[0].body.points->position.size());
-  for (std::size_t lane = block.lanes.size(); lane < lanes; ++lane)
-    clearState(block, scratch, count, lane, lanes);
-}
-
-struct LaneContacts {
-  LaneBlock& block;
-  LaneScratch& scratch;
-  int stride;
-
-  PointView points(std::size_t lane) const {
-    return {numbers(scratch.position) + lane, numbers(scratch.velocity) + lane,
-            numbers(scratch.inverseMass) + lane, stride, 3 * stride};
-  }
-  static void stop(void* context, double time, double dt) {
-    const auto& self = *static_cast<const LaneContacts*>(context);
-    for (std::size_t lane = 0; lane < self.block.lanes.size(); ++lane)
-      solvePositions(self.block.lanes[lane].body, self.points(lane), time, dt);
-  }
-  static void settle(void* context) {
-    const auto& self = *static_cast<const LaneContacts*>(context);
-    for (std::size_t lane = 0; lane < self.block.lanes.size(); ++lane)
-      solveVelocities(self.block.lanes[lane].body, self.points(lane));
-  }
-};
 
 /// Prepares the contacts of all lanes. Returns false if no lane can have contacts.
-bool prepareContacts(LaneBlock& block, const LaneContacts& contacts) {
+bool prepareContacts(const Lanes& lanes) {
   bool any = false;
-  for (std::size_t lane = 0; lane < block.lanes.size(); ++lane) {
-    SolverBody& body = block.lanes[lane].body;
+  for (std::size_t lane = 0; lane < lanes.used; ++lane) {
+    SolverBody& body = *lanes.bodies[lane];
     if (!mayTouch(body)) continue;
-    if (body.contacts) prepareContacts(*body.contacts, contacts.points(lane));
+    if (body.contacts) prepareContacts(*body.contacts, lanes.points(lane));
     any = true;
   }
   return any;
 }
 
-kernel::VolumeBody laneVolumes(LaneBlock& b, LaneScratch& s) {
-  VolumeArrays* volumes = b.lanes[0].body.volumes;
-  if (!volumes) return {};
-  kernel::VolumeBody body = volumeBody(*volumes);
-  body.restVolume = numbers(b.restVolume);
-  body.modulus = numbers(b.modulus), body.pressure = numbers(b.pressure);
-  body.gradient = numbers(s.gradient), body.sums = numbers(s.sums);
+kernel::VolumeBody laneVolumes(const Lanes& lanes) {
+  if (!lanes.first().volumes) return {};
+  kernel::VolumeBody body = volumeBody(*lanes.first().volumes);
+  body.gradient = numbers(lanes.scratch.gradient), body.sums = numbers(lanes.scratch.sums);
   return body;
 }
 
-kernel::TetrahedronBody laneTetrahedra(LaneBlock& b, LaneScratch& s) {
-  const TetrahedronVolumes* tetrahedra = b.lanes[0].body.tetrahedra;
-  if (!tetrahedra) return {};
-  kernel::TetrahedronBody body = tetrahedronBody(*tetrahedra);
-  body.inverseRest = numbers(b.inverseRest), body.stabilityScale = numbers(s.stabilityScale);
-  body.modulus = numbers(b.tetrahedronModulus), body.crushModulus = numbers(b.crushModulus);
-  return body;
-}
-
-kernel::LaneBody laneBody(LaneBlock& b, LaneScratch& s, const kernel::ContactCalls& contacts,
-                          double* change) {
-  const SpringArrays& springs = *b.lanes[0].body.springs;
-  kernel::LaneBody body;
-  body.points = static_cast<unsigned>(b.lanes[0].body.points->position.cols());
+kernel::LaneBody laneBody(const Lanes& lanes, const kernel::ContactCalls& contacts, double* change) {
+  LaneScratch& s = lanes.scratch;
+  const SolverBody& first = lanes.first();
+  const SpringArrays& springs = *first.springs;
+  kernel::LaneBody body{};
+  body.points = static_cast<unsigned>(first.points->position.cols());
   body.springs = static_cast<unsigned>(springs.size());
   body.a = springs->a.data(), body.b = springs->b.data();
   body.position = numbers(s.position), body.velocity = numbers(s.velocity);
   body.force = numbers(s.force), body.earlierForce = numbers(s.earlierForce);
   body.acceleration = numbers(s.acceleration), body.inverseMass = numbers(s.inverseMass);
-  body.restLength = numbers(b.restLength);
-  body.extensionStiffness = numbers(b.extensionStiffness);
-  body.compressionStiffness = numbers(b.compressionStiffness);
+  body.restLength = springs->restLength.data();
+  body.extensionStiffness = springs->extensionStiffness.data();
+  body.compressionStiffness = springs->compressionStiffness.data();
   body.direction = numbers(s.direction);
-  body.dampHalf = numbers(b.dampHalf), body.dampFull = numbers(b.dampFull);
-  body.volumes = laneVolumes(b, s);
-  body.tetrahedra = laneTetrahedra(b, s);
   body.damped = springs->damped;
+  body.dampHalf = springs.dampHalf.data(), body.dampFull = springs.dampFull.data();
+  body.volumes = laneVolumes(lanes);
+  if (first.tetrahedra) body.tetrahedra = tetrahedronBody(*first.tetrahedra);
   body.contacts = &contacts;
   body.change = change;
+  if (!first.sums) return body;
+  body.start = numbers(s.start);
+  body.fractions = first.rest->fractions.data(), body.weightedRest = first.rest->weighted.data();
+  body.sums = numbers(s.motion);
   return body;
 }
 
@@ -271,31 +198,47 @@ void stepPacks(const kernel::LaneBody& body, double tick, int substeps, Instruct
   static_cast<void>(body), static_cast<void>(tick), static_cast<void>(substeps), static_cast<void>(set);
 }
 
-void unload(LaneBlock& block, const LaneScratch& scratch, std::size_t lanes, const CacheLine& change,
-            double dt) {
-  for (std::size_t lane = 0; lane < block.lanes.size(); ++lane) {
-    SolverBody& body = block.lanes[lane].body;
+void unload(const Lanes& lanes, const CacheLine& change, double dt) {
+  for (std::size_t lane = 0; lane < lanes.used; ++lane) {
+    SolverBody& body = *lanes.bodies[lane];
     PointState& state = *body.points;
     const auto count = static_cast<std::size_t>(state.position.size());
-    fromLane(scratch.position, lane, lanes, count, state.position.data());
-    fromLane(scratch.velocity, lane, lanes, count, state.velocity.data());
+    fromLane(lanes.scratch.position, lane, lanes.count, count, state.position.data());
+    fromLane(lanes.scratch.velocity, lane, lanes.count, count, state.velocity.data());
+    if (body.sums)
+      fromLane(lanes.scratch.motion, lane, lanes.count, sizeof(MotionSums) / sizeof(double), body.sums->low);
     body.errorRate = verletErrorRate(change.value[lane], state.position.cols(), dt);
   }
 }
 
+/// Returns the address of the constants that bodies share, or nullptr without such a part.
+template <class Part>
+const void* constantsOf(const Part* part) {
+  return part ? part->operator->() : nullptr;
+}
+
 }  // namespace
 
-void stepLanes(LaneBlock& block, LaneScratch& scratch, double tick, int substeps, InstructionSet set) {
-  const auto lanes = static_cast<std::size_t>(laneCount(set));
-  for (LaneBlock::Lane& lane : block.lanes) prepareVolumes(lane.body, tick / substeps);
-  reserve(block, scratch, lanes);
-  load(block, scratch, tick / substeps, lanes);
-  LaneContacts contacts{block, scratch, laneCount(set)};
-  const kernel::ContactCalls calls{prepareContacts(block, contacts) ? &contacts : nullptr,
-                                   &LaneContacts::stop, &LaneContacts::settle};
+bool canShareLanes(const SolverBody& a, const SolverBody& b) {
+  return constantsOf(a.springs) == constantsOf(b.springs) &&
+         constantsOf(a.volumes) == constantsOf(b.volumes) &&
+         constantsOf(a.tetrahedra) == constantsOf(b.tetrahedra) && a.rest == b.rest &&
+         a.points->inverseMass == b.points->inverseMass;
+}
+
+void stepLanes(SolverBody* const* bodies, std::size_t count, LaneScratch& scratch, double tick, int substeps,
+               InstructionSet set) {
+  const Lanes lanes{bodies, count, static_cast<std::size_t>(laneCount(set)), scratch};
+  const double dt = tick / substeps;
+  prepareDampers(*lanes.first().springs, lanes.first().points->inverseMass, dt);
+  prepareVolumes(lanes.first(), dt);
+  reserve(lanes);
+  load(lanes);
+  const kernel::ContactCalls calls{prepareContacts(lanes) ? const_cast<Lanes*>(&lanes) : nullptr,
+                                   &stopInLanes, &settleInLanes};
   CacheLine change;
-  stepPacks(laneBody(block, scratch, calls, change.value), tick, substeps, set);
-  unload(block, scratch, lanes, change, tick / substeps);
+  stepPacks(laneBody(lanes, calls, change.value), tick, substeps, set);
+  unload(lanes, change, dt);
 }
 
 // --- four springs of a body --------------------------------------------------------------------------------

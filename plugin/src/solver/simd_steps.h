@@ -30,36 +30,24 @@ const char* nameOf(InstructionSet set);
 
 // --- several bodies at once --------------------------------------------------------------------------------
 
-/// Bodies of one network, one per lane of a register: entry i of lane l is at [i * lanes + l]. The bodies
-/// have the same number of substeps, no links and no elastic limit. Either all or none of them are damped,
-/// and either all or none have a volume term.
-struct LaneBlock {
-  struct Lane {
-    SolverBody body;
-    unsigned revision = 0;  ///< springs.revision of the copied constants and dampers; 0: none copied
-    double substep = 0.0;   ///< s, substep of the copied dampers
-  };
-  std::vector<Lane> lanes;  ///< 1 to laneCount(instructionSet) bodies
-
-  AlignedNumbers restLength, extensionStiffness, compressionStiffness, dampHalf,
-      dampFull;                                     // #springs
-  AlignedNumbers restVolume, modulus, pressure;     // #components, 1, 1
-  AlignedNumbers inverseRest;                       // #tetrahedra
-  AlignedNumbers tetrahedronModulus, crushModulus;  // 1, 1
-};
-
-/// The numbers that change in a step, in the order of a LaneBlock. Blocks share it, because the scratches of
-/// thousands of blocks would not fit into the caches.
+/// The numbers of bodies in lanes, which change in a step: entry i of lane l is at [i * lanes + l]. All
+/// bodies share it, because the scratches of thousands of bodies would not fit into the caches.
 struct LaneScratch {
-  AlignedNumbers position, velocity, acceleration, inverseMass, force, earlierForce;  // 3 x #points
-  AlignedNumbers direction;                                                           // 3 x #springs
+  AlignedNumbers position, velocity, acceleration, inverseMass, force, earlierForce, start;  // 3 x #points
+  AlignedNumbers direction;                                                                  // 3 x #springs
   AlignedNumbers gradient, sums;  // 3 x #points, 4 x #components
-  AlignedNumbers stabilityScale;  // #tetrahedra
+  AlignedNumbers motion;          // a MotionSums
 };
 
-/// Steps each body. The results equal those of stepVerlet() to the bit, with every instruction set.
-/// Allocates only if block or scratch had fewer points or springs before.
-void stepLanes(LaneBlock& block, LaneScratch& scratch, double tick, int substeps, InstructionSet set);
+/// Steps 1 to laneCount(set) bodies, each in a lane of the registers. They have equal springs, dampers,
+/// volume terms and inverse masses (see canShareLanes), no links and no elastic limit. The results equal
+/// those of stepVerlet() to the bit, with every instruction set. Also computes the bodies' `sums`, if they
+/// are wanted. Allocates only if the scratch has had fewer points or springs before.
+void stepLanes(SolverBody* const* bodies, std::size_t count, LaneScratch& scratch, double tick, int substeps,
+               InstructionSet set);
+
+/// Whether two bodies may be in one call of stepLanes().
+bool canShareLanes(const SolverBody& a, const SolverBody& b);
 
 // --- four springs of a body --------------------------------------------------------------------------------
 

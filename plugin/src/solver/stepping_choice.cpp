@@ -224,12 +224,10 @@ double dampingRateBound(const SpringArrays& springs, const Points& inverseMass) 
   return rate;
 }
 
-double fastestTurn(const SpringArrays& springs, const PointState& state, double negligible) {
-  // two ends differ by at most twice the largest difference from point 0
-  const double largest =
-      2.0 * std::sqrt((state.velocity.colwise() - state.velocity.col(0)).colwise().squaredNorm().maxCoeff());
-  if (largest <= negligible * springs->shortest) return 0.0;
-  double fastest = 0.0;
+double fastestTurn(const SpringArrays& springs, const PointState& state, double fastest, double negligible) {
+  // two ends differ by at most twice the largest difference from a common velocity
+  if (2.0 * fastest <= negligible * springs->shortest) return 0.0;
+  double largest = 0.0;
   for (std::size_t i = 0; i < springs.size(); ++i) {
     // a spring of rest length 0 pulls in proportion to its length, at any rotation
     if (springs->restLength[i] == 0.0) continue;
@@ -237,9 +235,9 @@ double fastestTurn(const SpringArrays& springs, const PointState& state, double 
     const Eigen::Vector3d u = state.velocity.col(springs->b[i]) - state.velocity.col(springs->a[i]);
     // fast rotation of a spring that is nearly folded up does not matter
     const double squared = std::max(d.squaredNorm(), springs->restLength[i] * springs->restLength[i]);
-    if (squared > 0.0) fastest = std::max(fastest, (u - u.dot(d) / squared * d).squaredNorm() / squared);
+    if (squared > 0.0) largest = std::max(largest, (u - u.dot(d) / squared * d).squaredNorm() / squared);
   }
-  return std::sqrt(fastest);
+  return std::sqrt(largest);
 }
 
 SteppingChoice chooseStepping(const SteppingProblem& p, const Stepping& s) {

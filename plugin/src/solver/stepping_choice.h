@@ -71,8 +71,9 @@ struct SteppingChoice {
 double dampingRateBound(const SpringArrays& springs, const Points& inverseMass);
 
 /// Returns the fastest rotation (rad/s) of a spring: the relative velocity of its ends across it over its
-/// length; 0 if it is surely below `negligible`.
-double fastestTurn(const SpringArrays& springs, const PointState& state, double negligible);
+/// length; 0 if it is surely below `negligible`. `fastest`: m/s, the largest velocity of a point relative to
+/// any common one.
+double fastestTurn(const SpringArrays& springs, const PointState& state, double fastest, double negligible);
 
 /// Chooses the stepper and its substeps for this tick:
 ///   - Verlet, with enough substeps for stability, periodTolerance and the fastest rotation of a spring;

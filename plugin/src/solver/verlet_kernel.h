@@ -8,8 +8,7 @@
 //
 // If LIMBER_PACK_BITS (128, 256 or 512) is defined before, `Pack` is a register of that size of the
 // instruction set for which the including file is compiled. It is a plain vector type, because GCC would copy
-// a class with such a member through memory. Its numbers are doubles or of type LIMBER_PACK_NUMBER: the
-// benchmark measures floats.
+// a class with such a member through memory.
 
 #if defined(LIMBER_PACK_BITS)
 #include <immintrin.h>
@@ -23,27 +22,20 @@ namespace limber::kernel {
 
 #if defined(LIMBER_PACK_BITS)
 
-#if !defined(LIMBER_PACK_NUMBER)
-#define LIMBER_PACK_NUMBER double
-#endif
-
-typedef LIMBER_PACK_NUMBER Pack __attribute__((vector_size(LIMBER_PACK_BITS / 8)));
+typedef double Pack __attribute__((vector_size(LIMBER_PACK_BITS / 8)));
 
 namespace {
 
 #if LIMBER_PACK_BITS == 512
 // masked, because GCC 12 warns about its own header for the unmasked functions
 inline __m512d squareRoot(__m512d x) { return _mm512_maskz_sqrt_pd(0xff, x); }
-inline __m512 squareRoot(__m512 x) { return _mm512_maskz_sqrt_ps(0xffff, x); }
 #elif LIMBER_PACK_BITS == 256
 inline __m256d squareRoot(__m256d x) { return _mm256_sqrt_pd(x); }
-inline __m256 squareRoot(__m256 x) { return _mm256_sqrt_ps(x); }
 #else
 inline __m128d squareRoot(__m128d x) { return _mm_sqrt_pd(x); }
-inline __m128 squareRoot(__m128 x) { return _mm_sqrt_ps(x); }
 #endif
 
-inline Pack all(Pack, double x) { return static_cast<LIMBER_PACK_NUMBER>(x) - Pack{}; }
+inline Pack all(Pack, double x) { return x - Pack{}; }
 
 template <class Mask>
 inline Pack select(Mask which, Pack yes, Pack no) {
@@ -77,9 +69,9 @@ struct Volumes {
   const Index* firstTriangle = nullptr;  ///< #components + 1
   const Index* corners = nullptr;        ///< 3 x #triangles, point indices
   const Index* componentOf = nullptr;    ///< #points; any value for points of no component
-  const V* restVolume = nullptr;         ///< #components, m^3
-  const V* modulus = nullptr;            ///< Pa, one number
-  const V* pressure = nullptr;           ///< Pa, one number
+  const double* restVolume = nullptr;    ///< #components, m^3
+  const double* modulus = nullptr;       ///< Pa, one number
+  const double* pressure = nullptr;      ///< Pa, one number
   V* gradient = nullptr;                 ///< 3 x #points, scratch: six times the gradient of the volume
   V* sums = nullptr;                     ///< 4 x #components, scratch
   double timeStep = 0.0;                 ///< s, substep that must be stable; 0: no limit on the force
@@ -180,7 +172,8 @@ inline void addVolumeForces(const Volumes<V>& v, const V* position, const V* inv
   sumUp(v, position, inverseMass);
   for (Index c = 0; c < v.components; ++c) {
     V* s = v.sums + 4 * c;
-    s[0] = stablePush(s[0], s[1] + (s[2] + s[3]), v.restVolume[c], *v.modulus, *v.pressure, v.timeStep);
+    s[0] = stablePush(s[0], s[1] + (s[2] + s[3]), all(V(), v.restVolume[c]), all(V(), *v.modulus),
+                      all(V(), *v.pressure), v.timeStep);
   }
   for (Index i = 0; i < v.points; ++i) {
     const V push = v.sums[4 * v.componentOf[i]];
@@ -197,12 +190,12 @@ constexpr double kCrushed = 0.3;
 /// The tetrahedra of a body.
 template <class V>
 struct Tetrahedra {
-  Index count = 0;                    ///< 0: none
-  const Index* corners = nullptr;     ///< 4 x count, point indices
-  const V* inverseRest = nullptr;     ///< count, 1/m^3, 1 / (6 rest volume)
-  const V* stabilityScale = nullptr;  ///< count, 1/m^4, see TetrahedronVolumes
-  const V* modulus = nullptr;         ///< Pa, one number
-  const V* crushModulus = nullptr;    ///< Pa, one number
+  Index count = 0;                         ///< 0: none
+  const Index* corners = nullptr;          ///< 4 x count, point indices
+  const double* inverseRest = nullptr;     ///< count, 1/m^3, 1 / (6 rest volume)
+  const double* stabilityScale = nullptr;  ///< count, 1/m^4, see TetrahedronVolumes
+  const double* modulus = nullptr;         ///< Pa, one number
+  const double* crushModulus = nullptr;    ///< Pa, one number
 };
 
 template <class V>
@@ -270,8 +263,8 @@ inline void addTetrahedronForces(const Tetrahedra<V>& t, const V* position, V* f
     const V* a = position + 3 * corner[0];
     const CornerForces<V> f = tetrahedronForces(
         displacementFrom(a, position + 3 * corner[1]), displacementFrom(a, position + 3 * corner[2]),
-        displacementFrom(a, position + 3 * corner[3]), t.inverseRest[i], t.stabilityScale[i], *t.modulus,
-        *t.crushModulus);
+        displacementFrom(a, position + 3 * corner[3]), all(V(), t.inverseRest[i]),
+        all(V(), t.stabilityScale[i]), all(V(), *t.modulus), all(V(), *t.crushModulus));
     V* fa = force + 3 * corner[0];
     fa[0] = fa[0] - (f.b.x + (f.c.x + f.d.x));
     fa[1] = fa[1] - (f.b.y + (f.c.y + f.d.y));
@@ -290,9 +283,9 @@ struct Springs {
   Index count;
   const Index* a;
   const Index* b;
-  const V* restLength;
-  const V* extensionStiffness;
-  const V* compressionStiffness;
+  const double* restLength;
+  const double* extensionStiffness;
+  const double* compressionStiffness;
   V* direction;
 };
 
@@ -334,8 +327,8 @@ inline void addForce(const Springs<V>& s, Index i, const Points<V>& p) {
   const V* xa = p.position + 3 * s.a[i];
   const V* xb = p.position + 3 * s.b[i];
   const V dx = xb[0] - xa[0], dy = xb[1] - xa[1], dz = xb[2] - xa[2];
-  const Pull<V> pull = pullOf(dx * dx + (dy * dy + dz * dz), s.restLength[i], s.extensionStiffness[i],
-                              s.compressionStiffness[i]);
+  const Pull<V> pull = pullOf(dx * dx + (dy * dy + dz * dz), all(V(), s.restLength[i]),
+                              all(V(), s.extensionStiffness[i]), all(V(), s.compressionStiffness[i]));
   V* n = s.direction + 3 * i;
   n[0] = dx * pull.scale, n[1] = dy * pull.scale, n[2] = dz * pull.scale;
   const V fx = pull.force * n[0], fy = pull.force * n[1], fz = pull.force * n[2];
@@ -367,11 +360,11 @@ inline void damp(const Springs<V>& s, Index i, const V& factor, const Points<V>&
 }
 
 template <class V>
-inline void dampAll(const Springs<V>& s, const V* factor, bool forward, const Points<V>& p) {
+inline void dampAll(const Springs<V>& s, const double* factor, bool forward, const Points<V>& p) {
   if (forward)
-    for (Index i = 0; i < s.count; ++i) damp(s, i, factor[i], p);
+    for (Index i = 0; i < s.count; ++i) damp(s, i, all(V(), factor[i]), p);
   else
-    for (Index i = s.count; i-- > 0;) damp(s, i, factor[i], p);
+    for (Index i = s.count; i-- > 0;) damp(s, i, all(V(), factor[i]), p);
 }
 
 template <class V>
@@ -394,7 +387,7 @@ struct ContactCalls {
   void (*settle)(void* context);
 };
 
-/// A single body, or one body per lane.
+/// A single body, or one body per lane. Bodies in lanes share their springs and volume terms.
 template <class V>
 struct Body {
   Springs<V> springs;
@@ -402,8 +395,8 @@ struct Body {
   Volumes<V> volumes;
   Tetrahedra<V> tetrahedra;
   bool hasDampers;
-  const V* dampHalf;
-  const V* dampFull;
+  const double* dampHalf;
+  const double* dampFull;
   const ContactCalls* contactCalls;
   V* earlierForce;  ///< #points x 3, scratch
 

@@ -31,6 +31,16 @@ double verletErrorRate(double change, Eigen::Index points, double dt) {
   return dt / 24.0 * std::sqrt(change / static_cast<double>(std::max<Eigen::Index>(points, 1)));
 }
 
+MotionSums motionSums(const PointState& state, const Points& start, const RestShape& rest) {
+  MotionSums sums;
+  kernel::sumUp(
+      kernel::MovedPoints<double>{static_cast<kernel::Index>(state.position.cols()), state.position.data(),
+                                  state.velocity.data(), state.inverseMass.data(), start.data(),
+                                  rest.fractions.data(), rest.weighted.data()},
+      sums);
+  return sums;
+}
+
 // --- a single body -----------------------------------------------------------------------------------------
 
 namespace {

@@ -6,6 +6,7 @@
 #include "solver/contacts.h"
 #include "solver/lane_kernels.h"
 #include "solver/links.h"
+#include "solver/motion_sums.h"
 #include "solver/plane_contacts.h"
 #include "solver/point_state.h"
 #include "solver/springs.h"
@@ -17,6 +18,18 @@
 namespace limber {
 
 struct SpringBatchArrays;
+
+/// The rest shape of a body, for motionSums().
+struct RestShape {
+  std::vector<double> fractions;  ///< #points, mass fractions
+  Points weighted;                ///< 3 x #points, m, scaled rest positions times the mass fractions
+  double meanSquare = 0.0;        ///< m^2, of the scaled rest positions
+};
+
+using MotionSums = kernel::MotionSums<double>;
+
+/// Returns the sums of a body whose points were at `start` (3 x #points, m) when the tick began.
+MotionSums motionSums(const PointState& state, const Points& start, const RestShape& rest);
 
 /// The data of a soft body that a step uses.
 struct SolverBody {
@@ -30,6 +43,9 @@ struct SolverBody {
       nullptr;  ///< to step it four springs at a time, see simd_steps.h; may be nullptr
 
   ContactWatch* watch = nullptr;  ///< may be nullptr
+
+  const RestShape* rest = nullptr;  ///< may be nullptr without `sums`
+  MotionSums* sums = nullptr;       ///< written by stepLanes(); nullptr: not wanted
 
   double errorRate = 0.0;  ///< m/s, written by the step, see verletErrorRate()
 };
