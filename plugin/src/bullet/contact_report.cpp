@@ -209,8 +209,7 @@ void reportContacts(const std::vector<SoftBodyData*>& bodies, const TickContacts
                     const btDiscreteDynamicsWorld& world, double tick) {
   bool anyInBullet = false;
   for (SoftBodyData* body : bodies) {
-    body->report.fresh = !body->asleep;
-    if (body->asleep) continue;
+    body->report.fresh = true;
     body->report.contacts.clear();
     body->report.partners.clear();
     body->report.hasTriangles = false;

@@ -12,7 +12,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 #include <tuple>
 
 namespace limber {
@@ -328,56 +327,48 @@ bool canUseLanes(const LinkedGroup& group) {
 
 }  // namespace
 
-bool StepPlan::Candidate::operator<(const Candidate& other) const {
-  return std::tie(model, substeps, group) < std::tie(other.model, other.substeps, other.group);
-}
-
-void StepPlan::number(const std::vector<LinkedGroup>& groups) {
-  std::map<const BodyModel*, std::size_t> numbers;
-  for (const LinkedGroup& group : groups) {
-    const BodyModel* model = group.bodies.empty() ? nullptr : group.bodies[0]->model.get();
-    modelOf_.push_back(numbers.try_emplace(model, numbers.size()).first->second);
-  }
-}
-
-void StepPlan::stepOrCollect(std::vector<LinkedGroup>& groups, double tick) {
-  candidates_.clear();
-  for (std::size_t i = 0; i < groups.size(); ++i) {
-    if (groups[i].asleep || groups[i].inIsland) continue;
-    if (canUseLanes(groups[i]))
-      candidates_.push_back({modelOf_[i], groups[i].substeps, i});
+void StepPlan::stepOrCollect(const AwakeGroups& groups, double tick) {
+  inLanes_.clear();
+  for (LinkedGroup* group : groups) {
+    if (group->inIsland) continue;
+    if (canUseLanes(*group))
+      inLanes_.push_back(group);
     else
-      stepLinkedGroup(groups[i], tick, factors_);
+      stepLinkedGroup(*group, tick, factors_);
   }
-  std::sort(candidates_.begin(), candidates_.end());
+  // groups are in an array in their order
+  const auto before = [](const LinkedGroup* a, const LinkedGroup* b) {
+    return std::tie(a->model, a->substeps, a) < std::tie(b->model, b->substeps, b);
+  };
+  std::sort(inLanes_.begin(), inLanes_.end(), before);
 }
 
 /// A body that is alone in its lanes gains nothing from them.
-std::size_t StepPlan::stepRun(std::vector<LinkedGroup>& groups, std::size_t begin, double tick) {
-  const auto bodyOf = [&](std::size_t i) { return &groups[candidates_[i].group].step.bodies[0]; };
-  const auto fits = [&](std::size_t i) {
-    return candidates_[i].substeps == candidates_[begin].substeps && canShareLanes(*lanes_[0], *bodyOf(i));
+std::size_t StepPlan::stepRun(std::size_t begin, double tick) {
+  LinkedGroup& first = *inLanes_[begin];
+  const auto fits = [&](const LinkedGroup& other) {
+    return other.substeps == first.substeps && canShareLanes(first.step.bodies[0], other.step.bodies[0]);
   };
-  const std::size_t last = std::min(begin + static_cast<std::size_t>(laneCount(set_)), candidates_.size());
-  lanes_.assign(1, bodyOf(begin));
+  const std::size_t last = std::min(begin + static_cast<std::size_t>(laneCount(set_)), inLanes_.size());
   std::size_t end = begin + 1;
-  while (end < last && fits(end)) lanes_.push_back(bodyOf(end++));
-  if (lanes_.size() == 1) {
-    stepLinkedGroup(groups[candidates_[begin].group], tick, factors_);
+  while (end < last && fits(*inLanes_[end])) ++end;
+  if (end == begin + 1) {
+    stepLinkedGroup(first, tick, factors_);
     return end;
   }
-  stepLanes(lanes_.data(), lanes_.size(), scratch_, tick, candidates_[begin].substeps, set_);
+  lanes_.clear();
+  for (std::size_t i = begin; i < end; ++i) lanes_.push_back(&inLanes_[i]->step.bodies[0]);
+  stepLanes(lanes_.data(), lanes_.size(), scratch_, tick, first.substeps, set_);
   for (std::size_t i = begin; i < end; ++i)
-    groups[candidates_[i].group].bodies[0]->sumsValid = bodyOf(i)->sums != nullptr;
+    inLanes_[i]->bodies[0]->sumsValid = inLanes_[i]->step.bodies[0].sums != nullptr;
   return end;
 }
 
-void StepPlan::step(std::vector<LinkedGroup>& groups, double tick) {
-  if (modelOf_.size() != groups.size()) number(groups);
+void StepPlan::step(const AwakeGroups& groups, double tick) {
   stepOrCollect(groups, tick);
-  for (std::size_t begin = 0; begin < candidates_.size();) begin = stepRun(groups, begin, tick);
-  for (LinkedGroup& group : groups)
-    if (!group.asleep && !group.inIsland) repeatIfMissed(group, tick, factors_);
+  for (std::size_t begin = 0; begin < inLanes_.size();) begin = stepRun(begin, tick);
+  for (LinkedGroup* group : groups)
+    if (!group->inIsland) repeatIfMissed(*group, tick, factors_);
 }
 
 // --- after the step ----------------------------------------------------------------------------------------

@@ -51,13 +51,13 @@ struct IslandNodes {
   }
 };
 
-void joinNodes(const std::vector<LinkedGroup>& groups, const TickContacts& found, const IslandNodes& nodes,
+void joinNodes(const AwakeGroups& groups, const TickContacts& found, const IslandNodes& nodes,
                Islands& islands) {
   islands.parent.resize(groups.size() + found.rigids.size());
   std::iota(islands.parent.begin(), islands.parent.end(), std::uint32_t{0});
   for (std::uint32_t g = 0; g < groups.size(); ++g)
-    for (const RigidPartner& rigid : groups[g].rigids)
-      if (!groups[g].asleep && !rigid.held && found.find(*rigid.body) != kNone)
+    for (const RigidPartner& rigid : groups[g]->rigids)
+      if (!rigid.held && found.find(*rigid.body) != kNone)
         join(islands, g, nodes.ofRigid(found.find(*rigid.body)));
   for (const Contact& c : found.contacts) join(islands, nodes.of(c.a), nodes.of(c.b));
   for (const SurfaceCandidate& m : found.candidates)
@@ -123,10 +123,10 @@ void append(Island& island, LinkedGroup& group) {
   }
 }
 
-void appendGroups(std::vector<LinkedGroup>& groups, const TickContacts& found, const IslandNodes& nodes,
+void appendGroups(const AwakeGroups& groups, const TickContacts& found, const IslandNodes& nodes,
                   Islands& islands) {
   for (std::uint32_t g = 0; g < groups.size(); ++g) {
-    LinkedGroup& group = groups[g];
+    LinkedGroup& group = *groups[g];
     group.inIsland = islands.island[root(islands, g)] != kNone;
     if (!group.inIsland) continue;
     Island& island = islandOf(islands, g);
@@ -184,7 +184,7 @@ void appendContacts(const TickContacts& found, const IslandNodes& nodes, Islands
 /// Returns whether an anchored point of the group has contacts: its anchor must be solved with them.
 bool hasAnchorsAndContacts(const LinkedGroup& group) {
   const auto hasContacts = [](const SoftBodyData* body) { return !body->contacts.empty(); };
-  return !group.asleep && !group.step.links.anchors.empty() &&
+  return !group.step.links.anchors.empty() &&
          std::any_of(group.bodies.begin(), group.bodies.end(), hasContacts);
 }
 
@@ -203,10 +203,10 @@ void appendCandidates(const TickContacts& found, const IslandNodes& nodes, Islan
   }
 }
 
-void numberBodies(const std::vector<LinkedGroup>& groups, Islands& islands) {
+void numberBodies(const AwakeGroups& groups, Islands& islands) {
   for (std::uint32_t g = 0; g < groups.size(); ++g)
-    for (std::uint32_t i = 0; i < groups[g].bodies.size(); ++i) {
-      const std::size_t body = groups[g].bodies[i]->index;
+    for (std::uint32_t i = 0; i < groups[g]->bodies.size(); ++i) {
+      const std::size_t body = groups[g]->bodies[i]->index;
       if (body >= islands.groupOf.size()) {
         islands.groupOf.resize(body + 1);
         islands.indexInGroup.resize(body + 1);
@@ -267,18 +267,18 @@ void appendPlaneContacts(Island& island) {
 
 }  // namespace
 
-void addLinkedRigids(const std::vector<LinkedGroup>& groups, TickContacts& found) {
-  for (const LinkedGroup& group : groups)
-    for (const RigidPartner& rigid : group.rigids)
-      if (!group.asleep && isFree(*rigid.body)) found.add(*rigid.body);
+void addLinkedRigids(const AwakeGroups& groups, TickContacts& found) {
+  for (const LinkedGroup* group : groups)
+    for (const RigidPartner& rigid : group->rigids)
+      if (isFree(*rigid.body)) found.add(*rigid.body);
 }
 
-void makeIslands(std::vector<LinkedGroup>& groups, TickContacts& found, btScalar tick, Islands& islands) {
+void makeIslands(const AwakeGroups& groups, TickContacts& found, btScalar tick, Islands& islands) {
   islands.count = 0;
   bool anchored = false;
-  for (LinkedGroup& group : groups) {
-    group.inIsland = false;
-    anchored = anchored || hasAnchorsAndContacts(group);
+  for (LinkedGroup* group : groups) {
+    group->inIsland = false;
+    anchored = anchored || hasAnchorsAndContacts(*group);
   }
   if (found.contacts.empty() && found.joints.empty() && found.candidates.empty() && !anchored) return;
   numberBodies(groups, islands);
@@ -290,7 +290,7 @@ void makeIslands(std::vector<LinkedGroup>& groups, TickContacts& found, btScalar
   for (const JointConstraint& j : found.joints) islandOf(islands, nodes.of(j));
   for (const SurfaceCandidate& m : found.candidates) islandOf(islands, nodes.of(*m.body));
   for (std::uint32_t g = 0; g < groups.size(); ++g)
-    if (hasAnchorsAndContacts(groups[g])) islandOf(islands, g);
+    if (hasAnchorsAndContacts(*groups[g])) islandOf(islands, g);
   appendGroups(groups, found, nodes, islands);
   appendRigids(found, nodes, tick, islands);
   appendContacts(found, nodes, islands);

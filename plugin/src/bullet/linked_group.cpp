@@ -207,8 +207,11 @@ std::vector<LinkedGroup> makeLinkedGroups(const std::vector<SoftBodyData*>& bodi
   }
 
   std::vector<LinkedGroup> ordered;
+  std::map<const BodyModel*, std::size_t> models;
   for (auto& [root, group] : groups) {
     takeOverSleep(group);
+    if (!group.bodies.empty())
+      group.model = models.try_emplace(group.bodies[0]->model.get(), models.size()).first->second;
     ordered.push_back(std::move(group));
   }
   return ordered;
@@ -314,6 +317,8 @@ void sleepGroup(LinkedGroup& group) {
   for (SoftBodyData* body : group.bodies) {
     body->state.velocity.setZero();
     body->sumsValid = false;
+    body->storedImpulses.clear();
+    body->report.fresh = false;
     body->asleep = true;
     body->substeps = 0;
     body->surface.partners.clear();
@@ -336,8 +341,10 @@ void updateCalmTime(LinkedGroup& group, btScalar tick) {
   // wake() resets the calm time of a body that is awake
   for (const SoftBodyData* body : group.bodies) group.calmTime = std::min(group.calmTime, body->calmTime);
   if (group.asleep && !anyMember(group, [](btRigidBody& body) { return body.isActive(); }) &&
-      !isChanged(group))
+      !isChanged(group)) {
+    for (SoftBodyData* body : group.bodies) dropObjectForces(*body);
     return;
+  }
   if (group.asleep || anyMember(group, [](btRigidBody& body) {
         return !body.isActive() && body.getActivationState() == ISLAND_SLEEPING;
       }))
@@ -420,18 +427,22 @@ void settleCandidates(std::vector<LinkedGroup>& groups, std::vector<unsigned cha
 }  // namespace
 
 void updateSleep(std::vector<LinkedGroup>& groups, btDiscreteDynamicsWorld& world, btScalar tick,
-                 std::vector<unsigned char>& bulletIslands) {
+                 std::vector<unsigned char>& bulletIslands, AwakeGroups& awake) {
+  awake.clear();
   bool candidates = false;
   for (LinkedGroup& group : groups) {
     updateCalmTime(group, tick);
     rememberCalmTime(group);
     candidates = candidates || wantsSleep(group);
   }
-  if (!candidates) return;
-  markOthersAwake(groups, world, bulletIslands);
-  settleCandidates(groups, bulletIslands);
-  for (LinkedGroup& group : groups)
+  if (candidates) {
+    markOthersAwake(groups, world, bulletIslands);
+    settleCandidates(groups, bulletIslands);
+  }
+  for (LinkedGroup& group : groups) {
     if (wantsSleep(group)) sleepGroup(group);
+    if (!group.asleep) awake.push_back(&group);
+  }
 }
 
 }  // namespace LIMBER_BULLET_PRECISION

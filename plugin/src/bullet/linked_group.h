@@ -29,6 +29,7 @@ struct LinkedGroup {
   std::vector<SoftBodyData*> bodies;       ///< step.bodies[i] is bodies[i]
   std::vector<RigidPartner> rigids;        ///< step.links.rigids[i] is rigids[i]
   std::vector<SpringConstraint*> springs;  ///< step.links.springs[i] is springs[i]
+  std::size_t model = 0;                   ///< number of the first body's model, in order of first appearance
   double calmTime = 0.0;  ///< s, time for which all motion has been below the sleeping thresholds
   bool asleep = false;
   bool inIsland = false;  ///< in this tick it is stepped together with the bodies that it touches
@@ -37,6 +38,9 @@ struct LinkedGroup {
   bool cut = false;  ///< maxSubsteps allows fewer substeps than it needs
   Stepper stepper = Stepper::Verlet;
 };
+
+/// The groups that are awake in a tick, in the order of all groups.
+using AwakeGroups = std::vector<LinkedGroup*>;
 
 using SpringList = std::vector<std::unique_ptr<SpringConstraint>>;
 
@@ -68,9 +72,10 @@ void readGroupFromBullet(LinkedGroup& group, btScalar tick);
 ///
 /// Bullet has no link between the points of a body and would put them to sleep one by one. So the
 /// deactivation timer of awake points stays at 0. A group goes to sleep in one tick, when all its members
-/// have been calm for gDeactivationTime and no awake body touches any of them. `bulletIslands` is scratch.
+/// have been calm for gDeactivationTime and no awake body touches any of them. Returns the others in `awake`.
+/// `bulletIslands` is scratch.
 void updateSleep(std::vector<LinkedGroup>& groups, btDiscreteDynamicsWorld& world, btScalar tick,
-                 std::vector<unsigned char>& bulletIslands);
+                 std::vector<unsigned char>& bulletIslands, AwakeGroups& awake);
 
 // --- stepping ----------------------------------------------------------------------------------------------
 
@@ -91,30 +96,18 @@ void reportStepping(LinkedGroup& group, double tick);
 /// Steps bodies of one model, with the same number of Verlet substeps, together in SIMD lanes.
 class StepPlan {
  public:
-  /// Steps all groups that are awake and in no island. The results do not depend on which bodies share lanes.
-  void step(std::vector<LinkedGroup>& groups, double tick);
-
-  /// Forgets the bodies. Call it when the groups have been made again.
-  void clear() { modelOf_.clear(); }
+  /// Steps all groups that are in no island. The results do not depend on which bodies share lanes.
+  void step(const AwakeGroups& groups, double tick);
 
  private:
-  struct Candidate {
-    std::size_t model;  ///< index of the body's model in order of first appearance
-    int substeps;
-    std::size_t group;
-    bool operator<(const Candidate& other) const;
-  };
-
-  void number(const std::vector<LinkedGroup>& groups);
-  /// Steps the groups that do not fit into lanes and sorts the others into candidates_.
-  void stepOrCollect(std::vector<LinkedGroup>& groups, double tick);
-  /// Steps the candidates from `begin` on that can share lanes. Returns the end of these.
-  std::size_t stepRun(std::vector<LinkedGroup>& groups, std::size_t begin, double tick);
+  /// Steps the groups that do not fit into lanes and collects the others, by model and number of substeps.
+  void stepOrCollect(const AwakeGroups& groups, double tick);
+  /// Steps the collected groups from `begin` on that can share lanes. Returns the end of these.
+  std::size_t stepRun(std::size_t begin, double tick);
 
   SharedFactors factors_;
   InstructionSet set_ = bestInstructionSet();
-  std::vector<std::size_t> modelOf_;  ///< #groups
-  std::vector<Candidate> candidates_;
+  AwakeGroups inLanes_;
   std::vector<SolverBody*> lanes_;  ///< scratch
   LaneScratch scratch_;
 };
@@ -169,13 +162,13 @@ struct Islands {
   std::vector<std::uint32_t> first;   ///< index in the island of a group's first body, or of the rigid body
 };
 
-/// Adds the rigid bodies that links join to awake groups to `found`, so that their contacts are found, too.
+/// Adds the rigid bodies that links join to the groups to `found`, so that their contacts are found, too.
 /// Call it before gatherRigidContacts().
-void addLinkedRigids(const std::vector<LinkedGroup>& groups, TickContacts& found);
+void addLinkedRigids(const AwakeGroups& groups, TickContacts& found);
 
 /// Makes the islands of groups and rigid bodies that contacts and joints couple, and sets
 /// LinkedGroup::inIsland. A group that is coupled to no other moving body is in no island.
-void makeIslands(std::vector<LinkedGroup>& groups, TickContacts& found, btScalar tick, Islands& islands);
+void makeIslands(const AwakeGroups& groups, TickContacts& found, btScalar tick, Islands& islands);
 
 /// Steps an island by velocity Verlet with the largest number of substeps that one of its groups needs.
 /// Contacts of surfaces with a large relative displacement are searched for again during the tick. The error

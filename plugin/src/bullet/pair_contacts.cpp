@@ -224,22 +224,17 @@ void gatherPairs(SoftBodyData& body, btRigidBody& partner, btScalar tick, TickCo
   for (std::uint32_t i = 0; i < pointCount(body); ++i) addPairs(body, i, partner, double(tick), found);
 }
 
-void gatherPointPairs(const std::vector<LinkedGroup>& groups, btScalar tick, TickContacts& found) {
-  int bodies = 0;
+void gatherPointPairs(const AwakeGroups& groups, btScalar tick, TickContacts& found) {
   // no point moves farther than this towards another one
   double farthest = 0.0;
-  for (const LinkedGroup& group : groups)
-    for (const SoftBodyData* body : group.bodies) {
-      if (isSurfaceBody(*body)) continue;
-      ++bodies;
-      if (!group.asleep)
+  for (const LinkedGroup* group : groups)
+    for (const SoftBodyData* body : group->bodies)
+      if (!isSurfaceBody(*body))
         farthest =
             std::max(farthest, *std::max_element(body->searchDistance.begin(), body->searchDistance.end()));
-    }
-  if (bodies < 2) return;
-  for (const LinkedGroup& group : groups)
-    for (SoftBodyData* body : group.bodies)
-      if (!group.asleep && !isSurfaceBody(*body)) addPointPairs(*body, double(tick), farthest, found);
+  for (const LinkedGroup* group : groups)
+    for (SoftBodyData* body : group->bodies)
+      if (!isSurfaceBody(*body)) addPointPairs(*body, double(tick), farthest, found);
 }
 
 }  // namespace LIMBER_BULLET_PRECISION

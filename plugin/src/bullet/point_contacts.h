@@ -161,8 +161,8 @@ std::uint64_t stampOf(const btCollisionObject& partner);
 void gatherPairs(SoftBodyData& body, btRigidBody& partner, btScalar tick, TickContacts& found);
 
 /// Adds a contact for every two point masses in the world, of different bodies, that may touch in the coming
-/// tick. Call it after all awake groups have been gathered.
-void gatherPointPairs(const std::vector<LinkedGroup>& groups, btScalar tick, TickContacts& found);
+/// tick. Call it after all awake groups have been gathered, if there is more than one body.
+void gatherPointPairs(const std::vector<LinkedGroup*>& awake, btScalar tick, TickContacts& found);
 
 // --- boxes -------------------------------------------------------------------------------------------------
 

@@ -277,9 +277,10 @@ bool SoftBodySystem::Impl::WorldStep::callsListeners() const {
 
 void SoftBodySystem::Impl::WorldStep::forgetGroups() {
   groups.clear();
+  awake.clear();
+  moving.clear();
   islands.count = 0;
   pairs.clear();
-  plan.clear();
   living.clear();
   springs.clear();
   groupsStale = true;

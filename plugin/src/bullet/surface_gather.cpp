@@ -460,16 +460,14 @@ void findContactsInStep(const SurfaceCandidate& m, const SidePositions& sides, d
   }
 }
 
-void shareSoftPartners(const std::vector<LinkedGroup>& groups) {
-  for (const LinkedGroup& group : groups) {
-    if (group.asleep) continue;
-    for (SoftBodyData* body : group.bodies)
+void shareSoftPartners(const AwakeGroups& groups) {
+  for (const LinkedGroup* group : groups)
+    for (SoftBodyData* body : group->bodies)
       for (SoftBodyData* other : body->softPartners) {
         if (other->asleep) continue;
         std::vector<SoftBodyData*>& theirs = other->softPartners;
         if (std::find(theirs.begin(), theirs.end(), body) == theirs.end()) theirs.push_back(body);
       }
-  }
 }
 
 void gatherSurfacePairs(SoftBodyData& body, btScalar tick, RigidSurfaces& rigids, SurfaceSearch& search,

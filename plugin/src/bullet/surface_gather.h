@@ -29,7 +29,7 @@ struct SurfaceSearch {
 /// Adds each body to the partners of its soft partners. Only one of two bodies may have found the other: one
 /// that has just been thrown can be far outside the other's search region. Call it after gatherContacts() of
 /// all bodies.
-void shareSoftPartners(const std::vector<LinkedGroup>& groups);
+void shareSoftPartners(const std::vector<LinkedGroup*>& awake);
 
 /// Adds to `found` the contacts of the surface of a body with Collision::Surface, now or in the coming tick:
 /// with vertices, edges and triangles of dynamic rigid bodies and of other soft bodies; of its own edges and

@@ -278,7 +278,9 @@ void accelerateByObject(SoftBodyData& body) {
 }
 
 void dropObjectForces(SoftBodyData& body) {
-  if (body.surface.object) body.surface.object->clearForces();
+  btRigidBody* object = body.surface.object;
+  if (object && (!object->getTotalForce().isZero() || !object->getTotalTorque().isZero()))
+    object->clearForces();
 }
 
 void markJoined(const std::vector<SoftBodyData*>& bodies, btDiscreteDynamicsWorld& world) {

@@ -100,6 +100,7 @@ struct SoftBodySystem::Impl::WorldStep {
   std::vector<Impl*> systems;     // in the order of their creation
   const Impl* stepped = nullptr;  // the system that has begun the present tick; nullptr between ticks
   std::vector<LinkedGroup> groups;
+  AwakeGroups awake;  // in this tick
   StepPlan plan;
   KinematicMotions kinematic;
   MultiBodyLinks links;
@@ -111,9 +112,11 @@ struct SoftBodySystem::Impl::WorldStep {
   RigidSurfaces rigidSurfaces{shapes};
   SurfaceSearch search;
   std::vector<SoftBodyData*> living;       // the bodies in the groups
+  std::vector<SoftBodyData*> moving;       // those of the awake groups
   std::vector<SpringConstraint*> springs;  // of all systems
   std::vector<unsigned char> usableLinks;  // see updateUsableLinks()
   bool groupsStale = true;
+  bool anyRestored = false;                  // a body was restored in this tick
   std::vector<unsigned char> bulletIslands;  // scratch of updateSleep
   TickProfile profile;
 };

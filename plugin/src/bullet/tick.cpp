@@ -87,7 +87,6 @@ void SoftBodySystem::Impl::WorldStep::rebuildGroupsIfNeeded() {
   if (!groupsStale) return;
   updateLiving();
   groups = makeLinkedGroups(living, springs);
-  plan.clear();
   updateUsableLinks(living, springs, usableLinks);
   groupsStale = false;
 }
@@ -95,23 +94,14 @@ void SoftBodySystem::Impl::WorldStep::rebuildGroupsIfNeeded() {
 void SoftBodySystem::Impl::WorldStep::gatherGroups(btScalar tick) {
   const StopWatch watch(profile.gatherMs);
   const KinematicMotions::Rewound rewound(kinematic);
-  for (LinkedGroup& group : groups) {
-    if (!group.asleep)
-      gatherBodies(group, tick);
-    else
-      for (SoftBodyData* body : group.bodies) dropObjectForces(*body);
-  }
-  for (LinkedGroup& group : groups)
-    if (!group.asleep) gatherGroup(group, tick);
-  shareSoftPartners(groups);
-  for (LinkedGroup& group : groups)
-    if (!group.asleep)
-      for (SoftBodyData* body : group.bodies) gatherPartners(*body, tick);
-  gatherPointPairs(groups, tick, pairs);
+  for (LinkedGroup* group : awake) gatherBodies(*group, tick);
+  for (LinkedGroup* group : awake) gatherGroup(*group, tick);
+  shareSoftPartners(awake);
+  for (SoftBodyData* body : moving) gatherPartners(*body, tick);
+  if (living.size() > 1) gatherPointPairs(awake, tick, pairs);
   profile.rigidParts = rigidSurfaces.size();
   gatherIslands(tick);
-  for (LinkedGroup& group : groups)
-    if (!group.asleep) chooseStepping(group, double(tick));
+  for (LinkedGroup* group : awake) chooseStepping(*group, double(tick));
 }
 
 void SoftBodySystem::Impl::WorldStep::gatherPartners(SoftBodyData& body, btScalar tick) {
@@ -121,17 +111,17 @@ void SoftBodySystem::Impl::WorldStep::gatherPartners(SoftBodyData& body, btScala
 
 void SoftBodySystem::Impl::WorldStep::gatherIslands(btScalar tick) {
   warmStart(pairs);
-  addLinkedRigids(groups, pairs);
+  addLinkedRigids(awake, pairs);
   links.addJoints(pairs);
   gatherRigidContacts(*world, tick, manifolds, pairs);
-  makeIslands(groups, pairs, tick, islands);
+  makeIslands(awake, pairs, tick, islands);
 }
 
 void SoftBodySystem::Impl::WorldStep::stepGroups(btScalar tick) {
   const StopWatch watch(profile.stepMs);
   // points with unexpectedly large displacements search for more contacts during the step
   const KinematicMotions::Rewound rewound(kinematic);
-  plan.step(groups, double(tick));
+  plan.step(awake, double(tick));
   for (Island& island : islands) stepIsland(island, pairs, double(tick), search);
 }
 
@@ -140,15 +130,14 @@ void SoftBodySystem::Impl::WorldStep::writeGroupsToBullet(btScalar tick) {
   for (Island& island : islands) writeIslandToBullet(island, pairs, tick);
   links.applyImpulses(pairs);
   reportRigidContacts(pairs);
-  storeImpulses(living, pairs);
-  for (LinkedGroup& group : groups) {
-    if (group.asleep) continue;
-    reportStepping(group, double(tick));
-    for (SoftBodyData* body : group.bodies) restoreIfUnsound(*body);
-    writeGroupToBullet(group, tick);
-    for (const SoftBodyData* body : group.bodies) {
+  storeImpulses(moving, pairs);
+  for (LinkedGroup* group : awake) {
+    reportStepping(*group, double(tick));
+    for (SoftBodyData* body : group->bodies) restoreIfUnsound(*body);
+    writeGroupToBullet(*group, tick);
+    for (const SoftBodyData* body : group->bodies) {
       profile.pointsStepped += body->model->network->restPoints.size();
-      profile.springSubsteps += body->springs.size() * static_cast<std::size_t>(group.substeps);
+      profile.springSubsteps += body->springs.size() * static_cast<std::size_t>(group->substeps);
     }
   }
   disableDrives(pairs, disabledDrives);
@@ -167,8 +156,11 @@ void SoftBodySystem::Impl::WorldStep::beforeTick(btScalar tick) {
   kinematic.follow(*world, tick);
   links.begin(*world);
   collectMovers(*world, kinematic, this, tick);
-  updateSleep(groups, *world, tick, bulletIslands);
-  markJoined(living, *world);
+  updateSleep(groups, *world, tick, bulletIslands, awake);
+  moving.clear();
+  for (const LinkedGroup* group : awake)
+    moving.insert(moving.end(), group->bodies.begin(), group->bodies.end());
+  markJoined(moving, *world);
   pairs.clear(double(tick));
   rigidSurfaces.clear();
   readManifolds(*world->getDispatcher());
@@ -187,16 +179,17 @@ void SoftBodySystem::Impl::WorldStep::afterTick(btScalar tick) {
   restoreBulletState();
   if (!(tick > btScalar(0))) return;
   const StopWatch watch(profile.readMs);
-  for (LinkedGroup& group : groups) {
-    if (group.asleep) continue;
-    readGroupFromBullet(group, tick);
-    for (std::size_t i = 0; i < group.springs.size(); ++i)
-      group.springs[i]->force_ = group.step.links.springs[i].force;
+  for (LinkedGroup* group : awake) {
+    readGroupFromBullet(*group, tick);
+    for (std::size_t i = 0; i < group->springs.size(); ++i)
+      group->springs[i]->force_ = group->step.links.springs[i].force;
   }
   for (const Island& island : islands) readIslandFromBullet(island, pairs, *world, tick);
   reportJoints(*world, pairs, tick);
-  reportContacts(living, pairs, *world, double(tick));
+  reportContacts(moving, pairs, *world, double(tick));
   reportContactImpulses(*world->getDispatcher());
+  anyRestored =
+      std::any_of(moving.begin(), moving.end(), [](const SoftBodyData* body) { return body->restored; });
 }
 
 // --- one system --------------------------------------------------------------------------------------------
@@ -217,6 +210,7 @@ void SoftBodySystem::Impl::afterTick(btScalar tick) {
 }
 
 void SoftBodySystem::Impl::warnAboutRestored() {
+  if (!step->anyRestored) return;
   for (std::size_t i = 0; i < bodies.size(); ++i) {
     SoftBodyData& body = *bodies[i]->data_;
     if (!std::exchange(body.restored, false) || body.restorations++ > 0) continue;
@@ -236,7 +230,8 @@ void SoftBodySystem::Impl::watchSteps() {
 }
 
 void SoftBodySystem::Impl::clearForcesOnNewStep() {
-  if (stepBoundary && !stepBoundary->stepHasEnded()) return;
+  // there are no forces before the boundary exists
+  if (!stepBoundary || !stepBoundary->stepHasEnded()) return;
   for (auto& body : bodies) {
     SurfaceData& surface = body->data_->surface;
     surface.force.setZero();
