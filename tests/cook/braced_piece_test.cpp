@@ -3,7 +3,7 @@
 #include "network/bracing.h"
 
 #include "mesh/random.h"
-#include "network/rigidity.h"
+#include "network/modes.h"
 #include "support/network_shapes.h"
 
 #include <gtest/gtest.h>

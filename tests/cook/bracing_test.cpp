@@ -2,10 +2,9 @@
 // The properties of BraceRule::Pipeline and TwoRing, on small shapes and few runs; bench/run networks tests
 // large ones.
 #include "network/bracing.h"
+#include "analysis/analysis.h"
 #include "mesh/triangle_bvh.h"
 #include "network/material.h"
-#include "network/relaxation.h"
-#include "network/rigidity.h"
 #include "solver/volumes.h"
 #include "support/network_shapes.h"
 #include "support/small_meshes.h"

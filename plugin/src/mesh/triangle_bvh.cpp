@@ -4,8 +4,6 @@
 
 #include "mesh/triangle_bvh.h"
 
-#include "mesh/edges.h"
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -291,20 +289,6 @@ bool TriangleBvh::staysInside(const Vector3d& a, const Vector3d& b, double toler
     begin = end;
   }
   return true;
-}
-
-std::size_t countPiercingEdges(const std::vector<Eigen::Vector3d>& points,
-                               const std::vector<Triangle>& triangles) {
-  const TriangleBvh surface(points, triangles);
-  const std::vector<Edge> edges = uniqueEdges(triangles);
-  const auto pierces = [&](const Edge& edge) {
-    const auto sharesNoPoint = [&](std::uint32_t triangle) {
-      const Triangle& t = triangles[triangle];
-      return std::none_of(t.begin(), t.end(), [&](std::uint32_t i) { return i == edge[0] || i == edge[1]; });
-    };
-    return surface.isPierced(points[edge[0]], points[edge[1]], sharesNoPoint);
-  };
-  return static_cast<std::size_t>(std::count_if(edges.begin(), edges.end(), pierces));
 }
 
 }  // namespace limber

@@ -79,10 +79,4 @@ class TriangleBvh {
   double margin_ = 0.0;  ///< m, by which boxes are larger than their triangles
 };
 
-/// Counts the edges of a surface that pass through the inside of one of its triangles. If two triangles
-/// cross, an edge of one of them does. Coincident or touching sheets, and edges that intersect edges, do not
-/// count.
-std::size_t countPiercingEdges(const std::vector<Eigen::Vector3d>& points,
-                               const std::vector<Triangle>& triangles);
-
 }  // namespace limber

@@ -2,14 +2,13 @@
 // Analyses a network before it is used: collects the measurements of the other files of this folder, adds
 // remarks on unusual results and describes all of it in text.
 
-#include <limber/network_analysis.h>
+#include "analysis/analysis.h"
 
 #include "mesh/edges.h"
 #include "mesh/linear_algebra.h"
 #include "mesh/surface.h"
 #include "mesh/triangle_bvh.h"
-#include "network/relaxation.h"
-#include "network/rigidity.h"
+#include "network/modes.h"
 
 #include <limber/spring_network.h>
 
@@ -337,6 +336,20 @@ std::vector<std::string> remarksOn(const SpringNetwork& network, const AnalysisS
 }
 
 }  // namespace
+
+std::size_t countPiercingEdges(const std::vector<Eigen::Vector3d>& points,
+                               const std::vector<Triangle>& triangles) {
+  const TriangleBvh surface(points, triangles);
+  const std::vector<Edge> edges = uniqueEdges(triangles);
+  const auto pierces = [&](const Edge& edge) {
+    const auto sharesNoPoint = [&](std::uint32_t triangle) {
+      const Triangle& t = triangles[triangle];
+      return std::none_of(t.begin(), t.end(), [&](std::uint32_t i) { return i == edge[0] || i == edge[1]; });
+    };
+    return surface.isPierced(points[edge[0]], points[edge[1]], sharesNoPoint);
+  };
+  return static_cast<std::size_t>(std::count_if(edges.begin(), edges.end(), pierces));
+}
 
 double ReturnRate::standardError() const {
   return runs ? std::sqrt(rate() * (1.0 - rate()) / static_cast<double>(runs)) : 0.0;
