@@ -6,6 +6,7 @@
 #include "mesh/triangle_bvh.h"
 #include "network/material.h"
 #include "solver/volumes.h"
+#include "support/elastic_measures.h"
 #include "support/network_shapes.h"
 #include "support/small_meshes.h"
 
@@ -79,7 +80,7 @@ TEST(Pipeline, leavesTheArmsOfAnLFreeToOpen) {
   const SharedNetwork network = build(network_shapes::lshape90());
   ElasticBody body{*network};
   body.volumeModulus = networkModulus(*network, body.scale, body.stiffness, 5.0 / 27.0);
-  const double opening = openingStiffness(body, {-0.5, 0.5, 0.0}, {0.5, -0.5, 0.0}, 0.3);
+  const double opening = test::openingStiffness(body, {-0.5, 0.5, 0.0}, {0.5, -0.5, 0.0}, 0.3);
   EXPECT_LT(opening / measureModuli(body).bulkModulus, 1.5 * 0.0090);
 }
 

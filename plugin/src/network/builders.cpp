@@ -368,7 +368,7 @@ Result<SharedNetwork> buildNetwork(const TriangleMesh& mesh, const NetworkSettin
   auto network = std::make_shared<SpringNetwork>();
   network->kind = NetworkKind::Solid;
   network->springs = connect(*welded, settings);
-  network->massFractions = shareMass(settings.masses, welded->points, welded->triangles).shares;
+  network->massFractions = massFractions(settings.masses, welded->points, welded->triangles);
   network->render = makeRenderSurface(mesh, *welded);
   turn(network->render.triangles, inward);
   network->report = welded->report;
