@@ -68,6 +68,10 @@ class TriangleBvh {
   Eigen::AlignedBox3d boxOf(std::uint32_t first, std::uint32_t count) const;
   void setDipole(Node& node, std::uint32_t first, std::uint32_t count) const;
   void build(std::uint32_t node, std::uint32_t first, std::uint32_t count);
+  template <class Enters, class PrefersSecond, class Visit>
+  void traverse(Enters enters, PrefersSecond prefersSecond, Visit visit) const;
+  template <class Visit>
+  void forEachCrossing(const Eigen::Vector3d& a, const Eigen::Vector3d& b, double margin, Visit visit) const;
   TriangleHit nearestWithin(const Eigen::Vector3d& position, double distance,
                             const Eigen::Vector3d& normal = Eigen::Vector3d::Zero()) const;
   bool isInsideOrNear(const Eigen::Vector3d& position, double tolerance) const;
