@@ -3,11 +3,12 @@
 
 #include <limber/spring_network.h>
 
+#include "mesh/edges.h"
+
 #include <Eigen/Geometry>
 
-#include <array>
+#include <algorithm>
 #include <cmath>
-#include <cstddef>
 
 namespace limber {
 namespace {
@@ -18,14 +19,10 @@ constexpr double kShareRounding = 1e-9;
 /// Tolerance of the sum of the weights of a place: the rounding of thousands of floats.
 constexpr double kWeightRounding = 1e-4;
 
-using Pair = std::array<std::uint32_t, 2>;
-
-std::string name(const char* what, std::size_t index) { return what + (" " + std::to_string(index)); }
-
 std::string checkPoints(const std::vector<Eigen::Vector3d>& points) {
   if (points.empty()) return "the network has no points";
   for (std::size_t i = 0; i < points.size(); ++i) {
-    if (!points[i].allFinite()) return name("point", i) + " is not finite";
+    if (!points[i].allFinite()) return numbered("point", i) + " is not finite";
   }
   return {};
 }
@@ -36,7 +33,7 @@ std::string checkMassShares(const std::vector<double>& shares, std::size_t point
   }
   double sum = 0.0;
   for (std::size_t i = 0; i < shares.size(); ++i) {
-    if (!std::isfinite(shares[i]) || shares[i] <= 0.0) return name("mass share", i) + " is not above 0";
+    if (!std::isfinite(shares[i]) || shares[i] <= 0.0) return numbered("mass share", i) + " is not above 0";
     sum += shares[i];
   }
   if (std::abs(sum - 1.0) > kShareRounding)
@@ -56,22 +53,11 @@ std::string checkSpring(const NetworkSpring& spring, std::size_t points) {
 std::string checkSprings(const std::vector<NetworkSpring>& springs, std::size_t points) {
   for (std::size_t i = 0; i < springs.size(); ++i) {
     const std::string reason = checkSpring(springs[i], points);
-    if (!reason.empty()) return name("spring", i) + reason;
+    if (!reason.empty()) return numbered("spring", i) + reason;
     if (i == 0) continue;
-    const Pair previous{springs[i - 1].a, springs[i - 1].b}, pair{springs[i].a, springs[i].b};
-    if (pair == previous) return name("spring", i) + " joins the same points as the one before";
-    if (pair < previous) return name("spring", i) + " is not in the order of its points";
-  }
-  return {};
-}
-
-std::string checkTriangles(const std::vector<Triangle>& triangles, std::size_t count,
-                           const char* triangleName, const char* cornerName) {
-  for (std::size_t i = 0; i < triangles.size(); ++i) {
-    for (const std::uint32_t corner : triangles[i]) {
-      if (corner < count) continue;
-      return name(triangleName, i) + " uses " + name(cornerName, corner) + " of " + std::to_string(count);
-    }
+    const Edge previous{springs[i - 1].a, springs[i - 1].b}, pair{springs[i].a, springs[i].b};
+    if (pair == previous) return numbered("spring", i) + " joins the same points as the one before";
+    if (pair < previous) return numbered("spring", i) + " is not in the order of its points";
   }
   return {};
 }
@@ -86,7 +72,7 @@ std::string checkCornersDiffer(const std::vector<Triangle>& triangles) {
   for (std::size_t i = 0; i < triangles.size(); ++i) {
     const Triangle& t = triangles[i];
     if (t[0] == t[1] || t[1] == t[2] || t[2] == t[0])
-      return name("surface triangle", i) + " has one corner twice";
+      return numbered("surface triangle", i) + " has one corner twice";
   }
   return {};
 }
@@ -96,20 +82,15 @@ std::string checkNoTetrahedronTwice(std::vector<Tetrahedron> tetrahedra) {
   std::sort(tetrahedra.begin(), tetrahedra.end());
   const auto twice = std::adjacent_find(tetrahedra.begin(), tetrahedra.end());
   if (twice == tetrahedra.end()) return {};
-  return "a tetrahedron of " + name("point", (*twice)[0]) + ", " + std::to_string((*twice)[1]) + ", " +
+  return "a tetrahedron of " + numbered("point", (*twice)[0]) + ", " + std::to_string((*twice)[1]) + ", " +
          std::to_string((*twice)[2]) + " and " + std::to_string((*twice)[3]) + " is there twice";
 }
 
 std::string checkTetrahedra(const std::vector<Tetrahedron>& tetrahedra,
                             const std::vector<Eigen::Vector3d>& points) {
   for (std::size_t i = 0; i < tetrahedra.size(); ++i) {
-    for (const std::uint32_t corner : tetrahedra[i]) {
-      if (corner < points.size()) continue;
-      return name("tetrahedron", i) + " uses " + name("point", corner) + " of " +
-             std::to_string(points.size());
-    }
     if (!(spannedVolume(points, tetrahedra[i]) > 0.0))
-      return name("tetrahedron", i) + " has a volume that is not above 0";
+      return numbered("tetrahedron", i) + " has a volume that is not above 0";
   }
   return {};
 }
@@ -132,7 +113,7 @@ std::string checkSkinSizes(const Skin& skin) {
   if (!skin.firstWeight.empty() && skin.firstWeight.front() != 0)
     return "the skin's first place does not begin at weight 0";
   for (std::size_t i = 0; i < skin.size(); ++i) {
-    if (skin.firstWeight[i] >= skin.firstWeight[i + 1]) return name("skin place", i) + " has no weights";
+    if (skin.firstWeight[i] >= skin.firstWeight[i + 1]) return numbered("skin place", i) + " has no weights";
   }
   return {};
 }
@@ -141,7 +122,7 @@ std::string checkSkinPlace(const Skin& skin, std::size_t place, std::size_t poin
   double sum = 0.0;
   for (std::uint32_t w = skin.firstWeight[place]; w < skin.firstWeight[place + 1]; ++w) {
     if (skin.points[w] >= points)
-      return " rides on " + name("point", skin.points[w]) + " of " + std::to_string(points);
+      return " rides on " + numbered("point", skin.points[w]) + " of " + std::to_string(points);
     if (!std::isfinite(skin.weights[w])) return " has a weight that is not finite";
     sum += static_cast<double>(skin.weights[w]);
   }
@@ -153,7 +134,7 @@ std::string checkSkin(const Skin& skin, std::size_t points) {
   std::string reason = checkSkinSizes(skin);
   for (std::size_t i = 0; reason.empty() && i < skin.size(); ++i) {
     const std::string problem = checkSkinPlace(skin, i, points);
-    if (!problem.empty()) reason = name("skin place", i) + problem;
+    if (!problem.empty()) reason = numbered("skin place", i) + problem;
   }
   return reason;
 }
@@ -163,7 +144,7 @@ std::string checkVertexToPoint(const std::vector<std::uint32_t>& vertexToPoint, 
                                const char* target) {
   for (std::size_t i = 0; i < vertexToPoint.size(); ++i) {
     if (vertexToPoint[i] < count || vertexToPoint[i] == kNoPoint) continue;
-    return name("render vertex", i) + " rides on " + name(target, vertexToPoint[i]) + " of " +
+    return numbered("render vertex", i) + " rides on " + numbered(target, vertexToPoint[i]) + " of " +
            std::to_string(count);
   }
   return {};
@@ -173,7 +154,8 @@ std::string checkPointless(const RenderSurface& render) {
   for (std::size_t i = 0; i < render.triangles.size(); ++i) {
     for (const std::uint32_t vertex : render.triangles[i]) {
       if (render.vertexToPoint[vertex] != kNoPoint) continue;
-      return name("render triangle", i) + " uses " + name("vertex", vertex) + ", which rides on no point";
+      return numbered("render triangle", i) + " uses " + numbered("vertex", vertex) +
+             ", which rides on no point";
     }
   }
   return {};
@@ -191,7 +173,7 @@ std::string checkRender(const RenderSurface& render, std::size_t points) {
     reason = checkVertexToPoint(render.vertexToPoint, noSkin ? points : render.skin.size(),
                                 noSkin ? "point" : "skin place");
   }
-  if (reason.empty()) reason = checkTriangles(render.triangles, vertices, "render triangle", "vertex");
+  if (reason.empty()) reason = checkCorners(render.triangles, vertices, "render triangle", "vertex");
   if (reason.empty()) reason = checkPointless(render);
   return reason;
 }
@@ -212,8 +194,9 @@ Result<void> validate(const SpringNetwork& network) {
   std::string reason = checkPoints(network.restPoints);
   if (reason.empty()) reason = checkMassShares(network.massFractions, points);
   if (reason.empty()) reason = checkSprings(network.springs, points);
-  if (reason.empty()) reason = checkTriangles(network.surface, points, "surface triangle", "point");
+  if (reason.empty()) reason = checkCorners(network.surface, points, "surface triangle", "point");
   if (reason.empty()) reason = checkCornersDiffer(network.surface);
+  if (reason.empty()) reason = checkCorners(network.tetrahedra, points, "tetrahedron", "point");
   if (reason.empty()) reason = checkTetrahedra(network.tetrahedra, network.restPoints);
   if (reason.empty()) reason = checkNoTetrahedronTwice(network.tetrahedra);
   if (reason.empty()) reason = checkStiffnessPerModulus(network.stiffnessPerModulus);
