@@ -38,6 +38,16 @@ EdgeDefects findEdgeDefects(const std::vector<Triangle>& triangles);
 /// Sets the numbers of defective edges in the report of a mesh with these triangles.
 void setEdgeDefects(MeshReport& report, const std::vector<Triangle>& triangles);
 
+/// Returns for each point the indices of the triangles or tetrahedra of which it is a corner, ascending.
+template <class Corners>
+std::vector<std::vector<std::uint32_t>> elementsOfPoints(std::size_t points,
+                                                         const std::vector<Corners>& all) {
+  std::vector<std::vector<std::uint32_t>> elements(points);
+  for (std::uint32_t i = 0; i < all.size(); ++i)
+    for (const std::uint32_t corner : all[i]) elements[corner].push_back(i);
+  return elements;
+}
+
 /// Sets of indices that can be joined. The smallest member of a set, its root, identifies it.
 class DisjointSets {
  public:

@@ -16,8 +16,7 @@
 #include <cstdint>
 #include <limits>
 #include <map>
-#include <numeric>
-#include <tuple>
+#include <set>
 #include <utility>
 #include <vector>
 
@@ -110,18 +109,11 @@ Nearest findNearest(const PositionGrid& grid, const std::vector<Eigen::Vector3d>
 
 /// Joins equal positions (-0 equals 0) to the first of them.
 std::vector<std::uint32_t> mergeEqual(const std::vector<Eigen::Vector3d>& positions) {
-  std::vector<std::uint32_t> order(positions.size());
-  std::iota(order.begin(), order.end(), 0u);
-  std::sort(order.begin(), order.end(), [&](std::uint32_t i, std::uint32_t j) {
-    const Eigen::Vector3d &p = positions[i], &q = positions[j];
-    return std::make_tuple(p.x(), p.y(), p.z(), i) < std::make_tuple(q.x(), q.y(), q.z(), j);
-  });
-
-  std::vector<std::uint32_t> joined(positions.size());
-  std::uint32_t first = 0;
-  for (std::size_t k = 0; k < order.size(); ++k) {
-    if (k == 0 || positions[order[k]] != positions[first]) first = order[k];
-    joined[order[k]] = first;
+  std::map<std::array<double, 3>, std::uint32_t> firstAt;
+  std::vector<std::uint32_t> joined;
+  for (std::uint32_t i = 0; i < positions.size(); ++i) {
+    const Eigen::Vector3d& p = positions[i];
+    joined.push_back(firstAt.try_emplace({p.x(), p.y(), p.z()}, i).first->second);
   }
   return joined;
 }
@@ -187,40 +179,23 @@ bool isDegenerate(const Triangle& t, const std::vector<Eigen::Vector3d>& positio
   return !hasArea(positions[t[0]], positions[t[1]], positions[t[2]]);
 }
 
-/// Returns which triangles have the same three corners as an earlier one, in any order.
-std::vector<char> findDuplicates(const std::vector<Triangle>& triangles) {
-  std::vector<std::pair<Triangle, std::size_t>> sorted;
-  sorted.reserve(triangles.size());
-  for (std::size_t i = 0; i < triangles.size(); ++i) {
-    Triangle corners = triangles[i];
-    std::sort(corners.begin(), corners.end());
-    sorted.emplace_back(corners, i);
-  }
-  std::sort(sorted.begin(), sorted.end());
-
-  std::vector<char> isDuplicate(triangles.size(), 0);
-  for (std::size_t k = 1; k < sorted.size(); ++k) {
-    if (sorted[k].first == sorted[k - 1].first) isDuplicate[sorted[k].second] = 1;
-  }
-  return isDuplicate;
-}
-
 /// Fills triangles (still with the indices of joined vertices), keptTriangles and the counts of the dropped
 /// triangles.
 void keepValidTriangles(const TriangleMesh& mesh, const std::vector<std::uint32_t>& joined,
                         WeldedMesh& welded) {
-  std::vector<Triangle> triangles;
-  triangles.reserve(mesh.triangles.size());
-  for (const Triangle& t : mesh.triangles) triangles.push_back({joined[t[0]], joined[t[1]], joined[t[2]]});
-
-  const std::vector<char> isDuplicate = findDuplicates(triangles);
-  for (std::uint32_t i = 0; i < triangles.size(); ++i) {
-    if (isDegenerate(triangles[i], mesh.positions)) {
+  std::set<Triangle> earlier;
+  for (std::uint32_t i = 0; i < mesh.triangles.size(); ++i) {
+    const Triangle& t = mesh.triangles[i];
+    const Triangle triangle{joined[t[0]], joined[t[1]], joined[t[2]]};
+    Triangle sorted = triangle;
+    std::sort(sorted.begin(), sorted.end());
+    const bool isNew = earlier.insert(sorted).second;
+    if (isDegenerate(triangle, mesh.positions)) {
       ++welded.report.degenerateTriangles;
-    } else if (isDuplicate[i]) {
+    } else if (!isNew) {
       ++welded.report.duplicateTriangles;
     } else {
-      welded.triangles.push_back(triangles[i]);
+      welded.triangles.push_back(triangle);
       welded.keptTriangles.push_back(i);
     }
   }

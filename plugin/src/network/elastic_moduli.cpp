@@ -6,6 +6,7 @@
 #include "mesh/surface.h"
 
 #include <Eigen/Geometry>
+#include <Eigen/LU>
 
 #include <algorithm>
 #include <array>
@@ -159,12 +160,12 @@ std::array<Matrix3d, 6> meanStrains(const ElasticBody& body) {
 }
 
 Eigen::Matrix<double, 6, 6> elasticityOf(const std::array<Matrix3d, 6>& strains) {
-  Eigen::Matrix<double, 6, 6> compliance;
+  MatrixXd compliance(6, 6);
   for (int load = 0; load < 6; ++load) {
     const Matrix3d& s = strains[static_cast<std::size_t>(load)];
     compliance.col(load) << s(0, 0), s(1, 1), s(2, 2), 2.0 * s(1, 2), 2.0 * s(2, 0), 2.0 * s(0, 1);
   }
-  return LuFactor(compliance).inverse();
+  return Eigen::PartialPivLU<MatrixXd>(compliance).inverse();
 }
 
 }  // namespace
