@@ -5,7 +5,6 @@
 #include "analysis/analysis.h"
 
 #include "mesh/edges.h"
-#include "mesh/linear_algebra.h"
 #include "mesh/surface.h"
 #include "mesh/triangle_bvh.h"
 #include "network/modes.h"
@@ -25,25 +24,6 @@ namespace limber {
 namespace {
 
 constexpr double kThinSpread = 1e-4;
-
-/// Offsets of the points from their centre in units of their size, and their principal axes, the thinnest
-/// first.
-struct Spread {
-  double size = 0.0;
-  Eigen::Matrix3Xd offsets;
-  Eigen::Matrix3d axes;
-};
-
-Spread principalSpread(const std::vector<Eigen::Vector3d>& points) {
-  const auto count = static_cast<Eigen::Index>(points.size());
-  Eigen::Matrix3Xd offsets(3, count);
-  for (Eigen::Index i = 0; i < count; ++i) offsets.col(i) = points[static_cast<std::size_t>(i)];
-  offsets.colwise() -= offsets.rowwise().mean().eval();
-  const double size = offsets.cwiseAbs().maxCoeff();
-  if (size > 0.0) offsets /= size;
-  const Eigen::Matrix3d scatter = offsets * offsets.transpose();
-  return {size, offsets, symmetricParts3(scatter).vectors};
-}
 
 /// Returns Rope for points on a line, Cloth for points in a plane, else Solid. The tolerance is 1e-4 of their
 /// largest distance from the centre.
@@ -164,12 +144,6 @@ void analyseGlobalRigidity(const SpringNetwork& network, const Progress& goOn, N
   a.globallyRigid = a.globallyRigidKnown && rigid;
 }
 
-void analyseTimeSteps(const SpringNetwork& network, const AnalysisSettings& settings, NetworkAnalysis& a) {
-  const TimeSteps steps = timeSteps(network, bodySettings(settings));
-  a.criticalTimeStep = steps.critical;
-  a.safeTimeStep = steps.safe;
-}
-
 void analyseLargeDeformations(const SpringNetwork& network, const AnalysisSettings& settings,
                               const Progress& goOn, NetworkAnalysis& a) {
   for (std::size_t kind = 0; kind < kDeformations && settings.runs > 0 && !a.endedEarly; ++kind) {
@@ -179,11 +153,6 @@ void analyseLargeDeformations(const SpringNetwork& network, const AnalysisSettin
     a.returns[kind] = measureReturns(network, static_cast<Deformation>(kind), settings.runs, settings.seed,
                                      overallProgress);
   }
-}
-
-void analyseSelfWeight(const SpringNetwork& network, const AnalysisSettings& settings, const Progress& goOn,
-                       NetworkAnalysis& a) {
-  a.minStiffness = minStiffness(network, bodySettings(settings), settings.gravity, goOn);
 }
 
 /// Returns the settings' progress function. Once it has returned false, it always returns false.
@@ -199,10 +168,15 @@ void analyseStages(const SpringNetwork& network, const AnalysisSettings& setting
   const bool solid = a.kind == NetworkKind::Solid;
   if (goOn("small deformations", 0.0)) analyseSmallDeformations(network, a);
   if (goOn("global rigidity", 0.0)) analyseGlobalRigidity(network, goOn, a);
-  if (goOn("time steps", 0.0)) analyseTimeSteps(network, settings, a);
+  if (goOn("time steps", 0.0)) {
+    const TimeSteps steps = timeSteps(network, bodySettings(settings));
+    a.criticalTimeStep = steps.critical;
+    a.safeTimeStep = steps.safe;
+  }
   if (solid && isClosed(network) && goOn("springs outside", 0.0)) analyseInside(network, a);
   if (solid && !a.endedEarly) analyseLargeDeformations(network, settings, goOn, a);
-  if (solid && !a.endedEarly) analyseSelfWeight(network, settings, goOn, a);
+  if (solid && !a.endedEarly)
+    a.minStiffness = minStiffness(network, bodySettings(settings), settings.gravity, goOn);
 }
 
 /// In the order of Deformation.
@@ -399,23 +373,9 @@ line(const char* format, ...) {
   return std::string(text) + "\n";
 }
 
-const char* kindName(NetworkKind kind) {
-  return kind == NetworkKind::Rope ? "on a line" : kind == NetworkKind::Cloth ? "flat" : "solid";
-}
-
-const char* rigidityName(Rigidity rigidity) {
-  switch (rigidity) {
-    case Rigidity::Flexible:
-      return "flexible";
-    case Rigidity::NearlyFlexible:
-      return "nearly flexible";
-    case Rigidity::Soft:
-      return "soft";
-    case Rigidity::Rigid:
-      return "rigid";
-  }
-  return "";
-}
+// in the order of the enumerations
+constexpr std::array<const char*, 3> kKindNames{"on a line", "flat", "solid"};
+constexpr std::array<const char*, 4> kRigidityNames{"flexible", "nearly flexible", "soft", "rigid"};
 
 const char* globalRigidity(const NetworkAnalysis& a) {
   if (a.globallyRigidKnown) return a.globallyRigid ? "yes" : "no";
@@ -435,12 +395,12 @@ std::string returnLines(const NetworkAnalysis& a) {
 }  // namespace
 
 std::string describe(const NetworkAnalysis& a) {
-  std::string text = line("%s: %zu points, %zu springs, %zu of them braces", kindName(a.kind), a.points,
-                          a.springs, a.braces);
+  std::string text = line("%s: %zu points, %zu springs, %zu of them braces",
+                          kKindNames[static_cast<std::size_t>(a.kind)], a.points, a.springs, a.braces);
   if (a.mesh.triangles > 0) text += describe(a.mesh) + "\n";
   if (a.volume > 0.0) text += line("volume              %.4g m^3", a.volume);
   text += line("rigidity            %s: rank %zu, %zu mechanisms, %zu self-stresses",
-               rigidityName(a.rigidity), a.rank, a.mechanisms, a.selfStresses);
+               kRigidityNames[static_cast<std::size_t>(a.rigidity)], a.rank, a.mechanisms, a.selfStresses);
   text +=
       line("softest : stiffest  %.3g : %.3g = %.2g", a.softestEigenvalue, a.stiffestEigenvalue, a.modeRatio);
   text += line("globally rigid      %s", globalRigidity(a));

@@ -60,30 +60,34 @@ SparseMatrix stiffnessMatrix(const SparseMatrix& rigidity) {
   return transposed * rigidity;
 }
 
-Eigen::MatrixXd rigidMotions(const std::vector<Eigen::Vector3d>& points) {
+Spread principalSpread(const std::vector<Eigen::Vector3d>& points) {
   const auto count = static_cast<Eigen::Index>(points.size());
-  if (points.empty()) return Eigen::MatrixXd(0, 0);
   Eigen::Vector3d centre = Eigen::Vector3d::Zero();
   for (const Eigen::Vector3d& p : points) centre += p / static_cast<double>(count);
   Eigen::Matrix3Xd offsets(3, count);
   for (Eigen::Index i = 0; i < count; ++i) offsets.col(i) = points[static_cast<std::size_t>(i)] - centre;
   const double size = offsets.cwiseAbs().maxCoeff();
   if (size > 0.0) offsets /= size;
+  const SymmetricParts3 parts = symmetricParts3(offsets * offsets.transpose());
+  return {offsets, size, parts.values, parts.vectors};
+}
 
+Eigen::MatrixXd rigidMotions(const std::vector<Eigen::Vector3d>& points) {
+  const auto count = static_cast<Eigen::Index>(points.size());
+  if (points.empty()) return Eigen::MatrixXd(0, 0);
+  const Spread spread = principalSpread(points);
   // About the principal axes of the points the rotations are orthogonal to each other. For points on a line,
   // the rotation about the line is the last one, and zero.
-  const Eigen::Matrix3d scatter = offsets * offsets.transpose();
-  const Eigen::Matrix3d axes = symmetricParts3(scatter).vectors;
   Eigen::MatrixXd motions = Eigen::MatrixXd::Zero(3 * count, 6);
   Eigen::Index columns = 3;
   for (Eigen::Index i = 0; i < count; ++i)
     motions.block<3, 3>(3 * i, 0) = Eigen::Matrix3d::Identity() / std::sqrt(static_cast<double>(count));
   for (int axis = 0; axis < 3; ++axis) {
-    const Eigen::Vector3d direction = axes.col(axis);
+    const Eigen::Vector3d direction = spread.axes.col(axis);
     auto rotation = motions.col(columns);
     double largest = 0.0;
     for (Eigen::Index i = 0; i < count; ++i) {
-      rotation.segment<3>(3 * i) = direction.cross(Eigen::Vector3d(offsets.col(i)));
+      rotation.segment<3>(3 * i) = direction.cross(Eigen::Vector3d(spread.offsets.col(i)));
       largest = std::max(largest, rotation.segment<3>(3 * i).norm());
     }
     if (largest < kOnLine) continue;

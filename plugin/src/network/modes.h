@@ -26,6 +26,15 @@ SparseMatrix rigidityMatrix(const SpringNetwork& network);
 /// Returns the Hessian  R^T R  of the springs' energy at rest, 3 #points x 3 #points, N/m.
 SparseMatrix stiffnessMatrix(const SparseMatrix& rigidity);
 
+/// Points about their centre. The axes are the principal ones, the thinnest first.
+struct Spread {
+  Eigen::Matrix3Xd offsets;  ///< from the centre, over `size`
+  double size = 0.0;         ///< m, the largest coordinate of an offset
+  Eigen::Vector3d scatter;   ///< eigenvalues of the sum of the squared offsets
+  Eigen::Matrix3d axes;      ///< columns
+};
+Spread principalSpread(const std::vector<Eigen::Vector3d>& points);
+
 /// Returns an orthonormal basis of the rigid motions of these points, 3 #points x 6; 5 columns for points on
 /// a line, 3 for a single point.
 Eigen::MatrixXd rigidMotions(const std::vector<Eigen::Vector3d>& points);
