@@ -54,8 +54,8 @@ struct NetworkAnalysis {
   // Small deformations about the rest shape, with unit masses.
   std::size_t rank = 0;        ///< of the rigidity matrix
   std::size_t mechanisms = 0;  ///< 3 #points - 6 (5 on a line) - rank, less 6 (in a plane 3, on a line 1)
-                               ///< for each piece but one, because each piece is judged by itself. #points -
-                               ///< 3 of them in a plane, and 2 #points - 4 on a line, are bending, which no
+                               ///< for each piece but one, because each piece is analysed by itself. #points
+                               ///< - 3 of them in a plane, and 2 #points - 4 on a line, are bending, which no
                                ///< springs can prevent. Points that deviate from the plane or line by less
                                ///< than a ten-thousandth count as in it
   std::size_t selfStresses = 0;  ///< #springs - rank

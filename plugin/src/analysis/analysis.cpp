@@ -78,7 +78,7 @@ bool isClosed(const SpringNetwork& network) {
 /// Measures the inside with the orientation that the volume term uses, whether the surface faces inward or
 /// outward.
 void analyseInside(const SpringNetwork& network, NetworkAnalysis& a) {
-  const std::vector<Triangle> outward = turnedOutward(network.restPoints, network.surface);
+  const std::vector<Triangle> outward = facingOutward(network.restPoints, network.surface);
   a.volume = signedVolume(network.restPoints, outward);
   const TriangleBvh surface(network.restPoints, outward);
   const std::vector<Edge> edges = uniqueEdges(outward);
@@ -199,11 +199,11 @@ void remarkOnMesh(const MeshReport& mesh, Remarks& remarks) {
                       " to more than two triangles: inside and outside are undefined there");
   if (mesh.inconsistentEdges > 0)
     remarks.push_back(counted(mesh.inconsistentEdges, "edge lies", "edges lie") +
-                      " between triangles that face opposite ways");
+                      " between triangles that face opposite directions");
   if (mesh.degenerateTriangles + mesh.duplicateTriangles > 0)
     remarks.push_back(
         counted(mesh.degenerateTriangles + mesh.duplicateTriangles, "triangle was", "triangles were") +
-        " dropped: without area, or there already");
+        " dropped: without area, or duplicates");
 }
 
 void remarkOnCrossings(const NetworkAnalysis& a, Remarks& remarks) {
@@ -236,9 +236,9 @@ void remarkOnBending(const SpringNetwork& network, const NetworkAnalysis& a, Rem
   const bool bends = std::any_of(network.springs.begin(), network.springs.end(),
                                  [](const NetworkSpring& s) { return s.kind == SpringKind::Bending; });
   const std::string where = line ? "all points are on a line" : "all points are in a plane";
-  remarks.push_back(
-      where + ": no springs resist bending at rest" +
-      (bends ? ", its bending springs do once it is bent" : ", and it has no bending springs: it is limp"));
+  remarks.push_back(where + ": no springs resist bending at rest" +
+                    (bends ? ", its bending springs resist once it is bent"
+                           : ", and it has no bending springs, so it folds freely"));
   const std::size_t unavoidable = bendingMechanisms(a.kind, a.points);
   if (a.mechanisms > unavoidable)
     remarks.push_back(counted(a.mechanisms - unavoidable, "mechanism", "mechanisms") +
@@ -252,17 +252,17 @@ void remarkOnRigidity(const NetworkAnalysis& a, Remarks& remarks) {
                       "span space move freely; braces help");
   else if (a.rigidity == Rigidity::NearlyFlexible)
     remarks.push_back("its softest oscillation has only " + inThreeDigits(a.modeRatio) +
-                      " of the stiffest one's eigenvalue: it wobbles like something with a hinge");
+                      " of the stiffest one's eigenvalue: it moves nearly freely, as with a hinge");
   if (a.globallyRigidKnown && !a.globallyRigid && a.mechanisms == 0)
     remarks.push_back("not globally rigid: other shapes than this one fit the same spring lengths");
   if (a.springsOutside > 0)
     remarks.push_back(counted(a.springsOutside, "spring leaves", "springs leave") +
-                      " the body and ties parts together that only face each other");
+                      " the body, between parts that only face each other");
 }
 
 void remarkOnReturns(const AnalysisSettings& settings, const NetworkAnalysis& a, Remarks& remarks) {
   if (settings.runs > 0 && a.returns[0].runs == 0)
-    remarks.push_back(std::string("not let go from large deformations: ") + kTooFast);
+    remarks.push_back(std::string("large deformations were not tested: ") + kTooFast);
   std::string failing;
   for (std::size_t kind = 0; kind < kDeformations; ++kind) {
     const ReturnRate& r = a.returns[kind];
@@ -270,7 +270,7 @@ void remarkOnReturns(const AnalysisSettings& settings, const NetworkAnalysis& a,
     failing += (failing.empty() ? "" : ", ") + std::string(kDeformationNames[kind]) + " " +
                std::to_string(r.returned) + " of " + std::to_string(r.runs);
   }
-  if (!failing.empty()) remarks.push_back("does not always come back to its shape: " + failing);
+  if (!failing.empty()) remarks.push_back("does not always return to its shape: " + failing);
 }
 
 void remarkOnWeight(const AnalysisSettings& settings, const NetworkAnalysis& a, Remarks& remarks) {
@@ -293,10 +293,10 @@ std::vector<std::string> remarksOn(const SpringNetwork& network, const AnalysisS
   remarkOnCrossings(analysis, remarks);
   if (analysis.pieces > 1)
     remarks.push_back(std::to_string(analysis.pieces) +
-                      " pieces that no spring joins, each judged by itself");
+                      " pieces that no spring joins; each is analysed by itself");
   remarkOnSprings(network, remarks);
   if (analysis.endedEarly) {
-    remarks.push_back("ended early: what had not been measured by then is missing");
+    remarks.push_back("ended early: some results are missing");
     return remarks;
   }
   if (analysis.kind != NetworkKind::Solid) {
@@ -385,7 +385,7 @@ const char* globalRigidity(const NetworkAnalysis& a) {
 std::string returnLines(const NetworkAnalysis& a) {
   const ReturnRate all = a.allReturns();
   if (all.runs == 0) return {};
-  std::string text = line("comes back          %.1f %% +- %.1f of %u runs, %u more as its mirror image",
+  std::string text = line("returns             %.1f %% +- %.1f of %u runs, %u more as its mirror image",
                           100.0 * all.rate(), 100.0 * all.standardError(), all.runs, all.mirrored);
   for (std::size_t kind = 0; kind < kDeformations; ++kind)
     text += line("  %-17s %u of %u", kDeformationNames[kind], a.returns[kind].returned, a.returns[kind].runs);

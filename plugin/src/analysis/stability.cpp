@@ -204,8 +204,8 @@ double loadLimit(StandingBody& body) {
 }
 
 /// Handles a body of one piece, with its scale applied.
-std::optional<double> leastStiffnessOfPiece(const SpringNetwork& network, const SoftBodySettings& settings,
-                                            double gravity, const std::function<bool()>& goOn) {
+std::optional<double> minStiffnessOfPiece(const SpringNetwork& network, const SoftBodySettings& settings,
+                                          double gravity, const std::function<bool()>& goOn) {
   const std::size_t points = network.restPoints.size();
   const double size = extent(network.restPoints);
   if (network.springs.empty() || !(size > 0.0)) return 0.0;
@@ -223,23 +223,19 @@ double volumeModulusOf(const SpringNetwork& network, const SoftBodySettings& set
   return std::max(0.0, terms.tetrahedra.empty() ? terms.volumes->modulus : terms.tetrahedra->modulus);
 }
 
-double massOfPoints(const SpringNetwork& network, const std::vector<Eigen::Index>& points) {
-  double mass = 0.0;
-  for (const Eigen::Index i : points) mass += network.massFractions[static_cast<std::size_t>(i)];
-  return mass;
-}
-
 /// Returns the largest constant of the pieces.
-std::optional<double> leastStiffnessOfPieces(const SpringNetwork& network, SoftBodySettings settings,
-                                             double gravity, const Progress& progress) {
+std::optional<double> minStiffnessOfPieces(const SpringNetwork& network, SoftBodySettings settings,
+                                           double gravity, const Progress& progress) {
   double done = 0.0, largest = 0.0;
   settings.volumeModulus = volumeModulusOf(network, settings);
   for (const std::vector<Eigen::Index>& points : findPieces(network)) {
     SoftBodySettings pieceSettings = settings;
-    pieceSettings.totalMass *= massOfPoints(network, points);
+    double massFraction = 0.0;
+    for (const Eigen::Index i : points) massFraction += network.massFractions[static_cast<std::size_t>(i)];
+    pieceSettings.totalMass *= massFraction;
     const auto goOn = [&] { return !progress || progress("own weight", done); };
     const std::optional<double> pieceStiffness =
-        leastStiffnessOfPiece(pieceOf(network, points), pieceSettings, gravity, goOn);
+        minStiffnessOfPiece(pieceOf(network, points), pieceSettings, gravity, goOn);
     if (!pieceStiffness) return std::nullopt;
     largest = std::max(largest, *pieceStiffness);
     done += static_cast<double>(points.size()) / static_cast<double>(network.restPoints.size());
@@ -257,7 +253,7 @@ std::optional<double> minStiffness(const SpringNetwork& network, const SoftBodyS
   for (Eigen::Vector3d& p : scaled.restPoints) p = p.cwiseProduct(settings.scale);
   SoftBodySettings unscaled = settings;
   unscaled.scale.setOnes();
-  return leastStiffnessOfPieces(scaled, unscaled, gravity, progress);
+  return minStiffnessOfPieces(scaled, unscaled, gravity, progress);
 }
 
 }  // namespace limber

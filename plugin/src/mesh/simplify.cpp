@@ -322,7 +322,8 @@ TriangleMesh compacted(const CollapsibleSurface& surface) {
 
 Result<TriangleMesh> simplify(const TriangleMesh& mesh, std::uint32_t points) {
   if (points < 4) {
-    return Error{"simplify was asked for " + std::to_string(points) + " points, it needs 4 or more"};
+    return Error{"simplify() cannot make a mesh of " + std::to_string(points) +
+                 " points, it needs 4 or more"};
   }
   Result<WeldedMesh> welded = weld(mesh);
   if (!welded) return Error{welded.error()};

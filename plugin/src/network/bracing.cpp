@@ -154,7 +154,7 @@ constexpr double kMinRatioTimesPoints = 0.6;
 
 }  // namespace
 
-double leastModeRatio(std::size_t points) {
+double minModeRatio(std::size_t points) {
   return std::min(kMinRatio, kMinRatioTimesPoints / static_cast<double>(points));
 }
 
@@ -259,7 +259,7 @@ Modes modesToBrace(const SpringNetwork& network) {
 }
 
 /// Braces mechanisms and soft oscillations: in each round the pairs that the softest modes stretch most. Ends
-/// when leastModeRatio() is reached, when the piece is full, or when no brace inside the body helps.
+/// when minModeRatio() is reached, when the piece is full, or when no brace inside the body helps.
 /// `maxBraces`: limit for the number of braces of the piece, in addition to its own limit.
 void addSoftModeBraces(BracedPiece& piece, std::size_t maxBraces, std::uint64_t seed, const GoOn& goOn) {
   const std::size_t cap = std::min(maxBraces, piece.maxBraces);
@@ -268,7 +268,7 @@ void addSoftModeBraces(BracedPiece& piece, std::size_t maxBraces, std::uint64_t 
     const Modes modes = modesToBrace(piece.network);
     if (modes.eigenvalues.size() == 0) return;
     const double stiffest = stiffestEigenvalue(stiffnessMatrix(rigidityMatrix(piece.network)));
-    const double minEigenvalue = leastModeRatio(piece.network.restPoints.size()) * stiffest;
+    const double minEigenvalue = minModeRatio(piece.network.restPoints.size()) * stiffest;
     if (modes.eigenvalues[0] >= minEigenvalue) return;
     const double goal = (isLarge(piece.network) ? kRoughGoalFactor : kGoalFactor) * minEigenvalue;
     if (!braceModes(piece, modes, minEigenvalue, goal, cap, seed + static_cast<std::uint64_t>(round))) return;

@@ -96,7 +96,7 @@ std::vector<Edge> candidatePairs(const BracedPiece& piece, std::size_t maxPairs,
 
 /// Returns the smallest allowed ratio of the eigenvalues of the softest and the stiffest oscillation after
 /// bracing: 1e-3. For many points it is lower, as is the ratio of a solid ball.
-double leastModeRatio(std::size_t points);
+double minModeRatio(std::size_t points);
 
 /// One connected piece of a surface, the input of bracePiece().
 struct PieceToBrace {

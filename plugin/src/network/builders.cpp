@@ -341,13 +341,13 @@ Result<SharedNetwork> buildNetwork(const TriangleMesh& mesh, const NetworkSettin
   if (!welded) return Error{welded.error()};
 
   const std::vector<bool> inward = facingInward(welded->points, welded->triangles);
-  turn(welded->triangles, inward);
+  flip(welded->triangles, inward);
   auto network = std::make_shared<SpringNetwork>();
   network->kind = NetworkKind::Solid;
   network->springs = connect(*welded, settings);
   network->massFractions = massFractions(settings.masses, welded->points, welded->triangles);
   network->render = makeRenderSurface(mesh, *welded);
-  turn(network->render.triangles, inward);
+  flip(network->render.triangles, inward);
   network->report = welded->report;
   network->restPoints = std::move(welded->points);
   network->surface = std::move(welded->triangles);

@@ -68,7 +68,7 @@ void transferNetwork(Stream& stream, Network& network) {
   stream.value("stiffness per modulus", network.stiffnessPerModulus);
   transferReport(stream, network.report);
   stream.array("rest points", network.restPoints);
-  stream.array("mass shares", network.massFractions);
+  stream.array("mass fractions", network.massFractions);
   stream.array("springs", network.springs);
   stream.array("surface triangles", network.surface);
   stream.array("tetrahedra", network.tetrahedra);
@@ -249,8 +249,8 @@ constexpr std::size_t kVersionAt = 8, kSizeAt = 12, kHashAt = 20, kHeaderBytes =
 std::string checkSize(std::uint64_t expected, std::uint64_t actual) {
   if (expected == actual) return {};
   const std::string contents = std::to_string(expected) + " bytes after its header";
-  if (expected > actual) return "cut short: of " + contents + " there are " + std::to_string(actual);
-  return "longer than it says: " + std::to_string(actual - expected) + " bytes follow the " + contents;
+  if (expected > actual) return "the file is too short: of " + contents + " it has " + std::to_string(actual);
+  return "the file is too long: " + std::to_string(actual - expected) + " bytes follow the " + contents;
 }
 
 /// Checks all except the hash. `header` holds the first kHeaderBytes of `fileSize` bytes, or all if there are
@@ -258,9 +258,10 @@ std::string checkSize(std::uint64_t expected, std::uint64_t actual) {
 std::string checkHeader(const std::uint8_t* header, std::uint64_t fileSize) {
   const auto size = static_cast<std::size_t>(std::min<std::uint64_t>(fileSize, kHeaderBytes));
   const std::size_t start = std::min(size, kMagic.size());
-  if (size == 0) return "no .limber file: it is empty";
-  if (!std::equal(header, header + start, kMagic.begin())) return "no .limber file: it begins otherwise";
-  if (size < kHeaderBytes) return "cut short: it ends within its header";
+  if (size == 0) return "not a .limber file: it is empty";
+  if (!std::equal(header, header + start, kMagic.begin()))
+    return "not a .limber file: it does not begin with the bytes of one";
+  if (size < kHeaderBytes) return "the file is too short: it ends within its header";
   const auto version = readLittleEndian<std::uint32_t>(header + kVersionAt);
   if (version != kVersion) {
     return "a .limber file of version " + std::to_string(version) + ", this library reads version " +
@@ -304,7 +305,7 @@ bool writeAndClose(Stream stream, const std::vector<std::uint8_t>& bytes) {
 }
 
 /// Reads all bytes of a file. Its header must pass checkHeader() before the rest is read, so that no large
-/// foreign file is read. Errors name the file: it cannot be read, or it is no .limber file.
+/// foreign file is read. Errors name the file: it cannot be read, or it is not a .limber file.
 Result<std::vector<std::uint8_t>> readWholeFile(const std::string& file) {
   std::error_code error;
   const std::uint64_t size = fs::file_size(file, error);
@@ -331,7 +332,7 @@ std::string writeWholeFile(const std::string& file, const std::vector<std::uint8
   const fs::file_status status = fs::status(file, error);
   // renaming would replace a device by a plain file
   if (fs::exists(status) && !fs::is_regular_file(status)) {
-    return errorMessage("cannot write", file, "it is no regular file");
+    return errorMessage("cannot write", file, "it is not a regular file");
   }
   std::string part;
   Stream stream = createPartFile(file, part);
@@ -352,14 +353,15 @@ std::string writeWholeFile(const std::string& file, const std::vector<std::uint8
 std::string checkHash(const std::uint8_t* bytes, std::size_t size) {
   const auto expected = readLittleEndian<std::uint64_t>(bytes + kHashAt);
   const std::uint64_t actual = hashPayload(bytes + kHeaderBytes, size - kHeaderBytes);
-  return expected == actual ? std::string() : "damaged: its hash is not that of its contents";
+  return expected == actual ? std::string() : "the file is damaged: its hash is not that of its contents";
 }
 
 std::string readContents(const std::uint8_t* bytes, std::size_t size, SpringNetwork& network) {
   NetworkReader reader(bytes, size);
   transferNetwork(reader, network);
   if (!reader.problem().empty()) return reader.problem();
-  if (reader.bytesLeft() > 0) return std::to_string(reader.bytesLeft()) + " bytes are left over at the end";
+  if (reader.bytesLeft() > 0)
+    return std::to_string(reader.bytesLeft()) + " bytes follow the end of its contents";
   return validate(network).error();
 }
 

@@ -142,10 +142,12 @@ Eigen::MatrixXd denseModes(const SparseMatrix& stiffness, const Eigen::MatrixXd&
   return symmetricParts(matrix).vectors.leftCols(count);
 }
 
-/// Multiplies several vectors at a time by (K + s)^-1.
+/// Multiplies several vectors at a time by (K + s)^-1, with a small s so that the inverse exists.
 class ShiftedInverse {
  public:
-  ShiftedInverse(const SparseMatrix& stiffness, double shift) {
+  explicit ShiftedInverse(const SparseMatrix& stiffness) {
+    const double stiffest = largestRowSum(stiffness),
+                 shift = stiffest > 0.0 ? kRelativeShift * stiffest : 1.0;
     SparseMatrix shifted = stiffness;
     for (Eigen::Index i = 0; i < shifted.rows(); ++i) shifted.coeffRef(i, i) += shift;
     factor_ = factorise(shifted);
@@ -280,8 +282,7 @@ void converge(SoftSpace& space, Eigen::Index count) {
 }
 
 Eigen::MatrixXd sparseModes(const SparseMatrix& stiffness, const Eigen::MatrixXd& rigid, Eigen::Index count) {
-  const double stiffest = largestRowSum(stiffness);
-  const ShiftedInverse inverse(stiffness, stiffest > 0.0 ? kRelativeShift * stiffest : 1.0);
+  const ShiftedInverse inverse(stiffness);
   SoftSpace space{inverse, rigid};
   space.basis.resize(stiffness.rows(), 2 * count + 6 * kBlock);
   space.product.resize(stiffness.rows(), space.basis.cols());
@@ -293,8 +294,7 @@ constexpr int kRoughPasses = 2;
 
 /// Computes shapes by inverse iteration of a random space (subspace iteration).
 Eigen::MatrixXd roughShapes(const SparseMatrix& stiffness, const Eigen::MatrixXd& rigid, Eigen::Index count) {
-  const double stiffest = largestRowSum(stiffness);
-  const ShiftedInverse inverse(stiffness, stiffest > 0.0 ? kRelativeShift * stiffest : 1.0);
+  const ShiftedInverse inverse(stiffness);
   Random random(1);
   Eigen::MatrixXd shapes(stiffness.rows(), (count + kBlock - 1) / kBlock * kBlock);
   for (double& x : shapes.reshaped()) x = random.uniform() - 0.5;

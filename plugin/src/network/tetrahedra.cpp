@@ -47,7 +47,7 @@ std::string whyNotSolid(const MeshReport& report) {
 }
 
 SolidSurface makeSolidSurface(const WeldedMesh& mesh) {
-  const std::vector<Triangle> triangles = turnedOutward(mesh.points, mesh.triangles);
+  const std::vector<Triangle> triangles = facingOutward(mesh.points, mesh.triangles);
   SolidSurface s{triangles, {}, {}, {}, 0, TriangleBvh(mesh.points, triangles), {}, 0.0};
   SurfaceComponents components = findComponents(mesh.points.size(), triangles);
   s.pieces = components.count;
