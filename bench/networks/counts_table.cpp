@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "networks/counts_table.h"
 
-#include "network/rigidity.h"
+#include "analysis/analysis.h"
 #include "support/network_shapes.h"
 #include "text_format.h"
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Zlib
 #include "networks/large_table.h"
 
+#include "analysis/analysis.h"
 #include "clocks.h"
-#include "network/relaxation.h"
 #include "support/test_shapes.h"
 #include "text_format.h"
 

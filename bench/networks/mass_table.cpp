@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "networks/mass_table.h"
 
-#include "network/masses.h"
+#include "support/mass_errors.h"
 #include "support/network_shapes.h"
 #include "text_format.h"
 
@@ -17,7 +17,7 @@ namespace {
 double inertiaWithPointsInside(const TriangleMesh& mesh) {
   const Result<SharedNetwork> filled = buildMaterialNetwork(mesh);
   if (!filled) return -1.0;
-  return shareMass(MassRule::Moments, (*filled)->restPoints, (*filled)->surface).inertiaError;
+  return test::shareMass(MassRule::Moments, (*filled)->restPoints, (*filled)->surface).inertiaError;
 }
 
 std::string names(const std::vector<const MassRow*>& rows) {
@@ -35,7 +35,7 @@ std::vector<MassRow> measureMasses() {
   for (const network_shapes::NamedShape& shape : network_shapes::solids()) {
     const SharedNetwork network = network_shapes::bare(shape.make());
     for (const auto& [rule, name] : rules) {
-      const MassFractions m = shareMass(rule, network->restPoints, network->surface);
+      const test::MassFractions m = test::shareMass(rule, network->restPoints, network->surface);
       const auto [least, most] = std::minmax_element(m.shares.begin(), m.shares.end());
       rows.push_back({shape.name, name, m.centreError, m.inertiaError, *most / *least});
       rows.back().unsolvable = m.leastMisfit > 0.0;

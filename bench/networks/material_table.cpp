@@ -6,6 +6,7 @@
 #include "network/tetrahedra.h"
 #include "networks/value_of.h"
 #include "solver/volumes.h"
+#include "support/elastic_measures.h"
 #include "support/network_shapes.h"
 #include "text_format.h"
 
@@ -45,8 +46,8 @@ double calibrationOf(const TriangleMesh& mesh, std::size_t points) {
 /// How much the refined body differs from the coarse one, both of the same material, under loads that neither
 /// was calibrated by: their moduli under uniform stress are equal by construction.
 void setBendingDrift(MaterialRow& row, const SpringNetwork& coarse, const SpringNetwork& fine) {
-  const auto before = measureBendingModuli({coarse, coarse.stiffnessPerModulus});
-  const auto after = measureBendingModuli({fine, fine.stiffnessPerModulus});
+  const auto before = test::measureBendingModuli({coarse, coarse.stiffnessPerModulus});
+  const auto after = test::measureBendingModuli({fine, fine.stiffnessPerModulus});
   double meanBefore = 0.0, meanAfter = 0.0;
   for (std::size_t i = 0; i < before.size(); ++i) {
     meanBefore += before[i] / 6.0;
@@ -87,7 +88,7 @@ double relativeOpening(const SpringNetwork& network) {
   // the ends of the two arms
   const Eigen::Vector3d low = box.min(), high = box.max(), middle = box.center();
   const Eigen::Vector3d a(low.x(), high.y(), middle.z()), b(high.x(), low.y(), middle.z());
-  return openingStiffness(body, a, b, 0.3 * box.sizes().maxCoeff()) / measureModuli(body).bulkModulus;
+  return test::openingStiffness(body, a, b, 0.3 * box.sizes().maxCoeff()) / measureModuli(body).bulkModulus;
 }
 
 /// The opening of the surface network over that of the same L filled with tetrahedra, fine enough that a

@@ -1,5 +1,6 @@
-# Install rules and the package that find_package(limber CONFIG) finds. The import is a set of its own, so that
-# only those who ask for COMPONENTS import need assimp, and so is the renderer (render/CMakeLists.txt).
+# Install rules and the package that find_package(limber CONFIG) finds. The analysis and the import are
+# sets of their own, so that only those who ask for COMPONENTS import need assimp, and so is the renderer
+# (render/CMakeLists.txt).
 include(CMakePackageConfigHelpers)
 set(limber_package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/limber)
 
@@ -13,6 +14,7 @@ function(limber_install_set set_name)
 endfunction()
 
 limber_install_set(limber-targets limber_core limber)
+limber_install_set(limber-analysis-targets limber_analysis)
 if(LIMBER_IMPORT)
   limber_install_set(limber-import-targets limber_import)
 endif()

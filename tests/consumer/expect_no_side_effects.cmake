@@ -1,4 +1,4 @@
-# Stops when Limber as a guest has touched what is its host's: only the plugin's two libraries may be there.
+# Stops when Limber as a guest has touched what is its host's: only the plugin's libraries may be there.
 function(expect what is_value want)
   if(NOT is_value STREQUAL want)
     message(SEND_ERROR "${what}: \"${is_value}\" instead of \"${want}\"")
@@ -19,7 +19,7 @@ expect("compiler flags" "${CMAKE_CXX_FLAGS}" "")
 expect("C++ standard" "${CMAKE_CXX_STANDARD}" "")
 expect("Limber's folders" "${subdirectories}" "${limber_checkout}/plugin")
 expect("Limber's tests" "${tests}" "")
-expect("Limber's targets" "${targets}" "limber_core;limber")
+expect("Limber's targets" "${targets}" "limber_core;limber_mesh;limber_solver;limber_collide;limber_analysis;limber")
 if("${limber_options}" MATCHES "-Werror")
   message(SEND_ERROR "Limber's warnings are errors in the host's build")
 endif()

@@ -3,7 +3,7 @@
 #include "network/bracing.h"
 
 #include "mesh/random.h"
-#include "network/rigidity.h"
+#include "network/modes.h"
 #include "support/network_shapes.h"
 
 #include <gtest/gtest.h>
@@ -70,9 +70,9 @@ TEST(RoughModes, areSoft) {
 }
 
 TEST(SoftModeBraces, goForLessOfManyPoints) {
-  EXPECT_EQ(leastModeRatio(8), 1e-3);
-  EXPECT_EQ(leastModeRatio(600), 1e-3);
-  EXPECT_NEAR(leastModeRatio(6000), 1e-4, 1e-12);
+  EXPECT_EQ(minModeRatio(8), 1e-3);
+  EXPECT_EQ(minModeRatio(600), 1e-3);
+  EXPECT_NEAR(minModeRatio(6000), 1e-4, 1e-12);
 }
 
 }  // namespace

@@ -2,11 +2,11 @@
 // The properties of BraceRule::Pipeline and TwoRing, on small shapes and few runs; bench/run networks tests
 // large ones.
 #include "network/bracing.h"
+#include "analysis/analysis.h"
 #include "mesh/triangle_bvh.h"
 #include "network/material.h"
-#include "network/relaxation.h"
-#include "network/rigidity.h"
 #include "solver/volumes.h"
+#include "support/elastic_measures.h"
 #include "support/network_shapes.h"
 #include "support/small_meshes.h"
 
@@ -60,7 +60,7 @@ TEST_P(Shapes, comeBackWithAtMostOneBracePerPoint) {
     EXPECT_EQ(measureReturns(*network, static_cast<Deformation>(kind), 8, 4711).returned, 8u) << kind;
   const SmallDeformations small = smallDeformations(*network);
   EXPECT_EQ(small.mechanisms, 0u);
-  EXPECT_GE(small.softest, leastModeRatio(network->restPoints.size()) * small.stiffest);
+  EXPECT_GE(small.softest, minModeRatio(network->restPoints.size()) * small.stiffest);
 }
 
 TEST_P(Shapes, haveTheirBracesInside) {
@@ -80,7 +80,7 @@ TEST(Pipeline, leavesTheArmsOfAnLFreeToOpen) {
   const SharedNetwork network = build(network_shapes::lshape90());
   ElasticBody body{*network};
   body.volumeModulus = networkModulus(*network, body.scale, body.stiffness, 5.0 / 27.0);
-  const double opening = openingStiffness(body, {-0.5, 0.5, 0.0}, {0.5, -0.5, 0.0}, 0.3);
+  const double opening = test::openingStiffness(body, {-0.5, 0.5, 0.0}, {0.5, -0.5, 0.0}, 0.3);
   EXPECT_LT(opening / measureModuli(body).bulkModulus, 1.5 * 0.0090);
 }
 

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Zlib
 // Measured elasticity, compared with closed forms.
 #include "network/material.h"
+
+#include "support/elastic_measures.h"
 #include "support/networks.h"
 #include "support/small_meshes.h"
 
@@ -61,19 +63,19 @@ TEST(ElasticModuli, ofABodyThatFallsApartAreNothing) {
 TEST(ElasticModuli, openingTheCubeAcrossTwoFacesIsItsStretching) {
   // four corners are pulled along x by F/4 each: the diagonals of all faces add to the 4 k of the 4 edges
   const SharedNetwork cube = test::closedCubeNetwork();
-  const double stiffness = openingStiffness({*cube, 1000.0}, {-0.5, 0, 0}, {0.5, 0, 0}, 0.75);
+  const double stiffness = test::openingStiffness({*cube, 1000.0}, {-0.5, 0, 0}, {0.5, 0, 0}, 0.75);
   EXPECT_GT(stiffness, 4000.0);
   EXPECT_LT(stiffness, 12000.0) << "all springs that go along x, unbent";
-  EXPECT_EQ(openingStiffness({*cube, 1000.0}, {-0.5, 0, 0}, {9, 0, 0}, 0.75), 0.0);
+  EXPECT_EQ(test::openingStiffness({*cube, 1000.0}, {-0.5, 0, 0}, {9, 0, 0}, 0.75), 0.0);
 }
 
 /// A cube with all twelve edges and two diagonals of each face: by symmetry the six moduli are equal. They
 /// scale as stresses do.
 TEST(ElasticModuli, ofBendingAreTheSameAboutAllAxesOfACube) {
   const SharedNetwork cube = test::closedCubeNetwork();
-  const std::array<double, 6> moduli = measureBendingModuli({*cube, 1000.0});
+  const std::array<double, 6> moduli = test::measureBendingModuli({*cube, 1000.0});
   for (const double modulus : moduli) EXPECT_NEAR(modulus / moduli[0], 1.0, 1e-6);
-  const auto large = measureBendingModuli({*cube, 1000.0, 0.0, Eigen::Vector3d::Constant(2.0)});
+  const auto large = test::measureBendingModuli({*cube, 1000.0, 0.0, Eigen::Vector3d::Constant(2.0)});
   EXPECT_NEAR(large[0] / moduli[0], 0.5, 1e-6) << "twice the force on four times the area";
 }
 
@@ -82,7 +84,7 @@ TEST(ElasticModuli, ofBendingComeNearYoungsModulusOnAFineLattice) {
   MaterialMesh settings;
   settings.points = 4000;
   const SharedNetwork network = *buildMaterialNetwork(small_meshes::cube(1), settings);
-  for (const double modulus : measureBendingModuli({*network, network->stiffnessPerModulus}))
+  for (const double modulus : test::measureBendingModuli({*network, network->stiffnessPerModulus}))
     EXPECT_NEAR(modulus, 1.0, 0.06);
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-#include "network/rigidity.h"
+#include "analysis/analysis.h"
 
 #include "mesh/random.h"
 #include "support/network_shapes.h"

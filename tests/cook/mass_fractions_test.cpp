@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Zlib
-#include "network/masses.h"
-
 #include "mesh/triangle_bvh.h"
+#include "support/mass_errors.h"
 #include "support/small_meshes.h"
 #include "support/test_shapes.h"
 
@@ -15,10 +14,10 @@
 #include <numeric>
 
 using Eigen::Vector3d;
-using limber::MassFractions;
 using limber::MassRule;
 using limber::TriangleMesh;
 using limber::WeldedMesh;
+using limber::test::MassFractions;
 using test_shapes::welded;
 
 namespace {
@@ -40,7 +39,7 @@ WeldedMesh withInnerPoints(const TriangleMesh& mesh, double spacing, double half
 }
 
 MassFractions shares(MassRule rule, const WeldedMesh& mesh) {
-  return shareMass(rule, mesh.points, mesh.triangles);
+  return limber::test::shareMass(rule, mesh.points, mesh.triangles);
 }
 
 void expectValid(const MassFractions& result, std::size_t points) {
@@ -166,7 +165,8 @@ TEST(MassFractions, momentsAreMatchedByTheBodiesOfMaterialMode) {
   for (const TriangleMesh& mesh : {small_meshes::cube(1), small_meshes::icosphere(2), test_shapes::cylinder(),
                                    test_shapes::noiseSphere(2)}) {
     const auto network = *limber::buildMaterialNetwork(mesh);
-    const MassFractions result = limber::shareMass(MassRule::Moments, network->restPoints, network->surface);
+    const MassFractions result =
+        limber::test::shareMass(MassRule::Moments, network->restPoints, network->surface);
     expectValid(result, network->restPoints.size());
     EXPECT_EQ(result.leastMisfit, 0.0);
     EXPECT_LT(result.centreError, 1e-8);

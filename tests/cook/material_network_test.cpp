@@ -4,6 +4,7 @@
 
 #include "network/material.h"
 #include "network/tetrahedra.h"
+#include "support/elastic_measures.h"
 #include "support/network_shapes.h"
 #include "support/small_meshes.h"
 #include "support/test_shapes.h"
@@ -150,7 +151,7 @@ TEST(MaterialNetwork, bendsAlikeOnAFinerLattice) {
     std::array<double, 2> mean{};
     for (std::size_t i = 0; i < 2; ++i) {
       const SharedNetwork network = make(mesh, i == 0 ? 300 : 1200);
-      for (const double modulus : measureBendingModuli({*network, network->stiffnessPerModulus}))
+      for (const double modulus : test::measureBendingModuli({*network, network->stiffnessPerModulus}))
         mean[i] += modulus / 6.0;
       EXPECT_NEAR(mean[i], 1.0, 0.2) << "of 1 Pa";
     }

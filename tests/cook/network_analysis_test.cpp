@@ -90,7 +90,7 @@ TEST(Analyse, flatBodiesAreJudgedInTheirPlane) {
   EXPECT_EQ(cloth.rigidity, Rigidity::Rigid);
   EXPECT_NEAR(cloth.modeRatio, 0.073 / 6.6, 2e-4);
   EXPECT_FALSE(cloth.minStiffness);
-  EXPECT_TRUE(hasRemark(cloth, "it is limp"));
+  EXPECT_TRUE(hasRemark(cloth, "it folds freely"));
   EXPECT_FALSE(hasRemark(cloth, "besides bending"));
 
   limber::ClothSettings shearless;
@@ -99,7 +99,7 @@ TEST(Analyse, flatBodiesAreJudgedInTheirPlane) {
   const NetworkAnalysis net = analyseQuickly(**buildCloth(shearless));
   EXPECT_EQ(net.rigidity, Rigidity::Flexible);
   EXPECT_TRUE(hasRemark(net, "besides bending"));
-  EXPECT_TRUE(hasRemark(net, "bending springs do once it is bent"));
+  EXPECT_TRUE(hasRemark(net, "bending springs resist once it is bent"));
 }
 
 TEST(Analyse, ropesAreJudgedAlongTheirLine) {
@@ -195,7 +195,7 @@ TEST(Analyse, extremeFilesEnd) {
   EXPECT_EQ(a.allReturns().runs, 0u);
   EXPECT_GE(a.stiffestEigenvalue, 1e300);
   EXPECT_TRUE(hasRemark(a, "not known whether it carries its own weight"));
-  EXPECT_TRUE(hasRemark(a, "not let go"));
+  EXPECT_TRUE(hasRemark(a, "were not tested"));
   EXPECT_FALSE(hasRemark(a, "however stiff"));
 }
 
@@ -254,7 +254,7 @@ TEST(Analyse, badSurfacesAreReported) {
   EXPECT_TRUE(hasRemark(fin, "more than two triangles"));
   EXPECT_TRUE(hasRemark(fin, "the surface is open"));
   EXPECT_EQ(fin.volume, 0.0);
-  EXPECT_TRUE(hasRemark(analyseQuickly(*bare(small_meshes::flippedTriangle())), "face opposite ways"));
+  EXPECT_TRUE(hasRemark(analyseQuickly(*bare(small_meshes::flippedTriangle())), "face opposite directions"));
   EXPECT_TRUE(hasRemark(analyseQuickly(*bare(small_meshes::twoIslands())), "2 pieces"));
 }
 

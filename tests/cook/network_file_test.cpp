@@ -138,8 +138,8 @@ TEST(NetworkFile, whatCannotBeWrittenLeavesNothingBehind) {
   EXPECT_EQ(saveNetwork(wrong, nowhere).error(), nowhere + ": " + validate(wrong).error());
   EXPECT_EQ(saveNetwork(network, nowhere).error(), "cannot write " + nowhere + ": No such file or directory");
   EXPECT_EQ(saveNetwork(network, folder.path()).error(),
-            "cannot write " + folder.path() + ": it is no regular file");
-  EXPECT_EQ(saveNetwork(network, "/dev/null").error(), "cannot write /dev/null: it is no regular file");
+            "cannot write " + folder.path() + ": it is not a regular file");
+  EXPECT_EQ(saveNetwork(network, "/dev/null").error(), "cannot write /dev/null: it is not a regular file");
   EXPECT_EQ(std::distance(fs::directory_iterator(folder.path()), {}), 0);
 }
 
@@ -163,11 +163,13 @@ TEST(NetworkFile, whatCannotBeReadIsNamed) {
 TEST(NetworkFile, foreignFilesAreRefused) {
   const TemporaryFolder folder;
   const std::string text = folder.write("mesh.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n and more\n");
-  EXPECT_EQ(loadNetwork(text).error(), text + ": no .limber file: it begins otherwise");
+  EXPECT_EQ(loadNetwork(text).error(),
+            text + ": not a .limber file: it does not begin with the bytes of one");
   const std::string shortText = folder.write("short", "PNG");
-  EXPECT_EQ(loadNetwork(shortText).error(), shortText + ": no .limber file: it begins otherwise");
+  EXPECT_EQ(loadNetwork(shortText).error(),
+            shortText + ": not a .limber file: it does not begin with the bytes of one");
   const std::string empty = folder.write("empty.limber", "");
-  EXPECT_EQ(loadNetwork(empty).error(), empty + ": no .limber file: it is empty");
+  EXPECT_EQ(loadNetwork(empty).error(), empty + ": not a .limber file: it is empty");
 }
 
 TEST(NetworkFile, otherVersionsAreRefused) {
@@ -181,7 +183,7 @@ TEST(NetworkFile, everyTruncationIsRefused) {
   for (std::size_t size = 1; size < bytes.size(); ++size) {
     // a copy of exactly this length, so that a sanitizer sees any read beyond it
     const std::string reason = parse(Bytes(bytes.begin(), bytes.begin() + std::ptrdiff_t(size))).error();
-    EXPECT_EQ(reason.rfind("cut short: ", 0), 0u) << size << ": " << reason;
+    EXPECT_EQ(reason.rfind("the file is too short: ", 0), 0u) << size << ": " << reason;
   }
 }
 
@@ -190,8 +192,8 @@ TEST(NetworkFile, bytesBehindTheEndAreRefused) {
   const std::string size = std::to_string(bytes.size() - test::kHeaderBytes);
   bytes.resize(bytes.size() + 3);
   EXPECT_EQ(parse(bytes).error(),
-            "longer than it says: 3 bytes follow the " + size + " bytes after its header");
-  EXPECT_EQ(parse(test::forged(bytes)).error(), "3 bytes are left over at the end");
+            "the file is too long: 3 bytes follow the " + size + " bytes after its header");
+  EXPECT_EQ(parse(test::forged(bytes)).error(), "3 bytes follow the end of its contents");
 }
 
 TEST(NetworkFile, everyChangedByteIsRefused) {

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Zlib
 // Large deformations, the shapes to which bodies relax from them, and how often that is the rest shape.
-#include "network/relaxation.h"
+#include "analysis/analysis.h"
 
+#include "network/relaxation.h"
 #include "solver/springs.h"
 #include "support/network_shapes.h"
 #include "support/networks.h"

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Zlib
-#include "network/rigidity.h"
+#include "analysis/analysis.h"
 
 #include "mesh/linear_algebra.h"
 #include "mesh/random.h"
 #include "mesh/surface.h"
+#include "network/modes.h"
 #include "support/network_shapes.h"
 #include "support/networks.h"
 #include "support/small_meshes.h"

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
 // Surfaces that intersect themselves are reported, and still give bodies.
-#include "mesh/triangle_bvh.h"
+#include "analysis/analysis.h"
 #include "support/network_shapes.h"
 #include "support/small_meshes.h"
 

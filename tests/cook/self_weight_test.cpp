@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-#include "network/relaxation.h"
+#include "analysis/analysis.h"
 
 #include "support/network_shapes.h"
 #include "support/networks.h"

@@ -157,6 +157,7 @@ TEST(Simplify, sameEveryTime) {
 }
 
 TEST(Simplify, errors) {
-  EXPECT_EQ(simplify(small_meshes::cube(), 3).error(), "simplify was asked for 3 points, it needs 4 or more");
+  EXPECT_EQ(simplify(small_meshes::cube(), 3).error(),
+            "simplify() cannot make a mesh of 3 points, it needs 4 or more");
   EXPECT_EQ(simplify(TriangleMesh{}, 10).error(), "the mesh has no vertices");
 }

@@ -314,9 +314,9 @@ TEST(Skin, errors) {
   SkinSettings settings;
   settings.neighbours = 3;
   EXPECT_EQ(withSkin(network, mesh, settings).error(),
-            "a skin of 3 neighbours was asked for, it takes 4 or more");
+            "a skin of 3 neighbours per vertex is not possible, it needs 4 or more");
   EXPECT_EQ(withSkin(networkOf(*weld(small_meshes::singleTriangle())), mesh).error(),
-            "the points of the network lie in a plane: no skin can ride on them");
+            "the points of the network lie in a plane, so they cannot move a skin");
   EXPECT_EQ(withSkin(SpringNetwork{}, mesh).error(), "network: the network has no points");
   EXPECT_EQ(withSkin(**limber::buildRope(), mesh).error(), "a network without a surface has no skin");
   EXPECT_EQ(withSkin(network, TriangleMesh{}).error(), "the mesh has no vertices");

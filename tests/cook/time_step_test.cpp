@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Zlib
-#include "network/relaxation.h"
+#include "analysis/analysis.h"
 
 #include "mesh/random.h"
+#include "network/relaxation.h"
 #include "solver/springs.h"
 #include "solver/verlet_step.h"
 #include "solver/volumes.h"

@@ -31,7 +31,7 @@ TEST(BandedMatrix, solvesAsTheDenseMatrixDoes) {
     for (Eigen::Index j = std::max<Eigen::Index>(0, i - width); j <= i; ++j)
       dense(i, j) = dense(j, i) = banded.at(i, j) = i == j ? 10.0 : std::sin(double(3 * i + 7 * j));
   Eigen::VectorXd b = Eigen::VectorXd::LinSpaced(size, -1.0, 2.0);
-  const Eigen::VectorXd expected = LuFactor(dense).solve(b);
+  const Eigen::VectorXd expected = dense.partialPivLu().solve(b);
   factorise(banded);
   solve(banded, b);
   EXPECT_LT((b - expected).norm(), 1e-14 * size);

@@ -43,13 +43,13 @@ TEST(SpringNetwork, nanPoint) {
 
 TEST(SpringNetwork, massFractions) {
   EXPECT_EQ(validateChanged([](SpringNetwork& n) { n.massFractions.pop_back(); }),
-            "7 mass shares for 8 points");
+            "7 mass fractions for 8 points");
   EXPECT_EQ(validateChanged([](SpringNetwork& n) { n.massFractions[2] = 0.0; }),
-            "mass share 2 is not above 0");
+            "mass fraction 2 is not above 0");
   EXPECT_EQ(validateChanged([](SpringNetwork& n) { n.massFractions[3] = std::nan(""); }),
-            "mass share 3 is not above 0");
+            "mass fraction 3 is not above 0");
   EXPECT_EQ(validateChanged([](SpringNetwork& n) { n.massFractions[0] = 0.25; }),
-            "the mass shares sum to 1.125000, not to 1");
+            "the mass fractions sum to 1.125000, not to 1");
 }
 
 TEST(SpringNetwork, springEnds) {
@@ -83,11 +83,11 @@ TEST(SpringNetwork, renderSurface) {
   EXPECT_EQ(validateChanged([](SpringNetwork& n) { n.render.uvs.pop_back(); }),
             "23 texture coordinates for 24 render vertices");
   EXPECT_EQ(validateChanged([](SpringNetwork& n) { n.render.vertexToPoint[9] = 8; }),
-            "render vertex 9 rides on point 8 of 8");
+            "render vertex 9 follows point 8 of 8");
   EXPECT_EQ(validateChanged([](SpringNetwork& n) { n.render.triangles[2][0] = 24; }),
             "render triangle 2 uses vertex 24 of 24");
   EXPECT_EQ(validateChanged([](SpringNetwork& n) { n.render.vertexToPoint[0] = limber::kNoPoint; }),
-            "render triangle 0 uses vertex 0, which rides on no point");
+            "render triangle 0 uses vertex 0, which follows no point");
 }
 
 TEST(SpringNetwork, ropeWithASurface) {
@@ -114,26 +114,26 @@ TEST(SpringNetwork, skinSizes) {
   EXPECT_EQ(validateSkinned([](SpringNetwork& n) { n.render.skin.weights.pop_back(); }),
             "the skin has 2 weights for 3 points");
   EXPECT_EQ(validateSkinned([](SpringNetwork& n) { n.render.skin.firstWeight.back() = 4; }),
-            "the places of the skin have 4 weights, there are 3");
+            "the skinned points have 4 weights, there are 3");
   EXPECT_EQ(validateSkinned([](SpringNetwork& n) { n.render.skin.firstWeight.clear(); }),
-            "the places of the skin have 0 weights, there are 3");
+            "the skinned points have 0 weights, there are 3");
   EXPECT_EQ(validateSkinned([](SpringNetwork& n) { n.render.skin.firstWeight.front() = 1; }),
-            "the skin's first place does not begin at weight 0");
+            "the first skinned point does not begin at weight 0");
   EXPECT_EQ(validateSkinned([](SpringNetwork& n) { n.render.skin.firstWeight[1] = 3; }),
-            "skin place 1 has no weights");
+            "skinned point 1 has no weights");
   EXPECT_EQ(validateSkinned([](SpringNetwork& n) { n.render.skin.firstWeight[1] = 900; }),
-            "skin place 1 has no weights");
+            "skinned point 1 has no weights");
 }
 
 TEST(SpringNetwork, skinPlaces) {
   EXPECT_EQ(validateSkinned([](SpringNetwork& n) { n.render.skin.points[2] = 8; }),
-            "skin place 1 rides on point 8 of 8");
+            "skinned point 1 follows point 8 of 8");
   EXPECT_EQ(validateSkinned([](SpringNetwork& n) { n.render.skin.weights[1] = std::nanf(""); }),
-            "skin place 1 has a weight that is not finite");
+            "skinned point 1 has a weight that is not finite");
   EXPECT_EQ(validateSkinned([](SpringNetwork& n) { n.render.skin.weights[0] = 0.9f; }),
-            "skin place 0 has weights that do not sum to 1");
+            "skinned point 0 has weights that do not sum to 1");
   EXPECT_EQ(validateSkinned([](SpringNetwork& n) { n.render.vertexToPoint[3] = 2; }),
-            "render vertex 3 rides on skin place 2 of 2");
+            "render vertex 3 follows skinned point 2 of 2");
 }
 
 namespace {
@@ -151,7 +151,7 @@ std::string validateTetrahedron(const limber::Tetrahedron& t) {
 
 TEST(SpringNetwork, tetrahedra) {
   EXPECT_EQ(validateTetrahedron({0, 1, 2, 7}), "");
-  EXPECT_EQ(validateTetrahedron({1, 2, 0, 3}), "a tetrahedron of point 0, 1, 2 and 3 is there twice");
+  EXPECT_EQ(validateTetrahedron({1, 2, 0, 3}), "a tetrahedron of point 0, 1, 2 and 3 occurs twice");
   EXPECT_EQ(validateTetrahedron({0, 1, 8, 3}), "tetrahedron 1 uses point 8 of 8");
   EXPECT_EQ(validateTetrahedron({0, 2, 1, 3}), "tetrahedron 1 has a volume that is not above 0");
   EXPECT_EQ(validateTetrahedron({0, 1, 1, 3}), "tetrahedron 1 has a volume that is not above 0");

@@ -70,7 +70,7 @@ cook_run(size_alone unit 2 "--size needs --picture" ${meshes}/cube.obj -o a.limb
 cook_run(missing_mesh unit 1 "no_such.obj" no_such.obj -o ${cooked}/a.limber)
 cook_run(missing_body unit 1 "cannot read no_such.limber" --report no_such.limber)
 file(WRITE ${CMAKE_CURRENT_BINARY_DIR}/foreign.limber "v 0 0 0, a text that is long enough to be a head\n")
-cook_run(foreign_body unit 1 "foreign.limber: no .limber file: it begins otherwise" --report
+cook_run(foreign_body unit 1 "foreign.limber: not a .limber file: it does not begin with the bytes of one" --report
   ${CMAKE_CURRENT_BINARY_DIR}/foreign.limber)
 cook_run(json_to_a_pipe unit 0 "\"points\": 8" ${meshes}/cube.obj -o ${cooked}/piped.limber --runs 0 --quiet
   --json /dev/stdout)

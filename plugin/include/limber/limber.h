@@ -10,6 +10,8 @@
 // Units are SI. Thread rules: functions of mesh.h, spring_network.h, network_builder.h, network_analysis.h
 // and soft_body_settings.h may be called from any thread, since calls are independent. Everything in a world
 // belongs to the thread that steps the world.
+//
+// importMesh() needs the library limber_import, analyse() the library limber_analysis.
 #include <limber/contacts.h>
 #include <limber/mesh.h>
 #include <limber/network_analysis.h>

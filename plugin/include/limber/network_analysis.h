@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
+// Analyses spring networks before they are used. Needs the library limber_analysis. Thread rule: any thread;
+// calls are independent.
+
 #include <limber/network_builder.h>
 #include <limber/spring_network.h>
 
@@ -19,18 +22,6 @@ enum class Rigidity : std::uint8_t {
   Soft,            ///< the same with 1e-3
   Rigid
 };
-
-/// Large deformations from which a body is released.
-enum class Deformation : std::uint8_t {
-  Squash,    ///< compression to a tenth along a random direction
-  Twist,     ///< by a quarter turn about a random axis
-  Noise,     ///< every point is moved by up to half the size of the body
-  Push,      ///< one point is moved to 0.2 of the size beyond the opposite side
-  Mirror,    ///< the outer 30 % are mirrored through the plane that cuts them off
-  Flatten,   ///< into a plane
-  Inversion  ///< all points are mirrored through the centre
-};
-constexpr std::size_t kDeformations = 7;
 
 /// Number of runs that returned to the rest shape (RMS distance below 1e-3 of the size after the best rigid
 /// motion without reflection).
@@ -63,8 +54,8 @@ struct NetworkAnalysis {
   // Small deformations about the rest shape, with unit masses.
   std::size_t rank = 0;        ///< of the rigidity matrix
   std::size_t mechanisms = 0;  ///< 3 #points - 6 (5 on a line) - rank, less 6 (in a plane 3, on a line 1)
-                               ///< for each piece but one, because each piece is judged by itself. #points -
-                               ///< 3 of them in a plane, and 2 #points - 4 on a line, are bending, which no
+                               ///< for each piece but one, because each piece is analysed by itself. #points
+                               ///< - 3 of them in a plane, and 2 #points - 4 on a line, are bending, which no
                                ///< springs can prevent. Points that deviate from the plane or line by less
                                ///< than a ten-thousandth count as in it
   std::size_t selfStresses = 0;  ///< #springs - rank

@@ -34,6 +34,19 @@ enum class MassRule : std::uint8_t {
            ///< point has at least 0.2 times the mean, points of the surface at most 10 times
 };
 
+/// Large deformations from which bodies are released: by BraceRule::Pipeline and by analyse()
+/// (network_analysis.h).
+enum class Deformation : std::uint8_t {
+  Squash,    ///< compression to a tenth along a random direction
+  Twist,     ///< by a quarter turn about a random axis
+  Noise,     ///< every point is moved by up to half the size of the body
+  Push,      ///< one point is moved to 0.2 of the size beyond the opposite side
+  Mirror,    ///< the outer 30 % are mirrored through the plane that cuts them off
+  Flatten,   ///< into a plane
+  Inversion  ///< all points are mirrored through the centre
+};
+constexpr std::size_t kDeformations = 7;
+
 /// Reports the progress of a long computation: its present part, and the fraction done of that part, 0 to 1.
 /// The return value false requests an early end.
 using Progress = std::function<bool(const char* what, double done)>;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// Declares the edges of triangle meshes, their connected components and the defects of edges, and formats
-// counts and numbers as text.
+// Declares the edges of triangle meshes, their connected components and the defects of edges, and texts about
+// counts, numbers and indices.
 #pragma once
 
 #include <limber/mesh.h>
@@ -38,6 +38,16 @@ EdgeDefects findEdgeDefects(const std::vector<Triangle>& triangles);
 /// Sets the numbers of defective edges in the report of a mesh with these triangles.
 void setEdgeDefects(MeshReport& report, const std::vector<Triangle>& triangles);
 
+/// Returns for each point the indices of the triangles or tetrahedra of which it is a corner, ascending.
+template <class Corners>
+std::vector<std::vector<std::uint32_t>> elementsOfPoints(std::size_t points,
+                                                         const std::vector<Corners>& all) {
+  std::vector<std::vector<std::uint32_t>> elements(points);
+  for (std::uint32_t i = 0; i < all.size(); ++i)
+    for (const std::uint32_t corner : all[i]) elements[corner].push_back(i);
+  return elements;
+}
+
 /// Sets of indices that can be joined. The smallest member of a set, its root, identifies it.
 class DisjointSets {
  public:
@@ -66,7 +76,7 @@ struct SurfaceComponents {
 
 SurfaceComponents findComponents(std::size_t points, const std::vector<Triangle>& triangles);
 
-// --- counts and numbers as text ---
+// --- texts ---
 
 /// Returns "1 vertex", "2 vertices".
 inline std::string counted(std::size_t count, const char* one, const char* many) {
@@ -78,6 +88,23 @@ inline std::string inThreeDigits(double value) {
   char text[32];
   std::snprintf(text, sizeof text, "%.3g", value);
   return text;
+}
+
+/// Returns "spring 3".
+inline std::string numbered(const char* what, std::size_t index) {
+  return what + (" " + std::to_string(index));
+}
+
+/// Describes the first corner of triangles or tetrahedra that is not below `count`, such as "triangle 17 uses
+/// vertex 900 of 812"; empty if there is none.
+template <class Corners>
+std::string checkCorners(const std::vector<Corners>& all, std::size_t count, const char* name,
+                         const char* cornerName) {
+  for (std::size_t i = 0; i < all.size(); ++i)
+    for (const std::uint32_t corner : all[i])
+      if (corner >= count)
+        return numbered(name, i) + " uses " + numbered(cornerName, corner) + " of " + std::to_string(count);
+  return {};
 }
 
 }  // namespace limber

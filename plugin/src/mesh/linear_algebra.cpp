@@ -6,7 +6,6 @@
 
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
-#include <Eigen/LU>
 #include <Eigen/SparseCholesky>
 
 #include <algorithm>
@@ -85,17 +84,6 @@ void solveSmall(const SmallMatrix& matrix, Eigen::Ref<Eigen::MatrixXd> columns) 
     factors.solveInPlace(x);
     columns.col(j) = x;
   }
-}
-
-LuFactor::LuFactor(const Eigen::MatrixXd& matrix)
-    : factors_(std::make_unique<Eigen::PartialPivLU<Eigen::MatrixXd>>(matrix)) {}
-
-LuFactor::~LuFactor() = default;
-
-Eigen::MatrixXd LuFactor::solve(const Eigen::MatrixXd& right) const { return factors_->solve(right); }
-
-Eigen::MatrixXd LuFactor::inverse() const {
-  return solve(Eigen::MatrixXd::Identity(factors_->rows(), factors_->cols()));
 }
 
 Eigen::MatrixXd orthogonalColumns(const Eigen::MatrixXd& columns, Eigen::Index count) {

@@ -7,7 +7,6 @@
 #include <Eigen/SparseCore>
 
 #include <functional>
-#include <memory>
 
 namespace limber {
 
@@ -56,21 +55,6 @@ using SmallVector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kMaxSmall, 1>;
 void solveSmall(const SmallMatrix& matrix, Eigen::Ref<Eigen::MatrixXd> columns);
 
 // --- any matrices ------------------------------------------------------------------------------------------
-
-/// The LU factors of a square matrix, with row exchanges.
-class LuFactor {
- public:
-  explicit LuFactor(const Eigen::MatrixXd& matrix);
-  ~LuFactor();
-  LuFactor(const LuFactor&) = delete;
-  LuFactor& operator=(const LuFactor&) = delete;
-
-  Eigen::MatrixXd solve(const Eigen::MatrixXd& right) const;
-  Eigen::MatrixXd inverse() const;
-
- private:
-  std::unique_ptr<Eigen::PartialPivLU<Eigen::MatrixXd>> factors_;
-};
 
 /// Returns the first `count` columns of an orthogonal matrix whose first columns span the same space as
 /// `columns`, which is not wider than high.

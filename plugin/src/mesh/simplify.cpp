@@ -4,6 +4,7 @@
 
 #include <limber/mesh.h>
 
+#include "mesh/edges.h"
 #include "mesh/linear_algebra.h"
 #include "mesh/surface.h"
 
@@ -191,14 +192,11 @@ CollapsibleSurface makeCollapsible(std::vector<Vector3d> points, std::vector<Tri
   surface.points = std::move(points);
   surface.triangles = std::move(triangles);
   const std::size_t count = surface.points.size();
-  surface.trianglesOf.resize(count);
+  surface.trianglesOf = elementsOfPoints(count, surface.triangles);
   surface.quadrics.resize(count);
   surface.onBorder.assign(count, 0);
   surface.fixed.assign(count, 0);
-  for (std::uint32_t i = 0; i < surface.triangles.size(); ++i) {
-    for (const std::uint32_t corner : surface.triangles[i]) surface.trianglesOf[corner].push_back(i);
-    addTriangleQuadrics(surface, surface.triangles[i]);
-  }
+  for (const Triangle& t : surface.triangles) addTriangleQuadrics(surface, t);
   for (std::uint32_t point = 0; point < count; ++point) inspectEdges(surface, point);
   return surface;
 }
@@ -324,7 +322,8 @@ TriangleMesh compacted(const CollapsibleSurface& surface) {
 
 Result<TriangleMesh> simplify(const TriangleMesh& mesh, std::uint32_t points) {
   if (points < 4) {
-    return Error{"simplify was asked for " + std::to_string(points) + " points, it needs 4 or more"};
+    return Error{"simplify() cannot make a mesh of " + std::to_string(points) +
+                 " points, it needs 4 or more"};
   }
   Result<WeldedMesh> welded = weld(mesh);
   if (!welded) return Error{welded.error()};

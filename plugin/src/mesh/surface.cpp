@@ -192,13 +192,13 @@ std::vector<bool> facingInward(const std::vector<Vector3d>& points, const std::v
   return marked;
 }
 
-void turn(std::vector<Triangle>& triangles, const std::vector<bool>& marked) {
+void flip(std::vector<Triangle>& triangles, const std::vector<bool>& marked) {
   for (std::size_t t = 0; t < triangles.size(); ++t)
     if (marked[t]) std::swap(triangles[t][1], triangles[t][2]);
 }
 
-std::vector<Triangle> turnedOutward(const std::vector<Vector3d>& points, std::vector<Triangle> triangles) {
-  turn(triangles, facingInward(points, triangles));
+std::vector<Triangle> facingOutward(const std::vector<Vector3d>& points, std::vector<Triangle> triangles) {
+  flip(triangles, facingInward(points, triangles));
   return triangles;
 }
 

@@ -62,10 +62,10 @@ std::vector<bool> facingInward(const std::vector<Eigen::Vector3d>& points,
                                const std::vector<Triangle>& triangles);
 
 /// Flips the marked triangles.
-void turn(std::vector<Triangle>& triangles, const std::vector<bool>& marked);
+void flip(std::vector<Triangle>& triangles, const std::vector<bool>& marked);
 
 /// Returns the surface with its closed components facing outward.
-std::vector<Triangle> turnedOutward(const std::vector<Eigen::Vector3d>& points,
+std::vector<Triangle> facingOutward(const std::vector<Eigen::Vector3d>& points,
                                     std::vector<Triangle> triangles);
 
 }  // namespace limber

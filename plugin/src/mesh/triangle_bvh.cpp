@@ -4,11 +4,8 @@
 
 #include "mesh/triangle_bvh.h"
 
-#include "mesh/edges.h"
-
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numeric>
 
 namespace limber {
@@ -123,113 +120,109 @@ void TriangleBvh::build(std::uint32_t node, std::uint32_t first, std::uint32_t c
   build(children + 1, first + count / 2, count - count / 2);
 }
 
+/// Visits the nodes that `enters` returns true for, and calls `visit` with the triangles of the leaves among
+/// them. Of two children, `prefersSecond(inner node)` decides which one is visited first.
+template <class Enters, class PrefersSecond, class Visit>
+void TriangleBvh::traverse(Enters enters, PrefersSecond prefersSecond, Visit visit) const {
+  std::array<std::uint32_t, kBvhStack> stack{};
+  std::size_t size = nodes_.empty() ? 0 : 1;
+  while (size > 0) {
+    const Node& node = nodes_[stack[--size]];
+    if (!enters(node)) continue;
+    if (node.count == 0) {
+      const std::uint32_t second = prefersSecond(node) ? 1 : 0;
+      stack[size++] = node.first + 1 - second;
+      stack[size++] = node.first + second;
+    }
+    for (std::uint32_t i = node.first; i < node.first + node.count; ++i) visit(order_[i]);
+  }
+}
+
+/// Calls `visit` with each triangle that the segment from a (0) to b (1) intersects and the fraction of the
+/// intersection. Barycentric coordinates down to -`margin` count.
+template <class Visit>
+void TriangleBvh::forEachCrossing(const Vector3d& a, const Vector3d& b, double margin, Visit visit) const {
+  traverse(
+      [&](const Node& node) {
+        return overlapsBox(node.box, a, b - a, {0.0, 1.0});
+      },
+      [](const Node&) { return false; },
+      [&](std::uint32_t triangle) {
+        const auto hit = intersectLine(corners_[triangle], a, b - a, margin);
+        if (hit) visit(triangle, hit->along);
+      });
+}
+
 TriangleHit TriangleBvh::firstHit(const Vector3d& origin, const Vector3d& direction, double from,
                                   double to) const {
   TriangleHit hit;
   hit.distance = to;
-  std::array<std::uint32_t, kBvhStack> stack{};
-  std::size_t stackSize = nodes_.empty() ? 0 : 1;
-  while (stackSize > 0) {
-    const Node& node = nodes_[stack[--stackSize]];
-    if (!overlapsBox(node.box, origin, direction, {from, hit.distance})) continue;
-    if (node.count == 0) {
-      const bool ahead = direction.dot(nodes_[node.first + 1].centre - nodes_[node.first].centre) >= 0.0;
-      stack[stackSize++] = ahead ? node.first + 1 : node.first;
-      stack[stackSize++] = ahead ? node.first : node.first + 1;
-      continue;
-    }
-    for (std::uint32_t i = node.first; i < node.first + node.count; ++i) {
-      const std::uint32_t triangle = order_[i];
-      const auto intersection = intersectLine(corners_[triangle], origin, direction, kEdgeMargin);
-      if (!intersection || intersection->along < from || intersection->along > hit.distance) continue;
-      if (intersection->along == hit.distance && triangle > hit.triangle) continue;
-      hit = {triangle, intersection->along, origin + intersection->along * direction,
-             intersection->barycentric};
-    }
-  }
+  traverse(
+      [&](const Node& node) {
+        return overlapsBox(node.box, origin, direction, {from, hit.distance});
+      },
+      [&](const Node& node) {
+        return direction.dot(nodes_[node.first + 1].centre - nodes_[node.first].centre) < 0.0;
+      },
+      [&](std::uint32_t triangle) {
+        const auto found = intersectLine(corners_[triangle], origin, direction, kEdgeMargin);
+        if (!found || found->along < from || found->along > hit.distance) return;
+        if (found->along == hit.distance && triangle > hit.triangle) return;
+        hit = {triangle, found->along, origin + found->along * direction, found->barycentric};
+      });
   if (!hit) hit.distance = 0.0;
   return hit;
 }
 
 bool TriangleBvh::isPierced(const Vector3d& a, const Vector3d& b,
                             const std::function<bool(std::uint32_t)>& accepts) const {
-  std::array<std::uint32_t, kBvhStack> stack{};
-  std::size_t stackSize = nodes_.empty() ? 0 : 1;
-  while (stackSize > 0) {
-    const Node& node = nodes_[stack[--stackSize]];
-    if (!overlapsBox(node.box, a, b - a, {0.0, 1.0})) continue;
-    if (node.count == 0) {
-      stack[stackSize++] = node.first + 1;
-      stack[stackSize++] = node.first;
-      continue;
-    }
-    for (std::uint32_t i = node.first; i < node.first + node.count; ++i) {
-      if (!accepts(order_[i])) continue;
-      const auto intersection = intersectLine(corners_[order_[i]], a, b - a, -kInsideMargin);
-      if (intersection && intersection->along > kInsideMargin && intersection->along < 1.0 - kInsideMargin)
-        return true;
-    }
-  }
-  return false;
+  bool pierced = false;
+  forEachCrossing(a, b, -kInsideMargin, [&](std::uint32_t triangle, double along) {
+    pierced = pierced || (along > kInsideMargin && along < 1.0 - kInsideMargin && accepts(triangle));
+  });
+  return pierced;
 }
 
 TriangleHit TriangleBvh::nearestWithin(const Vector3d& position, double distance,
                                        const Vector3d& normal) const {
   TriangleHit hit;
   double best = distance * distance;
-  std::array<std::uint32_t, kBvhStack> stack{};
-  std::size_t stackSize = nodes_.empty() ? 0 : 1;
-  while (stackSize > 0) {
-    const Node& node = nodes_[stack[--stackSize]];
-    if (node.box.squaredExteriorDistance(position) > best) continue;
-    if (node.count == 0) {
-      const bool firstIsNearer = nodes_[node.first].box.squaredExteriorDistance(position) <=
-                                 nodes_[node.first + 1].box.squaredExteriorDistance(position);
-      stack[stackSize++] = firstIsNearer ? node.first + 1 : node.first;
-      stack[stackSize++] = firstIsNearer ? node.first : node.first + 1;
-      continue;
-    }
-    for (std::uint32_t i = node.first; i < node.first + node.count; ++i) {
-      const std::uint32_t triangle = order_[i];
-      const TriangleCorners& t = corners_[triangle];
-      if (areaVector(t[0], t[1], t[2]).dot(normal) < 0.0) continue;
-      const Vector3d barycentric = nearestBarycentric(t, position);
-      const Vector3d foot = pointAt(t, barycentric);
-      const double squared = (foot - position).squaredNorm();
-      if (squared > best || (squared == best && triangle > hit.triangle)) continue;
-      best = squared;
-      hit = {triangle, std::sqrt(squared), foot, barycentric};
-    }
-  }
+  const auto squaredDistance = [&](std::uint32_t node) {
+    return nodes_[node].box.squaredExteriorDistance(position);
+  };
+  traverse([&](const Node& node) { return !(node.box.squaredExteriorDistance(position) > best); },
+           [&](const Node& node) { return squaredDistance(node.first) > squaredDistance(node.first + 1); },
+           [&](std::uint32_t triangle) {
+             const TriangleCorners& t = corners_[triangle];
+             if (areaVector(t[0], t[1], t[2]).dot(normal) < 0.0) return;
+             const Vector3d barycentric = nearestBarycentric(t, position);
+             const Vector3d foot = pointAt(t, barycentric);
+             const double squared = (foot - position).squaredNorm();
+             if (squared > best || (squared == best && triangle > hit.triangle)) return;
+             best = squared;
+             hit = {triangle, std::sqrt(squared), foot, barycentric};
+           });
   return hit;
 }
 
-TriangleHit TriangleBvh::nearest(const Vector3d& position) const {
-  return nearestWithin(position, std::numeric_limits<double>::infinity());
-}
+TriangleHit TriangleBvh::nearest(const Vector3d& position) const { return nearestWithin(position, HUGE_VAL); }
 
 TriangleHit TriangleBvh::nearestFacing(const Vector3d& position, const Vector3d& normal) const {
-  return nearestWithin(position, std::numeric_limits<double>::infinity(), normal);
+  return nearestWithin(position, HUGE_VAL, normal);
 }
 
 double TriangleBvh::windingNumber(const Vector3d& position) const {
   double angle = 0.0;
-  std::array<std::uint32_t, kBvhStack> stack{};
-  std::size_t stackSize = nodes_.empty() ? 0 : 1;
-  while (stackSize > 0) {
-    const Node& node = nodes_[stack[--stackSize]];
+  const auto entersNearNodes = [&](const Node& node) {
     const Vector3d offset = node.centre - position;
     const double distance = offset.norm();
-    if (distance > kFarRadii * node.radius) {
-      angle += offset.dot(node.areaNormal) / (distance * distance * distance);
-    } else if (node.count == 0) {
-      stack[stackSize++] = node.first + 1;
-      stack[stackSize++] = node.first;
-    } else {
-      for (std::uint32_t i = node.first; i < node.first + node.count; ++i)
-        angle += solidAngle(corners_[order_[i]], position);
-    }
-  }
+    const bool isFar = distance > kFarRadii * node.radius;
+    if (isFar) angle += offset.dot(node.areaNormal) / (distance * distance * distance);
+    return !isFar;
+  };
+  traverse(
+      entersNearNodes, [](const Node&) { return false; },
+      [&](std::uint32_t triangle) { angle += solidAngle(corners_[triangle], position); });
   return angle / (4.0 * kPi);
 }
 
@@ -245,23 +238,9 @@ bool TriangleBvh::isInsideOrNear(const Vector3d& position, double tolerance) con
 /// Returns the positions where the segment from a (0) to b (1) intersects triangles, ascending.
 std::vector<double> TriangleBvh::crossings(const Vector3d& a, const Vector3d& b) const {
   std::vector<double> fractions;
-  const Vector3d direction = b - a;
-  std::array<std::uint32_t, kBvhStack> stack{};
-  std::size_t stackSize = nodes_.empty() ? 0 : 1;
-  while (stackSize > 0) {
-    const Node& node = nodes_[stack[--stackSize]];
-    if (!overlapsBox(node.box, a, direction, {0.0, 1.0})) continue;
-    if (node.count == 0) {
-      stack[stackSize++] = node.first + 1;
-      stack[stackSize++] = node.first;
-      continue;
-    }
-    for (std::uint32_t i = node.first; i < node.first + node.count; ++i) {
-      const auto intersection = intersectLine(corners_[order_[i]], a, direction, kCutMargin);
-      if (intersection && intersection->along > 0.0 && intersection->along < 1.0)
-        fractions.push_back(intersection->along);
-    }
-  }
+  forEachCrossing(a, b, kCutMargin, [&](std::uint32_t, double along) {
+    if (along > 0.0 && along < 1.0) fractions.push_back(along);
+  });
   std::sort(fractions.begin(), fractions.end());
   return fractions;
 }
@@ -291,20 +270,6 @@ bool TriangleBvh::staysInside(const Vector3d& a, const Vector3d& b, double toler
     begin = end;
   }
   return true;
-}
-
-std::size_t countPiercingEdges(const std::vector<Eigen::Vector3d>& points,
-                               const std::vector<Triangle>& triangles) {
-  const TriangleBvh surface(points, triangles);
-  const std::vector<Edge> edges = uniqueEdges(triangles);
-  const auto pierces = [&](const Edge& edge) {
-    const auto sharesNoPoint = [&](std::uint32_t triangle) {
-      const Triangle& t = triangles[triangle];
-      return std::none_of(t.begin(), t.end(), [&](std::uint32_t i) { return i == edge[0] || i == edge[1]; });
-    };
-    return surface.isPierced(points[edge[0]], points[edge[1]], sharesNoPoint);
-  };
-  return static_cast<std::size_t>(std::count_if(edges.begin(), edges.end(), pierces));
 }
 
 }  // namespace limber

@@ -68,6 +68,10 @@ class TriangleBvh {
   Eigen::AlignedBox3d boxOf(std::uint32_t first, std::uint32_t count) const;
   void setDipole(Node& node, std::uint32_t first, std::uint32_t count) const;
   void build(std::uint32_t node, std::uint32_t first, std::uint32_t count);
+  template <class Enters, class PrefersSecond, class Visit>
+  void traverse(Enters enters, PrefersSecond prefersSecond, Visit visit) const;
+  template <class Visit>
+  void forEachCrossing(const Eigen::Vector3d& a, const Eigen::Vector3d& b, double margin, Visit visit) const;
   TriangleHit nearestWithin(const Eigen::Vector3d& position, double distance,
                             const Eigen::Vector3d& normal = Eigen::Vector3d::Zero()) const;
   bool isInsideOrNear(const Eigen::Vector3d& position, double tolerance) const;
@@ -78,11 +82,5 @@ class TriangleBvh {
   std::vector<Node> nodes_;
   double margin_ = 0.0;  ///< m, by which boxes are larger than their triangles
 };
-
-/// Counts the edges of a surface that pass through the inside of one of its triangles. If two triangles
-/// cross, an edge of one of them does. Coincident or touching sheets, and edges that intersect edges, do not
-/// count.
-std::size_t countPiercingEdges(const std::vector<Eigen::Vector3d>& points,
-                               const std::vector<Triangle>& triangles);
 
 }  // namespace limber

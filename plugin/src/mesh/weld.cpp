@@ -15,57 +15,42 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
-#include <numeric>
-#include <unordered_map>
+#include <map>
+#include <set>
 #include <utility>
 #include <vector>
 
 namespace limber {
 namespace {
 
-std::string checkPositions(const TriangleMesh& mesh) {
-  for (std::size_t vertex = 0; vertex < mesh.positions.size(); ++vertex) {
-    if (!mesh.positions[vertex].allFinite()) {
-      return "the position of vertex " + std::to_string(vertex) + " is not finite";
-    }
-  }
-  return {};
-}
-
-std::string checkIndices(const TriangleMesh& mesh) {
-  for (std::size_t triangle = 0; triangle < mesh.triangles.size(); ++triangle) {
-    for (const std::uint32_t vertex : mesh.triangles[triangle]) {
-      if (vertex >= mesh.positions.size()) {
-        return "triangle " + std::to_string(triangle) + " uses vertex " + std::to_string(vertex) + " of " +
-               std::to_string(mesh.positions.size());
-      }
-    }
-  }
-  return {};
-}
-
 std::string checkCount(const char* name, std::size_t count, std::size_t vertices) {
   if (count == 0 || count == vertices) return {};
   return std::to_string(count) + " " + name + " for " + std::to_string(vertices) + " vertices";
 }
 
+std::string check(const TriangleMesh& mesh) {
+  const std::size_t vertices = mesh.positions.size();
+  if (vertices == 0) return "the mesh has no vertices";
+  if (mesh.triangles.empty()) return "the mesh has no triangles";
+  std::string reason = checkCount("normals", mesh.normals.size(), vertices);
+  if (reason.empty()) reason = checkCount("texture coordinates", mesh.uvs.size(), vertices);
+  if (!reason.empty()) return reason;
+  for (std::size_t vertex = 0; vertex < vertices; ++vertex)
+    if (!mesh.positions[vertex].allFinite())
+      return "the position of vertex " + std::to_string(vertex) + " is not finite";
+  return checkCorners(mesh.triangles, vertices, "triangle", "vertex");
+}
+
 }  // namespace
 
 Result<void> validate(const TriangleMesh& mesh) {
-  if (mesh.positions.empty()) return Error{"the mesh has no vertices"};
-  if (mesh.triangles.empty()) return Error{"the mesh has no triangles"};
-  std::string reason = checkCount("normals", mesh.normals.size(), mesh.positions.size());
-  if (reason.empty()) reason = checkCount("texture coordinates", mesh.uvs.size(), mesh.positions.size());
-  if (reason.empty()) reason = checkPositions(mesh);
-  if (reason.empty()) reason = checkIndices(mesh);
+  std::string reason = check(mesh);
   return reason.empty() ? Result<void>() : Error{std::move(reason)};
 }
 
 namespace {
 
 using Cell = std::array<std::int64_t, 3>;
-
-constexpr std::uint32_t kEndOfChain = 0xffffffffu;
 
 /// Width of cells in tolerances. With 4, the search of a position visits 3 or 4 cells on average.
 constexpr double kTolerancesPerCell = 4.0;
@@ -77,74 +62,44 @@ constexpr double kMinCellWidth = 0x1p-40;
 /// Search distance in tolerances: the excess is more than rounding can shift a border.
 constexpr double kSearchMargin = 1.001;
 
-struct CellHash {
-  std::size_t operator()(const Cell& cell) const {
-    std::uint64_t hash = 0;
-    for (const std::int64_t index : cell) {
-      hash = (hash ^ static_cast<std::uint64_t>(index)) * 0x9e3779b97f4a7c15u;  // 2^64 / golden ratio
-      hash ^= hash >> 32;
-    }
-    return static_cast<std::size_t>(hash);
-  }
-};
-
 /// The accepted positions, by their cell. A cell holds few of them, because their distances are larger than
-/// the tolerance. The hash table is never iterated, so its order has no effect.
+/// the tolerance.
 struct PositionGrid {
   double largest;  ///< no coordinate of any position is farther from 0
   double cellWidth;
-  std::unordered_map<Cell, std::uint32_t, CellHash> lastInCell;
-  std::vector<std::uint32_t> previousInCell;  ///< #positions; kEndOfChain ends the chain
+  std::map<Cell, std::vector<std::uint32_t>> cells{};
+
+  Cell cellOf(const Eigen::Vector3d& position) const {
+    const Eigen::Vector3d inside = position.cwiseMax(-largest).cwiseMin(largest);
+    const Eigen::Vector3d cell = (inside / cellWidth).array().floor();
+    return {static_cast<std::int64_t>(cell.x()), static_cast<std::int64_t>(cell.y()),
+            static_cast<std::int64_t>(cell.z())};
+  }
 };
 
-double largestCoordinate(const std::vector<Eigen::Vector3d>& positions) {
-  double largest = 0.0;
-  for (const Eigen::Vector3d& p : positions) largest = std::max(largest, p.cwiseAbs().maxCoeff());
-  return largest;
-}
-
-Cell cellOf(const Eigen::Vector3d& position, const PositionGrid& grid) {
-  const Eigen::Vector3d inside = position.cwiseMax(-grid.largest).cwiseMin(grid.largest);
-  const Eigen::Vector3d cell = (inside / grid.cellWidth).array().floor();
-  return {static_cast<std::int64_t>(cell.x()), static_cast<std::int64_t>(cell.y()),
-          static_cast<std::int64_t>(cell.z())};
-}
-
-void addPosition(PositionGrid& grid, const Cell& cell, std::uint32_t index) {
-  const auto [entry, isNew] = grid.lastInCell.try_emplace(cell, index);
-  if (isNew) return;
-  grid.previousInCell[index] = entry->second;
-  entry->second = index;
-}
-
 struct Nearest {
-  std::uint32_t index = kEndOfChain;
+  std::uint32_t index = kNoPoint;
   double distance = std::numeric_limits<double>::infinity();
 };
 
-void searchCell(const PositionGrid& grid, const std::vector<Eigen::Vector3d>& positions, const Cell& cell,
-                const Eigen::Vector3d& position, Nearest& nearest) {
-  const auto entry = grid.lastInCell.find(cell);
-  if (entry == grid.lastInCell.end()) return;
-  for (std::uint32_t other = entry->second; other != kEndOfChain; other = grid.previousInCell[other]) {
-    const double distance = (positions[other] - position).stableNorm();
-    const bool isEarlierTie = distance == nearest.distance && other < nearest.index;
-    if (distance < nearest.distance || isEarlierTie) nearest = {other, distance};
-  }
-}
-
-/// Returns the nearest accepted position if one lies within the tolerance; farther ones may be missed.
+/// Returns the nearest accepted position if one lies within the tolerance, of equally near ones the first;
+/// farther ones may be missed.
 Nearest findNearest(const PositionGrid& grid, const std::vector<Eigen::Vector3d>& positions,
                     const Eigen::Vector3d& position, double tolerance) {
   const Eigen::Vector3d searchDistance = Eigen::Vector3d::Constant(tolerance * kSearchMargin);
-  const Cell low = cellOf(position - searchDistance, grid), high = cellOf(position + searchDistance, grid);
+  const Cell low = grid.cellOf(position - searchDistance), high = grid.cellOf(position + searchDistance);
   Nearest nearest;
-  for (std::int64_t x = low[0]; x <= high[0]; ++x) {
+  for (std::int64_t x = low[0]; x <= high[0]; ++x)
     for (std::int64_t y = low[1]; y <= high[1]; ++y) {
-      for (std::int64_t z = low[2]; z <= high[2]; ++z)
-        searchCell(grid, positions, {x, y, z}, position, nearest);
+      // cells along z follow each other in the map
+      const auto end = grid.cells.upper_bound({x, y, high[2]});
+      for (auto cell = grid.cells.lower_bound({x, y, low[2]}); cell != end; ++cell)
+        for (const std::uint32_t other : cell->second) {
+          const double distance = (positions[other] - position).stableNorm();
+          const bool isEarlierTie = distance == nearest.distance && other < nearest.index;
+          if (distance < nearest.distance || isEarlierTie) nearest = {other, distance};
+        }
     }
-  }
   return nearest;
 }
 
@@ -154,21 +109,11 @@ Nearest findNearest(const PositionGrid& grid, const std::vector<Eigen::Vector3d>
 
 /// Joins equal positions (-0 equals 0) to the first of them.
 std::vector<std::uint32_t> mergeEqual(const std::vector<Eigen::Vector3d>& positions) {
-  std::vector<std::uint32_t> order(positions.size());
-  std::iota(order.begin(), order.end(), 0u);
-  std::sort(order.begin(), order.end(), [&](std::uint32_t i, std::uint32_t j) {
-    const Eigen::Vector3d &p = positions[i], &q = positions[j];
-    for (Eigen::Index axis = 0; axis < 3; ++axis) {
-      if (p[axis] != q[axis]) return p[axis] < q[axis];
-    }
-    return i < j;
-  });
-
-  std::vector<std::uint32_t> joined(positions.size());
-  std::uint32_t first = 0;
-  for (std::size_t k = 0; k < order.size(); ++k) {
-    if (k == 0 || positions[order[k]] != positions[first]) first = order[k];
-    joined[order[k]] = first;
+  std::map<std::array<double, 3>, std::uint32_t> firstAt;
+  std::vector<std::uint32_t> joined;
+  for (std::uint32_t i = 0; i < positions.size(); ++i) {
+    const Eigen::Vector3d& p = positions[i];
+    joined.push_back(firstAt.try_emplace({p.x(), p.y(), p.z()}, i).first->second);
   }
   return joined;
 }
@@ -176,15 +121,15 @@ std::vector<std::uint32_t> mergeEqual(const std::vector<Eigen::Vector3d>& positi
 /// Visits the positions in order. Each one joins the nearest accepted one within `tolerance` (the first of
 /// equally near ones), or is accepted itself. The tolerance must be above 0.
 std::vector<std::uint32_t> mergeNearby(const std::vector<Eigen::Vector3d>& positions, double tolerance) {
-  const double largest = largestCoordinate(positions);
-  const double cellWidth = std::max(tolerance * kTolerancesPerCell, largest * kMinCellWidth);
-  PositionGrid grid{largest, cellWidth, {}, std::vector<std::uint32_t>(positions.size(), kEndOfChain)};
+  double largest = 0.0;
+  for (const Eigen::Vector3d& p : positions) largest = std::max(largest, p.cwiseAbs().maxCoeff());
+  PositionGrid grid{largest, std::max(tolerance * kTolerancesPerCell, largest * kMinCellWidth)};
   std::vector<std::uint32_t> joined(positions.size());
   for (std::uint32_t i = 0; i < joined.size(); ++i) {
     const Nearest nearest = findNearest(grid, positions, positions[i], tolerance);
     const bool joins = nearest.distance <= tolerance;
     joined[i] = joins ? nearest.index : i;
-    if (!joins) addPosition(grid, cellOf(positions[i], grid), i);
+    if (!joins) grid.cells[grid.cellOf(positions[i])].push_back(i);
   }
   return joined;
 }
@@ -234,40 +179,23 @@ bool isDegenerate(const Triangle& t, const std::vector<Eigen::Vector3d>& positio
   return !hasArea(positions[t[0]], positions[t[1]], positions[t[2]]);
 }
 
-/// Returns which triangles have the same three corners as an earlier one, in any order.
-std::vector<char> findDuplicates(const std::vector<Triangle>& triangles) {
-  std::vector<std::pair<Triangle, std::size_t>> sorted;
-  sorted.reserve(triangles.size());
-  for (std::size_t i = 0; i < triangles.size(); ++i) {
-    Triangle corners = triangles[i];
-    std::sort(corners.begin(), corners.end());
-    sorted.emplace_back(corners, i);
-  }
-  std::sort(sorted.begin(), sorted.end());
-
-  std::vector<char> isDuplicate(triangles.size(), 0);
-  for (std::size_t k = 1; k < sorted.size(); ++k) {
-    if (sorted[k].first == sorted[k - 1].first) isDuplicate[sorted[k].second] = 1;
-  }
-  return isDuplicate;
-}
-
 /// Fills triangles (still with the indices of joined vertices), keptTriangles and the counts of the dropped
 /// triangles.
 void keepValidTriangles(const TriangleMesh& mesh, const std::vector<std::uint32_t>& joined,
                         WeldedMesh& welded) {
-  std::vector<Triangle> triangles;
-  triangles.reserve(mesh.triangles.size());
-  for (const Triangle& t : mesh.triangles) triangles.push_back({joined[t[0]], joined[t[1]], joined[t[2]]});
-
-  const std::vector<char> isDuplicate = findDuplicates(triangles);
-  for (std::uint32_t i = 0; i < triangles.size(); ++i) {
-    if (isDegenerate(triangles[i], mesh.positions)) {
+  std::set<Triangle> earlier;
+  for (std::uint32_t i = 0; i < mesh.triangles.size(); ++i) {
+    const Triangle& t = mesh.triangles[i];
+    const Triangle triangle{joined[t[0]], joined[t[1]], joined[t[2]]};
+    Triangle sorted = triangle;
+    std::sort(sorted.begin(), sorted.end());
+    const bool isNew = earlier.insert(sorted).second;
+    if (isDegenerate(triangle, mesh.positions)) {
       ++welded.report.degenerateTriangles;
-    } else if (isDuplicate[i]) {
+    } else if (!isNew) {
       ++welded.report.duplicateTriangles;
     } else {
-      welded.triangles.push_back(triangles[i]);
+      welded.triangles.push_back(triangle);
       welded.keptTriangles.push_back(i);
     }
   }

@@ -12,11 +12,15 @@
 #include <Eigen/Core>
 
 #include <cstdint>
-#include <functional>
 #include <unordered_map>
 #include <vector>
 
 namespace limber {
+
+/// The order of a network's springs.
+inline bool isBefore(const NetworkSpring& s, const NetworkSpring& t) {
+  return s.a != t.a ? s.a < t.a : s.b < t.b;
+}
 
 /// Returns all pairs of the `points` points that share a neighbour but no edge, sorted. `edges` must be
 /// sorted and unique.
@@ -57,9 +61,6 @@ struct BracedPiece {
   bool full() const { return braces.size() >= maxBraces; }
 };
 
-/// Is called with the progress of the current stage, 0 to 1. Returns false to end early.
-using GoOn = std::function<bool(double)>;
-
 /// Candidate pairs for braces and their benefits.
 struct BraceChoice {
   std::vector<Edge> pairs;
@@ -95,13 +96,7 @@ std::vector<Edge> candidatePairs(const BracedPiece& piece, std::size_t maxPairs,
 
 /// Returns the smallest allowed ratio of the eigenvalues of the softest and the stiffest oscillation after
 /// bracing: 1e-3. For many points it is lower, as is the ratio of a solid ball.
-double leastModeRatio(std::size_t points);
-
-/// Counterexample-guided insertion: releases the piece from large random deformations and braces the wrong
-/// shapes in which it comes to rest. Ends when it has returned from all deformations in several rounds in a
-/// row, or when the piece is full. A spring that has its rest length in a wrong shape does not resist that
-/// shape. The best brace is the pair whose distance has the largest error there.
-void addCounterexampleBraces(BracedPiece& piece, std::uint64_t seed, const GoOn& goOn);
+double minModeRatio(std::size_t points);
 
 /// One connected piece of a surface, the input of bracePiece().
 struct PieceToBrace {
@@ -126,7 +121,7 @@ struct BracingSettings {
 ///
 ///   1. chords through the body, from each point to the opposite side,
 ///   2. braces for mechanisms and near mechanisms,
-///   3. braces for the wrong shapes that remain after large deformations (addCounterexampleBraces()),
+///   3. braces for the wrong shapes that remain after large deformations.
 ///
 /// All braces are inside the body. A piece without an inside (flat, or so open that few chords are inside)
 /// gets the braces of BraceRule::TwoRing instead, without the limit. Once `goOn` has returned false, it must

@@ -9,7 +9,7 @@
 #include "network/masses.h"
 #include "network/skin.h"
 
-#include <Eigen/Core>
+#include <Eigen/Geometry>
 
 #include <algorithm>
 #include <chrono>
@@ -92,18 +92,6 @@ std::string check(const ClothSettings& settings) {
   return {};
 }
 
-std::vector<Eigen::Vector3d> clothPoints(const Grid& grid, double width, double depth) {
-  std::vector<Eigen::Vector3d> points;
-  points.reserve(grid.points());
-  for (std::uint32_t j = 0; j <= grid.rows; ++j) {
-    for (std::uint32_t i = 0; i <= grid.columns; ++i) {
-      const double u = static_cast<double>(i) / grid.columns, v = static_cast<double>(j) / grid.rows;
-      points.emplace_back(width * (u - 0.5), 0.0, depth * (v - 0.5));
-    }
-  }
-  return points;
-}
-
 /// Adds the springs from point (i, j) to points after it, in ascending order of their index:
 ///
 ///     (i, j)    (i+1, j)  (i+2, j)       structural, bending
@@ -146,17 +134,16 @@ std::vector<Triangle> clothTriangles(const Grid& grid) {
   return triangles;
 }
 
-/// u is along +x, v along -z: the image is upright seen from above with +x to the right.
-std::vector<Eigen::Vector2f> clothUvs(const Grid& grid) {
-  std::vector<Eigen::Vector2f> uvs;
-  uvs.reserve(grid.points());
+/// Adds the points with their texture coordinates. u is along +x, v along -z: the image is upright seen from
+/// above with +x to the right.
+void addClothPoints(const Grid& grid, const ClothSettings& settings, SpringNetwork& network) {
   for (std::uint32_t j = 0; j <= grid.rows; ++j) {
     for (std::uint32_t i = 0; i <= grid.columns; ++i) {
-      const double u = static_cast<double>(i) / grid.columns, v = 1.0 - static_cast<double>(j) / grid.rows;
-      uvs.emplace_back(static_cast<float>(u), static_cast<float>(v));
+      const double u = static_cast<double>(i) / grid.columns, v = static_cast<double>(j) / grid.rows;
+      network.restPoints.emplace_back(settings.width * (u - 0.5), 0.0, settings.depth * (v - 0.5));
+      network.render.uvs.emplace_back(static_cast<float>(u), static_cast<float>(1.0 - v));
     }
   }
-  return uvs;
 }
 
 }  // namespace
@@ -166,13 +153,12 @@ Result<SharedNetwork> buildCloth(const ClothSettings& settings) {
   const Grid grid{settings.columns, settings.rows};
   auto network = std::make_shared<SpringNetwork>();
   network->kind = NetworkKind::Cloth;
-  network->restPoints = clothPoints(grid, settings.width, settings.depth);
+  addClothPoints(grid, settings, *network);
   network->massFractions.assign(grid.points(), 1.0 / grid.points());
   network->springs = clothSprings(grid, settings);
   network->surface = clothTriangles(grid);
   network->render.vertexToPoint.resize(grid.points());
   std::iota(network->render.vertexToPoint.begin(), network->render.vertexToPoint.end(), 0u);
-  network->render.uvs = clothUvs(grid);
   network->render.triangles = network->surface;
   return SharedNetwork(std::move(network));
 }
@@ -218,12 +204,9 @@ bool contains(const std::vector<Interval>& intervals, double value) {
 /// edge contains the fewest points.
 std::vector<std::uint32_t> sortAlongLongestAxis(const std::vector<Eigen::Vector3d>& points,
                                                 Eigen::Index& axis) {
-  Eigen::Vector3d low = points.front(), high = points.front();
-  for (const Eigen::Vector3d& p : points) {
-    low = low.cwiseMin(p);
-    high = high.cwiseMax(p);
-  }
-  (high - low).maxCoeff(&axis);
+  Eigen::AlignedBox3d box;
+  for (const Eigen::Vector3d& p : points) box.extend(p);
+  box.sizes().maxCoeff(&axis);
   std::vector<std::uint32_t> order(points.size());
   std::iota(order.begin(), order.end(), 0u);
   std::sort(order.begin(), order.end(), [&](std::uint32_t i, std::uint32_t j) {
@@ -302,11 +285,6 @@ std::vector<Piece> splitIntoPieces(const WeldedMesh& welded) {
   return pieces;
 }
 
-void describeEdges(PieceToBrace& shape) {
-  shape.edges = uniqueEdges(shape.triangles);
-  shape.closed = findEdgeDefects(shape.triangles).none();
-}
-
 /// Returns a progress function with the time limit. Once it has returned false, it always returns false.
 Progress progressWithTimeLimit(const NetworkSettings& settings) {
   using Clock = std::chrono::steady_clock;
@@ -344,14 +322,13 @@ std::vector<NetworkSpring> connect(const WeldedMesh& welded, const NetworkSettin
   std::vector<NetworkSpring> springs;
   const Progress goOn = progressWithTimeLimit(settings);
   for (Piece& piece : splitIntoPieces(welded)) {
-    describeEdges(piece.shape);
+    piece.shape.edges = uniqueEdges(piece.shape.triangles);
+    piece.shape.closed = findEdgeDefects(piece.shape.triangles).none();
     addSprings(piece, piece.shape.edges, SpringKind::Structural, 1.0, springs);
     addSprings(piece, findBraces(piece.shape, settings, goOn), SpringKind::Brace, weightOf(settings),
                springs);
   }
-  std::sort(springs.begin(), springs.end(), [](const NetworkSpring& s, const NetworkSpring& t) {
-    return s.a != t.a ? s.a < t.a : s.b < t.b;
-  });
+  std::sort(springs.begin(), springs.end(), isBefore);
   return springs;
 }
 
@@ -364,13 +341,13 @@ Result<SharedNetwork> buildNetwork(const TriangleMesh& mesh, const NetworkSettin
   if (!welded) return Error{welded.error()};
 
   const std::vector<bool> inward = facingInward(welded->points, welded->triangles);
-  turn(welded->triangles, inward);
+  flip(welded->triangles, inward);
   auto network = std::make_shared<SpringNetwork>();
   network->kind = NetworkKind::Solid;
   network->springs = connect(*welded, settings);
-  network->massFractions = shareMass(settings.masses, welded->points, welded->triangles).shares;
+  network->massFractions = massFractions(settings.masses, welded->points, welded->triangles);
   network->render = makeRenderSurface(mesh, *welded);
-  turn(network->render.triangles, inward);
+  flip(network->render.triangles, inward);
   network->report = welded->report;
   network->restPoints = std::move(welded->points);
   network->surface = std::move(welded->triangles);

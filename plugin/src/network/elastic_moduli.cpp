@@ -1,14 +1,12 @@
 // SPDX-License-Identifier: Zlib
-// Measures the moduli of a body of springs: solves for its small displacements under uniform and bending
-// stresses.
+// Measures the moduli of a body of springs: solves for its small displacements under uniform stresses.
 
 #include "network/material.h"
 
-#include "mesh/linear_algebra.h"
 #include "mesh/surface.h"
-#include "network/masses.h"
 
 #include <Eigen/Geometry>
+#include <Eigen/LU>
 
 #include <algorithm>
 #include <array>
@@ -21,25 +19,6 @@ using Eigen::Index;
 using Eigen::Matrix3d;
 using Eigen::MatrixXd;
 using Eigen::Vector3d;
-
-/// Computes small displacements of a body under forces, about its rest shape.
-class LinearResponse {
- public:
-  explicit LinearResponse(const ElasticBody& body);
-
-  /// Returns the displacements, 3 #points x #loads, m, for forces (N) in the same order: x, y, z of each
-  /// point. For each load, the sum and the torque of the forces on every connected part of the body must be
-  /// zero.
-  Eigen::MatrixXd displacements(const Eigen::MatrixXd& forces) const;
-
-  const Eigen::MatrixXd& points() const { return points_; }  ///< 3 x #points, m, at the body's scale
-
- private:
-  Eigen::MatrixXd points_;
-  SparseFactor factor_;
-  Eigen::MatrixXd volumeGradient_;  ///< 3 #points x 1, m^2, times the root of modulus over volume; or empty
-  Eigen::MatrixXd volumeResponse_;  ///< displacements under volumeGradient_ as force, without the volume term
-};
 
 using Triplets = std::vector<Eigen::Triplet<double>>;
 
@@ -101,6 +80,8 @@ MatrixXd surfaceGradient(const ElasticBody& body, const MatrixXd& points) {
   return gradient * std::sqrt(body.volumeModulus / volume);
 }
 
+}  // namespace
+
 LinearResponse::LinearResponse(const ElasticBody& body) : points_(scaledPoints(body)) {
   Triplets triplets;
   addSprings(body, points_, triplets);
@@ -123,6 +104,8 @@ MatrixXd LinearResponse::displacements(const MatrixXd& forces) const {
   const double gradientDotResponse = volumeGradient_.col(0).dot(volumeResponse_.col(0));
   return u - product(volumeResponse_, transposedProduct(volumeGradient_, u)) / (1.0 + gradientDotResponse);
 }
+
+namespace {
 
 constexpr int kDirections = 40;
 
@@ -177,31 +160,12 @@ std::array<Matrix3d, 6> meanStrains(const ElasticBody& body) {
 }
 
 Eigen::Matrix<double, 6, 6> elasticityOf(const std::array<Matrix3d, 6>& strains) {
-  Eigen::Matrix<double, 6, 6> compliance;
+  MatrixXd compliance(6, 6);
   for (int load = 0; load < 6; ++load) {
     const Matrix3d& s = strains[static_cast<std::size_t>(load)];
     compliance.col(load) << s(0, 0), s(1, 1), s(2, 2), 2.0 * s(1, 2), 2.0 * s(2, 0), 2.0 * s(0, 1);
   }
-  return LuFactor(compliance).inverse();
-}
-
-/// The part of the surface within a distance from a position: each point's fraction of its area, and the
-/// area-weighted mean of the points.
-struct Patch {
-  Eigen::VectorXd share;
-  Vector3d middle = Vector3d::Zero();
-};
-
-Patch findPatch(const std::vector<Triangle>& surface, const MatrixXd& points, const Vector3d& position,
-                double radius) {
-  Patch patch{Eigen::VectorXd::Zero(points.cols())};
-  for (const Triangle& t : surface)
-    for (const std::uint32_t corner : t)
-      if ((points.col(corner) - position).norm() <= radius)
-        patch.share[corner] += twiceAreaVector(points, t).norm();
-  if (patch.share.sum() > 0.0) patch.share /= patch.share.sum();
-  patch.middle = points * patch.share;
-  return patch;
+  return Eigen::PartialPivLU<MatrixXd>(compliance).inverse();
 }
 
 }  // namespace
@@ -225,51 +189,6 @@ ElasticModuli measureModuli(const ElasticBody& body) {
   moduli.isotropy = *smallest / *largest;
   moduli.bulkModulus = 1.0 / (strains[0] + strains[1] + strains[2]).trace();
   moduli.elasticity = elasticityOf(strains);
-  return moduli;
-}
-
-double openingStiffness(const ElasticBody& body, const Vector3d& positionA, const Vector3d& positionB,
-                        double radius) {
-  const LinearResponse response(body);
-  const Patch a = findPatch(body.network.surface, response.points(), positionA, radius);
-  const Patch b = findPatch(body.network.surface, response.points(), positionB, radius);
-  const Vector3d apart = (b.middle - a.middle).normalized();
-  if (a.share.sum() == 0.0 || b.share.sum() == 0.0 || apart.norm() == 0.0) return 0.0;
-  const MatrixXd force = (apart * (b.share - a.share).transpose()).reshaped();
-  return 1.0 / force.col(0).dot(response.displacements(force).col(0));
-}
-
-namespace {
-
-/// Adds the tractions s_aa along axis `along`, growing along axis `across`, integrated against linear shape
-/// functions. The force of a corner is area / 12 times the sum of the stresses at all corners, where its own
-/// stress counts twice.
-void addTractions(const MatrixXd& points, const Triangle& t, const Vector3d& centre, Index along,
-                  Index across, Eigen::Ref<Eigen::VectorXd> forces) {
-  const Vector3d u = points.col(t[1]) - points.col(t[0]), v = points.col(t[2]) - points.col(t[0]);
-  const double area = u.cross(v)[along] / 2.0;
-  double sum = 0.0;
-  for (const std::uint32_t corner : t) sum += points(across, corner) - centre[across];
-  for (const std::uint32_t corner : t)
-    forces[3 * Index(corner) + along] += area / 12.0 * (sum + points(across, corner) - centre[across]);
-}
-
-}  // namespace
-
-std::array<double, 6> measureBendingModuli(const ElasticBody& body) {
-  const LinearResponse response(body);
-  const MatrixXd& points = response.points();
-  const SolidMoments solid = solidMoments(points, body.network.surface);
-  MatrixXd forces = MatrixXd::Zero(points.size(), 6);
-  const auto axes = [](Index load) { return std::array<Index, 2>{load / 2, (load / 2 + 1 + load % 2) % 3}; };
-  for (Index load = 0; load < 6; ++load)
-    for (const Triangle& t : body.network.surface)
-      addTractions(points, t, solid.centre, axes(load)[0], axes(load)[1], forces.col(load));
-  const MatrixXd u = response.displacements(forces);
-  std::array<double, 6> moduli{};
-  for (Index load = 0; load < 6; ++load)
-    moduli[std::size_t(load)] =
-        solid.volume * solid.second(axes(load)[1], axes(load)[1]) / forces.col(load).dot(u.col(load));
   return moduli;
 }
 

@@ -68,7 +68,7 @@ void transferNetwork(Stream& stream, Network& network) {
   stream.value("stiffness per modulus", network.stiffnessPerModulus);
   transferReport(stream, network.report);
   stream.array("rest points", network.restPoints);
-  stream.array("mass shares", network.massFractions);
+  stream.array("mass fractions", network.massFractions);
   stream.array("springs", network.springs);
   stream.array("surface triangles", network.surface);
   stream.array("tetrahedra", network.tetrahedra);
@@ -82,24 +82,10 @@ void transferNetwork(Stream& stream, Network& network) {
 
 // Numbers in a `.limber` file are little-endian; enumerations take one byte.
 
-template <std::size_t bytes>
-struct UnsignedOf;
-template <>
-struct UnsignedOf<1> {
-  using Type = std::uint8_t;
-};
-template <>
-struct UnsignedOf<4> {
-  using Type = std::uint32_t;
-};
-template <>
-struct UnsignedOf<8> {
-  using Type = std::uint64_t;
-};
-
-/// The unsigned number with the same bits as a T.
+/// The unsigned number with the same bits as a T, which has 1, 4 or 8 bytes.
 template <class T>
-using Bits = typename UnsignedOf<sizeof(T)>::Type;
+using Bits = std::conditional_t<sizeof(T) == 1, std::uint8_t,
+                                std::conditional_t<sizeof(T) == 4, std::uint32_t, std::uint64_t>>;
 
 template <class T>
 Bits<T> toBits(const T& value) {
@@ -254,8 +240,35 @@ std::uint64_t hashPayload(const std::uint8_t* bytes, std::size_t size) {
 
 namespace {
 
-/// Describes the problem of a file of `fileSize` bytes, from its first bytes; empty if there is none.
-using HeaderCheck = std::string (*)(const std::uint8_t* header, std::uint64_t fileSize);
+// The header: 8 bytes that begin every .limber file (like PNG's: not text, and damaged by a transfer as
+// text), the version (4 bytes), then the size and the hash of the rest (8 bytes each).
+constexpr std::array<std::uint8_t, 8> kMagic = {0x89, 'L', 'I', 'M', 'B', 'R', '\r', '\n'};
+constexpr std::uint32_t kVersion = 1;
+constexpr std::size_t kVersionAt = 8, kSizeAt = 12, kHashAt = 20, kHeaderBytes = 28;
+
+std::string checkSize(std::uint64_t expected, std::uint64_t actual) {
+  if (expected == actual) return {};
+  const std::string contents = std::to_string(expected) + " bytes after its header";
+  if (expected > actual) return "the file is too short: of " + contents + " it has " + std::to_string(actual);
+  return "the file is too long: " + std::to_string(actual - expected) + " bytes follow the " + contents;
+}
+
+/// Checks all except the hash. `header` holds the first kHeaderBytes of `fileSize` bytes, or all if there are
+/// fewer.
+std::string checkHeader(const std::uint8_t* header, std::uint64_t fileSize) {
+  const auto size = static_cast<std::size_t>(std::min<std::uint64_t>(fileSize, kHeaderBytes));
+  const std::size_t start = std::min(size, kMagic.size());
+  if (size == 0) return "not a .limber file: it is empty";
+  if (!std::equal(header, header + start, kMagic.begin()))
+    return "not a .limber file: it does not begin with the bytes of one";
+  if (size < kHeaderBytes) return "the file is too short: it ends within its header";
+  const auto version = readLittleEndian<std::uint32_t>(header + kVersionAt);
+  if (version != kVersion) {
+    return "a .limber file of version " + std::to_string(version) + ", this library reads version " +
+           std::to_string(kVersion);
+  }
+  return checkSize(readLittleEndian<std::uint64_t>(header + kSizeAt), fileSize - kHeaderBytes);
+}
 
 namespace fs = std::filesystem;
 
@@ -291,21 +304,19 @@ bool writeAndClose(Stream stream, const std::vector<std::uint8_t>& bytes) {
   return std::fclose(stream.release()) == 0 && written;
 }
 
-/// Reads all bytes of a file. The first `headerBytes` (or all, if there are fewer) must pass the check before
-/// the rest is read, so that no large foreign file is read. Errors name the file: it cannot be read, is no
-/// regular file, or the problem that the check found.
-Result<std::vector<std::uint8_t>> readWholeFile(const std::string& file, std::size_t headerBytes,
-                                                HeaderCheck check) {
+/// Reads all bytes of a file. Its header must pass checkHeader() before the rest is read, so that no large
+/// foreign file is read. Errors name the file: it cannot be read, or it is not a .limber file.
+Result<std::vector<std::uint8_t>> readWholeFile(const std::string& file) {
   std::error_code error;
   const std::uint64_t size = fs::file_size(file, error);
   if (error) return Error{errorMessage("cannot read", file, error.message())};
   const Stream stream(std::fopen(file.c_str(), "rb"));
   if (!stream) return Error{errorMessage("cannot read", file, std::strerror(errno))};
-  const std::size_t first = static_cast<std::size_t>(std::min<std::uint64_t>(size, headerBytes));
+  const std::size_t first = static_cast<std::size_t>(std::min<std::uint64_t>(size, kHeaderBytes));
   std::vector<std::uint8_t> bytes;
   if (!readMore(stream.get(), bytes, first))
     return Error{errorMessage("cannot read", file, std::strerror(errno))};
-  const std::string reason = check(bytes.data(), size);
+  const std::string reason = checkHeader(bytes.data(), size);
   if (!reason.empty()) return Error{file + ": " + reason};
   if (!readMore(stream.get(), bytes, static_cast<std::size_t>(size) - first)) {
     return Error{errorMessage("cannot read", file, "it ended while it was read")};
@@ -321,7 +332,7 @@ std::string writeWholeFile(const std::string& file, const std::vector<std::uint8
   const fs::file_status status = fs::status(file, error);
   // renaming would replace a device by a plain file
   if (fs::exists(status) && !fs::is_regular_file(status)) {
-    return errorMessage("cannot write", file, "it is no regular file");
+    return errorMessage("cannot write", file, "it is not a regular file");
   }
   std::string part;
   Stream stream = createPartFile(file, part);
@@ -339,46 +350,18 @@ std::string writeWholeFile(const std::string& file, const std::vector<std::uint8
   return errorMessage("cannot write", file, error.message());
 }
 
-// The header: 8 bytes that begin every .limber file (like PNG's: not text, and damaged by a transfer as
-// text), the version (4 bytes), then the size and the hash of the rest (8 bytes each).
-constexpr std::array<std::uint8_t, 8> kMagic = {0x89, 'L', 'I', 'M', 'B', 'R', '\r', '\n'};
-constexpr std::uint32_t kVersion = 1;
-constexpr std::size_t kVersionAt = 8, kSizeAt = 12, kHashAt = 20, kHeaderBytes = 28;
-
-std::string checkSize(std::uint64_t expected, std::uint64_t actual) {
-  if (expected == actual) return {};
-  const std::string contents = std::to_string(expected) + " bytes after its header";
-  if (expected > actual) return "cut short: of " + contents + " there are " + std::to_string(actual);
-  return "longer than it says: " + std::to_string(actual - expected) + " bytes follow the " + contents;
-}
-
-/// Checks all except the hash. `header` holds the first kHeaderBytes of `fileSize` bytes, or all if there are
-/// fewer.
-std::string checkHeader(const std::uint8_t* header, std::uint64_t fileSize) {
-  const auto size = static_cast<std::size_t>(std::min<std::uint64_t>(fileSize, kHeaderBytes));
-  const std::size_t start = std::min(size, kMagic.size());
-  if (size == 0) return "no .limber file: it is empty";
-  if (!std::equal(header, header + start, kMagic.begin())) return "no .limber file: it begins otherwise";
-  if (size < kHeaderBytes) return "cut short: it ends within its header";
-  const auto version = readLittleEndian<std::uint32_t>(header + kVersionAt);
-  if (version != kVersion) {
-    return "a .limber file of version " + std::to_string(version) + ", this library reads version " +
-           std::to_string(kVersion);
-  }
-  return checkSize(readLittleEndian<std::uint64_t>(header + kSizeAt), fileSize - kHeaderBytes);
-}
-
 std::string checkHash(const std::uint8_t* bytes, std::size_t size) {
   const auto expected = readLittleEndian<std::uint64_t>(bytes + kHashAt);
   const std::uint64_t actual = hashPayload(bytes + kHeaderBytes, size - kHeaderBytes);
-  return expected == actual ? std::string() : "damaged: its hash is not that of its contents";
+  return expected == actual ? std::string() : "the file is damaged: its hash is not that of its contents";
 }
 
 std::string readContents(const std::uint8_t* bytes, std::size_t size, SpringNetwork& network) {
   NetworkReader reader(bytes, size);
   transferNetwork(reader, network);
   if (!reader.problem().empty()) return reader.problem();
-  if (reader.bytesLeft() > 0) return std::to_string(reader.bytesLeft()) + " bytes are left over at the end";
+  if (reader.bytesLeft() > 0)
+    return std::to_string(reader.bytesLeft()) + " bytes follow the end of its contents";
   return validate(network).error();
 }
 
@@ -412,7 +395,7 @@ Result<void> saveNetwork(const SpringNetwork& network, const std::string& file) 
 }
 
 Result<SharedNetwork> loadNetwork(const std::string& file) {
-  const Result<std::vector<std::uint8_t>> bytes = readWholeFile(file, kHeaderBytes, checkHeader);
+  const Result<std::vector<std::uint8_t>> bytes = readWholeFile(file);
   if (!bytes) return Error{bytes.error()};
   Result<SharedNetwork> network = fromBytes(bytes->data(), bytes->size());
   return network ? network : Error{file + ": " + network.error()};

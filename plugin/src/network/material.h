@@ -3,6 +3,8 @@
 // elasticity of a material.
 #pragma once
 
+#include "mesh/linear_algebra.h"
+
 #include <limber/spring_network.h>
 
 #include <Eigen/Core>
@@ -19,6 +21,25 @@ struct ElasticBody {
   double stiffness = 1.0;      ///< N/m of a spring of stiffnessScale 1
   double volumeModulus = 0.0;  ///< Pa, of each tetrahedron or, without tetrahedra, of the whole inside
   Eigen::Vector3d scale = Eigen::Vector3d::Ones();
+};
+
+/// Computes small displacements of a body under forces, about its rest shape.
+class LinearResponse {
+ public:
+  explicit LinearResponse(const ElasticBody& body);
+
+  /// Returns the displacements, 3 #points x #loads, m, for forces (N) in the same order: x, y, z of each
+  /// point. For each load, the sum and the torque of the forces on every connected part of the body must be
+  /// zero.
+  Eigen::MatrixXd displacements(const Eigen::MatrixXd& forces) const;
+
+  const Eigen::MatrixXd& points() const { return points_; }  ///< 3 x #points, m, at the body's scale
+
+ private:
+  Eigen::MatrixXd points_;
+  SparseFactor factor_;
+  Eigen::MatrixXd volumeGradient_;  ///< 3 #points x 1, m^2, times the root of modulus over volume; or empty
+  Eigen::MatrixXd volumeResponse_;  ///< displacements under volumeGradient_ as force, without the volume term
 };
 
 /// Response of a body to small uniform stresses. For a homogeneous isotropic solid of any shape these are the
@@ -39,23 +60,6 @@ struct ElasticModuli {
 /// has the moduli of its mirror image. The network must have a closed surface. A body with mechanisms has
 /// moduli near 0. Takes seconds for 5 000 points.
 ElasticModuli measureModuli(const ElasticBody& body);
-
-/// Returns the stiffness (N/m) against opening, for example of an L or a horseshoe: the force between two
-/// parts of the surface over the change of their distance. The parts are the points within `radius` (m) of
-/// the two positions. The force is spread evenly over the area of each part, along the line between their
-/// centres. 0 if either part is empty.
-double openingStiffness(const ElasticBody& body, const Eigen::Vector3d& positionA,
-                        const Eigen::Vector3d& positionB, double radius);
-
-/// Returns the Young's moduli (Pa) of a body in bending, for six stresses of 1 Pa/m:
-///     s_aa = x_b - centre_b
-/// along each axis a, varying along each other axis b. Such a stress is in equilibrium without forces inside.
-/// On a homogeneous isotropic solid of any shape it does the work
-///     1/E integral of (x_b - centre_b)^2,
-/// so all six moduli equal its Young's modulus. Networks are calibrated by uniform stresses; their
-/// deviation here is the error of discretisation. The order of ab is xy xz yz yx zx zy. The network must have
-/// a closed surface.
-std::array<double, 6> measureBendingModuli(const ElasticBody& body);
 
 /// A totally symmetric tensor of fourth degree, such as the elasticity of springs
 /// (Cauchy-Born: C = sum k L^2 n n n n / V). Holds the 15 entries xxxx yyyy zzzz xxxy xxxz yyyx yyyz zzzx

@@ -1,19 +1,17 @@
 // SPDX-License-Identifier: Zlib
-// Declares bodies of a network that move outside a world: their energy terms, their relaxation after large
-// deformations, their time steps and their stiffness against their own weight.
+// Declares bodies of a network that move outside a world: their energy terms, their large deformations and
+// their relaxation.
 #pragma once
 
 #include "solver/point_state.h"
 #include "solver/verlet_step.h"
 
-#include <limber/network_analysis.h>
 #include <limber/network_builder.h>
 #include <limber/soft_body_settings.h>
 #include <limber/spring_network.h>
 
 #include <cstdint>
 #include <functional>
-#include <optional>
 #include <vector>
 
 namespace limber {
@@ -73,46 +71,5 @@ bool canRelax(RelaxedBody& body);
 /// seed, run) alone. Every point is moved by up to a further 1e-4 of the size, so that a body is never
 /// exactly in an unstable equilibrium.
 Points deform(const Points& rest, Deformation kind, std::uint64_t seed, std::uint64_t run);
-
-/// Returns a seed that differs from `seed`: a network that was braced against the deformations of one seed
-/// must not be measured with the same ones.
-std::uint64_t measuringSeed(std::uint64_t seed);
-
-/// Releases the network from `runs` seeded deformations of this kind, lightly damped, with the volume term of
-/// a body with default settings, and counts the runs that return. Run i depends on (kind, seed, i) alone.
-/// `progress` may be empty; when it returns false, the result covers the runs done so far. There are no runs
-/// if their results would be meaningless, see canRelax(). The seed of the deformations is
-/// measuringSeed(seed).
-ReturnRate measureReturns(const SpringNetwork& network, Deformation kind, std::uint32_t runs,
-                          std::uint64_t seed, const Progress& progress = {});
-
-/// Substeps of velocity Verlet. Dampers do not change them, see verlet_step.h.
-struct TimeSteps {
-  double critical =
-      0.0;  ///< s: 2 / omega of the stiffest oscillation about the rest shape. Longer ones are unstable
-  double safe = 0.0;  ///< s: from Gershgorin's bound of omega, which is valid at any deformation of the
-                      ///< springs; the volume terms count as at rest
-};
-
-/// Returns the time steps of a body with the settings' masses, stiffness, scale and volume modulus; infinite
-/// if nothing is stiff.
-TimeSteps timeSteps(const SpringNetwork& network, const SoftBodySettings& settings);
-
-/// Returns the spring constant (N/m) below which a body collapses under its own weight. The body starts at
-/// rest in its modelled orientation, with its lowest point on a rough floor and gravity along -y. It sinks
-/// until it rests; then gravity is removed. It supports itself if it stands at least half as high as modelled
-/// and returns to its shape afterwards. The error is about 4 %. Infinite for bodies that collapse at any
-/// stiffness, 0 without gravity or springs.
-///
-/// In units of the size L, the mean mass m of a point and the stiffness k, a body depends only on the load
-/// m g / (k L). The function searches the smallest load that is too large. It uses the settings that define
-/// these units (total mass, scale, stiffness) and the volume modulus, whose ratio to the stiffness is kept.
-/// `gravity` is in m/s^2.
-///
-/// Pieces that no spring joins are tested one by one; the largest constant is returned. Returns nothing if
-/// `progress` (may be empty) ends it early, or if the body's fastest oscillation is so fast compared to its
-/// slow ones that a simulation until rest would need too many steps.
-std::optional<double> minStiffness(const SpringNetwork& network, const SoftBodySettings& settings,
-                                   double gravity, const Progress& progress = {});
 
 }  // namespace limber

@@ -26,8 +26,6 @@ namespace {
 using Eigen::Index;
 using Eigen::Vector3d;
 
-using SparseRows = Eigen::SparseMatrix<double, Eigen::RowMajor>;
-
 /// Number of nearest points to which straight paths are tested; farther ones have little weight in a skin.
 constexpr std::size_t kMaxNeighbours = 200;
 /// Fraction of the size of the body by which straight paths may leave the surface.
@@ -214,11 +212,11 @@ SkinProblem makeProblem(const SpringNetwork& network, const WeldedMesh& mesh, Sk
 std::string checkInput(const SpringNetwork& network, const WeldedMesh& mesh, const SkinSettings& settings) {
   if (settings.neighbours < 4)
     return "a skin of " + std::to_string(settings.neighbours) +
-           " neighbours was asked for, it takes 4 or more";
+           " neighbours per vertex is not possible, it needs 4 or more";
   if (Result<void> valid = validate(network); !valid) return "network: " + valid.error();
   if (network.surface.empty()) return "a network without a surface has no skin";
   if (!spansSpace(network.restPoints))
-    return "the points of the network lie in a plane: no skin can ride on them";
+    return "the points of the network lie in a plane, so they cannot move a skin";
   const std::size_t weights =
       std::max(mesh.points.size(), network.restPoints.size()) * network.restPoints.size();
   if (settings.kind == SkinKind::Dense && weights > kMaxWeights) {
@@ -278,7 +276,9 @@ Result<SkinWeights> skinWeights(const SpringNetwork& network, const WeldedMesh& 
   SkinWeights weights = solve(network, makeProblem(network, mesh, settings.kind), settings);
   const auto finite = [](double w) { return std::isfinite(w); };
   if (!std::all_of(weights.weights.begin(), weights.weights.end(), finite))
-    return Error{"no skin can ride on this network: points coincide, or triangles have no area"};
+    return Error{
+        "the skin has weights that are not finite: points of the network coincide, or triangles have no "
+        "area"};
   return weights;
 }
 
@@ -287,12 +287,12 @@ Result<SharedNetwork> withSkin(const SpringNetwork& network, const TriangleMesh&
   Result<WeldedMesh> welded = weld(mesh, settings.weldTolerance);
   if (!welded) return Error{welded.error()};
   const std::vector<bool> inward = facingInward(welded->points, welded->triangles);
-  turn(welded->triangles, inward);
+  flip(welded->triangles, inward);
   Result<SkinWeights> weights = skinWeights(network, *welded, settings);
   if (!weights) return Error{weights.error()};
   auto skinned = std::make_shared<SpringNetwork>(network);
   skinned->render = makeRenderSurface(mesh, *welded, rounded(*weights));
-  turn(skinned->render.triangles, inward);
+  flip(skinned->render.triangles, inward);
   return SharedNetwork(std::move(skinned));
 }
 

@@ -9,6 +9,7 @@
 #include "network/tetrahedra.h"
 
 #include <Eigen/Geometry>
+#include <Eigen/LU>
 
 #include <algorithm>
 #include <cmath>
@@ -23,6 +24,7 @@ using Eigen::RowVector3d;
 using Eigen::Vector3d;
 using Eigen::Vector4d;
 using Eigen::VectorXd;
+using Lu = Eigen::PartialPivLU<MatrixXd>;
 
 constexpr std::uint32_t kNoTriangle = 0xffffffffu;
 
@@ -102,20 +104,15 @@ std::uint32_t fourthCorner(const std::vector<Vector3d>& points, const std::vecto
   const auto hit = bvh.firstHit(middle, -unitNormal(points, t), 1e-3 * size, HUGE_VAL);
   std::uint32_t best = kNoTriangle;
   double steepest = kMinSteepness;
-  if (hit) {
-    for (const std::uint32_t point : surface[hit.triangle]) {
-      if (steepness(points, t, point) <= steepest) continue;
-      steepest = steepness(points, t, point);
-      best = point;
-    }
-  }
+  const auto keepSteeper = [&](std::uint32_t point) {
+    const double steep = steepness(points, t, point);
+    if (steep > steepest) best = point, steepest = steep;
+  };
+  if (hit)
+    for (const std::uint32_t point : surface[hit.triangle]) keepSteeper(point);
   if (best != kNoTriangle) return best;
   steepest = 0.0;
-  for (std::uint32_t point = 0; point < points.size(); ++point) {
-    if (steepness(points, t, point) <= steepest) continue;
-    steepest = steepness(points, t, point);
-    best = point;
-  }
+  for (std::uint32_t point = 0; point < points.size(); ++point) keepSteeper(point);
   return best;
 }
 
@@ -281,8 +278,8 @@ void fadeOut(const MatrixXd& inverse, const SparseRows& variances, Index place, 
   const Eigen::Map<const VectorXd> d(deviation.data(), count);
   const MatrixXd columns = chosenRows(inverse, faded).transpose() * d.asDiagonal();  // M^-1 is symmetric
   const MatrixXd system = MatrixXd::Identity(count, count) + d.asDiagonal() * chosenRows(columns, faded);
-  const VectorXd right = d.cwiseProduct(VectorXd(chosenRows(solution, faded)));
-  solution -= product(columns, LuFactor(system).solve(right));
+  const MatrixXd right = d.cwiseProduct(VectorXd(chosenRows(solution, faded)));
+  solution -= product(columns, MatrixXd(Lu(system).solve(right)));
 }
 
 struct RowSpread {
@@ -348,8 +345,8 @@ SkinWeights denseWeights(const SkinProblem& problem) {
   const MatrixXd points = frame.toFrame(asRows(problem.points)),
                  places = frame.toFrame(asRows(problem.places));
   const Index n = points.rows();
-  const LuFactor factors(interpolationMatrix(kSmooth, points));
-  const MatrixXd inverse = problem.variances.nonZeros() > 0 ? factors.inverse() : MatrixXd();
+  const Lu factors(interpolationMatrix(kSmooth, points));
+  const MatrixXd inverse = problem.variances.nonZeros() > 0 ? MatrixXd(factors.inverse()) : MatrixXd();
   SkinWeights result;
   result.weights.reserve(problem.points.size() * problem.places.size());
   result.points.reserve(problem.points.size() * problem.places.size());
@@ -384,8 +381,8 @@ SkinWeights sparseWeights(const SkinProblem& problem, std::uint32_t neighbours) 
     MatrixXd system = interpolationMatrix(kCubic, scaled);
     for (std::size_t j = 0; j < chosen.size(); ++j)
       system(Index(j), Index(j)) += variances[chosen[j]] / cube(frame.unit);
-    MatrixXd weights =
-        LuFactor(system).solve(rightSides(kCubic, scaled, place)).topRows(neighbourPoints.rows());
+    MatrixXd weights = Lu(system).solve(rightSides(kCubic, scaled, place));
+    weights.conservativeResize(neighbourPoints.rows(), 1);
     makeAffineExact(scaled, place, weights);
     result.weights.insert(result.weights.end(), weights.data(), weights.data() + weights.size());
     for (const Index point : chosen) result.points.push_back(static_cast<std::uint32_t>(point));

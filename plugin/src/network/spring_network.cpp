@@ -3,44 +3,42 @@
 
 #include <limber/spring_network.h>
 
+#include "mesh/edges.h"
+
 #include <Eigen/Geometry>
 
-#include <array>
+#include <algorithm>
 #include <cmath>
-#include <cstddef>
 
 namespace limber {
 namespace {
 
 /// Tolerance of the sum of the mass fractions: the rounding of a sum of millions.
-constexpr double kShareRounding = 1e-9;
+constexpr double kFractionRounding = 1e-9;
 
-/// Tolerance of the sum of the weights of a place: the rounding of thousands of floats.
+/// Tolerance of the sum of the weights of a skinned point: the rounding of thousands of floats.
 constexpr double kWeightRounding = 1e-4;
-
-using Pair = std::array<std::uint32_t, 2>;
-
-std::string name(const char* what, std::size_t index) { return what + (" " + std::to_string(index)); }
 
 std::string checkPoints(const std::vector<Eigen::Vector3d>& points) {
   if (points.empty()) return "the network has no points";
   for (std::size_t i = 0; i < points.size(); ++i) {
-    if (!points[i].allFinite()) return name("point", i) + " is not finite";
+    if (!points[i].allFinite()) return numbered("point", i) + " is not finite";
   }
   return {};
 }
 
-std::string checkMassShares(const std::vector<double>& shares, std::size_t points) {
-  if (shares.size() != points) {
-    return std::to_string(shares.size()) + " mass shares for " + std::to_string(points) + " points";
+std::string checkMassFractions(const std::vector<double>& fractions, std::size_t points) {
+  if (fractions.size() != points) {
+    return std::to_string(fractions.size()) + " mass fractions for " + std::to_string(points) + " points";
   }
   double sum = 0.0;
-  for (std::size_t i = 0; i < shares.size(); ++i) {
-    if (!std::isfinite(shares[i]) || shares[i] <= 0.0) return name("mass share", i) + " is not above 0";
-    sum += shares[i];
+  for (std::size_t i = 0; i < fractions.size(); ++i) {
+    if (!std::isfinite(fractions[i]) || fractions[i] <= 0.0)
+      return numbered("mass fraction", i) + " is not above 0";
+    sum += fractions[i];
   }
-  if (std::abs(sum - 1.0) > kShareRounding)
-    return "the mass shares sum to " + std::to_string(sum) + ", not to 1";
+  if (std::abs(sum - 1.0) > kFractionRounding)
+    return "the mass fractions sum to " + std::to_string(sum) + ", not to 1";
   return {};
 }
 
@@ -56,22 +54,11 @@ std::string checkSpring(const NetworkSpring& spring, std::size_t points) {
 std::string checkSprings(const std::vector<NetworkSpring>& springs, std::size_t points) {
   for (std::size_t i = 0; i < springs.size(); ++i) {
     const std::string reason = checkSpring(springs[i], points);
-    if (!reason.empty()) return name("spring", i) + reason;
+    if (!reason.empty()) return numbered("spring", i) + reason;
     if (i == 0) continue;
-    const Pair previous{springs[i - 1].a, springs[i - 1].b}, pair{springs[i].a, springs[i].b};
-    if (pair == previous) return name("spring", i) + " joins the same points as the one before";
-    if (pair < previous) return name("spring", i) + " is not in the order of its points";
-  }
-  return {};
-}
-
-std::string checkTriangles(const std::vector<Triangle>& triangles, std::size_t count,
-                           const char* triangleName, const char* cornerName) {
-  for (std::size_t i = 0; i < triangles.size(); ++i) {
-    for (const std::uint32_t corner : triangles[i]) {
-      if (corner < count) continue;
-      return name(triangleName, i) + " uses " + name(cornerName, corner) + " of " + std::to_string(count);
-    }
+    const Edge previous{springs[i - 1].a, springs[i - 1].b}, pair{springs[i].a, springs[i].b};
+    if (pair == previous) return numbered("spring", i) + " joins the same points as the one before";
+    if (pair < previous) return numbered("spring", i) + " is not in the order of its points";
   }
   return {};
 }
@@ -86,7 +73,7 @@ std::string checkCornersDiffer(const std::vector<Triangle>& triangles) {
   for (std::size_t i = 0; i < triangles.size(); ++i) {
     const Triangle& t = triangles[i];
     if (t[0] == t[1] || t[1] == t[2] || t[2] == t[0])
-      return name("surface triangle", i) + " has one corner twice";
+      return numbered("surface triangle", i) + " has one corner twice";
   }
   return {};
 }
@@ -96,20 +83,15 @@ std::string checkNoTetrahedronTwice(std::vector<Tetrahedron> tetrahedra) {
   std::sort(tetrahedra.begin(), tetrahedra.end());
   const auto twice = std::adjacent_find(tetrahedra.begin(), tetrahedra.end());
   if (twice == tetrahedra.end()) return {};
-  return "a tetrahedron of " + name("point", (*twice)[0]) + ", " + std::to_string((*twice)[1]) + ", " +
-         std::to_string((*twice)[2]) + " and " + std::to_string((*twice)[3]) + " is there twice";
+  return "a tetrahedron of " + numbered("point", (*twice)[0]) + ", " + std::to_string((*twice)[1]) + ", " +
+         std::to_string((*twice)[2]) + " and " + std::to_string((*twice)[3]) + " occurs twice";
 }
 
 std::string checkTetrahedra(const std::vector<Tetrahedron>& tetrahedra,
                             const std::vector<Eigen::Vector3d>& points) {
   for (std::size_t i = 0; i < tetrahedra.size(); ++i) {
-    for (const std::uint32_t corner : tetrahedra[i]) {
-      if (corner < points.size()) continue;
-      return name("tetrahedron", i) + " uses " + name("point", corner) + " of " +
-             std::to_string(points.size());
-    }
     if (!(spannedVolume(points, tetrahedra[i]) > 0.0))
-      return name("tetrahedron", i) + " has a volume that is not above 0";
+      return numbered("tetrahedron", i) + " has a volume that is not above 0";
   }
   return {};
 }
@@ -126,22 +108,23 @@ std::string checkSkinSizes(const Skin& skin) {
   }
   const std::size_t last = skin.firstWeight.empty() ? 0 : skin.firstWeight.back();
   if (last != skin.weights.size()) {
-    return "the places of the skin have " + std::to_string(last) + " weights, there are " +
+    return "the skinned points have " + std::to_string(last) + " weights, there are " +
            std::to_string(skin.weights.size());
   }
   if (!skin.firstWeight.empty() && skin.firstWeight.front() != 0)
-    return "the skin's first place does not begin at weight 0";
+    return "the first skinned point does not begin at weight 0";
   for (std::size_t i = 0; i < skin.size(); ++i) {
-    if (skin.firstWeight[i] >= skin.firstWeight[i + 1]) return name("skin place", i) + " has no weights";
+    if (skin.firstWeight[i] >= skin.firstWeight[i + 1])
+      return numbered("skinned point", i) + " has no weights";
   }
   return {};
 }
 
-std::string checkSkinPlace(const Skin& skin, std::size_t place, std::size_t points) {
+std::string checkSkinnedPoint(const Skin& skin, std::size_t index, std::size_t points) {
   double sum = 0.0;
-  for (std::uint32_t w = skin.firstWeight[place]; w < skin.firstWeight[place + 1]; ++w) {
+  for (std::uint32_t w = skin.firstWeight[index]; w < skin.firstWeight[index + 1]; ++w) {
     if (skin.points[w] >= points)
-      return " rides on " + name("point", skin.points[w]) + " of " + std::to_string(points);
+      return " follows " + numbered("point", skin.points[w]) + " of " + std::to_string(points);
     if (!std::isfinite(skin.weights[w])) return " has a weight that is not finite";
     sum += static_cast<double>(skin.weights[w]);
   }
@@ -152,18 +135,18 @@ std::string checkSkinPlace(const Skin& skin, std::size_t place, std::size_t poin
 std::string checkSkin(const Skin& skin, std::size_t points) {
   std::string reason = checkSkinSizes(skin);
   for (std::size_t i = 0; reason.empty() && i < skin.size(); ++i) {
-    const std::string problem = checkSkinPlace(skin, i, points);
-    if (!problem.empty()) reason = name("skin place", i) + problem;
+    const std::string problem = checkSkinnedPoint(skin, i, points);
+    if (!problem.empty()) reason = numbered("skinned point", i) + problem;
   }
   return reason;
 }
 
-/// `target`: what the vertices follow, points or places of the skin.
+/// `target`: what the vertices follow, points or skinned points.
 std::string checkVertexToPoint(const std::vector<std::uint32_t>& vertexToPoint, std::size_t count,
                                const char* target) {
   for (std::size_t i = 0; i < vertexToPoint.size(); ++i) {
     if (vertexToPoint[i] < count || vertexToPoint[i] == kNoPoint) continue;
-    return name("render vertex", i) + " rides on " + name(target, vertexToPoint[i]) + " of " +
+    return numbered("render vertex", i) + " follows " + numbered(target, vertexToPoint[i]) + " of " +
            std::to_string(count);
   }
   return {};
@@ -173,7 +156,8 @@ std::string checkPointless(const RenderSurface& render) {
   for (std::size_t i = 0; i < render.triangles.size(); ++i) {
     for (const std::uint32_t vertex : render.triangles[i]) {
       if (render.vertexToPoint[vertex] != kNoPoint) continue;
-      return name("render triangle", i) + " uses " + name("vertex", vertex) + ", which rides on no point";
+      return numbered("render triangle", i) + " uses " + numbered("vertex", vertex) +
+             ", which follows no point";
     }
   }
   return {};
@@ -189,9 +173,9 @@ std::string checkRender(const RenderSurface& render, std::size_t points) {
   std::string reason = checkSkin(render.skin, points);
   if (reason.empty()) {
     reason = checkVertexToPoint(render.vertexToPoint, noSkin ? points : render.skin.size(),
-                                noSkin ? "point" : "skin place");
+                                noSkin ? "point" : "skinned point");
   }
-  if (reason.empty()) reason = checkTriangles(render.triangles, vertices, "render triangle", "vertex");
+  if (reason.empty()) reason = checkCorners(render.triangles, vertices, "render triangle", "vertex");
   if (reason.empty()) reason = checkPointless(render);
   return reason;
 }
@@ -210,10 +194,11 @@ std::string checkRopeHasNoSurface(const SpringNetwork& network) {
 Result<void> validate(const SpringNetwork& network) {
   const std::size_t points = network.restPoints.size();
   std::string reason = checkPoints(network.restPoints);
-  if (reason.empty()) reason = checkMassShares(network.massFractions, points);
+  if (reason.empty()) reason = checkMassFractions(network.massFractions, points);
   if (reason.empty()) reason = checkSprings(network.springs, points);
-  if (reason.empty()) reason = checkTriangles(network.surface, points, "surface triangle", "point");
+  if (reason.empty()) reason = checkCorners(network.surface, points, "surface triangle", "point");
   if (reason.empty()) reason = checkCornersDiffer(network.surface);
+  if (reason.empty()) reason = checkCorners(network.tetrahedra, points, "tetrahedron", "point");
   if (reason.empty()) reason = checkTetrahedra(network.tetrahedra, network.restPoints);
   if (reason.empty()) reason = checkNoTetrahedronTwice(network.tetrahedra);
   if (reason.empty()) reason = checkStiffnessPerModulus(network.stiffnessPerModulus);

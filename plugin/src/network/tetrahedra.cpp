@@ -47,7 +47,7 @@ std::string whyNotSolid(const MeshReport& report) {
 }
 
 SolidSurface makeSolidSurface(const WeldedMesh& mesh) {
-  const std::vector<Triangle> triangles = turnedOutward(mesh.points, mesh.triangles);
+  const std::vector<Triangle> triangles = facingOutward(mesh.points, mesh.triangles);
   SolidSurface s{triangles, {}, {}, {}, 0, TriangleBvh(mesh.points, triangles), {}, 0.0};
   SurfaceComponents components = findComponents(mesh.points.size(), triangles);
   s.pieces = components.count;
@@ -143,13 +143,8 @@ Vector3d meanOfNeighbours(const Fit& fit, std::uint32_t point) {
 /// SIGGRAPH 1997). This restores sharp edges and corners, which the lattice cuts off, and the volume of round
 /// bodies. Spreads the points inside evenly. Points move one after the other, as far as the angles allow.
 void fitSurface(TetrahedralMesh& mesh, const SolidSurface& surface) {
-  Fit fit{mesh, {}, {}};
-  fit.tetrahedraAt.resize(mesh.points.size());
-  fit.trianglesAt.resize(mesh.points.size());
-  for (std::uint32_t t = 0; t < mesh.tetrahedra.size(); ++t)
-    for (const std::uint32_t point : mesh.tetrahedra[t]) fit.tetrahedraAt[point].push_back(t);
-  for (std::uint32_t t = 0; t < mesh.surface.size(); ++t)
-    for (const std::uint32_t point : mesh.surface[t]) fit.trianglesAt[point].push_back(t);
+  Fit fit{mesh, elementsOfPoints(mesh.points.size(), mesh.tetrahedra),
+          elementsOfPoints(mesh.points.size(), mesh.surface)};
   for (int round = 0; round < kRounds; ++round)
     for (std::uint32_t point = 0; point < mesh.points.size(); ++point)
       moveTowards(fit, point,

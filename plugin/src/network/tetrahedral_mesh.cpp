@@ -122,14 +122,6 @@ Indices groupAround(const std::vector<Tetrahedron>& tetrahedra, const FaceNeighb
   return group;
 }
 
-/// Returns the tetrahedra at each point, ascending.
-std::vector<Indices> tetrahedraOfPoints(const TetrahedralMesh& mesh) {
-  std::vector<Indices> at(mesh.points.size());
-  for (std::uint32_t t = 0; t < mesh.tetrahedra.size(); ++t)
-    for (const std::uint32_t point : mesh.tetrahedra[t]) at[point].push_back(t);
-  return at;
-}
-
 /// Returns the edges of more than two triangles of the surface.
 std::vector<Edge> nonManifoldEdges(const std::vector<Triangle>& surface) {
   std::vector<Edge> edges, nonManifold;
@@ -165,7 +157,7 @@ bool removeAtNonManifoldEdges(TetrahedralMesh& mesh) {
   const FaceNeighbours neighbours = findFaceNeighbours(mesh.tetrahedra);
   const std::vector<Edge> nonManifold = nonManifoldEdges(surfaceOf(mesh.tetrahedra, neighbours));
   if (nonManifold.empty()) return true;
-  const std::vector<Indices> at = tetrahedraOfPoints(mesh);
+  const std::vector<Indices> at = elementsOfPoints(mesh.points.size(), mesh.tetrahedra);
   std::vector<char> marked(mesh.tetrahedra.size(), 0);
   for (const Edge& edge : nonManifold) {
     Indices subset;
@@ -179,7 +171,7 @@ bool removeAtNonManifoldEdges(TetrahedralMesh& mesh) {
 
 void splitPoints(TetrahedralMesh& mesh) {
   const FaceNeighbours neighbours = findFaceNeighbours(mesh.tetrahedra);
-  const std::vector<Indices> at = tetrahedraOfPoints(mesh);
+  const std::vector<Indices> at = elementsOfPoints(mesh.points.size(), mesh.tetrahedra);
   for (std::uint32_t point = 0; point < at.size(); ++point) {
     const Indices group = groupAround(mesh.tetrahedra, neighbours, at[point], {point});
     for (std::uint32_t first = 1; first < group.size(); ++first) {

@@ -18,6 +18,7 @@
 #include <exception>
 #include <filesystem>
 #include <fstream>
+#include <map>
 #include <numeric>
 #include <sstream>
 #include <string>
@@ -29,19 +30,6 @@ namespace {
 
 using Eigen::Vector2d;
 using Eigen::Vector3d;
-
-bool isPly(const std::string& firstLine) {
-  const std::string magic = firstLine.substr(0, 3);
-  return magic == "ply" || magic == "PLY";
-}
-
-/// Returns the first word of a line; empty for a line without words.
-std::string firstWord(const std::string& line) {
-  std::istringstream words(line);
-  std::string word;
-  words >> word;
-  return word;
-}
 
 /// Checks a line such as "element vertex 812": each element takes at least one byte.
 std::string checkElement(const std::string& line, std::uintmax_t fileSize) {
@@ -62,10 +50,11 @@ std::string checkPlyHeader(const std::string& path) {
   std::ifstream file(path, std::ios::binary);
   std::string line;
   std::getline(file, line);
-  if (!isPly(line)) return {};
+  if (const std::string magic = line.substr(0, 3); magic != "ply" && magic != "PLY") return {};
   const std::uintmax_t fileSize = std::filesystem::file_size(path);
   while (std::getline(file, line)) {
-    const std::string word = firstWord(line);
+    std::string word;
+    std::istringstream(line) >> word;
     if (word == "end_header") return {};
     if (word != "element") continue;
     if (std::string reason = checkElement(line, fileSize); !reason.empty()) return reason;
@@ -190,10 +179,7 @@ Eigen::Matrix4d toEigen(const aiMatrix4x4& m) {
 bool isPolygon(const aiFace& face) { return face.mNumIndices >= 3; }
 
 bool hasPolygons(const aiMesh& mesh) {
-  for (unsigned face = 0; face < mesh.mNumFaces; ++face) {
-    if (isPolygon(mesh.mFaces[face])) return true;
-  }
-  return false;
+  return std::any_of(mesh.mFaces, mesh.mFaces + mesh.mNumFaces, isPolygon);
 }
 
 /// Returns the existing children: assimp's RAW reader leaves some out.
@@ -214,14 +200,6 @@ void collectPlacements(const aiScene& scene, const aiNode& node, const Eigen::Ma
       placements.push_back({mesh, toRoot.topLeftCorner<3, 3>(), toRoot.topRightCorner<3, 1>()});
   }
   for (const aiNode* child : childrenOf(node)) collectPlacements(scene, *child, toRoot, placements);
-}
-
-template <class Has>
-bool allHave(const std::vector<Placement>& placements, Has has) {
-  for (const Placement& placement : placements) {
-    if (!has(*placement.mesh)) return false;
-  }
-  return true;
 }
 
 void addPositions(const Placement& placement, std::vector<Eigen::Vector3d>& positions) {
@@ -309,8 +287,10 @@ std::string checkScene(const aiScene& scene) {
 TriangleMesh joinMeshes(const aiScene& scene) {
   std::vector<Placement> placements;
   collectPlacements(scene, *scene.mRootNode, Eigen::Matrix4d::Identity(), placements);
-  const bool withNormals = allHave(placements, [](const aiMesh& mesh) { return mesh.HasNormals(); });
-  const bool withUvs = allHave(placements, [](const aiMesh& mesh) { return mesh.HasTextureCoords(0); });
+  const bool withNormals = std::all_of(placements.begin(), placements.end(),
+                                       [](const Placement& p) { return p.mesh->HasNormals(); });
+  const bool withUvs = std::all_of(placements.begin(), placements.end(),
+                                   [](const Placement& p) { return p.mesh->HasTextureCoords(0); });
 
   TriangleMesh joined;
   for (const Placement& placement : placements) {
@@ -335,19 +315,6 @@ std::vector<VertexBits> vertexBits(const TriangleMesh& mesh) {
   return bits;
 }
 
-/// Returns for each vertex the first one that is identical to it.
-std::vector<std::uint32_t> firstIdentical(const std::vector<VertexBits>& bits) {
-  std::vector<std::uint32_t> order(bits.size()), first(bits.size());
-  std::iota(order.begin(), order.end(), 0u);
-  std::sort(order.begin(), order.end(),
-            [&](std::uint32_t i, std::uint32_t j) { return bits[i] != bits[j] ? bits[i] < bits[j] : i < j; });
-  for (std::size_t k = 0; k < order.size(); ++k) {
-    const bool repeats = k > 0 && bits[order[k]] == bits[order[k - 1]];
-    first[order[k]] = repeats ? first[order[k - 1]] : order[k];
-  }
-  return first;
-}
-
 template <class T>
 void keepOnly(const std::vector<std::uint32_t>& kept, std::vector<T>& values) {
   if (values.empty()) return;
@@ -359,11 +326,12 @@ void keepOnly(const std::vector<std::uint32_t>& kept, std::vector<T>& values) {
 /// give every corner its own vertex, and each of them would be moved and uploaded in every frame. Keeps the
 /// order of first occurrence. The mesh must be valid.
 void joinIdenticalVertices(TriangleMesh& mesh) {
-  const std::vector<std::uint32_t> first = firstIdentical(vertexBits(mesh));
-  std::vector<std::uint32_t> kept, newIndex(first.size());
-  for (std::uint32_t i = 0; i < first.size(); ++i) {
-    newIndex[i] = first[i] == i ? static_cast<std::uint32_t>(kept.size()) : newIndex[first[i]];
-    if (first[i] == i) kept.push_back(i);
+  std::map<VertexBits, std::uint32_t> indexOf;
+  std::vector<std::uint32_t> kept, newIndex;
+  for (const VertexBits& bits : vertexBits(mesh)) {
+    const auto [entry, isNew] = indexOf.try_emplace(bits, static_cast<std::uint32_t>(kept.size()));
+    if (isNew) kept.push_back(static_cast<std::uint32_t>(newIndex.size()));
+    newIndex.push_back(entry->second);
   }
   keepOnly(kept, mesh.positions);
   keepOnly(kept, mesh.normals);

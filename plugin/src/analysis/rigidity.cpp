@@ -1,22 +1,144 @@
 // SPDX-License-Identifier: Zlib
-// Tests whether a network is generically globally rigid, with matrices over a finite field, in which ranks
-// are exact.
+// Analyses the rigidity of a network: its mechanisms and its softest mode from the stiffness matrix at rest,
+// and its generic global rigidity with matrices over a finite field, in which ranks are exact.
 
-#include "network/rigidity.h"
+#include "analysis/analysis.h"
 
+#include "mesh/edges.h"
+#include "mesh/linear_algebra.h"
 #include "mesh/random.h"
+#include "network/modes.h"
 
 #include <Eigen/OrderingMethods>
 #include <Eigen/SparseCore>
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <vector>
 
 namespace limber {
+namespace {
+
+constexpr std::uint32_t kNotInPiece = 0xffffffffu;
+
+/// Returns the triangles or tetrahedra that have all corners in the piece, with the new indices of the
+/// points.
+template <class Corners>
+std::vector<Corners> selectInPiece(const std::vector<Corners>& all,
+                                   const std::vector<std::uint32_t>& newIndex) {
+  std::vector<Corners> result;
+  for (Corners corners : all) {
+    for (std::uint32_t& corner : corners) corner = newIndex[corner];
+    if (std::find(corners.begin(), corners.end(), kNotInPiece) == corners.end()) result.push_back(corners);
+  }
+  return result;
+}
+
+}  // namespace
+
+SpringNetwork pieceOf(const SpringNetwork& network, const std::vector<Eigen::Index>& points) {
+  SpringNetwork piece;
+  piece.kind = network.kind;
+  piece.stiffnessPerModulus = network.stiffnessPerModulus;
+  std::vector<std::uint32_t> newIndex(network.restPoints.size(), kNotInPiece);
+  double mass = 0.0;
+  for (const Eigen::Index point : points) {
+    const auto i = static_cast<std::size_t>(point);
+    newIndex[i] = static_cast<std::uint32_t>(piece.restPoints.size());
+    piece.restPoints.push_back(network.restPoints[i]);
+    piece.massFractions.push_back(network.massFractions[i]);
+    mass += network.massFractions[i];
+  }
+  for (double& share : piece.massFractions) share /= mass;
+  for (const NetworkSpring& s : network.springs)
+    if (newIndex[s.a] != kNotInPiece && newIndex[s.b] != kNotInPiece)
+      piece.springs.push_back({newIndex[s.a], newIndex[s.b], s.kind, s.stiffnessScale});
+  piece.surface = selectInPiece(network.surface, newIndex);
+  piece.tetrahedra = selectInPiece(network.tetrahedra, newIndex);
+  setEdgeDefects(piece.report, piece.surface);
+  return piece;
+}
+
+namespace {
+
+/// A mode with a smaller eigenvalue, relative to the stiffest one, is a mechanism. The points of a mesh have
+/// single precision. This rotates its springs by about 1e-6, and so changes the singular values of the
+/// rigidity matrix by 1e-6 of the largest (Weyl) and the eigenvalues, their squares, by 1e-12. The round-off
+/// of double precision is four powers of ten smaller.
+constexpr double kMechanism = 1e-12;
+
+/// Up to this number of unknowns, all eigenvalues are computed at once.
+constexpr Eigen::Index kMaxDense = 450;
+
+/// The number of eigenvalues of the stiffness matrix below the bound of mechanisms, and the smallest above.
+struct SoftEnd {
+  Eigen::Index below = 0;
+  double softest = 0.0;
+};
+
+SoftEnd denseSoftEnd(const SparseMatrix& stiffness, double bound) {
+  const Eigen::VectorXd values = symmetricValues(stiffness);
+  const Eigen::Index below = std::lower_bound(values.begin(), values.end(), bound) - values.begin();
+  return {below, below < values.size() ? values[below] : 0.0};
+}
+
+/// Largest residual of a solution with a factor, relative to the matrix, for which its inertia is trusted.
+constexpr double kMaxFactorResidual = 1e-10;
+
+bool isSound(const SparseFactor& factor, const SparseMatrix& matrix, double size) {
+  if (!factor.isComplete) return false;
+  Random random(1);
+  Eigen::VectorXd b(matrix.rows());
+  for (double& x : b) x = random.uniform() - 0.5;
+  const Eigen::VectorXd x = solve(factor, b);
+  return (matrix * x - b).norm() <= kMaxFactorResidual * (size * x.norm() + b.norm());
+}
+
+/// Counts eigenvalues by Sylvester's law: K - s has as many negative pivots as K has eigenvalues below s. The
+/// largest eigenvalue of its inverse belongs to the first eigenvalue above. Without pivoting, a factor can be
+/// inaccurate if s is near an eigenvalue of a leading block; then a somewhat larger s is used.
+SoftEnd sparseSoftEnd(const SparseMatrix& stiffness, double bound, double stiffest) {
+  SparseFactor factor;
+  double shift = 0.0;
+  for (int attempt = 0; attempt < 6; ++attempt) {
+    shift = bound * std::pow(1.7, attempt);
+    SparseMatrix shifted = stiffness;
+    for (Eigen::Index i = 0; i < shifted.rows(); ++i) shifted.coeffRef(i, i) -= shift;
+    factor = factorise(shifted);
+    if (isSound(factor, shifted, stiffest)) break;
+  }
+  if (!factor.isComplete) return denseSoftEnd(stiffness, bound);
+  const Eigen::Index below = (factor.diagonal.array() < 0.0).count();
+  if (below == stiffness.rows()) return {below, 0.0};
+  const double inverse = largestEigenvalue(
+      [&](const Eigen::VectorXd& v) -> Eigen::VectorXd { return solve(factor, v); }, stiffness.rows());
+  return {below, inverse > 0.0 ? shift + 1.0 / inverse : 0.0};
+}
+
+}  // namespace
+
+SmallDeformations smallDeformations(const SpringNetwork& network) {
+  const SparseMatrix stiffness = stiffnessMatrix(rigidityMatrix(network));
+  const Eigen::Index unknowns = stiffness.rows(), rigid = rigidMotions(network.restPoints).cols();
+  SmallDeformations result;
+  result.stiffest = stiffestEigenvalue(stiffness);
+  SoftEnd end{unknowns, 0.0};
+  if (result.stiffest > 0.0) {
+    const double bound = kMechanism * result.stiffest;
+    end = unknowns <= kMaxDense ? denseSoftEnd(stiffness, bound)
+                                : sparseSoftEnd(stiffness, bound, result.stiffest);
+  }
+  result.softest = end.softest;
+  result.rank = static_cast<std::size_t>(unknowns - end.below);
+  result.mechanisms = static_cast<std::size_t>(std::max<Eigen::Index>(end.below - rigid, 0));
+  result.selfStresses = network.springs.size() - result.rank;
+  return result;
+}
+
 namespace {
 
 /// Arithmetic modulo the prime 2^31 - 1, in which ranks are exact. A matrix of random numbers has a smaller

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Zlib
-// Splits a network into pieces and finds its rigid motions, its mechanisms and its softest oscillations, from
-// the stiffness matrix at rest.
+// Finds the pieces of a network, its stiffness matrix at rest, its rigid motions and its softest modes.
 
-#include "network/rigidity.h"
+#include "network/modes.h"
 
 #include "mesh/edges.h"
 #include "mesh/linear_algebra.h"
@@ -15,25 +14,6 @@
 #include <cstdint>
 
 namespace limber {
-namespace {
-
-constexpr std::uint32_t kNotInPiece = 0xffffffffu;
-
-/// Returns the triangles or tetrahedra that have all corners in the piece, with the new indices of the
-/// points.
-template <class Corners>
-std::vector<Corners> selectInPiece(const std::vector<Corners>& all,
-                                   const std::vector<std::uint32_t>& newIndex) {
-  std::vector<Corners> result;
-  for (Corners corners : all) {
-    for (std::uint32_t& corner : corners) corner = newIndex[corner];
-    if (std::find(corners.begin(), corners.end(), kNotInPiece) == corners.end()) result.push_back(corners);
-  }
-  return result;
-}
-
-}  // namespace
-
 std::vector<std::vector<Eigen::Index>> findPieces(const SpringNetwork& network) {
   const std::size_t points = network.restPoints.size();
   DisjointSets sets(points);
@@ -46,29 +26,6 @@ std::vector<std::vector<Eigen::Index>> findPieces(const SpringNetwork& network) 
     pieces[pieceOfRoot[root]].push_back(static_cast<Eigen::Index>(i));
   }
   return pieces;
-}
-
-SpringNetwork pieceOf(const SpringNetwork& network, const std::vector<Eigen::Index>& points) {
-  SpringNetwork piece;
-  piece.kind = network.kind;
-  piece.stiffnessPerModulus = network.stiffnessPerModulus;
-  std::vector<std::uint32_t> newIndex(network.restPoints.size(), kNotInPiece);
-  double mass = 0.0;
-  for (const Eigen::Index point : points) {
-    const auto i = static_cast<std::size_t>(point);
-    newIndex[i] = static_cast<std::uint32_t>(piece.restPoints.size());
-    piece.restPoints.push_back(network.restPoints[i]);
-    piece.massFractions.push_back(network.massFractions[i]);
-    mass += network.massFractions[i];
-  }
-  for (double& share : piece.massFractions) share /= mass;
-  for (const NetworkSpring& s : network.springs)
-    if (newIndex[s.a] != kNotInPiece && newIndex[s.b] != kNotInPiece)
-      piece.springs.push_back({newIndex[s.a], newIndex[s.b], s.kind, s.stiffnessScale});
-  piece.surface = selectInPiece(network.surface, newIndex);
-  piece.tetrahedra = selectInPiece(network.tetrahedra, newIndex);
-  setEdgeDefects(piece.report, piece.surface);
-  return piece;
 }
 
 namespace {
@@ -103,30 +60,34 @@ SparseMatrix stiffnessMatrix(const SparseMatrix& rigidity) {
   return transposed * rigidity;
 }
 
-Eigen::MatrixXd rigidMotions(const std::vector<Eigen::Vector3d>& points) {
+Spread principalSpread(const std::vector<Eigen::Vector3d>& points) {
   const auto count = static_cast<Eigen::Index>(points.size());
-  if (points.empty()) return Eigen::MatrixXd(0, 0);
   Eigen::Vector3d centre = Eigen::Vector3d::Zero();
   for (const Eigen::Vector3d& p : points) centre += p / static_cast<double>(count);
   Eigen::Matrix3Xd offsets(3, count);
   for (Eigen::Index i = 0; i < count; ++i) offsets.col(i) = points[static_cast<std::size_t>(i)] - centre;
   const double size = offsets.cwiseAbs().maxCoeff();
   if (size > 0.0) offsets /= size;
+  const SymmetricParts3 parts = symmetricParts3(offsets * offsets.transpose());
+  return {offsets, size, parts.values, parts.vectors};
+}
 
+Eigen::MatrixXd rigidMotions(const std::vector<Eigen::Vector3d>& points) {
+  const auto count = static_cast<Eigen::Index>(points.size());
+  if (points.empty()) return Eigen::MatrixXd(0, 0);
+  const Spread spread = principalSpread(points);
   // About the principal axes of the points the rotations are orthogonal to each other. For points on a line,
   // the rotation about the line is the last one, and zero.
-  const Eigen::Matrix3d scatter = offsets * offsets.transpose();
-  const Eigen::Matrix3d axes = symmetricParts3(scatter).vectors;
   Eigen::MatrixXd motions = Eigen::MatrixXd::Zero(3 * count, 6);
   Eigen::Index columns = 3;
   for (Eigen::Index i = 0; i < count; ++i)
     motions.block<3, 3>(3 * i, 0) = Eigen::Matrix3d::Identity() / std::sqrt(static_cast<double>(count));
   for (int axis = 0; axis < 3; ++axis) {
-    const Eigen::Vector3d direction = axes.col(axis);
+    const Eigen::Vector3d direction = spread.axes.col(axis);
     auto rotation = motions.col(columns);
     double largest = 0.0;
     for (Eigen::Index i = 0; i < count; ++i) {
-      rotation.segment<3>(3 * i) = direction.cross(Eigen::Vector3d(offsets.col(i)));
+      rotation.segment<3>(3 * i) = direction.cross(Eigen::Vector3d(spread.offsets.col(i)));
       largest = std::max(largest, rotation.segment<3>(3 * i).norm());
     }
     if (largest < kOnLine) continue;
@@ -136,88 +97,15 @@ Eigen::MatrixXd rigidMotions(const std::vector<Eigen::Vector3d>& points) {
   return motions.leftCols(columns);
 }
 
-namespace {
-
-/// A mode with a smaller eigenvalue, relative to the stiffest one, is a mechanism. The points of a mesh have
-/// single precision. This rotates its springs by about 1e-6, and so changes the singular values of the
-/// rigidity matrix by 1e-6 of the largest (Weyl) and the eigenvalues, their squares, by 1e-12. The round-off
-/// of double precision is four powers of ten smaller.
-constexpr double kMechanism = 1e-12;
-
-/// Up to this number of unknowns, all eigenvalues or modes are computed at once.
-constexpr Eigen::Index kMaxDense = 450;
-
-/// The number of eigenvalues of the stiffness matrix below the bound of mechanisms, and the smallest above.
-struct SoftEnd {
-  Eigen::Index below = 0;
-  double softest = 0.0;
-};
-
-SoftEnd denseSoftEnd(const SparseMatrix& stiffness, double bound) {
-  const Eigen::VectorXd values = symmetricValues(stiffness);
-  const Eigen::Index below = std::lower_bound(values.begin(), values.end(), bound) - values.begin();
-  return {below, below < values.size() ? values[below] : 0.0};
-}
-
-/// Largest residual of a solution with a factor, relative to the matrix, for which its inertia is trusted.
-constexpr double kMaxFactorResidual = 1e-10;
-
-bool isSound(const SparseFactor& factor, const SparseMatrix& matrix, double size) {
-  if (!factor.isComplete) return false;
-  Random random(1);
-  Eigen::VectorXd b(matrix.rows());
-  for (double& x : b) x = random.uniform() - 0.5;
-  const Eigen::VectorXd x = solve(factor, b);
-  return (matrix * x - b).norm() <= kMaxFactorResidual * (size * x.norm() + b.norm());
-}
-
-/// Counts eigenvalues by Sylvester's law: K - s has as many negative pivots as K has eigenvalues below s. The
-/// largest eigenvalue of its inverse belongs to the first eigenvalue above. Without pivoting, a factor can be
-/// inaccurate if s is near an eigenvalue of a leading block; then a somewhat larger s is used.
-SoftEnd sparseSoftEnd(const SparseMatrix& stiffness, double bound, double stiffest) {
-  SparseFactor factor;
-  double shift = 0.0;
-  for (int attempt = 0; attempt < 6; ++attempt) {
-    shift = bound * std::pow(1.7, attempt);
-    SparseMatrix shifted = stiffness;
-    for (Eigen::Index i = 0; i < shifted.rows(); ++i) shifted.coeffRef(i, i) -= shift;
-    factor = factorise(shifted);
-    if (isSound(factor, shifted, stiffest)) break;
-  }
-  if (!factor.isComplete) return denseSoftEnd(stiffness, bound);
-  const Eigen::Index below = (factor.diagonal.array() < 0.0).count();
-  if (below == stiffness.rows()) return {below, 0.0};
-  const double inverse = largestEigenvalue(
-      [&](const Eigen::VectorXd& v) -> Eigen::VectorXd { return solve(factor, v); }, stiffness.rows());
-  return {below, inverse > 0.0 ? shift + 1.0 / inverse : 0.0};
-}
-
-}  // namespace
-
 double stiffestEigenvalue(const SparseMatrix& stiffness) {
   return largestEigenvalue([&](const Eigen::VectorXd& v) -> Eigen::VectorXd { return stiffness * v; },
                            stiffness.rows());
 }
 
-SmallDeformations smallDeformations(const SpringNetwork& network) {
-  const SparseMatrix stiffness = stiffnessMatrix(rigidityMatrix(network));
-  const Eigen::Index unknowns = stiffness.rows(), rigid = rigidMotions(network.restPoints).cols();
-  SmallDeformations result;
-  result.stiffest = stiffestEigenvalue(stiffness);
-  SoftEnd end{unknowns, 0.0};
-  if (result.stiffest > 0.0) {
-    const double bound = kMechanism * result.stiffest;
-    end = unknowns <= kMaxDense ? denseSoftEnd(stiffness, bound)
-                                : sparseSoftEnd(stiffness, bound, result.stiffest);
-  }
-  result.softest = end.softest;
-  result.rank = static_cast<std::size_t>(unknowns - end.below);
-  result.mechanisms = static_cast<std::size_t>(std::max<Eigen::Index>(end.below - rigid, 0));
-  result.selfStresses = network.springs.size() - result.rank;
-  return result;
-}
-
 namespace {
+
+/// Up to this number of unknowns, all modes are computed at once.
+constexpr Eigen::Index kMaxDense = 450;
 
 constexpr Eigen::Index kBlock = 8;  // vectors added to the space at once
 constexpr int kMaxBlocks = 400;     // more blocks mean an error in the matrix
@@ -254,10 +142,12 @@ Eigen::MatrixXd denseModes(const SparseMatrix& stiffness, const Eigen::MatrixXd&
   return symmetricParts(matrix).vectors.leftCols(count);
 }
 
-/// Multiplies several vectors at a time by (K + s)^-1.
+/// Multiplies several vectors at a time by (K + s)^-1, with a small s so that the inverse exists.
 class ShiftedInverse {
  public:
-  ShiftedInverse(const SparseMatrix& stiffness, double shift) {
+  explicit ShiftedInverse(const SparseMatrix& stiffness) {
+    const double stiffest = largestRowSum(stiffness),
+                 shift = stiffest > 0.0 ? kRelativeShift * stiffest : 1.0;
     SparseMatrix shifted = stiffness;
     for (Eigen::Index i = 0; i < shifted.rows(); ++i) shifted.coeffRef(i, i) += shift;
     factor_ = factorise(shifted);
@@ -392,8 +282,7 @@ void converge(SoftSpace& space, Eigen::Index count) {
 }
 
 Eigen::MatrixXd sparseModes(const SparseMatrix& stiffness, const Eigen::MatrixXd& rigid, Eigen::Index count) {
-  const double stiffest = largestRowSum(stiffness);
-  const ShiftedInverse inverse(stiffness, stiffest > 0.0 ? kRelativeShift * stiffest : 1.0);
+  const ShiftedInverse inverse(stiffness);
   SoftSpace space{inverse, rigid};
   space.basis.resize(stiffness.rows(), 2 * count + 6 * kBlock);
   space.product.resize(stiffness.rows(), space.basis.cols());
@@ -405,8 +294,7 @@ constexpr int kRoughPasses = 2;
 
 /// Computes shapes by inverse iteration of a random space (subspace iteration).
 Eigen::MatrixXd roughShapes(const SparseMatrix& stiffness, const Eigen::MatrixXd& rigid, Eigen::Index count) {
-  const double stiffest = largestRowSum(stiffness);
-  const ShiftedInverse inverse(stiffness, stiffest > 0.0 ? kRelativeShift * stiffest : 1.0);
+  const ShiftedInverse inverse(stiffness);
   Random random(1);
   Eigen::MatrixXd shapes(stiffness.rows(), (count + kBlock - 1) / kBlock * kBlock);
   for (double& x : shapes.reshaped()) x = random.uniform() - 0.5;

@@ -2,11 +2,12 @@
 // Measures the stability of a body of a network against large deformations and its own weight, and its time
 // steps.
 
-#include "network/relaxation.h"
+#include "analysis/analysis.h"
 
 #include "mesh/random.h"
 #include "mesh/surface.h"
-#include "network/rigidity.h"
+#include "network/modes.h"
+#include "network/relaxation.h"
 #include "solver/springs.h"
 #include "solver/stepping_choice.h"
 #include "solver/verlet_step.h"
@@ -18,107 +19,6 @@
 #include <functional>
 
 namespace limber {
-namespace {
-
-// Lengths as fractions of the size.
-constexpr double kSquashScale = 0.1, kNoise = 0.5, kPushDistance = 0.2, kSlab = 0.3, kPerturbation = 1e-4;
-
-using Direction = Eigen::Vector3d;
-
-/// Range of the points' coordinates along a direction (m).
-struct Range {
-  double low, high;
-};
-
-Range rangeAlong(const Points& x, const Direction& d) {
-  const Eigen::RowVectorXd along = d.transpose() * x;
-  return {along.minCoeff(), along.maxCoeff()};
-}
-
-void squash(Points& x, const Direction& d, double scale) {
-  const Eigen::Vector3d centre = x.rowwise().mean();
-  for (Eigen::Index i = 0; i < x.cols(); ++i)
-    x.col(i) -= (1.0 - scale) * d.dot(Eigen::Vector3d(x.col(i)) - centre) * d;
-}
-
-/// Rotates by the angle  2 atan(u), u from 0 at one end to 1 at the other:  from zero to a quarter turn,
-/// nearly evenly. It uses no sine, whose last bits differ between C libraries.
-void twist(Points& x, const Direction& axis) {
-  const Eigen::Vector3d centre = x.rowwise().mean();
-  const Range range = rangeAlong(x, axis);
-  for (Eigen::Index i = 0; i < x.cols(); ++i) {
-    const double u = range.high > range.low ? (axis.dot(x.col(i)) - range.low) / (range.high - range.low) : 0;
-    const double sine = 2.0 * u / (1.0 + u * u), cosine = (1.0 - u * u) / (1.0 + u * u);
-    const Eigen::Vector3d r = Eigen::Vector3d(x.col(i)) - centre;
-    const Eigen::Vector3d along = axis.dot(r) * axis, across = r - along;
-    x.col(i) = centre + along + cosine * across + sine * axis.cross(across);
-  }
-}
-
-void moveAll(Points& x, double distance, Random& random) {
-  for (Eigen::Index i = 0; i < x.cols(); ++i) x.col(i) += distance * random.inBall();
-}
-
-/// Flips the direction if necessary, so that it points from the point to the body's centre.
-void push(Points& x, Eigen::Index point, Direction d, double size) {
-  if (d.dot(Eigen::Vector3d(x.rowwise().mean()) - x.col(point)) < 0.0) d = -d;
-  x.col(point) += (rangeAlong(x, d).high + kPushDistance * size - d.dot(x.col(point))) * d;
-}
-
-void mirrorSlab(Points& x, const Direction& d) {
-  const Range range = rangeAlong(x, d);
-  const double cut = range.high - kSlab * (range.high - range.low);
-  for (Eigen::Index i = 0; i < x.cols(); ++i) {
-    const double beyond = d.dot(x.col(i)) - cut;
-    if (beyond > 0.0) x.col(i) -= 2.0 * beyond * d;
-  }
-}
-
-void invert(Points& x) {
-  const Eigen::Vector3d centre = x.rowwise().mean();
-  for (Eigen::Index i = 0; i < x.cols(); ++i) x.col(i) = 2.0 * centre - x.col(i);
-}
-
-Random randomOf(Deformation kind, std::uint64_t seed, std::uint64_t run) {
-  Random mixed(seed);
-  Random perKind(mixed.next() ^ (static_cast<std::uint64_t>(kind) + 1));
-  return Random(perKind.next() ^ run);
-}
-
-}  // namespace
-
-Points deform(const Points& rest, Deformation kind, std::uint64_t seed, std::uint64_t run) {
-  Random random = randomOf(kind, seed, run);
-  const double size = extent(rest);
-  const Direction d = random.direction();
-  Points x = rest;
-  switch (kind) {
-    case Deformation::Squash:
-      squash(x, d, kSquashScale);
-      break;
-    case Deformation::Twist:
-      twist(x, d);
-      break;
-    case Deformation::Noise:
-      moveAll(x, kNoise * size, random);
-      break;
-    case Deformation::Push:
-      push(x, random.below(static_cast<std::size_t>(x.cols())), d, size);
-      break;
-    case Deformation::Mirror:
-      mirrorSlab(x, d);
-      break;
-    case Deformation::Flatten:
-      squash(x, d, 0.0);
-      break;
-    case Deformation::Inversion:
-      invert(x);
-      break;
-  }
-  moveAll(x, kPerturbation * size, random);
-  return x;
-}
-
 namespace {
 
 void count(ReturnRate& rate, const RelaxedBody& body, const Points& x) {
@@ -304,8 +204,8 @@ double loadLimit(StandingBody& body) {
 }
 
 /// Handles a body of one piece, with its scale applied.
-std::optional<double> leastStiffnessOfPiece(const SpringNetwork& network, const SoftBodySettings& settings,
-                                            double gravity, const std::function<bool()>& goOn) {
+std::optional<double> minStiffnessOfPiece(const SpringNetwork& network, const SoftBodySettings& settings,
+                                          double gravity, const std::function<bool()>& goOn) {
   const std::size_t points = network.restPoints.size();
   const double size = extent(network.restPoints);
   if (network.springs.empty() || !(size > 0.0)) return 0.0;
@@ -323,23 +223,19 @@ double volumeModulusOf(const SpringNetwork& network, const SoftBodySettings& set
   return std::max(0.0, terms.tetrahedra.empty() ? terms.volumes->modulus : terms.tetrahedra->modulus);
 }
 
-double massOfPoints(const SpringNetwork& network, const std::vector<Eigen::Index>& points) {
-  double mass = 0.0;
-  for (const Eigen::Index i : points) mass += network.massFractions[static_cast<std::size_t>(i)];
-  return mass;
-}
-
 /// Returns the largest constant of the pieces.
-std::optional<double> leastStiffnessOfPieces(const SpringNetwork& network, SoftBodySettings settings,
-                                             double gravity, const Progress& progress) {
+std::optional<double> minStiffnessOfPieces(const SpringNetwork& network, SoftBodySettings settings,
+                                           double gravity, const Progress& progress) {
   double done = 0.0, largest = 0.0;
   settings.volumeModulus = volumeModulusOf(network, settings);
   for (const std::vector<Eigen::Index>& points : findPieces(network)) {
     SoftBodySettings pieceSettings = settings;
-    pieceSettings.totalMass *= massOfPoints(network, points);
+    double massFraction = 0.0;
+    for (const Eigen::Index i : points) massFraction += network.massFractions[static_cast<std::size_t>(i)];
+    pieceSettings.totalMass *= massFraction;
     const auto goOn = [&] { return !progress || progress("own weight", done); };
     const std::optional<double> pieceStiffness =
-        leastStiffnessOfPiece(pieceOf(network, points), pieceSettings, gravity, goOn);
+        minStiffnessOfPiece(pieceOf(network, points), pieceSettings, gravity, goOn);
     if (!pieceStiffness) return std::nullopt;
     largest = std::max(largest, *pieceStiffness);
     done += static_cast<double>(points.size()) / static_cast<double>(network.restPoints.size());
@@ -357,7 +253,7 @@ std::optional<double> minStiffness(const SpringNetwork& network, const SoftBodyS
   for (Eigen::Vector3d& p : scaled.restPoints) p = p.cwiseProduct(settings.scale);
   SoftBodySettings unscaled = settings;
   unscaled.scale.setOnes();
-  return leastStiffnessOfPieces(scaled, unscaled, gravity, progress);
+  return minStiffnessOfPieces(scaled, unscaled, gravity, progress);
 }
 
 }  // namespace limber

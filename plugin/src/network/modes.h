@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// Declares the pieces of a network that springs connect, and the properties of their small deformations:
-// stiffness, mechanisms, soft modes and global rigidity.
+// Declares the pieces of a network that springs connect, their stiffness at rest and their softest modes.
 #pragma once
 
 #include <limber/spring_network.h>
@@ -8,8 +7,7 @@
 #include <Eigen/Core>
 #include <Eigen/SparseCore>
 
-#include <cstdint>
-#include <functional>
+#include <cstddef>
 #include <vector>
 
 namespace limber {
@@ -17,11 +15,6 @@ namespace limber {
 /// Returns the points of each piece that springs connect, ascending; the pieces are in the order of their
 /// first points.
 std::vector<std::vector<Eigen::Index>> findPieces(const SpringNetwork& network);
-
-/// Returns a network of these points and the springs, triangles and tetrahedra that join no others. Its mass
-/// fractions sum to 1. Its report describes the edge defects of its part of the surface. It has no render
-/// surface.
-SpringNetwork pieceOf(const SpringNetwork& network, const std::vector<Eigen::Index>& points);
 
 using SparseMatrix = Eigen::SparseMatrix<double>;
 
@@ -33,19 +26,18 @@ SparseMatrix rigidityMatrix(const SpringNetwork& network);
 /// Returns the Hessian  R^T R  of the springs' energy at rest, 3 #points x 3 #points, N/m.
 SparseMatrix stiffnessMatrix(const SparseMatrix& rigidity);
 
+/// Points about their centre. The axes are the principal ones, the thinnest first.
+struct Spread {
+  Eigen::Matrix3Xd offsets;  ///< from the centre, over `size`
+  double size = 0.0;         ///< m, the largest coordinate of an offset
+  Eigen::Vector3d scatter;   ///< eigenvalues of the sum of the squared offsets
+  Eigen::Matrix3d axes;      ///< columns
+};
+Spread principalSpread(const std::vector<Eigen::Vector3d>& points);
+
 /// Returns an orthonormal basis of the rigid motions of these points, 3 #points x 6; 5 columns for points on
 /// a line, 3 for a single point.
 Eigen::MatrixXd rigidMotions(const std::vector<Eigen::Vector3d>& points);
-
-/// Small deformations of a network about its rest shape, with unit masses and without the volume term. The
-/// constant of each spring is its stiffnessScale.
-struct SmallDeformations {
-  std::size_t rank = 0, mechanisms = 0, selfStresses = 0;
-  double softest = 0.0,
-         stiffest = 0.0;  ///< eigenvalues of the stiffness matrix, without mechanisms and rigid motions
-};
-
-SmallDeformations smallDeformations(const SpringNetwork& network);
 
 /// Returns the largest eigenvalue of a stiffness matrix.
 double stiffestEigenvalue(const SparseMatrix& stiffness);
@@ -64,18 +56,5 @@ Modes softestModes(const SpringNetwork& network, std::size_t count);
 /// eigenvalue is the Rayleigh quotient of its shape, so it is never too small. Takes a fraction of the time
 /// of softestModes().
 Modes roughModes(const SpringNetwork& network, std::size_t count);
-
-/// Networks of more points than this take longer than seconds.
-constexpr std::size_t kMaxForGlobalRigidity = 1000;
-
-/// Returns whether the graph of the springs is generically globally rigid in space: the spring lengths
-/// determine the positions of the points up to rigid motions and reflections, unless the points are in
-/// special position. This holds if and only if the rank of a random equilibrium stress matrix of a random
-/// placement is #points - 4 (Gortler, Healy, Thurston 2010, theorem 1.14 and section 5; graphs of at most 4
-/// points: if all are joined). It is computed in a finite field, where ranks are exact: true is certain,
-/// false is wrong with a probability of less than 1e-5. For up to kMaxForGlobalRigidity points. `goOn` is
-/// called with the progress, 0 to 1; after it has returned false, the result is meaningless.
-bool isGloballyRigid(const SpringNetwork& network, std::uint64_t seed = 1,
-                     const std::function<bool(double)>& goOn = {});
 
 }  // namespace limber

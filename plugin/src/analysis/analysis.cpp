@@ -2,14 +2,12 @@
 // Analyses a network before it is used: collects the measurements of the other files of this folder, adds
 // remarks on unusual results and describes all of it in text.
 
-#include <limber/network_analysis.h>
+#include "analysis/analysis.h"
 
 #include "mesh/edges.h"
-#include "mesh/linear_algebra.h"
 #include "mesh/surface.h"
 #include "mesh/triangle_bvh.h"
-#include "network/relaxation.h"
-#include "network/rigidity.h"
+#include "network/modes.h"
 
 #include <limber/spring_network.h>
 
@@ -26,25 +24,6 @@ namespace limber {
 namespace {
 
 constexpr double kThinSpread = 1e-4;
-
-/// Offsets of the points from their centre in units of their size, and their principal axes, the thinnest
-/// first.
-struct Spread {
-  double size = 0.0;
-  Eigen::Matrix3Xd offsets;
-  Eigen::Matrix3d axes;
-};
-
-Spread principalSpread(const std::vector<Eigen::Vector3d>& points) {
-  const auto count = static_cast<Eigen::Index>(points.size());
-  Eigen::Matrix3Xd offsets(3, count);
-  for (Eigen::Index i = 0; i < count; ++i) offsets.col(i) = points[static_cast<std::size_t>(i)];
-  offsets.colwise() -= offsets.rowwise().mean().eval();
-  const double size = offsets.cwiseAbs().maxCoeff();
-  if (size > 0.0) offsets /= size;
-  const Eigen::Matrix3d scatter = offsets * offsets.transpose();
-  return {size, offsets, symmetricParts3(scatter).vectors};
-}
 
 /// Returns Rope for points on a line, Cloth for points in a plane, else Solid. The tolerance is 1e-4 of their
 /// largest distance from the centre.
@@ -99,7 +78,7 @@ bool isClosed(const SpringNetwork& network) {
 /// Measures the inside with the orientation that the volume term uses, whether the surface faces inward or
 /// outward.
 void analyseInside(const SpringNetwork& network, NetworkAnalysis& a) {
-  const std::vector<Triangle> outward = turnedOutward(network.restPoints, network.surface);
+  const std::vector<Triangle> outward = facingOutward(network.restPoints, network.surface);
   a.volume = signedVolume(network.restPoints, outward);
   const TriangleBvh surface(network.restPoints, outward);
   const std::vector<Edge> edges = uniqueEdges(outward);
@@ -165,12 +144,6 @@ void analyseGlobalRigidity(const SpringNetwork& network, const Progress& goOn, N
   a.globallyRigid = a.globallyRigidKnown && rigid;
 }
 
-void analyseTimeSteps(const SpringNetwork& network, const AnalysisSettings& settings, NetworkAnalysis& a) {
-  const TimeSteps steps = timeSteps(network, bodySettings(settings));
-  a.criticalTimeStep = steps.critical;
-  a.safeTimeStep = steps.safe;
-}
-
 void analyseLargeDeformations(const SpringNetwork& network, const AnalysisSettings& settings,
                               const Progress& goOn, NetworkAnalysis& a) {
   for (std::size_t kind = 0; kind < kDeformations && settings.runs > 0 && !a.endedEarly; ++kind) {
@@ -180,11 +153,6 @@ void analyseLargeDeformations(const SpringNetwork& network, const AnalysisSettin
     a.returns[kind] = measureReturns(network, static_cast<Deformation>(kind), settings.runs, settings.seed,
                                      overallProgress);
   }
-}
-
-void analyseSelfWeight(const SpringNetwork& network, const AnalysisSettings& settings, const Progress& goOn,
-                       NetworkAnalysis& a) {
-  a.minStiffness = minStiffness(network, bodySettings(settings), settings.gravity, goOn);
 }
 
 /// Returns the settings' progress function. Once it has returned false, it always returns false.
@@ -200,10 +168,15 @@ void analyseStages(const SpringNetwork& network, const AnalysisSettings& setting
   const bool solid = a.kind == NetworkKind::Solid;
   if (goOn("small deformations", 0.0)) analyseSmallDeformations(network, a);
   if (goOn("global rigidity", 0.0)) analyseGlobalRigidity(network, goOn, a);
-  if (goOn("time steps", 0.0)) analyseTimeSteps(network, settings, a);
+  if (goOn("time steps", 0.0)) {
+    const TimeSteps steps = timeSteps(network, bodySettings(settings));
+    a.criticalTimeStep = steps.critical;
+    a.safeTimeStep = steps.safe;
+  }
   if (solid && isClosed(network) && goOn("springs outside", 0.0)) analyseInside(network, a);
   if (solid && !a.endedEarly) analyseLargeDeformations(network, settings, goOn, a);
-  if (solid && !a.endedEarly) analyseSelfWeight(network, settings, goOn, a);
+  if (solid && !a.endedEarly)
+    a.minStiffness = minStiffness(network, bodySettings(settings), settings.gravity, goOn);
 }
 
 /// In the order of Deformation.
@@ -226,11 +199,11 @@ void remarkOnMesh(const MeshReport& mesh, Remarks& remarks) {
                       " to more than two triangles: inside and outside are undefined there");
   if (mesh.inconsistentEdges > 0)
     remarks.push_back(counted(mesh.inconsistentEdges, "edge lies", "edges lie") +
-                      " between triangles that face opposite ways");
+                      " between triangles that face opposite directions");
   if (mesh.degenerateTriangles + mesh.duplicateTriangles > 0)
     remarks.push_back(
         counted(mesh.degenerateTriangles + mesh.duplicateTriangles, "triangle was", "triangles were") +
-        " dropped: without area, or there already");
+        " dropped: without area, or duplicates");
 }
 
 void remarkOnCrossings(const NetworkAnalysis& a, Remarks& remarks) {
@@ -263,9 +236,9 @@ void remarkOnBending(const SpringNetwork& network, const NetworkAnalysis& a, Rem
   const bool bends = std::any_of(network.springs.begin(), network.springs.end(),
                                  [](const NetworkSpring& s) { return s.kind == SpringKind::Bending; });
   const std::string where = line ? "all points are on a line" : "all points are in a plane";
-  remarks.push_back(
-      where + ": no springs resist bending at rest" +
-      (bends ? ", its bending springs do once it is bent" : ", and it has no bending springs: it is limp"));
+  remarks.push_back(where + ": no springs resist bending at rest" +
+                    (bends ? ", its bending springs resist once it is bent"
+                           : ", and it has no bending springs, so it folds freely"));
   const std::size_t unavoidable = bendingMechanisms(a.kind, a.points);
   if (a.mechanisms > unavoidable)
     remarks.push_back(counted(a.mechanisms - unavoidable, "mechanism", "mechanisms") +
@@ -279,17 +252,17 @@ void remarkOnRigidity(const NetworkAnalysis& a, Remarks& remarks) {
                       "span space move freely; braces help");
   else if (a.rigidity == Rigidity::NearlyFlexible)
     remarks.push_back("its softest oscillation has only " + inThreeDigits(a.modeRatio) +
-                      " of the stiffest one's eigenvalue: it wobbles like something with a hinge");
+                      " of the stiffest one's eigenvalue: it moves nearly freely, as with a hinge");
   if (a.globallyRigidKnown && !a.globallyRigid && a.mechanisms == 0)
     remarks.push_back("not globally rigid: other shapes than this one fit the same spring lengths");
   if (a.springsOutside > 0)
     remarks.push_back(counted(a.springsOutside, "spring leaves", "springs leave") +
-                      " the body and ties parts together that only face each other");
+                      " the body, between parts that only face each other");
 }
 
 void remarkOnReturns(const AnalysisSettings& settings, const NetworkAnalysis& a, Remarks& remarks) {
   if (settings.runs > 0 && a.returns[0].runs == 0)
-    remarks.push_back(std::string("not let go from large deformations: ") + kTooFast);
+    remarks.push_back(std::string("large deformations were not tested: ") + kTooFast);
   std::string failing;
   for (std::size_t kind = 0; kind < kDeformations; ++kind) {
     const ReturnRate& r = a.returns[kind];
@@ -297,7 +270,7 @@ void remarkOnReturns(const AnalysisSettings& settings, const NetworkAnalysis& a,
     failing += (failing.empty() ? "" : ", ") + std::string(kDeformationNames[kind]) + " " +
                std::to_string(r.returned) + " of " + std::to_string(r.runs);
   }
-  if (!failing.empty()) remarks.push_back("does not always come back to its shape: " + failing);
+  if (!failing.empty()) remarks.push_back("does not always return to its shape: " + failing);
 }
 
 void remarkOnWeight(const AnalysisSettings& settings, const NetworkAnalysis& a, Remarks& remarks) {
@@ -320,10 +293,10 @@ std::vector<std::string> remarksOn(const SpringNetwork& network, const AnalysisS
   remarkOnCrossings(analysis, remarks);
   if (analysis.pieces > 1)
     remarks.push_back(std::to_string(analysis.pieces) +
-                      " pieces that no spring joins, each judged by itself");
+                      " pieces that no spring joins; each is analysed by itself");
   remarkOnSprings(network, remarks);
   if (analysis.endedEarly) {
-    remarks.push_back("ended early: what had not been measured by then is missing");
+    remarks.push_back("ended early: some results are missing");
     return remarks;
   }
   if (analysis.kind != NetworkKind::Solid) {
@@ -337,6 +310,20 @@ std::vector<std::string> remarksOn(const SpringNetwork& network, const AnalysisS
 }
 
 }  // namespace
+
+std::size_t countPiercingEdges(const std::vector<Eigen::Vector3d>& points,
+                               const std::vector<Triangle>& triangles) {
+  const TriangleBvh surface(points, triangles);
+  const std::vector<Edge> edges = uniqueEdges(triangles);
+  const auto pierces = [&](const Edge& edge) {
+    const auto sharesNoPoint = [&](std::uint32_t triangle) {
+      const Triangle& t = triangles[triangle];
+      return std::none_of(t.begin(), t.end(), [&](std::uint32_t i) { return i == edge[0] || i == edge[1]; });
+    };
+    return surface.isPierced(points[edge[0]], points[edge[1]], sharesNoPoint);
+  };
+  return static_cast<std::size_t>(std::count_if(edges.begin(), edges.end(), pierces));
+}
 
 double ReturnRate::standardError() const {
   return runs ? std::sqrt(rate() * (1.0 - rate()) / static_cast<double>(runs)) : 0.0;
@@ -386,23 +373,9 @@ line(const char* format, ...) {
   return std::string(text) + "\n";
 }
 
-const char* kindName(NetworkKind kind) {
-  return kind == NetworkKind::Rope ? "on a line" : kind == NetworkKind::Cloth ? "flat" : "solid";
-}
-
-const char* rigidityName(Rigidity rigidity) {
-  switch (rigidity) {
-    case Rigidity::Flexible:
-      return "flexible";
-    case Rigidity::NearlyFlexible:
-      return "nearly flexible";
-    case Rigidity::Soft:
-      return "soft";
-    case Rigidity::Rigid:
-      return "rigid";
-  }
-  return "";
-}
+// in the order of the enumerations
+constexpr std::array<const char*, 3> kKindNames{"on a line", "flat", "solid"};
+constexpr std::array<const char*, 4> kRigidityNames{"flexible", "nearly flexible", "soft", "rigid"};
 
 const char* globalRigidity(const NetworkAnalysis& a) {
   if (a.globallyRigidKnown) return a.globallyRigid ? "yes" : "no";
@@ -412,7 +385,7 @@ const char* globalRigidity(const NetworkAnalysis& a) {
 std::string returnLines(const NetworkAnalysis& a) {
   const ReturnRate all = a.allReturns();
   if (all.runs == 0) return {};
-  std::string text = line("comes back          %.1f %% +- %.1f of %u runs, %u more as its mirror image",
+  std::string text = line("returns             %.1f %% +- %.1f of %u runs, %u more as its mirror image",
                           100.0 * all.rate(), 100.0 * all.standardError(), all.runs, all.mirrored);
   for (std::size_t kind = 0; kind < kDeformations; ++kind)
     text += line("  %-17s %u of %u", kDeformationNames[kind], a.returns[kind].returned, a.returns[kind].runs);
@@ -422,12 +395,12 @@ std::string returnLines(const NetworkAnalysis& a) {
 }  // namespace
 
 std::string describe(const NetworkAnalysis& a) {
-  std::string text = line("%s: %zu points, %zu springs, %zu of them braces", kindName(a.kind), a.points,
-                          a.springs, a.braces);
+  std::string text = line("%s: %zu points, %zu springs, %zu of them braces",
+                          kKindNames[static_cast<std::size_t>(a.kind)], a.points, a.springs, a.braces);
   if (a.mesh.triangles > 0) text += describe(a.mesh) + "\n";
   if (a.volume > 0.0) text += line("volume              %.4g m^3", a.volume);
   text += line("rigidity            %s: rank %zu, %zu mechanisms, %zu self-stresses",
-               rigidityName(a.rigidity), a.rank, a.mechanisms, a.selfStresses);
+               kRigidityNames[static_cast<std::size_t>(a.rigidity)], a.rank, a.mechanisms, a.selfStresses);
   text +=
       line("softest : stiffest  %.3g : %.3g = %.2g", a.softestEigenvalue, a.stiffestEigenvalue, a.modeRatio);
   text += line("globally rigid      %s", globalRigidity(a));
