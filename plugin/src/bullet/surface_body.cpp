@@ -284,7 +284,9 @@ void gatherSurface(SoftBodyData& body, btScalar tick) {
   const btVector3 gravity = body.world->getGravity();
   if (gravity != s.gravity) s.sweptBounds.tick = 0.0;
   s.gravity = gravity;
-  body.state.acceleration.colwise() = toEigen(gravity);
+  const Eigen::Vector3d acceleration = toEigen(gravity);
+  for (Eigen::Index i = 0; i < body.state.acceleration.cols(); ++i)
+    body.state.acceleration.col(i) = acceleration;
   accelerateByObject(body);
   // without forces on the object all accelerations are gravity
   if (s.pushed || !isSound(gravity)) restoreAccelerations(body);

@@ -5,6 +5,7 @@
 #include "solver/verlet_kernel.h"
 
 #include <algorithm>
+#include <cstring>
 #include <initializer_list>
 
 #if !defined(LIMBER_HAS_LANES)
@@ -217,13 +218,18 @@ const void* constantsOf(const Part* part) {
   return part ? part->operator->() : nullptr;
 }
 
+bool haveSameBits(const Points& a, const Points& b) {
+  return a.size() == b.size() &&
+         std::memcmp(a.data(), b.data(), static_cast<std::size_t>(a.size()) * sizeof(double)) == 0;
+}
+
 }  // namespace
 
 bool canShareLanes(const SolverBody& a, const SolverBody& b) {
   return constantsOf(a.springs) == constantsOf(b.springs) &&
          constantsOf(a.volumes) == constantsOf(b.volumes) &&
          constantsOf(a.tetrahedra) == constantsOf(b.tetrahedra) && a.rest == b.rest &&
-         a.points->inverseMass == b.points->inverseMass;
+         haveSameBits(a.points->inverseMass, b.points->inverseMass);
 }
 
 void stepLanes(SolverBody* const* bodies, std::size_t count, LaneScratch& scratch, double tick, int substeps,
