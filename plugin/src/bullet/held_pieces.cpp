@@ -7,7 +7,6 @@
 #include "bullet/rigid_shapes.h"
 #include "mesh/closest_points.h"
 
-#include <BulletCollision/BroadphaseCollision/btDbvt.h>
 #include <LinearMath/btAabbUtil2.h>
 
 #include <algorithm>
@@ -176,28 +175,9 @@ class PieceCollector {
     if (pieces_.size() > before) ++owner_;
   }
 
-  void addChild(const btCompoundShape& compound, int child, const btTransform& pose) {
-    add(*compound.getChildShape(child), pose * compound.getChildTransform(child));
-  }
-
   void addChildren(const btCompoundShape& compound, const btTransform& pose) {
-    const LocalBox own = localBoxOf(pose, box_.min(), box_.max());
-    const btDbvtVolume volume = btDbvtVolume::FromMM(own.low, own.high);
-    if (const btDbvt* tree = compound.getDynamicAabbTree()) {
-      struct Visit final : btDbvt::ICollide {
-        PieceCollector* self;
-        const btCompoundShape* compound;
-        const btTransform* pose;
-        void Process(const btDbvtNode* leaf) override { self->addChild(*compound, leaf->dataAsInt, *pose); }
-      } visit;
-      visit.self = this, visit.compound = &compound, visit.pose = &pose;
-      return tree->collideTV(tree->m_root, volume, visit);
-    }
-    for (int i = 0; i < compound.getNumChildShapes(); ++i) {
-      btVector3 low, high;
-      compound.getChildShape(i)->getAabb(compound.getChildTransform(i), low, high);
-      if (Intersect(volume, btDbvtVolume::FromMM(low, high))) addChild(compound, i, pose);
-    }
+    forEachChildIn(localBoxOf(pose, box_.min(), box_.max()), compound,
+                   [&](int i) { add(*compound.getChildShape(i), pose * compound.getChildTransform(i)); });
   }
 
   void addSheet(const btConcaveShape& shape, const btTransform& pose) {
@@ -278,10 +258,6 @@ bool areFlatTriangles(const HeldPiece* begin, const HeldPiece* end, const Vector
 }
 
 }  // namespace
-
-bool isMoved(const btCollisionObject& object) {
-  return isKinematic(object) && !(object.getWorldTransform() == object.getInterpolationWorldTransform());
-}
 
 std::uint32_t addPieces(const btCollisionObject& object, const Eigen::AlignedBox3d& box, ShapeCache& shapes,
                         std::uint32_t owner, std::vector<HeldPiece>& pieces) {

@@ -149,11 +149,6 @@ void addStaticRows(SoftBodyData& body, std::uint32_t i, const SearchRegion& sear
 void addRows(SoftBodyData& body, std::uint32_t i, const btCollisionObject& partner, std::uint64_t stamp,
              const Eigen::Vector3d& velocity, double time, btScalar tick);
 
-/// Returns a number that differs between convex partners, and changes with the partner's shape. Objects and
-/// shapes may be changed, or deleted and replaced at the same address, and some broadphases reuse their ids.
-/// 0: not convex.
-std::uint64_t stampOf(const btCollisionObject& partner);
-
 // --- contacts with dynamic objects -------------------------------------------------------------------------
 
 /// Adds to `found` a contact for every surface of a dynamic rigid body that a point of the body may touch in

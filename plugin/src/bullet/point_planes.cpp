@@ -328,17 +328,6 @@ void addFollowingRows(SoftBodyData& body, std::uint32_t i, const SearchRegion& s
 
 }  // namespace
 
-std::uint64_t stampOf(const btCollisionObject& partner) {
-  const btCollisionShape& shape = *partner.getCollisionShape();
-  if (!shape.isConvex()) return 0;
-  std::uint64_t hash = hashOfShape(shape);
-  for (const std::uint64_t part : {std::uint64_t{reinterpret_cast<std::uintptr_t>(&partner)},
-                                   std::uint64_t{reinterpret_cast<std::uintptr_t>(&shape)},
-                                   static_cast<std::uint64_t>(partner.getBroadphaseHandle()->m_uniqueId)})
-    addToHash(hash, part);
-  return hash | 1;
-}
-
 void addStaticRows(SoftBodyData& body, std::uint32_t i, const SearchRegion& searchRegion, btScalar tick) {
   body.staticPartners.clear();
   body.staticPieces = body.held.pieces.size();

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Zlib
 
-// This file helps to find the contacts of surfaces with static and kinematic objects: the triangles of
-// concave objects around a body, and tests of contacts with edges and corners that the contacts of the points
-// do not cover.
+// This file tells which contacts of surfaces with static and kinematic objects count: those with edges and
+// corners that the contacts of the points do not cover.
 
 #include "bullet/bullet_objects.h"
 #include "bullet/kinematic_motion.h"
@@ -13,95 +12,6 @@
 
 namespace limber {
 inline namespace LIMBER_BULLET_PRECISION {
-namespace {
-
-bool contains(const LocalBox& box, const LocalBox& other) {
-  for (int i = 0; i < 3; ++i)
-    if (other.low[i] < box.low[i] || other.high[i] > box.high[i]) return false;
-  return true;
-}
-
-/// Returns the box of the body's motion in the partner's coordinates, for the partner's poses at the start
-/// and the end of the tick.
-LocalBox boxIn(const btCollisionObject& partner, const SweptBox& world) {
-  const Eigen::Vector3d low = world.low.head<3>(), high = world.high.head<3>();
-  LocalBox box = localBoxOf(partner.getWorldTransform(), low, high);
-  if (!isKinematic(partner)) return box;
-  const LocalBox endBox = localBoxOf(partner.getInterpolationWorldTransform(), low, high);
-  box.low.setMin(endBox.low), box.high.setMax(endBox.high);
-  return box;
-}
-
-/// Returns a box with a margin, so that a body that slides or rolls rarely needs a new patch.
-LocalBox enlarged(const LocalBox& box) {
-  const btVector3 margin = btScalar(0.25) * (box.high - box.low);
-  return {box.low - margin, box.high + margin};
-}
-
-ConcavePatch* findPatch(SoftBodyData& body, int partner) {
-  const auto& patches = body.surface.patches;
-  const auto isPartner = [&](const auto& patch) { return patch->partner == partner; };
-  const auto it = std::find_if(patches.begin(), patches.end(), isPartner);
-  return it != patches.end() ? it->get() : nullptr;
-}
-
-/// Returns the patch of the last tick, or an empty one in the memory of one that is no longer near.
-ConcavePatch& patchOf(SoftBodyData& body, int partner) {
-  ConcavePatch* patch = findPatch(body, partner);
-  if (!patch) {
-    patch = findPatch(body, 0);
-    if (!patch) patch = body.surface.patches.emplace_back(std::make_unique<ConcavePatch>()).get();
-    patch->partner = partner;
-    patch->surface.topology.elements.clear();
-    patch->low = btVector3(1, 1, 1), patch->high = btVector3(0, 0, 0);
-  }
-  patch->used = true;
-  return *patch;
-}
-
-/// Sets the positions of the patch's triangles at the start of the tick, and their motion in it.
-void placePatch(ConcavePatch& patch, const btCollisionObject& partner) {
-  const btTransform& pose = partner.getWorldTransform();
-  patch.pose = pose;
-  RigidPart& part = *patch.part;
-  part.moved = false;
-  const Points& rest = patch.surface.topology.rest;
-  for (Eigen::Index i = 0; i < rest.cols(); ++i) {
-    part.position.col(i) = toEigen(pose * toBullet(Eigen::Vector3d(rest.col(i))));
-    part.motion.col(i) = kinematicDisplacement(partner, part.position.col(i));
-  }
-  fitBoxes(part.moving, part.boxes);
-}
-
-void makePatch(ConcavePatch& patch, const btCollisionObject& partner, const LocalBox& box) {
-  patch.low = box.low, patch.high = box.high;
-  patch.surface =
-      makePatchSurface(*static_cast<const btConcaveShape*>(partner.getCollisionShape()), box.low, box.high);
-  if (!patch.part) patch.part = std::make_unique<RigidPart>();
-  RigidPart& part = *patch.part;
-  const Points& rest = patch.surface.topology.rest;
-  part.surface = &patch.surface;
-  part.position.resize(3, rest.cols());
-  part.motion.resize(3, rest.cols());
-  part.moving = {&patch.surface.topology, &part.position, &part.motion, patch.surface.radius, &part.boxes};
-  placePatch(patch, partner);
-}
-
-}  // namespace
-
-RigidPart* patchAround(SoftBodyData& body, const btCollisionObject& partner, const MovingSurface& soft) {
-  if (soft.boxes->nodes.empty()) return nullptr;
-  const LocalBox box = boxIn(partner, soft.boxes->nodes[0]);
-  ConcavePatch& patch = patchOf(body, partner.getBroadphaseHandle()->m_uniqueId);
-  if (!patch.part || !contains({patch.low, patch.high}, box))
-    makePatch(patch, partner, enlarged(box));
-  else if (isKinematic(partner) || !(patch.pose == partner.getWorldTransform()))
-    placePatch(patch, partner);
-  return patch.surface.topology.elements.empty() ? nullptr : patch.part.get();
-}
-
-// --- contacts of edges and triangles that their corners do not cover ---------------------------------------
-
 namespace {
 
 using Eigen::Vector3d;
@@ -210,26 +120,59 @@ bool staysCloseToRound(const MovingSurface& soft, const RigidPart& part) {
   });
 }
 
+namespace {
+
+/// Returns whether contacts of the corners replace the contact `c` of an edge or triangle.
 bool cornersCarryContact(const SoftBodyData& body, const SurfaceContact& c, double margin) {
   const double radius = double(body.masses.shape->getRadius());
-  if (c.gap < -kMaxSagging * radius) return false;
-  for (const std::uint32_t point : c.a.points)
-    if (!hasContactAlong(body, point, c.normal, std::max(c.gap, 0.0) + margin)) return false;
-  return true;
+  return c.gap >= -kMaxSagging * radius &&
+         std::all_of(c.a.points.begin(), c.a.points.end(), [&](std::uint32_t point) {
+           return hasContactAlong(body, point, c.normal, std::max(c.gap, 0.0) + margin);
+         });
 }
 
-bool isInternalEdge(const SoftBodyData& body, const MovingSurface& soft, const RigidPart& part,
-                    const SurfaceContact& c, SurfaceSearch& s) {
-  const Vector3d position = positionOf(part.moving, c.b) + part.moving.radius * c.normal;
-  const StaticSurroundings around(body, position, soft.radius, s.pieces);
+/// Returns whether other objects cover the touched edge or corner of the part.
+bool isInternalEdge(const SurfaceCandidate& m, const SurfaceContact& c, SurfaceSearch& s) {
+  const MovingSurface &soft = m.body->surface.moving, &rigid = m.part->moving;
+  const Vector3d position = positionOf(rigid, c.b) + rigid.radius * c.normal;
+  const StaticSurroundings around(*m.body, position, soft.radius, s.pieces);
   if (around.covers(c.normal)) return true;
   if (const double cylinderRadius = around.radiusAround(c.normal);
       cylinderRadius > 0.0 && staysCloseToRound(soft, c, cylinderRadius))
     return true;
   const Vector3d u = c.normal.unitOrthogonal(), v = c.normal.cross(u);
   if (c.b.kind != FeatureKind::OnEdge) return around.isFlat(c.normal, u) && around.isFlat(c.normal, v);
-  const Vector3d along = part.moving.position->col(c.b.points[1]) - part.moving.position->col(c.b.points[0]);
+  const Vector3d along = rigid.position->col(c.b.points[1]) - rigid.position->col(c.b.points[0]);
   return around.isFlat(c.normal, c.normal.cross(along).normalized());
+}
+
+/// Returns the angular velocity (rad/s) of a kinematic object.
+Vector3d spinOf(const btCollisionObject& object, double tick) {
+  return rotationBetween(toEigen(object.getWorldTransform().getRotation()),
+                         toEigen(object.getInterpolationWorldTransform().getRotation())) /
+         tick;
+}
+
+}  // namespace
+
+bool isHeldContact(const SurfaceCandidate& m, const SurfaceContact& c, double margin, SurfaceSearch& s) {
+  if (c.a.kind == FeatureKind::OnVertex || cornersCarryContact(*m.body, c, margin)) return false;
+  return isMoved(*m.held) || !isInternalEdge(m, c, s);
+}
+
+void setHeldSide(const SurfaceCandidate& m, const SurfaceContact& c, double seconds, double tick,
+                 Contact& contact) {
+  const double radiusSum = m.part->moving.radius + m.body->surface.moving.radius;
+  if (isMoved(*m.held)) {
+    Vector3d displacement = Vector3d::Zero();
+    for (std::size_t i = 0; i < 3; ++i)
+      displacement += c.b.weights[static_cast<Eigen::Index>(i)] * m.part->motion.col(c.b.points[i]);
+    contact.b.velocity = displacement / seconds + spinOf(*m.held, tick).cross(radiusSum * c.normal);
+  } else if (c.b.kind != FeatureKind::OnTriangle) {
+    contact.corners.count = c.b.kind == FeatureKind::OnEdge ? 2 : 1;
+    for (std::size_t i = 0; i < 2; ++i) contact.corners.at[i] = m.part->moving.position->col(c.b.points[i]);
+    contact.corners.radiusSum = radiusSum;
+  }
 }
 
 }  // namespace LIMBER_BULLET_PRECISION
