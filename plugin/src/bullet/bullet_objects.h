@@ -55,6 +55,27 @@ inline bool isFree(const btRigidBody& body) {
          body.getWorldArrayIndex() >= 0;
 }
 
+/// Returns a bound (m/s) of the speed that the rotation of a body adds to points of its shape.
+inline btScalar rotationSpeed(const btRigidBody& body) {
+  const btScalar spin = body.getAngularVelocity().length();
+  return spin > 0 ? spin * body.getCollisionShape()->getAngularMotionDisc() : btScalar(0);
+}
+
+/// Calls visit(object) for the objects whose boxes in the broadphase overlap a box (m).
+template <class Visit>
+void forEachObjectIn(const btCollisionWorld& world, const btVector3& low, const btVector3& high,
+                     Visit visit) {
+  struct Callback final : btBroadphaseAabbCallback {
+    explicit Callback(Visit& v) : visit(&v) {}
+    Visit* visit;
+    bool process(const btBroadphaseProxy* proxy) override {
+      (*visit)(*static_cast<btCollisionObject*>(proxy->m_clientObject));
+      return true;
+    }
+  } callback(visit);
+  const_cast<btBroadphaseInterface*>(world.getBroadphase())->aabbTest(low, high, callback);
+}
+
 // --- handles to objects ------------------------------------------------------------------------------------
 
 /// A handle to an object that was in the world when the handle was made. The application may have deleted the

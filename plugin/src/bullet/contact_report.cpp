@@ -32,7 +32,7 @@ bool isReported(const Vector3d& impulse, double distance, double radius) {
 void addImpulse(SoftContact& c, const TickImpulse& impulse) {
   c.normalImpulse += impulse.along;
   c.impulse += toBullet(impulse.sum);
-  c.frictionImpulse += toBullet(Vector3d(impulse.sum - impulse.pressing));
+  c.frictionImpulse += toBullet(impulse.sum - impulse.pressing);
 }
 
 void add(SoftBodyData& body, const SoftContact& contact, const ObjectHandle& partner) {
@@ -58,7 +58,7 @@ void addRow(SoftBodyData& body, const PlaneContact& row, const ObjectHandle& par
   c.body = body.handle;
   c.other = partner.object;
   c.side = pointSide(row.point);
-  c.position = toBullet(Vector3d(x - radius * row.normal));
+  c.position = toBullet(x - radius * row.normal);
   c.normal = toBullet(row.normal);
   c.distance = distance;
   addImpulse(c, row.impulse);
@@ -119,7 +119,7 @@ void addPair(const Contact& pair, const ContactSource& source) {
     c.otherBody = other->handle;
     c.otherSide = sideOf(pair.b, *other, y);
   }
-  c.position = toBullet(Vector3d(x - radius * pair.normal));
+  c.position = toBullet(x - radius * pair.normal);
   c.normal = toBullet(pair.normal);
   c.distance = pair.gap;
   addImpulse(c, pair.impulse);

@@ -50,7 +50,7 @@ void drawPins(const SoftBodyData& body, btIDebugDraw& drawer) {
   const btScalar size = static_cast<btScalar>(kCrossSize) * body.masses.shape->getRadius();
   for (std::size_t i = 0; i < body.masses.held.size(); ++i) {
     if (!body.masses.held[i]) continue;
-    const btVector3 at = toBullet(Eigen::Vector3d(body.state.position.col(static_cast<Eigen::Index>(i))));
+    const btVector3 at = toBullet(body.state.position.col(static_cast<Eigen::Index>(i)));
     for (int axis = 0; axis < 3; ++axis) {
       btVector3 arm(0, 0, 0);
       arm[axis] = size;

@@ -276,7 +276,7 @@ bool isValid(btDynamicsWorld& world, const btTypedConstraint* joint, int& index)
 
 void addFeedback(btJointFeedback& feedback, const JointConstraint& j, btScalar tick) {
   const auto add = [&](btVector3& sum, const Vector3d& along) {
-    sum += toBullet(Vector3d(along * (j.impulse / double(tick))));
+    sum += toBullet(along * (j.impulse / double(tick)));
   };
   add(feedback.m_appliedForceBodyA, j.linearA);
   add(feedback.m_appliedForceBodyB, j.linearB);

@@ -145,8 +145,8 @@ void MultiBodyLinks::addJoint(btMultiBody& multiBody, int link, TickContacts& fo
     const Vector6d fixedDirection = directions.col(d);
     JointConstraint row;
     row.a = a, row.b = b;
-    row.angularA = toEigen(basis * toBullet(Vector3d(fixedDirection.head<3>())));
-    row.linearA = toEigen(basis * toBullet(Vector3d(fixedDirection.tail<3>())));
+    row.angularA = toEigen(basis * toBullet(fixedDirection.head<3>()));
+    row.linearA = toEigen(basis * toBullet(fixedDirection.tail<3>()));
     row.linearB = -row.linearA;
     row.angularB = -row.angularA - arm.cross(row.linearA);
     found.joints.push_back(row);
@@ -185,7 +185,7 @@ void MultiBodyLinks::applyImpulses(const TickContacts& found) {
       if (!body) continue;
       const Vector3d impulse = point == &c.a ? c.impulse.sum : Vector3d(-c.impulse.sum);
       body->impulse += toBullet(impulse);
-      body->angularImpulse += toBullet(Vector3d(point->arm.cross(impulse)));
+      body->angularImpulse += toBullet(point->arm.cross(impulse));
     }
   for (btMultiBody* multiBody : touched_) apply(*multiBody);
 }

@@ -159,34 +159,5 @@ void gatherPairs(SoftBodyData& body, btRigidBody& partner, btScalar tick, TickCo
 /// tick. Call it after all awake groups have been gathered.
 void gatherPointPairs(const std::vector<LinkedGroup>& groups, btScalar tick, TickContacts& found);
 
-// --- boxes -------------------------------------------------------------------------------------------------
-
-/// The point of a box that is nearest to a point (m, in the world), and the unit normal, from the box to the
-/// point, or outward if the point is inside.
-struct NearestOnBox {
-  Eigen::Vector3d surface, normal;
-};
-
-/// Computes it in closed form. Bullet's general narrowphase rounds the box's edges with the shape's margin,
-/// usually 4 cm: a point could be centimetres inside the visible box, which the edges and triangles of a
-/// surface do collide with. In single precision it also sometimes puts a point that rests on a box
-/// centimetres above it.
-inline NearestOnBox nearestOnBox(const btBoxShape& box, const btTransform& pose,
-                                 const Eigen::Vector3d& point) {
-  const Eigen::Vector3d half = toEigen(box.getHalfExtentsWithMargin());
-  const Eigen::Vector3d local = toEigen(pose.invXform(toBullet(point)));
-  Eigen::Vector3d surface = local.cwiseMax(-half).cwiseMin(half);
-  Eigen::Vector3d outward = local - surface;
-  if (outward.isZero(0.0)) {
-    Eigen::Index axis;
-    (half - local.cwiseAbs()).minCoeff(&axis);
-    const double side = local[axis] < 0.0 ? -1.0 : 1.0;
-    outward = side * Eigen::Vector3d::Unit(axis);
-    surface[axis] = side * half[axis];
-  }
-  const btVector3 normal = pose.getBasis() * toBullet(Eigen::Vector3d(outward.normalized()));
-  return {toEigen(pose * toBullet(surface)), toEigen(normal).normalized()};
-}
-
 }  // namespace LIMBER_BULLET_PRECISION
 }  // namespace limber

@@ -252,7 +252,7 @@ ContactPoint pointB(const SurfaceCandidate& m, const SurfaceContact& c, TickCont
   const MovingSurface &soft = m.body->surface.moving, &b = surfaceB(m);
   if (m.partner)
     return rigidContactPoint(found, *m.partner,
-                             toBullet(Vector3d(positionOf(b, c.b) + (b.radius + soft.radius) * c.normal)));
+                             toBullet(positionOf(b, c.b) + (b.radius + soft.radius) * c.normal));
   ContactPoint p = softContactPoint(*m.other, c.b);
   if (m.other->asleep) p.kind = ContactPoint::Kind::World;
   return p;

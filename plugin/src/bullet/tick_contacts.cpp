@@ -106,7 +106,7 @@ void writeRigidToBullet(RigidPartner& partner, const RigidState& end, btScalar t
   const double angular = dampingFactor(body.getAngularDamping(), tick);
   const Eigen::Vector3d initial = mean - h * partner.start.acceleration;
   setInitialAngularVelocity(body, meanAngular - h * torqueAcceleration(body), tick);
-  if (linear > 0.0) body.setLinearVelocity(toBullet(Eigen::Vector3d(initial / linear)));
+  if (linear > 0.0) body.setLinearVelocity(toBullet(initial / linear));
   if (angular > 0.0) body.setAngularVelocity(body.getAngularVelocity() / static_cast<btScalar>(angular));
   partner.expectedVelocity = toBullet(mean);
   partner.expectedAngularVelocity = toBullet(meanAngular);
