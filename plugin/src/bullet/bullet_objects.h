@@ -76,6 +76,23 @@ void forEachObjectIn(const btCollisionWorld& world, const btVector3& low, const 
   const_cast<btBroadphaseInterface*>(world.getBroadphase())->aabbTest(low, high, callback);
 }
 
+// --- manifolds ---------------------------------------------------------------------------------------------
+
+template <class Visit>
+void forEachManifold(btDispatcher& dispatcher, Visit visit) {
+  for (int m = 0; m < dispatcher.getNumManifolds(); ++m) visit(*dispatcher.getManifoldByIndexInternal(m));
+}
+
+/// Bullet's solver ignores a manifold with this contact processing threshold.
+constexpr btScalar kIgnoredByBullet = -BT_LARGE_FLOAT;
+
+inline void clearImpulses(btPersistentManifold& manifold) {
+  for (int p = 0; p < manifold.getNumContacts(); ++p) {
+    btManifoldPoint& point = manifold.getContactPoint(p);
+    point.m_appliedImpulse = point.m_appliedImpulseLateral1 = point.m_appliedImpulseLateral2 = 0;
+  }
+}
+
 // --- handles to objects ------------------------------------------------------------------------------------
 
 /// A handle to an object that was in the world when the handle was made. The application may have deleted the

@@ -22,8 +22,9 @@ struct TickContacts;
 
 // --- the report --------------------------------------------------------------------------------------------
 
-/// Fills the reports of all bodies that are awake, after a tick of length `tick` (s). Call it before
-/// reportContactImpulses(). `bodies`: the bodies in the groups, to which the indices in `pairs` refer.
+/// Fills the reports of all bodies that are awake, after a tick of length `tick` (s). Writes the impulses of
+/// contacts of point masses in the world to Bullet's manifolds. `bodies`: the bodies in the groups, to which
+/// the indices in `pairs` refer.
 void reportContacts(const std::vector<SoftBodyData*>& bodies, const TickContacts& pairs,
                     const btDiscreteDynamicsWorld& world, double tick);
 

@@ -177,17 +177,13 @@ void finishWorldPoints(SoftBodyData& body, btScalar tick);
 void wakeWorldPoints(SoftBodyData& body, bool insideTick);
 
 /// Sets PointMass::cachedContact from Bullet's manifolds, before a tick. Clears the impulses that
-/// reportContactImpulses() has written to the manifolds: Bullet would use them for its warm start.
+/// reportContacts() has written to the manifolds: Bullet would use them for its warm start.
 void readManifolds(btDispatcher& dispatcher);
 
 /// Excludes the contacts that this plugin solves from Bullet's solver, after gathering, until
-/// reportContactImpulses(). Bullet tests contacts only once per tick, at its start. On rounded shapes and
+/// restoreBreakingThresholds(). Bullet tests contacts only once per tick, at its start. On rounded shapes and
 /// across adjacent edges it would brake sliding points.
 void disableBulletResponse(btDispatcher& dispatcher);
-
-/// Writes the impulses of plane contacts to Bullet's manifolds, after the tick. Users read contact forces
-/// there (btManifoldPoint::m_appliedImpulse).
-void reportContactImpulses(btDispatcher& dispatcher);
 
 }  // namespace LIMBER_BULLET_PRECISION
 }  // namespace limber

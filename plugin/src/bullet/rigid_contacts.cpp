@@ -82,21 +82,18 @@ void startTick(ManifoldPointHistory& history) {
 
 namespace {
 
-constexpr btScalar kIgnoredByBullet = -BT_LARGE_FLOAT;
-
 /// Calls visit(index in the world's list, manifold) for both objects of all manifolds with a contact
 /// response.
 template <class Visit>
 void forEachSide(btDispatcher& dispatcher, Visit visit) {
-  for (int m = 0; m < dispatcher.getNumManifolds(); ++m) {
-    btPersistentManifold* manifold = dispatcher.getManifoldByIndexInternal(m);
-    const btCollisionObject *a = manifold->getBody0(), *b = manifold->getBody1();
-    if (manifold->getNumContacts() == 0 || isSoft(a) || isSoft(b)) continue;
-    if (!a->hasContactResponse() || !b->hasContactResponse()) continue;
+  forEachManifold(dispatcher, [&](btPersistentManifold& manifold) {
+    const btCollisionObject *a = manifold.getBody0(), *b = manifold.getBody1();
+    if (manifold.getNumContacts() == 0 || isSoft(a) || isSoft(b)) return;
+    if (!a->hasContactResponse() || !b->hasContactResponse()) return;
     for (const btCollisionObject* object : {a, b})
       if (object->getWorldArrayIndex() >= 0)
-        visit(static_cast<std::size_t>(object->getWorldArrayIndex()), manifold);
-  }
+        visit(static_cast<std::size_t>(object->getWorldArrayIndex()), &manifold);
+  });
 }
 
 void fill(RigidManifolds& index, btDiscreteDynamicsWorld& world) {
@@ -141,14 +138,12 @@ void addContact(TickContacts& found, const btPersistentManifold& manifold, const
 }
 
 /// Returns an upper bound (m) of the relative motion of the surfaces in a tick.
-btScalar motionOf(const btPersistentManifold& manifold, btScalar tick) {
+btScalar relativeMotion(const btPersistentManifold& manifold, btScalar tick) {
   btScalar motion = 0;
   for (const btCollisionObject* object : {manifold.getBody0(), manifold.getBody1()}) {
     const btRigidBody* body = btRigidBody::upcast(object);
     if (!body || isStatic(*body)) continue;
-    const btScalar angularSpeed = body->getAngularVelocity().length();
-    motion += tick * body->getLinearVelocity().length();
-    if (angularSpeed > 0) motion += tick * angularSpeed * object->getCollisionShape()->getAngularMotionDisc();
+    motion += tick * (body->getLinearVelocity().length() + rotationSpeed(*body));
   }
   return motion;
 }
@@ -208,16 +203,14 @@ void refreshManifold(btDiscreteDynamicsWorld& world, const btPersistentManifold&
 
 void addContacts(TickContacts& found, btPersistentManifold& manifold, btScalar tick,
                  ManifoldPointHistory& history) {
-  const bool isSlow = motionOf(manifold, tick) < manifold.getContactBreakingThreshold();
+  const bool isSlow = relativeMotion(manifold, tick) < manifold.getContactBreakingThreshold();
   if (isSlow) {
     addStoredContacts(found, manifold, history);
     manifold.setContactProcessingThreshold(kIgnoredByBullet);
   }
-  for (int p = 0; p < manifold.getNumContacts(); ++p) {
-    btManifoldPoint& point = manifold.getContactPoint(p);
-    if (!isSlow) addContact(found, manifold, point, ContactImpulse(), nullptr);
-    point.m_appliedImpulse = point.m_appliedImpulseLateral1 = point.m_appliedImpulseLateral2 = 0;
-  }
+  for (int p = 0; p < manifold.getNumContacts() && !isSlow; ++p)
+    addContact(found, manifold, manifold.getContactPoint(p), ContactImpulse(), nullptr);
+  clearImpulses(manifold);
 }
 
 /// Sets Bullet's own bounce threshold, and a recovery speed for the size that its breaking threshold gives.
@@ -266,15 +259,17 @@ void gatherRigidContacts(btDiscreteDynamicsWorld& world, btScalar tick, RigidMan
 }
 
 void restoreBreakingThresholds(btDispatcher& dispatcher) {
-  for (int m = 0; m < dispatcher.getNumManifolds(); ++m) {
-    btPersistentManifold& manifold = *dispatcher.getManifoldByIndexInternal(m);
-    if (manifold.getContactProcessingThreshold() > kIgnoredByBullet || isSoft(manifold.getBody0()) ||
-        isSoft(manifold.getBody1()))
-      continue;
-    const btScalar own = btMin(manifold.getBody0()->getContactProcessingThreshold(),
-                               manifold.getBody1()->getContactProcessingThreshold());
-    manifold.setContactProcessingThreshold(own);
-  }
+  // see gatherContacts() for the thresholds of points in a tick
+  const auto ownOf = [](const btCollisionObject* object) {
+    return PointMass::from(object) ? btScalar(BT_LARGE_FLOAT) : object->getContactProcessingThreshold();
+  };
+  forEachManifold(dispatcher, [&](btPersistentManifold& manifold) {
+    const btCollisionObject *a = manifold.getBody0(), *b = manifold.getBody1();
+    if (manifold.getContactProcessingThreshold() > kIgnoredByBullet || SurfaceObject::from(a) ||
+        SurfaceObject::from(b))
+      return;
+    manifold.setContactProcessingThreshold(btMin(ownOf(a), ownOf(b)));
+  });
 }
 
 void reportRigidContacts(TickContacts& contacts) {

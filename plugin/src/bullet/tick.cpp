@@ -196,7 +196,6 @@ void SoftBodySystem::Impl::WorldStep::afterTick(btScalar tick) {
   for (const Island& island : islands) readIslandFromBullet(island, pairs, *world, tick);
   reportJoints(*world, pairs, tick);
   reportContacts(living, pairs, *world, double(tick));
-  reportContactImpulses(*world->getDispatcher());
 }
 
 // --- one system --------------------------------------------------------------------------------------------

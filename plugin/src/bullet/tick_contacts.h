@@ -158,8 +158,8 @@ struct RigidManifolds {
 void gatherRigidContacts(btDiscreteDynamicsWorld& world, btScalar tick, RigidManifolds& index,
                          TickContacts& found);
 
-/// Makes Bullet's solver handle all manifolds again that gatherRigidContacts() excluded, also for other
-/// systems in the world.
+/// Makes Bullet's solver handle all manifolds again that gatherRigidContacts() and disableBulletResponse()
+/// excluded, also for other systems in the world.
 void restoreBreakingThresholds(btDispatcher& dispatcher);
 
 /// Writes the impulses of the contacts to Bullet's manifolds, after the step, where users read them

@@ -316,77 +316,52 @@ void gatherPointPairs(const std::vector<LinkedGroup>& groups, btScalar tick, Tic
 
 namespace {
 
-/// Calls visit(manifold point, soft body, point, partner) for all contacts of point masses.
+/// Calls visit(manifold, point, partner) for all manifolds of point masses.
 template <class Visit>
-void forEachContact(btDispatcher& dispatcher, Visit visit) {
-  for (int m = 0; m < dispatcher.getNumManifolds(); ++m) {
-    btPersistentManifold& manifold = *dispatcher.getManifoldByIndexInternal(m);
+void forEachPointManifold(btDispatcher& dispatcher, Visit visit) {
+  forEachManifold(dispatcher, [&](btPersistentManifold& manifold) {
     PointMass* first = PointMass::from(const_cast<btCollisionObject*>(manifold.getBody0()));
     PointMass* point = first ? first : PointMass::from(const_cast<btCollisionObject*>(manifold.getBody1()));
-    if (!point || !point->owner()) continue;
-    const btCollisionObject* partner = first ? manifold.getBody1() : manifold.getBody0();
-    visit(manifold, *point, partner);
-  }
+    if (point && point->owner())
+      visit(manifold, *point, *(first ? manifold.getBody1() : manifold.getBody0()));
+  });
 }
 
 /// Returns whether both objects are points of soft bodies, at least one of them awake: gatherPointPairs()
 /// adds their contacts.
-bool isBetweenAwakePoints(const PointMass& point, const btCollisionObject* partner) {
-  const PointMass* other = PointMass::from(partner);
+bool isBetweenAwakePoints(const PointMass& point, const btCollisionObject& partner) {
+  const PointMass* other = PointMass::from(&partner);
   return other && other->owner() && !(point.owner()->asleep && other->owner()->asleep);
+}
+
+bool hasRows(const PointMass& point, const btCollisionObject& partner) {
+  const SoftBodyData& body = *point.owner();
+  const ContactRange rows = contactsOfPoint(body.contacts, point.index());
+  const auto partners = body.contactPartners.data();
+  return std::find(partners + rows.begin, partners + rows.end, &partner) != partners + rows.end;
 }
 
 }  // namespace
 
 void readManifolds(btDispatcher& dispatcher) {
-  forEachContact(
-      dispatcher, [](btPersistentManifold& manifold, PointMass& point, const btCollisionObject* partner) {
+  forEachPointManifold(
+      dispatcher, [](btPersistentManifold& manifold, PointMass& point, const btCollisionObject& partner) {
         const bool betweenPoints = isBetweenAwakePoints(point, partner);
-        if (!betweenPoints && (point.owner()->asleep || !isStaticOrKinematic(*partner))) return;
-        const btCollisionShape& shape = *partner->getCollisionShape();
+        if (!betweenPoints && (point.owner()->asleep || !isStaticOrKinematic(partner))) return;
+        const btCollisionShape& shape = *partner.getCollisionShape();
         const bool isSimple = manifold.getNumContacts() == 1 && !shape.isConcave() && !shape.isCompound();
         if (isSimple && !betweenPoints) point.cachedContact = &manifold;
-        // the plane contacts are enough: Bullet would push the point out of the partner's pose at the end of
-        // the tick
-        if (isAtEndPose(*partner)) manifold.setContactProcessingThreshold(-BT_LARGE_FLOAT);
-        for (int p = 0; p < manifold.getNumContacts(); ++p) {
-          btManifoldPoint& contact = manifold.getContactPoint(p);
-          contact.m_appliedImpulse = contact.m_appliedImpulseLateral1 = contact.m_appliedImpulseLateral2 = 0;
-        }
+        clearImpulses(manifold);
       });
 }
 
 void disableBulletResponse(btDispatcher& dispatcher) {
-  forEachContact(dispatcher,
-                 [](btPersistentManifold& manifold, PointMass& point, const btCollisionObject* partner) {
-                   if (isBetweenAwakePoints(point, partner))
-                     manifold.setContactProcessingThreshold(-BT_LARGE_FLOAT);
-                   const SoftBodyData& body = *point.owner();
-                   const ContactRange rows = contactsOfPoint(body.contacts, point.index());
-                   for (std::size_t r = rows.begin; r < rows.end && !body.asleep; ++r)
-                     if (body.contactPartners[r] == partner)
-                       manifold.setContactProcessingThreshold(-BT_LARGE_FLOAT);
-                 });
-}
-
-void reportContactImpulses(btDispatcher& dispatcher) {
-  forEachContact(dispatcher, [](btPersistentManifold& manifold, PointMass& point,
-                                const btCollisionObject* partner) {
-    const SoftBodyData& body = *point.owner();
-    const ContactRange rows = contactsOfPoint(body.contacts, point.index());
-    manifold.setContactProcessingThreshold(
-        btMin(point.getContactProcessingThreshold(), partner->getContactProcessingThreshold()));
-    for (std::size_t r = rows.begin; r < rows.end; ++r) {
-      const PlaneContact& row = body.contacts[r];
-      if (body.contactPartners[r] != partner) continue;
-      int nearest = -1;
-      for (int p = 0; p < manifold.getNumContacts(); ++p) {
-        const double along = std::abs(toEigen(manifold.getContactPoint(p).m_normalWorldOnB).dot(row.normal));
-        if (along > kSameSurface && nearest < 0) nearest = p;
-      }
-      if (nearest < 0) continue;
-      manifold.getContactPoint(nearest).m_appliedImpulse += static_cast<btScalar>(row.impulse.along);
-    }
+  forEachPointManifold(dispatcher, [](btPersistentManifold& manifold, const PointMass& point,
+                                      const btCollisionObject& partner) {
+    // where an object is at its end pose, Bullet would push the point out of that
+    const bool onOwnRows = !point.owner()->asleep && (isAtEndPose(partner) || hasRows(point, partner));
+    if (onOwnRows || isBetweenAwakePoints(point, partner))
+      manifold.setContactProcessingThreshold(kIgnoredByBullet);
   });
 }
 
