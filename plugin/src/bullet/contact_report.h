@@ -10,7 +10,6 @@
 #include <limber/contacts.h>
 #include <limber/soft_body_system.h>
 
-#include <array>
 #include <cstddef>
 #include <memory>
 #include <vector>
@@ -66,9 +65,9 @@ class ContactEvents {
 
  private:
   void sumByPartner(SoftBodyData& body);
-  void add(void (ContactListener::*callback)(const ContactPair&), SoftBodyData& body, const ContactPair& pair,
-           const ObjectHandle& other);
   void addEnd(SoftBodyData& body, const TouchingPair& ended);
+  template <class Ends>
+  void endPairs(SoftBodyData& body, Ends ends);
 
   ContactListener* listener_ = nullptr;
   bool calling_ = false;
@@ -80,16 +79,9 @@ class ContactEvents {
 
 // --- manifolds ---------------------------------------------------------------------------------------------
 
-/// Scratch of reportManifold().
-struct StrongestContacts {
-  const btCollisionObject* other;
-  int count;
-  std::array<const SoftContact*, MANIFOLD_CACHE_SIZE> contacts;  ///< by normal impulse, the largest first
-};
-
 /// Adds manifolds with the body's reported contacts, after a tick: for each partner the four contacts with
 /// the largest impulses.
-void reportManifold(SoftBodyData& body, std::vector<StrongestContacts>& scratch);
+void reportManifold(SoftBodyData& body, std::vector<const SoftContact*>& scratch);
 
 /// Removes these manifolds, before a tick.
 void removeReportedManifolds(SoftBodyData& body);

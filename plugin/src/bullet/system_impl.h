@@ -69,7 +69,7 @@ struct SoftBodySystem::Impl final : TickListener, StepListener {
   std::unique_ptr<StepBoundary> stepBoundary;  // exists while users access point masses outside the world
   ContactEvents events;
   bool showsManifolds = false;
-  std::vector<StrongestContacts> strongest;   // scratch of reportManifold
+  std::vector<const SoftContact*> strongest;  // scratch of reportManifold
   std::vector<SoftBody*> pendingDestruction;  // destroyed after the listener's call
 };
 
