@@ -32,6 +32,33 @@ inline btVector3 toBullet(const Eigen::Vector3d& v) {
   return btVector3(static_cast<btScalar>(v.x()), static_cast<btScalar>(v.y()), static_cast<btScalar>(v.z()));
 }
 
+// --- the plugin's own bodies -------------------------------------------------------------------------------
+
+/// A body of this plugin. The address of a mark in its extension pointer identifies it: this needs no RTTI,
+/// and the user pointer and index remain available to the user.
+template <class Own>
+class OwnBody : public btRigidBody {
+ public:
+  /// Returns the object as one of this class, or nullptr if it is none.
+  static Own* from(btCollisionObject* object) {
+    return object && object->internalGetExtensionPointer() == mark() ? static_cast<Own*>(object) : nullptr;
+  }
+  static const Own* from(const btCollisionObject* object) {
+    return from(const_cast<btCollisionObject*>(object));
+  }
+
+ protected:
+  explicit OwnBody(const btRigidBodyConstructionInfo& info) : btRigidBody(info) {
+    internalSetExtensionPointer(mark());
+  }
+
+ private:
+  static void* mark() {
+    static char address;
+    return &address;
+  }
+};
+
 // --- kinds of objects --------------------------------------------------------------------------------------
 
 /// Returns whether the user moves the object. This includes kinematic bodies, also those that have the static

@@ -16,8 +16,6 @@ namespace {
 using Eigen::Vector3d;
 using Vector6d = Eigen::Matrix<double, 6, 1>;
 
-int linkMark;  // see pointMassMark
-
 /// Number of ticks after which a body that has no soft body near it is removed.
 constexpr int kMaxUnusedTicks = 120;
 
@@ -62,20 +60,6 @@ Eigen::MatrixXd freedomOf(const btMultibodyLink& link) {
 }
 
 }  // namespace
-
-LinkBody::LinkBody(btMultiBody& m, int l)
-    : btRigidBody(btRigidBodyConstructionInfo(1, nullptr, nullptr)), multiBody(&m), link(l) {
-  internalSetExtensionPointer(&linkMark);
-}
-
-LinkBody* LinkBody::from(btCollisionObject* object) {
-  const bool ours = object && object->internalGetExtensionPointer() == &linkMark;
-  return ours ? static_cast<LinkBody*>(object) : nullptr;
-}
-
-const LinkBody* LinkBody::from(const btCollisionObject* object) {
-  return from(const_cast<btCollisionObject*>(object));
-}
 
 bool isHeldLink(const btMultiBodyLinkCollider& collider) {
   const btMultiBody& m = *collider.m_multiBody;

@@ -15,10 +15,6 @@ namespace limber {
 inline namespace LIMBER_BULLET_PRECISION {
 namespace {
 
-/// Its address in the extension pointer marks the plugin's bodies. This needs no RTTI, and the user pointer
-/// and index remain available to the user.
-int pointMassMark;
-
 /// Called when the application deletes a point.
 void forgetDeletedPoint(SoftBodyData& body, std::uint32_t index) {
   const PointMass* point = body.masses.bodies[index];
@@ -31,22 +27,12 @@ void forgetDeletedPoint(SoftBodyData& body, std::uint32_t index) {
 }  // namespace
 
 PointMass::PointMass(const btRigidBodyConstructionInfo& info, SoftBodyData* owner, std::uint32_t index)
-    : btRigidBody(info), owner_(owner), index_(index) {
-  internalSetExtensionPointer(&pointMassMark);
+    : OwnBody(info), owner_(owner), index_(index) {
   keepCollisionFilter();
 }
 
 PointMass::~PointMass() {
   if (owner_) forgetDeletedPoint(*owner_, index_);
-}
-
-PointMass* PointMass::from(btCollisionObject* object) {
-  const bool ours = object && object->internalGetExtensionPointer() == &pointMassMark;
-  return ours ? static_cast<PointMass*>(object) : nullptr;
-}
-
-const PointMass* PointMass::from(const btCollisionObject* object) {
-  return from(const_cast<btCollisionObject*>(object));
 }
 
 bool PointMass::checkCollideWithOverride(const btCollisionObject* other) const {

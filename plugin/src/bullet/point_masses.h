@@ -4,6 +4,7 @@
 
 #pragma once
 
+#include "bullet/bullet_objects.h"
 #include "solver/point_state.h"
 
 #include <limber/bullet_precision.h>
@@ -21,16 +22,12 @@ struct SoftBodyData;
 
 /// The Bullet body of one point mass: a small sphere that does not rotate. The application may delete it like
 /// any other body: it has its own operator delete, and its destructor informs its owner.
-class PointMass final : public btRigidBody {
+class PointMass final : public OwnBody<PointMass> {
  public:
   BT_DECLARE_ALIGNED_ALLOCATOR();
 
   PointMass(const btRigidBodyConstructionInfo& info, SoftBodyData* owner, std::uint32_t index);
   ~PointMass() override;
-
-  /// Returns the object as a point mass, or nullptr if it is none.
-  static PointMass* from(btCollisionObject* object);
-  static const PointMass* from(const btCollisionObject* object);
 
   /// Returns false for two points of one body, and for a point and the body to which it is attached. This
   /// filter needs no collision group. Bullet's dispatcher may call it from several threads, so it only reads.

@@ -198,15 +198,12 @@ void reportJoints(btDynamicsWorld& world, const TickContacts& contacts, btScalar
 // --- multibodies -------------------------------------------------------------------------------------------
 
 /// A rigid body that represents a link (or the base) of a btMultiBody in the present tick. It is in no world.
-class LinkBody final : public btRigidBody {
+class LinkBody final : public OwnBody<LinkBody> {
  public:
   BT_DECLARE_ALIGNED_ALLOCATOR();
 
-  LinkBody(btMultiBody& m, int l);
-
-  /// Returns the object as a link, or nullptr.
-  static LinkBody* from(btCollisionObject* object);
-  static const LinkBody* from(const btCollisionObject* object);
+  LinkBody(btMultiBody& m, int l)
+      : OwnBody(btRigidBodyConstructionInfo(1, nullptr, nullptr)), multiBody(&m), link(l) {}
 
   btMultiBody* multiBody;
   int link;  ///< -1: the base
