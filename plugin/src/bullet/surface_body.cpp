@@ -98,7 +98,7 @@ void forgetDeletedSurface(SoftBodyData& body) {
 SurfaceObject::SurfaceObject(SoftBodyData* owner)
     : OwnBody(btRigidBodyConstructionInfo(0, nullptr, nullptr)), owner_(owner) {
   keepCollisionFilter();
-  // also clears the static flag, which Bullet sets for a mass of 0; debug_draw.cpp draws soft bodies
+  // also clears the static flag, which Bullet sets for a mass of 0; this plugin draws soft bodies
   setCollisionFlags(CF_DISABLE_VISUALIZE_OBJECT);
   setFlags(getFlags() & ~BT_ENABLE_GYROSCOPIC_FORCE_IMPLICIT_BODY);
 }

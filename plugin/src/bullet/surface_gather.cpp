@@ -6,6 +6,7 @@
 #include "bullet/surface_gather.h"
 
 #include "bullet/bullet_objects.h"
+#include "bullet/kinematic_motion.h"
 #include "bullet/linked_group.h"
 #include "bullet/point_contacts.h"
 #include "bullet/rigid_shapes.h"
