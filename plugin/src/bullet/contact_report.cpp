@@ -26,14 +26,25 @@ using Eigen::Vector3d;
 /// Multiple of the radius. Surfaces nearer than this are reported as contacts even without an impulse.
 constexpr double kMaxReportedDistance = 0.05;
 
-bool isReported(const Vector3d& impulse, double distance, double radius) {
-  return distance < kMaxReportedDistance * radius || !impulse.isZero(0.0);
+bool isReported(const SoftBodyData& body, const SoftContact& c) {
+  return c.distance < kMaxReportedDistance * radiusOf(body) || !c.impulse.isZero();
 }
 
-void addImpulse(SoftContact& c, const TickImpulse& impulse) {
-  c.normalImpulse += impulse.along;
-  c.impulse += toBullet(impulse.sum);
-  c.frictionImpulse += toBullet(impulse.sum - impulse.pressing);
+/// Returns a contact of a body whose points on the side are at x (m).
+SoftContact contactAt(const SoftBodyData& body, const ContactSide& side, const Vector3d& x,
+                      const Vector3d& normal, double distance, const TickImpulse& impulse,
+                      const btCollisionObject* other) {
+  SoftContact c;
+  c.body = body.handle;
+  c.other = other;
+  c.side = side;
+  c.position = toBullet(x - radiusOf(body) * normal);
+  c.normal = toBullet(normal);
+  c.distance = distance;
+  c.normalImpulse = impulse.along;
+  c.impulse = toBullet(impulse.sum);
+  c.frictionImpulse = toBullet(impulse.sum - impulse.pressing);
+  return c;
 }
 
 void add(SoftBodyData& body, const SoftContact& contact, const ObjectHandle& partner) {
@@ -50,32 +61,17 @@ ContactSide pointSide(std::uint32_t point) {
 
 // --- on static and kinematic objects -----------------------------------------------------------------------
 
-void addRow(SoftBodyData& body, const PlaneContact& row, const ObjectHandle& partner, double tick) {
-  const Vector3d x = body.state.position.col(row.point);
-  const double radius = double(body.masses.shape->getRadius());
-  const double distance = row.normal.dot(x - row.touch - tick * row.surfaceVelocity);
-  if (!isReported(row.impulse.sum, distance, radius)) return;
-  SoftContact c;
-  c.body = body.handle;
-  c.other = partner.object;
-  c.side = pointSide(row.point);
-  c.position = toBullet(x - radius * row.normal);
-  c.normal = toBullet(row.normal);
-  c.distance = distance;
-  addImpulse(c, row.impulse);
-  add(body, c, partner);
-}
-
 void addRows(SoftBodyData& body, const btCollisionWorld& world, double tick) {
-  const ObjectHandle* handle = nullptr;
   for (std::size_t i = 0; i < body.contacts.size(); ++i) {
-    const btCollisionObject* partner = body.contactPartners[i];
-    if (!handle || handle->object != partner) {
-      const auto isPartner = [&](const ObjectHandle& m) { return m.object == partner; };
-      const auto it = std::find_if(body.partnerHandles.begin(), body.partnerHandles.end(), isPartner);
-      handle = it != body.partnerHandles.end() && isValid(world, *it) ? &*it : nullptr;
-    }
-    if (handle) addRow(body, body.contacts[i], *handle, tick);
+    const auto isPartner = [&](const ObjectHandle& h) { return h.object == body.contactPartners[i]; };
+    const auto handle = std::find_if(body.partnerHandles.begin(), body.partnerHandles.end(), isPartner);
+    if (handle == body.partnerHandles.end() || !isValid(world, *handle)) continue;
+    const PlaneContact& row = body.contacts[i];
+    const Vector3d x = body.state.position.col(row.point);
+    const double distance = row.normal.dot(x - row.touch - tick * row.surfaceVelocity);
+    const SoftContact c =
+        contactAt(body, pointSide(row.point), x, row.normal, distance, row.impulse, handle->object);
+    if (isReported(body, c)) add(body, c, *handle);
   }
 }
 
@@ -109,21 +105,14 @@ SoftContact mirrored(const SoftContact& c, const btCollisionObject& object) {
 
 void addPair(const Contact& pair, const ContactSource& source) {
   SoftBodyData &body = *source.body, *other = source.other;
-  const double radius = double(body.masses.shape->getRadius());
-  if (!isReported(pair.impulse.sum, pair.gap, radius)) return;
-  SoftContact c;
   Vector3d x, y;
-  c.body = body.handle;
-  c.other = source.partner.object;
-  c.side = sideOf(pair.a, body, x);
+  const ContactSide side = sideOf(pair.a, body, x);
+  SoftContact c = contactAt(body, side, x, pair.normal, pair.gap, pair.impulse, source.partner.object);
+  if (!isReported(body, c)) return;
   if (other) {
     c.otherBody = other->handle;
     c.otherSide = sideOf(pair.b, *other, y);
   }
-  c.position = toBullet(x - radius * pair.normal);
-  c.normal = toBullet(pair.normal);
-  c.distance = pair.gap;
-  addImpulse(c, pair.impulse);
   if (body.report.fresh) add(body, c, source.partner);
   const bool together = other && other != &body && pair.b.kind == ContactPoint::Kind::Soft;
   if (!together || !other->report.fresh || !anyInWorld(body)) return;
@@ -195,8 +184,7 @@ const SoftContact* addBulletContact(SoftBodyData& body, const SoftContact& c) {
     same->frictionImpulse += c.frictionImpulse;
     return same;
   }
-  if (isReported(toEigen(c.impulse), c.distance, double(body.masses.shape->getRadius())))
-    add(body, c, handleOf(*c.other));
+  if (isReported(body, c)) add(body, c, handleOf(*c.other));
   return nullptr;
 }
 

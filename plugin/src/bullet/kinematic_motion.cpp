@@ -19,7 +19,6 @@ namespace {
 /// Maximum of the estimated number of ticks in a stepSimulation().
 constexpr double kMaxTicks = 100.0;
 
-/// Interpolates between two poses.
 btTransform interpolate(const btTransform& from, const btTransform& to, btScalar share) {
   return btTransform(from.getRotation().slerp(to.getRotation(), share),
                      from.getOrigin().lerp(to.getOrigin(), share));
@@ -141,9 +140,9 @@ void KinematicMotions::follow(const btCollisionWorld& world, btScalar tick) {
   }
 }
 
-KinematicMotions::Rewound::Rewound(const KinematicMotions& motions) : motions_(&motions) {
-  for (const KinematicMotion& m : motions.motions_) {
-    const_cast<KinematicMotion&>(m).interpolated = m.object->getInterpolationWorldTransform();
+KinematicMotions::Rewound::Rewound(KinematicMotions& motions) : motions_(&motions) {
+  for (KinematicMotion& m : motions.motions_) {
+    m.interpolated = m.object->getInterpolationWorldTransform();
     m.object->setWorldTransform(m.start);
     m.object->setInterpolationWorldTransform(m.end);
   }

@@ -51,13 +51,13 @@ class KinematicMotions {
   /// like that of all other objects, and the interpolation transform is its pose at the end.
   class Rewound {
    public:
-    explicit Rewound(const KinematicMotions& motions);
+    explicit Rewound(KinematicMotions& motions);
     ~Rewound();
     Rewound(const Rewound&) = delete;
     Rewound& operator=(const Rewound&) = delete;
 
    private:
-    const KinematicMotions* motions_;
+    KinematicMotions* motions_;
   };
 
  private:

@@ -19,13 +19,10 @@ using Vector6d = Eigen::Matrix<double, 6, 1>;
 /// Number of ticks after which a body that has no soft body near it is removed.
 constexpr int kMaxUnusedTicks = 120;
 
-btVector3 linkOrigin(const btMultiBody& m, int link) {
-  return link < 0 ? m.getBasePos() : m.localPosToWorld(link, btVector3(0, 0, 0));
-}
-
-btMatrix3x3 basisOf(const btMultiBody& m, int link) {
-  if (link < 0) return btMatrix3x3(m.getWorldToBaseRot().inverse());
-  return m.localFrameToWorld(link, btMatrix3x3::getIdentity());
+btTransform poseOf(const btMultiBody& m, int link) {
+  if (link < 0) return btTransform(m.getWorldToBaseRot().inverse(), m.getBasePos());
+  return btTransform(m.localFrameToWorld(link, btMatrix3x3::getIdentity()),
+                     m.localPosToWorld(link, btVector3(0, 0, 0)));
 }
 
 /// Sets the pose and velocity of a link from the multibody's own state, because its collider is updated only
@@ -33,7 +30,7 @@ btMatrix3x3 basisOf(const btMultiBody& m, int link) {
 void placeLink(LinkBody& body, const btVector3& velocity, const btVector3& spin) {
   const btMultiBody& m = *body.multiBody;
   const bool isBase = body.link < 0;
-  const btTransform pose(basisOf(m, body.link), linkOrigin(m, body.link));
+  const btTransform pose = poseOf(m, body.link);
   body.setMassProps(isBase ? m.getBaseMass() : m.getLinkMass(body.link),
                     isBase ? m.getBaseInertia() : m.getLinkInertia(body.link));
   body.setWorldTransform(pose);
@@ -79,8 +76,7 @@ void MultiBodyLinks::begin(const btCollisionWorld& world) {
 LinkBody& MultiBodyLinks::bodyOf(btMultiBody& multiBody, int link) {
   const auto isThis = [&](const auto& b) { return b->multiBody == &multiBody && b->link == link; };
   auto it = std::find_if(bodies_.begin(), bodies_.end(), isThis);
-  if (it == bodies_.end())
-    it = bodies_.insert(bodies_.end(), std::unique_ptr<LinkBody>(new LinkBody(multiBody, link)));
+  if (it == bodies_.end()) it = bodies_.insert(it, std::make_unique<LinkBody>(multiBody, link));
   LinkBody& body = **it;
   body.unused = 0;
   if (body.present) return body;
@@ -138,13 +134,11 @@ void MultiBodyLinks::addJoint(btMultiBody& multiBody, int link, TickContacts& fo
   }
 }
 
-void MultiBodyLinks::addJoints(btMultiBody& multiBody, const btCollisionObject& touched,
-                               TickContacts& found) {
-  auto* handle = const_cast<btBroadphaseProxy*>(touched.getBroadphaseHandle());
+void MultiBodyLinks::addJoints(btMultiBody& multiBody, btCollisionObject& touched, TickContacts& found) {
   for (int link = -1; link < multiBody.getNumLinks(); ++link) {
     LinkBody& body = bodyOf(multiBody, link);
     if (body.collider) continue;
-    body.setBroadphaseHandle(handle);
+    body.setBroadphaseHandle(touched.getBroadphaseHandle());
     body.forceActivationState(touched.getActivationState());
   }
   for (int link = 0; link < multiBody.getNumLinks(); ++link) addJoint(multiBody, link, found);
@@ -183,7 +177,7 @@ void MultiBodyLinks::apply(btMultiBody& multiBody) {
     if (body->multiBody != &multiBody || !body->present) continue;
     if (body->impulse.isZero() && body->angularImpulse.isZero()) continue;
     any = true;
-    multiBody.fillConstraintJacobianMultiDof(body->link, linkOrigin(multiBody, body->link),
+    multiBody.fillConstraintJacobianMultiDof(body->link, poseOf(multiBody, body->link).getOrigin(),
                                              body->angularImpulse, body->impulse, &jacobian_[0], numbers_,
                                              vectors_, matrices_);
     for (int i = 0; i < size; ++i) force_[i] += jacobian_[i];

@@ -13,26 +13,19 @@
 
 namespace limber {
 inline namespace LIMBER_BULLET_PRECISION {
-namespace {
-
-/// Called when the application deletes a point.
-void forgetDeletedPoint(SoftBodyData& body, std::uint32_t index) {
-  const PointMass* point = body.masses.bodies[index];
-  body.masses.bodies[index] = nullptr;
-  body.alive = false;
-  if (body.surface.object) body.surface.object->forceActivationState(DISABLE_SIMULATION);
-  if (body.onPointDeleted) body.onPointDeleted(*point);
-}
-
-}  // namespace
 
 PointMass::PointMass(const btRigidBodyConstructionInfo& info, SoftBodyData* owner, std::uint32_t index)
     : OwnBody(info), owner_(owner), index_(index) {
   keepCollisionFilter();
 }
 
+/// The application deletes the point if it still has an owner.
 PointMass::~PointMass() {
-  if (owner_) forgetDeletedPoint(*owner_, index_);
+  if (!owner_) return;
+  owner_->masses.bodies[index_] = nullptr;
+  owner_->alive = false;
+  if (owner_->surface.object) owner_->surface.object->forceActivationState(DISABLE_SIMULATION);
+  if (owner_->onPointDeleted) owner_->onPointDeleted(*this);
 }
 
 bool PointMass::checkCollideWithOverride(const btCollisionObject* other) const {

@@ -117,7 +117,7 @@ class PlaneRows {
         tick_(tick),
         first_(body.contacts.size()) {}
 
-  double radius() const { return double(body_->masses.shape->getRadius()); }
+  double radius() const { return radiusOf(*body_); }
   Vector3d position() const { return body_->state.position.col(point_); }
 
   void add(const Vector3d& normal, const btVector3& surface) {
@@ -283,7 +283,7 @@ bool hasSpringThrough(const SoftBodyData& body, std::uint32_t i, const HeldPiece
 /// exactly, or a little too deep: the centre of a touching point is a radius away. If a spring of the point
 /// crosses the triangle, the point belongs on the side of the body's centre of mass.
 void chooseSides(const SoftBodyData& body, std::uint32_t i, HeldPiece* begin, HeldPiece* end) {
-  const double radius = double(body.masses.shape->getRadius());
+  const double radius = radiusOf(body);
   const Vector3d x = body.state.position.col(i);
   for (HeldPiece* piece = begin; piece != end; ++piece) {
     if (piece->kind != HeldPiece::Kind::Sheet) continue;
@@ -331,7 +331,7 @@ void addFollowingRows(SoftBodyData& body, std::uint32_t i, const SearchRegion& s
   if (body.neighbourhoodCount == body.neighbourhoods.size())
     body.neighbourhoods.push_back(std::make_unique<HeldNeighbourhood>());
   HeldNeighbourhood& around = *body.neighbourhoods[body.neighbourhoodCount++];
-  around = {&body.held, body.staticPieces, body.held.pieces.size(), double(body.masses.shape->getRadius())};
+  around = {&body.held, body.staticPieces, body.held.pieces.size(), radiusOf(body)};
   findContacts(around, body.state.position.col(i), Vector3d::Zero(), searchRegion.distance);
   std::uint32_t owner = 0;
   for (const auto& [partner, endOfOwners] : body.staticPartners) {
@@ -366,8 +366,7 @@ void addStaticRows(SoftBodyData& body, std::uint32_t i, const SearchRegion& sear
             *end = body.held.pieces.data() + body.held.pieces.size();
   if (begin == end) return;
   chooseSides(body, i, begin, end);
-  if (!areFlatAround(begin, end, body.state.position.col(i), double(body.masses.shape->getRadius()),
-                     searchRegion.distance))
+  if (!areFlatAround(begin, end, body.state.position.col(i), radiusOf(body), searchRegion.distance))
     return addFollowingRows(body, i, searchRegion, tick);
   addFlatRows(body, i, searchRegion, tick);
   body.held.pieces.resize(body.staticPieces);
@@ -417,7 +416,7 @@ void addPair(SoftBodyData& body, std::uint32_t i, const btRigidBody& partner, co
   c.a.point[0] = i;
   c.b = rigidContactPoint(found, partner, toBullet(surface));
   c.normal = normal;
-  c.gap = normal.dot(body.state.position.col(i) - surface) - double(body.masses.shape->getRadius());
+  c.gap = normal.dot(body.state.position.col(i) - surface) - radiusOf(body);
   c.friction = double(gCalculateCombinedFrictionCallback(&own, &partner));
   c.restitution = double(gCalculateCombinedRestitutionCallback(&own, &partner));
   c.bounceThreshold = body.speeds.bounce;
@@ -441,7 +440,7 @@ void addPairs(SoftBodyData& body, std::uint32_t i, const btRigidBody& partner, d
     const Vector3d x = body.state.position.col(i);
     const NearestOnBox nearest =
         nearestOnBox(static_cast<const btBoxShape&>(shape), partner.getWorldTransform(), x);
-    const double gap = nearest.normal.dot(x - nearest.surface) - double(body.masses.shape->getRadius());
+    const double gap = nearest.normal.dot(x - nearest.surface) - radiusOf(body);
     if (gap <= searchRegion.distance)
       addPair(body, i, partner, nearest.normal, nearest.surface, first, found);
     return;

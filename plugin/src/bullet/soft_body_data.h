@@ -268,6 +268,9 @@ inline std::uint32_t pointCount(const SoftBodyData& body) {
   return static_cast<std::uint32_t>(body.state.position.cols());
 }
 
+/// Returns the radius (m) of the points.
+inline double radiusOf(const SoftBodyData& body) { return double(body.masses.shape->getRadius()); }
+
 /// Returns whether point i is attached to the object.
 inline bool isAttached(const SoftBodyData& body, std::uint32_t i, const btCollisionObject& object) {
   return std::any_of(body.anchors.begin(), body.anchors.end(),

@@ -437,7 +437,7 @@ void drawPins(const SoftBodyData& body, btIDebugDraw& drawer) {
 
 void drawBox(const SoftBodyData& body, btIDebugDraw& drawer) {
   const Points& x = body.state.position;
-  const double radius = double(body.masses.shape->getRadius());
+  const double radius = radiusOf(body);
   const Eigen::Vector3d low = x.rowwise().minCoeff().array() - radius;
   const Eigen::Vector3d high = x.rowwise().maxCoeff().array() + radius;
   drawer.drawAabb(toBullet(low), toBullet(high), drawer.getDefaultColors().m_aabb);

@@ -36,8 +36,7 @@ const MovingSurface& movingSurface(SoftBodyData& body, double tick) {
   SurfaceData& s = body.surface;
   if (!s.motionValid) {
     s.motion = tick * body.state.velocity + tick * tick * body.state.acceleration;
-    s.moving = {&body.model->topology, &body.state.position, &s.motion,
-                double(body.masses.shape->getRadius()), &s.boxes};
+    s.moving = {&body.model->topology, &body.state.position, &s.motion, radiusOf(body), &s.boxes};
     s.impact = impactOf(body, tick);
     s.motionValid = true;
   }

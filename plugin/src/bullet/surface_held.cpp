@@ -124,7 +124,7 @@ namespace {
 
 /// Returns whether contacts of the corners replace the contact `c` of an edge or triangle.
 bool cornersCarryContact(const SoftBodyData& body, const SurfaceContact& c, double margin) {
-  const double radius = double(body.masses.shape->getRadius());
+  const double radius = radiusOf(body);
   return c.gap >= -kMaxSagging * radius &&
          std::all_of(c.a.points.begin(), c.a.points.end(), [&](std::uint32_t point) {
            return hasContactAlong(body, point, c.normal, std::max(c.gap, 0.0) + margin);

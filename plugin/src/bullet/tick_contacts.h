@@ -241,7 +241,7 @@ class MultiBodyLinks {
 
  private:
   LinkBody& bodyOf(btMultiBody& multiBody, int link);
-  void addJoints(btMultiBody& multiBody, const btCollisionObject& touched, TickContacts& found);
+  void addJoints(btMultiBody& multiBody, btCollisionObject& touched, TickContacts& found);
   void addJoint(btMultiBody& multiBody, int link, TickContacts& found);
   void apply(btMultiBody& multiBody);
 

@@ -149,7 +149,7 @@ double motion(const SoftBodyData& body, Eigen::Index i) {
 /// Returns whether the body may have passed through an object in the tick.
 bool hasObstacle(const SoftBodyData& body, double longest) {
   const Points& from = body.masses.startPosition;
-  const double margin = double(body.masses.shape->getRadius()) + longest;
+  const double margin = radiusOf(body) + longest;
   const Eigen::Vector3d low = from.rowwise().minCoeff().array() - margin;
   const Eigen::Vector3d high = from.rowwise().maxCoeff().array() + margin;
   bool any = false;
@@ -182,7 +182,7 @@ void sweepPoint(SoftBodyData& body, Eigen::Index i) {
 /// shorter than the world's m_allowedCcdPenetration (4 cm), twice the size of a point mass.
 void stopAtFirstContact(SoftBodyData& body) {
   if (!body.settings.continuousCollision) return;
-  const double unswept = kMaxUnsweptMotion * double(body.masses.shape->getRadius());
+  const double unswept = kMaxUnsweptMotion * radiusOf(body);
   const auto isUnexpected = [&](Eigen::Index i) {
     const auto at = static_cast<std::size_t>(i);
     return !body.masses.held[at] && motion(body, i) > std::max(unswept, body.searchDistance[at]);
@@ -209,8 +209,6 @@ void finishWorldPoints(SoftBodyData& body, btScalar tick) {
 // --- contacts with points of other bodies ------------------------------------------------------------------
 
 namespace {
-
-double radiusOf(const PointMass& point) { return double(point.owner()->masses.shape->getRadius()); }
 
 ContactPoint contactPointOf(const PointMass& point) {
   ContactPoint result;
@@ -251,7 +249,7 @@ void addIfNear(const PointMass& point, const PointMass& other, double tick, Tick
   const double change =
       tick * tick *
       (movingColumn(point, ours.acceleration) - movingColumn(other, theirs.acceleration)).norm();
-  const double radiusSum = radiusOf(point) + radiusOf(other);
+  const double radiusSum = radiusOf(*point.owner()) + radiusOf(*other.owner());
   if (offset.norm() - radiusSum > kSearchPerMotion * (tick * velocity.norm() + change) + radiusSum / 3.0)
     return;
   const Eigen::Vector3d nearest = offsetWhenNearest(offset, velocity, tick, radiusSum);
