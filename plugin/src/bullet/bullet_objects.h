@@ -28,6 +28,12 @@ inline Eigen::Quaterniond toEigen(const btQuaternion& q) {
   return Eigen::Quaterniond(q.w(), q.x(), q.y(), q.z()).normalized();
 }
 
+inline Eigen::Matrix3d toEigen(const btMatrix3x3& m) {
+  Eigen::Matrix3d result;
+  for (int i = 0; i < 3; ++i) result.col(i) = toEigen(m.getColumn(i));
+  return result;
+}
+
 inline btVector3 toBullet(const Eigen::Vector3d& v) {
   return btVector3(static_cast<btScalar>(v.x()), static_cast<btScalar>(v.y()), static_cast<btScalar>(v.z()));
 }

@@ -22,27 +22,17 @@ using Kind = HeldPiece::Kind;
 /// Hulls of fewer faces are not culled.
 constexpr std::size_t kMinFacesForCulling = 64;
 
-Eigen::Matrix3d axesOf(const btTransform& pose) {
-  Eigen::Matrix3d axes;
-  for (int i = 0; i < 3; ++i) axes.col(i) = toEigen(pose.getBasis().getColumn(i)).normalized();
-  return axes;
-}
-
 /// Transforms a point to world coordinates in double precision, so that flat surfaces stay flat.
 Vector3d worldPoint(const btTransform& pose, const Vector3d& own) {
-  Eigen::Matrix3d basis;
-  for (int i = 0; i < 3; ++i) basis.col(i) = toEigen(pose.getBasis().getColumn(i));
-  return basis * own + toEigen(pose.getOrigin());
+  return toEigen(pose.getBasis()) * own + toEigen(pose.getOrigin());
 }
 
 /// Collects the pieces of one object in a box.
-class PieceCollector {
- public:
-  PieceCollector(const Eigen::AlignedBox3d& box, ShapeCache& shapes, std::uint32_t owner,
-                 std::vector<HeldPiece>& pieces)
-      : box_(box), shapes_(shapes), owner_(owner), pieces_(pieces) {}
-
-  std::uint32_t owner() const { return owner_; }
+struct PieceCollector {
+  const Eigen::AlignedBox3d& box;
+  ShapeCache& shapes;
+  std::uint32_t owner;
+  std::vector<HeldPiece>& pieces;
 
   void add(const btCollisionShape& shape, const btTransform& pose) {
     if (shape.getShapeType() == STATIC_PLANE_PROXYTYPE) return addPlane(shape, pose);
@@ -51,18 +41,17 @@ class PieceCollector {
     if (shape.isConvex()) addConvex(static_cast<const btConvexShape&>(shape), pose);
   }
 
- private:
   HeldPiece& push(Kind kind) {
-    HeldPiece& piece = pieces_.emplace_back();
+    HeldPiece& piece = pieces.emplace_back();
     piece.kind = kind;
-    piece.owner = owner_;
+    piece.owner = owner;
     return piece;
   }
 
   HeldPiece& pushSolid(Kind kind, const btTransform& pose, double margin) {
     HeldPiece& piece = push(kind);
-    ++owner_;
-    piece.axes = axesOf(pose);
+    ++owner;
+    piece.axes = toEigen(pose.getBasis()).colwise().normalized();
     piece.center = toEigen(pose.getOrigin());
     piece.margin = margin;
     return piece;
@@ -87,8 +76,8 @@ class PieceCollector {
     const double margin = double(shape.getMargin());
     switch (shape.getShapeType()) {
       case BOX_SHAPE_PROXYTYPE: {
-        const auto& box = static_cast<const btBoxShape&>(shape);
-        pushSolid(Kind::Box, pose, 0.0).size = toEigen(box.getHalfExtentsWithMargin());
+        const btVector3 half = static_cast<const btBoxShape&>(shape).getHalfExtentsWithMargin();
+        pushSolid(Kind::Box, pose, 0.0).size = toEigen(half);
         return;
       }
       case SPHERE_SHAPE_PROXYTYPE:
@@ -114,7 +103,7 @@ class PieceCollector {
       default:
         break;
     }
-    const ShapeSurface& surface = shapes_.surfaceOf(shape);
+    const ShapeSurface& surface = shapes.surfaceOf(shape);
     if (!surface.topology.triangles.empty()) return addHull(surface, pose);
     if (shape.isPolyhedral()) addSegment(static_cast<const btPolyhedralConvexShape&>(shape), pose);
   }
@@ -157,26 +146,24 @@ class PieceCollector {
 
   void addHull(const ShapeSurface& surface, const btTransform& pose) {
     const SurfaceTopology& t = surface.topology;
-    const LocalBox own = localBoxOf(pose, box_.min(), box_.max());
-    const Vector3d low = toEigen(own.low).array() - surface.radius;
-    const Vector3d high = toEigen(own.high).array() + surface.radius;
+    const LocalBox own = localBoxOf(pose, box.min(), box.max());
+    const Eigen::AlignedBox3d region(toEigen(own.low).array() - surface.radius,
+                                     toEigen(own.high).array() + surface.radius);
     const bool all = t.triangles.size() < kMinFacesForCulling;
     const Kind kind = isFlatHull(t) ? Kind::Sheet : Kind::Face;
-    const std::size_t before = pieces_.size();
+    const std::size_t before = pieces.size();
     for (const Triangle& corners : t.triangles) {
       Vector3d x[3];
       for (std::size_t i = 0; i < 3; ++i) x[i] = t.rest.col(corners[i]);
-      if (!all && ((x[0].cwiseMax(x[1]).cwiseMax(x[2]).array() < low.array()).any() ||
-                   (x[0].cwiseMin(x[1]).cwiseMin(x[2]).array() > high.array()).any()))
-        continue;
+      if (!all && !region.intersects(Eigen::AlignedBox3d(x[0]).extend(x[1]).extend(x[2]))) continue;
       for (Vector3d& corner : x) corner = worldPoint(pose, corner);
       addTriangle(kind, x, surface.radius);
     }
-    if (pieces_.size() > before) ++owner_;
+    if (pieces.size() > before) ++owner;
   }
 
   void addChildren(const btCompoundShape& compound, const btTransform& pose) {
-    forEachChildIn(localBoxOf(pose, box_.min(), box_.max()), compound,
+    forEachChildIn(localBoxOf(pose, box.min(), box.max()), compound,
                    [&](int i) { add(*compound.getChildShape(i), pose * compound.getChildTransform(i)); });
   }
 
@@ -194,17 +181,12 @@ class PieceCollector {
         self->addTriangle(Kind::Sheet, corners, margin);
       }
     } visit;
-    visit.self = this, visit.pose = &pose, visit.own = localBoxOf(pose, box_.min(), box_.max());
+    visit.self = this, visit.pose = &pose, visit.own = localBoxOf(pose, box.min(), box.max());
     visit.margin = double(shape.getMargin());
-    const std::size_t before = pieces_.size();
+    const std::size_t before = pieces.size();
     shape.processAllTriangles(&visit, visit.own.low, visit.own.high);
-    if (pieces_.size() > before) ++owner_;
+    if (pieces.size() > before) ++owner;
   }
-
-  const Eigen::AlignedBox3d& box_;
-  ShapeCache& shapes_;
-  std::uint32_t owner_;
-  std::vector<HeldPiece>& pieces_;
 };
 
 // --- flat pieces -------------------------------------------------------------------------------------------
@@ -261,9 +243,9 @@ bool areFlatTriangles(const HeldPiece* begin, const HeldPiece* end, const Vector
 
 std::uint32_t addPieces(const btCollisionObject& object, const Eigen::AlignedBox3d& box, ShapeCache& shapes,
                         std::uint32_t owner, std::vector<HeldPiece>& pieces) {
-  PieceCollector collector(box, shapes, owner, pieces);
+  PieceCollector collector{box, shapes, owner, pieces};
   collector.add(*object.getCollisionShape(), object.getWorldTransform());
-  return collector.owner();
+  return collector.owner;
 }
 
 bool areFlatAround(const HeldPiece* begin, const HeldPiece* end, const Vector3d& x, double radius,

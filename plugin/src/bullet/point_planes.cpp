@@ -106,28 +106,25 @@ btScalar roundingOf(const btCollisionShape& shape) {
 
 /// Adds the contacts of one point with one partner. Points of surfaces collide with the exact box, point
 /// masses in the world with Bullet's rounded one.
-class PlaneRows {
- public:
-  PlaneRows(SoftBodyData& body, std::uint32_t point, const btCollisionObject& partner, double searchDistance,
-            btScalar tick)
-      : body_(&body),
-        point_(point),
-        partner_(&partner),
-        searchDistance_(searchDistance),
-        tick_(tick),
-        first_(body.contacts.size()) {}
+struct PlaneRows {
+  SoftBodyData& body;
+  std::uint32_t point;
+  const btCollisionObject& partner;
+  double searchDistance;  ///< m, beyond the radius
+  btScalar tick;
+  std::size_t first = body.contacts.size();
 
-  double radius() const { return radiusOf(*body_); }
-  Vector3d position() const { return body_->state.position.col(point_); }
+  double radius() const { return radiusOf(body); }
+  Vector3d position() const { return body.state.position.col(point); }
 
   void add(const Vector3d& normal, const btVector3& surface) {
     PlaneContact row = makeRow();
     row.normal = normal.normalized();
-    row.surfaceVelocity = kinematicDisplacement(*partner_, toEigen(surface)) / double(tick_);
+    row.surfaceVelocity = kinematicDisplacement(partner, toEigen(surface)) / double(tick);
     row.touch = toEigen(surface) + radius() * row.normal;
-    for (std::size_t i = first_; i < body_->contacts.size(); ++i)
-      if (body_->contacts[i].normal.dot(row.normal) > kSameSurface) {
-        if (gap(row) < gap(body_->contacts[i])) body_->contacts[i] = row;
+    for (std::size_t i = first; i < body.contacts.size(); ++i)
+      if (body.contacts[i].normal.dot(row.normal) > kSameSurface) {
+        if (gap(row) < gap(body.contacts[i])) body.contacts[i] = row;
         return;
       }
     push(row);
@@ -135,12 +132,12 @@ class PlaneRows {
 
   /// Adds the surface below the point if it is near. `height` (m): that of the point's centre.
   void addBelow(const Vector3d& normal, double height) {
-    if (height - radius() <= searchDistance_) add(normal, toBullet(position() - height * normal));
+    if (height - radius() <= searchDistance) add(normal, toBullet(position() - height * normal));
   }
 
   void addOnBox(const btBoxShape& box, const btTransform& pose) {
     const NearestOnBox nearest = nearestOnBox(box, pose, position());
-    if (nearest.normal.dot(position() - nearest.surface) - radius() <= searchDistance_)
+    if (nearest.normal.dot(position() - nearest.surface) - radius() <= searchDistance)
       add(nearest.normal, toBullet(nearest.surface));
   }
 
@@ -161,31 +158,23 @@ class PlaneRows {
     push(row);
   }
 
- private:
   PlaneContact makeRow() const {
-    const btRigidBody& own = materialOf(*body_, point_);
+    const btRigidBody& own = materialOf(body, point);
     PlaneContact row;
-    row.point = point_;
-    row.friction = double(gCalculateCombinedFrictionCallback(&own, partner_));
-    row.restitution = double(gCalculateCombinedRestitutionCallback(&own, partner_));
-    row.bounceThreshold = body_->speeds.bounce;
-    row.recoverySpeed = body_->speeds.recovery;
+    row.point = point;
+    row.friction = double(gCalculateCombinedFrictionCallback(&own, &partner));
+    row.restitution = double(gCalculateCombinedRestitutionCallback(&own, &partner));
+    row.bounceThreshold = body.speeds.bounce;
+    row.recoverySpeed = body.speeds.recovery;
     return row;
   }
 
   void push(const PlaneContact& row) {
-    body_->contacts.push_back(row);
-    body_->contactPartners.push_back(partner_);
+    body.contacts.push_back(row);
+    body.contactPartners.push_back(&partner);
   }
 
   double gap(const PlaneContact& row) const { return row.normal.dot(position() - row.touch); }
-
-  SoftBodyData* body_;
-  std::uint32_t point_;
-  const btCollisionObject* partner_;
-  double searchDistance_;  ///< m, beyond the radius
-  btScalar tick_;
-  std::size_t first_;
 };
 
 // --- kinematic objects that move ---------------------------------------------------------------------------
@@ -318,7 +307,7 @@ void addFlatRows(SoftBodyData& body, std::uint32_t i, const SearchRegion& search
   const HeldPiece* end = all.pieces.data() + all.pieces.size();
   const HeldPiece* first = all.pieces.data() + body.staticPieces;
   for (const auto& [partner, endOfOwners] : body.staticPartners) {
-    PlaneRows rows(body, i, *partner, searchRegion.distance, tick);
+    PlaneRows rows{body, i, *partner, searchRegion.distance, tick};
     for (const HeldPiece* next = first; first != end && first->owner < endOfOwners; first = next) {
       const HeldPoint nearest = nearestOnFlat(first, end, x, next);
       rows.addBelow(nearest.normal, nearest.height);
@@ -335,7 +324,7 @@ void addFollowingRows(SoftBodyData& body, std::uint32_t i, const SearchRegion& s
   findContacts(around, body.state.position.col(i), Vector3d::Zero(), searchRegion.distance);
   std::uint32_t owner = 0;
   for (const auto& [partner, endOfOwners] : body.staticPartners) {
-    PlaneRows rows(body, i, *partner, searchRegion.distance, tick);
+    PlaneRows rows{body, i, *partner, searchRegion.distance, tick};
     for (; owner < endOfOwners; ++owner) {
       bool any = false;
       for (const HeldContact& c : body.held.contacts) {
@@ -382,7 +371,7 @@ void addRows(SoftBodyData& body, std::uint32_t i, const btCollisionObject& partn
   const double distance = searchRegion.distance;
   // the object may carry the point along, without a new search
   body.searchDistance[i] = std::max(body.searchDistance[i], distance);
-  PlaneRows rows(body, i, partner, distance, tick);
+  PlaneRows rows{body, i, partner, distance, tick};
   const btCollisionShape& shape = *partner.getCollisionShape();
   const btTransform& pose = partner.getWorldTransform();
   const bool surfaceBody = isSurfaceBody(body);
