@@ -224,14 +224,6 @@ namespace {
 /// m, margin of the boxes in Bullet's broadphase. They contain all smaller displacements.
 constexpr btScalar kBoxMargin = btScalar(0.01);
 
-/// btDiscreteDynamicsWorld has no getter for its list of bodies; a derived class may name the protected
-/// member.
-struct BodyReader : btDiscreteDynamicsWorld {
-  static const btAlignedObjectArray<btRigidBody*>& read(const btDiscreteDynamicsWorld& world) {
-    return world.*(&BodyReader::m_nonStaticRigidBodies);
-  }
-};
-
 /// Adds the mover to all bodies whose surface overlaps the box. A kinematic mover is also added to bodies
 /// whose points overlap it.
 void addToBodiesIn(btDiscreteDynamicsWorld& world, btCollisionObject& mover, const btVector3& low,
@@ -284,7 +276,7 @@ void collectMovers(btDiscreteDynamicsWorld& world, const KinematicMotions& kinem
     if (objects[i]->getInternalType() == btCollisionObject::CO_FEATHERSTONE_LINK && objects[i]->isActive() &&
         objects[i]->getBroadphaseHandle() && objects[i]->hasContactResponse())
       addMovingLink(world, *objects[i], system);
-  const btAlignedObjectArray<btRigidBody*>& bodies = BodyReader::read(world);
+  const btAlignedObjectArray<btRigidBody*>& bodies = world.*WorldMembers::kMovingBodies;
   for (int i = 0; i < bodies.size(); ++i) {
     btRigidBody& body = *bodies[i];
     if (isKinematic(body) || !body.isActive() || PointMass::from(&body)) continue;

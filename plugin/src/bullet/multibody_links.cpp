@@ -70,7 +70,6 @@ void MultiBodyLinks::begin(const btCollisionWorld& world) {
   touched_.clear();
   const auto isOld = [](const auto& body) { return ++body->unused > kMaxUnusedTicks; };
   bodies_.erase(std::remove_if(bodies_.begin(), bodies_.end(), isOld), bodies_.end());
-  for (auto& body : bodies_) body->present = false;
 }
 
 LinkBody& MultiBodyLinks::bodyOf(btMultiBody& multiBody, int link) {
@@ -78,9 +77,8 @@ LinkBody& MultiBodyLinks::bodyOf(btMultiBody& multiBody, int link) {
   auto it = std::find_if(bodies_.begin(), bodies_.end(), isThis);
   if (it == bodies_.end()) it = bodies_.insert(it, std::make_unique<LinkBody>(multiBody, link));
   LinkBody& body = **it;
+  if (body.unused == 0) return body;
   body.unused = 0;
-  if (body.present) return body;
-  body.present = true;
   body.collider = nullptr;
   body.setCollisionShape(&none_);
   // after all objects of the world
@@ -174,7 +172,7 @@ void MultiBodyLinks::apply(btMultiBody& multiBody) {
   for (int i = 0; i < size; ++i) force_[i] = 0;
   bool any = false;
   for (const auto& body : bodies_) {
-    if (body->multiBody != &multiBody || !body->present) continue;
+    if (body->multiBody != &multiBody || body->unused > 0) continue;
     if (body->impulse.isZero() && body->angularImpulse.isZero()) continue;
     any = true;
     multiBody.fillConstraintJacobianMultiDof(body->link, poseOf(multiBody, body->link).getOrigin(),

@@ -227,11 +227,23 @@ namespace {
 /// Largest number of points of a manifold: two faces of boxes have 8 corners.
 constexpr std::size_t kMaxPoints = 8;
 
-bool contains(const btPersistentManifold& manifold, const btManifoldPoint& point) {
+/// Returns the manifold's point that is nearest to `point` on its first object, or nullptr.
+btManifoldPoint* nearest(btPersistentManifold& manifold, const btManifoldPoint& point) {
+  btManifoldPoint* best = nullptr;
+  const auto distance = [&](const btManifoldPoint& p) {
+    return p.m_localPointA.distance2(point.m_localPointA);
+  };
+  for (int p = 0; p < manifold.getNumContacts(); ++p) {
+    btManifoldPoint& candidate = manifold.getContactPoint(p);
+    if (!best || distance(candidate) < distance(*best)) best = &candidate;
+  }
+  return best;
+}
+
+bool contains(btPersistentManifold& manifold, const btManifoldPoint& point) {
   const btScalar same = manifold.getContactBreakingThreshold();
-  for (int p = 0; p < manifold.getNumContacts(); ++p)
-    if (manifold.getContactPoint(p).m_localPointA.distance2(point.m_localPointA) < same * same) return true;
-  return false;
+  const btManifoldPoint* best = nearest(manifold, point);
+  return best && best->m_localPointA.distance2(point.m_localPointA) < same * same;
 }
 
 /// Returns whether a point is still valid, by the rule of btPersistentManifold::refreshContactPoints.
@@ -251,7 +263,7 @@ void store(const btPersistentManifold& manifold, const btManifoldPoint& point,
 
 /// Stores the points of `manifold`, then those of history.last that the manifold no longer has but that are
 /// still valid. They go to the end of history.now. Returns the index of the first of the latter.
-std::size_t storePoints(const btPersistentManifold& manifold, ManifoldPointHistory& history) {
+std::size_t storePoints(btPersistentManifold& manifold, RigidManifolds& history) {
   const std::size_t first = history.now.size();
   for (int p = 0; p < manifold.getNumContacts(); ++p)
     store(manifold, manifold.getContactPoint(p), history.now);
@@ -269,7 +281,7 @@ std::size_t storePoints(const btPersistentManifold& manifold, ManifoldPointHisto
 }
 
 /// Starts a tick: the points stored in the last one become history.last, sorted.
-void startTick(ManifoldPointHistory& history) {
+void startTick(RigidManifolds& history) {
   history.last.swap(history.now);
   history.now.clear();
   std::sort(history.last.begin(), history.last.end(),
@@ -353,18 +365,6 @@ btScalar relativeMotion(const btPersistentManifold& manifold, btScalar tick) {
   return motion;
 }
 
-btManifoldPoint* nearest(btPersistentManifold& manifold, const btManifoldPoint& point) {
-  btManifoldPoint* best = nullptr;
-  const auto distance = [&](const btManifoldPoint& p) {
-    return p.m_localPointA.distance2(point.m_localPointA);
-  };
-  for (int p = 0; p < manifold.getNumContacts(); ++p) {
-    btManifoldPoint& candidate = manifold.getContactPoint(p);
-    if (!best || distance(candidate) < distance(*best)) best = &candidate;
-  }
-  return best;
-}
-
 /// Returns whether the object's manifolds stay during a search for contacts. Compounds may free manifolds of
 /// their children, and a GImpact mesh always does.
 bool keepsManifolds(const btCollisionObject& object) {
@@ -395,7 +395,7 @@ void refreshManifold(btDiscreteDynamicsWorld& world, const btPersistentManifold&
 /// Adds the manifold's points. If the bodies are slow, also adds those that Bullet has dropped, and Bullet's
 /// solver ignores the manifold. The impulses of dropped points are reported at the nearest point.
 void addContacts(TickContacts& found, btPersistentManifold& manifold, const ContactSpeeds& speeds,
-                 btScalar tick, ManifoldPointHistory& history) {
+                 btScalar tick, RigidManifolds& history) {
   const bool isSlow = relativeMotion(manifold, tick) < manifold.getContactBreakingThreshold();
   const std::size_t extra = isSlow ? storePoints(manifold, history) : history.now.size();
   for (int p = 0; p < manifold.getNumContacts(); ++p) {
@@ -429,7 +429,7 @@ void gatherContactsOf(btDiscreteDynamicsWorld& world, std::uint32_t number, Rigi
     const double size = double(manifold.getContactBreakingThreshold());
     const ContactSpeeds speeds{recoverySpeed(size, double(world.getGravity().length()), double(tick)),
                                double(world.getSolverInfo().m_restitutionVelocityThreshold)};
-    addContacts(found, manifold, speeds, tick, index.history);
+    addContacts(found, manifold, speeds, tick, index);
   }
 }
 
@@ -437,7 +437,7 @@ void gatherContactsOf(btDiscreteDynamicsWorld& world, std::uint32_t number, Rigi
 
 void gatherRigidContacts(btDiscreteDynamicsWorld& world, btScalar tick, RigidManifolds& index,
                          TickContacts& found) {
-  startTick(index.history);
+  startTick(index);
   if (found.rigids.empty()) return;
   fill(index, world);
   std::uint32_t next = 0;

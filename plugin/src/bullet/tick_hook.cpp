@@ -19,14 +19,6 @@ inline namespace LIMBER_BULLET_PRECISION {
 
 namespace {
 
-/// Reads the world's callback. btDynamicsWorld has no getter for it, but a derived class may access the
-/// protected member.
-struct CallbackReader : btDynamicsWorld {
-  static btInternalTickCallback read(const btDynamicsWorld& world) {
-    return world.*(&CallbackReader::m_internalPreTickCallback);
-  }
-};
-
 struct HookList {
   std::mutex mutex;  // worlds may be stepped by several threads
   std::vector<std::pair<btDynamicsWorld*, std::unique_ptr<TickHook>>> hooks;
@@ -90,11 +82,11 @@ void TickHook::detachIfUnused() {
   hooks.erase(std::find_if(hooks.begin(), hooks.end(), self));
 }
 
-bool TickHook::inPlace() const { return CallbackReader::read(*world_) == &TickHook::preTick; }
+bool TickHook::inPlace() const { return world_->*WorldMembers::kPreTickCallback == &TickHook::preTick; }
 
 void TickHook::takeSlot() {
   if (inPlace()) return;
-  previous_ = CallbackReader::read(*world_);
+  previous_ = world_->*WorldMembers::kPreTickCallback;
   world_->setInternalTickCallback(&TickHook::preTick, world_->getWorldUserInfo(), true);
 }
 
@@ -218,32 +210,14 @@ bool StepBoundary::isInWorld() const { return body_ && body_->isInWorld(); }
 
 // --- clock -------------------------------------------------------------------------------------------------
 
-namespace {
-
-/// Reads the world's clock. btDiscreteDynamicsWorld has no getters for it, but a derived class may access the
-/// protected members.
-struct ClockReader : btDiscreteDynamicsWorld {
-  static btScalar timeSinceTick(const btDiscreteDynamicsWorld& world) {
-    return world.*(&ClockReader::m_localTime);
-  }
-  static btScalar fixedTick(const btDiscreteDynamicsWorld& world) {
-    return world.*(&ClockReader::m_fixedTimeStep);
-  }
-  static bool hasLatency(const btDiscreteDynamicsWorld& world) {
-    return world.*(&ClockReader::m_latencyMotionStateInterpolation);
-  }
-};
-
-}  // namespace
-
 // As in btDiscreteDynamicsWorld::synchronizeSingleMotionState: the shown state is later than the last tick by
 // m_localTime - m_fixedTimeStep with latency and by m_localTime without. With ticks of variable length the
 // world sets m_fixedTimeStep to 0 and always shows the last tick.
 double tickFraction(const btDiscreteDynamicsWorld& world) {
-  const double tick = double(ClockReader::fixedTick(world));
+  const double tick = double(world.*WorldMembers::kFixedTick);
   if (!(tick > 0.0)) return 1.0;
-  const double share = double(ClockReader::timeSinceTick(world)) / tick;
-  return ClockReader::hasLatency(world) ? share : 1.0 + share;
+  const double share = double(world.*WorldMembers::kTimeSinceTick) / tick;
+  return world.*WorldMembers::kHasLatency ? share : 1.0 + share;
 }
 
 }  // namespace LIMBER_BULLET_PRECISION
