@@ -63,6 +63,33 @@ TEST_P(SoftCubeOn, bouncesAndComesToRest) {
   EXPECT_NEAR(lowest(*body), radius, 0.1 * radius) << "it rests on its points";
 }
 
+/// Returns the sum of the impulses (N s) in Bullet's manifolds.
+double impulsesInManifolds(const BulletWorld& bullet) {
+  double sum = 0.0;
+  for (int m = 0; m < bullet.dispatcher.getNumManifolds(); ++m) {
+    const btPersistentManifold& manifold = *bullet.dispatcher.getManifoldByIndexInternal(m);
+    for (int p = 0; p < manifold.getNumContacts(); ++p)
+      sum += double(manifold.getContactPoint(p).m_appliedImpulse);
+  }
+  return sum;
+}
+
+TEST(SleepingCube, itsManifoldsKeepTheImpulsesOfTheLastTick) {
+  if (test::kSurface) GTEST_SKIP() << "only points have Bullet's manifolds";
+  BulletWorld bullet;
+  bullet.addBoxFloor();
+  SoftBodySystem system(*bullet.world);
+  SoftBodySettings s = test::testedSettings();
+  s.position = {0.0, 0.6, 0.0};
+  SoftBody* body = *system.createBody(test::cubeNetwork(), s);
+  for (int i = 0; i < 600 && !body->sleeping(); ++i) bullet.tick();
+  ASSERT_TRUE(body->sleeping());
+  const double impulses = impulsesInManifolds(bullet);
+  EXPECT_GT(impulses, 0.0);
+  bullet.simulate(1.0);
+  EXPECT_EQ(impulsesInManifolds(bullet), impulses);
+}
+
 /// Returns the height of the highest point of a frictionless cube at rest on the floor.
 double restHeight(Floor floor, double stiffness, double dt) {
   BulletWorld bullet;

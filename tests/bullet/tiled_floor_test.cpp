@@ -193,7 +193,7 @@ TEST(SurfaceTiles, aBodyCrossesMeshesAndForgetsThem) {
   bullet.simulate(0.8);
   EXPECT_NEAR(velocityOf(*cube).x(), 5.0, 5e-3);
   // of 12 meshes on its path; four or five are near at a time
-  EXPECT_LE(dataOf(*cube).surface.patches.size(), 6u);
+  EXPECT_LE(dataOf(*cube).surface.searches.size(), 6u);
 }
 
 INSTANTIATE_TEST_SUITE_P(Kinds, TiledFloor, testing::ValuesIn(test::kFloorKinds),

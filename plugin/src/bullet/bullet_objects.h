@@ -28,9 +28,42 @@ inline Eigen::Quaterniond toEigen(const btQuaternion& q) {
   return Eigen::Quaterniond(q.w(), q.x(), q.y(), q.z()).normalized();
 }
 
+inline Eigen::Matrix3d toEigen(const btMatrix3x3& m) {
+  Eigen::Matrix3d result;
+  for (int i = 0; i < 3; ++i) result.col(i) = toEigen(m.getColumn(i));
+  return result;
+}
+
 inline btVector3 toBullet(const Eigen::Vector3d& v) {
   return btVector3(static_cast<btScalar>(v.x()), static_cast<btScalar>(v.y()), static_cast<btScalar>(v.z()));
 }
+
+// --- the plugin's own bodies -------------------------------------------------------------------------------
+
+/// A body of this plugin. The address of a mark in its extension pointer identifies it: this needs no RTTI,
+/// and the user pointer and index remain available to the user.
+template <class Own>
+class OwnBody : public btRigidBody {
+ public:
+  /// Returns the object as one of this class, or nullptr if it is none.
+  static Own* from(btCollisionObject* object) {
+    return object && object->internalGetExtensionPointer() == mark() ? static_cast<Own*>(object) : nullptr;
+  }
+  static const Own* from(const btCollisionObject* object) {
+    return from(const_cast<btCollisionObject*>(object));
+  }
+
+ protected:
+  explicit OwnBody(const btRigidBodyConstructionInfo& info) : btRigidBody(info) {
+    internalSetExtensionPointer(mark());
+  }
+
+ private:
+  static void* mark() {
+    static char address;
+    return &address;
+  }
+};
 
 // --- kinds of objects --------------------------------------------------------------------------------------
 
@@ -53,6 +86,53 @@ inline bool isStaticOrKinematic(const btCollisionObject& object) {
 inline bool isFree(const btRigidBody& body) {
   return !isStaticOrKinematic(body) && body.isActive() && body.getActivationState() != DISABLE_SIMULATION &&
          body.getWorldArrayIndex() >= 0;
+}
+
+/// Returns a bound (m/s) of the speed that the rotation of a body adds to points of its shape.
+inline btScalar rotationSpeed(const btRigidBody& body) {
+  const btScalar spin = body.getAngularVelocity().length();
+  return spin > 0 ? spin * body.getCollisionShape()->getAngularMotionDisc() : btScalar(0);
+}
+
+/// Calls visit(object) for the objects whose boxes in the broadphase overlap a box (m).
+template <class Visit>
+void forEachObjectIn(const btCollisionWorld& world, const btVector3& low, const btVector3& high,
+                     Visit visit) {
+  struct Callback final : btBroadphaseAabbCallback {
+    explicit Callback(Visit& v) : visit(&v) {}
+    Visit* visit;
+    bool process(const btBroadphaseProxy* proxy) override {
+      (*visit)(*static_cast<btCollisionObject*>(proxy->m_clientObject));
+      return true;
+    }
+  } callback(visit);
+  const_cast<btBroadphaseInterface*>(world.getBroadphase())->aabbTest(low, high, callback);
+}
+
+/// Protected members of worlds that have no getters: a derived class may name them.
+struct WorldMembers : btDiscreteDynamicsWorld {
+  static constexpr auto kPreTickCallback = &WorldMembers::m_internalPreTickCallback;
+  static constexpr auto kMovingBodies = &WorldMembers::m_nonStaticRigidBodies;
+  static constexpr auto kTimeSinceTick = &WorldMembers::m_localTime;
+  static constexpr auto kFixedTick = &WorldMembers::m_fixedTimeStep;
+  static constexpr auto kHasLatency = &WorldMembers::m_latencyMotionStateInterpolation;
+};
+
+// --- manifolds ---------------------------------------------------------------------------------------------
+
+template <class Visit>
+void forEachManifold(btDispatcher& dispatcher, Visit visit) {
+  for (int m = 0; m < dispatcher.getNumManifolds(); ++m) visit(*dispatcher.getManifoldByIndexInternal(m));
+}
+
+/// Bullet's solver ignores a manifold with this contact processing threshold.
+constexpr btScalar kIgnoredByBullet = -BT_LARGE_FLOAT;
+
+inline void clearImpulses(btPersistentManifold& manifold) {
+  for (int p = 0; p < manifold.getNumContacts(); ++p) {
+    btManifoldPoint& point = manifold.getContactPoint(p);
+    point.m_appliedImpulse = point.m_appliedImpulseLateral1 = point.m_appliedImpulseLateral2 = 0;
+  }
 }
 
 // --- handles to objects ------------------------------------------------------------------------------------

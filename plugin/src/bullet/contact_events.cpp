@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <new>
+#include <tuple>
 
 namespace limber {
 inline namespace LIMBER_BULLET_PRECISION {
@@ -47,17 +48,24 @@ void ContactEvents::setListener(ContactListener* listener,
   for (const auto& body : bodies) dataOf(*body).touching.clear();
 }
 
-void ContactEvents::add(void (ContactListener::*callback)(const ContactPair&), SoftBodyData& body,
-                        const ContactPair& pair, const ObjectHandle& other) {
-  events_.push_back({callback, &body, other, pair});
-}
-
+/// Adds the end of a pair.
 void ContactEvents::addEnd(SoftBodyData& body, const TouchingPair& ended) {
   ContactPair pair;
   pair.body = body.handle;
   pair.other = ended.other.object;
   pair.otherBody = ended.otherBody;
-  add(&ContactListener::contactEnds, body, pair, ended.other);
+  events_.push_back({&ContactListener::contactEnds, &body, ended.other, pair});
+}
+
+/// Ends the pairs for which ends(pair) is true.
+template <class Ends>
+void ContactEvents::endPairs(SoftBodyData& body, Ends ends) {
+  const auto endIf = [&](const TouchingPair& pair) {
+    if (!ends(pair)) return false;
+    addEnd(body, pair);
+    return true;
+  };
+  body.touching.erase(std::remove_if(body.touching.begin(), body.touching.end(), endIf), body.touching.end());
 }
 
 /// Groups the body's contacts by partner.
@@ -83,14 +91,8 @@ void ContactEvents::sumByPartner(SoftBodyData& body) {
 void ContactEvents::collect(SoftBodyData& body) {
   if (!body.alive || !anyInWorld(body)) return collectEnds(body);
   dropInvalidContacts(body);
-  if (body.asleep || !body.report.fresh) {
-    const auto gone = [&](const TouchingPair& pair) { return !isValid(*body.world, pair.other); };
-    for (const TouchingPair& pair : body.touching)
-      if (gone(pair)) addEnd(body, pair);
-    body.touching.erase(std::remove_if(body.touching.begin(), body.touching.end(), gone),
-                        body.touching.end());
-    return;
-  }
+  if (body.asleep || !body.report.fresh)
+    return endPairs(body, [&](const TouchingPair& pair) { return !isValid(*body.world, pair.other); });
   sumByPartner(body);
   auto old = body.touching.begin();
   for (std::size_t i = 0; i < now_.size(); ++i) {
@@ -101,24 +103,19 @@ void ContactEvents::collect(SoftBodyData& body) {
     // some broadphases reuse their ids
     if (sameId && !persists) addEnd(body, *old);
     if (sameId) ++old;
-    add(persists ? &ContactListener::contactPersists : &ContactListener::contactBegins, body, pairs_[i],
-        other);
+    events_.push_back({persists ? &ContactListener::contactPersists : &ContactListener::contactBegins, &body,
+                       other, pairs_[i]});
   }
   for (; old != body.touching.end(); ++old) addEnd(body, *old);
   body.touching.swap(now_);
 }
 
 void ContactEvents::collectEnds(SoftBodyData& body) {
-  for (const TouchingPair& pair : body.touching) addEnd(body, pair);
-  body.touching.clear();
+  endPairs(body, [](const TouchingPair&) { return true; });
 }
 
 void ContactEvents::collectEnds(SoftBodyData& body, const SoftBody* other) {
-  const auto isOther = [&](const TouchingPair& pair) { return pair.otherBody == other; };
-  for (const TouchingPair& pair : body.touching)
-    if (isOther(pair)) addEnd(body, pair);
-  body.touching.erase(std::remove_if(body.touching.begin(), body.touching.end(), isOther),
-                      body.touching.end());
+  endPairs(body, [&](const TouchingPair& pair) { return pair.otherBody == other; });
 }
 
 void ContactEvents::call(const btCollisionWorld* world) {
@@ -150,15 +147,36 @@ void ContactEvents::call(const btCollisionWorld* world) {
 /// The collision algorithm of such a pair in the broadphase. Bullet deletes it with the pair.
 class ReportedManifold final : public btCollisionAlgorithm {
  public:
-  ReportedManifold(btDispatcher& dispatcher, SoftBodyData& body, const btCollisionObject& other);
-  ~ReportedManifold() override;
+  ReportedManifold(btDispatcher& dispatcher, SoftBodyData& body, const btCollisionObject& other)
+      : body_(&body), other_(&other) {
+    m_dispatcher = &dispatcher;
+    body.shown.push_back(this);
+  }
+  ~ReportedManifold() override {
+    hide();
+    body_->shown.erase(std::find(body_->shown.begin(), body_->shown.end(), this));
+  }
 
   const btCollisionObject* other() const { return other_; }
   bool isShown() const { return manifold_ != nullptr; }
+
   /// Adds a new manifold, without points.
-  btPersistentManifold& show();
+  btPersistentManifold& show() {
+    manifold_ = m_dispatcher->getNewManifold(body_->surface.object, other_);
+    // if it is still there in a step
+    manifold_->setContactProcessingThreshold(kIgnoredByBullet);
+    return *manifold_;
+  }
+
   /// Releases the manifold without calling Bullet's contact-ended callbacks.
-  void hide();
+  void hide() {
+    if (!manifold_) return;
+    for (int i = 0; i < manifold_->getNumContacts(); ++i)
+      manifold_->clearUserCache(manifold_->getContactPoint(i));
+    manifold_->setNumContacts(0);
+    m_dispatcher->releaseManifold(manifold_);
+    manifold_ = nullptr;
+  }
 
   void processCollision(const btCollisionObjectWrapper*, const btCollisionObjectWrapper*,
                         const btDispatcherInfo&, btManifoldResult*) override {}
@@ -176,56 +194,19 @@ class ReportedManifold final : public btCollisionAlgorithm {
   btPersistentManifold* manifold_ = nullptr;
 };
 
-ReportedManifold::ReportedManifold(btDispatcher& dispatcher, SoftBodyData& body,
-                                   const btCollisionObject& other)
-    : body_(&body), other_(&other) {
-  m_dispatcher = &dispatcher;
-  body.shown.push_back(this);
-}
-
-ReportedManifold::~ReportedManifold() {
-  hide();
-  body_->shown.erase(std::find(body_->shown.begin(), body_->shown.end(), this));
-}
-
-btPersistentManifold& ReportedManifold::show() {
-  manifold_ = m_dispatcher->getNewManifold(body_->surface.object, other_);
-  // makes Bullet's solver ignore the manifold if it is still there in a step
-  manifold_->setContactProcessingThreshold(-BT_LARGE_FLOAT);
-  return *manifold_;
-}
-
-void ReportedManifold::hide() {
-  if (!manifold_) return;
-  for (int i = 0; i < manifold_->getNumContacts(); ++i)
-    manifold_->clearUserCache(manifold_->getContactPoint(i));
-  manifold_->setNumContacts(0);
-  m_dispatcher->releaseManifold(manifold_);
-  manifold_ = nullptr;
-}
-
 namespace {
 
-/// Inserts the contact if it is among the strongest ones with its partner.
-void insertIfStrong(const SoftContact& contact, std::vector<StrongestContacts>& strongest) {
-  const auto isOther = [&](const StrongestContacts& s) { return s.other == contact.other; };
-  auto it = std::find_if(strongest.begin(), strongest.end(), isOther);
-  if (it == strongest.end()) it = strongest.insert(it, {contact.other, 0, {}});
-  auto& sorted = it->contacts;
-  int index = it->count;
-  while (index > 0 && sorted[static_cast<std::size_t>(index - 1)]->normalImpulse < contact.normalImpulse)
-    --index;
-  if (index == MANIFOLD_CACHE_SIZE) return;
-  if (it->count < MANIFOLD_CACHE_SIZE) ++it->count;
-  std::copy_backward(sorted.begin() + index, sorted.begin() + it->count - 1, sorted.begin() + it->count);
-  sorted[static_cast<std::size_t>(index)] = &contact;
+/// Returns the manifold that represents the pair of two objects, or nullptr if there is none.
+ReportedManifold* findReported(const SoftBodyData& body, const btCollisionObject& other) {
+  for (ReportedManifold* shown : body.shown)
+    if (shown->other() == &other) return shown;
+  return nullptr;
 }
 
 /// Returns the reported manifold of the pair of two objects and creates it on first use. Returns nullptr if
 /// Bullet's broadphase has no such pair or the pair has a collision algorithm of Bullet's.
 ReportedManifold* reportedManifoldOf(SoftBodyData& body, const btCollisionObject& other) {
-  for (ReportedManifold* shown : body.shown)
-    if (shown->other() == &other) return shown;
+  if (ReportedManifold* reported = findReported(body, other)) return reported;
   btBroadphaseProxy* own = body.surface.object->getBroadphaseHandle();
   btBroadphaseProxy* theirs = const_cast<btCollisionObject&>(other).getBroadphaseHandle();
   btBroadphasePair* pair = body.world->getPairCache()->findPair(own, theirs);
@@ -258,28 +239,29 @@ btManifoldPoint manifoldPoint(const SoftContact& c, const btCollisionObject& a, 
 /// Returns whether the other soft body already has the manifold of this pair.
 bool isReportedByOther(const SoftBodyData& body, const btCollisionObject& other) {
   const SurfaceObject* surface = SurfaceObject::from(&other);
-  if (!surface || !surface->owner()) return false;
-  for (const ReportedManifold* shown : surface->owner()->shown)
-    if (shown->other() == body.surface.object) return true;
-  return false;
+  return surface && surface->owner() && findReported(*surface->owner(), *body.surface.object);
 }
 
 }  // namespace
 
-void reportManifold(SoftBodyData& body, std::vector<StrongestContacts>& scratch) {
-  if (!isSurfaceBody(body) || !body.alive || !body.surface.object || !body.surface.object->isInWorld())
-    return;
+void reportManifold(SoftBodyData& body, std::vector<const SoftContact*>& scratch) {
+  if (!isSurfaceBody(body) || !body.alive || !anyInWorld(body)) return;
   scratch.clear();
-  for (const SoftContact& contact : readReport(body)) insertIfStrong(contact, scratch);
-  for (const StrongestContacts& strongest : scratch) {
-    if (isReportedByOther(body, *strongest.other)) continue;
-    ReportedManifold* shown = reportedManifoldOf(body, *strongest.other);
-    if (!shown || shown->isShown()) continue;
-    btPersistentManifold& manifold = shown->show();
-    for (int i = 0; i < strongest.count; ++i)
-      manifold.addManifoldPoint(manifoldPoint(*strongest.contacts[static_cast<std::size_t>(i)],
-                                              *body.surface.object, *strongest.other),
-                                true);
+  for (const SoftContact& contact : readReport(body)) scratch.push_back(&contact);
+  // by partner, the strongest contacts first
+  const auto keyOf = [](const SoftContact* c) {
+    return std::tuple(c->other->getBroadphaseHandle()->m_uniqueId, -c->normalImpulse, c);
+  };
+  std::sort(scratch.begin(), scratch.end(),
+            [&](const SoftContact* c, const SoftContact* d) { return keyOf(c) < keyOf(d); });
+  for (std::size_t i = 0, end = 0; i < scratch.size(); i = end) {
+    const btCollisionObject& other = *scratch[i]->other;
+    while (end < scratch.size() && scratch[end]->other == &other) ++end;
+    ReportedManifold* reported = isReportedByOther(body, other) ? nullptr : reportedManifoldOf(body, other);
+    if (!reported || reported->isShown()) continue;
+    btPersistentManifold& manifold = reported->show();
+    for (std::size_t k = i; k < std::min(end, i + MANIFOLD_CACHE_SIZE); ++k)
+      manifold.addManifoldPoint(manifoldPoint(*scratch[k], *body.surface.object, other), true);
   }
 }
 

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Zlib
 
 // This file fills the contact reports of bodies after a tick from the plane contacts of points, the contacts
-// between bodies and Bullet's manifolds. It finds the triangles of the contacts when a report is read.
+// between bodies and Bullet's manifolds. It finds the triangles of the contacts when a report is read, and
+// reads contacts from manifolds for users.
 
 #include "bullet/contact_report.h"
 
@@ -25,14 +26,25 @@ using Eigen::Vector3d;
 /// Multiple of the radius. Surfaces nearer than this are reported as contacts even without an impulse.
 constexpr double kMaxReportedDistance = 0.05;
 
-bool isReported(const Vector3d& impulse, double distance, double radius) {
-  return distance < kMaxReportedDistance * radius || !impulse.isZero(0.0);
+bool isReported(const SoftBodyData& body, const SoftContact& c) {
+  return c.distance < kMaxReportedDistance * radiusOf(body) || !c.impulse.isZero();
 }
 
-void addImpulse(SoftContact& c, const TickImpulse& impulse) {
-  c.normalImpulse += impulse.along;
-  c.impulse += toBullet(impulse.sum);
-  c.frictionImpulse += toBullet(Vector3d(impulse.sum - impulse.pressing));
+/// Returns a contact of a body whose points on the side are at x (m).
+SoftContact contactAt(const SoftBodyData& body, const ContactSide& side, const Vector3d& x,
+                      const Vector3d& normal, double distance, const TickImpulse& impulse,
+                      const btCollisionObject* other) {
+  SoftContact c;
+  c.body = body.handle;
+  c.other = other;
+  c.side = side;
+  c.position = toBullet(x - radiusOf(body) * normal);
+  c.normal = toBullet(normal);
+  c.distance = distance;
+  c.normalImpulse = impulse.along;
+  c.impulse = toBullet(impulse.sum);
+  c.frictionImpulse = toBullet(impulse.sum - impulse.pressing);
+  return c;
 }
 
 void add(SoftBodyData& body, const SoftContact& contact, const ObjectHandle& partner) {
@@ -49,32 +61,17 @@ ContactSide pointSide(std::uint32_t point) {
 
 // --- on static and kinematic objects -----------------------------------------------------------------------
 
-void addRow(SoftBodyData& body, const PlaneContact& row, const ObjectHandle& partner, double tick) {
-  const Vector3d x = body.state.position.col(row.point);
-  const double radius = double(body.masses.shape->getRadius());
-  const double distance = row.normal.dot(x - row.touch - tick * row.surfaceVelocity);
-  if (!isReported(row.impulse.sum, distance, radius)) return;
-  SoftContact c;
-  c.body = body.handle;
-  c.other = partner.object;
-  c.side = pointSide(row.point);
-  c.position = toBullet(Vector3d(x - radius * row.normal));
-  c.normal = toBullet(row.normal);
-  c.distance = distance;
-  addImpulse(c, row.impulse);
-  add(body, c, partner);
-}
-
 void addRows(SoftBodyData& body, const btCollisionWorld& world, double tick) {
-  const ObjectHandle* handle = nullptr;
   for (std::size_t i = 0; i < body.contacts.size(); ++i) {
-    const btCollisionObject* partner = body.contactPartners[i];
-    if (!handle || handle->object != partner) {
-      const auto isPartner = [&](const ObjectHandle& m) { return m.object == partner; };
-      const auto it = std::find_if(body.partnerHandles.begin(), body.partnerHandles.end(), isPartner);
-      handle = it != body.partnerHandles.end() && isValid(world, *it) ? &*it : nullptr;
-    }
-    if (handle) addRow(body, body.contacts[i], *handle, tick);
+    const auto isPartner = [&](const ObjectHandle& h) { return h.object == body.contactPartners[i]; };
+    const auto handle = std::find_if(body.partnerHandles.begin(), body.partnerHandles.end(), isPartner);
+    if (handle == body.partnerHandles.end() || !isValid(world, *handle)) continue;
+    const PlaneContact& row = body.contacts[i];
+    const Vector3d x = body.state.position.col(row.point);
+    const double distance = row.normal.dot(x - row.touch - tick * row.surfaceVelocity);
+    const SoftContact c =
+        contactAt(body, pointSide(row.point), x, row.normal, distance, row.impulse, handle->object);
+    if (isReported(body, c)) add(body, c, *handle);
   }
 }
 
@@ -92,7 +89,7 @@ ContactSide sideOf(const ContactPoint& p, const SoftBodyData& body, Vector3d& po
   return side;
 }
 
-/// Returns the contact as seen from the second body, whose partner is `object`.
+/// Returns the contact as seen from the other side, whose partner is `object`.
 SoftContact mirrored(const SoftContact& c, const btCollisionObject& object) {
   SoftContact m = c;
   m.body = c.otherBody;
@@ -108,21 +105,14 @@ SoftContact mirrored(const SoftContact& c, const btCollisionObject& object) {
 
 void addPair(const Contact& pair, const ContactSource& source) {
   SoftBodyData &body = *source.body, *other = source.other;
-  const double radius = double(body.masses.shape->getRadius());
-  if (!isReported(pair.impulse.sum, pair.gap, radius)) return;
-  SoftContact c;
   Vector3d x, y;
-  c.body = body.handle;
-  c.other = source.partner.object;
-  c.side = sideOf(pair.a, body, x);
+  const ContactSide side = sideOf(pair.a, body, x);
+  SoftContact c = contactAt(body, side, x, pair.normal, pair.gap, pair.impulse, source.partner.object);
+  if (!isReported(body, c)) return;
   if (other) {
     c.otherBody = other->handle;
     c.otherSide = sideOf(pair.b, *other, y);
   }
-  c.position = toBullet(Vector3d(x - radius * pair.normal));
-  c.normal = toBullet(pair.normal);
-  c.distance = pair.gap;
-  addImpulse(c, pair.impulse);
   if (body.report.fresh) add(body, c, source.partner);
   const bool together = other && other != &body && pair.b.kind == ContactPoint::Kind::Soft;
   if (!together || !other->report.fresh || !anyInWorld(body)) return;
@@ -133,12 +123,39 @@ void addPair(const Contact& pair, const ContactSource& source) {
 
 // --- contacts of points that Bullet's solver handled -------------------------------------------------------
 
-TickImpulse impulseOf(const btManifoldPoint& p, double sign) {
-  const Vector3d normal = sign * toEigen(p.m_normalWorldOnB);
-  const Vector3d friction = sign * toEigen(p.m_appliedImpulseLateral1 * p.m_lateralFrictionDir1 +
-                                           p.m_appliedImpulseLateral2 * p.m_lateralFrictionDir2);
-  const double magnitude = double(p.m_appliedImpulse);
-  return {magnitude * normal + friction, magnitude * normal, magnitude};
+/// Returns the soft body that has the object as its surface or a point, and sets `side` to the contact's
+/// point on it.
+SoftBody* readSide(const btCollisionObject* object, int index, const btVector3& position, ContactSide& side) {
+  if (const PointReference point = findPoint(object); point.body) {
+    side = pointSide(point.index);
+    return point.body;
+  }
+  if (const SurfaceHit hit = surfaceHit(object, index, position); hit.body) {
+    side.points = hit.points;
+    side.weights = hit.weights;
+    if (hit.triangle < hit.body->network().surface.size()) side.triangle = hit.triangle;
+  }
+  return findSurface(object).body;
+}
+
+/// Returns a contact as seen from the manifold's first object, or from its second.
+SoftContact readContact(const btPersistentManifold& manifold, int point, bool fromFirst) {
+  const btManifoldPoint& p = manifold.getContactPoint(point);
+  SoftContact c;
+  c.body = readSide(manifold.getBody0(), p.m_index0, p.m_positionWorldOnA, c.side);
+  c.otherBody = readSide(manifold.getBody1(), p.m_index1, p.m_positionWorldOnB, c.otherSide);
+  c.other = manifold.getBody1();
+  c.position = p.m_positionWorldOnA;
+  c.normal = p.m_normalWorldOnB;
+  c.distance = double(p.getDistance());
+  c.normalImpulse = double(p.m_appliedImpulse);
+  c.frictionImpulse = p.m_appliedImpulseLateral1 * p.m_lateralFrictionDir1 +
+                      p.m_appliedImpulseLateral2 * p.m_lateralFrictionDir2;
+  c.impulse = p.m_appliedImpulse * p.m_normalWorldOnB + c.frictionImpulse;
+  if (fromFirst) return c;
+  c = mirrored(c, *manifold.getBody0());
+  c.position = p.m_positionWorldOnB;
+  return c;
 }
 
 /// Finds the report's contact of a point with an object that has about this normal. Returns nullptr if there
@@ -158,45 +175,49 @@ SoftContact* findContact(ContactReport& report, std::uint32_t point, const btCol
   return pair != end ? &*pair : nullptr;
 }
 
-/// Adds the impulse of Bullet's contact to the reported contact, or reports a new one if that is nullptr.
-void addBulletImpulse(SoftContact* reported, SoftBodyData& body, const PointMass& point,
-                      const btCollisionObject& other, const btManifoldPoint& p, bool isFirst) {
-  const TickImpulse impulse = impulseOf(p, isFirst ? 1.0 : -1.0);
-  if (reported) return addImpulse(*reported, impulse);
-  const double radius = double(body.masses.shape->getRadius()), distance = double(p.getDistance());
-  if (!isReported(impulse.sum, distance, radius)) return;
-  SoftContact c;
-  c.body = body.handle;
-  c.other = &other;
-  c.side = pointSide(point.index());
-  if (const PointMass* theirs = PointMass::from(&other); theirs && theirs->owner()) {
-    c.otherBody = theirs->owner()->handle;
-    c.otherSide = pointSide(theirs->index());
+/// Adds a contact of Bullet's solver to the report: its impulse to the same contact found by this plugin,
+/// which is then returned, or else a new one.
+const SoftContact* addBulletContact(SoftBodyData& body, const SoftContact& c) {
+  if (SoftContact* same = findContact(body.report, c.side.points[0], c.other, c.normal)) {
+    same->normalImpulse += c.normalImpulse;
+    same->impulse += c.impulse;
+    same->frictionImpulse += c.frictionImpulse;
+    return same;
   }
-  c.position = isFirst ? p.m_positionWorldOnA : p.m_positionWorldOnB;
-  c.normal = isFirst ? p.m_normalWorldOnB : -p.m_normalWorldOnB;
-  c.distance = distance;
-  addImpulse(c, impulse);
-  add(body, c, handleOf(other));
+  if (isReported(body, c)) add(body, c, handleOf(*c.other));
+  return nullptr;
 }
 
-/// Adds a manifold to the reports of its soft bodies. A manifold of two points also gets the impulse of
-/// their contact.
-void addManifold(btPersistentManifold& manifold) {
+/// Adds the impulses of a point's plane contacts to its manifold. Users read contact forces there.
+void addPlaneImpulses(const SoftBodyData& body, std::uint32_t point, const btCollisionObject* partner,
+                      btPersistentManifold& manifold) {
+  const ContactRange rows = contactsOfPoint(body.contacts, point);
+  for (std::size_t r = rows.begin; r < rows.end; ++r) {
+    const PlaneContact& row = body.contacts[r];
+    for (int p = 0; p < manifold.getNumContacts() && body.contactPartners[r] == partner; ++p) {
+      btManifoldPoint& contact = manifold.getContactPoint(p);
+      if (!(std::abs(toEigen(contact.m_normalWorldOnB).dot(row.normal)) > kSameSurface)) continue;
+      contact.m_appliedImpulse += static_cast<btScalar>(row.impulse.along);
+      break;
+    }
+  }
+}
+
+/// Adds a manifold to the reports of the bodies whose points are in it, and the impulses of the contacts that
+/// this plugin has solved to the manifold.
+void exchangeImpulses(btPersistentManifold& manifold) {
   const SoftContact* pointContact = nullptr;
-  for (int side = 0; side < 2; ++side) {
-    const btCollisionObject* object = side == 0 ? manifold.getBody0() : manifold.getBody1();
-    const btCollisionObject* other = side == 0 ? manifold.getBody1() : manifold.getBody0();
+  for (const bool first : {true, false}) {
+    const btCollisionObject* object = first ? manifold.getBody0() : manifold.getBody1();
+    const btCollisionObject* other = first ? manifold.getBody1() : manifold.getBody0();
     const PointMass* point = PointMass::from(object);
     SoftBodyData* body = point ? point->owner() : nullptr;
     if (!body || !body->alive || !body->report.fresh) continue;
     for (int p = 0; p < manifold.getNumContacts(); ++p) {
-      btManifoldPoint& contact = manifold.getContactPoint(p);
-      const btVector3 normal = side == 0 ? contact.m_normalWorldOnB : -contact.m_normalWorldOnB;
-      SoftContact* reported = findContact(body->report, point->index(), other, normal);
-      addBulletImpulse(reported, *body, *point, *other, contact, side == 0);
-      if (reported && PointMass::from(other)) pointContact = reported;
+      const SoftContact* same = addBulletContact(*body, readContact(manifold, p, first));
+      if (same && PointMass::from(other)) pointContact = same;
     }
+    addPlaneImpulses(*body, point->index(), other, manifold);
   }
   // two spheres have one contact
   if (pointContact)
@@ -222,9 +243,14 @@ void reportContacts(const std::vector<SoftBodyData*>& bodies, const TickContacts
       addPair(pairs.contacts[i], pairs.sources[i]);
   if (!anyInBullet) return;
   for (SoftBodyData* body : bodies) body->report.ownCount = body->report.contacts.size();
-  auto& dispatcher = const_cast<btDispatcher&>(*world.getDispatcher());
-  for (int m = 0; m < dispatcher.getNumManifolds(); ++m)
-    addManifold(*dispatcher.getManifoldByIndexInternal(m));
+  forEachManifold(const_cast<btDispatcher&>(*world.getDispatcher()), exchangeImpulses);
+}
+
+SoftContact readContact(const btPersistentManifold& manifold, int point) {
+  if (point < 0 || point >= manifold.getNumContacts()) return {};
+  SoftContact c = readContact(manifold, point, true);
+  if (!c.body) c = readContact(manifold, point, false);
+  return c.body ? c : SoftContact();
 }
 
 // --- triangles ---------------------------------------------------------------------------------------------

@@ -10,7 +10,6 @@
 #include <limber/contacts.h>
 #include <limber/soft_body_system.h>
 
-#include <array>
 #include <cstddef>
 #include <memory>
 #include <vector>
@@ -22,8 +21,9 @@ struct TickContacts;
 
 // --- the report --------------------------------------------------------------------------------------------
 
-/// Fills the reports of all bodies that are awake, after a tick of length `tick` (s). Call it before
-/// reportContactImpulses(). `bodies`: the bodies in the groups, to which the indices in `pairs` refer.
+/// Fills the reports of all bodies that are awake, after a tick of length `tick` (s). Writes the impulses of
+/// contacts of point masses in the world to Bullet's manifolds. `bodies`: the bodies in the groups, to which
+/// the indices in `pairs` refer.
 void reportContacts(const std::vector<SoftBodyData*>& bodies, const TickContacts& pairs,
                     const btDiscreteDynamicsWorld& world, double tick);
 
@@ -65,9 +65,9 @@ class ContactEvents {
 
  private:
   void sumByPartner(SoftBodyData& body);
-  void add(void (ContactListener::*callback)(const ContactPair&), SoftBodyData& body, const ContactPair& pair,
-           const ObjectHandle& other);
   void addEnd(SoftBodyData& body, const TouchingPair& ended);
+  template <class Ends>
+  void endPairs(SoftBodyData& body, Ends ends);
 
   ContactListener* listener_ = nullptr;
   bool calling_ = false;
@@ -79,16 +79,9 @@ class ContactEvents {
 
 // --- manifolds ---------------------------------------------------------------------------------------------
 
-/// Scratch of reportManifold().
-struct StrongestContacts {
-  const btCollisionObject* other;
-  int count;
-  std::array<const SoftContact*, MANIFOLD_CACHE_SIZE> contacts;  ///< by normal impulse, the largest first
-};
-
 /// Adds manifolds with the body's reported contacts, after a tick: for each partner the four contacts with
 /// the largest impulses.
-void reportManifold(SoftBodyData& body, std::vector<StrongestContacts>& scratch);
+void reportManifold(SoftBodyData& body, std::vector<const SoftContact*>& scratch);
 
 /// Removes these manifolds, before a tick.
 void removeReportedManifolds(SoftBodyData& body);

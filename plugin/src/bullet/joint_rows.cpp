@@ -18,33 +18,33 @@ using Eigen::Vector3d;
 /// Bullet's largest constraint has six rows and a spring or motor for each.
 constexpr int kMaxRows = 16;
 
-/// The memory to which Bullet's constraints write their rows.
-struct RowBuffer {
-  btScalar linearA[4 * kMaxRows] = {}, angularA[4 * kMaxRows] = {};
-  btScalar linearB[4 * kMaxRows] = {}, angularB[4 * kMaxRows] = {};
-  btScalar error[4 * kMaxRows] = {}, softness[4 * kMaxRows] = {};
-  btScalar lower[4 * kMaxRows], upper[4 * kMaxRows];
+/// A row in the layout of Bullet's constraints.
+struct Row {
+  btVector3 linearA, angularA, linearB, angularB;
+  btScalar error, softness, lower, upper;
+
+  bool isDriven() const { return lower > -SIMD_INFINITY && upper < SIMD_INFINITY; }
 };
 
-Vector3d vectorAt(const btScalar* numbers, int row) {
-  return {double(numbers[4 * row]), double(numbers[4 * row + 1]), double(numbers[4 * row + 2])};
-}
+struct Rows {
+  Row rows[kMaxRows];
+  int count = 0;  ///< 0 if the constraint has too many
+};
 
-btTypedConstraint::btConstraintInfo2 infoOn(RowBuffer& buffer, const btContactSolverInfo& solver,
-                                            btScalar tick) {
-  for (int i = 0; i < 4 * kMaxRows; ++i) {
-    buffer.lower[i] = -SIMD_INFINITY, buffer.upper[i] = SIMD_INFINITY;
-    buffer.softness[i] = solver.m_globalCfm;
-  }
+btTypedConstraint::btConstraintInfo2 infoOn(Rows& buffer, const btContactSolverInfo& solver, btScalar tick) {
+  const btVector3 zero(0, 0, 0);
+  for (Row& row : buffer.rows)
+    row = {zero, zero, zero, zero, 0, solver.m_globalCfm, -SIMD_INFINITY, SIMD_INFINITY};
+  Row& first = buffer.rows[0];
   btTypedConstraint::btConstraintInfo2 info;
   info.fps = btScalar(1) / tick;
   info.erp = solver.m_erp;
-  info.m_J1linearAxis = buffer.linearA, info.m_J1angularAxis = buffer.angularA;
-  info.m_J2linearAxis = buffer.linearB, info.m_J2angularAxis = buffer.angularB;
-  info.rowskip = 4;
-  info.m_constraintError = buffer.error;
-  info.cfm = buffer.softness;
-  info.m_lowerLimit = buffer.lower, info.m_upperLimit = buffer.upper;
+  info.m_J1linearAxis = first.linearA, info.m_J1angularAxis = first.angularA;
+  info.m_J2linearAxis = first.linearB, info.m_J2angularAxis = first.angularB;
+  info.rowskip = sizeof(Row) / sizeof(btScalar);
+  info.m_constraintError = &first.error;
+  info.cfm = &first.softness;
+  info.m_lowerLimit = &first.lower, info.m_upperLimit = &first.upper;
   info.m_numIterations = solver.m_numIterations;
   info.m_damping = solver.m_damping;
   return info;
@@ -64,22 +64,18 @@ std::uint32_t sideOf(const btRigidBody& body, const Vector3d& linear, const Vect
   return JointConstraint::kHeld;
 }
 
-bool isDriven(const RowBuffer& buffer, int row) {
-  return buffer.lower[4 * row] > -SIMD_INFINITY && buffer.upper[4 * row] < SIMD_INFINITY;
-}
-
-void addRow(const btTypedConstraint& joint, const RowBuffer& buffer, int row, btScalar tick,
-            TickContacts& found) {
+void addRow(btTypedConstraint& joint, const Row& row, btScalar tick, TickContacts& found) {
   JointConstraint j;
-  j.linearA = vectorAt(buffer.linearA, row), j.angularA = vectorAt(buffer.angularA, row);
-  j.linearB = vectorAt(buffer.linearB, row), j.angularB = vectorAt(buffer.angularB, row);
-  j.lower = double(buffer.lower[4 * row]);
-  j.upper = double(buffer.upper[4 * row]);
-  j.speed = double(buffer.error[4 * row]);
-  j.softness = double(buffer.softness[4 * row] / tick);
+  j.linearA = toEigen(row.linearA), j.angularA = toEigen(row.angularA);
+  j.linearB = toEigen(row.linearB), j.angularB = toEigen(row.angularB);
+  j.lower = double(row.lower);
+  j.upper = double(row.upper);
+  j.speed = double(row.error);
+  j.softness = double(row.softness / tick);
   j.a = sideOf(joint.getRigidBodyA(), j.linearA, j.angularA, found, j.speed);
   j.b = sideOf(joint.getRigidBodyB(), j.linearB, j.angularB, found, j.speed);
   found.joints.push_back(j);
+  found.jointSources.push_back({&joint, row.isDriven() ? 0.0 : double(row.error), row.isDriven()});
 }
 
 /// Adds a row against rotation of the two bodies of the last contact about `axis`. Its limit is `rolling` (m)
@@ -99,22 +95,6 @@ void addRotationRow(const btPersistentManifold& manifold, const Vector3d& axis, 
   j.b = side(manifold.getBody1(), j.angularB);
   found.joints.push_back(j);
   found.jointSources.emplace_back();
-}
-
-bool isNumbered(const TickContacts& found, const btRigidBody& body) {
-  return isFree(body) && found.find(body) != TickContacts::kNone;
-}
-
-/// Fills the buffer in the same way as Bullet's solver. Returns the number of rows, or 0 if there are too
-/// many.
-int readRows(btTypedConstraint& joint, const btContactSolverInfo& solver, btScalar tick, RowBuffer& buffer) {
-  joint.buildJacobian();
-  btTypedConstraint::btConstraintInfo1 size;
-  joint.getInfo1(&size);
-  if (size.m_numConstraintRows <= 0 || size.m_numConstraintRows > kMaxRows) return 0;
-  btTypedConstraint::btConstraintInfo2 info = infoOn(buffer, solver, tick);
-  joint.getInfo2(&info);
-  return size.m_numConstraintRows;
 }
 
 /// Moves both bodies of a joint, while this object exists, to the poses that define the joint's error: a
@@ -145,41 +125,41 @@ class PredictedPoses {
   btTransform poses_[2];
 };
 
-bool hasSprings(const btTypedConstraint& joint) {
-  const btTypedConstraintType type = joint.getConstraintType();
-  return type == D6_SPRING_CONSTRAINT_TYPE || type == D6_SPRING_2_CONSTRAINT_TYPE;
+/// Returns the rows as Bullet's solver gets them, with the bodies moved by PredictedPoses.
+Rows readRows(btTypedConstraint& joint, const btContactSolverInfo& solver, btScalar tick, btScalar time) {
+  const PredictedPoses poses(joint, time);
+  Rows buffer;
+  joint.buildJacobian();
+  btTypedConstraint::btConstraintInfo1 size;
+  joint.getInfo1(&size);
+  if (size.m_numConstraintRows > kMaxRows) return buffer;
+  buffer.count = size.m_numConstraintRows;
+  btTypedConstraint::btConstraintInfo2 info = infoOn(buffer, solver, tick);
+  if (buffer.count > 0) joint.getInfo2(&info);
+  return buffer;
 }
 
 /// Replaces the force of springs by that of half a tick later. The force is constant in the tick of length h.
 /// If it is that of the distance x at the start, (x, v) is multiplied by a matrix of determinant 1 + (omega
 /// h)^2 / 2, and oscillations grow. With the distance in the middle, x + h v / 2, the determinant is 1.
-void copySprings(const RowBuffer& middle, int rows, RowBuffer& buffer) {
-  for (int row = 0; row < rows; ++row) {
-    if (!isDriven(buffer, row) || !isDriven(middle, row)) continue;
-    buffer.error[4 * row] = middle.error[4 * row];
-    buffer.lower[4 * row] = middle.lower[4 * row];
-    buffer.upper[4 * row] = middle.upper[4 * row];
+void copySprings(const Rows& middle, Rows& buffer) {
+  for (int i = 0; i < buffer.count && middle.count == buffer.count; ++i) {
+    Row& row = buffer.rows[i];
+    const Row& later = middle.rows[i];
+    if (row.isDriven() && later.isDriven())
+      row.error = later.error, row.lower = later.lower, row.upper = later.upper;
   }
 }
 
 void addRows(btTypedConstraint& joint, const btContactSolverInfo& solver, btScalar tick,
              TickContacts& found) {
-  RowBuffer buffer, middle;
-  int rows = 0, middleRows = 0;
-  if (hasSprings(joint)) {
-    const PredictedPoses poses(joint, tick / 2);
-    middleRows = readRows(joint, solver, tick, middle);
-  }
-  {
-    const PredictedPoses poses(joint, 0);
-    rows = readRows(joint, solver, tick, buffer);
-  }
-  if (middleRows == rows) copySprings(middle, rows, buffer);
-  for (int row = 0; row < rows; ++row) {
-    const bool isDrive = isDriven(buffer, row);
-    found.jointSources.push_back({&joint, isDrive ? 0.0 : double(buffer.error[4 * row]), isDrive});
-    addRow(joint, buffer, row, tick, found);
-  }
+  const btTypedConstraintType type = joint.getConstraintType();
+  const bool hasSprings = type == D6_SPRING_CONSTRAINT_TYPE || type == D6_SPRING_2_CONSTRAINT_TYPE;
+  // the joint itself must end with the state of the present poses
+  const Rows middle = hasSprings ? readRows(joint, solver, tick, tick / 2) : Rows();
+  Rows buffer = readRows(joint, solver, tick, 0);
+  copySprings(middle, buffer);
+  for (int i = 0; i < buffer.count; ++i) addRow(joint, buffer.rows[i], tick, found);
 }
 
 // --- motors and springs during Bullet's solver -------------------------------------------------------------
@@ -254,6 +234,7 @@ std::uint32_t switchOff(btTypedConstraint& joint) {
   return on;
 }
 
+/// Leaves drives enabled that the user has enabled since.
 void switchOn(btTypedConstraint& joint, std::uint32_t on) {
   visitDrives(joint, [&](bool& flag) {
     if (on & 1u) flag = true;
@@ -276,7 +257,7 @@ bool isValid(btDynamicsWorld& world, const btTypedConstraint* joint, int& index)
 
 void addFeedback(btJointFeedback& feedback, const JointConstraint& j, btScalar tick) {
   const auto add = [&](btVector3& sum, const Vector3d& along) {
-    sum += toBullet(Vector3d(along * (j.impulse / double(tick))));
+    sum += toBullet(along * (j.impulse / double(tick)));
   };
   add(feedback.m_appliedForceBodyA, j.linearA);
   add(feedback.m_appliedForceBodyB, j.linearB);
@@ -284,9 +265,20 @@ void addFeedback(btJointFeedback& feedback, const JointConstraint& j, btScalar t
   add(feedback.m_appliedTorqueBodyB, j.angularB);
 }
 
-/// Returns whether a soft body is part of the joint. Bullet's solver handles these, see surface_rigid.cpp.
-bool hasSoftBody(const btTypedConstraint& joint) {
-  return SurfaceObject::from(&joint.getRigidBodyA()) || SurfaceObject::from(&joint.getRigidBodyB());
+/// Calls visit(joint) for the enabled joints of numbered bodies. Bullet's solver handles those with soft
+/// bodies, see surface_rigid.cpp.
+template <class Visit>
+void forEachJoint(btDiscreteDynamicsWorld& world, const TickContacts& found, Visit visit) {
+  const auto isNumbered = [&](const btRigidBody& body) {
+    return isFree(body) && found.find(body) != TickContacts::kNone;
+  };
+  for (int i = 0; i < world.getNumConstraints(); ++i) {
+    btTypedConstraint& joint = *world.getConstraint(i);
+    const btRigidBody &a = joint.getRigidBodyA(), &b = joint.getRigidBodyB();
+    if (joint.isEnabled() && !SurfaceObject::from(&a) && !SurfaceObject::from(&b) &&
+        (isNumbered(a) || isNumbered(b)))
+      visit(joint);
+  }
 }
 
 }  // namespace
@@ -305,24 +297,16 @@ void addRollingRows(const btPersistentManifold& manifold, const btManifoldPoint&
 
 bool addJoinedBodies(btDiscreteDynamicsWorld& world, TickContacts& found) {
   const std::size_t before = found.rigids.size();
-  for (int i = 0; i < world.getNumConstraints(); ++i) {
-    btTypedConstraint& joint = *world.getConstraint(i);
-    if (!joint.isEnabled() || hasSoftBody(joint)) continue;
-    btRigidBody &a = joint.getRigidBodyA(), &b = joint.getRigidBodyB();
-    if (!isNumbered(found, a) && !isNumbered(found, b)) continue;
-    for (btRigidBody* body : {&a, &b})
+  forEachJoint(world, found, [&](btTypedConstraint& joint) {
+    for (btRigidBody* body : {&joint.getRigidBodyA(), &joint.getRigidBodyB()})
       if (isFree(*body)) found.add(*body);
-  }
+  });
   return found.rigids.size() > before;
 }
 
 void addJointRows(btDiscreteDynamicsWorld& world, btScalar tick, TickContacts& found) {
-  for (int i = 0; i < world.getNumConstraints(); ++i) {
-    btTypedConstraint& joint = *world.getConstraint(i);
-    if (joint.isEnabled() && !hasSoftBody(joint) &&
-        (isNumbered(found, joint.getRigidBodyA()) || isNumbered(found, joint.getRigidBodyB())))
-      addRows(joint, world.getSolverInfo(), tick, found);
-  }
+  forEachJoint(world, found,
+               [&](btTypedConstraint& joint) { addRows(joint, world.getSolverInfo(), tick, found); });
 }
 
 void disableDrives(const TickContacts& found, std::vector<DisabledDrives>& off) {

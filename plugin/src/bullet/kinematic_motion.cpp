@@ -19,7 +19,6 @@ namespace {
 /// Maximum of the estimated number of ticks in a stepSimulation().
 constexpr double kMaxTicks = 100.0;
 
-/// Interpolates between two poses.
 btTransform interpolate(const btTransform& from, const btTransform& to, btScalar share) {
   return btTransform(from.getRotation().slerp(to.getRotation(), share),
                      from.getOrigin().lerp(to.getOrigin(), share));
@@ -141,9 +140,9 @@ void KinematicMotions::follow(const btCollisionWorld& world, btScalar tick) {
   }
 }
 
-KinematicMotions::Rewound::Rewound(const KinematicMotions& motions) : motions_(&motions) {
-  for (const KinematicMotion& m : motions.motions_) {
-    const_cast<KinematicMotion&>(m).interpolated = m.object->getInterpolationWorldTransform();
+KinematicMotions::Rewound::Rewound(KinematicMotions& motions) : motions_(&motions) {
+  for (KinematicMotion& m : motions.motions_) {
+    m.interpolated = m.object->getInterpolationWorldTransform();
     m.object->setWorldTransform(m.start);
     m.object->setInterpolationWorldTransform(m.end);
   }
@@ -189,11 +188,12 @@ void addOrWake(SoftBodyData& body, btRigidBody& own, btCollisionObject& partner)
     own.activate(true);
 }
 
-/// Returns the surface of a living body of `system`, or nullptr.
-SurfaceObject* livingSurface(const btBroadphaseProxy* proxy, const void* system) {
-  SurfaceObject* surface = SurfaceObject::from(static_cast<btCollisionObject*>(proxy->m_clientObject));
-  const SoftBodyData* body = surface ? surface->owner() : nullptr;
-  return body && body->system == system && body->alive ? surface : nullptr;
+/// Returns the living body of `system` that has the object as its surface, or also as a point; else nullptr.
+SoftBodyData* bodyOf(const btCollisionObject& object, bool alsoPoints, const void* system) {
+  const SurfaceObject* surface = SurfaceObject::from(&object);
+  const PointMass* point = alsoPoints ? PointMass::from(&object) : nullptr;
+  SoftBodyData* body = surface ? surface->owner() : point ? point->owner() : nullptr;
+  return body && body->system == system && body->alive ? body : nullptr;
 }
 
 }  // namespace
@@ -201,11 +201,10 @@ SurfaceObject* livingSurface(const btBroadphaseProxy* proxy, const void* system)
 void collectPartners(btDiscreteDynamicsWorld& world, const void* system) {
   const btBroadphasePairArray& pairs = world.getPairCache()->getOverlappingPairArray();
   for (int i = 0; i < pairs.size(); ++i) {
-    const btBroadphaseProxy *a = pairs[i].m_pProxy0, *b = pairs[i].m_pProxy1;
-    for (int side = 0; side < 2; ++side, std::swap(a, b)) {
-      auto* partner = static_cast<btCollisionObject*>(b->m_clientObject);
-      if (SurfaceObject* surface = livingSurface(a, system)) addOrWake(*surface->owner(), *surface, *partner);
-    }
+    auto* a = static_cast<btCollisionObject*>(pairs[i].m_pProxy0->m_clientObject);
+    auto* b = static_cast<btCollisionObject*>(pairs[i].m_pProxy1->m_clientObject);
+    for (int side = 0; side < 2; ++side, std::swap(a, b))
+      if (SoftBodyData* body = bodyOf(*a, false, system)) addOrWake(*body, static_cast<btRigidBody&>(*a), *b);
   }
 }
 
@@ -225,71 +224,31 @@ namespace {
 /// m, margin of the boxes in Bullet's broadphase. They contain all smaller displacements.
 constexpr btScalar kBoxMargin = btScalar(0.01);
 
-/// btDiscreteDynamicsWorld has no getter for its list of bodies; a derived class may name the protected
-/// member.
-struct BodyReader : btDiscreteDynamicsWorld {
-  static const btAlignedObjectArray<btRigidBody*>& read(const btDiscreteDynamicsWorld& world) {
-    return world.*(&BodyReader::m_nonStaticRigidBodies);
-  }
-};
-
-/// m, displacement of the centre and a bound of the additional displacement by rotation.
-struct Motion {
-  btVector3 displacement;
-  btScalar rotation;
-};
-
-Motion motionOf(const btRigidBody& body, btScalar tick) {
-  const btScalar spin = body.getAngularVelocity().length();
-  const btVector3 fall = body.getTotalForce() * (body.getInvMass() * tick * tick);
-  const btScalar rotation =
-      spin > 0 ? tick * spin * body.getCollisionShape()->getAngularMotionDisc() : btScalar(0);
-  return {tick * body.getLinearVelocity() + fall, rotation};
-}
-
-/// Adds the mover to all bodies whose surface overlaps its box. A kinematic mover is also added to bodies
+/// Adds the mover to all bodies whose surface overlaps the box. A kinematic mover is also added to bodies
 /// whose points overlap it.
-struct BodiesInBox final : btBroadphaseAabbCallback {
-  BodiesInBox(btDiscreteDynamicsWorld& w, btCollisionObject& m, const void* s)
-      : world(&w), mover(&m), system(s) {}
-  btDiscreteDynamicsWorld* world;
-  btCollisionObject* mover;
-  const void* system;
-
-  bool process(const btBroadphaseProxy* proxy) override {
-    if (SurfaceObject* surface = livingSurface(proxy, system)) {
-      addMover(*surface->owner(), *surface);
-    } else if (isKinematic(*mover)) {
-      PointMass* point = PointMass::from(static_cast<btCollisionObject*>(proxy->m_clientObject));
-      if (point && point->owner() && point->owner()->system == system && point->owner()->alive)
-        addMover(*point->owner(), *point);
-    }
-    return true;
-  }
-
-  void addMover(SoftBodyData& body, btRigidBody& part) const {
-    btBroadphaseProxy *a = part.getBroadphaseHandle(), *b = mover->getBroadphaseHandle();
-    if (!mayWake(part, *mover) || !world->getPairCache()->needsBroadphaseCollision(a, b)) return;
-    if (!part.isActive()) part.activate(true);
-    addOrWake(body, part, *mover);
-  }
-};
-
-void addToBodiesInBox(btDiscreteDynamicsWorld& world, btCollisionObject& mover, const btVector3& low,
-                      const btVector3& high, btScalar margin, const void* system) {
-  BodiesInBox bodies(world, mover, system);
+void addToBodiesIn(btDiscreteDynamicsWorld& world, btCollisionObject& mover, const btVector3& low,
+                   const btVector3& high, btScalar margin, const void* system) {
   const btVector3 more(margin, margin, margin);
-  world.getBroadphase()->aabbTest(low - more, high + more, bodies);
+  forEachObjectIn(world, low - more, high + more, [&](btCollisionObject& object) {
+    SoftBodyData* body = bodyOf(object, isKinematic(mover), system);
+    if (!body) return;
+    auto& part = static_cast<btRigidBody&>(object);
+    btBroadphaseProxy *a = part.getBroadphaseHandle(), *b = mover.getBroadphaseHandle();
+    if (!mayWake(part, mover) || !world.getPairCache()->needsBroadphaseCollision(a, b)) return;
+    if (!part.isActive()) part.activate(true);
+    addOrWake(*body, part, mover);
+  });
 }
 
 void addMovingBody(btDiscreteDynamicsWorld& world, btRigidBody& body, btScalar tick, const void* system) {
-  const Motion motion = motionOf(body, tick);
-  if (motion.displacement.length() + motion.rotation <= kBoxMargin) return;
+  const btVector3 fall = body.getTotalForce() * (body.getInvMass() * tick * tick);
+  const btVector3 displacement = tick * body.getLinearVelocity() + fall;
+  const btScalar rotation = tick * rotationSpeed(body);
+  if (displacement.length() + rotation <= kBoxMargin) return;
   btVector3 low, high;
   body.getCollisionShape()->getAabb(body.getWorldTransform(), low, high);
-  btVector3 from = low, to = high;
-  from.setMin(low + motion.displacement), to.setMax(high + motion.displacement);
-  addToBodiesInBox(world, body, from, to, motion.rotation + kBoxMargin, system);
+  low.setMin(low + displacement), high.setMax(high + displacement);
+  addToBodiesIn(world, body, low, high, rotation + kBoxMargin, system);
 }
 
 /// Adds a link of a multibody. Extrapolates its box from that in the broadphase, which is from the start of
@@ -301,9 +260,8 @@ void addMovingLink(btDiscreteDynamicsWorld& world, btCollisionObject& link, cons
   const btVector3 margin(gContactBreakingThreshold, gContactBreakingThreshold, gContactBreakingThreshold);
   const btVector3 down = low - (proxy->m_aabbMin + margin), up = high - (proxy->m_aabbMax - margin);
   if (btMax(down.length(), up.length()) <= kBoxMargin) return;
-  btVector3 from = low, to = high;
-  from.setMin(low + down), to.setMax(high + up);
-  addToBodiesInBox(world, link, from, to, kBoxMargin, system);
+  low.setMin(low + down), high.setMax(high + up);
+  addToBodiesIn(world, link, low, high, kBoxMargin, system);
 }
 
 }  // namespace
@@ -312,13 +270,13 @@ void collectMovers(btDiscreteDynamicsWorld& world, const KinematicMotions& kinem
                    btScalar tick) {
   for (const KinematicMotion& motion : kinematic.all())
     if (motion.moves() && motion.object->hasContactResponse())
-      addToBodiesInBox(world, *motion.object, motion.low, motion.high, kBoxMargin, system);
+      addToBodiesIn(world, *motion.object, motion.low, motion.high, kBoxMargin, system);
   const btCollisionObjectArray& objects = world.getCollisionObjectArray();
   for (int i = 0; i < objects.size(); ++i)
     if (objects[i]->getInternalType() == btCollisionObject::CO_FEATHERSTONE_LINK && objects[i]->isActive() &&
         objects[i]->getBroadphaseHandle() && objects[i]->hasContactResponse())
       addMovingLink(world, *objects[i], system);
-  const btAlignedObjectArray<btRigidBody*>& bodies = BodyReader::read(world);
+  const btAlignedObjectArray<btRigidBody*>& bodies = world.*WorldMembers::kMovingBodies;
   for (int i = 0; i < bodies.size(); ++i) {
     btRigidBody& body = *bodies[i];
     if (isKinematic(body) || !body.isActive() || PointMass::from(&body)) continue;

@@ -51,13 +51,13 @@ class KinematicMotions {
   /// like that of all other objects, and the interpolation transform is its pose at the end.
   class Rewound {
    public:
-    explicit Rewound(const KinematicMotions& motions);
+    explicit Rewound(KinematicMotions& motions);
     ~Rewound();
     Rewound(const Rewound&) = delete;
     Rewound& operator=(const Rewound&) = delete;
 
    private:
-    const KinematicMotions* motions_;
+    KinematicMotions* motions_;
   };
 
  private:
@@ -66,12 +66,16 @@ class KinematicMotions {
   std::vector<KinematicMotion> motions_, last_;  // in the order of the world's list
 };
 
-/// Returns the displacement (m) of a position on an object in the tick, while it is Rewound; 0 if the object
-/// is not kinematic.
+/// Returns whether an object is kinematic and moves in this tick, while kinematic ones are Rewound.
+inline bool isMoved(const btCollisionObject& object) {
+  return isKinematic(object) && !(object.getWorldTransform() == object.getInterpolationWorldTransform());
+}
+
+/// Returns the displacement (m) of a position on a kinematic object in the tick, while it is Rewound; 0 on
+/// other objects.
 inline Eigen::Vector3d kinematicDisplacement(const btCollisionObject& object,
                                              const Eigen::Vector3d& position) {
-  if (!isKinematic(object) || object.getWorldTransform() == object.getInterpolationWorldTransform())
-    return Eigen::Vector3d::Zero();
+  if (!isMoved(object)) return Eigen::Vector3d::Zero();
   const btTransform &start = object.getWorldTransform(), &end = object.getInterpolationWorldTransform();
   const btVector3 rotation = (end.getBasis() - start.getBasis()) * start.invXform(toBullet(position));
   return toEigen(rotation) + difference(end.getOrigin(), start.getOrigin());

@@ -16,18 +16,13 @@ namespace {
 using Eigen::Vector3d;
 using Vector6d = Eigen::Matrix<double, 6, 1>;
 
-int linkMark;  // see pointMassMark
-
 /// Number of ticks after which a body that has no soft body near it is removed.
 constexpr int kMaxUnusedTicks = 120;
 
-btVector3 linkOrigin(const btMultiBody& m, int link) {
-  return link < 0 ? m.getBasePos() : m.localPosToWorld(link, btVector3(0, 0, 0));
-}
-
-btMatrix3x3 basisOf(const btMultiBody& m, int link) {
-  if (link < 0) return btMatrix3x3(m.getWorldToBaseRot().inverse());
-  return m.localFrameToWorld(link, btMatrix3x3::getIdentity());
+btTransform poseOf(const btMultiBody& m, int link) {
+  if (link < 0) return btTransform(m.getWorldToBaseRot().inverse(), m.getBasePos());
+  return btTransform(m.localFrameToWorld(link, btMatrix3x3::getIdentity()),
+                     m.localPosToWorld(link, btVector3(0, 0, 0)));
 }
 
 /// Sets the pose and velocity of a link from the multibody's own state, because its collider is updated only
@@ -35,7 +30,7 @@ btMatrix3x3 basisOf(const btMultiBody& m, int link) {
 void placeLink(LinkBody& body, const btVector3& velocity, const btVector3& spin) {
   const btMultiBody& m = *body.multiBody;
   const bool isBase = body.link < 0;
-  const btTransform pose(basisOf(m, body.link), linkOrigin(m, body.link));
+  const btTransform pose = poseOf(m, body.link);
   body.setMassProps(isBase ? m.getBaseMass() : m.getLinkMass(body.link),
                     isBase ? m.getBaseInertia() : m.getLinkInertia(body.link));
   body.setWorldTransform(pose);
@@ -63,20 +58,6 @@ Eigen::MatrixXd freedomOf(const btMultibodyLink& link) {
 
 }  // namespace
 
-LinkBody::LinkBody(btMultiBody& m, int l)
-    : btRigidBody(btRigidBodyConstructionInfo(1, nullptr, nullptr)), multiBody(&m), link(l) {
-  internalSetExtensionPointer(&linkMark);
-}
-
-LinkBody* LinkBody::from(btCollisionObject* object) {
-  const bool ours = object && object->internalGetExtensionPointer() == &linkMark;
-  return ours ? static_cast<LinkBody*>(object) : nullptr;
-}
-
-const LinkBody* LinkBody::from(const btCollisionObject* object) {
-  return from(const_cast<btCollisionObject*>(object));
-}
-
 bool isHeldLink(const btMultiBodyLinkCollider& collider) {
   const btMultiBody& m = *collider.m_multiBody;
   for (int link = collider.m_link; link >= 0; link = m.getLink(link).m_parent)
@@ -89,18 +70,15 @@ void MultiBodyLinks::begin(const btCollisionWorld& world) {
   touched_.clear();
   const auto isOld = [](const auto& body) { return ++body->unused > kMaxUnusedTicks; };
   bodies_.erase(std::remove_if(bodies_.begin(), bodies_.end(), isOld), bodies_.end());
-  for (auto& body : bodies_) body->present = false;
 }
 
 LinkBody& MultiBodyLinks::bodyOf(btMultiBody& multiBody, int link) {
   const auto isThis = [&](const auto& b) { return b->multiBody == &multiBody && b->link == link; };
   auto it = std::find_if(bodies_.begin(), bodies_.end(), isThis);
-  if (it == bodies_.end())
-    it = bodies_.insert(bodies_.end(), std::unique_ptr<LinkBody>(new LinkBody(multiBody, link)));
+  if (it == bodies_.end()) it = bodies_.insert(it, std::make_unique<LinkBody>(multiBody, link));
   LinkBody& body = **it;
+  if (body.unused == 0) return body;
   body.unused = 0;
-  if (body.present) return body;
-  body.present = true;
   body.collider = nullptr;
   body.setCollisionShape(&none_);
   // after all objects of the world
@@ -145,8 +123,8 @@ void MultiBodyLinks::addJoint(btMultiBody& multiBody, int link, TickContacts& fo
     const Vector6d fixedDirection = directions.col(d);
     JointConstraint row;
     row.a = a, row.b = b;
-    row.angularA = toEigen(basis * toBullet(Vector3d(fixedDirection.head<3>())));
-    row.linearA = toEigen(basis * toBullet(Vector3d(fixedDirection.tail<3>())));
+    row.angularA = toEigen(basis * toBullet(fixedDirection.head<3>()));
+    row.linearA = toEigen(basis * toBullet(fixedDirection.tail<3>()));
     row.linearB = -row.linearA;
     row.angularB = -row.angularA - arm.cross(row.linearA);
     found.joints.push_back(row);
@@ -154,13 +132,11 @@ void MultiBodyLinks::addJoint(btMultiBody& multiBody, int link, TickContacts& fo
   }
 }
 
-void MultiBodyLinks::addJoints(btMultiBody& multiBody, const btCollisionObject& touched,
-                               TickContacts& found) {
-  auto* handle = const_cast<btBroadphaseProxy*>(touched.getBroadphaseHandle());
+void MultiBodyLinks::addJoints(btMultiBody& multiBody, btCollisionObject& touched, TickContacts& found) {
   for (int link = -1; link < multiBody.getNumLinks(); ++link) {
     LinkBody& body = bodyOf(multiBody, link);
     if (body.collider) continue;
-    body.setBroadphaseHandle(handle);
+    body.setBroadphaseHandle(touched.getBroadphaseHandle());
     body.forceActivationState(touched.getActivationState());
   }
   for (int link = 0; link < multiBody.getNumLinks(); ++link) addJoint(multiBody, link, found);
@@ -185,7 +161,7 @@ void MultiBodyLinks::applyImpulses(const TickContacts& found) {
       if (!body) continue;
       const Vector3d impulse = point == &c.a ? c.impulse.sum : Vector3d(-c.impulse.sum);
       body->impulse += toBullet(impulse);
-      body->angularImpulse += toBullet(Vector3d(point->arm.cross(impulse)));
+      body->angularImpulse += toBullet(point->arm.cross(impulse));
     }
   for (btMultiBody* multiBody : touched_) apply(*multiBody);
 }
@@ -196,10 +172,10 @@ void MultiBodyLinks::apply(btMultiBody& multiBody) {
   for (int i = 0; i < size; ++i) force_[i] = 0;
   bool any = false;
   for (const auto& body : bodies_) {
-    if (body->multiBody != &multiBody || !body->present) continue;
+    if (body->multiBody != &multiBody || body->unused > 0) continue;
     if (body->impulse.isZero() && body->angularImpulse.isZero()) continue;
     any = true;
-    multiBody.fillConstraintJacobianMultiDof(body->link, linkOrigin(multiBody, body->link),
+    multiBody.fillConstraintJacobianMultiDof(body->link, poseOf(multiBody, body->link).getOrigin(),
                                              body->angularImpulse, body->impulse, &jacobian_[0], numbers_,
                                              vectors_, matrices_);
     for (int i = 0; i < size; ++i) force_[i] += jacobian_[i];

@@ -70,7 +70,7 @@ void addOnce(std::vector<T>& list, T entry) {
 }
 
 /// Adds the object to the list of its kind. Contacts between point masses of different bodies are in
-/// pair_contacts.cpp.
+/// world_points.cpp.
 void addPartner(SoftBodyData& body, btCollisionObject& object) {
   if (PointMass::from(&object)) return;
   if (SurfaceObject* surface = SurfaceObject::from(&object)) {

@@ -149,11 +149,6 @@ void addStaticRows(SoftBodyData& body, std::uint32_t i, const SearchRegion& sear
 void addRows(SoftBodyData& body, std::uint32_t i, const btCollisionObject& partner, std::uint64_t stamp,
              const Eigen::Vector3d& velocity, double time, btScalar tick);
 
-/// Returns a number that differs between convex partners, and changes with the partner's shape. Objects and
-/// shapes may be changed, or deleted and replaced at the same address, and some broadphases reuse their ids.
-/// 0: not convex.
-std::uint64_t stampOf(const btCollisionObject& partner);
-
 // --- contacts with dynamic objects -------------------------------------------------------------------------
 
 /// Adds to `found` a contact for every surface of a dynamic rigid body that a point of the body may touch in
@@ -163,35 +158,6 @@ void gatherPairs(SoftBodyData& body, btRigidBody& partner, btScalar tick, TickCo
 /// Adds a contact for every two point masses in the world, of different bodies, that may touch in the coming
 /// tick. Call it after all awake groups have been gathered, if there is more than one body.
 void gatherPointPairs(const std::vector<LinkedGroup*>& awake, btScalar tick, TickContacts& found);
-
-// --- boxes -------------------------------------------------------------------------------------------------
-
-/// The point of a box that is nearest to a point (m, in the world), and the unit normal, from the box to the
-/// point, or outward if the point is inside.
-struct NearestOnBox {
-  Eigen::Vector3d surface, normal;
-};
-
-/// Computes it in closed form. Bullet's general narrowphase rounds the box's edges with the shape's margin,
-/// usually 4 cm: a point could be centimetres inside the visible box, which the edges and triangles of a
-/// surface do collide with. In single precision it also sometimes puts a point that rests on a box
-/// centimetres above it.
-inline NearestOnBox nearestOnBox(const btBoxShape& box, const btTransform& pose,
-                                 const Eigen::Vector3d& point) {
-  const Eigen::Vector3d half = toEigen(box.getHalfExtentsWithMargin());
-  const Eigen::Vector3d local = toEigen(pose.invXform(toBullet(point)));
-  Eigen::Vector3d surface = local.cwiseMax(-half).cwiseMin(half);
-  Eigen::Vector3d outward = local - surface;
-  if (outward.isZero(0.0)) {
-    Eigen::Index axis;
-    (half - local.cwiseAbs()).minCoeff(&axis);
-    const double side = local[axis] < 0.0 ? -1.0 : 1.0;
-    outward = side * Eigen::Vector3d::Unit(axis);
-    surface[axis] = side * half[axis];
-  }
-  const btVector3 normal = pose.getBasis() * toBullet(Eigen::Vector3d(outward.normalized()));
-  return {toEigen(pose * toBullet(surface)), toEigen(normal).normalized()};
-}
 
 }  // namespace LIMBER_BULLET_PRECISION
 }  // namespace limber

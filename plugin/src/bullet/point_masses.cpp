@@ -13,40 +13,19 @@
 
 namespace limber {
 inline namespace LIMBER_BULLET_PRECISION {
-namespace {
-
-/// Its address in the extension pointer marks the plugin's bodies. This needs no RTTI, and the user pointer
-/// and index remain available to the user.
-int pointMassMark;
-
-/// Called when the application deletes a point.
-void forgetDeletedPoint(SoftBodyData& body, std::uint32_t index) {
-  const PointMass* point = body.masses.bodies[index];
-  body.masses.bodies[index] = nullptr;
-  body.alive = false;
-  if (body.surface.object) body.surface.object->forceActivationState(DISABLE_SIMULATION);
-  if (body.onPointDeleted) body.onPointDeleted(*point);
-}
-
-}  // namespace
 
 PointMass::PointMass(const btRigidBodyConstructionInfo& info, SoftBodyData* owner, std::uint32_t index)
-    : btRigidBody(info), owner_(owner), index_(index) {
-  internalSetExtensionPointer(&pointMassMark);
+    : OwnBody(info), owner_(owner), index_(index) {
   keepCollisionFilter();
 }
 
+/// The application deletes the point if it still has an owner.
 PointMass::~PointMass() {
-  if (owner_) forgetDeletedPoint(*owner_, index_);
-}
-
-PointMass* PointMass::from(btCollisionObject* object) {
-  const bool ours = object && object->internalGetExtensionPointer() == &pointMassMark;
-  return ours ? static_cast<PointMass*>(object) : nullptr;
-}
-
-const PointMass* PointMass::from(const btCollisionObject* object) {
-  return from(const_cast<btCollisionObject*>(object));
+  if (!owner_) return;
+  owner_->masses.bodies[index_] = nullptr;
+  owner_->alive = false;
+  if (owner_->surface.object) owner_->surface.object->forceActivationState(DISABLE_SIMULATION);
+  if (owner_->onPointDeleted) owner_->onPointDeleted(*this);
 }
 
 bool PointMass::checkCollideWithOverride(const btCollisionObject* other) const {
@@ -79,14 +58,14 @@ PointMass* makeBody(SoftBodyData& body, std::uint32_t i) {
   btRigidBody::btRigidBodyConstructionInfo info(mass, nullptr, body.masses.shape.get(),
                                                 inertiaOf(body, mass));
   info.m_startWorldTransform.setIdentity();
-  info.m_startWorldTransform.setOrigin(toBullet(Eigen::Vector3d(body.state.position.col(i))));
+  info.m_startWorldTransform.setOrigin(toBullet(body.state.position.col(i)));
   info.m_friction = static_cast<btScalar>(body.settings.friction);
   info.m_restitution = static_cast<btScalar>(body.settings.restitution);
   auto* point = new PointMass(info, &body, i);
   point->setAngularFactor(btScalar(0));
   point->setFlags(point->getFlags() & ~BT_ENABLE_GYROSCOPIC_FORCE_IMPLICIT_BODY);
   point->setCollisionFlags(point->getCollisionFlags() | btCollisionObject::CF_DISABLE_VISUALIZE_OBJECT);
-  point->setLinearVelocity(toBullet(Eigen::Vector3d(body.state.velocity.col(i))));
+  point->setLinearVelocity(toBullet(body.state.velocity.col(i)));
   point->setSleepingThresholds(static_cast<btScalar>(body.settings.sleepingSpeed),
                                point->getAngularSleepingThreshold());
   return point;
@@ -155,8 +134,8 @@ bool isHeld(const PointMass& point) {
 
 void writePoint(SoftBodyData& body, std::uint32_t i) {
   PointMass& point = *body.masses.bodies[i];
-  const btVector3 position = toBullet(Eigen::Vector3d(body.state.position.col(i)));
-  const btVector3 velocity = toBullet(Eigen::Vector3d(body.state.velocity.col(i)));
+  const btVector3 position = toBullet(body.state.position.col(i));
+  const btVector3 velocity = toBullet(body.state.velocity.col(i));
   point.getWorldTransform().setOrigin(position);
   point.getInterpolationWorldTransform().setOrigin(position);
   point.setLinearVelocity(velocity);
@@ -189,7 +168,7 @@ void makePointMasses(SoftBodyData& body) {
 PointMass& probeAt(SoftBodyData& body, std::uint32_t i) {
   std::unique_ptr<PointMass>& probe = body.masses.probe;
   if (!probe) probe.reset(makeBody(body, i));
-  probe->getWorldTransform().setOrigin(toBullet(Eigen::Vector3d(body.state.position.col(i))));
+  probe->getWorldTransform().setOrigin(toBullet(body.state.position.col(i)));
   return *probe;
 }
 
@@ -321,7 +300,7 @@ void setPinned(SoftBodyData& body, std::uint32_t i, bool pinned) {
   const int flags = point->getCollisionFlags() & ~(kinematic | btCollisionObject::CF_STATIC_OBJECT);
   point->setCollisionFlags(pinned ? flags | kinematic : flags);
   body.state.velocity.col(i) = pinned ? Eigen::Vector3d::Zero() : Eigen::Vector3d(body.state.velocity.col(i));
-  point->setLinearVelocity(toBullet(Eigen::Vector3d(body.state.velocity.col(i))));
+  point->setLinearVelocity(toBullet(body.state.velocity.col(i)));
   body.masses.held[i] = pinned;
   remember(body.masses, i);
 }

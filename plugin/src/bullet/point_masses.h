@@ -4,6 +4,7 @@
 
 #pragma once
 
+#include "bullet/bullet_objects.h"
 #include "solver/point_state.h"
 
 #include <limber/bullet_precision.h>
@@ -21,16 +22,12 @@ struct SoftBodyData;
 
 /// The Bullet body of one point mass: a small sphere that does not rotate. The application may delete it like
 /// any other body: it has its own operator delete, and its destructor informs its owner.
-class PointMass final : public btRigidBody {
+class PointMass final : public OwnBody<PointMass> {
  public:
   BT_DECLARE_ALIGNED_ALLOCATOR();
 
   PointMass(const btRigidBodyConstructionInfo& info, SoftBodyData* owner, std::uint32_t index);
   ~PointMass() override;
-
-  /// Returns the object as a point mass, or nullptr if it is none.
-  static PointMass* from(btCollisionObject* object);
-  static const PointMass* from(const btCollisionObject* object);
 
   /// Returns false for two points of one body, and for a point and the body to which it is attached. This
   /// filter needs no collision group. Bullet's dispatcher may call it from several threads, so it only reads.
@@ -177,17 +174,13 @@ void finishWorldPoints(SoftBodyData& body, btScalar tick);
 void wakeWorldPoints(SoftBodyData& body, bool insideTick);
 
 /// Sets PointMass::cachedContact from Bullet's manifolds, before a tick. Clears the impulses that
-/// reportContactImpulses() has written to the manifolds: Bullet would use them for its warm start.
+/// reportContacts() has written to the manifolds: Bullet would use them for its warm start.
 void readManifolds(btDispatcher& dispatcher);
 
 /// Excludes the contacts that this plugin solves from Bullet's solver, after gathering, until
-/// reportContactImpulses(). Bullet tests contacts only once per tick, at its start. On rounded shapes and
+/// restoreBreakingThresholds(). Bullet tests contacts only once per tick, at its start. On rounded shapes and
 /// across adjacent edges it would brake sliding points.
 void disableBulletResponse(btDispatcher& dispatcher);
-
-/// Writes the impulses of plane contacts to Bullet's manifolds, after the tick. Users read contact forces
-/// there (btManifoldPoint::m_appliedImpulse).
-void reportContactImpulses(btDispatcher& dispatcher);
 
 }  // namespace LIMBER_BULLET_PRECISION
 }  // namespace limber

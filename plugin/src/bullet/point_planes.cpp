@@ -1,13 +1,15 @@
 // SPDX-License-Identifier: Zlib
 
-// This file makes the contacts of a point with a static or kinematic object. They are planes where the object
-// is flat or moves. Elsewhere they follow its surface within the tick.
+// This file makes the contacts of a point with rigid objects. On static and kinematic objects they are planes
+// where the object is flat or moves; elsewhere they follow its surface within the tick.
 
 #include "bullet/bullet_objects.h"
 #include "bullet/kinematic_motion.h"
 #include "bullet/point_contacts.h"
 #include "bullet/rigid_shapes.h"
 #include "bullet/soft_body_data.h"
+#include "bullet/surface_body.h"
+#include "bullet/tick_contacts.h"
 #include "mesh/closest_points.h"
 #include "solver/point_state.h"
 
@@ -28,37 +30,63 @@ constexpr double kMaxDepth = 0.5;
 /// Fraction of a spring's length. A point that is nearer to a triangle is on it.
 constexpr double kOnTriangleTolerance = 1e-9;
 
-// --- cached contacts ---------------------------------------------------------------------------------------
+using Eigen::Vector3d;
 
-// A point at rest on a flat face does not need Bullet's narrowphase in every tick.
+// --- Bullet's narrowphase ----------------------------------------------------------------------------------
 
-/// Fraction of the radius: the largest displacement of a point relative to the partner for which its contact
-/// stays valid. On a face nothing changes. At an edge or on a ball of 1 m the surface departs from the plane
-/// by (0.1 r)^2 / 2.
-constexpr btScalar kMaxCachedDisplacement = btScalar(0.1);
+/// Calls found(partner's wrapper, gap, normal, position on the partner) for each contact of a point with a
+/// partner. `normal` is from the partner to the point.
+template <class Found>
+struct NarrowphaseResults final : btCollisionWorld::ContactResultCallback {
+  const btCollisionObject* partner;
+  Found found;
 
-/// Stores a contact with a convex partner, and replaces the previous one. In world coordinates; `position` is
-/// the point's centre.
-void storeContact(CachedContact& cached, std::uint64_t stamp, const btCollisionObject& partner,
-                  const btVector3& surface, const btVector3& normal, const btVector3& position) {
-  if (stamp == 0) return;
-  const btTransform& pose = partner.getWorldTransform();
-  cached.partner = stamp;
-  cached.surface = pose.invXform(surface);
-  cached.normal = normal * pose.getBasis();
-  cached.position = pose.invXform(position);
+  NarrowphaseResults(const btCollisionObject& p, btScalar distance, Found f) : partner(&p), found(f) {
+    m_closestDistanceThreshold = distance;
+  }
+  btScalar addSingleResult(btManifoldPoint& contact, const btCollisionObjectWrapper* first, int, int,
+                           const btCollisionObjectWrapper* second, int, int) override {
+    if (first->getCollisionObject() != partner)
+      found(*second, contact.getDistance(), contact.m_normalWorldOnB, contact.m_positionWorldOnB);
+    else
+      found(*first, contact.getDistance(), -contact.m_normalWorldOnB, contact.m_positionWorldOnA);
+    return 0;
+  }
+};
+
+/// Finds the contacts of point i with a partner up to a distance (m).
+template <class Found>
+void findContacts(SoftBodyData& body, std::uint32_t i, const btCollisionObject& partner, btScalar distance,
+                  Found found) {
+  NarrowphaseResults<Found> results(partner, distance, found);
+  body.world->contactPairTest(&probeAt(body, i), const_cast<btCollisionObject*>(&partner), results);
 }
 
-/// Returns whether the stored contact is one with this partner and still valid.
-bool isCacheValid(const CachedContact& cached, std::uint64_t stamp, const btCollisionObject& partner,
-                  const btVector3& position, btScalar radius) {
-  if (stamp == 0 || cached.partner != stamp) return false;
-  const btScalar displacement = kMaxCachedDisplacement * radius;
-  return (partner.getWorldTransform().invXform(position) - cached.position).length2() <=
-         displacement * displacement;
-}
+/// The point of a box that is nearest to a point (m, in the world), and the unit normal, from the box to the
+/// point, or outward if the point is inside.
+struct NearestOnBox {
+  Vector3d surface, normal;
+};
 
-// --- contacts of one pair ----------------------------------------------------------------------------------
+/// Computes it in closed form. Bullet's general narrowphase rounds the box's edges with the shape's margin,
+/// usually 4 cm: a point could be centimetres inside the visible box, which the edges and triangles of a
+/// surface do collide with. In single precision it also sometimes puts a point that rests on a box
+/// centimetres above it.
+NearestOnBox nearestOnBox(const btBoxShape& box, const btTransform& pose, const Vector3d& point) {
+  const Vector3d half = toEigen(box.getHalfExtentsWithMargin());
+  const Vector3d local = toEigen(pose.invXform(toBullet(point)));
+  Vector3d surface = local.cwiseMax(-half).cwiseMin(half);
+  Vector3d outward = local - surface;
+  if (outward.isZero(0.0)) {
+    Eigen::Index axis;
+    (half - local.cwiseAbs()).minCoeff(&axis);
+    const double side = local[axis] < 0.0 ? -1.0 : 1.0;
+    outward = side * Vector3d::Unit(axis);
+    surface[axis] = side * half[axis];
+  }
+  const btVector3 normal = pose.getBasis() * toBullet(outward.normalized());
+  return {toEigen(pose * toBullet(surface)), toEigen(normal).normalized()};
+}
 
 /// Returns the largest distance (m) by which a box in the shape appears too far away to Bullet's narrowphase.
 /// It sweeps a ball with the radius of the margin m around a smaller box, whose corners are sqrt(3) m inside
@@ -74,51 +102,49 @@ btScalar roundingOf(const btCollisionShape& shape) {
   return rounding;
 }
 
-/// Makes the contacts of one point with one partner. Points of surfaces collide with the exact box
-/// (nearestOnBox()), point masses in the world with Bullet's rounded one.
-class PlaneContactCollector final : public btCollisionWorld::ContactResultCallback {
- public:
-  PlaneContactCollector(SoftBodyData& body, std::uint32_t point, const btCollisionObject& partner,
-                        double searchRegion, btScalar tick)
-      : body_(&body),
-        point_(point),
-        partner_(&partner),
-        searchDistance_(searchRegion),
-        tick_(tick),
-        first_(body.contacts.size()) {
-    const btScalar rounding = isSurfaceBody(body) ? roundingOf(*partner.getCollisionShape()) : 0;
-    m_closestDistanceThreshold = static_cast<btScalar>(searchRegion) + rounding;
+// --- rows of one pair --------------------------------------------------------------------------------------
+
+/// Adds the contacts of one point with one partner. Points of surfaces collide with the exact box, point
+/// masses in the world with Bullet's rounded one.
+struct PlaneRows {
+  SoftBodyData& body;
+  std::uint32_t point;
+  const btCollisionObject& partner;
+  double searchDistance;  ///< m, beyond the radius
+  btScalar tick;
+  std::size_t first = body.contacts.size();
+
+  double radius() const { return radiusOf(body); }
+  Vector3d position() const { return body.state.position.col(point); }
+
+  void add(const Vector3d& normal, const btVector3& surface) {
+    PlaneContact row = makeRow();
+    row.normal = normal.normalized();
+    row.surfaceVelocity = kinematicDisplacement(partner, toEigen(surface)) / double(tick);
+    row.touch = toEigen(surface) + radius() * row.normal;
+    for (std::size_t i = first; i < body.contacts.size(); ++i)
+      if (body.contacts[i].normal.dot(row.normal) > kSameSurface) {
+        if (gap(row) < gap(body.contacts[i])) body.contacts[i] = row;
+        return;
+      }
+    push(row);
   }
 
-  btScalar addSingleResult(btManifoldPoint& contact, const btCollisionObjectWrapper* first, int, int,
-                           const btCollisionObjectWrapper* second, int, int) override {
-    const bool pointIsFirst = first->getCollisionObject() != partner_;
-    const btCollisionObjectWrapper& theirs = pointIsFirst ? *second : *first;
-    if (isSurfaceBody(*body_) && theirs.getCollisionShape()->getShapeType() == BOX_SHAPE_PROXYTYPE) {
-      addOnBox(*static_cast<const btBoxShape*>(theirs.getCollisionShape()), theirs.getWorldTransform());
-      return 0;
-    }
-    if (contact.getDistance() > static_cast<btScalar>(searchDistance_)) return 0;
-    const btVector3 normal = pointIsFirst ? contact.m_normalWorldOnB : -contact.m_normalWorldOnB;
-    surface_ = pointIsFirst ? contact.m_positionWorldOnB : contact.m_positionWorldOnA;
-    normal_ = normal;
-    ++found_;
-    add(toEigen(normal), surface_);
-    return 0;
+  /// Adds the surface below the point if it is near. `height` (m): that of the point's centre.
+  void addBelow(const Vector3d& normal, double height) {
+    if (height - radius() <= searchDistance) add(normal, toBullet(position() - height * normal));
   }
 
   void addOnBox(const btBoxShape& box, const btTransform& pose) {
-    const Eigen::Vector3d x = body_->state.position.col(point_);
-    const NearestOnBox nearest = nearestOnBox(box, pose, x);
-    const double height = nearest.normal.dot(x - nearest.surface);
-    if (height - double(body_->masses.shape->getRadius()) <= searchDistance_)
+    const NearestOnBox nearest = nearestOnBox(box, pose, position());
+    if (nearest.normal.dot(position() - nearest.surface) - radius() <= searchDistance)
       add(nearest.normal, toBullet(nearest.surface));
   }
 
-  /// Stores the contact for later ticks if it is the only one.
-  void storeContact(CachedContact& cached, std::uint64_t stamp) const {
-    const btVector3 position = toBullet(Eigen::Vector3d(body_->state.position.col(point_)));
-    if (found_ == 1) limber::storeContact(cached, stamp, *partner_, surface_, normal_, position);
+  void addOnPlane(const btStaticPlaneShape& plane, const btTransform& pose) {
+    const Vector3d normal = toEigen(pose.getBasis() * plane.getPlaneNormal());
+    const btVector3 onPlane = pose * (plane.getPlaneNormal() * plane.getPlaneConstant());
+    addBelow(normal, normal.dot(position() - toEigen(onPlane)));
   }
 
   /// Adds a contact whose plane follows the pieces of `owner` in `around` within the step. `contact` is its
@@ -132,69 +158,34 @@ class PlaneContactCollector final : public btCollisionWorld::ContactResultCallba
     push(row);
   }
 
-  void add(const Eigen::Vector3d& normal, const btVector3& surface) {
-    PlaneContact row = makeRow();
-    row.normal = normal.normalized();
-    row.surfaceVelocity = kinematicDisplacement(*partner_, toEigen(surface)) / double(tick_);
-    row.touch = toEigen(surface) + double(body_->masses.shape->getRadius()) * row.normal;
-    for (std::size_t i = first_; i < body_->contacts.size(); ++i)
-      if (body_->contacts[i].normal.dot(row.normal) > kSameSurface) {
-        if (gap(row) < gap(body_->contacts[i])) body_->contacts[i] = row;
-        return;
-      }
-    push(row);
-  }
-
- private:
   PlaneContact makeRow() const {
+    const btRigidBody& own = materialOf(body, point);
     PlaneContact row;
-    row.point = point_;
-    row.friction = double(gCalculateCombinedFrictionCallback(&materialOf(*body_, point_), partner_));
-    row.restitution = double(gCalculateCombinedRestitutionCallback(&materialOf(*body_, point_), partner_));
-    row.bounceThreshold = body_->speeds.bounce;
-    row.recoverySpeed = body_->speeds.recovery;
+    row.point = point;
+    row.friction = double(gCalculateCombinedFrictionCallback(&own, &partner));
+    row.restitution = double(gCalculateCombinedRestitutionCallback(&own, &partner));
+    row.bounceThreshold = body.speeds.bounce;
+    row.recoverySpeed = body.speeds.recovery;
     return row;
   }
 
   void push(const PlaneContact& row) {
-    body_->contacts.push_back(row);
-    body_->contactPartners.push_back(partner_);
+    body.contacts.push_back(row);
+    body.contactPartners.push_back(&partner);
   }
 
-  double gap(const PlaneContact& row) const {
-    return row.normal.dot(body_->state.position.col(point_) - row.touch);
-  }
-
-  SoftBodyData* body_;
-  std::uint32_t point_;
-  const btCollisionObject* partner_;
-  double searchDistance_;  ///< m, beyond the radius
-  btScalar tick_;
-  std::size_t first_;
-  int found_ = 0;
-  btVector3 surface_, normal_;  // of the last contact found
+  double gap(const PlaneContact& row) const { return row.normal.dot(position() - row.touch); }
 };
 
-void addPlaneRow(PlaneContactCollector& rows, const SoftBodyData& body, std::uint32_t i,
-                 const btCollisionObject& partner, double searchRegion) {
-  const auto& plane = *static_cast<const btStaticPlaneShape*>(partner.getCollisionShape());
-  const btTransform& pose = partner.getWorldTransform();
-  const Eigen::Vector3d normal = toEigen(pose.getBasis() * plane.getPlaneNormal());
-  const btVector3 onPlane = pose * (plane.getPlaneNormal() * plane.getPlaneConstant());
-  const Eigen::Vector3d x = body.state.position.col(i);
-  const double height = normal.dot(x - toEigen(onPlane));
-  if (height - double(body.masses.shape->getRadius()) > searchRegion) return;
-  rows.add(normal, toBullet(Eigen::Vector3d(x - height * normal)));
-}
+// --- kinematic objects that move ---------------------------------------------------------------------------
+
+// A slow point on a flat face does not need Bullet's narrowphase in every tick.
 
 /// Adds the contact that Bullet found in the last tick. On a flat face it is still valid, because a slow
-/// point has not left the face. Returns false if there is none or the point is too fast.
-bool addCachedRow(PlaneContactCollector& rows, const SoftBodyData& body, std::uint32_t i,
-                  const btCollisionObject& partner, double searchRegion) {
-  const PointMass& point = *body.masses.bodies[i];
+/// point has not left the face. Returns false if there is none.
+bool addCachedRow(PlaneRows& rows, const PointMass& point, const btCollisionObject& partner) {
   const btPersistentManifold* manifold = point.cachedContact;
-  const double radius = double(body.masses.shape->getRadius());
-  if (!manifold || searchRegion > kSlowSearchDistance * radius) return false;
+  if (!manifold) return false;
   const bool pointIsFirst = manifold->getBody0() == &point;
   if ((pointIsFirst ? manifold->getBody1() : manifold->getBody0()) != &partner) return false;
   const btManifoldPoint& contact = manifold->getContactPoint(0);
@@ -204,43 +195,64 @@ bool addCachedRow(PlaneContactCollector& rows, const SoftBodyData& body, std::ui
   return true;
 }
 
+/// Fraction of the radius: the largest displacement of a point relative to the partner for which its contact
+/// stays valid. On a face nothing changes. At an edge or on a ball of 1 m the surface departs from the plane
+/// by (0.1 r)^2 / 2.
+constexpr btScalar kMaxCachedDisplacement = btScalar(0.1);
+
 /// Does the same for a point outside the world, for which Bullet has no manifold.
-bool addStoredRow(PlaneContactCollector& rows, const SoftBodyData& body, std::uint32_t i,
-                  const btCollisionObject& partner, std::uint64_t stamp, double searchRegion) {
-  const CachedContact& cached = body.surface.contacts[i];
-  const double radius = double(body.masses.shape->getRadius());
-  const btVector3 position = toBullet(Eigen::Vector3d(body.state.position.col(i)));
-  if (searchRegion > kSlowSearchDistance * radius ||
-      !isCacheValid(cached, stamp, partner, position, body.masses.shape->getRadius()))
-    return false;
+bool addStoredRow(PlaneRows& rows, const CachedContact& cached, const btCollisionObject& partner,
+                  std::uint64_t stamp) {
+  if (stamp == 0 || cached.partner != stamp) return false;
   const btTransform& pose = partner.getWorldTransform();
+  const btScalar largest = kMaxCachedDisplacement * static_cast<btScalar>(rows.radius());
+  if ((pose.invXform(toBullet(rows.position())) - cached.position).length2() > largest * largest)
+    return false;
   rows.add(toEigen(pose.getBasis() * cached.normal), pose * cached.surface);
   return true;
 }
 
-/// Adds the contacts that Bullet's narrowphase finds.
-void addFoundRows(PlaneContactCollector& rows, SoftBodyData& body, std::uint32_t i,
-                  const btCollisionObject& partner, std::uint64_t stamp) {
-  body.world->contactPairTest(&probeAt(body, i), const_cast<btCollisionObject*>(&partner), rows);
-  if (isSurfaceBody(body)) rows.storeContact(body.surface.contacts[i], stamp);
+/// Adds the contacts that Bullet's narrowphase finds. Stores that of a surface's point with a convex partner
+/// for later ticks if it is the only one.
+void addFoundRows(PlaneRows& rows, SoftBodyData& body, std::uint32_t i, const btCollisionObject& partner,
+                  std::uint64_t stamp, btScalar distance) {
+  const bool surfaceBody = isSurfaceBody(body);
+  const btTransform& pose = partner.getWorldTransform();
+  int count = 0;
+  CachedContact only;
+  const auto found = [&](const btCollisionObjectWrapper& theirs, btScalar gap, const btVector3& normal,
+                         const btVector3& surface) {
+    const btCollisionShape& shape = *theirs.getCollisionShape();
+    if (surfaceBody && shape.getShapeType() == BOX_SHAPE_PROXYTYPE)
+      return rows.addOnBox(static_cast<const btBoxShape&>(shape), theirs.getWorldTransform());
+    if (gap > distance) return;
+    only = {stamp, pose.invXform(surface), normal * pose.getBasis(),
+            pose.invXform(toBullet(rows.position()))};
+    ++count;
+    rows.add(toEigen(normal), surface);
+  };
+  const btScalar rounding = surfaceBody ? roundingOf(*partner.getCollisionShape()) : btScalar(0);
+  findContacts(body, i, partner, distance + rounding, found);
+  if (surfaceBody && stamp != 0 && count == 1) body.surface.contacts[i] = only;
 }
+
+// --- static objects ----------------------------------------------------------------------------------------
 
 /// Returns whether the user may have excluded pairs with points of the body: not if the points are hidden.
 bool mayBeExcluded(const SoftBodyData& body) { return body.masses.exposed || !body.anchors.empty(); }
 
-double heightAbove(const HeldPiece& sheet, const Eigen::Vector3d& x) {
+double heightAbove(const HeldPiece& sheet, const Vector3d& x) {
   return sheet.center.dot(x - sheet.axes.col(0));
 }
 
 /// Returns the distance (m) of x from the triangle.
-double distanceTo(const HeldPiece& sheet, const Eigen::Vector3d& x) {
-  const Eigen::Vector3d weights =
-      nearestBarycentric({sheet.axes.col(0), sheet.axes.col(1), sheet.axes.col(2)}, x);
+double distanceTo(const HeldPiece& sheet, const Vector3d& x) {
+  const Vector3d weights = nearestBarycentric({sheet.axes.col(0), sheet.axes.col(1), sheet.axes.col(2)}, x);
   return (sheet.axes * weights - x).norm();
 }
 
 /// Returns whether the segment from x to y crosses the triangle.
-bool crosses(const HeldPiece& sheet, const Eigen::Vector3d& x, const Eigen::Vector3d& y) {
+bool crosses(const HeldPiece& sheet, const Vector3d& x, const Vector3d& y) {
   const double from = heightAbove(sheet, x), to = heightAbove(sheet, y);
   if (from == to || (from > 0.0) == (to > 0.0)) return false;
   return distanceTo(sheet, x + from / (from - to) * (y - x)) <= kOnTriangleTolerance * (y - x).norm();
@@ -260,8 +272,8 @@ bool hasSpringThrough(const SoftBodyData& body, std::uint32_t i, const HeldPiece
 /// exactly, or a little too deep: the centre of a touching point is a radius away. If a spring of the point
 /// crosses the triangle, the point belongs on the side of the body's centre of mass.
 void chooseSides(const SoftBodyData& body, std::uint32_t i, HeldPiece* begin, HeldPiece* end) {
-  const double radius = double(body.masses.shape->getRadius());
-  const Eigen::Vector3d x = body.state.position.col(i);
+  const double radius = radiusOf(body);
+  const Vector3d x = body.state.position.col(i);
   for (HeldPiece* piece = begin; piece != end; ++piece) {
     if (piece->kind != HeldPiece::Kind::Sheet) continue;
     if (!(std::abs(heightAbove(*piece, x)) < piece->margin + kMaxDepth * radius)) continue;
@@ -275,7 +287,7 @@ void chooseSides(const SoftBodyData& body, std::uint32_t i, HeldPiece* begin, He
 
 /// Returns the nearest point on flat pieces. A sheet counts as one infinite plane. Sets `next` to the piece
 /// after them.
-HeldPoint nearestOnFlat(const HeldPiece* first, const HeldPiece* end, const Eigen::Vector3d& x,
+HeldPoint nearestOnFlat(const HeldPiece* first, const HeldPiece* end, const Vector3d& x,
                         const HeldPiece*& next) {
   next = endOfSolid(first, end);
   if (first->kind != HeldPiece::Kind::Sheet) return nearestOn(first, next, x);
@@ -291,15 +303,14 @@ HeldPoint nearestOnFlat(const HeldPiece* first, const HeldPiece* end, const Eige
 /// Adds plane contacts: all surfaces nearby are flat.
 void addFlatRows(SoftBodyData& body, std::uint32_t i, const SearchRegion& searchRegion, btScalar tick) {
   const HeldSurroundings& all = body.held;
-  const Eigen::Vector3d x = body.state.position.col(i);
+  const Vector3d x = body.state.position.col(i);
   const HeldPiece* end = all.pieces.data() + all.pieces.size();
   const HeldPiece* first = all.pieces.data() + body.staticPieces;
   for (const auto& [partner, endOfOwners] : body.staticPartners) {
-    PlaneContactCollector rows(body, i, *partner, searchRegion.distance, tick);
+    PlaneRows rows{body, i, *partner, searchRegion.distance, tick};
     for (const HeldPiece* next = first; first != end && first->owner < endOfOwners; first = next) {
       const HeldPoint nearest = nearestOnFlat(first, end, x, next);
-      if (nearest.height - double(body.masses.shape->getRadius()) <= searchRegion.distance)
-        rows.add(nearest.normal, toBullet(Eigen::Vector3d(x - nearest.height * nearest.normal)));
+      rows.addBelow(nearest.normal, nearest.height);
     }
   }
 }
@@ -309,11 +320,11 @@ void addFollowingRows(SoftBodyData& body, std::uint32_t i, const SearchRegion& s
   if (body.neighbourhoodCount == body.neighbourhoods.size())
     body.neighbourhoods.push_back(std::make_unique<HeldNeighbourhood>());
   HeldNeighbourhood& around = *body.neighbourhoods[body.neighbourhoodCount++];
-  around = {&body.held, body.staticPieces, body.held.pieces.size(), double(body.masses.shape->getRadius())};
-  findContacts(around, body.state.position.col(i), Eigen::Vector3d::Zero(), searchRegion.distance);
+  around = {&body.held, body.staticPieces, body.held.pieces.size(), radiusOf(body)};
+  findContacts(around, body.state.position.col(i), Vector3d::Zero(), searchRegion.distance);
   std::uint32_t owner = 0;
   for (const auto& [partner, endOfOwners] : body.staticPartners) {
-    PlaneContactCollector rows(body, i, *partner, searchRegion.distance, tick);
+    PlaneRows rows{body, i, *partner, searchRegion.distance, tick};
     for (; owner < endOfOwners; ++owner) {
       bool any = false;
       for (const HeldContact& c : body.held.contacts) {
@@ -328,17 +339,6 @@ void addFollowingRows(SoftBodyData& body, std::uint32_t i, const SearchRegion& s
 
 }  // namespace
 
-std::uint64_t stampOf(const btCollisionObject& partner) {
-  const btCollisionShape& shape = *partner.getCollisionShape();
-  if (!shape.isConvex()) return 0;
-  std::uint64_t hash = hashOfShape(shape);
-  for (const std::uint64_t part : {std::uint64_t{reinterpret_cast<std::uintptr_t>(&partner)},
-                                   std::uint64_t{reinterpret_cast<std::uintptr_t>(&shape)},
-                                   static_cast<std::uint64_t>(partner.getBroadphaseHandle()->m_uniqueId)})
-    addToHash(hash, part);
-  return hash | 1;
-}
-
 void addStaticRows(SoftBodyData& body, std::uint32_t i, const SearchRegion& searchRegion, btScalar tick) {
   body.staticPartners.clear();
   body.staticPieces = body.held.pieces.size();
@@ -351,20 +351,18 @@ void addStaticRows(SoftBodyData& body, std::uint32_t i, const SearchRegion& sear
     owners = addPieces(*partner, box, *body.shapes, owners, body.held.pieces);
     body.staticPartners.emplace_back(partner, owners);
   }
-  const HeldPiece *begin = body.held.pieces.data() + body.staticPieces,
-                  *end = body.held.pieces.data() + body.held.pieces.size();
+  HeldPiece *begin = body.held.pieces.data() + body.staticPieces,
+            *end = body.held.pieces.data() + body.held.pieces.size();
   if (begin == end) return;
-  chooseSides(body, i, body.held.pieces.data() + body.staticPieces,
-              body.held.pieces.data() + body.held.pieces.size());
-  if (!areFlatAround(begin, end, body.state.position.col(i), double(body.masses.shape->getRadius()),
-                     searchRegion.distance))
+  chooseSides(body, i, begin, end);
+  if (!areFlatAround(begin, end, body.state.position.col(i), radiusOf(body), searchRegion.distance))
     return addFollowingRows(body, i, searchRegion, tick);
   addFlatRows(body, i, searchRegion, tick);
   body.held.pieces.resize(body.staticPieces);
 }
 
 void addRows(SoftBodyData& body, std::uint32_t i, const btCollisionObject& partner, std::uint64_t stamp,
-             const Eigen::Vector3d& velocity, double time, btScalar tick) {
+             const Vector3d& velocity, double time, btScalar tick) {
   if (!isMoved(partner)) return;
   const double travel = kinematicDisplacement(partner, body.state.position.col(i)).norm();
   const SearchRegion searchRegion = searchRegionFrom(body, i, velocity, time, kSearchPerMotion * travel);
@@ -373,15 +371,90 @@ void addRows(SoftBodyData& body, std::uint32_t i, const btCollisionObject& partn
   const double distance = searchRegion.distance;
   // the object may carry the point along, without a new search
   body.searchDistance[i] = std::max(body.searchDistance[i], distance);
-  PlaneContactCollector rows(body, i, partner, distance, tick);
-  const int shape = partner.getCollisionShape()->getShapeType();
-  if (shape == STATIC_PLANE_PROXYTYPE)
-    addPlaneRow(rows, body, i, partner, distance);
-  else if (shape == BOX_SHAPE_PROXYTYPE && isSurfaceBody(body))
-    rows.addOnBox(*static_cast<const btBoxShape*>(partner.getCollisionShape()), partner.getWorldTransform());
-  else if (!(isSurfaceBody(body) ? addStoredRow(rows, body, i, partner, stamp, distance)
-                                 : addCachedRow(rows, body, i, partner, distance)))
-    addFoundRows(rows, body, i, partner, stamp);
+  PlaneRows rows{body, i, partner, distance, tick};
+  const btCollisionShape& shape = *partner.getCollisionShape();
+  const btTransform& pose = partner.getWorldTransform();
+  const bool surfaceBody = isSurfaceBody(body);
+  if (shape.getShapeType() == STATIC_PLANE_PROXYTYPE)
+    return rows.addOnPlane(static_cast<const btStaticPlaneShape&>(shape), pose);
+  if (shape.getShapeType() == BOX_SHAPE_PROXYTYPE && surfaceBody)
+    return rows.addOnBox(static_cast<const btBoxShape&>(shape), pose);
+  const bool isSlow = distance <= kSlowSearchDistance * rows.radius();
+  if (!isSlow || !(surfaceBody ? addStoredRow(rows, body.surface.contacts[i], partner, stamp)
+                               : addCachedRow(rows, *body.masses.bodies[i], partner)))
+    addFoundRows(rows, body, i, partner, stamp, static_cast<btScalar>(distance));
+}
+
+// --- dynamic rigid bodies ----------------------------------------------------------------------------------
+
+namespace {
+
+/// Returns a bound (m) on the motion of the partner's surface in the tick.
+double displacementInTick(const btRigidBody& partner, double tick) {
+  const double speed = double(partner.getLinearVelocity().length()) + double(rotationSpeed(partner));
+  return tick * (speed + tick * double(partner.getTotalForce().length() * partner.getInvMass()));
+}
+
+/// Adds a contact of point i. Of contacts in the same direction, from `first` on, only the nearest counts.
+void addPair(SoftBodyData& body, std::uint32_t i, const btRigidBody& partner, const Vector3d& normal,
+             const Vector3d& surface, std::size_t first, TickContacts& found) {
+  const btRigidBody& own = materialOf(body, i);
+  Contact c;
+  c.a.kind = ContactPoint::Kind::Soft;
+  c.a.body = body.index;
+  c.a.point[0] = i;
+  c.b = rigidContactPoint(found, partner, toBullet(surface));
+  c.normal = normal;
+  c.gap = normal.dot(body.state.position.col(i) - surface) - radiusOf(body);
+  c.friction = double(gCalculateCombinedFrictionCallback(&own, &partner));
+  c.restitution = double(gCalculateCombinedRestitutionCallback(&own, &partner));
+  c.bounceThreshold = body.speeds.bounce;
+  c.recoverySpeed = body.speeds.recovery;
+  for (std::size_t k = first; k < found.contacts.size(); ++k)
+    if (found.contacts[k].normal.dot(normal) > kSameSurface) {
+      if (c.gap < found.contacts[k].gap) found.contacts[k] = c;
+      return;
+    }
+  found.add(c, {nullptr, &body, nullptr, handleOf(objectInWorld(partner)), i});
+}
+
+void addPairs(SoftBodyData& body, std::uint32_t i, const btRigidBody& partner, double tick,
+              TickContacts& found) {
+  const double motion = kSearchPerMotion * displacementInTick(partner, tick);
+  const SearchRegion searchRegion = searchRegionOf(body, i, tick, motion);
+  if (!overlaps(searchRegion, partner) || !canHit(body, i, partner)) return;
+  const std::size_t first = found.contacts.size();
+  const btCollisionShape& shape = *partner.getCollisionShape();
+  if (shape.getShapeType() == BOX_SHAPE_PROXYTYPE) {
+    const Vector3d x = body.state.position.col(i);
+    const NearestOnBox nearest =
+        nearestOnBox(static_cast<const btBoxShape&>(shape), partner.getWorldTransform(), x);
+    const double gap = nearest.normal.dot(x - nearest.surface) - radiusOf(body);
+    if (gap <= searchRegion.distance)
+      addPair(body, i, partner, nearest.normal, nearest.surface, first, found);
+    return;
+  }
+  const auto distance = static_cast<btScalar>(searchRegion.distance);
+  findContacts(
+      body, i, partner, distance,
+      [&](const btCollisionObjectWrapper&, btScalar gap, const btVector3& normal, const btVector3& surface) {
+        if (gap <= distance)
+          addPair(body, i, partner, toEigen(normal).normalized(), toEigen(surface), first, found);
+      });
+}
+
+void wake(btRigidBody& partner) {
+  if (partner.isActive() || partner.getActivationState() == DISABLE_SIMULATION) return;
+  partner.activate(true);
+  // the world has already applied gravity to the bodies that were awake at the start of the step
+  partner.applyGravity();
+}
+
+}  // namespace
+
+void gatherPairs(SoftBodyData& body, btRigidBody& partner, btScalar tick, TickContacts& found) {
+  wake(partner);
+  for (std::uint32_t i = 0; i < pointCount(body); ++i) addPairs(body, i, partner, double(tick), found);
 }
 
 }  // namespace LIMBER_BULLET_PRECISION

@@ -11,6 +11,7 @@
 
 #include <limber/bullet_precision.h>
 
+#include <BulletCollision/BroadphaseCollision/btDbvt.h>
 #include <btBulletDynamicsCommon.h>
 
 #include <Eigen/Geometry>
@@ -36,25 +37,37 @@ struct ShapeSurface {
   std::vector<std::uint32_t> sharpEdges;  ///< those that are not flat
 };
 
-/// Returns the triangles of a concave shape that overlap a box in the shape's coordinates. They are
-/// two-sided; corners at the same position are one vertex.
-ShapeSurface makePatchSurface(const btConcaveShape& shape, const btVector3& low, const btVector3& high);
-
-/// A box in a shape's coordinates.
+/// A box in a shape's coordinates. Empty at first.
 struct LocalBox {
-  btVector3 low, high;
+  btVector3 low = btVector3(1, 1, 1), high = btVector3(0, 0, 0);
 };
 
 /// Returns the smallest such box around a box in the world with the corners `low` and `high` (m).
 LocalBox localBoxOf(const btTransform& pose, const Eigen::Vector3d& low, const Eigen::Vector3d& high);
 
-inline void addToHash(std::uint64_t& hash, std::uint64_t value) {
-  hash = (hash ^ value) * 0x9e3779b97f4a7c15u;
-  hash ^= hash >> 29;
+template <class Visit>
+void forEachLeafIn(const btDbvtVolume& box, const btDbvtNode* node, Visit visit) {
+  if (!node || !Intersect(node->volume, box)) return;
+  if (node->isleaf()) return visit(node->dataAsInt);
+  for (const int i : {1, 0}) forEachLeafIn(box, node->childs[i], visit);
 }
 
-/// Returns a hash of all that defines a convex shape: type, margin and corners, with scaling.
-std::uint64_t hashOfShape(const btCollisionShape& shape);
+/// Calls visit(index) for the children of a compound whose boxes overlap `box`.
+template <class Visit>
+void forEachChildIn(const LocalBox& box, const btCompoundShape& compound, Visit visit) {
+  const btDbvtVolume volume = btDbvtVolume::FromMM(box.low, box.high);
+  if (const btDbvt* tree = compound.getDynamicAabbTree()) return forEachLeafIn(volume, tree->m_root, visit);
+  for (int i = 0; i < compound.getNumChildShapes(); ++i) {
+    btVector3 low, high;
+    compound.getChildShape(i)->getAabb(compound.getChildTransform(i), low, high);
+    if (Intersect(volume, btDbvtVolume::FromMM(low, high))) visit(i);
+  }
+}
+
+/// Returns a number that differs between convex objects, and changes with the object's shape. Objects and
+/// shapes may be changed, or deleted and replaced at the same address, and some broadphases reuse their ids.
+/// 0: not convex.
+std::uint64_t stampOf(const btCollisionObject& object);
 
 /// Caches the surfaces of convex shapes near soft bodies until they have not been used for a long time. A
 /// hash detects a shape that was changed, or deleted and replaced at the same address.
@@ -126,8 +139,6 @@ class RigidSurfaces {
                std::uint64_t number, const SweptBox& box, double tick);
   void addPart(const btCollisionObject& object, const btCollisionShape& shape, const btTransform& pose,
                std::uint64_t number, double tick);
-  RigidPart& makePart(const btCollisionObject& object, const ShapeSurface& surface, const btTransform& pose,
-                      double tick);
 
   ShapeCache* shapes_;
   std::deque<RigidPart> parts_;  // of any tick: their memory is reused
@@ -136,25 +147,23 @@ class RigidSurfaces {
   std::vector<std::size_t> usedIndices_;                  // of partsOfObject_
   std::vector<RigidPart*> near_;
   std::vector<int> children_;  // scratch of partsNear
-  btAlignedObjectArray<const btDbvtNode*> stack_;
 };
 
 // --- concave objects ---------------------------------------------------------------------------------------
 
-/// The part of a concave static object around a body. It is kept while the body stays in it.
+/// The triangles of a concave static object around a body. They are kept while the body stays in the box.
 struct ConcavePatch {
-  int partner = 0;      ///< unique id in the broadphase; 0: none
-  bool used = false;    ///< in the present tick
-  btTransform pose;     ///< of the partner when it was made
-  btVector3 low, high;  ///< m, in the partner's coordinates: the patch has all triangles in this box
+  LocalBox box;      ///< m, in the object's coordinates: the patch has all triangles that overlap it
+  btTransform pose;  ///< of the object when it was made
   ShapeSurface surface;
-  std::unique_ptr<RigidPart> part;  ///< a view of `surface`
+  RigidPart part;  ///< a view of `surface`
 };
 
-// --- static and kinematic objects --------------------------------------------------------------------------
+/// Returns the triangles of a static or kinematic object around the box (m) in this tick, or nullptr if there
+/// are none. Makes them again when the box or the object has moved away.
+RigidPart* trianglesIn(const SweptBox& box, const btCollisionObject& object, ConcavePatch& patch);
 
-/// Returns whether a static or kinematic object moves in this tick. Call it while kinematic ones are Rewound.
-bool isMoved(const btCollisionObject& object);
+// --- static and kinematic objects --------------------------------------------------------------------------
 
 /// Adds the pieces of an object's shape in a box (m, in the world): convex solids whole, hulls of many faces
 /// and sheets as triangles. Each solid and each sheet is one owner, numbered from `owner` on. Returns the

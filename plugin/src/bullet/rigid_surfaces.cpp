@@ -4,10 +4,10 @@
 // bodies to their positions in a tick.
 
 #include "bullet/bullet_objects.h"
+#include "bullet/kinematic_motion.h"
 #include "bullet/rigid_shapes.h"
 #include "bullet/tick_contacts.h"
 
-#include <BulletCollision/BroadphaseCollision/btDbvt.h>
 #include <LinearMath/btConvexHullComputer.h>
 
 #include <algorithm>
@@ -33,12 +33,6 @@ constexpr int kCornersAround = 64;
 /// Cosine of an angle. Edges between triangles with a smaller angle between their normals are flat.
 constexpr double kFlatTolerance = 0.9999;
 
-Points pointsOf(const Corners& corners) {
-  Points points(3, static_cast<Eigen::Index>(corners.size()));
-  for (std::size_t i = 0; i < corners.size(); ++i) points.col(static_cast<Eigen::Index>(i)) = corners[i];
-  return points;
-}
-
 Vector3d normalOf(const SurfaceTopology& topology, std::uint32_t triangle) {
   const Triangle& t = topology.triangles[triangle];
   const Points& x = topology.rest;
@@ -52,21 +46,18 @@ bool isFlat(const SurfaceTopology& topology, std::uint32_t edge) {
 }
 
 /// Returns an empty surface if the shape is degenerate.
-ShapeSurface surfaceOf(const Corners& corners, const SurfaceFeatures& features, double radius) {
+ShapeSurface surfaceOf(const Corners& corners, SurfaceFeatures features, double radius) {
   ShapeSurface surface;
-  Result<SurfaceTopology> topology = makeSurfaceTopology(pointsOf(corners), features);
+  if (corners.empty()) return surface;
+  features.rigid = true;
+  const Eigen::Map<const Points> points(corners[0].data(), 3, static_cast<Eigen::Index>(corners.size()));
+  Result<SurfaceTopology> topology = makeSurfaceTopology(points, features);
   if (!topology) return surface;
   surface.topology = std::move(*topology);
   surface.radius = radius;
   for (std::uint32_t e = 0; e < surface.topology.edges.size(); ++e)
     if (!isFlat(surface.topology, e)) surface.sharpEdges.push_back(e);
   return surface;
-}
-
-SurfaceFeatures rigidFeatures() {
-  SurfaceFeatures features;
-  features.rigid = true;
-  return features;
 }
 
 /// Adds a face of a hull as a fan of triangles.
@@ -81,13 +72,14 @@ void addFace(const btConvexHullComputer& hull, int face, SurfaceFeatures& featur
 }
 
 ShapeSurface hullOf(const std::vector<btVector3>& points, double radius) {
+  if (points.empty()) return {};
   btConvexHullComputer hull;
   hull.compute(&points[0].x(), static_cast<int>(sizeof(btVector3)), static_cast<int>(points.size()), 0, 0);
   Corners corners;
   Vector3d center = Vector3d::Zero();
   for (int i = 0; i < hull.vertices.size(); ++i) corners.push_back(toEigen(hull.vertices[i]));
   for (const Vector3d& corner : corners) center += corner / static_cast<double>(corners.size());
-  SurfaceFeatures features = rigidFeatures();
+  SurfaceFeatures features;
   for (int i = 0; i < hull.faces.size(); ++i) addFace(hull, hull.faces[i], features);
   for (Triangle& t : features.triangles) {
     const Vector3d normal = (corners[t[1]] - corners[t[0]]).cross(corners[t[2]] - corners[t[0]]);
@@ -97,13 +89,13 @@ ShapeSurface hullOf(const std::vector<btVector3>& points, double radius) {
 }
 
 ShapeSurface sphereSurface(const btSphereShape& sphere) {
-  SurfaceFeatures features = rigidFeatures();
+  SurfaceFeatures features;
   features.vertices = {0};
   return surfaceOf({Vector3d::Zero()}, features, double(sphere.getRadius()));
 }
 
 ShapeSurface capsuleSurface(const btCapsuleShape& capsule) {
-  SurfaceFeatures features = rigidFeatures();
+  SurfaceFeatures features;
   features.segments = {{0, 1}};
   Vector3d half = Vector3d::Zero();
   half[capsule.getUpAxis()] = double(capsule.getHalfHeight());
@@ -119,10 +111,18 @@ ShapeSurface boxSurface(const btBoxShape& box) {
   return hullOf(corners, 0.0);
 }
 
-ShapeSurface polyhedronSurface(const btPolyhedralConvexShape& shape) {
-  std::vector<btVector3> corners(static_cast<std::size_t>(shape.getNumVertices()));
-  for (int i = 0; i < shape.getNumVertices(); ++i) shape.getVertex(i, corners[static_cast<std::size_t>(i)]);
-  return hullOf(corners, double(shape.getMargin()));
+/// Calls visit(corner) for the corners of a polyhedron. Returns whether there are any: not for round shapes,
+/// nor for a mesh that Bullet treats as convex.
+template <class Visit>
+bool forEachCorner(const btCollisionShape& shape, Visit visit) {
+  if (!shape.isPolyhedral()) return false;
+  const auto& polyhedron = static_cast<const btPolyhedralConvexShape&>(shape);
+  for (int i = 0; i < polyhedron.getNumVertices(); ++i) {
+    btVector3 corner;
+    polyhedron.getVertex(i, corner);
+    visit(corner);
+  }
+  return polyhedron.getNumVertices() > 0;
 }
 
 /// Takes the shape's supporting vertices in directions on circles around the axis. Every rim of a round shape
@@ -183,18 +183,27 @@ ShapeSurface triangleMeshHull(const btConvexTriangleMeshShape& shape) {
   shape.getMeshInterface()->InternalProcessAllTriangles(&list, -largest, largest);
   std::vector<btVector3> corners;
   for (const Vector3d& corner : list.corners) corners.push_back(toBullet(corner));
-  return corners.empty() ? ShapeSurface() : hullOf(corners, double(shape.getMargin()));
+  return hullOf(corners, double(shape.getMargin()));
 }
 
 /// Returns whether the shape is a mesh that may also move freely.
 bool isDynamicMesh(const btCollisionShape& shape) { return shape.getShapeType() == GIMPACT_SHAPE_PROXYTYPE; }
+
+/// Returns the triangles that overlap a box in the shape's coordinates. They are two-sided.
+ShapeSurface sheetSurface(const btConcaveShape& shape, const btVector3& low, const btVector3& high) {
+  TriangleList list;
+  shape.processAllTriangles(&list, low, high);
+  SurfaceFeatures features;
+  features.triangles = std::move(list.triangles);
+  return surfaceOf(list.corners, features, double(shape.getMargin()));
+}
 
 /// Returns an empty surface for shapes without edges and vertices (planes), static meshes and compounds.
 ShapeSurface makeShapeSurface(const btCollisionShape& shape) {
   const btVector3 largest(BT_LARGE_FLOAT, BT_LARGE_FLOAT, BT_LARGE_FLOAT);
   switch (shape.getShapeType()) {
     case GIMPACT_SHAPE_PROXYTYPE:
-      return makePatchSurface(static_cast<const btConcaveShape&>(shape), -largest, largest);
+      return sheetSurface(static_cast<const btConcaveShape&>(shape), -largest, largest);
     case SPHERE_SHAPE_PROXYTYPE:
       return sphereSurface(static_cast<const btSphereShape&>(shape));
     case CAPSULE_SHAPE_PROXYTYPE:
@@ -207,24 +216,16 @@ ShapeSurface makeShapeSurface(const btCollisionShape& shape) {
       break;
   }
   if (!shape.isConvex()) return {};
-  // Bullet does not return the corners of a mesh that it treats as convex
-  if (shape.isPolyhedral() && static_cast<const btPolyhedralConvexShape&>(shape).getNumVertices() > 0)
-    return polyhedronSurface(static_cast<const btPolyhedralConvexShape&>(shape));
+  std::vector<btVector3> corners;
+  if (forEachCorner(shape, [&](const btVector3& corner) { corners.push_back(corner); }))
+    return hullOf(corners, double(shape.getMargin()));
   const auto& convex = static_cast<const btConvexShape&>(shape);
   return roundSurface(convex, axisOf(convex));
 }
 
 }  // namespace
 
-ShapeSurface makePatchSurface(const btConcaveShape& shape, const btVector3& low, const btVector3& high) {
-  TriangleList list;
-  shape.processAllTriangles(&list, low, high);
-  SurfaceFeatures features = rigidFeatures();
-  features.triangles = std::move(list.triangles);
-  return surfaceOf(list.corners, features, double(shape.getMargin()));
-}
-
-LocalBox localBoxOf(const btTransform& pose, const Eigen::Vector3d& low, const Eigen::Vector3d& high) {
+LocalBox localBoxOf(const btTransform& pose, const Vector3d& low, const Vector3d& high) {
   LocalBox box;
   btTransformAabb(toBullet(low), toBullet(high), btScalar(0), pose.inverse(), box.low, box.high);
   return box;
@@ -233,6 +234,11 @@ LocalBox localBoxOf(const btTransform& pose, const Eigen::Vector3d& low, const E
 // --- cached shapes -----------------------------------------------------------------------------------------
 
 namespace {
+
+void addToHash(std::uint64_t& hash, std::uint64_t value) {
+  hash = (hash ^ value) * 0x9e3779b97f4a7c15u;
+  hash ^= hash >> 29;
+}
 
 void addVector(std::uint64_t& hash, const btVector3& v) {
   for (int i = 0; i < 3; ++i) {
@@ -252,16 +258,7 @@ void addSupports(std::uint64_t& hash, const btConvexShape& shape) {
                                                              i & 4 ? btScalar(0.6) : btScalar(-0.6))));
 }
 
-void addCorners(std::uint64_t& hash, const btPolyhedralConvexShape& shape) {
-  for (int i = 0; i < shape.getNumVertices(); ++i) {
-    btVector3 corner;
-    shape.getVertex(i, corner);
-    addVector(hash, corner);
-  }
-}
-
-}  // namespace
-
+/// Returns a hash of all that defines a convex shape: type, margin and corners, with scaling.
 std::uint64_t hashOfShape(const btCollisionShape& shape) {
   std::uint64_t hash = static_cast<std::uint64_t>(shape.getShapeType());
   btVector3 low, high;
@@ -270,13 +267,22 @@ std::uint64_t hashOfShape(const btCollisionShape& shape) {
   const int type = shape.getShapeType();
   // the bounding box defines the shape
   if (type == BOX_SHAPE_PROXYTYPE || type == SPHERE_SHAPE_PROXYTYPE || !shape.isConvex()) return hash;
-  const bool hasCorners =
-      shape.isPolyhedral() && static_cast<const btPolyhedralConvexShape&>(shape).getNumVertices() > 0;
-  if (hasCorners)
-    addCorners(hash, static_cast<const btPolyhedralConvexShape&>(shape));
-  else
+  if (!forEachCorner(shape, [&](const btVector3& corner) { addVector(hash, corner); }))
     addSupports(hash, static_cast<const btConvexShape&>(shape));
   return hash;
+}
+
+}  // namespace
+
+std::uint64_t stampOf(const btCollisionObject& object) {
+  const btCollisionShape& shape = *object.getCollisionShape();
+  if (!shape.isConvex()) return 0;
+  std::uint64_t hash = hashOfShape(shape);
+  for (const std::uint64_t part : {std::uint64_t{reinterpret_cast<std::uintptr_t>(&object)},
+                                   std::uint64_t{reinterpret_cast<std::uintptr_t>(&shape)},
+                                   static_cast<std::uint64_t>(object.getBroadphaseHandle()->m_uniqueId)})
+    addToHash(hash, part);
+  return hash | 1;
 }
 
 const ShapeSurface& ShapeCache::surfaceOf(const btCollisionShape& shape) {
@@ -302,9 +308,9 @@ void ShapeCache::forgetOld() {
 namespace {
 
 /// Returns the displacement (m) of a point of the object in a tick.
-Eigen::Vector3d motionOf(const btCollisionObject& object, const Eigen::Vector3d& position, double tick) {
+Vector3d motionOf(const btCollisionObject& object, const Vector3d& position, double tick) {
   const btRigidBody* rigid = btRigidBody::upcast(&object);
-  Eigen::Vector3d motion = tick * velocityOf(object, toBullet(position), tick);
+  Vector3d motion = tick * velocityOf(object, toBullet(position), tick);
   if (rigid && isFree(*rigid))
     motion += tick * tick * double(rigid->getInvMass()) * toEigen(rigid->getTotalForce());
   return motion;
@@ -316,7 +322,7 @@ Eigen::Vector3d motionOf(const btCollisionObject& object, const Eigen::Vector3d&
 SweptBox enlargedByMotion(const btCollisionObject& object, SweptBox box, double tick) {
   btVector3 bounds[2];
   object.getCollisionShape()->getAabb(object.getWorldTransform(), bounds[0], bounds[1]);
-  Eigen::Vector3d largest = Eigen::Vector3d::Zero();
+  Vector3d largest = Vector3d::Zero();
   for (int corner = 0; corner < 8; ++corner) {
     const btVector3 position(bounds[corner & 1].x(), bounds[corner >> 1 & 1].y(), bounds[corner >> 2].z());
     largest = largest.cwiseMax(motionOf(object, toEigen(position), tick).cwiseAbs());
@@ -326,28 +332,21 @@ SweptBox enlargedByMotion(const btCollisionObject& object, SweptBox box, double 
   return box;
 }
 
-struct ChildCollector final : btDbvt::ICollide {
-  explicit ChildCollector(std::vector<int>& c) : children(&c) {}
-  std::vector<int>* children;
-  void Process(const btDbvtNode* leaf) override { children->push_back(leaf->dataAsInt); }
-};
-
-/// Adds the children whose boxes overlap `box`, in their order.
-void findChildren(const btCompoundShape& compound, const LocalBox& box,
-                  btAlignedObjectArray<const btDbvtNode*>& stack, std::vector<int>& children) {
-  const auto first = static_cast<std::ptrdiff_t>(children.size());
-  const btDbvtVolume volume = btDbvtVolume::FromMM(box.low, box.high);
-  if (const btDbvt* tree = compound.getDynamicAabbTree()) {
-    ChildCollector collector(children);
-    tree->collideTVNoStackAlloc(tree->m_root, volume, stack, collector);
-    std::sort(children.begin() + first, children.end());
-    return;
+/// Makes the part with the shape's surface at a pose. motionOf(position) is the displacement (m) of a point.
+template <class MotionOf>
+void placePart(RigidPart& part, const ShapeSurface& surface, const btTransform& pose, MotionOf motionOf) {
+  const Points& rest = surface.topology.rest;
+  part.surface = &surface;
+  part.moved = false;
+  part.position.resize(3, rest.cols());
+  part.motion.resize(3, rest.cols());
+  for (Eigen::Index i = 0; i < rest.cols(); ++i) {
+    const Vector3d position = toEigen(pose * toBullet(rest.col(i)));
+    part.position.col(i) = position;
+    part.motion.col(i) = motionOf(position);
   }
-  for (int i = 0; i < compound.getNumChildShapes(); ++i) {
-    btVector3 low, high;
-    compound.getChildShape(i)->getAabb(compound.getChildTransform(i), low, high);
-    if (Intersect(volume, btDbvtVolume::FromMM(low, high))) children.push_back(i);
-  }
+  part.moving = {&surface.topology, &part.position, &part.motion, surface.radius, &part.boxes};
+  fitBoxes(part.moving, part.boxes);
 }
 
 /// Returns the number of a child of the part `parent`.
@@ -374,9 +373,9 @@ void movePart(RigidPart& part, double share, double ahead) {
 void movePart(RigidPart& part, const btTransform& from, const RigidState& to, double ahead) {
   storeStart(part);
   const Eigen::Matrix3d rotation = (to.rotation * toEigen(from.getRotation()).conjugate()).toRotationMatrix();
-  const Eigen::Vector3d origin = toEigen(from.getOrigin());
+  const Vector3d origin = toEigen(from.getOrigin());
   for (Eigen::Index i = 0; i < part.start.cols(); ++i) {
-    const Eigen::Vector3d arm = rotation * (part.start.col(i) - origin);
+    const Vector3d arm = rotation * (part.start.col(i) - origin);
     part.position.col(i) = to.position + arm;
     part.motion.col(i) = ahead * to.velocityAt(arm);
   }
@@ -414,7 +413,9 @@ void RigidSurfaces::addNear(const btCollisionObject& object, const btCollisionSh
   if (!shape.isCompound()) return;
   const auto& compound = static_cast<const btCompoundShape&>(shape);
   const std::size_t first = children_.size();
-  findChildren(compound, localBoxOf(pose, box.low.head<3>(), box.high.head<3>()), stack_, children_);
+  forEachChildIn(localBoxOf(pose, box.low.head<3>(), box.high.head<3>()), compound,
+                 [&](int child) { children_.push_back(child); });
+  std::sort(children_.begin() + static_cast<std::ptrdiff_t>(first), children_.end());
   for (std::size_t i = first, end = children_.size(); i < end; ++i) {
     const int child = children_[i];
     addNear(object, *compound.getChildShape(child), pose * compound.getChildTransform(child),
@@ -434,29 +435,54 @@ void RigidSurfaces::addPart(const btCollisionObject& object, const btCollisionSh
     const ShapeSurface& surface = shapes_->surfaceOf(shape);
     if (surface.topology.elements.empty()) return;
     if (parts.empty()) usedIndices_.push_back(index);
-    it = parts.insert(it, {number, &makePart(object, surface, pose, tick)});
-    it->part->number = number;
+    if (used_ == parts_.size()) parts_.emplace_back();
+    RigidPart& part = parts_[used_++];
+    part.number = number;
+    placePart(part, surface, pose,
+              [&](const Vector3d& position) { return motionOf(object, position, tick); });
+    it = parts.insert(it, {number, &part});
   }
   near_.push_back(it->part);
 }
 
-RigidPart& RigidSurfaces::makePart(const btCollisionObject& object, const ShapeSurface& surface,
-                                   const btTransform& pose, double tick) {
-  if (used_ == parts_.size()) parts_.emplace_back();
-  RigidPart& part = parts_[used_++];
-  part.surface = &surface;
-  part.moved = false;
-  const Points& rest = surface.topology.rest;
-  part.position.resize(3, rest.cols());
-  part.motion.resize(3, rest.cols());
-  for (Eigen::Index i = 0; i < rest.cols(); ++i) {
-    const Eigen::Vector3d position = toEigen(pose * toBullet(Eigen::Vector3d(rest.col(i))));
-    part.motion.col(i) = motionOf(object, position, tick);
-    part.position.col(i) = position;
+// --- concave objects ---------------------------------------------------------------------------------------
+
+namespace {
+
+bool contains(const LocalBox& box, const LocalBox& other) {
+  for (int i = 0; i < 3; ++i)
+    if (other.low[i] < box.low[i] || other.high[i] > box.high[i]) return false;
+  return true;
+}
+
+/// Returns the box in the object's coordinates, for the object's poses at the start and the end of the tick.
+LocalBox boxIn(const btCollisionObject& object, const SweptBox& world) {
+  const Vector3d low = world.low.head<3>(), high = world.high.head<3>();
+  LocalBox box = localBoxOf(object.getWorldTransform(), low, high);
+  if (!isKinematic(object)) return box;
+  const LocalBox endBox = localBoxOf(object.getInterpolationWorldTransform(), low, high);
+  box.low.setMin(endBox.low), box.high.setMax(endBox.high);
+  return box;
+}
+
+}  // namespace
+
+RigidPart* trianglesIn(const SweptBox& box, const btCollisionObject& object, ConcavePatch& patch) {
+  const LocalBox near = boxIn(object, box);
+  const btTransform& pose = object.getWorldTransform();
+  const bool isMade = contains(patch.box, near);
+  if (!isMade) {
+    // a body that slides or rolls then rarely needs a new patch
+    const btVector3 margin = btScalar(0.25) * (near.high - near.low);
+    patch.box = {near.low - margin, near.high + margin};
+    patch.surface = sheetSurface(*static_cast<const btConcaveShape*>(object.getCollisionShape()),
+                                 patch.box.low, patch.box.high);
   }
-  part.moving = {&surface.topology, &part.position, &part.motion, surface.radius, &part.boxes};
-  fitBoxes(part.moving, part.boxes);
-  return part;
+  if (!isMade || isKinematic(object) || !(patch.pose == pose))
+    placePart(patch.part, patch.surface, pose,
+              [&](const Vector3d& position) { return kinematicDisplacement(object, position); });
+  patch.pose = pose;
+  return patch.surface.topology.elements.empty() ? nullptr : &patch.part;
 }
 
 }  // namespace LIMBER_BULLET_PRECISION

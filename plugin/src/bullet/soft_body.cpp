@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
 
-// This file implements the user's interface of a soft body, and reads Bullet's queries and manifolds.
+// This file implements the user's interface of a soft body, and reads the results of Bullet's queries.
 
 #include <limber/soft_body.h>
 
@@ -17,6 +17,7 @@
 #include <limber/contacts.h>
 #include <limber/network_builder.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <string>
@@ -68,20 +69,39 @@ Eigen::Vector3d SoftBody::velocity(std::uint32_t i) const {
   return currentVelocity(*data_, i);
 }
 
+namespace {
+
+/// Writes positionOf(i) for all points.
+template <class PositionOf>
+void writeEach(const SoftBodyData& body, PositionOf positionOf, float* xyz) {
+  for (std::uint32_t i = 0; i < pointCount(body); ++i) {
+    const Eigen::Vector3f p = positionOf(i).template cast<float>();
+    xyz = std::copy(p.data(), p.data() + 3, xyz);
+  }
+}
+
+/// Writes the vertices of the skin. writePoints(xyz) writes the points.
+template <class WritePoints>
+void writeSkin(SoftBodyData& body, WritePoints writePoints, float* xyz) {
+  const Skin& skin = body.model->network->render.skin;
+  if (skin.size() == 0) return writePoints(xyz);
+  body.skinned.resize(std::size_t{3} * pointCount(body));
+  writePoints(body.skinned.data());
+  applySkin(skin, body.skinned.data(), xyz);
+}
+
+}  // namespace
+
 void SoftBody::writePositions(float* xyz) const {
   readObject(*data_);
-  for (std::uint32_t i = 0; i < pointCount(); ++i) {
-    const Eigen::Vector3f p = currentPosition(*data_, i).cast<float>();
-    for (int axis = 0; axis < 3; ++axis) *xyz++ = p[axis];
-  }
+  writeEach(
+      *data_, [&](std::uint32_t i) { return currentPosition(*data_, i); }, xyz);
 }
 
 void SoftBody::writePositions(float* xyz, double tickFraction) const {
   readObject(*data_);
-  for (std::uint32_t i = 0; i < pointCount(); ++i) {
-    const Eigen::Vector3f p = positionAt(*data_, i, tickFraction).cast<float>();
-    for (int axis = 0; axis < 3; ++axis) *xyz++ = p[axis];
-  }
+  writeEach(
+      *data_, [&](std::uint32_t i) { return positionAt(*data_, i, tickFraction); }, xyz);
 }
 
 std::uint32_t SoftBody::skinnedPointCount() const {
@@ -90,19 +110,13 @@ std::uint32_t SoftBody::skinnedPointCount() const {
 }
 
 void SoftBody::writeSkinnedPositions(float* xyz) const {
-  const Skin& skin = data_->model->network->render.skin;
-  if (skin.size() == 0) return writePositions(xyz);
-  data_->skinned.resize(std::size_t{3} * pointCount());
-  writePositions(data_->skinned.data());
-  applySkin(skin, data_->skinned.data(), xyz);
+  writeSkin(
+      *data_, [&](float* points) { writePositions(points); }, xyz);
 }
 
 void SoftBody::writeSkinnedPositions(float* xyz, double tickFraction) const {
-  const Skin& skin = data_->model->network->render.skin;
-  if (skin.size() == 0) return writePositions(xyz, tickFraction);
-  data_->skinned.resize(std::size_t{3} * pointCount());
-  writePositions(data_->skinned.data(), tickFraction);
-  applySkin(skin, data_->skinned.data(), xyz);
+  writeSkin(
+      *data_, [&](float* points) { writePositions(points, tickFraction); }, xyz);
 }
 
 namespace {
@@ -194,65 +208,34 @@ PointReference findPoint(const btCollisionObject* object) {
 
 namespace {
 
-using CornerColumns = Eigen::Matrix3d;
-
-/// Returns the weights of a and b of the point of the segment that is nearest to p.
-Eigen::Vector2d segmentWeights(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eigen::Vector3d& p) {
-  const double t = nearestOnSegment(a, b, p);
-  return {1.0 - t, t};
-}
-
-/// Returns the weights of the nearest point on the triangle's three sides.
-Eigen::Vector3d sideWeights(const CornerColumns& x, const Eigen::Vector3d& p) {
-  Eigen::Vector3d best = Eigen::Vector3d::UnitX();
-  for (int i = 0; i < 3; ++i) {
-    const int j = (i + 1) % 3;
-    const Eigen::Vector2d w = segmentWeights(x.col(i), x.col(j), p);
-    Eigen::Vector3d weights = Eigen::Vector3d::Zero();
-    weights[i] = w[0], weights[j] = w[1];
-    if ((x * weights - p).squaredNorm() < (x * best - p).squaredNorm()) best = weights;
-  }
-  return best;
-}
-
-Eigen::Vector3d nearestWeights(const CornerColumns& x, const Eigen::Vector3d& p) {
-  const Eigen::Vector3d ab = x.col(1) - x.col(0), ac = x.col(2) - x.col(0), ap = p - x.col(0);
-  const Eigen::Vector3d normal = ab.cross(ac);
-  const double size = normal.squaredNorm();
-  if (!(size > 0.0)) return sideWeights(x, p);
-  const double v = ap.cross(ac).dot(normal) / size, w = ab.cross(ap).dot(normal) / size;
-  const Eigen::Vector3d weights(1.0 - v - w, v, w);
-  return weights.minCoeff() >= 0.0 ? weights : sideWeights(x, p);
-}
-
-CornerColumns cornersOf(const SoftBodyData& body, const SurfaceHit& hit) {
-  CornerColumns x;
-  for (int i = 0; i < 3; ++i) x.col(i) = body.state.position.col(hit.points[static_cast<std::size_t>(i)]);
-  return x;
-}
-
-SurfaceHit hitOnTriangle(const SoftBodyData& body, std::size_t triangle, const Eigen::Vector3d& point) {
+/// Returns a hit with the corners `points`, and sets `x` to their positions (columns).
+SurfaceHit hitOn(const SoftBodyData& body, std::size_t triangle, const std::array<std::uint32_t, 3>& points,
+                 Eigen::Matrix3d& x) {
   SurfaceHit hit;
   hit.body = body.handle;
   hit.triangle = static_cast<std::uint32_t>(triangle);
+  hit.points = points;
+  for (std::size_t i = 0; i < 3; ++i)
+    x.col(static_cast<Eigen::Index>(i)) = body.state.position.col(points[i]);
+  return hit;
+}
+
+SurfaceHit hitOnTriangle(const SoftBodyData& body, std::size_t triangle, const Eigen::Vector3d& point) {
   const Triangle& corners = body.model->network->surface[triangle];
-  hit.points = {corners[0], corners[1], corners[2]};
-  const CornerColumns x = cornersOf(body, hit);
-  hit.weights = nearestWeights(x, point);
+  Eigen::Matrix3d x;
+  SurfaceHit hit = hitOn(body, triangle, corners, x);
+  hit.weights = nearestBarycentric({x.col(0), x.col(1), x.col(2)}, point);
   hit.normal = (x.col(1) - x.col(0)).cross(x.col(2) - x.col(0)).stableNormalized();
   if (body.settings.scale.prod() < 0.0) hit.normal = -hit.normal;
   return hit;
 }
 
 SurfaceHit hitOnSpring(const SoftBodyData& body, std::uint32_t index, const Eigen::Vector3d& point) {
-  SurfaceHit hit;
-  hit.body = body.handle;
-  hit.triangle = index;
   const NetworkSpring& spring = body.model->network->springs[index];
-  hit.points = {spring.a, spring.b, spring.b};
-  const CornerColumns x = cornersOf(body, hit);
-  const Eigen::Vector2d w = segmentWeights(x.col(0), x.col(1), point);
-  hit.weights = {w[0], w[1], 0.0};
+  Eigen::Matrix3d x;
+  SurfaceHit hit = hitOn(body, index, {spring.a, spring.b, spring.b}, x);
+  const double t = nearestOnSegment(x.col(0), x.col(1), point);
+  hit.weights = {1.0 - t, t, 0.0};
   hit.normal = (point - x * hit.weights).stableNormalized();
   return hit;
 }
@@ -274,58 +257,6 @@ SurfaceHit surfaceHit(const btCollisionObject* object, int triangleIndex, const 
   const std::vector<std::uint32_t>& springs = body.surface.shape->springs();
   if (index / 4 < springs.size()) return hitOnSpring(body, springs[index / 4], toEigen(place));
   return {};
-}
-
-// --- Bullet's manifolds ------------------------------------------------------------------------------------
-
-namespace {
-
-/// Returns the soft body that has the object as its surface or a point, and sets `side` to the contact's
-/// point on it.
-SoftBody* readSide(const btCollisionObject* object, int index, const btVector3& position, ContactSide& side) {
-  if (const PointReference point = findPoint(object); point.body) {
-    side.points = {point.index, point.index, point.index};
-    side.weights = Eigen::Vector3d::UnitX();
-    return point.body;
-  }
-  const SurfaceHit hit = surfaceHit(object, index, position);
-  if (hit.body) {
-    side.points = hit.points;
-    side.weights = hit.weights;
-    if (hit.triangle < hit.body->network().surface.size()) side.triangle = hit.triangle;
-  }
-  return findSurface(object).body;
-}
-
-/// Reverses the contact, for a soft body that is the manifold's second object.
-void reverse(SoftContact& c) {
-  std::swap(c.side, c.otherSide);
-  c.normal = -c.normal;
-  c.impulse = -c.impulse;
-  c.frictionImpulse = -c.frictionImpulse;
-}
-
-}  // namespace
-
-SoftContact readContact(const btPersistentManifold& manifold, int point) {
-  SoftContact c;
-  if (point < 0 || point >= manifold.getNumContacts()) return c;
-  const btManifoldPoint& p = manifold.getContactPoint(point);
-  SoftBody* a = readSide(manifold.getBody0(), p.m_index0, p.m_positionWorldOnA, c.side);
-  SoftBody* b = readSide(manifold.getBody1(), p.m_index1, p.m_positionWorldOnB, c.otherSide);
-  if (!a && !b) return SoftContact();
-  c.body = a ? a : b;
-  c.otherBody = a ? b : nullptr;
-  c.other = a ? manifold.getBody1() : manifold.getBody0();
-  c.position = a ? p.m_positionWorldOnA : p.m_positionWorldOnB;
-  c.normal = p.m_normalWorldOnB;
-  c.distance = double(p.getDistance());
-  c.normalImpulse = double(p.m_appliedImpulse);
-  c.frictionImpulse = p.m_appliedImpulseLateral1 * p.m_lateralFrictionDir1 +
-                      p.m_appliedImpulseLateral2 * p.m_lateralFrictionDir2;
-  c.impulse = p.m_appliedImpulse * p.m_normalWorldOnB + c.frictionImpulse;
-  if (!a) reverse(c);
-  return c;
 }
 
 }  // namespace LIMBER_BULLET_PRECISION

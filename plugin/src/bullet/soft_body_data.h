@@ -98,14 +98,14 @@ struct SweptBounds {
   Eigen::Vector3d displacement = Eigen::Vector3d::Zero();  ///< m, of the body as a whole
 };
 
-/// The last search for contacts with a surface. It is valid while the two are near. Later its memory is
-/// reused.
+/// What a body knows of an object that was near in the last tick. Later its memory is reused.
 struct CachedSearch {
   const btCollisionObject* partner = nullptr;  ///< nullptr: none
   int id = 0;                                  ///< of the partner in the broadphase, which may reuse it
   std::uint64_t part = 0;                      ///< of the partner's shape
   bool used = false;                           ///< in the present tick
-  ContactCache cache;
+  ContactCache cache;                          ///< of the last search
+  std::unique_ptr<ConcavePatch> patch;         ///< of a concave partner
 };
 
 /// The last state that this plugin wrote to a surface object, see surface_rigid.cpp.
@@ -141,7 +141,6 @@ struct SurfaceData {
   bool motionValid = false;            ///< `motion` and `impact` are those of this tick
   bool boxesValid = false;             ///< `boxes` are those of this tick
   std::vector<CachedSearch> searches;  ///< with the objects that were near in the last tick
-  std::vector<std::unique_ptr<ConcavePatch>> patches;  ///< of concave partners
 };
 
 // --- a body ------------------------------------------------------------------------------------------------
@@ -268,6 +267,9 @@ inline const MotionSums& sumsOf(SoftBodyData& body) {
 inline std::uint32_t pointCount(const SoftBodyData& body) {
   return static_cast<std::uint32_t>(body.state.position.cols());
 }
+
+/// Returns the radius (m) of the points.
+inline double radiusOf(const SoftBodyData& body) { return double(body.masses.shape->getRadius()); }
 
 /// Returns whether point i is attached to the object.
 inline bool isAttached(const SoftBodyData& body, std::uint32_t i, const btCollisionObject& object) {

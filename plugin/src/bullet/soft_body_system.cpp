@@ -1,15 +1,21 @@
 // SPDX-License-Identifier: Zlib
 
-// This file implements the user's interface of a system: bodies, springs and anchors, and contact listeners.
-// The ticks are in tick.cpp.
+// This file implements the user's interface of a system: bodies, springs and anchors, contact listeners and
+// debug drawing. The ticks are in tick.cpp.
 
 #include <limber/soft_body_system.h>
 
 #include "bullet/body_in_world.h"
 #include "bullet/bullet_objects.h"
+#include "bullet/contact_report.h"
 #include "bullet/surface_body.h"
 #include "bullet/system_impl.h"
 #include "bullet/tick_hook.h"
+
+#include <limber/contacts.h>
+#include <limber/spring_constraint.h>
+
+#include <LinearMath/btIDebugDraw.h>
 
 #include <algorithm>
 #include <cstdio>
@@ -37,8 +43,13 @@ std::string whyNotHeld(const btRigidBody* body, const void* step) {
   return {};
 }
 
-bool holdsOn(const SpringConstraint& spring, const btRigidBody* body) {
-  return spring.endA().body == body || spring.endB().body == body;
+template <class Owner, class Object>
+auto find(Owner& owner, const Object* object) {
+  return std::find_if(owner.begin(), owner.end(), [&](const auto& owned) { return owned.get() == object; });
+}
+
+auto findAnchor(std::vector<Anchor>& anchors, std::uint32_t point) {
+  return std::find_if(anchors.begin(), anchors.end(), [&](const Anchor& a) { return a.point == point; });
 }
 
 }  // namespace
@@ -91,9 +102,14 @@ SoftBodySystem::SoftBodySystem(btDiscreteDynamicsWorld& world, Hook hook)
 
 SoftBodySystem::~SoftBodySystem() {
   const bool alive = impl_->worldAlive();
+  impl_->step->forgetGroups();
   impl_->stepBoundary.reset();
-  impl_->dropSpringsOfOthers();
-  for (auto& body : impl_->bodies) removeFromWorld(*body->data_);
+  impl_->springs.clear();
+  for (auto& body : impl_->bodies) {
+    for (btRigidBody* point : body->data_->masses.bodies)
+      if (point) impl_->dropSprings(*point);
+    removeFromWorld(*body->data_);
+  }
   if (alive) impl_->step->restoreBulletState();
   if (impl_->hook) impl_->hook->leave(*impl_, alive);
 }
@@ -155,9 +171,7 @@ Result<void> SoftBodySystem::destroyBody(SoftBody* body) {
   return {};
 }
 
-bool SoftBodySystem::Impl::owns(const SoftBody* body) const {
-  return std::any_of(bodies.begin(), bodies.end(), [&](const auto& owned) { return owned.get() == body; });
-}
+bool SoftBodySystem::Impl::owns(const SoftBody* body) const { return find(bodies, body) != bodies.end(); }
 
 void SoftBodySystem::Impl::destroyPending() {
   for (std::size_t i = 0; i < pendingDestruction.size(); ++i) destroyNow(pendingDestruction[i]);
@@ -165,15 +179,13 @@ void SoftBodySystem::Impl::destroyPending() {
 }
 
 void SoftBodySystem::Impl::destroyNow(SoftBody* body) {
-  const auto isBody = [&](const auto& owned) { return owned.get() == body; };
-  const auto it = std::find_if(bodies.begin(), bodies.end(), isBody);
-  if (it == bodies.end()) return;
+  if (!owns(body)) return;
   endPairsOf(body);
   for (btRigidBody* point : body->data_->masses.bodies)
     if (point) forget(*point);
   step->forgetGroups();
   removeFromWorld(*body->data_);
-  bodies.erase(std::find_if(bodies.begin(), bodies.end(), isBody));
+  bodies.erase(find(bodies, body));
   const auto isPushed = [](const auto& other) {
     return isSurfaceBody(*other->data_) && (other->data_->masses.exposed || other->data_->surface.pushed);
   };
@@ -214,12 +226,6 @@ Handle<SpringConstraint> SpringConstraint::handle() {
 
 namespace {
 
-template <class Springs>
-auto find(Springs& springs, const SpringConstraint* spring) {
-  return std::find_if(springs.begin(), springs.end(),
-                      [&](const auto& owned) { return owned.get() == spring; });
-}
-
 Error foreignSpring() { return {"the spring is not, or no longer, one of this system"}; }
 
 }  // namespace
@@ -245,29 +251,12 @@ Result<void> SoftBodySystem::removeSpring(SpringConstraint* spring) {
 
 /// Removes the springs on a body from all systems: a system may have springs on another's points.
 void SoftBodySystem::Impl::dropSprings(const btRigidBody& body) {
-  const auto isOn = [&](const auto& spring) { return holdsOn(*spring, &body); };
+  const auto isOn = [&](const auto& s) { return s->endA().body == &body || s->endB().body == &body; };
   step->forgetGroups();
   for (Impl* system : step->systems) {
     SpringList& all = system->springs;
     all.erase(std::remove_if(all.begin(), all.end(), isOn), all.end());
   }
-}
-
-void SoftBodySystem::Impl::dropSpringsOfOthers() {
-  std::vector<const btRigidBody*> points;
-  for (const auto& body : bodies)
-    points.insert(points.end(), body->data_->masses.bodies.begin(), body->data_->masses.bodies.end());
-  std::sort(points.begin(), points.end(), std::less<>());
-  const auto isHere = [&](const btRigidBody* body) {
-    return body && std::binary_search(points.begin(), points.end(), body, std::less<>());
-  };
-  const auto isOn = [&](const auto& spring) {
-    return isHere(spring->endA().body) || isHere(spring->endB().body);
-  };
-  for (Impl* system : step->systems)
-    if (system != this)
-      system->springs.erase(std::remove_if(system->springs.begin(), system->springs.end(), isOn),
-                            system->springs.end());
 }
 
 bool SoftBodySystem::Impl::WorldStep::callsListeners() const {
@@ -300,8 +289,7 @@ Result<void> SoftBodySystem::attach(SoftBody* softBody, std::uint32_t i, btRigid
   SoftBodyData& data = *softBody->data_;
   const bool deleted = i < data.masses.bodies.size() && !data.masses.bodies[i];
   if (i >= softBody->pointCount() || deleted) return Error{"there is no point " + std::to_string(i)};
-  const auto isPoint = [&](const Anchor& anchor) { return anchor.point == i; };
-  if (std::any_of(data.anchors.begin(), data.anchors.end(), isPoint))
+  if (findAnchor(data.anchors, i) != data.anchors.end())
     return Error{"point " + std::to_string(i) + " is already attached"};
   if (softBody->pinned(i)) return Error{"point " + std::to_string(i) + " is pinned"};
   if (PointMass::from(&body) || SurfaceObject::from(&body))
@@ -333,8 +321,7 @@ bool SoftBodySystem::Impl::WorldStep::owns(const SoftBody* body) const {
 
 bool SoftBodySystem::Impl::detach(SoftBody* softBody, std::uint32_t i) {
   std::vector<Anchor>& anchors = softBody->data_->anchors;
-  const auto isPoint = [&](const Anchor& anchor) { return anchor.point == i; };
-  const auto it = std::find_if(anchors.begin(), anchors.end(), isPoint);
+  const auto it = findAnchor(anchors, i);
   if (it == anchors.end()) return false;
   anchors.erase(it);
   softBody->wake();
@@ -401,6 +388,107 @@ void SoftBodySystem::beforeTick(btScalar tick) { impl_->beforeTick(tick); }
 const TickProfile& SoftBodySystem::profile() const { return impl_->step->profile; }
 
 double SoftBodySystem::tickFraction() const { return limber::tickFraction(*impl_->world); }
+
+// --- debug drawing
+// ------------------------------------------------------------------------------------------
+
+namespace {
+
+/// Strain at which the colour saturates.
+constexpr double kMaxStrain = 0.1;
+
+/// Size of a pin's cross, in radii of the points.
+constexpr double kCrossSize = 2.0;
+
+/// Returns blue for compression, red for extension and grey at rest.
+btVector3 colourOf(double strain) {
+  const btVector3 rest(btScalar(0.75), btScalar(0.75), btScalar(0.75));
+  const btVector3 pressed(btScalar(0.12), btScalar(0.35), btScalar(0.8));
+  const btVector3 stretched(btScalar(0.85), btScalar(0.15), btScalar(0.1));
+  const double share = std::min(std::abs(strain) / kMaxStrain, 1.0);
+  return lerp(rest, strain < 0.0 ? pressed : stretched, static_cast<btScalar>(share));
+}
+
+double strainOf(double length, double restLength) {
+  return restLength > 0.0 ? length / restLength - 1.0 : length;
+}
+
+void drawSprings(const SoftBodyData& body, btIDebugDraw& drawer) {
+  const Points& x = body.state.position;
+  const SpringArrays& s = body.springs;
+  for (std::size_t i = 0; i < s.size(); ++i) {
+    if (s->extensionStiffness[i] == 0.0 && s->compressionStiffness[i] == 0.0) continue;
+    const Eigen::Vector3d a = x.col(s->a[i]), b = x.col(s->b[i]);
+    drawer.drawLine(toBullet(a), toBullet(b), colourOf(strainOf((b - a).norm(), s->restLength[i])));
+  }
+}
+
+void drawPins(const SoftBodyData& body, btIDebugDraw& drawer) {
+  const btScalar size = static_cast<btScalar>(kCrossSize) * body.masses.shape->getRadius();
+  for (std::size_t i = 0; i < body.masses.held.size(); ++i) {
+    if (!body.masses.held[i]) continue;
+    const btVector3 at = toBullet(body.state.position.col(static_cast<Eigen::Index>(i)));
+    for (int axis = 0; axis < 3; ++axis) {
+      btVector3 arm(0, 0, 0);
+      arm[axis] = size;
+      drawer.drawLine(at - arm, at + arm, btVector3(1, 1, 0));
+    }
+  }
+}
+
+void drawBox(const SoftBodyData& body, btIDebugDraw& drawer) {
+  const Points& x = body.state.position;
+  const double radius = radiusOf(body);
+  const Eigen::Vector3d low = x.rowwise().minCoeff().array() - radius;
+  const Eigen::Vector3d high = x.rowwise().maxCoeff().array() + radius;
+  drawer.drawAabb(toBullet(low), toBullet(high), drawer.getDefaultColors().m_aabb);
+}
+
+void drawContacts(SoftBodyData& body, btIDebugDraw& drawer) {
+  for (const SoftContact& contact : readReport(body))
+    drawer.drawContactPoint(contact.position, contact.normal, static_cast<btScalar>(contact.distance), 0,
+                            drawer.getDefaultColors().m_contactPoint);
+}
+
+void drawAnchors(const SoftBodyData& body, btIDebugDraw& drawer) {
+  for (const Anchor& anchor : body.anchors)
+    drawer.drawLine(anchor.body->getCenterOfMassPosition(), anchor.body->getWorldTransform() * anchor.pivot,
+                    btVector3(1, 1, 0));
+}
+
+bool hasMode(const btIDebugDraw& drawer, int mode) { return (drawer.getDebugMode() & mode) != 0; }
+
+/// Draws the parts of a body that the drawer's modes select: springs coloured by strain and pinned points
+/// (wireframe), the bounding box (AABB), contacts (contact points), anchors (constraints).
+void debugDraw(SoftBodyData& body, btIDebugDraw& drawer) {
+  if (!body.alive) return;
+  if (hasMode(drawer, btIDebugDraw::DBG_DrawWireframe)) {
+    drawSprings(body, drawer);
+    drawPins(body, drawer);
+  }
+  if (hasMode(drawer, btIDebugDraw::DBG_DrawAabb)) drawBox(body, drawer);
+  if (hasMode(drawer, btIDebugDraw::DBG_DrawContactPoints)) drawContacts(body, drawer);
+  if (hasMode(drawer, btIDebugDraw::DBG_DrawConstraints)) drawAnchors(body, drawer);
+}
+
+/// Draws the springs that were added one by one, in the mode for constraints.
+void debugDraw(const SpringList& springs, btIDebugDraw& drawer) {
+  if (!hasMode(drawer, btIDebugDraw::DBG_DrawConstraints)) return;
+  for (const auto& spring : springs) {
+    const double strain = strainOf(double(spring->length()), *spring->settings().restLength);
+    drawer.drawLine(SpringConstraint::worldPivot(spring->endA()),
+                    SpringConstraint::worldPivot(spring->endB()), colourOf(strain));
+  }
+}
+
+}  // namespace
+
+void SoftBodySystem::debugDraw(btIDebugDraw& drawer) const { impl_->debugDraw(drawer); }
+
+void SoftBodySystem::Impl::debugDraw(btIDebugDraw& drawer) {
+  for (auto& body : bodies) limber::debugDraw(*body->data_, drawer);
+  limber::debugDraw(springs, drawer);
+}
 
 }  // namespace LIMBER_BULLET_PRECISION
 }  // namespace limber

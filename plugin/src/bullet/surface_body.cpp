@@ -87,8 +87,6 @@ void SurfaceShape::reportStrips(const Query& query) const {
 
 namespace {
 
-int surfaceMark;  // see pointMassMark
-
 /// Called when the application deletes the object.
 void forgetDeletedSurface(SoftBodyData& body) {
   body.surface.object = nullptr;
@@ -98,25 +96,15 @@ void forgetDeletedSurface(SoftBodyData& body) {
 }  // namespace
 
 SurfaceObject::SurfaceObject(SoftBodyData* owner)
-    : btRigidBody(btRigidBodyConstructionInfo(0, nullptr, nullptr)), owner_(owner) {
-  internalSetExtensionPointer(&surfaceMark);
+    : OwnBody(btRigidBodyConstructionInfo(0, nullptr, nullptr)), owner_(owner) {
   keepCollisionFilter();
-  // also clears the static flag, which Bullet sets for a mass of 0; debug_draw.cpp draws soft bodies
+  // also clears the static flag, which Bullet sets for a mass of 0; this plugin draws soft bodies
   setCollisionFlags(CF_DISABLE_VISUALIZE_OBJECT);
   setFlags(getFlags() & ~BT_ENABLE_GYROSCOPIC_FORCE_IMPLICIT_BODY);
 }
 
 SurfaceObject::~SurfaceObject() {
   if (owner_) forgetDeletedSurface(*owner_);
-}
-
-SurfaceObject* SurfaceObject::from(btCollisionObject* object) {
-  const bool ours = object && object->internalGetExtensionPointer() == &surfaceMark;
-  return ours ? static_cast<SurfaceObject*>(object) : nullptr;
-}
-
-const SurfaceObject* SurfaceObject::from(const btCollisionObject* object) {
-  return from(const_cast<btCollisionObject*>(object));
 }
 
 bool SurfaceObject::mayTouch(const btCollisionObject& other) const {

@@ -5,6 +5,7 @@
 
 #pragma once
 
+#include "bullet/bullet_objects.h"
 #include "solver/point_state.h"
 
 #include <limber/bullet_precision.h>
@@ -27,17 +28,13 @@ struct SoftBodyData;
 /// and inertia of the soft body. It joins islands with near objects, and constraints act on it
 /// (surface_rigid.cpp). But the world does not move it, and it has no contacts in Bullet's narrowphase. Rays,
 /// sweeps and contact tests find it. The application may delete it, like a PointMass.
-class SurfaceObject final : public btRigidBody {
+class SurfaceObject final : public OwnBody<SurfaceObject> {
  public:
   BT_DECLARE_ALIGNED_ALLOCATOR();
 
   /// Makes the object without a shape. The shape is made after the object.
   explicit SurfaceObject(SoftBodyData* owner);
   ~SurfaceObject() override;
-
-  /// Returns the object as a surface object, or nullptr if it is none.
-  static SurfaceObject* from(btCollisionObject* object);
-  static const SurfaceObject* from(const btCollisionObject* object);
 
   /// Returns false, so that Bullet's dispatcher makes no contacts with the object. Only reads.
   bool checkCollideWithOverride(const btCollisionObject*) const override { return false; }

@@ -6,6 +6,7 @@
 #include "bullet/surface_gather.h"
 
 #include "bullet/bullet_objects.h"
+#include "bullet/kinematic_motion.h"
 #include "bullet/linked_group.h"
 #include "bullet/point_contacts.h"
 #include "bullet/rigid_shapes.h"
@@ -35,8 +36,7 @@ const MovingSurface& movingSurface(SoftBodyData& body, double tick) {
   SurfaceData& s = body.surface;
   if (!s.motionValid) {
     s.motion = tick * body.state.velocity + tick * tick * body.state.acceleration;
-    s.moving = {&body.model->topology, &body.state.position, &s.motion,
-                double(body.masses.shape->getRadius()), &s.boxes};
+    s.moving = {&body.model->topology, &body.state.position, &s.motion, radiusOf(body), &s.boxes};
     s.impact = impactOf(body, tick);
     s.motionValid = true;
   }
@@ -65,9 +65,8 @@ bool areNear(const MovingSurface& a, const MovingSurface& b, double margin) {
   return separation(a.boxes->nodes[0], b.boxes->nodes[0]) <= margin;
 }
 
-/// Returns the cache of the last search with a part of a partner, or an empty one if there was no search in
-/// the last tick.
-ContactCache& searchWith(SoftBodyData& body, const btCollisionObject& partner, std::uint64_t part) {
+/// Returns the last search with a part of a partner, or an empty one if there was no search in the last tick.
+CachedSearch& searchWith(SoftBodyData& body, const btCollisionObject& partner, std::uint64_t part) {
   std::vector<CachedSearch>& searches = body.surface.searches;
   const int id = partner.getBroadphaseHandle()->m_uniqueId;
   const auto isThis = [&](const CachedSearch& s) {
@@ -81,21 +80,18 @@ ContactCache& searchWith(SoftBodyData& body, const btCollisionObject& partner, s
     it->id = id;
     it->part = part;
     it->cache.topologyA = nullptr;
+    if (it->patch) it->patch->box = LocalBox();
   }
   it->used = true;
-  return it->cache;
-}
-
-template <class Entry>
-void forgetIfUnused(Entry& entry) {
-  if (!entry.used) entry.partner = {};
-  entry.used = false;
+  return *it;
 }
 
 /// Releases the entries of partners that are no longer near; new partners reuse their memory.
 void forgetOldSearches(SoftBodyData& body) {
-  for (CachedSearch& search : body.surface.searches) forgetIfUnused(search);
-  for (const auto& patch : body.surface.patches) forgetIfUnused(*patch);
+  for (CachedSearch& search : body.surface.searches) {
+    if (!search.used) search.partner = nullptr;
+    search.used = false;
+  }
 }
 
 ContactPoint softContactPoint(const SoftBodyData& body, const SurfacePoint& surfacePoint) {
@@ -110,63 +106,38 @@ ContactPoint softContactPoint(const SoftBodyData& body, const SurfacePoint& surf
   return p;
 }
 
-const btCollisionObject& frictionObject(const SoftBodyData& body) { return *body.surface.object; }
+// --- candidates --------------------------------------------------------------------------------------------
+
+/// Returns the object on side b.
+const btCollisionObject& partnerOf(const SurfaceCandidate& m) {
+  if (m.other) return *m.other->surface.object;
+  return m.partner ? *m.partner : *m.held;
+}
 
 /// Makes a contact without the point on side b.
-Contact contactOf(const SoftBodyData& body, const btCollisionObject& partner, const SurfaceContact& c) {
+Contact contactOf(const SurfaceCandidate& m, const SurfaceContact& c) {
+  const SurfaceObject* own = m.body->surface.object;
   Contact pair;
-  pair.a = softContactPoint(body, c.a);
+  pair.a = softContactPoint(*m.body, c.a);
   pair.normal = c.normal;
   pair.gap = c.gap;
-  pair.friction = double(gCalculateCombinedFrictionCallback(&frictionObject(body), &partner));
-  pair.restitution = double(gCalculateCombinedRestitutionCallback(&frictionObject(body), &partner));
-  pair.bounceThreshold = body.speeds.bounce;
-  pair.recoverySpeed = body.speeds.recovery;
-  return pair;
-}
-
-ContactSource sourceOf(SoftBodyData& body, const btCollisionObject& partner, std::uint64_t key) {
-  ContactSource source;
-  source.body = &body;
-  source.partner = handleOf(objectInWorld(partner));
-  source.key = key;
-  return source;
-}
-
-/// Returns whether a point of the feature is attached to the partner. Such points, and the edges and
-/// triangles that end in them, do not collide with it.
-bool isAttached(const SoftBodyData& body, const SurfacePoint& surfacePoint,
-                const btCollisionObject& partner) {
-  return std::any_of(surfacePoint.points.begin(), surfacePoint.points.end(),
-                     [&](std::uint32_t point) { return isAttached(body, point, partner); });
-}
-
-// --- dynamic rigid bodies ----------------------------------------------------------------------------------
-
-/// Returns the common point of both impulses: the position of the soft side's points when they touch. With
-/// two different points a couple would remain.
-btVector3 commonPoint(const MovingSurface& soft, const MovingSurface& rigid, const SurfaceContact& c) {
-  return toBullet(Vector3d(positionOf(rigid, c.b) + (rigid.radius + soft.radius) * c.normal));
-}
-
-/// Returns a key that is the same for the same contact of the same part in every tick.
-std::uint64_t keyOf(const SurfaceContact& c, const RigidPart& part) {
-  return c.key ^ (part.number * 0x9e3779b97f4a7c15u);
-}
-
-/// Makes a contact of a candidate without the contact point on side b.
-Contact contactOf(const SurfaceCandidate& m, const SurfaceContact& c) {
-  Contact pair = contactOf(*m.body, m.other ? frictionObject(*m.other) : *m.partner, c);
+  pair.friction = double(gCalculateCombinedFrictionCallback(own, &partnerOf(m)));
+  pair.restitution = double(gCalculateCombinedRestitutionCallback(own, &partnerOf(m)));
+  pair.bounceThreshold = m.body->speeds.bounce;
+  pair.recoverySpeed = m.body->speeds.recovery;
   // the smaller one of the two; a body that has slept from the start has none
   if (m.other && m.other->speeds.recovery > 0.0)
     pair.recoverySpeed = std::min(pair.recoverySpeed, m.other->speeds.recovery);
   return pair;
 }
 
+/// The key is the same for the same contact of the same part in every tick.
 ContactSource sourceOf(const SurfaceCandidate& m, const SurfaceContact& c) {
-  if (!m.other) return sourceOf(*m.body, *m.partner, keyOf(c, *m.part));
-  ContactSource source = sourceOf(*m.body, frictionObject(*m.other), c.key);
+  ContactSource source;
+  source.body = m.body;
   source.other = m.other;
+  source.partner = handleOf(objectInWorld(partnerOf(m)));
+  source.key = m.part ? c.key ^ (m.part->number * 0x9e3779b97f4a7c15u) : c.key;
   return source;
 }
 
@@ -223,109 +194,105 @@ bool mayTouch(const SurfaceCandidate& m, double tick, SurfaceSearch& s) {
   return !s.search.near.empty();
 }
 
-/// Completes the candidate whose contacts have been added to `found` from m.first on.
-void endCandidate(SurfaceCandidate& m, double tick, SurfaceSearch& s, TickContacts& found) {
+/// Fills s.contacts with the contacts of the present surfaces.
+void findContacts(const SurfaceCandidate& m, SurfaceSearch& s) {
+  const MovingSurface &a = m.body->surface.moving, &b = surfaceB(m);
+  s.contacts.clear();
+  if (isSelf(m))
+    findSelfContacts(a, margin(m), s.search, s.contacts);
+  else if (areNear(a, b, margin(m)))
+    findSurfaceContacts(a, b, margin(m), s.search, s.contacts);
+}
+
+/// Returns the contacts of the last search at the present positions, or those of a new search if one is
+/// needed.
+const std::vector<SurfaceContact>& cachedContacts(const SurfaceCandidate& m, double tick, SurfaceSearch& s) {
+  const MovingSurface &a = m.body->surface.moving, &b = surfaceB(m);
+  ContactCache& cache = searchWith(*m.body, partnerOf(m), m.part ? m.part->number : 0).cache;
+  if (refreshContacts(a, b, margin(m), cache)) return cache.contacts;
+  boxedSurface(*m.body, tick);
+  if (m.other) boxedSurface(*m.other, tick);
+  findContacts(m, s);
+  storeContacts(a, b, s.contacts, cache);
+  return cache.contacts;
+}
+
+/// Returns whether the contact counts. Points that are attached to the partner, and the edges and triangles
+/// that end in them, do not collide with it.
+bool counts(const SurfaceCandidate& m, const SurfaceContact& c, SurfaceSearch& s) {
+  if (m.other) return true;
+  const btCollisionObject& partner = partnerOf(m);
+  const auto isAttachedHere = [&](std::uint32_t point) { return isAttached(*m.body, point, partner); };
+  if (std::any_of(c.a.points.begin(), c.a.points.end(), isAttachedHere)) return false;
+  return m.partner || isHeldContact(m, c, margin(m), s);
+}
+
+/// Adds the contacts that count, for the motion in the coming `ahead` seconds of a tick. pointB(c) is the
+/// point on a side b that is not static or kinematic.
+template <class PointB>
+void addContacts(const SurfaceCandidate& m, const std::vector<SurfaceContact>& contacts, double ahead,
+                 double tick, SurfaceSearch& s, std::vector<Contact>& pairs,
+                 std::vector<ContactSource>& sources, PointB pointB) {
+  for (const SurfaceContact& c : contacts) {
+    if (!counts(m, c, s)) continue;
+    Contact pair = contactOf(m, c);
+    if (m.held)
+      setHeldSide(m, c, ahead, tick, pair);
+    else
+      pair.b = pointB(c);
+    pairs.push_back(pair);
+    sources.push_back(sourceOf(m, c));
+  }
+}
+
+/// Returns the point on side b at the start of a tick. That on a sleeping body, which is not stepped, is only
+/// reported to users. On a rigid body the common point of both impulses is the position of the soft side's
+/// points when they touch: with two different points a couple would remain.
+ContactPoint pointB(const SurfaceCandidate& m, const SurfaceContact& c, TickContacts& found) {
+  const MovingSurface &soft = m.body->surface.moving, &b = surfaceB(m);
+  if (m.partner)
+    return rigidContactPoint(found, *m.partner,
+                             toBullet(positionOf(b, c.b) + (b.radius + soft.radius) * c.normal));
+  ContactPoint p = softContactPoint(*m.other, c.b);
+  if (m.other->asleep) p.kind = ContactPoint::Kind::World;
+  return p;
+}
+
+/// Adds a candidate and its contacts to `found`.
+void addCandidate(SurfaceCandidate m, const std::vector<SurfaceContact>& contacts, double tick,
+                  SurfaceSearch& s, TickContacts& found) {
+  m.first = static_cast<std::uint32_t>(found.contacts.size());
+  addContacts(m, contacts, tick, tick, s, found.contacts, found.sources,
+              [&](const SurfaceContact& c) { return pointB(m, c, found); });
   m.end = static_cast<std::uint32_t>(found.contacts.size());
+  if ((m.partner && !isFree(*m.partner)) || (m.other && m.other->asleep)) return;
   if (m.end == m.first && !mayTouch(m, tick, s)) return;
   if (m.partner) found.add(*m.partner);
   found.candidates.push_back(m);
 }
 
-void addFree(SoftBodyData& body, btRigidBody& partner, RigidPart& part, double tick, SurfaceSearch& s,
-             TickContacts& found) {
-  const MovingSurface& soft = movingSurface(body, tick);
-  const double margin = kMargin * soft.radius;
-  ContactCache& cache = searchWith(body, partner, part.number);
-  if (!refreshContacts(soft, part.moving, margin, cache)) {
-    boxedSurface(body, tick);
-    s.contacts.clear();
-    if (areNear(soft, part.moving, margin))
-      findSurfaceContacts(soft, part.moving, margin, s.search, s.contacts);
-    storeContacts(soft, part.moving, s.contacts, cache);
-  }
-  SurfaceCandidate candidate{&body, nullptr, &partner, nullptr, &part};
-  candidate.first = static_cast<std::uint32_t>(found.contacts.size());
-  for (const SurfaceContact& c : cache.contacts) {
-    if (isAttached(body, c.a, partner)) continue;
-    Contact pair = contactOf(candidate, c);
-    pair.b = rigidContactPoint(found, partner, commonPoint(soft, part.moving, c));
-    found.add(pair, sourceOf(candidate, c));
-  }
-  if (isFree(partner)) endCandidate(candidate, tick, s, found);
-}
+// --- the partners of a body --------------------------------------------------------------------------------
 
 void gatherFree(SoftBodyData& body, btRigidBody& partner, double tick, RigidSurfaces& rigids,
                 SurfaceSearch& s, TickContacts& found) {
   if (!rigids.hasParts(*partner.getCollisionShape()))
     return gatherPairs(body, partner, static_cast<btScalar>(tick), found);
   const SweptBox box = searchBox(movingSurface(body, tick));
-  for (RigidPart* part : rigids.partsNear(partner, box, tick)) addFree(body, partner, *part, tick, s, found);
-}
-
-// --- static and kinematic objects --------------------------------------------------------------------------
-
-HeldCorners cornersOf(const MovingSurface& soft, const RigidPart& part, const SurfacePoint& surfacePoint) {
-  HeldCorners corners;
-  if (surfacePoint.kind == FeatureKind::OnTriangle) return corners;
-  corners.count = surfacePoint.kind == FeatureKind::OnEdge ? 2 : 1;
-  for (std::size_t i = 0; i < 2; ++i) corners.at[i] = part.moving.position->col(surfacePoint.points[i]);
-  corners.radiusSum = soft.radius + part.moving.radius;
-  return corners;
-}
-
-/// Returns whether a contact of an edge or triangle counts. It does not if contacts of the corners replace
-/// it.
-bool isHeldContact(const SoftBodyData& body, const btCollisionObject& partner, const RigidPart& part,
-                   const SurfaceContact& c, SurfaceSearch& s) {
-  const MovingSurface& soft = body.surface.moving;
-  if (c.a.kind == FeatureKind::OnVertex || isAttached(body, c.a, partner)) return false;
-  if (cornersCarryContact(body, c, kMargin * soft.radius)) return false;
-  return isMoved(partner) || !isInternalEdge(body, soft, part, c, s);
-}
-
-/// Returns the angular velocity (rad/s) of a kinematic object; 0 for a static one.
-Vector3d spinOf(const btCollisionObject& object, double tick) {
-  if (!isKinematic(object)) return Vector3d::Zero();
-  return rotationBetween(toEigen(object.getWorldTransform().getRotation()),
-                         toEigen(object.getInterpolationWorldTransform().getRotation())) /
-         tick;
-}
-
-/// Returns the velocity (m/s) of the touched point of a part whose `motion` is that of `seconds`.
-Vector3d velocityAt(const btCollisionObject& partner, const RigidPart& part, const MovingSurface& soft,
-                    const SurfaceContact& c, double seconds, double tick) {
-  Vector3d displacement = Vector3d::Zero();
-  for (int i = 0; i < 3; ++i)
-    displacement += c.b.weights[i] * part.motion.col(c.b.points[static_cast<std::size_t>(i)]);
-  return displacement / seconds + spinOf(partner, tick).cross((part.moving.radius + soft.radius) * c.normal);
-}
-
-/// Makes a contact with a static or kinematic part whose `motion` is that of `seconds`.
-Contact heldContact(const SoftBodyData& body, const btCollisionObject& partner, const RigidPart& part,
-                    const SurfaceContact& c, double seconds, double tick) {
-  Contact pair = contactOf(body, partner, c);
-  if (isMoved(partner))
-    pair.b.velocity = velocityAt(partner, part, body.surface.moving, c, seconds, tick);
-  else
-    pair.corners = cornersOf(body.surface.moving, part, c.b);
-  return pair;
+  for (RigidPart* part : rigids.partsNear(partner, box, tick)) {
+    const SurfaceCandidate m{&body, nullptr, &partner, nullptr, part};
+    addCandidate(m, cachedContacts(m, tick, s), tick, s, found);
+  }
 }
 
 void addHeld(SoftBodyData& body, const btCollisionObject& partner, RigidPart& part, const SweptBox& box,
              double tick, SurfaceSearch& s, TickContacts& found) {
+  const SurfaceCandidate m{&body, nullptr, nullptr, &partner, &part};
   const MovingSurface& soft = movingSurface(body, tick);
-  const double margin = kMargin * soft.radius;
   if (staysCloseToRound(soft, part) || !hasSharpFeatureNear(box, part)) return;
   boxedSurface(body, tick);
-  if (!areNear(soft, part.moving, margin) || !hasSharpFeatureNear(soft.boxes->nodes[0], part)) return;
-  findSurfaceContacts(soft, part.moving, margin, s.search, s.contacts);
-  SurfaceCandidate candidate;
-  candidate.body = &body, candidate.held = &partner, candidate.part = &part;
-  candidate.first = static_cast<std::uint32_t>(found.contacts.size());
-  for (const SurfaceContact& c : s.contacts)
-    if (isHeldContact(body, partner, part, c, s))
-      found.add(heldContact(body, partner, part, c, tick, tick), sourceOf(body, partner, keyOf(c, part)));
-  endCandidate(candidate, tick, s, found);
+  if (!areNear(soft, part.moving, margin(m)) || !hasSharpFeatureNear(soft.boxes->nodes[0], part)) return;
+  findContacts(m, s);
+  addCandidate(m, s.contacts, tick, s, found);
 }
 
 void gatherHeld(SoftBodyData& body, const btCollisionObject& partner, double tick, RigidSurfaces& rigids,
@@ -333,62 +300,32 @@ void gatherHeld(SoftBodyData& body, const btCollisionObject& partner, double tic
   if (partner.getCollisionShape()->getShapeType() == STATIC_PLANE_PROXYTYPE) return;
   const SweptBox box = searchBox(movingSurface(body, tick));
   if (partner.getCollisionShape()->isConcave()) {
-    RigidPart* patch = patchAround(body, partner, boxedSurface(body, tick));
-    if (patch) addHeld(body, partner, *patch, box, tick, s, found);
+    const MovingSurface& soft = boxedSurface(body, tick);
+    if (soft.boxes->nodes.empty()) return;
+    std::unique_ptr<ConcavePatch>& patch = searchWith(body, partner, 0).patch;
+    if (!patch) patch = std::make_unique<ConcavePatch>();
+    RigidPart* part = trianglesIn(soft.boxes->nodes[0], partner, *patch);
+    if (part) addHeld(body, partner, *part, box, tick, s, found);
     return;
   }
   for (RigidPart* part : rigids.partsNear(partner, box, tick))
     addHeld(body, partner, *part, box, tick, s, found);
 }
 
-// --- soft bodies -------------------------------------------------------------------------------------------
-
-/// Returns a point on a body that is not stepped in this tick. Its indices are only reported to users.
-ContactPoint foreignPoint(const SoftBodyData& body, const SurfacePoint& surfacePoint) {
-  ContactPoint p = softContactPoint(body, surfacePoint);
-  p.kind = ContactPoint::Kind::World;
-  if (body.asleep) return p;
-  for (int i = 0; i < 3; ++i)
-    p.velocity +=
-        surfacePoint.weights[i] * body.state.velocity.col(surfacePoint.points[static_cast<std::size_t>(i)]);
-  return p;
-}
-
 void gatherSoft(SoftBodyData& body, SoftBodyData& other, double tick, SurfaceSearch& s, TickContacts& found) {
   if (!other.alive || !hasSurface(other)) return;
-  const bool together = !other.asleep;
-  if (together && other.index < body.index) return;
-  const MovingSurface &a = movingSurface(body, tick), &b = movingSurface(other, tick);
-  const double margin = kMargin * std::min(a.radius, b.radius);
-  ContactCache& cache = searchWith(body, frictionObject(other), 0);
-  if (!refreshContacts(a, b, margin, cache)) {
-    boxedSurface(body, tick);
-    boxedSurface(other, tick);
-    s.contacts.clear();
-    if (areNear(a, b, margin)) findSurfaceContacts(a, b, margin, s.search, s.contacts);
-    storeContacts(a, b, s.contacts, cache);
-  }
-  SurfaceCandidate candidate{&body, &other};
-  candidate.first = static_cast<std::uint32_t>(found.contacts.size());
-  for (const SurfaceContact& c : cache.contacts) {
-    Contact pair = contactOf(candidate, c);
-    pair.b = together ? softContactPoint(other, c.b) : foreignPoint(other, c.b);
-    found.add(pair, sourceOf(candidate, c));
-  }
-  if (together) endCandidate(candidate, tick, s, found);
+  if (!other.asleep && other.index < body.index) return;
+  const SurfaceCandidate m{&body, &other};
+  movingSurface(body, tick);
+  movingSurface(other, tick);
+  addCandidate(m, cachedContacts(m, tick, s), tick, s, found);
 }
 
 void gatherSelf(SoftBodyData& body, double tick, SurfaceSearch& s, TickContacts& found) {
-  const MovingSurface& surface = boxedSurface(body, tick);
-  SurfaceCandidate candidate{&body, &body};
-  candidate.first = static_cast<std::uint32_t>(found.contacts.size());
-  findSelfContacts(surface, margin(candidate), s.search, s.contacts);
-  for (const SurfaceContact& c : s.contacts) {
-    Contact pair = contactOf(candidate, c);
-    pair.b = softContactPoint(body, c.b);
-    found.add(pair, sourceOf(candidate, c));
-  }
-  endCandidate(candidate, tick, s, found);
+  const SurfaceCandidate m{&body, &body};
+  boxedSurface(body, tick);
+  findContacts(m, s);
+  addCandidate(m, s.contacts, tick, s, found);
 }
 
 // --- within a step -----------------------------------------------------------------------------------------
@@ -427,7 +364,6 @@ void findContactsInStep(const SurfaceCandidate& m, const SidePositions& sides, d
                         SurfaceSearch& s) {
   s.pairs.clear();
   s.sources.clear();
-  s.contacts.clear();
   const MovingSurface& a = surfaceWithin(*m.body, *sides.a, ahead);
   if (m.other && !isSelf(m))
     surfaceWithin(*m.other, *sides.b, ahead);
@@ -435,29 +371,15 @@ void findContactsInStep(const SurfaceCandidate& m, const SidePositions& sides, d
     movePart(*m.part, m.partner->getWorldTransform(), *sides.rigid, ahead);
   else if (m.held && isMoved(*m.held))
     movePart(*m.part, sides.share, ahead / tick);
-  const MovingSurface& b = surfaceB(m);
-  if (isSelf(m))
-    findSelfContacts(a, margin(m), s.search, s.contacts);
-  else if (areNear(a, b, margin(m)))
-    findSurfaceContacts(a, b, margin(m), s.search, s.contacts);
-  for (const SurfaceContact& c : s.contacts) {
-    if (m.held) {
-      if (!isHeldContact(*m.body, *m.held, *m.part, c, s)) continue;
-      s.pairs.push_back(heldContact(*m.body, *m.held, *m.part, c, ahead, tick));
-      s.sources.push_back(sourceOf(*m.body, *m.held, keyOf(c, *m.part)));
-      continue;
-    }
-    if (!m.other && isAttached(*m.body, c.a, *m.partner)) continue;
-    Contact pair = contactOf(m, c);
-    if (m.other) {
-      pair.b = softContactPoint(*m.other, c.b);
-    } else {
-      pair.b.kind = ContactPoint::Kind::Rigid;
-      pair.b.arm = positionOf(b, c.b) + (b.radius + a.radius) * c.normal - sides.rigid->position;
-    }
-    s.pairs.push_back(pair);
-    s.sources.push_back(sourceOf(m, c));
-  }
+  findContacts(m, s);
+  addContacts(m, s.contacts, ahead, tick, s, s.pairs, s.sources, [&](const SurfaceContact& c) {
+    if (m.other) return softContactPoint(*m.other, c.b);
+    const MovingSurface& b = surfaceB(m);
+    ContactPoint p;
+    p.kind = ContactPoint::Kind::Rigid;
+    p.arm = positionOf(b, c.b) + (b.radius + a.radius) * c.normal - sides.rigid->position;
+    return p;
+  });
 }
 
 void shareSoftPartners(const AwakeGroups& groups) {

@@ -63,10 +63,6 @@ Eigen::Vector3d positionOf(const MovingSurface& surface, const SurfacePoint& sur
 
 // --- contacts with static and kinematic objects ------------------------------------------------------------
 
-/// Returns the triangles of a static object with a concave shape around the body in this tick, or nullptr if
-/// there are none. Makes them again when the body or the object has moved away.
-RigidPart* patchAround(SoftBodyData& body, const btCollisionObject& partner, const MovingSurface& soft);
-
 /// Returns whether a sharp edge of the part is near the box, or the part has no edges. Otherwise the contacts
 /// of the points are enough.
 bool hasSharpFeatureNear(const SweptBox& box, const RigidPart& part);
@@ -74,14 +70,14 @@ bool hasSharpFeatureNear(const SweptBox& box, const RigidPart& part);
 /// Returns whether edges and triangles sink little into a sphere or capsule if their corners rest on it.
 bool staysCloseToRound(const MovingSurface& soft, const RigidPart& part);
 
-/// Returns whether contacts of the corners replace the contact `c` of an edge or triangle. Their gaps must be
-/// at most `margin` (m) larger than that of `c`.
-bool cornersCarryContact(const SoftBodyData& body, const SurfaceContact& c, double margin);
+/// Returns whether a contact of an edge or triangle counts. It does not if contacts of its corners, whose
+/// gaps are at most `margin` (m) larger, replace it; nor if other objects cover the touched edge or corner of
+/// the part: they are nearer to the soft body, or flush with the edge or corner.
+bool isHeldContact(const SurfaceCandidate& m, const SurfaceContact& c, double margin, SurfaceSearch& s);
 
-/// Returns whether other objects cover the touched edge or corner of the part: they are nearer to the soft
-/// body, or flush with the edge or corner.
-bool isInternalEdge(const SoftBodyData& body, const MovingSurface& soft, const RigidPart& part,
-                    const SurfaceContact& c, SurfaceSearch& s);
+/// Sets the side b of a contact with a static or kinematic part, whose `motion` is that of `seconds`.
+void setHeldSide(const SurfaceCandidate& m, const SurfaceContact& c, double seconds, double tick,
+                 Contact& contact);
 
 }  // namespace LIMBER_BULLET_PRECISION
 }  // namespace limber

@@ -27,7 +27,7 @@ void warnOnStandardError(const std::string& text);
 
 /// The implementation of SoftBodySystem. The user's functions are in soft_body_system.cpp, the tick is in
 /// tick.cpp.
-struct SoftBodySystem::Impl final : TickListener, StepListener {
+struct SoftBodySystem::Impl final : TickListener {
   struct WorldStep;
 
   Impl(btDiscreteDynamicsWorld& w, Hook h);
@@ -37,17 +37,16 @@ struct SoftBodySystem::Impl final : TickListener, StepListener {
   void afterTick(btScalar tick) override;
   void tickMissed() override;
   void debugDraw(btIDebugDraw& drawer) override;
-  void motionStatesRequested() override;
 
   void hookUp();
   void unhookIfIdle(bool alive);
   bool detach(SoftBody* softBody, std::uint32_t i);
   void forget(const btRigidBody& body);
   void dropSprings(const btRigidBody& body);
-  void dropSpringsOfOthers();  ///< springs on points of this system
   bool worldAlive() const;
   void watchSteps();
   void clearForcesOnNewStep();
+  void collectAppliedForces();
   void warnAboutRestored();
   void notifyListener();
   void hideManifolds();
@@ -69,7 +68,7 @@ struct SoftBodySystem::Impl final : TickListener, StepListener {
   std::unique_ptr<StepBoundary> stepBoundary;  // exists while users access point masses outside the world
   ContactEvents events;
   bool showsManifolds = false;
-  std::vector<StrongestContacts> strongest;   // scratch of reportManifold
+  std::vector<const SoftContact*> strongest;  // scratch of reportManifold
   std::vector<SoftBody*> pendingDestruction;  // destroyed after the listener's call
 };
 

@@ -187,7 +187,6 @@ void SoftBodySystem::Impl::WorldStep::afterTick(btScalar tick) {
   for (const Island& island : islands) readIslandFromBullet(island, pairs, *world, tick);
   reportJoints(*world, pairs, tick);
   reportContacts(moving, pairs, *world, double(tick));
-  reportContactImpulses(*world->getDispatcher());
   anyRestored =
       std::any_of(moving.begin(), moving.end(), [](const SoftBodyData* body) { return body->restored; });
 }
@@ -224,7 +223,7 @@ void SoftBodySystem::Impl::warnAboutRestored() {
 
 void SoftBodySystem::Impl::watchSteps() {
   if (stepBoundary) return;
-  stepBoundary = std::make_unique<StepBoundary>(*world, *this);
+  stepBoundary = std::make_unique<StepBoundary>(*world, [this] { collectAppliedForces(); });
   // the boundary may be created inside a step, which must not count as a new one
   stepBoundary->stepHasEnded();
 }
@@ -242,7 +241,7 @@ void SoftBodySystem::Impl::clearForcesOnNewStep() {
 
 /// Collects the forces applied so far. If this step ends without a further tick, they are lost, as for
 /// Bullet's bodies. They are not lost if the user called synchronizeMotionStates() before a step.
-void SoftBodySystem::Impl::motionStatesRequested() {
+void SoftBodySystem::Impl::collectAppliedForces() {
   clearForcesOnNewStep();
   for (auto& body : bodies)
     if (isSurfaceBody(*body->data_) && body->data_->masses.exposed) collectForces(*body->data_);

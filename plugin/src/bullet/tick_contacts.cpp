@@ -1,16 +1,21 @@
 // SPDX-License-Identifier: Zlib
 
 // This file updates rigid bodies before and after Bullet's solver, numbers those in the contacts of a tick,
-// and stores the contact impulses.
+// and stores the contact impulses. It makes the contacts of rigid bodies that soft bodies push from Bullet's
+// manifolds, adds points that Bullet has dropped, and reports the impulses to Bullet.
 
 #include "bullet/tick_contacts.h"
 
 #include "bullet/bullet_objects.h"
 #include "bullet/kinematic_motion.h"
+#include "bullet/point_contacts.h"
+#include "bullet/point_masses.h"
 #include "bullet/soft_body_data.h"
+#include "bullet/surface_body.h"
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <utility>
 
 namespace limber {
@@ -20,6 +25,7 @@ inline namespace LIMBER_BULLET_PRECISION {
 
 namespace {
 
+/// A held body moves at constant velocity from its last pose to its present one.
 void gatherHeldRigid(RigidPartner& partner, RigidState& state, btScalar tick) {
   const btRigidBody& body = *partner.body;
   const btTransform& pose =
@@ -106,7 +112,7 @@ void writeRigidToBullet(RigidPartner& partner, const RigidState& end, btScalar t
   const double angular = dampingFactor(body.getAngularDamping(), tick);
   const Eigen::Vector3d initial = mean - h * partner.start.acceleration;
   setInitialAngularVelocity(body, meanAngular - h * torqueAcceleration(body), tick);
-  if (linear > 0.0) body.setLinearVelocity(toBullet(Eigen::Vector3d(initial / linear)));
+  if (linear > 0.0) body.setLinearVelocity(toBullet(initial / linear));
   if (angular > 0.0) body.setAngularVelocity(body.getAngularVelocity() / static_cast<btScalar>(angular));
   partner.expectedVelocity = toBullet(mean);
   partner.expectedAngularVelocity = toBullet(meanAngular);
@@ -180,11 +186,9 @@ ContactPoint rigidContactPoint(TickContacts& contacts, const btCollisionObject& 
 
 namespace {
 
-using Id = std::pair<int, std::uint64_t>;
-
-Id idOf(const StoredImpulse& stored) { return {stored.partner, stored.key}; }
-
-Id idOf(const ContactSource& source) { return {source.partner.id, source.key}; }
+bool isBefore(const StoredImpulse& k, const StoredImpulse& l) {
+  return std::pair(k.partner, k.key) < std::pair(l.partner, l.key);
+}
 
 }  // namespace
 
@@ -192,11 +196,10 @@ void warmStart(TickContacts& contacts) {
   for (std::size_t i = 0; i < contacts.contacts.size(); ++i) {
     const ContactSource& source = contacts.sources[i];
     if (!source.body) continue;
-    const Id id = idOf(source);
     const std::vector<StoredImpulse>& stored = source.body->storedImpulses;
-    const auto it = std::lower_bound(stored.begin(), stored.end(), id,
-                                     [](const StoredImpulse& k, const Id& other) { return idOf(k) < other; });
-    if (it != stored.end() && idOf(*it) == id && it->object == source.partner.object)
+    const StoredImpulse wanted{source.partner.id, source.partner.object, source.key, {}};
+    const auto it = std::lower_bound(stored.begin(), stored.end(), wanted, isBefore);
+    if (it != stored.end() && !isBefore(wanted, *it) && it->object == wanted.object)
       contacts.contacts[i].positionImpulse = it->impulse;
   }
 }
@@ -210,13 +213,265 @@ void storeImpulses(const std::vector<SoftBodyData*>& bodies, const TickContacts&
     // relative to the normal at the start of the tick, as the next tick's search finds it: the direction of
     // the impulse may have changed
     const double along = c.normal.dot(c.impulse.sum);
-    const Id id = idOf(source);
     source.body->storedImpulses.push_back(
-        {id.first, source.partner.object, id.second, {along, c.impulse.sum - along * c.normal}});
+        {source.partner.id, source.partner.object, source.key, {along, c.impulse.sum - along * c.normal}});
   }
-  const auto before = [](const StoredImpulse& k, const StoredImpulse& l) { return idOf(k) < idOf(l); };
   for (SoftBodyData* body : bodies)
-    std::sort(body->storedImpulses.begin(), body->storedImpulses.end(), before);
+    std::sort(body->storedImpulses.begin(), body->storedImpulses.end(), isBefore);
+}
+
+// --- points of manifolds -----------------------------------------------------------------------------------
+
+namespace {
+
+/// Largest number of points of a manifold: two faces of boxes have 8 corners.
+constexpr std::size_t kMaxPoints = 8;
+
+/// Returns the manifold's point that is nearest to `point` on its first object, or nullptr.
+btManifoldPoint* nearest(btPersistentManifold& manifold, const btManifoldPoint& point) {
+  btManifoldPoint* best = nullptr;
+  const auto distance = [&](const btManifoldPoint& p) {
+    return p.m_localPointA.distance2(point.m_localPointA);
+  };
+  for (int p = 0; p < manifold.getNumContacts(); ++p) {
+    btManifoldPoint& candidate = manifold.getContactPoint(p);
+    if (!best || distance(candidate) < distance(*best)) best = &candidate;
+  }
+  return best;
+}
+
+bool contains(btPersistentManifold& manifold, const btManifoldPoint& point) {
+  const btScalar same = manifold.getContactBreakingThreshold();
+  const btManifoldPoint* best = nearest(manifold, point);
+  return best && best->m_localPointA.distance2(point.m_localPointA) < same * same;
+}
+
+/// Returns whether a point is still valid, by the rule of btPersistentManifold::refreshContactPoints.
+bool isStillValid(const btPersistentManifold& manifold, const btManifoldPoint& point) {
+  const btScalar threshold = manifold.getContactBreakingThreshold();
+  const btVector3 offset = manifold.getBody0()->getWorldTransform() * point.m_localPointA -
+                           manifold.getBody1()->getWorldTransform() * point.m_localPointB;
+  const btScalar gap = offset.dot(point.m_normalWorldOnB);
+  return gap <= threshold && (offset - gap * point.m_normalWorldOnB).length2() <= threshold * threshold;
+}
+
+void store(const btPersistentManifold& manifold, const btManifoldPoint& point,
+           std::vector<StoredManifoldPoint>& now) {
+  now.push_back(
+      {&manifold, manifold.getBody0(), manifold.getBody1(), static_cast<std::uint32_t>(now.size()), point});
+}
+
+/// Stores the points of `manifold`, then those of history.last that the manifold no longer has but that are
+/// still valid. They go to the end of history.now. Returns the index of the first of the latter.
+std::size_t storePoints(btPersistentManifold& manifold, RigidManifolds& history) {
+  const std::size_t first = history.now.size();
+  for (int p = 0; p < manifold.getNumContacts(); ++p)
+    store(manifold, manifold.getContactPoint(p), history.now);
+  const std::size_t extra = history.now.size();
+  const auto isEarlier = [](const StoredManifoldPoint& k, const btPersistentManifold* m) {
+    return std::less<const void*>()(k.manifold, m);
+  };
+  auto k = std::lower_bound(history.last.begin(), history.last.end(), &manifold, isEarlier);
+  for (; k != history.last.end() && k->manifold == &manifold; ++k) {
+    if (k->a != manifold.getBody0() || k->b != manifold.getBody1()) continue;
+    if (contains(manifold, k->point) || !isStillValid(manifold, k->point)) continue;
+    if (history.now.size() - first < kMaxPoints) store(manifold, k->point, history.now);
+  }
+  return extra;
+}
+
+/// Starts a tick: the points stored in the last one become history.last, sorted.
+void startTick(RigidManifolds& history) {
+  history.last.swap(history.now);
+  history.now.clear();
+  std::sort(history.last.begin(), history.last.end(),
+            [](const StoredManifoldPoint& x, const StoredManifoldPoint& y) {
+              return x.manifold != y.manifold ? std::less<const void*>()(x.manifold, y.manifold)
+                                              : x.order < y.order;
+            });
+}
+
+}  // namespace
+
+// --- contacts ----------------------------------------------------------------------------------------------
+
+namespace {
+
+/// Calls visit(index in the world's list, manifold) for both objects of all manifolds with a contact
+/// response.
+template <class Visit>
+void forEachSide(btDispatcher& dispatcher, Visit visit) {
+  forEachManifold(dispatcher, [&](btPersistentManifold& manifold) {
+    const btCollisionObject *a = manifold.getBody0(), *b = manifold.getBody1();
+    if (manifold.getNumContacts() == 0 || isSoft(a) || isSoft(b)) return;
+    if (!a->hasContactResponse() || !b->hasContactResponse()) return;
+    for (const btCollisionObject* object : {a, b})
+      if (object->getWorldArrayIndex() >= 0)
+        visit(static_cast<std::size_t>(object->getWorldArrayIndex()), &manifold);
+  });
+}
+
+void fill(RigidManifolds& index, btDiscreteDynamicsWorld& world) {
+  const auto objects = static_cast<std::size_t>(world.getNumCollisionObjects());
+  index.begin.assign(objects + 2, 0);
+  forEachSide(*world.getDispatcher(),
+              [&](std::size_t object, btPersistentManifold*) { ++index.begin[object + 2]; });
+  for (std::size_t i = 2; i < index.begin.size(); ++i) index.begin[i] += index.begin[i - 1];
+  index.manifolds.resize(static_cast<std::size_t>(index.begin.back()));
+  forEachSide(*world.getDispatcher(), [&](std::size_t object, btPersistentManifold* manifold) {
+    index.manifolds[static_cast<std::size_t>(index.begin[object + 1]++)] = manifold;
+  });
+}
+
+/// Returns the impulse of the last tick as a first guess. It is spread over the solves later: there are two
+/// per substep, and their number is not known yet.
+ContactImpulse guess(const btManifoldPoint& point) {
+  btVector3 t, u;
+  btPlaneSpace1(point.m_normalWorldOnB, t, u);
+  return {double(point.m_appliedImpulse),
+          toEigen(t * point.m_appliedImpulseLateral1 + u * point.m_appliedImpulseLateral2)};
+}
+
+/// The contact's impulse is added to `reported`, which may be null.
+void addContact(TickContacts& found, const btPersistentManifold& manifold, const btManifoldPoint& point,
+                const ContactSpeeds& speeds, const ContactImpulse& guess, btManifoldPoint* reported) {
+  const btCollisionObject &a = *manifold.getBody0(), &b = *manifold.getBody1();
+  const btVector3 onA = a.getWorldTransform() * point.m_localPointA;
+  const btVector3 onB = b.getWorldTransform() * point.m_localPointB;
+  Contact c;
+  c.a = rigidContactPoint(found, a, onA);
+  c.b = rigidContactPoint(found, b, onB);
+  c.normal = toEigen(point.m_normalWorldOnB).normalized();
+  c.gap = c.normal.dot(toEigen(onA) - toEigen(onB));
+  c.friction = double(point.m_combinedFriction);
+  c.restitution = double(point.m_combinedRestitution);
+  c.bounceThreshold = speeds.bounce;
+  c.recoverySpeed = speeds.recovery;
+  c.positionImpulse = guess;
+  ContactSource source;
+  source.point = reported;
+  found.add(c, source);
+  addRollingRows(manifold, point, found);
+}
+
+/// Returns an upper bound (m) of the relative motion of the surfaces in a tick.
+btScalar relativeMotion(const btPersistentManifold& manifold, btScalar tick) {
+  btScalar motion = 0;
+  for (const btCollisionObject* object : {manifold.getBody0(), manifold.getBody1()}) {
+    const btRigidBody* body = btRigidBody::upcast(object);
+    if (!body || isStatic(*body)) continue;
+    motion += tick * (body->getLinearVelocity().length() + rotationSpeed(*body));
+  }
+  return motion;
+}
+
+/// Returns whether the object's manifolds stay during a search for contacts. Compounds may free manifolds of
+/// their children, and a GImpact mesh always does.
+bool keepsManifolds(const btCollisionObject& object) {
+  const btCollisionShape& shape = *object.getCollisionShape();
+  return !shape.isCompound() && shape.getShapeType() != GIMPACT_SHAPE_PROXYTYPE;
+}
+
+/// Runs Bullet's narrowphase again for two bodies, if their manifold stays. The points of the last tick were
+/// found before the bodies moved: they would push a rolling ball from behind.
+void refreshManifold(btDiscreteDynamicsWorld& world, const btPersistentManifold& manifold) {
+  const btCollisionObject &a = *manifold.getBody0(), &b = *manifold.getBody1();
+  if (!keepsManifolds(a) || !keepsManifolds(b)) return;
+  auto* proxyA = const_cast<btBroadphaseProxy*>(a.getBroadphaseHandle());
+  auto* proxyB = const_cast<btBroadphaseProxy*>(b.getBroadphaseHandle());
+  btBroadphasePair* pair = world.getPairCache()->findPair(proxyA, proxyB);
+  if (!pair || !pair->m_algorithm) return;
+  // as in btCollisionDispatcher::defaultNearCallback, for any dispatcher
+  const btCollisionObject* first = static_cast<btCollisionObject*>(pair->m_pProxy0->m_clientObject);
+  const btCollisionObject* second = static_cast<btCollisionObject*>(pair->m_pProxy1->m_clientObject);
+  const btCollisionObjectWrapper wrapA(nullptr, first->getCollisionShape(), first, first->getWorldTransform(),
+                                       -1, -1);
+  const btCollisionObjectWrapper wrapB(nullptr, second->getCollisionShape(), second,
+                                       second->getWorldTransform(), -1, -1);
+  btManifoldResult result(&wrapA, &wrapB);
+  pair->m_algorithm->processCollision(&wrapA, &wrapB, world.getDispatchInfo(), &result);
+}
+
+/// Adds the manifold's points. If the bodies are slow, also adds those that Bullet has dropped, and Bullet's
+/// solver ignores the manifold. The impulses of dropped points are reported at the nearest point.
+void addContacts(TickContacts& found, btPersistentManifold& manifold, const ContactSpeeds& speeds,
+                 btScalar tick, RigidManifolds& history) {
+  const bool isSlow = relativeMotion(manifold, tick) < manifold.getContactBreakingThreshold();
+  const std::size_t extra = isSlow ? storePoints(manifold, history) : history.now.size();
+  for (int p = 0; p < manifold.getNumContacts(); ++p) {
+    btManifoldPoint& point = manifold.getContactPoint(p);
+    addContact(found, manifold, point, speeds, isSlow ? guess(point) : ContactImpulse(),
+               isSlow ? &point : nullptr);
+  }
+  for (std::size_t i = extra; i < history.now.size(); ++i) {
+    const btManifoldPoint& point = history.now[i].point;
+    addContact(found, manifold, point, speeds, ContactImpulse(), nearest(manifold, point));
+  }
+  if (isSlow) manifold.setContactProcessingThreshold(kIgnoredByBullet);
+  clearImpulses(manifold);
+}
+
+/// Adds the contacts of rigid body `number` with others, except those that earlier bodies have added.
+void gatherContactsOf(btDiscreteDynamicsWorld& world, std::uint32_t number, RigidManifolds& index,
+                      btScalar tick, TickContacts& found) {
+  const btRigidBody* body = found.rigids[number].body;
+  // Bullet's solver handles the other contacts of a multibody
+  if (LinkBody::from(body)) return;
+  const auto objectIndex = static_cast<std::size_t>(found.rigids[number].handle.index);
+  for (int i = index.begin[objectIndex]; i < index.begin[objectIndex + 1]; ++i) {
+    btPersistentManifold& manifold = *index.manifolds[static_cast<std::size_t>(i)];
+    const btCollisionObject* other = manifold.getBody0() == body ? manifold.getBody1() : manifold.getBody0();
+    const btRigidBody* rigid = btRigidBody::upcast(other);
+    const std::uint32_t theirs = rigid && isFree(*rigid) ? found.find(*rigid) : TickContacts::kNone;
+    if (theirs != TickContacts::kNone && theirs <= number) continue;
+    refreshManifold(world, manifold);
+    // Bullet's own bounce threshold, and a recovery speed for the size that its breaking threshold gives
+    const double size = double(manifold.getContactBreakingThreshold());
+    const ContactSpeeds speeds{recoverySpeed(size, double(world.getGravity().length()), double(tick)),
+                               double(world.getSolverInfo().m_restitutionVelocityThreshold)};
+    addContacts(found, manifold, speeds, tick, index);
+  }
+}
+
+}  // namespace
+
+void gatherRigidContacts(btDiscreteDynamicsWorld& world, btScalar tick, RigidManifolds& index,
+                         TickContacts& found) {
+  startTick(index);
+  if (found.rigids.empty()) return;
+  fill(index, world);
+  std::uint32_t next = 0;
+  do {
+    for (; next < found.rigids.size(); ++next) gatherContactsOf(world, next, index, tick, found);
+  } while (addJoinedBodies(world, found));
+  addJointRows(world, tick, found);
+}
+
+void restoreBreakingThresholds(btDispatcher& dispatcher) {
+  // see gatherContacts() for the thresholds of points in a tick
+  const auto ownOf = [](const btCollisionObject* object) {
+    return PointMass::from(object) ? btScalar(BT_LARGE_FLOAT) : object->getContactProcessingThreshold();
+  };
+  forEachManifold(dispatcher, [&](btPersistentManifold& manifold) {
+    const btCollisionObject *a = manifold.getBody0(), *b = manifold.getBody1();
+    if (manifold.getContactProcessingThreshold() > kIgnoredByBullet || SurfaceObject::from(a) ||
+        SurfaceObject::from(b))
+      return;
+    manifold.setContactProcessingThreshold(btMin(ownOf(a), ownOf(b)));
+  });
+}
+
+void reportRigidContacts(TickContacts& contacts) {
+  for (std::size_t i = 0; i < contacts.contacts.size(); ++i) {
+    btManifoldPoint* point = contacts.sources[i].point;
+    if (!point) continue;
+    btVector3 t, u;
+    btPlaneSpace1(point->m_normalWorldOnB, t, u);
+    const btVector3 impulse = toBullet(contacts.contacts[i].impulse.sum);
+    point->m_appliedImpulse += impulse.dot(point->m_normalWorldOnB);
+    point->m_appliedImpulseLateral1 += impulse.dot(t);
+    point->m_appliedImpulseLateral2 += impulse.dot(u);
+  }
 }
 
 }  // namespace LIMBER_BULLET_PRECISION

@@ -38,11 +38,10 @@ struct RigidPartner {
   btVector3 expectedAngularVelocity;
 };
 
-/// Makes the partner of a body, which must be in the world.
+/// The body must be in the world.
 RigidPartner makePartner(btRigidBody& body);
 
-/// Fills `state` from Bullet's body. A held body moves at constant velocity from its last pose to its present
-/// one.
+/// Fills `state` from Bullet's body.
 void gatherRigid(RigidPartner& partner, RigidState& state, btScalar tick);
 
 /// Like writeVelocitiesToBullet() and finishWorldPoints() for point masses. Bullet's damping acts on the
@@ -94,10 +93,8 @@ struct TickContacts {
 
   static constexpr std::uint32_t kNone = static_cast<std::uint32_t>(-1);
 
-  /// Returns the index of a rigid body in the world, or kNone.
-  std::uint32_t find(const btRigidBody& body) const;
-  /// Returns the index of a rigid body. Adds the body on first use.
-  std::uint32_t add(btRigidBody& body);
+  std::uint32_t find(const btRigidBody& body) const;  ///< index of a body in the world, or kNone
+  std::uint32_t add(btRigidBody& body);               ///< index of a body, which is added on first use
   void add(const Contact& contact, const ContactSource& source);
   /// Removes all contents but keeps the memory. `comingTick`: length of the next tick, s.
   void clear(double comingTick = 0.0);
@@ -131,26 +128,21 @@ struct StoredManifoldPoint {
   btManifoldPoint point;
 };
 
-/// The contact points of the last tick. Stacked boxes may have eight contact points, but a manifold holds at
-/// most four of them, which change from tick to tick. Sometimes all four are on one side, and the upper box
-/// tips over for a tick. Earlier points that are still valid prevent this.
-struct ManifoldPointHistory {
-  std::vector<StoredManifoldPoint> last;  ///< sorted by manifold
-  std::vector<StoredManifoldPoint> now;
-};
-
 /// Bullet's contact manifolds by object, those of one object in the order of the dispatcher.
+///
+/// Stacked boxes may have eight contact points, but a manifold holds at most four of them, which change from
+/// tick to tick. Sometimes all four are on one side, and the upper box tips over for a tick. Earlier points
+/// that are still valid prevent this.
 struct RigidManifolds {
   std::vector<int> begin;                        ///< #objects + 1, into `manifolds`
   std::vector<btPersistentManifold*> manifolds;  ///< each twice
-  ManifoldPointHistory history;
+  std::vector<StoredManifoldPoint> last, now;  ///< points of the two last ticks; `last` is sorted by manifold
 };
 
 /// Adds the contacts and joints of the rigid bodies that a soft body pushes: those of found.rigids with held
 /// objects and with further rigid bodies. These are added to found.rigids and handled in the same way, until
 /// no more bodies are found (a limit would make piles collapse). Contacts come from Bullet's manifolds, which
-/// Bullet's narrowphase updates for the present poses. They are warm started with the impulses of the last
-/// tick. Point masses and surface objects are skipped.
+/// Bullet's narrowphase updates for the present poses. Point masses and surface objects are skipped.
 ///
 /// Bullet's solver then ignores the manifolds whose points it already has (btPersistentManifold::
 /// setContactProcessingThreshold). It still solves a manifold that may get new points in this tick because of
@@ -158,8 +150,8 @@ struct RigidManifolds {
 void gatherRigidContacts(btDiscreteDynamicsWorld& world, btScalar tick, RigidManifolds& index,
                          TickContacts& found);
 
-/// Makes Bullet's solver handle all manifolds again that gatherRigidContacts() excluded, also for other
-/// systems in the world.
+/// Makes Bullet's solver handle all manifolds again that gatherRigidContacts() and disableBulletResponse()
+/// excluded, also for other systems in the world.
 void restoreBreakingThresholds(btDispatcher& dispatcher);
 
 /// Writes the impulses of the contacts to Bullet's manifolds, after the step, where users read them
@@ -198,21 +190,17 @@ void reportJoints(btDynamicsWorld& world, const TickContacts& contacts, btScalar
 // --- multibodies -------------------------------------------------------------------------------------------
 
 /// A rigid body that represents a link (or the base) of a btMultiBody in the present tick. It is in no world.
-class LinkBody final : public btRigidBody {
+class LinkBody final : public OwnBody<LinkBody> {
  public:
   BT_DECLARE_ALIGNED_ALLOCATOR();
 
-  LinkBody(btMultiBody& m, int l);
-
-  /// Returns the object as a link, or nullptr.
-  static LinkBody* from(btCollisionObject* object);
-  static const LinkBody* from(const btCollisionObject* object);
+  LinkBody(btMultiBody& m, int l)
+      : OwnBody(btRigidBodyConstructionInfo(1, nullptr, nullptr)), multiBody(&m), link(l) {}
 
   btMultiBody* multiBody;
   int link;  ///< -1: the base
   const btMultiBodyLinkCollider* collider = nullptr;
-  int unused = 0;  ///< ticks since its last use
-  bool present = false;
+  int unused = 1;                                                               ///< ticks since its last use
   btVector3 impulse = btVector3(0, 0, 0), angularImpulse = btVector3(0, 0, 0);  ///< N s, N m s
 };
 
@@ -244,7 +232,7 @@ class MultiBodyLinks {
 
  private:
   LinkBody& bodyOf(btMultiBody& multiBody, int link);
-  void addJoints(btMultiBody& multiBody, const btCollisionObject& touched, TickContacts& found);
+  void addJoints(btMultiBody& multiBody, btCollisionObject& touched, TickContacts& found);
   void addJoint(btMultiBody& multiBody, int link, TickContacts& found);
   void apply(btMultiBody& multiBody);
 

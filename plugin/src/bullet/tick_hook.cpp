@@ -5,9 +5,12 @@
 
 #include "bullet/tick_hook.h"
 
+#include "bullet/bullet_objects.h"
+
 #include <algorithm>
 #include <memory>
 #include <mutex>
+#include <utility>
 
 namespace limber {
 inline namespace LIMBER_BULLET_PRECISION {
@@ -15,14 +18,6 @@ inline namespace LIMBER_BULLET_PRECISION {
 // --- ticks -------------------------------------------------------------------------------------------------
 
 namespace {
-
-/// Reads the world's callback. btDynamicsWorld has no getter for it, but a derived class may access the
-/// protected member.
-struct CallbackReader : btDynamicsWorld {
-  static btInternalTickCallback read(const btDynamicsWorld& world) {
-    return world.*(&CallbackReader::m_internalPreTickCallback);
-  }
-};
 
 struct HookList {
   std::mutex mutex;  // worlds may be stepped by several threads
@@ -43,18 +38,6 @@ TickHook* findHook(HookList& list, btDynamicsWorld* world) {
   return nullptr;
 }
 
-bool contains(const std::vector<TickListener*>& listeners, const TickListener* listener) {
-  return std::find(listeners.begin(), listeners.end(), listener) != listeners.end();
-}
-
-bool hasAny(const std::vector<TickListener*>& listeners) {
-  return std::any_of(listeners.begin(), listeners.end(), [](const TickListener* l) { return l; });
-}
-
-void eraseRemoved(std::vector<TickListener*>& listeners) {
-  listeners.erase(std::remove(listeners.begin(), listeners.end(), nullptr), listeners.end());
-}
-
 }  // namespace
 
 TickHook& TickHook::listen(btDynamicsWorld& world, TickListener& listener, bool pretick) {
@@ -65,54 +48,46 @@ TickHook& TickHook::listen(btDynamicsWorld& world, TickListener& listener, bool 
     list.hooks.emplace_back(&world, std::unique_ptr<TickHook>(new TickHook(world)));
     hook = list.hooks.back().second.get();
   }
-  if (!hook->hasListeners()) {
+  auto& listeners = hook->listeners_;
+  const auto isUsed = [](const Entry& entry) { return entry.listener; };
+  const auto usesSlot = [](const Entry& entry) { return entry.listener && entry.pretick; };
+  if (std::none_of(listeners.begin(), listeners.end(), isUsed)) {
     // an unused hook may still be one of the world's actions, or belong to a world that was deleted
     world.removeAction(hook);
     world.addAction(hook);
   }
-  hook->actionListeners_.push_back(&listener);
-  if (!pretick) return *hook;
-  if (!hasAny(hook->pretickListeners_)) hook->takeSlot();
-  hook->pretickListeners_.push_back(&listener);
+  if (pretick && std::none_of(listeners.begin(), listeners.end(), usesSlot)) hook->takeSlot();
+  listeners.push_back({&listener, pretick});
   return *hook;
 }
 
-bool TickHook::hasListeners() const { return hasAny(actionListeners_); }
-
 void TickHook::leave(TickListener& listener, bool worldAlive) {
   const std::lock_guard<std::mutex> lock(hookList().mutex);
-  for (auto* listeners : {&actionListeners_, &pretickListeners_})
-    std::replace(listeners->begin(), listeners->end(), &listener, static_cast<TickListener*>(nullptr));
+  for (Entry& entry : listeners_)
+    if (entry.listener == &listener) entry.listener = nullptr;
   if (calls_ == 0 && worldAlive) detachIfUnused();
 }
 
 /// The list must be locked. May delete `this`.
 void TickHook::detachIfUnused() {
-  eraseRemoved(actionListeners_);
-  eraseRemoved(pretickListeners_);
-  if (!hasListeners()) detach();
-}
-
-void TickHook::detach() {
+  const auto isGone = [](const Entry& entry) { return !entry.listener; };
+  listeners_.erase(std::remove_if(listeners_.begin(), listeners_.end(), isGone), listeners_.end());
+  if (!listeners_.empty()) return;
   world_->removeAction(this);
   // a callback that was set after ours may call it: then the hook stays, and calls the previous callback
   if (!inPlace() && previous_) return;
-  releaseSlot();
+  if (inPlace()) world_->setInternalTickCallback(previous_, world_->getWorldUserInfo(), true);
   auto& hooks = hookList().hooks;
   const auto self = [&](const auto& entry) { return entry.second.get() == this; };
   hooks.erase(std::find_if(hooks.begin(), hooks.end(), self));
 }
 
-bool TickHook::inPlace() const { return CallbackReader::read(*world_) == &TickHook::preTick; }
+bool TickHook::inPlace() const { return world_->*WorldMembers::kPreTickCallback == &TickHook::preTick; }
 
 void TickHook::takeSlot() {
   if (inPlace()) return;
-  previous_ = CallbackReader::read(*world_);
+  previous_ = world_->*WorldMembers::kPreTickCallback;
   world_->setInternalTickCallback(&TickHook::preTick, world_->getWorldUserInfo(), true);
-}
-
-void TickHook::releaseSlot() {
-  if (inPlace()) world_->setInternalTickCallback(previous_, world_->getWorldUserInfo(), true);
 }
 
 void TickHook::preTick(btDynamicsWorld* world, btScalar tick) {
@@ -131,10 +106,10 @@ void TickHook::preTick(btDynamicsWorld* world, btScalar tick) {
 
 /// Also calls listeners that are added during the calls.
 template <class Call>
-void TickHook::callEach(const std::vector<TickListener*>& listeners, Call call) {
+void TickHook::callEach(Call call) {
   ++calls_;
-  for (std::size_t i = 0; i < listeners.size(); ++i)
-    if (listeners[i]) call(*listeners[i]);
+  for (std::size_t i = 0; i < listeners_.size(); ++i)
+    if (const Entry entry = listeners_[i]; entry.listener) call(*entry.listener, entry.pretick);
   --calls_;
 }
 
@@ -143,7 +118,9 @@ void TickHook::beforeTick(btScalar tick) {
   ++calls_;
   if (previous_) previous_(world_, tick);
   --calls_;
-  callEach(pretickListeners_, [&](TickListener& listener) { listener.beforeTick(tick); });
+  callEach([&](TickListener& listener, bool pretick) {
+    if (pretick) listener.beforeTick(tick);
+  });
   inTick_ = false;
   sawTick_ = true;
 }
@@ -151,8 +128,8 @@ void TickHook::beforeTick(btScalar tick) {
 void TickHook::updateAction(btCollisionWorld*, btScalar tick) {
   const bool sawTick = sawTick_;
   sawTick_ = false;
-  callEach(actionListeners_, [&](TickListener& listener) {
-    if (sawTick || !contains(pretickListeners_, &listener))
+  callEach([&](TickListener& listener, bool pretick) {
+    if (sawTick || !pretick)
       listener.afterTick(tick);
     else if (!inPlace())
       listener.tickMissed();
@@ -161,7 +138,7 @@ void TickHook::updateAction(btCollisionWorld*, btScalar tick) {
 }
 
 void TickHook::debugDraw(btIDebugDraw* drawer) {
-  callEach(actionListeners_, [&](TickListener& listener) { listener.debugDraw(*drawer); });
+  callEach([&](TickListener& listener, bool) { listener.debugDraw(*drawer); });
 }
 
 // --- steps -------------------------------------------------------------------------------------------------
@@ -171,46 +148,37 @@ namespace {
 /// N; any value except 0.
 const btVector3 kMarkForce(1, 0, 0);
 
-int boundaryMark;  // see pointMassMark
-
 }  // namespace
 
-class StepBoundary::State final : public btMotionState {
- public:
-  explicit State(StepBoundary* owner) : owner_(owner) {}
+struct StepBoundary::State final : btMotionState {
+  explicit State(StepBoundary* o) : owner(o) {}
   ~State() override {
-    if (owner_) owner_->state_ = nullptr;
+    if (owner) owner->state_ = nullptr;
   }
-  void disown() { owner_ = nullptr; }
   void getWorldTransform(btTransform& pose) const override { pose.setIdentity(); }
   void setWorldTransform(const btTransform&) override {
-    if (owner_) owner_->listener_->motionStatesRequested();
+    if (owner) owner->motionStatesRequested_();
   }
 
- private:
-  StepBoundary* owner_;
+  StepBoundary* owner;  ///< nullptr: it is being destroyed
 };
 
-class StepBoundary::Body final : public btRigidBody {
- public:
-  Body(StepBoundary* owner, State* state, btCollisionShape* shape)
-      : btRigidBody(btRigidBodyConstructionInfo(0, state, shape)), owner_(owner) {
-    internalSetExtensionPointer(&boundaryMark);
+struct StepBoundary::Body final : OwnBody<Body> {
+  Body(StepBoundary* o, State* state, btCollisionShape* shape)
+      : OwnBody(btRigidBodyConstructionInfo(0, state, shape)), owner(o) {
     // dynamic for Bullet: else it would not clear its forces or update its motion state
     setCollisionFlags(CF_NO_CONTACT_RESPONSE | CF_DISABLE_VISUALIZE_OBJECT);
     forceActivationState(DISABLE_DEACTIVATION);
   }
   ~Body() override {
-    if (owner_) owner_->body_ = nullptr;
+    if (owner) owner->body_ = nullptr;
   }
-  void disown() { owner_ = nullptr; }
 
- private:
-  StepBoundary* owner_;
+  StepBoundary* owner;  ///< nullptr: it is being destroyed
 };
 
-StepBoundary::StepBoundary(btDiscreteDynamicsWorld& world, StepListener& listener)
-    : world_(&world), listener_(&listener), state_(new State(this)) {
+StepBoundary::StepBoundary(btDiscreteDynamicsWorld& world, std::function<void()> motionStatesRequested)
+    : world_(&world), motionStatesRequested_(std::move(motionStatesRequested)), state_(new State(this)) {
   body_ = new Body(this, state_, &shape_);
   world.addRigidBody(body_, 0, 0);
 }
@@ -218,12 +186,12 @@ StepBoundary::StepBoundary(btDiscreteDynamicsWorld& world, StepListener& listene
 StepBoundary::~StepBoundary() {
   if (body_) {
     if (isInWorld()) world_->removeRigidBody(body_);
-    body_->disown();
+    body_->owner = nullptr;
     body_->setMotionState(nullptr);
     delete body_;
   }
   if (state_) {
-    state_->disown();
+    state_->owner = nullptr;
     delete state_;
   }
 }
@@ -236,40 +204,20 @@ bool StepBoundary::stepHasEnded() {
   return ended;
 }
 
-bool StepBoundary::isOne(const btCollisionObject* object) {
-  return object && object->internalGetExtensionPointer() == &boundaryMark;
-}
+bool StepBoundary::isOne(const btCollisionObject* object) { return Body::from(object) != nullptr; }
 
 bool StepBoundary::isInWorld() const { return body_ && body_->isInWorld(); }
 
 // --- clock -------------------------------------------------------------------------------------------------
 
-namespace {
-
-/// Reads the world's clock. btDiscreteDynamicsWorld has no getters for it, but a derived class may access the
-/// protected members.
-struct ClockReader : btDiscreteDynamicsWorld {
-  static btScalar timeSinceTick(const btDiscreteDynamicsWorld& world) {
-    return world.*(&ClockReader::m_localTime);
-  }
-  static btScalar fixedTick(const btDiscreteDynamicsWorld& world) {
-    return world.*(&ClockReader::m_fixedTimeStep);
-  }
-  static bool hasLatency(const btDiscreteDynamicsWorld& world) {
-    return world.*(&ClockReader::m_latencyMotionStateInterpolation);
-  }
-};
-
-}  // namespace
-
 // As in btDiscreteDynamicsWorld::synchronizeSingleMotionState: the shown state is later than the last tick by
 // m_localTime - m_fixedTimeStep with latency and by m_localTime without. With ticks of variable length the
 // world sets m_fixedTimeStep to 0 and always shows the last tick.
 double tickFraction(const btDiscreteDynamicsWorld& world) {
-  const double tick = double(ClockReader::fixedTick(world));
+  const double tick = double(world.*WorldMembers::kFixedTick);
   if (!(tick > 0.0)) return 1.0;
-  const double share = double(ClockReader::timeSinceTick(world)) / tick;
-  return ClockReader::hasLatency(world) ? share : 1.0 + share;
+  const double share = double(world.*WorldMembers::kTimeSinceTick) / tick;
+  return world.*WorldMembers::kHasLatency ? share : 1.0 + share;
 }
 
 }  // namespace LIMBER_BULLET_PRECISION

@@ -9,6 +9,7 @@
 
 #include <btBulletDynamicsCommon.h>
 
+#include <functional>
 #include <vector>
 
 namespace limber {
@@ -59,18 +60,18 @@ class TickHook final : public btActionInterface {
   explicit TickHook(btDynamicsWorld& world) : world_(&world) {}
   static void preTick(btDynamicsWorld* world, btScalar tick);
   void beforeTick(btScalar tick);
-  void releaseSlot();
-  bool hasListeners() const;
-  void detach();
   void detachIfUnused();
   template <class Call>
-  void callEach(const std::vector<TickListener*>& listeners, Call call);
+  void callEach(Call call);
+
+  struct Entry {
+    TickListener* listener;  ///< nullptr: was removed during the calls
+    bool pretick;            ///< is called before ticks, too
+  };
 
   btDynamicsWorld* world_;
   btInternalTickCallback previous_ = nullptr;
-  // nullptr: a listener that was removed during the calls
-  std::vector<TickListener*> pretickListeners_;
-  std::vector<TickListener*> actionListeners_;
+  std::vector<Entry> listeners_;
   int calls_ = 0;  // active ones: during them, listeners and callbacks may be added and removed, and destroy
                    // each other
   bool inTick_ = false;
@@ -78,15 +79,6 @@ class TickHook final : public btActionInterface {
 };
 
 // --- steps -------------------------------------------------------------------------------------------------
-
-/// A listener that treats forces on bodies outside the world as Bullet treats those inside.
-class StepListener {
- public:
-  virtual ~StepListener() = default;
-  /// Called when motion states are updated: after each tick, with user callbacks; in a stepSimulation()
-  /// without any tick; or when the user synchronises them between steps.
-  virtual void motionStatesRequested() = 0;
-};
 
 /// Detects the end of a stepSimulation(). Bullet has no callback at its start or end. It clears the forces on
 /// all bodies at the end, and updates the motion states of those that are awake after every tick (or once if
@@ -96,7 +88,9 @@ class StepListener {
 /// The application may delete the body and its motion state; every tick then counts as a new step.
 class StepBoundary {
  public:
-  StepBoundary(btDiscreteDynamicsWorld& world, StepListener& listener);
+  /// Calls motionStatesRequested() when motion states are updated: after each tick, with user callbacks; in a
+  /// stepSimulation() without any tick; or when the user synchronises them between steps.
+  StepBoundary(btDiscreteDynamicsWorld& world, std::function<void()> motionStatesRequested);
   ~StepBoundary();
   StepBoundary(const StepBoundary&) = delete;
   StepBoundary& operator=(const StepBoundary&) = delete;
@@ -112,11 +106,11 @@ class StepBoundary {
   bool isInWorld() const;
 
  private:
-  class Body;
-  class State;
+  struct Body;
+  struct State;
 
   btDiscreteDynamicsWorld* world_;
-  StepListener* listener_;
+  std::function<void()> motionStatesRequested_;
   btEmptyShape shape_;
   Body* body_;
   State* state_;

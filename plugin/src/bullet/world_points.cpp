@@ -1,13 +1,15 @@
 // SPDX-License-Identifier: Zlib
 
-// This file writes the motion of points in the world to Bullet's bodies and reads the impulses of Bullet's
-// solver from them. It stops fast points at the first object in their path, and reads and writes Bullet's
-// manifolds.
+// This file is Collision::Points: the point masses of a body are in the world. It writes their motion to
+// Bullet's bodies and reads the impulses of Bullet's solver from them, stops fast points at the first object
+// in their path, finds contacts with points of other bodies, and reads and writes Bullet's manifolds.
 
 #include "bullet/bullet_objects.h"
+#include "bullet/linked_group.h"
 #include "bullet/point_contacts.h"
 #include "bullet/point_masses.h"
 #include "bullet/soft_body_data.h"
+#include "bullet/tick_contacts.h"
 
 #include <limber/soft_body_system.h>
 
@@ -94,7 +96,7 @@ void writeVelocitiesToBullet(SoftBodyData& body, btScalar tick) {
     if (m.held[i]) continue;
     PointMass& point = *m.bodies[i];
     const Eigen::Vector3d mean = (body.state.position.col(i) - m.startPosition.col(i)) / double(tick);
-    const btVector3 written = toBullet(Eigen::Vector3d(mean - double(tick) * body.state.acceleration.col(i)));
+    const btVector3 written = toBullet(mean - double(tick) * body.state.acceleration.col(i));
     point.setLinearVelocity(written);
     m.expectedVelocity[i] = untouchedVelocity(point, written, tick);
   }
@@ -128,18 +130,6 @@ constexpr double kMaxUnsweptMotion = 0.25;
 /// Fraction of the radius that is swept, so that a point at rest does not hit its support.
 constexpr double kSweptRadius = 0.9;
 
-/// Finds out whether a body may have passed through an object in a tick.
-struct ObstacleQuery final : btBroadphaseAabbCallback {
-  explicit ObstacleQuery(const SoftBodyData& b) : body(&b) {}
-  const SoftBodyData* body;
-  bool any = false;
-
-  bool process(const btBroadphaseProxy* proxy) override {
-    any = any || canHit(*body, *proxy);
-    return true;
-  }
-};
-
 struct FirstHit final : btCollisionWorld::ClosestConvexResultCallback {
   FirstHit(const SoftBodyData& b, const PointMass& p, const btVector3& from, const btVector3& to)
       : ClosestConvexResultCallback(from, to), body(&b), point(&p) {}
@@ -156,14 +146,17 @@ double motion(const SoftBodyData& body, Eigen::Index i) {
   return (body.state.position.col(i) - body.masses.startPosition.col(i)).norm();
 }
 
+/// Returns whether the body may have passed through an object in the tick.
 bool hasObstacle(const SoftBodyData& body, double longest) {
   const Points& from = body.masses.startPosition;
-  const double margin = double(body.masses.shape->getRadius()) + longest;
+  const double margin = radiusOf(body) + longest;
   const Eigen::Vector3d low = from.rowwise().minCoeff().array() - margin;
   const Eigen::Vector3d high = from.rowwise().maxCoeff().array() + margin;
-  ObstacleQuery found(body);
-  body.world->getBroadphase()->aabbTest(toBullet(low), toBullet(high), found);
-  return found.any;
+  bool any = false;
+  forEachObjectIn(*body.world, toBullet(low), toBullet(high), [&](const btCollisionObject& object) {
+    any = any || canHit(body, *object.getBroadphaseHandle());
+  });
+  return any;
 }
 
 void sweepPoint(SoftBodyData& body, Eigen::Index i) {
@@ -189,7 +182,7 @@ void sweepPoint(SoftBodyData& body, Eigen::Index i) {
 /// shorter than the world's m_allowedCcdPenetration (4 cm), twice the size of a point mass.
 void stopAtFirstContact(SoftBodyData& body) {
   if (!body.settings.continuousCollision) return;
-  const double unswept = kMaxUnsweptMotion * double(body.masses.shape->getRadius());
+  const double unswept = kMaxUnsweptMotion * radiusOf(body);
   const auto isUnexpected = [&](Eigen::Index i) {
     const auto at = static_cast<std::size_t>(i);
     return !body.masses.held[at] && motion(body, i) > std::max(unswept, body.searchDistance[at]);
@@ -213,81 +206,155 @@ void finishWorldPoints(SoftBodyData& body, btScalar tick) {
   writePoints(body);
 }
 
+// --- contacts with points of other bodies ------------------------------------------------------------------
+
+namespace {
+
+ContactPoint contactPointOf(const PointMass& point) {
+  ContactPoint result;
+  result.kind = point.owner()->asleep ? ContactPoint::Kind::World : ContactPoint::Kind::Soft;
+  result.body = point.owner()->index;
+  result.point[0] = point.index();
+  return result;
+}
+
+Contact contactOf(const PointMass& point, const PointMass& other, const Eigen::Vector3d& normal,
+                  const Eigen::Vector3d& offset, double radiusSum) {
+  const SoftBodyData &body = *point.owner(), &theirs = *other.owner();
+  Contact c;
+  c.a = contactPointOf(point);
+  c.b = contactPointOf(other);
+  c.normal = normal;
+  c.gap = normal.dot(offset) - radiusSum;
+  c.spheres = theirs.asleep ? 0.0 : radiusSum;
+  c.friction = double(gCalculateCombinedFrictionCallback(&point, &other));
+  c.restitution = double(gCalculateCombinedRestitutionCallback(&point, &other));
+  c.bounceThreshold = body.speeds.bounce;
+  c.recoverySpeed =
+      theirs.asleep ? body.speeds.recovery : std::min(body.speeds.recovery, theirs.speeds.recovery);
+  return c;
+}
+
+/// Returns a column of a velocity or acceleration; 0 for a sleeping body, which is not stepped.
+Eigen::Vector3d movingColumn(const PointMass& point, const Points& quantity) {
+  if (point.owner()->asleep) return Eigen::Vector3d::Zero();
+  return quantity.col(point.index());
+}
+
+/// Adds the contact of two points if they may touch in the tick (s).
+void addIfNear(const PointMass& point, const PointMass& other, double tick, TickContacts& found) {
+  const PointState &ours = point.owner()->state, &theirs = other.owner()->state;
+  const Eigen::Vector3d offset = ours.position.col(point.index()) - theirs.position.col(other.index());
+  const Eigen::Vector3d velocity = movingColumn(point, ours.velocity) - movingColumn(other, theirs.velocity);
+  const double change =
+      tick * tick *
+      (movingColumn(point, ours.acceleration) - movingColumn(other, theirs.acceleration)).norm();
+  const double radiusSum = radiusOf(*point.owner()) + radiusOf(*other.owner());
+  if (offset.norm() - radiusSum > kSearchPerMotion * (tick * velocity.norm() + change) + radiusSum / 3.0)
+    return;
+  const Eigen::Vector3d nearest = offsetWhenNearest(offset, velocity, tick, radiusSum);
+  if (nearest.norm() > 0.0)
+    found.add(contactOf(point, other, nearest.normalized(), offset, radiusSum),
+              {nullptr, point.owner(), other.owner(), handleOf(other), point.index()});
+}
+
+/// Calls visit(point) for the points of other bodies whose boxes overlap the region.
+template <class Visit>
+void forEachOtherPoint(const SoftBodyData& body, const Eigen::Vector3d& low, const Eigen::Vector3d& high,
+                       Visit visit) {
+  forEachObjectIn(*body.world, toBullet(low), toBullet(high), [&](const btCollisionObject& object) {
+    const PointMass* other = PointMass::from(&object);
+    if (other && other->owner() != &body) visit(*other);
+  });
+}
+
+/// Adds the contacts of a body's points. No point moves farther than `farthest` (m) towards another one.
+void addPointPairs(const SoftBodyData& body, double tick, double farthest, TickContacts& found) {
+  Eigen::AlignedBox3d box;
+  for (std::uint32_t i = 0; i < body.masses.bodies.size(); ++i) {
+    const SearchRegion region = searchRegionOf(body, i, tick, farthest);
+    box.extend(region.low).extend(region.high);
+  }
+  bool any = false;
+  forEachOtherPoint(body, box.min(), box.max(), [&](const PointMass&) { any = true; });
+  if (!any) return;
+  for (std::uint32_t i = 0; i < body.masses.bodies.size(); ++i) {
+    const SearchRegion region = searchRegionOf(body, i, tick, farthest);
+    forEachOtherPoint(body, region.low, region.high, [&](const PointMass& other) {
+      const SoftBodyData* theirs = other.owner();
+      if (!theirs || !theirs->alive) return;
+      // the other body adds the contact
+      if (!theirs->asleep && theirs->index < body.index) return;
+      if (canHit(body, *other.getBroadphaseHandle()) && canHit(body, i, other))
+        addIfNear(*body.masses.bodies[i], other, tick, found);
+    });
+  }
+}
+
+}  // namespace
+
+void gatherPointPairs(const AwakeGroups& groups, btScalar tick, TickContacts& found) {
+  double farthest = 0.0;
+  for (const LinkedGroup* group : groups)
+    for (const SoftBodyData* body : group->bodies)
+      if (!isSurfaceBody(*body))
+        farthest =
+            std::max(farthest, *std::max_element(body->searchDistance.begin(), body->searchDistance.end()));
+  for (const LinkedGroup* group : groups)
+    for (const SoftBodyData* body : group->bodies)
+      if (!isSurfaceBody(*body)) addPointPairs(*body, double(tick), farthest, found);
+}
+
 // --- Bullet's contacts with points -------------------------------------------------------------------------
 
 namespace {
 
-/// Calls visit(manifold point, soft body, point, partner) for all contacts of point masses.
+/// Calls visit(manifold, point, partner) for all manifolds of point masses.
 template <class Visit>
-void forEachContact(btDispatcher& dispatcher, Visit visit) {
-  for (int m = 0; m < dispatcher.getNumManifolds(); ++m) {
-    btPersistentManifold& manifold = *dispatcher.getManifoldByIndexInternal(m);
+void forEachPointManifold(btDispatcher& dispatcher, Visit visit) {
+  forEachManifold(dispatcher, [&](btPersistentManifold& manifold) {
     PointMass* first = PointMass::from(const_cast<btCollisionObject*>(manifold.getBody0()));
     PointMass* point = first ? first : PointMass::from(const_cast<btCollisionObject*>(manifold.getBody1()));
-    if (!point || !point->owner()) continue;
-    const btCollisionObject* partner = first ? manifold.getBody1() : manifold.getBody0();
-    visit(manifold, *point, partner);
-  }
+    if (point && point->owner())
+      visit(manifold, *point, *(first ? manifold.getBody1() : manifold.getBody0()));
+  });
 }
 
 /// Returns whether both objects are points of soft bodies, at least one of them awake: gatherPointPairs()
 /// adds their contacts.
-bool isBetweenAwakePoints(const PointMass& point, const btCollisionObject* partner) {
-  const PointMass* other = PointMass::from(partner);
+bool isBetweenAwakePoints(const PointMass& point, const btCollisionObject& partner) {
+  const PointMass* other = PointMass::from(&partner);
   return other && other->owner() && !(point.owner()->asleep && other->owner()->asleep);
+}
+
+bool hasRows(const PointMass& point, const btCollisionObject& partner) {
+  const SoftBodyData& body = *point.owner();
+  const ContactRange rows = contactsOfPoint(body.contacts, point.index());
+  const auto partners = body.contactPartners.data();
+  return std::find(partners + rows.begin, partners + rows.end, &partner) != partners + rows.end;
 }
 
 }  // namespace
 
 void readManifolds(btDispatcher& dispatcher) {
-  forEachContact(
-      dispatcher, [](btPersistentManifold& manifold, PointMass& point, const btCollisionObject* partner) {
+  forEachPointManifold(
+      dispatcher, [](btPersistentManifold& manifold, PointMass& point, const btCollisionObject& partner) {
         const bool betweenPoints = isBetweenAwakePoints(point, partner);
-        if (!betweenPoints && (point.owner()->asleep || !isStaticOrKinematic(*partner))) return;
-        const btCollisionShape& shape = *partner->getCollisionShape();
+        if (!betweenPoints && (point.owner()->asleep || !isStaticOrKinematic(partner))) return;
+        const btCollisionShape& shape = *partner.getCollisionShape();
         const bool isSimple = manifold.getNumContacts() == 1 && !shape.isConcave() && !shape.isCompound();
         if (isSimple && !betweenPoints) point.cachedContact = &manifold;
-        // the plane contacts are enough: Bullet would push the point out of the partner's pose at the end of
-        // the tick
-        if (isAtEndPose(*partner)) manifold.setContactProcessingThreshold(-BT_LARGE_FLOAT);
-        for (int p = 0; p < manifold.getNumContacts(); ++p) {
-          btManifoldPoint& contact = manifold.getContactPoint(p);
-          contact.m_appliedImpulse = contact.m_appliedImpulseLateral1 = contact.m_appliedImpulseLateral2 = 0;
-        }
+        clearImpulses(manifold);
       });
 }
 
 void disableBulletResponse(btDispatcher& dispatcher) {
-  forEachContact(dispatcher,
-                 [](btPersistentManifold& manifold, PointMass& point, const btCollisionObject* partner) {
-                   if (isBetweenAwakePoints(point, partner))
-                     manifold.setContactProcessingThreshold(-BT_LARGE_FLOAT);
-                   const SoftBodyData& body = *point.owner();
-                   const ContactRange rows = contactsOfPoint(body.contacts, point.index());
-                   for (std::size_t r = rows.begin; r < rows.end && !body.asleep; ++r)
-                     if (body.contactPartners[r] == partner)
-                       manifold.setContactProcessingThreshold(-BT_LARGE_FLOAT);
-                 });
-}
-
-void reportContactImpulses(btDispatcher& dispatcher) {
-  forEachContact(dispatcher, [](btPersistentManifold& manifold, PointMass& point,
-                                const btCollisionObject* partner) {
-    const SoftBodyData& body = *point.owner();
-    const ContactRange rows = contactsOfPoint(body.contacts, point.index());
-    manifold.setContactProcessingThreshold(
-        btMin(point.getContactProcessingThreshold(), partner->getContactProcessingThreshold()));
-    for (std::size_t r = rows.begin; r < rows.end; ++r) {
-      const PlaneContact& row = body.contacts[r];
-      if (body.contactPartners[r] != partner) continue;
-      int nearest = -1;
-      for (int p = 0; p < manifold.getNumContacts(); ++p) {
-        const double along = std::abs(toEigen(manifold.getContactPoint(p).m_normalWorldOnB).dot(row.normal));
-        if (along > kSameSurface && nearest < 0) nearest = p;
-      }
-      if (nearest < 0) continue;
-      manifold.getContactPoint(nearest).m_appliedImpulse += static_cast<btScalar>(row.impulse.along);
-    }
+  forEachPointManifold(dispatcher, [](btPersistentManifold& manifold, const PointMass& point,
+                                      const btCollisionObject& partner) {
+    // where an object is at its end pose, Bullet would push the point out of that
+    const bool onOwnRows = !point.owner()->asleep && (isAtEndPose(partner) || hasRows(point, partner));
+    if (onOwnRows || isBetweenAwakePoints(point, partner))
+      manifold.setContactProcessingThreshold(kIgnoredByBullet);
   });
 }
 
