@@ -236,10 +236,8 @@ inline void addFriction(const ContactConstraint& row, double u, double v, double
   const double speed = std::sqrt(u * u + v * v);
   const double mass = speed > 0.0 ? std::max(row.turnMass, minChange * limit / speed) : 0.0;
   sum.u -= mass * u, sum.v -= mass * v;
-  const double squared = sum.u * sum.u + sum.v * sum.v;
-  if (squared <= limit * limit) return;
-  const double scale = limit / std::sqrt(squared);
-  sum.u *= scale, sum.v *= scale;
+  const double factor = coneFactor(sum.u * sum.u + sum.v * sum.v, limit);
+  sum.u *= factor, sum.v *= factor;
 }
 
 /// Brings the speed along the normal to `target` (m/s) with the impulse `total`, which is 0 or more along the
@@ -277,24 +275,18 @@ bool isOfPoint(const Contact& c) {
   return c.a.kind == ContactPoint::Kind::Soft && c.a.count == 1 && c.b.kind == ContactPoint::Kind::World;
 }
 
-/// Sets the target speed of the contact before a drift of dt seconds. A contact that would close in the drift
-/// bounces by Newton's law of restitution, without softness.
+/// Sets the target speed of the contact before a drift of dt seconds. A bounce has no softness.
 void setTarget(const IslandConstraints& rows, const Contact& c, ContactConstraint& row, double dt,
                double maxSpeed) {
   row.softness = isOfPoint(c) ? 0.0 : kSoftness;
-  row.target = row.gap >= 0.0 ? -row.gap / dt : std::min(-kRecovery * row.gap / dt, maxSpeed);
+  row.target = minSpeed(row.gap, maxSpeed, dt);
   row.bounces = false;
   if (!(c.restitution > 0.0)) return;
   const double approach = -speedAlong(rows, row);
-  if (!(row.gap < approach * dt)) return;
   // `settled` belongs to an earlier normal where the surface is followed
   const double before = c.held || c.corners.count > 0 || c.spheres > 0.0 ? approach : -row.settled;
-  const Bounce bounce = bounceOf(row.gap, approach, before, c.restitution, c.bounceThreshold, dt);
-  if (bounce.rests) return;
-  row.softness = 0.0;
-  row.bounces = true;
-  row.target = row.gap < 0.0 ? std::max(bounce.mean, row.target) : bounce.mean;
-  row.rebound = bounce.rebound;
+  addBounce(row, c, row.gap, approach, before, dt);
+  if (row.bounces) row.softness = 0.0;
 }
 
 /// The changes of a sweep: the largest squared change of a velocity, and the sum of all as an energy.

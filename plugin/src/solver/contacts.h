@@ -55,22 +55,14 @@ struct HeldCorners {
 /// across the normal. The impulses at the two points are equal and opposite, so linear momentum is conserved
 /// to rounding. Angular momentum is also conserved where one side can balance the couple (see
 /// alignContactPoints() of contact_solver.cpp).
-struct Contact {
+struct Contact : ContactBase {
   ContactPoint a, b;
-  Eigen::Vector3d normal = Eigen::Vector3d::UnitY();  ///< unit, from b to a
-  double gap = 0.0;                                   ///< m between the surfaces; updated in each substep
-  double friction = 0.0;
-  double restitution = 0.0;
-  double bounceThreshold = 0.0;                     ///< m/s, slower approaches do not bounce
-  double recoverySpeed = HUGE_VAL;                  ///< m/s, largest speed at which an overlap is removed
+  double gap = 0.0;                                 ///< m between the surfaces; updated in each substep
   ContactImpulse positionImpulse, velocityImpulse;  ///< of the present substep; initially the warm start
   const PlaneContact* held = nullptr;  ///< for a point on a surface at rest: the plane that follows it
   HeldCorners corners;                 ///< for an edge or triangle: the corners over which it slides
   double spheres = 0.0;  ///< m, for two point masses: sum of the radii; the contact follows the points
   bool ended = false;    ///< the contact has ended in this tick; its impulse still counts
-
-  // Written by the step.
-  TickImpulse impulse;  ///< on a; until finishConstraints() without ContactConstraint::impulse
 };
 
 /// One row of a joint between rigid bodies, in the form of Bullet's constraints:
@@ -130,14 +122,13 @@ struct ContactVector {
 enum class Couple : std::uint8_t { Nobody, Soft, Rigid };
 
 /// A contact in the form that the sweeps use.
-struct ContactConstraint {
+struct ContactConstraint : ContactTarget {
   double axes[3][3];      ///< the normal and two tangents
   ContactVector carried;  ///< m/s, part of the relative velocity due to kinematic objects
   std::uint32_t firstPoint, firstOfB, endPoint, firstRotation, endRotation;
   Couple couple;
-  double gap, target;         ///< m; m/s, least speed along the normal
+  double gap;                 ///< m
   double pinned;              ///< m, part of an overlap due to pinned points, not included in the gap
-  double rebound;             ///< m/s, used if the contact bounces, see Bounce (plane_contacts.h)
   double settled;             ///< m/s along the normal, at the end of the last substep
   double softness;            ///< see kSoftness (contact_solver.cpp)
   double mass, mobility;      ///< kg along the normal, and its inverse; both 0: neither side can be moved
@@ -146,7 +137,6 @@ struct ContactConstraint {
   double acrossAlong[2];      ///< 1/kg, tangential speeds per normal impulse
   double turnMass, friction;  ///< kg, smallest eigenvalue of acrossMass; coefficient
   double maxFriction;         ///< N s, radius of the friction cone
-  bool bounces;               ///< in this substep
   bool active;                ///< takes part in the sweeps: has an impulse, or would be violated without one
   ContactVector positionImpulse, velocityImpulse,
       impulse;  ///< N s, see Contact; `impulse` counts since the last change of the normal

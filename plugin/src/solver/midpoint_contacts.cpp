@@ -16,7 +16,7 @@ constexpr double kMinPenetration = 0.01;
 /// m: the gap that the row's point may have at the end, at most 0.
 double allowedGap(const PlaneContact& row, const Eigen::Vector3d& start, const ContactSpan& span) {
   const double gap = row.normal.dot(start - row.touch - span.time * row.surfaceVelocity);
-  return gap >= 0.0 ? 0.0 : gap + std::min(-kRecovery * gap, row.recoverySpeed * span.duration);
+  return gap + span.duration * minSpeed(gap, row.recoverySpeed, span.duration);
 }
 
 /// Computes the columns of W of a touched point. Each needs a solution for the whole body.
@@ -53,8 +53,7 @@ double solveRow(MidpointContacts& c, MidpointSolver& solver, std::size_t r, cons
   const Eigen::Vector3d slip = end - start - span.duration * row.surfaceVelocity;
   const Eigen::Vector3d sliding = slip - row.normal.dot(slip) * row.normal;
   Eigen::Vector3d tangential = before - row.normal.dot(before) * row.normal - sliding / mobility;
-  const double limit = row.friction * normal, size = tangential.norm();
-  if (size > limit) tangential *= limit > 0.0 ? limit / size : 0.0;
+  tangential *= coneFactor(tangential.squaredNorm(), row.friction * normal);
   const Eigen::Vector3d correction = normal * row.normal + tangential - before;
   c.change.col(at) += correction;
   c.changeAt.segment<3>(first) += correction;
