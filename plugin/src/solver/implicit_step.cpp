@@ -27,7 +27,7 @@ struct Substep {
   SpringArrays& springs() const { return *body.springs; }
   ContactSpan whole() const { return {time, h, 2.0}; }
   ContactSpan firstHalf() const { return {time, 0.5 * h, 1.0}; }
-  bool hasContacts() const { return implicit.contacts.count > 0; }
+  bool hasContacts() const { return !implicit.contacts.loads.empty(); }
 };
 
 /// y of implicit_step.h; held points move with their velocity.
@@ -93,7 +93,7 @@ void computeResidual(const Substep& s) {
       r.col(i) = massOf(p.inverseMass, i) * (inertialMidpoint(s, i) - p.position.col(i)) +
                  0.25 * s.h * s.h * p.force.col(i);
   }
-  if (s.hasContacts()) addLoads(s.implicit.contacts, s.implicit.contacts.load, r);
+  if (s.hasContacts()) addLoads(s.implicit.contacts, &RowLoad::load, r);
 }
 
 /// The function that the iterations minimise without contacts: |x - y|_M^2 / 2 + h^2/4 E(x) and the dampers'
@@ -149,9 +149,7 @@ void guess(const Substep& s) {
 }
 
 double longest(const SpringArrays& springs) {
-  double length = 0.0;
-  for (const double l : springs->restLength) length = std::max(length, l);
-  return length;
+  return *std::max_element(springs->restLength.begin(), springs->restLength.end());
 }
 
 void start(const Substep& s) {
@@ -188,9 +186,9 @@ void solveContacts(const Substep& s, const ContactSpan& span) {
   MidpointContacts& contacts = state.contacts;
   state.trial = s.points().position + state.residual;
   solveLoads(contacts, state.solver, state.trial, state.start, span);
-  contacts.load += contacts.change;
+  for (RowLoad& load : contacts.loads) load.load += load.change;
   state.trial.setZero();
-  addLoads(contacts, contacts.change, state.trial);
+  addLoads(contacts, &RowLoad::change, state.trial);
   solve(state.solver, state.trial);
   state.residual += state.trial;
 }
@@ -263,10 +261,10 @@ double work(const Substep& s) {
     sum += isHeld(p.inverseMass, i) ? -p.force.col(i).dot(moved)
                                     : massOf(p.inverseMass, i) * p.acceleration.col(i).dot(moved);
   }
-  for (Eigen::Index r = 0; r < s.implicit.contacts.count; ++r) {
-    const auto point = (*s.body.contacts)[static_cast<std::size_t>(r)].point;
-    sum += 4.0 / (s.h * s.h) *
-           s.implicit.contacts.load.col(r).dot(p.position.col(point) - s.implicit.start.col(point));
+  const MidpointContacts& c = s.implicit.contacts;
+  for (std::size_t r = 0; r < c.loads.size(); ++r) {
+    const auto point = (*c.rows)[r].point;
+    sum += 4.0 / (s.h * s.h) * c.loads[r].load.dot(p.position.col(point) - s.implicit.start.col(point));
   }
   return sum;
 }
