@@ -3,7 +3,7 @@
 // with each other.
 #include "collide/feature_contacts.h"
 
-#include "mesh/closest_points.h"
+#include "mesh/surface.h"
 
 #include <algorithm>
 #include <limits>
@@ -40,9 +40,8 @@ double distanceAtRest(const Points& rest, const SurfacePoint& a, const SurfacePo
     return Vector3d(rest.col(point.points[i]));
   };
   if (b.kind == FeatureKind::OnTriangle) {
-    const Vector3d weights = nearestBarycentric({corner(b, 0), corner(b, 1), corner(b, 2)}, corner(a, 0));
-    return (weights[0] * corner(b, 0) + weights[1] * corner(b, 1) + weights[2] * corner(b, 2) - corner(a, 0))
-        .norm();
+    const TriangleCorners corners{corner(b, 0), corner(b, 1), corner(b, 2)};
+    return (pointAt(corners, nearestBarycentric(corners, corner(a, 0))) - corner(a, 0)).norm();
   }
   // an edge without length is a vertex
   const SegmentPair along = nearestOnSegments(corner(a, 0), corner(a, 1), corner(b, 0), corner(b, 1));

@@ -23,21 +23,10 @@ using Eigen::Vector3d;
 using Map = Eigen::Map<Vector3d>;
 using ConstMap = Eigen::Map<const Vector3d>;
 
-ContactVector inAxes(const ContactConstraint& row, const Vector3d& v) {
-  return {ConstMap(row.axes[0]).dot(v), ConstMap(row.axes[1]).dot(v), ConstMap(row.axes[2]).dot(v)};
-}
-
 void addPoint(IslandConstraints& rows, double* velocity, const Vector3d& inverseMass, double share) {
   const Vector3d response = share * inverseMass;
   rows.points.push_back({velocity, share, {response[0], response[1], response[2]}});
   rows.momentArms.push_back({});
-}
-
-void addPoint(IslandConstraints& rows, const PointView& view, std::uint32_t point, const double* inverseMass,
-              double share) {
-  addPoint(rows, view.velocityOf(point).data(), ConstMap(inverseMass), share);
-  rows.momentArms.back().position = view.positionOf(point).data();
-  rows.momentArms.back().inverseMass = inverseMass;
 }
 
 void addRotation(IslandConstraints& rows, const ContactConstraint& row, RigidState& rigid,
@@ -72,12 +61,16 @@ const double* inverseMassOf(const IslandConstraints& rows, const PointView& view
 void addContactPoint(IslandConstraints& rows, ContactConstraint& row, LinkedBodies& bodies,
                      const std::vector<PointView>& views, const ContactPoint& side, double sign) {
   if (side.kind == ContactPoint::Kind::World) {
-    row.carried += inAxes(row, sign * side.velocity);
+    const Vector3d carried = inAxes(row, sign * side.velocity);
+    row.carried += {carried[0], carried[1], carried[2]};
   } else if (side.kind == ContactPoint::Kind::Soft) {
     const PointView& view = views[side.body];
-    for (std::uint32_t i = 0; i < side.count; ++i)
-      addPoint(rows, view, side.point[i], inverseMassOf(rows, view, side.body, side.point[i]),
-               sign * side.weight[i]);
+    for (std::uint32_t i = 0; i < side.count; ++i) {
+      const double* inverseMass = inverseMassOf(rows, view, side.body, side.point[i]);
+      addPoint(rows, view.velocityOf(side.point[i]).data(), ConstMap(inverseMass), sign * side.weight[i]);
+      rows.momentArms.back().position = view.positionOf(side.point[i]).data();
+      rows.momentArms.back().inverseMass = inverseMass;
+    }
   } else {
     RigidState& rigid = bodies.rigids[side.body];
     addPoint(rows, rigid.velocity.data(), rigid.inverseMass, sign);
@@ -86,8 +79,8 @@ void addContactPoint(IslandConstraints& rows, ContactConstraint& row, LinkedBodi
 }
 
 ContactVector inAxes(const ContactConstraint& row, const ContactImpulse& impulse) {
-  const ContactVector across = inAxes(row, impulse.across);
-  return {impulse.along, across.u, across.v};
+  const Vector3d across = inAxes(row, impulse.across);
+  return {impulse.along, across[1], across[2]};
 }
 
 ContactImpulse impulseOfVector(const ContactConstraint& row, const ContactVector& v) {
@@ -198,12 +191,9 @@ void moveRow(IslandConstraints& rows, std::size_t index, const Vector3d& normal,
   row.gap = gap;
   Vector3d mobility = Vector3d::Zero();
   for (std::uint32_t i = row.firstPoint; i < row.endPoint; ++i) {
-    ConstraintPoint& point = rows.points[i];
     const double share = weights[i - row.firstPoint];
-    const ConstMap inverseMass(rows.momentArms[i].inverseMass);
-    point.share = share;
-    Map(point.response) = share * inverseMass;
-    mobility += share * share * inverseMass;
+    setShare(rows, i, share);
+    mobility += share * share * ConstMap(rows.momentArms[i].inverseMass);
   }
   const Eigen::Map<const Matrix3d> axes(row.axes[0]);  // its columns
   setMobility(row, axes.transpose() * mobility.asDiagonal() * axes);
@@ -241,13 +231,11 @@ NearestFeature nearestEdge(const Vector3d& a, const Vector3d& b, const HeldCorne
 
 NearestFeature nearestTriangle(const Vector3d& a, const Vector3d& b, const Vector3d& c,
                                const HeldCorners& held) {
-  NearestFeature f;
   const Vector3d weights = nearestBarycentric({a, b, c}, held.at[0]);
-  f.weights = {weights[0], weights[1], weights[2]};
-  f.inside = weights.minCoeff() > 0.0;
-  f.offset = weights[0] * a + weights[1] * b + weights[2] * c - held.at[0];
-  f.normal = (b - a).cross(c - a);
-  return f;
+  return {{weights[0], weights[1], weights[2]},
+          weights[0] * a + weights[1] * b + weights[2] * c - held.at[0],
+          (b - a).cross(c - a),
+          weights.minCoeff() > 0.0};
 }
 
 void followCorners(IslandConstraints& rows, std::size_t index) {
@@ -282,12 +270,12 @@ void followSpheres(IslandConstraints& rows, std::size_t index, double dt) {
 }
 
 void prepareJoint(JointConstraint& j, const LinkedBodies& bodies) {
-  const auto share = [&](std::uint32_t body, const Vector3d& linear, const Vector3d& angular) {
-    if (body == JointConstraint::kHeld) return 0.0;
-    const RigidState& rigid = bodies.rigids[body];
-    return linear.dot(linear.cwiseProduct(rigid.inverseMass)) + angular.dot(rigid.inverseInertia * angular);
-  };
-  const double mobility = share(j.a, j.linearA, j.angularA) + share(j.b, j.linearB, j.angularB);
+  double mobility = 0.0;
+  forEachSide(
+      bodies.rigids, j, [&](const RigidState& rigid, const Vector3d& linear, const Vector3d& angular) {
+        mobility +=
+            linear.dot(linear.cwiseProduct(rigid.inverseMass)) + angular.dot(rigid.inverseInertia * angular);
+      });
   j.mass = mobility > 0.0 ? 1.0 / (mobility + j.softness) : 0.0;
 }
 
@@ -298,15 +286,6 @@ void setTangentialMasses(ContactConstraint& row, double uu, double uv, double vv
   row.acrossMass[0] = scale * vv, row.acrossMass[1] = -scale * uv, row.acrossMass[2] = scale * uu;
   const double largest = 0.5 * (uu + vv) + std::sqrt(0.25 * (uu - vv) * (uu - vv) + uv * uv);
   row.turnMass = determinant > 0.0 ? 1.0 / largest : 0.0;
-}
-
-double speedOf(const LinkedBodies& bodies, const JointConstraint& j) {
-  const auto share = [&](std::uint32_t body, const Vector3d& linear, const Vector3d& angular) {
-    if (body == JointConstraint::kHeld) return 0.0;
-    const RigidState& rigid = bodies.rigids[body];
-    return linear.dot(rigid.velocity) + angular.dot(rigid.angularVelocity);
-  };
-  return share(j.a, j.linearA, j.angularA) + share(j.b, j.linearB, j.angularB);
 }
 
 }  // namespace
@@ -370,32 +349,6 @@ void finishConstraints(IslandConstraints& rows) {
     c.positionImpulse = impulseOfVector(row, row.positionImpulse);
     c.velocityImpulse = impulseOfVector(row, row.velocityImpulse);
   }
-}
-
-void rotateResponses(IslandConstraints& rows) {
-  for (ConstraintRotation& rotation : rows.rotations)
-    for (int k = 0; k < 3; ++k)
-      Map(rotation.response[k]) = rotation.body->inverseInertia * ConstMap(rotation.speeds[k]);
-}
-
-void applyImpulse(LinkedBodies& bodies, JointConstraint& j, double change) {
-  const auto push = [&](std::uint32_t body, const Vector3d& linear, const Vector3d& angular) {
-    if (body == JointConstraint::kHeld) return;
-    RigidState& rigid = bodies.rigids[body];
-    rigid.velocity += change * linear.cwiseProduct(rigid.inverseMass);
-    rigid.angularVelocity += change * (rigid.inverseInertia * angular);
-  };
-  push(j.a, j.linearA, j.angularA);
-  push(j.b, j.linearB, j.angularB);
-  j.impulse += change;
-}
-
-void solveJoint(LinkedBodies& bodies, JointConstraint& j, double& sum) {
-  const double target = sum + (j.speed - speedOf(bodies, j) - j.softness * sum) * j.mass;
-  const double impulse = std::clamp(target, j.lower, j.upper);
-  j.change = impulse - sum;
-  sum = impulse;
-  applyImpulse(bodies, j, j.change);
 }
 
 }  // namespace limber

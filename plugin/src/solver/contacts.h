@@ -164,9 +164,6 @@ struct IslandConstraints {
 /// changed within the tick (see finishConstraints). The state of bodies.points[i] is at views[i].
 void prepareConstraints(IslandConstraints& rows, LinkedBodies& bodies, const std::vector<PointView>& views);
 
-/// Sets the row's masses from the speeds per impulse (1/kg) along the normal and both tangents.
-void setMobility(ContactConstraint& row, const Eigen::Matrix3d& mobility);
-
 /// Returns the offset (m) of one sphere from another at their first touch within dt seconds, or else when
 /// they are nearest in that time. Returns the present offset if they overlap. `radiusSum` is in m.
 Eigen::Vector3d offsetWhenNearest(const Eigen::Vector3d& offset, const Eigen::Vector3d& velocity, double dt,
@@ -182,14 +179,6 @@ void updateGaps(IslandConstraints& rows, double dt);
 /// Writes gaps and impulses back to the contacts. Call it after the last substep, or before contacts are
 /// changed.
 void finishConstraints(IslandConstraints& rows);
-
-/// Updates the responses of rigid bodies to their present rotation.
-void rotateResponses(IslandConstraints& rows);
-
-void applyImpulse(LinkedBodies& bodies, JointConstraint& j, double change);
-
-/// Changes the impulse `sum` within its limits so that the joint has its speed. Sets j.change to the change.
-void solveJoint(LinkedBodies& bodies, JointConstraint& j, double& sum);
 
 // --- the solve ---------------------------------------------------------------------------------------------
 
