@@ -17,49 +17,18 @@ using Eigen::Vector3d;
 /// most 32 levels.
 constexpr std::size_t kStack = 40;
 
-class TreeBuilder {
- public:
-  TreeBuilder(const Points& rest, const std::vector<SurfaceElement>& elements) : order_(elements.size()) {
-    std::iota(order_.begin(), order_.end(), 0u);
-    for (const SurfaceElement& e : elements)
-      centres_.push_back((rest.col(e.corners[0]) + rest.col(e.corners[1]) + rest.col(e.corners[2])) / 3.0);
-    if (elements.empty()) return;
-    nodes_.reserve(2 * elements.size());
-    nodes_.emplace_back();
-    build(0, 0, elements.size());
-  }
-
-  std::vector<SurfaceNode> take() { return std::move(nodes_); }
-
- private:
-  void build(std::uint32_t node, std::size_t first, std::size_t count) {
-    if (count == 1) {
-      nodes_[node].element = order_[first];
-      return;
-    }
-    const auto begin = order_.begin() + static_cast<std::ptrdiff_t>(first);
-    const auto middle = begin + static_cast<std::ptrdiff_t>(count / 2);
-    const auto end = begin + static_cast<std::ptrdiff_t>(count);
-    Eigen::AlignedBox3d box;
-    std::for_each(begin, end, [&](std::uint32_t i) { box.extend(centres_[i]); });
-    Eigen::Index axis = 0;
-    box.sizes().maxCoeff(&axis);
-    // sorted, not partitioned by nth_element: the tree does not depend on the standard library
-    std::sort(begin, end, [&](std::uint32_t i, std::uint32_t j) {
-      const double x = centres_[i][axis], y = centres_[j][axis];
-      return x != y ? x < y : i < j;
-    });
-    const auto child = static_cast<std::uint32_t>(nodes_.size());
-    nodes_[node].child = child;
-    nodes_.resize(nodes_.size() + 2);
-    build(child, first, static_cast<std::size_t>(middle - begin));
-    build(child + 1, first + count / 2, static_cast<std::size_t>(end - middle));
-  }
-
-  std::vector<std::uint32_t> order_;
-  std::vector<Vector3d> centres_;
-  std::vector<SurfaceNode> nodes_;
-};
+/// Sorts elements along the longest side of the box of their centres. A full sort, not nth_element: the tree
+/// does not depend on the standard library.
+void sortAlongBox(std::uint32_t* begin, std::uint32_t* end, const std::vector<Vector3d>& centres) {
+  Eigen::AlignedBox3d box;
+  std::for_each(begin, end, [&](std::uint32_t i) { box.extend(centres[i]); });
+  Eigen::Index axis = 0;
+  box.sizes().maxCoeff(&axis);
+  std::sort(begin, end, [&](std::uint32_t i, std::uint32_t j) {
+    const double x = centres[i][axis], y = centres[j][axis];
+    return x != y ? x < y : i < j;
+  });
+}
 
 SweptBox pointBox(const MovingSurface& surface, Eigen::Index point) {
   Eigen::Array4d start, motion;
@@ -148,7 +117,32 @@ Vector3d pseudonormal(const MovingSurface& surface, std::uint32_t triangle, cons
 }  // namespace
 
 std::vector<SurfaceNode> makeSurfaceTree(const Points& rest, const std::vector<SurfaceElement>& elements) {
-  return TreeBuilder(rest, elements).take();
+  struct Range {
+    std::size_t node, first, end;
+  };
+  if (elements.empty()) return {};
+  std::vector<Vector3d> centres;
+  for (const SurfaceElement& e : elements)
+    centres.push_back((rest.col(e.corners[0]) + rest.col(e.corners[1]) + rest.col(e.corners[2])) / 3.0);
+  std::vector<std::uint32_t> order(elements.size());
+  std::iota(order.begin(), order.end(), 0u);
+  std::vector<SurfaceNode> nodes(1);
+  std::vector<Range> waiting{{0, 0, elements.size()}};
+  while (!waiting.empty()) {
+    const auto [node, first, end] = waiting.back();
+    waiting.pop_back();
+    if (end - first == 1) {
+      nodes[node].element = order[first];
+      continue;
+    }
+    sortAlongBox(order.data() + first, order.data() + end, centres);
+    const std::size_t child = nodes.size(), middle = first + (end - first) / 2;
+    nodes[node].child = static_cast<std::uint32_t>(child);
+    nodes.resize(child + 2);
+    waiting.push_back({child + 1, middle, end});
+    waiting.push_back({child, first, middle});
+  }
+  return nodes;
 }
 
 SweptBox sweptBounds(const MovingSurface& surface) {

@@ -247,8 +247,8 @@ double solveFollowing(const Substep& s, const ContactSpan& span) {
 }
 
 /// J, kinetic and elastic.
-double energy(const Substep& s) {
-  return kineticEnergy(s.points()) + elasticEnergy(s.body, s.points().position);
+double energy(SolverBody& body) {
+  return kineticEnergy(*body.points) + elasticEnergy(body, body.points->position);
 }
 
 /// J: work on the points since the start by the constant accelerations, by the constraints of held points,
@@ -273,7 +273,7 @@ double work(const Substep& s) {
 /// keeps the floor, if the motion has too little.
 bool guardEnergy(const Substep& s) {
   ImplicitState& state = s.implicit;
-  const double after = energy(s), floor = state.energyFloor + work(s);
+  const double after = energy(s.body), floor = state.energyFloor + work(s);
   const double allowed = kEnergySwing * std::abs(state.energyFloor) + kEnergyRounding * std::abs(after);
   const double excess = after - floor - allowed;
   const double rest = excess > 0.0 ? removeKineticEnergy(s.points(), excess) : 0.0;
@@ -345,7 +345,7 @@ void advanceHalfByEuler(const Substep& s) {
   Substep downhill = s;
   downhill.downhill = true;
   start(downhill);
-  if (!stepHalfByEuler(downhill, spin)) s.implicit.energyFloor = energy(s);
+  if (!stepHalfByEuler(downhill, spin)) s.implicit.energyFloor = energy(s.body);
 }
 
 /// m/s, root mean square: the midpoint rule's phase error (omega h)^2 / 12 (compare verletErrorRate), and the
@@ -413,10 +413,7 @@ void stepImplicit(SolverBody& body, ImplicitState& implicit, MidpointSolver::Kin
   implicit.residual.resizeLike(body.points->position);
   implicit.trial.resizeLike(body.points->position);
   body.errorRate = 0.0;
-  const auto energyNow = [&] {
-    return kineticEnergy(*body.points) + elasticEnergy(body, body.points->position);
-  };
-  implicit.energyFloor += energyNow() - implicit.energyAtEnd;
+  implicit.energyFloor += energy(body) - implicit.energyAtEnd;
   for (int i = 0; i < substeps; ++i) {
     if (body.watch && body.watch->on) {
       body.watch->look(viewOf(*body.points), i * h, h);
@@ -425,7 +422,7 @@ void stepImplicit(SolverBody& body, ImplicitState& implicit, MidpointSolver::Kin
     if (body.contacts) followSurfaces(*body.contacts, viewOf(*body.points), h);
     advance({body, implicit, i * h, h, false});
   }
-  implicit.energyAtEnd = energyNow();
+  implicit.energyAtEnd = energy(body);
 }
 
 }  // namespace limber

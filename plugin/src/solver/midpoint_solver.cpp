@@ -47,7 +47,7 @@ Neighbours neighboursOf(const SpringArrays& springs, std::size_t points) {
     neighbours[springs->b[s]].push_back(springs->a[s]);
   }
   const auto fewer = [&](std::uint32_t a, std::uint32_t b) {
-    return neighbours[a].size() != neighbours[b].size() ? neighbours[a].size() < neighbours[b].size() : a < b;
+    return std::pair(neighbours[a].size(), a) < std::pair(neighbours[b].size(), b);
   };
   Neighbours sorted = neighbours;
   for (auto& list : sorted) std::sort(list.begin(), list.end(), fewer);
