@@ -73,10 +73,11 @@ std::uint64_t contactVertex(const SurfacePair& pair, std::uint32_t v, bool ofB) 
   return std::uint64_t{v} * 2 + (ofB && !pair.self ? 1 : 0);
 }
 
-/// Adds a candidate; computes its gap, key and point. A contact of a surface with itself is left out if the
-/// features share a vertex or are close at rest.
-void addCandidate(const SurfacePair& pair, ContactRank rank, SurfaceContact c, double featureSize,
-                  std::uint64_t vertex, ContactSearch& search) {
+/// Adds a candidate; computes its gap, key and point. `flipped`: its side a is on surface b. A contact of a
+/// surface with itself is left out if the features share a vertex or are close at rest.
+void addCandidate(const SurfacePair& pair, bool flipped, ContactRank rank, SurfaceContact c,
+                  double featureSize, std::uint64_t vertex, ContactSearch& search) {
+  if (flipped) std::swap(c.a, c.b), c.normal = -c.normal;
   if (pair.self && (shareVertex(c.a, c.b) || areCloseAtRest(pair, c.a, c.b))) return;
   c.gap = c.normal.dot(positionOf(pair.a, c.a, 0.0) - positionOf(pair.b, c.b, 0.0)) - pair.radiusSum();
   c.key = std::uint64_t{rank} << 60 | std::uint64_t{c.a.feature} << 30 | c.b.feature;
@@ -93,7 +94,7 @@ MovingFeature<1> vertexOf(const MovingSurface& surface, std::uint32_t v) {
 /// Returns an upper bound of the decrease of the distance along the unit `direction` from b to a during the
 /// tick, m.
 template <int N, int M>
-double approachAlong(const Eigen::Vector3d& direction, const MovingFeature<N>& a, const MovingFeature<M>& b) {
+double approachAlong(const Vector3d& direction, const MovingFeature<N>& a, const MovingFeature<M>& b) {
   return (direction.transpose() * b.motion).maxCoeff() - (direction.transpose() * a.motion).minCoeff();
 }
 
@@ -175,10 +176,11 @@ bool isInNormalCone(const MovingSurface& surface, double time, std::uint32_t edg
 /// Whether the vertex has no triangles, or the outer side of at least one of them faces `outward`.
 bool facesOutward(const MovingSurface& surface, double time, std::uint32_t vertex, const Vector3d& outward) {
   const SurfaceTopology& t = *surface.topology;
+  const auto faces = [&](std::uint32_t i) {
+    return !t.oneSided[i] || outward.dot(normalAt(surface, time, i)) > kFacing;
+  };
   const std::uint32_t *begin = t.trianglesAround.begin(vertex), *end = t.trianglesAround.end(vertex);
-  return begin == end || std::any_of(begin, end, [&](std::uint32_t i) {
-           return !t.oneSided[i] || outward.dot(normalAt(surface, time, i)) > kFacing;
-         });
+  return begin == end || std::any_of(begin, end, faces);
 }
 
 /// Whether no edge around the vertex points to the side of `outward`, and a triangle faces `outward`.
@@ -220,13 +222,11 @@ struct VertexTriangle {
 void addVertexOnTriangle(const SurfacePair& pair, const PenetratingVertex& vertex, const Vector3d& normal,
                          double time, ContactSearch& search) {
   const SurfaceTopology& t = *(vertex.ofB ? pair.a : pair.b).topology;
-  const SurfacePoint onVertex = atVertex(vertex.vertex),
-                     onTriangle{FeatureKind::OnTriangle, vertex.triangle, t.triangles[vertex.triangle],
+  const SurfacePoint onTriangle{FeatureKind::OnTriangle, vertex.triangle, t.triangles[vertex.triangle],
                                 vertex.barycentric};
-  addCandidate(pair, vertex.ofB ? kTriangleVertex : kVertexTriangle,
-               vertex.ofB ? SurfaceContact{onTriangle, onVertex, -normal, 0.0, time}
-                          : SurfaceContact{onVertex, onTriangle, normal, 0.0, time},
-               t.depthLimit[vertex.triangle], contactVertex(pair, vertex.vertex, vertex.ofB), search);
+  addCandidate(pair, vertex.ofB, vertex.ofB ? kTriangleVertex : kVertexTriangle,
+               {atVertex(vertex.vertex), onTriangle, normal, 0.0, time}, t.depthLimit[vertex.triangle],
+               contactVertex(pair, vertex.vertex, vertex.ofB), search);
 }
 
 void addVertexInFront(VertexTriangle& features, double time, ContactSearch& search) {
@@ -266,6 +266,26 @@ double timeOfImpact(const VertexTriangle& features, double height) {
   return height - radiusSum > tolerance ? kNever : time;
 }
 
+/// Factor of a search distance at which something is known to be.
+constexpr double kSlightlyMore = 1.001;
+
+using PenetratingIterator = std::vector<PenetratingVertex>::const_iterator;
+
+/// Adds a candidate if the vertex is inside. `begin` to `end` are entries of one vertex, in the order of
+/// addInsideVertices().
+void addInside(const SurfacePair& pair, PenetratingIterator begin, PenetratingIterator end,
+               ContactSearch& search) {
+  const MovingSurface &own = begin->ofB ? pair.b : pair.a, &other = begin->ofB ? pair.a : pair.b;
+  const auto less = [](const PenetratingVertex& x, const PenetratingVertex& y) { return x.depth < y.depth; };
+  const double depth = std::min_element(begin, end, less)->depth;
+  if (!nearestOnSurface(other, own.position->col(begin->vertex), kSlightlyMore * depth).behind) return;
+  const auto facing = std::find_if(begin, end, [&](const PenetratingVertex& vertex) {
+    return facesOutward(own, 0.0, vertex.vertex, -normalAt(other, 0.0, vertex.triangle));
+  });
+  const PenetratingVertex& vertex = facing != end ? *facing : *begin;
+  addVertexOnTriangle(pair, vertex, normalAt(other, 0.0, vertex.triangle), 0.0, search);
+}
+
 }  // namespace
 
 bool projectOnTriangle(const MovingFeature<3>::Corners& triangle, const Vector3d& p, Vector3d& barycentric) {
@@ -303,32 +323,6 @@ void collideVertexTriangle(const SurfacePair& pair, bool ofB, std::uint32_t v, s
   else if (gap <= pair.margin)
     addVertexInFront(features, 0.0, search);
 }
-
-// --- vertices inside ---------------------------------------------------------------------------------------
-
-namespace {
-
-/// Factor of a search distance at which something is known to be.
-constexpr double kSlightlyMore = 1.001;
-
-using PenetratingIterator = std::vector<PenetratingVertex>::const_iterator;
-
-/// Adds a candidate if the vertex is inside. `begin` to `end` are entries of one vertex, in the order of
-/// addInsideVertices().
-void addInside(const SurfacePair& pair, PenetratingIterator begin, PenetratingIterator end,
-               ContactSearch& search) {
-  const MovingSurface &own = begin->ofB ? pair.b : pair.a, &other = begin->ofB ? pair.a : pair.b;
-  const auto less = [](const PenetratingVertex& x, const PenetratingVertex& y) { return x.depth < y.depth; };
-  const double depth = std::min_element(begin, end, less)->depth;
-  if (!nearestOnSurface(other, own.position->col(begin->vertex), kSlightlyMore * depth).behind) return;
-  const auto facing = std::find_if(begin, end, [&](const PenetratingVertex& vertex) {
-    return facesOutward(own, 0.0, vertex.vertex, -normalAt(other, 0.0, vertex.triangle));
-  });
-  const PenetratingVertex& vertex = facing != end ? *facing : *begin;
-  addVertexOnTriangle(pair, vertex, normalAt(other, 0.0, vertex.triangle), 0.0, search);
-}
-
-}  // namespace
 
 void addInsideVertices(const SurfacePair& pair, ContactSearch& search) {
   const auto order = [](const PenetratingVertex& vertex) {
@@ -428,14 +422,13 @@ bool isSheetEdge(const SurfaceTopology& t, std::uint32_t edge) {
   return !hasInside(first) && !hasInside(second);
 }
 
-/// Whether the crossing edges can touch from outside. `normal` is the direction from b to a. They can if both
-/// are convex, or if one is convex and the other is any edge of a sheet.
+/// Whether the crossing edges can touch from outside: both are convex, or one is convex and the other is any
+/// edge of a sheet. `normal` is the direction from b to a.
 ///
-/// Reason for the second case: if a convex edge pushes a sheet back at one edge, the sheet bends there, so
-/// that the next edge of the sheet becomes the nearest one during the same tick. If only convex edges of the
-/// sheet counted, the two edges would fall and be pushed back in turn. Other edges of the sheet are not
-/// nearer than the convex ones beside them, and have no impulse until they touch. Flat edges count too where
-/// a triangle beside the convex edge supports the sheet: otherwise the sheet would not come to rest there.
+/// Reason for the second case: a convex edge that pushes a sheet back at one edge bends it, and the sheet's
+/// next edge becomes the nearest one in the same tick. If only convex edges of the sheet counted, the two
+/// would fall and be pushed back in turn. Flat edges count too where a triangle beside the convex edge
+/// supports the sheet: otherwise it would not come to rest there.
 bool areInFront(const SurfacePair& pair, std::uint32_t ea, std::uint32_t eb, double time,
                 const Vector3d& normal) {
   const bool isConvexA = isInNormalCone(pair.a, time, ea, -normal, kCrossingTolerance);
@@ -474,8 +467,8 @@ void collideVertices(const SurfacePair& pair, std::uint32_t va, std::uint32_t vb
     vertex = contactVertex(pair, vb, true);
   else if (isRound(pair.b, pair.a) || pair.self)
     vertex = contactVertex(pair, va, false);
-  addCandidate(pair, kVertexVertex, {atVertex(va), atVertex(vb), normal, 0.0, nearest.time}, pair.radiusSum(),
-               vertex, search);
+  addCandidate(pair, false, kVertexVertex, {atVertex(va), atVertex(vb), normal, 0.0, nearest.time},
+               pair.radiusSum(), vertex, search);
 }
 
 void collideVertexEdge(const SurfacePair& pair, bool ofB, std::uint32_t v, std::uint32_t edge,
@@ -490,10 +483,8 @@ void collideVertexEdge(const SurfacePair& pair, bool ofB, std::uint32_t v, std::
   const Vector3d motion = vertex.motion - segment.motion * nearest.b;
   const double gap = nearest.distance - pair.radiusSum();
   if (!vertexTouches(pair, ofB, {v, -outward, motion, nearest.time, gap})) return;
-  const SurfacePoint onVertex = atVertex(v), onSegment = onEdge(*other.topology, edge, nearest.b);
-  addCandidate(pair, ofB ? kEdgeVertex : kVertexEdge,
-               ofB ? SurfaceContact{onSegment, onVertex, -outward, 0.0, nearest.time}
-                   : SurfaceContact{onVertex, onSegment, outward, 0.0, nearest.time},
+  addCandidate(pair, ofB, ofB ? kEdgeVertex : kVertexEdge,
+               {atVertex(v), onEdge(*other.topology, edge, nearest.b), outward, 0.0, nearest.time},
                edgeVector(segment, 0.0).norm(), contactVertex(pair, v, ofB), search);
 }
 
@@ -509,7 +500,7 @@ void collideEdges(const SurfacePair& pair, std::uint32_t ea, std::uint32_t eb, C
   if (normal.dot(directionBetween(nearest, a, b)) < 0.0) normal = -normal;
   const bool apart = areInFront(pair, ea, eb, nearest.time, normal);
   if (!apart && !havePassedThrough(pair, ea, eb, nearest, normal)) return;
-  addCandidate(pair, kEdgeEdge,
+  addCandidate(pair, false, kEdgeEdge,
                {onEdge(*pair.a.topology, ea, nearest.a), onEdge(*pair.b.topology, eb, nearest.b),
                 apart ? normal : Vector3d(-normal), 0.0, nearest.time},
                std::min(alongA.norm(), alongB.norm()), kNoVertex, search);
