@@ -77,8 +77,9 @@ inline void applyAtMomentArms(IslandConstraints& rows, const ContactConstraint& 
 /// m/s, of side a relative to b.
 inline ContactVector speedsOf(const IslandConstraints& rows, const ContactConstraint& row) {
   const Motion m = motionOf(rows, row);
-  ContactVector speeds{row.carried.n + along(row.axes[0], m), row.carried.u + along(row.axes[1], m),
-                       row.carried.v + along(row.axes[2], m)};
+  ContactVector speeds{row.surfaceSpeeds.n + along(row.axes[0], m),
+                       row.surfaceSpeeds.u + along(row.axes[1], m),
+                       row.surfaceSpeeds.v + along(row.axes[2], m)};
   for (std::uint32_t i = row.firstRotation; i < row.endRotation; ++i) {
     const ConstraintRotation& t = rows.rotations[i];
     const Motion w = angularVelocityOf(t);
@@ -90,7 +91,7 @@ inline ContactVector speedsOf(const IslandConstraints& rows, const ContactConstr
 
 /// speedsOf().n
 inline double speedAlong(const IslandConstraints& rows, const ContactConstraint& row) {
-  double speed = row.carried.n + along(row.axes[0], motionOf(rows, row));
+  double speed = row.surfaceSpeeds.n + along(row.axes[0], motionOf(rows, row));
   for (std::uint32_t i = row.firstRotation; i < row.endRotation; ++i)
     speed += along(rows.rotations[i].speeds[0], angularVelocityOf(rows.rotations[i]));
   return speed;

@@ -169,7 +169,7 @@ Matrix3d momentArmMobility(const IslandConstraints& rows, const ContactConstrain
 /// that soft points cannot correct.
 void alignContactPoints(IslandConstraints& rows, std::size_t contact) {
   ContactConstraint& row = rows.rows[contact];
-  if (row.couple == Couple::Nobody) return;
+  if (row.couple == Couple::None) return;
   if (row.couple == Couple::Soft)
     alignSoft(rows, row);
   else
@@ -224,7 +224,7 @@ inline void addFriction(const ContactConstraint& row, double u, double v, double
     return;
   }
   const double speed = std::sqrt(u * u + v * v);
-  const double mass = speed > 0.0 ? std::max(row.turnMass, minChange * limit / speed) : 0.0;
+  const double mass = speed > 0.0 ? std::max(row.slidingMass, minChange * limit / speed) : 0.0;
   sum.u -= mass * u, sum.v -= mass * v;
   const double factor = coneFactor(sum.u * sum.u + sum.v * sum.v, limit);
   sum.u *= factor, sum.v *= factor;
@@ -295,8 +295,8 @@ void setTarget(const IslandConstraints& rows, const Contact& c, ContactConstrain
   row.bounces = false;
   if (!(c.restitution > 0.0)) return;
   const double approach = -speedAlong(rows, row);
-  // `settled` belongs to an earlier normal where the surface is followed
-  const double before = c.held || c.corners.count > 0 || c.spheres > 0.0 ? approach : -row.settled;
+  // `lastSpeed` belongs to an earlier normal where the surface is followed
+  const double before = c.held || c.corners.count > 0 || c.spheres > 0.0 ? approach : -row.lastSpeed;
   addBounce(row, c, row.gap, approach, before, dt);
   if (row.bounces) row.softness = 0.0;
 }
@@ -476,7 +476,7 @@ int solveVelocities(IslandConstraints& rows, LinkedBodies& bodies) {
     row.target = row.bounces ? speedAlong(rows, row) + row.rebound : 0.0;
   const int sweeps = Solve{rows, bodies, Stage::Velocities}.run();
   for (std::size_t i = 0; i < rows.rows.size(); ++i)
-    if (rows.contacts[i].restitution > 0.0) rows.rows[i].settled = speedAlong(rows, rows.rows[i]);
+    if (rows.contacts[i].restitution > 0.0) rows.rows[i].lastSpeed = speedAlong(rows, rows.rows[i]);
   return sweeps;
 }
 

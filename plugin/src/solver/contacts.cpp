@@ -40,29 +40,30 @@ constexpr double kNoInverseMass[3] = {0.0, 0.0, 0.0};
 
 /// Finds the points that are anchored to immovable bodies. Contacts must not push them: the anchor would
 /// cancel each push in the next sweep.
-void findCarried(IslandConstraints& rows, const LinkedBodies& bodies) {
-  rows.carried.clear();
+void findAnchored(IslandConstraints& rows, const LinkedBodies& bodies) {
+  rows.anchored.clear();
   for (const LinkAnchor& anchor : bodies.anchors) {
     const RigidState& rigid = bodies.rigids[anchor.pivot.body];
     const bool held = rigid.inverseMass.isZero(0.0) && rigid.inverseInertia.isZero(0.0);
-    if (held) rows.carried.emplace_back(anchor.point.body, anchor.point.point);
+    if (held) rows.anchored.emplace_back(anchor.point.body, anchor.point.point);
   }
-  std::sort(rows.carried.begin(), rows.carried.end());
+  std::sort(rows.anchored.begin(), rows.anchored.end());
 }
 
 /// 1/kg per axis.
 const double* inverseMassOf(const IslandConstraints& rows, const PointView& view, std::uint32_t body,
                             std::uint32_t point) {
-  const bool carried = std::binary_search(rows.carried.begin(), rows.carried.end(), std::pair(body, point));
-  return carried ? kNoInverseMass : view.inverseMassOf(point).data();
+  const bool anchored =
+      std::binary_search(rows.anchored.begin(), rows.anchored.end(), std::pair(body, point));
+  return anchored ? kNoInverseMass : view.inverseMassOf(point).data();
 }
 
 /// Adds one side of a contact; `sign` is 1 for a and -1 for b.
 void addContactPoint(IslandConstraints& rows, ContactConstraint& row, LinkedBodies& bodies,
                      const std::vector<PointView>& views, const ContactPoint& side, double sign) {
   if (side.kind == ContactPoint::Kind::World) {
-    const Vector3d carried = inAxes(row, sign * side.velocity);
-    row.carried += {carried[0], carried[1], carried[2]};
+    const Vector3d speeds = inAxes(row, sign * side.velocity);
+    row.surfaceSpeeds += {speeds[0], speeds[1], speeds[2]};
   } else if (side.kind == ContactPoint::Kind::Soft) {
     const PointView& view = views[side.body];
     for (std::uint32_t i = 0; i < side.count; ++i) {
@@ -90,9 +91,9 @@ ContactImpulse impulseOfVector(const ContactConstraint& row, const ContactVector
 Couple coupleOf(const Contact& c) {
   using Kind = ContactPoint::Kind;
   if (c.a.kind == Kind::Soft && c.b.kind == Kind::Soft)
-    return c.a.count + c.b.count > 2 ? Couple::Soft : Couple::Nobody;
+    return c.a.count + c.b.count > 2 ? Couple::Soft : Couple::None;
   const bool both = c.a.kind != Kind::World && c.b.kind != Kind::World;
-  return both && c.a.kind != c.b.kind ? Couple::Rigid : Couple::Nobody;
+  return both && c.a.kind != c.b.kind ? Couple::Rigid : Couple::None;
 }
 
 void setAxes(ContactConstraint& row, const Vector3d& normal) {
@@ -147,7 +148,7 @@ void prepareRow(IslandConstraints& rows, ContactConstraint& row, const Contact& 
                 const std::vector<PointView>& views) {
   setAxes(row, c.normal);
   const Eigen::Map<const Matrix3d> axes(row.axes[0]);  // its columns
-  row.carried = ContactVector();
+  row.surfaceSpeeds = ContactVector();
   row.firstPoint = static_cast<std::uint32_t>(rows.points.size());
   row.firstRotation = static_cast<std::uint32_t>(rows.rotations.size());
   addContactPoint(rows, row, bodies, views, c.a, 1.0);
@@ -218,15 +219,15 @@ struct NearestFeature {
 };
 
 NearestFeature nearestEdge(const Vector3d& a, const Vector3d& b, const HeldCorners& held) {
-  NearestFeature f;
-  SegmentPair along{nearestOnSegment(a, b, held.at[0]), 0.5};
-  if (held.count == 2) along = nearestOnSegments(a, b, held.at[0], held.at[1]);
-  f.weights = {1.0 - along.a, along.a, 0.0};
-  f.inside = along.a > 0.0 && along.a < 1.0 && along.b > 0.0 && along.b < 1.0;
-  f.offset = a + along.a * (b - a) - held.at[0];
-  if (held.count == 2) f.offset -= along.b * (held.at[1] - held.at[0]);
-  f.normal = held.count == 2 ? Vector3d((b - a).cross(held.at[1] - held.at[0])) : f.offset;
-  return f;
+  const bool isEdge = held.count == 2;
+  const Vector3d edge = isEdge ? Vector3d(held.at[1] - held.at[0]) : Vector3d::Zero();
+  const SegmentPair along = isEdge ? nearestOnSegments(a, b, held.at[0], held.at[1])
+                                   : SegmentPair{nearestOnSegment(a, b, held.at[0]), 0.5};
+  const Vector3d offset = a + along.a * (b - a) - held.at[0] - along.b * edge;
+  return {{1.0 - along.a, along.a, 0.0},
+          offset,
+          isEdge ? Vector3d((b - a).cross(edge)) : offset,
+          along.a > 0.0 && along.a < 1.0 && along.b > 0.0 && along.b < 1.0};
 }
 
 NearestFeature nearestTriangle(const Vector3d& a, const Vector3d& b, const Vector3d& c,
@@ -285,7 +286,7 @@ void setTangentialMasses(ContactConstraint& row, double uu, double uv, double vv
   const double scale = determinant > 0.0 ? 1.0 / determinant : 0.0;
   row.acrossMass[0] = scale * vv, row.acrossMass[1] = -scale * uv, row.acrossMass[2] = scale * uu;
   const double largest = 0.5 * (uu + vv) + std::sqrt(0.25 * (uu - vv) * (uu - vv) + uv * uv);
-  row.turnMass = determinant > 0.0 ? 1.0 / largest : 0.0;
+  row.slidingMass = determinant > 0.0 ? 1.0 / largest : 0.0;
 }
 
 }  // namespace
@@ -306,10 +307,10 @@ void prepareConstraints(IslandConstraints& rows, LinkedBodies& bodies, const std
   rows.rotations.clear();
   rows.rows.resize(rows.contacts.size());
   rows.active.reserve(rows.contacts.capacity());
-  findCarried(rows, bodies);
+  findAnchored(rows, bodies);
   for (std::size_t i = 0; i < rows.contacts.size(); ++i)
     prepareRow(rows, rows.rows[i], rows.contacts[i], bodies, views);
-  for (ContactConstraint& row : rows.rows) row.settled = speedAlong(rows, row);
+  for (ContactConstraint& row : rows.rows) row.lastSpeed = speedAlong(rows, row);
   for (JointConstraint& j : rows.joints) prepareJoint(j, bodies);
 }
 

@@ -24,11 +24,6 @@ struct ContactImpulse {
     across *= factor;
     return *this;
   }
-  ContactImpulse& operator+=(const ContactImpulse& other) {
-    along += other.along;
-    across += other.across;
-    return *this;
-  }
 };
 
 /// A point on the surface of a body. Soft: a point mass, or a point of an edge or a triangle. Rigid: a point
@@ -119,25 +114,25 @@ struct ContactVector {
 };
 
 /// The side that balances the couple of tangential impulses at two points that are apart along the normal.
-enum class Couple : std::uint8_t { Nobody, Soft, Rigid };
+enum class Couple : std::uint8_t { None, Soft, Rigid };
 
 /// A contact in the form that the sweeps use.
 struct ContactConstraint : ContactTarget {
-  double axes[3][3];      ///< the normal and two tangents
-  ContactVector carried;  ///< m/s, part of the relative velocity due to kinematic objects
+  double axes[3][3];            ///< the normal and two tangents
+  ContactVector surfaceSpeeds;  ///< m/s, part of the relative velocity due to kinematic objects
   std::uint32_t firstPoint, firstOfB, endPoint, firstRotation, endRotation;
   Couple couple;
-  double gap;                 ///< m
-  double pinned;              ///< m, part of an overlap due to pinned points, not included in the gap
-  double settled;             ///< m/s along the normal, at the end of the last substep
-  double softness;            ///< see kSoftness (contact_solver.cpp)
-  double mass, mobility;      ///< kg along the normal, and its inverse; both 0: neither side can be moved
-  double acrossSoftness;      ///< 1/kg, speed per change of friction since the last substep
-  double acrossMass[3];       ///< kg between the tangents, softness included: uu, uv, vv
-  double acrossAlong[2];      ///< 1/kg, tangential speeds per normal impulse
-  double turnMass, friction;  ///< kg, smallest eigenvalue of acrossMass; coefficient
-  double maxFriction;         ///< N s, radius of the friction cone
-  bool active;                ///< takes part in the sweeps: has an impulse, or would be violated without one
+  double gap;                    ///< m
+  double pinned;                 ///< m, part of an overlap due to pinned points, not included in the gap
+  double lastSpeed;              ///< m/s along the normal, at the end of the last substep
+  double softness;               ///< see kSoftness (contact_solver.cpp)
+  double mass, mobility;         ///< kg along the normal, and its inverse; both 0: neither side can be moved
+  double acrossSoftness;         ///< 1/kg, speed per change of friction since the last substep
+  double acrossMass[3];          ///< kg between the tangents, softness included: uu, uv, vv
+  double acrossAlong[2];         ///< 1/kg, tangential speeds per normal impulse
+  double slidingMass, friction;  ///< kg, smallest eigenvalue of acrossMass; coefficient
+  double maxFriction;            ///< N s, radius of the friction cone
+  bool active;  ///< takes part in the sweeps: has an impulse, or would be violated without one
   ContactVector positionImpulse, velocityImpulse,
       impulse;  ///< N s, see Contact; `impulse` counts since the last change of the normal
   ContactVector before, change, direction;  ///< N s, scratch of the solver
@@ -156,7 +151,7 @@ struct IslandConstraints {
   std::vector<ConstraintRotation> rotations;
   std::vector<std::uint32_t> active;  ///< rows in the sweeps of the present stage
   std::vector<std::pair<std::uint32_t, std::uint32_t>>
-      carried;              ///< body and point, sorted: points attached to immovable bodies
+      anchored;             ///< body and point, sorted: points attached to immovable bodies
   double tolerance = 1e-4;  ///< m/s; a solve ends when all row errors are smaller, or after kMaxSweeps
 };
 

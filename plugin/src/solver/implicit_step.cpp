@@ -25,8 +25,7 @@ struct Substep {
 
   PointState& points() const { return *body.points; }
   SpringArrays& springs() const { return *body.springs; }
-  ContactSpan whole() const { return {time, h, 2.0}; }
-  ContactSpan firstHalf() const { return {time, 0.5 * h, 1.0}; }
+  ContactSpan span() const { return euler ? ContactSpan{time, 0.5 * h, 1.0} : ContactSpan{time, h, 2.0}; }
   bool hasContacts() const { return !implicit.contacts.loads.empty(); }
 };
 
@@ -181,11 +180,11 @@ void shortenStep(const Substep& s) {
 }
 
 /// Computes the loads for this iteration's step, and adds their effect to the step.
-void solveContacts(const Substep& s, const ContactSpan& span) {
+void solveContacts(const Substep& s) {
   ImplicitState& state = s.implicit;
   MidpointContacts& contacts = state.contacts;
   state.trial = s.points().position + state.residual;
-  solveLoads(contacts, state.solver, state.trial, state.start, span);
+  solveLoads(contacts, state.solver, state.trial, state.start, s.span());
   for (RowLoad& load : contacts.loads) load.load += load.change;
   state.trial.setZero();
   addLoads(contacts, &RowLoad::change, state.trial);
@@ -194,7 +193,7 @@ void solveContacts(const Substep& s, const ContactSpan& span) {
 }
 
 /// Makes one iteration; returns the largest movement of a point (m). The step replaces the residual.
-double iterate(const Substep& s, const ContactSpan& span, int iteration) {
+double iterate(const Substep& s, int iteration) {
   ImplicitState& state = s.implicit;
   computeForces(s, iteration < (s.euler ? 1 : kDamperRotations));
   update(state.solver, {s.springs(), s.body.tetrahedra}, state.damperDirection, s.points().position);
@@ -203,8 +202,8 @@ double iterate(const Substep& s, const ContactSpan& span, int iteration) {
     forgetResponse(state.contacts);
   computeResidual(s);
   solve(state.solver, state.residual);
-  if (s.hasContacts()) solveContacts(s, span);
-  if (!bears(s.implicit.contacts)) shortenStep(s);
+  if (s.hasContacts()) solveContacts(s);
+  if (!hasLoads(s.implicit.contacts)) shortenStep(s);
   s.points().position += state.residual;
   return state.residual.cwiseAbs().maxCoeff();
 }
@@ -219,14 +218,14 @@ double remainder(double moved, double before) {
 }
 
 /// Iterates to convergence or the limit; returns the last movement (m).
-double solveMidpoint(const Substep& s, const ContactSpan& span) {
+double solveMidpoint(const Substep& s) {
   const bool shared = s.implicit.solver.kind == MidpointSolver::Kind::Shared;
   const int maxIterations = shared ? kMaxSharedIterations : kMaxNewtonIterations;
   const double tolerance = kConverged * longest(s.springs());
   double moved = 0.0;
   for (int i = 0; i < maxIterations; ++i) {
     const double before = moved;
-    moved = iterate(s, span, i);
+    moved = iterate(s, i);
     s.implicit.remainder = remainder(moved, before);
     if (moved <= tolerance) break;
   }
@@ -234,13 +233,13 @@ double solveMidpoint(const Substep& s, const ContactSpan& span) {
 }
 
 /// Does the same, and repeats it while the result leads through surfaces that the rows did not follow.
-double solveFollowing(const Substep& s, const ContactSpan& span) {
+double solveFollowing(const Substep& s) {
   PointView atStart = viewOf(s.points());
   atStart.position = s.implicit.start.data();
   for (int repeats = kMaxRepeats;; --repeats) {
-    const double lastMovement = solveMidpoint(s, span);
+    const double lastMovement = solveMidpoint(s);
     if (repeats == 0 || !s.hasContacts() ||
-        !followDisplacement(s.implicit.contacts, s.points().position, atStart, span))
+        !followDisplacement(s.implicit.contacts, s.points().position, atStart, s.span()))
       return lastMovement;
     guess(s);
   }
@@ -282,21 +281,23 @@ bool guardEnergy(const Substep& s) {
   return true;
 }
 
-/// Sets the velocities of the free points to  2/h (x - x0) - (reach - 1) v0.
-void setVelocities(const Substep& s, double reach) {
+/// Sets the velocities of the free points to  2/h (x - x0) - (f - 1) v0, f = displacementFactor, and solves
+/// their contacts.
+void setVelocities(const Substep& s) {
+  const double factor = s.span().displacementFactor;
   PointState& p = s.points();
   for (Eigen::Index i = 0; i < p.position.cols(); ++i)
     if (!isHeld(p.inverseMass, i))
       p.velocity.col(i) = 2.0 / s.h * (p.position.col(i) - s.implicit.start.col(i)) -
-                          (reach - 1.0) * s.implicit.startVelocity.col(i);
+                          (factor - 1.0) * s.implicit.startVelocity.col(i);
+  if (s.hasContacts()) finishSpan(s.implicit.contacts, p, s.span());
 }
 
 /// Restores the angular momentum of a free body, which unfinished iterations do not conserve (unlike linear
-/// momentum). It changes only by the torque of the constant accelerations, from `before` at the start of
-/// `duration`, which ends now.
-void keepSpin(const Substep& s, const Eigen::Vector3d& before, double duration) {
+/// momentum). It changes only by the torque of the constant accelerations, from `before` at the start.
+void keepSpin(const Substep& s, const Eigen::Vector3d& before) {
   PointState& p = s.points();
-  if (bears(s.implicit.contacts) || (p.inverseMass.array() == 0.0).any()) return;
+  if (hasLoads(s.implicit.contacts) || (p.inverseMass.array() == 0.0).any()) return;
   double mass = 0.0;
   Eigen::Vector3d center = Eigen::Vector3d::Zero(), spin = before;
   for (Eigen::Index i = 0; i < p.position.cols(); ++i) {
@@ -306,16 +307,16 @@ void keepSpin(const Substep& s, const Eigen::Vector3d& before, double duration) 
   center /= mass;
   for (Eigen::Index i = 0; i < p.position.cols(); ++i) {
     const Eigen::Vector3d r = 0.5 * (p.position.col(i) + s.implicit.start.col(i)) - center;
-    spin += duration * massOf(p.inverseMass, i) * r.cross(Eigen::Vector3d(p.acceleration.col(i)));
+    spin += s.span().duration * massOf(p.inverseMass, i) * r.cross(Eigen::Vector3d(p.acceleration.col(i)));
   }
   setSpin(p, spin);
 }
 
-/// Moves from the midpoint to the end of the substep.
-void finish(const Substep& s) {
-  s.points().position = 2.0 * s.points().position - s.implicit.start;
-  setVelocities(s, 2.0);
-  if (s.hasContacts()) settle(s.implicit.contacts, s.points(), s.whole());
+/// Sets the state and the contacts' impulses to those of the start.
+void restart(const Substep& s) {
+  undo(s.implicit.contacts);
+  s.points().position = s.implicit.start;
+  s.points().velocity = s.implicit.startVelocity;
 }
 
 /// Makes half a substep of backward Euler, which has the equation of the midpoint: x = x0 + h/2 v,
@@ -323,13 +324,12 @@ void finish(const Substep& s) {
 bool stepHalfByEuler(const Substep& s, const Eigen::Vector3d& spin) {
   PointState& p = s.points();
   guess(s);
-  solveFollowing(s, s.firstHalf());
+  solveFollowing(s);
   computeForces(s, false);
-  setVelocities(s, 1.0);
-  if (s.hasContacts()) settle(s.implicit.contacts, p, s.firstHalf());
+  setVelocities(s);
   // restoring the spin that dampers reduce in a straight step may need more energy than there is
   s.implicit.trial = p.velocity;
-  keepSpin(s, spin, 0.5 * s.h);
+  keepSpin(s, spin);
   if (guardEnergy(s)) return true;
   p.velocity = s.implicit.trial;
   return guardEnergy(s);
@@ -339,9 +339,7 @@ void advanceHalfByEuler(const Substep& s) {
   const Eigen::Vector3d spin = spinOf(s.points());
   start(s);
   if (stepHalfByEuler(s, spin)) return;
-  undo(s.implicit.contacts);
-  s.points().position = s.implicit.start;
-  s.points().velocity = s.implicit.startVelocity;
+  restart(s);
   Substep downhill = s;
   downhill.downhill = true;
   start(downhill);
@@ -363,18 +361,16 @@ double errorRate(const Substep& s) {
 void advance(const Substep& s) {
   const Eigen::Vector3d spin = spinOf(s.points());
   start(s);
-  const double lastMovement = solveFollowing(s, s.whole());
+  const double lastMovement = solveFollowing(s);
   computeForces(s, false);
   s.body.errorRate = std::max(s.body.errorRate, errorRate(s));
-  const bool converged = lastMovement <= kNearlyConverged * longest(s.springs());
-  if (converged) {
-    finish(s);
-    keepSpin(s, spin, s.h);
+  if (lastMovement <= kNearlyConverged * longest(s.springs())) {
+    s.points().position = 2.0 * s.points().position - s.implicit.start;
+    setVelocities(s);
+    keepSpin(s, spin);
     if (guardEnergy(s)) return;
-    undo(s.implicit.contacts);
   }
-  s.points().position = s.implicit.start;
-  s.points().velocity = s.implicit.startVelocity;
+  restart(s);
   for (const double half : {0.0, 0.5}) {
     Substep euler{s.body, s.implicit, s.time + half * s.h, s.h};
     euler.euler = true;

@@ -15,7 +15,7 @@ namespace limber {
 
 /// The load of a contact row in a substep.
 struct RowLoad {
-  Eigen::Index place;                              ///< index of the row's point in MidpointContacts::touched
+  Eigen::Index pointIndex;                         ///< index of the row's point in MidpointContacts::touched
   TickImpulse impulseBefore;                       ///< the row's impulse at the start of the substep
   Eigen::Vector3d load = Eigen::Vector3d::Zero();  ///< l, kg m
   Eigen::Vector3d change = Eigen::Vector3d::Zero();  ///< of l in this iteration
@@ -27,7 +27,7 @@ struct RowLoad {
 struct MidpointContacts {
   std::vector<PlaneContact>* rows = nullptr;  ///< not nullptr if there are loads
   std::vector<RowLoad> loads;                 ///< #rows
-  double enough = 0.0;                        ///< m, sweeps end when the largest correction is smaller
+  double tolerance = 0.0;                     ///< m, sweeps end when the largest correction is smaller
   std::vector<std::uint32_t> touched;         ///< points that have rows
   Eigen::MatrixXd response;                   ///< W, 3 #touched x 3 #touched or larger, 1/kg
   std::vector<char> responds;  ///< #touched, whether the point's columns of W are computed; else they are 0
@@ -48,9 +48,10 @@ void startSubstep(MidpointContacts& contacts, std::vector<PlaneContact>* rows, E
 void forgetResponse(MidpointContacts& contacts);
 
 /// The part of a tick that is solved: `duration` seconds from `time` on. The displacement of a point is
-/// `reach` times that from its start to the position found by the iterations; 2 for the midpoint rule.
+/// `displacementFactor` times that from its start to the position found by the iterations; 2 for the midpoint
+/// rule.
 struct ContactSpan {
-  double time, duration, reach;
+  double time, duration, displacementFactor;
 };
 
 /// Computes the change of the loads after which no row is violated at the end of the span. The iterations
@@ -66,14 +67,14 @@ bool followDisplacement(MidpointContacts& contacts, const Points& found, const P
                         const ContactSpan& span);
 
 /// Whether any row has a load. Rows of surfaces that are only near have none.
-bool bears(const MidpointContacts& contacts);
+bool hasLoads(const MidpointContacts& contacts);
 
 /// Adds the loads, or their change, to the 3 x #points right hand side.
 void addLoads(const MidpointContacts& contacts, Eigen::Vector3d RowLoad::*part, Points& rightHandSide);
 
-/// Finishes a span of h/2 (reach 1) or h: points with a load stay at the surface, and the rows get their
-/// impulses.
-void settle(MidpointContacts& contacts, PointState& state, const ContactSpan& span);
+/// Finishes a span of h/2 (displacementFactor 1) or h: points with a load stay at the surface, and the rows
+/// get their impulses.
+void finishSpan(MidpointContacts& contacts, PointState& state, const ContactSpan& span);
 
 /// Restores the rows' impulses of the start of the substep.
 void undo(MidpointContacts& contacts);

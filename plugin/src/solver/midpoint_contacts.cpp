@@ -39,13 +39,14 @@ void computeResponse(MidpointContacts& c, MidpointSolver& solver, Eigen::Index i
 /// Corrects the load of a row whose point moves from `start` to `end`; returns its error (m).
 double solveRow(MidpointContacts& c, MidpointSolver& solver, const PlaneContact& row, RowLoad& load,
                 const Eigen::Vector3d& start, const Eigen::Vector3d& end, const ContactSpan& span) {
-  const Eigen::Index first = 3 * load.place;
+  const Eigen::Index first = 3 * load.pointIndex;
   const Eigen::Vector3d before = load.load + load.change;
   const Eigen::Vector3d surface = row.touch + (span.time + span.duration) * row.surfaceVelocity;
   const double gap = row.normal.dot(end - surface) - allowedGap(row, start, span);
   if (gap >= 0.0 && before.isZero(0.0)) return 0.0;
-  computeResponse(c, solver, load.place);
-  const double mobility = span.reach * row.normal.dot(c.response.block<3, 3>(first, first) * row.normal);
+  computeResponse(c, solver, load.pointIndex);
+  const double mobility =
+      span.displacementFactor * row.normal.dot(c.response.block<3, 3>(first, first) * row.normal);
   if (!(mobility > 0.0)) return 0.0;
   const double normal = std::max(0.0, row.normal.dot(before) - gap / mobility);
   const Eigen::Vector3d slip = end - start - span.duration * row.surfaceVelocity;
@@ -73,7 +74,7 @@ bool leadsThrough(const PlaneContact& row, const Eigen::Vector3d& start, const E
 void startSubstep(MidpointContacts& c, std::vector<PlaneContact>* rows, Eigen::Index points,
                   double tolerance) {
   constexpr Eigen::Index kStep = 8;
-  c.enough = tolerance;
+  c.tolerance = tolerance;
   c.rows = rows;
   c.touched.clear();
   c.loads.clear();
@@ -108,12 +109,12 @@ void solveLoads(MidpointContacts& c, MidpointSolver& solver, const Points& found
       const PlaneContact& row = (*c.rows)[r];
       if (row.away) continue;
       const Eigen::Vector3d moved =
-          c.response.block(3 * c.loads[r].place, 0, 3, size) * c.changeAt.head(size);
+          c.response.block(3 * c.loads[r].pointIndex, 0, 3, size) * c.changeAt.head(size);
       const Eigen::Vector3d x0 = start.col(row.point);
-      const Eigen::Vector3d end = x0 + span.reach * (found.col(row.point) + moved - x0);
+      const Eigen::Vector3d end = x0 + span.displacementFactor * (found.col(row.point) + moved - x0);
       largest = std::max(largest, solveRow(c, solver, row, c.loads[r], x0, end, span));
     }
-    if (largest <= c.enough) return;
+    if (largest <= c.tolerance) return;
   }
 }
 
@@ -127,7 +128,8 @@ bool followDisplacement(MidpointContacts& c, const Points& found, const PointVie
     bool follows = false;
     for (; end < rows.size() && rows[end].point == point; ++end) follows = follows || rows[end].around;
     if (!follows) continue;
-    const Eigen::Vector3d x = start.positionOf(point), displacement = span.reach * (found.col(point) - x);
+    const Eigen::Vector3d x = start.positionOf(point),
+                          displacement = span.displacementFactor * (found.col(point) - x);
     followSurface(&c.trial[begin], end - begin, start, displacement, 0.0);
     for (std::size_t r = begin; r < end; ++r)
       through = through || leadsThrough(c.trial[r], x, x + displacement, span);
@@ -138,7 +140,7 @@ bool followDisplacement(MidpointContacts& c, const Points& found, const PointVie
   return true;
 }
 
-bool bears(const MidpointContacts& c) {
+bool hasLoads(const MidpointContacts& c) {
   return std::any_of(c.loads.begin(), c.loads.end(), [](const RowLoad& l) { return !l.load.isZero(0.0); });
 }
 
@@ -146,9 +148,9 @@ void addLoads(const MidpointContacts& c, Eigen::Vector3d RowLoad::*part, Points&
   for (std::size_t r = 0; r < c.loads.size(); ++r) rightHandSide.col((*c.rows)[r].point) += c.loads[r].*part;
 }
 
-void settle(MidpointContacts& c, PointState& state, const ContactSpan& span) {
-  // the force F = 4 / h^2 l acts during the span, which is reach h/2 long
-  const double impulsePerLoad = span.reach * span.reach / span.duration;
+void finishSpan(MidpointContacts& c, PointState& state, const ContactSpan& span) {
+  // the force F = 4 / h^2 l acts during the span, which is displacementFactor h/2 long
+  const double impulsePerLoad = span.displacementFactor * span.displacementFactor / span.duration;
   for (std::size_t r = 0; r < c.loads.size(); ++r) {
     PlaneContact& row = (*c.rows)[r];
     const Eigen::Vector3d& load = c.loads[r].load;

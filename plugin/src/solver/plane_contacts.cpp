@@ -40,7 +40,7 @@ inline void setTarget(PlaneContact& row, const PointView& points, double time, d
   row.target = minSpeed(gap, row.recoverySpeed, dt);
   row.bounces = false;
   if (!(row.restitution > 0.0)) return;
-  const double before = row.normal.dot(row.surfaceVelocity - row.settled);
+  const double before = row.normal.dot(row.surfaceVelocity - row.lastVelocity);
   addBounce(row, row, gap, -speedAlong(row, points), before, dt);
 }
 
@@ -171,7 +171,7 @@ void followSurfaces(std::vector<PlaneContact>& rows, const PointView& points, do
 void prepareContacts(std::vector<PlaneContact>& rows, const PointView& points) {
   for (PlaneContact& row : rows) {
     row.mass = massAlongNormal(row, points);
-    row.settled = points.velocityOf(row.point);
+    row.lastVelocity = points.velocityOf(row.point);
   }
 }
 
@@ -217,7 +217,7 @@ void solveVelocities(std::vector<PlaneContact>& rows, const PointView& points) {
     applyRow(*first, points, 0.0);
   });
   for (PlaneContact& row : rows)
-    if (row.restitution > 0.0) row.settled = points.velocityOf(row.point);
+    if (row.restitution > 0.0) row.lastVelocity = points.velocityOf(row.point);
 }
 
 }  // namespace limber

@@ -65,9 +65,10 @@ struct PlaneContact : ContactBase, ContactTarget {
   bool away = false;                    ///< the point cannot touch these pieces in the next substep
 
   // Written by the step.
-  double mass = 0.0;                                  ///< kg along the normal; 0: cannot be moved
-  bool touching = false;                              ///< has an impulse in the present substep
-  Eigen::Vector3d settled = Eigen::Vector3d::Zero();  ///< m/s of the point at the end of the last substep
+  double mass = 0.0;      ///< kg along the normal; 0: cannot be moved
+  bool touching = false;  ///< has an impulse in the present substep
+  Eigen::Vector3d lastVelocity =
+      Eigen::Vector3d::Zero();  ///< m/s of the point at the end of the last substep
 };
 
 /// The indices of the rows of one point. Rows are sorted by point.
