@@ -68,7 +68,7 @@ TEST(SurfaceTree, findsThePairsOfItself) {
   std::mt19937 random(2);
   MovingShape a = randomSoup(80, random);
   LeafPairs waiting, leaves, allPairs;
-  findNearLeaves(a.surface(), 0.02, waiting, leaves);
+  findNearLeaves(a.surface(), a.surface(), 0.02, waiting, leaves);
   MovingShape copy = a;
   findNearLeaves(a.surface(), copy.surface(), 0.02, waiting, allPairs);
   allPairs.erase(

@@ -240,13 +240,9 @@ Contact contactOf(const PlaneContact& row, const SoftBodyData& body, std::uint32
   c.a.body = bodyIndex;
   c.a.point[0] = row.point;
   c.b.velocity = row.surfaceVelocity;
-  c.normal = row.normal;
+  static_cast<ContactBase&>(c) = row;
   c.gap = row.normal.dot(body.state.position.col(row.point) - row.touch);
   c.held = row.around ? &row : nullptr;
-  c.friction = row.friction;
-  c.restitution = row.restitution;
-  c.bounceThreshold = row.bounceThreshold;
-  c.recoverySpeed = row.recoverySpeed;
   return c;
 }
 

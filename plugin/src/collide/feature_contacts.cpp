@@ -3,23 +3,98 @@
 // with each other.
 #include "collide/feature_contacts.h"
 
-#include "mesh/closest_points.h"
+#include "mesh/surface.h"
 
 #include <algorithm>
 #include <limits>
 #include <tuple>
 
 namespace limber {
-namespace {
 
 using Eigen::Vector3d;
+
+Vector3d positionOf(const MovingSurface& surface, const SurfacePoint& point, double time) {
+  Vector3d position = Vector3d::Zero();
+  for (std::size_t i = 0; i < 3; ++i)
+    position += point.weights[static_cast<Eigen::Index>(i)] * surface.at(point.points[i], time);
+  return position;
+}
+
+namespace {
+
+// --- candidates --------------------------------------------------------------------------------------------
+
+/// A round surface is at least this many times thicker than the other.
+constexpr double kRoundRatio = 2.0;
+
+bool shareVertex(const SurfacePoint& a, const SurfacePoint& b) {
+  return std::any_of(a.points.begin(), a.points.end(), [&](std::uint32_t v) {
+    return std::find(b.points.begin(), b.points.end(), v) != b.points.end();
+  });
+}
+
+/// Returns the distance at rest of two vertices or edges, or of a vertex and a triangle, m.
+double distanceAtRest(const Points& rest, const SurfacePoint& a, const SurfacePoint& b) {
+  if (a.kind == FeatureKind::OnTriangle) return distanceAtRest(rest, b, a);
+  const auto corner = [&](const SurfacePoint& point, std::size_t i) {
+    return Vector3d(rest.col(point.points[i]));
+  };
+  if (b.kind == FeatureKind::OnTriangle) {
+    const TriangleCorners corners{corner(b, 0), corner(b, 1), corner(b, 2)};
+    return (pointAt(corners, nearestBarycentric(corners, corner(a, 0))) - corner(a, 0)).norm();
+  }
+  // an edge without length is a vertex
+  const SegmentPair along = nearestOnSegments(corner(a, 0), corner(a, 1), corner(b, 0), corner(b, 1));
+  return (corner(a, 0) + along.a * (corner(a, 1) - corner(a, 0)) - corner(b, 0) -
+          along.b * (corner(b, 1) - corner(b, 0)))
+      .norm();
+}
+
+/// Whether the whole features, not only the contact points, are close at rest. Braces that cross at rest
+/// always overlap, also after shear.
+bool areCloseAtRest(const SurfacePair& pair, const SurfacePoint& a, const SurfacePoint& b) {
+  return distanceAtRest(pair.a.topology->rest, a, b) <= pair.radiusSum() + pair.margin - pair.extraMargin;
+}
+
+/// Whether `surface` has no triangles and is much thicker than the other, as a ball or a capsule.
+bool isRound(const MovingSurface& surface, const MovingSurface& other) {
+  return surface.topology->triangles.empty() && surface.radius > kRoundRatio * other.radius;
+}
+
+SurfacePoint atVertex(std::uint32_t v) { return {FeatureKind::OnVertex, v, {v, v, v}, Vector3d::UnitX()}; }
+
+SurfacePoint onEdge(const SurfaceTopology& t, std::uint32_t edge, const Eigen::Vector2d& weights) {
+  const auto [a, b] = t.edges[edge];
+  return {FeatureKind::OnEdge, edge, {a, b, b}, {weights[0], weights[1], 0.0}};
+}
+
+/// Returns ContactCandidate::vertex for vertex `v` of a, or of b.
+std::uint64_t contactVertex(const SurfacePair& pair, std::uint32_t v, bool ofB) {
+  return std::uint64_t{v} * 2 + (ofB && !pair.self ? 1 : 0);
+}
+
+/// Adds a candidate; computes its gap, key and point. `flipped`: its side a is on surface b. A contact of a
+/// surface with itself is left out if the features share a vertex or are close at rest.
+void addCandidate(const SurfacePair& pair, bool flipped, ContactRank rank, SurfaceContact c,
+                  double featureSize, std::uint64_t vertex, ContactSearch& search) {
+  if (flipped) std::swap(c.a, c.b), c.normal = -c.normal;
+  if (pair.self && (shareVertex(c.a, c.b) || areCloseAtRest(pair, c.a, c.b))) return;
+  c.gap = c.normal.dot(positionOf(pair.a, c.a, 0.0) - positionOf(pair.b, c.b, 0.0)) - pair.radiusSum();
+  c.key = std::uint64_t{rank} << 60 | std::uint64_t{c.a.feature} << 30 | c.b.feature;
+  const Vector3d point = 0.5 * (positionOf(pair.a, c.a, c.time) + positionOf(pair.b, c.b, c.time));
+  search.candidates.push_back({c, point, featureSize, vertex, rank});
+}
+
+MovingFeature<1> vertexOf(const MovingSurface& surface, std::uint32_t v) {
+  return {surface.position->col(v), surface.motion->col(v)};
+}
 
 // --- time of impact ----------------------------------------------------------------------------------------
 
 /// Returns an upper bound of the decrease of the distance along the unit `direction` from b to a during the
 /// tick, m.
 template <int N, int M>
-double approachAlong(const Eigen::Vector3d& direction, const MovingFeature<N>& a, const MovingFeature<M>& b) {
+double approachAlong(const Vector3d& direction, const MovingFeature<N>& a, const MovingFeature<M>& b) {
   return (direction.transpose() * b.motion).maxCoeff() - (direction.transpose() * a.motion).minCoeff();
 }
 
@@ -101,10 +176,11 @@ bool isInNormalCone(const MovingSurface& surface, double time, std::uint32_t edg
 /// Whether the vertex has no triangles, or the outer side of at least one of them faces `outward`.
 bool facesOutward(const MovingSurface& surface, double time, std::uint32_t vertex, const Vector3d& outward) {
   const SurfaceTopology& t = *surface.topology;
+  const auto faces = [&](std::uint32_t i) {
+    return !t.oneSided[i] || outward.dot(normalAt(surface, time, i)) > kFacing;
+  };
   const std::uint32_t *begin = t.trianglesAround.begin(vertex), *end = t.trianglesAround.end(vertex);
-  return begin == end || std::any_of(begin, end, [&](std::uint32_t i) {
-           return !t.oneSided[i] || outward.dot(normalAt(surface, time, i)) > kFacing;
-         });
+  return begin == end || std::any_of(begin, end, faces);
 }
 
 /// Whether no edge around the vertex points to the side of `outward`, and a triangle faces `outward`.
@@ -129,15 +205,6 @@ constexpr double kFootTolerance = 1e-4;
 /// its distance from the triangle.
 constexpr double kMinSlopeCosine = 0.5;
 
-/// Returns the barycentric coordinates of the projection of `p` onto the plane of the triangle.
-Vector3d footPoint(const MovingFeature<3>::Corners& triangle, const Vector3d& p) {
-  const Vector3d u = triangle.col(1) - triangle.col(0), v = triangle.col(2) - triangle.col(0);
-  const Vector3d normal = u.cross(v), to = p - triangle.col(0);
-  const double squared = normal.squaredNorm();
-  const double second = normal.dot(to.cross(v)) / squared, third = normal.dot(u.cross(to)) / squared;
-  return {1.0 - second - third, second, third};
-}
-
 struct VertexTriangle {
   const SurfacePair& pair;
   MovingFeature<1> vertex;
@@ -155,22 +222,16 @@ struct VertexTriangle {
 void addVertexOnTriangle(const SurfacePair& pair, const PenetratingVertex& vertex, const Vector3d& normal,
                          double time, ContactSearch& search) {
   const SurfaceTopology& t = *(vertex.ofB ? pair.a : pair.b).topology;
-  ContactCandidate candidate;
-  SurfaceContact& c = candidate.contact;
-  c.a = atVertex(vertex.vertex);
-  c.b = onTriangle(t, vertex.triangle, vertex.barycentric);
-  if (vertex.ofB) std::swap(c.a, c.b);
-  c.normal = vertex.ofB ? Vector3d(-normal) : normal;
-  c.time = time;
-  candidate.rank = vertex.ofB ? kTriangleVertex : kVertexTriangle;
-  candidate.featureSize = t.depthLimit[vertex.triangle];
-  candidate.vertex = contactVertex(pair, vertex.vertex, vertex.ofB);
-  addCandidate(pair, candidate, search);
+  const SurfacePoint onTriangle{FeatureKind::OnTriangle, vertex.triangle, t.triangles[vertex.triangle],
+                                vertex.barycentric};
+  addCandidate(pair, vertex.ofB, vertex.ofB ? kTriangleVertex : kVertexTriangle,
+               {atVertex(vertex.vertex), onTriangle, normal, 0.0, time}, t.depthLimit[vertex.triangle],
+               contactVertex(pair, vertex.vertex, vertex.ofB), search);
 }
 
 void addVertexInFront(VertexTriangle& features, double time, ContactSearch& search) {
-  features.record.barycentric = footPoint(features.triangle.at(time), features.vertex.at(time));
-  if (!clampToTriangle(features.record.barycentric)) return;
+  if (!projectOnTriangle(features.triangle.at(time), features.vertex.at(time), features.record.barycentric))
+    return;
   const Vector3d normal = features.normal(time);
   const MovingSurface& own = features.record.ofB ? features.pair.b : features.pair.a;
   if (!facesOutward(own, time, features.record.vertex, -normal)) return;
@@ -181,8 +242,7 @@ void addPenetrating(VertexTriangle& features, double depth, double limit, Contac
   if (features.pair.self || depth > limit) return;
   const MovingFeature<3>::Corners& t = features.triangle.start;
   PenetratingVertex& vertex = features.record;
-  vertex.barycentric = footPoint(t, features.vertex.start);
-  vertex.isFootInside = clampToTriangle(vertex.barycentric);
+  vertex.isFootInside = projectOnTriangle(t, features.vertex.start, vertex.barycentric);
   if (!vertex.isFootInside)
     vertex.barycentric = nearestBarycentric({t.col(0), t.col(1), t.col(2)}, features.vertex.start);
   vertex.depth = (t * vertex.barycentric - features.vertex.start).norm();
@@ -206,9 +266,34 @@ double timeOfImpact(const VertexTriangle& features, double height) {
   return height - radiusSum > tolerance ? kNever : time;
 }
 
+/// Factor of a search distance at which something is known to be.
+constexpr double kSlightlyMore = 1.001;
+
+using PenetratingIterator = std::vector<PenetratingVertex>::const_iterator;
+
+/// Adds a candidate if the vertex is inside. `begin` to `end` are entries of one vertex, in the order of
+/// addInsideVertices().
+void addInside(const SurfacePair& pair, PenetratingIterator begin, PenetratingIterator end,
+               ContactSearch& search) {
+  const MovingSurface &own = begin->ofB ? pair.b : pair.a, &other = begin->ofB ? pair.a : pair.b;
+  const auto less = [](const PenetratingVertex& x, const PenetratingVertex& y) { return x.depth < y.depth; };
+  const double depth = std::min_element(begin, end, less)->depth;
+  if (!nearestOnSurface(other, own.position->col(begin->vertex), kSlightlyMore * depth).behind) return;
+  const auto facing = std::find_if(begin, end, [&](const PenetratingVertex& vertex) {
+    return facesOutward(own, 0.0, vertex.vertex, -normalAt(other, 0.0, vertex.triangle));
+  });
+  const PenetratingVertex& vertex = facing != end ? *facing : *begin;
+  addVertexOnTriangle(pair, vertex, normalAt(other, 0.0, vertex.triangle), 0.0, search);
+}
+
 }  // namespace
 
-bool clampToTriangle(Vector3d& barycentric) {
+bool projectOnTriangle(const MovingFeature<3>::Corners& triangle, const Vector3d& p, Vector3d& barycentric) {
+  const Vector3d u = triangle.col(1) - triangle.col(0), v = triangle.col(2) - triangle.col(0);
+  const Vector3d normal = u.cross(v), to = p - triangle.col(0);
+  const double squared = normal.squaredNorm();
+  const double second = normal.dot(to.cross(v)) / squared, third = normal.dot(u.cross(to)) / squared;
+  barycentric = {1.0 - second - third, second, third};
   if (!(barycentric.minCoeff() >= -kFootTolerance)) return false;
   barycentric = barycentric.cwiseMax(0.0);
   barycentric /= barycentric.sum();
@@ -218,14 +303,8 @@ bool clampToTriangle(Vector3d& barycentric) {
 void collideVertexTriangle(const SurfacePair& pair, bool ofB, std::uint32_t v, std::uint32_t triangle,
                            ContactSearch& search) {
   const MovingSurface &own = ofB ? pair.b : pair.a, &other = ofB ? pair.a : pair.b;
-  VertexTriangle features{pair,
-                          featureOf<1>(own, std::array<std::uint32_t, 1>{v}),
-                          featureOf<3>(other, other.topology->triangles[triangle]),
-                          {},
-                          1.0};
-  features.record.ofB = ofB;
-  features.record.vertex = v;
-  features.record.triangle = triangle;
+  VertexTriangle features{
+      pair, vertexOf(own, v), featureOf<3>(other, other.topology->triangles[triangle]), {ofB, v, triangle}};
   Vector3d normal = features.normal(0.0);
   if (normal.squaredNorm() == 0.0) return;
   double height = normal.dot(features.vertex.start - features.triangle.start.col(0));
@@ -244,40 +323,6 @@ void collideVertexTriangle(const SurfacePair& pair, bool ofB, std::uint32_t v, s
   else if (gap <= pair.margin)
     addVertexInFront(features, 0.0, search);
 }
-
-// --- vertices inside ---------------------------------------------------------------------------------------
-
-namespace {
-
-using PenetratingIterator = std::vector<PenetratingVertex>::const_iterator;
-
-Vector3d normalAt(const MovingSurface& surface, std::uint32_t triangle) {
-  return normalOf<3>(featureOf<3>(surface, surface.topology->triangles[triangle]).start);
-}
-
-/// Whether the position is inside the surface: behind its nearest point. A triangle is at the distance
-/// `depth` (m).
-bool isInsideAt(const MovingSurface& surface, const Vector3d& position, double depth) {
-  constexpr double kSlightlyMore = 1.001;
-  return nearestOnSurface(surface, position, kSlightlyMore * depth).behind;
-}
-
-/// Adds a candidate if the vertex is inside. `begin` to `end` are entries of one vertex, in the order of
-/// addInsideVertices().
-void addInside(const SurfacePair& pair, PenetratingIterator begin, PenetratingIterator end,
-               ContactSearch& search) {
-  const MovingSurface &own = begin->ofB ? pair.b : pair.a, &other = begin->ofB ? pair.a : pair.b;
-  const auto less = [](const PenetratingVertex& x, const PenetratingVertex& y) { return x.depth < y.depth; };
-  const double depth = std::min_element(begin, end, less)->depth;
-  if (!isInsideAt(other, own.position->col(begin->vertex), depth)) return;
-  const auto facing = std::find_if(begin, end, [&](const PenetratingVertex& vertex) {
-    return facesOutward(own, 0.0, vertex.vertex, -normalAt(other, vertex.triangle));
-  });
-  const PenetratingVertex& vertex = facing != end ? *facing : *begin;
-  addVertexOnTriangle(pair, vertex, normalAt(other, vertex.triangle), 0.0, search);
-}
-
-}  // namespace
 
 void addInsideVertices(const SurfacePair& pair, ContactSearch& search) {
   const auto order = [](const PenetratingVertex& vertex) {
@@ -365,7 +410,6 @@ double depthLimit(const SurfaceTopology& t, std::uint32_t edge) {
 /// Whether a point at the distance `depth` (m) behind an edge is inside the surface or on it. Perpendicular
 /// to a face the point is on the face beside the edge.
 bool isInside(const MovingSurface& surface, const Vector3d& point, double depth) {
-  constexpr double kSlightlyMore = 1.001;
   const NearestOnSurface nearest = nearestOnSurface(surface, point, kSlightlyMore * depth);
   if (nearest.triangle == kNoFeature || !surface.topology->oneSided[nearest.triangle]) return false;
   return nearest.behind || nearest.distance <= kCrossingTolerance * depth;
@@ -378,14 +422,13 @@ bool isSheetEdge(const SurfaceTopology& t, std::uint32_t edge) {
   return !hasInside(first) && !hasInside(second);
 }
 
-/// Whether the crossing edges can touch from outside. `normal` is the direction from b to a. They can if both
-/// are convex, or if one is convex and the other is any edge of a sheet.
+/// Whether the crossing edges can touch from outside: both are convex, or one is convex and the other is any
+/// edge of a sheet. `normal` is the direction from b to a.
 ///
-/// Reason for the second case: if a convex edge pushes a sheet back at one edge, the sheet bends there, so
-/// that the next edge of the sheet becomes the nearest one during the same tick. If only convex edges of the
-/// sheet counted, the two edges would fall and be pushed back in turn. Other edges of the sheet are not
-/// nearer than the convex ones beside them, and have no impulse until they touch. Flat edges count too where
-/// a triangle beside the convex edge supports the sheet: otherwise the sheet would not come to rest there.
+/// Reason for the second case: a convex edge that pushes a sheet back at one edge bends it, and the sheet's
+/// next edge becomes the nearest one in the same tick. If only convex edges of the sheet counted, the two
+/// would fall and be pushed back in turn. Flat edges count too where a triangle beside the convex edge
+/// supports the sheet: otherwise it would not come to rest there.
 bool areInFront(const SurfacePair& pair, std::uint32_t ea, std::uint32_t eb, double time,
                 const Vector3d& normal) {
   const bool isConvexA = isInNormalCone(pair.a, time, ea, -normal, kCrossingTolerance);
@@ -411,35 +454,27 @@ bool havePassedThrough(const SurfacePair& pair, std::uint32_t ea, std::uint32_t 
 }  // namespace
 
 void collideVertices(const SurfacePair& pair, std::uint32_t va, std::uint32_t vb, ContactSearch& search) {
-  const auto a = featureOf<1>(pair.a, std::array<std::uint32_t, 1>{va});
-  const auto b = featureOf<1>(pair.b, std::array<std::uint32_t, 1>{vb});
+  const MovingFeature<1> a = vertexOf(pair.a, va), b = vertexOf(pair.b, vb);
   const auto nearest = findFeatureContact(a, b, pair.radiusSum(), pair.margin);
   if (nearest.time == kNever) return;
-  ContactCandidate candidate;
-  SurfaceContact& c = candidate.contact;
-  c.normal = directionBetween(nearest, a, b);
-  c.time = nearest.time;
-  const Vector3d motion = a.motion - b.motion;
+  const Vector3d normal = directionBetween(nearest, a, b), motion = a.motion - b.motion;
   const double gap = nearest.distance - pair.radiusSum();
-  if (!vertexTouches(pair, false, {va, -c.normal, motion, c.time, gap})) return;
-  if (!vertexTouches(pair, true, {vb, c.normal, -motion, c.time, gap})) return;
-  c.a = atVertex(va);
-  c.b = atVertex(vb);
-  candidate.rank = kVertexVertex;
-  candidate.featureSize = pair.radiusSum();
+  if (!vertexTouches(pair, false, {va, -normal, motion, nearest.time, gap})) return;
+  if (!vertexTouches(pair, true, {vb, normal, -motion, nearest.time, gap})) return;
   // vertices near a ball have one contact each; the contact of the ball's own vertex is the nearest one
-  candidate.vertex = kNoVertex;
-  if (isRound(pair.a, pair.b) && !isInVertexCone(pair.b, c.time, vb, c.normal))
-    candidate.vertex = contactVertex(pair, vb, true);
+  std::uint64_t vertex = kNoVertex;
+  if (isRound(pair.a, pair.b) && !isInVertexCone(pair.b, nearest.time, vb, normal))
+    vertex = contactVertex(pair, vb, true);
   else if (isRound(pair.b, pair.a) || pair.self)
-    candidate.vertex = contactVertex(pair, va, false);
-  addCandidate(pair, candidate, search);
+    vertex = contactVertex(pair, va, false);
+  addCandidate(pair, false, kVertexVertex, {atVertex(va), atVertex(vb), normal, 0.0, nearest.time},
+               pair.radiusSum(), vertex, search);
 }
 
 void collideVertexEdge(const SurfacePair& pair, bool ofB, std::uint32_t v, std::uint32_t edge,
                        ContactSearch& search) {
   const MovingSurface &own = ofB ? pair.b : pair.a, &other = ofB ? pair.a : pair.b;
-  const auto vertex = featureOf<1>(own, std::array<std::uint32_t, 1>{v});
+  const MovingFeature<1> vertex = vertexOf(own, v);
   const auto segment = featureOf<2>(other, other.topology->edges[edge]);
   const auto nearest = findFeatureContact(vertex, segment, pair.radiusSum(), pair.margin);
   if (nearest.time == kNever || nearest.b.minCoeff() <= 0.0) return;
@@ -448,17 +483,9 @@ void collideVertexEdge(const SurfacePair& pair, bool ofB, std::uint32_t v, std::
   const Vector3d motion = vertex.motion - segment.motion * nearest.b;
   const double gap = nearest.distance - pair.radiusSum();
   if (!vertexTouches(pair, ofB, {v, -outward, motion, nearest.time, gap})) return;
-  ContactCandidate candidate;
-  SurfaceContact& c = candidate.contact;
-  c.a = atVertex(v);
-  c.b = onEdge(*other.topology, edge, nearest.b);
-  if (ofB) std::swap(c.a, c.b);
-  c.normal = ofB ? Vector3d(-outward) : outward;
-  c.time = nearest.time;
-  candidate.rank = ofB ? kEdgeVertex : kVertexEdge;
-  candidate.featureSize = (segment.start.col(1) - segment.start.col(0)).norm();
-  candidate.vertex = contactVertex(pair, v, ofB);
-  addCandidate(pair, candidate, search);
+  addCandidate(pair, ofB, ofB ? kEdgeVertex : kVertexEdge,
+               {atVertex(v), onEdge(*other.topology, edge, nearest.b), outward, 0.0, nearest.time},
+               edgeVector(segment, 0.0).norm(), contactVertex(pair, v, ofB), search);
 }
 
 void collideEdges(const SurfacePair& pair, std::uint32_t ea, std::uint32_t eb, ContactSearch& search) {
@@ -473,16 +500,10 @@ void collideEdges(const SurfacePair& pair, std::uint32_t ea, std::uint32_t eb, C
   if (normal.dot(directionBetween(nearest, a, b)) < 0.0) normal = -normal;
   const bool apart = areInFront(pair, ea, eb, nearest.time, normal);
   if (!apart && !havePassedThrough(pair, ea, eb, nearest, normal)) return;
-  ContactCandidate candidate;
-  SurfaceContact& c = candidate.contact;
-  c.a = onEdge(*pair.a.topology, ea, nearest.a);
-  c.b = onEdge(*pair.b.topology, eb, nearest.b);
-  c.normal = apart ? normal : Vector3d(-normal);
-  c.time = nearest.time;
-  candidate.rank = kEdgeEdge;
-  candidate.featureSize = std::min(alongA.norm(), alongB.norm());
-  candidate.vertex = kNoVertex;
-  addCandidate(pair, candidate, search);
+  addCandidate(pair, false, kEdgeEdge,
+               {onEdge(*pair.a.topology, ea, nearest.a), onEdge(*pair.b.topology, eb, nearest.b),
+                apart ? normal : Vector3d(-normal), 0.0, nearest.time},
+               std::min(alongA.norm(), alongB.norm()), kNoVertex, search);
 }
 
 }  // namespace limber

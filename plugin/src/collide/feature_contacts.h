@@ -9,8 +9,6 @@
 
 namespace limber {
 
-// --- candidates --------------------------------------------------------------------------------------------
-
 /// Two surfaces that are tested for contact.
 struct SurfacePair {
   const MovingSurface &a, &b;
@@ -31,19 +29,8 @@ enum ContactRank : std::uint8_t {
   kVertexVertex
 };
 
-/// Whether `surface` has no triangles and is much thicker than the other, as a ball or a capsule.
-bool isRound(const MovingSurface& surface, const MovingSurface& other);
-
-SurfacePoint atVertex(std::uint32_t v);
-SurfacePoint onEdge(const SurfaceTopology& t, std::uint32_t edge, const Eigen::Vector2d& weights);
-SurfacePoint onTriangle(const SurfaceTopology& t, std::uint32_t triangle, const Eigen::Vector3d& weights);
-
-/// Returns ContactCandidate::vertex for vertex `v` of a, or of b.
-std::uint64_t contactVertex(const SurfacePair& pair, std::uint32_t v, bool ofB);
-
-/// Computes gap, key and point of a candidate and adds it to `search`. Its other members must be set. A
-/// contact of a surface with itself is left out if the features share a vertex or are close at rest.
-void addCandidate(const SurfacePair& pair, ContactCandidate& candidate, ContactSearch& search);
+/// Returns the position (m) of a point of a surface at a time of the tick.
+Eigen::Vector3d positionOf(const MovingSurface& surface, const SurfacePoint& point, double time);
 
 // --- nearest points of two features ------------------------------------------------------------------------
 
@@ -100,9 +87,10 @@ void collideVertexTriangle(const SurfacePair& pair, bool ofB, std::uint32_t v, s
 /// nearest triangle that the vertex faces. Sorts `search.penetrating`.
 void addInsideVertices(const SurfacePair& pair, ContactSearch& search);
 
-/// Moves a foot that is outside its triangle by rounding onto the triangle. Returns false, and changes
-/// nothing, if it is farther outside.
-bool clampToTriangle(Eigen::Vector3d& barycentric);
+/// Sets the barycentric coordinates of the projection of `p` onto the plane of the triangle. Returns false if
+/// it is outside the triangle by more than rounding, or if the triangle has no area.
+bool projectOnTriangle(const MovingFeature<3>::Corners& triangle, const Eigen::Vector3d& p,
+                       Eigen::Vector3d& barycentric);
 
 // --- edges and vertices ------------------------------------------------------------------------------------
 

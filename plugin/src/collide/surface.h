@@ -153,13 +153,11 @@ void fitBoxes(const MovingSurface& surface, SurfaceBoxes& boxes);
 /// Pairs of leaves, by node.
 using LeafPairs = std::vector<std::pair<std::uint32_t, std::uint32_t>>;
 
-/// Writes to `near` the pairs of leaves whose boxes are within `margin` (m) of each other. The order depends
-/// only on the trees and boxes. `waiting` is scratch: the pairs of nodes that are not yet visited.
+/// Writes to `near` the pairs of leaves whose boxes are within `margin` (m) of each other. If a and b are the
+/// same object: pairs of different leaves, each once, the smaller index first. The order depends only on the
+/// trees and boxes. `waiting` is scratch: the pairs of nodes that are not yet visited.
 void findNearLeaves(const MovingSurface& a, const MovingSurface& b, double margin, LeafPairs& waiting,
                     LeafPairs& near);
-
-/// Writes to `near` pairs of different leaves of one tree, each once, the smaller index first.
-void findNearLeaves(const MovingSurface& surface, double margin, LeafPairs& waiting, LeafPairs& near);
 
 /// Writes to `found` the triangles whose boxes overlap `box`.
 void findTriangles(const MovingSurface& surface, const Eigen::AlignedBox3d& box,

@@ -82,93 +82,7 @@ void collideNearFeatures(const SurfacePair& pair, ContactSearch& search) {
   }
 }
 
-// --- candidates --------------------------------------------------------------------------------------------
-
-/// A round surface is at least this many times thicker than the other.
-constexpr double kRoundRatio = 2.0;
-
-template <std::size_t N>
-SurfacePoint pointOn(std::uint32_t feature, const std::array<std::uint32_t, N>& corners,
-                     const Vector3d& weights) {
-  SurfacePoint point;
-  point.kind = static_cast<FeatureKind>(N - 1);
-  point.feature = feature;
-  for (std::size_t i = 0; i < 3; ++i) point.points[i] = corners[std::min(i, N - 1)];
-  point.weights = weights;
-  return point;
-}
-
-Vector3d positionOf(const MovingSurface& surface, const SurfacePoint& point, double time) {
-  Vector3d position = Vector3d::Zero();
-  for (std::size_t i = 0; i < 3; ++i)
-    position += point.weights[static_cast<Eigen::Index>(i)] * surface.at(point.points[i], time);
-  return position;
-}
-
-bool shareVertex(const SurfacePoint& a, const SurfacePoint& b) {
-  return std::any_of(a.points.begin(), a.points.end(), [&](std::uint32_t v) {
-    return std::find(b.points.begin(), b.points.end(), v) != b.points.end();
-  });
-}
-
-/// Returns the distance at rest of two vertices or edges, or of a vertex and a triangle, m.
-double distanceAtRest(const Points& rest, const SurfacePoint& a, const SurfacePoint& b) {
-  if (a.kind == FeatureKind::OnTriangle) return distanceAtRest(rest, b, a);
-  const auto corner = [&](const SurfacePoint& point, std::size_t i) {
-    return Vector3d(rest.col(point.points[i]));
-  };
-  if (b.kind == FeatureKind::OnTriangle) {
-    const Vector3d weights = nearestBarycentric({corner(b, 0), corner(b, 1), corner(b, 2)}, corner(a, 0));
-    return (weights[0] * corner(b, 0) + weights[1] * corner(b, 1) + weights[2] * corner(b, 2) - corner(a, 0))
-        .norm();
-  }
-  // an edge without length is a vertex
-  const SegmentPair along = nearestOnSegments(corner(a, 0), corner(a, 1), corner(b, 0), corner(b, 1));
-  return (corner(a, 0) + along.a * (corner(a, 1) - corner(a, 0)) - corner(b, 0) -
-          along.b * (corner(b, 1) - corner(b, 0)))
-      .norm();
-}
-
-/// Whether the whole features, not only the contact points, are close at rest. Braces that cross at rest
-/// always overlap, also after shear.
-bool areCloseAtRest(const SurfacePair& pair, const SurfacePoint& a, const SurfacePoint& b) {
-  return distanceAtRest(pair.a.topology->rest, a, b) <= pair.radiusSum() + pair.margin - pair.extraMargin;
-}
-
-}  // namespace
-
-bool isRound(const MovingSurface& surface, const MovingSurface& other) {
-  return surface.topology->triangles.empty() && surface.radius > kRoundRatio * other.radius;
-}
-
-SurfacePoint atVertex(std::uint32_t v) {
-  return pointOn(v, std::array<std::uint32_t, 1>{v}, Vector3d::UnitX());
-}
-
-SurfacePoint onEdge(const SurfaceTopology& t, std::uint32_t edge, const Eigen::Vector2d& weights) {
-  return pointOn(edge, t.edges[edge], {weights[0], weights[1], 0.0});
-}
-
-SurfacePoint onTriangle(const SurfaceTopology& t, std::uint32_t triangle, const Vector3d& weights) {
-  return pointOn(triangle, t.triangles[triangle], weights);
-}
-
-std::uint64_t contactVertex(const SurfacePair& pair, std::uint32_t v, bool ofB) {
-  return std::uint64_t{v} * 2 + (ofB && !pair.self ? 1 : 0);
-}
-
-void addCandidate(const SurfacePair& pair, ContactCandidate& candidate, ContactSearch& search) {
-  SurfaceContact& c = candidate.contact;
-  if (pair.self && (shareVertex(c.a, c.b) || areCloseAtRest(pair, c.a, c.b))) return;
-  c.gap = c.normal.dot(positionOf(pair.a, c.a, 0.0) - positionOf(pair.b, c.b, 0.0)) - pair.radiusSum();
-  c.key = std::uint64_t{candidate.rank} << 60 | std::uint64_t{c.a.feature} << 30 | c.b.feature;
-  candidate.point = 0.5 * (positionOf(pair.a, c.a, c.time) + positionOf(pair.b, c.b, c.time));
-  search.candidates.push_back(candidate);
-}
-
 // --- duplicate contacts ------------------------------------------------------------------------------------
-
-namespace {
 
 /// Cosine of the largest angle between equal directions.
 constexpr double kSameDirection = 0.995;
@@ -268,7 +182,7 @@ void findSurfaceContacts(const MovingSurface& a, const MovingSurface& b, double 
 
 void findSelfContacts(const MovingSurface& surface, double margin, ContactSearch& search,
                       std::vector<SurfaceContact>& found, double extraMargin) {
-  findNearLeaves(surface, margin + extraMargin, search.waiting, search.near);
+  findNearLeaves(surface, surface, margin + extraMargin, search.waiting, search.near);
   searchNear({surface, surface, margin + extraMargin, true, extraMargin}, search, found);
 }
 
@@ -284,32 +198,19 @@ constexpr double kMaxMoved = 0.2, kMaxWithMotion = 0.9;
 /// Cosine of the largest rotation of a normal since the search.
 constexpr double kSameNormal = 0.999;
 
-/// Returns the largest displacement of a point from `from` to `to`, relative to `common`, m.
-double longestDisplacement(const Points& from, const Points& to, const Vector3d& common) {
-  double max = 0.0;
-  for (Eigen::Index i = 0; i < to.cols(); ++i) {
-    const double x = to(0, i) - from(0, i) - common[0], y = to(1, i) - from(1, i) - common[1],
-                 z = to(2, i) - from(2, i) - common[2];
-    max = std::max(max, x * x + y * y + z * z);
-  }
-  return std::sqrt(max);
-}
-
-double longestMotion(const Points& motion, const Vector3d& common) {
-  double max = 0.0;
-  for (Eigen::Index i = 0; i < motion.cols(); ++i)
-    max = std::max(max, (Vector3d(motion.col(i)) - common).squaredNorm());
-  return std::sqrt(max);
+/// Returns the length (m) of the longest column of `displacements`, relative to `common`.
+template <class Displacements>
+double longest(const Displacements& displacements, const Vector3d& common) {
+  return std::sqrt((displacements.colwise() - common).colwise().squaredNorm().maxCoeff());
 }
 
 bool areNearlyUnmoved(const MovingSurface& a, const MovingSurface& b, double margin,
                       const ContactCache& cache) {
   const Vector3d displacement = a.position->col(0) - cache.a.col(0), motion = a.motion->col(0);
-  const double moved = longestDisplacement(cache.a, *a.position, displacement) +
-                       longestDisplacement(cache.b, *b.position, displacement);
-  if (!(moved <= kMaxMoved * margin)) return false;
-  return moved + longestMotion(*a.motion, motion) + longestMotion(*b.motion, motion) <=
-         kMaxWithMotion * margin;
+  const double moved =
+      longest(*a.position - cache.a, displacement) + longest(*b.position - cache.b, displacement);
+  return moved <= kMaxMoved * margin &&
+         moved + longest(*a.motion, motion) + longest(*b.motion, motion) <= kMaxWithMotion * margin;
 }
 
 /// Sets the weights of the point. Returns false if it is no longer in the interior of its feature.
@@ -322,30 +223,14 @@ bool setWeights(SurfacePoint& point, const Weights& weights) {
   return true;
 }
 
-Vector3d positionOf(const MovingSurface& surface, const SurfacePoint& point) {
-  Vector3d x = Vector3d::Zero();
-  for (std::size_t i = 0; i < 3; ++i)
-    x += point.weights[static_cast<Eigen::Index>(i)] * surface.position->col(point.points[i]);
-  return x;
-}
-
 // The functions below move the two points of a contact to the nearest points of their features, and compute
 // its normal without length and sign. They return false if a nearest point has left its feature.
 
-bool updateVertexTriangle(const MovingSurface& own, SurfacePoint& vertex, const MovingSurface& other,
+bool updateVertexTriangle(const MovingSurface& own, const SurfacePoint& vertex, const MovingSurface& other,
                           SurfacePoint& triangle, Vector3d& normal) {
-  const Vector3d a = other.position->col(triangle.points[0]);
-  const Vector3d u = other.position->col(triangle.points[1]) - a;
-  const Vector3d v = other.position->col(triangle.points[2]) - a;
-  const Vector3d to = own.position->col(vertex.points[0]) - a;
-  normal = u.cross(v);
-  const double squared = normal.squaredNorm();
-  if (!(squared > 0.0)) return false;
-  const double second = normal.dot(to.cross(v)) / squared, third = normal.dot(u.cross(to)) / squared;
-  Vector3d weights(1.0 - second - third, second, third);
-  if (!clampToTriangle(weights)) return false;
-  triangle.weights = weights;
-  return true;
+  const auto corners = featureOf<3>(other, triangle.points).start;
+  normal = (corners.col(1) - corners.col(0)).cross(corners.col(2) - corners.col(0));
+  return projectOnTriangle(corners, own.position->col(vertex.points[0]), triangle.weights);
 }
 
 bool updateEdges(const MovingSurface& a, const MovingSurface& b, SurfaceContact& c, Vector3d& normal) {
@@ -357,8 +242,7 @@ bool updateEdges(const MovingSurface& a, const MovingSurface& b, SurfaceContact&
 
 bool updateVertexEdge(const MovingSurface& own, const SurfacePoint& vertex, const MovingSurface& other,
                       SurfacePoint& edge, Vector3d& normal) {
-  const auto v = featureOf<1>(own, vertex.points);
-  const auto nearest = nearestPoints(v, featureOf<2>(other, edge.points), 0.0);
+  const auto nearest = nearestPoints(featureOf<1>(own, vertex.points), featureOf<2>(other, edge.points), 0.0);
   normal = nearest.offset;
   return setWeights(edge, nearest.b);
 }
@@ -382,7 +266,7 @@ bool refresh(const MovingSurface& a, const MovingSurface& b, SurfaceContact& c) 
   normal *= (normal.dot(c.normal) < 0.0 ? -1.0 : 1.0) / length;
   if (normal.dot(c.normal) < kSameNormal) return false;
   c.normal = normal;
-  c.gap = normal.dot(positionOf(a, c.a) - positionOf(b, c.b)) - (a.radius + b.radius);
+  c.gap = normal.dot(positionOf(a, c.a, 0.0) - positionOf(b, c.b, 0.0)) - (a.radius + b.radius);
   c.time = 0.0;
   return true;
 }

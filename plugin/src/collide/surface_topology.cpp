@@ -44,13 +44,11 @@ std::string check(const Points& rest, const SurfaceFeatures& features) {
   return reason;
 }
 
-Edge sorted(std::uint32_t a, std::uint32_t b) { return {std::min(a, b), std::max(a, b)}; }
-
 /// Returns the sorted edges of the triangles, then the segments that are not among them.
 std::vector<Edge> allEdges(const SurfaceFeatures& features) {
   std::vector<Edge> edges = uniqueEdges(features.triangles), loose;
   for (const Edge& s : features.segments) {
-    const Edge edge = sorted(s[0], s[1]);
+    const Edge edge = edgeBetween(s[0], s[1]);
     if (!std::binary_search(edges.begin(), edges.end(), edge)) loose.push_back(edge);
   }
   std::sort(loose.begin(), loose.end());
@@ -59,9 +57,16 @@ std::vector<Edge> allEdges(const SurfaceFeatures& features) {
   return edges;
 }
 
-std::uint32_t edgeIndex(const std::vector<Edge>& edges, std::size_t sortedEdges, const Edge& edge) {
-  const auto end = edges.begin() + static_cast<std::ptrdiff_t>(sortedEdges);
-  return static_cast<std::uint32_t>(std::lower_bound(edges.begin(), end, edge) - edges.begin());
+/// Returns the edges of each triangle: edge k from corner k to the next one.
+std::vector<Triangle> edgesOfTriangles(const SurfaceTopology& t, std::size_t triangleEdges) {
+  const auto begin = t.edges.begin(), end = begin + static_cast<std::ptrdiff_t>(triangleEdges);
+  std::vector<Triangle> edgesOf(t.triangles.size());
+  for (std::size_t i = 0; i < t.triangles.size(); ++i)
+    for (std::size_t k = 0; k < 3; ++k) {
+      const Edge edge = edgeBetween(t.triangles[i][k], t.triangles[i][(k + 1) % 3]);
+      edgesOf[i][k] = static_cast<std::uint32_t>(std::lower_bound(begin, end, edge) - begin);
+    }
+  return edgesOf;
 }
 
 template <class Items>
@@ -80,35 +85,29 @@ IndexLists listsAround(Eigen::Index points, const Items& items) {
 
 /// Returns for each triangle whether it is one-sided. A piece is closed if each of its edges belongs to two
 /// triangles that run along it in opposite directions.
-std::vector<std::uint8_t> findOneSided(const SurfaceTopology& t, std::size_t triangleEdges, bool outward) {
+std::vector<std::uint8_t> findOneSided(const SurfaceTopology& t, const std::vector<Triangle>& edgesOf,
+                                       bool outward) {
   const SurfaceComponents pieces = findComponents(static_cast<std::size_t>(t.rest.cols()), t.triangles);
-  std::vector<int> uses(triangleEdges, 0), balance(triangleEdges, 0);
-  const auto visit = [&](auto&& callback) {
-    for (std::size_t i = 0; i < t.triangles.size(); ++i)
-      for (std::size_t k = 0; k < 3; ++k) {
-        const std::uint32_t from = t.triangles[i][k], to = t.triangles[i][(k + 1) % 3];
-        callback(i, edgeIndex(t.edges, triangleEdges, sorted(from, to)), from < to ? 1 : -1);
-      }
-  };
-  visit([&](std::size_t, std::uint32_t edge, int direction) { ++uses[edge], balance[edge] += direction; });
+  std::vector<int> uses(t.edges.size(), 0), balance(t.edges.size(), 0);
+  for (std::size_t i = 0; i < edgesOf.size(); ++i)
+    for (std::size_t k = 0; k < 3; ++k) {
+      ++uses[edgesOf[i][k]];
+      balance[edgesOf[i][k]] += t.triangles[i][k] < t.triangles[i][(k + 1) % 3] ? 1 : -1;
+    }
   std::vector<std::uint8_t> closed(pieces.count, 1), oneSided;
-  visit([&](std::size_t i, std::uint32_t edge, int) {
-    if (uses[edge] != 2 || balance[edge] != 0) closed[pieces.ofTriangle[i]] = 0;
-  });
+  for (std::size_t i = 0; i < edgesOf.size(); ++i)
+    for (const std::uint32_t edge : edgesOf[i])
+      if (uses[edge] != 2 || balance[edge] != 0) closed[pieces.ofTriangle[i]] = 0;
   for (const std::uint32_t piece : pieces.ofTriangle) oneSided.push_back(outward || closed[piece]);
   return oneSided;
 }
 
-void setEdgeTriangles(SurfaceTopology& t, std::size_t triangleEdges) {
+void setEdgeTriangles(SurfaceTopology& t, const std::vector<Triangle>& edgesOf) {
   t.edgeTriangles.assign(t.edges.size(), {kNoFeature, kNoFeature});
-  for (std::uint32_t i = 0; i < t.triangles.size(); ++i)
-    for (std::size_t k = 0; k < 3; ++k) {
-      const Edge edge = sorted(t.triangles[i][k], t.triangles[i][(k + 1) % 3]);
-      auto& pair = t.edgeTriangles[edgeIndex(t.edges, triangleEdges, edge)];
-      if (pair[0] == kNoFeature)
-        pair[0] = i;
-      else if (pair[1] == kNoFeature)
-        pair[1] = i;
+  for (std::uint32_t i = 0; i < edgesOf.size(); ++i)
+    for (const std::uint32_t edge : edgesOf[i]) {
+      auto& pair = t.edgeTriangles[edge];
+      if (pair[1] == kNoFeature) pair[pair[0] == kNoFeature ? 0 : 1] = i;
     }
 }
 
@@ -118,11 +117,9 @@ Vector3d restNormal(const SurfaceTopology& t, std::uint32_t triangle) {
 }
 
 double shortestSide(const SurfaceTopology& t, const Triangle& corners) {
-  const auto length = [&](std::uint32_t a, std::uint32_t b) {
-    return (t.rest.col(a) - t.rest.col(b)).norm();
-  };
-  return std::min(
-      {length(corners[0], corners[1]), length(corners[1], corners[2]), length(corners[2], corners[0])});
+  const auto [a, b, c] = corners;
+  return std::min({(t.rest.col(a) - t.rest.col(b)).norm(), (t.rest.col(b) - t.rest.col(c)).norm(),
+                   (t.rest.col(c) - t.rest.col(a)).norm()});
 }
 
 /// Whether no object can touch the edge from outside.
@@ -138,61 +135,45 @@ bool isUnreachable(const SurfaceTopology& t, std::uint32_t edge) {
   return n0.dot(t.rest.col(opposite) - t.rest.col(t.edges[edge][0])) > 0.0;
 }
 
-/// Makes the first element with a vertex or an edge its owner.
-class FeatureOwners {
+/// Adds elements. The first element with a vertex or an edge becomes its owner.
+class ElementList {
  public:
-  FeatureOwners(SurfaceTopology& t, std::size_t triangleEdges, bool rigid)
-      : t_(t),
-        triangleEdges_(triangleEdges),
-        vertexOwned_(static_cast<std::size_t>(t.rest.cols())),
-        edgeOwned_(t.edges.size()) {
-    for (std::uint32_t e = 0; rigid && e < triangleEdges; ++e) edgeOwned_[e] = isUnreachable(t, e);
-  }
+  explicit ElementList(SurfaceTopology& t)
+      : t_(t), vertexOwned_(static_cast<std::size_t>(t.rest.cols())), edgeOwned_(t.edges.size()) {}
 
-  void addTriangle(std::uint32_t i) {
-    SurfaceElement element;
-    element.corners = t_.triangles[i];
-    element.triangle = i;
+  void excludeEdge(std::uint32_t edge) { edgeOwned_[edge] = true; }
+
+  void add(const Triangle& corners, const Triangle& edges, std::uint32_t triangle = kNoFeature) {
+    SurfaceElement element{corners, triangle};
     for (std::size_t k = 0; k < 3; ++k) {
-      const Edge edge = sorted(element.corners[k], element.corners[(k + 1) % 3]);
-      assignEdge(element, k, edgeIndex(t_.edges, triangleEdges_, edge));
-      assignVertex(element, k, element.corners[k]);
+      if (edges[k] != kNoFeature && !edgeOwned_[edges[k]]) element.edges[k] = edges[k];
+      if (edges[k] != kNoFeature) edgeOwned_[edges[k]] = true;
+      if (vertexOwned_[corners[k]]) continue;
+      element.vertices[k] = corners[k];
+      t_.vertices.push_back(corners[k]);
+      vertexOwned_[corners[k]] = true;
     }
     t_.elements.push_back(element);
   }
-  void addSegment(std::uint32_t edge) {
-    SurfaceElement element;
-    const auto [a, b] = t_.edges[edge];
-    element.corners = {a, b, b};
-    assignEdge(element, 0, edge);
-    assignVertex(element, 0, a);
-    assignVertex(element, 1, b);
-    t_.elements.push_back(element);
-  }
   void addVertex(std::uint32_t v) {
-    if (vertexOwned_[v]) return;
-    SurfaceElement element;
-    element.corners = {v, v, v};
-    assignVertex(element, 0, v);
-    t_.elements.push_back(element);
+    if (!vertexOwned_[v]) add({v, v, v}, {kNoFeature, kNoFeature, kNoFeature});
   }
 
  private:
-  void assignEdge(SurfaceElement& element, std::size_t slot, std::uint32_t edge) {
-    if (!edgeOwned_[edge]) element.edges[slot] = edge;
-    edgeOwned_[edge] = true;
-  }
-  void assignVertex(SurfaceElement& element, std::size_t slot, std::uint32_t v) {
-    if (vertexOwned_[v]) return;
-    element.vertices[slot] = v;
-    t_.vertices.push_back(v);
-    vertexOwned_[v] = true;
-  }
-
   SurfaceTopology& t_;
-  std::size_t triangleEdges_;
   std::vector<bool> vertexOwned_, edgeOwned_;
 };
+
+void addElements(SurfaceTopology& t, const std::vector<Triangle>& edgesOf, std::size_t triangleEdges,
+                 const SurfaceFeatures& features) {
+  ElementList elements(t);
+  for (std::uint32_t e = 0; features.rigid && e < triangleEdges; ++e)
+    if (isUnreachable(t, e)) elements.excludeEdge(e);
+  for (std::uint32_t i = 0; i < t.triangles.size(); ++i) elements.add(t.triangles[i], edgesOf[i], i);
+  for (auto e = static_cast<std::uint32_t>(triangleEdges); e < t.edges.size(); ++e)
+    elements.add({t.edges[e][0], t.edges[e][1], t.edges[e][1]}, {e, kNoFeature, kNoFeature});
+  for (const std::uint32_t v : features.vertices) elements.addVertex(v);
+}
 
 }  // namespace
 
@@ -204,18 +185,15 @@ Result<SurfaceTopology> makeSurfaceTopology(const Points& rest, const SurfaceFea
   t.triangles = features.triangles;
   t.edges = allEdges(features);
   const std::size_t triangleEdges = uniqueEdges(features.triangles).size();
-  setEdgeTriangles(t, triangleEdges);
-  t.oneSided = findOneSided(t, triangleEdges, features.outward);
+  const std::vector<Triangle> edgesOf = edgesOfTriangles(t, triangleEdges);
+  setEdgeTriangles(t, edgesOf);
+  t.oneSided = findOneSided(t, edgesOf, features.outward);
   for (const Triangle& corners : t.triangles) t.depthLimit.push_back(kDepthShare * shortestSide(t, corners));
   for (const Edge& e : t.edges)
     t.featureSize += (rest.col(e[0]) - rest.col(e[1])).norm() / double(t.edges.size());
   t.edgesAround = listsAround(rest.cols(), t.edges);
   t.trianglesAround = listsAround(rest.cols(), t.triangles);
-  FeatureOwners owners(t, triangleEdges, features.rigid);
-  for (std::uint32_t i = 0; i < t.triangles.size(); ++i) owners.addTriangle(i);
-  for (std::size_t e = triangleEdges; e < t.edges.size(); ++e)
-    owners.addSegment(static_cast<std::uint32_t>(e));
-  for (const std::uint32_t v : features.vertices) owners.addVertex(v);
+  addElements(t, edgesOf, triangleEdges, features);
   t.nodes = makeSurfaceTree(rest, t.elements);
   return t;
 }

@@ -17,49 +17,18 @@ using Eigen::Vector3d;
 /// most 32 levels.
 constexpr std::size_t kStack = 40;
 
-class TreeBuilder {
- public:
-  TreeBuilder(const Points& rest, const std::vector<SurfaceElement>& elements) : order_(elements.size()) {
-    std::iota(order_.begin(), order_.end(), 0u);
-    for (const SurfaceElement& e : elements)
-      centres_.push_back((rest.col(e.corners[0]) + rest.col(e.corners[1]) + rest.col(e.corners[2])) / 3.0);
-    if (elements.empty()) return;
-    nodes_.reserve(2 * elements.size());
-    nodes_.emplace_back();
-    build(0, 0, elements.size());
-  }
-
-  std::vector<SurfaceNode> take() { return std::move(nodes_); }
-
- private:
-  void build(std::uint32_t node, std::size_t first, std::size_t count) {
-    if (count == 1) {
-      nodes_[node].element = order_[first];
-      return;
-    }
-    const auto begin = order_.begin() + static_cast<std::ptrdiff_t>(first);
-    const auto middle = begin + static_cast<std::ptrdiff_t>(count / 2);
-    const auto end = begin + static_cast<std::ptrdiff_t>(count);
-    Eigen::AlignedBox3d box;
-    std::for_each(begin, end, [&](std::uint32_t i) { box.extend(centres_[i]); });
-    Eigen::Index axis = 0;
-    box.sizes().maxCoeff(&axis);
-    // sorted, not partitioned by nth_element: the tree does not depend on the standard library
-    std::sort(begin, end, [&](std::uint32_t i, std::uint32_t j) {
-      const double x = centres_[i][axis], y = centres_[j][axis];
-      return x != y ? x < y : i < j;
-    });
-    const auto child = static_cast<std::uint32_t>(nodes_.size());
-    nodes_[node].child = child;
-    nodes_.resize(nodes_.size() + 2);
-    build(child, first, static_cast<std::size_t>(middle - begin));
-    build(child + 1, first + count / 2, static_cast<std::size_t>(end - middle));
-  }
-
-  std::vector<std::uint32_t> order_;
-  std::vector<Vector3d> centres_;
-  std::vector<SurfaceNode> nodes_;
-};
+/// Sorts elements along the longest side of the box of their centres. A full sort, not nth_element: the tree
+/// does not depend on the standard library.
+void sortAlongBox(std::uint32_t* begin, std::uint32_t* end, const std::vector<Vector3d>& centres) {
+  Eigen::AlignedBox3d box;
+  std::for_each(begin, end, [&](std::uint32_t i) { box.extend(centres[i]); });
+  Eigen::Index axis = 0;
+  box.sizes().maxCoeff(&axis);
+  std::sort(begin, end, [&](std::uint32_t i, std::uint32_t j) {
+    const double x = centres[i][axis], y = centres[j][axis];
+    return x != y ? x < y : i < j;
+  });
+}
 
 SweptBox pointBox(const MovingSurface& surface, Eigen::Index point) {
   Eigen::Array4d start, motion;
@@ -108,6 +77,14 @@ void descend(const MovingSurface& a, const MovingSurface& b, std::uint32_t i, st
   }
 }
 
+/// Replaces a pair of equal nodes by the pairs of its children.
+void descendIntoOne(const SurfaceNode& node, LeafPairs& waiting) {
+  if (isLeaf(node)) return;
+  waiting.emplace_back(node.child + 1, node.child + 1);
+  waiting.emplace_back(node.child, node.child + 1);
+  waiting.emplace_back(node.child, node.child);
+}
+
 /// Returns the sum of the normals around a vertex or an edge or of a triangle (where no weight is 0), each
 /// weighted with its angle there. With it the sign of the distance is the same for all triangles that share
 /// the nearest point (Baerentzen, Aanaes 2005).
@@ -117,26 +94,21 @@ Vector3d pseudonormal(const MovingSurface& surface, std::uint32_t triangle, cons
   Eigen::Index largest = 0;
   barycentric.maxCoeff(&largest);
   const std::uint32_t anchor = corners[static_cast<std::size_t>(largest)];
-  const auto hasCorner = [](const Triangle& other, std::uint32_t v) {
-    return other[0] == v || other[1] == v || other[2] == v;
-  };
+  const bool atVertex = (barycentric.array() > 0.0).count() == 1;
   Vector3d sum = Vector3d::Zero();
   for (const std::uint32_t* i = t.trianglesAround.begin(anchor); i != t.trianglesAround.end(anchor); ++i) {
+    const Triangle& other = t.triangles[*i];
+    const auto find = [&](std::uint32_t v) { return std::find(other.begin(), other.end(), v); };
     bool around = true;
     for (std::size_t k = 0; k < 3; ++k)
-      around = around &&
-               (barycentric[static_cast<Eigen::Index>(k)] <= 0.0 || hasCorner(t.triangles[*i], corners[k]));
+      around =
+          around && (barycentric[static_cast<Eigen::Index>(k)] <= 0.0 || find(corners[k]) != other.end());
     if (!around) continue;
-    const auto feature = featureOf<3>(surface, t.triangles[*i]);
-    const bool atVertex = (barycentric.array() > 0.0).count() == 1;
-    double angle = 1.0;
-    if (atVertex) {
-      Eigen::Index k = 0;
-      while (t.triangles[*i][static_cast<std::size_t>(k)] != anchor) ++k;
-      const Vector3d u = feature.start.col((k + 1) % 3) - feature.start.col(k);
-      const Vector3d v = feature.start.col((k + 2) % 3) - feature.start.col(k);
-      angle = std::atan2(u.cross(v).norm(), u.dot(v));
-    }
+    const auto feature = featureOf<3>(surface, other);
+    const auto k = static_cast<Eigen::Index>(find(anchor) - other.begin());
+    const Vector3d u = feature.start.col((k + 1) % 3) - feature.start.col(k);
+    const Vector3d v = feature.start.col((k + 2) % 3) - feature.start.col(k);
+    const double angle = atVertex ? std::atan2(u.cross(v).norm(), u.dot(v)) : 1.0;
     sum += angle * normalOf<3>(feature.start);
   }
   return sum;
@@ -145,7 +117,32 @@ Vector3d pseudonormal(const MovingSurface& surface, std::uint32_t triangle, cons
 }  // namespace
 
 std::vector<SurfaceNode> makeSurfaceTree(const Points& rest, const std::vector<SurfaceElement>& elements) {
-  return TreeBuilder(rest, elements).take();
+  struct Range {
+    std::size_t node, first, end;
+  };
+  if (elements.empty()) return {};
+  std::vector<Vector3d> centres;
+  for (const SurfaceElement& e : elements)
+    centres.push_back((rest.col(e.corners[0]) + rest.col(e.corners[1]) + rest.col(e.corners[2])) / 3.0);
+  std::vector<std::uint32_t> order(elements.size());
+  std::iota(order.begin(), order.end(), 0u);
+  std::vector<SurfaceNode> nodes(1);
+  std::vector<Range> waiting{{0, 0, elements.size()}};
+  while (!waiting.empty()) {
+    const auto [node, first, end] = waiting.back();
+    waiting.pop_back();
+    if (end - first == 1) {
+      nodes[node].element = order[first];
+      continue;
+    }
+    sortAlongBox(order.data() + first, order.data() + end, centres);
+    const std::size_t child = nodes.size(), middle = first + (end - first) / 2;
+    nodes[node].child = static_cast<std::uint32_t>(child);
+    nodes.resize(child + 2);
+    waiting.push_back({child + 1, middle, end});
+    waiting.push_back({child, first, middle});
+  }
+  return nodes;
 }
 
 SweptBox sweptBounds(const MovingSurface& surface) {
@@ -169,40 +166,21 @@ void fitBoxes(const MovingSurface& surface, SurfaceBoxes& boxes) {
 
 void findNearLeaves(const MovingSurface& a, const MovingSurface& b, double margin, LeafPairs& waiting,
                     LeafPairs& near) {
+  const bool self = &a == &b;
+  const std::vector<SurfaceNode>&nodesA = a.topology->nodes, &nodesB = b.topology->nodes;
   near.clear();
   waiting.clear();
-  if (!a.boxes->nodes.empty() && !b.boxes->nodes.empty()) waiting.emplace_back(0, 0);
+  if (!nodesA.empty() && !nodesB.empty()) waiting.emplace_back(0, 0);
   while (!waiting.empty()) {
     const auto [i, j] = waiting.back();
     waiting.pop_back();
-    if (separation(a.boxes->nodes[i], b.boxes->nodes[j]) > margin) continue;
-    if (isLeaf(a.topology->nodes[i]) && isLeaf(b.topology->nodes[j]))
-      near.emplace_back(i, j);
-    else
-      descend(a, b, i, j, waiting);
-  }
-}
-
-void findNearLeaves(const MovingSurface& surface, double margin, LeafPairs& waiting, LeafPairs& near) {
-  const std::vector<SurfaceNode>& nodes = surface.topology->nodes;
-  near.clear();
-  waiting.clear();
-  if (!nodes.empty()) waiting.emplace_back(0, 0);
-  while (!waiting.empty()) {
-    const auto [i, j] = waiting.back();
-    waiting.pop_back();
-    if (i == j) {
-      if (isLeaf(nodes[i])) continue;
-      const std::uint32_t child = nodes[i].child;
-      waiting.emplace_back(child + 1, child + 1);
-      waiting.emplace_back(child, child + 1);
-      waiting.emplace_back(child, child);
-    } else if (separation(surface.boxes->nodes[i], surface.boxes->nodes[j]) > margin) {
-      continue;
-    } else if (isLeaf(nodes[i]) && isLeaf(nodes[j])) {
-      near.push_back(std::minmax(i, j));
-    } else {
-      descend(surface, surface, i, j, waiting);
+    if (self && i == j) {
+      descendIntoOne(nodesA[i], waiting);
+    } else if (separation(a.boxes->nodes[i], b.boxes->nodes[j]) <= margin) {
+      if (!isLeaf(nodesA[i]) || !isLeaf(nodesB[j]))
+        descend(a, b, i, j, waiting);
+      else
+        near.push_back(self ? LeafPairs::value_type(std::minmax(i, j)) : LeafPairs::value_type(i, j));
     }
   }
 }
@@ -242,7 +220,7 @@ NearestOnSurface nearestOnSurface(const MovingSurface& surface, const Vector3d& 
     const std::uint32_t i = stack[--waiting];
     if (squaredDistance(boxes[i], point4) > best) continue;
     const SurfaceNode& node = t.nodes[i];
-    if (node.element == kNoFeature) {
+    if (!isLeaf(node)) {
       const bool firstIsNearer =
           squaredDistance(boxes[node.child], point4) <= squaredDistance(boxes[node.child + 1], point4);
       stack[waiting++] = firstIsNearer ? node.child + 1 : node.child;
@@ -260,8 +238,8 @@ NearestOnSurface nearestOnSurface(const MovingSurface& surface, const Vector3d& 
     nearest.barycentric = weights;
   }
   if (nearest.triangle == kNoFeature) return nearest;
-  const auto corners = featureOf<3>(surface, t.triangles[nearest.triangle]).start;
-  const Vector3d away = point - corners * nearest.barycentric;
+  const Vector3d away =
+      point - featureOf<3>(surface, t.triangles[nearest.triangle]).start * nearest.barycentric;
   nearest.distance = std::sqrt(best);
   nearest.behind = away.dot(pseudonormal(surface, nearest.triangle, nearest.barycentric)) < 0.0;
   return nearest;

@@ -1,11 +1,33 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
-// Basic operations of the sweeps on one row.
+// Basic operations on one row of contacts or joints.
 
 #include "solver/contacts.h"
 
 namespace limber {
+
+/// Components (normal, tangents) of a vector.
+inline Eigen::Vector3d inAxes(const ContactConstraint& row, const Eigen::Vector3d& v) {
+  using ConstMap = Eigen::Map<const Eigen::Vector3d>;
+  return {ConstMap(row.axes[0]).dot(v), ConstMap(row.axes[1]).dot(v), ConstMap(row.axes[2]).dot(v)};
+}
+
+/// Sets the row's masses from the speeds per impulse (1/kg) along the normal and both tangents.
+void setMobility(ContactConstraint& row, const Eigen::Matrix3d& mobility);
+
+/// Sets the share of point i, which has an inverse mass.
+inline void setShare(IslandConstraints& rows, std::uint32_t i, double share) {
+  rows.points[i].share = share;
+  for (int k = 0; k < 3; ++k) rows.points[i].response[k] = share * rows.momentArms[i].inverseMass[k];
+}
+
+/// Calls visit(rigid, linear, angular) for each side of the joint that can move.
+template <class Rigids, class Visit>
+void forEachSide(Rigids& rigids, const JointConstraint& j, Visit visit) {
+  if (j.a != JointConstraint::kHeld) visit(rigids[j.a], j.linearA, j.angularA);
+  if (j.b != JointConstraint::kHeld) visit(rigids[j.b], j.linearB, j.angularB);
+}
 
 struct Motion {
   double x = 0.0, y = 0.0, z = 0.0;
@@ -55,8 +77,9 @@ inline void applyAtMomentArms(IslandConstraints& rows, const ContactConstraint& 
 /// m/s, of side a relative to b.
 inline ContactVector speedsOf(const IslandConstraints& rows, const ContactConstraint& row) {
   const Motion m = motionOf(rows, row);
-  ContactVector speeds{row.carried.n + along(row.axes[0], m), row.carried.u + along(row.axes[1], m),
-                       row.carried.v + along(row.axes[2], m)};
+  ContactVector speeds{row.surfaceSpeeds.n + along(row.axes[0], m),
+                       row.surfaceSpeeds.u + along(row.axes[1], m),
+                       row.surfaceSpeeds.v + along(row.axes[2], m)};
   for (std::uint32_t i = row.firstRotation; i < row.endRotation; ++i) {
     const ConstraintRotation& t = rows.rotations[i];
     const Motion w = angularVelocityOf(t);
@@ -68,7 +91,7 @@ inline ContactVector speedsOf(const IslandConstraints& rows, const ContactConstr
 
 /// speedsOf().n
 inline double speedAlong(const IslandConstraints& rows, const ContactConstraint& row) {
-  double speed = row.carried.n + along(row.axes[0], motionOf(rows, row));
+  double speed = row.surfaceSpeeds.n + along(row.axes[0], motionOf(rows, row));
   for (std::uint32_t i = row.firstRotation; i < row.endRotation; ++i)
     speed += along(rows.rotations[i].speeds[0], angularVelocityOf(rows.rotations[i]));
   return speed;

@@ -13,13 +13,13 @@
 namespace limber {
 namespace {
 
-// --- impulses along one line -------------------------------------------------------------------------------
-
 using Eigen::Matrix2d;
 using Eigen::Matrix3d;
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 using ConstMap = Eigen::Map<const Vector3d>;
+
+// --- impulses along one line -------------------------------------------------------------------------------
 
 /// Largest share of a point. A contact point that needs a larger one stays in place until the next tick.
 constexpr double kMaxShare = 1.25;
@@ -44,17 +44,13 @@ struct RowPoints {
   Vector2d momentArm(std::size_t i) const { return offset[i].tail<2>(); }
 };
 
-Vector3d vectorInAxes(const ContactConstraint& row, const Vector3d& x) {
-  return {ConstMap(row.axes[0]).dot(x), ConstMap(row.axes[1]).dot(x), ConstMap(row.axes[2]).dot(x)};
-}
-
 /// Adds the soft points from `first` to `end`.
 void addSide(const IslandConstraints& rows, const ContactConstraint& row, std::uint32_t first,
              std::uint32_t end, const Vector3d& origin, RowPoints& points) {
   const std::size_t start = points.count;
   Vector3d middle = Vector3d::Zero();
   for (std::uint32_t i = first; i < end; ++i) {
-    const Vector3d x = vectorInAxes(row, ConstMap(rows.momentArms[i].position) - origin);
+    const Vector3d x = inAxes(row, ConstMap(rows.momentArms[i].position) - origin);
     points.separation += rows.points[i].share * x;
     points.offset[points.count++] = x;
     middle += x / double(end - first);
@@ -83,12 +79,6 @@ void invert(RowPoints& points, double distance) {
   const double middle = 0.5 * m.trace(), determinant = m.determinant();
   const double smallest = middle - std::sqrt(std::max(0.0, middle * middle - determinant));
   points.inverse = smallest > least ? Matrix2d(m.inverse()) : boundedInverse(m, least);
-}
-
-void setShare(IslandConstraints& rows, std::uint32_t i, double share) {
-  ConstraintPoint& point = rows.points[i];
-  point.share = share;
-  for (int k = 0; k < 3; ++k) point.response[k] = share * rows.momentArms[i].inverseMass[k];
 }
 
 /// Moves the soft contact points together across the normal, as far as kMaxShare allows. `first` is the row's
@@ -179,7 +169,7 @@ Matrix3d momentArmMobility(const IslandConstraints& rows, const ContactConstrain
 /// that soft points cannot correct.
 void alignContactPoints(IslandConstraints& rows, std::size_t contact) {
   ContactConstraint& row = rows.rows[contact];
-  if (row.couple == Couple::Nobody) return;
+  if (row.couple == Couple::None) return;
   if (row.couple == Couple::Soft)
     alignSoft(rows, row);
   else
@@ -234,12 +224,10 @@ inline void addFriction(const ContactConstraint& row, double u, double v, double
     return;
   }
   const double speed = std::sqrt(u * u + v * v);
-  const double mass = speed > 0.0 ? std::max(row.turnMass, minChange * limit / speed) : 0.0;
+  const double mass = speed > 0.0 ? std::max(row.slidingMass, minChange * limit / speed) : 0.0;
   sum.u -= mass * u, sum.v -= mass * v;
-  const double squared = sum.u * sum.u + sum.v * sum.v;
-  if (squared <= limit * limit) return;
-  const double scale = limit / std::sqrt(squared);
-  sum.u *= scale, sum.v *= scale;
+  const double factor = coneFactor(sum.u * sum.u + sum.v * sum.v, limit);
+  sum.u *= factor, sum.v *= factor;
 }
 
 /// Brings the speed along the normal to `target` (m/s) with the impulse `total`, which is 0 or more along the
@@ -260,6 +248,28 @@ inline void solveContact(IslandConstraints& rows, ContactConstraint& row, Contac
   total = sum;
 }
 
+void applyImpulse(LinkedBodies& bodies, JointConstraint& j, double change) {
+  forEachSide(bodies.rigids, j, [&](RigidState& rigid, const Vector3d& linear, const Vector3d& angular) {
+    rigid.velocity += change * linear.cwiseProduct(rigid.inverseMass);
+    rigid.angularVelocity += change * (rigid.inverseInertia * angular);
+  });
+  j.impulse += change;
+}
+
+/// Changes the impulse `sum` within its limits so that the joint has its speed. Sets j.change to the change.
+void solveJoint(LinkedBodies& bodies, JointConstraint& j, double& sum) {
+  double speed = 0.0;
+  forEachSide(bodies.rigids, j,
+              [&](const RigidState& rigid, const Vector3d& linear, const Vector3d& angular) {
+                speed += linear.dot(rigid.velocity) + angular.dot(rigid.angularVelocity);
+              });
+  const double target = sum + (j.speed - speed - j.softness * sum) * j.mass;
+  const double impulse = std::clamp(target, j.lower, j.upper);
+  j.change = impulse - sum;
+  sum = impulse;
+  applyImpulse(bodies, j, j.change);
+}
+
 /// Returns the maximum speed (m/s) at which an overlap is removed. Where anchors hold bodies together, a
 /// contact may push against a body that cannot move away. Its work in a tick is limited to the kinetic energy
 /// that the moved mass has at this speed.
@@ -277,24 +287,18 @@ bool isOfPoint(const Contact& c) {
   return c.a.kind == ContactPoint::Kind::Soft && c.a.count == 1 && c.b.kind == ContactPoint::Kind::World;
 }
 
-/// Sets the target speed of the contact before a drift of dt seconds. A contact that would close in the drift
-/// bounces by Newton's law of restitution, without softness.
+/// Sets the target speed of the contact before a drift of dt seconds. A bounce has no softness.
 void setTarget(const IslandConstraints& rows, const Contact& c, ContactConstraint& row, double dt,
                double maxSpeed) {
   row.softness = isOfPoint(c) ? 0.0 : kSoftness;
-  row.target = row.gap >= 0.0 ? -row.gap / dt : std::min(-kRecovery * row.gap / dt, maxSpeed);
+  row.target = minSpeed(row.gap, maxSpeed, dt);
   row.bounces = false;
   if (!(c.restitution > 0.0)) return;
   const double approach = -speedAlong(rows, row);
-  if (!(row.gap < approach * dt)) return;
-  // `settled` belongs to an earlier normal where the surface is followed
-  const double before = c.held || c.corners.count > 0 || c.spheres > 0.0 ? approach : -row.settled;
-  const Bounce bounce = bounceOf(row.gap, approach, before, c.restitution, c.bounceThreshold, dt);
-  if (bounce.rests) return;
-  row.softness = 0.0;
-  row.bounces = true;
-  row.target = row.gap < 0.0 ? std::max(bounce.mean, row.target) : bounce.mean;
-  row.rebound = bounce.rebound;
+  // `lastSpeed` belongs to an earlier normal where the surface is followed
+  const double before = c.held || c.corners.count > 0 || c.spheres > 0.0 ? approach : -row.lastSpeed;
+  addBounce(row, c, row.gap, approach, before, dt);
+  if (row.bounces) row.softness = 0.0;
 }
 
 /// The changes of a sweep: the largest squared change of a velocity, and the sum of all as an energy.
@@ -305,7 +309,7 @@ struct Change {
     largest = std::max(largest, work * mobility);
     energy += work;
   }
-  void add(const Eigen::Vector3d& velocity, const Eigen::Vector3d& impulse) {
+  void add(const Vector3d& velocity, const Vector3d& impulse) {
     largest = std::max(largest, velocity.squaredNorm());
     energy -= velocity.dot(impulse);
   }
@@ -320,14 +324,14 @@ struct Solve {
   Stage stage;
   double dt = 0.0;  ///< s, of the drift after which anchors coincide; 0 for velocities
 
-  ContactVector& impulse(ContactConstraint& row) const {
+  template <class Row>
+  auto& impulse(Row& row) const {
     return stage == Stage::Positions ? row.positionImpulse : row.velocityImpulse;
   }
-  double& impulse(JointConstraint& j) const {
-    return stage == Stage::Positions ? j.positionImpulse : j.velocityImpulse;
-  }
-  Eigen::Vector3d& impulse(LinkAnchor& a) const {
-    return stage == Stage::Positions ? a.positionImpulse : a.velocityImpulse;
+  void apply(ContactConstraint& row, const ContactVector& change) const { applyImpulse(rows, row, change); }
+  void apply(JointConstraint& j, double change) const { applyImpulse(bodies, j, change); }
+  void apply(LinkAnchor& anchor, const Vector3d& change) const {
+    limber::applyImpulse(bodies, anchor, change);
   }
 
   void activate(std::uint32_t i) {
@@ -343,11 +347,11 @@ struct Solve {
   /// Applies the impulses of the last substep as a warm start.
   void start() {
     for (JointConstraint& j : rows.joints) {
-      applyImpulse(bodies, j, impulse(j));
+      apply(j, impulse(j));
       j.direction = 0.0;
     }
     for (LinkAnchor& anchor : bodies.anchors) {
-      limber::applyImpulse(bodies, anchor, impulse(anchor));
+      apply(anchor, impulse(anchor));
       anchor.direction.setZero();
     }
     rows.active.clear();
@@ -359,7 +363,7 @@ struct Solve {
       if (!takesPart || sum.n <= 0.0) sum = ContactVector();
       row.before = sum;
       if (sum.n > 0.0 || (takesPart && stage == Stage::Velocities)) activate(i);
-      if (sum.n > 0.0) applyImpulse(rows, row, sum);
+      if (sum.n > 0.0) apply(row, sum);
     }
     if (stage == Stage::Positions) activateViolated();
   }
@@ -391,9 +395,9 @@ struct Solve {
       change.add(j.change * j.change, 1.0 / j.mass);
     }
     for (LinkAnchor& anchor : bodies.anchors) {
-      const Eigen::Vector3d error = speedError(bodies, anchor, dt);
+      const Vector3d error = speedError(bodies, anchor, dt);
       anchor.change = -(anchor.mass * error);
-      limber::applyImpulse(bodies, anchor, anchor.change);
+      apply(anchor, anchor.change);
       impulse(anchor) += anchor.change;
       change.add(error, anchor.change);
     }
@@ -406,27 +410,19 @@ struct Solve {
   }
 
   /// Makes a conjugate gradient step of `beta` times the last direction. The new direction is this step plus
-  /// the changes of the sweep.
-  void stepAlongDirections(double beta) {
-    for (JointConstraint& j : rows.joints) {
-      j.direction *= beta;
-      applyImpulse(bodies, j, j.direction);
-      impulse(j) += j.direction;
-      j.direction += j.change;
-    }
-    for (LinkAnchor& anchor : bodies.anchors) {
-      anchor.direction *= beta;
-      limber::applyImpulse(bodies, anchor, anchor.direction);
-      impulse(anchor) += anchor.direction;
-      anchor.direction += anchor.change;
-    }
-    for (const std::uint32_t i : rows.active) {
-      ContactConstraint& row = rows.rows[i];
-      row.direction *= beta;
-      applyImpulse(rows, row, row.direction);
-      impulse(row) += row.direction;
-      row.direction += row.change;
-    }
+  /// the change of the sweep.
+  template <class Row>
+  void stepAlongDirection(Row& row, double beta) const {
+    row.direction *= beta;
+    apply(row, row.direction);
+    impulse(row) += row.direction;
+    row.direction += row.change;
+  }
+
+  void stepAlongDirections(double beta) const {
+    for (JointConstraint& j : rows.joints) stepAlongDirection(j, beta);
+    for (LinkAnchor& anchor : bodies.anchors) stepAlongDirection(anchor, beta);
+    for (const std::uint32_t i : rows.active) stepAlongDirection(rows.rows[i], beta);
   }
 
   bool hasNothingToDo() const { return rows.active.empty() && rows.joints.empty() && bodies.anchors.empty(); }
@@ -451,12 +447,21 @@ struct Solve {
   }
 };
 
+/// Updates the responses of rigid bodies to their present rotation. Returns false if there is nothing to
+/// solve.
+bool startSolve(IslandConstraints& rows, LinkedBodies& bodies) {
+  for (ConstraintRotation& rotation : rows.rotations)
+    for (int k = 0; k < 3; ++k)
+      Eigen::Map<Vector3d>(rotation.response[k]) =
+          rotation.body->inverseInertia * ConstMap(rotation.speeds[k]);
+  updateAnchorMasses(bodies);
+  return !rows.empty() || !bodies.anchors.empty();
+}
+
 }  // namespace
 
 int solvePositions(IslandConstraints& rows, LinkedBodies& bodies, double dt, double tick) {
-  if (rows.empty() && bodies.anchors.empty()) return 0;
-  rotateResponses(rows);
-  updateAnchorMasses(bodies);
+  if (!startSolve(rows, bodies)) return 0;
   aimAnchors(bodies, dt, tick);
   for (std::size_t i = 0; i < rows.rows.size(); ++i) {
     const Contact& c = rows.contacts[i];
@@ -466,14 +471,12 @@ int solvePositions(IslandConstraints& rows, LinkedBodies& bodies, double dt, dou
 }
 
 int solveVelocities(IslandConstraints& rows, LinkedBodies& bodies) {
-  if (rows.empty() && bodies.anchors.empty()) return 0;
-  rotateResponses(rows);
-  updateAnchorMasses(bodies);
+  if (!startSolve(rows, bodies)) return 0;
   for (ContactConstraint& row : rows.rows)
     row.target = row.bounces ? speedAlong(rows, row) + row.rebound : 0.0;
   const int sweeps = Solve{rows, bodies, Stage::Velocities}.run();
   for (std::size_t i = 0; i < rows.rows.size(); ++i)
-    if (rows.contacts[i].restitution > 0.0) rows.rows[i].settled = speedAlong(rows, rows.rows[i]);
+    if (rows.contacts[i].restitution > 0.0) rows.rows[i].lastSpeed = speedAlong(rows, rows.rows[i]);
   return sweeps;
 }
 

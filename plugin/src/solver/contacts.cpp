@@ -23,21 +23,10 @@ using Eigen::Vector3d;
 using Map = Eigen::Map<Vector3d>;
 using ConstMap = Eigen::Map<const Vector3d>;
 
-ContactVector inAxes(const ContactConstraint& row, const Vector3d& v) {
-  return {ConstMap(row.axes[0]).dot(v), ConstMap(row.axes[1]).dot(v), ConstMap(row.axes[2]).dot(v)};
-}
-
 void addPoint(IslandConstraints& rows, double* velocity, const Vector3d& inverseMass, double share) {
   const Vector3d response = share * inverseMass;
   rows.points.push_back({velocity, share, {response[0], response[1], response[2]}});
   rows.momentArms.push_back({});
-}
-
-void addPoint(IslandConstraints& rows, const PointView& view, std::uint32_t point, const double* inverseMass,
-              double share) {
-  addPoint(rows, view.velocityOf(point).data(), ConstMap(inverseMass), share);
-  rows.momentArms.back().position = view.positionOf(point).data();
-  rows.momentArms.back().inverseMass = inverseMass;
 }
 
 void addRotation(IslandConstraints& rows, const ContactConstraint& row, RigidState& rigid,
@@ -51,33 +40,38 @@ constexpr double kNoInverseMass[3] = {0.0, 0.0, 0.0};
 
 /// Finds the points that are anchored to immovable bodies. Contacts must not push them: the anchor would
 /// cancel each push in the next sweep.
-void findCarried(IslandConstraints& rows, const LinkedBodies& bodies) {
-  rows.carried.clear();
+void findAnchored(IslandConstraints& rows, const LinkedBodies& bodies) {
+  rows.anchored.clear();
   for (const LinkAnchor& anchor : bodies.anchors) {
     const RigidState& rigid = bodies.rigids[anchor.pivot.body];
     const bool held = rigid.inverseMass.isZero(0.0) && rigid.inverseInertia.isZero(0.0);
-    if (held) rows.carried.emplace_back(anchor.point.body, anchor.point.point);
+    if (held) rows.anchored.emplace_back(anchor.point.body, anchor.point.point);
   }
-  std::sort(rows.carried.begin(), rows.carried.end());
+  std::sort(rows.anchored.begin(), rows.anchored.end());
 }
 
 /// 1/kg per axis.
 const double* inverseMassOf(const IslandConstraints& rows, const PointView& view, std::uint32_t body,
                             std::uint32_t point) {
-  const bool carried = std::binary_search(rows.carried.begin(), rows.carried.end(), std::pair(body, point));
-  return carried ? kNoInverseMass : view.inverseMassOf(point).data();
+  const bool anchored =
+      std::binary_search(rows.anchored.begin(), rows.anchored.end(), std::pair(body, point));
+  return anchored ? kNoInverseMass : view.inverseMassOf(point).data();
 }
 
 /// Adds one side of a contact; `sign` is 1 for a and -1 for b.
 void addContactPoint(IslandConstraints& rows, ContactConstraint& row, LinkedBodies& bodies,
                      const std::vector<PointView>& views, const ContactPoint& side, double sign) {
   if (side.kind == ContactPoint::Kind::World) {
-    row.carried += inAxes(row, sign * side.velocity);
+    const Vector3d speeds = inAxes(row, sign * side.velocity);
+    row.surfaceSpeeds += {speeds[0], speeds[1], speeds[2]};
   } else if (side.kind == ContactPoint::Kind::Soft) {
     const PointView& view = views[side.body];
-    for (std::uint32_t i = 0; i < side.count; ++i)
-      addPoint(rows, view, side.point[i], inverseMassOf(rows, view, side.body, side.point[i]),
-               sign * side.weight[i]);
+    for (std::uint32_t i = 0; i < side.count; ++i) {
+      const double* inverseMass = inverseMassOf(rows, view, side.body, side.point[i]);
+      addPoint(rows, view.velocityOf(side.point[i]).data(), ConstMap(inverseMass), sign * side.weight[i]);
+      rows.momentArms.back().position = view.positionOf(side.point[i]).data();
+      rows.momentArms.back().inverseMass = inverseMass;
+    }
   } else {
     RigidState& rigid = bodies.rigids[side.body];
     addPoint(rows, rigid.velocity.data(), rigid.inverseMass, sign);
@@ -86,8 +80,8 @@ void addContactPoint(IslandConstraints& rows, ContactConstraint& row, LinkedBodi
 }
 
 ContactVector inAxes(const ContactConstraint& row, const ContactImpulse& impulse) {
-  const ContactVector across = inAxes(row, impulse.across);
-  return {impulse.along, across.u, across.v};
+  const Vector3d across = inAxes(row, impulse.across);
+  return {impulse.along, across[1], across[2]};
 }
 
 ContactImpulse impulseOfVector(const ContactConstraint& row, const ContactVector& v) {
@@ -97,9 +91,9 @@ ContactImpulse impulseOfVector(const ContactConstraint& row, const ContactVector
 Couple coupleOf(const Contact& c) {
   using Kind = ContactPoint::Kind;
   if (c.a.kind == Kind::Soft && c.b.kind == Kind::Soft)
-    return c.a.count + c.b.count > 2 ? Couple::Soft : Couple::Nobody;
+    return c.a.count + c.b.count > 2 ? Couple::Soft : Couple::None;
   const bool both = c.a.kind != Kind::World && c.b.kind != Kind::World;
-  return both && c.a.kind != c.b.kind ? Couple::Rigid : Couple::Nobody;
+  return both && c.a.kind != c.b.kind ? Couple::Rigid : Couple::None;
 }
 
 void setAxes(ContactConstraint& row, const Vector3d& normal) {
@@ -154,7 +148,7 @@ void prepareRow(IslandConstraints& rows, ContactConstraint& row, const Contact& 
                 const std::vector<PointView>& views) {
   setAxes(row, c.normal);
   const Eigen::Map<const Matrix3d> axes(row.axes[0]);  // its columns
-  row.carried = ContactVector();
+  row.surfaceSpeeds = ContactVector();
   row.firstPoint = static_cast<std::uint32_t>(rows.points.size());
   row.firstRotation = static_cast<std::uint32_t>(rows.rotations.size());
   addContactPoint(rows, row, bodies, views, c.a, 1.0);
@@ -198,12 +192,9 @@ void moveRow(IslandConstraints& rows, std::size_t index, const Vector3d& normal,
   row.gap = gap;
   Vector3d mobility = Vector3d::Zero();
   for (std::uint32_t i = row.firstPoint; i < row.endPoint; ++i) {
-    ConstraintPoint& point = rows.points[i];
     const double share = weights[i - row.firstPoint];
-    const ConstMap inverseMass(rows.momentArms[i].inverseMass);
-    point.share = share;
-    Map(point.response) = share * inverseMass;
-    mobility += share * share * inverseMass;
+    setShare(rows, i, share);
+    mobility += share * share * ConstMap(rows.momentArms[i].inverseMass);
   }
   const Eigen::Map<const Matrix3d> axes(row.axes[0]);  // its columns
   setMobility(row, axes.transpose() * mobility.asDiagonal() * axes);
@@ -228,26 +219,24 @@ struct NearestFeature {
 };
 
 NearestFeature nearestEdge(const Vector3d& a, const Vector3d& b, const HeldCorners& held) {
-  NearestFeature f;
-  SegmentPair along{nearestOnSegment(a, b, held.at[0]), 0.5};
-  if (held.count == 2) along = nearestOnSegments(a, b, held.at[0], held.at[1]);
-  f.weights = {1.0 - along.a, along.a, 0.0};
-  f.inside = along.a > 0.0 && along.a < 1.0 && along.b > 0.0 && along.b < 1.0;
-  f.offset = a + along.a * (b - a) - held.at[0];
-  if (held.count == 2) f.offset -= along.b * (held.at[1] - held.at[0]);
-  f.normal = held.count == 2 ? Vector3d((b - a).cross(held.at[1] - held.at[0])) : f.offset;
-  return f;
+  const bool isEdge = held.count == 2;
+  const Vector3d edge = isEdge ? Vector3d(held.at[1] - held.at[0]) : Vector3d::Zero();
+  const SegmentPair along = isEdge ? nearestOnSegments(a, b, held.at[0], held.at[1])
+                                   : SegmentPair{nearestOnSegment(a, b, held.at[0]), 0.5};
+  const Vector3d offset = a + along.a * (b - a) - held.at[0] - along.b * edge;
+  return {{1.0 - along.a, along.a, 0.0},
+          offset,
+          isEdge ? Vector3d((b - a).cross(edge)) : offset,
+          along.a > 0.0 && along.a < 1.0 && along.b > 0.0 && along.b < 1.0};
 }
 
 NearestFeature nearestTriangle(const Vector3d& a, const Vector3d& b, const Vector3d& c,
                                const HeldCorners& held) {
-  NearestFeature f;
   const Vector3d weights = nearestBarycentric({a, b, c}, held.at[0]);
-  f.weights = {weights[0], weights[1], weights[2]};
-  f.inside = weights.minCoeff() > 0.0;
-  f.offset = weights[0] * a + weights[1] * b + weights[2] * c - held.at[0];
-  f.normal = (b - a).cross(c - a);
-  return f;
+  return {{weights[0], weights[1], weights[2]},
+          weights[0] * a + weights[1] * b + weights[2] * c - held.at[0],
+          (b - a).cross(c - a),
+          weights.minCoeff() > 0.0};
 }
 
 void followCorners(IslandConstraints& rows, std::size_t index) {
@@ -282,12 +271,12 @@ void followSpheres(IslandConstraints& rows, std::size_t index, double dt) {
 }
 
 void prepareJoint(JointConstraint& j, const LinkedBodies& bodies) {
-  const auto share = [&](std::uint32_t body, const Vector3d& linear, const Vector3d& angular) {
-    if (body == JointConstraint::kHeld) return 0.0;
-    const RigidState& rigid = bodies.rigids[body];
-    return linear.dot(linear.cwiseProduct(rigid.inverseMass)) + angular.dot(rigid.inverseInertia * angular);
-  };
-  const double mobility = share(j.a, j.linearA, j.angularA) + share(j.b, j.linearB, j.angularB);
+  double mobility = 0.0;
+  forEachSide(
+      bodies.rigids, j, [&](const RigidState& rigid, const Vector3d& linear, const Vector3d& angular) {
+        mobility +=
+            linear.dot(linear.cwiseProduct(rigid.inverseMass)) + angular.dot(rigid.inverseInertia * angular);
+      });
   j.mass = mobility > 0.0 ? 1.0 / (mobility + j.softness) : 0.0;
 }
 
@@ -297,16 +286,7 @@ void setTangentialMasses(ContactConstraint& row, double uu, double uv, double vv
   const double scale = determinant > 0.0 ? 1.0 / determinant : 0.0;
   row.acrossMass[0] = scale * vv, row.acrossMass[1] = -scale * uv, row.acrossMass[2] = scale * uu;
   const double largest = 0.5 * (uu + vv) + std::sqrt(0.25 * (uu - vv) * (uu - vv) + uv * uv);
-  row.turnMass = determinant > 0.0 ? 1.0 / largest : 0.0;
-}
-
-double speedOf(const LinkedBodies& bodies, const JointConstraint& j) {
-  const auto share = [&](std::uint32_t body, const Vector3d& linear, const Vector3d& angular) {
-    if (body == JointConstraint::kHeld) return 0.0;
-    const RigidState& rigid = bodies.rigids[body];
-    return linear.dot(rigid.velocity) + angular.dot(rigid.angularVelocity);
-  };
-  return share(j.a, j.linearA, j.angularA) + share(j.b, j.linearB, j.angularB);
+  row.slidingMass = determinant > 0.0 ? 1.0 / largest : 0.0;
 }
 
 }  // namespace
@@ -327,10 +307,10 @@ void prepareConstraints(IslandConstraints& rows, LinkedBodies& bodies, const std
   rows.rotations.clear();
   rows.rows.resize(rows.contacts.size());
   rows.active.reserve(rows.contacts.capacity());
-  findCarried(rows, bodies);
+  findAnchored(rows, bodies);
   for (std::size_t i = 0; i < rows.contacts.size(); ++i)
     prepareRow(rows, rows.rows[i], rows.contacts[i], bodies, views);
-  for (ContactConstraint& row : rows.rows) row.settled = speedAlong(rows, row);
+  for (ContactConstraint& row : rows.rows) row.lastSpeed = speedAlong(rows, row);
   for (JointConstraint& j : rows.joints) prepareJoint(j, bodies);
 }
 
@@ -370,32 +350,6 @@ void finishConstraints(IslandConstraints& rows) {
     c.positionImpulse = impulseOfVector(row, row.positionImpulse);
     c.velocityImpulse = impulseOfVector(row, row.velocityImpulse);
   }
-}
-
-void rotateResponses(IslandConstraints& rows) {
-  for (ConstraintRotation& rotation : rows.rotations)
-    for (int k = 0; k < 3; ++k)
-      Map(rotation.response[k]) = rotation.body->inverseInertia * ConstMap(rotation.speeds[k]);
-}
-
-void applyImpulse(LinkedBodies& bodies, JointConstraint& j, double change) {
-  const auto push = [&](std::uint32_t body, const Vector3d& linear, const Vector3d& angular) {
-    if (body == JointConstraint::kHeld) return;
-    RigidState& rigid = bodies.rigids[body];
-    rigid.velocity += change * linear.cwiseProduct(rigid.inverseMass);
-    rigid.angularVelocity += change * (rigid.inverseInertia * angular);
-  };
-  push(j.a, j.linearA, j.angularA);
-  push(j.b, j.linearB, j.angularB);
-  j.impulse += change;
-}
-
-void solveJoint(LinkedBodies& bodies, JointConstraint& j, double& sum) {
-  const double target = sum + (j.speed - speedOf(bodies, j) - j.softness * sum) * j.mass;
-  const double impulse = std::clamp(target, j.lower, j.upper);
-  j.change = impulse - sum;
-  sum = impulse;
-  applyImpulse(bodies, j, j.change);
 }
 
 }  // namespace limber

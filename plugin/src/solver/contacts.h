@@ -24,11 +24,6 @@ struct ContactImpulse {
     across *= factor;
     return *this;
   }
-  ContactImpulse& operator+=(const ContactImpulse& other) {
-    along += other.along;
-    across += other.across;
-    return *this;
-  }
 };
 
 /// A point on the surface of a body. Soft: a point mass, or a point of an edge or a triangle. Rigid: a point
@@ -55,22 +50,14 @@ struct HeldCorners {
 /// across the normal. The impulses at the two points are equal and opposite, so linear momentum is conserved
 /// to rounding. Angular momentum is also conserved where one side can balance the couple (see
 /// alignContactPoints() of contact_solver.cpp).
-struct Contact {
+struct Contact : ContactBase {
   ContactPoint a, b;
-  Eigen::Vector3d normal = Eigen::Vector3d::UnitY();  ///< unit, from b to a
-  double gap = 0.0;                                   ///< m between the surfaces; updated in each substep
-  double friction = 0.0;
-  double restitution = 0.0;
-  double bounceThreshold = 0.0;                     ///< m/s, slower approaches do not bounce
-  double recoverySpeed = HUGE_VAL;                  ///< m/s, largest speed at which an overlap is removed
+  double gap = 0.0;                                 ///< m between the surfaces; updated in each substep
   ContactImpulse positionImpulse, velocityImpulse;  ///< of the present substep; initially the warm start
   const PlaneContact* held = nullptr;  ///< for a point on a surface at rest: the plane that follows it
   HeldCorners corners;                 ///< for an edge or triangle: the corners over which it slides
   double spheres = 0.0;  ///< m, for two point masses: sum of the radii; the contact follows the points
   bool ended = false;    ///< the contact has ended in this tick; its impulse still counts
-
-  // Written by the step.
-  TickImpulse impulse;  ///< on a; until finishConstraints() without ContactConstraint::impulse
 };
 
 /// One row of a joint between rigid bodies, in the form of Bullet's constraints:
@@ -127,27 +114,25 @@ struct ContactVector {
 };
 
 /// The side that balances the couple of tangential impulses at two points that are apart along the normal.
-enum class Couple : std::uint8_t { Nobody, Soft, Rigid };
+enum class Couple : std::uint8_t { None, Soft, Rigid };
 
 /// A contact in the form that the sweeps use.
-struct ContactConstraint {
-  double axes[3][3];      ///< the normal and two tangents
-  ContactVector carried;  ///< m/s, part of the relative velocity due to kinematic objects
+struct ContactConstraint : ContactTarget {
+  double axes[3][3];            ///< the normal and two tangents
+  ContactVector surfaceSpeeds;  ///< m/s, part of the relative velocity due to kinematic objects
   std::uint32_t firstPoint, firstOfB, endPoint, firstRotation, endRotation;
   Couple couple;
-  double gap, target;         ///< m; m/s, least speed along the normal
-  double pinned;              ///< m, part of an overlap due to pinned points, not included in the gap
-  double rebound;             ///< m/s, used if the contact bounces, see Bounce (plane_contacts.h)
-  double settled;             ///< m/s along the normal, at the end of the last substep
-  double softness;            ///< see kSoftness (contact_solver.cpp)
-  double mass, mobility;      ///< kg along the normal, and its inverse; both 0: neither side can be moved
-  double acrossSoftness;      ///< 1/kg, speed per change of friction since the last substep
-  double acrossMass[3];       ///< kg between the tangents, softness included: uu, uv, vv
-  double acrossAlong[2];      ///< 1/kg, tangential speeds per normal impulse
-  double turnMass, friction;  ///< kg, smallest eigenvalue of acrossMass; coefficient
-  double maxFriction;         ///< N s, radius of the friction cone
-  bool bounces;               ///< in this substep
-  bool active;                ///< takes part in the sweeps: has an impulse, or would be violated without one
+  double gap;                    ///< m
+  double pinned;                 ///< m, part of an overlap due to pinned points, not included in the gap
+  double lastSpeed;              ///< m/s along the normal, at the end of the last substep
+  double softness;               ///< see kSoftness (contact_solver.cpp)
+  double mass, mobility;         ///< kg along the normal, and its inverse; both 0: neither side can be moved
+  double acrossSoftness;         ///< 1/kg, speed per change of friction since the last substep
+  double acrossMass[3];          ///< kg between the tangents, softness included: uu, uv, vv
+  double acrossAlong[2];         ///< 1/kg, tangential speeds per normal impulse
+  double slidingMass, friction;  ///< kg, smallest eigenvalue of acrossMass; coefficient
+  double maxFriction;            ///< N s, radius of the friction cone
+  bool active;  ///< takes part in the sweeps: has an impulse, or would be violated without one
   ContactVector positionImpulse, velocityImpulse,
       impulse;  ///< N s, see Contact; `impulse` counts since the last change of the normal
   ContactVector before, change, direction;  ///< N s, scratch of the solver
@@ -166,16 +151,13 @@ struct IslandConstraints {
   std::vector<ConstraintRotation> rotations;
   std::vector<std::uint32_t> active;  ///< rows in the sweeps of the present stage
   std::vector<std::pair<std::uint32_t, std::uint32_t>>
-      carried;              ///< body and point, sorted: points attached to immovable bodies
+      anchored;             ///< body and point, sorted: points attached to immovable bodies
   double tolerance = 1e-4;  ///< m/s; a solve ends when all row errors are smaller, or after kMaxSweeps
 };
 
 /// Computes the rows and their masses. Call it before the first substep of a tick, and when contacts have
 /// changed within the tick (see finishConstraints). The state of bodies.points[i] is at views[i].
 void prepareConstraints(IslandConstraints& rows, LinkedBodies& bodies, const std::vector<PointView>& views);
-
-/// Sets the row's masses from the speeds per impulse (1/kg) along the normal and both tangents.
-void setMobility(ContactConstraint& row, const Eigen::Matrix3d& mobility);
 
 /// Returns the offset (m) of one sphere from another at their first touch within dt seconds, or else when
 /// they are nearest in that time. Returns the present offset if they overlap. `radiusSum` is in m.
@@ -192,14 +174,6 @@ void updateGaps(IslandConstraints& rows, double dt);
 /// Writes gaps and impulses back to the contacts. Call it after the last substep, or before contacts are
 /// changed.
 void finishConstraints(IslandConstraints& rows);
-
-/// Updates the responses of rigid bodies to their present rotation.
-void rotateResponses(IslandConstraints& rows);
-
-void applyImpulse(LinkedBodies& bodies, JointConstraint& j, double change);
-
-/// Changes the impulse `sum` within its limits so that the joint has its speed. Sets j.change to the change.
-void solveJoint(LinkedBodies& bodies, JointConstraint& j, double& sum);
 
 // --- the solve ---------------------------------------------------------------------------------------------
 

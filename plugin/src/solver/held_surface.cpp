@@ -212,8 +212,6 @@ bool isHidden(const HeldPiece& sheet, const Vector3d& x, const Vector3d& target)
   return nearestOnTriangle(sheet, crossing).away.norm() < kOnTriangle;
 }
 
-bool isSameSolid(const Approach& m, const HeldPiece* other) { return other == m.first; }
-
 /// Whether other pieces hide or cover the contact.
 bool isBlocked(const HeldNeighbourhood& around, const Approach& m, const HeldContact& c) {
   const HeldPiece* begin = around.all->pieces.data() + around.begin;
@@ -222,7 +220,7 @@ bool isBlocked(const HeldNeighbourhood& around, const Approach& m, const HeldCon
   const Vector3d point = c.touch - m.radius * c.normal, center = point + ball * c.normal;
   for (const HeldPiece *other = begin, *next = begin; other != end; other = next) {
     next = endOfSolid(other, end);
-    if (isSameSolid(m, other)) continue;
+    if (other == m.first) continue;
     if (other->kind == Kind::Sheet && m.first->kind == Kind::Sheet && isHidden(*other, m.x, point))
       return true;
     if (c.onFace) continue;

@@ -25,9 +25,8 @@ struct Substep {
 
   PointState& points() const { return *body.points; }
   SpringArrays& springs() const { return *body.springs; }
-  ContactSpan whole() const { return {time, h, 2.0}; }
-  ContactSpan firstHalf() const { return {time, 0.5 * h, 1.0}; }
-  bool hasContacts() const { return implicit.contacts.count > 0; }
+  ContactSpan span() const { return euler ? ContactSpan{time, 0.5 * h, 1.0} : ContactSpan{time, h, 2.0}; }
+  bool hasContacts() const { return !implicit.contacts.loads.empty(); }
 };
 
 /// y of implicit_step.h; held points move with their velocity.
@@ -93,7 +92,7 @@ void computeResidual(const Substep& s) {
       r.col(i) = massOf(p.inverseMass, i) * (inertialMidpoint(s, i) - p.position.col(i)) +
                  0.25 * s.h * s.h * p.force.col(i);
   }
-  if (s.hasContacts()) addLoads(s.implicit.contacts, s.implicit.contacts.load, r);
+  if (s.hasContacts()) addLoads(s.implicit.contacts, &RowLoad::load, r);
 }
 
 /// The function that the iterations minimise without contacts: |x - y|_M^2 / 2 + h^2/4 E(x) and the dampers'
@@ -149,9 +148,7 @@ void guess(const Substep& s) {
 }
 
 double longest(const SpringArrays& springs) {
-  double length = 0.0;
-  for (const double l : springs->restLength) length = std::max(length, l);
-  return length;
+  return *std::max_element(springs->restLength.begin(), springs->restLength.end());
 }
 
 void start(const Substep& s) {
@@ -183,20 +180,20 @@ void shortenStep(const Substep& s) {
 }
 
 /// Computes the loads for this iteration's step, and adds their effect to the step.
-void solveContacts(const Substep& s, const ContactSpan& span) {
+void solveContacts(const Substep& s) {
   ImplicitState& state = s.implicit;
   MidpointContacts& contacts = state.contacts;
   state.trial = s.points().position + state.residual;
-  solveLoads(contacts, state.solver, state.trial, state.start, span);
-  contacts.load += contacts.change;
+  solveLoads(contacts, state.solver, state.trial, state.start, s.span());
+  for (RowLoad& load : contacts.loads) load.load += load.change;
   state.trial.setZero();
-  addLoads(contacts, contacts.change, state.trial);
+  addLoads(contacts, &RowLoad::change, state.trial);
   solve(state.solver, state.trial);
   state.residual += state.trial;
 }
 
 /// Makes one iteration; returns the largest movement of a point (m). The step replaces the residual.
-double iterate(const Substep& s, const ContactSpan& span, int iteration) {
+double iterate(const Substep& s, int iteration) {
   ImplicitState& state = s.implicit;
   computeForces(s, iteration < (s.euler ? 1 : kDamperRotations));
   update(state.solver, {s.springs(), s.body.tetrahedra}, state.damperDirection, s.points().position);
@@ -205,8 +202,8 @@ double iterate(const Substep& s, const ContactSpan& span, int iteration) {
     forgetResponse(state.contacts);
   computeResidual(s);
   solve(state.solver, state.residual);
-  if (s.hasContacts()) solveContacts(s, span);
-  if (!bears(s.implicit.contacts)) shortenStep(s);
+  if (s.hasContacts()) solveContacts(s);
+  if (!hasLoads(s.implicit.contacts)) shortenStep(s);
   s.points().position += state.residual;
   return state.residual.cwiseAbs().maxCoeff();
 }
@@ -221,14 +218,14 @@ double remainder(double moved, double before) {
 }
 
 /// Iterates to convergence or the limit; returns the last movement (m).
-double solveMidpoint(const Substep& s, const ContactSpan& span) {
+double solveMidpoint(const Substep& s) {
   const bool shared = s.implicit.solver.kind == MidpointSolver::Kind::Shared;
   const int maxIterations = shared ? kMaxSharedIterations : kMaxNewtonIterations;
   const double tolerance = kConverged * longest(s.springs());
   double moved = 0.0;
   for (int i = 0; i < maxIterations; ++i) {
     const double before = moved;
-    moved = iterate(s, span, i);
+    moved = iterate(s, i);
     s.implicit.remainder = remainder(moved, before);
     if (moved <= tolerance) break;
   }
@@ -236,21 +233,21 @@ double solveMidpoint(const Substep& s, const ContactSpan& span) {
 }
 
 /// Does the same, and repeats it while the result leads through surfaces that the rows did not follow.
-double solveFollowing(const Substep& s, const ContactSpan& span) {
+double solveFollowing(const Substep& s) {
   PointView atStart = viewOf(s.points());
   atStart.position = s.implicit.start.data();
   for (int repeats = kMaxRepeats;; --repeats) {
-    const double lastMovement = solveMidpoint(s, span);
+    const double lastMovement = solveMidpoint(s);
     if (repeats == 0 || !s.hasContacts() ||
-        !followDisplacement(s.implicit.contacts, s.points().position, atStart, span))
+        !followDisplacement(s.implicit.contacts, s.points().position, atStart, s.span()))
       return lastMovement;
     guess(s);
   }
 }
 
 /// J, kinetic and elastic.
-double energy(const Substep& s) {
-  return kineticEnergy(s.points()) + elasticEnergy(s.body, s.points().position);
+double energy(SolverBody& body) {
+  return kineticEnergy(*body.points) + elasticEnergy(body, body.points->position);
 }
 
 /// J: work on the points since the start by the constant accelerations, by the constraints of held points,
@@ -263,10 +260,10 @@ double work(const Substep& s) {
     sum += isHeld(p.inverseMass, i) ? -p.force.col(i).dot(moved)
                                     : massOf(p.inverseMass, i) * p.acceleration.col(i).dot(moved);
   }
-  for (Eigen::Index r = 0; r < s.implicit.contacts.count; ++r) {
-    const auto point = (*s.body.contacts)[static_cast<std::size_t>(r)].point;
-    sum += 4.0 / (s.h * s.h) *
-           s.implicit.contacts.load.col(r).dot(p.position.col(point) - s.implicit.start.col(point));
+  const MidpointContacts& c = s.implicit.contacts;
+  for (std::size_t r = 0; r < c.loads.size(); ++r) {
+    const auto point = (*c.rows)[r].point;
+    sum += 4.0 / (s.h * s.h) * c.loads[r].load.dot(p.position.col(point) - s.implicit.start.col(point));
   }
   return sum;
 }
@@ -275,7 +272,7 @@ double work(const Substep& s) {
 /// keeps the floor, if the motion has too little.
 bool guardEnergy(const Substep& s) {
   ImplicitState& state = s.implicit;
-  const double after = energy(s), floor = state.energyFloor + work(s);
+  const double after = energy(s.body), floor = state.energyFloor + work(s);
   const double allowed = kEnergySwing * std::abs(state.energyFloor) + kEnergyRounding * std::abs(after);
   const double excess = after - floor - allowed;
   const double rest = excess > 0.0 ? removeKineticEnergy(s.points(), excess) : 0.0;
@@ -284,21 +281,23 @@ bool guardEnergy(const Substep& s) {
   return true;
 }
 
-/// Sets the velocities of the free points to  2/h (x - x0) - (reach - 1) v0.
-void setVelocities(const Substep& s, double reach) {
+/// Sets the velocities of the free points to  2/h (x - x0) - (f - 1) v0, f = displacementFactor, and solves
+/// their contacts.
+void setVelocities(const Substep& s) {
+  const double factor = s.span().displacementFactor;
   PointState& p = s.points();
   for (Eigen::Index i = 0; i < p.position.cols(); ++i)
     if (!isHeld(p.inverseMass, i))
       p.velocity.col(i) = 2.0 / s.h * (p.position.col(i) - s.implicit.start.col(i)) -
-                          (reach - 1.0) * s.implicit.startVelocity.col(i);
+                          (factor - 1.0) * s.implicit.startVelocity.col(i);
+  if (s.hasContacts()) finishSpan(s.implicit.contacts, p, s.span());
 }
 
 /// Restores the angular momentum of a free body, which unfinished iterations do not conserve (unlike linear
-/// momentum). It changes only by the torque of the constant accelerations, from `before` at the start of
-/// `duration`, which ends now.
-void keepSpin(const Substep& s, const Eigen::Vector3d& before, double duration) {
+/// momentum). It changes only by the torque of the constant accelerations, from `before` at the start.
+void keepSpin(const Substep& s, const Eigen::Vector3d& before) {
   PointState& p = s.points();
-  if (bears(s.implicit.contacts) || (p.inverseMass.array() == 0.0).any()) return;
+  if (hasLoads(s.implicit.contacts) || (p.inverseMass.array() == 0.0).any()) return;
   double mass = 0.0;
   Eigen::Vector3d center = Eigen::Vector3d::Zero(), spin = before;
   for (Eigen::Index i = 0; i < p.position.cols(); ++i) {
@@ -308,16 +307,16 @@ void keepSpin(const Substep& s, const Eigen::Vector3d& before, double duration) 
   center /= mass;
   for (Eigen::Index i = 0; i < p.position.cols(); ++i) {
     const Eigen::Vector3d r = 0.5 * (p.position.col(i) + s.implicit.start.col(i)) - center;
-    spin += duration * massOf(p.inverseMass, i) * r.cross(Eigen::Vector3d(p.acceleration.col(i)));
+    spin += s.span().duration * massOf(p.inverseMass, i) * r.cross(Eigen::Vector3d(p.acceleration.col(i)));
   }
   setSpin(p, spin);
 }
 
-/// Moves from the midpoint to the end of the substep.
-void finish(const Substep& s) {
-  s.points().position = 2.0 * s.points().position - s.implicit.start;
-  setVelocities(s, 2.0);
-  if (s.hasContacts()) settle(s.implicit.contacts, s.points(), s.whole());
+/// Sets the state and the contacts' impulses to those of the start.
+void restart(const Substep& s) {
+  undo(s.implicit.contacts);
+  s.points().position = s.implicit.start;
+  s.points().velocity = s.implicit.startVelocity;
 }
 
 /// Makes half a substep of backward Euler, which has the equation of the midpoint: x = x0 + h/2 v,
@@ -325,13 +324,12 @@ void finish(const Substep& s) {
 bool stepHalfByEuler(const Substep& s, const Eigen::Vector3d& spin) {
   PointState& p = s.points();
   guess(s);
-  solveFollowing(s, s.firstHalf());
+  solveFollowing(s);
   computeForces(s, false);
-  setVelocities(s, 1.0);
-  if (s.hasContacts()) settle(s.implicit.contacts, p, s.firstHalf());
+  setVelocities(s);
   // restoring the spin that dampers reduce in a straight step may need more energy than there is
   s.implicit.trial = p.velocity;
-  keepSpin(s, spin, 0.5 * s.h);
+  keepSpin(s, spin);
   if (guardEnergy(s)) return true;
   p.velocity = s.implicit.trial;
   return guardEnergy(s);
@@ -341,13 +339,11 @@ void advanceHalfByEuler(const Substep& s) {
   const Eigen::Vector3d spin = spinOf(s.points());
   start(s);
   if (stepHalfByEuler(s, spin)) return;
-  undo(s.implicit.contacts);
-  s.points().position = s.implicit.start;
-  s.points().velocity = s.implicit.startVelocity;
+  restart(s);
   Substep downhill = s;
   downhill.downhill = true;
   start(downhill);
-  if (!stepHalfByEuler(downhill, spin)) s.implicit.energyFloor = energy(s);
+  if (!stepHalfByEuler(downhill, spin)) s.implicit.energyFloor = energy(s.body);
 }
 
 /// m/s, root mean square: the midpoint rule's phase error (omega h)^2 / 12 (compare verletErrorRate), and the
@@ -365,18 +361,16 @@ double errorRate(const Substep& s) {
 void advance(const Substep& s) {
   const Eigen::Vector3d spin = spinOf(s.points());
   start(s);
-  const double lastMovement = solveFollowing(s, s.whole());
+  const double lastMovement = solveFollowing(s);
   computeForces(s, false);
   s.body.errorRate = std::max(s.body.errorRate, errorRate(s));
-  const bool converged = lastMovement <= kNearlyConverged * longest(s.springs());
-  if (converged) {
-    finish(s);
-    keepSpin(s, spin, s.h);
+  if (lastMovement <= kNearlyConverged * longest(s.springs())) {
+    s.points().position = 2.0 * s.points().position - s.implicit.start;
+    setVelocities(s);
+    keepSpin(s, spin);
     if (guardEnergy(s)) return;
-    undo(s.implicit.contacts);
   }
-  s.points().position = s.implicit.start;
-  s.points().velocity = s.implicit.startVelocity;
+  restart(s);
   for (const double half : {0.0, 0.5}) {
     Substep euler{s.body, s.implicit, s.time + half * s.h, s.h};
     euler.euler = true;
@@ -415,10 +409,7 @@ void stepImplicit(SolverBody& body, ImplicitState& implicit, MidpointSolver::Kin
   implicit.residual.resizeLike(body.points->position);
   implicit.trial.resizeLike(body.points->position);
   body.errorRate = 0.0;
-  const auto energyNow = [&] {
-    return kineticEnergy(*body.points) + elasticEnergy(body, body.points->position);
-  };
-  implicit.energyFloor += energyNow() - implicit.energyAtEnd;
+  implicit.energyFloor += energy(body) - implicit.energyAtEnd;
   for (int i = 0; i < substeps; ++i) {
     if (body.watch && body.watch->on) {
       body.watch->look(viewOf(*body.points), i * h, h);
@@ -427,7 +418,7 @@ void stepImplicit(SolverBody& body, ImplicitState& implicit, MidpointSolver::Kin
     if (body.contacts) followSurfaces(*body.contacts, viewOf(*body.points), h);
     advance({body, implicit, i * h, h, false});
   }
-  implicit.energyAtEnd = energyNow();
+  implicit.energyAtEnd = energy(body);
 }
 
 }  // namespace limber

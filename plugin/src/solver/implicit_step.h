@@ -13,23 +13,27 @@ namespace limber {
 
 // --- contacts in a substep ---------------------------------------------------------------------------------
 
+/// The load of a contact row in a substep.
+struct RowLoad {
+  Eigen::Index pointIndex;                         ///< index of the row's point in MidpointContacts::touched
+  TickImpulse impulseBefore;                       ///< the row's impulse at the start of the substep
+  Eigen::Vector3d load = Eigen::Vector3d::Zero();  ///< l, kg m
+  Eigen::Vector3d change = Eigen::Vector3d::Zero();  ///< of l in this iteration
+};
+
 /// Contact rows in a substep of the implicit midpoint rule. A force F at one point moves all points, by
 ///     x_m += W l,   l = h^2/4 F,   W = the part of A^-1 for the points with rows,
 /// so the rows are solved together, by projected Gauss-Seidel on W (Jourdan, Alart, Jean 1998).
 struct MidpointContacts {
-  std::vector<PlaneContact>* rows = nullptr;
-  double enough = 0.0;                 ///< m, sweeps end when the largest correction is smaller
-  Eigen::Index count = 0;              ///< #rows; the arrays may be larger, since they only grow
-  std::vector<std::uint32_t> touched;  ///< points that have rows
-  std::vector<Eigen::Index> place;     ///< #rows, index of the row's point in `touched`
-  Eigen::MatrixXd response;            ///< W, 3 #touched x 3 #touched, 1/kg
+  std::vector<PlaneContact>* rows = nullptr;  ///< not nullptr if there are loads
+  std::vector<RowLoad> loads;                 ///< #rows
+  double tolerance = 0.0;                     ///< m, sweeps end when the largest correction is smaller
+  std::vector<std::uint32_t> touched;         ///< points that have rows
+  Eigen::MatrixXd response;                   ///< W, 3 #touched x 3 #touched or larger, 1/kg
   std::vector<char> responds;  ///< #touched, whether the point's columns of W are computed; else they are 0
-  Points load;                 ///< 3 x #rows, l, kg m
-  Points change;               ///< 3 x #rows, of l in this iteration
-  Eigen::VectorXd changeAt;    ///< 3 #touched, sums of `change` at each point
-  std::vector<TickImpulse> impulseBefore;  ///< #rows, the rows' impulses at the start of the substep
-  Points unit;                             ///< 3 x #points, scratch
-  std::vector<PlaneContact> trial;         ///< #rows, scratch
+  Eigen::VectorXd changeAt;    ///< 3 #touched or more, sums of the changes at each point
+  Points unit;                 ///< 3 x #points, scratch
+  std::vector<PlaneContact> trial;  ///< #rows, scratch
 };
 
 /// Largest number of points with rows. With more of them, Verlet is cheaper.
@@ -44,9 +48,10 @@ void startSubstep(MidpointContacts& contacts, std::vector<PlaneContact>* rows, E
 void forgetResponse(MidpointContacts& contacts);
 
 /// The part of a tick that is solved: `duration` seconds from `time` on. The displacement of a point is
-/// `reach` times that from its start to the position found by the iterations; 2 for the midpoint rule.
+/// `displacementFactor` times that from its start to the position found by the iterations; 2 for the midpoint
+/// rule.
 struct ContactSpan {
-  double time, duration, reach;
+  double time, duration, displacementFactor;
 };
 
 /// Computes the change of the loads after which no row is violated at the end of the span. The iterations
@@ -62,14 +67,14 @@ bool followDisplacement(MidpointContacts& contacts, const Points& found, const P
                         const ContactSpan& span);
 
 /// Whether any row has a load. Rows of surfaces that are only near have none.
-bool bears(const MidpointContacts& contacts);
+bool hasLoads(const MidpointContacts& contacts);
 
 /// Adds the loads, or their change, to the 3 x #points right hand side.
-void addLoads(const MidpointContacts& contacts, const Points& loads, Points& rightHandSide);
+void addLoads(const MidpointContacts& contacts, Eigen::Vector3d RowLoad::*part, Points& rightHandSide);
 
-/// Finishes a span of h/2 (reach 1) or h: points with a load stay at the surface, and the rows get their
-/// impulses.
-void settle(MidpointContacts& contacts, PointState& state, const ContactSpan& span);
+/// Finishes a span of h/2 (displacementFactor 1) or h: points with a load stay at the surface, and the rows
+/// get their impulses.
+void finishSpan(MidpointContacts& contacts, PointState& state, const ContactSpan& span);
 
 /// Restores the rows' impulses of the start of the substep.
 void undo(MidpointContacts& contacts);

@@ -63,15 +63,9 @@ Vector3d arm(const LinkedBodies& bodies, const LinkEnd& end) {
 }
 
 Vector3d endVelocity(const LinkedBodies& bodies, const LinkEnd& end) {
-  switch (end.kind) {
-    case LinkEnd::Kind::Point:
-      return bodies.points[end.body]->velocity.col(end.point);
-    case LinkEnd::Kind::Rigid:
-      return bodies.rigids[end.body].velocityAt(arm(bodies, end));
-    case LinkEnd::Kind::World:
-      break;
-  }
-  return Vector3d::Zero();
+  if (end.kind == LinkEnd::Kind::World) return Vector3d::Zero();
+  if (end.kind == LinkEnd::Kind::Point) return bodies.points[end.body]->velocity.col(end.point);
+  return bodies.rigids[end.body].velocityAt(arm(bodies, end));
 }
 
 void applyImpulse(LinkedBodies& bodies, const LinkEnd& end, const Vector3d& impulse) {
@@ -166,15 +160,9 @@ constexpr double kSlowRecovery = 1e-3;
 }  // namespace
 
 Vector3d endPosition(const LinkedBodies& bodies, const LinkEnd& end) {
-  switch (end.kind) {
-    case LinkEnd::Kind::Point:
-      return bodies.points[end.body]->position.col(end.point);
-    case LinkEnd::Kind::Rigid:
-      return bodies.rigids[end.body].position + arm(bodies, end);
-    case LinkEnd::Kind::World:
-      break;
-  }
-  return end.pivot;
+  if (end.kind == LinkEnd::Kind::World) return end.pivot;
+  if (end.kind == LinkEnd::Kind::Point) return bodies.points[end.body]->position.col(end.point);
+  return bodies.rigids[end.body].position + arm(bodies, end);
 }
 
 void addLinkForces(LinkedBodies& bodies) {
@@ -189,29 +177,28 @@ void addLinkForces(LinkedBodies& bodies) {
 }
 
 void dampLinks(LinkedBodies& bodies, double dt, bool forward) {
-  const auto damp = [&](const LinkSpring& s) {
+  const std::size_t count = bodies.springs.size();
+  for (std::size_t i = 0; i < count; ++i) {
+    const LinkSpring& s = bodies.springs[forward ? i : count - 1 - i];
     if (s.damping > 0.0) dampLink(bodies, s, dt);
-  };
-  if (forward)
-    std::for_each(bodies.springs.begin(), bodies.springs.end(), damp);
-  else
-    std::for_each(bodies.springs.rbegin(), bodies.springs.rend(), damp);
+  }
 }
 
 double linkFrequencyBoundSquared(LinkedBodies& bodies) {
   if (bodies.springs.empty()) return 0.0;
   clearSums(bodies);
-  const auto share = [&](const LinkEnd& end) { return std::sqrt(mobilityBound(bodies, end)); };
   // points in the world do not move: springs that end there are independent of each other
-  const auto moves = [](const LinkEnd& end) { return end.kind != LinkEnd::Kind::World; };
-  for (const LinkSpring& s : bodies.springs)
+  const auto forEachMovingEnd = [&](const LinkSpring& s, auto visit) {
     for (const LinkEnd* end : {&s.a, &s.b})
-      if (moves(*end)) sumOf(bodies, *end) += stiffest(s) * share(*end);
+      if (end->kind != LinkEnd::Kind::World)
+        visit(sumOf(bodies, *end), std::sqrt(mobilityBound(bodies, *end)));
+  };
+  for (const LinkSpring& s : bodies.springs)
+    forEachMovingEnd(s, [&](double& sum, double share) { sum += stiffest(s) * share; });
   double bound = 0.0;
   for (const LinkSpring& s : bodies.springs) {
     double row = 0.0;
-    for (const LinkEnd* end : {&s.a, &s.b})
-      if (moves(*end)) row += share(*end) * sumOf(bodies, *end);
+    forEachMovingEnd(s, [&](double sum, double share) { row += share * sum; });
     bound = std::max(bound, row);
   }
   return bound;

@@ -16,7 +16,7 @@ constexpr double kMinPenetration = 0.01;
 /// m: the gap that the row's point may have at the end, at most 0.
 double allowedGap(const PlaneContact& row, const Eigen::Vector3d& start, const ContactSpan& span) {
   const double gap = row.normal.dot(start - row.touch - span.time * row.surfaceVelocity);
-  return gap >= 0.0 ? 0.0 : gap + std::min(-kRecovery * gap, row.recoverySpeed * span.duration);
+  return gap + span.duration * minSpeed(gap, row.recoverySpeed, span.duration);
 }
 
 /// Computes the columns of W of a touched point. Each needs a solution for the whole body.
@@ -36,27 +36,25 @@ void computeResponse(MidpointContacts& c, MidpointSolver& solver, Eigen::Index i
   }
 }
 
-/// Corrects the load of row r, whose point moves from `start` to `end`; returns its error (m).
-double solveRow(MidpointContacts& c, MidpointSolver& solver, std::size_t r, const Eigen::Vector3d& start,
-                const Eigen::Vector3d& end, const ContactSpan& span) {
-  const PlaneContact& row = (*c.rows)[r];
-  const auto at = static_cast<Eigen::Index>(r);
-  const Eigen::Index first = 3 * c.place[r];
-  const Eigen::Vector3d before = c.load.col(at) + c.change.col(at);
+/// Corrects the load of a row whose point moves from `start` to `end`; returns its error (m).
+double solveRow(MidpointContacts& c, MidpointSolver& solver, const PlaneContact& row, RowLoad& load,
+                const Eigen::Vector3d& start, const Eigen::Vector3d& end, const ContactSpan& span) {
+  const Eigen::Index first = 3 * load.pointIndex;
+  const Eigen::Vector3d before = load.load + load.change;
   const Eigen::Vector3d surface = row.touch + (span.time + span.duration) * row.surfaceVelocity;
   const double gap = row.normal.dot(end - surface) - allowedGap(row, start, span);
   if (gap >= 0.0 && before.isZero(0.0)) return 0.0;
-  computeResponse(c, solver, c.place[r]);
-  const double mobility = span.reach * row.normal.dot(c.response.block<3, 3>(first, first) * row.normal);
+  computeResponse(c, solver, load.pointIndex);
+  const double mobility =
+      span.displacementFactor * row.normal.dot(c.response.block<3, 3>(first, first) * row.normal);
   if (!(mobility > 0.0)) return 0.0;
   const double normal = std::max(0.0, row.normal.dot(before) - gap / mobility);
   const Eigen::Vector3d slip = end - start - span.duration * row.surfaceVelocity;
   const Eigen::Vector3d sliding = slip - row.normal.dot(slip) * row.normal;
   Eigen::Vector3d tangential = before - row.normal.dot(before) * row.normal - sliding / mobility;
-  const double limit = row.friction * normal, size = tangential.norm();
-  if (size > limit) tangential *= limit > 0.0 ? limit / size : 0.0;
+  tangential *= coneFactor(tangential.squaredNorm(), row.friction * normal);
   const Eigen::Vector3d correction = normal * row.normal + tangential - before;
-  c.change.col(at) += correction;
+  load.change += correction;
   c.changeAt.segment<3>(first) += correction;
   return mobility * correction.norm();
 }
@@ -76,31 +74,22 @@ bool leadsThrough(const PlaneContact& row, const Eigen::Vector3d& start, const E
 void startSubstep(MidpointContacts& c, std::vector<PlaneContact>* rows, Eigen::Index points,
                   double tolerance) {
   constexpr Eigen::Index kStep = 8;
-  c.enough = tolerance;
+  c.tolerance = tolerance;
   c.rows = rows;
-  c.count = static_cast<Eigen::Index>(rows ? rows->size() : 0);
   c.touched.clear();
-  c.place.clear();
-  for (Eigen::Index r = 0; r < c.count; ++r) {
-    const std::uint32_t point = (*rows)[static_cast<std::size_t>(r)].point;
-    if (c.touched.empty() || c.touched.back() != point) c.touched.push_back(point);
-    c.place.push_back(static_cast<Eigen::Index>(c.touched.size()) - 1);
+  c.loads.clear();
+  for (std::size_t r = 0; rows && r < rows->size(); ++r) {
+    const PlaneContact& row = (*rows)[r];
+    if (c.touched.empty() || c.touched.back() != row.point) c.touched.push_back(row.point);
+    c.loads.push_back({static_cast<Eigen::Index>(c.touched.size()) - 1, row.impulse});
   }
-  const auto capacityFor = [](Eigen::Index n) { return (n + kStep - 1) / kStep * kStep; };
-  if (c.count > c.load.cols()) {
-    c.load.resize(3, capacityFor(c.count));
-    c.change.resize(3, capacityFor(c.count));
-    c.impulseBefore.resize(static_cast<std::size_t>(capacityFor(c.count)));
-  }
-  if (const auto touched = static_cast<Eigen::Index>(c.touched.size()); 3 * touched > c.changeAt.size()) {
-    c.changeAt.resize(3 * capacityFor(touched));
-    c.response.resize(3 * capacityFor(touched), 3 * capacityFor(touched));
-    c.responds.reserve(static_cast<std::size_t>(capacityFor(touched)));
-    c.unit.resize(3, points);
-  }
-  c.load.setZero();
-  c.change.setZero();
-  for (std::size_t r = 0; rows && r < rows->size(); ++r) c.impulseBefore[r] = (*rows)[r].impulse;
+  const auto touched = static_cast<Eigen::Index>(c.touched.size());
+  if (3 * touched <= c.changeAt.size()) return;
+  const Eigen::Index capacity = (touched + kStep - 1) / kStep * kStep;
+  c.changeAt.resize(3 * capacity);
+  c.response.resize(3 * capacity, 3 * capacity);
+  c.responds.reserve(static_cast<std::size_t>(capacity));
+  c.unit.resize(3, points);
 }
 
 void forgetResponse(MidpointContacts& c) {
@@ -112,19 +101,20 @@ void forgetResponse(MidpointContacts& c) {
 void solveLoads(MidpointContacts& c, MidpointSolver& solver, const Points& found, const Points& start,
                 const ContactSpan& span) {
   const auto size = 3 * static_cast<Eigen::Index>(c.touched.size());
-  c.change.setZero();
+  for (RowLoad& load : c.loads) load.change.setZero();
   c.changeAt.setZero();
   for (int sweep = 0; sweep < kMaxLoadSweeps; ++sweep) {
     double largest = 0.0;
-    for (std::size_t r = 0; r < c.rows->size(); ++r) {
+    for (std::size_t r = 0; r < c.loads.size(); ++r) {
       const PlaneContact& row = (*c.rows)[r];
       if (row.away) continue;
-      const Eigen::Vector3d moved = c.response.block(3 * c.place[r], 0, 3, size) * c.changeAt.head(size);
+      const Eigen::Vector3d moved =
+          c.response.block(3 * c.loads[r].pointIndex, 0, 3, size) * c.changeAt.head(size);
       const Eigen::Vector3d x0 = start.col(row.point);
-      const Eigen::Vector3d end = x0 + span.reach * (found.col(row.point) + moved - x0);
-      largest = std::max(largest, solveRow(c, solver, r, x0, end, span));
+      const Eigen::Vector3d end = x0 + span.displacementFactor * (found.col(row.point) + moved - x0);
+      largest = std::max(largest, solveRow(c, solver, row, c.loads[r], x0, end, span));
     }
-    if (largest <= c.enough) return;
+    if (largest <= c.tolerance) return;
   }
 }
 
@@ -138,30 +128,32 @@ bool followDisplacement(MidpointContacts& c, const Points& found, const PointVie
     bool follows = false;
     for (; end < rows.size() && rows[end].point == point; ++end) follows = follows || rows[end].around;
     if (!follows) continue;
-    const Eigen::Vector3d x = start.positionOf(point), displacement = span.reach * (found.col(point) - x);
+    const Eigen::Vector3d x = start.positionOf(point),
+                          displacement = span.displacementFactor * (found.col(point) - x);
     followSurface(&c.trial[begin], end - begin, start, displacement, 0.0);
     for (std::size_t r = begin; r < end; ++r)
       through = through || leadsThrough(c.trial[r], x, x + displacement, span);
   }
   if (!through) return false;
   std::copy(c.trial.begin(), c.trial.end(), rows.begin());
-  c.load.setZero();
+  for (RowLoad& load : c.loads) load.load.setZero();
   return true;
 }
 
-bool bears(const MidpointContacts& c) { return !c.load.leftCols(c.count).isZero(0.0); }
-
-void addLoads(const MidpointContacts& c, const Points& loads, Points& rightHandSide) {
-  for (std::size_t r = 0; r < c.rows->size(); ++r)
-    rightHandSide.col((*c.rows)[r].point) += loads.col(static_cast<Eigen::Index>(r));
+bool hasLoads(const MidpointContacts& c) {
+  return std::any_of(c.loads.begin(), c.loads.end(), [](const RowLoad& l) { return !l.load.isZero(0.0); });
 }
 
-void settle(MidpointContacts& c, PointState& state, const ContactSpan& span) {
-  // the force F = 4 / h^2 l acts during the span, which is reach h/2 long
-  const double impulsePerLoad = span.reach * span.reach / span.duration;
-  for (std::size_t r = 0; r < c.rows->size(); ++r) {
+void addLoads(const MidpointContacts& c, Eigen::Vector3d RowLoad::*part, Points& rightHandSide) {
+  for (std::size_t r = 0; r < c.loads.size(); ++r) rightHandSide.col((*c.rows)[r].point) += c.loads[r].*part;
+}
+
+void finishSpan(MidpointContacts& c, PointState& state, const ContactSpan& span) {
+  // the force F = 4 / h^2 l acts during the span, which is displacementFactor h/2 long
+  const double impulsePerLoad = span.displacementFactor * span.displacementFactor / span.duration;
+  for (std::size_t r = 0; r < c.loads.size(); ++r) {
     PlaneContact& row = (*c.rows)[r];
-    const Eigen::Vector3d load = c.load.col(static_cast<Eigen::Index>(r));
+    const Eigen::Vector3d& load = c.loads[r].load;
     const double normal = row.normal.dot(load);
     row.touching = normal > 0.0;
     row.impulse.add(impulsePerLoad * load, row.normal, impulsePerLoad * normal);
@@ -181,7 +173,7 @@ void settle(MidpointContacts& c, PointState& state, const ContactSpan& span) {
 }
 
 void undo(MidpointContacts& c) {
-  for (std::size_t r = 0; c.rows && r < c.rows->size(); ++r) (*c.rows)[r].impulse = c.impulseBefore[r];
+  for (std::size_t r = 0; r < c.loads.size(); ++r) (*c.rows)[r].impulse = c.loads[r].impulseBefore;
 }
 
 }  // namespace limber

@@ -47,7 +47,7 @@ Neighbours neighboursOf(const SpringArrays& springs, std::size_t points) {
     neighbours[springs->b[s]].push_back(springs->a[s]);
   }
   const auto fewer = [&](std::uint32_t a, std::uint32_t b) {
-    return neighbours[a].size() != neighbours[b].size() ? neighbours[a].size() < neighbours[b].size() : a < b;
+    return std::pair(neighbours[a].size(), a) < std::pair(neighbours[b].size(), b);
   };
   Neighbours sorted = neighbours;
   for (auto& list : sorted) std::sort(list.begin(), list.end(), fewer);
@@ -114,18 +114,7 @@ double dampingWeight(const SpringArrays& springs, const Points& inverseMass, std
 using Sparse = Eigen::SparseMatrix<double>;
 
 bool equal(const Sparse& a, const Sparse& b) {
-  if (a.rows() != b.rows() || a.nonZeros() != b.nonZeros()) return false;
-  const auto count = static_cast<std::size_t>(a.nonZeros());
-  return std::equal(a.valuePtr(), a.valuePtr() + count, b.valuePtr()) &&
-         std::equal(a.innerIndexPtr(), a.innerIndexPtr() + count, b.innerIndexPtr()) &&
-         std::equal(a.outerIndexPtr(), a.outerIndexPtr() + a.cols() + 1, b.outerIndexPtr());
-}
-
-std::shared_ptr<const SharedFactor> makeFactor(Sparse matrix) {
-  auto shared = std::make_shared<SharedFactor>();
-  shared->factor = factorise(matrix);
-  shared->matrix = std::move(matrix);
-  return shared;
+  return a.rows() == b.rows() && a.nonZeros() == b.nonZeros() && Sparse(a - b).squaredNorm() == 0.0;
 }
 
 using Entries = std::vector<Eigen::Triplet<double>>;
@@ -181,9 +170,11 @@ std::shared_ptr<const SharedFactor> SharedFactors::get(Sparse matrix) {
                known_.end());
   for (const auto& known : known_)
     if (auto factor = known.lock(); factor && equal(factor->matrix, matrix)) return factor;
-  auto factor = makeFactor(std::move(matrix));
-  known_.push_back(factor);
-  return factor;
+  auto shared = std::make_shared<SharedFactor>();
+  shared->factor = factorise(matrix);
+  shared->matrix = std::move(matrix);
+  known_.push_back(shared);
+  return shared;
 }
 
 // --- the system of an iteration ----------------------------------------------------------------------------
@@ -215,32 +206,28 @@ Eigen::Matrix3d springBlock(const MidpointSolver& solver, const SpringArrays& sp
          sideways * (Eigen::Matrix3d::Identity() - along);
 }
 
-void addBlock(BandedMatrix& matrix, std::uint32_t rowPosition, std::uint32_t columnPosition,
-              const Eigen::Matrix3d& block) {
-  const Eigen::Index row = 3 * Eigen::Index{rowPosition}, column = 3 * Eigen::Index{columnPosition};
-  for (Eigen::Index i = 0; i < 3; ++i)
-    for (Eigen::Index j = 0; j < 3; ++j)
-      if (row + i >= column + j) matrix.at(row + i, column + j) += block(i, j);
+/// Returns the first of the point's three rows of the banded matrix.
+Eigen::Index rowOf(const MidpointSolver& solver, Eigen::Index point) {
+  return 3 * Eigen::Index{solver.place[static_cast<std::size_t>(point)]};
 }
 
-/// Adds the block in the row of one point and the column of another, above or below the diagonal; nothing if
-/// either is held.
+/// Adds the block in the row of one point and the column of another to the lower triangle, transposed if it
+/// is above the diagonal; nothing if either is held.
 void addFree(MidpointSolver& solver, std::uint32_t rowPoint, std::uint32_t columnPoint,
              const Eigen::Matrix3d& block) {
   if (isHeld(solver.inverseMass, rowPoint) || isHeld(solver.inverseMass, columnPoint)) return;
-  const std::uint32_t row = solver.place[rowPoint], column = solver.place[columnPoint];
-  if (row >= column)
-    addBlock(solver.banded, row, column, block);
-  else
-    addBlock(solver.banded, column, row, block.transpose());
+  const Eigen::Index row = rowOf(solver, rowPoint), column = rowOf(solver, columnPoint);
+  for (Eigen::Index i = 0; i < 3; ++i)
+    for (Eigen::Index j = 0; j < 3; ++j)
+      if (row != column || i >= j)
+        solver.banded.at(std::max(row + i, column + j), std::min(row + i, column + j)) += block(i, j);
 }
 
 void addMasses(MidpointSolver& solver) {
   for (Eigen::Index i = 0; i < solver.inverseMass.cols(); ++i)
-    for (Eigen::Index c = 0; c < 3; ++c) {
-      const Eigen::Index row = 3 * Eigen::Index{solver.place[static_cast<std::size_t>(i)]} + c;
-      solver.banded.at(row, row) = isHeld(solver.inverseMass, i) ? 1.0 : massOf(solver.inverseMass, i);
-    }
+    solver.banded.band.row(0)
+        .segment<3>(rowOf(solver, i))
+        .setConstant(isHeld(solver.inverseMass, i) ? 1.0 : massOf(solver.inverseMass, i));
 }
 
 void addTetrahedra(MidpointSolver& solver, const TetrahedronVolumes& tetrahedra, const Points& position) {
@@ -259,11 +246,9 @@ void addTetrahedra(MidpointSolver& solver, const TetrahedronVolumes& tetrahedra,
 /// Solves A x = b in place without the volume term.
 void solveWithoutVolumes(MidpointSolver& solver, Points& b) {
   if (solver.kind == MidpointSolver::Kind::Shared) return solver.shared->solve(b, solver.scratch);
-  for (Eigen::Index i = 0; i < b.cols(); ++i)
-    solver.ordered.segment<3>(3 * Eigen::Index{solver.place[static_cast<std::size_t>(i)]}) = b.col(i);
+  for (Eigen::Index i = 0; i < b.cols(); ++i) solver.ordered.segment<3>(rowOf(solver, i)) = b.col(i);
   solve(solver.banded, solver.ordered);
-  for (Eigen::Index i = 0; i < b.cols(); ++i)
-    b.col(i) = solver.ordered.segment<3>(3 * Eigen::Index{solver.place[static_cast<std::size_t>(i)]});
+  for (Eigen::Index i = 0; i < b.cols(); ++i) b.col(i) = solver.ordered.segment<3>(rowOf(solver, i));
 }
 
 }  // namespace

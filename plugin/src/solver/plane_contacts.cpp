@@ -23,11 +23,8 @@ inline void applyRow(PlaneContact& row, const PointView& points, double target) 
   const double normalImpulse = (target - speed) * row.mass;
   Eigen::Vector3d impulse = normalImpulse * row.normal;
   if (row.friction > 0.0) {
-    // stops the sliding, within the limit of friction; no square root while the point sticks
-    Eigen::Vector3d frictionImpulse = (speed * row.normal - relative) * row.mass;
-    const double limit = row.friction * normalImpulse, squared = frictionImpulse.squaredNorm();
-    if (squared > limit * limit) frictionImpulse *= limit / std::sqrt(squared);
-    impulse += frictionImpulse;
+    const Eigen::Vector3d sticking = (speed * row.normal - relative) * row.mass;
+    impulse += coneFactor(sticking.squaredNorm(), row.friction * normalImpulse) * sticking;
   }
   velocity += points.inverseMassOf(row.point).cwiseProduct(impulse);
   row.impulse.add(impulse, row.normal, normalImpulse);
@@ -37,21 +34,14 @@ inline double speedAlong(const PlaneContact& row, const PointView& points) {
   return row.normal.dot(points.velocityOf(row.point) - row.surfaceVelocity);
 }
 
-/// Sets the target speed of the point before a drift of dt from `time`. A point that would hit the surface in
-/// the drift bounces by Newton's law of restitution.
+/// Sets the target speed of the point before a drift of dt from `time`.
 inline void setTarget(PlaneContact& row, const PointView& points, double time, double dt) {
   const double gap = row.normal.dot(points.positionOf(row.point) - row.touch - time * row.surfaceVelocity);
-  row.target = gap >= 0.0 ? -gap / dt : std::min(-kRecovery * gap / dt, row.recoverySpeed);
+  row.target = minSpeed(gap, row.recoverySpeed, dt);
   row.bounces = false;
   if (!(row.restitution > 0.0)) return;
-  const double approach = -speedAlong(row, points);
-  if (!(gap < approach * dt)) return;
-  const double before = row.normal.dot(row.surfaceVelocity - row.settled);
-  const Bounce bounce = bounceOf(gap, approach, before, row.restitution, row.bounceThreshold, dt);
-  if (bounce.rests) return;
-  row.bounces = true;
-  row.target = gap < 0.0 ? std::max(bounce.mean, row.target) : bounce.mean;
-  row.rebound = bounce.rebound;
+  const double before = row.normal.dot(row.surfaceVelocity - row.lastVelocity);
+  addBounce(row, row, gap, -speedAlong(row, points), before, dt);
 }
 
 /// Applies the second half of a bounce, an impulse along the normal or against it.
@@ -181,7 +171,7 @@ void followSurfaces(std::vector<PlaneContact>& rows, const PointView& points, do
 void prepareContacts(std::vector<PlaneContact>& rows, const PointView& points) {
   for (PlaneContact& row : rows) {
     row.mass = massAlongNormal(row, points);
-    row.settled = points.velocityOf(row.point);
+    row.lastVelocity = points.velocityOf(row.point);
   }
 }
 
@@ -203,6 +193,14 @@ Bounce bounceOf(double gap, double approach, double before, double restitution, 
   return {false, mean, speed - pressing * timeLeft + kick - mean};
 }
 
+void addBounce(ContactTarget& target, const ContactBase& contact, double gap, double approach, double before,
+               double dt) {
+  if (!(gap < approach * dt)) return;
+  const Bounce bounce = bounceOf(gap, approach, before, contact.restitution, contact.bounceThreshold, dt);
+  if (bounce.rests) return;
+  target = {gap < 0.0 ? std::max(bounce.mean, target.target) : bounce.mean, bounce.rebound, true};
+}
+
 void solvePositions(std::vector<PlaneContact>& rows, const PointView& points, double time, double dt) {
   forEachPoint(rows, [&](PlaneContact* first, std::size_t count) {
     if (!isSingleFixedPlane(first, count)) return solvePointPosition(first, count, points, time, dt);
@@ -219,7 +217,7 @@ void solveVelocities(std::vector<PlaneContact>& rows, const PointView& points) {
     applyRow(*first, points, 0.0);
   });
   for (PlaneContact& row : rows)
-    if (row.restitution > 0.0) row.settled = points.velocityOf(row.point);
+    if (row.restitution > 0.0) row.lastVelocity = points.velocityOf(row.point);
 }
 
 }  // namespace limber

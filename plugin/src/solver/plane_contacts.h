@@ -4,6 +4,7 @@
 #include "solver/held_surface.h"
 #include "solver/point_state.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <vector>
@@ -30,35 +31,44 @@ struct TickImpulse {
   }
 };
 
+/// What the contact of a point with a plane and the contact of two bodies have in common.
+struct ContactBase {
+  Eigen::Vector3d normal = Eigen::Vector3d::UnitY();  ///< unit, from the surface to the point, or from b to a
+  double friction = 0.0;
+  double restitution = 0.0;
+  double bounceThreshold = 0.0;     ///< m/s, slower approaches do not bounce, so that bodies come to rest
+  double recoverySpeed = HUGE_VAL;  ///< m/s, largest speed at which an overlap is removed
+  TickImpulse impulse;              ///< on the point, or on a; written by the step
+};
+
+/// The motion along the normal that a contact asks for in a substep; written by the step.
+struct ContactTarget {
+  double target = 0.0;   ///< m/s, least speed along the normal in the drift
+  double rebound = 0.0;  ///< m/s, see Bounce
+  bool bounces = false;
+};
+
 /// A point mass above a static or kinematic surface: the point's centre must stay on the outer side of a
 /// plane, and slides on it with Coulomb friction.
 ///
 ///     gap(t) = normal . (x(t) - touch - t surfaceVelocity) >= 0,    t from the start of the tick
 ///
 /// Where the surface is not flat around the point, the plane is updated in each substep.
-struct PlaneContact {
+struct PlaneContact : ContactBase, ContactTarget {
   std::uint32_t point = 0;
-  Eigen::Vector3d normal = Eigen::Vector3d::UnitY();  ///< unit, from the surface to the point
   Eigen::Vector3d touch = Eigen::Vector3d::Zero();  ///< m, the centre of a touching point at the tick's start
   Eigen::Vector3d surfaceVelocity = Eigen::Vector3d::Zero();  ///< m/s, constant over the tick
-  double friction = 0.0;
-  double restitution = 0.0;
-  double bounceThreshold = 0.0;     ///< m/s, slower approaches do not bounce, so that bodies come to rest
-  double recoverySpeed = HUGE_VAL;  ///< m/s, largest speed at which a point below the surface is lifted
-  bool coupled = false;             ///< solved together with the contacts between bodies (contacts.h)
+  bool coupled = false;  ///< solved together with the contacts between bodies (contacts.h)
 
   HeldNeighbourhood* around = nullptr;  ///< followed pieces of a surface at rest; nullptr: the plane is fixed
   std::uint32_t owner = 0;              ///< of its pieces in `around`
   bool away = false;                    ///< the point cannot touch these pieces in the next substep
 
   // Written by the step.
-  double mass = 0.0;                                  ///< kg along the normal; 0: cannot be moved
-  TickImpulse impulse;                                ///< on the point
-  bool touching = false;                              ///< has an impulse in the present substep
-  double target = 0.0;                                ///< m/s, least speed along the normal in this substep
-  bool bounces = false;                               ///< in this substep
-  double rebound = 0.0;                               ///< m/s, see Bounce
-  Eigen::Vector3d settled = Eigen::Vector3d::Zero();  ///< m/s of the point at the end of the last substep
+  double mass = 0.0;      ///< kg along the normal; 0: cannot be moved
+  bool touching = false;  ///< has an impulse in the present substep
+  Eigen::Vector3d lastVelocity =
+      Eigen::Vector3d::Zero();  ///< m/s of the point at the end of the last substep
 };
 
 /// The indices of the rows of one point. Rows are sorted by point.
@@ -66,6 +76,23 @@ struct ContactRange {
   std::size_t begin, end;
 };
 ContactRange contactsOfPoint(const std::vector<PlaneContact>& rows, std::uint32_t point);
+
+// --- laws of contact: recovery, friction, restitution ------------------------------------------------------
+
+/// Share of an overlap that is removed per substep.
+constexpr double kRecovery = 0.2;
+
+/// Returns the least speed (m/s) along the normal in a substep of dt seconds. A gap (m) may close. An overlap
+/// gets smaller by a share of it, but not faster than `maxSpeed`: a body that was placed inside an object
+/// must come out slowly.
+inline double minSpeed(double gap, double maxSpeed, double dt) {
+  return gap >= 0.0 ? -gap / dt : std::min(-kRecovery * gap / dt, maxSpeed);
+}
+
+/// Returns the factor that shortens a friction to the radius `limit` of Coulomb's cone; 1 inside the cone.
+inline double coneFactor(double squaredFriction, double limit) {
+  return squaredFriction > limit * limit ? limit / std::sqrt(squaredFriction) : 1.0;
+}
 
 /// A substep in which a point hits a surface and leaves it by Newton's law of restitution: along the normal
 /// `mean` is the speed of the drift, and `rebound` is added after the second kick.
@@ -82,9 +109,12 @@ struct Bounce {
 /// the start of the substep; slower impacts than `slow` do not bounce.
 Bounce bounceOf(double gap, double approach, double before, double restitution, double slow, double dt);
 
-/// Share of a penetration that is removed per substep, up to recoverySpeed: a body that was placed inside an
-/// object must come out slowly.
-constexpr double kRecovery = 0.2;
+/// Lets the contact bounce if it would close in a drift of dt seconds and is fast enough. Arguments as in
+/// bounceOf(). target.target must be set for a contact that does not bounce.
+void addBounce(ContactTarget& target, const ContactBase& contact, double gap, double approach, double before,
+               double dt);
+
+// --- points on planes --------------------------------------------------------------------------------------
 
 /// Updates the planes of the `count` rows of one point to the surfaces at the point, or where it hits them
 /// within `displacement` (m). Finds surfaces up to `within` (m) beyond that.

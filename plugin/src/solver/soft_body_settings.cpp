@@ -21,18 +21,13 @@ std::string say(const char* name, double value, const char* rule) {
 struct Check {
   const char* name;
   double value;
-  double low;        // smallest value allowed
-  bool includesLow;  // whether `low` itself is allowed
-  double high = std::numeric_limits<double>::max();
+  double low, high;  // the smallest and the largest value allowed
   const char* rule;
 };
 
 Result<void> firstViolation(const Check* begin, const Check* end) {
-  for (const Check* c = begin; c != end; ++c) {
-    const bool aboveLow = c->includesLow ? c->value >= c->low : c->value > c->low;
-    if (!std::isfinite(c->value) || !aboveLow || c->value > c->high)
-      return Error{say(c->name, c->value, c->rule)};
-  }
+  for (const Check* c = begin; c != end; ++c)
+    if (!(c->value >= c->low && c->value <= c->high)) return Error{say(c->name, c->value, c->rule)};
   return {};
 }
 
@@ -53,10 +48,9 @@ std::string checkPlacement(const SoftBodySettings& s) {
         std::pair("linearVelocity", s.linearVelocity), std::pair("angularVelocity", s.angularVelocity)})
     if (std::string reason = checkVector(name, v); !reason.empty()) return reason;
   for (int i = 0; i < 3; ++i)
-    if (s.scale[i] == 0.0) return say((std::string("scale.") + "xyz"[i]).c_str(), 0.0, "other than 0");
-  for (int i = 0; i < 3; ++i)
     if (std::abs(s.scale[i]) < 1.0 / kLargestVector)
-      return say((std::string("scale.") + "xyz"[i]).c_str(), s.scale[i], "1e-9 or more, or -1e-9 or less");
+      return say((std::string("scale.") + "xyz"[i]).c_str(), s.scale[i],
+                 s.scale[i] == 0.0 ? "other than 0" : "1e-9 or more, or -1e-9 or less");
   const double norm = s.rotation.norm();
   if (!(std::abs(norm - 1.0) < 1e-6)) return say("length of rotation", norm, "1");
   return {};
@@ -77,40 +71,40 @@ Result<void> validate(const SoftBodySettings& s) {
   if (s.selfCollision && s.collision != Collision::Surface)
     return Error{"selfCollision needs collision to be Collision::Surface"};
   const Check checks[] = {
-      {"extensionStiffness", s.extensionStiffness, 0, true, 1e12, "from 0 to 1e12"},
-      {"compressionStiffness", s.compressionStiffness, 0, true, 1e12, "from 0 to 1e12"},
-      {"damping", s.damping, 0, true, 1e12, "from 0 to 1e12"},
-      {"collision", static_cast<double>(s.collision), 0, true, double(Collision::Surface),
-       "one of Collision's"},
-      {"totalMass", s.totalMass, 1e-9, true, 1e12, "from 1e-9 to 1e12"},
-      {"volumeModulus", s.volumeModulus.value_or(0.0), 0, true, 1e15, "from 0 to 1e15"},
-      {"pressure", s.pressure, 0, true, 1e12, "from 0 to 1e12"},
-      {"pointRadius", s.pointRadius.value_or(1.0), 0, false, 1e6, "above 0, at most 1e6"},
-      {"friction", s.friction, 0, true, 1e6, "from 0 to 1e6"},
-      {"restitution", s.restitution, 0, true, 1, "from 0 to 1"},
-      {"sleepingSpeed", s.sleepingSpeed, 0, true, 1e6, "from 0 to 1e6"},
-      {"stepping.stepper", static_cast<double>(s.stepping.stepper), 0, true, double(Stepper::BandedNewton),
+      {"extensionStiffness", s.extensionStiffness, 0, 1e12, "from 0 to 1e12"},
+      {"compressionStiffness", s.compressionStiffness, 0, 1e12, "from 0 to 1e12"},
+      {"damping", s.damping, 0, 1e12, "from 0 to 1e12"},
+      {"collision", static_cast<double>(s.collision), 0, double(Collision::Surface), "one of Collision's"},
+      {"totalMass", s.totalMass, 1e-9, 1e12, "from 1e-9 to 1e12"},
+      {"volumeModulus", s.volumeModulus.value_or(0.0), 0, 1e15, "from 0 to 1e15"},
+      {"pressure", s.pressure, 0, 1e12, "from 0 to 1e12"},
+      {"pointRadius", s.pointRadius.value_or(1.0), std::numeric_limits<double>::min(), 1e6,
+       "above 0, at most 1e6"},
+      {"friction", s.friction, 0, 1e6, "from 0 to 1e6"},
+      {"restitution", s.restitution, 0, 1, "from 0 to 1"},
+      {"sleepingSpeed", s.sleepingSpeed, 0, 1e6, "from 0 to 1e6"},
+      {"stepping.stepper", static_cast<double>(s.stepping.stepper), 0, double(Stepper::BandedNewton),
        "one of Stepper's"},
-      {"stepping.minSubsteps", static_cast<double>(s.stepping.minSubsteps), 1, true, 1e6, "from 1 to 1e6"},
-      {"stepping.periodTolerance", s.stepping.periodTolerance, 1e-8, true, 1, "from 1e-8 to 1"},
-      {"stepping.tolerance", s.stepping.tolerance, 0, true, 1e6, "from 0 to 1e6"},
-      {"stepping.relativeTolerance", s.stepping.relativeTolerance, 0, true, 1e6, "from 0 to 1e6"},
-      {"stepping.maxSubsteps", static_cast<double>(s.stepping.maxSubsteps), 0, true, 1e6, "from 0 to 1e6"},
-      {"elasticLimit.stiffenStrain", s.elasticLimit.stiffenStrain, 0, true, 1e6, "from 0 to 1e6"},
-      {"elasticLimit.stiffenFactor", s.elasticLimit.stiffenFactor, 1, true, 1e6, "from 1 to 1e6"},
-      {"elasticLimit.yieldStrain", s.elasticLimit.yieldStrain, 0, true, 1e6, "from 0 to 1e6"},
-      {"elasticLimit.yieldMaximum", s.elasticLimit.yieldMaximum, 0, true, 0.999, "from 0 to 0.999"},
-      {"elasticLimit.breakStrain", s.elasticLimit.breakStrain, 0, true, 1e6, "from 0 to 1e6"},
+      {"stepping.minSubsteps", static_cast<double>(s.stepping.minSubsteps), 1, 1e6, "from 1 to 1e6"},
+      {"stepping.periodTolerance", s.stepping.periodTolerance, 1e-8, 1, "from 1e-8 to 1"},
+      {"stepping.tolerance", s.stepping.tolerance, 0, 1e6, "from 0 to 1e6"},
+      {"stepping.relativeTolerance", s.stepping.relativeTolerance, 0, 1e6, "from 0 to 1e6"},
+      {"stepping.maxSubsteps", static_cast<double>(s.stepping.maxSubsteps), 0, 1e6, "from 0 to 1e6"},
+      {"elasticLimit.stiffenStrain", s.elasticLimit.stiffenStrain, 0, 1e6, "from 0 to 1e6"},
+      {"elasticLimit.stiffenFactor", s.elasticLimit.stiffenFactor, 1, 1e6, "from 1 to 1e6"},
+      {"elasticLimit.yieldStrain", s.elasticLimit.yieldStrain, 0, 1e6, "from 0 to 1e6"},
+      {"elasticLimit.yieldMaximum", s.elasticLimit.yieldMaximum, 0, 0.999, "from 0 to 0.999"},
+      {"elasticLimit.breakStrain", s.elasticLimit.breakStrain, 0, 1e6, "from 0 to 1e6"},
   };
   return firstViolation(std::begin(checks), std::end(checks));
 }
 
 Result<void> validate(const SpringSettings& s) {
   const Check checks[] = {
-      {"restLength", s.restLength.value_or(0.0), 0, true, 1e12, "from 0 to 1e12"},
-      {"stiffness", s.stiffness, 0, true, 1e12, "from 0 to 1e12"},
-      {"damping", s.damping, 0, true, 1e12, "from 0 to 1e12"},
-      {"action", static_cast<double>(s.action), 0, true, double(SpringAction::CompressionOnly),
+      {"restLength", s.restLength.value_or(0.0), 0, 1e12, "from 0 to 1e12"},
+      {"stiffness", s.stiffness, 0, 1e12, "from 0 to 1e12"},
+      {"damping", s.damping, 0, 1e12, "from 0 to 1e12"},
+      {"action", static_cast<double>(s.action), 0, double(SpringAction::CompressionOnly),
        "one of SpringAction's"},
   };
   return firstViolation(std::begin(checks), std::end(checks));

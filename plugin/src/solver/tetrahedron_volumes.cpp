@@ -18,8 +18,8 @@ using Eigen::Vector3d;
 
 /// The present shape of a tetrahedron.
 struct Shape {
-  double volume;                     ///< m^3, signed
-  std::array<Vector3d, 4> gradient;  ///< m^2, of the volume with respect to the corners
+  double volume;                         ///< m^3, signed
+  Eigen::Matrix<double, 3, 4> gradient;  ///< m^2, of the volume with respect to the corners
 };
 
 /// Computes the shape with  V = b . (c x d) / 6,  where b, c, d are the edges from the first corner.
@@ -27,7 +27,9 @@ Shape shapeOf(const Tetrahedron& t, const Points& position) {
   const Vector3d a = position.col(t[0]), b = position.col(t[1]) - a, c = position.col(t[2]) - a,
                  d = position.col(t[3]) - a;
   const Vector3d gb = c.cross(d) / 6.0, gc = d.cross(b) / 6.0, gd = b.cross(c) / 6.0;
-  return {b.dot(gb), {-(gb + gc + gd), gb, gc, gd}};
+  Shape shape{b.dot(gb), {}};
+  shape.gradient << -(gb + gc + gd), gb, gc, gd;
+  return shape;
 }
 
 /// Returns the largest change of the push per relative volume (Pa) near this relative volume.
@@ -51,7 +53,7 @@ double perimeter(const Tetrahedron& t, std::size_t without, const Points& x) {
   return (x.col(b) - x.col(a)).norm() + (x.col(c) - x.col(b)).norm() + (x.col(a) - x.col(c)).norm();
 }
 
-std::vector<double> crowdOf(const std::vector<Tetrahedron>& tetrahedra, std::size_t points) {
+std::vector<double> valenceOf(const std::vector<Tetrahedron>& tetrahedra, std::size_t points) {
   std::vector<double> around(points, 0.0), valence;
   for (const Tetrahedron& t : tetrahedra)
     for (const std::uint32_t corner : t) around[corner] += 1.0;
@@ -62,13 +64,12 @@ std::vector<double> crowdOf(const std::vector<Tetrahedron>& tetrahedra, std::siz
 
 bool springsRunAlongEdges(const SpringNetwork& network) {
   std::vector<Edge> edges;
-  for (const NetworkSpring& s : network.springs) edges.push_back({std::min(s.a, s.b), std::max(s.a, s.b)});
+  for (const NetworkSpring& s : network.springs) edges.push_back(edgeBetween(s.a, s.b));
   std::sort(edges.begin(), edges.end());
   for (const Tetrahedron& t : network.tetrahedra)
     for (std::size_t i = 0; i < 4; ++i)
       for (std::size_t j = 0; j < i; ++j)
-        if (!std::binary_search(edges.begin(), edges.end(), Edge{std::min(t[i], t[j]), std::max(t[i], t[j])}))
-          return false;
+        if (!std::binary_search(edges.begin(), edges.end(), edgeBetween(t[i], t[j]))) return false;
   return true;
 }
 
@@ -87,11 +88,9 @@ TetrahedronVolumes makeTetrahedronVolumes(const SpringNetwork& network, const So
     v.restVolume.push_back(std::abs(shape.volume));
     v.inverseRest.push_back(1.0 / (6.0 * v.restVolume.back()));
     sum += v.restVolume.back();
-    for (std::size_t corner = 0; corner < 4; ++corner)
-      v.restGradientSquares(static_cast<Eigen::Index>(corner), static_cast<Eigen::Index>(i)) =
-          shape.gradient[corner].squaredNorm();
+    v.restGradientSquares.col(static_cast<Eigen::Index>(i)) = shape.gradient.colwise().squaredNorm();
   }
-  v.valence = crowdOf(v.tetrahedra, network.restPoints.size());
+  v.valence = valenceOf(v.tetrahedra, network.restPoints.size());
   v.edgesAreSprings = springsRunAlongEdges(network);
   const double stiffness = std::max(settings.extensionStiffness, settings.compressionStiffness);
   v.crushModulus = networkModulus(network, settings.scale, stiffness, sum);
@@ -116,9 +115,7 @@ void prepareTetrahedra(TetrahedronVolumes& v, const Points& inverseMass, double 
 bool isHeldBack(TetrahedronVolumes& v, const PointState& state, double dt) {
   prepareTetrahedra(v, state.inverseMass, dt);
   for (std::size_t i = 0; i < v->tetrahedra.size(); ++i) {
-    double squares = 0.0;
-    for (const Vector3d& gradient : shapeOf(v->tetrahedra[i], state.position).gradient)
-      squares += 36.0 * gradient.squaredNorm();
+    const double squares = 36.0 * shapeOf(v->tetrahedra[i], state.position).gradient.squaredNorm();
     if (v.stabilityScale[i] * squares > 1.0) return true;
   }
   return false;
@@ -151,14 +148,10 @@ double tetrahedronEnergy(const TetrahedronVolumes& v, const Points& position) {
 
 TetrahedronSlope tetrahedronSlope(const TetrahedronVolumes& v, std::size_t i, const Points& position) {
   const Shape shape = shapeOf(v->tetrahedra[i], position);
-  TetrahedronSlope slope;
-  for (Eigen::Index corner = 0; corner < 4; ++corner)
-    slope.gradient.col(corner) = shape.gradient[static_cast<std::size_t>(corner)];
   const double change = shape.volume / v->restVolume[i] - 1.0;
   const bool limited = change < kernel::kLargestShrinking || change > kernel::kLargestSwelling;
   const double crush = change < kernel::kCrushed - 1.0 ? v->crushModulus : 0.0;
-  slope.stiffness = limited ? 0.0 : (v->modulus + crush) / v->restVolume[i];
-  return slope;
+  return {shape.gradient, limited ? 0.0 : (v->modulus + crush) / v->restVolume[i]};
 }
 
 double tetrahedronFrequencyBoundSquared(TetrahedronVolumes& v, const PointState& state, double tick) {
@@ -170,15 +163,14 @@ double tetrahedronFrequencyBoundSquared(TetrahedronVolumes& v, const PointState&
     const double relative = shape.volume / v->restVolume[i];
     const double stiffness = stiffnessNear(v, relative) / v->restVolume[i];
     const double push = std::abs(kernel::tetrahedronPush(relative, v->modulus, v->crushModulus));
-    double norms = 0.0, rate = 0.0;
-    for (std::size_t corner = 0; corner < 4; ++corner) {
-      norms += shape.gradient[corner].norm();
-      rate += shape.gradient[corner].dot(state.velocity.col(t[corner]));
-    }
+    const Eigen::Array4d norms = shape.gradient.colwise().norm();
+    double rate = 0.0;
+    for (std::size_t corner = 0; corner < 4; ++corner)
+      rate += shape.gradient.col(static_cast<Eigen::Index>(corner)).dot(state.velocity.col(t[corner]));
     const double foreseen = std::abs(tick * rate / v->restVolume[i]);
     v.farFromRest = v.farFromRest || std::abs(relative - 1.0) > kFar || foreseen > kFar;
     for (std::size_t corner = 0; corner < 4; ++corner)
-      v.rowSums[t[corner]] += stiffness * shape.gradient[corner].norm() * norms +
+      v.rowSums[t[corner]] += stiffness * norms[static_cast<Eigen::Index>(corner)] * norms.sum() +
                               push * perimeter(t, corner, state.position) / 6.0;
   }
   double largest = 0.0;
