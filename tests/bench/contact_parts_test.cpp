@@ -132,8 +132,9 @@ TEST(MemoryUse, countsAtLeastWhatIsThere) {
   if (!use) GTEST_SKIP() << "the C library does not tell";
   // position, velocity, acceleration, inverse mass and two forces in double precision
   EXPECT_GT(use->perPoint, 6 * 24.0);
-  // the impulses of its damper for half a substep and a whole one, in double precision
-  EXPECT_GT(use->perSpring, 16.0);
+  // the impulses of its damper for half a substep and a whole one, in double precision; up to eight bodies
+  // that are stepped together use those of the first one
+  EXPECT_GT(use->perSpring, 16.0 / 8.0);
 }
 
 }  // namespace
