@@ -86,11 +86,12 @@ struct SoftBodySystem::Impl::WorldStep {
   bool callsListeners() const;
   bool owns(const SoftBody* body) const;  ///< whether the body belongs to one of the systems
   void rebuildGroupsIfNeeded();
-  void gatherGroups(btScalar tick);
-  void gatherPartners(SoftBodyData& body, btScalar tick);
-  void gatherIslands(btScalar tick);
-  void stepGroups(btScalar tick);
-  void writeGroupsToBullet(btScalar tick);
+  void findAwake(btScalar tick);
+  void read(btScalar tick);
+  void collide(btScalar tick);
+  void findIslands(btScalar tick);
+  void step(btScalar tick);
+  void write(btScalar tick);
   void updateLiving();
   /// Restores the manifolds, motors and springs that were hidden from Bullet's solver in a tick.
   void restoreBulletState();

@@ -91,25 +91,43 @@ void SoftBodySystem::Impl::WorldStep::rebuildGroupsIfNeeded() {
   groupsStale = false;
 }
 
-void SoftBodySystem::Impl::WorldStep::gatherGroups(btScalar tick) {
-  const StopWatch watch(profile.gatherMs);
-  const KinematicMotions::Rewound rewound(kinematic);
+// The stages, in the order in which beforeTick() and afterTick() call them.
+
+void SoftBodySystem::Impl::WorldStep::findAwake(btScalar tick) {
+  rebuildGroupsIfNeeded();
+  for (Impl* system : systems) system->clearForcesOnNewStep();
+  collectPartners(*world, this);
+  kinematic.follow(*world, tick);
+  links.begin(*world);
+  collectMovers(*world, kinematic, this, tick);
+  updateSleep(groups, *world, tick, bulletIslands, awake);
+  moving.clear();
+  for (const LinkedGroup* group : awake)
+    moving.insert(moving.end(), group->bodies.begin(), group->bodies.end());
+  markJoined(moving, *world);
+}
+
+void SoftBodySystem::Impl::WorldStep::read(btScalar tick) {
+  readManifolds(*world->getDispatcher());
   for (LinkedGroup* group : awake) gatherBodies(*group, tick);
+}
+
+void SoftBodySystem::Impl::WorldStep::collide(btScalar tick) {
+  pairs.clear(double(tick));
+  rigidSurfaces.clear();
   for (LinkedGroup* group : awake) gatherGroup(*group, tick);
   shareSoftPartners(awake);
-  for (SoftBodyData* body : moving) gatherPartners(*body, tick);
+  for (SoftBodyData* body : moving) {
+    if (isSurfaceBody(*body))
+      gatherSurfacePairs(*body, tick, rigidSurfaces, search, pairs);
+    else
+      for (btRigidBody* partner : body->freePartners) gatherPairs(*body, *partner, tick, pairs);
+  }
   if (living.size() > 1) gatherPointPairs(awake, tick, pairs);
   profile.rigidParts = rigidSurfaces.size();
-  gatherIslands(tick);
-  for (LinkedGroup* group : awake) chooseStepping(*group, double(tick));
 }
 
-void SoftBodySystem::Impl::WorldStep::gatherPartners(SoftBodyData& body, btScalar tick) {
-  if (isSurfaceBody(body)) return gatherSurfacePairs(body, tick, rigidSurfaces, search, pairs);
-  for (btRigidBody* partner : body.freePartners) limber::gatherPairs(body, *partner, tick, pairs);
-}
-
-void SoftBodySystem::Impl::WorldStep::gatherIslands(btScalar tick) {
+void SoftBodySystem::Impl::WorldStep::findIslands(btScalar tick) {
   warmStart(pairs);
   addLinkedRigids(awake, pairs);
   links.addJoints(pairs);
@@ -117,7 +135,7 @@ void SoftBodySystem::Impl::WorldStep::gatherIslands(btScalar tick) {
   makeIslands(awake, pairs, tick, islands);
 }
 
-void SoftBodySystem::Impl::WorldStep::stepGroups(btScalar tick) {
+void SoftBodySystem::Impl::WorldStep::step(btScalar tick) {
   const StopWatch watch(profile.stepMs);
   // points with unexpectedly large displacements search for more contacts during the step
   const KinematicMotions::Rewound rewound(kinematic);
@@ -125,7 +143,7 @@ void SoftBodySystem::Impl::WorldStep::stepGroups(btScalar tick) {
   for (Island& island : islands) stepIsland(island, pairs, double(tick), search);
 }
 
-void SoftBodySystem::Impl::WorldStep::writeGroupsToBullet(btScalar tick) {
+void SoftBodySystem::Impl::WorldStep::write(btScalar tick) {
   const StopWatch watch(profile.writeMs);
   for (Island& island : islands) writeIslandToBullet(island, pairs, tick);
   links.applyImpulses(pairs);
@@ -150,24 +168,18 @@ void SoftBodySystem::Impl::WorldStep::beforeTick(btScalar tick) {
   enableDrives(*world, disabledDrives);
   // a tick of length zero moves nothing and would cause a division by zero
   if (!(tick > btScalar(0))) return;
-  rebuildGroupsIfNeeded();
-  for (Impl* system : systems) system->clearForcesOnNewStep();
-  collectPartners(*world, this);
-  kinematic.follow(*world, tick);
-  links.begin(*world);
-  collectMovers(*world, kinematic, this, tick);
-  updateSleep(groups, *world, tick, bulletIslands, awake);
-  moving.clear();
-  for (const LinkedGroup* group : awake)
-    moving.insert(moving.end(), group->bodies.begin(), group->bodies.end());
-  markJoined(moving, *world);
-  pairs.clear(double(tick));
-  rigidSurfaces.clear();
-  readManifolds(*world->getDispatcher());
-  gatherGroups(tick);
+  findAwake(tick);
+  {
+    const StopWatch watch(profile.gatherMs);
+    const KinematicMotions::Rewound rewound(kinematic);
+    read(tick);
+    collide(tick);
+    findIslands(tick);
+    for (LinkedGroup* group : awake) chooseStepping(*group, double(tick));
+  }
   disableBulletResponse(*world->getDispatcher());
-  stepGroups(tick);
-  writeGroupsToBullet(tick);
+  step(tick);
+  write(tick);
 }
 
 void SoftBodySystem::Impl::WorldStep::restoreBulletState() {
