@@ -379,6 +379,7 @@ void addRows(SoftBodyData& body, std::uint32_t i, const btCollisionObject& partn
     return rows.addOnPlane(static_cast<const btStaticPlaneShape&>(shape), pose);
   if (shape.getShapeType() == BOX_SHAPE_PROXYTYPE && surfaceBody)
     return rows.addOnBox(static_cast<const btBoxShape&>(shape), pose);
+  if (surfaceBody && body.surface.contacts.empty()) body.surface.contacts.resize(pointCount(body));
   const bool isSlow = distance <= kSlowSearchDistance * rows.radius();
   if (!isSlow || !(surfaceBody ? addStoredRow(rows, body.surface.contacts[i], partner, stamp)
                                : addCachedRow(rows, *body.masses.bodies[i], partner)))

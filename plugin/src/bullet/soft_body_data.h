@@ -129,7 +129,7 @@ struct SurfaceData {
   bool held = false;                    ///< taken out of the simulation by Bullet or the user
   btVector3 gravity;                    ///< m/s^2, gravity of the world that was last given to the points
   Points force;                         ///< 3 x #points, N, in this stepSimulation(); empty until exposed
-  std::vector<CachedContact> contacts;  ///< #points
+  std::vector<CachedContact> contacts;  ///< #points; empty until a kinematic object is touched
   SweptBounds sweptBounds;              ///< predicted for the coming tick; Bullet's broadphase has its box
   std::vector<btCollisionObject*> partners;  ///< of the coming tick, see collectPartners()
 

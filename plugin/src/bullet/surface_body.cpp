@@ -195,7 +195,6 @@ void dampPoints(SoftBodyData& body, double tick) {
 void addSurface(SoftBodyData& body) {
   initializePointMasses(body);
   SurfaceData& s = body.surface;
-  s.contacts.assign(pointCount(body), CachedContact());
   s.object = new SurfaceObject(&body);
   s.shape = std::make_unique<SurfaceShape>(*body.model->network, body.settings.scale.prod() < 0.0,
                                            body.state.position, body.masses.shape->getRadius());

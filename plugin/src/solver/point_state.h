@@ -23,12 +23,17 @@ struct PointState {
   Points velocity;      ///< m/s
   Points acceleration;  ///< m/s^2, due to everything except springs, constant over a tick
   Points inverseMass;   ///< 1/kg per axis; 0 along axes on which a point is held
-  Points force;         ///< N, of the springs at `position`
-  Points earlierForce;  ///< N, scratch of the step
+  Points force;         ///< N, of the springs at `position`; empty until a step needs it
+  Points earlierForce;  ///< N, scratch of the step; empty until a step needs it
 
   void resize(Eigen::Index points) {
-    for (Points* array : {&position, &velocity, &acceleration, &inverseMass, &force, &earlierForce})
-      array->setZero(3, points);
+    for (Points* array : {&position, &velocity, &acceleration, &inverseMass}) array->setZero(3, points);
+  }
+
+  void allocateForces() {
+    if (force.cols() == position.cols()) return;
+    force.setZero(3, position.cols());
+    earlierForce.setZero(3, position.cols());
   }
 };
 

@@ -182,6 +182,7 @@ void addLimitedForces(SpringArrays& springs, PointState& state) {
 
 void computeSpringForces(SpringArrays& springs, PointState& state) {
   if (springs->limited) {
+    state.allocateForces();
     state.force.setZero();
     addLimitedForces(springs, state);
   } else {

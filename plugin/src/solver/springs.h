@@ -77,6 +77,7 @@ inline kernel::Springs<double> kernelSprings(SpringArrays& s) {
 }
 
 inline kernel::Points<double> kernelPoints(PointState& p) {
+  p.allocateForces();
   return {static_cast<kernel::Index>(p.position.cols()),
           p.position.data(),
           p.velocity.data(),

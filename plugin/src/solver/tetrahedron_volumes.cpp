@@ -132,6 +132,7 @@ kernel::Tetrahedra<double> kernelTetrahedra(const TetrahedronVolumes& v) {
 }
 
 void addTetrahedronForces(const TetrahedronVolumes& v, PointState& state) {
+  state.allocateForces();
   kernel::addTetrahedronForces(kernelTetrahedra(v), state.position.data(), state.force.data());
 }
 

@@ -255,6 +255,7 @@ kernel::Volumes<double> kernelVolumes(VolumeArrays& v) {
 }
 
 void addVolumeForces(VolumeArrays& volumes, PointState& state) {
+  state.allocateForces();
   kernel::addVolumeForces(kernelVolumes(volumes), state.position.data(), state.inverseMass.data(),
                           state.force.data());
 }
