@@ -148,7 +148,10 @@ void rewind(LinkedGroup& group) {
 }
 
 void stepOnce(LinkedGroup& group, double tick, SharedFactors& factors) {
-  if (group.stepper == Stepper::Verlet) return stepVerlet(group.step, tick, group.substeps);
+  if (group.stepper == Stepper::Verlet) {
+    useSpringBatches(group);
+    return stepVerlet(group.step, tick, group.substeps);
+  }
   const auto kind =
       group.stepper == Stepper::BandedNewton ? MidpointSolver::Kind::Newton : MidpointSolver::Kind::Shared;
   std::unique_ptr<ImplicitState>& implicit = group.bodies[0]->implicit;

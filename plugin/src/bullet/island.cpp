@@ -102,6 +102,7 @@ LinkEnd withOffset(LinkEnd end, std::uint32_t firstBody, std::uint32_t firstRigi
 }
 
 void append(Island& island, LinkedGroup& group) {
+  useSpringBatches(group);
   SolverIsland& step = island.step;
   const auto firstBody = static_cast<std::uint32_t>(step.bodies.size());
   const auto firstRigid = static_cast<std::uint32_t>(step.links.rigids.size());

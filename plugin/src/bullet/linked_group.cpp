@@ -112,7 +112,6 @@ void addBody(LinkedGroup& group, SoftBodyData* body) {
   if (!body->volumes.empty()) group.step.bodies.back().volumes = &body->volumes;
   if (!body->tetrahedra.empty()) group.step.bodies.back().tetrahedra = &body->tetrahedra;
   group.step.bodies.back().watch = body->watch.get();
-  if (canStepSpringBatches()) group.step.bodies.back().springBatches = &body->springBatches;
   group.step.bodies.back().rest = &body->model->rest;
   if (isSurfaceBody(*body)) group.step.bodies.back().sums = &body->sums;
   group.step.links.points.push_back(&body->state);
@@ -215,6 +214,15 @@ std::vector<LinkedGroup> makeLinkedGroups(const std::vector<SoftBodyData*>& bodi
     ordered.push_back(std::move(group));
   }
   return ordered;
+}
+
+void useSpringBatches(LinkedGroup& group) {
+  if (!canStepSpringBatches()) return;
+  for (std::size_t i = 0; i < group.bodies.size(); ++i) {
+    std::unique_ptr<SpringBatchArrays>& batches = group.bodies[i]->springBatches;
+    if (!batches) batches = std::make_unique<SpringBatchArrays>();
+    group.step.bodies[i].springBatches = batches.get();
+  }
 }
 
 // --- the stages of a tick ----------------------------------------------------------------------------------

@@ -244,9 +244,9 @@ struct SoftBodyData {
   double dampingRate = 0.0;      ///< 1/s, dampingRateBound; frequencyStale applies to it, too
   double size = 0.0;             ///< m, diagonal of its initial bounding box
   bool prefersImplicit = false;  ///< in the last tick, if it were in no island
-  SpringBatchArrays springBatches;          ///< empty unless it is stepped in batches
-  std::unique_ptr<ImplicitState> implicit;  ///< created when it is first stepped implicitly
-  std::vector<float> skinned;               ///< 3 x #points, scratch of a body with a skin
+  std::unique_ptr<SpringBatchArrays> springBatches;  ///< see useSpringBatches()
+  std::unique_ptr<ImplicitState> implicit;           ///< created when it is first stepped implicitly
+  std::vector<float> skinned;                        ///< 3 x #points, scratch of a body with a skin
 
   /// Called when the application deletes one of the points.
   std::function<void(const btRigidBody&)> onPointDeleted;
