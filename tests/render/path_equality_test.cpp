@@ -3,7 +3,7 @@
 #include <ostream>
 #include <string>
 
-#include "test_scene.h"
+#include "baseline_picture.h"
 
 namespace limber::render::test {
 namespace {
@@ -28,12 +28,13 @@ TEST_P(PathEquality, NaiveAndBatchedPicturesAreEqual) {
   stage.light.shadows = param.shadows;
   DrawOptions options;
   options.mode = param.mode;
-  const Image batched = stage.picture(options, StreamPath::Ring);
+  const Image batched = stage.picture(options);
   const std::size_t batchedDraws = stage.renderer().lastFrame().shapeDrawCalls;
-  const Image naive = stage.picture(options, StreamPath::Naive);
+  const auto baseline = bench::makeNaivePoints(stage.renderer());
+  const Image naive = pictureAs(*baseline, stage, options);
   EXPECT_EQ(batched.rgba, naive.rgba);
   EXPECT_GT(stage.renderer().lastFrame().shapeDrawCalls, batchedDraws);
-  EXPECT_EQ(stage.picture(options, StreamPath::Ring).rgba, batched.rgba) << "not the same twice";
+  EXPECT_EQ(stage.picture(options).rgba, batched.rgba) << "not the same twice";
 }
 
 INSTANTIATE_TEST_SUITE_P(Modes, PathEquality,
