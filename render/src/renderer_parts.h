@@ -46,7 +46,8 @@ struct Renderer::Parts {
 
   // Beginning of a frame.
   void layOutInstances();
-  void reserveComputed();  // For skins and normals.
+  // Buffers for skins and normals. Throws if there are more points than the driver can bind.
+  void reserveComputed();
   void reserveComputed(GlBuffer& buffer, std::size_t count);
   void reserveRing();
   void openFrame();

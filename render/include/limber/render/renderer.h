@@ -88,8 +88,8 @@ struct RingStats {
 
 /// Bytes of GPU memory the renderer owns, by use.
 struct GpuMemory {
-  std::size_t stream = 0;  ///< The three regions of positions.
-  std::size_t shapes = 0;  ///< Static data of the shapes.
+  std::size_t stream = 0;    ///< The three regions of positions.
+  std::size_t shapes = 0;    ///< Static data of the shapes.
   std::size_t scratch = 0;   ///< Skinned points, normals, instance table, uniforms, overlay.
   std::size_t textures = 0;  ///< Textures of instances.
   std::size_t targets = 0;   ///< Colour, depth and shadow map.
