@@ -14,8 +14,8 @@ render::RendererDesc rendererDesc(const FrameCase& frameCase, const DrawPath& pa
   render::RendererDesc desc;
   desc.width = frameCase.width;
   desc.height = frameCase.height;
-  // others need no ring, which is then as small as can be
-  desc.initialPoints = path.stream == render::StreamPath::Ring ? frameCase.scene->points() : 1;
+  // baselines need no ring, which is then as small as can be
+  desc.initialPoints = path.makeBaseline ? 1 : frameCase.scene->points();
   return desc;
 }
 
@@ -39,9 +39,9 @@ render::InstanceLook lookOf(std::size_t body) {
 }  // namespace
 
 const std::vector<DrawPath>& drawPaths() {
-  static const std::vector<DrawPath> kPaths = {{"limber", render::StreamPath::Ring},
-                                               {"naive_points", render::StreamPath::Naive},
-                                               {"naive", render::StreamPath::Unshared}};
+  static const std::vector<DrawPath> kPaths = {{"limber", nullptr, true},
+                                               {"naive_points", makeNaivePoints, true},
+                                               {"naive", makeUnsharedBodies, false}};
   return kPaths;
 }
 
@@ -61,6 +61,7 @@ FrameStage::FrameStage(const FrameCase& frameCase, const DrawPath& path, const D
       renderer_(std::make_unique<render::Renderer>(*context_, rendererDesc(frameCase, path))) {
   floor_ = renderer_->addInstance(renderer_->addShape(scene_.floor.shape), {{0.93f, 0.92f, 0.90f}, {}});
   shape_ = renderer_->addShape(scene_.shape);
+  if (path.makeBaseline) baseline_ = path.makeBaseline(*renderer_);
 }
 FrameStage::~FrameStage() {
   context_->makeCurrent();  // for the renderer to go
@@ -71,7 +72,8 @@ void FrameStage::addBodies(std::size_t count) {
     bodies_.push_back(renderer_->addInstance(shape_, lookOf(bodies_.size())));
 }
 
-void FrameStage::write(const render::FrameWriter& frame, const Eigen::Matrix3Xf& points) const {
+template <class Frame>
+void FrameStage::write(const Frame& frame, const Eigen::Matrix3Xf& points) const {
   std::copy(scene_.floor.points.begin(), scene_.floor.points.end(), frame.points(floor_));
   const Eigen::Index count = scene_.rest.cols();
   const float* next = points.data();
@@ -81,14 +83,28 @@ void FrameStage::write(const render::FrameWriter& frame, const Eigen::Matrix3Xf&
   }
 }
 
+/// The time at which all points were written, ms; so does the next.
+double FrameStage::drawItself(const Eigen::Matrix3Xf& points, const Stopwatch& watch) {
+  render::FrameWriter frame = renderer_->beginFrame();
+  write(frame, points);
+  const double written = watch.time().wallMs;
+  renderer_->draw(frame, camera_, light_);
+  return written;
+}
+
+double FrameStage::drawBaseline(const Eigen::Matrix3Xf& points, const Stopwatch& watch) {
+  baseline_->beginFrame();
+  write(*baseline_, points);
+  const double written = watch.time().wallMs;
+  baseline_->draw(camera_, light_);
+  return written;
+}
+
 FrameTimes FrameStage::play(const Eigen::Matrix3Xf& points) {
   context_->makeCurrent();
   const Stopwatch watch;
   const double processStart = processCpuMs();
-  render::FrameWriter frame = renderer_->beginFrame(path_.stream);
-  write(frame, points);
-  const double written = watch.time().wallMs;
-  renderer_->draw(frame, camera_, light_);
+  const double written = baseline_ ? drawBaseline(points, watch) : drawItself(points, watch);
   const double own = watch.time().cpuMs;
   renderer_->readPixels(image_);
   const render::FrameStats& stats = renderer_->lastFrame();
@@ -99,9 +115,8 @@ FrameTimes FrameStage::play(const Eigen::Matrix3Xf& points) {
 
 std::size_t FrameStage::bufferBytes() const {
   const render::GpuMemory memory = renderer_->gpuMemory();
-  // its bodies have indices of their own, so the shared data of shapes and the ring of one point serve
-  // nothing
-  return path_.stream == render::StreamPath::Unshared ? memory.scratch : memory.buffers();
+  const std::size_t ofRenderer = path_.usesShapes ? memory.buffers() : memory.scratch;
+  return ofRenderer + (baseline_ ? baseline_->bytes() : 0);
 }
 
 std::string FrameStage::driver() const { return render::describeDriver(renderer_->gl()); }

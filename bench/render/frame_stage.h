@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
+#include "render/baselines/baseline.h"
 #include "render/frame_scene.h"
 
 #include <limber/render/gl_context.h>
@@ -11,10 +12,13 @@
 
 namespace limber::bench {
 
+class Stopwatch;
+
 /// A way of drawing.
 struct DrawPath {
   const char* name;
-  render::StreamPath stream;
+  std::unique_ptr<Baseline> (*makeBaseline)(render::Renderer&);  ///< nullptr: the renderer itself draws
+  bool usesShapes;  ///< whether it reads the renderer's data of shapes in each frame
 };
 
 /// limber: positions straight into the mapped buffer, a draw per shape. naive_points: positions uploaded and
@@ -69,7 +73,10 @@ class FrameStage {
   std::string driver() const;
 
  private:
-  void write(const render::FrameWriter& frame, const Eigen::Matrix3Xf& points) const;
+  template <class Frame>
+  void write(const Frame& frame, const Eigen::Matrix3Xf& points) const;
+  double drawItself(const Eigen::Matrix3Xf& points, const Stopwatch& watch);
+  double drawBaseline(const Eigen::Matrix3Xf& points, const Stopwatch& watch);
 
   const FrameScene& scene_;
   DrawPath path_;
@@ -78,6 +85,7 @@ class FrameStage {
   render::Light light_;
   std::unique_ptr<render::GlContext> context_;
   std::unique_ptr<render::Renderer> renderer_;
+  std::unique_ptr<Baseline> baseline_;  // nullptr: the renderer itself draws
   render::InstanceId floor_;
   render::ShapeId shape_;
   std::vector<render::InstanceId> bodies_;

@@ -1,22 +1,11 @@
-in vec3 toEye;
 in vec3 shadowCoord;
 in vec2 uv;
 flat in vec4 look;
-#ifdef VERTEX_NORMAL
-in vec3 smoothNormal;
-#endif
 
 layout(binding = 0) uniform sampler2DArray textures;
 layout(binding = 1) uniform sampler2DShadow shadowMap;
 
 layout(location = 0) out vec4 result;
-
-// The triangle's normal, towards the viewer. It uses derivatives of toEye, not of the position, because its values
-// stay small far from the origin.
-vec3 faceNormal() {
-  vec3 normal = cross(dFdx(toEye), dFdy(toEye));
-  return normalize(dot(normal, toEye) < 0.0 ? -normal : normal);
-}
 
 #ifdef SHADOWS
 // The bias is the change of depth of a plane with this slope across the filter's width. It prevents acne at every
@@ -79,14 +68,7 @@ float highlight(float cosine) {
 }
 
 void main() {
-#ifdef VERTEX_NORMAL
-  vec3 normal = normalize(smoothNormal);
-#ifdef TWO_SIDED
-  normal = gl_FrontFacing ? normal : -normal;
-#endif
-#else
-  vec3 normal = faceNormal();
-#endif
+  vec3 normal = shadingNormal();
 #ifdef SMOOTH
   vec3 face = faceNormal();
 #else

@@ -1,14 +1,9 @@
-#ifdef UNSHARED
-layout(location = 0) in vec4 vertexPosition;
-layout(location = 2) in vec3 vertexNormal;
-#elif !defined(WELDED)
-layout(location = 0) in uint vertexPoint;
-#endif
 #ifdef WELDED
 // The indices are points, so that a point on several seams is processed only once.
 #define vertexPoint uint(gl_VertexID)
 #define vertexUv vec2(0.0)
 #else
+layout(location = 0) in uint vertexPoint;
 layout(location = 1) in vec2 vertexUv;
 #endif
 #ifdef TUBE
@@ -22,7 +17,7 @@ out vec3 toEye;
 out vec3 shadowCoord;
 out vec2 uv;
 flat out vec4 look;
-#ifdef VERTEX_NORMAL
+#ifdef SMOOTH
 out vec3 smoothNormal;
 #endif
 #endif
@@ -64,9 +59,7 @@ void main() {
   uint base = firstPoint + instance * pointCount;
   vec3 position;
   vec3 normal = vec3(0.0);
-#if defined(UNSHARED)
-  position = vertexPosition.xyz;
-#elif defined(TUBE)
+#ifdef TUBE
   tubeVertex(base, firstNormal + instance * pointCount, position, normal);
 #else
   position = pointAt(base + vertexPoint);
@@ -76,12 +69,10 @@ void main() {
   vec3 shadow = (frame.worldToShadow * vec4(position, 1.0)).xyz;
   gl_Position = vec4(2.0 * shadow.x - 1.0, 1.0 - 2.0 * shadow.y, shadow.z, 1.0);
 #else
-#if defined(UNSHARED)
-  normal = vertexNormal;
-#elif defined(SMOOTH) && !defined(TUBE)
+#if defined(SMOOTH) && !defined(TUBE)
   normal = normalAt(firstNormal + instance * pointCount + vertexPoint);
 #endif
-#ifdef VERTEX_NORMAL
+#ifdef SMOOTH
   smoothNormal = normal;
 #endif
   toEye = frame.eye.xyz - position;

@@ -25,9 +25,7 @@ void use(const PassContext& pass, const ShaderProgram& program, const DrawItem& 
          std::uint32_t count) {
   pass.gl.UseProgram(program.name());
   setUniforms(pass, program, item, range.first, count);
-  if (item.layout == 0) {
-    pass.gl.BindBufferRange(GL_SHADER_STORAGE_BUFFER, kPoints, range.buffer, range.byteOffset, range.bytes);
-  }
+  pass.gl.BindBufferRange(GL_SHADER_STORAGE_BUFFER, kPoints, range.buffer, range.byteOffset, range.bytes);
 }
 
 void useWithPoints(const PassContext& pass, const ShaderProgram& program, const DrawItem& item) {
@@ -39,9 +37,6 @@ void useWithPlaces(const PassContext& pass, const ShaderProgram& program, const 
 }
 
 VertexSource sourceOf(const DrawItem& item, bool needsUvs) {
-  if (item.layout != 0) {
-    return VertexSource::Unshared;
-  }
   if (item.shape->tube) {
     return VertexSource::Tube;
   }
@@ -49,9 +44,6 @@ VertexSource sourceOf(const DrawItem& item, bool needsUvs) {
 }
 
 GLuint layoutOf(const DrawItem& item, VertexSource source) {
-  if (source == VertexSource::Unshared) {
-    return item.layout;
-  }
   return source == VertexSource::Welded ? item.shape->weldedLayout.name() : item.shape->layout.name();
 }
 
@@ -108,7 +100,7 @@ void computeNormals(const PassContext& pass) {
   pass.gl.MemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
   for (const DrawItem& item : pass.items) {
     const GpuShape& shape = *item.shape;
-    if (!shape.needsNormals() || item.layout != 0) {
+    if (!shape.needsNormals()) {
       continue;
     }
     const ShaderProgram& program = pass.programs.normals(shape.tube);

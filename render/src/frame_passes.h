@@ -56,7 +56,6 @@ struct DrawItem {
   PointRange points;  ///< Streamed.
   PointRange places;  ///< Positions of the vertices: the places of the skin, or the points.
   bool textured = false;
-  GLuint layout = 0;  ///< Layout of vertices made on the CPU; 0: the shape's layout, with `places`.
 };
 
 /// Data that all passes of a frame share.

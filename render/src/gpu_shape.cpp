@@ -49,6 +49,12 @@ std::vector<std::uint32_t> packLines(const ShapeDesc& desc) {
   return packed;
 }
 
+void addFloatAttribute(const Gl& gl, GLuint layout, GLuint attribute, GLint floats, std::size_t offset) {
+  gl.EnableVertexArrayAttrib(layout, attribute);
+  gl.VertexArrayAttribBinding(layout, attribute, 0);
+  gl.VertexArrayAttribFormat(layout, attribute, floats, GL_FLOAT, GL_FALSE, static_cast<GLuint>(offset));
+}
+
 GlVertexArray makeLayout(const Gl& gl, const GpuShape& shape) {
   GlVertexArray layout = makeVertexArray(gl);
   const GLuint name = layout.name();
@@ -120,12 +126,6 @@ void uploadSkin(const Gl& gl, const ShapeDesc& desc, GpuSkin& skin) {
 }
 
 }  // namespace
-
-void addFloatAttribute(const Gl& gl, GLuint layout, GLuint attribute, GLint floats, std::size_t offset) {
-  gl.EnableVertexArrayAttrib(layout, attribute);
-  gl.VertexArrayAttribBinding(layout, attribute, 0);
-  gl.VertexArrayAttribFormat(layout, attribute, floats, GL_FLOAT, GL_FALSE, static_cast<GLuint>(offset));
-}
 
 std::size_t GpuShape::bytes() const {
   return skin.bytes() + vertices.bytes() + indices.bytes() + weldedIndices.bytes() + lines.bytes() +

@@ -53,10 +53,6 @@ struct GpuShape {
   bool needsNormals() const { return smooth && (tube || indexCount > 0); }
 };
 
-/// Adds a vertex attribute of `floats` floats at `offset` bytes of a vertex, from vertex buffer 0 of the
-/// layout.
-void addFloatAttribute(const Gl& gl, GLuint layout, GLuint attribute, GLint floats, std::size_t offset);
-
 /// Throws std::runtime_error with the shape's name if the description is not valid.
 GpuShape makeGpuShape(const Gl& gl, const ShapeDesc& desc);
 
@@ -70,8 +66,6 @@ class ShapeTable {
   void require(ShapeId id, const char* caller) const;
 
   const GpuShape& operator[](std::uint32_t index) const { return shapes_[index]; }
-  /// Changes when another shape gets this index.
-  std::uint32_t generation(std::uint32_t index) const { return generations_[index]; }
   /// Extents by index; with 0 points where there is no shape.
   const std::vector<ShapeExtent>& extents() const { return extents_; }
   std::size_t bytes() const;

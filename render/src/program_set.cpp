@@ -7,7 +7,7 @@ namespace limber::render {
 namespace {
 
 constexpr std::array<const char*, static_cast<std::size_t>(DrawUniform::Count)> kUniformNames{
-    "firstPoint", "firstInstance", "pointCount",  "firstNormal", "firstPlace",
+    "firstPoint",        "firstInstance", "pointCount",  "firstNormal", "firstPlace",
     "skinnedPointCount", "invocations",   "shapeRadius", "opacity",     "rectangle"};
 
 class Shader {
@@ -98,8 +98,6 @@ const char* nameOf(VertexSource source) {
       return "WELDED";
     case VertexSource::Tube:
       return "TUBE";
-    case VertexSource::Unshared:
-      return "UNSHARED";
     case VertexSource::Mesh:
       break;
   }
@@ -123,15 +121,15 @@ const ShaderProgram& ProgramSet::surface(const SurfaceVariant& variant) {
       }
     };
     define(variant.smooth, "SMOOTH");
-    define(variant.smooth || variant.source == VertexSource::Unshared, "VERTEX_NORMAL");
     define(variant.twoSided, "TWO_SIDED");
     define(variant.grid, "GRID");
     define(variant.shadows, "SHADOWS");
     define(variant.textured, "TEXTURED");
-    program = buildProgram(gl_,
-                           {{GL_VERTEX_SHADER, surfaceVertexFiles()},
-                            {GL_FRAGMENT_SHADER, {"frame.glsl", "background.glsl", "surface.frag"}}},
-                           defines);
+    program = buildProgram(
+        gl_,
+        {{GL_VERTEX_SHADER, surfaceVertexFiles()},
+         {GL_FRAGMENT_SHADER, {"frame.glsl", "background.glsl", "shading_normal.glsl", "surface.frag"}}},
+        defines);
   }
   return program;
 }

@@ -52,12 +52,11 @@ ShaderProgram buildProgram(const Gl& gl, const std::vector<StageSource>& stages,
 
 /// Source of a surface's vertices.
 enum class VertexSource {
-  Mesh,     ///< Vertices with texture coordinates, at points.
-  Welded,   ///< The points themselves, for programs without texture coordinates.
-  Tube,     ///< Computed along a polyline.
-  Unshared  ///< Complete vertices of StreamPath::Unshared.
+  Mesh,    ///< Vertices with texture coordinates, at points.
+  Welded,  ///< The points themselves, for programs without texture coordinates.
+  Tube     ///< Computed along a polyline.
 };
-constexpr std::size_t kVertexSources = 4;
+constexpr std::size_t kVertexSources = 3;
 
 /// Compile-time options of a surface program. They are no branches in the shader, because a software
 /// rasteriser runs both sides of a branch.

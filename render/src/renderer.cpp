@@ -58,15 +58,16 @@ void Renderer::removeInstance(InstanceId instance) { parts_->instances.remove(in
 
 std::size_t Renderer::instanceCount() const { return parts_->instances.size(); }
 
-FrameWriter Renderer::beginFrame(StreamPath path) {
+FrameWriter Renderer::beginFrame() {
   Parts& parts = *parts_;
   if (parts.frame.open) {
     throw std::logic_error("beginFrame() while a frame is open; draw or destroy it first");
   }
   Stopwatch watch;
   parts.layOutInstances();
-  parts.reservePoints(path);
-  parts.openFrame(path);
+  parts.reserveComputed();
+  parts.reserveRing();
+  parts.openFrame();
   parts.stats.waitMs = watch.lap();
   return {*this, parts.frame.serial};
 }
@@ -108,24 +109,6 @@ void Renderer::blitTo(unsigned framebuffer, int x, int y, int width, int height)
 
 unsigned Renderer::texture() const { return parts_->target->texture(); }
 
-std::vector<float> Renderer::readNormals(InstanceId instance) {
-  const Parts& parts = *parts_;
-  const FrameLayout::Slice* slice = parts.layout.find(instance);
-  if (slice == nullptr || !parts.shapes[parts.instances.shapeOf(instance)].needsNormals()) {
-    throw std::runtime_error("readNormals: the instance was not in the last frame or is not smooth");
-  }
-  return parts.readComputed(parts.normals, slice->firstNormal, instance);
-}
-
-std::vector<float> Renderer::readPlaces(InstanceId instance) {
-  const Parts& parts = *parts_;
-  const FrameLayout::Slice* slice = parts.layout.find(instance);
-  if (slice == nullptr || !parts.shapes[parts.instances.shapeOf(instance)].skinned()) {
-    throw std::runtime_error("readPlaces: the instance was not in the last frame or has no skin");
-  }
-  return parts.readComputed(parts.places, slice->firstPlace, instance);
-}
-
 const FrameStats& Renderer::lastFrame() const { return parts_->stats; }
 
 RingStats Renderer::ringStats() const {
@@ -141,8 +124,7 @@ GpuMemory Renderer::gpuMemory() const {
   memory.stream = parts.stream->bytes();
   memory.shapes = parts.shapes.bytes();
   memory.scratch = parts.places.bytes() + parts.normals.bytes() + parts.records.bytes() +
-                   parts.uniforms.bytes() + parts.naive.bytes() + parts.unshared.bytes() +
-                   parts.overlayLines.bytes() + parts.numbers.bytes();
+                   parts.uniforms.bytes() + parts.overlayLines.bytes() + parts.numbers.bytes();
   memory.textures = parts.textures.bytes();
   memory.targets = parts.target->bytes() + (parts.shadowMap == nullptr ? 0 : parts.shadowMap->bytes());
   return memory;
@@ -163,9 +145,7 @@ FrameWriter::~FrameWriter() {
     return;
   }
   parts.frame.open = false;
-  if (parts.frame.path == StreamPath::Ring) {
-    parts.stream->cancelFrame();
-  }
+  parts.stream->cancelFrame();
 }
 
 float* FrameWriter::points(InstanceId instance) const {

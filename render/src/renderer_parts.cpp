@@ -43,8 +43,6 @@ Renderer::Parts::Parts(GlContext& context, const RendererDesc& rendererDesc)
       emptyLayout(makeVertexArray(gl)),
       uniforms(makeBuffer(gl, sizeof(FrameUniforms), nullptr, GL_DYNAMIC_STORAGE_BIT)),
       stream(makeStream(gl, desc.initialPoints, desc.fenceTimeout)),
-      naive(gl),
-      unshared(gl),
       overlayLines(gl),
       numbers(gl),
       maxPoints(pointsPerBlock(gl)) {
@@ -61,15 +59,6 @@ void Renderer::Parts::requireTexture(const InstanceLook& look) const {
   }
 }
 
-std::vector<float> Renderer::Parts::readComputed(const GlBuffer& buffer, std::uint32_t first,
-                                                 InstanceId instance) const {
-  std::vector<float> values(std::size_t{3} * shapes[instances.shapeOf(instance)].skinnedPointCount);
-  gl.MemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
-  gl.GetNamedBufferSubData(buffer.name(), static_cast<GLintptr>(3 * sizeof(float) * first),
-                           static_cast<GLsizeiptr>(values.size() * sizeof(float)), values.data());
-  return values;
-}
-
 void Renderer::Parts::layOutInstances() {
   if (!instances.changed()) {
     return;
@@ -78,17 +67,17 @@ void Renderer::Parts::layOutInstances() {
   recordsStale = true;
 }
 
-void Renderer::Parts::reservePoints(StreamPath path) {
-  if (path == StreamPath::Unshared) {
-    return;
-  }
+void Renderer::Parts::reserveComputed() {
   if (layout.pointCount > maxPoints) {
     throw std::runtime_error("one frame has " + std::to_string(layout.pointCount) +
                              " points, but this driver can bind " + std::to_string(maxPoints));
   }
   reserveComputed(places, layout.skinnedPointCount);
   reserveComputed(normals, layout.normalCount);
-  if (path != StreamPath::Ring || stream->floatsPerFrame() >= 3 * layout.pointCount) {
+}
+
+void Renderer::Parts::reserveRing() {
+  if (stream->floatsPerFrame() >= 3 * layout.pointCount) {
     return;
   }
   // The GPU may still read the old buffer, so wait for its fences first.
@@ -112,16 +101,14 @@ void Renderer::Parts::reserveComputed(GlBuffer& buffer, std::size_t count) {
   }
 }
 
-void Renderer::Parts::openFrame(StreamPath path) {
-  OpenFrame next{true, frame.serial + 1, path, nullptr, 0};
-  if (path == StreamPath::Ring) {
-    const StreamFrame region = stream->beginFrame();
-    next.points = region.data;
-    next.byteOffset = region.byteOffset;
-  } else {
-    next.points = path == StreamPath::Naive ? naive.begin(layout) : unshared.begin(layout, shapes);
-  }
-  frame = next;
+void Renderer::Parts::openFrame() {
+  const StreamFrame region = stream->beginFrame();
+  frame = {true, frame.serial + 1, region.data, region.byteOffset};
+}
+
+void Renderer::Parts::closeFrame() {
+  frame.open = false;
+  stream->endFrame(stats.bytesStreamed);
 }
 
 void Renderer::Parts::uploadRecords() {
@@ -136,9 +123,10 @@ void Renderer::Parts::uploadRecords() {
   recordsStale = false;
 }
 
-void Renderer::Parts::fillRingItems() {
+void Renderer::Parts::fillItems() {
   items.clear();
-  const auto bytes = static_cast<GLsizeiptr>(3 * sizeof(float) * layout.pointCount);
+  stats.bytesStreamed = 3 * sizeof(float) * layout.pointCount;
+  const auto bytes = static_cast<GLsizeiptr>(stats.bytesStreamed);
   for (const InstanceGroup& group : layout.groups) {
     const GpuShape& shape = shapes[group.shape];
     const PointRange points{stream->name(), frame.byteOffset, bytes, group.firstPoint};
@@ -148,50 +136,40 @@ void Renderer::Parts::fillRingItems() {
   }
 }
 
-void Renderer::Parts::fillItems() {
-  stats.bytesStreamed = 3 * sizeof(float) * layout.pointCount;
-  if (frame.path == StreamPath::Ring) {
-    fillRingItems();
-  } else if (frame.path == StreamPath::Naive) {
-    naive.upload(layout, shapes, places, items);
-  } else {
-    unshared.upload(layout, shapes, items);
-    stats.bytesStreamed = unshared.uploadedBytes();
-  }
-}
-
-void Renderer::Parts::closeFrame() {
-  frame.open = false;
-  if (frame.path == StreamPath::Ring) {
-    stream->endFrame(stats.bytesStreamed);
-  }
-}
-
-void Renderer::Parts::submit(const Camera& camera, const Light& light, const DrawOptions& options,
-                             const Overlay& overlay) {
-  if (frame.path == StreamPath::Unshared && options.mode == DrawMode::Wireframe) {
-    throw std::runtime_error("StreamPath::Unshared cannot draw lines");
-  }
-  Stopwatch watch;
-  const GlStateGuard guard(gl, sharedContext);
+void Renderer::Parts::uploadFrameData(const Camera& camera, const Light& light, const DrawOptions& options,
+                                      const Overlay& overlay) {
   stats.shapeDrawCalls = stats.drawCalls = stats.dispatches = 0;
   uploadRecords();
-  fillItems();
   const FrameUniforms values =
       makeFrameUniforms(camera, light, options, {target->width(), target->height(), desc.shadowMapSize});
   overlayLines.upload(overlay);
   gl.NamedBufferSubData(uniforms.name(), 0, sizeof values, &values);
+}
+
+void Renderer::Parts::submit(const Camera& camera, const Light& light, const DrawOptions& options,
+                             const Overlay& overlay) {
+  Stopwatch watch;
+  const GlStateGuard guard(gl, sharedContext);
+  fillItems();
+  uploadFrameData(camera, light, options, overlay);
   stats.uploadMs = watch.lap();
-  drawPicture({gl, programs, stats, items, emptyLayout.name()}, options, light.shadows);
+  drawPicture(options, light.shadows);
   stats.submitMs = watch.lap();
 }
 
-void Renderer::Parts::drawLegends(const PassContext& pass, const DrawOptions& options) {
+const ShadowMap& Renderer::Parts::requireShadowMap() {
+  if (shadowMap == nullptr) {
+    shadowMap = std::make_unique<ShadowMap>(gl, desc.shadowMapSize);
+  }
+  return *shadowMap;
+}
+
+void Renderer::Parts::drawLegends(const DrawOptions& options) {
   std::size_t row = 0;
   strokes.clear();
   const auto add = [&](const Legend& legend) {
     const BarRectangle bar = barRectangle(row++, target->width(), target->height());
-    drawLegend(pass, legend.map, bar);
+    drawLegend(pass(), legend.map, bar);
     addNumbers(strokes, legend, bar);
   };
   if (options.mode == DrawMode::Wireframe && options.legend) {
@@ -202,42 +180,51 @@ void Renderer::Parts::drawLegends(const PassContext& pass, const DrawOptions& op
   }
   numbers.upload(strokes);
   if (numbers.count() > 0) {
-    drawStrokes(pass, numbers);
+    drawStrokes(pass(), numbers);
   }
 }
 
-void Renderer::Parts::drawPicture(const PassContext& pass, const DrawOptions& options, bool shadows) {
+void Renderer::Parts::bindFrameData() {
   gl.BindBufferBase(GL_UNIFORM_BUFFER, 0, uniforms.name());
   gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, kNormals, normals.name());
   gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, kInstances, records.name());
-  if (layout.skinnedPointCount > 0) {
-    computePlaces(pass);
-  }
-  if (layout.normalCount > 0) {
-    computeNormals(pass);
-  }
-  const bool castsShadows = shadows && !items.empty();
-  if (castsShadows) {
-    if (shadowMap == nullptr) {
-      shadowMap = std::make_unique<ShadowMap>(gl, desc.shadowMapSize);
-    }
-    castShadows(pass, *shadowMap);
-  }
+}
+
+void Renderer::Parts::beginTarget(bool castsShadows) {
   target->begin();
   gl.BindTextureUnit(0, textures.name());
   if (castsShadows) {
     gl.BindTextureUnit(1, shadowMap->texture());
   }
-  drawSurfaces(pass, options.mode, castsShadows);
-  if (options.mode == DrawMode::Wireframe) {
-    drawLines(pass);
-  }
-  drawBackdrop(pass);
+}
+
+void Renderer::Parts::finishTarget(const DrawOptions& options) {
+  drawBackdrop(pass());
   if (overlayLines.count() > 0) {
-    drawOverlay(pass, overlayLines, options.hiddenOverlay);
+    drawOverlay(pass(), overlayLines, options.hiddenOverlay);
   }
-  drawLegends(pass, options);
+  drawLegends(options);
   target->resolve();
+}
+
+void Renderer::Parts::drawPicture(const DrawOptions& options, bool shadows) {
+  bindFrameData();
+  if (layout.skinnedPointCount > 0) {
+    computePlaces(pass());
+  }
+  if (layout.normalCount > 0) {
+    computeNormals(pass());
+  }
+  const bool castsShadows = shadows && !items.empty();
+  if (castsShadows) {
+    castShadows(pass(), requireShadowMap());
+  }
+  beginTarget(castsShadows);
+  drawSurfaces(pass(), options.mode, castsShadows);
+  if (options.mode == DrawMode::Wireframe) {
+    drawLines(pass());
+  }
+  finishTarget(options);
 }
 
 }  // namespace limber::render

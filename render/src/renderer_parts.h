@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
-#include "baseline_streams.h"
 #include "frame_passes.h"
 #include "gl_state.h"
 #include "gpu_shape.h"
@@ -37,7 +36,6 @@ class Stopwatch {
 struct OpenFrame {
   bool open = false;
   std::uint64_t serial = 0;
-  StreamPath path = StreamPath::Ring;
   float* points = nullptr;
   GLintptr byteOffset = 0;
 };
@@ -46,19 +44,30 @@ struct OpenFrame {
 struct Renderer::Parts {
   Parts(GlContext& context, const RendererDesc& rendererDesc);
 
+  // Beginning of a frame.
   void layOutInstances();
-  void reservePoints(StreamPath path);
+  // Buffers for skins and normals. Throws if there are more points than the driver can bind.
+  void reserveComputed();
   void reserveComputed(GlBuffer& buffer, std::size_t count);
-  void openFrame(StreamPath path);
-  void uploadRecords();
-  void fillRingItems();
-  void fillItems();
+  void reserveRing();
+  void openFrame();
   void closeFrame();
+
+  // Drawing. The picture is that of `items`.
   void submit(const Camera& camera, const Light& light, const DrawOptions& options, const Overlay& overlay);
-  void drawLegends(const PassContext& pass, const DrawOptions& options);
-  void drawPicture(const PassContext& pass, const DrawOptions& options, bool shadows);
+  void fillItems();
+  void uploadRecords();
+  void uploadFrameData(const Camera& camera, const Light& light, const DrawOptions& options,
+                       const Overlay& overlay);
+  void bindFrameData();
+  void drawPicture(const DrawOptions& options, bool shadows);
+  void beginTarget(bool castsShadows);
+  void finishTarget(const DrawOptions& options);  // All that is drawn after the shapes.
+  void drawLegends(const DrawOptions& options);
+
+  PassContext pass() { return {gl, programs, stats, items, emptyLayout.name()}; }
+  const ShadowMap& requireShadowMap();
   void requireTexture(const InstanceLook& look) const;
-  std::vector<float> readComputed(const GlBuffer& buffer, std::uint32_t first, InstanceId instance) const;
 
   Gl gl;
   bool sharedContext;
@@ -78,8 +87,6 @@ struct Renderer::Parts {
   FrameLayout layout;
   bool recordsStale = true;
   std::unique_ptr<StreamBuffer> stream;
-  NaiveStream naive;
-  UnsharedStream unshared;
   OverlayLines overlayLines;
   OverlayLines numbers;  // Of legends.
   Overlay strokes;       // Memory for their strokes.
@@ -88,6 +95,13 @@ struct Renderer::Parts {
   FrameStats stats;
   RingStats pastRings;  // Of stream buffers that were replaced by larger ones.
   std::size_t maxPoints = 0;
+};
+
+/// The parts of a renderer, for code outside the library that includes this private header.
+struct RendererAccess {
+  using Parts = Renderer::Parts;
+
+  static Parts& parts(Renderer& renderer) { return *renderer.parts_; }
 };
 
 }  // namespace limber::render

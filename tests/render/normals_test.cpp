@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <vector>
 
+#include "computed_points.h"
 #include "test_scene.h"
 
 namespace limber::render::test {
@@ -45,7 +46,7 @@ std::vector<Double3> referenceNormals(const Scenery& scenery) {
 }
 
 void expectNormals(Stage& stage, InstanceId id, const Scenery& scenery) {
-  const std::vector<float> normals = stage.renderer().readNormals(id);
+  const std::vector<float> normals = readNormals(stage.renderer(), id);
   const std::vector<Double3> expected = referenceNormals(scenery);
   ASSERT_EQ(normals.size(), 3 * expected.size());
   for (std::size_t i = 0; i < normals.size(); ++i) {
@@ -78,7 +79,7 @@ TEST(Normals, TubeFramesAreUnitAndAcrossTheTube) {
   const Scenery tube = rope(9);
   const InstanceId id = stage.add(tube);
   stage.draw();
-  const std::vector<float> sides = stage.renderer().readNormals(id);
+  const std::vector<float> sides = readNormals(stage.renderer(), id);
   for (std::uint32_t k = 1; k + 1 < tube.shape.pointCount; ++k) {
     const Double3 before = pointAt(tube.points, k - 1);
     const Double3 after = pointAt(tube.points, k + 1);
@@ -96,7 +97,7 @@ TEST(Normals, FlatShapesHaveNone) {
   Stage stage;
   const InstanceId id = stage.add(makeBox({}, {0.5f, 0.5f, 0.5f}));
   stage.draw();
-  EXPECT_THROW(stage.renderer().readNormals(id), std::runtime_error);
+  EXPECT_THROW(readNormals(stage.renderer(), id), std::runtime_error);
 }
 
 }  // namespace

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Zlib
 // The batched path must give the same picture as one buffer, one upload and one draw call per body.
 #include <ostream>
+#include <stdexcept>
 #include <string>
 
-#include "test_scene.h"
+#include "baseline_picture.h"
 
 namespace limber::render::test {
 namespace {
@@ -28,12 +29,27 @@ TEST_P(PathEquality, NaiveAndBatchedPicturesAreEqual) {
   stage.light.shadows = param.shadows;
   DrawOptions options;
   options.mode = param.mode;
-  const Image batched = stage.picture(options, StreamPath::Ring);
+  const Image batched = stage.picture(options);
   const std::size_t batchedDraws = stage.renderer().lastFrame().shapeDrawCalls;
-  const Image naive = stage.picture(options, StreamPath::Naive);
+  const auto baseline = bench::makeNaivePoints(stage.renderer());
+  const Image naive = pictureAs(*baseline, stage, options);
   EXPECT_EQ(batched.rgba, naive.rgba);
   EXPECT_GT(stage.renderer().lastFrame().shapeDrawCalls, batchedDraws);
-  EXPECT_EQ(stage.picture(options, StreamPath::Ring).rgba, batched.rgba) << "not the same twice";
+  EXPECT_EQ(stage.picture(options).rgba, batched.rgba) << "not the same twice";
+}
+
+TEST(Baseline, WrongOrdersAreRefused) {
+  Stage stage;
+  const InstanceId box = stage.add(makeBox({}, {0.5f, 0.5f, 0.5f}));
+  const auto baseline = bench::makeNaivePoints(stage.renderer());
+  EXPECT_THROW(baseline->points(box), std::runtime_error);
+  EXPECT_THROW(baseline->draw(stage.camera, stage.light), std::logic_error);
+  {
+    const FrameWriter frame = stage.renderer().beginFrame();
+    EXPECT_THROW(baseline->beginFrame(), std::logic_error);
+  }
+  EXPECT_NO_THROW(drawAs(*baseline, stage));
+  EXPECT_THROW(baseline->draw(stage.camera, stage.light), std::logic_error);
 }
 
 INSTANTIATE_TEST_SUITE_P(Modes, PathEquality,

@@ -5,7 +5,7 @@
 #include <stdexcept>
 #include <string>
 
-#include "test_scene.h"
+#include "baseline_picture.h"
 
 namespace limber::render::test {
 namespace {
@@ -28,7 +28,7 @@ TEST(Renderer, ZeroInstancesGiveTheBackground) {
   EXPECT_EQ(stage.renderer().lastFrame().shapeDrawCalls, 0u);
   EXPECT_EQ(stage.renderer().lastFrame().bytesStreamed, 0u);
   EXPECT_EQ(image.pixel(3, 3)[3], 255);
-  EXPECT_EQ(stage.picture({}, StreamPath::Naive).rgba, image.rgba);
+  EXPECT_EQ(pictureAs(*bench::makeNaivePoints(stage.renderer()), stage).rgba, image.rgba);
   DrawOptions wire;
   wire.mode = DrawMode::Wireframe;
   stage.draw(wire);
@@ -141,7 +141,7 @@ TEST(Renderer, WrongOrdersAreRefused) {
     EXPECT_THROW(stage.renderer().beginFrame(), std::logic_error);
     EXPECT_THROW(stage.renderer().resize(10, 10), std::logic_error);
   }
-  FrameWriter frame = stage.renderer().beginFrame(StreamPath::Naive);
+  FrameWriter frame = stage.renderer().beginFrame();
   stage.renderer().draw(frame, stage.camera, stage.light);
   EXPECT_THROW(stage.renderer().draw(frame, stage.camera, stage.light), std::logic_error);
 }

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstddef>
 
+#include "computed_points.h"
 #include "test_scene.h"
 
 namespace limber::render::test {
@@ -20,7 +21,7 @@ TEST(RigidShape, PlacesAreTheScenerysPointsMovedByTheFrame) {
   const InstanceId id = stage.add(stage.renderer().addShape(rigid.shape), points);
   stage.draw();
   EXPECT_EQ(stage.renderer().lastFrame().bytesStreamed, 48u);
-  const std::vector<float> places = stage.renderer().readPlaces(id);
+  const std::vector<float> places = readSkinnedPoints(stage.renderer(), id);
   ASSERT_EQ(places.size(), ball.points.size());
   // Four products of at most 4 x 200 m, each rounded to 24 bits.
   constexpr float kTolerance = 4.0f * 4.0f * 200.0f * 6e-8f;

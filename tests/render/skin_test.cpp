@@ -8,6 +8,7 @@
 #include <stdexcept>
 #include <vector>
 
+#include "computed_points.h"
 #include "test_scene.h"
 
 namespace limber::render::test {
@@ -51,7 +52,7 @@ TEST_P(SkinOnGpu, PlacesAreTheWeightedSums) {
   }
   stage.draw();
   for (const auto& [id, points] : bodies) {
-    const std::vector<float> places = stage.renderer().readPlaces(id);
+    const std::vector<float> places = readSkinnedPoints(stage.renderer(), id);
     const std::vector<double> expected = placesOf(ball.shape.skin, points);
     ASSERT_EQ(places.size(), expected.size());
     // Eight products of numbers below 1, rounded to 24 bits each.
@@ -70,7 +71,7 @@ TEST_P(SkinOnGpu, ThePictureIsThatOfAMeshAtTheSamePlaces) {
     Stage stage;
     const InstanceId id = stage.add(stage.renderer().addShape(skinned), points);
     const Image picture = stage.picture();
-    const std::vector<float> places = stage.renderer().readPlaces(id);
+    const std::vector<float> places = readSkinnedPoints(stage.renderer(), id);
 
     ShapeDesc plain = skinned;
     plain.skin = {};
@@ -113,7 +114,7 @@ TEST(Skin, ShapesWithoutOneHaveNoPlacesToRead) {
   Stage stage;
   const InstanceId id = stage.add(makeBox({}, {0.5f, 0.5f, 0.5f}));
   stage.draw();
-  EXPECT_THROW(stage.renderer().readPlaces(id), std::runtime_error);
+  EXPECT_THROW(readSkinnedPoints(stage.renderer(), id), std::runtime_error);
 }
 
 TEST(SkinLayout, DenseTakesOverWhereItIsSmaller) {

@@ -72,16 +72,14 @@ void Stage::remove(InstanceId id) {
                 actors_.end());
 }
 
-void Stage::draw(const DrawOptions& options, StreamPath path) {
-  FrameWriter frame = renderer().beginFrame(path);
-  for (const Actor& actor : actors_) {
-    std::copy(actor.points.begin(), actor.points.end(), frame.points(actor.id));
-  }
+void Stage::draw(const DrawOptions& options) {
+  FrameWriter frame = renderer().beginFrame();
+  write(frame);
   renderer_->draw(frame, camera, light, options, overlay);
 }
 
-Image Stage::picture(const DrawOptions& options, StreamPath path) {
-  draw(options, path);
+Image Stage::picture(const DrawOptions& options) {
+  draw(options);
   return renderer().readPixels();
 }
 

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cstddef>
 #include <memory>
 #include <vector>
@@ -34,8 +35,15 @@ class Stage {
   InstanceId add(const Scenery& scenery, const InstanceLook& look = {});
   void remove(InstanceId id);
   /// Writes all points and draws.
-  void draw(const DrawOptions& options = {}, StreamPath path = StreamPath::Ring);
-  Image picture(const DrawOptions& options = {}, StreamPath path = StreamPath::Ring);
+  void draw(const DrawOptions& options = {});
+  Image picture(const DrawOptions& options = {});
+  /// Writes all points into a FrameWriter or a bench::Baseline.
+  template <typename Frame>
+  void write(const Frame& frame) const {
+    for (const Actor& actor : actors_) {
+      std::copy(actor.points.begin(), actor.points.end(), frame.points(actor.id));
+    }
+  }
 
   Camera camera;
   Light light;

@@ -4,7 +4,7 @@
 #include <cstdlib>
 #include <stdexcept>
 
-#include "test_scene.h"
+#include "baseline_picture.h"
 
 namespace limber::render::test {
 namespace {
@@ -24,7 +24,7 @@ PathPictures drawBoth(bool shadows) {
   populateMeshes(stage);
   stage.light.shadows = shadows;
   const Image ring = stage.picture();
-  return {ring, stage.picture({}, StreamPath::Unshared)};
+  return {ring, pictureAs(*bench::makeUnsharedBodies(stage.renderer()), stage)};
 }
 
 /// Returns the fraction of channels that differ by more than rounding.
@@ -50,9 +50,10 @@ TEST(UnsharedPath, FollowsWhatMoves) {
   Scenery ball = makeUvSphere({}, 0.5f);
   const ShapeId shape = stage.renderer().addShape(ball.shape);
   stage.add(shape, ball.points);
-  const Image before = stage.picture({}, StreamPath::Unshared);
+  const auto unshared = bench::makeUnsharedBodies(stage.renderer());
+  const Image before = pictureAs(*unshared, stage);
   stage.add(shape, moved(ball.points, 0.8f, 0.4f, 0.3f));
-  const Image after = stage.picture({}, StreamPath::Unshared);
+  const Image after = pictureAs(*unshared, stage);
   EXPECT_GT(largestDifference(before, after), 50);
   EXPECT_LE(largestDifference(after, stage.picture()), kRounding);
 }
@@ -62,14 +63,14 @@ TEST(UnsharedPath, UploadsThreeVerticesPerTriangleAndDrawsEachBodyByItself) {
   const Scenery box = makeBox({}, {0.3f, 0.3f, 0.3f});
   const ShapeId shape = stage.renderer().addShape(box.shape);
   for (int i = 0; i < 5; ++i) stage.add(shape, moved(box.points, 0.5f * static_cast<float>(i), 0.5f, 0.0f));
-  const std::size_t before = stage.renderer().gpuMemory().scratch;
-  stage.draw({}, StreamPath::Unshared);
+  const auto unshared = bench::makeUnsharedBodies(stage.renderer());
+  drawAs(*unshared, stage);
   const FrameStats& stats = stage.renderer().lastFrame();
   EXPECT_EQ(stats.bytesStreamed, 5u * 12u * 3u * 36u);
   EXPECT_EQ(stats.shapeDrawCalls, 2u * 5u) << "shadows, then colours";
   EXPECT_EQ(stats.dispatches, 0u);
   constexpr std::size_t kVertices = 5 * 36;
-  EXPECT_GE(stage.renderer().gpuMemory().scratch - before, kVertices * (36 + 4)) << "vertices and indices";
+  EXPECT_EQ(unshared->bytes(), kVertices * (36 + 4)) << "vertices and indices";
 }
 
 TEST(UnsharedPath, RefusesTubesAndLines) {
@@ -77,10 +78,11 @@ TEST(UnsharedPath, RefusesTubesAndLines) {
   stage.add(springBox(0.3f));
   DrawOptions wireframe;
   wireframe.mode = DrawMode::Wireframe;
-  EXPECT_THROW(stage.draw(wireframe, StreamPath::Unshared), std::runtime_error);
-  EXPECT_NO_THROW(stage.draw({}, StreamPath::Unshared)) << "the frame is still open";
+  const auto unshared = bench::makeUnsharedBodies(stage.renderer());
+  EXPECT_THROW(drawAs(*unshared, stage, wireframe), std::runtime_error);
+  EXPECT_NO_THROW(drawAs(*unshared, stage)) << "the frame is still open";
   stage.add(rope(5));
-  EXPECT_THROW(stage.draw({}, StreamPath::Unshared), std::runtime_error);
+  EXPECT_THROW(drawAs(*unshared, stage), std::runtime_error);
   EXPECT_NO_THROW(stage.draw());
 }
 

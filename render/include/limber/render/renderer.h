@@ -66,25 +66,14 @@ struct DrawOptions {
   Vec3 backgroundBottom{0.97f, 0.96f, 0.94f};  ///< sRGB.
 };
 
-/// How positions get to the GPU. Naive and Unshared are baselines for tests and benches.
-enum class StreamPath {
-  Ring,     ///< Written in place into one mapped buffer; one draw per shape and pass.
-  Naive,    ///< One buffer, one upload and one draw per instance. The picture equals that of Ring, byte for
-            ///< byte.
-  Unshared  ///< As in Bullet's example browser: every frame each instance uploads three vertices of 36 bytes
-            ///< per triangle into a buffer of its own, with normals from the CPU, and has its own draw. The
-            ///< picture equals that of Ring except for rounding. Tubes and skins are an error in
-            ///< beginFrame(), wireframe is an error in draw().
-};
-
 /// Figures of the last frame; times are milliseconds of this thread.
 struct FrameStats {
-  std::size_t bytesStreamed = 0;   ///< Positions, or the vertices of Unshared.
+  std::size_t bytesStreamed = 0;   ///< Positions.
   std::size_t shapeDrawCalls = 0;  ///< Draws of shapes, all passes together.
   std::size_t drawCalls = 0;       ///< The same with background, overlay and legends.
   std::size_t dispatches = 0;      ///< Compute dispatches (skins, normals, tube frames).
   double waitMs = 0.0;             ///< In beginFrame: waiting until the GPU has finished with the region.
-  double uploadMs = 0.0;           ///< In draw: instance table, and positions if not Ring.
+  double uploadMs = 0.0;           ///< In draw: instance table, uniforms and overlay.
   double submitMs = 0.0;           ///< In draw: the rest.
   double finishMs = 0.0;           ///< In readPixels: waiting for the picture.
   double readMs = 0.0;             ///< In readPixels: copying it.
@@ -99,10 +88,9 @@ struct RingStats {
 
 /// Bytes of GPU memory the renderer owns, by use.
 struct GpuMemory {
-  std::size_t stream = 0;  ///< The three regions of positions.
-  std::size_t shapes = 0;  ///< Static data of the shapes.
-  std::size_t scratch =
-      0;  ///< Skins' places, normals, instance table, uniforms, overlay, baselines' buffers.
+  std::size_t stream = 0;    ///< The three regions of positions.
+  std::size_t shapes = 0;    ///< Static data of the shapes.
+  std::size_t scratch = 0;   ///< Skinned points, normals, instance table, uniforms, overlay.
   std::size_t textures = 0;  ///< Textures of instances.
   std::size_t targets = 0;   ///< Colour, depth and shadow map.
   std::size_t buffers() const { return stream + shapes + scratch; }
@@ -170,7 +158,7 @@ class Renderer {
 
   /// Opens a frame. Waits for the GPU only if three frames are in flight, or if the buffer has
   /// to grow because of added instances.
-  FrameWriter beginFrame(StreamPath path = StreamPath::Ring);
+  FrameWriter beginFrame();
   /// Submits the picture and closes the frame; returns without waiting for the GPU.
   /// `overlay` is drawn over the shapes and read before the call returns.
   void draw(FrameWriter& frame, const Camera& camera, const Light& light, const DrawOptions& options = {},
@@ -186,14 +174,6 @@ class Renderer {
   /// The last picture as an OpenGL texture (GL_TEXTURE_2D, sRGB, top row first), until the next resize().
   unsigned texture() const;
 
-  /// Returns the normals (for tubes: the side vectors) of an instance that the GPU computed in the last
-  /// frame: 3 floats per point, or per place if it has a skin. For tests: slow. Throws std::runtime_error for
-  /// flat shapes.
-  std::vector<float> readNormals(InstanceId instance);
-  /// Returns the places of an instance's skin in the last frame: 3 floats each. For tests: slow. Throws
-  /// std::runtime_error without a skin.
-  std::vector<float> readPlaces(InstanceId instance);
-
   const FrameStats& lastFrame() const;
   RingStats ringStats() const;
   GpuMemory gpuMemory() const;
@@ -206,6 +186,7 @@ class Renderer {
 
  private:
   friend class FrameWriter;
+  friend struct RendererAccess;  // src/renderer_parts.h
   struct Parts;
 
   std::unique_ptr<Parts> parts_;

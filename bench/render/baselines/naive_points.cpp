@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: Zlib
+#include "render/baselines/baseline.h"
+
+#include "staged_baseline.h"
+
+#include <cstddef>
+#include <vector>
+
+namespace limber::bench {
+namespace {
+
+using namespace render;
+
+class NaivePoints final : public StagedBaseline {
+ public:
+  using StagedBaseline::StagedBaseline;
+
+  void beginFrame() override;
+  void draw(const Camera& camera, const Light& light, const DrawOptions& options) override;
+  std::size_t bytes() const override;
+
+ private:
+  GLuint bufferFor(std::size_t instance, std::size_t bytes);
+  DrawItem upload(const InstanceGroup& group, std::uint32_t indexInGroup);
+  void uploadAll();
+
+  std::vector<GlBuffer> buffers_;  // By instance.
+};
+
+void NaivePoints::beginFrame() {
+  layOut();
+  parts_.reserveComputed();
+  openFrame();
+}
+
+GLuint NaivePoints::bufferFor(std::size_t instance, std::size_t bytes) {
+  if (instance >= buffers_.size()) {
+    buffers_.resize(instance + 1);
+  }
+  if (buffers_[instance].bytes() != bytes) {
+    buffers_[instance] = makeBuffer(parts_.gl, bytes, nullptr, GL_DYNAMIC_STORAGE_BIT);
+  }
+  return buffers_[instance].name();
+}
+
+DrawItem NaivePoints::upload(const InstanceGroup& group, std::uint32_t indexInGroup) {
+  const GpuShape& shape = parts_.shapes[group.shape];
+  const std::uint32_t instance = group.firstInstance + indexInGroup;
+  const std::uint32_t skinnedBefore = indexInGroup * shape.skinnedPointCount;
+  const auto bytes = static_cast<GLsizeiptr>(3 * sizeof(float) * shape.pointCount);
+  const GLuint buffer = bufferFor(instance, static_cast<std::size_t>(bytes));
+  parts_.gl.NamedBufferSubData(buffer, 0, bytes,
+                               staged(group.firstPoint + std::size_t{indexInGroup} * shape.pointCount));
+  const PointRange points{buffer, 0, bytes, 0};
+  const PointRange skinned{parts_.places.name(), 0, static_cast<GLsizeiptr>(parts_.places.bytes()),
+                           group.firstPlace + skinnedBefore};
+  return {&shape,
+          instance,
+          1,
+          group.firstNormal + skinnedBefore,
+          points,
+          shape.skinned() ? skinned : points,
+          group.textured};
+}
+
+void NaivePoints::uploadAll() {
+  parts_.items.clear();
+  for (const InstanceGroup& group : parts_.layout.groups) {
+    for (std::uint32_t i = 0; i < group.instanceCount; ++i) {
+      parts_.items.push_back(upload(group, i));
+    }
+  }
+  parts_.stats.bytesStreamed = 3 * sizeof(float) * parts_.layout.pointCount;
+}
+
+void NaivePoints::draw(const Camera& camera, const Light& light, const DrawOptions& options) {
+  requireOpen();
+  Stopwatch watch;
+  const GlStateGuard guard(parts_.gl, parts_.sharedContext);
+  uploadAll();
+  parts_.uploadFrameData(camera, light, options, {});
+  parts_.stats.uploadMs = watch.lap();
+  parts_.drawPicture(options, light.shadows);
+  parts_.stats.submitMs = watch.lap();
+  closeFrame();
+}
+
+std::size_t NaivePoints::bytes() const {
+  std::size_t sum = 0;
+  for (const GlBuffer& buffer : buffers_) {
+    sum += buffer.bytes();
+  }
+  return sum;
+}
+
+}  // namespace
+
+std::unique_ptr<Baseline> makeNaivePoints(Renderer& renderer) {
+  return std::make_unique<NaivePoints>(renderer);
+}
+
+}  // namespace limber::bench
