@@ -12,7 +12,9 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <functional>
 #include <limits>
+#include <utility>
 
 namespace limber {
 namespace {
@@ -155,6 +157,57 @@ TEST_F(NotFinite, readBeforeTheTick) {
   EXPECT_TRUE(std::isfinite(body->kineticEnergy()));
   bullet.tick();
   expectRecovery();
+}
+
+struct ActionOnce : btActionInterface {
+  std::function<void()> act;
+  void updateAction(btCollisionWorld*, btScalar) override {
+    if (act) std::exchange(act, nullptr)();
+  }
+  void debugDraw(btIDebugDraw*) override {}
+};
+
+/// An action that runs before the end of the tick, when the step has been checked already.
+TEST(NotFiniteAction, isRepairedAtTheEndOfTheTick) {
+  BulletWorld bullet;
+  ActionOnce action;
+  bullet.world->addAction(&action);
+  {
+    SoftBodySystem system(*bullet.world);
+    system.onWarning([](const std::string&) {});
+    SoftBodySettings s = test::testedSettings();
+    s.position = {0, 5, 0};
+    SoftBody* body = *system.createBody(test::cubeNetwork(), s);
+    bullet.tick();
+    action.act = [&] { body->point(0)->setLinearVelocity(test::vec(kNan, 0, 0)); };
+    bullet.tick();
+    const double height = body->position(1).y();
+    for (int i = 0; i < 10; ++i) bullet.tick();
+    EXPECT_EQ(body->restorations(), 1u);
+    EXPECT_LT(body->position(1).y(), height) << "falls on";
+  }
+  bullet.world->removeAction(&action);
+}
+
+TEST(NotFiniteSleeper, isReportedWhileItSleeps) {
+  if (!test::kSurface) GTEST_SKIP() << "point masses of the world have no common object";
+  BulletWorld bullet;
+  bullet.addBoxFloor();
+  SoftBodySystem system(*bullet.world);
+  int warnings = 0;
+  system.onWarning([&](const std::string&) { ++warnings; });
+  SoftBodySettings s = test::testedSettings();
+  s.damping = 5.0;
+  s.position = {0, 0.6, 0};
+  SoftBody* body = *system.createBody(test::closedCubeNetwork(), s);
+  for (int i = 0; i < 2000 && !body->sleeping(); ++i) bullet.tick();
+  ASSERT_TRUE(body->sleeping());
+  body->surfaceObject()->setLinearVelocity(test::vec(kNan, 0, 0));
+  EXPECT_TRUE(body->position(0).allFinite());
+  bullet.tick();
+  bullet.tick();
+  EXPECT_EQ(body->restorations(), 1u);
+  EXPECT_EQ(warnings, 1);
 }
 
 TEST(TooLarge, isRefused) {

@@ -154,6 +154,25 @@ TEST_F(SleepTest, aMovedPinWakesIt) {
   EXPECT_NEAR(rope->position(0).x(), 0.2, 1e-6);
 }
 
+/// A force acts in the ticks of its own step only, also if the body falls asleep in that step.
+TEST_F(SleepTest, aForceOfTheStepInWhichItFallsAsleepDoesNotActLater) {
+  if (!test::kSurface) GTEST_SKIP() << "Bullet clears the forces of points of the world";
+  SoftBody* body = restingCube();
+  int ticks = 0;
+  for (; ticks < 2000 && !body->sleeping(); ++ticks) bullet.tick();
+  SoftBody* pushed = restingCube(5.0);
+  for (int i = 0; i < 2000 && !pushed->sleeping(); ++i) {
+    if (i + 1 == ticks) pushed->surfaceObject()->applyCentralForce(test::vec(0, 100, 0));
+    bullet.tick();
+    if (i + 1 == ticks) {
+      ASSERT_TRUE(pushed->sleeping());
+    }
+  }
+  pushed->wake();
+  bullet.tick();
+  EXPECT_LT(pushed->velocity(0).norm(), 0.01);
+}
+
 TEST(Sleep, aPointLetGoMovesHoweverLongTheBodyWasCalm) {
   for (const double calm : {1.0, 1.9, 1.99, 2.0, 2.02, 5.0}) {
     BulletWorld bullet(0.0);

@@ -10,6 +10,8 @@
 
 #include <gtest/gtest.h>
 
+#include <utility>
+
 namespace limber {
 namespace {
 
@@ -211,6 +213,55 @@ TEST(UserChanges, aMousePickersConstraintComesAndGoes) {
   point->forceActivationState(ACTIVE_TAG);
   sim.bullet.simulate(15.0);
   EXPECT_LT(sim.body->elasticEnergy(), 1e-6) << "overlapping points of one body would push each other apart";
+}
+
+struct Push : btActionInterface {
+  btRigidBody* point = nullptr;
+  void updateAction(btCollisionWorld*, btScalar) override {
+    if (point) std::exchange(point, nullptr)->applyCentralImpulse(test::vec(1, 0, 0));
+  }
+  void debugDraw(btIDebugDraw*) override {}
+};
+
+/// Actions that were added before the soft bodies run before the end of their tick.
+TEST(UserChanges, anActionsImpulseOnAPointCounts) {
+  for (const bool early : {true, false}) {
+    BulletWorld bullet(0);
+    Push push;
+    if (early) bullet.world->addAction(&push);
+    {
+      SoftBodySystem system(*bullet.world);
+      SoftBody* body = *system.createBody(test::cubeNetwork(), test::testedSettings());
+      if (!early) bullet.world->addAction(&push);
+      push.point = body->point(0);
+      bullet.tick();
+      bullet.tick();
+      EXPECT_NEAR(body->linearMomentum().x(), 1.0, 1e-6) << early;
+    }
+    bullet.world->removeAction(&push);
+  }
+}
+
+/// Reading must not change what a rotation of the whole body does to its motion: the body keeps its momentum.
+TEST(UserChanges, readingARotatedBodyChangesNothing) {
+  if (!test::kSurface) GTEST_SKIP() << "point masses of the world have no common object";
+  for (const bool look : {false, true}) {
+    BulletWorld bullet(0);
+    SoftBodySystem system(*bullet.world);
+    SoftBody* body = *system.createBody(test::closedCubeNetwork(), test::testedSettings());
+    body->point(0);
+    bullet.tick();
+    for (std::uint32_t i = 0; i < body->pointCount(); ++i)
+      body->point(i)->setLinearVelocity(test::vec(5, 0, 0));
+    btRigidBody& object = *body->surfaceObject();
+    btTransform pose = object.getWorldTransform();
+    pose.setRotation(btQuaternion(test::vec(0, 1, 0), SIMD_HALF_PI));
+    object.setWorldTransform(pose);
+    if (look) body->position(0);
+    bullet.tick();
+    const Eigen::Vector3d momentum = body->linearMomentum();
+    EXPECT_NEAR((momentum - Eigen::Vector3d(5, 0, 0)).norm(), 0.0, 1e-5) << look;
+  }
 }
 
 TEST(UserChanges, theBodiesDrawFlagAndMotionStatesStayOut) {

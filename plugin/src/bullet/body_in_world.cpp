@@ -217,7 +217,6 @@ bool movesTooFast(SoftBodyData& body, btScalar tick) {
 }
 
 void gatherBody(SoftBodyData& body, btScalar tick) {
-  body.sumsValid = body.sumsValid && isSurfaceBody(body) && !body.masses.exposed;
   (isSurfaceBody(body) ? gatherSurface : gatherWorldPoints)(body, tick);
 }
 

@@ -327,6 +327,7 @@ void sleepGroup(LinkedGroup& group) {
     body->sumsValid = false;
     body->storedImpulses.clear();
     body->report.fresh = false;
+    dropObjectForces(*body);
     body->asleep = true;
     body->substeps = 0;
     body->surface.partners.clear();

@@ -184,6 +184,7 @@ void deletePointMasses(SoftBodyData& body) {
 
 void gatherPoints(SoftBodyData& body, btScalar tick, bool allHeld) {
   PointMasses& m = body.masses;
+  body.sumsValid = false;
   bool moved = m.changed;
   m.changed = false;
   for (std::uint32_t i = 0; i < m.bodies.size(); ++i) {
@@ -213,6 +214,7 @@ void writePoints(SoftBodyData& body) {
 
 void absorbOutsideChanges(SoftBodyData& body) {
   if (!body.masses.exposed) return;
+  body.sumsValid = false;
   for (std::uint32_t i = 0; i < body.masses.bodies.size(); ++i) {
     if (!body.masses.bodies[i]) continue;
     updateInverseMass(body, i);

@@ -298,6 +298,7 @@ void writeBoxToBullet(SoftBodyData& body, btScalar tick) {
 
 void finishSurface(SoftBodyData& body, btScalar tick) {
   if (body.masses.exposed) {
+    absorbOutsideChanges(body);  // by actions since the tick began
     dampPoints(body, double(tick));
     body.sumsValid = false;
   }

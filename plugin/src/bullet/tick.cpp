@@ -200,7 +200,7 @@ void SoftBodySystem::Impl::WorldStep::afterTick(btScalar tick) {
   reportJoints(*world, pairs, tick);
   reportContacts(moving, pairs, *world, double(tick));
   anyRestored =
-      std::any_of(moving.begin(), moving.end(), [](const SoftBodyData* body) { return body->restored; });
+      std::any_of(living.begin(), living.end(), [](const SoftBodyData* body) { return body->restored; });
 }
 
 // --- one system --------------------------------------------------------------------------------------------

@@ -201,6 +201,7 @@ void finishWorldPoints(SoftBodyData& body, btScalar tick) {
   for (PointMass* point : body.masses.bodies) point->setContactProcessingThreshold(BT_LARGE_FLOAT);
   for (std::uint32_t i = 0; i < body.masses.bodies.size(); ++i)
     if (!body.masses.held[i]) readFreePoint(body, i, tick);
+  body.sumsValid = false;
   restoreIfUnsound(body);
   stopAtFirstContact(body);
   writePoints(body);
