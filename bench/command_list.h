@@ -33,7 +33,8 @@ ExitCode runContact(int argc, char** argv);
 /// Do bodies keep their shape? Tables of networks, bracing rules, masses, skins and materials.
 ExitCode runNetworks(int argc, char** argv);
 
-/// What drawing many bodies costs, beside the way of the paper and of Bullet's example browser.
+/// Measures the drawing of many bodies, and compares it with the ways of the paper and of Bullet's example
+/// browser.
 ExitCode runRender(int argc, char** argv);
 
 /// Repeats Tables 1 and 2 of C. Hart's paper: cubes fall onto a floor, 1, 2, 4 ... of them until 50 ticks a

@@ -25,8 +25,8 @@ class Shader {
 
 std::string fileList(const StageSource& source) {
   std::string list;
-  for (const std::string_view file : source.files) {
-    list += (list.empty() ? "" : " + ") + std::string(file);
+  for (const ShaderText& file : source.files) {
+    list += (list.empty() ? "" : " + ") + std::string(file.name);
   }
   return list;
 }
@@ -39,7 +39,7 @@ void compile(const Gl& gl, GLuint shader, const StageSource& source,
   }
   for (std::size_t i = 0; i < source.files.size(); ++i) {
     // The compiler then reports "file:line", with files counted from 1.
-    text += "#line 1 " + std::to_string(i + 1) + "\n" + shaderSource(source.files[i]);
+    text += "#line 1 " + std::to_string(i + 1) + "\n" + source.files[i].text;
   }
   const char* start = text.c_str();
   gl.ShaderSource(shader, 1, &start, nullptr);
@@ -82,8 +82,6 @@ ShaderProgram buildProgram(const Gl& gl, const std::vector<StageSource>& stages,
   return built;
 }
 
-namespace {
-
 std::size_t indexOf(const SurfaceVariant& variant) {
   auto index = static_cast<std::size_t>(variant.source);
   for (const bool bit : {variant.smooth, variant.twoSided, variant.grid, variant.shadows, variant.textured}) {
@@ -91,6 +89,8 @@ std::size_t indexOf(const SurfaceVariant& variant) {
   }
   return index;
 }
+
+namespace {
 
 const char* nameOf(VertexSource source) {
   switch (source) {
@@ -104,32 +104,36 @@ const char* nameOf(VertexSource source) {
   return "MESH";
 }
 
-std::vector<std::string_view> surfaceVertexFiles() {
+std::vector<ShaderText> surfaceVertexFiles() {
   return {"frame.glsl", "points.glsl", "tube.glsl", "surface.vert"};
 }
 
 }  // namespace
 
+std::vector<std::string> definesOf(const SurfaceVariant& variant, int shadowTaps) {
+  std::vector<std::string> defines{"NORMALS_ACCESS readonly", "SHADOW_TAPS " + std::to_string(shadowTaps),
+                                   nameOf(variant.source)};
+  const auto define = [&defines](bool wanted, const char* name) {
+    if (wanted) {
+      defines.emplace_back(name);
+    }
+  };
+  define(variant.smooth, "SMOOTH");
+  define(variant.twoSided, "TWO_SIDED");
+  define(variant.grid, "GRID");
+  define(variant.shadows, "SHADOWS");
+  define(variant.textured, "TEXTURED");
+  return defines;
+}
+
 const ShaderProgram& ProgramSet::surface(const SurfaceVariant& variant) {
   ShaderProgram& program = surfaces_[indexOf(variant)];
   if (program.name() == 0) {
-    std::vector<std::string> defines{"NORMALS_ACCESS readonly", "SHADOW_TAPS " + std::to_string(shadowTaps_),
-                                     nameOf(variant.source)};
-    const auto define = [&defines](bool wanted, const char* name) {
-      if (wanted) {
-        defines.emplace_back(name);
-      }
-    };
-    define(variant.smooth, "SMOOTH");
-    define(variant.twoSided, "TWO_SIDED");
-    define(variant.grid, "GRID");
-    define(variant.shadows, "SHADOWS");
-    define(variant.textured, "TEXTURED");
     program = buildProgram(
         gl_,
         {{GL_VERTEX_SHADER, surfaceVertexFiles()},
          {GL_FRAGMENT_SHADER, {"frame.glsl", "background.glsl", "shading_normal.glsl", "surface.frag"}}},
-        defines);
+        definesOf(variant, shadowTaps_));
   }
   return program;
 }

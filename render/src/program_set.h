@@ -40,9 +40,18 @@ struct ShaderProgram {
   GLint location(DrawUniform uniform) const { return locations[static_cast<std::size_t>(uniform)]; }
 };
 
+/// A named piece of shader source: a file of the folder `shaders`, or another text, which must outlive it.
+struct ShaderText {
+  ShaderText(const char* file) : name(file), text(shaderSource(file)) {}
+  ShaderText(std::string_view n, const char* t) : name(n), text(t) {}
+
+  std::string_view name;
+  const char* text;
+};
+
 struct StageSource {
   GLenum stage = 0;
-  std::vector<std::string_view> files;  ///< Concatenated in this order, after #version and #defines.
+  std::vector<ShaderText> files;  ///< Concatenated in this order, after #version and #defines.
 };
 
 /// Compiles and links a program. Throws std::runtime_error with the compiler's log and the names of the
@@ -68,6 +77,12 @@ struct SurfaceVariant {
   bool shadows = false;
   bool textured = false;
 };
+
+/// Returns a number below 32 * kVertexSources; below 32 for meshes.
+std::size_t indexOf(const SurfaceVariant& variant);
+
+/// Returns the definitions with which the shaders of a surface are compiled.
+std::vector<std::string> definesOf(const SurfaceVariant& variant, int shadowTaps);
 
 /// All programs, each compiled on first use. Every function throws std::runtime_error if the driver rejects a
 /// shader.

@@ -19,9 +19,15 @@ const FrameLayout::Slice& sliceOf(const Parts& parts, InstanceId instance) {
   return *slice;
 }
 
-/// Reads three floats for each skinned point of the shape, from point number `first` of the buffer on.
-std::vector<float> read(const Gl& gl, const GlBuffer& buffer, std::uint32_t first, const GpuShape& shape) {
-  std::vector<float> values(std::size_t{3} * shape.skinnedPointCount);
+const GpuShape& shapeOf(const Parts& parts, InstanceId instance) {
+  return parts.shapes[parts.instances.shapeOf(instance)];
+}
+
+/// Reads three floats for each skinned point of the instance, from point number `first` of the buffer on.
+std::vector<float> read(const Parts& parts, InstanceId instance, const GlBuffer& buffer,
+                        std::uint32_t first) {
+  const Gl& gl = parts.gl;
+  std::vector<float> values(std::size_t{3} * shapeOf(parts, instance).skinnedPointCount);
   gl.MemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
   gl.GetNamedBufferSubData(buffer.name(), static_cast<GLintptr>(3 * sizeof(float) * first),
                            static_cast<GLsizeiptr>(values.size() * sizeof(float)), values.data());
@@ -32,22 +38,20 @@ std::vector<float> read(const Gl& gl, const GlBuffer& buffer, std::uint32_t firs
 
 std::vector<float> readNormals(Renderer& renderer, InstanceId instance) {
   const Parts& parts = RendererAccess::parts(renderer);
-  const FrameLayout::Slice& slice = sliceOf(parts, instance);
-  const GpuShape& shape = parts.shapes[parts.instances.shapeOf(instance)];
-  if (!shape.needsNormals()) {
+  const std::uint32_t first = sliceOf(parts, instance).firstNormal;
+  if (!shapeOf(parts, instance).needsNormals()) {
     throw std::runtime_error("the instance is not smooth");
   }
-  return read(parts.gl, parts.normals, slice.firstNormal, shape);
+  return read(parts, instance, parts.normals, first);
 }
 
 std::vector<float> readSkinnedPoints(Renderer& renderer, InstanceId instance) {
   const Parts& parts = RendererAccess::parts(renderer);
-  const FrameLayout::Slice& slice = sliceOf(parts, instance);
-  const GpuShape& shape = parts.shapes[parts.instances.shapeOf(instance)];
-  if (!shape.skinned()) {
+  const std::uint32_t first = sliceOf(parts, instance).firstPlace;
+  if (!shapeOf(parts, instance).skinned()) {
     throw std::runtime_error("the instance has no skin");
   }
-  return read(parts.gl, parts.places, slice.firstPlace, shape);
+  return read(parts, instance, parts.places, first);
 }
 
 }  // namespace limber::render::test

@@ -42,7 +42,7 @@ class UnsharedBodies final : public StagedBaseline {
   GLuint uploadBody(std::size_t instance, const std::vector<UnsharedVertex>& vertices);
   void uploadGroup(const InstanceGroup& group);
   void uploadAll();
-  void drawBody(const BodyDraw& body, const UnsharedProgram& program);
+  void drawBody(const BodyDraw& body, const ShaderProgram& program);
   void castShadows(const ShadowMap& map);
   void drawSurfaces(bool shadows);
   void drawPicture(const DrawOptions& options, bool shadows);
@@ -134,12 +134,12 @@ void UnsharedBodies::uploadAll() {
   }
 }
 
-void UnsharedBodies::drawBody(const BodyDraw& body, const UnsharedProgram& program) {
+void UnsharedBodies::drawBody(const BodyDraw& body, const ShaderProgram& program) {
   const Gl& gl = parts_.gl;
-  const GLuint name = program.program.name();
+  const GLuint name = program.name();
   gl.UseProgram(name);
-  gl.ProgramUniform1ui(name, program.firstInstance, body.instance);
-  gl.ProgramUniform1f(name, program.shapeRadius, body.shape->radius);
+  gl.ProgramUniform1ui(name, program.location(DrawUniform::FirstInstance), body.instance);
+  gl.ProgramUniform1f(name, program.location(DrawUniform::ShapeRadius), body.shape->radius);
   gl.BindVertexArray(body.layout);
   gl.DrawElementsInstanced(GL_TRIANGLES, body.shape->indexCount, GL_UNSIGNED_INT, nullptr, 1);
   ++parts_.stats.shapeDrawCalls;
@@ -172,7 +172,8 @@ void UnsharedBodies::drawSurfaces(bool shadows) {
     } else {
       gl.Enable(GL_CULL_FACE);
     }
-    drawBody(body, programs_.surface({shape.smooth, shape.twoSided, shape.grid, shadows, body.textured}));
+    drawBody(body, programs_.surface({VertexSource::Mesh, shape.smooth, shape.twoSided, shape.grid, shadows,
+                                      body.textured}));
   }
 }
 

@@ -1,30 +1,11 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
-#include <limber/render/gl_objects.h>
+#include "program_set.h"
 
 #include <array>
-#include <cstddef>
-#include <string>
-#include <vector>
 
 namespace limber::bench {
-
-/// Compile-time options of a surface program, as in the renderer.
-struct UnsharedVariant {
-  bool smooth = false;
-  bool twoSided = false;
-  bool grid = false;
-  bool shadows = false;
-  bool textured = false;
-};
-
-/// A linked program and its uniforms.
-struct UnsharedProgram {
-  render::GlProgram program;
-  GLint firstInstance = -1;
-  GLint shapeRadius = -1;
-};
 
 /// Vertex attributes of all these programs.
 enum UnsharedAttribute : GLuint { kPosition = 0, kTextureCoordinates = 1, kNormal = 2 };
@@ -35,14 +16,14 @@ class UnsharedPrograms {
  public:
   UnsharedPrograms(const render::Gl& gl, int shadowTaps) : gl_(gl), shadowTaps_(shadowTaps) {}
 
-  const UnsharedProgram& surface(const UnsharedVariant& variant);
-  const UnsharedProgram& depth();
+  const render::ShaderProgram& surface(const render::SurfaceVariant& variant);  ///< Of a mesh.
+  const render::ShaderProgram& depth();
 
  private:
   const render::Gl& gl_;
   int shadowTaps_;
-  std::array<UnsharedProgram, 32> surfaces_;
-  UnsharedProgram depth_;
+  std::array<render::ShaderProgram, 32> surfaces_;
+  render::ShaderProgram depth_;
 };
 
 }  // namespace limber::bench

@@ -239,7 +239,8 @@ struct SoftBodyData {
   std::vector<double> stiffnessSums;
   bool anyHeld = false;          ///< some point has an inverse mass of 0; frequencyStale applies to it, too
   MotionSums sums;               ///< see sumsOf()
-  bool sumsValid = false;        ///< points and `startPosition` are those of `sums`
+  bool sumsValid = false;        ///< false once points have changed since; the bounds at the start of a tick
+                                 ///< are those of the tick in which `sums` were made
   Points startVelocity;          ///< 3 x #points, m/s, at the start of the tick
   double dampingRate = 0.0;      ///< 1/s, dampingRateBound; frequencyStale applies to it, too
   double size = 0.0;             ///< m, diagonal of its initial bounding box
