@@ -25,6 +25,7 @@ const std::vector<Command>& commandList() {
       {"render", "what drawing many bodies costs, beside the paper's and Bullet's own way", &runRender},
       {"springs", "what a spring costs per substep, by instruction set", &runSprings},
       {"scaling", "1, 2, 4 ... soft cubes until real time is lost", &runScaling},
+      {"threads", "what several threads gain, and what more of them would", &runThreads},
       {"stability", "hundreds of hard cases, counted alike for every engine", &runStability},
   };
   return kCommands;

@@ -45,6 +45,9 @@ ExitCode runScaling(int argc, char** argv);
 /// What a spring costs per substep, by instruction set and number type, and what contact rows add to it.
 ExitCode runSprings(int argc, char** argv);
 
+/// Measures what several threads gain, and how much of a tick stays outside the parallel parts.
+ExitCode runThreads(int argc, char** argv);
+
 /// `limber-bench stability`: writes stability.csv and stability.txt.
 ExitCode runStability(int argc, char** argv);
 

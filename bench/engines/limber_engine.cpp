@@ -14,7 +14,9 @@ namespace {
 
 class LimberEngine final : public Engine {
  public:
-  explicit LimberEngine(TuneSettings tune) : tune_(std::move(tune)) {}
+  explicit LimberEngine(TuneSettings tune, ParallelFor parallelFor = {}) : tune_(std::move(tune)) {
+    soft_.setParallelFor(std::move(parallelFor));
+  }
 
   btDiscreteDynamicsWorld& world() override { return world_; }
   std::size_t addBody(const BodySetup& setup) override;
@@ -101,6 +103,10 @@ Eigen::Matrix3Xd LimberEngine::velocities(std::size_t body) const {
 
 std::unique_ptr<Engine> makeLimberEngine(TuneSettings tune) {
   return std::make_unique<LimberEngine>(std::move(tune));
+}
+
+std::unique_ptr<Engine> makeLimberEngine(ParallelFor parallelFor) {
+  return std::make_unique<LimberEngine>(TuneSettings(), std::move(parallelFor));
 }
 
 std::unique_ptr<Engine> makeLimberEngine(Stepper stepper) {

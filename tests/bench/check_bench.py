@@ -200,6 +200,26 @@ def check_springs(program, bench):
         expect((folder / "springs.svg").stat().st_size > 1000, "svg is empty")
 
 
+def check_threads(program, bench):
+    with tempfile.TemporaryDirectory() as folder:
+        folder = pathlib.Path(folder)
+        done = run(program, "threads", "--quick", "--repeats", "1", "--out", folder)
+        expect(done.returncode == 0, done.stderr)
+        with open(folder / "threads.csv", newline="") as file:
+            rows = list(csv.DictReader(file))
+        expect({"1", "2"} <= {r["threads"] for r in rows}, "one thread and two")
+        expect(all(float(r["gain"]) == 1 for r in rows if r["threads"] == "1"), "one thread gains nothing")
+        expect(all(0 <= float(r["share_outside"]) <= 1 for r in rows), "shares")
+        expect(all(1 <= float(r["gain_at_most"]) <= int(r["threads"]) for r in rows), "foretold gains")
+        expect(any("cloth" in r["scene"] for r in rows), "scenes of one body, too")
+        none = run(program, "threads", "--scene", "nothing", "--out", folder)
+        expect(none.returncode == 2 and "nothing" in none.stderr, "a scene that does not exist")
+        done = run(bench / "plot", "threads", folder)
+        if done.returncode == SKIPPED:
+            sys.exit(SKIPPED)
+        expect((folder / "threads.svg").stat().st_size > 1000, "svg is empty")
+
+
 def contact_run(program, folder, *options):
     done = run(program, "contact", "--quick", "--repeats", "1", "--out", folder, *options)
     expect(done.returncode == 0, f"exit status {done.returncode}: {done.stderr}")
@@ -397,6 +417,7 @@ CHECKS = {
     "accuracy_repeats": check_accuracy_repeats,
     "accuracy_plot": check_accuracy_plot,
     "springs": check_springs,
+    "threads": check_threads,
     "unknown_name": check_unknown_name,
     "unwritable_folder": check_unwritable_folder,
     "bad_options": check_bad_options,

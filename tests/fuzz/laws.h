@@ -9,9 +9,10 @@ namespace limber::fuzz {
 
 /// The laws that are checked for a story.
 struct Lawbook {
-  bool once = false;   ///< the story is played once, without the laws that compare runs
-  std::string beside;  ///< path of a limber_fuzz of another build, whose results for gentle stories must
-                       ///< agree; empty: none
+  bool once = false;     ///< the story is played once, without the laws that compare runs
+  unsigned threads = 1;  ///< of the first run
+  std::string beside;    ///< path of a limber_fuzz of another build, whose results for gentle stories must
+                         ///< agree; empty: none
 };
 
 /// Plays a story, with all variants that its promise requires, and returns the first broken law.

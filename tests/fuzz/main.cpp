@@ -126,6 +126,8 @@ int main(int count, char** words) {
   app.add_option("--seconds", options.effort.seconds, "processor time that a story may take");
   app.add_flag("--once", options.effort.laws.once,
                "plays it once, for sanitizers: nothing is compared with other runs");
+  app.add_option("--threads", options.effort.laws.threads, "on which soft bodies are stepped (default 1)")
+      ->check(CLI::Range(1, 64));
   app.add_option("--beside", options.effort.laws.beside,
                  "a limber_fuzz of another precision, which must play it alike");
   app.add_option("--frames", options.frames, "file for the points of a story that is played --here");

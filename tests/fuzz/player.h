@@ -43,6 +43,7 @@ struct PlayOptions {
   bool softBodies = true;  ///< false: only the rigid objects, as "rigid twin" of the scene
   double nudge = 0.0;      ///< m, displacement of each soft body and of each of its points at the start
   int nudgeNumber = 0;     ///< selects the directions
+  unsigned threads = 1;    ///< on which the soft bodies are stepped; 1: without setParallelFor()
 };
 
 Run play(const Story& story, const PlayOptions& options = {});

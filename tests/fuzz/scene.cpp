@@ -124,6 +124,10 @@ void WorldPlayer::addSystem() {
   const auto kind = settings_.is("manual") ? SoftBodySystem::Hook::Manual : SoftBodySystem::Hook::PreTick;
   systems_.push_back(std::make_unique<SoftBodySystem>(*world_, kind));
   systems_.back()->onWarning([](const std::string&) {});
+  if (options_.threads > 1) {
+    if (!threads_) threads_ = std::make_unique<ThreadPool>(options_.threads);
+    systems_.back()->setParallelFor(threads_->parallelFor());
+  }
   if (settings_.is("listener")) systems_.back()->setContactListener(listener_.get());
   if (settings_.is("report")) systems_.back()->reportManifolds(true);
 }

@@ -154,6 +154,7 @@ class WorldPlayer {
   std::vector<char> done_;                 ///< for each step of the story, whether it has been performed
   btInternalTickCallback slot_ = nullptr;  ///< the user's own pre-tick callback
 
+  std::unique_ptr<ThreadPool> threads_;
   std::unique_ptr<btGhostPairCallback> ghostPairs_;
   std::unique_ptr<btCollisionConfiguration> configuration_;
   std::unique_ptr<btCollisionDispatcher> dispatcher_;

@@ -16,6 +16,7 @@
 #include <limber/mesh.h>
 #include <limber/network_analysis.h>
 #include <limber/network_builder.h>
+#include <limber/parallel.h>
 #include <limber/result.h>
 #include <limber/soft_body.h>
 #include <limber/soft_body_settings.h>

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <limber/bullet_precision.h>
+#include <limber/parallel.h>
 #include <limber/result.h>
 #include <limber/soft_body.h>
 #include <limber/spring_constraint.h>
@@ -12,6 +13,8 @@
 #include <functional>
 #include <memory>
 #include <string>
+
+class btITaskScheduler;
 
 namespace limber {
 inline namespace LIMBER_BULLET_PRECISION {
@@ -135,6 +138,17 @@ class SoftBodySystem {
   /// Steps the springs. For Hook::Manual: call it in the pre-tick callback with the tick's length in seconds.
   void beforeTick(btScalar tick);
 
+  /// Sets the function that runs the parts of a tick on several threads; nullptr (the default): all on the
+  /// thread that steps the world. It applies to all systems of the world. Results are the same, to the bit,
+  /// on any number of threads. Bodies of Collision::Surface are read, searched for contacts with static and
+  /// kinematic objects, stepped, and written in parallel; bodies that touch each other, or a common dynamic
+  /// body, are stepped by one thread. Bodies of Collision::Points are stepped in parallel.
+  ///
+  /// Within a tick these may then be called on any thread, and several at a time: the world's
+  /// btOverlapFilterCallback, Bullet's global functions for combined friction and restitution, and virtual
+  /// functions of the user's shapes and objects. Everything else keeps the thread rule above.
+  void setParallelFor(ParallelFor run);
+
   const TickProfile& profile() const;
 
   /// Returns the position of the world's clock between its last two ticks: 0 at the one before the last, 1 at
@@ -152,6 +166,11 @@ class SoftBodySystem {
   struct Impl;
   std::unique_ptr<Impl> impl_;
 };
+
+/// Returns a function for SoftBodySystem::setParallelFor() that runs tasks with one of Bullet's task
+/// schedulers (btCreateDefaultTaskScheduler(), btGetTBBTaskScheduler(), ...) or the user's own. The scheduler
+/// must outlive it. Bullet's schedulers have threads only if Bullet was built with BT_THREADSAFE.
+ParallelFor parallelForOf(btITaskScheduler& scheduler);
 
 /// Makes the dispatcher compute contacts between spheres and boxes with Bullet's closed form
 /// (btSphereBoxCollisionAlgorithm) instead of its general convex algorithm. This holds for pairs that are

@@ -227,17 +227,18 @@ void exchangeImpulses(btPersistentManifold& manifold) {
 }  // namespace
 
 void reportContacts(const std::vector<SoftBodyData*>& bodies, const TickContacts& pairs,
-                    const btDiscreteDynamicsWorld& world, double tick) {
-  bool anyInBullet = false;
-  for (SoftBodyData* body : bodies) {
-    body->report.fresh = true;
-    body->report.contacts.clear();
-    body->report.partners.clear();
-    body->report.hasTriangles = false;
-    addRows(*body, world, tick);
-    body->report.planeCount = body->report.contacts.size();
-    anyInBullet = anyInBullet || !isSurfaceBody(*body);
-  }
+                    const btDiscreteDynamicsWorld& world, double tick, const Parallel& parallel) {
+  parallel.forEach(bodies.size(), [&](std::size_t i) {
+    ContactReport& report = bodies[i]->report;
+    report.fresh = true;
+    report.contacts.clear();
+    report.partners.clear();
+    report.hasTriangles = false;
+    addRows(*bodies[i], world, tick);
+    report.planeCount = report.contacts.size();
+  });
+  const bool anyInBullet = std::any_of(bodies.begin(), bodies.end(),
+                                       [](const SoftBodyData* body) { return !isSurfaceBody(*body); });
   for (std::size_t i = 0; i < pairs.contacts.size(); ++i)
     if (pairs.sources[i].body && isValid(world, pairs.sources[i].partner))
       addPair(pairs.contacts[i], pairs.sources[i]);

@@ -5,6 +5,7 @@
 
 #pragma once
 
+#include "bullet/parallel.h"
 #include "bullet/soft_body_data.h"
 
 #include <limber/contacts.h>
@@ -25,7 +26,7 @@ struct TickContacts;
 /// contacts of point masses in the world to Bullet's manifolds. `bodies`: the bodies in the groups, to which
 /// the indices in `pairs` refer.
 void reportContacts(const std::vector<SoftBodyData*>& bodies, const TickContacts& pairs,
-                    const btDiscreteDynamicsWorld& world, double tick);
+                    const btDiscreteDynamicsWorld& world, double tick, const Parallel& parallel);
 
 /// Removes contacts with objects that have left the world, or all if the body itself has left it.
 void dropInvalidContacts(SoftBodyData& body);

@@ -330,48 +330,60 @@ bool canUseLanes(const LinkedGroup& group) {
 
 }  // namespace
 
-void StepPlan::stepOrCollect(const AwakeGroups& groups, double tick) {
-  inLanes_.clear();
-  for (LinkedGroup* group : groups) {
-    if (group->inIsland) continue;
-    if (canUseLanes(*group))
-      inLanes_.push_back(group);
-    else
-      stepLinkedGroup(*group, tick, factors_);
-  }
+void StepPlan::collect(const AwakeGroups& groups) {
+  collected_.clear();
+  for (LinkedGroup* group : groups)
+    if (!group->inIsland && canUseLanes(*group)) collected_.push_back(group);
   // groups are in an array in their order
   const auto before = [](const LinkedGroup* a, const LinkedGroup* b) {
     return std::tie(a->model, a->substeps, a) < std::tie(b->model, b->substeps, b);
   };
-  std::sort(inLanes_.begin(), inLanes_.end(), before);
+  std::sort(collected_.begin(), collected_.end(), before);
+  forLanes_ = collected_.size();
+  for (LinkedGroup* group : groups)
+    if (!group->inIsland && !canUseLanes(*group)) collected_.push_back(group);
+}
+
+void StepPlan::makeRuns() {
+  const auto fits = [](const LinkedGroup& a, const LinkedGroup& b) {
+    return a.substeps == b.substeps && canShareLanes(a.step.bodies[0], b.step.bodies[0]);
+  };
+  const auto lanes = static_cast<std::size_t>(laneCount(set_));
+  runs_.clear();
+  for (std::size_t i = 0, begin = 0; i < collected_.size(); ++i) {
+    const bool goesOn =
+        i > begin && i < begin + lanes && i < forLanes_ && fits(*collected_[begin], *collected_[i]);
+    if (goesOn) continue;
+    begin = i;
+    runs_.push_back(i);
+  }
+  runs_.push_back(collected_.size());
 }
 
 /// A body that is alone in its lanes gains nothing from them.
-std::size_t StepPlan::stepRun(std::size_t begin, double tick) {
-  LinkedGroup& first = *inLanes_[begin];
-  const auto fits = [&](const LinkedGroup& other) {
-    return other.substeps == first.substeps && canShareLanes(first.step.bodies[0], other.step.bodies[0]);
-  };
-  const std::size_t last = std::min(begin + static_cast<std::size_t>(laneCount(set_)), inLanes_.size());
-  std::size_t end = begin + 1;
-  while (end < last && fits(*inLanes_[end])) ++end;
+void StepPlan::stepRun(std::size_t run, double tick, LanesOfRun& lanes) {
+  const std::size_t begin = runs_[run], end = runs_[run + 1];
   if (end == begin + 1) {
-    stepLinkedGroup(first, tick, factors_);
-    return end;
+    stepLinkedGroup(*collected_[begin], tick, factors_);
+  } else {
+    lanes.bodies.clear();
+    for (std::size_t i = begin; i < end; ++i) lanes.bodies.push_back(&collected_[i]->step.bodies[0]);
+    stepLanes(lanes.bodies.data(), lanes.bodies.size(), lanes.scratch, tick, collected_[begin]->substeps,
+              set_);
+    for (std::size_t i = begin; i < end; ++i)
+      collected_[i]->bodies[0]->sumsValid = collected_[i]->step.bodies[0].sums != nullptr;
   }
-  lanes_.clear();
-  for (std::size_t i = begin; i < end; ++i) lanes_.push_back(&inLanes_[i]->step.bodies[0]);
-  stepLanes(lanes_.data(), lanes_.size(), scratch_, tick, first.substeps, set_);
-  for (std::size_t i = begin; i < end; ++i)
-    inLanes_[i]->bodies[0]->sumsValid = inLanes_[i]->step.bodies[0].sums != nullptr;
-  return end;
+  for (std::size_t i = begin; i < end; ++i) repeatIfMissed(*collected_[i], tick, factors_);
 }
 
-void StepPlan::step(const AwakeGroups& groups, double tick) {
-  stepOrCollect(groups, tick);
-  for (std::size_t begin = 0; begin < inLanes_.size();) begin = stepRun(begin, tick);
-  for (LinkedGroup* group : groups)
-    if (!group->inIsland) repeatIfMissed(*group, tick, factors_);
+void StepPlan::step(const AwakeGroups& groups, double tick, const Parallel& parallel) {
+  collect(groups);
+  makeRuns();
+  parallel.inBlocks(runs_.size() - 1, [&](std::size_t begin, std::size_t end) {
+    lanes_.with([&](LanesOfRun& lanes) {
+      for (std::size_t run = begin; run < end; ++run) stepRun(run, tick, lanes);
+    });
+  });
 }
 
 // --- after the step ----------------------------------------------------------------------------------------

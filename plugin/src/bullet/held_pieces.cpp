@@ -14,6 +14,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <mutex>
 
 namespace limber {
 inline namespace LIMBER_BULLET_PRECISION {
@@ -189,6 +190,7 @@ struct PieceCollector {
     visit.self = this, visit.pose = &pose, visit.own = localBoxOf(pose, box.min(), box.max());
     visit.margin = double(shape.getMargin());
     const std::size_t before = pieces.size();
+    const std::unique_lock<std::mutex> lock = shapes.lockMesh(shape);
     shape.processAllTriangles(&visit, visit.own.low, visit.own.high);
     if (pieces.size() > before) ++owner;
   }

@@ -3,12 +3,14 @@
 // This file steps an island, searches for contacts within its step, limits the energy that joints add, and
 // writes the result to Bullet.
 
+#include "bullet/kinematic_motion.h"
 #include "bullet/linked_group.h"
 #include "solver/point_state.h"
 #include "solver/springs.h"
 
 #include <algorithm>
 #include <cmath>
+#include <mutex>
 
 namespace limber {
 inline namespace LIMBER_BULLET_PRECISION {
@@ -193,6 +195,7 @@ struct SearchContext {
   Island* island;
   const TickContacts* found;
   SurfaceSearch* search;
+  std::mutex* lock;
 };
 
 /// Collects the contacts of a candidate and marks them as ended until the search finds them again.
@@ -228,8 +231,13 @@ void storeContact(Island& island, std::uint32_t candidate, const Contact& contac
   stored.impulse = impulse;
 }
 
+bool touchesKinematic(const IslandPair& m) { return m.surfaces->held && isMoved(*m.surfaces->held); }
+
 void searchInStep(void* context, SolverIsland& group, double since, double ahead) {
-  auto& [island, found, search] = *static_cast<SearchContext*>(context);
+  auto& [island, found, search, mutex] = *static_cast<SearchContext*>(context);
+  // islands share the parts of kinematic objects, which are moved to the time of the search
+  std::unique_lock<std::mutex> lock(*mutex, std::defer_lock);
+  if (std::any_of(island->candidates.begin(), island->candidates.end(), touchesKinematic)) lock.lock();
   for (std::uint32_t number = 0; number < island->candidates.size(); ++number) {
     const IslandPair& m = island->candidates[number];
     if (!m.needsNewSearch()) continue;
@@ -311,11 +319,12 @@ bool isAlone(const Island& island) {
 
 }  // namespace
 
-void stepIsland(Island& island, const TickContacts& found, double tick, SurfaceSearch& search) {
+void stepIsland(Island& island, const TickContacts& found, double tick, SurfaceSearch& search,
+                std::mutex& lock) {
   for (LinkedGroup* group : island.groups) limitIslandEnergy(*group, isAlone(island));
   int substeps = 1;
   for (const LinkedGroup* group : island.groups) substeps = std::max(substeps, group->substeps);
-  SearchContext context{&island, &found, &search};
+  SearchContext context{&island, &found, &search, &lock};
   island.step.again = PairSearch();
   if (const MaxDisplacements displacement = maxDisplacements(island);
       displacement.all > kMaxBetweenSearches) {

@@ -236,10 +236,12 @@ bool isWhole(const LinkedGroup& group) {
 }
 
 void gatherBodies(LinkedGroup& group, btScalar tick) {
-  for (SoftBodyData* body : group.bodies) {
-    gatherBody(*body, tick);
+  for (SoftBodyData* body : group.bodies) gatherBody(*body, tick);
+}
+
+void updateBroadphaseBoxes(LinkedGroup& group, btScalar tick) {
+  for (SoftBodyData* body : group.bodies)
     if (isSurfaceBody(*body)) updateBroadphaseBox(*body, tick);
-  }
 }
 
 void gatherGroup(LinkedGroup& group, btScalar tick) {
@@ -252,6 +254,11 @@ void writeGroupToBullet(LinkedGroup& group, btScalar tick) {
   for (SoftBodyData* body : group.bodies) writeBodyToBullet(*body, tick);
   for (std::size_t i = 0; i < group.rigids.size(); ++i)
     writeRigidToBullet(group.rigids[i], group.step.links.rigids[i], tick);
+}
+
+bool hasWorldPoints(const LinkedGroup& group) {
+  return std::any_of(group.bodies.begin(), group.bodies.end(),
+                     [](const SoftBodyData* body) { return !isSurfaceBody(*body); });
 }
 
 void readGroupFromBullet(LinkedGroup& group, btScalar tick) {

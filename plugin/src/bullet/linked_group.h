@@ -5,6 +5,7 @@
 
 #pragma once
 
+#include "bullet/parallel.h"
 #include "bullet/soft_body_data.h"
 #include "bullet/surface_gather.h"
 #include "bullet/tick_contacts.h"
@@ -14,6 +15,7 @@
 #include <limber/spring_constraint.h>
 
 #include <memory>
+#include <mutex>
 #include <utility>
 #include <vector>
 
@@ -62,12 +64,18 @@ bool updateUsableLinks(const std::vector<SoftBodyData*>& bodies,
                        const std::vector<SpringConstraint*>& springs, std::vector<unsigned char>& links);
 
 // The stages of a tick, see body_in_world.h. gatherBodies() comes first for all groups, because the contacts
-// of a body depend on the positions of all bodies.
+// of a body depend on the positions of all bodies. Groups are independent in all of these stages but in
+// updateBroadphaseBoxes(), and in readGroupFromBullet() if they have world points: Bullet's broadphase and
+// its sweeps are for one thread.
 
 void gatherBodies(LinkedGroup& group, btScalar tick);
+void updateBroadphaseBoxes(LinkedGroup& group, btScalar tick);
 void gatherGroup(LinkedGroup& group, btScalar tick);
 void writeGroupToBullet(LinkedGroup& group, btScalar tick);
 void readGroupFromBullet(LinkedGroup& group, btScalar tick);
+
+/// Returns whether one of the bodies has its point masses in the world (Collision::Points).
+bool hasWorldPoints(const LinkedGroup& group);
 
 // --- sleep -------------------------------------------------------------------------------------------------
 
@@ -101,19 +109,27 @@ void reportStepping(LinkedGroup& group, double tick);
 class StepPlan {
  public:
   /// Steps all groups that are in no island. The results do not depend on which bodies share lanes.
-  void step(const AwakeGroups& groups, double tick);
+  void step(const AwakeGroups& groups, double tick, const Parallel& parallel);
 
  private:
-  /// Steps the groups that do not fit into lanes and collects the others, by model and number of substeps.
-  void stepOrCollect(const AwakeGroups& groups, double tick);
-  /// Steps the collected groups from `begin` on that can share lanes. Returns the end of these.
-  std::size_t stepRun(std::size_t begin, double tick);
+  /// Bodies in SIMD lanes, and their memory.
+  struct LanesOfRun {
+    std::vector<SolverBody*> bodies;
+    LaneScratch scratch;
+  };
+
+  /// Collects the groups: first those for lanes, by model and number of substeps, then all others.
+  void collect(const AwakeGroups& groups);
+  /// Splits the collected groups into runs that are stepped together.
+  void makeRuns();
+  void stepRun(std::size_t run, double tick, LanesOfRun& lanes);
 
   SharedFactors factors_;
   InstructionSet set_ = bestInstructionSet();
-  AwakeGroups inLanes_;
-  std::vector<SolverBody*> lanes_;  ///< scratch
-  LaneScratch scratch_;
+  AwakeGroups collected_;
+  std::size_t forLanes_ = 0;       ///< number of the first of them
+  std::vector<std::size_t> runs_;  ///< #runs + 1, begins in collected_
+  ScratchPool<LanesOfRun> lanes_;
 };
 
 // --- islands -----------------------------------------------------------------------------------------------
@@ -176,8 +192,10 @@ void makeIslands(const AwakeGroups& groups, TickContacts& found, btScalar tick, 
 
 /// Steps an island by velocity Verlet with the largest number of substeps that one of its groups needs.
 /// Contacts of surfaces with a large relative displacement are searched for again during the tick. The error
-/// correction of joints must not raise the island's energy.
-void stepIsland(Island& island, const TickContacts& found, double tick, SurfaceSearch& search);
+/// correction of joints must not raise the island's energy. Several islands may be stepped at a time; `lock`
+/// is SoftBodyData::worldLock.
+void stepIsland(Island& island, const TickContacts& found, double tick, SurfaceSearch& search,
+                std::mutex& lock);
 
 /// Copies the states of the bodies to their groups and the impulses of the contacts to `found`, after the
 /// step. Writes the rigid bodies that are in no group to Bullet.

@@ -59,6 +59,7 @@ template <class Found>
 void findContacts(SoftBodyData& body, std::uint32_t i, const btCollisionObject& partner, btScalar distance,
                   Found found) {
   NarrowphaseResults<Found> results(partner, distance, found);
+  const std::lock_guard<std::mutex> lock(*body.worldLock);
   body.world->contactPairTest(&probeAt(body, i), const_cast<btCollisionObject*>(&partner), results);
 }
 

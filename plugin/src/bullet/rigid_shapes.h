@@ -19,6 +19,7 @@
 #include <cstdint>
 #include <deque>
 #include <memory>
+#include <mutex>
 #include <unordered_map>
 #include <vector>
 
@@ -70,10 +71,15 @@ void forEachChildIn(const LocalBox& box, const btCompoundShape& compound, Visit 
 std::uint64_t stampOf(const btCollisionObject& object);
 
 /// Caches the surfaces of convex shapes near soft bodies until they have not been used for a long time. A
-/// hash detects a shape that was changed, or deleted and replaced at the same address.
+/// hash detects a shape that was changed, or deleted and replaced at the same address. Any thread may call
+/// surfaceOf() and lockMesh().
 class ShapeCache {
  public:
   const ShapeSurface& surfaceOf(const btCollisionShape& shape);
+
+  /// Returns a lock to hold while the triangles of a shape are read. Bullet counts the readers of a GImpact
+  /// mesh, not for several threads; for other shapes nothing is locked.
+  std::unique_lock<std::mutex> lockMesh(const btCollisionShape& shape);
 
   /// Removes the surfaces that have not been used for a long time. Call it before a tick, when no surface is
   /// in use.
@@ -86,6 +92,7 @@ class ShapeCache {
     std::uint64_t lastUsed = 0;
   };
 
+  std::mutex mutex_;
   std::unordered_map<const btCollisionShape*, Entry> entries_;
   std::uint64_t tick_ = 0;
 };

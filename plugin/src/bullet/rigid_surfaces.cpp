@@ -286,6 +286,7 @@ std::uint64_t stampOf(const btCollisionObject& object) {
 }
 
 const ShapeSurface& ShapeCache::surfaceOf(const btCollisionShape& shape) {
+  const std::lock_guard<std::mutex> lock(mutex_);
   Entry& entry = entries_[&shape];
   entry.lastUsed = tick_;
   const std::uint64_t hash = hashOfShape(shape);
@@ -294,6 +295,10 @@ const ShapeSurface& ShapeCache::surfaceOf(const btCollisionShape& shape) {
     entry.surface = std::make_unique<ShapeSurface>(makeShapeSurface(shape));
   }
   return *entry.surface;
+}
+
+std::unique_lock<std::mutex> ShapeCache::lockMesh(const btCollisionShape& shape) {
+  return isDynamicMesh(shape) ? std::unique_lock<std::mutex>(mutex_) : std::unique_lock<std::mutex>();
 }
 
 void ShapeCache::forgetOld() {

@@ -28,6 +28,7 @@
 #include <algorithm>
 #include <functional>
 #include <memory>
+#include <mutex>
 #include <vector>
 
 namespace limber {
@@ -188,6 +189,8 @@ struct SoftBodyData {
   MultiBodyLinks* links = nullptr;  ///< of the world
   const void* system = nullptr;     ///< identifies the shared step of all systems of the world
   ShapeCache* shapes = nullptr;     ///< of the world
+  std::mutex* worldLock = nullptr;  ///< of the world: bodies may be read, searched and stepped at the same
+                                    ///< time, but not what they share of Bullet and of their systems
 
   PointState state;
   SpringArrays springs;

@@ -151,6 +151,7 @@ Result<SoftBody*> SoftBodySystem::createBody(const SharedNetwork& network, const
   (*data)->world = impl_->world;
   (*data)->system = impl_->step.get();
   (*data)->shapes = &impl_->step->shapes;
+  (*data)->worldLock = &impl_->step->lock;
   (*data)->links = &impl_->step->links;
   (*data)->onPointsExposed = [impl = impl_.get()] { impl->watchSteps(); };
   (*data)->onPointDeleted = [impl = impl_.get()](const btRigidBody& point) { impl->dropSprings(point); };
@@ -384,6 +385,8 @@ void SoftBodySystem::reportManifolds(bool report) {
 // --- ticks -------------------------------------------------------------------------------------------------
 
 void SoftBodySystem::beforeTick(btScalar tick) { impl_->beforeTick(tick); }
+
+void SoftBodySystem::setParallelFor(ParallelFor run) { impl_->step->parallel.use(std::move(run)); }
 
 const TickProfile& SoftBodySystem::profile() const { return impl_->step->profile; }
 

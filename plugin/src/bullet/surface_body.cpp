@@ -224,8 +224,17 @@ void removeSurface(SoftBodyData& body) {
   deletePointMasses(body);
 }
 
+void watchSteps(SoftBodyData& body) {
+  const std::lock_guard<std::mutex> lock(*body.worldLock);
+  if (body.onPointsExposed) body.onPointsExposed();
+}
+
 void exposePoints(SoftBodyData& body) {
-  if (body.masses.bodies.empty()) makePointMasses(body);
+  if (body.masses.bodies.empty()) {
+    // Bullet counts its bodies
+    const std::lock_guard<std::mutex> lock(*body.worldLock);
+    makePointMasses(body);
+  }
   if (body.masses.exposed || !body.alive) return;
   body.masses.exposed = true;
   body.surface.force.setZero(3, body.state.position.cols());
@@ -238,7 +247,7 @@ void exposePoints(SoftBodyData& body) {
     if (body.asleep) point->setActivationState(ISLAND_SLEEPING);
   }
   writePoints(body);
-  if (inWorld && body.onPointsExposed) body.onPointsExposed();
+  if (inWorld) watchSteps(body);
 }
 
 void collectForces(SoftBodyData& body) {

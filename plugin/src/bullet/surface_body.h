@@ -110,6 +110,10 @@ void addSurface(SoftBodyData& body);
 /// Deletes the objects that the application has not deleted. Does not access a world that no longer exists.
 void removeSurface(SoftBodyData& body);
 
+/// Makes the body's system distinguish one stepSimulation() from the next. Any thread may call it within a
+/// tick.
+void watchSteps(SoftBodyData& body);
+
 /// Makes the point masses. From now on they are read and written in each tick, because the application has
 /// access to one.
 void exposePoints(SoftBodyData& body);

@@ -263,7 +263,7 @@ void accelerateByObject(SoftBodyData& body) {
     }
     object.clearForces();
     // the system must detect the end of the step
-    if (!s.pushed && body.onPointsExposed) body.onPointsExposed();
+    if (!s.pushed) watchSteps(body);
     s.pushed = true;
   }
   if (s.objectForce.isZero(0.0) && s.objectTorque.isZero(0.0)) return;

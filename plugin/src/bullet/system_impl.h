@@ -8,6 +8,7 @@
 #include "bullet/contact_report.h"
 #include "bullet/kinematic_motion.h"
 #include "bullet/linked_group.h"
+#include "bullet/parallel.h"
 #include "bullet/surface_gather.h"
 #include "bullet/tick_contacts.h"
 #include "bullet/tick_hook.h"
@@ -16,6 +17,7 @@
 
 #include <functional>
 #include <memory>
+#include <mutex>
 #include <string>
 #include <vector>
 
@@ -101,6 +103,8 @@ struct SoftBodySystem::Impl::WorldStep {
   const Impl* stepped = nullptr;  // the system that has begun the present tick; nullptr between ticks
   std::vector<LinkedGroup> groups;
   AwakeGroups awake;  // in this tick
+  Parallel parallel;  // runs the stages that it is passed to, or that say so
+  std::mutex lock;    // SoftBodyData::worldLock
   StepPlan plan;
   KinematicMotions kinematic;
   MultiBodyLinks links;
@@ -110,7 +114,7 @@ struct SoftBodySystem::Impl::WorldStep {
   std::vector<DisabledDrives> disabledDrives;
   ShapeCache shapes;
   RigidSurfaces rigidSurfaces{shapes};
-  SurfaceSearch search;
+  ScratchPool<SurfaceSearch> searches;
   std::vector<SoftBodyData*> living;       // the bodies in the groups
   std::vector<SoftBodyData*> moving;       // those of the awake groups
   std::vector<SpringConstraint*> springs;  // of all systems

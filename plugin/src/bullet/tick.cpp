@@ -48,6 +48,13 @@ StepList& stepList() {
   return list;
 }
 
+bool hasLinks(const btCollisionWorld& world) {
+  const btCollisionObjectArray& objects = world.getCollisionObjectArray();
+  for (int i = 0; i < objects.size(); ++i)
+    if (btMultiBodyLinkCollider::upcast(objects[i])) return true;
+  return false;
+}
+
 }  // namespace
 
 // --- all systems of a world --------------------------------------------------------------------------------
@@ -109,20 +116,26 @@ void SoftBodySystem::Impl::WorldStep::findAwake(btScalar tick) {
 
 void SoftBodySystem::Impl::WorldStep::read(btScalar tick) {
   readManifolds(*world->getDispatcher());
-  for (LinkedGroup* group : awake) gatherBodies(*group, tick);
+  parallel.forEach(awake.size(), [&](std::size_t g) { gatherBodies(*awake[g], tick); });
+  for (LinkedGroup* group : awake) updateBroadphaseBoxes(*group, tick);
 }
 
 void SoftBodySystem::Impl::WorldStep::collide(btScalar tick) {
   pairs.clear(double(tick));
   rigidSurfaces.clear();
-  for (LinkedGroup* group : awake) gatherGroup(*group, tick);
+  // links of multibodies are numbered in the order in which they are found
+  const Parallel inOrder;
+  (parallel.isOn() && hasLinks(*world) ? inOrder : parallel).forEach(awake.size(), [&](std::size_t g) {
+    gatherGroup(*awake[g], tick);
+  });
   shareSoftPartners(awake);
-  for (SoftBodyData* body : moving) {
-    if (isSurfaceBody(*body))
-      gatherSurfacePairs(*body, tick, rigidSurfaces, search, pairs);
-    else
-      for (btRigidBody* partner : body->freePartners) gatherPairs(*body, *partner, tick, pairs);
-  }
+  searches.with([&](SurfaceSearch& search) {
+    for (SoftBodyData* body : moving)
+      if (isSurfaceBody(*body))
+        gatherSurfacePairs(*body, tick, rigidSurfaces, search, pairs);
+      else
+        for (btRigidBody* partner : body->freePartners) gatherPairs(*body, *partner, tick, pairs);
+  });
   if (living.size() > 1) gatherPointPairs(awake, tick, pairs);
   profile.rigidParts = rigidSurfaces.size();
 }
@@ -139,8 +152,11 @@ void SoftBodySystem::Impl::WorldStep::step(btScalar tick) {
   const StopWatch watch(profile.stepMs);
   // points with unexpectedly large displacements search for more contacts during the step
   const KinematicMotions::Rewound rewound(kinematic);
-  plan.step(awake, double(tick));
-  for (Island& island : islands) stepIsland(island, pairs, double(tick), search);
+  plan.step(awake, double(tick), parallel);
+  parallel.forEach(islands.count, [&](std::size_t i) {
+    searches.with(
+        [&](SurfaceSearch& search) { stepIsland(islands.all[i], pairs, double(tick), search, lock); });
+  });
 }
 
 void SoftBodySystem::Impl::WorldStep::write(btScalar tick) {
@@ -149,14 +165,15 @@ void SoftBodySystem::Impl::WorldStep::write(btScalar tick) {
   links.applyImpulses(pairs);
   reportRigidContacts(pairs);
   storeImpulses(moving, pairs);
-  for (LinkedGroup* group : awake) {
-    reportStepping(*group, double(tick));
-    for (SoftBodyData* body : group->bodies) restoreIfUnsound(*body);
-    writeGroupToBullet(*group, tick);
-    for (const SoftBodyData* body : group->bodies) {
-      profile.pointsStepped += body->model->network->restPoints.size();
-      profile.springSubsteps += body->springs.size() * static_cast<std::size_t>(group->substeps);
-    }
+  parallel.forEach(awake.size(), [&](std::size_t g) {
+    LinkedGroup& group = *awake[g];
+    reportStepping(group, double(tick));
+    for (SoftBodyData* body : group.bodies) restoreIfUnsound(*body);
+    writeGroupToBullet(group, tick);
+  });
+  for (const SoftBodyData* body : moving) {
+    profile.pointsStepped += body->model->network->restPoints.size();
+    profile.springSubsteps += body->springs.size() * static_cast<std::size_t>(body->substeps);
   }
   disableDrives(pairs, disabledDrives);
 }
@@ -175,7 +192,7 @@ void SoftBodySystem::Impl::WorldStep::beforeTick(btScalar tick) {
     read(tick);
     collide(tick);
     findIslands(tick);
-    for (LinkedGroup* group : awake) chooseStepping(*group, double(tick));
+    parallel.forEach(awake.size(), [&](std::size_t g) { chooseStepping(*awake[g], double(tick)); });
   }
   disableBulletResponse(*world->getDispatcher());
   step(tick);
@@ -191,14 +208,17 @@ void SoftBodySystem::Impl::WorldStep::afterTick(btScalar tick) {
   restoreBulletState();
   if (!(tick > btScalar(0))) return;
   const StopWatch watch(profile.readMs);
+  parallel.forEach(awake.size(), [&](std::size_t g) {
+    if (!hasWorldPoints(*awake[g])) readGroupFromBullet(*awake[g], tick);
+  });
   for (LinkedGroup* group : awake) {
-    readGroupFromBullet(*group, tick);
+    if (hasWorldPoints(*group)) readGroupFromBullet(*group, tick);
     for (std::size_t i = 0; i < group->springs.size(); ++i)
       group->springs[i]->force_ = group->step.links.springs[i].force;
   }
   for (const Island& island : islands) readIslandFromBullet(island, pairs, *world, tick);
   reportJoints(*world, pairs, tick);
-  reportContacts(moving, pairs, *world, double(tick));
+  reportContacts(moving, pairs, *world, double(tick), parallel);
   anyRestored =
       std::any_of(living.begin(), living.end(), [](const SoftBodyData* body) { return body->restored; });
 }

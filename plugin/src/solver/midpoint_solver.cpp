@@ -166,6 +166,7 @@ void SharedFactor::solve(Points& b, Points& scratch) const {
 }
 
 std::shared_ptr<const SharedFactor> SharedFactors::get(Sparse matrix) {
+  const std::lock_guard<std::mutex> lock(mutex_);
   known_.erase(std::remove_if(known_.begin(), known_.end(), [](const auto& f) { return f.expired(); }),
                known_.end());
   for (const auto& known : known_)

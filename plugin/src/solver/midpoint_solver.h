@@ -13,6 +13,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <mutex>
 #include <vector>
 
 namespace limber {
@@ -75,12 +76,13 @@ struct ElasticParts {
   const TetrahedronVolumes* tetrahedra = nullptr;  ///< may be nullptr
 };
 
-/// Factors that bodies share, each computed once. Allocates for a new matrix.
+/// Factors that bodies share, each computed once. Allocates for a new matrix. Any thread may call get().
 class SharedFactors {
  public:
   std::shared_ptr<const SharedFactor> get(Eigen::SparseMatrix<double> matrix);
 
  private:
+  std::mutex mutex_;
   std::vector<std::weak_ptr<const SharedFactor>> known_;
 };
 

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: Zlib
+#pragma once
+
+#include <limber/bullet_precision.h>
+
+#include <cstddef>
+#include <functional>
+#include <memory>
+
+namespace limber {
+inline namespace LIMBER_BULLET_PRECISION {
+
+/// Calls task(0), ..., task(count - 1), each once, in any order and on any threads, and returns when all
+/// calls have returned. For SoftBodySystem::setParallelFor(): a job system that the program has already, a
+/// ThreadPool, or Bullet's task scheduler (parallelForOf() in soft_body_system.h). The tasks throw nothing.
+using ParallelFor = std::function<void(std::size_t count, const std::function<void(std::size_t)>& task)>;
+
+/// Threads that wait for tasks. Thread rule: one call of run() at a time.
+///
+///     limber::ThreadPool pool;
+///     soft.setParallelFor(pool.parallelFor());
+class ThreadPool {
+ public:
+  /// `threads`: number of threads that work, including the one that calls run(); 0: as many as the machine
+  /// runs at the same time.
+  explicit ThreadPool(unsigned threads = 0);
+  ~ThreadPool();
+  ThreadPool(const ThreadPool&) = delete;
+  ThreadPool& operator=(const ThreadPool&) = delete;
+
+  unsigned threads() const;
+
+  /// See ParallelFor. The calling thread works, too. Allocates nothing.
+  void run(std::size_t count, const std::function<void(std::size_t)>& task);
+
+  /// Returns a function that calls run(). The pool must outlive it.
+  ParallelFor parallelFor();
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace LIMBER_BULLET_PRECISION
+}  // namespace limber

@@ -1,0 +1,144 @@
+// SPDX-License-Identifier: Zlib
+
+// This file is the thread pool, and the adapter of Bullet's task scheduler.
+
+#include <limber/parallel.h>
+#include <limber/soft_body_system.h>
+
+#include <LinearMath/btThreads.h>
+
+#include <algorithm>
+#include <atomic>
+#include <condition_variable>
+#include <mutex>
+#include <thread>
+#include <vector>
+
+namespace limber {
+inline namespace LIMBER_BULLET_PRECISION {
+
+// --- the pool ----------------------------------------------------------------------------------------------
+
+namespace {
+
+/// Number of looks for work before a thread goes to sleep, about 50 us: the parts of a tick follow one
+/// another faster than a thread wakes up.
+constexpr int kLooks = 2000;
+
+void pause() {
+#if defined(__x86_64__) && (defined(__GNUC__) || defined(__clang__))
+  __builtin_ia32_pause();
+#else
+  std::this_thread::yield();
+#endif
+}
+
+}  // namespace
+
+struct ThreadPool::Impl {
+  explicit Impl(unsigned workers) {
+    for (unsigned i = 0; i < workers; ++i) threads.emplace_back([this] { work(); });
+  }
+
+  ~Impl() {
+    start(State::Ending);
+    for (std::thread& thread : threads) thread.join();
+  }
+
+  enum class State : unsigned char { Idle, Running, Ending };
+
+  /// Tells the threads about a new round.
+  void start(State s) {
+    {
+      const std::lock_guard<std::mutex> lock(mutex);
+      state = s;
+      ++round;
+    }
+    begins.notify_all();
+  }
+
+  /// Waits for a round other than `seen`. Returns whether there are tasks; the thread then takes part.
+  bool join(unsigned& seen) {
+    for (int look = 0; look < kLooks && round == seen; ++look) pause();
+    std::unique_lock<std::mutex> lock(mutex);
+    begins.wait(lock, [&] { return round != seen; });
+    seen = round;
+    if (state != State::Running) return false;
+    ++working;
+    return true;
+  }
+
+  void work() {
+    for (unsigned seen = 0;;) {
+      if (join(seen)) {
+        runTasks();
+        --working;
+      } else if (state == State::Ending) {
+        return;
+      }
+    }
+  }
+
+  /// Runs tasks until none is left.
+  void runTasks() {
+    for (std::size_t i = next++; i < count; i = next++) (*task)(i);
+  }
+
+  void run(std::size_t n, const std::function<void(std::size_t)>& f) {
+    count = n;
+    task = &f;
+    next = 0;
+    start(State::Running);
+    runTasks();
+    {
+      // threads that have not joined yet are not waited for
+      const std::lock_guard<std::mutex> lock(mutex);
+      state = State::Idle;
+    }
+    for (int look = 0; working != 0; ++look) look < kLooks ? pause() : std::this_thread::yield();
+  }
+
+  std::vector<std::thread> threads;
+  std::mutex mutex;
+  std::condition_variable begins;
+  std::atomic<State> state{State::Idle};  // changes under the mutex, as the next two
+  std::atomic<unsigned> round{0};
+  std::atomic<unsigned> working{0};  // threads that take part; they leave without the mutex
+  std::atomic<std::size_t> next{0};
+  std::size_t count = 0;
+  const std::function<void(std::size_t)>* task = nullptr;
+};
+
+ThreadPool::ThreadPool(unsigned threads)
+    : impl_(std::make_unique<Impl>(
+          (threads > 0 ? threads : std::max(1u, std::thread::hardware_concurrency())) - 1)) {}
+
+ThreadPool::~ThreadPool() = default;
+
+unsigned ThreadPool::threads() const { return static_cast<unsigned>(impl_->threads.size()) + 1; }
+
+void ThreadPool::run(std::size_t count, const std::function<void(std::size_t)>& task) {
+  impl_->run(count, task);
+}
+
+ParallelFor ThreadPool::parallelFor() {
+  return [this](std::size_t count, const std::function<void(std::size_t)>& task) { run(count, task); };
+}
+
+// --- Bullet's scheduler ------------------------------------------------------------------------------------
+
+ParallelFor parallelForOf(btITaskScheduler& scheduler) {
+  return [&scheduler](std::size_t count, const std::function<void(std::size_t)>& task) {
+    struct Body final : btIParallelForBody {
+      const std::function<void(std::size_t)>* task;
+      void forLoop(int begin, int end) const override {
+        for (int i = begin; i < end; ++i) (*task)(static_cast<std::size_t>(i));
+      }
+    } body;
+    body.task = &task;
+    scheduler.parallelFor(0, static_cast<int>(count), 1, body);
+  };
+}
+
+}  // namespace LIMBER_BULLET_PRECISION
+}  // namespace limber

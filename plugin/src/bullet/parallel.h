@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: Zlib
+
+// This header declares how a tick runs work on several threads: in blocks, with scratch memory for each.
+
+#pragma once
+
+#include <limber/parallel.h>
+
+#include <algorithm>
+#include <memory>
+#include <mutex>
+#include <utility>
+#include <vector>
+
+namespace limber {
+inline namespace LIMBER_BULLET_PRECISION {
+
+/// Runs work in blocks on the threads of the user's function, or in order on the calling thread without one.
+/// Work on one item must not depend on other items: then results are the same on any number of threads.
+class Parallel {
+ public:
+  void use(ParallelFor run) { run_ = std::move(run); }
+  bool isOn() const { return run_ != nullptr; }
+
+  /// Calls visit(begin, end) for ranges that cover [0, count), each range once.
+  template <class Visit>
+  void inBlocks(std::size_t count, Visit visit) const {
+    if (count == 0) return;
+    if (!run_ || count == 1) return visit(std::size_t{0}, count);
+    struct Blocks {
+      std::size_t count, size;
+      Visit& visit;
+    } const all{count, (count + kMaxBlocks - 1) / kMaxBlocks, visit};
+    // a std::function that refers to one object needs no memory
+    run_((count + all.size - 1) / all.size, [&all](std::size_t block) {
+      all.visit(block * all.size, std::min(all.count, (block + 1) * all.size));
+    });
+  }
+
+  /// Calls visit(i) for i in [0, count).
+  template <class Visit>
+  void forEach(std::size_t count, Visit visit) const {
+    inBlocks(count, [&visit](std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end; ++i) visit(i);
+    });
+  }
+
+ private:
+  /// Enough for an even load on tens of threads, and so few that starting them costs little.
+  static constexpr std::size_t kMaxBlocks = 64;
+
+  ParallelFor run_;
+};
+
+/// Scratch memory for blocks that run at the same time. Its contents must not affect results.
+template <class Scratch>
+class ScratchPool {
+ public:
+  /// Calls use(scratch) with scratch memory that nobody else uses.
+  template <class Use>
+  void with(Use use) {
+    std::unique_ptr<Scratch> scratch = take();
+    use(*scratch);
+    const std::lock_guard<std::mutex> lock(mutex_);
+    free_.push_back(std::move(scratch));
+  }
+
+ private:
+  std::unique_ptr<Scratch> take() {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    if (free_.empty()) return std::make_unique<Scratch>();
+    std::unique_ptr<Scratch> scratch = std::move(free_.back());
+    free_.pop_back();
+    return scratch;
+  }
+
+  std::mutex mutex_;
+  std::vector<std::unique_ptr<Scratch>> free_;
+};
+
+}  // namespace LIMBER_BULLET_PRECISION
+}  // namespace limber

@@ -1,0 +1,249 @@
+// SPDX-License-Identifier: Zlib
+// A tick on several threads: the same bits, each task once, no allocation, with any parallel function.
+#include "support/allocation_counter.h"
+#include "support/bullet_world.h"
+#include "support/networks.h"
+#include "support/tested_way.h"
+
+#include <limber/limber.h>
+
+#include <LinearMath/btThreads.h>
+
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <chrono>
+#include <thread>
+
+namespace limber {
+namespace {
+
+using test::BulletWorld;
+
+// --- the pool ----------------------------------------------------------------------------------------------
+
+TEST(ThreadPool, runsEachTaskOnce) {
+  for (const unsigned threads : {1u, 2u, 3u, 8u}) {
+    ThreadPool pool(threads);
+    EXPECT_EQ(pool.threads(), threads);
+    for (const std::size_t count : {0u, 1u, 2u, 7u, 64u, 1000u}) {
+      std::vector<std::atomic<int>> calls(count);
+      for (int round = 0; round < 20; ++round) pool.run(count, [&](std::size_t i) { ++calls[i]; });
+      for (const std::atomic<int>& n : calls) EXPECT_EQ(n, 20);
+    }
+  }
+}
+
+TEST(ThreadPool, sleepingThreadsTakePartAgain) {
+  ThreadPool pool(2);
+  std::atomic<int> arrived{0};
+  for (int round = 1; round <= 3; ++round) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    // each task waits for the other: both threads are needed
+    pool.run(2, [&](std::size_t) {
+      ++arrived;
+      while (arrived < 2 * round) std::this_thread::yield();
+    });
+    EXPECT_EQ(arrived, 2 * round);
+  }
+}
+
+TEST(ThreadPool, hasAsManyThreadsAsTheMachine) {
+  EXPECT_EQ(ThreadPool().threads(), std::max(1u, std::thread::hardware_concurrency()));
+}
+
+// --- worlds ------------------------------------------------------------------------------------------------
+
+/// Cubes in the air and at rest, in contact with each other, on static, kinematic and dynamic objects of all
+/// kinds of shapes, joined, fast, with tolerances and implicit steppers.
+struct Fair {
+  BulletWorld bullet;
+  SoftBodySystem system{*bullet.world};
+  btRigidBody* mover = nullptr;
+
+  Fair() {
+    bullet.addBoxFloor();
+    for (int i = 0; i < 60; ++i) addCube(i);
+    addPile();
+    addRigids();
+    addLinked();
+  }
+
+  SoftBodySettings at(double x, double y, double z) const {
+    SoftBodySettings s = test::testedSettings();
+    s.position = {x, y, z};
+    return s;
+  }
+
+  void addCube(int i) {
+    SoftBodySettings s = at(1.4 * (i % 10), 1.0 + 0.37 * (i % 7), 1.4 * (i / 10));
+    s.angularVelocity = {0.3 * i, 1.0, 0.0};
+    if (i % 9 == 0) s.linearVelocity = {0, -20, 0};
+    if (i % 11 == 0) s.extensionStiffness = s.compressionStiffness = 300;
+    if (i % 13 == 0) s.stepping.relativeTolerance = 1e-4;
+    if (i % 17 == 0) s.stepping.stepper = Stepper::ImplicitMidpoint;
+    (void)*system.createBody(i % 3 ? test::closedCubeNetwork() : test::cubeNetwork(), s);
+  }
+
+  void addPile() {
+    for (int i = 0; i < 12; ++i)
+      (void)*system.createBody(test::closedCubeNetwork(), at(-3 + 0.1 * (i % 2), 0.6 + 1.05 * i, 0));
+  }
+
+  void addRigids() {
+    for (int i = 0; i < 8; ++i) bullet.addBox(test::vec(0.2, 0.2, 0.2), 0.5, test::vec(1.4 * i, 4, 0));
+    bullet.add(std::make_unique<btSphereShape>(btScalar(0.8)), 0, test::vec(2, 0, 2));
+    bullet.add(std::make_unique<btCylinderShape>(test::vec(0.5, 0.5, 0.5)), 0, test::vec(5, 0, 4));
+    auto hull = std::make_unique<btConvexHullShape>();
+    for (int i = 0; i < 8; ++i)
+      hull->addPoint(test::vec(i & 1 ? 0.5 : -0.4, i & 2 ? 0.3 : -0.3, i & 4 ? 0.6 : -0.5));
+    bullet.add(std::move(hull), 0, test::vec(8, 0.3, 5));
+    mover =
+        bullet.add(std::make_unique<btCapsuleShape>(btScalar(0.3), btScalar(6)), 0, test::vec(-1, 0.4, 3));
+    mover->setCollisionFlags(btCollisionObject::CF_KINEMATIC_OBJECT);
+    mover->setActivationState(DISABLE_DEACTIVATION);
+  }
+
+  void addLinked() {
+    SoftBody* a = *system.createBody(test::cubeNetwork(), at(-6, 3, 0));
+    SoftBody* b = *system.createBody(test::chainNetwork(12), at(-6, 5, 2));
+    b->pin(0);
+    (void)*system.addSpring({a->point(1)}, {b->point(12)});
+    btRigidBody* box = bullet.addBox(test::vec(0.2, 0.2, 0.2), 0.5, test::vec(-7, 2, 0));
+    (void)system.attach(a, 3, *box);
+  }
+
+  void tick() {
+    btTransform pose = mover->getWorldTransform();
+    pose.setOrigin(pose.getOrigin() + test::vec(0.05, 0, 0));
+    mover->setWorldTransform(pose);
+    bullet.tick();
+  }
+
+  std::uint64_t hash() const {
+    std::uint64_t h = 0;
+    for (std::size_t i = 0; i < system.bodyCount(); ++i) {
+      h = h * 31 + system.body(i)->stateHash();
+      h = h * 31 + system.body(i)->contacts().size();
+    }
+    return h;
+  }
+};
+
+std::vector<std::uint64_t> hashesOf(Fair& fair, int ticks) {
+  std::vector<std::uint64_t> hashes;
+  for (int i = 0; i < ticks; ++i) {
+    fair.tick();
+    hashes.push_back(fair.hash());
+  }
+  return hashes;
+}
+
+constexpr int kFairTicks = 80;
+
+/// Returns the hashes on one thread.
+const std::vector<std::uint64_t>& expectedHashes() {
+  static const std::vector<std::uint64_t> hashes = [] {
+    Fair alone;
+    return hashesOf(alone, kFairTicks);
+  }();
+  return hashes;
+}
+
+TEST(ParallelTick, givesTheSameBitsOnAnyNumberOfThreads) {
+  for (const unsigned threads : {1u, 2u, 3u, 8u}) {
+    Fair fair;
+    ThreadPool pool(threads);
+    fair.system.setParallelFor(pool.parallelFor());
+    EXPECT_EQ(hashesOf(fair, kFairTicks), expectedHashes()) << threads << " threads";
+  }
+}
+
+TEST(ParallelTick, takesTasksInAnyOrder) {
+  Fair fair;
+  std::size_t tasks = 0;
+  fair.system.setParallelFor([&](std::size_t count, const std::function<void(std::size_t)>& task) {
+    for (std::size_t i = count; i-- > 0;) task(i);
+    tasks += count;
+  });
+  EXPECT_EQ(hashesOf(fair, kFairTicks), expectedHashes());
+  EXPECT_GT(tasks, std::size_t{kFairTicks} * 100);
+}
+
+TEST(ParallelTick, canBeSwitchedBetweenTicks) {
+  Fair fair;
+  ThreadPool pool(3);
+  std::vector<std::uint64_t> hashes;
+  for (int i = 0; i < kFairTicks; ++i) {
+    fair.system.setParallelFor(i % 2 ? pool.parallelFor() : nullptr);
+    fair.tick();
+    hashes.push_back(fair.hash());
+  }
+  EXPECT_EQ(hashes, expectedHashes());
+}
+
+TEST(ParallelTick, holdsForAllSystemsOfTheWorld) {
+  Fair fair;
+  SoftBodySystem other(*fair.bullet.world);
+  std::size_t calls = 0;
+  other.setParallelFor([&](std::size_t count, const std::function<void(std::size_t)>& task) {
+    ++calls;
+    for (std::size_t i = 0; i < count; ++i) task(i);
+  });
+  fair.tick();
+  EXPECT_GT(calls, 0u);
+}
+
+TEST(ParallelTick, allocatesNothingAfterWarmUp) {
+  BulletWorld bullet;
+  bullet.addBoxFloor();
+  SoftBodySystem system(*bullet.world);
+  ThreadPool pool(2);
+  system.setParallelFor(pool.parallelFor());
+  for (int i = 0; i < 12; ++i) {
+    SoftBodySettings s = test::testedSettings();
+    s.position = {1.5 * i, 1.0, 0};
+    SoftBody* body = *system.createBody(test::cubeNetwork(), s);
+    body->point(0)->setActivationState(DISABLE_DEACTIVATION);
+  }
+  bullet.simulate(3.0);
+  const test::AllocationCounter counter;
+  bullet.simulate(1.0);
+  EXPECT_EQ(counter.allocations(), 0u);
+}
+
+// --- Bullet's schedulers -----------------------------------------------------------------------------------
+
+/// A scheduler as a user may have one, on the threads of a pool.
+struct Scheduler final : btITaskScheduler {
+  Scheduler() : btITaskScheduler("test") {}
+  ThreadPool pool{3};
+  int calls = 0;
+
+  int getMaxNumThreads() const override { return 3; }
+  int getNumThreads() const override { return 3; }
+  void setNumThreads(int) override {}
+  void parallelFor(int begin, int end, int, const btIParallelForBody& body) override {
+    ++calls;
+    pool.run(static_cast<std::size_t>(end - begin), [&](std::size_t i) {
+      const int at = begin + static_cast<int>(i);
+      body.forLoop(at, at + 1);
+    });
+  }
+  btScalar parallelSum(int begin, int end, int, const btIParallelSumBody& body) override {
+    return body.sumLoop(begin, end);
+  }
+};
+
+TEST(ParallelTick, runsOnBulletsSchedulers) {
+  Fair sequential, own;
+  Scheduler scheduler;
+  sequential.system.setParallelFor(parallelForOf(*btGetSequentialTaskScheduler()));
+  own.system.setParallelFor(parallelForOf(scheduler));
+  EXPECT_EQ(hashesOf(sequential, kFairTicks), expectedHashes());
+  EXPECT_EQ(hashesOf(own, kFairTicks), expectedHashes());
+  EXPECT_GT(scheduler.calls, kFairTicks);
+}
+
+}  // namespace
+}  // namespace limber
