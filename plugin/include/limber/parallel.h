@@ -15,14 +15,15 @@ inline namespace LIMBER_BULLET_PRECISION {
 /// ThreadPool, or Bullet's task scheduler (parallelForOf() in soft_body_system.h). The tasks throw nothing.
 using ParallelFor = std::function<void(std::size_t count, const std::function<void(std::size_t)>& task)>;
 
-/// Threads that wait for tasks. Thread rule: one call of run() at a time.
+/// Threads that wait for tasks. Thread rule: any thread may call run(), also in a task; a call while another one
+/// is going on runs its tasks on the calling thread alone.
 ///
 ///     limber::ThreadPool pool;
 ///     soft.setParallelFor(pool.parallelFor());
 class ThreadPool {
  public:
   /// `threads`: number of threads that work, including the one that calls run(); 0: as many as the machine
-  /// runs at the same time.
+  /// runs at the same time. At most 256.
   explicit ThreadPool(unsigned threads = 0);
   ~ThreadPool();
   ThreadPool(const ThreadPool&) = delete;

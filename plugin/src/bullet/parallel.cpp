@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <chrono>
 #include <condition_variable>
 #include <mutex>
 #include <thread>
@@ -21,16 +22,24 @@ inline namespace LIMBER_BULLET_PRECISION {
 
 namespace {
 
-/// Number of looks for work before a thread goes to sleep, about 50 us: the parts of a tick follow one
-/// another faster than a thread wakes up.
-constexpr int kLooks = 2000;
+/// The time for which a thread looks for work before it goes to sleep. The parts of a tick follow one another
+/// faster; waking a thread costs the caller up to 0.1 ms on a virtual machine.
+constexpr std::chrono::microseconds kAwake(400);
 
 void pause() {
 #if defined(__x86_64__) && (defined(__GNUC__) || defined(__clang__))
-  __builtin_ia32_pause();
+  for (int i = 0; i < 32; ++i) __builtin_ia32_pause();
 #else
   std::this_thread::yield();
 #endif
+}
+
+/// Waits until done() or for kAwake. Then the thread may have lost its processor to the one that it waits
+/// for.
+template <class Done>
+void lookFor(Done done) {
+  const auto end = std::chrono::steady_clock::now() + kAwake;
+  while (!done() && std::chrono::steady_clock::now() < end) pause();
 }
 
 }  // namespace
@@ -59,7 +68,7 @@ struct ThreadPool::Impl {
 
   /// Waits for a round other than `seen`. Returns whether there are tasks; the thread then takes part.
   bool join(unsigned& seen) {
-    for (int look = 0; look < kLooks && round == seen; ++look) pause();
+    lookFor([&] { return round != seen; });
     std::unique_lock<std::mutex> lock(mutex);
     begins.wait(lock, [&] { return round != seen; });
     seen = round;
@@ -85,6 +94,15 @@ struct ThreadPool::Impl {
   }
 
   void run(std::size_t n, const std::function<void(std::size_t)>& f) {
+    if (busy.test_and_set(std::memory_order_acquire)) {
+      for (std::size_t i = 0; i < n; ++i) f(i);
+      return;
+    }
+    runOnAll(n, f);
+    busy.clear(std::memory_order_release);
+  }
+
+  void runOnAll(std::size_t n, const std::function<void(std::size_t)>& f) {
     count = n;
     task = &f;
     next = 0;
@@ -95,7 +113,8 @@ struct ThreadPool::Impl {
       const std::lock_guard<std::mutex> lock(mutex);
       state = State::Idle;
     }
-    for (int look = 0; working != 0; ++look) look < kLooks ? pause() : std::this_thread::yield();
+    lookFor([&] { return working == 0; });
+    while (working != 0) std::this_thread::yield();
   }
 
   std::vector<std::thread> threads;
@@ -104,14 +123,17 @@ struct ThreadPool::Impl {
   std::atomic<State> state{State::Idle};  // changes under the mutex, as the next two
   std::atomic<unsigned> round{0};
   std::atomic<unsigned> working{0};  // threads that take part; they leave without the mutex
+  std::atomic_flag busy = ATOMIC_FLAG_INIT;
   std::atomic<std::size_t> next{0};
   std::size_t count = 0;
   const std::function<void(std::size_t)>* task = nullptr;
 };
 
-ThreadPool::ThreadPool(unsigned threads)
-    : impl_(std::make_unique<Impl>(
-          (threads > 0 ? threads : std::max(1u, std::thread::hardware_concurrency())) - 1)) {}
+ThreadPool::ThreadPool(unsigned threads) {
+  constexpr unsigned kMaxThreads = 256;
+  const unsigned wanted = threads > 0 ? threads : std::thread::hardware_concurrency();
+  impl_ = std::make_unique<Impl>(std::clamp(wanted, 1u, kMaxThreads) - 1);
+}
 
 ThreadPool::~ThreadPool() = default;
 

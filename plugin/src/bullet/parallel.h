@@ -22,6 +22,14 @@ class Parallel {
   void use(ParallelFor run) { run_ = std::move(run); }
   bool isOn() const { return run_ != nullptr; }
 
+  /// Returns the number of ranges of inBlocks(); range i begins at i times their size.
+  std::size_t blockCount(std::size_t count) const {
+    return (count + blockSize(count) - 1) / blockSize(count);
+  }
+  std::size_t blockSize(std::size_t count) const {
+    return std::max<std::size_t>(run_ ? (count + kMaxBlocks - 1) / kMaxBlocks : count, 1);
+  }
+
   /// Calls visit(begin, end) for ranges that cover [0, count), each range once.
   template <class Visit>
   void inBlocks(std::size_t count, Visit visit) const {
@@ -30,9 +38,9 @@ class Parallel {
     struct Blocks {
       std::size_t count, size;
       Visit& visit;
-    } const all{count, (count + kMaxBlocks - 1) / kMaxBlocks, visit};
+    } const all{count, blockSize(count), visit};
     // a std::function that refers to one object needs no memory
-    run_((count + all.size - 1) / all.size, [&all](std::size_t block) {
+    run_(blockCount(count), [&all](std::size_t block) {
       all.visit(block * all.size, std::min(all.count, (block + 1) * all.size));
     });
   }

@@ -13,6 +13,7 @@
 #include "bullet/tick_contacts.h"
 
 #include <algorithm>
+#include <mutex>
 
 namespace limber {
 inline namespace LIMBER_BULLET_PRECISION {
@@ -308,8 +309,11 @@ void gatherHeld(SoftBodyData& body, const btCollisionObject& partner, double tic
     if (part) addHeld(body, partner, *part, box, tick, s, found);
     return;
   }
-  for (RigidPart* part : rigids.partsNear(partner, box, tick))
-    addHeld(body, partner, *part, box, tick, s, found);
+  {
+    const std::lock_guard<std::mutex> lock(*body.worldLock);
+    s.parts = rigids.partsNear(partner, box, tick);
+  }
+  for (RigidPart* part : s.parts) addHeld(body, partner, *part, box, tick, s, found);
 }
 
 void gatherSoft(SoftBodyData& body, SoftBodyData& other, double tick, SurfaceSearch& s, TickContacts& found) {
@@ -390,6 +394,58 @@ void shareSoftPartners(const AwakeGroups& groups) {
         std::vector<SoftBodyData*>& theirs = other->softPartners;
         if (std::find(theirs.begin(), theirs.end(), body) == theirs.end()) theirs.push_back(body);
       }
+}
+
+namespace {
+
+bool hasOnlyHeldPartners(const SoftBodyData& body) {
+  return hasSurface(body) && body.freePartners.empty() && body.softPartners.empty() &&
+         !body.settings.selfCollision;
+}
+
+}  // namespace
+
+void HeldPairs::gather(const std::vector<SoftBodyData*>& bodies, btScalar tick, RigidSurfaces& rigids,
+                       ScratchPool<SurfaceSearch>& searches, const Parallel& parallel) {
+  block_ = entry_ = contact_ = candidate_ = 0;
+  used_ = parallel.blockCount(bodies.size());
+  if (blocks_.size() < used_) blocks_.resize(used_);
+  parallel.inBlocks(bodies.size(), [&](std::size_t begin, std::size_t end) {
+    Block& block = blocks_[begin / parallel.blockSize(bodies.size())];
+    block.found.clear();
+    block.entries.clear();
+    const TickContacts& found = block.found;
+    searches.with([&](SurfaceSearch& search) {
+      for (std::size_t i = begin; i < end; ++i) {
+        if (!hasOnlyHeldPartners(*bodies[i])) continue;
+        const std::size_t contacts = found.contacts.size(), candidates = found.candidates.size();
+        gatherSurfacePairs(*bodies[i], tick, rigids, search, block.found);
+        if (found.contacts.size() > contacts || found.candidates.size() > candidates)
+          block.entries.push_back({bodies[i], found.contacts.size(), found.candidates.size()});
+      }
+    });
+  });
+}
+
+bool HeldPairs::take(const SoftBodyData& body, TickContacts& found) {
+  if (!hasOnlyHeldPartners(body)) return false;
+  for (; block_ < used_ && entry_ == blocks_[block_].entries.size(); ++block_)
+    entry_ = contact_ = candidate_ = 0;
+  if (block_ == used_) return true;
+  const Block& block = blocks_[block_];
+  const Entry& entry = block.entries[entry_];
+  if (entry.body != &body) return true;
+  const auto moved = static_cast<std::uint32_t>(found.contacts.size() - contact_);
+  for (; contact_ < entry.contacts; ++contact_)
+    found.add(block.found.contacts[contact_], block.found.sources[contact_]);
+  for (; candidate_ < entry.candidates; ++candidate_) {
+    SurfaceCandidate candidate = block.found.candidates[candidate_];
+    candidate.first += moved;
+    candidate.end += moved;
+    found.candidates.push_back(candidate);
+  }
+  ++entry_;
+  return true;
 }
 
 void gatherSurfacePairs(SoftBodyData& body, btScalar tick, RigidSurfaces& rigids, SurfaceSearch& search,

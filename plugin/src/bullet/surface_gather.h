@@ -5,11 +5,14 @@
 
 #pragma once
 
+#include "bullet/parallel.h"
 #include "bullet/rigid_shapes.h"
 #include "bullet/soft_body_data.h"
 #include "bullet/tick_contacts.h"
 #include "collide/surface_contacts.h"
 
+#include <memory>
+#include <mutex>
 #include <vector>
 
 namespace limber {
@@ -22,6 +25,7 @@ struct SurfaceSearch {
   ContactSearch search;
   std::vector<SurfaceContact> contacts;
   std::vector<HeldPiece> pieces;
+  std::vector<RigidPart*> parts;
   std::vector<Contact> pairs;  ///< of findContactsInStep()
   std::vector<ContactSource> sources;
 };
@@ -30,6 +34,35 @@ struct SurfaceSearch {
 /// that has just been thrown can be far outside the other's search region. Call it after gatherContacts() of
 /// all bodies.
 void shareSoftPartners(const std::vector<LinkedGroup*>& awake);
+
+/// The contacts of surfaces of bodies with nothing near but static and kinematic objects. Such bodies are
+/// searched at the same time.
+class HeldPairs {
+ public:
+  /// Finds the contacts of those of the bodies. Call it after gatherContacts() of all bodies.
+  void gather(const std::vector<SoftBodyData*>& bodies, btScalar tick, RigidSurfaces& rigids,
+              ScratchPool<SurfaceSearch>& searches, const Parallel& parallel);
+
+  /// Adds a body's contacts to `found`. Returns false if the body was not searched. Call it for all bodies in
+  /// their order.
+  bool take(const SoftBodyData& body, TickContacts& found);
+
+ private:
+  /// A body with contacts, and the ends of these.
+  struct Entry {
+    const SoftBodyData* body;
+    std::size_t contacts, candidates;
+  };
+  struct Block {
+    TickContacts found;
+    std::vector<Entry> entries;
+  };
+
+  std::vector<Block> blocks_;  ///< one for each range of bodies; the first used_ are of this tick
+  std::size_t used_ = 0;
+  std::size_t block_ = 0, entry_ = 0;        ///< the next to take
+  std::size_t contact_ = 0, candidate_ = 0;  ///< its first ones
+};
 
 /// Adds to `found` the contacts of the surface of a body with Collision::Surface, now or in the coming tick:
 /// with vertices, edges and triangles of dynamic rigid bodies and of other soft bodies; of its own edges and

@@ -115,6 +115,7 @@ struct SoftBodySystem::Impl::WorldStep {
   ShapeCache shapes;
   RigidSurfaces rigidSurfaces{shapes};
   ScratchPool<SurfaceSearch> searches;
+  HeldPairs heldPairs;
   std::vector<SoftBodyData*> living;       // the bodies in the groups
   std::vector<SoftBodyData*> moving;       // those of the awake groups
   std::vector<SpringConstraint*> springs;  // of all systems

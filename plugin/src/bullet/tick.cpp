@@ -129,9 +129,12 @@ void SoftBodySystem::Impl::WorldStep::collide(btScalar tick) {
     gatherGroup(*awake[g], tick);
   });
   shareSoftPartners(awake);
+  heldPairs.gather(moving, tick, rigidSurfaces, searches, parallel);
   searches.with([&](SurfaceSearch& search) {
     for (SoftBodyData* body : moving)
-      if (isSurfaceBody(*body))
+      if (heldPairs.take(*body, pairs))
+        continue;
+      else if (isSurfaceBody(*body))
         gatherSurfacePairs(*body, tick, rigidSurfaces, search, pairs);
       else
         for (btRigidBody* partner : body->freePartners) gatherPairs(*body, *partner, tick, pairs);
