@@ -151,6 +151,16 @@ void addRows(CsvTable& csv, const SceneCost& s) {
              numberCell(s.gain(cost)), numberCell(s.outside), numberCell(s.foretold(cost.threads))});
 }
 
+/// Returns the scenes with awake bodies whose names contain `text`.
+std::vector<ContactScene> scenesNamed(const std::string& text, bool quick) {
+  std::vector<ContactScene> chosen;
+  std::vector<ContactScene> all = allContactScenes(quick);
+  for (ContactScene& scene : all)
+    if (scene.role != Role::Asleep && scene.name.find(text) != std::string::npos)
+      chosen.push_back(std::move(scene));
+  return chosen;
+}
+
 }  // namespace
 
 ExitCode runThreads(int argc, char** argv) {
@@ -163,22 +173,22 @@ ExitCode runThreads(int argc, char** argv) {
   app.add_option("--repeats", repeats, "repeats of each scene (default 3)")->check(CLI::PositiveNumber);
   app.add_flag("--quick", quick, "few bodies, seconds in all: the times mean nothing");
   if (const auto end = parse(app, argc, argv)) return *end;
+  const std::vector<ContactScene> chosen = scenesNamed(only, quick);
+  if (chosen.empty()) {
+    std::fprintf(stderr, "limber-bench threads: no scene has '%s' in its name\n", only.c_str());
+    return kUsage;
+  }
   if (!canWrite(out, kCsvName)) return kFailure;
   CsvTable csv(out + "/" + kCsvName,
                {"scene", "threads", "tick_ms", "tick_noise_ms", "gain", "share_outside", "gain_at_most"});
   RowProgress progress;
   std::vector<SceneCost> scenes;
-  for (const ContactScene& scene : allContactScenes(quick)) {
-    if (scene.role == Role::Asleep || scene.name.find(only) == std::string::npos) continue;
+  for (const ContactScene& scene : chosen) {
     std::vector<SceneCost> measured;
     for (int i = 0; i < repeats; ++i) measured.push_back(measureScene(scene, progress));
     scenes.push_back(medianOf(measured));
     addRows(csv, scenes.back());
     progress.finish(describe(scenes.back()));
-  }
-  if (scenes.empty()) {
-    std::fprintf(stderr, "limber-bench threads: no scene has '%s' in its name\n", only.c_str());
-    return kUsage;
   }
   publish(summary(scenes), out + "/threads.txt");
   return kSuccess;
