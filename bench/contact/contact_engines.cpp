@@ -40,11 +40,12 @@ SoftContacts cheapestContacts(const ContactScene& scene) {
 }
 
 /// Returns btSoftBody with links as stiff as the springs. It does not sleep in btSoftRigidDynamicsWorld.
-ContactEngine softBody(const std::string& name, int iterations, ContactsOf contacts) {
+ContactEngine softBody(const std::string& name, int iterations, ContactsOf contacts,
+                       double hardness = kHardContacts) {
   ContactEngine engine;
   engine.name = name;
   engine.make = [=](const ContactScene& scene) {
-    return makeSoftBodyEngine(kContactTick, iterations, LinkStiffness::Calibrated, contacts(scene));
+    return makeSoftBodyEngine(kContactTick, iterations, LinkStiffness::Calibrated, contacts(scene), hardness);
   };
   engine.sleeps = false;
   return engine;
@@ -96,8 +97,10 @@ std::vector<ContactEngine> contactFlags() {
   std::vector<ContactEngine> engines = {
       softBody("SDF_RS", 4, always<SoftContacts::Points>),
       softBody("SDF_RS | VF_SS", 4, always<SoftContacts::PointsAndFaces>),
+      softBody("VF_SS with kKHR 0.1", 4, always<SoftContacts::PointsAndFaces>, kBulletsHardness),
       softBody("SDF_RS | CL_SS", 4, always<SoftContacts::PointsAndClusters>),
-      softBody("CL_RS | CL_SS", 4, always<SoftContacts::Clusters>), spheres()};
+      softBody("CL_RS | CL_SS", 4, always<SoftContacts::Clusters>),
+      spheres()};
   engines[1].isReference = true;
   return engines;
 }

@@ -13,8 +13,8 @@ namespace {
 
 class SoftBodyEngine final : public Engine {
  public:
-  SoftBodyEngine(double dt, int iterations, LinkStiffness stiffness, SoftContacts contacts)
-      : dt_(dt), iterations_(iterations), stiffness_(stiffness), contacts_(contacts) {}
+  SoftBodyEngine(double dt, int iterations, LinkStiffness stiffness, SoftContacts contacts, double hardness)
+      : dt_(dt), iterations_(iterations), stiffness_(stiffness), contacts_(contacts), hardness_(hardness) {}
   ~SoftBodyEngine() override;
 
   btDiscreteDynamicsWorld& world() override { return world_; }
@@ -35,6 +35,7 @@ class SoftBodyEngine final : public Engine {
   int iterations_;
   LinkStiffness stiffness_;
   SoftContacts contacts_;
+  double hardness_;
   btSoftBodyRigidBodyCollisionConfiguration configuration_;
   btCollisionDispatcher dispatcher_{&configuration_};
   btDbvtBroadphase broadphase_;
@@ -90,6 +91,7 @@ std::size_t SoftBodyEngine::addBody(const BodySetup& setup) {
   BulletSoftBody soft = makeBulletSoftBody(setup, start, world_.getWorldInfo());
   if (stiffness_ == LinkStiffness::Calibrated) calibrate(setup, start, soft);
   soft.body->m_cfg.piterations = iterations_;
+  soft.body->m_cfg.kKHR = static_cast<btScalar>(hardness_);
   setContacts(*soft.body, contacts_);
   soft.body->m_cfg.kDP = static_cast<btScalar>(1.0 - std::exp(-setup.drag * dt_));
   world_.addSoftBody(soft.body.get());
@@ -105,8 +107,8 @@ void SoftBodyEngine::tick(double dt) {
 }  // namespace
 
 std::unique_ptr<Engine> makeSoftBodyEngine(double dt, int iterations, LinkStiffness stiffness,
-                                           SoftContacts contacts) {
-  return std::make_unique<SoftBodyEngine>(dt, iterations, stiffness, contacts);
+                                           SoftContacts contacts, double hardness) {
+  return std::make_unique<SoftBodyEngine>(dt, iterations, stiffness, contacts, hardness);
 }
 
 }  // namespace limber::bench

@@ -48,6 +48,12 @@ StepList& stepList() {
   return list;
 }
 
+void gatherMovingPairs(SoftBodyData& body, btScalar tick, RigidSurfaces& rigids, SurfaceSearch& search,
+                       TickContacts& found) {
+  if (isSurfaceBody(body)) return gatherSurfacePairs(body, tick, rigids, search, found);
+  for (btRigidBody* partner : body.freePartners) gatherPairs(body, *partner, tick, found);
+}
+
 bool hasLinks(const btCollisionWorld& world) {
   const btCollisionObjectArray& objects = world.getCollisionObjectArray();
   for (int i = 0; i < objects.size(); ++i)
@@ -132,12 +138,7 @@ void SoftBodySystem::Impl::WorldStep::collide(btScalar tick) {
   heldPairs.gather(moving, tick, rigidSurfaces, searches, parallel);
   searches.with([&](SurfaceSearch& search) {
     for (SoftBodyData* body : moving)
-      if (heldPairs.take(*body, pairs))
-        continue;
-      else if (isSurfaceBody(*body))
-        gatherSurfacePairs(*body, tick, rigidSurfaces, search, pairs);
-      else
-        for (btRigidBody* partner : body->freePartners) gatherPairs(*body, *partner, tick, pairs);
+      if (!heldPairs.take(*body, pairs)) gatherMovingPairs(*body, tick, rigidSurfaces, search, pairs);
   });
   if (living.size() > 1) gatherPointPairs(awake, tick, pairs);
   profile.rigidParts = rigidSurfaces.size();
