@@ -12,7 +12,10 @@
 #include <gtest/gtest.h>
 
 #include <atomic>
+#include <cfenv>
 #include <chrono>
+#include <mutex>
+#include <set>
 #include <thread>
 
 namespace limber {
@@ -59,6 +62,25 @@ TEST(ThreadPool, runsTasksOfTasksAndOfOtherThreads) {
   for (int i = 0; i < 1000; ++i) pool.run(3, [&](std::size_t) { ++calls; });
   other.join();
   EXPECT_EQ(calls, 6100);
+}
+
+TEST(ThreadPool, worksAfterATaskHasThrown) {
+  ThreadPool pool(2);
+  const std::thread::id self = std::this_thread::get_id();
+  const auto throwsHere = [&](std::size_t) {
+    if (std::this_thread::get_id() == self) throw 1;
+  };
+  EXPECT_THROW(pool.run(1000, throwsHere), int);
+  std::set<std::thread::id> seen;
+  std::mutex mutex;
+  std::atomic<int> arrived{0};
+  pool.run(2, [&](std::size_t) {
+    ++arrived;
+    while (arrived < 2) std::this_thread::yield();
+    const std::lock_guard<std::mutex> lock(mutex);
+    seen.insert(std::this_thread::get_id());
+  });
+  EXPECT_EQ(seen.size(), 2u);
 }
 
 TEST(ThreadPool, hasAsManyThreadsAsTheMachine) {
@@ -228,6 +250,29 @@ TEST(ParallelTick, allocatesNothingAfterWarmUp) {
     allocations = counter.allocations();
   }
   EXPECT_EQ(allocations, 0u);
+}
+
+TEST(ParallelTick, takesOverRoundingAndDenormalNumbers) {
+  ThreadPool pool(3);
+  std::fenv_t usual;
+  std::fegetenv(&usual);
+  std::fesetround(FE_TOWARDZERO);
+  Fair alone, fair;
+  fair.system.setParallelFor(pool.parallelFor());
+  EXPECT_EQ(hashesOf(fair, 30), hashesOf(alone, 30));
+  std::fesetenv(&usual);
+}
+
+TEST(ParallelTick, theFunctionMayReplaceItself) {
+  Fair fair;
+  int calls = 0;
+  fair.system.setParallelFor([&](std::size_t count, const std::function<void(std::size_t)>& task) {
+    fair.system.setParallelFor(nullptr);
+    for (std::size_t i = 0; i < count; ++i) task(i);
+    ++calls;
+  });
+  EXPECT_EQ(hashesOf(fair, kFairTicks), expectedHashes());
+  EXPECT_EQ(calls, 1);
 }
 
 // --- Bullet's schedulers -----------------------------------------------------------------------------------

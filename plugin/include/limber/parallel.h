@@ -12,11 +12,14 @@ inline namespace LIMBER_BULLET_PRECISION {
 
 /// Calls task(0), ..., task(count - 1), each once, in any order and on any threads, and returns when all
 /// calls have returned. For SoftBodySystem::setParallelFor(): a job system that the program has already, a
-/// ThreadPool, or Bullet's task scheduler (parallelForOf() in soft_body_system.h). The tasks throw nothing.
+/// ThreadPool, or Bullet's task scheduler (parallelForOf() in soft_body_system.h). Limber's tasks throw
+/// nothing, need at most 128 KiB of stack, and take over the floating-point environment of the thread that
+/// steps the world.
 using ParallelFor = std::function<void(std::size_t count, const std::function<void(std::size_t)>& task)>;
 
-/// Threads that wait for tasks. Thread rule: any thread may call run(), also in a task; a call while another one
-/// is going on runs its tasks on the calling thread alone.
+/// Threads that wait for tasks. More threads than free cores make ticks slower. Thread rule: any thread may
+/// call run(), also in a task; a call while another one is going on runs its tasks on the calling thread
+/// alone.
 ///
 ///     limber::ThreadPool pool;
 ///     soft.setParallelFor(pool.parallelFor());
@@ -31,10 +34,12 @@ class ThreadPool {
 
   unsigned threads() const;
 
-  /// See ParallelFor. The calling thread works, too. Allocates nothing.
+  /// See ParallelFor. The calling thread works, too. Allocates nothing. A task that throws on another thread
+  /// ends the program; what one throws on the calling thread comes out, and tasks that have not begun are
+  /// left out.
   void run(std::size_t count, const std::function<void(std::size_t)>& task);
 
-  /// Returns a function that calls run(). The pool must outlive it.
+  /// Returns a function that calls run(). The pool must outlive the last call, in the last tick.
   ParallelFor parallelFor();
 
  private:

@@ -139,14 +139,16 @@ class SoftBodySystem {
   void beforeTick(btScalar tick);
 
   /// Sets the function that runs the parts of a tick on several threads; nullptr (the default): all on the
-  /// thread that steps the world. It applies to all systems of the world. Results are the same, to the bit,
-  /// on any number of threads. Bodies of Collision::Surface are read, searched for contacts with static and
-  /// kinematic objects, stepped, and written in parallel; bodies that touch each other, or a common dynamic
-  /// body, are stepped by one thread. Bodies of Collision::Points are stepped in parallel.
+  /// thread that steps the world. It applies to all systems of the world, also to those created later, until
+  /// it is replaced. Ticks alone call it. Results are the same, to the bit, on any number of threads. Bodies
+  /// of Collision::Surface are read, searched for contacts with static and kinematic objects, stepped, and
+  /// written in parallel; bodies that touch each other, or a common dynamic body, are stepped by one thread.
+  /// Bodies of Collision::Points are stepped in parallel.
   ///
   /// Within a tick these may then be called on any thread, and several at a time: the world's
   /// btOverlapFilterCallback, Bullet's global functions for combined friction and restitution, and virtual
-  /// functions of the user's shapes and objects. Everything else keeps the thread rule above.
+  /// functions of the user's shapes and objects. They must not throw. They may call findSurface(),
+  /// findPoint(), isSystemObject() and SoftBody::settings(). Everything else keeps the thread rule above.
   void setParallelFor(ParallelFor run);
 
   const TickProfile& profile() const;
@@ -169,7 +171,8 @@ class SoftBodySystem {
 
 /// Returns a function for SoftBodySystem::setParallelFor() that runs tasks with one of Bullet's task
 /// schedulers (btCreateDefaultTaskScheduler(), btGetTBBTaskScheduler(), ...) or the user's own. The scheduler
-/// must outlive it. Bullet's schedulers have threads only if Bullet was built with BT_THREADSAFE.
+/// must outlive it. Where Bullet was built without BT_THREADSAFE, as Debian's is, its functions return
+/// nullptr for all schedulers but the sequential one.
 ParallelFor parallelForOf(btITaskScheduler& scheduler);
 
 /// Makes the dispatcher compute contacts between spheres and boxes with Bullet's closed form

@@ -98,24 +98,29 @@ struct ThreadPool::Impl {
       for (std::size_t i = 0; i < n; ++i) f(i);
       return;
     }
-    runOnAll(n, f);
-    busy.clear(std::memory_order_release);
-  }
-
-  void runOnAll(std::size_t n, const std::function<void(std::size_t)>& f) {
     count = n;
     task = &f;
     next = 0;
+    const End end{*this};
     start(State::Running);
     runTasks();
-    {
-      // threads that have not joined yet are not waited for
-      const std::lock_guard<std::mutex> lock(mutex);
-      state = State::Idle;
-    }
-    lookFor([&] { return working == 0; });
-    while (working != 0) std::this_thread::yield();
   }
+
+  /// Ends a round, also if a task has thrown.
+  struct End {
+    Impl& impl;
+    ~End() {
+      impl.next = impl.count;
+      {
+        // threads that have not joined yet are not waited for
+        const std::lock_guard<std::mutex> lock(impl.mutex);
+        impl.state = State::Idle;
+      }
+      lookFor([&] { return impl.working == 0; });
+      while (impl.working != 0) std::this_thread::yield();
+      impl.busy.clear(std::memory_order_release);
+    }
+  };
 
   std::vector<std::thread> threads;
   std::mutex mutex;

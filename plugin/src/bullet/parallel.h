@@ -7,6 +7,7 @@
 #include <limber/parallel.h>
 
 #include <algorithm>
+#include <cfenv>
 #include <memory>
 #include <mutex>
 #include <utility>
@@ -19,7 +20,7 @@ inline namespace LIMBER_BULLET_PRECISION {
 /// Work on one item must not depend on other items: then results are the same on any number of threads.
 class Parallel {
  public:
-  void use(ParallelFor run) { run_ = std::move(run); }
+  void use(ParallelFor run) { run_ = run ? std::make_shared<const ParallelFor>(std::move(run)) : nullptr; }
   bool isOn() const { return run_ != nullptr; }
 
   /// Returns the number of ranges of inBlocks(); range i begins at i times their size.
@@ -38,10 +39,19 @@ class Parallel {
     struct Blocks {
       std::size_t count, size;
       Visit& visit;
-    } const all{count, blockSize(count), visit};
+      std::fenv_t environment;
+    } all{count, blockSize(count), visit, {}};
+    std::fegetenv(&all.environment);
+    // the user may replace the function while it runs
+    const std::shared_ptr<const ParallelFor> run = run_;
     // a std::function that refers to one object needs no memory
-    run_(blockCount(count), [&all](std::size_t block) {
+    (*run)(blockCount(count), [&all](std::size_t block) {
+      // rounding and denormal numbers as on the thread that steps the world
+      std::fenv_t own;
+      std::fegetenv(&own);
+      std::fesetenv(&all.environment);
       all.visit(block * all.size, std::min(all.count, (block + 1) * all.size));
+      std::fesetenv(&own);
     });
   }
 
@@ -57,7 +67,7 @@ class Parallel {
   /// Enough for an even load on tens of threads, and so few that starting them costs little.
   static constexpr std::size_t kMaxBlocks = 64;
 
-  ParallelFor run_;
+  std::shared_ptr<const ParallelFor> run_;
 };
 
 /// Scratch memory for blocks that run at the same time. Its contents must not affect results.

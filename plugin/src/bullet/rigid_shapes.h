@@ -71,8 +71,8 @@ void forEachChildIn(const LocalBox& box, const btCompoundShape& compound, Visit 
 std::uint64_t stampOf(const btCollisionObject& object);
 
 /// Caches the surfaces of convex shapes near soft bodies until they have not been used for a long time. A
-/// hash detects a shape that was changed, or deleted and replaced at the same address. Any thread may call
-/// surfaceOf() and lockMesh().
+/// hash detects, once a tick, a shape that was changed, or deleted and replaced at the same address. Any
+/// thread may call surfaceOf() and lockMesh().
 class ShapeCache {
  public:
   const ShapeSurface& surfaceOf(const btCollisionShape& shape);

@@ -16,6 +16,7 @@
 #include <cstring>
 #include <iterator>
 #include <map>
+#include <utility>
 
 namespace limber {
 inline namespace LIMBER_BULLET_PRECISION {
@@ -288,6 +289,8 @@ std::uint64_t stampOf(const btCollisionObject& object) {
 const ShapeSurface& ShapeCache::surfaceOf(const btCollisionShape& shape) {
   const std::lock_guard<std::mutex> lock(mutex_);
   Entry& entry = entries_[&shape];
+  // others may hold the surface until the tick is over
+  if (entry.surface && std::exchange(entry.lastUsed, tick_) == tick_) return *entry.surface;
   entry.lastUsed = tick_;
   const std::uint64_t hash = hashOfShape(shape);
   if (!entry.surface || entry.hash != hash) {

@@ -408,10 +408,11 @@ bool hasOnlyHeldPartners(const SoftBodyData& body) {
 void HeldPairs::gather(const std::vector<SoftBodyData*>& bodies, btScalar tick, RigidSurfaces& rigids,
                        ScratchPool<SurfaceSearch>& searches, const Parallel& parallel) {
   block_ = entry_ = contact_ = candidate_ = 0;
+  const std::size_t size = parallel.blockSize(bodies.size());
   used_ = parallel.blockCount(bodies.size());
   if (blocks_.size() < used_) blocks_.resize(used_);
   parallel.inBlocks(bodies.size(), [&](std::size_t begin, std::size_t end) {
-    Block& block = blocks_[begin / parallel.blockSize(bodies.size())];
+    Block& block = blocks_[begin / size];
     block.found.clear();
     block.entries.clear();
     const TickContacts& found = block.found;
