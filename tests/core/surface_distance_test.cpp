@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
 // The smallest gap of the contacts of convex bodies must be their distance.
-#include "mesh/closest_points.h"
+#include "mesh/surface.h"
 #include "support/moving_shapes.h"
 
 #include <gtest/gtest.h>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
 // Bounding box trees compared with tests of all pairs, and the inside test of a box.
-#include "mesh/closest_points.h"
+#include "mesh/surface.h"
 #include "support/moving_shapes.h"
 
 #include <gtest/gtest.h>

@@ -8,7 +8,7 @@
 #include "bullet/kinematic_motion.h"
 #include "bullet/rigid_shapes.h"
 #include "bullet/surface_gather.h"
-#include "mesh/closest_points.h"
+#include "mesh/surface.h"
 
 #include <LinearMath/btAabbUtil2.h>
 

@@ -10,7 +10,7 @@
 #include "bullet/soft_body_data.h"
 #include "bullet/surface_body.h"
 #include "bullet/tick_contacts.h"
-#include "mesh/closest_points.h"
+#include "mesh/surface.h"
 #include "solver/point_state.h"
 
 #include <algorithm>

@@ -5,7 +5,7 @@
 // surface_contacts.cpp reduces to contacts.
 
 #include "collide/surface_contacts.h"
-#include "mesh/closest_points.h"
+#include "mesh/surface.h"
 
 namespace limber {
 

@@ -4,7 +4,7 @@
 #include "collide/surface_contacts.h"
 
 #include "collide/feature_contacts.h"
-#include "mesh/closest_points.h"
+#include "mesh/surface.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "collide/surface.h"
 
-#include "mesh/closest_points.h"
+#include "mesh/surface.h"
 
 #include <algorithm>
 #include <array>

@@ -2,7 +2,7 @@
 // Prepares the rows of contacts and joints, and updates them to the motion of the bodies in the substeps.
 #include "solver/contacts.h"
 
-#include "mesh/closest_points.h"
+#include "mesh/surface.h"
 #include "solver/contact_constraint.h"
 
 #include <Eigen/Geometry>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "solver/held_surface.h"
 
-#include "mesh/closest_points.h"
+#include "mesh/surface.h"
 
 #include <Eigen/Geometry>
 
