@@ -21,7 +21,8 @@ enum class SoftContacts : std::uint8_t {
 };
 
 /// kKHR of the bodies: the share of the overlap with a static or kinematic object that an iteration removes.
-/// With Bullet's default of 0.1 bodies sink in; 1 costs the same. It made one scene worse, a stack of soft cubes.
+/// With Bullet's default of 0.1 bodies sink in; 1 costs the same. It made one scene worse, a stack of soft
+/// cubes.
 constexpr double kHardContacts = 1.0, kBulletsHardness = 0.1;
 
 /// Creates Bullet's position-based soft body. Bodies without faces collide with their points.
