@@ -7,6 +7,7 @@
 
 #include <limber/limber.h>
 
+#include <BulletCollision/Gimpact/btGImpactShape.h>
 #include <LinearMath/btThreads.h>
 
 #include <gtest/gtest.h>
@@ -133,10 +134,22 @@ struct Fair {
     for (int i = 0; i < 8; ++i)
       hull->addPoint(test::vec(i & 1 ? 0.5 : -0.4, i & 2 ? 0.3 : -0.3, i & 4 ? 0.6 : -0.5));
     bullet.add(std::move(hull), 0, test::vec(8, 0.3, 5));
+    addSharedMesh();
     mover =
         bullet.add(std::make_unique<btCapsuleShape>(btScalar(0.3), btScalar(6)), 0, test::vec(-1, 0.4, 3));
     mover->setCollisionFlags(btCollisionObject::CF_KINEMATIC_OBJECT);
     mover->setActivationState(DISABLE_DEACTIVATION);
+  }
+
+  /// Bullet counts the readers of such a mesh; several cubes fall on it.
+  void addSharedMesh() {
+    auto mesh = std::make_unique<btTriangleMesh>();
+    for (int i = 0; i < 14; ++i)
+      mesh->addTriangle(test::vec(i, 0.05, 6), test::vec(i, 0.1, 9), test::vec(i + 1, 0.1, 6));
+    auto shape = std::make_unique<btGImpactMeshShape>(mesh.get());
+    shape->updateBound();
+    bullet.meshes.push_back(std::move(mesh));
+    bullet.add(std::move(shape), 0, test::vec(0, 0, 0));
   }
 
   void addLinked() {

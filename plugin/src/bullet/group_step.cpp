@@ -333,15 +333,15 @@ bool canUseLanes(const LinkedGroup& group) {
 void StepPlan::collect(const AwakeGroups& groups) {
   collected_.clear();
   for (LinkedGroup* group : groups)
-    if (!group->inIsland && canUseLanes(*group)) collected_.push_back(group);
+    if (!group->inIsland) collected_.push_back(group);
+  const auto others = std::partition(collected_.begin(), collected_.end(),
+                                     [](const LinkedGroup* group) { return canUseLanes(*group); });
+  forLanes_ = static_cast<std::size_t>(others - collected_.begin());
   // groups are in an array in their order
   const auto before = [](const LinkedGroup* a, const LinkedGroup* b) {
     return std::tie(a->model, a->substeps, a) < std::tie(b->model, b->substeps, b);
   };
-  std::sort(collected_.begin(), collected_.end(), before);
-  forLanes_ = collected_.size();
-  for (LinkedGroup* group : groups)
-    if (!group->inIsland && !canUseLanes(*group)) collected_.push_back(group);
+  std::sort(collected_.begin(), others, before);
 }
 
 void StepPlan::makeRuns() {

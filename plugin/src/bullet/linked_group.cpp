@@ -113,7 +113,10 @@ void addBody(LinkedGroup& group, SoftBodyData* body) {
   if (!body->tetrahedra.empty()) group.step.bodies.back().tetrahedra = &body->tetrahedra;
   group.step.bodies.back().watch = body->watch.get();
   group.step.bodies.back().rest = &body->model->rest;
-  if (isSurfaceBody(*body)) group.step.bodies.back().sums = &body->sums;
+  if (isSurfaceBody(*body))
+    group.step.bodies.back().sums = &body->sums;
+  else
+    group.hasWorldPoints = true;
   group.step.links.points.push_back(&body->state);
 }
 
@@ -254,11 +257,6 @@ void writeGroupToBullet(LinkedGroup& group, btScalar tick) {
   for (SoftBodyData* body : group.bodies) writeBodyToBullet(*body, tick);
   for (std::size_t i = 0; i < group.rigids.size(); ++i)
     writeRigidToBullet(group.rigids[i], group.step.links.rigids[i], tick);
-}
-
-bool hasWorldPoints(const LinkedGroup& group) {
-  return std::any_of(group.bodies.begin(), group.bodies.end(),
-                     [](const SoftBodyData* body) { return !isSurfaceBody(*body); });
 }
 
 void readGroupFromBullet(LinkedGroup& group, btScalar tick) {

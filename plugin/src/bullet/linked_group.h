@@ -32,7 +32,8 @@ struct LinkedGroup {
   std::vector<RigidPartner> rigids;        ///< step.links.rigids[i] is rigids[i]
   std::vector<SpringConstraint*> springs;  ///< step.links.springs[i] is springs[i]
   std::size_t model = 0;                   ///< number of the first body's model, in order of first appearance
-  double calmTime = 0.0;  ///< s, time for which all motion has been below the sleeping thresholds
+  double calmTime = 0.0;        ///< s, time for which all motion has been below the sleeping thresholds
+  bool hasWorldPoints = false;  ///< a body has its point masses in the world (Collision::Points)
   bool asleep = false;
   bool inIsland = false;  ///< in this tick it is stepped together with the bodies that it touches
   Stepping stepping;      ///< the strictest settings of its bodies
@@ -73,9 +74,6 @@ void updateBroadphaseBoxes(LinkedGroup& group, btScalar tick);
 void gatherGroup(LinkedGroup& group, btScalar tick);
 void writeGroupToBullet(LinkedGroup& group, btScalar tick);
 void readGroupFromBullet(LinkedGroup& group, btScalar tick);
-
-/// Returns whether one of the bodies has its point masses in the world (Collision::Points).
-bool hasWorldPoints(const LinkedGroup& group);
 
 // --- sleep -------------------------------------------------------------------------------------------------
 

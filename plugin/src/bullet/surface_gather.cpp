@@ -305,7 +305,11 @@ void gatherHeld(SoftBodyData& body, const btCollisionObject& partner, double tic
     if (soft.boxes->nodes.empty()) return;
     std::unique_ptr<ConcavePatch>& patch = searchWith(body, partner, 0).patch;
     if (!patch) patch = std::make_unique<ConcavePatch>();
-    RigidPart* part = trianglesIn(soft.boxes->nodes[0], partner, *patch);
+    RigidPart* part = nullptr;
+    {
+      const std::unique_lock<std::mutex> lock = body.shapes->lockMesh(*partner.getCollisionShape());
+      part = trianglesIn(soft.boxes->nodes[0], partner, *patch);
+    }
     if (part) addHeld(body, partner, *part, box, tick, s, found);
     return;
   }

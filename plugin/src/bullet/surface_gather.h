@@ -11,8 +11,6 @@
 #include "bullet/tick_contacts.h"
 #include "collide/surface_contacts.h"
 
-#include <memory>
-#include <mutex>
 #include <vector>
 
 namespace limber {

@@ -213,10 +213,10 @@ void SoftBodySystem::Impl::WorldStep::afterTick(btScalar tick) {
   if (!(tick > btScalar(0))) return;
   const StopWatch watch(profile.readMs);
   parallel.forEach(awake.size(), [&](std::size_t g) {
-    if (!hasWorldPoints(*awake[g])) readGroupFromBullet(*awake[g], tick);
+    if (!awake[g]->hasWorldPoints) readGroupFromBullet(*awake[g], tick);
   });
   for (LinkedGroup* group : awake) {
-    if (hasWorldPoints(*group)) readGroupFromBullet(*group, tick);
+    if (group->hasWorldPoints) readGroupFromBullet(*group, tick);
     for (std::size_t i = 0; i < group->springs.size(); ++i)
       group->springs[i]->force_ = group->step.links.springs[i].force;
   }
