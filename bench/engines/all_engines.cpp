@@ -10,7 +10,8 @@ void addSteppers(std::vector<EngineChoice>& choices) {
   const std::pair<const char*, Stepper> steppers[] = {{"auto", Stepper::Auto},
                                                       {"verlet", Stepper::Verlet},
                                                       {"midpoint", Stepper::ImplicitMidpoint},
-                                                      {"newton", Stepper::BandedNewton}};
+                                                      {"newton", Stepper::BandedNewton},
+                                                      {"euler", Stepper::ImplicitEuler}};
   for (const auto& [name, stepper] : steppers)
     choices.push_back({"limber", name, [s = stepper](double) { return makeLimberEngine(s); }});
 }

@@ -43,7 +43,8 @@ SharedNetwork loosePoints(int count) {
 
 TEST(WithoutSprings, pointsFlyAndComeToRest) {
   for (const int count : {1, 3})
-    for (const Stepper stepper : {Stepper::Auto, Stepper::ImplicitMidpoint, Stepper::BandedNewton}) {
+    for (const Stepper stepper :
+         {Stepper::Auto, Stepper::ImplicitMidpoint, Stepper::BandedNewton, Stepper::ImplicitEuler}) {
       BulletWorld bullet;
       bullet.addBoxFloor();
       SoftBodySystem system(*bullet.world);

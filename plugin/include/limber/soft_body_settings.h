@@ -21,7 +21,9 @@ enum class Stepper : std::uint8_t {
   Auto,              ///< the cheapest of the following for the body's stiffness, damping, mesh and tick
   Verlet,            ///< velocity Verlet with the number of substeps that the stiffest spring requires
   ImplicitMidpoint,  ///< local/global iterations with a factorisation shared by all bodies of one network
-  BandedNewton       ///< implicit midpoint with Newton's method, for ropes and chains
+  BandedNewton,      ///< implicit midpoint with Newton's method, for ropes and chains
+  ImplicitEuler      ///< linearised backward Euler, at a cost that does not depend on the stiffness; for
+                     ///< budgets (maxSubsteps) that are too small for Verlet. Loses fast oscillations
 };
 
 /// Time resolution of the springs within one Bullet tick. Every choice is stable. These settings increase the

@@ -132,6 +132,7 @@ bool hasTolerance(const LinkedGroup& group) {
 void setChoice(LinkedGroup& group, const SteppingChoice& choice) {
   group.stepper = choice.stepper;
   group.substeps = choice.substeps;
+  group.stable = choice.stable;
   group.cut = choice.cut;
 }
 
@@ -147,10 +148,22 @@ void rewind(LinkedGroup& group) {
   }
 }
 
+/// Keeps the forces of the contacts with surfaces until the next tick, from their impulses in the last
+/// substep of dt seconds; 0: none.
+void storeLoads(SoftBodyData& body, double dt) {
+  if (dt == 0.0) return void(body.loads.resize(3, 0));
+  body.loads.setZero(3, body.state.position.cols());
+  for (const PlaneContact& row : body.contacts) body.loads.col(row.point) += row.load / dt;
+}
+
 void stepOnce(LinkedGroup& group, double tick, SharedFactors& factors) {
   if (group.stepper == Stepper::Verlet) {
     useSpringBatches(group);
     return stepVerlet(group.step, tick, group.substeps);
+  }
+  if (group.stepper == Stepper::ImplicitEuler) {
+    for (SoftBodyData* body : group.bodies) takeLoads(*body, tick / group.substeps);
+    return stepImplicitEuler(group.step, tick, group.substeps);
   }
   const auto kind =
       group.stepper == Stepper::BandedNewton ? MidpointSolver::Kind::Newton : MidpointSolver::Kind::Shared;
@@ -196,6 +209,18 @@ bool isFreeBody(const LinkedGroup& group) {
 
 bool isFolded(const SoftBodyData& body) { return body.volumes.farFromRest || body.tetrahedra.farFromRest; }
 
+/// Ratio of Verlet's stable substeps to those of implicit Euler, below which no spring is softened. See
+/// kLargestImplicitPhaseSquared: a substep of Verlet at its limit has a phase of 1.8.
+constexpr int kUnsoftened = 12;
+
+}  // namespace
+
+bool isUnsoftened(const LinkedGroup& group) {
+  return group.stepper == Stepper::ImplicitEuler && group.stable <= kUnsoftened * group.substeps;
+}
+
+namespace {
+
 /// Starts or ends the energy limit. `lasting`: the bound is the energy in the first of consecutive ticks with
 /// this flag, plus changes from outside. `once`: the bound is the present energy, for this tick only.
 void guard(LinkedGroup& group, bool lasting, bool once) {
@@ -221,7 +246,7 @@ void startEnergyLimit(LinkedGroup& group, double tick) {
   if (group.inIsland) return;  // see limitIslandEnergy()
   if (!isPlain(group.step)) return guard(group, false, false);
   const SoftBodyData& single = *group.bodies[0];
-  const bool cut = group.cut && group.stepper == Stepper::Verlet;
+  const bool cut = group.stepper == Stepper::Verlet ? group.cut : isUnsoftened(group);
   const bool lasting = (cut || bounces(single.contacts)) && areSurfacesAtRest(single.contacts);
   const bool once = single.contacts.empty() && isFolded(single);
   const bool free = (lasting || once) && isFreeBody(group);
@@ -287,6 +312,24 @@ void repeatIfMissed(LinkedGroup& group, double tick, SharedFactors& factors) {
 
 }  // namespace
 
+void takeLoads(SoftBodyData& body, double dt) {
+  std::uint32_t last = static_cast<std::uint32_t>(-1);
+  Eigen::Vector3d left = Eigen::Vector3d::Zero();
+  for (PlaneContact& row : body.contacts) {
+    row.load.setZero();
+    if (body.loads.cols() == 0) continue;
+    if (row.point != last) left = dt * body.loads.col(row.point);
+    const bool first = row.point != last;
+    last = row.point;
+    const double pressing = row.normal.dot(left);
+    if (!(pressing > 0.0)) continue;
+    row.load = pressing * row.normal;
+    const Eigen::Vector3d across = left - row.load;
+    if (first) row.load += coneFactor(across.squaredNorm(), row.friction * pressing) * across;
+    left -= row.load;
+  }
+}
+
 bool areSurfacesAtRest(const std::vector<PlaneContact>& rows) {
   const auto isStill = [](const PlaneContact& row) { return row.surfaceVelocity.isZero(0.0); };
   return std::all_of(rows.begin(), rows.end(), isStill);
@@ -296,8 +339,9 @@ void chooseStepping(LinkedGroup& group, double tick) {
   group.stepping = strictest(group);
   SteppingProblem problem = problemOf(group, tick);
   setChoice(group, limber::chooseStepping(problem, group.stepping));
-  for (SoftBodyData* body : group.bodies) body->prefersImplicit = group.stepper != Stepper::Verlet;
-  if (group.inIsland && group.stepper != Stepper::Verlet) {
+  const bool midpoint = group.stepper != Stepper::Verlet && group.stepper != Stepper::ImplicitEuler;
+  for (SoftBodyData* body : group.bodies) body->prefersImplicit = midpoint;
+  if (group.inIsland && midpoint) {
     problem.implicitPossible = false;
     setChoice(group, limber::chooseStepping(problem, group.stepping));
   }
@@ -406,6 +450,7 @@ void reportStepping(LinkedGroup& group, double tick) {
     body.errorPerSecond = body.errorCoefficient * square;
     body.substeps = group.substeps;
     body.stepper = group.stepper;
+    storeLoads(body, group.stepper == Stepper::ImplicitEuler ? tick / group.substeps : 0.0);
     if (group.stepper == Stepper::Verlet && body.implicit) body.implicit->meanOver = 0.0;
   }
 }

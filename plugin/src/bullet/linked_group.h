@@ -40,6 +40,7 @@ struct LinkedGroup {
   int substeps = 0;
   bool cut = false;  ///< maxSubsteps allows fewer substeps than it needs
   Stepper stepper = Stepper::Verlet;
+  int stable = 1;  ///< substeps that Verlet needs
 };
 
 /// The groups that are awake in a tick, in the order of all groups.
@@ -97,8 +98,15 @@ void chooseStepping(LinkedGroup& group, double tick);
 /// oscillations hardly resolved, its energy must not rise as long as that is so.
 void limitIslandEnergy(LinkedGroup& group, bool alone);
 
+/// Whether implicit Euler gives the springs their full stiffness: their energy is then known.
+bool isUnsoftened(const LinkedGroup& group);
+
 /// Returns whether the surfaces of all these contacts are at rest.
 bool areSurfacesAtRest(const std::vector<PlaneContact>& rows);
+
+/// Gives the contacts with surfaces their impulses in a substep of dt seconds before, for
+/// stepImplicitEuler().
+void takeLoads(SoftBodyData& body, double dt);
 
 /// Updates the stepping results of the bodies, after the step.
 void reportStepping(LinkedGroup& group, double tick);

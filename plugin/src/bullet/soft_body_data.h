@@ -250,6 +250,7 @@ struct SoftBodyData {
   bool prefersImplicit = false;  ///< in the last tick, if it were in no island
   std::unique_ptr<SpringBatchArrays> springBatches;  ///< see useSpringBatches()
   std::unique_ptr<ImplicitState> implicit;           ///< created when it is first stepped implicitly
+  Points loads;  ///< 3 x #points, N, of contacts with surfaces, if the last tick's stepper was ImplicitEuler
   std::vector<float> skinned;                        ///< 3 x #points, scratch of a body with a skin
 
   /// Called when the application deletes one of the points.

@@ -119,6 +119,9 @@ constexpr double kLargestPhaseStep = 0.9 * 2.0;
 constexpr double kVerletPerImplicit = 60.0;
 constexpr int kImplicitSubsteps = 4;
 
+/// Substeps of implicit Euler that the user has set without a limit.
+constexpr int kEulerSubsteps = 20;
+
 /// With a smaller tolerance, accurate oscillations are required. The midpoint rule's error of a period,
 /// (omega h)^2 / 12, is twice that of Verlet with as many substeps, each of which costs it a hundred times as
 /// much: it cannot provide an accuracy that is too expensive for Verlet.
@@ -173,13 +176,16 @@ VerletNeed verletNeed(const SteppingProblem& p, const Stepping& s) {
 /// below the default excludes steppers that cannot meet it, and an error tolerance makes them more expensive.
 /// So no error rises when a tolerance falls.
 Stepper choose(const SteppingProblem& p, const Stepping& s, const VerletNeed& verlet, int implicit) {
-  if (!p.implicitPossible) return Stepper::Verlet;
-  if (s.stepper != Stepper::Auto) return s.stepper;
-  const bool strong = p.cheapNewton && p.dampingRate * p.tick / verlet.atDefault > kStrongDamping;
   const bool tooExpensive = s.maxSubsteps > 0 && verlet.stable > s.maxSubsteps;
+  const bool midpoint = s.stepper == Stepper::ImplicitMidpoint || s.stepper == Stepper::BandedNewton;
+  if (s.stepper == Stepper::Auto && tooExpensive) return Stepper::ImplicitEuler;
+  if (midpoint && !p.implicitPossible) return tooExpensive ? Stepper::ImplicitEuler : Stepper::Verlet;
+  if (s.stepper != Stepper::Auto) return s.stepper;
+  if (!p.implicitPossible) return Stepper::Verlet;
+  const bool strong = p.cheapNewton && p.dampingRate * p.tick / verlet.atDefault > kStrongDamping;
   const bool many = verlet.stable > kVerletPerImplicit * implicit && !p.touching && !p.held &&
                     s.periodTolerance >= kDefaultPeriodTolerance;
-  return strong || tooExpensive || many ? implicitFor(p, strong) : Stepper::Verlet;
+  return strong || many ? implicitFor(p, strong) : Stepper::Verlet;
 }
 
 /// Errors of the midpoint rule are proportional to the square of the substep, as those of Verlet.
@@ -248,8 +254,14 @@ SteppingChoice chooseStepping(const SteppingProblem& p, const Stepping& s) {
   const int implicit = std::max(implicitNeed(s), required);
   SteppingChoice choice;
   choice.stepper = choose(p, s, need, implicit);
+  choice.stable = need.stable;
   const bool verlet = choice.stepper == Stepper::Verlet;
   choice.substeps = verlet ? std::max(need.accurate, required) : implicit;
+  // with as many substeps as Verlet, it would be less exact than Verlet
+  if (choice.stepper == Stepper::ImplicitEuler)
+    choice.substeps = s.maxSubsteps > 0 ? std::max(need.accurate, required)
+                                        : std::min(std::max(kEulerSubsteps, required),
+                                                   std::max(kEulerSubsteps, need.stable));
   if (s.maxSubsteps <= 0) return choice;
   const int limit = std::max(s.maxSubsteps, verlet ? need.stable : 1);
   choice.cut = choice.substeps > limit;

@@ -64,6 +64,7 @@ struct SteppingProblem {
 struct SteppingChoice {
   Stepper stepper = Stepper::Verlet;
   int substeps = 1;
+  int stable = 1;    ///< substeps that Verlet needs to be stable
   bool cut = false;  ///< maxSubsteps allows fewer than are needed
 };
 
@@ -82,7 +83,7 @@ double fastestTurn(const SpringArrays& springs, const PointState& state, double 
 ///   - an implicit stepper, where the stable number of substeps costs more, for bodies in free motion:
 ///     Newton's method for ropes and chains, local/global iterations for all others; not with a
 ///     periodTolerance below the default;
-///   - an implicit stepper too if maxSubsteps is less than Verlet's stable number.
+///   - implicit Euler if maxSubsteps is less than Verlet's stable number.
 /// A tolerance raises the number of substeps, maxSubsteps limits it. A stepper that the user has set is used
 /// where possible.
 SteppingChoice chooseStepping(const SteppingProblem& problem, const Stepping& settings);
