@@ -39,7 +39,8 @@ struct Stepping {
   double tolerance = 0.0;          ///< m per second of motion, of SoftBody::errorPerSecond(); 0: not used
   double relativeTolerance = 0.0;  ///< the same as a fraction of the body's size per second; 0: not used
   int maxSubsteps = 0;  ///< per tick; 0: no limit. A body that would need more to be stable is stepped
-                        ///< implicitly; SoftBody::errorPerSecond() reports the resulting error
+                        ///< by ImplicitEuler, together with all that touches it; take 4 or more.
+                        ///< SoftBody::errorPerSecond() estimates the resulting error
 };
 
 /// Behaviour of springs beyond a strain, |length / rest length - 1|. A strain of 0 disables it.
