@@ -10,8 +10,7 @@ void addSteppers(std::vector<EngineChoice>& choices) {
   const std::pair<const char*, Stepper> steppers[] = {{"auto", Stepper::Auto},
                                                       {"verlet", Stepper::Verlet},
                                                       {"midpoint", Stepper::ImplicitMidpoint},
-                                                      {"newton", Stepper::BandedNewton},
-                                                      {"euler", Stepper::ImplicitEuler}};
+                                                      {"newton", Stepper::BandedNewton}};
   for (const auto& [name, stepper] : steppers)
     choices.push_back({"limber", name, [s = stepper](double) { return makeLimberEngine(s); }});
 }

@@ -217,7 +217,6 @@ double highestSpeed(const Run& run, double dt) {
 Story withFineSubsteps(Story story, double periodTolerance) {
   return changed(std::move(story), [=](Step& s) {
     if (s.kind != Kind::Soft) return;
-    if (s.choice("stepper") == "euler") s.choose("stepper", "auto");  // of first order
     s.set("period", periodTolerance).set("tolerance", 0).set("relative", 0).set("budget", 0).set("ccd", 1);
   });
 }
@@ -237,22 +236,11 @@ Story complete(Story story) {
   return story;
 }
 
-/// m: bodies with a budget are stepped by iterations that end before convergence, in single precision. So
-/// equal worlds that are described differently give results that differ by more than round-off in doubles.
-const double kBudgetAllowance = 5e-3;
-
-bool hasImplicitEuler(const Story& story) {
-  return std::any_of(story.steps.begin(), story.steps.end(), [](const Step& s) {
-    return s.kind == Kind::Soft && (s["budget"] > 0.0 || s.choice("stepper") == "euler");
-  });
-}
-
 std::vector<Law> lawsFor(const Story& story) {
   std::vector<Law> laws;
   addMotions(story, laws);
   if (story.first(Kind::Floor).id) {
-    // implicit substeps keep the contacts of the last one, and which these are depends on the kind of floor
-    if (!hasImplicitEuler(story)) addFloors(story, laws);
+    addFloors(story, laws);
     // m: objects that touch it never sleep, as in "awake" below
     laws.push_back({"kinematic-floor",
                     changed(story,
@@ -313,11 +301,10 @@ std::optional<Failure> compare(const Law& law, const Run& run, const Run& other,
   if (other.failure) return Failure{name, other.failure->law + ", " + other.failure->detail};
   const auto step = static_cast<std::size_t>(law.framesPerFrame);
   const Vector3d middle = law.story.first(Kind::Floor).vec("position");
-  const double allowance = law.allowance + (hasImplicitEuler(law.story) ? kBudgetAllowance : 0.0);
   for (std::size_t i = 0; i < run.frames.size() && i * step < other.frames.size(); ++i) {
     if (!isOver(run.frames[i], middle, law.extent)) return {};
     const double error = distance(run.frames[i], other.frames[i * step], law.motion);
-    if (error > allowance + double(i) * law.allowancePerFrame + allowed[i])
+    if (error > law.allowance + double(i) * law.allowancePerFrame + allowed[i])
       return Failure{name, "frame " + std::to_string(static_cast<long>(i) - 1) + ": " +
                                std::to_string(error) + " m off, round-off may make " +
                                std::to_string(1e6 * allowed[i]) + "e-6"};

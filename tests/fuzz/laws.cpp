@@ -88,10 +88,6 @@ Story inShorterSubsteps(Story story) {
 /// real. This error falls with dt^2; energy that is really created does not. So the check is repeated with
 /// shorter substeps.
 std::optional<Failure> checkEnergy(const Story& story, const Run& run, const Run& twin) {
-  // in fewer substeps than this, an impact can crush a body further than any force of it acts
-  constexpr double kLeastBudget = 4.0;
-  for (const Step& s : story.steps)
-    if (s.kind == Kind::Soft && s["budget"] > 0.0 && s["budget"] < kLeastBudget) return {};
   auto failure = checkEnergy(story, run, twin, 0.02);
   if (!failure || checkEnergy(story, run, twin, 0.12)) return failure;
   const Story shorter = inShorterSubsteps(story);

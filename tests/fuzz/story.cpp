@@ -93,7 +93,7 @@ std::vector<KindInfo> sceneKinds() {
         number("mask", -1),
         number("ccd", 1),
         number("sleeping-speed", 0.1, kSpeed),
-        choice("stepper", "auto verlet implicit newton euler"),
+        choice("stepper", "auto verlet implicit newton"),
         number("at-least", 5),
         number("period", 0.04),
         number("tolerance", 0, kSpeed),

@@ -21,9 +21,7 @@ enum class Stepper : std::uint8_t {
   Auto,              ///< the cheapest of the following for the body's stiffness, damping, mesh and tick
   Verlet,            ///< velocity Verlet with the number of substeps that the stiffest spring requires
   ImplicitMidpoint,  ///< local/global iterations with a factorisation shared by all bodies of one network
-  BandedNewton,      ///< implicit midpoint with Newton's method, for ropes and chains
-  ImplicitEuler      ///< linearised backward Euler, at a cost that does not depend on the stiffness; for
-                     ///< budgets (maxSubsteps) that are too small for Verlet. Loses fast oscillations
+  BandedNewton       ///< implicit midpoint with Newton's method, for ropes and chains
 };
 
 /// Time resolution of the springs within one Bullet tick. Every choice is stable. These settings increase the
@@ -38,9 +36,10 @@ struct Stepping {
                                    ///< costs 1.41x the substeps
   double tolerance = 0.0;          ///< m per second of motion, of SoftBody::errorPerSecond(); 0: not used
   double relativeTolerance = 0.0;  ///< the same as a fraction of the body's size per second; 0: not used
-  int maxSubsteps = 0;  ///< per tick; 0: no limit. A body that would need more to be stable is stepped
-                        ///< by ImplicitEuler, together with all that touches it; take 4 or more.
-                        ///< SoftBody::errorPerSecond() estimates the resulting error
+  int maxSubsteps = 0;  ///< per tick; 0: no limit. The springs, volume terms and links of a body that would
+                        ///< need more to be stable are softened to what these substeps resolve, see
+                        ///< SoftBody::softening(). So the cost is bounded at any stiffness. Bodies that touch
+                        ///< take the largest number of any of them, linked ones the smallest limit
 };
 
 /// Behaviour of springs beyond a strain, |length / rest length - 1|. A strain of 0 disables it.

@@ -35,6 +35,43 @@ Stepping strictest(const LinkedGroup& group) {
   return all;
 }
 
+// --- budgets -----------------------------------------------------------------------------------------------
+
+void setConstants(SoftBodyData& body, const ElasticConstants& constants) {
+  body.springs.original = constants.springs;
+  body.volumes.constants = constants.volumes;
+  body.tetrahedra.constants = constants.tetrahedra;
+  if (SpringConstants* own = body.springs.yielded.get())
+    for (std::size_t i = 0; i < own->a.size(); ++i) {
+      if (own->extensionStiffness[i] == 0.0 && own->compressionStiffness[i] == 0.0) continue;  // broken
+      own->extensionStiffness[i] = constants.springs->extensionStiffness[i];
+      own->compressionStiffness[i] = constants.springs->compressionStiffness[i];
+    }
+  ++body.springs.revision;
+  body.implicit.reset();
+  body.frequencyStale = true;
+}
+
+/// Softens the body so that its fastest oscillation is `largest` (rad^2/s^2), or ends this with 0. Does
+/// nothing while that and the masses stay.
+void soften(SoftBodyData& body, double largest) {
+  const double present = body.softening ? body.softening->largest : 0.0;
+  if (largest == present && !(body.frequencyStale && body.softening)) return;
+  const BodyModel& model = *body.model;
+  const ElasticConstants full{model.springs.original, model.volumes.constants, model.tetrahedra.constants};
+  const Points rest = scaledRest(*model.network, body.settings.scale);
+  body.softening = largest > 0.0 ? model.softening->of(full, rest, body.state.inverseMass, largest) : nullptr;
+  setConstants(body, body.softening ? body.softening->constants : full);
+}
+
+/// (omega dt)^2 of what a budget resolves. The energy of an oscillation that Verlet computes varies by the
+/// factor  1 / (1 - (omega dt)^2 / 4),  here 2: more would crush bodies. What is left to the limit of 4 is
+/// for volume terms, whose forces grow while a body is deformed and are limited to
+/// kernel::kLargestPhaseSquared.
+constexpr double kBudgetPhaseSquared = 2.0;
+
+// --- rates -------------------------------------------------------------------------------------------------
+
 /// Returns the largest ratio of an inverse mass to that of the settings. The eigenvalues of M^-1/2 K M^-1/2
 /// grow at most by this factor.
 double lightest(const SoftBodyData& body) {
@@ -132,7 +169,6 @@ bool hasTolerance(const LinkedGroup& group) {
 void setChoice(LinkedGroup& group, const SteppingChoice& choice) {
   group.stepper = choice.stepper;
   group.substeps = choice.substeps;
-  group.stable = choice.stable;
   group.cut = choice.cut;
 }
 
@@ -148,22 +184,10 @@ void rewind(LinkedGroup& group) {
   }
 }
 
-/// Keeps the forces of the contacts with surfaces until the next tick, from their impulses in the last
-/// substep of dt seconds; 0: none.
-void storeLoads(SoftBodyData& body, double dt) {
-  if (dt == 0.0) return void(body.loads.resize(3, 0));
-  body.loads.setZero(3, body.state.position.cols());
-  for (const PlaneContact& row : body.contacts) body.loads.col(row.point) += row.load / dt;
-}
-
 void stepOnce(LinkedGroup& group, double tick, SharedFactors& factors) {
   if (group.stepper == Stepper::Verlet) {
     useSpringBatches(group);
     return stepVerlet(group.step, tick, group.substeps);
-  }
-  if (group.stepper == Stepper::ImplicitEuler) {
-    for (SoftBodyData* body : group.bodies) takeLoads(*body, tick / group.substeps);
-    return stepImplicitEuler(group.step, tick, group.substeps);
   }
   const auto kind =
       group.stepper == Stepper::BandedNewton ? MidpointSolver::Kind::Newton : MidpointSolver::Kind::Shared;
@@ -209,18 +233,6 @@ bool isFreeBody(const LinkedGroup& group) {
 
 bool isFolded(const SoftBodyData& body) { return body.volumes.farFromRest || body.tetrahedra.farFromRest; }
 
-/// Ratio of Verlet's stable substeps to those of implicit Euler, below which no spring is softened. See
-/// kLargestImplicitPhaseSquared: a substep of Verlet at its limit has a phase of 1.8.
-constexpr int kUnsoftened = 12;
-
-}  // namespace
-
-bool isUnsoftened(const LinkedGroup& group) {
-  return group.stepper == Stepper::ImplicitEuler && group.stable <= kUnsoftened * group.substeps;
-}
-
-namespace {
-
 /// Starts or ends the energy limit. `lasting`: the bound is the energy in the first of consecutive ticks with
 /// this flag, plus changes from outside. `once`: the bound is the present energy, for this tick only.
 void guard(LinkedGroup& group, bool lasting, bool once) {
@@ -246,7 +258,7 @@ void startEnergyLimit(LinkedGroup& group, double tick) {
   if (group.inIsland) return;  // see limitIslandEnergy()
   if (!isPlain(group.step)) return guard(group, false, false);
   const SoftBodyData& single = *group.bodies[0];
-  const bool cut = group.stepper == Stepper::Verlet ? group.cut : isUnsoftened(group);
+  const bool cut = group.cut && group.stepper == Stepper::Verlet;
   const bool lasting = (cut || bounces(single.contacts)) && areSurfacesAtRest(single.contacts);
   const bool once = single.contacts.empty() && isFolded(single);
   const bool free = (lasting || once) && isFreeBody(group);
@@ -312,36 +324,34 @@ void repeatIfMissed(LinkedGroup& group, double tick, SharedFactors& factors) {
 
 }  // namespace
 
-void takeLoads(SoftBodyData& body, double dt) {
-  std::uint32_t last = static_cast<std::uint32_t>(-1);
-  Eigen::Vector3d left = Eigen::Vector3d::Zero();
-  for (PlaneContact& row : body.contacts) {
-    row.load.setZero();
-    if (body.loads.cols() == 0) continue;
-    if (row.point != last) left = dt * body.loads.col(row.point);
-    const bool first = row.point != last;
-    last = row.point;
-    const double pressing = row.normal.dot(left);
-    if (!(pressing > 0.0)) continue;
-    row.load = pressing * row.normal;
-    const Eigen::Vector3d across = left - row.load;
-    if (first) row.load += coneFactor(across.squaredNorm(), row.friction * pressing) * across;
-    left -= row.load;
-  }
-}
-
 bool areSurfacesAtRest(const std::vector<PlaneContact>& rows) {
   const auto isStill = [](const PlaneContact& row) { return row.surfaceVelocity.isZero(0.0); };
   return std::all_of(rows.begin(), rows.end(), isStill);
 }
 
-void chooseStepping(LinkedGroup& group, double tick) {
+/// Links have at most half of the square of the frequency.
+void keepBudget(LinkedGroup& group, double tick) {
   group.stepping = strictest(group);
+  const double largest = kBudgetPhaseSquared * std::pow(group.stepping.maxSubsteps / tick, 2);
+  const auto scaleLinks = [&](double share) {
+    for (std::size_t i = 0; i < group.springs.size(); ++i)
+      setStiffness(group.step.links.springs[i], *group.springs[i], share);
+  };
+  double links = 0.0;
+  if (largest > 0.0 && !group.springs.empty()) {
+    scaleLinks(1.0);
+    const double full = linkFrequencyBoundSquared(group.step.links);
+    links = std::min(full, 0.5 * largest);
+    if (links < full) scaleLinks(links / full);
+  }
+  for (SoftBodyData* body : group.bodies) soften(*body, largest - links);
+}
+
+void chooseStepping(LinkedGroup& group, double tick) {
   SteppingProblem problem = problemOf(group, tick);
   setChoice(group, limber::chooseStepping(problem, group.stepping));
-  const bool midpoint = group.stepper != Stepper::Verlet && group.stepper != Stepper::ImplicitEuler;
-  for (SoftBodyData* body : group.bodies) body->prefersImplicit = midpoint;
-  if (group.inIsland && midpoint) {
+  for (SoftBodyData* body : group.bodies) body->prefersImplicit = group.stepper != Stepper::Verlet;
+  if (group.inIsland && group.stepper != Stepper::Verlet) {
     problem.implicitPossible = false;
     setChoice(group, limber::chooseStepping(problem, group.stepping));
   }
@@ -450,7 +460,6 @@ void reportStepping(LinkedGroup& group, double tick) {
     body.errorPerSecond = body.errorCoefficient * square;
     body.substeps = group.substeps;
     body.stepper = group.stepper;
-    storeLoads(body, group.stepper == Stepper::ImplicitEuler ? tick / group.substeps : 0.0);
     if (group.stepper == Stepper::Verlet && body.implicit) body.implicit->meanOver = 0.0;
   }
 }

@@ -244,18 +244,15 @@ Contact contactOf(const PlaneContact& row, const SoftBodyData& body, std::uint32
   static_cast<ContactBase&>(c) = row;
   c.gap = row.normal.dot(body.state.position.col(row.point) - row.touch);
   c.held = row.around ? &row : nullptr;
-  c.positionImpulse.along = row.normal.dot(row.load);
-  c.positionImpulse.across = row.load - c.positionImpulse.along * row.normal;
   return c;
 }
 
 /// Moves the plane contacts of coupled points from their bodies to the island's contacts. A point that is
 /// pressed between a static surface and a dynamic body must be solved with both.
-void appendPlaneContacts(Island& island, double tick) {
+void appendPlaneContacts(Island& island) {
   markCoupledPoints(island);
   for (std::uint32_t bodyIndex = 0; bodyIndex < island.softBodies.size(); ++bodyIndex) {
     SoftBodyData& body = *island.softBodies[bodyIndex];
-    takeLoads(body, tick);
     for (PlaneContact& row : body.contacts) {
       row.coupled = body.coupled[row.point] != 0;
       if (!row.coupled) continue;
@@ -295,7 +292,7 @@ void makeIslands(const AwakeGroups& groups, TickContacts& found, btScalar tick, 
   appendRigids(found, nodes, tick, islands);
   appendContacts(found, nodes, islands);
   appendCandidates(found, nodes, islands);
-  for (Island& island : islands) appendPlaneContacts(island, double(tick));
+  for (Island& island : islands) appendPlaneContacts(island);
 }
 
 }  // namespace LIMBER_BULLET_PRECISION

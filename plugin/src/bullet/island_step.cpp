@@ -17,21 +17,14 @@ inline namespace LIMBER_BULLET_PRECISION {
 namespace {
 
 /// Scales the first guesses of impulses: they are sums over the last tick, and each of its substeps solves a
-/// contact `stages` times.
-void scaleWarmStart(IslandConstraints& pairs, int substeps, double stages) {
+/// contact twice.
+void scaleWarmStart(IslandConstraints& pairs, int substeps) {
   for (Contact& c : pairs.contacts) {
-    const double share = 1.0 / (stages * substeps);
+    const double share = 0.5 / substeps;
     c.positionImpulse *= share;
     c.velocityImpulse = c.positionImpulse;
   }
-  for (JointConstraint& j : pairs.joints) j.lower /= stages * substeps, j.upper /= stages * substeps;
-}
-
-/// Returns whether Verlet would be unstable for some group.
-bool needsImplicit(const Island& island, int substeps) {
-  return std::any_of(island.groups.begin(), island.groups.end(), [&](const LinkedGroup* group) {
-    return group->stepper == Stepper::ImplicitEuler && group->stable > substeps;
-  });
+  for (JointConstraint& j : pairs.joints) j.lower /= 2.0 * substeps, j.upper /= 2.0 * substeps;
 }
 
 /// Fraction of an overlap that is corrected per tick. Bullet's solver corrects as much, and leaves this speed
@@ -303,11 +296,8 @@ void reportLateContacts(Island& island, TickContacts& found) {
 
 /// Writes the impulses of the step to the plane contacts of points.
 void storePlaneImpulses(Island& island) {
-  for (std::size_t i = 0; i < island.rows.size(); ++i) {
-    const Contact& contact = island.step.pairs.contacts[island.contacts.size() + i];
-    island.rows[i]->impulse = contact.impulse;
-    island.rows[i]->load = contact.positionImpulse.along * contact.normal + contact.positionImpulse.across;
-  }
+  for (std::size_t i = 0; i < island.rows.size(); ++i)
+    island.rows[i]->impulse = island.step.pairs.contacts[island.contacts.size() + i].impulse;
 }
 
 void copyContact(const Contact& contact, Contact& found) {
@@ -331,6 +321,7 @@ bool isAlone(const Island& island) {
 
 void stepIsland(Island& island, const TickContacts& found, double tick, SurfaceSearch& search,
                 std::mutex& lock) {
+  for (LinkedGroup* group : island.groups) limitIslandEnergy(*group, isAlone(island));
   int substeps = 1;
   for (const LinkedGroup* group : island.groups) substeps = std::max(substeps, group->substeps);
   SearchContext context{&island, &found, &search, &lock};
@@ -343,24 +334,15 @@ void stepIsland(Island& island, const TickContacts& found, double tick, SurfaceS
                                      std::max(kManySearches, displacement.all / kMaxInSubstep));
     island.step.again = {std::max(1, static_cast<int>(substeps / searches)), &context, searchInStep};
   }
-  const bool implicit = needsImplicit(island, substeps), alone = isAlone(island);
-  for (LinkedGroup* group : island.groups) {
-    group->substeps = substeps;
-    group->stepper = implicit ? Stepper::ImplicitEuler : Stepper::Verlet;
-    limitIslandEnergy(*group, alone && (!implicit || isUnsoftened(*group)));
-    for (SoftBodyData* body : group->bodies) takeLoads(*body, implicit ? tick / substeps : 0.0);
-  }
-  scaleWarmStart(island.step.pairs, substeps, implicit ? 1.0 : 2.0);
+  for (LinkedGroup* group : island.groups) group->substeps = substeps;
+  scaleWarmStart(island.step.pairs, substeps);
   island.step.pairs.tolerance = speedTolerance(island.step, tick);
   if (island.softBodies.empty()) limitRecoverySpeed(island.step.pairs, tick);
   const bool joined = !island.joints.empty();
   island.start.clear();
   if (joined) island.start = island.step.links.rigids;
   const double before = joined ? energyOf(island.step) : 0.0;
-  if (implicit)
-    stepImplicitEuler(island.step, tick, substeps);
-  else
-    stepVerlet(island.step, tick, substeps);
+  stepVerlet(island.step, tick, substeps);
   if (joined) limitEnergy(island, found, before);
 }
 

@@ -126,8 +126,7 @@ void addSpring(LinkedGroup& group, SpringConstraint* spring) {
   link.a = linkEnd(group, spring->endA());
   link.b = linkEnd(group, spring->endB());
   link.restLength = *s.restLength;
-  link.extensionStiffness = s.action == SpringAction::CompressionOnly ? 0.0 : s.stiffness;
-  link.compressionStiffness = s.action == SpringAction::ExtensionOnly ? 0.0 : s.stiffness;
+  setStiffness(link, *spring, 1.0);
   link.damping = s.damping;
   group.step.links.springs.push_back(link);
   group.springs.push_back(spring);
@@ -164,6 +163,12 @@ void takeOverSleep(LinkedGroup& group) {
 }
 
 }  // namespace
+
+void setStiffness(LinkSpring& link, const SpringConstraint& spring, double share) {
+  const SpringSettings& s = spring.settings();
+  link.extensionStiffness = s.action == SpringAction::CompressionOnly ? 0.0 : share * s.stiffness;
+  link.compressionStiffness = s.action == SpringAction::ExtensionOnly ? 0.0 : share * s.stiffness;
+}
 
 bool updateUsableLinks(const std::vector<SoftBodyData*>& bodies,
                        const std::vector<SpringConstraint*>& springs, std::vector<unsigned char>& links) {

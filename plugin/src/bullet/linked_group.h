@@ -40,7 +40,6 @@ struct LinkedGroup {
   int substeps = 0;
   bool cut = false;  ///< maxSubsteps allows fewer substeps than it needs
   Stepper stepper = Stepper::Verlet;
-  int stable = 1;  ///< substeps that Verlet needs
 };
 
 /// The groups that are awake in a tick, in the order of all groups.
@@ -52,6 +51,9 @@ using SpringList = std::vector<std::unique_ptr<SpringConstraint>>;
 /// springs. A group is asleep if all its bodies are asleep.
 std::vector<LinkedGroup> makeLinkedGroups(const std::vector<SoftBodyData*>& bodies,
                                           const std::vector<SpringConstraint*>& springs);
+
+/// Sets the stiffness of a link to a share of its settings.
+void setStiffness(LinkSpring& link, const SpringConstraint& spring, double share);
 
 /// Lets the bodies be stepped four springs at a time where the machine can. Bodies in lanes need no memory
 /// for it.
@@ -90,6 +92,10 @@ void updateSleep(std::vector<LinkedGroup>& groups, btDiscreteDynamicsWorld& worl
 
 // --- stepping ----------------------------------------------------------------------------------------------
 
+/// Softens bodies and links for this tick so that maxSubsteps resolve them. Call it before islands are made,
+/// which have copies of the links.
+void keepBudget(LinkedGroup& group, double tick);
+
 /// Sets the group's stepper and substeps for this tick, before the step.
 void chooseStepping(LinkedGroup& group, double tick);
 
@@ -98,15 +104,8 @@ void chooseStepping(LinkedGroup& group, double tick);
 /// oscillations hardly resolved, its energy must not rise as long as that is so.
 void limitIslandEnergy(LinkedGroup& group, bool alone);
 
-/// Whether implicit Euler gives the springs their full stiffness: their energy is then known.
-bool isUnsoftened(const LinkedGroup& group);
-
 /// Returns whether the surfaces of all these contacts are at rest.
 bool areSurfacesAtRest(const std::vector<PlaneContact>& rows);
-
-/// Gives the contacts with surfaces their impulses in a substep of dt seconds before, for
-/// stepImplicitEuler().
-void takeLoads(SoftBodyData& body, double dt);
 
 /// Updates the stepping results of the bodies, after the step.
 void reportStepping(LinkedGroup& group, double tick);

@@ -169,6 +169,7 @@ bool SoftBody::sleeping() const { return data_->asleep; }
 void SoftBody::wake() { wakeBody(*data_, false); }
 
 Stepper SoftBody::stepper() const { return data_->stepper; }
+double SoftBody::softening() const { return data_->softening ? data_->softening->share : 1.0; }
 double SoftBody::errorPerSecond() const { return data_->errorPerSecond; }
 int SoftBody::substeps() const { return data_->substeps; }
 double SoftBody::frequencyBound() const { return std::sqrt(data_->frequencySquared); }

@@ -18,6 +18,7 @@
 #include "solver/simd_steps.h"
 #include "solver/springs.h"
 #include "solver/verlet_step.h"
+#include "solver/softening.h"
 #include "solver/volumes.h"
 
 #include <limber/contacts.h>
@@ -157,6 +158,7 @@ struct BodyModel {
   double fastestAtRest = 0.0;  ///< rad^2/s^2, fastestOscillationSquared for the masses of the settings
   bool narrow = false;         ///< see SteppingProblem
   bool cheapNewton = false;    ///< see SteppingProblem
+  std::shared_ptr<SharedSoftening> softening = std::make_shared<SharedSoftening>();
 };
 
 /// Rates of a body's internal motion.
@@ -196,6 +198,7 @@ struct SoftBodyData {
   SpringArrays springs;
   VolumeArrays volumes;
   TetrahedronVolumes tetrahedra;
+  std::shared_ptr<const SoftenedConstants> softening;  ///< with a budget; then their constants are these
   PointMasses masses;
   SurfaceData surface;
   std::vector<Anchor> anchors;
@@ -250,7 +253,6 @@ struct SoftBodyData {
   bool prefersImplicit = false;  ///< in the last tick, if it were in no island
   std::unique_ptr<SpringBatchArrays> springBatches;  ///< see useSpringBatches()
   std::unique_ptr<ImplicitState> implicit;           ///< created when it is first stepped implicitly
-  Points loads;  ///< 3 x #points, N, of contacts with surfaces, if the last tick's stepper was ImplicitEuler
   std::vector<float> skinned;                        ///< 3 x #points, scratch of a body with a skin
 
   /// Called when the application deletes one of the points.

@@ -195,6 +195,7 @@ void SoftBodySystem::Impl::WorldStep::beforeTick(btScalar tick) {
     const KinematicMotions::Rewound rewound(kinematic);
     read(tick);
     collide(tick);
+    parallel.forEach(awake.size(), [&](std::size_t g) { keepBudget(*awake[g], double(tick)); });
     findIslands(tick);
     parallel.forEach(awake.size(), [&](std::size_t g) { chooseStepping(*awake[g], double(tick)); });
   }

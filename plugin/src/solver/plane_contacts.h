@@ -67,8 +67,6 @@ struct PlaneContact : ContactBase, ContactTarget {
   // Written by the step.
   double mass = 0.0;      ///< kg along the normal; 0: cannot be moved
   bool touching = false;  ///< has an impulse in the present substep
-  Eigen::Vector3d load =
-      Eigen::Vector3d::Zero();  ///< N s, impulse in the last implicit substep
   Eigen::Vector3d lastVelocity =
       Eigen::Vector3d::Zero();  ///< m/s of the point at the end of the last substep
 };

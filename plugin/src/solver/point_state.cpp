@@ -5,7 +5,6 @@
 #include "mesh/linear_algebra.h"
 
 #include <Eigen/Geometry>
-#include <Eigen/LU>
 
 #include <algorithm>
 #include <cmath>
@@ -151,24 +150,6 @@ void setSpin(PointState& state, const Eigen::Vector3d& spin) {
   const Eigen::Vector3d omega = m.turnFor(spin - m.spin);
   for (Eigen::Index i = 0; i < state.position.cols(); ++i)
     state.velocity.col(i) += omega.cross(Eigen::Vector3d(state.position.col(i) - m.center));
-}
-
-void driftTurning(PointState& state, double dt) {
-  constexpr double kStraight = 1e-3;  // share of the cube of the mean inertia
-  const BodyMoments m = momentsOf(state);
-  const double mean = m.inertia.trace() / 3.0;
-  const bool turns = m.inertia.determinant() > kStraight * mean * mean * mean;
-  const Eigen::Vector3d omega = turns ? m.turnFor(m.spin) : Eigen::Vector3d::Zero();
-  const double angle = omega.norm() * dt;
-  const Eigen::Matrix3d turn = angle > 0.0 ? Eigen::AngleAxisd(angle, omega.normalized()).toRotationMatrix()
-                                           : Eigen::Matrix3d::Identity();
-  for (Eigen::Index i = 0; i < state.position.cols(); ++i) {
-    const Eigen::Vector3d r = state.position.col(i) - m.center, turned = turn * r;
-    const Eigen::Vector3d own = state.velocity.col(i) - m.velocity - omega.cross(r);
-    state.position.col(i) = m.center + turned + dt * (m.velocity + own);
-    state.velocity.col(i) = m.velocity + own + omega.cross(turned);
-  }
-  if (turns) setSpin(state, m.spin);
 }
 
 }  // namespace limber

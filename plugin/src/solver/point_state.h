@@ -95,11 +95,6 @@ double removeKineticEnergy(PointState& state, double excess);
 /// Returns the angular momentum (kg m^2/s) about the centre of mass.
 Eigen::Vector3d spinOf(const PointState& state);
 
-/// Moves the points of a free body for dt seconds. The rotation of the body as a whole is exact; along straight
-/// paths it would grow by half the square of the angle. Ropes and other bodies that are nearly straight move
-/// along straight paths. Keeps linear and angular momentum.
-void driftTurning(PointState& state, double dt);
-
 /// Adds a rigid rotation about the centre of mass to the velocities, so that spinOf(state) becomes `spin`.
 void setSpin(PointState& state, const Eigen::Vector3d& spin);
 

@@ -83,7 +83,7 @@ Result<void> validate(const SoftBodySettings& s) {
       {"friction", s.friction, 0, 1e6, "from 0 to 1e6"},
       {"restitution", s.restitution, 0, 1, "from 0 to 1"},
       {"sleepingSpeed", s.sleepingSpeed, 0, 1e6, "from 0 to 1e6"},
-      {"stepping.stepper", static_cast<double>(s.stepping.stepper), 0, double(Stepper::ImplicitEuler),
+      {"stepping.stepper", static_cast<double>(s.stepping.stepper), 0, double(Stepper::BandedNewton),
        "one of Stepper's"},
       {"stepping.minSubsteps", static_cast<double>(s.stepping.minSubsteps), 1, 1e6, "from 1 to 1e6"},
       {"stepping.periodTolerance", s.stepping.periodTolerance, 1e-8, 1, "from 1e-8 to 1"},

@@ -108,9 +108,9 @@ double fastestOscillationSquared(const SpringArrays& springs, const VolumeArrays
 
 namespace {
 
-/// Largest omega dt: a share of Verlet's stability limit 2. The bound on omega is exact only for a single
-/// spring; even there this share keeps the discrete oscillation away from the limit, where its amplitude
-/// grows without bound.
+/// Largest omega dt of a Verlet substep: a share of the stability limit 2. The bound on omega is exact only for
+/// a single spring; even there this share keeps the discrete oscillation away from the limit, where its
+/// amplitude grows without bound.
 constexpr double kLargestPhaseStep = 0.9 * 2.0;
 
 /// Number of stable Verlet substeps that cost as much as one implicit substep (bench/run accuracy: spinning
@@ -118,9 +118,6 @@ constexpr double kLargestPhaseStep = 0.9 * 2.0;
 /// accurate.
 constexpr double kVerletPerImplicit = 60.0;
 constexpr int kImplicitSubsteps = 4;
-
-/// Substeps of implicit Euler that the user has set without a limit.
-constexpr int kEulerSubsteps = 20;
 
 /// With a smaller tolerance, accurate oscillations are required. The midpoint rule's error of a period,
 /// (omega h)^2 / 12, is twice that of Verlet with as many substeps, each of which costs it a hundred times as
@@ -176,12 +173,8 @@ VerletNeed verletNeed(const SteppingProblem& p, const Stepping& s) {
 /// below the default excludes steppers that cannot meet it, and an error tolerance makes them more expensive.
 /// So no error rises when a tolerance falls.
 Stepper choose(const SteppingProblem& p, const Stepping& s, const VerletNeed& verlet, int implicit) {
-  const bool tooExpensive = s.maxSubsteps > 0 && verlet.stable > s.maxSubsteps;
-  const bool midpoint = s.stepper == Stepper::ImplicitMidpoint || s.stepper == Stepper::BandedNewton;
-  if (s.stepper == Stepper::Auto && tooExpensive) return Stepper::ImplicitEuler;
-  if (midpoint && !p.implicitPossible) return tooExpensive ? Stepper::ImplicitEuler : Stepper::Verlet;
-  if (s.stepper != Stepper::Auto) return s.stepper;
   if (!p.implicitPossible) return Stepper::Verlet;
+  if (s.stepper != Stepper::Auto) return s.stepper;
   const bool strong = p.cheapNewton && p.dampingRate * p.tick / verlet.atDefault > kStrongDamping;
   const bool many = verlet.stable > kVerletPerImplicit * implicit && !p.touching && !p.held &&
                     s.periodTolerance >= kDefaultPeriodTolerance;
@@ -254,18 +247,11 @@ SteppingChoice chooseStepping(const SteppingProblem& p, const Stepping& s) {
   const int implicit = std::max(implicitNeed(s), required);
   SteppingChoice choice;
   choice.stepper = choose(p, s, need, implicit);
-  choice.stable = need.stable;
   const bool verlet = choice.stepper == Stepper::Verlet;
   choice.substeps = verlet ? std::max(need.accurate, required) : implicit;
-  // with as many substeps as Verlet, it would be less exact than Verlet
-  if (choice.stepper == Stepper::ImplicitEuler)
-    choice.substeps = s.maxSubsteps > 0 ? std::max(need.accurate, required)
-                                        : std::min(std::max(kEulerSubsteps, required),
-                                                   std::max(kEulerSubsteps, need.stable));
   if (s.maxSubsteps <= 0) return choice;
-  const int limit = std::max(s.maxSubsteps, verlet ? need.stable : 1);
-  choice.cut = choice.substeps > limit;
-  choice.substeps = std::min(choice.substeps, limit);
+  choice.cut = choice.substeps > s.maxSubsteps;
+  choice.substeps = std::min(choice.substeps, s.maxSubsteps);
   return choice;
 }
 

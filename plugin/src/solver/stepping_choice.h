@@ -64,7 +64,6 @@ struct SteppingProblem {
 struct SteppingChoice {
   Stepper stepper = Stepper::Verlet;
   int substeps = 1;
-  int stable = 1;    ///< substeps that Verlet needs to be stable
   bool cut = false;  ///< maxSubsteps allows fewer than are needed
 };
 
@@ -83,9 +82,8 @@ double fastestTurn(const SpringArrays& springs, const PointState& state, double 
 ///   - an implicit stepper, where the stable number of substeps costs more, for bodies in free motion:
 ///     Newton's method for ropes and chains, local/global iterations for all others; not with a
 ///     periodTolerance below the default;
-///   - implicit Euler if maxSubsteps is less than Verlet's stable number.
-/// A tolerance raises the number of substeps, maxSubsteps limits it. A stepper that the user has set is used
-/// where possible.
+/// A tolerance raises the number of substeps, maxSubsteps limits it, even below Verlet's stable number: see
+/// softened(). A stepper that the user has set is used where possible.
 SteppingChoice chooseStepping(const SteppingProblem& problem, const Stepping& settings);
 
 }  // namespace limber

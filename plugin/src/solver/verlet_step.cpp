@@ -106,12 +106,12 @@ void markLinked(SolverIsland& group) {
   for (const LinkAnchor& anchor : group.links.anchors) mark(anchor.point), mark(anchor.pivot);
 }
 
-void load(SolverIsland& group, bool mayUseBatches) {
+void load(SolverIsland& group) {
   group.inStep.resize(group.bodies.size());
   group.views.resize(group.bodies.size());
   for (std::size_t i = 0; i < group.bodies.size(); ++i) {
     SolverBody& body = group.bodies[i];
-    group.inStep[i] = {&body, mayUseBatches && body.springBatches && !(*body.springs)->limited, {}};
+    group.inStep[i] = {&body, body.springBatches && !(*body.springs)->limited, {}};
   }
   markLinked(group);
   for (std::size_t i = 0; i < group.bodies.size(); ++i) {
@@ -167,8 +167,8 @@ void solveVelocities(SolverIsland& group) {
   for (std::size_t i = 0; i < group.bodies.size(); ++i) solveVelocities(group.bodies[i], group.views[i]);
 }
 
-void prepare(SolverIsland& group, bool mayUseBatches) {
-  load(group, mayUseBatches);
+void prepare(SolverIsland& group) {
+  load(group);
   for (std::size_t i = 0; i < group.bodies.size(); ++i) {
     group.bodies[i].errorRate = 0.0;
     if (group.bodies[i].contacts) prepareContacts(*group.bodies[i].contacts, group.views[i]);
@@ -192,7 +192,7 @@ void searchAgain(SolverIsland& group, int substep, int substeps, double dt) {
 /// must be prepared. While no coupling acts on a body, its results equal those of a single body, to the bit.
 void stepLinked(SolverIsland& group, double tick, int substeps) {
   const double dt = tick / substeps;
-  prepare(group, true);
+  prepare(group);
   computeForces(group, false, dt);
   joinVelocities(group.links);
   damp(group, dt, false, false);
@@ -221,94 +221,6 @@ void stepLinked(SolverIsland& group, double tick, int substeps) {
 }
 
 }  // namespace
-
-// --- implicit substeps
-// --------------------------------------------------------------------------------------
-
-namespace {
-
-/// Whether the island is one free body without contacts.
-bool isInFreeFlight(const SolverIsland& group) {
-  if (!group.pairs.empty() || group.bodies.size() != 1 || !group.links.rigids.empty()) return false;
-  const SolverBody& body = group.bodies[0];
-  return group.links.springs.empty() && (!body.contacts || body.contacts->empty()) &&
-         (body.points->inverseMass.array() > 0.0).all();
-}
-
-/// Changes the velocities by dt seconds of everything but springs and contacts.
-void accelerate(SolverIsland& group, double dt) {
-  for (SolverBody& body : group.bodies) body.points->velocity += dt * body.points->acceleration;
-  for (RigidState& rigid : group.links.rigids) {
-    rigid.force.setZero();
-    rigid.torque.setZero();
-    rigid.kick(dt);
-  }
-}
-
-bool anyBounces(const SolverIsland& group) {
-  const auto bounces = [](const auto& row) { return row.bounces; };
-  const auto anyOf = [&](const auto& rows) { return std::any_of(rows.begin(), rows.end(), bounces); };
-  const auto touches = [&](const SolverBody& body) {
-    return (body.contacts && anyOf(*body.contacts)) || (body.watch && anyOf(body.watch->rows));
-  };
-  return anyOf(group.pairs.rows) || std::any_of(group.bodies.begin(), group.bodies.end(), touches);
-}
-
-/// Adds the rebounds after the drift.
-void rebound(SolverIsland& group) {
-  for (ContactConstraint& row : group.pairs.rows) row.velocityImpulse = ContactVector();
-  solveVelocities(group);
-  followContacts(group.pairs, 0.0);
-  solveVelocities(group.pairs, group.links);
-}
-
-/// Updates the contacts to where the bodies would get in the substep.
-void followAll(SolverIsland& group, double dt) {
-  for (std::size_t i = 0; i < group.bodies.size(); ++i) {
-    const SolverBody& body = group.bodies[i];
-    if (body.contacts) followSurfaces(*body.contacts, group.views[i], dt);
-    if (body.watch) followSurfaces(body.watch->rows, group.views[i], dt);
-  }
-  followContacts(group.pairs, dt);
-}
-
-/// Solves the contacts that the implicit solve did not know or not hold exactly, with the masses alone.
-void solveContacts(SolverIsland& group, double time, double dt, double tick) {
-  takeOutLoads(group.implicit, group);
-  solvePositions(group, time, dt);
-  followContacts(group.pairs, dt);
-  solvePositions(group.pairs, group.links, dt, tick);
-  putBackLoads(group.implicit, group);
-  updateGaps(group.pairs, dt);
-}
-
-}  // namespace
-
-void stepImplicitEuler(SolverIsland& group, double tick, int substeps) {
-  const double dt = tick / substeps;
-  const bool flies = isInFreeFlight(group);
-  prepareImplicit(group, dt);
-  prepare(group, false);
-  joinVelocities(group.links);
-  for (int s = 0; s < substeps; ++s) {
-    searchAgain(group, s, substeps, dt);
-    storeVelocities(group.implicit, group);
-    accelerate(group, flies ? 0.5 * dt : dt);
-    followAll(group, dt);
-    aimAnchors(group.links, dt, tick);
-    solveImplicitly(group.implicit, group, s * dt, dt);
-    solveContacts(group, s * dt, dt, tick);
-    if (flies)
-      driftTurning(*group.bodies[0].points, dt);
-    else
-      drift(group, dt);
-    if (flies) accelerate(group, 0.5 * dt);
-    if (anyBounces(group)) rebound(group);
-  }
-  joinVelocities(group.links);
-  finishConstraints(group.pairs);
-  unload(group);
-}
 
 // --- the step ----------------------------------------------------------------------------------------------
 

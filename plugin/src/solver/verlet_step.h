@@ -4,7 +4,6 @@
 // Velocity Verlet for a single soft body, or for several together with the rigid bodies coupled to them.
 
 #include "solver/contacts.h"
-#include "solver/implicit_euler.h"
 #include "solver/lane_kernels.h"
 #include "solver/links.h"
 #include "solver/motion_sums.h"
@@ -98,7 +97,6 @@ struct SolverIsland {
   // Scratch of the step, #bodies.
   std::vector<BatchedBody> inStep;
   std::vector<PointView> views;  ///< the bodies' points during the step
-  ImplicitSystem implicit;       ///< of stepImplicitEuler()
 };
 
 /// Whether the island is one soft body without couplings to others and without elastic limits.
@@ -116,16 +114,6 @@ bool isPlain(const SolverIsland& group);
 /// reduce its velocity part. A single body and one in a lane (simd_steps.h) give the same results, to the
 /// bit. Held points (inverse mass 0) keep their velocity. Allocates nothing.
 void stepVerlet(SolverIsland& group, double tick, int substeps);
-
-/// Advances all bodies of the island by `tick` seconds in `substeps` substeps of linearised backward Euler.
-/// Each substep of dt consists of
-///
-///     kick dt by all but springs | solveImplicitly(): springs and contacts that last | new contacts | drift dt
-///
-/// A free body without contacts gets half of gravity before and half after the drift, and falls exactly. The
-/// method is of first order and loses energy of oscillations that the substeps do not resolve. Allocates
-/// nothing once its memory has grown.
-void stepImplicitEuler(SolverIsland& group, double tick, int substeps);
 
 // --- contacts of points ------------------------------------------------------------------------------------
 
