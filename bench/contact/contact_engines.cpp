@@ -33,6 +33,14 @@ ContactEngine limber(const LimberSetting& setting) {
   return engine;
 }
 
+/// Returns Limber with a budget.
+ContactEngine limberWithin(int substeps) {
+  ContactEngine engine = limber({"", [substeps](SoftBodySettings& s) { s.stepping.maxSubsteps = substeps; }});
+  engine.name = "limber " + std::to_string(substeps) + " substeps";
+  engine.isBudget = true;
+  return engine;
+}
+
 using ContactsOf = SoftContacts (*)(const ContactScene&);
 
 SoftContacts cheapestContacts(const ContactScene& scene) {
@@ -77,6 +85,7 @@ ContactEngine spheres() {
 std::vector<ContactEngine> contactEngines() {
   std::vector<ContactEngine> engines;
   for (const LimberSetting& setting : limberSettings()) engines.push_back(limber(setting));
+  for (const int substeps : {5, 10, 20, 40}) engines.push_back(limberWithin(substeps));
   for (const int iterations : {1, 4, 10}) {
     engines.push_back(
         softBody("btSoftBody " + std::to_string(iterations) + " it", iterations, cheapestContacts));

@@ -12,11 +12,12 @@ struct ContactEngine {
   bool isReference = false;  ///< times are reported relative to this engine's
   bool isSpheres = false;    ///< loose spheres; times are also reported relative to theirs
   bool sleeps = true;        ///< its bodies can fall asleep
+  bool isBudget = false;     ///< Limber with a limited number of substeps
   bool isOther = true;       ///< neither Limber nor loose spheres
 };
 
-/// Returns Limber with each of its kinds of collision; btSoftBody with 1, 4 (the reference) and 10
-/// iterations; btDeformable; loose spheres.
+/// Returns Limber with each of its kinds of collision, and within budgets of substeps; btSoftBody with 1, 4
+/// (the reference) and 10 iterations; btDeformable; loose spheres.
 ///
 /// btSoftBody's flags are the cheapest ones without loss, as measured by contactFlags() (4 iterations, times
 /// relative to SDF_RS | VF_SS, depth in the pile as a share of a body's size):

@@ -12,7 +12,7 @@ enum class Role : std::uint8_t { Airborne, Landing, Rest, Asleep, Cloth, Pile, D
 enum class Crowd : std::uint8_t {
   Small,    ///< 64, and the stiff cloth
   Middle,   ///< 512, and the soft cloth
-  Large,    ///< 4096
+  Large,    ///< 4096, and the stiffest cloth
   RealTime  ///< 2560, at rest only
 };
 
@@ -28,8 +28,9 @@ struct ContactScene {
   double size = 1.0;     ///< m, of a body
   int settleTicks = 10;  ///< ticks before the first measured one
   int measuredTicks = 60;
-  int turn = 20;           ///< ticks of an engine before the next engine runs
-  bool withOthers = true;  ///< false: Limber and loose spheres only
+  int turn = 20;             ///< ticks of an engine before the next engine runs
+  bool withOthers = true;    ///< false: Limber and loose spheres only
+  bool withBudgets = false;  ///< Limber also with limited numbers of substeps
 
   bool sleeps() const { return role == Role::Asleep; }
   /// Whether all bodies are at rest during the measurement.

@@ -41,6 +41,7 @@ ContactScene clothScene(bool quick, const char* name, double stiffness, Crowd cr
   scene.addRigidBodies = addBallAndFloor;
   scene.distance = [](const Eigen::Vector3d& x) { return std::min(x.norm() - kBallRadius, x.y() - kGround); };
   scene.size = kClothWidth;
+  scene.withBudgets = true;
   scene.settleTicks = quick ? 60 : 180;
   return scene;
 }
@@ -58,6 +59,7 @@ ContactScene denseScene(bool quick) {
   ContactScene scene;
   scene.role = Role::Dense;
   scene.bodies = {body};
+  scene.withBudgets = true;
   scene.name = "dense body of " + std::to_string(network->restPoints.size()) + " points";
   scene.addRigidBodies = [](RigidBodies& rigid, btDiscreteDynamicsWorld& world) {
     addFloor(rigid, world, Floor::Box, 0.5);
@@ -73,6 +75,7 @@ ContactScene denseScene(bool quick) {
 void addLargeBodies(std::vector<ContactScene>& scenes, bool quick) {
   scenes.push_back(clothScene(quick, "cloth of ", 500.0, Crowd::Small));
   scenes.push_back(clothScene(quick, "soft cloth of ", 5.0, Crowd::Middle));
+  scenes.push_back(clothScene(quick, "stiff cloth of ", 5e4, Crowd::Large));
   scenes.push_back(denseScene(quick));
 }
 

@@ -22,7 +22,7 @@ struct Run {
 };
 
 bool takesPart(const ContactScene& scene, const ContactEngine& engine) {
-  return scene.withOthers || !engine.isOther;
+  return (scene.withOthers || !engine.isOther) && (scene.withBudgets || !engine.isBudget);
 }
 
 std::vector<Run> runsOf(const ContactScene& scene, const std::vector<ContactEngine>& engines) {

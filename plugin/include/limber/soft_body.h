@@ -110,8 +110,8 @@ class SoftBody {
   /// Returns the number of substeps of the springs in the last tick; 0 while asleep.
   int substeps() const;
   /// Returns the smallest share of its stiffness that a spring, or the volume modulus, of this body has left
-  /// because of Stepping::maxSubsteps: 1 without softening. At 0.01 the body may be deformed by 100 times what
-  /// its settings would allow. It is that of the last tick, and 1 before the first one.
+  /// because of Stepping::maxSubsteps: 1 without softening. At 0.01 the body may be deformed by 100 times
+  /// what its settings would allow. It is that of the last tick, and 1 before the first one.
   double softening() const;
   /// Returns the integrator of the last tick, never Auto.
   Stepper stepper() const;
