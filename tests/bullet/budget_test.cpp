@@ -213,6 +213,20 @@ TEST(Softening, sparesTheSpringsThatAreSlowEnough) {
   for (std::size_t i = 0; i < 3; ++i) EXPECT_NEAR(ends[i], ends[i + 3], 2e-5) << i;
 }
 
+TEST(Softening, staysWhileTicksDifferALittle) {
+  BulletWorld bullet(0.0);
+  SoftBodySystem system(*bullet.world);
+  SoftBody* body = *system.createBody(test::closedCubeNetwork(), stiff(1e6, 1.0));
+  const auto shareAfter = [&](double tick) {
+    bullet.tick(tick);
+    return body->softening();
+  };
+  const double once = shareAfter(1.0 / 60);
+  EXPECT_EQ(shareAfter(1.0 / 70), once);
+  EXPECT_NEAR(shareAfter(1.0 / 50), once * 25 / 36, 1e-4 * once) << "a longer tick must stay stable";
+  EXPECT_NEAR(shareAfter(1.0 / 240), 16.0 * once, 1e-3 * once) << "a far shorter one is stiffer";
+}
+
 TEST(Softening, keepsMomentaInFreeFlight) {
   SoftBodySettings s = stiff(1e7, 1.0);
   s.linearVelocity = {1, 2, 3};
