@@ -113,6 +113,18 @@ TEST(Softening, keepsTheRatioOfVolumeAndPressure) {
               1e-12 * soft.constants.volumes->modulus);
 }
 
+TEST(Softening, ofAStiffVolumeLeavesSlowSprings) {
+  test::SteppedTestBody body(test::closedCubeNetwork(), 10.0, 0.0);
+  VolumeConstants stiff = *body.volumes.constants;
+  stiff.modulus = 1e9;
+  const ElasticConstants full{body.springs.original, SharedConstants<VolumeConstants>(stiff), {}};
+  const double largest = 10.0 * fastestSquared(body, {full.springs, {}, {}});
+  const SoftenedConstants soft = softened(full, body.state.position, body.state.inverseMass, largest);
+  EXPECT_LT(soft.share, 1e-3);
+  EXPECT_EQ(&*soft.constants.springs, &*full.springs);
+  EXPECT_LE(fastestSquared(body, soft.constants), largest);
+}
+
 TEST(SharedSoftening, isSharedByBodiesWithEqualMasses) {
   test::SteppedTestBody body(test::cubeNetwork(), 1e6, 0.0);
   const Points rest = body.state.position;

@@ -13,13 +13,12 @@
 namespace limber {
 namespace {
 
-/// Rounding must not make one substep more necessary.
+/// The bounds after softening must not be above the limit by rounding.
 constexpr double kRounding = 1.0 - 1e-9;
 
 /// The parts of the bound of a body's oscillations, rad^2/s^2.
 struct Bounds {
   double springs, volumes, tetrahedra;
-  double sum() const { return springs + volumes + tetrahedra; }
 };
 
 Bounds boundsAtRest(const ElasticConstants& full, const Points& restShape, const Points& inverseMass) {
@@ -138,28 +137,50 @@ double soften(SpringConstants& springs, const Points& inverseMass, double larges
 
 }  // namespace
 
+namespace {
+
+/// The shares of their stiffness that springs, closed surfaces and tetrahedra keep. A part that takes at most
+/// a third of `largest` keeps all, and the others share the rest in proportion. With a pressure no part does:
+/// it is in equilibrium with the springs.
+struct Shares {
+  double slow, others;
+
+  Shares(const Bounds& bounds, double largest, bool underPressure)
+      : slow(underPressure ? 0.0 : largest / 3.0) {
+    double kept = 0.0, shared = 0.0;
+    for (const double bound : {bounds.springs, bounds.volumes, bounds.tetrahedra})
+      (bound <= slow ? kept : shared) += bound;
+    others = shared > 0.0 ? std::min(1.0, kRounding * (largest - kept) / shared) : 1.0;
+  }
+  double of(double bound) const { return bound <= slow ? 1.0 : others; }
+};
+
+}  // namespace
+
 SoftenedConstants softened(const ElasticConstants& full, const Points& restShape, const Points& inverseMass,
                            double largest) {
   SoftenedConstants result{full, 1.0, largest, inverseMass};
   const Bounds bounds = boundsAtRest(full, restShape, inverseMass);
-  const double factor = largest / bounds.sum() * kRounding;
-  if (!(factor < 1.0)) return result;
-  SpringConstants springs = *full.springs;
-  if (bounds.springs > 0.0) result.share = soften(springs, inverseMass, factor * bounds.springs);
-  result.constants.springs = SharedConstants<SpringConstants>(std::move(springs));
-  if (bounds.volumes > 0.0) {
+  const Shares shares(bounds, largest, full.volumes->pressure > 0.0);
+  if (const double share = shares.of(bounds.springs); share < 1.0) {
+    SpringConstants springs = *full.springs;
+    result.share = soften(springs, inverseMass, share * bounds.springs);
+    result.constants.springs = SharedConstants<SpringConstants>(std::move(springs));
+  }
+  if (const double share = shares.of(bounds.volumes); share < 1.0) {
     VolumeConstants volumes = *full.volumes;
-    volumes.modulus *= factor;
-    volumes.pressure *= factor;
+    volumes.modulus *= share;
+    volumes.pressure *= share;
+    result.share = std::min(result.share, share);
     result.constants.volumes = SharedConstants<VolumeConstants>(std::move(volumes));
   }
-  if (bounds.tetrahedra > 0.0) {
+  if (const double share = shares.of(bounds.tetrahedra); share < 1.0) {
     TetrahedronConstants tetrahedra = *full.tetrahedra;
-    tetrahedra.modulus *= factor;
-    tetrahedra.crushModulus *= factor;
+    tetrahedra.modulus *= share;
+    tetrahedra.crushModulus *= share;
+    result.share = std::min(result.share, share);
     result.constants.tetrahedra = SharedConstants<TetrahedronConstants>(std::move(tetrahedra));
   }
-  if (bounds.volumes + bounds.tetrahedra > 0.0) result.share = std::min(result.share, factor);
   return result;
 }
 

@@ -30,9 +30,9 @@ struct SoftenedConstants {
 /// Returns constants with which the square of the body's fastest oscillation about its rest shape is at most
 /// `largest` (rad^2/s^2), and that of its springs at any deformation.
 ///
-/// The bounds of springs, closed surfaces and tetrahedra add up to B. Volume moduli and pressures are
-/// multiplied by g = largest / B, if that is below 1. Springs are softened one by one to the bound
-/// g B_springs: those that are slow enough keep their stiffness. Rest lengths, masses and dampers stay.
+/// The bounds of springs, closed surfaces and tetrahedra add up. Those that are small beside `largest` keep
+/// their stiffness, the others are softened in proportion: moduli and pressures as a whole; springs one by
+/// one, so that those which are slow enough keep theirs. Rest lengths, masses and dampers stay.
 SoftenedConstants softened(const ElasticConstants& full, const Points& restShape, const Points& inverseMass,
                            double largest);
 
