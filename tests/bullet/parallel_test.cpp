@@ -91,7 +91,7 @@ TEST(ThreadPool, hasAsManyThreadsAsTheMachine) {
 // --- worlds ------------------------------------------------------------------------------------------------
 
 /// Cubes in the air and at rest, in contact with each other, on static, kinematic and dynamic objects of all
-/// kinds of shapes, joined, fast, with tolerances and implicit steppers.
+/// kinds of shapes, joined, fast, with tolerances, budgets and implicit steppers.
 struct Fair {
   BulletWorld bullet;
   SoftBodySystem system{*bullet.world};
@@ -118,6 +118,7 @@ struct Fair {
     if (i % 11 == 0) s.extensionStiffness = s.compressionStiffness = 300;
     if (i % 13 == 0) s.stepping.relativeTolerance = 1e-4;
     if (i % 17 == 0) s.stepping.stepper = Stepper::ImplicitMidpoint;
+    if (i % 5 == 1) s.stepping.maxSubsteps = 2;
     (void)*system.createBody(i % 3 ? test::closedCubeNetwork() : test::cubeNetwork(), s);
   }
 
