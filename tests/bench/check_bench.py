@@ -249,7 +249,7 @@ def check_contact(program, _):
         expect(list(rows[0])[: len(CONTACT_COLUMNS)] == CONTACT_COLUMNS, f"columns: {list(rows[0])}")
         expect({r["role"] for r in rows} == {"airborne", "landing", "rest", "asleep", "cloth", "dense", "pile"}, "roles")
         engines = {"limber points", "limber surface", "btSoftBody 1 it", "btSoftBody 4 it", "btSoftBody 10 it", "btDeformable implicit",
-                   "loose spheres"}
+                   "loose spheres"} | {f"limber {n} substeps" for n in (5, 10, 20, 40)}
         expect({r["engine"] for r in rows} == engines, "engines")
         for row in rows:
             if not row["error"]:

@@ -52,16 +52,13 @@ void setConstants(SoftBodyData& body, const ElasticConstants& constants) {
   body.frequencyStale = true;
 }
 
-/// Share of the limit down to which a present softening stays: ticks of slightly different lengths must not
-/// change the energy of what is stretched, or take time for other constants.
-constexpr double kEnoughStiffness = 0.5;
-
-/// Softens the body so that its fastest oscillation is `largest` (rad^2/s^2), or ends this with 0. Does nothing
-/// while the masses stay and the present constants are stable and stiff enough.
-void soften(SoftBodyData& body, double largest) {
+/// Softens the body so that its fastest oscillation is at most `wanted` (rad^2/s^2), or ends this with 0.
+/// Does nothing while the masses stay and the present constants are soft enough: a shorter tick must not make
+/// a stretched body stiffer, which would give it energy.
+void soften(SoftBodyData& body, double wanted) {
   const double present = body.softening ? body.softening->largest : 0.0;
-  const bool fits = kEnoughStiffness * largest <= present && present <= largest;
-  if (fits && !(body.frequencyStale && body.softening)) return;
+  const double largest = body.softening ? std::min(present, wanted) : wanted;
+  if (largest == present && !(body.frequencyStale && body.softening)) return;
   const BodyModel& model = *body.model;
   const ElasticConstants full{model.springs.original, model.volumes.constants, model.tetrahedra.constants};
   const Points rest = scaledRest(*model.network, body.settings.scale);
