@@ -334,7 +334,9 @@ bool areSurfacesAtRest(const std::vector<PlaneContact>& rows) {
 /// Links have at most half of the square of the frequency.
 void keepBudget(LinkedGroup& group, double tick) {
   group.stepping = strictest(group);
-  const double largest = kBudgetPhaseSquared * std::pow(group.stepping.maxSubsteps / tick, 2);
+  double largest = kBudgetPhaseSquared * std::pow(group.stepping.maxSubsteps / tick, 2);
+  if (group.resolved > 0.0) largest = std::min(largest, group.resolved);
+  group.resolved = largest;
   const auto scaleLinks = [&](double share) {
     for (std::size_t i = 0; i < group.springs.size(); ++i)
       setStiffness(group.step.links.springs[i], *group.springs[i], share);

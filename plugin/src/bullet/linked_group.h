@@ -37,6 +37,7 @@ struct LinkedGroup {
   bool asleep = false;
   bool inIsland = false;  ///< in this tick it is stepped together with the bodies that it touches
   Stepping stepping;      ///< the strictest settings of its bodies
+  double resolved = 0.0;  ///< rad^2/s^2, what its budget resolves in the longest tick so far; 0: no budget
   int substeps = 0;
   bool cut = false;  ///< maxSubsteps allows fewer substeps than it needs
   Stepper stepper = Stepper::Verlet;
