@@ -135,10 +135,6 @@ double soften(SpringConstants& springs, const Points& inverseMass, double larges
   return share.size() ? share.minCoeff() : 1.0;
 }
 
-}  // namespace
-
-namespace {
-
 /// The shares of their stiffness that springs, closed surfaces and tetrahedra keep. A part that takes at most
 /// a third of `largest` keeps all, and the others share the rest in proportion. With a pressure no part does:
 /// it is in equilibrium with the springs.
