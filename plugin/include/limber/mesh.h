@@ -85,6 +85,33 @@ Result<WeldedMesh> weld(const TriangleMesh& mesh, double tolerance = 0.0);
 /// of weld(); `points` below 4.
 Result<TriangleMesh> simplify(const TriangleMesh& mesh, std::uint32_t points);
 
+// --- wrapping ----------------------------------------------------------------------------------------------
+
+struct WrapSettings {
+  double resolution = 0.0;  ///< m, width of the cells of the grid; 0: a 64th of the longest side of the mesh
+  double thickness = 0.0;   ///< m: sheets, and parts thinner than this, become this thick; 0: two cells
+  double join = 0.0;        ///< m: pieces nearer to each other than this are joined; 0: two cells
+};
+
+/// A closed surface around a mesh, and what it changed.
+struct WrappedMesh {
+  TriangleMesh mesh;  ///< closed, manifold, oriented outward; no normals or texture coordinates
+  double resolution = 0.0, thickness = 0.0, join = 0.0;  ///< m, as used
+  double volume = 0.0;                                   ///< m^3, enclosed
+  double thinFraction = 0.0;  ///< of the area of the mesh: sheets and thin parts, which were thickened
+  std::size_t pieces = 0;     ///< of the wrapped surface, hollows included
+  std::size_t crumbs = 0;     ///< pieces of less than a ten-thousandth of the volume, which were left out
+};
+
+/// Wraps any mesh by a closed surface: open, of several pieces, intersecting itself, non-manifold or oriented
+/// inconsistently. Components are oriented outward by their shape. A place is inside if its generalised
+/// winding number is above 1/2 (Jacobson, Kavan, Sorkine 2013: holes are closed by smooth caps, overlapping
+/// pieces are joined). What has no inside, or a thin one, gets `thickness`, and narrow gaps between pieces
+/// are filled. The surface lies within about half of `resolution` of the mesh, except at these places.
+/// Hollows enclosed by another component are filled. Deterministic. Errors: those of weld(); settings below 0
+/// or not finite; a resolution that needs more than ten million cells; a mesh without extent.
+Result<WrappedMesh> wrap(const TriangleMesh& mesh, const WrapSettings& settings = {});
+
 // --- files -------------------------------------------------------------------------------------------------
 
 /// Reads all triangle meshes of a file in any format that assimp reads, and joins them into one. Polygons are

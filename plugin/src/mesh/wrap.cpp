@@ -1,0 +1,515 @@
+// SPDX-License-Identifier: Zlib
+// Wraps any mesh by a closed surface: orients its patches outward, samples on a grid which places are inside,
+// thickens sheets and fills gaps there, and extracts the boundary by marching tetrahedra.
+
+#include <limber/mesh.h>
+
+#include "mesh/edges.h"
+#include "mesh/surface.h"
+#include "mesh/triangle_bvh.h"
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <string>
+#include <unordered_map>
+#include <utility>
+#include <vector>
+
+namespace limber {
+namespace {
+
+using Eigen::Vector3d;
+using Eigen::Vector3i;
+using Points = std::vector<Vector3d>;
+using Triangles = std::vector<Triangle>;
+
+// --- orientation -------------------------------------------------------------------------------------------
+
+/// A patch is a set of triangles that are joined by edges of two triangles. It can be oriented consistently,
+/// except for surfaces with one side (Moebius strips).
+struct Patches {
+  std::vector<std::uint32_t> ofTriangle;  ///< #triangles
+  std::vector<char> flipped;  ///< #triangles: against the first triangle of its patch in the orientation
+  std::uint32_t count = 0;
+};
+
+/// Returns for each triangle the neighbours across its three edges, or kNoPoint where the edge is open or of
+/// more than two triangles.
+std::vector<std::array<std::uint32_t, 3>> neighboursOf(const Triangles& triangles) {
+  struct Side {
+    Edge edge;
+    std::uint32_t triangle, corner;
+  };
+  std::vector<Side> sides;
+  for (std::uint32_t t = 0; t < triangles.size(); ++t)
+    for (std::uint32_t c = 0; c < 3; ++c)
+      sides.push_back({edgeBetween(triangles[t][c], triangles[t][(c + 1) % 3]), t, c});
+  std::stable_sort(sides.begin(), sides.end(), [](const Side& a, const Side& b) { return a.edge < b.edge; });
+  std::vector<std::array<std::uint32_t, 3>> neighbours(triangles.size(), {kNoPoint, kNoPoint, kNoPoint});
+  for (std::size_t first = 0, last = 0; first < sides.size(); first = last) {
+    while (last < sides.size() && sides[last].edge == sides[first].edge) ++last;
+    if (last - first != 2) continue;
+    neighbours[sides[first].triangle][sides[first].corner] = sides[first + 1].triangle;
+    neighbours[sides[first + 1].triangle][sides[first + 1].corner] = sides[first].triangle;
+  }
+  return neighbours;
+}
+
+/// Returns whether the triangle runs from `a` to `b` along one of its sides.
+bool runsAlong(const Triangle& t, std::uint32_t a, std::uint32_t b) {
+  return (t[0] == a && t[1] == b) || (t[1] == a && t[2] == b) || (t[2] == a && t[0] == b);
+}
+
+Patches findPatches(const Triangles& triangles) {
+  const auto neighbours = neighboursOf(triangles);
+  Patches patches{std::vector<std::uint32_t>(triangles.size(), kNoPoint),
+                  std::vector<char>(triangles.size(), 0), 0};
+  std::vector<std::uint32_t> front;
+  for (std::uint32_t seed = 0; seed < triangles.size(); ++seed) {
+    if (patches.ofTriangle[seed] != kNoPoint) continue;
+    patches.ofTriangle[seed] = patches.count;
+    front.assign(1, seed);
+    while (!front.empty()) {
+      const std::uint32_t t = front.back();
+      front.pop_back();
+      for (std::uint32_t c = 0; c < 3; ++c) {
+        const std::uint32_t other = neighbours[t][c];
+        if (other == kNoPoint || patches.ofTriangle[other] != kNoPoint) continue;
+        const bool against = runsAlong(triangles[other], triangles[t][c], triangles[t][(c + 1) % 3]);
+        patches.ofTriangle[other] = patches.count;
+        patches.flipped[other] = static_cast<char>(patches.flipped[t] != static_cast<char>(against));
+        front.push_back(other);
+      }
+    }
+    ++patches.count;
+  }
+  return patches;
+}
+
+/// A patch in the orientation of its first triangle.
+struct PatchShape {
+  double area = 0.0, agreeing = 0.0;  ///< m^2; of triangles that the mesh orients like this
+  Vector3d moment = Vector3d::Zero(), vector = Vector3d::Zero();  ///< sums of area x centroid, area vectors
+  double flux = 0.0;  ///< m^3, a third of the sum of centroid . area vector, about the origin
+
+  Vector3d centre() const { return area > 0.0 ? Vector3d(moment / area) : Vector3d::Zero(); }
+  double volumeAbout(const Vector3d& p) const { return flux - p.dot(vector) / 3.0; }
+};
+
+/// A patch with more than this sphericity, 36 pi V^2 / A^3, is curved enough that its own volume shows its
+/// outside: a ball has 1, half a ball without its base 0.25, a shallow dish less.
+constexpr double kCurved = 0.02;
+
+/// Returns whether a patch must be turned against the orientation of its first triangle: curved patches
+/// enclose a positive volume with their middle, the others keep the orientation of most of their area if the
+/// mesh gives them one, and else face away from the middle of the mesh.
+bool facesInward(const PatchShape& patch, const Vector3d& middle) {
+  const double own = patch.volumeAbout(patch.centre());
+  if (36.0 * kPi * own * own > kCurved * patch.area * patch.area * patch.area) return own < 0.0;
+  const bool isConsistent = patch.agreeing <= 0.0 || patch.agreeing >= patch.area;
+  return isConsistent ? patch.agreeing <= 0.0 : patch.volumeAbout(middle) < 0.0;
+}
+
+/// Returns the triangles with every patch consistently oriented and facing outward.
+Triangles orientPatches(const Points& points, Triangles triangles) {
+  const Patches patches = findPatches(triangles);
+  std::vector<PatchShape> shapes(patches.count);
+  Vector3d middle = Vector3d::Zero();
+  double area = 0.0;
+  for (std::size_t t = 0; t < triangles.size(); ++t) {
+    const Vector3d &a = points[triangles[t][0]], &b = points[triangles[t][1]], &c = points[triangles[t][2]];
+    const double sign = patches.flipped[t] ? -1.0 : 1.0;
+    const Vector3d vector = sign * areaVector(a, b, c), centroid = (a + b + c) / 3.0;
+    PatchShape& shape = shapes[patches.ofTriangle[t]];
+    shape.area += vector.norm();
+    shape.agreeing += patches.flipped[t] ? 0.0 : vector.norm();
+    shape.moment += vector.norm() * centroid;
+    shape.vector += vector;
+    shape.flux += centroid.dot(vector) / 3.0;
+    middle += vector.norm() * centroid;
+    area += vector.norm();
+  }
+  middle /= area;
+  for (std::size_t t = 0; t < triangles.size(); ++t)
+    if ((patches.flipped[t] != 0) != facesInward(shapes[patches.ofTriangle[t]], middle))
+      std::swap(triangles[t][1], triangles[t][2]);
+  return triangles;
+}
+
+// --- samples on a grid -------------------------------------------------------------------------------------
+
+/// Cubic cells; their nodes are numbered x first, then y, then z.
+struct Grid {
+  Vector3d origin = Vector3d::Zero();  ///< m, of node 0
+  double width = 0.0;                  ///< m, of a cell
+  Vector3i nodes = Vector3i::Zero();   ///< along each axis
+
+  std::size_t size() const {
+    return static_cast<std::size_t>(nodes[0]) * static_cast<std::size_t>(nodes[1]) *
+           static_cast<std::size_t>(nodes[2]);
+  }
+  std::size_t index(const Vector3i& n) const {
+    return static_cast<std::size_t>(n[0]) +
+           static_cast<std::size_t>(nodes[0]) *
+               (static_cast<std::size_t>(n[1]) +
+                static_cast<std::size_t>(nodes[1]) * static_cast<std::size_t>(n[2]));
+  }
+  Vector3d position(const Vector3i& n) const { return origin + width * n.cast<double>(); }
+};
+
+template <class Visit>
+void forEachNode(const Vector3i& low, const Vector3i& high, Visit visit) {
+  for (int z = low[2]; z <= high[2]; ++z)
+    for (int y = low[1]; y <= high[1]; ++y)
+      for (int x = low[0]; x <= high[0]; ++x) visit(Vector3i(x, y, z));
+}
+
+/// The oriented mesh, its sheets and thin parts, and the sizes in use.
+struct Source {
+  Points points;
+  Triangles triangles, thin;
+  TriangleBvh bvh;
+  double resolution, thickness, join;  ///< m
+  double area = 0.0, thinArea = 0.0;   ///< m^2
+};
+
+/// At caps over holes there is no surface whose distance could place the boundary; there the winding number
+/// does. A difference of 1/2 from the border counts as this many cells.
+constexpr double kCellsPerHalf = 2.0;
+
+/// Returns the value of a place that is not near a sheet: negative inside, its size (m) the distance from the
+/// surface or from a cap.
+double solidValue(const Source& source, const Vector3d& p, double distance) {
+  const double excess = 0.5 - source.bvh.windingNumber(p);
+  const double size = std::min(distance, 2.0 * kCellsPerHalf * source.resolution * std::abs(excess));
+  return excess < 0.0 ? -size : size;
+}
+
+/// Nodes along the side of a block that is sampled at its corners alone where no surface is near.
+constexpr int kBlock = 6;
+
+/// A winding number whose difference from 1/2 is larger than this at all corners of a block that no triangle
+/// comes near does not cross 1/2 within it.
+constexpr double kClearlyOff = 0.15;
+
+/// Returns whether the block from `low` to `high` has no surface in it and one side at all corners; then sets
+/// `value` to it.
+bool isUniform(const Source& source, const Grid& grid, const Vector3i& low, const Vector3i& high,
+               double& value) {
+  const Vector3d a = grid.position(low), b = grid.position(high);
+  const double radius = 0.5 * (b - a).norm(), distance = source.bvh.nearest(0.5 * (a + b)).distance;
+  if (distance < radius + grid.width) return false;
+  int inside = 0;
+  for (int corner = 0; corner < 8; ++corner) {
+    const Vector3d p(corner & 1 ? b[0] : a[0], corner & 2 ? b[1] : a[1], corner & 4 ? b[2] : a[2]);
+    const double excess = source.bvh.windingNumber(p) - 0.5;
+    if (std::abs(excess) < kClearlyOff) return false;
+    inside += excess > 0.0 ? 1 : 0;
+  }
+  value = (inside > 0 ? -1.0 : 1.0) * (distance - radius);
+  return inside == 0 || inside == 8;
+}
+
+/// Returns the value of each node. Values of blocks far from the surface are bounds.
+std::vector<double> sampleSolid(const Source& source, const Grid& grid) {
+  std::vector<double> values(grid.size());
+  const Vector3i blocks = (grid.nodes.array() + kBlock - 1) / kBlock;
+  forEachNode(Vector3i::Zero(), blocks.array() - 1, [&](const Vector3i& block) {
+    const Vector3i low = kBlock * block, high = (low.array() + kBlock - 1).min(grid.nodes.array() - 1);
+    double value = 0.0;
+    const bool uniform = isUniform(source, grid, low, high, value);
+    forEachNode(low, high, [&](const Vector3i& n) {
+      const Vector3d p = grid.position(n);
+      values[grid.index(n)] = uniform ? value : solidValue(source, p, source.bvh.nearest(p).distance);
+    });
+  });
+  return values;
+}
+
+/// Unites the inside with all places within half the thickness of the thin parts.
+void thicken(const Source& source, const Grid& grid, std::vector<double>& values) {
+  if (source.thin.empty()) return;
+  const TriangleBvh thin(source.points, source.thin);
+  const double radius = 0.5 * source.thickness, far = radius + 2.0 * grid.width;
+  const Vector3i blocks = (grid.nodes.array() + kBlock - 1) / kBlock;
+  forEachNode(Vector3i::Zero(), blocks.array() - 1, [&](const Vector3i& block) {
+    const Vector3i low = kBlock * block, high = (low.array() + kBlock - 1).min(grid.nodes.array() - 1);
+    const Vector3d a = grid.position(low), b = grid.position(high);
+    if (thin.nearest(0.5 * (a + b)).distance > 0.5 * (b - a).norm() + far) return;
+    forEachNode(low, high, [&](const Vector3i& n) {
+      double& value = values[grid.index(n)];
+      value = std::min(value, thin.nearest(grid.position(n)).distance - radius);
+    });
+  });
+}
+
+// --- gaps --------------------------------------------------------------------------------------------------
+
+/// Replaces f by the lower envelope of the parabolas (i - j)^2 + f_j (P. Felzenszwalb, D. Huttenlocher,
+/// "Distance transforms of sampled functions", 2012).
+void transformRow(std::vector<double>& f, std::vector<double>& out, std::vector<int>& hull,
+                  std::vector<double>& border) {
+  const int n = static_cast<int>(f.size());
+  const auto at = [&](int i) { return f[static_cast<std::size_t>(i)]; };
+  hull.assign(f.size(), 0);
+  border.assign(f.size() + 1, 0.0);
+  std::size_t k = 0;
+  border[0] = -HUGE_VAL;
+  border[1] = HUGE_VAL;
+  for (int q = 1; q < n; ++q) {
+    const auto meeting = [&](int v) { return ((at(q) + q * q) - (at(v) + v * v)) / (2.0 * (q - v)); };
+    while (meeting(hull[k]) <= border[k]) --k;
+    const double from = meeting(hull[k]);
+    hull[++k] = q;
+    border[k] = from;
+    border[k + 1] = HUGE_VAL;
+  }
+  k = 0;
+  for (int q = 0; q < n; ++q) {
+    while (border[k + 1] < q) ++k;
+    out[static_cast<std::size_t>(q)] = (q - hull[k]) * (q - hull[k]) + at(hull[k]);
+  }
+}
+
+/// Stands for an infinite square of a distance, in cells.
+constexpr double kFar = 1e12;
+
+/// Returns for each node the distance to the nearest marked node, m.
+std::vector<double> distanceTo(const Grid& grid, const std::vector<char>& marked) {
+  std::vector<double> squares(marked.size()), border;
+  for (std::size_t i = 0; i < marked.size(); ++i) squares[i] = marked[i] ? 0.0 : kFar;
+  std::vector<int> hull;
+  std::size_t stride = 1;
+  for (int axis = 0; axis < 3; ++axis) {
+    const auto length = static_cast<std::size_t>(grid.nodes[axis]);
+    std::vector<double> row(length), out(length);
+    for (std::size_t i = 0; i < squares.size(); ++i) {
+      if (i / stride % length != 0) continue;
+      for (std::size_t j = 0; j < length; ++j) row[j] = squares[i + j * stride];
+      transformRow(row, out, hull, border);
+      for (std::size_t j = 0; j < length; ++j) squares[i + j * stride] = out[j];
+    }
+    stride *= length;
+  }
+  for (double& square : squares) square = grid.width * std::sqrt(square);
+  return squares;
+}
+
+/// Fills gaps narrower than `join`, by a morphological closing: what is nearer than join / 2 to the inside is
+/// kept where nothing else is near. The nearest marked node is up to a cell farther than the nearest place,
+/// so a flat surface only stays where it is with a cell of tolerance.
+void fillGaps(const Grid& grid, double join, std::vector<double>& values) {
+  std::vector<char> inside(values.size()), clear(values.size());
+  for (std::size_t i = 0; i < values.size(); ++i) inside[i] = values[i] < 0.0;
+  const std::vector<double> toInside = distanceTo(grid, inside);
+  for (std::size_t i = 0; i < values.size(); ++i) clear[i] = toInside[i] > 0.5 * join;
+  const std::vector<double> toClear = distanceTo(grid, clear);
+  for (std::size_t i = 0; i < values.size(); ++i)
+    if (!inside[i] && !clear[i] && toClear[i] > 0.5 * join + grid.width) values[i] = -0.5 * grid.width;
+}
+
+// --- the boundary ------------------------------------------------------------------------------------------
+
+/// Cuts nearer than this fraction of an edge to its end are moved, so that no two cuts coincide.
+constexpr double kMinFraction = 0.02;
+
+/// Extracts the boundary between nodes with values below 0 and the others. Each cell is divided into six
+/// tetrahedra around its diagonal (H. Kuhn), so the surface is closed and a manifold.
+class Boundary {
+ public:
+  Boundary(const Grid& grid, const std::vector<double>& values) : grid_(grid), values_(values) {}
+
+  TriangleMesh extract() {
+    static constexpr std::array<std::array<int, 2>, 6> kPaths{
+        {{1, 3}, {2, 6}, {4, 5}, {2, 3}, {4, 6}, {1, 5}}};  // corners between 0 and 7; three even, three odd
+    forEachNode(Vector3i::Zero(), grid_.nodes.array() - 2, [&](const Vector3i& cell) {
+      if (!isCrossed(cell)) return;
+      for (std::size_t i = 0; i < 6; ++i) {
+        const int a = i < 3 ? kPaths[i][0] : kPaths[i][1], b = i < 3 ? kPaths[i][1] : kPaths[i][0];
+        cut(cell, {0, a, b, 7});
+      }
+    });
+    return std::move(mesh_);
+  }
+
+ private:
+  static Vector3i offset(int corner) { return {corner & 1, corner >> 1 & 1, corner >> 2 & 1}; }
+  double value(const Vector3i& cell, int corner) const { return values_[grid_.index(cell + offset(corner))]; }
+
+  bool isCrossed(const Vector3i& cell) const {
+    int inside = 0;
+    for (int corner = 0; corner < 8; ++corner) inside += value(cell, corner) < 0.0 ? 1 : 0;
+    return inside > 0 && inside < 8;
+  }
+
+  /// Adds the part of the boundary in a positively oriented tetrahedron.
+  void cut(const Vector3i& cell, std::array<int, 4> t) {
+    const auto isInside = [&](int corner) { return value(cell, corner) < 0.0; };
+    const auto inside = std::count_if(t.begin(), t.end(), isInside);
+    if (inside == 0 || inside == 4) return;
+    bool odd = false;  // sort: inside first
+    for (std::size_t pass = 0; pass < 3; ++pass)
+      for (std::size_t i = 0; i < 3; ++i)
+        if (!isInside(t[i]) && isInside(t[i + 1])) {
+          std::swap(t[i], t[i + 1]);
+          odd = !odd;
+        }
+    if (odd) inside == 1 ? std::swap(t[2], t[3]) : std::swap(t[0], t[1]);
+    const auto vertex = [&](std::size_t i, std::size_t j) { return vertexBetween(cell, t[i], t[j]); };
+    if (inside == 1) mesh_.triangles.push_back({vertex(0, 1), vertex(0, 2), vertex(0, 3)});
+    if (inside == 3) mesh_.triangles.push_back({vertex(0, 3), vertex(1, 3), vertex(2, 3)});
+    if (inside != 2) return;
+    const std::uint32_t a = vertex(0, 2), b = vertex(0, 3), c = vertex(1, 3), d = vertex(1, 2);
+    mesh_.triangles.push_back({a, b, c});
+    mesh_.triangles.push_back({a, c, d});
+  }
+
+  /// Returns the vertex on the edge from an inside to an outside corner, which all its tetrahedra share.
+  std::uint32_t vertexBetween(const Vector3i& cell, int in, int out) {
+    const std::size_t low = grid_.index(cell + offset(in & out));
+    const auto [entry, isNew] = vertexOfEdge_.try_emplace(8 * low + static_cast<std::size_t>(in ^ out), 0u);
+    if (isNew) {
+      entry->second = static_cast<std::uint32_t>(mesh_.positions.size());
+      const double a = value(cell, in), b = value(cell, out);
+      const double fraction = std::clamp(a / (a - b), kMinFraction, 1.0 - kMinFraction);
+      const Vector3d from = grid_.position(cell + offset(in)), to = grid_.position(cell + offset(out));
+      mesh_.positions.push_back(from + fraction * (to - from));
+    }
+    return entry->second;
+  }
+
+  const Grid& grid_;
+  const std::vector<double>& values_;
+  TriangleMesh mesh_;
+  std::unordered_map<std::size_t, std::uint32_t> vertexOfEdge_;
+};
+
+/// Pieces of less than this fraction of the volume are left out.
+constexpr double kCrumb = 1e-4;
+
+/// Removes small pieces and unused vertices, counts the remaining ones and measures their volume.
+void dropCrumbs(WrappedMesh& wrapped) {
+  TriangleMesh& mesh = wrapped.mesh;
+  const SurfaceComponents pieces = findComponents(mesh.positions.size(), mesh.triangles);
+  std::vector<Triangles> parts(pieces.count);
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
+    parts[pieces.ofTriangle[t]].push_back(mesh.triangles[t]);
+  const double all = signedVolume(mesh.positions, mesh.triangles);
+  TriangleMesh kept;
+  std::vector<std::uint32_t> newIndex(mesh.positions.size(), kNoPoint);
+  for (const Triangles& part : parts) {
+    const double volume = signedVolume(mesh.positions, part);
+    if (std::abs(volume) < kCrumb * all) {
+      ++wrapped.crumbs;
+      continue;
+    }
+    ++wrapped.pieces;
+    wrapped.volume += volume;
+    for (Triangle t : part) {
+      for (std::uint32_t& corner : t) {
+        if (newIndex[corner] == kNoPoint) {
+          newIndex[corner] = static_cast<std::uint32_t>(kept.positions.size());
+          kept.positions.push_back(mesh.positions[corner]);
+        }
+        corner = newIndex[corner];
+      }
+      kept.triangles.push_back(t);
+    }
+  }
+  mesh = std::move(kept);
+}
+
+// --- sheets ------------------------------------------------------------------------------------------------
+
+/// Returns how many of four samples of the triangle have an outside place below them, half the thickness
+/// deep.
+int thinSamples(const Source& source, const Triangle& t) {
+  const Vector3d &a = source.points[t[0]], &b = source.points[t[1]], &c = source.points[t[2]];
+  const Vector3d middle = (a + b + c) / 3.0;
+  const Vector3d below = -0.5 * source.thickness * areaVector(a, b, c).normalized();
+  int thin = 0;
+  for (const Vector3d& p :
+       {middle, Vector3d(0.5 * (middle + a)), Vector3d(0.5 * (middle + b)), Vector3d(0.5 * (middle + c))})
+    thin += source.bvh.inside(p + below) ? 0 : 1;
+  return thin;
+}
+
+void findThinParts(Source& source) {
+  for (const Triangle& t : source.triangles) {
+    const double area = areaVector(source.points[t[0]], source.points[t[1]], source.points[t[2]]).norm();
+    source.area += area;
+    if (thinSamples(source, t) < 2) continue;
+    source.thin.push_back(t);
+    source.thinArea += area;
+  }
+}
+
+// --- the whole ---------------------------------------------------------------------------------------------
+
+/// Largest number of cells of the grid.
+constexpr double kMaxCells = 1e7;
+
+/// Cells along the longest side, unless settings say otherwise; and the default of the other sizes, in cells.
+constexpr double kDefaultCells = 64.0, kDefaultWidths = 2.0;
+
+std::string checkSettings(const WrapSettings& s) {
+  const std::array<std::pair<const char*, double>, 3> all{
+      {{"resolution", s.resolution}, {"thickness", s.thickness}, {"join", s.join}}};
+  for (const auto& [name, value] : all)
+    if (!std::isfinite(value) || value < 0.0)
+      return std::string(name) + " is " + inThreeDigits(value) + ", must be 0 or more";
+  return {};
+}
+
+Grid gridAround(const Points& points, double width, double margin) {
+  Eigen::AlignedBox3d box;
+  for (const Vector3d& p : points) box.extend(p);
+  Grid grid;
+  grid.width = width;
+  grid.nodes = ((box.sizes().array() + 2.0 * margin) / width).ceil().cast<int>() + 1;
+  grid.origin = box.center() - 0.5 * width * (grid.nodes.array() - 1).matrix().cast<double>();
+  return grid;
+}
+
+}  // namespace
+
+Result<WrappedMesh> wrap(const TriangleMesh& mesh, const WrapSettings& settings) {
+  if (std::string reason = checkSettings(settings); !reason.empty()) return Error{std::move(reason)};
+  Result<WeldedMesh> welded = weld(mesh);
+  if (!welded) return Error{welded.error()};
+  const double size = extent(welded->points);
+  WrappedMesh wrapped;
+  wrapped.resolution = settings.resolution > 0.0 ? settings.resolution : size / kDefaultCells;
+  wrapped.thickness = settings.thickness > 0.0 ? settings.thickness : kDefaultWidths * wrapped.resolution;
+  wrapped.join = settings.join > 0.0 ? settings.join : kDefaultWidths * wrapped.resolution;
+  const double margin = 0.5 * (wrapped.thickness + wrapped.join) + 2.0 * wrapped.resolution;
+  Eigen::AlignedBox3d box;
+  for (const Vector3d& p : welded->points) box.extend(p);
+  const double cells = ((box.sizes().array() + 2.0 * margin) / wrapped.resolution + 1.0).prod();
+  if (!(cells <= kMaxCells))
+    return Error{"a resolution of " + inThreeDigits(wrapped.resolution) + " m needs " + inThreeDigits(cells) +
+                 " cells, there may be " + inThreeDigits(kMaxCells)};
+
+  Triangles triangles = orientPatches(welded->points, std::move(welded->triangles));
+  TriangleBvh bvh(welded->points, triangles);
+  Source source{std::move(welded->points), std::move(triangles), {},          std::move(bvh),
+                wrapped.resolution,        wrapped.thickness,    wrapped.join};
+  findThinParts(source);
+  wrapped.thinFraction = source.thinArea / source.area;
+  const Grid grid = gridAround(source.points, wrapped.resolution, margin);
+  std::vector<double> values = sampleSolid(source, grid);
+  thicken(source, grid, values);
+  fillGaps(grid, wrapped.join, values);
+  wrapped.mesh = Boundary(grid, values).extract();
+  dropCrumbs(wrapped);
+  if (wrapped.mesh.triangles.empty()) return Error{"the mesh has no extent that could be wrapped"};
+  return wrapped;
+}
+
+}  // namespace limber
