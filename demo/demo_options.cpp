@@ -38,6 +38,9 @@ struct CommandLine {
   std::string size = "960x540";
   std::string mode = "shaded";
   std::string camera, overlay, context;
+  std::string feel = "rubber";
+  bool braces = false, connect = false, noCache = false;
+  const CLI::App* app = nullptr;
   CLI::Option* scene = nullptr;
   CLI::Option* out = nullptr;
 };
@@ -54,12 +57,23 @@ void addSceneOptions(CLI::App& app, CommandLine& line) {
                    ->check(CLI::IsMember(sceneNames()));
   app.add_option("--mesh", scene.meshFile,
                  "run the scene mesh with this file: BODY.limber or any format assimp reads");
+  app.add_option("--feel", line.feel, "of the mesh: jelly, rubber (default), foam or stiff")
+      ->check(CLI::IsMember({"jelly", "rubber", "foam", "stiff"}));
+  app.add_option(
+         "--points", scene.cook.points,
+         "of the mesh: about as many point masses for the largest piece (default: 150 to 400 by shape)")
+      ->check(wholeNumber(8, 100000));
+  app.add_flag("--braces", line.braces, "of the mesh: braces inside instead of tetrahedra, fewer springs");
+  app.add_flag("--connect", line.connect,
+               "of the mesh: rods hold its pieces together (default: far pieces are bodies of their own)");
+  app.add_flag("--no-cache", line.noCache,
+               "cook the mesh again (default: cooked bodies are kept in out/cooked)");
   app.add_option("--count", scene.count, "number of bodies, 1 to 10000")->check(wholeNumber(1, 10000));
   app.add_option("--stiffness", scene.stiffness, "N/m of each spring, 0 or more")->check(number(0.0, 1e9));
   app.add_option("--damping", scene.damping, "N s/m of each spring, 0 or more")->check(number(0.0, 1e6));
   app.add_option("--mass", scene.mass, "kg of each body, above 0")->check(number(1e-6, 1e6));
   app.add_option("--scale", scene.scale,
-                 "times the size in the mesh file; the scene mesh makes bodies 1 m large without it")
+                 "times the size in the mesh file; the scene mesh makes meshes 1 m large without it")
       ->check(number(1e-6, 1e6));
   app.add_option("--seed", scene.seed, "of heights and rotations (default 1)")->check(wholeNumber(0, 1e15));
 }
@@ -96,6 +110,8 @@ std::string conflict(const CommandLine& line) {
   if (meshScene && o.sceneOptions.meshFile.empty()) return "the scene mesh needs --mesh FILE";
   if (!meshScene && !o.sceneOptions.meshFile.empty())
     return "--mesh goes with the scene mesh, not " + o.scene;
+  for (const char* option : {"--feel", "--points", "--braces", "--connect", "--no-cache"})
+    if (!meshScene && line.app->count(option) > 0) return std::string(option) + " goes with --mesh";
   if (o.sceneOptions.scale && !scenes::findScene(o.scene)->takesScale) {
     return "--scale has no meaning in the scene " + o.scene;
   }
@@ -108,7 +124,15 @@ void complete(CommandLine& line) {
   DemoOptions& o = line.options;
   const std::map<std::string, PictureMode> modes = {
       {"shaded", PictureMode::Shaded}, {"wireframe", PictureMode::Wireframe}, {"none", PictureMode::None}};
+  const std::map<std::string, scenes::Feel> feels = {{"jelly", scenes::Feel::Jelly},
+                                                     {"rubber", scenes::Feel::Rubber},
+                                                     {"foam", scenes::Feel::Foam},
+                                                     {"stiff", scenes::Feel::Stiff}};
   o.mode = modes.at(line.mode);
+  o.sceneOptions.feel = feels.at(line.feel);
+  if (line.braces) o.sceneOptions.cook.mode = CookMode::Braces;
+  if (line.connect) o.sceneOptions.cook.pieces = PieceRule::Connected;
+  if (!line.noCache) o.sceneOptions.cacheFolder = "out/cooked";
   o.video = !line.noVideo;
   o.preview = !line.noPreview;
   parseSize(line.size, o.width, o.height);
@@ -124,6 +148,7 @@ ParsedOptions parseOptions(int argc, char** argv) {
   app.footer(
       "Exit codes: 0 fine, 1 something failed, 2 wrong command line, 3 the scene did not end as it should.");
   CommandLine line;
+  line.app = &app;
   addSceneOptions(app, line);
   addRunOptions(app, line);
   try {

@@ -124,6 +124,20 @@ RunFigures simulate(scenes::Scene& scene, const DemoOptions& options, std::uniqu
   return figures;
 }
 
+/// Shows the progress of cooking.
+scenes::SceneResult createScene(const DemoOptions& options) {
+  constexpr double kPatience = 0.5;  // s
+  StageProgress bars(stderr, isTerminal(stderr), kPatience);
+  scenes::SceneOptions sceneOptions = options.sceneOptions;
+  sceneOptions.cook.progress = [&bars](const char* what, double done) {
+    bars.show(what, done);
+    return stopSignal == 0;
+  };
+  scenes::SceneResult scene = scenes::findScene(options.scene)->create(sceneOptions);
+  bars.finish();
+  return scene;
+}
+
 ExitCode fail(const std::string& reason) {
   std::fprintf(stderr, "limber-demo: %s\n", reason.c_str());
   return kFailure;
@@ -134,7 +148,7 @@ ExitCode fail(const std::string& reason) {
 ExitCode runDemo(const DemoOptions& options) {
   if (!options.statsFile.empty())
     if (const std::string reason = checkWritable(options.statsFile); !reason.empty()) return fail(reason);
-  const scenes::SceneResult scene = scenes::findScene(options.scene)->create(options.sceneOptions);
+  const scenes::SceneResult scene = createScene(options);
   if (!scene) return fail(scene.error());
   // after the creation of the scene: if that fails, no folder is made and no old picture removed
   if (options.mode != PictureMode::None)

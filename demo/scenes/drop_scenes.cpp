@@ -71,14 +71,6 @@ std::string dropBodies(Scene& scene, const DroppedShape& shape, const SceneOptio
   return {};
 }
 
-void noteOddSize(Scene& scene, double size) {
-  if (size >= 0.01 && size <= 100.0) return;
-  char line[160];
-  std::snprintf(line, sizeof line, "the bodies are %.3g m across; contacts work best between 0.05 m and 10 m",
-                size);
-  scene.notes.push_back(line);
-}
-
 }  // namespace
 
 SceneResult createCubes(const SceneOptions& options) {
@@ -91,23 +83,6 @@ SceneResult createCubes(const SceneOptions& options) {
   noteOddSize(*scene, shape.size);
   scene->endChecks = {checkFinite, checkAboveFloor, checkCalm(0.02 * shape.size), checkShapes(0.03),
                       checkAsleep};
-  return scene;
-}
-
-SceneResult createMeshDrop(const SceneOptions& options) {
-  if (options.meshFile.empty()) return Error{"the scene mesh needs a file"};
-  Result<SharedNetwork> network = readNetwork(options.meshFile);
-  if (!network) return Error{network.error()};
-  const DroppedShape shape = measure(*network, options.scale);
-  SoftBodySettings settings;
-  settings.damping = 5.0;  // about critical for a hundred points, so that a sagging body does not oscillate
-  auto scene = std::make_unique<Scene>();
-  std::string reason = dropBodies(*scene, shape, options, 9, settings);
-  if (!reason.empty()) return Error{options.meshFile + ": " + reason};
-  scene->notes.push_back(options.meshFile + ": " + describe(shape.network->report));
-  noteOddSize(*scene, shape.size);
-  // no check of the shape: springs along the surface alone do not support every mesh
-  scene->endChecks = {checkFinite, checkAboveFloor, checkCalmOrRolling(0.25 * shape.size)};
   return scene;
 }
 

@@ -203,6 +203,61 @@ Check checkShapes(double relative) {
   };
 }
 
+Check checkWithin(double metres) {
+  return [metres](const Scene& scene) {
+    return anyPoint(scene, [metres](const SoftBody& body, std::uint32_t i) {
+      const double distance = body.position(i).norm();
+      return distance <= metres
+                 ? std::string()
+                 : text(" has flown away: it is %.3g m off, allowed is %.3g m", distance, metres);
+    });
+  };
+}
+
+namespace {
+
+/// Drawn edges shorter than this fraction of the body are too short for the rounding of floats.
+constexpr float kShortestEdge = 1e-4f;
+
+/// Returns the largest length of a drawn edge over its length at rest.
+double largestDrawnStretch(const SoftBody& body) {
+  const RenderSurface& surface = body.network().render;
+  if (surface.triangles.empty()) return 1.0;
+  const Points restPoints = restShape(body);
+  std::vector<Eigen::Vector3f> rest, now(body.skinnedPointCount());
+  for (const Eigen::Vector3d& p : restPoints) rest.push_back(p.cast<float>());
+  if (surface.skin.size() > 0) {
+    std::vector<Eigen::Vector3f> skinned(surface.skin.size());
+    applySkin(surface.skin, rest.front().data(), skinned.front().data());
+    rest = std::move(skinned);
+  }
+  body.writeSkinnedPositions(now.front().data());
+  const float shortest = kShortestEdge * static_cast<float>(sizeOf(restPoints));
+  double largest = 1.0;
+  for (const Triangle& t : surface.triangles) {
+    for (std::size_t i = 0; i < 3; ++i) {
+      const std::uint32_t a = surface.vertexToPoint[t[i]], b = surface.vertexToPoint[t[(i + 1) % 3]];
+      const float restLength = (rest[a] - rest[b]).norm();
+      if (restLength > shortest) largest = std::max(largest, double((now[a] - now[b]).norm() / restLength));
+    }
+  }
+  return largest;
+}
+
+}  // namespace
+
+Check checkSpikes(double factor) {
+  return [factor](const Scene& scene) {
+    return anyBody(scene, [factor](std::size_t, const SoftBody& body) {
+      const double stretch = largestDrawnStretch(body);
+      return stretch <= factor
+                 ? std::string()
+                 : text(" has spikes: a drawn edge is %.3g times as long as at rest, allowed is %.3g",
+                        stretch, factor);
+    });
+  };
+}
+
 Check checkStretch(double relative) {
   return [relative](const Scene& scene) {
     return anyBody(scene, [relative](std::size_t, const SoftBody& body) {

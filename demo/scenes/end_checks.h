@@ -48,6 +48,12 @@ std::string checkAsleep(const Scene& scene);
 /// inside out.
 Check checkShapes(double relative);
 
+/// Checks that no point is farther than `metres` from the origin.
+Check checkWithin(double metres);
+
+/// Checks that no edge of a drawn surface is longer than `factor` times its length at rest.
+Check checkSpikes(double factor);
+
 /// Checks that no structural spring is longer than its rest length by more than the fraction `relative`.
 Check checkStretch(double relative);
 

@@ -11,6 +11,7 @@
 #include <cmath>
 #include <map>
 #include <utility>
+#include <vector>
 
 namespace limber::scenes {
 
@@ -58,23 +59,35 @@ double angle(const Eigen::Vector3f& a, const Eigen::Vector3f& b) {
   return std::acos(std::clamp(double(a.dot(b)), -1.0, 1.0));
 }
 
-}  // namespace
-
-double sharpestBend(const SpringNetwork& network) {
+/// Returns the angles at the edges, ascending.
+std::vector<double> bends(const SpringNetwork& network) {
   const Positions places = restVertexPositions(network);
   const auto& placeOf = network.render.vertexToPoint;
   std::map<Edge, Eigen::Vector3f> normals;  // of the first triangle at each edge
-  double sharpest = 0.0;
+  std::vector<double> angles;
   for (const Triangle& drawn : network.render.triangles) {
     const Triangle t = {placeOf[drawn[0]], placeOf[drawn[1]], placeOf[drawn[2]]};
     const Eigen::Vector3f normal = normalOf(places, t);
     for (std::size_t corner = 0; corner < 3; ++corner) {
       const Edge edge = std::minmax({t[corner], t[(corner + 1) % 3]});
       const auto [entry, isNew] = normals.try_emplace(edge, normal);
-      if (!isNew) sharpest = std::max(sharpest, angle(entry->second, normal));
+      if (!isNew) angles.push_back(angle(entry->second, normal));
     }
   }
-  return sharpest;
+  std::sort(angles.begin(), angles.end());
+  return angles;
+}
+
+}  // namespace
+
+double sharpestBend(const SpringNetwork& network) {
+  const std::vector<double> angles = bends(network);
+  return angles.empty() ? 0.0 : angles.back();
+}
+
+double usualBend(const SpringNetwork& network) {
+  const std::vector<double> angles = bends(network);
+  return angles.empty() ? 0.0 : angles[9 * angles.size() / 10];
 }
 
 }  // namespace limber::scenes

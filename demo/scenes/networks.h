@@ -20,4 +20,8 @@ constexpr double kSmoothBend = 1.0472;
 /// Returns the largest angle at rest between the normals of two triangles with a common edge, radians.
 double sharpestBend(const SpringNetwork& network);
 
+/// Returns the angle that nine tenths of the edges do not exceed, radians: scanned and modelled meshes have a
+/// few sharp edges by fault.
+double usualBend(const SpringNetwork& network);
+
 }  // namespace limber::scenes

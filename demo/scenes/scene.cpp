@@ -148,6 +148,14 @@ btRigidBody& addBox(Scene& scene, const Eigen::Vector3d& centre, const Eigen::Ve
   return body;
 }
 
+void noteOddSize(Scene& scene, double size) {
+  if (size >= 0.01 && size <= 100.0) return;
+  char line[160];
+  std::snprintf(line, sizeof line, "the bodies are %.3g m across; contacts work best between 0.05 m and 10 m",
+                size);
+  scene.notes.push_back(line);
+}
+
 void apply(const SceneOptions& options, SoftBodySettings& settings) {
   if (options.stiffness) settings.extensionStiffness = settings.compressionStiffness = *options.stiffness;
   if (options.damping) settings.damping = *options.damping;

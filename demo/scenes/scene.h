@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
+#include <limber/cook.h>
 #include <limber/limber.h>
 #include <limber/soft_body_system.h>
 
@@ -98,6 +99,10 @@ struct Timeline {
 /// Returns a timeline of at least `seconds`.
 Timeline timelineOf(double seconds, int framesPerSecond);
 
+/// Materials of meshes: Material::jelly() and so on.
+enum class Feel { Jelly, Rubber, Foam, Stiff };
+Material materialOf(Feel feel);
+
 /// The user's choices. The scene chooses the missing ones.
 struct SceneOptions {
   std::uint64_t seed = 1;
@@ -106,7 +111,12 @@ struct SceneOptions {
   std::optional<double> damping;       ///< N s/m of each spring
   std::optional<double> mass;          ///< kg of each body
   std::optional<double> scale;         ///< times the size of each body
-  std::string meshFile;                ///< of the scene "mesh"
+
+  // of the scene "mesh"
+  std::string meshFile;
+  Feel feel = Feel::Rubber;
+  CookSettings cook;
+  std::string cacheFolder;  ///< of cooked bodies; empty: none
 };
 
 /// Appearance of a body; plain data, so that scenes need no renderer.
@@ -170,6 +180,9 @@ btRigidBody& addBall(Scene& scene, const Eigen::Vector3d& centre, double radius,
                      const Eigen::Vector3f& colour);
 btRigidBody& addBox(Scene& scene, const Eigen::Vector3d& centre, const Eigen::Vector3d& halfExtents,
                     double mass, const Eigen::Vector3f& colour);
+
+/// Adds a note if bodies of this size (m) are outside the range in which contacts work best.
+void noteOddSize(Scene& scene, double size);
 
 /// Overwrites the settings that the user has chosen.
 void apply(const SceneOptions& options, SoftBodySettings& settings);

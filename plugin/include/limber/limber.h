@@ -7,12 +7,13 @@
 // computes itself (positions, velocities, momenta). Where the user passes or gets values of Bullet's objects
 // (pivots, targets, contacts), vectors are Bullet's.
 //
-// Units are SI. Thread rules: functions of mesh.h, spring_network.h, network_builder.h, network_analysis.h
-// and soft_body_settings.h may be called from any thread, since calls are independent. Everything in a world
-// belongs to the thread that steps the world.
+// Units are SI. Thread rules: functions of mesh.h, spring_network.h, network_builder.h, network_analysis.h,
+// cook.h and soft_body_settings.h may be called from any thread, since calls are independent. Everything in a
+// world belongs to the thread that steps the world.
 //
 // importMesh() needs the library limber_import, analyse() the library limber_analysis.
 #include <limber/contacts.h>
+#include <limber/cook.h>
 #include <limber/mesh.h>
 #include <limber/network_analysis.h>
 #include <limber/network_builder.h>

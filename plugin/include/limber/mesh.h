@@ -91,6 +91,8 @@ struct WrapSettings {
   double resolution = 0.0;  ///< m, width of the cells of the grid; 0: a 64th of the longest side of the mesh
   double thickness = 0.0;   ///< m: sheets, and parts thinner than this, become this thick; 0: two cells
   double join = 0.0;        ///< m: pieces nearer to each other than this are joined; 0: two cells
+  bool connect =
+      false;  ///< rods of `thickness` join the pieces that are farther apart, along the shortest tree
 };
 
 /// A closed surface around a mesh, and what it changed.
@@ -100,6 +102,7 @@ struct WrappedMesh {
   double volume = 0.0;                                   ///< m^3, enclosed
   double thinFraction = 0.0;  ///< of the area of the mesh: sheets and thin parts, which were thickened
   std::size_t pieces = 0;     ///< of the wrapped surface, hollows included
+  std::size_t rods = 0;       ///< that join pieces
   std::size_t crumbs = 0;     ///< pieces of less than a ten-thousandth of the volume, which were left out
 };
 

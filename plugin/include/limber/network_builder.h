@@ -114,8 +114,9 @@ struct MaterialMesh {
 /// in all directions, and calibrated once so that the measured Young's modulus equals the requested one
 /// (stiffnessPerModulus). Mass fractions follow the volume of the tetrahedra, with a minimum of 0.2 of the
 /// mean. The render surface is the mesh with a skin. Concave surfaces are followed to about half a spacing.
-/// Errors: those of weld(); a mesh that is not closed (with the number of its open edges) or encloses no
-/// volume; a component that is too thin for the lattice; sizes out of range; progress that returned false.
+/// Errors: those of weld(); a mesh that is not closed (with the number of its open edges; wrap() or cook()
+/// help) or encloses no volume; a component that is too thin for the lattice; sizes out of range; progress
+/// that returned false.
 Result<SharedNetwork> buildMaterialNetwork(const TriangleMesh& mesh, const MaterialMesh& settings = {});
 
 struct Material {
@@ -123,12 +124,25 @@ struct Material {
   double poissonRatio = 0.25;  ///< from 0.25 (about the value of springs alone) to below 0.5 (by the volume
                                ///< term)
   double density = 1000.0;     ///< kg/m^3, above 0
+  std::optional<double>
+      dampingTime;  ///< s, 0 or more: viscosity over modulus (Kelvin, Voigt). An oscillation
+                    ///< of w rad/s is damped at the ratio w dampingTime / 2, on coarse and
+                    ///< fine networks alike; default: the damping in the settings stays
+
+  static Material jelly();   ///< 5e4 Pa, wobbles: a body of 1 m sags by a tenth
+  static Material rubber();  ///< 1e6 Pa
+  static Material foam();    ///< 1e5 Pa, light and strongly damped
+  static Material stiff();   ///< 1e7 Pa, hard rubber
 };
 
+/// Checks a material. The error is the first value that is out of range.
+Result<void> validate(const Material& material);
+
 /// Returns the settings of a body of this material: spring constants, volume modulus, and the total mass at
-/// the scale in `settings`. All other values are those of `settings`. Modulus and ratio hold for small
-/// deformations. They are measured on the network with a few linear solves, which take seconds for 5 000
-/// points. Errors: a network that was not made by buildMaterialNetwork; a value out of range.
+/// the scale in `settings`, and the damping if the material has one. All other values are those of
+/// `settings`. Modulus and ratio hold for small deformations. They are measured on the network with a few
+/// linear solves, which take seconds for 5 000 points. Errors: a network that was not made by
+/// buildMaterialNetwork; a value out of range.
 Result<SoftBodySettings> withMaterial(const SpringNetwork& network, const Material& material,
                                       SoftBodySettings settings = {});
 
@@ -150,11 +164,12 @@ struct SkinSettings {
 };
 
 /// Returns the network with `mesh` as its render surface. The mesh keeps its position relative to the rest
-/// points. Closed components whose normals point inward are flipped. Affine motions are reproduced exactly,
-/// to the precision of the weights. A point has little or no influence if the path to it through the inside
-/// of the body is much longer than the straight line, so that parts that almost touch do not drag each other.
-/// Errors: those of weld(); a network without a surface, or whose points lie in a plane; fewer than 4
-/// neighbours; a dense skin of more than 20 million weights.
+/// points. Closed components whose normals point inward are flipped; open and inconsistent meshes are
+/// oriented outward patch by patch. Affine motions are reproduced exactly, to the precision of the weights. A
+/// point has little or no influence if the path to it through the inside of the body is much longer than the
+/// straight line, so that parts that almost touch do not drag each other. Errors: those of weld(); a network
+/// without a surface, or whose points lie in a plane; fewer than 4 neighbours; a dense skin of more than 20
+/// million weights.
 Result<SharedNetwork> withSkin(const SpringNetwork& network, const TriangleMesh& mesh,
                                const SkinSettings& settings = {});
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// Wraps any mesh by a closed surface: orients its patches outward, samples on a grid which places are inside,
-// thickens sheets and fills gaps there, and extracts the boundary by marching tetrahedra.
+// Wraps any mesh by a closed surface: samples on a grid which places are inside, thickens sheets and fills
+// gaps there, joins far pieces by rods, and extracts the boundary by marching tetrahedra.
 
 #include <limber/mesh.h>
 
@@ -28,119 +28,6 @@ using Eigen::Vector3d;
 using Eigen::Vector3i;
 using Points = std::vector<Vector3d>;
 using Triangles = std::vector<Triangle>;
-
-// --- orientation -------------------------------------------------------------------------------------------
-
-/// A patch is a set of triangles that are joined by edges of two triangles. It can be oriented consistently,
-/// except for surfaces with one side (Moebius strips).
-struct Patches {
-  std::vector<std::uint32_t> ofTriangle;  ///< #triangles
-  std::vector<char> flipped;  ///< #triangles: against the first triangle of its patch in the orientation
-  std::uint32_t count = 0;
-};
-
-/// Returns for each triangle the neighbours across its three edges, or kNoPoint where the edge is open or of
-/// more than two triangles.
-std::vector<std::array<std::uint32_t, 3>> neighboursOf(const Triangles& triangles) {
-  struct Side {
-    Edge edge;
-    std::uint32_t triangle, corner;
-  };
-  std::vector<Side> sides;
-  for (std::uint32_t t = 0; t < triangles.size(); ++t)
-    for (std::uint32_t c = 0; c < 3; ++c)
-      sides.push_back({edgeBetween(triangles[t][c], triangles[t][(c + 1) % 3]), t, c});
-  std::stable_sort(sides.begin(), sides.end(), [](const Side& a, const Side& b) { return a.edge < b.edge; });
-  std::vector<std::array<std::uint32_t, 3>> neighbours(triangles.size(), {kNoPoint, kNoPoint, kNoPoint});
-  for (std::size_t first = 0, last = 0; first < sides.size(); first = last) {
-    while (last < sides.size() && sides[last].edge == sides[first].edge) ++last;
-    if (last - first != 2) continue;
-    neighbours[sides[first].triangle][sides[first].corner] = sides[first + 1].triangle;
-    neighbours[sides[first + 1].triangle][sides[first + 1].corner] = sides[first].triangle;
-  }
-  return neighbours;
-}
-
-/// Returns whether the triangle runs from `a` to `b` along one of its sides.
-bool runsAlong(const Triangle& t, std::uint32_t a, std::uint32_t b) {
-  return (t[0] == a && t[1] == b) || (t[1] == a && t[2] == b) || (t[2] == a && t[0] == b);
-}
-
-Patches findPatches(const Triangles& triangles) {
-  const auto neighbours = neighboursOf(triangles);
-  Patches patches{std::vector<std::uint32_t>(triangles.size(), kNoPoint),
-                  std::vector<char>(triangles.size(), 0), 0};
-  std::vector<std::uint32_t> front;
-  for (std::uint32_t seed = 0; seed < triangles.size(); ++seed) {
-    if (patches.ofTriangle[seed] != kNoPoint) continue;
-    patches.ofTriangle[seed] = patches.count;
-    front.assign(1, seed);
-    while (!front.empty()) {
-      const std::uint32_t t = front.back();
-      front.pop_back();
-      for (std::uint32_t c = 0; c < 3; ++c) {
-        const std::uint32_t other = neighbours[t][c];
-        if (other == kNoPoint || patches.ofTriangle[other] != kNoPoint) continue;
-        const bool against = runsAlong(triangles[other], triangles[t][c], triangles[t][(c + 1) % 3]);
-        patches.ofTriangle[other] = patches.count;
-        patches.flipped[other] = static_cast<char>(patches.flipped[t] != static_cast<char>(against));
-        front.push_back(other);
-      }
-    }
-    ++patches.count;
-  }
-  return patches;
-}
-
-/// A patch in the orientation of its first triangle.
-struct PatchShape {
-  double area = 0.0, agreeing = 0.0;  ///< m^2; of triangles that the mesh orients like this
-  Vector3d moment = Vector3d::Zero(), vector = Vector3d::Zero();  ///< sums of area x centroid, area vectors
-  double flux = 0.0;  ///< m^3, a third of the sum of centroid . area vector, about the origin
-
-  Vector3d centre() const { return area > 0.0 ? Vector3d(moment / area) : Vector3d::Zero(); }
-  double volumeAbout(const Vector3d& p) const { return flux - p.dot(vector) / 3.0; }
-};
-
-/// A patch with more than this sphericity, 36 pi V^2 / A^3, is curved enough that its own volume shows its
-/// outside: a ball has 1, half a ball without its base 0.25, a shallow dish less.
-constexpr double kCurved = 0.02;
-
-/// Returns whether a patch must be turned against the orientation of its first triangle: curved patches
-/// enclose a positive volume with their middle, the others keep the orientation of most of their area if the
-/// mesh gives them one, and else face away from the middle of the mesh.
-bool facesInward(const PatchShape& patch, const Vector3d& middle) {
-  const double own = patch.volumeAbout(patch.centre());
-  if (36.0 * kPi * own * own > kCurved * patch.area * patch.area * patch.area) return own < 0.0;
-  const bool isConsistent = patch.agreeing <= 0.0 || patch.agreeing >= patch.area;
-  return isConsistent ? patch.agreeing <= 0.0 : patch.volumeAbout(middle) < 0.0;
-}
-
-/// Returns the triangles with every patch consistently oriented and facing outward.
-Triangles orientPatches(const Points& points, Triangles triangles) {
-  const Patches patches = findPatches(triangles);
-  std::vector<PatchShape> shapes(patches.count);
-  Vector3d middle = Vector3d::Zero();
-  double area = 0.0;
-  for (std::size_t t = 0; t < triangles.size(); ++t) {
-    const Vector3d &a = points[triangles[t][0]], &b = points[triangles[t][1]], &c = points[triangles[t][2]];
-    const double sign = patches.flipped[t] ? -1.0 : 1.0;
-    const Vector3d vector = sign * areaVector(a, b, c), centroid = (a + b + c) / 3.0;
-    PatchShape& shape = shapes[patches.ofTriangle[t]];
-    shape.area += vector.norm();
-    shape.agreeing += patches.flipped[t] ? 0.0 : vector.norm();
-    shape.moment += vector.norm() * centroid;
-    shape.vector += vector;
-    shape.flux += centroid.dot(vector) / 3.0;
-    middle += vector.norm() * centroid;
-    area += vector.norm();
-  }
-  middle /= area;
-  for (std::size_t t = 0; t < triangles.size(); ++t)
-    if ((patches.flipped[t] != 0) != facesInward(shapes[patches.ofTriangle[t]], middle))
-      std::swap(triangles[t][1], triangles[t][2]);
-  return triangles;
-}
 
 // --- samples on a grid -------------------------------------------------------------------------------------
 
@@ -170,13 +57,24 @@ void forEachNode(const Vector3i& low, const Vector3i& high, Visit visit) {
       for (int x = low[0]; x <= high[0]; ++x) visit(Vector3i(x, y, z));
 }
 
-/// The oriented mesh, its sheets and thin parts, and the sizes in use.
+/// Triangles that need not share corners.
+struct Soup {
+  Points points;
+  Triangles triangles;
+
+  void add(const Vector3d& a, const Vector3d& b, const Vector3d& c) {
+    const auto first = static_cast<std::uint32_t>(points.size());
+    triangles.push_back({first, first + 1, first + 2});
+    points.insert(points.end(), {a, b, c});
+  }
+};
+
+/// The oriented mesh, and the sizes in use.
 struct Source {
   Points points;
-  Triangles triangles, thin;
+  Triangles triangles;
   TriangleBvh bvh;
   double resolution, thickness, join;  ///< m
-  double area = 0.0, thinArea = 0.0;   ///< m^2
 };
 
 /// At caps over holes there is no surface whose distance could place the boundary; there the winding number
@@ -232,19 +130,19 @@ std::vector<double> sampleSolid(const Source& source, const Grid& grid) {
   return values;
 }
 
-/// Unites the inside with all places within half the thickness of the thin parts.
-void thicken(const Source& source, const Grid& grid, std::vector<double>& values) {
-  if (source.thin.empty()) return;
-  const TriangleBvh thin(source.points, source.thin);
-  const double radius = 0.5 * source.thickness, far = radius + 2.0 * grid.width;
+/// Unites the inside with all places within half the thickness of the triangles.
+void thicken(const Soup& soup, double thickness, const Grid& grid, std::vector<double>& values) {
+  if (soup.triangles.empty()) return;
+  const TriangleBvh bvh(soup.points, soup.triangles);
+  const double radius = 0.5 * thickness, far = radius + 2.0 * grid.width;
   const Vector3i blocks = (grid.nodes.array() + kBlock - 1) / kBlock;
   forEachNode(Vector3i::Zero(), blocks.array() - 1, [&](const Vector3i& block) {
     const Vector3i low = kBlock * block, high = (low.array() + kBlock - 1).min(grid.nodes.array() - 1);
     const Vector3d a = grid.position(low), b = grid.position(high);
-    if (thin.nearest(0.5 * (a + b)).distance > 0.5 * (b - a).norm() + far) return;
+    if (bvh.nearest(0.5 * (a + b)).distance > 0.5 * (b - a).norm() + far) return;
     forEachNode(low, high, [&](const Vector3i& n) {
       double& value = values[grid.index(n)];
-      value = std::min(value, thin.nearest(grid.position(n)).distance - radius);
+      value = std::min(value, bvh.nearest(grid.position(n)).distance - radius);
     });
   });
 }
@@ -393,9 +291,11 @@ class Boundary {
 /// Pieces of less than this fraction of the volume are left out.
 constexpr double kCrumb = 1e-4;
 
-/// Removes small pieces and unused vertices, counts the remaining ones and measures their volume.
-void dropCrumbs(WrappedMesh& wrapped) {
-  TriangleMesh& mesh = wrapped.mesh;
+/// Extracts the surface without small pieces, counts them and measures their volume.
+void extractPieces(const Grid& grid, const std::vector<double>& values, WrappedMesh& wrapped) {
+  TriangleMesh mesh = Boundary(grid, values).extract();
+  wrapped.pieces = wrapped.crumbs = 0;
+  wrapped.volume = 0.0;
   const SurfaceComponents pieces = findComponents(mesh.positions.size(), mesh.triangles);
   std::vector<Triangles> parts(pieces.count);
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
@@ -422,32 +322,118 @@ void dropCrumbs(WrappedMesh& wrapped) {
       kept.triangles.push_back(t);
     }
   }
-  mesh = std::move(kept);
+  wrapped.mesh = std::move(kept);
 }
 
-// --- sheets ------------------------------------------------------------------------------------------------
+// --- thin parts --------------------------------------------------------------------------------------------
 
-/// Returns how many of four samples of the triangle have an outside place below them, half the thickness
-/// deep.
-int thinSamples(const Source& source, const Triangle& t) {
-  const Vector3d &a = source.points[t[0]], &b = source.points[t[1]], &c = source.points[t[2]];
-  const Vector3d middle = (a + b + c) / 3.0;
-  const Vector3d below = -0.5 * source.thickness * areaVector(a, b, c).normalized();
+/// Returns the trilinear interpolation of the values at a place inside the grid.
+double interpolate(const Grid& grid, const std::vector<double>& values, const Vector3d& p) {
+  const Vector3d cells = (p - grid.origin) / grid.width;
+  const Vector3i low = cells.array().floor().cast<int>().max(0).min(grid.nodes.array() - 2);
+  const Vector3d upper = cells - low.cast<double>();
+  double sum = 0.0;
+  for (int corner = 0; corner < 8; ++corner) {
+    const Vector3i offset(corner & 1, corner >> 1 & 1, corner >> 2 & 1);
+    double weight = 1.0;
+    for (int i = 0; i < 3; ++i) weight *= offset[i] ? upper[i] : 1.0 - upper[i];
+    sum += weight * values[grid.index(low + offset)];
+  }
+  return sum;
+}
+
+/// The sampled insides of a mesh, before thin parts are thickened.
+struct Sampled {
+  const Grid& grid;
+  const std::vector<double>& values;
+
+  bool inside(const Vector3d& p) const { return interpolate(grid, values, p) < 0.0; }
+};
+
+/// Returns how many of four samples of the triangle have an outside place below them, as deep as the
+/// thickness.
+int thinSamples(const Sampled& sampled, double thickness, const TriangleCorners& t, const Vector3d& normal) {
+  const Vector3d middle = (t[0] + t[1] + t[2]) / 3.0, below = -thickness * normal;
   int thin = 0;
-  for (const Vector3d& p :
-       {middle, Vector3d(0.5 * (middle + a)), Vector3d(0.5 * (middle + b)), Vector3d(0.5 * (middle + c))})
-    thin += source.bvh.inside(p + below) ? 0 : 1;
+  for (const Vector3d& p : {middle, Vector3d(0.5 * (middle + t[0])), Vector3d(0.5 * (middle + t[1])),
+                            Vector3d(0.5 * (middle + t[2]))})
+    thin += sampled.inside(p + below) ? 0 : 1;
   return thin;
 }
 
-void findThinParts(Source& source) {
-  for (const Triangle& t : source.triangles) {
-    const double area = areaVector(source.points[t[0]], source.points[t[1]], source.points[t[2]]).norm();
-    source.area += area;
-    if (thinSamples(source, t) < 2) continue;
-    source.thin.push_back(t);
-    source.thinArea += area;
+/// Returns the distance (m) of the middle of the part from its triangle: half of that to the opposite side.
+/// A single sheet has no other side.
+double halfDepth(const Source& source, const TriangleCorners& t, const Vector3d& normal) {
+  const Vector3d middle = (t[0] + t[1] + t[2]) / 3.0;
+  const double start = 1e-3 * source.resolution;
+  const TriangleHit hit = source.bvh.firstHit(middle, -normal, start, source.thickness);
+  return hit ? 0.5 * hit.distance : 0.0;
+}
+
+/// Returns the middle surfaces of the parts that are thinner than the thickness. Sets the fraction of
+/// the area that they have.
+Soup findThinParts(const Source& source, const Sampled& sampled, double& fraction) {
+  Soup thin;
+  double area = 0.0, thinArea = 0.0;
+  for (const Triangle& corners : source.triangles) {
+    const TriangleCorners t{source.points[corners[0]], source.points[corners[1]], source.points[corners[2]]};
+    const Vector3d vector = areaVector(t[0], t[1], t[2]), normal = vector.normalized();
+    area += vector.norm();
+    if (thinSamples(sampled, source.thickness, t, normal) < 2) continue;
+    const Vector3d inward = -halfDepth(source, t, normal) * normal;
+    thin.add(t[0] + inward, t[1] + inward, t[2] + inward);
+    thinArea += vector.norm();
   }
+  fraction = thinArea / area;
+  return thin;
+}
+
+// --- rods --------------------------------------------------------------------------------------------------
+
+/// Two points (m), and their distance.
+struct Gap {
+  Vector3d from, to;
+  double distance = HUGE_VAL;
+  std::uint32_t piece = 0;  ///< of `to`
+};
+
+/// Returns the shortest gap from the pieces marked as reached to the others.
+Gap shortestGap(const TriangleMesh& mesh, const SurfaceComponents& pieces, const std::vector<char>& reached) {
+  std::vector<char> isReached(mesh.positions.size(), 0);
+  Triangles others;
+  std::vector<std::uint32_t> pieceOfOther;
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    const std::uint32_t piece = pieces.ofTriangle[t];
+    for (const std::uint32_t corner : mesh.triangles[t]) isReached[corner] = reached[piece];
+    if (reached[piece]) continue;
+    others.push_back(mesh.triangles[t]);
+    pieceOfOther.push_back(piece);
+  }
+  const TriangleBvh bvh(mesh.positions, others);
+  Gap best;
+  for (std::size_t i = 0; i < mesh.positions.size(); ++i) {
+    if (!isReached[i]) continue;
+    const TriangleHit hit = bvh.nearest(mesh.positions[i]);
+    if (hit.distance < best.distance)
+      best = {mesh.positions[i], hit.position, hit.distance, pieceOfOther[hit.triangle]};
+  }
+  return best;
+}
+
+/// Returns rods along the shortest tree that joins the pieces (R. C. Prim, 1957), as triangles without area.
+/// Their ends are inside the pieces.
+Soup findRods(const TriangleMesh& mesh, double thickness) {
+  const SurfaceComponents pieces = findComponents(mesh.positions.size(), mesh.triangles);
+  std::vector<char> reached(pieces.count, 0);
+  reached[0] = 1;
+  Soup rods;
+  for (std::size_t i = 1; i < pieces.count; ++i) {
+    const Gap gap = shortestGap(mesh, pieces, reached);
+    const Vector3d further = 0.5 * thickness * (gap.to - gap.from).normalized();
+    rods.add(gap.from - further, gap.to + further, gap.to + further);
+    reached[gap.piece] = 1;
+  }
+  return rods;
 }
 
 // --- the whole ---------------------------------------------------------------------------------------------
@@ -467,9 +453,7 @@ std::string checkSettings(const WrapSettings& s) {
   return {};
 }
 
-Grid gridAround(const Points& points, double width, double margin) {
-  Eigen::AlignedBox3d box;
-  for (const Vector3d& p : points) box.extend(p);
+Grid gridAround(const Eigen::AlignedBox3d& box, double width, double margin) {
   Grid grid;
   grid.width = width;
   grid.nodes = ((box.sizes().array() + 2.0 * margin) / width).ceil().cast<int>() + 1;
@@ -477,37 +461,63 @@ Grid gridAround(const Points& points, double width, double margin) {
   return grid;
 }
 
+/// Meshes of more triangles are welded to a fraction of a cell first: finer details have no effect.
+constexpr std::size_t kManyTriangles = 20000;
+constexpr double kDetail = 0.25;  // cells
+
+/// Returns the mesh as samples need it, or the reason why not.
+Result<Source> makeSource(const TriangleMesh& mesh, const WrapSettings& settings) {
+  Result<WeldedMesh> welded = weld(mesh);
+  if (!welded) return Error{welded.error()};
+  const double size = extent(welded->points);
+  const double resolution = settings.resolution > 0.0 ? settings.resolution : size / kDefaultCells;
+  if (welded->triangles.size() > kManyTriangles)
+    if (Result<WeldedMesh> coarser = weld(mesh, kDetail * resolution)) welded = std::move(coarser);
+  flip(welded->triangles, patchesFacingInward(welded->points, welded->triangles));
+  TriangleBvh bvh(welded->points, welded->triangles);
+  return Source{std::move(welded->points),
+                std::move(welded->triangles),
+                std::move(bvh),
+                resolution,
+                settings.thickness > 0.0 ? settings.thickness : kDefaultWidths * resolution,
+                settings.join > 0.0 ? settings.join : kDefaultWidths * resolution};
+}
+
+/// Returns a grid with room for all changes around the mesh, or the reason why it is too large.
+Result<Grid> makeGrid(const Source& source) {
+  const double margin = 0.5 * (source.thickness + source.join) + 2.0 * source.resolution;
+  Eigen::AlignedBox3d box;
+  for (const Vector3d& p : source.points) box.extend(p);
+  const double cells = ((box.sizes().array() + 2.0 * margin) / source.resolution + 1.0).prod();
+  if (!(cells <= kMaxCells))
+    return Error{"a resolution of " + inThreeDigits(source.resolution) + " m needs " + inThreeDigits(cells) +
+                 " cells, there may be " + inThreeDigits(kMaxCells)};
+  return gridAround(box, source.resolution, margin);
+}
+
 }  // namespace
 
 Result<WrappedMesh> wrap(const TriangleMesh& mesh, const WrapSettings& settings) {
   if (std::string reason = checkSettings(settings); !reason.empty()) return Error{std::move(reason)};
-  Result<WeldedMesh> welded = weld(mesh);
-  if (!welded) return Error{welded.error()};
-  const double size = extent(welded->points);
+  const Result<Source> source = makeSource(mesh, settings);
+  if (!source) return Error{source.error()};
+  const Result<Grid> grid = makeGrid(*source);
+  if (!grid) return Error{grid.error()};
   WrappedMesh wrapped;
-  wrapped.resolution = settings.resolution > 0.0 ? settings.resolution : size / kDefaultCells;
-  wrapped.thickness = settings.thickness > 0.0 ? settings.thickness : kDefaultWidths * wrapped.resolution;
-  wrapped.join = settings.join > 0.0 ? settings.join : kDefaultWidths * wrapped.resolution;
-  const double margin = 0.5 * (wrapped.thickness + wrapped.join) + 2.0 * wrapped.resolution;
-  Eigen::AlignedBox3d box;
-  for (const Vector3d& p : welded->points) box.extend(p);
-  const double cells = ((box.sizes().array() + 2.0 * margin) / wrapped.resolution + 1.0).prod();
-  if (!(cells <= kMaxCells))
-    return Error{"a resolution of " + inThreeDigits(wrapped.resolution) + " m needs " + inThreeDigits(cells) +
-                 " cells, there may be " + inThreeDigits(kMaxCells)};
-
-  Triangles triangles = orientPatches(welded->points, std::move(welded->triangles));
-  TriangleBvh bvh(welded->points, triangles);
-  Source source{std::move(welded->points), std::move(triangles), {},          std::move(bvh),
-                wrapped.resolution,        wrapped.thickness,    wrapped.join};
-  findThinParts(source);
-  wrapped.thinFraction = source.thinArea / source.area;
-  const Grid grid = gridAround(source.points, wrapped.resolution, margin);
-  std::vector<double> values = sampleSolid(source, grid);
-  thicken(source, grid, values);
-  fillGaps(grid, wrapped.join, values);
-  wrapped.mesh = Boundary(grid, values).extract();
-  dropCrumbs(wrapped);
+  wrapped.resolution = source->resolution;
+  wrapped.thickness = source->thickness;
+  wrapped.join = source->join;
+  std::vector<double> values = sampleSolid(*source, *grid);
+  const Soup thin = findThinParts(*source, {*grid, values}, wrapped.thinFraction);
+  thicken(thin, source->thickness, *grid, values);
+  fillGaps(*grid, source->join, values);
+  extractPieces(*grid, values, wrapped);
+  if (settings.connect && wrapped.pieces > 1) {
+    const Soup rods = findRods(wrapped.mesh, source->thickness);
+    thicken(rods, source->thickness, *grid, values);
+    wrapped.rods = rods.triangles.size();
+    extractPieces(*grid, values, wrapped);
+  }
   if (wrapped.mesh.triangles.empty()) return Error{"the mesh has no extent that could be wrapped"};
   return wrapped;
 }

@@ -224,15 +224,6 @@ std::string outOfRange(const char* name, double value, const char* rule) {
   return text;
 }
 
-std::string check(const Material& m) {
-  if (!std::isfinite(m.youngsModulus) || m.youngsModulus <= 0.0)
-    return outOfRange("youngsModulus", m.youngsModulus, "above 0");
-  if (!(m.poissonRatio >= 0.25 && m.poissonRatio < 0.5))
-    return outOfRange("poissonRatio", m.poissonRatio, "from 0.25 to below 0.5");
-  if (!std::isfinite(m.density) || m.density <= 0.0) return outOfRange("density", m.density, "above 0");
-  return {};
-}
-
 /// Settings of a body of this network for a Young's modulus of 1 Pa.
 struct UnitMaterial {
   double stiffness = 0.0;      ///< m
@@ -262,33 +253,57 @@ UnitMaterial findUnitMaterial(const SpringNetwork& network, double poissonRatio,
 
 }  // namespace
 
-Result<SharedNetwork> buildMaterialNetwork(const TriangleMesh& mesh, const MaterialMesh& settings) {
+Result<void> validate(const Material& m) {
+  if (!std::isfinite(m.youngsModulus) || m.youngsModulus <= 0.0)
+    return Error{outOfRange("youngsModulus", m.youngsModulus, "above 0")};
+  if (!(m.poissonRatio >= 0.25 && m.poissonRatio < 0.5))
+    return Error{outOfRange("poissonRatio", m.poissonRatio, "from 0.25 to below 0.5")};
+  if (!std::isfinite(m.density) || m.density <= 0.0)
+    return Error{outOfRange("density", m.density, "above 0")};
+  if (m.dampingTime && !(std::isfinite(*m.dampingTime) && *m.dampingTime >= 0.0))
+    return Error{outOfRange("dampingTime", *m.dampingTime, "0 or more")};
+  return {};
+}
+
+Material Material::jelly() { return {5e4, 0.4, 1000.0, 0.01}; }
+Material Material::rubber() { return {1e6, 0.4, 1100.0, 0.003}; }
+Material Material::foam() { return {1e5, 0.25, 60.0, 0.02}; }
+Material Material::stiff() { return {1e7, 0.3, 1100.0, 0.001}; }
+
+Result<SpringNetwork> fillWithMaterial(const WeldedMesh& welded, const MaterialMesh& settings,
+                                       const WeldedMesh* fit) {
   bool going = true;  // once false, it stays false
   const auto reportProgress = [&](const char* what, double done) {
     return going = going && (!settings.progress || settings.progress(what, done));
   };
   if (settings.spacing && !(std::isfinite(*settings.spacing) && *settings.spacing > 0.0))
     return Error{outOfRange("spacing", *settings.spacing, "above 0")};
-  const Result<WeldedMesh> welded = weld(mesh);
-  if (!welded) return Error{welded.error()};
   if (!reportProgress("tetrahedra", 0.0)) return Error{kEnded};
-  const auto fillingProgress = [&](double done) { return reportProgress("tetrahedra", 0.4 * done); };
+  const auto fillingProgress = [&](double done) { return reportProgress("tetrahedra", done); };
   Result<TetrahedralMesh> filling = settings.spacing
-                                        ? fillWithTetrahedra(*welded, *settings.spacing)
-                                        : fillWithPoints(*welded, settings.points, fillingProgress);
-  if (!reportProgress("tetrahedra", 0.4)) return Error{kEnded};
+                                        ? fillWithTetrahedra(welded, *settings.spacing, fit)
+                                        : fillWithPoints(welded, settings.points, fillingProgress);
+  if (!reportProgress("tetrahedra", 1.0)) return Error{kEnded};
   if (!filling) return Error{filling.error()};
   SpringNetwork network;
   network.restPoints = std::move(filling->points);
   network.tetrahedra = std::move(filling->tetrahedra);
   network.surface = std::move(filling->surface);
-  network.report = welded->report;
+  network.report = welded.report;
   network.massFractions = volumeShares(network);
-  setMaterialSprings(network,
-                     [&](double done) { return reportProgress("spring constants", 0.4 + 0.5 * done); });
-  if (!reportProgress("skin", 0.9)) return Error{kEnded};
-  Result<SharedNetwork> skinned = withSkin(network, mesh, {SkinKind::Barycentric, 32, 0.0});
-  if (!reportProgress("skin", 1.0)) return Error{kEnded};
+  setMaterialSprings(network, [&](double done) { return reportProgress("spring constants", done); });
+  if (!going) return Error{kEnded};
+  return network;
+}
+
+Result<SharedNetwork> buildMaterialNetwork(const TriangleMesh& mesh, const MaterialMesh& settings) {
+  const Result<WeldedMesh> welded = weld(mesh);
+  if (!welded) return Error{welded.error()};
+  const Result<SpringNetwork> network = fillWithMaterial(*welded, settings);
+  if (!network) return Error{network.error()};
+  if (settings.progress && !settings.progress("skin", 0.0)) return Error{kEnded};
+  Result<SharedNetwork> skinned = withSkin(*network, mesh, {SkinKind::Barycentric, 32, 0.0});
+  if (settings.progress && !settings.progress("skin", 1.0)) return Error{kEnded};
   return skinned;
 }
 
@@ -296,11 +311,12 @@ Result<SoftBodySettings> withMaterial(const SpringNetwork& network, const Materi
                                       SoftBodySettings settings) {
   if (network.tetrahedra.empty() || network.stiffnessPerModulus <= 0.0)
     return Error{"the network has no tetrahedra to be of a material: make it with buildMaterialNetwork"};
-  if (std::string reason = check(material); !reason.empty()) return Error{std::move(reason)};
+  if (Result<void> valid = validate(material); !valid) return Error{valid.error()};
   if (Result<void> valid = validate(settings); !valid) return Error{valid.error()};
   const UnitMaterial unit = findUnitMaterial(network, material.poissonRatio, settings.scale.cwiseAbs());
   settings.extensionStiffness = settings.compressionStiffness = unit.stiffness * material.youngsModulus;
   settings.volumeModulus = unit.volumeModulus * material.youngsModulus;
+  if (material.dampingTime) settings.damping = *material.dampingTime * settings.extensionStiffness;
   settings.totalMass = material.density * volumeOfTetrahedra(network) * std::abs(settings.scale.prod());
   if (Result<void> valid = validate(settings); !valid)
     return Error{"a body of this material: " + valid.error()};

@@ -5,6 +5,7 @@
 
 #include "mesh/linear_algebra.h"
 
+#include <limber/network_builder.h>
 #include <limber/spring_network.h>
 
 #include <Eigen/Core>
@@ -95,5 +96,10 @@ FourthDegree symmetricPart(const Eigen::Matrix<double, 6, 6>& elasticity);
 /// were divided by it. It is near 1, and for one shape nearly the same on all lattices. `goOn` is called with
 /// the progress, 0 to 1; after it has returned false, no further corrections are tried.
 double setMaterialSprings(SpringNetwork& network, const std::function<bool(double)>& goOn = {});
+
+/// Fills a closed mesh with tetrahedra and makes springs of their edges: buildMaterialNetwork() without a
+/// skin. `fit`: see fillWithTetrahedra(); only with a spacing.
+Result<SpringNetwork> fillWithMaterial(const WeldedMesh& mesh, const MaterialMesh& settings,
+                                       const WeldedMesh* fit = nullptr);
 
 }  // namespace limber

@@ -286,7 +286,9 @@ Result<SharedNetwork> withSkin(const SpringNetwork& network, const TriangleMesh&
                                const SkinSettings& settings) {
   Result<WeldedMesh> welded = weld(mesh, settings.weldTolerance);
   if (!welded) return Error{welded.error()};
-  const std::vector<bool> inward = facingInward(welded->points, welded->triangles);
+  const std::vector<bool> inward = welded->report.watertight()
+                                       ? facingInward(welded->points, welded->triangles)
+                                       : patchesFacingInward(welded->points, welded->triangles);
   flip(welded->triangles, inward);
   Result<SkinWeights> weights = skinWeights(network, *welded, settings);
   if (!weights) return Error{weights.error()};

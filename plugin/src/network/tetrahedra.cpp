@@ -39,10 +39,11 @@ struct SolidSurface {
 /// Returns the reason why the mesh has no inside, or an empty string.
 std::string whyNotSolid(const MeshReport& report) {
   if (report.openEdges > 0)
-    return "the mesh is not closed: it has " + std::to_string(report.openEdges) + " open edges";
+    return "the mesh is not closed: it has " + std::to_string(report.openEdges) +
+           " open edges; wrap() closes it, cook() does so by itself";
   if (report.inconsistentEdges > 0)
     return "the mesh has no inside: at " + std::to_string(report.inconsistentEdges) +
-           " edges its triangles are oriented against each other";
+           " edges its triangles are oriented against each other; wrap() orients them";
   return {};
 }
 
@@ -301,18 +302,18 @@ Trial searchSpacing(const SolidSurface& surface, double points, const std::funct
 
 bool isFlat(const SolidSurface& surface) { return surface.volume <= kMinVolume * surface.box.volume(); }
 
-Result<TetrahedralMesh> finish(Trial trial, const SolidSurface& surface) {
+Result<TetrahedralMesh> finish(Trial trial, const SolidSurface& fit) {
   if (trial.spacing == 0.0) return Error{"so many points need a lattice that is too large"};
   if (!trial.loss.empty())
     return Error{trial.loss + ": it is thinner than a lattice of " + inThreeDigits(trial.spacing) +
                  " m can follow, or oriented inward; take a smaller spacing or more points"};
-  fitSurface(trial.mesh, surface);
+  fitSurface(trial.mesh, fit);
   return std::move(trial.mesh);
 }
 
 }  // namespace
 
-Result<TetrahedralMesh> fillWithTetrahedra(const WeldedMesh& mesh, double spacing) {
+Result<TetrahedralMesh> fillWithTetrahedra(const WeldedMesh& mesh, double spacing, const WeldedMesh* fit) {
   if (std::string reason = whyNotSolid(mesh.report); !reason.empty()) return Error{std::move(reason)};
   if (!std::isfinite(spacing) || spacing <= 0.0)
     return Error{"the spacing is " + inThreeDigits(spacing) + ", it must be above 0"};
@@ -321,7 +322,8 @@ Result<TetrahedralMesh> fillWithTetrahedra(const WeldedMesh& mesh, double spacin
   if (const double sites = sitesNeeded(surface.box, spacing); sites > kMaxSites)
     return Error{"the spacing of " + inThreeDigits(spacing) + " m needs a lattice of " +
                  inThreeDigits(sites) + " sites, it may have " + inThreeDigits(kMaxSites)};
-  return finish(fillAt(surface, spacing, 1.0), surface);
+  Trial trial = fillAt(surface, spacing, 1.0);
+  return finish(std::move(trial), fit ? makeSolidSurface(*fit) : surface);
 }
 
 Result<TetrahedralMesh> fillWithPoints(const WeldedMesh& mesh, std::size_t points,

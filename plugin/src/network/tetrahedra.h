@@ -49,8 +49,10 @@ struct TetrahedralMesh {
 /// bounded: from 17 to 153 degrees on a dozen shapes of 100 to 5 000 points. Surfaces oriented inward as a
 /// whole are flipped. Deterministic. Errors: a mesh with open or inconsistent edges, with their number, or
 /// without volume; a spacing that is too small for the lattice to be stored, or so large that a piece of the
-/// mesh is missed or falls apart.
-Result<TetrahedralMesh> fillWithTetrahedra(const WeldedMesh& mesh, double spacing);
+/// mesh is missed or falls apart. With `fit`, a thinner closed mesh within this one, the surface's points
+/// move towards that instead.
+Result<TetrahedralMesh> fillWithTetrahedra(const WeldedMesh& mesh, double spacing,
+                                           const WeldedMesh* fit = nullptr);
 
 /// Does the same, with the spacing chosen for about `points` points (8 or more). `goOn` is called with the
 /// progress, 0 to 1. After it has returned false, the best of the spacings tried so far is used; if there is

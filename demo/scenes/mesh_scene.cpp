@@ -1,0 +1,148 @@
+// SPDX-License-Identifier: Zlib
+// Copies of any mesh fall onto a floor.
+
+#include "scenes/arrangement.h"
+#include "scenes/cooked_mesh.h"
+#include "scenes/end_checks.h"
+#include "scenes/networks.h"
+#include "scenes/scene_list.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <utility>
+#include <vector>
+
+namespace limber::scenes {
+namespace {
+
+/// Points in all copies, beyond which fewer than nine are dropped.
+constexpr std::size_t kMaxScenePoints = 6000;
+constexpr std::uint32_t kUsualCount = 9;
+
+/// Largest RMS error of shape, relative to the size: hard materials sag by a hundredth, soft ones by a tenth.
+constexpr double kMaxHardError = 0.1, kMaxSoftError = 0.3;
+
+/// Largest stretch of a drawn edge: more is a spike.
+constexpr double kMaxStretch = 3.0;
+
+/// Bodies farther than this from the middle of the scene, in sizes of the scene, have flown away.
+constexpr double kFarAway = 100.0;
+
+/// A mesh and the size of its bodies together.
+struct DroppedMesh {
+  CookedMesh cooked;
+  double scale = 1.0;                                ///< of the cooked bodies
+  double size = 1.0, radius = 1.0;                   ///< m, largest extent, and of the ball around the box
+  Eigen::Vector3d middle = Eigen::Vector3d::Zero();  ///< m, of the box
+};
+
+DroppedMesh measure(CookedMesh cooked, const std::optional<double>& scale) {
+  Eigen::AlignedBox3d box;
+  for (const CookedBody& body : cooked.bodies)
+    for (const Eigen::Vector3d& p : body.network->restPoints) box.extend(p);
+  const double extent = box.sizes().maxCoeff();
+  DroppedMesh mesh;
+  mesh.scale = scale ? *scale / cooked.scale : 1.0 / extent;
+  mesh.size = mesh.scale * extent;
+  mesh.radius = 0.5 * mesh.scale * box.diagonal().norm();
+  mesh.middle = mesh.scale * box.center();
+  mesh.cooked = std::move(cooked);
+  return mesh;
+}
+
+/// Returns as many copies as a scene can show soon: nine of usual bodies.
+std::uint32_t usualCount(const CookedMesh& cooked) {
+  std::size_t points = 0;
+  for (const CookedBody& body : cooked.bodies) points += body.network->restPoints.size();
+  const std::size_t byPoints = kMaxScenePoints / std::max<std::size_t>(1, points);
+  const std::size_t byBodies = 2 * kUsualCount / cooked.bodies.size();
+  return static_cast<std::uint32_t>(
+      std::clamp<std::size_t>(std::min(byPoints, byBodies), 1, std::size_t{kUsualCount}));
+}
+
+Result<std::vector<SoftBodySettings>> settingsOf(const DroppedMesh& mesh, const SceneOptions& options) {
+  std::vector<SoftBodySettings> all;
+  for (const CookedBody& body : mesh.cooked.bodies) {
+    SoftBodySettings settings;
+    settings.scale.setConstant(mesh.scale);
+    Result<SoftBodySettings> made = withMaterial(body, materialOf(options.feel), settings);
+    if (!made) return Error{made.error()};
+    apply(options, *made);
+    all.push_back(std::move(*made));
+  }
+  return all;
+}
+
+void addFloorAndView(Scene& scene, const DroppedMesh& mesh, const DropGridSettings& grid,
+                     double drawnHeight) {
+  const double half = 0.5 * grid.spacing * double(gridColumns(grid.count) - 1) + mesh.radius;
+  addFloor(scene, 1.5 * half + 8.0 * mesh.size, drawnHeight);
+  const Eigen::Vector3d halfView(half, 0.0, half);
+  scene.view.box = Eigen::AlignedBox3d(-halfView, halfView + Eigen::Vector3d(0.0, 1.5 * mesh.size, 0.0));
+  scene.view.direction = {0.4, 0.55, 1.0};
+}
+
+/// Fills the scene with copies over the floor. Returns the reason of a failure, or an empty string.
+std::string dropCopies(Scene& scene, const DroppedMesh& mesh, const SceneOptions& options) {
+  Result<std::vector<SoftBodySettings>> settings = settingsOf(mesh, options);
+  if (!settings) return settings.error();
+  Random random(options.seed);
+  DropGridSettings grid;
+  grid.count = options.count.value_or(usualCount(mesh.cooked));
+  grid.spacing = 2.5 * mesh.radius;  // neighbours do not touch, whatever their rotation
+  grid.lowest = 1.5 * mesh.radius;
+  grid.highest = 1.5 * mesh.radius + 2.0 * mesh.size;
+  const CookedBody& largest = mesh.cooked.bodies.front();
+  addFloorAndView(scene, mesh, grid, pointRadius(*largest.network, settings->front()));
+  std::size_t index = 0;
+  for (const Placement& placement : dropGrid(grid, random)) {
+    BodyLook look;
+    look.colour = variedColour(index + index / gridColumns(grid.count) * 3, random);
+    for (std::size_t b = 0; b < mesh.cooked.bodies.size(); ++b) {
+      const SharedNetwork& network = mesh.cooked.bodies[b].network;
+      (*settings)[b].position = placement.centre - placement.rotation * mesh.middle;
+      (*settings)[b].rotation = placement.rotation;
+      look.smooth = usualBend(*network) < kSmoothBend;
+      if (std::string reason = addBody(scene, network, (*settings)[b], look); !reason.empty()) return reason;
+    }
+    ++index;
+  }
+  return {};
+}
+
+}  // namespace
+
+Material materialOf(Feel feel) {
+  switch (feel) {
+    case Feel::Jelly:
+      return Material::jelly();
+    case Feel::Foam:
+      return Material::foam();
+    case Feel::Stiff:
+      return Material::stiff();
+    case Feel::Rubber:
+      break;
+  }
+  return Material::rubber();
+}
+
+SceneResult createMeshDrop(const SceneOptions& options) {
+  if (options.meshFile.empty()) return Error{"the scene mesh needs a file"};
+  Result<CookedMesh> cooked = readBodies(options.meshFile, options.cook, options.cacheFolder);
+  if (!cooked) return Error{cooked.error()};
+  const DroppedMesh mesh = measure(std::move(*cooked), options.scale);
+  auto scene = std::make_unique<Scene>();
+  std::string reason = dropCopies(*scene, mesh, options);
+  if (!reason.empty()) return Error{options.meshFile + ": " + reason};
+  for (const std::string& line : mesh.cooked.report)
+    if (!line.empty()) scene->notes.push_back(line);
+  noteOddSize(*scene, mesh.size);
+  const bool isHard = options.feel == Feel::Rubber || options.feel == Feel::Stiff;
+  const double reach = kFarAway * scene->view.box.diagonal().norm();
+  scene->endChecks = {checkFinite, checkWithin(reach), checkAboveFloor,
+                      checkShapes(isHard ? kMaxHardError : kMaxSoftError), checkSpikes(kMaxStretch)};
+  return scene;
+}
+
+}  // namespace limber::scenes

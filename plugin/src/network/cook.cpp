@@ -1,0 +1,572 @@
+// SPDX-License-Identifier: Zlib
+// Makes soft bodies of any mesh: brings it to size, splits it into bodies, finds the form of each, builds and
+// skins it, and says what was chosen.
+
+#include <limber/cook.h>
+
+#include "mesh/edges.h"
+#include "mesh/surface.h"
+#include "mesh/triangle_bvh.h"
+#include "network/material.h"
+#include "network/sheets.h"
+
+#include <Eigen/Geometry>
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace limber {
+namespace {
+
+using Eigen::Vector3d;
+
+constexpr char kEnded[] = "ended early: progress returned false";
+
+// --- the mesh ----------------------------------------------------------------------------------------------
+
+/// Sizes (m) that meshes keep, and the size of all others.
+constexpr double kMinSize = 0.2, kMaxSize = 5.0, kUsualSize = 1.0;
+
+std::string checkSettings(const CookSettings& s) {
+  if (s.size && !(std::isfinite(*s.size) && *s.size > 0.0))
+    return "size is " + inThreeDigits(*s.size) + " m, must be above 0";
+  if (s.points != 0 && s.points < 8)
+    return "points is " + std::to_string(s.points) + ", must be 8 or more, or 0";
+  if (s.mode > CookMode::Braces) return "mode is none of the modes";
+  if (s.pieces > PieceRule::Connected) return "pieces is none of the rules";
+  return {};
+}
+
+double scaleOf(double extent, const CookSettings& settings) {
+  if (settings.size) return *settings.size / extent;
+  return extent >= kMinSize && extent <= kMaxSize ? 1.0 : kUsualSize / extent;
+}
+
+TriangleMesh resized(TriangleMesh mesh, double scale) {
+  if (scale != 1.0)
+    for (Vector3d& p : mesh.positions) p *= scale;
+  return mesh;
+}
+
+/// Returns "1 200 vertices, 3 pieces, 24 open edges".
+std::string describeDefects(const MeshReport& r) {
+  std::string text =
+      counted(r.vertices, "vertex", "vertices") + ", " + counted(r.components, "piece", "pieces");
+  if (r.watertight()) return text + ", closed";
+  if (r.openEdges > 0) text += ", " + counted(r.openEdges, "open edge", "open edges");
+  if (r.nonManifoldEdges > 0)
+    text += ", " + counted(r.nonManifoldEdges, "edge", "edges") + " of several sheets";
+  if (r.inconsistentEdges > 0)
+    text += ", " + counted(r.inconsistentEdges, "edge", "edges") + " of mixed orientation";
+  return text;
+}
+
+std::string describeMesh(const MeshReport& report, double extent, double scale) {
+  const std::string text = "mesh: " + describeDefects(report) + ", " + inThreeDigits(extent);
+  if (scale == 1.0) return text + " m long";
+  return text + " units long, made " + inThreeDigits(scale * extent) + " m long";
+}
+
+// --- pieces ------------------------------------------------------------------------------------------------
+
+/// Largest number of bodies; the smallest pieces beyond it are drawn with the nearest body.
+constexpr std::size_t kMaxBodies = 32;
+
+/// A part of the mesh that becomes one body.
+struct Part {
+  TriangleMesh mesh;
+  WeldedMesh welded;
+};
+
+/// Returns the part of the mesh with the marked triangles, and the vertices that these use.
+TriangleMesh partOf(const TriangleMesh& mesh, const std::vector<char>& marked) {
+  TriangleMesh part;
+  std::vector<std::uint32_t> newIndex(mesh.positions.size(), kNoPoint);
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    if (!marked[t]) continue;
+    part.triangles.push_back(mesh.triangles[t]);
+    for (std::uint32_t& corner : part.triangles.back()) {
+      if (newIndex[corner] == kNoPoint) {
+        newIndex[corner] = static_cast<std::uint32_t>(part.positions.size());
+        part.positions.push_back(mesh.positions[corner]);
+        if (!mesh.normals.empty()) part.normals.push_back(mesh.normals[corner]);
+        if (!mesh.uvs.empty()) part.uvs.push_back(mesh.uvs[corner]);
+      }
+      corner = newIndex[corner];
+    }
+  }
+  return part;
+}
+
+/// The pieces of a wrapped mesh that become bodies, the largest first.
+struct Shells {
+  std::vector<Triangle> triangles;
+  std::vector<std::uint32_t> bodyOfTriangle;
+  std::size_t bodies = 0;
+};
+
+Shells findShells(const TriangleMesh& wrapped) {
+  const SurfaceComponents pieces = findComponents(wrapped.positions.size(), wrapped.triangles);
+  std::vector<std::vector<Triangle>> triangles(pieces.count);
+  for (std::size_t t = 0; t < wrapped.triangles.size(); ++t)
+    triangles[pieces.ofTriangle[t]].push_back(wrapped.triangles[t]);
+  std::vector<double> volume;
+  for (const std::vector<Triangle>& piece : triangles)
+    volume.push_back(signedVolume(wrapped.positions, piece));
+  std::vector<std::size_t> order(pieces.count);
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::stable_sort(order.begin(), order.end(),
+                   [&](std::size_t a, std::size_t b) { return volume[a] > volume[b]; });
+  Shells shells;
+  for (const std::size_t piece : order) {
+    if (volume[piece] <= 0.0 || shells.bodies == kMaxBodies) break;  // surfaces of hollows are negative
+    shells.triangles.insert(shells.triangles.end(), triangles[piece].begin(), triangles[piece].end());
+    shells.bodyOfTriangle.resize(shells.triangles.size(), static_cast<std::uint32_t>(shells.bodies++));
+  }
+  return shells;
+}
+
+/// Returns the body of each kept triangle of the mesh: that of the shell nearest to most vertices of its
+/// component.
+std::vector<std::uint32_t> bodyOfTriangles(const WeldedMesh& welded, const TriangleMesh& wrapped,
+                                           const Shells& shells) {
+  const TriangleBvh bvh(wrapped.positions, shells.triangles);
+  const SurfaceComponents pieces = findComponents(welded.points.size(), welded.triangles);
+  std::vector<std::vector<std::size_t>> votes(pieces.count, std::vector<std::size_t>(shells.bodies, 0));
+  for (std::size_t t = 0; t < welded.triangles.size(); ++t)
+    ++votes[pieces.ofTriangle[t]]
+           [shells.bodyOfTriangle[bvh.nearest(welded.points[welded.triangles[t][0]]).triangle]];
+  std::vector<std::uint32_t> bodyOfPiece, body;
+  for (const std::vector<std::size_t>& v : votes)
+    bodyOfPiece.push_back(static_cast<std::uint32_t>(std::max_element(v.begin(), v.end()) - v.begin()));
+  for (const std::uint32_t piece : pieces.ofTriangle) body.push_back(bodyOfPiece[piece]);
+  return body;
+}
+
+Result<Part> makePart(TriangleMesh mesh) {
+  Result<WeldedMesh> welded = weld(mesh);
+  if (!welded) return Error{welded.error()};
+  return Part{std::move(mesh), std::move(*welded)};
+}
+
+/// Splits a mesh into bodies: pieces that the wrapped surface joins stay together.
+Result<std::vector<Part>> splitIntoParts(const TriangleMesh& mesh, const CookSettings& settings) {
+  std::vector<Part> parts;
+  Result<Part> whole = makePart(mesh);
+  if (!whole) return Error{whole.error()};
+  if (whole->welded.report.components > 1 && settings.pieces == PieceRule::Separate) {
+    const Result<WrappedMesh> wrapped = wrap(mesh, settings.wrap);
+    if (!wrapped) return Error{wrapped.error()};
+    const Shells shells = findShells(wrapped->mesh);
+    if (shells.bodies > 1) {
+      const std::vector<std::uint32_t> body = bodyOfTriangles(whole->welded, wrapped->mesh, shells);
+      for (std::uint32_t b = 0; b < shells.bodies; ++b) {
+        std::vector<char> marked(mesh.triangles.size(), 0);
+        for (std::size_t t = 0; t < body.size(); ++t) marked[whole->welded.keptTriangles[t]] = body[t] == b;
+        if (std::none_of(marked.begin(), marked.end(), [](char m) { return m != 0; })) continue;
+        Result<Part> part = makePart(partOf(mesh, marked));
+        if (!part) return Error{part.error()};
+        parts.push_back(std::move(*part));
+      }
+      return parts;
+    }
+  }
+  parts.push_back(std::move(*whole));
+  return parts;
+}
+
+// --- solids ------------------------------------------------------------------------------------------------
+
+/// Range of the number of points, and the least for small bodies.
+constexpr double kMinPoints = 150.0, kMaxPoints = 400.0, kMinSmallPoints = 30.0;
+
+/// Part of the surface that may be thinner than the thickness that matters.
+constexpr double kThinShare = 0.1;
+
+/// About as many triangles are sampled for the thickness.
+constexpr std::size_t kThicknessSamples = 2000;
+
+/// Thickness of thin parts, in spacings, so that the lattice can follow them, and the factor if it cannot: a
+/// ball of 1.12 contains a site wherever it lies (covering radius sqrt(5)/4), but limbs of 1.12 fall apart.
+constexpr double kLatticeThickness = 1.35, kThicker = 1.12;
+
+/// Parts of the mesh farther than this from its filling, in spacings, are missed by it.
+constexpr double kMissed = 0.75;
+
+/// A closed surface that is to be filled.
+struct Solid {
+  WeldedMesh surface;
+  double thickness = 0.0;  ///< m, of the thinnest part that matters
+  double volume = 0.0;     ///< m^3
+};
+
+/// Returns the thickness (m) below which a tenth of the surface lies: the distance to the opposite side.
+double thinPartThickness(const WeldedMesh& surface) {
+  const TriangleBvh bvh(surface.points, surface.triangles);
+  const double size = extent(surface.points);
+  const std::size_t stride = 1 + surface.triangles.size() / kThicknessSamples;
+  std::vector<std::pair<double, double>> samples;  // thickness and area
+  double area = 0.0;
+  for (std::size_t i = 0; i < surface.triangles.size(); i += stride) {
+    const Triangle& t = surface.triangles[i];
+    const Vector3d &a = surface.points[t[0]], &b = surface.points[t[1]], &c = surface.points[t[2]];
+    const Vector3d vector = areaVector(a, b, c);
+    if (vector.norm() == 0.0) continue;
+    const TriangleHit hit = bvh.firstHit((a + b + c) / 3.0, -vector.normalized(), 1e-4 * size, 2.0 * size);
+    samples.push_back({hit ? hit.distance : size, vector.norm()});
+    area += vector.norm();
+  }
+  std::sort(samples.begin(), samples.end());
+  double sum = 0.0;
+  for (const auto& [thickness, sampleArea] : samples)
+    if ((sum += sampleArea) >= kThinShare * area) return thickness;
+  return size;
+}
+
+Solid makeSolid(WeldedMesh surface) {
+  flip(surface.triangles, facingInward(surface.points, surface.triangles));
+  Solid solid{std::move(surface), 0.0, 0.0};
+  solid.thickness = thinPartThickness(solid.surface);
+  solid.volume = signedVolume(solid.surface.points, solid.surface.triangles);
+  return solid;
+}
+
+/// A body-centred lattice has two points a cell, and about one more for the surface: 3 V / s^3. With a
+/// spacing of the thickness, three points lie across it.
+double spacingFor(const Solid& solid, double points) { return std::cbrt(3.0 * solid.volume / points); }
+
+double wantedPoints(const Solid& solid) {
+  return std::clamp(3.0 * solid.volume / std::pow(solid.thickness, 3.0), kMinPoints, kMaxPoints);
+}
+
+/// Returns the largest distance (m) of the mesh's points outside of the filling.
+double largestMiss(const WeldedMesh& mesh, const SpringNetwork& filling) {
+  const TriangleBvh bvh(filling.restPoints, filling.surface);
+  double largest = 0.0;
+  for (const Vector3d& p : mesh.points) {
+    const double distance = bvh.nearest(p).distance;
+    if (distance > largest && !bvh.inside(p)) largest = distance;
+  }
+  return largest;
+}
+
+/// Returns the surface of the mesh's wrap without hollows. Pieces that are still apart are joined: a part is
+/// one body.
+Result<WeldedMesh> wrapped(const TriangleMesh& mesh, const CookSettings& settings, double thickness) {
+  WrapSettings s = settings.wrap;
+  s.connect = true;
+  s.thickness = std::max(s.thickness, thickness);
+  const Result<WrappedMesh> result = wrap(mesh, s);
+  if (!result) return Error{result.error()};
+  TriangleMesh outside;
+  outside.positions = result->mesh.positions;
+  outside.triangles = findShells(result->mesh).triangles;
+  return weld(outside);
+}
+
+/// What was chosen for the bodies.
+struct Choices {
+  std::size_t points = 0, springs = 0, tetrahedra = 0, solids = 0, sheets = 0, ropes = 0, wrapped = 0,
+              thickened = 0;
+  double spacing = 0.0, thickness = 0.0, wrapResolution = 0.0;  ///< m, of the largest body
+};
+
+struct Builder {
+  const CookSettings& settings;
+  Choices choices;
+  bool going = true;
+  double largest = 0.0;  ///< m, extent of the largest body
+
+  bool report(const char* what, double done) {
+    return going = going && (!settings.progress || settings.progress(what, done));
+  }
+  MaterialMesh materialMesh(double points) {
+    MaterialMesh mesh;
+    mesh.points = static_cast<std::uint32_t>(std::lround(points));
+    mesh.progress = [this](const char* what, double done) { return report(what, done); };
+    return mesh;
+  }
+};
+
+bool isOneSolid(const MeshReport& report) { return report.watertight() && report.components == 1; }
+
+/// Returns the closed surface of a part: the mesh itself, or a wrapped one if it is not one closed surface.
+Result<Solid> solidOf(Builder& builder, const Part& part) {
+  if (isOneSolid(part.welded.report)) return makeSolid(part.welded);
+  ++builder.choices.wrapped;
+  Result<WeldedMesh> surface = wrapped(part.mesh, builder.settings, 0.0);
+  if (!surface) return Error{surface.error()};
+  return makeSolid(std::move(*surface));
+}
+
+/// Returns the number of points of a part: smaller parts have fewer.
+double pointsOf(const Builder& builder, const Part& part, const Solid& solid) {
+  const double relativeSize = std::min(1.0, extent(part.welded.points) / builder.largest);
+  const double wanted = builder.settings.points > 0 ? builder.settings.points : wantedPoints(solid);
+  return std::max(std::min(wanted, kMinSmallPoints), relativeSize * wanted);
+}
+
+/// Largest number of spacings that are tried, and the ratios of points to the wanted number that end the
+/// search.
+constexpr int kThickTrials = 5;
+constexpr double kTooMany = 1.2, kTooFew = 0.75;
+
+/// Wraps a part so that nothing is thinner than the lattice, and fills it with about `points` points, which
+/// then move towards the surface of the solid. The volume, and so the number of points, grows with the
+/// thickness: the spacing is searched.
+Result<SpringNetwork> fillThickened(Builder& builder, const Part& part, const Solid& solid, double spacing,
+                                    double points) {
+  Result<SpringNetwork> best = Error{};
+  double thickness = kLatticeThickness;
+  for (int i = 0; i < kThickTrials; ++i) {
+    const Result<WeldedMesh> surface = wrapped(part.mesh, builder.settings, thickness * spacing);
+    if (!surface) return Error{surface.error()};
+    MaterialMesh mesh = builder.materialMesh(points);
+    mesh.spacing = spacing;
+    Result<SpringNetwork> network = fillWithMaterial(*surface, mesh, &solid.surface);
+    if (!builder.going) return Error{kEnded};
+    const bool isFilled = static_cast<bool>(network);
+    if (isFilled || !best) best = std::move(network);
+    if (!isFilled) {
+      thickness *= kThicker;
+      continue;
+    }
+    const double ratio = static_cast<double>(best->restPoints.size()) / points;
+    builder.choices.spacing = std::max(builder.choices.spacing, spacing);
+    if (ratio > kTooFew && ratio < kTooMany) break;
+    spacing *= std::pow(ratio, 0.4);
+  }
+  return best;
+}
+
+/// Fills a part with tetrahedra. Where these miss something, thin parts are thickened to what the lattice can
+/// follow.
+Result<SpringNetwork> fill(Builder& builder, const Part& part) {
+  const Result<Solid> solid = solidOf(builder, part);
+  if (!solid) return Error{solid.error()};
+  const double points = pointsOf(builder, part, *solid), spacing = spacingFor(*solid, points);
+  builder.choices.thickness = std::max(builder.choices.thickness, solid->thickness);
+  Result<SpringNetwork> network = fillWithMaterial(solid->surface, builder.materialMesh(points));
+  if (!builder.going) return Error{kEnded};
+  if (network && static_cast<double>(network->restPoints.size()) < kTooMany * points &&
+      largestMiss(part.welded, *network) < kMissed * spacing) {
+    builder.choices.spacing = std::max(builder.choices.spacing, spacing);
+    return network;
+  }
+  ++builder.choices.thickened;
+  Result<SpringNetwork> thickened = fillThickened(builder, part, *solid, spacing, points);
+  return thickened || !network ? std::move(thickened) : std::move(network);
+}
+
+TriangleMesh meshOf(const WeldedMesh& welded) {
+  TriangleMesh mesh;
+  mesh.positions = welded.points;
+  mesh.triangles = welded.triangles;
+  return mesh;
+}
+
+/// Builds the simplified surface with braces inside.
+Result<SpringNetwork> brace(Builder& builder, const Part& part) {
+  const Result<Solid> solid = solidOf(builder, part);
+  if (!solid) return Error{solid.error()};
+  const double points = pointsOf(builder, part, *solid);
+  TriangleMesh coarse = meshOf(solid->surface);
+  if (static_cast<double>(coarse.positions.size()) > points) {
+    Result<TriangleMesh> simplified = simplify(coarse, static_cast<std::uint32_t>(points));
+    if (!simplified) return Error{simplified.error()};
+    coarse = std::move(*simplified);
+  }
+  NetworkSettings settings = builder.settings.network;
+  settings.progress = [&builder](const char* what, double done) { return builder.report(what, done); };
+  const Result<SharedNetwork> network = buildNetwork(coarse, settings);
+  if (!network) return Error{network.error()};
+  return **network;
+}
+
+// --- skins -------------------------------------------------------------------------------------------------
+
+/// Meshes of more vertices get a sparse skin.
+constexpr std::size_t kMaxDenseVertices = 5000;
+
+SkinKind skinFor(const WeldedMesh& mesh, const CookSettings& settings) {
+  if (settings.skin) return *settings.skin;
+  return mesh.points.size() <= kMaxDenseVertices ? SkinKind::Dense : SkinKind::Sparse;
+}
+
+Result<CookedBody> cookSolid(Builder& builder, const Part& part) {
+  const Result<SpringNetwork> network =
+      builder.settings.mode == CookMode::Braces ? brace(builder, part) : fill(builder, part);
+  if (!network) return Error{network.error()};
+  if (!builder.report("skin", 0.0)) return Error{kEnded};
+  SkinSettings skin;
+  skin.kind = skinFor(part.welded, builder.settings);
+  Result<SharedNetwork> skinned = withSkin(*network, part.mesh, skin);
+  if (!skinned) return Error{skinned.error()};
+  if (!builder.report("skin", 1.0)) return Error{kEnded};
+  ++builder.choices.solids;
+  return CookedBody{std::move(*skinned), 0.0};
+}
+
+Result<CookedBody> cookPart(Builder& builder, const Part& part) {
+  const std::size_t points = builder.settings.points > 0 ? builder.settings.points : std::size_t{0};
+  if (std::optional<CookedBody> rope = ropeOf(part.welded)) {
+    ++builder.choices.ropes;
+    return std::move(*rope);
+  }
+  if (std::optional<CookedBody> sheet = sheetOf(part.mesh, part.welded, points)) {
+    ++builder.choices.sheets;
+    return std::move(*sheet);
+  }
+  return cookSolid(builder, part);
+}
+
+// --- the report --------------------------------------------------------------------------------------------
+
+std::string centimetres(double metres) { return inThreeDigits(100.0 * metres) + " cm"; }
+
+std::string describeSolids(const Choices& c, const CookSettings& settings) {
+  std::string text = counted(c.solids, "solid", "solids");
+  if (settings.mode == CookMode::Braces)
+    text += " with braces inside";
+  else
+    text += " filled with " + std::to_string(c.tetrahedra) + " tetrahedra, " + centimetres(c.spacing) +
+            " apart for parts of " + centimetres(c.thickness);
+  if (c.wrapped > 0) text += "; wrapped, because the mesh is not one closed surface";
+  if (c.thickened > 0) text += "; thin parts made as thick as the tetrahedra";
+  return text;
+}
+
+std::string describeBodies(const Choices& c, const CookSettings& settings) {
+  std::string text =
+      "body: " + std::to_string(c.points) + " points, " + std::to_string(c.springs) + " springs";
+  if (c.solids > 0) text += ", " + describeSolids(c, settings);
+  if (c.sheets > 0)
+    text += ", " + counted(c.sheets, "sheet", "sheets") + " as cloth, because they are flat or open";
+  if (c.ropes > 0) text += ", " + counted(c.ropes, "thin tube", "thin tubes") + " as rope";
+  return text;
+}
+
+std::string describeDrawing(const std::vector<CookedBody>& bodies, const std::vector<Part>& parts,
+                            const CookSettings& settings) {
+  std::size_t dense = 0, sparse = 0, barycentric = 0, own = 0;
+  for (std::size_t i = 0; i < bodies.size(); ++i) {
+    const std::size_t vertices = parts[i].welded.points.size();
+    if (bodies[i].network->render.skin.size() == 0)
+      own += bodies[i].network->restPoints.size();
+    else if (skinFor(parts[i].welded, settings) == SkinKind::Dense)
+      dense += vertices;
+    else
+      (skinFor(parts[i].welded, settings) == SkinKind::Sparse ? sparse : barycentric) += vertices;
+  }
+  std::string text = "drawing:";
+  const auto add = [&](std::size_t count, const char* what) {
+    if (count > 0) text += (text.back() == ':' ? " " : ", ") + std::to_string(count) + what;
+  };
+  add(dense, " vertices by dense skins (up to 5000 a body)");
+  add(sparse, " vertices by sparse skins");
+  add(barycentric, " vertices by barycentric skins");
+  add(own, " points by themselves");
+  return text;
+}
+
+void count(Choices& c, const SpringNetwork& network) {
+  c.points += network.restPoints.size();
+  c.springs += network.springs.size();
+  c.tetrahedra += network.tetrahedra.size();
+}
+
+}  // namespace
+
+Result<CookedMesh> cook(const TriangleMesh& input, const CookSettings& settings) {
+  if (std::string reason = checkSettings(settings); !reason.empty()) return Error{std::move(reason)};
+  const Result<WeldedMesh> welded = weld(input);
+  if (!welded) return Error{welded.error()};
+  const double size = extent(welded->points);
+  CookedMesh cooked;
+  cooked.scale = scaleOf(size, settings);
+  cooked.report[0] = describeMesh(welded->report, size, cooked.scale);
+  Builder builder{settings, {}};
+  if (!builder.report("pieces", 0.0)) return Error{kEnded};
+  const Result<std::vector<Part>> parts = splitIntoParts(resized(input, cooked.scale), settings);
+  if (!parts) return Error{parts.error()};
+  if (!builder.report("pieces", 1.0)) return Error{kEnded};
+  for (const Part& part : *parts) builder.largest = std::max(builder.largest, extent(part.welded.points));
+  for (const Part& part : *parts) {
+    Result<CookedBody> body = cookPart(builder, part);
+    if (!body) return Error{body.error()};
+    count(builder.choices, *body->network);
+    cooked.bodies.push_back(std::move(*body));
+  }
+  cooked.report[1] = describeBodies(builder.choices, settings);
+  cooked.report[2] = describeDrawing(cooked.bodies, *parts, settings);
+  return cooked;
+}
+
+// --- materials ---------------------------------------------------------------------------------------------
+
+namespace {
+
+/// Returns the sum of stiffnessScale times the square of the rest length over the springs that carry tension,
+/// m^2.
+double stiffnessMoment(const SpringNetwork& network, bool structuralOnly) {
+  double sum = 0.0;
+  for (const NetworkSpring& s : network.springs)
+    if (!structuralOnly || s.kind == SpringKind::Structural)
+      sum += s.stiffnessScale * (network.restPoints[s.b] - network.restPoints[s.a]).squaredNorm();
+  return sum;
+}
+
+double areaOf(const SpringNetwork& network) {
+  double area = 0.0;
+  for (const Triangle& t : network.surface)
+    area += areaVector(network.restPoints[t[0]], network.restPoints[t[1]], network.restPoints[t[2]]).norm();
+  return area;
+}
+
+/// Spring constant (N/m) for 1 Pa, and the volume (m^3) of the material, at scale 1.
+struct FormMaterial {
+  double stiffness = 0.0, volume = 0.0;
+};
+
+FormMaterial materialOf(const CookedBody& body) {
+  const SpringNetwork& n = *body.network;
+  if (n.kind == NetworkKind::Rope) {
+    const double section = 0.25 * kPi * body.thickness * body.thickness;
+    double length = 0.0;
+    for (std::size_t i = 1; i < n.restPoints.size(); ++i)
+      length += (n.restPoints[i] - n.restPoints[i - 1]).norm();
+    return {section * static_cast<double>(n.restPoints.size() - 1) / length, section * length};
+  }
+  if (body.thickness > 0.0) {
+    const double area = areaOf(n);
+    return {3.0 * body.thickness * area / stiffnessMoment(n, true), body.thickness * area};
+  }
+  const double volume = std::abs(signedVolume(n.restPoints, n.surface));
+  return {6.0 * volume / stiffnessMoment(n, false), volume};
+}
+
+}  // namespace
+
+Result<SoftBodySettings> withMaterial(const CookedBody& body, const Material& material,
+                                      SoftBodySettings settings) {
+  if (!body.network->tetrahedra.empty()) return withMaterial(*body.network, material, std::move(settings));
+  if (Result<void> valid = validate(material); !valid) return Error{valid.error()};
+  if (Result<void> valid = validate(settings); !valid) return Error{valid.error()};
+  const double volumeScale = std::abs(settings.scale.prod()), lengthScale = std::cbrt(volumeScale);
+  const FormMaterial form = materialOf(body);
+  settings.extensionStiffness = settings.compressionStiffness =
+      lengthScale * form.stiffness * material.youngsModulus;
+  settings.totalMass = material.density * form.volume * volumeScale;
+  if (material.dampingTime) settings.damping = *material.dampingTime * settings.extensionStiffness;
+  if (body.thickness > 0.0 && !settings.pointRadius)
+    settings.pointRadius = 0.5 * lengthScale * body.thickness;
+  if (Result<void> valid = validate(settings); !valid)
+    return Error{"a body of this material: " + valid.error()};
+  return settings;
+}
+
+}  // namespace limber

@@ -1,0 +1,239 @@
+// SPDX-License-Identifier: Zlib
+// Recognises meshes that are sheets or thin tubes, and makes cloths and ropes of them.
+
+#include "network/sheets.h"
+
+#include "mesh/edges.h"
+#include "mesh/linear_algebra.h"
+#include "mesh/surface.h"
+
+#include <Eigen/Geometry>
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <numeric>
+#include <queue>
+#include <utility>
+#include <vector>
+
+namespace limber {
+namespace {
+
+using Eigen::Vector3d;
+
+// --- sheets ------------------------------------------------------------------------------------------------
+
+/// Square of the border's length over the area: a disc has 12.6, a square 16, half a ball 6.3.
+constexpr double kSheetBorder = 10.0;
+
+/// A mesh is flat if its smallest extent is less than this fraction of its largest one.
+constexpr double kFlat = 0.03;
+
+/// Thickness of a sheet without one, as a fraction of its size.
+constexpr double kSheetThickness = 0.005;
+
+constexpr std::size_t kSheetPoints = 800;
+
+/// Stiffness of the springs between second neighbours, which resist bending, relative to the edges.
+constexpr double kSheetBending = 0.1;
+
+double areaOf(const WeldedMesh& mesh) {
+  double area = 0.0;
+  for (const Triangle& t : mesh.triangles)
+    area += areaVector(mesh.points[t[0]], mesh.points[t[1]], mesh.points[t[2]]).norm();
+  return area;
+}
+
+/// Returns the length (m) of the edges of only one triangle.
+double borderLength(const WeldedMesh& mesh) {
+  std::vector<Edge> edges;
+  for (const Triangle& t : mesh.triangles)
+    for (std::size_t i = 0; i < 3; ++i) edges.push_back(edgeBetween(t[i], t[(i + 1) % 3]));
+  std::sort(edges.begin(), edges.end());
+  double length = 0.0;
+  for (std::size_t first = 0, last = 0; first < edges.size(); first = last) {
+    while (last < edges.size() && edges[last] == edges[first]) ++last;
+    if (last - first == 1) length += (mesh.points[edges[first][0]] - mesh.points[edges[first][1]]).norm();
+  }
+  return length;
+}
+
+/// The direction in which the points extend least, and their extent in it, m.
+struct Flatness {
+  Vector3d normal = Vector3d::Zero();
+  double height = 0.0;
+};
+
+Flatness flatnessOf(const std::vector<Vector3d>& points) {
+  Vector3d middle = Vector3d::Zero();
+  for (const Vector3d& p : points) middle += p / static_cast<double>(points.size());
+  Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();
+  for (const Vector3d& p : points) spread += (p - middle) * (p - middle).transpose();
+  Flatness flatness;
+  flatness.normal = symmetricParts3(spread).vectors.col(0);
+  double low = HUGE_VAL, high = -HUGE_VAL;
+  for (const Vector3d& p : points) {
+    low = std::min(low, flatness.normal.dot(p));
+    high = std::max(high, flatness.normal.dot(p));
+  }
+  flatness.height = high - low;
+  return flatness;
+}
+
+/// Returns the mesh without the triangles that do not face along the normal.
+TriangleMesh frontOf(const TriangleMesh& mesh, const Vector3d& normal) {
+  TriangleMesh front = mesh;
+  front.triangles.clear();
+  for (const Triangle& t : mesh.triangles)
+    if (areaVector(mesh.positions[t[0]], mesh.positions[t[1]], mesh.positions[t[2]])
+            .normalized()
+            .dot(normal) > 0.5)
+      front.triangles.push_back(t);
+  return front;
+}
+
+std::optional<CookedBody> buildSheet(const TriangleMesh& mesh, double thickness, std::size_t points) {
+  const Result<WeldedMesh> welded = weld(mesh);
+  if (!welded || welded->report.components != 1) return std::nullopt;
+  const std::size_t limit = points > 0 ? points : kSheetPoints;
+  const Result<TriangleMesh> coarse = welded->points.size() > limit
+                                          ? simplify(mesh, static_cast<std::uint32_t>(limit))
+                                          : Result<TriangleMesh>(mesh);
+  if (!coarse) return std::nullopt;
+  NetworkSettings settings;
+  settings.braces = BraceRule::TwoRing;
+  settings.braceWeight = kSheetBending;
+  const Result<SharedNetwork> network = buildNetwork(*coarse, settings);
+  if (!network) return std::nullopt;
+  auto cloth = std::make_shared<SpringNetwork>(**network);
+  cloth->kind = NetworkKind::Cloth;
+  return CookedBody{std::move(cloth), thickness};
+}
+
+}  // namespace
+
+std::optional<CookedBody> sheetOf(const TriangleMesh& mesh, const WeldedMesh& welded, std::size_t points) {
+  if (welded.report.components != 1) return std::nullopt;
+  const double size = extent(welded.points), area = areaOf(welded), border = borderLength(welded);
+  const Flatness flatness = flatnessOf(welded.points);
+  const bool isFlat = flatness.height < kFlat * size;
+  if (isFlat && welded.report.watertight()) {
+    const double thickness = 2.0 * std::abs(signedVolume(welded.points, welded.triangles)) / area;
+    return buildSheet(frontOf(mesh, flatness.normal), thickness, points);
+  }
+  const bool isOpen = border * border > kSheetBorder * area;
+  return isFlat || isOpen ? buildSheet(mesh, kSheetThickness * size, points) : std::nullopt;
+}
+
+// --- ropes -------------------------------------------------------------------------------------------------
+
+namespace {
+
+/// Length over diameter of a tube that becomes a rope, and its segments: as long as two diameters.
+constexpr double kRopeLength = 25.0, kSegmentLength = 2.0;
+constexpr std::uint32_t kMaxSegments = 200;
+
+/// Largest distance of a section's places from its middle, in radii, besides half a segment: a bend or a
+/// branch has more.
+constexpr double kSectionRadii = 2.5;
+
+using Neighbours = std::vector<std::vector<std::uint32_t>>;
+
+/// Returns the length (m) of the shortest path along edges to each point, HUGE_VAL where there is none.
+std::vector<double> pathLengths(const WeldedMesh& mesh, const Neighbours& neighbours, std::uint32_t from) {
+  using Arrival = std::pair<double, std::uint32_t>;
+  std::priority_queue<Arrival, std::vector<Arrival>, std::greater<>> front;
+  std::vector<double> length(mesh.points.size(), HUGE_VAL);
+  length[from] = 0.0;
+  front.push({0.0, from});
+  while (!front.empty()) {
+    const auto [distance, point] = front.top();
+    front.pop();
+    if (distance > length[point]) continue;
+    for (const std::uint32_t next : neighbours[point]) {
+      const double reached = distance + (mesh.points[next] - mesh.points[point]).norm();
+      if (reached >= length[next]) continue;
+      length[next] = reached;
+      front.push({reached, next});
+    }
+  }
+  return length;
+}
+
+std::uint32_t farthest(const std::vector<double>& length) {
+  return static_cast<std::uint32_t>(std::max_element(length.begin(), length.end()) - length.begin());
+}
+
+/// Places on the edges of a tube, and their distances (m) along it from one end.
+struct TubeSamples {
+  std::vector<Vector3d> places;
+  std::vector<double> along;
+};
+
+TubeSamples sampleEdges(const WeldedMesh& mesh, const std::vector<double>& length, double step) {
+  TubeSamples samples;
+  for (const Edge& e : uniqueEdges(mesh.triangles)) {
+    const Vector3d &a = mesh.points[e[0]], &b = mesh.points[e[1]];
+    const int pieces = 1 + static_cast<int>(std::min(1e4, (b - a).norm() / step));
+    for (int i = 0; i <= pieces; ++i) {
+      const double f = static_cast<double>(i) / pieces;
+      samples.places.push_back(a + f * (b - a));
+      samples.along.push_back((1.0 - f) * length[e[0]] + f * length[e[1]]);
+    }
+  }
+  return samples;
+}
+
+/// Returns the middles of the sections at equal distances along the tube; empty if a section is not small and
+/// round enough.
+std::vector<Vector3d> findAxis(const TubeSamples& samples, double length, double radius,
+                               std::uint32_t segments) {
+  const double step = length / segments;
+  std::vector<Vector3d> axis(segments + 1, Vector3d::Zero());
+  std::vector<double> count(segments + 1, 0.0);
+  const auto sectionOf = [&](std::size_t i) {
+    return static_cast<std::size_t>(std::min(double(segments), std::round(samples.along[i] / step)));
+  };
+  for (std::size_t i = 0; i < samples.places.size(); ++i) {
+    axis[sectionOf(i)] += samples.places[i];
+    count[sectionOf(i)] += 1.0;
+  }
+  for (std::size_t s = 0; s < axis.size(); ++s) {
+    if (count[s] == 0.0) return {};
+    axis[s] /= count[s];
+  }
+  for (std::size_t i = 0; i < samples.places.size(); ++i)
+    if ((samples.places[i] - axis[sectionOf(i)]).norm() > kSectionRadii * radius + 0.5 * step) return {};
+  return axis;
+}
+
+}  // namespace
+
+std::optional<CookedBody> ropeOf(const WeldedMesh& welded) {
+  if (welded.report.components != 1) return std::nullopt;
+  Neighbours neighbours(welded.points.size());
+  for (const Edge& e : uniqueEdges(welded.triangles)) {
+    neighbours[e[0]].push_back(e[1]);
+    neighbours[e[1]].push_back(e[0]);
+  }
+  const std::uint32_t end = farthest(pathLengths(welded, neighbours, welded.triangles[0][0]));
+  const std::vector<double> length = pathLengths(welded, neighbours, end);
+  const double total = length[farthest(length)], radius = areaOf(welded) / (2.0 * kPi * total);
+  if (!(total > 2.0 * kRopeLength * radius)) return std::nullopt;
+  RopeSettings settings;
+  settings.length = total;
+  settings.segments = static_cast<std::uint32_t>(
+      std::min(double(kMaxSegments), std::ceil(total / (2.0 * kSegmentLength * radius))));
+  const double step = 0.5 * total / settings.segments;
+  const std::vector<Vector3d> axis =
+      findAxis(sampleEdges(welded, length, step), total, radius, settings.segments);
+  if (axis.empty()) return std::nullopt;
+  const Result<SharedNetwork> straight = buildRope(settings);
+  if (!straight) return std::nullopt;
+  auto rope = std::make_shared<SpringNetwork>(**straight);
+  rope->restPoints = axis;
+  return CookedBody{std::move(rope), 2.0 * radius};
+}
+
+}  // namespace limber
