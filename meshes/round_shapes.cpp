@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Zlib
 #include "round_shapes.h"
 
+#include "pi.h"
+
 #include <Eigen/Geometry>
 
 #include <algorithm>
@@ -12,8 +14,6 @@ namespace {
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 using Directions = std::array<Vector3d, 3>;
-
-constexpr double kPi = 3.14159265358979323846;
 
 /// A point at 0.5 m below this distance from the y axis lies on it.
 constexpr double kOnAxis = 1e-6;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "surface_net.h"
 
+#include <cmath>
 #include <cstddef>
 
 namespace shapes {
@@ -10,9 +11,6 @@ using Eigen::Vector3d;
 using Eigen::Vector3i;
 
 constexpr std::uint32_t kNone = 0xffffffffu;
-
-/// Step of the central differences that give the gradient, metres.
-constexpr double kGradientStep = 1e-4;
 
 struct Samples {
   CellGrid grid;
@@ -81,21 +79,6 @@ void addQuadAround(const Samples& samples, const std::vector<std::uint32_t>& ver
   }
 }
 
-Vector3d gradient(const Field& field, const Vector3d& p) {
-  Vector3d result;
-  for (int axis = 0; axis < 3; ++axis) {
-    const Vector3d step = kGradientStep * Vector3d::Unit(axis);
-    result[axis] = (field(p + step) - field(p - step)) / (2.0 * kGradientStep);
-  }
-  return result;
-}
-
-/// One step of Newton's method along the gradient.
-Vector3d towardsSurface(const Field& field, const Vector3d& p) {
-  const Vector3d slope = gradient(field, p);
-  return p - field(p) / slope.squaredNorm() * slope;
-}
-
 /// The middle of each vertex's neighbours; every neighbour counts once for each quad it shares.
 std::vector<Vector3d> neighbourMiddles(const QuadMesh& mesh) {
   std::vector<Vector3d> sums(mesh.vertices.size(), Vector3d::Zero());
@@ -110,7 +93,26 @@ std::vector<Vector3d> neighbourMiddles(const QuadMesh& mesh) {
   return sums;
 }
 
+void addBestSplit(TriangleSoup& soup, const std::array<Corner, 4>& c, double equal) {
+  const double ac = (c[0].position - c[2].position).norm(), bd = (c[1].position - c[3].position).norm();
+  if (ac <= bd * (1.0 + equal)) {
+    addQuad(soup, c[0], c[1], c[2], c[3]);
+  } else {
+    addQuad(soup, c[1], c[2], c[3], c[0]);
+  }
+}
+
 }  // namespace
+
+CellGrid gridAround(const Vector3d& low, const Vector3d& high, double width) {
+  CellGrid grid{low, width, {}};
+  for (int axis = 0; axis < 3; ++axis) {
+    const int first = static_cast<int>(std::floor(low[axis] / width)) - 1;
+    grid.low[axis] = first * width;
+    grid.cells[axis] = static_cast<int>(std::ceil(high[axis] / width)) + 1 - first;
+  }
+  return grid;
+}
 
 QuadMesh buildSurfaceNet(const Field& field, const CellGrid& grid) {
   const Samples samples = sample(field, grid);
@@ -133,6 +135,22 @@ void relaxOnSurface(QuadMesh& mesh, const Field& field, int rounds) {
       mesh.vertices[i] = towardsSurface(field, towardsSurface(field, moved));
     }
   }
+}
+
+TriangleSoup makeBody(const Field& field, const Vector3d& low, const Vector3d& high, double width) {
+  QuadMesh mesh = buildSurfaceNet(field, gridAround(low, high, width));
+  relaxOnSurface(mesh, field, 3);
+  return toSoup(mesh);
+}
+
+TriangleSoup toSoup(const QuadMesh& mesh, double equal) {
+  TriangleSoup soup;
+  for (const auto& quad : mesh.quads) {
+    std::array<Corner, 4> corners;
+    for (std::size_t i = 0; i < 4; ++i) corners[i] = {mesh.vertices[quad[i]], {0.0, 0.0}};
+    addBestSplit(soup, corners, equal);
+  }
+  return soup;
 }
 
 }  // namespace shapes

@@ -8,8 +8,6 @@
 namespace shapes {
 namespace {
 
-constexpr double kStep = 1e-9;
-
 /// Lines of an OBJ file with their numbers, which count from 1.
 struct NumberedLines {
   std::map<std::string, std::size_t> numbers;
@@ -17,9 +15,9 @@ struct NumberedLines {
 };
 
 /// Adding 0 turns -0 into 0.
-std::string rounded(double value) {
+std::string rounded(double value, double step) {
   char text[32];
-  std::snprintf(text, sizeof(text), " %.9g", std::round(value / kStep) * kStep + 0.0);
+  std::snprintf(text, sizeof(text), " %.9g", std::round(value / step) * step + 0.0);
   return text;
 }
 
@@ -29,11 +27,15 @@ std::string numberOf(const std::string& line, NumberedLines& lines) {
   return std::to_string(entry->second);
 }
 
-std::string positionLine(const Eigen::Vector3d& p) {
-  return "v" + rounded(p.x()) + rounded(p.y()) + rounded(p.z());
+std::string positionLine(const Eigen::Vector3d& p, const ObjFormat& format) {
+  std::string line = "v";
+  for (const double value : p) line += rounded(value * format.scale, format.step);
+  return line;
 }
 
-std::string uvLine(const Eigen::Vector2d& uv) { return "vt" + rounded(uv.x()) + rounded(uv.y()); }
+std::string uvLine(const Eigen::Vector2d& uv, const ObjFormat& format) {
+  return "vt" + rounded(uv.x(), format.step) + rounded(uv.y(), format.step);
+}
 
 }  // namespace
 
@@ -42,14 +44,14 @@ void addQuad(TriangleSoup& soup, const Corner& a, const Corner& b, const Corner&
   soup.push_back({a, c, d});
 }
 
-std::string toObjText(const TriangleSoup& soup, const std::string& name) {
+std::string toObjText(const TriangleSoup& soup, const std::string& name, const ObjFormat& format) {
   NumberedLines positions, uvs;
   std::string faces;
   for (const auto& triangle : soup) {
     faces += "f";
     for (const Corner& corner : triangle) {
-      faces +=
-          " " + numberOf(positionLine(corner.position), positions) + "/" + numberOf(uvLine(corner.uv), uvs);
+      faces += " " + numberOf(positionLine(corner.position, format), positions);
+      if (format.uvs) faces += "/" + numberOf(uvLine(corner.uv, format), uvs);
     }
     faces += "\n";
   }
