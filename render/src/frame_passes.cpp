@@ -17,15 +17,22 @@ void setUniforms(const PassContext& pass, const ShaderProgram& program, const Dr
   set(DrawUniform::FirstPoint, first);
   set(DrawUniform::FirstInstance, item.firstInstance);
   set(DrawUniform::PointCount, count);
-  set(DrawUniform::FirstNormal, item.firstNormal);
+  set(DrawUniform::FirstNormal, item.normals.first);
   pass.gl.ProgramUniform1f(program.name(), program.location(DrawUniform::ShapeRadius), item.shape->radius);
+}
+
+void bind(const PassContext& pass, StorageBinding binding, const PointRange& range) {
+  pass.gl.BindBufferRange(GL_SHADER_STORAGE_BUFFER, binding, range.buffer, range.byteOffset, range.bytes);
 }
 
 void use(const PassContext& pass, const ShaderProgram& program, const DrawItem& item, const PointRange& range,
          std::uint32_t count) {
   pass.gl.UseProgram(program.name());
   setUniforms(pass, program, item, range.first, count);
-  pass.gl.BindBufferRange(GL_SHADER_STORAGE_BUFFER, kPoints, range.buffer, range.byteOffset, range.bytes);
+  bind(pass, kPoints, range);
+  if (item.shape->needsNormals()) {
+    bind(pass, kNormals, item.normals);
+  }
 }
 
 void useWithPoints(const PassContext& pass, const ShaderProgram& program, const DrawItem& item) {

@@ -45,16 +45,23 @@ struct PointRange {
   GLintptr byteOffset = 0;
   GLsizeiptr bytes = 0;
   std::uint32_t first = 0;  ///< First point of the first instance in the range.
+
+  /// The same range for an instance whose points come so much later.
+  PointRange from(std::uint32_t points) const { return {buffer, byteOffset, bytes, first + points}; }
 };
+
+inline PointRange wholeOf(const GlBuffer& buffer) {
+  return {buffer.name(), 0, static_cast<GLsizeiptr>(buffer.bytes()), 0};
+}
 
 /// One draw call per pass: instances of a shape with contiguous points.
 struct DrawItem {
   const GpuShape* shape = nullptr;
   std::uint32_t firstInstance = 0;
   std::uint32_t instanceCount = 0;
-  std::uint32_t firstNormal = 0;
-  PointRange points;  ///< Streamed.
-  PointRange places;  ///< Positions of the vertices: the places of the skin, or the points.
+  PointRange points;   ///< Streamed.
+  PointRange places;   ///< Positions of the vertices: the places of the skin, or the points.
+  PointRange normals;  ///< Of the places of smooth meshes, or side vectors of tubes.
   bool textured = false;
 };
 

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Zlib
 #include "limber/render/gl_context.h"
 
+#include "limber/render/gl_functions.h"
+
 #include <EGL/egl.h>
 #include <EGL/eglext.h>
 #include <GL/glcorearb.h>
@@ -264,10 +266,8 @@ void requireHardware(const GlContext& context, bool wanted) {
   const auto getString = reinterpret_cast<PFNGLGETSTRINGPROC>(context.getProcAddress("glGetString"));
   const auto* text = getString == nullptr ? nullptr : reinterpret_cast<const char*>(getString(GL_RENDERER));
   const std::string driver = text == nullptr ? "" : text;
-  for (const char* software : {"llvmpipe", "softpipe", "swrast", "Software"}) {
-    if (driver.find(software) != std::string::npos) {
-      throw std::runtime_error("this is a software rasteriser: " + driver);
-    }
+  if (isSoftwareRasteriser(driver)) {
+    throw std::runtime_error("this is a software rasteriser: " + driver);
   }
 }
 

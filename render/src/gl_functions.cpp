@@ -87,6 +87,15 @@ std::string describeDriver(const Gl& gl) {
   return text(gl, GL_VENDOR) + " / " + text(gl, GL_RENDERER) + " / " + text(gl, GL_VERSION);
 }
 
+bool isSoftwareRasteriser(const Gl& gl) { return isSoftwareRasteriser(text(gl, GL_RENDERER)); }
+
+bool isSoftwareRasteriser(std::string_view renderer) {
+  constexpr std::array<std::string_view, 5> kNames{"llvmpipe", "softpipe", "swrast", "SwiftShader", "Software"};
+  return std::any_of(kNames.begin(), kNames.end(), [renderer](std::string_view name) {
+    return renderer.find(name) != std::string_view::npos;
+  });
+}
+
 void checkGlErrors(const Gl& gl, const char* where) {
   std::string errors;
   // The loop is bounded, because a lost context returns errors for ever.

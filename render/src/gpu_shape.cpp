@@ -70,16 +70,24 @@ GlVertexArray makeLayout(const Gl& gl, const GpuShape& shape) {
   return layout;
 }
 
+/// Returns the triangles with points (with a skin: places) instead of vertices.
+std::vector<std::uint32_t> weldedTriangles(const ShapeDesc& desc) {
+  if (desc.vertexToPoint.empty()) {
+    return desc.triangles;
+  }
+  std::vector<std::uint32_t> points;
+  points.reserve(desc.triangles.size());
+  for (const std::uint32_t vertex : desc.triangles) {
+    points.push_back(desc.vertexToPoint[vertex]);
+  }
+  return points;
+}
+
 void uploadWelded(const Gl& gl, const ShapeDesc& desc, GpuShape& shape) {
   shape.weldedLayout = makeVertexArray(gl);
   GLuint indices = shape.indices.name();
   if (!desc.vertexToPoint.empty()) {
-    std::vector<std::uint32_t> points;
-    points.reserve(desc.triangles.size());
-    for (const std::uint32_t vertex : desc.triangles) {
-      points.push_back(desc.vertexToPoint[vertex]);
-    }
-    shape.weldedIndices = upload(gl, points);
+    shape.weldedIndices = upload(gl, weldedTriangles(desc));
     indices = shape.weldedIndices.name();
   }
   gl.VertexArrayElementBuffer(shape.weldedLayout.name(), indices);
@@ -96,11 +104,6 @@ void uploadSurface(const Gl& gl, const ShapeDesc& desc, GpuShape& shape) {
   shape.layout = makeLayout(gl, shape);
   if (!shape.tube) {
     uploadWelded(gl, desc, shape);
-  }
-  if (shape.smooth && !shape.tube) {
-    const PointAdjacency adjacency = makePointAdjacency(desc);
-    shape.adjacencyOffsets = upload(gl, adjacency.offsets);
-    shape.adjacencyCorners = upload(gl, adjacency.corners);
   }
 }
 
@@ -125,6 +128,32 @@ void uploadSkin(const Gl& gl, const ShapeDesc& desc, GpuSkin& skin) {
   requireBindable(gl, desc.name, skin.weights.bytes());
 }
 
+void uploadAdjacency(const Gl& gl, const ShapeDesc& desc, GpuShape& shape) {
+  const PointAdjacency adjacency = makePointAdjacency(desc);
+  shape.adjacencyOffsets = upload(gl, adjacency.offsets);
+  shape.adjacencyCorners = upload(gl, adjacency.corners);
+}
+
+void addComputeInput(const Gl& gl, const ShapeDesc& desc, GpuShape& shape) {
+  if (!desc.skin.first.empty()) {
+    uploadSkin(gl, desc, shape.skin);
+  }
+  if (shape.needsNormals() && !shape.tube) {
+    uploadAdjacency(gl, desc, shape);
+  }
+}
+
+CpuShape makeCpuShape(const ShapeDesc& desc, const GpuShape& shape) {
+  CpuShape cpu;
+  if (!desc.skin.first.empty()) {
+    cpu.skin = makeCpuSkin(desc.skin, desc.pointCount);
+  }
+  if (shape.needsNormals() && !shape.tube) {
+    cpu.triangles = {shape.skinnedPointCount, weldedTriangles(desc)};
+  }
+  return cpu;
+}
+
 }  // namespace
 
 std::size_t GpuShape::bytes() const {
@@ -132,7 +161,7 @@ std::size_t GpuShape::bytes() const {
          adjacencyOffsets.bytes() + adjacencyCorners.bytes();
 }
 
-GpuShape makeGpuShape(const Gl& gl, const ShapeDesc& desc) {
+GpuShape makeGpuShape(const Gl& gl, const ShapeDesc& desc, bool computeOnCpu) {
   if (const std::string reason = validate(desc); !reason.empty()) {
     throw std::runtime_error("shape \"" + desc.name + "\": " + reason);
   }
@@ -146,10 +175,12 @@ GpuShape makeGpuShape(const Gl& gl, const ShapeDesc& desc) {
   shape.castsShadow = desc.castsShadow;
   shape.grid = desc.pattern == Pattern::Grid && !shape.tube;
   shape.radius = shape.tube ? desc.tubeRadius : desc.patternRadius;
-  if (!desc.skin.first.empty()) {
-    uploadSkin(gl, desc, shape.skin);
-  }
   uploadSurface(gl, desc, shape);
+  if (computeOnCpu) {
+    shape.cpu = makeCpuShape(desc, shape);
+  } else {
+    addComputeInput(gl, desc, shape);
+  }
   if (!desc.lines.empty()) {
     shape.lineCount = static_cast<GLsizei>(desc.lines.size() / 2);
     shape.lines = upload(gl, packLines(desc));

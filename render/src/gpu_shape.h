@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
+#include "cpu_normals.h"
+#include "cpu_skin.h"
 #include "instance_table.h"
 #include "limber/render/gl_objects.h"
 #include "limber/render/shape_desc.h"
@@ -23,7 +25,13 @@ struct GpuSkin {
   std::size_t bytes() const { return first.bytes() + weights.bytes(); }
 };
 
-/// The shared data of one shape on the GPU. It does not change after construction.
+/// What the CPU reads if it computes skins and normals; the GPU then has no skin and no adjacency.
+struct CpuShape {
+  CpuSkin skin;
+  CpuTriangles triangles;  ///< Smooth meshes only.
+};
+
+/// The shared data of one shape. It does not change after construction.
 struct GpuShape {
   std::string name;
   std::uint32_t pointCount = 0;
@@ -47,14 +55,18 @@ struct GpuShape {
   GlBuffer weldedIndices;      ///< Points instead of vertices; empty if these are equal, and for tubes.
   GlVertexArray weldedLayout;  ///< For weldedIndices, without attributes; meshes only.
 
+  CpuShape cpu;
+
+  /// Of buffers.
   std::size_t bytes() const;
-  bool skinned() const { return skin.weights.name() != 0; }
-  /// True if a compute pass writes three floats per place before drawing.
+  bool skinned() const { return skin.weights.name() != 0 || cpu.skin.placeCount != 0; }
+  /// True if three floats per place are computed before drawing.
   bool needsNormals() const { return smooth && (tube || indexCount > 0); }
 };
 
-/// Throws std::runtime_error with the shape's name if the description is not valid.
-GpuShape makeGpuShape(const Gl& gl, const ShapeDesc& desc);
+/// `computeOnCpu` decides where the skin's weights and the adjacency go. Throws std::runtime_error with the
+/// shape's name if the description is not valid.
+GpuShape makeGpuShape(const Gl& gl, const ShapeDesc& desc, bool computeOnCpu);
 
 /// The existing shapes. Ids of removed shapes are rejected, although their slots are reused.
 class ShapeTable {

@@ -24,7 +24,7 @@ int Renderer::width() const { return parts_->target->width(); }
 int Renderer::height() const { return parts_->target->height(); }
 
 ShapeId Renderer::addShape(const ShapeDesc& desc) {
-  return parts_->shapes.add(makeGpuShape(parts_->gl, desc));
+  return parts_->shapes.add(makeGpuShape(parts_->gl, desc, parts_->cpu.has_value()));
 }
 
 void Renderer::removeShape(ShapeId shape) {
@@ -106,6 +106,8 @@ void Renderer::blitTo(unsigned framebuffer, int x, int y, int width, int height)
   const GlStateGuard guard(parts_->gl, parts_->sharedContext);
   parts_->target->blitTo(framebuffer, x, y, width, height);
 }
+
+bool Renderer::computesOnCpu() const { return parts_->cpu.has_value(); }
 
 unsigned Renderer::texture() const { return parts_->target->texture(); }
 

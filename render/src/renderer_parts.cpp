@@ -4,12 +4,16 @@
 #include <algorithm>
 #include <stdexcept>
 #include <string>
+#include <thread>
 
 #include "frame_passes.h"
 #include "limber/render/gl_context.h"
+#include "limber/render/gl_functions.h"
 
 namespace limber::render {
 namespace {
+
+constexpr unsigned kMaxThreads = 4;  // Unless the program wants more.
 
 std::size_t pointsPerBlock(const Gl& gl) {
   GLint64 bytes = 0;
@@ -17,10 +21,12 @@ std::size_t pointsPerBlock(const Gl& gl) {
   return static_cast<std::size_t>(bytes) / (3 * sizeof(float));
 }
 
-std::unique_ptr<StreamBuffer> makeStream(const Gl& gl, std::size_t points, std::chrono::nanoseconds timeout) {
+std::unique_ptr<StreamBuffer> makeStream(const Gl& gl, std::size_t points, const RendererDesc& rendererDesc,
+                                         bool readable) {
   StreamBufferDesc desc;
   desc.floatsPerFrame = 3 * points;
-  desc.fenceTimeout = timeout;
+  desc.fenceTimeout = rendererDesc.fenceTimeout;
+  desc.readable = readable;
   return std::make_unique<StreamBuffer>(gl, desc);
 }
 
@@ -30,6 +36,21 @@ void requireTaps(int taps) {
   }
 }
 
+unsigned computeThreads(int wanted) {
+  if (wanted < 0) {
+    throw std::runtime_error("computeThreads is " + std::to_string(wanted) + ", but must be 0 or more");
+  }
+  const unsigned cores = std::thread::hardware_concurrency();
+  return wanted > 0 ? static_cast<unsigned>(wanted) : std::clamp(cores, 1u, kMaxThreads);
+}
+
+std::optional<CpuPasses> makeCpuPasses(const Gl& gl, const RendererDesc& desc) {
+  const unsigned threads = computeThreads(desc.computeThreads);
+  const bool isAuto = desc.computeOn == ComputeOn::Auto;
+  const bool onCpu = isAuto ? isSoftwareRasteriser(gl) : desc.computeOn == ComputeOn::Cpu;
+  return onCpu ? std::make_optional<CpuPasses>(threads) : std::nullopt;
+}
+
 }  // namespace
 
 Renderer::Parts::Parts(GlContext& context, const RendererDesc& rendererDesc)
@@ -37,12 +58,13 @@ Renderer::Parts::Parts(GlContext& context, const RendererDesc& rendererDesc)
       sharedContext(context.shared()),
       desc(rendererDesc),
       messages(sharedContext ? nullptr : std::make_unique<DebugMessages>(gl)),
+      cpu(makeCpuPasses(gl, desc)),
       programs(gl, desc.shadowTaps),
       target(std::make_unique<RenderTarget>(gl, desc.width, desc.height, desc.samples)),
       textures(gl, std::max(desc.textureSize, 1)),
       emptyLayout(makeVertexArray(gl)),
       uniforms(makeBuffer(gl, sizeof(FrameUniforms), nullptr, GL_DYNAMIC_STORAGE_BIT)),
-      stream(makeStream(gl, desc.initialPoints, desc.fenceTimeout)),
+      stream(makeStream(gl, desc.initialPoints, desc, cpu.has_value())),
       overlayLines(gl),
       numbers(gl),
       maxPoints(pointsPerBlock(gl)) {
@@ -68,22 +90,29 @@ void Renderer::Parts::layOutInstances() {
 }
 
 void Renderer::Parts::reserveComputed() {
-  if (layout.pointCount > maxPoints) {
-    throw std::runtime_error("one frame has " + std::to_string(layout.pointCount) +
-                             " points, but this driver can bind " + std::to_string(maxPoints));
+  if (streamedPoints() > maxPoints) {
+    throw std::runtime_error("one frame has " + std::to_string(streamedPoints()) +
+                             (cpu ? " points, places and normals" : " points") +
+                             ", but this driver can bind " + std::to_string(maxPoints));
   }
-  reserveComputed(places, layout.skinnedPointCount);
-  reserveComputed(normals, layout.normalCount);
+  if (!cpu) {
+    reserveComputed(places, layout.skinnedPointCount);
+    reserveComputed(normals, layout.normalCount);
+  }
+}
+
+std::size_t Renderer::Parts::streamedPoints() const {
+  return cpu ? CpuPasses::streamedPoints(layout) : layout.pointCount;
 }
 
 void Renderer::Parts::reserveRing() {
-  if (stream->floatsPerFrame() >= 3 * layout.pointCount) {
+  const std::size_t points = streamedPoints();
+  if (stream->floatsPerFrame() >= 3 * points) {
     return;
   }
   // The GPU may still read the old buffer, so wait for its fences first.
   stream->drain();
-  auto larger =
-      makeStream(gl, std::min(layout.pointCount + layout.pointCount / 2, maxPoints), desc.fenceTimeout);
+  auto larger = makeStream(gl, std::min(points + points / 2, maxPoints), desc, cpu.has_value());
   pastRings.waits += stream->counters().waits;
   pastRings.stalls += stream->counters().stalls;
   ++pastRings.growths;
@@ -123,16 +152,33 @@ void Renderer::Parts::uploadRecords() {
   recordsStale = false;
 }
 
+void Renderer::Parts::computeOnCpu() {
+  if (cpu) {
+    cpu->compute(layout, shapes, frame.points);
+  }
+}
+
+PointRange Renderer::Parts::pointRange() const {
+  return {stream->name(), frame.byteOffset, static_cast<GLsizeiptr>(3 * sizeof(float) * streamedPoints()), 0};
+}
+
+PointRange Renderer::Parts::placeRange() const {
+  return cpu ? pointRange().from(CpuPasses::firstPlace(layout)) : wholeOf(places);
+}
+
+PointRange Renderer::Parts::normalRange() const {
+  return cpu ? pointRange().from(CpuPasses::firstNormal(layout)) : wholeOf(normals);
+}
+
 void Renderer::Parts::fillItems() {
   items.clear();
-  stats.bytesStreamed = 3 * sizeof(float) * layout.pointCount;
-  const auto bytes = static_cast<GLsizeiptr>(stats.bytesStreamed);
+  stats.bytesStreamed = 3 * sizeof(float) * streamedPoints();
   for (const InstanceGroup& group : layout.groups) {
     const GpuShape& shape = shapes[group.shape];
-    const PointRange points{stream->name(), frame.byteOffset, bytes, group.firstPoint};
-    const PointRange skinned{places.name(), 0, static_cast<GLsizeiptr>(places.bytes()), group.firstPlace};
-    items.push_back({&shape, group.firstInstance, group.instanceCount, group.firstNormal, points,
-                     shape.skinned() ? skinned : points, group.textured});
+    const PointRange points = pointRange().from(group.firstPoint);
+    items.push_back({&shape, group.firstInstance, group.instanceCount, points,
+                     shape.skinned() ? placeRange().from(group.firstPlace) : points,
+                     normalRange().from(group.firstNormal), group.textured});
   }
 }
 
@@ -150,6 +196,8 @@ void Renderer::Parts::submit(const Camera& camera, const Light& light, const Dra
                              const Overlay& overlay) {
   Stopwatch watch;
   const GlStateGuard guard(gl, sharedContext);
+  computeOnCpu();
+  stats.computeMs = watch.lap();
   fillItems();
   uploadFrameData(camera, light, options, overlay);
   stats.uploadMs = watch.lap();
@@ -186,7 +234,6 @@ void Renderer::Parts::drawLegends(const DrawOptions& options) {
 
 void Renderer::Parts::bindFrameData() {
   gl.BindBufferBase(GL_UNIFORM_BUFFER, 0, uniforms.name());
-  gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, kNormals, normals.name());
   gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, kInstances, records.name());
 }
 
@@ -209,10 +256,10 @@ void Renderer::Parts::finishTarget(const DrawOptions& options) {
 
 void Renderer::Parts::drawPicture(const DrawOptions& options, bool shadows) {
   bindFrameData();
-  if (layout.skinnedPointCount > 0) {
+  if (!cpu && layout.skinnedPointCount > 0) {
     computePlaces(pass());
   }
-  if (layout.normalCount > 0) {
+  if (!cpu && layout.normalCount > 0) {
     computeNormals(pass());
   }
   const bool castsShadows = shadows && !items.empty();

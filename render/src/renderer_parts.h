@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
+#include "cpu_passes.h"
 #include "frame_passes.h"
 #include "gl_state.h"
 #include "gpu_shape.h"
@@ -15,6 +16,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <vector>
 
 namespace limber::render {
@@ -46,16 +48,23 @@ struct Renderer::Parts {
 
   // Beginning of a frame.
   void layOutInstances();
-  // Buffers for skins and normals. Throws if there are more points than the driver can bind.
+  // Buffers for skins and normals if the GPU computes them. Throws if there are more points than the driver
+  // can bind.
   void reserveComputed();
   void reserveComputed(GlBuffer& buffer, std::size_t count);
   void reserveRing();
+  std::size_t streamedPoints() const;
   void openFrame();
   void closeFrame();
 
   // Drawing. The picture is that of `items`.
   void submit(const Camera& camera, const Light& light, const DrawOptions& options, const Overlay& overlay);
+  void computeOnCpu();
   void fillItems();
+  // All of a frame: `first` is that of the first instance.
+  PointRange pointRange() const;
+  PointRange placeRange() const;
+  PointRange normalRange() const;
   void uploadRecords();
   void uploadFrameData(const Camera& camera, const Light& light, const DrawOptions& options,
                        const Overlay& overlay);
@@ -73,6 +82,7 @@ struct Renderer::Parts {
   bool sharedContext;
   RendererDesc desc;
   std::unique_ptr<DebugMessages> messages;  // Null in a shared context.
+  std::optional<CpuPasses> cpu;  // If skins and normals are computed on the CPU.
   ProgramSet programs;
   std::unique_ptr<RenderTarget> target;
   std::unique_ptr<ShadowMap> shadowMap;  // Created with the first shadow.
@@ -80,7 +90,7 @@ struct Renderer::Parts {
   GlVertexArray emptyLayout;
   GlBuffer uniforms;
   GlBuffer records;
-  GlBuffer places;  // Of skins.
+  GlBuffer places;   // Of skins. These two are empty if the CPU computes.
   GlBuffer normals;
   ShapeTable shapes;
   InstanceTable instances;

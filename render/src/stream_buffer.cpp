@@ -135,9 +135,10 @@ StreamBuffer::StreamBuffer(const Gl& gl, const StreamBufferDesc& desc)
       regionBytes_(roundUp(floatsPerFrame_ * sizeof(float))),
       poison_(desc.poison) {
   const std::size_t bytes = regionBytes_ * StreamRing::kRegionCount;
-  buffer_ = makeBuffer(gl, bytes, nullptr, kMapFlags);
+  const GLbitfield flags = kMapFlags | (desc.readable ? GL_MAP_READ_BIT : 0u);
+  buffer_ = makeBuffer(gl, bytes, nullptr, flags);
   mapped_ = static_cast<float*>(
-      gl.MapNamedBufferRange(buffer_.name(), 0, static_cast<GLsizeiptr>(bytes), kMapFlags));
+      gl.MapNamedBufferRange(buffer_.name(), 0, static_cast<GLsizeiptr>(bytes), flags));
   if (mapped_ == nullptr) {
     throw std::runtime_error("the driver refused to map a stream buffer of " + std::to_string(bytes) +
                              " bytes");

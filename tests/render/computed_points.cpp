@@ -23,13 +23,12 @@ const GpuShape& shapeOf(const Parts& parts, InstanceId instance) {
   return parts.shapes[parts.instances.shapeOf(instance)];
 }
 
-/// Reads three floats for each skinned point of the instance, from point number `first` of the buffer on.
-std::vector<float> read(const Parts& parts, InstanceId instance, const GlBuffer& buffer,
-                        std::uint32_t first) {
+/// Reads three floats for each skinned point of the instance, from the first point of the range on.
+std::vector<float> read(const Parts& parts, InstanceId instance, const PointRange& range) {
   const Gl& gl = parts.gl;
   std::vector<float> values(std::size_t{3} * shapeOf(parts, instance).skinnedPointCount);
   gl.MemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
-  gl.GetNamedBufferSubData(buffer.name(), static_cast<GLintptr>(3 * sizeof(float) * first),
+  gl.GetNamedBufferSubData(range.buffer, range.byteOffset + static_cast<GLintptr>(3 * sizeof(float) * range.first),
                            static_cast<GLsizeiptr>(values.size() * sizeof(float)), values.data());
   return values;
 }
@@ -42,7 +41,7 @@ std::vector<float> readNormals(Renderer& renderer, InstanceId instance) {
   if (!shapeOf(parts, instance).needsNormals()) {
     throw std::runtime_error("the instance is not smooth");
   }
-  return read(parts, instance, parts.normals, first);
+  return read(parts, instance, parts.normalRange().from(first));
 }
 
 std::vector<float> readSkinnedPoints(Renderer& renderer, InstanceId instance) {
@@ -51,7 +50,7 @@ std::vector<float> readSkinnedPoints(Renderer& renderer, InstanceId instance) {
   if (!shapeOf(parts, instance).skinned()) {
     throw std::runtime_error("the instance has no skin");
   }
-  return read(parts, instance, parts.places, first);
+  return read(parts, instance, parts.placeRange().from(first));
 }
 
 }  // namespace limber::render::test

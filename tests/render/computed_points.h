@@ -7,7 +7,7 @@
 
 namespace limber::render::test {
 
-/// Returns the normals (for tubes: the side vectors) of an instance that the GPU computed in the last frame:
+/// Returns the normals (for tubes: the side vectors) of an instance that were computed in the last frame:
 /// 3 floats per point, or per skinned point if it has a skin. Throws std::runtime_error for flat shapes.
 std::vector<float> readNormals(Renderer& renderer, InstanceId instance);
 

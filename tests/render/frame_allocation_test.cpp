@@ -5,8 +5,10 @@
 namespace limber::render::test {
 namespace {
 
-TEST(FrameAllocation, NothingIsAllocatedAfterTheFirstFrames) {
-  Stage stage;
+class FrameAllocation : public ::testing::TestWithParam<ComputeOn> {};
+
+TEST_P(FrameAllocation, NothingIsAllocatedAfterTheFirstFrames) {
+  Stage stage(Backend::Auto, smallDesc(GetParam()));
   populate(stage);
   Image image;
   for (int i = 0; i < 4; ++i) {
@@ -20,6 +22,8 @@ TEST(FrameAllocation, NothingIsAllocatedAfterTheFirstFrames) {
   }
   EXPECT_EQ(allocationCount() - before, 0u);
 }
+
+INSTANTIATE_TEST_SUITE_P(ComputeOn, FrameAllocation, ::testing::Values(ComputeOn::Gpu, ComputeOn::Cpu));
 
 }  // namespace
 }  // namespace limber::render::test

@@ -54,8 +54,12 @@ void expectNormals(Stage& stage, InstanceId id, const Scenery& scenery) {
   }
 }
 
-TEST(Normals, SmoothOnesAreAreaWeightedOverWeldedPoints) {
-  Stage stage;
+class Normals : public ::testing::TestWithParam<ComputeOn> {
+ protected:
+  Stage stage{Backend::Auto, smallDesc(GetParam())};
+};
+
+TEST_P(Normals, SmoothOnesAreAreaWeightedOverWeldedPoints) {
   stage.add(makeFloor({}, 4.0f));
   const Scenery ball = makeUvSphere({0.2f, 0.3f, 0.1f}, 0.7f, 7, 11);
   const Scenery sheet = cloth(9);
@@ -74,8 +78,7 @@ TEST(Normals, SmoothOnesAreAreaWeightedOverWeldedPoints) {
   expectNormals(stage, third, sheet);
 }
 
-TEST(Normals, TubeFramesAreUnitAndAcrossTheTube) {
-  Stage stage;
+TEST_P(Normals, TubeFramesAreUnitAndAcrossTheTube) {
   const Scenery tube = rope(9);
   const InstanceId id = stage.add(tube);
   stage.draw();
@@ -93,12 +96,13 @@ TEST(Normals, TubeFramesAreUnitAndAcrossTheTube) {
   }
 }
 
-TEST(Normals, FlatShapesHaveNone) {
-  Stage stage;
+TEST_P(Normals, FlatShapesHaveNone) {
   const InstanceId id = stage.add(makeBox({}, {0.5f, 0.5f, 0.5f}));
   stage.draw();
   EXPECT_THROW(readNormals(stage.renderer(), id), std::runtime_error);
 }
+
+INSTANTIATE_TEST_SUITE_P(ComputeOn, Normals, ::testing::Values(ComputeOn::Gpu, ComputeOn::Cpu));
 
 }  // namespace
 }  // namespace limber::render::test

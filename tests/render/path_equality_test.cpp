@@ -22,7 +22,7 @@ class PathEquality : public ::testing::TestWithParam<PathCase> {};
 
 TEST_P(PathEquality, NaiveAndBatchedPicturesAreEqual) {
   const PathCase& param = GetParam();
-  RendererDesc desc = smallDesc();
+  RendererDesc desc = smallDesc(ComputeOn::Gpu);  // As in the baseline, for equal bits.
   desc.samples = param.samples;
   Stage stage(Backend::Auto, desc);
   populate(stage);
@@ -39,7 +39,7 @@ TEST_P(PathEquality, NaiveAndBatchedPicturesAreEqual) {
 }
 
 TEST(Baseline, WrongOrdersAreRefused) {
-  Stage stage;
+  Stage stage(Backend::Auto, smallDesc(ComputeOn::Gpu));
   const InstanceId box = stage.add(makeBox({}, {0.5f, 0.5f, 0.5f}));
   const auto baseline = bench::makeNaivePoints(stage.renderer());
   EXPECT_THROW(baseline->points(box), std::runtime_error);
@@ -50,6 +50,11 @@ TEST(Baseline, WrongOrdersAreRefused) {
   }
   EXPECT_NO_THROW(drawAs(*baseline, stage));
   EXPECT_THROW(baseline->draw(stage.camera, stage.light), std::logic_error);
+}
+
+TEST(Baseline, NaivePointsNeedComputeShaders) {
+  Stage stage(Backend::Auto, smallDesc(ComputeOn::Cpu));
+  EXPECT_THROW(bench::makeNaivePoints(stage.renderer()), std::runtime_error);
 }
 
 INSTANTIATE_TEST_SUITE_P(Modes, PathEquality,

@@ -21,7 +21,7 @@ std::string errorOf(Call call) {
 }
 
 TEST(Renderer, ZeroInstancesGiveTheBackground) {
-  Stage stage;
+  Stage stage(Backend::Auto, smallDesc(ComputeOn::Gpu));
   const Image image = stage.picture();
   EXPECT_EQ(image.width, kWidth);
   EXPECT_EQ(image.height, kHeight);
@@ -35,7 +35,7 @@ TEST(Renderer, ZeroInstancesGiveTheBackground) {
 }
 
 TEST(Renderer, OneDrawCallPerShapeAndPass) {
-  Stage stage;
+  Stage stage(Backend::Auto, smallDesc(ComputeOn::Gpu));
   populate(stage);
   stage.light.shadows = false;
   stage.draw();

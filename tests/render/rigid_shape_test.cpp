@@ -10,17 +10,18 @@
 namespace limber::render::test {
 namespace {
 
-TEST(RigidShape, PlacesAreTheScenerysPointsMovedByTheFrame) {
+class RigidPlaces : public ::testing::TestWithParam<ComputeOn> {};
+
+TEST_P(RigidPlaces, AreTheScenerysPointsMovedByTheFrame) {
   const Scenery ball = makeUvSphere({0.3f, 0.1f, -0.2f}, 0.5f, 6, 9);
   const RigidShape rigid = makeRigid(ball);
   // A quarter turn about y, stretched along z, far from the origin.
   const Frame frame{{100.0f, 50.0f, -200.0f}, {0.0f, 0.0f, -1.0f}, {0.0f, 1.0f, 0.0f}, {2.0f, 0.0f, 0.0f}};
   std::vector<float> points(12);
   writeFrame(rigid.reach, frame, points.data());
-  Stage stage;
+  Stage stage(Backend::Auto, smallDesc(GetParam()));
   const InstanceId id = stage.add(stage.renderer().addShape(rigid.shape), points);
   stage.draw();
-  EXPECT_EQ(stage.renderer().lastFrame().bytesStreamed, 48u);
   const std::vector<float> places = readSkinnedPoints(stage.renderer(), id);
   ASSERT_EQ(places.size(), ball.points.size());
   // Four products of at most 4 x 200 m, each rounded to 24 bits.
@@ -30,6 +31,16 @@ TEST(RigidShape, PlacesAreTheScenerysPointsMovedByTheFrame) {
     EXPECT_NEAR(places[i + 1], 50.0f + ball.points[i + 1], kTolerance);
     EXPECT_NEAR(places[i + 2], -200.0f - ball.points[i], kTolerance);
   }
+}
+
+INSTANTIATE_TEST_SUITE_P(ComputeOn, RigidPlaces, ::testing::Values(ComputeOn::Gpu, ComputeOn::Cpu));
+
+TEST(RigidShape, AFrameTakes48Bytes) {
+  const RigidShape rigid = makeRigid(makeUvSphere({}, 0.5f, 6, 9));
+  Stage stage(Backend::Auto, smallDesc(ComputeOn::Gpu));
+  stage.add(stage.renderer().addShape(rigid.shape), std::vector<float>(12));
+  stage.draw();
+  EXPECT_EQ(stage.renderer().lastFrame().bytesStreamed, 48u);
 }
 
 TEST(RigidShape, LooksAsTheSceneryDoes) {

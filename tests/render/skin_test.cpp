@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Zlib
-// Vertices of a skin computed on the GPU, compared with sums in double precision, and pictures of them.
+// Vertices of a skin, computed on the GPU and on the CPU, compared with sums in double precision, and pictures of them.
 #include "shape_layout.h"
 
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <ostream>
 #include <stdexcept>
 #include <vector>
 
@@ -37,12 +38,24 @@ std::vector<double> placesOf(const Skin& skin, const std::vector<float>& points)
   return places;
 }
 
-class SkinOnGpu : public ::testing::TestWithParam<std::uint32_t> {};
+struct SkinCase {
+  std::uint32_t cells;
+  ComputeOn computeOn;
+};
 
-TEST_P(SkinOnGpu, PlacesAreTheWeightedSums) {
-  const Scenery ball = skinnedBall(GetParam());
-  ASSERT_EQ(isDense(ball.shape.skin, ball.shape.pointCount), GetParam() == 1);
-  Stage stage;
+void PrintTo(const SkinCase& value, std::ostream* out) {
+  *out << value.cells << (value.computeOn == ComputeOn::Gpu ? " gpu" : " cpu");
+}
+
+class SkinPlaces : public ::testing::TestWithParam<SkinCase> {
+ protected:
+  Scenery ball = skinnedBall(GetParam().cells);
+  RendererDesc desc = smallDesc(GetParam().computeOn);
+};
+
+TEST_P(SkinPlaces, AreTheWeightedSums) {
+  ASSERT_EQ(isDense(ball.shape.skin, ball.shape.pointCount), GetParam().cells == 1);
+  Stage stage(Backend::Auto, desc);
   stage.add(makeUvSphere({}, 0.1f));  // so that no offset is 0
   const ShapeId shape = stage.renderer().addShape(ball.shape);
   std::vector<std::pair<InstanceId, std::vector<float>>> bodies;
@@ -62,13 +75,12 @@ TEST_P(SkinOnGpu, PlacesAreTheWeightedSums) {
   }
 }
 
-TEST_P(SkinOnGpu, ThePictureIsThatOfAMeshAtTheSamePlaces) {
-  const Scenery ball = skinnedBall(GetParam());
+TEST_P(SkinPlaces, GiveThePictureOfAMeshAtTheSamePlaces) {
   const std::vector<float> points = twisted(ball.points, 1.2f);
   for (const Shading shading : {Shading::Flat, Shading::Smooth}) {
     ShapeDesc skinned = ball.shape;
     skinned.shading = shading;
-    Stage stage;
+    Stage stage(Backend::Auto, desc);
     const InstanceId id = stage.add(stage.renderer().addShape(skinned), points);
     const Image picture = stage.picture();
     const std::vector<float> places = readSkinnedPoints(stage.renderer(), id);
@@ -76,22 +88,26 @@ TEST_P(SkinOnGpu, ThePictureIsThatOfAMeshAtTheSamePlaces) {
     ShapeDesc plain = skinned;
     plain.skin = {};
     plain.pointCount = static_cast<std::uint32_t>(ball.shape.skin.skinnedPointCount());
-    Stage other;
+    Stage other(Backend::Auto, desc);
     other.add(other.renderer().addShape(plain), places);
     EXPECT_EQ(picture.rgba, other.picture().rgba);
   }
 }
 
-TEST_P(SkinOnGpu, OnlyThePointsAreStreamed) {
-  const Scenery ball = skinnedBall(GetParam());
-  Stage stage;
-  stage.add(ball);
-  stage.draw();
-  EXPECT_EQ(stage.renderer().lastFrame().bytesStreamed, 12 * ball.shape.pointCount);
-  EXPECT_EQ(stage.renderer().lastFrame().dispatches, 2u) << "places and normals";
-}
+INSTANTIATE_TEST_SUITE_P(Cells, SkinPlaces,
+                         ::testing::Values(SkinCase{1, ComputeOn::Gpu}, SkinCase{3, ComputeOn::Gpu},
+                                           SkinCase{1, ComputeOn::Cpu}, SkinCase{3, ComputeOn::Cpu}));
 
-INSTANTIATE_TEST_SUITE_P(Cells, SkinOnGpu, ::testing::Values(1u, 3u));
+TEST(Skin, OnlyThePointsAreStreamedIfTheGpuComputesPlaces) {
+  for (const std::uint32_t cells : {1u, 3u}) {
+    const Scenery ball = skinnedBall(cells);
+    Stage stage(Backend::Auto, smallDesc(ComputeOn::Gpu));
+    stage.add(ball);
+    stage.draw();
+    EXPECT_EQ(stage.renderer().lastFrame().bytesStreamed, 12 * ball.shape.pointCount);
+    EXPECT_EQ(stage.renderer().lastFrame().dispatches, 2u) << "places and normals";
+  }
+}
 
 TEST(Skin, LinesLieBetweenPointsNotPlaces) {
   Scenery ball = skinnedBall(1);

@@ -22,12 +22,13 @@ void addSpring(Scenery& scenery, std::uint32_t a, std::uint32_t b) {
 
 }  // namespace
 
-RendererDesc smallDesc() {
+RendererDesc smallDesc(ComputeOn computeOn) {
   RendererDesc desc;
   desc.width = kWidth;
   desc.height = kHeight;
   desc.shadowMapSize = 512;
   desc.textureSize = 64;
+  desc.computeOn = computeOn;
   return desc;
 }
 

@@ -20,7 +20,7 @@ constexpr int kMiddleX = kWidth / 2;
 constexpr int kMiddleY = kHeight / 2;
 
 /// Settings for small pictures, which make tests fast.
-RendererDesc smallDesc();
+RendererDesc smallDesc(ComputeOn computeOn = ComputeOn::Auto);
 
 /// A renderer with its own context. Every test with it fails at the end if OpenGL has reported an error.
 class Stage {

@@ -19,7 +19,8 @@ using test::vec;
 
 struct RigidViewTest : ::testing::Test {
   BulletWorld bullet{0.0};
-  render::test::Stage stage;
+  // on the GPU only points are streamed
+  render::test::Stage stage{render::Backend::Auto, render::test::smallDesc(render::ComputeOn::Gpu)};
 
   void draw(const RigidView& view, double tickFraction = 1.0) {
     render::FrameWriter frame = stage.renderer().beginFrame();

@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: Zlib
+#include <limber/network_builder.h>
 #include <limber/view/soft_view.h>
 
 #include "support/bullet_world.h"
 #include "support/networks.h"
+#include "support/small_meshes.h"
 
 #include <gtest/gtest.h>
 
+#include "computed_points.h"
 #include "test_scene.h"
 
 namespace limber::view {
@@ -16,7 +19,8 @@ using test::BulletWorld;
 struct SoftViewTest : ::testing::Test {
   BulletWorld bullet{0.0};
   SoftBodySystem system{*bullet.world};
-  render::test::Stage stage;
+  // on the GPU only points are streamed
+  render::test::Stage stage{render::Backend::Auto, render::test::smallDesc(render::ComputeOn::Gpu)};
   SharedNetwork cube = test::closedCubeNetwork();
 
   SoftBody* add(const SharedNetwork& network, double x, double size = 1.0) {
@@ -85,6 +89,39 @@ TEST_F(SoftViewTest, TheLookIsAskedOnceForEachBody) {
   view.update();
   view.update();
   EXPECT_EQ(calls, 1);
+}
+
+/// A ball of 12 points whose skin has 162 places.
+SharedNetwork skinnedBall(SkinKind kind) {
+  const Result<SharedNetwork> coarse = buildNetwork(small_meshes::icosphere(0), {});
+  SkinSettings settings;
+  settings.kind = kind;
+  settings.neighbours = 4;
+  const Result<SharedNetwork> skinned = withSkin(**coarse, small_meshes::icosphere(2), settings);
+  EXPECT_TRUE(skinned) << skinned.error();
+  return *skinned;
+}
+
+TEST_F(SoftViewTest, BothProcessorsPutTheVerticesWhereTheBodySaysTheyAre) {
+  for (const SkinKind kind : {SkinKind::Dense, SkinKind::Sparse}) {
+    SoftBody* body = add(skinnedBall(kind), 1.0);
+    body->pin(0);
+    body->movePin(0, btVector3(1.5f, 0.7f, -0.4f));
+    bullet.tick();
+    std::vector<float> points(3 * body->pointCount()), expected(3 * body->skinnedPointCount());
+    body->writePositions(points.data());
+    body->writeSkinnedPositions(expected.data());
+    for (const render::ComputeOn computeOn : {render::ComputeOn::Cpu, render::ComputeOn::Gpu}) {
+      render::test::Stage own(render::Backend::Auto, render::test::smallDesc(computeOn));
+      const render::ShapeDesc shape = shapeOf(*body, render::Shading::Smooth);
+      const render::InstanceId id = own.add(own.renderer().addShape(shape), points);
+      own.draw();
+      const std::vector<float> places = render::test::readSkinnedPoints(own.renderer(), id);
+      ASSERT_EQ(places.size(), expected.size());
+      // sums of a dozen products of numbers below 4, each rounded to 24 bits
+      for (std::size_t i = 0; i < places.size(); ++i) ASSERT_NEAR(places[i], expected[i], 3e-6);
+    }
+  }
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 #include "staged_baseline.h"
 
 #include <cstddef>
+#include <stdexcept>
 #include <vector>
 
 namespace limber::bench {
@@ -13,7 +14,11 @@ using namespace render;
 
 class NaivePoints final : public StagedBaseline {
  public:
-  using StagedBaseline::StagedBaseline;
+  explicit NaivePoints(Renderer& renderer) : StagedBaseline(renderer) {
+    if (renderer.computesOnCpu()) {
+      throw std::runtime_error("naive points need a renderer with ComputeOn::Gpu");
+    }
+  }
 
   void beginFrame() override;
   void draw(const Camera& camera, const Light& light, const DrawOptions& options) override;
@@ -52,14 +57,12 @@ DrawItem NaivePoints::upload(const InstanceGroup& group, std::uint32_t indexInGr
   parts_.gl.NamedBufferSubData(buffer, 0, bytes,
                                staged(group.firstPoint + std::size_t{indexInGroup} * shape.pointCount));
   const PointRange points{buffer, 0, bytes, 0};
-  const PointRange skinned{parts_.places.name(), 0, static_cast<GLsizeiptr>(parts_.places.bytes()),
-                           group.firstPlace + skinnedBefore};
   return {&shape,
           instance,
           1,
-          group.firstNormal + skinnedBefore,
           points,
-          shape.skinned() ? skinned : points,
+          shape.skinned() ? parts_.placeRange().from(group.firstPlace + skinnedBefore) : points,
+          parts_.normalRange().from(group.firstNormal + skinnedBefore),
           group.textured};
 }
 

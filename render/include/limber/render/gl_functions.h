@@ -4,6 +4,7 @@
 #include <GL/glcorearb.h>
 
 #include <string>
+#include <string_view>
 
 namespace limber::render {
 
@@ -119,6 +120,11 @@ Gl loadGl(const GlContext& context);
 
 /// "vendor / renderer / version" of the current context, for messages.
 std::string describeDriver(const Gl& gl);
+
+/// Returns true if the current context draws on the CPU (Mesa's llvmpipe and softpipe, SwiftShader, ...).
+bool isSoftwareRasteriser(const Gl& gl);
+/// The same for the text of GL_RENDERER.
+bool isSoftwareRasteriser(std::string_view renderer);
 
 /// Throws std::runtime_error with `where` if any OpenGL error is pending.
 void checkGlErrors(const Gl& gl, const char* where);

@@ -39,6 +39,15 @@ struct InstanceLook {
   TextureId texture;
 };
 
+/// The processor that computes skins, normals and the side vectors of tubes in every frame. Both give the same
+/// positions and normals up to rounding.
+enum class ComputeOn {
+  Auto,  ///< The CPU if the driver is a software rasteriser, else the GPU; see Renderer::computesOnCpu().
+  Gpu,   ///< Compute shaders. Only points are streamed.
+  Cpu    ///< draw() writes the results into the streamed memory, behind the points: 12 bytes for each place of
+         ///< a skin and for each normal. A software rasteriser's compute shaders are several times slower.
+};
+
 struct RendererDesc {
   int width = 1280;
   int height = 720;
@@ -48,6 +57,8 @@ struct RendererDesc {
   int textureSize = 512;             ///< Every texture is resampled to a square of this many texels.
   std::size_t initialPoints = 4096;  ///< Capacity in points per frame before the buffer first grows.
   std::chrono::nanoseconds fenceTimeout = std::chrono::seconds(5);
+  ComputeOn computeOn = ComputeOn::Auto;
+  int computeThreads = 0;  ///< On the CPU, at most; they work in draw() only. 0: one per core, up to 4.
 };
 
 enum class DrawMode {
@@ -68,11 +79,12 @@ struct DrawOptions {
 
 /// Figures of the last frame; times are milliseconds of this thread.
 struct FrameStats {
-  std::size_t bytesStreamed = 0;   ///< Positions.
+  std::size_t bytesStreamed = 0;   ///< Points; with ComputeOn::Cpu also places of skins and normals.
   std::size_t shapeDrawCalls = 0;  ///< Draws of shapes, all passes together.
   std::size_t drawCalls = 0;       ///< The same with background, overlay and legends.
   std::size_t dispatches = 0;      ///< Compute dispatches (skins, normals, tube frames).
   double waitMs = 0.0;             ///< In beginFrame: waiting until the GPU has finished with the region.
+  double computeMs = 0.0;          ///< In draw: skins and normals on the CPU.
   double uploadMs = 0.0;           ///< In draw: instance table, uniforms and overlay.
   double submitMs = 0.0;           ///< In draw: the rest.
   double finishMs = 0.0;           ///< In readPixels: waiting for the picture.
@@ -88,8 +100,8 @@ struct RingStats {
 
 /// Bytes of GPU memory the renderer owns, by use.
 struct GpuMemory {
-  std::size_t stream = 0;    ///< The three regions of positions.
-  std::size_t shapes = 0;    ///< Static data of the shapes.
+  std::size_t stream = 0;    ///< The three regions of positions; with ComputeOn::Cpu also of normals.
+  std::size_t shapes = 0;    ///< Static data of the shapes; the weights of skins only with ComputeOn::Gpu.
   std::size_t scratch = 0;   ///< Skinned points, normals, instance table, uniforms, overlay.
   std::size_t textures = 0;  ///< Textures of instances.
   std::size_t targets = 0;   ///< Colour, depth and shadow map.
@@ -173,6 +185,9 @@ class Renderer {
   void blitTo(unsigned framebuffer, int x, int y, int width, int height);
   /// The last picture as an OpenGL texture (GL_TEXTURE_2D, sRGB, top row first), until the next resize().
   unsigned texture() const;
+
+  /// Returns where skins and normals are computed, see ComputeOn.
+  bool computesOnCpu() const;
 
   const FrameStats& lastFrame() const;
   RingStats ringStats() const;

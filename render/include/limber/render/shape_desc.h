@@ -10,7 +10,7 @@ namespace limber::render {
 
 enum class Shading {
   Flat,   ///< One normal per triangle, from screen-space derivatives.
-  Smooth  ///< Area-weighted normals per point, computed on the GPU every frame.
+  Smooth  ///< Area-weighted normals per point, computed in every frame (see ComputeOn).
 };
 
 enum class Pattern {
@@ -19,8 +19,8 @@ enum class Pattern {
 };
 
 /// Places are positions that follow the points: place p is the sum of weights[k] times point points[k], for
-/// first[p] <= k < first[p + 1]. The GPU computes them in every frame. So a detailed mesh costs no more to
-/// stream than the few points that move it. The weights of a place should add up to 1, or it does not follow
+/// first[p] <= k < first[p + 1]. The renderer computes them in every frame (see ComputeOn), on a GPU from the
+/// points alone, so that a detailed mesh costs no more to stream than the few points that move it. The weights of a place should add up to 1, or it does not follow
 /// translations of its body.
 struct Skin {
   std::vector<std::uint32_t> first;   ///< #places + 1, rising from 0; empty: no skin.

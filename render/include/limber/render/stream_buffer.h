@@ -12,7 +12,7 @@ namespace limber::render {
 
 /// The part of the buffer that may be written for one frame.
 struct StreamFrame {
-  float* data = nullptr;       ///< Write-only and best written in order: reading it is slow.
+  float* data = nullptr;       ///< Best written in order, and not read unless it was made readable.
   std::size_t floatCount = 0;  ///< Floats that fit.
   GLintptr byteOffset = 0;     ///< Of `data` from the start of the buffer; a multiple of 256.
 };
@@ -20,6 +20,7 @@ struct StreamFrame {
 struct StreamBufferDesc {
   std::size_t floatsPerFrame = 0;  ///< At least 1.
   std::chrono::nanoseconds fenceTimeout = std::chrono::seconds(5);
+  bool readable = false;  ///< The open region may also be read.
 #ifdef NDEBUG
   bool poison = false;
 #else
