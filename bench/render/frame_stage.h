@@ -38,6 +38,7 @@ struct FrameCase {
   const FrameScene* scene;
   int width, height;  ///< pixels
   bool shadows;
+  render::ComputeOn computeOn = render::ComputeOn::Auto;  ///< of the renderer itself; baselines use the GPU
 };
 
 /// Milliseconds of one frame. The first four follow one another, so they add up to the whole frame but for

@@ -116,7 +116,7 @@ std::vector<SkinCostRow> skinPart(const Options& options, RowProgress& progress)
   const std::vector<DrawContext> contexts = workingContexts(options);
   if (contexts.empty()) return {};
   SkinLimits limits;
-  if (options.quick) limits = {51, 100, 2, 3};
+  if (options.quick) limits = {{{1, 51, 100}, {2, 21, 40}}, 2, 3};
   if (options.blocks > 0) limits.blocks = options.blocks;
   std::vector<SkinCostRow> rows = measureSkinCost(contexts[0], limits, progress);
   for (const SkinCostRow& row : rows) csv.add(skinCells(row));

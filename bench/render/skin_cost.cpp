@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <stdexcept>
 
 namespace limber::bench {
@@ -69,29 +70,46 @@ FrameScene skinnedScene(const FrameScene& plain, const SpringNetwork& network) {
 FrameScene streamedScene(const FrameScene& skinned, const Skin& skin) {
   FrameScene scene = skinned;
   scene.shape.skin = {};
-  scene.shape.pointCount = static_cast<std::uint32_t>(skinned.shape.skin.skinnedPointCount());
-  scene.rest.resize(3, static_cast<Eigen::Index>(scene.shape.pointCount));
+  scene.shape.pointCount = static_cast<std::uint32_t>(skin.size());
+  scene.rest.resize(3, static_cast<Eigen::Index>(skin.size()));
   applySkin(skin, skinned.rest.data(), scene.rest.data());
   return scene;
 }
 
-/// One way of showing the body, frame after frame.
+/// A square of bodies instead of the scene's one.
+void arrange(FrameScene& scene, std::size_t bodies) {
+  constexpr float kDistance = 2.5f * kRadius;
+  const auto columns = static_cast<Eigen::Index>(std::ceil(std::sqrt(static_cast<double>(bodies))));
+  const Eigen::Vector3f first = scene.centres.col(0);
+  scene.centres.resize(3, static_cast<Eigen::Index>(bodies));
+  for (Eigen::Index i = 0; i < scene.centres.cols(); ++i)
+    scene.centres.col(i) =
+        first + kDistance * Eigen::Vector3f(float(i % columns), 0.0f, float(i / columns));
+}
+
+/// Who computes the places: the renderer on the GPU or on the CPU, or the program, which streams them.
+enum class SkinWay { Gpu, Cpu, Streamed };
+constexpr std::array<const char*, 3> kWayNames{"gpu", "cpu", "streamed"};
+
+/// One way of showing the bodies, frame after frame.
 class SkinStage {
  public:
-  SkinStage(const FrameScene& skinned, const Skin* cpuSkin, const DrawContext& context)
-      : skinned_(skinned),
-        drawn_(cpuSkin ? streamedScene(skinned, *cpuSkin) : skinned),
-        cpuSkin_(cpuSkin),
-        stage_({&drawn_, 1280, 720, false}, drawPaths()[0], context),
-        places_(3, static_cast<Eigen::Index>(skinned.shape.skin.skinnedPointCount())) {
-    stage_.addBodies(1);
+  SkinStage(SkinWay way, const FrameScene& skinned, const Skin& skin, const DrawContext& context)
+      : way_(way),
+        skinned_(skinned),
+        skin_(skin),
+        drawn_(way == SkinWay::Streamed ? streamedScene(skinned, skin) : skinned),
+        stage_({&drawn_, 1280, 720, false,
+                way == SkinWay::Gpu ? render::ComputeOn::Gpu : render::ComputeOn::Cpu},
+               drawPaths()[0], context) {
+    stage_.addBodies(skinned.bodies());
   }
 
   FrameTimes play(int frame) {
     pose(skinned_, frame, points_);
-    if (!cpuSkin_) return stage_.play(points_);
+    if (way_ != SkinWay::Streamed) return stage_.play(points_);
     const Stopwatch watch;
-    applySkin(*cpuSkin_, points_.data(), places_.data());
+    applyToAll();
     const WorkTime skinning = watch.time();
     FrameTimes times = stage_.play(places_);
     times.upload += skinning.wallMs;
@@ -101,13 +119,22 @@ class SkinStage {
     return times;
   }
 
-  std::size_t bytes() const { return 12 * drawn_.points(); }
+  const char* name() const { return kWayNames[static_cast<std::size_t>(way_)]; }
+  std::size_t bytes() const { return stage_.lastFrame().bytesStreamed; }
   std::size_t bufferBytes() const { return stage_.bufferBytes(); }
 
  private:
+  void applyToAll() {
+    const auto perBody = static_cast<Eigen::Index>(skin_.size());
+    places_.resize(3, perBody * skinned_.centres.cols());
+    for (Eigen::Index b = 0; b < skinned_.centres.cols(); ++b)
+      applySkin(skin_, points_.col(b * skinned_.rest.cols()).data(), places_.col(b * perBody).data());
+  }
+
+  SkinWay way_;
   const FrameScene& skinned_;
+  const Skin& skin_;
   FrameScene drawn_;
-  const Skin* cpuSkin_;
   FrameStage stage_;
   Eigen::Matrix3Xf points_, places_;
 };
@@ -124,17 +151,20 @@ FrameTimes medians(const std::vector<FrameTimes>& all) {
 
 std::vector<SkinCostRow> measureWeights(const char* name, const FrameScene& scene, const Skin& skin,
                                         const DrawContext& context, const SkinLimits& limits) {
-  std::array<SkinStage, 2> stages{SkinStage(scene, nullptr, context), SkinStage(scene, &skin, context)};
-  std::array<std::vector<FrameTimes>, 2> samples;
+  std::array<SkinStage, 3> stages{SkinStage(SkinWay::Gpu, scene, skin, context),
+                                  SkinStage(SkinWay::Cpu, scene, skin, context),
+                                  SkinStage(SkinWay::Streamed, scene, skin, context)};
+  std::array<std::vector<FrameTimes>, 3> samples;
   for (SkinStage& stage : stages) stage.play(0);  // compiles shaders
   for (int block = 0; block < limits.blocks; ++block)
-    for (std::size_t way = 0; way < 2; ++way)
+    for (std::size_t way = 0; way < stages.size(); ++way)
       for (int i = 0; i < limits.framesPerBlock; ++i)
         samples[way].push_back(stages[way].play(block * limits.framesPerBlock + i));
   std::vector<SkinCostRow> rows;
-  for (std::size_t way = 0; way < 2; ++way)
-    rows.push_back({name, way == 0 ? "gpu" : "cpu", skin.size(), scene.shape.pointCount, skin.weights.size(),
-                    medians(samples[way]), stages[way].bytes(), stages[way].bufferBytes()});
+  for (std::size_t way = 0; way < stages.size(); ++way)
+    rows.push_back({name, stages[way].name(), scene.bodies(), skin.size(), scene.shape.pointCount,
+                    skin.weights.size(), medians(samples[way]), stages[way].bytes(),
+                    stages[way].bufferBytes()});
   return rows;
 }
 
@@ -142,32 +172,36 @@ std::vector<SkinCostRow> measureWeights(const char* name, const FrameScene& scen
 
 std::vector<SkinCostRow> measureSkinCost(const DrawContext& context, const SkinLimits& limits,
                                          RowProgress& progress) {
-  const render::Scenery body = render::makeUvSphere({}, kRadius, limits.rings, limits.segments);
-  const TriangleMesh mesh = meshOf(body);
   const SharedNetwork coarse = coarseNetwork();
-  const FrameScene plain = makeBallScene(true);
   std::vector<SkinCostRow> all;
-  for (const SkinKind kind : {SkinKind::Dense, SkinKind::Sparse}) {
-    const char* name = kind == SkinKind::Dense ? "dense" : "sparse";
-    SkinSettings settings;
-    settings.kind = kind;
-    const SharedNetwork network = required(withSkin(*coarse, mesh, settings));
-    const FrameScene scene = skinnedScene(plain, *network);
-    for (SkinCostRow& row : measureWeights(name, scene, network->render.skin, context, limits))
-      all.push_back(std::move(row));
-    progress.finish(std::string("skin, ") + name + " weights");
+  for (const SkinnedBodies& bodies : limits.cases) {
+    const TriangleMesh mesh = meshOf(render::makeUvSphere({}, kRadius, bodies.rings, bodies.segments));
+    FrameScene plain = makeBallScene(true);
+    arrange(plain, bodies.count);
+    for (const SkinKind kind : {SkinKind::Dense, SkinKind::Sparse}) {
+      const char* name = kind == SkinKind::Dense ? "dense" : "sparse";
+      SkinSettings settings;
+      settings.kind = kind;
+      const SharedNetwork network = required(withSkin(*coarse, mesh, settings));
+      const FrameScene scene = skinnedScene(plain, *network);
+      for (SkinCostRow& row : measureWeights(name, scene, network->render.skin, context, limits))
+        all.push_back(std::move(row));
+      progress.finish(std::to_string(bodies.count) + " with skins, " + name + " weights");
+    }
   }
   return all;
 }
 
 std::vector<std::string> skinColumns() {
-  return {"weights",   "way",     "vertices", "points", "weight_count", "upload_ms",       "submit_ms",
-          "finish_ms", "read_ms", "frame_ms", "own_ms", "process_ms",   "bytes_per_frame", "buffer_mb"};
+  return {"weights",   "way",       "bodies",  "vertices", "points", "weight_count",    "upload_ms",
+          "submit_ms", "finish_ms", "read_ms", "frame_ms", "own_ms", "process_ms",      "bytes_per_frame",
+          "buffer_mb"};
 }
 
 std::vector<std::string> skinCells(const SkinCostRow& r) {
   return {r.weights,
           r.way,
+          countCell(r.bodies),
           countCell(r.vertices),
           countCell(r.points),
           countCell(r.weightCount),
