@@ -129,9 +129,10 @@ void castShadows(const PassContext& pass, const ShadowMap& map) {
   pass.gl.DepthFunc(GL_LESS);
   // Casters in front of the map's near plane are clamped to it, not lost.
   pass.gl.Enable(GL_DEPTH_CLAMP);
-  setCulling(pass.gl, false);
   for (const DrawItem& item : pass.items) {
     if (item.shape->indexCount > 0 && item.shape->castsShadow) {
+      // The back faces of a closed surface lie behind its front faces, seen from the sun.
+      setCulling(pass.gl, item.shape->closed);
       const VertexSource source = sourceOf(item, false);
       useWithPlaces(pass, pass.programs.depth(source), item);
       drawTriangles(pass, item, source);

@@ -86,8 +86,10 @@ std::vector<std::uint32_t> weldedTriangles(const ShapeDesc& desc) {
 void uploadWelded(const Gl& gl, const ShapeDesc& desc, GpuShape& shape) {
   shape.weldedLayout = makeVertexArray(gl);
   GLuint indices = shape.indices.name();
+  const std::vector<std::uint32_t> triangles = weldedTriangles(desc);
+  shape.closed = isClosed(triangles);
   if (!desc.vertexToPoint.empty()) {
-    shape.weldedIndices = upload(gl, weldedTriangles(desc));
+    shape.weldedIndices = upload(gl, triangles);
     indices = shape.weldedIndices.name();
   }
   gl.VertexArrayElementBuffer(shape.weldedLayout.name(), indices);

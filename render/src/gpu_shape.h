@@ -40,6 +40,7 @@ struct GpuShape {
   bool smooth = false;  ///< Always true for tubes: their side vectors are computed like normals.
   bool twoSided = false;
   bool castsShadow = true;
+  bool closed = false;  ///< See isClosed(); false for tubes.
   bool grid = false;
   float radius = 0.0f;  ///< Of the tube or of the grid.
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "shape_layout.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <cstring>
@@ -65,6 +66,20 @@ SurfaceMesh makeTubeMesh(std::uint32_t pointCount, std::uint32_t segments) {
     }
   }
   return mesh;
+}
+
+bool isClosed(const std::vector<std::uint32_t>& triangles) {
+  std::vector<std::uint64_t> edges, reversed;
+  edges.reserve(triangles.size());
+  reversed.reserve(triangles.size());
+  for (std::size_t i = 0; i < triangles.size(); ++i) {
+    const std::uint64_t from = triangles[i], to = triangles[i % 3 == 2 ? i - 2 : i + 1];
+    edges.push_back(from << 32 | to);
+    reversed.push_back(to << 32 | from);
+  }
+  std::sort(edges.begin(), edges.end());
+  std::sort(reversed.begin(), reversed.end());
+  return edges == reversed;
 }
 
 bool isDense(const Skin& skin, std::uint32_t pointCount) {

@@ -3,6 +3,7 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <utility>
 
 #include "test_scene.h"
 
@@ -120,6 +121,38 @@ TEST(Look, APointInShadowIsDarker) {
   const Image unshadowed = stage.picture();
   EXPECT_GT(brightness(unshadowed, kMiddleX, kMiddleY), brightness(lit, kMiddleX, kMiddleY) + 100);
   EXPECT_EQ(brightness(unshadowed, kMiddleX - 30, kMiddleY), brightness(lit, kMiddleX - 30, kMiddleY));
+}
+
+// Returns the brightness of a square below the eye, without a ball and inside it or below it.
+std::pair<int, int> squareUnder(Scenery ball, const Vec3& eye) {
+  std::array<int, 2> seen{};
+  for (const bool withBall : {false, true}) {
+    Stage stage;
+    lookDown(stage);
+    stage.camera.eye = eye;
+    stage.light.towards = {0.05f, 1.0f, 0.0f};
+    stage.add(square(0.3f, 0.0f, true, false));
+    if (withBall) {
+      stage.add(ball);
+    }
+    seen[withBall ? 1 : 0] = brightness(stage.picture(), kMiddleX, kMiddleY);
+  }
+  return {seen[0], seen[1]};
+}
+
+TEST(Look, TheNearSideOfAClosedSurfaceCastsItsShadow) {
+  // The eye is inside the ball, whose back faces are not drawn.
+  const auto [lit, shaded] = squareUnder(makeUvSphere({}, 1.0f), {0.0f, 0.7f, 0.01f});
+  EXPECT_LT(shaded, 0.8 * lit);
+}
+
+TEST(Look, AnInsideOutBodyCastsAShadow) {
+  Scenery ball = makeUvSphere({0.0f, 2.0f, 0.0f}, 0.5f);
+  for (std::size_t i = 0; i < ball.shape.triangles.size(); i += 3) {
+    std::swap(ball.shape.triangles[i], ball.shape.triangles[i + 1]);
+  }
+  const auto [lit, shaded] = squareUnder(ball, {0.0f, 1.2f, 0.01f});
+  EXPECT_LT(shaded, 0.8 * lit);
 }
 
 TEST(Look, SlantedSurfacesHaveNoShadowAcne) {

@@ -133,6 +133,14 @@ TEST(Skin, ShapesWithoutOneHaveNoPlacesToRead) {
   EXPECT_THROW(readSkinnedPoints(stage.renderer(), id), std::runtime_error);
 }
 
+TEST(ShapeLayout, ClosedSurfacesHaveNoBoundary) {
+  std::vector<std::uint32_t> tetrahedron{0, 1, 2, 0, 2, 3, 0, 3, 1, 1, 3, 2};
+  EXPECT_TRUE(isClosed(tetrahedron));
+  EXPECT_FALSE(isClosed(cloth(3).shape.triangles));
+  std::swap(tetrahedron[0], tetrahedron[1]);
+  EXPECT_FALSE(isClosed(tetrahedron)) << "one triangle is flipped";
+}
+
 TEST(SkinLayout, DenseTakesOverWhereItIsSmaller) {
   // Two skin vertices on four points: with two weights each both layouts have the same size.
   Skin skin{{0, 2, 4}, {0, 1, 2, 3}, {0.5f, 0.5f, 0.25f, 0.75f}};
