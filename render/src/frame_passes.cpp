@@ -149,7 +149,7 @@ void drawSurfaces(const PassContext& pass, DrawMode mode, bool shadows) {
     if (shape.indexCount == 0 || (mode == DrawMode::Wireframe && shape.lineCount > 0)) {
       continue;
     }
-    setCulling(pass.gl, !shape.twoSided);
+    setCulling(pass.gl, shape.hideBackFaces);
     const VertexSource source = sourceOf(item, shape.grid || item.textured);
     useWithPlaces(
         pass,

@@ -178,6 +178,7 @@ GpuShape makeGpuShape(const Gl& gl, const ShapeDesc& desc, bool computeOnCpu) {
   shape.grid = desc.pattern == Pattern::Grid && !shape.tube;
   shape.radius = shape.tube ? desc.tubeRadius : desc.patternRadius;
   uploadSurface(gl, desc, shape);
+  shape.hideBackFaces = !desc.twoSided || (desc.hideBackFaces && shape.closed);
   if (computeOnCpu) {
     shape.cpu = makeCpuShape(desc, shape);
   } else {

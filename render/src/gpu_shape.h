@@ -39,6 +39,7 @@ struct GpuShape {
   bool tube = false;
   bool smooth = false;  ///< Always true for tubes: their side vectors are computed like normals.
   bool twoSided = false;
+  bool hideBackFaces = false;  ///< Always true unless two-sided.
   bool castsShadow = true;
   bool closed = false;  ///< See isClosed(); false for tubes.
   bool grid = false;

@@ -146,6 +146,24 @@ TEST(Look, TheNearSideOfAClosedSurfaceCastsItsShadow) {
   EXPECT_LT(shaded, 0.8 * lit);
 }
 
+TEST(Look, HiddenBackFacesLeaveAClosedSurfaceAsItIs) {
+  Scenery ball = makeUvSphere({0.0f, 0.5f, 0.0f}, 0.5f);
+  Scenery sheet = square(1.0f, 0.2f, false, true);
+  ball.shape.twoSided = true;
+  Stage all, hidden;
+  for (Stage* stage : {&all, &hidden}) {
+    ball.shape.hideBackFaces = sheet.shape.hideBackFaces = stage == &hidden;
+    stage->add(ball);
+    stage->add(sheet);  // open: its back, which the eye sees, stays
+  }
+  EXPECT_EQ(all.picture().rgba, hidden.picture().rgba);
+  for (Stage* stage : {&all, &hidden}) {
+    stage->camera.eye = {0.0f, 0.6f, 0.1f};  // inside the ball
+    stage->camera.target = {0.0f, 0.5f, 0.0f};
+  }
+  EXPECT_NE(all.picture().rgba, hidden.picture().rgba);
+}
+
 TEST(Look, AnInsideOutBodyCastsAShadow) {
   Scenery ball = makeUvSphere({0.0f, 2.0f, 0.0f}, 0.5f);
   for (std::size_t i = 0; i < ball.shape.triangles.size(); i += 3) {

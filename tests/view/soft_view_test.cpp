@@ -79,6 +79,19 @@ TEST_F(SoftViewTest, ABodyInTheMemoryOfAnOldOneIsANewOne) {
   }
 }
 
+TEST_F(SoftViewTest, BodiesThatHideTheirBackFacesHaveAShapeOfTheirOwn) {
+  const SoftBody* hides = add(cube, 0.0);
+  add(cube, 2.0);
+  stage.light.shadows = false;
+  const SoftView view(stage.renderer(), system, [&](const SoftBody& body) {
+    SoftLook look;
+    look.hideBackFaces = &body == hides;
+    return look;
+  });
+  draw(view);
+  EXPECT_EQ(stage.renderer().lastFrame().shapeDrawCalls, 2u);
+}
+
 TEST_F(SoftViewTest, TheLookIsAskedOnceForEachBody) {
   add(cube, 0.0);
   int calls = 0;

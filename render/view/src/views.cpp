@@ -263,24 +263,27 @@ std::size_t SoftView::pointCount() const {
 
 SoftView::Shown SoftView::show(const SoftBody& body) {
   const SoftLook look = look_ ? look_(body) : SoftLook{};
-  const std::size_t shape = shapeFor(body, look.shading);
+  const std::size_t shape = shapeFor(body, look);
   ++shapes_[shape].users;
   return {renderer_.addInstance(shapes_[shape].id, look.instance), shape, true};
 }
 
-std::size_t SoftView::shapeFor(const SoftBody& body, render::Shading shading) {
+std::size_t SoftView::shapeFor(const SoftBody& body, const SoftLook& look) {
   const double radius = pointRadius(body.network(), body.settings());
   std::size_t unused = shapes_.size();
   for (std::size_t s = 0; s < shapes_.size(); ++s) {
     const Shape& shape = shapes_[s];
     if (shape.users == 0) unused = s;
     if (shape.users > 0 && shape.network == body.sharedNetwork() && shape.scale == body.settings().scale &&
-        shape.radius == radius && shape.shading == shading)
+        shape.radius == radius && shape.shading == look.shading && shape.hideBackFaces == look.hideBackFaces)
       return s;
   }
-  const render::ShapeId id = renderer_.addShape(shapeOf(body, shading));
+  render::ShapeDesc desc = shapeOf(body, look.shading);
+  desc.hideBackFaces = look.hideBackFaces;
+  const render::ShapeId id = renderer_.addShape(desc);
   if (unused == shapes_.size()) shapes_.emplace_back();
-  shapes_[unused] = {body.sharedNetwork(), body.settings().scale, radius, shading, id, 0};
+  shapes_[unused] = {
+      body.sharedNetwork(), body.settings().scale, radius, look.shading, look.hideBackFaces, id, 0};
   return unused;
 }
 

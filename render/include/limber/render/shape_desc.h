@@ -51,6 +51,9 @@ struct ShapeDesc {
 
   Shading shading = Shading::Flat;
   bool twoSided = false;    ///< Draw and light both sides (cloth).
+  /// Leaves out the back faces of a two-sided surface if it is closed. They are visible only if the body is
+  /// turned inside out or cut open by the picture's near plane, and are half the work of a software rasteriser.
+  bool hideBackFaces = false;
   bool castsShadow = true;  ///< Turning it off saves much time for a floor, which has nothing below it.
 
   float tubeRadius = 0.0f;          ///< Metres; above 0 makes this a tube.

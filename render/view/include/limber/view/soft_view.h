@@ -28,6 +28,7 @@ inline namespace LIMBER_BULLET_PRECISION {
 struct SoftLook {
   render::InstanceLook instance;
   render::Shading shading = render::Shading::Smooth;
+  bool hideBackFaces = false;  ///< See render::ShapeDesc.
 };
 
 /// Shows the soft bodies of a system. Bodies of one network, scale and point radius share a shape and are
@@ -58,6 +59,7 @@ class SoftView {
     Eigen::Vector3d scale;
     double radius;
     render::Shading shading;
+    bool hideBackFaces;
     render::ShapeId id;
     std::size_t users;
   };
@@ -68,7 +70,7 @@ class SoftView {
   };
 
   Shown show(const SoftBody& body);
-  std::size_t shapeFor(const SoftBody& body, render::Shading shading);
+  std::size_t shapeFor(const SoftBody& body, const SoftLook& look);
   bool hasShapeOf(const Shown& shown, const SoftBody& body) const;
   void hide(const Shown& shown);
 
