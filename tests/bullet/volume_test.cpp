@@ -66,6 +66,7 @@ std::vector<std::uint64_t> hashes(bool shared) {
     s.position = {2.0 * i, 1.5, 0};
     s.scale = {i % 3 == 1 ? -1.0 : 1.0, 1.0 + 0.1 * i, 1.0};
     s.pressure = 5.0 * i;
+    s.ambientPressure = i % 4 == 3 ? 100.0 : 0.0;
     s.angularVelocity = {1, 2, 3};
     (void)*system.createBody(shared ? cube : test::closedCubeNetwork(), s);
   }
@@ -178,6 +179,33 @@ TEST(Volume, isKeptByABallThatIsPressedFlat) {
   EXPECT_LT(volumes[0], 2.0) << "without gas it slumps";
   EXPECT_GT(volumes[1], 3.5);
   EXPECT_GT(heights[1], heights[0] + 0.2);
+}
+
+/// A ball of 1 kg filled with air, on the floor: its volume is  V0 (1 + p / a),  less what springs and weight
+/// take, which is less than a thousandth at sea level.
+TEST(Volume, ofABallFilledWithAirFollowsBoylesLaw) {
+  for (const int maxSubsteps : {0, 12}) {
+    BulletWorld bullet;
+    bullet.addBoxFloor();
+    SoftBodySystem system(*bullet.world);
+    NetworkSettings network;
+    network.braces = BraceRule::None;
+    network.braceWeight = 1.0;
+    SoftBodySettings s = test::testedSettings();
+    s.position = {0, 1.2, 0};
+    s.extensionStiffness = s.compressionStiffness = 50.0;
+    s.damping = 1.0;
+    s.volumeModulus = 0.0;
+    s.pressure = 5000.0;
+    s.ambientPressure = 101325.0;
+    s.stepping.maxSubsteps = maxSubsteps;
+    SoftBody* ball = *system.createBody(*buildNetwork(small_meshes::icosphere(2), network), s);
+    const double rest = volumeOf(*ball);
+    bullet.simulate(4.0);
+    EXPECT_NEAR(volumeOf(*ball) / rest, 1.0 + 5000.0 / 101325.0, 1e-3) << ball->softening();
+    EXPECT_EQ(ball->restorations(), 0u);
+    EXPECT_EQ(ball->softening() < 0.5, maxSubsteps > 0);
+  }
 }
 
 /// Returns the width of the body relative to its rest width, from all points near half its height.

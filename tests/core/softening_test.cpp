@@ -105,12 +105,13 @@ TEST(Softening, leavesWhatIsSlowEnough) {
 TEST(Softening, keepsTheRatioOfVolumeAndPressure) {
   test::SteppedTestBody body(test::closedCubeNetwork(), 1e6, 0.0);
   VolumeConstants gas = *body.volumes.constants;
-  gas.pressure = 0.01 * gas.modulus;
+  gas.gasPressure = 0.03 * gas.modulus, gas.ambient = 0.02 * gas.modulus;
   const ElasticConstants full{body.springs.original, SharedConstants<VolumeConstants>(gas), {}};
   const SoftenedConstants soft = softened(full, body.state.position, body.state.inverseMass, 1e4);
   EXPECT_LT(soft.share, 1e-3);
-  EXPECT_NEAR(soft.constants.volumes->pressure, 0.01 * soft.constants.volumes->modulus,
-              1e-12 * soft.constants.volumes->modulus);
+  const VolumeConstants& left = *soft.constants.volumes;
+  EXPECT_NEAR(left.gasPressure, 0.03 * left.modulus, 1e-12 * left.modulus);
+  EXPECT_NEAR(left.ambient, 0.02 * left.modulus, 1e-12 * left.modulus);
 }
 
 TEST(Softening, ofAStiffVolumeLeavesSlowSprings) {

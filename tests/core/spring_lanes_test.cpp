@@ -41,6 +41,7 @@ LaneBody makeModel(const SharedNetwork& network, double damping) {
   settings.compressionStiffness = damping > 0.0 ? 0.0 : 700.0;
   settings.damping = damping;
   settings.pressure = network->surface.empty() ? 0.0 : 10.0;
+  settings.ambientPressure = network->surface.empty() ? 0.0 : 30.0;
   LaneBody body;
   body.springs = makeSprings(*network, settings);
   body.volumes = makeVolumes(*network, settings);

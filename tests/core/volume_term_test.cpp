@@ -28,10 +28,11 @@ SharedNetwork bare(const TriangleMesh& mesh) {
 }
 
 VolumeArrays volumesOf(const SharedNetwork& network, double modulus, double pressure,
-                       const Eigen::Vector3d& scale = Eigen::Vector3d::Ones()) {
+                       const Eigen::Vector3d& scale = Eigen::Vector3d::Ones(), double ambientPressure = 0.0) {
   SoftBodySettings settings;
   settings.volumeModulus = modulus;
   settings.pressure = pressure;
+  settings.ambientPressure = ambientPressure;
   settings.scale = scale;
   return makeVolumes(*network, settings);
 }
@@ -64,9 +65,10 @@ TEST(VolumeTerm, hasTheGradientOfItsEnergyAsForceAndNoNetForceOrTorque) {
   const SharedNetwork ball = bare(small_meshes::icosphere(1));
   for (const double size :
        {1.0, 0.3, 1.6})  // in the linear range, with the gas at its limit, with the swelling at its limit
-    for (const double pressure : {0.0, 40.0}) {
-      SCOPED_TRACE(testing::Message() << "size " << size << ", pressure " << pressure);
-      VolumeArrays v = volumesOf(ball, 100.0, pressure);
+    for (const auto& [pressure, ambient] :
+         {std::pair(0.0, 0.0), std::pair(40.0, 0.0), std::pair(40.0, 70.0)}) {
+      SCOPED_TRACE(testing::Message() << "size " << size << ", pressure " << pressure << " in " << ambient);
+      VolumeArrays v = volumesOf(ball, 100.0, pressure, Eigen::Vector3d::Ones(), ambient);
       PointState state = stateOf(ball, 0.1);
       state.position *= size;
       state.position.colwise() += Eigen::Vector3d(3, 2, 1);
@@ -88,6 +90,34 @@ TEST(VolumeTerm, hasTheGradientOfItsEnergyAsForceAndNoNetForceOrTorque) {
     }
 }
 
+/// Boyle's law: the pressure inside is that at rest times V0 / V. Under the pressure q the forces on the
+/// points have the virial  sum x . F = 3 q V.
+TEST(VolumeTerm, pushesWithThePressureInsideLessTheOneOutside) {
+  const SharedNetwork ball = bare(small_meshes::icosphere(1));
+  for (const double ambient : {0.0, 500.0})
+    for (const double size : {0.5, 0.8, 1.0, 1.3, 2.0}) {
+      VolumeArrays v = volumesOf(ball, 0.0, 20.0, Eigen::Vector3d::Ones(), ambient);
+      PointState state = stateOf(ball, 0.0);
+      state.position *= size;
+      addVolumeForces(v, state);
+      const double volume = enclosedVolume(v, state.position);
+      const double inside = (20.0 + ambient) / (size * size * size);
+      EXPECT_NEAR(state.position.cwiseProduct(state.force).sum() / (3.0 * volume), inside - ambient,
+                  1e-12 * (inside + ambient));
+    }
+}
+
+TEST(VolumeTerm, withoutAmbientPressureHasTheBitsOfGaugePressureAlone) {
+  const double modulus = 123.4, pressure = 56.7, rest = 0.89;
+  for (double volume = -2.5; volume < 2.5; volume += 0.0371) {
+    const kernel::Push<double> p = kernel::pushOf(volume, rest, modulus, pressure, 0.0);
+    const double gas = rest / std::max(volume, kernel::kMinGasVolume * rest);
+    const double change = std::clamp((volume - rest) / rest, -2.0, 1.0);
+    EXPECT_EQ(p.push, pressure * gas - modulus * change) << volume;
+    EXPECT_EQ(p.stiffness, (modulus + pressure * gas * gas) / rest) << volume;
+  }
+}
+
 TEST(VolumeTerm, isAsStiffAsTheSpringsByDefaultForClosedBodiesOnly) {
   const SharedNetwork cube = test::closedCubeNetwork();
   // 12 edges of 1 m and 12 diagonals of sqrt(2) m: sum k L^2 / (6 V) = 36 k / 6
@@ -104,6 +134,9 @@ TEST(VolumeTerm, saysWhyAnOpenMeshCannotHaveIt) {
             "pressure: the surface is not closed: it has 3 open edges");
   EXPECT_EQ(checkVolume(**buildRope(), settings), "pressure: a rope or cloth encloses no volume");
   settings.pressure = 0.0;
+  settings.ambientPressure = 5.0;
+  EXPECT_EQ(checkVolume(**buildRope(), settings), "ambientPressure: a rope or cloth encloses no volume");
+  settings.ambientPressure = 0.0;
   settings.volumeModulus = 5.0;
   EXPECT_EQ(checkVolume(*bare(small_meshes::flippedTriangle()), settings),
             "volumeModulus: the surface is not closed: it has 3 inconsistent edges");
@@ -153,10 +186,8 @@ TEST(VolumeTerm, isThatOfTheClosedPiecesOfAMeshThatIsOpenElsewhere) {
   EXPECT_NEAR(v->restVolume[0], 1.0, 1e-12);
 }
 
-TEST(VolumeTerm, boundsTheFrequencyItAdds) {
-  const SharedNetwork ball = bare(small_meshes::icosphere(1));
-  VolumeArrays v = volumesOf(ball, 100.0, 30.0);
-  PointState state = stateOf(ball, 0.1);
+/// Returns the largest eigenvalue (rad^2/s^2) of the volume term's Hessian, by differences of forces.
+double largestSquared(VolumeArrays& v, const PointState& state) {
   const Eigen::Index size = state.position.size();
   Eigen::MatrixXd hessian(size, size);
   const auto gradientAt = [&](Eigen::Index i, double step) {
@@ -167,10 +198,33 @@ TEST(VolumeTerm, boundsTheFrequencyItAdds) {
   };
   for (Eigen::Index i = 0; i < size; ++i)
     hessian.col(i) = (gradientAt(i, 1e-6) - gradientAt(i, -1e-6)) / 2e-6 * state.inverseMass(0, 0);
-  const double largest = symmetricValues(0.5 * (hessian + hessian.transpose())).cwiseAbs().maxCoeff(),
-               bound = volumeFrequencyBoundSquared(v, state, 0.0);
-  EXPECT_GE(bound, largest);
-  EXPECT_LE(bound, 4.0 * largest) << "no waste of substeps";
+  return symmetricValues(0.5 * (hessian + hessian.transpose())).cwiseAbs().maxCoeff();
+}
+
+TEST(VolumeTerm, boundsTheFrequencyItAdds) {
+  const SharedNetwork ball = bare(small_meshes::icosphere(1));
+  for (const double ambient : {0.0, 1000.0}) {
+    VolumeArrays v = volumesOf(ball, 100.0, 30.0, Eigen::Vector3d::Ones(), ambient);
+    const PointState state = stateOf(ball, 0.1);
+    const double largest = largestSquared(v, state), bound = volumeFrequencyBoundSquared(v, state, 0.0);
+    EXPECT_GE(bound, largest);
+    EXPECT_LE(bound, 4.0 * largest) << "no waste of substeps";
+  }
+}
+
+/// In thin air the push grows from 0 to the ambient pressure, inwards, while the volume grows.
+TEST(VolumeTerm, boundsTheFrequencyOfABodyThatSwellsDuringTheTick) {
+  const SharedNetwork ball = bare(small_meshes::icosphere(1));
+  VolumeArrays v = volumesOf(ball, 0.0, 0.0, Eigen::Vector3d::Ones(), 1000.0);
+  PointState state = stateOf(ball, 0.0);
+  state.inverseMass.leftCols(41).setZero();  // a single point feels little of the volume's stiffness
+  state.velocity = 2.0 * state.position;
+  const double bound = volumeFrequencyBoundSquared(v, state, 1.0);
+  for (int i = 0; i <= 10; ++i) {
+    PointState later = state;
+    later.position += 0.1 * i * state.velocity;
+    EXPECT_GE(bound, largestSquared(v, later)) << i;
+  }
 }
 
 TEST(VolumeTerm, aBoundWithSlackHoldsForAllShapesWithinIt) {
@@ -258,6 +312,90 @@ TEST_P(VolumeSteps, keepMomentumAndComeBackFromFlatAndInsideOut) {
               GetParam() == VolumeStepper::Verlet ? 1e-11 : 1e-9);
     EXPECT_NEAR(enclosedVolume(body.volumes, body.state.position), 1.0, 1e-6) << "squashed to " << squash;
     EXPECT_LT(body.energy() - 0.5 * momentum.squaredNorm(), 1e-6) << "squashed to " << squash;
+  }
+}
+
+/// The same with gas of the pressure a inside and outside: at rest it is like a volume modulus of a.
+TEST_P(VolumeSteps, breatheWithTheRightPeriodInAir) {
+  SteppedTestBody body(bare(small_meshes::icosphere(0)), 100.0, 0.0);
+  body.settings.volumeModulus = 0.0;
+  body.settings.ambientPressure = 2000.0;
+  body.volumes = makeVolumes(*body.net, body.settings);
+  double squares = 0.0;
+  for (const double length : body.springs->restLength) squares += length * length;
+  const double ofGas = 9.0 * 2000.0 * body.volumes->restVolume[0];
+  ASSERT_GT(ofGas, 3.0 * 100.0 * squares) << "the gas matters";
+  body.state.position *= 1.0 + 1e-4;
+  const double before = body.energy();
+  advance(body, 2.0 * std::acos(-1.0) / std::sqrt(100.0 * squares + ofGas), 400);
+  // errors as above, and of the anharmonic gas: its stiffness changes by 1e-3 over the amplitude
+  for (Eigen::Index i = 0; i < 12; ++i)
+    EXPECT_NEAR((body.state.position.col(i).norm() - 1.0) / 1e-4, 1.0, 1e-3);
+  EXPECT_NEAR(body.energy(), before, 1e-3 * before);
+}
+
+/// The gas of an undamped ball that breathes by a quarter of its volume stores most of the energy.
+TEST_P(VolumeSteps, conserveTheEnergyOfGasInAir) {
+  SteppedTestBody body(bare(small_meshes::icosphere(0)), 100.0, 0.0);
+  body.settings.volumeModulus = 0.0;
+  body.settings.pressure = 100.0;
+  body.settings.ambientPressure = 2000.0;
+  body.volumes = makeVolumes(*body.net, body.settings);
+  body.state.velocity = 14.0 * body.state.position;
+  const double start = body.energy();
+  double lowest = start, highest = start, largestVolume = 0.0;
+  for (int i = 0; i < 600; ++i) {
+    advance(body, 1.0 / 240.0, 20);
+    lowest = std::min(lowest, body.energy()), highest = std::max(highest, body.energy());
+    largestVolume = std::max(largestVolume, enclosedVolume(body.volumes, body.state.position));
+  }
+  EXPECT_GT(largestVolume, 1.25 * body.volumes->restVolume[0]);
+  // (omega dt)^2 / 4 = 6e-4 of the kinetic energy of 98 J, with omega = 230/s, and as much for the harder gas
+  EXPECT_LT(highest - lowest, 1.2e-3 * 98.0);
+}
+
+/// Returns the radius at which springs of the given k sum L^2 (N m) balance gas of the pressure p in the
+/// ambient pressure a:  k sum L^2 (s - 1) = 3 V0 ((p + a) / s - a s^2).
+double balancedRadius(double springs, double restVolume, double p, double a) {
+  double low = 1.0, high = 10.0;
+  while (high - low > 1e-12) {
+    const double s = 0.5 * (low + high);
+    (springs * (s - 1.0) < 3.0 * restVolume * ((p + a) / s - a * s * s) ? low : high) = s;
+  }
+  return low;
+}
+
+TEST_P(VolumeSteps, swellUntilSpringsAndAirBalanceTheGas) {
+  for (const double stiffness : {1e-3, 100.0}) {
+    SteppedTestBody body(bare(small_meshes::icosphere(0)), stiffness, 5.0);
+    body.settings.volumeModulus = 0.0;
+    body.settings.pressure = 200.0;
+    body.settings.ambientPressure = 800.0;
+    body.volumes = makeVolumes(*body.net, body.settings);
+    body.group.bodies[0].volumes = &body.volumes;
+    double squares = 0.0;
+    for (const double length : body.springs->restLength) squares += length * length;
+    for (int i = 0; i < 600; ++i) advance(body, 1.0 / 60.0, 20);
+    const double rest = body.volumes->restVolume[0];
+    const double relative = enclosedVolume(body.volumes, body.state.position) / rest;
+    EXPECT_NEAR(std::cbrt(relative), balancedRadius(stiffness * squares, rest, 200.0, 800.0), 1e-6);
+    EXPECT_LT(relative, 1.0 + 200.0 / 800.0) << "what the air alone allows";
+  }
+}
+
+/// Without springs and air nothing balances gauge pressure.
+TEST_P(VolumeSteps, swellWithoutEndInAVacuum) {
+  SteppedTestBody body(bare(small_meshes::icosphere(0)), 0.0, 5.0);
+  body.settings.volumeModulus = 0.0;
+  body.settings.pressure = 200.0;
+  body.volumes = makeVolumes(*body.net, body.settings);
+  body.group.bodies[0].volumes = &body.volumes;
+  double volume = body.volumes->restVolume[0];
+  for (int second = 0; second < 3; ++second) {
+    for (int i = 0; i < 60; ++i) advance(body, 1.0 / 60.0, 20);
+    const double later = enclosedVolume(body.volumes, body.state.position);
+    EXPECT_GT(later, 1.5 * volume);
+    volume = later;
   }
 }
 

@@ -37,6 +37,7 @@ class Writer {
   void rigid(int at = -1);
   void soft(int at = -1);
   void softMaterial(Step& step);
+  void gas(Step& step);
   void softStepping(Step& step);
   void otherObjects();
   void joint(int at = -1);
@@ -210,6 +211,12 @@ void Writer::soft(int at) {
   if (dice_.chance(0.3)) s.set("shared", 1);
 }
 
+/// Rolls dice of its own, so that the rest of the story does not depend on the air.
+void Writer::gas(Step& s) {
+  Dice dice(story_.seed + static_cast<std::uint64_t>(s.id));
+  if (dice.chance(0.5)) s.set("ambient", dice.decades(10, 101325));
+}
+
 void Writer::softMaterial(Step& s) {
   const double stiffness = dice_.decades(50, wild() && dice_.chance(0.1) ? 1e8 : 2e4);
   s.set("extension", stiffness).set("compression", stiffness);
@@ -217,7 +224,7 @@ void Writer::softMaterial(Step& s) {
   s.set("damping", dice_.chance(0.3) ? 0.0 : dice_.decades(0.01, wild() ? 100 : 10));
   s.set("mass", dice_.decades(0.1, 10));
   if (dice_.chance(0.25)) s.set("volume", dice_.chance(0.5) ? 0.0 : dice_.decades(10, 1e5));
-  if (dice_.chance(0.1)) s.set("pressure", dice_.decades(1, 1000));
+  if (dice_.chance(0.1)) gas(s.set("pressure", dice_.decades(1, 1000)));
   s.set("friction", dice_.of({0.5, 0.5, 0.0, 1.0}));
   if (dice_.chance(0.25)) s.set("restitution", dice_.number(0, 1));
   if (dice_.chance(0.15)) s.set("ccd", 0);

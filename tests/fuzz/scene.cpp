@@ -226,6 +226,7 @@ SoftBodySettings softSettings(const Step& s) {
   made.totalMass = s["mass"];
   if (s["volume"] >= 0.0) made.volumeModulus = s["volume"];
   made.pressure = s["pressure"];
+  made.ambientPressure = s["ambient"];
   made.collision = s.choice("collision") == "points" ? Collision::Points : Collision::Surface;
   made.selfCollision = s.is("self");
   if (s["radius"] > 0.0) made.pointRadius = s["radius"];

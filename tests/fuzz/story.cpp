@@ -84,6 +84,7 @@ std::vector<KindInfo> sceneKinds() {
         number("mass", 1, kMass),
         number("volume", -1, kPressure),
         number("pressure", 0, kPressure),
+        number("ambient", 0, kPressure),
         choice("collision", "surface points"),
         number("self"),
         number("radius", 0, kLength),

@@ -88,8 +88,14 @@ struct SoftBodySettings {
   std::optional<double> volumeModulus;  ///< Pa, 0 or more, resists changes of the volume inside a closed
                                         ///< surface; default: for each closed piece the combined stiffness
                                         ///< of its springs, 0 for all others (ropes, cloths, open pieces)
-  double pressure = 0.0;  ///< Pa of gas above the outside pressure, at the rest volume; only for closed
-                          ///< bodies
+  // Gas in closed bodies. At the volume V it pushes outwards with  (p + a) V0 / V - a  per area, by the
+  // pressure p, the ambient pressure a and the rest volume V0 (Boyle's law at constant temperature). A free
+  // balloon swells until its springs, and its volume modulus unless it is 0, balance that.
+  double pressure = 0.0;  ///< Pa, 0 or more, p: gauge pressure, above the ambient one, at the rest volume
+  double ambientPressure = 0.0;  ///< Pa, 0 or more, a: outside. 0: the gas alone never balances, so without
+                                 ///< springs a balloon swells without end, and it resists compression only
+                                 ///< by p. 101325: air at sea level; it ends at  V = V0 (1 + p/a)  at most
+                                 ///< and is stiff, like a ball or a tyre. The substeps follow the stiffness
 
   Collision collision = Collision::Surface;
   bool selfCollision = false;  ///< triangles, or the segments of a rope, also collide with each other,

@@ -86,7 +86,7 @@ BodyModel makeModel(const SharedNetwork& network, const SoftBodySettings& settin
   return model;
 }
 
-std::array<double, 15> modelKey(const SoftBodySettings& s) {
+std::array<double, 16> modelKey(const SoftBodySettings& s) {
   const ElasticLimit& limit = s.elasticLimit;
   return {s.scale.x(),
           s.scale.y(),
@@ -97,6 +97,7 @@ std::array<double, 15> modelKey(const SoftBodySettings& s) {
           s.damping,
           s.volumeModulus.value_or(-1.0),
           s.pressure,
+          s.ambientPressure,
           limit.stiffenStrain,
           limit.stiffenFactor,
           limit.yieldStrain,

@@ -30,7 +30,7 @@ class SharedModels {
   Result<std::shared_ptr<const BodyModel>> of(const SharedNetwork& network, const SoftBodySettings& settings);
 
  private:
-  using Key = std::pair<const SpringNetwork*, std::array<double, 15>>;
+  using Key = std::pair<const SpringNetwork*, std::array<double, 16>>;
   std::map<Key, std::weak_ptr<const BodyModel>> models_;  // a living model keeps its network's address
 };
 

@@ -37,7 +37,7 @@ struct ContactCalls;
 struct VolumeBody {
   unsigned components = 0, points = 0;
   const unsigned *firstTriangle = nullptr, *corners = nullptr, *componentOf = nullptr;
-  const double *restVolume = nullptr, *modulus = nullptr, *pressure = nullptr;
+  const double *restVolume = nullptr, *modulus = nullptr, *gasPressure = nullptr, *ambient = nullptr;
   double *gradient = nullptr, *sums = nullptr;
   double timeStep = 0.0;
 };

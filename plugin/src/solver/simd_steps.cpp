@@ -61,8 +61,8 @@ namespace {
 
 kernel::VolumeBody volumeBody(VolumeArrays& volumes) {
   const kernel::Volumes<double> v = kernelVolumes(volumes);
-  return {v.components, v.points,   v.firstTriangle, v.corners, v.componentOf, v.restVolume,
-          v.modulus,    v.pressure, v.gradient,      v.sums,    v.timeStep};
+  return {v.components, v.points,      v.firstTriangle, v.corners,  v.componentOf, v.restVolume,
+          v.modulus,    v.gasPressure, v.ambient,       v.gradient, v.sums,        v.timeStep};
 }
 
 kernel::TetrahedronBody tetrahedronBody(const TetrahedronVolumes& volumes) {

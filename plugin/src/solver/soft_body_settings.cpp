@@ -78,6 +78,7 @@ Result<void> validate(const SoftBodySettings& s) {
       {"totalMass", s.totalMass, 1e-9, 1e12, "from 1e-9 to 1e12"},
       {"volumeModulus", s.volumeModulus.value_or(0.0), 0, 1e15, "from 0 to 1e15"},
       {"pressure", s.pressure, 0, 1e12, "from 0 to 1e12"},
+      {"ambientPressure", s.ambientPressure, 0, 1e12, "from 0 to 1e12"},
       {"pointRadius", s.pointRadius.value_or(1.0), std::numeric_limits<double>::min(), 1e6,
        "above 0, at most 1e6"},
       {"friction", s.friction, 0, 1e6, "from 0 to 1e6"},

@@ -136,8 +136,8 @@ double soften(SpringConstants& springs, const Points& inverseMass, double larges
 }
 
 /// The shares of their stiffness that springs, closed surfaces and tetrahedra keep. A part that takes at most
-/// a third of `largest` keeps all, and the others share the rest in proportion. With a pressure no part does:
-/// it is in equilibrium with the springs.
+/// a third of `largest` keeps all, and the others share the rest in proportion. With a pressure above the
+/// ambient one no part does: it is in equilibrium with the springs.
 struct Shares {
   double slow, others;
 
@@ -157,7 +157,7 @@ SoftenedConstants softened(const ElasticConstants& full, const Points& restShape
                            double largest) {
   SoftenedConstants result{full, 1.0, largest, inverseMass};
   const Bounds bounds = boundsAtRest(full, restShape, inverseMass);
-  const Shares shares(bounds, largest, full.volumes->pressure > 0.0);
+  const Shares shares(bounds, largest, full.volumes->gasPressure > full.volumes->ambient);
   if (const double share = shares.of(bounds.springs); share < 1.0) {
     SpringConstants springs = *full.springs;
     result.share = soften(springs, inverseMass, share * bounds.springs);
@@ -166,7 +166,8 @@ SoftenedConstants softened(const ElasticConstants& full, const Points& restShape
   if (const double share = shares.of(bounds.volumes); share < 1.0) {
     VolumeConstants volumes = *full.volumes;
     volumes.modulus *= share;
-    volumes.pressure *= share;
+    volumes.gasPressure *= share;
+    volumes.ambient *= share;
     result.share = std::min(result.share, share);
     result.constants.volumes = SharedConstants<VolumeConstants>(std::move(volumes));
   }

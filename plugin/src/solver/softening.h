@@ -31,8 +31,9 @@ struct SoftenedConstants {
 /// `largest` (rad^2/s^2), and that of its springs at any deformation.
 ///
 /// The bounds of springs, closed surfaces and tetrahedra add up. Those that are small beside `largest` keep
-/// their stiffness, the others are softened in proportion: moduli and pressures as a whole; springs one by
-/// one, so that those which are slow enough keep theirs. Rest lengths, masses and dampers stay.
+/// their stiffness, the others are softened in proportion: moduli and pressures, also the ambient one, as a
+/// whole; springs one by one, so that those which are slow enough keep theirs. Rest lengths, masses and
+/// dampers stay.
 SoftenedConstants softened(const ElasticConstants& full, const Points& restShape, const Points& inverseMass,
                            double largest);
 

@@ -154,7 +154,7 @@ void addBatchVolumeForces(const VolumeBody& v, const Quad* x, const Quad* w, Qua
   }
   for (Index c = 0; c < v.components; ++c)
     sums[2 * c] = all(Quad(), stablePush(total(sums[2 * c]), total(sums[2 * c + 1]), v.restVolume[c],
-                                         *v.modulus, *v.pressure, v.timeStep));
+                                         *v.modulus, *v.gasPressure, *v.ambient, v.timeStep));
   for (Index i = 0; i < v.points; ++i) force[i] = force[i] + sums[2 * v.componentOf[i]] * gradient[i];
 }
 

@@ -71,7 +71,8 @@ struct Volumes {
   const Index* componentOf = nullptr;    ///< #points; any value for points of no component
   const double* restVolume = nullptr;    ///< #components, m^3
   const double* modulus = nullptr;       ///< Pa, one number
-  const double* pressure = nullptr;      ///< Pa, one number
+  const double* gasPressure = nullptr;   ///< Pa, one number
+  const double* ambient = nullptr;       ///< Pa, one number
   V* gradient = nullptr;                 ///< 3 x #points, scratch: six times the gradient of the volume
   V* sums = nullptr;                     ///< 4 x #components, scratch
   double timeStep = 0.0;                 ///< s, substep that must be stable; 0: no limit on the force
@@ -102,16 +103,17 @@ inline V smaller(V a, V b) {
 /// The push of a closed surface at one volume.
 template <class V>
 struct Push {
-  V push;       ///< Pa, outwards,  P V0 / V - K (V - V0) / V0
+  V push;       ///< Pa, outwards,  P V0 / V - A - K (V - V0) / V0
   V stiffness;  ///< Pa/m^3, decrease of the push per increase of the volume, without its limits
 };
 
+/// Returns the push of gas of the pressure P at the rest volume in an ambient pressure A.
 template <class V>
-inline Push<V> pushOf(V volume, V restVolume, V modulus, V pressure) {
+inline Push<V> pushOf(V volume, V restVolume, V modulus, V gasPressure, V ambient) {
   const V change = (volume - restVolume) / restVolume;
   const V limited = larger(smaller(change, all(V(), kLargestSwelling)), all(V(), kLargestShrinking));
   const V gas = restVolume / larger(volume, all(V(), kMinGasVolume) * restVolume);
-  return {pressure * gas - modulus * limited, (modulus + pressure * gas * gas) / restVolume};
+  return {gasPressure * gas - ambient - modulus * limited, (modulus + gasPressure * gas * gas) / restVolume};
 }
 
 /// Returns six times the volume of a component:  6 V = sum (a - o) . n,   n = (b - a) x (c - a).  The origin
@@ -159,8 +161,9 @@ inline void sumUp(const Volumes<V>& v, const V* position, const V* inverseMass) 
 /// while a body is torn apart. If the substep is too long for it, the push is scaled down to the largest
 /// stable one. It still acts towards the rest volume.
 template <class V>
-inline V stablePush(V sixVolume, V squares, V restVolume, V modulus, V pressure, double timeStep) {
-  const Push<V> p = pushOf(sixVolume * all(V(), 1.0 / 6.0), restVolume, modulus, pressure);
+inline V stablePush(V sixVolume, V squares, V restVolume, V modulus, V gasPressure, V ambient,
+                    double timeStep) {
+  const Push<V> p = pushOf(sixVolume * all(V(), 1.0 / 6.0), restVolume, modulus, gasPressure, ambient);
   const V phaseSquared =
       all(V(), timeStep * timeStep / (36.0 * kLargestPhaseSquared)) * p.stiffness * squares;
   return p.push / larger(phaseSquared, all(V(), 1.0)) * all(V(), 1.0 / 6.0);
@@ -173,7 +176,7 @@ inline void addVolumeForces(const Volumes<V>& v, const V* position, const V* inv
   for (Index c = 0; c < v.components; ++c) {
     V* s = v.sums + 4 * c;
     s[0] = stablePush(s[0], s[1] + (s[2] + s[3]), all(V(), v.restVolume[c]), all(V(), *v.modulus),
-                      all(V(), *v.pressure), v.timeStep);
+                      all(V(), *v.gasPressure), all(V(), *v.ambient), v.timeStep);
   }
   for (Index i = 0; i < v.points; ++i) {
     const V push = v.sums[4 * v.componentOf[i]];

@@ -167,13 +167,23 @@ double gradientSum(const VolumeArrays& v, const double* sums, const PointState& 
   return squareOfSum(now, 2.0 * slack * std::sqrt(change));
 }
 
+/// Returns by how much (Pa) the push of gas falls below 0 at most, while the volume, v times the rest volume,
+/// grows by the fraction `growth`: the gas's pressure stays above 0, so at most to minus the ambient
+/// pressure.
+double gasDrop(const VolumeConstants& constants, double v, double growth) {
+  const double now = constants.gasPressure / std::max(v, kernel::kMinGasVolume);
+  return std::min(constants.ambient, now * growth / (1.0 + growth));
+}
+
 /// Returns the bound for one component, see volumeFrequencyBoundSquared(). Call sumUp() before.
 double componentBound(VolumeArrays& v, std::size_t c, const PointState& state, double tick, double slack) {
   const double* sums = &v.sums[4 * c];
-  const kernel::Push<double> now = kernel::pushOf(sums[0] / 6.0, v->restVolume[c], v->modulus, v->pressure);
+  const double volume = sums[0] / 6.0, rest = v->restVolume[c];
+  const kernel::Push<double> now = kernel::pushOf(volume, rest, v->modulus, v->gasPressure, v->ambient);
   const double edges = sumEdges(v, c, state, tick, slack);
   const double growth = edges * std::sqrt(edges) - 1.0;
-  const double push = std::abs(now.push) + v->modulus * std::min(growth, -kernel::kLargestShrinking);
+  const double push = std::abs(now.push) + v->modulus * std::min(growth, -kernel::kLargestShrinking) +
+                      gasDrop(*v.constants, volume / rest, growth);
   const double change = sums[0] / (6.0 * v->restVolume[c]) - 1.0;
   v.farFromRest = v.farFromRest || std::abs(change) > kFarFromRest || growth > kFarFromRest;
   double across = 0.0;
@@ -204,16 +214,19 @@ double networkModulus(const SpringNetwork& network, const Eigen::Vector3d& scale
 
 std::string checkVolume(const SpringNetwork& network, const SoftBodySettings& settings) {
   const bool perTetrahedron = !network.tetrahedra.empty();  // see TetrahedronVolumes
-  const bool asked =
-      (settings.volumeModulus.value_or(0.0) > 0.0 && !perTetrahedron) || settings.pressure > 0.0;
+  const char* const asked = settings.pressure > 0.0          ? "pressure"
+                            : settings.ambientPressure > 0.0 ? "ambientPressure"
+                            : settings.volumeModulus.value_or(0.0) > 0.0 && !perTetrahedron ? "volumeModulus"
+                                                                                            : nullptr;
   if (!asked) return {};
   const bool closed = mayHaveVolume(network) && isClosed(findEdgeDefects(network.surface));
   if (closed && !makeVolumes(network, settings).empty()) return {};
-  return std::string(settings.pressure > 0.0 ? "pressure" : "volumeModulus") + ": " + whyNoVolume(network);
+  return std::string(asked) + ": " + whyNoVolume(network);
 }
 
 VolumeArrays makeVolumes(const SpringNetwork& network, const SoftBodySettings& settings) {
-  if (!mayHaveVolume(network) || (settings.volumeModulus == 0.0 && settings.pressure == 0.0)) return {};
+  const double gasPressure = settings.pressure + settings.ambientPressure;
+  if (!mayHaveVolume(network) || (settings.volumeModulus == 0.0 && gasPressure == 0.0)) return {};
   const Points rest = scaledRest(network, settings.scale);
   VolumeConstants v;
   v.firstTriangle = {0};
@@ -227,7 +240,8 @@ VolumeArrays makeVolumes(const SpringNetwork& network, const SoftBodySettings& s
   if (!v.restVolume.empty())
     v.modulus = settings.volumeModulus ? *settings.volumeModulus
                                        : networkModulus(network, settings.scale, stiffness, volume);
-  v.pressure = settings.pressure;
+  v.gasPressure = gasPressure;
+  v.ambient = settings.ambientPressure;
   v.shortestEdge = shortestEdge(v.triangles, rest);
   VolumeArrays volumes;
   volumes.gradient.setZero(3, rest.cols());
@@ -247,7 +261,8 @@ kernel::Volumes<double> kernelVolumes(VolumeArrays& v) {
   k.componentOf = v->componentOf.data();
   k.restVolume = v->restVolume.data();
   k.modulus = &v->modulus;
-  k.pressure = &v->pressure;
+  k.gasPressure = &v->gasPressure;
+  k.ambient = &v->ambient;
   k.gradient = v.gradient.data();
   k.sums = v.sums.data();
   k.timeStep = v.timeStep;
@@ -267,7 +282,7 @@ bool isHeldBack(VolumeArrays& v, const PointState& state, double dt) {
     const double* sums = &v.sums[4 * c];
     const auto push = [&](double timeStep) {
       return kernel::stablePush(sums[0], sums[1] + (sums[2] + sums[3]), v->restVolume[c], v->modulus,
-                                v->pressure, timeStep);
+                                v->gasPressure, v->ambient, timeStep);
     };
     if (push(dt) != push(0.0)) return true;
   }
@@ -278,8 +293,8 @@ double volumeEnergy(const VolumeArrays& v, const Points& position) {
   double energy = 0.0;
   for (std::size_t c = 0; c < v->restVolume.size(); ++c) {
     const double relative = componentVolume(*v.constants, c, position) / v->restVolume[c];
-    energy +=
-        v->restVolume[c] * (v->modulus * swellingEnergy(relative - 1.0) + v->pressure * gasEnergy(relative));
+    energy += v->restVolume[c] * (v->modulus * swellingEnergy(relative - 1.0) +
+                                  v->gasPressure * gasEnergy(relative) + v->ambient * (relative - 1.0));
   }
   return energy;
 }
@@ -313,7 +328,7 @@ VolumeSlope volumeSlope(const VolumeArrays& v, std::size_t component, const Poin
                rest = v->restVolume[component];
   const double change = (volume - rest) / rest;
   const bool limited = change > kernel::kLargestSwelling || change < kernel::kLargestShrinking;
-  const double gas = volume > kernel::kMinGasVolume * rest ? v->pressure * rest / (volume * volume) : 0.0;
+  const double gas = volume > kernel::kMinGasVolume * rest ? v->gasPressure * rest / (volume * volume) : 0.0;
   return {volume, (limited ? 0.0 : v->modulus / rest) + gas};
 }
 

@@ -26,15 +26,17 @@ struct KeptVolumeBound {
   double value = 0.0;  ///< rad^2/s^2; 0: not valid
 };
 
-/// The constants of closed surfaces and of the gas in them. Each surface has the energy  K/2 (V - V0)^2 / V0.
-/// Its volume V is signed, which distinguishes a body from its mirror image.
+/// The constants of closed surfaces and of the gas in them. Each surface has the energy  K/2 (V - V0)^2 / V0
+/// and that of its gas at constant temperature,  -P V0 ln(V / V0) + A (V - V0).  Its volume V is signed,
+/// which distinguishes a body from its mirror image.
 struct VolumeConstants {
   std::vector<Triangle> triangles;           ///< of all components, one component after the other
   std::vector<std::uint32_t> firstTriangle;  ///< #components + 1
   std::vector<std::uint32_t> componentOf;    ///< #points; 0 for points of no component
   std::vector<double> restVolume;            ///< #components, m^3, above 0
   double modulus = 0.0;                      ///< Pa, K
-  double pressure = 0.0;                     ///< Pa above the outside at rest, P; it is P V0 / V at volume V
+  double gasPressure = 0.0;                  ///< Pa, P at the rest volume; it is P V0 / V at volume V
+  double ambient = 0.0;                      ///< Pa, A, the outside's; less than P in a balloon
   double shortestEdge = 0.0;                 ///< m, at rest
 };
 
