@@ -24,6 +24,8 @@ struct CommandLine {
   std::string skin = "dense";
   std::string size = "960x720";
   SkinSettings skinSettings;
+  CookSettings automatic;
+  bool connect = false;
 };
 
 CLI::Validator limberFile() {
@@ -67,11 +69,21 @@ void addBraces(CLI::App& app, CommandLine& line) {
 
 void addDetail(CLI::App& app, CommandLine& line) {
   CookOptions& o = line.options;
-  app.add_option("--points", o.points,
-                 "about as many point masses: the mesh is simplified, and drawn in full as a skin on them "
-                 "(default: all of the mesh; 300 with --material)")
+  app.add_option(
+         "--points", o.points,
+         "about as many point masses (default: 150 to 400 by shape; with options of braces all of the "
+         "mesh, with --material 300)")
       ->check(wholeNumber(8, kMaxPoints));
-  app.add_option("--skin", line.skin, "dense (default), sparse or barycentric (default with --material)")
+  app.add_option(
+         "--length", line.automatic.size,
+         "m: longest side of the mesh (default: meshes of 0.2 to 5 units keep theirs, others become 1 m)")
+      ->check(number(1e-3, 1e3));
+  app.add_flag("--connect", line.connect,
+               "rods hold far pieces together (default: each is a body, BODY-2.limber and so on)");
+  app.add_option(
+         "--skin", line.skin,
+         "dense, sparse or barycentric (default: dense up to 5 000 vertices, else sparse; barycentric "
+         "with --material)")
       ->check(CLI::IsMember(namesOf(kSkinKinds)));
   app.add_option("--neighbours", line.skinSettings.neighbours,
                  "points that a vertex rides on at most, with --skin sparse (default 32)")
@@ -95,6 +107,11 @@ void addAnalysis(CLI::App& app, CommandLine& line) {
 
 bool given(const CLI::App& app, const char* option) { return app.count(option) > 0; }
 
+/// Options with which the user chooses how the body is made.
+constexpr std::initializer_list<const char*> kByHand{"--braces",   "--brace-weight", "--max-braces",
+                                                     "--seconds",  "--masses",       "--weld",
+                                                     "--material", "--spacing",      "--neighbours"};
+
 /// Returns the first of the options that is given, or an empty string.
 std::string firstGiven(const CLI::App& app, std::initializer_list<const char*> options) {
   for (const char* option : options)
@@ -105,9 +122,10 @@ std::string firstGiven(const CLI::App& app, std::initializer_list<const char*> o
 /// Returns the reason why valid files do not fit together, or an empty string.
 std::string fileConflict(const CLI::App& app) {
   if (given(app, "--report")) {
-    const std::string other = firstGiven(
-        app, {"MESH", "--out", "--braces", "--brace-weight", "--max-braces", "--seconds", "--masses",
-              "--weld", "--points", "--skin", "--neighbours", "--material", "--spacing"});
+    const std::string other =
+        firstGiven(app, {"MESH", "--out", "--braces", "--brace-weight", "--max-braces", "--seconds",
+                         "--masses", "--weld", "--points", "--skin", "--neighbours", "--material",
+                         "--spacing", "--length", "--connect"});
     return other.empty() ? other : other + " has no meaning with --report: nothing is cooked";
   }
   if (!given(app, "MESH")) return "a MESH to cook is missing, or --report BODY.limber";
@@ -116,6 +134,8 @@ std::string fileConflict(const CLI::App& app) {
 
 /// Returns the reason why other options do not fit together, or an empty string.
 std::string conflict(const CLI::App& app, const CommandLine& line) {
+  const std::string byHand = firstGiven(app, kByHand), automatic = firstGiven(app, {"--length", "--connect"});
+  if (!byHand.empty() && !automatic.empty()) return automatic + " has no meaning with " + byHand;
   if (line.options.material) {
     const std::string other =
         firstGiven(app, {"--braces", "--brace-weight", "--max-braces", "--seconds", "--masses"});
@@ -123,7 +143,7 @@ std::string conflict(const CLI::App& app, const CommandLine& line) {
     if (given(app, "--spacing") && given(app, "--points")) return "--spacing and --points say the same";
   } else {
     if (given(app, "--spacing")) return "--spacing needs --material";
-    if (given(app, "--skin") && !given(app, "--points")) return "--skin needs --points";
+    if (!byHand.empty() && given(app, "--skin") && !given(app, "--points")) return "--skin needs --points";
   }
   if (line.braces != "pipeline") {
     const std::string other = firstGiven(app, {"--max-braces", "--seconds"});
@@ -148,6 +168,12 @@ void complete(const CLI::App& app, CommandLine& line) {
     o.skin->weldTolerance = o.network.weldTolerance;
   }
   if (o.points > 0) o.materialMesh.points = o.points;
+  if (firstGiven(app, kByHand).empty() && !o.meshFile.empty()) {
+    o.automatic = line.automatic;
+    o.automatic->points = o.points;
+    if (line.connect) o.automatic->pieces = PieceRule::Connected;
+    if (o.skin) o.automatic->skin = o.skin->kind;
+  }
   parseSize(line.size, o.width, o.height);
 }
 

@@ -3,6 +3,7 @@
 
 #include "demo_options.h"
 
+#include <limber/cook.h>
 #include <limber/network_analysis.h>
 #include <limber/network_builder.h>
 
@@ -50,7 +51,8 @@ Enum valueOf(const Names<Enum, count>& names, const std::string& name) {
 struct CookOptions {
   std::string meshFile;  ///< empty: `bodyFile` exists already and is only analysed
   std::string bodyFile;
-  bool material = false;  ///< tetrahedra instead of braces
+  std::optional<CookSettings> automatic;  ///< cook() chooses; empty: the choices below
+  bool material = false;                  ///< tetrahedra instead of braces
   NetworkSettings network;
   MaterialMesh materialMesh;
   std::uint32_t points = 0;          ///< about as many point masses; 0: those of the mesh

@@ -69,7 +69,9 @@ std::string reportText(const CookReport& r) {
   const auto row = [](const char* name, const std::string& value) {
     return format("%-19s ", name) + value + "\n";
   };
-  std::string text = row("body", bodyText(r));
+  std::string text;
+  for (const std::string& choice : r.choices) text += choice + "\n";
+  text += row("body", bodyText(r));
   text += row("springs", springText(r));
   if (!r.network->tetrahedra.empty()) text += row("material", materialText(*r.network));
   text += row("drawn", drawnText(r.network->render));

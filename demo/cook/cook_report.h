@@ -7,6 +7,7 @@
 #include <array>
 #include <cstddef>
 #include <string>
+#include <vector>
 
 namespace limber::demo {
 
@@ -15,6 +16,7 @@ struct CookReport {
   std::string meshFile;  ///< empty: the body was loaded, not cooked
   std::string bodyFile;
   SharedNetwork network;
+  std::vector<std::string> choices;  ///< of cook(), and the files of further bodies
   AnalysisSettings settings;
   NetworkAnalysis analysis;
   double cookSeconds = 0.0;

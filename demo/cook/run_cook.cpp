@@ -5,6 +5,7 @@
 #include "cook/network_picture.h"
 #include "output_files.h"
 #include "progress.h"
+#include "scenes/cooked_mesh.h"
 
 #include <limber/mesh.h>
 #include <limber/render/png_file.h>
@@ -95,9 +96,35 @@ std::string checkOutputFiles(const CookOptions& options) {
   return {};
 }
 
+/// Returns the file of a body: BODY.limber, BODY-2.limber and so on.
+std::string fileOfBody(const std::string& file, std::size_t body) {
+  const std::string ending = ".limber";
+  if (body == 0) return file;
+  return file.substr(0, file.size() - ending.size()) + "-" + std::to_string(body + 1) + ending;
+}
+
+/// Cooks with cook() and writes all bodies. The report is about the largest one.
+std::string makeBodies(const CookOptions& options, CookReport& report) {
+  Result<CookedMesh> cooked = scenes::readBodies(options.meshFile, *options.automatic, {});
+  if (!cooked) return cooked.error();
+  report.network = cooked->bodies.front().network;
+  report.choices.assign(cooked->report.begin(), cooked->report.end());
+  for (std::size_t i = 0; i < cooked->bodies.size(); ++i) {
+    const std::string file = fileOfBody(options.bodyFile, i);
+    if (Result<void> saved = saveNetwork(*cooked->bodies[i].network, file); !saved) return saved.error();
+    if (i > 0) report.choices.push_back("piece: " + file);
+  }
+  return {};
+}
+
 std::string makeBody(const CookOptions& options, CookReport& report) {
   const bool cook = !options.meshFile.empty();
   const Clock::time_point start = Clock::now();
+  if (options.automatic) {
+    const std::string reason = makeBodies(options, report);
+    report.cookSeconds = secondsSince(start);
+    return reason;
+  }
   Result<SharedNetwork> network = cook ? cookBody(options) : loadNetwork(options.bodyFile);
   if (!network) return network.error();
   report.network = *network;
@@ -127,6 +154,7 @@ CookOptions withProgress(CookOptions options, StageProgress& bars) {
     return true;
   };
   options.network.progress = options.materialMesh.progress = options.analysis.progress = progress;
+  if (options.automatic) options.automatic->progress = progress;
   return options;
 }
 

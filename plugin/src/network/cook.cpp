@@ -24,8 +24,6 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr char kEnded[] = "ended early: progress returned false";
-
 // --- the mesh ----------------------------------------------------------------------------------------------
 
 /// Sizes (m) that meshes keep, and the size of all others.

@@ -190,9 +190,6 @@ namespace {
 /// Smallest mass of a point, relative to the mean: the lightest point limits the time step.
 constexpr double kMinCornerShare = 0.2;
 
-/// There is no early result: half of its springs do not make a material.
-constexpr char kEnded[] = "ended early: progress returned false";
-
 /// Tolerance of Poisson's ratio, and the largest number of measurements.
 constexpr double kPoissonError = 5e-4;
 constexpr int kMaxMeasurements = 6;

@@ -16,6 +16,9 @@
 
 namespace limber {
 
+/// Error of builders that have no early result: half of its springs do not make a material.
+constexpr char kEnded[] = "ended early: progress returned false";
+
 /// Springs and volume term of a body.
 struct ElasticBody {
   const SpringNetwork& network;

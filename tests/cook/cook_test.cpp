@@ -1,0 +1,257 @@
+// SPDX-License-Identifier: Zlib
+// cook(): what becomes of meshes of every kind, and materials of what is not filled with tetrahedra.
+
+#include <limber/cook.h>
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Geometry>
+
+#include <cmath>
+
+namespace limber {
+namespace {
+
+using Eigen::Vector3d;
+
+/// A ball of radius 0.5 about `middle`, without the triangles above `cut`.
+TriangleMesh ball(const Vector3d& middle, double cut = 1.0) {
+  constexpr std::uint32_t kRings = 24, kSectors = 48;
+  constexpr double kPi = 3.14159265358979;
+  TriangleMesh mesh;
+  for (std::uint32_t r = 0; r <= kRings; ++r)
+    for (std::uint32_t s = 0; s < kSectors; ++s) {
+      const double polar = kPi * r / kRings, angle = 2.0 * kPi * s / kSectors;
+      mesh.positions.push_back(middle + 0.5 * Vector3d(std::sin(polar) * std::cos(angle), std::cos(polar),
+                                                       -std::sin(polar) * std::sin(angle)));
+    }
+  for (Vector3d* pole : {&mesh.positions.front(), &mesh.positions[kRings * kSectors]})
+    for (std::uint32_t s = 1; s < kSectors; ++s) pole[s] = *pole;
+  const auto add = [&](std::uint32_t a, std::uint32_t b, std::uint32_t c) {
+    const double height = (mesh.positions[a] + mesh.positions[b] + mesh.positions[c]).y() / 3.0 - middle.y();
+    if (height < cut) mesh.triangles.push_back({a, b, c});
+  };
+  for (std::uint32_t r = 0; r < kRings; ++r)
+    for (std::uint32_t s = 0; s < kSectors; ++s) {
+      const std::uint32_t a = r * kSectors + s, b = r * kSectors + (s + 1) % kSectors;
+      add(a, a + kSectors, b + kSectors);
+      add(a, b + kSectors, b);
+    }
+  return mesh;
+}
+
+/// A tube around an arc of 90 degrees, open at both ends.
+TriangleMesh tube(double length, double radius) {
+  constexpr std::uint32_t kRings = 80, kSides = 8;
+  constexpr double kPi = 3.14159265358979;
+  const double bend = 2.0 * length / kPi;  // radius of the arc
+  TriangleMesh mesh;
+  for (std::uint32_t r = 0; r <= kRings; ++r)
+    for (std::uint32_t s = 0; s < kSides; ++s) {
+      const double angle = 0.5 * kPi * r / kRings, side = 2.0 * kPi * s / kSides;
+      const double reach = bend + radius * std::cos(side);
+      mesh.positions.emplace_back(reach * std::cos(angle), reach * std::sin(angle), radius * std::sin(side));
+    }
+  for (std::uint32_t r = 0; r < kRings; ++r)
+    for (std::uint32_t s = 0; s < kSides; ++s) {
+      const std::uint32_t a = r * kSides + s, b = r * kSides + (s + 1) % kSides;
+      mesh.triangles.push_back({a, b, b + kSides});
+      mesh.triangles.push_back({a, b + kSides, a + kSides});
+    }
+  return mesh;
+}
+
+/// A grid in the plane z = 0, waved along z.
+TriangleMesh flag(double wave) {
+  constexpr std::uint32_t kCells = 16;
+  TriangleMesh mesh;
+  for (std::uint32_t j = 0; j <= kCells; ++j)
+    for (std::uint32_t i = 0; i <= kCells; ++i) {
+      const double x = double(i) / kCells, y = double(j) / kCells;
+      mesh.positions.emplace_back(x, y, wave * std::sin(9.0 * x));
+    }
+  for (std::uint32_t j = 0; j < kCells; ++j)
+    for (std::uint32_t i = 0; i < kCells; ++i) {
+      const std::uint32_t a = j * (kCells + 1) + i;
+      mesh.triangles.push_back({a, a + 1, a + kCells + 2});
+      mesh.triangles.push_back({a, a + kCells + 2, a + kCells + 1});
+    }
+  return mesh;
+}
+
+TriangleMesh joined(const TriangleMesh& a, const TriangleMesh& b) {
+  TriangleMesh mesh = a;
+  const auto first = static_cast<std::uint32_t>(a.positions.size());
+  mesh.positions.insert(mesh.positions.end(), b.positions.begin(), b.positions.end());
+  for (const Triangle& t : b.triangles) mesh.triangles.push_back({t[0] + first, t[1] + first, t[2] + first});
+  return mesh;
+}
+
+TriangleMesh scaled(TriangleMesh mesh, double factor) {
+  for (Vector3d& p : mesh.positions) p *= factor;
+  return mesh;
+}
+
+CookedMesh cooked(const TriangleMesh& mesh, const CookSettings& settings = {}) {
+  Result<CookedMesh> result = cook(mesh, settings);
+  if (!result) {
+    ADD_FAILURE() << result.error();
+    return {};
+  }
+  for (const CookedBody& body : result->bodies) EXPECT_EQ(validate(*body.network).error(), "");
+  for (const std::string& line : result->report) EXPECT_FALSE(line.empty());
+  return std::move(*result);
+}
+
+/// Largest distance of the skinned points at rest from the mesh's own vertices: the skin is exact at rest.
+double skinError(const SpringNetwork& network, const TriangleMesh& mesh, double scale) {
+  std::vector<Eigen::Vector3f> points, places(network.render.skin.size());
+  for (const Vector3d& p : network.restPoints) points.push_back(p.cast<float>());
+  applySkin(network.render.skin, points.front().data(), places.front().data());
+  double largest = 0.0;
+  for (std::size_t v = 0; v < mesh.positions.size(); ++v) {
+    const std::uint32_t place = network.render.vertexToPoint[v];
+    if (place == kNoPoint) continue;
+    largest = std::max(largest, (places[place].cast<double>() - scale * mesh.positions[v]).norm());
+  }
+  return largest;
+}
+
+TEST(Cook, aClosedMeshIsFilledWithTetrahedra) {
+  const TriangleMesh mesh = ball(Vector3d::Zero());
+  const CookedMesh c = cooked(mesh);
+  ASSERT_EQ(c.bodies.size(), 1u);
+  const SpringNetwork& n = *c.bodies[0].network;
+  EXPECT_EQ(c.scale, 1.0);
+  EXPECT_GT(n.tetrahedra.size(), 100u);
+  EXPECT_GE(n.restPoints.size(), 100u);
+  EXPECT_LE(n.restPoints.size(), 480u);
+  EXPECT_EQ(c.bodies[0].thickness, 0.0);
+  EXPECT_LT(skinError(n, mesh, 1.0), 1e-5);
+}
+
+TEST(Cook, anOpenMeshGetsAnInside) {
+  const TriangleMesh mesh = ball(Vector3d::Zero(), 0.4);
+  const CookedMesh c = cooked(mesh);
+  ASSERT_EQ(c.bodies.size(), 1u);
+  EXPECT_GT(c.bodies[0].network->tetrahedra.size(), 100u);
+  EXPECT_LT(skinError(*c.bodies[0].network, mesh, 1.0), 1e-5);
+  EXPECT_NE(c.report[1].find("wrapped"), std::string::npos) << c.report[1];
+}
+
+TEST(Cook, meshesInOtherUnitsBecomeAMetreLong) {
+  const CookedMesh c = cooked(scaled(ball(Vector3d::Zero()), 1000.0));
+  EXPECT_NEAR(c.scale, 1e-3, 1e-12);
+  CookSettings settings;
+  settings.size = 0.25;
+  EXPECT_NEAR(cooked(ball(Vector3d::Zero()), settings).scale, 0.25, 1e-12);
+}
+
+TEST(Cook, farPiecesAreBodiesOfTheirOwnOrConnected) {
+  const TriangleMesh mesh = joined(scaled(ball({2.0, 0.0, 0.0}), 0.5), ball(Vector3d::Zero()));
+  const CookedMesh apart = cooked(mesh);
+  ASSERT_EQ(apart.bodies.size(), 2u);
+  EXPECT_GT(apart.bodies[0].network->restPoints.size(), apart.bodies[1].network->restPoints.size());
+  CookSettings settings;
+  settings.pieces = PieceRule::Connected;
+  const CookedMesh together = cooked(mesh, settings);
+  ASSERT_EQ(together.bodies.size(), 1u);
+  EXPECT_LT(skinError(*together.bodies[0].network, mesh, 1.0), 1e-5);
+}
+
+TEST(Cook, sheetsBecomeClothAndTubesRopes) {
+  for (const double wave : {0.0, 0.15}) {
+    const CookedMesh cloth = cooked(flag(wave));
+    ASSERT_EQ(cloth.bodies.size(), 1u);
+    EXPECT_EQ(cloth.bodies[0].network->kind, NetworkKind::Cloth);
+    EXPECT_GT(cloth.bodies[0].thickness, 0.0);
+  }
+  const CookedMesh rope = cooked(tube(2.0, 0.015));
+  ASSERT_EQ(rope.bodies.size(), 1u);
+  EXPECT_EQ(rope.bodies[0].network->kind, NetworkKind::Rope);
+  EXPECT_NEAR(rope.bodies[0].thickness, 0.03, 0.003);
+  // a tube as thick as a finger is long is a solid
+  EXPECT_EQ(cooked(tube(1.0, 0.1)).bodies[0].network->kind, NetworkKind::Solid);
+}
+
+TEST(Cook, isDeterministic) {
+  const TriangleMesh mesh = ball(Vector3d::Zero(), 0.35);
+  EXPECT_EQ(toBytes(*cooked(mesh).bodies[0].network), toBytes(*cooked(mesh).bodies[0].network));
+}
+
+TEST(Cook, errorsSayWhy) {
+  CookSettings settings;
+  settings.points = 5;
+  EXPECT_EQ(cook(ball(Vector3d::Zero()), settings).error(), "points is 5, must be 8 or more, or 0");
+  settings = {};
+  settings.size = -1.0;
+  EXPECT_EQ(cook(ball(Vector3d::Zero()), settings).error(), "size is -1 m, must be above 0");
+  settings = {};
+  settings.progress = [](const char*, double) { return false; };
+  EXPECT_EQ(cook(ball(Vector3d::Zero()), settings).error(), "ended early: progress returned false");
+  EXPECT_FALSE(cook(TriangleMesh{}));
+}
+
+/// Energy of the springs for an even dilation by the strain e, without the springs against bending: J.
+double dilationEnergy(const SpringNetwork& n, double stiffness, double e, bool structuralOnly) {
+  double energy = 0.0;
+  for (const NetworkSpring& s : n.springs) {
+    if (structuralOnly && s.kind != SpringKind::Structural) continue;
+    const double x = e * (n.restPoints[s.b] - n.restPoints[s.a]).norm();
+    energy += 0.5 * stiffness * s.stiffnessScale * x * x;
+  }
+  return energy;
+}
+
+// a sheet of modulus E, Poisson ratio 1/3 (the lattice's), thickness t: E t A e^2 / (1 - nu)
+TEST(CookMaterial, aSheetHasTheEnergyOfItsMaterial) {
+  const CookedBody body = cooked(flag(0.0)).bodies.at(0);
+  Material m;
+  m.youngsModulus = 3e5;
+  const Result<SoftBodySettings> settings = withMaterial(body, m);
+  ASSERT_TRUE(settings) << settings.error();
+  const double e = 1e-3, area = 1.0;
+  EXPECT_NEAR(dilationEnergy(*body.network, settings->extensionStiffness, e, true),
+              m.youngsModulus * body.thickness * area * e * e / (1.0 - 1.0 / 3.0), 1e-9);
+  EXPECT_NEAR(settings->totalMass, m.density * area * body.thickness, 1e-9);
+}
+
+// braces: nu is 1/4, so the bulk modulus is 2/3 E and the energy 9/2 K V e^2 = 3 E V e^2
+TEST(CookMaterial, aBracedBodyHasTheEnergyOfItsMaterial) {
+  CookSettings how;
+  how.mode = CookMode::Braces;
+  how.points = 60;
+  const CookedBody body = cooked(ball(Vector3d::Zero()), how).bodies.at(0);
+  EXPECT_TRUE(body.network->tetrahedra.empty());
+  const Result<SoftBodySettings> settings = withMaterial(body, Material::rubber());
+  ASSERT_TRUE(settings) << settings.error();
+  const double e = 1e-3, volume = settings->totalMass / Material::rubber().density;
+  const double expected = 3.0 * Material::rubber().youngsModulus * volume * e * e;
+  EXPECT_NEAR(dilationEnergy(*body.network, settings->extensionStiffness, e, false), expected,
+              1e-9 * expected);
+}
+
+// n segments in series have E A / L together
+TEST(CookMaterial, aRopeHasTheStiffnessOfItsMaterial) {
+  const CookedBody body = cooked(tube(2.0, 0.015)).bodies.at(0);
+  const Result<SoftBodySettings> settings = withMaterial(body, Material::rubber());
+  ASSERT_TRUE(settings) << settings.error();
+  const double segments = static_cast<double>(body.network->restPoints.size() - 1);
+  const double section = 0.25 * 3.14159265 * body.thickness * body.thickness;
+  EXPECT_NEAR(settings->extensionStiffness / segments, Material::rubber().youngsModulus * section / 2.0,
+              0.03 * settings->extensionStiffness / segments);
+  EXPECT_EQ(settings->pointRadius, 0.5 * body.thickness);
+}
+
+TEST(CookMaterial, dampingFollowsTheStiffness) {
+  const CookedBody body = cooked(ball(Vector3d::Zero())).bodies.at(0);
+  const Result<SoftBodySettings> settings = withMaterial(body, Material::jelly());
+  ASSERT_TRUE(settings) << settings.error();
+  EXPECT_DOUBLE_EQ(settings->damping, *Material::jelly().dampingTime * settings->extensionStiffness);
+  Material bad = Material::jelly();
+  bad.dampingTime = -1.0;
+  EXPECT_EQ(withMaterial(body, bad).error(), "dampingTime is -1, must be 0 or more");
+}
+
+}  // namespace
+}  // namespace limber
