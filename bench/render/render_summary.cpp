@@ -83,13 +83,14 @@ std::string pngTable(const std::vector<PngRow>& rows) {
 std::string skinTable(const std::vector<SkinCostRow>& rows) {
   if (rows.empty()) return {};
   std::string text = format(
-      "\nsmooth bodies on %zu points, 1280x720, no shadows: places by compute shader (gpu), by the renderer on "
-      "the\nCPU (cpu), or by applySkin() and streamed; ms\n  %6s %8s %-7s %-8s %9s %9s %9s %9s %9s %9s\n",
+      "\nsmooth bodies on %zu points, 1280x720, no shadows: places by compute shader (gpu), by the renderer\n"
+      "on the CPU (cpu), or by applySkin() and streamed; ms\n  %6s %8s %-7s %-8s %9s %9s %9s %9s %9s %9s\n",
       rows[0].points, "bodies", "vertices", "", "", "upload", "own", "frame", "process", "MB/frame", "MB");
   for (const SkinCostRow& row : rows)
     text += format("  %6zu %8zu %-7s %-8s %9.3f %9.3f %9.3f %9.3f %9.3f %9.2f\n", row.bodies, row.vertices,
-                   row.weights.c_str(), row.way.c_str(), row.times.upload, row.times.own, row.times.frame, row.times.process,
-                   1e-6 * static_cast<double>(row.bytes), 1e-6 * static_cast<double>(row.bufferBytes));
+                   row.weights.c_str(), row.way.c_str(), row.times.upload, row.times.own,
+                   row.times.frame, row.times.process, 1e-6 * static_cast<double>(row.bytes),
+                   1e-6 * static_cast<double>(row.bufferBytes));
   return text;
 }
 

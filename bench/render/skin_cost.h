@@ -10,8 +10,8 @@
 namespace limber::bench {
 
 /// Detailed bodies that follow few points, 1280x720 without shadows. Their places are computed by the
-/// renderer's compute shader (gpu), by the renderer on the CPU (cpu), or by the program with applySkin(), which
-/// then streams them (streamed). Medians.
+/// renderer's compute shader (gpu), by the renderer on the CPU (cpu), or by the program with applySkin(),
+/// which then streams them (streamed). Medians.
 struct SkinCostRow {
   std::string weights;  ///< dense or sparse
   std::string way;      ///< gpu, cpu or streamed

@@ -45,8 +45,7 @@ BlockSums sumDense(const Column* weights, const Lanes* points, std::size_t point
 }
 
 void denseBlock(const CpuSkin& skin, std::size_t block, const Lanes* points, float* places) {
-  const BlockSums sums =
-      sumDense(skin.dense.data() + block * skin.pointCount, points, skin.pointCount);
+  const BlockSums sums = sumDense(skin.dense.data() + block * skin.pointCount, points, skin.pointCount);
   const std::size_t rows = std::min<std::size_t>(kRows, skin.placeCount - block * kRows);
   for (std::size_t row = 0; row < rows; ++row) {
     places[3 * row] = sums.x[row / 4][row % 4];

@@ -14,8 +14,8 @@ namespace limber::render {
 /// Four floats in one register of the processor.
 using Lanes = float __attribute__((vector_size(16)));
 
-/// The weights of a skin for the CPU. Dense: the matrix in blocks of kRows places; a block holds the weights of
-/// point 0 on its places, then those of point 1, and so on. Sparse: as in Skin.
+/// The weights of a skin for the CPU. Dense: the matrix in blocks of kRows places; a block holds the weights
+/// of point 0 on its places, then those of point 1, and so on. Sparse: as in Skin.
 struct CpuSkin {
   static constexpr std::size_t kRows = 16;
   using Column = std::array<Lanes, kRows / 4>;

@@ -90,7 +90,8 @@ std::string describeDriver(const Gl& gl) {
 bool isSoftwareRasteriser(const Gl& gl) { return isSoftwareRasteriser(text(gl, GL_RENDERER)); }
 
 bool isSoftwareRasteriser(std::string_view renderer) {
-  constexpr std::array<std::string_view, 5> kNames{"llvmpipe", "softpipe", "swrast", "SwiftShader", "Software"};
+  constexpr std::array<std::string_view, 5> kNames{"llvmpipe", "softpipe", "swrast", "SwiftShader",
+                                                   "Software"};
   return std::any_of(kNames.begin(), kNames.end(), [renderer](std::string_view name) {
     return renderer.find(name) != std::string_view::npos;
   });

@@ -16,8 +16,8 @@ struct RowRange {
   std::size_t end = 0;
 };
 
-/// Splits work on independent rows among a few threads. Each row is computed by one thread, so that results do
-/// not depend on the number of threads. The threads start with the first work that is worth it.
+/// Splits work on independent rows among a few threads. Each row is computed by one thread, so that results
+/// do not depend on the number of threads. The threads start with the first work that is worth it.
 class RowThreads {
  public:
   /// `threads` counts the calling thread and is at least 1.
@@ -26,9 +26,9 @@ class RowThreads {
   RowThreads(const RowThreads&) = delete;
   RowThreads& operator=(const RowThreads&) = delete;
 
-  /// Calls work(RowRange, part) for consecutive ranges, part = 0, 1, ... below threads(), that cover all rows,
-  /// and returns when all calls have returned. `operationsPerRow` decides how many threads are worth it. The
-  /// work must not throw.
+  /// Calls work(RowRange, part) for consecutive ranges, part = 0, 1, ... below threads(), that cover all
+  /// rows, and returns when all calls have returned. `operationsPerRow` decides how many threads are worth
+  /// it. The work must not throw.
   template <typename Work>
   void run(std::size_t rows, std::size_t operationsPerRow, const Work& work) {
     const auto call = [](const void* object, RowRange range, unsigned part) {

@@ -26,8 +26,8 @@ struct SurfaceMesh {
 /// rings between two points, and half spheres as ends. u runs around and v along the tube, both 0 to 1.
 SurfaceMesh makeTubeMesh(std::uint32_t pointCount, std::uint32_t segments);
 
-/// Returns true if triangles (3 points each) have no boundary: each edge is passed as often in one direction as
-/// in the other. Then every ray that comes from outside and hits them passes through a front face.
+/// Returns true if triangles (3 points each) have no boundary: each edge is passed as often in one direction
+/// as in the other. Then every ray that comes from outside and hits them passes through a front face.
 bool isClosed(const std::vector<std::uint32_t>& triangles);
 
 /// Returns true if a full matrix takes less memory: 4 bytes per place and point, against 8 per weight.

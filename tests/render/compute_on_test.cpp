@@ -29,7 +29,8 @@ void expectNear(const std::vector<float>& a, const std::vector<float>& b, double
 }
 
 TEST(ComputeOn, AutoChoosesTheCpuForSoftwareRasterisersOnly) {
-  Stage automatic, cpu(Backend::Auto, smallDesc(ComputeOn::Cpu)), gpu(Backend::Auto, smallDesc(ComputeOn::Gpu));
+  Stage automatic;
+  Stage cpu(Backend::Auto, smallDesc(ComputeOn::Cpu)), gpu(Backend::Auto, smallDesc(ComputeOn::Gpu));
   EXPECT_EQ(automatic.renderer().computesOnCpu(), isSoftwareRasteriser(automatic.renderer().gl()));
   EXPECT_TRUE(cpu.renderer().computesOnCpu());
   EXPECT_FALSE(gpu.renderer().computesOnCpu());
@@ -63,7 +64,8 @@ TEST(ComputeOn, BothGiveTheSamePositionsAndNormals) {
     stage->draw();
   }
   for (const InstanceId id : skinned) {
-    expectNear(readSkinnedPoints(cpu.renderer(), id), readSkinnedPoints(gpu.renderer(), id), kPositionTolerance);
+    expectNear(readSkinnedPoints(cpu.renderer(), id), readSkinnedPoints(gpu.renderer(), id),
+               kPositionTolerance);
   }
   for (const InstanceId id : smooth) {
     expectNear(readNormals(cpu.renderer(), id), readNormals(gpu.renderer(), id), kNormalTolerance);

@@ -28,8 +28,9 @@ std::vector<float> read(const Parts& parts, InstanceId instance, const PointRang
   const Gl& gl = parts.gl;
   std::vector<float> values(std::size_t{3} * shapeOf(parts, instance).skinnedPointCount);
   gl.MemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
-  gl.GetNamedBufferSubData(range.buffer, range.byteOffset + static_cast<GLintptr>(3 * sizeof(float) * range.first),
-                           static_cast<GLsizeiptr>(values.size() * sizeof(float)), values.data());
+  const GLintptr offset = range.byteOffset + static_cast<GLintptr>(3 * sizeof(float) * range.first);
+  gl.GetNamedBufferSubData(range.buffer, offset, static_cast<GLsizeiptr>(values.size() * sizeof(float)),
+                           values.data());
   return values;
 }
 

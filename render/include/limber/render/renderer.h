@@ -39,13 +39,13 @@ struct InstanceLook {
   TextureId texture;
 };
 
-/// The processor that computes skins, normals and the side vectors of tubes in every frame. Both give the same
-/// positions and normals up to rounding.
+/// The processor that computes skins, normals and the side vectors of tubes in every frame. Both give the
+/// same positions and normals up to rounding.
 enum class ComputeOn {
   Auto,  ///< The CPU if the driver is a software rasteriser, else the GPU; see Renderer::computesOnCpu().
   Gpu,   ///< Compute shaders. Only points are streamed.
-  Cpu    ///< draw() writes the results into the streamed memory, behind the points: 12 bytes for each place of
-         ///< a skin and for each normal. A software rasteriser's compute shaders are several times slower.
+  Cpu    ///< draw() writes the results into the streamed memory, behind the points: 12 bytes for each place
+         ///< of a skin and for each normal. A software rasteriser's compute shaders are several times slower.
 };
 
 struct RendererDesc {

@@ -20,8 +20,8 @@ enum class Pattern {
 
 /// Places are positions that follow the points: place p is the sum of weights[k] times point points[k], for
 /// first[p] <= k < first[p + 1]. The renderer computes them in every frame (see ComputeOn), on a GPU from the
-/// points alone, so that a detailed mesh costs no more to stream than the few points that move it. The weights of a place should add up to 1, or it does not follow
-/// translations of its body.
+/// points alone, so that a detailed mesh costs no more to stream than the few points that move it. The
+/// weights of a place should add up to 1, or it does not follow translations of its body.
 struct Skin {
   std::vector<std::uint32_t> first;   ///< #places + 1, rising from 0; empty: no skin.
   std::vector<std::uint32_t> points;  ///< One per weight.
@@ -52,7 +52,8 @@ struct ShapeDesc {
   Shading shading = Shading::Flat;
   bool twoSided = false;    ///< Draw and light both sides (cloth).
   /// Leaves out the back faces of a two-sided surface if it is closed. They are visible only if the body is
-  /// turned inside out or cut open by the picture's near plane, and are half the work of a software rasteriser.
+  /// turned inside out or cut open by the picture's near plane, and are half the work of a software
+  /// rasteriser.
   bool hideBackFaces = false;
   bool castsShadow = true;  ///< Turning it off saves much time for a floor, which has nothing below it.
 
