@@ -127,7 +127,7 @@ CookReport exampleReport() {
   a.rigidity = Rigidity::NearlyFlexible;
   a.returns[0] = {20, 19, 1};
   a.criticalTimeStep = 0.0032;
-  a.minStiffness = 12.5;
+  a.standingStiffness = 12.5;
   a.mesh.vertices = 9;
   a.mesh.points = 9;
   a.mesh.openEdges = 4;

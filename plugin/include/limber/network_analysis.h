@@ -70,12 +70,16 @@ struct NetworkAnalysis {
   std::array<ReturnRate, kDeformations> returns;
   ReturnRate allReturns() const;  ///< sum of the first five kinds
 
-  std::optional<double> minStiffness;  ///< N/m: below it the body, or one of its pieces, collapses under its
-                                       ///< own weight on the floor; 0 without gravity, infinite where no
-                                       ///< stiffness is enough; none for ropes and cloths, and where
-                                       ///< oscillations are too fast to be followed (remarks say so)
-  double criticalTimeStep = 0.0;       ///< s: velocity Verlet without damping is unstable above it
-  double safeTimeStep = 0.0;           ///< s: stable at any deformation (Gershgorin)
+  std::optional<double>
+      standingStiffness;          ///< N/m of a spring of stiffnessScale 1. With it the body, or its
+                                  ///< weakest piece, keeps 90 % of its height when it is set down on
+                                  ///< a floor as modelled; with less it sinks, topples or leans over.
+                                  ///< A body that falls over before it has sunk so far stands higher
+                                  ///< with it. 0 without gravity, infinite where no stiffness is
+                                  ///< enough; none for ropes and cloths, and where some springs are
+                                  ///< so stiff that it cannot be computed (remarks say so)
+  double criticalTimeStep = 0.0;  ///< s: velocity Verlet without damping is unstable above it
+  double safeTimeStep = 0.0;      ///< s: stable at any deformation (Gershgorin)
 
   std::size_t springsOutside = 0;  ///< springs that leave the closed surface
   std::size_t piercingEdges = 0;   ///< edges of the surface that pass through one of its triangles

@@ -176,7 +176,7 @@ void analyseStages(const SpringNetwork& network, const AnalysisSettings& setting
   if (solid && isClosed(network) && goOn("springs outside", 0.0)) analyseInside(network, a);
   if (solid && !a.endedEarly) analyseLargeDeformations(network, settings, goOn, a);
   if (solid && !a.endedEarly)
-    a.minStiffness = minStiffness(network, bodySettings(settings), settings.gravity, goOn);
+    a.standingStiffness = standingStiffness(network, bodySettings(settings), settings.gravity, goOn);
 }
 
 /// In the order of Deformation.
@@ -275,13 +275,13 @@ void remarkOnReturns(const AnalysisSettings& settings, const NetworkAnalysis& a,
 
 void remarkOnWeight(const AnalysisSettings& settings, const NetworkAnalysis& a, Remarks& remarks) {
   if (!(settings.gravity > 0.0)) return;
-  if (!a.minStiffness)
+  if (!a.standingStiffness)
     remarks.push_back(std::string("not known whether it carries its own weight: ") + kTooFast);
-  else if (std::isinf(*a.minStiffness))
-    remarks.push_back("collapses under its own weight however stiff its springs are");
-  else if (*a.minStiffness > settings.stiffness)
-    remarks.push_back("collapses under its own weight of " + inThreeDigits(settings.totalMass) + " kg at " +
-                      inThreeDigits(settings.stiffness) + " N/m: it needs " + inThreeDigits(*a.minStiffness) +
+  else if (std::isinf(*a.standingStiffness))
+    remarks.push_back("does not stand under its own weight however stiff its springs are");
+  else if (*a.standingStiffness > settings.stiffness)
+    remarks.push_back("sinks below 90 % of its height under its own weight of " + inThreeDigits(settings.totalMass) + " kg at " +
+                      inThreeDigits(settings.stiffness) + " N/m: to stand it needs " + inThreeDigits(*a.standingStiffness) +
                       " N/m");
 }
 
@@ -405,8 +405,8 @@ std::string describe(const NetworkAnalysis& a) {
       line("softest : stiffest  %.3g : %.3g = %.2g", a.softestEigenvalue, a.stiffestEigenvalue, a.modeRatio);
   text += line("globally rigid      %s", globalRigidity(a));
   text += returnLines(a);
-  if (a.minStiffness && *a.minStiffness > 0.0 && std::isfinite(*a.minStiffness))
-    text += line("own weight          carried by springs of %.3g N/m and more", *a.minStiffness);
+  if (a.standingStiffness && *a.standingStiffness > 0.0 && std::isfinite(*a.standingStiffness))
+    text += line("own weight          stands at 90 %% of its height with springs of %.3g N/m", *a.standingStiffness);
   text += line("time step           %.3g s critical, %.3g s safe", a.criticalTimeStep, a.safeTimeStep);
   if (a.volume > 0.0) text += line("springs outside     %zu", a.springsOutside);
   for (const std::string& remark : a.remarks) text += "! " + remark + "\n";

@@ -69,22 +69,29 @@ struct TimeSteps {
 /// if nothing is stiff.
 TimeSteps timeSteps(const SpringNetwork& network, const SoftBodySettings& settings);
 
-/// Returns the spring constant (N/m) below which a body collapses under its own weight. The body starts at
-/// rest in its modelled orientation, with its lowest point on a rough floor and gravity along -y. It sinks
-/// until it rests; then gravity is removed. It supports itself if it stands at least half as high as modelled
-/// and returns to its shape afterwards. The error is about 4 %. Infinite for bodies that collapse at any
-/// stiffness, 0 without gravity or springs.
+/// Height, relative to that at rest, at which a body counts as standing.
+constexpr double kStandingHeight = 0.9;
+
+/// Returns the spring constant (N/m) with which a body keeps kStandingHeight of its height under its own
+/// weight. The body is set down gently in its modelled orientation, tilted by half a degree, on a floor with
+/// the friction of default settings, gravity along -y, and comes to rest. Its height then is compared to that
+/// of a stiff body set down likewise, which may have toppled or rolled, and to the height of its rest shape
+/// in its present orientation. So a body that sinks, topples because it is soft, or leans over does not
+/// stand. If that happens before it has sunk so far, the result is the constant with which it still stands,
+/// higher than kStandingHeight. The error is about 1 % where a body sinks gradually; where it falls over,
+/// that depends on small causes, by some 10 %. Infinite for bodies that never stand, 0 without gravity or
+/// springs, and for pieces that lie flat.
 ///
-/// In units of the size L, the mean mass m of a point and the stiffness k, a body depends only on the load
-/// m g / (k L). The function searches the smallest load that is too large. It uses the settings that define
-/// these units (total mass, scale, stiffness) and the volume modulus, whose ratio to the stiffness is kept.
-/// `gravity` is in m/s^2.
+/// In units of the size L, the mean mass m of a point and the stiffness k, a body at rest depends only on the
+/// load m g / (k L). The function raises the load slowly until the body has this height. It uses the settings
+/// that define these units (total mass, scale, stiffness) and the volume modulus, whose ratio to the
+/// stiffness is kept. Damping does not matter at rest. `gravity` is in m/s^2.
 ///
 /// Pieces that no spring joins are tested one by one; the largest constant is returned. Returns nothing if
-/// `progress` (may be empty) ends it early, or if the body's fastest oscillation is so fast compared to its
-/// slow ones that a simulation until rest would need too many steps.
-std::optional<double> minStiffness(const SpringNetwork& network, const SoftBodySettings& settings,
-                                   double gravity, const Progress& progress = {});
+/// `progress` (may be empty) ends it early, or if some springs are so much stiffer than others, or the body
+/// is so slow to come to rest, that this would need too many steps.
+std::optional<double> standingStiffness(const SpringNetwork& network, const SoftBodySettings& settings,
+                                        double gravity, const Progress& progress = {});
 
 /// Counts the edges of a surface that pass through the inside of one of its triangles. If two triangles
 /// cross, an edge of one of them does. Coincident or touching sheets, and edges that intersect edges, do not
