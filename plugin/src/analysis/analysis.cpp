@@ -280,9 +280,9 @@ void remarkOnWeight(const AnalysisSettings& settings, const NetworkAnalysis& a, 
   else if (std::isinf(*a.standingStiffness))
     remarks.push_back("does not stand under its own weight however stiff its springs are");
   else if (*a.standingStiffness > settings.stiffness)
-    remarks.push_back("sinks below 90 % of its height under its own weight of " + inThreeDigits(settings.totalMass) + " kg at " +
-                      inThreeDigits(settings.stiffness) + " N/m: to stand it needs " + inThreeDigits(*a.standingStiffness) +
-                      " N/m");
+    remarks.push_back("sinks below 90 % of its height under its own weight of " +
+                      inThreeDigits(settings.totalMass) + " kg at " + inThreeDigits(settings.stiffness) +
+                      " N/m: to stand it needs " + inThreeDigits(*a.standingStiffness) + " N/m");
 }
 
 /// Returns remarks on unusual properties of the network and how to repair them.
