@@ -193,6 +193,7 @@ std::string checkAsleep(const Scene& scene) {
 Check checkShapes(double relative) {
   return [relative](const Scene& scene) {
     return anyBody(scene, [relative](std::size_t, const SoftBody& body) {
+      if (body.network().kind != NetworkKind::Solid) return std::string();
       const ShapeError error = shapeError(body);
       if (error.mirrored) return std::string(" is inside out");
       return error.relativeRms <= relative

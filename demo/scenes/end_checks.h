@@ -44,7 +44,7 @@ Check checkCalmOrRolling(double metres);
 /// Checks that all bodies sleep.
 std::string checkAsleep(const Scene& scene);
 
-/// Checks that the RMS error of each body's shape is at most `relative` of its size, and that it is not
+/// Checks that the RMS error of each solid's shape is at most `relative` of its size, and that it is not
 /// inside out.
 Check checkShapes(double relative);
 

@@ -83,6 +83,14 @@ void addFloorAndView(Scene& scene, const DroppedMesh& mesh, const DropGridSettin
   scene.view.direction = {0.4, 0.55, 1.0};
 }
 
+/// Returns the height (m) at which the floor is drawn. Points rest a radius above it, as the drawn surfaces
+/// of solids do; ropes are drawn with their radius, and cloths would flicker in a floor at their own height.
+double drawnHeight(const CookedBody& body, const SoftBodySettings& settings) {
+  const double radius = pointRadius(*body.network, settings);
+  if (body.network->kind == NetworkKind::Rope) return 0.0;
+  return body.network->kind == NetworkKind::Cloth ? 0.25 * radius : radius;
+}
+
 /// Fills the scene with copies over the floor. Returns the reason of a failure, or an empty string.
 std::string dropCopies(Scene& scene, const DroppedMesh& mesh, const SceneOptions& options) {
   Result<std::vector<SoftBodySettings>> settings = settingsOf(mesh, options);
@@ -93,8 +101,7 @@ std::string dropCopies(Scene& scene, const DroppedMesh& mesh, const SceneOptions
   grid.spacing = 2.5 * mesh.radius;  // neighbours do not touch, whatever their rotation
   grid.lowest = 1.5 * mesh.radius;
   grid.highest = 1.5 * mesh.radius + 2.0 * mesh.size;
-  const CookedBody& largest = mesh.cooked.bodies.front();
-  addFloorAndView(scene, mesh, grid, pointRadius(*largest.network, settings->front()));
+  addFloorAndView(scene, mesh, grid, drawnHeight(mesh.cooked.bodies.front(), settings->front()));
   std::size_t index = 0;
   for (const Placement& placement : dropGrid(grid, random)) {
     BodyLook look;
