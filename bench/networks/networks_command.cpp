@@ -18,7 +18,7 @@ constexpr const char* kCsvName = "networks.csv";
 struct Options {
   std::string out = "out/bench";
   std::string mesh, rule;  ///< parts of what is to be measured; empty: all
-  bool quick = false;
+  bool quick = false, models = false;
   std::uint32_t runs = 0;
   std::uint64_t seed = ReturnQuestion{}.seed;
 };
@@ -75,16 +75,26 @@ ExitCode runNetworks(int argc, char** argv) {
   app.add_option("--rule", options.rule, "only rules whose name has this in it");
   app.add_option("--runs", options.runs, "runs per shape and rule (default 100, quick 20)");
   app.add_option("--seed", options.seed, "of the deformations (default 1000)");
+  app.add_flag("--models", options.models, "only the difficult meshes of meshes/, cooked by cook()");
   app.add_flag("--quick", options.quick, "four small shapes and 20 runs of each");
   if (const auto end = parse(app, argc, argv)) return *end;
   if (!canWrite(options.out, kCsvName)) return kFailure;
   NetworkResults results;
+  const std::uint32_t modelRuns = options.runs > 0 ? options.runs : 100;
+  if (options.models) {
+    const std::vector<ModelRow> models = measureModels(options.mesh, modelRuns);
+    publish(modelTable(models) + "\ntargets\n" + modelTargets(models), options.out + "/models.txt");
+    return kSuccess;
+  }
   results.counts = measureCounts();
   results.networks = measureAll(options);
   results.masses = measureMasses();
   results.skins = measureSkins(options.quick);
   results.materials = measureMaterials(options.quick);
-  if (!options.quick && options.mesh.empty() && options.rule.empty()) results.large = measureLarge();
+  if (!options.quick && options.mesh.empty() && options.rule.empty()) {
+    results.large = measureLarge();
+    results.models = measureModels({}, modelRuns);
+  }
   publish(summariseNetworks(results), options.out + "/networks.txt");
   return kSuccess;
 }

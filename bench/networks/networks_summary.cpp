@@ -93,10 +93,11 @@ std::string summariseNetworks(const NetworkResults& r) {
   std::string text = countTable(r.counts);
   text += "\nreturns from seeded deformations, % of runs, by kind\n" + networkHeading();
   for (const NetworkRow& row : r.networks) text += networkLine(row);
-  text += massTable(r.masses) + skinTable(r.skins) + materialTable(r.materials) + largeTable(r.large);
+  text += massTable(r.masses) + skinTable(r.skins) + materialTable(r.materials) + largeTable(r.large) +
+          modelTable(r.models);
   text += "\ntargets\n" + countTarget(r.counts) + returnTargets(r.networks) + randomTargets(r.networks) +
           outsideTarget(r.networks) + massTargets(r.masses) + skinTargets(r.skins) +
-          materialTargets(r.materials) + largeTargets(r.large);
+          materialTargets(r.materials) + largeTargets(r.large) + modelTargets(r.models);
   return text;
 }
 

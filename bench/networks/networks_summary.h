@@ -5,6 +5,7 @@
 #include "networks/large_table.h"
 #include "networks/mass_table.h"
 #include "networks/material_table.h"
+#include "networks/models_table.h"
 #include "networks/network_row.h"
 #include "networks/skin_table.h"
 
@@ -16,6 +17,7 @@ struct NetworkResults {
   std::vector<MassRow> masses;
   std::vector<SkinRow> skins;
   std::vector<LargeRow> large;
+  std::vector<ModelRow> models;
   MaterialResults materials;
 };
 
