@@ -79,7 +79,8 @@ TEST(MeshImportErrors, garbage) {
 }
 
 TEST(MeshImportErrors, truncatedFile) {
-  expectError("a.ply", plyHeader("ascii", 100, 100) + "0 0 0\n1 0 0\n", "no triangles");
+  expectError("a.ply", plyHeader("ascii", 100, 100) + "0 0 0\n1 0 0\n",
+              "announces 100 elements 'vertex', for which the file is too short");
   expectError("a.ply", "ply\nformat ascii 1.0\nelement vertex 3\n", "the PLY header has no end");
   expectError("a.stl", std::string(80, '\0') + std::string("\x64\0\0\0", 4), "");
 }
@@ -87,7 +88,50 @@ TEST(MeshImportErrors, truncatedFile) {
 TEST(MeshImportErrors, headerThatPromisesTooMuch) {
   expectError("a.ply", plyHeader("ascii", 2000000000, 1) + "0 0 0\n",
               "announces 2000000000 elements 'vertex'");
-  expectError("a.ply", "ply\nformat ascii 1.0\nelement vertex\nend_header\n", "no count in 'element vertex'");
+  expectError("a.ply", "ply\nformat ascii 1.0\nelement vertex\nend_header\n",
+              "the line 'element vertex' of the PLY header has no count");
+}
+
+// assimp 5.2 reads for ever after these headers
+TEST(MeshImportErrors, plyHeaderThatDoesNotEnd) {
+  const std::string header = plyHeader("ascii", 3, 1);
+  expectError("a.ply", header.substr(0, header.size() - 1), "the PLY header has no end");
+  expectError("a.ply", header.substr(0, header.size() - 1) + "\v" + kPlyPoints + "3 0 1 2\n",
+              "the line 'end_header?0 0 0' of the PLY header has control characters");
+  expectError("a.ply", "pLyx\nformat ascii 1.0\nelement vertex", "the PLY header has no end");
+}
+
+// assimp 5.2 crashes: it writes the texture coordinates of corners that do not exist
+TEST(MeshImportErrors, plyFacesWithoutVertexIndices) {
+  std::string file = plyHeader("ascii", 4, 1) + kPlyPoints + "3 0 1 2 6 0 0 0 1 1 1\n";
+  file.replace(file.find("end_header"), 0, "property list uchar float texcoord\n");
+  const TemporaryFolder folder;
+  EXPECT_TRUE(importMesh(folder.write("a.ply", file)));
+  file.replace(file.find("vertex_indices"), 14, "vertes_indices");
+  expectError("a.ply", file, "the PLY header has faces without a list vertex_indices");
+}
+
+TEST(MeshImportErrors, plyHeaderWithInvalidLines) {
+  const std::string contents = kPlyPoints + "3 0 1 2\n";
+  const auto expectAfter = [&](const std::string& from, const std::string& to, const std::string& reason) {
+    std::string header = plyHeader("ascii", 4, 1);
+    header.replace(header.find(from), from.size(), to);
+    expectError("a.ply", header + contents, reason);
+  };
+  expectAfter("float y", "flaot y", "the line 'property flaot y' of the PLY header has an unknown type");
+  expectAfter("list uchar", "list float", "has an unknown type");
+  expectAfter("float x", "float x y z", "is not a property with a type and a name");
+  expectAfter("element vertex 4\n", "", "'property float x' of the PLY header belongs to no element");
+  expectAfter("ascii", "utf8", "'format utf8 1.0' of the PLY header names an unknown format");
+  expectAfter("vertex 4", "vertex 9", "announces 9 elements 'vertex', for which the file is too short");
+}
+
+TEST(MeshImportErrors, plyHeaderWithCommentsIsValid) {
+  std::string file = plyHeader("ascii", 4, 1) + kPlyPoints + "3 0 1 2\n";
+  file.replace(file.find("element"), 0, "comment by hand \x01\nobj_info 3\nMade by an old program\n\n");
+  const TemporaryFolder folder;
+  const limber::Result<limber::TriangleMesh> mesh = importMesh(folder.write("a.ply", file));
+  EXPECT_TRUE(mesh) << mesh.error();
 }
 
 TEST(MeshImportErrors, noTriangles) {

@@ -4,6 +4,8 @@
 
 #include <limber/mesh.h>
 
+#include "import/ply_header.h"
+
 #include <assimp/scene.h>
 #include <assimp/Importer.hpp>
 
@@ -17,10 +19,8 @@
 #include <cstring>
 #include <exception>
 #include <filesystem>
-#include <fstream>
 #include <map>
 #include <numeric>
-#include <sstream>
 #include <string>
 #include <system_error>
 #include <vector>
@@ -30,37 +30,6 @@ namespace {
 
 using Eigen::Vector2d;
 using Eigen::Vector3d;
-
-/// Checks a line such as "element vertex 812": each element takes at least one byte.
-std::string checkElement(const std::string& line, std::uintmax_t fileSize) {
-  std::istringstream words(line);
-  std::string keyword, element;
-  std::uintmax_t count = 0;
-  words >> keyword >> element >> count;
-  if (!words) return "the PLY header has no count in '" + line + "'";
-  if (count <= fileSize) return {};
-  return "the PLY header announces " + std::to_string(count) + " elements '" + element + "' in a file of " +
-         std::to_string(fileSize) + " bytes";
-}
-
-/// Finds errors that keep assimp busy for ever (seen in 5.2): a PLY header without an end, or with counts of
-/// elements that the file cannot hold. Returns an empty string for valid headers and for files that are not
-/// PLY.
-std::string checkPlyHeader(const std::string& path) {
-  std::ifstream file(path, std::ios::binary);
-  std::string line;
-  std::getline(file, line);
-  if (const std::string magic = line.substr(0, 3); magic != "ply" && magic != "PLY") return {};
-  const std::uintmax_t fileSize = std::filesystem::file_size(path);
-  while (std::getline(file, line)) {
-    std::string word;
-    std::istringstream(line) >> word;
-    if (word == "end_header") return {};
-    if (word != "element") continue;
-    if (std::string reason = checkElement(line, fileSize); !reason.empty()) return reason;
-  }
-  return "the PLY header has no end";
-}
 
 std::string checkFile(const std::string& path) {
   std::error_code failure;
