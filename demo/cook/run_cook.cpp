@@ -3,6 +3,7 @@
 
 #include "cook/cook_report.h"
 #include "cook/network_picture.h"
+#include "mesh_reader.h"
 #include "output_files.h"
 #include "progress.h"
 #include "scenes/cooked_mesh.h"
@@ -64,7 +65,7 @@ Result<SharedNetwork> cookMesh(const TriangleMesh& mesh, const CookOptions& opti
 }  // namespace
 
 Result<SharedNetwork> cookBody(const CookOptions& options) {
-  const Result<TriangleMesh> mesh = importMesh(options.meshFile);
+  const Result<TriangleMesh> mesh = readMesh(options.meshFile);
   if (!mesh) return Error{mesh.error()};
   Result<SharedNetwork> network = cookMesh(*mesh, options);
   return network ? network : Error{options.meshFile + ": " + network.error()};

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Zlib
 #include "scenes/networks.h"
 
+#include "mesh_reader.h"
+
 #include <limber/mesh.h>
 #include <limber/network_builder.h>
 #include <limber/spring_network.h>
@@ -22,7 +24,7 @@ bool isLimberFile(const std::string& file) {
 
 Result<SharedNetwork> readNetwork(const std::string& file) {
   if (isLimberFile(file)) return loadNetwork(file);
-  const Result<TriangleMesh> mesh = importMesh(file);
+  const Result<TriangleMesh> mesh = demo::readMesh(file);
   if (!mesh) return Error{mesh.error()};
   Result<SharedNetwork> network = buildNetwork(*mesh);
   if (!network) return Error{file + ": " + network.error()};

@@ -121,11 +121,16 @@ Result<WrappedMesh> wrap(const TriangleMesh& mesh, const WrapSettings& settings 
 /// triangulated and node transforms are applied. Normals and the first set of texture coordinates are kept if
 /// every mesh of the file has them. Vertices that are bit-equal in all of these are stored once. Positions
 /// are in the file's units. Errors name the file and the reason: missing or unreadable file, no triangles,
-/// and everything that validate(TriangleMesh) rejects, with the index. Damaged OBJ, STL, PLY and OFF files
-/// give errors. The assimp readers of richer formats (COLLADA, FBX, ...) can crash on malicious files, so
-/// load these formats only from trusted sources. In OFF files assimp replaces indices that are out of range
-/// by the last vertex, without a message. Thread rule: any thread; calls are independent. Needs the library
-/// limber_import (assimp).
+/// and everything that validate(TriangleMesh) rejects, with the index. In OFF files assimp replaces indices
+/// that are out of range by the last vertex, without a message.
+///
+/// A damaged file can crash assimp, keep it busy for ever, or make it allocate all memory. The headers of PLY
+/// files, where this is frequent, are checked before assimp reads them; other faults are not caught. So read
+/// files of unknown origin in a child process with limits of time and memory. demo/mesh_reader.h of Limber's
+/// sources does so in 200 lines. For files that may be malicious, also take the rights from the child that
+/// reading does not need.
+///
+/// Thread rule: any thread; calls are independent. Needs the library limber_import (assimp).
 Result<TriangleMesh> importMesh(const std::string& path);
 
 }  // namespace limber

@@ -20,6 +20,7 @@
 #include <exception>
 #include <filesystem>
 #include <map>
+#include <new>
 #include <numeric>
 #include <string>
 #include <system_error>
@@ -314,6 +315,7 @@ void joinIdenticalVertices(TriangleMesh& mesh) {
 Result<TriangleMesh> readMesh(const std::string& path) {
   Assimp::Importer importer;
   const aiScene* scene = importer.ReadFile(path, 0);
+  if (scene == nullptr && importer.GetException()) std::rethrow_exception(importer.GetException());
   if (scene == nullptr) return Error{importer.GetErrorString()};
   if (std::string reason = checkScene(*scene); !reason.empty()) return Error{std::move(reason)};
 
@@ -330,6 +332,8 @@ Result<TriangleMesh> readWithoutThrowing(const std::string& path) {
   try {
     if (std::string reason = checkFile(path); !reason.empty()) return Error{std::move(reason)};
     return readMesh(path);
+  } catch (const std::bad_alloc&) {
+    return Error{"there is not enough memory: the file is damaged or too large"};
   } catch (const std::exception& failure) {
     return Error{failure.what()};
   } catch (...) {
