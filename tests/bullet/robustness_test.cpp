@@ -224,10 +224,23 @@ TEST(TooLarge, isRefused) {
   EXPECT_EQ(refusal([](auto& s) { s.scale.y() = 1e-100; }),
             "settings: scale.y is 1e-100, must be 1e-9 or more, or -1e-9 or less");
   EXPECT_EQ(refusal([](auto& s) { s.position.z() = -1e30; }),
-            "settings: position.z is -1e+30, must be from -1e9 to 1e9");
-  EXPECT_EQ(refusal([](auto& s) { s.angularVelocity.z() = s.scale.x() = 1e9; }),
-            "point 0 would be, or move, beyond 1e9");
+            "settings: position.z is -1e+30, must be from -1e6 to 1e6");
+  EXPECT_EQ(refusal([](auto& s) { s.scale.setConstant(1e7); }),
+            "point 0 would have a coordinate of 5e+06 m, must be at most 2e6");
+  EXPECT_EQ(refusal([](auto& s) { s.angularVelocity.z() = 1e5, s.scale.setConstant(100.0); }),
+            "point 0 would move at 7.07107e+06 m/s, must be at most 1e6");
+  EXPECT_EQ(refusal([](auto& s) { s.scale.setConstant(1e-8); }),
+            "the body would be 1.73205e-08 m across, must be at least 1e-6");
   EXPECT_EQ(system.bodyCount(), 0u);
+}
+
+TEST(TooLarge, aSpringOfTheNetworkIsRefused) {
+  BulletWorld bullet;
+  SoftBodySystem system(*bullet.world);
+  SpringNetwork network = *test::cubeNetwork();
+  network.springs[3].stiffnessScale = 1e38;
+  EXPECT_EQ(system.createBody(std::make_shared<const SpringNetwork>(network), test::testedSettings()).error(),
+            "spring 3 would have a stiffness or damping of 1e+41, must be at most 1e12");
 }
 
 // --- links -------------------------------------------------------------------------------------------------

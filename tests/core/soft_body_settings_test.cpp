@@ -38,18 +38,34 @@ TEST(SoftBodySettings, everyBadOneIsNamedWithItsValueAndRule) {
   EXPECT_EQ(reasonAfter([](auto& s) { s.compressionStiffness = std::nan(""); }),
             "compressionStiffness is nan, must be from 0 to 1e12");
   EXPECT_EQ(reasonAfter([](auto& s) { s.damping = -0.5; }), "damping is -0.5, must be from 0 to 1e12");
-  EXPECT_EQ(reasonAfter([](auto& s) { s.totalMass = 0; }), "totalMass is 0, must be from 1e-9 to 1e12");
-  EXPECT_EQ(reasonAfter([](auto& s) { s.pointRadius = -1; }),
-            "pointRadius is -1, must be above 0, at most 1e6");
+  EXPECT_EQ(reasonAfter([](auto& s) { s.totalMass = 0; }), "totalMass is 0, must be from 1e-9 to 1e9");
+  EXPECT_EQ(reasonAfter([](auto& s) { s.pointRadius = -1; }), "pointRadius is -1, must be from 1e-9 to 1e4");
   EXPECT_EQ(reasonAfter([](auto& s) { s.restitution = 1.5; }), "restitution is 1.5, must be from 0 to 1");
   EXPECT_EQ(reasonAfter([](auto& s) { s.stepping.minSubsteps = 0; }),
-            "stepping.minSubsteps is 0, must be from 1 to 1e6");
+            "stepping.minSubsteps is 0, must be from 1 to 10000");
   EXPECT_EQ(reasonAfter([](auto& s) { s.stepping.periodTolerance = 0; }),
             "stepping.periodTolerance is 0, must be from 1e-8 to 1");
   EXPECT_EQ(reasonAfter([](auto& s) { s.stepping.stepper = static_cast<Stepper>(9); }),
             "stepping.stepper is 9, must be one of Stepper's");
   EXPECT_EQ(reasonAfter([](auto& s) { s.collision = static_cast<Collision>(7); }),
             "collision is 7, must be one of Collision's");
+}
+
+TEST(SoftBodySettings, whatIsBeyondABoundIsNamed) {
+  EXPECT_EQ(reasonAfter([](auto& s) { s.totalMass = 1e-40; }),
+            "totalMass is 1e-40, must be from 1e-9 to 1e9");
+  EXPECT_EQ(reasonAfter([](auto& s) { s.totalMass = 1.1e9; }),
+            "totalMass is 1.1e+09, must be from 1e-9 to 1e9");
+  EXPECT_EQ(reasonAfter([](auto& s) { s.position.y() = 1.1e6; }),
+            "position.y is 1.1e+06, must be from -1e6 to 1e6");
+  EXPECT_EQ(reasonAfter([](auto& s) { s.linearVelocity.x() = 1e200; }),
+            "linearVelocity.x is 1e+200, must be from -1e5 to 1e5");
+  EXPECT_EQ(reasonAfter([](auto& s) { s.angularVelocity.z() = -1.1e5; }),
+            "angularVelocity.z is -110000, must be from -1e5 to 1e5");
+  EXPECT_EQ(reasonAfter([](auto& s) { s.scale.x() = 1001.0; }),
+            "largest over smallest axis of scale is 1001, must be at most 1000");
+  EXPECT_EQ(reasonAfter([](auto& s) { s.stepping.maxSubsteps = 10001; }),
+            "stepping.maxSubsteps is 10001, must be from 0 to 10000");
 }
 
 TEST(SoftBodySettings, negativeScaleMirrorsAndIsAllowed) {

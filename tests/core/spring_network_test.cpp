@@ -41,6 +41,18 @@ TEST(SpringNetwork, nanPoint) {
             "point 5 is not finite");
 }
 
+TEST(SpringNetwork, pointBeyondTheBound) {
+  EXPECT_EQ(validateChanged([](SpringNetwork& n) { n.restPoints[5].x() = 1e62; }),
+            "point 5 has a coordinate beyond 1e9");
+}
+
+TEST(SpringNetwork, unknownKinds) {
+  EXPECT_EQ(validateChanged([](SpringNetwork& n) { n.kind = static_cast<limber::NetworkKind>(9); }),
+            "the network has an unknown kind");
+  EXPECT_EQ(validateChanged([](SpringNetwork& n) { n.springs[2].kind = static_cast<SpringKind>(77); }),
+            "spring 2 has an unknown kind");
+}
+
 TEST(SpringNetwork, massFractions) {
   EXPECT_EQ(validateChanged([](SpringNetwork& n) { n.massFractions.pop_back(); }),
             "7 mass fractions for 8 points");

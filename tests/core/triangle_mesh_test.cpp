@@ -38,6 +38,12 @@ TEST(TriangleMesh, infinitePosition) {
   EXPECT_EQ(validate(mesh).error(), "the position of vertex 1 is not finite");
 }
 
+TEST(TriangleMesh, positionBeyondTheBound) {
+  TriangleMesh mesh = small_meshes::tetrahedron();
+  mesh.positions[1].z() = -1e62;
+  EXPECT_EQ(validate(mesh).error(), "the position of vertex 1 has a coordinate beyond 1e9");
+}
+
 TEST(TriangleMesh, optionalArraysHaveOneEntryPerVertex) {
   TriangleMesh mesh = small_meshes::tetrahedron();
   mesh.normals.resize(4);

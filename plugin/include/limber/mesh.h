@@ -31,8 +31,8 @@ struct TriangleMesh {
 
 /// Checks a mesh. The error is the first defect that makes it unusable, with its index ("triangle 17 uses
 /// vertex 900 of 812"). Checks: there are vertices and triangles, indices are in range, positions are
-/// finite, and the optional arrays have one entry per vertex. Degenerate triangles are no error: weld() drops
-/// and counts them.
+/// finite and within 1e9, and the optional arrays have one entry per vertex. Degenerate triangles are no
+/// error: weld() drops and counts them.
 Result<void> validate(const TriangleMesh& mesh);
 
 // --- welding -----------------------------------------------------------------------------------------------

@@ -28,7 +28,7 @@ enum class Stepper : std::uint8_t {
 /// accuracy or limit its cost.
 struct Stepping {
   Stepper stepper = Stepper::Auto;
-  int minSubsteps = 5;  ///< per tick, 1 or more. With 5, the period of an oscillation of 30 ticks has an
+  int minSubsteps = 5;  ///< per tick, 1 to 10000. With 5, the period of an oscillation of 30 ticks has an
                         ///< error below 1e-4; they cost little compared to Bullet's part of the tick
   double periodTolerance = 0.04;   ///< largest relative error of the period of the body's stiffest
                                    ///< oscillation (Verlet: (omega dt)^2 / 24), 1e-8 to 1. The error of
@@ -36,10 +36,11 @@ struct Stepping {
                                    ///< costs 1.41x the substeps
   double tolerance = 0.0;          ///< m per second of motion, of SoftBody::errorPerSecond(); 0: not used
   double relativeTolerance = 0.0;  ///< the same as a fraction of the body's size per second; 0: not used
-  int maxSubsteps = 0;  ///< per tick; 0: no limit. The springs, volume terms and links of a body that would
-                        ///< need more to be stable are softened to what these substeps resolve, see
-                        ///< SoftBody::softening(). So the cost is bounded at any stiffness. Bodies that touch
-                        ///< take the largest number of any of them, linked ones the smallest limit
+  int maxSubsteps =
+      0;  ///< per tick, up to 10000; 0: 10000, without softening. The springs, volume terms and links of a
+          ///< body that would need more to be stable are softened to what these substeps resolve, see
+          ///< SoftBody::softening(). So the cost is bounded at any stiffness. Bodies that touch
+          ///< take the largest number of any of them, linked ones the smallest limit
 };
 
 /// Behaviour of springs beyond a strain, |length / rest length - 1|. A strain of 0 disables it.
@@ -73,17 +74,18 @@ enum class Collision : std::uint8_t {
 
 /// All properties of a soft body except its shape. SI units: metres, kilograms, seconds, newtons, radians.
 struct SoftBodySettings {
-  Eigen::Vector3d position = Eigen::Vector3d::Zero();            ///< m, of the network's origin
+  Eigen::Vector3d position = Eigen::Vector3d::Zero();            ///< m, to 1e6, of the network's origin
   Eigen::Quaterniond rotation = Eigen::Quaterniond::Identity();  ///< unit quaternion
   Eigen::Vector3d scale = Eigen::Vector3d::Ones();  ///< per axis, before the rotation; negative values
-                                                    ///< mirror, 0 is an error
-  Eigen::Vector3d linearVelocity = Eigen::Vector3d::Zero();   ///< m/s
-  Eigen::Vector3d angularVelocity = Eigen::Vector3d::Zero();  ///< rad/s, about the centre of mass
+                                                    ///< mirror; sizes 1e-9 to 1e9 that differ by
+                                                    ///< at most a factor of 1000
+  Eigen::Vector3d linearVelocity = Eigen::Vector3d::Zero();   ///< m/s, to 1e5
+  Eigen::Vector3d angularVelocity = Eigen::Vector3d::Zero();  ///< rad/s, to 1e5, about the centre of mass
 
   double extensionStiffness = 1000.0;    ///< N/m of each spring while longer than at rest, 0 or more
   double compressionStiffness = 1000.0;  ///< N/m of each spring while shorter than at rest, 0 or more
   double damping = 1.0;                  ///< N s/m along each spring, 0 or more; does not limit the time step
-  double totalMass = 1.0;                ///< kg, 1e-9 or more
+  double totalMass = 1.0;                ///< kg, 1e-9 to 1e9
 
   std::optional<double> volumeModulus;  ///< Pa, 0 or more, resists changes of the volume inside a closed
                                         ///< surface; default: for each closed piece the combined stiffness
@@ -120,7 +122,7 @@ struct SoftBodySettings {
 };
 
 /// Checks settings. The error is the first invalid one and the reason ("totalMass is -1, must be from 1e-9 to
-/// 1e12").
+/// 1e9"). SoftBodySystem::createBody() also checks the settings together with the network.
 Result<void> validate(const SoftBodySettings& settings);
 
 /// Returns the radius (m) of a body's point masses: the setting, or 2 % of the shortest spring at the body's

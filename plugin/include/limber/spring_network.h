@@ -62,7 +62,7 @@ struct RenderSurface {
 /// Rest lengths follow from the rest points and the scale of a body.
 struct SpringNetwork {
   NetworkKind kind = NetworkKind::Solid;
-  std::vector<Eigen::Vector3d> restPoints;  ///< #points, metres
+  std::vector<Eigen::Vector3d> restPoints;  ///< #points, metres, coordinates to 1e9
   std::vector<double> massFractions;        ///< #points, fractions of the total mass, sum 1
   std::vector<NetworkSpring> springs;       ///< #springs, sorted by (a, b), each pair once
   std::vector<Triangle> surface;            ///< #triangles, point indices; empty for ropes

@@ -12,6 +12,8 @@
 #include "solver/stepping_choice.h"
 
 #include <algorithm>
+#include <cstdio>
+#include <string>
 
 namespace limber {
 inline namespace LIMBER_BULLET_PRECISION {
@@ -106,6 +108,46 @@ std::array<double, 16> modelKey(const SoftBodySettings& s) {
           static_cast<double>(s.collision)};
 }
 
+/// m. Bullet computes moments of inertia with squares of a fiftieth of it, and their inverses, in floats.
+constexpr double kMinSize = 1e-6;
+
+/// kg. The square of its inverse fits in Bullet's floats.
+constexpr double kMinPointMass = 1e-15;
+
+/// N/m, N s/m; the settings have the same limit, before the spring's own factor.
+constexpr double kMaxStiffness = 1e12;
+
+std::string inWords(double value) {
+  char number[40];
+  std::snprintf(number, sizeof number, "%g", value);
+  return number;
+}
+
+double extentOf(const Points& x) { return (x.rowwise().maxCoeff() - x.rowwise().minCoeff()).norm(); }
+
+std::string checkSprings(const SpringNetwork& network, const SoftBodySettings& s) {
+  const double largest = std::max({s.extensionStiffness, s.compressionStiffness, s.damping});
+  for (std::size_t i = 0; i < network.springs.size(); ++i) {
+    const double stiffness = largest * network.springs[i].stiffnessScale;
+    if (!(stiffness <= kMaxStiffness))
+      return "spring " + std::to_string(i) + " would have a stiffness or damping of " + inWords(stiffness) +
+             ", must be at most 1e12";
+  }
+  return {};
+}
+
+/// Checks the settings together with the network.
+std::string checkShape(const SpringNetwork& network, const SoftBodySettings& s) {
+  for (std::size_t i = 0; i < network.massFractions.size(); ++i)
+    if (const double mass = s.totalMass * network.massFractions[i]; !(mass >= kMinPointMass))
+      return "point " + std::to_string(i) + " would have a mass of " + inWords(mass) +
+             " kg, must be at least 1e-15";
+  const double extent = extentOf(scaledRest(network, s.scale));
+  if (!(extent >= kMinSize) && !network.springs.empty())
+    return "the body would be " + inWords(extent) + " m across, must be at least 1e-6";
+  return checkSprings(network, s);
+}
+
 }  // namespace
 
 Result<std::shared_ptr<const BodyModel>> SharedModels::of(const SharedNetwork& network,
@@ -115,6 +157,7 @@ Result<std::shared_ptr<const BodyModel>> SharedModels::of(const SharedNetwork& n
     if (std::shared_ptr<const BodyModel> model = it->second.lock()) return model;
   if (Result<void> valid = validate(*network); !valid) return Error{"network: " + valid.error()};
   if (std::string reason = checkVolume(*network, settings); !reason.empty()) return Error{reason};
+  if (std::string reason = checkShape(*network, settings); !reason.empty()) return Error{reason};
   for (auto it = models_.begin(); it != models_.end();)
     it = it->second.expired() ? models_.erase(it) : std::next(it);
   auto model = std::make_shared<const BodyModel>(makeModel(network, settings));
@@ -147,14 +190,19 @@ void initializePoints(SoftBodyData& body) {
     state.velocity.col(i) = s.linearVelocity + s.angularVelocity.cross(state.position.col(i) - center);
 }
 
-/// m, m/s; the settings have the same limit. Its fourth power does not overflow Bullet's floats.
-constexpr double kMaxCoordinate = 1e9;
+/// m, m/s. Twice the largest position of the settings, and ten times the largest speed.
+constexpr double kMaxCoordinate = 2e6, kMaxSpeed = 1e6;
 
-std::string checkCoordinates(const PointState& state) {
-  for (Eigen::Index i = 0; i < state.position.cols(); ++i)
-    for (const Points* array : {&state.position, &state.velocity})
-      if (!(array->col(i).cwiseAbs().maxCoeff() <= kMaxCoordinate))
-        return "point " + std::to_string(i) + " would be, or move, beyond 1e9";
+std::string checkPoints(const PointState& state) {
+  for (Eigen::Index i = 0; i < state.position.cols(); ++i) {
+    const std::string point = "point " + std::to_string(i);
+    const double coordinate = state.position.col(i).cwiseAbs().maxCoeff(),
+                 speed = state.velocity.col(i).norm();
+    if (!(coordinate <= kMaxCoordinate))
+      return point + " would have a coordinate of " + inWords(coordinate) + " m, must be at most 2e6";
+    if (!(speed <= kMaxSpeed))
+      return point + " would move at " + inWords(speed) + " m/s, must be at most 1e6";
+  }
   return {};
 }
 
@@ -173,9 +221,8 @@ Result<std::unique_ptr<SoftBodyData>> makeBodyData(const SharedNetwork& network,
   body->volumes = body->model->volumes;
   body->tetrahedra = body->model->tetrahedra;
   initializePoints(*body);
-  if (std::string reason = checkCoordinates(body->state); !reason.empty()) return Error{reason};
-  const Points& x = body->state.position;
-  body->size = (x.rowwise().maxCoeff() - x.rowwise().minCoeff()).norm();
+  if (std::string reason = checkPoints(body->state); !reason.empty()) return Error{reason};
+  body->size = extentOf(body->state.position);
   return body;
 }
 

@@ -129,6 +129,9 @@ Error noPoint(const SoftBody& body, std::uint32_t i) {
 
 Error notAlive() { return {"the soft body is disabled, see alive()"}; }
 
+/// m, as for new bodies.
+constexpr double kMaxPinCoordinate = 2e6;
+
 Error notPinned(std::uint32_t i) { return {"point " + std::to_string(i) + " is not pinned"}; }
 
 }  // namespace
@@ -146,6 +149,8 @@ Result<void> SoftBody::movePin(std::uint32_t i, const btVector3& target) {
   if (!alive()) return notAlive();
   if (!toEigen(target).allFinite())
     return Error{"the target of point " + std::to_string(i) + " is not finite"};
+  if (toEigen(target).cwiseAbs().maxCoeff() > kMaxPinCoordinate)
+    return Error{"the target of point " + std::to_string(i) + " has a coordinate beyond 2e6"};
   wake();
   data_->masses.bodies[i]->getWorldTransform().setOrigin(target);
   return {};

@@ -23,6 +23,9 @@
 namespace limber {
 namespace {
 
+/// m, or the unit of the file: volumes and their squares are far from the limits of a double.
+constexpr double kMaxCoordinate = 1e9;
+
 std::string checkCount(const char* name, std::size_t count, std::size_t vertices) {
   if (count == 0 || count == vertices) return {};
   return std::to_string(count) + " " + name + " for " + std::to_string(vertices) + " vertices";
@@ -35,9 +38,12 @@ std::string check(const TriangleMesh& mesh) {
   std::string reason = checkCount("normals", mesh.normals.size(), vertices);
   if (reason.empty()) reason = checkCount("texture coordinates", mesh.uvs.size(), vertices);
   if (!reason.empty()) return reason;
-  for (std::size_t vertex = 0; vertex < vertices; ++vertex)
-    if (!mesh.positions[vertex].allFinite())
-      return "the position of vertex " + std::to_string(vertex) + " is not finite";
+  for (std::size_t vertex = 0; vertex < vertices; ++vertex) {
+    const Eigen::Vector3d& position = mesh.positions[vertex];
+    if (!position.allFinite()) return "the position of vertex " + std::to_string(vertex) + " is not finite";
+    if (position.cwiseAbs().maxCoeff() > kMaxCoordinate)
+      return "the position of vertex " + std::to_string(vertex) + " has a coordinate beyond 1e9";
+  }
   return checkCorners(mesh.triangles, vertices, "triangle", "vertex");
 }
 

@@ -19,10 +19,15 @@ constexpr double kFractionRounding = 1e-9;
 /// Tolerance of the sum of the weights of a skinned point: the rounding of thousands of floats.
 constexpr double kWeightRounding = 1e-4;
 
+/// m, as for meshes: volumes and their squares are far from the limits of a double.
+constexpr double kMaxCoordinate = 1e9;
+
 std::string checkPoints(const std::vector<Eigen::Vector3d>& points) {
   if (points.empty()) return "the network has no points";
   for (std::size_t i = 0; i < points.size(); ++i) {
     if (!points[i].allFinite()) return numbered("point", i) + " is not finite";
+    if (points[i].cwiseAbs().maxCoeff() > kMaxCoordinate)
+      return numbered("point", i) + " has a coordinate beyond 1e9";
   }
   return {};
 }
@@ -45,6 +50,7 @@ std::string checkMassFractions(const std::vector<double>& fractions, std::size_t
 std::string checkSpring(const NetworkSpring& spring, std::size_t points) {
   if (spring.a >= spring.b) return " does not go from a lower to a higher point";
   if (spring.b >= points) return " uses point " + std::to_string(spring.b) + " of " + std::to_string(points);
+  if (spring.kind > SpringKind::Brace) return " has an unknown kind";
   if (!std::isfinite(spring.stiffnessScale) || spring.stiffnessScale <= 0.0) {
     return " has a stiffness scale that is not above 0";
   }
@@ -193,7 +199,8 @@ std::string checkRopeHasNoSurface(const SpringNetwork& network) {
 
 Result<void> validate(const SpringNetwork& network) {
   const std::size_t points = network.restPoints.size();
-  std::string reason = checkPoints(network.restPoints);
+  std::string reason = network.kind > NetworkKind::Solid ? "the network has an unknown kind" : "";
+  if (reason.empty()) reason = checkPoints(network.restPoints);
   if (reason.empty()) reason = checkMassFractions(network.massFractions, points);
   if (reason.empty()) reason = checkSprings(network.springs, points);
   if (reason.empty()) reason = checkCorners(network.surface, points, "surface triangle", "point");

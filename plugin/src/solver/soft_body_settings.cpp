@@ -5,6 +5,8 @@
 #include <cmath>
 #include <cstdio>
 #include <limits>
+#include <tuple>
+#include <utility>
 
 namespace limber {
 namespace {
@@ -31,26 +33,44 @@ Result<void> firstViolation(const Check* begin, const Check* end) {
   return {};
 }
 
-/// m, m/s, rad/s: its fourth power fits in Bullet's floats.
-constexpr double kLargestVector = 1e9;
+/// m: beyond it a float has steps of 6 cm and more.
+constexpr double kMaxPosition = 1e6;
 
-std::string checkVector(const char* name, const Eigen::Vector3d& v) {
+/// m/s, rad/s: a hundred times as fast as a bullet of a rifle.
+constexpr double kMaxSpeed = 1e5;
+
+/// Brings networks in any unit, from nanometres to gigametres, to metres.
+constexpr double kMaxScale = 1e9;
+
+/// The positions of bodies that are flattened by more became infinite in random tests.
+constexpr double kMaxScaleRatio = 1e3;
+
+std::string checkVector(const char* name, const Eigen::Vector3d& v, double largest) {
+  char rule[60];
+  std::snprintf(rule, sizeof rule, "from -%.0e to %.0e", largest, largest);
+  std::string text = rule;
+  for (std::size_t plus; (plus = text.find("e+0")) != std::string::npos;) text.replace(plus, 3, "e");
   for (int i = 0; i < 3; ++i)
-    if (!(std::abs(v[i]) <= kLargestVector))
+    if (!(std::abs(v[i]) <= largest))
       return say((name + std::string(".") + "xyz"[i]).c_str(), v[i],
-                 std::isfinite(v[i]) ? "from -1e9 to 1e9" : "finite");
+                 std::isfinite(v[i]) ? text.c_str() : "finite");
   return {};
 }
 
 std::string checkPlacement(const SoftBodySettings& s) {
-  for (const auto& [name, v] :
-       {std::pair("position", s.position), std::pair("scale", s.scale),
-        std::pair("linearVelocity", s.linearVelocity), std::pair("angularVelocity", s.angularVelocity)})
-    if (std::string reason = checkVector(name, v); !reason.empty()) return reason;
+  for (const auto& [name, v, largest] :
+       {std::tuple("position", s.position, kMaxPosition), std::tuple("scale", s.scale, kMaxScale),
+        std::tuple("linearVelocity", s.linearVelocity, kMaxSpeed),
+        std::tuple("angularVelocity", s.angularVelocity, kMaxSpeed)})
+    if (std::string reason = checkVector(name, v, largest); !reason.empty()) return reason;
   for (int i = 0; i < 3; ++i)
-    if (std::abs(s.scale[i]) < 1.0 / kLargestVector)
+    if (std::abs(s.scale[i]) < 1.0 / kMaxScale)
       return say((std::string("scale.") + "xyz"[i]).c_str(), s.scale[i],
                  s.scale[i] == 0.0 ? "other than 0" : "1e-9 or more, or -1e-9 or less");
+  const Eigen::Array3d factors = s.scale.array().abs();
+  if (factors.maxCoeff() > kMaxScaleRatio * factors.minCoeff())
+    return say("largest over smallest axis of scale", factors.maxCoeff() / factors.minCoeff(),
+               "at most 1000");
   const double norm = s.rotation.norm();
   if (!(std::abs(norm - 1.0) < 1e-6)) return say("length of rotation", norm, "1");
   return {};
@@ -75,22 +95,21 @@ Result<void> validate(const SoftBodySettings& s) {
       {"compressionStiffness", s.compressionStiffness, 0, 1e12, "from 0 to 1e12"},
       {"damping", s.damping, 0, 1e12, "from 0 to 1e12"},
       {"collision", static_cast<double>(s.collision), 0, double(Collision::Surface), "one of Collision's"},
-      {"totalMass", s.totalMass, 1e-9, 1e12, "from 1e-9 to 1e12"},
+      {"totalMass", s.totalMass, 1e-9, 1e9, "from 1e-9 to 1e9"},
       {"volumeModulus", s.volumeModulus.value_or(0.0), 0, 1e15, "from 0 to 1e15"},
       {"pressure", s.pressure, 0, 1e12, "from 0 to 1e12"},
       {"ambientPressure", s.ambientPressure, 0, 1e12, "from 0 to 1e12"},
-      {"pointRadius", s.pointRadius.value_or(1.0), std::numeric_limits<double>::min(), 1e6,
-       "above 0, at most 1e6"},
+      {"pointRadius", s.pointRadius.value_or(1.0), 1e-9, 1e4, "from 1e-9 to 1e4"},
       {"friction", s.friction, 0, 1e6, "from 0 to 1e6"},
       {"restitution", s.restitution, 0, 1, "from 0 to 1"},
       {"sleepingSpeed", s.sleepingSpeed, 0, 1e6, "from 0 to 1e6"},
       {"stepping.stepper", static_cast<double>(s.stepping.stepper), 0, double(Stepper::BandedNewton),
        "one of Stepper's"},
-      {"stepping.minSubsteps", static_cast<double>(s.stepping.minSubsteps), 1, 1e6, "from 1 to 1e6"},
+      {"stepping.minSubsteps", static_cast<double>(s.stepping.minSubsteps), 1, 1e4, "from 1 to 10000"},
       {"stepping.periodTolerance", s.stepping.periodTolerance, 1e-8, 1, "from 1e-8 to 1"},
       {"stepping.tolerance", s.stepping.tolerance, 0, 1e6, "from 0 to 1e6"},
       {"stepping.relativeTolerance", s.stepping.relativeTolerance, 0, 1e6, "from 0 to 1e6"},
-      {"stepping.maxSubsteps", static_cast<double>(s.stepping.maxSubsteps), 0, 1e6, "from 0 to 1e6"},
+      {"stepping.maxSubsteps", static_cast<double>(s.stepping.maxSubsteps), 0, 1e4, "from 0 to 10000"},
       {"elasticLimit.stiffenStrain", s.elasticLimit.stiffenStrain, 0, 1e6, "from 0 to 1e6"},
       {"elasticLimit.stiffenFactor", s.elasticLimit.stiffenFactor, 1, 1e6, "from 1 to 1e6"},
       {"elasticLimit.yieldStrain", s.elasticLimit.yieldStrain, 0, 1e6, "from 0 to 1e6"},
@@ -102,7 +121,7 @@ Result<void> validate(const SoftBodySettings& s) {
 
 Result<void> validate(const SpringSettings& s) {
   const Check checks[] = {
-      {"restLength", s.restLength.value_or(0.0), 0, 1e12, "from 0 to 1e12"},
+      {"restLength", s.restLength.value_or(0.0), 0, 1e6, "from 0 to 1e6"},
       {"stiffness", s.stiffness, 0, 1e12, "from 0 to 1e12"},
       {"damping", s.damping, 0, 1e12, "from 0 to 1e12"},
       {"action", static_cast<double>(s.action), 0, double(SpringAction::CompressionOnly),

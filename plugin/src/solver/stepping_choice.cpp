@@ -108,8 +108,8 @@ double fastestOscillationSquared(const SpringArrays& springs, const VolumeArrays
 
 namespace {
 
-/// Largest omega dt of a Verlet substep: a share of the stability limit 2. The bound on omega is exact only for
-/// a single spring; even there this share keeps the discrete oscillation away from the limit, where its
+/// Largest omega dt of a Verlet substep: a share of the stability limit 2. The bound on omega is exact only
+/// for a single spring; even there this share keeps the discrete oscillation away from the limit, where its
 /// amplitude grows without bound.
 constexpr double kLargestPhaseStep = 0.9 * 2.0;
 
@@ -136,6 +136,14 @@ constexpr double kMaxRotation = 0.25;
 /// other, ends within a substep and cannot be resolved.
 constexpr double kMaxForRotation = 1000.0;
 
+/// Largest number of substeps per tick, also in validate(SoftBodySettings). Springs that would need more, as
+/// those of 1e12 N/m on a gram, do not oscillate visibly. Their forces are scaled down to the largest stable
+/// ones.
+constexpr int kMaxSubsteps = 10000;
+
+/// Largest number of substeps that a tolerance asks for: a substep of an implicit stepper takes up to 1 ms.
+constexpr int kMaxForTolerance = 1000;
+
 /// Share of a tolerance that is used as target: the estimate of the error is accurate to about 10 %.
 constexpr double kSafety = 0.7;
 
@@ -144,7 +152,7 @@ int neededSubsteps(const SteppingProblem& p, const Stepping& s) {
   double tolerance = s.tolerance > 0.0 ? s.tolerance : std::numeric_limits<double>::infinity();
   if (s.relativeTolerance > 0.0) tolerance = std::min(tolerance, s.relativeTolerance * p.size);
   const double needed = std::ceil(p.tick * std::sqrt(p.errorCoefficient / (kSafety * tolerance)));
-  return static_cast<int>(std::clamp(needed, 1.0, 1e6));
+  return static_cast<int>(std::clamp(needed, 1.0, double(kMaxForTolerance)));
 }
 
 Stepper implicitFor(const SteppingProblem& p, bool strong) {
@@ -185,7 +193,8 @@ Stepper choose(const SteppingProblem& p, const Stepping& s, const VerletNeed& ve
 int implicitNeed(const Stepping& s) {
   const double finer =
       std::sqrt(kDefaultPeriodTolerance / std::min(s.periodTolerance, kDefaultPeriodTolerance));
-  return std::max(s.minSubsteps, static_cast<int>(std::min(std::ceil(kImplicitSubsteps * finer), 1e6)));
+  const double needed = std::min(std::ceil(kImplicitSubsteps * finer), double(kMaxForTolerance));
+  return std::max(s.minSubsteps, static_cast<int>(needed));
 }
 
 }  // namespace
@@ -249,9 +258,9 @@ SteppingChoice chooseStepping(const SteppingProblem& p, const Stepping& s) {
   choice.stepper = choose(p, s, need, implicit);
   const bool verlet = choice.stepper == Stepper::Verlet;
   choice.substeps = verlet ? std::max(need.accurate, required) : implicit;
-  if (s.maxSubsteps <= 0) return choice;
-  choice.cut = choice.substeps > s.maxSubsteps;
-  choice.substeps = std::min(choice.substeps, s.maxSubsteps);
+  const int limit = s.maxSubsteps > 0 ? s.maxSubsteps : kMaxSubsteps;
+  choice.cut = choice.substeps > limit;
+  choice.substeps = std::min(choice.substeps, limit);
   return choice;
 }
 
