@@ -4,6 +4,7 @@
 
 #include "scenes/cooked_mesh.h"
 
+#include "mesh_reader.h"
 #include "scenes/networks.h"
 
 #include <limber/mesh.h>
@@ -122,7 +123,7 @@ Result<CookedMesh> readBodies(const std::string& file, const CookSettings& setti
     Result<SharedNetwork> network = loadNetwork(file);
     return network ? bodiesOf(std::move(*network), file) : Result<CookedMesh>(Error{network.error()});
   }
-  const Result<TriangleMesh> mesh = importMesh(file);
+  const Result<TriangleMesh> mesh = demo::readMesh(file);
   if (!mesh) return Error{mesh.error()};
   const std::string base = cache + "/" + hashOf(*mesh, settings);
   if (!cache.empty())
