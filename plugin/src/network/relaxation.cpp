@@ -208,7 +208,7 @@ constexpr double kMinTime = 10.0;         // s; earlier a slow body does not cou
 constexpr int kCalmSubsteps = 8, kWildSubsteps = 4;
 constexpr int kCalmChecks = 8;
 constexpr std::size_t kRunsPerLane = 4;  // at a time; runs with the same step fill the registers
-constexpr int kMaxChecks = 4000;         // then a run that is still wild continues with the descent
+constexpr int kMaxChecks = 20'000;       // then a run that is still wild continues with the descent
 constexpr double kWildBound = 1.5;       // times the square of the frequency bound at rest
 constexpr double kWildDisplacement = 0.5;
 constexpr double kCalmFraction = 0.95, kWildFraction = 0.6;  // fractions of the stable step
