@@ -128,28 +128,79 @@ constexpr int kMaxHalvings = 30;
 /// A step and the change of the gradient over it.
 struct DescentPair {
   Points step, change;
-  double curvature = 0.0;  ///< step . change, above 0
+  double curvature = 0.0;   ///< step . change, above 0
+  double smoothness = 0.0;  ///< change . inverse Laplacian . change, above 0
 };
 
-/// Performs the two-loop recursion: minus the inverse Hessian that the pairs approximate, times the gradient.
-Points direction(const std::vector<DescentPair>& pairs, const Points& gradient) {
+/// Fraction of the mean diagonal that is added to the Laplacian, so that it has an inverse.
+constexpr double kLaplacianShift = 1e-7;
+
+/// Returns the factor of the body's Laplacian: the matrix (#points x #points) of springs with its constants
+/// and no rest lengths, and of the volumes of its tetrahedra, each K/V0 g_a . g_b with the gradient g at
+/// rest. It does not depend on the body's orientation, and its softest motions are the soft ones of the body
+/// (T. Liu, S. Bouaziz, L. Kavan, "Quasi-Newton methods for real-time simulation of hyperelastic materials",
+/// 2017).
+SparseFactor factoriseLaplacian(const BodyTerms& terms, const Points& rest) {
+  std::vector<Eigen::Triplet<double>> entries;
+  double trace = 0.0;
+  const auto add = [&](std::uint32_t a, std::uint32_t b, double value) {
+    entries.emplace_back(static_cast<int>(a), static_cast<int>(b), value);
+    if (a == b) trace += value;
+  };
+  for (std::size_t s = 0; s < terms.springs.size(); ++s) {
+    const std::uint32_t a = terms.springs->a[s], b = terms.springs->b[s];
+    const double k = terms.springs->extensionStiffness[s];
+    add(a, a, k), add(b, b, k), add(a, b, -k), add(b, a, -k);
+  }
+  for (std::size_t t = 0; !terms.tetrahedra.empty() && t < terms.tetrahedra->tetrahedra.size(); ++t) {
+    const Tetrahedron& corners = terms.tetrahedra->tetrahedra[t];
+    const TetrahedronSlope slope = tetrahedronSlope(terms.tetrahedra, t, rest);
+    const Eigen::Matrix4d products = slope.stiffness * slope.gradient.transpose() * slope.gradient;
+    for (Eigen::Index a = 0; a < 4; ++a)
+      for (Eigen::Index b = 0; b < 4; ++b)
+        add(corners[static_cast<std::size_t>(a)], corners[static_cast<std::size_t>(b)], products(a, b));
+  }
+  const double shift = trace > 0.0 ? kLaplacianShift * trace / static_cast<double>(rest.cols()) : 1.0;
+  for (Eigen::Index i = 0; i < rest.cols(); ++i)
+    entries.emplace_back(static_cast<int>(i), static_cast<int>(i), shift);
+  Eigen::SparseMatrix<double> laplacian(rest.cols(), rest.cols());
+  laplacian.setFromTriplets(entries.begin(), entries.end());
+  return factorise(laplacian);
+}
+
+/// Returns the inverse of the Laplacian times x.
+Points smoothed(const SparseFactor& laplacian, const Points& x) {
+  Points rows(3, x.cols());  // a column per point: solveOrdered() takes rows
+  for (Eigen::Index i = 0; i < x.cols(); ++i) rows.col(laplacian.place[i]) = x.col(i);
+  solveOrdered(laplacian, rows.transpose());
+  Points result(3, x.cols());
+  for (Eigen::Index i = 0; i < x.cols(); ++i) result.col(i) = rows.col(laplacian.place[i]);
+  return result;
+}
+
+/// Performs the two-loop recursion: minus the inverse Hessian that the pairs and the Laplacian approximate,
+/// times the gradient.
+Points direction(const std::vector<DescentPair>& pairs, const SparseFactor& laplacian,
+                 const Points& gradient) {
   Points d = -gradient;
   std::vector<double> share(pairs.size());
   for (std::size_t i = pairs.size(); i-- > 0;) {
     share[i] = dot(pairs[i].step, d) / pairs[i].curvature;
     d -= share[i] * pairs[i].change;
   }
-  if (!pairs.empty()) d *= pairs.back().curvature / pairs.back().change.squaredNorm();
+  d = smoothed(laplacian, d);
+  if (!pairs.empty()) d *= pairs.back().curvature / pairs.back().smoothness;
   for (std::size_t i = 0; i < pairs.size(); ++i)
     d += (share[i] - dot(pairs[i].change, d) / pairs[i].curvature) * pairs[i].step;
   return d;
 }
 
-void storePair(std::vector<DescentPair>& pairs, Points step, Points change) {
+void storePair(std::vector<DescentPair>& pairs, const SparseFactor& laplacian, Points step, Points change) {
   const double curvature = dot(step, change);
   if (curvature <= 1e-12 * std::sqrt(step.squaredNorm() * change.squaredNorm())) return;
   if (pairs.size() == kMaxPairs) pairs.erase(pairs.begin());
-  pairs.push_back({std::move(step), std::move(change), curvature});
+  const double smoothness = dot(change, smoothed(laplacian, change));
+  pairs.push_back({std::move(step), std::move(change), curvature, smoothness});
 }
 
 Points gradientAt(SolverBody& body) {
@@ -171,10 +222,10 @@ double lineSearch(SolverBody& body, const Points& from, const Points& d, double 
   return 0.0;
 }
 
-/// Moves the points downhill to a minimum of the elastic energy, by L-BFGS (Liu and Nocedal 1989). Ends when
-/// the largest force on a point is below `minForce` (N), when `arrived` returns true for the positions, or
-/// after `iterations`.
-void descend(SolverBody& body, double minForce, std::size_t iterations,
+/// Moves the points downhill to a minimum of the elastic energy, by L-BFGS (Liu and Nocedal 1989) from the
+/// inverse Laplacian. Ends when the largest force on a point is below `minForce` (N), when `arrived` returns
+/// true for the positions, or after `iterations`.
+void descend(SolverBody& body, const SparseFactor& laplacian, double minForce, std::size_t iterations,
              const std::function<bool(const Points&)>& arrived) {
   std::vector<DescentPair> pairs;
   Points gradient = gradientAt(body);
@@ -182,9 +233,13 @@ void descend(SolverBody& body, double minForce, std::size_t iterations,
   for (std::size_t i = 0; i < iterations; ++i) {
     if (gradient.cwiseAbs().maxCoeff() < minForce) return;
     if (i % kArrivalInterval == 0 && arrived(body.points->position)) return;
-    Points d = direction(pairs, gradient);
+    Points d = direction(pairs, laplacian, gradient);
     double slope = dot(d, gradient);
-    if (slope >= 0.0) pairs.clear(), d = -gradient, slope = -gradient.squaredNorm();
+    if (slope >= 0.0) {
+      pairs.clear();
+      d = -smoothed(laplacian, gradient);
+      slope = dot(d, gradient);
+    }
     const Points from = body.points->position;
     if (lineSearch(body, from, d, slope, energy) == 0.0) {
       if (pairs.empty()) return;  // rounding prevents any further decrease
@@ -193,7 +248,7 @@ void descend(SolverBody& body, double minForce, std::size_t iterations,
     }
     const Points earlier = gradient;
     gradient = gradientAt(body);
-    storePair(pairs, body.points->position - from, gradient - earlier);
+    storePair(pairs, laplacian, body.points->position - from, gradient - earlier);
   }
 }
 
@@ -216,7 +271,7 @@ constexpr int kMaxStepHalvings = 12;                         // of the step at r
 
 /// Kinetic energy, J per square of the mean spring length: too small to flip a point through its neighbours.
 constexpr double kRestEnergy = 1e-2;
-constexpr double kMinForce = 2e-6;  // N, of the descent
+constexpr double kMinForce = 2e-7;  // N, of the descent
 constexpr std::size_t kMaxDescent = 3000;
 
 double meanLength(const SpringArrays& springs) {
@@ -243,6 +298,7 @@ struct Dynamics {
   double step;         ///< s, at rest
   double restEnergy;   ///< J
   InstructionSet set = bestInstructionSet();
+  SparseFactor laplacian;
   LaneScratch scratch;
   SpringBatchArrays springBatches;
 
@@ -252,6 +308,7 @@ struct Dynamics {
     springBound = frequencyBoundSquared(body.terms.springs, rest.inverseMass, sums);
     restBound = boundSquared(rest, 0.0);
     step = restBound > 0.0 ? kStepFraction * 2.0 / std::sqrt(restBound) : 1.0;
+    laplacian = factoriseLaplacian(body.terms, body.rest);
     const double length = meanLength(body.terms.springs);
     restEnergy = kRestEnergy * length * length;
   }
@@ -342,7 +399,7 @@ void descendToMinimum(Dynamics& dynamics, Run& run) {
   SolverBody stepped = dynamics.stepped(run.state);
   prepareVolumes(stepped, 0.0);
   const double maxDistance = 0.5 * kReturned;
-  descend(stepped, kMinForce, kMaxDescent,
+  descend(stepped, dynamics.laplacian, kMinForce, kMaxDescent,
           [&](const Points& x) { return distanceToRest(dynamics.body, x) < maxDistance; });
 }
 
