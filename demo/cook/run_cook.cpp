@@ -9,6 +9,7 @@
 #include "scenes/cooked_mesh.h"
 
 #include <limber/mesh.h>
+#include <limber/parallel.h>
 #include <limber/render/png_file.h>
 #include <limber/spring_network.h>
 
@@ -165,7 +166,9 @@ ExitCode runCook(const CookOptions& request) {
   std::string reason = checkOutputFiles(request);
   if (!reason.empty()) return fail(reason);
   StageProgress bars(stderr, isTerminal(stderr), kPatience);
-  const CookOptions options = withProgress(request, bars);
+  ThreadPool threads;
+  CookOptions options = withProgress(request, bars);
+  options.network.parallel = options.analysis.parallel = threads.parallelFor();
   CookReport report;
   report.meshFile = options.meshFile;
   report.bodyFile = options.bodyFile;

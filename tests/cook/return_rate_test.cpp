@@ -7,12 +7,19 @@
 #include "support/network_shapes.h"
 #include "support/networks.h"
 #include "support/small_meshes.h"
+#include "support/test_shapes.h"
 
 #include <limber/network_builder.h>
 
 #include <gtest/gtest.h>
 #include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
+
+#include <algorithm>
+#include <atomic>
+#include <functional>
+#include <thread>
+#include <vector>
 
 namespace limber {
 namespace {
@@ -153,6 +160,85 @@ TEST(ReturnRate, ofAMaterialIsPerfect) {
   hollow.tetrahedra.clear();
   hollow.surface.clear();
   EXPECT_EQ(measureReturns(hollow, Deformation::Inversion, 6, 1).returned, 0u);
+}
+
+SharedNetwork materialOf(const TriangleMesh& mesh, std::uint32_t points) {
+  MaterialMesh settings;
+  settings.points = points;
+  return *buildMaterialNetwork(mesh, settings);
+}
+
+/// Braces alone return the figure in a quarter of the runs.
+TEST(ReturnRate, ofTetrahedraWithThinLimbsIsPerfect) {
+  const SpringNetwork figure = *materialOf(test_shapes::figure(), 300);
+  const SpringNetwork rabbit = *materialOf(network_shapes::rabbit302(), 200);
+  for (const SpringNetwork* body : {&figure, &rabbit})
+    for (const Deformation kind : kKinds) EXPECT_EQ(measureReturns(*body, kind, 2, 1).returned, 2u);
+}
+
+/// Twisted by a quarter turn, a bar of 20 x 1 x 1 returns slowly: its bending is 100 000 times softer than a
+/// spring. It must not count as a wrong shape because the run ended too early.
+TEST(ReturnRate, ofASlenderBarIsNotCutShort) {
+  TriangleMesh bar = network_shapes::cube26();
+  for (Eigen::Vector3d& p : bar.positions) p.x() *= 20.0;
+  const SpringNetwork body = *materialOf(bar, 300);
+  EXPECT_EQ(measureReturns(body, Deformation::Twist, 6, 1).returned, 6u);
+  EXPECT_EQ(measureReturns(body, Deformation::Mirror, 6, 1).mirrored, 0u);
+}
+
+/// Returns a function that runs the tasks on this many threads, the calling one among them.
+ParallelFor onThreads(std::size_t count) {
+  return [count](std::size_t tasks, const std::function<void(std::size_t)>& task) {
+    std::atomic<std::size_t> next{0};
+    const auto work = [&] {
+      for (std::size_t i = next++; i < tasks; i = next++) task(i);
+    };
+    std::vector<std::thread> threads;
+    for (std::size_t i = 1; i < count; ++i) threads.emplace_back(work);
+    work();
+    for (std::thread& thread : threads) thread.join();
+  };
+}
+
+TEST(Cooking, isTheSameOnAnyNumberOfThreads) {
+  const TriangleMesh mesh = network_shapes::lshape90();
+  const SharedNetwork alone = *buildNetwork(mesh);
+  const ReturnRate rate = measureReturns(*alone, Deformation::Squash, 30, 1);
+  EXPECT_GT(std::count_if(alone->springs.begin(), alone->springs.end(),
+                          [](const NetworkSpring& s) { return s.kind == SpringKind::Brace; }),
+            0);
+  for (const std::size_t threads : {1u, 2u, 3u}) {
+    NetworkSettings settings;
+    settings.parallel = onThreads(threads);
+    const SharedNetwork network = *buildNetwork(mesh, settings);
+    ASSERT_EQ(network->springs.size(), alone->springs.size());
+    for (std::size_t i = 0; i < alone->springs.size(); ++i) {
+      EXPECT_EQ(network->springs[i].a, alone->springs[i].a);
+      EXPECT_EQ(network->springs[i].b, alone->springs[i].b);
+    }
+    const ReturnRate other = measureReturns(*network, Deformation::Squash, 30, 1, {}, settings.parallel);
+    EXPECT_EQ(other.runs, 30u);
+    EXPECT_EQ(other.returned, rate.returned);
+    EXPECT_EQ(other.mirrored, rate.mirrored);
+  }
+}
+
+/// Positions, to the bit.
+TEST(Relaxation, isTheSameOnAnyNumberOfThreads) {
+  RelaxedBody body(*network_shapes::bare(network_shapes::ico42()));
+  const auto relaxed = [&](const ParallelFor& parallel) {
+    std::vector<Points> ends(30);
+    relax(
+        body, ends.size(), [&](std::size_t i) { return deform(body.rest, kKinds[i % 3], 5, i); },
+        [&](std::size_t i, const Points& x) {
+          ends[i] = x;
+          return true;
+        },
+        parallel);
+    return ends;
+  };
+  const std::vector<Points> alone = relaxed({});
+  for (const std::size_t threads : {1u, 2u, 3u}) EXPECT_EQ(relaxed(onThreads(threads)), alone);
 }
 
 /// Also after a run with so few substeps that the volume terms were limited.

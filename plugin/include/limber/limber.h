@@ -18,6 +18,7 @@
 #include <limber/network_analysis.h>
 #include <limber/network_builder.h>
 #include <limber/parallel.h>
+#include <limber/parallel_for.h>
 #include <limber/result.h>
 #include <limber/soft_body.h>
 #include <limber/soft_body_settings.h>

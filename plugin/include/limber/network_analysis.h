@@ -40,7 +40,9 @@ struct AnalysisSettings {
   double totalMass = 1.0;   ///< kg, for the results that depend on it
   double stiffness = 1000.0;  ///< N/m of a spring of stiffnessScale 1
   double gravity = 9.81;      ///< m/s^2
-  Progress progress;          ///< may be empty; once it returns false the rest is skipped, see endedEarly
+  ParallelFor parallel;       ///< may be empty; results do not depend on it
+  Progress progress;  ///< may be empty, called on the calling thread; once it returns false the rest is
+                      ///< skipped, see endedEarly
 };
 
 /// Properties of a network that can be computed before it is used. SI units.

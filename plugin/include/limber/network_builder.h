@@ -3,6 +3,7 @@
 
 // Builds spring networks. Thread rule: any thread; calls are independent.
 
+#include <limber/parallel_for.h>
 #include <limber/result.h>
 #include <limber/soft_body_settings.h>
 #include <limber/spring_network.h>
@@ -62,7 +63,8 @@ struct NetworkSettings {
                            ///< reached, the network depends on the speed of the machine
   std::uint64_t seed = 1;  ///< of the random deformations of Pipeline
   MassRule masses = MassRule::Equal;
-  Progress progress;  ///< may be empty; called on the calling thread
+  Progress progress;     ///< may be empty; called on the calling thread
+  ParallelFor parallel;  ///< may be empty; for Pipeline, whose springs do not depend on it
 };
 
 /// Builds a solid (or open surface) from a mesh: unique positions become point masses, unique triangle edges

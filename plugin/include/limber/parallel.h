@@ -2,6 +2,7 @@
 #pragma once
 
 #include <limber/bullet_precision.h>
+#include <limber/parallel_for.h>
 
 #include <cstddef>
 #include <functional>
@@ -10,16 +11,10 @@
 namespace limber {
 inline namespace LIMBER_BULLET_PRECISION {
 
-/// Calls task(0), ..., task(count - 1), each once, in any order and on any threads, and returns when all
-/// calls have returned. For SoftBodySystem::setParallelFor(): a job system that the program has already, a
-/// ThreadPool, or Bullet's task scheduler (parallelForOf() in soft_body_system.h). Limber's tasks throw
-/// nothing, need at most 128 KiB of stack, and take over the floating-point environment of the thread that
-/// steps the world.
-using ParallelFor = std::function<void(std::size_t count, const std::function<void(std::size_t)>& task)>;
-
-/// Threads that wait for tasks. More threads than free cores make ticks slower. Thread rule: any thread may
-/// call run(), also in a task; a call while another one is going on runs its tasks on the calling thread
-/// alone.
+/// Threads that wait for tasks. The tasks of a tick throw nothing, need at most 128 KiB of stack, and take
+/// over the floating-point environment of the thread that steps the world. More threads than free cores make
+/// ticks slower. Thread rule: any thread may call run(), also in a task; a call while another one is going on
+/// runs its tasks on the calling thread alone.
 ///
 ///     limber::ThreadPool pool;
 ///     soft.setParallelFor(pool.parallelFor());

@@ -151,7 +151,7 @@ void analyseLargeDeformations(const SpringNetwork& network, const AnalysisSettin
       return goOn(what, (static_cast<double>(kind) + done) / kDeformations);
     };
     a.returns[kind] = measureReturns(network, static_cast<Deformation>(kind), settings.runs, settings.seed,
-                                     overallProgress);
+                                     overallProgress, settings.parallel);
   }
 }
 
@@ -363,8 +363,7 @@ namespace {
 #if defined(__GNUC__)
 __attribute__((format(printf, 1, 2)))
 #endif
-std::string
-line(const char* format, ...) {
+std::string line(const char* format, ...) {
   char text[200];
   va_list values;
   va_start(values, format);

@@ -55,7 +55,8 @@ std::uint64_t measuringSeed(std::uint64_t seed);
 /// if their results would be meaningless, see canRelax(). The seed of the deformations is
 /// measuringSeed(seed).
 ReturnRate measureReturns(const SpringNetwork& network, Deformation kind, std::uint32_t runs,
-                          std::uint64_t seed, const Progress& progress = {});
+                          std::uint64_t seed, const Progress& progress = {},
+                          const ParallelFor& parallel = {});
 
 /// Substeps of velocity Verlet. Dampers do not change them, see verlet_step.h.
 struct TimeSteps {

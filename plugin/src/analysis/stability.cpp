@@ -9,17 +9,30 @@
 #include "solver/stepping_choice.h"
 #include "solver/verlet_step.h"
 
+#include <algorithm>
+#include <atomic>
 #include <cmath>
+#include <cstdint>
+#include <thread>
+#include <vector>
 
 namespace limber {
 namespace {
 
-void count(ReturnRate& rate, const RelaxedBody& body, const Points& x) {
-  ++rate.runs;
-  if (distanceToRest(body, x) < kReturned)
-    ++rate.returned;
-  else if (distanceToRest(body, -x) < kReturned)
-    ++rate.mirrored;
+/// How a run ended.
+enum class RunEnd : std::uint8_t { Skipped, Returned, Mirrored, Wrong };
+
+RunEnd endOf(const RelaxedBody& body, const Points& x) {
+  if (distanceToRest(body, x) < kReturned) return RunEnd::Returned;
+  return distanceToRest(body, -x) < kReturned ? RunEnd::Mirrored : RunEnd::Wrong;
+}
+
+ReturnRate rateOf(const std::vector<RunEnd>& ends) {
+  const auto count = [&](RunEnd end) {
+    return static_cast<std::uint32_t>(std::count(ends.begin(), ends.end(), end));
+  };
+  const auto runs = static_cast<std::uint32_t>(ends.size()) - count(RunEnd::Skipped);
+  return {runs, count(RunEnd::Returned), count(RunEnd::Mirrored)};
 }
 
 }  // namespace
@@ -27,17 +40,21 @@ void count(ReturnRate& rate, const RelaxedBody& body, const Points& x) {
 std::uint64_t measuringSeed(std::uint64_t seed) { return seed ^ 0x6d65617375726564u; }  // "measured"
 
 ReturnRate measureReturns(const SpringNetwork& network, Deformation kind, std::uint32_t runs,
-                          std::uint64_t seed, const Progress& progress) {
+                          std::uint64_t seed, const Progress& progress, const ParallelFor& parallel) {
   RelaxedBody body(network);
-  ReturnRate rate;
-  if (!canRelax(body)) return rate;
+  if (!canRelax(body)) return {};
+  std::vector<RunEnd> ends(runs, RunEnd::Skipped);
+  std::atomic<std::uint32_t> finished{0};
+  const std::thread::id caller = std::this_thread::get_id();
   relax(
       body, runs, [&](std::size_t run) { return deform(body.rest, kind, measuringSeed(seed), run); },
-      [&](std::size_t, const Points& x) {
-        count(rate, body, x);
-        return !progress || progress("return rate", static_cast<double>(rate.runs) / runs);
-      });
-  return rate;
+      [&](std::size_t run, const Points& x) {
+        ends[run] = endOf(body, x);
+        const double done = static_cast<double>(++finished) / runs;
+        return !progress || std::this_thread::get_id() != caller || progress("return rate", done);
+      },
+      parallel);
+  return rateOf(ends);
 }
 
 namespace {

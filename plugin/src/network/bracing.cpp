@@ -16,6 +16,7 @@
 #include <array>
 #include <cmath>
 #include <functional>
+#include <thread>
 
 namespace limber {
 
@@ -304,6 +305,7 @@ using Examples = std::vector<Example>;
 struct Trials {
   std::uint64_t seed;
   std::size_t runsLeft;
+  ParallelFor parallel;
   std::array<std::uint32_t, kDeformations> failures{};
 };
 
@@ -327,17 +329,19 @@ bool isWrong(const RelaxedBody& body, const Points& x) {
   return x.allFinite() && distanceToRest(body, x) >= kReturned && distanceToRest(body, -x) >= kReturned;
 }
 
-/// Relaxes the starts and returns the wrong shapes among the results.
+/// Relaxes the starts and returns the wrong shapes among the results. Calls `goOn` on the calling thread.
 Examples findWrongShapes(RelaxedBody& body, const Examples& starts, Trials& trials,
                          const std::function<bool()>& goOn) {
   trials.runsLeft -= std::min(trials.runsLeft, starts.size());
   Examples ends(starts.size());
+  const std::thread::id caller = std::this_thread::get_id();
   relax(
       body, starts.size(), [&](std::size_t i) { return starts[i].x; },
       [&](std::size_t i, const Points& x) {
         if (isWrong(body, x)) ends[i] = {starts[i].kind, x};
-        return goOn();
-      });
+        return std::this_thread::get_id() != caller || goOn();
+      },
+      trials.parallel);
   ends.erase(std::remove_if(ends.begin(), ends.end(), [](const Example& e) { return e.x.cols() == 0; }),
              ends.end());
   return ends;
@@ -399,8 +403,9 @@ void braceExamples(BracedPiece& piece, Examples wrong, std::uint64_t seed, Trial
 /// shapes in which it comes to rest. Ends when it has returned from all deformations in several rounds in a
 /// row, or when the piece is full. A spring that has its rest length in a wrong shape does not resist that
 /// shape. The best brace is the pair whose distance has the largest error there.
-void addCounterexampleBraces(BracedPiece& piece, std::uint64_t seed, const GoOn& goOn) {
-  Trials trials{seed, maxRuns(piece.network.restPoints.size())};
+void addCounterexampleBraces(BracedPiece& piece, const BracingSettings& settings, const GoOn& goOn) {
+  const std::uint64_t seed = settings.seed;
+  Trials trials{seed, maxRuns(piece.network.restPoints.size()), settings.parallel};
   int clean = 0;
   double done = 0.0;  // never decreases, even after a round that is not clean
   for (int round = 0; round < kMaxRounds && clean < kCleanRounds && !piece.full() && trials.runsLeft > 0;
@@ -471,7 +476,7 @@ std::vector<Edge> bracePiece(const PieceToBrace& piece, const BracingSettings& s
   if (fewChords && !piece.closed) return findTwoRingPairs(points, piece.edges);
   const auto modeBraces = static_cast<std::size_t>(kShareForModes * maxBraces);
   addSoftModeBraces(braced, modeBraces, settings.seed, stageProgress("bracing: soft modes", goOn));
-  addCounterexampleBraces(braced, settings.seed, stageProgress("bracing: wrong shapes", goOn));
+  addCounterexampleBraces(braced, settings, stageProgress("bracing: wrong shapes", goOn));
   std::sort(braced.braces.begin(), braced.braces.end());
   return braced.braces;
 }

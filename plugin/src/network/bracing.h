@@ -115,6 +115,7 @@ struct BracingSettings {
   double weight = kPipelineWeight;  ///< stiffnessScale of a brace
   double maxBracesPerPoint = 1.5;
   std::uint64_t seed = 1;
+  ParallelFor parallel;  ///< may be empty
 };
 
 /// Returns the braces of BraceRule::Pipeline, sorted:

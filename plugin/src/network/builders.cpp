@@ -306,7 +306,8 @@ std::vector<Edge> findBraces(const PieceToBrace& shape, const NetworkSettings& s
     case BraceRule::TwoRing:
       return findTwoRingPairs(shape.points.size(), shape.edges);
     case BraceRule::Pipeline:
-      return bracePiece(shape, {weightOf(settings), settings.maxBracesPerPoint, settings.seed}, goOn);
+      return bracePiece(
+          shape, {weightOf(settings), settings.maxBracesPerPoint, settings.seed, settings.parallel}, goOn);
   }
   return {};
 }

@@ -17,6 +17,7 @@
 #include <Eigen/Geometry>
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <functional>
 #include <limits>
@@ -429,13 +430,22 @@ bool advance(Dynamics& dynamics, std::list<Run>& runs,
 
 bool canRelax(RelaxedBody& body) { return kMaxChecks * kCalmSubsteps * Dynamics(body).step >= kMinTime; }
 
-void relax(RelaxedBody& body, std::size_t count, const std::function<Points(std::size_t)>& start,
-           const std::function<bool(std::size_t, const Points&)>& finish) {
+namespace {
+
+/// A round of bracing becomes two tasks. Fewer runs would leave lanes empty.
+constexpr std::size_t kRunsPerTask = 12;
+
+using Start = std::function<Points(std::size_t)>;
+using Finish = std::function<bool(std::size_t, const Points&)>;
+
+/// Relaxes the runs from `first` to before `end`.
+void relaxRange(RelaxedBody& body, std::size_t first, std::size_t end, const Start& start,
+                const Finish& finish) {
   Dynamics dynamics(body);
   const auto maxRuns = kRunsPerLane * static_cast<std::size_t>(laneCount(dynamics.set));
   std::list<Run> runs;
-  for (std::size_t next = 0; next < count || !runs.empty();) {
-    while (next < count && runs.size() < maxRuns) {
+  for (std::size_t next = first; next < end || !runs.empty();) {
+    while (next < end && runs.size() < maxRuns) {
       Run run;
       run.index = next;
       run.state = Dynamics::stateAt(start(next++));
@@ -443,6 +453,23 @@ void relax(RelaxedBody& body, std::size_t count, const std::function<Points(std:
     }
     if (!advance(dynamics, runs, finish)) return;
   }
+}
+
+}  // namespace
+
+void relax(RelaxedBody& body, std::size_t count, const Start& start, const Finish& finish,
+           const ParallelFor& parallel) {
+  const std::size_t tasks = (count + kRunsPerTask - 1) / kRunsPerTask;
+  if (!parallel || tasks < 2) return relaxRange(body, 0, count, start, finish);
+  std::atomic<bool> going{true};
+  parallel(tasks, [&](std::size_t task) {
+    RelaxedBody own = body;
+    relaxRange(own, task * count / tasks, (task + 1) * count / tasks, start,
+               [&](std::size_t run, const Points& x) {
+                 if (!finish(run, x)) going = false;
+                 return going.load();
+               });
+  });
 }
 
 namespace {

@@ -7,6 +7,7 @@
 #include "solver/verlet_step.h"
 
 #include <limber/network_builder.h>
+#include <limber/parallel_for.h>
 #include <limber/soft_body_settings.h>
 #include <limber/spring_network.h>
 
@@ -59,9 +60,9 @@ double distanceToRest(const RelaxedBody& body, const Points& x);
 ///
 /// Each run is lightly damped dynamics (drag of 0.05 per unit mass and second at unit spring constants) until
 /// nearly all kinetic energy is gone, then a descent to the minimum of the energy. The result of run i
-/// depends on its start alone.
+/// depends on its start alone. With `parallel`, `start` and `finish` are called on several threads at a time.
 void relax(RelaxedBody& body, std::size_t count, const std::function<Points(std::size_t)>& start,
-           const std::function<bool(std::size_t, const Points&)>& finish);
+           const std::function<bool(std::size_t, const Points&)>& finish, const ParallelFor& parallel = {});
 
 /// Returns whether relax() can reach results in acceptable time with the steps that the body's fastest
 /// oscillation allows. If not, relax() ends, but its results are meaningless.

@@ -1,0 +1,15 @@
+// SPDX-License-Identifier: Zlib
+#pragma once
+
+#include <cstddef>
+#include <functional>
+
+namespace limber {
+
+/// Calls task(0), ..., task(count - 1), each once, in any order and on any threads, and returns when all
+/// calls have returned. For NetworkSettings, AnalysisSettings and SoftBodySystem::setParallelFor(): a job
+/// system that the program has already, a ThreadPool (parallel.h), or Bullet's task scheduler
+/// (parallelForOf() in soft_body_system.h). Results do not depend on the number of threads.
+using ParallelFor = std::function<void(std::size_t count, const std::function<void(std::size_t)>& task)>;
+
+}  // namespace limber
