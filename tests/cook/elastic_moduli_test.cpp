@@ -96,12 +96,5 @@ TEST(FourthDegree, knowsIsotropyAndLengths) {
   EXPECT_NEAR(n.dot(isotropicElasticity()), 1.2, 1e-15);
 }
 
-TEST(FourthDegree, takesTheSymmetricPartOfAnElasticity) {
-  Eigen::Matrix<double, 6, 6> c = Eigen::Matrix<double, 6, 6>::Zero();
-  c.topLeftCorner<3, 3>().setConstant(0.4);
-  c.diagonal() << 1.2, 1.2, 1.2, 0.4, 0.4, 0.4;
-  EXPECT_NEAR((symmetricPart(c) - isotropicElasticity()).norm(), 0.0, 1e-15);
-}
-
 }  // namespace
 }  // namespace limber

@@ -4,6 +4,7 @@
 #include "network/material.h"
 
 #include "mesh/surface.h"
+#include "network/sparse_blocks.h"
 
 #include <Eigen/Geometry>
 #include <Eigen/LU>
@@ -20,8 +21,6 @@ using Eigen::Matrix3d;
 using Eigen::MatrixXd;
 using Eigen::Vector3d;
 
-using Triplets = std::vector<Eigen::Triplet<double>>;
-
 /// Fraction of the largest diagonal entry, which is added to the diagonal: without it, rigid motions would
 /// make the matrix singular. The forces do not excite them. The softest modes of solids have 1e-5 of the
 /// largest entry and more.
@@ -32,13 +31,6 @@ MatrixXd scaledPoints(const ElasticBody& body) {
   for (Index i = 0; i < points.cols(); ++i)
     points.col(i) = body.network.restPoints[static_cast<std::size_t>(i)].cwiseProduct(body.scale);
   return points;
-}
-
-/// Adds the block of points i and j: its lower half on the diagonal, all of it below.
-void addBlock(Triplets& triplets, Index i, Index j, const Matrix3d& block) {
-  for (Index r = 0; r < 3; ++r)
-    for (Index c = 0; c < 3; ++c)
-      if (3 * i + r >= 3 * j + c) triplets.emplace_back(3 * i + r, 3 * j + c, block(r, c));
 }
 
 /// Adds springs without tension: k n n^T along their directions n.
@@ -86,8 +78,7 @@ LinearResponse::LinearResponse(const ElasticBody& body) : points_(scaledPoints(b
   Triplets triplets;
   addSprings(body, points_, triplets);
   if (body.volumeModulus > 0.0) addTetrahedra(body, points_, triplets);
-  Eigen::SparseMatrix<double> stiffness(points_.size(), points_.size());
-  stiffness.setFromTriplets(triplets.begin(), triplets.end());
+  Eigen::SparseMatrix<double> stiffness = sumOf(triplets, points_.cols());
   const double shift = kShift * stiffness.diagonal().maxCoeff();
   for (Index i = 0; i < points_.size(); ++i) stiffness.coeffRef(i, i) += shift;
   factor_ = factorise(stiffness);

@@ -78,9 +78,8 @@ FourthDegree fourthPower(const Eigen::Vector3d& n);
 /// lambda = mu = 2/5, C_xxxx = 6/5, C_xxyy = 2/5.
 FourthDegree isotropicElasticity();
 
-/// Returns the totally symmetric part of an elasticity in Voigt's notation (xx yy zz yz zx xy, shear strains
-/// doubled).
-FourthDegree symmetricPart(const Eigen::Matrix<double, 6, 6>& elasticity);
+/// Smallest mass of a point, relative to the mean: the lightest point limits the time step.
+constexpr double kMinMassShare = 0.2;
 
 /// Makes springs of the edges of the tetrahedra, with constants that give the network the elasticity of a
 /// material. The network must have points, tetrahedra and surface. Sets `springs`, with stiffness scales of
@@ -88,16 +87,21 @@ FourthDegree symmetricPart(const Eigen::Matrix<double, 6, 6>& elasticity);
 /// one. Edges of the surface are Structural. Those inside are Brace, because they support the surface from
 /// within.
 ///
-/// The constants stay near those of A. Van Gelder, "Approximate simulation of elastic membranes by
+/// The constants begin with those of A. Van Gelder, "Approximate simulation of elastic membranes by
 /// triangulated spring meshes", 1998,  k = E sum V / L^2  over the tetrahedra around an edge. On a
-/// body-centred lattice the body is then stiffer along the space diagonals than along the axes by 1.27. It is
-/// too soft at the surface, where all springs of a point lie on one side. So the constants are changed, as
-/// little as possible, towards an elasticity around each point (Cauchy-Born) that makes the measured
-/// elasticity of the whole body isotropic.
+/// body-centred lattice that body is stiffer along the space diagonals than along the axes by 1.27. So they
+/// are changed, as little as possible, towards an isotropic elasticity around each point (Cauchy-Born).
 ///
-/// Returns the calibration: the Young's modulus of the springs for a requested 1 Pa, before all constants
-/// were divided by it. It is near 1, and for one shape nearly the same on all lattices. `goOn` is called with
-/// the progress, 0 to 1; after it has returned false, no further corrections are tried.
+/// Springs in the surface lie farther out than the material that they stand for. They make a thin body too
+/// stiff in bending and torsion: twice as stiff with two cells across. At the surface, where all springs of a
+/// point lie on one side, the body is too soft against uniform stress. So the constants are fitted, again
+/// with as little change as possible, to what is known of the solid: its response to uniform stresses, to
+/// linear ones and to its slowest vibrations (solidResponses(), fitResponses()). They stay between 0.2
+/// and 1.8 times Van Gelder's. Those around the points that limit the time step grow by at most 1.15.
+///
+/// Returns the calibration: the Young's modulus of the fitted springs for a requested 1 Pa, before all
+/// constants were divided by it. It is near 1. `goOn` is called with the progress, 0 to 1; after it has
+/// returned false, the fit goes no further.
 double setMaterialSprings(SpringNetwork& network, const std::function<bool(double)>& goOn = {});
 
 /// Fills a closed mesh with tetrahedra and makes springs of their edges: buildMaterialNetwork() without a

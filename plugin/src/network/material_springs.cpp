@@ -1,0 +1,176 @@
+// SPDX-License-Identifier: Zlib
+// Makes springs of the edges of tetrahedra, with constants that give the network the elasticity of a
+// material.
+
+#include "network/material.h"
+
+#include "mesh/edges.h"
+#include "network/response_fit.h"
+#include "network/tetrahedra.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <numeric>
+#include <utility>
+
+namespace limber {
+namespace {
+
+/// Returns the square roots of the numbers of occurrences of the entries: 1, 4, 6 and 12.
+FourthDegree rootsOfCounts() {
+  FourthDegree roots;
+  roots.head<3>().setOnes();
+  roots.segment<6>(3).setConstant(2.0);
+  roots.segment<3>(9).setConstant(std::sqrt(6.0));
+  roots.tail<3>().setConstant(std::sqrt(12.0));
+  return roots;
+}
+
+FourthDegree weighted(const FourthDegree& entries) {
+  static const FourthDegree roots = rootsOfCounts();
+  return entries.cwiseProduct(roots);
+}
+
+}  // namespace
+
+FourthDegree fourthPower(const Eigen::Vector3d& n) {
+  const double x = n[0], y = n[1], z = n[2], xx = x * x, yy = y * y, zz = z * z;
+  FourthDegree t;
+  t << xx * xx, yy * yy, zz * zz, xx * x * y, xx * x * z, yy * y * x, yy * y * z, zz * z * x, zz * z * y,
+      xx * yy, yy * zz, zz * xx, xx * y * z, yy * z * x, zz * x * y;
+  return weighted(t);
+}
+
+FourthDegree isotropicElasticity() {
+  FourthDegree t = FourthDegree::Zero();
+  t.head<3>().setConstant(1.2);
+  t.segment<3>(9).setConstant(0.4);
+  return weighted(t);
+}
+
+namespace {
+
+/// Weight of the distance from Van Gelder's constants, relative to the error of the elasticity.
+constexpr double kStayWeight = 0.2;
+
+constexpr int kSweeps = 60;
+
+/// Limits of a constant as fractions of Van Gelder's. A weaker spring would have no effect; a stiffer one
+/// shortens the time step. Springs at the points that limit the time step may grow only by kFastGrowth.
+constexpr double kMinGrowth = 0.2, kMaxGrowth = 1.8, kFastGrowth = 1.15;
+
+struct Edges {
+  std::vector<Edge> ends;            ///< #edges, sorted
+  std::vector<FourthDegree> powers;  ///< #edges, of their directions
+  std::vector<double> vanGelder;  ///< #edges, m^3, sum of the volumes around: the constant for 1 Pa times L^2
+  std::vector<double> squaredLengths;  ///< #edges, m^2
+  std::vector<double> pointVolumes;    ///< #points, m^3, a quarter of the tetrahedra around
+};
+
+Edges collectEdges(const SpringNetwork& network) {
+  std::vector<std::pair<Edge, double>> all;
+  Edges edges;
+  edges.pointVolumes.assign(network.restPoints.size(), 0.0);
+  for (const Tetrahedron& t : network.tetrahedra) {
+    const double volume = volumeOf(network.restPoints, t);
+    for (std::size_t i = 0; i < 4; ++i) {
+      edges.pointVolumes[t[i]] += volume / 4.0;
+      for (std::size_t j = i + 1; j < 4; ++j) all.push_back({edgeBetween(t[i], t[j]), volume});
+    }
+  }
+  std::sort(all.begin(), all.end());
+  for (const auto& [ends, volume] : all) {
+    if (edges.ends.empty() || ends != edges.ends.back()) {
+      const Eigen::Vector3d along = network.restPoints[ends[1]] - network.restPoints[ends[0]];
+      edges.ends.push_back(ends);
+      edges.vanGelder.push_back(0.0);
+      edges.powers.push_back(fourthPower(along.normalized()));
+      edges.squaredLengths.push_back(along.squaredNorm());
+    }
+    edges.vanGelder.back() += volume;
+  }
+  return edges;
+}
+
+/// Returns x = k L^2 that, changed for one edge after the other, nears the minimum of
+///     sum over points |sum over its edges x T / 2 - V C|^2 / V
+///     + kStayWeight sum over edges (x - x0)^2 / x0
+/// with T the powers, V the points' volumes, C the isotropic elasticity and x0 Van Gelder's values.
+std::vector<double> isotropicConstants(const Edges& edges) {
+  std::vector<double> x = edges.vanGelder;
+  std::vector<FourthDegree> misfit;
+  for (const double volume : edges.pointVolumes) misfit.push_back(-volume * isotropicElasticity());
+  const auto add = [&](std::size_t e, double change) {
+    for (const std::uint32_t p : edges.ends[e]) misfit[p] += 0.5 * change * edges.powers[e];
+  };
+  for (std::size_t e = 0; e < x.size(); ++e) add(e, x[e]);
+  for (int sweep = 0; sweep < kSweeps; ++sweep)
+    for (std::size_t e = 0; e < x.size(); ++e) {
+      double slope = kStayWeight * (x[e] / edges.vanGelder[e] - 1.0),
+             curvature = kStayWeight / edges.vanGelder[e];
+      for (const std::uint32_t p : edges.ends[e]) {
+        slope += 0.5 * edges.powers[e].dot(misfit[p]) / edges.pointVolumes[p];
+        curvature += 0.25 / edges.pointVolumes[p];  // the powers have length 1
+      }
+      const double next = std::max(x[e] - slope / curvature, kMinGrowth * edges.vanGelder[e]);
+      add(e, next - x[e]);
+      x[e] = next;
+    }
+  return x;
+}
+
+void setSprings(SpringNetwork& network, const Edges& edges, const std::vector<double>& x) {
+  const std::vector<Edge> outer = uniqueEdges(network.surface);
+  network.springs.clear();
+  for (std::size_t e = 0; e < x.size(); ++e) {
+    const auto [a, b] = edges.ends[e];
+    const bool isOuter = std::binary_search(outer.begin(), outer.end(), edges.ends[e]);
+    network.springs.push_back(
+        {a, b, isOuter ? SpringKind::Structural : SpringKind::Brace, x[e] / edges.squaredLengths[e]});
+  }
+}
+
+/// Returns the limits of the springs. The sum of the constants around a point over its mass is a measure of
+/// its fastest oscillation. The slower a point, the more its springs may grow.
+SpringLimits limitsOf(const Edges& edges) {
+  const auto& volumes = edges.pointVolumes;
+  const double points = static_cast<double>(volumes.size());
+  const double minVolume = kMinMassShare * std::accumulate(volumes.begin(), volumes.end(), 0.0) / points;
+  std::vector<double> speeds(volumes.size(), 0.0);
+  for (std::size_t e = 0; e < edges.ends.size(); ++e)
+    for (const std::uint32_t p : edges.ends[e])
+      speeds[p] += edges.vanGelder[e] / (edges.squaredLengths[e] * std::max(volumes[p], minVolume));
+  const double fastest = *std::max_element(speeds.begin(), speeds.end());
+  SpringLimits limits;
+  for (std::size_t e = 0; e < edges.ends.size(); ++e) {
+    const double vanGelder = edges.vanGelder[e] / edges.squaredLengths[e];
+    const double growth = fastest / std::max(speeds[edges.ends[e][0]], speeds[edges.ends[e][1]]);
+    limits.smallest.push_back(kMinGrowth * vanGelder);
+    limits.largest.push_back(std::clamp(growth, kFastGrowth, kMaxGrowth) * vanGelder);
+  }
+  return limits;
+}
+
+/// Scales the springs, whose constants (N/m) are for a requested modulus of 1 Pa.
+void normalise(SpringNetwork& network, double measuredModulus) {
+  double mean = 0.0;
+  for (const NetworkSpring& s : network.springs)
+    mean += s.stiffnessScale / static_cast<double>(network.springs.size());
+  for (NetworkSpring& s : network.springs) s.stiffnessScale /= mean;
+  network.stiffnessPerModulus = mean / measuredModulus;
+}
+
+}  // namespace
+
+double setMaterialSprings(SpringNetwork& network, const std::function<bool(double)>& goOn) {
+  const Edges edges = collectEdges(network);
+  setSprings(network, edges, isotropicConstants(edges));
+  const TetrahedralMesh mesh{network.restPoints, network.tetrahedra, network.surface};
+  fitResponses(network, solidResponses(mesh), limitsOf(edges), goOn);
+  const double modulus = measureModuli({network}).youngsModulus;
+  normalise(network, modulus);
+  return modulus;
+}
+
+}  // namespace limber
