@@ -70,6 +70,12 @@ MaterialRow measureRow(const network_shapes::NamedShape& shape, std::uint32_t po
   return row;
 }
 
+BeamRow measureBeamRow(std::uint32_t points) {
+  const SharedNetwork network = filled(test::boxMesh({4.0, 1.0, 1.0}), points);
+  const test::BeamModuli beam = test::measureBeam({*network, network->stiffnessPerModulus});
+  return {network->restPoints.size(), beam.tension, beam.bending, beam.torsion};
+}
+
 /// The body with the volume term that it has in a simulation unless told otherwise: as stiff as its springs
 /// are together, of the inside of the surface or of each tetrahedron.
 ElasticBody asSimulated(const SpringNetwork& network) {
@@ -110,6 +116,8 @@ MaterialResults measureMaterials(bool quick) {
                         name == "noise162" || name == "rabbit302";
     if (wanted && (!quick || name == "cube8")) results.rows.push_back(measureRow(shape, 300));
   }
+  for (const std::uint32_t points : {185u, 969u, 6050u})
+    if (!quick || points < 1000u) results.beams.push_back(measureBeamRow(points));
   results.openingRatio = measureOpening();
   return results;
 }
@@ -122,11 +130,47 @@ std::string materialTable(const MaterialResults& results) {
     text += format("%-10s %6zu %6zu %12.1e %9.1f %% %6.1f %% %6.1f %% %9.3f %8.3f\n", r.mesh.c_str(),
                    r.points, r.finePoints, r.youngError, 100.0 * r.calibration, 100.0 * r.bending,
                    100.0 * r.worstBending, r.isotropy, r.poissonRatio);
+  text +=
+      format("%-24s %6s %8s %8s %8s\n", "bar 4 : 1 / beam theory", "points", "tension", "bending", "torsion");
+  for (const BeamRow& b : results.beams)
+    text += format("%-24s %6zu %8.3f %8.3f %8.3f\n", "", b.points, b.tension, b.bending, b.torsion);
   return text + format(
                     "opening the L, braced over tetrahedra, each relative to its bulk modulus, both with "
                     "volume term: %.2f\n",
                     results.openingRatio);
 }
+
+namespace {
+
+/// The largest deviation of a beam from theory.
+double deviation(const BeamRow& b) {
+  return std::max({std::abs(b.tension - 1.0), std::abs(b.bending - 1.0), std::abs(b.torsion - 1.0)});
+}
+
+/// The largest change from one beam to the other.
+double drift(const BeamRow& a, const BeamRow& b) {
+  return std::max({std::abs(b.tension / a.tension - 1.0), std::abs(b.bending / a.bending - 1.0),
+                   std::abs(b.torsion / a.torsion - 1.0)});
+}
+
+std::string targetLine(bool hit, const char* what, const std::string& value) {
+  return format("  %-4s  %-78s %s\n", hit ? "hit" : "MISS", what, value.c_str());
+}
+
+std::string beamTargets(const std::vector<BeamRow>& beams) {
+  std::string text;
+  const auto line = [&](double value, double limit, const char* what) {
+    text += targetLine(value <= limit, what, format("%.1f %%", 100.0 * value));
+  };
+  if (beams.size() >= 2) {
+    line(deviation(beams[1]), 0.1, "a bar's tension, bending, torsion within 10 % of theory at 1 000 points");
+    line(drift(beams[0], beams[1]), 0.1, "... and drift by at most 10 % from 185 to 969 points");
+  }
+  if (beams.size() >= 3) line(deviation(beams[2]), 0.05, "... and are within 5 % at 6 000 points");
+  return text;
+}
+
+}  // namespace
 
 std::string materialTargets(const MaterialResults& results) {
   double young = 0.0, calibration = 0.0, bending = 0.0, isotropy = 1.0;
@@ -136,17 +180,16 @@ std::string materialTargets(const MaterialResults& results) {
     bending = std::max(bending, r.bending);
     isotropy = std::min(isotropy, r.isotropy);
   }
-  const auto line = [](bool hit, const char* what, const std::string& value) {
-    return format("  %-4s  %-78s %s\n", hit ? "hit" : "MISS", what, value.c_str());
-  };
-  return line(young <= 0.01, "material mode: Young's modulus within 1 %", format("%.1e", young)) +
-         line(bending <= 0.1, "material mode: bending drifts over a 4x refinement by at most 10 %",
-              format("%.1f %%", 100 * bending)) +
-         line(calibration <= 0.1, "material mode: calibration drifts over a 4x refinement by at most 10 %",
-              format("%.1f %%", 100 * calibration)) +
-         line(isotropy >= 0.85, "material mode: isotropy at least 0.85", format("%.3f", isotropy)) +
-         line(results.openingRatio <= 1.5, "opening the L at most 1.5 times the tetrahedral reference",
-              format("%.2f", results.openingRatio));
+  return targetLine(young <= 0.01, "material mode: Young's modulus within 1 %", format("%.1e", young)) +
+         targetLine(bending <= 0.1, "material mode: bending drifts over a 4x refinement by at most 10 %",
+                    format("%.1f %%", 100 * bending)) +
+         targetLine(calibration <= 0.1,
+                    "material mode: calibration drifts over a 4x refinement by at most 10 %",
+                    format("%.1f %%", 100 * calibration)) +
+         targetLine(isotropy >= 0.85, "material mode: isotropy at least 0.85", format("%.3f", isotropy)) +
+         beamTargets(results.beams) +
+         targetLine(results.openingRatio <= 1.5, "opening the L at most 1.5 times the tetrahedral reference",
+                    format("%.2f", results.openingRatio));
 }
 
 }  // namespace limber::bench

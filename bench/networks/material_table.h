@@ -19,10 +19,17 @@ struct MaterialRow {
   double poissonRatio = 0.0;
 };
 
+/// A bar 4 : 1 of square section, against beam theory: the measured over the requested Young's modulus.
+struct BeamRow {
+  std::size_t points = 0;
+  double tension = 0.0, bending = 0.0, torsion = 0.0;
+};
+
 /// How stiff the L is against being opened, braced against of tetrahedra, each relative to its bulk modulus.
 struct MaterialResults {
   std::vector<MaterialRow> rows;
-  double openingRatio = 0.0;  ///< see measureOpening
+  std::vector<BeamRow> beams;  ///< 2, 4 and 8 cells across; with --quick only the first two
+  double openingRatio = 0.0;   ///< see measureOpening
 };
 
 MaterialResults measureMaterials(bool quick);

@@ -24,14 +24,14 @@ using Eigen::VectorXd;
 constexpr double kChangeWeight = 0.1;
 
 /// Largest number of trial steps, and the weighted relative error of a compliance that is small enough.
-constexpr int kMaxTrials = 24;
+constexpr int kMaxTrials = 12;
 constexpr double kSufficientError = 0.01;
 
 /// A step that lessens the objective by a smaller fraction is the last one.
-constexpr double kMinProgress = 0.02;
+constexpr double kMinProgress = 0.01;
 
 /// Damping of the first step, relative to kChangeWeight, and its factors after a good and a bad step.
-constexpr double kFirstDamping = 1.0, kLessDamping = 0.3, kMoreDamping = 5.0, kMaxDamping = 1e4;
+constexpr double kFirstDamping = 20.0, kLessDamping = 0.5, kMoreDamping = 3.0, kMaxDamping = 1e4;
 
 /// Limits of the conjugate gradients: number, and the fraction of the first residual's square.
 constexpr int kMaxGradients = 30;
