@@ -62,7 +62,7 @@ TEST(MaterialNetwork, hasTheModulusAndPoissonRatioAskedForInAllDirections) {
       EXPECT_NEAR(moduli.youngsModulus / 3e4, 1.0, 0.01);
       EXPECT_NEAR(moduli.poissonRatio / poisson, 1.0, 0.01);
     }
-    EXPECT_GT(measureModuli({*network, 1.0}).isotropy, 0.85);
+    EXPECT_GT(measureModuli({*network, 1.0}).isotropy, 0.93);
   }
 }
 
@@ -159,8 +159,9 @@ TEST(MaterialNetwork, bendsAlikeOnAFinerLattice) {
   }
 }
 
-/// Beam theory, which was not used in the fit, on a beam with two and with four cells across. Van Gelder's
-/// constants give 1.2 and 1.1 in bending, 1.5 and 1.25 in torsion, linear elements 1.43 and 1.13 in torsion.
+/// Beam theory, which was not used in the fit, on a bar with two and with four cells across. Before the fit
+/// the springs are too stiff by 1.30 and 1.07 in bending, by 1.50 and 1.25 in torsion; linear elements
+/// by 1.43 and 1.13 in torsion. 10 % is the target of the bench.
 TEST(MaterialNetwork, bendsAndTwistsLikeABeam) {
   const TriangleMesh mesh = test::boxMesh({4.0, 1.0, 1.0});
   double coarseTorsion = 0.0;

@@ -112,13 +112,16 @@ struct MaterialMesh {
 
 /// Builds the network of a body that behaves like a material. The inside of a closed mesh is filled with
 /// tetrahedra. Their edges become springs with constants near  k = E sum V / L^2,  the sum over the
-/// tetrahedra around the edge (Van Gelder 1998). The constants are fitted so that the body is equally stiff
-/// in all directions, and calibrated once so that the measured Young's modulus equals the requested one
-/// (stiffnessPerModulus). Mass fractions follow the volume of the tetrahedra, with a minimum of 0.2 of the
-/// mean. The render surface is the mesh with a skin. Concave surfaces are followed to about half a spacing.
-/// Errors: those of weld(); a mesh that is not closed (with the number of its open edges; wrap() or cook()
-/// help) or encloses no volume; a component that is too thin for the lattice; sizes out of range; progress
-/// that returned false.
+/// tetrahedra around the edge (Van Gelder 1998). The constants are fitted to the solid: to its exact response
+/// to uniform stresses and to linear ones, such as bending, and to its 20 slowest vibrations by quadratic
+/// finite elements. So the body is equally stiff in all directions, and it and its limbs bend and twist as
+/// they should. At last all constants are scaled so that the measured Young's modulus equals the requested
+/// one (stiffnessPerModulus). A bar with two cells across bends and twists within 10 % of beam theory. Mass
+/// fractions follow the volume of the tetrahedra, with a minimum of 0.2 of the mean. The render surface is
+/// the mesh with a skin. Concave surfaces are followed to about half a spacing. Takes 1 to 3 s for 300
+/// points, half a minute for 6 000. Errors: those of weld(); a mesh that is not closed (with the number of
+/// its open edges; wrap() or cook() help) or encloses no volume; a component that is too thin for the
+/// lattice; sizes out of range; progress that returned false.
 Result<SharedNetwork> buildMaterialNetwork(const TriangleMesh& mesh, const MaterialMesh& settings = {});
 
 struct Material {

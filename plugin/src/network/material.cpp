@@ -16,7 +16,6 @@
 namespace limber {
 namespace {
 
-
 /// Tolerance of Poisson's ratio, and the largest number of measurements.
 constexpr double kPoissonError = 5e-4;
 constexpr int kMaxMeasurements = 6;

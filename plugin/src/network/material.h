@@ -92,12 +92,12 @@ constexpr double kMinMassShare = 0.2;
 /// body-centred lattice that body is stiffer along the space diagonals than along the axes by 1.27. So they
 /// are changed, as little as possible, towards an isotropic elasticity around each point (Cauchy-Born).
 ///
-/// Springs in the surface lie farther out than the material that they stand for. They make a thin body too
-/// stiff in bending and torsion: twice as stiff with two cells across. At the surface, where all springs of a
-/// point lie on one side, the body is too soft against uniform stress. So the constants are fitted, again
-/// with as little change as possible, to what is known of the solid: its response to uniform stresses, to
-/// linear ones and to its slowest vibrations (solidResponses(), fitResponses()). They stay between 0.2
-/// and 1.8 times Van Gelder's. Those around the points that limit the time step grow by at most 1.15.
+/// Springs in the surface lie farther out than the material that they stand for. A bar with two cells across
+/// is then too stiff by 1.3 in bending and 1.5 in torsion. At the surface, where all springs of a point lie
+/// on one side, the body is too soft against uniform stress, by up to a quarter. So the constants are fitted,
+/// again with as little change as possible, to what is known of the solid: its response to uniform stresses,
+/// to linear ones and to its slowest vibrations (solidResponses(), fitResponses()). They stay between 0.2
+/// and 1.8 times Van Gelder's. Those around the points that limit the time step grow to at most 1.15 times.
 ///
 /// Returns the calibration: the Young's modulus of the fitted springs for a requested 1 Pa, before all
 /// constants were divided by it. It is near 1. `goOn` is called with the progress, 0 to 1; after it has

@@ -25,7 +25,7 @@ constexpr double kChangeWeight = 0.1;
 
 /// Largest number of trial steps, and the weighted relative error of a compliance that is small enough.
 constexpr int kMaxTrials = 12;
-constexpr double kSufficientError = 0.01;
+constexpr double kSufficientError = 0.015;
 
 /// A step that lessens the objective by a smaller fraction is the last one.
 constexpr double kMinProgress = 0.01;
