@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Zlib
 #include "machine.h"
 
+#include <sys/resource.h>
+
 #include <LinearMath/btScalar.h>
 
 #include <fstream>
@@ -42,6 +44,12 @@ std::string describeMachine() {
          " threads; compiler " + compilerName() + ", " + buildKind() + "; Bullet " +
          std::to_string(BT_BULLET_VERSION) + " in " +
          (sizeof(btScalar) == sizeof(float) ? "single" : "double") + " precision";
+}
+
+double peakMegabytes() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  return static_cast<double>(usage.ru_maxrss) / 1024.0;
 }
 
 }  // namespace limber::bench

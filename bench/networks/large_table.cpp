@@ -3,12 +3,11 @@
 
 #include "analysis/analysis.h"
 #include "clocks.h"
+#include "machine.h"
 #include "support/test_shapes.h"
 #include "text_format.h"
 
 #include <limber/mesh.h>
-
-#include <sys/resource.h>
 
 #include <algorithm>
 #include <stdexcept>
@@ -19,12 +18,6 @@ namespace {
 constexpr double kMaxMegabytes = 2048.0;
 constexpr std::uint32_t kRunsOfEach = 2;
 constexpr std::uint64_t kSeed = 1000;
-
-double peakMegabytes() {
-  rusage usage{};
-  getrusage(RUSAGE_SELF, &usage);
-  return static_cast<double>(usage.ru_maxrss) / 1024.0;
-}
 
 LargeRow measure(double cell, std::uint32_t points) {
   const Result<TriangleMesh> mesh = simplify(test_shapes::rabbit(cell), points);

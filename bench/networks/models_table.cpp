@@ -3,6 +3,7 @@
 
 #include "analysis/analysis.h"
 #include "clocks.h"
+#include "machine.h"
 #include "row_progress.h"
 #include "scenes/end_checks.h"
 #include "scenes/scene_list.h"
@@ -11,8 +12,6 @@
 #include <limber/cook.h>
 #include <limber/mesh.h>
 
-#include <sys/resource.h>
-
 #include <algorithm>
 #include <stdexcept>
 
@@ -20,15 +19,9 @@ namespace limber::bench {
 namespace {
 
 constexpr const char* kModels[] = {"animal", "figure", "teapot", "head", "ogre", "bunny", "car", "puppet"};
-constexpr std::uint64_t kSeed = 1000;
+constexpr std::uint64_t kModelSeed = 1000;
 constexpr std::uint32_t kDropped = 4;
 constexpr int kDropTicks = 8 * 60;
-
-double peakMegabytes() {
-  rusage usage{};
-  getrusage(RUSAGE_SELF, &usage);
-  return static_cast<double>(usage.ru_maxrss) / 1024.0;
-}
 
 std::string fileOf(const std::string& name) { return LIMBER_MESH_DIR "/" + name + ".obj"; }
 
@@ -43,10 +36,10 @@ std::string formOf(const CookedMesh& cooked) {
 }
 
 /// Spreads the runs over all kinds of deformations.
-void measureReturns(const SpringNetwork& network, std::uint32_t runs, ModelRow& row) {
-  const std::uint32_t each = (runs + kDeformations - 1) / kDeformations;
+void measureReturnsOf(const SpringNetwork& network, std::uint32_t runs, ModelRow& row) {
+  const auto each = static_cast<std::uint32_t>((runs + kDeformations - 1) / kDeformations);
   for (std::size_t kind = 0; kind < kDeformations && each > 0; ++kind) {
-    const ReturnRate rate = limber::measureReturns(network, static_cast<Deformation>(kind), each, kSeed);
+    const ReturnRate rate = measureReturns(network, static_cast<Deformation>(kind), each, kModelSeed);
     row.runs += rate.runs;
     row.returned += rate.returned;
   }
@@ -67,7 +60,7 @@ void drop(const std::string& file, ModelRow& row) {
   row.end = scenes::checkEnd(**scene);
 }
 
-ModelRow measure(const std::string& name, std::uint32_t runs) {
+ModelRow measureModel(const std::string& name, std::uint32_t runs) {
   const Result<TriangleMesh> mesh = importMesh(fileOf(name));
   if (!mesh) throw std::runtime_error(mesh.error());
   const Stopwatch watch;
@@ -86,7 +79,7 @@ ModelRow measure(const std::string& name, std::uint32_t runs) {
     row.tetrahedra += body.network->tetrahedra.size();
   }
   if (cooked->bodies.front().network->kind == NetworkKind::Solid)
-    measureReturns(*cooked->bodies.front().network, runs, row);
+    measureReturnsOf(*cooked->bodies.front().network, runs, row);
   drop(fileOf(name), row);
   return row;
 }
@@ -103,7 +96,7 @@ std::vector<ModelRow> measureModels(const std::string& part, std::uint32_t runs)
   for (const std::string name : kModels) {
     if (name.find(part) == std::string::npos) continue;
     progress.show(name, double(rows.size()) / double(std::size(kModels)));
-    rows.push_back(measure(name, runs));
+    rows.push_back(measureModel(name, runs));
     progress.finish(name);
   }
   return rows;

@@ -13,7 +13,8 @@ function(cook_run name label code text)
 endfunction()
 
 # a body, and the demo with this body
-cook_run(pipeline scene 0 "12 triangles" ${meshes}/cube.obj -o ${cooked}/cube.limber --runs 2
+cook_run(automatic scene 0 "filled with" ${meshes}/cube.obj -o ${cooked}/filled.limber --runs 0)
+cook_run(pipeline scene 0 "12 triangles" ${meshes}/cube.obj -o ${cooked}/cube.limber --braces pipeline --runs 2
   --json ${cooked}/cube.json)
 demo_run(cooked_body scene 0 "end check   passed" --mode none --mesh ${cooked}/cube.limber --count 2)
 set_tests_properties(demo.cooked_body PROPERTIES DEPENDS cook.pipeline)
@@ -53,6 +54,8 @@ cook_run(other_ending unit 2 "cube.obj does not end in .limber" ${meshes}/cube.o
 cook_run(unknown_rule unit 2 "--braces: glue not in" ${meshes}/cube.obj -o a.limber --braces glue)
 cook_run(no_weight unit 2 "0 is not between" ${meshes}/cube.obj -o a.limber --brace-weight 0)
 cook_run(nan_weld unit 2 "nan is not a finite number" ${meshes}/cube.obj -o a.limber --weld nan)
+cook_run(length_and_braces unit 2 "--length has no meaning with --braces" ${meshes}/cube.obj -o a.limber --braces none
+  --length 2)
 cook_run(few_points unit 2 "7 is not between 8" ${meshes}/cube.obj -o a.limber --points 7)
 cook_run(report_and_mesh unit 2 "MESH has no meaning with --report" ${meshes}/cube.obj --report a.limber)
 cook_run(report_and_rule unit 2 "--braces has no meaning with --report" --report a.limber --braces none)

@@ -39,6 +39,26 @@ TEST(EndChecks, cubesInTheAirAreNotCalm) {
 
 TEST(EndChecks, runOfNoTicksIsNotCalm) { expectContains(checkEnd(*created("cubes", 1)), "is not calm"); }
 
+TEST(EndChecks, aSpikeFails) {
+  const auto scene = created("cubes", 1);
+  EXPECT_EQ(checkSpikes(3.0)(*scene), "");
+  SoftBody& cube = *scene->soft->body(0);
+  const Eigen::Vector3d out = cube.centerOfMass() + 10.0 * (cube.position(0) - cube.centerOfMass());
+  movePoint(cube, 0, toBullet(out));
+  run(*scene, 1);
+  expectContains(checkSpikes(3.0)(*scene), "body 0 has spikes");
+}
+
+TEST(EndChecks, aBodyThatFliesAwayFails) {
+  const auto scene = created("cubes", 2);
+  EXPECT_EQ(checkWithin(50.0)(*scene), "");
+  SoftBody& cube = *scene->soft->body(1);
+  for (std::uint32_t i = 0; i < cube.pointCount(); ++i)
+    movePoint(cube, i, toBullet(cube.position(i) + Eigen::Vector3d(0.0, 0.0, 80.0)));
+  run(*scene, 1);
+  expectContains(checkWithin(50.0)(*scene), "of body 1 has flown away");
+}
+
 TEST(EndChecks, aBodyThatRollsAwayIsFineAndOneThatWobblesIsNot) {
   const auto scene = created("cubes", 1);
   run(*scene, kTicksToSleep);

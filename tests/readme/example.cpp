@@ -13,19 +13,17 @@ int main() {
   btRigidBody floor(0, nullptr, &plane);
   world.addRigidBody(&floor);
 
-  // A soft body in it: mesh -> points and springs -> body.
+  // A soft body in it: mesh -> points and springs -> material -> body.
   limber::SoftBodySystem soft(world);
-  auto mesh = limber::importMesh("meshes/cube.obj");
+  auto mesh = limber::importMesh("meshes/teapot.obj");
   if (!mesh) return std::puts(mesh.error().c_str()), 1;
-  auto network = limber::buildNetwork(*mesh);
-  if (!network) return std::puts(network.error().c_str()), 1;
+  auto cooked = limber::cook(*mesh);
+  if (!cooked) return std::puts(cooked.error().c_str()), 1;
   limber::SoftBodySettings settings;
-  settings.position = {0, 2, 0};      // m
-  settings.extensionStiffness = 800;  // N/m of each spring
-  settings.compressionStiffness = 800;
-  settings.damping = 1;    // N s/m of each spring
-  settings.totalMass = 1;  // kg
-  auto body = soft.createBody(*network, settings);
+  settings.position = {0, 2, 0};  // m
+  auto rubber = limber::withMaterial(cooked->bodies[0], limber::Material::rubber(), settings);
+  if (!rubber) return std::puts(rubber.error().c_str()), 1;
+  auto body = soft.createBody(cooked->bodies[0].network, *rubber);
   if (!body) return std::puts(body.error().c_str()), 1;
 
   // Step as ever; point masses are ordinary rigid bodies.
