@@ -163,9 +163,10 @@ TEST(Tetrahedra, areTheSameEachTime) {
 
 TEST(Tetrahedra, sayWhatTheyCannotFill) {
   EXPECT_EQ(fillWithPoints(*weld(small_meshes::singleTriangle()), 100).error(),
-            "the mesh is not closed: it has 3 open edges");
+            "the mesh is not closed: it has 3 open edges; wrap() closes it, cook() does so by itself");
   EXPECT_EQ(fillWithPoints(*weld(small_meshes::flippedTriangle()), 100).error(),
-            "the mesh has no inside: at 3 edges its triangles are oriented against each other");
+            "the mesh has no inside: at 3 edges its triangles are oriented against each other; wrap() "
+            "orients them");
   const WeldedMesh cube = *weld(small_meshes::cube(1));
   EXPECT_EQ(fillWithPoints(cube, 7).error(), "7 points are too few, there must be 8 or more");
   TriangleMesh flat;  // a square with two sides

@@ -66,7 +66,7 @@ cook_run(material_and_braces unit 2 "--braces has no meaning with --material" ${
 cook_run(spacing_alone unit 2 "--spacing needs --material" ${meshes}/cube.obj -o a.limber --spacing 1)
 cook_run(spacing_and_points unit 2 "--spacing and --points say the same" ${meshes}/cube.obj -o a.limber --material
   --spacing 1 --points 40)
-cook_run(skin_alone unit 2 "--skin needs --points" ${meshes}/cube.obj -o a.limber --skin dense)
+cook_run(skin_alone unit 2 "--skin needs --points" ${meshes}/cube.obj -o a.limber --braces none --skin dense)
 cook_run(neighbours_alone unit 2 "--neighbours needs --skin sparse" ${meshes}/cube.obj -o a.limber --points 8
   --neighbours 8)
 cook_run(size_alone unit 2 "--size needs --picture" ${meshes}/cube.obj -o a.limber --size 100x100)

@@ -129,10 +129,9 @@ struct Material {
   double poissonRatio = 0.25;  ///< from 0.25 (about the value of springs alone) to below 0.5 (by the volume
                                ///< term)
   double density = 1000.0;     ///< kg/m^3, above 0
-  std::optional<double>
-      dampingTime;  ///< s, 0 or more: viscosity over modulus (Kelvin, Voigt). An oscillation
-                    ///< of w rad/s is damped at the ratio w dampingTime / 2, on coarse and
-                    ///< fine networks alike; default: the damping in the settings stays
+  /// s, 0 or more: viscosity over modulus (Kelvin, Voigt). An oscillation of w rad/s is damped at the ratio
+  /// w dampingTime / 2, on coarse and fine networks alike; default: the damping in the settings stays
+  std::optional<double> dampingTime = std::nullopt;
 
   static Material jelly();   ///< 5e4 Pa, wobbles: a body of 1 m sags by a tenth
   static Material rubber();  ///< 1e6 Pa
