@@ -134,7 +134,7 @@ struct Material {
   std::optional<double> dampingTime = std::nullopt;
 
   static Material jelly();   ///< 5e4 Pa, wobbles: a body of 1 m sags by a tenth
-  static Material rubber();  ///< 1e6 Pa
+  static Material rubber();  ///< 1.5e6 Pa, natural rubber
   static Material foam();    ///< 1e5 Pa, light and strongly damped
   static Material stiff();   ///< 1e7 Pa, hard rubber
 };

@@ -102,7 +102,11 @@ constexpr double kMinMassShare = 0.2;
 /// Returns the calibration: the Young's modulus of the fitted springs for a requested 1 Pa, before all
 /// constants were divided by it. It is near 1. `goOn` is called with the progress, 0 to 1; after it has
 /// returned false, the fit goes no further.
-double setMaterialSprings(SpringNetwork& network, const std::function<bool(double)>& goOn = {});
+///
+/// `minGrowth`: smallest constant as a fraction of Van Gelder's; a weaker spring would have no effect. With
+/// larger ones thin limbs return from more of the large deformations, and torsion is less exact.
+double setMaterialSprings(SpringNetwork& network, const std::function<bool(double)>& goOn = {},
+                          double minGrowth = 0.2);
 
 /// Fills a closed mesh with tetrahedra and makes springs of their edges: buildMaterialNetwork() without a
 /// skin. `fit`: see fillWithTetrahedra(); only with a spacing.

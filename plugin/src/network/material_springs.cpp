@@ -56,9 +56,9 @@ constexpr double kStayWeight = 0.2;
 
 constexpr int kSweeps = 60;
 
-/// Limits of a constant as fractions of Van Gelder's. A weaker spring would have no effect; a stiffer one
-/// shortens the time step. Springs at the points that limit the time step may grow only by kFastGrowth.
-constexpr double kMinGrowth = 0.2, kMaxGrowth = 1.8, kFastGrowth = 1.15;
+/// Limits of a constant as fractions of Van Gelder's, besides the given minimum. A stiffer spring shortens
+/// the time step. Springs at the points that limit the time step may grow only by kFastGrowth.
+constexpr double kMaxGrowth = 1.8, kFastGrowth = 1.15;
 
 struct Edges {
   std::vector<Edge> ends;            ///< #edges, sorted
@@ -97,7 +97,7 @@ Edges collectEdges(const SpringNetwork& network) {
 ///     sum over points |sum over its edges x T / 2 - V C|^2 / V
 ///     + kStayWeight sum over edges (x - x0)^2 / x0
 /// with T the powers, V the points' volumes, C the isotropic elasticity and x0 Van Gelder's values.
-std::vector<double> isotropicConstants(const Edges& edges) {
+std::vector<double> isotropicConstants(const Edges& edges, double minGrowth) {
   std::vector<double> x = edges.vanGelder;
   std::vector<FourthDegree> misfit;
   for (const double volume : edges.pointVolumes) misfit.push_back(-volume * isotropicElasticity());
@@ -113,7 +113,7 @@ std::vector<double> isotropicConstants(const Edges& edges) {
         slope += 0.5 * edges.powers[e].dot(misfit[p]) / edges.pointVolumes[p];
         curvature += 0.25 / edges.pointVolumes[p];  // the powers have length 1
       }
-      const double next = std::max(x[e] - slope / curvature, kMinGrowth * edges.vanGelder[e]);
+      const double next = std::max(x[e] - slope / curvature, minGrowth * edges.vanGelder[e]);
       add(e, next - x[e]);
       x[e] = next;
     }
@@ -133,7 +133,7 @@ void setSprings(SpringNetwork& network, const Edges& edges, const std::vector<do
 
 /// Returns the limits of the springs. The sum of the constants around a point over its mass is a measure of
 /// its fastest oscillation. The slower a point, the more its springs may grow.
-SpringLimits limitsOf(const Edges& edges) {
+SpringLimits limitsOf(const Edges& edges, double minGrowth) {
   const auto& volumes = edges.pointVolumes;
   const double points = static_cast<double>(volumes.size());
   const double minVolume = kMinMassShare * std::accumulate(volumes.begin(), volumes.end(), 0.0) / points;
@@ -146,7 +146,7 @@ SpringLimits limitsOf(const Edges& edges) {
   for (std::size_t e = 0; e < edges.ends.size(); ++e) {
     const double vanGelder = edges.vanGelder[e] / edges.squaredLengths[e];
     const double growth = fastest / std::max(speeds[edges.ends[e][0]], speeds[edges.ends[e][1]]);
-    limits.smallest.push_back(kMinGrowth * vanGelder);
+    limits.smallest.push_back(minGrowth * vanGelder);
     limits.largest.push_back(std::clamp(growth, kFastGrowth, kMaxGrowth) * vanGelder);
   }
   return limits;
@@ -163,11 +163,11 @@ void normalise(SpringNetwork& network, double measuredModulus) {
 
 }  // namespace
 
-double setMaterialSprings(SpringNetwork& network, const std::function<bool(double)>& goOn) {
+double setMaterialSprings(SpringNetwork& network, const std::function<bool(double)>& goOn, double minGrowth) {
   const Edges edges = collectEdges(network);
-  setSprings(network, edges, isotropicConstants(edges));
+  setSprings(network, edges, isotropicConstants(edges, minGrowth));
   const TetrahedralMesh mesh{network.restPoints, network.tetrahedra, network.surface};
-  fitResponses(network, solidResponses(mesh), limitsOf(edges), goOn);
+  fitResponses(network, solidResponses(mesh), limitsOf(edges, minGrowth), goOn);
   const double modulus = measureModuli({network}).youngsModulus;
   normalise(network, modulus);
   return modulus;
