@@ -135,6 +135,7 @@ scenes::SceneResult createScene(const DemoOptions& options) {
   };
   scenes::SceneResult scene = scenes::findScene(options.scene)->create(sceneOptions);
   bars.finish();
+  if (stopSignal != 0) throw Stopped{};
   return scene;
 }
 

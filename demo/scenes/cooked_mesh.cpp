@@ -22,7 +22,7 @@ namespace limber::scenes {
 namespace {
 
 /// To be raised when cook() makes other bodies of the same mesh.
-constexpr int kCookVersion = 1;
+constexpr int kCookVersion = 2;
 
 /// FNV-1a (G. Fowler, L. Noll, K.-P. Vo), 64 bits.
 class Hash {

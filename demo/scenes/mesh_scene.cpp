@@ -136,7 +136,9 @@ Material materialOf(Feel feel) {
 
 SceneResult createMeshDrop(const SceneOptions& options) {
   if (options.meshFile.empty()) return Error{"the scene mesh needs a file"};
-  Result<CookedMesh> cooked = readBodies(options.meshFile, options.cook, options.cacheFolder);
+  CookSettings settings = options.cook;
+  settings.size = 1.0;
+  Result<CookedMesh> cooked = readBodies(options.meshFile, settings, options.cacheFolder);
   if (!cooked) return Error{cooked.error()};
   const DroppedMesh mesh = measure(std::move(*cooked), options.scale);
   auto scene = std::make_unique<Scene>();

@@ -37,7 +37,7 @@ struct Stepping {
   double tolerance = 0.0;          ///< m per second of motion, of SoftBody::errorPerSecond(); 0: not used
   double relativeTolerance = 0.0;  ///< the same as a fraction of the body's size per second; 0: not used
   int maxSubsteps =
-      0;  ///< per tick, up to 10000; 0: 10000, without softening. The springs, volume terms and links of a
+      0;  ///< per tick, up to 10000; 0: 10000. The springs, volume terms and links of a
           ///< body that would need more to be stable are softened to what these substeps resolve, see
           ///< SoftBody::softening(). So the cost is bounded at any stiffness. Bodies that touch
           ///< take the largest number of any of them, linked ones the smallest limit

@@ -331,9 +331,26 @@ bool areSurfacesAtRest(const std::vector<PlaneContact>& rows) {
   return std::all_of(rows.begin(), rows.end(), isStill);
 }
 
-/// Links have at most half of the square of the frequency.
+namespace {
+
+/// Returns whether a body needs more substeps than any tick has, or has needed them before.
+bool isTooFast(const LinkedGroup& group, double tick) {
+  if (group.resolved > 0.0) return true;
+  const double limit = kBudgetPhaseSquared * std::pow(kMaxSubsteps / tick, 2);
+  for (SoftBodyData* body : group.bodies) {
+    if (body->frequencyStale) updateBounds(*body);
+    if (body->frequencySquared > limit) return true;
+  }
+  return false;
+}
+
+}  // namespace
+
+/// Links have at most half of the square of the frequency. Without a budget, bodies that need more substeps
+/// than any tick has are softened to these.
 void keepBudget(LinkedGroup& group, double tick) {
   group.stepping = strictest(group);
+  if (group.stepping.maxSubsteps == 0 && isTooFast(group, tick)) group.stepping.maxSubsteps = kMaxSubsteps;
   double largest = kBudgetPhaseSquared * std::pow(group.stepping.maxSubsteps / tick, 2);
   if (group.resolved > 0.0) largest = std::min(largest, group.resolved);
   group.resolved = largest;

@@ -390,48 +390,55 @@ Soup findThinParts(const Source& source, const Sampled& sampled, double& fractio
 
 // --- rods --------------------------------------------------------------------------------------------------
 
-/// Two points (m), and their distance.
-struct Gap {
-  Vector3d from, to;
-  double distance = HUGE_VAL;
-  std::uint32_t piece = 0;  ///< of `to`
-};
+/// Largest number of places of a piece between which rods are looked for.
+constexpr std::size_t kRodEnds = 64;
 
-/// Returns the shortest gap from the pieces marked as reached to the others.
-Gap shortestGap(const TriangleMesh& mesh, const SurfaceComponents& pieces, const std::vector<char>& reached) {
-  std::vector<char> isReached(mesh.positions.size(), 0);
-  Triangles others;
-  std::vector<std::uint32_t> pieceOfOther;
+/// Returns places spread over each piece.
+std::vector<Points> rodEnds(const TriangleMesh& mesh) {
+  const SurfaceComponents pieces = findComponents(mesh.positions.size(), mesh.triangles);
+  std::vector<Points> ends(pieces.count);
+  std::vector<std::size_t> triangles(pieces.count, 0), seen(pieces.count, 0);
+  for (const std::uint32_t piece : pieces.ofTriangle) ++triangles[piece];
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
     const std::uint32_t piece = pieces.ofTriangle[t];
-    for (const std::uint32_t corner : mesh.triangles[t]) isReached[corner] = reached[piece];
-    if (reached[piece]) continue;
-    others.push_back(mesh.triangles[t]);
-    pieceOfOther.push_back(piece);
+    const std::size_t stride = 1 + triangles[piece] / kRodEnds;
+    if (seen[piece]++ % stride == 0) ends[piece].push_back(mesh.positions[mesh.triangles[t][0]]);
   }
-  const TriangleBvh bvh(mesh.positions, others);
-  Gap best;
-  for (std::size_t i = 0; i < mesh.positions.size(); ++i) {
-    if (!isReached[i]) continue;
-    const TriangleHit hit = bvh.nearest(mesh.positions[i]);
-    if (hit.distance < best.distance)
-      best = {mesh.positions[i], hit.position, hit.distance, pieceOfOther[hit.triangle]};
-  }
-  return best;
+  return ends;
+}
+
+/// Two places (m), and their distance.
+struct Gap {
+  Vector3d from = Vector3d::Zero(), to = Vector3d::Zero();
+  double distance = HUGE_VAL;
+};
+
+void shorten(Gap& gap, const Points& from, const Points& to) {
+  for (const Vector3d& p : from)
+    for (const Vector3d& q : to)
+      if (const double distance = (p - q).norm(); distance < gap.distance) gap = {p, q, distance};
 }
 
 /// Returns rods along the shortest tree that joins the pieces (R. C. Prim, 1957), as triangles without area.
 /// Their ends are inside the pieces.
 Soup findRods(const TriangleMesh& mesh, double thickness) {
-  const SurfaceComponents pieces = findComponents(mesh.positions.size(), mesh.triangles);
-  std::vector<char> reached(pieces.count, 0);
-  reached[0] = 1;
+  const std::vector<Points> ends = rodEnds(mesh);
+  std::vector<Gap> gaps(ends.size());  // from the pieces reached so far to each other one
+  std::vector<char> reached(ends.size(), 0);
   Soup rods;
-  for (std::size_t i = 1; i < pieces.count; ++i) {
-    const Gap gap = shortestGap(mesh, pieces, reached);
+  std::size_t last = 0;
+  for (std::size_t i = 1; i < ends.size(); ++i) {
+    reached[last] = 1;
+    std::size_t next = last;
+    for (std::size_t piece = 0; piece < ends.size(); ++piece) {
+      if (reached[piece]) continue;
+      shorten(gaps[piece], ends[last], ends[piece]);
+      if (next == last || gaps[piece].distance < gaps[next].distance) next = piece;
+    }
+    const Gap& gap = gaps[next];
     const Vector3d further = 0.5 * thickness * (gap.to - gap.from).normalized();
     rods.add(gap.from - further, gap.to + further, gap.to + further);
-    reached[gap.piece] = 1;
+    last = next;
   }
   return rods;
 }

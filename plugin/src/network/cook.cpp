@@ -10,6 +10,7 @@
 #include "network/material.h"
 #include "network/parts.h"
 #include "network/sheets.h"
+#include "network/tetrahedra.h"
 
 #include <Eigen/Geometry>
 
@@ -36,6 +37,7 @@ std::string checkSettings(const CookSettings& s) {
   if (s.points != 0 && s.points < 8)
     return "points is " + std::to_string(s.points) + ", must be 8 or more, or 0";
   if (s.mode > CookMode::Braces) return "mode is none of the modes";
+  if (s.skin && *s.skin > SkinKind::Barycentric) return "skin is none of the kinds";
   if (s.pieces > PieceRule::Connected) return "pieces is none of the rules";
   return {};
 }
@@ -135,8 +137,8 @@ double wantedPoints(const Solid& solid) {
 }
 
 /// Returns the largest distance (m) of the mesh's points outside of the filling.
-double largestMiss(const WeldedMesh& mesh, const SpringNetwork& filling) {
-  const TriangleBvh bvh(filling.restPoints, filling.surface);
+double largestMiss(const WeldedMesh& mesh, const TetrahedralMesh& filling) {
+  const TriangleBvh bvh(filling.points, filling.surface);
   double largest = 0.0;
   for (const Vector3d& p : mesh.points) {
     const double distance = bvh.nearest(p).distance;
@@ -149,7 +151,7 @@ double largestMiss(const WeldedMesh& mesh, const SpringNetwork& filling) {
 struct Choices {
   std::size_t points = 0, springs = 0, tetrahedra = 0, solids = 0, sheets = 0, ropes = 0, wrapped = 0,
               thickened = 0;
-  double spacing = 0.0, thickness = 0.0, wrapResolution = 0.0;  ///< m, of the largest body
+  double spacing = 0.0, thickness = 0.0;  ///< m, of the largest body
 };
 
 struct Builder {
@@ -161,13 +163,13 @@ struct Builder {
   bool report(const char* what, double done) {
     return going = going && (!settings.progress || settings.progress(what, done));
   }
-  MaterialMesh materialMesh(double points) {
-    MaterialMesh mesh;
-    mesh.points = static_cast<std::uint32_t>(std::lround(points));
-    mesh.progress = [this](const char* what, double done) { return report(what, done); };
-    return mesh;
-  }
 };
+
+/// Solids that touch in an edge or a point are apart when filled.
+bool isConnected(const TetrahedralMesh& filling) {
+  const std::vector<std::uint32_t> pieces = findPieces(filling.tetrahedra);
+  return std::all_of(pieces.begin(), pieces.end(), [](std::uint32_t piece) { return piece == 0; });
+}
 
 bool isOneSolid(const MeshReport& report) { return report.watertight() && report.components == 1; }
 
@@ -192,51 +194,86 @@ double pointsOf(const Builder& builder, const Part& part, const Solid& solid) {
 constexpr int kThickTrials = 5;
 constexpr double kTooMany = 1.2, kTooFew = 0.75;
 
+/// Returns about the spacing at which the solid has so many points when its thin parts are as thick as the
+/// lattice needs them. A sheet of area A / 2 then has the volume A s kLatticeThickness / 2.
+double thickSpacing(const Solid& solid, double points) {
+  double area = 0.0;
+  for (const Triangle& t : solid.surface.triangles)
+    area +=
+        areaVector(solid.surface.points[t[0]], solid.surface.points[t[1]], solid.surface.points[t[2]]).norm();
+  return std::max(spacingFor(solid, points), std::sqrt(1.2 * kLatticeThickness * area / points));
+}
+
 /// Wraps a part so that nothing is thinner than the lattice, and fills it with about `points` points, which
 /// then move towards the surface of the solid. The volume, and so the number of points, grows with the
 /// thickness: the spacing is searched.
-Result<SpringNetwork> fillThickened(Builder& builder, const Part& part, const Solid& solid, double spacing,
-                                    double points) {
-  Result<SpringNetwork> best = Error{};
-  double thickness = kLatticeThickness;
+Result<TetrahedralMesh> fillThickened(Builder& builder, const Part& part, const Solid& solid, double points) {
+  Result<TetrahedralMesh> best = Error{};
+  double thickness = kLatticeThickness, spacing = thickSpacing(solid, points), used = spacing;
   for (int i = 0; i < kThickTrials; ++i) {
+    if (!builder.report("tetrahedra", double(i) / kThickTrials)) return Error{kEnded};
     const Result<WeldedMesh> surface = wrapOutside(part.mesh, builder.settings.wrap, thickness * spacing);
     if (!surface) return Error{surface.error()};
-    MaterialMesh mesh = builder.materialMesh(points);
-    mesh.spacing = spacing;
-    Result<SpringNetwork> network = fillWithMaterial(*surface, mesh, &solid.surface);
-    if (!builder.going) return Error{kEnded};
-    const bool isFilled = static_cast<bool>(network);
-    if (isFilled || !best) best = std::move(network);
+    Result<TetrahedralMesh> filling = fillWithTetrahedra(*surface, spacing, &solid.surface);
+    const bool isFilled = filling && isConnected(*filling);
+    if (isFilled || !best) best = std::move(filling);
     if (!isFilled) {
       thickness *= kThicker;
       continue;
     }
-    const double ratio = static_cast<double>(best->restPoints.size()) / points;
-    builder.choices.spacing = std::max(builder.choices.spacing, spacing);
+    const double ratio = static_cast<double>(best->points.size()) / points;
+    used = spacing;
     if (ratio > kTooFew && ratio < kTooMany) break;
     spacing *= std::pow(ratio, 0.4);
   }
+  builder.choices.spacing = std::max(builder.choices.spacing, used);
   return best;
 }
 
-/// Fills a part with tetrahedra. Where these miss something, thin parts are thickened to what the lattice can
-/// follow.
-Result<SpringNetwork> fill(Builder& builder, const Part& part) {
+/// A filling, and whether thin parts are thicker than in the mesh.
+struct Filling {
+  TetrahedralMesh mesh;
+  bool isThickened = false;
+};
+
+/// Fills a part with tetrahedra. Where these would miss something, thin parts are thickened to what the
+/// lattice can follow.
+Result<Filling> fill(Builder& builder, const Part& part) {
   const Result<Solid> solid = solidOf(builder, part);
   if (!solid) return Error{solid.error()};
   const double points = pointsOf(builder, part, *solid), spacing = spacingFor(*solid, points);
   builder.choices.thickness = std::max(builder.choices.thickness, solid->thickness);
-  Result<SpringNetwork> network = fillWithMaterial(solid->surface, builder.materialMesh(points));
-  if (!builder.going) return Error{kEnded};
-  if (network && static_cast<double>(network->restPoints.size()) < kTooMany * points &&
-      largestMiss(part.welded, *network) < kMissed * spacing) {
-    builder.choices.spacing = std::max(builder.choices.spacing, spacing);
-    return network;
+  Result<TetrahedralMesh> exact = Error{};
+  if (solid->thickness >= spacing) {
+    exact = fillWithPoints(solid->surface, static_cast<std::size_t>(std::max(8.0, points)),
+                           [&](double done) { return builder.report("tetrahedra", done); });
+    if (!builder.going) return Error{kEnded};
+    if (exact && isConnected(*exact) && static_cast<double>(exact->points.size()) < kTooMany * points &&
+        largestMiss(part.welded, *exact) < kMissed * spacing) {
+      builder.choices.spacing = std::max(builder.choices.spacing, spacing);
+      return Filling{std::move(*exact), false};
+    }
   }
   ++builder.choices.thickened;
-  Result<SpringNetwork> thickened = fillThickened(builder, part, *solid, spacing, points);
-  return thickened || !network ? std::move(thickened) : std::move(network);
+  Result<TetrahedralMesh> thickened = fillThickened(builder, part, *solid, points);
+  if (!builder.going) return Error{kEnded};
+  if (!thickened && exact) return Filling{std::move(*exact), false};
+  if (!thickened) return Error{thickened.error()};
+  return Filling{std::move(*thickened), true};
+}
+
+/// Smallest spring constants of thickened bodies, as fractions of Van Gelder's: their limbs are not exact
+/// anyway, so that they return from large deformations counts more.
+constexpr double kExactGrowth = 0.2, kRobustGrowth = 0.5;
+
+Result<SpringNetwork> fillWithSprings(Builder& builder, const Part& part) {
+  Result<Filling> filling = fill(builder, part);
+  if (!filling) return Error{filling.error()};
+  const auto goOn = [&](double done) { return builder.report("spring constants", done); };
+  SpringNetwork network =
+      materialNetwork(std::move(filling->mesh), goOn, filling->isThickened ? kRobustGrowth : kExactGrowth);
+  if (!builder.going) return Error{kEnded};
+  return network;
 }
 
 TriangleMesh meshOf(const WeldedMesh& welded) {
@@ -246,20 +283,28 @@ TriangleMesh meshOf(const WeldedMesh& welded) {
   return mesh;
 }
 
-/// Builds the simplified surface with braces inside.
-Result<SpringNetwork> brace(Builder& builder, const Part& part) {
-  const Result<Solid> solid = solidOf(builder, part);
-  if (!solid) return Error{solid.error()};
-  const double points = pointsOf(builder, part, *solid);
-  TriangleMesh coarse = meshOf(solid->surface);
-  if (static_cast<double>(coarse.positions.size()) > points) {
-    Result<TriangleMesh> simplified = simplify(coarse, static_cast<std::uint32_t>(points));
-    if (!simplified) return Error{simplified.error()};
-    coarse = std::move(*simplified);
+/// Returns a coarse closed surface: the simplified mesh, or that of its filling if it is not one closed
+/// surface.
+Result<TriangleMesh> coarseSurface(Builder& builder, const Part& part) {
+  if (!isOneSolid(part.welded.report)) {
+    const Result<Filling> filling = fill(builder, part);
+    if (!filling) return Error{filling.error()};
+    return meshOf({filling->mesh.points, {}, filling->mesh.surface, {}, {}});
   }
+  const Solid solid = makeSolid(part.welded);
+  const double points = pointsOf(builder, part, solid);
+  TriangleMesh mesh = meshOf(solid.surface);
+  if (static_cast<double>(mesh.positions.size()) <= points) return mesh;
+  return simplify(mesh, static_cast<std::uint32_t>(points));
+}
+
+/// Builds a coarse surface with braces inside.
+Result<SpringNetwork> brace(Builder& builder, const Part& part) {
+  const Result<TriangleMesh> coarse = coarseSurface(builder, part);
+  if (!coarse) return Error{coarse.error()};
   NetworkSettings settings = builder.settings.network;
   settings.progress = [&builder](const char* what, double done) { return builder.report(what, done); };
-  const Result<SharedNetwork> network = buildNetwork(coarse, settings);
+  const Result<SharedNetwork> network = buildNetwork(*coarse, settings);
   if (!network) return Error{network.error()};
   return **network;
 }
@@ -275,9 +320,10 @@ SkinKind skinFor(const WeldedMesh& mesh, const CookSettings& settings) {
 }
 
 Result<CookedBody> cookSolid(Builder& builder, const Part& part) {
-  const Result<SpringNetwork> network =
-      builder.settings.mode == CookMode::Braces ? brace(builder, part) : fill(builder, part);
+  Result<SpringNetwork> network =
+      builder.settings.mode == CookMode::Braces ? brace(builder, part) : fillWithSprings(builder, part);
   if (!network) return Error{network.error()};
+  network->report = part.welded.report;  // not that of the wrapped surface
   if (!builder.report("skin", 0.0)) return Error{kEnded};
   SkinSettings skin;
   skin.kind = skinFor(part.welded, builder.settings);
@@ -317,9 +363,12 @@ std::string describeSolids(const Choices& c, const CookSettings& settings) {
   return text;
 }
 
-std::string describeBodies(const Choices& c, const CookSettings& settings) {
+std::string describeBodies(const Choices& c, std::size_t pieces, const CookSettings& settings) {
   std::string text =
       "body: " + std::to_string(c.points) + " points, " + std::to_string(c.springs) + " springs";
+  const std::size_t bodies = c.solids + c.sheets + c.ropes;
+  if (bodies < pieces)
+    text += ", " + counted(pieces, "piece", "pieces") + " in " + counted(bodies, "body", "bodies");
   if (c.solids > 0) text += ", " + describeSolids(c, settings);
   if (c.sheets > 0)
     text += ", " + counted(c.sheets, "sheet", "sheets") + " as cloth, because they are flat or open";
@@ -380,7 +429,7 @@ Result<CookedMesh> cook(const TriangleMesh& input, const CookSettings& settings)
     count(builder.choices, *body->network);
     cooked.bodies.push_back(std::move(*body));
   }
-  cooked.report[1] = describeBodies(builder.choices, settings);
+  cooked.report[1] = describeBodies(builder.choices, welded->report.components, settings);
   cooked.report[2] = describeDrawing(cooked.bodies, *parts, settings);
   return cooked;
 }

@@ -93,50 +93,39 @@ Material Material::rubber() { return {1.5e6, 0.4, 1100.0, 0.003}; }
 Material Material::foam() { return {1e5, 0.25, 60.0, 0.02}; }
 Material Material::stiff() { return {1e7, 0.3, 1100.0, 0.001}; }
 
-namespace {
+SpringNetwork materialNetwork(TetrahedralMesh filling, const std::function<bool(double)>& goOn,
+                              double minGrowth) {
+  SpringNetwork network;
+  network.restPoints = std::move(filling.points);
+  network.tetrahedra = std::move(filling.tetrahedra);
+  network.surface = std::move(filling.surface);
+  network.massFractions = volumeShares(network);
+  setMaterialSprings(network, goOn, minGrowth);
+  return network;
+}
 
-/// Smallest spring constant of thickened bodies, see setMaterialSprings().
-constexpr double kRobustGrowth = 0.5;
-
-}  // namespace
-
-Result<SpringNetwork> fillWithMaterial(const WeldedMesh& welded, const MaterialMesh& settings,
-                                       const WeldedMesh* fit) {
+Result<SharedNetwork> buildMaterialNetwork(const TriangleMesh& mesh, const MaterialMesh& settings) {
   bool going = true;  // once false, it stays false
   const auto reportProgress = [&](const char* what, double done) {
     return going = going && (!settings.progress || settings.progress(what, done));
   };
   if (settings.spacing && !(std::isfinite(*settings.spacing) && *settings.spacing > 0.0))
     return Error{outOfRange("spacing", *settings.spacing, "above 0")};
+  const Result<WeldedMesh> welded = weld(mesh);
+  if (!welded) return Error{welded.error()};
   if (!reportProgress("tetrahedra", 0.0)) return Error{kEnded};
   const auto fillingProgress = [&](double done) { return reportProgress("tetrahedra", done); };
   Result<TetrahedralMesh> filling = settings.spacing
-                                        ? fillWithTetrahedra(welded, *settings.spacing, fit)
-                                        : fillWithPoints(welded, settings.points, fillingProgress);
+                                        ? fillWithTetrahedra(*welded, *settings.spacing)
+                                        : fillWithPoints(*welded, settings.points, fillingProgress);
   if (!reportProgress("tetrahedra", 1.0)) return Error{kEnded};
   if (!filling) return Error{filling.error()};
-  SpringNetwork network;
-  network.restPoints = std::move(filling->points);
-  network.tetrahedra = std::move(filling->tetrahedra);
-  network.surface = std::move(filling->surface);
-  network.report = welded.report;
-  network.massFractions = volumeShares(network);
   const auto springProgress = [&](double done) { return reportProgress("spring constants", done); };
-  // thickened limbs are not exact anyway: robustness counts more
-  fit ? setMaterialSprings(network, springProgress, kRobustGrowth)
-      : setMaterialSprings(network, springProgress);
-  if (!going) return Error{kEnded};
-  return network;
-}
-
-Result<SharedNetwork> buildMaterialNetwork(const TriangleMesh& mesh, const MaterialMesh& settings) {
-  const Result<WeldedMesh> welded = weld(mesh);
-  if (!welded) return Error{welded.error()};
-  const Result<SpringNetwork> network = fillWithMaterial(*welded, settings);
-  if (!network) return Error{network.error()};
-  if (settings.progress && !settings.progress("skin", 0.0)) return Error{kEnded};
-  Result<SharedNetwork> skinned = withSkin(*network, mesh, {SkinKind::Barycentric, 32, 0.0});
-  if (settings.progress && !settings.progress("skin", 1.0)) return Error{kEnded};
+  SpringNetwork network = materialNetwork(std::move(*filling), springProgress);
+  network.report = welded->report;
+  if (!reportProgress("skin", 0.0)) return Error{kEnded};
+  Result<SharedNetwork> skinned = withSkin(network, mesh, {SkinKind::Barycentric, 32, 0.0});
+  if (!reportProgress("skin", 1.0)) return Error{kEnded};
   return skinned;
 }
 

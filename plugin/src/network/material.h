@@ -4,6 +4,7 @@
 #pragma once
 
 #include "mesh/linear_algebra.h"
+#include "network/tetrahedra.h"
 
 #include <limber/network_builder.h>
 #include <limber/spring_network.h>
@@ -108,9 +109,8 @@ constexpr double kMinMassShare = 0.2;
 double setMaterialSprings(SpringNetwork& network, const std::function<bool(double)>& goOn = {},
                           double minGrowth = 0.2);
 
-/// Fills a closed mesh with tetrahedra and makes springs of their edges: buildMaterialNetwork() without a
-/// skin. `fit`: see fillWithTetrahedra(); only with a spacing.
-Result<SpringNetwork> fillWithMaterial(const WeldedMesh& mesh, const MaterialMesh& settings,
-                                       const WeldedMesh* fit = nullptr);
+/// Returns the network of a filling: springs by setMaterialSprings(), masses by the volume of the tetrahedra.
+SpringNetwork materialNetwork(TetrahedralMesh filling, const std::function<bool(double)>& goOn = {},
+                              double minGrowth = 0.2);
 
 }  // namespace limber

@@ -15,8 +15,11 @@
 namespace limber {
 namespace {
 
-/// Largest number of bodies; the smallest pieces beyond it are drawn with the nearest body.
+/// Largest number of bodies. Meshes of more pieces, such as trees with leaves, are one body.
 constexpr std::size_t kMaxBodies = 32;
+
+/// Parts smaller than this fraction of the largest are left out.
+constexpr double kMinPartSize = 0.005;
 
 /// Returns the part of the mesh with the marked triangles, and the vertices that these use.
 TriangleMesh partOf(const TriangleMesh& mesh, const std::vector<char>& marked) {
@@ -59,7 +62,7 @@ Shells findShells(const TriangleMesh& wrapped) {
                    [&](std::size_t a, std::size_t b) { return volume[a] > volume[b]; });
   Shells shells;
   for (const std::size_t piece : order) {
-    if (volume[piece] <= 0.0 || shells.bodies == kMaxBodies) break;  // surfaces of hollows are negative
+    if (volume[piece] <= 0.0) break;  // surfaces of hollows are negative
     shells.triangles.insert(shells.triangles.end(), triangles[piece].begin(), triangles[piece].end());
     shells.bodyOfTriangle.resize(shells.triangles.size(), static_cast<std::uint32_t>(shells.bodies++));
   }
@@ -83,6 +86,13 @@ std::vector<std::uint32_t> bodyOfTriangles(const WeldedMesh& welded, const Trian
   return body;
 }
 
+void leaveOutTinyOnes(std::vector<Part>& parts) {
+  double largest = 0.0;
+  for (const Part& part : parts) largest = std::max(largest, extent(part.welded.points));
+  const auto isTiny = [&](const Part& part) { return extent(part.welded.points) < kMinPartSize * largest; };
+  parts.erase(std::remove_if(parts.begin(), parts.end(), isTiny), parts.end());
+}
+
 Result<Part> makePart(TriangleMesh mesh) {
   Result<WeldedMesh> welded = weld(mesh);
   if (!welded) return Error{welded.error()};
@@ -100,7 +110,7 @@ Result<std::vector<Part>> splitIntoParts(const TriangleMesh& mesh, const WrapSet
     const Result<WrappedMesh> wrapped = wrap(mesh, settings);
     if (!wrapped) return Error{wrapped.error()};
     const Shells shells = findShells(wrapped->mesh);
-    if (shells.bodies > 1) {
+    if (shells.bodies > 1 && shells.bodies <= kMaxBodies) {
       const std::vector<std::uint32_t> body = bodyOfTriangles(whole->welded, wrapped->mesh, shells);
       for (std::uint32_t b = 0; b < shells.bodies; ++b) {
         std::vector<char> marked(mesh.triangles.size(), 0);
@@ -110,6 +120,7 @@ Result<std::vector<Part>> splitIntoParts(const TriangleMesh& mesh, const WrapSet
         if (!part) return Error{part.error()};
         parts.push_back(std::move(*part));
       }
+      leaveOutTinyOnes(parts);
       return parts;
     }
   }

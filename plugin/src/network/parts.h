@@ -15,9 +15,9 @@ struct Part {
   WeldedMesh welded;
 };
 
-/// Splits a mesh into parts, the largest first: pieces that the wrapped surface joins stay together; if not
-/// `mayBeApart`, all do. At most 32 parts; smaller pieces beyond them belong to the nearest part. Errors:
-/// those of weld() and wrap().
+/// Splits a mesh into parts, the largest first: pieces that the wrapped surface joins stay together. If there
+/// were more than 32 parts, or if they may not be apart, the whole mesh is one. Parts of less than half a
+/// percent of the largest one's size are left out. Errors: those of weld() and wrap().
 Result<std::vector<Part>> splitIntoParts(const TriangleMesh& mesh, const WrapSettings& settings,
                                          bool mayBeApart);
 

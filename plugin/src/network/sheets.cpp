@@ -11,6 +11,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <memory>
 #include <numeric>
 #include <queue>
@@ -34,6 +35,13 @@ constexpr double kFlat = 0.03;
 constexpr double kSheetThickness = 0.005;
 
 constexpr std::size_t kSheetPoints = 800;
+
+/// Longest edge of a sheet, as a fraction of its size: longer ones cannot fold.
+constexpr double kSheetEdge = 0.1;
+
+/// Fraction of the area of a plate that faces along its normal or against it: for a flat ring of wire it is
+/// 2/3.
+constexpr double kPlateArea = 0.8;
 
 /// Stiffness of the springs between second neighbours, which resist bending, relative to the edges.
 constexpr double kSheetBending = 0.1;
@@ -93,13 +101,61 @@ TriangleMesh frontOf(const TriangleMesh& mesh, const Vector3d& normal) {
   return front;
 }
 
+double longestEdge(const TriangleMesh& mesh) {
+  double longest = 0.0;
+  for (const Triangle& t : mesh.triangles)
+    for (std::size_t i = 0; i < 3; ++i)
+      longest = std::max(longest, (mesh.positions[t[i]] - mesh.positions[t[(i + 1) % 3]]).norm());
+  return longest;
+}
+
+/// Divides each triangle into four.
+TriangleMesh divided(const TriangleMesh& mesh) {
+  TriangleMesh finer = mesh;
+  finer.normals.clear();
+  finer.triangles.clear();
+  std::map<Edge, std::uint32_t> middles;
+  const auto middle = [&](std::uint32_t a, std::uint32_t b) {
+    const auto [entry, isNew] = middles.try_emplace(edgeBetween(a, b), 0u);
+    if (!isNew) return entry->second;
+    entry->second = static_cast<std::uint32_t>(finer.positions.size());
+    finer.positions.push_back(0.5 * (mesh.positions[a] + mesh.positions[b]));
+    if (!mesh.uvs.empty()) finer.uvs.push_back(0.5f * (mesh.uvs[a] + mesh.uvs[b]));
+    return entry->second;
+  };
+  for (const Triangle& t : mesh.triangles) {
+    const std::uint32_t ab = middle(t[0], t[1]), bc = middle(t[1], t[2]), ca = middle(t[2], t[0]);
+    for (const Triangle& part :
+         {Triangle{t[0], ab, ca}, Triangle{ab, t[1], bc}, Triangle{ca, bc, t[2]}, Triangle{ab, bc, ca}})
+      finer.triangles.push_back(part);
+  }
+  return finer;
+}
+
+/// Divides the triangles until the sheet can fold, but not beyond about half of the points it may have.
+TriangleMesh refined(TriangleMesh mesh, std::size_t limit) {
+  const double size = extent(mesh.positions);
+  while (longestEdge(mesh) > kSheetEdge * size && 4 * mesh.triangles.size() < limit) mesh = divided(mesh);
+  return mesh;
+}
+
+bool isPlate(const WeldedMesh& mesh, const Vector3d& normal) {
+  double area = 0.0, facing = 0.0;
+  for (const Triangle& t : mesh.triangles) {
+    const Vector3d vector = areaVector(mesh.points[t[0]], mesh.points[t[1]], mesh.points[t[2]]);
+    area += vector.norm();
+    if (std::abs(vector.dot(normal)) > 0.5 * vector.norm()) facing += vector.norm();
+  }
+  return facing > kPlateArea * area;
+}
+
 std::optional<CookedBody> buildSheet(const TriangleMesh& mesh, double thickness, std::size_t points) {
   const Result<WeldedMesh> welded = weld(mesh);
   if (!welded || welded->report.components != 1) return std::nullopt;
   const std::size_t limit = points > 0 ? points : kSheetPoints;
   const Result<TriangleMesh> coarse = welded->points.size() > limit
                                           ? simplify(mesh, static_cast<std::uint32_t>(limit))
-                                          : Result<TriangleMesh>(mesh);
+                                          : Result<TriangleMesh>(refined(mesh, limit));
   if (!coarse) return std::nullopt;
   NetworkSettings settings;
   settings.braces = BraceRule::TwoRing;
@@ -117,7 +173,7 @@ std::optional<CookedBody> sheetOf(const TriangleMesh& mesh, const WeldedMesh& we
   if (welded.report.components != 1) return std::nullopt;
   const double size = extent(welded.points), area = areaOf(welded), border = borderLength(welded);
   const Flatness flatness = flatnessOf(welded.points);
-  const bool isFlat = flatness.height < kFlat * size;
+  const bool isFlat = flatness.height < kFlat * size && isPlate(welded, flatness.normal);
   if (isFlat && welded.report.watertight()) {
     const double thickness = 2.0 * std::abs(signedVolume(welded.points, welded.triangles)) / area;
     return buildSheet(frontOf(mesh, flatness.normal), thickness, points);

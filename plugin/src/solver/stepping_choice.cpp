@@ -136,11 +136,6 @@ constexpr double kMaxRotation = 0.25;
 /// other, ends within a substep and cannot be resolved.
 constexpr double kMaxForRotation = 1000.0;
 
-/// Largest number of substeps per tick, also in validate(SoftBodySettings). Springs that would need more, as
-/// those of 1e12 N/m on a gram, do not oscillate visibly. Their forces are scaled down to the largest stable
-/// ones.
-constexpr int kMaxSubsteps = 10000;
-
 /// Largest number of substeps that a tolerance asks for: a substep of an implicit stepper takes up to 1 ms.
 constexpr int kMaxForTolerance = 1000;
 

@@ -61,6 +61,10 @@ struct SteppingProblem {
   bool held = false;              ///< some points are pinned
 };
 
+/// Largest number of substeps per tick, also in validate(SoftBodySettings). Springs that would need more, as
+/// those of 1e12 N/m on a gram, do not oscillate visibly.
+constexpr int kMaxSubsteps = 10000;
+
 struct SteppingChoice {
   Stepper stepper = Stepper::Verlet;
   int substeps = 1;
