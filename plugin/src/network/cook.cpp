@@ -231,14 +231,14 @@ Result<TetrahedralMesh> fillThickened(Builder& builder, const Part& part, const 
 }
 
 /// A filling, and whether thin parts are thicker than in the mesh.
-struct Filling {
+struct CookedFilling {
   TetrahedralMesh mesh;
   bool isThickened = false;
 };
 
 /// Fills a part with tetrahedra. Where these would miss something, thin parts are thickened to what the
 /// lattice can follow.
-Result<Filling> fill(Builder& builder, const Part& part) {
+Result<CookedFilling> fill(Builder& builder, const Part& part) {
   const Result<Solid> solid = solidOf(builder, part);
   if (!solid) return Error{solid.error()};
   const double points = pointsOf(builder, part, *solid), spacing = spacingFor(*solid, points);
@@ -251,15 +251,15 @@ Result<Filling> fill(Builder& builder, const Part& part) {
     if (exact && isConnected(*exact) && static_cast<double>(exact->points.size()) < kTooMany * points &&
         largestMiss(part.welded, *exact) < kMissed * spacing) {
       builder.choices.spacing = std::max(builder.choices.spacing, spacing);
-      return Filling{std::move(*exact), false};
+      return CookedFilling{std::move(*exact), false};
     }
   }
   ++builder.choices.thickened;
   Result<TetrahedralMesh> thickened = fillThickened(builder, part, *solid, points);
   if (!builder.going) return Error{kEnded};
-  if (!thickened && exact) return Filling{std::move(*exact), false};
+  if (!thickened && exact) return CookedFilling{std::move(*exact), false};
   if (!thickened) return Error{thickened.error()};
-  return Filling{std::move(*thickened), true};
+  return CookedFilling{std::move(*thickened), true};
 }
 
 /// Smallest spring constants of thickened bodies, as fractions of Van Gelder's: their limbs are not exact
@@ -267,7 +267,7 @@ Result<Filling> fill(Builder& builder, const Part& part) {
 constexpr double kExactGrowth = 0.2, kRobustGrowth = 0.5;
 
 Result<SpringNetwork> fillWithSprings(Builder& builder, const Part& part) {
-  Result<Filling> filling = fill(builder, part);
+  Result<CookedFilling> filling = fill(builder, part);
   if (!filling) return Error{filling.error()};
   const auto goOn = [&](double done) { return builder.report("spring constants", done); };
   SpringNetwork network =
@@ -287,7 +287,7 @@ TriangleMesh meshOf(const WeldedMesh& welded) {
 /// surface.
 Result<TriangleMesh> coarseSurface(Builder& builder, const Part& part) {
   if (!isOneSolid(part.welded.report)) {
-    const Result<Filling> filling = fill(builder, part);
+    const Result<CookedFilling> filling = fill(builder, part);
     if (!filling) return Error{filling.error()};
     return meshOf({filling->mesh.points, {}, filling->mesh.surface, {}, {}});
   }
