@@ -130,6 +130,17 @@ TEST(Wrap, overlappingPiecesAreUnited) {
   EXPECT_NEAR(w.volume, 1.5, 0.5 * 8.0 * w.resolution);
 }
 
+// two walls across the inside: edges of three and four triangles have no side that is outside
+TEST(Wrap, aBoxWithInnerWallsIsClosed) {
+  TriangleMesh mesh = box(kOrigin, kOnes);
+  mesh.triangles.push_back({0, 1, 7});
+  mesh.triangles.push_back({0, 7, 6});
+  const WrappedMesh w = wrappedOrFail(mesh);
+  Eigen::AlignedBox3d around;
+  for (const Eigen::Vector3d& p : w.mesh.positions) around.extend(p);
+  EXPECT_NEAR(around.sizes().maxCoeff(), 1.0, 2.5 * w.thickness);
+}
+
 // finer than the limit, a box would need 8e9 cells
 TEST(Wrap, refusesWhatItCannotDo) {
   WrapSettings settings;

@@ -130,6 +130,18 @@ std::vector<double> sampleSolid(const Source& source, const Grid& grid) {
   return values;
 }
 
+/// Where triangles of several sheets meet, patches can be oriented against each other, and places far outside
+/// then seem inside. No orientation is right in this case: all triangles count as sheets.
+void distrustInsides(const Grid& grid, std::vector<double>& values) {
+  bool reachesBorder = false;
+  forEachNode(Vector3i::Zero(), grid.nodes.array() - 1, [&](const Vector3i& n) {
+    const bool isBorder = (n.array() == 0).any() || (n.array() == grid.nodes.array() - 1).any();
+    reachesBorder = reachesBorder || (isBorder && values[grid.index(n)] < 0.0);
+  });
+  if (!reachesBorder) return;
+  for (double& value : values) value = std::abs(value);
+}
+
 /// Unites the inside with all places within half the thickness of the triangles.
 void thicken(const Soup& soup, double thickness, const Grid& grid, std::vector<double>& values) {
   if (soup.triangles.empty()) return;
@@ -515,6 +527,7 @@ Result<WrappedMesh> wrap(const TriangleMesh& mesh, const WrapSettings& settings)
   wrapped.thickness = source->thickness;
   wrapped.join = source->join;
   std::vector<double> values = sampleSolid(*source, *grid);
+  distrustInsides(*grid, values);
   const Soup thin = findThinParts(*source, {*grid, values}, wrapped.thinFraction);
   thicken(thin, source->thickness, *grid, values);
   fillGaps(*grid, source->join, values);
